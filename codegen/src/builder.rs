@@ -1,0 +1,138 @@
+//! The build-script interface.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::emit::{names, rust};
+use crate::{Error, Model, ModelFile, Snapping, urdf};
+
+/// Generates a module for a robot from a controller's `build.rs`.
+///
+/// ```no_run
+/// # fn main() -> Result<(), sesc_codegen::Error> {
+/// sesc_codegen::Builder::new("op2.urdf").support("r_sole").emit()?;
+/// # Ok(()) }
+/// ```
+///
+/// and in the crate:
+///
+/// ```ignore
+/// mod op2 { include!(concat!(env!("OUT_DIR"), "/op2_r_sole.rs")); }
+/// ```
+#[derive(Debug, Clone)]
+pub struct Builder {
+    urdf: PathBuf,
+    support: Option<String>,
+    name: Option<String>,
+    model: Option<PathBuf>,
+    snapping: Snapping,
+    out_dir: Option<PathBuf>,
+}
+
+impl Builder {
+    /// Start from a URDF file; relative paths are relative to the crate's root.
+    pub fn new(urdf: impl AsRef<Path>) -> Builder {
+        Builder {
+            urdf: urdf.as_ref().to_path_buf(),
+            support: None,
+            name: None,
+            model: None,
+            snapping: Snapping::default(),
+            out_dir: None,
+        }
+    }
+
+    /// The link that stands on the ground.
+    pub fn support(mut self, link: impl Into<String>) -> Builder {
+        self.support = Some(link.into());
+        self
+    }
+
+    /// Name of the module's file; `<robot>_<support>` unless given.
+    pub fn name(mut self, name: impl Into<String>) -> Builder {
+        self.name = Some(name.into());
+        self
+    }
+
+    /// Identified parameters to add as `MODEL_PARAMS`.
+    pub fn model(mut self, file: impl AsRef<Path>) -> Builder {
+        self.model = Some(file.as_ref().to_path_buf());
+        self
+    }
+
+    /// How decimals of right angles are read.
+    pub fn snapping(mut self, snapping: Snapping) -> Builder {
+        self.snapping = snapping;
+        self
+    }
+
+    /// Where to write, instead of `OUT_DIR`.
+    pub fn out_dir(mut self, dir: impl AsRef<Path>) -> Builder {
+        self.out_dir = Some(dir.as_ref().to_path_buf());
+        self
+    }
+
+    /// Generate the module and return its path.
+    ///
+    /// Prints `cargo::rerun-if-changed` for every file read, also when it fails,
+    /// so that mending the file builds again. A file that would not change is
+    /// not touched.
+    ///
+    /// # Errors
+    /// Everything wrong with the URDF or the model file, an unknown support
+    /// link, or a folder that cannot be written.
+    pub fn emit(&self) -> Result<PathBuf, Error> {
+        println!("cargo::rerun-if-changed={}", self.urdf.display());
+        if let Some(model) = &self.model {
+            println!("cargo::rerun-if-changed={}", model.display());
+        }
+        let support = self.support.as_deref().ok_or(Error::NoSupport)?;
+        let out_dir =
+            match &self.out_dir {
+                Some(dir) => dir.clone(),
+                None => std::env::var_os("OUT_DIR").map(PathBuf::from).ok_or(
+                    Error::NotABuildScript {
+                        variable: "OUT_DIR",
+                    },
+                )?,
+            };
+        let description = urdf::read(&self.urdf)?;
+        let mut model = Model::new(&description, support, self.snapping)?;
+        if let Some(file) = &self.model {
+            model = model.with_file(ModelFile::read(file)?)?;
+        }
+        let name = match &self.name {
+            Some(name) => name.clone(),
+            None => names::module(&format!("{}_{support}", description.name)),
+        };
+        let path = out_dir.join(format!("{name}.rs"));
+        write_if_changed(&path, &rust::module(&model, &name)?)?;
+        Ok(path)
+    }
+}
+
+/// Write `text` to `path` through a temporary file, unless it is there already.
+/// Returns whether the file changed.
+///
+/// # Errors
+/// When the folder or file cannot be written; nothing half-written stays.
+pub fn write_if_changed(path: &Path, text: &str) -> Result<bool, Error> {
+    if fs::read(path).is_ok_and(|old| old == text.as_bytes()) {
+        return Ok(false);
+    }
+    let failed = |source| Error::Write {
+        file: path.display().to_string(),
+        source,
+    };
+    if let Some(dir) = path.parent() {
+        fs::create_dir_all(dir).map_err(failed)?;
+    }
+    let temporary = path.with_extension(format!("{}.part", std::process::id()));
+    let written = fs::write(&temporary, text).and_then(|()| fs::rename(&temporary, path));
+    if written.is_err() {
+        // Best effort: the error to report is the first one.
+        let _ = fs::remove_file(&temporary);
+    }
+    written.map_err(failed)?;
+    Ok(true)
+}

@@ -1,0 +1,213 @@
+//! The statically equivalent serial chain seen from the support frame.
+//!
+//! ```text
+//! CoM(q) = r_0 + Σ_{i≥1} B_i(q) r_i + Σ_{sliding j} B_parent(j) a_j q_j s_j
+//! r_i = (m_i c_i + Σ_{children k of i} M_k d_k) / M        s_j = M_j / M
+//! ```
+//!
+//! Bodies are groups of links joined by fixed joints; body 0 holds the support
+//! link. `B_i` is the orientation of body i, `M_i` the mass carried through its
+//! joint, `d_k` the point of child joint k in body i. This is the seed paper's
+//! Eq. (4), with its `d_1` gathered in `r_0`.
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::tree::{Motion, Tree};
+
+/// A group of links that moves as one.
+#[derive(Debug, Clone)]
+pub struct Body {
+    /// The link through which the body is entered from the support; its frame
+    /// gives the body's orientation, the joint's point is the body's origin.
+    pub name: String,
+    /// The joint that carries it; `None` for body 0.
+    pub joint: Option<String>,
+    pub parent: Option<usize>,
+    /// Indices into [`Tree::links`].
+    pub links: Vec<usize>,
+    /// How it moves against its parent; an axis of [`Motion::Slide`] is given
+    /// in the parent body, one of [`Motion::Turn`] in the body itself.
+    pub motion: Motion,
+    /// Orientation in the parent body at θ = 0.
+    pub rotation: Matrix3<f64>,
+    /// Its own mass, kg.
+    pub mass: f64,
+    /// Mass of this body and everything beyond, kg.
+    pub carried: f64,
+    /// CAD value of r_i in the body frame, m.
+    pub r: Vector3<f64>,
+    /// CAD value of s_i, for a body on a sliding joint.
+    pub s: Option<f64>,
+    /// Column of r_i in the full regressor (s_i follows at +3).
+    pub column: usize,
+}
+
+/// Bodies in preorder of the re-rooted tree: parents come first.
+#[derive(Debug, Clone)]
+pub struct Chain {
+    pub bodies: Vec<Body>,
+    /// Number of full parameters: 3 per body, one more per sliding joint.
+    pub full_params: usize,
+}
+
+/// Fold fixed joints and gather masses and lengths into r and s.
+pub fn expand(tree: &Tree) -> Chain {
+    let mut bodies = vec![Body {
+        name: tree.links[tree.support].name.clone(),
+        joint: None,
+        parent: None,
+        links: Vec::new(),
+        motion: Motion::Fixed,
+        rotation: Matrix3::identity(),
+        mass: 0.0,
+        carried: 0.0,
+        r: Vector3::zeros(),
+        s: None,
+        column: 0,
+    }];
+    let mut anchors = vec![Vector3::zeros()]; // joint point in the parent body, m
+    // Where each link sits: its body, orientation and origin in the body frame.
+    let mut place = vec![None; tree.links.len()];
+    place[tree.support] = Some((0, Matrix3::identity(), Vector3::zeros()));
+    for edge in &tree.edges {
+        let (body, orientation, origin): (usize, Matrix3<f64>, Vector3<f64>) =
+            place[edge.near].expect("edges are in preorder: the near link is placed first");
+        let rotation = (orientation * edge.rotation).map(crate::snap::tidy);
+        let anchor = origin + orientation * edge.anchor;
+        place[edge.far] = Some(match edge.motion {
+            Motion::Fixed => (body, rotation, anchor - rotation * edge.offset),
+            motion => {
+                let motion = match motion {
+                    Motion::Slide { axis, by } => Motion::Slide {
+                        axis: (orientation * axis).map(crate::snap::tidy),
+                        by,
+                    },
+                    turn => turn,
+                };
+                bodies.push(Body {
+                    name: tree.links[edge.far].name.clone(),
+                    joint: Some(edge.joint.clone()),
+                    parent: Some(body),
+                    motion,
+                    rotation,
+                    s: matches!(motion, Motion::Slide { .. }).then_some(0.0),
+                    ..bodies[0].clone()
+                });
+                anchors.push(anchor);
+                (bodies.len() - 1, Matrix3::identity(), -edge.offset)
+            }
+        });
+    }
+
+    // The preorder of edges makes `bodies` a preorder too, so that leaf-to-root
+    // sums are one reverse pass.
+    for (index, (link, place)) in tree.links.iter().zip(&place).enumerate() {
+        let Some((body, orientation, origin)) = place else {
+            continue;
+        };
+        let body = &mut bodies[*body];
+        body.links.push(index);
+        body.mass += link.mass;
+        body.r += (orientation * link.com + origin) * link.mass;
+    }
+    for body in &mut bodies {
+        body.carried = body.mass;
+    }
+    for i in (1..bodies.len()).rev() {
+        let carried = bodies[i].carried;
+        let parent = bodies[i].parent.expect("only body 0 has no parent");
+        bodies[parent].carried += carried;
+        bodies[parent].r += anchors[i] * carried;
+    }
+    let mut column = 0;
+    for body in &mut bodies {
+        body.r /= tree.mass;
+        if let Some(s) = &mut body.s {
+            *s = body.carried / tree.mass;
+        }
+        body.column = column;
+        column += if body.s.is_some() { 4 } else { 3 };
+    }
+    Chain {
+        bodies,
+        full_params: column,
+    }
+}
+
+impl Chain {
+    /// CAD values of the full parameters: r_0 (m), r_1 …, with s_j behind its r_j.
+    pub fn full_cad(&self) -> Vec<f64> {
+        let mut values = Vec::with_capacity(self.full_params);
+        for body in &self.bodies {
+            values.extend(body.r.iter());
+            values.extend(body.s);
+        }
+        values
+    }
+
+    /// Names of the full parameters, `r_knee_link.x` or `s_lift_link`.
+    pub fn full_names(&self) -> Vec<String> {
+        let mut names = Vec::with_capacity(self.full_params);
+        for body in &self.bodies {
+            names.extend(["x", "y", "z"].map(|axis| format!("{}.{axis}", body.name)));
+            names.extend(body.s.map(|_| format!("{}.s", body.name)));
+        }
+        names
+    }
+
+    /// Bodies carried directly by each body.
+    pub fn children(&self) -> Vec<Vec<usize>> {
+        let mut children = vec![Vec::new(); self.bodies.len()];
+        for (i, body) in self.bodies.iter().enumerate() {
+            if let Some(parent) = body.parent {
+                children[parent].push(i);
+            }
+        }
+        children
+    }
+
+    /// `B_i` as a product, for people: `Rx(r_ank_roll) · Ry(-r_ank_pitch)`.
+    pub fn orientation_product(&self, body: usize) -> String {
+        let mut factors = Vec::new();
+        let mut at = Some(body);
+        while let Some(i) = at {
+            let body = &self.bodies[i];
+            if let Motion::Turn { axis, by } = body.motion {
+                let joint = body.joint.as_deref().unwrap_or_default();
+                factors.push(turn(&axis, joint, by.factor));
+            }
+            let tilt = (body.rotation - Matrix3::identity()).norm();
+            if tilt > 0.0 {
+                factors.push(format!("A[{}]", body.joint.as_deref().unwrap_or_default()));
+            }
+            at = body.parent;
+        }
+        factors.reverse();
+        if factors.is_empty() {
+            "I".to_string()
+        } else {
+            factors.join(" ")
+        }
+    }
+}
+
+/// `Ry(-knee)`, or `R[0.1 0.9 0.2](knee)` for a skewed axis.
+fn turn(axis: &Vector3<f64>, joint: &str, factor: f64) -> String {
+    let aligned = (0..3).find(|&k| axis[k].abs() == 1.0);
+    let sign = match aligned {
+        Some(k) if axis[k] * factor < 0.0 => "-",
+        None if factor < 0.0 => "-",
+        _ => "",
+    };
+    let times = match factor.abs() {
+        1.0 => String::new(),
+        other => format!("{other} "),
+    };
+    match aligned {
+        Some(k) => format!("R{}({sign}{times}{joint})", ["x", "y", "z"][k]),
+        None => format!(
+            "R[{:.4} {:.4} {:.4}]({sign}{times}{joint})",
+            axis[0], axis[1], axis[2]
+        ),
+    }
+}

@@ -1,0 +1,5 @@
+//! Source text from programs.
+
+pub mod header;
+pub mod names;
+pub mod rust;

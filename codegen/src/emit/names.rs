@@ -1,0 +1,94 @@
+//! Identifiers from the names of links and joints.
+//!
+//! URDF names hold dots, slashes, hyphens, spaces and letters of any script.
+//! Generated names use ASCII letters, digits and `_` only; names that collide
+//! after conversion are numbered in document order.
+
+use std::collections::HashSet;
+
+/// Legal words for `names`, unique among themselves, in the same order.
+pub fn unique<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {
+    let words: Vec<String> = names.map(word).collect();
+    let mut taken: HashSet<String> = HashSet::new();
+    let all: HashSet<&String> = words.iter().collect();
+    words
+        .iter()
+        .map(|word| {
+            if taken.insert(word.clone()) {
+                return word.clone();
+            }
+            let numbered = (2..)
+                .map(|n| format!("{word}_{n}"))
+                .find(|candidate| !taken.contains(candidate) && !all.contains(candidate))
+                .expect("some number is free");
+            taken.insert(numbered.clone());
+            numbered
+        })
+        .collect()
+}
+
+/// `l-knee.1` → `l_knee_1`; a word never starts or ends with `_` by conversion.
+fn word(name: &str) -> String {
+    let mut word = String::new();
+    for c in name.chars() {
+        if c.is_ascii_alphanumeric() || c == '_' {
+            word.push(c);
+        } else if !c.is_ascii() && c.is_alphanumeric() {
+            // Letters outside ASCII keep their identity by code point.
+            word.push_str(&format!("u{:x}", c as u32));
+        } else if !word.ends_with('_') {
+            word.push('_');
+        }
+    }
+    let trimmed = word.trim_matches('_');
+    if trimmed.is_empty() {
+        "unnamed".to_string()
+    } else {
+        trimmed.to_string()
+    }
+}
+
+/// `op2_r_sole` for a module, from words of any kind.
+pub fn module(name: &str) -> String {
+    let mut word = word(name).to_lowercase();
+    if word.starts_with(|c: char| c.is_ascii_digit()) {
+        word.insert_str(0, "robot_");
+    }
+    word
+}
+
+/// `Op2RSole` for a type, from a module name.
+pub fn type_name(module: &str) -> String {
+    module
+        .split('_')
+        .filter(|part| !part.is_empty())
+        .map(|part| {
+            let mut letters = part.chars();
+            let first = letters.next().map(|c| c.to_ascii_uppercase());
+            first.into_iter().chain(letters).collect::<String>()
+        })
+        .collect()
+}
+
+/// Whether Rust would refuse `word` as a module name.
+pub fn is_rust_keyword(word: &str) -> bool {
+    syn::parse_str::<syn::Ident>(word).is_err()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_become_words_and_stay_apart() {
+        let names = ["l-knee", "l.knee", "l knee", "l_knee_2", "κ", "!"];
+        assert_eq!(
+            unique(names.into_iter()),
+            [
+                "l_knee", "l_knee_3", "l_knee_4", "l_knee_2", "u3ba", "unnamed"
+            ]
+        );
+        assert_eq!(type_name("op2_r_sole"), "Op2RSole");
+        assert_eq!(module("7-bot.A"), "robot_7_bot_a");
+    }
+}

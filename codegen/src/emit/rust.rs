@@ -1,0 +1,474 @@
+//! Rust from programs: one module per robot and support.
+//!
+//! Tokens are made by `quote`, checked by `syn`, printed by `prettyplease`.
+//! That printer drops comments, so section titles travel as marker statements
+//! and become comment lines afterwards.
+
+use std::collections::HashMap;
+
+use proc_macro2::{Ident, Literal, Span, TokenStream};
+use quote::{format_ident, quote};
+
+use super::header::{self, Row};
+use super::names;
+use crate::Error;
+use crate::expr::{Expr, Id};
+use crate::model::{Function, Given, Model};
+use crate::program::{Program, Shape};
+
+/// Expressions nested deeper than this get a name of their own.
+const DEEPEST: usize = 6;
+
+/// The module for `model`, named `name`.
+///
+/// # Errors
+/// When `name` is no Rust module name.
+pub fn module(model: &Model, name: &str) -> Result<String, Error> {
+    if names::is_rust_keyword(name) || name == "_" {
+        return Err(Error::BadName {
+            name: name.to_string(),
+            suggestion: names::module(name),
+        });
+    }
+    let rows = header::rows(model);
+    let mut titles = Vec::new();
+    let functions: Vec<TokenStream> = rows
+        .iter()
+        .map(|(row, program)| function(row, program, &mut titles))
+        .collect();
+    let constants = constants(model);
+    let unit = unit_struct(
+        model,
+        name,
+        rows.iter().any(|(row, _)| row.given == Given::SinesCosines),
+    );
+    let file = syn::parse2(quote! {
+        use sesc_runtime::{Real, Sesc};
+        #constants
+        #unit
+        #(#functions)*
+    })
+    .map_err(|error| Error::Emitted {
+        reason: error.to_string(),
+    })?;
+    let printed = prettyplease::unparse(&file);
+    let rows: Vec<Row> = rows.into_iter().map(|(row, _)| row).collect();
+    let mut text = String::with_capacity(printed.len() + 4096);
+    for line in header::lines(model, &rows) {
+        text.push_str(format!("// {line}").trim_end());
+        text.push('\n');
+    }
+    text.push('\n');
+    for line in printed.lines() {
+        match line.trim_start().strip_prefix("section!(") {
+            Some(rest) => {
+                let indent = &line[..line.len() - line.trim_start().len()];
+                let number = rest.trim_end_matches(");").parse::<usize>().ok();
+                let title = number
+                    .and_then(|k| titles.get(k))
+                    .map_or("", String::as_str);
+                text.push_str(indent);
+                text.push_str("// ");
+                text.push_str(title);
+            }
+            None => text.push_str(line),
+        }
+        text.push('\n');
+    }
+    Ok(text)
+}
+
+/// Sizes, names, CAD values and the self-test vector.
+fn constants(model: &Model) -> TokenStream {
+    let [dof, base, full] = [
+        model.dof(),
+        model.base.params.len(),
+        model.chain.full_params,
+    ]
+    .map(Literal::usize_unsuffixed);
+    let joints = model.tree.dofs.iter().map(|dof| &dof.joint);
+    let params = model.base.params.iter().map(|param| &param.name);
+    let cad = model.base.params.iter().map(|param| number(param.cad));
+    let posture = model.self_test_posture();
+    let com = model.com_by_sum(&posture).map(number);
+    let posture = posture.iter().map(|x| number(*x));
+    let allow = allow();
+    let identified = model.file.as_ref().map(|file| {
+        let values = file.values().into_iter().map(number);
+        let doc = format!(
+            " Identified base parameters, m, from a model file (source: {}).",
+            header::printable(&file.source())
+        );
+        quote! {
+            #[doc = #doc]
+            #allow
+            pub const MODEL_PARAMS: [f64; BASE_PARAMS] = [#(#values),*];
+        }
+    });
+    quote! {
+        /// Number of independent joints.
+        #allow
+        pub const DOF: usize = #dof;
+        /// Number of base parameters: columns that data can tell apart.
+        #allow
+        pub const BASE_PARAMS: usize = #base;
+        /// Number of SESC parameters r_0, r_1, … (and s of sliding joints).
+        #allow
+        pub const FULL_PARAMS: usize = #full;
+        /// Joints in the order of `q`.
+        #allow
+        pub const JOINT_NAMES: [&str; DOF] = [#(#joints),*];
+        /// Base parameters in the order of `r`: link and axis in its frame.
+        #allow
+        pub const PARAM_NAMES: [&str; BASE_PARAMS] = [#(#params),*];
+        /// Base parameters from CAD, m.
+        #allow
+        pub const CAD_PARAMS: [f64; BASE_PARAMS] = [#(#cad),*];
+        #identified
+        /// A posture to test with.
+        #allow
+        pub const SELF_TEST_Q: [f64; DOF] = [#(#posture),*];
+        /// The CoM there with `CAD_PARAMS`, m, summed body by body by the generator.
+        #allow
+        pub const SELF_TEST_COM: [f64; 3] = [#(#com),*];
+    }
+}
+
+/// Generated items may go unused and hold numbers that lints would like to rename.
+fn allow() -> TokenStream {
+    quote! { #[allow(dead_code, clippy::all)] }
+}
+
+/// The unit struct and its traits, forwarding to the functions of the module.
+fn unit_struct(model: &Model, name: &str, from_sines: bool) -> TokenStream {
+    let unit = Ident::new(&names::type_name(name), Span::call_site());
+    let doc = format!(
+        " Robot `{}` standing on `{}`.",
+        header::printable(&model.tree.robot),
+        header::printable(&model.tree.links[model.tree.support].name)
+    );
+    let forward = |given: Given| -> Vec<TokenStream> {
+        Function::ALL
+            .iter()
+            .map(|&function| {
+                let name = format_ident!("{}", header::function_name(function, given));
+                let (parameters, arguments) = signature(function, given, |array| array.to_string());
+                let result = result(function);
+                quote! {
+                    #[inline]
+                    fn #name<T: Real>(#parameters) -> #result { #name(#(#arguments),*) }
+                }
+            })
+            .collect()
+    };
+    let methods = forward(Given::Positions);
+    let allow = allow();
+    let sines = from_sines.then(|| {
+        let methods = forward(Given::SinesCosines);
+        quote! {
+            #allow
+            impl sesc_runtime::SescFromSinCos<DOF, BASE_PARAMS, FULL_PARAMS> for #unit { #(#methods)* }
+        }
+    });
+    quote! {
+        #[doc = #doc]
+        #allow
+        #[derive(Debug, Clone, Copy)]
+        pub struct #unit;
+        #allow
+        impl Sesc<DOF, BASE_PARAMS, FULL_PARAMS> for #unit {
+            const JOINT_NAMES: [&'static str; DOF] = JOINT_NAMES;
+            const CAD_PARAMS: [f64; BASE_PARAMS] = CAD_PARAMS;
+            #(#methods)*
+        }
+        #sines
+    }
+}
+
+/// Parameters of a function and the names to pass on.
+fn signature(
+    function: Function,
+    given: Given,
+    rename: impl Fn(&str) -> String,
+) -> (TokenStream, Vec<Ident>) {
+    let mut arrays: Vec<(&str, TokenStream)> = match given {
+        Given::Positions => vec![("q", quote!(DOF))],
+        Given::SinesCosines => vec![("sin", quote!(DOF)), ("cos", quote!(DOF))],
+    };
+    if function.takes_parameters() {
+        arrays.push(("r", quote!(BASE_PARAMS)));
+    }
+    let idents: Vec<Ident> = arrays
+        .iter()
+        .map(|(array, _)| Ident::new(&rename(array), Span::call_site()))
+        .collect();
+    let lens = arrays.iter().map(|(_, len)| len);
+    (quote! { #(#idents: &[T; #lens]),* }, idents)
+}
+
+fn result(function: Function) -> TokenStream {
+    match function {
+        Function::Com => quote!([T; 3]),
+        Function::Cop => quote!([T; 2]),
+        Function::ComJacobian => quote!([[T; DOF]; 3]),
+        Function::GravityMoments => quote!([T; DOF]),
+        Function::Regressor => quote!([[T; BASE_PARAMS]; 3]),
+        Function::RegressorCop => quote!([[T; BASE_PARAMS]; 2]),
+        Function::RegressorFull => quote!([[T; FULL_PARAMS]; 3]),
+    }
+}
+
+fn documentation(function: Function, given: Given) -> String {
+    let what = match function {
+        Function::Com => "Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i.",
+        Function::ComJacobian => "∂CoM/∂q, m/rad (m/m for sliding joints), one row per axis.",
+        Function::GravityMoments => {
+            "Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m."
+        }
+        Function::Regressor => "Rows of the base regressor: CoM = rows · r.",
+        Function::RegressorCop => "The x and y rows of the base regressor: CoP = rows · r.",
+        Function::RegressorFull => {
+            "Rows [B_0 B_1 …] of the full regressor, seed paper Eq. (5), in link frames."
+        }
+        Function::Cop => "Centre of pressure that a static posture shows on a level sole, m.",
+    };
+    match given {
+        Given::Positions => format!(" {what}"),
+        Given::SinesCosines => format!(
+            " {what}\n\n From sines and cosines; a sliding joint passes its position in `sin`."
+        ),
+    }
+}
+
+fn function(row: &Row, program: &Program, titles: &mut Vec<String>) -> TokenStream {
+    let name = format_ident!("{}", header::function_name(row.function, row.given));
+    let mut used = vec![false; program.inputs.len()];
+    for node in &program.nodes {
+        if let Expr::Input { array, .. } = node.expr {
+            used[array as usize] = true;
+        }
+    }
+    let unused = |array: &str| {
+        let k = program.inputs.iter().position(|input| input.name == array);
+        k.is_none_or(|k| !used[k])
+    };
+    let rename = |array: &str| match unused(array) {
+        true => format!("_{array}"),
+        false => array.to_string(),
+    };
+    let (parameters, _) = signature(row.function, row.given, rename);
+    let doc = documentation(row.function, row.given);
+    let doc = doc.lines();
+    let result = result(row.function);
+    let body = Body::new(program).statements(titles);
+    let allow = allow();
+    quote! {
+        #(#[doc = #doc])*
+        #allow
+        pub fn #name<T: Real>(#parameters) -> #result { #body }
+    }
+}
+
+/// Statements of one function.
+struct Body<'p> {
+    program: &'p Program,
+    /// Name of each node that has a `let`.
+    bound: HashMap<Id, Ident>,
+    /// Sine and cosine nodes of each angle.
+    angles: HashMap<Id, (Option<Id>, Option<Id>)>,
+    fresh: usize,
+}
+
+/// Binding strength, for parentheses.
+#[derive(Clone, Copy, PartialEq, PartialOrd)]
+enum Strength {
+    Sum,
+    Product,
+    Sign,
+    Atom,
+}
+
+impl<'p> Body<'p> {
+    fn new(program: &'p Program) -> Self {
+        Body {
+            program,
+            bound: HashMap::new(),
+            angles: program.angles(),
+            fresh: 0,
+        }
+    }
+
+    fn statements(mut self, titles: &mut Vec<String>) -> TokenStream {
+        let mut statements = Vec::new();
+        let mut depth = vec![0; self.program.nodes.len()];
+        let mut sections = self.program.sections.iter().peekable();
+        let mut title = None;
+        for (id, node) in self.program.iter() {
+            while let Some((_, next)) = sections.next_if(|(at, _)| *at <= id.index()) {
+                title = Some(next);
+            }
+            let deepest = crate::program::operands(node.expr).map(|x| {
+                if self.bound.contains_key(&x) {
+                    0
+                } else {
+                    depth[x.index()]
+                }
+            });
+            depth[id.index()] = 1 + deepest.max().unwrap_or(0);
+            let leaf = matches!(node.expr, Expr::Const(_) | Expr::Input { .. });
+            let trig = matches!(node.expr, Expr::Sin(_) | Expr::Cos(_));
+            let wants = trig || node.name.is_some() || node.uses > 1;
+            if leaf || self.bound.contains_key(&id) || !(wants || depth[id.index()] > DEEPEST) {
+                continue;
+            }
+            if let Some(title) = title.take() {
+                let number = Literal::usize_unsuffixed(titles.len());
+                titles.push(header::printable(title));
+                statements.push(quote! { section!(#number); });
+            }
+            statements.push(match node.expr {
+                Expr::Sin(a) | Expr::Cos(a) => self.sin_cos(a),
+                expr => {
+                    let (value, _) = self.expression(expr);
+                    let name = self.bind(id);
+                    quote! { let #name = #value; }
+                }
+            });
+        }
+        let result = self.result(&mut statements);
+        quote! { #(#statements)* #result }
+    }
+
+    /// The name of node `id` from here on.
+    fn bind(&mut self, id: Id) -> Ident {
+        let name = match &self.program.nodes[id.index()].name {
+            Some(name) => Ident::new(name, Span::call_site()),
+            None => {
+                self.fresh += 1;
+                format_ident!("e{}", self.fresh)
+            }
+        };
+        self.bound.insert(id, name.clone());
+        name
+    }
+
+    /// Sine and cosine of one angle, even when only one of them is needed.
+    fn sin_cos(&mut self, angle: Id) -> TokenStream {
+        let (sin, cos) = self.angles[&angle];
+        let (value, strength) = self.operand(angle);
+        let value = parenthesised(value, strength, Strength::Atom);
+        let [s, c] = [sin, cos].map(|id| match id {
+            Some(id) => {
+                let name = self.bind(id);
+                quote!(#name)
+            }
+            None => quote!(_),
+        });
+        quote! { let (#s, #c) = #value.sin_cos(); }
+    }
+
+    /// An operand: its name, or its expression written out.
+    fn operand(&self, id: Id) -> (TokenStream, Strength) {
+        match self.bound.get(&id) {
+            Some(name) => (quote!(#name), Strength::Atom),
+            None => self.expression(self.program.expr(id)),
+        }
+    }
+
+    fn expression(&self, expr: Expr) -> (TokenStream, Strength) {
+        let at = |id: Id, least: Strength| {
+            let (value, strength) = self.operand(id);
+            parenthesised(value, strength, least)
+        };
+        match expr {
+            Expr::Const(x) => (constant(x), Strength::Atom),
+            Expr::Input { array, index } => {
+                let array = format_ident!("{}", self.program.inputs[array as usize].name);
+                let index = Literal::usize_unsuffixed(index as usize);
+                (quote!(#array[#index]), Strength::Atom)
+            }
+            // A sum on the right keeps its parentheses: rounding depends on the order.
+            Expr::Add(a, b) => {
+                let (a, b) = (at(a, Strength::Sum), at(b, Strength::Product));
+                (quote!(#a + #b), Strength::Sum)
+            }
+            Expr::Sub(a, b) => {
+                let (a, b) = (at(a, Strength::Sum), at(b, Strength::Product));
+                (quote!(#a - #b), Strength::Sum)
+            }
+            Expr::Mul(a, b) => {
+                let (a, b) = (at(a, Strength::Product), at(b, Strength::Sign));
+                (quote!(#a * #b), Strength::Product)
+            }
+            Expr::Neg(a) => {
+                let a = at(a, Strength::Atom);
+                (quote!(-#a), Strength::Sign)
+            }
+            Expr::Sin(a) => {
+                let a = at(a, Strength::Atom);
+                (quote!(#a.sin_cos().0), Strength::Atom)
+            }
+            Expr::Cos(a) => {
+                let a = at(a, Strength::Atom);
+                (quote!(#a.sin_cos().1), Strength::Atom)
+            }
+        }
+    }
+
+    /// The array of results; repeated constants get a name first.
+    fn result(&self, statements: &mut Vec<TokenStream>) -> TokenStream {
+        let outputs = &self.program.outputs;
+        for (x, name) in [(0.0, "zero"), (1.0, "one")] {
+            if outputs
+                .iter()
+                .any(|id| self.program.expr(*id) == Expr::Const(x))
+            {
+                let (name, value) = (format_ident!("{name}"), constant(x));
+                statements.push(quote! { let #name = #value; });
+            }
+        }
+        let entry = |id: &Id| match self.program.expr(*id) {
+            Expr::Const(0.0) => quote!(zero),
+            Expr::Const(1.0) => quote!(one),
+            _ => self.operand(*id).0,
+        };
+        match self.program.shape {
+            Shape::Vector(_) => {
+                let entries = outputs.iter().map(entry);
+                quote! { [#(#entries),*] }
+            }
+            Shape::Matrix { rows, cols } => {
+                let rows = (0..rows).map(|k| {
+                    let entries = outputs[k * cols..(k + 1) * cols].iter().map(entry);
+                    quote! { [#(#entries),*] }
+                });
+                quote! { [#(#rows),*] }
+            }
+        }
+    }
+}
+
+fn parenthesised(value: TokenStream, strength: Strength, least: Strength) -> TokenStream {
+    if strength < least {
+        quote!((#value))
+    } else {
+        value
+    }
+}
+
+/// A constant of the working precision.
+fn constant(x: f64) -> TokenStream {
+    let x = number(x);
+    quote!(T::from_f64(#x))
+}
+
+/// A float that reads back to the same bits.
+fn number(x: f64) -> TokenStream {
+    if x < 0.0 {
+        let x = Literal::f64_unsuffixed(-x);
+        quote!(-#x)
+    } else {
+        let x = Literal::f64_unsuffixed(x);
+        quote!(#x)
+    }
+}

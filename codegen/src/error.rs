@@ -1,0 +1,51 @@
+//! What can go wrong between a URDF and its code.
+
+use std::io;
+
+/// A complaint with its remedy.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The robot description has faults.
+    #[error(transparent)]
+    Urdf(#[from] crate::urdf::Error),
+    #[error("{file}: no link `{name}` to stand on; the robot has {links}")]
+    UnknownSupport {
+        file: String,
+        name: String,
+        links: String,
+    },
+    #[error(
+        "{kind} joint `{joint}` carries `{link}`, which has mass; a statically equivalent chain \
+         needs revolute, continuous, prismatic or fixed joints: fix the joint, or choose a \
+         support on the side of the mass"
+    )]
+    MassBeyondFreeJoint {
+        joint: String,
+        kind: &'static str,
+        link: String,
+    },
+    #[error("{file}: the robot has no mass; give at least one link an <inertial> with a <mass>")]
+    NoMass { file: String },
+    #[error("`{name}` is no name for a Rust module; `{suggestion}` would be")]
+    BadName { name: String, suggestion: String },
+    #[error("cannot read {file}")]
+    Read {
+        file: String,
+        #[source]
+        source: io::Error,
+    },
+    #[error("cannot write {file}")]
+    Write {
+        file: String,
+        #[source]
+        source: io::Error,
+    },
+    #[error("{file}: {reason}")]
+    ModelFile { file: String, reason: String },
+    #[error("no support link given; call .support(\"link\")")]
+    NoSupport,
+    #[error("{variable} is not set; call this from a build script, or use .out_dir(…)")]
+    NotABuildScript { variable: &'static str },
+    #[error("emitted code does not parse ({reason}); this is a defect of sesc, please report it")]
+    Emitted { reason: String },
+}

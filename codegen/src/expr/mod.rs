@@ -1,0 +1,7 @@
+//! Symbolic expressions: pure algebra, without any robot in it.
+
+mod derivative;
+mod graph;
+mod rules;
+
+pub use graph::{Expr, Graph, Id, Product, Vector, VectorId};

@@ -1,0 +1,262 @@
+//! The measurement model of a robot: from a URDF to the functions of its CoM.
+//!
+//! One pass through the stages, each importing only from those before it:
+//!
+//! ```text
+//! urdf → tree (re-rooted) → chain → frames → base parameters → programs
+//! ```
+
+use nalgebra::{DVector, Matrix3};
+
+use crate::base::{self, Base, Column};
+use crate::bounds::{self, Bound, Precision};
+use crate::chain::{self, Chain};
+use crate::emit::names;
+use crate::frames::{self, Frame};
+use crate::functions;
+use crate::numeric;
+use crate::program::Program;
+use crate::snap::Snapping;
+use crate::tree::{self, Tree};
+use crate::urdf::Description;
+use crate::{Error, ModelFile};
+
+/// A function of the generated interface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Function {
+    Com,
+    ComJacobian,
+    GravityMoments,
+    Regressor,
+    RegressorCop,
+    RegressorFull,
+    Cop,
+}
+
+impl Function {
+    pub const ALL: [Function; 7] = [
+        Function::Com,
+        Function::ComJacobian,
+        Function::GravityMoments,
+        Function::Regressor,
+        Function::RegressorCop,
+        Function::RegressorFull,
+        Function::Cop,
+    ];
+
+    /// Its name in generated code and reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Function::Com => "com",
+            Function::ComJacobian => "com_jacobian",
+            Function::GravityMoments => "gravity_moments",
+            Function::Regressor => "regressor",
+            Function::RegressorCop => "regressor_cop",
+            Function::RegressorFull => "regressor_full",
+            Function::Cop => "cop",
+        }
+    }
+
+    /// Whether it takes the base parameters r.
+    pub fn takes_parameters(self) -> bool {
+        !matches!(
+            self,
+            Function::Regressor | Function::RegressorCop | Function::RegressorFull
+        )
+    }
+}
+
+/// What a function computes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Given {
+    /// Joint positions `q`.
+    Positions,
+    /// Sines and cosines of the joint angles (`_sc`).
+    SinesCosines,
+}
+
+/// A robot on its support link, ready to be turned into functions.
+#[derive(Debug, Clone)]
+pub struct Model {
+    pub tree: Tree,
+    pub chain: Chain,
+    pub frames: Vec<Frame>,
+    pub base: Base,
+    /// Identified parameters, if a model file was given.
+    pub file: Option<ModelFile>,
+    /// Identifier stem of each body: its joint, made a legal and unique word.
+    pub(crate) keys: Vec<String>,
+}
+
+impl Model {
+    /// Run all stages up to the base parameters.
+    pub fn new(
+        description: &Description,
+        support: &str,
+        snapping: Snapping,
+    ) -> Result<Model, Error> {
+        let tree = tree::reroot(description, support, snapping)?;
+        let chain = chain::expand(&tree);
+        let frames = frames::choose(&chain);
+        let base = base::group(&tree, &chain, &frames);
+        let stems = chain
+            .bodies
+            .iter()
+            .map(|body| body.joint.as_deref().unwrap_or(&body.name));
+        let keys = names::unique(stems);
+        Ok(Model {
+            tree,
+            chain,
+            frames,
+            base,
+            file: None,
+            keys,
+        })
+    }
+
+    /// Number of independent joints.
+    pub fn dof(&self) -> usize {
+        self.tree.dofs.len()
+    }
+
+    /// CAD values of the base parameters, m.
+    pub fn cad_params(&self) -> Vec<f64> {
+        self.base.params.iter().map(|param| param.cad).collect()
+    }
+
+    /// The parameters to compute with: identified ones where a model file gives them.
+    pub fn params(&self) -> Vec<f64> {
+        match &self.file {
+            Some(file) => file.values(),
+            None => self.cad_params(),
+        }
+    }
+
+    /// Take identified parameters from a model file.
+    pub fn with_file(mut self, file: ModelFile) -> Result<Model, Error> {
+        file.check(&self)?;
+        self.file = Some(file);
+        Ok(self)
+    }
+
+    /// Straight-line code of one function; `None` where it cannot be had (sines
+    /// and cosines of q do not give those of q/2, which a mimic may need).
+    pub fn program(&self, function: Function, given: Given) -> Option<Program> {
+        functions::build(self, function, given)
+    }
+
+    /// Proven bound on the rounding error of each kind of output.
+    pub fn rounding(&self, program: &Program, precision: Precision) -> Bound {
+        bounds::prove(program, &self.input_ranges(program), precision)
+    }
+
+    /// What the inputs of `program` may be: joint limits, parameters up to CAD.
+    fn input_ranges(&self, program: &Program) -> Vec<Vec<bounds::Input>> {
+        let joint = |dof: &tree::Dof| bounds::Input::exact(dof.lower, dof.upper);
+        let full = self.chain.full_cad();
+        let parameter = |param: &base::BaseParam| {
+            // A parameter is itself a rounded sum of rounded products.
+            let sum: f64 = param
+                .terms
+                .iter()
+                .map(|(&k, w)| libm::fabs(w * full[k]))
+                .sum();
+            bounds::Input {
+                lower: -libm::fabs(param.cad),
+                upper: libm::fabs(param.cad),
+                ulps_of: sum * (8.0 + param.terms.len() as f64),
+                rounded: true,
+            }
+        };
+        program
+            .inputs
+            .iter()
+            .map(|array| match array.name {
+                "q" => self.tree.dofs.iter().map(joint).collect(),
+                "r" => self.base.params.iter().map(parameter).collect(),
+                // A slide passes its position where a turn passes its sine.
+                _ => self
+                    .tree
+                    .dofs
+                    .iter()
+                    .map(|dof| match dof.prismatic {
+                        true => joint(dof),
+                        false => bounds::Input {
+                            lower: -1.0,
+                            upper: 1.0,
+                            ulps_of: 0.0,
+                            rounded: true,
+                        },
+                    })
+                    .collect(),
+            })
+            .collect()
+    }
+
+    /// How far the CoM can be from the support, m: Σ‖r_i‖ and every stroke.
+    pub fn reach(&self) -> f64 {
+        let reach = |body: &chain::Body| match (body.motion, body.s) {
+            (tree::Motion::Slide { by, .. }, Some(s)) => body.r.norm() + s * self.tree.stroke(&by),
+            _ => body.r.norm(),
+        };
+        self.chain.bodies.iter().map(reach).sum()
+    }
+
+    /// Largest Σ|factor| of the joints that one independent joint moves.
+    pub fn largest_tie(&self) -> f64 {
+        let mut sums = vec![1.0; self.dof()];
+        for body in self
+            .chain
+            .bodies
+            .iter()
+            .filter(|body| body.parent.is_some())
+        {
+            if let tree::Motion::Turn { by, .. } | tree::Motion::Slide { by, .. } = body.motion {
+                sums[by.dof] += libm::fabs(by.factor);
+            }
+        }
+        sums.into_iter().fold(1.0, f64::max)
+    }
+
+    /// A posture inside the limits with every joint off its ends and its middle.
+    pub fn self_test_posture(&self) -> Vec<f64> {
+        // Not the first of the sequence: some way in, no joint is near another.
+        let mut postures = numeric::postures(&self.tree.dofs, 8);
+        postures.nth(7).unwrap_or_default()
+    }
+
+    /// CoM as the plain sum r_0 + Σ B_i r_i over full CAD parameters, m; by
+    /// numeric rotations, without frames, expressions or programs.
+    pub fn com_by_sum(&self, q: &[f64]) -> [f64; 3] {
+        let cad = DVector::from_vec(self.chain.full_cad());
+        let com = numeric::full_regressor(&self.chain, q) * cad;
+        [com[0], com[1], com[2]]
+    }
+
+    /// Index of the base parameter on canonical axis `axis` of `body`.
+    pub(crate) fn axis_param(&self, body: usize, axis: usize) -> Option<usize> {
+        self.position(Column::Axis { body, axis })
+    }
+
+    /// Index of the base parameter s of a sliding body.
+    pub(crate) fn slide_param(&self, body: usize) -> Option<usize> {
+        self.position(Column::Slide { body })
+    }
+
+    fn position(&self, column: Column) -> Option<usize> {
+        // Parameters are in preorder of bodies: a binary search keeps 1000 joints linear.
+        let key = |c: &Column| match *c {
+            Column::Axis { body, axis } => (body, axis),
+            Column::Slide { body } => (body, 3),
+        };
+        self.base
+            .params
+            .binary_search_by_key(&key(&column), |param| key(&param.column))
+            .ok()
+    }
+
+    /// Canonical axes of body `i` in its link frame, as columns.
+    pub(crate) fn axes(&self, i: usize) -> &Matrix3<f64> {
+        &self.frames[i].axes
+    }
+}

@@ -1,0 +1,168 @@
+//! Model files: identified parameters, with where they came from.
+//!
+//! ```text
+//! robot = "op2"            # hash and support say which robot they belong to
+//! hash = "5be7…"
+//! support = "r_sole"
+//! [[parameters]]
+//! name = "r_knee_link.x"
+//! value = 0.0123           # m
+//! std = 0.0004             # m, optional
+//! source = "data"          # or "prior"
+//! ```
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::Error;
+use crate::model::Model;
+
+/// One base parameter as identified.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Parameter {
+    pub name: String,
+    /// m (a mass fraction for the parameter of a sliding joint)
+    pub value: f64,
+    /// Standard deviation, in the unit of the value.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub std: Option<f64>,
+    /// `data`, `prior` or another word for where it came from.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub source: Option<String>,
+}
+
+/// What `model.toml` holds.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ModelFile {
+    pub robot: String,
+    pub hash: String,
+    pub support: String,
+    pub parameters: Vec<Parameter>,
+    /// Effects of the measurement, by name.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub effects: Vec<toml::Table>,
+}
+
+impl ModelFile {
+    /// Read and parse `path`.
+    ///
+    /// # Errors
+    /// When it cannot be read, is no model file, or holds values that are not finite.
+    pub fn read(path: &Path) -> Result<ModelFile, Error> {
+        let file = path.display().to_string();
+        let text = std::fs::read_to_string(path).map_err(|source| Error::Read {
+            file: file.clone(),
+            source,
+        })?;
+        ModelFile::parse(&text, &file)
+    }
+
+    /// Parse the text of a model file; `file` names it in messages.
+    pub fn parse(text: &str, file: &str) -> Result<ModelFile, Error> {
+        let bad = |reason: String| Error::ModelFile {
+            file: file.to_string(),
+            reason,
+        };
+        let model: ModelFile = toml::from_str(text).map_err(|error| bad(error.to_string()))?;
+        for parameter in &model.parameters {
+            if !parameter.value.is_finite() {
+                return Err(bad(format!("parameter `{}` is not finite", parameter.name)));
+            }
+        }
+        if let Some(effect) = model.effects.first() {
+            let name = effect.get("effect").and_then(toml::Value::as_str);
+            return Err(bad(format!(
+                "effect `{}` is not known to this version; remove it to use the parameters alone",
+                name.unwrap_or("without a name")
+            )));
+        }
+        Ok(model)
+    }
+
+    /// Values in the order of the base parameters ([`ModelFile::check`] made sure of it).
+    pub fn values(&self) -> Vec<f64> {
+        self.parameters.iter().map(|p| p.value).collect()
+    }
+
+    /// The distinct sources of the parameters.
+    pub fn source(&self) -> String {
+        let mut sources: Vec<&str> = self
+            .parameters
+            .iter()
+            .filter_map(|p| p.source.as_deref())
+            .collect();
+        sources.sort_unstable();
+        sources.dedup();
+        if sources.is_empty() {
+            "not given".to_string()
+        } else {
+            sources.join(", ")
+        }
+    }
+
+    /// Whether the file belongs to this robot and support, parameter by parameter.
+    pub(crate) fn check(&self, model: &Model) -> Result<(), Error> {
+        let support = &model.tree.links[model.tree.support].name;
+        let bad = |reason: String| Error::ModelFile {
+            file: self.robot.clone(),
+            reason,
+        };
+        if self.hash != model.tree.hash {
+            return Err(bad(format!(
+                "made for robot hash {}, but {} has {}; identify again or use the URDF it was made with",
+                self.hash, model.tree.file, model.tree.hash
+            )));
+        }
+        if &self.support != support {
+            return Err(bad(format!(
+                "made for support `{}`, not `{support}`",
+                self.support
+            )));
+        }
+        let expected = model.base.params.iter().map(|p| p.name.as_str());
+        let found = self.parameters.iter().map(|p| p.name.as_str());
+        if let Some((want, have)) = expected.clone().zip(found.clone()).find(|(w, h)| w != h) {
+            return Err(bad(format!(
+                "parameter `{want}` expected where `{have}` stands"
+            )));
+        }
+        if self.parameters.len() != model.base.params.len() {
+            return Err(bad(format!(
+                "{} parameters, the robot has {} base parameters",
+                self.parameters.len(),
+                model.base.params.len()
+            )));
+        }
+        Ok(())
+    }
+
+    /// A model file with the given values for every base parameter of `model`.
+    pub fn from_values(
+        model: &Model,
+        values: &[f64],
+        std: Option<&[f64]>,
+        source: &str,
+    ) -> ModelFile {
+        let parameters = model
+            .base
+            .params
+            .iter()
+            .zip(values)
+            .enumerate()
+            .map(|(k, (param, &value))| Parameter {
+                name: param.name.clone(),
+                value,
+                std: std.map(|std| std[k]),
+                source: Some(source.to_string()),
+            })
+            .collect();
+        ModelFile {
+            robot: model.tree.robot.clone(),
+            hash: model.tree.hash.clone(),
+            support: model.tree.links[model.tree.support].name.clone(),
+            parameters,
+            effects: Vec::new(),
+        }
+    }
+}

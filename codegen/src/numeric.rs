@@ -1,0 +1,95 @@
+//! Orientations and regressor columns as plain numbers.
+//!
+//! Serves the rank checks: it multiplies `R Rot(axis, θ)` body by body and knows
+//! nothing of canonical frames, expressions or programs.
+
+use nalgebra::{DMatrix, Matrix3, Vector3};
+
+use crate::chain::Chain;
+use crate::snap;
+use crate::tree::{Coordinate, Dof, Motion};
+
+/// Value of a coordinate in posture `q`.
+fn at(by: &Coordinate, q: &[f64]) -> f64 {
+    by.factor * q[by.dof] + by.offset
+}
+
+/// `B_i(q)` of every body.
+pub(crate) fn orientations(chain: &Chain, q: &[f64]) -> Vec<Matrix3<f64>> {
+    let mut b: Vec<Matrix3<f64>> = Vec::with_capacity(chain.bodies.len());
+    for body in &chain.bodies {
+        let parent = body.parent.map_or_else(Matrix3::identity, |p| b[p]);
+        let turned = match body.motion {
+            Motion::Turn { axis, by } => body.rotation * snap::about(&axis, at(&by, q)),
+            _ => body.rotation,
+        };
+        b.push(parent * turned);
+    }
+    b
+}
+
+/// The full regressor at `q`: CoM = matrix · full parameters. 3 × full_params.
+pub fn full_regressor(chain: &Chain, q: &[f64]) -> DMatrix<f64> {
+    let b = orientations(chain, q);
+    let mut rows = DMatrix::zeros(3, chain.full_params);
+    for (i, body) in chain.bodies.iter().enumerate() {
+        rows.fixed_view_mut::<3, 3>(0, body.column).copy_from(&b[i]);
+        if let (Motion::Slide { axis, by }, Some(parent)) = (body.motion, body.parent) {
+            let along: Vector3<f64> = b[parent] * axis * at(&by, q);
+            rows.fixed_view_mut::<3, 1>(0, body.column + 3)
+                .copy_from(&along);
+        }
+    }
+    rows
+}
+
+/// A fixed, seedless sequence of postures spread over the limits.
+///
+/// Joint j takes the fractional parts of k·√(j-th prime): dense in the box, and
+/// no two joints ever line up.
+pub fn postures(dofs: &[Dof], count: usize) -> impl Iterator<Item = Vec<f64>> + '_ {
+    let steps: Vec<f64> = primes()
+        .take(dofs.len())
+        .map(|p| libm::sqrt(p as f64))
+        .collect();
+    (0..count).map(move |k| {
+        dofs.iter()
+            .zip(&steps)
+            .map(|(dof, step)| {
+                let x = (k as f64 + 0.5) * step;
+                let unit = x - libm::floor(x);
+                dof.lower + unit * (dof.upper - dof.lower)
+            })
+            .collect()
+    })
+}
+
+/// Postures for rank checks: limits set aside, every joint moves by ±3.
+pub fn wide_postures(dofs: &[Dof], count: usize) -> impl Iterator<Item = Vec<f64>> {
+    let wide: Vec<Dof> = dofs
+        .iter()
+        .map(|dof| Dof {
+            lower: -3.0,
+            upper: 3.0,
+            ..dof.clone()
+        })
+        .collect();
+    let all: Vec<Vec<f64>> = postures(&wide, count).collect();
+    all.into_iter()
+}
+
+fn primes() -> impl Iterator<Item = usize> {
+    (2..).filter(|&n: &usize| (2..).take_while(|d| d * d <= n).all(|d| n % d != 0))
+}
+
+/// Numeric rank of `rows` by QR with column pivoting, relative to the largest pivot.
+pub fn rank(rows: &DMatrix<f64>, tolerance: f64) -> usize {
+    if rows.ncols() == 0 || rows.nrows() == 0 {
+        return 0;
+    }
+    let r = rows.clone().col_piv_qr().unpack_r();
+    let largest = r[(0, 0)].abs();
+    (0..r.nrows().min(r.ncols()))
+        .filter(|&k| r[(k, k)].abs() > tolerance * largest)
+        .count()
+}

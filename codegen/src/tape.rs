@@ -1,0 +1,213 @@
+//! Running a program without a compiler: a tape over blocks of postures.
+//!
+//! Each node works on [`BLOCK`] postures at once, so that the cost of looking
+//! up what to do is shared and the loops vectorise. Registers are reused as
+//! soon as their value is dead; a block's working set stays in the cache.
+
+use crate::expr::{Expr, Id};
+use crate::program::{Program, operands};
+
+/// Postures evaluated together.
+pub const BLOCK: usize = 64;
+
+/// One register: the value of a node for every posture of a block.
+pub type Lane = [f64; BLOCK];
+
+/// Sines and cosines of a block of angles.
+pub type SinCos = fn(&Lane, &mut Lane, &mut Lane);
+
+/// One element of an input array, over a batch of postures.
+#[derive(Debug, Clone, Copy)]
+pub enum Argument<'a> {
+    /// `values[posture * len + index]`.
+    PerPosture(&'a [f64]),
+    /// `values[index]`, the same for every posture.
+    Shared(&'a [f64]),
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Step {
+    Const(f64),
+    Load {
+        array: usize,
+        index: usize,
+    },
+    Add(usize, usize),
+    Sub(usize, usize),
+    Mul(usize, usize),
+    Neg(usize),
+    /// Angle, register of the sine (the cosine is the destination's neighbour).
+    SinCos(usize),
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Instruction {
+    step: Step,
+    to: usize,
+    /// Second destination, for the cosine.
+    also: usize,
+}
+
+/// A program made ready to run.
+#[derive(Debug, Clone)]
+pub struct Tape {
+    steps: Vec<Instruction>,
+    registers: usize,
+    /// Register of each output.
+    outputs: Vec<usize>,
+    lens: Vec<usize>,
+}
+
+impl Tape {
+    /// Assign registers: linear scan in program order.
+    pub fn new(program: &Program) -> Tape {
+        let pairs = program.angles();
+        let mut left: Vec<usize> = program.nodes.iter().map(|node| node.uses).collect();
+        let mut register: Vec<Option<usize>> = vec![None; program.nodes.len()];
+        let (mut free, mut count) = (Vec::new(), 0);
+        let mut take = |free: &mut Vec<usize>| {
+            free.pop().unwrap_or_else(|| {
+                count += 1;
+                count - 1
+            })
+        };
+        let mut steps = Vec::with_capacity(program.nodes.len());
+        for (id, node) in program.iter() {
+            let k = id.index();
+            let at = |id: Id, register: &[Option<usize>]| {
+                register[id.index()].expect("operands come before their users")
+            };
+            let step = match node.expr {
+                Expr::Const(x) => Step::Const(x),
+                Expr::Input { array, index } => Step::Load {
+                    array: array as usize,
+                    index: index as usize,
+                },
+                Expr::Add(a, b) => Step::Add(at(a, &register), at(b, &register)),
+                Expr::Sub(a, b) => Step::Sub(at(a, &register), at(b, &register)),
+                Expr::Mul(a, b) => Step::Mul(at(a, &register), at(b, &register)),
+                Expr::Neg(a) => Step::Neg(at(a, &register)),
+                Expr::Sin(a) | Expr::Cos(a) => Step::SinCos(at(a, &register)),
+            };
+            if let Expr::Sin(a) | Expr::Cos(a) = node.expr {
+                if register[k].is_none() {
+                    let (sin, cos) = pairs[&a];
+                    let (to, also) = (take(&mut free), take(&mut free));
+                    for (node, place) in [(sin, to), (cos, also)] {
+                        match node {
+                            Some(node) => register[node.index()] = Some(place),
+                            None => free.push(place),
+                        }
+                    }
+                    steps.push(Instruction { step, to, also });
+                }
+            } else {
+                // The destination is taken before operands are released: no step
+                // overwrites what it reads.
+                let to = take(&mut free);
+                register[k] = Some(to);
+                steps.push(Instruction { step, to, also: to });
+            }
+            for operand in operands(node.expr) {
+                left[operand.index()] -= 1;
+                if left[operand.index()] == 0 {
+                    free.extend(register[operand.index()]);
+                }
+            }
+        }
+        Tape {
+            outputs: program
+                .outputs
+                .iter()
+                .map(|id| register[id.index()].expect("outputs are live"))
+                .collect(),
+            steps,
+            registers: count,
+            lens: program.inputs.iter().map(|array| array.len).collect(),
+        }
+    }
+
+    /// Values per posture.
+    pub fn outputs(&self) -> usize {
+        self.outputs.len()
+    }
+
+    /// Evaluate `postures` postures: `out[posture * outputs() + k]`.
+    ///
+    /// # Panics
+    /// When an argument or `out` is shorter than the postures need: a mistake
+    /// of the calling code, not of its input.
+    pub fn run(&self, arguments: &[Argument], postures: usize, out: &mut [f64], sin_cos: SinCos) {
+        assert_eq!(
+            arguments.len(),
+            self.lens.len(),
+            "one argument per input array"
+        );
+        for (argument, &len) in arguments.iter().zip(&self.lens) {
+            let (have, need) = match argument {
+                Argument::PerPosture(values) => (values.len(), len * postures),
+                Argument::Shared(values) => (values.len(), len),
+            };
+            assert!(have >= need, "an input array holds {have} of {need} values");
+        }
+        assert!(
+            out.len() >= postures * self.outputs.len(),
+            "room for every output"
+        );
+        let mut registers = vec![[0.0; BLOCK]; self.registers];
+        for start in (0..postures).step_by(BLOCK) {
+            let n = BLOCK.min(postures - start);
+            self.run_block(arguments, start, n, &mut registers, sin_cos);
+            for (k, &register) in self.outputs.iter().enumerate() {
+                for lane in 0..n {
+                    out[(start + lane) * self.outputs.len() + k] = registers[register][lane];
+                }
+            }
+        }
+    }
+
+    fn run_block(
+        &self,
+        arguments: &[Argument],
+        start: usize,
+        n: usize,
+        registers: &mut [Lane],
+        sin_cos: SinCos,
+    ) {
+        for instruction in &self.steps {
+            let to = instruction.to;
+            match instruction.step {
+                Step::Const(x) => registers[to] = [x; BLOCK],
+                Step::Load { array, index } => match arguments[array] {
+                    Argument::Shared(values) => registers[to] = [values[index]; BLOCK],
+                    Argument::PerPosture(values) => {
+                        let len = self.lens[array];
+                        for lane in 0..n {
+                            registers[to][lane] = values[(start + lane) * len + index];
+                        }
+                    }
+                },
+                Step::Add(a, b) => binary(registers, to, a, b, |x, y| x + y),
+                Step::Sub(a, b) => binary(registers, to, a, b, |x, y| x - y),
+                Step::Mul(a, b) => binary(registers, to, a, b, |x, y| x * y),
+                Step::Neg(a) => binary(registers, to, a, a, |x, _| -x),
+                Step::SinCos(a) => {
+                    let angle = registers[a];
+                    let (mut s, mut c) = ([0.0; BLOCK], [0.0; BLOCK]);
+                    sin_cos(&angle, &mut s, &mut c);
+                    registers[to] = s;
+                    registers[instruction.also] = c;
+                }
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn binary(registers: &mut [Lane], to: usize, a: usize, b: usize, f: impl Fn(f64, f64) -> f64) {
+    // Copies keep the borrow checker out of the loop; 64 lanes cost a few ns.
+    let (x, y) = (registers[a], registers[b]);
+    for ((z, x), y) in registers[to].iter_mut().zip(&x).zip(&y) {
+        *z = f(*x, *y);
+    }
+}

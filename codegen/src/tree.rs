@@ -1,0 +1,480 @@
+//! The kinematic tree, re-rooted at the support link.
+//!
+//! Every joint becomes an [`Edge`] walked away from the support. A point x of
+//! the far link is, in the near link,
+//!
+//! ```text
+//! x_near = anchor + R Rot(axis, θ) (x_far − offset)        turning
+//! x_near = anchor + axis θ + R (x_far − offset)            sliding
+//! ```
+//!
+//! with θ = factor·q + offset. A joint between the URDF root and the support is
+//! walked backwards: its origin moves to the far side and its angle changes sign.
+
+use std::collections::HashMap;
+
+use nalgebra::{Matrix3, Vector3};
+use urdf_rs::JointType;
+
+use crate::Error;
+use crate::snap::{self, Snapping};
+use crate::urdf::Description;
+
+/// A link: what it weighs and where.
+#[derive(Debug, Clone)]
+pub struct Link {
+    pub name: String,
+    /// kg
+    pub mass: f64,
+    /// Centre of mass in the link frame, m.
+    pub com: Vector3<f64>,
+}
+
+/// A joint's position as a function of one independent joint: `factor·q[dof] + offset`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coordinate {
+    pub dof: usize,
+    pub factor: f64,
+    /// rad or m
+    pub offset: f64,
+}
+
+/// How an edge moves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Motion {
+    Fixed,
+    /// Turns about `axis`, a unit vector in the far link.
+    Turn {
+        axis: Vector3<f64>,
+        by: Coordinate,
+    },
+    /// Slides along `axis`, a unit vector in the near link.
+    Slide {
+        axis: Vector3<f64>,
+        by: Coordinate,
+    },
+}
+
+/// A joint, walked away from the support.
+#[derive(Debug, Clone)]
+pub struct Edge {
+    pub joint: String,
+    /// Index of the near link.
+    pub near: usize,
+    /// Index of the far link.
+    pub far: usize,
+    /// Walked against the URDF's direction.
+    pub reversed: bool,
+    /// Orientation of the far link in the near one at θ = 0.
+    pub rotation: Matrix3<f64>,
+    /// The joint's point in the near link, m.
+    pub anchor: Vector3<f64>,
+    /// The joint's point in the far link, m.
+    pub offset: Vector3<f64>,
+    pub motion: Motion,
+}
+
+/// An independent joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Dof {
+    pub joint: String,
+    pub prismatic: bool,
+    /// Turns without end: its range is only what postures are drawn from.
+    pub continuous: bool,
+    /// rad or m
+    pub lower: f64,
+    /// rad or m
+    pub upper: f64,
+}
+
+/// A right angle that was made exact.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Snap {
+    pub joint: String,
+    /// Between the written and the exact rotation, rad.
+    pub angle_error: f64,
+    /// Largest shift of the robot's CoM that this can cause, m.
+    pub com_error: f64,
+}
+
+/// A robot standing on one link.
+#[derive(Debug, Clone)]
+pub struct Tree {
+    pub robot: String,
+    pub hash: String,
+    pub file: String,
+    pub links: Vec<Link>,
+    /// Index of the support link.
+    pub support: usize,
+    /// In preorder; children in the document order of their joints.
+    pub edges: Vec<Edge>,
+    /// Independent joints in document order.
+    pub dofs: Vec<Dof>,
+    /// Total mass, kg.
+    pub mass: f64,
+    pub snaps: Vec<Snap>,
+    /// What was dropped, ignored or looks doubtful.
+    pub notes: Vec<String>,
+}
+
+/// Range assumed for a turning joint without usable limits, rad.
+const FREE_TURN: f64 = std::f64::consts::PI;
+/// Range assumed for a sliding joint without usable limits, m.
+const FREE_SLIDE: f64 = 1.0;
+
+/// Re-root `description` at `support`.
+pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> Result<Tree, Error> {
+    let robot = &description.robot;
+    let mut notes = description.notes.clone();
+    let index: HashMap<&str, usize> = robot
+        .links
+        .iter()
+        .enumerate()
+        .map(|(i, link)| (link.name.as_str(), i))
+        .collect();
+    let support = *index.get(support).ok_or_else(|| Error::UnknownSupport {
+        file: description.file.clone(),
+        name: support.to_string(),
+        links: name_some(robot.links.iter().map(|link| link.name.as_str())),
+    })?;
+    let links: Vec<Link> = robot
+        .links
+        .iter()
+        .map(|link| Link {
+            name: link.name.clone(),
+            mass: link.inertial.mass.value,
+            com: Vector3::from(*link.inertial.origin.xyz),
+        })
+        .collect();
+
+    let (dofs, coordinates) = coordinates(robot);
+    let mut neighbours: Vec<Vec<usize>> = vec![Vec::new(); links.len()];
+    for (j, joint) in robot.joints.iter().enumerate() {
+        neighbours[index[joint.parent.link.as_str()]].push(j);
+        neighbours[index[joint.child.link.as_str()]].push(j);
+    }
+
+    // Depth first, on an explicit stack: chains may be thousands of links deep.
+    let mut edges = Vec::new();
+    let mut errors = Vec::new(); // rotation error of each edge, beside `edges`
+    let mut seen = vec![false; links.len()];
+    seen[support] = true;
+    let mut stack: Vec<(usize, usize)> = neighbours[support]
+        .iter()
+        .rev()
+        .map(|&j| (support, j))
+        .collect();
+    while let Some((near, j)) = stack.pop() {
+        let joint = &robot.joints[j];
+        let (parent, child) = (
+            index[joint.parent.link.as_str()],
+            index[joint.child.link.as_str()],
+        );
+        let reversed = near == child;
+        let far = if reversed { parent } else { child };
+        if seen[far] {
+            continue;
+        }
+        if matches!(joint.joint_type, JointType::Floating | JointType::Planar) {
+            drop_beyond(robot, &links, &neighbours, &index, near, j, &mut notes)?;
+            continue;
+        }
+        seen[far] = true;
+        let (edge, error) = edge(
+            joint,
+            near,
+            far,
+            reversed,
+            coordinates[j],
+            snapping,
+            &mut notes,
+        );
+        edges.push(edge);
+        errors.push(error);
+        stack.extend(
+            neighbours[far]
+                .iter()
+                .rev()
+                .filter(|&&k| k != j)
+                .map(|&k| (far, k)),
+        );
+    }
+
+    let mut tree = Tree {
+        robot: description.name.clone(),
+        hash: description.hash.clone(),
+        file: description.file.clone(),
+        mass: links
+            .iter()
+            .zip(&seen)
+            .filter(|(_, seen)| **seen)
+            .map(|(link, _)| link.mass)
+            .sum(),
+        links,
+        support,
+        edges,
+        dofs,
+        snaps: Vec::new(),
+        notes,
+    };
+    if !(tree.mass > 0.0) {
+        return Err(Error::NoMass {
+            file: tree.file.clone(),
+        });
+    }
+    tree.snaps = snaps(&tree, &errors);
+    Ok(tree)
+}
+
+/// Up to a dozen names, for a message.
+fn name_some<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    let names: Vec<&str> = names.collect();
+    let shown = names.len().min(12);
+    let more = names.len() - shown;
+    let mut text = names[..shown].join(", ");
+    if more > 0 {
+        text += &format!(" and {more} more");
+    }
+    text
+}
+
+/// Independent joints, and every joint's position in terms of them.
+///
+/// `None` for joints that do not move; a mimic of a fixed joint stands at its offset.
+fn coordinates(robot: &urdf_rs::Robot) -> (Vec<Dof>, Vec<Option<Coordinate>>) {
+    let moves = |joint: &urdf_rs::Joint| {
+        matches!(
+            joint.joint_type,
+            JointType::Revolute | JointType::Continuous | JointType::Prismatic
+        )
+    };
+    let mut dofs = Vec::new();
+    let mut own: HashMap<&str, usize> = HashMap::new();
+    for joint in &robot.joints {
+        if moves(joint) && joint.mimic.is_none() {
+            own.insert(&joint.name, dofs.len());
+            dofs.push(dof(joint));
+        }
+    }
+    let by_name: HashMap<&str, &urdf_rs::Joint> =
+        robot.joints.iter().map(|j| (j.name.as_str(), j)).collect();
+    let coordinates = robot
+        .joints
+        .iter()
+        .map(|joint| {
+            if !moves(joint) {
+                return None;
+            }
+            let (mut factor, mut offset, mut at) = (1.0, 0.0, joint);
+            // The reader refuses cycles, so this ends.
+            while let Some(mimic) = at.mimic.as_ref().filter(|_| moves(at)) {
+                offset += factor * mimic.offset.unwrap_or(0.0);
+                factor *= mimic.multiplier.unwrap_or(1.0);
+                at = by_name[mimic.joint.as_str()];
+            }
+            let still = Coordinate {
+                dof: 0,
+                factor: 0.0,
+                offset,
+            };
+            Some(own.get(at.name.as_str()).map_or(still, |&dof| Coordinate {
+                dof,
+                factor,
+                offset,
+            }))
+        })
+        .collect();
+    (dofs, coordinates)
+}
+
+fn dof(joint: &urdf_rs::Joint) -> Dof {
+    let prismatic = joint.joint_type == JointType::Prismatic;
+    let free = if prismatic { FREE_SLIDE } else { FREE_TURN };
+    let limit = &joint.limit;
+    let usable = limit.lower < limit.upper && limit.lower.is_finite() && limit.upper.is_finite();
+    let (lower, upper) = if usable && joint.joint_type != JointType::Continuous {
+        (limit.lower, limit.upper)
+    } else {
+        (-free, free)
+    };
+    Dof {
+        joint: joint.name.clone(),
+        prismatic,
+        continuous: joint.joint_type == JointType::Continuous,
+        lower,
+        upper,
+    }
+}
+
+/// One joint as an edge, and the rotation error that snapping left in it, rad.
+fn edge(
+    joint: &urdf_rs::Joint,
+    near: usize,
+    far: usize,
+    reversed: bool,
+    coordinate: Option<Coordinate>,
+    snapping: Snapping,
+    notes: &mut Vec<String>,
+) -> (Edge, f64) {
+    let origin = snap::rotation(*joint.origin.rpy, snapping);
+    if let Some(off) = origin.nearly {
+        notes.push(format!(
+            "joint `{}`: a rotation is {off:.1e} rad off a right angle, too far to snap; \
+             taken as written (write more digits if a right angle is meant)",
+            joint.name
+        ));
+    }
+    let point = Vector3::from(*joint.origin.xyz);
+    let axis = snap::direction(Vector3::from(*joint.axis.xyz), snapping);
+    let outward = |m: Matrix3<f64>| if reversed { m.transpose() } else { m };
+    let mut rotation = outward(origin.value);
+    let mut error = origin.error;
+    let sign = if reversed { -1.0 } else { 1.0 };
+    let motion = match (coordinate, &joint.joint_type) {
+        (None, _) => Motion::Fixed,
+        (Some(by), JointType::Prismatic) => {
+            error += axis.error;
+            let along = if reversed {
+                -axis.value
+            } else {
+                origin.value * axis.value
+            };
+            Motion::Slide {
+                axis: along.map(snap::tidy),
+                by,
+            }
+        }
+        (Some(by), _) => {
+            // The axis of a turning body sweeps up to twice its own error.
+            error += 2.0 * axis.error;
+            let by = Coordinate {
+                factor: sign * by.factor,
+                offset: sign * by.offset,
+                ..by
+            };
+            let axis = if reversed {
+                (origin.value * axis.value).map(snap::tidy)
+            } else {
+                axis.value
+            };
+            Motion::Turn { axis, by }
+        }
+    };
+    let (mut anchor, offset) = if reversed {
+        (Vector3::zeros(), point)
+    } else {
+        (point, Vector3::zeros())
+    };
+    // A tied joint that cannot move (multiplier 0, or a fixed master) is a fixed one.
+    let motion = match motion {
+        Motion::Turn { axis, by } if by.factor == 0.0 => {
+            rotation = (rotation * snap::about(&axis, by.offset)).map(snap::tidy);
+            Motion::Fixed
+        }
+        Motion::Slide { axis, by } if by.factor == 0.0 => {
+            anchor += axis * by.offset;
+            Motion::Fixed
+        }
+        moving => moving,
+    };
+    let edge = Edge {
+        joint: joint.name.clone(),
+        near,
+        far,
+        reversed,
+        rotation,
+        anchor,
+        offset,
+        motion,
+    };
+    (edge, error)
+}
+
+/// A floating or planar joint may be cut when nothing beyond it weighs anything.
+fn drop_beyond(
+    robot: &urdf_rs::Robot,
+    links: &[Link],
+    neighbours: &[Vec<usize>],
+    index: &HashMap<&str, usize>,
+    near: usize,
+    joint: usize,
+    notes: &mut Vec<String>,
+) -> Result<(), Error> {
+    let other = |at: usize, j: usize| {
+        let (parent, child) = (
+            index[robot.joints[j].parent.link.as_str()],
+            index[robot.joints[j].child.link.as_str()],
+        );
+        if at == parent { child } else { parent }
+    };
+    let name = &robot.joints[joint].name;
+    let kind = match robot.joints[joint].joint_type {
+        JointType::Planar => "planar",
+        _ => "floating",
+    };
+    let mut stack = vec![(other(near, joint), joint)];
+    while let Some((link, from)) = stack.pop() {
+        if links[link].mass > 0.0 {
+            return Err(Error::MassBeyondFreeJoint {
+                joint: name.clone(),
+                kind,
+                link: links[link].name.clone(),
+            });
+        }
+        stack.extend(
+            neighbours[link]
+                .iter()
+                .filter(|&&j| j != from)
+                .map(|&j| (other(link, j), j)),
+        );
+    }
+    notes.push(format!(
+        "{kind} joint `{name}` dropped: nothing beyond it has mass"
+    ));
+    Ok(())
+}
+
+/// What each rotation error can do to the CoM: a lever arm argument.
+///
+/// Turning everything beyond edge e by ε about the joint's point moves the CoM
+/// by at most ε W_e / M, where W_e sums mass times the longest possible reach.
+fn snaps(tree: &Tree, errors: &[f64]) -> Vec<Snap> {
+    let n = tree.edges.len();
+    let mut beyond = vec![0.0; n]; // mass beyond each edge, kg
+    let mut reach = vec![0.0; n]; // W_e, kg m
+    let mut children: Vec<Vec<usize>> = vec![Vec::new(); tree.links.len()];
+    for (e, edge) in tree.edges.iter().enumerate() {
+        children[edge.near].push(e);
+    }
+    for e in (0..n).rev() {
+        let edge = &tree.edges[e];
+        let link = &tree.links[edge.far];
+        beyond[e] = link.mass;
+        reach[e] = link.mass * (link.com - edge.offset).norm();
+        for &k in &children[edge.far] {
+            let child = &tree.edges[k];
+            beyond[e] += beyond[k];
+            reach[e] += beyond[k] * (child.anchor - edge.offset).norm() + reach[k];
+        }
+        if let Motion::Slide { by, .. } = edge.motion {
+            reach[e] += beyond[e] * tree.stroke(&by);
+        }
+    }
+    (0..n)
+        .filter(|&e| errors[e] > 0.0)
+        .map(|e| Snap {
+            joint: tree.edges[e].joint.clone(),
+            angle_error: errors[e],
+            com_error: errors[e] * reach[e] / tree.mass,
+        })
+        .collect()
+}
+
+impl Tree {
+    /// Largest |θ| of a coordinate over the limits of its joint, rad or m.
+    pub(crate) fn stroke(&self, by: &Coordinate) -> f64 {
+        let dof = &self.dofs[by.dof];
+        let at = |q: f64| libm::fabs(by.factor * q + by.offset);
+        at(dof.lower).max(at(dof.upper))
+    }
+}

@@ -1,0 +1,138 @@
+//! The description as found in the XML tree, before it is checked as a whole.
+//!
+//! Only direct children of `<robot>` are the robot's: `<link>` and `<joint>`
+//! inside of ros2_control, gazebo or transmission blocks are not.
+
+use roxmltree::Document;
+
+use super::joint::{Joint, read_joint};
+use super::limits;
+use super::link::{Link, read_link};
+use super::report::{EXPAND, Lines, Report, shown};
+use super::text::plain;
+use super::values::{Reader, tag};
+
+pub(super) struct Draft {
+    /// Line of the root element, for complaints about the whole.
+    pub(super) line: u32,
+    pub(super) name: String,
+    /// The `version` attribute as written.
+    pub(super) version: Option<String>,
+    pub(super) links: Vec<Link>,
+    pub(super) joints: Vec<Joint>,
+}
+
+/// Version of the URDF format; what an attribute means depends on it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Version(u32, u32);
+
+impl Version {
+    /// Knows `quat_xyzw`.
+    pub(super) const QUATERNIONS: Version = Version(1, 1);
+
+    fn parse(text: &str) -> Option<Version> {
+        let (major, minor) = text.trim().split_once('.')?;
+        Some(Version(major.parse().ok()?, minor.parse().ok()?))
+    }
+}
+
+pub(super) fn draft(document: &Document<'_>, lines: &Lines, report: &mut Report) -> Draft {
+    let root = document.root_element();
+    let mut reader = Reader { lines, report };
+    let line = reader.line(root);
+    let mut draft = Draft {
+        line,
+        name: String::new(),
+        version: None,
+        links: Vec::new(),
+        joints: Vec::new(),
+    };
+    if tag(root) != "robot" {
+        let found = shown(tag(root));
+        reader.complain(
+            line,
+            format!(
+                "the root element is {found}, not `robot`; a URDF starts with <robot name=\"...\">"
+            ),
+        );
+        return draft;
+    }
+    let name = reader.attribute(root, "name");
+    if let Some(text) = &name {
+        draft.name = reader.name(text, "robot", "name").unwrap_or_default();
+    }
+    let version = read_version(&mut reader, root, &mut draft);
+
+    let mut first_macro = None;
+    for child in root.children().filter(roxmltree::Node::is_element) {
+        match tag(child) {
+            "link" if draft.links.len() < limits::LINKS => {
+                draft.links.push(read_link(&mut reader, child, version));
+            }
+            "joint" if draft.joints.len() < limits::LINKS => {
+                draft.joints.push(read_joint(&mut reader, child, version));
+            }
+            kind @ ("link" | "joint") => {
+                let line = reader.line(child);
+                reader.complain(
+                    line,
+                    format!("more than {} {kind}s; this is no robot", limits::LINKS),
+                );
+                break;
+            }
+            name if name.starts_with("xacro:") && first_macro.is_none() => {
+                first_macro = Some(child)
+            }
+            _ => {}
+        }
+    }
+    if let Some(node) = first_macro {
+        let line = reader.line(node);
+        if draft.links.is_empty() {
+            let tag = plain(tag(node));
+            reader.complain(
+                line,
+                format!("an unexpanded xacro: no link, but <{tag}>; {EXPAND}"),
+            );
+            return draft;
+        }
+        let found = shown(tag(node));
+        reader.note(
+            line,
+            format!("{found}: a leftover of xacro, ignored with all such"),
+        );
+    }
+    if draft.links.is_empty() {
+        reader.complain(
+            line,
+            "the robot has no link; put <link name=\"...\"> directly under <robot>".to_owned(),
+        );
+    }
+    if name.is_none() {
+        reader.complain(
+            line,
+            "the robot has no name; add <robot name=\"...\">".to_owned(),
+        );
+    }
+    draft
+}
+
+fn read_version(
+    reader: &mut Reader<'_>,
+    root: roxmltree::Node<'_, '_>,
+    draft: &mut Draft,
+) -> Version {
+    let oldest = Version(1, 0);
+    let Some(text) = reader.attribute(root, "version") else {
+        return oldest;
+    };
+    draft.version = Some(text.value.to_owned());
+    Version::parse(text.value).unwrap_or_else(|| {
+        let found = shown(text.value);
+        reader.note(
+            text.line,
+            format!("version {found} is no URDF version; read as 1.0"),
+        );
+        oldest
+    })
+}

@@ -1,0 +1,137 @@
+//! Mimic joints: each must end, perhaps over other mimics, at a joint that moves.
+
+use std::collections::HashMap;
+
+use super::check::subject;
+use super::draft::Draft;
+use super::joint::Kind;
+use super::nearest::{SUGGESTIONS, suggest};
+use super::report::{Report, chained, shown};
+
+pub(super) fn check(draft: &Draft, report: &mut Report) {
+    if report.is_unexpanded() {
+        return;
+    }
+    let joints = &draft.joints;
+    let mut index: HashMap<&str, usize> = HashMap::new();
+    for (place, joint) in joints.iter().enumerate() {
+        if let Some(name) = joint.name.as_deref() {
+            index.entry(name).or_insert(place);
+        }
+    }
+    let masters: Vec<Option<usize>> = (joints.iter())
+        .map(|joint| {
+            index
+                .get(joint.mimic.as_ref()?.joint.value.as_str())
+                .copied()
+        })
+        .collect();
+
+    let mut wrong = 0;
+    for (joint, master) in joints.iter().zip(&masters) {
+        let Some(mimic) = &joint.mimic else { continue };
+        let found = match master.map(|master| joints[master].kind) {
+            None => {
+                wrong += 1;
+                let others = joints.iter().filter_map(|joint| joint.name.as_deref());
+                let owner = joint.name.as_deref().unwrap_or_default();
+                let others = others.filter(|name| *name != owner);
+                let remedy = (wrong <= SUGGESTIONS)
+                    .then(|| suggest(&mimic.joint.value, owner, others))
+                    .flatten();
+                let remedy = remedy.as_deref();
+                format!(
+                    "which does not exist{}",
+                    remedy.unwrap_or("; name a joint or remove <mimic>")
+                )
+            }
+            // Reduced robots fix a master and leave its followers: they stand still.
+            Some(Some(Kind::Fixed)) => {
+                report.note(
+                    mimic.joint.line,
+                    format!(
+                        "{}: mimics {}, which is fixed; it stands still at its offset",
+                        subject(joint),
+                        shown(&mimic.joint.value)
+                    ),
+                );
+                continue;
+            }
+            Some(Some(kind)) if !kind.is_single() => format!(
+                "which is {} and has several coordinates; name another joint",
+                kind.name()
+            ),
+            _ => continue,
+        };
+        report.complain(
+            mimic.joint.line,
+            format!(
+                "{}: mimics {}, {found}",
+                subject(joint),
+                shown(&mimic.joint.value)
+            ),
+        );
+    }
+    for cycle in cycles(&masters) {
+        let joint = &joints[cycle[0]];
+        let line = joint
+            .mimic
+            .as_ref()
+            .map_or(joint.line, |mimic| mimic.joint.line);
+        let names = cycle
+            .iter()
+            .chain([&cycle[0]])
+            .map(|&joint| shown(joints[joint].name.as_deref().unwrap_or_default()));
+        report.complain(
+            line,
+            format!(
+                "{}: mimics itself: {}; let one of them move on its own",
+                subject(joint),
+                chained(names.collect())
+            ),
+        );
+    }
+}
+
+/// The cycles of "mimics", each from its first joint in document order.
+fn cycles(masters: &[Option<usize>]) -> Vec<Vec<usize>> {
+    // The walk in which a joint was first met.
+    let mut met: Vec<Option<usize>> = vec![None; masters.len()];
+    let mut cycles = Vec::new();
+    for start in 0..masters.len() {
+        let mut path = Vec::new();
+        let mut at = start;
+        let again = loop {
+            if met[at].is_some() {
+                break (met[at] == Some(start)).then_some(at);
+            }
+            met[at] = Some(start);
+            path.push(at);
+            match masters[at] {
+                Some(master) => at = master,
+                None => break None,
+            }
+        };
+        if let Some(again) = again {
+            let from = path.iter().position(|&joint| joint == again).unwrap_or(0);
+            let mut cycle = path.split_off(from);
+            let first = (0..cycle.len())
+                .min_by_key(|&place| cycle[place])
+                .unwrap_or(0);
+            cycle.rotate_left(first);
+            cycles.push(cycle);
+        }
+    }
+    cycles
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cycles_are_found_once() {
+        let masters = [Some(1), None, Some(4), Some(2), Some(3), Some(4), Some(6)];
+        assert_eq!(cycles(&masters), vec![vec![2, 4, 3], vec![6]]);
+    }
+}

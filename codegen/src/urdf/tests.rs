@@ -1,0 +1,402 @@
+//! What must load, what must be refused, and in which words.
+
+use std::path::Path;
+
+use super::*;
+
+fn robot(body: &str) -> String {
+    format!(
+        "<robot name=\"r\">\n<link name=\"base\"><inertial><mass value=\"1\"/></inertial></link>\n{body}\n</robot>\n"
+    )
+}
+
+fn load(text: &str) -> Description {
+    parse(text, "test.urdf").unwrap_or_else(|error| panic!("{error}\n{text}"))
+}
+
+fn refuse(text: &str) -> String {
+    parse(text, "test.urdf").expect_err(text).to_string()
+}
+
+/// Two links and the joint between them.
+fn jointed(attributes: &str, children: &str) -> Description {
+    load(&robot(&format!(
+        "<link name='arm'/><joint name='elbow' {attributes}><parent link='base'/><child link='arm'/>{children}</joint>"
+    )))
+}
+
+fn bits(values: urdf_rs::Vec3) -> [u64; 3] {
+    values.0.map(f64::to_bits)
+}
+
+#[test]
+fn missing_files_and_directories_are_named() {
+    let error = read(Path::new("no/such/robot.urdf")).unwrap_err();
+    assert!(matches!(error, Error::Missing { .. }));
+    assert!(
+        error
+            .to_string()
+            .starts_with("no/such/robot.urdf: no such file")
+    );
+    let error = read(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap_err();
+    assert!(matches!(error, Error::Directory { .. }));
+}
+
+#[test]
+fn too_much_text_is_refused() {
+    let text = robot(&" ".repeat(limits::FILE_BYTES as usize));
+    assert!(refuse(&text).contains("larger than 64 MiB"));
+}
+
+#[test]
+fn missing_parts_have_defaults() {
+    let description = jointed("type='revolute'", "");
+    let robot = &description.robot;
+    let joint = &robot.joints[0];
+    assert_eq!(joint.axis.xyz.0, [1.0, 0.0, 0.0]);
+    assert_eq!(joint.origin.xyz.0, [0.0; 3]);
+    assert_eq!(joint.origin.rpy.0, [0.0; 3]);
+    assert_eq!(joint.limit.lower, f64::NEG_INFINITY);
+    assert_eq!(joint.limit.upper, f64::INFINITY);
+    assert_eq!(robot.links[0].inertial.mass.value, 1.0);
+    assert_eq!(robot.links[0].inertial.inertia.ixx, 0.0);
+    assert_eq!(robot.links[1].inertial.mass.value, 0.0);
+    assert_eq!(
+        description.notes,
+        ["test.urdf:3: joint `elbow`: no lower and upper limit; taken as unlimited"]
+    );
+    let joint = &jointed("type='prismatic'", "<limit upper='0.5'/>")
+        .robot
+        .joints[0];
+    assert_eq!((joint.limit.lower, joint.limit.upper), (0.0, 0.5));
+    assert_eq!((joint.limit.effort, joint.limit.velocity), (0.0, 0.0));
+}
+
+#[test]
+fn partial_origins_keep_what_they_have() {
+    let joint = &jointed("type='fixed'", "<origin rpy='0 0 1'/>")
+        .robot
+        .joints[0];
+    assert_eq!(
+        (joint.origin.xyz.0, joint.origin.rpy.0),
+        ([0.0; 3], [0.0, 0.0, 1.0])
+    );
+    let joint = &jointed("type='fixed'", "<origin xyz='1 2 3'/>")
+        .robot
+        .joints[0];
+    assert_eq!(
+        (joint.origin.xyz.0, joint.origin.rpy.0),
+        ([1.0, 2.0, 3.0], [0.0; 3])
+    );
+}
+
+#[test]
+fn numbers_survive_to_the_last_bit() {
+    let values = [
+        0.1 + 0.2,
+        -0.0,
+        5e-324,
+        1.7976931348623157e5,
+        1e-7,
+        123456.78901234567,
+    ];
+    let [a, b, c, d, e, f] = values;
+    let joint = &jointed(
+        "type='continuous'",
+        &format!("<origin xyz='{a} {b:?} {c:e}' rpy='{d} {e} {f}'/><axis xyz='{a} {a} {e}'/>"),
+    )
+    .robot
+    .joints[0];
+    assert_eq!(bits(joint.origin.xyz), [a, b, c].map(f64::to_bits));
+    assert_eq!(bits(joint.origin.rpy), [d, e, f].map(f64::to_bits));
+    assert_eq!(bits(joint.axis.xyz), [a, a, e].map(f64::to_bits));
+}
+
+#[test]
+fn numbers_may_be_written_in_every_usual_way() {
+    let joint = &jointed(
+        "type='prismatic'",
+        "<origin xyz='\t1e-3\n  +.5\r\n-2.E1 '/><axis xyz='0 0 -2'/><limit lower=' -inf' upper='1E0 '/>",
+    )
+    .robot
+    .joints[0];
+    assert_eq!(joint.origin.xyz.0, [0.001, 0.5, -20.0]);
+    assert_eq!(joint.axis.xyz.0, [0.0, 0.0, -2.0]);
+    assert_eq!(
+        (joint.limit.lower, joint.limit.upper),
+        (f64::NEG_INFINITY, 1.0)
+    );
+}
+
+#[test]
+fn line_ends_and_byte_order_mark_change_nothing() {
+    let text = robot("<!-- two\nlines -->");
+    let crlf = format!("\u{feff}{}", text.replace('\n', "\r\n"));
+    assert_eq!(load(&text).hash, load(&crlf).hash);
+    assert_ne!(load(&text).hash, load(&text.replace("two", "too")).hash);
+    // FNV-1a of the empty text and of "a", from its publication.
+    assert_eq!(hash(""), "cbf29ce484222325");
+    assert_eq!(hash("a"), "af63dc4c8601ec8c");
+}
+
+#[test]
+fn joints_keep_document_order_and_may_precede_links() {
+    let description = load(
+        "<robot name='r'><joint name='z' type='fixed'><child link='c'/><parent link='b'/></joint>\
+         <link name='c'/><joint name='a' type='fixed'><child link='b'/><parent link='root'/></joint>\
+         <link name='root'><inertial><mass value='1'/></inertial></link><link name='b'/></robot>",
+    );
+    let links: Vec<&str> = description
+        .robot
+        .links
+        .iter()
+        .map(|l| l.name.as_str())
+        .collect();
+    let joints: Vec<&str> = description
+        .robot
+        .joints
+        .iter()
+        .map(|j| j.name.as_str())
+        .collect();
+    assert_eq!(links, ["c", "root", "b"]);
+    assert_eq!(joints, ["z", "a"]);
+}
+
+#[test]
+fn any_name_will_do() {
+    let mut names: Vec<String> = [
+        "arm.l/2-3",
+        "left  arm",
+        " padded ",
+        "bras_é",
+        "機械",
+        "🤖",
+        "fn",
+        "a'b\"c<d>&e",
+        "$",
+        "{}",
+        "-->",
+    ]
+    .map(str::to_owned)
+    .to_vec();
+    // Every character that XML allows, in blocks: two further XML readers
+    // stand between here and the result.
+    let allowed = (0x20..=0x10ffff_u32)
+        .filter_map(char::from_u32)
+        .filter(|c| !c.is_control() && !matches!(c, '\u{fffe}' | '\u{ffff}'));
+    let all: Vec<char> = allowed.collect();
+    names.extend(
+        all.chunks(200)
+            .step_by(7)
+            .map(|block| format!("n{}", block.iter().collect::<String>())),
+    );
+    names.truncate(limits::LINKS - 1);
+    let body: String = names
+        .iter()
+        .enumerate()
+        .map(|(place, name)| {
+            let name = name.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;");
+            format!(
+                "<link name=\"{name}\"/><joint name=\"{place}{name}\" type=\"fixed\"><parent link=\"base\"/><child link=\"{name}\"/></joint>\n"
+            )
+        })
+        .collect();
+    let description = load(&robot(&body));
+    for (link, name) in description.robot.links[1..].iter().zip(&names) {
+        assert_eq!(link.name, *name);
+    }
+    for (joint, name) in description.robot.joints.iter().zip(&names) {
+        assert_eq!(joint.child.link, *name);
+    }
+}
+
+#[test]
+fn only_direct_children_are_the_robots() {
+    let description = load(&robot(
+        "<ros2_control name='c' type='system'><joint name='j'><param/></joint></ros2_control>\n\
+         <gazebo reference='base'><link name='ghost'><inertial/></link><sensor:camera/></gazebo>\n\
+         <transmission name='t'><joint name='k'/></transmission>\n\
+         <material name='m'/><unknown/><xacro:property name='p' value='${1}'/><xacro:macro name='m'><link/></xacro:macro>",
+    ));
+    assert_eq!(description.robot.links.len(), 1);
+    assert_eq!(
+        description.notes,
+        ["test.urdf:6: `xacro:property`: a leftover of xacro, ignored with all such"]
+    );
+}
+
+#[test]
+fn robot_tools_write_xml_of_their_own() {
+    for head in [
+        "\n<?xml version='1.0'?>\n",
+        "<!-- a -- b -->",
+        "<!DOCTYPE robot>",
+        "<?pi?>",
+    ] {
+        load(&format!("{head}{}", robot("<!------>")));
+    }
+    load(
+        "<robot name='r' xmlns='http://www.ros.org' xmlns:xacro='x'><link name='a'><inertial><mass value='1'/></inertial></link></robot>",
+    );
+    load(&(robot("") + "\n\n  <!-- end -->\n"));
+}
+
+#[test]
+fn what_does_not_move_needs_no_axis_and_no_master() {
+    let description = jointed("type='fixed'", "<axis xyz='0 0 0'/>\n<mimic joint='gone'/>");
+    assert!(description.robot.joints[0].mimic.is_none());
+    assert_eq!(
+        description.notes,
+        ["test.urdf:4: joint `elbow`: a fixed joint does not move; its mimic is ignored"]
+    );
+    jointed("type='floating'", "<axis xyz='0 0 0'/>");
+    jointed("type='planar'", "<axis xyz='0 0 1'/>");
+}
+
+#[test]
+fn mimics_have_defaults_and_may_follow_mimics() {
+    let body: String = (0..3)
+        .map(|place| {
+            let parent = if place == 0 { "base".to_owned() } else { format!("l{}", place - 1) };
+            let mimic = match place {
+                0 => "<mimic joint='j1'/>",
+                1 => "<mimic joint='j2' multiplier='-2' offset='0.5'/>",
+                _ => "",
+            };
+            format!(
+                "<link name='l{place}'/><joint name='j{place}' type='continuous'><parent link='{parent}'/><child link='l{place}'/>{mimic}</joint>"
+            )
+        })
+        .collect();
+    let description = load(&robot(&body));
+    let mimics: Vec<_> = (description.robot.joints.iter())
+        .filter_map(|joint| joint.mimic.as_ref())
+        .map(|mimic| (mimic.joint.as_str(), mimic.multiplier, mimic.offset))
+        .collect();
+    assert_eq!(
+        mimics,
+        [("j1", Some(1.0), Some(0.0)), ("j2", Some(-2.0), Some(0.5))]
+    );
+}
+
+#[test]
+fn quaternions_count_from_version_1_1() {
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    let text = robot("<link name='a'/><joint name='j' type='fixed'><parent link='base'/><child link='a'/>\n<origin quat_xyzw='0 0 Q Q'/></joint>")
+        .replace('Q', &half.to_string());
+    let old = load(&text);
+    assert_eq!(old.robot.joints[0].origin.rpy.0, [0.0; 3]);
+    assert!(old.notes[0].contains(":4: joint `j`: origin quat_xyzw is ignored"));
+    let new = load(&text.replace("name=\"r\"", "name=\"r\" version=\"1.1\""));
+    assert_eq!(
+        new.robot.joints[0].origin.rpy.0,
+        [0.0, 0.0, std::f64::consts::FRAC_PI_2]
+    );
+    assert_eq!(new.robot.version.as_deref(), Some("1.1"));
+    assert!(new.notes.is_empty());
+}
+
+#[test]
+fn what_is_odd_but_harmless_is_noted() {
+    let note = |description: Description| description.notes.join("\n");
+    let limits = "<limit lower='-90' upper='90'/>";
+    assert!(note(jointed("type='revolute'", limits)).contains("limit 90 rad; is it in degrees?"));
+    let turn = "<limit lower='-1e16' upper='1e16'/><origin rpy='0 0 90'/>";
+    let found = note(jointed("type='revolute'", turn));
+    assert!(
+        !found.contains("limit") && found.contains("origin rpy holds 90 rad; is it in degrees?")
+    );
+    let twice = "<axis xyz='0 0 1'/>\n<axis xyz='0 0 1'/>";
+    assert!(
+        note(jointed("type='continuous'", twice))
+            .contains(":4: joint `elbow`: a second <axis>, the same")
+    );
+    let broken = "<limit lower='0' upper='1' effort='1 Nm' velocity='nan'/>";
+    assert_eq!(jointed("type='revolute'", broken).notes.len(), 2);
+    let inertia = robot("").replace("<mass", "<inertia ixx='-nan(ind)' iyy='2'/><mass");
+    let description = load(&inertia);
+    assert_eq!(description.robot.links[0].inertial.inertia.iyy, 2.0);
+    assert!(note(description).contains("link `base`: inertia ixx is `-nan(ind)`; not needed"));
+}
+
+#[test]
+fn files_are_named_without_directories_on_request() {
+    let description = parse(&robot(""), "robots/op2/op2.urdf").unwrap();
+    assert_eq!(description.file, "robots/op2/op2.urdf");
+    assert_eq!(description.file_name(), "op2.urdf");
+    assert_eq!(description.name, "r");
+}
+
+/// As long a chain as is allowed, written from the tip to the root, and a ring.
+#[test]
+fn long_chains_and_rings_do_not_recurse() {
+    let count = limits::LINKS - 1;
+    let links: String = (0..count).map(|i| format!("<link name='l{i}'/>")).collect();
+    let joint = |i: usize, parent: &str| {
+        format!(
+            "<joint name='j{i}' type='continuous'><parent link='{parent}'/><child link='l{i}'/><mimic joint='j{}'/></joint>",
+            (i + 1) % count
+        )
+    };
+    let chain: String = (1..count)
+        .rev()
+        .map(|i| joint(i, &format!("l{}", i - 1)))
+        .collect();
+    let free = joint(0, "base").replace("<mimic joint='j1'/>", "");
+    let chain = links.clone() + &chain + &free;
+    assert_eq!(load(&robot(&chain)).robot.joints.len(), count);
+    let ring: String = (0..count)
+        .map(|i| joint(i, &format!("l{}", (i + count - 1) % count)))
+        .collect();
+    let message = refuse(&robot(&(links + &ring)));
+    assert_eq!(message.lines().count(), 2, "{message}");
+    assert!(message.contains("mimics itself: `j0` -> `j1`"));
+    assert!(message.contains("closes a loop: `l0` -> `l1`"));
+    let more = "<link name='x'/>".repeat(limits::LINKS + 1);
+    assert!(refuse(&robot(&more)).contains("more than 10000 links"));
+}
+
+/// Consequences are not complained about again.
+#[test]
+fn one_fault_gives_one_complaint() {
+    for (old, new) in [
+        ("name='l1'", ""),
+        ("name='l1'", "name='l0'"),
+        ("link='l0'", "link='no'"),
+    ] {
+        let text = robot(
+            "<link name='l0'/>\n<link name='l1'/>\n<joint name='a' type='fixed'><parent link='base'/><child link='l0'/></joint>",
+        );
+        let text = text.replacen(old, new, 1);
+        assert_eq!(refuse(&text).lines().count(), 1, "{}", refuse(&text));
+    }
+}
+
+#[test]
+fn limits_the_wrong_way_round_mean_none() {
+    for limits in ["<limit lower='2' upper='1'/>", "<limit lower='1'/>"] {
+        let description = jointed("type='revolute'", limits);
+        let limit = &description.robot.joints[0].limit;
+        assert_eq!(
+            (limit.lower, limit.upper),
+            (f64::NEG_INFINITY, f64::INFINITY)
+        );
+        assert!(
+            description.notes[0].contains("taken as unlimited"),
+            "{:?}",
+            description.notes
+        );
+    }
+}
+
+#[test]
+fn a_mimic_of_a_fixed_joint_stands_still() {
+    let text = robot(
+        "<link name='a'/><link name='b'/>\
+         <joint name='still' type='fixed'><parent link='base'/><child link='a'/></joint>\
+         <joint name='finger' type='revolute'><parent link='a'/><child link='b'/>\
+         <axis xyz='1 0 0'/><limit lower='-1' upper='1'/><mimic joint='still' offset='0.5'/></joint>",
+    );
+    let description = parse(&text, "test.urdf").unwrap();
+    assert!(description.notes[0].contains("stands still at its offset"));
+}

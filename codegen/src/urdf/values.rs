@@ -1,0 +1,207 @@
+//! Attributes read as names and numbers, with the complaint when they are not.
+
+use roxmltree::Node;
+
+use super::limits;
+use super::report::{Lines, Report, shown};
+
+/// A value and the line it stands on.
+#[derive(Debug, Clone)]
+pub(super) struct At<T> {
+    pub(super) value: T,
+    pub(super) line: u32,
+}
+
+/// Reads one part of the tree; `subject` is what messages are about.
+pub(super) struct Reader<'a> {
+    pub(super) lines: &'a Lines,
+    pub(super) report: &'a mut Report,
+}
+
+fn source<'a>(node: Node<'a, '_>) -> &'a str {
+    &node.document().input_text()[node.range()]
+}
+
+/// The tag as written, with its prefix: `xacro:link` is no `link`.
+pub(super) fn tag<'a>(node: Node<'a, '_>) -> &'a str {
+    let source = source(node);
+    let name = source.strip_prefix('<').unwrap_or(source);
+    let end = name.find(|c: char| c.is_ascii_whitespace() || matches!(c, '/' | '>'));
+    &name[..end.unwrap_or(name.len())]
+}
+
+pub(super) fn holds_xacro(text: &str) -> bool {
+    text.contains("${") || text.contains("$(")
+}
+
+impl Reader<'_> {
+    pub(super) fn line(&self, node: Node<'_, '_>) -> u32 {
+        self.lines.line(node.range().start)
+    }
+
+    pub(super) fn complain(&mut self, line: u32, message: String) {
+        self.report.complain(line, message);
+    }
+
+    pub(super) fn note(&mut self, line: u32, message: String) {
+        self.report.note(line, message);
+    }
+
+    /// The one child with this tag. A second one that says the same is noted,
+    /// one that says something else is a contradiction.
+    pub(super) fn only<'d, 'i>(
+        &mut self,
+        node: Node<'d, 'i>,
+        name: &str,
+        subject: &str,
+    ) -> Option<Node<'d, 'i>> {
+        let mut same = node
+            .children()
+            .filter(|child| child.is_element() && tag(*child) == name);
+        let first = same.next()?;
+        if let Some(second) = same.next() {
+            let (one, two) = (self.line(first), self.line(second));
+            let repeats = first.first_element_child().is_none() && source(first) == source(second);
+            if repeats {
+                self.note(
+                    two,
+                    format!("{subject}: a second <{name}>, the same as in line {one}"),
+                );
+            } else {
+                self.complain(
+                    two,
+                    format!("{subject}: a second <{name}> (the first in line {one}); keep one"),
+                );
+            }
+        }
+        Some(first)
+    }
+
+    pub(super) fn attribute<'d>(&self, node: Node<'d, '_>, name: &str) -> Option<At<&'d str>> {
+        node.attribute_node(name).map(|attribute| At {
+            value: attribute.value(),
+            line: self.lines.line(attribute.range().start),
+        })
+    }
+
+    /// Whether the text is still to be expanded; the report then says so.
+    pub(super) fn unexpanded(&mut self, subject: &str, what: &str, text: &At<&str>) -> bool {
+        let holds = holds_xacro(text.value);
+        if holds {
+            let what = format!("{subject}: {what} is {}", shown(text.value));
+            self.report.unexpanded(text.line, what);
+        }
+        holds
+    }
+
+    /// A name or a reference to one. Any character will do but control
+    /// characters, which no message and no generated code could show.
+    pub(super) fn name(&mut self, text: &At<&str>, subject: &str, what: &str) -> Option<String> {
+        let value = text.value;
+        if value.trim().is_empty() {
+            self.complain(text.line, format!("{subject}: {what} is empty; fill it in"));
+            return None;
+        }
+        if value.len() > limits::NAME_BYTES {
+            self.complain(
+                text.line,
+                format!(
+                    "{subject}: {what} {} is longer than {} bytes; shorten it",
+                    shown(value),
+                    limits::NAME_BYTES
+                ),
+            );
+            return None;
+        }
+        if value.chars().any(char::is_control) {
+            self.complain(
+                text.line,
+                format!(
+                    "{subject}: {what} {} holds a control character; rename it",
+                    shown(value)
+                ),
+            );
+            return None;
+        }
+        self.unexpanded(subject, what, text);
+        Some(value.to_owned())
+    }
+
+    /// Exactly `N` finite numbers.
+    pub(super) fn numbers<const N: usize>(
+        &mut self,
+        text: &At<&str>,
+        subject: &str,
+        what: &str,
+    ) -> Option<[f64; N]> {
+        let values = self.extended_numbers(text, subject, what)?;
+        if let Some(worst) = values.iter().find(|value| !value.is_finite()) {
+            self.complain(
+                text.line,
+                format!("{subject}: {what} is {worst}, not finite; give a plain number"),
+            );
+            return None;
+        }
+        Some(values)
+    }
+
+    /// Exactly `N` numbers; infinities and NaN pass.
+    pub(super) fn extended_numbers<const N: usize>(
+        &mut self,
+        text: &At<&str>,
+        subject: &str,
+        what: &str,
+    ) -> Option<[f64; N]> {
+        if self.unexpanded(subject, what, text) {
+            return None;
+        }
+        let mut values = [0.0; N];
+        let mut count = 0;
+        for word in text.value.split_whitespace() {
+            let Ok(value) = word.parse() else {
+                self.complain(
+                    text.line,
+                    format!(
+                        "{subject}: {what}: {} is not a number{}",
+                        shown(word),
+                        remedy(text.value)
+                    ),
+                );
+                return None;
+            };
+            if let Some(place) = values.get_mut(count) {
+                *place = value;
+            }
+            count += 1;
+        }
+        if count != N {
+            self.complain(
+                text.line,
+                format!(
+                    "{subject}: {what} {} holds {count} numbers; give {N}",
+                    shown(text.value)
+                ),
+            );
+            return None;
+        }
+        Some(values)
+    }
+
+    pub(super) fn number(&mut self, text: &At<&str>, subject: &str, what: &str) -> Option<f64> {
+        self.numbers::<1>(text, subject, what).map(|[value]| value)
+    }
+}
+
+fn remedy(text: &str) -> &'static str {
+    let starts_as_number = text
+        .trim_start()
+        .trim_start_matches(['-', '+', '.'])
+        .starts_with(|c: char| c.is_ascii_digit());
+    if text.contains(',') {
+        "; separate numbers by blanks, write decimals with a point"
+    } else if starts_as_number {
+        "; write plain digits without a unit (URDF counts in m, rad and kg)"
+    } else {
+        "; give a number"
+    }
+}

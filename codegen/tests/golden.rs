@@ -1,0 +1,79 @@
+//! Golden cases: a URDF beside the chain and the Rust it must become.
+//!
+//! `SESC_BLESS=1 cargo test -p sesc-codegen --test golden` accepts new output;
+//! nothing rewrites itself otherwise.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use sesc_codegen::emit::rust;
+use sesc_codegen::{Model, Snapping, urdf};
+
+/// Folder under `golden/`, support link.
+const CASES: [(&str, &str); 2] = [("two_link", "foot"), ("lift", "base")];
+
+fn chain_text(model: &Model) -> String {
+    let mut text = String::new();
+    for (i, body) in model.chain.bodies.iter().enumerate() {
+        let orientation = model.chain.orientation_product(i);
+        let _ = writeln!(text, "B[{}] = {orientation}", body.name);
+        let _ = writeln!(text, "r[{}] = {:?}", body.name, body.r.as_slice());
+        if let Some(s) = body.s {
+            let _ = writeln!(text, "s[{}] = {s:?}", body.name);
+        }
+    }
+    let _ = writeln!(text);
+    for param in &model.base.params {
+        let terms: Vec<String> = param
+            .terms
+            .iter()
+            .map(|(k, w)| format!("{w:+} {}", model.chain.full_names()[*k]))
+            .collect();
+        let _ = writeln!(text, "{} = {}", param.name, terms.join(" "));
+    }
+    let _ = writeln!(text, "\nrank from CoP rows: {}", model.base.rank_cop);
+    for direction in &model.base.unobservable {
+        let _ = writeln!(text, "unobservable: {}", direction.sentence);
+    }
+    text
+}
+
+#[test]
+fn output_is_what_it_was() {
+    let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden");
+    let bless = std::env::var_os("SESC_BLESS").is_some();
+    let mut changed = Vec::new();
+    for (case, support) in CASES {
+        let folder = golden.join(case);
+        let description = urdf::read(&folder.join("robot.urdf")).unwrap();
+        let model = Model::new(&description, support, Snapping::default()).unwrap();
+        let files = [
+            ("chain.txt", chain_text(&model)),
+            ("expected.rs", rust::module(&model, case).unwrap()),
+        ];
+        for (name, text) in files {
+            let path = folder.join(name);
+            if std::fs::read_to_string(&path).unwrap_or_default() == text {
+                continue;
+            }
+            if bless {
+                std::fs::write(&path, &text).unwrap();
+            } else {
+                let old = std::fs::read_to_string(&path).unwrap_or_default();
+                let line = old.lines().zip(text.lines()).position(|(a, b)| a != b);
+                let line = line.unwrap_or(old.lines().count().min(text.lines().count()));
+                changed.push(format!(
+                    "{case}/{name} line {}:\n  was {:?}\n  now {:?}",
+                    line + 1,
+                    old.lines().nth(line),
+                    text.lines().nth(line)
+                ));
+            }
+        }
+    }
+    assert!(
+        changed.is_empty(),
+        "{}\naccept with SESC_BLESS=1 cargo test -p sesc-codegen --test golden",
+        changed.join("\n")
+    );
+}

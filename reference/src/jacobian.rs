@@ -1,0 +1,80 @@
+//! Derivatives by differences: the CoM Jacobian and the gravity moments.
+//!
+//! ```text
+//! D(h) = (f(q + h e_j) - f(q - h e_j)) / 2h = f' + a h² + b h⁴ + c h⁶ + …
+//! E(h) = (4 D(h/2) - D(h)) / 3              removes a h²
+//! F(h) = (16 E(h/2) - E(h)) / 15            removes b h⁴
+//! ```
+//!
+//! For `f` made of sines of `q_j` what remains of `F` is `h⁶/322560` of the
+//! size of `f`. With `h` = 0.05 that is 5e-14, and rounding adds as much again:
+//! both far below the 1e-10 promised. Where mimic joints turn along with `q_j`,
+//! `h` shrinks by the sum of their factors, so that no link turns further.
+
+use nalgebra::{DVector, Matrix3xX, SVector, Vector1};
+
+use crate::com::Reference;
+
+/// The largest turn of any link during a difference, rad (or m).
+const STEP: f64 = 0.05;
+
+impl Reference {
+    /// The CoM Jacobian `∂CoM/∂q`: 3 rows in the support frame, one column per
+    /// entry of the posture; m/rad, or m/m for sliding joints. Accurate to
+    /// 1e-10 of the robot's size.
+    pub fn com_jacobian(&self, q: &[f64]) -> Matrix3xX<f64> {
+        let columns: Vec<_> = (0..self.dof())
+            .map(|j| self.differentiate(q, j, |q| self.com(q)))
+            .collect();
+        Matrix3xX::from_columns(&columns)
+    }
+
+    /// The moments of gravity on the joints, with gravity along −z of the
+    /// support frame, per unit of weight `M g`: metres for turning joints (no
+    /// unit for sliding ones). Moment `j` is what gravity does to joint `j`,
+    /// `-∂U/∂q_j` with the potential energy `U(q) = Σ m_l z_l(q) / M`.
+    pub fn gravity_moments(&self, q: &[f64]) -> DVector<f64> {
+        let moments = (0..self.dof()).map(|j| {
+            let slope = self.differentiate(q, j, |q| Vector1::new(self.potential_energy(q)));
+            -slope.x
+        });
+        DVector::from_iterator(self.dof(), moments)
+    }
+
+    /// Potential energy per unit of weight: the sum over links of their mass
+    /// fraction times the height of their centre of mass, m.
+    pub fn potential_energy(&self, q: &[f64]) -> f64 {
+        let links = self.robot.links().iter().zip(self.link_poses(q));
+        links
+            .map(|(link, pose)| link.mass_kg / self.total_mass() * (pose * link.com_m).z)
+            .sum()
+    }
+
+    /// `∂f/∂q_j` by central differences, extrapolated twice.
+    fn differentiate<const N: usize>(
+        &self,
+        q: &[f64],
+        j: usize,
+        f: impl Fn(&[f64]) -> SVector<f64, N>,
+    ) -> SVector<f64, N> {
+        let followers = self.robot.coordinates().iter();
+        let rate: f64 = followers
+            .filter(|coordinate| coordinate.dof == Some(j))
+            .map(|coordinate| coordinate.factor.abs())
+            .sum();
+        // At least one: joint j itself is among them.
+        let h = STEP / rate;
+        let mut at = q.to_vec();
+        let mut central = |h: f64| {
+            at[j] = q[j] + h;
+            let above = f(&at);
+            // The step that was taken, after rounding.
+            let upper = at[j];
+            at[j] = q[j] - h;
+            (above - f(&at)) / (upper - at[j])
+        };
+        let (d1, d2, d4) = (central(h), central(h / 2.0), central(h / 4.0));
+        let (e1, e2) = ((d2 * 4.0 - d1) / 3.0, (d4 * 4.0 - d2) / 3.0);
+        (e2 * 16.0 - e1) / 15.0
+    }
+}

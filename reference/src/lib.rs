@@ -1,0 +1,59 @@
+//! Centre of mass link by link, the slow and literal way: the yardstick for
+//! everything that is generated.
+//!
+//! ```text
+//! CoM(q) = Σ_l m_l T_l(q) c_l / M          Eq. (3) of the seed paper
+//! ```
+//!
+//! `T_l` is the homogeneous transform of link `l` in the support frame,
+//! `m_l` its mass and `c_l` its centre of mass in its own frame. Nothing is
+//! re-rooted, folded, regrouped or differentiated by rule, and nothing is
+//! shared with the code that is checked: this crate reads the URDF itself and
+//! multiplies matrices.
+//!
+//! * [`Robot`]: a URDF, read leniently and exactly.
+//! * [`Reference`]: CoM, link poses, Jacobian and gravity moments by
+//!   differences, standard regressor columns, with one link held fixed.
+//! * [`numeric_rank`]: how many parameters a set of postures can determine.
+//! * [`World`]: a virtual robot that is bent on purpose.
+//!
+//! Lengths are metres, masses kilograms, angles radians.
+//!
+//! ```
+//! use sesc_reference::{Reference, Robot};
+//!
+//! let robot = Robot::from_urdf(
+//!     r#"<robot name="pendulum">
+//!          <link name="stand"/>
+//!          <link name="rod"><inertial><origin xyz="0 0 -0.5"/><mass value="2"/></inertial></link>
+//!          <joint name="pivot" type="continuous">
+//!            <parent link="stand"/><child link="rod"/>
+//!            <origin xyz="0 0 1"/><axis xyz="0 1 0"/>
+//!          </joint>
+//!        </robot>"#,
+//! )?;
+//! let reference = Reference::new(&robot, "stand")?;
+//! let com = reference.com(&[0.3]);
+//! assert!((com.x + 0.5 * 0.3_f64.sin()).abs() < 1e-15);
+//! assert!((com.z - (1.0 - 0.5 * 0.3_f64.cos())).abs() < 1e-15);
+//! # Ok::<(), sesc_reference::Error>(())
+//! ```
+
+mod com;
+mod error;
+mod jacobian;
+mod joint;
+mod regressor;
+mod robot;
+mod tree;
+mod urdf;
+mod world;
+mod xml;
+
+pub use com::Reference;
+pub use error::Error;
+pub use joint::{Joint, JointKind, Link, Mimic, Pose};
+pub use regressor::numeric_rank;
+pub use robot::Robot;
+pub use tree::Coordinate;
+pub use world::World;

@@ -1,0 +1,192 @@
+//! A robot as its URDF describes it: a tree of links, joined by joints.
+//!
+//! ```text
+//! T_child = T_parent O_j X_j(q_j)
+//! O_j     = Trans(xyz) Rot_z(yaw) Rot_y(pitch) Rot_x(roll)
+//! q_j     = multiplier q_master + offset        where joint j mimics another
+//! ```
+//!
+//! The axis of the motion `X_j` is a unit vector in the joint frame, the frame
+//! after `O_j`. The numbers are those of the file, to the last bit; only axes
+//! are brought to length one and quaternions to matrices.
+
+use std::path::Path;
+
+use nalgebra::{Point3, Vector3};
+
+use crate::error::Error;
+use crate::joint::{Joint, Link, Pose};
+use crate::tree::{Coordinate, join, resolve_mimics, sort_from_root};
+
+/// A robot: one tree of links.
+///
+/// The *posture* `q` of a robot has one entry for every revolute, continuous
+/// or prismatic joint that mimics no other, in the order of the file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Robot {
+    name: String,
+    links: Vec<Link>,
+    joints: Vec<Joint>,
+    /// Joints, every parent link before its children.
+    order: Vec<usize>,
+    /// The joints that are entries of the posture.
+    movable: Vec<usize>,
+    coordinates: Vec<Coordinate>,
+}
+
+impl Robot {
+    /// Reads the text of a URDF.
+    ///
+    /// Only what the centre of mass depends on is read: link inertials (origin
+    /// and mass) and joints (type, parent, child, origin, axis, position
+    /// limits, mimic). Everything else may be absent, unknown or broken.
+    ///
+    /// # Errors
+    /// Text that is not XML, numbers that are not numbers, unknown joint
+    /// types, links that form no tree, mimic joints without a master.
+    pub fn from_urdf(text: &str) -> Result<Self, Error> {
+        crate::urdf::read(text)
+    }
+
+    /// Reads a URDF file; see [`Robot::from_urdf`].
+    ///
+    /// # Errors
+    /// As [`Robot::from_urdf`], and [`Error::File`] where it cannot be read.
+    pub fn from_file(path: impl AsRef<Path>) -> Result<Self, Error> {
+        let path = path.as_ref();
+        let bytes = std::fs::read(path).map_err(|source| Error::File {
+            path: path.to_owned(),
+            source,
+        })?;
+        Self::from_urdf(&String::from_utf8_lossy(&bytes))
+    }
+
+    /// Puts links and joints together and checks that they are one tree. A
+    /// mimic on a joint without a coordinate is dropped.
+    ///
+    /// # Errors
+    /// [`Error::NoLinks`], [`Error::NotATree`], and the mimic errors.
+    ///
+    /// # Panics
+    /// Where a joint's link index is out of range.
+    pub fn new(name: String, links: Vec<Link>, mut joints: Vec<Joint>) -> Result<Self, Error> {
+        for joint in &mut joints {
+            if !joint.kind.has_coordinate() {
+                joint.mimic = None;
+            }
+        }
+        let order = sort_from_root(&links, &joints)?;
+        let movable: Vec<usize> = (0..joints.len())
+            .filter(|&j| joints[j].kind.has_coordinate() && joints[j].mimic.is_none())
+            .collect();
+        let coordinates = resolve_mimics(&joints, &movable)?;
+        Ok(Self {
+            name,
+            links,
+            joints,
+            order,
+            movable,
+            coordinates,
+        })
+    }
+
+    /// The robot's name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The links, in the order of the file.
+    pub fn links(&self) -> &[Link] {
+        &self.links
+    }
+
+    /// The joints, in the order of the file.
+    pub fn joints(&self) -> &[Joint] {
+        &self.joints
+    }
+
+    /// The joints that are entries of the posture, in its order.
+    pub fn movable_joints(&self) -> impl ExactSizeIterator<Item = &Joint> {
+        self.movable.iter().map(|&j| &self.joints[j])
+    }
+
+    /// For every joint (in the order of the file) how the posture moves it.
+    pub fn coordinates(&self) -> &[Coordinate] {
+        &self.coordinates
+    }
+
+    /// Index of a link.
+    ///
+    /// # Errors
+    /// [`Error::UnknownLink`].
+    pub fn link_index(&self, name: &str) -> Result<usize, Error> {
+        let found = self.links.iter().position(|link| link.name == name);
+        found.ok_or_else(|| Error::UnknownLink {
+            name: name.to_owned(),
+            links: join(self.links.iter().map(|link| link.name.as_str())),
+        })
+    }
+
+    /// Index of a joint in the posture.
+    ///
+    /// # Errors
+    /// [`Error::UnknownJoint`], also for joints without an entry of their own.
+    pub fn dof_index(&self, name: &str) -> Result<usize, Error> {
+        let found = self.movable_joints().position(|joint| joint.name == name);
+        found.ok_or_else(|| Error::UnknownJoint {
+            name: name.to_owned(),
+            joints: join(self.movable_joints().map(|joint| joint.name.as_str())),
+        })
+    }
+
+    /// The poses of all links in the frame of the URDF's root link, by forward
+    /// kinematics from the root outwards. Free joints stand at their origin.
+    ///
+    /// # Panics
+    /// Where `q` has not one entry per movable joint.
+    pub fn poses_in_root(&self, q: &[f64]) -> Vec<Pose> {
+        assert_eq!(
+            q.len(),
+            self.movable.len(),
+            "a posture of `{}` has one entry per movable joint",
+            self.name
+        );
+        let mut poses = vec![Pose::identity(); self.links.len()];
+        for &j in &self.order {
+            let joint = &self.joints[j];
+            let Coordinate {
+                dof,
+                factor,
+                offset,
+            } = self.coordinates[j];
+            let position = dof.map_or(offset, |dof| factor * q[dof] + offset);
+            poses[joint.child] = poses[joint.parent] * joint.origin * joint.motion(position);
+        }
+        poses
+    }
+
+    /// The same robot with a point mass fixed to a link at `at_m` of its
+    /// frame; a negative mass takes away.
+    ///
+    /// # Errors
+    /// [`Error::UnknownLink`]; [`Error::Payload`] where nothing remains.
+    pub fn with_point_mass(&self, link: &str, mass_kg: f64, at_m: [f64; 3]) -> Result<Self, Error> {
+        let mut robot = self.clone();
+        let link = &mut robot.links[self.link_index(link)?];
+        let left_kg = link.mass_kg + mass_kg;
+        if mass_kg == 0.0 && left_kg == 0.0 {
+            return Ok(robot);
+        }
+        if !(left_kg > 0.0 && left_kg.is_finite()) {
+            return Err(Error::Payload {
+                link: link.name.clone(),
+                payload_kg: mass_kg,
+                left_kg,
+            });
+        }
+        let moment = link.com_m.coords * link.mass_kg + Vector3::from(at_m) * mass_kg;
+        link.com_m = Point3::from(moment / left_kg);
+        link.mass_kg = left_kg;
+        Ok(robot)
+    }
+}
