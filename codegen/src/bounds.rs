@@ -22,7 +22,7 @@ use crate::expr::{Expr, Id};
 use crate::program::{Program, operands};
 
 /// Error of the sine and cosine kernels, in ulp (runtime::trig).
-const KERNEL_ULPS: f64 = 2.0;
+const KERNEL_ULPS: f64 = 1.0;
 /// Error of a generated constant, which went through a few rotations, in units of f64's u.
 const CONSTANT_ULPS: f64 = 40.0;
 /// Covers what is quadratic in u: products of errors, and matrices orthogonal up to u.

@@ -27,6 +27,9 @@ pub enum Shape {
 }
 
 /// Exact operation counts.
+///
+/// Operations that only form the argument of a sine and cosine (a constant in
+/// the angle, a mimic's multiplier) belong to it and are counted as `angle`.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Counts {
     pub mul: usize,
@@ -34,6 +37,8 @@ pub struct Counts {
     pub add: usize,
     /// Sine-cosine pairs.
     pub sin_cos: usize,
+    /// Operations on angles before their sine and cosine.
+    pub angle: usize,
     /// Sign changes that no addition absorbs.
     pub neg: usize,
 }
@@ -193,13 +198,22 @@ impl Program {
     /// Operations of one call.
     pub fn counts(&self) -> Counts {
         let mut counts = Counts::default();
-        for node in &self.nodes {
+        // Whether a node feeds anything but sines and cosines.
+        let mut beyond = vec![false; self.nodes.len()];
+        for id in &self.outputs {
+            beyond[id.index()] = true;
+        }
+        for (k, node) in self.nodes.iter().enumerate().rev() {
+            let trig = matches!(node.expr, Expr::Sin(_) | Expr::Cos(_));
+            for operand in operands(node.expr) {
+                beyond[operand.index()] |= beyond[k] && !trig;
+            }
             match node.expr {
-                Expr::Const(_) | Expr::Input { .. } => {}
+                Expr::Const(_) | Expr::Input { .. } | Expr::Sin(_) | Expr::Cos(_) => {}
+                _ if !beyond[k] => counts.angle += 1,
                 Expr::Add(..) | Expr::Sub(..) => counts.add += 1,
                 Expr::Mul(..) => counts.mul += 1,
                 Expr::Neg(_) => counts.neg += 1,
-                Expr::Sin(_) | Expr::Cos(_) => {}
             }
         }
         counts.sin_cos = self.angles().len();

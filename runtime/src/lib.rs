@@ -1,0 +1,50 @@
+//! What generated centre-of-mass code needs at run time, and nothing else.
+//!
+//! A statically equivalent serial chain writes the centre of mass of a robot as
+//!
+//! ```text
+//! CoM(q) = r_0 + Σ B_i(q) r_i
+//! ```
+//!
+//! so its code consists of sums, products, and one sine and cosine per joint.
+//! This crate supplies these for one posture or for many at once:
+//!
+//! * [`Sesc`] and [`SescFromSinCos`]: the functions that every generated unit
+//!   struct has, so that a controller can be written for any robot;
+//! * [`Real`]: the scalars that these functions accept: `f64`, `f32`, and
+//!   [`Lanes`] of either, one posture per lane;
+//! * [`trig`]: the sine and cosine behind [`Real::sin_cos`], free of branches
+//!   and tables, the same to the last bit on every machine and in every lane.
+//!
+//! No allocation, no dependency, no panic: it runs inside a control loop and on
+//! a microcontroller.
+//!
+//! ```
+//! use sesc_runtime::{F64x8, Lanes, Real};
+//!
+//! // A link of 0.4 m, leaning by q: how far forward is its end?
+//! fn reach<T: Real>(q: T) -> T {
+//!     let (sin, _cos) = q.sin_cos();
+//!     T::from_f64(0.4) * sin
+//! }
+//!
+//! let one = reach(0.5_f64);
+//! let many: F64x8 = reach(Lanes([0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2]));
+//! assert_eq!(one.to_bits(), many.0[0].to_bits());
+//! ```
+
+#![no_std]
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
+
+#[cfg(test)]
+extern crate std;
+
+mod lanes;
+mod model;
+mod real;
+pub mod trig;
+
+pub use lanes::{F32x8, F32x16, F64x4, F64x8, Lanes, pack, unpack};
+pub use model::{Sesc, SescFromSinCos};
+pub use real::Real;

@@ -1,0 +1,98 @@
+//! `sesc inspect`
+
+use std::fmt::Write as _;
+
+use clap::Args;
+
+use super::{Outcome, RobotArguments, print, print_json};
+use crate::Error;
+use crate::inspect::{Inspection, inspect};
+use crate::report::table::Table;
+
+/// Tree, chain, base parameters, what is unobservable, operation counts, snaps
+#[derive(Args)]
+#[command(after_help = "Example:\n  sesc inspect robots/op2/op2.urdf --support r_sole")]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    robot: RobotArguments,
+    /// Machine-readable output
+    #[arg(long)]
+    json: bool,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
+    let (_, model) = arguments.robot.load(None)?;
+    let inspection = inspect(&model);
+    if arguments.json {
+        print_json(&inspection)?;
+    } else {
+        print(&text(&inspection))?;
+    }
+    // The structure says one rank, the numbers another: that must not pass quietly.
+    if inspection.rank == inspection.numeric_rank {
+        Ok(Outcome::Ok)
+    } else {
+        super::message("check failed: the numeric rank contradicts the symbolic count");
+        Ok(Outcome::Failed)
+    }
+}
+
+fn text(i: &Inspection) -> String {
+    let mut out = String::new();
+    let _ = writeln!(
+        out,
+        "{} on {}: {} links, {} bodies, {} independent joints, {:.6} kg (hash {})\n",
+        i.robot, i.support, i.links, i.bodies, i.dof, i.mass_kg, i.hash
+    );
+    let mut chain = Table::new(&["body", "joint", "carried by", "r_i from CAD, mm", "B_i"]);
+    for body in &i.chain {
+        let [x, y, z] = body.r.map(|x| 1e3 * x);
+        let s = body.s.map(|s| format!("; s = {s:.4}")).unwrap_or_default();
+        chain.row(&[
+            body.body.clone(),
+            body.joint.clone().unwrap_or_default(),
+            body.parent.clone().unwrap_or_default(),
+            format!("{x:9.4} {y:9.4} {z:9.4}{s}"),
+            body.orientation.clone(),
+        ]);
+    }
+    let _ = writeln!(out, "{chain}");
+    let _ = writeln!(
+        out,
+        "{} SESC parameters, {} base parameters; rank {} from CoM rows, {} from flat CoP rows \
+         (numerically {} and {})\n",
+        i.full_params, i.base_params, i.rank.xyz, i.rank.cop, i.numeric_rank.xyz, i.numeric_rank.cop
+    );
+    let mut parameters = Table::new(&["base parameter", "CAD, mm"]);
+    for parameter in &i.parameters {
+        parameters.row(&[parameter.name.clone(), format!("{:.4}", 1e3 * parameter.cad)]);
+    }
+    let _ = writeln!(out, "{parameters}");
+    let _ = writeln!(out, "What no data can see:");
+    for direction in &i.unobservable {
+        let _ = writeln!(out, "  {}", direction.sentence);
+    }
+    let mut costs = Table::new(&["function", "mul", "add", "sin_cos", "rounding f64, m", "f32, m"]);
+    for (name, operations) in &i.operations {
+        costs.row(&[
+            name.to_string(),
+            operations.mul.to_string(),
+            operations.add.to_string(),
+            operations.sin_cos.to_string(),
+            format!("{:.1e}", i.rounding_bound[name].f64),
+            format!("{:.1e}", i.rounding_bound[name].f32),
+        ]);
+    }
+    let _ = writeln!(out, "\n{costs}");
+    if i.snaps.is_empty() {
+        let _ = writeln!(out, "No right angle was snapped.");
+    }
+    for snap in &i.snaps {
+        let _ = writeln!(
+            out,
+            "snapped {}: {:.1e} rad to a right angle, moves the CoM by at most {:.1e} m",
+            snap.joint, snap.angle_error, snap.com_error
+        );
+    }
+    out
+}

@@ -1,0 +1,170 @@
+//! The command line: parse, call, print.
+
+mod demo;
+mod generate;
+mod inspect;
+mod predict;
+mod simulate;
+mod verify;
+
+use std::io::{IsTerminal as _, Write as _};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use sesc_codegen::{Model, Snapping};
+
+use crate::Error;
+use crate::robot::Robot;
+
+/// Centre of mass by the statically equivalent serial chain: from a URDF to
+/// verified functions, and from posture logs to parameters.
+#[derive(Parser)]
+#[command(name = "sesc", version, about)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Inspect(inspect::Arguments),
+    Generate(generate::Arguments),
+    Verify(verify::Arguments),
+    Simulate(simulate::Arguments),
+    Predict(predict::Arguments),
+    Demo(demo::Arguments),
+}
+
+/// What became of a command that ran.
+enum Outcome {
+    Ok,
+    /// A check failed (exit code 1).
+    Failed,
+}
+
+/// Run the command line of this process.
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let outcome = match cli.command {
+        Command::Inspect(arguments) => inspect::run(&arguments),
+        Command::Generate(arguments) => generate::run(&arguments),
+        Command::Verify(arguments) => verify::run(&arguments),
+        Command::Simulate(arguments) => simulate::run(&arguments),
+        Command::Predict(arguments) => predict::run(&arguments),
+        Command::Demo(arguments) => demo::run(&arguments),
+    };
+    match outcome {
+        Ok(Outcome::Ok) => ExitCode::SUCCESS,
+        Ok(Outcome::Failed) => ExitCode::from(1),
+        // A reader that went away (`| head`) is no fault.
+        Err(Error::Stdout(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => {
+            ExitCode::SUCCESS
+        }
+        Err(error) => {
+            complain(&error);
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// An error and what caused it, on stderr.
+fn complain(error: &Error) {
+    let mut text = format!("error: {error}\n");
+    let mut cause = std::error::Error::source(error);
+    while let Some(inner) = cause {
+        text.push_str(&format!("  caused by: {inner}\n"));
+        cause = inner.source();
+    }
+    // Nobody is left to tell if stderr is closed.
+    let _ = std::io::stderr().write_all(text.as_bytes());
+}
+
+/// The robot of a command.
+#[derive(Args)]
+struct RobotArguments {
+    /// Robot description
+    #[arg(value_name = "URDF")]
+    urdf: PathBuf,
+    /// Link that stands on the ground; its sole is z = 0 of its frame
+    #[arg(long, value_name = "LINK")]
+    support: Option<String>,
+    /// Take decimals of right angles (1.5708) literally
+    #[arg(long)]
+    no_snap: bool,
+}
+
+impl RobotArguments {
+    fn snapping(&self) -> Snapping {
+        if self.no_snap { Snapping::Off } else { Snapping::default() }
+    }
+
+    /// The support from the flag, else from `fallback` (a log's sidecar).
+    fn support(&self, robot: &Robot, fallback: Option<&str>) -> Result<String, Error> {
+        self.support.as_deref().or(fallback).map(str::to_string).ok_or_else(|| {
+            let links: Vec<&str> = robot
+                .description
+                .robot
+                .links
+                .iter()
+                .map(|link| link.name.as_str())
+                .take(12)
+                .collect();
+            Error::Usage(format!(
+                "no support link given; add --support LINK (the robot has {}{})",
+                links.join(", "),
+                if robot.description.robot.links.len() > links.len() { ", …" } else { "" }
+            ))
+        })
+    }
+
+    /// Read the robot and build its model, saying on stderr what was noticed.
+    fn load(&self, model_file: Option<&std::path::Path>) -> Result<(Robot, Model), Error> {
+        let robot = Robot::read(&self.urdf)?;
+        let support = self.support(&robot, None)?;
+        let model = robot.model(&support, self.snapping(), model_file)?;
+        notes(&model);
+        Ok((robot, model))
+    }
+}
+
+/// Notes about the robot, on stderr.
+fn notes(model: &Model) {
+    for note in &model.tree.notes {
+        message(&format!("note: {note}"));
+    }
+}
+
+/// A line on stderr.
+fn message(text: &str) {
+    let _ = writeln!(std::io::stderr(), "{text}");
+}
+
+/// A whole result on stdout.
+fn print(text: &str) -> Result<(), Error> {
+    let mut stdout = std::io::stdout().lock();
+    stdout
+        .write_all(text.as_bytes())
+        .and_then(|()| stdout.flush())
+        .map_err(Error::Stdout)
+}
+
+/// A value as JSON on stdout.
+fn print_json(value: &impl serde::Serialize) -> Result<(), Error> {
+    let text = serde_json::to_string_pretty(value)
+        .map_err(|error| Error::Report(Box::new(error)))?;
+    print(&(text + "\n"))
+}
+
+/// A progress bar on a terminal's stderr; silent elsewhere.
+fn progress(what: &'static str) -> ProgressBar {
+    let bar = ProgressBar::new(0);
+    if !std::io::stderr().is_terminal() {
+        bar.set_draw_target(ProgressDrawTarget::hidden());
+    }
+    let style = ProgressStyle::with_template("{msg} {bar:30} {pos}/{len} ({eta})");
+    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    bar.set_message(what);
+    bar
+}

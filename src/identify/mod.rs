@@ -1,0 +1,3 @@
+//! From postures and CoP to parameters.
+
+pub mod fit;

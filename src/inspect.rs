@@ -1,0 +1,215 @@
+//! What there is to know about a robot before any data: tree, chain, base
+//! parameters, what no data can see, operation counts, rounding, snaps.
+
+use std::collections::BTreeMap;
+
+use nalgebra::DMatrix;
+use serde::Serialize;
+use sesc_codegen::bounds::Precision;
+use sesc_codegen::program::Counts;
+use sesc_codegen::{Function, Given, Model, numeric};
+
+use crate::evaluate::Evaluator;
+
+/// Pivots below this, relative to the largest, count as dependent columns.
+const RANK_TOLERANCE: f64 = 1e-9;
+
+/// The JSON of `sesc inspect`.
+#[derive(Debug, Clone, Serialize)]
+pub struct Inspection {
+    pub robot: String,
+    pub hash: String,
+    pub support: String,
+    pub mass_kg: f64,
+    pub links: usize,
+    pub dof: usize,
+    pub bodies: usize,
+    pub full_params: usize,
+    pub base_params: usize,
+    pub rank: Rank,
+    /// The same ranks found numerically; they must agree.
+    pub numeric_rank: Rank,
+    pub joints: Vec<String>,
+    pub chain: Vec<Body>,
+    pub parameters: Vec<Parameter>,
+    pub unobservable: Vec<Unobservable>,
+    pub snaps: Vec<Snap>,
+    pub notes: Vec<String>,
+    pub operations: BTreeMap<&'static str, Operations>,
+    pub rounding_bound: BTreeMap<&'static str, Rounding>,
+}
+
+/// Ranks of stacked regressor rows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Rank {
+    /// From three-dimensional CoM rows.
+    pub xyz: usize,
+    /// From flat CoP rows.
+    pub cop: usize,
+}
+
+/// One body of the chain.
+#[derive(Debug, Clone, Serialize)]
+pub struct Body {
+    pub body: String,
+    pub joint: Option<String>,
+    pub parent: Option<String>,
+    /// B_i as a product of turns.
+    pub orientation: String,
+    /// CAD value of r_i, m, in the body's link frame.
+    pub r: [f64; 3],
+    /// CAD value of s_i of a sliding body.
+    pub s: Option<f64>,
+    pub mass_kg: f64,
+    pub links: Vec<String>,
+}
+
+/// One base parameter.
+#[derive(Debug, Clone, Serialize)]
+pub struct Parameter {
+    pub name: String,
+    /// m
+    pub cad: f64,
+}
+
+/// A direction no data can see.
+#[derive(Debug, Clone, Serialize)]
+pub struct Unobservable {
+    pub name: String,
+    pub sentence: String,
+}
+
+/// A right angle that was made exact.
+#[derive(Debug, Clone, Serialize)]
+pub struct Snap {
+    pub joint: String,
+    /// rad
+    pub angle_error: f64,
+    /// m
+    pub com_error: f64,
+}
+
+/// Exact operation counts of one function.
+#[derive(Debug, Clone, Serialize)]
+pub struct Operations {
+    pub mul: usize,
+    pub add: usize,
+    pub sin_cos: usize,
+    /// Operations on angles before their sine and cosine.
+    pub angle: usize,
+}
+
+impl From<Counts> for Operations {
+    fn from(counts: Counts) -> Operations {
+        Operations {
+            mul: counts.mul,
+            add: counts.add,
+            sin_cos: counts.sin_cos,
+            angle: counts.angle,
+        }
+    }
+}
+
+/// Proven rounding bounds of one function, m.
+#[derive(Debug, Clone, Serialize)]
+pub struct Rounding {
+    pub f64: f64,
+    pub f32: f64,
+}
+
+/// Gather everything.
+pub fn inspect(model: &Model) -> Inspection {
+    let (tree, chain, base) = (&model.tree, &model.chain, &model.base);
+    let mut operations = BTreeMap::new();
+    let mut rounding_bound = BTreeMap::new();
+    for function in Function::ALL {
+        let Some(program) = model.program(function, Given::Positions) else {
+            continue;
+        };
+        operations.insert(function.name(), program.counts().into());
+        let bound = |precision| model.rounding(&program, precision).worst;
+        rounding_bound.insert(
+            function.name(),
+            Rounding {
+                f64: bound(Precision::F64),
+                f32: bound(Precision::F32),
+            },
+        );
+    }
+    Inspection {
+        robot: tree.robot.clone(),
+        hash: tree.hash.clone(),
+        support: tree.links[tree.support].name.clone(),
+        mass_kg: tree.mass,
+        links: tree.links.len(),
+        dof: model.dof(),
+        bodies: chain.bodies.len(),
+        full_params: chain.full_params,
+        base_params: base.params.len(),
+        rank: Rank {
+            xyz: base.params.len(),
+            cop: base.rank_cop,
+        },
+        numeric_rank: numeric_rank(model),
+        joints: tree.dofs.iter().map(|dof| dof.joint.clone()).collect(),
+        chain: bodies(model),
+        parameters: base
+            .params
+            .iter()
+            .map(|param| Parameter {
+                name: param.name.clone(),
+                cad: param.cad,
+            })
+            .collect(),
+        unobservable: base
+            .unobservable
+            .iter()
+            .map(|direction| Unobservable {
+                name: direction.name.clone(),
+                sentence: direction.sentence.clone(),
+            })
+            .collect(),
+        snaps: tree
+            .snaps
+            .iter()
+            .map(|snap| Snap {
+                joint: snap.joint.clone(),
+                angle_error: snap.angle_error,
+                com_error: snap.com_error,
+            })
+            .collect(),
+        notes: tree.notes.clone(),
+        operations,
+        rounding_bound,
+    }
+}
+
+fn bodies(model: &Model) -> Vec<Body> {
+    let chain = &model.chain;
+    let body = |(i, body): (usize, &sesc_codegen::chain::Body)| Body {
+        body: body.name.clone(),
+        joint: body.joint.clone(),
+        parent: body.parent.map(|p| chain.bodies[p].name.clone()),
+        orientation: chain.orientation_product(i),
+        r: body.r.into(),
+        s: body.s,
+        mass_kg: body.mass,
+        links: body.links.iter().map(|&l| model.tree.links[l].name.clone()).collect(),
+    };
+    chain.bodies.iter().enumerate().map(body).collect()
+}
+
+/// Ranks of the regressor the program computes, over enough wide postures.
+pub fn numeric_rank(model: &Model) -> Rank {
+    let params = model.base.params.len();
+    let rank = |function, rows: usize| {
+        let count = 2 * params / rows + 20;
+        let q: Vec<f64> = numeric::wide_postures(&model.tree.dofs, count).flatten().collect();
+        let values = Evaluator::new(model, function).run(&q, count);
+        numeric::rank(&DMatrix::from_row_slice(rows * count, params, &values), RANK_TOLERANCE)
+    };
+    Rank {
+        xyz: rank(Function::Regressor, 3),
+        cop: rank(Function::RegressorCop, 2),
+    }
+}

@@ -1,0 +1,46 @@
+//! What `generated/` holds, and how it is written.
+
+use std::path::{Path, PathBuf};
+
+use sesc_codegen::emit::rust;
+use sesc_codegen::{Snapping, write_if_changed};
+
+use crate::Error;
+use crate::robot::Robot;
+
+/// Robots with checked-in code: folder under `robots/`, support link, module.
+pub const TARGETS: [(&str, &str, &str); 4] = [
+    ("op2", "r_sole", "op2_r_sole"),
+    ("op2", "l_sole", "op2_l_sole"),
+    ("skew_humanoid", "right_sole", "skew_humanoid_right_sole"),
+    ("two_link", "foot", "two_link_foot"),
+];
+
+/// Every file of `generated/src`, relative to the project's root, with its text.
+pub fn files(root: &Path) -> Result<Vec<(PathBuf, String)>, Error> {
+    let mut files = Vec::new();
+    let mut modules = String::from(
+        "//! Machine-written modules for robots of `robots/`; `cargo regen` rewrites them.\n\n\
+         #![no_std]\n#![forbid(unsafe_code)]\n\n",
+    );
+    for (robot, support, module) in TARGETS {
+        let urdf = root.join(format!("robots/{robot}/{robot}.urdf"));
+        let model = Robot::read(&urdf)?.model(support, Snapping::default(), None)?;
+        let text = rust::module(&model, module)?;
+        files.push((PathBuf::from(format!("generated/src/{module}.rs")), text));
+        modules.push_str(&format!("#[rustfmt::skip]\npub mod {module};\n"));
+    }
+    files.push((PathBuf::from("generated/src/lib.rs"), modules));
+    Ok(files)
+}
+
+/// Rewrite what changed; returns the files written.
+pub fn write(root: &Path) -> Result<Vec<PathBuf>, Error> {
+    let mut changed = Vec::new();
+    for (path, text) in files(root)? {
+        if write_if_changed(&root.join(&path), &text)? {
+            changed.push(path);
+        }
+    }
+    Ok(changed)
+}

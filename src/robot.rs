@@ -1,0 +1,59 @@
+//! A robot on its support, as the commands use it.
+
+use std::path::Path;
+
+use sesc_codegen::urdf::{self, Description};
+use sesc_codegen::{Error as CodegenError, Model, ModelFile, Snapping};
+use sesc_reference::Reference;
+
+use crate::Error;
+
+/// The OP2, embedded: `sesc demo` needs no files.
+pub const OP2_URDF: &str = include_str!("../robots/op2/op2.urdf");
+
+/// A URDF that was read, and the text it was read from.
+pub struct Robot {
+    pub description: Description,
+    text: String,
+}
+
+impl Robot {
+    /// Read a URDF file.
+    pub fn read(path: &Path) -> Result<Robot, Error> {
+        let description = urdf::read(path).map_err(CodegenError::from)?;
+        let text = std::fs::read_to_string(path).map_err(|source| Error::Read {
+            file: path.display().to_string(),
+            source,
+        })?;
+        Ok(Robot { description, text })
+    }
+
+    /// Parse the text of a URDF; `file` names it in messages.
+    pub fn parse(text: &str, file: &str) -> Result<Robot, Error> {
+        let description = urdf::parse(text, file).map_err(CodegenError::from)?;
+        Ok(Robot {
+            description,
+            text: text.to_string(),
+        })
+    }
+
+    /// The symbolic model on `support`, with identified parameters if given.
+    pub fn model(
+        &self,
+        support: &str,
+        snapping: Snapping,
+        file: Option<&Path>,
+    ) -> Result<Model, Error> {
+        let model = Model::new(&self.description, support, snapping)?;
+        Ok(match file {
+            Some(path) => model.with_file(ModelFile::read(path)?)?,
+            None => model,
+        })
+    }
+
+    /// The independent reference on `support`, which reads the URDF by itself.
+    pub fn reference(&self, support: &str) -> Result<Reference, Error> {
+        let robot = sesc_reference::Robot::from_urdf(&self.text)?;
+        Ok(Reference::new(&robot, support)?)
+    }
+}

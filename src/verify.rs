@@ -1,0 +1,171 @@
+//! Generated functions against the independent reference.
+//!
+//! The program that becomes Rust runs on tape; the reference sums `m_i T_i c_i`
+//! from its own reading of the URDF. Allowed difference: twice the proven
+//! rounding bound (the reference rounds too) and what snapped right angles move.
+
+use std::collections::BTreeMap;
+
+use nalgebra::DVector;
+use serde::Serialize;
+use sesc_codegen::bounds::Precision;
+use sesc_codegen::{Function, Given, Model};
+use sesc_reference::Reference;
+
+use crate::evaluate::Evaluator;
+use crate::simulate::Simulator;
+
+/// Derivatives by differences are this exact, relative to the robot's size.
+const DIFFERENCES: f64 = 2e-10;
+/// One posture in so many is also differentiated, which costs 6 evaluations a joint.
+const DIFFERENTIATED: usize = 50;
+/// Postures evaluated together.
+const BLOCK: usize = 512;
+
+/// What the comparison found.
+#[derive(Debug, Clone, Serialize)]
+pub struct Verification {
+    pub pass: bool,
+    /// Postures compared: random ones and corners of the limits.
+    pub samples: usize,
+    /// Largest difference per function, m.
+    pub worst_error: BTreeMap<&'static str, f64>,
+    /// What rounding and snapping may explain, m.
+    pub bound: BTreeMap<&'static str, f64>,
+}
+
+/// Compare on `samples` random postures and as many corners as joints allow.
+pub fn verify(
+    model: &Model,
+    reference: &Reference,
+    samples: usize,
+    seed: u64,
+    progress: impl Fn(usize, usize),
+) -> Verification {
+    let mut postures = Simulator::new(&model.tree.dofs, None, seed).batch(samples);
+    postures.extend(corners(model, seed));
+    let dof = model.dof();
+    let count = match dof {
+        0 => 1,
+        _ => postures.len() / dof,
+    };
+    let mut worst: BTreeMap<&'static str, f64> = Function::ALL.map(|f| (f.name(), 0.0)).into();
+    let evaluators = Function::ALL.map(|f| (f, Evaluator::with_params(model, f, model.cad_params())));
+    for start in (0..count).step_by(BLOCK) {
+        let n = BLOCK.min(count - start);
+        let q = &postures[start * dof..(start + n) * dof];
+        let truths: Vec<Truth> = (0..n)
+            .map(|k| Truth::new(reference, &q[k * dof..(k + 1) * dof], (start + k) % DIFFERENTIATED == 0))
+            .collect();
+        for (function, evaluator) in &evaluators {
+            let values = evaluator.run(q, n);
+            for (values, truth) in values.chunks(evaluator.width().max(1)).zip(&truths) {
+                let error = truth.difference(model, *function, values);
+                let entry = worst.entry(function.name()).or_default();
+                // A NaN must not slip through a maximum.
+                *entry = if error.is_nan() { f64::INFINITY } else { entry.max(error) };
+            }
+        }
+        progress(start + n, count);
+    }
+    let bound: BTreeMap<&'static str, f64> =
+        Function::ALL.map(|f| (f.name(), allowed(model, f))).into();
+    Verification {
+        pass: worst.iter().all(|(name, error)| *error <= bound[name]),
+        samples: count,
+        worst_error: worst,
+        bound,
+    }
+}
+
+/// All joints at their lower ends, all at their upper, and mixtures of ends.
+fn corners(model: &Model, seed: u64) -> Vec<f64> {
+    let dofs = &model.tree.dofs;
+    let mut coin = Simulator::new(dofs, None, seed.wrapping_add(1));
+    let mut corners: Vec<f64> = dofs.iter().map(|dof| dof.lower).collect();
+    corners.extend(dofs.iter().map(|dof| dof.upper));
+    for _ in 0..2 * dofs.len() {
+        let drawn = coin.posture();
+        corners.extend(dofs.iter().zip(drawn).map(|(dof, q)| {
+            let middle = 0.5 * (dof.lower + dof.upper);
+            if q < middle { dof.lower } else { dof.upper }
+        }));
+    }
+    corners
+}
+
+/// What the reference says of one posture.
+struct Truth {
+    com: [f64; 3],
+    /// Row-major Jacobian and gravity moments, where they were taken.
+    derivatives: Option<(Vec<f64>, Vec<f64>)>,
+}
+
+impl Truth {
+    fn new(reference: &Reference, q: &[f64], differentiate: bool) -> Truth {
+        let com = reference.com(q);
+        let derivatives = differentiate.then(|| {
+            let jacobian = reference.com_jacobian(q).transpose().as_slice().to_vec();
+            (jacobian, reference.gravity_moments(q).as_slice().to_vec())
+        });
+        Truth {
+            com: [com.x, com.y, com.z],
+            derivatives,
+        }
+    }
+
+    /// Largest difference between `values` of `function` and the truth, m.
+    fn difference(&self, model: &Model, function: Function, values: &[f64]) -> f64 {
+        let explained = |params: Vec<f64>| -> Vec<f64> {
+            let params = DVector::from_vec(params);
+            values
+                .chunks(params.len())
+                .map(|row| DVector::from_column_slice(row).dot(&params))
+                .collect()
+        };
+        match (function, &self.derivatives) {
+            (Function::Com | Function::Cop, _) => largest(values, &self.com),
+            (Function::Regressor | Function::RegressorCop, _) => {
+                largest(&explained(model.cad_params()), &self.com)
+            }
+            (Function::RegressorFull, _) => largest(&explained(model.chain.full_cad()), &self.com),
+            (Function::ComJacobian, Some((jacobian, _))) => largest(values, jacobian),
+            (Function::GravityMoments, Some((_, moments))) => largest(values, moments),
+            (Function::ComJacobian | Function::GravityMoments, None) => 0.0,
+        }
+    }
+}
+
+/// Largest |a − b| over the entries of `a`; NaN if there is one.
+fn largest(a: &[f64], b: &[f64]) -> f64 {
+    let differences = a.iter().zip(b).map(|(x, y)| (x - y).abs());
+    differences.fold(0.0, |most, x| if x.is_nan() || x > most { x } else { most })
+}
+
+/// How far generated code may be from the reference, m.
+pub fn allowed(model: &Model, function: Function) -> f64 {
+    let rounding = |function: Function| {
+        let program = model
+            .program(function, Given::Positions)
+            .expect("every function can be had from joint positions");
+        model.rounding(&program, Precision::F64).worst
+    };
+    let snapped: f64 = model.tree.snaps.iter().map(|snap| snap.com_error).sum();
+    let tilted: f64 = model.tree.snaps.iter().map(|snap| snap.angle_error).sum();
+    let com = 2.0 * rounding(Function::Com) + snapped;
+    // Rows times parameters: every entry's error, weighed, and a long sum's own.
+    let weighed = |params: Vec<f64>| {
+        let sum: f64 = params.iter().map(|x| x.abs()).sum();
+        sum * (rounding(function) + params.len() as f64 * f64::EPSILON)
+    };
+    match function {
+        Function::Com | Function::Cop => com,
+        Function::Regressor | Function::RegressorCop => com + weighed(model.cad_params()),
+        Function::RegressorFull => com + weighed(model.chain.full_cad()),
+        Function::ComJacobian | Function::GravityMoments => {
+            let size = model.reach();
+            let tied: f64 = model.largest_tie();
+            2.0 * rounding(function) + tied * size * (DIFFERENCES + 2.0 * tilted)
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! Random robots as URDF text, one per seed.
+
+#![allow(dead_code)] // each test binary uses its own part
+
+use std::fmt::Write as _;
+
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+
+/// What kind of trees to draw.
+#[derive(Debug, Clone, Copy)]
+pub struct Kind {
+    pub joints: usize,
+    /// Turning joints with axes along coordinate axes and right angles only.
+    pub canonical: bool,
+    /// Revolute joints only: no slides, no fixed joints, no mimics.
+    pub revolute: bool,
+    /// How likely a joint hangs on the latest link: 1 makes a chain, 0 a bush.
+    pub chained: f64,
+}
+
+/// A random tree as URDF text, and the names of its links.
+pub fn tree(seed: u64, kind: Kind) -> (String, Vec<String>) {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let links: Vec<String> = (0..=kind.joints).map(|k| format!("link-{k}")).collect();
+    let mut blocks: Vec<String> = Vec::new();
+    for (k, link) in links.iter().enumerate() {
+        // Some links are massless, wherever they are; one surely is not.
+        if k != 1 && rng.random_bool(0.15) {
+            blocks.push(format!("  <link name=\"{link}\"/>\n"));
+            continue;
+        }
+        let mass: f64 = 0.05 + 2.0 * rng.random::<f64>();
+        let com = vector(&mut rng, 0.15);
+        blocks.push(format!(
+            "  <link name=\"{link}\"><inertial><origin xyz=\"{com}\" rpy=\"0.3 0.1 2\"/>\
+             <mass value=\"{mass}\"/></inertial></link>\n"
+        ));
+    }
+    let mut masters: Vec<String> = Vec::new();
+    for k in 0..kind.joints {
+        let latest = rng.random_bool(kind.chained);
+        let parent = if latest { k } else { rng.random_range(0..=k) };
+        blocks.push(joint(&mut rng, kind, k, parent, &mut masters));
+    }
+    // Document order is nobody's tree order.
+    for k in (1..blocks.len()).rev() {
+        blocks.swap(k, rng.random_range(0..=k));
+    }
+    (
+        format!(
+            "<robot name=\"random {seed}\">\n{}</robot>\n",
+            blocks.concat()
+        ),
+        links,
+    )
+}
+
+fn joint(
+    rng: &mut ChaCha8Rng,
+    kind: Kind,
+    k: usize,
+    parent: usize,
+    masters: &mut Vec<String>,
+) -> String {
+    let name = format!("joint.{k}");
+    let kinds = [
+        "revolute",
+        "revolute",
+        "revolute",
+        "continuous",
+        "prismatic",
+        "fixed",
+    ];
+    let mut which = if kind.revolute {
+        "revolute"
+    } else {
+        kinds[rng.random_range(0..kinds.len())]
+    };
+    if !kind.revolute && k == 0 {
+        which = "revolute";
+    }
+    let mut text = format!("  <joint name=\"{name}\" type=\"{which}\">\n");
+    let _ = writeln!(
+        text,
+        "    <parent link=\"link-{parent}\"/><child link=\"link-{}\"/>",
+        k + 1
+    );
+    let _ = writeln!(
+        text,
+        "    <origin xyz=\"{}\" rpy=\"{}\"/>",
+        vector(rng, 0.3),
+        angles(rng, kind)
+    );
+    if which != "fixed" {
+        let _ = writeln!(text, "    <axis xyz=\"{}\"/>", axis(rng, kind));
+        if which != "continuous" {
+            let _ = writeln!(
+                text,
+                "    <limit lower=\"-1.9\" upper=\"2.2\" effort=\"1\"/>"
+            );
+        }
+        // Targets may be declared later and need not be ancestors.
+        if !kind.revolute && !masters.is_empty() && rng.random_bool(0.2) {
+            let master = &masters[rng.random_range(0..masters.len())];
+            let factor = [1.0, -1.0, 2.0, 0.5, -0.75][rng.random_range(0..5)];
+            let offset = [0.0, 0.3][rng.random_range(0..2)];
+            let _ = writeln!(
+                text,
+                "    <mimic joint=\"{master}\" multiplier=\"{factor}\" offset=\"{offset}\"/>"
+            );
+        } else {
+            masters.push(name);
+        }
+    }
+    text + "  </joint>\n"
+}
+
+fn vector(rng: &mut ChaCha8Rng, size: f64) -> String {
+    let mut one = || size * (2.0 * rng.random::<f64>() - 1.0);
+    format!("{} {} {}", one(), one(), one())
+}
+
+fn angles(rng: &mut ChaCha8Rng, kind: Kind) -> String {
+    let right = ["0", "1.5708", "-1.57079632679", "3.14159"];
+    let one = |rng: &mut ChaCha8Rng| match kind.canonical || rng.random_bool(0.6) {
+        true => right[rng.random_range(0..right.len())].to_string(),
+        false => format!("{}", 6.0 * rng.random::<f64>() - 3.0),
+    };
+    format!("{} {} {}", one(rng), one(rng), one(rng))
+}
+
+fn axis(rng: &mut ChaCha8Rng, kind: Kind) -> String {
+    let aligned = ["1 0 0", "0 1 0", "0 0 1", "-1 0 0", "0 -2 0", "0 0 -1"];
+    if kind.canonical || rng.random_bool(0.5) {
+        aligned[rng.random_range(0..aligned.len())].to_string()
+    } else {
+        vector(rng, 1.0)
+    }
+}

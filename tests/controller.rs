@@ -1,0 +1,85 @@
+//! A controller builds with three lines of `build.rs`, runs, is left alone by a
+//! second build and follows a change of the URDF.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+const ROOT: &str = env!("CARGO_MANIFEST_DIR");
+
+/// A copy of the controller with a URDF of its own.
+fn copy() -> PathBuf {
+    let crate_ = Path::new(env!("CARGO_TARGET_TMPDIR")).join("controller");
+    let _ = fs::remove_dir_all(&crate_);
+    fs::create_dir_all(crate_.join("src")).unwrap();
+    for file in ["Cargo.toml", "Cargo.lock", "build.rs", "src/main.rs"] {
+        let text = fs::read_to_string(Path::new(ROOT).join("tests/controller").join(file)).unwrap();
+        let text = text
+            .replace("../../robots/op2/op2.urdf", "op2.urdf")
+            .replace("../../", &format!("{ROOT}/"));
+        fs::write(crate_.join(file), text).unwrap();
+    }
+    fs::copy(Path::new(ROOT).join("robots/op2/op2.urdf"), crate_.join("op2.urdf")).unwrap();
+    crate_
+}
+
+fn cargo(crate_: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO"))
+        .args(arguments)
+        .args(["--offline", "--target-dir"])
+        .arg(Path::new(env!("CARGO_TARGET_TMPDIR")).join("controller-target"))
+        .current_dir(crate_)
+        .output()
+        .unwrap()
+}
+
+fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr)
+}
+
+/// The module that `build.rs` wrote, and when.
+fn module() -> (PathBuf, std::time::SystemTime) {
+    let builds = Path::new(env!("CARGO_TARGET_TMPDIR")).join("controller-target/debug/build");
+    let mut found: Vec<_> = fs::read_dir(builds)
+        .unwrap()
+        .map(|entry| entry.unwrap().path().join("out/op2_r_sole.rs"))
+        .filter(|path| path.exists())
+        .map(|path| (fs::metadata(&path).unwrap().modified().unwrap(), path))
+        .collect();
+    found.sort();
+    let (time, path) = found.pop().expect("build.rs wrote a module");
+    (path, time)
+}
+
+#[test]
+fn a_controller_builds_runs_and_follows_its_urdf() {
+    let crate_ = copy();
+    let first = cargo(&crate_, &["run", "--quiet"]);
+    assert!(first.status.success(), "{}", said(&first));
+    assert!(said(&first).contains("CoM ["), "{}", said(&first));
+    let (path, written) = module();
+
+    let second = cargo(&crate_, &["build", "-v"]);
+    let text = said(&second);
+    assert!(text.contains("Fresh controller"), "a second build must do nothing:\n{text}");
+    assert_eq!(module(), (path.clone(), written));
+
+    // The same bytes with a new time: the script runs, the module is not touched.
+    let urdf = crate_.join("op2.urdf");
+    let text = fs::read_to_string(&urdf).unwrap();
+    fs::write(&urdf, &text).unwrap();
+    assert!(cargo(&crate_, &["build"]).status.success());
+    assert_eq!(module(), (path.clone(), written), "nothing changed, nothing to write");
+
+    let heavier = text.replacen("<mass value=\"0.1", "<mass value=\"0.2", 1);
+    assert_ne!(heavier, text);
+    fs::write(&urdf, &heavier).unwrap();
+    let third = cargo(&crate_, &["run", "--quiet"]);
+    assert!(third.status.success(), "{}", said(&third));
+    assert_ne!(third.stdout, first.stdout, "a heavier link moves the CoM");
+
+    fs::write(&urdf, text.replacen("<mass value=\"0", "<mass value=\"-0", 1)).unwrap();
+    let broken = cargo(&crate_, &["build"]);
+    assert!(!broken.status.success());
+    assert!(said(&broken).contains("op2.urdf:"), "{}", said(&broken));
+}
