@@ -26,7 +26,7 @@ pub const RANGE_DEG: f64 = 30.0;
 /// Postures to fit, as in the paper.
 pub const POSTURES: usize = 1000;
 /// Further postures the fit never sees.
-pub const HELD_OUT: usize = 1000;
+pub const HELD_OUT: usize = 10_000;
 /// Postures shown in the figures, as in the paper's Fig. 3b.
 const SHOWN: usize = 26;
 
@@ -70,7 +70,12 @@ pub fn run(seed: u64, progress: impl Fn(usize, usize)) -> Result<Demo, Error> {
         cop: study.cop_rows(&base),
         height: study.height_rows(&base),
         height_offset_m: study.height_offset(&base),
-        unobservable: model.base.unobservable.iter().map(|u| u.sentence.clone()).collect(),
+        unobservable: model
+            .base
+            .unobservable
+            .iter()
+            .map(|u| u.sentence.clone())
+            .collect(),
     };
     Ok(Demo {
         report,
@@ -102,7 +107,9 @@ impl<'m> Study<'m> {
         let held_out = simulator.batch(HELD_OUT);
         // Readings come from the reference: the model must not grade itself.
         let truths = |q: &[f64]| -> Vec<[f64; 3]> {
-            q.chunks(model.dof()).map(|q| reference.com(q).into()).collect()
+            q.chunks(model.dof())
+                .map(|q| reference.com(q).into())
+                .collect()
         };
         let mut read = |com: &[[f64; 3]]| {
             let flat = com.iter().flat_map(|com| [com[0], com[1]]);
@@ -175,13 +182,20 @@ impl<'m> Study<'m> {
     fn heights(&self, base: &Fit) -> Vec<f64> {
         let params = base.params.as_slice().to_vec();
         let com = Evaluator::with_params(self.model, Function::Com, params);
-        com.run(&self.held_out, HELD_OUT).chunks(3).map(|com| com[2]).collect()
+        com.run(&self.held_out, HELD_OUT)
+            .chunks(3)
+            .map(|com| com[2])
+            .collect()
     }
 
     /// The constant that no flat CoP tells: minimum norm minus CAD, m.
     fn height_offset(&self, base: &Fit) -> f64 {
         let heights = self.heights(base);
-        let sum: f64 = heights.iter().zip(&self.truth).map(|(z, com)| z - com[2]).sum();
+        let sum: f64 = heights
+            .iter()
+            .zip(&self.truth)
+            .map(|(z, com)| z - com[2])
+            .sum();
         sum / HELD_OUT as f64
     }
 
@@ -233,7 +247,12 @@ fn lengths(model: &Model, full: &Fit, base: &Fit) -> Vec<LengthRow> {
     let norm = |values: &mut dyn Iterator<Item = f64>| values.map(|x| x * x).sum::<f64>().sqrt();
     let row = |body: &sesc_codegen::chain::Body| {
         // Base parameters are named `link.axis`.
-        let own = |k: &usize| model.base.params[*k].name.rsplit_once('.').is_some_and(|n| n.0 == body.name);
+        let own = |k: &usize| {
+            model.base.params[*k]
+                .name
+                .rsplit_once('.')
+                .is_some_and(|n| n.0 == body.name)
+        };
         let params: Vec<usize> = (0..model.base.params.len()).filter(own).collect();
         LengthRow {
             body: body.name.clone(),

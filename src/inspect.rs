@@ -194,7 +194,11 @@ fn bodies(model: &Model) -> Vec<Body> {
         r: body.r.into(),
         s: body.s,
         mass_kg: body.mass,
-        links: body.links.iter().map(|&l| model.tree.links[l].name.clone()).collect(),
+        links: body
+            .links
+            .iter()
+            .map(|&l| model.tree.links[l].name.clone())
+            .collect(),
     };
     chain.bodies.iter().enumerate().map(body).collect()
 }
@@ -204,9 +208,14 @@ pub fn numeric_rank(model: &Model) -> Rank {
     let params = model.base.params.len();
     let rank = |function, rows: usize| {
         let count = 2 * params / rows + 20;
-        let q: Vec<f64> = numeric::wide_postures(&model.tree.dofs, count).flatten().collect();
+        let q: Vec<f64> = numeric::wide_postures(&model.tree.dofs, count)
+            .flatten()
+            .collect();
         let values = Evaluator::new(model, function).run(&q, count);
-        numeric::rank(&DMatrix::from_row_slice(rows * count, params, &values), RANK_TOLERANCE)
+        numeric::rank(
+            &DMatrix::from_row_slice(rows * count, params, &values),
+            RANK_TOLERANCE,
+        )
     };
     Rank {
         xyz: rank(Function::Regressor, 3),

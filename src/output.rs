@@ -36,7 +36,8 @@ impl NewFile {
             .file
             .into_inner()
             .map_err(|error| failed(&path, error.into_error()))?;
-        file.persist(&path).map_err(|error| failed(&path, error.error))?;
+        file.persist(&path)
+            .map_err(|error| failed(&path, error.error))?;
         // Temporary files are private; a result is for everyone the folder is for.
         open_to_readers(&path).map_err(|source| failed(&path, source))
     }
@@ -55,7 +56,8 @@ impl Write for NewFile {
 /// Write a whole text.
 pub fn write(path: &Path, text: &str) -> Result<(), Error> {
     let mut file = NewFile::create(path)?;
-    file.write_all(text.as_bytes()).map_err(|source| failed(path, source))?;
+    file.write_all(text.as_bytes())
+        .map_err(|source| failed(path, source))?;
     file.finish()
 }
 

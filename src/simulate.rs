@@ -51,7 +51,11 @@ fn narrowed(dof: &Dof, range: Option<f64>) -> (f64, f64) {
     match range {
         Some(range) if !dof.prismatic => {
             let (lower, upper) = (dof.lower.max(-range), dof.upper.min(range));
-            if lower < upper { (lower, upper) } else { (dof.lower, dof.upper) }
+            if lower < upper {
+                (lower, upper)
+            } else {
+                (dof.lower, dof.upper)
+            }
         }
         _ => (dof.lower, dof.upper),
     }

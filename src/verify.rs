@@ -50,12 +50,19 @@ pub fn verify(
         _ => postures.len() / dof,
     };
     let mut worst: BTreeMap<&'static str, f64> = Function::ALL.map(|f| (f.name(), 0.0)).into();
-    let evaluators = Function::ALL.map(|f| (f, Evaluator::with_params(model, f, model.cad_params())));
+    let evaluators =
+        Function::ALL.map(|f| (f, Evaluator::with_params(model, f, model.cad_params())));
     for start in (0..count).step_by(BLOCK) {
         let n = BLOCK.min(count - start);
         let q = &postures[start * dof..(start + n) * dof];
         let truths: Vec<Truth> = (0..n)
-            .map(|k| Truth::new(reference, &q[k * dof..(k + 1) * dof], (start + k) % DIFFERENTIATED == 0))
+            .map(|k| {
+                Truth::new(
+                    reference,
+                    &q[k * dof..(k + 1) * dof],
+                    (start + k) % DIFFERENTIATED == 0,
+                )
+            })
             .collect();
         for (function, evaluator) in &evaluators {
             let values = evaluator.run(q, n);
@@ -63,7 +70,11 @@ pub fn verify(
                 let error = truth.difference(model, *function, values);
                 let entry = worst.entry(function.name()).or_default();
                 // A NaN must not slip through a maximum.
-                *entry = if error.is_nan() { f64::INFINITY } else { entry.max(error) };
+                *entry = if error.is_nan() {
+                    f64::INFINITY
+                } else {
+                    entry.max(error)
+                };
             }
         }
         progress(start + n, count);

@@ -19,7 +19,11 @@ fn copy() -> PathBuf {
             .replace("../../", &format!("{ROOT}/"));
         fs::write(crate_.join(file), text).unwrap();
     }
-    fs::copy(Path::new(ROOT).join("robots/op2/op2.urdf"), crate_.join("op2.urdf")).unwrap();
+    fs::copy(
+        Path::new(ROOT).join("robots/op2/op2.urdf"),
+        crate_.join("op2.urdf"),
+    )
+    .unwrap();
     crate_
 }
 
@@ -61,7 +65,10 @@ fn a_controller_builds_runs_and_follows_its_urdf() {
 
     let second = cargo(&crate_, &["build", "-v"]);
     let text = said(&second);
-    assert!(text.contains("Fresh controller"), "a second build must do nothing:\n{text}");
+    assert!(
+        text.contains("Fresh controller"),
+        "a second build must do nothing:\n{text}"
+    );
     assert_eq!(module(), (path.clone(), written));
 
     // The same bytes with a new time: the script runs, the module is not touched.
@@ -69,7 +76,11 @@ fn a_controller_builds_runs_and_follows_its_urdf() {
     let text = fs::read_to_string(&urdf).unwrap();
     fs::write(&urdf, &text).unwrap();
     assert!(cargo(&crate_, &["build"]).status.success());
-    assert_eq!(module(), (path.clone(), written), "nothing changed, nothing to write");
+    assert_eq!(
+        module(),
+        (path.clone(), written),
+        "nothing changed, nothing to write"
+    );
 
     let heavier = text.replacen("<mass value=\"0.1", "<mass value=\"0.2", 1);
     assert_ne!(heavier, text);
@@ -78,7 +89,11 @@ fn a_controller_builds_runs_and_follows_its_urdf() {
     assert!(third.status.success(), "{}", said(&third));
     assert_ne!(third.stdout, first.stdout, "a heavier link moves the CoM");
 
-    fs::write(&urdf, text.replacen("<mass value=\"0", "<mass value=\"-0", 1)).unwrap();
+    fs::write(
+        &urdf,
+        text.replacen("<mass value=\"0", "<mass value=\"-0", 1),
+    )
+    .unwrap();
     let broken = cargo(&crate_, &["build"]);
     assert!(!broken.status.success());
     assert!(said(&broken).contains("op2.urdf:"), "{}", said(&broken));

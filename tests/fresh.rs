@@ -11,5 +11,9 @@ fn generated_code_is_fresh() {
         .filter(|(path, text)| std::fs::read_to_string(root.join(path)).ok().as_ref() != Some(text))
         .map(|(path, _)| path.display().to_string())
         .collect();
-    assert!(stale.is_empty(), "{} is stale; run `cargo regen`", stale.join(", "));
+    assert!(
+        stale.is_empty(),
+        "{} is stale; run `cargo regen`",
+        stale.join(", ")
+    );
 }

@@ -17,10 +17,23 @@ fn op2(support: &str) -> Model {
 
 fn posture(model: &Model, degrees: &[(&str, f64)]) -> Vec<f64> {
     for (joint, _) in degrees {
-        assert!(model.tree.dofs.iter().any(|dof| dof.joint == *joint), "{joint}");
+        assert!(
+            model.tree.dofs.iter().any(|dof| dof.joint == *joint),
+            "{joint}"
+        );
     }
-    let angle = |joint: &str| degrees.iter().find(|(name, _)| *name == joint).map_or(0.0, |x| x.1);
-    model.tree.dofs.iter().map(|dof| angle(&dof.joint).to_radians()).collect()
+    let angle = |joint: &str| {
+        degrees
+            .iter()
+            .find(|(name, _)| *name == joint)
+            .map_or(0.0, |x| x.1)
+    };
+    model
+        .tree
+        .dofs
+        .iter()
+        .map(|dof| angle(&dof.joint).to_radians())
+        .collect()
 }
 
 fn counts(model: &Model, function: Function) -> Counts {
@@ -31,12 +44,21 @@ fn counts(model: &Model, function: Function) -> Counts {
 #[test]
 fn reference_poses_hold() {
     let squat = [
-        ("r_hip_pitch", -30.0), ("l_hip_pitch", 30.0), ("r_knee", 60.0),
-        ("l_knee", -60.0), ("r_ank_pitch", 30.0), ("l_ank_pitch", -30.0),
+        ("r_hip_pitch", -30.0),
+        ("l_hip_pitch", 30.0),
+        ("r_knee", 60.0),
+        ("l_knee", -60.0),
+        ("r_ank_pitch", 30.0),
+        ("l_ank_pitch", -30.0),
     ];
     let walk_start = [
-        ("r_sho_pitch", -48.345), ("l_sho_pitch", 41.313), ("r_sho_roll", -17.873),
-        ("l_sho_roll", 17.580), ("r_el", 29.300), ("l_el", -29.593), ("head_tilt", 40.0),
+        ("r_sho_pitch", -48.345),
+        ("l_sho_pitch", 41.313),
+        ("r_sho_roll", -17.873),
+        ("l_sho_roll", 17.580),
+        ("r_el", 29.300),
+        ("l_el", -29.593),
+        ("head_tilt", 40.0),
     ];
     let sole = [
         (&[][..], [-0.004057, 0.046476, 0.228231]),
@@ -50,7 +72,11 @@ fn reference_poses_hold() {
     ];
     for (support, poses) in [("r_sole", sole), ("body_link", body)] {
         let model = op2(support);
-        assert!((model.tree.mass - 2.925325).abs() < 5e-7, "{}", model.tree.mass);
+        assert!(
+            (model.tree.mass - 2.925325).abs() < 5e-7,
+            "{}",
+            model.tree.mass
+        );
         let com = Evaluator::new(&model, Function::Com);
         for (degrees, expected) in poses {
             let found = com.run(&posture(&model, degrees), 1);
@@ -81,8 +107,13 @@ fn parameters_and_ranks_are_the_known_ones() {
 fn the_full_form_is_the_papers_chain() {
     let model = op2("r_sole");
     let order = [
-        "r_sole", "r_ank_pitch_link", "r_knee_link", "r_hip_pitch_link", "r_hip_roll_link",
-        "r_hip_yaw_link", "body_link",
+        "r_sole",
+        "r_ank_pitch_link",
+        "r_knee_link",
+        "r_hip_pitch_link",
+        "r_hip_roll_link",
+        "r_hip_yaw_link",
+        "body_link",
     ];
     let names: Vec<&str> = model.chain.bodies.iter().map(|b| b.name.as_str()).collect();
     assert_eq!(names[..7], order);
@@ -118,7 +149,10 @@ fn base_and_full_parameters_give_the_same_com() {
 fn operation_counts_stay_below_their_limits() {
     let model = op2("r_sole");
     let com = counts(&model, Function::Com);
-    assert!(com.mul <= 80 && com.add <= 80 && com.sin_cos == 20, "{com:?}");
+    assert!(
+        com.mul <= 80 && com.add <= 80 && com.sin_cos == 20,
+        "{com:?}"
+    );
     let jacobian = counts(&model, Function::ComJacobian);
     assert!(jacobian.mul <= 360 && jacobian.add <= 215, "{jacobian:?}");
     let rows = counts(&model, Function::RegressorCop);
@@ -141,7 +175,10 @@ fn the_jacobian_is_the_symbolic_derivative() {
     let jacobian = Evaluator::new(&model, Function::ComJacobian);
     let derivative = sesc_codegen::differentiate_com(&model);
     let q = Simulator::new(&model.tree.dofs, None, 5).batch(20);
-    let (a, b) = (jacobian.run(&q, 20), Evaluator::of(&model, &derivative).run(&q, 20));
+    let (a, b) = (
+        jacobian.run(&q, 20),
+        Evaluator::of(&model, &derivative).run(&q, 20),
+    );
     for (x, y) in a.iter().zip(&b) {
         assert!((x - y).abs() < 1e-14, "{x} {y}");
     }

@@ -193,7 +193,7 @@ impl Chain {
 
 /// `Ry(-knee)`, or `R[0.1 0.9 0.2](knee)` for a skewed axis.
 fn turn(axis: &Vector3<f64>, joint: &str, factor: f64) -> String {
-    let aligned = (0..3).find(|&k| axis[k].abs() == 1.0);
+    let aligned = crate::snap::aligned(axis);
     let sign = match aligned {
         Some(k) if axis[k] * factor < 0.0 => "-",
         None if factor < 0.0 => "-",

@@ -136,13 +136,15 @@ fn candidates(
 ) -> Vec<Matrix3<f64>> {
     let mut frames = Vec::new();
     let unit = |k: usize| Vector3::ith(k, 1.0);
-    if let Some(k) = (0..3).find(|&k| axis[k].abs() == 1.0) {
+    if let Some(k) = crate::snap::aligned(axis) {
         let (a, b) = [(1, 2), (0, 2), (0, 1)][k];
         frames.push(Matrix3::from_columns(&[unit(a), unit(b), unit(k)]));
     }
     let third = frames.first().map_or(*axis, |f| f.column(2).into_owned());
     let mut push = |first: Vector3<f64>| {
-        let first = (first - third * third.dot(&first)).normalize().map(tidy);
+        // Twice: what is left of nearly parallel vectors is mostly rounding.
+        let beside = |x: Vector3<f64>| (x - third * third.dot(&x)).normalize();
+        let first = beside(beside(first)).map(tidy);
         let second = third.cross(&first).map(tidy);
         frames.push(Matrix3::from_columns(&[first, second, third]));
     };

@@ -274,12 +274,16 @@ impl<'m> Scratch<'m> {
                 self.g.dot(&weights, &x)
             }),
             Twist::Reflection { u, k } => {
-                let weights = [0, 1, 2].map(|n| self.g.constant(u[n]));
+                // Where the entry that u weighs with one is absent, k joins the others.
+                let free = (0..3).any(|n| u[n] == 1.0 && self.g.value(x[n]) != Some(0.0));
+                let (inner, outer) = if free { (1.0, *k) } else { (*k, 1.0) };
+                let weights = [0, 1, 2].map(|n| self.g.constant(inner * u[n]));
                 let along = self.g.dot(&weights, &x);
-                let k = self.g.constant(*k);
-                let along = self.g.mul(k, along);
+                let outer = self.g.constant(outer);
+                let along = self.g.mul(outer, along);
                 [0, 1, 2].map(|n| {
-                    let step = self.g.mul(weights[n], along);
+                    let weight = self.g.constant(u[n]);
+                    let step = self.g.mul(weight, along);
                     self.g.sub(x[n], step)
                 })
             }

@@ -121,6 +121,12 @@ pub(crate) fn about(axis: &Vector3<f64>, angle: f64) -> Matrix3<f64> {
     (Matrix3::identity() + k * s + k * k * (1.0 - c)).map(tidy)
 }
 
+/// The coordinate axis that the unit vector `axis` lies on, exactly.
+pub(crate) fn aligned(axis: &Vector3<f64>) -> Option<usize> {
+    let zeros = axis.iter().filter(|x| **x == 0.0).count();
+    (zeros == 2).then(|| axis.iamax())
+}
+
 /// Entries within rounding of 0 or ±1 become exact.
 pub(crate) fn tidy(x: f64) -> f64 {
     if libm::fabs(x) < ROUNDING {

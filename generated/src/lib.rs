@@ -1,3 +1,13 @@
+//! Machine-written modules for robots of `robots/`; `cargo regen` rewrites them.
+
 #![no_std]
 #![forbid(unsafe_code)]
-pub mod op2_r_sole; pub mod op2_l_sole; pub mod skew_humanoid_right_sole; pub mod two_link_foot;
+
+#[rustfmt::skip]
+pub mod op2_r_sole;
+#[rustfmt::skip]
+pub mod op2_l_sole;
+#[rustfmt::skip]
+pub mod skew_humanoid_right_sole;
+#[rustfmt::skip]
+pub mod two_link_foot;

@@ -57,6 +57,12 @@ pub const JOINT_NAMES: [&str; DOF] = [
     "r_sho_roll",
     "r_el",
 ];
+/// Which joints slide: their `q` is in metres, the others' in radians.
+#[allow(dead_code, clippy::all)]
+pub const SLIDING: [bool; DOF] = [
+    false, false, false, false, false, false, false, false, false, false, false, false,
+    false, false, false, false, false, false, false, false,
+];
 /// Base parameters in the order of `r`: link and axis in its frame.
 #[allow(dead_code, clippy::all)]
 pub const PARAM_NAMES: [&str; BASE_PARAMS] = [
@@ -185,9 +191,9 @@ pub const SELF_TEST_COM: [f64; 3] = [
 /// Robot `op2` standing on `r_sole`.
 #[allow(dead_code, clippy::all)]
 #[derive(Debug, Clone, Copy)]
-pub struct Robot;
+pub struct Op2RSole;
 #[allow(dead_code, clippy::all)]
-impl Sesc<DOF, BASE_PARAMS, FULL_PARAMS> for Robot {
+impl Sesc<DOF, BASE_PARAMS, FULL_PARAMS> for Op2RSole {
     const JOINT_NAMES: [&'static str; DOF] = JOINT_NAMES;
     const CAD_PARAMS: [f64; BASE_PARAMS] = CAD_PARAMS;
     #[inline]
@@ -220,7 +226,7 @@ impl Sesc<DOF, BASE_PARAMS, FULL_PARAMS> for Robot {
     }
 }
 #[allow(dead_code, clippy::all)]
-impl sesc_runtime::SescFromSinCos<DOF, BASE_PARAMS, FULL_PARAMS> for Robot {
+impl sesc_runtime::SescFromSinCos<DOF, BASE_PARAMS, FULL_PARAMS> for Op2RSole {
     #[inline]
     fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
         com_sc(sin, cos, r)

@@ -65,6 +65,13 @@ pub const JOINT_NAMES: [&str; DOF] = [
     "left_wrist_roll",
     "left_wrist_pitch",
 ];
+/// Which joints slide: their `q` is in metres, the others' in radians.
+#[allow(dead_code, clippy::all)]
+pub const SLIDING: [bool; DOF] = [
+    false, false, false, false, false, false, false, false, false, false, false, false,
+    false, false, false, false, false, false, false, false, false, false, false, false,
+    false, false, false, false, false, false,
+];
 /// Base parameters in the order of `r`: link and axis in its frame.
 #[allow(dead_code, clippy::all)]
 pub const PARAM_NAMES: [&str; BASE_PARAMS] = [
@@ -140,17 +147,17 @@ pub const CAD_PARAMS: [f64; BASE_PARAMS] = [
     0.07060087375067002,
     0.012055483001557087,
     -0.019585081075885507,
-    -0.21644000244743258,
-    -0.16235605241661233,
+    -0.21644000244743264,
+    -0.16235605241661236,
     -0.1986107011571083,
     0.16468017058637804,
     0.004779021749050103,
     0.0009866745873024277,
-    -0.17567589414260196,
-    -0.00003316402930387153,
+    -0.175675894142602,
+    -0.000033164029303869745,
     -0.023631544558632152,
     0.03353847695012352,
-    0.0031362628958096434,
+    0.003136262895809644,
     -0.00018281982078430063,
     -0.0054873690980632335,
     -0.0005921264769023886,
@@ -161,7 +168,7 @@ pub const CAD_PARAMS: [f64; BASE_PARAMS] = [
     0.00017817891557606402,
     0.00042341697930498137,
     0.0006534102887599132,
-    0.0001093715960315911,
+    0.00010937159603159109,
     0.005827498901234492,
     -0.0033616095620756584,
     0.07740520336795662,
@@ -170,28 +177,28 @@ pub const CAD_PARAMS: [f64; BASE_PARAMS] = [
     -0.0001404956493758809,
     -0.0005156141777650072,
     0.0029029905479320277,
-    -0.0036809420777082005,
-    0.0005622056128647646,
+    -0.003680942077708201,
+    0.0005622056128647647,
     0.014639768385106977,
     0.001884307765091743,
     -0.0014909175540554422,
     -0.00027215270727131254,
-    0.005935569816670502,
+    0.005935569816670504,
     -0.0005628835740684048,
-    -0.0003436370142619795,
+    -0.00034363701426197945,
     0.00020114746338232257,
     0.0003141681702263785,
     0.00021124577683577443,
     0.0011449319899018491,
     -0.00031884876934455583,
-    0.003280743252595806,
-    -0.0005241207004537838,
+    0.0032807432525958063,
+    -0.0005241207004537839,
     -0.013170635722547694,
     -0.0017224051009942483,
-    0.0012489446752754825,
+    0.0012489446752754823,
     0.00023878186426983433,
-    -0.004679025818462803,
-    0.00047070605093459074,
+    -0.0046790258184628035,
+    0.0004707060509345908,
     0.0002457382077429461,
     -0.00014331603411203697,
     -0.00011728488185995829,
@@ -243,9 +250,9 @@ pub const SELF_TEST_COM: [f64; 3] = [
 /// Robot `skew_humanoid` standing on `right_sole`.
 #[allow(dead_code, clippy::all)]
 #[derive(Debug, Clone, Copy)]
-pub struct Robot;
+pub struct SkewHumanoidRightSole;
 #[allow(dead_code, clippy::all)]
-impl Sesc<DOF, BASE_PARAMS, FULL_PARAMS> for Robot {
+impl Sesc<DOF, BASE_PARAMS, FULL_PARAMS> for SkewHumanoidRightSole {
     const JOINT_NAMES: [&'static str; DOF] = JOINT_NAMES;
     const CAD_PARAMS: [f64; BASE_PARAMS] = CAD_PARAMS;
     #[inline]
@@ -278,7 +285,8 @@ impl Sesc<DOF, BASE_PARAMS, FULL_PARAMS> for Robot {
     }
 }
 #[allow(dead_code, clippy::all)]
-impl sesc_runtime::SescFromSinCos<DOF, BASE_PARAMS, FULL_PARAMS> for Robot {
+impl sesc_runtime::SescFromSinCos<DOF, BASE_PARAMS, FULL_PARAMS>
+for SkewHumanoidRightSole {
     #[inline]
     fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
         com_sc(sin, cos, r)
@@ -346,7 +354,7 @@ pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
         + T::from_f64(0.06706297088627988) * e1;
     let v_left_wrist_yaw_x = r[57] + w_left_wrist_roll_x;
     let v_left_wrist_yaw_y = r[58] + t_left_wrist_roll_x;
-    let e4 = q[27] + T::from_f64(0.07984195204795128);
+    let e4 = q[27] + T::from_f64(0.07984195204795129);
     let (s_left_wrist_yaw, c_left_wrist_yaw) = e4.sin_cos();
     let t_left_wrist_yaw_x = c_left_wrist_yaw * v_left_wrist_yaw_x
         - s_left_wrist_yaw * v_left_wrist_yaw_y;
@@ -354,8 +362,8 @@ pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
         + c_left_wrist_yaw * v_left_wrist_yaw_y;
     // left_elbow
     let w_left_wrist_yaw_x = T::from_f64(0.15904161977640188) * e5
-        + T::from_f64(0.9872718790580933) * w_left_wrist_roll_z;
-    let w_left_wrist_yaw_z = T::from_f64(0.9872718790580933) * e5
+        + T::from_f64(0.9872718790580934) * w_left_wrist_roll_z;
+    let w_left_wrist_yaw_z = T::from_f64(0.9872718790580934) * e5
         - T::from_f64(0.15904161977640188) * w_left_wrist_roll_z;
     let v_left_elbow_x = r[55] + w_left_wrist_yaw_x;
     let v_left_elbow_y = r[56] + t_left_wrist_yaw_x;
@@ -391,12 +399,12 @@ pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
         + c_left_shoulder_roll * v_left_shoulder_roll_y;
     // left_shoulder_pitch
     let w_left_shoulder_roll_x = T::from_f64(0.2834710957352705) * t_left_shoulder_roll_y
-        - T::from_f64(0.9589807807681262) * e8;
-    let e10 = T::from_f64(0.9589807807681262) * t_left_shoulder_roll_y
+        - T::from_f64(0.9589807807681263) * e8;
+    let e10 = T::from_f64(0.9589807807681263) * t_left_shoulder_roll_y
         + T::from_f64(0.2834710957352705) * e8;
     let v_left_shoulder_pitch_x = r[49] + w_left_shoulder_roll_x;
     let v_left_shoulder_pitch_y = r[50] + t_left_shoulder_roll_x;
-    let e11 = q[23] + T::from_f64(0.01490799199634596);
+    let e11 = q[23] + T::from_f64(0.014907991996345737);
     let (s_left_shoulder_pitch, c_left_shoulder_pitch) = e11.sin_cos();
     let e12 = s_left_shoulder_pitch * v_left_shoulder_pitch_x
         + c_left_shoulder_pitch * v_left_shoulder_pitch_y;
@@ -424,7 +432,7 @@ pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
         + T::from_f64(0.06706297088627988) * e13;
     let v_right_wrist_yaw_x = r[43] + w_right_wrist_roll_x;
     let v_right_wrist_yaw_y = r[44] + t_right_wrist_roll_x;
-    let e16 = q[20] + T::from_f64(0.07984195204795128);
+    let e16 = q[20] + T::from_f64(0.07984195204795129);
     let (s_right_wrist_yaw, c_right_wrist_yaw) = e16.sin_cos();
     let t_right_wrist_yaw_x = c_right_wrist_yaw * v_right_wrist_yaw_x
         - s_right_wrist_yaw * v_right_wrist_yaw_y;
@@ -432,8 +440,8 @@ pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
         + c_right_wrist_yaw * v_right_wrist_yaw_y;
     // right_elbow
     let w_right_wrist_yaw_x = T::from_f64(0.15904161977640188) * e17
-        + T::from_f64(0.9872718790580933) * w_right_wrist_roll_z;
-    let w_right_wrist_yaw_z = T::from_f64(0.9872718790580933) * e17
+        + T::from_f64(0.9872718790580934) * w_right_wrist_roll_z;
+    let w_right_wrist_yaw_z = T::from_f64(0.9872718790580934) * e17
         - T::from_f64(0.15904161977640188) * w_right_wrist_roll_z;
     let v_right_elbow_x = r[41] + w_right_wrist_yaw_x;
     let v_right_elbow_y = r[42] + t_right_wrist_yaw_x;
@@ -470,8 +478,8 @@ pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
         + c_right_shoulder_roll * v_right_shoulder_roll_y;
     // right_shoulder_pitch
     let w_right_shoulder_roll_x = T::from_f64(0.2834710957352705)
-        * t_right_shoulder_roll_y - T::from_f64(0.9589807807681262) * e20;
-    let e22 = T::from_f64(0.9589807807681262) * t_right_shoulder_roll_y
+        * t_right_shoulder_roll_y - T::from_f64(0.9589807807681263) * e20;
+    let e22 = T::from_f64(0.9589807807681263) * t_right_shoulder_roll_y
         + T::from_f64(0.2834710957352705) * e20;
     let v_right_shoulder_pitch_x = r[35] + w_right_shoulder_roll_x;
     let v_right_shoulder_pitch_y = r[36] + t_right_shoulder_roll_x;
@@ -503,9 +511,9 @@ pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
     let w_right_shoulder_pitch_y = t_right_shoulder_pitch_y
         - T::from_f64(0.14086963671593916) * e27;
     let w_right_shoulder_pitch_z = T::from_f64(0.20944016387466197) * e27 - e22;
-    let e28 = T::from_f64(0.117838714587223) * e12 + t_left_shoulder_pitch_y
+    let e28 = T::from_f64(0.11783871458722316) * e12 + t_left_shoulder_pitch_y
         + T::from_f64(0.09248191489966293) * e10;
-    let w_left_shoulder_pitch_x = T::from_f64(0.2305051546121803) * e28 - e12;
+    let w_left_shoulder_pitch_x = T::from_f64(0.2305051546121806) * e28 - e12;
     let w_left_shoulder_pitch_y = t_left_shoulder_pitch_y
         - T::from_f64(1.956107170887058) * e28;
     let w_left_shoulder_pitch_z = T::from_f64(0.1809045369125973) * e28 - e10;
@@ -558,9 +566,9 @@ pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
     let t_left_knee_y = c_left_knee * v_left_knee_x - s_left_knee * v_left_knee_y;
     // left_hip_pitch
     let w_left_knee_x = T::from_f64(0.9973888291864126) * t_left_knee_y
-        + T::from_f64(0.07221858080963142) * w_left_ankle_pitch_z;
+        + T::from_f64(0.0722185808096314) * w_left_ankle_pitch_z;
     let w_left_knee_z = T::from_f64(0.9973888291864126) * w_left_ankle_pitch_z
-        - T::from_f64(0.07221858080963142) * t_left_knee_y;
+        - T::from_f64(0.0722185808096314) * t_left_knee_y;
     let v_left_hip_pitch_x = r[19] + w_left_knee_x;
     let v_left_hip_pitch_y = r[20] + t_left_knee_x;
     let e34 = q[8] + T::from_f64(0.15721584383712184);
@@ -576,15 +584,15 @@ pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
         - T::from_f64(0.9981717798828137) * t_left_hip_pitch_y;
     let v_left_hip_roll_x = r[17] + w_left_hip_pitch_x;
     let v_left_hip_roll_y = r[18] + t_left_hip_pitch_x;
-    let e35 = q[7] - T::from_f64(0.3432638106572563);
+    let e35 = q[7] - T::from_f64(0.34326381065725625);
     let (s_left_hip_roll, c_left_hip_roll) = e35.sin_cos();
     let t_left_hip_roll_x = c_left_hip_roll * v_left_hip_roll_x
         - s_left_hip_roll * v_left_hip_roll_y;
     let e36 = s_left_hip_roll * v_left_hip_roll_x + c_left_hip_roll * v_left_hip_roll_y;
     // left_hip_yaw
-    let w_left_hip_roll_x = T::from_f64(0.996555568326344) * w_left_hip_pitch_z
+    let w_left_hip_roll_x = T::from_f64(0.9965555683263441) * w_left_hip_pitch_z
         - T::from_f64(0.08292767473984561) * e36;
-    let w_left_hip_roll_z = T::from_f64(0.996555568326344) * e36
+    let w_left_hip_roll_z = T::from_f64(0.9965555683263441) * e36
         + T::from_f64(0.08292767473984561) * w_left_hip_pitch_z;
     let v_left_hip_yaw_x = r[15] + w_left_hip_roll_x;
     let v_left_hip_yaw_y = r[16] + t_left_hip_roll_x;
@@ -595,20 +603,20 @@ pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
     let t_left_hip_yaw_y = s_left_hip_yaw * v_left_hip_yaw_x
         + c_left_hip_yaw * v_left_hip_yaw_y;
     // right_hip_yaw
-    let w_left_hip_yaw_x = T::from_f64(0.8428760553163271) * w_left_hip_roll_z
+    let w_left_hip_yaw_x = T::from_f64(0.8428760553163273) * w_left_hip_roll_z
         - T::from_f64(0.538107754426925) * t_left_hip_yaw_y;
     let e38 = w_waist_pitch_z
-        - (T::from_f64(0.19252104104496942) * t_waist_yaw_x
+        - (T::from_f64(0.19252104104496945) * t_waist_yaw_x
             + T::from_f64(0.11944678826051937) * t_waist_yaw_y);
-    let w_waist_yaw_x = t_waist_yaw_x + T::from_f64(0.3662421800811955) * e38;
+    let w_waist_yaw_x = t_waist_yaw_x + T::from_f64(0.3662421800811956) * e38;
     let w_waist_yaw_y = t_waist_yaw_y + T::from_f64(0.22722945969324562) * e38;
     let w_waist_yaw_z = w_waist_pitch_z - T::from_f64(1.9023488450576578) * e38;
     let v_right_hip_yaw_x = r[13] + w_left_hip_yaw_x + w_waist_yaw_x;
     let v_right_hip_yaw_y = r[14] + t_left_hip_yaw_x + w_waist_yaw_y;
     let v_right_hip_yaw_z = w_waist_yaw_z
-        - (T::from_f64(0.8428760553163271) * t_left_hip_yaw_y
+        - (T::from_f64(0.8428760553163273) * t_left_hip_yaw_y
             + T::from_f64(0.538107754426925) * w_left_hip_roll_z);
-    let e39 = q[0] + T::from_f64(0.10119271700368022);
+    let e39 = q[0] + T::from_f64(0.10119271700368025);
     let (s_right_hip_yaw, c_right_hip_yaw) = e39.sin_cos();
     let t_right_hip_yaw_x = c_right_hip_yaw * v_right_hip_yaw_x
         + s_right_hip_yaw * v_right_hip_yaw_y;
@@ -642,23 +650,23 @@ pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
         - c_right_hip_pitch * v_right_hip_pitch_y;
     // right_knee
     let w_right_hip_pitch_x = T::from_f64(0.9973888291864124) * t_right_hip_pitch_y
-        + T::from_f64(0.07221858080963141) * w_right_hip_roll_z;
+        + T::from_f64(0.0722185808096314) * w_right_hip_roll_z;
     let w_right_hip_pitch_z = T::from_f64(0.9973888291864124) * w_right_hip_roll_z
-        - T::from_f64(0.07221858080963141) * t_right_hip_pitch_y;
+        - T::from_f64(0.0722185808096314) * t_right_hip_pitch_y;
     let v_right_knee_x = r[7] + w_right_hip_pitch_x;
     let v_right_knee_y = r[8] + t_right_hip_pitch_x;
-    let e42 = q[3] - T::from_f64(0.7020104799569638);
+    let e42 = q[3] - T::from_f64(0.7020104799569636);
     let (s_right_knee, c_right_knee) = e42.sin_cos();
     let t_right_knee_x = c_right_knee * v_right_knee_y - s_right_knee * v_right_knee_x;
     let t_right_knee_y = c_right_knee * v_right_knee_x + s_right_knee * v_right_knee_y;
     // right_ankle_pitch
     let w_right_knee_x = T::from_f64(0.9659918591802843) * t_right_knee_y
-        + T::from_f64(0.258572481129407) * w_right_hip_pitch_z;
+        + T::from_f64(0.2585724811294071) * w_right_hip_pitch_z;
     let w_right_knee_z = T::from_f64(0.9659918591802843) * w_right_hip_pitch_z
-        - T::from_f64(0.258572481129407) * t_right_knee_y;
+        - T::from_f64(0.2585724811294071) * t_right_knee_y;
     let v_right_ankle_pitch_x = r[5] + w_right_knee_x;
     let v_right_ankle_pitch_y = r[6] + t_right_knee_x;
-    let e43 = q[4] + T::from_f64(0.17565669109302126);
+    let e43 = q[4] + T::from_f64(0.17565669109302123);
     let (s_right_ankle_pitch, c_right_ankle_pitch) = e43.sin_cos();
     let t_right_ankle_pitch_x = c_right_ankle_pitch * v_right_ankle_pitch_x
         + s_right_ankle_pitch * v_right_ankle_pitch_y;
@@ -713,7 +721,7 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
         + T::from_f64(0.06706297088627988) * e1;
     let v_left_wrist_yaw_x = r[57] + w_left_wrist_roll_x;
     let v_left_wrist_yaw_y = r[58] + t_left_wrist_roll_x;
-    let e4 = q[27] + T::from_f64(0.07984195204795128);
+    let e4 = q[27] + T::from_f64(0.07984195204795129);
     let (s_left_wrist_yaw, c_left_wrist_yaw) = e4.sin_cos();
     let t_left_wrist_yaw_x = c_left_wrist_yaw * v_left_wrist_yaw_x
         - s_left_wrist_yaw * v_left_wrist_yaw_y;
@@ -721,8 +729,8 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
         + c_left_wrist_yaw * v_left_wrist_yaw_y;
     // left_elbow
     let w_left_wrist_yaw_x = T::from_f64(0.15904161977640188) * e5
-        + T::from_f64(0.9872718790580933) * w_left_wrist_roll_z;
-    let w_left_wrist_yaw_z = T::from_f64(0.9872718790580933) * e5
+        + T::from_f64(0.9872718790580934) * w_left_wrist_roll_z;
+    let w_left_wrist_yaw_z = T::from_f64(0.9872718790580934) * e5
         - T::from_f64(0.15904161977640188) * w_left_wrist_roll_z;
     let v_left_elbow_x = r[55] + w_left_wrist_yaw_x;
     let v_left_elbow_y = r[56] + t_left_wrist_yaw_x;
@@ -758,12 +766,12 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
         + c_left_shoulder_roll * v_left_shoulder_roll_y;
     // left_shoulder_pitch
     let w_left_shoulder_roll_x = T::from_f64(0.2834710957352705) * t_left_shoulder_roll_y
-        - T::from_f64(0.9589807807681262) * e9;
-    let e11 = T::from_f64(0.9589807807681262) * t_left_shoulder_roll_y
+        - T::from_f64(0.9589807807681263) * e9;
+    let e11 = T::from_f64(0.9589807807681263) * t_left_shoulder_roll_y
         + T::from_f64(0.2834710957352705) * e9;
     let v_left_shoulder_pitch_x = r[49] + w_left_shoulder_roll_x;
     let v_left_shoulder_pitch_y = r[50] + t_left_shoulder_roll_x;
-    let e12 = q[23] + T::from_f64(0.01490799199634596);
+    let e12 = q[23] + T::from_f64(0.014907991996345737);
     let (s_left_shoulder_pitch, c_left_shoulder_pitch) = e12.sin_cos();
     let e13 = s_left_shoulder_pitch * v_left_shoulder_pitch_x
         + c_left_shoulder_pitch * v_left_shoulder_pitch_y;
@@ -791,7 +799,7 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
         + T::from_f64(0.06706297088627988) * e14;
     let v_right_wrist_yaw_x = r[43] + w_right_wrist_roll_x;
     let v_right_wrist_yaw_y = r[44] + t_right_wrist_roll_x;
-    let e17 = q[20] + T::from_f64(0.07984195204795128);
+    let e17 = q[20] + T::from_f64(0.07984195204795129);
     let (s_right_wrist_yaw, c_right_wrist_yaw) = e17.sin_cos();
     let t_right_wrist_yaw_x = c_right_wrist_yaw * v_right_wrist_yaw_x
         - s_right_wrist_yaw * v_right_wrist_yaw_y;
@@ -799,8 +807,8 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
         + c_right_wrist_yaw * v_right_wrist_yaw_y;
     // right_elbow
     let w_right_wrist_yaw_x = T::from_f64(0.15904161977640188) * e18
-        + T::from_f64(0.9872718790580933) * w_right_wrist_roll_z;
-    let w_right_wrist_yaw_z = T::from_f64(0.9872718790580933) * e18
+        + T::from_f64(0.9872718790580934) * w_right_wrist_roll_z;
+    let w_right_wrist_yaw_z = T::from_f64(0.9872718790580934) * e18
         - T::from_f64(0.15904161977640188) * w_right_wrist_roll_z;
     let v_right_elbow_x = r[41] + w_right_wrist_yaw_x;
     let v_right_elbow_y = r[42] + t_right_wrist_yaw_x;
@@ -837,8 +845,8 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
         + c_right_shoulder_roll * v_right_shoulder_roll_y;
     // right_shoulder_pitch
     let w_right_shoulder_roll_x = T::from_f64(0.2834710957352705)
-        * t_right_shoulder_roll_y - T::from_f64(0.9589807807681262) * e22;
-    let e24 = T::from_f64(0.9589807807681262) * t_right_shoulder_roll_y
+        * t_right_shoulder_roll_y - T::from_f64(0.9589807807681263) * e22;
+    let e24 = T::from_f64(0.9589807807681263) * t_right_shoulder_roll_y
         + T::from_f64(0.2834710957352705) * e22;
     let v_right_shoulder_pitch_x = r[35] + w_right_shoulder_roll_x;
     let v_right_shoulder_pitch_y = r[36] + t_right_shoulder_roll_x;
@@ -871,9 +879,9 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     let w_right_shoulder_pitch_y = t_right_shoulder_pitch_y
         - T::from_f64(0.14086963671593916) * e30;
     let w_right_shoulder_pitch_z = T::from_f64(0.20944016387466197) * e30 - e24;
-    let e31 = T::from_f64(0.117838714587223) * e13 + t_left_shoulder_pitch_y
+    let e31 = T::from_f64(0.11783871458722316) * e13 + t_left_shoulder_pitch_y
         + T::from_f64(0.09248191489966293) * e11;
-    let w_left_shoulder_pitch_x = T::from_f64(0.2305051546121803) * e31 - e13;
+    let w_left_shoulder_pitch_x = T::from_f64(0.2305051546121806) * e31 - e13;
     let w_left_shoulder_pitch_y = t_left_shoulder_pitch_y
         - T::from_f64(1.956107170887058) * e31;
     let w_left_shoulder_pitch_z = T::from_f64(0.1809045369125973) * e31 - e11;
@@ -926,9 +934,9 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     let t_left_knee_y = c_left_knee * v_left_knee_x - s_left_knee * v_left_knee_y;
     // left_hip_pitch
     let w_left_knee_x = T::from_f64(0.9973888291864126) * t_left_knee_y
-        + T::from_f64(0.07221858080963142) * w_left_ankle_pitch_z;
+        + T::from_f64(0.0722185808096314) * w_left_ankle_pitch_z;
     let w_left_knee_z = T::from_f64(0.9973888291864126) * w_left_ankle_pitch_z
-        - T::from_f64(0.07221858080963142) * t_left_knee_y;
+        - T::from_f64(0.0722185808096314) * t_left_knee_y;
     let v_left_hip_pitch_x = r[19] + w_left_knee_x;
     let v_left_hip_pitch_y = r[20] + t_left_knee_x;
     let e38 = q[8] + T::from_f64(0.15721584383712184);
@@ -944,15 +952,15 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
         - T::from_f64(0.9981717798828137) * t_left_hip_pitch_y;
     let v_left_hip_roll_x = r[17] + w_left_hip_pitch_x;
     let v_left_hip_roll_y = r[18] + t_left_hip_pitch_x;
-    let e39 = q[7] - T::from_f64(0.3432638106572563);
+    let e39 = q[7] - T::from_f64(0.34326381065725625);
     let (s_left_hip_roll, c_left_hip_roll) = e39.sin_cos();
     let t_left_hip_roll_x = c_left_hip_roll * v_left_hip_roll_x
         - s_left_hip_roll * v_left_hip_roll_y;
     let e40 = s_left_hip_roll * v_left_hip_roll_x + c_left_hip_roll * v_left_hip_roll_y;
     // left_hip_yaw
-    let w_left_hip_roll_x = T::from_f64(0.996555568326344) * w_left_hip_pitch_z
+    let w_left_hip_roll_x = T::from_f64(0.9965555683263441) * w_left_hip_pitch_z
         - T::from_f64(0.08292767473984561) * e40;
-    let w_left_hip_roll_z = T::from_f64(0.996555568326344) * e40
+    let w_left_hip_roll_z = T::from_f64(0.9965555683263441) * e40
         + T::from_f64(0.08292767473984561) * w_left_hip_pitch_z;
     let v_left_hip_yaw_x = r[15] + w_left_hip_roll_x;
     let v_left_hip_yaw_y = r[16] + t_left_hip_roll_x;
@@ -963,20 +971,20 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     let t_left_hip_yaw_y = s_left_hip_yaw * v_left_hip_yaw_x
         + c_left_hip_yaw * v_left_hip_yaw_y;
     // right_hip_yaw
-    let w_left_hip_yaw_x = T::from_f64(0.8428760553163271) * w_left_hip_roll_z
+    let w_left_hip_yaw_x = T::from_f64(0.8428760553163273) * w_left_hip_roll_z
         - T::from_f64(0.538107754426925) * t_left_hip_yaw_y;
     let e42 = w_waist_pitch_z
-        - (T::from_f64(0.19252104104496942) * t_waist_yaw_x
+        - (T::from_f64(0.19252104104496945) * t_waist_yaw_x
             + T::from_f64(0.11944678826051937) * t_waist_yaw_y);
-    let w_waist_yaw_x = t_waist_yaw_x + T::from_f64(0.3662421800811955) * e42;
+    let w_waist_yaw_x = t_waist_yaw_x + T::from_f64(0.3662421800811956) * e42;
     let w_waist_yaw_y = t_waist_yaw_y + T::from_f64(0.22722945969324562) * e42;
     let w_waist_yaw_z = w_waist_pitch_z - T::from_f64(1.9023488450576578) * e42;
     let v_right_hip_yaw_x = r[13] + w_left_hip_yaw_x + w_waist_yaw_x;
     let v_right_hip_yaw_y = r[14] + t_left_hip_yaw_x + w_waist_yaw_y;
     let v_right_hip_yaw_z = w_waist_yaw_z
-        - (T::from_f64(0.8428760553163271) * t_left_hip_yaw_y
+        - (T::from_f64(0.8428760553163273) * t_left_hip_yaw_y
             + T::from_f64(0.538107754426925) * w_left_hip_roll_z);
-    let e43 = q[0] + T::from_f64(0.10119271700368022);
+    let e43 = q[0] + T::from_f64(0.10119271700368025);
     let (s_right_hip_yaw, c_right_hip_yaw) = e43.sin_cos();
     let t_right_hip_yaw_x = c_right_hip_yaw * v_right_hip_yaw_x
         + s_right_hip_yaw * v_right_hip_yaw_y;
@@ -1010,23 +1018,23 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
         - c_right_hip_pitch * v_right_hip_pitch_y;
     // right_knee
     let w_right_hip_pitch_x = T::from_f64(0.9973888291864124) * t_right_hip_pitch_y
-        + T::from_f64(0.07221858080963141) * w_right_hip_roll_z;
+        + T::from_f64(0.0722185808096314) * w_right_hip_roll_z;
     let w_right_hip_pitch_z = T::from_f64(0.9973888291864124) * w_right_hip_roll_z
-        - T::from_f64(0.07221858080963141) * t_right_hip_pitch_y;
+        - T::from_f64(0.0722185808096314) * t_right_hip_pitch_y;
     let v_right_knee_x = r[7] + w_right_hip_pitch_x;
     let v_right_knee_y = r[8] + t_right_hip_pitch_x;
-    let e47 = q[3] - T::from_f64(0.7020104799569638);
+    let e47 = q[3] - T::from_f64(0.7020104799569636);
     let (s_right_knee, c_right_knee) = e47.sin_cos();
     let t_right_knee_x = c_right_knee * v_right_knee_y - s_right_knee * v_right_knee_x;
     let t_right_knee_y = c_right_knee * v_right_knee_x + s_right_knee * v_right_knee_y;
     // right_ankle_pitch
     let w_right_knee_x = T::from_f64(0.9659918591802843) * t_right_knee_y
-        + T::from_f64(0.258572481129407) * w_right_hip_pitch_z;
+        + T::from_f64(0.2585724811294071) * w_right_hip_pitch_z;
     let w_right_knee_z = T::from_f64(0.9659918591802843) * w_right_hip_pitch_z
-        - T::from_f64(0.258572481129407) * t_right_knee_y;
+        - T::from_f64(0.2585724811294071) * t_right_knee_y;
     let v_right_ankle_pitch_x = r[5] + w_right_knee_x;
     let v_right_ankle_pitch_y = r[6] + t_right_knee_x;
-    let e48 = q[4] + T::from_f64(0.17565669109302126);
+    let e48 = q[4] + T::from_f64(0.17565669109302123);
     let (s_right_ankle_pitch, c_right_ankle_pitch) = e48.sin_cos();
     let t_right_ankle_pitch_x = c_right_ankle_pitch * v_right_ankle_pitch_x
         + s_right_ankle_pitch * v_right_ankle_pitch_y;
@@ -1058,15 +1066,15 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     let e52 = kx_right_ankle_pitch_y * c_right_ankle_pitch + e51 * s_right_ankle_pitch;
     // right_knee
     let kx_right_knee_y = T::from_f64(0.9659918591802843) * bx_right_ankle_pitch_x
-        - T::from_f64(0.258572481129407) * kx_right_ankle_pitch_z;
-    let kx_right_knee_z = T::from_f64(0.258572481129407) * bx_right_ankle_pitch_x
+        - T::from_f64(0.2585724811294071) * kx_right_ankle_pitch_z;
+    let kx_right_knee_z = T::from_f64(0.2585724811294071) * bx_right_ankle_pitch_x
         + T::from_f64(0.9659918591802843) * kx_right_ankle_pitch_z;
     let bx_right_knee_x = e52 * s_right_knee + kx_right_knee_y * c_right_knee;
     let e53 = e52 * c_right_knee - kx_right_knee_y * s_right_knee;
     // right_hip_pitch
     let kx_right_hip_pitch_y = T::from_f64(0.9973888291864124) * bx_right_knee_x
-        - T::from_f64(0.07221858080963141) * kx_right_knee_z;
-    let kx_right_hip_pitch_z = T::from_f64(0.07221858080963141) * bx_right_knee_x
+        - T::from_f64(0.0722185808096314) * kx_right_knee_z;
+    let kx_right_hip_pitch_z = T::from_f64(0.0722185808096314) * bx_right_knee_x
         + T::from_f64(0.9973888291864124) * kx_right_knee_z;
     let bx_right_hip_pitch_x = kx_right_hip_pitch_y * s_right_hip_pitch
         - e53 * c_right_hip_pitch;
@@ -1091,15 +1099,15 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
         - bx_right_hip_roll_y * s_right_hip_yaw;
     // left_hip_yaw
     let e56 = T::from_f64(0.538107754426925) * bx_right_hip_yaw_x
-        + T::from_f64(0.8428760553163271) * kx_right_hip_yaw_z;
-    let kx_left_hip_yaw_z = T::from_f64(0.8428760553163271) * bx_right_hip_yaw_x
+        + T::from_f64(0.8428760553163273) * kx_right_hip_yaw_z;
+    let kx_left_hip_yaw_z = T::from_f64(0.8428760553163273) * bx_right_hip_yaw_x
         - T::from_f64(0.538107754426925) * kx_right_hip_yaw_z;
     let bx_left_hip_yaw_x = e55 * c_left_hip_yaw - e56 * s_left_hip_yaw;
     let e57 = e56 * c_left_hip_yaw + e55 * s_left_hip_yaw;
     // left_hip_roll
     let kx_left_hip_roll_y = T::from_f64(0.08292767473984561) * bx_left_hip_yaw_x
-        - T::from_f64(0.996555568326344) * kx_left_hip_yaw_z;
-    let kx_left_hip_roll_z = T::from_f64(0.996555568326344) * bx_left_hip_yaw_x
+        - T::from_f64(0.9965555683263441) * kx_left_hip_yaw_z;
+    let kx_left_hip_roll_z = T::from_f64(0.9965555683263441) * bx_left_hip_yaw_x
         + T::from_f64(0.08292767473984561) * kx_left_hip_yaw_z;
     let e58 = e57 * c_left_hip_roll + kx_left_hip_roll_y * s_left_hip_roll;
     let e59 = kx_left_hip_roll_y * c_left_hip_roll - e57 * s_left_hip_roll;
@@ -1112,8 +1120,8 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     let e61 = e60 * c_left_hip_pitch + e59 * s_left_hip_pitch;
     // left_knee
     let kx_left_knee_y = T::from_f64(0.9973888291864126) * bx_left_hip_pitch_x
-        - T::from_f64(0.07221858080963142) * kx_left_hip_pitch_z;
-    let kx_left_knee_z = T::from_f64(0.07221858080963142) * bx_left_hip_pitch_x
+        - T::from_f64(0.0722185808096314) * kx_left_hip_pitch_z;
+    let kx_left_knee_z = T::from_f64(0.0722185808096314) * bx_left_hip_pitch_x
         + T::from_f64(0.9973888291864126) * kx_left_hip_pitch_z;
     let bx_left_knee_x = kx_left_knee_y * c_left_knee - e61 * s_left_knee;
     let e62 = kx_left_knee_y * s_left_knee + e61 * c_left_knee;
@@ -1126,8 +1134,8 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
         + kx_left_ankle_pitch_y * s_left_ankle_pitch;
     // waist_yaw
     let e63 = T::from_f64(0.11944678826051937) * e55
-        - T::from_f64(0.19252104104496942) * bx_right_hip_yaw_x + kx_right_hip_yaw_z;
-    let kx_waist_yaw_x = bx_right_hip_yaw_x + T::from_f64(0.3662421800811955) * e63;
+        - T::from_f64(0.19252104104496945) * bx_right_hip_yaw_x + kx_right_hip_yaw_z;
+    let kx_waist_yaw_x = bx_right_hip_yaw_x + T::from_f64(0.3662421800811956) * e63;
     let kx_waist_yaw_y = T::from_f64(0.22722945969324562) * e63 - e55;
     let kx_waist_yaw_z = kx_right_hip_yaw_z - T::from_f64(1.9023488450576578) * e63;
     let bx_waist_yaw_x = kx_waist_yaw_y * s_waist_yaw - kx_waist_yaw_x * c_waist_yaw;
@@ -1159,8 +1167,8 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     // right_shoulder_roll
     let kx_right_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * bx_right_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * kx_right_shoulder_pitch_z;
-    let kx_right_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * kx_right_shoulder_pitch_z;
+    let kx_right_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * bx_right_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * kx_right_shoulder_pitch_z;
     let bx_right_shoulder_roll_x = kx_right_shoulder_roll_y * s_right_shoulder_roll
@@ -1186,8 +1194,8 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     let e73 = e72 * s_right_elbow - e71 * c_right_elbow;
     // right_wrist_yaw
     let e74 = T::from_f64(0.15904161977640188) * bx_right_elbow_x
-        + T::from_f64(0.9872718790580933) * kx_right_elbow_z;
-    let kx_right_wrist_yaw_z = T::from_f64(0.9872718790580933) * bx_right_elbow_x
+        + T::from_f64(0.9872718790580934) * kx_right_elbow_z;
+    let kx_right_wrist_yaw_z = T::from_f64(0.9872718790580934) * bx_right_elbow_x
         - T::from_f64(0.15904161977640188) * kx_right_elbow_z;
     let bx_right_wrist_yaw_x = e74 * s_right_wrist_yaw - e73 * c_right_wrist_yaw;
     let bx_right_wrist_yaw_y = e74 * c_right_wrist_yaw + e73 * s_right_wrist_yaw;
@@ -1199,9 +1207,9 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     let bx_right_wrist_roll_x = bx_right_wrist_yaw_y * c_right_wrist_roll
         - kx_right_wrist_roll_y * s_right_wrist_roll;
     // left_shoulder_pitch
-    let e75 = T::from_f64(0.117838714587223) * e64 - e65
+    let e75 = T::from_f64(0.11783871458722316) * e64 - e65
         - T::from_f64(0.09248191489966293) * kx_waist_pitch_z;
-    let kx_left_shoulder_pitch_x = T::from_f64(0.2305051546121803) * e75 - e64;
+    let kx_left_shoulder_pitch_x = T::from_f64(0.2305051546121806) * e75 - e64;
     let e76 = e65 + T::from_f64(1.956107170887058) * e75;
     let kx_left_shoulder_pitch_z = kx_waist_pitch_z
         + T::from_f64(0.1809045369125973) * e75;
@@ -1212,8 +1220,8 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     // left_shoulder_roll
     let kx_left_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * bx_left_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * kx_left_shoulder_pitch_z;
-    let kx_left_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * kx_left_shoulder_pitch_z;
+    let kx_left_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * bx_left_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * kx_left_shoulder_pitch_z;
     let bx_left_shoulder_roll_x = e77 * c_left_shoulder_roll
@@ -1237,8 +1245,8 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     let bx_left_elbow_y = kx_left_elbow_y * s_left_elbow + e80 * c_left_elbow;
     // left_wrist_yaw
     let e81 = T::from_f64(0.15904161977640188) * bx_left_elbow_x
-        + T::from_f64(0.9872718790580933) * kx_left_elbow_z;
-    let kx_left_wrist_yaw_z = T::from_f64(0.9872718790580933) * bx_left_elbow_x
+        + T::from_f64(0.9872718790580934) * kx_left_elbow_z;
+    let kx_left_wrist_yaw_z = T::from_f64(0.9872718790580934) * bx_left_elbow_x
         - T::from_f64(0.15904161977640188) * kx_left_elbow_z;
     let bx_left_wrist_yaw_x = bx_left_elbow_y * c_left_wrist_yaw
         + e81 * s_left_wrist_yaw;
@@ -1267,15 +1275,15 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     let e84 = ky_right_ankle_pitch_y * c_right_ankle_pitch + e83 * s_right_ankle_pitch;
     // right_knee
     let ky_right_knee_y = T::from_f64(0.9659918591802843) * by_right_ankle_pitch_x
-        - T::from_f64(0.258572481129407) * ky_right_ankle_pitch_z;
-    let ky_right_knee_z = T::from_f64(0.258572481129407) * by_right_ankle_pitch_x
+        - T::from_f64(0.2585724811294071) * ky_right_ankle_pitch_z;
+    let ky_right_knee_z = T::from_f64(0.2585724811294071) * by_right_ankle_pitch_x
         + T::from_f64(0.9659918591802843) * ky_right_ankle_pitch_z;
     let by_right_knee_x = e84 * s_right_knee + ky_right_knee_y * c_right_knee;
     let e85 = e84 * c_right_knee - ky_right_knee_y * s_right_knee;
     // right_hip_pitch
     let ky_right_hip_pitch_y = T::from_f64(0.9973888291864124) * by_right_knee_x
-        - T::from_f64(0.07221858080963141) * ky_right_knee_z;
-    let ky_right_hip_pitch_z = T::from_f64(0.07221858080963141) * by_right_knee_x
+        - T::from_f64(0.0722185808096314) * ky_right_knee_z;
+    let ky_right_hip_pitch_z = T::from_f64(0.0722185808096314) * by_right_knee_x
         + T::from_f64(0.9973888291864124) * ky_right_knee_z;
     let by_right_hip_pitch_x = ky_right_hip_pitch_y * s_right_hip_pitch
         - e85 * c_right_hip_pitch;
@@ -1300,15 +1308,15 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
         - by_right_hip_roll_y * s_right_hip_yaw;
     // left_hip_yaw
     let e88 = T::from_f64(0.538107754426925) * by_right_hip_yaw_x
-        + T::from_f64(0.8428760553163271) * ky_right_hip_yaw_z;
-    let ky_left_hip_yaw_z = T::from_f64(0.8428760553163271) * by_right_hip_yaw_x
+        + T::from_f64(0.8428760553163273) * ky_right_hip_yaw_z;
+    let ky_left_hip_yaw_z = T::from_f64(0.8428760553163273) * by_right_hip_yaw_x
         - T::from_f64(0.538107754426925) * ky_right_hip_yaw_z;
     let by_left_hip_yaw_x = e87 * c_left_hip_yaw - e88 * s_left_hip_yaw;
     let e89 = e88 * c_left_hip_yaw + e87 * s_left_hip_yaw;
     // left_hip_roll
     let ky_left_hip_roll_y = T::from_f64(0.08292767473984561) * by_left_hip_yaw_x
-        - T::from_f64(0.996555568326344) * ky_left_hip_yaw_z;
-    let ky_left_hip_roll_z = T::from_f64(0.996555568326344) * by_left_hip_yaw_x
+        - T::from_f64(0.9965555683263441) * ky_left_hip_yaw_z;
+    let ky_left_hip_roll_z = T::from_f64(0.9965555683263441) * by_left_hip_yaw_x
         + T::from_f64(0.08292767473984561) * ky_left_hip_yaw_z;
     let e90 = e89 * c_left_hip_roll + ky_left_hip_roll_y * s_left_hip_roll;
     let e91 = ky_left_hip_roll_y * c_left_hip_roll - e89 * s_left_hip_roll;
@@ -1321,8 +1329,8 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     let e93 = e92 * c_left_hip_pitch + e91 * s_left_hip_pitch;
     // left_knee
     let ky_left_knee_y = T::from_f64(0.9973888291864126) * by_left_hip_pitch_x
-        - T::from_f64(0.07221858080963142) * ky_left_hip_pitch_z;
-    let ky_left_knee_z = T::from_f64(0.07221858080963142) * by_left_hip_pitch_x
+        - T::from_f64(0.0722185808096314) * ky_left_hip_pitch_z;
+    let ky_left_knee_z = T::from_f64(0.0722185808096314) * by_left_hip_pitch_x
         + T::from_f64(0.9973888291864126) * ky_left_hip_pitch_z;
     let by_left_knee_x = ky_left_knee_y * c_left_knee - e93 * s_left_knee;
     let e94 = ky_left_knee_y * s_left_knee + e93 * c_left_knee;
@@ -1335,8 +1343,8 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
         + ky_left_ankle_pitch_y * s_left_ankle_pitch;
     // waist_yaw
     let e95 = T::from_f64(0.11944678826051937) * e87
-        - T::from_f64(0.19252104104496942) * by_right_hip_yaw_x + ky_right_hip_yaw_z;
-    let ky_waist_yaw_x = by_right_hip_yaw_x + T::from_f64(0.3662421800811955) * e95;
+        - T::from_f64(0.19252104104496945) * by_right_hip_yaw_x + ky_right_hip_yaw_z;
+    let ky_waist_yaw_x = by_right_hip_yaw_x + T::from_f64(0.3662421800811956) * e95;
     let ky_waist_yaw_y = T::from_f64(0.22722945969324562) * e95 - e87;
     let ky_waist_yaw_z = ky_right_hip_yaw_z - T::from_f64(1.9023488450576578) * e95;
     let by_waist_yaw_x = ky_waist_yaw_y * s_waist_yaw - ky_waist_yaw_x * c_waist_yaw;
@@ -1368,8 +1376,8 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     // right_shoulder_roll
     let ky_right_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * by_right_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * ky_right_shoulder_pitch_z;
-    let ky_right_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * ky_right_shoulder_pitch_z;
+    let ky_right_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * by_right_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * ky_right_shoulder_pitch_z;
     let by_right_shoulder_roll_x = ky_right_shoulder_roll_y * s_right_shoulder_roll
@@ -1395,8 +1403,8 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     let e105 = e104 * s_right_elbow - e103 * c_right_elbow;
     // right_wrist_yaw
     let e106 = T::from_f64(0.15904161977640188) * by_right_elbow_x
-        + T::from_f64(0.9872718790580933) * ky_right_elbow_z;
-    let ky_right_wrist_yaw_z = T::from_f64(0.9872718790580933) * by_right_elbow_x
+        + T::from_f64(0.9872718790580934) * ky_right_elbow_z;
+    let ky_right_wrist_yaw_z = T::from_f64(0.9872718790580934) * by_right_elbow_x
         - T::from_f64(0.15904161977640188) * ky_right_elbow_z;
     let by_right_wrist_yaw_x = e106 * s_right_wrist_yaw - e105 * c_right_wrist_yaw;
     let by_right_wrist_yaw_y = e106 * c_right_wrist_yaw + e105 * s_right_wrist_yaw;
@@ -1408,9 +1416,9 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     let by_right_wrist_roll_x = by_right_wrist_yaw_y * c_right_wrist_roll
         - ky_right_wrist_roll_y * s_right_wrist_roll;
     // left_shoulder_pitch
-    let e107 = T::from_f64(0.117838714587223) * e96 - e97
+    let e107 = T::from_f64(0.11783871458722316) * e96 - e97
         - T::from_f64(0.09248191489966293) * ky_waist_pitch_z;
-    let ky_left_shoulder_pitch_x = T::from_f64(0.2305051546121803) * e107 - e96;
+    let ky_left_shoulder_pitch_x = T::from_f64(0.2305051546121806) * e107 - e96;
     let e108 = e97 + T::from_f64(1.956107170887058) * e107;
     let ky_left_shoulder_pitch_z = ky_waist_pitch_z
         + T::from_f64(0.1809045369125973) * e107;
@@ -1421,8 +1429,8 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     // left_shoulder_roll
     let ky_left_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * by_left_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * ky_left_shoulder_pitch_z;
-    let ky_left_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * ky_left_shoulder_pitch_z;
+    let ky_left_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * by_left_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * ky_left_shoulder_pitch_z;
     let by_left_shoulder_roll_x = e109 * c_left_shoulder_roll
@@ -1446,8 +1454,8 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     let by_left_elbow_y = ky_left_elbow_y * s_left_elbow + e112 * c_left_elbow;
     // left_wrist_yaw
     let e113 = T::from_f64(0.15904161977640188) * by_left_elbow_x
-        + T::from_f64(0.9872718790580933) * ky_left_elbow_z;
-    let ky_left_wrist_yaw_z = T::from_f64(0.9872718790580933) * by_left_elbow_x
+        + T::from_f64(0.9872718790580934) * ky_left_elbow_z;
+    let ky_left_wrist_yaw_z = T::from_f64(0.9872718790580934) * by_left_elbow_x
         - T::from_f64(0.15904161977640188) * ky_left_elbow_z;
     let by_left_wrist_yaw_x = by_left_elbow_y * c_left_wrist_yaw
         + e113 * s_left_wrist_yaw;
@@ -1476,15 +1484,15 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     let e116 = kz_right_ankle_pitch_y * c_right_ankle_pitch + e115 * s_right_ankle_pitch;
     // right_knee
     let kz_right_knee_y = T::from_f64(0.9659918591802843) * bz_right_ankle_pitch_x
-        - T::from_f64(0.258572481129407) * kz_right_ankle_pitch_z;
-    let kz_right_knee_z = T::from_f64(0.258572481129407) * bz_right_ankle_pitch_x
+        - T::from_f64(0.2585724811294071) * kz_right_ankle_pitch_z;
+    let kz_right_knee_z = T::from_f64(0.2585724811294071) * bz_right_ankle_pitch_x
         + T::from_f64(0.9659918591802843) * kz_right_ankle_pitch_z;
     let bz_right_knee_x = e116 * s_right_knee + kz_right_knee_y * c_right_knee;
     let e117 = e116 * c_right_knee - kz_right_knee_y * s_right_knee;
     // right_hip_pitch
     let kz_right_hip_pitch_y = T::from_f64(0.9973888291864124) * bz_right_knee_x
-        - T::from_f64(0.07221858080963141) * kz_right_knee_z;
-    let kz_right_hip_pitch_z = T::from_f64(0.07221858080963141) * bz_right_knee_x
+        - T::from_f64(0.0722185808096314) * kz_right_knee_z;
+    let kz_right_hip_pitch_z = T::from_f64(0.0722185808096314) * bz_right_knee_x
         + T::from_f64(0.9973888291864124) * kz_right_knee_z;
     let bz_right_hip_pitch_x = kz_right_hip_pitch_y * s_right_hip_pitch
         - e117 * c_right_hip_pitch;
@@ -1509,15 +1517,15 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
         - bz_right_hip_roll_y * s_right_hip_yaw;
     // left_hip_yaw
     let e120 = T::from_f64(0.538107754426925) * bz_right_hip_yaw_x
-        + T::from_f64(0.8428760553163271) * kz_right_hip_yaw_z;
-    let kz_left_hip_yaw_z = T::from_f64(0.8428760553163271) * bz_right_hip_yaw_x
+        + T::from_f64(0.8428760553163273) * kz_right_hip_yaw_z;
+    let kz_left_hip_yaw_z = T::from_f64(0.8428760553163273) * bz_right_hip_yaw_x
         - T::from_f64(0.538107754426925) * kz_right_hip_yaw_z;
     let bz_left_hip_yaw_x = e119 * c_left_hip_yaw - e120 * s_left_hip_yaw;
     let e121 = e120 * c_left_hip_yaw + e119 * s_left_hip_yaw;
     // left_hip_roll
     let kz_left_hip_roll_y = T::from_f64(0.08292767473984561) * bz_left_hip_yaw_x
-        - T::from_f64(0.996555568326344) * kz_left_hip_yaw_z;
-    let kz_left_hip_roll_z = T::from_f64(0.996555568326344) * bz_left_hip_yaw_x
+        - T::from_f64(0.9965555683263441) * kz_left_hip_yaw_z;
+    let kz_left_hip_roll_z = T::from_f64(0.9965555683263441) * bz_left_hip_yaw_x
         + T::from_f64(0.08292767473984561) * kz_left_hip_yaw_z;
     let e122 = e121 * c_left_hip_roll + kz_left_hip_roll_y * s_left_hip_roll;
     let e123 = kz_left_hip_roll_y * c_left_hip_roll - e121 * s_left_hip_roll;
@@ -1530,8 +1538,8 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     let e125 = e124 * c_left_hip_pitch + e123 * s_left_hip_pitch;
     // left_knee
     let kz_left_knee_y = T::from_f64(0.9973888291864126) * bz_left_hip_pitch_x
-        - T::from_f64(0.07221858080963142) * kz_left_hip_pitch_z;
-    let kz_left_knee_z = T::from_f64(0.07221858080963142) * bz_left_hip_pitch_x
+        - T::from_f64(0.0722185808096314) * kz_left_hip_pitch_z;
+    let kz_left_knee_z = T::from_f64(0.0722185808096314) * bz_left_hip_pitch_x
         + T::from_f64(0.9973888291864126) * kz_left_hip_pitch_z;
     let bz_left_knee_x = kz_left_knee_y * c_left_knee - e125 * s_left_knee;
     let e126 = kz_left_knee_y * s_left_knee + e125 * c_left_knee;
@@ -1544,8 +1552,8 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
         + kz_left_ankle_pitch_y * s_left_ankle_pitch;
     // waist_yaw
     let e127 = T::from_f64(0.11944678826051937) * e119
-        - T::from_f64(0.19252104104496942) * bz_right_hip_yaw_x + kz_right_hip_yaw_z;
-    let kz_waist_yaw_x = bz_right_hip_yaw_x + T::from_f64(0.3662421800811955) * e127;
+        - T::from_f64(0.19252104104496945) * bz_right_hip_yaw_x + kz_right_hip_yaw_z;
+    let kz_waist_yaw_x = bz_right_hip_yaw_x + T::from_f64(0.3662421800811956) * e127;
     let kz_waist_yaw_y = T::from_f64(0.22722945969324562) * e127 - e119;
     let kz_waist_yaw_z = kz_right_hip_yaw_z - T::from_f64(1.9023488450576578) * e127;
     let bz_waist_yaw_x = kz_waist_yaw_y * s_waist_yaw - kz_waist_yaw_x * c_waist_yaw;
@@ -1577,8 +1585,8 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     // right_shoulder_roll
     let kz_right_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * bz_right_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * kz_right_shoulder_pitch_z;
-    let kz_right_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * kz_right_shoulder_pitch_z;
+    let kz_right_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * bz_right_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * kz_right_shoulder_pitch_z;
     let bz_right_shoulder_roll_x = kz_right_shoulder_roll_y * s_right_shoulder_roll
@@ -1604,8 +1612,8 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     let e137 = e136 * s_right_elbow - e135 * c_right_elbow;
     // right_wrist_yaw
     let e138 = T::from_f64(0.15904161977640188) * bz_right_elbow_x
-        + T::from_f64(0.9872718790580933) * kz_right_elbow_z;
-    let kz_right_wrist_yaw_z = T::from_f64(0.9872718790580933) * bz_right_elbow_x
+        + T::from_f64(0.9872718790580934) * kz_right_elbow_z;
+    let kz_right_wrist_yaw_z = T::from_f64(0.9872718790580934) * bz_right_elbow_x
         - T::from_f64(0.15904161977640188) * kz_right_elbow_z;
     let bz_right_wrist_yaw_x = e138 * s_right_wrist_yaw - e137 * c_right_wrist_yaw;
     let bz_right_wrist_yaw_y = e138 * c_right_wrist_yaw + e137 * s_right_wrist_yaw;
@@ -1617,9 +1625,9 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     let bz_right_wrist_roll_x = bz_right_wrist_yaw_y * c_right_wrist_roll
         - kz_right_wrist_roll_y * s_right_wrist_roll;
     // left_shoulder_pitch
-    let e139 = T::from_f64(0.117838714587223) * e128 - e129
+    let e139 = T::from_f64(0.11783871458722316) * e128 - e129
         - T::from_f64(0.09248191489966293) * kz_waist_pitch_z;
-    let kz_left_shoulder_pitch_x = T::from_f64(0.2305051546121803) * e139 - e128;
+    let kz_left_shoulder_pitch_x = T::from_f64(0.2305051546121806) * e139 - e128;
     let e140 = e129 + T::from_f64(1.956107170887058) * e139;
     let kz_left_shoulder_pitch_z = kz_waist_pitch_z
         + T::from_f64(0.1809045369125973) * e139;
@@ -1630,8 +1638,8 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     // left_shoulder_roll
     let kz_left_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * bz_left_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * kz_left_shoulder_pitch_z;
-    let kz_left_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * kz_left_shoulder_pitch_z;
+    let kz_left_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * bz_left_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * kz_left_shoulder_pitch_z;
     let bz_left_shoulder_roll_x = e141 * c_left_shoulder_roll
@@ -1655,8 +1663,8 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     let bz_left_elbow_y = kz_left_elbow_y * s_left_elbow + e144 * c_left_elbow;
     // left_wrist_yaw
     let e145 = T::from_f64(0.15904161977640188) * bz_left_elbow_x
-        + T::from_f64(0.9872718790580933) * kz_left_elbow_z;
-    let kz_left_wrist_yaw_z = T::from_f64(0.9872718790580933) * bz_left_elbow_x
+        + T::from_f64(0.9872718790580934) * kz_left_elbow_z;
+    let kz_left_wrist_yaw_z = T::from_f64(0.9872718790580934) * bz_left_elbow_x
         - T::from_f64(0.15904161977640188) * kz_left_elbow_z;
     let bz_left_wrist_yaw_x = bz_left_elbow_y * c_left_wrist_yaw
         + e145 * s_left_wrist_yaw;
@@ -1846,7 +1854,7 @@ pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] 
         + T::from_f64(0.06706297088627988) * e1;
     let v_left_wrist_yaw_x = r[57] + w_left_wrist_roll_x;
     let v_left_wrist_yaw_y = r[58] + t_left_wrist_roll_x;
-    let e4 = q[27] + T::from_f64(0.07984195204795128);
+    let e4 = q[27] + T::from_f64(0.07984195204795129);
     let (s_left_wrist_yaw, c_left_wrist_yaw) = e4.sin_cos();
     let t_left_wrist_yaw_x = c_left_wrist_yaw * v_left_wrist_yaw_x
         - s_left_wrist_yaw * v_left_wrist_yaw_y;
@@ -1854,8 +1862,8 @@ pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] 
         + c_left_wrist_yaw * v_left_wrist_yaw_y;
     // left_elbow
     let w_left_wrist_yaw_x = T::from_f64(0.15904161977640188) * e5
-        + T::from_f64(0.9872718790580933) * w_left_wrist_roll_z;
-    let w_left_wrist_yaw_z = T::from_f64(0.9872718790580933) * e5
+        + T::from_f64(0.9872718790580934) * w_left_wrist_roll_z;
+    let w_left_wrist_yaw_z = T::from_f64(0.9872718790580934) * e5
         - T::from_f64(0.15904161977640188) * w_left_wrist_roll_z;
     let v_left_elbow_x = r[55] + w_left_wrist_yaw_x;
     let v_left_elbow_y = r[56] + t_left_wrist_yaw_x;
@@ -1891,12 +1899,12 @@ pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] 
         + c_left_shoulder_roll * v_left_shoulder_roll_y;
     // left_shoulder_pitch
     let w_left_shoulder_roll_x = T::from_f64(0.2834710957352705) * t_left_shoulder_roll_y
-        - T::from_f64(0.9589807807681262) * e9;
-    let e11 = T::from_f64(0.9589807807681262) * t_left_shoulder_roll_y
+        - T::from_f64(0.9589807807681263) * e9;
+    let e11 = T::from_f64(0.9589807807681263) * t_left_shoulder_roll_y
         + T::from_f64(0.2834710957352705) * e9;
     let v_left_shoulder_pitch_x = r[49] + w_left_shoulder_roll_x;
     let v_left_shoulder_pitch_y = r[50] + t_left_shoulder_roll_x;
-    let e12 = q[23] + T::from_f64(0.01490799199634596);
+    let e12 = q[23] + T::from_f64(0.014907991996345737);
     let (s_left_shoulder_pitch, c_left_shoulder_pitch) = e12.sin_cos();
     let e13 = s_left_shoulder_pitch * v_left_shoulder_pitch_x
         + c_left_shoulder_pitch * v_left_shoulder_pitch_y;
@@ -1924,7 +1932,7 @@ pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] 
         + T::from_f64(0.06706297088627988) * e14;
     let v_right_wrist_yaw_x = r[43] + w_right_wrist_roll_x;
     let v_right_wrist_yaw_y = r[44] + t_right_wrist_roll_x;
-    let e17 = q[20] + T::from_f64(0.07984195204795128);
+    let e17 = q[20] + T::from_f64(0.07984195204795129);
     let (s_right_wrist_yaw, c_right_wrist_yaw) = e17.sin_cos();
     let t_right_wrist_yaw_x = c_right_wrist_yaw * v_right_wrist_yaw_x
         - s_right_wrist_yaw * v_right_wrist_yaw_y;
@@ -1932,8 +1940,8 @@ pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] 
         + c_right_wrist_yaw * v_right_wrist_yaw_y;
     // right_elbow
     let w_right_wrist_yaw_x = T::from_f64(0.15904161977640188) * e18
-        + T::from_f64(0.9872718790580933) * w_right_wrist_roll_z;
-    let w_right_wrist_yaw_z = T::from_f64(0.9872718790580933) * e18
+        + T::from_f64(0.9872718790580934) * w_right_wrist_roll_z;
+    let w_right_wrist_yaw_z = T::from_f64(0.9872718790580934) * e18
         - T::from_f64(0.15904161977640188) * w_right_wrist_roll_z;
     let v_right_elbow_x = r[41] + w_right_wrist_yaw_x;
     let v_right_elbow_y = r[42] + t_right_wrist_yaw_x;
@@ -1970,8 +1978,8 @@ pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] 
         + c_right_shoulder_roll * v_right_shoulder_roll_y;
     // right_shoulder_pitch
     let w_right_shoulder_roll_x = T::from_f64(0.2834710957352705)
-        * t_right_shoulder_roll_y - T::from_f64(0.9589807807681262) * e22;
-    let e24 = T::from_f64(0.9589807807681262) * t_right_shoulder_roll_y
+        * t_right_shoulder_roll_y - T::from_f64(0.9589807807681263) * e22;
+    let e24 = T::from_f64(0.9589807807681263) * t_right_shoulder_roll_y
         + T::from_f64(0.2834710957352705) * e22;
     let v_right_shoulder_pitch_x = r[35] + w_right_shoulder_roll_x;
     let v_right_shoulder_pitch_y = r[36] + t_right_shoulder_roll_x;
@@ -2004,9 +2012,9 @@ pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] 
     let w_right_shoulder_pitch_y = t_right_shoulder_pitch_y
         - T::from_f64(0.14086963671593916) * e30;
     let w_right_shoulder_pitch_z = T::from_f64(0.20944016387466197) * e30 - e24;
-    let e31 = T::from_f64(0.117838714587223) * e13 + t_left_shoulder_pitch_y
+    let e31 = T::from_f64(0.11783871458722316) * e13 + t_left_shoulder_pitch_y
         + T::from_f64(0.09248191489966293) * e11;
-    let w_left_shoulder_pitch_x = T::from_f64(0.2305051546121803) * e31 - e13;
+    let w_left_shoulder_pitch_x = T::from_f64(0.2305051546121806) * e31 - e13;
     let w_left_shoulder_pitch_y = t_left_shoulder_pitch_y
         - T::from_f64(1.956107170887058) * e31;
     let w_left_shoulder_pitch_z = T::from_f64(0.1809045369125973) * e31 - e11;
@@ -2059,9 +2067,9 @@ pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] 
     let t_left_knee_y = c_left_knee * v_left_knee_x - s_left_knee * v_left_knee_y;
     // left_hip_pitch
     let w_left_knee_x = T::from_f64(0.9973888291864126) * t_left_knee_y
-        + T::from_f64(0.07221858080963142) * w_left_ankle_pitch_z;
+        + T::from_f64(0.0722185808096314) * w_left_ankle_pitch_z;
     let w_left_knee_z = T::from_f64(0.9973888291864126) * w_left_ankle_pitch_z
-        - T::from_f64(0.07221858080963142) * t_left_knee_y;
+        - T::from_f64(0.0722185808096314) * t_left_knee_y;
     let v_left_hip_pitch_x = r[19] + w_left_knee_x;
     let v_left_hip_pitch_y = r[20] + t_left_knee_x;
     let e38 = q[8] + T::from_f64(0.15721584383712184);
@@ -2077,15 +2085,15 @@ pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] 
         - T::from_f64(0.9981717798828137) * t_left_hip_pitch_y;
     let v_left_hip_roll_x = r[17] + w_left_hip_pitch_x;
     let v_left_hip_roll_y = r[18] + t_left_hip_pitch_x;
-    let e39 = q[7] - T::from_f64(0.3432638106572563);
+    let e39 = q[7] - T::from_f64(0.34326381065725625);
     let (s_left_hip_roll, c_left_hip_roll) = e39.sin_cos();
     let t_left_hip_roll_x = c_left_hip_roll * v_left_hip_roll_x
         - s_left_hip_roll * v_left_hip_roll_y;
     let e40 = s_left_hip_roll * v_left_hip_roll_x + c_left_hip_roll * v_left_hip_roll_y;
     // left_hip_yaw
-    let w_left_hip_roll_x = T::from_f64(0.996555568326344) * w_left_hip_pitch_z
+    let w_left_hip_roll_x = T::from_f64(0.9965555683263441) * w_left_hip_pitch_z
         - T::from_f64(0.08292767473984561) * e40;
-    let w_left_hip_roll_z = T::from_f64(0.996555568326344) * e40
+    let w_left_hip_roll_z = T::from_f64(0.9965555683263441) * e40
         + T::from_f64(0.08292767473984561) * w_left_hip_pitch_z;
     let v_left_hip_yaw_x = r[15] + w_left_hip_roll_x;
     let v_left_hip_yaw_y = r[16] + t_left_hip_roll_x;
@@ -2096,20 +2104,20 @@ pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] 
     let t_left_hip_yaw_y = s_left_hip_yaw * v_left_hip_yaw_x
         + c_left_hip_yaw * v_left_hip_yaw_y;
     // right_hip_yaw
-    let w_left_hip_yaw_x = T::from_f64(0.8428760553163271) * w_left_hip_roll_z
+    let w_left_hip_yaw_x = T::from_f64(0.8428760553163273) * w_left_hip_roll_z
         - T::from_f64(0.538107754426925) * t_left_hip_yaw_y;
     let e42 = w_waist_pitch_z
-        - (T::from_f64(0.19252104104496942) * t_waist_yaw_x
+        - (T::from_f64(0.19252104104496945) * t_waist_yaw_x
             + T::from_f64(0.11944678826051937) * t_waist_yaw_y);
-    let w_waist_yaw_x = t_waist_yaw_x + T::from_f64(0.3662421800811955) * e42;
+    let w_waist_yaw_x = t_waist_yaw_x + T::from_f64(0.3662421800811956) * e42;
     let w_waist_yaw_y = t_waist_yaw_y + T::from_f64(0.22722945969324562) * e42;
     let w_waist_yaw_z = w_waist_pitch_z - T::from_f64(1.9023488450576578) * e42;
     let v_right_hip_yaw_x = r[13] + w_left_hip_yaw_x + w_waist_yaw_x;
     let v_right_hip_yaw_y = r[14] + t_left_hip_yaw_x + w_waist_yaw_y;
     let v_right_hip_yaw_z = w_waist_yaw_z
-        - (T::from_f64(0.8428760553163271) * t_left_hip_yaw_y
+        - (T::from_f64(0.8428760553163273) * t_left_hip_yaw_y
             + T::from_f64(0.538107754426925) * w_left_hip_roll_z);
-    let e43 = q[0] + T::from_f64(0.10119271700368022);
+    let e43 = q[0] + T::from_f64(0.10119271700368025);
     let (s_right_hip_yaw, c_right_hip_yaw) = e43.sin_cos();
     let t_right_hip_yaw_x = c_right_hip_yaw * v_right_hip_yaw_x
         + s_right_hip_yaw * v_right_hip_yaw_y;
@@ -2143,23 +2151,23 @@ pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] 
         - c_right_hip_pitch * v_right_hip_pitch_y;
     // right_knee
     let w_right_hip_pitch_x = T::from_f64(0.9973888291864124) * t_right_hip_pitch_y
-        + T::from_f64(0.07221858080963141) * w_right_hip_roll_z;
+        + T::from_f64(0.0722185808096314) * w_right_hip_roll_z;
     let w_right_hip_pitch_z = T::from_f64(0.9973888291864124) * w_right_hip_roll_z
-        - T::from_f64(0.07221858080963141) * t_right_hip_pitch_y;
+        - T::from_f64(0.0722185808096314) * t_right_hip_pitch_y;
     let v_right_knee_x = r[7] + w_right_hip_pitch_x;
     let v_right_knee_y = r[8] + t_right_hip_pitch_x;
-    let e47 = q[3] - T::from_f64(0.7020104799569638);
+    let e47 = q[3] - T::from_f64(0.7020104799569636);
     let (s_right_knee, c_right_knee) = e47.sin_cos();
     let t_right_knee_x = c_right_knee * v_right_knee_y - s_right_knee * v_right_knee_x;
     let t_right_knee_y = c_right_knee * v_right_knee_x + s_right_knee * v_right_knee_y;
     // right_ankle_pitch
     let w_right_knee_x = T::from_f64(0.9659918591802843) * t_right_knee_y
-        + T::from_f64(0.258572481129407) * w_right_hip_pitch_z;
+        + T::from_f64(0.2585724811294071) * w_right_hip_pitch_z;
     let w_right_knee_z = T::from_f64(0.9659918591802843) * w_right_hip_pitch_z
-        - T::from_f64(0.258572481129407) * t_right_knee_y;
+        - T::from_f64(0.2585724811294071) * t_right_knee_y;
     let v_right_ankle_pitch_x = r[5] + w_right_knee_x;
     let v_right_ankle_pitch_y = r[6] + t_right_knee_x;
-    let e48 = q[4] + T::from_f64(0.17565669109302126);
+    let e48 = q[4] + T::from_f64(0.17565669109302123);
     let (s_right_ankle_pitch, c_right_ankle_pitch) = e48.sin_cos();
     let t_right_ankle_pitch_x = c_right_ankle_pitch * v_right_ankle_pitch_x
         + s_right_ankle_pitch * v_right_ankle_pitch_y;
@@ -2191,15 +2199,15 @@ pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] 
     let e51 = kz_right_ankle_pitch_y * c_right_ankle_pitch + e50 * s_right_ankle_pitch;
     // right_knee
     let kz_right_knee_y = T::from_f64(0.9659918591802843) * bz_right_ankle_pitch_x
-        - T::from_f64(0.258572481129407) * kz_right_ankle_pitch_z;
-    let kz_right_knee_z = T::from_f64(0.258572481129407) * bz_right_ankle_pitch_x
+        - T::from_f64(0.2585724811294071) * kz_right_ankle_pitch_z;
+    let kz_right_knee_z = T::from_f64(0.2585724811294071) * bz_right_ankle_pitch_x
         + T::from_f64(0.9659918591802843) * kz_right_ankle_pitch_z;
     let bz_right_knee_x = e51 * s_right_knee + kz_right_knee_y * c_right_knee;
     let e52 = e51 * c_right_knee - kz_right_knee_y * s_right_knee;
     // right_hip_pitch
     let kz_right_hip_pitch_y = T::from_f64(0.9973888291864124) * bz_right_knee_x
-        - T::from_f64(0.07221858080963141) * kz_right_knee_z;
-    let kz_right_hip_pitch_z = T::from_f64(0.07221858080963141) * bz_right_knee_x
+        - T::from_f64(0.0722185808096314) * kz_right_knee_z;
+    let kz_right_hip_pitch_z = T::from_f64(0.0722185808096314) * bz_right_knee_x
         + T::from_f64(0.9973888291864124) * kz_right_knee_z;
     let bz_right_hip_pitch_x = kz_right_hip_pitch_y * s_right_hip_pitch
         - e52 * c_right_hip_pitch;
@@ -2224,15 +2232,15 @@ pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] 
         - bz_right_hip_roll_y * s_right_hip_yaw;
     // left_hip_yaw
     let e55 = T::from_f64(0.538107754426925) * bz_right_hip_yaw_x
-        + T::from_f64(0.8428760553163271) * kz_right_hip_yaw_z;
-    let kz_left_hip_yaw_z = T::from_f64(0.8428760553163271) * bz_right_hip_yaw_x
+        + T::from_f64(0.8428760553163273) * kz_right_hip_yaw_z;
+    let kz_left_hip_yaw_z = T::from_f64(0.8428760553163273) * bz_right_hip_yaw_x
         - T::from_f64(0.538107754426925) * kz_right_hip_yaw_z;
     let bz_left_hip_yaw_x = e54 * c_left_hip_yaw - e55 * s_left_hip_yaw;
     let e56 = e55 * c_left_hip_yaw + e54 * s_left_hip_yaw;
     // left_hip_roll
     let kz_left_hip_roll_y = T::from_f64(0.08292767473984561) * bz_left_hip_yaw_x
-        - T::from_f64(0.996555568326344) * kz_left_hip_yaw_z;
-    let kz_left_hip_roll_z = T::from_f64(0.996555568326344) * bz_left_hip_yaw_x
+        - T::from_f64(0.9965555683263441) * kz_left_hip_yaw_z;
+    let kz_left_hip_roll_z = T::from_f64(0.9965555683263441) * bz_left_hip_yaw_x
         + T::from_f64(0.08292767473984561) * kz_left_hip_yaw_z;
     let e57 = e56 * c_left_hip_roll + kz_left_hip_roll_y * s_left_hip_roll;
     let e58 = kz_left_hip_roll_y * c_left_hip_roll - e56 * s_left_hip_roll;
@@ -2245,8 +2253,8 @@ pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] 
     let e60 = e59 * c_left_hip_pitch + e58 * s_left_hip_pitch;
     // left_knee
     let kz_left_knee_y = T::from_f64(0.9973888291864126) * bz_left_hip_pitch_x
-        - T::from_f64(0.07221858080963142) * kz_left_hip_pitch_z;
-    let kz_left_knee_z = T::from_f64(0.07221858080963142) * bz_left_hip_pitch_x
+        - T::from_f64(0.0722185808096314) * kz_left_hip_pitch_z;
+    let kz_left_knee_z = T::from_f64(0.0722185808096314) * bz_left_hip_pitch_x
         + T::from_f64(0.9973888291864126) * kz_left_hip_pitch_z;
     let bz_left_knee_x = kz_left_knee_y * c_left_knee - e60 * s_left_knee;
     let e61 = kz_left_knee_y * s_left_knee + e60 * c_left_knee;
@@ -2259,8 +2267,8 @@ pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] 
         + kz_left_ankle_pitch_y * s_left_ankle_pitch;
     // waist_yaw
     let e62 = T::from_f64(0.11944678826051937) * e54
-        - T::from_f64(0.19252104104496942) * bz_right_hip_yaw_x + kz_right_hip_yaw_z;
-    let kz_waist_yaw_x = bz_right_hip_yaw_x + T::from_f64(0.3662421800811955) * e62;
+        - T::from_f64(0.19252104104496945) * bz_right_hip_yaw_x + kz_right_hip_yaw_z;
+    let kz_waist_yaw_x = bz_right_hip_yaw_x + T::from_f64(0.3662421800811956) * e62;
     let kz_waist_yaw_y = T::from_f64(0.22722945969324562) * e62 - e54;
     let kz_waist_yaw_z = kz_right_hip_yaw_z - T::from_f64(1.9023488450576578) * e62;
     let bz_waist_yaw_x = kz_waist_yaw_y * s_waist_yaw - kz_waist_yaw_x * c_waist_yaw;
@@ -2292,8 +2300,8 @@ pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] 
     // right_shoulder_roll
     let kz_right_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * bz_right_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * kz_right_shoulder_pitch_z;
-    let kz_right_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * kz_right_shoulder_pitch_z;
+    let kz_right_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * bz_right_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * kz_right_shoulder_pitch_z;
     let bz_right_shoulder_roll_x = kz_right_shoulder_roll_y * s_right_shoulder_roll
@@ -2319,8 +2327,8 @@ pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] 
     let e72 = e71 * s_right_elbow - e70 * c_right_elbow;
     // right_wrist_yaw
     let e73 = T::from_f64(0.15904161977640188) * bz_right_elbow_x
-        + T::from_f64(0.9872718790580933) * kz_right_elbow_z;
-    let kz_right_wrist_yaw_z = T::from_f64(0.9872718790580933) * bz_right_elbow_x
+        + T::from_f64(0.9872718790580934) * kz_right_elbow_z;
+    let kz_right_wrist_yaw_z = T::from_f64(0.9872718790580934) * bz_right_elbow_x
         - T::from_f64(0.15904161977640188) * kz_right_elbow_z;
     let bz_right_wrist_yaw_x = e73 * s_right_wrist_yaw - e72 * c_right_wrist_yaw;
     let bz_right_wrist_yaw_y = e73 * c_right_wrist_yaw + e72 * s_right_wrist_yaw;
@@ -2332,9 +2340,9 @@ pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] 
     let bz_right_wrist_roll_x = bz_right_wrist_yaw_y * c_right_wrist_roll
         - kz_right_wrist_roll_y * s_right_wrist_roll;
     // left_shoulder_pitch
-    let e74 = T::from_f64(0.117838714587223) * e63 - e64
+    let e74 = T::from_f64(0.11783871458722316) * e63 - e64
         - T::from_f64(0.09248191489966293) * kz_waist_pitch_z;
-    let kz_left_shoulder_pitch_x = T::from_f64(0.2305051546121803) * e74 - e63;
+    let kz_left_shoulder_pitch_x = T::from_f64(0.2305051546121806) * e74 - e63;
     let e75 = e64 + T::from_f64(1.956107170887058) * e74;
     let kz_left_shoulder_pitch_z = kz_waist_pitch_z
         + T::from_f64(0.1809045369125973) * e74;
@@ -2345,8 +2353,8 @@ pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] 
     // left_shoulder_roll
     let kz_left_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * bz_left_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * kz_left_shoulder_pitch_z;
-    let kz_left_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * kz_left_shoulder_pitch_z;
+    let kz_left_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * bz_left_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * kz_left_shoulder_pitch_z;
     let bz_left_shoulder_roll_x = e76 * c_left_shoulder_roll
@@ -2370,8 +2378,8 @@ pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] 
     let bz_left_elbow_y = kz_left_elbow_y * s_left_elbow + e79 * c_left_elbow;
     // left_wrist_yaw
     let e80 = T::from_f64(0.15904161977640188) * bz_left_elbow_x
-        + T::from_f64(0.9872718790580933) * kz_left_elbow_z;
-    let kz_left_wrist_yaw_z = T::from_f64(0.9872718790580933) * bz_left_elbow_x
+        + T::from_f64(0.9872718790580934) * kz_left_elbow_z;
+    let kz_left_wrist_yaw_z = T::from_f64(0.9872718790580934) * bz_left_elbow_x
         - T::from_f64(0.15904161977640188) * kz_left_elbow_z;
     let bz_left_wrist_yaw_x = bz_left_elbow_y * c_left_wrist_yaw
         + e80 * s_left_wrist_yaw;
@@ -2446,7 +2454,7 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         - T::from_f64(0.16554475198250462) * c_right_ankle_roll;
     let bx_right_ankle_roll_y = -e3;
     // right_ankle_pitch
-    let e4 = q[4] + T::from_f64(0.17565669109302126);
+    let e4 = q[4] + T::from_f64(0.17565669109302123);
     let (s_right_ankle_pitch, c_right_ankle_pitch) = e4.sin_cos();
     let kx_right_ankle_pitch_y = T::from_f64(0.0524083921121999) * e2
         + T::from_f64(0.9785692022639542);
@@ -2457,11 +2465,11 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     let e5 = kx_right_ankle_pitch_y * c_right_ankle_pitch + e3 * s_right_ankle_pitch;
     let bx_right_ankle_pitch_y = -e5;
     // right_knee
-    let e6 = q[3] - T::from_f64(0.7020104799569638);
+    let e6 = q[3] - T::from_f64(0.7020104799569636);
     let (s_right_knee, c_right_knee) = e6.sin_cos();
     let kx_right_knee_y = T::from_f64(0.9659918591802843) * bx_right_ankle_pitch_x
-        - T::from_f64(0.258572481129407) * kx_right_ankle_pitch_z;
-    let kx_right_knee_z = T::from_f64(0.258572481129407) * bx_right_ankle_pitch_x
+        - T::from_f64(0.2585724811294071) * kx_right_ankle_pitch_z;
+    let kx_right_knee_z = T::from_f64(0.2585724811294071) * bx_right_ankle_pitch_x
         + T::from_f64(0.9659918591802843) * kx_right_ankle_pitch_z;
     let bx_right_knee_x = e5 * s_right_knee + kx_right_knee_y * c_right_knee;
     let e7 = e5 * c_right_knee - kx_right_knee_y * s_right_knee;
@@ -2470,8 +2478,8 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     let e8 = q[2] + T::from_f64(0.15721584383712192);
     let (s_right_hip_pitch, c_right_hip_pitch) = e8.sin_cos();
     let kx_right_hip_pitch_y = T::from_f64(0.9973888291864124) * bx_right_knee_x
-        - T::from_f64(0.07221858080963141) * kx_right_knee_z;
-    let kx_right_hip_pitch_z = T::from_f64(0.07221858080963141) * bx_right_knee_x
+        - T::from_f64(0.0722185808096314) * kx_right_knee_z;
+    let kx_right_hip_pitch_z = T::from_f64(0.0722185808096314) * bx_right_knee_x
         + T::from_f64(0.9973888291864124) * kx_right_knee_z;
     let bx_right_hip_pitch_x = kx_right_hip_pitch_y * s_right_hip_pitch
         - e7 * c_right_hip_pitch;
@@ -2489,7 +2497,7 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     let bx_right_hip_roll_y = kx_right_hip_roll_y * c_right_hip_roll
         + e9 * s_right_hip_roll;
     // right_hip_yaw
-    let e11 = q[0] + T::from_f64(0.10119271700368022);
+    let e11 = q[0] + T::from_f64(0.10119271700368025);
     let (s_right_hip_yaw, c_right_hip_yaw) = e11.sin_cos();
     let kx_right_hip_yaw_y = T::from_f64(0.08292767473984558) * bx_right_hip_roll_x
         - T::from_f64(0.9965555683263441) * kx_right_hip_roll_z;
@@ -2504,18 +2512,18 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     let e13 = q[6] + T::from_f64(0.10119271700368015);
     let (s_left_hip_yaw, c_left_hip_yaw) = e13.sin_cos();
     let e14 = T::from_f64(0.538107754426925) * bx_right_hip_yaw_x
-        + T::from_f64(0.8428760553163271) * kx_right_hip_yaw_z;
-    let kx_left_hip_yaw_z = T::from_f64(0.8428760553163271) * bx_right_hip_yaw_x
+        + T::from_f64(0.8428760553163273) * kx_right_hip_yaw_z;
+    let kx_left_hip_yaw_z = T::from_f64(0.8428760553163273) * bx_right_hip_yaw_x
         - T::from_f64(0.538107754426925) * kx_right_hip_yaw_z;
     let bx_left_hip_yaw_x = e12 * c_left_hip_yaw - e14 * s_left_hip_yaw;
     let e15 = e14 * c_left_hip_yaw + e12 * s_left_hip_yaw;
     let bx_left_hip_yaw_y = -e15;
     // left_hip_roll
-    let e16 = q[7] - T::from_f64(0.3432638106572563);
+    let e16 = q[7] - T::from_f64(0.34326381065725625);
     let (s_left_hip_roll, c_left_hip_roll) = e16.sin_cos();
     let kx_left_hip_roll_y = T::from_f64(0.08292767473984561) * bx_left_hip_yaw_x
-        - T::from_f64(0.996555568326344) * kx_left_hip_yaw_z;
-    let kx_left_hip_roll_z = T::from_f64(0.996555568326344) * bx_left_hip_yaw_x
+        - T::from_f64(0.9965555683263441) * kx_left_hip_yaw_z;
+    let kx_left_hip_roll_z = T::from_f64(0.9965555683263441) * bx_left_hip_yaw_x
         + T::from_f64(0.08292767473984561) * kx_left_hip_yaw_z;
     let e17 = e15 * c_left_hip_roll + kx_left_hip_roll_y * s_left_hip_roll;
     let bx_left_hip_roll_x = -e17;
@@ -2535,8 +2543,8 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     let e22 = q[9] - T::from_f64(0.7020104799569635);
     let (s_left_knee, c_left_knee) = e22.sin_cos();
     let kx_left_knee_y = T::from_f64(0.9973888291864126) * bx_left_hip_pitch_x
-        - T::from_f64(0.07221858080963142) * kx_left_hip_pitch_z;
-    let kx_left_knee_z = T::from_f64(0.07221858080963142) * bx_left_hip_pitch_x
+        - T::from_f64(0.0722185808096314) * kx_left_hip_pitch_z;
+    let kx_left_knee_z = T::from_f64(0.0722185808096314) * bx_left_hip_pitch_x
         + T::from_f64(0.9973888291864126) * kx_left_hip_pitch_z;
     let bx_left_knee_x = kx_left_knee_y * c_left_knee - e21 * s_left_knee;
     let e23 = kx_left_knee_y * s_left_knee + e21 * c_left_knee;
@@ -2562,8 +2570,8 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     let e27 = q[12] + T::from_f64(0.05803686797214569);
     let (s_waist_yaw, c_waist_yaw) = e27.sin_cos();
     let e28 = T::from_f64(0.11944678826051937) * e12
-        - T::from_f64(0.19252104104496942) * bx_right_hip_yaw_x + kx_right_hip_yaw_z;
-    let kx_waist_yaw_x = bx_right_hip_yaw_x + T::from_f64(0.3662421800811955) * e28;
+        - T::from_f64(0.19252104104496945) * bx_right_hip_yaw_x + kx_right_hip_yaw_z;
+    let kx_waist_yaw_x = bx_right_hip_yaw_x + T::from_f64(0.3662421800811956) * e28;
     let kx_waist_yaw_y = T::from_f64(0.22722945969324562) * e28 - e12;
     let kx_waist_yaw_z = kx_right_hip_yaw_z - T::from_f64(1.9023488450576578) * e28;
     let bx_waist_yaw_x = kx_waist_yaw_y * s_waist_yaw - kx_waist_yaw_x * c_waist_yaw;
@@ -2613,8 +2621,8 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     let (s_right_shoulder_roll, c_right_shoulder_roll) = e39.sin_cos();
     let kx_right_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * bx_right_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * kx_right_shoulder_pitch_z;
-    let kx_right_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * kx_right_shoulder_pitch_z;
+    let kx_right_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * bx_right_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * kx_right_shoulder_pitch_z;
     let bx_right_shoulder_roll_x = kx_right_shoulder_roll_y * s_right_shoulder_roll
@@ -2646,11 +2654,11 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     let e46 = e45 * s_right_elbow - e43 * c_right_elbow;
     let bx_right_elbow_y = -e46;
     // right_wrist_yaw
-    let e47 = q[20] + T::from_f64(0.07984195204795128);
+    let e47 = q[20] + T::from_f64(0.07984195204795129);
     let (s_right_wrist_yaw, c_right_wrist_yaw) = e47.sin_cos();
     let e48 = T::from_f64(0.15904161977640188) * bx_right_elbow_x
-        + T::from_f64(0.9872718790580933) * kx_right_elbow_z;
-    let kx_right_wrist_yaw_z = T::from_f64(0.9872718790580933) * bx_right_elbow_x
+        + T::from_f64(0.9872718790580934) * kx_right_elbow_z;
+    let kx_right_wrist_yaw_z = T::from_f64(0.9872718790580934) * bx_right_elbow_x
         - T::from_f64(0.15904161977640188) * kx_right_elbow_z;
     let bx_right_wrist_yaw_x = e48 * s_right_wrist_yaw - e46 * c_right_wrist_yaw;
     let bx_right_wrist_yaw_y = e48 * c_right_wrist_yaw + e46 * s_right_wrist_yaw;
@@ -2673,11 +2681,11 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     let bx_right_wrist_pitch_x = e51 * s_right_wrist_pitch - e50 * c_right_wrist_pitch;
     let bx_right_wrist_pitch_y = e51 * c_right_wrist_pitch + e50 * s_right_wrist_pitch;
     // left_shoulder_pitch
-    let e52 = q[23] + T::from_f64(0.01490799199634596);
+    let e52 = q[23] + T::from_f64(0.014907991996345737);
     let (s_left_shoulder_pitch, c_left_shoulder_pitch) = e52.sin_cos();
-    let e53 = T::from_f64(0.117838714587223) * e30 - e31
+    let e53 = T::from_f64(0.11783871458722316) * e30 - e31
         - T::from_f64(0.09248191489966293) * kx_waist_pitch_z;
-    let kx_left_shoulder_pitch_x = T::from_f64(0.2305051546121803) * e53 - e30;
+    let kx_left_shoulder_pitch_x = T::from_f64(0.2305051546121806) * e53 - e30;
     let e54 = e31 + T::from_f64(1.956107170887058) * e53;
     let kx_left_shoulder_pitch_z = kx_waist_pitch_z
         + T::from_f64(0.1809045369125973) * e53;
@@ -2691,8 +2699,8 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     let (s_left_shoulder_roll, c_left_shoulder_roll) = e56.sin_cos();
     let kx_left_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * bx_left_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * kx_left_shoulder_pitch_z;
-    let kx_left_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * kx_left_shoulder_pitch_z;
+    let kx_left_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * bx_left_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * kx_left_shoulder_pitch_z;
     let bx_left_shoulder_roll_x = e55 * c_left_shoulder_roll
@@ -2721,11 +2729,11 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     let bx_left_elbow_x = e60 * s_left_elbow - kx_left_elbow_y * c_left_elbow;
     let bx_left_elbow_y = kx_left_elbow_y * s_left_elbow + e60 * c_left_elbow;
     // left_wrist_yaw
-    let e62 = q[27] + T::from_f64(0.07984195204795128);
+    let e62 = q[27] + T::from_f64(0.07984195204795129);
     let (s_left_wrist_yaw, c_left_wrist_yaw) = e62.sin_cos();
     let e63 = T::from_f64(0.15904161977640188) * bx_left_elbow_x
-        + T::from_f64(0.9872718790580933) * kx_left_elbow_z;
-    let kx_left_wrist_yaw_z = T::from_f64(0.9872718790580933) * bx_left_elbow_x
+        + T::from_f64(0.9872718790580934) * kx_left_elbow_z;
+    let kx_left_wrist_yaw_z = T::from_f64(0.9872718790580934) * bx_left_elbow_x
         - T::from_f64(0.15904161977640188) * kx_left_elbow_z;
     let bx_left_wrist_yaw_x = bx_left_elbow_y * c_left_wrist_yaw
         + e63 * s_left_wrist_yaw;
@@ -2767,16 +2775,16 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     let by_right_ankle_pitch_y = -e69;
     // right_knee
     let ky_right_knee_y = T::from_f64(0.9659918591802843) * by_right_ankle_pitch_x
-        - T::from_f64(0.258572481129407) * ky_right_ankle_pitch_z;
-    let ky_right_knee_z = T::from_f64(0.258572481129407) * by_right_ankle_pitch_x
+        - T::from_f64(0.2585724811294071) * ky_right_ankle_pitch_z;
+    let ky_right_knee_z = T::from_f64(0.2585724811294071) * by_right_ankle_pitch_x
         + T::from_f64(0.9659918591802843) * ky_right_ankle_pitch_z;
     let by_right_knee_x = e69 * s_right_knee + ky_right_knee_y * c_right_knee;
     let e70 = e69 * c_right_knee - ky_right_knee_y * s_right_knee;
     let by_right_knee_y = -e70;
     // right_hip_pitch
     let ky_right_hip_pitch_y = T::from_f64(0.9973888291864124) * by_right_knee_x
-        - T::from_f64(0.07221858080963141) * ky_right_knee_z;
-    let ky_right_hip_pitch_z = T::from_f64(0.07221858080963141) * by_right_knee_x
+        - T::from_f64(0.0722185808096314) * ky_right_knee_z;
+    let ky_right_hip_pitch_z = T::from_f64(0.0722185808096314) * by_right_knee_x
         + T::from_f64(0.9973888291864124) * ky_right_knee_z;
     let by_right_hip_pitch_x = ky_right_hip_pitch_y * s_right_hip_pitch
         - e70 * c_right_hip_pitch;
@@ -2803,16 +2811,16 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     let by_right_hip_yaw_y = -e72;
     // left_hip_yaw
     let e73 = T::from_f64(0.538107754426925) * by_right_hip_yaw_x
-        + T::from_f64(0.8428760553163271) * ky_right_hip_yaw_z;
-    let ky_left_hip_yaw_z = T::from_f64(0.8428760553163271) * by_right_hip_yaw_x
+        + T::from_f64(0.8428760553163273) * ky_right_hip_yaw_z;
+    let ky_left_hip_yaw_z = T::from_f64(0.8428760553163273) * by_right_hip_yaw_x
         - T::from_f64(0.538107754426925) * ky_right_hip_yaw_z;
     let by_left_hip_yaw_x = e72 * c_left_hip_yaw - e73 * s_left_hip_yaw;
     let e74 = e73 * c_left_hip_yaw + e72 * s_left_hip_yaw;
     let by_left_hip_yaw_y = -e74;
     // left_hip_roll
     let ky_left_hip_roll_y = T::from_f64(0.08292767473984561) * by_left_hip_yaw_x
-        - T::from_f64(0.996555568326344) * ky_left_hip_yaw_z;
-    let ky_left_hip_roll_z = T::from_f64(0.996555568326344) * by_left_hip_yaw_x
+        - T::from_f64(0.9965555683263441) * ky_left_hip_yaw_z;
+    let ky_left_hip_roll_z = T::from_f64(0.9965555683263441) * by_left_hip_yaw_x
         + T::from_f64(0.08292767473984561) * ky_left_hip_yaw_z;
     let e75 = e74 * c_left_hip_roll + ky_left_hip_roll_y * s_left_hip_roll;
     let by_left_hip_roll_x = -e75;
@@ -2828,8 +2836,8 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     let by_left_hip_pitch_y = -e78;
     // left_knee
     let ky_left_knee_y = T::from_f64(0.9973888291864126) * by_left_hip_pitch_x
-        - T::from_f64(0.07221858080963142) * ky_left_hip_pitch_z;
-    let ky_left_knee_z = T::from_f64(0.07221858080963142) * by_left_hip_pitch_x
+        - T::from_f64(0.0722185808096314) * ky_left_hip_pitch_z;
+    let ky_left_knee_z = T::from_f64(0.0722185808096314) * by_left_hip_pitch_x
         + T::from_f64(0.9973888291864126) * ky_left_hip_pitch_z;
     let by_left_knee_x = ky_left_knee_y * c_left_knee - e78 * s_left_knee;
     let e79 = ky_left_knee_y * s_left_knee + e78 * c_left_knee;
@@ -2850,8 +2858,8 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     let by_left_ankle_roll_y = e81 * c_left_ankle_roll + e80 * s_left_ankle_roll;
     // waist_yaw
     let e82 = T::from_f64(0.11944678826051937) * e72
-        - T::from_f64(0.19252104104496942) * by_right_hip_yaw_x + ky_right_hip_yaw_z;
-    let ky_waist_yaw_x = by_right_hip_yaw_x + T::from_f64(0.3662421800811955) * e82;
+        - T::from_f64(0.19252104104496945) * by_right_hip_yaw_x + ky_right_hip_yaw_z;
+    let ky_waist_yaw_x = by_right_hip_yaw_x + T::from_f64(0.3662421800811956) * e82;
     let ky_waist_yaw_y = T::from_f64(0.22722945969324562) * e82 - e72;
     let ky_waist_yaw_z = ky_right_hip_yaw_z - T::from_f64(1.9023488450576578) * e82;
     let by_waist_yaw_x = ky_waist_yaw_y * s_waist_yaw - ky_waist_yaw_x * c_waist_yaw;
@@ -2892,8 +2900,8 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     // right_shoulder_roll
     let ky_right_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * by_right_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * ky_right_shoulder_pitch_z;
-    let ky_right_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * ky_right_shoulder_pitch_z;
+    let ky_right_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * by_right_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * ky_right_shoulder_pitch_z;
     let by_right_shoulder_roll_x = ky_right_shoulder_roll_y * s_right_shoulder_roll
@@ -2922,8 +2930,8 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     let by_right_elbow_y = -e94;
     // right_wrist_yaw
     let e95 = T::from_f64(0.15904161977640188) * by_right_elbow_x
-        + T::from_f64(0.9872718790580933) * ky_right_elbow_z;
-    let ky_right_wrist_yaw_z = T::from_f64(0.9872718790580933) * by_right_elbow_x
+        + T::from_f64(0.9872718790580934) * ky_right_elbow_z;
+    let ky_right_wrist_yaw_z = T::from_f64(0.9872718790580934) * by_right_elbow_x
         - T::from_f64(0.15904161977640188) * ky_right_elbow_z;
     let by_right_wrist_yaw_x = e95 * s_right_wrist_yaw - e94 * c_right_wrist_yaw;
     let by_right_wrist_yaw_y = e95 * c_right_wrist_yaw + e94 * s_right_wrist_yaw;
@@ -2943,9 +2951,9 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     let by_right_wrist_pitch_x = e97 * s_right_wrist_pitch - e96 * c_right_wrist_pitch;
     let by_right_wrist_pitch_y = e97 * c_right_wrist_pitch + e96 * s_right_wrist_pitch;
     // left_shoulder_pitch
-    let e98 = T::from_f64(0.117838714587223) * e83 - e84
+    let e98 = T::from_f64(0.11783871458722316) * e83 - e84
         - T::from_f64(0.09248191489966293) * ky_waist_pitch_z;
-    let ky_left_shoulder_pitch_x = T::from_f64(0.2305051546121803) * e98 - e83;
+    let ky_left_shoulder_pitch_x = T::from_f64(0.2305051546121806) * e98 - e83;
     let e99 = e84 + T::from_f64(1.956107170887058) * e98;
     let ky_left_shoulder_pitch_z = ky_waist_pitch_z
         + T::from_f64(0.1809045369125973) * e98;
@@ -2957,8 +2965,8 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     // left_shoulder_roll
     let ky_left_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * by_left_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * ky_left_shoulder_pitch_z;
-    let ky_left_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * ky_left_shoulder_pitch_z;
+    let ky_left_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * by_left_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * ky_left_shoulder_pitch_z;
     let by_left_shoulder_roll_x = e100 * c_left_shoulder_roll
@@ -2984,8 +2992,8 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     let by_left_elbow_y = ky_left_elbow_y * s_left_elbow + e103 * c_left_elbow;
     // left_wrist_yaw
     let e104 = T::from_f64(0.15904161977640188) * by_left_elbow_x
-        + T::from_f64(0.9872718790580933) * ky_left_elbow_z;
-    let ky_left_wrist_yaw_z = T::from_f64(0.9872718790580933) * by_left_elbow_x
+        + T::from_f64(0.9872718790580934) * ky_left_elbow_z;
+    let ky_left_wrist_yaw_z = T::from_f64(0.9872718790580934) * by_left_elbow_x
         - T::from_f64(0.15904161977640188) * ky_left_elbow_z;
     let by_left_wrist_yaw_x = by_left_elbow_y * c_left_wrist_yaw
         + e104 * s_left_wrist_yaw;
@@ -3024,16 +3032,16 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     let bz_right_ankle_pitch_y = -e109;
     // right_knee
     let kz_right_knee_y = T::from_f64(0.9659918591802843) * bz_right_ankle_pitch_x
-        - T::from_f64(0.258572481129407) * kz_right_ankle_pitch_z;
-    let kz_right_knee_z = T::from_f64(0.258572481129407) * bz_right_ankle_pitch_x
+        - T::from_f64(0.2585724811294071) * kz_right_ankle_pitch_z;
+    let kz_right_knee_z = T::from_f64(0.2585724811294071) * bz_right_ankle_pitch_x
         + T::from_f64(0.9659918591802843) * kz_right_ankle_pitch_z;
     let bz_right_knee_x = e109 * s_right_knee + kz_right_knee_y * c_right_knee;
     let e110 = e109 * c_right_knee - kz_right_knee_y * s_right_knee;
     let bz_right_knee_y = -e110;
     // right_hip_pitch
     let kz_right_hip_pitch_y = T::from_f64(0.9973888291864124) * bz_right_knee_x
-        - T::from_f64(0.07221858080963141) * kz_right_knee_z;
-    let kz_right_hip_pitch_z = T::from_f64(0.07221858080963141) * bz_right_knee_x
+        - T::from_f64(0.0722185808096314) * kz_right_knee_z;
+    let kz_right_hip_pitch_z = T::from_f64(0.0722185808096314) * bz_right_knee_x
         + T::from_f64(0.9973888291864124) * kz_right_knee_z;
     let bz_right_hip_pitch_x = kz_right_hip_pitch_y * s_right_hip_pitch
         - e110 * c_right_hip_pitch;
@@ -3060,16 +3068,16 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     let bz_right_hip_yaw_y = -e112;
     // left_hip_yaw
     let e113 = T::from_f64(0.538107754426925) * bz_right_hip_yaw_x
-        + T::from_f64(0.8428760553163271) * kz_right_hip_yaw_z;
-    let kz_left_hip_yaw_z = T::from_f64(0.8428760553163271) * bz_right_hip_yaw_x
+        + T::from_f64(0.8428760553163273) * kz_right_hip_yaw_z;
+    let kz_left_hip_yaw_z = T::from_f64(0.8428760553163273) * bz_right_hip_yaw_x
         - T::from_f64(0.538107754426925) * kz_right_hip_yaw_z;
     let bz_left_hip_yaw_x = e112 * c_left_hip_yaw - e113 * s_left_hip_yaw;
     let e114 = e113 * c_left_hip_yaw + e112 * s_left_hip_yaw;
     let bz_left_hip_yaw_y = -e114;
     // left_hip_roll
     let kz_left_hip_roll_y = T::from_f64(0.08292767473984561) * bz_left_hip_yaw_x
-        - T::from_f64(0.996555568326344) * kz_left_hip_yaw_z;
-    let kz_left_hip_roll_z = T::from_f64(0.996555568326344) * bz_left_hip_yaw_x
+        - T::from_f64(0.9965555683263441) * kz_left_hip_yaw_z;
+    let kz_left_hip_roll_z = T::from_f64(0.9965555683263441) * bz_left_hip_yaw_x
         + T::from_f64(0.08292767473984561) * kz_left_hip_yaw_z;
     let e115 = e114 * c_left_hip_roll + kz_left_hip_roll_y * s_left_hip_roll;
     let bz_left_hip_roll_x = -e115;
@@ -3085,8 +3093,8 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     let bz_left_hip_pitch_y = -e118;
     // left_knee
     let kz_left_knee_y = T::from_f64(0.9973888291864126) * bz_left_hip_pitch_x
-        - T::from_f64(0.07221858080963142) * kz_left_hip_pitch_z;
-    let kz_left_knee_z = T::from_f64(0.07221858080963142) * bz_left_hip_pitch_x
+        - T::from_f64(0.0722185808096314) * kz_left_hip_pitch_z;
+    let kz_left_knee_z = T::from_f64(0.0722185808096314) * bz_left_hip_pitch_x
         + T::from_f64(0.9973888291864126) * kz_left_hip_pitch_z;
     let bz_left_knee_x = kz_left_knee_y * c_left_knee - e118 * s_left_knee;
     let e119 = kz_left_knee_y * s_left_knee + e118 * c_left_knee;
@@ -3107,8 +3115,8 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     let bz_left_ankle_roll_y = e121 * c_left_ankle_roll + e120 * s_left_ankle_roll;
     // waist_yaw
     let e122 = T::from_f64(0.11944678826051937) * e112
-        - T::from_f64(0.19252104104496942) * bz_right_hip_yaw_x + kz_right_hip_yaw_z;
-    let kz_waist_yaw_x = bz_right_hip_yaw_x + T::from_f64(0.3662421800811955) * e122;
+        - T::from_f64(0.19252104104496945) * bz_right_hip_yaw_x + kz_right_hip_yaw_z;
+    let kz_waist_yaw_x = bz_right_hip_yaw_x + T::from_f64(0.3662421800811956) * e122;
     let kz_waist_yaw_y = T::from_f64(0.22722945969324562) * e122 - e112;
     let kz_waist_yaw_z = kz_right_hip_yaw_z - T::from_f64(1.9023488450576578) * e122;
     let bz_waist_yaw_x = kz_waist_yaw_y * s_waist_yaw - kz_waist_yaw_x * c_waist_yaw;
@@ -3149,8 +3157,8 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     // right_shoulder_roll
     let kz_right_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * bz_right_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * kz_right_shoulder_pitch_z;
-    let kz_right_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * kz_right_shoulder_pitch_z;
+    let kz_right_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * bz_right_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * kz_right_shoulder_pitch_z;
     let bz_right_shoulder_roll_x = kz_right_shoulder_roll_y * s_right_shoulder_roll
@@ -3179,8 +3187,8 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     let bz_right_elbow_y = -e134;
     // right_wrist_yaw
     let e135 = T::from_f64(0.15904161977640188) * bz_right_elbow_x
-        + T::from_f64(0.9872718790580933) * kz_right_elbow_z;
-    let kz_right_wrist_yaw_z = T::from_f64(0.9872718790580933) * bz_right_elbow_x
+        + T::from_f64(0.9872718790580934) * kz_right_elbow_z;
+    let kz_right_wrist_yaw_z = T::from_f64(0.9872718790580934) * bz_right_elbow_x
         - T::from_f64(0.15904161977640188) * kz_right_elbow_z;
     let bz_right_wrist_yaw_x = e135 * s_right_wrist_yaw - e134 * c_right_wrist_yaw;
     let bz_right_wrist_yaw_y = e135 * c_right_wrist_yaw + e134 * s_right_wrist_yaw;
@@ -3200,9 +3208,9 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     let bz_right_wrist_pitch_x = e137 * s_right_wrist_pitch - e136 * c_right_wrist_pitch;
     let bz_right_wrist_pitch_y = e137 * c_right_wrist_pitch + e136 * s_right_wrist_pitch;
     // left_shoulder_pitch
-    let e138 = T::from_f64(0.117838714587223) * e123 - e124
+    let e138 = T::from_f64(0.11783871458722316) * e123 - e124
         - T::from_f64(0.09248191489966293) * kz_waist_pitch_z;
-    let kz_left_shoulder_pitch_x = T::from_f64(0.2305051546121803) * e138 - e123;
+    let kz_left_shoulder_pitch_x = T::from_f64(0.2305051546121806) * e138 - e123;
     let e139 = e124 + T::from_f64(1.956107170887058) * e138;
     let kz_left_shoulder_pitch_z = kz_waist_pitch_z
         + T::from_f64(0.1809045369125973) * e138;
@@ -3214,8 +3222,8 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     // left_shoulder_roll
     let kz_left_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * bz_left_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * kz_left_shoulder_pitch_z;
-    let kz_left_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * kz_left_shoulder_pitch_z;
+    let kz_left_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * bz_left_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * kz_left_shoulder_pitch_z;
     let bz_left_shoulder_roll_x = e140 * c_left_shoulder_roll
@@ -3241,8 +3249,8 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     let bz_left_elbow_y = kz_left_elbow_y * s_left_elbow + e143 * c_left_elbow;
     // left_wrist_yaw
     let e144 = T::from_f64(0.15904161977640188) * bz_left_elbow_x
-        + T::from_f64(0.9872718790580933) * kz_left_elbow_z;
-    let kz_left_wrist_yaw_z = T::from_f64(0.9872718790580933) * bz_left_elbow_x
+        + T::from_f64(0.9872718790580934) * kz_left_elbow_z;
+    let kz_left_wrist_yaw_z = T::from_f64(0.9872718790580934) * bz_left_elbow_x
         - T::from_f64(0.15904161977640188) * kz_left_elbow_z;
     let bz_left_wrist_yaw_x = bz_left_elbow_y * c_left_wrist_yaw
         + e144 * s_left_wrist_yaw;
@@ -3477,7 +3485,7 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         - T::from_f64(0.16554475198250462) * c_right_ankle_roll;
     let bx_right_ankle_roll_y = -e3;
     // right_ankle_pitch
-    let e4 = q[4] + T::from_f64(0.17565669109302126);
+    let e4 = q[4] + T::from_f64(0.17565669109302123);
     let (s_right_ankle_pitch, c_right_ankle_pitch) = e4.sin_cos();
     let kx_right_ankle_pitch_y = T::from_f64(0.0524083921121999) * e2
         + T::from_f64(0.9785692022639542);
@@ -3488,11 +3496,11 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
     let e5 = kx_right_ankle_pitch_y * c_right_ankle_pitch + e3 * s_right_ankle_pitch;
     let bx_right_ankle_pitch_y = -e5;
     // right_knee
-    let e6 = q[3] - T::from_f64(0.7020104799569638);
+    let e6 = q[3] - T::from_f64(0.7020104799569636);
     let (s_right_knee, c_right_knee) = e6.sin_cos();
     let kx_right_knee_y = T::from_f64(0.9659918591802843) * bx_right_ankle_pitch_x
-        - T::from_f64(0.258572481129407) * kx_right_ankle_pitch_z;
-    let kx_right_knee_z = T::from_f64(0.258572481129407) * bx_right_ankle_pitch_x
+        - T::from_f64(0.2585724811294071) * kx_right_ankle_pitch_z;
+    let kx_right_knee_z = T::from_f64(0.2585724811294071) * bx_right_ankle_pitch_x
         + T::from_f64(0.9659918591802843) * kx_right_ankle_pitch_z;
     let bx_right_knee_x = e5 * s_right_knee + kx_right_knee_y * c_right_knee;
     let e7 = e5 * c_right_knee - kx_right_knee_y * s_right_knee;
@@ -3501,8 +3509,8 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
     let e8 = q[2] + T::from_f64(0.15721584383712192);
     let (s_right_hip_pitch, c_right_hip_pitch) = e8.sin_cos();
     let kx_right_hip_pitch_y = T::from_f64(0.9973888291864124) * bx_right_knee_x
-        - T::from_f64(0.07221858080963141) * kx_right_knee_z;
-    let kx_right_hip_pitch_z = T::from_f64(0.07221858080963141) * bx_right_knee_x
+        - T::from_f64(0.0722185808096314) * kx_right_knee_z;
+    let kx_right_hip_pitch_z = T::from_f64(0.0722185808096314) * bx_right_knee_x
         + T::from_f64(0.9973888291864124) * kx_right_knee_z;
     let bx_right_hip_pitch_x = kx_right_hip_pitch_y * s_right_hip_pitch
         - e7 * c_right_hip_pitch;
@@ -3520,7 +3528,7 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
     let bx_right_hip_roll_y = kx_right_hip_roll_y * c_right_hip_roll
         + e9 * s_right_hip_roll;
     // right_hip_yaw
-    let e11 = q[0] + T::from_f64(0.10119271700368022);
+    let e11 = q[0] + T::from_f64(0.10119271700368025);
     let (s_right_hip_yaw, c_right_hip_yaw) = e11.sin_cos();
     let kx_right_hip_yaw_y = T::from_f64(0.08292767473984558) * bx_right_hip_roll_x
         - T::from_f64(0.9965555683263441) * kx_right_hip_roll_z;
@@ -3535,18 +3543,18 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
     let e13 = q[6] + T::from_f64(0.10119271700368015);
     let (s_left_hip_yaw, c_left_hip_yaw) = e13.sin_cos();
     let e14 = T::from_f64(0.538107754426925) * bx_right_hip_yaw_x
-        + T::from_f64(0.8428760553163271) * kx_right_hip_yaw_z;
-    let kx_left_hip_yaw_z = T::from_f64(0.8428760553163271) * bx_right_hip_yaw_x
+        + T::from_f64(0.8428760553163273) * kx_right_hip_yaw_z;
+    let kx_left_hip_yaw_z = T::from_f64(0.8428760553163273) * bx_right_hip_yaw_x
         - T::from_f64(0.538107754426925) * kx_right_hip_yaw_z;
     let bx_left_hip_yaw_x = e12 * c_left_hip_yaw - e14 * s_left_hip_yaw;
     let e15 = e14 * c_left_hip_yaw + e12 * s_left_hip_yaw;
     let bx_left_hip_yaw_y = -e15;
     // left_hip_roll
-    let e16 = q[7] - T::from_f64(0.3432638106572563);
+    let e16 = q[7] - T::from_f64(0.34326381065725625);
     let (s_left_hip_roll, c_left_hip_roll) = e16.sin_cos();
     let kx_left_hip_roll_y = T::from_f64(0.08292767473984561) * bx_left_hip_yaw_x
-        - T::from_f64(0.996555568326344) * kx_left_hip_yaw_z;
-    let kx_left_hip_roll_z = T::from_f64(0.996555568326344) * bx_left_hip_yaw_x
+        - T::from_f64(0.9965555683263441) * kx_left_hip_yaw_z;
+    let kx_left_hip_roll_z = T::from_f64(0.9965555683263441) * bx_left_hip_yaw_x
         + T::from_f64(0.08292767473984561) * kx_left_hip_yaw_z;
     let e17 = e15 * c_left_hip_roll + kx_left_hip_roll_y * s_left_hip_roll;
     let bx_left_hip_roll_x = -e17;
@@ -3566,8 +3574,8 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
     let e22 = q[9] - T::from_f64(0.7020104799569635);
     let (s_left_knee, c_left_knee) = e22.sin_cos();
     let kx_left_knee_y = T::from_f64(0.9973888291864126) * bx_left_hip_pitch_x
-        - T::from_f64(0.07221858080963142) * kx_left_hip_pitch_z;
-    let kx_left_knee_z = T::from_f64(0.07221858080963142) * bx_left_hip_pitch_x
+        - T::from_f64(0.0722185808096314) * kx_left_hip_pitch_z;
+    let kx_left_knee_z = T::from_f64(0.0722185808096314) * bx_left_hip_pitch_x
         + T::from_f64(0.9973888291864126) * kx_left_hip_pitch_z;
     let bx_left_knee_x = kx_left_knee_y * c_left_knee - e21 * s_left_knee;
     let e23 = kx_left_knee_y * s_left_knee + e21 * c_left_knee;
@@ -3593,8 +3601,8 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
     let e27 = q[12] + T::from_f64(0.05803686797214569);
     let (s_waist_yaw, c_waist_yaw) = e27.sin_cos();
     let e28 = T::from_f64(0.11944678826051937) * e12
-        - T::from_f64(0.19252104104496942) * bx_right_hip_yaw_x + kx_right_hip_yaw_z;
-    let kx_waist_yaw_x = bx_right_hip_yaw_x + T::from_f64(0.3662421800811955) * e28;
+        - T::from_f64(0.19252104104496945) * bx_right_hip_yaw_x + kx_right_hip_yaw_z;
+    let kx_waist_yaw_x = bx_right_hip_yaw_x + T::from_f64(0.3662421800811956) * e28;
     let kx_waist_yaw_y = T::from_f64(0.22722945969324562) * e28 - e12;
     let kx_waist_yaw_z = kx_right_hip_yaw_z - T::from_f64(1.9023488450576578) * e28;
     let bx_waist_yaw_x = kx_waist_yaw_y * s_waist_yaw - kx_waist_yaw_x * c_waist_yaw;
@@ -3644,8 +3652,8 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
     let (s_right_shoulder_roll, c_right_shoulder_roll) = e39.sin_cos();
     let kx_right_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * bx_right_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * kx_right_shoulder_pitch_z;
-    let kx_right_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * kx_right_shoulder_pitch_z;
+    let kx_right_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * bx_right_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * kx_right_shoulder_pitch_z;
     let bx_right_shoulder_roll_x = kx_right_shoulder_roll_y * s_right_shoulder_roll
@@ -3677,11 +3685,11 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
     let e46 = e45 * s_right_elbow - e43 * c_right_elbow;
     let bx_right_elbow_y = -e46;
     // right_wrist_yaw
-    let e47 = q[20] + T::from_f64(0.07984195204795128);
+    let e47 = q[20] + T::from_f64(0.07984195204795129);
     let (s_right_wrist_yaw, c_right_wrist_yaw) = e47.sin_cos();
     let e48 = T::from_f64(0.15904161977640188) * bx_right_elbow_x
-        + T::from_f64(0.9872718790580933) * kx_right_elbow_z;
-    let kx_right_wrist_yaw_z = T::from_f64(0.9872718790580933) * bx_right_elbow_x
+        + T::from_f64(0.9872718790580934) * kx_right_elbow_z;
+    let kx_right_wrist_yaw_z = T::from_f64(0.9872718790580934) * bx_right_elbow_x
         - T::from_f64(0.15904161977640188) * kx_right_elbow_z;
     let bx_right_wrist_yaw_x = e48 * s_right_wrist_yaw - e46 * c_right_wrist_yaw;
     let bx_right_wrist_yaw_y = e48 * c_right_wrist_yaw + e46 * s_right_wrist_yaw;
@@ -3704,11 +3712,11 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
     let bx_right_wrist_pitch_x = e51 * s_right_wrist_pitch - e50 * c_right_wrist_pitch;
     let bx_right_wrist_pitch_y = e51 * c_right_wrist_pitch + e50 * s_right_wrist_pitch;
     // left_shoulder_pitch
-    let e52 = q[23] + T::from_f64(0.01490799199634596);
+    let e52 = q[23] + T::from_f64(0.014907991996345737);
     let (s_left_shoulder_pitch, c_left_shoulder_pitch) = e52.sin_cos();
-    let e53 = T::from_f64(0.117838714587223) * e30 - e31
+    let e53 = T::from_f64(0.11783871458722316) * e30 - e31
         - T::from_f64(0.09248191489966293) * kx_waist_pitch_z;
-    let kx_left_shoulder_pitch_x = T::from_f64(0.2305051546121803) * e53 - e30;
+    let kx_left_shoulder_pitch_x = T::from_f64(0.2305051546121806) * e53 - e30;
     let e54 = e31 + T::from_f64(1.956107170887058) * e53;
     let kx_left_shoulder_pitch_z = kx_waist_pitch_z
         + T::from_f64(0.1809045369125973) * e53;
@@ -3722,8 +3730,8 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
     let (s_left_shoulder_roll, c_left_shoulder_roll) = e56.sin_cos();
     let kx_left_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * bx_left_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * kx_left_shoulder_pitch_z;
-    let kx_left_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * kx_left_shoulder_pitch_z;
+    let kx_left_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * bx_left_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * kx_left_shoulder_pitch_z;
     let bx_left_shoulder_roll_x = e55 * c_left_shoulder_roll
@@ -3752,11 +3760,11 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
     let bx_left_elbow_x = e60 * s_left_elbow - kx_left_elbow_y * c_left_elbow;
     let bx_left_elbow_y = kx_left_elbow_y * s_left_elbow + e60 * c_left_elbow;
     // left_wrist_yaw
-    let e62 = q[27] + T::from_f64(0.07984195204795128);
+    let e62 = q[27] + T::from_f64(0.07984195204795129);
     let (s_left_wrist_yaw, c_left_wrist_yaw) = e62.sin_cos();
     let e63 = T::from_f64(0.15904161977640188) * bx_left_elbow_x
-        + T::from_f64(0.9872718790580933) * kx_left_elbow_z;
-    let kx_left_wrist_yaw_z = T::from_f64(0.9872718790580933) * bx_left_elbow_x
+        + T::from_f64(0.9872718790580934) * kx_left_elbow_z;
+    let kx_left_wrist_yaw_z = T::from_f64(0.9872718790580934) * bx_left_elbow_x
         - T::from_f64(0.15904161977640188) * kx_left_elbow_z;
     let bx_left_wrist_yaw_x = bx_left_elbow_y * c_left_wrist_yaw
         + e63 * s_left_wrist_yaw;
@@ -3798,16 +3806,16 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
     let by_right_ankle_pitch_y = -e69;
     // right_knee
     let ky_right_knee_y = T::from_f64(0.9659918591802843) * by_right_ankle_pitch_x
-        - T::from_f64(0.258572481129407) * ky_right_ankle_pitch_z;
-    let ky_right_knee_z = T::from_f64(0.258572481129407) * by_right_ankle_pitch_x
+        - T::from_f64(0.2585724811294071) * ky_right_ankle_pitch_z;
+    let ky_right_knee_z = T::from_f64(0.2585724811294071) * by_right_ankle_pitch_x
         + T::from_f64(0.9659918591802843) * ky_right_ankle_pitch_z;
     let by_right_knee_x = e69 * s_right_knee + ky_right_knee_y * c_right_knee;
     let e70 = e69 * c_right_knee - ky_right_knee_y * s_right_knee;
     let by_right_knee_y = -e70;
     // right_hip_pitch
     let ky_right_hip_pitch_y = T::from_f64(0.9973888291864124) * by_right_knee_x
-        - T::from_f64(0.07221858080963141) * ky_right_knee_z;
-    let ky_right_hip_pitch_z = T::from_f64(0.07221858080963141) * by_right_knee_x
+        - T::from_f64(0.0722185808096314) * ky_right_knee_z;
+    let ky_right_hip_pitch_z = T::from_f64(0.0722185808096314) * by_right_knee_x
         + T::from_f64(0.9973888291864124) * ky_right_knee_z;
     let by_right_hip_pitch_x = ky_right_hip_pitch_y * s_right_hip_pitch
         - e70 * c_right_hip_pitch;
@@ -3834,16 +3842,16 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
     let by_right_hip_yaw_y = -e72;
     // left_hip_yaw
     let e73 = T::from_f64(0.538107754426925) * by_right_hip_yaw_x
-        + T::from_f64(0.8428760553163271) * ky_right_hip_yaw_z;
-    let ky_left_hip_yaw_z = T::from_f64(0.8428760553163271) * by_right_hip_yaw_x
+        + T::from_f64(0.8428760553163273) * ky_right_hip_yaw_z;
+    let ky_left_hip_yaw_z = T::from_f64(0.8428760553163273) * by_right_hip_yaw_x
         - T::from_f64(0.538107754426925) * ky_right_hip_yaw_z;
     let by_left_hip_yaw_x = e72 * c_left_hip_yaw - e73 * s_left_hip_yaw;
     let e74 = e73 * c_left_hip_yaw + e72 * s_left_hip_yaw;
     let by_left_hip_yaw_y = -e74;
     // left_hip_roll
     let ky_left_hip_roll_y = T::from_f64(0.08292767473984561) * by_left_hip_yaw_x
-        - T::from_f64(0.996555568326344) * ky_left_hip_yaw_z;
-    let ky_left_hip_roll_z = T::from_f64(0.996555568326344) * by_left_hip_yaw_x
+        - T::from_f64(0.9965555683263441) * ky_left_hip_yaw_z;
+    let ky_left_hip_roll_z = T::from_f64(0.9965555683263441) * by_left_hip_yaw_x
         + T::from_f64(0.08292767473984561) * ky_left_hip_yaw_z;
     let e75 = e74 * c_left_hip_roll + ky_left_hip_roll_y * s_left_hip_roll;
     let by_left_hip_roll_x = -e75;
@@ -3859,8 +3867,8 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
     let by_left_hip_pitch_y = -e78;
     // left_knee
     let ky_left_knee_y = T::from_f64(0.9973888291864126) * by_left_hip_pitch_x
-        - T::from_f64(0.07221858080963142) * ky_left_hip_pitch_z;
-    let ky_left_knee_z = T::from_f64(0.07221858080963142) * by_left_hip_pitch_x
+        - T::from_f64(0.0722185808096314) * ky_left_hip_pitch_z;
+    let ky_left_knee_z = T::from_f64(0.0722185808096314) * by_left_hip_pitch_x
         + T::from_f64(0.9973888291864126) * ky_left_hip_pitch_z;
     let by_left_knee_x = ky_left_knee_y * c_left_knee - e78 * s_left_knee;
     let e79 = ky_left_knee_y * s_left_knee + e78 * c_left_knee;
@@ -3881,8 +3889,8 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
     let by_left_ankle_roll_y = e81 * c_left_ankle_roll + e80 * s_left_ankle_roll;
     // waist_yaw
     let e82 = T::from_f64(0.11944678826051937) * e72
-        - T::from_f64(0.19252104104496942) * by_right_hip_yaw_x + ky_right_hip_yaw_z;
-    let ky_waist_yaw_x = by_right_hip_yaw_x + T::from_f64(0.3662421800811955) * e82;
+        - T::from_f64(0.19252104104496945) * by_right_hip_yaw_x + ky_right_hip_yaw_z;
+    let ky_waist_yaw_x = by_right_hip_yaw_x + T::from_f64(0.3662421800811956) * e82;
     let ky_waist_yaw_y = T::from_f64(0.22722945969324562) * e82 - e72;
     let ky_waist_yaw_z = ky_right_hip_yaw_z - T::from_f64(1.9023488450576578) * e82;
     let by_waist_yaw_x = ky_waist_yaw_y * s_waist_yaw - ky_waist_yaw_x * c_waist_yaw;
@@ -3923,8 +3931,8 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
     // right_shoulder_roll
     let ky_right_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * by_right_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * ky_right_shoulder_pitch_z;
-    let ky_right_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * ky_right_shoulder_pitch_z;
+    let ky_right_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * by_right_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * ky_right_shoulder_pitch_z;
     let by_right_shoulder_roll_x = ky_right_shoulder_roll_y * s_right_shoulder_roll
@@ -3953,8 +3961,8 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
     let by_right_elbow_y = -e94;
     // right_wrist_yaw
     let e95 = T::from_f64(0.15904161977640188) * by_right_elbow_x
-        + T::from_f64(0.9872718790580933) * ky_right_elbow_z;
-    let ky_right_wrist_yaw_z = T::from_f64(0.9872718790580933) * by_right_elbow_x
+        + T::from_f64(0.9872718790580934) * ky_right_elbow_z;
+    let ky_right_wrist_yaw_z = T::from_f64(0.9872718790580934) * by_right_elbow_x
         - T::from_f64(0.15904161977640188) * ky_right_elbow_z;
     let by_right_wrist_yaw_x = e95 * s_right_wrist_yaw - e94 * c_right_wrist_yaw;
     let by_right_wrist_yaw_y = e95 * c_right_wrist_yaw + e94 * s_right_wrist_yaw;
@@ -3974,9 +3982,9 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
     let by_right_wrist_pitch_x = e97 * s_right_wrist_pitch - e96 * c_right_wrist_pitch;
     let by_right_wrist_pitch_y = e97 * c_right_wrist_pitch + e96 * s_right_wrist_pitch;
     // left_shoulder_pitch
-    let e98 = T::from_f64(0.117838714587223) * e83 - e84
+    let e98 = T::from_f64(0.11783871458722316) * e83 - e84
         - T::from_f64(0.09248191489966293) * ky_waist_pitch_z;
-    let ky_left_shoulder_pitch_x = T::from_f64(0.2305051546121803) * e98 - e83;
+    let ky_left_shoulder_pitch_x = T::from_f64(0.2305051546121806) * e98 - e83;
     let e99 = e84 + T::from_f64(1.956107170887058) * e98;
     let ky_left_shoulder_pitch_z = ky_waist_pitch_z
         + T::from_f64(0.1809045369125973) * e98;
@@ -3988,8 +3996,8 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
     // left_shoulder_roll
     let ky_left_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * by_left_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * ky_left_shoulder_pitch_z;
-    let ky_left_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * ky_left_shoulder_pitch_z;
+    let ky_left_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * by_left_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * ky_left_shoulder_pitch_z;
     let by_left_shoulder_roll_x = e100 * c_left_shoulder_roll
@@ -4015,8 +4023,8 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
     let by_left_elbow_y = ky_left_elbow_y * s_left_elbow + e103 * c_left_elbow;
     // left_wrist_yaw
     let e104 = T::from_f64(0.15904161977640188) * by_left_elbow_x
-        + T::from_f64(0.9872718790580933) * ky_left_elbow_z;
-    let ky_left_wrist_yaw_z = T::from_f64(0.9872718790580933) * by_left_elbow_x
+        + T::from_f64(0.9872718790580934) * ky_left_elbow_z;
+    let ky_left_wrist_yaw_z = T::from_f64(0.9872718790580934) * by_left_elbow_x
         - T::from_f64(0.15904161977640188) * ky_left_elbow_z;
     let by_left_wrist_yaw_x = by_left_elbow_y * c_left_wrist_yaw
         + e104 * s_left_wrist_yaw;
@@ -4184,7 +4192,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     let e3 = T::from_f64(0.1111747801713847) * s_right_ankle_roll
         - T::from_f64(0.16554475198250462) * c_right_ankle_roll;
     // right_ankle_pitch
-    let e4 = q[4] + T::from_f64(0.17565669109302126);
+    let e4 = q[4] + T::from_f64(0.17565669109302123);
     let (s_right_ankle_pitch, c_right_ankle_pitch) = e4.sin_cos();
     let kx_right_ankle_pitch_y = T::from_f64(0.0524083921121999) * e2
         + T::from_f64(0.9785692022639542);
@@ -4194,11 +4202,11 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
         - e3 * c_right_ankle_pitch;
     let e5 = kx_right_ankle_pitch_y * c_right_ankle_pitch + e3 * s_right_ankle_pitch;
     // right_knee
-    let e6 = q[3] - T::from_f64(0.7020104799569638);
+    let e6 = q[3] - T::from_f64(0.7020104799569636);
     let (s_right_knee, c_right_knee) = e6.sin_cos();
     let kx_right_knee_y = T::from_f64(0.9659918591802843) * bx_right_ankle_pitch_x
-        - T::from_f64(0.258572481129407) * kx_right_ankle_pitch_z;
-    let kx_right_knee_z = T::from_f64(0.258572481129407) * bx_right_ankle_pitch_x
+        - T::from_f64(0.2585724811294071) * kx_right_ankle_pitch_z;
+    let kx_right_knee_z = T::from_f64(0.2585724811294071) * bx_right_ankle_pitch_x
         + T::from_f64(0.9659918591802843) * kx_right_ankle_pitch_z;
     let bx_right_knee_x = e5 * s_right_knee + kx_right_knee_y * c_right_knee;
     let e7 = e5 * c_right_knee - kx_right_knee_y * s_right_knee;
@@ -4206,8 +4214,8 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     let e8 = q[2] + T::from_f64(0.15721584383712192);
     let (s_right_hip_pitch, c_right_hip_pitch) = e8.sin_cos();
     let kx_right_hip_pitch_y = T::from_f64(0.9973888291864124) * bx_right_knee_x
-        - T::from_f64(0.07221858080963141) * kx_right_knee_z;
-    let kx_right_hip_pitch_z = T::from_f64(0.07221858080963141) * bx_right_knee_x
+        - T::from_f64(0.0722185808096314) * kx_right_knee_z;
+    let kx_right_hip_pitch_z = T::from_f64(0.0722185808096314) * bx_right_knee_x
         + T::from_f64(0.9973888291864124) * kx_right_knee_z;
     let bx_right_hip_pitch_x = kx_right_hip_pitch_y * s_right_hip_pitch
         - e7 * c_right_hip_pitch;
@@ -4224,7 +4232,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     let bx_right_hip_roll_y = kx_right_hip_roll_y * c_right_hip_roll
         + e9 * s_right_hip_roll;
     // right_hip_yaw
-    let e11 = q[0] + T::from_f64(0.10119271700368022);
+    let e11 = q[0] + T::from_f64(0.10119271700368025);
     let (s_right_hip_yaw, c_right_hip_yaw) = e11.sin_cos();
     let kx_right_hip_yaw_y = T::from_f64(0.08292767473984558) * bx_right_hip_roll_x
         - T::from_f64(0.9965555683263441) * kx_right_hip_roll_z;
@@ -4238,17 +4246,17 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     let e13 = q[6] + T::from_f64(0.10119271700368015);
     let (s_left_hip_yaw, c_left_hip_yaw) = e13.sin_cos();
     let e14 = T::from_f64(0.538107754426925) * bx_right_hip_yaw_x
-        + T::from_f64(0.8428760553163271) * kx_right_hip_yaw_z;
-    let kx_left_hip_yaw_z = T::from_f64(0.8428760553163271) * bx_right_hip_yaw_x
+        + T::from_f64(0.8428760553163273) * kx_right_hip_yaw_z;
+    let kx_left_hip_yaw_z = T::from_f64(0.8428760553163273) * bx_right_hip_yaw_x
         - T::from_f64(0.538107754426925) * kx_right_hip_yaw_z;
     let bx_left_hip_yaw_x = e12 * c_left_hip_yaw - e14 * s_left_hip_yaw;
     let e15 = e14 * c_left_hip_yaw + e12 * s_left_hip_yaw;
     // left_hip_roll
-    let e16 = q[7] - T::from_f64(0.3432638106572563);
+    let e16 = q[7] - T::from_f64(0.34326381065725625);
     let (s_left_hip_roll, c_left_hip_roll) = e16.sin_cos();
     let kx_left_hip_roll_y = T::from_f64(0.08292767473984561) * bx_left_hip_yaw_x
-        - T::from_f64(0.996555568326344) * kx_left_hip_yaw_z;
-    let kx_left_hip_roll_z = T::from_f64(0.996555568326344) * bx_left_hip_yaw_x
+        - T::from_f64(0.9965555683263441) * kx_left_hip_yaw_z;
+    let kx_left_hip_roll_z = T::from_f64(0.9965555683263441) * bx_left_hip_yaw_x
         + T::from_f64(0.08292767473984561) * kx_left_hip_yaw_z;
     let e17 = e15 * c_left_hip_roll + kx_left_hip_roll_y * s_left_hip_roll;
     let e18 = kx_left_hip_roll_y * c_left_hip_roll - e15 * s_left_hip_roll;
@@ -4265,8 +4273,8 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     let e22 = q[9] - T::from_f64(0.7020104799569635);
     let (s_left_knee, c_left_knee) = e22.sin_cos();
     let kx_left_knee_y = T::from_f64(0.9973888291864126) * bx_left_hip_pitch_x
-        - T::from_f64(0.07221858080963142) * kx_left_hip_pitch_z;
-    let kx_left_knee_z = T::from_f64(0.07221858080963142) * bx_left_hip_pitch_x
+        - T::from_f64(0.0722185808096314) * kx_left_hip_pitch_z;
+    let kx_left_knee_z = T::from_f64(0.0722185808096314) * bx_left_hip_pitch_x
         + T::from_f64(0.9973888291864126) * kx_left_hip_pitch_z;
     let bx_left_knee_x = kx_left_knee_y * c_left_knee - e21 * s_left_knee;
     let e23 = kx_left_knee_y * s_left_knee + e21 * c_left_knee;
@@ -4292,8 +4300,8 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     let e27 = q[12] + T::from_f64(0.05803686797214569);
     let (s_waist_yaw, c_waist_yaw) = e27.sin_cos();
     let e28 = T::from_f64(0.11944678826051937) * e12
-        - T::from_f64(0.19252104104496942) * bx_right_hip_yaw_x + kx_right_hip_yaw_z;
-    let kx_waist_yaw_x = bx_right_hip_yaw_x + T::from_f64(0.3662421800811955) * e28;
+        - T::from_f64(0.19252104104496945) * bx_right_hip_yaw_x + kx_right_hip_yaw_z;
+    let kx_waist_yaw_x = bx_right_hip_yaw_x + T::from_f64(0.3662421800811956) * e28;
     let kx_waist_yaw_y = T::from_f64(0.22722945969324562) * e28 - e12;
     let kx_waist_yaw_z = kx_right_hip_yaw_z - T::from_f64(1.9023488450576578) * e28;
     let bx_waist_yaw_x = kx_waist_yaw_y * s_waist_yaw - kx_waist_yaw_x * c_waist_yaw;
@@ -4342,8 +4350,8 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     let (s_right_shoulder_roll, c_right_shoulder_roll) = e39.sin_cos();
     let kx_right_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * bx_right_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * kx_right_shoulder_pitch_z;
-    let kx_right_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * kx_right_shoulder_pitch_z;
+    let kx_right_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * bx_right_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * kx_right_shoulder_pitch_z;
     let bx_right_shoulder_roll_x = kx_right_shoulder_roll_y * s_right_shoulder_roll
@@ -4372,11 +4380,11 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     let bx_right_elbow_x = e43 * s_right_elbow + e45 * c_right_elbow;
     let e46 = e45 * s_right_elbow - e43 * c_right_elbow;
     // right_wrist_yaw
-    let e47 = q[20] + T::from_f64(0.07984195204795128);
+    let e47 = q[20] + T::from_f64(0.07984195204795129);
     let (s_right_wrist_yaw, c_right_wrist_yaw) = e47.sin_cos();
     let e48 = T::from_f64(0.15904161977640188) * bx_right_elbow_x
-        + T::from_f64(0.9872718790580933) * kx_right_elbow_z;
-    let kx_right_wrist_yaw_z = T::from_f64(0.9872718790580933) * bx_right_elbow_x
+        + T::from_f64(0.9872718790580934) * kx_right_elbow_z;
+    let kx_right_wrist_yaw_z = T::from_f64(0.9872718790580934) * bx_right_elbow_x
         - T::from_f64(0.15904161977640188) * kx_right_elbow_z;
     let bx_right_wrist_yaw_x = e48 * s_right_wrist_yaw - e46 * c_right_wrist_yaw;
     let bx_right_wrist_yaw_y = e48 * c_right_wrist_yaw + e46 * s_right_wrist_yaw;
@@ -4400,11 +4408,11 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     let bx_right_wrist_pitch_x = e51 * s_right_wrist_pitch - e50 * c_right_wrist_pitch;
     let bx_right_wrist_pitch_y = e51 * c_right_wrist_pitch + e50 * s_right_wrist_pitch;
     // left_shoulder_pitch
-    let e52 = q[23] + T::from_f64(0.01490799199634596);
+    let e52 = q[23] + T::from_f64(0.014907991996345737);
     let (s_left_shoulder_pitch, c_left_shoulder_pitch) = e52.sin_cos();
-    let e53 = T::from_f64(0.117838714587223) * e30 - e31
+    let e53 = T::from_f64(0.11783871458722316) * e30 - e31
         - T::from_f64(0.09248191489966293) * kx_waist_pitch_z;
-    let kx_left_shoulder_pitch_x = T::from_f64(0.2305051546121803) * e53 - e30;
+    let kx_left_shoulder_pitch_x = T::from_f64(0.2305051546121806) * e53 - e30;
     let e54 = e31 + T::from_f64(1.956107170887058) * e53;
     let kx_left_shoulder_pitch_z = kx_waist_pitch_z
         + T::from_f64(0.1809045369125973) * e53;
@@ -4417,8 +4425,8 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     let (s_left_shoulder_roll, c_left_shoulder_roll) = e56.sin_cos();
     let kx_left_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * bx_left_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * kx_left_shoulder_pitch_z;
-    let kx_left_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * kx_left_shoulder_pitch_z;
+    let kx_left_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * bx_left_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * kx_left_shoulder_pitch_z;
     let bx_left_shoulder_roll_x = e55 * c_left_shoulder_roll
@@ -4445,11 +4453,11 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     let bx_left_elbow_x = e60 * s_left_elbow - kx_left_elbow_y * c_left_elbow;
     let bx_left_elbow_y = kx_left_elbow_y * s_left_elbow + e60 * c_left_elbow;
     // left_wrist_yaw
-    let e62 = q[27] + T::from_f64(0.07984195204795128);
+    let e62 = q[27] + T::from_f64(0.07984195204795129);
     let (s_left_wrist_yaw, c_left_wrist_yaw) = e62.sin_cos();
     let e63 = T::from_f64(0.15904161977640188) * bx_left_elbow_x
-        + T::from_f64(0.9872718790580933) * kx_left_elbow_z;
-    let kx_left_wrist_yaw_z = T::from_f64(0.9872718790580933) * bx_left_elbow_x
+        + T::from_f64(0.9872718790580934) * kx_left_elbow_z;
+    let kx_left_wrist_yaw_z = T::from_f64(0.9872718790580934) * bx_left_elbow_x
         - T::from_f64(0.15904161977640188) * kx_left_elbow_z;
     let bx_left_wrist_yaw_x = bx_left_elbow_y * c_left_wrist_yaw
         + e63 * s_left_wrist_yaw;
@@ -4486,15 +4494,15 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     let e72 = ky_right_ankle_pitch_y * c_right_ankle_pitch + e71 * s_right_ankle_pitch;
     // right_knee
     let ky_right_knee_y = T::from_f64(0.9659918591802843) * by_right_ankle_pitch_x
-        - T::from_f64(0.258572481129407) * ky_right_ankle_pitch_z;
-    let ky_right_knee_z = T::from_f64(0.258572481129407) * by_right_ankle_pitch_x
+        - T::from_f64(0.2585724811294071) * ky_right_ankle_pitch_z;
+    let ky_right_knee_z = T::from_f64(0.2585724811294071) * by_right_ankle_pitch_x
         + T::from_f64(0.9659918591802843) * ky_right_ankle_pitch_z;
     let by_right_knee_x = e72 * s_right_knee + ky_right_knee_y * c_right_knee;
     let e73 = e72 * c_right_knee - ky_right_knee_y * s_right_knee;
     // right_hip_pitch
     let ky_right_hip_pitch_y = T::from_f64(0.9973888291864124) * by_right_knee_x
-        - T::from_f64(0.07221858080963141) * ky_right_knee_z;
-    let ky_right_hip_pitch_z = T::from_f64(0.07221858080963141) * by_right_knee_x
+        - T::from_f64(0.0722185808096314) * ky_right_knee_z;
+    let ky_right_hip_pitch_z = T::from_f64(0.0722185808096314) * by_right_knee_x
         + T::from_f64(0.9973888291864124) * ky_right_knee_z;
     let by_right_hip_pitch_x = ky_right_hip_pitch_y * s_right_hip_pitch
         - e73 * c_right_hip_pitch;
@@ -4519,15 +4527,15 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
         - by_right_hip_roll_y * s_right_hip_yaw;
     // left_hip_yaw
     let e76 = T::from_f64(0.538107754426925) * by_right_hip_yaw_x
-        + T::from_f64(0.8428760553163271) * ky_right_hip_yaw_z;
-    let ky_left_hip_yaw_z = T::from_f64(0.8428760553163271) * by_right_hip_yaw_x
+        + T::from_f64(0.8428760553163273) * ky_right_hip_yaw_z;
+    let ky_left_hip_yaw_z = T::from_f64(0.8428760553163273) * by_right_hip_yaw_x
         - T::from_f64(0.538107754426925) * ky_right_hip_yaw_z;
     let by_left_hip_yaw_x = e75 * c_left_hip_yaw - e76 * s_left_hip_yaw;
     let e77 = e76 * c_left_hip_yaw + e75 * s_left_hip_yaw;
     // left_hip_roll
     let ky_left_hip_roll_y = T::from_f64(0.08292767473984561) * by_left_hip_yaw_x
-        - T::from_f64(0.996555568326344) * ky_left_hip_yaw_z;
-    let ky_left_hip_roll_z = T::from_f64(0.996555568326344) * by_left_hip_yaw_x
+        - T::from_f64(0.9965555683263441) * ky_left_hip_yaw_z;
+    let ky_left_hip_roll_z = T::from_f64(0.9965555683263441) * by_left_hip_yaw_x
         + T::from_f64(0.08292767473984561) * ky_left_hip_yaw_z;
     let e78 = e77 * c_left_hip_roll + ky_left_hip_roll_y * s_left_hip_roll;
     let e79 = ky_left_hip_roll_y * c_left_hip_roll - e77 * s_left_hip_roll;
@@ -4540,8 +4548,8 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     let e81 = e80 * c_left_hip_pitch + e79 * s_left_hip_pitch;
     // left_knee
     let ky_left_knee_y = T::from_f64(0.9973888291864126) * by_left_hip_pitch_x
-        - T::from_f64(0.07221858080963142) * ky_left_hip_pitch_z;
-    let ky_left_knee_z = T::from_f64(0.07221858080963142) * by_left_hip_pitch_x
+        - T::from_f64(0.0722185808096314) * ky_left_hip_pitch_z;
+    let ky_left_knee_z = T::from_f64(0.0722185808096314) * by_left_hip_pitch_x
         + T::from_f64(0.9973888291864126) * ky_left_hip_pitch_z;
     let by_left_knee_x = ky_left_knee_y * c_left_knee - e81 * s_left_knee;
     let e82 = ky_left_knee_y * s_left_knee + e81 * c_left_knee;
@@ -4562,8 +4570,8 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     let by_left_ankle_roll_y = e84 * c_left_ankle_roll + e83 * s_left_ankle_roll;
     // waist_yaw
     let e85 = T::from_f64(0.11944678826051937) * e75
-        - T::from_f64(0.19252104104496942) * by_right_hip_yaw_x + ky_right_hip_yaw_z;
-    let ky_waist_yaw_x = by_right_hip_yaw_x + T::from_f64(0.3662421800811955) * e85;
+        - T::from_f64(0.19252104104496945) * by_right_hip_yaw_x + ky_right_hip_yaw_z;
+    let ky_waist_yaw_x = by_right_hip_yaw_x + T::from_f64(0.3662421800811956) * e85;
     let ky_waist_yaw_y = T::from_f64(0.22722945969324562) * e85 - e75;
     let ky_waist_yaw_z = ky_right_hip_yaw_z - T::from_f64(1.9023488450576578) * e85;
     let by_waist_yaw_x = ky_waist_yaw_y * s_waist_yaw - ky_waist_yaw_x * c_waist_yaw;
@@ -4603,8 +4611,8 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     // right_shoulder_roll
     let ky_right_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * by_right_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * ky_right_shoulder_pitch_z;
-    let ky_right_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * ky_right_shoulder_pitch_z;
+    let ky_right_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * by_right_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * ky_right_shoulder_pitch_z;
     let by_right_shoulder_roll_x = ky_right_shoulder_roll_y * s_right_shoulder_roll
@@ -4630,8 +4638,8 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     let e97 = e96 * s_right_elbow - e95 * c_right_elbow;
     // right_wrist_yaw
     let e98 = T::from_f64(0.15904161977640188) * by_right_elbow_x
-        + T::from_f64(0.9872718790580933) * ky_right_elbow_z;
-    let ky_right_wrist_yaw_z = T::from_f64(0.9872718790580933) * by_right_elbow_x
+        + T::from_f64(0.9872718790580934) * ky_right_elbow_z;
+    let ky_right_wrist_yaw_z = T::from_f64(0.9872718790580934) * by_right_elbow_x
         - T::from_f64(0.15904161977640188) * ky_right_elbow_z;
     let by_right_wrist_yaw_x = e98 * s_right_wrist_yaw - e97 * c_right_wrist_yaw;
     let by_right_wrist_yaw_y = e98 * c_right_wrist_yaw + e97 * s_right_wrist_yaw;
@@ -4652,9 +4660,9 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     let by_right_wrist_pitch_x = e100 * s_right_wrist_pitch - e99 * c_right_wrist_pitch;
     let by_right_wrist_pitch_y = e100 * c_right_wrist_pitch + e99 * s_right_wrist_pitch;
     // left_shoulder_pitch
-    let e101 = T::from_f64(0.117838714587223) * e86 - e87
+    let e101 = T::from_f64(0.11783871458722316) * e86 - e87
         - T::from_f64(0.09248191489966293) * ky_waist_pitch_z;
-    let ky_left_shoulder_pitch_x = T::from_f64(0.2305051546121803) * e101 - e86;
+    let ky_left_shoulder_pitch_x = T::from_f64(0.2305051546121806) * e101 - e86;
     let e102 = e87 + T::from_f64(1.956107170887058) * e101;
     let ky_left_shoulder_pitch_z = ky_waist_pitch_z
         + T::from_f64(0.1809045369125973) * e101;
@@ -4665,8 +4673,8 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     // left_shoulder_roll
     let ky_left_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * by_left_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * ky_left_shoulder_pitch_z;
-    let ky_left_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * ky_left_shoulder_pitch_z;
+    let ky_left_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * by_left_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * ky_left_shoulder_pitch_z;
     let by_left_shoulder_roll_x = e103 * c_left_shoulder_roll
@@ -4690,8 +4698,8 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     let by_left_elbow_y = ky_left_elbow_y * s_left_elbow + e106 * c_left_elbow;
     // left_wrist_yaw
     let e107 = T::from_f64(0.15904161977640188) * by_left_elbow_x
-        + T::from_f64(0.9872718790580933) * ky_left_elbow_z;
-    let ky_left_wrist_yaw_z = T::from_f64(0.9872718790580933) * by_left_elbow_x
+        + T::from_f64(0.9872718790580934) * ky_left_elbow_z;
+    let ky_left_wrist_yaw_z = T::from_f64(0.9872718790580934) * by_left_elbow_x
         - T::from_f64(0.15904161977640188) * ky_left_elbow_z;
     let by_left_wrist_yaw_x = by_left_elbow_y * c_left_wrist_yaw
         + e107 * s_left_wrist_yaw;
@@ -4725,15 +4733,15 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     let e115 = kz_right_ankle_pitch_y * c_right_ankle_pitch + e114 * s_right_ankle_pitch;
     // right_knee
     let kz_right_knee_y = T::from_f64(0.9659918591802843) * bz_right_ankle_pitch_x
-        - T::from_f64(0.258572481129407) * kz_right_ankle_pitch_z;
-    let kz_right_knee_z = T::from_f64(0.258572481129407) * bz_right_ankle_pitch_x
+        - T::from_f64(0.2585724811294071) * kz_right_ankle_pitch_z;
+    let kz_right_knee_z = T::from_f64(0.2585724811294071) * bz_right_ankle_pitch_x
         + T::from_f64(0.9659918591802843) * kz_right_ankle_pitch_z;
     let bz_right_knee_x = e115 * s_right_knee + kz_right_knee_y * c_right_knee;
     let e116 = e115 * c_right_knee - kz_right_knee_y * s_right_knee;
     // right_hip_pitch
     let kz_right_hip_pitch_y = T::from_f64(0.9973888291864124) * bz_right_knee_x
-        - T::from_f64(0.07221858080963141) * kz_right_knee_z;
-    let kz_right_hip_pitch_z = T::from_f64(0.07221858080963141) * bz_right_knee_x
+        - T::from_f64(0.0722185808096314) * kz_right_knee_z;
+    let kz_right_hip_pitch_z = T::from_f64(0.0722185808096314) * bz_right_knee_x
         + T::from_f64(0.9973888291864124) * kz_right_knee_z;
     let bz_right_hip_pitch_x = kz_right_hip_pitch_y * s_right_hip_pitch
         - e116 * c_right_hip_pitch;
@@ -4758,15 +4766,15 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
         - bz_right_hip_roll_y * s_right_hip_yaw;
     // left_hip_yaw
     let e119 = T::from_f64(0.538107754426925) * bz_right_hip_yaw_x
-        + T::from_f64(0.8428760553163271) * kz_right_hip_yaw_z;
-    let kz_left_hip_yaw_z = T::from_f64(0.8428760553163271) * bz_right_hip_yaw_x
+        + T::from_f64(0.8428760553163273) * kz_right_hip_yaw_z;
+    let kz_left_hip_yaw_z = T::from_f64(0.8428760553163273) * bz_right_hip_yaw_x
         - T::from_f64(0.538107754426925) * kz_right_hip_yaw_z;
     let bz_left_hip_yaw_x = e118 * c_left_hip_yaw - e119 * s_left_hip_yaw;
     let e120 = e119 * c_left_hip_yaw + e118 * s_left_hip_yaw;
     // left_hip_roll
     let kz_left_hip_roll_y = T::from_f64(0.08292767473984561) * bz_left_hip_yaw_x
-        - T::from_f64(0.996555568326344) * kz_left_hip_yaw_z;
-    let kz_left_hip_roll_z = T::from_f64(0.996555568326344) * bz_left_hip_yaw_x
+        - T::from_f64(0.9965555683263441) * kz_left_hip_yaw_z;
+    let kz_left_hip_roll_z = T::from_f64(0.9965555683263441) * bz_left_hip_yaw_x
         + T::from_f64(0.08292767473984561) * kz_left_hip_yaw_z;
     let e121 = e120 * c_left_hip_roll + kz_left_hip_roll_y * s_left_hip_roll;
     let e122 = kz_left_hip_roll_y * c_left_hip_roll - e120 * s_left_hip_roll;
@@ -4779,8 +4787,8 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     let e124 = e123 * c_left_hip_pitch + e122 * s_left_hip_pitch;
     // left_knee
     let kz_left_knee_y = T::from_f64(0.9973888291864126) * bz_left_hip_pitch_x
-        - T::from_f64(0.07221858080963142) * kz_left_hip_pitch_z;
-    let kz_left_knee_z = T::from_f64(0.07221858080963142) * bz_left_hip_pitch_x
+        - T::from_f64(0.0722185808096314) * kz_left_hip_pitch_z;
+    let kz_left_knee_z = T::from_f64(0.0722185808096314) * bz_left_hip_pitch_x
         + T::from_f64(0.9973888291864126) * kz_left_hip_pitch_z;
     let bz_left_knee_x = kz_left_knee_y * c_left_knee - e124 * s_left_knee;
     let e125 = kz_left_knee_y * s_left_knee + e124 * c_left_knee;
@@ -4801,8 +4809,8 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     let bz_left_ankle_roll_y = e127 * c_left_ankle_roll + e126 * s_left_ankle_roll;
     // waist_yaw
     let e128 = T::from_f64(0.11944678826051937) * e118
-        - T::from_f64(0.19252104104496942) * bz_right_hip_yaw_x + kz_right_hip_yaw_z;
-    let kz_waist_yaw_x = bz_right_hip_yaw_x + T::from_f64(0.3662421800811955) * e128;
+        - T::from_f64(0.19252104104496945) * bz_right_hip_yaw_x + kz_right_hip_yaw_z;
+    let kz_waist_yaw_x = bz_right_hip_yaw_x + T::from_f64(0.3662421800811956) * e128;
     let kz_waist_yaw_y = T::from_f64(0.22722945969324562) * e128 - e118;
     let kz_waist_yaw_z = kz_right_hip_yaw_z - T::from_f64(1.9023488450576578) * e128;
     let bz_waist_yaw_x = kz_waist_yaw_y * s_waist_yaw - kz_waist_yaw_x * c_waist_yaw;
@@ -4842,8 +4850,8 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     // right_shoulder_roll
     let kz_right_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * bz_right_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * kz_right_shoulder_pitch_z;
-    let kz_right_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * kz_right_shoulder_pitch_z;
+    let kz_right_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * bz_right_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * kz_right_shoulder_pitch_z;
     let bz_right_shoulder_roll_x = kz_right_shoulder_roll_y * s_right_shoulder_roll
@@ -4869,8 +4877,8 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     let e140 = e139 * s_right_elbow - e138 * c_right_elbow;
     // right_wrist_yaw
     let e141 = T::from_f64(0.15904161977640188) * bz_right_elbow_x
-        + T::from_f64(0.9872718790580933) * kz_right_elbow_z;
-    let kz_right_wrist_yaw_z = T::from_f64(0.9872718790580933) * bz_right_elbow_x
+        + T::from_f64(0.9872718790580934) * kz_right_elbow_z;
+    let kz_right_wrist_yaw_z = T::from_f64(0.9872718790580934) * bz_right_elbow_x
         - T::from_f64(0.15904161977640188) * kz_right_elbow_z;
     let bz_right_wrist_yaw_x = e141 * s_right_wrist_yaw - e140 * c_right_wrist_yaw;
     let bz_right_wrist_yaw_y = e141 * c_right_wrist_yaw + e140 * s_right_wrist_yaw;
@@ -4891,9 +4899,9 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     let bz_right_wrist_pitch_x = e143 * s_right_wrist_pitch - e142 * c_right_wrist_pitch;
     let bz_right_wrist_pitch_y = e143 * c_right_wrist_pitch + e142 * s_right_wrist_pitch;
     // left_shoulder_pitch
-    let e144 = T::from_f64(0.117838714587223) * e129 - e130
+    let e144 = T::from_f64(0.11783871458722316) * e129 - e130
         - T::from_f64(0.09248191489966293) * kz_waist_pitch_z;
-    let kz_left_shoulder_pitch_x = T::from_f64(0.2305051546121803) * e144 - e129;
+    let kz_left_shoulder_pitch_x = T::from_f64(0.2305051546121806) * e144 - e129;
     let e145 = e130 + T::from_f64(1.956107170887058) * e144;
     let kz_left_shoulder_pitch_z = kz_waist_pitch_z
         + T::from_f64(0.1809045369125973) * e144;
@@ -4904,8 +4912,8 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     // left_shoulder_roll
     let kz_left_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * bz_left_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * kz_left_shoulder_pitch_z;
-    let kz_left_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * kz_left_shoulder_pitch_z;
+    let kz_left_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * bz_left_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * kz_left_shoulder_pitch_z;
     let bz_left_shoulder_roll_x = e146 * c_left_shoulder_roll
@@ -4929,8 +4937,8 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     let bz_left_elbow_y = kz_left_elbow_y * s_left_elbow + e149 * c_left_elbow;
     // left_wrist_yaw
     let e150 = T::from_f64(0.15904161977640188) * bz_left_elbow_x
-        + T::from_f64(0.9872718790580933) * kz_left_elbow_z;
-    let kz_left_wrist_yaw_z = T::from_f64(0.9872718790580933) * bz_left_elbow_x
+        + T::from_f64(0.9872718790580934) * kz_left_elbow_z;
+    let kz_left_wrist_yaw_z = T::from_f64(0.9872718790580934) * bz_left_elbow_x
         - T::from_f64(0.15904161977640188) * kz_left_elbow_z;
     let bz_left_wrist_yaw_x = bz_left_elbow_y * c_left_wrist_yaw
         + e150 * s_left_wrist_yaw;
@@ -4963,20 +4971,20 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     + T::from_f64(0.12742238056085944) * e3),
             T::from_f64(0.9799904962356587) * e3 - T::from_f64(0.10853898993926647) * e2
                 + T::from_f64(0.1634960034362959),
-            T::from_f64(0.5863673657787141) * bx_right_ankle_pitch_x
-                + T::from_f64(0.8037588635830043) * e5
+            T::from_f64(0.5863673657787142) * bx_right_ankle_pitch_x
+                + T::from_f64(0.8037588635830045) * e5
                 - T::from_f64(0.10072239850941322) * kx_right_ankle_pitch_z,
-            T::from_f64(0.17005552884933373) * bx_right_ankle_pitch_x
+            T::from_f64(0.17005552884933375) * bx_right_ankle_pitch_x
                 - T::from_f64(0.0005719435102985865) * e5
                 + T::from_f64(0.9854343154104156) * kx_right_ankle_pitch_z,
-            T::from_f64(0.5949549244206475) * e5
-                - T::from_f64(0.7919939579678023) * bx_right_ankle_pitch_x
+            T::from_f64(0.5949549244206476) * e5
+                - T::from_f64(0.7919939579678025) * bx_right_ankle_pitch_x
                 + T::from_f64(0.1370190076234553) * kx_right_ankle_pitch_z,
             T::from_f64(0.7773178779650478) * e7
                 - T::from_f64(0.6267063639442644) * bx_right_knee_x
                 - T::from_f64(0.05491857598002902) * kx_right_knee_z,
             T::from_f64(0.9918697888935732) * kx_right_knee_z
-                - (T::from_f64(0.1237447090435664) * bx_right_knee_x
+                - (T::from_f64(0.12374470904356641) * bx_right_knee_x
                     + T::from_f64(0.029691225369481516) * e7),
             -(T::from_f64(0.7693675197039984) * bx_right_knee_x
                 + T::from_f64(0.628406992109392) * e7
@@ -4990,33 +4998,33 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.1845079141011138) * bx_right_hip_pitch_x
                 - T::from_f64(0.9670948621115415) * e9
                 - T::from_f64(0.17516951022228416) * kx_right_hip_pitch_z,
-            -(T::from_f64(0.03878223126667088) * bx_right_hip_roll_x
-                + T::from_f64(0.03382383783872412) * bx_right_hip_roll_y
+            -(T::from_f64(0.038782231266670894) * bx_right_hip_roll_x
+                + T::from_f64(0.03382383783872411) * bx_right_hip_roll_y
                 + T::from_f64(0.9986750655402579) * kx_right_hip_roll_z),
             T::from_f64(0.041130694271502954) * kx_right_hip_roll_z
-                - (T::from_f64(0.20656645943669893) * bx_right_hip_roll_x
-                    + T::from_f64(0.9775676773628161) * bx_right_hip_roll_y),
-            T::from_f64(0.2078879125137605) * bx_right_hip_roll_y
-                - T::from_f64(0.9776636621935813) * bx_right_hip_roll_x
+                - (T::from_f64(0.20656645943669896) * bx_right_hip_roll_x
+                    + T::from_f64(0.9775676773628162) * bx_right_hip_roll_y),
+            T::from_f64(0.20788791251376051) * bx_right_hip_roll_y
+                - T::from_f64(0.9776636621935814) * bx_right_hip_roll_x
                 + T::from_f64(0.03092538531540076) * kx_right_hip_roll_z,
-            T::from_f64(0.1597902036392451) * bx_right_hip_yaw_x
+            T::from_f64(0.15979020363924512) * bx_right_hip_yaw_x
                 + T::from_f64(0.9431024014938241) * e12
                 - T::from_f64(0.29159038241600355) * kx_right_hip_yaw_z,
             -(T::from_f64(0.8769571695433379) * bx_right_hip_yaw_x
                 + T::from_f64(0.48056854119525716) * kx_right_hip_yaw_z),
-            T::from_f64(0.45322534528363045) * bx_right_hip_yaw_x
+            T::from_f64(0.4532253452836305) * bx_right_hip_yaw_x
                 - T::from_f64(0.3325024214898031) * e12
                 - T::from_f64(0.8270604126035483) * kx_right_hip_yaw_z,
-            T::from_f64(0.9920190772526524) * bx_left_hip_yaw_x
-                + T::from_f64(0.03382383783872411) * e15
+            T::from_f64(0.9920190772526525) * bx_left_hip_yaw_x
+                + T::from_f64(0.03382383783872412) * e15
                 + T::from_f64(0.12146644952683741) * kx_left_hip_yaw_z,
             T::from_f64(0.05811909856572281) * bx_left_hip_yaw_x
-                - T::from_f64(0.977567677362816) * e15
+                - T::from_f64(0.9775676773628161) * e15
                 - T::from_f64(0.20244408254472904) * kx_left_hip_yaw_z,
             T::from_f64(0.9717315962146993) * kx_left_hip_yaw_z
-                - (T::from_f64(0.11189423912205597) * bx_left_hip_yaw_x
-                    + T::from_f64(0.20788791251376054) * e15),
-            T::from_f64(0.015334607066110917) * e17
+                - (T::from_f64(0.11189423912205596) * bx_left_hip_yaw_x
+                    + T::from_f64(0.20788791251376057) * e15),
+            T::from_f64(0.01533460706611091) * e17
                 - T::from_f64(0.17950183453219504) * e18
                 + T::from_f64(0.9836381149720178) * kx_left_hip_roll_z,
             T::from_f64(0.18029592085523005) * e18
@@ -5028,7 +5036,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.7773178779650479) * e21
                 - T::from_f64(0.6211037849606799) * bx_left_hip_pitch_x
                 + T::from_f64(0.10003501838572533) * kx_left_hip_pitch_z,
-            T::from_f64(0.19505301897281857) * bx_left_hip_pitch_x
+            T::from_f64(0.19505301897281854) * bx_left_hip_pitch_x
                 + T::from_f64(0.029691225369481503) * e21
                 + T::from_f64(0.9803431801801081) * kx_left_hip_pitch_z,
             T::from_f64(0.1700595312557331) * kx_left_hip_pitch_z
@@ -5037,7 +5045,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.5924701423191099) * bx_left_knee_x
                 + T::from_f64(0.8037588635830043) * e23
                 - T::from_f64(0.0543214476255111) * kx_left_knee_z,
-            T::from_f64(0.09053393944867548) * bx_left_knee_x
+            T::from_f64(0.09053393944867547) * bx_left_knee_x
                 + T::from_f64(0.0005719435102985865) * e23
                 + T::from_f64(0.9958932064677037) * kx_left_knee_z,
             T::from_f64(0.5949549244206475) * e23
@@ -5047,12 +5055,12 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                 - T::from_f64(0.1529122762239553) * e25
                 + T::from_f64(0.07453982498343462) * kx_left_ankle_pitch_z,
             T::from_f64(0.12742238056085947) * e25
-                - T::from_f64(0.055137091877253144) * bx_left_ankle_pitch_x
+                - T::from_f64(0.05513709187725314) * bx_left_ankle_pitch_x
                 + T::from_f64(0.9903148176370599) * kx_left_ankle_pitch_z,
             T::from_f64(0.16092933488917305) * bx_left_ankle_pitch_x
                 + T::from_f64(0.9799904962356587) * e25
                 - T::from_f64(0.11713401068825438) * kx_left_ankle_pitch_z,
-            T::from_f64(0.20544888863102054) * bx_left_ankle_roll_x
+            T::from_f64(0.20544888863102057) * bx_left_ankle_roll_x
                 + T::from_f64(0.10175183865460506) * bx_left_ankle_roll_y
                 + T::from_f64(0.9733639183217578) * kx_left_ankle_roll_z,
             T::from_f64(0.9938332711736169) * bx_left_ankle_roll_y
@@ -5060,7 +5068,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                 - T::from_f64(0.0903121161329466) * kx_left_ankle_roll_z,
             T::from_f64(0.2107282709768754) * kx_left_ankle_roll_z
                 - (T::from_f64(0.9765508708573974) * bx_left_ankle_roll_x
-                    + T::from_f64(0.044068043282578115) * bx_left_ankle_roll_y),
+                    + T::from_f64(0.04406804328257811) * bx_left_ankle_roll_y),
             T::from_f64(0.05013302902454261) * kx_waist_yaw_z
                 - (T::from_f64(0.11455324933025107) * bx_waist_yaw_x
                     + T::from_f64(0.9921513153086609) * bx_waist_yaw_y),
@@ -5068,12 +5076,12 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                 - T::from_f64(0.10849622545005164) * bx_waist_yaw_y
                 + T::from_f64(0.11029266385399372) * kx_waist_yaw_z,
             T::from_f64(0.06216378844943306) * bx_waist_yaw_y
-                - T::from_f64(0.1039877670920951) * bx_waist_yaw_x
+                - T::from_f64(0.10398776709209512) * bx_waist_yaw_x
                 + T::from_f64(0.9926339746859435) * kx_waist_yaw_z,
             -(T::from_f64(0.17939505485262935) * e30
                 + T::from_f64(0.9807695023204881) * e31
                 + T::from_f64(0.07686740279497044) * kx_waist_pitch_z),
-            T::from_f64(0.11629756483619715) * e30
+            T::from_f64(0.11629756483619717) * e30
                 - T::from_f64(0.09872950920933495) * e31
                 + T::from_f64(0.9882951787924771) * kx_waist_pitch_z,
             T::from_f64(0.1683557760497274) * e31 - T::from_f64(0.9768788516021794) * e30
@@ -5092,14 +5100,14 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.16852833895373615) * bx_neck_pitch_x
                 + T::from_f64(0.9839824211070662) * bx_neck_pitch_y
                 - T::from_f64(0.05811018776231015) * kx_neck_pitch_z,
-            T::from_f64(0.2281687790350744) * bx_right_shoulder_pitch_y
-                - T::from_f64(0.9702869074347844) * bx_right_shoulder_pitch_x
+            T::from_f64(0.22816877903507443) * bx_right_shoulder_pitch_y
+                - T::from_f64(0.9702869074347845) * bx_right_shoulder_pitch_x
                 - T::from_f64(0.08051289048522246) * kx_right_shoulder_pitch_z,
             T::from_f64(0.9762187971333224) * kx_right_shoulder_pitch_z
-                - (T::from_f64(0.1229863590090921) * bx_right_shoulder_pitch_x
-                    + T::from_f64(0.17852511201860663) * bx_right_shoulder_pitch_y),
-            T::from_f64(0.208369078220183) * bx_right_shoulder_pitch_x
-                + T::from_f64(0.9571143049042719) * bx_right_shoulder_pitch_y
+                - (T::from_f64(0.12298635900909212) * bx_right_shoulder_pitch_x
+                    + T::from_f64(0.17852511201860666) * bx_right_shoulder_pitch_y),
+            T::from_f64(0.20836907822018302) * bx_right_shoulder_pitch_x
+                + T::from_f64(0.957114304904272) * bx_right_shoulder_pitch_y
                 + T::from_f64(0.20128222621305616) * kx_right_shoulder_pitch_z,
             -(T::from_f64(0.09084250712834728) * bx_right_shoulder_roll_x
                 + T::from_f64(0.17842238701201812) * bx_right_shoulder_roll_y
@@ -5110,25 +5118,25 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.12507466537007475) * kx_right_shoulder_roll_z
                 - (T::from_f64(0.9735642488309816) * bx_right_shoulder_roll_x
                     + T::from_f64(0.19112556469695652) * bx_right_shoulder_roll_y),
-            T::from_f64(0.010455594988115331) * e42
+            T::from_f64(0.01045559498811533) * e42
                 - T::from_f64(0.9963466490417511) * e43
                 + T::from_f64(0.08475868968264198) * kx_right_shoulder_yaw_z,
             kx_right_elbow_z,
-            -(T::from_f64(0.12198194152801223) * e42
+            -(T::from_f64(0.12198194152801221) * e42
                 + T::from_f64(0.08540114134643578) * e43
                 + T::from_f64(0.9888513796308234) * kx_right_shoulder_yaw_z),
-            T::from_f64(0.9829721203303412) * e46
-                - T::from_f64(0.18375475681808384) * bx_right_elbow_x,
+            T::from_f64(0.9829721203303413) * e46
+                - T::from_f64(0.18375475681808387) * bx_right_elbow_x,
             kx_right_elbow_z,
-            -(T::from_f64(0.9829721203303412) * bx_right_elbow_x
-                + T::from_f64(0.18375475681808384) * e46),
+            -(T::from_f64(0.9829721203303413) * bx_right_elbow_x
+                + T::from_f64(0.18375475681808387) * e46),
             T::from_f64(0.17981670296897617) * bx_right_wrist_yaw_y
                 - T::from_f64(0.9762349902740747) * bx_right_wrist_yaw_x
                 - T::from_f64(0.12095948535747154) * kx_right_wrist_yaw_z,
             T::from_f64(0.189825799816729) * bx_right_wrist_yaw_x
                 + T::from_f64(0.9787957578035333) * bx_right_wrist_yaw_y
                 - T::from_f64(0.07697421795475462) * kx_right_wrist_yaw_z,
-            T::from_f64(0.10455338104775243) * bx_right_wrist_yaw_x
+            T::from_f64(0.10455338104775241) * bx_right_wrist_yaw_x
                 - T::from_f64(0.09810615596981634) * bx_right_wrist_yaw_y
                 - T::from_f64(0.9896685165611309) * kx_right_wrist_yaw_z,
             T::from_f64(0.13744769651506267) * bx_right_wrist_roll_x
@@ -5149,14 +5157,14 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.005790325348442432) * bx_right_wrist_pitch_y
                 - T::from_f64(0.9953246130777477) * bx_right_wrist_pitch_x
                 - T::from_f64(0.09641258597294897) * kx_right_wrist_pitch_z,
-            T::from_f64(0.9702869074347844) * bx_left_shoulder_pitch_x
-                + T::from_f64(0.2281687790350744) * e55
+            T::from_f64(0.9702869074347845) * bx_left_shoulder_pitch_x
+                + T::from_f64(0.22816877903507443) * e55
                 + T::from_f64(0.08051289048522246) * kx_left_shoulder_pitch_z,
-            T::from_f64(0.17852511201860663) * e55
-                - T::from_f64(0.1229863590090921) * bx_left_shoulder_pitch_x
+            T::from_f64(0.17852511201860666) * e55
+                - T::from_f64(0.12298635900909212) * bx_left_shoulder_pitch_x
                 + T::from_f64(0.9762187971333224) * kx_left_shoulder_pitch_z,
-            T::from_f64(0.9571143049042719) * e55
-                - T::from_f64(0.208369078220183) * bx_left_shoulder_pitch_x
+            T::from_f64(0.957114304904272) * e55
+                - T::from_f64(0.20836907822018302) * bx_left_shoulder_pitch_x
                 - T::from_f64(0.20128222621305616) * kx_left_shoulder_pitch_z,
             T::from_f64(0.09084250712834728) * bx_left_shoulder_roll_x
                 - T::from_f64(0.17842238701201812) * e57
@@ -5167,18 +5175,18 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.9735642488309816) * bx_left_shoulder_roll_x
                 - T::from_f64(0.19112556469695652) * e57
                 - T::from_f64(0.12507466537007475) * kx_left_shoulder_roll_z,
-            T::from_f64(0.010455594988115331) * bx_left_shoulder_yaw_x
+            T::from_f64(0.01045559498811533) * bx_left_shoulder_yaw_x
                 + T::from_f64(0.9963466490417511) * e60
                 - T::from_f64(0.08475868968264198) * kx_left_shoulder_yaw_z,
             kx_left_elbow_z,
             T::from_f64(0.08540114134643578) * e60
-                - T::from_f64(0.12198194152801223) * bx_left_shoulder_yaw_x
+                - T::from_f64(0.12198194152801221) * bx_left_shoulder_yaw_x
                 + T::from_f64(0.9888513796308234) * kx_left_shoulder_yaw_z,
-            T::from_f64(0.18375475681808384) * bx_left_elbow_x
-                + T::from_f64(0.9829721203303412) * bx_left_elbow_y,
+            T::from_f64(0.18375475681808387) * bx_left_elbow_x
+                + T::from_f64(0.9829721203303413) * bx_left_elbow_y,
             kx_left_elbow_z,
-            T::from_f64(0.9829721203303412) * bx_left_elbow_x
-                - T::from_f64(0.18375475681808384) * bx_left_elbow_y,
+            T::from_f64(0.9829721203303413) * bx_left_elbow_x
+                - T::from_f64(0.18375475681808387) * bx_left_elbow_y,
             T::from_f64(0.9762349902740747) * bx_left_wrist_yaw_x
                 + T::from_f64(0.17981670296897617) * e64
                 + T::from_f64(0.12095948535747154) * kx_left_wrist_yaw_z,
@@ -5186,7 +5194,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                 - T::from_f64(0.9787957578035333) * e64
                 - T::from_f64(0.07697421795475462) * kx_left_wrist_yaw_z,
             T::from_f64(0.9896685165611309) * kx_left_wrist_yaw_z
-                - (T::from_f64(0.10455338104775243) * bx_left_wrist_yaw_x
+                - (T::from_f64(0.10455338104775241) * bx_left_wrist_yaw_x
                     + T::from_f64(0.09810615596981634) * e64),
             T::from_f64(0.13744769651506267) * e66
                 + T::from_f64(0.0765329641546823) * e67
@@ -5220,20 +5228,20 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.10853898993926647) * by_right_ankle_roll_x
                 + T::from_f64(0.9799904962356587) * e71
                 + T::from_f64(0.021782632782422214),
-            T::from_f64(0.5863673657787141) * by_right_ankle_pitch_x
-                + T::from_f64(0.8037588635830043) * e72
+            T::from_f64(0.5863673657787142) * by_right_ankle_pitch_x
+                + T::from_f64(0.8037588635830045) * e72
                 - T::from_f64(0.10072239850941322) * ky_right_ankle_pitch_z,
-            T::from_f64(0.17005552884933373) * by_right_ankle_pitch_x
+            T::from_f64(0.17005552884933375) * by_right_ankle_pitch_x
                 - T::from_f64(0.0005719435102985865) * e72
                 + T::from_f64(0.9854343154104156) * ky_right_ankle_pitch_z,
-            T::from_f64(0.5949549244206475) * e72
-                - T::from_f64(0.7919939579678023) * by_right_ankle_pitch_x
+            T::from_f64(0.5949549244206476) * e72
+                - T::from_f64(0.7919939579678025) * by_right_ankle_pitch_x
                 + T::from_f64(0.1370190076234553) * ky_right_ankle_pitch_z,
             T::from_f64(0.7773178779650478) * e73
                 - T::from_f64(0.6267063639442644) * by_right_knee_x
                 - T::from_f64(0.05491857598002902) * ky_right_knee_z,
             T::from_f64(0.9918697888935732) * ky_right_knee_z
-                - (T::from_f64(0.1237447090435664) * by_right_knee_x
+                - (T::from_f64(0.12374470904356641) * by_right_knee_x
                     + T::from_f64(0.029691225369481516) * e73),
             -(T::from_f64(0.7693675197039984) * by_right_knee_x
                 + T::from_f64(0.628406992109392) * e73
@@ -5247,33 +5255,33 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.1845079141011138) * by_right_hip_pitch_x
                 - T::from_f64(0.9670948621115415) * e74
                 - T::from_f64(0.17516951022228416) * ky_right_hip_pitch_z,
-            -(T::from_f64(0.03878223126667088) * by_right_hip_roll_x
-                + T::from_f64(0.03382383783872412) * by_right_hip_roll_y
+            -(T::from_f64(0.038782231266670894) * by_right_hip_roll_x
+                + T::from_f64(0.03382383783872411) * by_right_hip_roll_y
                 + T::from_f64(0.9986750655402579) * ky_right_hip_roll_z),
             T::from_f64(0.041130694271502954) * ky_right_hip_roll_z
-                - (T::from_f64(0.20656645943669893) * by_right_hip_roll_x
-                    + T::from_f64(0.9775676773628161) * by_right_hip_roll_y),
-            T::from_f64(0.2078879125137605) * by_right_hip_roll_y
-                - T::from_f64(0.9776636621935813) * by_right_hip_roll_x
+                - (T::from_f64(0.20656645943669896) * by_right_hip_roll_x
+                    + T::from_f64(0.9775676773628162) * by_right_hip_roll_y),
+            T::from_f64(0.20788791251376051) * by_right_hip_roll_y
+                - T::from_f64(0.9776636621935814) * by_right_hip_roll_x
                 + T::from_f64(0.03092538531540076) * ky_right_hip_roll_z,
-            T::from_f64(0.1597902036392451) * by_right_hip_yaw_x
+            T::from_f64(0.15979020363924512) * by_right_hip_yaw_x
                 + T::from_f64(0.9431024014938241) * e75
                 - T::from_f64(0.29159038241600355) * ky_right_hip_yaw_z,
             -(T::from_f64(0.8769571695433379) * by_right_hip_yaw_x
                 + T::from_f64(0.48056854119525716) * ky_right_hip_yaw_z),
-            T::from_f64(0.45322534528363045) * by_right_hip_yaw_x
+            T::from_f64(0.4532253452836305) * by_right_hip_yaw_x
                 - T::from_f64(0.3325024214898031) * e75
                 - T::from_f64(0.8270604126035483) * ky_right_hip_yaw_z,
-            T::from_f64(0.9920190772526524) * by_left_hip_yaw_x
-                + T::from_f64(0.03382383783872411) * e77
+            T::from_f64(0.9920190772526525) * by_left_hip_yaw_x
+                + T::from_f64(0.03382383783872412) * e77
                 + T::from_f64(0.12146644952683741) * ky_left_hip_yaw_z,
             T::from_f64(0.05811909856572281) * by_left_hip_yaw_x
-                - T::from_f64(0.977567677362816) * e77
+                - T::from_f64(0.9775676773628161) * e77
                 - T::from_f64(0.20244408254472904) * ky_left_hip_yaw_z,
             T::from_f64(0.9717315962146993) * ky_left_hip_yaw_z
-                - (T::from_f64(0.11189423912205597) * by_left_hip_yaw_x
-                    + T::from_f64(0.20788791251376054) * e77),
-            T::from_f64(0.015334607066110917) * e78
+                - (T::from_f64(0.11189423912205596) * by_left_hip_yaw_x
+                    + T::from_f64(0.20788791251376057) * e77),
+            T::from_f64(0.01533460706611091) * e78
                 - T::from_f64(0.17950183453219504) * e79
                 + T::from_f64(0.9836381149720178) * ky_left_hip_roll_z,
             T::from_f64(0.18029592085523005) * e79
@@ -5285,7 +5293,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.7773178779650479) * e81
                 - T::from_f64(0.6211037849606799) * by_left_hip_pitch_x
                 + T::from_f64(0.10003501838572533) * ky_left_hip_pitch_z,
-            T::from_f64(0.19505301897281857) * by_left_hip_pitch_x
+            T::from_f64(0.19505301897281854) * by_left_hip_pitch_x
                 + T::from_f64(0.029691225369481503) * e81
                 + T::from_f64(0.9803431801801081) * ky_left_hip_pitch_z,
             T::from_f64(0.1700595312557331) * ky_left_hip_pitch_z
@@ -5294,7 +5302,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.5924701423191099) * by_left_knee_x
                 + T::from_f64(0.8037588635830043) * e82
                 - T::from_f64(0.0543214476255111) * ky_left_knee_z,
-            T::from_f64(0.09053393944867548) * by_left_knee_x
+            T::from_f64(0.09053393944867547) * by_left_knee_x
                 + T::from_f64(0.0005719435102985865) * e82
                 + T::from_f64(0.9958932064677037) * ky_left_knee_z,
             T::from_f64(0.5949549244206475) * e82
@@ -5304,12 +5312,12 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                 - T::from_f64(0.1529122762239553) * e83
                 + T::from_f64(0.07453982498343462) * ky_left_ankle_pitch_z,
             T::from_f64(0.12742238056085947) * e83
-                - T::from_f64(0.055137091877253144) * by_left_ankle_pitch_x
+                - T::from_f64(0.05513709187725314) * by_left_ankle_pitch_x
                 + T::from_f64(0.9903148176370599) * ky_left_ankle_pitch_z,
             T::from_f64(0.16092933488917305) * by_left_ankle_pitch_x
                 + T::from_f64(0.9799904962356587) * e83
                 - T::from_f64(0.11713401068825438) * ky_left_ankle_pitch_z,
-            T::from_f64(0.20544888863102054) * by_left_ankle_roll_x
+            T::from_f64(0.20544888863102057) * by_left_ankle_roll_x
                 + T::from_f64(0.10175183865460506) * by_left_ankle_roll_y
                 + T::from_f64(0.9733639183217578) * ky_left_ankle_roll_z,
             T::from_f64(0.9938332711736169) * by_left_ankle_roll_y
@@ -5317,7 +5325,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                 - T::from_f64(0.0903121161329466) * ky_left_ankle_roll_z,
             T::from_f64(0.2107282709768754) * ky_left_ankle_roll_z
                 - (T::from_f64(0.9765508708573974) * by_left_ankle_roll_x
-                    + T::from_f64(0.044068043282578115) * by_left_ankle_roll_y),
+                    + T::from_f64(0.04406804328257811) * by_left_ankle_roll_y),
             T::from_f64(0.05013302902454261) * ky_waist_yaw_z
                 - (T::from_f64(0.11455324933025107) * by_waist_yaw_x
                     + T::from_f64(0.9921513153086609) * by_waist_yaw_y),
@@ -5325,12 +5333,12 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                 - T::from_f64(0.10849622545005164) * by_waist_yaw_y
                 + T::from_f64(0.11029266385399372) * ky_waist_yaw_z,
             T::from_f64(0.06216378844943306) * by_waist_yaw_y
-                - T::from_f64(0.1039877670920951) * by_waist_yaw_x
+                - T::from_f64(0.10398776709209512) * by_waist_yaw_x
                 + T::from_f64(0.9926339746859435) * ky_waist_yaw_z,
             -(T::from_f64(0.17939505485262935) * e86
                 + T::from_f64(0.9807695023204881) * e87
                 + T::from_f64(0.07686740279497044) * ky_waist_pitch_z),
-            T::from_f64(0.11629756483619715) * e86
+            T::from_f64(0.11629756483619717) * e86
                 - T::from_f64(0.09872950920933495) * e87
                 + T::from_f64(0.9882951787924771) * ky_waist_pitch_z,
             T::from_f64(0.1683557760497274) * e87 - T::from_f64(0.9768788516021794) * e86
@@ -5349,14 +5357,14 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.16852833895373615) * by_neck_pitch_x
                 + T::from_f64(0.9839824211070662) * by_neck_pitch_y
                 - T::from_f64(0.05811018776231015) * ky_neck_pitch_z,
-            T::from_f64(0.2281687790350744) * by_right_shoulder_pitch_y
-                - T::from_f64(0.9702869074347844) * by_right_shoulder_pitch_x
+            T::from_f64(0.22816877903507443) * by_right_shoulder_pitch_y
+                - T::from_f64(0.9702869074347845) * by_right_shoulder_pitch_x
                 - T::from_f64(0.08051289048522246) * ky_right_shoulder_pitch_z,
             T::from_f64(0.9762187971333224) * ky_right_shoulder_pitch_z
-                - (T::from_f64(0.1229863590090921) * by_right_shoulder_pitch_x
-                    + T::from_f64(0.17852511201860663) * by_right_shoulder_pitch_y),
-            T::from_f64(0.208369078220183) * by_right_shoulder_pitch_x
-                + T::from_f64(0.9571143049042719) * by_right_shoulder_pitch_y
+                - (T::from_f64(0.12298635900909212) * by_right_shoulder_pitch_x
+                    + T::from_f64(0.17852511201860666) * by_right_shoulder_pitch_y),
+            T::from_f64(0.20836907822018302) * by_right_shoulder_pitch_x
+                + T::from_f64(0.957114304904272) * by_right_shoulder_pitch_y
                 + T::from_f64(0.20128222621305616) * ky_right_shoulder_pitch_z,
             -(T::from_f64(0.09084250712834728) * by_right_shoulder_roll_x
                 + T::from_f64(0.17842238701201812) * by_right_shoulder_roll_y
@@ -5367,25 +5375,25 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.12507466537007475) * ky_right_shoulder_roll_z
                 - (T::from_f64(0.9735642488309816) * by_right_shoulder_roll_x
                     + T::from_f64(0.19112556469695652) * by_right_shoulder_roll_y),
-            T::from_f64(0.010455594988115331) * e94
+            T::from_f64(0.01045559498811533) * e94
                 - T::from_f64(0.9963466490417511) * e95
                 + T::from_f64(0.08475868968264198) * ky_right_shoulder_yaw_z,
             ky_right_elbow_z,
-            -(T::from_f64(0.12198194152801223) * e94
+            -(T::from_f64(0.12198194152801221) * e94
                 + T::from_f64(0.08540114134643578) * e95
                 + T::from_f64(0.9888513796308234) * ky_right_shoulder_yaw_z),
-            T::from_f64(0.9829721203303412) * e97
-                - T::from_f64(0.18375475681808384) * by_right_elbow_x,
+            T::from_f64(0.9829721203303413) * e97
+                - T::from_f64(0.18375475681808387) * by_right_elbow_x,
             ky_right_elbow_z,
-            -(T::from_f64(0.9829721203303412) * by_right_elbow_x
-                + T::from_f64(0.18375475681808384) * e97),
+            -(T::from_f64(0.9829721203303413) * by_right_elbow_x
+                + T::from_f64(0.18375475681808387) * e97),
             T::from_f64(0.17981670296897617) * by_right_wrist_yaw_y
                 - T::from_f64(0.9762349902740747) * by_right_wrist_yaw_x
                 - T::from_f64(0.12095948535747154) * ky_right_wrist_yaw_z,
             T::from_f64(0.189825799816729) * by_right_wrist_yaw_x
                 + T::from_f64(0.9787957578035333) * by_right_wrist_yaw_y
                 - T::from_f64(0.07697421795475462) * ky_right_wrist_yaw_z,
-            T::from_f64(0.10455338104775243) * by_right_wrist_yaw_x
+            T::from_f64(0.10455338104775241) * by_right_wrist_yaw_x
                 - T::from_f64(0.09810615596981634) * by_right_wrist_yaw_y
                 - T::from_f64(0.9896685165611309) * ky_right_wrist_yaw_z,
             T::from_f64(0.13744769651506267) * by_right_wrist_roll_x
@@ -5406,14 +5414,14 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.005790325348442432) * by_right_wrist_pitch_y
                 - T::from_f64(0.9953246130777477) * by_right_wrist_pitch_x
                 - T::from_f64(0.09641258597294897) * ky_right_wrist_pitch_z,
-            T::from_f64(0.9702869074347844) * by_left_shoulder_pitch_x
-                + T::from_f64(0.2281687790350744) * e103
+            T::from_f64(0.9702869074347845) * by_left_shoulder_pitch_x
+                + T::from_f64(0.22816877903507443) * e103
                 + T::from_f64(0.08051289048522246) * ky_left_shoulder_pitch_z,
-            T::from_f64(0.17852511201860663) * e103
-                - T::from_f64(0.1229863590090921) * by_left_shoulder_pitch_x
+            T::from_f64(0.17852511201860666) * e103
+                - T::from_f64(0.12298635900909212) * by_left_shoulder_pitch_x
                 + T::from_f64(0.9762187971333224) * ky_left_shoulder_pitch_z,
-            T::from_f64(0.9571143049042719) * e103
-                - T::from_f64(0.208369078220183) * by_left_shoulder_pitch_x
+            T::from_f64(0.957114304904272) * e103
+                - T::from_f64(0.20836907822018302) * by_left_shoulder_pitch_x
                 - T::from_f64(0.20128222621305616) * ky_left_shoulder_pitch_z,
             T::from_f64(0.09084250712834728) * by_left_shoulder_roll_x
                 - T::from_f64(0.17842238701201812) * e104
@@ -5424,18 +5432,18 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.9735642488309816) * by_left_shoulder_roll_x
                 - T::from_f64(0.19112556469695652) * e104
                 - T::from_f64(0.12507466537007475) * ky_left_shoulder_roll_z,
-            T::from_f64(0.010455594988115331) * by_left_shoulder_yaw_x
+            T::from_f64(0.01045559498811533) * by_left_shoulder_yaw_x
                 + T::from_f64(0.9963466490417511) * e106
                 - T::from_f64(0.08475868968264198) * ky_left_shoulder_yaw_z,
             ky_left_elbow_z,
             T::from_f64(0.08540114134643578) * e106
-                - T::from_f64(0.12198194152801223) * by_left_shoulder_yaw_x
+                - T::from_f64(0.12198194152801221) * by_left_shoulder_yaw_x
                 + T::from_f64(0.9888513796308234) * ky_left_shoulder_yaw_z,
-            T::from_f64(0.18375475681808384) * by_left_elbow_x
-                + T::from_f64(0.9829721203303412) * by_left_elbow_y,
+            T::from_f64(0.18375475681808387) * by_left_elbow_x
+                + T::from_f64(0.9829721203303413) * by_left_elbow_y,
             ky_left_elbow_z,
-            T::from_f64(0.9829721203303412) * by_left_elbow_x
-                - T::from_f64(0.18375475681808384) * by_left_elbow_y,
+            T::from_f64(0.9829721203303413) * by_left_elbow_x
+                - T::from_f64(0.18375475681808387) * by_left_elbow_y,
             T::from_f64(0.9762349902740747) * by_left_wrist_yaw_x
                 + T::from_f64(0.17981670296897617) * e108
                 + T::from_f64(0.12095948535747154) * ky_left_wrist_yaw_z,
@@ -5443,7 +5451,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                 - T::from_f64(0.9787957578035333) * e108
                 - T::from_f64(0.07697421795475462) * ky_left_wrist_yaw_z,
             T::from_f64(0.9896685165611309) * ky_left_wrist_yaw_z
-                - (T::from_f64(0.10455338104775243) * by_left_wrist_yaw_x
+                - (T::from_f64(0.10455338104775241) * by_left_wrist_yaw_x
                     + T::from_f64(0.09810615596981634) * e108),
             T::from_f64(0.13744769651506267) * e109
                 + T::from_f64(0.0765329641546823) * e110
@@ -5477,20 +5485,20 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.10853898993926647) * bz_right_ankle_roll_x
                 + T::from_f64(0.9799904962356587) * e114
                 + T::from_f64(0.025149328423963363),
-            T::from_f64(0.5863673657787141) * bz_right_ankle_pitch_x
-                + T::from_f64(0.8037588635830043) * e115
+            T::from_f64(0.5863673657787142) * bz_right_ankle_pitch_x
+                + T::from_f64(0.8037588635830045) * e115
                 - T::from_f64(0.10072239850941322) * kz_right_ankle_pitch_z,
-            T::from_f64(0.17005552884933373) * bz_right_ankle_pitch_x
+            T::from_f64(0.17005552884933375) * bz_right_ankle_pitch_x
                 - T::from_f64(0.0005719435102985865) * e115
                 + T::from_f64(0.9854343154104156) * kz_right_ankle_pitch_z,
-            T::from_f64(0.5949549244206475) * e115
-                - T::from_f64(0.7919939579678023) * bz_right_ankle_pitch_x
+            T::from_f64(0.5949549244206476) * e115
+                - T::from_f64(0.7919939579678025) * bz_right_ankle_pitch_x
                 + T::from_f64(0.1370190076234553) * kz_right_ankle_pitch_z,
             T::from_f64(0.7773178779650478) * e116
                 - T::from_f64(0.6267063639442644) * bz_right_knee_x
                 - T::from_f64(0.05491857598002902) * kz_right_knee_z,
             T::from_f64(0.9918697888935732) * kz_right_knee_z
-                - (T::from_f64(0.1237447090435664) * bz_right_knee_x
+                - (T::from_f64(0.12374470904356641) * bz_right_knee_x
                     + T::from_f64(0.029691225369481516) * e116),
             -(T::from_f64(0.7693675197039984) * bz_right_knee_x
                 + T::from_f64(0.628406992109392) * e116
@@ -5504,33 +5512,33 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.1845079141011138) * bz_right_hip_pitch_x
                 - T::from_f64(0.9670948621115415) * e117
                 - T::from_f64(0.17516951022228416) * kz_right_hip_pitch_z,
-            -(T::from_f64(0.03878223126667088) * bz_right_hip_roll_x
-                + T::from_f64(0.03382383783872412) * bz_right_hip_roll_y
+            -(T::from_f64(0.038782231266670894) * bz_right_hip_roll_x
+                + T::from_f64(0.03382383783872411) * bz_right_hip_roll_y
                 + T::from_f64(0.9986750655402579) * kz_right_hip_roll_z),
             T::from_f64(0.041130694271502954) * kz_right_hip_roll_z
-                - (T::from_f64(0.20656645943669893) * bz_right_hip_roll_x
-                    + T::from_f64(0.9775676773628161) * bz_right_hip_roll_y),
-            T::from_f64(0.2078879125137605) * bz_right_hip_roll_y
-                - T::from_f64(0.9776636621935813) * bz_right_hip_roll_x
+                - (T::from_f64(0.20656645943669896) * bz_right_hip_roll_x
+                    + T::from_f64(0.9775676773628162) * bz_right_hip_roll_y),
+            T::from_f64(0.20788791251376051) * bz_right_hip_roll_y
+                - T::from_f64(0.9776636621935814) * bz_right_hip_roll_x
                 + T::from_f64(0.03092538531540076) * kz_right_hip_roll_z,
-            T::from_f64(0.1597902036392451) * bz_right_hip_yaw_x
+            T::from_f64(0.15979020363924512) * bz_right_hip_yaw_x
                 + T::from_f64(0.9431024014938241) * e118
                 - T::from_f64(0.29159038241600355) * kz_right_hip_yaw_z,
             -(T::from_f64(0.8769571695433379) * bz_right_hip_yaw_x
                 + T::from_f64(0.48056854119525716) * kz_right_hip_yaw_z),
-            T::from_f64(0.45322534528363045) * bz_right_hip_yaw_x
+            T::from_f64(0.4532253452836305) * bz_right_hip_yaw_x
                 - T::from_f64(0.3325024214898031) * e118
                 - T::from_f64(0.8270604126035483) * kz_right_hip_yaw_z,
-            T::from_f64(0.9920190772526524) * bz_left_hip_yaw_x
-                + T::from_f64(0.03382383783872411) * e120
+            T::from_f64(0.9920190772526525) * bz_left_hip_yaw_x
+                + T::from_f64(0.03382383783872412) * e120
                 + T::from_f64(0.12146644952683741) * kz_left_hip_yaw_z,
             T::from_f64(0.05811909856572281) * bz_left_hip_yaw_x
-                - T::from_f64(0.977567677362816) * e120
+                - T::from_f64(0.9775676773628161) * e120
                 - T::from_f64(0.20244408254472904) * kz_left_hip_yaw_z,
             T::from_f64(0.9717315962146993) * kz_left_hip_yaw_z
-                - (T::from_f64(0.11189423912205597) * bz_left_hip_yaw_x
-                    + T::from_f64(0.20788791251376054) * e120),
-            T::from_f64(0.015334607066110917) * e121
+                - (T::from_f64(0.11189423912205596) * bz_left_hip_yaw_x
+                    + T::from_f64(0.20788791251376057) * e120),
+            T::from_f64(0.01533460706611091) * e121
                 - T::from_f64(0.17950183453219504) * e122
                 + T::from_f64(0.9836381149720178) * kz_left_hip_roll_z,
             T::from_f64(0.18029592085523005) * e122
@@ -5542,7 +5550,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.7773178779650479) * e124
                 - T::from_f64(0.6211037849606799) * bz_left_hip_pitch_x
                 + T::from_f64(0.10003501838572533) * kz_left_hip_pitch_z,
-            T::from_f64(0.19505301897281857) * bz_left_hip_pitch_x
+            T::from_f64(0.19505301897281854) * bz_left_hip_pitch_x
                 + T::from_f64(0.029691225369481503) * e124
                 + T::from_f64(0.9803431801801081) * kz_left_hip_pitch_z,
             T::from_f64(0.1700595312557331) * kz_left_hip_pitch_z
@@ -5551,7 +5559,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.5924701423191099) * bz_left_knee_x
                 + T::from_f64(0.8037588635830043) * e125
                 - T::from_f64(0.0543214476255111) * kz_left_knee_z,
-            T::from_f64(0.09053393944867548) * bz_left_knee_x
+            T::from_f64(0.09053393944867547) * bz_left_knee_x
                 + T::from_f64(0.0005719435102985865) * e125
                 + T::from_f64(0.9958932064677037) * kz_left_knee_z,
             T::from_f64(0.5949549244206475) * e125
@@ -5561,12 +5569,12 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                 - T::from_f64(0.1529122762239553) * e126
                 + T::from_f64(0.07453982498343462) * kz_left_ankle_pitch_z,
             T::from_f64(0.12742238056085947) * e126
-                - T::from_f64(0.055137091877253144) * bz_left_ankle_pitch_x
+                - T::from_f64(0.05513709187725314) * bz_left_ankle_pitch_x
                 + T::from_f64(0.9903148176370599) * kz_left_ankle_pitch_z,
             T::from_f64(0.16092933488917305) * bz_left_ankle_pitch_x
                 + T::from_f64(0.9799904962356587) * e126
                 - T::from_f64(0.11713401068825438) * kz_left_ankle_pitch_z,
-            T::from_f64(0.20544888863102054) * bz_left_ankle_roll_x
+            T::from_f64(0.20544888863102057) * bz_left_ankle_roll_x
                 + T::from_f64(0.10175183865460506) * bz_left_ankle_roll_y
                 + T::from_f64(0.9733639183217578) * kz_left_ankle_roll_z,
             T::from_f64(0.9938332711736169) * bz_left_ankle_roll_y
@@ -5574,7 +5582,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                 - T::from_f64(0.0903121161329466) * kz_left_ankle_roll_z,
             T::from_f64(0.2107282709768754) * kz_left_ankle_roll_z
                 - (T::from_f64(0.9765508708573974) * bz_left_ankle_roll_x
-                    + T::from_f64(0.044068043282578115) * bz_left_ankle_roll_y),
+                    + T::from_f64(0.04406804328257811) * bz_left_ankle_roll_y),
             T::from_f64(0.05013302902454261) * kz_waist_yaw_z
                 - (T::from_f64(0.11455324933025107) * bz_waist_yaw_x
                     + T::from_f64(0.9921513153086609) * bz_waist_yaw_y),
@@ -5582,12 +5590,12 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                 - T::from_f64(0.10849622545005164) * bz_waist_yaw_y
                 + T::from_f64(0.11029266385399372) * kz_waist_yaw_z,
             T::from_f64(0.06216378844943306) * bz_waist_yaw_y
-                - T::from_f64(0.1039877670920951) * bz_waist_yaw_x
+                - T::from_f64(0.10398776709209512) * bz_waist_yaw_x
                 + T::from_f64(0.9926339746859435) * kz_waist_yaw_z,
             -(T::from_f64(0.17939505485262935) * e129
                 + T::from_f64(0.9807695023204881) * e130
                 + T::from_f64(0.07686740279497044) * kz_waist_pitch_z),
-            T::from_f64(0.11629756483619715) * e129
+            T::from_f64(0.11629756483619717) * e129
                 - T::from_f64(0.09872950920933495) * e130
                 + T::from_f64(0.9882951787924771) * kz_waist_pitch_z,
             T::from_f64(0.1683557760497274) * e130
@@ -5607,14 +5615,14 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.16852833895373615) * bz_neck_pitch_x
                 + T::from_f64(0.9839824211070662) * bz_neck_pitch_y
                 - T::from_f64(0.05811018776231015) * kz_neck_pitch_z,
-            T::from_f64(0.2281687790350744) * bz_right_shoulder_pitch_y
-                - T::from_f64(0.9702869074347844) * bz_right_shoulder_pitch_x
+            T::from_f64(0.22816877903507443) * bz_right_shoulder_pitch_y
+                - T::from_f64(0.9702869074347845) * bz_right_shoulder_pitch_x
                 - T::from_f64(0.08051289048522246) * kz_right_shoulder_pitch_z,
             T::from_f64(0.9762187971333224) * kz_right_shoulder_pitch_z
-                - (T::from_f64(0.1229863590090921) * bz_right_shoulder_pitch_x
-                    + T::from_f64(0.17852511201860663) * bz_right_shoulder_pitch_y),
-            T::from_f64(0.208369078220183) * bz_right_shoulder_pitch_x
-                + T::from_f64(0.9571143049042719) * bz_right_shoulder_pitch_y
+                - (T::from_f64(0.12298635900909212) * bz_right_shoulder_pitch_x
+                    + T::from_f64(0.17852511201860666) * bz_right_shoulder_pitch_y),
+            T::from_f64(0.20836907822018302) * bz_right_shoulder_pitch_x
+                + T::from_f64(0.957114304904272) * bz_right_shoulder_pitch_y
                 + T::from_f64(0.20128222621305616) * kz_right_shoulder_pitch_z,
             -(T::from_f64(0.09084250712834728) * bz_right_shoulder_roll_x
                 + T::from_f64(0.17842238701201812) * bz_right_shoulder_roll_y
@@ -5625,25 +5633,25 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.12507466537007475) * kz_right_shoulder_roll_z
                 - (T::from_f64(0.9735642488309816) * bz_right_shoulder_roll_x
                     + T::from_f64(0.19112556469695652) * bz_right_shoulder_roll_y),
-            T::from_f64(0.010455594988115331) * e137
+            T::from_f64(0.01045559498811533) * e137
                 - T::from_f64(0.9963466490417511) * e138
                 + T::from_f64(0.08475868968264198) * kz_right_shoulder_yaw_z,
             kz_right_elbow_z,
-            -(T::from_f64(0.12198194152801223) * e137
+            -(T::from_f64(0.12198194152801221) * e137
                 + T::from_f64(0.08540114134643578) * e138
                 + T::from_f64(0.9888513796308234) * kz_right_shoulder_yaw_z),
-            T::from_f64(0.9829721203303412) * e140
-                - T::from_f64(0.18375475681808384) * bz_right_elbow_x,
+            T::from_f64(0.9829721203303413) * e140
+                - T::from_f64(0.18375475681808387) * bz_right_elbow_x,
             kz_right_elbow_z,
-            -(T::from_f64(0.9829721203303412) * bz_right_elbow_x
-                + T::from_f64(0.18375475681808384) * e140),
+            -(T::from_f64(0.9829721203303413) * bz_right_elbow_x
+                + T::from_f64(0.18375475681808387) * e140),
             T::from_f64(0.17981670296897617) * bz_right_wrist_yaw_y
                 - T::from_f64(0.9762349902740747) * bz_right_wrist_yaw_x
                 - T::from_f64(0.12095948535747154) * kz_right_wrist_yaw_z,
             T::from_f64(0.189825799816729) * bz_right_wrist_yaw_x
                 + T::from_f64(0.9787957578035333) * bz_right_wrist_yaw_y
                 - T::from_f64(0.07697421795475462) * kz_right_wrist_yaw_z,
-            T::from_f64(0.10455338104775243) * bz_right_wrist_yaw_x
+            T::from_f64(0.10455338104775241) * bz_right_wrist_yaw_x
                 - T::from_f64(0.09810615596981634) * bz_right_wrist_yaw_y
                 - T::from_f64(0.9896685165611309) * kz_right_wrist_yaw_z,
             T::from_f64(0.13744769651506267) * bz_right_wrist_roll_x
@@ -5664,14 +5672,14 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.005790325348442432) * bz_right_wrist_pitch_y
                 - T::from_f64(0.9953246130777477) * bz_right_wrist_pitch_x
                 - T::from_f64(0.09641258597294897) * kz_right_wrist_pitch_z,
-            T::from_f64(0.9702869074347844) * bz_left_shoulder_pitch_x
-                + T::from_f64(0.2281687790350744) * e146
+            T::from_f64(0.9702869074347845) * bz_left_shoulder_pitch_x
+                + T::from_f64(0.22816877903507443) * e146
                 + T::from_f64(0.08051289048522246) * kz_left_shoulder_pitch_z,
-            T::from_f64(0.17852511201860663) * e146
-                - T::from_f64(0.1229863590090921) * bz_left_shoulder_pitch_x
+            T::from_f64(0.17852511201860666) * e146
+                - T::from_f64(0.12298635900909212) * bz_left_shoulder_pitch_x
                 + T::from_f64(0.9762187971333224) * kz_left_shoulder_pitch_z,
-            T::from_f64(0.9571143049042719) * e146
-                - T::from_f64(0.208369078220183) * bz_left_shoulder_pitch_x
+            T::from_f64(0.957114304904272) * e146
+                - T::from_f64(0.20836907822018302) * bz_left_shoulder_pitch_x
                 - T::from_f64(0.20128222621305616) * kz_left_shoulder_pitch_z,
             T::from_f64(0.09084250712834728) * bz_left_shoulder_roll_x
                 - T::from_f64(0.17842238701201812) * e147
@@ -5682,18 +5690,18 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.9735642488309816) * bz_left_shoulder_roll_x
                 - T::from_f64(0.19112556469695652) * e147
                 - T::from_f64(0.12507466537007475) * kz_left_shoulder_roll_z,
-            T::from_f64(0.010455594988115331) * bz_left_shoulder_yaw_x
+            T::from_f64(0.01045559498811533) * bz_left_shoulder_yaw_x
                 + T::from_f64(0.9963466490417511) * e149
                 - T::from_f64(0.08475868968264198) * kz_left_shoulder_yaw_z,
             kz_left_elbow_z,
             T::from_f64(0.08540114134643578) * e149
-                - T::from_f64(0.12198194152801223) * bz_left_shoulder_yaw_x
+                - T::from_f64(0.12198194152801221) * bz_left_shoulder_yaw_x
                 + T::from_f64(0.9888513796308234) * kz_left_shoulder_yaw_z,
-            T::from_f64(0.18375475681808384) * bz_left_elbow_x
-                + T::from_f64(0.9829721203303412) * bz_left_elbow_y,
+            T::from_f64(0.18375475681808387) * bz_left_elbow_x
+                + T::from_f64(0.9829721203303413) * bz_left_elbow_y,
             kz_left_elbow_z,
-            T::from_f64(0.9829721203303412) * bz_left_elbow_x
-                - T::from_f64(0.18375475681808384) * bz_left_elbow_y,
+            T::from_f64(0.9829721203303413) * bz_left_elbow_x
+                - T::from_f64(0.18375475681808387) * bz_left_elbow_y,
             T::from_f64(0.9762349902740747) * bz_left_wrist_yaw_x
                 + T::from_f64(0.17981670296897617) * e151
                 + T::from_f64(0.12095948535747154) * kz_left_wrist_yaw_z,
@@ -5701,7 +5709,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                 - T::from_f64(0.9787957578035333) * e151
                 - T::from_f64(0.07697421795475462) * kz_left_wrist_yaw_z,
             T::from_f64(0.9896685165611309) * kz_left_wrist_yaw_z
-                - (T::from_f64(0.10455338104775243) * bz_left_wrist_yaw_x
+                - (T::from_f64(0.10455338104775241) * bz_left_wrist_yaw_x
                     + T::from_f64(0.09810615596981634) * e151),
             T::from_f64(0.13744769651506267) * e152
                 + T::from_f64(0.0765329641546823) * e153
@@ -5748,7 +5756,7 @@ pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
         + T::from_f64(0.06706297088627988) * e1;
     let v_left_wrist_yaw_x = r[57] + w_left_wrist_roll_x;
     let v_left_wrist_yaw_y = r[58] + t_left_wrist_roll_x;
-    let e4 = q[27] + T::from_f64(0.07984195204795128);
+    let e4 = q[27] + T::from_f64(0.07984195204795129);
     let (s_left_wrist_yaw, c_left_wrist_yaw) = e4.sin_cos();
     let t_left_wrist_yaw_x = c_left_wrist_yaw * v_left_wrist_yaw_x
         - s_left_wrist_yaw * v_left_wrist_yaw_y;
@@ -5756,8 +5764,8 @@ pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
         + c_left_wrist_yaw * v_left_wrist_yaw_y;
     // left_elbow
     let w_left_wrist_yaw_x = T::from_f64(0.15904161977640188) * e5
-        + T::from_f64(0.9872718790580933) * w_left_wrist_roll_z;
-    let w_left_wrist_yaw_z = T::from_f64(0.9872718790580933) * e5
+        + T::from_f64(0.9872718790580934) * w_left_wrist_roll_z;
+    let w_left_wrist_yaw_z = T::from_f64(0.9872718790580934) * e5
         - T::from_f64(0.15904161977640188) * w_left_wrist_roll_z;
     let v_left_elbow_x = r[55] + w_left_wrist_yaw_x;
     let v_left_elbow_y = r[56] + t_left_wrist_yaw_x;
@@ -5793,12 +5801,12 @@ pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
         + c_left_shoulder_roll * v_left_shoulder_roll_y;
     // left_shoulder_pitch
     let w_left_shoulder_roll_x = T::from_f64(0.2834710957352705) * t_left_shoulder_roll_y
-        - T::from_f64(0.9589807807681262) * e8;
-    let e10 = T::from_f64(0.9589807807681262) * t_left_shoulder_roll_y
+        - T::from_f64(0.9589807807681263) * e8;
+    let e10 = T::from_f64(0.9589807807681263) * t_left_shoulder_roll_y
         + T::from_f64(0.2834710957352705) * e8;
     let v_left_shoulder_pitch_x = r[49] + w_left_shoulder_roll_x;
     let v_left_shoulder_pitch_y = r[50] + t_left_shoulder_roll_x;
-    let e11 = q[23] + T::from_f64(0.01490799199634596);
+    let e11 = q[23] + T::from_f64(0.014907991996345737);
     let (s_left_shoulder_pitch, c_left_shoulder_pitch) = e11.sin_cos();
     let e12 = s_left_shoulder_pitch * v_left_shoulder_pitch_x
         + c_left_shoulder_pitch * v_left_shoulder_pitch_y;
@@ -5826,7 +5834,7 @@ pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
         + T::from_f64(0.06706297088627988) * e13;
     let v_right_wrist_yaw_x = r[43] + w_right_wrist_roll_x;
     let v_right_wrist_yaw_y = r[44] + t_right_wrist_roll_x;
-    let e16 = q[20] + T::from_f64(0.07984195204795128);
+    let e16 = q[20] + T::from_f64(0.07984195204795129);
     let (s_right_wrist_yaw, c_right_wrist_yaw) = e16.sin_cos();
     let t_right_wrist_yaw_x = c_right_wrist_yaw * v_right_wrist_yaw_x
         - s_right_wrist_yaw * v_right_wrist_yaw_y;
@@ -5834,8 +5842,8 @@ pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
         + c_right_wrist_yaw * v_right_wrist_yaw_y;
     // right_elbow
     let w_right_wrist_yaw_x = T::from_f64(0.15904161977640188) * e17
-        + T::from_f64(0.9872718790580933) * w_right_wrist_roll_z;
-    let w_right_wrist_yaw_z = T::from_f64(0.9872718790580933) * e17
+        + T::from_f64(0.9872718790580934) * w_right_wrist_roll_z;
+    let w_right_wrist_yaw_z = T::from_f64(0.9872718790580934) * e17
         - T::from_f64(0.15904161977640188) * w_right_wrist_roll_z;
     let v_right_elbow_x = r[41] + w_right_wrist_yaw_x;
     let v_right_elbow_y = r[42] + t_right_wrist_yaw_x;
@@ -5872,8 +5880,8 @@ pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
         + c_right_shoulder_roll * v_right_shoulder_roll_y;
     // right_shoulder_pitch
     let w_right_shoulder_roll_x = T::from_f64(0.2834710957352705)
-        * t_right_shoulder_roll_y - T::from_f64(0.9589807807681262) * e20;
-    let e22 = T::from_f64(0.9589807807681262) * t_right_shoulder_roll_y
+        * t_right_shoulder_roll_y - T::from_f64(0.9589807807681263) * e20;
+    let e22 = T::from_f64(0.9589807807681263) * t_right_shoulder_roll_y
         + T::from_f64(0.2834710957352705) * e20;
     let v_right_shoulder_pitch_x = r[35] + w_right_shoulder_roll_x;
     let v_right_shoulder_pitch_y = r[36] + t_right_shoulder_roll_x;
@@ -5905,9 +5913,9 @@ pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
     let w_right_shoulder_pitch_y = t_right_shoulder_pitch_y
         - T::from_f64(0.14086963671593916) * e27;
     let w_right_shoulder_pitch_z = T::from_f64(0.20944016387466197) * e27 - e22;
-    let e28 = T::from_f64(0.117838714587223) * e12 + t_left_shoulder_pitch_y
+    let e28 = T::from_f64(0.11783871458722316) * e12 + t_left_shoulder_pitch_y
         + T::from_f64(0.09248191489966293) * e10;
-    let w_left_shoulder_pitch_x = T::from_f64(0.2305051546121803) * e28 - e12;
+    let w_left_shoulder_pitch_x = T::from_f64(0.2305051546121806) * e28 - e12;
     let w_left_shoulder_pitch_y = t_left_shoulder_pitch_y
         - T::from_f64(1.956107170887058) * e28;
     let w_left_shoulder_pitch_z = T::from_f64(0.1809045369125973) * e28 - e10;
@@ -5960,9 +5968,9 @@ pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
     let t_left_knee_y = c_left_knee * v_left_knee_x - s_left_knee * v_left_knee_y;
     // left_hip_pitch
     let w_left_knee_x = T::from_f64(0.9973888291864126) * t_left_knee_y
-        + T::from_f64(0.07221858080963142) * w_left_ankle_pitch_z;
+        + T::from_f64(0.0722185808096314) * w_left_ankle_pitch_z;
     let w_left_knee_z = T::from_f64(0.9973888291864126) * w_left_ankle_pitch_z
-        - T::from_f64(0.07221858080963142) * t_left_knee_y;
+        - T::from_f64(0.0722185808096314) * t_left_knee_y;
     let v_left_hip_pitch_x = r[19] + w_left_knee_x;
     let v_left_hip_pitch_y = r[20] + t_left_knee_x;
     let e34 = q[8] + T::from_f64(0.15721584383712184);
@@ -5978,15 +5986,15 @@ pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
         - T::from_f64(0.9981717798828137) * t_left_hip_pitch_y;
     let v_left_hip_roll_x = r[17] + w_left_hip_pitch_x;
     let v_left_hip_roll_y = r[18] + t_left_hip_pitch_x;
-    let e35 = q[7] - T::from_f64(0.3432638106572563);
+    let e35 = q[7] - T::from_f64(0.34326381065725625);
     let (s_left_hip_roll, c_left_hip_roll) = e35.sin_cos();
     let t_left_hip_roll_x = c_left_hip_roll * v_left_hip_roll_x
         - s_left_hip_roll * v_left_hip_roll_y;
     let e36 = s_left_hip_roll * v_left_hip_roll_x + c_left_hip_roll * v_left_hip_roll_y;
     // left_hip_yaw
-    let w_left_hip_roll_x = T::from_f64(0.996555568326344) * w_left_hip_pitch_z
+    let w_left_hip_roll_x = T::from_f64(0.9965555683263441) * w_left_hip_pitch_z
         - T::from_f64(0.08292767473984561) * e36;
-    let w_left_hip_roll_z = T::from_f64(0.996555568326344) * e36
+    let w_left_hip_roll_z = T::from_f64(0.9965555683263441) * e36
         + T::from_f64(0.08292767473984561) * w_left_hip_pitch_z;
     let v_left_hip_yaw_x = r[15] + w_left_hip_roll_x;
     let v_left_hip_yaw_y = r[16] + t_left_hip_roll_x;
@@ -5997,20 +6005,20 @@ pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
     let t_left_hip_yaw_y = s_left_hip_yaw * v_left_hip_yaw_x
         + c_left_hip_yaw * v_left_hip_yaw_y;
     // right_hip_yaw
-    let w_left_hip_yaw_x = T::from_f64(0.8428760553163271) * w_left_hip_roll_z
+    let w_left_hip_yaw_x = T::from_f64(0.8428760553163273) * w_left_hip_roll_z
         - T::from_f64(0.538107754426925) * t_left_hip_yaw_y;
     let e38 = w_waist_pitch_z
-        - (T::from_f64(0.19252104104496942) * t_waist_yaw_x
+        - (T::from_f64(0.19252104104496945) * t_waist_yaw_x
             + T::from_f64(0.11944678826051937) * t_waist_yaw_y);
-    let w_waist_yaw_x = t_waist_yaw_x + T::from_f64(0.3662421800811955) * e38;
+    let w_waist_yaw_x = t_waist_yaw_x + T::from_f64(0.3662421800811956) * e38;
     let w_waist_yaw_y = t_waist_yaw_y + T::from_f64(0.22722945969324562) * e38;
     let w_waist_yaw_z = w_waist_pitch_z - T::from_f64(1.9023488450576578) * e38;
     let v_right_hip_yaw_x = r[13] + w_left_hip_yaw_x + w_waist_yaw_x;
     let v_right_hip_yaw_y = r[14] + t_left_hip_yaw_x + w_waist_yaw_y;
     let v_right_hip_yaw_z = w_waist_yaw_z
-        - (T::from_f64(0.8428760553163271) * t_left_hip_yaw_y
+        - (T::from_f64(0.8428760553163273) * t_left_hip_yaw_y
             + T::from_f64(0.538107754426925) * w_left_hip_roll_z);
-    let e39 = q[0] + T::from_f64(0.10119271700368022);
+    let e39 = q[0] + T::from_f64(0.10119271700368025);
     let (s_right_hip_yaw, c_right_hip_yaw) = e39.sin_cos();
     let t_right_hip_yaw_x = c_right_hip_yaw * v_right_hip_yaw_x
         + s_right_hip_yaw * v_right_hip_yaw_y;
@@ -6044,23 +6052,23 @@ pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
         - c_right_hip_pitch * v_right_hip_pitch_y;
     // right_knee
     let w_right_hip_pitch_x = T::from_f64(0.9973888291864124) * t_right_hip_pitch_y
-        + T::from_f64(0.07221858080963141) * w_right_hip_roll_z;
+        + T::from_f64(0.0722185808096314) * w_right_hip_roll_z;
     let w_right_hip_pitch_z = T::from_f64(0.9973888291864124) * w_right_hip_roll_z
-        - T::from_f64(0.07221858080963141) * t_right_hip_pitch_y;
+        - T::from_f64(0.0722185808096314) * t_right_hip_pitch_y;
     let v_right_knee_x = r[7] + w_right_hip_pitch_x;
     let v_right_knee_y = r[8] + t_right_hip_pitch_x;
-    let e42 = q[3] - T::from_f64(0.7020104799569638);
+    let e42 = q[3] - T::from_f64(0.7020104799569636);
     let (s_right_knee, c_right_knee) = e42.sin_cos();
     let t_right_knee_x = c_right_knee * v_right_knee_y - s_right_knee * v_right_knee_x;
     let t_right_knee_y = c_right_knee * v_right_knee_x + s_right_knee * v_right_knee_y;
     // right_ankle_pitch
     let w_right_knee_x = T::from_f64(0.9659918591802843) * t_right_knee_y
-        + T::from_f64(0.258572481129407) * w_right_hip_pitch_z;
+        + T::from_f64(0.2585724811294071) * w_right_hip_pitch_z;
     let w_right_knee_z = T::from_f64(0.9659918591802843) * w_right_hip_pitch_z
-        - T::from_f64(0.258572481129407) * t_right_knee_y;
+        - T::from_f64(0.2585724811294071) * t_right_knee_y;
     let v_right_ankle_pitch_x = r[5] + w_right_knee_x;
     let v_right_ankle_pitch_y = r[6] + t_right_knee_x;
-    let e43 = q[4] + T::from_f64(0.17565669109302126);
+    let e43 = q[4] + T::from_f64(0.17565669109302123);
     let (s_right_ankle_pitch, c_right_ankle_pitch) = e43.sin_cos();
     let t_right_ankle_pitch_x = c_right_ankle_pitch * v_right_ankle_pitch_x
         + s_right_ankle_pitch * v_right_ankle_pitch_y;
@@ -6118,16 +6126,16 @@ pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
     let v_left_wrist_yaw_x = r[57] + w_left_wrist_roll_x;
     let v_left_wrist_yaw_y = r[58] + t_left_wrist_roll_x;
     let e2 = T::from_f64(0.9968143242066551) * sin[27]
-        + T::from_f64(0.07975715050344799) * cos[27];
+        + T::from_f64(0.079757150503448) * cos[27];
     let c_left_wrist_yaw = T::from_f64(0.9968143242066551) * cos[27]
-        - T::from_f64(0.07975715050344799) * sin[27];
+        - T::from_f64(0.079757150503448) * sin[27];
     let t_left_wrist_yaw_x = c_left_wrist_yaw * v_left_wrist_yaw_x
         - e2 * v_left_wrist_yaw_y;
     let e3 = e2 * v_left_wrist_yaw_x + c_left_wrist_yaw * v_left_wrist_yaw_y;
     // left_elbow
     let w_left_wrist_yaw_x = T::from_f64(0.15904161977640188) * e3
-        + T::from_f64(0.9872718790580933) * w_left_wrist_roll_z;
-    let w_left_wrist_yaw_z = T::from_f64(0.9872718790580933) * e3
+        + T::from_f64(0.9872718790580934) * w_left_wrist_roll_z;
+    let w_left_wrist_yaw_z = T::from_f64(0.9872718790580934) * e3
         - T::from_f64(0.15904161977640188) * w_left_wrist_roll_z;
     let v_left_elbow_x = r[55] + w_left_wrist_yaw_x;
     let v_left_elbow_y = r[56] + t_left_wrist_yaw_x;
@@ -6167,17 +6175,17 @@ pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
         - s_left_shoulder_roll * v_left_shoulder_roll_x;
     // left_shoulder_pitch
     let w_left_shoulder_roll_x = T::from_f64(0.2834710957352705) * t_left_shoulder_roll_y
-        - T::from_f64(0.9589807807681262) * e5;
-    let e6 = T::from_f64(0.9589807807681262) * t_left_shoulder_roll_y
+        - T::from_f64(0.9589807807681263) * e5;
+    let e6 = T::from_f64(0.9589807807681263) * t_left_shoulder_roll_y
         + T::from_f64(0.2834710957352705) * e5;
     let v_left_shoulder_pitch_x = r[49] + w_left_shoulder_roll_x;
     let v_left_shoulder_pitch_y = r[50]
         - (c_left_shoulder_roll * v_left_shoulder_roll_x
             + s_left_shoulder_roll * v_left_shoulder_roll_y);
     let e7 = T::from_f64(0.9998888779453979) * sin[23]
-        + T::from_f64(0.01490743979002152) * cos[23];
+        + T::from_f64(0.014907439790021298) * cos[23];
     let c_left_shoulder_pitch = T::from_f64(0.9998888779453979) * cos[23]
-        - T::from_f64(0.01490743979002152) * sin[23];
+        - T::from_f64(0.014907439790021298) * sin[23];
     let e8 = e7 * v_left_shoulder_pitch_x
         + c_left_shoulder_pitch * v_left_shoulder_pitch_y;
     let t_left_shoulder_pitch_y = e7 * v_left_shoulder_pitch_y
@@ -6205,16 +6213,16 @@ pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
     let v_right_wrist_yaw_x = r[43] + w_right_wrist_roll_x;
     let v_right_wrist_yaw_y = r[44] + t_right_wrist_roll_x;
     let e10 = T::from_f64(0.9968143242066551) * sin[20]
-        + T::from_f64(0.07975715050344799) * cos[20];
+        + T::from_f64(0.079757150503448) * cos[20];
     let c_right_wrist_yaw = T::from_f64(0.9968143242066551) * cos[20]
-        - T::from_f64(0.07975715050344799) * sin[20];
+        - T::from_f64(0.079757150503448) * sin[20];
     let t_right_wrist_yaw_x = c_right_wrist_yaw * v_right_wrist_yaw_x
         - e10 * v_right_wrist_yaw_y;
     let e11 = e10 * v_right_wrist_yaw_x + c_right_wrist_yaw * v_right_wrist_yaw_y;
     // right_elbow
     let w_right_wrist_yaw_x = T::from_f64(0.15904161977640188) * e11
-        + T::from_f64(0.9872718790580933) * w_right_wrist_roll_z;
-    let w_right_wrist_yaw_z = T::from_f64(0.9872718790580933) * e11
+        + T::from_f64(0.9872718790580934) * w_right_wrist_roll_z;
+    let w_right_wrist_yaw_z = T::from_f64(0.9872718790580934) * e11
         - T::from_f64(0.15904161977640188) * w_right_wrist_roll_z;
     let v_right_elbow_x = r[41] + w_right_wrist_yaw_x;
     let v_right_elbow_y = r[42] + t_right_wrist_yaw_x;
@@ -6255,8 +6263,8 @@ pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
         - s_right_shoulder_roll * v_right_shoulder_roll_x;
     // right_shoulder_pitch
     let w_right_shoulder_roll_x = T::from_f64(0.2834710957352705)
-        * t_right_shoulder_roll_y - T::from_f64(0.9589807807681262) * e13;
-    let e14 = T::from_f64(0.9589807807681262) * t_right_shoulder_roll_y
+        * t_right_shoulder_roll_y - T::from_f64(0.9589807807681263) * e13;
+    let e14 = T::from_f64(0.9589807807681263) * t_right_shoulder_roll_y
         + T::from_f64(0.2834710957352705) * e13;
     let v_right_shoulder_pitch_x = r[35] + w_right_shoulder_roll_x;
     let v_right_shoulder_pitch_y = r[36]
@@ -6294,9 +6302,9 @@ pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
     let w_right_shoulder_pitch_y = t_right_shoulder_pitch_y
         - T::from_f64(0.14086963671593916) * e19;
     let w_right_shoulder_pitch_z = T::from_f64(0.20944016387466197) * e19 - e14;
-    let e20 = T::from_f64(0.117838714587223) * e8 + t_left_shoulder_pitch_y
+    let e20 = T::from_f64(0.11783871458722316) * e8 + t_left_shoulder_pitch_y
         + T::from_f64(0.09248191489966293) * e6;
-    let w_left_shoulder_pitch_x = T::from_f64(0.2305051546121803) * e20 - e8;
+    let w_left_shoulder_pitch_x = T::from_f64(0.2305051546121806) * e20 - e8;
     let w_left_shoulder_pitch_y = t_left_shoulder_pitch_y
         - T::from_f64(1.956107170887058) * e20;
     let w_left_shoulder_pitch_z = T::from_f64(0.1809045369125973) * e20 - e6;
@@ -6355,9 +6363,9 @@ pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
     let t_left_knee_y = c_left_knee * v_left_knee_x + s_left_knee * v_left_knee_y;
     // left_hip_pitch
     let w_left_knee_x = T::from_f64(0.9973888291864126) * t_left_knee_y
-        + T::from_f64(0.07221858080963142) * w_left_ankle_pitch_z;
+        + T::from_f64(0.0722185808096314) * w_left_ankle_pitch_z;
     let w_left_knee_z = T::from_f64(0.9973888291864126) * w_left_ankle_pitch_z
-        - T::from_f64(0.07221858080963142) * t_left_knee_y;
+        - T::from_f64(0.0722185808096314) * t_left_knee_y;
     let v_left_hip_pitch_x = r[19] + w_left_knee_x;
     let v_left_hip_pitch_y = r[20] + t_left_knee_x;
     let e25 = T::from_f64(0.9876670233130993) * sin[8]
@@ -6375,19 +6383,19 @@ pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
         - T::from_f64(0.9981717798828137) * t_left_hip_pitch_y;
     let v_left_hip_roll_x = r[17] + w_left_hip_pitch_x;
     let v_left_hip_roll_y = r[18] + t_left_hip_pitch_x;
-    let s_left_hip_roll = T::from_f64(0.3365622831750796) * cos[7]
+    let s_left_hip_roll = T::from_f64(0.3365622831750795) * cos[7]
         - T::from_f64(0.9416612074116558) * sin[7];
     let c_left_hip_roll = T::from_f64(0.9416612074116558) * cos[7]
-        + T::from_f64(0.3365622831750796) * sin[7];
+        + T::from_f64(0.3365622831750795) * sin[7];
     let t_left_hip_roll_x = c_left_hip_roll * v_left_hip_roll_x
         + s_left_hip_roll * v_left_hip_roll_y;
     let t_left_hip_roll_y = s_left_hip_roll * v_left_hip_roll_x
         - c_left_hip_roll * v_left_hip_roll_y;
     // left_hip_yaw
     let w_left_hip_roll_x = T::from_f64(0.08292767473984561) * t_left_hip_roll_y
-        + T::from_f64(0.996555568326344) * w_left_hip_pitch_z;
+        + T::from_f64(0.9965555683263441) * w_left_hip_pitch_z;
     let w_left_hip_roll_z = T::from_f64(0.08292767473984561) * w_left_hip_pitch_z
-        - T::from_f64(0.996555568326344) * t_left_hip_roll_y;
+        - T::from_f64(0.9965555683263441) * t_left_hip_roll_y;
     let v_left_hip_yaw_x = r[15] + w_left_hip_roll_x;
     let v_left_hip_yaw_y = r[16] + t_left_hip_roll_x;
     let e26 = T::from_f64(0.9948843845593177) * sin[6]
@@ -6397,23 +6405,23 @@ pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
     let t_left_hip_yaw_x = e26 * v_left_hip_yaw_y - c_left_hip_yaw * v_left_hip_yaw_x;
     let t_left_hip_yaw_y = e26 * v_left_hip_yaw_x + c_left_hip_yaw * v_left_hip_yaw_y;
     // right_hip_yaw
-    let w_left_hip_yaw_x = T::from_f64(0.8428760553163271) * w_left_hip_roll_z
+    let w_left_hip_yaw_x = T::from_f64(0.8428760553163273) * w_left_hip_roll_z
         - T::from_f64(0.538107754426925) * t_left_hip_yaw_y;
     let e27 = w_waist_pitch_z
-        - (T::from_f64(0.19252104104496942) * t_waist_yaw_x
+        - (T::from_f64(0.19252104104496945) * t_waist_yaw_x
             + T::from_f64(0.11944678826051937) * t_waist_yaw_y);
-    let w_waist_yaw_x = t_waist_yaw_x + T::from_f64(0.3662421800811955) * e27;
+    let w_waist_yaw_x = t_waist_yaw_x + T::from_f64(0.3662421800811956) * e27;
     let w_waist_yaw_y = t_waist_yaw_y + T::from_f64(0.22722945969324562) * e27;
     let w_waist_yaw_z = w_waist_pitch_z - T::from_f64(1.9023488450576578) * e27;
     let v_right_hip_yaw_x = r[13] + w_left_hip_yaw_x + w_waist_yaw_x;
     let v_right_hip_yaw_y = r[14] + t_left_hip_yaw_x + w_waist_yaw_y;
     let v_right_hip_yaw_z = w_waist_yaw_z
-        - (T::from_f64(0.8428760553163271) * t_left_hip_yaw_y
+        - (T::from_f64(0.8428760553163273) * t_left_hip_yaw_y
             + T::from_f64(0.538107754426925) * w_left_hip_roll_z);
     let s_right_hip_yaw = T::from_f64(0.9948843845593177) * sin[0]
-        + T::from_f64(0.10102010374191711) * cos[0];
+        + T::from_f64(0.10102010374191714) * cos[0];
     let c_right_hip_yaw = T::from_f64(0.9948843845593177) * cos[0]
-        - T::from_f64(0.10102010374191711) * sin[0];
+        - T::from_f64(0.10102010374191714) * sin[0];
     let t_right_hip_yaw_x = c_right_hip_yaw * v_right_hip_yaw_x
         + s_right_hip_yaw * v_right_hip_yaw_y;
     let t_right_hip_yaw_y = s_right_hip_yaw * v_right_hip_yaw_x
@@ -6450,28 +6458,28 @@ pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
         - c_right_hip_pitch * v_right_hip_pitch_y;
     // right_knee
     let w_right_hip_pitch_x = T::from_f64(0.9973888291864124) * t_right_hip_pitch_y
-        + T::from_f64(0.07221858080963141) * w_right_hip_roll_z;
+        + T::from_f64(0.0722185808096314) * w_right_hip_roll_z;
     let w_right_hip_pitch_z = T::from_f64(0.9973888291864124) * w_right_hip_roll_z
-        - T::from_f64(0.07221858080963141) * t_right_hip_pitch_y;
+        - T::from_f64(0.0722185808096314) * t_right_hip_pitch_y;
     let v_right_knee_x = r[7] + w_right_hip_pitch_x;
     let v_right_knee_y = r[8] + t_right_hip_pitch_x;
     let s_right_knee = T::from_f64(0.7635454556520245) * sin[3]
-        - T::from_f64(0.645754084116502) * cos[3];
+        - T::from_f64(0.6457540841165019) * cos[3];
     let c_right_knee = T::from_f64(0.7635454556520245) * cos[3]
-        + T::from_f64(0.645754084116502) * sin[3];
+        + T::from_f64(0.6457540841165019) * sin[3];
     let t_right_knee_x = c_right_knee * v_right_knee_y - s_right_knee * v_right_knee_x;
     let t_right_knee_y = c_right_knee * v_right_knee_x + s_right_knee * v_right_knee_y;
     // right_ankle_pitch
     let w_right_knee_x = T::from_f64(0.9659918591802843) * t_right_knee_y
-        + T::from_f64(0.258572481129407) * w_right_hip_pitch_z;
+        + T::from_f64(0.2585724811294071) * w_right_hip_pitch_z;
     let w_right_knee_z = T::from_f64(0.9659918591802843) * w_right_hip_pitch_z
-        - T::from_f64(0.258572481129407) * t_right_knee_y;
+        - T::from_f64(0.2585724811294071) * t_right_knee_y;
     let v_right_ankle_pitch_x = r[5] + w_right_knee_x;
     let v_right_ankle_pitch_y = r[6] + t_right_knee_x;
-    let s_right_ankle_pitch = T::from_f64(0.9846119913216708) * sin[4]
-        + T::from_f64(0.1747547611528053) * cos[4];
-    let c_right_ankle_pitch = T::from_f64(0.9846119913216708) * cos[4]
-        - T::from_f64(0.1747547611528053) * sin[4];
+    let s_right_ankle_pitch = T::from_f64(0.9846119913216709) * sin[4]
+        + T::from_f64(0.17475476115280528) * cos[4];
+    let c_right_ankle_pitch = T::from_f64(0.9846119913216709) * cos[4]
+        - T::from_f64(0.17475476115280528) * sin[4];
     let t_right_ankle_pitch_x = c_right_ankle_pitch * v_right_ankle_pitch_x
         + s_right_ankle_pitch * v_right_ankle_pitch_y;
     let t_right_ankle_pitch_y = s_right_ankle_pitch * v_right_ankle_pitch_x
@@ -6535,16 +6543,16 @@ pub fn com_jacobian_sc<T: Real>(
     let v_left_wrist_yaw_x = r[57] + w_left_wrist_roll_x;
     let v_left_wrist_yaw_y = r[58] + t_left_wrist_roll_x;
     let e2 = T::from_f64(0.9968143242066551) * sin[27]
-        + T::from_f64(0.07975715050344799) * cos[27];
+        + T::from_f64(0.079757150503448) * cos[27];
     let c_left_wrist_yaw = T::from_f64(0.9968143242066551) * cos[27]
-        - T::from_f64(0.07975715050344799) * sin[27];
+        - T::from_f64(0.079757150503448) * sin[27];
     let t_left_wrist_yaw_x = c_left_wrist_yaw * v_left_wrist_yaw_x
         - e2 * v_left_wrist_yaw_y;
     let e3 = e2 * v_left_wrist_yaw_x + c_left_wrist_yaw * v_left_wrist_yaw_y;
     // left_elbow
     let w_left_wrist_yaw_x = T::from_f64(0.15904161977640188) * e3
-        + T::from_f64(0.9872718790580933) * w_left_wrist_roll_z;
-    let w_left_wrist_yaw_z = T::from_f64(0.9872718790580933) * e3
+        + T::from_f64(0.9872718790580934) * w_left_wrist_roll_z;
+    let w_left_wrist_yaw_z = T::from_f64(0.9872718790580934) * e3
         - T::from_f64(0.15904161977640188) * w_left_wrist_roll_z;
     let v_left_elbow_x = r[55] + w_left_wrist_yaw_x;
     let v_left_elbow_y = r[56] + t_left_wrist_yaw_x;
@@ -6586,15 +6594,15 @@ pub fn com_jacobian_sc<T: Real>(
         - s_left_shoulder_roll * v_left_shoulder_roll_x;
     // left_shoulder_pitch
     let w_left_shoulder_roll_x = T::from_f64(0.2834710957352705) * t_left_shoulder_roll_y
-        - T::from_f64(0.9589807807681262) * e6;
-    let e8 = T::from_f64(0.9589807807681262) * t_left_shoulder_roll_y
+        - T::from_f64(0.9589807807681263) * e6;
+    let e8 = T::from_f64(0.9589807807681263) * t_left_shoulder_roll_y
         + T::from_f64(0.2834710957352705) * e6;
     let v_left_shoulder_pitch_x = r[49] + w_left_shoulder_roll_x;
     let v_left_shoulder_pitch_y = r[50] - e7;
     let e9 = T::from_f64(0.9998888779453979) * sin[23]
-        + T::from_f64(0.01490743979002152) * cos[23];
+        + T::from_f64(0.014907439790021298) * cos[23];
     let c_left_shoulder_pitch = T::from_f64(0.9998888779453979) * cos[23]
-        - T::from_f64(0.01490743979002152) * sin[23];
+        - T::from_f64(0.014907439790021298) * sin[23];
     let e10 = e9 * v_left_shoulder_pitch_x
         + c_left_shoulder_pitch * v_left_shoulder_pitch_y;
     let t_left_shoulder_pitch_y = e9 * v_left_shoulder_pitch_y
@@ -6622,16 +6630,16 @@ pub fn com_jacobian_sc<T: Real>(
     let v_right_wrist_yaw_x = r[43] + w_right_wrist_roll_x;
     let v_right_wrist_yaw_y = r[44] + t_right_wrist_roll_x;
     let e12 = T::from_f64(0.9968143242066551) * sin[20]
-        + T::from_f64(0.07975715050344799) * cos[20];
+        + T::from_f64(0.079757150503448) * cos[20];
     let c_right_wrist_yaw = T::from_f64(0.9968143242066551) * cos[20]
-        - T::from_f64(0.07975715050344799) * sin[20];
+        - T::from_f64(0.079757150503448) * sin[20];
     let t_right_wrist_yaw_x = c_right_wrist_yaw * v_right_wrist_yaw_x
         - e12 * v_right_wrist_yaw_y;
     let e13 = e12 * v_right_wrist_yaw_x + c_right_wrist_yaw * v_right_wrist_yaw_y;
     // right_elbow
     let w_right_wrist_yaw_x = T::from_f64(0.15904161977640188) * e13
-        + T::from_f64(0.9872718790580933) * w_right_wrist_roll_z;
-    let w_right_wrist_yaw_z = T::from_f64(0.9872718790580933) * e13
+        + T::from_f64(0.9872718790580934) * w_right_wrist_roll_z;
+    let w_right_wrist_yaw_z = T::from_f64(0.9872718790580934) * e13
         - T::from_f64(0.15904161977640188) * w_right_wrist_roll_z;
     let v_right_elbow_x = r[41] + w_right_wrist_yaw_x;
     let v_right_elbow_y = r[42] + t_right_wrist_yaw_x;
@@ -6674,8 +6682,8 @@ pub fn com_jacobian_sc<T: Real>(
         - s_right_shoulder_roll * v_right_shoulder_roll_x;
     // right_shoulder_pitch
     let w_right_shoulder_roll_x = T::from_f64(0.2834710957352705)
-        * t_right_shoulder_roll_y - T::from_f64(0.9589807807681262) * e16;
-    let e18 = T::from_f64(0.9589807807681262) * t_right_shoulder_roll_y
+        * t_right_shoulder_roll_y - T::from_f64(0.9589807807681263) * e16;
+    let e18 = T::from_f64(0.9589807807681263) * t_right_shoulder_roll_y
         + T::from_f64(0.2834710957352705) * e16;
     let v_right_shoulder_pitch_x = r[35] + w_right_shoulder_roll_x;
     let v_right_shoulder_pitch_y = r[36] - e17;
@@ -6711,9 +6719,9 @@ pub fn com_jacobian_sc<T: Real>(
     let w_right_shoulder_pitch_y = t_right_shoulder_pitch_y
         - T::from_f64(0.14086963671593916) * e23;
     let w_right_shoulder_pitch_z = T::from_f64(0.20944016387466197) * e23 - e18;
-    let e24 = T::from_f64(0.117838714587223) * e10 + t_left_shoulder_pitch_y
+    let e24 = T::from_f64(0.11783871458722316) * e10 + t_left_shoulder_pitch_y
         + T::from_f64(0.09248191489966293) * e8;
-    let w_left_shoulder_pitch_x = T::from_f64(0.2305051546121803) * e24 - e10;
+    let w_left_shoulder_pitch_x = T::from_f64(0.2305051546121806) * e24 - e10;
     let w_left_shoulder_pitch_y = t_left_shoulder_pitch_y
         - T::from_f64(1.956107170887058) * e24;
     let w_left_shoulder_pitch_z = T::from_f64(0.1809045369125973) * e24 - e8;
@@ -6772,9 +6780,9 @@ pub fn com_jacobian_sc<T: Real>(
     let t_left_knee_y = c_left_knee * v_left_knee_x + s_left_knee * v_left_knee_y;
     // left_hip_pitch
     let w_left_knee_x = T::from_f64(0.9973888291864126) * t_left_knee_y
-        + T::from_f64(0.07221858080963142) * w_left_ankle_pitch_z;
+        + T::from_f64(0.0722185808096314) * w_left_ankle_pitch_z;
     let w_left_knee_z = T::from_f64(0.9973888291864126) * w_left_ankle_pitch_z
-        - T::from_f64(0.07221858080963142) * t_left_knee_y;
+        - T::from_f64(0.0722185808096314) * t_left_knee_y;
     let v_left_hip_pitch_x = r[19] + w_left_knee_x;
     let v_left_hip_pitch_y = r[20] + t_left_knee_x;
     let e30 = T::from_f64(0.9876670233130993) * sin[8]
@@ -6792,19 +6800,19 @@ pub fn com_jacobian_sc<T: Real>(
         - T::from_f64(0.9981717798828137) * t_left_hip_pitch_y;
     let v_left_hip_roll_x = r[17] + w_left_hip_pitch_x;
     let v_left_hip_roll_y = r[18] + t_left_hip_pitch_x;
-    let s_left_hip_roll = T::from_f64(0.3365622831750796) * cos[7]
+    let s_left_hip_roll = T::from_f64(0.3365622831750795) * cos[7]
         - T::from_f64(0.9416612074116558) * sin[7];
     let c_left_hip_roll = T::from_f64(0.9416612074116558) * cos[7]
-        + T::from_f64(0.3365622831750796) * sin[7];
+        + T::from_f64(0.3365622831750795) * sin[7];
     let t_left_hip_roll_x = c_left_hip_roll * v_left_hip_roll_x
         + s_left_hip_roll * v_left_hip_roll_y;
     let t_left_hip_roll_y = s_left_hip_roll * v_left_hip_roll_x
         - c_left_hip_roll * v_left_hip_roll_y;
     // left_hip_yaw
     let w_left_hip_roll_x = T::from_f64(0.08292767473984561) * t_left_hip_roll_y
-        + T::from_f64(0.996555568326344) * w_left_hip_pitch_z;
+        + T::from_f64(0.9965555683263441) * w_left_hip_pitch_z;
     let w_left_hip_roll_z = T::from_f64(0.08292767473984561) * w_left_hip_pitch_z
-        - T::from_f64(0.996555568326344) * t_left_hip_roll_y;
+        - T::from_f64(0.9965555683263441) * t_left_hip_roll_y;
     let v_left_hip_yaw_x = r[15] + w_left_hip_roll_x;
     let v_left_hip_yaw_y = r[16] + t_left_hip_roll_x;
     let e31 = T::from_f64(0.9948843845593177) * sin[6]
@@ -6814,23 +6822,23 @@ pub fn com_jacobian_sc<T: Real>(
     let t_left_hip_yaw_x = e31 * v_left_hip_yaw_y - c_left_hip_yaw * v_left_hip_yaw_x;
     let t_left_hip_yaw_y = e31 * v_left_hip_yaw_x + c_left_hip_yaw * v_left_hip_yaw_y;
     // right_hip_yaw
-    let w_left_hip_yaw_x = T::from_f64(0.8428760553163271) * w_left_hip_roll_z
+    let w_left_hip_yaw_x = T::from_f64(0.8428760553163273) * w_left_hip_roll_z
         - T::from_f64(0.538107754426925) * t_left_hip_yaw_y;
     let e32 = w_waist_pitch_z
-        - (T::from_f64(0.19252104104496942) * t_waist_yaw_x
+        - (T::from_f64(0.19252104104496945) * t_waist_yaw_x
             + T::from_f64(0.11944678826051937) * t_waist_yaw_y);
-    let w_waist_yaw_x = t_waist_yaw_x + T::from_f64(0.3662421800811955) * e32;
+    let w_waist_yaw_x = t_waist_yaw_x + T::from_f64(0.3662421800811956) * e32;
     let w_waist_yaw_y = t_waist_yaw_y + T::from_f64(0.22722945969324562) * e32;
     let w_waist_yaw_z = w_waist_pitch_z - T::from_f64(1.9023488450576578) * e32;
     let v_right_hip_yaw_x = r[13] + w_left_hip_yaw_x + w_waist_yaw_x;
     let v_right_hip_yaw_y = r[14] + t_left_hip_yaw_x + w_waist_yaw_y;
     let v_right_hip_yaw_z = w_waist_yaw_z
-        - (T::from_f64(0.8428760553163271) * t_left_hip_yaw_y
+        - (T::from_f64(0.8428760553163273) * t_left_hip_yaw_y
             + T::from_f64(0.538107754426925) * w_left_hip_roll_z);
     let s_right_hip_yaw = T::from_f64(0.9948843845593177) * sin[0]
-        + T::from_f64(0.10102010374191711) * cos[0];
+        + T::from_f64(0.10102010374191714) * cos[0];
     let c_right_hip_yaw = T::from_f64(0.9948843845593177) * cos[0]
-        - T::from_f64(0.10102010374191711) * sin[0];
+        - T::from_f64(0.10102010374191714) * sin[0];
     let t_right_hip_yaw_x = c_right_hip_yaw * v_right_hip_yaw_x
         + s_right_hip_yaw * v_right_hip_yaw_y;
     let t_right_hip_yaw_y = s_right_hip_yaw * v_right_hip_yaw_x
@@ -6867,28 +6875,28 @@ pub fn com_jacobian_sc<T: Real>(
         - c_right_hip_pitch * v_right_hip_pitch_y;
     // right_knee
     let w_right_hip_pitch_x = T::from_f64(0.9973888291864124) * t_right_hip_pitch_y
-        + T::from_f64(0.07221858080963141) * w_right_hip_roll_z;
+        + T::from_f64(0.0722185808096314) * w_right_hip_roll_z;
     let w_right_hip_pitch_z = T::from_f64(0.9973888291864124) * w_right_hip_roll_z
-        - T::from_f64(0.07221858080963141) * t_right_hip_pitch_y;
+        - T::from_f64(0.0722185808096314) * t_right_hip_pitch_y;
     let v_right_knee_x = r[7] + w_right_hip_pitch_x;
     let v_right_knee_y = r[8] + t_right_hip_pitch_x;
     let s_right_knee = T::from_f64(0.7635454556520245) * sin[3]
-        - T::from_f64(0.645754084116502) * cos[3];
+        - T::from_f64(0.6457540841165019) * cos[3];
     let c_right_knee = T::from_f64(0.7635454556520245) * cos[3]
-        + T::from_f64(0.645754084116502) * sin[3];
+        + T::from_f64(0.6457540841165019) * sin[3];
     let t_right_knee_x = c_right_knee * v_right_knee_y - s_right_knee * v_right_knee_x;
     let t_right_knee_y = c_right_knee * v_right_knee_x + s_right_knee * v_right_knee_y;
     // right_ankle_pitch
     let w_right_knee_x = T::from_f64(0.9659918591802843) * t_right_knee_y
-        + T::from_f64(0.258572481129407) * w_right_hip_pitch_z;
+        + T::from_f64(0.2585724811294071) * w_right_hip_pitch_z;
     let w_right_knee_z = T::from_f64(0.9659918591802843) * w_right_hip_pitch_z
-        - T::from_f64(0.258572481129407) * t_right_knee_y;
+        - T::from_f64(0.2585724811294071) * t_right_knee_y;
     let v_right_ankle_pitch_x = r[5] + w_right_knee_x;
     let v_right_ankle_pitch_y = r[6] + t_right_knee_x;
-    let s_right_ankle_pitch = T::from_f64(0.9846119913216708) * sin[4]
-        + T::from_f64(0.1747547611528053) * cos[4];
-    let c_right_ankle_pitch = T::from_f64(0.9846119913216708) * cos[4]
-        - T::from_f64(0.1747547611528053) * sin[4];
+    let s_right_ankle_pitch = T::from_f64(0.9846119913216709) * sin[4]
+        + T::from_f64(0.17475476115280528) * cos[4];
+    let c_right_ankle_pitch = T::from_f64(0.9846119913216709) * cos[4]
+        - T::from_f64(0.17475476115280528) * sin[4];
     let t_right_ankle_pitch_x = c_right_ankle_pitch * v_right_ankle_pitch_x
         + s_right_ankle_pitch * v_right_ankle_pitch_y;
     let t_right_ankle_pitch_y = s_right_ankle_pitch * v_right_ankle_pitch_x
@@ -6921,15 +6929,15 @@ pub fn com_jacobian_sc<T: Real>(
     let e36 = kx_right_ankle_pitch_y * c_right_ankle_pitch + e35 * s_right_ankle_pitch;
     // right_knee
     let kx_right_knee_y = T::from_f64(0.9659918591802843) * bx_right_ankle_pitch_x
-        - T::from_f64(0.258572481129407) * kx_right_ankle_pitch_z;
-    let kx_right_knee_z = T::from_f64(0.258572481129407) * bx_right_ankle_pitch_x
+        - T::from_f64(0.2585724811294071) * kx_right_ankle_pitch_z;
+    let kx_right_knee_z = T::from_f64(0.2585724811294071) * bx_right_ankle_pitch_x
         + T::from_f64(0.9659918591802843) * kx_right_ankle_pitch_z;
     let bx_right_knee_x = e36 * s_right_knee + kx_right_knee_y * c_right_knee;
     let e37 = e36 * c_right_knee - kx_right_knee_y * s_right_knee;
     // right_hip_pitch
     let kx_right_hip_pitch_y = T::from_f64(0.9973888291864124) * bx_right_knee_x
-        - T::from_f64(0.07221858080963141) * kx_right_knee_z;
-    let kx_right_hip_pitch_z = T::from_f64(0.07221858080963141) * bx_right_knee_x
+        - T::from_f64(0.0722185808096314) * kx_right_knee_z;
+    let kx_right_hip_pitch_z = T::from_f64(0.0722185808096314) * bx_right_knee_x
         + T::from_f64(0.9973888291864124) * kx_right_knee_z;
     let bx_right_hip_pitch_x = kx_right_hip_pitch_y * s_right_hip_pitch
         - e37 * c_right_hip_pitch;
@@ -6954,15 +6962,15 @@ pub fn com_jacobian_sc<T: Real>(
         - bx_right_hip_roll_y * s_right_hip_yaw;
     // left_hip_yaw
     let e40 = T::from_f64(0.538107754426925) * bx_right_hip_yaw_x
-        + T::from_f64(0.8428760553163271) * kx_right_hip_yaw_z;
-    let kx_left_hip_yaw_z = T::from_f64(0.8428760553163271) * bx_right_hip_yaw_x
+        + T::from_f64(0.8428760553163273) * kx_right_hip_yaw_z;
+    let kx_left_hip_yaw_z = T::from_f64(0.8428760553163273) * bx_right_hip_yaw_x
         - T::from_f64(0.538107754426925) * kx_right_hip_yaw_z;
     let bx_left_hip_yaw_x = e39 * c_left_hip_yaw - e40 * e31;
     let e41 = e40 * c_left_hip_yaw + e39 * e31;
     // left_hip_roll
     let kx_left_hip_roll_y = T::from_f64(0.08292767473984561) * bx_left_hip_yaw_x
-        - T::from_f64(0.996555568326344) * kx_left_hip_yaw_z;
-    let kx_left_hip_roll_z = T::from_f64(0.996555568326344) * bx_left_hip_yaw_x
+        - T::from_f64(0.9965555683263441) * kx_left_hip_yaw_z;
+    let kx_left_hip_roll_z = T::from_f64(0.9965555683263441) * bx_left_hip_yaw_x
         + T::from_f64(0.08292767473984561) * kx_left_hip_yaw_z;
     let bx_left_hip_roll_x = kx_left_hip_roll_y * s_left_hip_roll
         - e41 * c_left_hip_roll;
@@ -6976,8 +6984,8 @@ pub fn com_jacobian_sc<T: Real>(
     let e43 = e42 * e30 - kx_left_hip_pitch_y * c_left_hip_pitch;
     // left_knee
     let kx_left_knee_y = T::from_f64(0.9973888291864126) * bx_left_hip_pitch_x
-        - T::from_f64(0.07221858080963142) * kx_left_hip_pitch_z;
-    let kx_left_knee_z = T::from_f64(0.07221858080963142) * bx_left_hip_pitch_x
+        - T::from_f64(0.0722185808096314) * kx_left_hip_pitch_z;
+    let kx_left_knee_z = T::from_f64(0.0722185808096314) * bx_left_hip_pitch_x
         + T::from_f64(0.9973888291864126) * kx_left_hip_pitch_z;
     let bx_left_knee_x = e43 * s_left_knee + kx_left_knee_y * c_left_knee;
     let e44 = e43 * c_left_knee - kx_left_knee_y * s_left_knee;
@@ -6989,8 +6997,8 @@ pub fn com_jacobian_sc<T: Real>(
     let bx_left_ankle_pitch_x = e44 * c_left_ankle_pitch + kx_left_ankle_pitch_y * e29;
     // waist_yaw
     let e45 = T::from_f64(0.11944678826051937) * e39
-        - T::from_f64(0.19252104104496942) * bx_right_hip_yaw_x + kx_right_hip_yaw_z;
-    let kx_waist_yaw_x = bx_right_hip_yaw_x + T::from_f64(0.3662421800811955) * e45;
+        - T::from_f64(0.19252104104496945) * bx_right_hip_yaw_x + kx_right_hip_yaw_z;
+    let kx_waist_yaw_x = bx_right_hip_yaw_x + T::from_f64(0.3662421800811956) * e45;
     let kx_waist_yaw_y = T::from_f64(0.22722945969324562) * e45 - e39;
     let kx_waist_yaw_z = kx_right_hip_yaw_z - T::from_f64(1.9023488450576578) * e45;
     let bx_waist_yaw_x = kx_waist_yaw_y * e27 - kx_waist_yaw_x * c_waist_yaw;
@@ -7023,8 +7031,8 @@ pub fn com_jacobian_sc<T: Real>(
     // right_shoulder_roll
     let kx_right_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * bx_right_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * kx_right_shoulder_pitch_z;
-    let kx_right_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * kx_right_shoulder_pitch_z;
+    let kx_right_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * bx_right_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * kx_right_shoulder_pitch_z;
     let e51 = bx_right_shoulder_pitch_y * c_right_shoulder_roll
@@ -7050,8 +7058,8 @@ pub fn com_jacobian_sc<T: Real>(
     let e54 = kx_right_elbow_y * s_right_elbow + bx_right_shoulder_yaw_y * c_right_elbow;
     // right_wrist_yaw
     let e55 = T::from_f64(0.15904161977640188) * bx_right_elbow_x
-        + T::from_f64(0.9872718790580933) * kx_right_elbow_z;
-    let kx_right_wrist_yaw_z = T::from_f64(0.9872718790580933) * bx_right_elbow_x
+        + T::from_f64(0.9872718790580934) * kx_right_elbow_z;
+    let kx_right_wrist_yaw_z = T::from_f64(0.9872718790580934) * bx_right_elbow_x
         - T::from_f64(0.15904161977640188) * kx_right_elbow_z;
     let bx_right_wrist_yaw_x = e55 * e12 - e54 * c_right_wrist_yaw;
     let bx_right_wrist_yaw_y = e55 * c_right_wrist_yaw + e54 * e12;
@@ -7063,9 +7071,9 @@ pub fn com_jacobian_sc<T: Real>(
     let bx_right_wrist_roll_x = bx_right_wrist_yaw_y * c_right_wrist_roll
         + kx_right_wrist_roll_y * s_right_wrist_roll;
     // left_shoulder_pitch
-    let e56 = T::from_f64(0.117838714587223) * e46 - e47
+    let e56 = T::from_f64(0.11783871458722316) * e46 - e47
         - T::from_f64(0.09248191489966293) * kx_waist_pitch_z;
-    let kx_left_shoulder_pitch_x = T::from_f64(0.2305051546121803) * e56 - e46;
+    let kx_left_shoulder_pitch_x = T::from_f64(0.2305051546121806) * e56 - e46;
     let e57 = e47 + T::from_f64(1.956107170887058) * e56;
     let kx_left_shoulder_pitch_z = kx_waist_pitch_z
         + T::from_f64(0.1809045369125973) * e56;
@@ -7075,8 +7083,8 @@ pub fn com_jacobian_sc<T: Real>(
     // left_shoulder_roll
     let kx_left_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * bx_left_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * kx_left_shoulder_pitch_z;
-    let kx_left_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * kx_left_shoulder_pitch_z;
+    let kx_left_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * bx_left_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * kx_left_shoulder_pitch_z;
     let bx_left_shoulder_roll_x = e58 * c_left_shoulder_roll
@@ -7101,8 +7109,8 @@ pub fn com_jacobian_sc<T: Real>(
     let e62 = kx_left_elbow_y * s_left_elbow - e60 * c_left_elbow;
     // left_wrist_yaw
     let kx_left_wrist_yaw_y = T::from_f64(0.15904161977640188) * e61
-        - T::from_f64(0.9872718790580933) * kx_left_elbow_z;
-    let e63 = T::from_f64(0.9872718790580933) * e61
+        - T::from_f64(0.9872718790580934) * kx_left_elbow_z;
+    let e63 = T::from_f64(0.9872718790580934) * e61
         + T::from_f64(0.15904161977640188) * kx_left_elbow_z;
     let e64 = e62 * c_left_wrist_yaw + kx_left_wrist_yaw_y * e2;
     let e65 = kx_left_wrist_yaw_y * c_left_wrist_yaw - e62 * e2;
@@ -7131,15 +7139,15 @@ pub fn com_jacobian_sc<T: Real>(
     let e67 = ky_right_ankle_pitch_y * c_right_ankle_pitch + e66 * s_right_ankle_pitch;
     // right_knee
     let ky_right_knee_y = T::from_f64(0.9659918591802843) * by_right_ankle_pitch_x
-        - T::from_f64(0.258572481129407) * ky_right_ankle_pitch_z;
-    let ky_right_knee_z = T::from_f64(0.258572481129407) * by_right_ankle_pitch_x
+        - T::from_f64(0.2585724811294071) * ky_right_ankle_pitch_z;
+    let ky_right_knee_z = T::from_f64(0.2585724811294071) * by_right_ankle_pitch_x
         + T::from_f64(0.9659918591802843) * ky_right_ankle_pitch_z;
     let by_right_knee_x = e67 * s_right_knee + ky_right_knee_y * c_right_knee;
     let e68 = e67 * c_right_knee - ky_right_knee_y * s_right_knee;
     // right_hip_pitch
     let ky_right_hip_pitch_y = T::from_f64(0.9973888291864124) * by_right_knee_x
-        - T::from_f64(0.07221858080963141) * ky_right_knee_z;
-    let ky_right_hip_pitch_z = T::from_f64(0.07221858080963141) * by_right_knee_x
+        - T::from_f64(0.0722185808096314) * ky_right_knee_z;
+    let ky_right_hip_pitch_z = T::from_f64(0.0722185808096314) * by_right_knee_x
         + T::from_f64(0.9973888291864124) * ky_right_knee_z;
     let by_right_hip_pitch_x = ky_right_hip_pitch_y * s_right_hip_pitch
         - e68 * c_right_hip_pitch;
@@ -7164,15 +7172,15 @@ pub fn com_jacobian_sc<T: Real>(
         - by_right_hip_roll_y * s_right_hip_yaw;
     // left_hip_yaw
     let e71 = T::from_f64(0.538107754426925) * by_right_hip_yaw_x
-        + T::from_f64(0.8428760553163271) * ky_right_hip_yaw_z;
-    let ky_left_hip_yaw_z = T::from_f64(0.8428760553163271) * by_right_hip_yaw_x
+        + T::from_f64(0.8428760553163273) * ky_right_hip_yaw_z;
+    let ky_left_hip_yaw_z = T::from_f64(0.8428760553163273) * by_right_hip_yaw_x
         - T::from_f64(0.538107754426925) * ky_right_hip_yaw_z;
     let by_left_hip_yaw_x = e70 * c_left_hip_yaw - e71 * e31;
     let e72 = e71 * c_left_hip_yaw + e70 * e31;
     // left_hip_roll
     let ky_left_hip_roll_y = T::from_f64(0.08292767473984561) * by_left_hip_yaw_x
-        - T::from_f64(0.996555568326344) * ky_left_hip_yaw_z;
-    let ky_left_hip_roll_z = T::from_f64(0.996555568326344) * by_left_hip_yaw_x
+        - T::from_f64(0.9965555683263441) * ky_left_hip_yaw_z;
+    let ky_left_hip_roll_z = T::from_f64(0.9965555683263441) * by_left_hip_yaw_x
         + T::from_f64(0.08292767473984561) * ky_left_hip_yaw_z;
     let by_left_hip_roll_x = ky_left_hip_roll_y * s_left_hip_roll
         - e72 * c_left_hip_roll;
@@ -7186,8 +7194,8 @@ pub fn com_jacobian_sc<T: Real>(
     let e74 = e73 * e30 - ky_left_hip_pitch_y * c_left_hip_pitch;
     // left_knee
     let ky_left_knee_y = T::from_f64(0.9973888291864126) * by_left_hip_pitch_x
-        - T::from_f64(0.07221858080963142) * ky_left_hip_pitch_z;
-    let ky_left_knee_z = T::from_f64(0.07221858080963142) * by_left_hip_pitch_x
+        - T::from_f64(0.0722185808096314) * ky_left_hip_pitch_z;
+    let ky_left_knee_z = T::from_f64(0.0722185808096314) * by_left_hip_pitch_x
         + T::from_f64(0.9973888291864126) * ky_left_hip_pitch_z;
     let by_left_knee_x = e74 * s_left_knee + ky_left_knee_y * c_left_knee;
     let e75 = e74 * c_left_knee - ky_left_knee_y * s_left_knee;
@@ -7199,8 +7207,8 @@ pub fn com_jacobian_sc<T: Real>(
     let by_left_ankle_pitch_x = e75 * c_left_ankle_pitch + ky_left_ankle_pitch_y * e29;
     // waist_yaw
     let e76 = T::from_f64(0.11944678826051937) * e70
-        - T::from_f64(0.19252104104496942) * by_right_hip_yaw_x + ky_right_hip_yaw_z;
-    let ky_waist_yaw_x = by_right_hip_yaw_x + T::from_f64(0.3662421800811955) * e76;
+        - T::from_f64(0.19252104104496945) * by_right_hip_yaw_x + ky_right_hip_yaw_z;
+    let ky_waist_yaw_x = by_right_hip_yaw_x + T::from_f64(0.3662421800811956) * e76;
     let ky_waist_yaw_y = T::from_f64(0.22722945969324562) * e76 - e70;
     let ky_waist_yaw_z = ky_right_hip_yaw_z - T::from_f64(1.9023488450576578) * e76;
     let by_waist_yaw_x = ky_waist_yaw_y * e27 - ky_waist_yaw_x * c_waist_yaw;
@@ -7233,8 +7241,8 @@ pub fn com_jacobian_sc<T: Real>(
     // right_shoulder_roll
     let ky_right_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * by_right_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * ky_right_shoulder_pitch_z;
-    let ky_right_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * ky_right_shoulder_pitch_z;
+    let ky_right_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * by_right_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * ky_right_shoulder_pitch_z;
     let e82 = by_right_shoulder_pitch_y * c_right_shoulder_roll
@@ -7260,8 +7268,8 @@ pub fn com_jacobian_sc<T: Real>(
     let e85 = ky_right_elbow_y * s_right_elbow + by_right_shoulder_yaw_y * c_right_elbow;
     // right_wrist_yaw
     let e86 = T::from_f64(0.15904161977640188) * by_right_elbow_x
-        + T::from_f64(0.9872718790580933) * ky_right_elbow_z;
-    let ky_right_wrist_yaw_z = T::from_f64(0.9872718790580933) * by_right_elbow_x
+        + T::from_f64(0.9872718790580934) * ky_right_elbow_z;
+    let ky_right_wrist_yaw_z = T::from_f64(0.9872718790580934) * by_right_elbow_x
         - T::from_f64(0.15904161977640188) * ky_right_elbow_z;
     let by_right_wrist_yaw_x = e86 * e12 - e85 * c_right_wrist_yaw;
     let by_right_wrist_yaw_y = e86 * c_right_wrist_yaw + e85 * e12;
@@ -7273,9 +7281,9 @@ pub fn com_jacobian_sc<T: Real>(
     let by_right_wrist_roll_x = by_right_wrist_yaw_y * c_right_wrist_roll
         + ky_right_wrist_roll_y * s_right_wrist_roll;
     // left_shoulder_pitch
-    let e87 = T::from_f64(0.117838714587223) * e77 - e78
+    let e87 = T::from_f64(0.11783871458722316) * e77 - e78
         - T::from_f64(0.09248191489966293) * ky_waist_pitch_z;
-    let ky_left_shoulder_pitch_x = T::from_f64(0.2305051546121803) * e87 - e77;
+    let ky_left_shoulder_pitch_x = T::from_f64(0.2305051546121806) * e87 - e77;
     let e88 = e78 + T::from_f64(1.956107170887058) * e87;
     let ky_left_shoulder_pitch_z = ky_waist_pitch_z
         + T::from_f64(0.1809045369125973) * e87;
@@ -7285,8 +7293,8 @@ pub fn com_jacobian_sc<T: Real>(
     // left_shoulder_roll
     let ky_left_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * by_left_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * ky_left_shoulder_pitch_z;
-    let ky_left_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * ky_left_shoulder_pitch_z;
+    let ky_left_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * by_left_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * ky_left_shoulder_pitch_z;
     let by_left_shoulder_roll_x = e89 * c_left_shoulder_roll
@@ -7311,8 +7319,8 @@ pub fn com_jacobian_sc<T: Real>(
     let e93 = ky_left_elbow_y * s_left_elbow - e91 * c_left_elbow;
     // left_wrist_yaw
     let ky_left_wrist_yaw_y = T::from_f64(0.15904161977640188) * e92
-        - T::from_f64(0.9872718790580933) * ky_left_elbow_z;
-    let e94 = T::from_f64(0.9872718790580933) * e92
+        - T::from_f64(0.9872718790580934) * ky_left_elbow_z;
+    let e94 = T::from_f64(0.9872718790580934) * e92
         + T::from_f64(0.15904161977640188) * ky_left_elbow_z;
     let e95 = e93 * c_left_wrist_yaw + ky_left_wrist_yaw_y * e2;
     let e96 = ky_left_wrist_yaw_y * c_left_wrist_yaw - e93 * e2;
@@ -7341,15 +7349,15 @@ pub fn com_jacobian_sc<T: Real>(
     let e98 = kz_right_ankle_pitch_y * c_right_ankle_pitch + e97 * s_right_ankle_pitch;
     // right_knee
     let kz_right_knee_y = T::from_f64(0.9659918591802843) * bz_right_ankle_pitch_x
-        - T::from_f64(0.258572481129407) * kz_right_ankle_pitch_z;
-    let kz_right_knee_z = T::from_f64(0.258572481129407) * bz_right_ankle_pitch_x
+        - T::from_f64(0.2585724811294071) * kz_right_ankle_pitch_z;
+    let kz_right_knee_z = T::from_f64(0.2585724811294071) * bz_right_ankle_pitch_x
         + T::from_f64(0.9659918591802843) * kz_right_ankle_pitch_z;
     let bz_right_knee_x = e98 * s_right_knee + kz_right_knee_y * c_right_knee;
     let e99 = e98 * c_right_knee - kz_right_knee_y * s_right_knee;
     // right_hip_pitch
     let kz_right_hip_pitch_y = T::from_f64(0.9973888291864124) * bz_right_knee_x
-        - T::from_f64(0.07221858080963141) * kz_right_knee_z;
-    let kz_right_hip_pitch_z = T::from_f64(0.07221858080963141) * bz_right_knee_x
+        - T::from_f64(0.0722185808096314) * kz_right_knee_z;
+    let kz_right_hip_pitch_z = T::from_f64(0.0722185808096314) * bz_right_knee_x
         + T::from_f64(0.9973888291864124) * kz_right_knee_z;
     let bz_right_hip_pitch_x = kz_right_hip_pitch_y * s_right_hip_pitch
         - e99 * c_right_hip_pitch;
@@ -7374,15 +7382,15 @@ pub fn com_jacobian_sc<T: Real>(
         - bz_right_hip_roll_y * s_right_hip_yaw;
     // left_hip_yaw
     let e102 = T::from_f64(0.538107754426925) * bz_right_hip_yaw_x
-        + T::from_f64(0.8428760553163271) * kz_right_hip_yaw_z;
-    let kz_left_hip_yaw_z = T::from_f64(0.8428760553163271) * bz_right_hip_yaw_x
+        + T::from_f64(0.8428760553163273) * kz_right_hip_yaw_z;
+    let kz_left_hip_yaw_z = T::from_f64(0.8428760553163273) * bz_right_hip_yaw_x
         - T::from_f64(0.538107754426925) * kz_right_hip_yaw_z;
     let bz_left_hip_yaw_x = e101 * c_left_hip_yaw - e102 * e31;
     let e103 = e102 * c_left_hip_yaw + e101 * e31;
     // left_hip_roll
     let kz_left_hip_roll_y = T::from_f64(0.08292767473984561) * bz_left_hip_yaw_x
-        - T::from_f64(0.996555568326344) * kz_left_hip_yaw_z;
-    let kz_left_hip_roll_z = T::from_f64(0.996555568326344) * bz_left_hip_yaw_x
+        - T::from_f64(0.9965555683263441) * kz_left_hip_yaw_z;
+    let kz_left_hip_roll_z = T::from_f64(0.9965555683263441) * bz_left_hip_yaw_x
         + T::from_f64(0.08292767473984561) * kz_left_hip_yaw_z;
     let bz_left_hip_roll_x = kz_left_hip_roll_y * s_left_hip_roll
         - e103 * c_left_hip_roll;
@@ -7396,8 +7404,8 @@ pub fn com_jacobian_sc<T: Real>(
     let e105 = e104 * e30 - kz_left_hip_pitch_y * c_left_hip_pitch;
     // left_knee
     let kz_left_knee_y = T::from_f64(0.9973888291864126) * bz_left_hip_pitch_x
-        - T::from_f64(0.07221858080963142) * kz_left_hip_pitch_z;
-    let kz_left_knee_z = T::from_f64(0.07221858080963142) * bz_left_hip_pitch_x
+        - T::from_f64(0.0722185808096314) * kz_left_hip_pitch_z;
+    let kz_left_knee_z = T::from_f64(0.0722185808096314) * bz_left_hip_pitch_x
         + T::from_f64(0.9973888291864126) * kz_left_hip_pitch_z;
     let bz_left_knee_x = e105 * s_left_knee + kz_left_knee_y * c_left_knee;
     let e106 = e105 * c_left_knee - kz_left_knee_y * s_left_knee;
@@ -7409,8 +7417,8 @@ pub fn com_jacobian_sc<T: Real>(
     let bz_left_ankle_pitch_x = e106 * c_left_ankle_pitch + kz_left_ankle_pitch_y * e29;
     // waist_yaw
     let e107 = T::from_f64(0.11944678826051937) * e101
-        - T::from_f64(0.19252104104496942) * bz_right_hip_yaw_x + kz_right_hip_yaw_z;
-    let kz_waist_yaw_x = bz_right_hip_yaw_x + T::from_f64(0.3662421800811955) * e107;
+        - T::from_f64(0.19252104104496945) * bz_right_hip_yaw_x + kz_right_hip_yaw_z;
+    let kz_waist_yaw_x = bz_right_hip_yaw_x + T::from_f64(0.3662421800811956) * e107;
     let kz_waist_yaw_y = T::from_f64(0.22722945969324562) * e107 - e101;
     let kz_waist_yaw_z = kz_right_hip_yaw_z - T::from_f64(1.9023488450576578) * e107;
     let bz_waist_yaw_x = kz_waist_yaw_y * e27 - kz_waist_yaw_x * c_waist_yaw;
@@ -7443,8 +7451,8 @@ pub fn com_jacobian_sc<T: Real>(
     // right_shoulder_roll
     let kz_right_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * bz_right_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * kz_right_shoulder_pitch_z;
-    let kz_right_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * kz_right_shoulder_pitch_z;
+    let kz_right_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * bz_right_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * kz_right_shoulder_pitch_z;
     let e113 = bz_right_shoulder_pitch_y * c_right_shoulder_roll
@@ -7471,8 +7479,8 @@ pub fn com_jacobian_sc<T: Real>(
         + bz_right_shoulder_yaw_y * c_right_elbow;
     // right_wrist_yaw
     let e117 = T::from_f64(0.15904161977640188) * bz_right_elbow_x
-        + T::from_f64(0.9872718790580933) * kz_right_elbow_z;
-    let kz_right_wrist_yaw_z = T::from_f64(0.9872718790580933) * bz_right_elbow_x
+        + T::from_f64(0.9872718790580934) * kz_right_elbow_z;
+    let kz_right_wrist_yaw_z = T::from_f64(0.9872718790580934) * bz_right_elbow_x
         - T::from_f64(0.15904161977640188) * kz_right_elbow_z;
     let bz_right_wrist_yaw_x = e117 * e12 - e116 * c_right_wrist_yaw;
     let bz_right_wrist_yaw_y = e117 * c_right_wrist_yaw + e116 * e12;
@@ -7484,9 +7492,9 @@ pub fn com_jacobian_sc<T: Real>(
     let bz_right_wrist_roll_x = bz_right_wrist_yaw_y * c_right_wrist_roll
         + kz_right_wrist_roll_y * s_right_wrist_roll;
     // left_shoulder_pitch
-    let e118 = T::from_f64(0.117838714587223) * e108 - e109
+    let e118 = T::from_f64(0.11783871458722316) * e108 - e109
         - T::from_f64(0.09248191489966293) * kz_waist_pitch_z;
-    let kz_left_shoulder_pitch_x = T::from_f64(0.2305051546121803) * e118 - e108;
+    let kz_left_shoulder_pitch_x = T::from_f64(0.2305051546121806) * e118 - e108;
     let e119 = e109 + T::from_f64(1.956107170887058) * e118;
     let kz_left_shoulder_pitch_z = kz_waist_pitch_z
         + T::from_f64(0.1809045369125973) * e118;
@@ -7496,8 +7504,8 @@ pub fn com_jacobian_sc<T: Real>(
     // left_shoulder_roll
     let kz_left_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * bz_left_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * kz_left_shoulder_pitch_z;
-    let kz_left_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * kz_left_shoulder_pitch_z;
+    let kz_left_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * bz_left_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * kz_left_shoulder_pitch_z;
     let bz_left_shoulder_roll_x = e120 * c_left_shoulder_roll
@@ -7523,8 +7531,8 @@ pub fn com_jacobian_sc<T: Real>(
     let e124 = kz_left_elbow_y * s_left_elbow - e122 * c_left_elbow;
     // left_wrist_yaw
     let kz_left_wrist_yaw_y = T::from_f64(0.15904161977640188) * e123
-        - T::from_f64(0.9872718790580933) * kz_left_elbow_z;
-    let e125 = T::from_f64(0.9872718790580933) * e123
+        - T::from_f64(0.9872718790580934) * kz_left_elbow_z;
+    let e125 = T::from_f64(0.9872718790580934) * e123
         + T::from_f64(0.15904161977640188) * kz_left_elbow_z;
     let e126 = e124 * c_left_wrist_yaw + kz_left_wrist_yaw_y * e2;
     let e127 = kz_left_wrist_yaw_y * c_left_wrist_yaw - e124 * e2;
@@ -7715,16 +7723,16 @@ pub fn gravity_moments_sc<T: Real>(
     let v_left_wrist_yaw_x = r[57] + w_left_wrist_roll_x;
     let v_left_wrist_yaw_y = r[58] + t_left_wrist_roll_x;
     let e2 = T::from_f64(0.9968143242066551) * sin[27]
-        + T::from_f64(0.07975715050344799) * cos[27];
+        + T::from_f64(0.079757150503448) * cos[27];
     let c_left_wrist_yaw = T::from_f64(0.9968143242066551) * cos[27]
-        - T::from_f64(0.07975715050344799) * sin[27];
+        - T::from_f64(0.079757150503448) * sin[27];
     let t_left_wrist_yaw_x = c_left_wrist_yaw * v_left_wrist_yaw_x
         - e2 * v_left_wrist_yaw_y;
     let e3 = e2 * v_left_wrist_yaw_x + c_left_wrist_yaw * v_left_wrist_yaw_y;
     // left_elbow
     let w_left_wrist_yaw_x = T::from_f64(0.15904161977640188) * e3
-        + T::from_f64(0.9872718790580933) * w_left_wrist_roll_z;
-    let w_left_wrist_yaw_z = T::from_f64(0.9872718790580933) * e3
+        + T::from_f64(0.9872718790580934) * w_left_wrist_roll_z;
+    let w_left_wrist_yaw_z = T::from_f64(0.9872718790580934) * e3
         - T::from_f64(0.15904161977640188) * w_left_wrist_roll_z;
     let v_left_elbow_x = r[55] + w_left_wrist_yaw_x;
     let v_left_elbow_y = r[56] + t_left_wrist_yaw_x;
@@ -7766,15 +7774,15 @@ pub fn gravity_moments_sc<T: Real>(
         - s_left_shoulder_roll * v_left_shoulder_roll_x;
     // left_shoulder_pitch
     let w_left_shoulder_roll_x = T::from_f64(0.2834710957352705) * t_left_shoulder_roll_y
-        - T::from_f64(0.9589807807681262) * e6;
-    let e8 = T::from_f64(0.9589807807681262) * t_left_shoulder_roll_y
+        - T::from_f64(0.9589807807681263) * e6;
+    let e8 = T::from_f64(0.9589807807681263) * t_left_shoulder_roll_y
         + T::from_f64(0.2834710957352705) * e6;
     let v_left_shoulder_pitch_x = r[49] + w_left_shoulder_roll_x;
     let v_left_shoulder_pitch_y = r[50] - e7;
     let e9 = T::from_f64(0.9998888779453979) * sin[23]
-        + T::from_f64(0.01490743979002152) * cos[23];
+        + T::from_f64(0.014907439790021298) * cos[23];
     let c_left_shoulder_pitch = T::from_f64(0.9998888779453979) * cos[23]
-        - T::from_f64(0.01490743979002152) * sin[23];
+        - T::from_f64(0.014907439790021298) * sin[23];
     let e10 = e9 * v_left_shoulder_pitch_x
         + c_left_shoulder_pitch * v_left_shoulder_pitch_y;
     let t_left_shoulder_pitch_y = e9 * v_left_shoulder_pitch_y
@@ -7802,16 +7810,16 @@ pub fn gravity_moments_sc<T: Real>(
     let v_right_wrist_yaw_x = r[43] + w_right_wrist_roll_x;
     let v_right_wrist_yaw_y = r[44] + t_right_wrist_roll_x;
     let e12 = T::from_f64(0.9968143242066551) * sin[20]
-        + T::from_f64(0.07975715050344799) * cos[20];
+        + T::from_f64(0.079757150503448) * cos[20];
     let c_right_wrist_yaw = T::from_f64(0.9968143242066551) * cos[20]
-        - T::from_f64(0.07975715050344799) * sin[20];
+        - T::from_f64(0.079757150503448) * sin[20];
     let t_right_wrist_yaw_x = c_right_wrist_yaw * v_right_wrist_yaw_x
         - e12 * v_right_wrist_yaw_y;
     let e13 = e12 * v_right_wrist_yaw_x + c_right_wrist_yaw * v_right_wrist_yaw_y;
     // right_elbow
     let w_right_wrist_yaw_x = T::from_f64(0.15904161977640188) * e13
-        + T::from_f64(0.9872718790580933) * w_right_wrist_roll_z;
-    let w_right_wrist_yaw_z = T::from_f64(0.9872718790580933) * e13
+        + T::from_f64(0.9872718790580934) * w_right_wrist_roll_z;
+    let w_right_wrist_yaw_z = T::from_f64(0.9872718790580934) * e13
         - T::from_f64(0.15904161977640188) * w_right_wrist_roll_z;
     let v_right_elbow_x = r[41] + w_right_wrist_yaw_x;
     let v_right_elbow_y = r[42] + t_right_wrist_yaw_x;
@@ -7854,8 +7862,8 @@ pub fn gravity_moments_sc<T: Real>(
         - s_right_shoulder_roll * v_right_shoulder_roll_x;
     // right_shoulder_pitch
     let w_right_shoulder_roll_x = T::from_f64(0.2834710957352705)
-        * t_right_shoulder_roll_y - T::from_f64(0.9589807807681262) * e16;
-    let e18 = T::from_f64(0.9589807807681262) * t_right_shoulder_roll_y
+        * t_right_shoulder_roll_y - T::from_f64(0.9589807807681263) * e16;
+    let e18 = T::from_f64(0.9589807807681263) * t_right_shoulder_roll_y
         + T::from_f64(0.2834710957352705) * e16;
     let v_right_shoulder_pitch_x = r[35] + w_right_shoulder_roll_x;
     let v_right_shoulder_pitch_y = r[36] - e17;
@@ -7891,9 +7899,9 @@ pub fn gravity_moments_sc<T: Real>(
     let w_right_shoulder_pitch_y = t_right_shoulder_pitch_y
         - T::from_f64(0.14086963671593916) * e23;
     let w_right_shoulder_pitch_z = T::from_f64(0.20944016387466197) * e23 - e18;
-    let e24 = T::from_f64(0.117838714587223) * e10 + t_left_shoulder_pitch_y
+    let e24 = T::from_f64(0.11783871458722316) * e10 + t_left_shoulder_pitch_y
         + T::from_f64(0.09248191489966293) * e8;
-    let w_left_shoulder_pitch_x = T::from_f64(0.2305051546121803) * e24 - e10;
+    let w_left_shoulder_pitch_x = T::from_f64(0.2305051546121806) * e24 - e10;
     let w_left_shoulder_pitch_y = t_left_shoulder_pitch_y
         - T::from_f64(1.956107170887058) * e24;
     let w_left_shoulder_pitch_z = T::from_f64(0.1809045369125973) * e24 - e8;
@@ -7952,9 +7960,9 @@ pub fn gravity_moments_sc<T: Real>(
     let t_left_knee_y = c_left_knee * v_left_knee_x + s_left_knee * v_left_knee_y;
     // left_hip_pitch
     let w_left_knee_x = T::from_f64(0.9973888291864126) * t_left_knee_y
-        + T::from_f64(0.07221858080963142) * w_left_ankle_pitch_z;
+        + T::from_f64(0.0722185808096314) * w_left_ankle_pitch_z;
     let w_left_knee_z = T::from_f64(0.9973888291864126) * w_left_ankle_pitch_z
-        - T::from_f64(0.07221858080963142) * t_left_knee_y;
+        - T::from_f64(0.0722185808096314) * t_left_knee_y;
     let v_left_hip_pitch_x = r[19] + w_left_knee_x;
     let v_left_hip_pitch_y = r[20] + t_left_knee_x;
     let e30 = T::from_f64(0.9876670233130993) * sin[8]
@@ -7972,19 +7980,19 @@ pub fn gravity_moments_sc<T: Real>(
         - T::from_f64(0.9981717798828137) * t_left_hip_pitch_y;
     let v_left_hip_roll_x = r[17] + w_left_hip_pitch_x;
     let v_left_hip_roll_y = r[18] + t_left_hip_pitch_x;
-    let s_left_hip_roll = T::from_f64(0.3365622831750796) * cos[7]
+    let s_left_hip_roll = T::from_f64(0.3365622831750795) * cos[7]
         - T::from_f64(0.9416612074116558) * sin[7];
     let c_left_hip_roll = T::from_f64(0.9416612074116558) * cos[7]
-        + T::from_f64(0.3365622831750796) * sin[7];
+        + T::from_f64(0.3365622831750795) * sin[7];
     let t_left_hip_roll_x = c_left_hip_roll * v_left_hip_roll_x
         + s_left_hip_roll * v_left_hip_roll_y;
     let t_left_hip_roll_y = s_left_hip_roll * v_left_hip_roll_x
         - c_left_hip_roll * v_left_hip_roll_y;
     // left_hip_yaw
     let w_left_hip_roll_x = T::from_f64(0.08292767473984561) * t_left_hip_roll_y
-        + T::from_f64(0.996555568326344) * w_left_hip_pitch_z;
+        + T::from_f64(0.9965555683263441) * w_left_hip_pitch_z;
     let w_left_hip_roll_z = T::from_f64(0.08292767473984561) * w_left_hip_pitch_z
-        - T::from_f64(0.996555568326344) * t_left_hip_roll_y;
+        - T::from_f64(0.9965555683263441) * t_left_hip_roll_y;
     let v_left_hip_yaw_x = r[15] + w_left_hip_roll_x;
     let v_left_hip_yaw_y = r[16] + t_left_hip_roll_x;
     let e31 = T::from_f64(0.9948843845593177) * sin[6]
@@ -7994,23 +8002,23 @@ pub fn gravity_moments_sc<T: Real>(
     let t_left_hip_yaw_x = e31 * v_left_hip_yaw_y - c_left_hip_yaw * v_left_hip_yaw_x;
     let t_left_hip_yaw_y = e31 * v_left_hip_yaw_x + c_left_hip_yaw * v_left_hip_yaw_y;
     // right_hip_yaw
-    let w_left_hip_yaw_x = T::from_f64(0.8428760553163271) * w_left_hip_roll_z
+    let w_left_hip_yaw_x = T::from_f64(0.8428760553163273) * w_left_hip_roll_z
         - T::from_f64(0.538107754426925) * t_left_hip_yaw_y;
     let e32 = w_waist_pitch_z
-        - (T::from_f64(0.19252104104496942) * t_waist_yaw_x
+        - (T::from_f64(0.19252104104496945) * t_waist_yaw_x
             + T::from_f64(0.11944678826051937) * t_waist_yaw_y);
-    let w_waist_yaw_x = t_waist_yaw_x + T::from_f64(0.3662421800811955) * e32;
+    let w_waist_yaw_x = t_waist_yaw_x + T::from_f64(0.3662421800811956) * e32;
     let w_waist_yaw_y = t_waist_yaw_y + T::from_f64(0.22722945969324562) * e32;
     let w_waist_yaw_z = w_waist_pitch_z - T::from_f64(1.9023488450576578) * e32;
     let v_right_hip_yaw_x = r[13] + w_left_hip_yaw_x + w_waist_yaw_x;
     let v_right_hip_yaw_y = r[14] + t_left_hip_yaw_x + w_waist_yaw_y;
     let v_right_hip_yaw_z = w_waist_yaw_z
-        - (T::from_f64(0.8428760553163271) * t_left_hip_yaw_y
+        - (T::from_f64(0.8428760553163273) * t_left_hip_yaw_y
             + T::from_f64(0.538107754426925) * w_left_hip_roll_z);
     let s_right_hip_yaw = T::from_f64(0.9948843845593177) * sin[0]
-        + T::from_f64(0.10102010374191711) * cos[0];
+        + T::from_f64(0.10102010374191714) * cos[0];
     let c_right_hip_yaw = T::from_f64(0.9948843845593177) * cos[0]
-        - T::from_f64(0.10102010374191711) * sin[0];
+        - T::from_f64(0.10102010374191714) * sin[0];
     let t_right_hip_yaw_x = c_right_hip_yaw * v_right_hip_yaw_x
         + s_right_hip_yaw * v_right_hip_yaw_y;
     let t_right_hip_yaw_y = s_right_hip_yaw * v_right_hip_yaw_x
@@ -8047,28 +8055,28 @@ pub fn gravity_moments_sc<T: Real>(
         - c_right_hip_pitch * v_right_hip_pitch_y;
     // right_knee
     let w_right_hip_pitch_x = T::from_f64(0.9973888291864124) * t_right_hip_pitch_y
-        + T::from_f64(0.07221858080963141) * w_right_hip_roll_z;
+        + T::from_f64(0.0722185808096314) * w_right_hip_roll_z;
     let w_right_hip_pitch_z = T::from_f64(0.9973888291864124) * w_right_hip_roll_z
-        - T::from_f64(0.07221858080963141) * t_right_hip_pitch_y;
+        - T::from_f64(0.0722185808096314) * t_right_hip_pitch_y;
     let v_right_knee_x = r[7] + w_right_hip_pitch_x;
     let v_right_knee_y = r[8] + t_right_hip_pitch_x;
     let s_right_knee = T::from_f64(0.7635454556520245) * sin[3]
-        - T::from_f64(0.645754084116502) * cos[3];
+        - T::from_f64(0.6457540841165019) * cos[3];
     let c_right_knee = T::from_f64(0.7635454556520245) * cos[3]
-        + T::from_f64(0.645754084116502) * sin[3];
+        + T::from_f64(0.6457540841165019) * sin[3];
     let t_right_knee_x = c_right_knee * v_right_knee_y - s_right_knee * v_right_knee_x;
     let t_right_knee_y = c_right_knee * v_right_knee_x + s_right_knee * v_right_knee_y;
     // right_ankle_pitch
     let w_right_knee_x = T::from_f64(0.9659918591802843) * t_right_knee_y
-        + T::from_f64(0.258572481129407) * w_right_hip_pitch_z;
+        + T::from_f64(0.2585724811294071) * w_right_hip_pitch_z;
     let w_right_knee_z = T::from_f64(0.9659918591802843) * w_right_hip_pitch_z
-        - T::from_f64(0.258572481129407) * t_right_knee_y;
+        - T::from_f64(0.2585724811294071) * t_right_knee_y;
     let v_right_ankle_pitch_x = r[5] + w_right_knee_x;
     let v_right_ankle_pitch_y = r[6] + t_right_knee_x;
-    let s_right_ankle_pitch = T::from_f64(0.9846119913216708) * sin[4]
-        + T::from_f64(0.1747547611528053) * cos[4];
-    let c_right_ankle_pitch = T::from_f64(0.9846119913216708) * cos[4]
-        - T::from_f64(0.1747547611528053) * sin[4];
+    let s_right_ankle_pitch = T::from_f64(0.9846119913216709) * sin[4]
+        + T::from_f64(0.17475476115280528) * cos[4];
+    let c_right_ankle_pitch = T::from_f64(0.9846119913216709) * cos[4]
+        - T::from_f64(0.17475476115280528) * sin[4];
     let t_right_ankle_pitch_x = c_right_ankle_pitch * v_right_ankle_pitch_x
         + s_right_ankle_pitch * v_right_ankle_pitch_y;
     let t_right_ankle_pitch_y = s_right_ankle_pitch * v_right_ankle_pitch_x
@@ -8101,15 +8109,15 @@ pub fn gravity_moments_sc<T: Real>(
     let e35 = kz_right_ankle_pitch_y * c_right_ankle_pitch + e34 * s_right_ankle_pitch;
     // right_knee
     let kz_right_knee_y = T::from_f64(0.9659918591802843) * bz_right_ankle_pitch_x
-        - T::from_f64(0.258572481129407) * kz_right_ankle_pitch_z;
-    let kz_right_knee_z = T::from_f64(0.258572481129407) * bz_right_ankle_pitch_x
+        - T::from_f64(0.2585724811294071) * kz_right_ankle_pitch_z;
+    let kz_right_knee_z = T::from_f64(0.2585724811294071) * bz_right_ankle_pitch_x
         + T::from_f64(0.9659918591802843) * kz_right_ankle_pitch_z;
     let bz_right_knee_x = e35 * s_right_knee + kz_right_knee_y * c_right_knee;
     let e36 = e35 * c_right_knee - kz_right_knee_y * s_right_knee;
     // right_hip_pitch
     let kz_right_hip_pitch_y = T::from_f64(0.9973888291864124) * bz_right_knee_x
-        - T::from_f64(0.07221858080963141) * kz_right_knee_z;
-    let kz_right_hip_pitch_z = T::from_f64(0.07221858080963141) * bz_right_knee_x
+        - T::from_f64(0.0722185808096314) * kz_right_knee_z;
+    let kz_right_hip_pitch_z = T::from_f64(0.0722185808096314) * bz_right_knee_x
         + T::from_f64(0.9973888291864124) * kz_right_knee_z;
     let bz_right_hip_pitch_x = kz_right_hip_pitch_y * s_right_hip_pitch
         - e36 * c_right_hip_pitch;
@@ -8134,15 +8142,15 @@ pub fn gravity_moments_sc<T: Real>(
         - bz_right_hip_roll_y * s_right_hip_yaw;
     // left_hip_yaw
     let e39 = T::from_f64(0.538107754426925) * bz_right_hip_yaw_x
-        + T::from_f64(0.8428760553163271) * kz_right_hip_yaw_z;
-    let kz_left_hip_yaw_z = T::from_f64(0.8428760553163271) * bz_right_hip_yaw_x
+        + T::from_f64(0.8428760553163273) * kz_right_hip_yaw_z;
+    let kz_left_hip_yaw_z = T::from_f64(0.8428760553163273) * bz_right_hip_yaw_x
         - T::from_f64(0.538107754426925) * kz_right_hip_yaw_z;
     let bz_left_hip_yaw_x = e38 * c_left_hip_yaw - e39 * e31;
     let e40 = e39 * c_left_hip_yaw + e38 * e31;
     // left_hip_roll
     let kz_left_hip_roll_y = T::from_f64(0.08292767473984561) * bz_left_hip_yaw_x
-        - T::from_f64(0.996555568326344) * kz_left_hip_yaw_z;
-    let kz_left_hip_roll_z = T::from_f64(0.996555568326344) * bz_left_hip_yaw_x
+        - T::from_f64(0.9965555683263441) * kz_left_hip_yaw_z;
+    let kz_left_hip_roll_z = T::from_f64(0.9965555683263441) * bz_left_hip_yaw_x
         + T::from_f64(0.08292767473984561) * kz_left_hip_yaw_z;
     let bz_left_hip_roll_x = kz_left_hip_roll_y * s_left_hip_roll
         - e40 * c_left_hip_roll;
@@ -8156,8 +8164,8 @@ pub fn gravity_moments_sc<T: Real>(
     let e42 = e41 * e30 - kz_left_hip_pitch_y * c_left_hip_pitch;
     // left_knee
     let kz_left_knee_y = T::from_f64(0.9973888291864126) * bz_left_hip_pitch_x
-        - T::from_f64(0.07221858080963142) * kz_left_hip_pitch_z;
-    let kz_left_knee_z = T::from_f64(0.07221858080963142) * bz_left_hip_pitch_x
+        - T::from_f64(0.0722185808096314) * kz_left_hip_pitch_z;
+    let kz_left_knee_z = T::from_f64(0.0722185808096314) * bz_left_hip_pitch_x
         + T::from_f64(0.9973888291864126) * kz_left_hip_pitch_z;
     let bz_left_knee_x = e42 * s_left_knee + kz_left_knee_y * c_left_knee;
     let e43 = e42 * c_left_knee - kz_left_knee_y * s_left_knee;
@@ -8169,8 +8177,8 @@ pub fn gravity_moments_sc<T: Real>(
     let bz_left_ankle_pitch_x = e43 * c_left_ankle_pitch + kz_left_ankle_pitch_y * e29;
     // waist_yaw
     let e44 = T::from_f64(0.11944678826051937) * e38
-        - T::from_f64(0.19252104104496942) * bz_right_hip_yaw_x + kz_right_hip_yaw_z;
-    let kz_waist_yaw_x = bz_right_hip_yaw_x + T::from_f64(0.3662421800811955) * e44;
+        - T::from_f64(0.19252104104496945) * bz_right_hip_yaw_x + kz_right_hip_yaw_z;
+    let kz_waist_yaw_x = bz_right_hip_yaw_x + T::from_f64(0.3662421800811956) * e44;
     let kz_waist_yaw_y = T::from_f64(0.22722945969324562) * e44 - e38;
     let kz_waist_yaw_z = kz_right_hip_yaw_z - T::from_f64(1.9023488450576578) * e44;
     let bz_waist_yaw_x = kz_waist_yaw_y * e27 - kz_waist_yaw_x * c_waist_yaw;
@@ -8203,8 +8211,8 @@ pub fn gravity_moments_sc<T: Real>(
     // right_shoulder_roll
     let kz_right_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * bz_right_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * kz_right_shoulder_pitch_z;
-    let kz_right_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * kz_right_shoulder_pitch_z;
+    let kz_right_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * bz_right_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * kz_right_shoulder_pitch_z;
     let e50 = bz_right_shoulder_pitch_y * c_right_shoulder_roll
@@ -8230,8 +8238,8 @@ pub fn gravity_moments_sc<T: Real>(
     let e53 = kz_right_elbow_y * s_right_elbow + bz_right_shoulder_yaw_y * c_right_elbow;
     // right_wrist_yaw
     let e54 = T::from_f64(0.15904161977640188) * bz_right_elbow_x
-        + T::from_f64(0.9872718790580933) * kz_right_elbow_z;
-    let kz_right_wrist_yaw_z = T::from_f64(0.9872718790580933) * bz_right_elbow_x
+        + T::from_f64(0.9872718790580934) * kz_right_elbow_z;
+    let kz_right_wrist_yaw_z = T::from_f64(0.9872718790580934) * bz_right_elbow_x
         - T::from_f64(0.15904161977640188) * kz_right_elbow_z;
     let bz_right_wrist_yaw_x = e54 * e12 - e53 * c_right_wrist_yaw;
     let bz_right_wrist_yaw_y = e54 * c_right_wrist_yaw + e53 * e12;
@@ -8243,9 +8251,9 @@ pub fn gravity_moments_sc<T: Real>(
     let bz_right_wrist_roll_x = bz_right_wrist_yaw_y * c_right_wrist_roll
         + kz_right_wrist_roll_y * s_right_wrist_roll;
     // left_shoulder_pitch
-    let e55 = T::from_f64(0.117838714587223) * e45 - e46
+    let e55 = T::from_f64(0.11783871458722316) * e45 - e46
         - T::from_f64(0.09248191489966293) * kz_waist_pitch_z;
-    let kz_left_shoulder_pitch_x = T::from_f64(0.2305051546121803) * e55 - e45;
+    let kz_left_shoulder_pitch_x = T::from_f64(0.2305051546121806) * e55 - e45;
     let e56 = e46 + T::from_f64(1.956107170887058) * e55;
     let kz_left_shoulder_pitch_z = kz_waist_pitch_z
         + T::from_f64(0.1809045369125973) * e55;
@@ -8255,8 +8263,8 @@ pub fn gravity_moments_sc<T: Real>(
     // left_shoulder_roll
     let kz_left_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * bz_left_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * kz_left_shoulder_pitch_z;
-    let kz_left_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * kz_left_shoulder_pitch_z;
+    let kz_left_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * bz_left_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * kz_left_shoulder_pitch_z;
     let bz_left_shoulder_roll_x = e57 * c_left_shoulder_roll
@@ -8281,8 +8289,8 @@ pub fn gravity_moments_sc<T: Real>(
     let e61 = kz_left_elbow_y * s_left_elbow - e59 * c_left_elbow;
     // left_wrist_yaw
     let kz_left_wrist_yaw_y = T::from_f64(0.15904161977640188) * e60
-        - T::from_f64(0.9872718790580933) * kz_left_elbow_z;
-    let e62 = T::from_f64(0.9872718790580933) * e60
+        - T::from_f64(0.9872718790580934) * kz_left_elbow_z;
+    let e62 = T::from_f64(0.9872718790580934) * e60
         + T::from_f64(0.15904161977640188) * kz_left_elbow_z;
     let e63 = e61 * c_left_wrist_yaw + kz_left_wrist_yaw_y * e2;
     let e64 = kz_left_wrist_yaw_y * c_left_wrist_yaw - e61 * e2;
@@ -8360,10 +8368,10 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
         - T::from_f64(0.16554475198250462) * c_right_ankle_roll;
     let bx_right_ankle_roll_y = -e2;
     // right_ankle_pitch
-    let s_right_ankle_pitch = T::from_f64(0.9846119913216708) * sin[4]
-        + T::from_f64(0.1747547611528053) * cos[4];
-    let c_right_ankle_pitch = T::from_f64(0.9846119913216708) * cos[4]
-        - T::from_f64(0.1747547611528053) * sin[4];
+    let s_right_ankle_pitch = T::from_f64(0.9846119913216709) * sin[4]
+        + T::from_f64(0.17475476115280528) * cos[4];
+    let c_right_ankle_pitch = T::from_f64(0.9846119913216709) * cos[4]
+        - T::from_f64(0.17475476115280528) * sin[4];
     let kx_right_ankle_pitch_y = T::from_f64(0.0524083921121999) * e1
         + T::from_f64(0.9785692022639542);
     let kx_right_ankle_pitch_z = T::from_f64(0.05135581491304875)
@@ -8374,12 +8382,12 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
     let bx_right_ankle_pitch_y = -e3;
     // right_knee
     let s_right_knee = T::from_f64(0.7635454556520245) * sin[3]
-        - T::from_f64(0.645754084116502) * cos[3];
+        - T::from_f64(0.6457540841165019) * cos[3];
     let c_right_knee = T::from_f64(0.7635454556520245) * cos[3]
-        + T::from_f64(0.645754084116502) * sin[3];
+        + T::from_f64(0.6457540841165019) * sin[3];
     let kx_right_knee_y = T::from_f64(0.9659918591802843) * bx_right_ankle_pitch_x
-        - T::from_f64(0.258572481129407) * kx_right_ankle_pitch_z;
-    let kx_right_knee_z = T::from_f64(0.258572481129407) * bx_right_ankle_pitch_x
+        - T::from_f64(0.2585724811294071) * kx_right_ankle_pitch_z;
+    let kx_right_knee_z = T::from_f64(0.2585724811294071) * bx_right_ankle_pitch_x
         + T::from_f64(0.9659918591802843) * kx_right_ankle_pitch_z;
     let bx_right_knee_x = e3 * s_right_knee + kx_right_knee_y * c_right_knee;
     let e4 = e3 * c_right_knee - kx_right_knee_y * s_right_knee;
@@ -8390,8 +8398,8 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
     let c_right_hip_pitch = T::from_f64(0.9876670233130992) * cos[2]
         - T::from_f64(0.15656899776086539) * sin[2];
     let kx_right_hip_pitch_y = T::from_f64(0.9973888291864124) * bx_right_knee_x
-        - T::from_f64(0.07221858080963141) * kx_right_knee_z;
-    let kx_right_hip_pitch_z = T::from_f64(0.07221858080963141) * bx_right_knee_x
+        - T::from_f64(0.0722185808096314) * kx_right_knee_z;
+    let kx_right_hip_pitch_z = T::from_f64(0.0722185808096314) * bx_right_knee_x
         + T::from_f64(0.9973888291864124) * kx_right_knee_z;
     let bx_right_hip_pitch_x = kx_right_hip_pitch_y * s_right_hip_pitch
         - e4 * c_right_hip_pitch;
@@ -8412,9 +8420,9 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
         + e5 * s_right_hip_roll;
     // right_hip_yaw
     let s_right_hip_yaw = T::from_f64(0.9948843845593177) * sin[0]
-        + T::from_f64(0.10102010374191711) * cos[0];
+        + T::from_f64(0.10102010374191714) * cos[0];
     let c_right_hip_yaw = T::from_f64(0.9948843845593177) * cos[0]
-        - T::from_f64(0.10102010374191711) * sin[0];
+        - T::from_f64(0.10102010374191714) * sin[0];
     let kx_right_hip_yaw_y = T::from_f64(0.08292767473984558) * bx_right_hip_roll_x
         - T::from_f64(0.9965555683263441) * kx_right_hip_roll_z;
     let kx_right_hip_yaw_z = T::from_f64(0.9965555683263441) * bx_right_hip_roll_x
@@ -8430,20 +8438,20 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
     let c_left_hip_yaw = T::from_f64(0.9948843845593177) * cos[6]
         - T::from_f64(0.10102010374191704) * sin[6];
     let e8 = T::from_f64(0.538107754426925) * bx_right_hip_yaw_x
-        + T::from_f64(0.8428760553163271) * kx_right_hip_yaw_z;
-    let kx_left_hip_yaw_z = T::from_f64(0.8428760553163271) * bx_right_hip_yaw_x
+        + T::from_f64(0.8428760553163273) * kx_right_hip_yaw_z;
+    let kx_left_hip_yaw_z = T::from_f64(0.8428760553163273) * bx_right_hip_yaw_x
         - T::from_f64(0.538107754426925) * kx_right_hip_yaw_z;
     let bx_left_hip_yaw_x = e6 * c_left_hip_yaw - e8 * e7;
     let e9 = e8 * c_left_hip_yaw + e6 * e7;
     let bx_left_hip_yaw_y = -e9;
     // left_hip_roll
-    let s_left_hip_roll = T::from_f64(0.3365622831750796) * cos[7]
+    let s_left_hip_roll = T::from_f64(0.3365622831750795) * cos[7]
         - T::from_f64(0.9416612074116558) * sin[7];
     let c_left_hip_roll = T::from_f64(0.9416612074116558) * cos[7]
-        + T::from_f64(0.3365622831750796) * sin[7];
+        + T::from_f64(0.3365622831750795) * sin[7];
     let kx_left_hip_roll_y = T::from_f64(0.08292767473984561) * bx_left_hip_yaw_x
-        - T::from_f64(0.996555568326344) * kx_left_hip_yaw_z;
-    let kx_left_hip_roll_z = T::from_f64(0.996555568326344) * bx_left_hip_yaw_x
+        - T::from_f64(0.9965555683263441) * kx_left_hip_yaw_z;
+    let kx_left_hip_roll_z = T::from_f64(0.9965555683263441) * bx_left_hip_yaw_x
         + T::from_f64(0.08292767473984561) * kx_left_hip_yaw_z;
     let bx_left_hip_roll_x = kx_left_hip_roll_y * s_left_hip_roll - e9 * c_left_hip_roll;
     let e10 = kx_left_hip_roll_y * c_left_hip_roll + e9 * s_left_hip_roll;
@@ -8466,8 +8474,8 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
     let c_left_knee = T::from_f64(0.7635454556520246) * cos[9]
         + T::from_f64(0.6457540841165018) * sin[9];
     let kx_left_knee_y = T::from_f64(0.9973888291864126) * bx_left_hip_pitch_x
-        - T::from_f64(0.07221858080963142) * kx_left_hip_pitch_z;
-    let kx_left_knee_z = T::from_f64(0.07221858080963142) * bx_left_hip_pitch_x
+        - T::from_f64(0.0722185808096314) * kx_left_hip_pitch_z;
+    let kx_left_knee_z = T::from_f64(0.0722185808096314) * bx_left_hip_pitch_x
         + T::from_f64(0.9973888291864126) * kx_left_hip_pitch_z;
     let bx_left_knee_x = e12 * s_left_knee + kx_left_knee_y * c_left_knee;
     let e13 = e12 * c_left_knee - kx_left_knee_y * s_left_knee;
@@ -8495,8 +8503,8 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
     let c_waist_yaw = T::from_f64(0.9983163336456274) * cos[12]
         - T::from_f64(0.058004292740729185) * sin[12];
     let e18 = T::from_f64(0.11944678826051937) * e6
-        - T::from_f64(0.19252104104496942) * bx_right_hip_yaw_x + kx_right_hip_yaw_z;
-    let kx_waist_yaw_x = bx_right_hip_yaw_x + T::from_f64(0.3662421800811955) * e18;
+        - T::from_f64(0.19252104104496945) * bx_right_hip_yaw_x + kx_right_hip_yaw_z;
+    let kx_waist_yaw_x = bx_right_hip_yaw_x + T::from_f64(0.3662421800811956) * e18;
     let kx_waist_yaw_y = T::from_f64(0.22722945969324562) * e18 - e6;
     let kx_waist_yaw_z = kx_right_hip_yaw_z - T::from_f64(1.9023488450576578) * e18;
     let bx_waist_yaw_x = kx_waist_yaw_y * e17 - kx_waist_yaw_x * c_waist_yaw;
@@ -8552,8 +8560,8 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
         + T::from_f64(0.2881292913889683) * sin[17];
     let kx_right_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * bx_right_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * kx_right_shoulder_pitch_z;
-    let kx_right_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * kx_right_shoulder_pitch_z;
+    let kx_right_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * bx_right_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * kx_right_shoulder_pitch_z;
     let e27 = bx_right_shoulder_pitch_y * c_right_shoulder_roll
@@ -8590,12 +8598,12 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
     let bx_right_elbow_y = -e30;
     // right_wrist_yaw
     let e31 = T::from_f64(0.9968143242066551) * sin[20]
-        + T::from_f64(0.07975715050344799) * cos[20];
+        + T::from_f64(0.079757150503448) * cos[20];
     let c_right_wrist_yaw = T::from_f64(0.9968143242066551) * cos[20]
-        - T::from_f64(0.07975715050344799) * sin[20];
+        - T::from_f64(0.079757150503448) * sin[20];
     let e32 = T::from_f64(0.15904161977640188) * bx_right_elbow_x
-        + T::from_f64(0.9872718790580933) * kx_right_elbow_z;
-    let kx_right_wrist_yaw_z = T::from_f64(0.9872718790580933) * bx_right_elbow_x
+        + T::from_f64(0.9872718790580934) * kx_right_elbow_z;
+    let kx_right_wrist_yaw_z = T::from_f64(0.9872718790580934) * bx_right_elbow_x
         - T::from_f64(0.15904161977640188) * kx_right_elbow_z;
     let bx_right_wrist_yaw_x = e32 * e31 - e30 * c_right_wrist_yaw;
     let bx_right_wrist_yaw_y = e32 * c_right_wrist_yaw + e30 * e31;
@@ -8620,12 +8628,12 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
     let bx_right_wrist_pitch_y = e34 * cos[22] + e33 * sin[22];
     // left_shoulder_pitch
     let e35 = T::from_f64(0.9998888779453979) * sin[23]
-        + T::from_f64(0.01490743979002152) * cos[23];
+        + T::from_f64(0.014907439790021298) * cos[23];
     let c_left_shoulder_pitch = T::from_f64(0.9998888779453979) * cos[23]
-        - T::from_f64(0.01490743979002152) * sin[23];
-    let e36 = T::from_f64(0.117838714587223) * e20 - e21
+        - T::from_f64(0.014907439790021298) * sin[23];
+    let e36 = T::from_f64(0.11783871458722316) * e20 - e21
         - T::from_f64(0.09248191489966293) * kx_waist_pitch_z;
-    let kx_left_shoulder_pitch_x = T::from_f64(0.2305051546121803) * e36 - e20;
+    let kx_left_shoulder_pitch_x = T::from_f64(0.2305051546121806) * e36 - e20;
     let e37 = e21 + T::from_f64(1.956107170887058) * e36;
     let kx_left_shoulder_pitch_z = kx_waist_pitch_z
         + T::from_f64(0.1809045369125973) * e36;
@@ -8640,8 +8648,8 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
         + T::from_f64(0.2881292913889683) * sin[24];
     let kx_left_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * bx_left_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * kx_left_shoulder_pitch_z;
-    let kx_left_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * kx_left_shoulder_pitch_z;
+    let kx_left_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * bx_left_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * kx_left_shoulder_pitch_z;
     let bx_left_shoulder_roll_x = e38 * c_left_shoulder_roll
@@ -8677,12 +8685,12 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
     let bx_left_elbow_y = -e42;
     // left_wrist_yaw
     let e43 = T::from_f64(0.9968143242066551) * sin[27]
-        + T::from_f64(0.07975715050344799) * cos[27];
+        + T::from_f64(0.079757150503448) * cos[27];
     let c_left_wrist_yaw = T::from_f64(0.9968143242066551) * cos[27]
-        - T::from_f64(0.07975715050344799) * sin[27];
+        - T::from_f64(0.079757150503448) * sin[27];
     let kx_left_wrist_yaw_y = T::from_f64(0.15904161977640188) * e41
-        - T::from_f64(0.9872718790580933) * kx_left_elbow_z;
-    let e44 = T::from_f64(0.9872718790580933) * e41
+        - T::from_f64(0.9872718790580934) * kx_left_elbow_z;
+    let e44 = T::from_f64(0.9872718790580934) * e41
         + T::from_f64(0.15904161977640188) * kx_left_elbow_z;
     let e45 = e42 * c_left_wrist_yaw + kx_left_wrist_yaw_y * e43;
     let bx_left_wrist_yaw_x = -e45;
@@ -8723,16 +8731,16 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
     let by_right_ankle_pitch_y = -e49;
     // right_knee
     let ky_right_knee_y = T::from_f64(0.9659918591802843) * by_right_ankle_pitch_x
-        - T::from_f64(0.258572481129407) * ky_right_ankle_pitch_z;
-    let ky_right_knee_z = T::from_f64(0.258572481129407) * by_right_ankle_pitch_x
+        - T::from_f64(0.2585724811294071) * ky_right_ankle_pitch_z;
+    let ky_right_knee_z = T::from_f64(0.2585724811294071) * by_right_ankle_pitch_x
         + T::from_f64(0.9659918591802843) * ky_right_ankle_pitch_z;
     let by_right_knee_x = e49 * s_right_knee + ky_right_knee_y * c_right_knee;
     let e50 = e49 * c_right_knee - ky_right_knee_y * s_right_knee;
     let by_right_knee_y = -e50;
     // right_hip_pitch
     let ky_right_hip_pitch_y = T::from_f64(0.9973888291864124) * by_right_knee_x
-        - T::from_f64(0.07221858080963141) * ky_right_knee_z;
-    let ky_right_hip_pitch_z = T::from_f64(0.07221858080963141) * by_right_knee_x
+        - T::from_f64(0.0722185808096314) * ky_right_knee_z;
+    let ky_right_hip_pitch_z = T::from_f64(0.0722185808096314) * by_right_knee_x
         + T::from_f64(0.9973888291864124) * ky_right_knee_z;
     let by_right_hip_pitch_x = ky_right_hip_pitch_y * s_right_hip_pitch
         - e50 * c_right_hip_pitch;
@@ -8759,16 +8767,16 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
     let by_right_hip_yaw_y = -e52;
     // left_hip_yaw
     let e53 = T::from_f64(0.538107754426925) * by_right_hip_yaw_x
-        + T::from_f64(0.8428760553163271) * ky_right_hip_yaw_z;
-    let ky_left_hip_yaw_z = T::from_f64(0.8428760553163271) * by_right_hip_yaw_x
+        + T::from_f64(0.8428760553163273) * ky_right_hip_yaw_z;
+    let ky_left_hip_yaw_z = T::from_f64(0.8428760553163273) * by_right_hip_yaw_x
         - T::from_f64(0.538107754426925) * ky_right_hip_yaw_z;
     let by_left_hip_yaw_x = e52 * c_left_hip_yaw - e53 * e7;
     let e54 = e53 * c_left_hip_yaw + e52 * e7;
     let by_left_hip_yaw_y = -e54;
     // left_hip_roll
     let ky_left_hip_roll_y = T::from_f64(0.08292767473984561) * by_left_hip_yaw_x
-        - T::from_f64(0.996555568326344) * ky_left_hip_yaw_z;
-    let ky_left_hip_roll_z = T::from_f64(0.996555568326344) * by_left_hip_yaw_x
+        - T::from_f64(0.9965555683263441) * ky_left_hip_yaw_z;
+    let ky_left_hip_roll_z = T::from_f64(0.9965555683263441) * by_left_hip_yaw_x
         + T::from_f64(0.08292767473984561) * ky_left_hip_yaw_z;
     let by_left_hip_roll_x = ky_left_hip_roll_y * s_left_hip_roll
         - e54 * c_left_hip_roll;
@@ -8784,8 +8792,8 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
     let by_left_hip_pitch_y = -e56;
     // left_knee
     let ky_left_knee_y = T::from_f64(0.9973888291864126) * by_left_hip_pitch_x
-        - T::from_f64(0.07221858080963142) * ky_left_hip_pitch_z;
-    let ky_left_knee_z = T::from_f64(0.07221858080963142) * by_left_hip_pitch_x
+        - T::from_f64(0.0722185808096314) * ky_left_hip_pitch_z;
+    let ky_left_knee_z = T::from_f64(0.0722185808096314) * by_left_hip_pitch_x
         + T::from_f64(0.9973888291864126) * ky_left_hip_pitch_z;
     let by_left_knee_x = e56 * s_left_knee + ky_left_knee_y * c_left_knee;
     let e57 = e56 * c_left_knee - ky_left_knee_y * s_left_knee;
@@ -8805,8 +8813,8 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
     let by_left_ankle_roll_y = e59 * cos[11] + e58 * sin[11];
     // waist_yaw
     let e60 = T::from_f64(0.11944678826051937) * e52
-        - T::from_f64(0.19252104104496942) * by_right_hip_yaw_x + ky_right_hip_yaw_z;
-    let ky_waist_yaw_x = by_right_hip_yaw_x + T::from_f64(0.3662421800811955) * e60;
+        - T::from_f64(0.19252104104496945) * by_right_hip_yaw_x + ky_right_hip_yaw_z;
+    let ky_waist_yaw_x = by_right_hip_yaw_x + T::from_f64(0.3662421800811956) * e60;
     let ky_waist_yaw_y = T::from_f64(0.22722945969324562) * e60 - e52;
     let ky_waist_yaw_z = ky_right_hip_yaw_z - T::from_f64(1.9023488450576578) * e60;
     let by_waist_yaw_x = ky_waist_yaw_y * e17 - ky_waist_yaw_x * c_waist_yaw;
@@ -8846,8 +8854,8 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
     // right_shoulder_roll
     let ky_right_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * by_right_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * ky_right_shoulder_pitch_z;
-    let ky_right_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * ky_right_shoulder_pitch_z;
+    let ky_right_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * by_right_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * ky_right_shoulder_pitch_z;
     let e67 = by_right_shoulder_pitch_y * c_right_shoulder_roll
@@ -8876,8 +8884,8 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
     let by_right_elbow_y = -e70;
     // right_wrist_yaw
     let e71 = T::from_f64(0.15904161977640188) * by_right_elbow_x
-        + T::from_f64(0.9872718790580933) * ky_right_elbow_z;
-    let ky_right_wrist_yaw_z = T::from_f64(0.9872718790580933) * by_right_elbow_x
+        + T::from_f64(0.9872718790580934) * ky_right_elbow_z;
+    let ky_right_wrist_yaw_z = T::from_f64(0.9872718790580934) * by_right_elbow_x
         - T::from_f64(0.15904161977640188) * ky_right_elbow_z;
     let by_right_wrist_yaw_x = e71 * e31 - e70 * c_right_wrist_yaw;
     let by_right_wrist_yaw_y = e71 * c_right_wrist_yaw + e70 * e31;
@@ -8897,9 +8905,9 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
     let by_right_wrist_pitch_x = e73 * sin[22] - e72 * cos[22];
     let by_right_wrist_pitch_y = e73 * cos[22] + e72 * sin[22];
     // left_shoulder_pitch
-    let e74 = T::from_f64(0.117838714587223) * e61 - e62
+    let e74 = T::from_f64(0.11783871458722316) * e61 - e62
         - T::from_f64(0.09248191489966293) * ky_waist_pitch_z;
-    let ky_left_shoulder_pitch_x = T::from_f64(0.2305051546121803) * e74 - e61;
+    let ky_left_shoulder_pitch_x = T::from_f64(0.2305051546121806) * e74 - e61;
     let e75 = e62 + T::from_f64(1.956107170887058) * e74;
     let ky_left_shoulder_pitch_z = ky_waist_pitch_z
         + T::from_f64(0.1809045369125973) * e74;
@@ -8910,8 +8918,8 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
     // left_shoulder_roll
     let ky_left_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * by_left_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * ky_left_shoulder_pitch_z;
-    let ky_left_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * ky_left_shoulder_pitch_z;
+    let ky_left_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * by_left_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * ky_left_shoulder_pitch_z;
     let by_left_shoulder_roll_x = e76 * c_left_shoulder_roll
@@ -8939,8 +8947,8 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
     let by_left_elbow_y = -e80;
     // left_wrist_yaw
     let ky_left_wrist_yaw_y = T::from_f64(0.15904161977640188) * e79
-        - T::from_f64(0.9872718790580933) * ky_left_elbow_z;
-    let e81 = T::from_f64(0.9872718790580933) * e79
+        - T::from_f64(0.9872718790580934) * ky_left_elbow_z;
+    let e81 = T::from_f64(0.9872718790580934) * e79
         + T::from_f64(0.15904161977640188) * ky_left_elbow_z;
     let e82 = e80 * c_left_wrist_yaw + ky_left_wrist_yaw_y * e43;
     let by_left_wrist_yaw_x = -e82;
@@ -8977,16 +8985,16 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
     let bz_right_ankle_pitch_y = -e86;
     // right_knee
     let kz_right_knee_y = T::from_f64(0.9659918591802843) * bz_right_ankle_pitch_x
-        - T::from_f64(0.258572481129407) * kz_right_ankle_pitch_z;
-    let kz_right_knee_z = T::from_f64(0.258572481129407) * bz_right_ankle_pitch_x
+        - T::from_f64(0.2585724811294071) * kz_right_ankle_pitch_z;
+    let kz_right_knee_z = T::from_f64(0.2585724811294071) * bz_right_ankle_pitch_x
         + T::from_f64(0.9659918591802843) * kz_right_ankle_pitch_z;
     let bz_right_knee_x = e86 * s_right_knee + kz_right_knee_y * c_right_knee;
     let e87 = e86 * c_right_knee - kz_right_knee_y * s_right_knee;
     let bz_right_knee_y = -e87;
     // right_hip_pitch
     let kz_right_hip_pitch_y = T::from_f64(0.9973888291864124) * bz_right_knee_x
-        - T::from_f64(0.07221858080963141) * kz_right_knee_z;
-    let kz_right_hip_pitch_z = T::from_f64(0.07221858080963141) * bz_right_knee_x
+        - T::from_f64(0.0722185808096314) * kz_right_knee_z;
+    let kz_right_hip_pitch_z = T::from_f64(0.0722185808096314) * bz_right_knee_x
         + T::from_f64(0.9973888291864124) * kz_right_knee_z;
     let bz_right_hip_pitch_x = kz_right_hip_pitch_y * s_right_hip_pitch
         - e87 * c_right_hip_pitch;
@@ -9013,16 +9021,16 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
     let bz_right_hip_yaw_y = -e89;
     // left_hip_yaw
     let e90 = T::from_f64(0.538107754426925) * bz_right_hip_yaw_x
-        + T::from_f64(0.8428760553163271) * kz_right_hip_yaw_z;
-    let kz_left_hip_yaw_z = T::from_f64(0.8428760553163271) * bz_right_hip_yaw_x
+        + T::from_f64(0.8428760553163273) * kz_right_hip_yaw_z;
+    let kz_left_hip_yaw_z = T::from_f64(0.8428760553163273) * bz_right_hip_yaw_x
         - T::from_f64(0.538107754426925) * kz_right_hip_yaw_z;
     let bz_left_hip_yaw_x = e89 * c_left_hip_yaw - e90 * e7;
     let e91 = e90 * c_left_hip_yaw + e89 * e7;
     let bz_left_hip_yaw_y = -e91;
     // left_hip_roll
     let kz_left_hip_roll_y = T::from_f64(0.08292767473984561) * bz_left_hip_yaw_x
-        - T::from_f64(0.996555568326344) * kz_left_hip_yaw_z;
-    let kz_left_hip_roll_z = T::from_f64(0.996555568326344) * bz_left_hip_yaw_x
+        - T::from_f64(0.9965555683263441) * kz_left_hip_yaw_z;
+    let kz_left_hip_roll_z = T::from_f64(0.9965555683263441) * bz_left_hip_yaw_x
         + T::from_f64(0.08292767473984561) * kz_left_hip_yaw_z;
     let bz_left_hip_roll_x = kz_left_hip_roll_y * s_left_hip_roll
         - e91 * c_left_hip_roll;
@@ -9038,8 +9046,8 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
     let bz_left_hip_pitch_y = -e93;
     // left_knee
     let kz_left_knee_y = T::from_f64(0.9973888291864126) * bz_left_hip_pitch_x
-        - T::from_f64(0.07221858080963142) * kz_left_hip_pitch_z;
-    let kz_left_knee_z = T::from_f64(0.07221858080963142) * bz_left_hip_pitch_x
+        - T::from_f64(0.0722185808096314) * kz_left_hip_pitch_z;
+    let kz_left_knee_z = T::from_f64(0.0722185808096314) * bz_left_hip_pitch_x
         + T::from_f64(0.9973888291864126) * kz_left_hip_pitch_z;
     let bz_left_knee_x = e93 * s_left_knee + kz_left_knee_y * c_left_knee;
     let e94 = e93 * c_left_knee - kz_left_knee_y * s_left_knee;
@@ -9059,8 +9067,8 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
     let bz_left_ankle_roll_y = e96 * cos[11] + e95 * sin[11];
     // waist_yaw
     let e97 = T::from_f64(0.11944678826051937) * e89
-        - T::from_f64(0.19252104104496942) * bz_right_hip_yaw_x + kz_right_hip_yaw_z;
-    let kz_waist_yaw_x = bz_right_hip_yaw_x + T::from_f64(0.3662421800811955) * e97;
+        - T::from_f64(0.19252104104496945) * bz_right_hip_yaw_x + kz_right_hip_yaw_z;
+    let kz_waist_yaw_x = bz_right_hip_yaw_x + T::from_f64(0.3662421800811956) * e97;
     let kz_waist_yaw_y = T::from_f64(0.22722945969324562) * e97 - e89;
     let kz_waist_yaw_z = kz_right_hip_yaw_z - T::from_f64(1.9023488450576578) * e97;
     let bz_waist_yaw_x = kz_waist_yaw_y * e17 - kz_waist_yaw_x * c_waist_yaw;
@@ -9100,8 +9108,8 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
     // right_shoulder_roll
     let kz_right_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * bz_right_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * kz_right_shoulder_pitch_z;
-    let kz_right_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * kz_right_shoulder_pitch_z;
+    let kz_right_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * bz_right_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * kz_right_shoulder_pitch_z;
     let e104 = bz_right_shoulder_pitch_y * c_right_shoulder_roll
@@ -9131,8 +9139,8 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
     let bz_right_elbow_y = -e107;
     // right_wrist_yaw
     let e108 = T::from_f64(0.15904161977640188) * bz_right_elbow_x
-        + T::from_f64(0.9872718790580933) * kz_right_elbow_z;
-    let kz_right_wrist_yaw_z = T::from_f64(0.9872718790580933) * bz_right_elbow_x
+        + T::from_f64(0.9872718790580934) * kz_right_elbow_z;
+    let kz_right_wrist_yaw_z = T::from_f64(0.9872718790580934) * bz_right_elbow_x
         - T::from_f64(0.15904161977640188) * kz_right_elbow_z;
     let bz_right_wrist_yaw_x = e108 * e31 - e107 * c_right_wrist_yaw;
     let bz_right_wrist_yaw_y = e108 * c_right_wrist_yaw + e107 * e31;
@@ -9152,9 +9160,9 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
     let bz_right_wrist_pitch_x = e110 * sin[22] - e109 * cos[22];
     let bz_right_wrist_pitch_y = e110 * cos[22] + e109 * sin[22];
     // left_shoulder_pitch
-    let e111 = T::from_f64(0.117838714587223) * e98 - e99
+    let e111 = T::from_f64(0.11783871458722316) * e98 - e99
         - T::from_f64(0.09248191489966293) * kz_waist_pitch_z;
-    let kz_left_shoulder_pitch_x = T::from_f64(0.2305051546121803) * e111 - e98;
+    let kz_left_shoulder_pitch_x = T::from_f64(0.2305051546121806) * e111 - e98;
     let e112 = e99 + T::from_f64(1.956107170887058) * e111;
     let kz_left_shoulder_pitch_z = kz_waist_pitch_z
         + T::from_f64(0.1809045369125973) * e111;
@@ -9165,8 +9173,8 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
     // left_shoulder_roll
     let kz_left_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * bz_left_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * kz_left_shoulder_pitch_z;
-    let kz_left_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * kz_left_shoulder_pitch_z;
+    let kz_left_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * bz_left_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * kz_left_shoulder_pitch_z;
     let bz_left_shoulder_roll_x = e113 * c_left_shoulder_roll
@@ -9195,8 +9203,8 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
     let bz_left_elbow_y = -e117;
     // left_wrist_yaw
     let kz_left_wrist_yaw_y = T::from_f64(0.15904161977640188) * e116
-        - T::from_f64(0.9872718790580933) * kz_left_elbow_z;
-    let e118 = T::from_f64(0.9872718790580933) * e116
+        - T::from_f64(0.9872718790580934) * kz_left_elbow_z;
+    let e118 = T::from_f64(0.9872718790580934) * e116
         + T::from_f64(0.15904161977640188) * kz_left_elbow_z;
     let e119 = e117 * c_left_wrist_yaw + kz_left_wrist_yaw_y * e43;
     let bz_left_wrist_yaw_x = -e119;
@@ -9436,10 +9444,10 @@ pub fn regressor_cop_sc<T: Real>(
         - T::from_f64(0.16554475198250462) * c_right_ankle_roll;
     let bx_right_ankle_roll_y = -e2;
     // right_ankle_pitch
-    let s_right_ankle_pitch = T::from_f64(0.9846119913216708) * sin[4]
-        + T::from_f64(0.1747547611528053) * cos[4];
-    let c_right_ankle_pitch = T::from_f64(0.9846119913216708) * cos[4]
-        - T::from_f64(0.1747547611528053) * sin[4];
+    let s_right_ankle_pitch = T::from_f64(0.9846119913216709) * sin[4]
+        + T::from_f64(0.17475476115280528) * cos[4];
+    let c_right_ankle_pitch = T::from_f64(0.9846119913216709) * cos[4]
+        - T::from_f64(0.17475476115280528) * sin[4];
     let kx_right_ankle_pitch_y = T::from_f64(0.0524083921121999) * e1
         + T::from_f64(0.9785692022639542);
     let kx_right_ankle_pitch_z = T::from_f64(0.05135581491304875)
@@ -9450,12 +9458,12 @@ pub fn regressor_cop_sc<T: Real>(
     let bx_right_ankle_pitch_y = -e3;
     // right_knee
     let s_right_knee = T::from_f64(0.7635454556520245) * sin[3]
-        - T::from_f64(0.645754084116502) * cos[3];
+        - T::from_f64(0.6457540841165019) * cos[3];
     let c_right_knee = T::from_f64(0.7635454556520245) * cos[3]
-        + T::from_f64(0.645754084116502) * sin[3];
+        + T::from_f64(0.6457540841165019) * sin[3];
     let kx_right_knee_y = T::from_f64(0.9659918591802843) * bx_right_ankle_pitch_x
-        - T::from_f64(0.258572481129407) * kx_right_ankle_pitch_z;
-    let kx_right_knee_z = T::from_f64(0.258572481129407) * bx_right_ankle_pitch_x
+        - T::from_f64(0.2585724811294071) * kx_right_ankle_pitch_z;
+    let kx_right_knee_z = T::from_f64(0.2585724811294071) * bx_right_ankle_pitch_x
         + T::from_f64(0.9659918591802843) * kx_right_ankle_pitch_z;
     let bx_right_knee_x = e3 * s_right_knee + kx_right_knee_y * c_right_knee;
     let e4 = e3 * c_right_knee - kx_right_knee_y * s_right_knee;
@@ -9466,8 +9474,8 @@ pub fn regressor_cop_sc<T: Real>(
     let c_right_hip_pitch = T::from_f64(0.9876670233130992) * cos[2]
         - T::from_f64(0.15656899776086539) * sin[2];
     let kx_right_hip_pitch_y = T::from_f64(0.9973888291864124) * bx_right_knee_x
-        - T::from_f64(0.07221858080963141) * kx_right_knee_z;
-    let kx_right_hip_pitch_z = T::from_f64(0.07221858080963141) * bx_right_knee_x
+        - T::from_f64(0.0722185808096314) * kx_right_knee_z;
+    let kx_right_hip_pitch_z = T::from_f64(0.0722185808096314) * bx_right_knee_x
         + T::from_f64(0.9973888291864124) * kx_right_knee_z;
     let bx_right_hip_pitch_x = kx_right_hip_pitch_y * s_right_hip_pitch
         - e4 * c_right_hip_pitch;
@@ -9488,9 +9496,9 @@ pub fn regressor_cop_sc<T: Real>(
         + e5 * s_right_hip_roll;
     // right_hip_yaw
     let s_right_hip_yaw = T::from_f64(0.9948843845593177) * sin[0]
-        + T::from_f64(0.10102010374191711) * cos[0];
+        + T::from_f64(0.10102010374191714) * cos[0];
     let c_right_hip_yaw = T::from_f64(0.9948843845593177) * cos[0]
-        - T::from_f64(0.10102010374191711) * sin[0];
+        - T::from_f64(0.10102010374191714) * sin[0];
     let kx_right_hip_yaw_y = T::from_f64(0.08292767473984558) * bx_right_hip_roll_x
         - T::from_f64(0.9965555683263441) * kx_right_hip_roll_z;
     let kx_right_hip_yaw_z = T::from_f64(0.9965555683263441) * bx_right_hip_roll_x
@@ -9506,20 +9514,20 @@ pub fn regressor_cop_sc<T: Real>(
     let c_left_hip_yaw = T::from_f64(0.9948843845593177) * cos[6]
         - T::from_f64(0.10102010374191704) * sin[6];
     let e8 = T::from_f64(0.538107754426925) * bx_right_hip_yaw_x
-        + T::from_f64(0.8428760553163271) * kx_right_hip_yaw_z;
-    let kx_left_hip_yaw_z = T::from_f64(0.8428760553163271) * bx_right_hip_yaw_x
+        + T::from_f64(0.8428760553163273) * kx_right_hip_yaw_z;
+    let kx_left_hip_yaw_z = T::from_f64(0.8428760553163273) * bx_right_hip_yaw_x
         - T::from_f64(0.538107754426925) * kx_right_hip_yaw_z;
     let bx_left_hip_yaw_x = e6 * c_left_hip_yaw - e8 * e7;
     let e9 = e8 * c_left_hip_yaw + e6 * e7;
     let bx_left_hip_yaw_y = -e9;
     // left_hip_roll
-    let s_left_hip_roll = T::from_f64(0.3365622831750796) * cos[7]
+    let s_left_hip_roll = T::from_f64(0.3365622831750795) * cos[7]
         - T::from_f64(0.9416612074116558) * sin[7];
     let c_left_hip_roll = T::from_f64(0.9416612074116558) * cos[7]
-        + T::from_f64(0.3365622831750796) * sin[7];
+        + T::from_f64(0.3365622831750795) * sin[7];
     let kx_left_hip_roll_y = T::from_f64(0.08292767473984561) * bx_left_hip_yaw_x
-        - T::from_f64(0.996555568326344) * kx_left_hip_yaw_z;
-    let kx_left_hip_roll_z = T::from_f64(0.996555568326344) * bx_left_hip_yaw_x
+        - T::from_f64(0.9965555683263441) * kx_left_hip_yaw_z;
+    let kx_left_hip_roll_z = T::from_f64(0.9965555683263441) * bx_left_hip_yaw_x
         + T::from_f64(0.08292767473984561) * kx_left_hip_yaw_z;
     let bx_left_hip_roll_x = kx_left_hip_roll_y * s_left_hip_roll - e9 * c_left_hip_roll;
     let e10 = kx_left_hip_roll_y * c_left_hip_roll + e9 * s_left_hip_roll;
@@ -9542,8 +9550,8 @@ pub fn regressor_cop_sc<T: Real>(
     let c_left_knee = T::from_f64(0.7635454556520246) * cos[9]
         + T::from_f64(0.6457540841165018) * sin[9];
     let kx_left_knee_y = T::from_f64(0.9973888291864126) * bx_left_hip_pitch_x
-        - T::from_f64(0.07221858080963142) * kx_left_hip_pitch_z;
-    let kx_left_knee_z = T::from_f64(0.07221858080963142) * bx_left_hip_pitch_x
+        - T::from_f64(0.0722185808096314) * kx_left_hip_pitch_z;
+    let kx_left_knee_z = T::from_f64(0.0722185808096314) * bx_left_hip_pitch_x
         + T::from_f64(0.9973888291864126) * kx_left_hip_pitch_z;
     let bx_left_knee_x = e12 * s_left_knee + kx_left_knee_y * c_left_knee;
     let e13 = e12 * c_left_knee - kx_left_knee_y * s_left_knee;
@@ -9571,8 +9579,8 @@ pub fn regressor_cop_sc<T: Real>(
     let c_waist_yaw = T::from_f64(0.9983163336456274) * cos[12]
         - T::from_f64(0.058004292740729185) * sin[12];
     let e18 = T::from_f64(0.11944678826051937) * e6
-        - T::from_f64(0.19252104104496942) * bx_right_hip_yaw_x + kx_right_hip_yaw_z;
-    let kx_waist_yaw_x = bx_right_hip_yaw_x + T::from_f64(0.3662421800811955) * e18;
+        - T::from_f64(0.19252104104496945) * bx_right_hip_yaw_x + kx_right_hip_yaw_z;
+    let kx_waist_yaw_x = bx_right_hip_yaw_x + T::from_f64(0.3662421800811956) * e18;
     let kx_waist_yaw_y = T::from_f64(0.22722945969324562) * e18 - e6;
     let kx_waist_yaw_z = kx_right_hip_yaw_z - T::from_f64(1.9023488450576578) * e18;
     let bx_waist_yaw_x = kx_waist_yaw_y * e17 - kx_waist_yaw_x * c_waist_yaw;
@@ -9628,8 +9636,8 @@ pub fn regressor_cop_sc<T: Real>(
         + T::from_f64(0.2881292913889683) * sin[17];
     let kx_right_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * bx_right_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * kx_right_shoulder_pitch_z;
-    let kx_right_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * kx_right_shoulder_pitch_z;
+    let kx_right_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * bx_right_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * kx_right_shoulder_pitch_z;
     let e27 = bx_right_shoulder_pitch_y * c_right_shoulder_roll
@@ -9666,12 +9674,12 @@ pub fn regressor_cop_sc<T: Real>(
     let bx_right_elbow_y = -e30;
     // right_wrist_yaw
     let e31 = T::from_f64(0.9968143242066551) * sin[20]
-        + T::from_f64(0.07975715050344799) * cos[20];
+        + T::from_f64(0.079757150503448) * cos[20];
     let c_right_wrist_yaw = T::from_f64(0.9968143242066551) * cos[20]
-        - T::from_f64(0.07975715050344799) * sin[20];
+        - T::from_f64(0.079757150503448) * sin[20];
     let e32 = T::from_f64(0.15904161977640188) * bx_right_elbow_x
-        + T::from_f64(0.9872718790580933) * kx_right_elbow_z;
-    let kx_right_wrist_yaw_z = T::from_f64(0.9872718790580933) * bx_right_elbow_x
+        + T::from_f64(0.9872718790580934) * kx_right_elbow_z;
+    let kx_right_wrist_yaw_z = T::from_f64(0.9872718790580934) * bx_right_elbow_x
         - T::from_f64(0.15904161977640188) * kx_right_elbow_z;
     let bx_right_wrist_yaw_x = e32 * e31 - e30 * c_right_wrist_yaw;
     let bx_right_wrist_yaw_y = e32 * c_right_wrist_yaw + e30 * e31;
@@ -9696,12 +9704,12 @@ pub fn regressor_cop_sc<T: Real>(
     let bx_right_wrist_pitch_y = e34 * cos[22] + e33 * sin[22];
     // left_shoulder_pitch
     let e35 = T::from_f64(0.9998888779453979) * sin[23]
-        + T::from_f64(0.01490743979002152) * cos[23];
+        + T::from_f64(0.014907439790021298) * cos[23];
     let c_left_shoulder_pitch = T::from_f64(0.9998888779453979) * cos[23]
-        - T::from_f64(0.01490743979002152) * sin[23];
-    let e36 = T::from_f64(0.117838714587223) * e20 - e21
+        - T::from_f64(0.014907439790021298) * sin[23];
+    let e36 = T::from_f64(0.11783871458722316) * e20 - e21
         - T::from_f64(0.09248191489966293) * kx_waist_pitch_z;
-    let kx_left_shoulder_pitch_x = T::from_f64(0.2305051546121803) * e36 - e20;
+    let kx_left_shoulder_pitch_x = T::from_f64(0.2305051546121806) * e36 - e20;
     let e37 = e21 + T::from_f64(1.956107170887058) * e36;
     let kx_left_shoulder_pitch_z = kx_waist_pitch_z
         + T::from_f64(0.1809045369125973) * e36;
@@ -9716,8 +9724,8 @@ pub fn regressor_cop_sc<T: Real>(
         + T::from_f64(0.2881292913889683) * sin[24];
     let kx_left_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * bx_left_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * kx_left_shoulder_pitch_z;
-    let kx_left_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * kx_left_shoulder_pitch_z;
+    let kx_left_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * bx_left_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * kx_left_shoulder_pitch_z;
     let bx_left_shoulder_roll_x = e38 * c_left_shoulder_roll
@@ -9753,12 +9761,12 @@ pub fn regressor_cop_sc<T: Real>(
     let bx_left_elbow_y = -e42;
     // left_wrist_yaw
     let e43 = T::from_f64(0.9968143242066551) * sin[27]
-        + T::from_f64(0.07975715050344799) * cos[27];
+        + T::from_f64(0.079757150503448) * cos[27];
     let c_left_wrist_yaw = T::from_f64(0.9968143242066551) * cos[27]
-        - T::from_f64(0.07975715050344799) * sin[27];
+        - T::from_f64(0.079757150503448) * sin[27];
     let kx_left_wrist_yaw_y = T::from_f64(0.15904161977640188) * e41
-        - T::from_f64(0.9872718790580933) * kx_left_elbow_z;
-    let e44 = T::from_f64(0.9872718790580933) * e41
+        - T::from_f64(0.9872718790580934) * kx_left_elbow_z;
+    let e44 = T::from_f64(0.9872718790580934) * e41
         + T::from_f64(0.15904161977640188) * kx_left_elbow_z;
     let e45 = e42 * c_left_wrist_yaw + kx_left_wrist_yaw_y * e43;
     let bx_left_wrist_yaw_x = -e45;
@@ -9799,16 +9807,16 @@ pub fn regressor_cop_sc<T: Real>(
     let by_right_ankle_pitch_y = -e49;
     // right_knee
     let ky_right_knee_y = T::from_f64(0.9659918591802843) * by_right_ankle_pitch_x
-        - T::from_f64(0.258572481129407) * ky_right_ankle_pitch_z;
-    let ky_right_knee_z = T::from_f64(0.258572481129407) * by_right_ankle_pitch_x
+        - T::from_f64(0.2585724811294071) * ky_right_ankle_pitch_z;
+    let ky_right_knee_z = T::from_f64(0.2585724811294071) * by_right_ankle_pitch_x
         + T::from_f64(0.9659918591802843) * ky_right_ankle_pitch_z;
     let by_right_knee_x = e49 * s_right_knee + ky_right_knee_y * c_right_knee;
     let e50 = e49 * c_right_knee - ky_right_knee_y * s_right_knee;
     let by_right_knee_y = -e50;
     // right_hip_pitch
     let ky_right_hip_pitch_y = T::from_f64(0.9973888291864124) * by_right_knee_x
-        - T::from_f64(0.07221858080963141) * ky_right_knee_z;
-    let ky_right_hip_pitch_z = T::from_f64(0.07221858080963141) * by_right_knee_x
+        - T::from_f64(0.0722185808096314) * ky_right_knee_z;
+    let ky_right_hip_pitch_z = T::from_f64(0.0722185808096314) * by_right_knee_x
         + T::from_f64(0.9973888291864124) * ky_right_knee_z;
     let by_right_hip_pitch_x = ky_right_hip_pitch_y * s_right_hip_pitch
         - e50 * c_right_hip_pitch;
@@ -9835,16 +9843,16 @@ pub fn regressor_cop_sc<T: Real>(
     let by_right_hip_yaw_y = -e52;
     // left_hip_yaw
     let e53 = T::from_f64(0.538107754426925) * by_right_hip_yaw_x
-        + T::from_f64(0.8428760553163271) * ky_right_hip_yaw_z;
-    let ky_left_hip_yaw_z = T::from_f64(0.8428760553163271) * by_right_hip_yaw_x
+        + T::from_f64(0.8428760553163273) * ky_right_hip_yaw_z;
+    let ky_left_hip_yaw_z = T::from_f64(0.8428760553163273) * by_right_hip_yaw_x
         - T::from_f64(0.538107754426925) * ky_right_hip_yaw_z;
     let by_left_hip_yaw_x = e52 * c_left_hip_yaw - e53 * e7;
     let e54 = e53 * c_left_hip_yaw + e52 * e7;
     let by_left_hip_yaw_y = -e54;
     // left_hip_roll
     let ky_left_hip_roll_y = T::from_f64(0.08292767473984561) * by_left_hip_yaw_x
-        - T::from_f64(0.996555568326344) * ky_left_hip_yaw_z;
-    let ky_left_hip_roll_z = T::from_f64(0.996555568326344) * by_left_hip_yaw_x
+        - T::from_f64(0.9965555683263441) * ky_left_hip_yaw_z;
+    let ky_left_hip_roll_z = T::from_f64(0.9965555683263441) * by_left_hip_yaw_x
         + T::from_f64(0.08292767473984561) * ky_left_hip_yaw_z;
     let by_left_hip_roll_x = ky_left_hip_roll_y * s_left_hip_roll
         - e54 * c_left_hip_roll;
@@ -9860,8 +9868,8 @@ pub fn regressor_cop_sc<T: Real>(
     let by_left_hip_pitch_y = -e56;
     // left_knee
     let ky_left_knee_y = T::from_f64(0.9973888291864126) * by_left_hip_pitch_x
-        - T::from_f64(0.07221858080963142) * ky_left_hip_pitch_z;
-    let ky_left_knee_z = T::from_f64(0.07221858080963142) * by_left_hip_pitch_x
+        - T::from_f64(0.0722185808096314) * ky_left_hip_pitch_z;
+    let ky_left_knee_z = T::from_f64(0.0722185808096314) * by_left_hip_pitch_x
         + T::from_f64(0.9973888291864126) * ky_left_hip_pitch_z;
     let by_left_knee_x = e56 * s_left_knee + ky_left_knee_y * c_left_knee;
     let e57 = e56 * c_left_knee - ky_left_knee_y * s_left_knee;
@@ -9881,8 +9889,8 @@ pub fn regressor_cop_sc<T: Real>(
     let by_left_ankle_roll_y = e59 * cos[11] + e58 * sin[11];
     // waist_yaw
     let e60 = T::from_f64(0.11944678826051937) * e52
-        - T::from_f64(0.19252104104496942) * by_right_hip_yaw_x + ky_right_hip_yaw_z;
-    let ky_waist_yaw_x = by_right_hip_yaw_x + T::from_f64(0.3662421800811955) * e60;
+        - T::from_f64(0.19252104104496945) * by_right_hip_yaw_x + ky_right_hip_yaw_z;
+    let ky_waist_yaw_x = by_right_hip_yaw_x + T::from_f64(0.3662421800811956) * e60;
     let ky_waist_yaw_y = T::from_f64(0.22722945969324562) * e60 - e52;
     let ky_waist_yaw_z = ky_right_hip_yaw_z - T::from_f64(1.9023488450576578) * e60;
     let by_waist_yaw_x = ky_waist_yaw_y * e17 - ky_waist_yaw_x * c_waist_yaw;
@@ -9922,8 +9930,8 @@ pub fn regressor_cop_sc<T: Real>(
     // right_shoulder_roll
     let ky_right_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * by_right_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * ky_right_shoulder_pitch_z;
-    let ky_right_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * ky_right_shoulder_pitch_z;
+    let ky_right_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * by_right_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * ky_right_shoulder_pitch_z;
     let e67 = by_right_shoulder_pitch_y * c_right_shoulder_roll
@@ -9952,8 +9960,8 @@ pub fn regressor_cop_sc<T: Real>(
     let by_right_elbow_y = -e70;
     // right_wrist_yaw
     let e71 = T::from_f64(0.15904161977640188) * by_right_elbow_x
-        + T::from_f64(0.9872718790580933) * ky_right_elbow_z;
-    let ky_right_wrist_yaw_z = T::from_f64(0.9872718790580933) * by_right_elbow_x
+        + T::from_f64(0.9872718790580934) * ky_right_elbow_z;
+    let ky_right_wrist_yaw_z = T::from_f64(0.9872718790580934) * by_right_elbow_x
         - T::from_f64(0.15904161977640188) * ky_right_elbow_z;
     let by_right_wrist_yaw_x = e71 * e31 - e70 * c_right_wrist_yaw;
     let by_right_wrist_yaw_y = e71 * c_right_wrist_yaw + e70 * e31;
@@ -9973,9 +9981,9 @@ pub fn regressor_cop_sc<T: Real>(
     let by_right_wrist_pitch_x = e73 * sin[22] - e72 * cos[22];
     let by_right_wrist_pitch_y = e73 * cos[22] + e72 * sin[22];
     // left_shoulder_pitch
-    let e74 = T::from_f64(0.117838714587223) * e61 - e62
+    let e74 = T::from_f64(0.11783871458722316) * e61 - e62
         - T::from_f64(0.09248191489966293) * ky_waist_pitch_z;
-    let ky_left_shoulder_pitch_x = T::from_f64(0.2305051546121803) * e74 - e61;
+    let ky_left_shoulder_pitch_x = T::from_f64(0.2305051546121806) * e74 - e61;
     let e75 = e62 + T::from_f64(1.956107170887058) * e74;
     let ky_left_shoulder_pitch_z = ky_waist_pitch_z
         + T::from_f64(0.1809045369125973) * e74;
@@ -9986,8 +9994,8 @@ pub fn regressor_cop_sc<T: Real>(
     // left_shoulder_roll
     let ky_left_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * by_left_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * ky_left_shoulder_pitch_z;
-    let ky_left_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * ky_left_shoulder_pitch_z;
+    let ky_left_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * by_left_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * ky_left_shoulder_pitch_z;
     let by_left_shoulder_roll_x = e76 * c_left_shoulder_roll
@@ -10015,8 +10023,8 @@ pub fn regressor_cop_sc<T: Real>(
     let by_left_elbow_y = -e80;
     // left_wrist_yaw
     let ky_left_wrist_yaw_y = T::from_f64(0.15904161977640188) * e79
-        - T::from_f64(0.9872718790580933) * ky_left_elbow_z;
-    let e81 = T::from_f64(0.9872718790580933) * e79
+        - T::from_f64(0.9872718790580934) * ky_left_elbow_z;
+    let e81 = T::from_f64(0.9872718790580934) * e79
         + T::from_f64(0.15904161977640188) * ky_left_elbow_z;
     let e82 = e80 * c_left_wrist_yaw + ky_left_wrist_yaw_y * e43;
     let by_left_wrist_yaw_x = -e82;
@@ -10189,10 +10197,10 @@ pub fn regressor_full_sc<T: Real>(
     let e2 = T::from_f64(0.1111747801713847) * s_right_ankle_roll
         - T::from_f64(0.16554475198250462) * c_right_ankle_roll;
     // right_ankle_pitch
-    let s_right_ankle_pitch = T::from_f64(0.9846119913216708) * sin[4]
-        + T::from_f64(0.1747547611528053) * cos[4];
-    let c_right_ankle_pitch = T::from_f64(0.9846119913216708) * cos[4]
-        - T::from_f64(0.1747547611528053) * sin[4];
+    let s_right_ankle_pitch = T::from_f64(0.9846119913216709) * sin[4]
+        + T::from_f64(0.17475476115280528) * cos[4];
+    let c_right_ankle_pitch = T::from_f64(0.9846119913216709) * cos[4]
+        - T::from_f64(0.17475476115280528) * sin[4];
     let kx_right_ankle_pitch_y = T::from_f64(0.0524083921121999) * e1
         + T::from_f64(0.9785692022639542);
     let kx_right_ankle_pitch_z = T::from_f64(0.05135581491304875)
@@ -10202,12 +10210,12 @@ pub fn regressor_full_sc<T: Real>(
     let e3 = kx_right_ankle_pitch_y * c_right_ankle_pitch + e2 * s_right_ankle_pitch;
     // right_knee
     let s_right_knee = T::from_f64(0.7635454556520245) * sin[3]
-        - T::from_f64(0.645754084116502) * cos[3];
+        - T::from_f64(0.6457540841165019) * cos[3];
     let c_right_knee = T::from_f64(0.7635454556520245) * cos[3]
-        + T::from_f64(0.645754084116502) * sin[3];
+        + T::from_f64(0.6457540841165019) * sin[3];
     let kx_right_knee_y = T::from_f64(0.9659918591802843) * bx_right_ankle_pitch_x
-        - T::from_f64(0.258572481129407) * kx_right_ankle_pitch_z;
-    let kx_right_knee_z = T::from_f64(0.258572481129407) * bx_right_ankle_pitch_x
+        - T::from_f64(0.2585724811294071) * kx_right_ankle_pitch_z;
+    let kx_right_knee_z = T::from_f64(0.2585724811294071) * bx_right_ankle_pitch_x
         + T::from_f64(0.9659918591802843) * kx_right_ankle_pitch_z;
     let bx_right_knee_x = e3 * s_right_knee + kx_right_knee_y * c_right_knee;
     let e4 = e3 * c_right_knee - kx_right_knee_y * s_right_knee;
@@ -10217,8 +10225,8 @@ pub fn regressor_full_sc<T: Real>(
     let c_right_hip_pitch = T::from_f64(0.9876670233130992) * cos[2]
         - T::from_f64(0.15656899776086539) * sin[2];
     let kx_right_hip_pitch_y = T::from_f64(0.9973888291864124) * bx_right_knee_x
-        - T::from_f64(0.07221858080963141) * kx_right_knee_z;
-    let kx_right_hip_pitch_z = T::from_f64(0.07221858080963141) * bx_right_knee_x
+        - T::from_f64(0.0722185808096314) * kx_right_knee_z;
+    let kx_right_hip_pitch_z = T::from_f64(0.0722185808096314) * bx_right_knee_x
         + T::from_f64(0.9973888291864124) * kx_right_knee_z;
     let bx_right_hip_pitch_x = kx_right_hip_pitch_y * s_right_hip_pitch
         - e4 * c_right_hip_pitch;
@@ -10238,9 +10246,9 @@ pub fn regressor_full_sc<T: Real>(
         + e5 * s_right_hip_roll;
     // right_hip_yaw
     let s_right_hip_yaw = T::from_f64(0.9948843845593177) * sin[0]
-        + T::from_f64(0.10102010374191711) * cos[0];
+        + T::from_f64(0.10102010374191714) * cos[0];
     let c_right_hip_yaw = T::from_f64(0.9948843845593177) * cos[0]
-        - T::from_f64(0.10102010374191711) * sin[0];
+        - T::from_f64(0.10102010374191714) * sin[0];
     let kx_right_hip_yaw_y = T::from_f64(0.08292767473984558) * bx_right_hip_roll_x
         - T::from_f64(0.9965555683263441) * kx_right_hip_roll_z;
     let kx_right_hip_yaw_z = T::from_f64(0.9965555683263441) * bx_right_hip_roll_x
@@ -10255,19 +10263,19 @@ pub fn regressor_full_sc<T: Real>(
     let c_left_hip_yaw = T::from_f64(0.9948843845593177) * cos[6]
         - T::from_f64(0.10102010374191704) * sin[6];
     let e8 = T::from_f64(0.538107754426925) * bx_right_hip_yaw_x
-        + T::from_f64(0.8428760553163271) * kx_right_hip_yaw_z;
-    let kx_left_hip_yaw_z = T::from_f64(0.8428760553163271) * bx_right_hip_yaw_x
+        + T::from_f64(0.8428760553163273) * kx_right_hip_yaw_z;
+    let kx_left_hip_yaw_z = T::from_f64(0.8428760553163273) * bx_right_hip_yaw_x
         - T::from_f64(0.538107754426925) * kx_right_hip_yaw_z;
     let bx_left_hip_yaw_x = e6 * c_left_hip_yaw - e8 * e7;
     let e9 = e8 * c_left_hip_yaw + e6 * e7;
     // left_hip_roll
-    let s_left_hip_roll = T::from_f64(0.3365622831750796) * cos[7]
+    let s_left_hip_roll = T::from_f64(0.3365622831750795) * cos[7]
         - T::from_f64(0.9416612074116558) * sin[7];
     let c_left_hip_roll = T::from_f64(0.9416612074116558) * cos[7]
-        + T::from_f64(0.3365622831750796) * sin[7];
+        + T::from_f64(0.3365622831750795) * sin[7];
     let kx_left_hip_roll_y = T::from_f64(0.08292767473984561) * bx_left_hip_yaw_x
-        - T::from_f64(0.996555568326344) * kx_left_hip_yaw_z;
-    let kx_left_hip_roll_z = T::from_f64(0.996555568326344) * bx_left_hip_yaw_x
+        - T::from_f64(0.9965555683263441) * kx_left_hip_yaw_z;
+    let kx_left_hip_roll_z = T::from_f64(0.9965555683263441) * bx_left_hip_yaw_x
         + T::from_f64(0.08292767473984561) * kx_left_hip_yaw_z;
     let bx_left_hip_roll_x = kx_left_hip_roll_y * s_left_hip_roll - e9 * c_left_hip_roll;
     let e10 = kx_left_hip_roll_y * c_left_hip_roll + e9 * s_left_hip_roll;
@@ -10288,8 +10296,8 @@ pub fn regressor_full_sc<T: Real>(
     let c_left_knee = T::from_f64(0.7635454556520246) * cos[9]
         + T::from_f64(0.6457540841165018) * sin[9];
     let kx_left_knee_y = T::from_f64(0.9973888291864126) * bx_left_hip_pitch_x
-        - T::from_f64(0.07221858080963142) * kx_left_hip_pitch_z;
-    let kx_left_knee_z = T::from_f64(0.07221858080963142) * bx_left_hip_pitch_x
+        - T::from_f64(0.0722185808096314) * kx_left_hip_pitch_z;
+    let kx_left_knee_z = T::from_f64(0.0722185808096314) * bx_left_hip_pitch_x
         + T::from_f64(0.9973888291864126) * kx_left_hip_pitch_z;
     let bx_left_knee_x = e12 * s_left_knee + kx_left_knee_y * c_left_knee;
     let e13 = e12 * c_left_knee - kx_left_knee_y * s_left_knee;
@@ -10317,8 +10325,8 @@ pub fn regressor_full_sc<T: Real>(
     let c_waist_yaw = T::from_f64(0.9983163336456274) * cos[12]
         - T::from_f64(0.058004292740729185) * sin[12];
     let e18 = T::from_f64(0.11944678826051937) * e6
-        - T::from_f64(0.19252104104496942) * bx_right_hip_yaw_x + kx_right_hip_yaw_z;
-    let kx_waist_yaw_x = bx_right_hip_yaw_x + T::from_f64(0.3662421800811955) * e18;
+        - T::from_f64(0.19252104104496945) * bx_right_hip_yaw_x + kx_right_hip_yaw_z;
+    let kx_waist_yaw_x = bx_right_hip_yaw_x + T::from_f64(0.3662421800811956) * e18;
     let kx_waist_yaw_y = T::from_f64(0.22722945969324562) * e18 - e6;
     let kx_waist_yaw_z = kx_right_hip_yaw_z - T::from_f64(1.9023488450576578) * e18;
     let bx_waist_yaw_x = kx_waist_yaw_y * e17 - kx_waist_yaw_x * c_waist_yaw;
@@ -10374,8 +10382,8 @@ pub fn regressor_full_sc<T: Real>(
         + T::from_f64(0.2881292913889683) * sin[17];
     let kx_right_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * bx_right_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * kx_right_shoulder_pitch_z;
-    let kx_right_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * kx_right_shoulder_pitch_z;
+    let kx_right_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * bx_right_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * kx_right_shoulder_pitch_z;
     let e28 = bx_right_shoulder_pitch_y * c_right_shoulder_roll
@@ -10409,12 +10417,12 @@ pub fn regressor_full_sc<T: Real>(
     let e31 = kx_right_elbow_y * s_right_elbow + bx_right_shoulder_yaw_y * c_right_elbow;
     // right_wrist_yaw
     let e32 = T::from_f64(0.9968143242066551) * sin[20]
-        + T::from_f64(0.07975715050344799) * cos[20];
+        + T::from_f64(0.079757150503448) * cos[20];
     let c_right_wrist_yaw = T::from_f64(0.9968143242066551) * cos[20]
-        - T::from_f64(0.07975715050344799) * sin[20];
+        - T::from_f64(0.079757150503448) * sin[20];
     let e33 = T::from_f64(0.15904161977640188) * bx_right_elbow_x
-        + T::from_f64(0.9872718790580933) * kx_right_elbow_z;
-    let kx_right_wrist_yaw_z = T::from_f64(0.9872718790580933) * bx_right_elbow_x
+        + T::from_f64(0.9872718790580934) * kx_right_elbow_z;
+    let kx_right_wrist_yaw_z = T::from_f64(0.9872718790580934) * bx_right_elbow_x
         - T::from_f64(0.15904161977640188) * kx_right_elbow_z;
     let bx_right_wrist_yaw_x = e33 * e32 - e31 * c_right_wrist_yaw;
     let bx_right_wrist_yaw_y = e33 * c_right_wrist_yaw + e31 * e32;
@@ -10440,12 +10448,12 @@ pub fn regressor_full_sc<T: Real>(
     let bx_right_wrist_pitch_y = e35 * cos[22] + e34 * sin[22];
     // left_shoulder_pitch
     let e36 = T::from_f64(0.9998888779453979) * sin[23]
-        + T::from_f64(0.01490743979002152) * cos[23];
+        + T::from_f64(0.014907439790021298) * cos[23];
     let c_left_shoulder_pitch = T::from_f64(0.9998888779453979) * cos[23]
-        - T::from_f64(0.01490743979002152) * sin[23];
-    let e37 = T::from_f64(0.117838714587223) * e20 - e21
+        - T::from_f64(0.014907439790021298) * sin[23];
+    let e37 = T::from_f64(0.11783871458722316) * e20 - e21
         - T::from_f64(0.09248191489966293) * kx_waist_pitch_z;
-    let kx_left_shoulder_pitch_x = T::from_f64(0.2305051546121803) * e37 - e20;
+    let kx_left_shoulder_pitch_x = T::from_f64(0.2305051546121806) * e37 - e20;
     let e38 = e21 + T::from_f64(1.956107170887058) * e37;
     let kx_left_shoulder_pitch_z = kx_waist_pitch_z
         + T::from_f64(0.1809045369125973) * e37;
@@ -10459,8 +10467,8 @@ pub fn regressor_full_sc<T: Real>(
         + T::from_f64(0.2881292913889683) * sin[24];
     let kx_left_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * bx_left_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * kx_left_shoulder_pitch_z;
-    let kx_left_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * kx_left_shoulder_pitch_z;
+    let kx_left_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * bx_left_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * kx_left_shoulder_pitch_z;
     let bx_left_shoulder_roll_x = e39 * c_left_shoulder_roll
@@ -10493,12 +10501,12 @@ pub fn regressor_full_sc<T: Real>(
     let e43 = kx_left_elbow_y * s_left_elbow - e41 * c_left_elbow;
     // left_wrist_yaw
     let e44 = T::from_f64(0.9968143242066551) * sin[27]
-        + T::from_f64(0.07975715050344799) * cos[27];
+        + T::from_f64(0.079757150503448) * cos[27];
     let c_left_wrist_yaw = T::from_f64(0.9968143242066551) * cos[27]
-        - T::from_f64(0.07975715050344799) * sin[27];
+        - T::from_f64(0.079757150503448) * sin[27];
     let kx_left_wrist_yaw_y = T::from_f64(0.15904161977640188) * e42
-        - T::from_f64(0.9872718790580933) * kx_left_elbow_z;
-    let e45 = T::from_f64(0.9872718790580933) * e42
+        - T::from_f64(0.9872718790580934) * kx_left_elbow_z;
+    let e45 = T::from_f64(0.9872718790580934) * e42
         + T::from_f64(0.15904161977640188) * kx_left_elbow_z;
     let e46 = e43 * c_left_wrist_yaw + kx_left_wrist_yaw_y * e44;
     let e47 = kx_left_wrist_yaw_y * c_left_wrist_yaw - e43 * e44;
@@ -10536,15 +10544,15 @@ pub fn regressor_full_sc<T: Real>(
     let e53 = ky_right_ankle_pitch_y * c_right_ankle_pitch + e52 * s_right_ankle_pitch;
     // right_knee
     let ky_right_knee_y = T::from_f64(0.9659918591802843) * by_right_ankle_pitch_x
-        - T::from_f64(0.258572481129407) * ky_right_ankle_pitch_z;
-    let ky_right_knee_z = T::from_f64(0.258572481129407) * by_right_ankle_pitch_x
+        - T::from_f64(0.2585724811294071) * ky_right_ankle_pitch_z;
+    let ky_right_knee_z = T::from_f64(0.2585724811294071) * by_right_ankle_pitch_x
         + T::from_f64(0.9659918591802843) * ky_right_ankle_pitch_z;
     let by_right_knee_x = e53 * s_right_knee + ky_right_knee_y * c_right_knee;
     let e54 = e53 * c_right_knee - ky_right_knee_y * s_right_knee;
     // right_hip_pitch
     let ky_right_hip_pitch_y = T::from_f64(0.9973888291864124) * by_right_knee_x
-        - T::from_f64(0.07221858080963141) * ky_right_knee_z;
-    let ky_right_hip_pitch_z = T::from_f64(0.07221858080963141) * by_right_knee_x
+        - T::from_f64(0.0722185808096314) * ky_right_knee_z;
+    let ky_right_hip_pitch_z = T::from_f64(0.0722185808096314) * by_right_knee_x
         + T::from_f64(0.9973888291864124) * ky_right_knee_z;
     let by_right_hip_pitch_x = ky_right_hip_pitch_y * s_right_hip_pitch
         - e54 * c_right_hip_pitch;
@@ -10569,15 +10577,15 @@ pub fn regressor_full_sc<T: Real>(
         - by_right_hip_roll_y * s_right_hip_yaw;
     // left_hip_yaw
     let e57 = T::from_f64(0.538107754426925) * by_right_hip_yaw_x
-        + T::from_f64(0.8428760553163271) * ky_right_hip_yaw_z;
-    let ky_left_hip_yaw_z = T::from_f64(0.8428760553163271) * by_right_hip_yaw_x
+        + T::from_f64(0.8428760553163273) * ky_right_hip_yaw_z;
+    let ky_left_hip_yaw_z = T::from_f64(0.8428760553163273) * by_right_hip_yaw_x
         - T::from_f64(0.538107754426925) * ky_right_hip_yaw_z;
     let by_left_hip_yaw_x = e56 * c_left_hip_yaw - e57 * e7;
     let e58 = e57 * c_left_hip_yaw + e56 * e7;
     // left_hip_roll
     let ky_left_hip_roll_y = T::from_f64(0.08292767473984561) * by_left_hip_yaw_x
-        - T::from_f64(0.996555568326344) * ky_left_hip_yaw_z;
-    let ky_left_hip_roll_z = T::from_f64(0.996555568326344) * by_left_hip_yaw_x
+        - T::from_f64(0.9965555683263441) * ky_left_hip_yaw_z;
+    let ky_left_hip_roll_z = T::from_f64(0.9965555683263441) * by_left_hip_yaw_x
         + T::from_f64(0.08292767473984561) * ky_left_hip_yaw_z;
     let by_left_hip_roll_x = ky_left_hip_roll_y * s_left_hip_roll
         - e58 * c_left_hip_roll;
@@ -10591,8 +10599,8 @@ pub fn regressor_full_sc<T: Real>(
     let e60 = e59 * e11 - ky_left_hip_pitch_y * c_left_hip_pitch;
     // left_knee
     let ky_left_knee_y = T::from_f64(0.9973888291864126) * by_left_hip_pitch_x
-        - T::from_f64(0.07221858080963142) * ky_left_hip_pitch_z;
-    let ky_left_knee_z = T::from_f64(0.07221858080963142) * by_left_hip_pitch_x
+        - T::from_f64(0.0722185808096314) * ky_left_hip_pitch_z;
+    let ky_left_knee_z = T::from_f64(0.0722185808096314) * by_left_hip_pitch_x
         + T::from_f64(0.9973888291864126) * ky_left_hip_pitch_z;
     let by_left_knee_x = e60 * s_left_knee + ky_left_knee_y * c_left_knee;
     let e61 = e60 * c_left_knee - ky_left_knee_y * s_left_knee;
@@ -10612,8 +10620,8 @@ pub fn regressor_full_sc<T: Real>(
     let by_left_ankle_roll_y = e63 * cos[11] + e62 * sin[11];
     // waist_yaw
     let e64 = T::from_f64(0.11944678826051937) * e56
-        - T::from_f64(0.19252104104496942) * by_right_hip_yaw_x + ky_right_hip_yaw_z;
-    let ky_waist_yaw_x = by_right_hip_yaw_x + T::from_f64(0.3662421800811955) * e64;
+        - T::from_f64(0.19252104104496945) * by_right_hip_yaw_x + ky_right_hip_yaw_z;
+    let ky_waist_yaw_x = by_right_hip_yaw_x + T::from_f64(0.3662421800811956) * e64;
     let ky_waist_yaw_y = T::from_f64(0.22722945969324562) * e64 - e56;
     let ky_waist_yaw_z = ky_right_hip_yaw_z - T::from_f64(1.9023488450576578) * e64;
     let by_waist_yaw_x = ky_waist_yaw_y * e17 - ky_waist_yaw_x * c_waist_yaw;
@@ -10653,8 +10661,8 @@ pub fn regressor_full_sc<T: Real>(
     // right_shoulder_roll
     let ky_right_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * by_right_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * ky_right_shoulder_pitch_z;
-    let ky_right_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * ky_right_shoulder_pitch_z;
+    let ky_right_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * by_right_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * ky_right_shoulder_pitch_z;
     let e72 = by_right_shoulder_pitch_y * c_right_shoulder_roll
@@ -10680,8 +10688,8 @@ pub fn regressor_full_sc<T: Real>(
     let e75 = ky_right_elbow_y * s_right_elbow + by_right_shoulder_yaw_y * c_right_elbow;
     // right_wrist_yaw
     let e76 = T::from_f64(0.15904161977640188) * by_right_elbow_x
-        + T::from_f64(0.9872718790580933) * ky_right_elbow_z;
-    let ky_right_wrist_yaw_z = T::from_f64(0.9872718790580933) * by_right_elbow_x
+        + T::from_f64(0.9872718790580934) * ky_right_elbow_z;
+    let ky_right_wrist_yaw_z = T::from_f64(0.9872718790580934) * by_right_elbow_x
         - T::from_f64(0.15904161977640188) * ky_right_elbow_z;
     let by_right_wrist_yaw_x = e76 * e32 - e75 * c_right_wrist_yaw;
     let by_right_wrist_yaw_y = e76 * c_right_wrist_yaw + e75 * e32;
@@ -10702,9 +10710,9 @@ pub fn regressor_full_sc<T: Real>(
     let by_right_wrist_pitch_x = e78 * sin[22] - e77 * cos[22];
     let by_right_wrist_pitch_y = e78 * cos[22] + e77 * sin[22];
     // left_shoulder_pitch
-    let e79 = T::from_f64(0.117838714587223) * e65 - e66
+    let e79 = T::from_f64(0.11783871458722316) * e65 - e66
         - T::from_f64(0.09248191489966293) * ky_waist_pitch_z;
-    let ky_left_shoulder_pitch_x = T::from_f64(0.2305051546121803) * e79 - e65;
+    let ky_left_shoulder_pitch_x = T::from_f64(0.2305051546121806) * e79 - e65;
     let e80 = e66 + T::from_f64(1.956107170887058) * e79;
     let ky_left_shoulder_pitch_z = ky_waist_pitch_z
         + T::from_f64(0.1809045369125973) * e79;
@@ -10714,8 +10722,8 @@ pub fn regressor_full_sc<T: Real>(
     // left_shoulder_roll
     let ky_left_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * by_left_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * ky_left_shoulder_pitch_z;
-    let ky_left_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * ky_left_shoulder_pitch_z;
+    let ky_left_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * by_left_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * ky_left_shoulder_pitch_z;
     let by_left_shoulder_roll_x = e81 * c_left_shoulder_roll
@@ -10740,8 +10748,8 @@ pub fn regressor_full_sc<T: Real>(
     let e85 = ky_left_elbow_y * s_left_elbow - e83 * c_left_elbow;
     // left_wrist_yaw
     let ky_left_wrist_yaw_y = T::from_f64(0.15904161977640188) * e84
-        - T::from_f64(0.9872718790580933) * ky_left_elbow_z;
-    let e86 = T::from_f64(0.9872718790580933) * e84
+        - T::from_f64(0.9872718790580934) * ky_left_elbow_z;
+    let e86 = T::from_f64(0.9872718790580934) * e84
         + T::from_f64(0.15904161977640188) * ky_left_elbow_z;
     let e87 = e85 * c_left_wrist_yaw + ky_left_wrist_yaw_y * e44;
     let e88 = ky_left_wrist_yaw_y * c_left_wrist_yaw - e85 * e44;
@@ -10775,15 +10783,15 @@ pub fn regressor_full_sc<T: Real>(
     let e94 = kz_right_ankle_pitch_y * c_right_ankle_pitch + e93 * s_right_ankle_pitch;
     // right_knee
     let kz_right_knee_y = T::from_f64(0.9659918591802843) * bz_right_ankle_pitch_x
-        - T::from_f64(0.258572481129407) * kz_right_ankle_pitch_z;
-    let kz_right_knee_z = T::from_f64(0.258572481129407) * bz_right_ankle_pitch_x
+        - T::from_f64(0.2585724811294071) * kz_right_ankle_pitch_z;
+    let kz_right_knee_z = T::from_f64(0.2585724811294071) * bz_right_ankle_pitch_x
         + T::from_f64(0.9659918591802843) * kz_right_ankle_pitch_z;
     let bz_right_knee_x = e94 * s_right_knee + kz_right_knee_y * c_right_knee;
     let e95 = e94 * c_right_knee - kz_right_knee_y * s_right_knee;
     // right_hip_pitch
     let kz_right_hip_pitch_y = T::from_f64(0.9973888291864124) * bz_right_knee_x
-        - T::from_f64(0.07221858080963141) * kz_right_knee_z;
-    let kz_right_hip_pitch_z = T::from_f64(0.07221858080963141) * bz_right_knee_x
+        - T::from_f64(0.0722185808096314) * kz_right_knee_z;
+    let kz_right_hip_pitch_z = T::from_f64(0.0722185808096314) * bz_right_knee_x
         + T::from_f64(0.9973888291864124) * kz_right_knee_z;
     let bz_right_hip_pitch_x = kz_right_hip_pitch_y * s_right_hip_pitch
         - e95 * c_right_hip_pitch;
@@ -10808,15 +10816,15 @@ pub fn regressor_full_sc<T: Real>(
         - bz_right_hip_roll_y * s_right_hip_yaw;
     // left_hip_yaw
     let e98 = T::from_f64(0.538107754426925) * bz_right_hip_yaw_x
-        + T::from_f64(0.8428760553163271) * kz_right_hip_yaw_z;
-    let kz_left_hip_yaw_z = T::from_f64(0.8428760553163271) * bz_right_hip_yaw_x
+        + T::from_f64(0.8428760553163273) * kz_right_hip_yaw_z;
+    let kz_left_hip_yaw_z = T::from_f64(0.8428760553163273) * bz_right_hip_yaw_x
         - T::from_f64(0.538107754426925) * kz_right_hip_yaw_z;
     let bz_left_hip_yaw_x = e97 * c_left_hip_yaw - e98 * e7;
     let e99 = e98 * c_left_hip_yaw + e97 * e7;
     // left_hip_roll
     let kz_left_hip_roll_y = T::from_f64(0.08292767473984561) * bz_left_hip_yaw_x
-        - T::from_f64(0.996555568326344) * kz_left_hip_yaw_z;
-    let kz_left_hip_roll_z = T::from_f64(0.996555568326344) * bz_left_hip_yaw_x
+        - T::from_f64(0.9965555683263441) * kz_left_hip_yaw_z;
+    let kz_left_hip_roll_z = T::from_f64(0.9965555683263441) * bz_left_hip_yaw_x
         + T::from_f64(0.08292767473984561) * kz_left_hip_yaw_z;
     let bz_left_hip_roll_x = kz_left_hip_roll_y * s_left_hip_roll
         - e99 * c_left_hip_roll;
@@ -10830,8 +10838,8 @@ pub fn regressor_full_sc<T: Real>(
     let e101 = e100 * e11 - kz_left_hip_pitch_y * c_left_hip_pitch;
     // left_knee
     let kz_left_knee_y = T::from_f64(0.9973888291864126) * bz_left_hip_pitch_x
-        - T::from_f64(0.07221858080963142) * kz_left_hip_pitch_z;
-    let kz_left_knee_z = T::from_f64(0.07221858080963142) * bz_left_hip_pitch_x
+        - T::from_f64(0.0722185808096314) * kz_left_hip_pitch_z;
+    let kz_left_knee_z = T::from_f64(0.0722185808096314) * bz_left_hip_pitch_x
         + T::from_f64(0.9973888291864126) * kz_left_hip_pitch_z;
     let bz_left_knee_x = e101 * s_left_knee + kz_left_knee_y * c_left_knee;
     let e102 = e101 * c_left_knee - kz_left_knee_y * s_left_knee;
@@ -10851,8 +10859,8 @@ pub fn regressor_full_sc<T: Real>(
     let bz_left_ankle_roll_y = e104 * cos[11] + e103 * sin[11];
     // waist_yaw
     let e105 = T::from_f64(0.11944678826051937) * e97
-        - T::from_f64(0.19252104104496942) * bz_right_hip_yaw_x + kz_right_hip_yaw_z;
-    let kz_waist_yaw_x = bz_right_hip_yaw_x + T::from_f64(0.3662421800811955) * e105;
+        - T::from_f64(0.19252104104496945) * bz_right_hip_yaw_x + kz_right_hip_yaw_z;
+    let kz_waist_yaw_x = bz_right_hip_yaw_x + T::from_f64(0.3662421800811956) * e105;
     let kz_waist_yaw_y = T::from_f64(0.22722945969324562) * e105 - e97;
     let kz_waist_yaw_z = kz_right_hip_yaw_z - T::from_f64(1.9023488450576578) * e105;
     let bz_waist_yaw_x = kz_waist_yaw_y * e17 - kz_waist_yaw_x * c_waist_yaw;
@@ -10892,8 +10900,8 @@ pub fn regressor_full_sc<T: Real>(
     // right_shoulder_roll
     let kz_right_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * bz_right_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * kz_right_shoulder_pitch_z;
-    let kz_right_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * kz_right_shoulder_pitch_z;
+    let kz_right_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * bz_right_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * kz_right_shoulder_pitch_z;
     let e113 = bz_right_shoulder_pitch_y * c_right_shoulder_roll
@@ -10920,8 +10928,8 @@ pub fn regressor_full_sc<T: Real>(
         + bz_right_shoulder_yaw_y * c_right_elbow;
     // right_wrist_yaw
     let e117 = T::from_f64(0.15904161977640188) * bz_right_elbow_x
-        + T::from_f64(0.9872718790580933) * kz_right_elbow_z;
-    let kz_right_wrist_yaw_z = T::from_f64(0.9872718790580933) * bz_right_elbow_x
+        + T::from_f64(0.9872718790580934) * kz_right_elbow_z;
+    let kz_right_wrist_yaw_z = T::from_f64(0.9872718790580934) * bz_right_elbow_x
         - T::from_f64(0.15904161977640188) * kz_right_elbow_z;
     let bz_right_wrist_yaw_x = e117 * e32 - e116 * c_right_wrist_yaw;
     let bz_right_wrist_yaw_y = e117 * c_right_wrist_yaw + e116 * e32;
@@ -10942,9 +10950,9 @@ pub fn regressor_full_sc<T: Real>(
     let bz_right_wrist_pitch_x = e119 * sin[22] - e118 * cos[22];
     let bz_right_wrist_pitch_y = e119 * cos[22] + e118 * sin[22];
     // left_shoulder_pitch
-    let e120 = T::from_f64(0.117838714587223) * e106 - e107
+    let e120 = T::from_f64(0.11783871458722316) * e106 - e107
         - T::from_f64(0.09248191489966293) * kz_waist_pitch_z;
-    let kz_left_shoulder_pitch_x = T::from_f64(0.2305051546121803) * e120 - e106;
+    let kz_left_shoulder_pitch_x = T::from_f64(0.2305051546121806) * e120 - e106;
     let e121 = e107 + T::from_f64(1.956107170887058) * e120;
     let kz_left_shoulder_pitch_z = kz_waist_pitch_z
         + T::from_f64(0.1809045369125973) * e120;
@@ -10954,8 +10962,8 @@ pub fn regressor_full_sc<T: Real>(
     // left_shoulder_roll
     let kz_left_shoulder_roll_y = T::from_f64(0.2834710957352705)
         * bz_left_shoulder_pitch_x
-        - T::from_f64(0.9589807807681262) * kz_left_shoulder_pitch_z;
-    let kz_left_shoulder_roll_z = T::from_f64(0.9589807807681262)
+        - T::from_f64(0.9589807807681263) * kz_left_shoulder_pitch_z;
+    let kz_left_shoulder_roll_z = T::from_f64(0.9589807807681263)
         * bz_left_shoulder_pitch_x
         + T::from_f64(0.2834710957352705) * kz_left_shoulder_pitch_z;
     let bz_left_shoulder_roll_x = e122 * c_left_shoulder_roll
@@ -10981,8 +10989,8 @@ pub fn regressor_full_sc<T: Real>(
     let e126 = kz_left_elbow_y * s_left_elbow - e124 * c_left_elbow;
     // left_wrist_yaw
     let kz_left_wrist_yaw_y = T::from_f64(0.15904161977640188) * e125
-        - T::from_f64(0.9872718790580933) * kz_left_elbow_z;
-    let e127 = T::from_f64(0.9872718790580933) * e125
+        - T::from_f64(0.9872718790580934) * kz_left_elbow_z;
+    let e127 = T::from_f64(0.9872718790580934) * e125
         + T::from_f64(0.15904161977640188) * kz_left_elbow_z;
     let e128 = e126 * c_left_wrist_yaw + kz_left_wrist_yaw_y * e44;
     let e129 = kz_left_wrist_yaw_y * c_left_wrist_yaw - e126 * e44;
@@ -11015,20 +11023,20 @@ pub fn regressor_full_sc<T: Real>(
                     + T::from_f64(0.12742238056085944) * e2),
             T::from_f64(0.9799904962356587) * e2 - T::from_f64(0.10853898993926647) * e1
                 + T::from_f64(0.1634960034362959),
-            T::from_f64(0.5863673657787141) * bx_right_ankle_pitch_x
-                + T::from_f64(0.8037588635830043) * e3
+            T::from_f64(0.5863673657787142) * bx_right_ankle_pitch_x
+                + T::from_f64(0.8037588635830045) * e3
                 - T::from_f64(0.10072239850941322) * kx_right_ankle_pitch_z,
-            T::from_f64(0.17005552884933373) * bx_right_ankle_pitch_x
+            T::from_f64(0.17005552884933375) * bx_right_ankle_pitch_x
                 - T::from_f64(0.0005719435102985865) * e3
                 + T::from_f64(0.9854343154104156) * kx_right_ankle_pitch_z,
-            T::from_f64(0.5949549244206475) * e3
-                - T::from_f64(0.7919939579678023) * bx_right_ankle_pitch_x
+            T::from_f64(0.5949549244206476) * e3
+                - T::from_f64(0.7919939579678025) * bx_right_ankle_pitch_x
                 + T::from_f64(0.1370190076234553) * kx_right_ankle_pitch_z,
             T::from_f64(0.7773178779650478) * e4
                 - T::from_f64(0.6267063639442644) * bx_right_knee_x
                 - T::from_f64(0.05491857598002902) * kx_right_knee_z,
             T::from_f64(0.9918697888935732) * kx_right_knee_z
-                - (T::from_f64(0.1237447090435664) * bx_right_knee_x
+                - (T::from_f64(0.12374470904356641) * bx_right_knee_x
                     + T::from_f64(0.029691225369481516) * e4),
             -(T::from_f64(0.7693675197039984) * bx_right_knee_x
                 + T::from_f64(0.628406992109392) * e4
@@ -11042,34 +11050,34 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.1845079141011138) * bx_right_hip_pitch_x
                 - T::from_f64(0.9670948621115415) * e5
                 - T::from_f64(0.17516951022228416) * kx_right_hip_pitch_z,
-            -(T::from_f64(0.03878223126667088) * bx_right_hip_roll_x
-                + T::from_f64(0.03382383783872412) * bx_right_hip_roll_y
+            -(T::from_f64(0.038782231266670894) * bx_right_hip_roll_x
+                + T::from_f64(0.03382383783872411) * bx_right_hip_roll_y
                 + T::from_f64(0.9986750655402579) * kx_right_hip_roll_z),
             T::from_f64(0.041130694271502954) * kx_right_hip_roll_z
-                - (T::from_f64(0.20656645943669893) * bx_right_hip_roll_x
-                    + T::from_f64(0.9775676773628161) * bx_right_hip_roll_y),
-            T::from_f64(0.2078879125137605) * bx_right_hip_roll_y
-                - T::from_f64(0.9776636621935813) * bx_right_hip_roll_x
+                - (T::from_f64(0.20656645943669896) * bx_right_hip_roll_x
+                    + T::from_f64(0.9775676773628162) * bx_right_hip_roll_y),
+            T::from_f64(0.20788791251376051) * bx_right_hip_roll_y
+                - T::from_f64(0.9776636621935814) * bx_right_hip_roll_x
                 + T::from_f64(0.03092538531540076) * kx_right_hip_roll_z,
-            T::from_f64(0.1597902036392451) * bx_right_hip_yaw_x
+            T::from_f64(0.15979020363924512) * bx_right_hip_yaw_x
                 + T::from_f64(0.9431024014938241) * e6
                 - T::from_f64(0.29159038241600355) * kx_right_hip_yaw_z,
             -(T::from_f64(0.8769571695433379) * bx_right_hip_yaw_x
                 + T::from_f64(0.48056854119525716) * kx_right_hip_yaw_z),
-            T::from_f64(0.45322534528363045) * bx_right_hip_yaw_x
+            T::from_f64(0.4532253452836305) * bx_right_hip_yaw_x
                 - T::from_f64(0.3325024214898031) * e6
                 - T::from_f64(0.8270604126035483) * kx_right_hip_yaw_z,
-            T::from_f64(0.9920190772526524) * bx_left_hip_yaw_x
-                + T::from_f64(0.03382383783872411) * e9
+            T::from_f64(0.9920190772526525) * bx_left_hip_yaw_x
+                + T::from_f64(0.03382383783872412) * e9
                 + T::from_f64(0.12146644952683741) * kx_left_hip_yaw_z,
             T::from_f64(0.05811909856572281) * bx_left_hip_yaw_x
-                - T::from_f64(0.977567677362816) * e9
+                - T::from_f64(0.9775676773628161) * e9
                 - T::from_f64(0.20244408254472904) * kx_left_hip_yaw_z,
             T::from_f64(0.9717315962146993) * kx_left_hip_yaw_z
-                - (T::from_f64(0.11189423912205597) * bx_left_hip_yaw_x
-                    + T::from_f64(0.20788791251376054) * e9),
+                - (T::from_f64(0.11189423912205596) * bx_left_hip_yaw_x
+                    + T::from_f64(0.20788791251376057) * e9),
             T::from_f64(0.9836381149720178) * kx_left_hip_roll_z
-                - (T::from_f64(0.015334607066110917) * bx_left_hip_roll_x
+                - (T::from_f64(0.01533460706611091) * bx_left_hip_roll_x
                     + T::from_f64(0.17950183453219504) * e10),
             T::from_f64(0.9824298694288612) * bx_left_hip_roll_x
                 + T::from_f64(0.18029592085523005) * e10
@@ -11080,7 +11088,7 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.7773178779650479) * e12
                 - T::from_f64(0.6211037849606799) * bx_left_hip_pitch_x
                 + T::from_f64(0.10003501838572533) * kx_left_hip_pitch_z,
-            T::from_f64(0.19505301897281857) * bx_left_hip_pitch_x
+            T::from_f64(0.19505301897281854) * bx_left_hip_pitch_x
                 + T::from_f64(0.029691225369481503) * e12
                 + T::from_f64(0.9803431801801081) * kx_left_hip_pitch_z,
             T::from_f64(0.1700595312557331) * kx_left_hip_pitch_z
@@ -11089,7 +11097,7 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.5924701423191099) * bx_left_knee_x
                 + T::from_f64(0.8037588635830043) * e13
                 - T::from_f64(0.0543214476255111) * kx_left_knee_z,
-            T::from_f64(0.09053393944867548) * bx_left_knee_x
+            T::from_f64(0.09053393944867547) * bx_left_knee_x
                 + T::from_f64(0.0005719435102985865) * e13
                 + T::from_f64(0.9958932064677037) * kx_left_knee_z,
             T::from_f64(0.5949549244206475) * e13
@@ -11099,12 +11107,12 @@ pub fn regressor_full_sc<T: Real>(
                 - T::from_f64(0.1529122762239553) * e15
                 + T::from_f64(0.07453982498343462) * kx_left_ankle_pitch_z,
             T::from_f64(0.12742238056085947) * e15
-                - T::from_f64(0.055137091877253144) * bx_left_ankle_pitch_x
+                - T::from_f64(0.05513709187725314) * bx_left_ankle_pitch_x
                 + T::from_f64(0.9903148176370599) * kx_left_ankle_pitch_z,
             T::from_f64(0.16092933488917305) * bx_left_ankle_pitch_x
                 + T::from_f64(0.9799904962356587) * e15
                 - T::from_f64(0.11713401068825438) * kx_left_ankle_pitch_z,
-            T::from_f64(0.20544888863102054) * bx_left_ankle_roll_x
+            T::from_f64(0.20544888863102057) * bx_left_ankle_roll_x
                 + T::from_f64(0.10175183865460506) * bx_left_ankle_roll_y
                 + T::from_f64(0.9733639183217578) * kx_left_ankle_roll_z,
             T::from_f64(0.9938332711736169) * bx_left_ankle_roll_y
@@ -11112,7 +11120,7 @@ pub fn regressor_full_sc<T: Real>(
                 - T::from_f64(0.0903121161329466) * kx_left_ankle_roll_z,
             T::from_f64(0.2107282709768754) * kx_left_ankle_roll_z
                 - (T::from_f64(0.9765508708573974) * bx_left_ankle_roll_x
-                    + T::from_f64(0.044068043282578115) * bx_left_ankle_roll_y),
+                    + T::from_f64(0.04406804328257811) * bx_left_ankle_roll_y),
             T::from_f64(0.05013302902454261) * kx_waist_yaw_z
                 - (T::from_f64(0.11455324933025107) * bx_waist_yaw_x
                     + T::from_f64(0.9921513153086609) * bx_waist_yaw_y),
@@ -11120,12 +11128,12 @@ pub fn regressor_full_sc<T: Real>(
                 - T::from_f64(0.10849622545005164) * bx_waist_yaw_y
                 + T::from_f64(0.11029266385399372) * kx_waist_yaw_z,
             T::from_f64(0.06216378844943306) * bx_waist_yaw_y
-                - T::from_f64(0.1039877670920951) * bx_waist_yaw_x
+                - T::from_f64(0.10398776709209512) * bx_waist_yaw_x
                 + T::from_f64(0.9926339746859435) * kx_waist_yaw_z,
             -(T::from_f64(0.17939505485262935) * e20
                 + T::from_f64(0.9807695023204881) * e21
                 + T::from_f64(0.07686740279497044) * kx_waist_pitch_z),
-            T::from_f64(0.11629756483619715) * e20
+            T::from_f64(0.11629756483619717) * e20
                 - T::from_f64(0.09872950920933495) * e21
                 + T::from_f64(0.9882951787924771) * kx_waist_pitch_z,
             T::from_f64(0.1683557760497274) * e21 - T::from_f64(0.9768788516021794) * e20
@@ -11144,14 +11152,14 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.16852833895373615) * bx_neck_pitch_x
                 - T::from_f64(0.9839824211070662) * e24
                 - T::from_f64(0.05811018776231015) * kx_neck_pitch_z,
-            T::from_f64(0.2281687790350744) * bx_right_shoulder_pitch_y
-                - T::from_f64(0.9702869074347844) * bx_right_shoulder_pitch_x
+            T::from_f64(0.22816877903507443) * bx_right_shoulder_pitch_y
+                - T::from_f64(0.9702869074347845) * bx_right_shoulder_pitch_x
                 - T::from_f64(0.08051289048522246) * kx_right_shoulder_pitch_z,
             T::from_f64(0.9762187971333224) * kx_right_shoulder_pitch_z
-                - (T::from_f64(0.1229863590090921) * bx_right_shoulder_pitch_x
-                    + T::from_f64(0.17852511201860663) * bx_right_shoulder_pitch_y),
-            T::from_f64(0.208369078220183) * bx_right_shoulder_pitch_x
-                + T::from_f64(0.9571143049042719) * bx_right_shoulder_pitch_y
+                - (T::from_f64(0.12298635900909212) * bx_right_shoulder_pitch_x
+                    + T::from_f64(0.17852511201860666) * bx_right_shoulder_pitch_y),
+            T::from_f64(0.20836907822018302) * bx_right_shoulder_pitch_x
+                + T::from_f64(0.957114304904272) * bx_right_shoulder_pitch_y
                 + T::from_f64(0.20128222621305616) * kx_right_shoulder_pitch_z,
             T::from_f64(0.09084250712834728) * e28
                 + T::from_f64(0.17842238701201812) * e29
@@ -11163,24 +11171,24 @@ pub fn regressor_full_sc<T: Real>(
                 + T::from_f64(0.19112556469695652) * e29
                 + T::from_f64(0.12507466537007475) * kx_right_shoulder_roll_z,
             T::from_f64(0.9963466490417511) * bx_right_shoulder_yaw_y
-                - T::from_f64(0.010455594988115331) * bx_right_shoulder_yaw_x
+                - T::from_f64(0.01045559498811533) * bx_right_shoulder_yaw_x
                 - T::from_f64(0.08475868968264198) * e30,
             kx_right_elbow_z,
-            T::from_f64(0.12198194152801223) * bx_right_shoulder_yaw_x
+            T::from_f64(0.12198194152801221) * bx_right_shoulder_yaw_x
                 + T::from_f64(0.08540114134643578) * bx_right_shoulder_yaw_y
                 + T::from_f64(0.9888513796308234) * e30,
-            T::from_f64(0.9829721203303412) * e31
-                - T::from_f64(0.18375475681808384) * bx_right_elbow_x,
+            T::from_f64(0.9829721203303413) * e31
+                - T::from_f64(0.18375475681808387) * bx_right_elbow_x,
             kx_right_elbow_z,
-            -(T::from_f64(0.9829721203303412) * bx_right_elbow_x
-                + T::from_f64(0.18375475681808384) * e31),
+            -(T::from_f64(0.9829721203303413) * bx_right_elbow_x
+                + T::from_f64(0.18375475681808387) * e31),
             T::from_f64(0.17981670296897617) * bx_right_wrist_yaw_y
                 - T::from_f64(0.9762349902740747) * bx_right_wrist_yaw_x
                 - T::from_f64(0.12095948535747154) * kx_right_wrist_yaw_z,
             T::from_f64(0.189825799816729) * bx_right_wrist_yaw_x
                 + T::from_f64(0.9787957578035333) * bx_right_wrist_yaw_y
                 - T::from_f64(0.07697421795475462) * kx_right_wrist_yaw_z,
-            T::from_f64(0.10455338104775243) * bx_right_wrist_yaw_x
+            T::from_f64(0.10455338104775241) * bx_right_wrist_yaw_x
                 - T::from_f64(0.09810615596981634) * bx_right_wrist_yaw_y
                 - T::from_f64(0.9896685165611309) * kx_right_wrist_yaw_z,
             T::from_f64(0.13744769651506267) * bx_right_wrist_roll_x
@@ -11201,14 +11209,14 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.005790325348442432) * bx_right_wrist_pitch_y
                 - T::from_f64(0.9953246130777477) * bx_right_wrist_pitch_x
                 - T::from_f64(0.09641258597294897) * kx_right_wrist_pitch_z,
-            T::from_f64(0.9702869074347844) * bx_left_shoulder_pitch_x
-                + T::from_f64(0.2281687790350744) * e39
+            T::from_f64(0.9702869074347845) * bx_left_shoulder_pitch_x
+                + T::from_f64(0.22816877903507443) * e39
                 + T::from_f64(0.08051289048522246) * kx_left_shoulder_pitch_z,
-            T::from_f64(0.17852511201860663) * e39
-                - T::from_f64(0.1229863590090921) * bx_left_shoulder_pitch_x
+            T::from_f64(0.17852511201860666) * e39
+                - T::from_f64(0.12298635900909212) * bx_left_shoulder_pitch_x
                 + T::from_f64(0.9762187971333224) * kx_left_shoulder_pitch_z,
-            T::from_f64(0.9571143049042719) * e39
-                - T::from_f64(0.208369078220183) * bx_left_shoulder_pitch_x
+            T::from_f64(0.957114304904272) * e39
+                - T::from_f64(0.20836907822018302) * bx_left_shoulder_pitch_x
                 - T::from_f64(0.20128222621305616) * kx_left_shoulder_pitch_z,
             T::from_f64(0.09084250712834728) * bx_left_shoulder_roll_x
                 + T::from_f64(0.17842238701201812) * bx_left_shoulder_roll_y
@@ -11219,25 +11227,25 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.9735642488309816) * bx_left_shoulder_roll_x
                 + T::from_f64(0.19112556469695652) * bx_left_shoulder_roll_y
                 - T::from_f64(0.12507466537007475) * kx_left_shoulder_roll_z,
-            T::from_f64(0.010455594988115331) * bx_left_shoulder_yaw_x
+            T::from_f64(0.01045559498811533) * bx_left_shoulder_yaw_x
                 + T::from_f64(0.9963466490417511) * e41
                 - T::from_f64(0.08475868968264198) * kx_left_shoulder_yaw_z,
             kx_left_elbow_z,
             T::from_f64(0.08540114134643578) * e41
-                - T::from_f64(0.12198194152801223) * bx_left_shoulder_yaw_x
+                - T::from_f64(0.12198194152801221) * bx_left_shoulder_yaw_x
                 + T::from_f64(0.9888513796308234) * kx_left_shoulder_yaw_z,
-            -(T::from_f64(0.18375475681808384) * e42
-                + T::from_f64(0.9829721203303412) * e43),
+            -(T::from_f64(0.18375475681808387) * e42
+                + T::from_f64(0.9829721203303413) * e43),
             kx_left_elbow_z,
-            T::from_f64(0.18375475681808384) * e43
-                - T::from_f64(0.9829721203303412) * e42,
+            T::from_f64(0.18375475681808387) * e43
+                - T::from_f64(0.9829721203303413) * e42,
             T::from_f64(0.17981670296897617) * e47
                 - T::from_f64(0.9762349902740747) * e46
                 - T::from_f64(0.12095948535747154) * e45,
             T::from_f64(0.07697421795475462) * e45
                 - (T::from_f64(0.189825799816729) * e46
                     + T::from_f64(0.9787957578035333) * e47),
-            T::from_f64(0.10455338104775243) * e46
+            T::from_f64(0.10455338104775241) * e46
                 - T::from_f64(0.09810615596981634) * e47
                 - T::from_f64(0.9896685165611309) * e45,
             T::from_f64(0.0765329641546823) * e49
@@ -11272,20 +11280,20 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.10853898993926647) * by_right_ankle_roll_x
                 + T::from_f64(0.9799904962356587) * e52
                 + T::from_f64(0.021782632782422214),
-            T::from_f64(0.5863673657787141) * by_right_ankle_pitch_x
-                + T::from_f64(0.8037588635830043) * e53
+            T::from_f64(0.5863673657787142) * by_right_ankle_pitch_x
+                + T::from_f64(0.8037588635830045) * e53
                 - T::from_f64(0.10072239850941322) * ky_right_ankle_pitch_z,
-            T::from_f64(0.17005552884933373) * by_right_ankle_pitch_x
+            T::from_f64(0.17005552884933375) * by_right_ankle_pitch_x
                 - T::from_f64(0.0005719435102985865) * e53
                 + T::from_f64(0.9854343154104156) * ky_right_ankle_pitch_z,
-            T::from_f64(0.5949549244206475) * e53
-                - T::from_f64(0.7919939579678023) * by_right_ankle_pitch_x
+            T::from_f64(0.5949549244206476) * e53
+                - T::from_f64(0.7919939579678025) * by_right_ankle_pitch_x
                 + T::from_f64(0.1370190076234553) * ky_right_ankle_pitch_z,
             T::from_f64(0.7773178779650478) * e54
                 - T::from_f64(0.6267063639442644) * by_right_knee_x
                 - T::from_f64(0.05491857598002902) * ky_right_knee_z,
             T::from_f64(0.9918697888935732) * ky_right_knee_z
-                - (T::from_f64(0.1237447090435664) * by_right_knee_x
+                - (T::from_f64(0.12374470904356641) * by_right_knee_x
                     + T::from_f64(0.029691225369481516) * e54),
             -(T::from_f64(0.7693675197039984) * by_right_knee_x
                 + T::from_f64(0.628406992109392) * e54
@@ -11299,34 +11307,34 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.1845079141011138) * by_right_hip_pitch_x
                 - T::from_f64(0.9670948621115415) * e55
                 - T::from_f64(0.17516951022228416) * ky_right_hip_pitch_z,
-            -(T::from_f64(0.03878223126667088) * by_right_hip_roll_x
-                + T::from_f64(0.03382383783872412) * by_right_hip_roll_y
+            -(T::from_f64(0.038782231266670894) * by_right_hip_roll_x
+                + T::from_f64(0.03382383783872411) * by_right_hip_roll_y
                 + T::from_f64(0.9986750655402579) * ky_right_hip_roll_z),
             T::from_f64(0.041130694271502954) * ky_right_hip_roll_z
-                - (T::from_f64(0.20656645943669893) * by_right_hip_roll_x
-                    + T::from_f64(0.9775676773628161) * by_right_hip_roll_y),
-            T::from_f64(0.2078879125137605) * by_right_hip_roll_y
-                - T::from_f64(0.9776636621935813) * by_right_hip_roll_x
+                - (T::from_f64(0.20656645943669896) * by_right_hip_roll_x
+                    + T::from_f64(0.9775676773628162) * by_right_hip_roll_y),
+            T::from_f64(0.20788791251376051) * by_right_hip_roll_y
+                - T::from_f64(0.9776636621935814) * by_right_hip_roll_x
                 + T::from_f64(0.03092538531540076) * ky_right_hip_roll_z,
-            T::from_f64(0.1597902036392451) * by_right_hip_yaw_x
+            T::from_f64(0.15979020363924512) * by_right_hip_yaw_x
                 + T::from_f64(0.9431024014938241) * e56
                 - T::from_f64(0.29159038241600355) * ky_right_hip_yaw_z,
             -(T::from_f64(0.8769571695433379) * by_right_hip_yaw_x
                 + T::from_f64(0.48056854119525716) * ky_right_hip_yaw_z),
-            T::from_f64(0.45322534528363045) * by_right_hip_yaw_x
+            T::from_f64(0.4532253452836305) * by_right_hip_yaw_x
                 - T::from_f64(0.3325024214898031) * e56
                 - T::from_f64(0.8270604126035483) * ky_right_hip_yaw_z,
-            T::from_f64(0.9920190772526524) * by_left_hip_yaw_x
-                + T::from_f64(0.03382383783872411) * e58
+            T::from_f64(0.9920190772526525) * by_left_hip_yaw_x
+                + T::from_f64(0.03382383783872412) * e58
                 + T::from_f64(0.12146644952683741) * ky_left_hip_yaw_z,
             T::from_f64(0.05811909856572281) * by_left_hip_yaw_x
-                - T::from_f64(0.977567677362816) * e58
+                - T::from_f64(0.9775676773628161) * e58
                 - T::from_f64(0.20244408254472904) * ky_left_hip_yaw_z,
             T::from_f64(0.9717315962146993) * ky_left_hip_yaw_z
-                - (T::from_f64(0.11189423912205597) * by_left_hip_yaw_x
-                    + T::from_f64(0.20788791251376054) * e58),
+                - (T::from_f64(0.11189423912205596) * by_left_hip_yaw_x
+                    + T::from_f64(0.20788791251376057) * e58),
             T::from_f64(0.9836381149720178) * ky_left_hip_roll_z
-                - (T::from_f64(0.015334607066110917) * by_left_hip_roll_x
+                - (T::from_f64(0.01533460706611091) * by_left_hip_roll_x
                     + T::from_f64(0.17950183453219504) * e59),
             T::from_f64(0.9824298694288612) * by_left_hip_roll_x
                 + T::from_f64(0.18029592085523005) * e59
@@ -11337,7 +11345,7 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.7773178779650479) * e60
                 - T::from_f64(0.6211037849606799) * by_left_hip_pitch_x
                 + T::from_f64(0.10003501838572533) * ky_left_hip_pitch_z,
-            T::from_f64(0.19505301897281857) * by_left_hip_pitch_x
+            T::from_f64(0.19505301897281854) * by_left_hip_pitch_x
                 + T::from_f64(0.029691225369481503) * e60
                 + T::from_f64(0.9803431801801081) * ky_left_hip_pitch_z,
             T::from_f64(0.1700595312557331) * ky_left_hip_pitch_z
@@ -11346,7 +11354,7 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.5924701423191099) * by_left_knee_x
                 + T::from_f64(0.8037588635830043) * e61
                 - T::from_f64(0.0543214476255111) * ky_left_knee_z,
-            T::from_f64(0.09053393944867548) * by_left_knee_x
+            T::from_f64(0.09053393944867547) * by_left_knee_x
                 + T::from_f64(0.0005719435102985865) * e61
                 + T::from_f64(0.9958932064677037) * ky_left_knee_z,
             T::from_f64(0.5949549244206475) * e61
@@ -11356,12 +11364,12 @@ pub fn regressor_full_sc<T: Real>(
                 - T::from_f64(0.1529122762239553) * e62
                 + T::from_f64(0.07453982498343462) * ky_left_ankle_pitch_z,
             T::from_f64(0.12742238056085947) * e62
-                - T::from_f64(0.055137091877253144) * by_left_ankle_pitch_x
+                - T::from_f64(0.05513709187725314) * by_left_ankle_pitch_x
                 + T::from_f64(0.9903148176370599) * ky_left_ankle_pitch_z,
             T::from_f64(0.16092933488917305) * by_left_ankle_pitch_x
                 + T::from_f64(0.9799904962356587) * e62
                 - T::from_f64(0.11713401068825438) * ky_left_ankle_pitch_z,
-            T::from_f64(0.20544888863102054) * by_left_ankle_roll_x
+            T::from_f64(0.20544888863102057) * by_left_ankle_roll_x
                 + T::from_f64(0.10175183865460506) * by_left_ankle_roll_y
                 + T::from_f64(0.9733639183217578) * ky_left_ankle_roll_z,
             T::from_f64(0.9938332711736169) * by_left_ankle_roll_y
@@ -11369,7 +11377,7 @@ pub fn regressor_full_sc<T: Real>(
                 - T::from_f64(0.0903121161329466) * ky_left_ankle_roll_z,
             T::from_f64(0.2107282709768754) * ky_left_ankle_roll_z
                 - (T::from_f64(0.9765508708573974) * by_left_ankle_roll_x
-                    + T::from_f64(0.044068043282578115) * by_left_ankle_roll_y),
+                    + T::from_f64(0.04406804328257811) * by_left_ankle_roll_y),
             T::from_f64(0.05013302902454261) * ky_waist_yaw_z
                 - (T::from_f64(0.11455324933025107) * by_waist_yaw_x
                     + T::from_f64(0.9921513153086609) * by_waist_yaw_y),
@@ -11377,12 +11385,12 @@ pub fn regressor_full_sc<T: Real>(
                 - T::from_f64(0.10849622545005164) * by_waist_yaw_y
                 + T::from_f64(0.11029266385399372) * ky_waist_yaw_z,
             T::from_f64(0.06216378844943306) * by_waist_yaw_y
-                - T::from_f64(0.1039877670920951) * by_waist_yaw_x
+                - T::from_f64(0.10398776709209512) * by_waist_yaw_x
                 + T::from_f64(0.9926339746859435) * ky_waist_yaw_z,
             -(T::from_f64(0.17939505485262935) * e65
                 + T::from_f64(0.9807695023204881) * e66
                 + T::from_f64(0.07686740279497044) * ky_waist_pitch_z),
-            T::from_f64(0.11629756483619715) * e65
+            T::from_f64(0.11629756483619717) * e65
                 - T::from_f64(0.09872950920933495) * e66
                 + T::from_f64(0.9882951787924771) * ky_waist_pitch_z,
             T::from_f64(0.1683557760497274) * e66 - T::from_f64(0.9768788516021794) * e65
@@ -11401,14 +11409,14 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.16852833895373615) * by_neck_pitch_x
                 - T::from_f64(0.9839824211070662) * e69
                 - T::from_f64(0.05811018776231015) * ky_neck_pitch_z,
-            T::from_f64(0.2281687790350744) * by_right_shoulder_pitch_y
-                - T::from_f64(0.9702869074347844) * by_right_shoulder_pitch_x
+            T::from_f64(0.22816877903507443) * by_right_shoulder_pitch_y
+                - T::from_f64(0.9702869074347845) * by_right_shoulder_pitch_x
                 - T::from_f64(0.08051289048522246) * ky_right_shoulder_pitch_z,
             T::from_f64(0.9762187971333224) * ky_right_shoulder_pitch_z
-                - (T::from_f64(0.1229863590090921) * by_right_shoulder_pitch_x
-                    + T::from_f64(0.17852511201860663) * by_right_shoulder_pitch_y),
-            T::from_f64(0.208369078220183) * by_right_shoulder_pitch_x
-                + T::from_f64(0.9571143049042719) * by_right_shoulder_pitch_y
+                - (T::from_f64(0.12298635900909212) * by_right_shoulder_pitch_x
+                    + T::from_f64(0.17852511201860666) * by_right_shoulder_pitch_y),
+            T::from_f64(0.20836907822018302) * by_right_shoulder_pitch_x
+                + T::from_f64(0.957114304904272) * by_right_shoulder_pitch_y
                 + T::from_f64(0.20128222621305616) * ky_right_shoulder_pitch_z,
             T::from_f64(0.09084250712834728) * e72
                 + T::from_f64(0.17842238701201812) * e73
@@ -11420,24 +11428,24 @@ pub fn regressor_full_sc<T: Real>(
                 + T::from_f64(0.19112556469695652) * e73
                 + T::from_f64(0.12507466537007475) * ky_right_shoulder_roll_z,
             T::from_f64(0.9963466490417511) * by_right_shoulder_yaw_y
-                - T::from_f64(0.010455594988115331) * by_right_shoulder_yaw_x
+                - T::from_f64(0.01045559498811533) * by_right_shoulder_yaw_x
                 - T::from_f64(0.08475868968264198) * e74,
             ky_right_elbow_z,
-            T::from_f64(0.12198194152801223) * by_right_shoulder_yaw_x
+            T::from_f64(0.12198194152801221) * by_right_shoulder_yaw_x
                 + T::from_f64(0.08540114134643578) * by_right_shoulder_yaw_y
                 + T::from_f64(0.9888513796308234) * e74,
-            T::from_f64(0.9829721203303412) * e75
-                - T::from_f64(0.18375475681808384) * by_right_elbow_x,
+            T::from_f64(0.9829721203303413) * e75
+                - T::from_f64(0.18375475681808387) * by_right_elbow_x,
             ky_right_elbow_z,
-            -(T::from_f64(0.9829721203303412) * by_right_elbow_x
-                + T::from_f64(0.18375475681808384) * e75),
+            -(T::from_f64(0.9829721203303413) * by_right_elbow_x
+                + T::from_f64(0.18375475681808387) * e75),
             T::from_f64(0.17981670296897617) * by_right_wrist_yaw_y
                 - T::from_f64(0.9762349902740747) * by_right_wrist_yaw_x
                 - T::from_f64(0.12095948535747154) * ky_right_wrist_yaw_z,
             T::from_f64(0.189825799816729) * by_right_wrist_yaw_x
                 + T::from_f64(0.9787957578035333) * by_right_wrist_yaw_y
                 - T::from_f64(0.07697421795475462) * ky_right_wrist_yaw_z,
-            T::from_f64(0.10455338104775243) * by_right_wrist_yaw_x
+            T::from_f64(0.10455338104775241) * by_right_wrist_yaw_x
                 - T::from_f64(0.09810615596981634) * by_right_wrist_yaw_y
                 - T::from_f64(0.9896685165611309) * ky_right_wrist_yaw_z,
             T::from_f64(0.13744769651506267) * by_right_wrist_roll_x
@@ -11458,14 +11466,14 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.005790325348442432) * by_right_wrist_pitch_y
                 - T::from_f64(0.9953246130777477) * by_right_wrist_pitch_x
                 - T::from_f64(0.09641258597294897) * ky_right_wrist_pitch_z,
-            T::from_f64(0.9702869074347844) * by_left_shoulder_pitch_x
-                + T::from_f64(0.2281687790350744) * e81
+            T::from_f64(0.9702869074347845) * by_left_shoulder_pitch_x
+                + T::from_f64(0.22816877903507443) * e81
                 + T::from_f64(0.08051289048522246) * ky_left_shoulder_pitch_z,
-            T::from_f64(0.17852511201860663) * e81
-                - T::from_f64(0.1229863590090921) * by_left_shoulder_pitch_x
+            T::from_f64(0.17852511201860666) * e81
+                - T::from_f64(0.12298635900909212) * by_left_shoulder_pitch_x
                 + T::from_f64(0.9762187971333224) * ky_left_shoulder_pitch_z,
-            T::from_f64(0.9571143049042719) * e81
-                - T::from_f64(0.208369078220183) * by_left_shoulder_pitch_x
+            T::from_f64(0.957114304904272) * e81
+                - T::from_f64(0.20836907822018302) * by_left_shoulder_pitch_x
                 - T::from_f64(0.20128222621305616) * ky_left_shoulder_pitch_z,
             T::from_f64(0.09084250712834728) * by_left_shoulder_roll_x
                 + T::from_f64(0.17842238701201812) * by_left_shoulder_roll_y
@@ -11476,25 +11484,25 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.9735642488309816) * by_left_shoulder_roll_x
                 + T::from_f64(0.19112556469695652) * by_left_shoulder_roll_y
                 - T::from_f64(0.12507466537007475) * ky_left_shoulder_roll_z,
-            T::from_f64(0.010455594988115331) * by_left_shoulder_yaw_x
+            T::from_f64(0.01045559498811533) * by_left_shoulder_yaw_x
                 + T::from_f64(0.9963466490417511) * e83
                 - T::from_f64(0.08475868968264198) * ky_left_shoulder_yaw_z,
             ky_left_elbow_z,
             T::from_f64(0.08540114134643578) * e83
-                - T::from_f64(0.12198194152801223) * by_left_shoulder_yaw_x
+                - T::from_f64(0.12198194152801221) * by_left_shoulder_yaw_x
                 + T::from_f64(0.9888513796308234) * ky_left_shoulder_yaw_z,
-            -(T::from_f64(0.18375475681808384) * e84
-                + T::from_f64(0.9829721203303412) * e85),
+            -(T::from_f64(0.18375475681808387) * e84
+                + T::from_f64(0.9829721203303413) * e85),
             ky_left_elbow_z,
-            T::from_f64(0.18375475681808384) * e85
-                - T::from_f64(0.9829721203303412) * e84,
+            T::from_f64(0.18375475681808387) * e85
+                - T::from_f64(0.9829721203303413) * e84,
             T::from_f64(0.17981670296897617) * e88
                 - T::from_f64(0.9762349902740747) * e87
                 - T::from_f64(0.12095948535747154) * e86,
             T::from_f64(0.07697421795475462) * e86
                 - (T::from_f64(0.189825799816729) * e87
                     + T::from_f64(0.9787957578035333) * e88),
-            T::from_f64(0.10455338104775243) * e87
+            T::from_f64(0.10455338104775241) * e87
                 - T::from_f64(0.09810615596981634) * e88
                 - T::from_f64(0.9896685165611309) * e86,
             T::from_f64(0.0765329641546823) * e90
@@ -11529,20 +11537,20 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.10853898993926647) * bz_right_ankle_roll_x
                 + T::from_f64(0.9799904962356587) * e93
                 + T::from_f64(0.025149328423963363),
-            T::from_f64(0.5863673657787141) * bz_right_ankle_pitch_x
-                + T::from_f64(0.8037588635830043) * e94
+            T::from_f64(0.5863673657787142) * bz_right_ankle_pitch_x
+                + T::from_f64(0.8037588635830045) * e94
                 - T::from_f64(0.10072239850941322) * kz_right_ankle_pitch_z,
-            T::from_f64(0.17005552884933373) * bz_right_ankle_pitch_x
+            T::from_f64(0.17005552884933375) * bz_right_ankle_pitch_x
                 - T::from_f64(0.0005719435102985865) * e94
                 + T::from_f64(0.9854343154104156) * kz_right_ankle_pitch_z,
-            T::from_f64(0.5949549244206475) * e94
-                - T::from_f64(0.7919939579678023) * bz_right_ankle_pitch_x
+            T::from_f64(0.5949549244206476) * e94
+                - T::from_f64(0.7919939579678025) * bz_right_ankle_pitch_x
                 + T::from_f64(0.1370190076234553) * kz_right_ankle_pitch_z,
             T::from_f64(0.7773178779650478) * e95
                 - T::from_f64(0.6267063639442644) * bz_right_knee_x
                 - T::from_f64(0.05491857598002902) * kz_right_knee_z,
             T::from_f64(0.9918697888935732) * kz_right_knee_z
-                - (T::from_f64(0.1237447090435664) * bz_right_knee_x
+                - (T::from_f64(0.12374470904356641) * bz_right_knee_x
                     + T::from_f64(0.029691225369481516) * e95),
             -(T::from_f64(0.7693675197039984) * bz_right_knee_x
                 + T::from_f64(0.628406992109392) * e95
@@ -11556,34 +11564,34 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.1845079141011138) * bz_right_hip_pitch_x
                 - T::from_f64(0.9670948621115415) * e96
                 - T::from_f64(0.17516951022228416) * kz_right_hip_pitch_z,
-            -(T::from_f64(0.03878223126667088) * bz_right_hip_roll_x
-                + T::from_f64(0.03382383783872412) * bz_right_hip_roll_y
+            -(T::from_f64(0.038782231266670894) * bz_right_hip_roll_x
+                + T::from_f64(0.03382383783872411) * bz_right_hip_roll_y
                 + T::from_f64(0.9986750655402579) * kz_right_hip_roll_z),
             T::from_f64(0.041130694271502954) * kz_right_hip_roll_z
-                - (T::from_f64(0.20656645943669893) * bz_right_hip_roll_x
-                    + T::from_f64(0.9775676773628161) * bz_right_hip_roll_y),
-            T::from_f64(0.2078879125137605) * bz_right_hip_roll_y
-                - T::from_f64(0.9776636621935813) * bz_right_hip_roll_x
+                - (T::from_f64(0.20656645943669896) * bz_right_hip_roll_x
+                    + T::from_f64(0.9775676773628162) * bz_right_hip_roll_y),
+            T::from_f64(0.20788791251376051) * bz_right_hip_roll_y
+                - T::from_f64(0.9776636621935814) * bz_right_hip_roll_x
                 + T::from_f64(0.03092538531540076) * kz_right_hip_roll_z,
-            T::from_f64(0.1597902036392451) * bz_right_hip_yaw_x
+            T::from_f64(0.15979020363924512) * bz_right_hip_yaw_x
                 + T::from_f64(0.9431024014938241) * e97
                 - T::from_f64(0.29159038241600355) * kz_right_hip_yaw_z,
             -(T::from_f64(0.8769571695433379) * bz_right_hip_yaw_x
                 + T::from_f64(0.48056854119525716) * kz_right_hip_yaw_z),
-            T::from_f64(0.45322534528363045) * bz_right_hip_yaw_x
+            T::from_f64(0.4532253452836305) * bz_right_hip_yaw_x
                 - T::from_f64(0.3325024214898031) * e97
                 - T::from_f64(0.8270604126035483) * kz_right_hip_yaw_z,
-            T::from_f64(0.9920190772526524) * bz_left_hip_yaw_x
-                + T::from_f64(0.03382383783872411) * e99
+            T::from_f64(0.9920190772526525) * bz_left_hip_yaw_x
+                + T::from_f64(0.03382383783872412) * e99
                 + T::from_f64(0.12146644952683741) * kz_left_hip_yaw_z,
             T::from_f64(0.05811909856572281) * bz_left_hip_yaw_x
-                - T::from_f64(0.977567677362816) * e99
+                - T::from_f64(0.9775676773628161) * e99
                 - T::from_f64(0.20244408254472904) * kz_left_hip_yaw_z,
             T::from_f64(0.9717315962146993) * kz_left_hip_yaw_z
-                - (T::from_f64(0.11189423912205597) * bz_left_hip_yaw_x
-                    + T::from_f64(0.20788791251376054) * e99),
+                - (T::from_f64(0.11189423912205596) * bz_left_hip_yaw_x
+                    + T::from_f64(0.20788791251376057) * e99),
             T::from_f64(0.9836381149720178) * kz_left_hip_roll_z
-                - (T::from_f64(0.015334607066110917) * bz_left_hip_roll_x
+                - (T::from_f64(0.01533460706611091) * bz_left_hip_roll_x
                     + T::from_f64(0.17950183453219504) * e100),
             T::from_f64(0.9824298694288612) * bz_left_hip_roll_x
                 + T::from_f64(0.18029592085523005) * e100
@@ -11594,7 +11602,7 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.7773178779650479) * e101
                 - T::from_f64(0.6211037849606799) * bz_left_hip_pitch_x
                 + T::from_f64(0.10003501838572533) * kz_left_hip_pitch_z,
-            T::from_f64(0.19505301897281857) * bz_left_hip_pitch_x
+            T::from_f64(0.19505301897281854) * bz_left_hip_pitch_x
                 + T::from_f64(0.029691225369481503) * e101
                 + T::from_f64(0.9803431801801081) * kz_left_hip_pitch_z,
             T::from_f64(0.1700595312557331) * kz_left_hip_pitch_z
@@ -11603,7 +11611,7 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.5924701423191099) * bz_left_knee_x
                 + T::from_f64(0.8037588635830043) * e102
                 - T::from_f64(0.0543214476255111) * kz_left_knee_z,
-            T::from_f64(0.09053393944867548) * bz_left_knee_x
+            T::from_f64(0.09053393944867547) * bz_left_knee_x
                 + T::from_f64(0.0005719435102985865) * e102
                 + T::from_f64(0.9958932064677037) * kz_left_knee_z,
             T::from_f64(0.5949549244206475) * e102
@@ -11613,12 +11621,12 @@ pub fn regressor_full_sc<T: Real>(
                 - T::from_f64(0.1529122762239553) * e103
                 + T::from_f64(0.07453982498343462) * kz_left_ankle_pitch_z,
             T::from_f64(0.12742238056085947) * e103
-                - T::from_f64(0.055137091877253144) * bz_left_ankle_pitch_x
+                - T::from_f64(0.05513709187725314) * bz_left_ankle_pitch_x
                 + T::from_f64(0.9903148176370599) * kz_left_ankle_pitch_z,
             T::from_f64(0.16092933488917305) * bz_left_ankle_pitch_x
                 + T::from_f64(0.9799904962356587) * e103
                 - T::from_f64(0.11713401068825438) * kz_left_ankle_pitch_z,
-            T::from_f64(0.20544888863102054) * bz_left_ankle_roll_x
+            T::from_f64(0.20544888863102057) * bz_left_ankle_roll_x
                 + T::from_f64(0.10175183865460506) * bz_left_ankle_roll_y
                 + T::from_f64(0.9733639183217578) * kz_left_ankle_roll_z,
             T::from_f64(0.9938332711736169) * bz_left_ankle_roll_y
@@ -11626,7 +11634,7 @@ pub fn regressor_full_sc<T: Real>(
                 - T::from_f64(0.0903121161329466) * kz_left_ankle_roll_z,
             T::from_f64(0.2107282709768754) * kz_left_ankle_roll_z
                 - (T::from_f64(0.9765508708573974) * bz_left_ankle_roll_x
-                    + T::from_f64(0.044068043282578115) * bz_left_ankle_roll_y),
+                    + T::from_f64(0.04406804328257811) * bz_left_ankle_roll_y),
             T::from_f64(0.05013302902454261) * kz_waist_yaw_z
                 - (T::from_f64(0.11455324933025107) * bz_waist_yaw_x
                     + T::from_f64(0.9921513153086609) * bz_waist_yaw_y),
@@ -11634,12 +11642,12 @@ pub fn regressor_full_sc<T: Real>(
                 - T::from_f64(0.10849622545005164) * bz_waist_yaw_y
                 + T::from_f64(0.11029266385399372) * kz_waist_yaw_z,
             T::from_f64(0.06216378844943306) * bz_waist_yaw_y
-                - T::from_f64(0.1039877670920951) * bz_waist_yaw_x
+                - T::from_f64(0.10398776709209512) * bz_waist_yaw_x
                 + T::from_f64(0.9926339746859435) * kz_waist_yaw_z,
             -(T::from_f64(0.17939505485262935) * e106
                 + T::from_f64(0.9807695023204881) * e107
                 + T::from_f64(0.07686740279497044) * kz_waist_pitch_z),
-            T::from_f64(0.11629756483619715) * e106
+            T::from_f64(0.11629756483619717) * e106
                 - T::from_f64(0.09872950920933495) * e107
                 + T::from_f64(0.9882951787924771) * kz_waist_pitch_z,
             T::from_f64(0.1683557760497274) * e107
@@ -11659,14 +11667,14 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.16852833895373615) * bz_neck_pitch_x
                 - T::from_f64(0.9839824211070662) * e110
                 - T::from_f64(0.05811018776231015) * kz_neck_pitch_z,
-            T::from_f64(0.2281687790350744) * bz_right_shoulder_pitch_y
-                - T::from_f64(0.9702869074347844) * bz_right_shoulder_pitch_x
+            T::from_f64(0.22816877903507443) * bz_right_shoulder_pitch_y
+                - T::from_f64(0.9702869074347845) * bz_right_shoulder_pitch_x
                 - T::from_f64(0.08051289048522246) * kz_right_shoulder_pitch_z,
             T::from_f64(0.9762187971333224) * kz_right_shoulder_pitch_z
-                - (T::from_f64(0.1229863590090921) * bz_right_shoulder_pitch_x
-                    + T::from_f64(0.17852511201860663) * bz_right_shoulder_pitch_y),
-            T::from_f64(0.208369078220183) * bz_right_shoulder_pitch_x
-                + T::from_f64(0.9571143049042719) * bz_right_shoulder_pitch_y
+                - (T::from_f64(0.12298635900909212) * bz_right_shoulder_pitch_x
+                    + T::from_f64(0.17852511201860666) * bz_right_shoulder_pitch_y),
+            T::from_f64(0.20836907822018302) * bz_right_shoulder_pitch_x
+                + T::from_f64(0.957114304904272) * bz_right_shoulder_pitch_y
                 + T::from_f64(0.20128222621305616) * kz_right_shoulder_pitch_z,
             T::from_f64(0.09084250712834728) * e113
                 + T::from_f64(0.17842238701201812) * e114
@@ -11678,24 +11686,24 @@ pub fn regressor_full_sc<T: Real>(
                 + T::from_f64(0.19112556469695652) * e114
                 + T::from_f64(0.12507466537007475) * kz_right_shoulder_roll_z,
             T::from_f64(0.9963466490417511) * bz_right_shoulder_yaw_y
-                - T::from_f64(0.010455594988115331) * bz_right_shoulder_yaw_x
+                - T::from_f64(0.01045559498811533) * bz_right_shoulder_yaw_x
                 - T::from_f64(0.08475868968264198) * e115,
             kz_right_elbow_z,
-            T::from_f64(0.12198194152801223) * bz_right_shoulder_yaw_x
+            T::from_f64(0.12198194152801221) * bz_right_shoulder_yaw_x
                 + T::from_f64(0.08540114134643578) * bz_right_shoulder_yaw_y
                 + T::from_f64(0.9888513796308234) * e115,
-            T::from_f64(0.9829721203303412) * e116
-                - T::from_f64(0.18375475681808384) * bz_right_elbow_x,
+            T::from_f64(0.9829721203303413) * e116
+                - T::from_f64(0.18375475681808387) * bz_right_elbow_x,
             kz_right_elbow_z,
-            -(T::from_f64(0.9829721203303412) * bz_right_elbow_x
-                + T::from_f64(0.18375475681808384) * e116),
+            -(T::from_f64(0.9829721203303413) * bz_right_elbow_x
+                + T::from_f64(0.18375475681808387) * e116),
             T::from_f64(0.17981670296897617) * bz_right_wrist_yaw_y
                 - T::from_f64(0.9762349902740747) * bz_right_wrist_yaw_x
                 - T::from_f64(0.12095948535747154) * kz_right_wrist_yaw_z,
             T::from_f64(0.189825799816729) * bz_right_wrist_yaw_x
                 + T::from_f64(0.9787957578035333) * bz_right_wrist_yaw_y
                 - T::from_f64(0.07697421795475462) * kz_right_wrist_yaw_z,
-            T::from_f64(0.10455338104775243) * bz_right_wrist_yaw_x
+            T::from_f64(0.10455338104775241) * bz_right_wrist_yaw_x
                 - T::from_f64(0.09810615596981634) * bz_right_wrist_yaw_y
                 - T::from_f64(0.9896685165611309) * kz_right_wrist_yaw_z,
             T::from_f64(0.13744769651506267) * bz_right_wrist_roll_x
@@ -11716,14 +11724,14 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.005790325348442432) * bz_right_wrist_pitch_y
                 - T::from_f64(0.9953246130777477) * bz_right_wrist_pitch_x
                 - T::from_f64(0.09641258597294897) * kz_right_wrist_pitch_z,
-            T::from_f64(0.9702869074347844) * bz_left_shoulder_pitch_x
-                + T::from_f64(0.2281687790350744) * e122
+            T::from_f64(0.9702869074347845) * bz_left_shoulder_pitch_x
+                + T::from_f64(0.22816877903507443) * e122
                 + T::from_f64(0.08051289048522246) * kz_left_shoulder_pitch_z,
-            T::from_f64(0.17852511201860663) * e122
-                - T::from_f64(0.1229863590090921) * bz_left_shoulder_pitch_x
+            T::from_f64(0.17852511201860666) * e122
+                - T::from_f64(0.12298635900909212) * bz_left_shoulder_pitch_x
                 + T::from_f64(0.9762187971333224) * kz_left_shoulder_pitch_z,
-            T::from_f64(0.9571143049042719) * e122
-                - T::from_f64(0.208369078220183) * bz_left_shoulder_pitch_x
+            T::from_f64(0.957114304904272) * e122
+                - T::from_f64(0.20836907822018302) * bz_left_shoulder_pitch_x
                 - T::from_f64(0.20128222621305616) * kz_left_shoulder_pitch_z,
             T::from_f64(0.09084250712834728) * bz_left_shoulder_roll_x
                 + T::from_f64(0.17842238701201812) * bz_left_shoulder_roll_y
@@ -11734,25 +11742,25 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.9735642488309816) * bz_left_shoulder_roll_x
                 + T::from_f64(0.19112556469695652) * bz_left_shoulder_roll_y
                 - T::from_f64(0.12507466537007475) * kz_left_shoulder_roll_z,
-            T::from_f64(0.010455594988115331) * bz_left_shoulder_yaw_x
+            T::from_f64(0.01045559498811533) * bz_left_shoulder_yaw_x
                 + T::from_f64(0.9963466490417511) * e124
                 - T::from_f64(0.08475868968264198) * kz_left_shoulder_yaw_z,
             kz_left_elbow_z,
             T::from_f64(0.08540114134643578) * e124
-                - T::from_f64(0.12198194152801223) * bz_left_shoulder_yaw_x
+                - T::from_f64(0.12198194152801221) * bz_left_shoulder_yaw_x
                 + T::from_f64(0.9888513796308234) * kz_left_shoulder_yaw_z,
-            -(T::from_f64(0.18375475681808384) * e125
-                + T::from_f64(0.9829721203303412) * e126),
+            -(T::from_f64(0.18375475681808387) * e125
+                + T::from_f64(0.9829721203303413) * e126),
             kz_left_elbow_z,
-            T::from_f64(0.18375475681808384) * e126
-                - T::from_f64(0.9829721203303412) * e125,
+            T::from_f64(0.18375475681808387) * e126
+                - T::from_f64(0.9829721203303413) * e125,
             T::from_f64(0.17981670296897617) * e129
                 - T::from_f64(0.9762349902740747) * e128
                 - T::from_f64(0.12095948535747154) * e127,
             T::from_f64(0.07697421795475462) * e127
                 - (T::from_f64(0.189825799816729) * e128
                     + T::from_f64(0.9787957578035333) * e129),
-            T::from_f64(0.10455338104775243) * e128
+            T::from_f64(0.10455338104775241) * e128
                 - T::from_f64(0.09810615596981634) * e129
                 - T::from_f64(0.9896685165611309) * e127,
             T::from_f64(0.0765329641546823) * e131
@@ -11804,16 +11812,16 @@ pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
     let v_left_wrist_yaw_x = r[57] + w_left_wrist_roll_x;
     let v_left_wrist_yaw_y = r[58] + t_left_wrist_roll_x;
     let e2 = T::from_f64(0.9968143242066551) * sin[27]
-        + T::from_f64(0.07975715050344799) * cos[27];
+        + T::from_f64(0.079757150503448) * cos[27];
     let c_left_wrist_yaw = T::from_f64(0.9968143242066551) * cos[27]
-        - T::from_f64(0.07975715050344799) * sin[27];
+        - T::from_f64(0.079757150503448) * sin[27];
     let t_left_wrist_yaw_x = c_left_wrist_yaw * v_left_wrist_yaw_x
         - e2 * v_left_wrist_yaw_y;
     let e3 = e2 * v_left_wrist_yaw_x + c_left_wrist_yaw * v_left_wrist_yaw_y;
     // left_elbow
     let w_left_wrist_yaw_x = T::from_f64(0.15904161977640188) * e3
-        + T::from_f64(0.9872718790580933) * w_left_wrist_roll_z;
-    let w_left_wrist_yaw_z = T::from_f64(0.9872718790580933) * e3
+        + T::from_f64(0.9872718790580934) * w_left_wrist_roll_z;
+    let w_left_wrist_yaw_z = T::from_f64(0.9872718790580934) * e3
         - T::from_f64(0.15904161977640188) * w_left_wrist_roll_z;
     let v_left_elbow_x = r[55] + w_left_wrist_yaw_x;
     let v_left_elbow_y = r[56] + t_left_wrist_yaw_x;
@@ -11853,17 +11861,17 @@ pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
         - s_left_shoulder_roll * v_left_shoulder_roll_x;
     // left_shoulder_pitch
     let w_left_shoulder_roll_x = T::from_f64(0.2834710957352705) * t_left_shoulder_roll_y
-        - T::from_f64(0.9589807807681262) * e5;
-    let e6 = T::from_f64(0.9589807807681262) * t_left_shoulder_roll_y
+        - T::from_f64(0.9589807807681263) * e5;
+    let e6 = T::from_f64(0.9589807807681263) * t_left_shoulder_roll_y
         + T::from_f64(0.2834710957352705) * e5;
     let v_left_shoulder_pitch_x = r[49] + w_left_shoulder_roll_x;
     let v_left_shoulder_pitch_y = r[50]
         - (c_left_shoulder_roll * v_left_shoulder_roll_x
             + s_left_shoulder_roll * v_left_shoulder_roll_y);
     let e7 = T::from_f64(0.9998888779453979) * sin[23]
-        + T::from_f64(0.01490743979002152) * cos[23];
+        + T::from_f64(0.014907439790021298) * cos[23];
     let c_left_shoulder_pitch = T::from_f64(0.9998888779453979) * cos[23]
-        - T::from_f64(0.01490743979002152) * sin[23];
+        - T::from_f64(0.014907439790021298) * sin[23];
     let e8 = e7 * v_left_shoulder_pitch_x
         + c_left_shoulder_pitch * v_left_shoulder_pitch_y;
     let t_left_shoulder_pitch_y = e7 * v_left_shoulder_pitch_y
@@ -11891,16 +11899,16 @@ pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
     let v_right_wrist_yaw_x = r[43] + w_right_wrist_roll_x;
     let v_right_wrist_yaw_y = r[44] + t_right_wrist_roll_x;
     let e10 = T::from_f64(0.9968143242066551) * sin[20]
-        + T::from_f64(0.07975715050344799) * cos[20];
+        + T::from_f64(0.079757150503448) * cos[20];
     let c_right_wrist_yaw = T::from_f64(0.9968143242066551) * cos[20]
-        - T::from_f64(0.07975715050344799) * sin[20];
+        - T::from_f64(0.079757150503448) * sin[20];
     let t_right_wrist_yaw_x = c_right_wrist_yaw * v_right_wrist_yaw_x
         - e10 * v_right_wrist_yaw_y;
     let e11 = e10 * v_right_wrist_yaw_x + c_right_wrist_yaw * v_right_wrist_yaw_y;
     // right_elbow
     let w_right_wrist_yaw_x = T::from_f64(0.15904161977640188) * e11
-        + T::from_f64(0.9872718790580933) * w_right_wrist_roll_z;
-    let w_right_wrist_yaw_z = T::from_f64(0.9872718790580933) * e11
+        + T::from_f64(0.9872718790580934) * w_right_wrist_roll_z;
+    let w_right_wrist_yaw_z = T::from_f64(0.9872718790580934) * e11
         - T::from_f64(0.15904161977640188) * w_right_wrist_roll_z;
     let v_right_elbow_x = r[41] + w_right_wrist_yaw_x;
     let v_right_elbow_y = r[42] + t_right_wrist_yaw_x;
@@ -11941,8 +11949,8 @@ pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
         - s_right_shoulder_roll * v_right_shoulder_roll_x;
     // right_shoulder_pitch
     let w_right_shoulder_roll_x = T::from_f64(0.2834710957352705)
-        * t_right_shoulder_roll_y - T::from_f64(0.9589807807681262) * e13;
-    let e14 = T::from_f64(0.9589807807681262) * t_right_shoulder_roll_y
+        * t_right_shoulder_roll_y - T::from_f64(0.9589807807681263) * e13;
+    let e14 = T::from_f64(0.9589807807681263) * t_right_shoulder_roll_y
         + T::from_f64(0.2834710957352705) * e13;
     let v_right_shoulder_pitch_x = r[35] + w_right_shoulder_roll_x;
     let v_right_shoulder_pitch_y = r[36]
@@ -11980,9 +11988,9 @@ pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
     let w_right_shoulder_pitch_y = t_right_shoulder_pitch_y
         - T::from_f64(0.14086963671593916) * e19;
     let w_right_shoulder_pitch_z = T::from_f64(0.20944016387466197) * e19 - e14;
-    let e20 = T::from_f64(0.117838714587223) * e8 + t_left_shoulder_pitch_y
+    let e20 = T::from_f64(0.11783871458722316) * e8 + t_left_shoulder_pitch_y
         + T::from_f64(0.09248191489966293) * e6;
-    let w_left_shoulder_pitch_x = T::from_f64(0.2305051546121803) * e20 - e8;
+    let w_left_shoulder_pitch_x = T::from_f64(0.2305051546121806) * e20 - e8;
     let w_left_shoulder_pitch_y = t_left_shoulder_pitch_y
         - T::from_f64(1.956107170887058) * e20;
     let w_left_shoulder_pitch_z = T::from_f64(0.1809045369125973) * e20 - e6;
@@ -12041,9 +12049,9 @@ pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
     let t_left_knee_y = c_left_knee * v_left_knee_x + s_left_knee * v_left_knee_y;
     // left_hip_pitch
     let w_left_knee_x = T::from_f64(0.9973888291864126) * t_left_knee_y
-        + T::from_f64(0.07221858080963142) * w_left_ankle_pitch_z;
+        + T::from_f64(0.0722185808096314) * w_left_ankle_pitch_z;
     let w_left_knee_z = T::from_f64(0.9973888291864126) * w_left_ankle_pitch_z
-        - T::from_f64(0.07221858080963142) * t_left_knee_y;
+        - T::from_f64(0.0722185808096314) * t_left_knee_y;
     let v_left_hip_pitch_x = r[19] + w_left_knee_x;
     let v_left_hip_pitch_y = r[20] + t_left_knee_x;
     let e25 = T::from_f64(0.9876670233130993) * sin[8]
@@ -12061,19 +12069,19 @@ pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
         - T::from_f64(0.9981717798828137) * t_left_hip_pitch_y;
     let v_left_hip_roll_x = r[17] + w_left_hip_pitch_x;
     let v_left_hip_roll_y = r[18] + t_left_hip_pitch_x;
-    let s_left_hip_roll = T::from_f64(0.3365622831750796) * cos[7]
+    let s_left_hip_roll = T::from_f64(0.3365622831750795) * cos[7]
         - T::from_f64(0.9416612074116558) * sin[7];
     let c_left_hip_roll = T::from_f64(0.9416612074116558) * cos[7]
-        + T::from_f64(0.3365622831750796) * sin[7];
+        + T::from_f64(0.3365622831750795) * sin[7];
     let t_left_hip_roll_x = c_left_hip_roll * v_left_hip_roll_x
         + s_left_hip_roll * v_left_hip_roll_y;
     let t_left_hip_roll_y = s_left_hip_roll * v_left_hip_roll_x
         - c_left_hip_roll * v_left_hip_roll_y;
     // left_hip_yaw
     let w_left_hip_roll_x = T::from_f64(0.08292767473984561) * t_left_hip_roll_y
-        + T::from_f64(0.996555568326344) * w_left_hip_pitch_z;
+        + T::from_f64(0.9965555683263441) * w_left_hip_pitch_z;
     let w_left_hip_roll_z = T::from_f64(0.08292767473984561) * w_left_hip_pitch_z
-        - T::from_f64(0.996555568326344) * t_left_hip_roll_y;
+        - T::from_f64(0.9965555683263441) * t_left_hip_roll_y;
     let v_left_hip_yaw_x = r[15] + w_left_hip_roll_x;
     let v_left_hip_yaw_y = r[16] + t_left_hip_roll_x;
     let e26 = T::from_f64(0.9948843845593177) * sin[6]
@@ -12083,23 +12091,23 @@ pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
     let t_left_hip_yaw_x = e26 * v_left_hip_yaw_y - c_left_hip_yaw * v_left_hip_yaw_x;
     let t_left_hip_yaw_y = e26 * v_left_hip_yaw_x + c_left_hip_yaw * v_left_hip_yaw_y;
     // right_hip_yaw
-    let w_left_hip_yaw_x = T::from_f64(0.8428760553163271) * w_left_hip_roll_z
+    let w_left_hip_yaw_x = T::from_f64(0.8428760553163273) * w_left_hip_roll_z
         - T::from_f64(0.538107754426925) * t_left_hip_yaw_y;
     let e27 = w_waist_pitch_z
-        - (T::from_f64(0.19252104104496942) * t_waist_yaw_x
+        - (T::from_f64(0.19252104104496945) * t_waist_yaw_x
             + T::from_f64(0.11944678826051937) * t_waist_yaw_y);
-    let w_waist_yaw_x = t_waist_yaw_x + T::from_f64(0.3662421800811955) * e27;
+    let w_waist_yaw_x = t_waist_yaw_x + T::from_f64(0.3662421800811956) * e27;
     let w_waist_yaw_y = t_waist_yaw_y + T::from_f64(0.22722945969324562) * e27;
     let w_waist_yaw_z = w_waist_pitch_z - T::from_f64(1.9023488450576578) * e27;
     let v_right_hip_yaw_x = r[13] + w_left_hip_yaw_x + w_waist_yaw_x;
     let v_right_hip_yaw_y = r[14] + t_left_hip_yaw_x + w_waist_yaw_y;
     let v_right_hip_yaw_z = w_waist_yaw_z
-        - (T::from_f64(0.8428760553163271) * t_left_hip_yaw_y
+        - (T::from_f64(0.8428760553163273) * t_left_hip_yaw_y
             + T::from_f64(0.538107754426925) * w_left_hip_roll_z);
     let s_right_hip_yaw = T::from_f64(0.9948843845593177) * sin[0]
-        + T::from_f64(0.10102010374191711) * cos[0];
+        + T::from_f64(0.10102010374191714) * cos[0];
     let c_right_hip_yaw = T::from_f64(0.9948843845593177) * cos[0]
-        - T::from_f64(0.10102010374191711) * sin[0];
+        - T::from_f64(0.10102010374191714) * sin[0];
     let t_right_hip_yaw_x = c_right_hip_yaw * v_right_hip_yaw_x
         + s_right_hip_yaw * v_right_hip_yaw_y;
     let t_right_hip_yaw_y = s_right_hip_yaw * v_right_hip_yaw_x
@@ -12136,28 +12144,28 @@ pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
         - c_right_hip_pitch * v_right_hip_pitch_y;
     // right_knee
     let w_right_hip_pitch_x = T::from_f64(0.9973888291864124) * t_right_hip_pitch_y
-        + T::from_f64(0.07221858080963141) * w_right_hip_roll_z;
+        + T::from_f64(0.0722185808096314) * w_right_hip_roll_z;
     let w_right_hip_pitch_z = T::from_f64(0.9973888291864124) * w_right_hip_roll_z
-        - T::from_f64(0.07221858080963141) * t_right_hip_pitch_y;
+        - T::from_f64(0.0722185808096314) * t_right_hip_pitch_y;
     let v_right_knee_x = r[7] + w_right_hip_pitch_x;
     let v_right_knee_y = r[8] + t_right_hip_pitch_x;
     let s_right_knee = T::from_f64(0.7635454556520245) * sin[3]
-        - T::from_f64(0.645754084116502) * cos[3];
+        - T::from_f64(0.6457540841165019) * cos[3];
     let c_right_knee = T::from_f64(0.7635454556520245) * cos[3]
-        + T::from_f64(0.645754084116502) * sin[3];
+        + T::from_f64(0.6457540841165019) * sin[3];
     let t_right_knee_x = c_right_knee * v_right_knee_y - s_right_knee * v_right_knee_x;
     let t_right_knee_y = c_right_knee * v_right_knee_x + s_right_knee * v_right_knee_y;
     // right_ankle_pitch
     let w_right_knee_x = T::from_f64(0.9659918591802843) * t_right_knee_y
-        + T::from_f64(0.258572481129407) * w_right_hip_pitch_z;
+        + T::from_f64(0.2585724811294071) * w_right_hip_pitch_z;
     let w_right_knee_z = T::from_f64(0.9659918591802843) * w_right_hip_pitch_z
-        - T::from_f64(0.258572481129407) * t_right_knee_y;
+        - T::from_f64(0.2585724811294071) * t_right_knee_y;
     let v_right_ankle_pitch_x = r[5] + w_right_knee_x;
     let v_right_ankle_pitch_y = r[6] + t_right_knee_x;
-    let s_right_ankle_pitch = T::from_f64(0.9846119913216708) * sin[4]
-        + T::from_f64(0.1747547611528053) * cos[4];
-    let c_right_ankle_pitch = T::from_f64(0.9846119913216708) * cos[4]
-        - T::from_f64(0.1747547611528053) * sin[4];
+    let s_right_ankle_pitch = T::from_f64(0.9846119913216709) * sin[4]
+        + T::from_f64(0.17475476115280528) * cos[4];
+    let c_right_ankle_pitch = T::from_f64(0.9846119913216709) * cos[4]
+        - T::from_f64(0.17475476115280528) * sin[4];
     let t_right_ankle_pitch_x = c_right_ankle_pitch * v_right_ankle_pitch_x
         + s_right_ankle_pitch * v_right_ankle_pitch_y;
     let t_right_ankle_pitch_y = s_right_ankle_pitch * v_right_ankle_pitch_x

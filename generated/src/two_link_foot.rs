@@ -34,6 +34,9 @@ pub const FULL_PARAMS: usize = 9;
 /// Joints in the order of `q`.
 #[allow(dead_code, clippy::all)]
 pub const JOINT_NAMES: [&str; DOF] = ["ankle", "knee"];
+/// Which joints slide: their `q` is in metres, the others' in radians.
+#[allow(dead_code, clippy::all)]
+pub const SLIDING: [bool; DOF] = [false, false];
 /// Base parameters in the order of `r`: link and axis in its frame.
 #[allow(dead_code, clippy::all)]
 pub const PARAM_NAMES: [&str; BASE_PARAMS] = [
@@ -57,9 +60,9 @@ pub const SELF_TEST_COM: [f64; 3] = [0.04638925589239512, 0.0, 0.448142708775701
 /// Robot `two_link` standing on `foot`.
 #[allow(dead_code, clippy::all)]
 #[derive(Debug, Clone, Copy)]
-pub struct Robot;
+pub struct TwoLinkFoot;
 #[allow(dead_code, clippy::all)]
-impl Sesc<DOF, BASE_PARAMS, FULL_PARAMS> for Robot {
+impl Sesc<DOF, BASE_PARAMS, FULL_PARAMS> for TwoLinkFoot {
     const JOINT_NAMES: [&'static str; DOF] = JOINT_NAMES;
     const CAD_PARAMS: [f64; BASE_PARAMS] = CAD_PARAMS;
     #[inline]
@@ -92,7 +95,7 @@ impl Sesc<DOF, BASE_PARAMS, FULL_PARAMS> for Robot {
     }
 }
 #[allow(dead_code, clippy::all)]
-impl sesc_runtime::SescFromSinCos<DOF, BASE_PARAMS, FULL_PARAMS> for Robot {
+impl sesc_runtime::SescFromSinCos<DOF, BASE_PARAMS, FULL_PARAMS> for TwoLinkFoot {
     #[inline]
     fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
         com_sc(sin, cos, r)

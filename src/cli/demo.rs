@@ -20,7 +20,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "FILE", default_value = "sesc-demo.html")]
     out: PathBuf,
     /// Seed of postures and noise
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 3)]
     seed: u64,
 }
 
@@ -37,7 +37,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     }
     output::write(&arguments.out, &page)?;
     print(&text(&demo))?;
-    print(&format!("\nreport with figures: {}\n", arguments.out.display()))?;
+    print(&format!(
+        "\nreport with figures: {}\n",
+        arguments.out.display()
+    ))?;
     if demo.verification.pass {
         Ok(Outcome::Ok)
     } else {
@@ -63,7 +66,14 @@ fn text(demo: &Demo) -> String {
         demo.lines,
         demo.verification.samples
     );
-    let mut functions = Table::new(&["function", "mul", "add", "sin_cos", "worst error, m", "allowed, m"]);
+    let mut functions = Table::new(&[
+        "function",
+        "mul",
+        "add",
+        "sin_cos",
+        "worst error, m",
+        "allowed, m",
+    ]);
     for row in &report.functions {
         functions.row(&[
             row.name.clone(),
@@ -87,7 +97,14 @@ fn text(demo: &Demo) -> String {
         demo.ranks[1],
         demo.condition_number
     );
-    let mut lengths = Table::new(&["body", "|r| CAD, mm", "63 columns, mm", "base part CAD, mm", "identified, mm", "not observable"]);
+    let mut lengths = Table::new(&[
+        "body",
+        "|r| CAD, mm",
+        "63 columns, mm",
+        "base part CAD, mm",
+        "identified, mm",
+        "not observable",
+    ]);
     for row in &report.lengths {
         lengths.row(&[
             row.body.clone(),

@@ -61,18 +61,33 @@ fn text(i: &Inspection) -> String {
         out,
         "{} SESC parameters, {} base parameters; rank {} from CoM rows, {} from flat CoP rows \
          (numerically {} and {})\n",
-        i.full_params, i.base_params, i.rank.xyz, i.rank.cop, i.numeric_rank.xyz, i.numeric_rank.cop
+        i.full_params,
+        i.base_params,
+        i.rank.xyz,
+        i.rank.cop,
+        i.numeric_rank.xyz,
+        i.numeric_rank.cop
     );
     let mut parameters = Table::new(&["base parameter", "CAD, mm"]);
     for parameter in &i.parameters {
-        parameters.row(&[parameter.name.clone(), format!("{:.4}", 1e3 * parameter.cad)]);
+        parameters.row(&[
+            parameter.name.clone(),
+            format!("{:.4}", 1e3 * parameter.cad),
+        ]);
     }
     let _ = writeln!(out, "{parameters}");
     let _ = writeln!(out, "What no data can see:");
     for direction in &i.unobservable {
         let _ = writeln!(out, "  {}", direction.sentence);
     }
-    let mut costs = Table::new(&["function", "mul", "add", "sin_cos", "rounding f64, m", "f32, m"]);
+    let mut costs = Table::new(&[
+        "function",
+        "mul",
+        "add",
+        "sin_cos",
+        "rounding f64, m",
+        "f32, m",
+    ]);
     for (name, operations) in &i.operations {
         costs.row(&[
             name.to_string(),

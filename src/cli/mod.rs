@@ -97,26 +97,38 @@ struct RobotArguments {
 
 impl RobotArguments {
     fn snapping(&self) -> Snapping {
-        if self.no_snap { Snapping::Off } else { Snapping::default() }
+        if self.no_snap {
+            Snapping::Off
+        } else {
+            Snapping::default()
+        }
     }
 
     /// The support from the flag, else from `fallback` (a log's sidecar).
     fn support(&self, robot: &Robot, fallback: Option<&str>) -> Result<String, Error> {
-        self.support.as_deref().or(fallback).map(str::to_string).ok_or_else(|| {
-            let links: Vec<&str> = robot
-                .description
-                .robot
-                .links
-                .iter()
-                .map(|link| link.name.as_str())
-                .take(12)
-                .collect();
-            Error::Usage(format!(
-                "no support link given; add --support LINK (the robot has {}{})",
-                links.join(", "),
-                if robot.description.robot.links.len() > links.len() { ", …" } else { "" }
-            ))
-        })
+        self.support
+            .as_deref()
+            .or(fallback)
+            .map(str::to_string)
+            .ok_or_else(|| {
+                let links: Vec<&str> = robot
+                    .description
+                    .robot
+                    .links
+                    .iter()
+                    .map(|link| link.name.as_str())
+                    .take(12)
+                    .collect();
+                Error::Usage(format!(
+                    "no support link given; add --support LINK (the robot has {}{})",
+                    links.join(", "),
+                    if robot.description.robot.links.len() > links.len() {
+                        ", …"
+                    } else {
+                        ""
+                    }
+                ))
+            })
     }
 
     /// Read the robot and build its model, saying on stderr what was noticed.
@@ -152,8 +164,8 @@ fn print(text: &str) -> Result<(), Error> {
 
 /// A value as JSON on stdout.
 fn print_json(value: &impl serde::Serialize) -> Result<(), Error> {
-    let text = serde_json::to_string_pretty(value)
-        .map_err(|error| Error::Report(Box::new(error)))?;
+    let text =
+        serde_json::to_string_pretty(value).map_err(|error| Error::Report(Box::new(error)))?;
     print(&(text + "\n"))
 }
 

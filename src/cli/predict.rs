@@ -41,7 +41,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let mut predictor = Predictor::new(arguments, &robot, &sidecar);
     // Joints are the same on every support: any model can match the header.
     let first = first_support(arguments, &robot, &sidecar)?;
-    let dofs = robot.model(&first, arguments.robot.snapping(), None)?.tree.dofs;
+    let dofs = robot
+        .model(&first, arguments.robot.snapping(), None)?
+        .tree
+        .dofs;
     let angles = match (arguments.degrees, sidecar.angles) {
         (true, _) => Angles::Deg,
         (false, angles) => angles.unwrap_or(Angles::Rad),
@@ -142,12 +145,15 @@ impl<'a> Predictor<'a> {
     fn evaluator(&mut self, support: &str) -> Result<&Evaluator, Error> {
         if !self.evaluators.contains_key(support) {
             let file = self.arguments.model.as_deref();
-            let model: Model = self.robot.model(support, self.arguments.robot.snapping(), file)?;
+            let model: Model = self
+                .robot
+                .model(support, self.arguments.robot.snapping(), file)?;
             if self.evaluators.is_empty() {
                 notes(&model);
             }
             let evaluator = Evaluator::new(&model, Function::Com);
-            self.evaluators.insert(support.to_string(), (evaluator, model.dof()));
+            self.evaluators
+                .insert(support.to_string(), (evaluator, model.dof()));
         }
         Ok(&self.evaluators[support].0)
     }

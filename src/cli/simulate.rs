@@ -46,14 +46,20 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     if let Some(range) = arguments.range.filter(|r| !(r.is_finite() && *r > 0.0)) {
-        return Err(Error::Usage(format!("--range {range}: give a positive number of degrees")));
+        return Err(Error::Usage(format!(
+            "--range {range}: give a positive number of degrees"
+        )));
     }
     let noise = arguments.noise;
     if !(noise.is_finite() && noise >= 0.0) {
-        return Err(Error::Usage(format!("--noise {noise}: give metres, zero or more")));
+        return Err(Error::Usage(format!(
+            "--noise {noise}: give metres, zero or more"
+        )));
     }
     if arguments.out.extension().is_some_and(|e| e == "toml") {
-        return Err(Error::Usage("--out ends in .toml, which is the sidecar's; use .csv".into()));
+        return Err(Error::Usage(
+            "--out ends in .toml, which is the sidecar's; use .csv".into(),
+        ));
     }
     let (_, model) = arguments.robot.load(arguments.model.as_deref())?;
     write_log(arguments, &model)?;
@@ -65,7 +71,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let text = toml::to_string(&sidecar).map_err(|error| Error::Report(Box::new(error)))?;
     let path = Sidecar::path(&arguments.out);
     output::write(&path, &text)?;
-    message(&format!("wrote {} and {}", arguments.out.display(), path.display()));
+    message(&format!(
+        "wrote {} and {}",
+        arguments.out.display(),
+        path.display()
+    ));
     Ok(Outcome::Ok)
 }
 

@@ -9,7 +9,9 @@ use crate::verify::verify;
 
 /// Compare the generated functions with the independent reference
 #[derive(Args)]
-#[command(after_help = "Example:\n  sesc verify robots/op2/op2.urdf --support r_sole --samples 10000")]
+#[command(
+    after_help = "Example:\n  sesc verify robots/op2/op2.urdf --support r_sole --samples 10000"
+)]
 pub(super) struct Arguments {
     #[command(flatten)]
     robot: RobotArguments,
@@ -54,5 +56,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
             found.samples
         ))?;
     }
-    Ok(if found.pass { Outcome::Ok } else { Outcome::Failed })
+    Ok(if found.pass {
+        Outcome::Ok
+    } else {
+        Outcome::Failed
+    })
 }

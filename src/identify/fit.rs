@@ -38,8 +38,15 @@ pub fn least_squares(rows: DMatrix<f64>, readings: &DVector<f64>) -> Option<Fit>
     let largest = svd.singular_values.max();
     let seen = |s: &&f64| **s > UNSEEN * largest;
     let rank = svd.singular_values.iter().filter(seen).count();
-    let smallest = svd.singular_values.iter().filter(seen).copied().fold(largest, f64::min);
-    let params = svd.solve(&(q.transpose() * readings), UNSEEN * largest).ok()?;
+    let smallest = svd
+        .singular_values
+        .iter()
+        .filter(seen)
+        .copied()
+        .fold(largest, f64::min);
+    let params = svd
+        .solve(&(q.transpose() * readings), UNSEEN * largest)
+        .ok()?;
     let residuals = &rows * &params - readings;
     Some(Fit {
         rank,

@@ -15,7 +15,15 @@ use super::sidecar::Angles;
 use crate::Error;
 
 /// Columns that are not joints but have a meaning.
-const KNOWN: [&str; 7] = ["pose", "t", "support", "cop_x", "cop_y", "cop_x_std", "cop_y_std"];
+const KNOWN: [&str; 7] = [
+    "pose",
+    "t",
+    "support",
+    "cop_x",
+    "cop_y",
+    "cop_x_std",
+    "cop_y_std",
+];
 
 /// A turning joint further out than this was hardly logged in radians.
 const FULL_TURN: f64 = 6.3;
@@ -53,7 +61,9 @@ impl PostureReader {
             file: name.clone(),
             source,
         })?;
-        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(file);
+        let mut reader = csv::ReaderBuilder::new()
+            .trim(csv::Trim::All)
+            .from_reader(file);
         let header = match reader.headers() {
             Ok(header) => header.clone(),
             Err(error) => return Err(fault(&name, error)),
@@ -64,7 +74,9 @@ impl PostureReader {
             message,
         };
         if header.iter().all(str::is_empty) {
-            return Err(bad("no header row; a log starts with the names of its columns".into()));
+            return Err(bad(
+                "no header row; a log starts with the names of its columns".into(),
+            ));
         }
         let mut columns: HashMap<&str, usize> = HashMap::new();
         for (k, column) in header.iter().enumerate() {
@@ -88,7 +100,10 @@ impl PostureReader {
             Angles::Deg if !dof.prismatic => std::f64::consts::PI / 180.0,
             _ => 1.0,
         };
-        let joints = dofs.iter().map(|dof| (columns[dof.joint.as_str()], scale(dof))).collect();
+        let joints = dofs
+            .iter()
+            .map(|dof| (columns[dof.joint.as_str()], scale(dof)))
+            .collect();
         let known = |column: &str| {
             KNOWN.contains(&column)
                 || column.starts_with("fsr_")
@@ -137,9 +152,12 @@ impl PostureReader {
         };
         let pose = match self.pose {
             None => self.next_pose,
-            Some(k) => self.record[k]
-                .parse()
-                .map_err(|_| bad(format!("column `pose`: `{}` is no whole number", &self.record[k])))?,
+            Some(k) => self.record[k].parse().map_err(|_| {
+                bad(format!(
+                    "column `pose`: `{}` is no whole number",
+                    &self.record[k]
+                ))
+            })?,
         };
         self.next_pose = pose.saturating_add(1);
         for (&(k, scale), dof) in self.joints.iter().zip(&self.dofs) {
@@ -174,7 +192,9 @@ impl PostureReader {
 fn fault(file: &str, error: csv::Error) -> Error {
     let line = error.position().map(csv::Position::line);
     let message = match error.kind() {
-        csv::ErrorKind::UnequalLengths { expected_len, len, .. } => format!(
+        csv::ErrorKind::UnequalLengths {
+            expected_len, len, ..
+        } => format!(
             "{len} fields where the header has {expected_len}; the row is ragged or cut off"
         ),
         csv::ErrorKind::Utf8 { .. } => "not text; is this a CSV file?".to_string(),
@@ -189,7 +209,11 @@ fn fault(file: &str, error: csv::Error) -> Error {
 
 /// Names for a message, a dozen at most.
 fn list(names: &[&str]) -> String {
-    let shown: Vec<String> = names.iter().take(12).map(|name| format!("`{name}`")).collect();
+    let shown: Vec<String> = names
+        .iter()
+        .take(12)
+        .map(|name| format!("`{name}`"))
+        .collect();
     let more = names.len() - shown.len();
     match more {
         0 => shown.join(", "),

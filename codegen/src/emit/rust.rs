@@ -87,6 +87,7 @@ fn constants(model: &Model) -> TokenStream {
     ]
     .map(Literal::usize_unsuffixed);
     let joints = model.tree.dofs.iter().map(|dof| &dof.joint);
+    let sliding = model.tree.dofs.iter().map(|dof| dof.prismatic);
     let params = model.base.params.iter().map(|param| &param.name);
     let cad = model.base.params.iter().map(|param| number(param.cad));
     let posture = model.self_test_posture();
@@ -118,6 +119,9 @@ fn constants(model: &Model) -> TokenStream {
         /// Joints in the order of `q`.
         #allow
         pub const JOINT_NAMES: [&str; DOF] = [#(#joints),*];
+        /// Which joints slide: their `q` is in metres, the others' in radians.
+        #allow
+        pub const SLIDING: [bool; DOF] = [#(#sliding),*];
         /// Base parameters in the order of `r`: link and axis in its frame.
         #allow
         pub const PARAM_NAMES: [&str; BASE_PARAMS] = [#(#params),*];

@@ -51,7 +51,10 @@ fn main() {
             q[j] += 0.5 * dt * qd[j];
         }
         if tick % 250 == 0 {
-            println!("{tick:4} ms  ankle roll moment {:.4} m", state.ankle_roll_moment);
+            println!(
+                "{tick:4} ms  CoM {:.4?} m, ankle roll moment {:.4} m",
+                state.com, state.ankle_roll_moment
+            );
         }
     }
     let com = op2::com(&q, &op2::CAD_PARAMS);

@@ -6,19 +6,19 @@
 // snapped        thumb: 3.7e-6 rad to a right angle, CoM moves by at most 2.3e-8 m
 //
 // function                 mul     add   sin_cos   proven |rounding error|, m
-// com                       16      17         2   1.2e-15 (f64)  1.2e-7 (f32)
-// com_jacobian              32      26         2   7.9e-16 (f64)  6.5e-8 (f32)
-// gravity_moments           18      14         2   6.3e-16 (f64)  5.4e-8 (f32)
-// regressor                 23      17         2   2.6e-14 (f64)  1.8e-6 (f32)
-// regressor_cop             16      12         2   2.5e-14 (f64)  1.8e-6 (f32)
-// regressor_full            38      35         2   2.7e-14 (f64)  1.8e-6 (f32)
-// cop                       13      14         2   1.1e-15 (f64)  8.4e-8 (f32)
+// com                       16      15         2   1.2e-15 (f64)  1.1e-7 (f32)
+// com_jacobian              32      24         2   7.8e-16 (f64)  5.8e-8 (f32)
+// gravity_moments           18      12         2   6.2e-16 (f64)  4.9e-8 (f32)
+// regressor                 23      15         2   2.5e-14 (f64)  1.5e-6 (f32)
+// regressor_cop             16      10         2   2.5e-14 (f64)  1.5e-6 (f32)
+// regressor_full            38      30         2   2.6e-14 (f64)  1.5e-6 (f32)
+// cop                       13      12         2   1.1e-15 (f64)  7.8e-8 (f32)
 // com_sc                    24      19         0   1.6e-15 (f64)  1.3e-7 (f32)
 // com_jacobian_sc           40      28         0   1.3e-15 (f64)  8.0e-8 (f32)
 // gravity_moments_sc        26      16         0   1.1e-15 (f64)  7.1e-8 (f32)
 // regressor_sc              31      19         0   4.7e-14 (f64)  2.5e-6 (f32)
 // regressor_cop_sc          24      14         0   4.7e-14 (f64)  2.5e-6 (f32)
-// regressor_full_sc         46      37         0   4.9e-14 (f64)  2.6e-6 (f32)
+// regressor_full_sc         46      34         0   4.9e-14 (f64)  2.6e-6 (f32)
 // cop_sc                    21      16         0   1.5e-15 (f64)  9.7e-8 (f32)
 // Bounds hold inside the joint limits for |r| up to the CAD values.
 
@@ -35,6 +35,9 @@ pub const FULL_PARAMS: usize = 13;
 /// Joints in the order of `q`.
 #[allow(dead_code, clippy::all)]
 pub const JOINT_NAMES: [&str; DOF] = ["lift", "wrist"];
+/// Which joints slide: their `q` is in metres, the others' in radians.
+#[allow(dead_code, clippy::all)]
+pub const SLIDING: [bool; DOF] = [true, false];
 /// Base parameters in the order of `r`: link and axis in its frame.
 #[allow(dead_code, clippy::all)]
 pub const PARAM_NAMES: [&str; BASE_PARAMS] = [
@@ -155,14 +158,14 @@ impl sesc_runtime::SescFromSinCos<DOF, BASE_PARAMS, FULL_PARAMS> for Lift {
 #[allow(dead_code, clippy::all)]
 pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
     // thumb
-    let e1 = q[1] + T::from_f64(-0.5636476090008061);
+    let e1 = q[1] - T::from_f64(0.5636476090008061);
     let (s_thumb, c_thumb) = e1.sin_cos();
     let t_thumb_x = c_thumb * r[6] + s_thumb * r[7];
     let t_thumb_y = s_thumb * r[6] - c_thumb * r[7];
     // wrist
     let v_wrist_x = r[4] - T::from_f64(0.6666666666666666) * t_thumb_y;
     let v_wrist_y = r[5] + t_thumb_x;
-    let e2 = q[1] + T::from_f64(-0.4636476090008061);
+    let e2 = q[1] - T::from_f64(0.4636476090008061);
     let (s_wrist, c_wrist) = e2.sin_cos();
     let t_wrist_x = c_wrist * v_wrist_x - s_wrist * v_wrist_y;
     let e3 = s_wrist * v_wrist_x + c_wrist * v_wrist_y;
@@ -182,14 +185,14 @@ pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
 #[allow(dead_code, clippy::all)]
 pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3] {
     // thumb
-    let e1 = q[1] + T::from_f64(-0.5636476090008061);
+    let e1 = q[1] - T::from_f64(0.5636476090008061);
     let (s_thumb, c_thumb) = e1.sin_cos();
     let t_thumb_x = c_thumb * r[6] + s_thumb * r[7];
     let t_thumb_y = s_thumb * r[6] - c_thumb * r[7];
     // wrist
     let v_wrist_x = r[4] - T::from_f64(0.6666666666666666) * t_thumb_y;
     let v_wrist_y = r[5] + t_thumb_x;
-    let e2 = q[1] + T::from_f64(-0.4636476090008061);
+    let e2 = q[1] - T::from_f64(0.4636476090008061);
     let (s_wrist, c_wrist) = e2.sin_cos();
     let t_wrist_x = c_wrist * v_wrist_x - s_wrist * v_wrist_y;
     let e3 = s_wrist * v_wrist_x + c_wrist * v_wrist_y;
@@ -199,25 +202,18 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     let bx_wrist_x = e4 + e5;
     let e6 = T::from_f64(0.6666666666666666) * c_wrist;
     let e7 = T::from_f64(0.6666666666666667) * s_wrist;
-    // thumb
-    let kx_thumb_y = T::from_f64(-0.24845199749997665)
-        - T::from_f64(0.6666666666666666) * bx_wrist_x;
     // wrist
     let by_wrist_x = T::from_f64(0.33333333333333326) * s_wrist - e6;
     let by_wrist_y = T::from_f64(0.33333333333333326) * c_wrist + e5;
-    // thumb
-    let ky_thumb_y = T::from_f64(-0.4969039949999533)
-        - T::from_f64(0.6666666666666666) * by_wrist_x;
     // wrist
     let bz_wrist_x = T::from_f64(0.33333333333333337) * c_wrist - e7;
-    // thumb
-    let kz_thumb_y = T::from_f64(-0.49690399499995314)
-        - T::from_f64(0.6666666666666666) * bz_wrist_x;
     let zero = T::from_f64(0.0);
     [
         [
             zero,
-            kx_thumb_y * t_thumb_x + (e7 - e6) * t_thumb_y
+            (e7 - e6) * t_thumb_y
+                - (T::from_f64(0.6666666666666666) * bx_wrist_x
+                    + T::from_f64(0.24845199749997665)) * t_thumb_x
                 - (T::from_f64(0.6666666666666667) * e3
                     - T::from_f64(0.6666666666666666) * t_wrist_x),
         ],
@@ -225,12 +221,15 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
             zero,
             T::from_f64(0.33333333333333326) * t_wrist_x
                 + T::from_f64(0.6666666666666666) * e3
-                + (ky_thumb_y * t_thumb_x - by_wrist_y * t_thumb_y),
+                - ((T::from_f64(0.6666666666666666) * by_wrist_x
+                    + T::from_f64(0.4969039949999533)) * t_thumb_x
+                    + by_wrist_y * t_thumb_y),
         ],
         [
             r[3],
-            kz_thumb_y * t_thumb_x
-                + (e4 + T::from_f64(0.33333333333333337) * s_wrist) * t_thumb_y
+            (e4 + T::from_f64(0.33333333333333337) * s_wrist) * t_thumb_y
+                - (T::from_f64(0.6666666666666666) * bz_wrist_x
+                    + T::from_f64(0.49690399499995314)) * t_thumb_x
                 - (T::from_f64(0.6666666666666667) * t_wrist_x
                     + T::from_f64(0.33333333333333337) * e3),
         ],
@@ -240,37 +239,35 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
 #[allow(dead_code, clippy::all)]
 pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] {
     // thumb
-    let e1 = q[1] + T::from_f64(-0.5636476090008061);
+    let e1 = q[1] - T::from_f64(0.5636476090008061);
     let (s_thumb, c_thumb) = e1.sin_cos();
     let t_thumb_x = c_thumb * r[6] + s_thumb * r[7];
     let t_thumb_y = s_thumb * r[6] - c_thumb * r[7];
     // wrist
     let v_wrist_x = r[4] - T::from_f64(0.6666666666666666) * t_thumb_y;
     let v_wrist_y = r[5] + t_thumb_x;
-    let e2 = q[1] + T::from_f64(-0.4636476090008061);
+    let e2 = q[1] - T::from_f64(0.4636476090008061);
     let (s_wrist, c_wrist) = e2.sin_cos();
     let t_wrist_x = c_wrist * v_wrist_x - s_wrist * v_wrist_y;
     // wrist
     let bz_wrist_x = T::from_f64(0.33333333333333337) * c_wrist
         - T::from_f64(0.6666666666666667) * s_wrist;
-    // thumb
-    let kz_thumb_y = T::from_f64(-0.49690399499995314)
-        - T::from_f64(0.6666666666666666) * bz_wrist_x;
     [
         -r[3],
         T::from_f64(0.6666666666666667) * t_wrist_x
             + T::from_f64(0.33333333333333337)
                 * (s_wrist * v_wrist_x + c_wrist * v_wrist_y)
-            - (kz_thumb_y * t_thumb_x
-                + (T::from_f64(0.6666666666666667) * c_wrist
-                    + T::from_f64(0.33333333333333337) * s_wrist) * t_thumb_y),
+            - ((T::from_f64(0.6666666666666667) * c_wrist
+                + T::from_f64(0.33333333333333337) * s_wrist) * t_thumb_y
+                - (T::from_f64(0.6666666666666666) * bz_wrist_x
+                    + T::from_f64(0.49690399499995314)) * t_thumb_x),
     ]
 }
 /// Rows of the base regressor: CoM = rows · r.
 #[allow(dead_code, clippy::all)]
 pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     // wrist
-    let e1 = q[1] + T::from_f64(-0.4636476090008061);
+    let e1 = q[1] - T::from_f64(0.4636476090008061);
     let (s_wrist, c_wrist) = e1.sin_cos();
     let e2 = T::from_f64(0.6666666666666667) * c_wrist;
     let e3 = T::from_f64(0.6666666666666666) * s_wrist;
@@ -280,29 +277,29 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     let e6 = e5 - e4;
     let bx_wrist_y = -e6;
     // thumb
-    let e7 = q[1] + T::from_f64(-0.5636476090008061);
+    let e7 = q[1] - T::from_f64(0.5636476090008061);
     let (s_thumb, c_thumb) = e7.sin_cos();
-    let kx_thumb_y = T::from_f64(-0.24845199749997665)
-        - T::from_f64(0.6666666666666666) * bx_wrist_x;
-    let bx_thumb_x = kx_thumb_y * s_thumb - e6 * c_thumb;
-    let bx_thumb_y = -(kx_thumb_y * c_thumb + e6 * s_thumb);
+    let e8 = T::from_f64(0.6666666666666666) * bx_wrist_x
+        + T::from_f64(0.24845199749997665);
+    let bx_thumb_x = -(e6 * c_thumb + e8 * s_thumb);
+    let bx_thumb_y = -(e6 * s_thumb - e8 * c_thumb);
     // wrist
     let by_wrist_x = T::from_f64(0.33333333333333326) * s_wrist - e4;
     let by_wrist_y = T::from_f64(0.33333333333333326) * c_wrist + e3;
     // thumb
-    let ky_thumb_y = T::from_f64(-0.4969039949999533)
-        - T::from_f64(0.6666666666666666) * by_wrist_x;
-    let by_thumb_x = by_wrist_y * c_thumb + ky_thumb_y * s_thumb;
-    let by_thumb_y = -(ky_thumb_y * c_thumb - by_wrist_y * s_thumb);
+    let e9 = T::from_f64(0.6666666666666666) * by_wrist_x
+        + T::from_f64(0.4969039949999533);
+    let by_thumb_x = by_wrist_y * c_thumb - e9 * s_thumb;
+    let by_thumb_y = e9 * c_thumb + by_wrist_y * s_thumb;
     // wrist
     let bz_wrist_x = T::from_f64(0.33333333333333337) * c_wrist - e5;
-    let e8 = e2 + T::from_f64(0.33333333333333337) * s_wrist;
-    let bz_wrist_y = -e8;
+    let e10 = e2 + T::from_f64(0.33333333333333337) * s_wrist;
+    let bz_wrist_y = -e10;
     // thumb
-    let kz_thumb_y = T::from_f64(-0.49690399499995314)
-        - T::from_f64(0.6666666666666666) * bz_wrist_x;
-    let bz_thumb_x = kz_thumb_y * s_thumb - e8 * c_thumb;
-    let bz_thumb_y = -(kz_thumb_y * c_thumb + e8 * s_thumb);
+    let e11 = T::from_f64(0.6666666666666666) * bz_wrist_x
+        + T::from_f64(0.49690399499995314);
+    let bz_thumb_x = -(e10 * c_thumb + e11 * s_thumb);
+    let bz_thumb_y = -(e10 * s_thumb - e11 * c_thumb);
     let zero = T::from_f64(0.0);
     let one = T::from_f64(1.0);
     [
@@ -315,7 +312,7 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
 #[allow(dead_code, clippy::all)]
 pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
     // wrist
-    let e1 = q[1] + T::from_f64(-0.4636476090008061);
+    let e1 = q[1] - T::from_f64(0.4636476090008061);
     let (s_wrist, c_wrist) = e1.sin_cos();
     let e2 = T::from_f64(0.6666666666666666) * s_wrist;
     let bx_wrist_x = T::from_f64(0.6666666666666667) * c_wrist + e2;
@@ -323,20 +320,20 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
     let e4 = T::from_f64(0.6666666666666667) * s_wrist - e3;
     let bx_wrist_y = -e4;
     // thumb
-    let e5 = q[1] + T::from_f64(-0.5636476090008061);
+    let e5 = q[1] - T::from_f64(0.5636476090008061);
     let (s_thumb, c_thumb) = e5.sin_cos();
-    let kx_thumb_y = T::from_f64(-0.24845199749997665)
-        - T::from_f64(0.6666666666666666) * bx_wrist_x;
-    let bx_thumb_x = kx_thumb_y * s_thumb - e4 * c_thumb;
-    let bx_thumb_y = -(kx_thumb_y * c_thumb + e4 * s_thumb);
+    let e6 = T::from_f64(0.6666666666666666) * bx_wrist_x
+        + T::from_f64(0.24845199749997665);
+    let bx_thumb_x = -(e4 * c_thumb + e6 * s_thumb);
+    let bx_thumb_y = -(e4 * s_thumb - e6 * c_thumb);
     // wrist
     let by_wrist_x = T::from_f64(0.33333333333333326) * s_wrist - e3;
     let by_wrist_y = T::from_f64(0.33333333333333326) * c_wrist + e2;
     // thumb
-    let ky_thumb_y = T::from_f64(-0.4969039949999533)
-        - T::from_f64(0.6666666666666666) * by_wrist_x;
-    let by_thumb_x = by_wrist_y * c_thumb + ky_thumb_y * s_thumb;
-    let by_thumb_y = -(ky_thumb_y * c_thumb - by_wrist_y * s_thumb);
+    let e7 = T::from_f64(0.6666666666666666) * by_wrist_x
+        + T::from_f64(0.4969039949999533);
+    let by_thumb_x = by_wrist_y * c_thumb - e7 * s_thumb;
+    let by_thumb_y = e7 * c_thumb + by_wrist_y * s_thumb;
     let zero = T::from_f64(0.0);
     let one = T::from_f64(1.0);
     [
@@ -348,7 +345,7 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
 #[allow(dead_code, clippy::all)]
 pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     // wrist
-    let e1 = q[1] + T::from_f64(-0.4636476090008061);
+    let e1 = q[1] - T::from_f64(0.4636476090008061);
     let (s_wrist, c_wrist) = e1.sin_cos();
     let e2 = T::from_f64(0.6666666666666667) * c_wrist;
     let e3 = T::from_f64(0.6666666666666666) * s_wrist;
@@ -357,34 +354,34 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     let e5 = T::from_f64(0.6666666666666667) * s_wrist;
     let e6 = e5 - e4;
     // thumb
-    let e7 = q[1] + T::from_f64(-0.5636476090008061);
+    let e7 = q[1] - T::from_f64(0.5636476090008061);
     let (s_thumb, c_thumb) = e7.sin_cos();
-    let kx_thumb_y = T::from_f64(-0.24845199749997665)
-        - T::from_f64(0.6666666666666666) * bx_wrist_x;
-    let e8 = T::from_f64(0.7453559924999299) * bx_wrist_x;
-    let kx_thumb_z = e8 + T::from_f64(-0.22222222222222224);
-    let bx_thumb_x = kx_thumb_y * s_thumb - e6 * c_thumb;
-    let bx_thumb_y = -(kx_thumb_y * c_thumb + e6 * s_thumb);
+    let e8 = T::from_f64(0.6666666666666666) * bx_wrist_x
+        + T::from_f64(0.24845199749997665);
+    let kx_thumb_z = T::from_f64(0.7453559924999299) * bx_wrist_x
+        - T::from_f64(0.22222222222222224);
+    let bx_thumb_x = -(e6 * c_thumb + e8 * s_thumb);
+    let bx_thumb_y = -(e6 * s_thumb - e8 * c_thumb);
     // wrist
     let by_wrist_x = T::from_f64(0.33333333333333326) * s_wrist - e4;
     let by_wrist_y = T::from_f64(0.33333333333333326) * c_wrist + e3;
     // thumb
-    let ky_thumb_y = T::from_f64(-0.4969039949999533)
-        - T::from_f64(0.6666666666666666) * by_wrist_x;
-    let e9 = T::from_f64(0.7453559924999299) * by_wrist_x;
-    let ky_thumb_z = e9 + T::from_f64(-0.4444444444444445);
-    let by_thumb_x = by_wrist_y * c_thumb + ky_thumb_y * s_thumb;
-    let by_thumb_y = -(ky_thumb_y * c_thumb - by_wrist_y * s_thumb);
+    let e9 = T::from_f64(0.6666666666666666) * by_wrist_x
+        + T::from_f64(0.4969039949999533);
+    let ky_thumb_z = T::from_f64(0.7453559924999299) * by_wrist_x
+        - T::from_f64(0.4444444444444445);
+    let by_thumb_x = by_wrist_y * c_thumb - e9 * s_thumb;
+    let by_thumb_y = e9 * c_thumb + by_wrist_y * s_thumb;
     // wrist
     let bz_wrist_x = T::from_f64(0.33333333333333337) * c_wrist - e5;
     let e10 = e2 + T::from_f64(0.33333333333333337) * s_wrist;
     // thumb
-    let kz_thumb_y = T::from_f64(-0.49690399499995314)
-        - T::from_f64(0.6666666666666666) * bz_wrist_x;
-    let e11 = T::from_f64(0.7453559924999299) * bz_wrist_x;
-    let kz_thumb_z = e11 + T::from_f64(-0.4444444444444443);
-    let bz_thumb_x = kz_thumb_y * s_thumb - e10 * c_thumb;
-    let bz_thumb_y = -(kz_thumb_y * c_thumb + e10 * s_thumb);
+    let e11 = T::from_f64(0.6666666666666666) * bz_wrist_x
+        + T::from_f64(0.49690399499995314);
+    let kz_thumb_z = T::from_f64(0.7453559924999299) * bz_wrist_x
+        - T::from_f64(0.4444444444444443);
+    let bz_thumb_x = -(e10 * c_thumb + e11 * s_thumb);
+    let bz_thumb_y = -(e10 * s_thumb - e11 * c_thumb);
     let zero = T::from_f64(0.0);
     let one = T::from_f64(1.0);
     [
@@ -399,7 +396,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.29814239699997197) * bx_wrist_x
                 - T::from_f64(0.8944271909999159) * e6
                 + T::from_f64(0.11111111111111112),
-            T::from_f64(0.22222222222222224) - e8,
+            -kx_thumb_z,
             T::from_f64(0.5962847939999439) * bx_wrist_x
                 + T::from_f64(0.4472135954999579) * e6
                 + T::from_f64(0.22222222222222224),
@@ -418,7 +415,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.29814239699997197) * by_wrist_x
                 + T::from_f64(0.8944271909999159) * by_wrist_y
                 + T::from_f64(0.22222222222222224),
-            T::from_f64(0.4444444444444445) - e9,
+            -ky_thumb_z,
             T::from_f64(0.5962847939999439) * by_wrist_x
                 - T::from_f64(0.4472135954999579) * by_wrist_y
                 + T::from_f64(0.4444444444444445),
@@ -437,7 +434,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.29814239699997197) * bz_wrist_x
                 - T::from_f64(0.8944271909999159) * e10
                 + T::from_f64(0.22222222222222215),
-            T::from_f64(0.4444444444444443) - e11,
+            -kz_thumb_z,
             T::from_f64(0.5962847939999439) * bz_wrist_x
                 + T::from_f64(0.4472135954999579) * e10
                 + T::from_f64(0.4444444444444443),
@@ -451,14 +448,14 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
 #[allow(dead_code, clippy::all)]
 pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
     // thumb
-    let e1 = q[1] + T::from_f64(-0.5636476090008061);
+    let e1 = q[1] - T::from_f64(0.5636476090008061);
     let (s_thumb, c_thumb) = e1.sin_cos();
     let t_thumb_x = c_thumb * r[6] + s_thumb * r[7];
     let t_thumb_y = s_thumb * r[6] - c_thumb * r[7];
     // wrist
     let v_wrist_x = r[4] - T::from_f64(0.6666666666666666) * t_thumb_y;
     let v_wrist_y = r[5] + t_thumb_x;
-    let e2 = q[1] + T::from_f64(-0.4636476090008061);
+    let e2 = q[1] - T::from_f64(0.4636476090008061);
     let (s_wrist, c_wrist) = e2.sin_cos();
     let t_wrist_x = c_wrist * v_wrist_x - s_wrist * v_wrist_y;
     let e3 = s_wrist * v_wrist_x + c_wrist * v_wrist_y;
@@ -538,24 +535,20 @@ pub fn com_jacobian_sc<T: Real>(
     let e4 = T::from_f64(0.6666666666666667) * s_wrist;
     let bx_wrist_y = e3 + e4;
     // thumb
-    let kx_thumb_y = T::from_f64(-0.24845199749997665)
-        - T::from_f64(0.6666666666666666) * bx_wrist_x;
-    // thumb
     let ky_thumb_y = T::from_f64(0.6666666666666666)
         * (e3 + T::from_f64(0.33333333333333326) * s_wrist)
-        + T::from_f64(-0.4969039949999533);
+        - T::from_f64(0.4969039949999533);
     // wrist
     let bz_wrist_x = T::from_f64(0.33333333333333337) * c_wrist + e4;
-    // thumb
-    let kz_thumb_y = T::from_f64(-0.49690399499995314)
-        - T::from_f64(0.6666666666666666) * bz_wrist_x;
     let zero = T::from_f64(0.0);
     [
         [
             zero,
             T::from_f64(0.6666666666666666) * t_wrist_x
                 + T::from_f64(0.6666666666666667) * t_wrist_y
-                + (kx_thumb_y * t_thumb_x - bx_wrist_y * t_thumb_y),
+                - ((T::from_f64(0.6666666666666666) * bx_wrist_x
+                    + T::from_f64(0.24845199749997665)) * t_thumb_x
+                    + bx_wrist_y * t_thumb_y),
         ],
         [
             zero,
@@ -566,8 +559,9 @@ pub fn com_jacobian_sc<T: Real>(
         ],
         [
             r[3],
-            kz_thumb_y * t_thumb_x
-                + (e1 - T::from_f64(0.33333333333333337) * s_wrist) * t_thumb_y
+            (e1 - T::from_f64(0.33333333333333337) * s_wrist) * t_thumb_y
+                - (T::from_f64(0.6666666666666666) * bz_wrist_x
+                    + T::from_f64(0.49690399499995314)) * t_thumb_x
                 - (T::from_f64(0.6666666666666667) * t_wrist_x
                     - T::from_f64(0.33333333333333337) * t_wrist_y),
         ],
@@ -601,16 +595,14 @@ pub fn gravity_moments_sc<T: Real>(
     // wrist
     let bz_wrist_x = T::from_f64(0.33333333333333337) * c_wrist
         + T::from_f64(0.6666666666666667) * s_wrist;
-    // thumb
-    let kz_thumb_y = T::from_f64(-0.49690399499995314)
-        - T::from_f64(0.6666666666666666) * bz_wrist_x;
     [
         -r[3],
         T::from_f64(0.6666666666666667) * t_wrist_x
             - T::from_f64(0.33333333333333337) * t_wrist_y
-            - (kz_thumb_y * t_thumb_x
-                + (T::from_f64(0.6666666666666667) * c_wrist
-                    - T::from_f64(0.33333333333333337) * s_wrist) * t_thumb_y),
+            - ((T::from_f64(0.6666666666666667) * c_wrist
+                - T::from_f64(0.33333333333333337) * s_wrist) * t_thumb_y
+                - (T::from_f64(0.6666666666666666) * bz_wrist_x
+                    + T::from_f64(0.49690399499995314)) * t_thumb_x),
     ]
 }
 /// Rows of the base regressor: CoM = rows · r.
@@ -634,29 +626,29 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
         - T::from_f64(0.534273112710767) * cos[1];
     let c_thumb = T::from_f64(0.8453119193731673) * cos[1]
         + T::from_f64(0.534273112710767) * sin[1];
-    let kx_thumb_y = T::from_f64(-0.24845199749997665)
-        - T::from_f64(0.6666666666666666) * bx_wrist_x;
-    let bx_thumb_x = bx_wrist_y * c_thumb + kx_thumb_y * s_thumb;
-    let bx_thumb_y = -(kx_thumb_y * c_thumb - bx_wrist_y * s_thumb);
+    let e5 = T::from_f64(0.6666666666666666) * bx_wrist_x
+        + T::from_f64(0.24845199749997665);
+    let bx_thumb_x = bx_wrist_y * c_thumb - e5 * s_thumb;
+    let bx_thumb_y = e5 * c_thumb + bx_wrist_y * s_thumb;
     // wrist
-    let e5 = e3 + T::from_f64(0.33333333333333326) * s_wrist;
-    let by_wrist_x = -e5;
-    let e6 = e2 - T::from_f64(0.33333333333333326) * c_wrist;
-    let by_wrist_y = -e6;
+    let e6 = e3 + T::from_f64(0.33333333333333326) * s_wrist;
+    let by_wrist_x = -e6;
+    let e7 = e2 - T::from_f64(0.33333333333333326) * c_wrist;
+    let by_wrist_y = -e7;
     // thumb
-    let ky_thumb_y = T::from_f64(0.6666666666666666) * e5
-        + T::from_f64(-0.4969039949999533);
-    let by_thumb_x = ky_thumb_y * s_thumb - e6 * c_thumb;
-    let by_thumb_y = -(ky_thumb_y * c_thumb + e6 * s_thumb);
+    let ky_thumb_y = T::from_f64(0.6666666666666666) * e6
+        - T::from_f64(0.4969039949999533);
+    let by_thumb_x = ky_thumb_y * s_thumb - e7 * c_thumb;
+    let by_thumb_y = -(ky_thumb_y * c_thumb + e7 * s_thumb);
     // wrist
     let bz_wrist_x = T::from_f64(0.33333333333333337) * c_wrist + e4;
-    let e7 = e1 - T::from_f64(0.33333333333333337) * s_wrist;
-    let bz_wrist_y = -e7;
+    let e8 = e1 - T::from_f64(0.33333333333333337) * s_wrist;
+    let bz_wrist_y = -e8;
     // thumb
-    let kz_thumb_y = T::from_f64(-0.49690399499995314)
-        - T::from_f64(0.6666666666666666) * bz_wrist_x;
-    let bz_thumb_x = kz_thumb_y * s_thumb - e7 * c_thumb;
-    let bz_thumb_y = -(kz_thumb_y * c_thumb + e7 * s_thumb);
+    let e9 = T::from_f64(0.6666666666666666) * bz_wrist_x
+        + T::from_f64(0.49690399499995314);
+    let bz_thumb_x = -(e8 * c_thumb + e9 * s_thumb);
+    let bz_thumb_y = -(e8 * s_thumb - e9 * c_thumb);
     let zero = T::from_f64(0.0);
     let one = T::from_f64(1.0);
     [
@@ -687,20 +679,20 @@ pub fn regressor_cop_sc<T: Real>(
         - T::from_f64(0.534273112710767) * cos[1];
     let c_thumb = T::from_f64(0.8453119193731673) * cos[1]
         + T::from_f64(0.534273112710767) * sin[1];
-    let kx_thumb_y = T::from_f64(-0.24845199749997665)
-        - T::from_f64(0.6666666666666666) * bx_wrist_x;
-    let bx_thumb_x = bx_wrist_y * c_thumb + kx_thumb_y * s_thumb;
-    let bx_thumb_y = -(kx_thumb_y * c_thumb - bx_wrist_y * s_thumb);
+    let e3 = T::from_f64(0.6666666666666666) * bx_wrist_x
+        + T::from_f64(0.24845199749997665);
+    let bx_thumb_x = bx_wrist_y * c_thumb - e3 * s_thumb;
+    let bx_thumb_y = e3 * c_thumb + bx_wrist_y * s_thumb;
     // wrist
-    let e3 = e2 + T::from_f64(0.33333333333333326) * s_wrist;
-    let by_wrist_x = -e3;
-    let e4 = e1 - T::from_f64(0.33333333333333326) * c_wrist;
-    let by_wrist_y = -e4;
+    let e4 = e2 + T::from_f64(0.33333333333333326) * s_wrist;
+    let by_wrist_x = -e4;
+    let e5 = e1 - T::from_f64(0.33333333333333326) * c_wrist;
+    let by_wrist_y = -e5;
     // thumb
-    let ky_thumb_y = T::from_f64(0.6666666666666666) * e3
-        + T::from_f64(-0.4969039949999533);
-    let by_thumb_x = ky_thumb_y * s_thumb - e4 * c_thumb;
-    let by_thumb_y = -(ky_thumb_y * c_thumb + e4 * s_thumb);
+    let ky_thumb_y = T::from_f64(0.6666666666666666) * e4
+        - T::from_f64(0.4969039949999533);
+    let by_thumb_x = ky_thumb_y * s_thumb - e5 * c_thumb;
+    let by_thumb_y = -(ky_thumb_y * c_thumb + e5 * s_thumb);
     let zero = T::from_f64(0.0);
     let one = T::from_f64(1.0);
     [
@@ -732,32 +724,32 @@ pub fn regressor_full_sc<T: Real>(
         - T::from_f64(0.534273112710767) * cos[1];
     let c_thumb = T::from_f64(0.8453119193731673) * cos[1]
         + T::from_f64(0.534273112710767) * sin[1];
-    let kx_thumb_y = T::from_f64(-0.24845199749997665)
-        - T::from_f64(0.6666666666666666) * bx_wrist_x;
-    let e5 = T::from_f64(0.7453559924999299) * bx_wrist_x;
-    let kx_thumb_z = e5 + T::from_f64(-0.22222222222222224);
-    let bx_thumb_x = bx_wrist_y * c_thumb + kx_thumb_y * s_thumb;
-    let bx_thumb_y = -(kx_thumb_y * c_thumb - bx_wrist_y * s_thumb);
+    let e5 = T::from_f64(0.6666666666666666) * bx_wrist_x
+        + T::from_f64(0.24845199749997665);
+    let kx_thumb_z = T::from_f64(0.7453559924999299) * bx_wrist_x
+        - T::from_f64(0.22222222222222224);
+    let bx_thumb_x = bx_wrist_y * c_thumb - e5 * s_thumb;
+    let bx_thumb_y = e5 * c_thumb + bx_wrist_y * s_thumb;
     // wrist
     let e6 = e3 + T::from_f64(0.33333333333333326) * s_wrist;
     let e7 = e2 - T::from_f64(0.33333333333333326) * c_wrist;
     // thumb
     let ky_thumb_y = T::from_f64(0.6666666666666666) * e6
-        + T::from_f64(-0.4969039949999533);
-    let e8 = T::from_f64(0.7453559924999299) * e6;
-    let ky_thumb_z = T::from_f64(-0.4444444444444445) - e8;
+        - T::from_f64(0.4969039949999533);
+    let e8 = T::from_f64(0.7453559924999299) * e6 + T::from_f64(0.4444444444444445);
+    let ky_thumb_z = -e8;
     let by_thumb_x = ky_thumb_y * s_thumb - e7 * c_thumb;
     let by_thumb_y = -(ky_thumb_y * c_thumb + e7 * s_thumb);
     // wrist
     let bz_wrist_x = T::from_f64(0.33333333333333337) * c_wrist + e4;
     let e9 = e1 - T::from_f64(0.33333333333333337) * s_wrist;
     // thumb
-    let kz_thumb_y = T::from_f64(-0.49690399499995314)
-        - T::from_f64(0.6666666666666666) * bz_wrist_x;
-    let e10 = T::from_f64(0.7453559924999299) * bz_wrist_x;
-    let kz_thumb_z = e10 + T::from_f64(-0.4444444444444443);
-    let bz_thumb_x = kz_thumb_y * s_thumb - e9 * c_thumb;
-    let bz_thumb_y = -(kz_thumb_y * c_thumb + e9 * s_thumb);
+    let e10 = T::from_f64(0.6666666666666666) * bz_wrist_x
+        + T::from_f64(0.49690399499995314);
+    let kz_thumb_z = T::from_f64(0.7453559924999299) * bz_wrist_x
+        - T::from_f64(0.4444444444444443);
+    let bz_thumb_x = -(e9 * c_thumb + e10 * s_thumb);
+    let bz_thumb_y = -(e9 * s_thumb - e10 * c_thumb);
     let zero = T::from_f64(0.0);
     let one = T::from_f64(1.0);
     [
@@ -772,7 +764,7 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.29814239699997197) * bx_wrist_x
                 + T::from_f64(0.8944271909999159) * bx_wrist_y
                 + T::from_f64(0.11111111111111112),
-            T::from_f64(0.22222222222222224) - e5,
+            -kx_thumb_z,
             T::from_f64(0.5962847939999439) * bx_wrist_x
                 - T::from_f64(0.4472135954999579) * bx_wrist_y
                 + T::from_f64(0.22222222222222224),
@@ -791,7 +783,7 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.22222222222222224)
                 - (T::from_f64(0.29814239699997197) * e6
                     + T::from_f64(0.8944271909999159) * e7),
-            e8 + T::from_f64(0.4444444444444445),
+            e8,
             T::from_f64(0.4472135954999579) * e7 - T::from_f64(0.5962847939999439) * e6
                 + T::from_f64(0.4444444444444445),
             by_thumb_x,
@@ -809,7 +801,7 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.29814239699997197) * bz_wrist_x
                 - T::from_f64(0.8944271909999159) * e9
                 + T::from_f64(0.22222222222222215),
-            T::from_f64(0.4444444444444443) - e10,
+            -kz_thumb_z,
             T::from_f64(0.5962847939999439) * bz_wrist_x
                 + T::from_f64(0.4472135954999579) * e9 + T::from_f64(0.4444444444444443),
             bz_thumb_x,

@@ -5,13 +5,13 @@
 // parameters     9 SESC (r), 7 base; rank 7 from CoM rows, 6 from flat CoP rows
 //
 // function                 mul     add   sin_cos   proven |rounding error|, m
-// com                        8       8         2   1.0e-15 (f64)  2.8e-7 (f32)
-// com_jacobian              12       8         2   8.9e-16 (f64)  2.5e-7 (f32)
-// gravity_moments            8       6         2   7.9e-16 (f64)  2.1e-7 (f32)
-// regressor                  4       2         2   1.3e-15 (f64)  7.2e-7 (f32)
-// regressor_cop              4       2         2   1.3e-15 (f64)  7.2e-7 (f32)
-// regressor_full             4       2         2   1.3e-15 (f64)  7.2e-7 (f32)
-// cop                        6       6         2   8.4e-16 (f64)  2.4e-7 (f32)
+// com                        8       8         2   9.3e-16 (f64)  2.3e-7 (f32)
+// com_jacobian              12       8         2   7.8e-16 (f64)  2.0e-7 (f32)
+// gravity_moments            8       6         2   7.1e-16 (f64)  1.7e-7 (f32)
+// regressor                  4       2         2   8.9e-16 (f64)  4.8e-7 (f32)
+// regressor_cop              4       2         2   8.9e-16 (f64)  4.8e-7 (f32)
+// regressor_full             4       2         2   8.9e-16 (f64)  4.8e-7 (f32)
+// cop                        6       6         2   7.6e-16 (f64)  2.0e-7 (f32)
 // com_sc                     8       8         0   9.3e-16 (f64)  2.3e-7 (f32)
 // com_jacobian_sc           12       8         0   7.8e-16 (f64)  2.0e-7 (f32)
 // gravity_moments_sc         8       6         0   7.1e-16 (f64)  1.7e-7 (f32)
@@ -34,6 +34,9 @@ pub const FULL_PARAMS: usize = 9;
 /// Joints in the order of `q`.
 #[allow(dead_code, clippy::all)]
 pub const JOINT_NAMES: [&str; DOF] = ["ankle", "knee"];
+/// Which joints slide: their `q` is in metres, the others' in radians.
+#[allow(dead_code, clippy::all)]
+pub const SLIDING: [bool; DOF] = [false, false];
 /// Base parameters in the order of `r`: link and axis in its frame.
 #[allow(dead_code, clippy::all)]
 pub const PARAM_NAMES: [&str; BASE_PARAMS] = [

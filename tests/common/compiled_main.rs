@@ -1,0 +1,86 @@
+//! Evaluates every module on its postures; part of a crate that the tests write.
+
+#![deny(warnings)]
+
+use std::fs;
+
+use compiled::*;
+use sesc_runtime::{Lanes, Real};
+
+fn postures<const DOF: usize>(module: &str) -> Vec<[f64; DOF]> {
+    let bytes = fs::read(format!("{module}.q")).unwrap();
+    let q: Vec<f64> =
+        bytes.chunks(8).map(|b| f64::from_le_bytes(b.try_into().unwrap())).collect();
+    q.chunks(DOF).map(|q| q.try_into().unwrap()).collect()
+}
+
+fn write(module: &str, what: &str, values: &[f64]) {
+    let bytes: Vec<u8> = values.iter().flat_map(|x| x.to_le_bytes()).collect();
+    fs::write(format!("{module}.{what}"), bytes).unwrap();
+}
+
+#[allow(unused_macros)]
+macro_rules! run {
+    ($m:ident) => {{
+        let name = stringify!($m);
+        let r = $m::CAD_PARAMS;
+        let com = $m::com(&$m::SELF_TEST_Q, &r);
+        for k in 0..3 {
+            assert!((com[k] - $m::SELF_TEST_COM[k]).abs() < 1e-12, "{name} self-test");
+        }
+        let all = postures::<{ $m::DOF }>(name);
+        let each = |f: &dyn Fn(&[f64; $m::DOF]) -> Vec<f64>| -> Vec<f64> {
+            all.iter().flat_map(|q| f(q)).collect()
+        };
+        write(name, "com", &each(&|q| $m::com(q, &r).to_vec()));
+        write(name, "com_jacobian", &each(&|q| $m::com_jacobian(q, &r).concat()));
+        write(name, "gravity_moments", &each(&|q| $m::gravity_moments(q, &r).to_vec()));
+        write(name, "regressor", &each(&|q| $m::regressor(q).concat()));
+        write(name, "regressor_cop", &each(&|q| $m::regressor_cop(q).concat()));
+        write(name, "regressor_full", &each(&|q| $m::regressor_full(q).concat()));
+        write(name, "cop", &each(&|q| $m::cop(q, &r).to_vec()));
+        let r32 = r.map(|x| x as f32);
+        let single = each(&|q| $m::com(&q.map(|x| x as f32), &r32).map(f64::from).to_vec());
+        write(name, "com_f32", &single);
+        // Lanes: four postures at once, each lane the same bits as alone.
+        for four in all.chunks_exact(4) {
+            let q = core::array::from_fn(|j| Lanes(core::array::from_fn::<f64, 4, _>(|k| four[k][j])));
+            let lanes = $m::com(&q, &r.map(Lanes::<f64, 4>::from_f64));
+            for (k, q) in four.iter().enumerate() {
+                let alone = $m::com(q, &r);
+                for axis in 0..3 {
+                    assert_eq!(lanes[axis].0[k].to_bits(), alone[axis].to_bits(), "{name} lanes");
+                }
+            }
+        }
+    }};
+}
+
+/// As `run`, and from sines and cosines: close to the same function of q.
+macro_rules! run_sc {
+    ($m:ident) => {{
+        run!($m);
+        let name = stringify!($m);
+        let r = $m::CAD_PARAMS;
+        let size: f64 = r.iter().map(|x| x.abs()).sum::<f64>() + 1.0;
+        for q in postures::<{ $m::DOF }>(name) {
+            let pairs = q.map(|x| Real::sin_cos(x));
+            // A sliding joint passes its position in `sin`.
+            let slides = $m::SLIDING;
+            let sin = core::array::from_fn(|j| if slides[j] { q[j] } else { pairs[j].0 });
+            let cos = pairs.map(|p| p.1);
+            let near = |a: &[f64], b: &[f64]| {
+                for (x, y) in a.iter().zip(b) {
+                    assert!((x - y).abs() < 1e-13 * size, "{name} from sines: {x} {y}");
+                }
+            };
+            near(&$m::com_sc(&sin, &cos, &r), &$m::com(&q, &r));
+            near(&$m::cop_sc(&sin, &cos, &r), &$m::cop(&q, &r));
+            near(&$m::com_jacobian_sc(&sin, &cos, &r).concat(), &$m::com_jacobian(&q, &r).concat());
+            near(&$m::gravity_moments_sc(&sin, &cos, &r), &$m::gravity_moments(&q, &r));
+            near(&$m::regressor_sc(&sin, &cos).concat(), &$m::regressor(&q).concat());
+            near(&$m::regressor_cop_sc(&sin, &cos).concat(), &$m::regressor_cop(&q).concat());
+            near(&$m::regressor_full_sc(&sin, &cos).concat(), &$m::regressor_full(&q).concat());
+        }
+    }};
+}

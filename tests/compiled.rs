@@ -1,0 +1,290 @@
+//! Generated Rust, compiled: the same bits as the tape, within the proven bound
+//! of the reference, for every robot and random trees; and no branch, no call
+//! in what the compiler makes of it.
+
+mod common;
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use common::{Kind, tree};
+use nalgebra::DVector;
+use sesc::evaluate::Evaluator;
+use sesc::robot::Robot;
+use sesc::simulate::Simulator;
+use sesc::verify::allowed;
+use sesc_codegen::bounds::Precision;
+use sesc_codegen::emit::rust;
+use sesc_codegen::{Function, Given, Model, Snapping};
+
+const ROOT: &str = env!("CARGO_MANIFEST_DIR");
+const POSTURES: usize = 200;
+
+/// Robot folder under `robots/`, and a support.
+const ROBOTS: [(&str, &str); 8] = [
+    ("op2", "r_sole"),
+    ("op2", "body_link"),
+    ("arm6", "base_link"),
+    ("quadruped", "lf_foot"),
+    ("lift_base", "base_link"),
+    ("lift_base", "hand"),
+    ("skew_humanoid", "left_sole"),
+    ("plain_humanoid", "right_sole"),
+];
+
+struct Case {
+    module: String,
+    robot: Robot,
+    model: Model,
+    support: String,
+    /// Row-major postures, exactly representable in f32.
+    q: Vec<f64>,
+}
+
+fn cases() -> Vec<Case> {
+    let mut cases = Vec::new();
+    let mut push = |robot: Robot, support: &str, snapping| {
+        let model = robot.model(support, snapping, None).unwrap();
+        let q = Simulator::new(&model.tree.dofs, None, 11).batch(POSTURES);
+        cases.push(Case {
+            module: format!("case_{}", cases.len()),
+            support: support.to_string(),
+            q: q.into_iter().map(|x| f64::from(x as f32)).collect(),
+            robot,
+            model,
+        });
+    };
+    for (name, support) in ROBOTS {
+        let path = Path::new(ROOT).join(format!("robots/{name}/{name}.urdf"));
+        push(Robot::read(&path).unwrap(), support, Snapping::default());
+    }
+    for seed in 0..6 {
+        let kind = Kind {
+            joints: 4 + 3 * seed as usize,
+            canonical: false,
+            revolute: false,
+            chained: 0.6,
+        };
+        let (text, links) = tree(500 + seed, kind);
+        push(
+            Robot::parse(&text, "random.urdf").unwrap(),
+            &links[1],
+            Snapping::Off,
+        );
+    }
+    cases
+}
+
+/// A crate that evaluates every case and writes what it finds.
+fn write_crate(folder: &Path, cases: &[Case]) {
+    let _ = fs::remove_dir_all(folder);
+    fs::create_dir_all(folder.join("src")).unwrap();
+    let manifest = format!(
+        "[workspace]\n[package]\nname = \"compiled\"\nversion = \"0.1.0\"\nedition = \"2024\"\n\
+         [lib]\nname = \"compiled\"\n[dependencies]\nsesc-runtime = {{ path = {:?} }}\n\
+         [profile.release]\nopt-level = 3\ncodegen-units = 1\n",
+        Path::new(ROOT).join("runtime")
+    );
+    fs::write(folder.join("Cargo.toml"), manifest).unwrap();
+    let mut lib = String::from("#![no_std]\n#![forbid(unsafe_code)]\n#![deny(warnings)]\n");
+    let mut main = String::from(include_str!("common/compiled_main.rs"));
+    main.push_str("\nfn main() {\n");
+    for case in cases {
+        let text = rust::module(&case.model, &case.module).unwrap();
+        fs::write(folder.join(format!("src/{}.rs", case.module)), text).unwrap();
+        let _ = writeln!(lib, "pub mod {};", case.module);
+        let sc = case
+            .model
+            .program(Function::Com, Given::SinesCosines)
+            .is_some();
+        let which = if sc { "run_sc" } else { "run" };
+        let _ = writeln!(main, "    {which}!({});", case.module);
+        let bytes: Vec<u8> = case.q.iter().flat_map(|x| x.to_le_bytes()).collect();
+        fs::write(folder.join(format!("{}.q", case.module)), bytes).unwrap();
+    }
+    main.push_str("}\n");
+    fs::write(folder.join("src/lib.rs"), lib).unwrap();
+    fs::write(folder.join("src/main.rs"), main).unwrap();
+}
+
+fn cargo(folder: &Path, arguments: &[&str]) {
+    let output = Command::new(env!("CARGO"))
+        .arg(arguments[0])
+        .args(["--release", "--offline", "--quiet", "--target-dir"])
+        .arg(Path::new(env!("CARGO_TARGET_TMPDIR")).join("compiled-target"))
+        .args(&arguments[1..])
+        .current_dir(folder)
+        .output()
+        .unwrap();
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+}
+
+fn floats(path: &Path) -> Vec<f64> {
+    let bytes = fs::read(path).unwrap();
+    bytes
+        .chunks(8)
+        .map(|b| f64::from_le_bytes(b.try_into().unwrap()))
+        .collect()
+}
+
+#[test]
+fn compiled_code_is_the_tape_to_the_bit_and_the_reference_within_its_bound() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("compiled");
+    let cases = cases();
+    write_crate(&folder, &cases);
+    cargo(&folder, &["run"]);
+    for case in &cases {
+        same_bits_as_the_tape(case, &folder);
+        close_to_the_reference(case, &folder);
+    }
+}
+
+fn same_bits_as_the_tape(case: &Case, folder: &Path) {
+    for function in Function::ALL {
+        let path = folder.join(format!("{}.{}", case.module, function.name()));
+        let compiled = floats(&path);
+        let tape = Evaluator::new(&case.model, function).run(&case.q, POSTURES);
+        assert_eq!(
+            compiled.len(),
+            tape.len(),
+            "{} {}",
+            case.module,
+            function.name()
+        );
+        let differs = compiled
+            .iter()
+            .zip(&tape)
+            .position(|(a, b)| a.to_bits() != b.to_bits());
+        // −0 and 0 are one number; everything else must be the same bits.
+        let differs = differs.filter(|&k| compiled[k] != tape[k]);
+        assert_eq!(differs, None, "{} {}", case.module, function.name());
+    }
+}
+
+fn close_to_the_reference(case: &Case, folder: &Path) {
+    let model = &case.model;
+    let reference = case.robot.reference(&case.support).unwrap();
+    let program = model.program(Function::Com, Given::Positions).unwrap();
+    let snapped: f64 = model.tree.snaps.iter().map(|snap| snap.com_error).sum();
+    let single_bound = model.rounding(&program, Precision::F32).worst + snapped;
+    let com = floats(&folder.join(format!("{}.com", case.module)));
+    let single = floats(&folder.join(format!("{}.com_f32", case.module)));
+    let rows = floats(&folder.join(format!("{}.regressor", case.module)));
+    let params = DVector::from_vec(model.cad_params());
+    let bounds = [
+        allowed(model, Function::Com),
+        allowed(model, Function::Regressor),
+    ];
+    let mut worst_single: f64 = 0.0;
+    for (k, q) in case.q.chunks(model.dof()).enumerate() {
+        let truth = reference.com(q);
+        for axis in 0..3 {
+            let at = 3 * k + axis;
+            let row = &rows[at * params.len()..(at + 1) * params.len()];
+            let by_rows = DVector::from_column_slice(row).dot(&params);
+            let error = [(com[at] - truth[axis]).abs(), (by_rows - truth[axis]).abs()];
+            assert!(
+                error[0] <= bounds[0] && error[1] <= bounds[1],
+                "{}: {error:?}",
+                case.module
+            );
+            worst_single = worst_single.max((single[at] - truth[axis]).abs());
+        }
+    }
+    assert!(
+        worst_single <= single_bound,
+        "{}: f32 off by {worst_single:.1e}, proven {single_bound:.1e}",
+        case.module
+    );
+    // A bound far above what is measured would prove nothing.
+    assert!(
+        worst_single >= single_bound / 200.0,
+        "{worst_single:.1e} of {single_bound:.1e}"
+    );
+}
+
+/// Release code of the checked-in OP2 on x86-64: straight lines only.
+#[test]
+fn compiled_functions_have_no_branch_and_no_call() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("straight");
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(folder.join("src")).unwrap();
+    let manifest = format!(
+        "[workspace]\n[package]\nname = \"straight\"\nversion = \"0.1.0\"\nedition = \"2024\"\n\
+         [dependencies]\nsesc-generated = {{ path = {:?} }}\n[profile.release]\ncodegen-units = 1\n",
+        Path::new(ROOT).join("generated")
+    );
+    fs::write(folder.join("Cargo.toml"), manifest).unwrap();
+    fs::write(
+        folder.join("src/lib.rs"),
+        include_str!("common/straight_lib.rs"),
+    )
+    .unwrap();
+    cargo(&folder, &["rustc", "--lib", "--", "--emit", "asm"]);
+    let assembly = newest_assembly();
+    for function in [
+        "straight_com",
+        "straight_com_f32",
+        "straight_com_jacobian",
+        "straight_regressor",
+    ] {
+        let body = body(&assembly, function);
+        assert!(
+            body.len() > 100,
+            "{function} is {} instructions",
+            body.len()
+        );
+        let stray: Vec<&&str> = body.iter().filter(|line| is_jump_or_call(line)).collect();
+        assert!(stray.is_empty(), "{function}: {stray:?}");
+    }
+}
+
+fn newest_assembly() -> String {
+    let deps = Path::new(env!("CARGO_TARGET_TMPDIR")).join("compiled-target/release/deps");
+    let found: Vec<PathBuf> = fs::read_dir(deps)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| {
+            let name = path
+                .file_name()
+                .unwrap_or_default()
+                .to_string_lossy()
+                .into_owned();
+            name.starts_with("straight-") && name.ends_with(".s")
+        })
+        .collect();
+    let newest = found
+        .iter()
+        .max_by_key(|path| fs::metadata(path).unwrap().modified().unwrap());
+    fs::read_to_string(newest.expect("rustc wrote assembly")).unwrap()
+}
+
+/// Instructions between a function's label and its end.
+fn body<'a>(assembly: &'a str, function: &str) -> Vec<&'a str> {
+    let label = format!("{function}:");
+    assembly
+        .lines()
+        .skip_while(|line| *line != label)
+        .skip(1)
+        .take_while(|line| !line.trim_start().starts_with(".cfi_endproc"))
+        .map(str::trim)
+        .filter(|line| !line.starts_with('.') && !line.ends_with(':') && !line.is_empty())
+        .collect()
+}
+
+/// x86: j*, call, loop*; ARM64: b, bl, b.cond, cb(n)z, tb(n)z.
+fn is_jump_or_call(line: &str) -> bool {
+    let name = line.split_whitespace().next().unwrap_or_default();
+    let arm = ["b", "bl", "blr", "br", "cbz", "cbnz", "tbz", "tbnz"];
+    name.starts_with('j')
+        || name.starts_with("call")
+        || name.starts_with("loop")
+        || name.starts_with("b.")
+        || arm.contains(&name)
+}
