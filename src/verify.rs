@@ -174,9 +174,12 @@ pub fn allowed(model: &Model, function: Function) -> f64 {
         Function::Regressor | Function::RegressorCop => com + weighed(model.cad_params()),
         Function::RegressorFull => com + weighed(model.chain.full_cad()),
         Function::ComJacobian | Function::GravityMoments => {
-            let size = model.reach();
-            let tied: f64 = model.largest_tie();
-            2.0 * rounding(function) + tied * size * (DIFFERENCES + 2.0 * tilted)
+            // A column is a × S: turning what is below the joint by ε changes it by
+            // what it moves the CoM, turning the joint itself by no more. The
+            // direction of a slide turns as a whole.
+            let slides = model.tree.dofs.iter().any(|dof| dof.prismatic);
+            let turned = if slides { snapped + tilted } else { snapped };
+            2.0 * rounding(function) + model.largest_tie() * (DIFFERENCES * model.reach() + turned)
         }
     }
 }

@@ -50,7 +50,9 @@ def pinocchio_error(urdf, support, joints, folder):
     import pinocchio
 
     try:
-        model = pinocchio.buildModelFromUrdf(str(urdf), mimic=True)
+        # A free root, or the mass of the root link is left out.
+        root = pinocchio.JointModelFreeFlyer()
+        model = pinocchio.buildModelFromUrdf(str(urdf), root, mimic=True)
     except Exception:  # its own parser's many complaints
         return None
     if any(not model.existJointName(joint) for joint in joints):
@@ -84,6 +86,10 @@ def pinocchio_error(urdf, support, joints, folder):
         found = [float(row[f"com_{axis}"]) for axis in "xyz"]
         worst = max(worst, *(abs(a - b) for a, b in zip(expected, found)))
     return worst
+
+
+def shown(metres):
+    return "not finite" if metres is None else f"{metres:.1e}"
 
 
 def main():
@@ -128,9 +134,9 @@ def main():
                 rows.append([
                     name, support, facts["dof"], facts["full_params"], facts["base_params"],
                     facts["rank"]["cop"],
-                    f"{found.get('worst_error', {}).get('com', float('nan')):.1e}",
-                    f"{found.get('bound', {}).get('com', float('nan')):.1e}",
-                    "" if other is None else f"{other:.1e}",
+                    shown(found.get("worst_error", {}).get("com")),
+                    shown(found.get("bound", {}).get("com")),
+                    "" if other is None else shown(other),
                     "" if good else "FAIL",
                 ])
     table = [heads + [""], *([str(cell) for cell in row] for row in rows)]

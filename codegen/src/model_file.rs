@@ -42,6 +42,9 @@ pub struct ModelFile {
     /// Effects of the measurement, by name.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub effects: Vec<toml::Table>,
+    /// Where it was read from, for messages.
+    #[serde(skip)]
+    pub file: String,
 }
 
 impl ModelFile {
@@ -64,7 +67,8 @@ impl ModelFile {
             file: file.to_string(),
             reason,
         };
-        let model: ModelFile = toml::from_str(text).map_err(|error| bad(error.to_string()))?;
+        let mut model: ModelFile = toml::from_str(text).map_err(|error| bad(error.to_string()))?;
+        model.file = file.to_string();
         for parameter in &model.parameters {
             if !parameter.value.is_finite() {
                 return Err(bad(format!("parameter `{}` is not finite", parameter.name)));
@@ -105,7 +109,7 @@ impl ModelFile {
     pub(crate) fn check(&self, model: &Model) -> Result<(), Error> {
         let support = &model.tree.links[model.tree.support].name;
         let bad = |reason: String| Error::ModelFile {
-            file: self.robot.clone(),
+            file: self.file.clone(),
             reason,
         };
         if self.hash != model.tree.hash {
@@ -163,6 +167,7 @@ impl ModelFile {
             support: model.tree.links[model.tree.support].name.clone(),
             parameters,
             effects: Vec::new(),
+            file: String::new(),
         }
     }
 }

@@ -122,6 +122,9 @@ const FREE_TURN: f64 = std::f64::consts::PI;
 /// Range assumed for a sliding joint without usable limits, m.
 const FREE_SLIDE: f64 = 1.0;
 
+/// Limits this far out mean none, rad or m.
+const ENDLESS: f64 = 1e3;
+
 /// Re-root `description` at `support`.
 pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> Result<Tree, Error> {
     let robot = &description.robot;
@@ -135,7 +138,7 @@ pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> R
     let support = *index.get(support).ok_or_else(|| Error::UnknownSupport {
         file: description.file.clone(),
         name: support.to_string(),
-        links: name_some(robot.links.iter().map(|link| link.name.as_str())),
+        links: name_some(support, robot.links.iter().map(|link| link.name.as_str())),
     })?;
     let links: Vec<Link> = robot
         .links
@@ -217,7 +220,7 @@ pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> R
         snaps: Vec::new(),
         notes,
     };
-    if !(tree.mass > 0.0) {
+    if tree.mass.is_nan() || tree.mass <= 0.0 {
         return Err(Error::NoMass {
             file: tree.file.clone(),
         });
@@ -226,9 +229,10 @@ pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> R
     Ok(tree)
 }
 
-/// Up to a dozen names, for a message.
-fn name_some<'a>(names: impl Iterator<Item = &'a str>) -> String {
-    let names: Vec<&str> = names.collect();
+/// Up to a dozen names for a message, those that contain `asked` first.
+fn name_some<'a>(asked: &str, names: impl Iterator<Item = &'a str>) -> String {
+    let mut names: Vec<&str> = names.collect();
+    names.sort_by_key(|name| !name.to_lowercase().contains(&asked.to_lowercase()));
     let shown = names.len().min(12);
     let more = names.len() - shown;
     let mut text = names[..shown].join(", ");
@@ -291,7 +295,8 @@ fn dof(joint: &urdf_rs::Joint) -> Dof {
     let prismatic = joint.joint_type == JointType::Prismatic;
     let free = if prismatic { FREE_SLIDE } else { FREE_TURN };
     let limit = &joint.limit;
-    let usable = limit.lower < limit.upper && limit.lower.is_finite() && limit.upper.is_finite();
+    // Files write "free" as infinities, as 1e16, or by swapping the ends.
+    let usable = limit.lower < limit.upper && -limit.lower < ENDLESS && limit.upper < ENDLESS;
     let (lower, upper) = if usable && joint.joint_type != JointType::Continuous {
         (limit.lower, limit.upper)
     } else {

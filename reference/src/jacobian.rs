@@ -23,10 +23,11 @@ impl Reference {
     /// entry of the posture; m/rad, or m/m for sliding joints. Accurate to
     /// 1e-10 of the robot's size.
     pub fn com_jacobian(&self, q: &[f64]) -> Matrix3xX<f64> {
-        let columns: Vec<_> = (0..self.dof())
-            .map(|j| self.differentiate(q, j, |q| self.com(q)))
-            .collect();
-        Matrix3xX::from_columns(&columns)
+        let mut jacobian = Matrix3xX::zeros(self.dof());
+        for (j, mut column) in jacobian.column_iter_mut().enumerate() {
+            column.copy_from(&self.differentiate(q, j, |q| self.com(q)));
+        }
+        jacobian
     }
 
     /// The moments of gravity on the joints, with gravity along −z of the

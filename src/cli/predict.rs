@@ -58,14 +58,17 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     }
     let bar = progress("predicting");
     let mut out = std::io::BufWriter::new(std::io::stdout().lock());
-    writeln!(out, "pose,com_x,com_y,com_z,cop_x,cop_y").map_err(Error::Stdout)?;
     let mut written = 0;
     loop {
         let (rows, q) = reader.block(BLOCK)?;
         if rows.is_empty() {
             break;
         }
-        for (row, [x, y, z, cop_x, cop_y]) in rows.iter().zip(predictor.block(&rows, &q)?) {
+        let predictions = predictor.block(&rows, &q)?;
+        if written == 0 {
+            writeln!(out, "pose,com_x,com_y,com_z,cop_x,cop_y").map_err(Error::Stdout)?;
+        }
+        for (row, [x, y, z, cop_x, cop_y]) in rows.iter().zip(predictions) {
             writeln!(out, "{},{x},{y},{z},{cop_x},{cop_y}", row.pose).map_err(Error::Stdout)?;
         }
         written += rows.len();

@@ -1,0 +1,24 @@
+//! The figures of the reports, one file each: rows in, SVG out.
+//!
+//! One colour means one thing throughout: grey is what a sensor read, black
+//! or a pale band what is true, blue what was identified, orange what cannot
+//! be known. Lengths are drawn in millimetres.
+
+mod cop;
+mod errors;
+mod height;
+mod lengths;
+mod parameters;
+#[cfg(test)]
+mod tests;
+
+pub use cop::{cop_over_postures, cop_plane};
+pub use errors::errors;
+pub use height::{height_level, height_shape};
+pub use lengths::{lengths_base, lengths_full};
+pub use parameters::parameters;
+
+/// Metres to millimetres.
+fn to_mm(metres: f64) -> f64 {
+    1e3 * metres
+}

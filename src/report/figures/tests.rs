@@ -1,0 +1,128 @@
+//! Made-up rows in; every figure must be a tree of shapes that says its numbers.
+
+use super::super::tests::report;
+use super::super::{CopRow, DemoReport, HeightRow, LengthRow};
+use super::*;
+
+fn all(report: &DemoReport) -> Vec<String> {
+    vec![
+        errors(report),
+        cop_over_postures(&report.cop, 0),
+        cop_over_postures(&report.cop, 1),
+        cop_plane(&report.cop, [0.105, 0.066]),
+        lengths_full(&report.lengths),
+        lengths_base(&report.lengths),
+        height_level(&report.height, report.height_offset_m),
+        height_shape(&report.height),
+        parameters(report),
+    ]
+}
+
+fn texts(svg: &str) -> Vec<String> {
+    let tree = roxmltree::Document::parse(svg).expect("a figure is well-formed");
+    assert_eq!(tree.root_element().tag_name().name(), "svg");
+    tree.descendants()
+        .filter(|node| node.has_tag_name(("http://www.w3.org/2000/svg", "text")))
+        .map(|node| node.text().unwrap_or_default().trim().to_string())
+        .collect()
+}
+
+#[test]
+fn figures_are_well_formed_and_refer_to_nothing() {
+    for svg in all(&report()) {
+        assert!(!texts(&svg).is_empty());
+        let outside = svg.replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
+        assert!(!outside.contains("http") && !outside.contains("href"));
+        assert!(!svg.contains("NaN"));
+    }
+}
+
+#[test]
+fn equal_rows_give_equal_bytes() {
+    assert_eq!(all(&report()), all(&report()));
+}
+
+#[test]
+fn errors_are_labelled_with_their_millimetres() {
+    let texts = texts(&errors(&report()));
+    for label in [
+        "4.00 mm",
+        "3.85 mm",
+        "0.72 mm",
+        "noise alone 3.93 mm",
+        "theory 0.71 mm",
+    ] {
+        assert!(
+            texts.iter().any(|text| text == label),
+            "{label} in {texts:?}"
+        );
+    }
+}
+
+#[test]
+fn each_parameter_is_one_square() {
+    let svg = parameters(&report());
+    // 42 seen, 1 height, 20 hollow ones of two squares each; the key has 1 + 1 + 2.
+    assert_eq!(svg.matches("<rect").count(), 42 + 1 + 2 * 20 + 4);
+    assert!(texts(&svg).iter().any(|text| text == "42 from flat CoP"));
+}
+
+#[test]
+fn names_are_escaped_and_long_ones_shortened() {
+    let texts = texts(&lengths_full(&report().lengths));
+    assert!(texts.iter().any(|text| text == "<b>&\"foot\""));
+    assert!(texts.iter().any(|text| text == "a_link_with_a_very…"));
+}
+
+#[test]
+fn unseen_lengths_are_hollow() {
+    let mut rows = report().lengths;
+    let rings = |rows: &[LengthRow]| lengths_full(rows).matches("stroke=\"#D55E00\"").count();
+    assert!(rings(&rows) > 0);
+    rows.iter_mut().for_each(|row| row.unseen.clear());
+    assert_eq!(rings(&rows), 0);
+}
+
+#[test]
+fn the_height_constant_is_written_where_it_fits() {
+    let report = report();
+    let texts = texts(&height_level(&report.height, report.height_offset_m));
+    assert!(texts.iter().any(|text| text.contains("33.6 mm")));
+}
+
+#[test]
+fn cad_is_drawn_only_where_it_differs() {
+    let mut rows = report().cop;
+    let shows_cad =
+        |rows: &[CopRow]| texts(&cop_over_postures(rows, 0)).contains(&"CAD".to_string());
+    assert!(!shows_cad(&rows));
+    rows[0].cad[0] += 0.01;
+    assert!(shows_cad(&rows));
+}
+
+/// No rows, one row, values that are no numbers: still figures.
+#[test]
+fn odd_rows_are_drawn_too() {
+    let mut odd = report();
+    odd.cop.truncate(1);
+    odd.height = vec![HeightRow {
+        pose: 1,
+        truth: f64::NAN,
+        identified: 0.2,
+        anchored: f64::INFINITY,
+    }];
+    odd.lengths.truncate(1);
+    odd.lengths[0].full_m = f64::NAN;
+    odd.errors.measured_mae_m = f64::NAN;
+    odd.full_params = 0;
+    odd.base_params = 0;
+    odd.rank_cop = 0;
+    let mut empty = odd.clone();
+    empty.cop.clear();
+    empty.height.clear();
+    empty.lengths.clear();
+    for svg in all(&odd).into_iter().chain(all(&empty)) {
+        texts(&svg);
+        assert!(!svg.contains("NaN") && !svg.contains("inf"));
+    }
+}

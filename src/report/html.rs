@@ -1,0 +1,153 @@
+//! Pages that stand alone in one file: figures and style inline, no scripts,
+//! nothing loaded from elsewhere.
+//!
+//! Every name comes from somebody's URDF and is escaped by the template
+//! engine; only the figures, which escape their own texts, pass as they are.
+
+use minijinja::value::{Serde, Value};
+use minijinja::{Environment, Error, UndefinedBehavior, context};
+
+use super::{DemoReport, figures, svg, table};
+
+/// Outline of the OP2's sole around its sole frame: length, width, m.
+const OP2_SOLE_M: [f64; 2] = [0.105, 0.066];
+
+/// The page of `sesc demo`.
+pub fn demo(report: &DemoReport) -> Result<String, Error> {
+    let mut environment = Environment::new();
+    environment.set_undefined_behavior(UndefinedBehavior::Strict);
+    environment.add_filter("mm", table::mm);
+    environment.add_filter("scientific", scientific);
+    environment.add_filter("code", code);
+    // Columns of a table line up at the point.
+    environment.add_filter("hundredths", |metres: f64| format!("{:.2}", 1e3 * metres));
+    environment.add_filter("plain", |value: f64| value.to_string());
+    // The name's ending turns escaping on.
+    environment.add_template("demo.html", include_str!("demo.html"))?;
+    let colors: Vec<Value> = svg::PALETTE
+        .iter()
+        .map(|(name, color)| context! { name => *name, hex => svg::hex(*color) })
+        .collect();
+    let figure = Value::from_safe_string;
+    let page = environment.get_template("demo.html")?.render(context! {
+        report => Serde(report),
+        colors,
+        sole_mm => OP2_SOLE_M.map(|length| format!("{:.0}", 1e3 * length)).to_vec(),
+        all_within => report.functions.iter().all(|row| row.worst_error_m <= row.bound_m),
+        worst_error_m => report.functions.iter().map(|row| row.worst_error_m).fold(0.0, f64::max),
+        figures => context! {
+            errors => figure(figures::errors(report)),
+            cop_x => figure(figures::cop_over_postures(&report.cop, 0)),
+            cop_y => figure(figures::cop_over_postures(&report.cop, 1)),
+            plane => figure(figures::cop_plane(&report.cop, OP2_SOLE_M)),
+            lengths_full => figure(figures::lengths_full(&report.lengths)),
+            lengths_base => figure(figures::lengths_base(&report.lengths)),
+            height_level => figure(figures::height_level(&report.height, report.height_offset_m)),
+            height_shape => figure(figures::height_shape(&report.height)),
+            parameters => figure(figures::parameters(report)),
+        },
+    })?;
+    Ok(page)
+}
+
+/// A sentence with its `names` set as code.
+fn code(sentence: &str) -> Value {
+    let mut html = String::new();
+    svg::escape(&mut html, sentence);
+    if html.matches('`').count().is_multiple_of(2) {
+        for tag in ["<code>", "</code>"].into_iter().cycle() {
+            let before = html.len();
+            html = html.replacen('`', tag, 1);
+            if html.len() == before {
+                break;
+            }
+        }
+    }
+    Value::from_safe_string(html)
+}
+
+/// A small number as people write it: 4.4 × 10⁻¹⁶.
+fn scientific(value: f64) -> String {
+    let text = format!("{value:.1e}");
+    let Some((digits, exponent)) = text.split_once('e').filter(|_| value != 0.0) else {
+        return if value == 0.0 { "0".to_string() } else { text };
+    };
+    let raised: String = exponent
+        .chars()
+        .map(|c| match c.to_digit(10) {
+            Some(digit) => ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'][digit as usize],
+            None => '⁻',
+        })
+        .collect();
+    format!("{digits} × 10{raised}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::report;
+    use super::*;
+
+    #[test]
+    fn the_page_says_the_numbers() {
+        let page = demo(&report()).unwrap();
+        for text in [
+            "0.72 mm",
+            "3.93 mm",
+            "4.93 mm",
+            "±30°",
+            "42 <small>of 63</small>",
+            "4.4 × 10⁻¹⁶",
+            "500 others",
+        ] {
+            assert!(page.contains(text), "{text}");
+        }
+        assert_eq!(page.matches("class=\"ok\">within").count(), 1);
+        assert_eq!(page.matches("class=\"bad\">exceeded").count(), 1);
+        assert!(page.contains("functions disagree with the reference"));
+        let mut fine = report();
+        fine.functions.truncate(1);
+        assert!(
+            demo(&fine)
+                .unwrap()
+                .contains("functions agree with the reference")
+        );
+    }
+
+    #[test]
+    fn names_are_escaped() {
+        let page = demo(&report()).unwrap();
+        for raw in ["op<2>", "<b>&", "<l_knee>"] {
+            assert!(!page.contains(raw), "{raw}");
+        }
+        assert!(page.contains("op&lt;2&gt;") && page.contains("&lt;l_knee&gt;"));
+    }
+
+    #[test]
+    fn the_page_stands_alone_and_is_the_same_every_time() {
+        let page = demo(&report()).unwrap();
+        let outside = page.replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
+        for reference in ["http", "src=", "href", "@import", "url(", "<script"] {
+            assert!(!outside.contains(reference), "{reference}");
+        }
+        assert_eq!(page.matches("<svg ").count(), 9);
+        assert_eq!(page, demo(&report()).unwrap());
+    }
+
+    #[test]
+    fn names_in_sentences_are_code() {
+        assert_eq!(
+            code("`a<b` moves to `c`").to_string(),
+            "<code>a&lt;b</code> moves to <code>c</code>"
+        );
+        assert_eq!(code("a stray ` stays").to_string(), "a stray ` stays");
+    }
+
+    #[test]
+    fn powers_of_ten_are_raised() {
+        let shown = [4.4e-16, 1.0, 0.0, 2.5e12, f64::NAN].map(scientific);
+        assert_eq!(
+            shown,
+            ["4.4 × 10⁻¹⁶", "1.0 × 10⁰", "0", "2.5 × 10¹²", "NaN"]
+        );
+    }
+}

@@ -1,0 +1,130 @@
+//! What was found, for people: plain results in, text out; no numerics.
+//!
+//! [`html`] makes a page that stands alone in one file, [`figures`] the
+//! figures on it, [`table`] the aligned columns of the command line. Lengths
+//! arrive in metres and leave in millimetres.
+
+pub mod figures;
+pub mod html;
+mod svg;
+pub mod table;
+#[cfg(test)]
+mod tests;
+
+use serde::Serialize;
+
+/// The seed paper's simulation end to end, on one robot.
+#[derive(Debug, Clone, Serialize)]
+pub struct DemoReport {
+    /// Robot, as its URDF calls it.
+    pub robot: String,
+    /// Link that stands on the ground.
+    pub support: String,
+    /// Independent joints.
+    pub dof: usize,
+    /// Bodies: groups of links joined by fixed joints.
+    pub bodies: usize,
+    /// Columns of the full regressor, three per body and one per prismatic joint.
+    pub full_params: usize,
+    /// Parameters that CoM rows (x, y, z) can tell apart.
+    pub base_params: usize,
+    /// Parameters that flat CoP rows (x, y) can tell apart.
+    pub rank_cop: usize,
+    /// Postures fitted.
+    pub postures: usize,
+    /// Joint angles were drawn from ± this, degrees.
+    pub range_deg: f64,
+    /// Standard deviation of one CoP coordinate, m.
+    pub noise_m: f64,
+    /// Postures the fit never saw, on which it is judged.
+    pub held_out: usize,
+    /// Generated functions, compared with the reference.
+    pub functions: Vec<FunctionRow>,
+    /// One row per body, outward from the support.
+    pub lengths: Vec<LengthRow>,
+    pub errors: Errors,
+    /// CoP of some held-out postures.
+    pub cop: Vec<CopRow>,
+    /// CoM height of some held-out postures.
+    pub height: Vec<HeightRow>,
+    /// The unobservable constant of the height: minimum norm minus CAD, m.
+    pub height_offset_m: f64,
+    /// A sentence for each direction no flat CoP can see.
+    pub unobservable: Vec<String>,
+}
+
+/// A generated function: its cost, and its error against the reference.
+#[derive(Debug, Clone, Serialize)]
+pub struct FunctionRow {
+    pub name: String,
+    pub mul: usize,
+    pub add: usize,
+    /// Pairs of sine and cosine.
+    pub sin_cos: usize,
+    /// Largest difference from the reference, m.
+    pub worst_error_m: f64,
+    /// Difference that is proven never to be exceeded, m.
+    pub bound_m: f64,
+}
+
+/// ‖r_i‖ of one body (the paper's Fig. 3a).
+#[derive(Debug, Clone, Serialize)]
+pub struct LengthRow {
+    pub body: String,
+    /// Joint that moves the body; empty for the body that stands.
+    pub joint: String,
+    /// ‖r_i‖ from CAD, m.
+    pub cad_m: f64,
+    /// ‖r_i‖ identified on all columns by pseudo-inverse, m.
+    pub full_m: f64,
+    /// Norm of the part data can tell, from CAD, m.
+    pub base_cad_m: f64,
+    /// The same part identified, m.
+    pub base_m: f64,
+    /// The part no data can tell ("along the axis of r_knee"), or empty.
+    pub unseen: String,
+}
+
+/// Errors of the identified CoP, m.
+#[derive(Debug, Clone, Serialize)]
+pub struct Errors {
+    /// Mean |error| against noisy readings of held-out postures.
+    pub measured_mae_m: f64,
+    /// Mean |error| against the noisy readings that were fitted.
+    pub in_sample_mae_m: f64,
+    /// Mean |error| the noise alone makes: σ √(2/π).
+    pub noise_mae_m: f64,
+    /// RMS error against the true CoP, held out: base columns.
+    pub clean_rmse_base_m: f64,
+    /// RMS error against the true CoP, held out: all columns.
+    pub clean_rmse_full_m: f64,
+    /// What theory expects of both: σ √(rank / 2N).
+    pub theory_rmse_m: f64,
+    /// RMS error of the CAD parameters against the true CoP.
+    pub cad_clean_rmse_m: f64,
+}
+
+/// CoP (x, y) of one held-out posture, m.
+#[derive(Debug, Clone, Serialize)]
+pub struct CopRow {
+    pub pose: usize,
+    /// Noisy reading.
+    pub measured: [f64; 2],
+    /// True CoP.
+    pub truth: [f64; 2],
+    /// Predicted from CAD.
+    pub cad: [f64; 2],
+    /// Predicted from the identified parameters.
+    pub identified: [f64; 2],
+}
+
+/// CoM height of one held-out posture, m.
+#[derive(Debug, Clone, Serialize)]
+pub struct HeightRow {
+    pub pose: usize,
+    pub truth: f64,
+    /// Identified, the unobservable constant of minimum norm.
+    pub identified: f64,
+    /// Identified, the constant taken from CAD.
+    pub anchored: f64,
+}

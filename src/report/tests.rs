@@ -1,0 +1,102 @@
+//! A made-up report for the tests of pages and figures.
+
+use super::{CopRow, DemoReport, Errors, FunctionRow, HeightRow, LengthRow};
+
+/// OP2-like numbers under names that need escaping.
+pub fn report() -> DemoReport {
+    let length = |body: &str, joint: &str, cad_m: f64, full_m: f64, unseen: &str| LengthRow {
+        body: body.to_string(),
+        joint: joint.to_string(),
+        cad_m,
+        full_m,
+        base_cad_m: cad_m,
+        base_m: cad_m + 0.0004,
+        unseen: unseen.to_string(),
+    };
+    let wave = |k: usize| (k as f64 * 1.7).sin();
+    DemoReport {
+        robot: "op<2>".to_string(),
+        support: "r_sole".to_string(),
+        dof: 20,
+        bodies: 21,
+        full_params: 63,
+        base_params: 43,
+        rank_cop: 42,
+        postures: 1000,
+        range_deg: 30.0,
+        noise_m: 0.00493,
+        held_out: 500,
+        functions: vec![
+            FunctionRow {
+                name: "com".to_string(),
+                mul: 80,
+                add: 78,
+                sin_cos: 20,
+                worst_error_m: 4.4e-16,
+                bound_m: 8.9e-15,
+            },
+            FunctionRow {
+                name: "regressor".to_string(),
+                mul: 218,
+                add: 106,
+                sin_cos: 20,
+                worst_error_m: 2e-12,
+                bound_m: 1e-12,
+            },
+        ],
+        lengths: vec![
+            length("<b>&\"foot\"", "", 0.034, 0.014, "its height"),
+            length(
+                "r_knee_link",
+                "r_ank_pitch",
+                0.084,
+                0.085,
+                "along the axis of r_ank_pitch",
+            ),
+            length(
+                "a_link_with_a_very_long_name",
+                "j",
+                0.002,
+                0.015,
+                "along the axis of j",
+            ),
+        ],
+        errors: Errors {
+            measured_mae_m: 0.004,
+            in_sample_mae_m: 0.00385,
+            noise_mae_m: 0.003_933,
+            clean_rmse_base_m: 0.00072,
+            clean_rmse_full_m: 0.00072,
+            theory_rmse_m: 0.000_714,
+            cad_clean_rmse_m: 0.0,
+        },
+        cop: (1..=26)
+            .map(|k| {
+                let truth = [0.1 * wave(k), 0.05 + 0.07 * wave(k + 3)];
+                CopRow {
+                    pose: k,
+                    measured: [
+                        truth[0] + 0.005 * wave(k + 1),
+                        truth[1] - 0.004 * wave(k + 2),
+                    ],
+                    truth,
+                    cad: truth,
+                    identified: [truth[0] + 0.0007 * wave(k + 5), truth[1]],
+                }
+            })
+            .collect(),
+        height: (1..=26)
+            .map(|k| {
+                let truth = 0.2 + 0.03 * wave(k);
+                HeightRow {
+                    pose: k,
+                    truth,
+                    identified: truth - 0.0336,
+                    anchored: truth + 0.001 * wave(k + 1),
+                }
+            })
+            .collect(),
+        height_offset_m: -0.0336,
+        unobservable: vec!["mass along the axis of <l_knee> moves to its parent".to_string()],
+    }
+}
