@@ -139,11 +139,11 @@ pub(crate) fn tidy(x: f64) -> f64 {
 }
 
 #[cfg(test)]
+#[allow(clippy::approx_constant)] // decimals of right angles are the point
 mod tests {
     use super::*;
 
     #[test]
-    #[allow(clippy::approx_constant)] // the decimals are the point
     fn decimals_of_right_angles_become_exact() {
         let snapped = rotation([1.5708, 0.0, -1.5708], Snapping::default());
         let exact = Matrix3::new(0., 0., -1., -1., 0., 0., 0., 1., 0.);
@@ -152,7 +152,6 @@ mod tests {
     }
 
     #[test]
-    #[allow(clippy::approx_constant)]
     fn a_sloppy_half_turn_is_reported_and_left_alone() {
         let near = rotation([0.0, 0.0, 3.14], Snapping::default());
         assert_eq!(near.error, 0.0);

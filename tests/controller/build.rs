@@ -1,4 +1,6 @@
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    sesc_codegen::Builder::new("../../robots/op2/op2.urdf").support("r_sole").emit()?;
+    sesc_codegen::Builder::new("../../robots/op2/op2.urdf")
+        .support("r_sole")
+        .emit()?;
     Ok(())
 }

@@ -20,7 +20,9 @@ mod control {
     pub fn tick(q: &[f64; op2::DOF], qd: &[f64; op2::DOF], r: &[f64; op2::BASE_PARAMS]) -> State {
         let jacobian = op2::com_jacobian(q, r);
         let velocity = |row: &[f64; op2::DOF]| row.iter().zip(qd).map(|(j, v)| j * v).sum();
-        let roll = op2::JOINT_NAMES.iter().position(|name| *name == "r_ank_roll");
+        let roll = op2::JOINT_NAMES
+            .iter()
+            .position(|name| *name == "r_ank_roll");
         State {
             com: op2::com(q, r),
             com_velocity: [0, 1, 2].map(|k| velocity(&jacobian[k])),
@@ -31,7 +33,11 @@ mod control {
 
 fn main() {
     let com = op2::com(&op2::SELF_TEST_Q, &op2::CAD_PARAMS);
-    let off = com.iter().zip(op2::SELF_TEST_COM).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let off = com
+        .iter()
+        .zip(op2::SELF_TEST_COM)
+        .map(|(a, b)| (a - b).abs())
+        .fold(0.0, f64::max);
     assert!(off < 1e-12, "self-test: {off} m");
 
     // One second of a slow sway: every joint follows its own sine.
@@ -58,7 +64,11 @@ fn main() {
         }
     }
     let com = op2::com(&q, &op2::CAD_PARAMS);
-    let drift = com.iter().zip(integrated).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let drift = com
+        .iter()
+        .zip(integrated)
+        .map(|(a, b)| (a - b).abs())
+        .fold(0.0, f64::max);
     println!("CoM {com:.6?} m; integrating its velocity drifts by {drift:.1e} m");
     assert!(drift < 1e-6);
 }
