@@ -1,9 +1,10 @@
 //! What can go wrong between a URDF and its code.
 
-use std::io;
+use std::error::Error as _;
+use std::{fmt, io};
 
 /// A complaint with its remedy.
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 pub enum Error {
     /// The robot description has faults.
     #[error(transparent)]
@@ -48,4 +49,17 @@ pub enum Error {
     NotABuildScript { variable: &'static str },
     #[error("emitted code does not parse ({reason}); this is a defect of sesc, please report it")]
     Emitted { reason: String },
+}
+
+/// As a person reads it, causes below: a build script that ends in `?` shows this.
+impl fmt::Debug for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{self}")?;
+        let mut cause = self.source();
+        while let Some(inner) = cause {
+            write!(f, "\ncaused by: {inner}")?;
+            cause = inner.source();
+        }
+        Ok(())
+    }
 }
