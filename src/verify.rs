@@ -90,7 +90,7 @@ pub fn verify(
 }
 
 /// All joints at their lower ends, all at their upper, and mixtures of ends.
-fn corners(model: &Model, seed: u64) -> Vec<f64> {
+pub fn corners(model: &Model, seed: u64) -> Vec<f64> {
     let dofs = &model.tree.dofs;
     let mut coin = Simulator::new(dofs, None, seed.wrapping_add(1));
     let mut corners: Vec<f64> = dofs.iter().map(|dof| dof.lower).collect();

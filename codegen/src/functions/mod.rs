@@ -1,0 +1,180 @@
+//! The functions of the CoM as expressions.
+//!
+//! Leaf to root, with `t` the subtree vector turned by its joint and `K` the
+//! constant twist to the parent:
+//!
+//! ```text
+//! v_i = r_i + Σ_children K_k t_k        t_k = Rz(θ_k) v_k        CoM = v_0
+//! ```
+//!
+//! 4 multiplications per joint. Root to leaf, rows of orientations:
+//!
+//! ```text
+//! b_i = b_p K_i Rz(θ_i)
+//! ```
+//!
+//! 4 per joint and row. They meet in the Jacobian: `J_j = B_p K_j (e_z × t_j)`.
+
+mod rows;
+mod subtrees;
+mod turns;
+
+use crate::expr::{Graph, Id, VectorId};
+use crate::model::{Function, Given, Model};
+use crate::program::{Array, Program, Shape};
+use crate::tree::Coordinate;
+use turns::sines_suffice;
+
+/// A vector of expressions with what is known of it.
+#[derive(Clone, Copy)]
+struct Known {
+    entries: [Id; 3],
+    fact: VectorId,
+}
+
+pub(crate) fn build(model: &Model, function: Function, given: Given) -> Option<Program> {
+    if given == Given::SinesCosines && !sines_suffice(model) {
+        return None;
+    }
+    let mut scratch = Scratch::new(model, given);
+    let (rows, cols) = (rows_of(function), columns_of(model, function));
+    let outputs = match function {
+        Function::Com => scratch.subtrees()[0].v.entries.to_vec(),
+        Function::Cop => scratch.subtrees()[0].v.entries[..2].to_vec(),
+        Function::ComJacobian => scratch.jacobian(&[0, 1, 2], false),
+        Function::GravityMoments => scratch.jacobian(&[2], true),
+        Function::Regressor => scratch.regressor(&[0, 1, 2]),
+        Function::RegressorCop => scratch.regressor(&[0, 1]),
+        Function::RegressorFull => scratch.regressor_full(),
+    };
+    let shape = match (rows, cols) {
+        (1, n) => Shape::Vector(n),
+        (rows, cols) => Shape::Matrix { rows, cols },
+    };
+    let inputs = arrays(model, function, given);
+    Some(Program::new(scratch.g, inputs, shape, &outputs))
+}
+
+/// The input arrays of a function.
+fn arrays(model: &Model, function: Function, given: Given) -> Vec<Array> {
+    let names: &[&'static str] = match given {
+        Given::Positions => &["q"],
+        Given::SinesCosines => &["sin", "cos"],
+    };
+    let mut arrays: Vec<Array> = names
+        .iter()
+        .map(|&name| Array {
+            name,
+            len: model.dof(),
+        })
+        .collect();
+    if function.takes_parameters() {
+        arrays.push(Array {
+            name: "r",
+            len: model.base.params.len(),
+        });
+    }
+    arrays
+}
+
+/// ∂CoM/∂q by the chain rule on the expressions of the CoM itself, row-major.
+///
+/// Costs more operations than [`Function::ComJacobian`], which knows the
+/// geometry; it is there to check it.
+pub fn differentiate_com(model: &Model) -> Program {
+    let mut scratch = Scratch::new(model, Given::Positions);
+    let com = scratch.subtrees()[0].v.entries;
+    let inputs: Vec<Id> = (0..model.dof()).map(|j| scratch.g.input(0, j)).collect();
+    let columns: Vec<Vec<Id>> = inputs
+        .iter()
+        .map(|&q| scratch.g.derivative(&com, q))
+        .collect();
+    let rows = (0..3).flat_map(|k| columns.iter().map(move |column| column[k]));
+    let outputs: Vec<Id> = rows.collect();
+    let shape = Shape::Matrix {
+        rows: 3,
+        cols: model.dof(),
+    };
+    let inputs = arrays(model, Function::ComJacobian, Given::Positions);
+    Program::new(scratch.g, inputs, shape, &outputs)
+}
+
+fn rows_of(function: Function) -> usize {
+    match function {
+        Function::ComJacobian | Function::Regressor | Function::RegressorFull => 3,
+        Function::RegressorCop => 2,
+        _ => 1,
+    }
+}
+
+fn columns_of(model: &Model, function: Function) -> usize {
+    match function {
+        Function::Com => 3,
+        Function::Cop => 2,
+        Function::ComJacobian | Function::GravityMoments => model.dof(),
+        Function::Regressor | Function::RegressorCop => model.base.params.len(),
+        Function::RegressorFull => model.chain.full_params,
+    }
+}
+
+struct Scratch<'m> {
+    m: &'m Model,
+    g: Graph,
+    given: Given,
+    children: Vec<Vec<usize>>,
+    /// Sine and cosine per body, once asked for.
+    turns: Vec<Option<(Id, Id)>>,
+}
+
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+impl<'m> Scratch<'m> {
+    fn new(m: &'m Model, given: Given) -> Self {
+        Scratch {
+            m,
+            g: Graph::default(),
+            given,
+            children: m.chain.children(),
+            turns: vec![None; m.chain.bodies.len()],
+        }
+    }
+
+    /// The input array that holds r.
+    fn parameter(&mut self, index: Option<usize>) -> Id {
+        let array = match self.given {
+            Given::Positions => 1,
+            Given::SinesCosines => 2,
+        };
+        match index {
+            Some(index) => self.g.input(array, index),
+            None => self.g.constant(0.0),
+        }
+    }
+
+    /// Position of a slide: factor·q + offset. (`_sc` passes q in `sin`.)
+    fn position(&mut self, by: &Coordinate) -> Id {
+        let q = self.g.input(0, by.dof);
+        let (factor, offset) = (self.g.constant(by.factor), self.g.constant(by.offset));
+        let scaled = self.g.mul(factor, q);
+        self.g.add(scaled, offset)
+    }
+
+    fn section(&mut self, body: usize) {
+        let title = match &self.m.chain.bodies[body].joint {
+            Some(joint) => joint.clone(),
+            None => self.m.chain.bodies[body].name.clone(),
+        };
+        self.g.section(title);
+    }
+
+    fn name(&mut self, vector: &[Id; 3], prefix: &str, body: usize) {
+        for (id, axis) in vector.iter().zip(AXES) {
+            let key = &self.m.keys[body];
+            self.g.name(*id, || format!("{prefix}_{key}_{axis}"));
+        }
+    }
+
+    fn norm(&self, fact: VectorId) -> f64 {
+        self.g.vectors[fact.0 as usize].norm
+    }
+}

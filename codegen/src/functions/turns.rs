@@ -1,0 +1,108 @@
+//! Sines and cosines of joint angles: each κ q + θ from q, or from given
+//! sines and cosines.
+//!
+//! ```text
+//! sin(a + b) = sin a cos b + cos a sin b      cos(a + b) = cos a cos b − sin a sin b
+//! ```
+//!
+//! Quarter turns in θ swap the two for nothing.
+
+use super::Scratch;
+use crate::expr::Id;
+use crate::model::{Given, Model};
+use crate::tree::Coordinate;
+
+/// Largest multiple of an angle built from its sine and cosine.
+const LARGEST_MULTIPLE: f64 = 8.0;
+
+/// Whether every angle is a whole multiple of a joint's own.
+pub(super) fn sines_suffice(model: &Model) -> bool {
+    model.frames.iter().all(|frame| {
+        frame.turn.as_ref().is_none_or(|turn| {
+            let times = libm::fabs(turn.angle.factor);
+            times == libm::rint(times) && times <= LARGEST_MULTIPLE
+        })
+    })
+}
+
+impl Scratch<'_> {
+    /// Sine and cosine of the angle that turns `body`.
+    pub(super) fn turn(&mut self, body: usize) -> (Id, Id) {
+        if let Some(pair) = self.turns[body] {
+            return pair;
+        }
+        let angle = self.m.frames[body]
+            .turn
+            .as_ref()
+            .expect("asked of turning bodies")
+            .angle;
+        let key = &self.m.keys[body];
+        let pair = match self.given {
+            Given::Positions => self.turn_from_position(&angle, key),
+            Given::SinesCosines => self.turn_from_sines(&angle, key),
+        };
+        self.turns[body] = Some(pair);
+        pair
+    }
+
+    pub(super) fn turn_from_position(&mut self, angle: &Coordinate, key: &str) -> (Id, Id) {
+        let (quarters, rest) = quarters(angle.offset);
+        // sin(−x + δ) = −sin(x − δ): joints that turn backwards share their sines.
+        let sign = if angle.factor < 0.0 { -1.0 } else { 1.0 };
+        let by = Coordinate {
+            dof: angle.dof,
+            factor: sign * angle.factor,
+            offset: sign * rest,
+        };
+        let x = self.position(&by);
+        let (s, c) = (self.g.sin(x), self.g.cos(x));
+        self.g.name(s, || format!("s_{key}"));
+        self.g.name(c, || format!("c_{key}"));
+        let s = if sign < 0.0 { self.g.neg(s) } else { s };
+        self.quarter_turns(s, c, quarters)
+    }
+
+    pub(super) fn turn_from_sines(&mut self, angle: &Coordinate, key: &str) -> (Id, Id) {
+        let (quarters, rest) = quarters(angle.offset);
+        let own = (self.g.input(0, angle.dof), self.g.input(1, angle.dof));
+        let (mut s, mut c) = own;
+        for _ in 1..libm::fabs(angle.factor) as usize {
+            (s, c) = self.sum_of_angles((s, c), own);
+        }
+        if angle.factor < 0.0 {
+            s = self.g.neg(s);
+        }
+        if rest != 0.0 {
+            let (sin, cos) = libm::sincos(rest);
+            let constant = (self.g.constant(sin), self.g.constant(cos));
+            (s, c) = self.sum_of_angles((s, c), constant);
+            self.g.name(s, || format!("s_{key}"));
+            self.g.name(c, || format!("c_{key}"));
+        }
+        self.quarter_turns(s, c, quarters)
+    }
+
+    pub(super) fn sum_of_angles(&mut self, a: (Id, Id), b: (Id, Id)) -> (Id, Id) {
+        let s = self.g.dot(&[a.0, a.1], &[b.1, b.0]);
+        let (cc, ss) = (self.g.mul(a.1, b.1), self.g.mul(a.0, b.0));
+        (s, self.g.sub(cc, ss))
+    }
+
+    pub(super) fn quarter_turns(&mut self, s: Id, c: Id, quarters: i64) -> (Id, Id) {
+        match quarters {
+            0 => (s, c),
+            1 => (c, self.g.neg(s)),
+            2 => (self.g.neg(s), self.g.neg(c)),
+            _ => (self.g.neg(c), s),
+        }
+    }
+}
+
+/// Whole quarter turns (0 to 3) and the rest, at most an eighth of a turn.
+fn quarters(angle: f64) -> (i64, f64) {
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let whole = libm::rint(angle / quarter);
+    let rest = angle - whole * quarter;
+    let rest = if libm::fabs(rest) < 1e-15 { 0.0 } else { rest };
+    ((whole as i64).rem_euclid(4), rest)
+}

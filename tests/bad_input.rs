@@ -1,0 +1,178 @@
+//! Bad robots, logs and usage: exit code 2, the file, line and remedy named,
+//! nothing written.
+
+#[path = "common/command.rs"]
+mod command;
+
+use std::fs;
+
+use command::{ROOT, folder, op2, refused, sesc, write};
+
+#[test]
+fn bad_logs_are_refused_by_line_and_column() {
+    let folder = folder();
+    let joints = "head_pan,head_tilt,l_hip_yaw,l_hip_roll,l_hip_pitch,l_knee,l_ank_pitch,l_ank_roll,\
+                  l_sho_pitch,l_sho_roll,l_el,r_hip_yaw,r_hip_roll,r_hip_pitch,r_knee,r_ank_pitch,\
+                  r_ank_roll,r_sho_pitch,r_sho_roll,r_el";
+    let zeros = ",0".repeat(20);
+    let cases: [(&str, String, &[&str]); 9] = [
+        (
+            "nan",
+            format!(
+                "pose,{joints}\n1{zeros}\n2{}\n",
+                zeros.replacen("0", "NaN", 1)
+            ),
+            &["nan.csv:3", "head_pan"],
+        ),
+        (
+            "word",
+            format!("pose,{joints}\n1{}\n", zeros.replacen("0", "x", 1)),
+            &["word.csv:2", "head_pan", "`x`"],
+        ),
+        (
+            "ragged",
+            format!("pose,{joints}\n1{zeros}\n2,0,0\n"),
+            &["ragged.csv:3", "3 fields", "21"],
+        ),
+        (
+            "twice",
+            format!("pose,head_pan,{joints}\n"),
+            &["twice.csv:1", "head_pan", "twice"],
+        ),
+        (
+            "missing",
+            "pose,head_pan\n1,0\n".into(),
+            &["missing.csv:1", "`l_knee`", "and 7 more"],
+        ),
+        ("empty", String::new(), &["empty.csv", "header"]),
+        (
+            "rowless",
+            format!("pose,{joints}\n"),
+            &["rowless.csv", "no postures"],
+        ),
+        (
+            "poses",
+            format!("pose,{joints}\n1.5{zeros}\n"),
+            &["poses.csv:2", "whole number"],
+        ),
+        (
+            "degrees",
+            format!("pose,{joints}\n1{}\n", zeros.replacen("0", "45", 1)),
+            &["degrees.csv:2", "--degrees"],
+        ),
+    ];
+    for (name, text, words) in cases {
+        let log = write(folder.path(), &format!("{name}.csv"), text);
+        refused(
+            &sesc(&["predict", &op2(), "--support", "r_sole", "--data", &log]),
+            words,
+        );
+    }
+    let binary = write(
+        folder.path(),
+        "binary.csv",
+        [0u8, 159, 146, 150, 255, 10, 3, 200],
+    );
+    refused(
+        &sesc(&["predict", &op2(), "--support", "r_sole", "--data", &binary]),
+        &["binary.csv"],
+    );
+    refused(
+        &sesc(&[
+            "predict",
+            &op2(),
+            "--support",
+            "r_sole",
+            "--data",
+            "gone.csv",
+        ]),
+        &["gone.csv"],
+    );
+    let log = write(
+        folder.path(),
+        "side.csv",
+        format!("pose,{joints}\n1{zeros}\n"),
+    );
+    write(folder.path(), "side.toml", "suport = 'r_sole'\n");
+    refused(
+        &sesc(&["predict", &op2(), "--data", &log]),
+        &["side.toml", "suport"],
+    );
+}
+
+#[test]
+fn bad_robots_and_usage_exit_with_two_and_write_nothing() {
+    let folder = folder();
+    let out = folder.path().join("out").display().to_string();
+    let bad = format!("{ROOT}/tests/bad_urdf/everything_at_once.urdf");
+    let generate = |urdf: &str, support: &str, name: &str| {
+        sesc(&[
+            "generate",
+            urdf,
+            "--support",
+            support,
+            "--name",
+            name,
+            "--out",
+            &out,
+        ])
+    };
+    refused(
+        &generate(&bad, "base", "x"),
+        &["everything_at_once.urdf:14", "axis is zero"],
+    );
+    refused(
+        &generate(&op2(), "sole", "x"),
+        &["no link `sole`", "has l_sole, r_sole, body_link"],
+    );
+    refused(
+        &generate(&op2(), "r_sole", "2fast"),
+        &["`2fast`", "`robot_2fast`"],
+    );
+    refused(&generate(&op2(), "r_sole", "fn"), &["`fn`"]);
+    refused(&sesc(&["inspect", &op2()]), &["--support"]);
+    refused(
+        &sesc(&["inspect", "nowhere.urdf", "--support", "x"]),
+        &["nowhere.urdf"],
+    );
+    refused(
+        &sesc(&["verify", &op2(), "--support", "r_sole", "--samples", "0"]),
+        &["--samples"],
+    );
+    refused(
+        &sesc(&[
+            "generate",
+            &op2(),
+            "--support",
+            "r_sole",
+            "--lang",
+            "ada",
+            "--out",
+            &out,
+        ]),
+        &["ada", "rust"],
+    );
+    let log = folder.path().join("log.csv");
+    for (flag, value) in [
+        ("--noise", "nan"),
+        ("--noise", "-1"),
+        ("--range", "0"),
+        ("--poses", "0"),
+    ] {
+        let mut arguments = vec!["simulate".to_string(), op2(), "--support=r_sole".into()];
+        if flag != "--poses" {
+            arguments.push("--poses=5".into());
+        }
+        arguments.extend([
+            format!("{flag}={value}"),
+            format!("--out={}", log.display()),
+        ]);
+        let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+        refused(&sesc(&arguments), &[flag]);
+    }
+    assert_eq!(
+        fs::read_dir(folder.path()).unwrap().count(),
+        0,
+        "nothing was written"
+    );
+}
