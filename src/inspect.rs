@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::DMatrix;
 use serde::Serialize;
+use sesc_codegen::base::Column;
 use sesc_codegen::bounds::Precision;
 use sesc_codegen::program::Counts;
 use sesc_codegen::{Function, Given, Model, numeric};
@@ -68,8 +69,9 @@ pub struct Body {
 #[derive(Debug, Clone, Serialize)]
 pub struct Parameter {
     pub name: String,
-    /// m
     pub cad: f64,
+    /// `m`, or `1` for the mass fraction s of a sliding joint.
+    pub unit: &'static str,
 }
 
 /// A direction no data can see.
@@ -159,6 +161,10 @@ pub fn inspect(model: &Model) -> Inspection {
             .map(|param| Parameter {
                 name: param.name.clone(),
                 cad: param.cad,
+                unit: match param.column {
+                    Column::Slide { .. } => "1",
+                    Column::Axis { .. } => "m",
+                },
             })
             .collect(),
         unobservable: base

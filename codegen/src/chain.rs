@@ -12,7 +12,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::tree::{Motion, Tree};
+use crate::tree::{Coordinate, Motion, Tree};
 
 /// A group of links that moves as one.
 #[derive(Debug, Clone)]
@@ -48,6 +48,8 @@ pub struct Chain {
     pub bodies: Vec<Body>,
     /// Number of full parameters: 3 per body, one more per sliding joint.
     pub full_params: usize,
+    /// Independent joints, to name angles by.
+    dofs: Vec<String>,
 }
 
 /// Fold fixed joints and gather masses and lengths into r and s.
@@ -131,6 +133,7 @@ pub fn expand(tree: &Tree) -> Chain {
     Chain {
         bodies,
         full_params: column,
+        dofs: tree.dofs.iter().map(|dof| dof.joint.clone()).collect(),
     }
 }
 
@@ -173,8 +176,7 @@ impl Chain {
         while let Some(i) = at {
             let body = &self.bodies[i];
             if let Motion::Turn { axis, by } = body.motion {
-                let joint = body.joint.as_deref().unwrap_or_default();
-                factors.push(turn(&axis, joint, by.factor));
+                factors.push(turn(&axis, &self.dofs[by.dof], &by));
             }
             let tilt = (body.rotation - Matrix3::identity()).norm();
             if tilt > 0.0 {
@@ -191,23 +193,25 @@ impl Chain {
     }
 }
 
-/// `Ry(-knee)`, or `R[0.1 0.9 0.2](knee)` for a skewed axis.
-fn turn(axis: &Vector3<f64>, joint: &str, factor: f64) -> String {
+/// `Ry(-knee)`, `Rx(0.4 knee + 0.25)`, or `R[0.1 0.9 0.2](knee)` for a skewed axis.
+fn turn(axis: &Vector3<f64>, dof: &str, by: &Coordinate) -> String {
     let aligned = crate::snap::aligned(axis);
-    let sign = match aligned {
-        Some(k) if axis[k] * factor < 0.0 => "-",
-        None if factor < 0.0 => "-",
-        _ => "",
-    };
+    // A turn about −y by x is a turn about y by −x.
+    let sense = aligned.map_or(1.0, |k| axis[k]);
+    let (factor, offset) = (sense * by.factor, sense * by.offset);
+    let sign = if factor < 0.0 { "-" } else { "" };
     let times = match factor.abs() {
         1.0 => String::new(),
         other => format!("{other} "),
     };
-    match aligned {
-        Some(k) => format!("R{}({sign}{times}{joint})", ["x", "y", "z"][k]),
-        None => format!(
-            "R[{:.4} {:.4} {:.4}]({sign}{times}{joint})",
-            axis[0], axis[1], axis[2]
-        ),
-    }
+    let plus = match offset {
+        0.0 => String::new(),
+        x if x < 0.0 => format!(" - {}", -x),
+        x => format!(" + {x}"),
+    };
+    let about = match aligned {
+        Some(k) => ["x", "y", "z"][k].to_string(),
+        None => format!("[{:.4} {:.4} {:.4}]", axis[0], axis[1], axis[2]),
+    };
+    format!("R{about}({sign}{times}{dof}{plus})")
 }

@@ -19,7 +19,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::chain::Chain;
-use crate::snap::tidy;
+use crate::snap::{self, tidy};
 use crate::tree::{Coordinate, Motion};
 
 /// A constant orthogonal map between canonical frames, by its cheapest form.
@@ -120,7 +120,7 @@ fn turned(
             .map(|child| cost(&(axes.transpose() * child.axis).map(tidy), child.leaf))
             .sum();
         let turn = frame.turn.as_ref().expect("seat always makes a turn");
-        let price = (twists, turn.angle.offset != 0.0);
+        let price = (twists, snap::quarters(turn.angle.offset).1 != 0.0);
         if best.as_ref().is_none_or(|(least, _)| price < *least) {
             best = Some((price, frame));
         }
@@ -136,7 +136,7 @@ fn candidates(
 ) -> Vec<Matrix3<f64>> {
     let mut frames = Vec::new();
     let unit = |k: usize| Vector3::ith(k, 1.0);
-    if let Some(k) = crate::snap::aligned(axis) {
+    if let Some(k) = snap::aligned(axis) {
         let (a, b) = [(1, 2), (0, 2), (0, 1)][k];
         frames.push(Matrix3::from_columns(&[unit(a), unit(b), unit(k)]));
     }

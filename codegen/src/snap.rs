@@ -127,6 +127,15 @@ pub(crate) fn aligned(axis: &Vector3<f64>) -> Option<usize> {
     (zeros == 2).then(|| axis.iamax())
 }
 
+/// Whole quarter turns (0 to 3) and the rest, at most an eighth of a turn.
+pub(crate) fn quarters(angle: f64) -> (i64, f64) {
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let whole = libm::rint(angle / quarter);
+    let rest = angle - whole * quarter;
+    let rest = if libm::fabs(rest) < 1e-15 { 0.0 } else { rest };
+    ((whole as i64).rem_euclid(4), rest)
+}
+
 /// Entries within rounding of 0 or ±1 become exact.
 pub(crate) fn tidy(x: f64) -> f64 {
     if libm::fabs(x) < ROUNDING {

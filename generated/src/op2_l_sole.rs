@@ -71,18 +71,18 @@ pub const PARAM_NAMES: [&str; BASE_PARAMS] = [
     "l_sole.z",
     "l_ank_pitch_link.y",
     "l_ank_pitch_link.z",
-    "l_knee_link.z",
     "l_knee_link.x",
-    "l_hip_pitch_link.z",
+    "l_knee_link.z",
     "l_hip_pitch_link.x",
-    "l_hip_roll_link.z",
+    "l_hip_pitch_link.z",
     "l_hip_roll_link.x",
+    "l_hip_roll_link.z",
+    "l_hip_yaw_link.y",
     "l_hip_yaw_link.z",
-    "l_hip_yaw_link.v",
-    "body_link.u",
     "body_link.x",
-    "head_pan_link.u",
+    "body_link.y",
     "head_pan_link.x",
+    "head_pan_link.y",
     "head_tilt_link.u",
     "head_tilt_link.v",
     "l_sho_pitch_link.x",
@@ -91,18 +91,18 @@ pub const PARAM_NAMES: [&str; BASE_PARAMS] = [
     "l_sho_roll_link.z",
     "l_el_link.x",
     "l_el_link.z",
-    "r_hip_yaw_link.u",
     "r_hip_yaw_link.x",
-    "r_hip_roll_link.u",
-    "r_hip_roll_link.v",
-    "r_hip_pitch_link.u",
-    "r_hip_pitch_link.v",
-    "r_knee_link.u",
-    "r_knee_link.v",
-    "r_ank_pitch_link.u",
-    "r_ank_pitch_link.v",
-    "r_ank_roll_link.u",
+    "r_hip_yaw_link.y",
+    "r_hip_roll_link.y",
+    "r_hip_roll_link.z",
+    "r_hip_pitch_link.x",
+    "r_hip_pitch_link.z",
+    "r_knee_link.x",
+    "r_knee_link.z",
+    "r_ank_pitch_link.x",
+    "r_ank_pitch_link.z",
     "r_ank_roll_link.y",
+    "r_ank_roll_link.z",
     "r_sho_pitch_link.x",
     "r_sho_pitch_link.z",
     "r_sho_roll_link.y",
@@ -118,18 +118,18 @@ pub const CAD_PARAMS: [f64; BASE_PARAMS] = [
     0.032794017716237855,
     -0.00003500960390767528,
     0.0007924947431313888,
-    0.08422326168849197,
     0.00015737139520335586,
-    0.08036415082453738,
+    0.08422326168849197,
     0.00002815646395548345,
-    -0.0007924947431313888,
+    0.08036415082453738,
     -0.001037646205786198,
+    -0.0007924947431313888,
+    0.0,
     0.059756316109317295,
-    -0.0,
-    0.03803915304100316,
     -0.0037115625356265295,
-    -0.00001531256050567311,
+    -0.03803915304100316,
     -0.000005935220372607572,
+    0.00001531256050567311,
     0.0008936193097188895,
     -0.0006155634123957239,
     0.00037887327917640026,
@@ -138,18 +138,18 @@ pub const CAD_PARAMS: [f64; BASE_PARAMS] = [
     -0.003301899427745445,
     -0.000273408178112904,
     -0.0009290174831895181,
-    -0.0,
     -0.001037646205786198,
-    -0.00003500960390767528,
-    0.0007924947431313888,
-    0.012635849175462609,
-    -0.00002815646395548345,
-    0.008776738311508022,
-    -0.00015737139520335586,
+    0.0,
+    0.00003500960390767528,
     -0.0007924947431313888,
-    0.0010725237405351177,
-    0.0007059822837621398,
+    0.00002815646395548345,
+    -0.012635849175462609,
+    0.00015737139520335586,
+    -0.008776738311508022,
+    -0.0010725237405351177,
+    0.0007924947431313888,
     -0.0002581613934660824,
+    -0.0007059822837621398,
     0.00037887327917640026,
     -0.0012960221329661493,
     -0.0001730709697837521,
@@ -292,35 +292,36 @@ pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
         + c_r_sho_pitch * v_r_sho_pitch_y;
     // r_ank_roll
     let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
-    let t_r_ank_roll_x = c_r_ank_roll * r[35] - s_r_ank_roll * r[36];
-    let t_r_ank_roll_y = s_r_ank_roll * r[35] + c_r_ank_roll * r[36];
+    let t_r_ank_roll_x = s_r_ank_roll * r[35] + c_r_ank_roll * r[36];
+    let t_r_ank_roll_y = c_r_ank_roll * r[35] - s_r_ank_roll * r[36];
     // r_ank_pitch
-    let v_r_ank_pitch_x = r[33] + t_r_ank_roll_x;
+    let v_r_ank_pitch_y = r[34] + t_r_ank_roll_x;
     let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
-    let t_r_ank_pitch_x = c_r_ank_pitch * v_r_ank_pitch_x + s_r_ank_pitch * r[34];
-    let t_r_ank_pitch_y = c_r_ank_pitch * r[34] - s_r_ank_pitch * v_r_ank_pitch_x;
+    let t_r_ank_pitch_x = c_r_ank_pitch * r[33] - s_r_ank_pitch * v_r_ank_pitch_y;
+    let t_r_ank_pitch_y = s_r_ank_pitch * r[33] + c_r_ank_pitch * v_r_ank_pitch_y;
     // r_knee
     let v_r_knee_x = r[31] + t_r_ank_pitch_x;
     let v_r_knee_y = r[32] + t_r_ank_pitch_y;
     let (s_r_knee, c_r_knee) = q[14].sin_cos();
-    let t_r_knee_x = c_r_knee * v_r_knee_x - s_r_knee * v_r_knee_y;
-    let t_r_knee_y = s_r_knee * v_r_knee_x + c_r_knee * v_r_knee_y;
+    let t_r_knee_x = c_r_knee * v_r_knee_x + s_r_knee * v_r_knee_y;
+    let t_r_knee_y = c_r_knee * v_r_knee_y - s_r_knee * v_r_knee_x;
     // r_hip_pitch
     let v_r_hip_pitch_x = r[29] + t_r_knee_x;
     let v_r_hip_pitch_y = r[30] + t_r_knee_y;
     let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
-    let t_r_hip_pitch_x = c_r_hip_pitch * v_r_hip_pitch_x
-        - s_r_hip_pitch * v_r_hip_pitch_y;
+    let t_r_hip_pitch_x = c_r_hip_pitch * v_r_hip_pitch_y
+        - s_r_hip_pitch * v_r_hip_pitch_x;
+    let t_r_hip_pitch_y = c_r_hip_pitch * v_r_hip_pitch_x
+        + s_r_hip_pitch * v_r_hip_pitch_y;
     // r_hip_roll
-    let v_r_hip_roll_x = r[27] - t_r_ank_roll_y;
+    let v_r_hip_roll_x = r[27] + t_r_ank_roll_y;
     let v_r_hip_roll_y = r[28] + t_r_hip_pitch_x;
     let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
     let t_r_hip_roll_x = c_r_hip_roll * v_r_hip_roll_x + s_r_hip_roll * v_r_hip_roll_y;
-    let t_r_hip_roll_y = s_r_hip_roll * v_r_hip_roll_x - c_r_hip_roll * v_r_hip_roll_y;
+    let t_r_hip_roll_y = c_r_hip_roll * v_r_hip_roll_y - s_r_hip_roll * v_r_hip_roll_x;
     // r_hip_yaw
-    let v_r_hip_yaw_x = r[25] + t_r_hip_roll_x;
-    let v_r_hip_yaw_y = r[26]
-        - (s_r_hip_pitch * v_r_hip_pitch_x + c_r_hip_pitch * v_r_hip_pitch_y);
+    let v_r_hip_yaw_x = r[25] + t_r_hip_pitch_y;
+    let v_r_hip_yaw_y = r[26] + t_r_hip_roll_x;
     let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
     let t_r_hip_yaw_x = c_r_hip_yaw * v_r_hip_yaw_x + s_r_hip_yaw * v_r_hip_yaw_y;
     let t_r_hip_yaw_y = c_r_hip_yaw * v_r_hip_yaw_y - s_r_hip_yaw * v_r_hip_yaw_x;
@@ -347,50 +348,50 @@ pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
     let t_head_tilt_x = c_head_tilt * r[17] + s_head_tilt * r[18];
     let t_head_tilt_y = s_head_tilt * r[17] - c_head_tilt * r[18];
     // head_pan
-    let v_head_pan_y = r[16] + t_head_tilt_x;
+    let v_head_pan_x = r[15] + t_head_tilt_x;
     let (s_head_pan, c_head_pan) = q[0].sin_cos();
-    let t_head_pan_x = c_head_pan * r[15] - s_head_pan * v_head_pan_y;
-    let t_head_pan_y = s_head_pan * r[15] + c_head_pan * v_head_pan_y;
+    let t_head_pan_x = c_head_pan * v_head_pan_x - s_head_pan * r[16];
+    let t_head_pan_y = s_head_pan * v_head_pan_x + c_head_pan * r[16];
     // l_hip_yaw
-    let v_l_hip_yaw_x = r[13] + t_head_pan_x - t_l_sho_roll_y + t_r_hip_yaw_x
-        - t_r_sho_roll_y;
-    let v_l_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_pitch_x + t_r_hip_yaw_y
+    let v_l_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_hip_yaw_x
         + t_r_sho_pitch_x;
+    let v_l_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_hip_yaw_y
+        + t_r_sho_roll_y;
     let v_l_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_hip_roll_y
         + t_r_sho_pitch_y;
     let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
-    let t_l_hip_yaw_x = c_l_hip_yaw * v_l_hip_yaw_x - s_l_hip_yaw * v_l_hip_yaw_y;
-    let t_l_hip_yaw_y = s_l_hip_yaw * v_l_hip_yaw_x + c_l_hip_yaw * v_l_hip_yaw_y;
+    let t_l_hip_yaw_x = s_l_hip_yaw * v_l_hip_yaw_x + c_l_hip_yaw * v_l_hip_yaw_y;
+    let t_l_hip_yaw_y = c_l_hip_yaw * v_l_hip_yaw_x - s_l_hip_yaw * v_l_hip_yaw_y;
     // l_hip_roll
-    let v_l_hip_roll_x = r[11] + v_l_hip_yaw_z;
-    let v_l_hip_roll_y = r[12] + t_l_hip_yaw_x;
+    let v_l_hip_roll_x = r[11] + t_l_hip_yaw_x;
+    let v_l_hip_roll_y = r[12] + v_l_hip_yaw_z;
     let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
-    let t_l_hip_roll_x = c_l_hip_roll * v_l_hip_roll_x - s_l_hip_roll * v_l_hip_roll_y;
+    let t_l_hip_roll_x = s_l_hip_roll * v_l_hip_roll_x + c_l_hip_roll * v_l_hip_roll_y;
+    let t_l_hip_roll_y = c_l_hip_roll * v_l_hip_roll_x - s_l_hip_roll * v_l_hip_roll_y;
     // l_hip_pitch
-    let v_l_hip_pitch_x = r[9] + t_l_hip_roll_x;
-    let v_l_hip_pitch_y = r[10] + t_l_hip_yaw_y;
+    let v_l_hip_pitch_x = r[9] + t_l_hip_yaw_y;
+    let v_l_hip_pitch_y = r[10] + t_l_hip_roll_x;
     let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
     let t_l_hip_pitch_x = c_l_hip_pitch * v_l_hip_pitch_x
-        - s_l_hip_pitch * v_l_hip_pitch_y;
-    let t_l_hip_pitch_y = s_l_hip_pitch * v_l_hip_pitch_x
-        + c_l_hip_pitch * v_l_hip_pitch_y;
+        + s_l_hip_pitch * v_l_hip_pitch_y;
+    let t_l_hip_pitch_y = c_l_hip_pitch * v_l_hip_pitch_y
+        - s_l_hip_pitch * v_l_hip_pitch_x;
     // l_knee
     let v_l_knee_x = r[7] + t_l_hip_pitch_x;
     let v_l_knee_y = r[8] + t_l_hip_pitch_y;
     let (s_l_knee, c_l_knee) = q[5].sin_cos();
-    let t_l_knee_x = c_l_knee * v_l_knee_x - s_l_knee * v_l_knee_y;
-    let t_l_knee_y = s_l_knee * v_l_knee_x + c_l_knee * v_l_knee_y;
+    let t_l_knee_x = c_l_knee * v_l_knee_x + s_l_knee * v_l_knee_y;
+    let t_l_knee_y = c_l_knee * v_l_knee_y - s_l_knee * v_l_knee_x;
     // l_ank_pitch
     let v_l_ank_pitch_x = r[5] + t_l_knee_x;
     let v_l_ank_pitch_y = r[6] + t_l_knee_y;
     let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
-    let t_l_ank_pitch_x = c_l_ank_pitch * v_l_ank_pitch_x
-        + s_l_ank_pitch * v_l_ank_pitch_y;
-    let t_l_ank_pitch_y = c_l_ank_pitch * v_l_ank_pitch_y
-        - s_l_ank_pitch * v_l_ank_pitch_x;
+    let t_l_ank_pitch_x = s_l_ank_pitch * v_l_ank_pitch_x
+        + c_l_ank_pitch * v_l_ank_pitch_y;
+    let t_l_ank_pitch_y = c_l_ank_pitch * v_l_ank_pitch_x
+        - s_l_ank_pitch * v_l_ank_pitch_y;
     // l_ank_roll
-    let v_l_ank_roll_x = r[3]
-        - (s_l_hip_roll * v_l_hip_roll_x + c_l_hip_roll * v_l_hip_roll_y);
+    let v_l_ank_roll_x = r[3] + t_l_hip_roll_y;
     let v_l_ank_roll_y = r[4] + t_l_ank_pitch_x;
     let (s_l_ank_roll, c_l_ank_roll) = q[7].sin_cos();
     let t_l_ank_roll_x = c_l_ank_roll * v_l_ank_roll_x + s_l_ank_roll * v_l_ank_roll_y;
@@ -424,35 +425,36 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
         + c_r_sho_pitch * v_r_sho_pitch_y;
     // r_ank_roll
     let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
-    let t_r_ank_roll_x = c_r_ank_roll * r[35] - s_r_ank_roll * r[36];
-    let t_r_ank_roll_y = s_r_ank_roll * r[35] + c_r_ank_roll * r[36];
+    let t_r_ank_roll_x = s_r_ank_roll * r[35] + c_r_ank_roll * r[36];
+    let t_r_ank_roll_y = c_r_ank_roll * r[35] - s_r_ank_roll * r[36];
     // r_ank_pitch
-    let v_r_ank_pitch_x = r[33] + t_r_ank_roll_x;
+    let v_r_ank_pitch_y = r[34] + t_r_ank_roll_x;
     let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
-    let t_r_ank_pitch_x = c_r_ank_pitch * v_r_ank_pitch_x + s_r_ank_pitch * r[34];
-    let t_r_ank_pitch_y = c_r_ank_pitch * r[34] - s_r_ank_pitch * v_r_ank_pitch_x;
+    let t_r_ank_pitch_x = c_r_ank_pitch * r[33] - s_r_ank_pitch * v_r_ank_pitch_y;
+    let t_r_ank_pitch_y = s_r_ank_pitch * r[33] + c_r_ank_pitch * v_r_ank_pitch_y;
     // r_knee
     let v_r_knee_x = r[31] + t_r_ank_pitch_x;
     let v_r_knee_y = r[32] + t_r_ank_pitch_y;
     let (s_r_knee, c_r_knee) = q[14].sin_cos();
-    let t_r_knee_x = c_r_knee * v_r_knee_x - s_r_knee * v_r_knee_y;
-    let t_r_knee_y = s_r_knee * v_r_knee_x + c_r_knee * v_r_knee_y;
+    let t_r_knee_x = c_r_knee * v_r_knee_x + s_r_knee * v_r_knee_y;
+    let t_r_knee_y = c_r_knee * v_r_knee_y - s_r_knee * v_r_knee_x;
     // r_hip_pitch
     let v_r_hip_pitch_x = r[29] + t_r_knee_x;
     let v_r_hip_pitch_y = r[30] + t_r_knee_y;
     let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
-    let t_r_hip_pitch_x = c_r_hip_pitch * v_r_hip_pitch_x
-        - s_r_hip_pitch * v_r_hip_pitch_y;
-    let e3 = s_r_hip_pitch * v_r_hip_pitch_x + c_r_hip_pitch * v_r_hip_pitch_y;
+    let t_r_hip_pitch_x = c_r_hip_pitch * v_r_hip_pitch_y
+        - s_r_hip_pitch * v_r_hip_pitch_x;
+    let t_r_hip_pitch_y = c_r_hip_pitch * v_r_hip_pitch_x
+        + s_r_hip_pitch * v_r_hip_pitch_y;
     // r_hip_roll
-    let v_r_hip_roll_x = r[27] - t_r_ank_roll_y;
+    let v_r_hip_roll_x = r[27] + t_r_ank_roll_y;
     let v_r_hip_roll_y = r[28] + t_r_hip_pitch_x;
     let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
     let t_r_hip_roll_x = c_r_hip_roll * v_r_hip_roll_x + s_r_hip_roll * v_r_hip_roll_y;
-    let t_r_hip_roll_y = s_r_hip_roll * v_r_hip_roll_x - c_r_hip_roll * v_r_hip_roll_y;
+    let t_r_hip_roll_y = c_r_hip_roll * v_r_hip_roll_y - s_r_hip_roll * v_r_hip_roll_x;
     // r_hip_yaw
-    let v_r_hip_yaw_x = r[25] + t_r_hip_roll_x;
-    let v_r_hip_yaw_y = r[26] - e3;
+    let v_r_hip_yaw_x = r[25] + t_r_hip_pitch_y;
+    let v_r_hip_yaw_y = r[26] + t_r_hip_roll_x;
     let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
     let t_r_hip_yaw_x = c_r_hip_yaw * v_r_hip_yaw_x + s_r_hip_yaw * v_r_hip_yaw_y;
     let t_r_hip_yaw_y = c_r_hip_yaw * v_r_hip_yaw_y - s_r_hip_yaw * v_r_hip_yaw_x;
@@ -462,8 +464,8 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     let t_l_el_y = s_l_el * r[23] - c_l_el * r[24];
     // l_sho_roll
     let v_l_sho_roll_y = r[22] + t_l_el_x;
-    let e4 = q[9] - T::from_f64(0.785398163);
-    let (s_l_sho_roll, c_l_sho_roll) = e4.sin_cos();
+    let e3 = q[9] - T::from_f64(0.785398163);
+    let (s_l_sho_roll, c_l_sho_roll) = e3.sin_cos();
     let t_l_sho_roll_x = c_l_sho_roll * v_l_sho_roll_y - s_l_sho_roll * r[21];
     let t_l_sho_roll_y = c_l_sho_roll * r[21] + s_l_sho_roll * v_l_sho_roll_y;
     // l_sho_pitch
@@ -479,247 +481,248 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     let t_head_tilt_x = c_head_tilt * r[17] + s_head_tilt * r[18];
     let t_head_tilt_y = s_head_tilt * r[17] - c_head_tilt * r[18];
     // head_pan
-    let v_head_pan_y = r[16] + t_head_tilt_x;
+    let v_head_pan_x = r[15] + t_head_tilt_x;
     let (s_head_pan, c_head_pan) = q[0].sin_cos();
-    let t_head_pan_x = c_head_pan * r[15] - s_head_pan * v_head_pan_y;
-    let t_head_pan_y = s_head_pan * r[15] + c_head_pan * v_head_pan_y;
+    let t_head_pan_x = c_head_pan * v_head_pan_x - s_head_pan * r[16];
+    let t_head_pan_y = s_head_pan * v_head_pan_x + c_head_pan * r[16];
     // l_hip_yaw
-    let v_l_hip_yaw_x = r[13] + t_head_pan_x - t_l_sho_roll_y + t_r_hip_yaw_x
-        - t_r_sho_roll_y;
-    let v_l_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_pitch_x + t_r_hip_yaw_y
+    let v_l_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_hip_yaw_x
         + t_r_sho_pitch_x;
+    let v_l_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_hip_yaw_y
+        + t_r_sho_roll_y;
     let v_l_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_hip_roll_y
         + t_r_sho_pitch_y;
     let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
-    let t_l_hip_yaw_x = c_l_hip_yaw * v_l_hip_yaw_x - s_l_hip_yaw * v_l_hip_yaw_y;
-    let t_l_hip_yaw_y = s_l_hip_yaw * v_l_hip_yaw_x + c_l_hip_yaw * v_l_hip_yaw_y;
+    let t_l_hip_yaw_x = s_l_hip_yaw * v_l_hip_yaw_x + c_l_hip_yaw * v_l_hip_yaw_y;
+    let t_l_hip_yaw_y = c_l_hip_yaw * v_l_hip_yaw_x - s_l_hip_yaw * v_l_hip_yaw_y;
     // l_hip_roll
-    let v_l_hip_roll_x = r[11] + v_l_hip_yaw_z;
-    let v_l_hip_roll_y = r[12] + t_l_hip_yaw_x;
+    let v_l_hip_roll_x = r[11] + t_l_hip_yaw_x;
+    let v_l_hip_roll_y = r[12] + v_l_hip_yaw_z;
     let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
-    let t_l_hip_roll_x = c_l_hip_roll * v_l_hip_roll_x - s_l_hip_roll * v_l_hip_roll_y;
-    let e5 = s_l_hip_roll * v_l_hip_roll_x + c_l_hip_roll * v_l_hip_roll_y;
+    let t_l_hip_roll_x = s_l_hip_roll * v_l_hip_roll_x + c_l_hip_roll * v_l_hip_roll_y;
+    let t_l_hip_roll_y = c_l_hip_roll * v_l_hip_roll_x - s_l_hip_roll * v_l_hip_roll_y;
     // l_hip_pitch
-    let v_l_hip_pitch_x = r[9] + t_l_hip_roll_x;
-    let v_l_hip_pitch_y = r[10] + t_l_hip_yaw_y;
+    let v_l_hip_pitch_x = r[9] + t_l_hip_yaw_y;
+    let v_l_hip_pitch_y = r[10] + t_l_hip_roll_x;
     let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
     let t_l_hip_pitch_x = c_l_hip_pitch * v_l_hip_pitch_x
-        - s_l_hip_pitch * v_l_hip_pitch_y;
-    let t_l_hip_pitch_y = s_l_hip_pitch * v_l_hip_pitch_x
-        + c_l_hip_pitch * v_l_hip_pitch_y;
+        + s_l_hip_pitch * v_l_hip_pitch_y;
+    let t_l_hip_pitch_y = c_l_hip_pitch * v_l_hip_pitch_y
+        - s_l_hip_pitch * v_l_hip_pitch_x;
     // l_knee
     let v_l_knee_x = r[7] + t_l_hip_pitch_x;
     let v_l_knee_y = r[8] + t_l_hip_pitch_y;
     let (s_l_knee, c_l_knee) = q[5].sin_cos();
-    let t_l_knee_x = c_l_knee * v_l_knee_x - s_l_knee * v_l_knee_y;
-    let t_l_knee_y = s_l_knee * v_l_knee_x + c_l_knee * v_l_knee_y;
+    let t_l_knee_x = c_l_knee * v_l_knee_x + s_l_knee * v_l_knee_y;
+    let t_l_knee_y = c_l_knee * v_l_knee_y - s_l_knee * v_l_knee_x;
     // l_ank_pitch
     let v_l_ank_pitch_x = r[5] + t_l_knee_x;
     let v_l_ank_pitch_y = r[6] + t_l_knee_y;
     let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
-    let t_l_ank_pitch_x = c_l_ank_pitch * v_l_ank_pitch_x
-        + s_l_ank_pitch * v_l_ank_pitch_y;
-    let t_l_ank_pitch_y = c_l_ank_pitch * v_l_ank_pitch_y
-        - s_l_ank_pitch * v_l_ank_pitch_x;
+    let t_l_ank_pitch_x = s_l_ank_pitch * v_l_ank_pitch_x
+        + c_l_ank_pitch * v_l_ank_pitch_y;
+    let t_l_ank_pitch_y = c_l_ank_pitch * v_l_ank_pitch_x
+        - s_l_ank_pitch * v_l_ank_pitch_y;
     // l_ank_roll
-    let v_l_ank_roll_x = r[3] - e5;
+    let v_l_ank_roll_x = r[3] + t_l_hip_roll_y;
     let v_l_ank_roll_y = r[4] + t_l_ank_pitch_x;
     let (s_l_ank_roll, c_l_ank_roll) = q[7].sin_cos();
     let t_l_ank_roll_x = c_l_ank_roll * v_l_ank_roll_x + s_l_ank_roll * v_l_ank_roll_y;
     let t_l_ank_roll_y = c_l_ank_roll * v_l_ank_roll_y - s_l_ank_roll * v_l_ank_roll_x;
     // l_knee
-    let bx_l_knee_x = c_l_ank_pitch * s_l_knee - s_l_ank_pitch * c_l_knee;
-    let bx_l_knee_y = c_l_ank_pitch * c_l_knee + s_l_ank_pitch * s_l_knee;
+    let bx_l_knee_x = c_l_ank_pitch * c_l_knee + s_l_ank_pitch * s_l_knee;
+    let bx_l_knee_y = c_l_ank_pitch * s_l_knee - s_l_ank_pitch * c_l_knee;
     // l_hip_pitch
-    let bx_l_hip_pitch_x = bx_l_knee_x * c_l_hip_pitch + bx_l_knee_y * s_l_hip_pitch;
-    let bx_l_hip_pitch_y = bx_l_knee_y * c_l_hip_pitch - bx_l_knee_x * s_l_hip_pitch;
+    let bx_l_hip_pitch_x = bx_l_knee_x * c_l_hip_pitch - bx_l_knee_y * s_l_hip_pitch;
+    let bx_l_hip_pitch_y = bx_l_knee_y * c_l_hip_pitch + bx_l_knee_x * s_l_hip_pitch;
     // l_hip_roll
-    let bx_l_hip_roll_x = bx_l_hip_pitch_x * c_l_hip_roll;
-    let e6 = bx_l_hip_pitch_x * s_l_hip_roll;
+    let bx_l_hip_roll_x = bx_l_hip_pitch_y * s_l_hip_roll;
+    let bx_l_hip_roll_y = bx_l_hip_pitch_y * c_l_hip_roll;
     // l_hip_yaw
-    let bx_l_hip_yaw_x = bx_l_hip_pitch_y * s_l_hip_yaw - e6 * c_l_hip_yaw;
-    let bx_l_hip_yaw_y = bx_l_hip_pitch_y * c_l_hip_yaw + e6 * s_l_hip_yaw;
+    let bx_l_hip_yaw_x = bx_l_hip_roll_x * s_l_hip_yaw + bx_l_hip_pitch_x * c_l_hip_yaw;
+    let e4 = bx_l_hip_pitch_x * s_l_hip_yaw - bx_l_hip_roll_x * c_l_hip_yaw;
     // head_pan
-    let bx_head_pan_y = bx_l_hip_yaw_y * c_head_pan - bx_l_hip_yaw_x * s_head_pan;
+    let bx_head_pan_x = bx_l_hip_yaw_x * c_head_pan - e4 * s_head_pan;
     // l_sho_pitch
-    let bx_l_sho_pitch_x = bx_l_hip_yaw_y * c_l_sho_pitch
-        - bx_l_hip_roll_x * s_l_sho_pitch;
-    let bx_l_sho_pitch_y = bx_l_hip_roll_x * c_l_sho_pitch
-        + bx_l_hip_yaw_y * s_l_sho_pitch;
+    let bx_l_sho_pitch_x = bx_l_hip_yaw_x * c_l_sho_pitch
+        - bx_l_hip_roll_y * s_l_sho_pitch;
+    let bx_l_sho_pitch_y = bx_l_hip_roll_y * c_l_sho_pitch
+        + bx_l_hip_yaw_x * s_l_sho_pitch;
     // r_hip_yaw
-    let bx_r_hip_yaw_x = bx_l_hip_yaw_x * c_r_hip_yaw - bx_l_hip_yaw_y * s_r_hip_yaw;
-    let bx_r_hip_yaw_y = bx_l_hip_yaw_y * c_r_hip_yaw + bx_l_hip_yaw_x * s_r_hip_yaw;
+    let bx_r_hip_yaw_x = bx_l_hip_yaw_x * c_r_hip_yaw + e4 * s_r_hip_yaw;
+    let bx_r_hip_yaw_y = bx_l_hip_yaw_x * s_r_hip_yaw - e4 * c_r_hip_yaw;
     // r_hip_roll
-    let bx_r_hip_roll_x = bx_r_hip_yaw_x * c_r_hip_roll + bx_l_hip_roll_x * s_r_hip_roll;
-    let e7 = bx_l_hip_roll_x * c_r_hip_roll - bx_r_hip_yaw_x * s_r_hip_roll;
+    let bx_r_hip_roll_x = bx_r_hip_yaw_y * c_r_hip_roll - bx_l_hip_roll_y * s_r_hip_roll;
+    let bx_r_hip_roll_y = bx_l_hip_roll_y * c_r_hip_roll + bx_r_hip_yaw_y * s_r_hip_roll;
     // r_hip_pitch
-    let e8 = e7 * c_r_hip_pitch + bx_r_hip_yaw_y * s_r_hip_pitch;
-    let e9 = bx_r_hip_yaw_y * c_r_hip_pitch - e7 * s_r_hip_pitch;
+    let bx_r_hip_pitch_x = bx_r_hip_yaw_x * c_r_hip_pitch
+        - bx_r_hip_roll_y * s_r_hip_pitch;
+    let bx_r_hip_pitch_y = bx_r_hip_yaw_x * s_r_hip_pitch
+        + bx_r_hip_roll_y * c_r_hip_pitch;
     // r_knee
-    let e10 = e8 * c_r_knee + e9 * s_r_knee;
-    let bx_r_knee_y = e8 * s_r_knee - e9 * c_r_knee;
+    let bx_r_knee_x = bx_r_hip_pitch_x * c_r_knee - bx_r_hip_pitch_y * s_r_knee;
+    let bx_r_knee_y = bx_r_hip_pitch_y * c_r_knee + bx_r_hip_pitch_x * s_r_knee;
+    // r_ank_pitch
+    let bx_r_ank_pitch_y = bx_r_knee_y * c_r_ank_pitch - bx_r_knee_x * s_r_ank_pitch;
     // r_sho_pitch
-    let bx_r_sho_pitch_x = bx_l_hip_yaw_y * c_r_sho_pitch
-        + bx_l_hip_roll_x * s_r_sho_pitch;
-    let bx_r_sho_pitch_y = bx_l_hip_roll_x * c_r_sho_pitch
-        - bx_l_hip_yaw_y * s_r_sho_pitch;
+    let bx_r_sho_pitch_x = bx_l_hip_yaw_x * c_r_sho_pitch
+        + bx_l_hip_roll_y * s_r_sho_pitch;
+    let bx_r_sho_pitch_y = bx_l_hip_roll_y * c_r_sho_pitch
+        - bx_l_hip_yaw_x * s_r_sho_pitch;
     // l_ank_pitch
-    let by_l_ank_pitch_x = s_l_ank_roll * c_l_ank_pitch;
-    let by_l_ank_pitch_y = s_l_ank_roll * s_l_ank_pitch;
+    let by_l_ank_pitch_x = s_l_ank_roll * s_l_ank_pitch;
+    let by_l_ank_pitch_y = s_l_ank_roll * c_l_ank_pitch;
     // l_knee
-    let by_l_knee_x = by_l_ank_pitch_x * c_l_knee + by_l_ank_pitch_y * s_l_knee;
-    let by_l_knee_y = by_l_ank_pitch_y * c_l_knee - by_l_ank_pitch_x * s_l_knee;
+    let by_l_knee_x = by_l_ank_pitch_x * c_l_knee - by_l_ank_pitch_y * s_l_knee;
+    let by_l_knee_y = by_l_ank_pitch_y * c_l_knee + by_l_ank_pitch_x * s_l_knee;
     // l_hip_pitch
-    let by_l_hip_pitch_x = by_l_knee_x * c_l_hip_pitch + by_l_knee_y * s_l_hip_pitch;
-    let by_l_hip_pitch_y = by_l_knee_y * c_l_hip_pitch - by_l_knee_x * s_l_hip_pitch;
+    let by_l_hip_pitch_x = by_l_knee_x * c_l_hip_pitch - by_l_knee_y * s_l_hip_pitch;
+    let by_l_hip_pitch_y = by_l_knee_y * c_l_hip_pitch + by_l_knee_x * s_l_hip_pitch;
     // l_hip_roll
-    let by_l_hip_roll_x = by_l_hip_pitch_x * c_l_hip_roll - c_l_ank_roll * s_l_hip_roll;
-    let e11 = c_l_ank_roll * c_l_hip_roll + by_l_hip_pitch_x * s_l_hip_roll;
+    let by_l_hip_roll_x = by_l_hip_pitch_y * s_l_hip_roll + c_l_ank_roll * c_l_hip_roll;
+    let e5 = c_l_ank_roll * s_l_hip_roll - by_l_hip_pitch_y * c_l_hip_roll;
     // l_hip_yaw
-    let by_l_hip_yaw_x = by_l_hip_pitch_y * s_l_hip_yaw - e11 * c_l_hip_yaw;
-    let by_l_hip_yaw_y = by_l_hip_pitch_y * c_l_hip_yaw + e11 * s_l_hip_yaw;
+    let by_l_hip_yaw_x = by_l_hip_roll_x * s_l_hip_yaw + by_l_hip_pitch_x * c_l_hip_yaw;
+    let e6 = by_l_hip_pitch_x * s_l_hip_yaw - by_l_hip_roll_x * c_l_hip_yaw;
     // head_pan
-    let by_head_pan_y = by_l_hip_yaw_y * c_head_pan - by_l_hip_yaw_x * s_head_pan;
+    let by_head_pan_x = by_l_hip_yaw_x * c_head_pan - e6 * s_head_pan;
     // l_sho_pitch
-    let by_l_sho_pitch_x = by_l_hip_yaw_y * c_l_sho_pitch
-        - by_l_hip_roll_x * s_l_sho_pitch;
-    let by_l_sho_pitch_y = by_l_hip_roll_x * c_l_sho_pitch
-        + by_l_hip_yaw_y * s_l_sho_pitch;
+    let by_l_sho_pitch_x = by_l_hip_yaw_x * c_l_sho_pitch + e5 * s_l_sho_pitch;
+    let by_l_sho_pitch_y = by_l_hip_yaw_x * s_l_sho_pitch - e5 * c_l_sho_pitch;
     // r_hip_yaw
-    let by_r_hip_yaw_x = by_l_hip_yaw_x * c_r_hip_yaw - by_l_hip_yaw_y * s_r_hip_yaw;
-    let by_r_hip_yaw_y = by_l_hip_yaw_y * c_r_hip_yaw + by_l_hip_yaw_x * s_r_hip_yaw;
+    let by_r_hip_yaw_x = by_l_hip_yaw_x * c_r_hip_yaw + e6 * s_r_hip_yaw;
+    let by_r_hip_yaw_y = by_l_hip_yaw_x * s_r_hip_yaw - e6 * c_r_hip_yaw;
     // r_hip_roll
-    let by_r_hip_roll_x = by_r_hip_yaw_x * c_r_hip_roll + by_l_hip_roll_x * s_r_hip_roll;
-    let e12 = by_l_hip_roll_x * c_r_hip_roll - by_r_hip_yaw_x * s_r_hip_roll;
+    let by_r_hip_roll_x = by_r_hip_yaw_y * c_r_hip_roll + e5 * s_r_hip_roll;
+    let by_r_hip_roll_y = by_r_hip_yaw_y * s_r_hip_roll - e5 * c_r_hip_roll;
     // r_hip_pitch
-    let e13 = e12 * c_r_hip_pitch + by_r_hip_yaw_y * s_r_hip_pitch;
-    let e14 = by_r_hip_yaw_y * c_r_hip_pitch - e12 * s_r_hip_pitch;
+    let by_r_hip_pitch_x = by_r_hip_yaw_x * c_r_hip_pitch
+        - by_r_hip_roll_y * s_r_hip_pitch;
+    let by_r_hip_pitch_y = by_r_hip_yaw_x * s_r_hip_pitch
+        + by_r_hip_roll_y * c_r_hip_pitch;
     // r_knee
-    let e15 = e13 * c_r_knee + e14 * s_r_knee;
-    let by_r_knee_y = e13 * s_r_knee - e14 * c_r_knee;
+    let by_r_knee_x = by_r_hip_pitch_x * c_r_knee - by_r_hip_pitch_y * s_r_knee;
+    let by_r_knee_y = by_r_hip_pitch_y * c_r_knee + by_r_hip_pitch_x * s_r_knee;
+    // r_ank_pitch
+    let by_r_ank_pitch_y = by_r_knee_y * c_r_ank_pitch - by_r_knee_x * s_r_ank_pitch;
     // r_sho_pitch
-    let by_r_sho_pitch_x = by_l_hip_yaw_y * c_r_sho_pitch
-        + by_l_hip_roll_x * s_r_sho_pitch;
-    let by_r_sho_pitch_y = by_l_hip_roll_x * c_r_sho_pitch
-        - by_l_hip_yaw_y * s_r_sho_pitch;
+    let by_r_sho_pitch_x = by_l_hip_yaw_x * c_r_sho_pitch - e5 * s_r_sho_pitch;
+    let e7 = e5 * c_r_sho_pitch + by_l_hip_yaw_x * s_r_sho_pitch;
     // l_ank_pitch
-    let bz_l_ank_pitch_x = c_l_ank_roll * c_l_ank_pitch;
-    let bz_l_ank_pitch_y = c_l_ank_roll * s_l_ank_pitch;
+    let bz_l_ank_pitch_x = c_l_ank_roll * s_l_ank_pitch;
+    let bz_l_ank_pitch_y = c_l_ank_roll * c_l_ank_pitch;
     // l_knee
-    let bz_l_knee_x = bz_l_ank_pitch_x * c_l_knee + bz_l_ank_pitch_y * s_l_knee;
-    let bz_l_knee_y = bz_l_ank_pitch_y * c_l_knee - bz_l_ank_pitch_x * s_l_knee;
+    let bz_l_knee_x = bz_l_ank_pitch_x * c_l_knee - bz_l_ank_pitch_y * s_l_knee;
+    let bz_l_knee_y = bz_l_ank_pitch_y * c_l_knee + bz_l_ank_pitch_x * s_l_knee;
     // l_hip_pitch
-    let bz_l_hip_pitch_x = bz_l_knee_x * c_l_hip_pitch + bz_l_knee_y * s_l_hip_pitch;
-    let bz_l_hip_pitch_y = bz_l_knee_y * c_l_hip_pitch - bz_l_knee_x * s_l_hip_pitch;
+    let bz_l_hip_pitch_x = bz_l_knee_x * c_l_hip_pitch - bz_l_knee_y * s_l_hip_pitch;
+    let bz_l_hip_pitch_y = bz_l_knee_y * c_l_hip_pitch + bz_l_knee_x * s_l_hip_pitch;
     // l_hip_roll
-    let bz_l_hip_roll_x = bz_l_hip_pitch_x * c_l_hip_roll + s_l_ank_roll * s_l_hip_roll;
-    let e16 = bz_l_hip_pitch_x * s_l_hip_roll - s_l_ank_roll * c_l_hip_roll;
+    let bz_l_hip_roll_x = bz_l_hip_pitch_y * s_l_hip_roll - s_l_ank_roll * c_l_hip_roll;
+    let bz_l_hip_roll_y = s_l_ank_roll * s_l_hip_roll + bz_l_hip_pitch_y * c_l_hip_roll;
     // l_hip_yaw
-    let bz_l_hip_yaw_x = bz_l_hip_pitch_y * s_l_hip_yaw - e16 * c_l_hip_yaw;
-    let bz_l_hip_yaw_y = bz_l_hip_pitch_y * c_l_hip_yaw + e16 * s_l_hip_yaw;
+    let bz_l_hip_yaw_x = bz_l_hip_roll_x * s_l_hip_yaw + bz_l_hip_pitch_x * c_l_hip_yaw;
+    let e8 = bz_l_hip_pitch_x * s_l_hip_yaw - bz_l_hip_roll_x * c_l_hip_yaw;
     // head_pan
-    let bz_head_pan_y = bz_l_hip_yaw_y * c_head_pan - bz_l_hip_yaw_x * s_head_pan;
+    let bz_head_pan_x = bz_l_hip_yaw_x * c_head_pan - e8 * s_head_pan;
     // l_sho_pitch
-    let bz_l_sho_pitch_x = bz_l_hip_yaw_y * c_l_sho_pitch
-        - bz_l_hip_roll_x * s_l_sho_pitch;
-    let bz_l_sho_pitch_y = bz_l_hip_roll_x * c_l_sho_pitch
-        + bz_l_hip_yaw_y * s_l_sho_pitch;
+    let bz_l_sho_pitch_x = bz_l_hip_yaw_x * c_l_sho_pitch
+        - bz_l_hip_roll_y * s_l_sho_pitch;
+    let bz_l_sho_pitch_y = bz_l_hip_roll_y * c_l_sho_pitch
+        + bz_l_hip_yaw_x * s_l_sho_pitch;
     // r_hip_yaw
-    let bz_r_hip_yaw_x = bz_l_hip_yaw_x * c_r_hip_yaw - bz_l_hip_yaw_y * s_r_hip_yaw;
-    let bz_r_hip_yaw_y = bz_l_hip_yaw_y * c_r_hip_yaw + bz_l_hip_yaw_x * s_r_hip_yaw;
+    let bz_r_hip_yaw_x = bz_l_hip_yaw_x * c_r_hip_yaw + e8 * s_r_hip_yaw;
+    let bz_r_hip_yaw_y = bz_l_hip_yaw_x * s_r_hip_yaw - e8 * c_r_hip_yaw;
     // r_hip_roll
-    let bz_r_hip_roll_x = bz_r_hip_yaw_x * c_r_hip_roll + bz_l_hip_roll_x * s_r_hip_roll;
-    let e17 = bz_l_hip_roll_x * c_r_hip_roll - bz_r_hip_yaw_x * s_r_hip_roll;
+    let bz_r_hip_roll_x = bz_r_hip_yaw_y * c_r_hip_roll - bz_l_hip_roll_y * s_r_hip_roll;
+    let bz_r_hip_roll_y = bz_l_hip_roll_y * c_r_hip_roll + bz_r_hip_yaw_y * s_r_hip_roll;
     // r_hip_pitch
-    let e18 = e17 * c_r_hip_pitch + bz_r_hip_yaw_y * s_r_hip_pitch;
-    let e19 = bz_r_hip_yaw_y * c_r_hip_pitch - e17 * s_r_hip_pitch;
+    let bz_r_hip_pitch_x = bz_r_hip_yaw_x * c_r_hip_pitch
+        - bz_r_hip_roll_y * s_r_hip_pitch;
+    let bz_r_hip_pitch_y = bz_r_hip_yaw_x * s_r_hip_pitch
+        + bz_r_hip_roll_y * c_r_hip_pitch;
     // r_knee
-    let e20 = e18 * c_r_knee + e19 * s_r_knee;
-    let bz_r_knee_y = e18 * s_r_knee - e19 * c_r_knee;
+    let bz_r_knee_x = bz_r_hip_pitch_x * c_r_knee - bz_r_hip_pitch_y * s_r_knee;
+    let bz_r_knee_y = bz_r_hip_pitch_y * c_r_knee + bz_r_hip_pitch_x * s_r_knee;
+    // r_ank_pitch
+    let bz_r_ank_pitch_y = bz_r_knee_y * c_r_ank_pitch - bz_r_knee_x * s_r_ank_pitch;
     // r_sho_pitch
-    let bz_r_sho_pitch_x = bz_l_hip_yaw_y * c_r_sho_pitch
-        + bz_l_hip_roll_x * s_r_sho_pitch;
-    let bz_r_sho_pitch_y = bz_l_hip_roll_x * c_r_sho_pitch
-        - bz_l_hip_yaw_y * s_r_sho_pitch;
+    let bz_r_sho_pitch_x = bz_l_hip_yaw_x * c_r_sho_pitch
+        + bz_l_hip_roll_y * s_r_sho_pitch;
+    let bz_r_sho_pitch_y = bz_l_hip_roll_y * c_r_sho_pitch
+        - bz_l_hip_yaw_x * s_r_sho_pitch;
     let zero = T::from_f64(0.0);
     [
         [
-            bx_l_hip_yaw_y * t_head_pan_x - bx_l_hip_yaw_x * t_head_pan_y,
-            bx_l_hip_roll_x * t_head_tilt_x - bx_head_pan_y * t_head_tilt_y,
-            bx_l_hip_pitch_y * t_l_hip_yaw_x + e6 * t_l_hip_yaw_y,
-            -(bx_l_hip_pitch_x * e5),
-            bx_l_knee_y * t_l_hip_pitch_x - bx_l_knee_x * t_l_hip_pitch_y,
-            c_l_ank_pitch * t_l_knee_x + s_l_ank_pitch * t_l_knee_y,
+            -(e4 * t_head_pan_x + bx_l_hip_yaw_x * t_head_pan_y),
+            bx_l_hip_roll_y * t_head_tilt_x - bx_head_pan_x * t_head_tilt_y,
+            -(bx_l_hip_pitch_x * t_l_hip_yaw_x - bx_l_hip_roll_x * t_l_hip_yaw_y),
+            bx_l_hip_pitch_y * t_l_hip_roll_y,
+            -(bx_l_knee_y * t_l_hip_pitch_x - bx_l_knee_x * t_l_hip_pitch_y),
+            s_l_ank_pitch * t_l_knee_x + c_l_ank_pitch * t_l_knee_y,
             -t_l_ank_pitch_x,
             zero,
-            -(bx_l_hip_roll_x * t_l_sho_pitch_x - bx_l_hip_yaw_y * t_l_sho_pitch_y),
-            -(bx_l_hip_yaw_x * t_l_sho_roll_x + bx_l_sho_pitch_y * t_l_sho_roll_y),
+            -(bx_l_hip_roll_y * t_l_sho_pitch_x - bx_l_hip_yaw_x * t_l_sho_pitch_y),
+            -(e4 * t_l_sho_roll_x + bx_l_sho_pitch_y * t_l_sho_roll_y),
             bx_l_sho_pitch_x * t_l_el_x
-                + (bx_l_hip_yaw_x * s_l_sho_roll - bx_l_sho_pitch_y * c_l_sho_roll)
-                    * t_l_el_y,
-            -(bx_l_hip_yaw_y * t_r_hip_yaw_x - bx_l_hip_yaw_x * t_r_hip_yaw_y),
-            bx_l_hip_roll_x * t_r_hip_roll_x - bx_r_hip_yaw_x * t_r_hip_roll_y,
-            -(bx_r_hip_yaw_y * t_r_hip_pitch_x - e7 * e3),
-            e8 * t_r_knee_y - e9 * t_r_knee_x,
-            -(bx_r_knee_y * t_r_ank_pitch_x + e10 * t_r_ank_pitch_y),
-            (e10 * c_r_ank_pitch + bx_r_knee_y * s_r_ank_pitch) * t_r_ank_roll_y
-                - bx_r_hip_roll_x * t_r_ank_roll_x,
-            bx_l_hip_roll_x * t_r_sho_pitch_x - bx_l_hip_yaw_y * t_r_sho_pitch_y,
-            -(bx_l_hip_yaw_x * t_r_sho_roll_x + bx_r_sho_pitch_y * t_r_sho_roll_y),
+                + (e4 * s_l_sho_roll - bx_l_sho_pitch_y * c_l_sho_roll) * t_l_el_y,
+            e4 * t_r_hip_yaw_x + bx_l_hip_yaw_x * t_r_hip_yaw_y,
+            -(bx_l_hip_roll_y * t_r_hip_roll_x - bx_r_hip_yaw_y * t_r_hip_roll_y),
+            bx_r_hip_yaw_x * t_r_hip_pitch_x - bx_r_hip_roll_y * t_r_hip_pitch_y,
+            -(bx_r_hip_pitch_y * t_r_knee_x - bx_r_hip_pitch_x * t_r_knee_y),
+            bx_r_knee_y * t_r_ank_pitch_x - bx_r_knee_x * t_r_ank_pitch_y,
+            -(bx_r_hip_roll_x * t_r_ank_roll_x - bx_r_ank_pitch_y * t_r_ank_roll_y),
+            bx_l_hip_roll_y * t_r_sho_pitch_x - bx_l_hip_yaw_x * t_r_sho_pitch_y,
+            -(e4 * t_r_sho_roll_x + bx_r_sho_pitch_y * t_r_sho_roll_y),
             -(bx_r_sho_pitch_x * t_r_el_x
-                - (bx_l_hip_yaw_x * s_r_sho_roll - bx_r_sho_pitch_y * c_r_sho_roll) * e1),
+                - (e4 * s_r_sho_roll - bx_r_sho_pitch_y * c_r_sho_roll) * e1),
         ],
         [
-            by_l_hip_yaw_y * t_head_pan_x - by_l_hip_yaw_x * t_head_pan_y,
-            by_l_hip_roll_x * t_head_tilt_x - by_head_pan_y * t_head_tilt_y,
-            by_l_hip_pitch_y * t_l_hip_yaw_x + e11 * t_l_hip_yaw_y,
-            -(c_l_ank_roll * t_l_hip_roll_x + by_l_hip_pitch_x * e5),
-            by_l_knee_y * t_l_hip_pitch_x - by_l_knee_x * t_l_hip_pitch_y,
-            by_l_ank_pitch_y * t_l_knee_x - by_l_ank_pitch_x * t_l_knee_y,
+            -(e6 * t_head_pan_x + by_l_hip_yaw_x * t_head_pan_y),
+            -(e5 * t_head_tilt_x + by_head_pan_x * t_head_tilt_y),
+            -(by_l_hip_pitch_x * t_l_hip_yaw_x - by_l_hip_roll_x * t_l_hip_yaw_y),
+            -(c_l_ank_roll * t_l_hip_roll_x - by_l_hip_pitch_y * t_l_hip_roll_y),
+            -(by_l_knee_y * t_l_hip_pitch_x - by_l_knee_x * t_l_hip_pitch_y),
+            -(by_l_ank_pitch_y * t_l_knee_x - by_l_ank_pitch_x * t_l_knee_y),
             s_l_ank_roll * t_l_ank_pitch_y,
             t_l_ank_roll_y,
-            -(by_l_hip_roll_x * t_l_sho_pitch_x - by_l_hip_yaw_y * t_l_sho_pitch_y),
-            -(by_l_hip_yaw_x * t_l_sho_roll_x + by_l_sho_pitch_y * t_l_sho_roll_y),
+            e5 * t_l_sho_pitch_x + by_l_hip_yaw_x * t_l_sho_pitch_y,
+            -(e6 * t_l_sho_roll_x + by_l_sho_pitch_y * t_l_sho_roll_y),
             by_l_sho_pitch_x * t_l_el_x
-                + (by_l_hip_yaw_x * s_l_sho_roll - by_l_sho_pitch_y * c_l_sho_roll)
-                    * t_l_el_y,
-            -(by_l_hip_yaw_y * t_r_hip_yaw_x - by_l_hip_yaw_x * t_r_hip_yaw_y),
-            by_l_hip_roll_x * t_r_hip_roll_x - by_r_hip_yaw_x * t_r_hip_roll_y,
-            -(by_r_hip_yaw_y * t_r_hip_pitch_x - e12 * e3),
-            e13 * t_r_knee_y - e14 * t_r_knee_x,
-            -(by_r_knee_y * t_r_ank_pitch_x + e15 * t_r_ank_pitch_y),
-            (e15 * c_r_ank_pitch + by_r_knee_y * s_r_ank_pitch) * t_r_ank_roll_y
-                - by_r_hip_roll_x * t_r_ank_roll_x,
-            by_l_hip_roll_x * t_r_sho_pitch_x - by_l_hip_yaw_y * t_r_sho_pitch_y,
-            -(by_l_hip_yaw_x * t_r_sho_roll_x + by_r_sho_pitch_y * t_r_sho_roll_y),
-            -(by_r_sho_pitch_x * t_r_el_x
-                - (by_l_hip_yaw_x * s_r_sho_roll - by_r_sho_pitch_y * c_r_sho_roll) * e1),
+                + (e6 * s_l_sho_roll - by_l_sho_pitch_y * c_l_sho_roll) * t_l_el_y,
+            e6 * t_r_hip_yaw_x + by_l_hip_yaw_x * t_r_hip_yaw_y,
+            e5 * t_r_hip_roll_x + by_r_hip_yaw_y * t_r_hip_roll_y,
+            by_r_hip_yaw_x * t_r_hip_pitch_x - by_r_hip_roll_y * t_r_hip_pitch_y,
+            -(by_r_hip_pitch_y * t_r_knee_x - by_r_hip_pitch_x * t_r_knee_y),
+            by_r_knee_y * t_r_ank_pitch_x - by_r_knee_x * t_r_ank_pitch_y,
+            -(by_r_hip_roll_x * t_r_ank_roll_x - by_r_ank_pitch_y * t_r_ank_roll_y),
+            -(e5 * t_r_sho_pitch_x + by_l_hip_yaw_x * t_r_sho_pitch_y),
+            e7 * t_r_sho_roll_y - e6 * t_r_sho_roll_x,
+            -(by_r_sho_pitch_x * t_r_el_x - (e6 * s_r_sho_roll + e7 * c_r_sho_roll) * e1),
         ],
         [
-            bz_l_hip_yaw_y * t_head_pan_x - bz_l_hip_yaw_x * t_head_pan_y,
-            bz_l_hip_roll_x * t_head_tilt_x - bz_head_pan_y * t_head_tilt_y,
-            bz_l_hip_pitch_y * t_l_hip_yaw_x + e16 * t_l_hip_yaw_y,
-            -(bz_l_hip_pitch_x * e5 - s_l_ank_roll * t_l_hip_roll_x),
-            bz_l_knee_y * t_l_hip_pitch_x - bz_l_knee_x * t_l_hip_pitch_y,
-            bz_l_ank_pitch_y * t_l_knee_x - bz_l_ank_pitch_x * t_l_knee_y,
+            -(e8 * t_head_pan_x + bz_l_hip_yaw_x * t_head_pan_y),
+            bz_l_hip_roll_y * t_head_tilt_x - bz_head_pan_x * t_head_tilt_y,
+            -(bz_l_hip_pitch_x * t_l_hip_yaw_x - bz_l_hip_roll_x * t_l_hip_yaw_y),
+            s_l_ank_roll * t_l_hip_roll_x + bz_l_hip_pitch_y * t_l_hip_roll_y,
+            -(bz_l_knee_y * t_l_hip_pitch_x - bz_l_knee_x * t_l_hip_pitch_y),
+            -(bz_l_ank_pitch_y * t_l_knee_x - bz_l_ank_pitch_x * t_l_knee_y),
             c_l_ank_roll * t_l_ank_pitch_y,
             -t_l_ank_roll_x,
-            -(bz_l_hip_roll_x * t_l_sho_pitch_x - bz_l_hip_yaw_y * t_l_sho_pitch_y),
-            -(bz_l_hip_yaw_x * t_l_sho_roll_x + bz_l_sho_pitch_y * t_l_sho_roll_y),
+            -(bz_l_hip_roll_y * t_l_sho_pitch_x - bz_l_hip_yaw_x * t_l_sho_pitch_y),
+            -(e8 * t_l_sho_roll_x + bz_l_sho_pitch_y * t_l_sho_roll_y),
             bz_l_sho_pitch_x * t_l_el_x
-                + (bz_l_hip_yaw_x * s_l_sho_roll - bz_l_sho_pitch_y * c_l_sho_roll)
-                    * t_l_el_y,
-            -(bz_l_hip_yaw_y * t_r_hip_yaw_x - bz_l_hip_yaw_x * t_r_hip_yaw_y),
-            bz_l_hip_roll_x * t_r_hip_roll_x - bz_r_hip_yaw_x * t_r_hip_roll_y,
-            -(bz_r_hip_yaw_y * t_r_hip_pitch_x - e17 * e3),
-            e18 * t_r_knee_y - e19 * t_r_knee_x,
-            -(bz_r_knee_y * t_r_ank_pitch_x + e20 * t_r_ank_pitch_y),
-            (e20 * c_r_ank_pitch + bz_r_knee_y * s_r_ank_pitch) * t_r_ank_roll_y
-                - bz_r_hip_roll_x * t_r_ank_roll_x,
-            bz_l_hip_roll_x * t_r_sho_pitch_x - bz_l_hip_yaw_y * t_r_sho_pitch_y,
-            -(bz_l_hip_yaw_x * t_r_sho_roll_x + bz_r_sho_pitch_y * t_r_sho_roll_y),
+                + (e8 * s_l_sho_roll - bz_l_sho_pitch_y * c_l_sho_roll) * t_l_el_y,
+            e8 * t_r_hip_yaw_x + bz_l_hip_yaw_x * t_r_hip_yaw_y,
+            -(bz_l_hip_roll_y * t_r_hip_roll_x - bz_r_hip_yaw_y * t_r_hip_roll_y),
+            bz_r_hip_yaw_x * t_r_hip_pitch_x - bz_r_hip_roll_y * t_r_hip_pitch_y,
+            -(bz_r_hip_pitch_y * t_r_knee_x - bz_r_hip_pitch_x * t_r_knee_y),
+            bz_r_knee_y * t_r_ank_pitch_x - bz_r_knee_x * t_r_ank_pitch_y,
+            -(bz_r_hip_roll_x * t_r_ank_roll_x - bz_r_ank_pitch_y * t_r_ank_roll_y),
+            bz_l_hip_roll_y * t_r_sho_pitch_x - bz_l_hip_yaw_x * t_r_sho_pitch_y,
+            -(e8 * t_r_sho_roll_x + bz_r_sho_pitch_y * t_r_sho_roll_y),
             -(bz_r_sho_pitch_x * t_r_el_x
-                - (bz_l_hip_yaw_x * s_r_sho_roll - bz_r_sho_pitch_y * c_r_sho_roll) * e1),
+                - (e8 * s_r_sho_roll - bz_r_sho_pitch_y * c_r_sho_roll) * e1),
         ],
     ]
 }
@@ -746,35 +749,36 @@ pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] 
         + c_r_sho_pitch * v_r_sho_pitch_y;
     // r_ank_roll
     let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
-    let t_r_ank_roll_x = c_r_ank_roll * r[35] - s_r_ank_roll * r[36];
-    let t_r_ank_roll_y = s_r_ank_roll * r[35] + c_r_ank_roll * r[36];
+    let t_r_ank_roll_x = s_r_ank_roll * r[35] + c_r_ank_roll * r[36];
+    let t_r_ank_roll_y = c_r_ank_roll * r[35] - s_r_ank_roll * r[36];
     // r_ank_pitch
-    let v_r_ank_pitch_x = r[33] + t_r_ank_roll_x;
+    let v_r_ank_pitch_y = r[34] + t_r_ank_roll_x;
     let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
-    let t_r_ank_pitch_x = c_r_ank_pitch * v_r_ank_pitch_x + s_r_ank_pitch * r[34];
-    let t_r_ank_pitch_y = c_r_ank_pitch * r[34] - s_r_ank_pitch * v_r_ank_pitch_x;
+    let t_r_ank_pitch_x = c_r_ank_pitch * r[33] - s_r_ank_pitch * v_r_ank_pitch_y;
+    let t_r_ank_pitch_y = s_r_ank_pitch * r[33] + c_r_ank_pitch * v_r_ank_pitch_y;
     // r_knee
     let v_r_knee_x = r[31] + t_r_ank_pitch_x;
     let v_r_knee_y = r[32] + t_r_ank_pitch_y;
     let (s_r_knee, c_r_knee) = q[14].sin_cos();
-    let t_r_knee_x = c_r_knee * v_r_knee_x - s_r_knee * v_r_knee_y;
-    let t_r_knee_y = s_r_knee * v_r_knee_x + c_r_knee * v_r_knee_y;
+    let t_r_knee_x = c_r_knee * v_r_knee_x + s_r_knee * v_r_knee_y;
+    let t_r_knee_y = c_r_knee * v_r_knee_y - s_r_knee * v_r_knee_x;
     // r_hip_pitch
     let v_r_hip_pitch_x = r[29] + t_r_knee_x;
     let v_r_hip_pitch_y = r[30] + t_r_knee_y;
     let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
-    let t_r_hip_pitch_x = c_r_hip_pitch * v_r_hip_pitch_x
-        - s_r_hip_pitch * v_r_hip_pitch_y;
-    let e3 = s_r_hip_pitch * v_r_hip_pitch_x + c_r_hip_pitch * v_r_hip_pitch_y;
+    let t_r_hip_pitch_x = c_r_hip_pitch * v_r_hip_pitch_y
+        - s_r_hip_pitch * v_r_hip_pitch_x;
+    let t_r_hip_pitch_y = c_r_hip_pitch * v_r_hip_pitch_x
+        + s_r_hip_pitch * v_r_hip_pitch_y;
     // r_hip_roll
-    let v_r_hip_roll_x = r[27] - t_r_ank_roll_y;
+    let v_r_hip_roll_x = r[27] + t_r_ank_roll_y;
     let v_r_hip_roll_y = r[28] + t_r_hip_pitch_x;
     let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
     let t_r_hip_roll_x = c_r_hip_roll * v_r_hip_roll_x + s_r_hip_roll * v_r_hip_roll_y;
-    let t_r_hip_roll_y = s_r_hip_roll * v_r_hip_roll_x - c_r_hip_roll * v_r_hip_roll_y;
+    let t_r_hip_roll_y = c_r_hip_roll * v_r_hip_roll_y - s_r_hip_roll * v_r_hip_roll_x;
     // r_hip_yaw
-    let v_r_hip_yaw_x = r[25] + t_r_hip_roll_x;
-    let v_r_hip_yaw_y = r[26] - e3;
+    let v_r_hip_yaw_x = r[25] + t_r_hip_pitch_y;
+    let v_r_hip_yaw_y = r[26] + t_r_hip_roll_x;
     let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
     let t_r_hip_yaw_x = c_r_hip_yaw * v_r_hip_yaw_x + s_r_hip_yaw * v_r_hip_yaw_y;
     let t_r_hip_yaw_y = c_r_hip_yaw * v_r_hip_yaw_y - s_r_hip_yaw * v_r_hip_yaw_x;
@@ -784,8 +788,8 @@ pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] 
     let t_l_el_y = s_l_el * r[23] - c_l_el * r[24];
     // l_sho_roll
     let v_l_sho_roll_y = r[22] + t_l_el_x;
-    let e4 = q[9] - T::from_f64(0.785398163);
-    let (s_l_sho_roll, c_l_sho_roll) = e4.sin_cos();
+    let e3 = q[9] - T::from_f64(0.785398163);
+    let (s_l_sho_roll, c_l_sho_roll) = e3.sin_cos();
     let t_l_sho_roll_x = c_l_sho_roll * v_l_sho_roll_y - s_l_sho_roll * r[21];
     let t_l_sho_roll_y = c_l_sho_roll * r[21] + s_l_sho_roll * v_l_sho_roll_y;
     // l_sho_pitch
@@ -801,117 +805,119 @@ pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] 
     let t_head_tilt_x = c_head_tilt * r[17] + s_head_tilt * r[18];
     let t_head_tilt_y = s_head_tilt * r[17] - c_head_tilt * r[18];
     // head_pan
-    let v_head_pan_y = r[16] + t_head_tilt_x;
+    let v_head_pan_x = r[15] + t_head_tilt_x;
     let (s_head_pan, c_head_pan) = q[0].sin_cos();
-    let t_head_pan_x = c_head_pan * r[15] - s_head_pan * v_head_pan_y;
-    let t_head_pan_y = s_head_pan * r[15] + c_head_pan * v_head_pan_y;
+    let t_head_pan_x = c_head_pan * v_head_pan_x - s_head_pan * r[16];
+    let t_head_pan_y = s_head_pan * v_head_pan_x + c_head_pan * r[16];
     // l_hip_yaw
-    let v_l_hip_yaw_x = r[13] + t_head_pan_x - t_l_sho_roll_y + t_r_hip_yaw_x
-        - t_r_sho_roll_y;
-    let v_l_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_pitch_x + t_r_hip_yaw_y
+    let v_l_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_hip_yaw_x
         + t_r_sho_pitch_x;
+    let v_l_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_hip_yaw_y
+        + t_r_sho_roll_y;
     let v_l_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_hip_roll_y
         + t_r_sho_pitch_y;
     let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
-    let t_l_hip_yaw_x = c_l_hip_yaw * v_l_hip_yaw_x - s_l_hip_yaw * v_l_hip_yaw_y;
-    let t_l_hip_yaw_y = s_l_hip_yaw * v_l_hip_yaw_x + c_l_hip_yaw * v_l_hip_yaw_y;
+    let t_l_hip_yaw_x = s_l_hip_yaw * v_l_hip_yaw_x + c_l_hip_yaw * v_l_hip_yaw_y;
+    let t_l_hip_yaw_y = c_l_hip_yaw * v_l_hip_yaw_x - s_l_hip_yaw * v_l_hip_yaw_y;
     // l_hip_roll
-    let v_l_hip_roll_x = r[11] + v_l_hip_yaw_z;
-    let v_l_hip_roll_y = r[12] + t_l_hip_yaw_x;
+    let v_l_hip_roll_x = r[11] + t_l_hip_yaw_x;
+    let v_l_hip_roll_y = r[12] + v_l_hip_yaw_z;
     let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
-    let t_l_hip_roll_x = c_l_hip_roll * v_l_hip_roll_x - s_l_hip_roll * v_l_hip_roll_y;
-    let e5 = s_l_hip_roll * v_l_hip_roll_x + c_l_hip_roll * v_l_hip_roll_y;
+    let t_l_hip_roll_x = s_l_hip_roll * v_l_hip_roll_x + c_l_hip_roll * v_l_hip_roll_y;
+    let t_l_hip_roll_y = c_l_hip_roll * v_l_hip_roll_x - s_l_hip_roll * v_l_hip_roll_y;
     // l_hip_pitch
-    let v_l_hip_pitch_x = r[9] + t_l_hip_roll_x;
-    let v_l_hip_pitch_y = r[10] + t_l_hip_yaw_y;
+    let v_l_hip_pitch_x = r[9] + t_l_hip_yaw_y;
+    let v_l_hip_pitch_y = r[10] + t_l_hip_roll_x;
     let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
     let t_l_hip_pitch_x = c_l_hip_pitch * v_l_hip_pitch_x
-        - s_l_hip_pitch * v_l_hip_pitch_y;
-    let t_l_hip_pitch_y = s_l_hip_pitch * v_l_hip_pitch_x
-        + c_l_hip_pitch * v_l_hip_pitch_y;
+        + s_l_hip_pitch * v_l_hip_pitch_y;
+    let t_l_hip_pitch_y = c_l_hip_pitch * v_l_hip_pitch_y
+        - s_l_hip_pitch * v_l_hip_pitch_x;
     // l_knee
     let v_l_knee_x = r[7] + t_l_hip_pitch_x;
     let v_l_knee_y = r[8] + t_l_hip_pitch_y;
     let (s_l_knee, c_l_knee) = q[5].sin_cos();
-    let t_l_knee_x = c_l_knee * v_l_knee_x - s_l_knee * v_l_knee_y;
-    let t_l_knee_y = s_l_knee * v_l_knee_x + c_l_knee * v_l_knee_y;
+    let t_l_knee_x = c_l_knee * v_l_knee_x + s_l_knee * v_l_knee_y;
+    let t_l_knee_y = c_l_knee * v_l_knee_y - s_l_knee * v_l_knee_x;
     // l_ank_pitch
     let v_l_ank_pitch_x = r[5] + t_l_knee_x;
     let v_l_ank_pitch_y = r[6] + t_l_knee_y;
     let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
-    let t_l_ank_pitch_x = c_l_ank_pitch * v_l_ank_pitch_x
-        + s_l_ank_pitch * v_l_ank_pitch_y;
-    let t_l_ank_pitch_y = c_l_ank_pitch * v_l_ank_pitch_y
-        - s_l_ank_pitch * v_l_ank_pitch_x;
+    let t_l_ank_pitch_x = s_l_ank_pitch * v_l_ank_pitch_x
+        + c_l_ank_pitch * v_l_ank_pitch_y;
+    let t_l_ank_pitch_y = c_l_ank_pitch * v_l_ank_pitch_x
+        - s_l_ank_pitch * v_l_ank_pitch_y;
     // l_ank_roll
-    let v_l_ank_roll_x = r[3] - e5;
+    let v_l_ank_roll_x = r[3] + t_l_hip_roll_y;
     let v_l_ank_roll_y = r[4] + t_l_ank_pitch_x;
     let (s_l_ank_roll, c_l_ank_roll) = q[7].sin_cos();
     let t_l_ank_roll_x = c_l_ank_roll * v_l_ank_roll_x + s_l_ank_roll * v_l_ank_roll_y;
     // l_ank_pitch
-    let bz_l_ank_pitch_x = c_l_ank_roll * c_l_ank_pitch;
-    let bz_l_ank_pitch_y = c_l_ank_roll * s_l_ank_pitch;
+    let bz_l_ank_pitch_x = c_l_ank_roll * s_l_ank_pitch;
+    let bz_l_ank_pitch_y = c_l_ank_roll * c_l_ank_pitch;
     // l_knee
-    let bz_l_knee_x = bz_l_ank_pitch_x * c_l_knee + bz_l_ank_pitch_y * s_l_knee;
-    let bz_l_knee_y = bz_l_ank_pitch_y * c_l_knee - bz_l_ank_pitch_x * s_l_knee;
+    let bz_l_knee_x = bz_l_ank_pitch_x * c_l_knee - bz_l_ank_pitch_y * s_l_knee;
+    let bz_l_knee_y = bz_l_ank_pitch_y * c_l_knee + bz_l_ank_pitch_x * s_l_knee;
     // l_hip_pitch
-    let bz_l_hip_pitch_x = bz_l_knee_x * c_l_hip_pitch + bz_l_knee_y * s_l_hip_pitch;
-    let bz_l_hip_pitch_y = bz_l_knee_y * c_l_hip_pitch - bz_l_knee_x * s_l_hip_pitch;
+    let bz_l_hip_pitch_x = bz_l_knee_x * c_l_hip_pitch - bz_l_knee_y * s_l_hip_pitch;
+    let bz_l_hip_pitch_y = bz_l_knee_y * c_l_hip_pitch + bz_l_knee_x * s_l_hip_pitch;
     // l_hip_roll
-    let bz_l_hip_roll_x = bz_l_hip_pitch_x * c_l_hip_roll + s_l_ank_roll * s_l_hip_roll;
-    let e6 = bz_l_hip_pitch_x * s_l_hip_roll - s_l_ank_roll * c_l_hip_roll;
+    let bz_l_hip_roll_x = bz_l_hip_pitch_y * s_l_hip_roll - s_l_ank_roll * c_l_hip_roll;
+    let bz_l_hip_roll_y = s_l_ank_roll * s_l_hip_roll + bz_l_hip_pitch_y * c_l_hip_roll;
     // l_hip_yaw
-    let bz_l_hip_yaw_x = bz_l_hip_pitch_y * s_l_hip_yaw - e6 * c_l_hip_yaw;
-    let bz_l_hip_yaw_y = bz_l_hip_pitch_y * c_l_hip_yaw + e6 * s_l_hip_yaw;
+    let bz_l_hip_yaw_x = bz_l_hip_roll_x * s_l_hip_yaw + bz_l_hip_pitch_x * c_l_hip_yaw;
+    let e4 = bz_l_hip_pitch_x * s_l_hip_yaw - bz_l_hip_roll_x * c_l_hip_yaw;
     // head_pan
-    let bz_head_pan_y = bz_l_hip_yaw_y * c_head_pan - bz_l_hip_yaw_x * s_head_pan;
+    let bz_head_pan_x = bz_l_hip_yaw_x * c_head_pan - e4 * s_head_pan;
     // l_sho_pitch
-    let bz_l_sho_pitch_x = bz_l_hip_yaw_y * c_l_sho_pitch
-        - bz_l_hip_roll_x * s_l_sho_pitch;
-    let bz_l_sho_pitch_y = bz_l_hip_roll_x * c_l_sho_pitch
-        + bz_l_hip_yaw_y * s_l_sho_pitch;
+    let bz_l_sho_pitch_x = bz_l_hip_yaw_x * c_l_sho_pitch
+        - bz_l_hip_roll_y * s_l_sho_pitch;
+    let bz_l_sho_pitch_y = bz_l_hip_roll_y * c_l_sho_pitch
+        + bz_l_hip_yaw_x * s_l_sho_pitch;
     // r_hip_yaw
-    let bz_r_hip_yaw_x = bz_l_hip_yaw_x * c_r_hip_yaw - bz_l_hip_yaw_y * s_r_hip_yaw;
-    let bz_r_hip_yaw_y = bz_l_hip_yaw_y * c_r_hip_yaw + bz_l_hip_yaw_x * s_r_hip_yaw;
+    let bz_r_hip_yaw_x = bz_l_hip_yaw_x * c_r_hip_yaw + e4 * s_r_hip_yaw;
+    let bz_r_hip_yaw_y = bz_l_hip_yaw_x * s_r_hip_yaw - e4 * c_r_hip_yaw;
     // r_hip_roll
-    let bz_r_hip_roll_x = bz_r_hip_yaw_x * c_r_hip_roll + bz_l_hip_roll_x * s_r_hip_roll;
-    let e7 = bz_l_hip_roll_x * c_r_hip_roll - bz_r_hip_yaw_x * s_r_hip_roll;
+    let bz_r_hip_roll_x = bz_r_hip_yaw_y * c_r_hip_roll - bz_l_hip_roll_y * s_r_hip_roll;
+    let bz_r_hip_roll_y = bz_l_hip_roll_y * c_r_hip_roll + bz_r_hip_yaw_y * s_r_hip_roll;
     // r_hip_pitch
-    let e8 = e7 * c_r_hip_pitch + bz_r_hip_yaw_y * s_r_hip_pitch;
-    let e9 = bz_r_hip_yaw_y * c_r_hip_pitch - e7 * s_r_hip_pitch;
+    let bz_r_hip_pitch_x = bz_r_hip_yaw_x * c_r_hip_pitch
+        - bz_r_hip_roll_y * s_r_hip_pitch;
+    let bz_r_hip_pitch_y = bz_r_hip_yaw_x * s_r_hip_pitch
+        + bz_r_hip_roll_y * c_r_hip_pitch;
     // r_knee
-    let e10 = e8 * c_r_knee + e9 * s_r_knee;
-    let bz_r_knee_y = e8 * s_r_knee - e9 * c_r_knee;
+    let bz_r_knee_x = bz_r_hip_pitch_x * c_r_knee - bz_r_hip_pitch_y * s_r_knee;
+    let bz_r_knee_y = bz_r_hip_pitch_y * c_r_knee + bz_r_hip_pitch_x * s_r_knee;
+    // r_ank_pitch
+    let bz_r_ank_pitch_y = bz_r_knee_y * c_r_ank_pitch - bz_r_knee_x * s_r_ank_pitch;
     // r_sho_pitch
-    let bz_r_sho_pitch_x = bz_l_hip_yaw_y * c_r_sho_pitch
-        + bz_l_hip_roll_x * s_r_sho_pitch;
-    let bz_r_sho_pitch_y = bz_l_hip_roll_x * c_r_sho_pitch
-        - bz_l_hip_yaw_y * s_r_sho_pitch;
+    let bz_r_sho_pitch_x = bz_l_hip_yaw_x * c_r_sho_pitch
+        + bz_l_hip_roll_y * s_r_sho_pitch;
+    let bz_r_sho_pitch_y = bz_l_hip_roll_y * c_r_sho_pitch
+        - bz_l_hip_yaw_x * s_r_sho_pitch;
     [
-        -(bz_l_hip_yaw_y * t_head_pan_x - bz_l_hip_yaw_x * t_head_pan_y),
-        -(bz_l_hip_roll_x * t_head_tilt_x - bz_head_pan_y * t_head_tilt_y),
-        -(bz_l_hip_pitch_y * t_l_hip_yaw_x + e6 * t_l_hip_yaw_y),
-        bz_l_hip_pitch_x * e5 - s_l_ank_roll * t_l_hip_roll_x,
-        -(bz_l_knee_y * t_l_hip_pitch_x - bz_l_knee_x * t_l_hip_pitch_y),
-        -(bz_l_ank_pitch_y * t_l_knee_x - bz_l_ank_pitch_x * t_l_knee_y),
+        e4 * t_head_pan_x + bz_l_hip_yaw_x * t_head_pan_y,
+        -(bz_l_hip_roll_y * t_head_tilt_x - bz_head_pan_x * t_head_tilt_y),
+        bz_l_hip_pitch_x * t_l_hip_yaw_x - bz_l_hip_roll_x * t_l_hip_yaw_y,
+        -(s_l_ank_roll * t_l_hip_roll_x + bz_l_hip_pitch_y * t_l_hip_roll_y),
+        bz_l_knee_y * t_l_hip_pitch_x - bz_l_knee_x * t_l_hip_pitch_y,
+        bz_l_ank_pitch_y * t_l_knee_x - bz_l_ank_pitch_x * t_l_knee_y,
         -(c_l_ank_roll * t_l_ank_pitch_y),
         t_l_ank_roll_x,
-        bz_l_hip_roll_x * t_l_sho_pitch_x - bz_l_hip_yaw_y * t_l_sho_pitch_y,
-        bz_l_hip_yaw_x * t_l_sho_roll_x + bz_l_sho_pitch_y * t_l_sho_roll_y,
+        bz_l_hip_roll_y * t_l_sho_pitch_x - bz_l_hip_yaw_x * t_l_sho_pitch_y,
+        e4 * t_l_sho_roll_x + bz_l_sho_pitch_y * t_l_sho_roll_y,
         -(bz_l_sho_pitch_x * t_l_el_x
-            + (bz_l_hip_yaw_x * s_l_sho_roll - bz_l_sho_pitch_y * c_l_sho_roll)
-                * t_l_el_y),
-        bz_l_hip_yaw_y * t_r_hip_yaw_x - bz_l_hip_yaw_x * t_r_hip_yaw_y,
-        -(bz_l_hip_roll_x * t_r_hip_roll_x - bz_r_hip_yaw_x * t_r_hip_roll_y),
-        bz_r_hip_yaw_y * t_r_hip_pitch_x - e7 * e3,
-        -(e8 * t_r_knee_y - e9 * t_r_knee_x),
-        bz_r_knee_y * t_r_ank_pitch_x + e10 * t_r_ank_pitch_y,
-        -((e10 * c_r_ank_pitch + bz_r_knee_y * s_r_ank_pitch) * t_r_ank_roll_y
-            - bz_r_hip_roll_x * t_r_ank_roll_x),
-        -(bz_l_hip_roll_x * t_r_sho_pitch_x - bz_l_hip_yaw_y * t_r_sho_pitch_y),
-        bz_l_hip_yaw_x * t_r_sho_roll_x + bz_r_sho_pitch_y * t_r_sho_roll_y,
+            + (e4 * s_l_sho_roll - bz_l_sho_pitch_y * c_l_sho_roll) * t_l_el_y),
+        -(e4 * t_r_hip_yaw_x + bz_l_hip_yaw_x * t_r_hip_yaw_y),
+        bz_l_hip_roll_y * t_r_hip_roll_x - bz_r_hip_yaw_y * t_r_hip_roll_y,
+        -(bz_r_hip_yaw_x * t_r_hip_pitch_x - bz_r_hip_roll_y * t_r_hip_pitch_y),
+        bz_r_hip_pitch_y * t_r_knee_x - bz_r_hip_pitch_x * t_r_knee_y,
+        -(bz_r_knee_y * t_r_ank_pitch_x - bz_r_knee_x * t_r_ank_pitch_y),
+        bz_r_hip_roll_x * t_r_ank_roll_x - bz_r_ank_pitch_y * t_r_ank_roll_y,
+        -(bz_l_hip_roll_y * t_r_sho_pitch_x - bz_l_hip_yaw_x * t_r_sho_pitch_y),
+        e4 * t_r_sho_roll_x + bz_r_sho_pitch_y * t_r_sho_roll_y,
         bz_r_sho_pitch_x * t_r_el_x
-            - (bz_l_hip_yaw_x * s_r_sho_roll - bz_r_sho_pitch_y * c_r_sho_roll) * e1,
+            - (e4 * s_r_sho_roll - bz_r_sho_pitch_y * c_r_sho_roll) * e1,
     ]
 }
 /// Rows of the base regressor: CoM = rows · r.
@@ -922,44 +928,43 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     let bz_l_ank_roll_x = -s_l_ank_roll;
     // l_ank_pitch
     let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
-    let bx_l_ank_pitch_x = -s_l_ank_pitch;
+    let bx_l_ank_pitch_y = -s_l_ank_pitch;
     // l_knee
     let (s_l_knee, c_l_knee) = q[5].sin_cos();
-    let bx_l_knee_x = c_l_ank_pitch * s_l_knee - s_l_ank_pitch * c_l_knee;
-    let bx_l_knee_y = c_l_ank_pitch * c_l_knee + s_l_ank_pitch * s_l_knee;
+    let bx_l_knee_x = c_l_ank_pitch * c_l_knee + s_l_ank_pitch * s_l_knee;
+    let bx_l_knee_y = c_l_ank_pitch * s_l_knee - s_l_ank_pitch * c_l_knee;
     // l_hip_pitch
     let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
-    let bx_l_hip_pitch_x = bx_l_knee_x * c_l_hip_pitch + bx_l_knee_y * s_l_hip_pitch;
-    let bx_l_hip_pitch_y = bx_l_knee_y * c_l_hip_pitch - bx_l_knee_x * s_l_hip_pitch;
+    let bx_l_hip_pitch_x = bx_l_knee_x * c_l_hip_pitch - bx_l_knee_y * s_l_hip_pitch;
+    let bx_l_hip_pitch_y = bx_l_knee_y * c_l_hip_pitch + bx_l_knee_x * s_l_hip_pitch;
     // l_hip_roll
     let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
-    let bx_l_hip_roll_x = bx_l_hip_pitch_x * c_l_hip_roll;
-    let e1 = bx_l_hip_pitch_x * s_l_hip_roll;
-    let bx_l_hip_roll_y = -e1;
+    let bx_l_hip_roll_x = bx_l_hip_pitch_y * s_l_hip_roll;
+    let bx_l_hip_roll_y = bx_l_hip_pitch_y * c_l_hip_roll;
     // l_hip_yaw
     let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
-    let bx_l_hip_yaw_x = bx_l_hip_pitch_y * s_l_hip_yaw - e1 * c_l_hip_yaw;
-    let bx_l_hip_yaw_y = bx_l_hip_pitch_y * c_l_hip_yaw + e1 * s_l_hip_yaw;
+    let bx_l_hip_yaw_x = bx_l_hip_roll_x * s_l_hip_yaw + bx_l_hip_pitch_x * c_l_hip_yaw;
+    let e1 = bx_l_hip_pitch_x * s_l_hip_yaw - bx_l_hip_roll_x * c_l_hip_yaw;
+    let bx_l_hip_yaw_y = -e1;
     // head_pan
     let (s_head_pan, c_head_pan) = q[0].sin_cos();
-    let bx_head_pan_x = bx_l_hip_yaw_x * c_head_pan + bx_l_hip_yaw_y * s_head_pan;
-    let bx_head_pan_y = bx_l_hip_yaw_y * c_head_pan - bx_l_hip_yaw_x * s_head_pan;
+    let bx_head_pan_x = bx_l_hip_yaw_x * c_head_pan - e1 * s_head_pan;
+    let bx_head_pan_y = -(e1 * c_head_pan + bx_l_hip_yaw_x * s_head_pan);
     // head_tilt
     let (s_head_tilt, c_head_tilt) = q[1].sin_cos();
-    let bx_head_tilt_x = bx_head_pan_y * c_head_tilt + bx_l_hip_roll_x * s_head_tilt;
-    let bx_head_tilt_y = -(bx_l_hip_roll_x * c_head_tilt - bx_head_pan_y * s_head_tilt);
+    let bx_head_tilt_x = bx_head_pan_x * c_head_tilt + bx_l_hip_roll_y * s_head_tilt;
+    let bx_head_tilt_y = -(bx_l_hip_roll_y * c_head_tilt - bx_head_pan_x * s_head_tilt);
     // l_sho_pitch
     let (s_l_sho_pitch, c_l_sho_pitch) = q[8].sin_cos();
-    let bx_l_sho_pitch_x = bx_l_hip_yaw_y * c_l_sho_pitch
-        - bx_l_hip_roll_x * s_l_sho_pitch;
-    let bx_l_sho_pitch_y = bx_l_hip_roll_x * c_l_sho_pitch
-        + bx_l_hip_yaw_y * s_l_sho_pitch;
+    let bx_l_sho_pitch_x = bx_l_hip_yaw_x * c_l_sho_pitch
+        - bx_l_hip_roll_y * s_l_sho_pitch;
+    let bx_l_sho_pitch_y = bx_l_hip_roll_y * c_l_sho_pitch
+        + bx_l_hip_yaw_x * s_l_sho_pitch;
     // l_sho_roll
     let e2 = q[9] - T::from_f64(0.785398163);
     let (s_l_sho_roll, c_l_sho_roll) = e2.sin_cos();
-    let bx_l_sho_roll_x = -(bx_l_sho_pitch_y * s_l_sho_roll
-        + bx_l_hip_yaw_x * c_l_sho_roll);
-    let e3 = bx_l_hip_yaw_x * s_l_sho_roll - bx_l_sho_pitch_y * c_l_sho_roll;
+    let bx_l_sho_roll_x = -(bx_l_sho_pitch_y * s_l_sho_roll + e1 * c_l_sho_roll);
+    let e3 = e1 * s_l_sho_roll - bx_l_sho_pitch_y * c_l_sho_roll;
     let bx_l_sho_roll_y = -e3;
     // l_el
     let (s_l_el, c_l_el) = q[10].sin_cos();
@@ -967,192 +972,182 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     let bx_l_el_y = -(bx_l_sho_pitch_x * c_l_el + e3 * s_l_el);
     // r_hip_yaw
     let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
-    let bx_r_hip_yaw_x = bx_l_hip_yaw_x * c_r_hip_yaw - bx_l_hip_yaw_y * s_r_hip_yaw;
-    let bx_r_hip_yaw_y = bx_l_hip_yaw_y * c_r_hip_yaw + bx_l_hip_yaw_x * s_r_hip_yaw;
+    let bx_r_hip_yaw_x = bx_l_hip_yaw_x * c_r_hip_yaw + e1 * s_r_hip_yaw;
+    let bx_r_hip_yaw_y = bx_l_hip_yaw_x * s_r_hip_yaw - e1 * c_r_hip_yaw;
     // r_hip_roll
     let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
-    let bx_r_hip_roll_x = bx_r_hip_yaw_x * c_r_hip_roll + bx_l_hip_roll_x * s_r_hip_roll;
-    let e4 = bx_l_hip_roll_x * c_r_hip_roll - bx_r_hip_yaw_x * s_r_hip_roll;
-    let bx_r_hip_roll_y = -e4;
+    let bx_r_hip_roll_x = bx_r_hip_yaw_y * c_r_hip_roll - bx_l_hip_roll_y * s_r_hip_roll;
+    let bx_r_hip_roll_y = bx_l_hip_roll_y * c_r_hip_roll + bx_r_hip_yaw_y * s_r_hip_roll;
     // r_hip_pitch
     let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
-    let e5 = e4 * c_r_hip_pitch + bx_r_hip_yaw_y * s_r_hip_pitch;
-    let bx_r_hip_pitch_x = -e5;
-    let e6 = bx_r_hip_yaw_y * c_r_hip_pitch - e4 * s_r_hip_pitch;
-    let bx_r_hip_pitch_y = -e6;
+    let bx_r_hip_pitch_x = bx_r_hip_yaw_x * c_r_hip_pitch
+        - bx_r_hip_roll_y * s_r_hip_pitch;
+    let bx_r_hip_pitch_y = bx_r_hip_yaw_x * s_r_hip_pitch
+        + bx_r_hip_roll_y * c_r_hip_pitch;
     // r_knee
     let (s_r_knee, c_r_knee) = q[14].sin_cos();
-    let e7 = e5 * c_r_knee + e6 * s_r_knee;
-    let bx_r_knee_x = -e7;
-    let bx_r_knee_y = e5 * s_r_knee - e6 * c_r_knee;
+    let bx_r_knee_x = bx_r_hip_pitch_x * c_r_knee - bx_r_hip_pitch_y * s_r_knee;
+    let bx_r_knee_y = bx_r_hip_pitch_y * c_r_knee + bx_r_hip_pitch_x * s_r_knee;
     // r_ank_pitch
     let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
-    let e8 = e7 * c_r_ank_pitch + bx_r_knee_y * s_r_ank_pitch;
-    let bx_r_ank_pitch_x = -e8;
-    let bx_r_ank_pitch_y = bx_r_knee_y * c_r_ank_pitch - e7 * s_r_ank_pitch;
+    let bx_r_ank_pitch_x = bx_r_knee_x * c_r_ank_pitch + bx_r_knee_y * s_r_ank_pitch;
+    let bx_r_ank_pitch_y = bx_r_knee_y * c_r_ank_pitch - bx_r_knee_x * s_r_ank_pitch;
     // r_ank_roll
     let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
-    let bx_r_ank_roll_x = -(e8 * c_r_ank_roll + bx_r_hip_roll_x * s_r_ank_roll);
-    let bx_r_ank_roll_y = e8 * s_r_ank_roll - bx_r_hip_roll_x * c_r_ank_roll;
+    let bx_r_ank_roll_x = bx_r_ank_pitch_y * s_r_ank_roll
+        + bx_r_hip_roll_x * c_r_ank_roll;
+    let bx_r_ank_roll_y = -(bx_r_hip_roll_x * s_r_ank_roll
+        - bx_r_ank_pitch_y * c_r_ank_roll);
     // r_sho_pitch
     let (s_r_sho_pitch, c_r_sho_pitch) = q[17].sin_cos();
-    let bx_r_sho_pitch_x = bx_l_hip_yaw_y * c_r_sho_pitch
-        + bx_l_hip_roll_x * s_r_sho_pitch;
-    let bx_r_sho_pitch_y = bx_l_hip_roll_x * c_r_sho_pitch
-        - bx_l_hip_yaw_y * s_r_sho_pitch;
+    let bx_r_sho_pitch_x = bx_l_hip_yaw_x * c_r_sho_pitch
+        + bx_l_hip_roll_y * s_r_sho_pitch;
+    let bx_r_sho_pitch_y = bx_l_hip_roll_y * c_r_sho_pitch
+        - bx_l_hip_yaw_x * s_r_sho_pitch;
     // r_sho_roll
-    let e9 = q[18] + T::from_f64(0.785398163);
-    let (s_r_sho_roll, c_r_sho_roll) = e9.sin_cos();
-    let bx_r_sho_roll_x = -(bx_r_sho_pitch_y * s_r_sho_roll
-        + bx_l_hip_yaw_x * c_r_sho_roll);
-    let e10 = bx_l_hip_yaw_x * s_r_sho_roll - bx_r_sho_pitch_y * c_r_sho_roll;
-    let bx_r_sho_roll_y = -e10;
+    let e4 = q[18] + T::from_f64(0.785398163);
+    let (s_r_sho_roll, c_r_sho_roll) = e4.sin_cos();
+    let bx_r_sho_roll_x = -(bx_r_sho_pitch_y * s_r_sho_roll + e1 * c_r_sho_roll);
+    let e5 = e1 * s_r_sho_roll - bx_r_sho_pitch_y * c_r_sho_roll;
+    let bx_r_sho_roll_y = -e5;
     // r_el
     let (s_r_el, c_r_el) = q[19].sin_cos();
-    let bx_r_el_x = -(e10 * c_r_el + bx_r_sho_pitch_x * s_r_el);
-    let bx_r_el_y = -(bx_r_sho_pitch_x * c_r_el - e10 * s_r_el);
+    let bx_r_el_x = -(e5 * c_r_el + bx_r_sho_pitch_x * s_r_el);
+    let bx_r_el_y = -(bx_r_sho_pitch_x * c_r_el - e5 * s_r_el);
     // l_ank_pitch
-    let by_l_ank_pitch_x = s_l_ank_roll * c_l_ank_pitch;
-    let by_l_ank_pitch_y = s_l_ank_roll * s_l_ank_pitch;
+    let by_l_ank_pitch_x = s_l_ank_roll * s_l_ank_pitch;
+    let by_l_ank_pitch_y = s_l_ank_roll * c_l_ank_pitch;
     // l_knee
-    let by_l_knee_x = by_l_ank_pitch_x * c_l_knee + by_l_ank_pitch_y * s_l_knee;
-    let by_l_knee_y = by_l_ank_pitch_y * c_l_knee - by_l_ank_pitch_x * s_l_knee;
+    let by_l_knee_x = by_l_ank_pitch_x * c_l_knee - by_l_ank_pitch_y * s_l_knee;
+    let by_l_knee_y = by_l_ank_pitch_y * c_l_knee + by_l_ank_pitch_x * s_l_knee;
     // l_hip_pitch
-    let by_l_hip_pitch_x = by_l_knee_x * c_l_hip_pitch + by_l_knee_y * s_l_hip_pitch;
-    let by_l_hip_pitch_y = by_l_knee_y * c_l_hip_pitch - by_l_knee_x * s_l_hip_pitch;
+    let by_l_hip_pitch_x = by_l_knee_x * c_l_hip_pitch - by_l_knee_y * s_l_hip_pitch;
+    let by_l_hip_pitch_y = by_l_knee_y * c_l_hip_pitch + by_l_knee_x * s_l_hip_pitch;
     // l_hip_roll
-    let by_l_hip_roll_x = by_l_hip_pitch_x * c_l_hip_roll - c_l_ank_roll * s_l_hip_roll;
-    let e11 = c_l_ank_roll * c_l_hip_roll + by_l_hip_pitch_x * s_l_hip_roll;
-    let by_l_hip_roll_y = -e11;
+    let by_l_hip_roll_x = by_l_hip_pitch_y * s_l_hip_roll + c_l_ank_roll * c_l_hip_roll;
+    let e6 = c_l_ank_roll * s_l_hip_roll - by_l_hip_pitch_y * c_l_hip_roll;
+    let by_l_hip_roll_y = -e6;
     // l_hip_yaw
-    let by_l_hip_yaw_x = by_l_hip_pitch_y * s_l_hip_yaw - e11 * c_l_hip_yaw;
-    let by_l_hip_yaw_y = by_l_hip_pitch_y * c_l_hip_yaw + e11 * s_l_hip_yaw;
+    let by_l_hip_yaw_x = by_l_hip_roll_x * s_l_hip_yaw + by_l_hip_pitch_x * c_l_hip_yaw;
+    let e7 = by_l_hip_pitch_x * s_l_hip_yaw - by_l_hip_roll_x * c_l_hip_yaw;
+    let by_l_hip_yaw_y = -e7;
     // head_pan
-    let by_head_pan_x = by_l_hip_yaw_x * c_head_pan + by_l_hip_yaw_y * s_head_pan;
-    let by_head_pan_y = by_l_hip_yaw_y * c_head_pan - by_l_hip_yaw_x * s_head_pan;
+    let by_head_pan_x = by_l_hip_yaw_x * c_head_pan - e7 * s_head_pan;
+    let by_head_pan_y = -(e7 * c_head_pan + by_l_hip_yaw_x * s_head_pan);
     // head_tilt
-    let by_head_tilt_x = by_head_pan_y * c_head_tilt + by_l_hip_roll_x * s_head_tilt;
-    let by_head_tilt_y = -(by_l_hip_roll_x * c_head_tilt - by_head_pan_y * s_head_tilt);
+    let by_head_tilt_x = by_head_pan_x * c_head_tilt - e6 * s_head_tilt;
+    let by_head_tilt_y = e6 * c_head_tilt + by_head_pan_x * s_head_tilt;
     // l_sho_pitch
-    let by_l_sho_pitch_x = by_l_hip_yaw_y * c_l_sho_pitch
-        - by_l_hip_roll_x * s_l_sho_pitch;
-    let by_l_sho_pitch_y = by_l_hip_roll_x * c_l_sho_pitch
-        + by_l_hip_yaw_y * s_l_sho_pitch;
+    let by_l_sho_pitch_x = by_l_hip_yaw_x * c_l_sho_pitch + e6 * s_l_sho_pitch;
+    let by_l_sho_pitch_y = by_l_hip_yaw_x * s_l_sho_pitch - e6 * c_l_sho_pitch;
     // l_sho_roll
-    let by_l_sho_roll_x = -(by_l_sho_pitch_y * s_l_sho_roll
-        + by_l_hip_yaw_x * c_l_sho_roll);
-    let e12 = by_l_hip_yaw_x * s_l_sho_roll - by_l_sho_pitch_y * c_l_sho_roll;
-    let by_l_sho_roll_y = -e12;
+    let by_l_sho_roll_x = -(by_l_sho_pitch_y * s_l_sho_roll + e7 * c_l_sho_roll);
+    let e8 = e7 * s_l_sho_roll - by_l_sho_pitch_y * c_l_sho_roll;
+    let by_l_sho_roll_y = -e8;
     // l_el
-    let by_l_el_x = by_l_sho_pitch_x * s_l_el - e12 * c_l_el;
-    let by_l_el_y = -(by_l_sho_pitch_x * c_l_el + e12 * s_l_el);
+    let by_l_el_x = by_l_sho_pitch_x * s_l_el - e8 * c_l_el;
+    let by_l_el_y = -(by_l_sho_pitch_x * c_l_el + e8 * s_l_el);
     // r_hip_yaw
-    let by_r_hip_yaw_x = by_l_hip_yaw_x * c_r_hip_yaw - by_l_hip_yaw_y * s_r_hip_yaw;
-    let by_r_hip_yaw_y = by_l_hip_yaw_y * c_r_hip_yaw + by_l_hip_yaw_x * s_r_hip_yaw;
+    let by_r_hip_yaw_x = by_l_hip_yaw_x * c_r_hip_yaw + e7 * s_r_hip_yaw;
+    let by_r_hip_yaw_y = by_l_hip_yaw_x * s_r_hip_yaw - e7 * c_r_hip_yaw;
     // r_hip_roll
-    let by_r_hip_roll_x = by_r_hip_yaw_x * c_r_hip_roll + by_l_hip_roll_x * s_r_hip_roll;
-    let e13 = by_l_hip_roll_x * c_r_hip_roll - by_r_hip_yaw_x * s_r_hip_roll;
-    let by_r_hip_roll_y = -e13;
+    let by_r_hip_roll_x = by_r_hip_yaw_y * c_r_hip_roll + e6 * s_r_hip_roll;
+    let by_r_hip_roll_y = by_r_hip_yaw_y * s_r_hip_roll - e6 * c_r_hip_roll;
     // r_hip_pitch
-    let e14 = e13 * c_r_hip_pitch + by_r_hip_yaw_y * s_r_hip_pitch;
-    let by_r_hip_pitch_x = -e14;
-    let e15 = by_r_hip_yaw_y * c_r_hip_pitch - e13 * s_r_hip_pitch;
-    let by_r_hip_pitch_y = -e15;
+    let by_r_hip_pitch_x = by_r_hip_yaw_x * c_r_hip_pitch
+        - by_r_hip_roll_y * s_r_hip_pitch;
+    let by_r_hip_pitch_y = by_r_hip_yaw_x * s_r_hip_pitch
+        + by_r_hip_roll_y * c_r_hip_pitch;
     // r_knee
-    let e16 = e14 * c_r_knee + e15 * s_r_knee;
-    let by_r_knee_x = -e16;
-    let by_r_knee_y = e14 * s_r_knee - e15 * c_r_knee;
+    let by_r_knee_x = by_r_hip_pitch_x * c_r_knee - by_r_hip_pitch_y * s_r_knee;
+    let by_r_knee_y = by_r_hip_pitch_y * c_r_knee + by_r_hip_pitch_x * s_r_knee;
     // r_ank_pitch
-    let e17 = e16 * c_r_ank_pitch + by_r_knee_y * s_r_ank_pitch;
-    let by_r_ank_pitch_x = -e17;
-    let by_r_ank_pitch_y = by_r_knee_y * c_r_ank_pitch - e16 * s_r_ank_pitch;
+    let by_r_ank_pitch_x = by_r_knee_x * c_r_ank_pitch + by_r_knee_y * s_r_ank_pitch;
+    let by_r_ank_pitch_y = by_r_knee_y * c_r_ank_pitch - by_r_knee_x * s_r_ank_pitch;
     // r_ank_roll
-    let by_r_ank_roll_x = -(e17 * c_r_ank_roll + by_r_hip_roll_x * s_r_ank_roll);
-    let by_r_ank_roll_y = e17 * s_r_ank_roll - by_r_hip_roll_x * c_r_ank_roll;
+    let by_r_ank_roll_x = by_r_ank_pitch_y * s_r_ank_roll
+        + by_r_hip_roll_x * c_r_ank_roll;
+    let by_r_ank_roll_y = -(by_r_hip_roll_x * s_r_ank_roll
+        - by_r_ank_pitch_y * c_r_ank_roll);
     // r_sho_pitch
-    let by_r_sho_pitch_x = by_l_hip_yaw_y * c_r_sho_pitch
-        + by_l_hip_roll_x * s_r_sho_pitch;
-    let by_r_sho_pitch_y = by_l_hip_roll_x * c_r_sho_pitch
-        - by_l_hip_yaw_y * s_r_sho_pitch;
+    let by_r_sho_pitch_x = by_l_hip_yaw_x * c_r_sho_pitch - e6 * s_r_sho_pitch;
+    let e9 = e6 * c_r_sho_pitch + by_l_hip_yaw_x * s_r_sho_pitch;
+    let by_r_sho_pitch_y = -e9;
     // r_sho_roll
-    let by_r_sho_roll_x = -(by_r_sho_pitch_y * s_r_sho_roll
-        + by_l_hip_yaw_x * c_r_sho_roll);
-    let e18 = by_l_hip_yaw_x * s_r_sho_roll - by_r_sho_pitch_y * c_r_sho_roll;
-    let by_r_sho_roll_y = -e18;
+    let by_r_sho_roll_x = e9 * s_r_sho_roll - e7 * c_r_sho_roll;
+    let e10 = e7 * s_r_sho_roll + e9 * c_r_sho_roll;
+    let by_r_sho_roll_y = -e10;
     // r_el
-    let by_r_el_x = -(e18 * c_r_el + by_r_sho_pitch_x * s_r_el);
-    let by_r_el_y = -(by_r_sho_pitch_x * c_r_el - e18 * s_r_el);
+    let by_r_el_x = -(e10 * c_r_el + by_r_sho_pitch_x * s_r_el);
+    let by_r_el_y = -(by_r_sho_pitch_x * c_r_el - e10 * s_r_el);
     // l_ank_pitch
-    let bz_l_ank_pitch_x = c_l_ank_roll * c_l_ank_pitch;
-    let bz_l_ank_pitch_y = c_l_ank_roll * s_l_ank_pitch;
+    let bz_l_ank_pitch_x = c_l_ank_roll * s_l_ank_pitch;
+    let bz_l_ank_pitch_y = c_l_ank_roll * c_l_ank_pitch;
     // l_knee
-    let bz_l_knee_x = bz_l_ank_pitch_x * c_l_knee + bz_l_ank_pitch_y * s_l_knee;
-    let bz_l_knee_y = bz_l_ank_pitch_y * c_l_knee - bz_l_ank_pitch_x * s_l_knee;
+    let bz_l_knee_x = bz_l_ank_pitch_x * c_l_knee - bz_l_ank_pitch_y * s_l_knee;
+    let bz_l_knee_y = bz_l_ank_pitch_y * c_l_knee + bz_l_ank_pitch_x * s_l_knee;
     // l_hip_pitch
-    let bz_l_hip_pitch_x = bz_l_knee_x * c_l_hip_pitch + bz_l_knee_y * s_l_hip_pitch;
-    let bz_l_hip_pitch_y = bz_l_knee_y * c_l_hip_pitch - bz_l_knee_x * s_l_hip_pitch;
+    let bz_l_hip_pitch_x = bz_l_knee_x * c_l_hip_pitch - bz_l_knee_y * s_l_hip_pitch;
+    let bz_l_hip_pitch_y = bz_l_knee_y * c_l_hip_pitch + bz_l_knee_x * s_l_hip_pitch;
     // l_hip_roll
-    let bz_l_hip_roll_x = bz_l_hip_pitch_x * c_l_hip_roll + s_l_ank_roll * s_l_hip_roll;
-    let e19 = bz_l_hip_pitch_x * s_l_hip_roll - s_l_ank_roll * c_l_hip_roll;
-    let bz_l_hip_roll_y = -e19;
+    let bz_l_hip_roll_x = bz_l_hip_pitch_y * s_l_hip_roll - s_l_ank_roll * c_l_hip_roll;
+    let bz_l_hip_roll_y = s_l_ank_roll * s_l_hip_roll + bz_l_hip_pitch_y * c_l_hip_roll;
     // l_hip_yaw
-    let bz_l_hip_yaw_x = bz_l_hip_pitch_y * s_l_hip_yaw - e19 * c_l_hip_yaw;
-    let bz_l_hip_yaw_y = bz_l_hip_pitch_y * c_l_hip_yaw + e19 * s_l_hip_yaw;
+    let bz_l_hip_yaw_x = bz_l_hip_roll_x * s_l_hip_yaw + bz_l_hip_pitch_x * c_l_hip_yaw;
+    let e11 = bz_l_hip_pitch_x * s_l_hip_yaw - bz_l_hip_roll_x * c_l_hip_yaw;
+    let bz_l_hip_yaw_y = -e11;
     // head_pan
-    let bz_head_pan_x = bz_l_hip_yaw_x * c_head_pan + bz_l_hip_yaw_y * s_head_pan;
-    let bz_head_pan_y = bz_l_hip_yaw_y * c_head_pan - bz_l_hip_yaw_x * s_head_pan;
+    let bz_head_pan_x = bz_l_hip_yaw_x * c_head_pan - e11 * s_head_pan;
+    let bz_head_pan_y = -(e11 * c_head_pan + bz_l_hip_yaw_x * s_head_pan);
     // head_tilt
-    let bz_head_tilt_x = bz_head_pan_y * c_head_tilt + bz_l_hip_roll_x * s_head_tilt;
-    let bz_head_tilt_y = -(bz_l_hip_roll_x * c_head_tilt - bz_head_pan_y * s_head_tilt);
+    let bz_head_tilt_x = bz_head_pan_x * c_head_tilt + bz_l_hip_roll_y * s_head_tilt;
+    let bz_head_tilt_y = -(bz_l_hip_roll_y * c_head_tilt - bz_head_pan_x * s_head_tilt);
     // l_sho_pitch
-    let bz_l_sho_pitch_x = bz_l_hip_yaw_y * c_l_sho_pitch
-        - bz_l_hip_roll_x * s_l_sho_pitch;
-    let bz_l_sho_pitch_y = bz_l_hip_roll_x * c_l_sho_pitch
-        + bz_l_hip_yaw_y * s_l_sho_pitch;
+    let bz_l_sho_pitch_x = bz_l_hip_yaw_x * c_l_sho_pitch
+        - bz_l_hip_roll_y * s_l_sho_pitch;
+    let bz_l_sho_pitch_y = bz_l_hip_roll_y * c_l_sho_pitch
+        + bz_l_hip_yaw_x * s_l_sho_pitch;
     // l_sho_roll
-    let bz_l_sho_roll_x = -(bz_l_sho_pitch_y * s_l_sho_roll
-        + bz_l_hip_yaw_x * c_l_sho_roll);
-    let e20 = bz_l_hip_yaw_x * s_l_sho_roll - bz_l_sho_pitch_y * c_l_sho_roll;
-    let bz_l_sho_roll_y = -e20;
+    let bz_l_sho_roll_x = -(bz_l_sho_pitch_y * s_l_sho_roll + e11 * c_l_sho_roll);
+    let e12 = e11 * s_l_sho_roll - bz_l_sho_pitch_y * c_l_sho_roll;
+    let bz_l_sho_roll_y = -e12;
     // l_el
-    let bz_l_el_x = bz_l_sho_pitch_x * s_l_el - e20 * c_l_el;
-    let bz_l_el_y = -(bz_l_sho_pitch_x * c_l_el + e20 * s_l_el);
+    let bz_l_el_x = bz_l_sho_pitch_x * s_l_el - e12 * c_l_el;
+    let bz_l_el_y = -(bz_l_sho_pitch_x * c_l_el + e12 * s_l_el);
     // r_hip_yaw
-    let bz_r_hip_yaw_x = bz_l_hip_yaw_x * c_r_hip_yaw - bz_l_hip_yaw_y * s_r_hip_yaw;
-    let bz_r_hip_yaw_y = bz_l_hip_yaw_y * c_r_hip_yaw + bz_l_hip_yaw_x * s_r_hip_yaw;
+    let bz_r_hip_yaw_x = bz_l_hip_yaw_x * c_r_hip_yaw + e11 * s_r_hip_yaw;
+    let bz_r_hip_yaw_y = bz_l_hip_yaw_x * s_r_hip_yaw - e11 * c_r_hip_yaw;
     // r_hip_roll
-    let bz_r_hip_roll_x = bz_r_hip_yaw_x * c_r_hip_roll + bz_l_hip_roll_x * s_r_hip_roll;
-    let e21 = bz_l_hip_roll_x * c_r_hip_roll - bz_r_hip_yaw_x * s_r_hip_roll;
-    let bz_r_hip_roll_y = -e21;
+    let bz_r_hip_roll_x = bz_r_hip_yaw_y * c_r_hip_roll - bz_l_hip_roll_y * s_r_hip_roll;
+    let bz_r_hip_roll_y = bz_l_hip_roll_y * c_r_hip_roll + bz_r_hip_yaw_y * s_r_hip_roll;
     // r_hip_pitch
-    let e22 = e21 * c_r_hip_pitch + bz_r_hip_yaw_y * s_r_hip_pitch;
-    let bz_r_hip_pitch_x = -e22;
-    let e23 = bz_r_hip_yaw_y * c_r_hip_pitch - e21 * s_r_hip_pitch;
-    let bz_r_hip_pitch_y = -e23;
+    let bz_r_hip_pitch_x = bz_r_hip_yaw_x * c_r_hip_pitch
+        - bz_r_hip_roll_y * s_r_hip_pitch;
+    let bz_r_hip_pitch_y = bz_r_hip_yaw_x * s_r_hip_pitch
+        + bz_r_hip_roll_y * c_r_hip_pitch;
     // r_knee
-    let e24 = e22 * c_r_knee + e23 * s_r_knee;
-    let bz_r_knee_x = -e24;
-    let bz_r_knee_y = e22 * s_r_knee - e23 * c_r_knee;
+    let bz_r_knee_x = bz_r_hip_pitch_x * c_r_knee - bz_r_hip_pitch_y * s_r_knee;
+    let bz_r_knee_y = bz_r_hip_pitch_y * c_r_knee + bz_r_hip_pitch_x * s_r_knee;
     // r_ank_pitch
-    let e25 = e24 * c_r_ank_pitch + bz_r_knee_y * s_r_ank_pitch;
-    let bz_r_ank_pitch_x = -e25;
-    let bz_r_ank_pitch_y = bz_r_knee_y * c_r_ank_pitch - e24 * s_r_ank_pitch;
+    let bz_r_ank_pitch_x = bz_r_knee_x * c_r_ank_pitch + bz_r_knee_y * s_r_ank_pitch;
+    let bz_r_ank_pitch_y = bz_r_knee_y * c_r_ank_pitch - bz_r_knee_x * s_r_ank_pitch;
     // r_ank_roll
-    let bz_r_ank_roll_x = -(e25 * c_r_ank_roll + bz_r_hip_roll_x * s_r_ank_roll);
-    let bz_r_ank_roll_y = e25 * s_r_ank_roll - bz_r_hip_roll_x * c_r_ank_roll;
+    let bz_r_ank_roll_x = bz_r_ank_pitch_y * s_r_ank_roll
+        + bz_r_hip_roll_x * c_r_ank_roll;
+    let bz_r_ank_roll_y = -(bz_r_hip_roll_x * s_r_ank_roll
+        - bz_r_ank_pitch_y * c_r_ank_roll);
     // r_sho_pitch
-    let bz_r_sho_pitch_x = bz_l_hip_yaw_y * c_r_sho_pitch
-        + bz_l_hip_roll_x * s_r_sho_pitch;
-    let bz_r_sho_pitch_y = bz_l_hip_roll_x * c_r_sho_pitch
-        - bz_l_hip_yaw_y * s_r_sho_pitch;
+    let bz_r_sho_pitch_x = bz_l_hip_yaw_x * c_r_sho_pitch
+        + bz_l_hip_roll_y * s_r_sho_pitch;
+    let bz_r_sho_pitch_y = bz_l_hip_roll_y * c_r_sho_pitch
+        - bz_l_hip_yaw_x * s_r_sho_pitch;
     // r_sho_roll
-    let bz_r_sho_roll_x = -(bz_r_sho_pitch_y * s_r_sho_roll
-        + bz_l_hip_yaw_x * c_r_sho_roll);
-    let e26 = bz_l_hip_yaw_x * s_r_sho_roll - bz_r_sho_pitch_y * c_r_sho_roll;
-    let bz_r_sho_roll_y = -e26;
+    let bz_r_sho_roll_x = -(bz_r_sho_pitch_y * s_r_sho_roll + e11 * c_r_sho_roll);
+    let e13 = e11 * s_r_sho_roll - bz_r_sho_pitch_y * c_r_sho_roll;
+    let bz_r_sho_roll_y = -e13;
     // r_el
-    let bz_r_el_x = -(e26 * c_r_el + bz_r_sho_pitch_x * s_r_el);
-    let bz_r_el_y = -(bz_r_sho_pitch_x * c_r_el - e26 * s_r_el);
+    let bz_r_el_x = -(e13 * c_r_el + bz_r_sho_pitch_x * s_r_el);
+    let bz_r_el_y = -(bz_r_sho_pitch_x * c_r_el - e13 * s_r_el);
     let zero = T::from_f64(0.0);
     let one = T::from_f64(1.0);
     [
@@ -1162,8 +1157,8 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             zero,
             zero,
             zero,
-            bx_l_ank_pitch_x,
             c_l_ank_pitch,
+            bx_l_ank_pitch_y,
             bx_l_knee_x,
             bx_l_knee_y,
             bx_l_hip_pitch_x,
@@ -1300,44 +1295,43 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
     let (s_l_ank_roll, c_l_ank_roll) = q[7].sin_cos();
     // l_ank_pitch
     let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
-    let bx_l_ank_pitch_x = -s_l_ank_pitch;
+    let bx_l_ank_pitch_y = -s_l_ank_pitch;
     // l_knee
     let (s_l_knee, c_l_knee) = q[5].sin_cos();
-    let bx_l_knee_x = c_l_ank_pitch * s_l_knee - s_l_ank_pitch * c_l_knee;
-    let bx_l_knee_y = c_l_ank_pitch * c_l_knee + s_l_ank_pitch * s_l_knee;
+    let bx_l_knee_x = c_l_ank_pitch * c_l_knee + s_l_ank_pitch * s_l_knee;
+    let bx_l_knee_y = c_l_ank_pitch * s_l_knee - s_l_ank_pitch * c_l_knee;
     // l_hip_pitch
     let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
-    let bx_l_hip_pitch_x = bx_l_knee_x * c_l_hip_pitch + bx_l_knee_y * s_l_hip_pitch;
-    let bx_l_hip_pitch_y = bx_l_knee_y * c_l_hip_pitch - bx_l_knee_x * s_l_hip_pitch;
+    let bx_l_hip_pitch_x = bx_l_knee_x * c_l_hip_pitch - bx_l_knee_y * s_l_hip_pitch;
+    let bx_l_hip_pitch_y = bx_l_knee_y * c_l_hip_pitch + bx_l_knee_x * s_l_hip_pitch;
     // l_hip_roll
     let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
-    let bx_l_hip_roll_x = bx_l_hip_pitch_x * c_l_hip_roll;
-    let e1 = bx_l_hip_pitch_x * s_l_hip_roll;
-    let bx_l_hip_roll_y = -e1;
+    let bx_l_hip_roll_x = bx_l_hip_pitch_y * s_l_hip_roll;
+    let bx_l_hip_roll_y = bx_l_hip_pitch_y * c_l_hip_roll;
     // l_hip_yaw
     let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
-    let bx_l_hip_yaw_x = bx_l_hip_pitch_y * s_l_hip_yaw - e1 * c_l_hip_yaw;
-    let bx_l_hip_yaw_y = bx_l_hip_pitch_y * c_l_hip_yaw + e1 * s_l_hip_yaw;
+    let bx_l_hip_yaw_x = bx_l_hip_roll_x * s_l_hip_yaw + bx_l_hip_pitch_x * c_l_hip_yaw;
+    let e1 = bx_l_hip_pitch_x * s_l_hip_yaw - bx_l_hip_roll_x * c_l_hip_yaw;
+    let bx_l_hip_yaw_y = -e1;
     // head_pan
     let (s_head_pan, c_head_pan) = q[0].sin_cos();
-    let bx_head_pan_x = bx_l_hip_yaw_x * c_head_pan + bx_l_hip_yaw_y * s_head_pan;
-    let bx_head_pan_y = bx_l_hip_yaw_y * c_head_pan - bx_l_hip_yaw_x * s_head_pan;
+    let bx_head_pan_x = bx_l_hip_yaw_x * c_head_pan - e1 * s_head_pan;
+    let bx_head_pan_y = -(e1 * c_head_pan + bx_l_hip_yaw_x * s_head_pan);
     // head_tilt
     let (s_head_tilt, c_head_tilt) = q[1].sin_cos();
-    let bx_head_tilt_x = bx_head_pan_y * c_head_tilt + bx_l_hip_roll_x * s_head_tilt;
-    let bx_head_tilt_y = -(bx_l_hip_roll_x * c_head_tilt - bx_head_pan_y * s_head_tilt);
+    let bx_head_tilt_x = bx_head_pan_x * c_head_tilt + bx_l_hip_roll_y * s_head_tilt;
+    let bx_head_tilt_y = -(bx_l_hip_roll_y * c_head_tilt - bx_head_pan_x * s_head_tilt);
     // l_sho_pitch
     let (s_l_sho_pitch, c_l_sho_pitch) = q[8].sin_cos();
-    let bx_l_sho_pitch_x = bx_l_hip_yaw_y * c_l_sho_pitch
-        - bx_l_hip_roll_x * s_l_sho_pitch;
-    let bx_l_sho_pitch_y = bx_l_hip_roll_x * c_l_sho_pitch
-        + bx_l_hip_yaw_y * s_l_sho_pitch;
+    let bx_l_sho_pitch_x = bx_l_hip_yaw_x * c_l_sho_pitch
+        - bx_l_hip_roll_y * s_l_sho_pitch;
+    let bx_l_sho_pitch_y = bx_l_hip_roll_y * c_l_sho_pitch
+        + bx_l_hip_yaw_x * s_l_sho_pitch;
     // l_sho_roll
     let e2 = q[9] - T::from_f64(0.785398163);
     let (s_l_sho_roll, c_l_sho_roll) = e2.sin_cos();
-    let bx_l_sho_roll_x = -(bx_l_sho_pitch_y * s_l_sho_roll
-        + bx_l_hip_yaw_x * c_l_sho_roll);
-    let e3 = bx_l_hip_yaw_x * s_l_sho_roll - bx_l_sho_pitch_y * c_l_sho_roll;
+    let bx_l_sho_roll_x = -(bx_l_sho_pitch_y * s_l_sho_roll + e1 * c_l_sho_roll);
+    let e3 = e1 * s_l_sho_roll - bx_l_sho_pitch_y * c_l_sho_roll;
     let bx_l_sho_roll_y = -e3;
     // l_el
     let (s_l_el, c_l_el) = q[10].sin_cos();
@@ -1345,121 +1339,114 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
     let bx_l_el_y = -(bx_l_sho_pitch_x * c_l_el + e3 * s_l_el);
     // r_hip_yaw
     let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
-    let bx_r_hip_yaw_x = bx_l_hip_yaw_x * c_r_hip_yaw - bx_l_hip_yaw_y * s_r_hip_yaw;
-    let bx_r_hip_yaw_y = bx_l_hip_yaw_y * c_r_hip_yaw + bx_l_hip_yaw_x * s_r_hip_yaw;
+    let bx_r_hip_yaw_x = bx_l_hip_yaw_x * c_r_hip_yaw + e1 * s_r_hip_yaw;
+    let bx_r_hip_yaw_y = bx_l_hip_yaw_x * s_r_hip_yaw - e1 * c_r_hip_yaw;
     // r_hip_roll
     let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
-    let bx_r_hip_roll_x = bx_r_hip_yaw_x * c_r_hip_roll + bx_l_hip_roll_x * s_r_hip_roll;
-    let e4 = bx_l_hip_roll_x * c_r_hip_roll - bx_r_hip_yaw_x * s_r_hip_roll;
-    let bx_r_hip_roll_y = -e4;
+    let bx_r_hip_roll_x = bx_r_hip_yaw_y * c_r_hip_roll - bx_l_hip_roll_y * s_r_hip_roll;
+    let bx_r_hip_roll_y = bx_l_hip_roll_y * c_r_hip_roll + bx_r_hip_yaw_y * s_r_hip_roll;
     // r_hip_pitch
     let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
-    let e5 = e4 * c_r_hip_pitch + bx_r_hip_yaw_y * s_r_hip_pitch;
-    let bx_r_hip_pitch_x = -e5;
-    let e6 = bx_r_hip_yaw_y * c_r_hip_pitch - e4 * s_r_hip_pitch;
-    let bx_r_hip_pitch_y = -e6;
+    let bx_r_hip_pitch_x = bx_r_hip_yaw_x * c_r_hip_pitch
+        - bx_r_hip_roll_y * s_r_hip_pitch;
+    let bx_r_hip_pitch_y = bx_r_hip_yaw_x * s_r_hip_pitch
+        + bx_r_hip_roll_y * c_r_hip_pitch;
     // r_knee
     let (s_r_knee, c_r_knee) = q[14].sin_cos();
-    let e7 = e5 * c_r_knee + e6 * s_r_knee;
-    let bx_r_knee_x = -e7;
-    let bx_r_knee_y = e5 * s_r_knee - e6 * c_r_knee;
+    let bx_r_knee_x = bx_r_hip_pitch_x * c_r_knee - bx_r_hip_pitch_y * s_r_knee;
+    let bx_r_knee_y = bx_r_hip_pitch_y * c_r_knee + bx_r_hip_pitch_x * s_r_knee;
     // r_ank_pitch
     let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
-    let e8 = e7 * c_r_ank_pitch + bx_r_knee_y * s_r_ank_pitch;
-    let bx_r_ank_pitch_x = -e8;
-    let bx_r_ank_pitch_y = bx_r_knee_y * c_r_ank_pitch - e7 * s_r_ank_pitch;
+    let bx_r_ank_pitch_x = bx_r_knee_x * c_r_ank_pitch + bx_r_knee_y * s_r_ank_pitch;
+    let bx_r_ank_pitch_y = bx_r_knee_y * c_r_ank_pitch - bx_r_knee_x * s_r_ank_pitch;
     // r_ank_roll
     let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
-    let bx_r_ank_roll_x = -(e8 * c_r_ank_roll + bx_r_hip_roll_x * s_r_ank_roll);
-    let bx_r_ank_roll_y = e8 * s_r_ank_roll - bx_r_hip_roll_x * c_r_ank_roll;
+    let bx_r_ank_roll_x = bx_r_ank_pitch_y * s_r_ank_roll
+        + bx_r_hip_roll_x * c_r_ank_roll;
+    let bx_r_ank_roll_y = -(bx_r_hip_roll_x * s_r_ank_roll
+        - bx_r_ank_pitch_y * c_r_ank_roll);
     // r_sho_pitch
     let (s_r_sho_pitch, c_r_sho_pitch) = q[17].sin_cos();
-    let bx_r_sho_pitch_x = bx_l_hip_yaw_y * c_r_sho_pitch
-        + bx_l_hip_roll_x * s_r_sho_pitch;
-    let bx_r_sho_pitch_y = bx_l_hip_roll_x * c_r_sho_pitch
-        - bx_l_hip_yaw_y * s_r_sho_pitch;
+    let bx_r_sho_pitch_x = bx_l_hip_yaw_x * c_r_sho_pitch
+        + bx_l_hip_roll_y * s_r_sho_pitch;
+    let bx_r_sho_pitch_y = bx_l_hip_roll_y * c_r_sho_pitch
+        - bx_l_hip_yaw_x * s_r_sho_pitch;
     // r_sho_roll
-    let e9 = q[18] + T::from_f64(0.785398163);
-    let (s_r_sho_roll, c_r_sho_roll) = e9.sin_cos();
-    let bx_r_sho_roll_x = -(bx_r_sho_pitch_y * s_r_sho_roll
-        + bx_l_hip_yaw_x * c_r_sho_roll);
-    let e10 = bx_l_hip_yaw_x * s_r_sho_roll - bx_r_sho_pitch_y * c_r_sho_roll;
-    let bx_r_sho_roll_y = -e10;
+    let e4 = q[18] + T::from_f64(0.785398163);
+    let (s_r_sho_roll, c_r_sho_roll) = e4.sin_cos();
+    let bx_r_sho_roll_x = -(bx_r_sho_pitch_y * s_r_sho_roll + e1 * c_r_sho_roll);
+    let e5 = e1 * s_r_sho_roll - bx_r_sho_pitch_y * c_r_sho_roll;
+    let bx_r_sho_roll_y = -e5;
     // r_el
     let (s_r_el, c_r_el) = q[19].sin_cos();
-    let bx_r_el_x = -(e10 * c_r_el + bx_r_sho_pitch_x * s_r_el);
-    let bx_r_el_y = -(bx_r_sho_pitch_x * c_r_el - e10 * s_r_el);
+    let bx_r_el_x = -(e5 * c_r_el + bx_r_sho_pitch_x * s_r_el);
+    let bx_r_el_y = -(bx_r_sho_pitch_x * c_r_el - e5 * s_r_el);
     // l_ank_pitch
-    let by_l_ank_pitch_x = s_l_ank_roll * c_l_ank_pitch;
-    let by_l_ank_pitch_y = s_l_ank_roll * s_l_ank_pitch;
+    let by_l_ank_pitch_x = s_l_ank_roll * s_l_ank_pitch;
+    let by_l_ank_pitch_y = s_l_ank_roll * c_l_ank_pitch;
     // l_knee
-    let by_l_knee_x = by_l_ank_pitch_x * c_l_knee + by_l_ank_pitch_y * s_l_knee;
-    let by_l_knee_y = by_l_ank_pitch_y * c_l_knee - by_l_ank_pitch_x * s_l_knee;
+    let by_l_knee_x = by_l_ank_pitch_x * c_l_knee - by_l_ank_pitch_y * s_l_knee;
+    let by_l_knee_y = by_l_ank_pitch_y * c_l_knee + by_l_ank_pitch_x * s_l_knee;
     // l_hip_pitch
-    let by_l_hip_pitch_x = by_l_knee_x * c_l_hip_pitch + by_l_knee_y * s_l_hip_pitch;
-    let by_l_hip_pitch_y = by_l_knee_y * c_l_hip_pitch - by_l_knee_x * s_l_hip_pitch;
+    let by_l_hip_pitch_x = by_l_knee_x * c_l_hip_pitch - by_l_knee_y * s_l_hip_pitch;
+    let by_l_hip_pitch_y = by_l_knee_y * c_l_hip_pitch + by_l_knee_x * s_l_hip_pitch;
     // l_hip_roll
-    let by_l_hip_roll_x = by_l_hip_pitch_x * c_l_hip_roll - c_l_ank_roll * s_l_hip_roll;
-    let e11 = c_l_ank_roll * c_l_hip_roll + by_l_hip_pitch_x * s_l_hip_roll;
-    let by_l_hip_roll_y = -e11;
+    let by_l_hip_roll_x = by_l_hip_pitch_y * s_l_hip_roll + c_l_ank_roll * c_l_hip_roll;
+    let e6 = c_l_ank_roll * s_l_hip_roll - by_l_hip_pitch_y * c_l_hip_roll;
+    let by_l_hip_roll_y = -e6;
     // l_hip_yaw
-    let by_l_hip_yaw_x = by_l_hip_pitch_y * s_l_hip_yaw - e11 * c_l_hip_yaw;
-    let by_l_hip_yaw_y = by_l_hip_pitch_y * c_l_hip_yaw + e11 * s_l_hip_yaw;
+    let by_l_hip_yaw_x = by_l_hip_roll_x * s_l_hip_yaw + by_l_hip_pitch_x * c_l_hip_yaw;
+    let e7 = by_l_hip_pitch_x * s_l_hip_yaw - by_l_hip_roll_x * c_l_hip_yaw;
+    let by_l_hip_yaw_y = -e7;
     // head_pan
-    let by_head_pan_x = by_l_hip_yaw_x * c_head_pan + by_l_hip_yaw_y * s_head_pan;
-    let by_head_pan_y = by_l_hip_yaw_y * c_head_pan - by_l_hip_yaw_x * s_head_pan;
+    let by_head_pan_x = by_l_hip_yaw_x * c_head_pan - e7 * s_head_pan;
+    let by_head_pan_y = -(e7 * c_head_pan + by_l_hip_yaw_x * s_head_pan);
     // head_tilt
-    let by_head_tilt_x = by_head_pan_y * c_head_tilt + by_l_hip_roll_x * s_head_tilt;
-    let by_head_tilt_y = -(by_l_hip_roll_x * c_head_tilt - by_head_pan_y * s_head_tilt);
+    let by_head_tilt_x = by_head_pan_x * c_head_tilt - e6 * s_head_tilt;
+    let by_head_tilt_y = e6 * c_head_tilt + by_head_pan_x * s_head_tilt;
     // l_sho_pitch
-    let by_l_sho_pitch_x = by_l_hip_yaw_y * c_l_sho_pitch
-        - by_l_hip_roll_x * s_l_sho_pitch;
-    let by_l_sho_pitch_y = by_l_hip_roll_x * c_l_sho_pitch
-        + by_l_hip_yaw_y * s_l_sho_pitch;
+    let by_l_sho_pitch_x = by_l_hip_yaw_x * c_l_sho_pitch + e6 * s_l_sho_pitch;
+    let by_l_sho_pitch_y = by_l_hip_yaw_x * s_l_sho_pitch - e6 * c_l_sho_pitch;
     // l_sho_roll
-    let by_l_sho_roll_x = -(by_l_sho_pitch_y * s_l_sho_roll
-        + by_l_hip_yaw_x * c_l_sho_roll);
-    let e12 = by_l_hip_yaw_x * s_l_sho_roll - by_l_sho_pitch_y * c_l_sho_roll;
-    let by_l_sho_roll_y = -e12;
+    let by_l_sho_roll_x = -(by_l_sho_pitch_y * s_l_sho_roll + e7 * c_l_sho_roll);
+    let e8 = e7 * s_l_sho_roll - by_l_sho_pitch_y * c_l_sho_roll;
+    let by_l_sho_roll_y = -e8;
     // l_el
-    let by_l_el_x = by_l_sho_pitch_x * s_l_el - e12 * c_l_el;
-    let by_l_el_y = -(by_l_sho_pitch_x * c_l_el + e12 * s_l_el);
+    let by_l_el_x = by_l_sho_pitch_x * s_l_el - e8 * c_l_el;
+    let by_l_el_y = -(by_l_sho_pitch_x * c_l_el + e8 * s_l_el);
     // r_hip_yaw
-    let by_r_hip_yaw_x = by_l_hip_yaw_x * c_r_hip_yaw - by_l_hip_yaw_y * s_r_hip_yaw;
-    let by_r_hip_yaw_y = by_l_hip_yaw_y * c_r_hip_yaw + by_l_hip_yaw_x * s_r_hip_yaw;
+    let by_r_hip_yaw_x = by_l_hip_yaw_x * c_r_hip_yaw + e7 * s_r_hip_yaw;
+    let by_r_hip_yaw_y = by_l_hip_yaw_x * s_r_hip_yaw - e7 * c_r_hip_yaw;
     // r_hip_roll
-    let by_r_hip_roll_x = by_r_hip_yaw_x * c_r_hip_roll + by_l_hip_roll_x * s_r_hip_roll;
-    let e13 = by_l_hip_roll_x * c_r_hip_roll - by_r_hip_yaw_x * s_r_hip_roll;
-    let by_r_hip_roll_y = -e13;
+    let by_r_hip_roll_x = by_r_hip_yaw_y * c_r_hip_roll + e6 * s_r_hip_roll;
+    let by_r_hip_roll_y = by_r_hip_yaw_y * s_r_hip_roll - e6 * c_r_hip_roll;
     // r_hip_pitch
-    let e14 = e13 * c_r_hip_pitch + by_r_hip_yaw_y * s_r_hip_pitch;
-    let by_r_hip_pitch_x = -e14;
-    let e15 = by_r_hip_yaw_y * c_r_hip_pitch - e13 * s_r_hip_pitch;
-    let by_r_hip_pitch_y = -e15;
+    let by_r_hip_pitch_x = by_r_hip_yaw_x * c_r_hip_pitch
+        - by_r_hip_roll_y * s_r_hip_pitch;
+    let by_r_hip_pitch_y = by_r_hip_yaw_x * s_r_hip_pitch
+        + by_r_hip_roll_y * c_r_hip_pitch;
     // r_knee
-    let e16 = e14 * c_r_knee + e15 * s_r_knee;
-    let by_r_knee_x = -e16;
-    let by_r_knee_y = e14 * s_r_knee - e15 * c_r_knee;
+    let by_r_knee_x = by_r_hip_pitch_x * c_r_knee - by_r_hip_pitch_y * s_r_knee;
+    let by_r_knee_y = by_r_hip_pitch_y * c_r_knee + by_r_hip_pitch_x * s_r_knee;
     // r_ank_pitch
-    let e17 = e16 * c_r_ank_pitch + by_r_knee_y * s_r_ank_pitch;
-    let by_r_ank_pitch_x = -e17;
-    let by_r_ank_pitch_y = by_r_knee_y * c_r_ank_pitch - e16 * s_r_ank_pitch;
+    let by_r_ank_pitch_x = by_r_knee_x * c_r_ank_pitch + by_r_knee_y * s_r_ank_pitch;
+    let by_r_ank_pitch_y = by_r_knee_y * c_r_ank_pitch - by_r_knee_x * s_r_ank_pitch;
     // r_ank_roll
-    let by_r_ank_roll_x = -(e17 * c_r_ank_roll + by_r_hip_roll_x * s_r_ank_roll);
-    let by_r_ank_roll_y = e17 * s_r_ank_roll - by_r_hip_roll_x * c_r_ank_roll;
+    let by_r_ank_roll_x = by_r_ank_pitch_y * s_r_ank_roll
+        + by_r_hip_roll_x * c_r_ank_roll;
+    let by_r_ank_roll_y = -(by_r_hip_roll_x * s_r_ank_roll
+        - by_r_ank_pitch_y * c_r_ank_roll);
     // r_sho_pitch
-    let by_r_sho_pitch_x = by_l_hip_yaw_y * c_r_sho_pitch
-        + by_l_hip_roll_x * s_r_sho_pitch;
-    let by_r_sho_pitch_y = by_l_hip_roll_x * c_r_sho_pitch
-        - by_l_hip_yaw_y * s_r_sho_pitch;
+    let by_r_sho_pitch_x = by_l_hip_yaw_x * c_r_sho_pitch - e6 * s_r_sho_pitch;
+    let e9 = e6 * c_r_sho_pitch + by_l_hip_yaw_x * s_r_sho_pitch;
+    let by_r_sho_pitch_y = -e9;
     // r_sho_roll
-    let by_r_sho_roll_x = -(by_r_sho_pitch_y * s_r_sho_roll
-        + by_l_hip_yaw_x * c_r_sho_roll);
-    let e18 = by_l_hip_yaw_x * s_r_sho_roll - by_r_sho_pitch_y * c_r_sho_roll;
-    let by_r_sho_roll_y = -e18;
+    let by_r_sho_roll_x = e9 * s_r_sho_roll - e7 * c_r_sho_roll;
+    let e10 = e7 * s_r_sho_roll + e9 * c_r_sho_roll;
+    let by_r_sho_roll_y = -e10;
     // r_el
-    let by_r_el_x = -(e18 * c_r_el + by_r_sho_pitch_x * s_r_el);
-    let by_r_el_y = -(by_r_sho_pitch_x * c_r_el - e18 * s_r_el);
+    let by_r_el_x = -(e10 * c_r_el + by_r_sho_pitch_x * s_r_el);
+    let by_r_el_y = -(by_r_sho_pitch_x * c_r_el - e10 * s_r_el);
     let zero = T::from_f64(0.0);
     let one = T::from_f64(1.0);
     [
@@ -1469,8 +1456,8 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
             zero,
             zero,
             zero,
-            bx_l_ank_pitch_x,
             c_l_ank_pitch,
+            bx_l_ank_pitch_y,
             bx_l_knee_x,
             bx_l_knee_y,
             bx_l_hip_pitch_x,
@@ -1563,45 +1550,43 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     let bz_l_ank_roll_x = -s_l_ank_roll;
     // l_ank_pitch
     let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
-    let bx_l_ank_pitch_x = -s_l_ank_pitch;
+    let bx_l_ank_pitch_y = -s_l_ank_pitch;
     // l_knee
     let (s_l_knee, c_l_knee) = q[5].sin_cos();
-    let bx_l_knee_x = c_l_ank_pitch * s_l_knee - s_l_ank_pitch * c_l_knee;
-    let bx_l_knee_y = c_l_ank_pitch * c_l_knee + s_l_ank_pitch * s_l_knee;
+    let bx_l_knee_x = c_l_ank_pitch * c_l_knee + s_l_ank_pitch * s_l_knee;
+    let bx_l_knee_y = c_l_ank_pitch * s_l_knee - s_l_ank_pitch * c_l_knee;
     // l_hip_pitch
     let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
-    let bx_l_hip_pitch_x = bx_l_knee_x * c_l_hip_pitch + bx_l_knee_y * s_l_hip_pitch;
-    let bx_l_hip_pitch_y = bx_l_knee_y * c_l_hip_pitch - bx_l_knee_x * s_l_hip_pitch;
+    let bx_l_hip_pitch_x = bx_l_knee_x * c_l_hip_pitch - bx_l_knee_y * s_l_hip_pitch;
+    let bx_l_hip_pitch_y = bx_l_knee_y * c_l_hip_pitch + bx_l_knee_x * s_l_hip_pitch;
     // l_hip_roll
     let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
-    let bx_l_hip_roll_x = bx_l_hip_pitch_x * c_l_hip_roll;
-    let e1 = bx_l_hip_pitch_x * s_l_hip_roll;
+    let bx_l_hip_roll_x = bx_l_hip_pitch_y * s_l_hip_roll;
+    let bx_l_hip_roll_y = bx_l_hip_pitch_y * c_l_hip_roll;
     // l_hip_yaw
     let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
-    let bx_l_hip_yaw_x = bx_l_hip_pitch_y * s_l_hip_yaw - e1 * c_l_hip_yaw;
-    let bx_l_hip_yaw_y = bx_l_hip_pitch_y * c_l_hip_yaw + e1 * s_l_hip_yaw;
+    let bx_l_hip_yaw_x = bx_l_hip_roll_x * s_l_hip_yaw + bx_l_hip_pitch_x * c_l_hip_yaw;
+    let e1 = bx_l_hip_pitch_x * s_l_hip_yaw - bx_l_hip_roll_x * c_l_hip_yaw;
+    let bx_l_hip_yaw_y = -e1;
     // head_pan
     let (s_head_pan, c_head_pan) = q[0].sin_cos();
-    let bx_head_pan_x = bx_l_hip_yaw_x * c_head_pan + bx_l_hip_yaw_y * s_head_pan;
-    let bx_head_pan_y = bx_l_hip_yaw_y * c_head_pan - bx_l_hip_yaw_x * s_head_pan;
+    let bx_head_pan_x = bx_l_hip_yaw_x * c_head_pan - e1 * s_head_pan;
+    let bx_head_pan_y = -(e1 * c_head_pan + bx_l_hip_yaw_x * s_head_pan);
     // head_tilt
     let (s_head_tilt, c_head_tilt) = q[1].sin_cos();
-    let kx_head_tilt_z = -bx_head_pan_x;
-    let bx_head_tilt_x = bx_head_pan_y * c_head_tilt + bx_l_hip_roll_x * s_head_tilt;
-    let e2 = bx_l_hip_roll_x * c_head_tilt - bx_head_pan_y * s_head_tilt;
+    let bx_head_tilt_x = bx_head_pan_x * c_head_tilt + bx_l_hip_roll_y * s_head_tilt;
+    let e2 = bx_l_hip_roll_y * c_head_tilt - bx_head_pan_x * s_head_tilt;
     // l_sho_pitch
     let (s_l_sho_pitch, c_l_sho_pitch) = q[8].sin_cos();
-    let kx_l_sho_pitch_z = -bx_l_hip_yaw_x;
-    let bx_l_sho_pitch_x = bx_l_hip_yaw_y * c_l_sho_pitch
-        - bx_l_hip_roll_x * s_l_sho_pitch;
-    let bx_l_sho_pitch_y = bx_l_hip_roll_x * c_l_sho_pitch
-        + bx_l_hip_yaw_y * s_l_sho_pitch;
+    let bx_l_sho_pitch_x = bx_l_hip_yaw_x * c_l_sho_pitch
+        - bx_l_hip_roll_y * s_l_sho_pitch;
+    let bx_l_sho_pitch_y = bx_l_hip_roll_y * c_l_sho_pitch
+        + bx_l_hip_yaw_x * s_l_sho_pitch;
     // l_sho_roll
     let e3 = q[9] - T::from_f64(0.785398163);
     let (s_l_sho_roll, c_l_sho_roll) = e3.sin_cos();
-    let bx_l_sho_roll_x = -(bx_l_sho_pitch_y * s_l_sho_roll
-        + bx_l_hip_yaw_x * c_l_sho_roll);
-    let e4 = bx_l_hip_yaw_x * s_l_sho_roll - bx_l_sho_pitch_y * c_l_sho_roll;
+    let bx_l_sho_roll_x = -(bx_l_sho_pitch_y * s_l_sho_roll + e1 * c_l_sho_roll);
+    let e4 = e1 * s_l_sho_roll - bx_l_sho_pitch_y * c_l_sho_roll;
     let bx_l_sho_roll_y = -e4;
     // l_el
     let (s_l_el, c_l_el) = q[10].sin_cos();
@@ -1609,182 +1594,182 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     let bx_l_el_y = -(bx_l_sho_pitch_x * c_l_el + e4 * s_l_el);
     // r_hip_yaw
     let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
-    let bx_r_hip_yaw_x = bx_l_hip_yaw_x * c_r_hip_yaw - bx_l_hip_yaw_y * s_r_hip_yaw;
-    let bx_r_hip_yaw_y = bx_l_hip_yaw_y * c_r_hip_yaw + bx_l_hip_yaw_x * s_r_hip_yaw;
+    let bx_r_hip_yaw_x = bx_l_hip_yaw_x * c_r_hip_yaw + e1 * s_r_hip_yaw;
+    let bx_r_hip_yaw_y = bx_l_hip_yaw_x * s_r_hip_yaw - e1 * c_r_hip_yaw;
     // r_hip_roll
     let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
-    let bx_r_hip_roll_x = bx_r_hip_yaw_x * c_r_hip_roll + bx_l_hip_roll_x * s_r_hip_roll;
-    let e5 = bx_l_hip_roll_x * c_r_hip_roll - bx_r_hip_yaw_x * s_r_hip_roll;
+    let bx_r_hip_roll_x = bx_r_hip_yaw_y * c_r_hip_roll - bx_l_hip_roll_y * s_r_hip_roll;
+    let bx_r_hip_roll_y = bx_l_hip_roll_y * c_r_hip_roll + bx_r_hip_yaw_y * s_r_hip_roll;
     // r_hip_pitch
     let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
-    let kx_r_hip_pitch_z = -bx_r_hip_roll_x;
-    let e6 = e5 * c_r_hip_pitch + bx_r_hip_yaw_y * s_r_hip_pitch;
-    let e7 = bx_r_hip_yaw_y * c_r_hip_pitch - e5 * s_r_hip_pitch;
+    let bx_r_hip_pitch_x = bx_r_hip_yaw_x * c_r_hip_pitch
+        - bx_r_hip_roll_y * s_r_hip_pitch;
+    let bx_r_hip_pitch_y = bx_r_hip_yaw_x * s_r_hip_pitch
+        + bx_r_hip_roll_y * c_r_hip_pitch;
     // r_knee
     let (s_r_knee, c_r_knee) = q[14].sin_cos();
-    let e8 = e6 * c_r_knee + e7 * s_r_knee;
-    let bx_r_knee_y = e6 * s_r_knee - e7 * c_r_knee;
+    let bx_r_knee_x = bx_r_hip_pitch_x * c_r_knee - bx_r_hip_pitch_y * s_r_knee;
+    let bx_r_knee_y = bx_r_hip_pitch_y * c_r_knee + bx_r_hip_pitch_x * s_r_knee;
     // r_ank_pitch
     let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
-    let e9 = e8 * c_r_ank_pitch + bx_r_knee_y * s_r_ank_pitch;
-    let bx_r_ank_pitch_y = bx_r_knee_y * c_r_ank_pitch - e8 * s_r_ank_pitch;
+    let bx_r_ank_pitch_x = bx_r_knee_x * c_r_ank_pitch + bx_r_knee_y * s_r_ank_pitch;
+    let bx_r_ank_pitch_y = bx_r_knee_y * c_r_ank_pitch - bx_r_knee_x * s_r_ank_pitch;
     // r_ank_roll
     let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
-    let kx_r_ank_roll_z = -bx_r_ank_pitch_y;
-    let bx_r_ank_roll_y = e9 * s_r_ank_roll - bx_r_hip_roll_x * c_r_ank_roll;
+    let bx_r_ank_roll_x = bx_r_ank_pitch_y * s_r_ank_roll
+        + bx_r_hip_roll_x * c_r_ank_roll;
+    let bx_r_ank_roll_y = -(bx_r_hip_roll_x * s_r_ank_roll
+        - bx_r_ank_pitch_y * c_r_ank_roll);
     // r_sho_pitch
     let (s_r_sho_pitch, c_r_sho_pitch) = q[17].sin_cos();
-    let bx_r_sho_pitch_x = bx_l_hip_yaw_y * c_r_sho_pitch
-        + bx_l_hip_roll_x * s_r_sho_pitch;
-    let bx_r_sho_pitch_y = bx_l_hip_roll_x * c_r_sho_pitch
-        - bx_l_hip_yaw_y * s_r_sho_pitch;
+    let bx_r_sho_pitch_x = bx_l_hip_yaw_x * c_r_sho_pitch
+        + bx_l_hip_roll_y * s_r_sho_pitch;
+    let bx_r_sho_pitch_y = bx_l_hip_roll_y * c_r_sho_pitch
+        - bx_l_hip_yaw_x * s_r_sho_pitch;
     // r_sho_roll
-    let e10 = q[18] + T::from_f64(0.785398163);
-    let (s_r_sho_roll, c_r_sho_roll) = e10.sin_cos();
-    let bx_r_sho_roll_x = -(bx_r_sho_pitch_y * s_r_sho_roll
-        + bx_l_hip_yaw_x * c_r_sho_roll);
-    let e11 = bx_l_hip_yaw_x * s_r_sho_roll - bx_r_sho_pitch_y * c_r_sho_roll;
-    let bx_r_sho_roll_y = -e11;
+    let e5 = q[18] + T::from_f64(0.785398163);
+    let (s_r_sho_roll, c_r_sho_roll) = e5.sin_cos();
+    let bx_r_sho_roll_x = -(bx_r_sho_pitch_y * s_r_sho_roll + e1 * c_r_sho_roll);
+    let e6 = e1 * s_r_sho_roll - bx_r_sho_pitch_y * c_r_sho_roll;
+    let bx_r_sho_roll_y = -e6;
     // r_el
     let (s_r_el, c_r_el) = q[19].sin_cos();
-    let bx_r_el_x = -(e11 * c_r_el + bx_r_sho_pitch_x * s_r_el);
-    let bx_r_el_y = -(bx_r_sho_pitch_x * c_r_el - e11 * s_r_el);
+    let bx_r_el_x = -(e6 * c_r_el + bx_r_sho_pitch_x * s_r_el);
+    let bx_r_el_y = -(bx_r_sho_pitch_x * c_r_el - e6 * s_r_el);
     // l_ank_pitch
-    let by_l_ank_pitch_x = s_l_ank_roll * c_l_ank_pitch;
-    let by_l_ank_pitch_y = s_l_ank_roll * s_l_ank_pitch;
+    let by_l_ank_pitch_x = s_l_ank_roll * s_l_ank_pitch;
+    let by_l_ank_pitch_y = s_l_ank_roll * c_l_ank_pitch;
     // l_knee
-    let by_l_knee_x = by_l_ank_pitch_x * c_l_knee + by_l_ank_pitch_y * s_l_knee;
-    let by_l_knee_y = by_l_ank_pitch_y * c_l_knee - by_l_ank_pitch_x * s_l_knee;
+    let by_l_knee_x = by_l_ank_pitch_x * c_l_knee - by_l_ank_pitch_y * s_l_knee;
+    let by_l_knee_y = by_l_ank_pitch_y * c_l_knee + by_l_ank_pitch_x * s_l_knee;
     // l_hip_pitch
-    let by_l_hip_pitch_x = by_l_knee_x * c_l_hip_pitch + by_l_knee_y * s_l_hip_pitch;
-    let by_l_hip_pitch_y = by_l_knee_y * c_l_hip_pitch - by_l_knee_x * s_l_hip_pitch;
+    let by_l_hip_pitch_x = by_l_knee_x * c_l_hip_pitch - by_l_knee_y * s_l_hip_pitch;
+    let by_l_hip_pitch_y = by_l_knee_y * c_l_hip_pitch + by_l_knee_x * s_l_hip_pitch;
     // l_hip_roll
-    let by_l_hip_roll_x = by_l_hip_pitch_x * c_l_hip_roll - c_l_ank_roll * s_l_hip_roll;
-    let e12 = c_l_ank_roll * c_l_hip_roll + by_l_hip_pitch_x * s_l_hip_roll;
+    let by_l_hip_roll_x = by_l_hip_pitch_y * s_l_hip_roll + c_l_ank_roll * c_l_hip_roll;
+    let e7 = c_l_ank_roll * s_l_hip_roll - by_l_hip_pitch_y * c_l_hip_roll;
+    let by_l_hip_roll_y = -e7;
     // l_hip_yaw
-    let by_l_hip_yaw_x = by_l_hip_pitch_y * s_l_hip_yaw - e12 * c_l_hip_yaw;
-    let by_l_hip_yaw_y = by_l_hip_pitch_y * c_l_hip_yaw + e12 * s_l_hip_yaw;
+    let by_l_hip_yaw_x = by_l_hip_roll_x * s_l_hip_yaw + by_l_hip_pitch_x * c_l_hip_yaw;
+    let e8 = by_l_hip_pitch_x * s_l_hip_yaw - by_l_hip_roll_x * c_l_hip_yaw;
+    let by_l_hip_yaw_y = -e8;
     // head_pan
-    let by_head_pan_x = by_l_hip_yaw_x * c_head_pan + by_l_hip_yaw_y * s_head_pan;
-    let by_head_pan_y = by_l_hip_yaw_y * c_head_pan - by_l_hip_yaw_x * s_head_pan;
+    let by_head_pan_x = by_l_hip_yaw_x * c_head_pan - e8 * s_head_pan;
+    let by_head_pan_y = -(e8 * c_head_pan + by_l_hip_yaw_x * s_head_pan);
     // head_tilt
-    let ky_head_tilt_z = -by_head_pan_x;
-    let by_head_tilt_x = by_head_pan_y * c_head_tilt + by_l_hip_roll_x * s_head_tilt;
-    let e13 = by_l_hip_roll_x * c_head_tilt - by_head_pan_y * s_head_tilt;
+    let by_head_tilt_x = by_head_pan_x * c_head_tilt - e7 * s_head_tilt;
+    let by_head_tilt_y = e7 * c_head_tilt + by_head_pan_x * s_head_tilt;
     // l_sho_pitch
-    let ky_l_sho_pitch_z = -by_l_hip_yaw_x;
-    let by_l_sho_pitch_x = by_l_hip_yaw_y * c_l_sho_pitch
-        - by_l_hip_roll_x * s_l_sho_pitch;
-    let by_l_sho_pitch_y = by_l_hip_roll_x * c_l_sho_pitch
-        + by_l_hip_yaw_y * s_l_sho_pitch;
+    let by_l_sho_pitch_x = by_l_hip_yaw_x * c_l_sho_pitch + e7 * s_l_sho_pitch;
+    let by_l_sho_pitch_y = by_l_hip_yaw_x * s_l_sho_pitch - e7 * c_l_sho_pitch;
     // l_sho_roll
-    let by_l_sho_roll_x = -(by_l_sho_pitch_y * s_l_sho_roll
-        + by_l_hip_yaw_x * c_l_sho_roll);
-    let e14 = by_l_hip_yaw_x * s_l_sho_roll - by_l_sho_pitch_y * c_l_sho_roll;
-    let by_l_sho_roll_y = -e14;
+    let by_l_sho_roll_x = -(by_l_sho_pitch_y * s_l_sho_roll + e8 * c_l_sho_roll);
+    let e9 = e8 * s_l_sho_roll - by_l_sho_pitch_y * c_l_sho_roll;
+    let by_l_sho_roll_y = -e9;
     // l_el
-    let by_l_el_x = by_l_sho_pitch_x * s_l_el - e14 * c_l_el;
-    let by_l_el_y = -(by_l_sho_pitch_x * c_l_el + e14 * s_l_el);
+    let by_l_el_x = by_l_sho_pitch_x * s_l_el - e9 * c_l_el;
+    let by_l_el_y = -(by_l_sho_pitch_x * c_l_el + e9 * s_l_el);
     // r_hip_yaw
-    let by_r_hip_yaw_x = by_l_hip_yaw_x * c_r_hip_yaw - by_l_hip_yaw_y * s_r_hip_yaw;
-    let by_r_hip_yaw_y = by_l_hip_yaw_y * c_r_hip_yaw + by_l_hip_yaw_x * s_r_hip_yaw;
+    let by_r_hip_yaw_x = by_l_hip_yaw_x * c_r_hip_yaw + e8 * s_r_hip_yaw;
+    let by_r_hip_yaw_y = by_l_hip_yaw_x * s_r_hip_yaw - e8 * c_r_hip_yaw;
     // r_hip_roll
-    let by_r_hip_roll_x = by_r_hip_yaw_x * c_r_hip_roll + by_l_hip_roll_x * s_r_hip_roll;
-    let e15 = by_l_hip_roll_x * c_r_hip_roll - by_r_hip_yaw_x * s_r_hip_roll;
+    let by_r_hip_roll_x = by_r_hip_yaw_y * c_r_hip_roll + e7 * s_r_hip_roll;
+    let by_r_hip_roll_y = by_r_hip_yaw_y * s_r_hip_roll - e7 * c_r_hip_roll;
     // r_hip_pitch
-    let ky_r_hip_pitch_z = -by_r_hip_roll_x;
-    let e16 = e15 * c_r_hip_pitch + by_r_hip_yaw_y * s_r_hip_pitch;
-    let e17 = by_r_hip_yaw_y * c_r_hip_pitch - e15 * s_r_hip_pitch;
+    let by_r_hip_pitch_x = by_r_hip_yaw_x * c_r_hip_pitch
+        - by_r_hip_roll_y * s_r_hip_pitch;
+    let by_r_hip_pitch_y = by_r_hip_yaw_x * s_r_hip_pitch
+        + by_r_hip_roll_y * c_r_hip_pitch;
     // r_knee
-    let e18 = e16 * c_r_knee + e17 * s_r_knee;
-    let by_r_knee_y = e16 * s_r_knee - e17 * c_r_knee;
+    let by_r_knee_x = by_r_hip_pitch_x * c_r_knee - by_r_hip_pitch_y * s_r_knee;
+    let by_r_knee_y = by_r_hip_pitch_y * c_r_knee + by_r_hip_pitch_x * s_r_knee;
     // r_ank_pitch
-    let e19 = e18 * c_r_ank_pitch + by_r_knee_y * s_r_ank_pitch;
-    let by_r_ank_pitch_y = by_r_knee_y * c_r_ank_pitch - e18 * s_r_ank_pitch;
+    let by_r_ank_pitch_x = by_r_knee_x * c_r_ank_pitch + by_r_knee_y * s_r_ank_pitch;
+    let by_r_ank_pitch_y = by_r_knee_y * c_r_ank_pitch - by_r_knee_x * s_r_ank_pitch;
     // r_ank_roll
-    let ky_r_ank_roll_z = -by_r_ank_pitch_y;
-    let by_r_ank_roll_y = e19 * s_r_ank_roll - by_r_hip_roll_x * c_r_ank_roll;
+    let by_r_ank_roll_x = by_r_ank_pitch_y * s_r_ank_roll
+        + by_r_hip_roll_x * c_r_ank_roll;
+    let by_r_ank_roll_y = -(by_r_hip_roll_x * s_r_ank_roll
+        - by_r_ank_pitch_y * c_r_ank_roll);
     // r_sho_pitch
-    let by_r_sho_pitch_x = by_l_hip_yaw_y * c_r_sho_pitch
-        + by_l_hip_roll_x * s_r_sho_pitch;
-    let by_r_sho_pitch_y = by_l_hip_roll_x * c_r_sho_pitch
-        - by_l_hip_yaw_y * s_r_sho_pitch;
+    let by_r_sho_pitch_x = by_l_hip_yaw_x * c_r_sho_pitch - e7 * s_r_sho_pitch;
+    let e10 = e7 * c_r_sho_pitch + by_l_hip_yaw_x * s_r_sho_pitch;
+    let by_r_sho_pitch_y = -e10;
     // r_sho_roll
-    let by_r_sho_roll_x = -(by_r_sho_pitch_y * s_r_sho_roll
-        + by_l_hip_yaw_x * c_r_sho_roll);
-    let e20 = by_l_hip_yaw_x * s_r_sho_roll - by_r_sho_pitch_y * c_r_sho_roll;
-    let by_r_sho_roll_y = -e20;
+    let by_r_sho_roll_x = e10 * s_r_sho_roll - e8 * c_r_sho_roll;
+    let e11 = e8 * s_r_sho_roll + e10 * c_r_sho_roll;
+    let by_r_sho_roll_y = -e11;
     // r_el
-    let by_r_el_x = -(e20 * c_r_el + by_r_sho_pitch_x * s_r_el);
-    let by_r_el_y = -(by_r_sho_pitch_x * c_r_el - e20 * s_r_el);
+    let by_r_el_x = -(e11 * c_r_el + by_r_sho_pitch_x * s_r_el);
+    let by_r_el_y = -(by_r_sho_pitch_x * c_r_el - e11 * s_r_el);
     // l_ank_pitch
-    let bz_l_ank_pitch_x = c_l_ank_roll * c_l_ank_pitch;
-    let bz_l_ank_pitch_y = c_l_ank_roll * s_l_ank_pitch;
+    let bz_l_ank_pitch_x = c_l_ank_roll * s_l_ank_pitch;
+    let bz_l_ank_pitch_y = c_l_ank_roll * c_l_ank_pitch;
     // l_knee
-    let bz_l_knee_x = bz_l_ank_pitch_x * c_l_knee + bz_l_ank_pitch_y * s_l_knee;
-    let bz_l_knee_y = bz_l_ank_pitch_y * c_l_knee - bz_l_ank_pitch_x * s_l_knee;
+    let bz_l_knee_x = bz_l_ank_pitch_x * c_l_knee - bz_l_ank_pitch_y * s_l_knee;
+    let bz_l_knee_y = bz_l_ank_pitch_y * c_l_knee + bz_l_ank_pitch_x * s_l_knee;
     // l_hip_pitch
-    let bz_l_hip_pitch_x = bz_l_knee_x * c_l_hip_pitch + bz_l_knee_y * s_l_hip_pitch;
-    let bz_l_hip_pitch_y = bz_l_knee_y * c_l_hip_pitch - bz_l_knee_x * s_l_hip_pitch;
+    let bz_l_hip_pitch_x = bz_l_knee_x * c_l_hip_pitch - bz_l_knee_y * s_l_hip_pitch;
+    let bz_l_hip_pitch_y = bz_l_knee_y * c_l_hip_pitch + bz_l_knee_x * s_l_hip_pitch;
     // l_hip_roll
-    let bz_l_hip_roll_x = bz_l_hip_pitch_x * c_l_hip_roll + s_l_ank_roll * s_l_hip_roll;
-    let e21 = bz_l_hip_pitch_x * s_l_hip_roll - s_l_ank_roll * c_l_hip_roll;
+    let bz_l_hip_roll_x = bz_l_hip_pitch_y * s_l_hip_roll - s_l_ank_roll * c_l_hip_roll;
+    let bz_l_hip_roll_y = s_l_ank_roll * s_l_hip_roll + bz_l_hip_pitch_y * c_l_hip_roll;
     // l_hip_yaw
-    let bz_l_hip_yaw_x = bz_l_hip_pitch_y * s_l_hip_yaw - e21 * c_l_hip_yaw;
-    let bz_l_hip_yaw_y = bz_l_hip_pitch_y * c_l_hip_yaw + e21 * s_l_hip_yaw;
+    let bz_l_hip_yaw_x = bz_l_hip_roll_x * s_l_hip_yaw + bz_l_hip_pitch_x * c_l_hip_yaw;
+    let e12 = bz_l_hip_pitch_x * s_l_hip_yaw - bz_l_hip_roll_x * c_l_hip_yaw;
+    let bz_l_hip_yaw_y = -e12;
     // head_pan
-    let bz_head_pan_x = bz_l_hip_yaw_x * c_head_pan + bz_l_hip_yaw_y * s_head_pan;
-    let bz_head_pan_y = bz_l_hip_yaw_y * c_head_pan - bz_l_hip_yaw_x * s_head_pan;
+    let bz_head_pan_x = bz_l_hip_yaw_x * c_head_pan - e12 * s_head_pan;
+    let bz_head_pan_y = -(e12 * c_head_pan + bz_l_hip_yaw_x * s_head_pan);
     // head_tilt
-    let kz_head_tilt_z = -bz_head_pan_x;
-    let bz_head_tilt_x = bz_head_pan_y * c_head_tilt + bz_l_hip_roll_x * s_head_tilt;
-    let e22 = bz_l_hip_roll_x * c_head_tilt - bz_head_pan_y * s_head_tilt;
+    let bz_head_tilt_x = bz_head_pan_x * c_head_tilt + bz_l_hip_roll_y * s_head_tilt;
+    let e13 = bz_l_hip_roll_y * c_head_tilt - bz_head_pan_x * s_head_tilt;
     // l_sho_pitch
-    let kz_l_sho_pitch_z = -bz_l_hip_yaw_x;
-    let bz_l_sho_pitch_x = bz_l_hip_yaw_y * c_l_sho_pitch
-        - bz_l_hip_roll_x * s_l_sho_pitch;
-    let bz_l_sho_pitch_y = bz_l_hip_roll_x * c_l_sho_pitch
-        + bz_l_hip_yaw_y * s_l_sho_pitch;
+    let bz_l_sho_pitch_x = bz_l_hip_yaw_x * c_l_sho_pitch
+        - bz_l_hip_roll_y * s_l_sho_pitch;
+    let bz_l_sho_pitch_y = bz_l_hip_roll_y * c_l_sho_pitch
+        + bz_l_hip_yaw_x * s_l_sho_pitch;
     // l_sho_roll
-    let bz_l_sho_roll_x = -(bz_l_sho_pitch_y * s_l_sho_roll
-        + bz_l_hip_yaw_x * c_l_sho_roll);
-    let e23 = bz_l_hip_yaw_x * s_l_sho_roll - bz_l_sho_pitch_y * c_l_sho_roll;
-    let bz_l_sho_roll_y = -e23;
+    let bz_l_sho_roll_x = -(bz_l_sho_pitch_y * s_l_sho_roll + e12 * c_l_sho_roll);
+    let e14 = e12 * s_l_sho_roll - bz_l_sho_pitch_y * c_l_sho_roll;
+    let bz_l_sho_roll_y = -e14;
     // l_el
-    let bz_l_el_x = bz_l_sho_pitch_x * s_l_el - e23 * c_l_el;
-    let bz_l_el_y = -(bz_l_sho_pitch_x * c_l_el + e23 * s_l_el);
+    let bz_l_el_x = bz_l_sho_pitch_x * s_l_el - e14 * c_l_el;
+    let bz_l_el_y = -(bz_l_sho_pitch_x * c_l_el + e14 * s_l_el);
     // r_hip_yaw
-    let bz_r_hip_yaw_x = bz_l_hip_yaw_x * c_r_hip_yaw - bz_l_hip_yaw_y * s_r_hip_yaw;
-    let bz_r_hip_yaw_y = bz_l_hip_yaw_y * c_r_hip_yaw + bz_l_hip_yaw_x * s_r_hip_yaw;
+    let bz_r_hip_yaw_x = bz_l_hip_yaw_x * c_r_hip_yaw + e12 * s_r_hip_yaw;
+    let bz_r_hip_yaw_y = bz_l_hip_yaw_x * s_r_hip_yaw - e12 * c_r_hip_yaw;
     // r_hip_roll
-    let bz_r_hip_roll_x = bz_r_hip_yaw_x * c_r_hip_roll + bz_l_hip_roll_x * s_r_hip_roll;
-    let e24 = bz_l_hip_roll_x * c_r_hip_roll - bz_r_hip_yaw_x * s_r_hip_roll;
+    let bz_r_hip_roll_x = bz_r_hip_yaw_y * c_r_hip_roll - bz_l_hip_roll_y * s_r_hip_roll;
+    let bz_r_hip_roll_y = bz_l_hip_roll_y * c_r_hip_roll + bz_r_hip_yaw_y * s_r_hip_roll;
     // r_hip_pitch
-    let kz_r_hip_pitch_z = -bz_r_hip_roll_x;
-    let e25 = e24 * c_r_hip_pitch + bz_r_hip_yaw_y * s_r_hip_pitch;
-    let e26 = bz_r_hip_yaw_y * c_r_hip_pitch - e24 * s_r_hip_pitch;
+    let bz_r_hip_pitch_x = bz_r_hip_yaw_x * c_r_hip_pitch
+        - bz_r_hip_roll_y * s_r_hip_pitch;
+    let bz_r_hip_pitch_y = bz_r_hip_yaw_x * s_r_hip_pitch
+        + bz_r_hip_roll_y * c_r_hip_pitch;
     // r_knee
-    let e27 = e25 * c_r_knee + e26 * s_r_knee;
-    let bz_r_knee_y = e25 * s_r_knee - e26 * c_r_knee;
+    let bz_r_knee_x = bz_r_hip_pitch_x * c_r_knee - bz_r_hip_pitch_y * s_r_knee;
+    let bz_r_knee_y = bz_r_hip_pitch_y * c_r_knee + bz_r_hip_pitch_x * s_r_knee;
     // r_ank_pitch
-    let e28 = e27 * c_r_ank_pitch + bz_r_knee_y * s_r_ank_pitch;
-    let bz_r_ank_pitch_y = bz_r_knee_y * c_r_ank_pitch - e27 * s_r_ank_pitch;
+    let bz_r_ank_pitch_x = bz_r_knee_x * c_r_ank_pitch + bz_r_knee_y * s_r_ank_pitch;
+    let bz_r_ank_pitch_y = bz_r_knee_y * c_r_ank_pitch - bz_r_knee_x * s_r_ank_pitch;
     // r_ank_roll
-    let kz_r_ank_roll_z = -bz_r_ank_pitch_y;
-    let bz_r_ank_roll_y = e28 * s_r_ank_roll - bz_r_hip_roll_x * c_r_ank_roll;
+    let bz_r_ank_roll_x = bz_r_ank_pitch_y * s_r_ank_roll
+        + bz_r_hip_roll_x * c_r_ank_roll;
+    let bz_r_ank_roll_y = -(bz_r_hip_roll_x * s_r_ank_roll
+        - bz_r_ank_pitch_y * c_r_ank_roll);
     // r_sho_pitch
-    let bz_r_sho_pitch_x = bz_l_hip_yaw_y * c_r_sho_pitch
-        + bz_l_hip_roll_x * s_r_sho_pitch;
-    let bz_r_sho_pitch_y = bz_l_hip_roll_x * c_r_sho_pitch
-        - bz_l_hip_yaw_y * s_r_sho_pitch;
+    let bz_r_sho_pitch_x = bz_l_hip_yaw_x * c_r_sho_pitch
+        + bz_l_hip_roll_y * s_r_sho_pitch;
+    let bz_r_sho_pitch_y = bz_l_hip_roll_y * c_r_sho_pitch
+        - bz_l_hip_yaw_x * s_r_sho_pitch;
     // r_sho_roll
-    let bz_r_sho_roll_x = -(bz_r_sho_pitch_y * s_r_sho_roll
-        + bz_l_hip_yaw_x * c_r_sho_roll);
-    let e29 = bz_l_hip_yaw_x * s_r_sho_roll - bz_r_sho_pitch_y * c_r_sho_roll;
-    let bz_r_sho_roll_y = -e29;
+    let bz_r_sho_roll_x = -(bz_r_sho_pitch_y * s_r_sho_roll + e12 * c_r_sho_roll);
+    let e15 = e12 * s_r_sho_roll - bz_r_sho_pitch_y * c_r_sho_roll;
+    let bz_r_sho_roll_y = -e15;
     // r_el
-    let bz_r_el_x = -(e29 * c_r_el + bz_r_sho_pitch_x * s_r_el);
-    let bz_r_el_y = -(bz_r_sho_pitch_x * c_r_el - e29 * s_r_el);
+    let bz_r_el_x = -(e15 * c_r_el + bz_r_sho_pitch_x * s_r_el);
+    let bz_r_el_y = -(bz_r_sho_pitch_x * c_r_el - e15 * s_r_el);
     let zero = T::from_f64(0.0);
     let one = T::from_f64(1.0);
     [
@@ -1797,29 +1782,29 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             zero,
             c_l_ank_pitch,
             zero,
-            bx_l_ank_pitch_x,
-            bx_l_knee_y,
-            zero,
+            bx_l_ank_pitch_y,
             bx_l_knee_x,
-            bx_l_hip_pitch_y,
             zero,
+            bx_l_knee_y,
             bx_l_hip_pitch_x,
+            zero,
             bx_l_hip_pitch_y,
-            e1,
+            bx_l_hip_pitch_x,
             bx_l_hip_roll_x,
+            bx_l_hip_roll_y,
+            bx_l_hip_yaw_x,
             bx_l_hip_yaw_y,
-            kx_l_sho_pitch_z,
-            bx_l_hip_roll_x,
+            bx_l_hip_roll_y,
+            bx_head_pan_x,
             bx_head_pan_y,
-            kx_head_tilt_z,
-            bx_l_hip_roll_x,
+            bx_l_hip_roll_y,
             T::from_f64(0.8386705680315472) * bx_head_tilt_x
                 - T::from_f64(0.5446390348824093) * e2,
-            kx_head_tilt_z,
+            bx_head_pan_y,
             T::from_f64(0.5446390348824093) * bx_head_tilt_x
                 + T::from_f64(0.8386705680315472) * e2,
             bx_l_sho_pitch_x,
-            kx_l_sho_pitch_z,
+            bx_l_hip_yaw_y,
             bx_l_sho_pitch_y,
             bx_l_sho_pitch_x,
             bx_l_sho_roll_x,
@@ -1827,26 +1812,26 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             bx_l_el_x,
             bx_l_sho_roll_x,
             bx_l_el_y,
+            bx_r_hip_yaw_x,
             bx_r_hip_yaw_y,
-            -bx_r_hip_yaw_x,
-            bx_l_hip_roll_x,
-            bx_r_hip_yaw_y,
-            kx_r_hip_pitch_z,
-            e5,
-            e7,
-            kx_r_hip_pitch_z,
-            e6,
-            -bx_r_knee_y,
-            kx_r_hip_pitch_z,
-            e8,
-            kx_r_ank_roll_z,
-            kx_r_hip_pitch_z,
-            e9,
-            kx_r_ank_roll_z,
+            bx_l_hip_roll_y,
+            bx_r_hip_yaw_x,
+            bx_r_hip_roll_x,
+            bx_r_hip_roll_y,
+            bx_r_hip_pitch_x,
+            bx_r_hip_roll_x,
+            bx_r_hip_pitch_y,
+            bx_r_knee_x,
+            bx_r_hip_roll_x,
+            bx_r_knee_y,
+            bx_r_ank_pitch_x,
+            bx_r_hip_roll_x,
+            bx_r_ank_pitch_y,
+            bx_r_ank_pitch_x,
+            bx_r_ank_roll_x,
             bx_r_ank_roll_y,
-            e9 * c_r_ank_roll + bx_r_hip_roll_x * s_r_ank_roll,
             bx_r_sho_pitch_x,
-            kx_l_sho_pitch_z,
+            bx_l_hip_yaw_y,
             bx_r_sho_pitch_y,
             bx_r_sho_pitch_x,
             bx_r_sho_roll_x,
@@ -1862,31 +1847,31 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             zero,
             c_l_ank_roll,
             s_l_ank_roll,
-            by_l_ank_pitch_y,
-            c_l_ank_roll,
             by_l_ank_pitch_x,
-            by_l_knee_y,
             c_l_ank_roll,
+            by_l_ank_pitch_y,
             by_l_knee_x,
-            by_l_hip_pitch_y,
             c_l_ank_roll,
+            by_l_knee_y,
             by_l_hip_pitch_x,
+            c_l_ank_roll,
             by_l_hip_pitch_y,
-            e12,
+            by_l_hip_pitch_x,
             by_l_hip_roll_x,
+            by_l_hip_roll_y,
+            by_l_hip_yaw_x,
             by_l_hip_yaw_y,
-            ky_l_sho_pitch_z,
-            by_l_hip_roll_x,
+            by_l_hip_roll_y,
+            by_head_pan_x,
             by_head_pan_y,
-            ky_head_tilt_z,
-            by_l_hip_roll_x,
+            by_l_hip_roll_y,
             T::from_f64(0.8386705680315472) * by_head_tilt_x
-                - T::from_f64(0.5446390348824093) * e13,
-            ky_head_tilt_z,
+                + T::from_f64(0.5446390348824093) * by_head_tilt_y,
+            by_head_pan_y,
             T::from_f64(0.5446390348824093) * by_head_tilt_x
-                + T::from_f64(0.8386705680315472) * e13,
+                - T::from_f64(0.8386705680315472) * by_head_tilt_y,
             by_l_sho_pitch_x,
-            ky_l_sho_pitch_z,
+            by_l_hip_yaw_y,
             by_l_sho_pitch_y,
             by_l_sho_pitch_x,
             by_l_sho_roll_x,
@@ -1894,26 +1879,26 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             by_l_el_x,
             by_l_sho_roll_x,
             by_l_el_y,
+            by_r_hip_yaw_x,
             by_r_hip_yaw_y,
-            -by_r_hip_yaw_x,
-            by_l_hip_roll_x,
-            by_r_hip_yaw_y,
-            ky_r_hip_pitch_z,
-            e15,
-            e17,
-            ky_r_hip_pitch_z,
-            e16,
-            -by_r_knee_y,
-            ky_r_hip_pitch_z,
-            e18,
-            ky_r_ank_roll_z,
-            ky_r_hip_pitch_z,
-            e19,
-            ky_r_ank_roll_z,
+            by_l_hip_roll_y,
+            by_r_hip_yaw_x,
+            by_r_hip_roll_x,
+            by_r_hip_roll_y,
+            by_r_hip_pitch_x,
+            by_r_hip_roll_x,
+            by_r_hip_pitch_y,
+            by_r_knee_x,
+            by_r_hip_roll_x,
+            by_r_knee_y,
+            by_r_ank_pitch_x,
+            by_r_hip_roll_x,
+            by_r_ank_pitch_y,
+            by_r_ank_pitch_x,
+            by_r_ank_roll_x,
             by_r_ank_roll_y,
-            e19 * c_r_ank_roll + by_r_hip_roll_x * s_r_ank_roll,
             by_r_sho_pitch_x,
-            ky_l_sho_pitch_z,
+            by_l_hip_yaw_y,
             by_r_sho_pitch_y,
             by_r_sho_pitch_x,
             by_r_sho_roll_x,
@@ -1929,31 +1914,31 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             zero,
             bz_l_ank_roll_x,
             c_l_ank_roll,
-            bz_l_ank_pitch_y,
-            bz_l_ank_roll_x,
             bz_l_ank_pitch_x,
-            bz_l_knee_y,
             bz_l_ank_roll_x,
+            bz_l_ank_pitch_y,
             bz_l_knee_x,
-            bz_l_hip_pitch_y,
             bz_l_ank_roll_x,
+            bz_l_knee_y,
             bz_l_hip_pitch_x,
+            bz_l_ank_roll_x,
             bz_l_hip_pitch_y,
-            e21,
+            bz_l_hip_pitch_x,
             bz_l_hip_roll_x,
+            bz_l_hip_roll_y,
+            bz_l_hip_yaw_x,
             bz_l_hip_yaw_y,
-            kz_l_sho_pitch_z,
-            bz_l_hip_roll_x,
+            bz_l_hip_roll_y,
+            bz_head_pan_x,
             bz_head_pan_y,
-            kz_head_tilt_z,
-            bz_l_hip_roll_x,
+            bz_l_hip_roll_y,
             T::from_f64(0.8386705680315472) * bz_head_tilt_x
-                - T::from_f64(0.5446390348824093) * e22,
-            kz_head_tilt_z,
+                - T::from_f64(0.5446390348824093) * e13,
+            bz_head_pan_y,
             T::from_f64(0.5446390348824093) * bz_head_tilt_x
-                + T::from_f64(0.8386705680315472) * e22,
+                + T::from_f64(0.8386705680315472) * e13,
             bz_l_sho_pitch_x,
-            kz_l_sho_pitch_z,
+            bz_l_hip_yaw_y,
             bz_l_sho_pitch_y,
             bz_l_sho_pitch_x,
             bz_l_sho_roll_x,
@@ -1961,26 +1946,26 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             bz_l_el_x,
             bz_l_sho_roll_x,
             bz_l_el_y,
+            bz_r_hip_yaw_x,
             bz_r_hip_yaw_y,
-            -bz_r_hip_yaw_x,
-            bz_l_hip_roll_x,
-            bz_r_hip_yaw_y,
-            kz_r_hip_pitch_z,
-            e24,
-            e26,
-            kz_r_hip_pitch_z,
-            e25,
-            -bz_r_knee_y,
-            kz_r_hip_pitch_z,
-            e27,
-            kz_r_ank_roll_z,
-            kz_r_hip_pitch_z,
-            e28,
-            kz_r_ank_roll_z,
+            bz_l_hip_roll_y,
+            bz_r_hip_yaw_x,
+            bz_r_hip_roll_x,
+            bz_r_hip_roll_y,
+            bz_r_hip_pitch_x,
+            bz_r_hip_roll_x,
+            bz_r_hip_pitch_y,
+            bz_r_knee_x,
+            bz_r_hip_roll_x,
+            bz_r_knee_y,
+            bz_r_ank_pitch_x,
+            bz_r_hip_roll_x,
+            bz_r_ank_pitch_y,
+            bz_r_ank_pitch_x,
+            bz_r_ank_roll_x,
             bz_r_ank_roll_y,
-            e28 * c_r_ank_roll + bz_r_hip_roll_x * s_r_ank_roll,
             bz_r_sho_pitch_x,
-            kz_l_sho_pitch_z,
+            bz_l_hip_yaw_y,
             bz_r_sho_pitch_y,
             bz_r_sho_pitch_x,
             bz_r_sho_roll_x,
@@ -2013,35 +1998,36 @@ pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
         + c_r_sho_pitch * v_r_sho_pitch_y;
     // r_ank_roll
     let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
-    let t_r_ank_roll_x = c_r_ank_roll * r[35] - s_r_ank_roll * r[36];
-    let t_r_ank_roll_y = s_r_ank_roll * r[35] + c_r_ank_roll * r[36];
+    let t_r_ank_roll_x = s_r_ank_roll * r[35] + c_r_ank_roll * r[36];
+    let t_r_ank_roll_y = c_r_ank_roll * r[35] - s_r_ank_roll * r[36];
     // r_ank_pitch
-    let v_r_ank_pitch_x = r[33] + t_r_ank_roll_x;
+    let v_r_ank_pitch_y = r[34] + t_r_ank_roll_x;
     let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
-    let t_r_ank_pitch_x = c_r_ank_pitch * v_r_ank_pitch_x + s_r_ank_pitch * r[34];
-    let t_r_ank_pitch_y = c_r_ank_pitch * r[34] - s_r_ank_pitch * v_r_ank_pitch_x;
+    let t_r_ank_pitch_x = c_r_ank_pitch * r[33] - s_r_ank_pitch * v_r_ank_pitch_y;
+    let t_r_ank_pitch_y = s_r_ank_pitch * r[33] + c_r_ank_pitch * v_r_ank_pitch_y;
     // r_knee
     let v_r_knee_x = r[31] + t_r_ank_pitch_x;
     let v_r_knee_y = r[32] + t_r_ank_pitch_y;
     let (s_r_knee, c_r_knee) = q[14].sin_cos();
-    let t_r_knee_x = c_r_knee * v_r_knee_x - s_r_knee * v_r_knee_y;
-    let t_r_knee_y = s_r_knee * v_r_knee_x + c_r_knee * v_r_knee_y;
+    let t_r_knee_x = c_r_knee * v_r_knee_x + s_r_knee * v_r_knee_y;
+    let t_r_knee_y = c_r_knee * v_r_knee_y - s_r_knee * v_r_knee_x;
     // r_hip_pitch
     let v_r_hip_pitch_x = r[29] + t_r_knee_x;
     let v_r_hip_pitch_y = r[30] + t_r_knee_y;
     let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
-    let t_r_hip_pitch_x = c_r_hip_pitch * v_r_hip_pitch_x
-        - s_r_hip_pitch * v_r_hip_pitch_y;
+    let t_r_hip_pitch_x = c_r_hip_pitch * v_r_hip_pitch_y
+        - s_r_hip_pitch * v_r_hip_pitch_x;
+    let t_r_hip_pitch_y = c_r_hip_pitch * v_r_hip_pitch_x
+        + s_r_hip_pitch * v_r_hip_pitch_y;
     // r_hip_roll
-    let v_r_hip_roll_x = r[27] - t_r_ank_roll_y;
+    let v_r_hip_roll_x = r[27] + t_r_ank_roll_y;
     let v_r_hip_roll_y = r[28] + t_r_hip_pitch_x;
     let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
     let t_r_hip_roll_x = c_r_hip_roll * v_r_hip_roll_x + s_r_hip_roll * v_r_hip_roll_y;
-    let t_r_hip_roll_y = s_r_hip_roll * v_r_hip_roll_x - c_r_hip_roll * v_r_hip_roll_y;
+    let t_r_hip_roll_y = c_r_hip_roll * v_r_hip_roll_y - s_r_hip_roll * v_r_hip_roll_x;
     // r_hip_yaw
-    let v_r_hip_yaw_x = r[25] + t_r_hip_roll_x;
-    let v_r_hip_yaw_y = r[26]
-        - (s_r_hip_pitch * v_r_hip_pitch_x + c_r_hip_pitch * v_r_hip_pitch_y);
+    let v_r_hip_yaw_x = r[25] + t_r_hip_pitch_y;
+    let v_r_hip_yaw_y = r[26] + t_r_hip_roll_x;
     let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
     let t_r_hip_yaw_x = c_r_hip_yaw * v_r_hip_yaw_x + s_r_hip_yaw * v_r_hip_yaw_y;
     let t_r_hip_yaw_y = c_r_hip_yaw * v_r_hip_yaw_y - s_r_hip_yaw * v_r_hip_yaw_x;
@@ -2068,50 +2054,50 @@ pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
     let t_head_tilt_x = c_head_tilt * r[17] + s_head_tilt * r[18];
     let t_head_tilt_y = s_head_tilt * r[17] - c_head_tilt * r[18];
     // head_pan
-    let v_head_pan_y = r[16] + t_head_tilt_x;
+    let v_head_pan_x = r[15] + t_head_tilt_x;
     let (s_head_pan, c_head_pan) = q[0].sin_cos();
-    let t_head_pan_x = c_head_pan * r[15] - s_head_pan * v_head_pan_y;
-    let t_head_pan_y = s_head_pan * r[15] + c_head_pan * v_head_pan_y;
+    let t_head_pan_x = c_head_pan * v_head_pan_x - s_head_pan * r[16];
+    let t_head_pan_y = s_head_pan * v_head_pan_x + c_head_pan * r[16];
     // l_hip_yaw
-    let v_l_hip_yaw_x = r[13] + t_head_pan_x - t_l_sho_roll_y + t_r_hip_yaw_x
-        - t_r_sho_roll_y;
-    let v_l_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_pitch_x + t_r_hip_yaw_y
+    let v_l_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_hip_yaw_x
         + t_r_sho_pitch_x;
+    let v_l_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_hip_yaw_y
+        + t_r_sho_roll_y;
     let v_l_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_hip_roll_y
         + t_r_sho_pitch_y;
     let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
-    let t_l_hip_yaw_x = c_l_hip_yaw * v_l_hip_yaw_x - s_l_hip_yaw * v_l_hip_yaw_y;
-    let t_l_hip_yaw_y = s_l_hip_yaw * v_l_hip_yaw_x + c_l_hip_yaw * v_l_hip_yaw_y;
+    let t_l_hip_yaw_x = s_l_hip_yaw * v_l_hip_yaw_x + c_l_hip_yaw * v_l_hip_yaw_y;
+    let t_l_hip_yaw_y = c_l_hip_yaw * v_l_hip_yaw_x - s_l_hip_yaw * v_l_hip_yaw_y;
     // l_hip_roll
-    let v_l_hip_roll_x = r[11] + v_l_hip_yaw_z;
-    let v_l_hip_roll_y = r[12] + t_l_hip_yaw_x;
+    let v_l_hip_roll_x = r[11] + t_l_hip_yaw_x;
+    let v_l_hip_roll_y = r[12] + v_l_hip_yaw_z;
     let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
-    let t_l_hip_roll_x = c_l_hip_roll * v_l_hip_roll_x - s_l_hip_roll * v_l_hip_roll_y;
+    let t_l_hip_roll_x = s_l_hip_roll * v_l_hip_roll_x + c_l_hip_roll * v_l_hip_roll_y;
+    let t_l_hip_roll_y = c_l_hip_roll * v_l_hip_roll_x - s_l_hip_roll * v_l_hip_roll_y;
     // l_hip_pitch
-    let v_l_hip_pitch_x = r[9] + t_l_hip_roll_x;
-    let v_l_hip_pitch_y = r[10] + t_l_hip_yaw_y;
+    let v_l_hip_pitch_x = r[9] + t_l_hip_yaw_y;
+    let v_l_hip_pitch_y = r[10] + t_l_hip_roll_x;
     let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
     let t_l_hip_pitch_x = c_l_hip_pitch * v_l_hip_pitch_x
-        - s_l_hip_pitch * v_l_hip_pitch_y;
-    let t_l_hip_pitch_y = s_l_hip_pitch * v_l_hip_pitch_x
-        + c_l_hip_pitch * v_l_hip_pitch_y;
+        + s_l_hip_pitch * v_l_hip_pitch_y;
+    let t_l_hip_pitch_y = c_l_hip_pitch * v_l_hip_pitch_y
+        - s_l_hip_pitch * v_l_hip_pitch_x;
     // l_knee
     let v_l_knee_x = r[7] + t_l_hip_pitch_x;
     let v_l_knee_y = r[8] + t_l_hip_pitch_y;
     let (s_l_knee, c_l_knee) = q[5].sin_cos();
-    let t_l_knee_x = c_l_knee * v_l_knee_x - s_l_knee * v_l_knee_y;
-    let t_l_knee_y = s_l_knee * v_l_knee_x + c_l_knee * v_l_knee_y;
+    let t_l_knee_x = c_l_knee * v_l_knee_x + s_l_knee * v_l_knee_y;
+    let t_l_knee_y = c_l_knee * v_l_knee_y - s_l_knee * v_l_knee_x;
     // l_ank_pitch
     let v_l_ank_pitch_x = r[5] + t_l_knee_x;
     let v_l_ank_pitch_y = r[6] + t_l_knee_y;
     let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
-    let t_l_ank_pitch_x = c_l_ank_pitch * v_l_ank_pitch_x
-        + s_l_ank_pitch * v_l_ank_pitch_y;
-    let t_l_ank_pitch_y = c_l_ank_pitch * v_l_ank_pitch_y
-        - s_l_ank_pitch * v_l_ank_pitch_x;
+    let t_l_ank_pitch_x = s_l_ank_pitch * v_l_ank_pitch_x
+        + c_l_ank_pitch * v_l_ank_pitch_y;
+    let t_l_ank_pitch_y = c_l_ank_pitch * v_l_ank_pitch_x
+        - s_l_ank_pitch * v_l_ank_pitch_y;
     // l_ank_roll
-    let v_l_ank_roll_x = r[3]
-        - (s_l_hip_roll * v_l_hip_roll_x + c_l_hip_roll * v_l_hip_roll_y);
+    let v_l_ank_roll_x = r[3] + t_l_hip_roll_y;
     let v_l_ank_roll_y = r[4] + t_l_ank_pitch_x;
     let (s_l_ank_roll, c_l_ank_roll) = q[7].sin_cos();
     let t_l_ank_roll_x = c_l_ank_roll * v_l_ank_roll_x + s_l_ank_roll * v_l_ank_roll_y;
@@ -2141,29 +2127,30 @@ pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
     let t_r_sho_pitch_x = cos[17] * v_r_sho_pitch_x - sin[17] * v_r_sho_pitch_y;
     let t_r_sho_pitch_y = sin[17] * v_r_sho_pitch_x + cos[17] * v_r_sho_pitch_y;
     // r_ank_roll
-    let t_r_ank_roll_x = cos[16] * r[35] - sin[16] * r[36];
-    let t_r_ank_roll_y = sin[16] * r[35] + cos[16] * r[36];
+    let t_r_ank_roll_x = sin[16] * r[35] + cos[16] * r[36];
+    let t_r_ank_roll_y = cos[16] * r[35] - sin[16] * r[36];
     // r_ank_pitch
-    let v_r_ank_pitch_x = r[33] + t_r_ank_roll_x;
-    let t_r_ank_pitch_x = cos[15] * v_r_ank_pitch_x + sin[15] * r[34];
-    let t_r_ank_pitch_y = cos[15] * r[34] - sin[15] * v_r_ank_pitch_x;
+    let v_r_ank_pitch_y = r[34] + t_r_ank_roll_x;
+    let t_r_ank_pitch_x = cos[15] * r[33] - sin[15] * v_r_ank_pitch_y;
+    let t_r_ank_pitch_y = sin[15] * r[33] + cos[15] * v_r_ank_pitch_y;
     // r_knee
     let v_r_knee_x = r[31] + t_r_ank_pitch_x;
     let v_r_knee_y = r[32] + t_r_ank_pitch_y;
-    let t_r_knee_x = cos[14] * v_r_knee_x - sin[14] * v_r_knee_y;
-    let t_r_knee_y = sin[14] * v_r_knee_x + cos[14] * v_r_knee_y;
+    let t_r_knee_x = cos[14] * v_r_knee_x + sin[14] * v_r_knee_y;
+    let t_r_knee_y = cos[14] * v_r_knee_y - sin[14] * v_r_knee_x;
     // r_hip_pitch
     let v_r_hip_pitch_x = r[29] + t_r_knee_x;
     let v_r_hip_pitch_y = r[30] + t_r_knee_y;
-    let t_r_hip_pitch_x = cos[13] * v_r_hip_pitch_x - sin[13] * v_r_hip_pitch_y;
+    let t_r_hip_pitch_x = cos[13] * v_r_hip_pitch_y - sin[13] * v_r_hip_pitch_x;
+    let t_r_hip_pitch_y = cos[13] * v_r_hip_pitch_x + sin[13] * v_r_hip_pitch_y;
     // r_hip_roll
-    let v_r_hip_roll_x = r[27] - t_r_ank_roll_y;
+    let v_r_hip_roll_x = r[27] + t_r_ank_roll_y;
     let v_r_hip_roll_y = r[28] + t_r_hip_pitch_x;
     let t_r_hip_roll_x = cos[12] * v_r_hip_roll_x + sin[12] * v_r_hip_roll_y;
-    let t_r_hip_roll_y = sin[12] * v_r_hip_roll_x - cos[12] * v_r_hip_roll_y;
+    let t_r_hip_roll_y = cos[12] * v_r_hip_roll_y - sin[12] * v_r_hip_roll_x;
     // r_hip_yaw
-    let v_r_hip_yaw_x = r[25] + t_r_hip_roll_x;
-    let v_r_hip_yaw_y = r[26] - (sin[13] * v_r_hip_pitch_x + cos[13] * v_r_hip_pitch_y);
+    let v_r_hip_yaw_x = r[25] + t_r_hip_pitch_y;
+    let v_r_hip_yaw_y = r[26] + t_r_hip_roll_x;
     let t_r_hip_yaw_x = cos[11] * v_r_hip_yaw_x + sin[11] * v_r_hip_yaw_y;
     let t_r_hip_yaw_y = cos[11] * v_r_hip_yaw_y - sin[11] * v_r_hip_yaw_x;
     // l_el
@@ -2186,39 +2173,40 @@ pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
     let t_head_tilt_x = cos[1] * r[17] + sin[1] * r[18];
     let t_head_tilt_y = sin[1] * r[17] - cos[1] * r[18];
     // head_pan
-    let v_head_pan_y = r[16] + t_head_tilt_x;
-    let t_head_pan_x = cos[0] * r[15] - sin[0] * v_head_pan_y;
-    let t_head_pan_y = sin[0] * r[15] + cos[0] * v_head_pan_y;
+    let v_head_pan_x = r[15] + t_head_tilt_x;
+    let t_head_pan_x = cos[0] * v_head_pan_x - sin[0] * r[16];
+    let t_head_pan_y = sin[0] * v_head_pan_x + cos[0] * r[16];
     // l_hip_yaw
-    let v_l_hip_yaw_x = r[13] + t_head_pan_x - t_l_sho_roll_y + t_r_hip_yaw_x
-        - t_r_sho_roll_y;
-    let v_l_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_pitch_x + t_r_hip_yaw_y
+    let v_l_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_hip_yaw_x
         + t_r_sho_pitch_x;
+    let v_l_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_hip_yaw_y
+        + t_r_sho_roll_y;
     let v_l_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_hip_roll_y
         + t_r_sho_pitch_y;
-    let t_l_hip_yaw_x = cos[2] * v_l_hip_yaw_x - sin[2] * v_l_hip_yaw_y;
-    let t_l_hip_yaw_y = sin[2] * v_l_hip_yaw_x + cos[2] * v_l_hip_yaw_y;
+    let t_l_hip_yaw_x = sin[2] * v_l_hip_yaw_x + cos[2] * v_l_hip_yaw_y;
+    let t_l_hip_yaw_y = cos[2] * v_l_hip_yaw_x - sin[2] * v_l_hip_yaw_y;
     // l_hip_roll
-    let v_l_hip_roll_x = r[11] + v_l_hip_yaw_z;
-    let v_l_hip_roll_y = r[12] + t_l_hip_yaw_x;
-    let t_l_hip_roll_x = cos[3] * v_l_hip_roll_x - sin[3] * v_l_hip_roll_y;
+    let v_l_hip_roll_x = r[11] + t_l_hip_yaw_x;
+    let v_l_hip_roll_y = r[12] + v_l_hip_yaw_z;
+    let t_l_hip_roll_x = sin[3] * v_l_hip_roll_x + cos[3] * v_l_hip_roll_y;
+    let t_l_hip_roll_y = cos[3] * v_l_hip_roll_x - sin[3] * v_l_hip_roll_y;
     // l_hip_pitch
-    let v_l_hip_pitch_x = r[9] + t_l_hip_roll_x;
-    let v_l_hip_pitch_y = r[10] + t_l_hip_yaw_y;
-    let t_l_hip_pitch_x = cos[4] * v_l_hip_pitch_x - sin[4] * v_l_hip_pitch_y;
-    let t_l_hip_pitch_y = sin[4] * v_l_hip_pitch_x + cos[4] * v_l_hip_pitch_y;
+    let v_l_hip_pitch_x = r[9] + t_l_hip_yaw_y;
+    let v_l_hip_pitch_y = r[10] + t_l_hip_roll_x;
+    let t_l_hip_pitch_x = cos[4] * v_l_hip_pitch_x + sin[4] * v_l_hip_pitch_y;
+    let t_l_hip_pitch_y = cos[4] * v_l_hip_pitch_y - sin[4] * v_l_hip_pitch_x;
     // l_knee
     let v_l_knee_x = r[7] + t_l_hip_pitch_x;
     let v_l_knee_y = r[8] + t_l_hip_pitch_y;
-    let t_l_knee_x = cos[5] * v_l_knee_x - sin[5] * v_l_knee_y;
-    let t_l_knee_y = sin[5] * v_l_knee_x + cos[5] * v_l_knee_y;
+    let t_l_knee_x = cos[5] * v_l_knee_x + sin[5] * v_l_knee_y;
+    let t_l_knee_y = cos[5] * v_l_knee_y - sin[5] * v_l_knee_x;
     // l_ank_pitch
     let v_l_ank_pitch_x = r[5] + t_l_knee_x;
     let v_l_ank_pitch_y = r[6] + t_l_knee_y;
-    let t_l_ank_pitch_x = cos[6] * v_l_ank_pitch_x + sin[6] * v_l_ank_pitch_y;
-    let t_l_ank_pitch_y = cos[6] * v_l_ank_pitch_y - sin[6] * v_l_ank_pitch_x;
+    let t_l_ank_pitch_x = sin[6] * v_l_ank_pitch_x + cos[6] * v_l_ank_pitch_y;
+    let t_l_ank_pitch_y = cos[6] * v_l_ank_pitch_x - sin[6] * v_l_ank_pitch_y;
     // l_ank_roll
-    let v_l_ank_roll_x = r[3] - (sin[3] * v_l_hip_roll_x + cos[3] * v_l_hip_roll_y);
+    let v_l_ank_roll_x = r[3] + t_l_hip_roll_y;
     let v_l_ank_roll_y = r[4] + t_l_ank_pitch_x;
     let t_l_ank_roll_x = cos[7] * v_l_ank_roll_x + sin[7] * v_l_ank_roll_y;
     let t_l_ank_roll_y = cos[7] * v_l_ank_roll_y - sin[7] * v_l_ank_roll_x;
@@ -2254,30 +2242,30 @@ pub fn com_jacobian_sc<T: Real>(
     let t_r_sho_pitch_x = cos[17] * v_r_sho_pitch_x - sin[17] * v_r_sho_pitch_y;
     let t_r_sho_pitch_y = sin[17] * v_r_sho_pitch_x + cos[17] * v_r_sho_pitch_y;
     // r_ank_roll
-    let t_r_ank_roll_x = cos[16] * r[35] - sin[16] * r[36];
-    let t_r_ank_roll_y = sin[16] * r[35] + cos[16] * r[36];
+    let t_r_ank_roll_x = sin[16] * r[35] + cos[16] * r[36];
+    let t_r_ank_roll_y = cos[16] * r[35] - sin[16] * r[36];
     // r_ank_pitch
-    let v_r_ank_pitch_x = r[33] + t_r_ank_roll_x;
-    let t_r_ank_pitch_x = cos[15] * v_r_ank_pitch_x + sin[15] * r[34];
-    let t_r_ank_pitch_y = cos[15] * r[34] - sin[15] * v_r_ank_pitch_x;
+    let v_r_ank_pitch_y = r[34] + t_r_ank_roll_x;
+    let t_r_ank_pitch_x = cos[15] * r[33] - sin[15] * v_r_ank_pitch_y;
+    let t_r_ank_pitch_y = sin[15] * r[33] + cos[15] * v_r_ank_pitch_y;
     // r_knee
     let v_r_knee_x = r[31] + t_r_ank_pitch_x;
     let v_r_knee_y = r[32] + t_r_ank_pitch_y;
-    let t_r_knee_x = cos[14] * v_r_knee_x - sin[14] * v_r_knee_y;
-    let t_r_knee_y = sin[14] * v_r_knee_x + cos[14] * v_r_knee_y;
+    let t_r_knee_x = cos[14] * v_r_knee_x + sin[14] * v_r_knee_y;
+    let t_r_knee_y = cos[14] * v_r_knee_y - sin[14] * v_r_knee_x;
     // r_hip_pitch
     let v_r_hip_pitch_x = r[29] + t_r_knee_x;
     let v_r_hip_pitch_y = r[30] + t_r_knee_y;
-    let t_r_hip_pitch_x = cos[13] * v_r_hip_pitch_x - sin[13] * v_r_hip_pitch_y;
-    let e2 = sin[13] * v_r_hip_pitch_x + cos[13] * v_r_hip_pitch_y;
+    let t_r_hip_pitch_x = cos[13] * v_r_hip_pitch_y - sin[13] * v_r_hip_pitch_x;
+    let t_r_hip_pitch_y = cos[13] * v_r_hip_pitch_x + sin[13] * v_r_hip_pitch_y;
     // r_hip_roll
-    let v_r_hip_roll_x = r[27] - t_r_ank_roll_y;
+    let v_r_hip_roll_x = r[27] + t_r_ank_roll_y;
     let v_r_hip_roll_y = r[28] + t_r_hip_pitch_x;
     let t_r_hip_roll_x = cos[12] * v_r_hip_roll_x + sin[12] * v_r_hip_roll_y;
-    let t_r_hip_roll_y = sin[12] * v_r_hip_roll_x - cos[12] * v_r_hip_roll_y;
+    let t_r_hip_roll_y = cos[12] * v_r_hip_roll_y - sin[12] * v_r_hip_roll_x;
     // r_hip_yaw
-    let v_r_hip_yaw_x = r[25] + t_r_hip_roll_x;
-    let v_r_hip_yaw_y = r[26] - e2;
+    let v_r_hip_yaw_x = r[25] + t_r_hip_pitch_y;
+    let v_r_hip_yaw_y = r[26] + t_r_hip_roll_x;
     let t_r_hip_yaw_x = cos[11] * v_r_hip_yaw_x + sin[11] * v_r_hip_yaw_y;
     let t_r_hip_yaw_y = cos[11] * v_r_hip_yaw_y - sin[11] * v_r_hip_yaw_x;
     // l_el
@@ -2300,224 +2288,223 @@ pub fn com_jacobian_sc<T: Real>(
     let t_head_tilt_x = cos[1] * r[17] + sin[1] * r[18];
     let t_head_tilt_y = sin[1] * r[17] - cos[1] * r[18];
     // head_pan
-    let v_head_pan_y = r[16] + t_head_tilt_x;
-    let t_head_pan_x = cos[0] * r[15] - sin[0] * v_head_pan_y;
-    let t_head_pan_y = sin[0] * r[15] + cos[0] * v_head_pan_y;
+    let v_head_pan_x = r[15] + t_head_tilt_x;
+    let t_head_pan_x = cos[0] * v_head_pan_x - sin[0] * r[16];
+    let t_head_pan_y = sin[0] * v_head_pan_x + cos[0] * r[16];
     // l_hip_yaw
-    let v_l_hip_yaw_x = r[13] + t_head_pan_x - t_l_sho_roll_y + t_r_hip_yaw_x
-        - t_r_sho_roll_y;
-    let v_l_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_pitch_x + t_r_hip_yaw_y
+    let v_l_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_hip_yaw_x
         + t_r_sho_pitch_x;
+    let v_l_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_hip_yaw_y
+        + t_r_sho_roll_y;
     let v_l_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_hip_roll_y
         + t_r_sho_pitch_y;
-    let t_l_hip_yaw_x = cos[2] * v_l_hip_yaw_x - sin[2] * v_l_hip_yaw_y;
-    let t_l_hip_yaw_y = sin[2] * v_l_hip_yaw_x + cos[2] * v_l_hip_yaw_y;
+    let t_l_hip_yaw_x = sin[2] * v_l_hip_yaw_x + cos[2] * v_l_hip_yaw_y;
+    let t_l_hip_yaw_y = cos[2] * v_l_hip_yaw_x - sin[2] * v_l_hip_yaw_y;
     // l_hip_roll
-    let v_l_hip_roll_x = r[11] + v_l_hip_yaw_z;
-    let v_l_hip_roll_y = r[12] + t_l_hip_yaw_x;
-    let t_l_hip_roll_x = cos[3] * v_l_hip_roll_x - sin[3] * v_l_hip_roll_y;
-    let e3 = sin[3] * v_l_hip_roll_x + cos[3] * v_l_hip_roll_y;
+    let v_l_hip_roll_x = r[11] + t_l_hip_yaw_x;
+    let v_l_hip_roll_y = r[12] + v_l_hip_yaw_z;
+    let t_l_hip_roll_x = sin[3] * v_l_hip_roll_x + cos[3] * v_l_hip_roll_y;
+    let t_l_hip_roll_y = cos[3] * v_l_hip_roll_x - sin[3] * v_l_hip_roll_y;
     // l_hip_pitch
-    let v_l_hip_pitch_x = r[9] + t_l_hip_roll_x;
-    let v_l_hip_pitch_y = r[10] + t_l_hip_yaw_y;
-    let t_l_hip_pitch_x = cos[4] * v_l_hip_pitch_x - sin[4] * v_l_hip_pitch_y;
-    let t_l_hip_pitch_y = sin[4] * v_l_hip_pitch_x + cos[4] * v_l_hip_pitch_y;
+    let v_l_hip_pitch_x = r[9] + t_l_hip_yaw_y;
+    let v_l_hip_pitch_y = r[10] + t_l_hip_roll_x;
+    let t_l_hip_pitch_x = cos[4] * v_l_hip_pitch_x + sin[4] * v_l_hip_pitch_y;
+    let t_l_hip_pitch_y = cos[4] * v_l_hip_pitch_y - sin[4] * v_l_hip_pitch_x;
     // l_knee
     let v_l_knee_x = r[7] + t_l_hip_pitch_x;
     let v_l_knee_y = r[8] + t_l_hip_pitch_y;
-    let t_l_knee_x = cos[5] * v_l_knee_x - sin[5] * v_l_knee_y;
-    let t_l_knee_y = sin[5] * v_l_knee_x + cos[5] * v_l_knee_y;
+    let t_l_knee_x = cos[5] * v_l_knee_x + sin[5] * v_l_knee_y;
+    let t_l_knee_y = cos[5] * v_l_knee_y - sin[5] * v_l_knee_x;
     // l_ank_pitch
     let v_l_ank_pitch_x = r[5] + t_l_knee_x;
     let v_l_ank_pitch_y = r[6] + t_l_knee_y;
-    let t_l_ank_pitch_x = cos[6] * v_l_ank_pitch_x + sin[6] * v_l_ank_pitch_y;
-    let t_l_ank_pitch_y = cos[6] * v_l_ank_pitch_y - sin[6] * v_l_ank_pitch_x;
+    let t_l_ank_pitch_x = sin[6] * v_l_ank_pitch_x + cos[6] * v_l_ank_pitch_y;
+    let t_l_ank_pitch_y = cos[6] * v_l_ank_pitch_x - sin[6] * v_l_ank_pitch_y;
     // l_ank_roll
-    let v_l_ank_roll_x = r[3] - e3;
+    let v_l_ank_roll_x = r[3] + t_l_hip_roll_y;
     let v_l_ank_roll_y = r[4] + t_l_ank_pitch_x;
     let t_l_ank_roll_x = cos[7] * v_l_ank_roll_x + sin[7] * v_l_ank_roll_y;
     let t_l_ank_roll_y = cos[7] * v_l_ank_roll_y - sin[7] * v_l_ank_roll_x;
     // l_knee
-    let bx_l_knee_x = cos[6] * sin[5] - sin[6] * cos[5];
-    let bx_l_knee_y = cos[6] * cos[5] + sin[6] * sin[5];
+    let bx_l_knee_x = cos[6] * cos[5] + sin[6] * sin[5];
+    let bx_l_knee_y = cos[6] * sin[5] - sin[6] * cos[5];
     // l_hip_pitch
-    let bx_l_hip_pitch_x = bx_l_knee_x * cos[4] + bx_l_knee_y * sin[4];
-    let bx_l_hip_pitch_y = bx_l_knee_y * cos[4] - bx_l_knee_x * sin[4];
+    let bx_l_hip_pitch_x = bx_l_knee_x * cos[4] - bx_l_knee_y * sin[4];
+    let bx_l_hip_pitch_y = bx_l_knee_y * cos[4] + bx_l_knee_x * sin[4];
     // l_hip_roll
-    let bx_l_hip_roll_x = bx_l_hip_pitch_x * cos[3];
-    let e4 = bx_l_hip_pitch_x * sin[3];
+    let bx_l_hip_roll_x = bx_l_hip_pitch_y * sin[3];
+    let bx_l_hip_roll_y = bx_l_hip_pitch_y * cos[3];
     // l_hip_yaw
-    let bx_l_hip_yaw_x = bx_l_hip_pitch_y * sin[2] - e4 * cos[2];
-    let bx_l_hip_yaw_y = bx_l_hip_pitch_y * cos[2] + e4 * sin[2];
+    let bx_l_hip_yaw_x = bx_l_hip_roll_x * sin[2] + bx_l_hip_pitch_x * cos[2];
+    let e2 = bx_l_hip_pitch_x * sin[2] - bx_l_hip_roll_x * cos[2];
     // head_pan
-    let bx_head_pan_y = bx_l_hip_yaw_y * cos[0] - bx_l_hip_yaw_x * sin[0];
+    let bx_head_pan_x = bx_l_hip_yaw_x * cos[0] - e2 * sin[0];
     // l_sho_pitch
-    let bx_l_sho_pitch_x = bx_l_hip_yaw_y * cos[8] - bx_l_hip_roll_x * sin[8];
-    let bx_l_sho_pitch_y = bx_l_hip_roll_x * cos[8] + bx_l_hip_yaw_y * sin[8];
+    let bx_l_sho_pitch_x = bx_l_hip_yaw_x * cos[8] - bx_l_hip_roll_y * sin[8];
+    let bx_l_sho_pitch_y = bx_l_hip_roll_y * cos[8] + bx_l_hip_yaw_x * sin[8];
     // r_hip_yaw
-    let bx_r_hip_yaw_x = bx_l_hip_yaw_x * cos[11] - bx_l_hip_yaw_y * sin[11];
-    let bx_r_hip_yaw_y = bx_l_hip_yaw_y * cos[11] + bx_l_hip_yaw_x * sin[11];
+    let bx_r_hip_yaw_x = bx_l_hip_yaw_x * cos[11] + e2 * sin[11];
+    let bx_r_hip_yaw_y = bx_l_hip_yaw_x * sin[11] - e2 * cos[11];
     // r_hip_roll
-    let bx_r_hip_roll_x = bx_r_hip_yaw_x * cos[12] + bx_l_hip_roll_x * sin[12];
-    let e5 = bx_l_hip_roll_x * cos[12] - bx_r_hip_yaw_x * sin[12];
+    let bx_r_hip_roll_x = bx_r_hip_yaw_y * cos[12] - bx_l_hip_roll_y * sin[12];
+    let bx_r_hip_roll_y = bx_l_hip_roll_y * cos[12] + bx_r_hip_yaw_y * sin[12];
     // r_hip_pitch
-    let e6 = e5 * cos[13] + bx_r_hip_yaw_y * sin[13];
-    let e7 = bx_r_hip_yaw_y * cos[13] - e5 * sin[13];
+    let bx_r_hip_pitch_x = bx_r_hip_yaw_x * cos[13] - bx_r_hip_roll_y * sin[13];
+    let bx_r_hip_pitch_y = bx_r_hip_yaw_x * sin[13] + bx_r_hip_roll_y * cos[13];
     // r_knee
-    let e8 = e6 * cos[14] + e7 * sin[14];
-    let bx_r_knee_y = e6 * sin[14] - e7 * cos[14];
+    let bx_r_knee_x = bx_r_hip_pitch_x * cos[14] - bx_r_hip_pitch_y * sin[14];
+    let bx_r_knee_y = bx_r_hip_pitch_y * cos[14] + bx_r_hip_pitch_x * sin[14];
+    // r_ank_pitch
+    let bx_r_ank_pitch_y = bx_r_knee_y * cos[15] - bx_r_knee_x * sin[15];
     // r_sho_pitch
-    let bx_r_sho_pitch_x = bx_l_hip_yaw_y * cos[17] + bx_l_hip_roll_x * sin[17];
-    let bx_r_sho_pitch_y = bx_l_hip_roll_x * cos[17] - bx_l_hip_yaw_y * sin[17];
+    let bx_r_sho_pitch_x = bx_l_hip_yaw_x * cos[17] + bx_l_hip_roll_y * sin[17];
+    let bx_r_sho_pitch_y = bx_l_hip_roll_y * cos[17] - bx_l_hip_yaw_x * sin[17];
     // l_ank_pitch
-    let by_l_ank_pitch_x = sin[7] * cos[6];
-    let by_l_ank_pitch_y = sin[7] * sin[6];
+    let by_l_ank_pitch_x = sin[7] * sin[6];
+    let by_l_ank_pitch_y = sin[7] * cos[6];
     // l_knee
-    let by_l_knee_x = by_l_ank_pitch_x * cos[5] + by_l_ank_pitch_y * sin[5];
-    let by_l_knee_y = by_l_ank_pitch_y * cos[5] - by_l_ank_pitch_x * sin[5];
+    let by_l_knee_x = by_l_ank_pitch_x * cos[5] - by_l_ank_pitch_y * sin[5];
+    let by_l_knee_y = by_l_ank_pitch_y * cos[5] + by_l_ank_pitch_x * sin[5];
     // l_hip_pitch
-    let by_l_hip_pitch_x = by_l_knee_x * cos[4] + by_l_knee_y * sin[4];
-    let by_l_hip_pitch_y = by_l_knee_y * cos[4] - by_l_knee_x * sin[4];
+    let by_l_hip_pitch_x = by_l_knee_x * cos[4] - by_l_knee_y * sin[4];
+    let by_l_hip_pitch_y = by_l_knee_y * cos[4] + by_l_knee_x * sin[4];
     // l_hip_roll
-    let by_l_hip_roll_x = by_l_hip_pitch_x * cos[3] - cos[7] * sin[3];
-    let e9 = cos[7] * cos[3] + by_l_hip_pitch_x * sin[3];
+    let by_l_hip_roll_x = by_l_hip_pitch_y * sin[3] + cos[7] * cos[3];
+    let e3 = cos[7] * sin[3] - by_l_hip_pitch_y * cos[3];
     // l_hip_yaw
-    let by_l_hip_yaw_x = by_l_hip_pitch_y * sin[2] - e9 * cos[2];
-    let by_l_hip_yaw_y = by_l_hip_pitch_y * cos[2] + e9 * sin[2];
+    let by_l_hip_yaw_x = by_l_hip_roll_x * sin[2] + by_l_hip_pitch_x * cos[2];
+    let e4 = by_l_hip_pitch_x * sin[2] - by_l_hip_roll_x * cos[2];
     // head_pan
-    let by_head_pan_y = by_l_hip_yaw_y * cos[0] - by_l_hip_yaw_x * sin[0];
+    let by_head_pan_x = by_l_hip_yaw_x * cos[0] - e4 * sin[0];
     // l_sho_pitch
-    let by_l_sho_pitch_x = by_l_hip_yaw_y * cos[8] - by_l_hip_roll_x * sin[8];
-    let by_l_sho_pitch_y = by_l_hip_roll_x * cos[8] + by_l_hip_yaw_y * sin[8];
+    let by_l_sho_pitch_x = by_l_hip_yaw_x * cos[8] + e3 * sin[8];
+    let by_l_sho_pitch_y = by_l_hip_yaw_x * sin[8] - e3 * cos[8];
     // r_hip_yaw
-    let by_r_hip_yaw_x = by_l_hip_yaw_x * cos[11] - by_l_hip_yaw_y * sin[11];
-    let by_r_hip_yaw_y = by_l_hip_yaw_y * cos[11] + by_l_hip_yaw_x * sin[11];
+    let by_r_hip_yaw_x = by_l_hip_yaw_x * cos[11] + e4 * sin[11];
+    let by_r_hip_yaw_y = by_l_hip_yaw_x * sin[11] - e4 * cos[11];
     // r_hip_roll
-    let by_r_hip_roll_x = by_r_hip_yaw_x * cos[12] + by_l_hip_roll_x * sin[12];
-    let e10 = by_l_hip_roll_x * cos[12] - by_r_hip_yaw_x * sin[12];
+    let by_r_hip_roll_x = by_r_hip_yaw_y * cos[12] + e3 * sin[12];
+    let by_r_hip_roll_y = by_r_hip_yaw_y * sin[12] - e3 * cos[12];
     // r_hip_pitch
-    let e11 = e10 * cos[13] + by_r_hip_yaw_y * sin[13];
-    let e12 = by_r_hip_yaw_y * cos[13] - e10 * sin[13];
+    let by_r_hip_pitch_x = by_r_hip_yaw_x * cos[13] - by_r_hip_roll_y * sin[13];
+    let by_r_hip_pitch_y = by_r_hip_yaw_x * sin[13] + by_r_hip_roll_y * cos[13];
     // r_knee
-    let e13 = e11 * cos[14] + e12 * sin[14];
-    let by_r_knee_y = e11 * sin[14] - e12 * cos[14];
+    let by_r_knee_x = by_r_hip_pitch_x * cos[14] - by_r_hip_pitch_y * sin[14];
+    let by_r_knee_y = by_r_hip_pitch_y * cos[14] + by_r_hip_pitch_x * sin[14];
+    // r_ank_pitch
+    let by_r_ank_pitch_y = by_r_knee_y * cos[15] - by_r_knee_x * sin[15];
     // r_sho_pitch
-    let by_r_sho_pitch_x = by_l_hip_yaw_y * cos[17] + by_l_hip_roll_x * sin[17];
-    let by_r_sho_pitch_y = by_l_hip_roll_x * cos[17] - by_l_hip_yaw_y * sin[17];
+    let by_r_sho_pitch_x = by_l_hip_yaw_x * cos[17] - e3 * sin[17];
+    let e5 = e3 * cos[17] + by_l_hip_yaw_x * sin[17];
     // l_ank_pitch
-    let bz_l_ank_pitch_x = cos[7] * cos[6];
-    let bz_l_ank_pitch_y = cos[7] * sin[6];
+    let bz_l_ank_pitch_x = cos[7] * sin[6];
+    let bz_l_ank_pitch_y = cos[7] * cos[6];
     // l_knee
-    let bz_l_knee_x = bz_l_ank_pitch_x * cos[5] + bz_l_ank_pitch_y * sin[5];
-    let bz_l_knee_y = bz_l_ank_pitch_y * cos[5] - bz_l_ank_pitch_x * sin[5];
+    let bz_l_knee_x = bz_l_ank_pitch_x * cos[5] - bz_l_ank_pitch_y * sin[5];
+    let bz_l_knee_y = bz_l_ank_pitch_y * cos[5] + bz_l_ank_pitch_x * sin[5];
     // l_hip_pitch
-    let bz_l_hip_pitch_x = bz_l_knee_x * cos[4] + bz_l_knee_y * sin[4];
-    let bz_l_hip_pitch_y = bz_l_knee_y * cos[4] - bz_l_knee_x * sin[4];
+    let bz_l_hip_pitch_x = bz_l_knee_x * cos[4] - bz_l_knee_y * sin[4];
+    let bz_l_hip_pitch_y = bz_l_knee_y * cos[4] + bz_l_knee_x * sin[4];
     // l_hip_roll
-    let bz_l_hip_roll_x = bz_l_hip_pitch_x * cos[3] + sin[7] * sin[3];
-    let e14 = bz_l_hip_pitch_x * sin[3] - sin[7] * cos[3];
+    let bz_l_hip_roll_x = bz_l_hip_pitch_y * sin[3] - sin[7] * cos[3];
+    let bz_l_hip_roll_y = sin[7] * sin[3] + bz_l_hip_pitch_y * cos[3];
     // l_hip_yaw
-    let bz_l_hip_yaw_x = bz_l_hip_pitch_y * sin[2] - e14 * cos[2];
-    let bz_l_hip_yaw_y = bz_l_hip_pitch_y * cos[2] + e14 * sin[2];
+    let bz_l_hip_yaw_x = bz_l_hip_roll_x * sin[2] + bz_l_hip_pitch_x * cos[2];
+    let e6 = bz_l_hip_pitch_x * sin[2] - bz_l_hip_roll_x * cos[2];
     // head_pan
-    let bz_head_pan_y = bz_l_hip_yaw_y * cos[0] - bz_l_hip_yaw_x * sin[0];
+    let bz_head_pan_x = bz_l_hip_yaw_x * cos[0] - e6 * sin[0];
     // l_sho_pitch
-    let bz_l_sho_pitch_x = bz_l_hip_yaw_y * cos[8] - bz_l_hip_roll_x * sin[8];
-    let bz_l_sho_pitch_y = bz_l_hip_roll_x * cos[8] + bz_l_hip_yaw_y * sin[8];
+    let bz_l_sho_pitch_x = bz_l_hip_yaw_x * cos[8] - bz_l_hip_roll_y * sin[8];
+    let bz_l_sho_pitch_y = bz_l_hip_roll_y * cos[8] + bz_l_hip_yaw_x * sin[8];
     // r_hip_yaw
-    let bz_r_hip_yaw_x = bz_l_hip_yaw_x * cos[11] - bz_l_hip_yaw_y * sin[11];
-    let bz_r_hip_yaw_y = bz_l_hip_yaw_y * cos[11] + bz_l_hip_yaw_x * sin[11];
+    let bz_r_hip_yaw_x = bz_l_hip_yaw_x * cos[11] + e6 * sin[11];
+    let bz_r_hip_yaw_y = bz_l_hip_yaw_x * sin[11] - e6 * cos[11];
     // r_hip_roll
-    let bz_r_hip_roll_x = bz_r_hip_yaw_x * cos[12] + bz_l_hip_roll_x * sin[12];
-    let e15 = bz_l_hip_roll_x * cos[12] - bz_r_hip_yaw_x * sin[12];
+    let bz_r_hip_roll_x = bz_r_hip_yaw_y * cos[12] - bz_l_hip_roll_y * sin[12];
+    let bz_r_hip_roll_y = bz_l_hip_roll_y * cos[12] + bz_r_hip_yaw_y * sin[12];
     // r_hip_pitch
-    let e16 = e15 * cos[13] + bz_r_hip_yaw_y * sin[13];
-    let e17 = bz_r_hip_yaw_y * cos[13] - e15 * sin[13];
+    let bz_r_hip_pitch_x = bz_r_hip_yaw_x * cos[13] - bz_r_hip_roll_y * sin[13];
+    let bz_r_hip_pitch_y = bz_r_hip_yaw_x * sin[13] + bz_r_hip_roll_y * cos[13];
     // r_knee
-    let e18 = e16 * cos[14] + e17 * sin[14];
-    let bz_r_knee_y = e16 * sin[14] - e17 * cos[14];
+    let bz_r_knee_x = bz_r_hip_pitch_x * cos[14] - bz_r_hip_pitch_y * sin[14];
+    let bz_r_knee_y = bz_r_hip_pitch_y * cos[14] + bz_r_hip_pitch_x * sin[14];
+    // r_ank_pitch
+    let bz_r_ank_pitch_y = bz_r_knee_y * cos[15] - bz_r_knee_x * sin[15];
     // r_sho_pitch
-    let bz_r_sho_pitch_x = bz_l_hip_yaw_y * cos[17] + bz_l_hip_roll_x * sin[17];
-    let bz_r_sho_pitch_y = bz_l_hip_roll_x * cos[17] - bz_l_hip_yaw_y * sin[17];
+    let bz_r_sho_pitch_x = bz_l_hip_yaw_x * cos[17] + bz_l_hip_roll_y * sin[17];
+    let bz_r_sho_pitch_y = bz_l_hip_roll_y * cos[17] - bz_l_hip_yaw_x * sin[17];
     let zero = T::from_f64(0.0);
     [
         [
-            bx_l_hip_yaw_y * t_head_pan_x - bx_l_hip_yaw_x * t_head_pan_y,
-            bx_l_hip_roll_x * t_head_tilt_x - bx_head_pan_y * t_head_tilt_y,
-            bx_l_hip_pitch_y * t_l_hip_yaw_x + e4 * t_l_hip_yaw_y,
-            -(bx_l_hip_pitch_x * e3),
-            bx_l_knee_y * t_l_hip_pitch_x - bx_l_knee_x * t_l_hip_pitch_y,
-            cos[6] * t_l_knee_x + sin[6] * t_l_knee_y,
+            -(e2 * t_head_pan_x + bx_l_hip_yaw_x * t_head_pan_y),
+            bx_l_hip_roll_y * t_head_tilt_x - bx_head_pan_x * t_head_tilt_y,
+            -(bx_l_hip_pitch_x * t_l_hip_yaw_x - bx_l_hip_roll_x * t_l_hip_yaw_y),
+            bx_l_hip_pitch_y * t_l_hip_roll_y,
+            -(bx_l_knee_y * t_l_hip_pitch_x - bx_l_knee_x * t_l_hip_pitch_y),
+            sin[6] * t_l_knee_x + cos[6] * t_l_knee_y,
             -t_l_ank_pitch_x,
             zero,
-            -(bx_l_hip_roll_x * t_l_sho_pitch_x - bx_l_hip_yaw_y * t_l_sho_pitch_y),
-            -(bx_l_hip_yaw_x * t_l_sho_roll_x + bx_l_sho_pitch_y * t_l_sho_roll_y),
+            -(bx_l_hip_roll_y * t_l_sho_pitch_x - bx_l_hip_yaw_x * t_l_sho_pitch_y),
+            -(e2 * t_l_sho_roll_x + bx_l_sho_pitch_y * t_l_sho_roll_y),
             bx_l_sho_pitch_x * t_l_el_x
-                + (bx_l_hip_yaw_x * s_l_sho_roll - bx_l_sho_pitch_y * c_l_sho_roll)
-                    * t_l_el_y,
-            -(bx_l_hip_yaw_y * t_r_hip_yaw_x - bx_l_hip_yaw_x * t_r_hip_yaw_y),
-            bx_l_hip_roll_x * t_r_hip_roll_x - bx_r_hip_yaw_x * t_r_hip_roll_y,
-            -(bx_r_hip_yaw_y * t_r_hip_pitch_x - e5 * e2),
-            e6 * t_r_knee_y - e7 * t_r_knee_x,
-            -(bx_r_knee_y * t_r_ank_pitch_x + e8 * t_r_ank_pitch_y),
-            (e8 * cos[15] + bx_r_knee_y * sin[15]) * t_r_ank_roll_y
-                - bx_r_hip_roll_x * t_r_ank_roll_x,
-            bx_l_hip_roll_x * t_r_sho_pitch_x - bx_l_hip_yaw_y * t_r_sho_pitch_y,
-            -(bx_l_hip_yaw_x * t_r_sho_roll_x + bx_r_sho_pitch_y * t_r_sho_roll_y),
+                + (e2 * s_l_sho_roll - bx_l_sho_pitch_y * c_l_sho_roll) * t_l_el_y,
+            e2 * t_r_hip_yaw_x + bx_l_hip_yaw_x * t_r_hip_yaw_y,
+            -(bx_l_hip_roll_y * t_r_hip_roll_x - bx_r_hip_yaw_y * t_r_hip_roll_y),
+            bx_r_hip_yaw_x * t_r_hip_pitch_x - bx_r_hip_roll_y * t_r_hip_pitch_y,
+            -(bx_r_hip_pitch_y * t_r_knee_x - bx_r_hip_pitch_x * t_r_knee_y),
+            bx_r_knee_y * t_r_ank_pitch_x - bx_r_knee_x * t_r_ank_pitch_y,
+            -(bx_r_hip_roll_x * t_r_ank_roll_x - bx_r_ank_pitch_y * t_r_ank_roll_y),
+            bx_l_hip_roll_y * t_r_sho_pitch_x - bx_l_hip_yaw_x * t_r_sho_pitch_y,
+            -(e2 * t_r_sho_roll_x + bx_r_sho_pitch_y * t_r_sho_roll_y),
             -(bx_r_sho_pitch_x * t_r_el_x
-                - (bx_l_hip_yaw_x * s_r_sho_roll - bx_r_sho_pitch_y * c_r_sho_roll) * e1),
+                - (e2 * s_r_sho_roll - bx_r_sho_pitch_y * c_r_sho_roll) * e1),
         ],
         [
-            by_l_hip_yaw_y * t_head_pan_x - by_l_hip_yaw_x * t_head_pan_y,
-            by_l_hip_roll_x * t_head_tilt_x - by_head_pan_y * t_head_tilt_y,
-            by_l_hip_pitch_y * t_l_hip_yaw_x + e9 * t_l_hip_yaw_y,
-            -(cos[7] * t_l_hip_roll_x + by_l_hip_pitch_x * e3),
-            by_l_knee_y * t_l_hip_pitch_x - by_l_knee_x * t_l_hip_pitch_y,
-            by_l_ank_pitch_y * t_l_knee_x - by_l_ank_pitch_x * t_l_knee_y,
+            -(e4 * t_head_pan_x + by_l_hip_yaw_x * t_head_pan_y),
+            -(e3 * t_head_tilt_x + by_head_pan_x * t_head_tilt_y),
+            -(by_l_hip_pitch_x * t_l_hip_yaw_x - by_l_hip_roll_x * t_l_hip_yaw_y),
+            -(cos[7] * t_l_hip_roll_x - by_l_hip_pitch_y * t_l_hip_roll_y),
+            -(by_l_knee_y * t_l_hip_pitch_x - by_l_knee_x * t_l_hip_pitch_y),
+            -(by_l_ank_pitch_y * t_l_knee_x - by_l_ank_pitch_x * t_l_knee_y),
             sin[7] * t_l_ank_pitch_y,
             t_l_ank_roll_y,
-            -(by_l_hip_roll_x * t_l_sho_pitch_x - by_l_hip_yaw_y * t_l_sho_pitch_y),
-            -(by_l_hip_yaw_x * t_l_sho_roll_x + by_l_sho_pitch_y * t_l_sho_roll_y),
+            e3 * t_l_sho_pitch_x + by_l_hip_yaw_x * t_l_sho_pitch_y,
+            -(e4 * t_l_sho_roll_x + by_l_sho_pitch_y * t_l_sho_roll_y),
             by_l_sho_pitch_x * t_l_el_x
-                + (by_l_hip_yaw_x * s_l_sho_roll - by_l_sho_pitch_y * c_l_sho_roll)
-                    * t_l_el_y,
-            -(by_l_hip_yaw_y * t_r_hip_yaw_x - by_l_hip_yaw_x * t_r_hip_yaw_y),
-            by_l_hip_roll_x * t_r_hip_roll_x - by_r_hip_yaw_x * t_r_hip_roll_y,
-            -(by_r_hip_yaw_y * t_r_hip_pitch_x - e10 * e2),
-            e11 * t_r_knee_y - e12 * t_r_knee_x,
-            -(by_r_knee_y * t_r_ank_pitch_x + e13 * t_r_ank_pitch_y),
-            (e13 * cos[15] + by_r_knee_y * sin[15]) * t_r_ank_roll_y
-                - by_r_hip_roll_x * t_r_ank_roll_x,
-            by_l_hip_roll_x * t_r_sho_pitch_x - by_l_hip_yaw_y * t_r_sho_pitch_y,
-            -(by_l_hip_yaw_x * t_r_sho_roll_x + by_r_sho_pitch_y * t_r_sho_roll_y),
-            -(by_r_sho_pitch_x * t_r_el_x
-                - (by_l_hip_yaw_x * s_r_sho_roll - by_r_sho_pitch_y * c_r_sho_roll) * e1),
+                + (e4 * s_l_sho_roll - by_l_sho_pitch_y * c_l_sho_roll) * t_l_el_y,
+            e4 * t_r_hip_yaw_x + by_l_hip_yaw_x * t_r_hip_yaw_y,
+            e3 * t_r_hip_roll_x + by_r_hip_yaw_y * t_r_hip_roll_y,
+            by_r_hip_yaw_x * t_r_hip_pitch_x - by_r_hip_roll_y * t_r_hip_pitch_y,
+            -(by_r_hip_pitch_y * t_r_knee_x - by_r_hip_pitch_x * t_r_knee_y),
+            by_r_knee_y * t_r_ank_pitch_x - by_r_knee_x * t_r_ank_pitch_y,
+            -(by_r_hip_roll_x * t_r_ank_roll_x - by_r_ank_pitch_y * t_r_ank_roll_y),
+            -(e3 * t_r_sho_pitch_x + by_l_hip_yaw_x * t_r_sho_pitch_y),
+            e5 * t_r_sho_roll_y - e4 * t_r_sho_roll_x,
+            -(by_r_sho_pitch_x * t_r_el_x - (e4 * s_r_sho_roll + e5 * c_r_sho_roll) * e1),
         ],
         [
-            bz_l_hip_yaw_y * t_head_pan_x - bz_l_hip_yaw_x * t_head_pan_y,
-            bz_l_hip_roll_x * t_head_tilt_x - bz_head_pan_y * t_head_tilt_y,
-            bz_l_hip_pitch_y * t_l_hip_yaw_x + e14 * t_l_hip_yaw_y,
-            -(bz_l_hip_pitch_x * e3 - sin[7] * t_l_hip_roll_x),
-            bz_l_knee_y * t_l_hip_pitch_x - bz_l_knee_x * t_l_hip_pitch_y,
-            bz_l_ank_pitch_y * t_l_knee_x - bz_l_ank_pitch_x * t_l_knee_y,
+            -(e6 * t_head_pan_x + bz_l_hip_yaw_x * t_head_pan_y),
+            bz_l_hip_roll_y * t_head_tilt_x - bz_head_pan_x * t_head_tilt_y,
+            -(bz_l_hip_pitch_x * t_l_hip_yaw_x - bz_l_hip_roll_x * t_l_hip_yaw_y),
+            sin[7] * t_l_hip_roll_x + bz_l_hip_pitch_y * t_l_hip_roll_y,
+            -(bz_l_knee_y * t_l_hip_pitch_x - bz_l_knee_x * t_l_hip_pitch_y),
+            -(bz_l_ank_pitch_y * t_l_knee_x - bz_l_ank_pitch_x * t_l_knee_y),
             cos[7] * t_l_ank_pitch_y,
             -t_l_ank_roll_x,
-            -(bz_l_hip_roll_x * t_l_sho_pitch_x - bz_l_hip_yaw_y * t_l_sho_pitch_y),
-            -(bz_l_hip_yaw_x * t_l_sho_roll_x + bz_l_sho_pitch_y * t_l_sho_roll_y),
+            -(bz_l_hip_roll_y * t_l_sho_pitch_x - bz_l_hip_yaw_x * t_l_sho_pitch_y),
+            -(e6 * t_l_sho_roll_x + bz_l_sho_pitch_y * t_l_sho_roll_y),
             bz_l_sho_pitch_x * t_l_el_x
-                + (bz_l_hip_yaw_x * s_l_sho_roll - bz_l_sho_pitch_y * c_l_sho_roll)
-                    * t_l_el_y,
-            -(bz_l_hip_yaw_y * t_r_hip_yaw_x - bz_l_hip_yaw_x * t_r_hip_yaw_y),
-            bz_l_hip_roll_x * t_r_hip_roll_x - bz_r_hip_yaw_x * t_r_hip_roll_y,
-            -(bz_r_hip_yaw_y * t_r_hip_pitch_x - e15 * e2),
-            e16 * t_r_knee_y - e17 * t_r_knee_x,
-            -(bz_r_knee_y * t_r_ank_pitch_x + e18 * t_r_ank_pitch_y),
-            (e18 * cos[15] + bz_r_knee_y * sin[15]) * t_r_ank_roll_y
-                - bz_r_hip_roll_x * t_r_ank_roll_x,
-            bz_l_hip_roll_x * t_r_sho_pitch_x - bz_l_hip_yaw_y * t_r_sho_pitch_y,
-            -(bz_l_hip_yaw_x * t_r_sho_roll_x + bz_r_sho_pitch_y * t_r_sho_roll_y),
+                + (e6 * s_l_sho_roll - bz_l_sho_pitch_y * c_l_sho_roll) * t_l_el_y,
+            e6 * t_r_hip_yaw_x + bz_l_hip_yaw_x * t_r_hip_yaw_y,
+            -(bz_l_hip_roll_y * t_r_hip_roll_x - bz_r_hip_yaw_y * t_r_hip_roll_y),
+            bz_r_hip_yaw_x * t_r_hip_pitch_x - bz_r_hip_roll_y * t_r_hip_pitch_y,
+            -(bz_r_hip_pitch_y * t_r_knee_x - bz_r_hip_pitch_x * t_r_knee_y),
+            bz_r_knee_y * t_r_ank_pitch_x - bz_r_knee_x * t_r_ank_pitch_y,
+            -(bz_r_hip_roll_x * t_r_ank_roll_x - bz_r_ank_pitch_y * t_r_ank_roll_y),
+            bz_l_hip_roll_y * t_r_sho_pitch_x - bz_l_hip_yaw_x * t_r_sho_pitch_y,
+            -(e6 * t_r_sho_roll_x + bz_r_sho_pitch_y * t_r_sho_roll_y),
             -(bz_r_sho_pitch_x * t_r_el_x
-                - (bz_l_hip_yaw_x * s_r_sho_roll - bz_r_sho_pitch_y * c_r_sho_roll) * e1),
+                - (e6 * s_r_sho_roll - bz_r_sho_pitch_y * c_r_sho_roll) * e1),
         ],
     ]
 }
@@ -2547,30 +2534,30 @@ pub fn gravity_moments_sc<T: Real>(
     let t_r_sho_pitch_x = cos[17] * v_r_sho_pitch_x - sin[17] * v_r_sho_pitch_y;
     let t_r_sho_pitch_y = sin[17] * v_r_sho_pitch_x + cos[17] * v_r_sho_pitch_y;
     // r_ank_roll
-    let t_r_ank_roll_x = cos[16] * r[35] - sin[16] * r[36];
-    let t_r_ank_roll_y = sin[16] * r[35] + cos[16] * r[36];
+    let t_r_ank_roll_x = sin[16] * r[35] + cos[16] * r[36];
+    let t_r_ank_roll_y = cos[16] * r[35] - sin[16] * r[36];
     // r_ank_pitch
-    let v_r_ank_pitch_x = r[33] + t_r_ank_roll_x;
-    let t_r_ank_pitch_x = cos[15] * v_r_ank_pitch_x + sin[15] * r[34];
-    let t_r_ank_pitch_y = cos[15] * r[34] - sin[15] * v_r_ank_pitch_x;
+    let v_r_ank_pitch_y = r[34] + t_r_ank_roll_x;
+    let t_r_ank_pitch_x = cos[15] * r[33] - sin[15] * v_r_ank_pitch_y;
+    let t_r_ank_pitch_y = sin[15] * r[33] + cos[15] * v_r_ank_pitch_y;
     // r_knee
     let v_r_knee_x = r[31] + t_r_ank_pitch_x;
     let v_r_knee_y = r[32] + t_r_ank_pitch_y;
-    let t_r_knee_x = cos[14] * v_r_knee_x - sin[14] * v_r_knee_y;
-    let t_r_knee_y = sin[14] * v_r_knee_x + cos[14] * v_r_knee_y;
+    let t_r_knee_x = cos[14] * v_r_knee_x + sin[14] * v_r_knee_y;
+    let t_r_knee_y = cos[14] * v_r_knee_y - sin[14] * v_r_knee_x;
     // r_hip_pitch
     let v_r_hip_pitch_x = r[29] + t_r_knee_x;
     let v_r_hip_pitch_y = r[30] + t_r_knee_y;
-    let t_r_hip_pitch_x = cos[13] * v_r_hip_pitch_x - sin[13] * v_r_hip_pitch_y;
-    let e2 = sin[13] * v_r_hip_pitch_x + cos[13] * v_r_hip_pitch_y;
+    let t_r_hip_pitch_x = cos[13] * v_r_hip_pitch_y - sin[13] * v_r_hip_pitch_x;
+    let t_r_hip_pitch_y = cos[13] * v_r_hip_pitch_x + sin[13] * v_r_hip_pitch_y;
     // r_hip_roll
-    let v_r_hip_roll_x = r[27] - t_r_ank_roll_y;
+    let v_r_hip_roll_x = r[27] + t_r_ank_roll_y;
     let v_r_hip_roll_y = r[28] + t_r_hip_pitch_x;
     let t_r_hip_roll_x = cos[12] * v_r_hip_roll_x + sin[12] * v_r_hip_roll_y;
-    let t_r_hip_roll_y = sin[12] * v_r_hip_roll_x - cos[12] * v_r_hip_roll_y;
+    let t_r_hip_roll_y = cos[12] * v_r_hip_roll_y - sin[12] * v_r_hip_roll_x;
     // r_hip_yaw
-    let v_r_hip_yaw_x = r[25] + t_r_hip_roll_x;
-    let v_r_hip_yaw_y = r[26] - e2;
+    let v_r_hip_yaw_x = r[25] + t_r_hip_pitch_y;
+    let v_r_hip_yaw_y = r[26] + t_r_hip_roll_x;
     let t_r_hip_yaw_x = cos[11] * v_r_hip_yaw_x + sin[11] * v_r_hip_yaw_y;
     let t_r_hip_yaw_y = cos[11] * v_r_hip_yaw_y - sin[11] * v_r_hip_yaw_x;
     // l_el
@@ -2593,102 +2580,102 @@ pub fn gravity_moments_sc<T: Real>(
     let t_head_tilt_x = cos[1] * r[17] + sin[1] * r[18];
     let t_head_tilt_y = sin[1] * r[17] - cos[1] * r[18];
     // head_pan
-    let v_head_pan_y = r[16] + t_head_tilt_x;
-    let t_head_pan_x = cos[0] * r[15] - sin[0] * v_head_pan_y;
-    let t_head_pan_y = sin[0] * r[15] + cos[0] * v_head_pan_y;
+    let v_head_pan_x = r[15] + t_head_tilt_x;
+    let t_head_pan_x = cos[0] * v_head_pan_x - sin[0] * r[16];
+    let t_head_pan_y = sin[0] * v_head_pan_x + cos[0] * r[16];
     // l_hip_yaw
-    let v_l_hip_yaw_x = r[13] + t_head_pan_x - t_l_sho_roll_y + t_r_hip_yaw_x
-        - t_r_sho_roll_y;
-    let v_l_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_pitch_x + t_r_hip_yaw_y
+    let v_l_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_hip_yaw_x
         + t_r_sho_pitch_x;
+    let v_l_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_hip_yaw_y
+        + t_r_sho_roll_y;
     let v_l_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_hip_roll_y
         + t_r_sho_pitch_y;
-    let t_l_hip_yaw_x = cos[2] * v_l_hip_yaw_x - sin[2] * v_l_hip_yaw_y;
-    let t_l_hip_yaw_y = sin[2] * v_l_hip_yaw_x + cos[2] * v_l_hip_yaw_y;
+    let t_l_hip_yaw_x = sin[2] * v_l_hip_yaw_x + cos[2] * v_l_hip_yaw_y;
+    let t_l_hip_yaw_y = cos[2] * v_l_hip_yaw_x - sin[2] * v_l_hip_yaw_y;
     // l_hip_roll
-    let v_l_hip_roll_x = r[11] + v_l_hip_yaw_z;
-    let v_l_hip_roll_y = r[12] + t_l_hip_yaw_x;
-    let t_l_hip_roll_x = cos[3] * v_l_hip_roll_x - sin[3] * v_l_hip_roll_y;
-    let e3 = sin[3] * v_l_hip_roll_x + cos[3] * v_l_hip_roll_y;
+    let v_l_hip_roll_x = r[11] + t_l_hip_yaw_x;
+    let v_l_hip_roll_y = r[12] + v_l_hip_yaw_z;
+    let t_l_hip_roll_x = sin[3] * v_l_hip_roll_x + cos[3] * v_l_hip_roll_y;
+    let t_l_hip_roll_y = cos[3] * v_l_hip_roll_x - sin[3] * v_l_hip_roll_y;
     // l_hip_pitch
-    let v_l_hip_pitch_x = r[9] + t_l_hip_roll_x;
-    let v_l_hip_pitch_y = r[10] + t_l_hip_yaw_y;
-    let t_l_hip_pitch_x = cos[4] * v_l_hip_pitch_x - sin[4] * v_l_hip_pitch_y;
-    let t_l_hip_pitch_y = sin[4] * v_l_hip_pitch_x + cos[4] * v_l_hip_pitch_y;
+    let v_l_hip_pitch_x = r[9] + t_l_hip_yaw_y;
+    let v_l_hip_pitch_y = r[10] + t_l_hip_roll_x;
+    let t_l_hip_pitch_x = cos[4] * v_l_hip_pitch_x + sin[4] * v_l_hip_pitch_y;
+    let t_l_hip_pitch_y = cos[4] * v_l_hip_pitch_y - sin[4] * v_l_hip_pitch_x;
     // l_knee
     let v_l_knee_x = r[7] + t_l_hip_pitch_x;
     let v_l_knee_y = r[8] + t_l_hip_pitch_y;
-    let t_l_knee_x = cos[5] * v_l_knee_x - sin[5] * v_l_knee_y;
-    let t_l_knee_y = sin[5] * v_l_knee_x + cos[5] * v_l_knee_y;
+    let t_l_knee_x = cos[5] * v_l_knee_x + sin[5] * v_l_knee_y;
+    let t_l_knee_y = cos[5] * v_l_knee_y - sin[5] * v_l_knee_x;
     // l_ank_pitch
     let v_l_ank_pitch_x = r[5] + t_l_knee_x;
     let v_l_ank_pitch_y = r[6] + t_l_knee_y;
-    let t_l_ank_pitch_x = cos[6] * v_l_ank_pitch_x + sin[6] * v_l_ank_pitch_y;
-    let t_l_ank_pitch_y = cos[6] * v_l_ank_pitch_y - sin[6] * v_l_ank_pitch_x;
+    let t_l_ank_pitch_x = sin[6] * v_l_ank_pitch_x + cos[6] * v_l_ank_pitch_y;
+    let t_l_ank_pitch_y = cos[6] * v_l_ank_pitch_x - sin[6] * v_l_ank_pitch_y;
     // l_ank_roll
-    let v_l_ank_roll_x = r[3] - e3;
+    let v_l_ank_roll_x = r[3] + t_l_hip_roll_y;
     let v_l_ank_roll_y = r[4] + t_l_ank_pitch_x;
     let t_l_ank_roll_x = cos[7] * v_l_ank_roll_x + sin[7] * v_l_ank_roll_y;
     // l_ank_pitch
-    let bz_l_ank_pitch_x = cos[7] * cos[6];
-    let bz_l_ank_pitch_y = cos[7] * sin[6];
+    let bz_l_ank_pitch_x = cos[7] * sin[6];
+    let bz_l_ank_pitch_y = cos[7] * cos[6];
     // l_knee
-    let bz_l_knee_x = bz_l_ank_pitch_x * cos[5] + bz_l_ank_pitch_y * sin[5];
-    let bz_l_knee_y = bz_l_ank_pitch_y * cos[5] - bz_l_ank_pitch_x * sin[5];
+    let bz_l_knee_x = bz_l_ank_pitch_x * cos[5] - bz_l_ank_pitch_y * sin[5];
+    let bz_l_knee_y = bz_l_ank_pitch_y * cos[5] + bz_l_ank_pitch_x * sin[5];
     // l_hip_pitch
-    let bz_l_hip_pitch_x = bz_l_knee_x * cos[4] + bz_l_knee_y * sin[4];
-    let bz_l_hip_pitch_y = bz_l_knee_y * cos[4] - bz_l_knee_x * sin[4];
+    let bz_l_hip_pitch_x = bz_l_knee_x * cos[4] - bz_l_knee_y * sin[4];
+    let bz_l_hip_pitch_y = bz_l_knee_y * cos[4] + bz_l_knee_x * sin[4];
     // l_hip_roll
-    let bz_l_hip_roll_x = bz_l_hip_pitch_x * cos[3] + sin[7] * sin[3];
-    let e4 = bz_l_hip_pitch_x * sin[3] - sin[7] * cos[3];
+    let bz_l_hip_roll_x = bz_l_hip_pitch_y * sin[3] - sin[7] * cos[3];
+    let bz_l_hip_roll_y = sin[7] * sin[3] + bz_l_hip_pitch_y * cos[3];
     // l_hip_yaw
-    let bz_l_hip_yaw_x = bz_l_hip_pitch_y * sin[2] - e4 * cos[2];
-    let bz_l_hip_yaw_y = bz_l_hip_pitch_y * cos[2] + e4 * sin[2];
+    let bz_l_hip_yaw_x = bz_l_hip_roll_x * sin[2] + bz_l_hip_pitch_x * cos[2];
+    let e2 = bz_l_hip_pitch_x * sin[2] - bz_l_hip_roll_x * cos[2];
     // head_pan
-    let bz_head_pan_y = bz_l_hip_yaw_y * cos[0] - bz_l_hip_yaw_x * sin[0];
+    let bz_head_pan_x = bz_l_hip_yaw_x * cos[0] - e2 * sin[0];
     // l_sho_pitch
-    let bz_l_sho_pitch_x = bz_l_hip_yaw_y * cos[8] - bz_l_hip_roll_x * sin[8];
-    let bz_l_sho_pitch_y = bz_l_hip_roll_x * cos[8] + bz_l_hip_yaw_y * sin[8];
+    let bz_l_sho_pitch_x = bz_l_hip_yaw_x * cos[8] - bz_l_hip_roll_y * sin[8];
+    let bz_l_sho_pitch_y = bz_l_hip_roll_y * cos[8] + bz_l_hip_yaw_x * sin[8];
     // r_hip_yaw
-    let bz_r_hip_yaw_x = bz_l_hip_yaw_x * cos[11] - bz_l_hip_yaw_y * sin[11];
-    let bz_r_hip_yaw_y = bz_l_hip_yaw_y * cos[11] + bz_l_hip_yaw_x * sin[11];
+    let bz_r_hip_yaw_x = bz_l_hip_yaw_x * cos[11] + e2 * sin[11];
+    let bz_r_hip_yaw_y = bz_l_hip_yaw_x * sin[11] - e2 * cos[11];
     // r_hip_roll
-    let bz_r_hip_roll_x = bz_r_hip_yaw_x * cos[12] + bz_l_hip_roll_x * sin[12];
-    let e5 = bz_l_hip_roll_x * cos[12] - bz_r_hip_yaw_x * sin[12];
+    let bz_r_hip_roll_x = bz_r_hip_yaw_y * cos[12] - bz_l_hip_roll_y * sin[12];
+    let bz_r_hip_roll_y = bz_l_hip_roll_y * cos[12] + bz_r_hip_yaw_y * sin[12];
     // r_hip_pitch
-    let e6 = e5 * cos[13] + bz_r_hip_yaw_y * sin[13];
-    let e7 = bz_r_hip_yaw_y * cos[13] - e5 * sin[13];
+    let bz_r_hip_pitch_x = bz_r_hip_yaw_x * cos[13] - bz_r_hip_roll_y * sin[13];
+    let bz_r_hip_pitch_y = bz_r_hip_yaw_x * sin[13] + bz_r_hip_roll_y * cos[13];
     // r_knee
-    let e8 = e6 * cos[14] + e7 * sin[14];
-    let bz_r_knee_y = e6 * sin[14] - e7 * cos[14];
+    let bz_r_knee_x = bz_r_hip_pitch_x * cos[14] - bz_r_hip_pitch_y * sin[14];
+    let bz_r_knee_y = bz_r_hip_pitch_y * cos[14] + bz_r_hip_pitch_x * sin[14];
+    // r_ank_pitch
+    let bz_r_ank_pitch_y = bz_r_knee_y * cos[15] - bz_r_knee_x * sin[15];
     // r_sho_pitch
-    let bz_r_sho_pitch_x = bz_l_hip_yaw_y * cos[17] + bz_l_hip_roll_x * sin[17];
-    let bz_r_sho_pitch_y = bz_l_hip_roll_x * cos[17] - bz_l_hip_yaw_y * sin[17];
+    let bz_r_sho_pitch_x = bz_l_hip_yaw_x * cos[17] + bz_l_hip_roll_y * sin[17];
+    let bz_r_sho_pitch_y = bz_l_hip_roll_y * cos[17] - bz_l_hip_yaw_x * sin[17];
     [
-        -(bz_l_hip_yaw_y * t_head_pan_x - bz_l_hip_yaw_x * t_head_pan_y),
-        -(bz_l_hip_roll_x * t_head_tilt_x - bz_head_pan_y * t_head_tilt_y),
-        -(bz_l_hip_pitch_y * t_l_hip_yaw_x + e4 * t_l_hip_yaw_y),
-        bz_l_hip_pitch_x * e3 - sin[7] * t_l_hip_roll_x,
-        -(bz_l_knee_y * t_l_hip_pitch_x - bz_l_knee_x * t_l_hip_pitch_y),
-        -(bz_l_ank_pitch_y * t_l_knee_x - bz_l_ank_pitch_x * t_l_knee_y),
+        e2 * t_head_pan_x + bz_l_hip_yaw_x * t_head_pan_y,
+        -(bz_l_hip_roll_y * t_head_tilt_x - bz_head_pan_x * t_head_tilt_y),
+        bz_l_hip_pitch_x * t_l_hip_yaw_x - bz_l_hip_roll_x * t_l_hip_yaw_y,
+        -(sin[7] * t_l_hip_roll_x + bz_l_hip_pitch_y * t_l_hip_roll_y),
+        bz_l_knee_y * t_l_hip_pitch_x - bz_l_knee_x * t_l_hip_pitch_y,
+        bz_l_ank_pitch_y * t_l_knee_x - bz_l_ank_pitch_x * t_l_knee_y,
         -(cos[7] * t_l_ank_pitch_y),
         t_l_ank_roll_x,
-        bz_l_hip_roll_x * t_l_sho_pitch_x - bz_l_hip_yaw_y * t_l_sho_pitch_y,
-        bz_l_hip_yaw_x * t_l_sho_roll_x + bz_l_sho_pitch_y * t_l_sho_roll_y,
+        bz_l_hip_roll_y * t_l_sho_pitch_x - bz_l_hip_yaw_x * t_l_sho_pitch_y,
+        e2 * t_l_sho_roll_x + bz_l_sho_pitch_y * t_l_sho_roll_y,
         -(bz_l_sho_pitch_x * t_l_el_x
-            + (bz_l_hip_yaw_x * s_l_sho_roll - bz_l_sho_pitch_y * c_l_sho_roll)
-                * t_l_el_y),
-        bz_l_hip_yaw_y * t_r_hip_yaw_x - bz_l_hip_yaw_x * t_r_hip_yaw_y,
-        -(bz_l_hip_roll_x * t_r_hip_roll_x - bz_r_hip_yaw_x * t_r_hip_roll_y),
-        bz_r_hip_yaw_y * t_r_hip_pitch_x - e5 * e2,
-        -(e6 * t_r_knee_y - e7 * t_r_knee_x),
-        bz_r_knee_y * t_r_ank_pitch_x + e8 * t_r_ank_pitch_y,
-        -((e8 * cos[15] + bz_r_knee_y * sin[15]) * t_r_ank_roll_y
-            - bz_r_hip_roll_x * t_r_ank_roll_x),
-        -(bz_l_hip_roll_x * t_r_sho_pitch_x - bz_l_hip_yaw_y * t_r_sho_pitch_y),
-        bz_l_hip_yaw_x * t_r_sho_roll_x + bz_r_sho_pitch_y * t_r_sho_roll_y,
+            + (e2 * s_l_sho_roll - bz_l_sho_pitch_y * c_l_sho_roll) * t_l_el_y),
+        -(e2 * t_r_hip_yaw_x + bz_l_hip_yaw_x * t_r_hip_yaw_y),
+        bz_l_hip_roll_y * t_r_hip_roll_x - bz_r_hip_yaw_y * t_r_hip_roll_y,
+        -(bz_r_hip_yaw_x * t_r_hip_pitch_x - bz_r_hip_roll_y * t_r_hip_pitch_y),
+        bz_r_hip_pitch_y * t_r_knee_x - bz_r_hip_pitch_x * t_r_knee_y,
+        -(bz_r_knee_y * t_r_ank_pitch_x - bz_r_knee_x * t_r_ank_pitch_y),
+        bz_r_hip_roll_x * t_r_ank_roll_x - bz_r_ank_pitch_y * t_r_ank_roll_y,
+        -(bz_l_hip_roll_y * t_r_sho_pitch_x - bz_l_hip_yaw_x * t_r_sho_pitch_y),
+        e2 * t_r_sho_roll_x + bz_r_sho_pitch_y * t_r_sho_roll_y,
         bz_r_sho_pitch_x * t_r_el_x
-            - (bz_l_hip_yaw_x * s_r_sho_roll - bz_r_sho_pitch_y * c_r_sho_roll) * e1,
+            - (e2 * s_r_sho_roll - bz_r_sho_pitch_y * c_r_sho_roll) * e1,
     ]
 }
 /// Rows of the base regressor: CoM = rows · r.
@@ -2699,213 +2686,194 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
     // l_ank_roll
     let bz_l_ank_roll_x = -sin[7];
     // l_ank_pitch
-    let bx_l_ank_pitch_x = -sin[6];
+    let bx_l_ank_pitch_y = -sin[6];
     // l_knee
-    let bx_l_knee_x = cos[6] * sin[5] - sin[6] * cos[5];
-    let bx_l_knee_y = cos[6] * cos[5] + sin[6] * sin[5];
+    let bx_l_knee_x = cos[6] * cos[5] + sin[6] * sin[5];
+    let bx_l_knee_y = cos[6] * sin[5] - sin[6] * cos[5];
     // l_hip_pitch
-    let bx_l_hip_pitch_x = bx_l_knee_x * cos[4] + bx_l_knee_y * sin[4];
-    let bx_l_hip_pitch_y = bx_l_knee_y * cos[4] - bx_l_knee_x * sin[4];
+    let bx_l_hip_pitch_x = bx_l_knee_x * cos[4] - bx_l_knee_y * sin[4];
+    let bx_l_hip_pitch_y = bx_l_knee_y * cos[4] + bx_l_knee_x * sin[4];
     // l_hip_roll
-    let bx_l_hip_roll_x = bx_l_hip_pitch_x * cos[3];
-    let e1 = bx_l_hip_pitch_x * sin[3];
-    let bx_l_hip_roll_y = -e1;
+    let bx_l_hip_roll_x = bx_l_hip_pitch_y * sin[3];
+    let bx_l_hip_roll_y = bx_l_hip_pitch_y * cos[3];
     // l_hip_yaw
-    let bx_l_hip_yaw_x = bx_l_hip_pitch_y * sin[2] - e1 * cos[2];
-    let bx_l_hip_yaw_y = bx_l_hip_pitch_y * cos[2] + e1 * sin[2];
+    let bx_l_hip_yaw_x = bx_l_hip_roll_x * sin[2] + bx_l_hip_pitch_x * cos[2];
+    let e1 = bx_l_hip_pitch_x * sin[2] - bx_l_hip_roll_x * cos[2];
+    let bx_l_hip_yaw_y = -e1;
     // head_pan
-    let bx_head_pan_x = bx_l_hip_yaw_x * cos[0] + bx_l_hip_yaw_y * sin[0];
-    let bx_head_pan_y = bx_l_hip_yaw_y * cos[0] - bx_l_hip_yaw_x * sin[0];
+    let bx_head_pan_x = bx_l_hip_yaw_x * cos[0] - e1 * sin[0];
+    let bx_head_pan_y = -(e1 * cos[0] + bx_l_hip_yaw_x * sin[0]);
     // head_tilt
-    let bx_head_tilt_x = bx_head_pan_y * cos[1] + bx_l_hip_roll_x * sin[1];
-    let bx_head_tilt_y = -(bx_l_hip_roll_x * cos[1] - bx_head_pan_y * sin[1]);
+    let bx_head_tilt_x = bx_head_pan_x * cos[1] + bx_l_hip_roll_y * sin[1];
+    let bx_head_tilt_y = -(bx_l_hip_roll_y * cos[1] - bx_head_pan_x * sin[1]);
     // l_sho_pitch
-    let bx_l_sho_pitch_x = bx_l_hip_yaw_y * cos[8] - bx_l_hip_roll_x * sin[8];
-    let bx_l_sho_pitch_y = bx_l_hip_roll_x * cos[8] + bx_l_hip_yaw_y * sin[8];
+    let bx_l_sho_pitch_x = bx_l_hip_yaw_x * cos[8] - bx_l_hip_roll_y * sin[8];
+    let bx_l_sho_pitch_y = bx_l_hip_roll_y * cos[8] + bx_l_hip_yaw_x * sin[8];
     // l_sho_roll
     let s_l_sho_roll = T::from_f64(0.707106781467586) * sin[9]
         - T::from_f64(0.7071067809055092) * cos[9];
     let c_l_sho_roll = T::from_f64(0.707106781467586) * cos[9]
         + T::from_f64(0.7071067809055092) * sin[9];
-    let bx_l_sho_roll_x = -(bx_l_sho_pitch_y * s_l_sho_roll
-        + bx_l_hip_yaw_x * c_l_sho_roll);
-    let e2 = bx_l_hip_yaw_x * s_l_sho_roll - bx_l_sho_pitch_y * c_l_sho_roll;
+    let bx_l_sho_roll_x = -(bx_l_sho_pitch_y * s_l_sho_roll + e1 * c_l_sho_roll);
+    let e2 = e1 * s_l_sho_roll - bx_l_sho_pitch_y * c_l_sho_roll;
     let bx_l_sho_roll_y = -e2;
     // l_el
     let bx_l_el_x = bx_l_sho_pitch_x * sin[10] - e2 * cos[10];
     let bx_l_el_y = -(bx_l_sho_pitch_x * cos[10] + e2 * sin[10]);
     // r_hip_yaw
-    let bx_r_hip_yaw_x = bx_l_hip_yaw_x * cos[11] - bx_l_hip_yaw_y * sin[11];
-    let bx_r_hip_yaw_y = bx_l_hip_yaw_y * cos[11] + bx_l_hip_yaw_x * sin[11];
+    let bx_r_hip_yaw_x = bx_l_hip_yaw_x * cos[11] + e1 * sin[11];
+    let bx_r_hip_yaw_y = bx_l_hip_yaw_x * sin[11] - e1 * cos[11];
     // r_hip_roll
-    let bx_r_hip_roll_x = bx_r_hip_yaw_x * cos[12] + bx_l_hip_roll_x * sin[12];
-    let e3 = bx_l_hip_roll_x * cos[12] - bx_r_hip_yaw_x * sin[12];
-    let bx_r_hip_roll_y = -e3;
+    let bx_r_hip_roll_x = bx_r_hip_yaw_y * cos[12] - bx_l_hip_roll_y * sin[12];
+    let bx_r_hip_roll_y = bx_l_hip_roll_y * cos[12] + bx_r_hip_yaw_y * sin[12];
     // r_hip_pitch
-    let e4 = e3 * cos[13] + bx_r_hip_yaw_y * sin[13];
-    let bx_r_hip_pitch_x = -e4;
-    let e5 = bx_r_hip_yaw_y * cos[13] - e3 * sin[13];
-    let bx_r_hip_pitch_y = -e5;
+    let bx_r_hip_pitch_x = bx_r_hip_yaw_x * cos[13] - bx_r_hip_roll_y * sin[13];
+    let bx_r_hip_pitch_y = bx_r_hip_yaw_x * sin[13] + bx_r_hip_roll_y * cos[13];
     // r_knee
-    let e6 = e4 * cos[14] + e5 * sin[14];
-    let bx_r_knee_x = -e6;
-    let bx_r_knee_y = e4 * sin[14] - e5 * cos[14];
+    let bx_r_knee_x = bx_r_hip_pitch_x * cos[14] - bx_r_hip_pitch_y * sin[14];
+    let bx_r_knee_y = bx_r_hip_pitch_y * cos[14] + bx_r_hip_pitch_x * sin[14];
     // r_ank_pitch
-    let e7 = e6 * cos[15] + bx_r_knee_y * sin[15];
-    let bx_r_ank_pitch_x = -e7;
-    let bx_r_ank_pitch_y = bx_r_knee_y * cos[15] - e6 * sin[15];
+    let bx_r_ank_pitch_x = bx_r_knee_x * cos[15] + bx_r_knee_y * sin[15];
+    let bx_r_ank_pitch_y = bx_r_knee_y * cos[15] - bx_r_knee_x * sin[15];
     // r_ank_roll
-    let bx_r_ank_roll_x = -(e7 * cos[16] + bx_r_hip_roll_x * sin[16]);
-    let bx_r_ank_roll_y = e7 * sin[16] - bx_r_hip_roll_x * cos[16];
+    let bx_r_ank_roll_x = bx_r_ank_pitch_y * sin[16] + bx_r_hip_roll_x * cos[16];
+    let bx_r_ank_roll_y = -(bx_r_hip_roll_x * sin[16] - bx_r_ank_pitch_y * cos[16]);
     // r_sho_pitch
-    let bx_r_sho_pitch_x = bx_l_hip_yaw_y * cos[17] + bx_l_hip_roll_x * sin[17];
-    let bx_r_sho_pitch_y = bx_l_hip_roll_x * cos[17] - bx_l_hip_yaw_y * sin[17];
+    let bx_r_sho_pitch_x = bx_l_hip_yaw_x * cos[17] + bx_l_hip_roll_y * sin[17];
+    let bx_r_sho_pitch_y = bx_l_hip_roll_y * cos[17] - bx_l_hip_yaw_x * sin[17];
     // r_sho_roll
     let s_r_sho_roll = T::from_f64(0.707106781467586) * sin[18]
         + T::from_f64(0.7071067809055092) * cos[18];
     let c_r_sho_roll = T::from_f64(0.707106781467586) * cos[18]
         - T::from_f64(0.7071067809055092) * sin[18];
-    let bx_r_sho_roll_x = -(bx_r_sho_pitch_y * s_r_sho_roll
-        + bx_l_hip_yaw_x * c_r_sho_roll);
-    let e8 = bx_l_hip_yaw_x * s_r_sho_roll - bx_r_sho_pitch_y * c_r_sho_roll;
-    let bx_r_sho_roll_y = -e8;
+    let bx_r_sho_roll_x = -(bx_r_sho_pitch_y * s_r_sho_roll + e1 * c_r_sho_roll);
+    let e3 = e1 * s_r_sho_roll - bx_r_sho_pitch_y * c_r_sho_roll;
+    let bx_r_sho_roll_y = -e3;
     // r_el
-    let bx_r_el_x = -(e8 * cos[19] + bx_r_sho_pitch_x * sin[19]);
-    let bx_r_el_y = -(bx_r_sho_pitch_x * cos[19] - e8 * sin[19]);
+    let bx_r_el_x = -(e3 * cos[19] + bx_r_sho_pitch_x * sin[19]);
+    let bx_r_el_y = -(bx_r_sho_pitch_x * cos[19] - e3 * sin[19]);
     // l_ank_pitch
-    let by_l_ank_pitch_x = sin[7] * cos[6];
-    let by_l_ank_pitch_y = sin[7] * sin[6];
+    let by_l_ank_pitch_x = sin[7] * sin[6];
+    let by_l_ank_pitch_y = sin[7] * cos[6];
     // l_knee
-    let by_l_knee_x = by_l_ank_pitch_x * cos[5] + by_l_ank_pitch_y * sin[5];
-    let by_l_knee_y = by_l_ank_pitch_y * cos[5] - by_l_ank_pitch_x * sin[5];
+    let by_l_knee_x = by_l_ank_pitch_x * cos[5] - by_l_ank_pitch_y * sin[5];
+    let by_l_knee_y = by_l_ank_pitch_y * cos[5] + by_l_ank_pitch_x * sin[5];
     // l_hip_pitch
-    let by_l_hip_pitch_x = by_l_knee_x * cos[4] + by_l_knee_y * sin[4];
-    let by_l_hip_pitch_y = by_l_knee_y * cos[4] - by_l_knee_x * sin[4];
+    let by_l_hip_pitch_x = by_l_knee_x * cos[4] - by_l_knee_y * sin[4];
+    let by_l_hip_pitch_y = by_l_knee_y * cos[4] + by_l_knee_x * sin[4];
     // l_hip_roll
-    let by_l_hip_roll_x = by_l_hip_pitch_x * cos[3] - cos[7] * sin[3];
-    let e9 = cos[7] * cos[3] + by_l_hip_pitch_x * sin[3];
-    let by_l_hip_roll_y = -e9;
+    let by_l_hip_roll_x = by_l_hip_pitch_y * sin[3] + cos[7] * cos[3];
+    let e4 = cos[7] * sin[3] - by_l_hip_pitch_y * cos[3];
+    let by_l_hip_roll_y = -e4;
     // l_hip_yaw
-    let by_l_hip_yaw_x = by_l_hip_pitch_y * sin[2] - e9 * cos[2];
-    let by_l_hip_yaw_y = by_l_hip_pitch_y * cos[2] + e9 * sin[2];
+    let by_l_hip_yaw_x = by_l_hip_roll_x * sin[2] + by_l_hip_pitch_x * cos[2];
+    let e5 = by_l_hip_pitch_x * sin[2] - by_l_hip_roll_x * cos[2];
+    let by_l_hip_yaw_y = -e5;
     // head_pan
-    let by_head_pan_x = by_l_hip_yaw_x * cos[0] + by_l_hip_yaw_y * sin[0];
-    let by_head_pan_y = by_l_hip_yaw_y * cos[0] - by_l_hip_yaw_x * sin[0];
+    let by_head_pan_x = by_l_hip_yaw_x * cos[0] - e5 * sin[0];
+    let by_head_pan_y = -(e5 * cos[0] + by_l_hip_yaw_x * sin[0]);
     // head_tilt
-    let by_head_tilt_x = by_head_pan_y * cos[1] + by_l_hip_roll_x * sin[1];
-    let by_head_tilt_y = -(by_l_hip_roll_x * cos[1] - by_head_pan_y * sin[1]);
+    let by_head_tilt_x = by_head_pan_x * cos[1] - e4 * sin[1];
+    let by_head_tilt_y = e4 * cos[1] + by_head_pan_x * sin[1];
     // l_sho_pitch
-    let by_l_sho_pitch_x = by_l_hip_yaw_y * cos[8] - by_l_hip_roll_x * sin[8];
-    let by_l_sho_pitch_y = by_l_hip_roll_x * cos[8] + by_l_hip_yaw_y * sin[8];
+    let by_l_sho_pitch_x = by_l_hip_yaw_x * cos[8] + e4 * sin[8];
+    let by_l_sho_pitch_y = by_l_hip_yaw_x * sin[8] - e4 * cos[8];
     // l_sho_roll
-    let by_l_sho_roll_x = -(by_l_sho_pitch_y * s_l_sho_roll
-        + by_l_hip_yaw_x * c_l_sho_roll);
-    let e10 = by_l_hip_yaw_x * s_l_sho_roll - by_l_sho_pitch_y * c_l_sho_roll;
-    let by_l_sho_roll_y = -e10;
+    let by_l_sho_roll_x = -(by_l_sho_pitch_y * s_l_sho_roll + e5 * c_l_sho_roll);
+    let e6 = e5 * s_l_sho_roll - by_l_sho_pitch_y * c_l_sho_roll;
+    let by_l_sho_roll_y = -e6;
     // l_el
-    let by_l_el_x = by_l_sho_pitch_x * sin[10] - e10 * cos[10];
-    let by_l_el_y = -(by_l_sho_pitch_x * cos[10] + e10 * sin[10]);
+    let by_l_el_x = by_l_sho_pitch_x * sin[10] - e6 * cos[10];
+    let by_l_el_y = -(by_l_sho_pitch_x * cos[10] + e6 * sin[10]);
     // r_hip_yaw
-    let by_r_hip_yaw_x = by_l_hip_yaw_x * cos[11] - by_l_hip_yaw_y * sin[11];
-    let by_r_hip_yaw_y = by_l_hip_yaw_y * cos[11] + by_l_hip_yaw_x * sin[11];
+    let by_r_hip_yaw_x = by_l_hip_yaw_x * cos[11] + e5 * sin[11];
+    let by_r_hip_yaw_y = by_l_hip_yaw_x * sin[11] - e5 * cos[11];
     // r_hip_roll
-    let by_r_hip_roll_x = by_r_hip_yaw_x * cos[12] + by_l_hip_roll_x * sin[12];
-    let e11 = by_l_hip_roll_x * cos[12] - by_r_hip_yaw_x * sin[12];
-    let by_r_hip_roll_y = -e11;
+    let by_r_hip_roll_x = by_r_hip_yaw_y * cos[12] + e4 * sin[12];
+    let by_r_hip_roll_y = by_r_hip_yaw_y * sin[12] - e4 * cos[12];
     // r_hip_pitch
-    let e12 = e11 * cos[13] + by_r_hip_yaw_y * sin[13];
-    let by_r_hip_pitch_x = -e12;
-    let e13 = by_r_hip_yaw_y * cos[13] - e11 * sin[13];
-    let by_r_hip_pitch_y = -e13;
+    let by_r_hip_pitch_x = by_r_hip_yaw_x * cos[13] - by_r_hip_roll_y * sin[13];
+    let by_r_hip_pitch_y = by_r_hip_yaw_x * sin[13] + by_r_hip_roll_y * cos[13];
     // r_knee
-    let e14 = e12 * cos[14] + e13 * sin[14];
-    let by_r_knee_x = -e14;
-    let by_r_knee_y = e12 * sin[14] - e13 * cos[14];
+    let by_r_knee_x = by_r_hip_pitch_x * cos[14] - by_r_hip_pitch_y * sin[14];
+    let by_r_knee_y = by_r_hip_pitch_y * cos[14] + by_r_hip_pitch_x * sin[14];
     // r_ank_pitch
-    let e15 = e14 * cos[15] + by_r_knee_y * sin[15];
-    let by_r_ank_pitch_x = -e15;
-    let by_r_ank_pitch_y = by_r_knee_y * cos[15] - e14 * sin[15];
+    let by_r_ank_pitch_x = by_r_knee_x * cos[15] + by_r_knee_y * sin[15];
+    let by_r_ank_pitch_y = by_r_knee_y * cos[15] - by_r_knee_x * sin[15];
     // r_ank_roll
-    let by_r_ank_roll_x = -(e15 * cos[16] + by_r_hip_roll_x * sin[16]);
-    let by_r_ank_roll_y = e15 * sin[16] - by_r_hip_roll_x * cos[16];
+    let by_r_ank_roll_x = by_r_ank_pitch_y * sin[16] + by_r_hip_roll_x * cos[16];
+    let by_r_ank_roll_y = -(by_r_hip_roll_x * sin[16] - by_r_ank_pitch_y * cos[16]);
     // r_sho_pitch
-    let by_r_sho_pitch_x = by_l_hip_yaw_y * cos[17] + by_l_hip_roll_x * sin[17];
-    let by_r_sho_pitch_y = by_l_hip_roll_x * cos[17] - by_l_hip_yaw_y * sin[17];
+    let by_r_sho_pitch_x = by_l_hip_yaw_x * cos[17] - e4 * sin[17];
+    let e7 = e4 * cos[17] + by_l_hip_yaw_x * sin[17];
+    let by_r_sho_pitch_y = -e7;
     // r_sho_roll
-    let by_r_sho_roll_x = -(by_r_sho_pitch_y * s_r_sho_roll
-        + by_l_hip_yaw_x * c_r_sho_roll);
-    let e16 = by_l_hip_yaw_x * s_r_sho_roll - by_r_sho_pitch_y * c_r_sho_roll;
-    let by_r_sho_roll_y = -e16;
+    let by_r_sho_roll_x = e7 * s_r_sho_roll - e5 * c_r_sho_roll;
+    let e8 = e5 * s_r_sho_roll + e7 * c_r_sho_roll;
+    let by_r_sho_roll_y = -e8;
     // r_el
-    let by_r_el_x = -(e16 * cos[19] + by_r_sho_pitch_x * sin[19]);
-    let by_r_el_y = -(by_r_sho_pitch_x * cos[19] - e16 * sin[19]);
+    let by_r_el_x = -(e8 * cos[19] + by_r_sho_pitch_x * sin[19]);
+    let by_r_el_y = -(by_r_sho_pitch_x * cos[19] - e8 * sin[19]);
     // l_ank_pitch
-    let bz_l_ank_pitch_x = cos[7] * cos[6];
-    let bz_l_ank_pitch_y = cos[7] * sin[6];
+    let bz_l_ank_pitch_x = cos[7] * sin[6];
+    let bz_l_ank_pitch_y = cos[7] * cos[6];
     // l_knee
-    let bz_l_knee_x = bz_l_ank_pitch_x * cos[5] + bz_l_ank_pitch_y * sin[5];
-    let bz_l_knee_y = bz_l_ank_pitch_y * cos[5] - bz_l_ank_pitch_x * sin[5];
+    let bz_l_knee_x = bz_l_ank_pitch_x * cos[5] - bz_l_ank_pitch_y * sin[5];
+    let bz_l_knee_y = bz_l_ank_pitch_y * cos[5] + bz_l_ank_pitch_x * sin[5];
     // l_hip_pitch
-    let bz_l_hip_pitch_x = bz_l_knee_x * cos[4] + bz_l_knee_y * sin[4];
-    let bz_l_hip_pitch_y = bz_l_knee_y * cos[4] - bz_l_knee_x * sin[4];
+    let bz_l_hip_pitch_x = bz_l_knee_x * cos[4] - bz_l_knee_y * sin[4];
+    let bz_l_hip_pitch_y = bz_l_knee_y * cos[4] + bz_l_knee_x * sin[4];
     // l_hip_roll
-    let bz_l_hip_roll_x = bz_l_hip_pitch_x * cos[3] + sin[7] * sin[3];
-    let e17 = bz_l_hip_pitch_x * sin[3] - sin[7] * cos[3];
-    let bz_l_hip_roll_y = -e17;
+    let bz_l_hip_roll_x = bz_l_hip_pitch_y * sin[3] - sin[7] * cos[3];
+    let bz_l_hip_roll_y = sin[7] * sin[3] + bz_l_hip_pitch_y * cos[3];
     // l_hip_yaw
-    let bz_l_hip_yaw_x = bz_l_hip_pitch_y * sin[2] - e17 * cos[2];
-    let bz_l_hip_yaw_y = bz_l_hip_pitch_y * cos[2] + e17 * sin[2];
+    let bz_l_hip_yaw_x = bz_l_hip_roll_x * sin[2] + bz_l_hip_pitch_x * cos[2];
+    let e9 = bz_l_hip_pitch_x * sin[2] - bz_l_hip_roll_x * cos[2];
+    let bz_l_hip_yaw_y = -e9;
     // head_pan
-    let bz_head_pan_x = bz_l_hip_yaw_x * cos[0] + bz_l_hip_yaw_y * sin[0];
-    let bz_head_pan_y = bz_l_hip_yaw_y * cos[0] - bz_l_hip_yaw_x * sin[0];
+    let bz_head_pan_x = bz_l_hip_yaw_x * cos[0] - e9 * sin[0];
+    let bz_head_pan_y = -(e9 * cos[0] + bz_l_hip_yaw_x * sin[0]);
     // head_tilt
-    let bz_head_tilt_x = bz_head_pan_y * cos[1] + bz_l_hip_roll_x * sin[1];
-    let bz_head_tilt_y = -(bz_l_hip_roll_x * cos[1] - bz_head_pan_y * sin[1]);
+    let bz_head_tilt_x = bz_head_pan_x * cos[1] + bz_l_hip_roll_y * sin[1];
+    let bz_head_tilt_y = -(bz_l_hip_roll_y * cos[1] - bz_head_pan_x * sin[1]);
     // l_sho_pitch
-    let bz_l_sho_pitch_x = bz_l_hip_yaw_y * cos[8] - bz_l_hip_roll_x * sin[8];
-    let bz_l_sho_pitch_y = bz_l_hip_roll_x * cos[8] + bz_l_hip_yaw_y * sin[8];
+    let bz_l_sho_pitch_x = bz_l_hip_yaw_x * cos[8] - bz_l_hip_roll_y * sin[8];
+    let bz_l_sho_pitch_y = bz_l_hip_roll_y * cos[8] + bz_l_hip_yaw_x * sin[8];
     // l_sho_roll
-    let bz_l_sho_roll_x = -(bz_l_sho_pitch_y * s_l_sho_roll
-        + bz_l_hip_yaw_x * c_l_sho_roll);
-    let e18 = bz_l_hip_yaw_x * s_l_sho_roll - bz_l_sho_pitch_y * c_l_sho_roll;
-    let bz_l_sho_roll_y = -e18;
+    let bz_l_sho_roll_x = -(bz_l_sho_pitch_y * s_l_sho_roll + e9 * c_l_sho_roll);
+    let e10 = e9 * s_l_sho_roll - bz_l_sho_pitch_y * c_l_sho_roll;
+    let bz_l_sho_roll_y = -e10;
     // l_el
-    let bz_l_el_x = bz_l_sho_pitch_x * sin[10] - e18 * cos[10];
-    let bz_l_el_y = -(bz_l_sho_pitch_x * cos[10] + e18 * sin[10]);
+    let bz_l_el_x = bz_l_sho_pitch_x * sin[10] - e10 * cos[10];
+    let bz_l_el_y = -(bz_l_sho_pitch_x * cos[10] + e10 * sin[10]);
     // r_hip_yaw
-    let bz_r_hip_yaw_x = bz_l_hip_yaw_x * cos[11] - bz_l_hip_yaw_y * sin[11];
-    let bz_r_hip_yaw_y = bz_l_hip_yaw_y * cos[11] + bz_l_hip_yaw_x * sin[11];
+    let bz_r_hip_yaw_x = bz_l_hip_yaw_x * cos[11] + e9 * sin[11];
+    let bz_r_hip_yaw_y = bz_l_hip_yaw_x * sin[11] - e9 * cos[11];
     // r_hip_roll
-    let bz_r_hip_roll_x = bz_r_hip_yaw_x * cos[12] + bz_l_hip_roll_x * sin[12];
-    let e19 = bz_l_hip_roll_x * cos[12] - bz_r_hip_yaw_x * sin[12];
-    let bz_r_hip_roll_y = -e19;
+    let bz_r_hip_roll_x = bz_r_hip_yaw_y * cos[12] - bz_l_hip_roll_y * sin[12];
+    let bz_r_hip_roll_y = bz_l_hip_roll_y * cos[12] + bz_r_hip_yaw_y * sin[12];
     // r_hip_pitch
-    let e20 = e19 * cos[13] + bz_r_hip_yaw_y * sin[13];
-    let bz_r_hip_pitch_x = -e20;
-    let e21 = bz_r_hip_yaw_y * cos[13] - e19 * sin[13];
-    let bz_r_hip_pitch_y = -e21;
+    let bz_r_hip_pitch_x = bz_r_hip_yaw_x * cos[13] - bz_r_hip_roll_y * sin[13];
+    let bz_r_hip_pitch_y = bz_r_hip_yaw_x * sin[13] + bz_r_hip_roll_y * cos[13];
     // r_knee
-    let e22 = e20 * cos[14] + e21 * sin[14];
-    let bz_r_knee_x = -e22;
-    let bz_r_knee_y = e20 * sin[14] - e21 * cos[14];
+    let bz_r_knee_x = bz_r_hip_pitch_x * cos[14] - bz_r_hip_pitch_y * sin[14];
+    let bz_r_knee_y = bz_r_hip_pitch_y * cos[14] + bz_r_hip_pitch_x * sin[14];
     // r_ank_pitch
-    let e23 = e22 * cos[15] + bz_r_knee_y * sin[15];
-    let bz_r_ank_pitch_x = -e23;
-    let bz_r_ank_pitch_y = bz_r_knee_y * cos[15] - e22 * sin[15];
+    let bz_r_ank_pitch_x = bz_r_knee_x * cos[15] + bz_r_knee_y * sin[15];
+    let bz_r_ank_pitch_y = bz_r_knee_y * cos[15] - bz_r_knee_x * sin[15];
     // r_ank_roll
-    let bz_r_ank_roll_x = -(e23 * cos[16] + bz_r_hip_roll_x * sin[16]);
-    let bz_r_ank_roll_y = e23 * sin[16] - bz_r_hip_roll_x * cos[16];
+    let bz_r_ank_roll_x = bz_r_ank_pitch_y * sin[16] + bz_r_hip_roll_x * cos[16];
+    let bz_r_ank_roll_y = -(bz_r_hip_roll_x * sin[16] - bz_r_ank_pitch_y * cos[16]);
     // r_sho_pitch
-    let bz_r_sho_pitch_x = bz_l_hip_yaw_y * cos[17] + bz_l_hip_roll_x * sin[17];
-    let bz_r_sho_pitch_y = bz_l_hip_roll_x * cos[17] - bz_l_hip_yaw_y * sin[17];
+    let bz_r_sho_pitch_x = bz_l_hip_yaw_x * cos[17] + bz_l_hip_roll_y * sin[17];
+    let bz_r_sho_pitch_y = bz_l_hip_roll_y * cos[17] - bz_l_hip_yaw_x * sin[17];
     // r_sho_roll
-    let bz_r_sho_roll_x = -(bz_r_sho_pitch_y * s_r_sho_roll
-        + bz_l_hip_yaw_x * c_r_sho_roll);
-    let e24 = bz_l_hip_yaw_x * s_r_sho_roll - bz_r_sho_pitch_y * c_r_sho_roll;
-    let bz_r_sho_roll_y = -e24;
+    let bz_r_sho_roll_x = -(bz_r_sho_pitch_y * s_r_sho_roll + e9 * c_r_sho_roll);
+    let e11 = e9 * s_r_sho_roll - bz_r_sho_pitch_y * c_r_sho_roll;
+    let bz_r_sho_roll_y = -e11;
     // r_el
-    let bz_r_el_x = -(e24 * cos[19] + bz_r_sho_pitch_x * sin[19]);
-    let bz_r_el_y = -(bz_r_sho_pitch_x * cos[19] - e24 * sin[19]);
+    let bz_r_el_x = -(e11 * cos[19] + bz_r_sho_pitch_x * sin[19]);
+    let bz_r_el_y = -(bz_r_sho_pitch_x * cos[19] - e11 * sin[19]);
     let zero = T::from_f64(0.0);
     let one = T::from_f64(1.0);
     [
@@ -2915,8 +2883,8 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
             zero,
             zero,
             zero,
-            bx_l_ank_pitch_x,
             cos[6],
+            bx_l_ank_pitch_y,
             bx_l_knee_x,
             bx_l_knee_y,
             bx_l_hip_pitch_x,
@@ -3055,146 +3023,134 @@ pub fn regressor_cop_sc<T: Real>(
     cos: &[T; DOF],
 ) -> [[T; BASE_PARAMS]; 2] {
     // l_ank_pitch
-    let bx_l_ank_pitch_x = -sin[6];
+    let bx_l_ank_pitch_y = -sin[6];
     // l_knee
-    let bx_l_knee_x = cos[6] * sin[5] - sin[6] * cos[5];
-    let bx_l_knee_y = cos[6] * cos[5] + sin[6] * sin[5];
+    let bx_l_knee_x = cos[6] * cos[5] + sin[6] * sin[5];
+    let bx_l_knee_y = cos[6] * sin[5] - sin[6] * cos[5];
     // l_hip_pitch
-    let bx_l_hip_pitch_x = bx_l_knee_x * cos[4] + bx_l_knee_y * sin[4];
-    let bx_l_hip_pitch_y = bx_l_knee_y * cos[4] - bx_l_knee_x * sin[4];
+    let bx_l_hip_pitch_x = bx_l_knee_x * cos[4] - bx_l_knee_y * sin[4];
+    let bx_l_hip_pitch_y = bx_l_knee_y * cos[4] + bx_l_knee_x * sin[4];
     // l_hip_roll
-    let bx_l_hip_roll_x = bx_l_hip_pitch_x * cos[3];
-    let e1 = bx_l_hip_pitch_x * sin[3];
-    let bx_l_hip_roll_y = -e1;
+    let bx_l_hip_roll_x = bx_l_hip_pitch_y * sin[3];
+    let bx_l_hip_roll_y = bx_l_hip_pitch_y * cos[3];
     // l_hip_yaw
-    let bx_l_hip_yaw_x = bx_l_hip_pitch_y * sin[2] - e1 * cos[2];
-    let bx_l_hip_yaw_y = bx_l_hip_pitch_y * cos[2] + e1 * sin[2];
+    let bx_l_hip_yaw_x = bx_l_hip_roll_x * sin[2] + bx_l_hip_pitch_x * cos[2];
+    let e1 = bx_l_hip_pitch_x * sin[2] - bx_l_hip_roll_x * cos[2];
+    let bx_l_hip_yaw_y = -e1;
     // head_pan
-    let bx_head_pan_x = bx_l_hip_yaw_x * cos[0] + bx_l_hip_yaw_y * sin[0];
-    let bx_head_pan_y = bx_l_hip_yaw_y * cos[0] - bx_l_hip_yaw_x * sin[0];
+    let bx_head_pan_x = bx_l_hip_yaw_x * cos[0] - e1 * sin[0];
+    let bx_head_pan_y = -(e1 * cos[0] + bx_l_hip_yaw_x * sin[0]);
     // head_tilt
-    let bx_head_tilt_x = bx_head_pan_y * cos[1] + bx_l_hip_roll_x * sin[1];
-    let bx_head_tilt_y = -(bx_l_hip_roll_x * cos[1] - bx_head_pan_y * sin[1]);
+    let bx_head_tilt_x = bx_head_pan_x * cos[1] + bx_l_hip_roll_y * sin[1];
+    let bx_head_tilt_y = -(bx_l_hip_roll_y * cos[1] - bx_head_pan_x * sin[1]);
     // l_sho_pitch
-    let bx_l_sho_pitch_x = bx_l_hip_yaw_y * cos[8] - bx_l_hip_roll_x * sin[8];
-    let bx_l_sho_pitch_y = bx_l_hip_roll_x * cos[8] + bx_l_hip_yaw_y * sin[8];
+    let bx_l_sho_pitch_x = bx_l_hip_yaw_x * cos[8] - bx_l_hip_roll_y * sin[8];
+    let bx_l_sho_pitch_y = bx_l_hip_roll_y * cos[8] + bx_l_hip_yaw_x * sin[8];
     // l_sho_roll
     let s_l_sho_roll = T::from_f64(0.707106781467586) * sin[9]
         - T::from_f64(0.7071067809055092) * cos[9];
     let c_l_sho_roll = T::from_f64(0.707106781467586) * cos[9]
         + T::from_f64(0.7071067809055092) * sin[9];
-    let bx_l_sho_roll_x = -(bx_l_sho_pitch_y * s_l_sho_roll
-        + bx_l_hip_yaw_x * c_l_sho_roll);
-    let e2 = bx_l_hip_yaw_x * s_l_sho_roll - bx_l_sho_pitch_y * c_l_sho_roll;
+    let bx_l_sho_roll_x = -(bx_l_sho_pitch_y * s_l_sho_roll + e1 * c_l_sho_roll);
+    let e2 = e1 * s_l_sho_roll - bx_l_sho_pitch_y * c_l_sho_roll;
     let bx_l_sho_roll_y = -e2;
     // l_el
     let bx_l_el_x = bx_l_sho_pitch_x * sin[10] - e2 * cos[10];
     let bx_l_el_y = -(bx_l_sho_pitch_x * cos[10] + e2 * sin[10]);
     // r_hip_yaw
-    let bx_r_hip_yaw_x = bx_l_hip_yaw_x * cos[11] - bx_l_hip_yaw_y * sin[11];
-    let bx_r_hip_yaw_y = bx_l_hip_yaw_y * cos[11] + bx_l_hip_yaw_x * sin[11];
+    let bx_r_hip_yaw_x = bx_l_hip_yaw_x * cos[11] + e1 * sin[11];
+    let bx_r_hip_yaw_y = bx_l_hip_yaw_x * sin[11] - e1 * cos[11];
     // r_hip_roll
-    let bx_r_hip_roll_x = bx_r_hip_yaw_x * cos[12] + bx_l_hip_roll_x * sin[12];
-    let e3 = bx_l_hip_roll_x * cos[12] - bx_r_hip_yaw_x * sin[12];
-    let bx_r_hip_roll_y = -e3;
+    let bx_r_hip_roll_x = bx_r_hip_yaw_y * cos[12] - bx_l_hip_roll_y * sin[12];
+    let bx_r_hip_roll_y = bx_l_hip_roll_y * cos[12] + bx_r_hip_yaw_y * sin[12];
     // r_hip_pitch
-    let e4 = e3 * cos[13] + bx_r_hip_yaw_y * sin[13];
-    let bx_r_hip_pitch_x = -e4;
-    let e5 = bx_r_hip_yaw_y * cos[13] - e3 * sin[13];
-    let bx_r_hip_pitch_y = -e5;
+    let bx_r_hip_pitch_x = bx_r_hip_yaw_x * cos[13] - bx_r_hip_roll_y * sin[13];
+    let bx_r_hip_pitch_y = bx_r_hip_yaw_x * sin[13] + bx_r_hip_roll_y * cos[13];
     // r_knee
-    let e6 = e4 * cos[14] + e5 * sin[14];
-    let bx_r_knee_x = -e6;
-    let bx_r_knee_y = e4 * sin[14] - e5 * cos[14];
+    let bx_r_knee_x = bx_r_hip_pitch_x * cos[14] - bx_r_hip_pitch_y * sin[14];
+    let bx_r_knee_y = bx_r_hip_pitch_y * cos[14] + bx_r_hip_pitch_x * sin[14];
     // r_ank_pitch
-    let e7 = e6 * cos[15] + bx_r_knee_y * sin[15];
-    let bx_r_ank_pitch_x = -e7;
-    let bx_r_ank_pitch_y = bx_r_knee_y * cos[15] - e6 * sin[15];
+    let bx_r_ank_pitch_x = bx_r_knee_x * cos[15] + bx_r_knee_y * sin[15];
+    let bx_r_ank_pitch_y = bx_r_knee_y * cos[15] - bx_r_knee_x * sin[15];
     // r_ank_roll
-    let bx_r_ank_roll_x = -(e7 * cos[16] + bx_r_hip_roll_x * sin[16]);
-    let bx_r_ank_roll_y = e7 * sin[16] - bx_r_hip_roll_x * cos[16];
+    let bx_r_ank_roll_x = bx_r_ank_pitch_y * sin[16] + bx_r_hip_roll_x * cos[16];
+    let bx_r_ank_roll_y = -(bx_r_hip_roll_x * sin[16] - bx_r_ank_pitch_y * cos[16]);
     // r_sho_pitch
-    let bx_r_sho_pitch_x = bx_l_hip_yaw_y * cos[17] + bx_l_hip_roll_x * sin[17];
-    let bx_r_sho_pitch_y = bx_l_hip_roll_x * cos[17] - bx_l_hip_yaw_y * sin[17];
+    let bx_r_sho_pitch_x = bx_l_hip_yaw_x * cos[17] + bx_l_hip_roll_y * sin[17];
+    let bx_r_sho_pitch_y = bx_l_hip_roll_y * cos[17] - bx_l_hip_yaw_x * sin[17];
     // r_sho_roll
     let s_r_sho_roll = T::from_f64(0.707106781467586) * sin[18]
         + T::from_f64(0.7071067809055092) * cos[18];
     let c_r_sho_roll = T::from_f64(0.707106781467586) * cos[18]
         - T::from_f64(0.7071067809055092) * sin[18];
-    let bx_r_sho_roll_x = -(bx_r_sho_pitch_y * s_r_sho_roll
-        + bx_l_hip_yaw_x * c_r_sho_roll);
-    let e8 = bx_l_hip_yaw_x * s_r_sho_roll - bx_r_sho_pitch_y * c_r_sho_roll;
-    let bx_r_sho_roll_y = -e8;
+    let bx_r_sho_roll_x = -(bx_r_sho_pitch_y * s_r_sho_roll + e1 * c_r_sho_roll);
+    let e3 = e1 * s_r_sho_roll - bx_r_sho_pitch_y * c_r_sho_roll;
+    let bx_r_sho_roll_y = -e3;
     // r_el
-    let bx_r_el_x = -(e8 * cos[19] + bx_r_sho_pitch_x * sin[19]);
-    let bx_r_el_y = -(bx_r_sho_pitch_x * cos[19] - e8 * sin[19]);
+    let bx_r_el_x = -(e3 * cos[19] + bx_r_sho_pitch_x * sin[19]);
+    let bx_r_el_y = -(bx_r_sho_pitch_x * cos[19] - e3 * sin[19]);
     // l_ank_pitch
-    let by_l_ank_pitch_x = sin[7] * cos[6];
-    let by_l_ank_pitch_y = sin[7] * sin[6];
+    let by_l_ank_pitch_x = sin[7] * sin[6];
+    let by_l_ank_pitch_y = sin[7] * cos[6];
     // l_knee
-    let by_l_knee_x = by_l_ank_pitch_x * cos[5] + by_l_ank_pitch_y * sin[5];
-    let by_l_knee_y = by_l_ank_pitch_y * cos[5] - by_l_ank_pitch_x * sin[5];
+    let by_l_knee_x = by_l_ank_pitch_x * cos[5] - by_l_ank_pitch_y * sin[5];
+    let by_l_knee_y = by_l_ank_pitch_y * cos[5] + by_l_ank_pitch_x * sin[5];
     // l_hip_pitch
-    let by_l_hip_pitch_x = by_l_knee_x * cos[4] + by_l_knee_y * sin[4];
-    let by_l_hip_pitch_y = by_l_knee_y * cos[4] - by_l_knee_x * sin[4];
+    let by_l_hip_pitch_x = by_l_knee_x * cos[4] - by_l_knee_y * sin[4];
+    let by_l_hip_pitch_y = by_l_knee_y * cos[4] + by_l_knee_x * sin[4];
     // l_hip_roll
-    let by_l_hip_roll_x = by_l_hip_pitch_x * cos[3] - cos[7] * sin[3];
-    let e9 = cos[7] * cos[3] + by_l_hip_pitch_x * sin[3];
-    let by_l_hip_roll_y = -e9;
+    let by_l_hip_roll_x = by_l_hip_pitch_y * sin[3] + cos[7] * cos[3];
+    let e4 = cos[7] * sin[3] - by_l_hip_pitch_y * cos[3];
+    let by_l_hip_roll_y = -e4;
     // l_hip_yaw
-    let by_l_hip_yaw_x = by_l_hip_pitch_y * sin[2] - e9 * cos[2];
-    let by_l_hip_yaw_y = by_l_hip_pitch_y * cos[2] + e9 * sin[2];
+    let by_l_hip_yaw_x = by_l_hip_roll_x * sin[2] + by_l_hip_pitch_x * cos[2];
+    let e5 = by_l_hip_pitch_x * sin[2] - by_l_hip_roll_x * cos[2];
+    let by_l_hip_yaw_y = -e5;
     // head_pan
-    let by_head_pan_x = by_l_hip_yaw_x * cos[0] + by_l_hip_yaw_y * sin[0];
-    let by_head_pan_y = by_l_hip_yaw_y * cos[0] - by_l_hip_yaw_x * sin[0];
+    let by_head_pan_x = by_l_hip_yaw_x * cos[0] - e5 * sin[0];
+    let by_head_pan_y = -(e5 * cos[0] + by_l_hip_yaw_x * sin[0]);
     // head_tilt
-    let by_head_tilt_x = by_head_pan_y * cos[1] + by_l_hip_roll_x * sin[1];
-    let by_head_tilt_y = -(by_l_hip_roll_x * cos[1] - by_head_pan_y * sin[1]);
+    let by_head_tilt_x = by_head_pan_x * cos[1] - e4 * sin[1];
+    let by_head_tilt_y = e4 * cos[1] + by_head_pan_x * sin[1];
     // l_sho_pitch
-    let by_l_sho_pitch_x = by_l_hip_yaw_y * cos[8] - by_l_hip_roll_x * sin[8];
-    let by_l_sho_pitch_y = by_l_hip_roll_x * cos[8] + by_l_hip_yaw_y * sin[8];
+    let by_l_sho_pitch_x = by_l_hip_yaw_x * cos[8] + e4 * sin[8];
+    let by_l_sho_pitch_y = by_l_hip_yaw_x * sin[8] - e4 * cos[8];
     // l_sho_roll
-    let by_l_sho_roll_x = -(by_l_sho_pitch_y * s_l_sho_roll
-        + by_l_hip_yaw_x * c_l_sho_roll);
-    let e10 = by_l_hip_yaw_x * s_l_sho_roll - by_l_sho_pitch_y * c_l_sho_roll;
-    let by_l_sho_roll_y = -e10;
+    let by_l_sho_roll_x = -(by_l_sho_pitch_y * s_l_sho_roll + e5 * c_l_sho_roll);
+    let e6 = e5 * s_l_sho_roll - by_l_sho_pitch_y * c_l_sho_roll;
+    let by_l_sho_roll_y = -e6;
     // l_el
-    let by_l_el_x = by_l_sho_pitch_x * sin[10] - e10 * cos[10];
-    let by_l_el_y = -(by_l_sho_pitch_x * cos[10] + e10 * sin[10]);
+    let by_l_el_x = by_l_sho_pitch_x * sin[10] - e6 * cos[10];
+    let by_l_el_y = -(by_l_sho_pitch_x * cos[10] + e6 * sin[10]);
     // r_hip_yaw
-    let by_r_hip_yaw_x = by_l_hip_yaw_x * cos[11] - by_l_hip_yaw_y * sin[11];
-    let by_r_hip_yaw_y = by_l_hip_yaw_y * cos[11] + by_l_hip_yaw_x * sin[11];
+    let by_r_hip_yaw_x = by_l_hip_yaw_x * cos[11] + e5 * sin[11];
+    let by_r_hip_yaw_y = by_l_hip_yaw_x * sin[11] - e5 * cos[11];
     // r_hip_roll
-    let by_r_hip_roll_x = by_r_hip_yaw_x * cos[12] + by_l_hip_roll_x * sin[12];
-    let e11 = by_l_hip_roll_x * cos[12] - by_r_hip_yaw_x * sin[12];
-    let by_r_hip_roll_y = -e11;
+    let by_r_hip_roll_x = by_r_hip_yaw_y * cos[12] + e4 * sin[12];
+    let by_r_hip_roll_y = by_r_hip_yaw_y * sin[12] - e4 * cos[12];
     // r_hip_pitch
-    let e12 = e11 * cos[13] + by_r_hip_yaw_y * sin[13];
-    let by_r_hip_pitch_x = -e12;
-    let e13 = by_r_hip_yaw_y * cos[13] - e11 * sin[13];
-    let by_r_hip_pitch_y = -e13;
+    let by_r_hip_pitch_x = by_r_hip_yaw_x * cos[13] - by_r_hip_roll_y * sin[13];
+    let by_r_hip_pitch_y = by_r_hip_yaw_x * sin[13] + by_r_hip_roll_y * cos[13];
     // r_knee
-    let e14 = e12 * cos[14] + e13 * sin[14];
-    let by_r_knee_x = -e14;
-    let by_r_knee_y = e12 * sin[14] - e13 * cos[14];
+    let by_r_knee_x = by_r_hip_pitch_x * cos[14] - by_r_hip_pitch_y * sin[14];
+    let by_r_knee_y = by_r_hip_pitch_y * cos[14] + by_r_hip_pitch_x * sin[14];
     // r_ank_pitch
-    let e15 = e14 * cos[15] + by_r_knee_y * sin[15];
-    let by_r_ank_pitch_x = -e15;
-    let by_r_ank_pitch_y = by_r_knee_y * cos[15] - e14 * sin[15];
+    let by_r_ank_pitch_x = by_r_knee_x * cos[15] + by_r_knee_y * sin[15];
+    let by_r_ank_pitch_y = by_r_knee_y * cos[15] - by_r_knee_x * sin[15];
     // r_ank_roll
-    let by_r_ank_roll_x = -(e15 * cos[16] + by_r_hip_roll_x * sin[16]);
-    let by_r_ank_roll_y = e15 * sin[16] - by_r_hip_roll_x * cos[16];
+    let by_r_ank_roll_x = by_r_ank_pitch_y * sin[16] + by_r_hip_roll_x * cos[16];
+    let by_r_ank_roll_y = -(by_r_hip_roll_x * sin[16] - by_r_ank_pitch_y * cos[16]);
     // r_sho_pitch
-    let by_r_sho_pitch_x = by_l_hip_yaw_y * cos[17] + by_l_hip_roll_x * sin[17];
-    let by_r_sho_pitch_y = by_l_hip_roll_x * cos[17] - by_l_hip_yaw_y * sin[17];
+    let by_r_sho_pitch_x = by_l_hip_yaw_x * cos[17] - e4 * sin[17];
+    let e7 = e4 * cos[17] + by_l_hip_yaw_x * sin[17];
+    let by_r_sho_pitch_y = -e7;
     // r_sho_roll
-    let by_r_sho_roll_x = -(by_r_sho_pitch_y * s_r_sho_roll
-        + by_l_hip_yaw_x * c_r_sho_roll);
-    let e16 = by_l_hip_yaw_x * s_r_sho_roll - by_r_sho_pitch_y * c_r_sho_roll;
-    let by_r_sho_roll_y = -e16;
+    let by_r_sho_roll_x = e7 * s_r_sho_roll - e5 * c_r_sho_roll;
+    let e8 = e5 * s_r_sho_roll + e7 * c_r_sho_roll;
+    let by_r_sho_roll_y = -e8;
     // r_el
-    let by_r_el_x = -(e16 * cos[19] + by_r_sho_pitch_x * sin[19]);
-    let by_r_el_y = -(by_r_sho_pitch_x * cos[19] - e16 * sin[19]);
+    let by_r_el_x = -(e8 * cos[19] + by_r_sho_pitch_x * sin[19]);
+    let by_r_el_y = -(by_r_sho_pitch_x * cos[19] - e8 * sin[19]);
     let zero = T::from_f64(0.0);
     let one = T::from_f64(1.0);
     [
@@ -3204,8 +3160,8 @@ pub fn regressor_cop_sc<T: Real>(
             zero,
             zero,
             zero,
-            bx_l_ank_pitch_x,
             cos[6],
+            bx_l_ank_pitch_y,
             bx_l_knee_x,
             bx_l_knee_y,
             bx_l_hip_pitch_x,
@@ -3301,204 +3257,194 @@ pub fn regressor_full_sc<T: Real>(
     // l_ank_roll
     let bz_l_ank_roll_x = -sin[7];
     // l_ank_pitch
-    let bx_l_ank_pitch_x = -sin[6];
+    let bx_l_ank_pitch_y = -sin[6];
     // l_knee
-    let bx_l_knee_x = cos[6] * sin[5] - sin[6] * cos[5];
-    let bx_l_knee_y = cos[6] * cos[5] + sin[6] * sin[5];
+    let bx_l_knee_x = cos[6] * cos[5] + sin[6] * sin[5];
+    let bx_l_knee_y = cos[6] * sin[5] - sin[6] * cos[5];
     // l_hip_pitch
-    let bx_l_hip_pitch_x = bx_l_knee_x * cos[4] + bx_l_knee_y * sin[4];
-    let bx_l_hip_pitch_y = bx_l_knee_y * cos[4] - bx_l_knee_x * sin[4];
+    let bx_l_hip_pitch_x = bx_l_knee_x * cos[4] - bx_l_knee_y * sin[4];
+    let bx_l_hip_pitch_y = bx_l_knee_y * cos[4] + bx_l_knee_x * sin[4];
     // l_hip_roll
-    let bx_l_hip_roll_x = bx_l_hip_pitch_x * cos[3];
-    let e1 = bx_l_hip_pitch_x * sin[3];
+    let bx_l_hip_roll_x = bx_l_hip_pitch_y * sin[3];
+    let bx_l_hip_roll_y = bx_l_hip_pitch_y * cos[3];
     // l_hip_yaw
-    let bx_l_hip_yaw_x = bx_l_hip_pitch_y * sin[2] - e1 * cos[2];
-    let bx_l_hip_yaw_y = bx_l_hip_pitch_y * cos[2] + e1 * sin[2];
+    let bx_l_hip_yaw_x = bx_l_hip_roll_x * sin[2] + bx_l_hip_pitch_x * cos[2];
+    let e1 = bx_l_hip_pitch_x * sin[2] - bx_l_hip_roll_x * cos[2];
+    let bx_l_hip_yaw_y = -e1;
     // head_pan
-    let bx_head_pan_x = bx_l_hip_yaw_x * cos[0] + bx_l_hip_yaw_y * sin[0];
-    let bx_head_pan_y = bx_l_hip_yaw_y * cos[0] - bx_l_hip_yaw_x * sin[0];
+    let bx_head_pan_x = bx_l_hip_yaw_x * cos[0] - e1 * sin[0];
+    let bx_head_pan_y = -(e1 * cos[0] + bx_l_hip_yaw_x * sin[0]);
     // head_tilt
-    let kx_head_tilt_z = -bx_head_pan_x;
-    let bx_head_tilt_x = bx_head_pan_y * cos[1] + bx_l_hip_roll_x * sin[1];
-    let e2 = bx_l_hip_roll_x * cos[1] - bx_head_pan_y * sin[1];
+    let bx_head_tilt_x = bx_head_pan_x * cos[1] + bx_l_hip_roll_y * sin[1];
+    let e2 = bx_l_hip_roll_y * cos[1] - bx_head_pan_x * sin[1];
     // l_sho_pitch
-    let kx_l_sho_pitch_z = -bx_l_hip_yaw_x;
-    let bx_l_sho_pitch_x = bx_l_hip_yaw_y * cos[8] - bx_l_hip_roll_x * sin[8];
-    let bx_l_sho_pitch_y = bx_l_hip_roll_x * cos[8] + bx_l_hip_yaw_y * sin[8];
+    let bx_l_sho_pitch_x = bx_l_hip_yaw_x * cos[8] - bx_l_hip_roll_y * sin[8];
+    let bx_l_sho_pitch_y = bx_l_hip_roll_y * cos[8] + bx_l_hip_yaw_x * sin[8];
     // l_sho_roll
     let s_l_sho_roll = T::from_f64(0.707106781467586) * sin[9]
         - T::from_f64(0.7071067809055092) * cos[9];
     let c_l_sho_roll = T::from_f64(0.707106781467586) * cos[9]
         + T::from_f64(0.7071067809055092) * sin[9];
-    let bx_l_sho_roll_x = -(bx_l_sho_pitch_y * s_l_sho_roll
-        + bx_l_hip_yaw_x * c_l_sho_roll);
-    let e3 = bx_l_hip_yaw_x * s_l_sho_roll - bx_l_sho_pitch_y * c_l_sho_roll;
+    let bx_l_sho_roll_x = -(bx_l_sho_pitch_y * s_l_sho_roll + e1 * c_l_sho_roll);
+    let e3 = e1 * s_l_sho_roll - bx_l_sho_pitch_y * c_l_sho_roll;
     let bx_l_sho_roll_y = -e3;
     // l_el
     let bx_l_el_x = bx_l_sho_pitch_x * sin[10] - e3 * cos[10];
     let bx_l_el_y = -(bx_l_sho_pitch_x * cos[10] + e3 * sin[10]);
     // r_hip_yaw
-    let bx_r_hip_yaw_x = bx_l_hip_yaw_x * cos[11] - bx_l_hip_yaw_y * sin[11];
-    let bx_r_hip_yaw_y = bx_l_hip_yaw_y * cos[11] + bx_l_hip_yaw_x * sin[11];
+    let bx_r_hip_yaw_x = bx_l_hip_yaw_x * cos[11] + e1 * sin[11];
+    let bx_r_hip_yaw_y = bx_l_hip_yaw_x * sin[11] - e1 * cos[11];
     // r_hip_roll
-    let bx_r_hip_roll_x = bx_r_hip_yaw_x * cos[12] + bx_l_hip_roll_x * sin[12];
-    let e4 = bx_l_hip_roll_x * cos[12] - bx_r_hip_yaw_x * sin[12];
+    let bx_r_hip_roll_x = bx_r_hip_yaw_y * cos[12] - bx_l_hip_roll_y * sin[12];
+    let bx_r_hip_roll_y = bx_l_hip_roll_y * cos[12] + bx_r_hip_yaw_y * sin[12];
     // r_hip_pitch
-    let kx_r_hip_pitch_z = -bx_r_hip_roll_x;
-    let e5 = e4 * cos[13] + bx_r_hip_yaw_y * sin[13];
-    let e6 = bx_r_hip_yaw_y * cos[13] - e4 * sin[13];
+    let bx_r_hip_pitch_x = bx_r_hip_yaw_x * cos[13] - bx_r_hip_roll_y * sin[13];
+    let bx_r_hip_pitch_y = bx_r_hip_yaw_x * sin[13] + bx_r_hip_roll_y * cos[13];
     // r_knee
-    let e7 = e5 * cos[14] + e6 * sin[14];
-    let bx_r_knee_y = e5 * sin[14] - e6 * cos[14];
+    let bx_r_knee_x = bx_r_hip_pitch_x * cos[14] - bx_r_hip_pitch_y * sin[14];
+    let bx_r_knee_y = bx_r_hip_pitch_y * cos[14] + bx_r_hip_pitch_x * sin[14];
     // r_ank_pitch
-    let e8 = e7 * cos[15] + bx_r_knee_y * sin[15];
-    let bx_r_ank_pitch_y = bx_r_knee_y * cos[15] - e7 * sin[15];
+    let bx_r_ank_pitch_x = bx_r_knee_x * cos[15] + bx_r_knee_y * sin[15];
+    let bx_r_ank_pitch_y = bx_r_knee_y * cos[15] - bx_r_knee_x * sin[15];
     // r_ank_roll
-    let kx_r_ank_roll_z = -bx_r_ank_pitch_y;
-    let bx_r_ank_roll_y = e8 * sin[16] - bx_r_hip_roll_x * cos[16];
+    let bx_r_ank_roll_x = bx_r_ank_pitch_y * sin[16] + bx_r_hip_roll_x * cos[16];
+    let bx_r_ank_roll_y = -(bx_r_hip_roll_x * sin[16] - bx_r_ank_pitch_y * cos[16]);
     // r_sho_pitch
-    let bx_r_sho_pitch_x = bx_l_hip_yaw_y * cos[17] + bx_l_hip_roll_x * sin[17];
-    let bx_r_sho_pitch_y = bx_l_hip_roll_x * cos[17] - bx_l_hip_yaw_y * sin[17];
+    let bx_r_sho_pitch_x = bx_l_hip_yaw_x * cos[17] + bx_l_hip_roll_y * sin[17];
+    let bx_r_sho_pitch_y = bx_l_hip_roll_y * cos[17] - bx_l_hip_yaw_x * sin[17];
     // r_sho_roll
     let s_r_sho_roll = T::from_f64(0.707106781467586) * sin[18]
         + T::from_f64(0.7071067809055092) * cos[18];
     let c_r_sho_roll = T::from_f64(0.707106781467586) * cos[18]
         - T::from_f64(0.7071067809055092) * sin[18];
-    let bx_r_sho_roll_x = -(bx_r_sho_pitch_y * s_r_sho_roll
-        + bx_l_hip_yaw_x * c_r_sho_roll);
-    let e9 = bx_l_hip_yaw_x * s_r_sho_roll - bx_r_sho_pitch_y * c_r_sho_roll;
-    let bx_r_sho_roll_y = -e9;
+    let bx_r_sho_roll_x = -(bx_r_sho_pitch_y * s_r_sho_roll + e1 * c_r_sho_roll);
+    let e4 = e1 * s_r_sho_roll - bx_r_sho_pitch_y * c_r_sho_roll;
+    let bx_r_sho_roll_y = -e4;
     // r_el
-    let bx_r_el_x = -(e9 * cos[19] + bx_r_sho_pitch_x * sin[19]);
-    let bx_r_el_y = -(bx_r_sho_pitch_x * cos[19] - e9 * sin[19]);
+    let bx_r_el_x = -(e4 * cos[19] + bx_r_sho_pitch_x * sin[19]);
+    let bx_r_el_y = -(bx_r_sho_pitch_x * cos[19] - e4 * sin[19]);
     // l_ank_pitch
-    let by_l_ank_pitch_x = sin[7] * cos[6];
-    let by_l_ank_pitch_y = sin[7] * sin[6];
+    let by_l_ank_pitch_x = sin[7] * sin[6];
+    let by_l_ank_pitch_y = sin[7] * cos[6];
     // l_knee
-    let by_l_knee_x = by_l_ank_pitch_x * cos[5] + by_l_ank_pitch_y * sin[5];
-    let by_l_knee_y = by_l_ank_pitch_y * cos[5] - by_l_ank_pitch_x * sin[5];
+    let by_l_knee_x = by_l_ank_pitch_x * cos[5] - by_l_ank_pitch_y * sin[5];
+    let by_l_knee_y = by_l_ank_pitch_y * cos[5] + by_l_ank_pitch_x * sin[5];
     // l_hip_pitch
-    let by_l_hip_pitch_x = by_l_knee_x * cos[4] + by_l_knee_y * sin[4];
-    let by_l_hip_pitch_y = by_l_knee_y * cos[4] - by_l_knee_x * sin[4];
+    let by_l_hip_pitch_x = by_l_knee_x * cos[4] - by_l_knee_y * sin[4];
+    let by_l_hip_pitch_y = by_l_knee_y * cos[4] + by_l_knee_x * sin[4];
     // l_hip_roll
-    let by_l_hip_roll_x = by_l_hip_pitch_x * cos[3] - cos[7] * sin[3];
-    let e10 = cos[7] * cos[3] + by_l_hip_pitch_x * sin[3];
+    let by_l_hip_roll_x = by_l_hip_pitch_y * sin[3] + cos[7] * cos[3];
+    let e5 = cos[7] * sin[3] - by_l_hip_pitch_y * cos[3];
+    let by_l_hip_roll_y = -e5;
     // l_hip_yaw
-    let by_l_hip_yaw_x = by_l_hip_pitch_y * sin[2] - e10 * cos[2];
-    let by_l_hip_yaw_y = by_l_hip_pitch_y * cos[2] + e10 * sin[2];
+    let by_l_hip_yaw_x = by_l_hip_roll_x * sin[2] + by_l_hip_pitch_x * cos[2];
+    let e6 = by_l_hip_pitch_x * sin[2] - by_l_hip_roll_x * cos[2];
+    let by_l_hip_yaw_y = -e6;
     // head_pan
-    let by_head_pan_x = by_l_hip_yaw_x * cos[0] + by_l_hip_yaw_y * sin[0];
-    let by_head_pan_y = by_l_hip_yaw_y * cos[0] - by_l_hip_yaw_x * sin[0];
+    let by_head_pan_x = by_l_hip_yaw_x * cos[0] - e6 * sin[0];
+    let by_head_pan_y = -(e6 * cos[0] + by_l_hip_yaw_x * sin[0]);
     // head_tilt
-    let ky_head_tilt_z = -by_head_pan_x;
-    let by_head_tilt_x = by_head_pan_y * cos[1] + by_l_hip_roll_x * sin[1];
-    let e11 = by_l_hip_roll_x * cos[1] - by_head_pan_y * sin[1];
+    let by_head_tilt_x = by_head_pan_x * cos[1] - e5 * sin[1];
+    let by_head_tilt_y = e5 * cos[1] + by_head_pan_x * sin[1];
     // l_sho_pitch
-    let ky_l_sho_pitch_z = -by_l_hip_yaw_x;
-    let by_l_sho_pitch_x = by_l_hip_yaw_y * cos[8] - by_l_hip_roll_x * sin[8];
-    let by_l_sho_pitch_y = by_l_hip_roll_x * cos[8] + by_l_hip_yaw_y * sin[8];
+    let by_l_sho_pitch_x = by_l_hip_yaw_x * cos[8] + e5 * sin[8];
+    let by_l_sho_pitch_y = by_l_hip_yaw_x * sin[8] - e5 * cos[8];
     // l_sho_roll
-    let by_l_sho_roll_x = -(by_l_sho_pitch_y * s_l_sho_roll
-        + by_l_hip_yaw_x * c_l_sho_roll);
-    let e12 = by_l_hip_yaw_x * s_l_sho_roll - by_l_sho_pitch_y * c_l_sho_roll;
-    let by_l_sho_roll_y = -e12;
+    let by_l_sho_roll_x = -(by_l_sho_pitch_y * s_l_sho_roll + e6 * c_l_sho_roll);
+    let e7 = e6 * s_l_sho_roll - by_l_sho_pitch_y * c_l_sho_roll;
+    let by_l_sho_roll_y = -e7;
     // l_el
-    let by_l_el_x = by_l_sho_pitch_x * sin[10] - e12 * cos[10];
-    let by_l_el_y = -(by_l_sho_pitch_x * cos[10] + e12 * sin[10]);
+    let by_l_el_x = by_l_sho_pitch_x * sin[10] - e7 * cos[10];
+    let by_l_el_y = -(by_l_sho_pitch_x * cos[10] + e7 * sin[10]);
     // r_hip_yaw
-    let by_r_hip_yaw_x = by_l_hip_yaw_x * cos[11] - by_l_hip_yaw_y * sin[11];
-    let by_r_hip_yaw_y = by_l_hip_yaw_y * cos[11] + by_l_hip_yaw_x * sin[11];
+    let by_r_hip_yaw_x = by_l_hip_yaw_x * cos[11] + e6 * sin[11];
+    let by_r_hip_yaw_y = by_l_hip_yaw_x * sin[11] - e6 * cos[11];
     // r_hip_roll
-    let by_r_hip_roll_x = by_r_hip_yaw_x * cos[12] + by_l_hip_roll_x * sin[12];
-    let e13 = by_l_hip_roll_x * cos[12] - by_r_hip_yaw_x * sin[12];
+    let by_r_hip_roll_x = by_r_hip_yaw_y * cos[12] + e5 * sin[12];
+    let by_r_hip_roll_y = by_r_hip_yaw_y * sin[12] - e5 * cos[12];
     // r_hip_pitch
-    let ky_r_hip_pitch_z = -by_r_hip_roll_x;
-    let e14 = e13 * cos[13] + by_r_hip_yaw_y * sin[13];
-    let e15 = by_r_hip_yaw_y * cos[13] - e13 * sin[13];
+    let by_r_hip_pitch_x = by_r_hip_yaw_x * cos[13] - by_r_hip_roll_y * sin[13];
+    let by_r_hip_pitch_y = by_r_hip_yaw_x * sin[13] + by_r_hip_roll_y * cos[13];
     // r_knee
-    let e16 = e14 * cos[14] + e15 * sin[14];
-    let by_r_knee_y = e14 * sin[14] - e15 * cos[14];
+    let by_r_knee_x = by_r_hip_pitch_x * cos[14] - by_r_hip_pitch_y * sin[14];
+    let by_r_knee_y = by_r_hip_pitch_y * cos[14] + by_r_hip_pitch_x * sin[14];
     // r_ank_pitch
-    let e17 = e16 * cos[15] + by_r_knee_y * sin[15];
-    let by_r_ank_pitch_y = by_r_knee_y * cos[15] - e16 * sin[15];
+    let by_r_ank_pitch_x = by_r_knee_x * cos[15] + by_r_knee_y * sin[15];
+    let by_r_ank_pitch_y = by_r_knee_y * cos[15] - by_r_knee_x * sin[15];
     // r_ank_roll
-    let ky_r_ank_roll_z = -by_r_ank_pitch_y;
-    let by_r_ank_roll_y = e17 * sin[16] - by_r_hip_roll_x * cos[16];
+    let by_r_ank_roll_x = by_r_ank_pitch_y * sin[16] + by_r_hip_roll_x * cos[16];
+    let by_r_ank_roll_y = -(by_r_hip_roll_x * sin[16] - by_r_ank_pitch_y * cos[16]);
     // r_sho_pitch
-    let by_r_sho_pitch_x = by_l_hip_yaw_y * cos[17] + by_l_hip_roll_x * sin[17];
-    let by_r_sho_pitch_y = by_l_hip_roll_x * cos[17] - by_l_hip_yaw_y * sin[17];
+    let by_r_sho_pitch_x = by_l_hip_yaw_x * cos[17] - e5 * sin[17];
+    let e8 = e5 * cos[17] + by_l_hip_yaw_x * sin[17];
+    let by_r_sho_pitch_y = -e8;
     // r_sho_roll
-    let by_r_sho_roll_x = -(by_r_sho_pitch_y * s_r_sho_roll
-        + by_l_hip_yaw_x * c_r_sho_roll);
-    let e18 = by_l_hip_yaw_x * s_r_sho_roll - by_r_sho_pitch_y * c_r_sho_roll;
-    let by_r_sho_roll_y = -e18;
+    let by_r_sho_roll_x = e8 * s_r_sho_roll - e6 * c_r_sho_roll;
+    let e9 = e6 * s_r_sho_roll + e8 * c_r_sho_roll;
+    let by_r_sho_roll_y = -e9;
     // r_el
-    let by_r_el_x = -(e18 * cos[19] + by_r_sho_pitch_x * sin[19]);
-    let by_r_el_y = -(by_r_sho_pitch_x * cos[19] - e18 * sin[19]);
+    let by_r_el_x = -(e9 * cos[19] + by_r_sho_pitch_x * sin[19]);
+    let by_r_el_y = -(by_r_sho_pitch_x * cos[19] - e9 * sin[19]);
     // l_ank_pitch
-    let bz_l_ank_pitch_x = cos[7] * cos[6];
-    let bz_l_ank_pitch_y = cos[7] * sin[6];
+    let bz_l_ank_pitch_x = cos[7] * sin[6];
+    let bz_l_ank_pitch_y = cos[7] * cos[6];
     // l_knee
-    let bz_l_knee_x = bz_l_ank_pitch_x * cos[5] + bz_l_ank_pitch_y * sin[5];
-    let bz_l_knee_y = bz_l_ank_pitch_y * cos[5] - bz_l_ank_pitch_x * sin[5];
+    let bz_l_knee_x = bz_l_ank_pitch_x * cos[5] - bz_l_ank_pitch_y * sin[5];
+    let bz_l_knee_y = bz_l_ank_pitch_y * cos[5] + bz_l_ank_pitch_x * sin[5];
     // l_hip_pitch
-    let bz_l_hip_pitch_x = bz_l_knee_x * cos[4] + bz_l_knee_y * sin[4];
-    let bz_l_hip_pitch_y = bz_l_knee_y * cos[4] - bz_l_knee_x * sin[4];
+    let bz_l_hip_pitch_x = bz_l_knee_x * cos[4] - bz_l_knee_y * sin[4];
+    let bz_l_hip_pitch_y = bz_l_knee_y * cos[4] + bz_l_knee_x * sin[4];
     // l_hip_roll
-    let bz_l_hip_roll_x = bz_l_hip_pitch_x * cos[3] + sin[7] * sin[3];
-    let e19 = bz_l_hip_pitch_x * sin[3] - sin[7] * cos[3];
+    let bz_l_hip_roll_x = bz_l_hip_pitch_y * sin[3] - sin[7] * cos[3];
+    let bz_l_hip_roll_y = sin[7] * sin[3] + bz_l_hip_pitch_y * cos[3];
     // l_hip_yaw
-    let bz_l_hip_yaw_x = bz_l_hip_pitch_y * sin[2] - e19 * cos[2];
-    let bz_l_hip_yaw_y = bz_l_hip_pitch_y * cos[2] + e19 * sin[2];
+    let bz_l_hip_yaw_x = bz_l_hip_roll_x * sin[2] + bz_l_hip_pitch_x * cos[2];
+    let e10 = bz_l_hip_pitch_x * sin[2] - bz_l_hip_roll_x * cos[2];
+    let bz_l_hip_yaw_y = -e10;
     // head_pan
-    let bz_head_pan_x = bz_l_hip_yaw_x * cos[0] + bz_l_hip_yaw_y * sin[0];
-    let bz_head_pan_y = bz_l_hip_yaw_y * cos[0] - bz_l_hip_yaw_x * sin[0];
+    let bz_head_pan_x = bz_l_hip_yaw_x * cos[0] - e10 * sin[0];
+    let bz_head_pan_y = -(e10 * cos[0] + bz_l_hip_yaw_x * sin[0]);
     // head_tilt
-    let kz_head_tilt_z = -bz_head_pan_x;
-    let bz_head_tilt_x = bz_head_pan_y * cos[1] + bz_l_hip_roll_x * sin[1];
-    let e20 = bz_l_hip_roll_x * cos[1] - bz_head_pan_y * sin[1];
+    let bz_head_tilt_x = bz_head_pan_x * cos[1] + bz_l_hip_roll_y * sin[1];
+    let e11 = bz_l_hip_roll_y * cos[1] - bz_head_pan_x * sin[1];
     // l_sho_pitch
-    let kz_l_sho_pitch_z = -bz_l_hip_yaw_x;
-    let bz_l_sho_pitch_x = bz_l_hip_yaw_y * cos[8] - bz_l_hip_roll_x * sin[8];
-    let bz_l_sho_pitch_y = bz_l_hip_roll_x * cos[8] + bz_l_hip_yaw_y * sin[8];
+    let bz_l_sho_pitch_x = bz_l_hip_yaw_x * cos[8] - bz_l_hip_roll_y * sin[8];
+    let bz_l_sho_pitch_y = bz_l_hip_roll_y * cos[8] + bz_l_hip_yaw_x * sin[8];
     // l_sho_roll
-    let bz_l_sho_roll_x = -(bz_l_sho_pitch_y * s_l_sho_roll
-        + bz_l_hip_yaw_x * c_l_sho_roll);
-    let e21 = bz_l_hip_yaw_x * s_l_sho_roll - bz_l_sho_pitch_y * c_l_sho_roll;
-    let bz_l_sho_roll_y = -e21;
+    let bz_l_sho_roll_x = -(bz_l_sho_pitch_y * s_l_sho_roll + e10 * c_l_sho_roll);
+    let e12 = e10 * s_l_sho_roll - bz_l_sho_pitch_y * c_l_sho_roll;
+    let bz_l_sho_roll_y = -e12;
     // l_el
-    let bz_l_el_x = bz_l_sho_pitch_x * sin[10] - e21 * cos[10];
-    let bz_l_el_y = -(bz_l_sho_pitch_x * cos[10] + e21 * sin[10]);
+    let bz_l_el_x = bz_l_sho_pitch_x * sin[10] - e12 * cos[10];
+    let bz_l_el_y = -(bz_l_sho_pitch_x * cos[10] + e12 * sin[10]);
     // r_hip_yaw
-    let bz_r_hip_yaw_x = bz_l_hip_yaw_x * cos[11] - bz_l_hip_yaw_y * sin[11];
-    let bz_r_hip_yaw_y = bz_l_hip_yaw_y * cos[11] + bz_l_hip_yaw_x * sin[11];
+    let bz_r_hip_yaw_x = bz_l_hip_yaw_x * cos[11] + e10 * sin[11];
+    let bz_r_hip_yaw_y = bz_l_hip_yaw_x * sin[11] - e10 * cos[11];
     // r_hip_roll
-    let bz_r_hip_roll_x = bz_r_hip_yaw_x * cos[12] + bz_l_hip_roll_x * sin[12];
-    let e22 = bz_l_hip_roll_x * cos[12] - bz_r_hip_yaw_x * sin[12];
+    let bz_r_hip_roll_x = bz_r_hip_yaw_y * cos[12] - bz_l_hip_roll_y * sin[12];
+    let bz_r_hip_roll_y = bz_l_hip_roll_y * cos[12] + bz_r_hip_yaw_y * sin[12];
     // r_hip_pitch
-    let kz_r_hip_pitch_z = -bz_r_hip_roll_x;
-    let e23 = e22 * cos[13] + bz_r_hip_yaw_y * sin[13];
-    let e24 = bz_r_hip_yaw_y * cos[13] - e22 * sin[13];
+    let bz_r_hip_pitch_x = bz_r_hip_yaw_x * cos[13] - bz_r_hip_roll_y * sin[13];
+    let bz_r_hip_pitch_y = bz_r_hip_yaw_x * sin[13] + bz_r_hip_roll_y * cos[13];
     // r_knee
-    let e25 = e23 * cos[14] + e24 * sin[14];
-    let bz_r_knee_y = e23 * sin[14] - e24 * cos[14];
+    let bz_r_knee_x = bz_r_hip_pitch_x * cos[14] - bz_r_hip_pitch_y * sin[14];
+    let bz_r_knee_y = bz_r_hip_pitch_y * cos[14] + bz_r_hip_pitch_x * sin[14];
     // r_ank_pitch
-    let e26 = e25 * cos[15] + bz_r_knee_y * sin[15];
-    let bz_r_ank_pitch_y = bz_r_knee_y * cos[15] - e25 * sin[15];
+    let bz_r_ank_pitch_x = bz_r_knee_x * cos[15] + bz_r_knee_y * sin[15];
+    let bz_r_ank_pitch_y = bz_r_knee_y * cos[15] - bz_r_knee_x * sin[15];
     // r_ank_roll
-    let kz_r_ank_roll_z = -bz_r_ank_pitch_y;
-    let bz_r_ank_roll_y = e26 * sin[16] - bz_r_hip_roll_x * cos[16];
+    let bz_r_ank_roll_x = bz_r_ank_pitch_y * sin[16] + bz_r_hip_roll_x * cos[16];
+    let bz_r_ank_roll_y = -(bz_r_hip_roll_x * sin[16] - bz_r_ank_pitch_y * cos[16]);
     // r_sho_pitch
-    let bz_r_sho_pitch_x = bz_l_hip_yaw_y * cos[17] + bz_l_hip_roll_x * sin[17];
-    let bz_r_sho_pitch_y = bz_l_hip_roll_x * cos[17] - bz_l_hip_yaw_y * sin[17];
+    let bz_r_sho_pitch_x = bz_l_hip_yaw_x * cos[17] + bz_l_hip_roll_y * sin[17];
+    let bz_r_sho_pitch_y = bz_l_hip_roll_y * cos[17] - bz_l_hip_yaw_x * sin[17];
     // r_sho_roll
-    let bz_r_sho_roll_x = -(bz_r_sho_pitch_y * s_r_sho_roll
-        + bz_l_hip_yaw_x * c_r_sho_roll);
-    let e27 = bz_l_hip_yaw_x * s_r_sho_roll - bz_r_sho_pitch_y * c_r_sho_roll;
-    let bz_r_sho_roll_y = -e27;
+    let bz_r_sho_roll_x = -(bz_r_sho_pitch_y * s_r_sho_roll + e10 * c_r_sho_roll);
+    let e13 = e10 * s_r_sho_roll - bz_r_sho_pitch_y * c_r_sho_roll;
+    let bz_r_sho_roll_y = -e13;
     // r_el
-    let bz_r_el_x = -(e27 * cos[19] + bz_r_sho_pitch_x * sin[19]);
-    let bz_r_el_y = -(bz_r_sho_pitch_x * cos[19] - e27 * sin[19]);
+    let bz_r_el_x = -(e13 * cos[19] + bz_r_sho_pitch_x * sin[19]);
+    let bz_r_el_y = -(bz_r_sho_pitch_x * cos[19] - e13 * sin[19]);
     let zero = T::from_f64(0.0);
     let one = T::from_f64(1.0);
     [
@@ -3511,29 +3457,29 @@ pub fn regressor_full_sc<T: Real>(
             zero,
             cos[6],
             zero,
-            bx_l_ank_pitch_x,
-            bx_l_knee_y,
-            zero,
+            bx_l_ank_pitch_y,
             bx_l_knee_x,
-            bx_l_hip_pitch_y,
             zero,
+            bx_l_knee_y,
             bx_l_hip_pitch_x,
+            zero,
             bx_l_hip_pitch_y,
-            e1,
+            bx_l_hip_pitch_x,
             bx_l_hip_roll_x,
+            bx_l_hip_roll_y,
+            bx_l_hip_yaw_x,
             bx_l_hip_yaw_y,
-            kx_l_sho_pitch_z,
-            bx_l_hip_roll_x,
+            bx_l_hip_roll_y,
+            bx_head_pan_x,
             bx_head_pan_y,
-            kx_head_tilt_z,
-            bx_l_hip_roll_x,
+            bx_l_hip_roll_y,
             T::from_f64(0.8386705680315472) * bx_head_tilt_x
                 - T::from_f64(0.5446390348824093) * e2,
-            kx_head_tilt_z,
+            bx_head_pan_y,
             T::from_f64(0.5446390348824093) * bx_head_tilt_x
                 + T::from_f64(0.8386705680315472) * e2,
             bx_l_sho_pitch_x,
-            kx_l_sho_pitch_z,
+            bx_l_hip_yaw_y,
             bx_l_sho_pitch_y,
             bx_l_sho_pitch_x,
             bx_l_sho_roll_x,
@@ -3541,26 +3487,26 @@ pub fn regressor_full_sc<T: Real>(
             bx_l_el_x,
             bx_l_sho_roll_x,
             bx_l_el_y,
+            bx_r_hip_yaw_x,
             bx_r_hip_yaw_y,
-            -bx_r_hip_yaw_x,
-            bx_l_hip_roll_x,
-            bx_r_hip_yaw_y,
-            kx_r_hip_pitch_z,
-            e4,
-            e6,
-            kx_r_hip_pitch_z,
-            e5,
-            -bx_r_knee_y,
-            kx_r_hip_pitch_z,
-            e7,
-            kx_r_ank_roll_z,
-            kx_r_hip_pitch_z,
-            e8,
-            kx_r_ank_roll_z,
+            bx_l_hip_roll_y,
+            bx_r_hip_yaw_x,
+            bx_r_hip_roll_x,
+            bx_r_hip_roll_y,
+            bx_r_hip_pitch_x,
+            bx_r_hip_roll_x,
+            bx_r_hip_pitch_y,
+            bx_r_knee_x,
+            bx_r_hip_roll_x,
+            bx_r_knee_y,
+            bx_r_ank_pitch_x,
+            bx_r_hip_roll_x,
+            bx_r_ank_pitch_y,
+            bx_r_ank_pitch_x,
+            bx_r_ank_roll_x,
             bx_r_ank_roll_y,
-            e8 * cos[16] + bx_r_hip_roll_x * sin[16],
             bx_r_sho_pitch_x,
-            kx_l_sho_pitch_z,
+            bx_l_hip_yaw_y,
             bx_r_sho_pitch_y,
             bx_r_sho_pitch_x,
             bx_r_sho_roll_x,
@@ -3576,31 +3522,31 @@ pub fn regressor_full_sc<T: Real>(
             zero,
             cos[7],
             sin[7],
-            by_l_ank_pitch_y,
-            cos[7],
             by_l_ank_pitch_x,
-            by_l_knee_y,
             cos[7],
+            by_l_ank_pitch_y,
             by_l_knee_x,
-            by_l_hip_pitch_y,
             cos[7],
+            by_l_knee_y,
             by_l_hip_pitch_x,
+            cos[7],
             by_l_hip_pitch_y,
-            e10,
+            by_l_hip_pitch_x,
             by_l_hip_roll_x,
+            by_l_hip_roll_y,
+            by_l_hip_yaw_x,
             by_l_hip_yaw_y,
-            ky_l_sho_pitch_z,
-            by_l_hip_roll_x,
+            by_l_hip_roll_y,
+            by_head_pan_x,
             by_head_pan_y,
-            ky_head_tilt_z,
-            by_l_hip_roll_x,
+            by_l_hip_roll_y,
             T::from_f64(0.8386705680315472) * by_head_tilt_x
-                - T::from_f64(0.5446390348824093) * e11,
-            ky_head_tilt_z,
+                + T::from_f64(0.5446390348824093) * by_head_tilt_y,
+            by_head_pan_y,
             T::from_f64(0.5446390348824093) * by_head_tilt_x
-                + T::from_f64(0.8386705680315472) * e11,
+                - T::from_f64(0.8386705680315472) * by_head_tilt_y,
             by_l_sho_pitch_x,
-            ky_l_sho_pitch_z,
+            by_l_hip_yaw_y,
             by_l_sho_pitch_y,
             by_l_sho_pitch_x,
             by_l_sho_roll_x,
@@ -3608,26 +3554,26 @@ pub fn regressor_full_sc<T: Real>(
             by_l_el_x,
             by_l_sho_roll_x,
             by_l_el_y,
+            by_r_hip_yaw_x,
             by_r_hip_yaw_y,
-            -by_r_hip_yaw_x,
-            by_l_hip_roll_x,
-            by_r_hip_yaw_y,
-            ky_r_hip_pitch_z,
-            e13,
-            e15,
-            ky_r_hip_pitch_z,
-            e14,
-            -by_r_knee_y,
-            ky_r_hip_pitch_z,
-            e16,
-            ky_r_ank_roll_z,
-            ky_r_hip_pitch_z,
-            e17,
-            ky_r_ank_roll_z,
+            by_l_hip_roll_y,
+            by_r_hip_yaw_x,
+            by_r_hip_roll_x,
+            by_r_hip_roll_y,
+            by_r_hip_pitch_x,
+            by_r_hip_roll_x,
+            by_r_hip_pitch_y,
+            by_r_knee_x,
+            by_r_hip_roll_x,
+            by_r_knee_y,
+            by_r_ank_pitch_x,
+            by_r_hip_roll_x,
+            by_r_ank_pitch_y,
+            by_r_ank_pitch_x,
+            by_r_ank_roll_x,
             by_r_ank_roll_y,
-            e17 * cos[16] + by_r_hip_roll_x * sin[16],
             by_r_sho_pitch_x,
-            ky_l_sho_pitch_z,
+            by_l_hip_yaw_y,
             by_r_sho_pitch_y,
             by_r_sho_pitch_x,
             by_r_sho_roll_x,
@@ -3643,31 +3589,31 @@ pub fn regressor_full_sc<T: Real>(
             zero,
             bz_l_ank_roll_x,
             cos[7],
-            bz_l_ank_pitch_y,
-            bz_l_ank_roll_x,
             bz_l_ank_pitch_x,
-            bz_l_knee_y,
             bz_l_ank_roll_x,
+            bz_l_ank_pitch_y,
             bz_l_knee_x,
-            bz_l_hip_pitch_y,
             bz_l_ank_roll_x,
+            bz_l_knee_y,
             bz_l_hip_pitch_x,
+            bz_l_ank_roll_x,
             bz_l_hip_pitch_y,
-            e19,
+            bz_l_hip_pitch_x,
             bz_l_hip_roll_x,
+            bz_l_hip_roll_y,
+            bz_l_hip_yaw_x,
             bz_l_hip_yaw_y,
-            kz_l_sho_pitch_z,
-            bz_l_hip_roll_x,
+            bz_l_hip_roll_y,
+            bz_head_pan_x,
             bz_head_pan_y,
-            kz_head_tilt_z,
-            bz_l_hip_roll_x,
+            bz_l_hip_roll_y,
             T::from_f64(0.8386705680315472) * bz_head_tilt_x
-                - T::from_f64(0.5446390348824093) * e20,
-            kz_head_tilt_z,
+                - T::from_f64(0.5446390348824093) * e11,
+            bz_head_pan_y,
             T::from_f64(0.5446390348824093) * bz_head_tilt_x
-                + T::from_f64(0.8386705680315472) * e20,
+                + T::from_f64(0.8386705680315472) * e11,
             bz_l_sho_pitch_x,
-            kz_l_sho_pitch_z,
+            bz_l_hip_yaw_y,
             bz_l_sho_pitch_y,
             bz_l_sho_pitch_x,
             bz_l_sho_roll_x,
@@ -3675,26 +3621,26 @@ pub fn regressor_full_sc<T: Real>(
             bz_l_el_x,
             bz_l_sho_roll_x,
             bz_l_el_y,
+            bz_r_hip_yaw_x,
             bz_r_hip_yaw_y,
-            -bz_r_hip_yaw_x,
-            bz_l_hip_roll_x,
-            bz_r_hip_yaw_y,
-            kz_r_hip_pitch_z,
-            e22,
-            e24,
-            kz_r_hip_pitch_z,
-            e23,
-            -bz_r_knee_y,
-            kz_r_hip_pitch_z,
-            e25,
-            kz_r_ank_roll_z,
-            kz_r_hip_pitch_z,
-            e26,
-            kz_r_ank_roll_z,
+            bz_l_hip_roll_y,
+            bz_r_hip_yaw_x,
+            bz_r_hip_roll_x,
+            bz_r_hip_roll_y,
+            bz_r_hip_pitch_x,
+            bz_r_hip_roll_x,
+            bz_r_hip_pitch_y,
+            bz_r_knee_x,
+            bz_r_hip_roll_x,
+            bz_r_knee_y,
+            bz_r_ank_pitch_x,
+            bz_r_hip_roll_x,
+            bz_r_ank_pitch_y,
+            bz_r_ank_pitch_x,
+            bz_r_ank_roll_x,
             bz_r_ank_roll_y,
-            e26 * cos[16] + bz_r_hip_roll_x * sin[16],
             bz_r_sho_pitch_x,
-            kz_l_sho_pitch_z,
+            bz_l_hip_yaw_y,
             bz_r_sho_pitch_y,
             bz_r_sho_pitch_x,
             bz_r_sho_roll_x,
@@ -3726,29 +3672,30 @@ pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
     let t_r_sho_pitch_x = cos[17] * v_r_sho_pitch_x - sin[17] * v_r_sho_pitch_y;
     let t_r_sho_pitch_y = sin[17] * v_r_sho_pitch_x + cos[17] * v_r_sho_pitch_y;
     // r_ank_roll
-    let t_r_ank_roll_x = cos[16] * r[35] - sin[16] * r[36];
-    let t_r_ank_roll_y = sin[16] * r[35] + cos[16] * r[36];
+    let t_r_ank_roll_x = sin[16] * r[35] + cos[16] * r[36];
+    let t_r_ank_roll_y = cos[16] * r[35] - sin[16] * r[36];
     // r_ank_pitch
-    let v_r_ank_pitch_x = r[33] + t_r_ank_roll_x;
-    let t_r_ank_pitch_x = cos[15] * v_r_ank_pitch_x + sin[15] * r[34];
-    let t_r_ank_pitch_y = cos[15] * r[34] - sin[15] * v_r_ank_pitch_x;
+    let v_r_ank_pitch_y = r[34] + t_r_ank_roll_x;
+    let t_r_ank_pitch_x = cos[15] * r[33] - sin[15] * v_r_ank_pitch_y;
+    let t_r_ank_pitch_y = sin[15] * r[33] + cos[15] * v_r_ank_pitch_y;
     // r_knee
     let v_r_knee_x = r[31] + t_r_ank_pitch_x;
     let v_r_knee_y = r[32] + t_r_ank_pitch_y;
-    let t_r_knee_x = cos[14] * v_r_knee_x - sin[14] * v_r_knee_y;
-    let t_r_knee_y = sin[14] * v_r_knee_x + cos[14] * v_r_knee_y;
+    let t_r_knee_x = cos[14] * v_r_knee_x + sin[14] * v_r_knee_y;
+    let t_r_knee_y = cos[14] * v_r_knee_y - sin[14] * v_r_knee_x;
     // r_hip_pitch
     let v_r_hip_pitch_x = r[29] + t_r_knee_x;
     let v_r_hip_pitch_y = r[30] + t_r_knee_y;
-    let t_r_hip_pitch_x = cos[13] * v_r_hip_pitch_x - sin[13] * v_r_hip_pitch_y;
+    let t_r_hip_pitch_x = cos[13] * v_r_hip_pitch_y - sin[13] * v_r_hip_pitch_x;
+    let t_r_hip_pitch_y = cos[13] * v_r_hip_pitch_x + sin[13] * v_r_hip_pitch_y;
     // r_hip_roll
-    let v_r_hip_roll_x = r[27] - t_r_ank_roll_y;
+    let v_r_hip_roll_x = r[27] + t_r_ank_roll_y;
     let v_r_hip_roll_y = r[28] + t_r_hip_pitch_x;
     let t_r_hip_roll_x = cos[12] * v_r_hip_roll_x + sin[12] * v_r_hip_roll_y;
-    let t_r_hip_roll_y = sin[12] * v_r_hip_roll_x - cos[12] * v_r_hip_roll_y;
+    let t_r_hip_roll_y = cos[12] * v_r_hip_roll_y - sin[12] * v_r_hip_roll_x;
     // r_hip_yaw
-    let v_r_hip_yaw_x = r[25] + t_r_hip_roll_x;
-    let v_r_hip_yaw_y = r[26] - (sin[13] * v_r_hip_pitch_x + cos[13] * v_r_hip_pitch_y);
+    let v_r_hip_yaw_x = r[25] + t_r_hip_pitch_y;
+    let v_r_hip_yaw_y = r[26] + t_r_hip_roll_x;
     let t_r_hip_yaw_x = cos[11] * v_r_hip_yaw_x + sin[11] * v_r_hip_yaw_y;
     let t_r_hip_yaw_y = cos[11] * v_r_hip_yaw_y - sin[11] * v_r_hip_yaw_x;
     // l_el
@@ -3771,39 +3718,40 @@ pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
     let t_head_tilt_x = cos[1] * r[17] + sin[1] * r[18];
     let t_head_tilt_y = sin[1] * r[17] - cos[1] * r[18];
     // head_pan
-    let v_head_pan_y = r[16] + t_head_tilt_x;
-    let t_head_pan_x = cos[0] * r[15] - sin[0] * v_head_pan_y;
-    let t_head_pan_y = sin[0] * r[15] + cos[0] * v_head_pan_y;
+    let v_head_pan_x = r[15] + t_head_tilt_x;
+    let t_head_pan_x = cos[0] * v_head_pan_x - sin[0] * r[16];
+    let t_head_pan_y = sin[0] * v_head_pan_x + cos[0] * r[16];
     // l_hip_yaw
-    let v_l_hip_yaw_x = r[13] + t_head_pan_x - t_l_sho_roll_y + t_r_hip_yaw_x
-        - t_r_sho_roll_y;
-    let v_l_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_pitch_x + t_r_hip_yaw_y
+    let v_l_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_hip_yaw_x
         + t_r_sho_pitch_x;
+    let v_l_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_hip_yaw_y
+        + t_r_sho_roll_y;
     let v_l_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_hip_roll_y
         + t_r_sho_pitch_y;
-    let t_l_hip_yaw_x = cos[2] * v_l_hip_yaw_x - sin[2] * v_l_hip_yaw_y;
-    let t_l_hip_yaw_y = sin[2] * v_l_hip_yaw_x + cos[2] * v_l_hip_yaw_y;
+    let t_l_hip_yaw_x = sin[2] * v_l_hip_yaw_x + cos[2] * v_l_hip_yaw_y;
+    let t_l_hip_yaw_y = cos[2] * v_l_hip_yaw_x - sin[2] * v_l_hip_yaw_y;
     // l_hip_roll
-    let v_l_hip_roll_x = r[11] + v_l_hip_yaw_z;
-    let v_l_hip_roll_y = r[12] + t_l_hip_yaw_x;
-    let t_l_hip_roll_x = cos[3] * v_l_hip_roll_x - sin[3] * v_l_hip_roll_y;
+    let v_l_hip_roll_x = r[11] + t_l_hip_yaw_x;
+    let v_l_hip_roll_y = r[12] + v_l_hip_yaw_z;
+    let t_l_hip_roll_x = sin[3] * v_l_hip_roll_x + cos[3] * v_l_hip_roll_y;
+    let t_l_hip_roll_y = cos[3] * v_l_hip_roll_x - sin[3] * v_l_hip_roll_y;
     // l_hip_pitch
-    let v_l_hip_pitch_x = r[9] + t_l_hip_roll_x;
-    let v_l_hip_pitch_y = r[10] + t_l_hip_yaw_y;
-    let t_l_hip_pitch_x = cos[4] * v_l_hip_pitch_x - sin[4] * v_l_hip_pitch_y;
-    let t_l_hip_pitch_y = sin[4] * v_l_hip_pitch_x + cos[4] * v_l_hip_pitch_y;
+    let v_l_hip_pitch_x = r[9] + t_l_hip_yaw_y;
+    let v_l_hip_pitch_y = r[10] + t_l_hip_roll_x;
+    let t_l_hip_pitch_x = cos[4] * v_l_hip_pitch_x + sin[4] * v_l_hip_pitch_y;
+    let t_l_hip_pitch_y = cos[4] * v_l_hip_pitch_y - sin[4] * v_l_hip_pitch_x;
     // l_knee
     let v_l_knee_x = r[7] + t_l_hip_pitch_x;
     let v_l_knee_y = r[8] + t_l_hip_pitch_y;
-    let t_l_knee_x = cos[5] * v_l_knee_x - sin[5] * v_l_knee_y;
-    let t_l_knee_y = sin[5] * v_l_knee_x + cos[5] * v_l_knee_y;
+    let t_l_knee_x = cos[5] * v_l_knee_x + sin[5] * v_l_knee_y;
+    let t_l_knee_y = cos[5] * v_l_knee_y - sin[5] * v_l_knee_x;
     // l_ank_pitch
     let v_l_ank_pitch_x = r[5] + t_l_knee_x;
     let v_l_ank_pitch_y = r[6] + t_l_knee_y;
-    let t_l_ank_pitch_x = cos[6] * v_l_ank_pitch_x + sin[6] * v_l_ank_pitch_y;
-    let t_l_ank_pitch_y = cos[6] * v_l_ank_pitch_y - sin[6] * v_l_ank_pitch_x;
+    let t_l_ank_pitch_x = sin[6] * v_l_ank_pitch_x + cos[6] * v_l_ank_pitch_y;
+    let t_l_ank_pitch_y = cos[6] * v_l_ank_pitch_x - sin[6] * v_l_ank_pitch_y;
     // l_ank_roll
-    let v_l_ank_roll_x = r[3] - (sin[3] * v_l_hip_roll_x + cos[3] * v_l_hip_roll_y);
+    let v_l_ank_roll_x = r[3] + t_l_hip_roll_y;
     let v_l_ank_roll_y = r[4] + t_l_ank_pitch_x;
     let t_l_ank_roll_x = cos[7] * v_l_ank_roll_x + sin[7] * v_l_ank_roll_y;
     // l_sole

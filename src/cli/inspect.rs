@@ -68,12 +68,13 @@ fn text(i: &Inspection) -> String {
         i.numeric_rank.xyz,
         i.numeric_rank.cop
     );
-    let mut parameters = Table::new(&["base parameter", "CAD, mm"]);
+    let mut parameters = Table::new(&["base parameter", "CAD", ""]);
     for parameter in &i.parameters {
-        parameters.row(&[
-            parameter.name.clone(),
-            format!("{:.4}", 1e3 * parameter.cad),
-        ]);
+        let (value, unit) = match parameter.unit {
+            "m" => (format!("{:.4}", 1e3 * parameter.cad), "mm"),
+            _ => (format!("{:.6}", parameter.cad), "of the mass"),
+        };
+        parameters.row(&[parameter.name.clone(), value, unit.to_string()]);
     }
     let _ = writeln!(out, "{parameters}");
     let _ = writeln!(out, "What no data can see:");

@@ -10,6 +10,7 @@
 use super::Scratch;
 use crate::expr::Id;
 use crate::model::{Given, Model};
+use crate::snap::quarters;
 use crate::tree::Coordinate;
 
 /// Largest multiple of an angle built from its sine and cosine.
@@ -96,13 +97,4 @@ impl Scratch<'_> {
             _ => (self.g.neg(c), s),
         }
     }
-}
-
-/// Whole quarter turns (0 to 3) and the rest, at most an eighth of a turn.
-fn quarters(angle: f64) -> (i64, f64) {
-    let quarter = std::f64::consts::FRAC_PI_2;
-    let whole = libm::rint(angle / quarter);
-    let rest = angle - whole * quarter;
-    let rest = if libm::fabs(rest) < 1e-15 { 0.0 } else { rest };
-    ((whole as i64).rem_euclid(4), rest)
 }
