@@ -24,15 +24,19 @@
 // Bounds hold inside the joint limits for |r| up to the CAD values.
 
 use sesc_runtime::{Real, Sesc};
+
 /// Number of independent joints.
 #[allow(dead_code, clippy::all)]
 pub const DOF: usize = 20;
+
 /// Number of base parameters: columns that data can tell apart.
 #[allow(dead_code, clippy::all)]
 pub const BASE_PARAMS: usize = 43;
+
 /// Number of SESC parameters r_0, r_1, … (and s of sliding joints).
 #[allow(dead_code, clippy::all)]
 pub const FULL_PARAMS: usize = 63;
+
 /// Joints in the order of `q`.
 #[allow(dead_code, clippy::all)]
 pub const JOINT_NAMES: [&str; DOF] = [
@@ -57,12 +61,14 @@ pub const JOINT_NAMES: [&str; DOF] = [
     "r_sho_roll",
     "r_el",
 ];
+
 /// Which joints slide: their `q` is in metres, the others' in radians.
 #[allow(dead_code, clippy::all)]
 pub const SLIDING: [bool; DOF] = [
     false, false, false, false, false, false, false, false, false, false, false, false,
     false, false, false, false, false, false, false, false,
 ];
+
 /// Base parameters in the order of `r`: link and axis in its frame.
 #[allow(dead_code, clippy::all)]
 pub const PARAM_NAMES: [&str; BASE_PARAMS] = [
@@ -110,6 +116,7 @@ pub const PARAM_NAMES: [&str; BASE_PARAMS] = [
     "r_el_link.x",
     "r_el_link.z",
 ];
+
 /// Base parameters from CAD, m.
 #[allow(dead_code, clippy::all)]
 pub const CAD_PARAMS: [f64; BASE_PARAMS] = [
@@ -157,6 +164,7 @@ pub const CAD_PARAMS: [f64; BASE_PARAMS] = [
     -0.000273408178112904,
     -0.0009290174831895181,
 ];
+
 /// A posture to test with.
 #[allow(dead_code, clippy::all)]
 pub const SELF_TEST_Q: [f64; DOF] = [
@@ -181,6 +189,7 @@ pub const SELF_TEST_Q: [f64; DOF] = [
     -0.5751953083474866,
     -1.5910947000686353,
 ];
+
 /// The CoM there with `CAD_PARAMS`, m, summed body by body by the generator.
 #[allow(dead_code, clippy::all)]
 pub const SELF_TEST_COM: [f64; 3] = [
@@ -188,10 +197,12 @@ pub const SELF_TEST_COM: [f64; 3] = [
     -0.059639521819673455,
     0.06291615407031498,
 ];
+
 /// Robot `op2` standing on `l_sole`.
 #[allow(dead_code, clippy::all)]
 #[derive(Debug, Clone, Copy)]
 pub struct Op2LSole;
+
 #[allow(dead_code, clippy::all)]
 impl Sesc<DOF, BASE_PARAMS, FULL_PARAMS> for Op2LSole {
     const JOINT_NAMES: [&'static str; DOF] = JOINT_NAMES;
@@ -225,6 +236,7 @@ impl Sesc<DOF, BASE_PARAMS, FULL_PARAMS> for Op2LSole {
         cop(q, r)
     }
 }
+
 #[allow(dead_code, clippy::all)]
 impl sesc_runtime::SescFromSinCos<DOF, BASE_PARAMS, FULL_PARAMS> for Op2LSole {
     #[inline]
@@ -270,6 +282,7 @@ impl sesc_runtime::SescFromSinCos<DOF, BASE_PARAMS, FULL_PARAMS> for Op2LSole {
         cop_sc(sin, cos, r)
     }
 }
+
 /// Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i.
 #[allow(dead_code, clippy::all)]
 pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
@@ -402,6 +415,7 @@ pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
     let v_l_sole_z = r[2] + t_l_ank_roll_y;
     [v_l_sole_x, v_l_sole_y, v_l_sole_z]
 }
+
 /// ∂CoM/∂q, m/rad (m/m for sliding joints), one row per axis.
 #[allow(dead_code, clippy::all)]
 pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3] {
@@ -726,6 +740,7 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
         ],
     ]
 }
+
 /// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
 #[allow(dead_code, clippy::all)]
 pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] {
@@ -920,6 +935,7 @@ pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] 
             - (e4 * s_r_sho_roll - bz_r_sho_pitch_y * c_r_sho_roll) * e1,
     ]
 }
+
 /// Rows of the base regressor: CoM = rows · r.
 #[allow(dead_code, clippy::all)]
 pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
@@ -1288,6 +1304,7 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         ],
     ]
 }
+
 /// The x and y rows of the base regressor: CoP = rows · r.
 #[allow(dead_code, clippy::all)]
 pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
@@ -1542,6 +1559,7 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         ],
     ]
 }
+
 /// Rows [B_0 B_1 …] of the full regressor, seed paper Eq. (5), in link frames.
 #[allow(dead_code, clippy::all)]
 pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
@@ -1976,6 +1994,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
         ],
     ]
 }
+
 /// Centre of pressure that a static posture shows on a level sole, m.
 #[allow(dead_code, clippy::all)]
 pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
@@ -2106,6 +2125,7 @@ pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
     let v_l_sole_y = r[1] + t_l_ank_roll_x;
     [v_l_sole_x, v_l_sole_y]
 }
+
 /// Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
@@ -2216,6 +2236,7 @@ pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
     let v_l_sole_z = r[2] + t_l_ank_roll_y;
     [v_l_sole_x, v_l_sole_y, v_l_sole_z]
 }
+
 /// ∂CoM/∂q, m/rad (m/m for sliding joints), one row per axis.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
@@ -2508,6 +2529,7 @@ pub fn com_jacobian_sc<T: Real>(
         ],
     ]
 }
+
 /// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
@@ -2678,6 +2700,7 @@ pub fn gravity_moments_sc<T: Real>(
             - (e2 * s_r_sho_roll - bz_r_sho_pitch_y * c_r_sho_roll) * e1,
     ]
 }
+
 /// Rows of the base regressor: CoM = rows · r.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
@@ -3014,6 +3037,7 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
         ],
     ]
 }
+
 /// The x and y rows of the base regressor: CoP = rows · r.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
@@ -3246,6 +3270,7 @@ pub fn regressor_cop_sc<T: Real>(
         ],
     ]
 }
+
 /// Rows [B_0 B_1 …] of the full regressor, seed paper Eq. (5), in link frames.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
@@ -3651,6 +3676,7 @@ pub fn regressor_full_sc<T: Real>(
         ],
     ]
 }
+
 /// Centre of pressure that a static posture shows on a level sole, m.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.

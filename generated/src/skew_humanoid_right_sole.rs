@@ -22,15 +22,19 @@
 // Bounds hold inside the joint limits for |r| up to the CAD values.
 
 use sesc_runtime::{Real, Sesc};
+
 /// Number of independent joints.
 #[allow(dead_code, clippy::all)]
 pub const DOF: usize = 30;
+
 /// Number of base parameters: columns that data can tell apart.
 #[allow(dead_code, clippy::all)]
 pub const BASE_PARAMS: usize = 63;
+
 /// Number of SESC parameters r_0, r_1, … (and s of sliding joints).
 #[allow(dead_code, clippy::all)]
 pub const FULL_PARAMS: usize = 93;
+
 /// Joints in the order of `q`.
 #[allow(dead_code, clippy::all)]
 pub const JOINT_NAMES: [&str; DOF] = [
@@ -65,6 +69,7 @@ pub const JOINT_NAMES: [&str; DOF] = [
     "left_wrist_roll",
     "left_wrist_pitch",
 ];
+
 /// Which joints slide: their `q` is in metres, the others' in radians.
 #[allow(dead_code, clippy::all)]
 pub const SLIDING: [bool; DOF] = [
@@ -72,6 +77,7 @@ pub const SLIDING: [bool; DOF] = [
     false, false, false, false, false, false, false, false, false, false, false, false,
     false, false, false, false, false, false,
 ];
+
 /// Base parameters in the order of `r`: link and axis in its frame.
 #[allow(dead_code, clippy::all)]
 pub const PARAM_NAMES: [&str; BASE_PARAMS] = [
@@ -139,6 +145,7 @@ pub const PARAM_NAMES: [&str; BASE_PARAMS] = [
     "left_hand.u",
     "left_hand.v",
 ];
+
 /// Base parameters from CAD, m.
 #[allow(dead_code, clippy::all)]
 pub const CAD_PARAMS: [f64; BASE_PARAMS] = [
@@ -206,6 +213,7 @@ pub const CAD_PARAMS: [f64; BASE_PARAMS] = [
     -0.0004151110169534352,
     0.00005785338663749184,
 ];
+
 /// A posture to test with.
 #[allow(dead_code, clippy::all)]
 pub const SELF_TEST_Q: [f64; DOF] = [
@@ -240,6 +248,7 @@ pub const SELF_TEST_Q: [f64; DOF] = [
     -0.316321893073382,
     0.4974059101217365,
 ];
+
 /// The CoM there with `CAD_PARAMS`, m, summed body by body by the generator.
 #[allow(dead_code, clippy::all)]
 pub const SELF_TEST_COM: [f64; 3] = [
@@ -247,10 +256,12 @@ pub const SELF_TEST_COM: [f64; 3] = [
     -0.06352432457826111,
     0.050680851416561944,
 ];
+
 /// Robot `skew_humanoid` standing on `right_sole`.
 #[allow(dead_code, clippy::all)]
 #[derive(Debug, Clone, Copy)]
 pub struct SkewHumanoidRightSole;
+
 #[allow(dead_code, clippy::all)]
 impl Sesc<DOF, BASE_PARAMS, FULL_PARAMS> for SkewHumanoidRightSole {
     const JOINT_NAMES: [&'static str; DOF] = JOINT_NAMES;
@@ -284,6 +295,7 @@ impl Sesc<DOF, BASE_PARAMS, FULL_PARAMS> for SkewHumanoidRightSole {
         cop(q, r)
     }
 }
+
 #[allow(dead_code, clippy::all)]
 impl sesc_runtime::SescFromSinCos<DOF, BASE_PARAMS, FULL_PARAMS>
 for SkewHumanoidRightSole {
@@ -330,6 +342,7 @@ for SkewHumanoidRightSole {
         cop_sc(sin, cos, r)
     }
 }
+
 /// Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i.
 #[allow(dead_code, clippy::all)]
 pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
@@ -697,6 +710,7 @@ pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
     let v_right_sole_z = r[2] - (e44 + T::from_f64(1.1507328950548619) * e46);
     [v_right_sole_x, v_right_sole_y, v_right_sole_z]
 }
+
 /// ∂CoM/∂q, m/rad (m/m for sliding joints), one row per axis.
 #[allow(dead_code, clippy::all)]
 pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3] {
@@ -1830,6 +1844,7 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
         ],
     ]
 }
+
 /// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
 #[allow(dead_code, clippy::all)]
 pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] {
@@ -2441,6 +2456,7 @@ pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] 
             - (kz_left_wrist_roll_y * c_left_wrist_roll - e81 * s_left_wrist_roll) * e1,
     ]
 }
+
 /// Rows of the base regressor: CoM = rows · r.
 #[allow(dead_code, clippy::all)]
 pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
@@ -3472,6 +3488,7 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         ],
     ]
 }
+
 /// The x and y rows of the base regressor: CoP = rows · r.
 #[allow(dead_code, clippy::all)]
 pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
@@ -4181,6 +4198,7 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         ],
     ]
 }
+
 /// Rows [B_0 B_1 …] of the full regressor, seed paper Eq. (5), in link frames.
 #[allow(dead_code, clippy::all)]
 pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
@@ -5732,6 +5750,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
         ],
     ]
 }
+
 /// Centre of pressure that a static posture shows on a level sole, m.
 #[allow(dead_code, clippy::all)]
 pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
@@ -6098,6 +6117,7 @@ pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
     let v_right_sole_y = r[1] + w_right_ankle_roll_y;
     [v_right_sole_x, v_right_sole_y]
 }
+
 /// Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
@@ -6511,6 +6531,7 @@ pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
     let v_right_sole_z = r[2] - (e28 + T::from_f64(1.1507328950548619) * e29);
     [v_right_sole_x, v_right_sole_y, v_right_sole_z]
 }
+
 /// ∂CoM/∂q, m/rad (m/m for sliding joints), one row per axis.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
@@ -7691,6 +7712,7 @@ pub fn com_jacobian_sc<T: Real>(
         ],
     ]
 }
+
 /// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
@@ -8351,6 +8373,7 @@ pub fn gravity_moments_sc<T: Real>(
             - (kz_left_wrist_roll_y * c_left_wrist_roll + e64 * s_left_wrist_roll) * e1,
     ]
 }
+
 /// Rows of the base regressor: CoM = rows · r.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
@@ -9424,6 +9447,7 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
         ],
     ]
 }
+
 /// The x and y rows of the base regressor: CoP = rows · r.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
@@ -10179,6 +10203,7 @@ pub fn regressor_cop_sc<T: Real>(
         ],
     ]
 }
+
 /// Rows [B_0 B_1 …] of the full regressor, seed paper Eq. (5), in link frames.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
@@ -11784,6 +11809,7 @@ pub fn regressor_full_sc<T: Real>(
         ],
     ]
 }
+
 /// Centre of pressure that a static posture shows on a level sole, m.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.

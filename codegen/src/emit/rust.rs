@@ -59,23 +59,29 @@ pub fn module(model: &Model, name: &str) -> Result<String, Error> {
         text.push('\n');
     }
     text.push('\n');
+    let mut open = false; // inside an item's documentation and attributes
     for line in printed.lines() {
-        match line.trim_start().strip_prefix("section!(") {
-            Some(rest) => {
-                let indent = &line[..line.len() - line.trim_start().len()];
-                let number = rest.trim_end_matches(");").parse::<usize>().ok();
-                let title = number
-                    .and_then(|k| titles.get(k))
-                    .map_or("", String::as_str);
-                text.push_str(indent);
-                text.push_str("// ");
-                text.push_str(title);
-            }
+        let attached = line.starts_with("///") || line.starts_with("#[");
+        let starts = attached || line.starts_with("pub ") || line.starts_with("impl");
+        // The printer leaves no room between items.
+        if starts && !open {
+            text.push('\n');
+        }
+        open = attached;
+        match section(line, &titles) {
+            Some(comment) => text.push_str(&comment),
             None => text.push_str(line),
         }
         text.push('\n');
     }
     Ok(text)
+}
+
+/// A marker statement `section!(k);` as the comment it stands for.
+fn section(line: &str, titles: &[String]) -> Option<String> {
+    let (indent, rest) = line.split_once("section!(")?;
+    let number: usize = rest.strip_suffix(");")?.parse().ok()?;
+    Some(format!("{indent}// {}", titles.get(number)?))
 }
 
 /// Sizes, names, CAD values and the self-test vector.

@@ -23,21 +23,27 @@
 // Bounds hold inside the joint limits for |r| up to the CAD values.
 
 use sesc_runtime::{Real, Sesc};
+
 /// Number of independent joints.
 #[allow(dead_code, clippy::all)]
 pub const DOF: usize = 2;
+
 /// Number of base parameters: columns that data can tell apart.
 #[allow(dead_code, clippy::all)]
 pub const BASE_PARAMS: usize = 8;
+
 /// Number of SESC parameters r_0, r_1, … (and s of sliding joints).
 #[allow(dead_code, clippy::all)]
 pub const FULL_PARAMS: usize = 13;
+
 /// Joints in the order of `q`.
 #[allow(dead_code, clippy::all)]
 pub const JOINT_NAMES: [&str; DOF] = ["lift", "wrist"];
+
 /// Which joints slide: their `q` is in metres, the others' in radians.
 #[allow(dead_code, clippy::all)]
 pub const SLIDING: [bool; DOF] = [true, false];
+
 /// Base parameters in the order of `r`: link and axis in its frame.
 #[allow(dead_code, clippy::all)]
 pub const PARAM_NAMES: [&str; BASE_PARAMS] = [
@@ -50,6 +56,7 @@ pub const PARAM_NAMES: [&str; BASE_PARAMS] = [
     "thumb.x",
     "thumb.y",
 ];
+
 /// Base parameters from CAD, m.
 #[allow(dead_code, clippy::all)]
 pub const CAD_PARAMS: [f64; BASE_PARAMS] = [
@@ -62,9 +69,11 @@ pub const CAD_PARAMS: [f64; BASE_PARAMS] = [
     0.00625,
     0.0,
 ];
+
 /// A posture to test with.
 #[allow(dead_code, clippy::all)]
 pub const SELF_TEST_Q: [f64; DOF] = [0.30330085889910663, 0.9807621135331566];
+
 /// The CoM there with `CAD_PARAMS`, m, summed body by body by the generator.
 #[allow(dead_code, clippy::all)]
 pub const SELF_TEST_COM: [f64; 3] = [
@@ -72,10 +81,12 @@ pub const SELF_TEST_COM: [f64; 3] = [
     0.011490128686205744,
     0.18388400022781587,
 ];
+
 /// Robot `lift` standing on `base`.
 #[allow(dead_code, clippy::all)]
 #[derive(Debug, Clone, Copy)]
 pub struct Lift;
+
 #[allow(dead_code, clippy::all)]
 impl Sesc<DOF, BASE_PARAMS, FULL_PARAMS> for Lift {
     const JOINT_NAMES: [&'static str; DOF] = JOINT_NAMES;
@@ -109,6 +120,7 @@ impl Sesc<DOF, BASE_PARAMS, FULL_PARAMS> for Lift {
         cop(q, r)
     }
 }
+
 #[allow(dead_code, clippy::all)]
 impl sesc_runtime::SescFromSinCos<DOF, BASE_PARAMS, FULL_PARAMS> for Lift {
     #[inline]
@@ -154,6 +166,7 @@ impl sesc_runtime::SescFromSinCos<DOF, BASE_PARAMS, FULL_PARAMS> for Lift {
         cop_sc(sin, cos, r)
     }
 }
+
 /// Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i.
 #[allow(dead_code, clippy::all)]
 pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
@@ -181,6 +194,7 @@ pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
     let v_base_z = r[2] + (w_wrist_z + q[0] * r[3]);
     [v_base_x, v_base_y, v_base_z]
 }
+
 /// ∂CoM/∂q, m/rad (m/m for sliding joints), one row per axis.
 #[allow(dead_code, clippy::all)]
 pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3] {
@@ -235,6 +249,7 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
         ],
     ]
 }
+
 /// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
 #[allow(dead_code, clippy::all)]
 pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] {
@@ -263,6 +278,7 @@ pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] 
                     + T::from_f64(0.49690399499995314)) * t_thumb_x),
     ]
 }
+
 /// Rows of the base regressor: CoM = rows · r.
 #[allow(dead_code, clippy::all)]
 pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
@@ -308,6 +324,7 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         [zero, zero, one, q[0], bz_wrist_x, bz_wrist_y, bz_thumb_x, bz_thumb_y],
     ]
 }
+
 /// The x and y rows of the base regressor: CoP = rows · r.
 #[allow(dead_code, clippy::all)]
 pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
@@ -341,6 +358,7 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         [zero, one, zero, zero, by_wrist_x, by_wrist_y, by_thumb_x, by_thumb_y],
     ]
 }
+
 /// Rows [B_0 B_1 …] of the full regressor, seed paper Eq. (5), in link frames.
 #[allow(dead_code, clippy::all)]
 pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
@@ -444,6 +462,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
         ],
     ]
 }
+
 /// Centre of pressure that a static posture shows on a level sole, m.
 #[allow(dead_code, clippy::all)]
 pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
@@ -468,6 +487,7 @@ pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
     let v_base_y = r[1] - (e3 + T::from_f64(1.3333333333333333) * e4);
     [v_base_x, v_base_y]
 }
+
 /// Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
@@ -502,6 +522,7 @@ pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
     let v_base_z = r[2] + (w_wrist_z + sin[0] * r[3]);
     [v_base_x, v_base_y, v_base_z]
 }
+
 /// ∂CoM/∂q, m/rad (m/m for sliding joints), one row per axis.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
@@ -567,6 +588,7 @@ pub fn com_jacobian_sc<T: Real>(
         ],
     ]
 }
+
 /// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
@@ -605,6 +627,7 @@ pub fn gravity_moments_sc<T: Real>(
                     + T::from_f64(0.49690399499995314)) * t_thumb_x),
     ]
 }
+
 /// Rows of the base regressor: CoM = rows · r.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
@@ -657,6 +680,7 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
         [zero, zero, one, sin[0], bz_wrist_x, bz_wrist_y, bz_thumb_x, bz_thumb_y],
     ]
 }
+
 /// The x and y rows of the base regressor: CoP = rows · r.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
@@ -700,6 +724,7 @@ pub fn regressor_cop_sc<T: Real>(
         [zero, one, zero, zero, by_wrist_x, by_wrist_y, by_thumb_x, by_thumb_y],
     ]
 }
+
 /// Rows [B_0 B_1 …] of the full regressor, seed paper Eq. (5), in link frames.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
@@ -810,6 +835,7 @@ pub fn regressor_full_sc<T: Real>(
         ],
     ]
 }
+
 /// Centre of pressure that a static posture shows on a level sole, m.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.

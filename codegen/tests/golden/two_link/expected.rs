@@ -22,21 +22,27 @@
 // Bounds hold inside the joint limits for |r| up to the CAD values.
 
 use sesc_runtime::{Real, Sesc};
+
 /// Number of independent joints.
 #[allow(dead_code, clippy::all)]
 pub const DOF: usize = 2;
+
 /// Number of base parameters: columns that data can tell apart.
 #[allow(dead_code, clippy::all)]
 pub const BASE_PARAMS: usize = 7;
+
 /// Number of SESC parameters r_0, r_1, … (and s of sliding joints).
 #[allow(dead_code, clippy::all)]
 pub const FULL_PARAMS: usize = 9;
+
 /// Joints in the order of `q`.
 #[allow(dead_code, clippy::all)]
 pub const JOINT_NAMES: [&str; DOF] = ["ankle", "knee"];
+
 /// Which joints slide: their `q` is in metres, the others' in radians.
 #[allow(dead_code, clippy::all)]
 pub const SLIDING: [bool; DOF] = [false, false];
+
 /// Base parameters in the order of `r`: link and axis in its frame.
 #[allow(dead_code, clippy::all)]
 pub const PARAM_NAMES: [&str; BASE_PARAMS] = [
@@ -48,6 +54,7 @@ pub const PARAM_NAMES: [&str; BASE_PARAMS] = [
     "thigh.x",
     "thigh.z",
 ];
+
 /// Base parameters from CAD, m.
 #[allow(dead_code, clippy::all)]
 pub const CAD_PARAMS: [f64; BASE_PARAMS] = [
@@ -59,16 +66,20 @@ pub const CAD_PARAMS: [f64; BASE_PARAMS] = [
     0.005,
     0.125,
 ];
+
 /// A posture to test with.
 #[allow(dead_code, clippy::all)]
 pub const SELF_TEST_Q: [f64; DOF] = [0.21320343559642652, 1.9807621135331566];
+
 /// The CoM there with `CAD_PARAMS`, m, summed body by body by the generator.
 #[allow(dead_code, clippy::all)]
 pub const SELF_TEST_COM: [f64; 3] = [0.15834389557056694, 0.0, 0.26861721454038345];
+
 /// Robot `two_link` standing on `foot`.
 #[allow(dead_code, clippy::all)]
 #[derive(Debug, Clone, Copy)]
 pub struct TwoLink;
+
 #[allow(dead_code, clippy::all)]
 impl Sesc<DOF, BASE_PARAMS, FULL_PARAMS> for TwoLink {
     const JOINT_NAMES: [&'static str; DOF] = JOINT_NAMES;
@@ -102,6 +113,7 @@ impl Sesc<DOF, BASE_PARAMS, FULL_PARAMS> for TwoLink {
         cop(q, r)
     }
 }
+
 #[allow(dead_code, clippy::all)]
 impl sesc_runtime::SescFromSinCos<DOF, BASE_PARAMS, FULL_PARAMS> for TwoLink {
     #[inline]
@@ -147,6 +159,7 @@ impl sesc_runtime::SescFromSinCos<DOF, BASE_PARAMS, FULL_PARAMS> for TwoLink {
         cop_sc(sin, cos, r)
     }
 }
+
 /// Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i.
 #[allow(dead_code, clippy::all)]
 pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
@@ -165,6 +178,7 @@ pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
     let v_foot_z = r[2] + t_ankle_y;
     [v_foot_x, r[1], v_foot_z]
 }
+
 /// ∂CoM/∂q, m/rad (m/m for sliding joints), one row per axis.
 #[allow(dead_code, clippy::all)]
 pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3] {
@@ -185,6 +199,7 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
         [-t_ankle_x, -(c_ankle * t_knee_x + s_ankle * t_knee_y)],
     ]
 }
+
 /// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
 #[allow(dead_code, clippy::all)]
 pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] {
@@ -199,6 +214,7 @@ pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] 
     let t_ankle_x = c_ankle * v_ankle_x + s_ankle * v_ankle_y;
     [t_ankle_x, c_ankle * t_knee_x + s_ankle * t_knee_y]
 }
+
 /// Rows of the base regressor: CoM = rows · r.
 #[allow(dead_code, clippy::all)]
 pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
@@ -219,6 +235,7 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         [zero, zero, one, bz_ankle_x, c_ankle, bz_knee_x, bx_knee_x],
     ]
 }
+
 /// The x and y rows of the base regressor: CoP = rows · r.
 #[allow(dead_code, clippy::all)]
 pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
@@ -235,6 +252,7 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         [zero, one, zero, zero, zero, zero, zero],
     ]
 }
+
 /// Rows [B_0 B_1 …] of the full regressor, seed paper Eq. (5), in link frames.
 #[allow(dead_code, clippy::all)]
 pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
@@ -255,6 +273,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
         [zero, zero, one, bz_ankle_x, zero, c_ankle, bz_knee_x, zero, bx_knee_x],
     ]
 }
+
 /// Centre of pressure that a static posture shows on a level sole, m.
 #[allow(dead_code, clippy::all)]
 pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
@@ -271,6 +290,7 @@ pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
     let v_foot_x = r[0] + t_ankle_x;
     [v_foot_x, r[1]]
 }
+
 /// Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
@@ -289,6 +309,7 @@ pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
     let v_foot_z = r[2] + t_ankle_y;
     [v_foot_x, r[1], v_foot_z]
 }
+
 /// ∂CoM/∂q, m/rad (m/m for sliding joints), one row per axis.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
@@ -313,6 +334,7 @@ pub fn com_jacobian_sc<T: Real>(
         [-t_ankle_x, -(cos[0] * t_knee_x + sin[0] * t_knee_y)],
     ]
 }
+
 /// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
@@ -331,6 +353,7 @@ pub fn gravity_moments_sc<T: Real>(
     let t_ankle_x = cos[0] * v_ankle_x + sin[0] * v_ankle_y;
     [t_ankle_x, cos[0] * t_knee_x + sin[0] * t_knee_y]
 }
+
 /// Rows of the base regressor: CoM = rows · r.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
@@ -351,6 +374,7 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
         [zero, zero, one, bz_ankle_x, cos[0], bz_knee_x, bx_knee_x],
     ]
 }
+
 /// The x and y rows of the base regressor: CoP = rows · r.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
@@ -369,6 +393,7 @@ pub fn regressor_cop_sc<T: Real>(
         [zero, one, zero, zero, zero, zero, zero],
     ]
 }
+
 /// Rows [B_0 B_1 …] of the full regressor, seed paper Eq. (5), in link frames.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
@@ -392,6 +417,7 @@ pub fn regressor_full_sc<T: Real>(
         [zero, zero, one, bz_ankle_x, zero, cos[0], bz_knee_x, zero, bx_knee_x],
     ]
 }
+
 /// Centre of pressure that a static posture shows on a level sole, m.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
