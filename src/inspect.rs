@@ -13,7 +13,7 @@ use sesc_codegen::{Function, Given, Model, numeric};
 use crate::evaluate::Evaluator;
 
 /// Pivots below this, relative to the largest, count as dependent columns.
-const RANK_TOLERANCE: f64 = 1e-9;
+const RANK_TOLERANCE: f64 = 1e-12;
 
 /// The JSON of `sesc inspect`.
 #[derive(Debug, Clone, Serialize)]
@@ -213,10 +213,8 @@ fn bodies(model: &Model) -> Vec<Body> {
 pub fn numeric_rank(model: &Model) -> Rank {
     let params = model.base.params.len();
     let rank = |function, rows: usize| {
-        let count = 2 * params / rows + 20;
-        let q: Vec<f64> = numeric::wide_postures(&model.tree.dofs, count)
-            .flatten()
-            .collect();
+        let count = 4 * params / rows + 30;
+        let q = numeric::wide_postures(&model.chain, &model.tree.dofs, count).concat();
         let values = Evaluator::new(model, function).run(&q, count);
         numeric::rank(
             &DMatrix::from_row_slice(rows * count, params, &values),

@@ -161,7 +161,13 @@ pub fn allowed(model: &Model, function: Function) -> f64 {
             .expect("every function can be had from joint positions");
         model.rounding(&program, Precision::F64).worst
     };
-    let snapped: f64 = model.tree.snaps.iter().map(|snap| snap.com_error).sum();
+    let snapped: f64 = model
+        .tree
+        .snaps
+        .iter()
+        .map(|snap| snap.com_error)
+        .sum::<f64>()
+        + model.base.regrouping_error;
     let tilted: f64 = model.tree.snaps.iter().map(|snap| snap.angle_error).sum();
     let com = 2.0 * rounding(Function::Com) + snapped;
     // Rows times parameters: every entry's error, weighed, and a long sum's own.

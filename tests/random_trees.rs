@@ -5,10 +5,13 @@
 mod common;
 
 use common::{Kind, tree};
+use sesc::evaluate::Evaluator;
 use sesc::inspect::numeric_rank;
 use sesc::robot::Robot;
+use sesc::simulate::Simulator;
 use sesc::verify::verify;
-use sesc_codegen::tree::Motion;
+use sesc_codegen::tape::{Argument, Tape};
+use sesc_codegen::tree::{Dof, Motion};
 use sesc_codegen::{Function, Given, Model, Snapping};
 
 fn model(seed: u64, kind: Kind, snapping: Snapping) -> (Robot, Model, String) {
@@ -44,6 +47,46 @@ fn every_function_agrees_with_the_reference() {
     }
 }
 
+/// Sines and cosines tell the same as positions, where they tell anything.
+#[test]
+fn variants_from_sines_agree_with_those_from_positions() {
+    let mut told = 0;
+    for seed in 0..320 {
+        let (_, model, support) = model(seed, mixed(seed), Snapping::default());
+        let dofs = &model.tree.dofs;
+        let q = Simulator::new(dofs, None, seed).posture();
+        let slides = |x: &f64, sin: f64, dof: &Dof| if dof.prismatic { *x } else { sin };
+        let sin: Vec<f64> = q
+            .iter()
+            .zip(dofs)
+            .map(|(x, dof)| slides(x, x.sin(), dof))
+            .collect();
+        let cos: Vec<f64> = q.iter().map(|x| x.cos()).collect();
+        for function in Function::ALL {
+            let Some(program) = model.program(function, Given::SinesCosines) else {
+                continue;
+            };
+            told += 1;
+            let mut found = vec![0.0; program.shape.len()];
+            let params = model.cad_params();
+            let mut arguments = vec![Argument::Shared(&sin), Argument::Shared(&cos)];
+            if function.takes_parameters() {
+                arguments.push(Argument::Shared(&params));
+            }
+            Tape::new(&program).run(&arguments, 1, &mut found, sesc::evaluate::sin_cos);
+            let expected = Evaluator::new(&model, function).run(&q, 1);
+            for (a, b) in found.iter().zip(&expected) {
+                let name = function.name();
+                assert!(
+                    (a - b).abs() < 1e-12 * (1.0 + model.reach()),
+                    "seed {seed} on {support}: {name}"
+                );
+            }
+        }
+    }
+    assert!(told > 500, "only {told} functions could be had from sines");
+}
+
 /// The proven bound is a bound of rounding, not of a mistake: it stays tiny.
 #[test]
 fn without_snapping_com_agrees_to_a_picometre() {
@@ -66,6 +109,81 @@ fn numeric_ranks_confirm_the_symbolic_count() {
             "seed {seed} on {support}"
         );
         assert_eq!(rank.cop, model.base.rank_cop, "seed {seed} on {support}");
+    }
+}
+
+/// The reference knows nothing of base parameters; it ranks mass and first
+/// moment of every link, as functions of posture.
+#[test]
+fn the_references_own_columns_have_the_same_ranks() {
+    for seed in 0..120 {
+        let kind = Kind {
+            joints: 1 + seed as usize % 12,
+            ..mixed(seed)
+        };
+        let (robot, model, support) = model(seed, kind, Snapping::default());
+        let reference = robot.reference(&support).unwrap();
+        let mut simulator = Simulator::new(&model.tree.dofs, None, seed + 1000);
+        let postures: Vec<Vec<f64>> = (0..60).map(|_| simulator.posture()).collect();
+        let rank = |axes: &[usize]| {
+            let columns = reference.stacked_columns(&postures, axes);
+            // The reference takes 1.5708 literally: what that tilts by counts as nothing.
+            sesc_reference::numeric_rank(&columns, 2e-5)
+        };
+        let found = (rank(&[0, 1, 2]), rank(&[0, 1]));
+        let claimed = (model.base.params.len(), model.base.rank_cop);
+        assert_eq!(found, claimed, "seed {seed} on {support}");
+    }
+}
+
+/// Followers geared down a thousandfold are parameters like any other.
+#[test]
+fn slow_followers_keep_their_parameters() {
+    let mut text = String::from("<robot name='gears'><link name='base'/><link name='motor'/>");
+    text += "<joint name='m' type='revolute'><parent link='base'/><child link='motor'/>\
+             <axis xyz='0 0 1'/><limit lower='-700' upper='700'/></joint>";
+    let mut parent = "base".to_string();
+    for k in 0..4 {
+        text += &format!(
+            "<link name='l{k}'><inertial><origin xyz='0.1 0.2 0.3'/><mass value='1'/></inertial></link>\
+             <joint name='f{k}' type='revolute'><parent link='{parent}'/><child link='l{k}'/>\
+             <origin xyz='0.2 0 0.1'/><axis xyz='1 0 0'/><limit lower='-2' upper='2'/>\
+             <mimic joint='m' multiplier='0.002'/></joint>"
+        );
+        parent = format!("l{k}");
+    }
+    text += "</robot>";
+    let robot = Robot::parse(&text, "gears.urdf").unwrap();
+    let model = robot.model("base", Snapping::default(), None).unwrap();
+    // The motor's own two, base's three, and two for each angle 1 to 4 times 0.002 m.
+    assert_eq!(model.base.params.len(), 3 + 2 + 2 * 4);
+    let reference = robot.reference("base").unwrap();
+    let found = verify(&model, &reference, 100, 1, |_, _| {});
+    assert!(found.pass, "{found:#?}");
+}
+
+/// Every twist counts, however small: nearly parallel axes cost no more.
+#[test]
+fn hair_thin_twists_cost_at_most_four_more() {
+    for tilt in ["1e-12", "1e-10", "5e-10", "2e-9", "1e-6"] {
+        let mut text = String::from("<robot name='hair'><link name='l0'/>");
+        for k in 0..20 {
+            text += &format!(
+                "<link name='l{0}'><inertial><mass value='1'/></inertial></link>\
+                 <joint name='j{k}' type='revolute'><parent link='l{k}'/><child link='l{0}'/>\
+                 <origin xyz='0 0.1 0.2' rpy='{tilt} 2.3e-10 0'/><axis xyz='0 0 1'/>\
+                 <limit lower='-1' upper='1'/></joint>",
+                k + 1
+            );
+        }
+        text += "</robot>";
+        let robot = Robot::parse(&text, "hair.urdf").unwrap();
+        let model = robot.model("l0", Snapping::Off, None).unwrap();
+        let counts = model
+            .program(Function::Com, Given::Positions)
+            .unwrap()
+            .counts();
+        assert!(counts.mul <= 160, "{tilt}: {counts:?}");
     }
 }
 

@@ -23,7 +23,7 @@ use crate::snap::tidy;
 use crate::tree::{Motion, Tree};
 
 /// Pivots below this, relative to the column's norm, mean dependence.
-const DEPENDENT: f64 = 1e-9;
+const DEPENDENT: f64 = 1e-12;
 
 /// Which column of the regressor a base parameter multiplies.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,6 +61,8 @@ pub struct Base {
     pub unobservable: Vec<Unobservable>,
     /// Rank of stacked CoP rows (x and y), by structure.
     pub rank_cop: usize,
+    /// What regrouping columns that are dependent up to rounding moves the CoM, m.
+    pub regrouping_error: f64,
 }
 
 /// A vector of linear forms in the full parameters.
@@ -125,14 +127,21 @@ pub fn group(tree: &Tree, chain: &Chain, frames: &[Frame]) -> Base {
     }
     unobservable.reverse();
     let mut params: Vec<BaseParam> = own.into_iter().flatten().collect();
-    untie(tree, chain, frames, &mut params, &mut unobservable);
+    let dropped = untie(tree, chain, frames, &mut params, &mut unobservable);
     let cad = chain.full_cad();
+    let value =
+        |terms: &BTreeMap<usize, f64>| -> f64 { terms.iter().map(|(&k, w)| w * cad[k]).sum() };
+    let regrouping_error = dropped
+        .iter()
+        .map(|(lost, rest)| libm::fabs(value(&lost.terms)) * rest)
+        .sum();
     for param in &mut params {
-        param.cad = param.terms.iter().map(|(&k, w)| w * cad[k]).sum();
+        param.cad = value(&param.terms);
     }
     let invisible = invisible_in_cop(tree, chain, frames, &params, &mut unobservable);
     Base {
         rank_cop: params.len() - invisible,
+        regrouping_error,
         params,
         unobservable,
     }
@@ -207,27 +216,33 @@ fn tied_bodies(tree: &Tree, chain: &Chain) -> Vec<bool> {
 }
 
 /// Regroup columns that tied angles make linear combinations of earlier ones.
+///
+/// Returns what was dropped, each with the largest part of its column that the
+/// others do not make up.
 fn untie(
     tree: &Tree,
     chain: &Chain,
     frames: &[Frame],
     params: &mut Vec<BaseParam>,
     unobservable: &mut Vec<Unobservable>,
-) {
+) -> Vec<(BaseParam, f64)> {
     let tied = tied_bodies(tree, chain);
     let suspects: Vec<usize> = (0..params.len())
         .filter(|&k| match params[k].column {
             Column::Axis { body, .. } | Column::Slide { body } => tied[body],
         })
         .collect();
+    let mut lost_params = Vec::new();
     if suspects.is_empty() {
-        return;
+        return lost_params;
     }
     let columns: Vec<Column> = suspects.iter().map(|&k| params[k].column).collect();
     let rows = sampled(tree, chain, frames, &columns, &[0, 1, 2]);
     let mut dropped = vec![false; params.len()];
     for (k, weights) in dependencies(&rows).into_iter().enumerate() {
-        let Some(weights) = weights else { continue };
+        let Some((weights, rest)) = weights else {
+            continue;
+        };
         let lost = params[suspects[k]].clone();
         dropped[suspects[k]] = true;
         for (j, weight) in weights {
@@ -241,9 +256,11 @@ fn untie(
             name: format!("tied {}", lost.name),
             only_from_cop: false,
         });
+        lost_params.push((lost, rest));
     }
     let mut keep = dropped.iter().map(|d| !d);
     params.retain(|_| keep.next().unwrap_or(true));
+    lost_params
 }
 
 /// Values of the given columns over enough postures: (rows · postures) × columns.
@@ -254,10 +271,13 @@ fn sampled(
     columns: &[Column],
     rows: &[usize],
 ) -> DMatrix<f64> {
-    let count = 2 * columns.len() / rows.len() + 20;
+    let count = 4 * columns.len() / rows.len() + 30;
     let mut stacked = DMatrix::zeros(rows.len() * count, columns.len());
-    for (n, q) in numeric::wide_postures(&tree.dofs, count).enumerate() {
-        let full = numeric::full_regressor(chain, &q);
+    for (n, q) in numeric::wide_postures(chain, &tree.dofs, count)
+        .iter()
+        .enumerate()
+    {
+        let full = numeric::full_regressor(chain, q);
         for (c, column) in columns.iter().enumerate() {
             let value: Vector3<f64> = match *column {
                 Column::Axis { body, axis } => {
@@ -277,10 +297,11 @@ fn sampled(
     stacked
 }
 
-/// For each column: its weights on the kept earlier columns, if dependent.
+/// For each column, if dependent: its weights on the kept earlier columns, and
+/// twice the largest entry they leave (twice, for postures between the samples).
 ///
 /// Gram–Schmidt in the given order, every projection made twice.
-fn dependencies(rows: &DMatrix<f64>) -> Vec<Option<Vec<(usize, f64)>>> {
+fn dependencies(rows: &DMatrix<f64>) -> Vec<Option<(Vec<(usize, f64)>, f64)>> {
     let mut basis: Vec<DVector<f64>> = Vec::new();
     let mut triangle: Vec<DVector<f64>> = Vec::new(); // kept columns in the basis
     let mut kept: Vec<usize> = Vec::new();
@@ -316,7 +337,7 @@ fn dependencies(rows: &DMatrix<f64>) -> Vec<Option<Vec<(usize, f64)>>> {
                     solved.push((kept[k], w));
                 }
             }
-            Some(solved)
+            Some((solved, 2.0 * rest.amax()))
         })
         .collect()
 }

@@ -23,7 +23,8 @@ use crate::program::{Program, operands};
 
 /// Error of the sine and cosine kernels, in ulp (runtime::trig).
 const KERNEL_ULPS: f64 = 1.0;
-/// Error of a generated constant, which went through a few rotations, in units of f64's u.
+/// Absolute error of a generated constant, in units of f64's u: an entry of a
+/// product of rotations, or an angle, that may be what cancellation left.
 const CONSTANT_ULPS: f64 = 40.0;
 /// Covers what is quadratic in u: products of errors, and matrices orthogonal up to u.
 const MARGIN: f64 = 1.001;
@@ -43,6 +44,14 @@ impl Precision {
         match self {
             Precision::F64 => U64,
             Precision::F32 => 5.960464477539063e-8,
+        }
+    }
+
+    /// Largest angle that the sine and cosine kernels answer, rad (runtime::trig).
+    pub fn largest_angle(self) -> f64 {
+        match self {
+            Precision::F64 => 1_048_576.0,
+            Precision::F32 => 1024.0,
         }
     }
 }
@@ -100,6 +109,7 @@ pub fn prove(program: &Program, inputs: &[Vec<Input>], precision: Precision) -> 
         program,
         inputs,
         u: precision.unit(),
+        domain: precision.largest_angle(),
         ranges: Vec::with_capacity(program.nodes.len()),
         vector_errors: vec![0.0; program.vectors.len()],
         negatives: HashMap::new(),
@@ -120,6 +130,8 @@ struct Analysis<'p> {
     program: &'p Program,
     inputs: &'p [Vec<Input>],
     u: f64,
+    /// Largest angle of the sine and cosine kernels, rad.
+    domain: f64,
     ranges: Vec<Range>,
     vector_errors: Vec<f64>,
     /// The negative of a node, where one exists.
@@ -186,7 +198,7 @@ impl Analysis<'_> {
                 Range {
                     lower: x,
                     upper: x,
-                    error: libm::fabs(x) * (own + narrowed),
+                    error: own + libm::fabs(x) * narrowed,
                 }
             }
             Expr::Input { array, index } => {
@@ -234,7 +246,12 @@ impl Analysis<'_> {
             Expr::Sin(a) | Expr::Cos(a) => Range {
                 lower: -1.0,
                 upper: 1.0,
-                error: operand(a).error + KERNEL_ULPS * u,
+                // Beyond their domain the kernels answer NaN: nothing is proven.
+                error: if operand(a).size() > self.domain {
+                    f64::INFINITY
+                } else {
+                    operand(a).error + KERNEL_ULPS * u
+                },
             },
         }
     }
@@ -248,6 +265,9 @@ impl Analysis<'_> {
             let error = self.vector_errors[from.0 as usize];
             inherited += error;
             for &id in &self.program.vector(from).entries {
+                if self.has_other_roles(id) {
+                    continue;
+                }
                 let size = self.ranges[id.index()].size();
                 // Computed values, taken as exact starting points.
                 let exact = Range {
@@ -268,6 +288,17 @@ impl Analysis<'_> {
         for &id in &vector.entries {
             self.tighten(id, error, vector.norm);
         }
+    }
+
+    /// Whether a vector's entry may also be a weight of the map: a sine, a
+    /// cosine, a constant, an input. Its error as a weight must not vanish, so
+    /// it is no exact starting point; its error then counts twice.
+    fn has_other_roles(&self, id: Id) -> bool {
+        let leaf = matches!(
+            self.program.expr(id),
+            Expr::Const(_) | Expr::Input { .. } | Expr::Sin(_) | Expr::Cos(_)
+        );
+        leaf || self.program.weights.contains(&id)
     }
 
     /// What is known of a node holds for its negative too.
@@ -329,6 +360,9 @@ impl Analysis<'_> {
         );
         let mut sources: HashMap<Id, Range> = HashMap::new();
         for &id in va.entries.iter().chain(&vb.entries) {
+            if self.has_other_roles(id) {
+                continue;
+            }
             let known = self.ranges[id.index()];
             let exact = Range {
                 lower: known.lower - known.error,

@@ -153,7 +153,7 @@ fn candidates(
     push(to_parent.transpose() * twist.column(0));
     for child in carried {
         let beside = child.axis - third * third.dot(&child.axis);
-        if beside.norm() > 1e-9 {
+        if beside.norm() > 1e-14 {
             push(beside);
         }
     }
@@ -196,7 +196,7 @@ fn seat(
 fn whole_quarters(angle: f64) -> f64 {
     let quarter = std::f64::consts::FRAC_PI_2;
     let whole = libm::rint(angle / quarter) * quarter;
-    if libm::fabs(angle - whole) < 1e-14 {
+    if libm::fabs(angle - whole) < 2e-15 {
         whole
     } else {
         angle

@@ -154,7 +154,9 @@ impl Model {
     fn input_ranges(&self, program: &Program) -> Vec<Vec<bounds::Input>> {
         let joint = |dof: &tree::Dof| bounds::Input::exact(dof.lower, dof.upper);
         let full = self.chain.full_cad();
-        let parameter = |param: &base::BaseParam| {
+        let used = self.params();
+        let parameter = |(k, param): (usize, &base::BaseParam)| {
+            let size = libm::fabs(param.cad).max(libm::fabs(used[k]));
             // A parameter is itself a rounded sum of rounded products.
             let sum: f64 = param
                 .terms
@@ -162,8 +164,8 @@ impl Model {
                 .map(|(&k, w)| libm::fabs(w * full[k]))
                 .sum();
             bounds::Input {
-                lower: -libm::fabs(param.cad),
-                upper: libm::fabs(param.cad),
+                lower: -size,
+                upper: size,
                 ulps_of: sum * (8.0 + param.terms.len() as f64),
                 rounded: true,
             }
@@ -173,7 +175,7 @@ impl Model {
             .iter()
             .map(|array| match array.name {
                 "q" => self.tree.dofs.iter().map(joint).collect(),
-                "r" => self.base.params.iter().map(parameter).collect(),
+                "r" => self.base.params.iter().enumerate().map(parameter).collect(),
                 // A slide passes its position where a turn passes its sine.
                 _ => self
                     .tree

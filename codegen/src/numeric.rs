@@ -64,9 +64,22 @@ pub fn postures(dofs: &[Dof], count: usize) -> impl Iterator<Item = Vec<f64>> + 
     })
 }
 
-/// Postures for rank checks: limits set aside, every joint moves by ±3.
-pub fn wide_postures(dofs: &[Dof], count: usize) -> impl Iterator<Item = Vec<f64>> {
-    let wide: Vec<Dof> = dofs
+/// Postures for rank checks: limits set aside, every joint and every follower
+/// of it moves by ±3 at one of the scales that the postures go through.
+///
+/// A follower geared down by 100 hardly moves when its master turns by ±3, one
+/// geared up by 100 then spins; both must show what they can.
+pub fn wide_postures(chain: &Chain, dofs: &[Dof], count: usize) -> Vec<Vec<f64>> {
+    let mut least = vec![1.0_f64; dofs.len()];
+    let mut most = vec![1.0_f64; dofs.len()];
+    for body in &chain.bodies {
+        if let Motion::Turn { by, .. } | Motion::Slide { by, .. } = body.motion {
+            let factor = libm::fabs(by.factor).clamp(1e-4, 1e4);
+            least[by.dof] = least[by.dof].min(factor);
+            most[by.dof] = most[by.dof].max(factor);
+        }
+    }
+    let unit: Vec<Dof> = dofs
         .iter()
         .map(|dof| Dof {
             lower: -3.0,
@@ -74,8 +87,17 @@ pub fn wide_postures(dofs: &[Dof], count: usize) -> impl Iterator<Item = Vec<f64
             ..dof.clone()
         })
         .collect();
-    let all: Vec<Vec<f64>> = postures(&wide, count).collect();
-    all.into_iter()
+    postures(&unit, count)
+        .enumerate()
+        .map(|(k, q)| {
+            let scale = |j: usize| match k % 3 {
+                0 => 1.0 / most[j],
+                1 => 1.0 / libm::sqrt(most[j] * least[j]),
+                _ => 1.0 / least[j],
+            };
+            q.iter().enumerate().map(|(j, x)| x * scale(j)).collect()
+        })
+        .collect()
 }
 
 fn primes() -> impl Iterator<Item = usize> {

@@ -4,7 +4,7 @@
 //! program reads like the derivation and one new term is one new line. Rust,
 //! C and tape all come from this form; operation counts are counted on it.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use crate::expr::{Expr, Graph, Id, Product, Vector, VectorId};
 
@@ -66,6 +66,7 @@ pub struct Program {
     pub sections: Vec<(usize, String)>,
     pub(crate) vectors: Vec<Vector>,
     pub(crate) products: Vec<Product>,
+    pub(crate) weights: HashSet<Id>,
 }
 
 /// The nodes that `expr` reads.
@@ -153,6 +154,11 @@ impl Program {
                 })
             })
             .collect();
+        let weights = graph
+            .weights
+            .iter()
+            .filter_map(|id| new_id.get(id).copied())
+            .collect();
         let sections = graph
             .sections
             .into_iter()
@@ -166,6 +172,7 @@ impl Program {
             sections,
             vectors,
             products,
+            weights,
         }
     }
 

@@ -11,7 +11,7 @@ use nalgebra::{Matrix3, Vector3};
 
 /// Below this, entries of products of rotations are rounding noise and are
 /// set to the exact 0 or ±1 they stand for (a few ulp of 1).
-const ROUNDING: f64 = 4e-15;
+const ROUNDING: f64 = 1e-15;
 
 /// An angle this close to a non-zero quarter turn was probably meant to be
 /// one, and is worth a note when it is too far off to be snapped.

@@ -43,6 +43,14 @@ pub fn tree(seed: u64, kind: Kind) -> (String, Vec<String>) {
         let parent = if latest { k } else { rng.random_range(0..=k) };
         blocks.push(joint(&mut rng, kind, k, parent, &mut masters));
     }
+    // A massless world on a joint without an angle is dropped.
+    if !kind.revolute && rng.random_bool(0.3) {
+        let free = ["floating", "planar"][rng.random_range(0..2)];
+        blocks.push(format!(
+            "  <link name=\"world\"/>\n  <joint name=\"free\" type=\"{free}\">\
+             <parent link=\"world\"/><child link=\"link-0\"/><axis xyz=\"0 0 1\"/></joint>\n"
+        ));
+    }
     // Document order is nobody's tree order.
     for k in (1..blocks.len()).rev() {
         blocks.swap(k, rng.random_range(0..=k));
@@ -122,7 +130,14 @@ fn vector(rng: &mut ChaCha8Rng, size: f64) -> String {
 }
 
 fn angles(rng: &mut ChaCha8Rng, kind: Kind) -> String {
-    let right = ["0", "1.5708", "-1.57079632679", "3.14159"];
+    let right = [
+        "0",
+        "1.5708",
+        "-1.57079632679",
+        "3.14159",
+        "1.5707964",
+        "1.5707963267949",
+    ];
     let one = |rng: &mut ChaCha8Rng| match kind.canonical || rng.random_bool(0.6) {
         true => right[rng.random_range(0..right.len())].to_string(),
         false => format!("{}", 6.0 * rng.random::<f64>() - 3.0),

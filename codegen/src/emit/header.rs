@@ -76,7 +76,10 @@ pub fn lines(model: &Model, rows: &[Row]) -> Vec<String> {
             row.bounds[1]
         ));
     }
-    lines.push("Bounds hold inside the joint limits for |r| up to the CAD values.".to_string());
+    lines.push(
+        "Bounds hold inside the joint limits (joints without any: one turn, ±1 m)".to_string(),
+    );
+    lines.push("for parameters no larger than those from CAD or the model file.".to_string());
     lines
 }
 

@@ -9,7 +9,7 @@
 //! of others. Scalar interval arithmetic loses this (each rotation widens a box
 //! by √2); the rounding analysis in `bounds` lives on it.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// A node of one [`Graph`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -81,6 +81,7 @@ pub struct Graph {
     pub(crate) sections: Vec<(usize, String)>,
     pub(crate) vectors: Vec<Vector>,
     pub(crate) products: Vec<Product>,
+    pub(crate) weights: HashSet<Id>,
     index: HashMap<Key, Id>,
 }
 
@@ -108,12 +109,8 @@ impl Graph {
     /// Signs do not matter to any of this, so entries are kept without them: a
     /// sign that the next operation absorbs never becomes a node of a program.
     pub fn know(&mut self, entries: &[Id], norm: f64, from: &[VectorId]) -> VectorId {
-        let unsigned = |id: &Id| match self.expr(*id) {
-            Expr::Neg(x) => x,
-            _ => *id,
-        };
         self.vectors.push(Vector {
-            entries: entries.iter().map(unsigned).collect(),
+            entries: entries.iter().map(|id| self.unsigned(*id)).collect(),
             norm,
             from: from.to_vec(),
         });
@@ -122,11 +119,22 @@ impl Graph {
 
     /// Record that `entry` is a scalar product of parts of two known vectors.
     pub fn know_product(&mut self, entry: Id, factors: [VectorId; 2]) {
-        let entry = match self.expr(entry) {
-            Expr::Neg(x) => x,
-            _ => entry,
-        };
+        let entry = self.unsigned(entry);
         self.products.push(Product { entry, factors });
+    }
+
+    /// Record that `id` is a weight of orthogonal maps: a sine, a cosine. It may
+    /// be an entry of a vector too, but its own error then counts in both roles.
+    pub fn know_weight(&mut self, id: Id) {
+        self.weights.insert(self.unsigned(id));
+    }
+
+    /// The node without its sign.
+    fn unsigned(&self, id: Id) -> Id {
+        match self.expr(id) {
+            Expr::Neg(x) => x,
+            _ => id,
+        }
     }
 
     /// The node for `expr`, made if it is new. Rules have been applied already.

@@ -11,18 +11,23 @@ use super::Scratch;
 use crate::expr::Id;
 use crate::model::{Given, Model};
 use crate::snap::quarters;
-use crate::tree::Coordinate;
+use crate::tree::{Coordinate, Motion};
 
 /// Largest multiple of an angle built from its sine and cosine.
 const LARGEST_MULTIPLE: f64 = 8.0;
 
-/// Whether every angle is a whole multiple of a joint's own.
+/// Whether sines and cosines of the joints, and positions of the slides, tell
+/// everything: every angle must be a whole multiple of a turning joint's own,
+/// and every stroke follow a sliding joint (a mimic may tie one kind to the other).
 pub(super) fn sines_suffice(model: &Model) -> bool {
-    model.frames.iter().all(|frame| {
-        frame.turn.as_ref().is_none_or(|turn| {
-            let times = libm::fabs(turn.angle.factor);
-            times == libm::rint(times) && times <= LARGEST_MULTIPLE
-        })
+    let prismatic = |by: &Coordinate| model.tree.dofs[by.dof].prismatic;
+    model.chain.bodies.iter().all(|body| match &body.motion {
+        Motion::Fixed => true,
+        Motion::Slide { by, .. } => prismatic(by),
+        Motion::Turn { by, .. } => {
+            let times = libm::fabs(by.factor);
+            !prismatic(by) && times == libm::rint(times) && times <= LARGEST_MULTIPLE
+        }
     })
 }
 
@@ -42,6 +47,8 @@ impl Scratch<'_> {
             Given::Positions => self.turn_from_position(&angle, key),
             Given::SinesCosines => self.turn_from_sines(&angle, key),
         };
+        self.g.know_weight(pair.0);
+        self.g.know_weight(pair.1);
         self.turns[body] = Some(pair);
         pair
     }
