@@ -38,6 +38,7 @@ pub mod numeric;
 pub mod program;
 pub mod snap;
 pub mod tape;
+mod ties;
 pub mod tree;
 pub mod urdf;
 
