@@ -7,7 +7,9 @@ use sesc_codegen::{Function, Given, Model};
 /// One function of a model, ready for batches of postures.
 pub struct Evaluator {
     tape: Tape,
-    dof: usize,
+    given: Given,
+    /// Which joints slide: `_sc` functions take their positions as they are.
+    slides: Vec<bool>,
     params: Option<Vec<f64>>,
 }
 
@@ -19,22 +21,34 @@ impl Evaluator {
 
     /// Prepare `function` with parameters `params` (base parameters, m).
     pub fn with_params(model: &Model, function: Function, params: Vec<f64>) -> Evaluator {
-        let program = model
-            .program(function, Given::Positions)
-            .expect("every function can be had from joint positions");
-        Evaluator {
-            tape: Tape::new(&program),
-            dof: model.dof(),
-            params: function.takes_parameters().then_some(params),
-        }
+        Evaluator::variant(model, function, Given::Positions, params)
+            .expect("every function can be had from joint positions")
     }
 
-    /// Prepare any program of joint positions and the model's parameters.
-    pub fn of(model: &Model, program: &Program) -> Evaluator {
+    /// Prepare the variant of `function` from what is `given`, where there is one.
+    pub fn variant(
+        model: &Model,
+        function: Function,
+        given: Given,
+        params: Vec<f64>,
+    ) -> Option<Evaluator> {
+        let program = model.program(function, given)?;
+        let params = function.takes_parameters().then_some(params);
+        Some(Evaluator::of(model, &program, given, params))
+    }
+
+    /// Prepare any program of what is `given`, and of `params` if it takes them.
+    pub fn of(
+        model: &Model,
+        program: &Program,
+        given: Given,
+        params: Option<Vec<f64>>,
+    ) -> Evaluator {
         Evaluator {
             tape: Tape::new(program),
-            dof: model.dof(),
-            params: (program.inputs.len() > 1).then(|| model.params()),
+            given,
+            slides: model.tree.dofs.iter().map(|dof| dof.prismatic).collect(),
+            params,
         }
     }
 
@@ -46,11 +60,30 @@ impl Evaluator {
     /// Evaluate `postures` postures, `q[posture * dof + joint]`, row by row.
     pub fn run(&self, q: &[f64], postures: usize) -> Vec<f64> {
         let mut out = vec![0.0; postures * self.width()];
-        let q = &q[..postures * self.dof];
-        let mut arguments = vec![Argument::PerPosture(q)];
+        let q = &q[..postures * self.slides.len()];
+        let (sin, cos) = match self.given {
+            Given::Positions => (Vec::new(), Vec::new()),
+            Given::SinesCosines => self.sines(q),
+        };
+        let mut arguments = match self.given {
+            Given::Positions => vec![Argument::PerPosture(q)],
+            Given::SinesCosines => vec![Argument::PerPosture(&sin), Argument::PerPosture(&cos)],
+        };
         arguments.extend(self.params.as_deref().map(Argument::Shared));
         self.tape.run(&arguments, postures, &mut out, sin_cos);
         out
+    }
+
+    /// What `_sc` functions take: sines (positions of slides) and cosines.
+    fn sines(&self, q: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let slides = self.slides.iter().cycle();
+        q.iter()
+            .zip(slides)
+            .map(|(&x, &slide)| match slide {
+                true => (x, 0.0),
+                false => sesc_runtime::trig::sin_cos(x),
+            })
+            .unzip()
     }
 }
 

@@ -195,8 +195,8 @@ fn close_to_the_reference(case: &Case, folder: &Path) {
     let rows = floats(&folder.join(format!("{}.regressor", case.module)));
     let params = DVector::from_vec(model.cad_params());
     let bounds = [
-        allowed(model, Function::Com),
-        allowed(model, Function::Regressor),
+        allowed(model, Function::Com, Given::Positions),
+        allowed(model, Function::Regressor, Given::Positions),
     ];
     let mut worst_single: f64 = 0.0;
     for (k, q) in case.q.chunks(model.dof()).take(WRITTEN).enumerate() {

@@ -177,7 +177,7 @@ fn the_jacobian_is_the_symbolic_derivative() {
     let q = Simulator::new(&model.tree.dofs, None, 5).batch(20);
     let (a, b) = (
         jacobian.run(&q, 20),
-        Evaluator::of(&model, &derivative).run(&q, 20),
+        Evaluator::of(&model, &derivative, Given::Positions, Some(model.params())).run(&q, 20),
     );
     for (x, y) in a.iter().zip(&b) {
         assert!((x - y).abs() < 1e-14, "{x} {y}");
