@@ -13,8 +13,8 @@
 //! result grows linearly with the depth of the tree.
 //!
 //! Standard model of arithmetic: `fl(a ∘ b) = (a ∘ b)(1 + δ)`, |δ| ≤ u. Sines and
-//! cosines are within [`KERNEL_ULPS`] ulp, as the runtime documents. Constants
-//! are correct to [`CONSTANT_ULPS`]; terms of order u² are covered by a margin.
+//! cosines are within `KERNEL_ULPS` ulp, as the runtime documents. Constants
+//! are correct to `CONSTANT_ULPS`; terms of order u² are covered by a margin.
 
 use std::collections::HashMap;
 

@@ -84,7 +84,7 @@ impl ModelFile {
         Ok(model)
     }
 
-    /// Values in the order of the base parameters ([`ModelFile::check`] made sure of it).
+    /// Values in the order of the base parameters (a model that takes the file has made sure of it).
     pub fn values(&self) -> Vec<f64> {
         self.parameters.iter().map(|p| p.value).collect()
     }

@@ -3,7 +3,7 @@
 //! Files say 1.5708 for π/2. Taken literally such an angle is a generic
 //! rotation and costs multiplications; taken as the quarter turn it was meant
 //! to be, it is a permutation. Each of roll, pitch and yaw within
-//! [`Snapping::tolerance`] of k·π/2 becomes exact; the change is recorded.
+//! [`Snapping::Within`] of k·π/2 becomes exact; the change is recorded.
 //! A decimal right angle that is further off (3.14, 1.57) is left as written
 //! and reported.
 

@@ -7,7 +7,7 @@
 //!
 //! Everything before `urdf_rs` is bounded ([`limits`]) and free of recursion,
 //! so that no input can panic or overflow the stack. `urdf_rs` itself only ever
-//! sees a minimal description written by [`clean`], in document order, with
+//! sees a minimal description written by `clean`, in document order, with
 //! numbers that survive to the last bit.
 
 mod check;
