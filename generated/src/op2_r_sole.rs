@@ -200,7 +200,7 @@ pub const SELF_TEST_COM: [f64; 3] = [
 ];
 
 /// Robot `op2` standing on `r_sole`.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 #[derive(Debug, Clone, Copy)]
 pub struct Op2RSole;
 
@@ -285,7 +285,7 @@ impl sesc_runtime::SescFromSinCos<DOF, BASE_PARAMS, FULL_PARAMS> for Op2RSole {
 }
 
 /// Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
     // r_el
     let (s_r_el, c_r_el) = q[19].sin_cos();
@@ -418,7 +418,7 @@ pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
 }
 
 /// ∂CoM/∂q, m/rad (m/m for sliding joints), one row per axis.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3] {
     // r_el
     let (s_r_el, c_r_el) = q[19].sin_cos();
@@ -741,7 +741,7 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
 }
 
 /// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] {
     // r_el
     let (s_r_el, c_r_el) = q[19].sin_cos();
@@ -935,7 +935,7 @@ pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] 
 }
 
 /// Rows of the base regressor: CoM = rows · r.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     // r_ank_roll
     let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
@@ -1308,7 +1308,7 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
 }
 
 /// The x and y rows of the base regressor: CoP = rows · r.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
     // r_ank_roll
     let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
@@ -1565,7 +1565,7 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
 }
 
 /// Rows [B_0 B_1 …] of the full regressor, seed paper Eq. (5), in link frames.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     // r_ank_roll
     let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
@@ -2004,7 +2004,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
 }
 
 /// Centre of pressure that a static posture shows on a level sole, m.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
     // r_el
     let (s_r_el, c_r_el) = q[19].sin_cos();
@@ -2137,7 +2137,7 @@ pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
 /// Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
     // r_el
     let t_r_el_x = cos[19] * r[41] - sin[19] * r[42];
@@ -2248,7 +2248,7 @@ pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
 /// ∂CoM/∂q, m/rad (m/m for sliding joints), one row per axis.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn com_jacobian_sc<T: Real>(
     sin: &[T; DOF],
     cos: &[T; DOF],
@@ -2542,7 +2542,7 @@ pub fn com_jacobian_sc<T: Real>(
 /// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn gravity_moments_sc<T: Real>(
     sin: &[T; DOF],
     cos: &[T; DOF],
@@ -2713,7 +2713,7 @@ pub fn gravity_moments_sc<T: Real>(
 /// Rows of the base regressor: CoM = rows · r.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     // r_ank_roll
     let bz_r_ank_roll_x = -sin[16];
@@ -3056,7 +3056,7 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
 /// The x and y rows of the base regressor: CoP = rows · r.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn regressor_cop_sc<T: Real>(
     sin: &[T; DOF],
     cos: &[T; DOF],
@@ -3292,7 +3292,7 @@ pub fn regressor_cop_sc<T: Real>(
 /// Rows [B_0 B_1 …] of the full regressor, seed paper Eq. (5), in link frames.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn regressor_full_sc<T: Real>(
     sin: &[T; DOF],
     cos: &[T; DOF],
@@ -3704,7 +3704,7 @@ pub fn regressor_full_sc<T: Real>(
 /// Centre of pressure that a static posture shows on a level sole, m.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
     // r_el
     let t_r_el_x = cos[19] * r[41] - sin[19] * r[42];

@@ -259,7 +259,7 @@ pub const SELF_TEST_COM: [f64; 3] = [
 ];
 
 /// Robot `skew_humanoid` standing on `right_sole`.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 #[derive(Debug, Clone, Copy)]
 pub struct SkewHumanoidRightSole;
 
@@ -345,7 +345,7 @@ for SkewHumanoidRightSole {
 }
 
 /// Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
     // left_wrist_pitch
     let (s_left_wrist_pitch, c_left_wrist_pitch) = q[29].sin_cos();
@@ -713,7 +713,7 @@ pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
 }
 
 /// ∂CoM/∂q, m/rad (m/m for sliding joints), one row per axis.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3] {
     // left_wrist_pitch
     let (s_left_wrist_pitch, c_left_wrist_pitch) = q[29].sin_cos();
@@ -1847,7 +1847,7 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
 }
 
 /// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] {
     // left_wrist_pitch
     let (s_left_wrist_pitch, c_left_wrist_pitch) = q[29].sin_cos();
@@ -2459,7 +2459,7 @@ pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] 
 }
 
 /// Rows of the base regressor: CoM = rows · r.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     // right_ankle_roll
     let e1 = q[5] + T::from_f64(0.2836386864034435);
@@ -3491,7 +3491,7 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
 }
 
 /// The x and y rows of the base regressor: CoP = rows · r.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
     // right_ankle_roll
     let e1 = q[5] + T::from_f64(0.2836386864034435);
@@ -4201,7 +4201,7 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
 }
 
 /// Rows [B_0 B_1 …] of the full regressor, seed paper Eq. (5), in link frames.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     // right_ankle_roll
     let e1 = q[5] + T::from_f64(0.2836386864034435);
@@ -5753,7 +5753,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
 }
 
 /// Centre of pressure that a static posture shows on a level sole, m.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
     // left_wrist_pitch
     let (s_left_wrist_pitch, c_left_wrist_pitch) = q[29].sin_cos();
@@ -6122,7 +6122,7 @@ pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
 /// Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
     // left_wrist_pitch
     let t_left_wrist_pitch_x = cos[29] * r[61] - sin[29] * r[62];
@@ -6536,7 +6536,7 @@ pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
 /// ∂CoM/∂q, m/rad (m/m for sliding joints), one row per axis.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn com_jacobian_sc<T: Real>(
     sin: &[T; DOF],
     cos: &[T; DOF],
@@ -7717,7 +7717,7 @@ pub fn com_jacobian_sc<T: Real>(
 /// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn gravity_moments_sc<T: Real>(
     sin: &[T; DOF],
     cos: &[T; DOF],
@@ -8378,7 +8378,7 @@ pub fn gravity_moments_sc<T: Real>(
 /// Rows of the base regressor: CoM = rows · r.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     // right_ankle_roll
     let s_right_ankle_roll = T::from_f64(0.9600435067901932) * sin[5]
@@ -9452,7 +9452,7 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
 /// The x and y rows of the base regressor: CoP = rows · r.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn regressor_cop_sc<T: Real>(
     sin: &[T; DOF],
     cos: &[T; DOF],
@@ -10208,7 +10208,7 @@ pub fn regressor_cop_sc<T: Real>(
 /// Rows [B_0 B_1 …] of the full regressor, seed paper Eq. (5), in link frames.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn regressor_full_sc<T: Real>(
     sin: &[T; DOF],
     cos: &[T; DOF],
@@ -11814,7 +11814,7 @@ pub fn regressor_full_sc<T: Real>(
 /// Centre of pressure that a static posture shows on a level sole, m.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
     // left_wrist_pitch
     let t_left_wrist_pitch_x = cos[29] * r[61] - sin[29] * r[62];

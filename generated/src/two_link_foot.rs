@@ -69,7 +69,7 @@ pub const SELF_TEST_Q: [f64; DOF] = [0.10660171779821326, -0.019237886466843435]
 pub const SELF_TEST_COM: [f64; 3] = [0.04638925589239512, 0.0, 0.44814270877570117];
 
 /// Robot `two_link` standing on `foot`.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 #[derive(Debug, Clone, Copy)]
 pub struct TwoLinkFoot;
 
@@ -154,7 +154,7 @@ impl sesc_runtime::SescFromSinCos<DOF, BASE_PARAMS, FULL_PARAMS> for TwoLinkFoot
 }
 
 /// Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
     // knee
     let (s_knee, c_knee) = q[1].sin_cos();
@@ -173,7 +173,7 @@ pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
 }
 
 /// ∂CoM/∂q, m/rad (m/m for sliding joints), one row per axis.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3] {
     // knee
     let (s_knee, c_knee) = q[1].sin_cos();
@@ -194,7 +194,7 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
 }
 
 /// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] {
     // knee
     let (s_knee, c_knee) = q[1].sin_cos();
@@ -209,7 +209,7 @@ pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] 
 }
 
 /// Rows of the base regressor: CoM = rows · r.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     // ankle
     let (s_ankle, c_ankle) = q[0].sin_cos();
@@ -230,7 +230,7 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
 }
 
 /// The x and y rows of the base regressor: CoP = rows · r.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
     // ankle
     let (s_ankle, c_ankle) = q[0].sin_cos();
@@ -247,7 +247,7 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
 }
 
 /// Rows [B_0 B_1 …] of the full regressor, seed paper Eq. (5), in link frames.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     // ankle
     let (s_ankle, c_ankle) = q[0].sin_cos();
@@ -268,7 +268,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
 }
 
 /// Centre of pressure that a static posture shows on a level sole, m.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
     // knee
     let (s_knee, c_knee) = q[1].sin_cos();
@@ -287,7 +287,7 @@ pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
 /// Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
     // knee
     let t_knee_x = cos[1] * r[5] + sin[1] * r[6];
@@ -306,7 +306,7 @@ pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
 /// ∂CoM/∂q, m/rad (m/m for sliding joints), one row per axis.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn com_jacobian_sc<T: Real>(
     sin: &[T; DOF],
     cos: &[T; DOF],
@@ -331,7 +331,7 @@ pub fn com_jacobian_sc<T: Real>(
 /// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn gravity_moments_sc<T: Real>(
     sin: &[T; DOF],
     cos: &[T; DOF],
@@ -350,7 +350,7 @@ pub fn gravity_moments_sc<T: Real>(
 /// Rows of the base regressor: CoM = rows · r.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     // ankle
     let bz_ankle_x = -sin[0];
@@ -371,7 +371,7 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
 /// The x and y rows of the base regressor: CoP = rows · r.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn regressor_cop_sc<T: Real>(
     sin: &[T; DOF],
     cos: &[T; DOF],
@@ -390,7 +390,7 @@ pub fn regressor_cop_sc<T: Real>(
 /// Rows [B_0 B_1 …] of the full regressor, seed paper Eq. (5), in link frames.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn regressor_full_sc<T: Real>(
     sin: &[T; DOF],
     cos: &[T; DOF],
@@ -414,7 +414,7 @@ pub fn regressor_full_sc<T: Real>(
 /// Centre of pressure that a static posture shows on a level sole, m.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
     // knee
     let t_knee_x = cos[1] * r[5] + sin[1] * r[6];

@@ -71,7 +71,7 @@ fn joint(
     parent: usize,
     masters: &mut Vec<String>,
 ) -> String {
-    let name = format!("joint.{k}");
+    let name = format!("Joint.{k}");
     let kinds = [
         "revolute",
         "revolute",

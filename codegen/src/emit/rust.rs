@@ -149,6 +149,11 @@ fn allow() -> TokenStream {
     quote! { #[allow(dead_code, clippy::all)] }
 }
 
+/// Names keep the spelling of the robot's: `FL_HAA` is a joint, not a style.
+fn allow_names() -> TokenStream {
+    quote! { #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)] }
+}
+
 /// The unit struct and its traits, forwarding to the functions of the module.
 fn unit_struct(model: &Model, name: &str, from_sines: bool) -> TokenStream {
     let unit = Ident::new(&names::type_name(name), Span::call_site());
@@ -172,7 +177,7 @@ fn unit_struct(model: &Model, name: &str, from_sines: bool) -> TokenStream {
             .collect()
     };
     let methods = forward(Given::Positions);
-    let allow = allow();
+    let (allow, names) = (allow(), allow_names());
     let sines = from_sines.then(|| {
         let methods = forward(Given::SinesCosines);
         quote! {
@@ -182,7 +187,7 @@ fn unit_struct(model: &Model, name: &str, from_sines: bool) -> TokenStream {
     });
     quote! {
         #[doc = #doc]
-        #allow
+        #names
         #[derive(Debug, Clone, Copy)]
         pub struct #unit;
         #allow
@@ -271,7 +276,7 @@ fn function(row: &Row, program: &Program, titles: &mut Vec<String>) -> TokenStre
     let doc = doc.lines();
     let result = result(row.function);
     let body = Body::new(program).statements(titles);
-    let allow = allow();
+    let allow = allow_names();
     quote! {
         #(#[doc = #doc])*
         #allow

@@ -84,7 +84,7 @@ pub const SELF_TEST_COM: [f64; 3] = [
 ];
 
 /// Robot `lift` standing on `base`.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 #[derive(Debug, Clone, Copy)]
 pub struct Lift;
 
@@ -169,7 +169,7 @@ impl sesc_runtime::SescFromSinCos<DOF, BASE_PARAMS, FULL_PARAMS> for Lift {
 }
 
 /// Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
     // thumb
     let e1 = q[1] - T::from_f64(0.5636476090008061);
@@ -197,7 +197,7 @@ pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
 }
 
 /// ∂CoM/∂q, m/rad (m/m for sliding joints), one row per axis.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3] {
     // thumb
     let e1 = q[1] - T::from_f64(0.5636476090008061);
@@ -252,7 +252,7 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
 }
 
 /// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] {
     // thumb
     let e1 = q[1] - T::from_f64(0.5636476090008061);
@@ -281,7 +281,7 @@ pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] 
 }
 
 /// Rows of the base regressor: CoM = rows · r.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     // wrist
     let e1 = q[1] - T::from_f64(0.4636476090008061);
@@ -327,7 +327,7 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
 }
 
 /// The x and y rows of the base regressor: CoP = rows · r.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
     // wrist
     let e1 = q[1] - T::from_f64(0.4636476090008061);
@@ -361,7 +361,7 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
 }
 
 /// Rows [B_0 B_1 …] of the full regressor, seed paper Eq. (5), in link frames.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     // wrist
     let e1 = q[1] - T::from_f64(0.4636476090008061);
@@ -465,7 +465,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
 }
 
 /// Centre of pressure that a static posture shows on a level sole, m.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
     // thumb
     let e1 = q[1] - T::from_f64(0.5636476090008061);
@@ -492,7 +492,7 @@ pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
 /// Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
     // thumb
     let s_thumb = T::from_f64(0.8453119193731673) * sin[1]
@@ -527,7 +527,7 @@ pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
 /// ∂CoM/∂q, m/rad (m/m for sliding joints), one row per axis.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn com_jacobian_sc<T: Real>(
     sin: &[T; DOF],
     cos: &[T; DOF],
@@ -593,7 +593,7 @@ pub fn com_jacobian_sc<T: Real>(
 /// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn gravity_moments_sc<T: Real>(
     sin: &[T; DOF],
     cos: &[T; DOF],
@@ -632,7 +632,7 @@ pub fn gravity_moments_sc<T: Real>(
 /// Rows of the base regressor: CoM = rows · r.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     // wrist
     let s_wrist = T::from_f64(0.4472135954999579) * cos[1]
@@ -685,7 +685,7 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
 /// The x and y rows of the base regressor: CoP = rows · r.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn regressor_cop_sc<T: Real>(
     sin: &[T; DOF],
     cos: &[T; DOF],
@@ -729,7 +729,7 @@ pub fn regressor_cop_sc<T: Real>(
 /// Rows [B_0 B_1 …] of the full regressor, seed paper Eq. (5), in link frames.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn regressor_full_sc<T: Real>(
     sin: &[T; DOF],
     cos: &[T; DOF],
@@ -840,7 +840,7 @@ pub fn regressor_full_sc<T: Real>(
 /// Centre of pressure that a static posture shows on a level sole, m.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
     // thumb
     let s_thumb = T::from_f64(0.8453119193731673) * sin[1]
