@@ -18,6 +18,14 @@ pub struct NewFile {
 impl NewFile {
     /// Start a file that will become `path`.
     pub fn create(path: &Path) -> Result<NewFile, Error> {
+        // Renaming would replace a link or a device itself, not what it stands for.
+        let path = &std::fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+        if path.exists() && !path.is_file() {
+            return Err(Error::Usage(format!(
+                "{} is no regular file; give the name of a file to write",
+                path.display()
+            )));
+        }
         let folder = match path.parent() {
             Some(folder) if !folder.as_os_str().is_empty() => folder,
             _ => Path::new("."),

@@ -176,3 +176,33 @@ fn bad_robots_and_usage_exit_with_two_and_write_nothing() {
         "nothing was written"
     );
 }
+
+/// Outputs go where a link points, and never in place of a folder or a device.
+#[cfg(unix)]
+#[test]
+fn outputs_replace_neither_links_nor_folders() {
+    let folder = folder();
+    let (target, link) = (folder.path().join("t.csv"), folder.path().join("l.csv"));
+    fs::write(&target, "old").unwrap();
+    std::os::unix::fs::symlink(&target, &link).unwrap();
+    let simulate = |out: &str| {
+        let urdf = op2();
+        sesc(&[
+            "simulate",
+            &urdf,
+            "--support",
+            "r_sole",
+            "--poses",
+            "2",
+            "--out",
+            out,
+        ])
+    };
+    assert!(simulate(&link.display().to_string()).status.success());
+    assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+    assert!(fs::read_to_string(&target).unwrap().starts_with("pose,"));
+    refused(
+        &simulate(&folder.path().display().to_string()),
+        &["no regular file"],
+    );
+}

@@ -103,7 +103,7 @@ impl Builder {
         }
         let name = match &self.name {
             Some(name) => name.clone(),
-            None => names::module(&format!("{}_{support}", description.name)),
+            None => names::suggest(&format!("{}_{support}", description.name)),
         };
         let path = out_dir.join(format!("{name}.rs"));
         write_if_changed(&path, &rust::module(&model, &name)?)?;

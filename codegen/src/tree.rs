@@ -79,7 +79,8 @@ pub struct Edge {
 pub struct Dof {
     pub joint: String,
     pub prismatic: bool,
-    /// Turns without end: its range is only what postures are drawn from.
+    /// Turns without end or without usable limits: its range is only what
+    /// postures are drawn from.
     pub continuous: bool,
     /// rad or m
     pub lower: f64,
@@ -305,7 +306,7 @@ fn dof(joint: &urdf_rs::Joint) -> Dof {
     Dof {
         joint: joint.name.clone(),
         prismatic,
-        continuous: joint.joint_type == JointType::Continuous,
+        continuous: !prismatic && (joint.joint_type == JointType::Continuous || !usable),
         lower,
         upper,
     }

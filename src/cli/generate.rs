@@ -51,7 +51,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let (Scalar::F64 | Scalar::F32) = arguments.scalar;
     let name = arguments.name.clone().unwrap_or_else(|| {
         let support = &model.tree.links[model.tree.support].name;
-        names::module(&format!("{}_{support}", model.tree.robot))
+        names::suggest(&format!("{}_{support}", model.tree.robot))
     });
     let text = rust::module(&model, &name)?;
     let path = arguments.out.join(format!("{name}.rs"));

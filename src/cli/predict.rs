@@ -69,6 +69,15 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
             writeln!(out, "pose,com_x,com_y,com_z,cop_x,cop_y").map_err(Error::Stdout)?;
         }
         for (row, [x, y, z, cop_x, cop_y]) in rows.iter().zip(predictions) {
+            if !(x.is_finite() && y.is_finite() && z.is_finite()) {
+                return Err(Error::Log {
+                    file: arguments.data.display().to_string(),
+                    line: Some(row.line),
+                    message: "an angle is beyond 2^20 rad, where sines mean nothing; \
+                              reduce it by whole turns"
+                        .into(),
+                });
+            }
             writeln!(out, "{},{x},{y},{z},{cop_x},{cop_y}", row.pose).map_err(Error::Stdout)?;
         }
         written += rows.len();

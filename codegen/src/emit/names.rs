@@ -70,9 +70,25 @@ pub fn type_name(module: &str) -> String {
         .collect()
 }
 
-/// Whether Rust would refuse `word` as a module name.
-pub fn is_rust_keyword(word: &str) -> bool {
-    syn::parse_str::<syn::Ident>(word).is_err()
+/// Names of generated items that a module's type must not take.
+const TAKEN: [&str; 4] = ["Real", "Sesc", "DOF", "SLIDING"];
+
+/// Whether `name` serves as a module and its type serves beside what is in it.
+pub fn is_module_name(name: &str) -> bool {
+    name.starts_with(|c: char| c.is_ascii_alphabetic())
+        && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+        && syn::parse_str::<syn::Ident>(name).is_ok()
+        && !TAKEN.contains(&type_name(name).as_str())
+}
+
+/// A name like `name` that serves.
+pub fn suggest(name: &str) -> String {
+    let word = module(name);
+    if is_module_name(&word) {
+        word
+    } else {
+        format!("{word}_robot")
+    }
 }
 
 #[cfg(test)]
@@ -90,5 +106,11 @@ mod tests {
         );
         assert_eq!(type_name("op2_r_sole"), "Op2RSole");
         assert_eq!(module("7-bot.A"), "robot_7_bot_a");
+        for bad in [
+            "", "_", "__", "r#fn", "fn", "self", "é", "real", "DOF", "2a", "a-b",
+        ] {
+            assert!(!is_module_name(bad), "{bad}");
+            assert!(is_module_name(&suggest(bad)), "{bad} -> {}", suggest(bad));
+        }
     }
 }

@@ -24,10 +24,10 @@ const DEEPEST: usize = 6;
 /// # Errors
 /// When `name` is no Rust module name.
 pub fn module(model: &Model, name: &str) -> Result<String, Error> {
-    if names::is_rust_keyword(name) || name == "_" {
+    if !names::is_module_name(name) {
         return Err(Error::BadName {
             name: name.to_string(),
-            suggestion: names::module(name),
+            suggestion: names::suggest(name),
         });
     }
     let rows = header::rows(model);
