@@ -4,20 +4,16 @@
 //! That printer drops comments, so section titles travel as marker statements
 //! and become comment lines afterwards.
 
-use std::collections::HashMap;
-
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{format_ident, quote};
 
 use super::header::{self, Row};
+use super::listing::{Line, Listing, Strength};
 use super::names;
 use crate::Error;
 use crate::expr::{Expr, Id};
 use crate::model::{Function, Given, Model};
 use crate::program::{Program, Shape};
-
-/// Expressions nested deeper than this get a name of their own.
-const DEEPEST: usize = 6;
 
 /// The module for `model`, named `name`.
 ///
@@ -257,15 +253,10 @@ fn documentation(function: Function, given: Given) -> String {
 
 fn function(row: &Row, program: &Program, titles: &mut Vec<String>) -> TokenStream {
     let name = format_ident!("{}", header::function_name(row.function, row.given));
-    let mut used = vec![false; program.inputs.len()];
-    for node in &program.nodes {
-        if let Expr::Input { array, .. } = node.expr {
-            used[array as usize] = true;
-        }
-    }
+    let listing = Listing::new(program);
     let unused = |array: &str| {
         let k = program.inputs.iter().position(|input| input.name == array);
-        k.is_none_or(|k| !used[k])
+        k.is_none_or(|k| !listing.reads(k))
     };
     let rename = |array: &str| match unused(array) {
         true => format!("_{array}"),
@@ -275,7 +266,7 @@ fn function(row: &Row, program: &Program, titles: &mut Vec<String>) -> TokenStre
     let doc = documentation(row.function, row.given);
     let doc = doc.lines();
     let result = result(row.function);
-    let body = Body::new(program).statements(titles);
+    let body = Body(listing).statements(titles);
     let allow = allow_names();
     quote! {
         #(#[doc = #doc])*
@@ -284,68 +275,23 @@ fn function(row: &Row, program: &Program, titles: &mut Vec<String>) -> TokenStre
     }
 }
 
-/// Statements of one function.
-struct Body<'p> {
-    program: &'p Program,
-    /// Name of each node that has a `let`.
-    bound: HashMap<Id, Ident>,
-    /// Sine and cosine nodes of each angle.
-    angles: HashMap<Id, (Option<Id>, Option<Id>)>,
-    fresh: usize,
-}
+/// A listing, spelled in Rust.
+struct Body<'p>(Listing<'p>);
 
-/// Binding strength, for parentheses.
-#[derive(Clone, Copy, PartialEq, PartialOrd)]
-enum Strength {
-    Sum,
-    Product,
-    Sign,
-    Atom,
-}
-
-impl<'p> Body<'p> {
-    fn new(program: &'p Program) -> Self {
-        Body {
-            program,
-            bound: HashMap::new(),
-            angles: program.angles(),
-            fresh: 0,
-        }
-    }
-
-    fn statements(mut self, titles: &mut Vec<String>) -> TokenStream {
-        let mut statements = Vec::new();
-        let mut depth = vec![0; self.program.nodes.len()];
-        let mut sections = self.program.sections.iter().peekable();
-        let mut title = None;
-        for (id, node) in self.program.iter() {
-            while let Some((_, next)) = sections.next_if(|(at, _)| *at <= id.index()) {
-                title = Some(next);
-            }
-            let deepest = crate::program::operands(node.expr).map(|x| {
-                if self.bound.contains_key(&x) {
-                    0
-                } else {
-                    depth[x.index()]
+impl Body<'_> {
+    fn statements(&self, titles: &mut Vec<String>) -> TokenStream {
+        let mut statements: Vec<TokenStream> = Vec::new();
+        for line in &self.0.lines {
+            statements.push(match *line {
+                Line::Title(title) => {
+                    let number = Literal::usize_unsuffixed(titles.len());
+                    titles.push(header::printable(title));
+                    quote! { section!(#number); }
                 }
-            });
-            depth[id.index()] = 1 + deepest.max().unwrap_or(0);
-            let leaf = matches!(node.expr, Expr::Const(_) | Expr::Input { .. });
-            let trig = matches!(node.expr, Expr::Sin(_) | Expr::Cos(_));
-            let wants = trig || node.name.is_some() || node.uses > 1;
-            if leaf || self.bound.contains_key(&id) || !(wants || depth[id.index()] > DEEPEST) {
-                continue;
-            }
-            if let Some(title) = title.take() {
-                let number = Literal::usize_unsuffixed(titles.len());
-                titles.push(header::printable(title));
-                statements.push(quote! { section!(#number); });
-            }
-            statements.push(match node.expr {
-                Expr::Sin(a) | Expr::Cos(a) => self.sin_cos(a),
-                expr => {
-                    let (value, _) = self.expression(expr);
-                    let name = self.bind(id);
+                Line::SinCos { angle, sin, cos } => self.sin_cos(angle, [sin, cos]),
+                Line::Let(id) => {
+                    let (value, _) = self.expression(self.0.program.expr(id));
+                    let name = self.name(id).expect("a statement binds a name");
                     quote! { let #name = #value; }
                 }
             });
@@ -354,29 +300,17 @@ impl<'p> Body<'p> {
         quote! { #(#statements)* #result }
     }
 
-    /// The name of node `id` from here on.
-    fn bind(&mut self, id: Id) -> Ident {
-        let name = match &self.program.nodes[id.index()].name {
-            Some(name) => Ident::new(name, Span::call_site()),
-            None => {
-                self.fresh += 1;
-                format_ident!("e{}", self.fresh)
-            }
-        };
-        self.bound.insert(id, name.clone());
-        name
+    fn name(&self, id: Id) -> Option<Ident> {
+        let name = self.0.name(id)?;
+        Some(Ident::new(name, Span::call_site()))
     }
 
     /// Sine and cosine of one angle, even when only one of them is needed.
-    fn sin_cos(&mut self, angle: Id) -> TokenStream {
-        let (sin, cos) = self.angles[&angle];
+    fn sin_cos(&self, angle: Id, pair: [Option<Id>; 2]) -> TokenStream {
         let (value, strength) = self.operand(angle);
         let value = parenthesised(value, strength, Strength::Atom);
-        let [s, c] = [sin, cos].map(|id| match id {
-            Some(id) => {
-                let name = self.bind(id);
-                quote!(#name)
-            }
+        let [s, c] = pair.map(|id| match id.and_then(|id| self.name(id)) {
+            Some(name) => quote!(#name),
             None => quote!(_),
         });
         quote! { let (#s, #c) = #value.sin_cos(); }
@@ -384,9 +318,9 @@ impl<'p> Body<'p> {
 
     /// An operand: its name, or its expression written out.
     fn operand(&self, id: Id) -> (TokenStream, Strength) {
-        match self.bound.get(&id) {
+        match self.name(id) {
             Some(name) => (quote!(#name), Strength::Atom),
-            None => self.expression(self.program.expr(id)),
+            None => self.expression(self.0.program.expr(id)),
         }
     }
 
@@ -398,7 +332,7 @@ impl<'p> Body<'p> {
         match expr {
             Expr::Const(x) => (constant(x), Strength::Atom),
             Expr::Input { array, index } => {
-                let array = format_ident!("{}", self.program.inputs[array as usize].name);
+                let array = format_ident!("{}", self.0.program.inputs[array as usize].name);
                 let index = Literal::usize_unsuffixed(index as usize);
                 (quote!(#array[#index]), Strength::Atom)
             }
@@ -432,22 +366,22 @@ impl<'p> Body<'p> {
 
     /// The array of results; repeated constants get a name first.
     fn result(&self, statements: &mut Vec<TokenStream>) -> TokenStream {
-        let outputs = &self.program.outputs;
+        let outputs = &self.0.program.outputs;
         for (x, name) in [(0.0, "zero"), (1.0, "one")] {
             if outputs
                 .iter()
-                .any(|id| self.program.expr(*id) == Expr::Const(x))
+                .any(|id| self.0.program.expr(*id) == Expr::Const(x))
             {
                 let (name, value) = (format_ident!("{name}"), constant(x));
                 statements.push(quote! { let #name = #value; });
             }
         }
-        let entry = |id: &Id| match self.program.expr(*id) {
+        let entry = |id: &Id| match self.0.program.expr(*id) {
             Expr::Const(0.0) => quote!(zero),
             Expr::Const(1.0) => quote!(one),
             _ => self.operand(*id).0,
         };
-        match self.program.shape {
+        match self.0.program.shape {
             Shape::Vector(_) => {
                 let entries = outputs.iter().map(entry);
                 quote! { [#(#entries),*] }

@@ -1,0 +1,119 @@
+//! A program as a list of statements, the same for every language.
+//!
+//! Which nodes get a name, what it is, in which order they stand and under
+//! which title is decided here; `rust` and `c` only spell it.
+
+use std::collections::HashMap;
+
+use crate::expr::{Expr, Id};
+use crate::program::{Program, operands};
+
+/// Expressions nested deeper than this get a name of their own.
+const DEEPEST: usize = 6;
+
+/// One statement of a function's body.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Line<'p> {
+    /// A comment: the joint or link that the lines below are about.
+    Title(&'p str),
+    /// Sine and cosine of one angle; one of them may not be needed.
+    SinCos {
+        angle: Id,
+        sin: Option<Id>,
+        cos: Option<Id>,
+    },
+    /// A node that gets a name.
+    Let(Id),
+}
+
+/// The statements of a program, and the names they bind.
+#[derive(Debug, Clone)]
+pub struct Listing<'p> {
+    pub program: &'p Program,
+    pub lines: Vec<Line<'p>>,
+    names: HashMap<Id, String>,
+    /// Names made up so far: `e1`, `e2`, …
+    fresh: usize,
+}
+
+/// Binding strength of an expression, for parentheses.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+pub enum Strength {
+    Sum,
+    Product,
+    Sign,
+    Atom,
+}
+
+impl<'p> Listing<'p> {
+    pub fn new(program: &'p Program) -> Listing<'p> {
+        let mut listing = Listing {
+            program,
+            lines: Vec::new(),
+            names: HashMap::new(),
+            fresh: 0,
+        };
+        listing.fill();
+        listing
+    }
+
+    /// Name of a node that has one; others are written out where they are used.
+    pub fn name(&self, id: Id) -> Option<&str> {
+        self.names.get(&id).map(String::as_str)
+    }
+
+    /// Whether any node reads input array `array`.
+    pub fn reads(&self, array: usize) -> bool {
+        let of = |expr| matches!(expr, Expr::Input { array: a, .. } if usize::from(a) == array);
+        self.program.nodes.iter().any(|node| of(node.expr))
+    }
+
+    fn fill(&mut self) {
+        let program = self.program;
+        let angles = program.angles();
+        let mut depth = vec![0; program.nodes.len()];
+        let mut sections = program.sections.iter().peekable();
+        let mut title = None;
+        for (id, node) in program.iter() {
+            while let Some((_, next)) = sections.next_if(|(at, _)| *at <= id.index()) {
+                title = Some(next);
+            }
+            let named = |x: Id| self.names.contains_key(&x);
+            let deepest = operands(node.expr).map(|x| if named(x) { 0 } else { depth[x.index()] });
+            depth[id.index()] = 1 + deepest.max().unwrap_or(0);
+            let leaf = matches!(node.expr, Expr::Const(_) | Expr::Input { .. });
+            let trig = matches!(node.expr, Expr::Sin(_) | Expr::Cos(_));
+            let wants = trig || node.name.is_some() || node.uses > 1;
+            if leaf || named(id) || !(wants || depth[id.index()] > DEEPEST) {
+                continue;
+            }
+            if let Some(title) = title.take() {
+                self.lines.push(Line::Title(title));
+            }
+            match node.expr {
+                Expr::Sin(angle) | Expr::Cos(angle) => {
+                    let (sin, cos) = angles[&angle];
+                    for id in [sin, cos].into_iter().flatten() {
+                        self.bind(id);
+                    }
+                    self.lines.push(Line::SinCos { angle, sin, cos });
+                }
+                _ => {
+                    self.bind(id);
+                    self.lines.push(Line::Let(id));
+                }
+            }
+        }
+    }
+
+    fn bind(&mut self, id: Id) {
+        let name = match &self.program.nodes[id.index()].name {
+            Some(name) => name.clone(),
+            None => {
+                self.fresh += 1;
+                format!("e{}", self.fresh)
+            }
+        };
+        self.names.insert(id, name);
+    }
+}
