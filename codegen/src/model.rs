@@ -9,17 +9,20 @@
 use nalgebra::{DVector, Matrix3};
 
 use crate::base::{self, Base, Column};
-use crate::bounds::{self, Bound, Precision};
+use crate::bounds::{self, Bound, Formats, Overflow, Precision};
 use crate::chain::{self, Chain};
 use crate::emit::names;
 use crate::frames::{self, Frame};
-use crate::functions;
+use crate::functions::{self, Parameters};
 use crate::numeric;
 use crate::program::Program;
 use crate::snap::Snapping;
 use crate::tree::{self, Tree};
 use crate::urdf::Description;
 use crate::{Error, ModelFile};
+
+/// How far beyond CAD and model file parameters may be, as a part of the robot's reach.
+const ROOM: f64 = 0.02;
 
 /// A function of the generated interface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -84,6 +87,8 @@ pub struct Model {
     pub base: Base,
     /// Identified parameters, if a model file was given.
     pub file: Option<ModelFile>,
+    /// Largest |r_k| that bounds hold for, m (a mass fraction for a slide's).
+    pub param_limits: Vec<f64>,
     /// Identifier stem of each body: its joint, made a legal and unique word.
     pub(crate) keys: Vec<String>,
 }
@@ -104,14 +109,17 @@ impl Model {
             .iter()
             .map(|body| body.joint.as_deref().unwrap_or(&body.name));
         let keys = names::unique(stems);
-        Ok(Model {
+        let mut model = Model {
             tree,
             chain,
             frames,
             base,
             file: None,
+            param_limits: Vec::new(),
             keys,
-        })
+        };
+        model.param_limits = model.limits_of(&model.cad_params());
+        Ok(model)
     }
 
     /// Number of independent joints.
@@ -135,14 +143,49 @@ impl Model {
     /// Take identified parameters from a model file.
     pub fn with_file(mut self, file: ModelFile) -> Result<Model, Error> {
         file.check(&self)?;
+        self.param_limits = self.limits_of(&file.values());
         self.file = Some(file);
         Ok(self)
+    }
+
+    /// Bounds hold for CAD parameters, those of a model file, and all up to
+    /// [`ROOM`] of the robot's reach beyond: what is identified differs from CAD.
+    fn limits_of(&self, values: &[f64]) -> Vec<f64> {
+        let reach = self.reach();
+        let params = self.base.params.iter().zip(values);
+        let limit = |(param, value): (&base::BaseParam, &f64)| {
+            let room = match param.column {
+                Column::Slide { .. } => ROOM,
+                Column::Axis { .. } => ROOM * reach,
+            };
+            libm::fabs(param.cad).max(libm::fabs(*value)) + room
+        };
+        params.map(limit).collect()
     }
 
     /// Straight-line code of one function; `None` where it cannot be had (sines
     /// and cosines of q do not give those of q/2, which a mimic may need).
     pub fn program(&self, function: Function, given: Given) -> Option<Program> {
-        functions::build(self, function, given)
+        functions::build(self, function, given, Parameters::Argument)
+    }
+
+    /// The same with the parameters of the model file (CAD's without one) as
+    /// constants: zeros vanish, sums of constants fold.
+    pub fn baked_program(&self, function: Function, given: Given) -> Option<Program> {
+        functions::build(self, function, given, Parameters::Baked)
+    }
+
+    /// Binary points and the rounding bound of `program` in 32-bit fixed point.
+    ///
+    /// # Errors
+    /// When a quantity does not fit.
+    pub fn fixed_point(&self, program: &Program) -> Result<Formats, Overflow> {
+        Formats::choose(program, &self.input_ranges(program))
+    }
+
+    /// Proven bound on the rounding error in 32-bit fixed point.
+    pub fn rounding_fixed(&self, program: &Program, formats: &Formats) -> Bound {
+        bounds::prove_fixed(program, &self.input_ranges(program), formats)
     }
 
     /// Proven bound on the rounding error of each kind of output.
@@ -150,13 +193,12 @@ impl Model {
         bounds::prove(program, &self.input_ranges(program), precision)
     }
 
-    /// What the inputs of `program` may be: joint limits, parameters up to CAD.
+    /// What the inputs of `program` may be: joint limits, parameters within theirs.
     fn input_ranges(&self, program: &Program) -> Vec<Vec<bounds::Input>> {
         let joint = |dof: &tree::Dof| bounds::Input::exact(dof.lower, dof.upper);
         let full = self.chain.full_cad();
-        let used = self.params();
         let parameter = |(k, param): (usize, &base::BaseParam)| {
-            let size = libm::fabs(param.cad).max(libm::fabs(used[k]));
+            let size = self.param_limits[k];
             // A parameter is itself a rounded sum of rounded products.
             let sum: f64 = param
                 .terms
@@ -167,6 +209,7 @@ impl Model {
                 lower: -size,
                 upper: size,
                 ulps_of: sum * (8.0 + param.terms.len() as f64),
+                absolute: 0.0,
                 rounded: true,
             }
         };
@@ -187,6 +230,7 @@ impl Model {
                             lower: -1.0,
                             upper: 1.0,
                             ulps_of: 0.0,
+                            absolute: 0.0,
                             rounded: true,
                         },
                     })

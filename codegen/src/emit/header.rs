@@ -22,6 +22,13 @@ pub fn function_name(function: Function, given: Given) -> String {
     }
 }
 
+/// Where the bounds hold.
+pub const PROMISE: [&str; 3] = [
+    "Bounds hold inside the joint limits (joints without any: one turn, ±1 m) for",
+    "parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,",
+    "against exact evaluation with the same parameters.",
+];
+
 /// Lines of the header, without comment marks.
 pub fn lines(model: &Model, rows: &[Row]) -> Vec<String> {
     let tree = &model.tree;
@@ -76,10 +83,7 @@ pub fn lines(model: &Model, rows: &[Row]) -> Vec<String> {
             row.bounds[1]
         ));
     }
-    lines.push(
-        "Bounds hold inside the joint limits (joints without any: one turn, ±1 m)".to_string(),
-    );
-    lines.push("for parameters no larger than those from CAD or the model file.".to_string());
+    lines.extend(PROMISE.map(str::to_string));
     lines
 }
 

@@ -6,9 +6,15 @@
 
 use std::collections::HashSet;
 
+/// Characters in which C99 promises to tell external names apart; MISRA asks it of all.
+pub const SIGNIFICANT: usize = 31;
+
+/// Longest word for a link or joint: `kx_` before and `_x` behind it stay significant.
+const LONGEST: usize = SIGNIFICANT - 5;
+
 /// Legal words for `names`, unique among themselves, in the same order.
 pub fn unique<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {
-    let words: Vec<String> = names.map(word).collect();
+    let words: Vec<String> = names.map(word).map(|word| cut(&word, LONGEST)).collect();
     let mut taken: HashSet<String> = HashSet::new();
     let all: HashSet<&String> = words.iter().collect();
     words
@@ -18,13 +24,24 @@ pub fn unique<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {
                 return word.clone();
             }
             let numbered = (2..)
-                .map(|n| format!("{word}_{n}"))
+                .map(|n| {
+                    let number = format!("_{n}");
+                    cut(word, LONGEST - number.len()) + &number
+                })
                 .find(|candidate| !taken.contains(candidate) && !all.contains(candidate))
                 .expect("some number is free");
             taken.insert(numbered.clone());
             numbered
         })
         .collect()
+}
+
+/// The first `length` characters, without a `_` left hanging.
+fn cut(word: &str, length: usize) -> String {
+    match word.get(..length) {
+        Some(start) => start.trim_end_matches('_').to_string(),
+        None => word.to_string(),
+    }
 }
 
 /// `l-knee.1` → `l_knee_1`; a word never starts or ends with `_` by conversion.
@@ -103,6 +120,11 @@ mod tests {
             [
                 "l_knee", "l_knee_3", "l_knee_4", "l_knee_2", "u3ba", "unnamed"
             ]
+        );
+        let long = ["right_shoulder_pitch_front_joint", "right_shoulder_pitch_front_jaw"];
+        assert_eq!(
+            unique(long.into_iter()),
+            ["right_shoulder_pitch_front", "right_shoulder_pitch_fro_2"]
         );
         assert_eq!(type_name("op2_r_sole"), "Op2RSole");
         assert_eq!(module("7-bot.A"), "robot_7_bot_a");

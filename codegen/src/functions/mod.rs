@@ -32,11 +32,28 @@ struct Known {
     fact: VectorId,
 }
 
-pub(crate) fn build(model: &Model, function: Function, given: Given) -> Option<Program> {
+/// Where the parameters r come from.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Parameters {
+    /// An input.
+    Argument,
+    /// Constants: those of the model file, else CAD's.
+    Baked,
+}
+
+pub(crate) fn build(
+    model: &Model,
+    function: Function,
+    given: Given,
+    parameters: Parameters,
+) -> Option<Program> {
     if given == Given::SinesCosines && !sines_suffice(model) {
         return None;
     }
     let mut scratch = Scratch::new(model, given);
+    if parameters == Parameters::Baked && function.takes_parameters() {
+        scratch.baked = Some(model.params());
+    }
     let (rows, cols) = (rows_of(function), columns_of(model, function));
     let outputs = match function {
         Function::Com => scratch.subtrees()[0].v.entries.to_vec(),
@@ -51,7 +68,10 @@ pub(crate) fn build(model: &Model, function: Function, given: Given) -> Option<P
         (1, n) => Shape::Vector(n),
         (rows, cols) => Shape::Matrix { rows, cols },
     };
-    let inputs = arrays(model, function, given);
+    let mut inputs = arrays(model, function, given);
+    if scratch.baked.is_some() {
+        inputs.pop();
+    }
     Some(Program::new(scratch.g, inputs, shape, &outputs))
 }
 
@@ -121,6 +141,8 @@ struct Scratch<'m> {
     m: &'m Model,
     g: Graph,
     given: Given,
+    /// Values of r, where they are constants.
+    baked: Option<Vec<f64>>,
     children: Vec<Vec<usize>>,
     /// Sine and cosine per body, once asked for.
     turns: Vec<Option<(Id, Id)>>,
@@ -134,20 +156,31 @@ impl<'m> Scratch<'m> {
             m,
             g: Graph::default(),
             given,
+            baked: None,
             children: m.chain.children(),
             turns: vec![None; m.chain.bodies.len()],
         }
     }
 
-    /// The input array that holds r.
+    /// Parameter `index` of r; zero where there is none.
     fn parameter(&mut self, index: Option<usize>) -> Id {
         let array = match self.given {
             Given::Positions => 1,
             Given::SinesCosines => 2,
         };
-        match index {
-            Some(index) => self.g.input(array, index),
-            None => self.g.constant(0.0),
+        match (index, &self.baked) {
+            (Some(index), None) => self.g.input(array, index),
+            (Some(index), Some(values)) => self.g.constant(values[index]),
+            (None, _) => self.g.constant(0.0),
+        }
+    }
+
+    /// Largest magnitude of a parameter.
+    fn parameter_limit(&self, index: Option<usize>) -> f64 {
+        match (index, &self.baked) {
+            (Some(index), None) => self.m.param_limits[index],
+            (Some(index), Some(values)) => libm::fabs(values[index]),
+            (None, _) => 0.0,
         }
     }
 

@@ -75,8 +75,8 @@ impl Scratch<'_> {
         let m = self.m;
         let own = [0, 1, 2].map(|k| m.axis_param(i, k));
         let mut sum = own.map(|index| self.parameter(index));
-        let cad = |index: Option<usize>| index.map_or(0.0, |k| m.base.params[k].cad);
-        let mut norm = libm::sqrt(own.iter().map(|&k| cad(k) * cad(k)).sum());
+        let squares = own.map(|k| self.parameter_limit(k) * self.parameter_limit(k));
+        let mut norm = libm::sqrt(squares.iter().sum());
         let mut from = Vec::new();
         for c in self.children[i].clone() {
             let child = built[c]
@@ -100,7 +100,7 @@ impl Scratch<'_> {
                     let step = self.g.mul(weight, moved);
                     entries[k] = self.g.add(entries[k], step);
                 }
-                extent += m.tree.stroke(&by) * libm::fabs(cad(s));
+                extent += m.tree.stroke(&by) * self.parameter_limit(s);
             }
             from.push(self.g.know(&entries, extent, &[t.fact]));
             norm += extent;

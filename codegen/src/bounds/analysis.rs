@@ -1,146 +1,60 @@
-//! Rounding bounds, proven over the joint limits.
-//!
-//! Forward error analysis with intervals: node by node, an enclosure of the
-//! exact value and a bound on |computed − exact|. Scalars alone would lose a
-//! factor √2 with every rotation, so vectors that the graph knows to be sums of
-//! orthogonal images are analysed as vectors:
-//!
-//! ```text
-//! E(v) ≤ Σ_from E + ‖rounding made on the way‖₂
-//! ```
-//!
-//! because an exact rotation neither stretches an error nor shrinks it. The
-//! result grows linearly with the depth of the tree.
-//!
-//! Standard model of arithmetic: `fl(a ∘ b) = (a ∘ b)(1 + δ)`, |δ| ≤ u. Sines and
-//! cosines are within `KERNEL_ULPS` ulp, as the runtime documents. Constants
-//! are correct to `CONSTANT_ULPS`; terms of order u² are covered by a margin.
+//! Forward error analysis of one program: enclosures and errors, node by node
+//! and vector by vector (see the module above).
 
 use std::collections::HashMap;
 
+use super::{Arithmetic, CONSTANT_ULPS, Input, KERNEL_ULPS, U64, fixed};
 use crate::expr::{Expr, Id};
 use crate::program::{Program, operands};
 
-/// Error of the sine and cosine kernels, in ulp (runtime::trig).
-const KERNEL_ULPS: f64 = 1.0;
-/// Absolute error of a generated constant, in units of f64's u: an entry of a
-/// product of rotations, or an angle, that may be what cancellation left.
-const CONSTANT_ULPS: f64 = 40.0;
-/// Covers what is quadratic in u: products of errors, and matrices orthogonal up to u.
-const MARGIN: f64 = 1.001;
-/// Unit roundoff of f64, 2⁻⁵³.
-const U64: f64 = 1.1102230246251565e-16;
-
-/// Arithmetic of the generated code.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Precision {
-    F64,
-    F32,
-}
-
-impl Precision {
-    /// Unit roundoff u.
-    pub fn unit(self) -> f64 {
-        match self {
-            Precision::F64 => U64,
-            Precision::F32 => 5.960464477539063e-8,
-        }
-    }
-
-    /// Largest angle that the sine and cosine kernels answer, rad (runtime::trig).
-    pub fn largest_angle(self) -> f64 {
-        match self {
-            Precision::F64 => 1_048_576.0,
-            Precision::F32 => 1024.0,
-        }
-    }
-}
-
-/// What one element of an input array may be.
-#[derive(Debug, Clone, Copy)]
-pub struct Input {
-    pub lower: f64,
-    pub upper: f64,
-    /// Error of its f64 value, in units of u times this.
-    pub ulps_of: f64,
-    /// Whether it is rounded to the working precision on the way in.
-    pub rounded: bool,
-}
-
-impl Input {
-    /// An input that is what it is: a joint position.
-    pub fn exact(lower: f64, upper: f64) -> Input {
-        Input {
-            lower,
-            upper,
-            ulps_of: 0.0,
-            rounded: false,
-        }
-    }
-}
-
-/// The result of the analysis.
-#[derive(Debug, Clone)]
-pub struct Bound {
-    /// Bound on |computed − exact| of each output.
-    pub outputs: Vec<f64>,
-    /// Largest of them.
-    pub worst: f64,
-}
-
 /// Enclosure and error of a node.
 #[derive(Debug, Clone, Copy)]
-struct Range {
-    lower: f64,
-    upper: f64,
-    error: f64,
+pub(super) struct Range {
+    pub(super) lower: f64,
+    pub(super) upper: f64,
+    pub(super) error: f64,
 }
 
 impl Range {
     /// Largest magnitude of the computed value.
-    fn size(self) -> f64 {
+    pub(super) fn size(self) -> f64 {
         libm::fabs(self.lower).max(libm::fabs(self.upper)) + self.error
     }
 }
 
-/// Bound the rounding error of `program` for inputs in the given ranges.
-pub fn prove(program: &Program, inputs: &[Vec<Input>], precision: Precision) -> Bound {
-    let mut analysis = Analysis {
-        program,
-        inputs,
-        u: precision.unit(),
-        domain: precision.largest_angle(),
-        ranges: Vec::with_capacity(program.nodes.len()),
-        vector_errors: vec![0.0; program.vectors.len()],
-        negatives: HashMap::new(),
-    };
-    analysis.run();
-    let outputs: Vec<f64> = program
-        .outputs
-        .iter()
-        .map(|id| analysis.ranges[id.index()].error * MARGIN)
-        .collect();
-    Bound {
-        worst: outputs.iter().copied().fold(0.0, f64::max),
-        outputs,
-    }
-}
-
-struct Analysis<'p> {
+pub(super) struct Analysis<'p> {
     program: &'p Program,
     inputs: &'p [Vec<Input>],
-    u: f64,
-    /// Largest angle of the sine and cosine kernels, rad.
-    domain: f64,
+    arithmetic: Arithmetic<'p>,
     ranges: Vec<Range>,
     vector_errors: Vec<f64>,
     /// The negative of a node, where one exists.
     negatives: HashMap<Id, usize>,
 }
 
-impl Analysis<'_> {
+impl<'p> Analysis<'p> {
+    pub(super) fn new(
+        program: &'p Program,
+        inputs: &'p [Vec<Input>],
+        arithmetic: Arithmetic<'p>,
+    ) -> Analysis<'p> {
+        Analysis {
+            program,
+            inputs,
+            arithmetic,
+            ranges: Vec::with_capacity(program.nodes.len()),
+            vector_errors: vec![0.0; program.vectors.len()],
+            negatives: HashMap::new(),
+        }
+    }
+
+    /// What is known of a node once the analysis has run.
+    pub(super) fn range(&self, id: Id) -> Range {
+        self.ranges[id.index()]
+    }
+
     /// Nodes in order; a vector is settled as soon as everything it rests on is.
-    fn run(&mut self) {
+    pub(super) fn run(&mut self) {
         let program = self.program;
         let last = |ids: &[Id]| ids.iter().map(|id| id.index() + 1).max().unwrap_or(0);
         let mut ready: Vec<usize> = Vec::with_capacity(program.vectors.len());
@@ -169,7 +83,7 @@ impl Analysis<'_> {
                 self.multiply_out(p);
             }
             if let Some(node) = program.nodes.get(done) {
-                let range = self.step(node.expr, |id| self.ranges[id.index()]);
+                let range = self.step(Id(done as u32), |id| self.ranges[id.index()]);
                 if let Expr::Neg(x) = node.expr {
                     self.negatives.insert(x, self.ranges.len());
                 }
@@ -178,15 +92,15 @@ impl Analysis<'_> {
         }
     }
 
-    /// One operation on enclosed operands.
-    fn step(&self, expr: Expr, operand: impl Fn(Id) -> Range) -> Range {
-        let u = self.u;
-        let rounded = |lower: f64, upper: f64, carried: f64| {
-            let size = libm::fabs(lower).max(libm::fabs(upper));
+    /// Node `id`: one operation on enclosed operands.
+    fn step(&self, id: Id, operand: impl Fn(Id) -> Range) -> Range {
+        let expr = self.program.expr(id);
+        let range = |lower: f64, upper: f64, carried: f64| {
+            let size = libm::fabs(lower).max(libm::fabs(upper)) + carried;
             Range {
                 lower,
                 upper,
-                error: carried + u * (size + carried),
+                error: carried + self.rounding(id, size),
             }
         };
         match expr {
@@ -194,30 +108,38 @@ impl Analysis<'_> {
                 // Zeros, ones and their like are exact in every precision.
                 let simple = x == 0.0 || libm::fabs(x) == 1.0 || x == libm::rint(x);
                 let own = if simple { 0.0 } else { CONSTANT_ULPS * U64 };
-                let narrowed = if f64::from(x as f32) == x { 0.0 } else { u };
+                let narrowed = match self.arithmetic {
+                    Arithmetic::Float(_) if f64::from(x as f32) == x => 0.0,
+                    Arithmetic::Float(precision) => libm::fabs(x) * precision.unit(),
+                    Arithmetic::Fixed(formats) => formats.rounding_of_constant(id, x),
+                };
                 Range {
                     lower: x,
                     upper: x,
-                    error: own + libm::fabs(x) * narrowed,
+                    error: own + narrowed,
                 }
             }
             Expr::Input { array, index } => {
                 let input = self.inputs[array as usize][index as usize];
                 let size = libm::fabs(input.lower).max(libm::fabs(input.upper));
-                let narrowed = if input.rounded { u * size } else { 0.0 };
+                let narrowed = match self.arithmetic {
+                    _ if !input.rounded => 0.0,
+                    Arithmetic::Float(precision) => precision.unit() * size,
+                    Arithmetic::Fixed(formats) => formats.half_unit(id),
+                };
                 Range {
                     lower: input.lower,
                     upper: input.upper,
-                    error: input.ulps_of * U64 + narrowed,
+                    error: input.ulps_of * U64 + input.absolute + narrowed,
                 }
             }
             Expr::Add(a, b) => {
                 let (a, b) = (operand(a), operand(b));
-                rounded(a.lower + b.lower, a.upper + b.upper, a.error + b.error)
+                range(a.lower + b.lower, a.upper + b.upper, a.error + b.error)
             }
             Expr::Sub(a, b) => {
                 let (a, b) = (operand(a), operand(b));
-                rounded(a.lower - b.upper, a.upper - b.lower, a.error + b.error)
+                range(a.lower - b.upper, a.upper - b.lower, a.error + b.error)
             }
             Expr::Mul(a, b) => {
                 let (a, b) = (operand(a), operand(b));
@@ -228,7 +150,7 @@ impl Analysis<'_> {
                     a.upper * b.upper,
                 ];
                 let carried = a.size() * b.error + (b.size() - b.error) * a.error;
-                rounded(
+                range(
                     corners.iter().copied().fold(f64::INFINITY, f64::min),
                     corners.iter().copied().fold(f64::NEG_INFINITY, f64::max),
                     carried,
@@ -242,17 +164,31 @@ impl Analysis<'_> {
                     error: a.error,
                 }
             }
-            // |sin'| ≤ 1; an ulp of a value below one is at most u.
+            // |sin'| ≤ 1.
             Expr::Sin(a) | Expr::Cos(a) => Range {
                 lower: -1.0,
                 upper: 1.0,
-                // Beyond their domain the kernels answer NaN: nothing is proven.
-                error: if operand(a).size() > self.domain {
-                    f64::INFINITY
-                } else {
-                    operand(a).error + KERNEL_ULPS * u
-                },
+                error: operand(a).error + self.kernel(operand(a).size()),
             },
+        }
+    }
+
+    /// What rounding adds to a sum or product of magnitude `size`.
+    fn rounding(&self, id: Id, size: f64) -> f64 {
+        match self.arithmetic {
+            Arithmetic::Float(precision) => precision.unit() * size,
+            Arithmetic::Fixed(formats) => formats.rounding(self.program, id),
+        }
+    }
+
+    /// Error of the sine and cosine of an angle up to `size`, rad.
+    fn kernel(&self, size: f64) -> f64 {
+        match self.arithmetic {
+            // Beyond their domain the kernels answer NaN: nothing is proven.
+            Arithmetic::Float(precision) if size > precision.largest_angle() => f64::INFINITY,
+            // An ulp of a value below one is at most u.
+            Arithmetic::Float(precision) => KERNEL_ULPS * precision.unit(),
+            Arithmetic::Fixed(_) => fixed::kernel_error(size),
         }
     }
 
@@ -332,7 +268,7 @@ impl Analysis<'_> {
                 let range = match leaf {
                     true => self.ranges[top.index()],
                     false => {
-                        let mut range = self.step(expr, |x| sources[&x]);
+                        let mut range = self.step(top, |x| sources[&x]);
                         // What is known of the node globally holds here too.
                         let known = self.ranges[top.index()];
                         range.lower = range.lower.max(known.lower - known.error);
