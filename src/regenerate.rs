@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use sesc_codegen::emit::c::{self, Options, Scalar};
 use sesc_codegen::emit::rust;
 use sesc_codegen::{Snapping, write_if_changed};
 
@@ -16,7 +17,13 @@ pub const TARGETS: [(&str, &str, &str); 4] = [
     ("two_link", "foot", "two_link_foot"),
 ];
 
-/// Every file of `generated/src`, relative to the project's root, with its text.
+/// Robots with checked-in C: folder under `robots/`, support link, scalar, prefix.
+pub const C_TARGETS: [(&str, &str, Scalar, &str); 2] = [
+    ("op2", "r_sole", Scalar::F32, "op2_r_sole"),
+    ("op2", "r_sole", Scalar::Fixed32, "op2_r_sole_fixed"),
+];
+
+/// Every file of `generated/`, relative to the project's root, with its text.
 pub fn files(root: &Path) -> Result<Vec<(PathBuf, String)>, Error> {
     let mut files = Vec::new();
     let mut modules = String::from(
@@ -31,6 +38,14 @@ pub fn files(root: &Path) -> Result<Vec<(PathBuf, String)>, Error> {
         modules.push_str(&format!("#[rustfmt::skip]\npub mod {module};\n"));
     }
     files.push((PathBuf::from("generated/src/lib.rs"), modules));
+    for (robot, support, scalar, name) in C_TARGETS {
+        let urdf = root.join(format!("robots/{robot}/{robot}.urdf"));
+        let model = Robot::read(&urdf)?.model(support, Snapping::default(), None)?;
+        let package = c::package(&model, name, &Options::of(scalar))?;
+        let path = |extension| PathBuf::from(format!("generated/c/{name}.{extension}"));
+        files.push((path("h"), package.header));
+        files.push((path("c"), package.source));
+    }
     Ok(files)
 }
 

@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use crate::emit::c::{self, Options, Scalar};
 use crate::emit::{names, rust};
 use crate::{Error, Model, ModelFile, Snapping, urdf};
 
@@ -27,6 +28,8 @@ pub struct Builder {
     model: Option<PathBuf>,
     snapping: Snapping,
     out_dir: Option<PathBuf>,
+    c99: Option<PathBuf>,
+    c99_options: Options,
 }
 
 impl Builder {
@@ -39,6 +42,8 @@ impl Builder {
             model: None,
             snapping: Snapping::default(),
             out_dir: None,
+            c99: None,
+            c99_options: Options::of(Scalar::F64),
         }
     }
 
@@ -69,6 +74,19 @@ impl Builder {
     /// Where to write, instead of `OUT_DIR`.
     pub fn out_dir(mut self, dir: impl AsRef<Path>) -> Builder {
         self.out_dir = Some(dir.as_ref().to_path_buf());
+        self
+    }
+
+    /// Write C99 too: `<name>.h` and `<name>.c` into `dir`, in f64 unless
+    /// [`Builder::c99_options`] says otherwise.
+    pub fn c99(mut self, dir: impl AsRef<Path>) -> Builder {
+        self.c99 = Some(dir.as_ref().to_path_buf());
+        self
+    }
+
+    /// Scalar and servos of the C99 functions.
+    pub fn c99_options(mut self, options: Options) -> Builder {
+        self.c99_options = options;
         self
     }
 
@@ -106,7 +124,16 @@ impl Builder {
             None => names::suggest(&format!("{}_{support}", description.name)),
         };
         let path = out_dir.join(format!("{name}.rs"));
-        write_if_changed(&path, &rust::module(&model, &name)?)?;
+        let module = rust::module(&model, &name)?;
+        if let Some(dir) = &self.c99 {
+            let package = c::package(&model, &name, &self.c99_options)?;
+            for note in &package.notes {
+                println!("cargo::warning={note}");
+            }
+            write_if_changed(&dir.join(format!("{name}.h")), &package.header)?;
+            write_if_changed(&dir.join(format!("{name}.c")), &package.source)?;
+        }
+        write_if_changed(&path, &module)?;
         Ok(path)
     }
 }

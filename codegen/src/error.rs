@@ -29,6 +29,12 @@ pub enum Error {
     NoMass { file: String },
     #[error("`{name}` is no name for a Rust module; `{suggestion}` would be")]
     BadName { name: String, suggestion: String },
+    #[error("`{name}` is no prefix for C names; `{suggestion}` would be")]
+    BadPrefix { name: String, suggestion: String },
+    #[error("{reason}")]
+    Servos { reason: String },
+    #[error("fixed32: {reason}; use f32, or give tighter joint limits")]
+    Overflow { reason: String },
     #[error("cannot read {file}")]
     Read {
         file: String,

@@ -194,7 +194,7 @@ impl Model {
     }
 
     /// What the inputs of `program` may be: joint limits, parameters within theirs.
-    fn input_ranges(&self, program: &Program) -> Vec<Vec<bounds::Input>> {
+    pub(crate) fn input_ranges(&self, program: &Program) -> Vec<Vec<bounds::Input>> {
         let joint = |dof: &tree::Dof| bounds::Input::exact(dof.lower, dof.upper);
         let full = self.chain.full_cad();
         let parameter = |(k, param): (usize, &base::BaseParam)| {
@@ -264,11 +264,24 @@ impl Model {
         sums.into_iter().fold(1.0, f64::max)
     }
 
-    /// A posture inside the limits with every joint off its ends and its middle.
+    /// A posture inside the limits with every joint off its ends and its middle,
+    /// in steps of 2^-16: the same in every scalar.
     pub fn self_test_posture(&self) -> Vec<f64> {
         // Not the first of the sequence: some way in, no joint is near another.
         let mut postures = numeric::postures(&self.tree.dofs, 8);
-        postures.nth(7).unwrap_or_default()
+        let coarse = |(x, dof): (f64, &tree::Dof)| {
+            let rounded = libm::rint(x * 65536.0) / 65536.0;
+            match (dof.lower..=dof.upper).contains(&rounded) {
+                true => rounded,
+                false => x,
+            }
+        };
+        let posture = postures.nth(7).unwrap_or_default();
+        posture
+            .into_iter()
+            .zip(&self.tree.dofs)
+            .map(coarse)
+            .collect()
     }
 
     /// CoM as the plain sum r_0 + Σ B_i r_i over full CAD parameters, m; by

@@ -21,7 +21,7 @@
 // regressor_cop_sc         152      74         0   3.5e-14 (f64)  5.8e-6 (f32)
 // regressor_full_sc        238     116         0   3.5e-14 (f64)  5.8e-6 (f32)
 // cop_sc                    86      82         0   3.4e-15 (f64)  1.3e-6 (f32)
-// Bounds hold inside the joint limits (joints without any: one turn, ±1 m) for
+// Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
 // parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
 // against exact evaluation with the same parameters.
 
@@ -170,34 +170,34 @@ pub const CAD_PARAMS: [f64; BASE_PARAMS] = [
 /// A posture to test with.
 #[allow(dead_code, clippy::all)]
 pub const SELF_TEST_Q: [f64; DOF] = [
-    0.5581652938504873,
-    2.567629230580912,
-    1.4163861761968137,
-    1.796649799261508,
-    1.961850946088238,
-    -2.3999958204708487,
-    2.216352753840785,
-    1.0039591735889166,
-    2.45429820190611,
-    -0.582576666407884,
-    1.352103377895753,
-    0.6320830920395348,
-    -2.4953053818797635,
-    -1.6713852562854195,
-    -0.43244283464692845,
-    0.5279141219910586,
-    0.5685921939642875,
-    0.4025038350089747,
-    -0.5751953083474866,
-    -1.5910947000686353,
+    0.55816650390625,
+    2.567626953125,
+    1.4163818359375,
+    1.7966461181640625,
+    1.96185302734375,
+    -2.399993896484375,
+    2.2163543701171875,
+    1.0039520263671875,
+    2.4542999267578125,
+    -0.58258056640625,
+    1.3520965576171875,
+    0.632080078125,
+    -2.49530029296875,
+    -1.67138671875,
+    -0.4324493408203125,
+    0.5279083251953125,
+    0.5685882568359375,
+    0.402496337890625,
+    -0.5751953125,
+    -1.591094970703125,
 ];
 
 /// The CoM there with `CAD_PARAMS`, m, summed body by body by the generator.
 #[allow(dead_code, clippy::all)]
 pub const SELF_TEST_COM: [f64; 3] = [
-    0.10008846893879775,
-    0.12324180114193269,
-    0.1762416638711591,
+    0.10008817219151277,
+    0.12324146237908659,
+    0.1762420704570479,
 ];
 
 /// Robot `op2` standing on `r_sole`.

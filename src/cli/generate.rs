@@ -3,61 +3,114 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use sesc_codegen::emit::c::{self, Options, Servos};
 use sesc_codegen::emit::{names, rust};
-use sesc_codegen::write_if_changed;
+use sesc_codegen::{Model, write_if_changed};
 
 use super::{Outcome, RobotArguments, message, print};
 use crate::Error;
 
 /// Write the functions of a robot as source code
 #[derive(Args)]
-#[command(
-    after_help = "Example:\n  sesc generate robots/op2/op2.urdf --support r_sole --lang rust --name op2_r_sole --out src/"
-)]
+#[command(after_help = "Examples:\n  \
+    sesc generate robots/op2/op2.urdf --support r_sole --lang rust --name op2_r_sole --out src/\n  \
+    sesc generate robots/op2/op2.urdf --support r_sole --lang c --scalar f32 --name op2_r_sole --out fw/")]
 pub(super) struct Arguments {
     #[command(flatten)]
     robot: RobotArguments,
     /// Language of the output
     #[arg(long, value_enum, default_value = "rust")]
     lang: Language,
-    /// Scalar type; Rust output is generic and serves f64, f32 and SIMD lanes alike
+    /// Scalar type of C; Rust output is generic and serves f64, f32 and SIMD lanes alike
     #[arg(long, value_enum, default_value = "f64")]
     scalar: Scalar,
-    /// Module name; <robot>_<support> unless given
+    /// Module name, or prefix of the C names; <robot>_<support> unless given
     #[arg(long)]
     name: Option<String>,
     /// Folder to write to
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Identified parameters to add as MODEL_PARAMS
+    /// Identified parameters: MODEL_PARAMS in Rust, functions with constants folded in C
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
+    /// C: functions of servo ticks [default: true for f32 and fixed32]
+    #[arg(long, value_name = "BOOL")]
+    ticks: Option<bool>,
+    /// C: zero, sign and resolution of each joint's servo (TOML); implies --ticks true
+    #[arg(long, value_name = "FILE")]
+    servos: Option<PathBuf>,
 }
 
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
 enum Language {
     Rust,
+    C,
 }
 
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
 enum Scalar {
     F64,
     F32,
+    /// 32-bit integers with proven binary points, for processors without FPU
+    Fixed32,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let (_, model) = arguments.robot.load(arguments.model.as_deref())?;
-    let Language::Rust = arguments.lang;
-    let (Scalar::F64 | Scalar::F32) = arguments.scalar;
-    let name = arguments.name.clone().unwrap_or_else(|| {
-        let support = &model.tree.links[model.tree.support].name;
-        names::suggest(&format!("{}_{support}", model.tree.robot))
-    });
-    let text = rust::module(&model, &name)?;
-    let path = arguments.out.join(format!("{name}.rs"));
-    if !write_if_changed(&path, &text)? {
-        message("already up to date");
+    let support = &model.tree.links[model.tree.support].name;
+    let usual = format!("{}_{support}", model.tree.robot);
+    let files = match arguments.lang {
+        Language::Rust => {
+            if arguments.scalar == Scalar::Fixed32 {
+                return Err(Error::Usage(
+                    "--scalar fixed32 is for C; add --lang c (Rust output is generic over floats)"
+                        .into(),
+                ));
+            }
+            let name = arguments.name.clone();
+            let name = name.unwrap_or_else(|| names::suggest(&usual));
+            vec![(format!("{name}.rs"), rust::module(&model, &name)?)]
+        }
+        Language::C => c_files(arguments, &model, &usual)?,
+    };
+    for (file, text) in files {
+        let path = arguments.out.join(file);
+        if !write_if_changed(&path, &text)? {
+            message(&format!("{} is up to date", path.display()));
+        }
+        print(&format!("{}\n", path.display()))?;
     }
-    print(&format!("{}\n", path.display()))?;
     Ok(Outcome::Ok)
+}
+
+fn c_files(
+    arguments: &Arguments,
+    model: &Model,
+    usual: &str,
+) -> Result<Vec<(String, String)>, Error> {
+    let mut options = Options::of(match arguments.scalar {
+        Scalar::F64 => c::Scalar::F64,
+        Scalar::F32 => c::Scalar::F32,
+        Scalar::Fixed32 => c::Scalar::Fixed32,
+    });
+    match (&arguments.servos, arguments.ticks) {
+        (Some(_), Some(false)) => {
+            return Err(Error::Usage(
+                "--servos sets what a tick is, --ticks false leaves ticks out; give one".into(),
+            ));
+        }
+        (Some(file), _) => options.servos = Some(Servos::read(file)?),
+        (None, Some(true)) => options.servos = Some(Servos::default()),
+        (None, Some(false)) => options.servos = None,
+        (None, None) => {}
+    }
+    let name = arguments.name.clone().unwrap_or_else(|| c::suggest(usual));
+    let package = c::package(model, &name, &options)?;
+    for note in &package.notes {
+        message(&format!("note: {note}"));
+    }
+    Ok(vec![
+        (format!("{name}.h"), package.header),
+        (format!("{name}.c"), package.source),
+    ])
 }

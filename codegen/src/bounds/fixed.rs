@@ -25,7 +25,7 @@ const FEWEST_OF_ANGLES: i32 = 16;
 /// bits (relative error 2^-31) and is rounded (2π · 2^-33); the table entry and
 /// the last sum are rounded to 2^-31, and the cube of the distance to the table's
 /// angle that is left out is below 7.6e-11.
-pub(super) fn kernel_error(size: f64) -> f64 {
+pub(crate) fn kernel_error(size: f64) -> f64 {
     1.85e-9 + size * unit(31)
 }
 
@@ -38,6 +38,7 @@ fn unit(bits: i32) -> f64 {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Formats {
     nodes: Vec<i32>,
+    sizes: Vec<f64>,
     /// Of each input array.
     pub arrays: Vec<i32>,
     /// Of the results.
@@ -72,6 +73,7 @@ impl Formats {
         let array = |array: &Vec<Input>| fitting(largest(array) * (1.0 + unit(30)));
         let mut formats = Formats {
             nodes: Vec::with_capacity(program.nodes.len()),
+            sizes: Vec::new(),
             arrays: inputs.iter().map(array).collect(),
             output: MOST,
         };
@@ -101,7 +103,9 @@ impl Formats {
             let size = |id: Id| analysis.range(id).size();
             let tight = |id: &Id| size(*id) > capacity(formats.of(*id));
             let Some(id) = program.iter().map(|(id, _)| id).find(tight) else {
+                let sizes = program.iter().map(|(id, _)| size(id)).collect();
                 formats.output = formats.coarsest_output(program);
+                formats.sizes = sizes;
                 return Ok(formats);
             };
             if formats.of(id) <= 0 || !size(id).is_finite() {
@@ -117,6 +121,11 @@ impl Formats {
     /// Fraction bits of node `id`.
     pub fn of(&self, id: Id) -> i32 {
         self.nodes[id.index()]
+    }
+
+    /// Largest magnitude that node `id` may take, its error included.
+    pub fn size(&self, id: Id) -> f64 {
+        self.sizes[id.index()]
     }
 
     /// Half a unit in the last place of node `id`.

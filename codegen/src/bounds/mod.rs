@@ -21,6 +21,7 @@ mod fixed;
 
 use crate::program::Program;
 use analysis::Analysis;
+pub(crate) use fixed::kernel_error as fixed_kernel_error;
 pub use fixed::{Formats, Overflow};
 
 /// Error of the sine and cosine kernels, in ulp (runtime::trig).

@@ -24,13 +24,13 @@ pub fn function_name(function: Function, given: Given) -> String {
 
 /// Where the bounds hold.
 pub const PROMISE: [&str; 3] = [
-    "Bounds hold inside the joint limits (joints without any: one turn, ±1 m) for",
+    "Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for",
     "parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,",
     "against exact evaluation with the same parameters.",
 ];
 
-/// Lines of the header, without comment marks.
-pub fn lines(model: &Model, rows: &[Row]) -> Vec<String> {
+/// Which robot this is, without comment marks.
+pub fn about(model: &Model) -> Vec<String> {
     let tree = &model.tree;
     let base = &model.base;
     let mut lines = vec![
@@ -67,6 +67,12 @@ pub fn lines(model: &Model, rows: &[Row]) -> Vec<String> {
             snap.com_error
         ));
     }
+    lines
+}
+
+/// Lines of a Rust module's header, without comment marks.
+pub fn lines(model: &Model, rows: &[Row]) -> Vec<String> {
+    let mut lines = about(model);
     lines.push(String::new());
     lines.push(format!(
         "{:<20} {:>7} {:>7} {:>9}   proven |rounding error|, m",

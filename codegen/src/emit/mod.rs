@@ -1,5 +1,6 @@
 //! Source text from programs.
 
+pub mod c;
 pub mod header;
 pub mod listing;
 pub mod names;

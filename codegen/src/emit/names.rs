@@ -74,6 +74,32 @@ pub fn module(name: &str) -> String {
     word
 }
 
+/// External names `prefix_suffix` that are not the first to begin with their 31
+/// characters, each with a symbol of its own that is.
+pub fn distinct(prefix: &str, suffixes: &[String]) -> Vec<(String, String)> {
+    let significant = |name: &str| cut(name, SIGNIFICANT);
+    let mut taken: HashSet<String> = HashSet::new();
+    let mut renamed = Vec::new();
+    for suffix in suffixes {
+        let name = format!("{prefix}_{suffix}");
+        if taken.insert(significant(&name)) {
+            continue;
+        }
+        // The prefix gives way: what the function does stays readable.
+        let room = SIGNIFICANT.saturating_sub(suffix.len() + 1).max(4);
+        let symbol = (1..)
+            .map(|n| match n {
+                1 => format!("{}_{suffix}", cut(prefix, room)),
+                n => format!("{}{n}_{suffix}", cut(prefix, room.saturating_sub(3))),
+            })
+            .find(|symbol| !taken.contains(&significant(symbol)))
+            .expect("some number is free");
+        taken.insert(significant(&symbol));
+        renamed.push((name, symbol));
+    }
+    renamed
+}
+
 /// `Op2RSole` for a type, from a module name.
 pub fn type_name(module: &str) -> String {
     module
@@ -121,10 +147,22 @@ mod tests {
                 "l_knee", "l_knee_3", "l_knee_4", "l_knee_2", "u3ba", "unnamed"
             ]
         );
-        let long = ["right_shoulder_pitch_front_joint", "right_shoulder_pitch_front_jaw"];
+        let long = [
+            "right_shoulder_pitch_front_joint",
+            "right_shoulder_pitch_front_jaw",
+        ];
         assert_eq!(
             unique(long.into_iter()),
             ["right_shoulder_pitch_front", "right_shoulder_pitch_fro_2"]
+        );
+        let functions = ["regressor", "regressor_cop", "regressor_full"].map(str::to_string);
+        assert_eq!(distinct("op2_r_sole", &functions), []);
+        assert_eq!(
+            distinct("skew_humanoid_right_sole", &functions)[0],
+            (
+                "skew_humanoid_right_sole_regressor_cop".into(),
+                "skew_humanoid_rig_regressor_cop".into()
+            )
         );
         assert_eq!(type_name("op2_r_sole"), "Op2RSole");
         assert_eq!(module("7-bot.A"), "robot_7_bot_a");

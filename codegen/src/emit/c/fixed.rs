@@ -1,0 +1,261 @@
+//! Function bodies in 32-bit fixed point.
+//!
+//! ```text
+//! a b + c d  →  narrow((int64_t)a * b + (int64_t)c * d, bits)
+//! ```
+//!
+//! Products of a sum are added in 64 bits and rounded once; sums without
+//! products stay in 32 bits. Binary points come from [`Formats`].
+
+use crate::bounds::Formats;
+use crate::emit::header::printable;
+use crate::emit::listing::{Line, Listing, Strength};
+use crate::expr::{Expr, Id};
+use crate::program::Program;
+
+/// Lines of the body that computes `program` into array `output`.
+pub(super) fn body(program: &Program, formats: &Formats, name: &str, output: &str) -> Vec<String> {
+    let listing = Listing::new(program);
+    let spelling = Spelling {
+        listing: &listing,
+        formats,
+        name,
+    };
+    let mut lines = Vec::new();
+    for (k, array) in program.inputs.iter().enumerate() {
+        if !listing.reads(k) {
+            lines.push(format!("(void){};", super::argument(array.name)));
+        }
+    }
+    for line in &listing.lines {
+        match *line {
+            Line::Title(title) => lines.push(format!("/* {} */", printable(title))),
+            Line::SinCos { angle, sin, cos } => {
+                let pair = super::pair(&listing, sin, cos);
+                lines.push(format!("int32_t {};", pair[0]));
+                lines.push(format!("int32_t {};", pair[1]));
+                let bits = formats.of(angle);
+                lines.push(format!(
+                    "{name}_sincos({}, {bits}u, &{}, &{});",
+                    spelling.operand(angle),
+                    pair[0],
+                    pair[1]
+                ));
+            }
+            Line::Let(id) => {
+                let name = listing.name(id).expect("a statement binds a name");
+                lines.push(format!("const int32_t {name} = {};", spelling.value(id).0));
+            }
+        }
+    }
+    for (k, id) in program.outputs.iter().enumerate() {
+        let (value, _) = spelling.in_format(*id, formats.output);
+        lines.push(format!("{output}[{k}] = {value};"));
+    }
+    lines
+}
+
+/// `x` as an integer with `bits` fraction bits.
+pub(super) fn literal(x: f64, bits: i32) -> String {
+    // Formats hold every constant: the cast does not saturate.
+    let whole = libm::rint(libm::ldexp(x, bits)) as i64;
+    format!("{whole}")
+}
+
+fn number(x: f64, bits: i32) -> (String, Strength) {
+    let strength = if x < 0.0 {
+        Strength::Sign
+    } else {
+        Strength::Atom
+    };
+    (literal(x, bits), strength)
+}
+
+struct Spelling<'l, 'p> {
+    listing: &'l Listing<'p>,
+    formats: &'l Formats,
+    name: &'l str,
+}
+
+/// One addend of a sum in 64 bits.
+enum Term {
+    Product { negative: bool, factors: [Id; 2] },
+    Single { negative: bool, id: Id },
+}
+
+impl Spelling<'_, '_> {
+    fn expr(&self, id: Id) -> Expr {
+        self.listing.program.expr(id)
+    }
+
+    /// An operand in its own format, safe beside any operator.
+    fn operand(&self, id: Id) -> String {
+        if let Some(name) = self.listing.name(id) {
+            return name.to_string();
+        }
+        match self.value(id) {
+            (value, Strength::Atom) => value,
+            (value, _) => format!("({value})"),
+        }
+    }
+
+    /// The expression of a node, in its own format.
+    fn value(&self, id: Id) -> (String, Strength) {
+        match self.expr(id) {
+            Expr::Const(x) => number(x, self.formats.of(id)),
+            Expr::Input { array, index } => {
+                let array = super::argument(self.listing.program.inputs[array as usize].name);
+                (format!("{array}[{index}]"), Strength::Atom)
+            }
+            Expr::Neg(a) => (format!("-{}", self.operand(a)), Strength::Sign),
+            Expr::Add(a, b) => self.sum(id, [a, b], "+"),
+            Expr::Sub(a, b) => self.sum(id, [a, b], "-"),
+            Expr::Mul(..) => {
+                let value = self.wide(id).unwrap_or_else(|| self.product(id));
+                (value, Strength::Atom)
+            }
+            Expr::Sin(_) | Expr::Cos(_) => {
+                unreachable!("sines and cosines have statements of their own")
+            }
+        }
+    }
+
+    /// A sum: in 64 bits where it holds products and has room, else in 32.
+    fn sum(&self, id: Id, [a, b]: [Id; 2], sign: &str) -> (String, Strength) {
+        if let Some(wide) = self.wide(id) {
+            return (wide, Strength::Atom);
+        }
+        let bits = self.formats.of(id);
+        let [(a, _), (b, strength)] = [a, b].map(|x| self.in_format(x, bits));
+        let b = match strength {
+            Strength::Atom => b,
+            _ => format!("({b})"),
+        };
+        (format!("{a} {sign} {b}"), Strength::Sum)
+    }
+
+    /// An operand rounded to `bits` fraction bits.
+    fn in_format(&self, id: Id, bits: i32) -> (String, Strength) {
+        if let Expr::Const(x) = self.expr(id) {
+            return number(x, bits);
+        }
+        let value = match self.formats.of(id) - bits {
+            0 => self.operand(id),
+            more => self.narrow(&format!("(int64_t){}", self.operand(id)), more),
+        };
+        (value, Strength::Atom)
+    }
+
+    /// A sum in 64 bits as 32, with `bits` fewer bits below the point.
+    fn narrow(&self, wide: &str, bits: i32) -> String {
+        match bits {
+            0 => format!("(int32_t)({wide})"),
+            _ => format!("{}_narrow({wide}, {bits}u)", self.name),
+        }
+    }
+
+    /// A product rounded by itself.
+    fn product(&self, id: Id) -> String {
+        let Expr::Mul(a, b) = self.expr(id) else {
+            unreachable!("asked of products")
+        };
+        let bits = self.formats.of(a) + self.formats.of(b) - self.formats.of(id);
+        let wide = format!("(int64_t){} * {}", self.operand(a), self.operand(b));
+        self.narrow(&wide, bits)
+    }
+
+    /// A sum of products in 64 bits, rounded once; `None` where it holds no
+    /// product or has no room.
+    fn wide(&self, id: Id) -> Option<String> {
+        let mut terms = Vec::new();
+        self.collect(id, false, true, &mut terms);
+        let bits = |term: &Term| match term {
+            Term::Product {
+                factors: [a, b], ..
+            } => self.formats.of(*a) + self.formats.of(*b),
+            Term::Single { id, .. } => match self.expr(*id) {
+                Expr::Const(_) => 0,
+                _ => self.formats.of(*id),
+            },
+        };
+        let is_product = |term: &&Term| matches!(term, Term::Product { .. });
+        terms.iter().find(is_product)?;
+        let common = terms.iter().map(bits).max()?;
+        let size: f64 = terms.iter().map(|term| self.size(term)).sum();
+        if libm::ldexp(size, common) >= libm::ldexp(1.0, 62) {
+            return None;
+        }
+        let mut text = String::new();
+        for (k, term) in terms.iter().enumerate() {
+            let (negative, value) = match term {
+                Term::Product {
+                    negative,
+                    factors: [a, b],
+                } => {
+                    let product = format!("(int64_t){} * {}", self.operand(*a), self.operand(*b));
+                    (*negative, scaled(product, common - bits(term)))
+                }
+                Term::Single { negative, id } => match self.expr(*id) {
+                    Expr::Const(x) => (*negative, format!("INT64_C({})", literal(x, common))),
+                    _ => {
+                        let value = format!("(int64_t){}", self.operand(*id));
+                        (*negative, scaled(value, common - bits(term)))
+                    }
+                },
+            };
+            text += match (k, negative) {
+                (0, false) => "",
+                (0, true) => "-",
+                (_, false) => " + ",
+                (_, true) => " - ",
+            };
+            text += &match terms.len() {
+                1 if !negative => value,
+                _ => format!("({value})"),
+            };
+        }
+        Some(self.narrow(&text, common - self.formats.of(id)))
+    }
+
+    /// Addends of node `id`: through sums and signs that have no statement.
+    fn collect(&self, id: Id, negative: bool, top: bool, terms: &mut Vec<Term>) {
+        let open = top || self.listing.name(id).is_none();
+        match self.expr(id) {
+            Expr::Add(a, b) if open => {
+                self.collect(a, negative, false, terms);
+                self.collect(b, negative, false, terms);
+            }
+            Expr::Sub(a, b) if open => {
+                self.collect(a, negative, false, terms);
+                self.collect(b, !negative, false, terms);
+            }
+            Expr::Neg(a) if open => self.collect(a, !negative, false, terms),
+            Expr::Mul(a, b) if open => terms.push(Term::Product {
+                negative,
+                factors: [a, b],
+            }),
+            _ => terms.push(Term::Single { negative, id }),
+        }
+    }
+
+    /// Largest magnitude of a term.
+    fn size(&self, term: &Term) -> f64 {
+        match term {
+            Term::Product {
+                factors: [a, b], ..
+            } => self.formats.size(*a) * self.formats.size(*b),
+            Term::Single { id, .. } => match self.expr(*id) {
+                Expr::Const(x) => libm::fabs(x),
+                _ => self.formats.size(*id),
+            },
+        }
+    }
+}
+
+/// `value` shifted up by a multiplication: shifting a negative number is undefined.
+fn scaled(value: String, bits: i32) -> String {
+    match bits {
+        0 => value,
+        _ => format!("({value}) * INT64_C({})", 1_i64 << bits.clamp(0, 62)),
+    }
+}

@@ -1,0 +1,114 @@
+//! Function bodies in floating point: the listing as C expressions.
+
+use super::Scalar;
+use crate::emit::header::printable;
+use crate::emit::listing::{Line, Listing, Strength};
+use crate::expr::{Expr, Id};
+use crate::program::Program;
+
+/// Lines of the body that computes `program` into array `output`.
+pub(super) fn body(program: &Program, scalar: Scalar, name: &str, output: &str) -> Vec<String> {
+    let listing = Listing::new(program);
+    let spelling = Spelling {
+        listing: &listing,
+        scalar,
+    };
+    let real = scalar.c_type();
+    let mut lines = Vec::new();
+    for (k, array) in program.inputs.iter().enumerate() {
+        if !listing.reads(k) {
+            lines.push(format!("(void){};", super::argument(array.name)));
+        }
+    }
+    for line in &listing.lines {
+        match *line {
+            Line::Title(title) => lines.push(format!("/* {} */", printable(title))),
+            Line::SinCos { angle, sin, cos } => {
+                let pair = super::pair(&listing, sin, cos);
+                lines.push(format!("{real} {};", pair[0]));
+                lines.push(format!("{real} {};", pair[1]));
+                let (angle, _) = spelling.operand(angle);
+                lines.push(format!(
+                    "{name}_sincos({angle}, &{}, &{});",
+                    pair[0], pair[1]
+                ));
+            }
+            Line::Let(id) => {
+                let (value, _) = spelling.expression(id);
+                let name = listing.name(id).expect("a statement binds a name");
+                lines.push(format!("const {real} {name} = {value};"));
+            }
+        }
+    }
+    for (k, id) in program.outputs.iter().enumerate() {
+        lines.push(format!("{output}[{k}] = {};", spelling.operand(*id).0));
+    }
+    lines
+}
+
+/// A literal that reads back to the same bits.
+pub(super) fn literal(x: f64, scalar: Scalar) -> String {
+    match scalar {
+        Scalar::F32 => format!("{:?}f", x as f32),
+        _ => format!("{x:?}"),
+    }
+}
+
+struct Spelling<'l, 'p> {
+    listing: &'l Listing<'p>,
+    scalar: Scalar,
+}
+
+impl Spelling<'_, '_> {
+    /// An operand: its name, or its expression written out.
+    fn operand(&self, id: Id) -> (String, Strength) {
+        match self.listing.name(id) {
+            Some(name) => (name.to_string(), Strength::Atom),
+            None => self.expression(id),
+        }
+    }
+
+    fn expression(&self, id: Id) -> (String, Strength) {
+        let at = |id: Id, least: Strength| {
+            let (value, strength) = self.operand(id);
+            match strength < least {
+                true => format!("({value})"),
+                false => value,
+            }
+        };
+        let program = self.listing.program;
+        // Products inside sums carry parentheses: MISRA C 12.1.
+        match program.expr(id) {
+            Expr::Const(x) => (literal(x, self.scalar), Strength::Atom),
+            Expr::Input { array, index } => {
+                let array = super::argument(program.inputs[array as usize].name);
+                (format!("{array}[{index}]"), Strength::Atom)
+            }
+            // A sum on the right keeps its parentheses: rounding depends on the order.
+            Expr::Add(a, b) => {
+                let (a, b) = (self.addend(a), at(b, Strength::Sign));
+                (format!("{a} + {b}"), Strength::Sum)
+            }
+            Expr::Sub(a, b) => {
+                let (a, b) = (self.addend(a), at(b, Strength::Sign));
+                (format!("{a} - {b}"), Strength::Sum)
+            }
+            Expr::Mul(a, b) => {
+                let (a, b) = (at(a, Strength::Product), at(b, Strength::Sign));
+                (format!("{a} * {b}"), Strength::Product)
+            }
+            Expr::Neg(a) => (format!("-{}", at(a, Strength::Atom)), Strength::Sign),
+            Expr::Sin(_) | Expr::Cos(_) => {
+                unreachable!("sines and cosines have statements of their own")
+            }
+        }
+    }
+
+    /// The left operand of a sum: sums run on, products get parentheses.
+    fn addend(&self, id: Id) -> String {
+        match self.operand(id) {
+            (value, Strength::Product) => format!("({value})"),
+            (value, _) => value,
+        }
+    }
+}

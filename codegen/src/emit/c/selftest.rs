@@ -1,0 +1,228 @@
+//! The self-test that firmware runs at boot: a posture whose results the
+//! generator computed in another way.
+
+use serde::Serialize;
+
+use super::functions::Routine;
+use super::ticks::Ticks;
+use super::{Scalar, number};
+use crate::model::{Function, Given, Model};
+use crate::tape::{Argument, Tape};
+
+/// Error of moments by differences of the summed CoM, m.
+const DIFFERENCES: f64 = 1e-9;
+
+/// A result array of the self-test.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct ResultArray {
+    name: &'static str,
+    length: String,
+}
+
+/// One comparison.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Check {
+    arrays: Vec<Constant>,
+    call: String,
+    got: &'static str,
+    expected: String,
+    count: usize,
+    tolerance: String,
+    weight: u32,
+    #[serde(skip)]
+    stem: String,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct Constant {
+    #[serde(rename = "type")]
+    scalar: String,
+    name: String,
+    values: Vec<String>,
+}
+
+/// What the return value is a sum of.
+pub(super) fn weights(checks: &[Check]) -> String {
+    let weights = checks
+        .iter()
+        .map(|check| format!("{} ({})", check.weight, check.stem));
+    weights.collect::<Vec<_>>().join(", ")
+}
+
+/// Comparisons of the functions that are there, and the arrays they write to.
+pub(super) fn checks(
+    model: &Model,
+    scalar: Scalar,
+    routines: &[Routine],
+    name: &str,
+    ticks: Option<&Ticks>,
+) -> (Vec<Check>, Vec<ResultArray>) {
+    let posture = model.self_test_posture();
+    let com = model.com_by_sum(&posture);
+    // An array may not be empty: a robot without joints gets what is at hand.
+    let any = format!("{name}_cad_params");
+    let positions = if posture.is_empty() {
+        any.as_str()
+    } else {
+        "q"
+    };
+    let q = (!posture.is_empty()).then(|| Constant {
+        scalar: format!("{name}_real"),
+        name: "q".into(),
+        values: in_format(&posture, scalar, array_bits(routines, "q")),
+    });
+    let mut checks = Vec::new();
+    let mut push = |stem: &str, expected: &[f64], mut arrays: Vec<Constant>, slack: f64| {
+        let Some(routine) = routines.iter().find(|r| r.name() == stem) else {
+            return;
+        };
+        let bits = routine.formats.as_ref().map_or(0, |formats| formats.output);
+        let got = result(routine.function);
+        let label = format!("expected_{}", stem);
+        let tolerance = tolerance(routine, scalar, expected, slack);
+        arrays.push(Constant {
+            scalar: format!("{name}_real"),
+            name: label.clone(),
+            values: in_format(expected, scalar, bits),
+        });
+        let argument = if routine.is_of_ticks() {
+            "ticks"
+        } else {
+            positions
+        };
+        let r = match routine.baked {
+            true => String::new(),
+            false => format!("{name}_cad_params, "),
+        };
+        checks.push(Check {
+            arrays,
+            call: format!("{name}_{stem}({argument}, {r}{got});"),
+            got,
+            expected: label,
+            count: expected.len(),
+            tolerance: number(tolerance, scalar, bits),
+            weight: 0,
+            stem: stem.to_string(),
+        });
+    };
+    push("com", &com, q.into_iter().collect(), 0.0);
+    push("cop", &com[..2], Vec::new(), 0.0);
+    push(
+        "gravity_moments",
+        &moments(model, &posture),
+        Vec::new(),
+        DIFFERENCES,
+    );
+    if let Some(ticks) = ticks {
+        let (values, posture) = nearest(ticks, &posture);
+        let com = model.com_by_sum(&posture);
+        let array = Constant {
+            scalar: "int32_t".into(),
+            name: "ticks".into(),
+            values: values.iter().map(i32::to_string).collect(),
+        };
+        push("com_ticks", &com, vec![array], 0.0);
+    }
+    if model.file.is_some() {
+        push("model_com", &by_tape(model, &posture), Vec::new(), 0.0);
+    }
+    for (k, check) in checks.iter_mut().enumerate() {
+        check.weight = 1 << k;
+    }
+    let mut results = vec![
+        ResultArray {
+            name: "com",
+            length: "3".into(),
+        },
+        ResultArray {
+            name: "cop",
+            length: "2".into(),
+        },
+    ];
+    if checks.iter().any(|check| check.got == "moments") {
+        results.push(ResultArray {
+            name: "moments",
+            length: format!("{name}_DOF"),
+        });
+    }
+    (checks, results)
+}
+
+fn result(function: Function) -> &'static str {
+    match function {
+        Function::Cop => "cop",
+        Function::GravityMoments => "moments",
+        _ => "com",
+    }
+}
+
+fn array_bits(routines: &[Routine], array: &str) -> i32 {
+    let find = |routine: &Routine| {
+        let k = routine
+            .program
+            .inputs
+            .iter()
+            .position(|a| a.name == array)?;
+        Some(routine.formats.as_ref()?.arrays[k])
+    };
+    routines.iter().find_map(find).unwrap_or(0)
+}
+
+fn in_format(values: &[f64], scalar: Scalar, bits: i32) -> Vec<String> {
+    values.iter().map(|x| number(*x, scalar, bits)).collect()
+}
+
+/// The proven bound, and the rounding of what is expected.
+fn tolerance(routine: &Routine, scalar: Scalar, expected: &[f64], slack: f64) -> f64 {
+    let largest = expected.iter().fold(0.0, |a: f64, x| a.max(x.abs()));
+    let rounding = match (&routine.formats, scalar.precision()) {
+        (Some(formats), _) => libm::ldexp(1.0, -formats.output),
+        (None, Some(precision)) => 2.0 * precision.unit() * largest.max(routine.bound),
+        (None, None) => 0.0,
+    };
+    // Summation by another way has rounding of its own, in f64.
+    routine.bound + rounding + slack + 64.0 * f64::EPSILON * largest
+}
+
+/// −∂CoM_z/∂q by differences of the summed CoM, of fourth order.
+fn moments(model: &Model, posture: &[f64]) -> Vec<f64> {
+    let height = |j: usize, step: f64| {
+        let mut q = posture.to_vec();
+        q[j] += step;
+        model.com_by_sum(&q)[2]
+    };
+    let h = 1e-3;
+    let slope = |j: usize| {
+        let near = (height(j, h) - height(j, -h)) / (2.0 * h);
+        let far = (height(j, 2.0 * h) - height(j, -2.0 * h)) / (4.0 * h);
+        -(4.0 * near - far) / 3.0
+    };
+    (0..posture.len()).map(slope).collect()
+}
+
+/// Ticks nearest to a posture, and the posture that they stand for.
+fn nearest(ticks: &Ticks, posture: &[f64]) -> (Vec<i32>, Vec<f64>) {
+    let pairs = ticks.servos.iter().zip(posture).map(|(servo, q)| {
+        let away = libm::rint(q / servo.per_tick);
+        (
+            servo.zero.saturating_add(away as i32),
+            away * servo.per_tick,
+        )
+    });
+    pairs.unzip()
+}
+
+/// The CoM of the model file's parameters, by the program that takes them.
+fn by_tape(model: &Model, posture: &[f64]) -> Vec<f64> {
+    let mut com = vec![0.0; 3];
+    if let Some(program) = model.program(Function::Com, Given::Positions) {
+        let params = model.params();
+        let arguments = [Argument::PerPosture(posture), Argument::Shared(&params)];
+        Tape::new(&program).run(&arguments, 1, &mut com, |angles, sines, cosines| {
+            for (k, angle) in angles.iter().enumerate() {
+                (sines[k], cosines[k]) = libm::sincos(*angle);
+            }
+        });
+    }
+    com
+}

@@ -1,0 +1,144 @@
+//! Servos: what a tick of each joint means.
+//!
+//! ```text
+//! turning   q = sign (ticks - zero) 2π / resolution
+//! sliding   q = sign (ticks - zero) metres_per_tick
+//! ```
+//!
+//! ```toml
+//! [default]
+//! zero = 2048
+//! resolution = 4096        # ticks a turn
+//! [joints.l_knee]
+//! zero = 2050
+//! sign = -1
+//! [joints.lift]
+//! metres_per_tick = 1e-5   # sliding joints
+//! ```
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::Deserialize;
+
+use crate::Error;
+use crate::tree::Dof;
+
+/// What a servo file says of one joint, or of all.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Setting {
+    /// Ticks at q = 0; 2048 unless given.
+    pub zero: Option<i32>,
+    /// 1 or −1.
+    pub sign: Option<i32>,
+    /// Ticks a turn; 4096 unless given.
+    pub resolution: Option<f64>,
+    /// Stroke of one tick of a sliding joint, m.
+    pub metres_per_tick: Option<f64>,
+}
+
+/// A servo file.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Servos {
+    #[serde(default)]
+    pub default: Setting,
+    #[serde(default)]
+    pub joints: BTreeMap<String, Setting>,
+}
+
+/// One joint's servo, complete.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Servo {
+    pub(super) zero: i32,
+    /// rad or m per tick, with the sign.
+    pub(super) per_tick: f64,
+    pub(super) sign: i32,
+    /// Steps of the table per tick, where that is whole.
+    pub(super) steps: Option<u32>,
+}
+
+impl Servos {
+    /// Read and parse `path`.
+    ///
+    /// # Errors
+    /// When it cannot be read or is no servo file.
+    pub fn read(path: &Path) -> Result<Servos, Error> {
+        let file = path.display().to_string();
+        let text = std::fs::read_to_string(path).map_err(|source| Error::Read {
+            file: file.clone(),
+            source,
+        })?;
+        toml::from_str(&text).map_err(|error| Error::Servos {
+            reason: format!("{file}: {error}"),
+        })
+    }
+
+    /// The servo of each joint; `None` when a sliding joint has no stroke per tick.
+    pub(super) fn of(&self, dofs: &[Dof]) -> Result<Option<Vec<Servo>>, Error> {
+        let known = |name: &String| dofs.iter().any(|dof| &dof.joint == name);
+        if let Some(stray) = self.joints.keys().find(|name| !known(name)) {
+            let joints: Vec<&str> = dofs.iter().map(|dof| dof.joint.as_str()).collect();
+            return Err(Error::Servos {
+                reason: format!(
+                    "no joint `{stray}` to set a servo of; the robot has {}",
+                    joints.join(", ")
+                ),
+            });
+        }
+        dofs.iter().map(|dof| self.servo(dof)).collect()
+    }
+
+    fn servo(&self, dof: &Dof) -> Result<Option<Servo>, Error> {
+        let own = self.joints.get(&dof.joint);
+        let first = |get: fn(&Setting) -> Option<f64>| own.and_then(get).or(get(&self.default));
+        let bad = |what: String| Error::Servos {
+            reason: format!("servo of joint `{}`: {what}", dof.joint),
+        };
+        let sign = own.and_then(|s| s.sign).or(self.default.sign).unwrap_or(1);
+        if sign.abs() != 1 {
+            return Err(bad(format!("sign is {sign}; give 1 or -1")));
+        }
+        let zero = own.and_then(|s| s.zero).or(self.default.zero);
+        let zero = zero.unwrap_or(2048);
+        if zero.unsigned_abs() > LARGEST_ZERO {
+            return Err(bad(format!(
+                "zero is {zero}; give ticks within ±{LARGEST_ZERO}"
+            )));
+        }
+        if dof.prismatic {
+            let Some(stroke) = first(|s| s.metres_per_tick) else {
+                return Ok(None);
+            };
+            if !(stroke.is_finite() && stroke > 0.0) {
+                return Err(bad(format!(
+                    "metres_per_tick is {stroke}; give metres above zero"
+                )));
+            }
+            return Ok(Some(Servo {
+                zero,
+                per_tick: f64::from(sign) * stroke,
+                sign,
+                steps: None,
+            }));
+        }
+        let resolution = first(|s| s.resolution).unwrap_or(4096.0);
+        if !(resolution.is_finite() && (1.0..=LARGEST_RESOLUTION).contains(&resolution)) {
+            return Err(bad(format!(
+                "resolution is {resolution}; give ticks a turn, 1 to {LARGEST_RESOLUTION}"
+            )));
+        }
+        let steps = 4096.0 / resolution;
+        Ok(Some(Servo {
+            zero,
+            per_tick: f64::from(sign) * std::f64::consts::TAU / resolution,
+            sign,
+            steps: (steps == libm::rint(steps)).then_some(steps as u32),
+        }))
+    }
+}
+
+/// Beyond 2^24, f32 does not hold a tick.
+const LARGEST_ZERO: u32 = 1 << 24;
+const LARGEST_RESOLUTION: f64 = 16_777_216.0;
