@@ -30,6 +30,8 @@ pub struct Body {
     pub motion: Motion,
     /// Orientation in the parent body at θ = 0.
     pub rotation: Matrix3<f64>,
+    /// The joint's point d in the parent body, m.
+    pub anchor: Vector3<f64>,
     /// Its own mass, kg.
     pub mass: f64,
     /// Mass of this body and everything beyond, kg.
@@ -42,10 +44,22 @@ pub struct Body {
     pub column: usize,
 }
 
+/// Where a link sits in its body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Place {
+    pub body: usize,
+    /// Orientation of the link in the body frame.
+    pub orientation: Matrix3<f64>,
+    /// Origin of the link in the body frame, m.
+    pub origin: Vector3<f64>,
+}
+
 /// Bodies in preorder of the re-rooted tree: parents come first.
 #[derive(Debug, Clone)]
 pub struct Chain {
     pub bodies: Vec<Body>,
+    /// Of each of [`Tree::links`]; `None` beyond a cut.
+    pub places: Vec<Option<Place>>,
     /// Number of full parameters: 3 per body, one more per sliding joint.
     pub full_params: usize,
     /// Independent joints, to name angles by.
@@ -61,23 +75,30 @@ pub fn expand(tree: &Tree) -> Chain {
         links: Vec::new(),
         motion: Motion::Fixed,
         rotation: Matrix3::identity(),
+        anchor: Vector3::zeros(),
         mass: 0.0,
         carried: 0.0,
         r: Vector3::zeros(),
         s: None,
         column: 0,
     }];
-    let mut anchors = vec![Vector3::zeros()]; // joint point in the parent body, m
-    // Where each link sits: its body, orientation and origin in the body frame.
-    let mut place = vec![None; tree.links.len()];
-    place[tree.support] = Some((0, Matrix3::identity(), Vector3::zeros()));
+    let mut places: Vec<Option<Place>> = vec![None; tree.links.len()];
+    let place = |body, orientation, origin| Place {
+        body,
+        orientation,
+        origin,
+    };
+    places[tree.support] = Some(place(0, Matrix3::identity(), Vector3::zeros()));
     for edge in &tree.edges {
-        let (body, orientation, origin): (usize, Matrix3<f64>, Vector3<f64>) =
-            place[edge.near].expect("edges are in preorder: the near link is placed first");
+        let Place {
+            body,
+            orientation,
+            origin,
+        } = places[edge.near].expect("edges are in preorder: the near link is placed first");
         let rotation = (orientation * edge.rotation).map(crate::snap::tidy);
         let anchor = origin + orientation * edge.anchor;
-        place[edge.far] = Some(match edge.motion {
-            Motion::Fixed => (body, rotation, anchor - rotation * edge.offset),
+        places[edge.far] = Some(match edge.motion {
+            Motion::Fixed => place(body, rotation, anchor - rotation * edge.offset),
             motion => {
                 let motion = match motion {
                     Motion::Slide { axis, by } => Motion::Slide {
@@ -92,25 +113,23 @@ pub fn expand(tree: &Tree) -> Chain {
                     parent: Some(body),
                     motion,
                     rotation,
+                    anchor,
                     s: matches!(motion, Motion::Slide { .. }).then_some(0.0),
                     ..bodies[0].clone()
                 });
-                anchors.push(anchor);
-                (bodies.len() - 1, Matrix3::identity(), -edge.offset)
+                place(bodies.len() - 1, Matrix3::identity(), -edge.offset)
             }
         });
     }
 
     // The preorder of edges makes `bodies` a preorder too, so that leaf-to-root
     // sums are one reverse pass.
-    for (index, (link, place)) in tree.links.iter().zip(&place).enumerate() {
-        let Some((body, orientation, origin)) = place else {
-            continue;
-        };
-        let body = &mut bodies[*body];
+    for (index, (link, place)) in tree.links.iter().zip(&places).enumerate() {
+        let Some(place) = place else { continue };
+        let body = &mut bodies[place.body];
         body.links.push(index);
         body.mass += link.mass;
-        body.r += (orientation * link.com + origin) * link.mass;
+        body.r += (place.orientation * link.com + place.origin) * link.mass;
     }
     for body in &mut bodies {
         body.carried = body.mass;
@@ -119,7 +138,8 @@ pub fn expand(tree: &Tree) -> Chain {
         let carried = bodies[i].carried;
         let parent = bodies[i].parent.expect("only body 0 has no parent");
         bodies[parent].carried += carried;
-        bodies[parent].r += anchors[i] * carried;
+        let anchor = bodies[i].anchor;
+        bodies[parent].r += anchor * carried;
     }
     let mut column = 0;
     for body in &mut bodies {
@@ -132,6 +152,7 @@ pub fn expand(tree: &Tree) -> Chain {
     }
     Chain {
         bodies,
+        places,
         full_params: column,
         dofs: tree.dofs.iter().map(|dof| dof.joint.clone()).collect(),
     }

@@ -37,6 +37,7 @@ mod model_file;
 pub mod numeric;
 pub mod program;
 pub mod snap;
+pub mod standard;
 pub mod tape;
 mod ties;
 pub mod tree;
