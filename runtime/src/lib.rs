@@ -14,7 +14,9 @@
 //! * [`Real`]: the scalars that these functions accept: `f64`, `f32`, and
 //!   [`Lanes`] of either, one posture per lane;
 //! * [`trig`]: the sine and cosine behind [`Real::sin_cos`], free of branches
-//!   and tables, the same to the last bit on every machine and in every lane.
+//!   and tables, the same to the last bit on every machine and in every lane;
+//! * [`fit`]: the parameters themselves, estimated posture by posture in fixed
+//!   memory.
 //!
 //! No allocation, no dependency, no panic: it runs inside a control loop and on
 //! a microcontroller.
@@ -40,6 +42,7 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod fit;
 mod lanes;
 mod model;
 mod real;

@@ -1,0 +1,34 @@
+//! What an estimator refuses.
+
+use core::fmt;
+
+/// Why an estimator refused its input; its state is as it was before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Error {
+    /// A number is NaN or infinite.
+    NotFinite,
+    /// A standard deviation is zero or negative.
+    Std,
+    /// A forgetting factor is outside (0, 1].
+    Forgetting,
+    /// A row entry or a reading is more than [`LIMIT`](crate::fit::Scalar::LIMIT)
+    /// standard deviations large, or two estimators together hold more
+    /// information than [`MOST`](crate::fit::Scalar::MOST).
+    OutOfRange,
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::NotFinite => "a number is NaN or infinite; leave this reading out",
+            Self::Std => "a standard deviation is not positive; give the noise of the reading",
+            Self::Forgetting => "the forgetting factor is outside (0, 1]; 1 forgets nothing",
+            Self::OutOfRange => {
+                "too many standard deviations for this scalar; give a larger one, or use f64"
+            }
+        })
+    }
+}
+
+impl core::error::Error for Error {}

@@ -1,0 +1,256 @@
+//! The weighted triangle and its rotations, free of square roots.
+//!
+//! ```text
+//! Σ w (x θ − y)²  =  (θ − θ̂)ᵀ R̄ᵀ D R̄ (θ − θ̂) + rest        R̄ θ̂ = θ̄
+//! ```
+//!
+//! R̄ is upper triangular with a unit diagonal, D diagonal. A row (x, y) of weight w
+//! meets line i of the triangle with its pivot p = x_i,
+//!
+//! ```text
+//! d' = d + w p²      c = d / d'      s = w p / d'      w' = c w
+//! x_k' = x_k − p r_ik         r_ik' = c r_ik + s x_k = r_ik + s x_k'
+//! ```
+//!
+//! and leaves it with p = 0 and the weight w'. Of the two forms of r' the second is
+//! taken where c > 1/2: there r changes little, and a rounded c would pull at all
+//! of r in every row. Where c is small the second would cancel. W. M. Gentleman, "Basic procedures
+//! for large, sparse or weighted linear least squares problems", Algorithm AS 154,
+//! Applied Statistics 23 (1974) 448-454.
+
+use super::scalar::Scalar;
+
+/// Lines r̄_i (right of the diagonal), their weights d_i and their values θ̄_i.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Triangle<T, const N: usize> {
+    pub lines: [[T; N]; N],
+    pub weights: [T; N],
+    pub values: [T; N],
+}
+
+impl<T: Scalar, const N: usize> Triangle<T, N> {
+    pub const fn empty() -> Self {
+        Self {
+            lines: [[T::ZERO; N]; N],
+            weights: [T::ZERO; N],
+            values: [T::ZERO; N],
+        }
+    }
+
+    /// Rotate `weight`·(`row`·θ − `value`)² into the triangle; what no θ can remove of
+    /// it is the result.
+    ///
+    /// Rotations preserve Σ w x_k² of every column, so that d r² and w x² stay below
+    /// it. With d ≥ `LEAST` and w ≥ `LIGHT`, neither r nor x can overflow.
+    pub fn include(&mut self, mut row: [T; N], mut value: T, mut weight: T) -> T {
+        for i in 0..N {
+            let Some((done, [pivot, rest @ ..])) = row.split_at_mut_checked(i) else {
+                break;
+            };
+            let pivot = *pivot;
+            let information = weight * pivot * pivot;
+            if information < T::LEAST {
+                continue;
+            }
+            // The first pivot of a column decides what the line means: rounding may not.
+            if self.weights[i] == T::ZERO && self.is_rounding(done, pivot, &[true; N]) {
+                continue;
+            }
+            let sum = self.weights[i] + information;
+            let (c, s) = (self.weights[i] / sum, weight * pivot / sum);
+            self.weights[i] = sum;
+            if let Some(line) = self.lines[i].get_mut(i + 1..) {
+                rotate(rest, line, pivot, c, s);
+            }
+            let last = core::slice::from_mut(&mut value);
+            rotate(
+                last,
+                core::slice::from_mut(&mut self.values[i]),
+                pivot,
+                c,
+                s,
+            );
+            weight = c * weight;
+            if weight == T::ZERO {
+                return T::ZERO;
+            }
+            while weight < T::LIGHT {
+                weight = weight / (T::LIGHT * T::LIGHT);
+                value = value * T::LIGHT;
+                for x in &mut row {
+                    *x = *x * T::LIGHT;
+                }
+            }
+        }
+        weight * value * value
+    }
+
+    /// Whether the pivot of column `done.len()` is what cancellation leaves of larger
+    /// terms: `done` are the pivots of the columns before it.
+    fn is_rounding(&self, done: &[T], pivot: T, seen: &[bool; N]) -> bool {
+        let column = done.len();
+        let mut terms = pivot.abs();
+        for ((x, line), seen) in done.iter().zip(&self.lines).zip(seen) {
+            if let (Some(r), true) = (line.get(column), seen) {
+                terms = terms + (*x * *r).abs();
+            }
+        }
+        pivot.abs() <= T::UNSEEN * terms
+    }
+
+    /// Take line i out and rotate it in again without its pivot.
+    pub fn drop_pivot(&mut self, i: usize) -> T {
+        if i >= N {
+            return T::ZERO;
+        }
+        let (line, value, weight) = (self.lines[i], self.values[i], self.weights[i]);
+        self.lines[i] = [T::ZERO; N];
+        (self.values[i], self.weights[i]) = (T::ZERO, T::ZERO);
+        self.include(line, value, weight)
+    }
+
+    /// Line i with its unit diagonal: what it says about the parameters.
+    pub fn line(&self, i: usize) -> [T; N] {
+        let mut line = [T::ZERO; N];
+        if let Some(from) = self.lines.get(i) {
+            line = *from;
+        }
+        if let Some(pivot) = line.get_mut(i) {
+            *pivot = T::ONE;
+        }
+        line
+    }
+
+    /// Σ w x_k² of everything that came in, per column.
+    pub fn information(&self) -> [T; N] {
+        let mut columns = self.weights;
+        for (i, (line, weight)) in self.lines.iter().zip(&self.weights).enumerate() {
+            for (column, r) in columns.iter_mut().zip(line).skip(i + 1) {
+                *column = *column + *weight * *r * *r;
+            }
+        }
+        columns
+    }
+
+    /// Columns that hold more than rounding beyond the columns before them.
+    pub fn seen(&self) -> [bool; N] {
+        let columns = self.information();
+        let mut seen = [false; N];
+        for ((seen, weight), column) in seen.iter_mut().zip(&self.weights).zip(&columns) {
+            *seen = *weight > T::UNSEEN * T::UNSEEN * *column;
+        }
+        seen
+    }
+
+    /// θ̂, zero in unseen columns.
+    pub fn solve(&self, seen: &[bool; N]) -> [T; N] {
+        let mut params = [T::ZERO; N];
+        for i in (0..N).rev() {
+            if seen[i] {
+                params[i] = self.values[i] - dot(&self.lines[i], &params, i + 1);
+            }
+        }
+        params
+    }
+
+    /// The change of the parameters that no reading shows, with 1 at the unseen column k.
+    pub fn direction(&self, k: usize, seen: &[bool; N]) -> [T; N] {
+        let mut direction = [T::ZERO; N];
+        if k < N {
+            direction[k] = T::ONE;
+            for i in (0..k).rev() {
+                if seen[i] {
+                    direction[i] = -dot(&self.lines[i], &direction, i + 1);
+                }
+            }
+        }
+        direction
+    }
+
+    /// Variance of `row`·θ̂ given the unseen parameters, Σ p_i²/d_i with p = row R̄⁻¹,
+    /// and whether the row asks for an unseen one.
+    pub fn variance(&self, mut row: [T; N], seen: &[bool; N]) -> (T, bool) {
+        let (mut variance, mut unseen) = (T::ZERO, false);
+        for i in 0..N {
+            let Some((done, [pivot, rest @ ..])) = row.split_at_mut_checked(i) else {
+                break;
+            };
+            let pivot = *pivot;
+            if seen[i] {
+                variance = variance + pivot * pivot / self.weights[i];
+                for (x, r) in rest.iter_mut().zip(self.lines[i].iter().skip(i + 1)) {
+                    *x = *x - pivot * *r;
+                }
+            } else {
+                unseen |= pivot != T::ZERO && !self.is_rounding(done, pivot, seen);
+            }
+        }
+        (variance, unseen)
+    }
+
+    /// R̄⁻¹ D⁻¹ R̄⁻ᵀ of the seen columns, in place; infinite variances elsewhere.
+    pub fn covariance(&self, seen: &[bool; N], out: &mut [[T; N]; N]) {
+        // R̄⁻¹, line by line: v R̄ = e_a.
+        for a in 0..N {
+            let v = &mut out[a];
+            *v = [T::ZERO; N];
+            v[a] = T::ONE;
+            for i in a..N {
+                if !seen[i] {
+                    v[i] = T::ZERO;
+                    continue;
+                }
+                let pivot = v[i];
+                for (x, r) in v.iter_mut().zip(&self.lines[i]).skip(i + 1) {
+                    *x = *x - pivot * *r;
+                }
+            }
+        }
+        // Line a of the product needs only lines below it, which are still R̄⁻¹.
+        for a in 0..N {
+            let mut v = out[a];
+            for (i, x) in v.iter_mut().enumerate() {
+                if seen[i] {
+                    *x = *x / self.weights[i];
+                }
+            }
+            let mut product = [T::ZERO; N];
+            for (b, (x, line)) in product.iter_mut().zip(out.iter()).enumerate().skip(a) {
+                *x = dot(&v, line, b);
+            }
+            out[a] = product;
+            if !seen[a] {
+                out[a][a] = T::INFINITY;
+            }
+        }
+        for a in 0..N {
+            if let Some((above, [line, ..])) = out.split_at_mut_checked(a) {
+                for (x, mirrored) in line.iter_mut().zip(above) {
+                    *x = mirrored[a];
+                }
+            }
+        }
+    }
+}
+
+/// One rotation of a row and a line, right of the pivot.
+fn rotate<T: Scalar>(row: &mut [T], line: &mut [T], pivot: T, c: T, s: T) {
+    if c + c > T::ONE {
+        for (x, r) in row.iter_mut().zip(line) {
+            *x = *x - pivot * *r;
+            *r = *r + s * *x;
+        }
+    } else {
+        for (x, r) in row.iter_mut().zip(line) {
+            let before = *x;
+            *x = before - pivot * *r;
+            *r = c * *r + s * before;
+        }
+    }
+}
+
+/// Σ a_k b_k from column `first` on.
+fn dot<T: Scalar, const N: usize>(a: &[T; N], b: &[T; N], first: usize) -> T {
+    let terms = a.iter().zip(b).skip(first);
+    terms.fold(T::ZERO, |sum, (a, b)| sum + *a * *b)
+}
