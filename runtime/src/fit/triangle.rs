@@ -251,6 +251,11 @@ fn rotate<T: Scalar>(row: &mut [T], line: &mut [T], pivot: T, c: T, s: T) {
 
 /// Σ a_k b_k from column `first` on.
 fn dot<T: Scalar, const N: usize>(a: &[T; N], b: &[T; N], first: usize) -> T {
-    let terms = a.iter().zip(b).skip(first);
-    terms.fold(T::ZERO, |sum, (a, b)| sum + *a * *b)
+    let mut sum = T::ZERO;
+    if let (Some(a), Some(b)) = (a.get(first..), b.get(first..)) {
+        for (a, b) in a.iter().zip(b) {
+            sum = sum + *a * *b;
+        }
+    }
+    sum
 }

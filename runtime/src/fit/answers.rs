@@ -1,0 +1,113 @@
+//! What an estimator knows, and how well.
+
+use super::{Error, Estimator, Scalar, finite};
+
+/// What the parameters say about a row.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Prediction<T> {
+    /// row · r, in the unit of the reading.
+    pub value: T,
+    /// Variance of `value` from that of the parameters, without the noise of a reading.
+    /// Infinite where the row looks into an unseen direction.
+    pub variance: T,
+}
+
+impl<T: Scalar, const N: usize> Estimator<T, N> {
+    /// The estimate, m; unseen parameters at their nominal (prior) value. About 2 N²
+    /// operations.
+    pub fn params(&self) -> [T; N] {
+        let mut params = self.triangle.solve(&self.triangle.seen());
+        for (param, nominal) in params.iter_mut().zip(&self.nominal) {
+            *param = *nominal + *param;
+        }
+        params
+    }
+
+    /// Which columns data or prior have shown, in the sense of the module. Which of
+    /// several dependent columns is the unseen one depends on their order: the last.
+    pub fn seen(&self) -> [bool; N] {
+        self.triangle.seen()
+    }
+
+    /// Number of seen columns.
+    pub fn rank(&self) -> usize {
+        self.triangle.seen().iter().filter(|seen| **seen).count()
+    }
+
+    /// The change of all parameters that the unseen column `k` stands for, with 1 at `k`:
+    /// any multiple of it can be added to the estimate and no reading tells. `None` where
+    /// `k` is seen, or no column.
+    pub fn unseen_direction(&self, k: usize) -> Option<[T; N]> {
+        let seen = self.triangle.seen();
+        match seen.get(k) {
+            Some(false) => Some(self.triangle.direction(k, &seen)),
+            _ => None,
+        }
+    }
+
+    /// What `row` · r is, and how sure: one more CoP, or a row of the CoM.
+    ///
+    /// A reading that is further from `value` than a few √(`variance` + std²) does not
+    /// belong to this robot; leaving it out is up to the caller.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NotFinite`].
+    pub fn predict(&self, row: &[T; N]) -> Result<Prediction<T>, Error> {
+        finite(row)?;
+        let seen = self.triangle.seen();
+        let change = self.triangle.solve(&seen);
+        let mut value = T::ZERO;
+        for ((x, nominal), change) in row.iter().zip(&self.nominal).zip(&change) {
+            value = value + *x * (*nominal + *change);
+        }
+        let variance = match self.triangle.variance(*row, &seen) {
+            (_, true) => T::INFINITY,
+            (variance, false) => variance,
+        };
+        Ok(Prediction { value, variance })
+    }
+
+    /// Variance of parameter `k`, m², given that the unseen parameters are nominal;
+    /// infinite where `k` is unseen, `None` where there is no such parameter.
+    ///
+    /// It rests on the standard deviations fed, not on the residuals.
+    pub fn variance(&self, k: usize) -> Option<T> {
+        let mut row = [T::ZERO; N];
+        *row.get_mut(k)? = T::ONE;
+        let seen = self.triangle.seen();
+        match seen.get(k) {
+            Some(true) => Some(self.triangle.variance(row, &seen).0),
+            _ => Some(T::INFINITY),
+        }
+    }
+
+    /// Covariance of the parameters, m², into `out`: (R̄ᵀ D R̄)⁻¹ on the seen columns,
+    /// given that the unseen ones are nominal; those have infinite variance and
+    /// covariance zero. About 2 N³/3 operations.
+    ///
+    /// It rests on the standard deviations fed. If these were guesses, multiply by
+    /// [`residual_sum_of_squares`](Self::residual_sum_of_squares) over
+    /// [`degrees_of_freedom`](Self::degrees_of_freedom).
+    pub fn covariance(&self, out: &mut [[T; N]; N]) {
+        self.triangle.covariance(&self.triangle.seen(), out);
+    }
+
+    /// The minimum of the sum in the module: squared residuals of readings and prior, each
+    /// over its variance, faded by forgetting. No unit.
+    pub fn residual_sum_of_squares(&self) -> T {
+        self.residual
+    }
+
+    /// Readings and prior values, less the seen parameters: what
+    /// [`residual_sum_of_squares`](Self::residual_sum_of_squares) is on average if the
+    /// standard deviations are right. Readings fade with forgetting.
+    pub fn degrees_of_freedom(&self) -> f64 {
+        (self.readings + self.prior_readings() - self.rank() as f64).max(0.0)
+    }
+
+    /// Postures fed, those forgotten included.
+    pub fn postures(&self) -> u64 {
+        self.postures
+    }
+}
