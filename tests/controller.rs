@@ -55,12 +55,26 @@ fn module() -> (PathBuf, std::time::SystemTime) {
     (path, time)
 }
 
+/// Worst CoM error on new postures, with the identified parameters and with the CAD's.
+fn com_errors_mm(text: &str) -> (f64, f64) {
+    let line = text.lines().find(|line| line.starts_with("identified"));
+    let mut within = line
+        .into_iter()
+        .flat_map(|line| line.split("within ").skip(1))
+        .map(|rest| rest.split(' ').next().unwrap().parse().unwrap());
+    (within.next().expect(text), within.next().expect(text))
+}
+
 #[test]
 fn a_controller_builds_runs_and_follows_its_urdf() {
     let crate_ = copy();
     let first = cargo(&crate_, &["run", "--quiet"]);
     assert!(first.status.success(), "{}", said(&first));
     assert!(said(&first).contains("CoM ["), "{}", said(&first));
+    let (identified, by_cad) = com_errors_mm(&said(&first));
+    // The noise of the readings is 1 mm; the height is seen only through their changes.
+    assert!(identified < 2.0, "{}", said(&first));
+    assert!(by_cad > 10.0 * identified, "{}", said(&first));
     let (path, written) = module();
 
     let second = cargo(&crate_, &["build", "-v"]);

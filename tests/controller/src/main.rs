@@ -1,4 +1,5 @@
-//! A 1 kHz balance loop: CoM, its velocity and the gravity moments every tick.
+//! A 1 kHz balance loop: CoM, its velocity and the gravity moments every tick; then
+//! the robot finds out that it is not its CAD, from CoP readings.
 
 #![forbid(unsafe_code)]
 #![deny(warnings)]
@@ -10,6 +11,21 @@ mod op2 {
 /// Allocation-free, as it would run on the robot.
 mod control {
     use crate::op2;
+    use sesc_runtime::fit::{Error, Estimator};
+
+    pub type Parameters = Estimator<f64, { op2::BASE_PARAMS }>;
+
+    /// Noise of the foot's CoP, m.
+    pub const COP_STD: [f64; 2] = [1e-3; 2];
+
+    /// Called whenever the robot stands still.
+    pub fn learn(
+        parameters: &mut Parameters,
+        q: &[f64; op2::DOF],
+        cop: &[f64; 2],
+    ) -> Result<(), Error> {
+        parameters.posture(&op2::regressor_cop(q), cop, &COP_STD)
+    }
 
     pub struct State {
         pub com: [f64; 3],
@@ -71,4 +87,64 @@ fn main() {
         .fold(0.0, f64::max);
     println!("CoM {com:.6?} m; integrating its velocity drifts by {drift:.1e} m");
     assert!(drift < 1e-6);
+
+    identify().expect("readings are finite numbers");
+}
+
+/// A robot whose parameters are up to 5 mm off its CAD stands in 1000 postures.
+fn identify() -> Result<(), sesc_runtime::fit::Error> {
+    let mut seed = 1_u64;
+    let mut uniform = move || {
+        seed = seed
+            .wrapping_mul(6364136223846793005)
+            .wrapping_add(1442695040888963407);
+        (seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    };
+    let mut truth = op2::CAD_PARAMS;
+    for r in &mut truth {
+        *r += 5e-3 * uniform();
+    }
+    // No reading of one flat foot shows the constant height: there, CAD is right.
+    truth[2] = op2::CAD_PARAMS[2];
+
+    let mut parameters =
+        control::Parameters::with_prior(&op2::CAD_PARAMS, &[0.01; op2::BASE_PARAMS])?;
+    for _ in 0..1000 {
+        let q = [(); op2::DOF].map(|()| uniform());
+        let noise = [(); 2].map(|()| 3_f64.sqrt() * uniform());
+        let cop = op2::cop(&q, &truth);
+        let reading = [0, 1].map(|k| cop[k] + control::COP_STD[k] * noise[k]);
+        control::learn(&mut parameters, &q, &reading)?;
+    }
+
+    let r = parameters.params();
+    let (mut before, mut after, mut surprise) = (0.0_f64, 0.0_f64, 0.0_f64);
+    for _ in 0..1000 {
+        let q = [(); op2::DOF].map(|()| uniform());
+        let (exact, cad) = (op2::com(&q, &truth), op2::com(&q, &op2::CAD_PARAMS));
+        let (com, rows) = (op2::com(&q, &r), op2::regressor(&q));
+        for k in 0..2 {
+            // The height is known up to the prior's constant: that std is 10 mm.
+            let std = parameters.predict(&rows[k])?.variance.sqrt();
+            surprise = surprise.max((com[k] - exact[k]).abs() / std);
+        }
+        for k in 0..3 {
+            before = before.max((cad[k] - exact[k]).abs());
+            after = after.max((com[k] - exact[k]).abs());
+        }
+    }
+    println!(
+        "identified from {} postures: on new ones CoM within {:.2} mm, by CAD within {:.2} mm",
+        parameters.postures(),
+        1e3 * after,
+        1e3 * before
+    );
+    println!("x and y are within {surprise:.1} of the standard deviations foretold");
+    assert!(surprise < 5.0);
+    let scatter = parameters.residual_sum_of_squares() / parameters.degrees_of_freedom();
+    assert!(
+        (0.8..1.2).contains(&scatter),
+        "residuals over noise: {scatter}"
+    );
+    Ok(())
 }
