@@ -35,3 +35,13 @@ pub enum Error {
     #[error("cannot render the report")]
     Report(#[source] Box<dyn std::error::Error + Send + Sync>),
 }
+
+impl Error {
+    /// `file` is of a format that this build leaves out.
+    #[cfg(not(all(feature = "parquet", feature = "mcap")))]
+    pub(crate) fn without(feature: &str, format: &str, file: &str) -> Error {
+        Error::Usage(format!(
+            "{file}: built without {format}; `cargo install --features {feature}` adds it"
+        ))
+    }
+}

@@ -10,7 +10,7 @@ use sesc_codegen::{Function, Model};
 use super::{Outcome, RobotArguments, message, notes, progress};
 use crate::Error;
 use crate::evaluate::Evaluator;
-use crate::posture_log::{Angles, PostureReader, Row, Sidecar};
+use crate::posture_log::{Angles, Block, Options, PostureReader, Readings};
 use crate::robot::Robot;
 
 /// Rows read, evaluated and printed together.
@@ -27,7 +27,7 @@ pub(super) struct Arguments {
     /// Identified parameters; CAD unless given
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
-    /// Posture log: a column per joint, rows in rad and m
+    /// Posture log (CSV, gzip, Parquet, MCAP): a column per joint, rad and m
     #[arg(long, value_name = "FILE")]
     data: PathBuf,
     /// Turning joints are logged in degrees
@@ -37,121 +37,111 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let robot = Robot::read(&arguments.robot.urdf)?;
-    let sidecar = Sidecar::of(&arguments.data)?;
-    let mut predictor = Predictor::new(arguments, &robot, &sidecar);
     // Joints are the same on every support: any model can match the header.
-    let first = first_support(arguments, &robot, &sidecar)?;
+    let first = first_support(arguments, &robot)?;
     let dofs = robot
         .model(&first, arguments.robot.snapping(), None)?
         .tree
         .dofs;
-    let angles = match (arguments.degrees, sidecar.angles) {
-        (true, _) => Angles::Deg,
-        (false, angles) => angles.unwrap_or(Angles::Rad),
+    let links = robot.description.robot.links.iter();
+    let options = Options {
+        angles: arguments.degrees.then_some(Angles::Deg),
+        readings: Readings::Ignored,
+        links: links.map(|link| link.name.clone()).collect(),
+        ..Options::default()
     };
-    let mut reader = PostureReader::open(&arguments.data, &dofs, angles)?;
-    for column in &reader.ignored {
-        message(&format!(
-            "warning: column `{column}` is no joint of {} and is ignored",
-            robot.description.name
-        ));
-    }
+    let mut reader = PostureReader::open(&arguments.data, &dofs, &options)?;
+    warn(&mut reader);
+    let mut predictor = Predictor::new(arguments, &robot);
     let bar = progress("predicting");
     let mut out = std::io::BufWriter::new(std::io::stdout().lock());
-    let mut written = 0;
+    let mut started = false;
     loop {
-        let (rows, q) = reader.block(BLOCK)?;
-        if rows.is_empty() {
+        let block = reader.block(BLOCK)?;
+        if block.is_empty() {
             break;
         }
-        let predictions = predictor.block(&rows, &q)?;
-        if written == 0 {
+        let predictions = predictor.block(&block)?;
+        if !started {
             writeln!(out, "pose,com_x,com_y,com_z,cop_x,cop_y").map_err(Error::Stdout)?;
+            started = true;
         }
-        for (row, [x, y, z, cop_x, cop_y]) in rows.iter().zip(predictions) {
+        let rows = block.pose.iter().zip(&block.line);
+        for ((pose, line), [x, y, z, cop_x, cop_y]) in rows.zip(predictions) {
             if !(x.is_finite() && y.is_finite() && z.is_finite()) {
                 return Err(Error::Log {
                     file: arguments.data.display().to_string(),
-                    line: Some(row.line),
+                    line: Some(*line),
                     message: "an angle is beyond 2^20 rad, where sines mean nothing; \
                               reduce it by whole turns"
                         .into(),
                 });
             }
-            writeln!(out, "{},{x},{y},{z},{cop_x},{cop_y}", row.pose).map_err(Error::Stdout)?;
+            writeln!(out, "{pose},{x},{y},{z},{cop_x},{cop_y}").map_err(Error::Stdout)?;
         }
-        written += rows.len();
-        bar.set_length(written as u64);
-        bar.set_position(written as u64);
+        let read = reader.progress();
+        bar.set_length(read.total.unwrap_or(read.done));
+        bar.set_position(read.done);
     }
     bar.finish_and_clear();
     out.flush().map_err(Error::Stdout)?;
-    if written == 0 {
-        return Err(Error::Log {
-            file: arguments.data.display().to_string(),
-            line: None,
-            message: "no postures below the header".into(),
-        });
-    }
+    warn(&mut reader);
     Ok(Outcome::Ok)
 }
 
-/// A support to match joints with: any link does.
-fn first_support(arguments: &Arguments, robot: &Robot, sidecar: &Sidecar) -> Result<String, Error> {
-    arguments
-        .robot
-        .support(robot, sidecar.support.as_deref())
-        .or_else(|error| match robot.description.robot.links.first() {
-            // The log may name its support row by row.
-            Some(link) => Ok(link.name.clone()),
-            None => Err(error),
-        })
+/// What the reader noticed and has not yet been told, on stderr.
+fn warn(reader: &mut PostureReader) {
+    for warning in reader.warnings.drain(..) {
+        message(&format!("warning: {warning}"));
+    }
+}
+
+/// A support to match joints with: any link does, since the log may name its
+/// support row by row.
+fn first_support(arguments: &Arguments, robot: &Robot) -> Result<String, Error> {
+    let links = &robot.description.robot.links;
+    let first = links.first().map(|link| link.name.as_str());
+    arguments.robot.support(robot, first)
 }
 
 /// Predictions on whatever support a row stands on.
 struct Predictor<'a> {
     arguments: &'a Arguments,
     robot: &'a Robot,
-    sidecar: &'a Sidecar,
     evaluators: HashMap<String, (Evaluator, usize)>,
 }
 
 impl<'a> Predictor<'a> {
-    fn new(arguments: &'a Arguments, robot: &'a Robot, sidecar: &'a Sidecar) -> Self {
+    fn new(arguments: &'a Arguments, robot: &'a Robot) -> Self {
         Predictor {
             arguments,
             robot,
-            sidecar,
             evaluators: HashMap::new(),
         }
     }
 
     /// CoM and CoP of each row: runs of rows on one support are evaluated together.
-    fn block(&mut self, rows: &[Row], q: &[f64]) -> Result<Vec<[f64; 5]>, Error> {
-        let dof = q.len() / rows.len();
-        let mut predictions = Vec::with_capacity(rows.len());
+    fn block(&mut self, block: &Block) -> Result<Vec<[f64; 5]>, Error> {
+        let dof = block.q.len() / block.len();
+        let on = |row: usize| block.support.as_ref().map(|all| &*all[row]);
+        let mut predictions = Vec::with_capacity(block.len());
         let mut start = 0;
-        while start < rows.len() {
-            let same = |row: &Row| row.support == rows[start].support;
-            let n = rows[start..].iter().take_while(|row| same(row)).count();
-            let support = self.support(&rows[start])?;
-            let gravity = self.sidecar.gravity.unwrap_or([0.0, 0.0, -1.0]);
+        while start < block.len() {
+            let n = (start..block.len())
+                .take_while(|row| on(*row) == on(start))
+                .count();
+            // The flag wins, then the log.
+            let logged = on(start).filter(|support| !support.is_empty());
+            let support = self.arguments.robot.support(self.robot, logged)?;
             let evaluator = self.evaluator(&support)?;
-            let com = evaluator.run(&q[start * dof..(start + n) * dof], n);
-            predictions.extend(com.chunks(3).map(|com| projected(com, gravity)));
+            let com = evaluator.run(&block.q[start * dof..(start + n) * dof], n);
+            for (row, com) in (start..).zip(com.chunks_exact(3)) {
+                let gravity = block.gravity.as_ref().map(|all| all[row]);
+                predictions.push(projected(com, gravity.unwrap_or([0.0, 0.0, -1.0])));
+            }
             start += n;
         }
         Ok(predictions)
-    }
-
-    /// The flag wins, then the row's own column, then the sidecar.
-    fn support(&self, row: &Row) -> Result<String, Error> {
-        let fallback = row
-            .support
-            .as_deref()
-            .filter(|support| !support.is_empty())
-            .or(self.sidecar.support.as_deref());
-        self.arguments.robot.support(self.robot, fallback)
     }
 
     fn evaluator(&mut self, support: &str) -> Result<&Evaluator, Error> {

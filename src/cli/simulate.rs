@@ -1,7 +1,6 @@
 //! `sesc simulate`
 
-use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use sesc_codegen::{Function, Model};
@@ -9,8 +8,7 @@ use sesc_codegen::{Function, Model};
 use super::{Outcome, RobotArguments, message, progress};
 use crate::Error;
 use crate::evaluate::Evaluator;
-use crate::output::{self, NewFile};
-use crate::posture_log::Sidecar;
+use crate::posture_log::{PostureWriter, Row, Sidecar, Written};
 use crate::simulate::Simulator;
 
 /// Rows written together.
@@ -39,7 +37,7 @@ pub(super) struct Arguments {
     /// Parameters of the simulated robot; CAD unless given
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
-    /// Log to write; its sidecar gets the same name with .toml
+    /// Log to write (.csv, .csv.gz or .parquet); its sidecar gets the same name with .toml
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
 }
@@ -56,74 +54,51 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
             "--noise {noise}: give metres, zero or more"
         )));
     }
-    if arguments.out.extension().is_some_and(|e| e == "toml") {
-        return Err(Error::Usage(
-            "--out ends in .toml, which is the sidecar's; use .csv".into(),
-        ));
-    }
     let (_, model) = arguments.robot.load(arguments.model.as_deref())?;
-    write_log(arguments, &model)?;
-    let sidecar = Sidecar {
-        robot: Some(model.tree.robot.clone()),
-        support: Some(model.tree.links[model.tree.support].name.clone()),
-        ..Sidecar::default()
-    };
-    let text = toml::to_string(&sidecar).map_err(|error| Error::Report(Box::new(error)))?;
-    let path = Sidecar::path(&arguments.out);
-    output::write(&path, &text)?;
+    let sidecar = write_log(arguments, &model)?;
     message(&format!(
         "wrote {} and {}",
         arguments.out.display(),
-        path.display()
+        sidecar.display()
     ));
     Ok(Outcome::Ok)
 }
 
-fn write_log(arguments: &Arguments, model: &Model) -> Result<(), Error> {
+/// Write log and sidecar, whose path is given back.
+fn write_log(arguments: &Arguments, model: &Model) -> Result<PathBuf, Error> {
     let range = arguments.range.map(f64::to_radians);
     let mut simulator = Simulator::new(&model.tree.dofs, range, arguments.seed);
-    let cop = Evaluator::new(model, Function::Cop);
-    let mut log = NewFile::create(&arguments.out)?;
-    let failed = |source| output::failed(Path::new(&arguments.out), source);
-    let noisy = arguments.noise > 0.0;
-    let mut header = vec!["pose".to_string()];
-    header.extend(model.tree.dofs.iter().map(|dof| quoted(&dof.joint)));
-    header.extend(["cop_x".to_string(), "cop_y".to_string()]);
-    if noisy {
-        header.extend(["cop_x_std".to_string(), "cop_y_std".to_string()]);
-    }
-    writeln!(log, "{}", header.join(",")).map_err(failed)?;
+    let evaluator = Evaluator::new(model, Function::Cop);
+    let columns = Written {
+        cop: true,
+        cop_std: arguments.noise > 0.0,
+        ..Written::default()
+    };
+    let mut log = PostureWriter::create(&arguments.out, &model.tree.dofs, columns)?;
     let poses = usize::try_from(arguments.poses).unwrap_or(usize::MAX);
+    let dof = model.dof();
     let bar = progress("simulating");
     bar.set_length(arguments.poses);
     for start in (0..poses).step_by(BLOCK) {
         let n = BLOCK.min(poses - start);
         let q = simulator.batch(n);
-        let readings = cop.run(&q, n);
-        for k in 0..n {
-            let mut line = format!("{}", start + k);
-            for x in &q[k * model.dof()..(k + 1) * model.dof()] {
-                line.push_str(&format!(",{x}"));
-            }
-            for x in &readings[2 * k..2 * k + 2] {
-                line.push_str(&format!(",{}", x + simulator.gauss(arguments.noise)));
-            }
-            if noisy {
-                line.push_str(&format!(",{0},{0}", arguments.noise));
-            }
-            writeln!(log, "{line}").map_err(failed)?;
+        let readings = evaluator.run(&q, n);
+        for (k, cop) in readings.chunks_exact(2).enumerate() {
+            let [x, y] = [cop[0], cop[1]].map(|x| x + simulator.gauss(arguments.noise));
+            log.row(&Row {
+                pose: (start + k) as i64,
+                q: &q[k * dof..(k + 1) * dof],
+                cop: [x, y],
+                cop_std: [arguments.noise; 2],
+                ..Row::default()
+            })?;
         }
         bar.inc(n as u64);
     }
     bar.finish_and_clear();
-    log.finish()
-}
-
-/// A CSV field; names may hold commas and quotes.
-fn quoted(name: &str) -> String {
-    if name.contains([',', '"', '\n', '\r']) || name.trim() != name {
-        format!("\"{}\"", name.replace('"', "\"\""))
-    } else {
-        name.to_string()
-    }
+    log.finish(&Sidecar {
+        robot: Some(model.tree.robot.clone()),
+        support: Some(model.tree.links[model.tree.support].name.clone()),
+        ..Sidecar::default()
+    })
 }

@@ -1,222 +1,326 @@
-//! CSV posture logs, streamed in blocks.
+//! CSV logs, plain or packed with gzip.
 //!
-//! Columns: `pose` (integer, optional), `t`, `support`, the joints by their
-//! URDF names, then readings. Rows are checked as they are read; a fault names
-//! file, line, column and remedy.
+//! The first line names the columns and tells the delimiter (`,`, `;` or a
+//! tab). A byte order mark, Windows line ends, blanks around fields and quoted
+//! names are all fine. Memory: one row, which must not exceed [`LONGEST_ROW`].
 
-use std::collections::HashMap;
-use std::fs::File;
-use std::path::Path;
+use std::io::{self, Cursor, Read};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use csv::StringRecord;
-use sesc_codegen::tree::Dof;
 
-use super::sidecar::Angles;
+use super::columns::{Columns, POSE};
+use super::names::short;
+use super::source::{Interner, Meter, Metered, Progress, Raw, Source};
 use crate::Error;
 
-/// Columns that are not joints but have a meaning.
-const KNOWN: [&str; 7] = [
-    "pose",
-    "t",
-    "support",
-    "cop_x",
-    "cop_y",
-    "cop_x_std",
-    "cop_y_std",
-];
+/// A row longer than this is no posture, bytes.
+const LONGEST_ROW: u64 = 4 << 20;
 
-/// A turning joint further out than this was hardly logged in radians.
-const FULL_TURN: f64 = 6.3;
+/// What is looked at to tell the kind of a file, bytes.
+const HEAD: u64 = 64 << 10;
 
-/// One row of a log.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Row {
-    /// Line in the file, from 1.
-    pub line: u64,
-    pub pose: i64,
-    /// Link on the ground, where the log has a column for it.
-    pub support: Option<String>,
-}
-
-/// A log being read.
-pub struct PostureReader {
+/// A CSV file being read.
+pub(super) struct CsvSource {
     file: String,
-    reader: csv::Reader<File>,
+    reader: csv::Reader<Box<dyn Read + Send>>,
     record: StringRecord,
-    pose: Option<usize>,
-    support: Option<usize>,
-    /// Column of each joint, and its unit in rad or m.
-    joints: Vec<(usize, f64)>,
-    dofs: Vec<Dof>,
-    next_pose: i64,
-    /// Columns nobody asked for.
-    pub ignored: Vec<String>,
+    header: Vec<String>,
+    meter: Arc<Meter>,
+    /// Bytes handed to the parser since the last row.
+    since_row: Arc<AtomicU64>,
+    links: Interner,
+    /// Line of the last row.
+    line: u64,
 }
 
-impl PostureReader {
-    /// Open `path` and match its header with the robot's joints.
-    pub fn open(path: &Path, dofs: &[Dof], angles: Angles) -> Result<PostureReader, Error> {
-        let name = path.display().to_string();
-        let file = File::open(path).map_err(|source| Error::Read {
-            file: name.clone(),
-            source,
-        })?;
-        let mut reader = csv::ReaderBuilder::new()
-            .trim(csv::Trim::All)
-            .from_reader(file);
-        let header = match reader.headers() {
-            Ok(header) => header.clone(),
-            Err(error) => return Err(fault(&name, error)),
-        };
-        let bad = |message: String| Error::Log {
-            file: name.clone(),
-            line: Some(1),
+impl CsvSource {
+    /// Start reading; `file` names it in messages, `head` are the bytes that
+    /// were taken from `input` already.
+    pub fn open(file: &str, head: Vec<u8>, input: Metered) -> Result<CsvSource, Error> {
+        let meter = input.meter();
+        let packed = head.starts_with(&[0x1f, 0x8b]);
+        let mut input: Box<dyn Read + Send> = Box::new(Cursor::new(head).chain(input));
+        if packed {
+            input = Box::new(flate2::read::MultiGzDecoder::new(input));
+        }
+        let bad = |line, message| Error::Log {
+            file: file.to_string(),
+            line,
             message,
         };
-        if header.iter().all(str::is_empty) {
+        let mut head = Vec::new();
+        (&mut input)
+            .take(HEAD)
+            .read_to_end(&mut head)
+            .map_err(|error| bad(None, unreadable(&error)))?;
+        let delimiter = delimiter(&head).map_err(|message| bad(None, message))?;
+        let since_row = Arc::new(AtomicU64::new(0));
+        let input: Box<dyn Read + Send> =
+            Box::new(Rows::new(Cursor::new(head).chain(input), since_row.clone()));
+        let mut reader = csv::ReaderBuilder::new()
+            .trim(csv::Trim::All)
+            .delimiter(delimiter)
+            .flexible(true)
+            .from_reader(input);
+        let header: Vec<String> = match reader.headers() {
+            Ok(header) => header.iter().map(name).collect(),
+            Err(error) => return Err(bad(Some(1), fault(&error))),
+        };
+        if header.iter().all(String::is_empty) {
             return Err(bad(
+                Some(1),
                 "no header row; a log starts with the names of its columns".into(),
             ));
         }
-        let mut columns: HashMap<&str, usize> = HashMap::new();
-        for (k, column) in header.iter().enumerate() {
-            let column = column.trim_start_matches('\u{feff}');
-            if columns.insert(column, k).is_some() {
-                return Err(bad(format!("column `{column}` appears twice; remove one")));
+        since_row.store(0, Ordering::Relaxed);
+        Ok(CsvSource {
+            file: file.to_string(),
+            reader,
+            record: StringRecord::new(),
+            header,
+            meter,
+            since_row,
+            links: Interner::default(),
+            line: 1,
+        })
+    }
+
+    /// The next row that is not blank.
+    fn next(&mut self) -> Result<bool, Error> {
+        loop {
+            let more = self.reader.read_record(&mut self.record);
+            self.since_row.store(0, Ordering::Relaxed);
+            match more {
+                Ok(true) => {}
+                Ok(false) => return Ok(false),
+                Err(error) => {
+                    let line = error.position().map(csv::Position::line);
+                    return Err(Error::Log {
+                        file: self.file.clone(),
+                        line: Some(line.unwrap_or(self.line + 1)),
+                        message: fault(&error),
+                    });
+                }
+            }
+            // A record's own position is before the blank lines above it; the
+            // reader is at the line below it, and a quoted field may hold lines.
+            let within = self.record.iter().map(|field| field.matches('\n').count());
+            let below = self.reader.position().line();
+            self.line = below.saturating_sub(1 + within.sum::<usize>() as u64);
+            if self.record.len() != 1 || !self.record[0].is_empty() {
+                return Ok(true);
             }
         }
-        let missing: Vec<&str> = dofs
-            .iter()
-            .map(|dof| dof.joint.as_str())
-            .filter(|joint| !columns.contains_key(joint))
-            .collect();
-        if !missing.is_empty() {
-            return Err(bad(format!(
-                "no column for joint {}; columns carry the URDF's joint names",
-                list(&missing)
+    }
+
+    fn row(&mut self, columns: &Columns, raw: &mut Raw) -> Result<(), String> {
+        let (fields, expected) = (self.record.len(), self.header.len());
+        if fields != expected {
+            return Err(format!(
+                "{fields} fields where the header has {expected}; the row is ragged or cut off"
+            ));
+        }
+        if let Some(k) = columns.pose {
+            raw.pose.push(whole(&self.record[k])?);
+        }
+        if let Some(k) = columns.support {
+            raw.support.push(self.links.get(&self.record[k]));
+        }
+        for (&k, name) in columns.numbers.iter().zip(&columns.names) {
+            raw.numbers.push(number(&self.record[k], name)?);
+        }
+        raw.line.push(self.line);
+        Ok(())
+    }
+}
+
+impl Source for CsvSource {
+    fn header(&self) -> &[String] {
+        &self.header
+    }
+
+    fn fill(&mut self, columns: &Columns, count: usize, raw: &mut Raw) -> Result<(), Error> {
+        for _ in 0..count {
+            if !self.next()? {
+                break;
+            }
+            let filled = self.row(columns, raw);
+            filled.map_err(|message| Error::Log {
+                file: self.file.clone(),
+                line: Some(self.line),
+                message,
+            })?;
+        }
+        Ok(())
+    }
+
+    fn progress(&self) -> Progress {
+        self.meter.progress()
+    }
+
+    fn hash(&self) -> u64 {
+        self.meter.hash()
+    }
+}
+
+/// A column's name, without the marks and quotes that programs put around it.
+fn name(text: &str) -> String {
+    let text = text.trim_start_matches('\u{feff}').trim();
+    let bare = text.strip_prefix('"').and_then(|t| t.strip_suffix('"'));
+    bare.unwrap_or(text).trim().to_string()
+}
+
+fn whole(text: &str) -> Result<i64, String> {
+    // Tables that once had gaps write whole numbers as 3.0.
+    let digits = text
+        .split_once('.')
+        .filter(|(_, rest)| !rest.is_empty() && rest.bytes().all(|b| b == b'0'))
+        .map_or(text, |(digits, _)| digits);
+    digits
+        .parse()
+        .map_err(|_| format!("column `{POSE}`: `{}` is no whole number", short(text)))
+}
+
+fn number(text: &str, column: &str) -> Result<f64, String> {
+    text.parse().map_err(|_| {
+        let why = match text {
+            "" => "the field is empty; remove the row or fill in the value".to_string(),
+            _ if text.replace(',', ".").parse::<f64>().is_ok() => {
+                format!("`{}` has a decimal comma; write a point", short(text))
+            }
+            _ => format!("`{}` is no number", short(text)),
+        };
+        format!("column `{column}`: {why}")
+    })
+}
+
+/// The delimiter of a log that starts with `head`: the one its first line has most of.
+fn delimiter(head: &[u8]) -> Result<u8, String> {
+    if head.is_empty() {
+        return Err("empty; a log starts with a header row, the names of its columns".into());
+    }
+    if head.starts_with(&[0xff, 0xfe]) || head.starts_with(&[0xfe, 0xff]) {
+        return Err("UTF-16 text; save it as UTF-8".into());
+    }
+    if head.starts_with(b"PK\x03\x04") {
+        return Err("a packed folder or spreadsheet; export it as CSV".into());
+    }
+    if head.contains(&0) {
+        return Err("not text; is this a CSV file?".into());
+    }
+    let mut quoted = false;
+    let mut counts = [0usize; 3];
+    let known = *b",;\t";
+    for byte in head {
+        match byte {
+            b'"' => quoted = !quoted,
+            b'\n' | b'\r' if !quoted => break,
+            _ if quoted => {}
+            _ => {
+                if let Some(k) = known.iter().position(|d| d == byte) {
+                    counts[k] += 1;
+                }
+            }
+        }
+    }
+    // The comma among equals.
+    let most = (0..3).rev().max_by_key(|k| counts[*k]).unwrap_or(0);
+    Ok(known[most])
+}
+
+/// A fault that the CSV parser found.
+fn fault(error: &csv::Error) -> String {
+    match error.kind() {
+        csv::ErrorKind::Utf8 { .. } => "not text; is this a CSV file in UTF-8?".to_string(),
+        csv::ErrorKind::Io(error) => unreadable(error),
+        _ => error.to_string(),
+    }
+}
+
+fn unreadable(error: &io::Error) -> String {
+    match error.kind() {
+        // Our own words.
+        io::ErrorKind::Other => error.to_string(),
+        io::ErrorKind::UnexpectedEof => {
+            "the file is cut off in its gzip packing; copy it again".to_string()
+        }
+        io::ErrorKind::InvalidInput | io::ErrorKind::InvalidData => {
+            format!("the gzip packing is damaged ({error}); copy the file again")
+        }
+        _ => format!("cannot be read on: {error}"),
+    }
+}
+
+/// Input for the parser: rows end in `\n`, the last one too, and none is
+/// endless, since an open quote could swallow the whole file.
+struct Rows<R> {
+    input: R,
+    since_row: Arc<AtomicU64>,
+    /// A `\r` of which it is not yet known whether a `\n` follows.
+    held: bool,
+    last: u8,
+    ended: bool,
+}
+
+impl<R: Read> Rows<R> {
+    fn new(input: R, since_row: Arc<AtomicU64>) -> Rows<R> {
+        Rows {
+            input,
+            since_row,
+            held: false,
+            last: 0,
+            ended: false,
+        }
+    }
+
+    /// Drop each `\r` before a `\n` from `bytes`; how many are left.
+    fn unify(&mut self, bytes: &mut [u8]) -> usize {
+        let mut to = 0;
+        for from in 0..bytes.len() {
+            if bytes[from] == b'\n' && to > 0 && bytes[to - 1] == b'\r' {
+                to -= 1;
+            }
+            bytes[to] = bytes[from];
+            to += 1;
+        }
+        self.held = to > 0 && bytes[to - 1] == b'\r';
+        to - usize::from(self.held)
+    }
+}
+
+impl<R: Read> Read for Rows<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        if self.since_row.load(Ordering::Relaxed) > LONGEST_ROW {
+            return Err(io::Error::other(format!(
+                "a row of more than {} MiB; is a quote left open, or is this no log?",
+                LONGEST_ROW >> 20
             )));
         }
-        let scale = |dof: &Dof| match angles {
-            Angles::Deg if !dof.prismatic => std::f64::consts::PI / 180.0,
-            _ => 1.0,
-        };
-        let joints = dofs
-            .iter()
-            .map(|dof| (columns[dof.joint.as_str()], scale(dof)))
-            .collect();
-        let known = |column: &str| {
-            KNOWN.contains(&column)
-                || column.starts_with("fsr_")
-                || dofs.iter().any(|dof| dof.joint == column)
-        };
-        let ignored = header
-            .iter()
-            .map(|column| column.trim_start_matches('\u{feff}'))
-            .filter(|column| !known(column))
-            .map(str::to_string)
-            .collect();
-        Ok(PostureReader {
-            pose: columns.get("pose").copied(),
-            support: columns.get("support").copied(),
-            joints,
-            dofs: dofs.to_vec(),
-            record: StringRecord::new(),
-            next_pose: 0,
-            ignored,
-            reader,
-            file: name,
-        })
-    }
-
-    /// Read up to `count` rows: their descriptions, and `q` row by row, rad or m.
-    pub fn block(&mut self, count: usize) -> Result<(Vec<Row>, Vec<f64>), Error> {
-        let mut rows = Vec::new();
-        let mut q = Vec::new();
-        while rows.len() < count {
-            match self.reader.read_record(&mut self.record) {
-                Ok(true) => {}
-                Ok(false) => break,
-                Err(error) => return Err(fault(&self.file, error)),
-            }
-            let line = self.record.position().map_or(0, csv::Position::line);
-            rows.push(self.row(line, &mut q)?);
+        // Room for a held byte and a new one; the parser gives thousands.
+        if self.ended || buffer.len() < 2 {
+            return Ok(0);
         }
-        Ok((rows, q))
-    }
-
-    fn row(&mut self, line: u64, q: &mut Vec<f64>) -> Result<Row, Error> {
-        let bad = |message: String| Error::Log {
-            file: self.file.clone(),
-            line: Some(line),
-            message,
-        };
-        let pose = match self.pose {
-            None => self.next_pose,
-            Some(k) => self.record[k].parse().map_err(|_| {
-                bad(format!(
-                    "column `pose`: `{}` is no whole number",
-                    &self.record[k]
-                ))
-            })?,
-        };
-        self.next_pose = pose.saturating_add(1);
-        for (&(k, scale), dof) in self.joints.iter().zip(&self.dofs) {
-            let (joint, text) = (&dof.joint, &self.record[k]);
-            let value: f64 = text
-                .parse()
-                .map_err(|_| bad(format!("column `{joint}`: `{text}` is no number")))?;
-            if !value.is_finite() {
-                return Err(bad(format!(
-                    "column `{joint}`: `{text}` is not finite; remove the row or mend the value"
-                )));
+        loop {
+            let start = usize::from(self.held);
+            buffer[0] = b'\r';
+            let n = self.input.read(&mut buffer[start..])?;
+            let kept = if n > 0 {
+                self.unify(&mut buffer[..start + n])
+            } else {
+                self.ended = true;
+                if self.held || self.last == b'\n' {
+                    return Ok(start);
+                }
+                buffer[0] = b'\n';
+                1
+            };
+            if kept > 0 {
+                self.last = buffer[kept - 1];
+                self.since_row.fetch_add(kept as u64, Ordering::Relaxed);
+                return Ok(kept);
             }
-            let value = value * scale;
-            let reach = FULL_TURN.max(dof.lower.abs()).max(dof.upper.abs());
-            if !dof.prismatic && !dof.continuous && value.abs() > reach {
-                return Err(bad(format!(
-                    "column `{joint}`: {value} rad is more than a full turn; \
-                     if the log is in degrees, pass --degrees or put `angles = \"deg\"` in its sidecar"
-                )));
-            }
-            q.push(value);
         }
-        Ok(Row {
-            line,
-            pose,
-            support: self.support.map(|k| self.record[k].to_string()),
-        })
-    }
-}
-
-/// A fault that the CSV reader found.
-fn fault(file: &str, error: csv::Error) -> Error {
-    let line = error.position().map(csv::Position::line);
-    let message = match error.kind() {
-        csv::ErrorKind::UnequalLengths {
-            expected_len, len, ..
-        } => format!(
-            "{len} fields where the header has {expected_len}; the row is ragged or cut off"
-        ),
-        csv::ErrorKind::Utf8 { .. } => "not text; is this a CSV file?".to_string(),
-        _ => error.to_string(),
-    };
-    Error::Log {
-        file: file.to_string(),
-        line,
-        message,
-    }
-}
-
-/// Names for a message, a dozen at most.
-fn list(names: &[&str]) -> String {
-    let shown: Vec<String> = names
-        .iter()
-        .take(12)
-        .map(|name| format!("`{name}`"))
-        .collect();
-    let more = names.len() - shown.len();
-    match more {
-        0 => shown.join(", "),
-        _ => format!("{} and {more} more", shown.join(", ")),
     }
 }

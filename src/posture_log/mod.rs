@@ -1,7 +1,38 @@
-//! Posture logs: joint angles of many postures, from CSV with a sidecar.
+//! Posture logs: joint angles of many postures and what the foot measured.
+//!
+//! ```text
+//! CSV, gzip, Parquet, MCAP ──▶ rows ──▶ blocks      rows checked, units SI
+//!                  sidecar ──┘
+//! ```
+//!
+//! [`PostureReader`] gives a log of any format in blocks of columns, so that a
+//! million postures need the memory of one block; [`PostureWriter`] writes one.
+//! The names of columns are in `columns`, the sidecar's keys in [`Sidecar`].
+//!
+//! A fault is an error that names file, row, column and remedy. What is only
+//! odd is a warning, see [`PostureReader::warnings`].
 
+mod block;
+mod columns;
 mod csv;
+#[cfg(feature = "mcap")]
+mod mcap;
+#[cfg(test)]
+mod mutations;
+mod names;
+#[cfg(feature = "parquet")]
+mod parquet;
+mod reader;
 mod sidecar;
+mod source;
+mod suspect;
+#[cfg(test)]
+mod tests;
+mod writer;
 
-pub use csv::{PostureReader, Row};
+pub use block::{Block, Cells};
+pub use columns::Readings;
+pub use reader::{Hold, Options, PostureReader, Summary};
 pub use sidecar::{Angles, Sidecar};
+pub use source::Progress;
+pub use writer::{PostureWriter, Row, Written};

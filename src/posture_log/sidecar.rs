@@ -1,14 +1,33 @@
-//! The sidecar of a log: `<stem>.toml` beside `<stem>.csv`, all keys optional.
+//! The sidecar of a log: `<stem>.toml` beside it, all keys optional.
+//!
+//! A key with a value of the wrong type is an error; a key nobody knows is a
+//! warning, since it may be a note of the user's or a misspelling.
 
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use super::names::{nearest, short};
 use crate::Error;
+
+const KEYS: [&str; 7] = [
+    "robot",
+    "support",
+    "angles",
+    "readings_per_pose",
+    "cells",
+    "gravity",
+    "topic",
+];
+
+/// No foot is so large: cells further out were hardly given in metres, m.
+const FOOT: f64 = 2.0;
+
+/// A sidecar is a page; anything longer is another file.
+const LONGEST: u64 = 1 << 20;
 
 /// What a log's sidecar may say.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct Sidecar {
     /// A name, for reports.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -19,7 +38,7 @@ pub struct Sidecar {
     /// `rad` (default) or `deg`, of the turning joints.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub angles: Option<Angles>,
-    /// Readings averaged into one row.
+    /// Readings taken at each pose: averaged into its one row, or its rows.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub readings_per_pose: Option<u64>,
     /// Places of the foot cells, m, support frame.
@@ -28,6 +47,9 @@ pub struct Sidecar {
     /// Gravity in the support frame, m/s².
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gravity: Option<[f64; 3]>,
+    /// Topic of the CoP in a recording that has several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub topic: Option<String>,
 }
 
 /// Unit of the turning joints' columns.
@@ -39,40 +61,163 @@ pub enum Angles {
 }
 
 impl Sidecar {
-    /// Where the sidecar of `log` is.
+    /// Where the sidecar of `log` is: `log.toml` for `log.csv`, `log.csv.gz`
+    /// and `log.parquet` alike.
     pub fn path(log: &Path) -> PathBuf {
-        log.with_extension("toml")
+        let packed = log.extension().is_some_and(|end| end == "gz");
+        match log.file_stem() {
+            Some(stem) if packed => log.with_file_name(stem).with_extension("toml"),
+            _ => log.with_extension("toml"),
+        }
     }
 
-    /// Read the sidecar of `log`; a log without one has an empty one.
-    pub fn of(log: &Path) -> Result<Sidecar, Error> {
+    /// Read the sidecar of `log`, and what is odd about it; a log without one
+    /// has an empty one.
+    pub fn of(log: &Path) -> Result<(Sidecar, Vec<String>), Error> {
         let path = Sidecar::path(log);
-        let text = match std::fs::read_to_string(&path) {
-            Ok(text) => text,
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
-                return Ok(Sidecar::default());
-            }
-            Err(source) => {
-                return Err(Error::Read {
-                    file: path.display().to_string(),
-                    source,
-                });
-            }
+        let file = path.display().to_string();
+        if path == log {
+            return Err(Error::Usage(format!(
+                "{file} ends like a sidecar; give the log itself"
+            )));
+        }
+        let read = match std::fs::metadata(&path) {
+            Ok(about) if about.len() > LONGEST => Err(std::io::Error::other(
+                "larger than 1 MiB; a sidecar is a few lines of TOML",
+            )),
+            _ => std::fs::read_to_string(&path),
         };
-        let bad = |message: String| Error::Log {
-            file: path.display().to_string(),
-            line: None,
-            message,
-        };
-        let sidecar: Sidecar = toml::from_str(&text).map_err(|error| bad(error.to_string()))?;
-        if let Some([x, y, z]) = sidecar.gravity {
-            let usable = x.is_finite() && y.is_finite() && z.is_finite() && z < 0.0;
-            if !usable {
-                return Err(bad(format!(
-                    "gravity [{x}, {y}, {z}] does not pull onto the sole; its z must be negative"
-                )));
+        match read {
+            Ok(text) => Sidecar::parse(&text, &file).map_err(|message| Error::Log {
+                file,
+                line: None,
+                message,
+            }),
+            // `/dev/stdin` has no neighbours either.
+            Err(error)
+                if matches!(
+                    error.kind(),
+                    std::io::ErrorKind::NotFound | std::io::ErrorKind::NotADirectory
+                ) =>
+            {
+                Ok(Default::default())
+            }
+            Err(source) => Err(Error::Read { file, source }),
+        }
+    }
+
+    fn parse(text: &str, file: &str) -> Result<(Sidecar, Vec<String>), String> {
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let mut table: toml::Table = toml::from_str(text).map_err(|error| error.to_string())?;
+        let mut warnings = Vec::new();
+        table.retain(|key, _| {
+            let known = KEYS.contains(&key);
+            if !known {
+                let meant = match nearest(key, &KEYS) {
+                    Some(near) => format!("; did you mean `{near}`?"),
+                    None => format!("; known are {}", KEYS.join(", ")),
+                };
+                warnings.push(format!("{file}: unknown key `{}`{meant}", short(key)));
+            }
+            known
+        });
+        let sidecar: Sidecar = table
+            .try_into()
+            .map_err(|error: toml::de::Error| error.to_string().trim_end().to_string())?;
+        sidecar.check()?;
+        Ok((sidecar, warnings))
+    }
+
+    fn check(&self) -> Result<(), String> {
+        if let Some(gravity) = self.gravity {
+            check_gravity(gravity)?;
+        }
+        if self.readings_per_pose == Some(0) {
+            return Err("readings_per_pose is 0; give how many were taken, 1 or more".into());
+        }
+        for (k, [x, y]) in self.cells.iter().flatten().enumerate() {
+            if !(x.abs() <= FOOT && y.abs() <= FOOT) {
+                return Err(format!(
+                    "cell {} at [{x}, {y}] is more than {FOOT} m from the sole's origin; \
+                     give metres",
+                    k + 1
+                ));
             }
         }
-        Ok(sidecar)
+        match self.cells.as_deref() {
+            Some(cells) if is_line(cells) => Err(
+                "the cells lie on one line, which cannot tell the CoP; give each its own place"
+                    .into(),
+            ),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Gravity must pull onto the sole, or nothing stands on it.
+pub(super) fn check_gravity([x, y, z]: [f64; 3]) -> Result<(), String> {
+    if x.is_finite() && y.is_finite() && z.is_finite() && z < 0.0 {
+        Ok(())
+    } else {
+        Err(format!(
+            "gravity [{x}, {y}, {z}] does not pull onto the sole; its z must be negative"
+        ))
+    }
+}
+
+/// Whether all places are on one line: no area is spanned by any three.
+fn is_line(cells: &[[f64; 2]]) -> bool {
+    let Some([ax, ay]) = cells.first() else {
+        return true;
+    };
+    let far = |[x, y]: &[f64; 2]| (x - ax).hypot(y - ay);
+    let Some([bx, by]) = cells.iter().max_by(|a, b| far(a).total_cmp(&far(b))) else {
+        return true;
+    };
+    let (dx, dy) = (bx - ax, by - ay);
+    let length = dx.hypot(dy);
+    let off = |[x, y]: &[f64; 2]| ((x - ax) * dy - (y - ay) * dx).abs();
+    // A micrometre aside is none.
+    cells.iter().all(|cell| off(cell) <= 1e-6 * length)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_log_has_its_sidecar_under_the_stem() {
+        for (log, sidecar) in [
+            ("a/log.csv", "a/log.toml"),
+            ("a/log.csv.gz", "a/log.toml"),
+            ("log.v2.parquet", "log.v2.toml"),
+            ("log", "log.toml"),
+        ] {
+            assert_eq!(Sidecar::path(Path::new(log)), Path::new(sidecar));
+        }
+    }
+
+    #[test]
+    fn unknown_keys_are_warned_of_and_wrong_types_refused() {
+        let (sidecar, warnings) =
+            Sidecar::parse("suport = 'a'\nrobot = 'b'\nnotes = 1", "s.toml").unwrap();
+        assert_eq!(sidecar.robot.as_deref(), Some("b"));
+        assert!(warnings.iter().any(|w| w.contains("mean `support`")));
+        assert!(warnings.iter().any(|w| w.contains("`notes`; known are")));
+        for (text, word) in [
+            ("support = 3", "support"),
+            ("readings_per_pose = -1", "readings_per_pose"),
+            ("readings_per_pose = 0", "1 or more"),
+            ("angles = 'turns'", "angles"),
+            ("cells = [[1.0], [0.0, 1.0]]", "cells"),
+            ("cells = [[41.0, 25.0]]", "metres"),
+            ("cells = [[0, 0], [0.1, 0], [0.2, 0]]", "one line"),
+            ("gravity = [0.0, 0.0, 9.8]", "negative"),
+            ("gravity = [nan, 0.0, -9.8]", "negative"),
+            ("robot = ", "TOML"),
+        ] {
+            let message = Sidecar::parse(text, "s.toml").unwrap_err();
+            assert!(message.contains(word), "{text}: {message}");
+        }
     }
 }

@@ -1,0 +1,220 @@
+//! The ROS 2 messages that a posture is made of, from their CDR bytes.
+//!
+//! CDR aligns every number to its own size, counted from the end of the four
+//! bytes that name the encoding (in its second edition to 4 bytes at most).
+//! Strings and sequences start with their length, a u32; a string's length
+//! counts its closing zero. Every length is checked against the bytes that
+//! are there, so that no message can claim more than it has.
+
+/// `std_msgs/msg/Header`
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Header {
+    /// s; nothing where the sender left it zero
+    pub stamp: Option<f64>,
+    pub frame: String,
+}
+
+/// `sensor_msgs/msg/JointState`; effort is not looked at.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct JointState {
+    pub header: Header,
+    pub name: Vec<String>,
+    /// rad or m
+    pub position: Vec<f64>,
+    /// rad/s or m/s; empty where it is not measured
+    pub velocity: Vec<f64>,
+}
+
+impl JointState {
+    pub fn decode(bytes: &[u8]) -> Result<JointState, String> {
+        let mut cdr = Cdr::new(bytes)?;
+        Ok(JointState {
+            header: cdr.header()?,
+            name: cdr.strings()?,
+            position: cdr.doubles()?,
+            velocity: cdr.doubles()?,
+        })
+    }
+}
+
+/// Header, force (N) and torque (Nm) of a `geometry_msgs/msg/WrenchStamped`.
+pub(super) fn wrench(bytes: &[u8]) -> Result<(Header, [f64; 3], [f64; 3]), String> {
+    let mut cdr = Cdr::new(bytes)?;
+    Ok((cdr.header()?, cdr.vector()?, cdr.vector()?))
+}
+
+/// Header and place (m) of a `geometry_msgs/msg/PointStamped`.
+pub(super) fn point(bytes: &[u8]) -> Result<(Header, [f64; 3]), String> {
+    let mut cdr = Cdr::new(bytes)?;
+    Ok((cdr.header()?, cdr.vector()?))
+}
+
+/// Bytes being decoded.
+struct Cdr<'a> {
+    /// Without the encoding's name: alignment counts from here.
+    body: &'a [u8],
+    at: usize,
+    big_endian: bool,
+    /// Largest alignment.
+    widest: usize,
+}
+
+impl<'a> Cdr<'a> {
+    fn new(bytes: &'a [u8]) -> Result<Cdr<'a>, String> {
+        let (name, body) = bytes
+            .split_first_chunk::<4>()
+            .ok_or("a message of less than 4 bytes")?;
+        let widest = match name[..2] {
+            [0, 0 | 1] => 8,
+            [0, 6 | 7] => 4,
+            _ => {
+                return Err(format!(
+                    "a message in the unknown encoding {:02x?}",
+                    &name[..2]
+                ));
+            }
+        };
+        Ok(Cdr {
+            body,
+            at: 0,
+            big_endian: name[1] % 2 == 0,
+            widest,
+        })
+    }
+
+    fn take(&mut self, count: usize) -> Result<&'a [u8], String> {
+        let end = self.at.checked_add(count);
+        let taken = end.and_then(|end| self.body.get(self.at..end));
+        let taken = taken
+            .ok_or_else(|| format!("a message that ends after {} of its bytes", self.body.len()))?;
+        self.at += count;
+        Ok(taken)
+    }
+
+    /// A number of `N` bytes in the order of this machine's reading: little end first.
+    fn number<const N: usize>(&mut self) -> Result<[u8; N], String> {
+        let align = N.min(self.widest);
+        let gap = self.at.next_multiple_of(align) - self.at;
+        self.take(gap)?;
+        let mut bytes = [0; N];
+        bytes.copy_from_slice(self.take(N)?);
+        if self.big_endian {
+            bytes.reverse();
+        }
+        Ok(bytes)
+    }
+
+    fn u32(&mut self) -> Result<u32, String> {
+        Ok(u32::from_le_bytes(self.number()?))
+    }
+
+    fn f64(&mut self) -> Result<f64, String> {
+        Ok(f64::from_le_bytes(self.number()?))
+    }
+
+    /// The length of a sequence whose items take `least` bytes or more.
+    fn length(&mut self, least: usize) -> Result<usize, String> {
+        let length = self.u32()? as usize;
+        let left = self.body.len() - self.at;
+        if length > left / least {
+            return Err(format!(
+                "a message that claims {length} items in {left} bytes"
+            ));
+        }
+        Ok(length)
+    }
+
+    fn string(&mut self) -> Result<String, String> {
+        let length = self.length(1)?;
+        let text = self.take(length)?;
+        let text = text.strip_suffix(&[0]).unwrap_or(text);
+        let text = std::str::from_utf8(text);
+        text.map(str::to_string)
+            .map_err(|_| "a message whose names are not text".to_string())
+    }
+
+    fn strings(&mut self) -> Result<Vec<String>, String> {
+        (0..self.length(4)?).map(|_| self.string()).collect()
+    }
+
+    fn doubles(&mut self) -> Result<Vec<f64>, String> {
+        // The gap before the first item belongs to the sequence: an empty one has none.
+        (0..self.length(8)?).map(|_| self.f64()).collect()
+    }
+
+    fn vector(&mut self) -> Result<[f64; 3], String> {
+        Ok([self.f64()?, self.f64()?, self.f64()?])
+    }
+
+    fn header(&mut self) -> Result<Header, String> {
+        let seconds = i32::from_le_bytes(self.number()?);
+        let nanoseconds = self.u32()?;
+        let stamp = f64::from(seconds) + 1e-9 * f64::from(nanoseconds);
+        Ok(Header {
+            stamp: (stamp != 0.0).then_some(stamp),
+            frame: self.string()?,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Written out by hand from the standard: an odd string before doubles.
+    #[test]
+    fn both_byte_orders_and_editions_decode_alike() {
+        let value = 0.25f64;
+        for (kind, big, wide) in [(0, true, 8), (1, false, 8), (6, true, 4), (7, false, 4)] {
+            let mut body: Vec<u8> = Vec::new();
+            let word = |body: &mut Vec<u8>, x: u32| {
+                body.resize(body.len().next_multiple_of(4), 0);
+                body.extend(if big {
+                    x.to_be_bytes()
+                } else {
+                    x.to_le_bytes()
+                });
+            };
+            let double = |body: &mut Vec<u8>, x: f64| {
+                body.resize(body.len().next_multiple_of(wide), 0);
+                body.extend(if big {
+                    x.to_be_bytes()
+                } else {
+                    x.to_le_bytes()
+                });
+            };
+            word(&mut body, 7);
+            word(&mut body, 500_000_000);
+            word(&mut body, 2);
+            body.extend(b"f\0");
+            word(&mut body, 1);
+            word(&mut body, 4);
+            body.extend(b"hip\0");
+            word(&mut body, 1);
+            double(&mut body, value);
+            word(&mut body, 0);
+            word(&mut body, 0);
+            let mut bytes = vec![0, kind, 0, 0];
+            bytes.extend(body);
+            let message = JointState::decode(&bytes).unwrap();
+            assert_eq!(message.header.stamp, Some(7.5));
+            assert_eq!(message.header.frame, "f");
+            assert_eq!(message.name, ["hip"]);
+            assert_eq!((message.position, message.velocity), (vec![value], vec![]));
+            // Effort may be missing, nothing else.
+            for cut in 0..bytes.len() - 4 {
+                assert!(JointState::decode(&bytes[..cut]).is_err(), "{cut}");
+            }
+        }
+    }
+
+    #[test]
+    fn claims_beyond_the_message_are_refused() {
+        let mut bytes = vec![0, 1, 0, 0];
+        bytes.extend([0; 8]);
+        bytes.extend(u32::MAX.to_le_bytes());
+        let message = point(&bytes).unwrap_err();
+        assert!(message.contains("claims 4294967295"), "{message}");
+        assert!(wrench(&[0, 9, 0, 0]).unwrap_err().contains("encoding"));
+    }
+}

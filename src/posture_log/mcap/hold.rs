@@ -1,0 +1,231 @@
+//! Postures in a recording: the stretches in which the robot holds still.
+//!
+//! A joint is slow if the velocity in its message is, where there is one, and
+//! if it moved less than `speed · duration` within the last `duration`. The
+//! second is a difference over the shortest posture, not between neighbouring
+//! messages: there a single encoder tick would look like a leap.
+
+use super::super::reader::Hold;
+
+/// Readings of one posture that are given out together; a longer posture is
+/// given out in parts, each with its own mean of the joints.
+const MOST: usize = 65_536;
+
+/// A posture, or a part of a long one.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Posture<R> {
+    pub pose: i64,
+    /// First moment, s.
+    pub t: f64,
+    /// Means, rad or m.
+    pub q: Vec<f64>,
+    pub readings: Vec<R>,
+}
+
+/// Cuts a stream of joint states and readings of kind `R` into postures.
+pub(super) struct Holds<R> {
+    hold: Hold,
+    now: Option<Current<R>>,
+    next_pose: i64,
+}
+
+/// The posture that is being held.
+struct Current<R> {
+    pose: i64,
+    start: f64,
+    last: f64,
+    sum: Vec<f64>,
+    states: usize,
+    /// Where the joints were at `reference_t`.
+    reference: Vec<f64>,
+    reference_t: f64,
+    readings: Vec<R>,
+    /// Readings before the last state in which the robot was seen to hold still.
+    confirmed: usize,
+}
+
+impl<R> Holds<R> {
+    pub fn new(hold: Hold) -> Holds<R> {
+        Holds {
+            hold,
+            now: None,
+            next_pose: 0,
+        }
+    }
+
+    /// All joints at time `t`, and the fastest velocity that was measured;
+    /// gives back the posture that ended.
+    pub fn state(&mut self, t: f64, q: &[f64], speed: f64) -> Option<Posture<R>> {
+        let Hold {
+            speed: limit,
+            duration,
+        } = self.hold;
+        let slow = speed <= limit && q.iter().all(|q| q.is_finite());
+        if let Some(now) = self.now.as_mut().filter(|_| slow) {
+            let near = |(q, r): (&f64, &f64)| (q - r).abs() <= limit * duration;
+            if t >= now.last && q.iter().zip(&now.reference).all(near) {
+                now.see(t, q);
+                if t - now.reference_t >= duration {
+                    now.reference.copy_from_slice(q);
+                    now.reference_t = t;
+                }
+                return None;
+            }
+        }
+        let ended = self.end();
+        self.now = (slow && t.is_finite()).then(|| {
+            let mut now = Current {
+                pose: self.next_pose,
+                start: t,
+                last: t,
+                sum: vec![0.0; q.len()],
+                states: 0,
+                reference: q.to_vec(),
+                reference_t: t,
+                readings: Vec::new(),
+                confirmed: 0,
+            };
+            now.see(t, q);
+            now
+        });
+        ended
+    }
+
+    /// A reading; gives back a part of a posture that has grown long.
+    pub fn reading(&mut self, reading: R) -> Option<Posture<R>> {
+        let now = self.now.as_mut()?;
+        now.readings.push(reading);
+        if now.readings.len() < MOST {
+            return None;
+        }
+        let long = now.last - now.start >= self.hold.duration && now.confirmed > 0;
+        let part = now.part();
+        now.readings.clear();
+        now.confirmed = 0;
+        if long {
+            self.next_pose = part.pose + 1;
+        }
+        long.then_some(part)
+    }
+
+    /// The recording or the posture ends.
+    pub fn end(&mut self) -> Option<Posture<R>> {
+        let mut now = self.now.take()?;
+        let long = now.last - now.start >= self.hold.duration;
+        long.then(|| {
+            self.next_pose = now.pose + 1;
+            now.part()
+        })
+    }
+}
+
+impl<R> Current<R> {
+    fn see(&mut self, t: f64, q: &[f64]) {
+        self.sum.iter_mut().zip(q).for_each(|(sum, q)| *sum += q);
+        self.states += 1;
+        self.last = t;
+        self.confirmed = self.readings.len();
+    }
+
+    /// What was seen up to now, which is forgotten.
+    fn part(&mut self) -> Posture<R> {
+        let mut readings = std::mem::take(&mut self.readings);
+        readings.truncate(self.confirmed);
+        let states = self.states.max(1) as f64;
+        let q = match self.states {
+            0 => self.reference.clone(),
+            _ => self.sum.iter().map(|sum| sum / states).collect(),
+        };
+        self.sum.fill(0.0);
+        self.states = 0;
+        Posture {
+            pose: self.pose,
+            t: self.start,
+            q,
+            readings,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Postures of one joint that is recorded every 10 ms, with a reading each.
+    fn postures(angle: impl Fn(f64) -> f64, speed: f64) -> Vec<Posture<f64>> {
+        let mut holds = Holds::new(Hold::default());
+        let mut found = Vec::new();
+        for k in 0..300 {
+            let t = f64::from(k) * 0.01;
+            found.extend(holds.state(t, &[angle(t)], speed));
+            found.extend(holds.reading(t));
+        }
+        found.extend(holds.end());
+        found
+    }
+
+    #[test]
+    fn a_stop_between_two_motions_is_a_posture() {
+        let found = postures(
+            |t| {
+                if t < 1.0 {
+                    t
+                } else if t < 2.0 {
+                    1.0
+                } else {
+                    t - 1.0
+                }
+            },
+            0.0,
+        );
+        assert_eq!(found.len(), 1, "{found:?}");
+        let [posture] = &found[..] else {
+            unreachable!()
+        };
+        assert!((posture.q[0] - 1.0).abs() < 1e-3);
+        assert!((posture.t - 1.0).abs() < 0.02);
+        assert!(posture.readings.len() >= 98 && posture.readings.len() <= 102);
+        assert_eq!(posture.pose, 0);
+    }
+
+    #[test]
+    fn encoder_ticks_are_still_and_creeping_is_not() {
+        let tick = 0.0015;
+        let ticking = postures(
+            |t| {
+                if (t * 50.0) as u32 % 2 == 0 {
+                    0.0
+                } else {
+                    tick
+                }
+            },
+            0.0,
+        );
+        assert_eq!(ticking.len(), 1);
+        assert!((ticking[0].q[0] - tick / 2.0).abs() < 1e-4);
+        assert_eq!(postures(|t| 0.1 * t, 0.0), []);
+        assert_eq!(
+            postures(|t| 0.01 * t, 0.0).len(),
+            1,
+            "slower than the threshold"
+        );
+        assert_eq!(postures(|_| 0.0, 0.03), [], "the message says it moves");
+    }
+
+    #[test]
+    fn a_long_posture_is_given_out_in_parts_of_one_pose() {
+        let mut holds = Holds::new(Hold::default());
+        let (mut found, mut readings) = (Vec::new(), 0);
+        for k in 0..2 * MOST {
+            found.extend(holds.state(k as f64 * 0.01, &[0.5], 0.0));
+            found.extend(holds.reading(k));
+        }
+        found.extend(holds.end());
+        for part in &found {
+            assert_eq!((part.pose, &part.q[..]), (0, &[0.5][..]));
+            assert!(part.readings.len() <= MOST);
+            readings += part.readings.len();
+        }
+        assert!(found.len() > 1 && readings > 2 * MOST - 4);
+    }
+}

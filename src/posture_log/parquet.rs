@@ -1,0 +1,455 @@
+//! Parquet logs, as data frames write them: one column per name, numbers of
+//! any width, `support` as text.
+//!
+//! Memory: one page of each wanted column when reading, one row group of
+//! [`GROUP`] rows when writing.
+
+use std::cell::Cell;
+use std::fs::File;
+use std::io::Read as _;
+use std::panic::{self, AssertUnwindSafe};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Once};
+
+use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
+use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
+use parquet::column::writer::ColumnWriter;
+use parquet::data_type::{ByteArray, DataType};
+use parquet::errors::ParquetError;
+use parquet::file::properties::WriterProperties;
+use parquet::file::reader::FileReader as _;
+use parquet::file::serialized_reader::SerializedFileReader;
+use parquet::file::writer::SerializedFileWriter;
+use parquet::schema::types::{ColumnDescriptor, Type};
+
+use super::columns::{Columns, POSE, SUPPORT};
+use super::source::{FNV_START, Interner, Progress, Raw, Source, fnv1a};
+use super::writer::{Row, Written, numbers};
+use crate::Error;
+use crate::output::{self, NewFile};
+
+/// Rows of a group that is written.
+const GROUP: usize = 65_536;
+
+/// A Parquet file being read.
+pub(super) struct ParquetSource {
+    file: String,
+    reader: SerializedFileReader<File>,
+    header: Vec<String>,
+    /// Row groups that were opened.
+    groups: usize,
+    /// The wanted columns of the open group: numbers, then pose, then support.
+    open: Vec<ColumnReader>,
+    /// Rows left in it.
+    left: u64,
+    done: u64,
+    total: u64,
+    hash: u64,
+    links: Interner,
+}
+
+impl ParquetSource {
+    /// Read the columns' names; `file` names the log in messages.
+    pub fn open(path: &Path, file: &str) -> Result<ParquetSource, Error> {
+        let failed = |source| Error::Read {
+            file: file.to_string(),
+            source,
+        };
+        let mut input = File::open(path).map_err(failed)?;
+        let hash = hash(&mut input).map_err(failed)?;
+        let reader = guarded(|| SerializedFileReader::new(input))
+            .map_err(|error| damaged(file, None, &error))?;
+        let about = reader.metadata().file_metadata();
+        let header: Vec<String> = about
+            .schema_descr()
+            .columns()
+            .iter()
+            .map(|column| match column.path().string() {
+                // The row labels of a data frame.
+                index if index.starts_with("__index_level_") => String::new(),
+                name => name.trim().to_string(),
+            })
+            .collect();
+        let rows = reader.metadata().row_groups().iter();
+        let total = rows
+            .map(|group| u64::try_from(group.num_rows()).unwrap_or(0))
+            .fold(0u64, u64::saturating_add);
+        Ok(ParquetSource {
+            file: file.to_string(),
+            reader,
+            header,
+            groups: 0,
+            open: Vec::new(),
+            left: 0,
+            done: 0,
+            total,
+            hash,
+            links: Interner::default(),
+        })
+    }
+
+    /// Open the wanted columns of the next group; false after the last.
+    fn next_group(&mut self, columns: &Columns) -> Result<bool, Error> {
+        let at = Some(self.done + 1);
+        if self.groups == self.reader.num_row_groups() {
+            return Ok(false);
+        }
+        let open = guarded(|| {
+            let group = self.reader.get_row_group(self.groups)?;
+            let wanted = columns.numbers.iter().copied();
+            let wanted = wanted.chain(columns.pose).chain(columns.support);
+            let open: Result<Vec<_>, _> = wanted.map(|k| group.get_column_reader(k)).collect();
+            Ok((group.metadata().num_rows(), open?))
+        });
+        let (rows, open) = open.map_err(|error| damaged(&self.file, at, &error))?;
+        self.open = open;
+        self.left = u64::try_from(rows).map_err(|_| self.bad(format!("{rows} rows in a group")))?;
+        self.groups += 1;
+        Ok(true)
+    }
+
+    fn bad(&self, message: String) -> Error {
+        Error::Log {
+            file: self.file.clone(),
+            line: Some(self.done + 1),
+            message,
+        }
+    }
+
+    /// Check once that every wanted column holds what it should.
+    fn check_types(&self, columns: &Columns) -> Result<(), Error> {
+        let schema = self.reader.metadata().file_metadata().schema_descr();
+        let named = columns.numbers.iter().copied().zip(&columns.names);
+        for (k, name) in named {
+            if !is_number(&schema.column(k)) {
+                return Err(self.bad(format!(
+                    "column `{name}` holds no plain numbers; store float64, float32 or integers"
+                )));
+            }
+        }
+        if columns.pose.is_some_and(|k| !is_number(&schema.column(k))) {
+            return Err(self.bad(format!("column `{POSE}` holds no whole numbers")));
+        }
+        if columns.support.is_some_and(|k| {
+            let column = schema.column(k);
+            !is_flat(&column) || column.physical_type() != Physical::BYTE_ARRAY
+        }) {
+            return Err(self.bad(format!("column `{SUPPORT}` holds no text")));
+        }
+        Ok(())
+    }
+
+    /// Read `n` rows that the open group still has.
+    fn rows(&mut self, columns: &Columns, n: usize, raw: &mut Raw) -> Result<(), Error> {
+        let width = columns.numbers.len();
+        let start = raw.numbers.len();
+        raw.numbers.resize(start + n * width, f64::NAN);
+        let mut open = std::mem::take(&mut self.open);
+        for (k, reader) in open.iter_mut().enumerate() {
+            if k < width {
+                let place = raw.numbers[start..].iter_mut().skip(k).step_by(width);
+                let values = read_numbers(reader, n).map_err(|e| self.broken(&e))?;
+                self.complete(values.len(), n)?;
+                place.zip(values).for_each(|(to, value)| *to = value);
+            } else if k == width && columns.pose.is_some() {
+                let values = read_numbers(reader, n).map_err(|e| self.broken(&e))?;
+                self.complete(values.len(), n)?;
+                for (at, value) in values.iter().enumerate() {
+                    raw.pose.push(whole(*value).map_err(|message| Error::Log {
+                        file: self.file.clone(),
+                        line: Some(self.done + 1 + at as u64),
+                        message,
+                    })?);
+                }
+            } else if let ColumnReader::ByteArrayColumnReader(reader) = reader {
+                let values = read(reader, n).map_err(|e| self.broken(&e))?;
+                self.complete(values.len(), n)?;
+                for value in &values {
+                    let text = value.as_ref().map_or(Ok(""), ByteArray::as_utf8);
+                    let text = text.map_err(|e| self.broken(&e))?.trim();
+                    raw.support.push(self.links.get(text));
+                }
+            }
+        }
+        self.open = open;
+        raw.line.extend((1..=n as u64).map(|k| self.done + k));
+        self.left -= n as u64;
+        self.done += n as u64;
+        Ok(())
+    }
+
+    fn broken(&self, error: &ParquetError) -> Error {
+        damaged(&self.file, Some(self.done + 1), error)
+    }
+
+    fn complete(&self, found: usize, expected: usize) -> Result<(), Error> {
+        if found == expected {
+            return Ok(());
+        }
+        Err(self.bad("the file ends within a column; copy it again".into()))
+    }
+}
+
+impl Source for ParquetSource {
+    fn header(&self) -> &[String] {
+        &self.header
+    }
+
+    fn fill(&mut self, columns: &Columns, count: usize, raw: &mut Raw) -> Result<(), Error> {
+        if self.groups == 0 {
+            self.check_types(columns)?;
+        }
+        let mut missing = count;
+        while missing > 0 {
+            if self.left == 0 {
+                if self.next_group(columns)? {
+                    continue;
+                }
+                break;
+            }
+            let n = missing.min(usize::try_from(self.left).unwrap_or(usize::MAX));
+            self.rows(columns, n, raw)?;
+            missing -= n;
+        }
+        Ok(())
+    }
+
+    fn progress(&self) -> Progress {
+        Progress {
+            done: self.done,
+            total: Some(self.total),
+        }
+    }
+
+    fn hash(&self) -> u64 {
+        self.hash
+    }
+}
+
+fn hash(file: &mut File) -> std::io::Result<u64> {
+    let mut buffer = vec![0; 1 << 16];
+    let mut hash = FNV_START;
+    loop {
+        match file.read(&mut buffer)? {
+            0 => return Ok(hash),
+            n => hash = fnv1a(hash, &buffer[..n]),
+        }
+    }
+}
+
+fn damaged(file: &str, line: Option<u64>, error: &ParquetError) -> Error {
+    Error::Log {
+        file: file.to_string(),
+        line,
+        message: format!("the Parquet file is cut off or damaged ({error}); copy it again"),
+    }
+}
+
+thread_local! {
+    /// Whether a panic on this thread is an answer that is waited for.
+    static GUARDED: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Run a step of the Parquet library, which meets some damages with a panic:
+/// the file's fault, so an error here, and nothing on stderr.
+fn guarded<T>(step: impl FnOnce() -> Result<T, ParquetError>) -> Result<T, ParquetError> {
+    static QUIET: Once = Once::new();
+    QUIET.call_once(|| {
+        let usual = panic::take_hook();
+        panic::set_hook(Box::new(move |about| {
+            if !GUARDED.get() {
+                usual(about);
+            }
+        }));
+    });
+    GUARDED.set(true);
+    let done = panic::catch_unwind(AssertUnwindSafe(step));
+    GUARDED.set(false);
+    done.unwrap_or_else(|_| Err(ParquetError::General("contradicts itself".into())))
+}
+
+/// A plain column, not a list or a field of a structure.
+fn is_flat(column: &ColumnDescriptor) -> bool {
+    column.max_rep_level() == 0 && column.max_def_level() <= 1
+}
+
+/// A plain column whose bits mean the number they spell.
+fn is_number(column: &ColumnDescriptor) -> bool {
+    let plain = matches!(
+        column.logical_type_ref(),
+        None | Some(LogicalType::Integer { .. })
+    );
+    let physical = column.physical_type();
+    let number = [
+        Physical::INT32,
+        Physical::INT64,
+        Physical::FLOAT,
+        Physical::DOUBLE,
+    ];
+    is_flat(column) && plain && number.contains(&physical)
+}
+
+/// Up to `n` values, fewer at the end of the column; NaN for none.
+fn read_numbers(reader: &mut ColumnReader, n: usize) -> Result<Vec<f64>, ParquetError> {
+    fn all<T: Copy>(values: &[Option<T>], number: impl Fn(T) -> f64) -> Vec<f64> {
+        let number = |value: &Option<T>| value.map_or(f64::NAN, &number);
+        values.iter().map(number).collect()
+    }
+    Ok(match reader {
+        ColumnReader::Int32ColumnReader(reader) => all(&read(reader, n)?, f64::from),
+        ColumnReader::Int64ColumnReader(reader) => all(&read(reader, n)?, |x| x as f64),
+        ColumnReader::FloatColumnReader(reader) => all(&read(reader, n)?, f64::from),
+        ColumnReader::DoubleColumnReader(reader) => all(&read(reader, n)?, |x| x),
+        _ => Vec::new(),
+    })
+}
+
+/// Up to `n` values of a flat column.
+fn read<T: DataType>(
+    reader: &mut ColumnReaderImpl<T>,
+    n: usize,
+) -> Result<Vec<Option<T::T>>, ParquetError> {
+    let (mut levels, mut values) = (Vec::new(), Vec::new());
+    let (records, found, _) =
+        guarded(|| reader.read_records(n, Some(&mut levels), None, &mut values))?;
+    if found == records {
+        return Ok(values.into_iter().map(Some).collect());
+    }
+    let mut values = values.into_iter();
+    let given = levels.iter().take(records);
+    Ok(given
+        .map(|level| if *level > 0 { values.next() } else { None })
+        .collect())
+}
+
+/// A pose as a number; integers up to 2^53 come through floats unchanged.
+fn whole(value: f64) -> Result<i64, String> {
+    if value.fract() == 0.0 && value.abs() <= 9_007_199_254_740_992.0 {
+        Ok(value as i64)
+    } else {
+        Err(format!(
+            "column `{POSE}`: {value} is no whole number below 2^53"
+        ))
+    }
+}
+
+/// A Parquet file being written, a group of rows at a time.
+pub(super) struct ParquetSink {
+    path: PathBuf,
+    writer: SerializedFileWriter<NewFile>,
+    pose: Vec<i64>,
+    support: Option<Vec<ByteArray>>,
+    /// Column by column.
+    numbers: Vec<Vec<f64>>,
+    t: Vec<f64>,
+}
+
+impl ParquetSink {
+    /// Start a file with the columns `names`: `pose` whole, `support` text, the
+    /// others numbers.
+    pub fn create(path: &Path, names: &[String], support: bool) -> Result<ParquetSink, Error> {
+        let failed = |error| unwritten(path, error);
+        let kind = |name: &str| match name {
+            POSE => Physical::INT64,
+            SUPPORT => Physical::BYTE_ARRAY,
+            _ => Physical::DOUBLE,
+        };
+        let field = |name: &String| {
+            let text = (name == SUPPORT).then_some(LogicalType::String);
+            Type::primitive_type_builder(name, kind(name))
+                .with_repetition(Repetition::REQUIRED)
+                .with_logical_type(text)
+                .build()
+                .map(Arc::new)
+        };
+        let fields: Result<Vec<_>, _> = names.iter().map(field).collect();
+        let schema = Type::group_type_builder("postures")
+            .with_fields(fields.map_err(failed)?)
+            .build()
+            .map_err(failed)?;
+        let properties = WriterProperties::builder()
+            .set_compression(Compression::SNAPPY)
+            .set_dictionary_enabled(false)
+            .build();
+        let writer =
+            SerializedFileWriter::new(NewFile::create(path)?, Arc::new(schema), properties.into())
+                .map_err(failed)?;
+        Ok(ParquetSink {
+            path: path.to_path_buf(),
+            writer,
+            pose: Vec::new(),
+            support: support.then(Vec::new),
+            numbers: Vec::new(),
+            t: Vec::new(),
+        })
+    }
+
+    /// Append a row.
+    pub fn row(&mut self, row: &Row, columns: Written) -> Result<(), Error> {
+        self.pose.push(row.pose);
+        if columns.t {
+            self.t.push(row.t);
+        }
+        if let Some(support) = &mut self.support {
+            support.push(row.support.into());
+        }
+        for (k, x) in numbers(row, columns).enumerate() {
+            if k == self.numbers.len() {
+                self.numbers.push(Vec::new());
+            }
+            self.numbers[k].push(x);
+        }
+        if self.pose.len() == GROUP {
+            self.flush()?;
+        }
+        Ok(())
+    }
+
+    fn flush(&mut self) -> Result<(), Error> {
+        let written = self.group();
+        written.map_err(|error| unwritten(&self.path, error))?;
+        self.pose.clear();
+        self.t.clear();
+        self.support.iter_mut().for_each(Vec::clear);
+        self.numbers.iter_mut().for_each(Vec::clear);
+        Ok(())
+    }
+
+    fn group(&mut self) -> Result<(), ParquetError> {
+        let mut group = self.writer.next_row_group()?;
+        // In the order of the header: pose, t, support, numbers.
+        let t = (!self.t.is_empty()).then_some(&self.t);
+        let mut numbers = t.into_iter().chain(&self.numbers);
+        while let Some(mut column) = group.next_column()? {
+            match column.untyped() {
+                ColumnWriter::Int64ColumnWriter(to) => {
+                    to.write_batch(&self.pose, None, None)?;
+                }
+                ColumnWriter::DoubleColumnWriter(to) => {
+                    let values = numbers.next().map_or(&[][..], Vec::as_slice);
+                    to.write_batch(values, None, None)?;
+                }
+                ColumnWriter::ByteArrayColumnWriter(to) => {
+                    to.write_batch(self.support.as_deref().unwrap_or(&[]), None, None)?;
+                }
+                _ => {}
+            }
+            column.close()?;
+        }
+        group.close()?;
+        Ok(())
+    }
+
+    /// Write what is left and move the file to its place.
+    pub fn finish(mut self) -> Result<(), Error> {
+        if !self.pose.is_empty() {
+            self.flush()?;
+        }
+        let file = self.writer.into_inner();
+        file.map_err(|error| unwritten(&self.path, error))?.finish()
+    }
+}
+
+fn unwritten(path: &Path, error: ParquetError) -> Error {
+    output::failed(path, std::io::Error::other(error))
+}

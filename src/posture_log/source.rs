@@ -1,0 +1,166 @@
+//! What every format delivers: rows of numbers as they stand in the file.
+
+use std::collections::HashSet;
+use std::fs::File;
+use std::io::{self, Read};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use super::columns::Columns;
+use crate::Error;
+
+/// Rows of a file before anything is made of them.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Raw {
+    pub line: Vec<u64>,
+    /// Empty where the log has no such column.
+    pub pose: Vec<i64>,
+    /// Empty where the log has no such column.
+    pub support: Vec<Arc<str>>,
+    /// Row by row, in the order of [`Columns::numbers`]. Not yet known to be
+    /// finite; a missing value is NaN.
+    pub numbers: Vec<f64>,
+}
+
+impl Raw {
+    /// Forget all rows, keeping the room for them.
+    pub fn clear(&mut self) {
+        self.line.clear();
+        self.pose.clear();
+        self.support.clear();
+        self.numbers.clear();
+    }
+}
+
+/// A file of some format, read row by row.
+pub(super) trait Source: Send {
+    /// Names of the columns, without blanks around them.
+    fn header(&self) -> &[String];
+
+    /// Append up to `count` rows to `raw`; fewer only at the end of the file.
+    fn fill(&mut self, columns: &Columns, count: usize, raw: &mut Raw) -> Result<(), Error>;
+
+    /// How far into the file.
+    fn progress(&self) -> Progress;
+
+    /// What is odd so far; drained by the call.
+    fn warnings(&mut self) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// 64-bit hash of the file's bytes, once all of them were read.
+    fn hash(&self) -> u64;
+}
+
+/// How much of a log was read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Progress {
+    /// Bytes of the file, or rows of a Parquet file.
+    pub done: u64,
+    /// Of how many; not known of a pipe.
+    pub total: Option<u64>,
+}
+
+/// Repeated texts, each kept once.
+#[derive(Debug, Default)]
+pub(super) struct Interner(HashSet<Arc<str>>);
+
+impl Interner {
+    /// A log that names more links than this names no links: no longer kept.
+    const MOST: usize = 10_000;
+
+    pub fn get(&mut self, text: &str) -> Arc<str> {
+        if let Some(known) = self.0.get(text) {
+            return known.clone();
+        }
+        let new: Arc<str> = text.into();
+        if self.0.len() < Interner::MOST {
+            self.0.insert(new.clone());
+        }
+        new
+    }
+}
+
+/// FNV-1a, 64 bits: stable everywhere, and as fast as the disk.
+pub(super) fn fnv1a(hash: u64, bytes: &[u8]) -> u64 {
+    bytes.iter().fold(hash, |hash, byte| {
+        (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3)
+    })
+}
+
+/// FNV-1a of nothing.
+pub(super) const FNV_START: u64 = 0xcbf2_9ce4_8422_2325;
+
+/// What passed through a [`Metered`] file, to be looked at from outside.
+#[derive(Debug)]
+pub(super) struct Meter {
+    done: AtomicU64,
+    hash: AtomicU64,
+    total: Option<u64>,
+}
+
+impl Meter {
+    pub fn progress(&self) -> Progress {
+        Progress {
+            done: self.done.load(Ordering::Relaxed),
+            total: self.total,
+        }
+    }
+
+    pub fn hash(&self) -> u64 {
+        self.hash.load(Ordering::Relaxed)
+    }
+}
+
+/// A file that counts and hashes what is read from it.
+pub(super) struct Metered {
+    file: File,
+    meter: Arc<Meter>,
+}
+
+impl Metered {
+    pub fn new(file: File) -> Metered {
+        let about = file.metadata().ok();
+        let total = about.filter(|a| a.is_file()).map(|a| a.len());
+        let meter = Arc::new(Meter {
+            done: AtomicU64::new(0),
+            hash: AtomicU64::new(FNV_START),
+            total,
+        });
+        Metered { file, meter }
+    }
+
+    pub fn meter(&self) -> Arc<Meter> {
+        self.meter.clone()
+    }
+}
+
+impl Read for Metered {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let n = self.file.read(buffer)?;
+        // One thread reads; others may look.
+        let meter = &self.meter;
+        meter.done.fetch_add(n as u64, Ordering::Relaxed);
+        let hash = fnv1a(meter.hash.load(Ordering::Relaxed), &buffer[..n]);
+        meter.hash.store(hash, Ordering::Relaxed);
+        Ok(n)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_hash_is_fnv1a() {
+        // From its publication.
+        assert_eq!(fnv1a(FNV_START, b""), 0xcbf2_9ce4_8422_2325);
+        assert_eq!(fnv1a(FNV_START, b"a"), 0xaf63_dc4c_8601_ec8c);
+    }
+
+    #[test]
+    fn equal_texts_are_kept_once() {
+        let mut interner = Interner::default();
+        assert!(Arc::ptr_eq(&interner.get("a"), &interner.get("a")));
+    }
+}
