@@ -30,6 +30,9 @@ pub enum Error {
         line: Option<u64>,
         message: String,
     },
+    /// A fault in a file of tolerances.
+    #[error("{reason}")]
+    Prior { reason: String },
     #[error("{0}")]
     Usage(String),
     #[error("cannot render the report")]

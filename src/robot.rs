@@ -37,6 +37,11 @@ impl Robot {
         })
     }
 
+    /// The URDF as it was read.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
     /// The symbolic model on `support`, with identified parameters if given.
     pub fn model(
         &self,

@@ -47,5 +47,5 @@ pub use builder::{Builder, write_if_changed};
 pub use error::Error;
 pub use functions::differentiate_com;
 pub use model::{Function, Given, Model};
-pub use model_file::{ModelFile, Parameter};
+pub use model_file::{DataUsed, ModelFile, Parameter};
 pub use snap::Snapping;

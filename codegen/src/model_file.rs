@@ -32,13 +32,29 @@ pub struct Parameter {
     pub source: Option<String>,
 }
 
+/// Data that parameters were identified from.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DataUsed {
+    pub file: String,
+    /// Of its content.
+    pub hash: String,
+    /// Rows of the log.
+    pub rows: u64,
+}
+
 /// What `model.toml` holds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ModelFile {
     pub robot: String,
     pub hash: String,
     pub support: String,
+    /// Noise of a reading on one axis, m.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub noise_floor: Option<f64>,
     pub parameters: Vec<Parameter>,
+    /// What the parameters were identified from.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub data: Vec<DataUsed>,
     /// Effects of the measurement, by name.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub effects: Vec<toml::Table>,
@@ -165,7 +181,9 @@ impl ModelFile {
             robot: model.tree.robot.clone(),
             hash: model.tree.hash.clone(),
             support: model.tree.links[model.tree.support].name.clone(),
+            noise_floor: None,
             parameters,
+            data: Vec::new(),
             effects: Vec::new(),
             file: String::new(),
         }

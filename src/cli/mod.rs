@@ -1,6 +1,7 @@
 //! The command line: parse, call, print.
 
 mod demo;
+mod fit;
 mod generate;
 mod inspect;
 mod predict;
@@ -34,6 +35,7 @@ enum Command {
     Verify(verify::Arguments),
     Simulate(simulate::Arguments),
     Predict(predict::Arguments),
+    Fit(fit::Arguments),
     Demo(demo::Arguments),
 }
 
@@ -53,6 +55,7 @@ pub fn main() -> ExitCode {
         Command::Verify(arguments) => verify::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Predict(arguments) => predict::run(&arguments),
+        Command::Fit(arguments) => fit::run(&arguments),
         Command::Demo(arguments) => demo::run(&arguments),
     };
     match outcome {

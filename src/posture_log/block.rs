@@ -125,7 +125,11 @@ impl Assembler {
             columns: columns.clone(),
             joints: joints.collect(),
             cells: sidecar.cells.clone().unwrap_or_default(),
-            support: sidecar.support.as_deref().map(Arc::from),
+            support: options
+                .support
+                .as_deref()
+                .or(sidecar.support.as_deref())
+                .map(Arc::from),
             gravity: sidecar.gravity,
             links: options.links.clone(),
             readings_per_pose: sidecar.readings_per_pose.unwrap_or(1),

@@ -26,6 +26,8 @@ pub struct Options {
     /// The robot's links; a support that is none of them is an error. Not
     /// checked if empty.
     pub links: Vec<String>,
+    /// Link on the ground in rows that do not say; the sidecar's unless given.
+    pub support: Option<String>,
     /// Which stretches of an MCAP recording are postures.
     pub hold: Hold,
     /// Topic of the CoP in an MCAP recording that has several; the sidecar's

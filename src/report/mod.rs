@@ -5,6 +5,7 @@
 //! arrive in metres and leave in millimetres.
 
 pub mod figures;
+pub mod fit;
 pub mod html;
 mod svg;
 pub mod table;

@@ -1,0 +1,279 @@
+//! One pass over posture logs: everything a fit needs, in memory that does not
+//! depend on the number of postures.
+//!
+//! Postures are dealt into folds by their `pose`, so that repeated readings
+//! stay together; each fold keeps its own factors, and cross-validation needs
+//! no second pass:
+//!
+//! ```text
+//! held-out error of fold k = ‖R_k r_(−k) − z_k‖² + ρ_k²        r_(−k) from the other folds
+//! ```
+
+use nalgebra::DVector;
+use serde::{Deserialize, Serialize};
+
+use super::factor::Factor;
+use super::measurement::{Measurement, Rows};
+use super::noise::Replicates;
+use super::robust::Robust;
+use crate::Error;
+use crate::posture_log::Block;
+
+/// Rows of one fold.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Fold {
+    /// Rows over their stated deviations.
+    pub weighted: Factor,
+    /// Rows as they are, where that differs.
+    pub plain: Option<Factor>,
+}
+
+impl Fold {
+    /// Rows as they are.
+    pub fn plain(&self) -> &Factor {
+        self.plain.as_ref().unwrap_or(&self.weighted)
+    }
+}
+
+/// A log that was read.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LogUsed {
+    pub file: String,
+    /// Of its content.
+    pub hash: String,
+    /// Rows.
+    pub rows: u64,
+}
+
+/// A posture that a robust fit trusts less.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DownWeighted {
+    pub file: String,
+    /// Line or row of the log.
+    pub line: u64,
+    pub pose: i64,
+    /// 0 to 1.
+    pub weight: f64,
+    /// |measured − fitted|, m.
+    pub residual: f64,
+}
+
+/// What passes over the logs leave.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Gathered {
+    pub folds: Vec<Fold>,
+    pub replicates: Replicates,
+    /// Σ of stated variances over rows and axes, m²; 0 where none are stated.
+    pub stated: f64,
+    /// Rows of logs with both axes.
+    pub readings: u64,
+    pub logs: Vec<LogUsed>,
+    pub down_weighted: Vec<DownWeighted>,
+}
+
+/// Down-weighted postures worth listing.
+const LISTED: usize = 1000;
+
+/// Fold of a pose: as good as drawn, the same on every machine.
+fn fold_of(pose: i64, folds: usize) -> usize {
+    let mut x = (pose as u64).wrapping_add(0x9e37_79b9_7f4a_7c15);
+    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    ((x ^ (x >> 31)) % folds as u64) as usize
+}
+
+impl Gathered {
+    pub fn new(params: usize, folds: usize) -> Gathered {
+        let fold = Fold {
+            weighted: Factor::new(params),
+            plain: None,
+        };
+        Gathered {
+            folds: vec![fold; folds.max(2)],
+            replicates: Replicates::default(),
+            stated: 0.0,
+            readings: 0,
+            logs: Vec::new(),
+            down_weighted: Vec::new(),
+        }
+    }
+
+    /// Number of parameters.
+    pub fn params(&self) -> usize {
+        self.folds[0].weighted.params()
+    }
+
+    /// Whether rows carry deviations of their own.
+    pub fn has_deviations(&self) -> bool {
+        self.stated > 0.0
+    }
+
+    /// Fold in a block of the log that was opened last.
+    ///
+    /// # Errors
+    /// When the block has no readings, or deviations where others had none.
+    pub fn push(
+        &mut self,
+        measurement: &mut Measurement,
+        block: &Block,
+        file: &str,
+        robust: Option<(&Robust, &DVector<f64>)>,
+    ) -> Result<(), Error> {
+        let Some(readings) = &block.reading else {
+            return Err(Error::Log {
+                file: file.to_string(),
+                line: None,
+                message: "no readings; give columns cop_x, cop_y or foot cells fsr_1, …".into(),
+            });
+        };
+        if self.readings > 0 && block.std.is_some() != self.has_deviations() {
+            return Err(Error::Log {
+                file: file.to_string(),
+                line: None,
+                message: "some logs state deviations (cop_x_std, …) and some do not; \
+                          add the columns or leave them out of all"
+                    .into(),
+            });
+        }
+        let rows = measurement.rows(block)?;
+        let ones = vec![[1.0; 2]; block.len()];
+        let std = block.std.as_ref().unwrap_or(&ones);
+        for k in 0..block.len() {
+            let support = block.support.as_ref().map_or("", |all| &all[k]);
+            self.replicates
+                .push(block.pose[k], support, readings[k], std[k]);
+            if block.std.is_some() {
+                self.stated += std[k][0] * std[k][0] + std[k][1] * std[k][1];
+            }
+        }
+        self.readings += block.len() as u64;
+        let trust = match robust {
+            None => vec![1.0; block.len()],
+            Some((robust, params)) => {
+                let weights = robust.weights(&rows, std, params);
+                self.name_outliers(block, &rows, &weights, params, file);
+                weights
+            }
+        };
+        self.deal(block, &rows, std, &trust);
+        Ok(())
+    }
+
+    /// The log that was read has ended: poses of the next one are others.
+    pub fn end_log(&mut self) {
+        self.replicates.close();
+    }
+
+    /// Rows to their folds.
+    fn deal(&mut self, block: &Block, rows: &Rows, std: &[[f64; 2]], trust: &[f64]) {
+        let count = self.folds.len();
+        for (index, fold) in self.folds.iter_mut().enumerate() {
+            let own: Vec<usize> = (0..block.len())
+                .filter(|&k| fold_of(block.pose[k], count) == index)
+                .collect();
+            if own.is_empty() {
+                continue;
+            }
+            let both: Vec<usize> = own.iter().flat_map(|&k| [2 * k, 2 * k + 1]).collect();
+            let matrix = rows.matrix.select_rows(&both);
+            let reading = rows.reading.select_rows(&both);
+            let weight = |k: usize, axis: usize| trust[k].sqrt() / std[k][axis];
+            let weights: Vec<f64> = own
+                .iter()
+                .flat_map(|&k| [weight(k, 0), weight(k, 1)])
+                .collect();
+            let differs = block.std.is_some() || trust.iter().any(|w| *w < 1.0);
+            if differs && fold.plain.is_none() {
+                // Rows so far counted one each: both factors agree on them.
+                fold.plain = Some(fold.weighted.clone());
+            }
+            fold.weighted.push(&matrix, &reading, &weights);
+            if let Some(plain) = &mut fold.plain {
+                let trusted: Vec<f64> = own.iter().flat_map(|&k| [trust[k].sqrt(); 2]).collect();
+                plain.push(&matrix, &reading, &trusted);
+            }
+        }
+    }
+
+    fn name_outliers(
+        &mut self,
+        block: &Block,
+        rows: &Rows,
+        weights: &[f64],
+        params: &DVector<f64>,
+        file: &str,
+    ) {
+        let residual = &rows.reading - &rows.matrix * params;
+        for (k, &weight) in weights.iter().enumerate() {
+            if weight < 0.5 && self.down_weighted.len() < LISTED {
+                self.down_weighted.push(DownWeighted {
+                    file: file.to_string(),
+                    line: block.line[k],
+                    pose: block.pose[k],
+                    weight,
+                    residual: residual[2 * k].hypot(residual[2 * k + 1]),
+                });
+            }
+        }
+    }
+
+    /// Add what another machine or session of measurements gathered.
+    ///
+    /// # Errors
+    /// When the parts differ in parameters, folds or stated deviations.
+    pub fn merge(&mut self, other: Gathered) -> Result<(), String> {
+        if self.params() != other.params() {
+            return Err(format!(
+                "{} parameters here, {} there",
+                self.params(),
+                other.params()
+            ));
+        }
+        if self.folds.len() != other.folds.len() {
+            return Err(format!(
+                "{} folds here, {} there; use one --folds for all parts",
+                self.folds.len(),
+                other.folds.len()
+            ));
+        }
+        if self.readings > 0
+            && other.readings > 0
+            && self.has_deviations() != other.has_deviations()
+        {
+            return Err("one part states deviations of its readings, the other does not".into());
+        }
+        for (fold, more) in self.folds.iter_mut().zip(&other.folds) {
+            fold.plain = match (fold.plain.take(), &more.plain) {
+                (None, None) => None,
+                (own, _) => {
+                    let mut plain = own.unwrap_or_else(|| fold.weighted.clone());
+                    plain.merge(more.plain());
+                    Some(plain)
+                }
+            };
+            fold.weighted.merge(&more.weighted);
+        }
+        self.replicates.merge(&other.replicates);
+        self.stated += other.stated;
+        self.readings += other.readings;
+        self.logs.extend(other.logs);
+        self.down_weighted.extend(other.down_weighted);
+        Ok(())
+    }
+
+    /// All folds but `without` together, rows over their deviations.
+    pub fn weighted(&self, without: Option<usize>) -> Factor {
+        let parts = self.folds.iter().enumerate();
+        let parts: Vec<&Factor> = parts
+            .filter(|(k, _)| Some(*k) != without)
+            .map(|(_, fold)| &fold.weighted)
+            .collect();
+        Factor::of(&parts, self.params())
+    }
+
+    /// All folds together, rows as they are.
+    pub fn plain(&self) -> Factor {
+        let parts: Vec<&Factor> = self.folds.iter().map(Fold::plain).collect();
+        Factor::of(&parts, self.params())
+    }
+}

@@ -1,0 +1,157 @@
+//! The noise floor: from repeated readings, from stated deviations, or from
+//! what a fit leaves over; and whether a fit leaves more than noise.
+//!
+//! ```text
+//! pure error     SS_pe = Σ_groups Σ (y − ȳ_group)²       df_pe = Σ (n_group − 1)
+//! lack of fit    F = ((RSS − SS_pe) / (df − df_pe)) / (SS_pe / df_pe)
+//! ```
+
+use serde::{Deserialize, Serialize};
+use statrs::distribution::{ChiSquared, ContinuousCDF as _, FisherSnedecor};
+
+/// Repeated readings of postures, gathered as they come.
+///
+/// Rows that follow each other with one `pose` and support are a group.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Replicates {
+    /// Σ over groups and axes of squared distances from the group's mean, m².
+    pub sum: f64,
+    /// The same in units of each row's stated variance.
+    pub weighted_sum: f64,
+    /// Degrees of freedom, both axes.
+    pub df: u64,
+    /// Postures: groups of rows.
+    pub groups: u64,
+    #[serde(skip)]
+    open: Option<Group>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+struct Group {
+    pose: i64,
+    support: String,
+    count: f64,
+    mean: [f64; 2],
+    weighted_mean: [f64; 2],
+    weight: [f64; 2],
+}
+
+impl Replicates {
+    /// A row with its reading and, where stated, its deviation (1 elsewhere), m.
+    pub fn push(&mut self, pose: i64, support: &str, reading: [f64; 2], std: [f64; 2]) {
+        let weight = std.map(|s| 1.0 / (s * s));
+        let same = |group: &&mut Group| group.pose == pose && group.support == support;
+        let Some(group) = self.open.as_mut().filter(same) else {
+            self.groups += 1;
+            self.open = Some(Group {
+                pose,
+                support: support.to_string(),
+                count: 1.0,
+                mean: reading,
+                weighted_mean: reading,
+                weight,
+            });
+            return;
+        };
+        // Welford: sums of squares about a mean that moves.
+        group.count += 1.0;
+        for axis in 0..2 {
+            let away = reading[axis] - group.mean[axis];
+            group.mean[axis] += away / group.count;
+            self.sum += away * (reading[axis] - group.mean[axis]);
+            let away = reading[axis] - group.weighted_mean[axis];
+            group.weight[axis] += weight[axis];
+            group.weighted_mean[axis] += away * weight[axis] / group.weight[axis];
+            self.weighted_sum += weight[axis] * away * (reading[axis] - group.weighted_mean[axis]);
+        }
+        self.df += 2;
+    }
+
+    /// No more rows of the posture at hand.
+    pub fn close(&mut self) {
+        self.open = None;
+    }
+
+    /// Add what another part of the data gathered.
+    pub fn merge(&mut self, other: &Replicates) {
+        self.sum += other.sum;
+        self.weighted_sum += other.weighted_sum;
+        self.df += other.df;
+        self.groups += other.groups;
+        self.open = None;
+    }
+
+    /// Standard deviation of a reading on one axis, m; `None` without repeats.
+    pub fn deviation(&self) -> Option<f64> {
+        (self.df > 0).then(|| (self.sum / self.df as f64).sqrt())
+    }
+}
+
+/// Does a fit leave more than noise?
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct LackOfFit {
+    /// Mean square of what the fit leaves beyond noise, in units of the noise's.
+    pub ratio: f64,
+    /// Degrees of freedom of what the fit leaves.
+    pub df: f64,
+    /// Degrees of freedom of the noise; none where its size is stated.
+    pub df_noise: Option<f64>,
+    /// Chance of such a ratio from noise alone.
+    pub p_value: f64,
+}
+
+/// F test against repeated readings: sums of squares in the same units.
+pub fn lack_of_fit(residual_sum: f64, df: f64, replicates: (f64, u64)) -> Option<LackOfFit> {
+    let (pure, df_pure) = (replicates.0, replicates.1 as f64);
+    let df_rest = df - df_pure;
+    if !(df_pure >= 1.0 && df_rest >= 1.0 && pure > 0.0) {
+        return None;
+    }
+    let ratio = ((residual_sum - pure).max(0.0) / df_rest) / (pure / df_pure);
+    let distribution = FisherSnedecor::new(df_rest, df_pure).ok()?;
+    Some(LackOfFit {
+        ratio,
+        df: df_rest,
+        df_noise: Some(df_pure),
+        p_value: distribution.sf(ratio),
+    })
+}
+
+/// χ² test against stated deviations: `residual_sum` in units of their squares.
+pub fn excess(residual_sum: f64, df: f64) -> Option<LackOfFit> {
+    let distribution = ChiSquared::new(df).ok().filter(|_| df >= 1.0)?;
+    Some(LackOfFit {
+        ratio: residual_sum / df,
+        df,
+        df_noise: None,
+        p_value: distribution.sf(residual_sum),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn groups_of_equal_poses_give_the_pure_error() {
+        let mut replicates = Replicates::default();
+        // Two groups; about their means 1, −1 and 2, −2 on x, nothing on y.
+        for (pose, x) in [(4, 5.0), (4, 3.0), (9, 0.0), (9, 4.0), (11, 100.0)] {
+            replicates.push(pose, "foot", [x, 7.0], [1.0, 1.0]);
+        }
+        assert_eq!(replicates.groups, 3);
+        assert_eq!(replicates.df, 4);
+        assert!((replicates.sum - 10.0).abs() < 1e-12);
+        assert!((replicates.weighted_sum - 10.0).abs() < 1e-12);
+        assert!((replicates.deviation().unwrap() - 2.5_f64.sqrt()).abs() < 1e-12);
+    }
+
+    /// Critical values from tables: F(0.95; 5, 10) = 3.3258, χ²(0.95; 10) = 18.307.
+    #[test]
+    fn tests_match_their_tables() {
+        let f = lack_of_fit(10.0 + 5.0 * 3.3258, 15.0, (10.0, 10)).unwrap();
+        assert!((f.ratio - 3.3258).abs() < 1e-12);
+        assert!((f.p_value - 0.05).abs() < 1e-4);
+        assert!((excess(18.307, 10.0).unwrap().p_value - 0.05).abs() < 1e-4);
+    }
+}

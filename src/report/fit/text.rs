@@ -1,0 +1,157 @@
+//! The console's account of a fit.
+
+use std::fmt::Write as _;
+
+use crate::identify::Identification;
+use crate::identify::identification::NoiseSource;
+use crate::report::table::Table;
+
+/// Parameters, and everything that must be said with them.
+pub fn text(found: &Identification) -> String {
+    let mut out = String::new();
+    let _ = writeln!(
+        out,
+        "{} on {}: {} postures, {} readings\n",
+        found.robot,
+        found.supports.join(" and "),
+        found.postures,
+        found.readings
+    );
+    let _ = write!(out, "{}", parameters(found));
+    let _ = writeln!(out, "\n{}", facts(found));
+    for unseen in &found.unobservable {
+        let _ = writeln!(out, "cannot be seen   {}", unseen.sentence);
+    }
+    for pair in found.correlations.iter().take(5) {
+        let _ = writeln!(
+            out,
+            "known together   {} and {} (correlation {:+.3})",
+            pair.a, pair.b, pair.correlation
+        );
+    }
+    for posture in found.down_weighted.iter().take(12) {
+        let _ = writeln!(
+            out,
+            "trusted less     pose {} ({}:{}): {} mm off, weight {:.2}",
+            posture.pose,
+            posture.file,
+            posture.line,
+            mm(posture.residual),
+            posture.weight
+        );
+    }
+    if found.down_weighted.len() > 12 {
+        let _ = writeln!(
+            out,
+            "                 and {} more, see --json",
+            found.down_weighted.len() - 12
+        );
+    }
+    for warning in &found.warnings {
+        let _ = writeln!(out, "warning          {warning}");
+    }
+    out
+}
+
+fn parameters(found: &Identification) -> Table {
+    let mut table = Table::new(&[
+        "parameter",
+        "CAD, mm",
+        "identified, mm",
+        "± std, mm",
+        "told by",
+    ]);
+    for parameter in &found.parameters {
+        table.row(&[
+            parameter.name.clone(),
+            mm(parameter.cad),
+            mm(parameter.value),
+            parameter.std.map_or("not seen".to_string(), mm),
+            parameter.source.to_string(),
+        ]);
+    }
+    table
+}
+
+fn facts(found: &Identification) -> String {
+    let mut out = String::new();
+    let mut fact = |name: &str, text: String| {
+        let _ = writeln!(out, "{name:<16} {text}");
+    };
+    fact(
+        "rank",
+        format!(
+            "{} of {} base parameters, condition number {:.0}",
+            found.rank, found.base_params, found.condition_number
+        ),
+    );
+    fact("prior", found.prior.clone());
+    fact(
+        "noise",
+        format!("{} mm per axis, {}", mm(found.noise_floor), source(found)),
+    );
+    if let Some(test) = found.lack_of_fit {
+        let verdict = match test.p_value {
+            p if p < 1e-3 => "the model misses something",
+            p if p < 0.05 => "perhaps more than noise",
+            _ => "noise explains it",
+        };
+        fact(
+            "lack of fit",
+            format!(
+                "{:.2} times the noise's mean square (p = {:.2}): {verdict}",
+                test.ratio, test.p_value
+            ),
+        );
+    }
+    if found.folds > 0 {
+        fact(
+            "held-out error",
+            format!(
+                "{} ± {} mm RMS per axis, on readings of postures the fit did not see ({} folds); \
+                 CAD alone {} mm",
+                mm(found.held_out_rmse),
+                mm(found.held_out_error),
+                found.folds,
+                mm(found.cad_rmse)
+            ),
+        );
+    }
+    fact(
+        "expected error",
+        format!(
+            "{} mm where data were taken, {} mm over {} (of the CoP itself, noise apart)",
+            mm(found.expected_error_data),
+            mm(found.expected_error_range),
+            found.range
+        ),
+    );
+    let height = &found.com_height_constant;
+    let deviation = height
+        .std
+        .map_or("from CAD".to_string(), |s| format!("± {} mm", mm(s)));
+    fact(
+        "CoM height",
+        format!(
+            "its constant {} is {} mm {deviation}, told by {}",
+            height.name,
+            mm(height.value),
+            height.source
+        ),
+    );
+    out
+}
+
+fn source(found: &Identification) -> &'static str {
+    match found.noise_source {
+        NoiseSource::Given => "as given",
+        NoiseSource::Stated => "as the log states",
+        NoiseSource::Replicates => "from repeated readings",
+        NoiseSource::Residuals => "from what a fit without prior leaves",
+        NoiseSource::Unknown => "not known",
+    }
+}
+
+fn mm(x: f64) -> String {
+    format!("{:.2}", 1e3 * x)
+}
