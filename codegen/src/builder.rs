@@ -1,7 +1,7 @@
 //! The build-script interface.
 
-use std::fs;
 use std::path::{Path, PathBuf};
+use std::{fs, io};
 
 use crate::emit::c::{self, Options, Scalar};
 use crate::emit::{names, rust};
@@ -124,16 +124,16 @@ impl Builder {
             None => names::suggest(&format!("{}_{support}", description.name)),
         };
         let path = out_dir.join(format!("{name}.rs"));
-        let module = rust::module(&model, &name)?;
+        let mut files = vec![(path.clone(), rust::module(&model, &name)?)];
         if let Some(dir) = &self.c99 {
             let package = c::package(&model, &name, &self.c99_options)?;
             for note in &package.notes {
                 println!("cargo::warning={note}");
             }
-            write_if_changed(&dir.join(format!("{name}.h")), &package.header)?;
-            write_if_changed(&dir.join(format!("{name}.c")), &package.source)?;
+            files.push((dir.join(format!("{name}.h")), package.header));
+            files.push((dir.join(format!("{name}.c")), package.source));
         }
-        write_if_changed(&path, &module)?;
+        write_all_if_changed(&files)?;
         Ok(path)
     }
 }
@@ -144,22 +144,70 @@ impl Builder {
 /// # Errors
 /// When the folder or file cannot be written; nothing half-written stays.
 pub fn write_if_changed(path: &Path, text: &str) -> Result<bool, Error> {
-    if fs::read(path).is_ok_and(|old| old == text.as_bytes()) {
-        return Ok(false);
+    let changed = write_all_if_changed(&[(path.to_path_buf(), text.to_string())])?;
+    Ok(changed == [true])
+}
+
+/// [`write_if_changed`] for files that belong together: none takes its place
+/// before all are on the disk. Returns which of them changed.
+///
+/// # Errors
+/// When a folder or file cannot be written; the files are as they were.
+pub fn write_all_if_changed(files: &[(PathBuf, String)]) -> Result<Vec<bool>, Error> {
+    let staged: Vec<Option<Staged>> = files
+        .iter()
+        .map(|(path, text)| Staged::new(path, text))
+        .collect::<Result<_, Error>>()?;
+    for file in staged.iter().flatten() {
+        file.place()?;
     }
-    let failed = |source| Error::Write {
+    Ok(staged.iter().map(Option::is_some).collect())
+}
+
+/// A file beside the place that it is meant for; removed unless it is put there.
+struct Staged<'a> {
+    path: &'a Path,
+    temporary: PathBuf,
+}
+
+impl<'a> Staged<'a> {
+    /// Nothing if the text is in its place already.
+    fn new(path: &'a Path, text: &str) -> Result<Option<Staged<'a>>, Error> {
+        if fs::read(path).is_ok_and(|old| old == text.as_bytes()) {
+            return Ok(None);
+        }
+        let failed = |source| write_error(path, source);
+        if path.is_dir() {
+            return Err(failed(io::ErrorKind::IsADirectory.into()));
+        }
+        if let Some(dir) = path.parent() {
+            fs::create_dir_all(dir).map_err(failed)?;
+        }
+        let mut temporary = path.as_os_str().to_owned();
+        temporary.push(format!(".{}.part", std::process::id()));
+        let staged = Staged {
+            path,
+            temporary: temporary.into(),
+        };
+        fs::write(&staged.temporary, text).map_err(failed)?;
+        Ok(Some(staged))
+    }
+
+    fn place(&self) -> Result<(), Error> {
+        fs::rename(&self.temporary, self.path).map_err(|source| write_error(self.path, source))
+    }
+}
+
+impl Drop for Staged<'_> {
+    fn drop(&mut self) {
+        // Gone if it is in its place; otherwise best effort.
+        let _ = fs::remove_file(&self.temporary);
+    }
+}
+
+fn write_error(path: &Path, source: io::Error) -> Error {
+    Error::Write {
         file: path.display().to_string(),
         source,
-    };
-    if let Some(dir) = path.parent() {
-        fs::create_dir_all(dir).map_err(failed)?;
     }
-    let temporary = path.with_extension(format!("{}.part", std::process::id()));
-    let written = fs::write(&temporary, text).and_then(|()| fs::rename(&temporary, path));
-    if written.is_err() {
-        // Best effort: the error to report is the first one.
-        let _ = fs::remove_file(&temporary);
-    }
-    written.map_err(failed)?;
-    Ok(true)
 }

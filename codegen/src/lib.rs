@@ -43,7 +43,7 @@ mod ties;
 pub mod tree;
 pub mod urdf;
 
-pub use builder::{Builder, write_if_changed};
+pub use builder::{Builder, write_all_if_changed, write_if_changed};
 pub use error::Error;
 pub use functions::differentiate_com;
 pub use model::{Function, Given, Model};
