@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
+use crate::emit::c::layout::{self, Layout};
 use crate::emit::c::{self, Options, Scalar};
 use crate::emit::{names, rust};
 use crate::{Error, Model, ModelFile, Snapping, urdf};
@@ -130,8 +131,12 @@ impl Builder {
             for note in &package.notes {
                 println!("cargo::warning={note}");
             }
-            files.push((dir.join(format!("{name}.h")), package.header));
-            files.push((dir.join(format!("{name}.c")), package.source));
+            let package = layout::files(&model, package, &name, &self.c99_options, Layout::Bare)?;
+            files.extend(
+                package
+                    .into_iter()
+                    .map(|(file, text)| (dir.join(file), text)),
+            );
         }
         write_all_if_changed(&files)?;
         Ok(path)

@@ -31,6 +31,12 @@ pub enum Error {
     BadName { name: String, suggestion: String },
     #[error("`{name}` is no prefix for C names; `{suggestion}` would be")]
     BadPrefix { name: String, suggestion: String },
+    #[error("`{name}` means something else to {layout}; `{suggestion}` would do")]
+    TakenName {
+        name: String,
+        layout: &'static str,
+        suggestion: String,
+    },
     #[error("{reason}")]
     Servos { reason: String },
     #[error("fixed32: {reason}; use f32, or give tighter joint limits")]

@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use sesc_codegen::emit::c::{self, Options, Servos};
+use sesc_codegen::emit::c::{self, Options, Servos, layout};
 use sesc_codegen::emit::{names, rust};
-use sesc_codegen::{Model, write_if_changed};
+use sesc_codegen::{Model, write_all_if_changed};
 
 use super::{Outcome, RobotArguments, message, print};
 use crate::Error;
@@ -14,7 +14,8 @@ use crate::Error;
 #[derive(Args)]
 #[command(after_help = "Examples:\n  \
     sesc generate robots/op2/op2.urdf --support r_sole --lang rust --name op2_r_sole --out src/\n  \
-    sesc generate robots/op2/op2.urdf --support r_sole --lang c --scalar f32 --name op2_r_sole --out fw/")]
+    sesc generate robots/op2/op2.urdf --support r_sole --lang c --scalar f32 --name op2_r_sole --out fw/\n  \
+    sesc generate robots/op2/op2.urdf --support r_sole --lang c --layout cmake --name op2_r_sole --out op2_r_sole/")]
 pub(super) struct Arguments {
     #[command(flatten)]
     robot: RobotArguments,
@@ -33,6 +34,9 @@ pub(super) struct Arguments {
     /// Identified parameters: MODEL_PARAMS in Rust, functions with constants folded in C
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
+    /// C: what to put around the two files; bare unless given
+    #[arg(long, value_enum)]
+    layout: Option<Layout>,
     /// C: functions of servo ticks [default: true for f32 and fixed32]
     #[arg(long, value_name = "BOOL")]
     ticks: Option<bool>,
@@ -55,6 +59,18 @@ enum Scalar {
     Fixed32,
 }
 
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum Layout {
+    /// NAME.h and NAME.c, nothing else
+    Bare,
+    /// CMake project: target NAME::NAME, FetchContent, find_package, pkg-config
+    Cmake,
+    /// PlatformIO library, for any framework and platform
+    Platformio,
+    /// Library of the Arduino IDE, with an example
+    Arduino,
+}
+
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let (_, model) = arguments.robot.load(arguments.model.as_deref())?;
     let support = &model.tree.links[model.tree.support].name;
@@ -67,15 +83,28 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
                         .into(),
                 ));
             }
+            if arguments.layout.is_some() {
+                return Err(Error::Usage(
+                    "--layout arranges C files; add --lang c, or leave it out (a Rust module is one file)"
+                        .into(),
+                ));
+            }
             let name = arguments.name.clone();
             let name = name.unwrap_or_else(|| names::suggest(&usual));
-            vec![(format!("{name}.rs"), rust::module(&model, &name)?)]
+            vec![(
+                PathBuf::from(format!("{name}.rs")),
+                rust::module(&model, &name)?,
+            )]
         }
         Language::C => c_files(arguments, &model, &usual)?,
     };
-    for (file, text) in files {
-        let path = arguments.out.join(file);
-        if !write_if_changed(&path, &text)? {
+    let files: Vec<(PathBuf, String)> = files
+        .into_iter()
+        .map(|(file, text)| (arguments.out.join(file), text))
+        .collect();
+    let changed = write_all_if_changed(&files)?;
+    for ((path, _), changed) in files.iter().zip(changed) {
+        if !changed {
             message(&format!("{} is up to date", path.display()));
         }
         print(&format!("{}\n", path.display()))?;
@@ -87,7 +116,7 @@ fn c_files(
     arguments: &Arguments,
     model: &Model,
     usual: &str,
-) -> Result<Vec<(String, String)>, Error> {
+) -> Result<Vec<(PathBuf, String)>, Error> {
     let mut options = Options::of(match arguments.scalar {
         Scalar::F64 => c::Scalar::F64,
         Scalar::F32 => c::Scalar::F32,
@@ -109,8 +138,11 @@ fn c_files(
     for note in &package.notes {
         message(&format!("note: {note}"));
     }
-    Ok(vec![
-        (format!("{name}.h"), package.header),
-        (format!("{name}.c"), package.source),
-    ])
+    let layout = match arguments.layout.unwrap_or(Layout::Bare) {
+        Layout::Bare => layout::Layout::Bare,
+        Layout::Cmake => layout::Layout::Cmake,
+        Layout::Platformio => layout::Layout::PlatformIo,
+        Layout::Arduino => layout::Layout::Arduino,
+    };
+    Ok(layout::files(model, package, &name, &options, layout)?)
 }

@@ -8,6 +8,7 @@
 mod fixed;
 mod float;
 mod functions;
+pub mod layout;
 mod selftest;
 mod servos;
 mod tables;
