@@ -296,15 +296,14 @@ static const op2_r_sole_fixed_real op2_r_sole_fixed_quarter[1025] = {
 /* Sine and cosine of step * 2 pi / 4096, any step. */
 static void op2_r_sole_fixed_lookup(uint32_t step, op2_r_sole_fixed_real *sine, op2_r_sole_fixed_real *cosine)
 {
-    const uint32_t quadrant = (step >> 10) & 3u;
-    const uint32_t near = step & 1023u;
-    /* Odd quadrants run backwards: near or 1024 - near. */
-    const uint32_t odd = quadrant & 1u;
-    const uint32_t at = (near ^ (0u - odd)) + (1025u * odd);
-    const op2_r_sole_fixed_real s = op2_r_sole_fixed_quarter[at];
-    const op2_r_sole_fixed_real c = op2_r_sole_fixed_quarter[1024u - at];
-    *sine = (quadrant >= 2u) ? -s : s;
-    *cosine = (((quadrant + 1u) & 2u) != 0u) ? -c : c;
+    const uint32_t rising = step & 1023u;
+    const uint32_t falling = 1024u - rising;
+    /* Odd quadrants run backwards; sin < 0 in 2 and 3, cos < 0 in 1 and 2. No branch. */
+    const uint32_t swap = (rising ^ falling) & (0u - ((step >> 10) & 1u));
+    const op2_r_sole_fixed_real s = op2_r_sole_fixed_quarter[rising ^ swap];
+    const op2_r_sole_fixed_real c = op2_r_sole_fixed_quarter[falling ^ swap];
+    *sine = ((step & 2048u) != 0u) ? -s : s;
+    *cosine = (((step + 1024u) & 2048u) != 0u) ? -c : c;
 }
 /*
  * Sine and cosine, 30 fraction bits, of an angle with the given fraction bits:
