@@ -4,7 +4,7 @@
 //! identified parameters. Data walks one way:
 //!
 //! ```text
-//! robot → evaluate → simulate | verify | identify → demo → report
+//! robot → evaluate → simulate | verify | identify → plan | demo → report
 //! ```
 //!
 //! The command line in [`cli`] parses, calls and prints; nothing else.
@@ -18,6 +18,7 @@ pub mod evaluate;
 pub mod identify;
 pub mod inspect;
 pub mod output;
+pub mod plan;
 pub mod posture_log;
 pub mod regenerate;
 pub mod report;

@@ -4,6 +4,7 @@ mod demo;
 mod fit;
 mod generate;
 mod inspect;
+mod plan;
 mod predict;
 mod simulate;
 mod verify;
@@ -34,6 +35,7 @@ enum Command {
     Generate(generate::Arguments),
     Verify(verify::Arguments),
     Simulate(simulate::Arguments),
+    Plan(plan::Arguments),
     Predict(predict::Arguments),
     Fit(fit::Arguments),
     Demo(demo::Arguments),
@@ -54,6 +56,7 @@ pub fn main() -> ExitCode {
         Command::Generate(arguments) => generate::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
+        Command::Plan(arguments) => plan::run(&arguments),
         Command::Predict(arguments) => predict::run(&arguments),
         Command::Fit(arguments) => fit::run(&arguments),
         Command::Demo(arguments) => demo::run(&arguments),

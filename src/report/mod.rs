@@ -7,6 +7,7 @@
 pub mod figures;
 pub mod fit;
 pub mod html;
+pub mod plan;
 mod svg;
 pub mod table;
 #[cfg(test)]

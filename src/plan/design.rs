@@ -1,0 +1,317 @@
+//! The postures that tell most: D-optimal choice.
+//!
+//! ```text
+//! choose  max log det(M)      M = ε I + Σ_chosen a_kᵀ a_k      a_k = φ_k S / σ
+//! add k   det M ← det M · det(I + G_k)      P ← P − P a_kᵀ (I + G_k)⁻¹ a_k P
+//! take k  det M ← det M · det(I − G_k)      P ← P + P a_kᵀ (I − G_k)⁻¹ a_k P
+//! ```
+//!
+//! with P = M⁻¹ and G_k = a_k P a_kᵀ, 2 × 2. In coordinates u, r = r_CAD + S u,
+//! the prior is the identity (ε = 1). Without a prior the coordinates are those
+//! in which all candidates together see every direction alike, directions that
+//! none sees are left out, and ε is [`RIDGE`].
+//!
+//! Greedy first; then every chosen posture in turn is exchanged for the best of
+//! all, as long as rounds gain [`ENOUGH`]. σ² tr(G_k)/2 is the variance with which
+//! the CoP of posture k will be predicted.
+
+use nalgebra::{Cholesky, DMatrix, Matrix2};
+
+/// ε where there is no prior: the information of a millionth of a posture.
+const RIDGE: f64 = 1e-6;
+/// A round of exchanges that gains less in log det is the last.
+const ENOUGH: f64 = 1e-3;
+const ROUNDS: usize = 50;
+
+/// Candidates in whitened coordinates.
+pub struct Rows {
+    /// Column 2k + axis is that row of a_k.
+    columns: DMatrix<f64>,
+    ridge: f64,
+}
+
+/// Which candidates were chosen, and what that gained.
+pub struct Choice {
+    pub chosen: Vec<usize>,
+    /// log det of M / ε after the greedy choice, then after every round of exchanges.
+    pub log_det: Vec<f64>,
+    pub exchanges: usize,
+    /// tr(G_k)/2 of all candidates: variances in units of σ².
+    pub variances: Vec<f64>,
+}
+
+impl Rows {
+    /// `regressor`: φᵀ as columns, two per candidate; `prior`: S.
+    pub fn with_prior(regressor: &DMatrix<f64>, prior: &DMatrix<f64>, sigma: f64) -> Rows {
+        Rows {
+            columns: prior.tr_mul(regressor) / sigma,
+            ridge: 1.0,
+        }
+    }
+
+    /// Without a prior, in the directions that the candidates see.
+    pub fn free(regressor: &DMatrix<f64>, unseen: f64) -> Rows {
+        let count = (regressor.ncols() / 2).max(1) as f64;
+        // R of the candidates' QR factors: the Gram matrix would lose half the digits.
+        let r = regressor.transpose().qr().r();
+        let svd = r.svd(false, true);
+        let largest = svd.singular_values.max();
+        let seen: Vec<usize> = (0..svd.singular_values.len())
+            .filter(|&k| svd.singular_values[k] > unseen * largest)
+            .collect();
+        let v = svd
+            .v_t
+            .unwrap_or_else(|| DMatrix::zeros(0, regressor.nrows()));
+        let mut whiten = DMatrix::zeros(seen.len(), regressor.nrows());
+        for (to, &k) in seen.iter().enumerate() {
+            whiten.set_row(to, &(v.row(k) * (count.sqrt() / svd.singular_values[k])));
+        }
+        Rows {
+            columns: whiten * regressor,
+            ridge: RIDGE,
+        }
+    }
+
+    /// Candidates.
+    pub fn len(&self) -> usize {
+        self.columns.ncols() / 2
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Directions there are to tell.
+    pub fn directions(&self) -> usize {
+        self.columns.nrows()
+    }
+
+    /// Choose `n` of the candidates; `progress` hears of every posture looked at.
+    pub fn choose(&self, n: usize, progress: impl Fn(u64)) -> Choice {
+        let mut state = State::new(self);
+        let mut chosen = Vec::with_capacity(n);
+        let mut log_det = 0.0;
+        for _ in 0..n.min(self.len()) {
+            let best = state.best();
+            log_det += state.gain(best);
+            state.add(best);
+            chosen.push(best);
+            progress(1);
+        }
+        let mut steps = vec![log_det];
+        let mut exchanges = 0;
+        while steps.len() <= ROUNDS && chosen.len() < self.len() {
+            // Rounding of many updates does not add up.
+            state.refresh(&chosen);
+            let before = exchanges;
+            for slot in chosen.iter_mut() {
+                let old = *slot;
+                let (kept, values) = (state.inverse.clone(), state.gains.clone());
+                let lost = state.loss(old);
+                state.take(old);
+                let best = state.best();
+                let gained = state.gain(best);
+                if best == old || gained <= lost + 1e-9 {
+                    (state.inverse, state.gains) = (kept, values);
+                    state.used[old] = true;
+                } else {
+                    state.add(best);
+                    *slot = best;
+                    log_det += gained - lost;
+                    exchanges += 1;
+                }
+                progress(1);
+            }
+            let gain = log_det - steps[steps.len() - 1];
+            steps.push(log_det);
+            if exchanges == before || gain < ENOUGH {
+                break;
+            }
+        }
+        state.refresh(&chosen);
+        Choice {
+            chosen,
+            log_det: steps,
+            exchanges,
+            variances: state.gains.iter().map(|g| g.trace() / 2.0).collect(),
+        }
+    }
+
+    /// Σ aᵀ a of all candidates.
+    pub fn gram(&self) -> DMatrix<f64> {
+        &self.columns * self.columns.transpose()
+    }
+
+    /// Mean of tr(G)/2 over all candidates, whose [`gram`](Self::gram) this is, with
+    /// only these chosen.
+    pub fn mean_variance(&self, chosen: &[usize], gram: &DMatrix<f64>) -> f64 {
+        self.inverse(chosen).dot(gram) / self.columns.ncols().max(1) as f64
+    }
+
+    fn inverse(&self, chosen: &[usize]) -> DMatrix<f64> {
+        let columns: Vec<usize> = chosen.iter().flat_map(|k| [2 * k, 2 * k + 1]).collect();
+        let rows = self.columns.select_columns(&columns);
+        let order = self.directions();
+        let information = &rows * rows.transpose() + DMatrix::identity(order, order) * self.ridge;
+        Cholesky::new(information).map_or_else(
+            || DMatrix::identity(order, order) / self.ridge,
+            |factor| factor.inverse(),
+        )
+    }
+}
+
+struct State<'r> {
+    rows: &'r Rows,
+    /// P
+    inverse: DMatrix<f64>,
+    /// G_k
+    gains: Vec<Matrix2<f64>>,
+    used: Vec<bool>,
+}
+
+impl<'r> State<'r> {
+    fn new(rows: &'r Rows) -> State<'r> {
+        let mut state = State {
+            rows,
+            inverse: DMatrix::zeros(0, 0),
+            gains: Vec::new(),
+            used: vec![false; rows.len()],
+        };
+        state.refresh(&[]);
+        state
+    }
+
+    /// P and G from the chosen rows alone.
+    fn refresh(&mut self, chosen: &[usize]) {
+        let columns = &self.rows.columns;
+        self.inverse = self.rows.inverse(chosen);
+        let spread = &self.inverse * columns;
+        let gain = |k: usize| {
+            let of = |a: usize, b: usize| columns.column(2 * k + a).dot(&spread.column(2 * k + b));
+            Matrix2::new(of(0, 0), of(0, 1), of(0, 1), of(1, 1))
+        };
+        self.gains = (0..self.rows.len()).map(gain).collect();
+    }
+
+    /// log det(I + G_k)
+    fn gain(&self, k: usize) -> f64 {
+        (Matrix2::identity() + self.gains[k]).determinant().ln()
+    }
+
+    /// −log det(I − G_k)
+    fn loss(&self, k: usize) -> f64 {
+        let left = (Matrix2::identity() - self.gains[k]).determinant();
+        -left.max(f64::MIN_POSITIVE).ln()
+    }
+
+    /// The unused candidate that gains most; the first of equals.
+    fn best(&self) -> usize {
+        let size = |k: usize| (Matrix2::identity() + self.gains[k]).determinant();
+        let mut best = (usize::MAX, f64::NEG_INFINITY);
+        for k in (0..self.gains.len()).filter(|&k| !self.used[k]) {
+            let size = size(k);
+            if size > best.1 || best.0 == usize::MAX {
+                best = (k, size);
+            }
+        }
+        best.0
+    }
+
+    fn add(&mut self, k: usize) {
+        self.update(k, 1.0);
+        self.used[k] = true;
+    }
+
+    fn take(&mut self, k: usize) {
+        self.update(k, -1.0);
+        self.used[k] = false;
+    }
+
+    /// M + sign · a_kᵀ a_k.
+    fn update(&mut self, k: usize, sign: f64) {
+        let columns = &self.rows.columns;
+        let core = Matrix2::identity() + self.gains[k] * sign;
+        let core = core.try_inverse().unwrap_or_else(Matrix2::zeros) * sign;
+        let toward = &self.inverse * columns.columns(2 * k, 2);
+        for (j, gain) in self.gains.iter_mut().enumerate() {
+            let of = |a: usize, b: usize| columns.column(2 * j + a).dot(&toward.column(b));
+            let across = Matrix2::new(of(0, 0), of(0, 1), of(1, 0), of(1, 1));
+            *gain -= across * core * across.transpose();
+        }
+        let half = &toward * core;
+        self.inverse -= half * toward.transpose();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn regressor(candidates: usize) -> DMatrix<f64> {
+        DMatrix::from_fn(4, 2 * candidates, |i, j| {
+            ((i * 31 + j * j * 7 + i * j) as f64 * 0.61).sin()
+        })
+    }
+
+    fn log_det(rows: &Rows, chosen: &[usize]) -> f64 {
+        let order = rows.directions();
+        let mut information = DMatrix::identity(order, order) * rows.ridge;
+        for &k in chosen {
+            let a = rows.columns.columns(2 * k, 2);
+            information += a * a.transpose();
+        }
+        (information.determinant() / rows.ridge.powi(order as i32)).ln()
+    }
+
+    /// Against determinants of the whole, and against all choices there are.
+    #[test]
+    fn the_choice_is_the_best_of_all() {
+        let regressor = regressor(9);
+        let prior = DMatrix::from_fn(4, 3, |i, j| if i == j { 0.5 } else { 0.1 * (i + j) as f64 });
+        for rows in [
+            Rows::with_prior(&regressor, &prior, 0.3),
+            Rows::free(&regressor, 1e-10),
+        ] {
+            let choice = rows.choose(4, |_| ());
+            let found = log_det(&rows, &choice.chosen);
+            let last = choice.log_det[choice.log_det.len() - 1];
+            assert!((found - last).abs() < 1e-6 * found.abs(), "{found} {last}");
+            let mut best = f64::NEG_INFINITY;
+            for mask in 0u32..1 << 9 {
+                if mask.count_ones() == 4 {
+                    let set: Vec<usize> = (0..9).filter(|k| mask >> k & 1 == 1).collect();
+                    best = best.max(log_det(&rows, &set));
+                }
+            }
+            assert!(found > best - 0.02 * best.abs(), "{found} of {best}");
+            let mean: f64 = choice.variances.iter().sum::<f64>() / 9.0;
+            assert!((mean - rows.mean_variance(&choice.chosen, &rows.gram())).abs() < 1e-9 * mean);
+        }
+    }
+
+    #[test]
+    fn exchanges_never_lose_and_nothing_is_taken_twice() {
+        let regressor = regressor(200);
+        let rows = Rows::free(&regressor, 1e-10);
+        assert_eq!(rows.directions(), 4);
+        let choice = rows.choose(20, |_| ());
+        assert!(choice.log_det.windows(2).all(|pair| pair[1] >= pair[0]));
+        let mut sorted = choice.chosen.clone();
+        sorted.sort_unstable();
+        sorted.dedup();
+        assert_eq!(sorted.len(), 20);
+        let first: Vec<usize> = (0..20).collect();
+        let of = |chosen: &[usize]| rows.mean_variance(chosen, &rows.gram());
+        assert!(of(&choice.chosen) < 0.8 * of(&first));
+        assert_eq!(rows.choose(500, |_| ()).chosen.len(), 200);
+    }
+
+    /// A direction that no candidate moves is nobody's to tell.
+    #[test]
+    fn unseen_directions_are_left_out() {
+        let mut regressor = regressor(30);
+        let twice = regressor.row(1) * 2.0;
+        regressor.set_row(3, &twice);
+        assert_eq!(Rows::free(&regressor, 1e-10).directions(), 3);
+    }
+}
