@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Vector3};
 use parry3d_f64::glamx::{DMat3, DQuat, DVec3};
 use parry3d_f64::math::Pose as Placement;
 use parry3d_f64::query::intersection_test;
-use parry3d_f64::shape::SharedShape;
+use parry3d_f64::shape::{Ball, Capsule, Cuboid, Cylinder, Shape};
 use sesc_codegen::Model;
 
 use super::geometry::{Geometry, Solid};
@@ -28,7 +28,7 @@ struct Placed {
     body: usize,
     pose: Pose,
     radius: f64,
-    shape: SharedShape,
+    shape: Box<dyn Shape>,
 }
 
 impl Collisions {
@@ -115,7 +115,7 @@ impl Collisions {
         if (worlds[a].0 - worlds[b].0).norm_squared() > reach * reach {
             return false;
         }
-        let met = intersection_test(&worlds[a].1, &*one.shape.0, &worlds[b].1, &*other.shape.0);
+        let met = intersection_test(&worlds[a].1, &*one.shape, &worlds[b].1, &*other.shape);
         // All pairs of these shapes are supported.
         met.is_ok_and(|met| met.intersecting)
     }
@@ -127,12 +127,15 @@ fn placed(body: usize, pose: Pose, solid: Solid) -> Placed {
         rotation: Matrix3::new(1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0),
         ..Pose::IDENTITY
     };
-    let (shape, pose) = match solid {
-        Solid::Box(half) => (SharedShape::cuboid(half.x, half.y, half.z), pose),
-        Solid::Sphere { radius } => (SharedShape::ball(radius), pose),
-        Solid::Capsule { radius, half } => (SharedShape::capsule_z(half, radius), pose),
+    let (shape, pose): (Box<dyn Shape>, Pose) = match solid {
+        Solid::Box(half) => (
+            Box::new(Cuboid::new(DVec3::new(half.x, half.y, half.z))),
+            pose,
+        ),
+        Solid::Sphere { radius } => (Box::new(Ball::new(radius)), pose),
+        Solid::Capsule { radius, half } => (Box::new(Capsule::new_z(half, radius)), pose),
         Solid::Cylinder { radius, half } => {
-            (SharedShape::cylinder(half, radius), pose.then(&upright))
+            (Box::new(Cylinder::new(half, radius)), pose.then(&upright))
         }
     };
     Placed {

@@ -19,8 +19,8 @@ use nalgebra::{Cholesky, DMatrix, Matrix2};
 
 /// ε where there is no prior: the information of a millionth of a posture.
 const RIDGE: f64 = 1e-6;
-/// A round of exchanges that gains less in log det is the last.
-const ENOUGH: f64 = 1e-3;
+/// A round of exchanges that gains less in log det per direction is the last.
+const ENOUGH: f64 = 1e-4;
 const ROUNDS: usize = 50;
 
 /// Candidates in whitened coordinates.
@@ -124,7 +124,7 @@ impl Rows {
             }
             let gain = log_det - steps[steps.len() - 1];
             steps.push(log_det);
-            if exchanges == before || gain < ENOUGH {
+            if exchanges == before || gain < ENOUGH * self.directions() as f64 {
                 break;
             }
         }

@@ -74,17 +74,15 @@ impl Limits {
 
     fn parse(text: &str, file: &str, dofs: &[Dof]) -> Result<Limits, Error> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let mut reader = csv::ReaderBuilder::new()
-            .comment(Some(b'#'))
-            .trim(csv::Trim::All)
-            .flexible(true)
-            .from_reader(text.as_bytes());
-        let broken = |error: csv::Error| {
-            let line = error.position().map(csv::Position::line);
-            fault(file, line, &error.to_string())
-        };
-        let header = reader.headers().map_err(broken)?.clone();
-        let columns = Columns::of(&header, file)?;
+        // Line by line: the numbers of lines count comments and blank ones too.
+        let lines = text
+            .lines()
+            .enumerate()
+            .map(|(k, line)| (k as u64 + 1, line.trim()));
+        let mut lines = lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
+        let (line, header) = lines.next().unwrap_or((1, ""));
+        let header = fields(header);
+        let columns = Columns::of(&header, file, line)?;
         let mut limits = Limits::of_urdf(dofs);
         let index: HashMap<&str, usize> = dofs
             .iter()
@@ -93,9 +91,8 @@ impl Limits {
             .collect();
         let mut seen: HashMap<usize, u64> = HashMap::new();
         let mut wider = Vec::new();
-        for record in reader.records() {
-            let record = record.map_err(broken)?;
-            let line = record.position().map_or(0, csv::Position::line);
+        for (line, text) in lines {
+            let record = fields(text);
             let bad = |message: String| fault(file, Some(line), &message);
             let name = record.get(columns.joint).unwrap_or("");
             let Some(&joint) = index.get(name) else {
@@ -167,7 +164,7 @@ struct Columns {
 }
 
 impl Columns {
-    fn of(header: &csv::StringRecord, file: &str) -> Result<Columns, Error> {
+    fn of(header: &csv::StringRecord, file: &str, line: u64) -> Result<Columns, Error> {
         let at = |name: &str| header.iter().position(|h| h.eq_ignore_ascii_case(name));
         let pairs = UNITS.map(|(unit, _, _)| {
             Some((at(&format!("lower_{unit}"))?, at(&format!("upper_{unit}"))?))
@@ -176,7 +173,7 @@ impl Columns {
             Some(joint) => Ok(Columns { joint, pairs }),
             None => Err(fault(
                 file,
-                Some(header.position().map_or(1, |p| p.line().max(1))),
+                Some(line),
                 "no header `joint,lower_deg,upper_deg` (or lower_rad,upper_rad; lower_m,upper_m \
                  for sliding joints); the header says the unit",
             )),
@@ -227,6 +224,16 @@ impl Columns {
         }
         found.ok_or_else(|| format!("joint `{name}` has no limits on its line; give both"))
     }
+}
+
+/// The cells of a line.
+fn fields(line: &str) -> csv::StringRecord {
+    let mut reader = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .trim(csv::Trim::All)
+        .from_reader(line.as_bytes());
+    let first = reader.records().next();
+    first.and_then(Result::ok).unwrap_or_default()
 }
 
 fn unknown(name: &str, dofs: &[Dof]) -> String {

@@ -113,7 +113,7 @@ mod tests {
                     let own = poses[body].then(&place);
                     let off = own.origin - theirs.translation.vector;
                     assert!(off.norm() < 1e-12, "{}: {off}", model.tree.links[link].name);
-                    let turned = own.rotation - theirs.rotation.to_rotation_matrix().matrix();
+                    let turned = own.rotation - theirs.rotation.matrix();
                     assert!(turned.norm() < 1e-12);
                 }
             }

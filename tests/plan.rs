@@ -1,0 +1,452 @@
+//! `sesc plan`: what planned postures are worth, that they can be stood in, and
+//! what is refused.
+
+#[path = "common/command.rs"]
+mod command;
+
+use std::path::Path;
+
+use command::{ROOT, folder, op2, refused, sesc, stdout, write};
+use nalgebra::{DMatrix, DVector};
+use rand::SeedableRng as _;
+use rand::seq::index;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution as _, StandardNormal};
+use sesc::evaluate::Evaluator;
+use sesc::identify::factor::Factor;
+use sesc::identify::prior::Prior;
+use sesc::identify::solve::solve;
+use sesc::plan::balance::Region;
+use sesc::plan::limits::Limits;
+use sesc::plan::{Plan, Request, plan};
+use sesc::robot::{OP2_URDF, Robot};
+use sesc_codegen::{Function, Model, Snapping};
+use sesc_reference::{Reference, Robot as TrueRobot};
+
+/// The seed paper's: |CoP| < 23 mm, 38 postures, 100 readings of 4.93 mm each.
+const COP_BOX: f64 = 0.023;
+const POSES: usize = 38;
+const NOISE: f64 = 0.000493;
+
+fn paper_limits() -> String {
+    format!("{ROOT}/robots/op2/limits_paper.csv")
+}
+
+fn op2_plan(prior: &str, seed: u64, candidates: usize) -> (Robot, Model, Plan) {
+    let robot = Robot::parse(OP2_URDF, "op2.urdf").unwrap();
+    let model = robot.model("r_sole", Snapping::default(), None).unwrap();
+    let request = Request {
+        poses: POSES,
+        candidates: Some(candidates),
+        region: Region::square(COP_BOX, 0.0),
+        sigmas: 2.0,
+        limits: Limits::read(Path::new(&paper_limits()), &model.tree.dofs).unwrap(),
+        prior: Prior::named(prior, &model).unwrap(),
+        noise: NOISE,
+        clearance: 0.005,
+        seed,
+        folder: None,
+    };
+    let found = plan(&robot, &model, &request, &|_, _, _| ()).unwrap();
+    (robot, model, found)
+}
+
+/// The OP2 as it might really be: every link's mass off by 10 %, its CoM by 5 mm per axis.
+fn true_robot(rng: &mut ChaCha8Rng) -> TrueRobot {
+    let cad = TrueRobot::from_urdf(OP2_URDF).unwrap();
+    let mut gauss = |std: f64| -> f64 {
+        let x: f64 = StandardNormal.sample(rng);
+        std * x
+    };
+    let mut robot = cad.clone();
+    for link in cad.links().iter().filter(|link| link.mass_kg > 0.0) {
+        let mass = link.mass_kg * (1.0 + gauss(0.1)).max(0.2);
+        let com = link.com_m.coords.map(|c| c + gauss(0.005));
+        // A point mass that makes it so.
+        let extra = mass - link.mass_kg;
+        let at = (com * mass - link.com_m.coords * link.mass_kg) / extra;
+        robot = robot.with_point_mass(&link.name, extra, at.into()).unwrap();
+    }
+    robot
+}
+
+/// RMS error of the CoP over postures never fitted, without noise, m.
+struct Lab<'a> {
+    rows: DMatrix<f64>,
+    truth: DVector<f64>,
+    cad: DVector<f64>,
+    prior: Option<&'a DMatrix<f64>>,
+}
+
+impl Lab<'_> {
+    fn clean_error(&self, fitted: &[usize], held_out: &[usize], noise: &[f64]) -> f64 {
+        let at = |postures: &[usize]| -> Vec<usize> {
+            postures.iter().flat_map(|k| [2 * k, 2 * k + 1]).collect()
+        };
+        let lines = at(fitted);
+        let reading = self.truth.select_rows(&lines) + DVector::from_row_slice(noise);
+        let mut factor = Factor::new(self.cad.len());
+        factor.push(
+            &self.rows.select_rows(&lines),
+            &reading,
+            &vec![1.0; lines.len()],
+        );
+        let found = solve(&factor, NOISE, &self.cad, self.prior);
+        let lines = at(held_out);
+        let off = self.rows.select_rows(&lines) * found.params - self.truth.select_rows(&lines);
+        (off.norm_squared() / off.len() as f64).sqrt()
+    }
+}
+
+/// Mean clean held-out errors of planned and of random postures over 20 robots, m.
+fn yardstick(prior: &str) -> (f64, f64) {
+    let (mut planned, mut random) = (0.0, 0.0);
+    let seeds = 20;
+    for seed in 1..=seeds {
+        let (_, model, found) = op2_plan(prior, seed, 1000);
+        let mut rng = ChaCha8Rng::seed_from_u64(1000 + seed);
+        let reference = Reference::new(&true_robot(&mut rng), "r_sole").unwrap();
+        let postures: Vec<&[f64]> = found.q.chunks(model.dof()).collect();
+        let truth = postures.iter().flat_map(|q| {
+            let com = reference.com(q);
+            [com.x, com.y]
+        });
+        let truth = DVector::from_iterator(2 * postures.len(), truth);
+        let values = Evaluator::new(&model, Function::RegressorCop).run(&found.q, postures.len());
+        let factor = Prior::named(prior, &model).unwrap().factor(&model);
+        let lab = Lab {
+            rows: DMatrix::from_row_slice(2 * postures.len(), model.base.params.len(), &values),
+            truth,
+            cad: DVector::from_vec(model.cad_params()),
+            prior: factor.as_ref(),
+        };
+        let drawn = index::sample(&mut rng, postures.len(), POSES).into_vec();
+        let held_out: Vec<usize> = (0..postures.len())
+            .filter(|k| !drawn.contains(k) && !found.chosen.contains(k))
+            .collect();
+        let noise: Vec<f64> = (0..2 * POSES)
+            .map(|_| {
+                let x: f64 = StandardNormal.sample(&mut rng);
+                NOISE * x
+            })
+            .collect();
+        planned += lab.clean_error(&found.chosen, &held_out, &noise) / seeds as f64;
+        random += lab.clean_error(&drawn, &held_out, &noise) / seeds as f64;
+    }
+    eprintln!(
+        "{prior}: planned {:.4} mm, random {:.4} mm, {:.1} % less",
+        1e3 * planned,
+        1e3 * random,
+        100.0 * (1.0 - planned / random)
+    );
+    (planned, random)
+}
+
+#[test]
+fn planned_postures_tell_a_third_more_than_random_ones() {
+    let (planned, random) = yardstick("free");
+    assert!(planned < 0.7 * random, "{planned} {random}");
+}
+
+#[test]
+fn with_cad_as_prior_they_still_tell_more() {
+    let (planned, random) = yardstick("cad");
+    // CAD already tells what few postures would: about a tenth is left to gain.
+    assert!(planned < 0.95 * random, "{planned} {random}");
+}
+
+/// Limits from the file, balance and ground from the reference.
+#[test]
+fn every_planned_posture_can_be_stood_in() {
+    let (robot, model, found) = op2_plan("cad", 7, 400);
+    let reference = robot.reference("r_sole").unwrap();
+    let text = std::fs::read_to_string(paper_limits()).unwrap();
+    let support = reference.robot().link_index("r_sole").unwrap();
+    let still: Vec<usize> = reference
+        .robot()
+        .joints()
+        .iter()
+        .filter(|j| j.parent == support || j.child == support)
+        .flat_map(|j| [j.parent, j.child])
+        .collect();
+    let mut rng = ChaCha8Rng::seed_from_u64(5);
+    let others: Vec<Reference> = (0..20)
+        .map(|_| Reference::new(&true_robot(&mut rng), "r_sole").unwrap())
+        .collect();
+    let mut outside = 0;
+    for q in found.q.chunks(model.dof()) {
+        for (dof, angle) in model.tree.dofs.iter().zip(q) {
+            let line = text
+                .lines()
+                .find(|l| l.starts_with(&format!("{},", dof.joint)))
+                .unwrap();
+            let ends: Vec<f64> = line
+                .split(',')
+                .skip(1)
+                .map(|x| x.parse().unwrap())
+                .collect();
+            let degrees = angle.to_degrees();
+            assert!(
+                ends[0] - 1e-9 <= degrees && degrees <= ends[1] + 1e-9,
+                "{line}: {degrees}"
+            );
+            assert!(angle.abs() <= 2.6179939 + 1e-12);
+        }
+        let com = reference.com(q);
+        assert!(com.x.abs() < COP_BOX && com.y.abs() < COP_BOX, "{com}");
+        for (link, pose) in reference.link_poses(q).iter().enumerate() {
+            if still.contains(&link) {
+                continue;
+            }
+            let about = &reference.robot().links()[link];
+            assert!(
+                pose.translation.z >= 0.005 - 1e-9,
+                "{}: {}",
+                about.name,
+                pose.translation.z
+            );
+            if about.mass_kg > 0.0 {
+                assert!((pose * about.com_m).z >= 0.005 - 1e-9, "{}", about.name);
+            }
+        }
+        outside += others
+            .iter()
+            .filter(|other| other.com(q).xy().amax() >= COP_BOX)
+            .count();
+    }
+    // Two standard deviations on each side of each axis: a few robots in a hundred at most.
+    let share = outside as f64 / (others.len() * found.candidates) as f64;
+    assert!(share < 0.05, "{share}");
+}
+
+#[test]
+fn the_same_seed_gives_the_same_file_and_another_does_not() {
+    let folder = folder();
+    let run = |name: &str, seed: &str| {
+        let out = folder.path().join(name);
+        let output = sesc(&[
+            "plan",
+            &op2(),
+            "--support",
+            "r_sole",
+            "--poses",
+            "10",
+            "--candidates",
+            "200",
+            "--limits",
+            &paper_limits(),
+            "--seed",
+            seed,
+            "--json",
+            "--out",
+            out.to_str().unwrap(),
+        ]);
+        (stdout(&output), std::fs::read_to_string(out).unwrap())
+    };
+    let first = run("a.csv", "3");
+    assert_eq!(first, run("b.csv", "3"));
+    assert_ne!(first.1, run("c.csv", "4").1);
+    assert_eq!(first.1.lines().count(), 11);
+    assert!(first.1.starts_with("pose,head_pan,"));
+    let sidecar = std::fs::read_to_string(folder.path().join("a.toml")).unwrap();
+    assert!(sidecar.contains("support = \"r_sole\""), "{sidecar}");
+    let json: serde_json::Value = serde_json::from_str(&first.0).unwrap();
+    assert_eq!(json["poses"], 10);
+    let draws = &json["draws"];
+    let count = |key: &str| draws[key].as_u64().unwrap();
+    assert!(count("drawn") >= count("balanced") && count("balanced") >= count("clear"));
+    assert!(count("clear") >= count("collision_free") && count("collision_free") == 200);
+    let motion = &json["motion"];
+    assert!(motion["ordered"].as_f64() < motion["as_chosen"].as_f64());
+}
+
+/// A column of turning joints about x and y in turn, on a wide foot.
+fn column(joints: usize) -> String {
+    let mut text = String::from("<robot name=\"column\"><link name=\"foot\"/>");
+    for k in 0..joints {
+        let parent = if k == 0 {
+            "foot".to_string()
+        } else {
+            format!("l{}", k - 1)
+        };
+        let axis = if k % 2 == 0 { "1 0 0" } else { "0 1 0" };
+        text += &format!(
+            "<link name=\"l{k}\"><inertial><origin xyz=\"0 0 0.02\"/><mass value=\"0.1\"/></inertial></link>\
+             <joint name=\"j{k}\" type=\"revolute\"><parent link=\"{parent}\"/><child link=\"l{k}\"/>\
+             <origin xyz=\"0 0 0.04\"/><axis xyz=\"{axis}\"/><limit lower=\"-1\" upper=\"1\"/></joint>"
+        );
+    }
+    text + "</robot>"
+}
+
+#[test]
+fn robots_of_one_joint_and_of_hundreds_are_planned() {
+    let folder = folder();
+    for joints in [1, 2, 120] {
+        let urdf = write(folder.path(), "column.urdf", column(joints));
+        let out = folder.path().join("poses.csv").display().to_string();
+        let output = sesc(&[
+            "plan",
+            &urdf,
+            "--support",
+            "foot",
+            "--poses",
+            "5",
+            "--candidates",
+            "40",
+            "--cop-box",
+            "0.15",
+            "--prior",
+            "tight",
+            "--out",
+            &out,
+            "--json",
+        ]);
+        let json: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
+        assert_eq!(json["candidates"], 40, "{json}");
+    }
+}
+
+/// Two arms whose hands can meet in front of the column they are on.
+#[test]
+fn planned_postures_do_not_collide() {
+    let radius = 0.05;
+    let arm = |side: &str, y: f64| {
+        format!(
+            "<link name=\"{side}_upper\"><inertial><mass value=\"0.1\"/></inertial></link>\
+             <link name=\"{side}_hand\"><inertial><mass value=\"0.1\"/></inertial>\
+             <collision><geometry><sphere radius=\"{radius}\"/></geometry></collision></link>\
+             <joint name=\"{side}_shoulder\" type=\"continuous\"><parent link=\"trunk\"/>\
+             <child link=\"{side}_upper\"/><origin xyz=\"0 {y} 0.3\"/><axis xyz=\"0 0 1\"/></joint>\
+             <joint name=\"{side}_wrist\" type=\"continuous\"><parent link=\"{side}_upper\"/>\
+             <child link=\"{side}_hand\"/><origin xyz=\"0.1 0 0\"/><axis xyz=\"0 0 1\"/></joint>"
+        )
+    };
+    let urdf = format!(
+        "<robot name=\"pair\"><link name=\"foot\"/><link name=\"trunk\"><inertial>\
+         <origin xyz=\"0 0 0.2\"/><mass value=\"1\"/></inertial></link>\
+         <joint name=\"ankle\" type=\"revolute\"><parent link=\"foot\"/><child link=\"trunk\"/>\
+         <origin xyz=\"0 0 0.05\"/><axis xyz=\"0 1 0\"/><limit lower=\"-0.3\" upper=\"0.3\"/></joint>{}{}</robot>",
+        arm("left", 0.06),
+        arm("right", -0.06)
+    );
+    let robot = Robot::parse(&urdf, "pair.urdf").unwrap();
+    let model = robot.model("foot", Snapping::default(), None).unwrap();
+    let request = Request {
+        poses: 10,
+        candidates: Some(300),
+        region: Region::square(0.1, 0.0),
+        sigmas: 1.0,
+        limits: Limits::of_urdf(&model.tree.dofs),
+        prior: Prior::named("cad", &model).unwrap(),
+        noise: NOISE,
+        clearance: 0.005,
+        seed: 1,
+        folder: None,
+    };
+    let found = plan(&robot, &model, &request, &|_, _, _| ()).unwrap();
+    let reference = robot.reference("foot").unwrap();
+    let hand = |side: &str| {
+        reference
+            .robot()
+            .link_index(&format!("{side}_hand"))
+            .unwrap()
+    };
+    let (left, right) = (hand("left"), hand("right"));
+    let apart = found.q.chunks(model.dof()).map(|q| {
+        let poses = reference.link_poses(q);
+        (poses[left].translation.vector - poses[right].translation.vector).norm()
+    });
+    let nearest = apart.fold(f64::INFINITY, f64::min);
+    if cfg!(feature = "collision") {
+        assert!(nearest > 2.0 * radius, "{nearest}");
+        assert!(found.draws.collision_free < found.draws.clear);
+    } else {
+        assert!(found.collision.contains("not checked"));
+    }
+}
+
+#[test]
+fn bad_input_is_refused_with_a_remedy() {
+    let folder = folder();
+    let out = folder.path().join("poses.csv").display().to_string();
+    let plan = |more: &[&str]| {
+        let op2 = op2();
+        let mut arguments = vec!["plan", &op2, "--support", "r_sole", "--out", &out];
+        arguments.extend(more);
+        sesc(&arguments)
+    };
+    let limits = |text: &str| {
+        write(
+            folder.path(),
+            "limits.csv",
+            format!("joint,lower_deg,upper_deg\n{text}\n"),
+        )
+    };
+    refused(&plan(&["--poses", "0"]), &["--poses", "1..=2000"]);
+    refused(&plan(&["--poses", "1000000000"]), &["--poses", "1..=2000"]);
+    for (text, words) in [
+        ("kneee,0,1", ["limits.csv:2", "no joint `kneee`"]),
+        ("r_knee,10,0", ["limits.csv:2", "swap"]),
+        ("r_knee,NaN,0", ["limits.csv:2", "`NaN`"]),
+        ("r_knee,0,inf", ["limits.csv:2", "`inf`"]),
+    ] {
+        refused(&plan(&["--poses", "5", "--limits", &limits(text)]), &words);
+    }
+    refused(
+        &plan(&["--poses", "5", "--limits", "gone.csv"]),
+        &["gone.csv"],
+    );
+    for value in ["0", "-1", "NaN", "inf"] {
+        let flag = format!("--cop-box={value}");
+        refused(&plan(&["--poses", "5", &flag]), &["--cop-box"]);
+        let flag = format!("--noise={value}");
+        refused(&plan(&["--poses", "5", &flag]), &["--noise"]);
+    }
+    refused(
+        &plan(&["--poses", "5", "--clearance=-0.1"]),
+        &["--clearance"],
+    );
+    refused(
+        &plan(&["--poses", "5", "--candidates", "4"]),
+        &["--candidates", "at least"],
+    );
+    refused(
+        &plan(&["--poses", "5", "--sole", "0,0;1,1"]),
+        &["--sole", "corners"],
+    );
+    refused(
+        &plan(&["--poses", "5", "--prior", "gone.toml"]),
+        &["gone.toml"],
+    );
+    // A box narrower than what CAD knows of the CoP.
+    refused(
+        &plan(&["--poses", "5", "--cop-box", "0.0001"]),
+        &["0 balance on `r_sole`", "--cop-box", "misses by"],
+    );
+    // Nothing can be half a metre above the ground.
+    refused(
+        &plan(&["--poses", "5", "--clearance", "0.5"]),
+        &["0 of them keep clear", "--clearance"],
+    );
+    let nowhere = folder
+        .path()
+        .join("no/such/poses.csv")
+        .display()
+        .to_string();
+    let op2 = op2();
+    refused(
+        &sesc(&[
+            "plan",
+            &op2,
+            "--support",
+            "r_sole",
+            "--poses",
+            "5",
+            "--out",
+            &nowhere,
+        ]),
+        &["cannot write"],
+    );
+    assert!(!Path::new(&out).exists());
+}
