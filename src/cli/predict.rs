@@ -43,11 +43,15 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         .model(&first, arguments.robot.snapping(), None)?
         .tree
         .dofs;
-    let links = robot.description.robot.links.iter();
+    // With a support from the flag, what the log says about it is not looked at.
+    let links = match arguments.robot.support {
+        Some(_) => Vec::new(),
+        None => names(&robot),
+    };
     let options = Options {
         angles: arguments.degrees.then_some(Angles::Deg),
         readings: Readings::Ignored,
-        links: links.map(|link| link.name.clone()).collect(),
+        links,
         ..Options::default()
     };
     let mut reader = PostureReader::open(&arguments.data, &dofs, &options)?;
@@ -87,6 +91,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     out.flush().map_err(Error::Stdout)?;
     warn(&mut reader);
     Ok(Outcome::Ok)
+}
+
+/// Names of the robot's links.
+fn names(robot: &Robot) -> Vec<String> {
+    let links = robot.description.robot.links.iter();
+    links.map(|link| link.name.clone()).collect()
 }
 
 /// What the reader noticed and has not yet been told, on stderr.

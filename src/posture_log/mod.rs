@@ -12,6 +12,7 @@
 //! A fault is an error that names file, row, column and remedy. What is only
 //! odd is a warning, see [`PostureReader::warnings`].
 
+mod assemble;
 mod block;
 mod columns;
 mod csv;

@@ -6,7 +6,8 @@ use std::path::Path;
 
 use sesc_codegen::tree::Dof;
 
-use super::block::{Assembler, Block};
+use super::assemble::Assembler;
+use super::block::Block;
 use super::columns::{Columns, Readings};
 use super::csv::CsvSource;
 use super::sidecar::{Angles, Sidecar};

@@ -77,7 +77,7 @@ impl<'a> Cdr<'a> {
         Ok(Cdr {
             body,
             at: 0,
-            big_endian: name[1] % 2 == 0,
+            big_endian: name[1].is_multiple_of(2),
             widest,
         })
     }

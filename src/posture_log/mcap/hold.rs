@@ -193,7 +193,7 @@ mod tests {
         let tick = 0.0015;
         let ticking = postures(
             |t| {
-                if (t * 50.0) as u32 % 2 == 0 {
+                if (t * 50.0).rem_euclid(2.0) < 1.0 {
                     0.0
                 } else {
                     tick

@@ -19,12 +19,13 @@
 mod cdr;
 mod hold;
 mod records;
+mod survey;
 #[cfg(test)]
 pub(super) mod tests;
 
-use std::collections::{HashMap, HashSet, VecDeque};
+use std::collections::{HashMap, VecDeque};
 use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::BufReader;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -33,8 +34,9 @@ use sesc_codegen::tree::Dof;
 use self::cdr::{Header, JointState};
 use self::hold::{Holds, Posture};
 use self::records::{Channel, Records};
+use self::survey::Survey;
 use super::columns::{COP, Columns, POSE, Readings, SUPPORT, T};
-use super::names::{list, short};
+use super::names::short;
 use super::reader::{Hold, Options};
 use super::source::{Interner, Meter, Metered, Progress, Raw, Source};
 use crate::Error;
@@ -49,9 +51,6 @@ const WEIGHT: f64 = 1.0;
 /// Columns before the joints; a recording without readings has three of them.
 const FIRST: [&str; 5] = [POSE, T, SUPPORT, COP[0], COP[1]];
 const T_PLACE: usize = 1;
-
-/// Names kept for messages about joints that are missing.
-const MOST_JOINTS: usize = 10_000;
 
 /// A reading of the CoP.
 struct Reading {
@@ -159,7 +158,7 @@ impl McapSource {
         let at = |message: String| format!("topic {}: {message}", short(&channel.topic));
         match channel.schema.as_str() {
             STATE => {
-                let state = cdr(&channel)
+                let state = check_encoding(&channel)
                     .and_then(|()| JointState::decode(data))
                     .map_err(at)?;
                 self.state(&state, message.log_time).map_err(at)
@@ -170,7 +169,7 @@ impl McapSource {
                     Some(topic) if !self.chosen => return Err(several(topic, &channel.topic)),
                     _ => return Ok(()),
                 }
-                cdr(&channel).map_err(at)?;
+                check_encoding(&channel).map_err(at)?;
                 let (header, cop) = match schema {
                     POINT => cdr::point(data).map(|(header, [x, y, _])| (header, Some([x, y]))),
                     _ => cdr::wrench(data).map(|(header, f, torque)| (header, centre(f, torque))),
@@ -321,83 +320,8 @@ impl Source for McapSource {
     }
 }
 
-/// What a recording has of what is wanted.
-struct Survey {
-    /// The robot's joints that were seen; all joints if one is missing.
-    joints: Vec<String>,
-    topic: Option<String>,
-}
-
-impl Survey {
-    /// Read until every joint and a reading were seen.
-    fn of<R: Read>(
-        mut records: Records<R>,
-        dofs: &[Dof],
-        topic: Option<&str>,
-        wanted: bool,
-    ) -> Result<Survey, String> {
-        let mut missing: HashSet<&str> = dofs.iter().map(|dof| dof.joint.trim()).collect();
-        let (mut seen, mut found) = (HashSet::new(), None);
-        while !missing.is_empty() || (wanted && found.is_none()) {
-            let Some(message) = records.next()? else {
-                break;
-            };
-            let Some(channel) = records.channel_of(&message) else {
-                continue;
-            };
-            match channel.schema.as_str() {
-                STATE => {
-                    cdr(&channel)?;
-                    for name in JointState::decode(records.data(&message))?.name {
-                        missing.remove(name.trim());
-                        if seen.len() < MOST_JOINTS {
-                            seen.insert(name.trim().to_string());
-                        }
-                    }
-                }
-                WRENCH | POINT if topic.is_none_or(|topic| topic == channel.topic) => {
-                    found.get_or_insert_with(|| channel.topic.clone());
-                }
-                _ => {}
-            }
-        }
-        let all = || {
-            let mut topics: Vec<String> = records
-                .channels()
-                .map(|channel| format!("{} ({})", channel.topic, channel.schema))
-                .collect();
-            topics.sort();
-            let topics: Vec<&str> = topics.iter().map(String::as_str).collect();
-            list(&topics)
-        };
-        if seen.is_empty() {
-            return Err(format!("no {STATE}; the topics are {}", all()));
-        }
-        if let (true, Some(topic), None) = (wanted, topic, &found) {
-            return Err(format!(
-                "no CoP on topic `{topic}`; the topics are {}",
-                all()
-            ));
-        }
-        let joints = if missing.is_empty() {
-            dofs.iter()
-                .map(|dof| dof.joint.trim().to_string())
-                .collect()
-        } else {
-            let mut seen: Vec<String> = seen.into_iter().collect();
-            seen.retain(|name| !FIRST.contains(&name.as_str()));
-            seen.sort();
-            seen
-        };
-        Ok(Survey {
-            joints,
-            topic: found.filter(|_| wanted),
-        })
-    }
-}
-
 /// Messages must be written as ROS 2 does.
-fn cdr(channel: &Channel) -> Result<(), String> {
+fn check_encoding(channel: &Channel) -> Result<(), String> {
     match channel.encoding.as_str() {
         "cdr" => Ok(()),
         other => Err(format!(

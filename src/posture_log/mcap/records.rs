@@ -13,6 +13,7 @@
 
 use std::collections::HashMap;
 use std::io::Read;
+use std::ops::Range;
 use std::sync::Arc;
 
 const MAGIC: &[u8; 8] = b"\x89MCAP0\r\n";
@@ -43,7 +44,7 @@ pub(super) struct Message {
     channel: u16,
     /// s
     pub log_time: f64,
-    content: (usize, usize),
+    content: Range<usize>,
 }
 
 /// The records of a file.
@@ -86,16 +87,16 @@ impl<R: Read> Records<R> {
                 CHANNEL => self.channel(content)?,
                 CHUNK => self.open_chunk(content)?,
                 MESSAGE => {
-                    let mut fields = Fields(&self.buffer[content.0..content.1]);
+                    let mut fields = Fields(&self.buffer[content.clone()]);
                     let channel = fields.u16()?;
                     fields.take(4)?; // sequence
                     let log_time = fields.u64()? as f64 * 1e-9;
                     fields.take(8)?; // publish time
-                    let start = content.1 - fields.0.len();
+                    let start = content.end - fields.0.len();
                     return Ok(Some(Message {
                         channel,
                         log_time,
-                        content: (start, content.1),
+                        content: start..content.end,
                     }));
                 }
                 FOOTER if !self.in_chunk => self.finish()?,
@@ -107,7 +108,7 @@ impl<R: Read> Records<R> {
 
     /// Bytes of the message that was read last.
     pub fn data(&self, message: &Message) -> &[u8] {
-        &self.buffer[message.content.0..message.content.1]
+        &self.buffer[message.content.clone()]
     }
 
     /// Channel of a message; a message may come without.
@@ -122,7 +123,7 @@ impl<R: Read> Records<R> {
 
     /// The next record of the chunk or else of the file: its opcode and where
     /// in the buffer its content is.
-    fn record(&mut self) -> Result<Option<(u8, (usize, usize))>, String> {
+    fn record(&mut self) -> Result<Option<(u8, Range<usize>)>, String> {
         if self.in_chunk {
             if self.at < self.buffer.len() {
                 let mut fields = Fields(&self.buffer[self.at..]);
@@ -131,7 +132,7 @@ impl<R: Read> Records<R> {
                 fields.take(length)?;
                 let start = self.at + 9;
                 self.at = start + length;
-                return Ok(Some((opcode, (start, self.at))));
+                return Ok(Some((opcode, start..self.at)));
             }
             self.in_chunk = false;
         }
@@ -152,7 +153,7 @@ impl<R: Read> Records<R> {
         self.buffer.clear();
         let taken = (&mut self.input).take(length).read_to_end(&mut self.buffer);
         match taken {
-            Ok(n) if n as u64 == length => Ok(Some((opcode, (0, n)))),
+            Ok(n) if n as u64 == length => Ok(Some((opcode, 0..n))),
             Ok(_) => Err(cut_off(&std::io::ErrorKind::UnexpectedEof.into())),
             Err(error) => Err(cut_off(&error)),
         }
@@ -172,15 +173,15 @@ impl<R: Read> Records<R> {
             .map_err(|error| cut_off(&error))
     }
 
-    fn schema(&mut self, (start, end): (usize, usize)) -> Result<(), String> {
-        let mut fields = Fields(&self.buffer[start..end]);
+    fn schema(&mut self, content: Range<usize>) -> Result<(), String> {
+        let mut fields = Fields(&self.buffer[content]);
         let id = fields.u16()?;
         self.schemas.insert(id, fields.string()?);
         Ok(())
     }
 
-    fn channel(&mut self, (start, end): (usize, usize)) -> Result<(), String> {
-        let mut fields = Fields(&self.buffer[start..end]);
+    fn channel(&mut self, content: Range<usize>) -> Result<(), String> {
+        let mut fields = Fields(&self.buffer[content]);
         let (id, schema) = (fields.u16()?, fields.u16()?);
         let channel = Channel {
             topic: fields.string()?,
@@ -191,11 +192,11 @@ impl<R: Read> Records<R> {
         Ok(())
     }
 
-    fn open_chunk(&mut self, (start, end): (usize, usize)) -> Result<(), String> {
+    fn open_chunk(&mut self, content: Range<usize>) -> Result<(), String> {
         if self.in_chunk {
             return Err("a chunk within a chunk; the file is damaged".into());
         }
-        let mut fields = Fields(&self.buffer[start..end]);
+        let mut fields = Fields(&self.buffer[content]);
         fields.take(16)?; // first and last time
         let size = fields.u64()?;
         let checksum = fields.u32()?;

@@ -151,7 +151,7 @@ fn records() -> Vec<u8> {
             t,
             &state(t, &["knee", "wheel", "hip"], &[knee, t, 0.25]),
         ));
-        if k % 2 == 0 {
+        if k & 1 == 0 {
             let f = if k == 4 { 0.1 } else { 30.0 };
             let reading = wrench(t + 0.001, [1.0, 2.0, f], [30.0 * 0.02, -30.0 * 0.01, 0.0]);
             records.extend(message(20, t, &reading));
@@ -160,7 +160,7 @@ fn records() -> Vec<u8> {
     records
 }
 
-pub(in super::super) fn recording(compression: &str) -> Vec<u8> {
+pub(in crate::posture_log) fn recording(compression: &str) -> Vec<u8> {
     file(&chunk(&records(), compression))
 }
 

@@ -1,5 +1,7 @@
 //! Logs as people write them, and as they should not be.
 
+mod faults;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -9,7 +11,7 @@ use super::*;
 use crate::Error;
 
 /// Turning joints within ±3 rad.
-pub(super) fn dofs(names: &[&str]) -> Vec<Dof> {
+pub(in crate::posture_log) fn dofs(names: &[&str]) -> Vec<Dof> {
     let dof = |name: &&str| Dof {
         joint: name.to_string(),
         prismatic: false,
@@ -21,7 +23,11 @@ pub(super) fn dofs(names: &[&str]) -> Vec<Dof> {
 }
 
 /// A log in a folder of its own, with a sidecar unless it is empty.
-pub(super) fn log(name: &str, bytes: &[u8], sidecar: &str) -> (tempfile::TempDir, PathBuf) {
+pub(in crate::posture_log) fn log(
+    name: &str,
+    bytes: &[u8],
+    sidecar: &str,
+) -> (tempfile::TempDir, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
     fs::write(&path, bytes).unwrap();
@@ -32,7 +38,7 @@ pub(super) fn log(name: &str, bytes: &[u8], sidecar: &str) -> (tempfile::TempDir
 }
 
 /// The whole log in one block, and its warnings.
-pub(super) fn read_file(
+pub(in crate::posture_log) fn read_file(
     path: &Path,
     dofs: &[Dof],
     options: &Options,
@@ -48,7 +54,7 @@ fn read(text: &str, sidecar: &str, options: &Options) -> Result<(Block, Vec<Stri
     read_file(&path, &dofs(&["hip", "knee"]), options)
 }
 
-fn refused(text: &str, sidecar: &str, words: &[&str]) {
+pub(in crate::posture_log) fn refused(text: &str, sidecar: &str, words: &[&str]) {
     let options = Options {
         readings: Readings::Optional,
         links: vec!["sole".into(), "trunk".into()],
@@ -63,7 +69,7 @@ fn refused(text: &str, sidecar: &str, words: &[&str]) {
     }
 }
 
-pub(super) fn gzip(bytes: &[u8]) -> Vec<u8> {
+pub(in crate::posture_log) fn gzip(bytes: &[u8]) -> Vec<u8> {
     use std::io::Write as _;
     let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
     packed.write_all(bytes).unwrap();
@@ -148,105 +154,6 @@ fn the_summary_names_the_bytes_that_were_read() {
     assert_eq!((summary.rows, summary.postures), (3, 2));
     let hash = source::fnv1a(source::FNV_START, &fs::read(&path).unwrap());
     assert_eq!(summary.hash, format!("{hash:016x}"));
-}
-
-#[test]
-fn faults_name_row_column_and_remedy() {
-    for (text, words) in [
-        ("", &["log.csv", "empty", "header"][..]),
-        ("hip,knee\n", &["log.csv", "no postures"]),
-        (" , \n0,0\n", &[":1", "no header"]),
-        ("hip,nee\n0,0\n", &[":1", "`knee`", "mean `nee` for `knee`"]),
-        (
-            "hip,knee\n0,0\n0,x\n",
-            &[":3", "`knee`", "`x` is no number"],
-        ),
-        ("hip,knee\n0,\n", &[":2", "`knee`", "empty"]),
-        ("hip;knee\n0;0,5\n", &[":2", "`knee`", "decimal comma"]),
-        ("hip,knee\n0,inf\n", &[":2", "`knee`", "not finite"]),
-        ("hip,knee\n0,45\n", &[":2", "`knee`", "--degrees"]),
-        ("hip,knee\n0,0\n0\n", &[":3", "1 fields", "2"]),
-        ("hip,knee\n0,0,0\n", &[":2", "3 fields"]),
-        (
-            "hip,knee,pose\n0,0,1.5\n",
-            &[":2", "`pose`", "whole number"],
-        ),
-        ("hip,knee,t\n0,0,NaN\n", &[":2", "`t`", "not finite"]),
-        (
-            "hip,knee,support\n0,0,soel\n",
-            &[":2", "no link `soel`", "mean `sole`"],
-        ),
-        (
-            "hip,knee,cop_x,cop_y,cop_x_std,cop_y_std\n0,0,0,0,0.1,0\n",
-            &[":2", "`cop_y_std`", "positive"],
-        ),
-        (
-            "hip,knee,cop_x,cop_y\n0,0,12.5,-3.5\n",
-            &[":2", "`cop_x`", "millimetres"],
-        ),
-        (
-            "hip,knee,gravity_x,gravity_y,gravity_z\n0,0,0,0,9.8\n",
-            &[":2", "negative"],
-        ),
-        (
-            "hip,knee,fsr_1,fsr_2\n0,0,1,1\n",
-            &["log.csv", "cells = ", "sidecar"],
-        ),
-    ] {
-        let sidecar = if text.contains("soel") {
-            "support = 'sole'"
-        } else {
-            ""
-        };
-        refused(text, sidecar, words);
-    }
-    refused(
-        "hip,knee\n0,0\n",
-        "support = 'soles'",
-        &["sidecar", "`soles`", "`sole`"],
-    );
-    refused("hip,knee\n0,0\n", "cells = 3", &["log.toml", "cells"]);
-}
-
-#[test]
-fn what_is_no_table_is_told_by_its_bytes() {
-    for (bytes, word) in [
-        (&b"\xff\xfeh\0i\0p\0"[..], "UTF-16"),
-        (b"PK\x03\x04...", "export it as CSV"),
-        (b"\x7fELF\x02\x01\x01\0\0\0", "not text"),
-        (b"hip,\xe9\n0,0\n", "UTF-8"),
-        (b"\x1f\x8b\x08", "cut off"),
-        (b"\x1f\x8b\xff\xff\xff\xff\xff\xff\xff\xff\xff", "gzip"),
-    ] {
-        let (_folder, path) = log("log.csv", bytes, "");
-        let error = read_file(&path, &dofs(&["hip"]), &Options::default()).unwrap_err();
-        assert!(error.to_string().contains(word), "{error}");
-    }
-    let packed = gzip("hip\n0.5\n".repeat(1).as_bytes());
-    let (_folder, path) = log("log.csv.gz", &packed[..packed.len() - 6], "");
-    let error = read_file(&path, &dofs(&["hip"]), &Options::default()).unwrap_err();
-    assert!(error.to_string().contains("cut off"), "{error}");
-}
-
-#[test]
-fn absurd_sizes_end_in_words() {
-    let joints = dofs(&["hip"]);
-    let wide = "x,".repeat(100_000) + "hip\n";
-    let long = format!("hip\n{}\n", "1".repeat(9 << 20));
-    let quote = format!("hip\n\"{}\n", "1\n".repeat(5 << 20));
-    let many: String = (0..30_000).map(|k| format!("c{k},")).collect::<String>() + "hip\n0\n";
-    for (text, word) in [
-        (wide, "appears twice|columns"),
-        (long, "a row of more than"),
-        (quote, "a row of more than"),
-        (many, "30001 columns"),
-    ] {
-        let (_folder, path) = log("log.csv", text.as_bytes(), "");
-        let error = read_file(&path, &joints, &Options::default()).unwrap_err();
-        let message = error.to_string();
-        assert!(word.split('|').any(|w| message.contains(w)), "{message}");
-        assert!(message.len() < 500, "{}", message.len());
-    }
 }
 
 /// Four cells on the corners of a 2 × 4 cm sole; closed forms by hand.

@@ -1,35 +1,29 @@
 //! Parquet logs, as data frames write them: one column per name, numbers of
 //! any width, `support` as text.
 //!
-//! Memory: one page of each wanted column when reading, one row group of
-//! [`GROUP`] rows when writing.
+//! Memory: one page of each wanted column.
+
+mod sink;
 
 use std::cell::Cell;
 use std::fs::File;
 use std::io::Read as _;
 use std::panic::{self, AssertUnwindSafe};
-use std::path::{Path, PathBuf};
-use std::sync::{Arc, Once};
+use std::path::Path;
+use std::sync::Once;
 
-use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
+use parquet::basic::{LogicalType, Type as Physical};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
-use parquet::column::writer::ColumnWriter;
 use parquet::data_type::{ByteArray, DataType};
 use parquet::errors::ParquetError;
-use parquet::file::properties::WriterProperties;
 use parquet::file::reader::FileReader as _;
 use parquet::file::serialized_reader::SerializedFileReader;
-use parquet::file::writer::SerializedFileWriter;
-use parquet::schema::types::{ColumnDescriptor, Type};
+use parquet::schema::types::ColumnDescriptor;
 
+pub(super) use self::sink::ParquetSink;
 use super::columns::{Columns, POSE, SUPPORT};
 use super::source::{FNV_START, Interner, Progress, Raw, Source, fnv1a};
-use super::writer::{Row, Written, numbers};
 use crate::Error;
-use crate::output::{self, NewFile};
-
-/// Rows of a group that is written.
-const GROUP: usize = 65_536;
 
 /// A Parquet file being read.
 pub(super) struct ParquetSource {
@@ -238,10 +232,18 @@ fn hash(file: &mut File) -> std::io::Result<u64> {
 }
 
 fn damaged(file: &str, line: Option<u64>, error: &ParquetError) -> Error {
+    let said = error.to_string();
+    let message = if said.contains("compile time: zstd") {
+        "packed with zstd; write it with snappy, or `cargo install --features zstd`".to_string()
+    } else if said.contains("compile time") {
+        format!("packed in a way that cannot be read ({said}); write it with snappy")
+    } else {
+        format!("the Parquet file is cut off or damaged ({said}); copy it again")
+    };
     Error::Log {
         file: file.to_string(),
         line,
-        message: format!("the Parquet file is cut off or damaged ({error}); copy it again"),
+        message,
     }
 }
 
@@ -331,125 +333,4 @@ fn whole(value: f64) -> Result<i64, String> {
             "column `{POSE}`: {value} is no whole number below 2^53"
         ))
     }
-}
-
-/// A Parquet file being written, a group of rows at a time.
-pub(super) struct ParquetSink {
-    path: PathBuf,
-    writer: SerializedFileWriter<NewFile>,
-    pose: Vec<i64>,
-    support: Option<Vec<ByteArray>>,
-    /// Column by column.
-    numbers: Vec<Vec<f64>>,
-    t: Vec<f64>,
-}
-
-impl ParquetSink {
-    /// Start a file with the columns `names`: `pose` whole, `support` text, the
-    /// others numbers.
-    pub fn create(path: &Path, names: &[String], support: bool) -> Result<ParquetSink, Error> {
-        let failed = |error| unwritten(path, error);
-        let kind = |name: &str| match name {
-            POSE => Physical::INT64,
-            SUPPORT => Physical::BYTE_ARRAY,
-            _ => Physical::DOUBLE,
-        };
-        let field = |name: &String| {
-            let text = (name == SUPPORT).then_some(LogicalType::String);
-            Type::primitive_type_builder(name, kind(name))
-                .with_repetition(Repetition::REQUIRED)
-                .with_logical_type(text)
-                .build()
-                .map(Arc::new)
-        };
-        let fields: Result<Vec<_>, _> = names.iter().map(field).collect();
-        let schema = Type::group_type_builder("postures")
-            .with_fields(fields.map_err(failed)?)
-            .build()
-            .map_err(failed)?;
-        let properties = WriterProperties::builder()
-            .set_compression(Compression::SNAPPY)
-            .set_dictionary_enabled(false)
-            .build();
-        let writer =
-            SerializedFileWriter::new(NewFile::create(path)?, Arc::new(schema), properties.into())
-                .map_err(failed)?;
-        Ok(ParquetSink {
-            path: path.to_path_buf(),
-            writer,
-            pose: Vec::new(),
-            support: support.then(Vec::new),
-            numbers: Vec::new(),
-            t: Vec::new(),
-        })
-    }
-
-    /// Append a row.
-    pub fn row(&mut self, row: &Row, columns: Written) -> Result<(), Error> {
-        self.pose.push(row.pose);
-        if columns.t {
-            self.t.push(row.t);
-        }
-        if let Some(support) = &mut self.support {
-            support.push(row.support.into());
-        }
-        for (k, x) in numbers(row, columns).enumerate() {
-            if k == self.numbers.len() {
-                self.numbers.push(Vec::new());
-            }
-            self.numbers[k].push(x);
-        }
-        if self.pose.len() == GROUP {
-            self.flush()?;
-        }
-        Ok(())
-    }
-
-    fn flush(&mut self) -> Result<(), Error> {
-        let written = self.group();
-        written.map_err(|error| unwritten(&self.path, error))?;
-        self.pose.clear();
-        self.t.clear();
-        self.support.iter_mut().for_each(Vec::clear);
-        self.numbers.iter_mut().for_each(Vec::clear);
-        Ok(())
-    }
-
-    fn group(&mut self) -> Result<(), ParquetError> {
-        let mut group = self.writer.next_row_group()?;
-        // In the order of the header: pose, t, support, numbers.
-        let t = (!self.t.is_empty()).then_some(&self.t);
-        let mut numbers = t.into_iter().chain(&self.numbers);
-        while let Some(mut column) = group.next_column()? {
-            match column.untyped() {
-                ColumnWriter::Int64ColumnWriter(to) => {
-                    to.write_batch(&self.pose, None, None)?;
-                }
-                ColumnWriter::DoubleColumnWriter(to) => {
-                    let values = numbers.next().map_or(&[][..], Vec::as_slice);
-                    to.write_batch(values, None, None)?;
-                }
-                ColumnWriter::ByteArrayColumnWriter(to) => {
-                    to.write_batch(self.support.as_deref().unwrap_or(&[]), None, None)?;
-                }
-                _ => {}
-            }
-            column.close()?;
-        }
-        group.close()?;
-        Ok(())
-    }
-
-    /// Write what is left and move the file to its place.
-    pub fn finish(mut self) -> Result<(), Error> {
-        if !self.pose.is_empty() {
-            self.flush()?;
-        }
-        let file = self.writer.into_inner();
-        file.map_err(|error| unwritten(&self.path, error))?.finish()
-    }
-}
-
-fn unwritten(path: &Path, error: ParquetError) -> Error {
-    output::failed(path, std::io::Error::other(error))
 }
