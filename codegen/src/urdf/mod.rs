@@ -10,9 +10,11 @@
 //! sees a minimal description written by `clean`, in document order, with
 //! numbers that survive to the last bit.
 
+mod amend;
 mod check;
 mod clean;
 mod draft;
+mod extent;
 mod joint;
 mod joint_limit;
 pub mod limits;
@@ -22,6 +24,7 @@ mod nearest;
 mod report;
 mod rotation;
 mod scan;
+mod source;
 mod text;
 mod values;
 
@@ -35,6 +38,8 @@ mod tests;
 use std::io::Read as _;
 use std::path::Path;
 
+pub use amend::{Weight, amend};
+pub use extent::{Extent, extents};
 pub use report::Complaint;
 use report::{Lines, Report};
 
