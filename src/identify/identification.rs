@@ -6,7 +6,10 @@ use sesc_codegen::{Model, ModelFile};
 
 use super::factor::Factor;
 use super::gather::{DownWeighted, Gathered, LogUsed};
+use super::limits::Limits;
+use super::masses::Masses;
 use super::noise::{self, LackOfFit};
+use super::physical;
 use super::prior::{Prior, Tolerances};
 use super::solve::{self, Estimate};
 use crate::evaluate::Evaluator;
@@ -137,8 +140,14 @@ pub struct Identification {
     pub correlations: Vec<Correlation>,
     pub down_weighted: Vec<DownWeighted>,
     pub warnings: Vec<String>,
+    /// Bounds of physical masses that hold the fit back; none where it was not bounded.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub active_bounds: Option<Vec<String>>,
     #[serde(skip)]
     pub estimate: Estimate,
+    /// Masses of a bounded fit.
+    #[serde(skip)]
+    pub masses: Option<Masses>,
 }
 
 /// Correlations worth a line.
@@ -157,6 +166,17 @@ pub fn identify(
     supports: &[&str],
     gathered: &Gathered,
     settings: &Settings,
+) -> Identification {
+    identify_within(model, supports, gathered, settings, None)
+}
+
+/// The same, by masses within `limits` where those are given.
+pub fn identify_within(
+    model: &Model,
+    supports: &[&str],
+    gathered: &Gathered,
+    settings: &Settings,
+    limits: Option<&Limits>,
 ) -> Identification {
     let cad = DVector::from_vec(model.cad_params());
     let whole = gathered.weighted(None);
@@ -190,8 +210,29 @@ pub fn identify(
     }
     let sigma = noise.sigma * inflation;
     let prior = settings.prior.factor(model);
-    let estimate = solve::solve(&whole, sigma, &cad, prior.as_ref());
-    let held_out = held_out(gathered, sigma, &cad, prior.as_ref());
+    let mut failures = Vec::new();
+    let mut fit = |factor: &Factor| {
+        let mut estimate = solve::solve(factor, sigma, &cad, prior.as_ref());
+        let bounded = limits.map(|limits| {
+            physical::constrain(model, factor, sigma, &settings.prior, limits, &estimate.params)
+        });
+        match bounded {
+            None => (estimate, None),
+            Some(Ok(bounded)) => {
+                estimate.params = bounded.params;
+                (estimate, Some(bounded.masses))
+            }
+            Some(Err(failure)) => {
+                failures.push(failure.reason);
+                (estimate, None)
+            }
+        }
+    };
+    let (estimate, masses) = fit(&whole);
+    let held_out = held_out(gathered, |others| fit(others).0);
+    if let Some(reason) = failures.first() {
+        warnings.push(format!("{reason}: bounds were left aside in {} fits", failures.len()));
+    }
     let plain = gathered.plain();
     let rms = |sum: f64, rows: u64| (sum / rows.max(1) as f64).sqrt();
     // What data leave open is as uncertain as CAD usually is.
@@ -236,7 +277,9 @@ pub fn identify(
         parameters,
         down_weighted: gathered.down_weighted.clone(),
         warnings,
+        active_bounds: masses.as_ref().map(|masses| masses.active.clone()),
         estimate,
+        masses,
     }
 }
 
@@ -300,20 +343,14 @@ struct HeldOut {
 }
 
 /// k-fold cross-validation on the folds' factors.
-fn held_out(
-    gathered: &Gathered,
-    sigma: f64,
-    cad: &DVector<f64>,
-    prior: Option<&DMatrix<f64>>,
-) -> HeldOut {
+fn held_out(gathered: &Gathered, mut fit: impl FnMut(&Factor) -> Estimate) -> HeldOut {
     let mut folds: Vec<(f64, f64)> = Vec::new(); // mean square, rows
     for (k, fold) in gathered.folds.iter().enumerate() {
         let rows = fold.plain().rows();
         if rows == 0 || rows == gathered.plain().rows() {
             continue;
         }
-        let others = gathered.weighted(Some(k));
-        let estimate = solve::solve(&others, sigma, cad, prior);
+        let estimate = fit(&gathered.weighted(Some(k)));
         let sum = fold.plain().residual_sum(&estimate.params);
         folds.push((sum / rows as f64, rows as f64));
     }
@@ -508,6 +545,16 @@ fn range_error(model: &Model, covariance: &DMatrix<f64>, range: Option<f64>) -> 
 }
 
 impl Identification {
+    /// Correlations of the parameters with each other; NaN where one has no deviation.
+    pub fn correlation_matrix(&self) -> Vec<Vec<f64>> {
+        let covariance = &self.estimate.covariance;
+        let of = |a: usize, b: usize| {
+            covariance[(a, b)] / (covariance[(a, a)] * covariance[(b, b)]).sqrt()
+        };
+        let all = 0..covariance.nrows();
+        all.clone().map(|a| all.clone().map(|b| of(a, b)).collect()).collect()
+    }
+
     /// The model file of what was found.
     pub fn model_file(&self, model: &Model) -> ModelFile {
         let values: Vec<f64> = self.parameters.iter().map(|p| p.value).collect();

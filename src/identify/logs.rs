@@ -15,7 +15,7 @@ use crate::posture_log::{Options, PostureReader, Progress};
 use crate::robot::Robot;
 
 /// Rows folded in together.
-const BLOCK: usize = 4096;
+pub(super) const BLOCK: usize = 4096;
 /// Residuals kept to take a median of.
 const SAMPLE: usize = 100_000;
 /// Rounds of reweighting, at most.
@@ -97,7 +97,8 @@ impl<'r> Logs<'r> {
         }
     }
 
-    fn open(&self, file: &Path) -> Result<PostureReader, Error> {
+    /// Open one of the logs.
+    pub(super) fn open(&self, file: &Path) -> Result<PostureReader, Error> {
         let links = &self.robot.description.robot.links;
         let root = links.first().map_or("", |link| link.name.as_str());
         // Joints are the same on every support: any model can match the columns.

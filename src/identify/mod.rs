@@ -5,16 +5,25 @@
 //! posture_log → measurement → gather (factors) → solve (with prior) → identification
 //! ```
 
+pub mod corrected;
 pub mod factor;
 pub mod fit;
 pub mod gather;
 pub mod identification;
+pub mod limits;
 pub mod logs;
+#[cfg(test)]
+mod mass_tests;
+pub mod masses;
 pub mod measurement;
 pub mod noise;
+mod non_negative;
 pub mod part;
+pub mod physical;
 pub mod prior;
+pub mod quadratic;
+pub mod residuals;
 pub mod robust;
 pub mod solve;
 
-pub use identification::{Identification, Settings, identify};
+pub use identification::{Identification, Settings, identify, identify_within};

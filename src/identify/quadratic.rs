@@ -1,0 +1,358 @@
+//! Least squares under linear equations and inequalities, answered to the last digits.
+//!
+//! ```text
+//! min ‖A v − b‖²        E v = e        G v ≤ h        A of full column rank
+//! v = v_0 + T w         ‖A v − b‖² = ‖A v_0 − b‖² + ‖w‖²     on E v = e
+//! min ‖w‖   G T w ≤ h − G v_0     ⇔     min ‖[Tᵀ Gᵀ; (h − G v_0)ᵀ] u + [0; 1]‖,  u ≥ 0
+//! ```
+//!
+//! Lawson and Hanson (Solving Least Squares Problems, ch. 23): the least distance is
+//! had from least squares with u ≥ 0, whose residual is zero just when no point
+//! satisfies the inequalities. Those with u > 0 are active; with them as equations
+//! the rest is linear, so that equations hold to rounding.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::non_negative::non_negative;
+
+/// Singular values below this, relative to the largest, count as zero.
+const DEPENDENT: f64 = 1e-12;
+/// Equations that dependent rows contradict by more than this have no solution.
+const CONTRADICTION: f64 = 1e-11;
+/// A normalised inequality may be missed by this.
+const SLACK: f64 = 1e-11;
+/// What a corner of many inequalities may miss one by.
+const CORNER: f64 = 1e-8;
+/// A multiplier this far below zero, relative to the largest, is one.
+const PULL: f64 = 1e-9;
+/// Squared residual of the dual below which no point is feasible: it would be further
+/// than 1e6 standard deviations.
+const FAR: f64 = 1e-12;
+/// Rounds in which the set of active inequalities is mended.
+const ROUNDS: usize = 60;
+
+/// `matrix · v` against `right`.
+#[derive(Debug, Clone)]
+pub struct Rows {
+    pub matrix: DMatrix<f64>,
+    pub right: DVector<f64>,
+}
+
+impl Rows {
+    /// No rows over `columns` unknowns.
+    pub fn none(columns: usize) -> Rows {
+        Rows {
+            matrix: DMatrix::zeros(0, columns),
+            right: DVector::zeros(0),
+        }
+    }
+
+    /// Row by row over its length; rows of zeros stay.
+    fn normalised(&self) -> Rows {
+        let mut rows = self.clone();
+        for k in 0..rows.right.len() {
+            let length = rows.matrix.row(k).norm();
+            if length > 0.0 {
+                rows.matrix.row_mut(k).unscale_mut(length);
+                rows.right[k] /= length;
+            }
+        }
+        rows
+    }
+
+    fn stacked(&self, more: &Rows, chosen: &[usize]) -> Rows {
+        let (n, columns) = (self.right.len(), self.matrix.ncols());
+        let mut all = Rows {
+            matrix: DMatrix::zeros(n + chosen.len(), columns),
+            right: DVector::zeros(n + chosen.len()),
+        };
+        all.matrix.rows_mut(0, n).copy_from(&self.matrix);
+        all.right.rows_mut(0, n).copy_from(&self.right);
+        for (to, &from) in chosen.iter().enumerate() {
+            all.matrix.set_row(n + to, &more.matrix.row(from));
+            all.right[n + to] = more.right[from];
+        }
+        all
+    }
+}
+
+/// A problem of this kind.
+#[derive(Debug, Clone)]
+pub struct Problem {
+    pub squares: Rows,
+    pub equal: Rows,
+    pub at_most: Rows,
+}
+
+/// Its answer.
+#[derive(Debug, Clone)]
+pub struct Answer {
+    pub v: DVector<f64>,
+    /// Inequalities that hold as equations, by index.
+    pub active: Vec<usize>,
+}
+
+/// Why there is none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NoAnswer {
+    /// The equations contradict each other.
+    Contradiction,
+    /// No point satisfies equations and inequalities.
+    Infeasible,
+    /// The search came to no end.
+    Stuck,
+}
+
+impl Problem {
+    /// The best v.
+    ///
+    /// # Errors
+    /// When there is none, or none was found.
+    pub fn solve(&self) -> Result<Answer, NoAnswer> {
+        let equal = independent(&self.equal.normalised())?;
+        let below = self.at_most.normalised();
+        let face = Face::of(&self.squares, &equal).ok_or(NoAnswer::Contradiction)?;
+        let mut active = match worst(&below, &face.best) {
+            None => Vec::new(),
+            Some(_) => nearest(&face, &below)?,
+        };
+        let mut near = face.best;
+        for _ in 0..ROUNDS {
+            let face = equal.stacked(&below, &active);
+            let Some(Face { best: v, .. }) = Face::of(&self.squares, &face) else {
+                break;
+            };
+            near.copy_from(&v);
+            if let Some(k) = worst(&below, &v).filter(|k| !active.contains(k)) {
+                active.push(k);
+            } else if let Some(at) = self.pulling(&v, &face, equal.right.len()) {
+                active.remove(at);
+            } else {
+                return Ok(Answer { v, active });
+            }
+        }
+        // Rounding at a corner where more inequalities meet than directions are left.
+        match worst(&below, &near) {
+            Some(k) if (&below.matrix * &near - &below.right)[k] > CORNER => Err(NoAnswer::Stuck),
+            _ => Ok(Answer { v: near, active }),
+        }
+    }
+}
+
+impl Problem {
+    /// The active inequality that holds `v` on the wrong side most, if any: a
+    /// multiplier below zero in ∇ + Eᵀ λ + Gᵀ μ = 0.
+    fn pulling(&self, v: &DVector<f64>, face: &Rows, equations: usize) -> Option<usize> {
+        let a = &self.squares.matrix;
+        let slope = a.transpose() * (&self.squares.right - a * v);
+        let svd = face.matrix.transpose().svd(true, true);
+        let limit = DEPENDENT * svd.singular_values.max();
+        let multipliers = svd.solve(&slope, limit).ok()?;
+        let size = PULL * multipliers.amax().max(f64::MIN_POSITIVE);
+        (equations..multipliers.len())
+            .filter(|&k| multipliers[k] < -size)
+            .min_by(|x, y| multipliers[*x].total_cmp(&multipliers[*y]))
+            .map(|k| k - equations)
+    }
+}
+
+/// The inequality that `v` misses most, if any.
+fn worst(below: &Rows, v: &DVector<f64>) -> Option<usize> {
+    let over = &below.matrix * v - &below.right;
+    let slack = |k: &usize| SLACK * (1.0 + below.right[*k].abs());
+    (0..over.len())
+        .filter(|k| over[*k] > slack(k))
+        .max_by(|a, b| over[*a].total_cmp(&over[*b]))
+}
+
+/// Orthonormal rows that say the same.
+fn independent(equal: &Rows) -> Result<Rows, NoAnswer> {
+    if equal.right.is_empty() {
+        return Ok(equal.clone());
+    }
+    let svd = equal.matrix.clone().svd(true, true);
+    let (Some(u), Some(v_t)) = (&svd.u, &svd.v_t) else {
+        return Err(NoAnswer::Stuck);
+    };
+    let limit = DEPENDENT * svd.singular_values.max();
+    let kept: Vec<usize> = (0..svd.singular_values.len())
+        .filter(|&k| svd.singular_values[k] > limit)
+        .collect();
+    let sides = u.select_columns(&kept);
+    let mut right = sides.transpose() * &equal.right;
+    if (&equal.right - &sides * &right).amax() > CONTRADICTION {
+        return Err(NoAnswer::Contradiction);
+    }
+    for (to, &k) in kept.iter().enumerate() {
+        right[to] /= svd.singular_values[k];
+    }
+    Ok(Rows {
+        matrix: v_t.select_rows(&kept),
+        right,
+    })
+}
+
+/// All v that satisfy some equations: `best + turn · w`, at distance ‖w‖ from the best.
+struct Face {
+    best: DVector<f64>,
+    turn: DMatrix<f64>,
+}
+
+impl Face {
+    /// `None` where no v satisfies `equal`.
+    fn of(squares: &Rows, equal: &Rows) -> Option<Face> {
+        let columns = squares.matrix.ncols();
+        let face = independent(equal).ok()?;
+        let start = face.matrix.transpose() * &face.right;
+        let along = face.matrix.transpose() * &face.matrix;
+        // Orthonormal columns beside the rows of `face`.
+        let eigen = (DMatrix::identity(columns, columns) - along).symmetric_eigen();
+        let free: Vec<usize> = (0..columns)
+            .filter(|&k| eigen.eigenvalues[k] > 0.5)
+            .collect();
+        let beside = eigen.eigenvectors.select_columns(&free);
+        let rest = &squares.right - &squares.matrix * &start;
+        let (q, r) = (&squares.matrix * &beside).qr().unpack();
+        let step = r.solve_upper_triangular(&(q.transpose() * rest))?;
+        let best = start + &beside * step;
+        // Once more against rounding.
+        let missing = &face.right - &face.matrix * &best;
+        let turned = r.transpose().solve_lower_triangular(&beside.transpose())?;
+        Some(Face {
+            best: best + face.matrix.transpose() * missing,
+            turn: turned.transpose(),
+        })
+    }
+}
+
+/// Inequalities active at the point of `face` nearest to its best.
+fn nearest(face: &Face, below: &Rows) -> Result<Vec<usize>, NoAnswer> {
+    let turned = Rows {
+        matrix: &below.matrix * &face.turn,
+        right: &below.right - &below.matrix * &face.best,
+    };
+    let stuck = |k: &usize| turned.matrix.row(*k).norm() < DEPENDENT && turned.right[*k] < -SLACK;
+    if (0..turned.right.len()).any(|k| stuck(&k)) {
+        return Err(NoAnswer::Infeasible);
+    }
+    let rows = turned.normalised();
+    let n = rows.matrix.ncols();
+    // Right sides of order one, so that the residual is of order one, too.
+    let far = rows.right.min().abs().max(f64::MIN_POSITIVE);
+    let mut dual = DMatrix::zeros(n + 1, rows.right.len());
+    dual.rows_mut(0, n).copy_from(&-rows.matrix.transpose());
+    dual.row_mut(n).copy_from(&(-rows.right.transpose() / far));
+    let mut target = DVector::zeros(n + 1);
+    target[n] = 1.0;
+    let u = non_negative(&dual, &target).ok_or(NoAnswer::Stuck)?;
+    let rest = &dual * &u - target;
+    if rest.norm_squared() < FAR {
+        return Err(NoAnswer::Infeasible);
+    }
+    Ok((0..u.len()).filter(|&k| u[k] > 0.0).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rows(matrix: DMatrix<f64>, right: &[f64]) -> Rows {
+        Rows {
+            matrix,
+            right: DVector::from_column_slice(right),
+        }
+    }
+
+    /// The point of a triangle nearest to (2, 2, 2): worked out by hand.
+    #[test]
+    fn the_nearest_point_of_a_simplex() {
+        let problem = |cap: f64, at: [f64; 3]| Problem {
+            squares: rows(DMatrix::identity(3, 3), &at),
+            equal: rows(
+                DMatrix::from_row_slice(2, 3, &[1.0, 1.0, 1.0, 2.0, 2.0, 2.0]),
+                &[1.0, 2.0],
+            ),
+            at_most: rows(
+                DMatrix::from_row_slice(
+                    4,
+                    3,
+                    &[
+                        -1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0, 5.0, 0.0, 0.0,
+                    ],
+                ),
+                &[0.0, 0.0, 0.0, 5.0 * cap],
+            ),
+        };
+        let near = |found: &Answer, v: [f64; 3]| {
+            assert!(
+                (&found.v - DVector::from_column_slice(&v)).amax() < 1e-14,
+                "{}",
+                found.v
+            );
+        };
+        let third = 1.0 / 3.0;
+        let free = problem(1.0, [2.0; 3]).solve().unwrap();
+        near(&free, [third; 3]);
+        assert!(free.active.is_empty());
+        let capped = problem(0.2, [2.0, 2.0, 1.9]).solve().unwrap();
+        near(&capped, [0.2, 0.45, 0.35]);
+        assert_eq!(capped.active, [3]);
+        let corner = problem(1.0, [5.0, -4.0, -4.0]).solve().unwrap();
+        near(&corner, [1.0, 0.0, 0.0]);
+        assert_eq!(
+            problem(-0.1, [2.0; 3]).solve().unwrap_err(),
+            NoAnswer::Infeasible
+        );
+        let mut torn = problem(1.0, [2.0; 3]);
+        torn.equal.right[1] = 2.1;
+        assert_eq!(torn.solve().unwrap_err(), NoAnswer::Contradiction);
+    }
+    /// Karush, Kuhn and Tucker's conditions, on problems drawn at random.
+    #[test]
+    fn no_direction_is_better() {
+        let mut state = 7_u64;
+        let mut draw = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            (state >> 33) as f64 / (1_u64 << 31) as f64 - 0.5
+        };
+        let mut felt = 0;
+        for _ in 0..30 {
+            let n = 8;
+            let mut squares = DMatrix::from_fn(2 * n, n, |_, _| 30.0 * draw());
+            squares.rows_mut(n, n).fill_with_identity();
+            let right: Vec<f64> = (0..2 * n).map(|_| 20.0 * draw()).collect();
+            let problem = Problem {
+                squares: rows(squares, &right),
+                equal: rows(DMatrix::from_fn(2, n, |_, _| draw()), &[0.0, 0.0]),
+                at_most: rows(DMatrix::from_fn(12, n, |_, _| draw()), &[0.01; 12]),
+            };
+            let Answer { v, active } = problem.solve().unwrap();
+            felt += active.len();
+            assert!((&problem.equal.matrix * &v).amax() < 1e-13);
+            let over = &problem.at_most.matrix * &v - &problem.at_most.right;
+            assert!(over.max() < 1e-10);
+            let face = problem.equal.stacked(&problem.at_most, &active);
+            let a = &problem.squares.matrix;
+            let slope = a.transpose() * (&problem.squares.right - a * &v);
+            let multipliers = face
+                .matrix
+                .transpose()
+                .svd(true, true)
+                .solve(&slope, 1e-12)
+                .unwrap();
+            let rest = face.matrix.transpose() * &multipliers - &slope;
+            assert!(
+                rest.amax() < 1e-9 * slope.amax().max(1.0),
+                "{}",
+                rest.amax()
+            );
+            assert!(
+                multipliers.iter().skip(2).all(|m| *m > -1e-6),
+                "{multipliers}"
+            );
+        }
+        assert!(felt > 20, "{felt} bounds felt");
+    }
+}

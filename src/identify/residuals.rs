@@ -1,0 +1,85 @@
+//! Some of the readings beside what CAD and the fit predict, for figures.
+//!
+//! A last pass over the logs keeps [`MOST`] rows, each row of the logs with the same
+//! chance (reservoir sampling, algorithm R), so that memory does not grow with them.
+
+use nalgebra::DVector;
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+use serde::Serialize;
+
+use super::logs::{BLOCK, Logs, Watch};
+use super::measurement::Measurement;
+use crate::Error;
+
+/// Rows kept.
+pub const MOST: usize = 2000;
+
+/// A reading and its predictions, m, on the sole it was taken on.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Residual {
+    pub pose: i64,
+    /// Link it stood on; empty for the one support of a log.
+    pub support: String,
+    pub measured: [f64; 2],
+    pub cad: [f64; 2],
+    pub fitted: [f64; 2],
+}
+
+/// Residuals of rows of all logs, in their order.
+///
+/// # Errors
+/// When a log cannot be read again.
+pub fn sample(
+    logs: &Logs<'_>,
+    measurement: &mut Measurement<'_>,
+    params: &DVector<f64>,
+    watch: &mut dyn Watch,
+) -> Result<Vec<Residual>, Error> {
+    let cad = DVector::from_vec(measurement.model().cad_params());
+    let mut kept: Vec<(usize, Residual)> = Vec::new();
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let mut seen = 0;
+    for file in logs.files {
+        let mut reader = logs.open(file)?;
+        loop {
+            let block = reader.block(BLOCK)?;
+            if block.is_empty() {
+                break;
+            }
+            watch.progress("residuals", reader.progress());
+            let Some(readings) = &block.reading else {
+                break;
+            };
+            let rows = measurement.rows(&block)?;
+            let by_cad = &rows.reading - &rows.matrix * &cad;
+            let by_fit = &rows.reading - &rows.matrix * params;
+            for (k, &measured) in readings.iter().enumerate() {
+                let place = match kept.len() < MOST {
+                    true => kept.len(),
+                    false => rng.random_range(0..=seen),
+                };
+                seen += 1;
+                if place >= MOST {
+                    continue;
+                }
+                let without =
+                    |rest: &DVector<f64>| [0, 1].map(|axis| measured[axis] - rest[2 * k + axis]);
+                let support = block.support.as_ref().map_or("", |all| &all[k]);
+                let residual = Residual {
+                    pose: block.pose[k],
+                    support: support.to_string(),
+                    measured,
+                    cad: without(&by_cad),
+                    fitted: without(&by_fit),
+                };
+                match place == kept.len() {
+                    true => kept.push((seen, residual)),
+                    false => kept[place] = (seen, residual),
+                }
+            }
+        }
+    }
+    kept.sort_by_key(|(order, _)| *order);
+    Ok(kept.into_iter().map(|(_, residual)| residual).collect())
+}
