@@ -14,20 +14,9 @@ const OP2_SOLE_M: [f64; 2] = [0.105, 0.066];
 
 /// The page of `sesc demo`.
 pub fn demo(report: &DemoReport) -> Result<String, Error> {
-    let mut environment = Environment::new();
-    environment.set_undefined_behavior(UndefinedBehavior::Strict);
-    environment.add_filter("mm", table::mm);
-    environment.add_filter("scientific", scientific);
-    environment.add_filter("code", code);
-    // Columns of a table line up at the point.
-    environment.add_filter("hundredths", |metres: f64| format!("{:.2}", 1e3 * metres));
-    environment.add_filter("plain", |value: f64| value.to_string());
-    // The name's ending turns escaping on.
+    let mut environment = environment()?;
     environment.add_template("demo.html", include_str!("demo.html"))?;
-    let colors: Vec<Value> = svg::PALETTE
-        .iter()
-        .map(|(name, color)| context! { name => *name, hex => svg::hex(*color) })
-        .collect();
+    let colors = colors();
     let figure = Value::from_safe_string;
     let page = environment.get_template("demo.html")?.render(context! {
         report => Serde(report),
@@ -48,6 +37,29 @@ pub fn demo(report: &DemoReport) -> Result<String, Error> {
         },
     })?;
     Ok(page)
+}
+
+/// What the pages share: filters, style, and no undefined names.
+pub(super) fn environment() -> Result<Environment<'static>, Error> {
+    let mut environment = Environment::new();
+    environment.set_undefined_behavior(UndefinedBehavior::Strict);
+    environment.add_filter("mm", table::mm);
+    environment.add_filter("scientific", scientific);
+    environment.add_filter("code", code);
+    // Columns of a table line up at the point.
+    environment.add_filter("hundredths", |metres: f64| format!("{:.2}", 1e3 * metres));
+    environment.add_filter("plain", |value: f64| value.to_string());
+    // The ending of a page's name turns escaping on.
+    environment.add_template("page.css", include_str!("page.css"))?;
+    Ok(environment)
+}
+
+/// Names and values of the colours of the figures.
+pub(super) fn colors() -> Vec<Value> {
+    svg::PALETTE
+        .iter()
+        .map(|(name, color)| context! { name => *name, hex => svg::hex(*color) })
+        .collect()
 }
 
 /// A sentence with its `names` set as code.

@@ -6,6 +6,7 @@
 
 mod cop;
 mod errors;
+pub mod fit;
 mod height;
 mod lengths;
 mod parameters;

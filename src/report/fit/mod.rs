@@ -1,5 +1,40 @@
-//! What a fit found: on the console, and as a page with figures.
+//! What a fit found: on the console, as JSON, and as a page with figures.
 
+mod correction;
+mod page;
+#[cfg(test)]
+mod tests;
 mod text;
 
+use serde::Serialize;
+
+use crate::identify::Identification;
+use crate::identify::corrected::Corrected;
+use crate::identify::residuals::Residual;
+
+pub use correction::corrections;
+pub use page::page;
 pub use text::text;
+
+/// All that `sesc fit` says, as JSON has it.
+#[derive(Debug, Clone, Serialize)]
+pub struct FitReport<'a> {
+    #[serde(flatten)]
+    pub found: &'a Identification,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub corrected: Option<&'a Corrected>,
+    /// What the page shows besides.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    pub shown: Option<&'a Shown>,
+}
+
+/// What only the page shows.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct Shown {
+    /// Some of the readings with their predictions; none where only factors are at hand.
+    pub residuals: Vec<Residual>,
+    /// One row per parameter.
+    pub correlation_matrix: Vec<Vec<f64>>,
+    /// Words that make this report again.
+    pub command: String,
+}

@@ -19,8 +19,9 @@ pub fn text(found: &Identification) -> String {
     );
     let _ = write!(out, "{}", parameters(found));
     let _ = writeln!(out, "\n{}", facts(found));
-    for unseen in &found.unobservable {
-        let _ = writeln!(out, "cannot be seen   {}", unseen.sentence);
+    let _ = write!(out, "{}", unseen(found));
+    for bound in found.active_bounds.iter().flatten() {
+        let _ = writeln!(out, "held by a bound  {bound}");
     }
     for pair in found.correlations.iter().take(5) {
         let _ = writeln!(
@@ -49,6 +50,26 @@ pub fn text(found: &Identification) -> String {
     }
     for warning in &found.warnings {
         let _ = writeln!(out, "warning          {warning}");
+    }
+    out
+}
+
+/// What cannot be seen; what no such data ever tell only as a number.
+fn unseen(found: &Identification) -> String {
+    let mut out = String::new();
+    let structural = |name: &str| name.starts_with("axis of ") || name.starts_with("r of ");
+    let (moved, named): (Vec<_>, Vec<_>) =
+        found.unobservable.iter().partition(|unseen| structural(&unseen.name));
+    for unseen in named {
+        let _ = writeln!(out, "cannot be seen   {}", unseen.sentence);
+    }
+    if !moved.is_empty() {
+        let _ = writeln!(
+            out,
+            "cannot be seen   along {} joints mass moves to the parent without a trace (all \
+             named by --json, --report)",
+            moved.len()
+        );
     }
     out
 }

@@ -1,0 +1,121 @@
+//! The page and the console's account of a small fit.
+
+use sesc_codegen::Snapping;
+
+use super::{FitReport, Shown, corrections, page, text};
+use crate::identify::corrected::correct;
+use crate::identify::gather::Gathered;
+use crate::identify::measurement::Measurement;
+use crate::identify::prior::Prior;
+use crate::identify::residuals::Residual;
+use crate::identify::{Identification, Settings, identify};
+use crate::posture_log::Block;
+use crate::robot::{OP2_URDF, Robot};
+use crate::simulate::Simulator;
+
+/// Readings that CAD explains but for a few millimetres.
+fn fit(robot: &Robot) -> Identification {
+    let model = robot.model("r_sole", Snapping::default(), None).unwrap();
+    let mut measurement = Measurement::new(robot, "r_sole", Snapping::default()).unwrap();
+    let q = Simulator::new(&model.tree.dofs, Some(0.5), 1).batch(60);
+    let mut block = Block {
+        line: vec![1; 60],
+        pose: (0..60).collect(),
+        q,
+        ..Block::default()
+    };
+    let rows = measurement.rows(&block).unwrap();
+    let cop = rows.matrix * nalgebra::DVector::from_vec(model.cad_params());
+    let off = |k: usize| 0.003 * (k as f64).sin();
+    let reading = (0..60).map(|k| [cop[2 * k] + off(k), cop[2 * k + 1] + off(3 * k)]);
+    block.reading = Some(reading.collect());
+    let mut gathered = Gathered::new(model.base.params.len(), 5);
+    gathered
+        .push(&mut measurement, &block, "log.csv", None)
+        .unwrap();
+    let settings = Settings {
+        prior: Prior::named("cad", &model).unwrap(),
+        noise: None,
+        range: None,
+    };
+    identify(&model, &["r_sole"], &gathered, &settings)
+}
+
+#[test]
+fn the_page_stands_alone_says_the_numbers_and_escapes_names() {
+    let robot = Robot::parse(OP2_URDF, "op2.urdf").unwrap();
+    let model = robot.model("r_sole", Snapping::default(), None).unwrap();
+    let mut found = fit(&robot);
+    found.robot = "op<2>".to_string();
+    found.parameters[1].std = None;
+    let prior = Prior::named("cad", &model).unwrap();
+    let corrected = correct(&robot, &model, Snapping::default(), &found, &prior, None).unwrap();
+    let residual = |k: i64| Residual {
+        pose: k,
+        support: String::new(),
+        measured: [0.01 * k as f64, 0.0],
+        cad: [0.01 * k as f64, 0.004],
+        fitted: [0.01 * k as f64, 0.001],
+    };
+    let shown = Shown {
+        residuals: (0..900).map(residual).collect(),
+        correlation_matrix: found.correlation_matrix(),
+        command: "sesc fit 'a<b>.urdf'".to_string(),
+    };
+    let report = FitReport {
+        found: &found,
+        corrected: Some(&corrected),
+        shown: Some(&shown),
+    };
+    let html = page(&report).unwrap();
+    for words in [
+        "op&lt;2&gt;",
+        "sesc fit &#x27;a&lt;b&gt;.urdf&#x27;",
+        "42 <small>of 43</small>",
+        "not seen",
+        "corrected URDF",
+        "1.00 mm RMS of the length",
+        "4.00 mm RMS of the length",
+    ] {
+        assert!(html.contains(words), "{words}");
+    }
+    assert_eq!(html.matches("<svg ").count(), 6);
+    assert!(!html.contains("NaN") && !html.contains("op<2>"));
+    let outside = html.replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
+    for reference in ["http", "src=", "href", "@import", "url(", "<script"] {
+        assert!(!outside.contains(reference), "{reference}");
+    }
+    assert_eq!(html, page(&report).unwrap());
+    let json = serde_json::to_value(&report).unwrap();
+    assert_eq!(json["residuals"].as_array().unwrap().len(), 900);
+    assert_eq!(json["correlation_matrix"][0][0], 1.0);
+    assert!(json["corrected"]["links"][0]["mass"][1].is_number());
+    assert_eq!(json["rank"], 42);
+
+    let bare = FitReport {
+        found: &found,
+        corrected: None,
+        shown: None,
+    };
+    let html = page(&bare).unwrap();
+    assert!(html.contains("the readings are not at hand"));
+    assert!(
+        serde_json::to_value(&bare)
+            .unwrap()
+            .get("residuals")
+            .is_none()
+    );
+    assert!(corrections(&corrected).contains("inertia is scaled"));
+}
+
+#[test]
+fn the_console_counts_what_every_robot_hides() {
+    let robot = Robot::parse(OP2_URDF, "op2.urdf").unwrap();
+    let said = text(&fit(&robot));
+    assert!(
+        said.contains("along 20 joints mass moves to the parent"),
+        "{said}"
+    );
+    assert!(said.contains("the height of the CoM is known up to one constant"));
+    assert!(said.matches("cannot be seen").count() < 4, "{said}");
+}
