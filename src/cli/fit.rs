@@ -6,17 +6,21 @@ use clap::{Args, ValueEnum};
 use indicatif::ProgressBar;
 use sesc_codegen::{Model, Snapping};
 
+use super::fit_outputs::Outputs;
 use super::{Outcome, message, notes, print, print_json, progress};
 use crate::Error;
 use crate::identify::gather::Gathered;
 use crate::identify::logs::{Logs, Watch};
+use crate::identify::measurement::Measurement;
 use crate::identify::part::{About, Part};
 use crate::identify::prior::Prior;
+use crate::identify::residuals::{self, Residual};
 use crate::identify::robust::Loss;
-use crate::identify::{Identification, Settings, identify};
+use crate::identify::{Identification, Settings, identify_within};
 use crate::output;
 use crate::posture_log::{Angles, Options, Progress, Readings};
 use crate::report;
+use crate::report::fit::FitReport;
 use crate::robot::Robot;
 
 /// Identify the parameters of a robot from posture logs, with all that must be said of them
@@ -24,7 +28,9 @@ use crate::robot::Robot;
 #[command(after_help = "Examples:\n  \
     sesc fit robots/op2/op2.urdf --data log.csv --out model.toml\n  \
     sesc fit op2.urdf --data monday.csv --partial monday.part\n  \
-    sesc fit monday.part tuesday.part --out model.toml")]
+    sesc fit monday.part tuesday.part --out model.toml\n  \
+    sesc fit op2.urdf --data log.csv --urdf corrected.urdf --total-mass 2.93\n  \
+    sesc fit op2.urdf --data log.csv --prior free --physical --report report.html")]
 pub(super) struct Arguments {
     /// Robot description; or factor files of `--partial` to combine
     #[arg(value_name = "URDF|PART", required = true)]
@@ -62,6 +68,8 @@ pub(super) struct Arguments {
     /// Model file to write
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    outputs: Outputs,
     /// Print the result as JSON
     #[arg(long)]
     json: bool,
@@ -74,7 +82,12 @@ enum RobustLoss {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
-    for (name, value) in [("--noise", arguments.noise), ("--range", arguments.range)] {
+    let numbers = [
+        ("--noise", arguments.noise),
+        ("--range", arguments.range),
+        ("--total-mass", arguments.outputs.total_mass),
+    ];
+    for (name, value) in numbers {
         if let Some(x) = value.filter(|x| !(x.is_finite() && *x > 0.0)) {
             return Err(Error::Usage(format!(
                 "{name} {x}: give a number above zero"
@@ -100,12 +113,29 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         range: arguments.range.map(f64::to_radians),
     };
     let supports: Vec<&str> = part.supports.iter().map(String::as_str).collect();
-    let found = identify(&model, &supports, &part.gathered, &settings);
+    let limits = arguments.outputs.limits(&robot)?;
+    let found = identify_within(&model, &supports, &part.gathered, &settings, limits.as_ref());
+    let corrected =
+        arguments.outputs.correct(&robot, &model, snapping, &found, &settings.prior)?;
+    let residuals = match arguments.outputs.page() {
+        true => residuals(arguments, &robot, &part.support, &found)?,
+        false => Vec::new(),
+    };
     write(arguments, &model, &found)?;
+    let shown = arguments.outputs.shown(&found, residuals);
+    let report = FitReport {
+        found: &found,
+        corrected: corrected.as_ref(),
+        shown: shown.as_ref(),
+    };
+    arguments.outputs.write(&report)?;
     if arguments.json {
-        print_json(&found)?;
+        print_json(&report)?;
     } else {
         print(&report::fit::text(&found))?;
+        if let Some(corrected) = &corrected {
+            print(&report::fit::corrections(corrected))?;
+        }
     }
     Ok(Outcome::Ok)
 }
@@ -193,22 +223,9 @@ fn from_logs(
             return Err(Error::Usage("no robot: give the URDF before --data".into()));
         }
     };
-    let links = robot.description.robot.links.iter();
     let support = arguments.support.clone();
-    let logs = Logs {
-        robot: &robot,
-        files: &arguments.data,
-        options: Options {
-            angles: arguments.degrees.then_some(Angles::Deg),
-            readings: Readings::Required,
-            links: links.map(|link| link.name.clone()).collect(),
-            support: support.clone(),
-            ..Options::default()
-        },
-        support: support.or_else(|| parts.map(|part| part.support.clone())),
-        snapping: snapping(arguments.no_snap),
-        folds: usize::try_from(arguments.folds).unwrap_or(10),
-    };
+    let support = support.or_else(|| parts.map(|part| part.support.clone()));
+    let logs = logs(arguments, &robot, support);
     let loss = arguments.robust.map(|robust| match robust {
         RobustLoss::Huber => Loss::Huber,
         RobustLoss::Tukey => Loss::Tukey,
@@ -230,6 +247,40 @@ fn from_logs(
         snapped: !arguments.no_snap,
     };
     Ok(Part::new(about, gathered))
+}
+
+/// The logs of the command line.
+fn logs<'r>(arguments: &'r Arguments, robot: &'r Robot, support: Option<String>) -> Logs<'r> {
+    let links = robot.description.robot.links.iter();
+    Logs {
+        robot,
+        files: &arguments.data,
+        options: Options {
+            angles: arguments.degrees.then_some(Angles::Deg),
+            readings: Readings::Required,
+            links: links.map(|link| link.name.clone()).collect(),
+            support: arguments.support.clone(),
+            ..Options::default()
+        },
+        support,
+        snapping: snapping(arguments.no_snap),
+        folds: usize::try_from(arguments.folds).unwrap_or(10),
+    }
+}
+
+/// A sample of readings beside their predictions; none of factor files.
+fn residuals(
+    arguments: &Arguments,
+    robot: &Robot,
+    support: &str,
+    found: &Identification,
+) -> Result<Vec<Residual>, Error> {
+    let logs = logs(arguments, robot, Some(support.to_string()));
+    let mut measurement = Measurement::new(robot, support, logs.snapping)?;
+    let mut bar = Bar(progress("residuals"));
+    let found = residuals::sample(&logs, &mut measurement, &found.estimate.params, &mut bar);
+    bar.0.finish_and_clear();
+    found
 }
 
 /// Progress on the terminal.

@@ -2,6 +2,7 @@
 
 mod demo;
 mod fit;
+mod fit_outputs;
 mod generate;
 mod inspect;
 mod plan;

@@ -1,0 +1,121 @@
+//! What `sesc fit` makes of a fit besides the model file: a corrected URDF, physical
+//! masses, a page.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use sesc_codegen::{Model, Snapping};
+
+use super::message;
+use crate::Error;
+use crate::identify::corrected::{Corrected, correct};
+use crate::identify::limits::Limits;
+use crate::identify::prior::Prior;
+use crate::identify::{Identification, residuals::Residual};
+use crate::output;
+use crate::report::fit::{FitReport, Shown, page};
+use crate::robot::Robot;
+
+#[derive(Args)]
+pub(super) struct Outputs {
+    /// URDF to write: masses and CoMs nearest to CAD that give the identified parameters;
+    /// nothing else in the file changes but inertia, scaled with the mass of its link
+    #[arg(long, value_name = "FILE", conflicts_with = "partial")]
+    urdf: Option<PathBuf>,
+    /// What the robot weighs in that URDF, kg; as in CAD unless given
+    #[arg(long, value_name = "KG", requires = "urdf")]
+    pub(super) total_mass: Option<f64>,
+    /// Fit physical masses only: none negative, CoMs inside the collision geometry (boxes,
+    /// cylinders, spheres) where the URDF gives it, else near the joints of the link
+    #[arg(long, conflicts_with = "partial")]
+    physical: bool,
+    /// Page to write: figures, tables, what cannot be seen
+    #[arg(long, value_name = "FILE", conflicts_with = "partial")]
+    report: Option<PathBuf>,
+}
+
+impl Outputs {
+    /// Whether a page is asked for.
+    pub(super) fn page(&self) -> bool {
+        self.report.is_some()
+    }
+
+    /// Bounds of physical masses, if they are asked for.
+    pub(super) fn limits(&self, robot: &Robot) -> Result<Option<Limits>, Error> {
+        self.physical.then(|| Limits::of(robot)).transpose()
+    }
+
+    /// The corrected description, if it is asked for; before anything is written.
+    pub(super) fn correct(
+        &self,
+        robot: &Robot,
+        model: &Model,
+        snapping: Snapping,
+        found: &Identification,
+        prior: &Prior,
+    ) -> Result<Option<Corrected>, Error> {
+        if self.physical && found.masses.is_none() {
+            return Err(Error::Usage(format!(
+                "--physical: {}; fit without it, or with --prior cad",
+                found.warnings.join("; ")
+            )));
+        }
+        let Some(path) = &self.urdf else {
+            return Ok(None);
+        };
+        keep(&robot.description.file, path)?;
+        correct(robot, model, snapping, found, prior, self.total_mass).map(Some)
+    }
+
+    /// What the page shows besides the fit.
+    pub(super) fn shown(&self, found: &Identification, residuals: Vec<Residual>) -> Option<Shown> {
+        self.page().then(|| Shown {
+            residuals,
+            correlation_matrix: found.correlation_matrix(),
+            command: command(),
+        })
+    }
+
+    /// Write what is asked for.
+    pub(super) fn write(&self, report: &FitReport<'_>) -> Result<(), Error> {
+        if let (Some(path), Some(corrected)) = (&self.urdf, report.corrected) {
+            output::write(path, &corrected.text)?;
+            message(&format!("wrote {}", path.display()));
+        }
+        if let Some(path) = &self.report {
+            let text = page(report).map_err(|error| Error::Report(Box::new(error)))?;
+            output::write(path, &text)?;
+            message(&format!("wrote {}", path.display()));
+        }
+        Ok(())
+    }
+}
+
+/// The robot's own file is not overwritten: logs and model files refer to it.
+fn keep(robot: &str, path: &Path) -> Result<(), Error> {
+    let whole = |path: &Path| path.canonicalize().ok();
+    match (whole(Path::new(robot)), whole(path)) {
+        (Some(a), Some(b)) if a == b => Err(Error::Usage(format!(
+            "--urdf {}: that is the robot itself, which logs and model files refer to; give \
+             another name",
+            path.display()
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// This command line, as a shell takes it.
+fn command() -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+".contains(c);
+    let quoted = |word: String| match word.chars().all(plain) && !word.is_empty() {
+        true => word,
+        false => format!("'{}'", word.replace('\'', "'\\''")),
+    };
+    let words = std::env::args_os()
+        .skip(1)
+        .map(|word| word.to_string_lossy().into_owned());
+    std::iter::once("sesc".to_string())
+        .chain(words.map(quoted))
+        .collect::<Vec<_>>()
+        .join(" ")
+}
