@@ -22,15 +22,41 @@ pub fn sole(rows: &[Residual], fitted: bool) -> String {
     })
 }
 
+/// How much longer strokes are drawn than residuals are: the same for CAD and fit.
+fn gain(rows: &[&Residual]) -> f64 {
+    let both = [rms(rows, false), rms(rows, true)];
+    let longest = both
+        .into_iter()
+        .filter(|x| x.is_finite())
+        .fold(0.0, f64::max);
+    let far = rows
+        .iter()
+        .flat_map(|row| row.measured)
+        .filter(|x| x.is_finite());
+    let far = far.fold(0.0, |far: f64, x| far.max(x.abs()));
+    let steps = [100.0, 50.0, 20.0, 10.0, 5.0, 2.0];
+    let fits = |gain: &f64| longest > 0.0 && gain * longest < 0.12 * far;
+    steps.into_iter().find(fits).unwrap_or(1.0)
+}
+
+/// RMS of the lengths of residuals, m.
+fn rms(rows: &[&Residual], fitted: bool) -> f64 {
+    let square = |row: &&Residual| {
+        let to = if fitted { row.fitted } else { row.cad };
+        (to[0] - row.measured[0]).powi(2) + (to[1] - row.measured[1]).powi(2)
+    };
+    (rows.iter().map(square).sum::<f64>() / rows.len().max(1) as f64).sqrt()
+}
+
 fn draw(area: &Area<'_>, rows: &[&Residual], fitted: bool) -> Drawn {
-    let predicted = |row: &Residual| if fitted { row.fitted } else { row.cad };
-    let residual = |row: &Residual| {
-        let to = predicted(row);
-        (to[0] - row.measured[0]).hypot(to[1] - row.measured[1])
+    let gain = gain(rows);
+    let end = |row: &Residual, fitted: bool| {
+        let to = if fitted { row.fitted } else { row.cad };
+        [0, 1].map(|axis| row.measured[axis] + gain * (to[axis] - row.measured[axis]))
     };
     let mut ends: Vec<[f64; 2]> = Vec::new();
     for row in rows {
-        ends.extend([row.measured, row.cad, row.fitted]);
+        ends.extend([row.measured, end(row, false), end(row, true)]);
     }
     let [x, y] = [0, 1].map(|axis| span(ends.iter().map(|end| to_mm(end[axis]))));
     // One scale for both axes: a sole is not stretched.
@@ -50,7 +76,7 @@ fn draw(area: &Area<'_>, rows: &[&Residual], fitted: bool) -> Drawn {
     .draw(area)?;
     let color = if fitted { BLUE } else { MUTED };
     for row in rows {
-        let [from, to] = [row.measured, predicted(row)].map(|at| (to_mm(at[0]), to_mm(at[1])));
+        let [from, to] = [row.measured, end(row, fitted)].map(|at| (to_mm(at[0]), to_mm(at[1])));
         plane.line([from, to], color, 1.5)?;
     }
     for row in rows {
@@ -63,12 +89,11 @@ fn draw(area: &Area<'_>, rows: &[&Residual], fitted: bool) -> Drawn {
         let place = (px(68.0), px(TOP + 20.0));
         note(area, "no readings at hand", place, Side::Left, MUTED)?;
     }
-    let sum: f64 = rows.iter().map(|row| residual(row).powi(2)).sum();
-    let rms = (sum / rows.len().max(1) as f64).sqrt();
-    let text = format!(
-        "{} mm RMS of the length",
-        super::super::super::table::mm(rms)
-    );
+    let length = super::super::super::table::mm(rms(rows, fitted));
+    let text = match gain > 1.0 {
+        true => format!("{length} mm RMS of the length, drawn × {gain}"),
+        false => format!("{length} mm RMS of the length"),
+    };
     key(
         area,
         48.0 + SIDE,
