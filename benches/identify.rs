@@ -51,7 +51,12 @@ fn log(model: &Model, count: usize) -> Vec<Block> {
             Block {
                 line: (start as u64..(start + n) as u64).collect(),
                 pose: (start as i64..(start + n) as i64).collect(),
-                reading: Some(readings.chunks(2).map(|c| [noisy(c[0]), noisy(c[1])]).collect()),
+                reading: Some(
+                    readings
+                        .chunks(2)
+                        .map(|c| [noisy(c[0]), noisy(c[1])])
+                        .collect(),
+                ),
                 q,
                 ..Block::default()
             }
@@ -124,7 +129,10 @@ fn from_file(robot: &Robot, path: PathBuf) -> f64 {
 /// All rows as one matrix.
 fn stacked(robot: &Robot, log: &[Block]) -> (DMatrix<f64>, DVector<f64>) {
     let mut measurement = Measurement::new(robot, SUPPORT, Snapping::default()).unwrap();
-    let blocks: Vec<_> = log.iter().map(|block| measurement.rows(block).unwrap()).collect();
+    let blocks: Vec<_> = log
+        .iter()
+        .map(|block| measurement.rows(block).unwrap())
+        .collect();
     let n: usize = blocks.iter().map(|rows| rows.reading.len()).sum();
     let mut matrix = DMatrix::zeros(n, blocks[0].matrix.ncols());
     let mut reading = DVector::zeros(n);
@@ -144,7 +152,9 @@ fn rows(c: &mut Criterion) {
     let block = &log(measurement.model(), BLOCK)[0];
     let mut group = c.benchmark_group("op2/identify");
     group.throughput(Throughput::Elements(BLOCK as u64));
-    group.bench_function("rows", |b| b.iter(|| measurement.rows(black_box(block)).unwrap()));
+    group.bench_function("rows", |b| {
+        b.iter(|| measurement.rows(black_box(block)).unwrap())
+    });
     group.bench_function("rows and factor", |b| {
         let mut factor = Factor::new(43);
         let ones = vec![1.0; 2 * BLOCK];
@@ -203,9 +213,16 @@ fn peers(
             solve(&factor, 1.0, &DVector::zeros(42), None).params
         });
     });
-    group.bench_function(BenchmarkId::new("nalgebra QR and SVD, rows given", count), |b| {
-        b.iter(|| least_squares(black_box(seen.clone()), &reading).unwrap().params);
-    });
+    group.bench_function(
+        BenchmarkId::new("nalgebra QR and SVD, rows given", count),
+        |b| {
+            b.iter(|| {
+                least_squares(black_box(seen.clone()), &reading)
+                    .unwrap()
+                    .params
+            });
+        },
+    );
     let a = faer::Mat::from_fn(seen.nrows(), seen.ncols(), |i, j| seen[(i, j)]);
     let y = faer::Mat::from_fn(reading.len(), 1, |i, _| reading[i]);
     group.bench_function(BenchmarkId::new("faer QR, rows given", count), |b| {

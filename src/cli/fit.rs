@@ -114,9 +114,16 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     };
     let supports: Vec<&str> = part.supports.iter().map(String::as_str).collect();
     let limits = arguments.outputs.limits(&robot)?;
-    let found = identify_within(&model, &supports, &part.gathered, &settings, limits.as_ref());
-    let corrected =
-        arguments.outputs.correct(&robot, &model, snapping, &found, &settings.prior)?;
+    let found = identify_within(
+        &model,
+        &supports,
+        &part.gathered,
+        &settings,
+        limits.as_ref(),
+    );
+    let corrected = arguments
+        .outputs
+        .correct(&robot, &model, snapping, &found, &settings.prior)?;
     let residuals = match arguments.outputs.page() {
         true => residuals(arguments, &robot, &part.support, &found)?,
         false => Vec::new(),

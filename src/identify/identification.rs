@@ -214,7 +214,14 @@ pub fn identify_within(
     let mut fit = |factor: &Factor| {
         let mut estimate = solve::solve(factor, sigma, &cad, prior.as_ref());
         let bounded = limits.map(|limits| {
-            physical::constrain(model, factor, sigma, &settings.prior, limits, &estimate.params)
+            physical::constrain(
+                model,
+                factor,
+                sigma,
+                &settings.prior,
+                limits,
+                &estimate.params,
+            )
         });
         match bounded {
             None => (estimate, None),
@@ -231,7 +238,10 @@ pub fn identify_within(
     let (estimate, masses) = fit(&whole);
     let held_out = held_out(gathered, |others| fit(others).0);
     if let Some(reason) = failures.first() {
-        warnings.push(format!("{reason}: bounds were left aside in {} fits", failures.len()));
+        warnings.push(format!(
+            "{reason}: bounds were left aside in {} fits",
+            failures.len()
+        ));
     }
     let plain = gathered.plain();
     let rms = |sum: f64, rows: u64| (sum / rows.max(1) as f64).sqrt();
@@ -552,7 +562,9 @@ impl Identification {
             covariance[(a, b)] / (covariance[(a, a)] * covariance[(b, b)]).sqrt()
         };
         let all = 0..covariance.nrows();
-        all.clone().map(|a| all.clone().map(|b| of(a, b)).collect()).collect()
+        all.clone()
+            .map(|a| all.clone().map(|b| of(a, b)).collect())
+            .collect()
     }
 
     /// The model file of what was found.

@@ -58,8 +58,10 @@ pub fn text(found: &Identification) -> String {
 fn unseen(found: &Identification) -> String {
     let mut out = String::new();
     let structural = |name: &str| name.starts_with("axis of ") || name.starts_with("r of ");
-    let (moved, named): (Vec<_>, Vec<_>) =
-        found.unobservable.iter().partition(|unseen| structural(&unseen.name));
+    let (moved, named): (Vec<_>, Vec<_>) = found
+        .unobservable
+        .iter()
+        .partition(|unseen| structural(&unseen.name));
     for unseen in named {
         let _ = writeln!(out, "cannot be seen   {}", unseen.sentence);
     }
