@@ -51,6 +51,45 @@ impl NewFile {
     }
 }
 
+/// Whether `written` may be written beside what is `read`.
+///
+/// # Errors
+/// When a file is both, is meant twice, or its folder takes no file.
+pub fn check(read: &[PathBuf], written: &[&PathBuf]) -> Result<(), Error> {
+    let place = |path: &Path| match (path.parent(), path.file_name()) {
+        (Some(folder), Some(name)) => {
+            let folder = match folder.as_os_str().is_empty() {
+                true => Path::new("."),
+                false => folder,
+            };
+            let whole = fs::canonicalize(folder).unwrap_or_else(|_| folder.to_path_buf());
+            whole.join(name)
+        }
+        _ => path.to_path_buf(),
+    };
+    for (k, path) in written.iter().enumerate() {
+        let here = place(path);
+        if read
+            .iter()
+            .any(|other| place(other) == here && other.exists())
+        {
+            return Err(Error::Usage(format!(
+                "{} is read here; give the output another name",
+                path.display()
+            )));
+        }
+        if written[..k].iter().any(|other| place(other) == here) {
+            return Err(Error::Usage(format!(
+                "{} is meant for two outputs; give each a name of its own",
+                path.display()
+            )));
+        }
+        // A file that is dropped leaves nothing behind.
+        drop(NewFile::create(path)?);
+    }
+    Ok(())
+}
+
 impl Write for NewFile {
     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
         self.file.write(bytes)

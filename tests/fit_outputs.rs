@@ -75,7 +75,7 @@ fn masses_that_cannot_be_are_refused_and_nothing_is_written() {
         ],
     );
     assert!(!urdf.exists() && !model.exists());
-    refused(&arguments(&["--urdf", &op2()]), &["the robot itself"]);
+    refused(&arguments(&["--urdf", &op2()]), &["is read here"]);
     refused(&arguments(&["--total-mass", "3"]), &["--urdf"]);
     refused(
         &arguments(&["--urdf", &to_urdf, "--total-mass", "0"]),

@@ -38,7 +38,7 @@ fn op2_plan(prior: &str, seed: u64, candidates: usize) -> (Robot, Model, Plan) {
     let request = Request {
         poses: POSES,
         candidates: Some(candidates),
-        region: Region::square(COP_BOX, 0.0),
+        region: Region::square(COP_BOX, 0.0).unwrap(),
         sigmas: 2.0,
         limits: Limits::read(Path::new(&paper_limits()), &model.tree.dofs).unwrap(),
         prior: Prior::named(prior, &model).unwrap(),
@@ -335,7 +335,7 @@ fn planned_postures_do_not_collide() {
     let request = Request {
         poses: 10,
         candidates: Some(300),
-        region: Region::square(0.1, 0.0),
+        region: Region::square(0.1, 0.0).unwrap(),
         sigmas: 1.0,
         limits: Limits::of_urdf(&model.tree.dofs),
         prior: Prior::named("cad", &model).unwrap(),

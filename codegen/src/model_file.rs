@@ -136,7 +136,8 @@ impl ModelFile {
         }
         if &self.support != support {
             return Err(bad(format!(
-                "made for support `{}`, not `{support}`",
+                "made for support `{}`, not `{support}`; fit with --support {support}, or use the \
+                 corrected robot of `sesc fit --urdf`, which serves every support",
                 self.support
             )));
         }

@@ -273,19 +273,10 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
     }
 
     fn fade(&mut self, lambda: T) {
-        if lambda == T::ONE {
-            return;
+        if lambda < T::ONE {
+            self.lighten(lambda);
         }
-        self.readings *= lambda.to_f64();
-        self.residual = self.residual * lambda;
-        for i in 0..N {
-            self.kept[i] = self.kept[i] * lambda;
-            let weight = self.triangle.weights[i] * lambda;
-            self.triangle.weights[i] = weight;
-            if weight < T::LEAST && weight > T::ZERO {
-                self.residual = self.residual + self.triangle.drop_pivot(i);
-            }
-        }
+        // The prior comes back in turn, also after a single `forget`.
         let turn = self.turn;
         if turn < N {
             let lost = self.prior[turn] * (T::ONE - self.kept[turn]);
@@ -299,6 +290,20 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
         }
         if self.turn >= N {
             self.turn = 0;
+        }
+    }
+
+    /// Multiply all information by λ.
+    fn lighten(&mut self, lambda: T) {
+        self.readings *= lambda.to_f64();
+        self.residual = self.residual * lambda;
+        for i in 0..N {
+            self.kept[i] = self.kept[i] * lambda;
+            let weight = self.triangle.weights[i] * lambda;
+            self.triangle.weights[i] = weight;
+            if weight < T::LEAST && weight > T::ZERO {
+                self.residual = self.residual + self.triangle.drop_pivot(i);
+            }
         }
     }
 

@@ -18,7 +18,7 @@ use crate::identify::residuals::{self, Residual};
 use crate::identify::robust::Loss;
 use crate::identify::{Identification, Settings, identify_within};
 use crate::output;
-use crate::posture_log::{Angles, Options, Progress, Readings};
+use crate::posture_log::{Angles, Options, Progress, Readings, Sidecar};
 use crate::report;
 use crate::report::fit::FitReport;
 use crate::robot::Robot;
@@ -38,7 +38,8 @@ pub(super) struct Arguments {
     /// Posture log (CSV, gzip, Parquet, MCAP); may be given several times
     #[arg(long, value_name = "FILE")]
     data: Vec<PathBuf>,
-    /// Link on the ground; parameters are those seen from it. The log's sidecar or column, else
+    /// Link whose parameters are meant, and on the ground wherever a log has no `support` column
+    /// (it wins over the sidecar's); the first log's own unless given
     #[arg(long, value_name = "LINK")]
     support: Option<String>,
     /// Take decimals of right angles (1.5708) literally
@@ -47,26 +48,27 @@ pub(super) struct Arguments {
     /// Turning joints are logged in degrees
     #[arg(long)]
     degrees: bool,
-    /// What CAD is worth: tight (mass 1 %, CoM 0.5 mm), cad (10 %, 5 mm), free, or a TOML file
+    /// What CAD is worth: tight (mass 1 %, CoM 0.5 mm), cad (10 %, 5 mm), free, or a TOML file:
+    /// [default] mass = 0.1, com = 0.005 (m); [links.NAME] likewise, and mass_kg
     #[arg(long, value_name = "tight|cad|free|FILE", default_value = "cad")]
     prior: String,
     /// Standard deviation of a reading, m; from the log unless given
-    #[arg(long, value_name = "M")]
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
     noise: Option<f64>,
     /// Trust postures less that no noise explains, and name them
     #[arg(long, value_enum)]
     robust: Option<RobustLoss>,
     /// Folds of the cross-validation
-    #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u64).range(2..=100))]
-    folds: u64,
+    #[arg(long, default_value = "10", value_parser = clap::value_parser!(u64).range(2..=100))]
+    folds: Option<u64>,
     /// State the expected error for joints within ±DEG; else for their limits
-    #[arg(long, value_name = "DEG")]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     range: Option<f64>,
     /// Only gather: write the factors of these logs, to combine them later
     #[arg(long, value_name = "FILE")]
     partial: Option<PathBuf>,
     /// Model file to write
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with = "partial")]
     out: Option<PathBuf>,
     #[command(flatten)]
     outputs: Outputs,
@@ -88,13 +90,17 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         ("--total-mass", arguments.outputs.total_mass),
     ];
     for (name, value) in numbers {
-        if let Some(x) = value.filter(|x| !(x.is_finite() && *x > 0.0)) {
+        if let Some(x) = value.filter(|x| !(1e-9..=1e6).contains(x)) {
             return Err(Error::Usage(format!(
-                "{name} {x}: give a number above zero"
+                "{name} {x:e}: give a number above zero that a robot can have"
             )));
         }
     }
-    let part = gathered(arguments)?;
+    check_files(arguments)?;
+    let mut part = gathered(arguments)?;
+    if let Some(support) = &arguments.support {
+        part.stand_on(support)?;
+    }
     if let Some(path) = &arguments.partial {
         part.write(path)?;
         message(&format!(
@@ -155,6 +161,27 @@ fn write(arguments: &Arguments, model: &Model, found: &Identification) -> Result
         message(&format!("wrote {}", path.display()));
     }
     Ok(())
+}
+
+/// Nothing that is read is written, nothing is written twice, and every folder
+/// takes a file: before a long fit, not behind it.
+fn check_files(arguments: &Arguments) -> Result<(), Error> {
+    if let Some(path) = &arguments.partial
+        && path.extension().is_none_or(|end| end != "part")
+    {
+        return Err(Error::Usage(format!(
+            "--partial {}: factor files end in .part",
+            path.display()
+        )));
+    }
+    let mut read: Vec<PathBuf> = arguments.inputs.clone();
+    for log in &arguments.data {
+        read.push(log.clone());
+        read.push(Sidecar::path(log));
+    }
+    let own = [&arguments.out, &arguments.partial].into_iter().flatten();
+    let written: Vec<&PathBuf> = own.chain(arguments.outputs.files()).collect();
+    output::check(&read, &written)
 }
 
 fn snapping(literal: bool) -> Snapping {
@@ -238,7 +265,11 @@ fn from_logs(
         RobustLoss::Tukey => Loss::Tukey,
     });
     let mut bar = Bar(progress("reading"));
-    let (measurement, gathered): (_, Gathered) = logs.gather(loss, &mut bar)?;
+    let (measurement, gathered): (_, Gathered) = logs.gather(
+        loss,
+        &|model| Prior::named(&arguments.prior, model),
+        &mut bar,
+    )?;
     bar.0.finish_and_clear();
     notes(measurement.model());
     let about = About {
@@ -271,7 +302,10 @@ fn logs<'r>(arguments: &'r Arguments, robot: &'r Robot, support: Option<String>)
         },
         support,
         snapping: snapping(arguments.no_snap),
-        folds: usize::try_from(arguments.folds).unwrap_or(10),
+        folds: arguments
+            .folds
+            .and_then(|k| usize::try_from(k).ok())
+            .unwrap_or(10),
     }
 }
 

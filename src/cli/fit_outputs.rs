@@ -23,7 +23,12 @@ pub(super) struct Outputs {
     #[arg(long, value_name = "FILE", conflicts_with = "partial")]
     urdf: Option<PathBuf>,
     /// What the robot weighs in that URDF, kg; as in CAD unless given
-    #[arg(long, value_name = "KG", requires = "urdf")]
+    #[arg(
+        long,
+        value_name = "KG",
+        requires = "urdf",
+        allow_negative_numbers = true
+    )]
     pub(super) total_mass: Option<f64>,
     /// Fit physical masses only: none negative, CoMs inside the collision geometry (boxes,
     /// cylinders, spheres) where the URDF gives it, else near the joints of the link
@@ -35,6 +40,11 @@ pub(super) struct Outputs {
 }
 
 impl Outputs {
+    /// Files to write.
+    pub(super) fn files(&self) -> impl Iterator<Item = &PathBuf> {
+        [&self.urdf, &self.report].into_iter().flatten()
+    }
+
     /// Whether a page is asked for.
     pub(super) fn page(&self) -> bool {
         self.report.is_some()
@@ -60,10 +70,9 @@ impl Outputs {
                 found.warnings.join("; ")
             )));
         }
-        let Some(path) = &self.urdf else {
+        if self.urdf.is_none() {
             return Ok(None);
-        };
-        keep(&robot.description.file, path)?;
+        }
         correct(robot, model, snapping, found, prior, self.total_mass).map(Some)
     }
 
@@ -88,19 +97,6 @@ impl Outputs {
             message(&format!("wrote {}", path.display()));
         }
         Ok(())
-    }
-}
-
-/// The robot's own file is not overwritten: logs and model files refer to it.
-fn keep(robot: &str, path: &Path) -> Result<(), Error> {
-    let whole = |path: &Path| path.canonicalize().ok();
-    match (whole(Path::new(robot)), whole(path)) {
-        (Some(a), Some(b)) if a == b => Err(Error::Usage(format!(
-            "--urdf {}: that is the robot itself, which logs and model files refer to; give \
-             another name",
-            path.display()
-        ))),
-        _ => Ok(()),
     }
 }
 

@@ -40,7 +40,8 @@ pub(super) struct Arguments {
     /// C: functions of servo ticks [default: true for f32 and fixed32]
     #[arg(long, value_name = "BOOL")]
     ticks: Option<bool>,
-    /// C: zero, sign and resolution of each joint's servo (TOML); implies --ticks true
+    /// C: each joint's servo, implies --ticks true; TOML: [default] zero = 2048, sign = 1,
+    /// resolution = 4096; [joints.NAME] likewise, metres_per_tick for sliding joints
     #[arg(long, value_name = "FILE")]
     servos: Option<PathBuf>,
 }
@@ -77,6 +78,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let usual = format!("{}_{support}", model.tree.robot);
     let files = match arguments.lang {
         Language::Rust => {
+            if arguments.servos.is_some() || arguments.ticks.is_some() {
+                return Err(Error::Usage(
+                    "--servos and --ticks are for C; add --lang c (Rust takes joint angles)".into(),
+                ));
+            }
             if arguments.scalar == Scalar::Fixed32 {
                 return Err(Error::Usage(
                     "--scalar fixed32 is for C; add --lang c (Rust output is generic over floats)"

@@ -85,7 +85,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
             .map(|k| usize::try_from(k).unwrap_or(usize::MAX)),
         region: match &arguments.sole {
             Some(sole) => Region::sole(sole, arguments.margin)?,
-            None => Region::square(arguments.cop_box.unwrap_or(COP_BOX), arguments.margin),
+            None => Region::square(arguments.cop_box.unwrap_or(COP_BOX), arguments.margin)?,
         },
         sigmas: arguments.sigmas,
         limits: match &arguments.limits {

@@ -12,6 +12,7 @@
 use nalgebra::DMatrix;
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
+use sesc_codegen::standard::Shift;
 
 /// What is left of `rows` rows: everything that least squares needs of them.
 #[derive(Debug, Clone, PartialEq)]
@@ -74,6 +75,22 @@ impl Factor {
             whole.merge(part);
         }
         whole
+    }
+
+    /// The same rows about parameters r' with r = matrix · r' + offset.
+    pub fn shifted(&self, shift: &Shift) -> Factor {
+        let p = self.params();
+        let mut triangle = self.triangle.clone();
+        triangle
+            .view_mut((0, 0), (p, p))
+            .copy_from(&(self.r() * &shift.matrix));
+        triangle
+            .view_mut((0, p), (p, 1))
+            .copy_from(&(self.z() - self.r() * &shift.offset));
+        Factor {
+            triangle: triangle.qr().r(),
+            rows: self.rows,
+        }
     }
 
     /// R, p × p.

@@ -12,6 +12,8 @@
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
+use sesc_codegen::standard::Shift;
+
 use super::factor::Factor;
 use super::measurement::{Measurement, Rows};
 use super::noise::Replicates;
@@ -69,7 +71,18 @@ pub struct Gathered {
     pub readings: u64,
     pub logs: Vec<LogUsed>,
     pub down_weighted: Vec<DownWeighted>,
+    /// Σ of robust weights over rows of logs: all of them in a plain fit.
+    pub trusted: f64,
+    /// What robust weights leave of the mean square of normal noise; 1 in a plain fit.
+    pub consistency: f64,
+    /// Rows that share a `pose` with the row before but not its joint positions.
+    pub moved: u64,
+    #[serde(skip)]
+    last: Option<(i64, Vec<f64>)>,
 }
+
+/// Repeated readings are of one posture up to this, rad or m: servos jitter.
+const JITTER: f64 = 0.02;
 
 /// Down-weighted postures worth listing.
 const LISTED: usize = 1000;
@@ -95,6 +108,10 @@ impl Gathered {
             readings: 0,
             logs: Vec::new(),
             down_weighted: Vec::new(),
+            trusted: 0.0,
+            consistency: 1.0,
+            moved: 0,
+            last: None,
         }
     }
 
@@ -138,38 +155,61 @@ impl Gathered {
         let rows = measurement.rows(block)?;
         let ones = vec![[1.0; 2]; block.len()];
         let std = block.std.as_ref().unwrap_or(&ones);
-        for k in 0..block.len() {
-            let support = block.support.as_ref().map_or("", |all| &all[k]);
-            self.replicates
-                .push(block.pose[k], support, readings[k], std[k]);
-            if block.std.is_some() {
-                self.stated += std[k][0] * std[k][0] + std[k][1] * std[k][1];
-            }
-        }
         self.readings += block.len() as u64;
         let trust = match robust {
             None => vec![1.0; block.len()],
             Some((robust, params)) => {
                 let weights = robust.weights(&rows, std, params);
+                self.consistency = robust.consistency();
                 self.name_outliers(block, &rows, &weights, params, file);
                 weights
             }
         };
-        self.deal(block, &rows, std, &trust);
+        let dof = measurement.model().dof();
+        let mut keys = Vec::with_capacity(block.len());
+        for k in 0..block.len() {
+            let support = block.support.as_ref().map_or("", |all| &all[k]);
+            keys.push(self.posture(block.pose[k], &block.q[k * dof..(k + 1) * dof]));
+            // A reading that a robust fit rejects is no repeat.
+            if trust[k] >= 0.5 {
+                self.replicates
+                    .push(block.pose[k], support, readings[k], std[k]);
+            }
+            if block.std.is_some() {
+                self.stated += std[k][0] * std[k][0] + std[k][1] * std[k][1];
+            }
+        }
+        self.trusted += trust.iter().sum::<f64>();
+        self.deal(block.std.is_some(), &keys, &rows, std, &trust);
         Ok(())
+    }
+
+    /// What deals a row to its fold: its pose, or one of its own where the robot
+    /// moved although the pose says otherwise.
+    fn posture(&mut self, pose: i64, q: &[f64]) -> i64 {
+        if let Some((last, at)) = &self.last
+            && *last == pose
+            && at.iter().zip(q).any(|(a, b)| (a - b).abs() > JITTER)
+        {
+            self.moved += 1;
+            self.replicates.close();
+        }
+        self.last = Some((pose, q.to_vec()));
+        pose.wrapping_add((self.moved as i64).wrapping_mul(0x5851_f42d))
     }
 
     /// The log that was read has ended: poses of the next one are others.
     pub fn end_log(&mut self) {
+        self.last = None;
         self.replicates.close();
     }
 
     /// Rows to their folds.
-    fn deal(&mut self, block: &Block, rows: &Rows, std: &[[f64; 2]], trust: &[f64]) {
+    fn deal(&mut self, stated: bool, keys: &[i64], rows: &Rows, std: &[[f64; 2]], trust: &[f64]) {
         let count = self.folds.len();
         for (index, fold) in self.folds.iter_mut().enumerate() {
-            let own: Vec<usize> = (0..block.len())
-                .filter(|&k| fold_of(block.pose[k], count) == index)
+            let own: Vec<usize> = (0..keys.len())
+                .filter(|&k| fold_of(keys[k], count) == index)
                 .collect();
             if own.is_empty() {
                 continue;
@@ -182,15 +222,14 @@ impl Gathered {
                 .iter()
                 .flat_map(|&k| [weight(k, 0), weight(k, 1)])
                 .collect();
-            let differs = block.std.is_some() || trust.iter().any(|w| *w < 1.0);
+            let differs = stated || trust.iter().any(|w| *w < 1.0);
             if differs && fold.plain.is_none() {
                 // Rows so far counted one each: both factors agree on them.
                 fold.plain = Some(fold.weighted.clone());
             }
             fold.weighted.push(&matrix, &reading, &weights);
             if let Some(plain) = &mut fold.plain {
-                let trusted: Vec<f64> = own.iter().flat_map(|&k| [trust[k].sqrt(); 2]).collect();
-                plain.push(&matrix, &reading, &trusted);
+                plain.push(&matrix, &reading, &vec![1.0; both.len()]);
             }
         }
     }
@@ -242,6 +281,14 @@ impl Gathered {
         {
             return Err("one part states deviations of its readings, the other does not".into());
         }
+        for log in &other.logs {
+            if self.logs.iter().any(|own| own.hash == log.hash) {
+                return Err(format!(
+                    "{} is in both: its postures would count twice",
+                    log.file
+                ));
+            }
+        }
         for (fold, more) in self.folds.iter_mut().zip(&other.folds) {
             fold.plain = match (fold.plain.take(), &more.plain) {
                 (None, None) => None,
@@ -258,7 +305,18 @@ impl Gathered {
         self.readings += other.readings;
         self.logs.extend(other.logs);
         self.down_weighted.extend(other.down_weighted);
+        self.trusted += other.trusted;
+        self.consistency = self.consistency.min(other.consistency);
+        self.moved += other.moved;
         Ok(())
+    }
+
+    /// Speak of other parameters: those of another support.
+    pub fn shift(&mut self, shift: &Shift) {
+        for fold in &mut self.folds {
+            fold.weighted = fold.weighted.shifted(shift);
+            fold.plain = fold.plain.as_ref().map(|plain| plain.shifted(shift));
+        }
     }
 
     /// All folds but `without` together, rows over their deviations.

@@ -157,6 +157,10 @@ const CORRELATIONS: usize = 20;
 const SAMPLES: usize = 2000;
 /// A model that leaves more than noise with less than this chance is said to.
 const UNLIKELY: f64 = 1e-3;
+/// Held-out errors beyond this many times the noise deserve a word.
+const FAR: f64 = 2.0;
+/// A noise of zero would leave nothing to weigh a prior against, m.
+const LEAST_NOISE: f64 = 1e-9;
 /// Rows beyond the rank without which residuals say nothing of noise.
 const FEWEST: f64 = 5.0;
 
@@ -182,33 +186,52 @@ pub fn identify_within(
     let whole = gathered.weighted(None);
     let free = solve::solve(&whole, 1.0, &cad, None);
     let rows = whole.rows() as f64;
-    let df = rows - free.rank as f64;
-    let leftover = whole.residual_sum(&free.params);
+    // Rows that a robust fit trusts less count less.
+    let df = 2.0 * gathered.trusted - free.rank as f64;
+    let leftover = whole.residual_sum(&free.params) / gathered.consistency;
     let mut warnings = Vec::new();
-    let noise = Noise::of(gathered, settings, leftover, df);
+    let from_cad = whole.residual_sum(&cad) / rows;
+    let noise = Noise::of(gathered, settings, leftover, df, from_cad.sqrt());
+    if noise.understated > 1.0 {
+        warnings.push(format!(
+            "repeated readings scatter {:.1} times as much as is stated; the scatter is taken",
+            noise.understated
+        ));
+    }
+    if gathered.moved > 0 {
+        warnings.push(format!(
+            "{} rows share the `pose` of the row before but not its joint positions: \
+             taken as postures of their own",
+            gathered.moved
+        ));
+    }
     let lack_of_fit = noise.lack_of_fit(gathered, leftover, df);
     let misfit = lack_of_fit.filter(|test| test.p_value < UNLIKELY && test.ratio > 1.0);
     // All that is left over counts as noise then.
     let inflation = match misfit {
+        // Repeats of a posture are no evidence of their own about what is missing.
+        Some(test) if test.df_noise.is_some() => test.ratio.sqrt(),
         Some(_) => (leftover / df).sqrt() / noise.sigma,
         None => 1.0,
     };
     let inflation = inflation.max(1.0);
     if noise.source == NoiseSource::Unknown {
         warnings.push(format!(
-            "{rows} rows for {} directions leave nothing to tell the noise from; \
-             give --noise, columns of deviations, repeated readings or more postures",
+            "{rows} rows for {} directions leave nothing to tell the noise from, and CAD's error \
+             is taken for it; give --noise, columns of deviations, repeated readings or more \
+             postures",
             free.rank
         ));
     }
     if misfit.is_some() {
         warnings.push(format!(
             "the model leaves {:.2} times the noise: something is missing in it; deviations of \
-             parameters are widened by that (`sesc diagnose` looks for the cause)",
+             parameters are widened by that",
             inflation
         ));
     }
     let sigma = noise.sigma * inflation;
+    let guessed = noise.source == NoiseSource::Unknown;
     let prior = settings.prior.factor(model);
     let mut failures = Vec::new();
     let mut fit = |factor: &Factor| {
@@ -237,6 +260,13 @@ pub fn identify_within(
     };
     let (estimate, masses) = fit(&whole);
     let held_out = held_out(gathered, |others| fit(others).0);
+    if held_out.rmse > FAR * noise.floor && !guessed {
+        warnings.push(format!(
+            "postures the fit did not see are off by {:.1} times the noise: too few postures, or \
+             the model misses something",
+            held_out.rmse / noise.floor
+        ));
+    }
     if let Some(reason) = failures.first() {
         warnings.push(format!(
             "{reason}: bounds were left aside in {} fits",
@@ -248,7 +278,10 @@ pub fn identify_within(
     // What data leave open is as uncertain as CAD usually is.
     let usual = Prior::Cad(Tolerances::usual()).factor(model);
     let covariance = complete(&estimate, prior.is_none().then_some(usual).flatten());
-    let std = deviations(&estimate, prior.is_none());
+    let mut std = deviations(&estimate, prior.is_none());
+    if guessed && prior.is_none() {
+        std.fill(None);
+    }
     let prior_std = prior.as_ref().map(row_norms);
     let parameters = parameters(model, &estimate, &std, prior_std.as_deref(), &cad);
     let r = plain.r();
@@ -300,10 +333,18 @@ struct Noise {
     /// RMS over readings and axes, m.
     floor: f64,
     source: NoiseSource,
+    /// How many times the stated noise repeated readings scatter, where that is no chance.
+    understated: f64,
 }
 
 impl Noise {
-    fn of(gathered: &Gathered, settings: &Settings, leftover: f64, df: f64) -> Noise {
+    fn of(
+        gathered: &Gathered,
+        settings: &Settings,
+        leftover: f64,
+        df: f64,
+        from_cad: f64,
+    ) -> Noise {
         let axes = 2.0 * gathered.readings.max(1) as f64;
         let stated = (gathered.stated / axes).sqrt();
         let (sigma, floor, source) = match (settings.noise, gathered.replicates.deviation()) {
@@ -320,13 +361,30 @@ impl Noise {
                 let seen = (leftover / df).sqrt();
                 (seen, seen, NoiseSource::Residuals)
             }
-            // Numbers as they are: a small noise that keeps the problem regular.
-            _ => (1e-6, 0.0, NoiseSource::Unknown),
+            // All that is known: readings are off CAD by this.
+            _ => {
+                let seen = from_cad.max(LEAST_NOISE);
+                (seen, seen, NoiseSource::Unknown)
+            }
+        };
+        let replicates = &gathered.replicates;
+        let pure = match gathered.has_deviations() {
+            true => replicates.weighted_sum,
+            false => replicates.sum,
+        };
+        let of_repeats = noise::excess(pure / (sigma * sigma), replicates.df as f64);
+        let understated = match of_repeats.filter(|test| test.p_value < UNLIKELY) {
+            Some(test) if source != NoiseSource::Replicates => test.ratio.sqrt().max(1.0),
+            _ => 1.0,
         };
         Noise {
-            sigma,
-            floor,
-            source,
+            sigma: sigma * understated,
+            floor: floor * understated,
+            source: match understated > 1.0 {
+                true => NoiseSource::Replicates,
+                false => source,
+            },
+            understated,
         }
     }
 
@@ -423,7 +481,7 @@ fn parameters(
         source: match (std[k], prior_std.map(|prior| prior[k])) {
             (None, _) => "cad",
             // Data that leave more than 70 % of the prior's deviation told less than it.
-            (Some(std), Some(prior)) if std > std::f64::consts::FRAC_1_SQRT_2 * prior => "prior",
+            (Some(std), Some(prior)) if std >= std::f64::consts::FRAC_1_SQRT_2 * prior => "prior",
             _ => "data",
         },
     };

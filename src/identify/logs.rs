@@ -4,10 +4,11 @@
 use std::path::{Path, PathBuf};
 
 use nalgebra::DVector;
-use sesc_codegen::Snapping;
+use sesc_codegen::{Model, Snapping};
 
 use super::gather::{Gathered, LogUsed};
 use super::measurement::Measurement;
+use super::prior::Prior;
 use super::robust::{self, Loss, MEDIAN_OF_PAIRS, Robust};
 use super::solve;
 use crate::Error;
@@ -20,6 +21,8 @@ pub(super) const BLOCK: usize = 4096;
 const SAMPLE: usize = 100_000;
 /// Rounds of reweighting, at most.
 const ROUNDS: usize = 20;
+/// Rows beyond the parameters without which no outlier can be told.
+const FEWEST: f64 = 10.0;
 /// Change of predicted readings at which reweighting ends, in units of their scale.
 const SETTLED: f64 = 1e-4;
 
@@ -51,6 +54,7 @@ impl<'r> Logs<'r> {
     pub fn gather(
         &self,
         loss: Option<Loss>,
+        prior: &dyn Fn(&Model) -> Result<Prior, Error>,
         watch: &mut dyn Watch,
     ) -> Result<(Measurement<'r>, Gathered), Error> {
         let mut measurement = Measurement::new(self.robot, &self.first_support()?, self.snapping)?;
@@ -59,18 +63,34 @@ impl<'r> Logs<'r> {
             return Ok((measurement, gathered));
         };
         let cad = DVector::from_vec(measurement.model().cad_params());
-        let mut params = solve::solve(&gathered.weighted(None), 1.0, &cad, None).params;
+        let prior = prior(measurement.model())?.factor(measurement.model());
+        let stated = gathered.has_deviations();
+        let rows = gathered.weighted(None).rows() as f64;
+        let free = solve::solve(&gathered.weighted(None), 1.0, &cad, None);
+        let mut params = free.params;
+        // What a fit takes up does not show in its residuals.
+        let mut taken = free.rank as f64;
         let mut gathered = gathered;
         for _ in 0..ROUNDS {
-            let scale = self.scale(&mut measurement, &params)?;
+            if rows - taken < FEWEST {
+                return Err(Error::Usage(format!(
+                    "--robust: {rows} rows for {taken:.0} parameters leave nothing to tell an \
+                     outlier by; add postures, or take --prior cad"
+                )));
+            }
+            let shrunk = (1.0 - taken / rows).sqrt();
+            let seen = self.scale(&mut measurement, &params)? / shrunk;
+            // Noise that is stated is no outlier.
+            let scale = if stated { seen.max(1.0) } else { seen };
             let robust = Robust { loss, scale };
             let weights = Some((&robust, &params));
             gathered = self.pass(&mut measurement, weights, "reweighting", false, watch)?;
             let whole = gathered.weighted(None);
-            let next = solve::solve(&whole, 1.0, &cad, None).params;
-            let step = whole.r() * (&next - &params);
-            let rms = step.norm() / (whole.rows().max(1) as f64).sqrt();
-            params = next;
+            let next = solve::solve(&whole, scale, &cad, prior.as_ref());
+            let r = whole.r();
+            taken = (&r * &next.covariance * r.transpose()).trace() / (scale * scale);
+            let rms = (&r * (&next.params - &params)).norm() / rows.sqrt();
+            params = next.params;
             if rms <= SETTLED * scale {
                 break;
             }
@@ -138,6 +158,12 @@ impl<'r> Logs<'r> {
                 let base = file
                     .file_name()
                     .map_or(name, |n| n.to_string_lossy().into_owned());
+                if gathered.logs.iter().any(|log| log.hash == summary.hash) {
+                    return Err(Error::Usage(format!(
+                        "{}: given twice, its postures would count twice",
+                        file.display()
+                    )));
+                }
                 gathered.logs.push(LogUsed {
                     file: base,
                     hash: summary.hash,

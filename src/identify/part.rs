@@ -8,9 +8,12 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use sesc_codegen::Snapping;
+
 use super::gather::Gathered;
 use crate::Error;
 use crate::output;
+use crate::robot::Robot;
 
 /// First words of every file of this kind, with the version of its layout.
 const FORMAT: &str = "sesc factor 1";
@@ -104,11 +107,31 @@ impl Part {
         output::write(path, &text)
     }
 
+    /// Speak of the parameters seen from `support`.
+    ///
+    /// # Errors
+    /// When the robot has no such link.
+    pub fn stand_on(&mut self, support: &str) -> Result<(), Error> {
+        if self.support == support {
+            return Ok(());
+        }
+        let robot = Robot::parse(&self.urdf, &self.urdf_file)?;
+        let snapping = match self.snapped {
+            true => Snapping::default(),
+            false => Snapping::Off,
+        };
+        let here = robot.model(&self.support, snapping, None)?;
+        let there = robot.model(support, snapping, None)?;
+        self.gathered.shift(&here.params_from(&there));
+        self.support = support.to_string();
+        Ok(())
+    }
+
     /// Add another part.
     ///
     /// # Errors
-    /// When it is about another robot, support or reading of right angles.
-    pub fn merge(&mut self, other: Part, file: &Path) -> Result<(), Error> {
+    /// When it is about another robot or reading of right angles.
+    pub fn merge(&mut self, mut other: Part, file: &Path) -> Result<(), Error> {
         let bad = |message: String| Error::Log {
             file: file.display().to_string(),
             line: None,
@@ -120,17 +143,12 @@ impl Part {
                 other.urdf_file, other.hash, self.urdf_file, self.hash
             )));
         }
-        if self.support != other.support {
-            return Err(bad(format!(
-                "parameters as seen from `{}`, the first part's from `{}`; gather with one --support",
-                other.support, self.support
-            )));
-        }
         if self.snapped != other.snapped {
             return Err(bad(
                 "one part was gathered with --no-snap, one without".into()
             ));
         }
+        other.stand_on(&self.support)?;
         for support in other.supports {
             if !self.supports.contains(&support) {
                 self.supports.push(support);

@@ -34,6 +34,16 @@ const HUBER: f64 = 1.9;
 const TUKEY: f64 = 5.0;
 
 impl Robust {
+    /// Mean square of weighted residuals over that of the weights, of normal noise:
+    /// what weighting alone takes away.
+    pub fn consistency(&self) -> f64 {
+        // E[w x²] / 2 E[w] with x the length of a pair of unit normals.
+        match self.loss {
+            Loss::Huber => 0.9297,
+            Loss::Tukey => 0.8424,
+        }
+    }
+
     /// Weight of every posture in `rows`, 0 to 1.
     pub fn weights(&self, rows: &Rows, std: &[[f64; 2]], params: &DVector<f64>) -> Vec<f64> {
         lengths(rows, std, params)

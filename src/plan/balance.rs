@@ -30,9 +30,16 @@ const LARGEST: f64 = 10.0;
 
 impl Region {
     /// |x|, |y| ≤ `half`.
-    pub fn square(half: f64, margin: f64) -> Region {
+    ///
+    /// # Errors
+    /// A square too small to aim at.
+    pub fn square(half: f64, margin: f64) -> Result<Region, Error> {
         let corners = [[half, half], [-half, half], [-half, -half], [half, -half]];
-        Region::hull(corners.to_vec(), margin).expect("a square has an inside")
+        Region::hull(corners.to_vec(), margin).ok_or_else(|| {
+            Error::Usage(format!(
+                "--cop-box {half}: too small for any foot; give metres, 0.0001 or more"
+            ))
+        })
     }
 
     /// The convex hull of a foot's points: `x,y; x,y; …`, or a file with a point a line.
@@ -177,7 +184,7 @@ mod tests {
 
     #[test]
     fn a_square_is_what_it_says() {
-        let square = Region::square(0.02, 0.001);
+        let square = Region::square(0.02, 0.001).unwrap();
         let zero = Matrix2::zeros();
         assert!((square.excess(Vector2::new(0.015, -0.018), &zero, 2.0) + 0.001).abs() < 1e-15);
         let std = Matrix2::from_diagonal(&Vector2::new(1e-6, 4e-6));

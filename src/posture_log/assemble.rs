@@ -16,6 +16,7 @@
 //! in its pose is their mean and known to `std / √readings_per_pose`; in a log
 //! that lists every reading a row is known to `std`.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -297,13 +298,20 @@ impl Assembler {
     }
 }
 
-/// How many rows in succession typically share a pose: the median over the
+/// How many rows typically share a pose, in succession or sweep by sweep: the median over the
 /// poses, without the last, which may go on.
 fn typical_run(poses: &[i64]) -> usize {
-    let mut runs: Vec<usize> = poses.chunk_by(|a, b| a == b).map(<[i64]>::len).collect();
-    if runs.len() > 1 {
-        runs.pop();
+    let mut counts: BTreeMap<i64, usize> = BTreeMap::new();
+    for pose in poses {
+        *counts.entry(*pose).or_default() += 1;
     }
+    // The last pose may go on behind these rows.
+    if counts.len() > 1
+        && let Some(last) = poses.last()
+    {
+        counts.remove(last);
+    }
+    let mut runs: Vec<usize> = counts.into_values().collect();
     runs.sort_unstable();
     runs.get(runs.len() / 2).copied().unwrap_or(1)
 }

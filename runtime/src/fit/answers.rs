@@ -88,7 +88,7 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
     ///
     /// It rests on the standard deviations fed. If these were guesses, multiply by
     /// [`residual_sum_of_squares`](Self::residual_sum_of_squares) over
-    /// [`degrees_of_freedom`](Self::degrees_of_freedom).
+    /// [`degrees_of_freedom`](Self::degrees_of_freedom) (without forgetting).
     pub fn covariance(&self, out: &mut [[T; N]; N]) {
         self.triangle.covariance(&self.triangle.seen(), out);
     }
@@ -101,7 +101,9 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
 
     /// Readings and prior values, less the seen parameters: what
     /// [`residual_sum_of_squares`](Self::residual_sum_of_squares) is on average if the
-    /// standard deviations are right. Readings fade with forgetting.
+    /// standard deviations are right and nothing is forgotten. Under forgetting readings
+    /// fade, and this is less than that average: a fit with factor λ takes up about
+    /// rank/(1 + λ) of them in the long run, not the rank.
     pub fn degrees_of_freedom(&self) -> f64 {
         (self.readings + self.prior_readings() - self.rank() as f64).max(0.0)
     }

@@ -84,6 +84,13 @@ pub struct Package {
 /// Longest prefix: macros with it stay distinct in C99's 63 characters.
 const LONGEST_NAME: usize = 32;
 
+/// Headers of the C library: a file of that name would stand in their way.
+const HEADERS: [&str; 24] = [
+    "assert", "complex", "ctype", "errno", "fenv", "float", "inttypes", "iso646", "limits",
+    "locale", "math", "setjmp", "signal", "stdarg", "stdbool", "stddef", "stdint", "stdio",
+    "stdlib", "string", "tgmath", "time", "wchar", "wctype",
+];
+
 /// Whether `name` serves as a prefix of C and C++ names, and of files.
 pub fn is_prefix(name: &str) -> bool {
     name.len() <= LONGEST_NAME
@@ -91,6 +98,7 @@ pub fn is_prefix(name: &str) -> bool {
         && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
         && !name.contains("__")
         && !name.ends_with('_')
+        && !HEADERS.contains(&name.to_lowercase().as_str())
 }
 
 /// A name like `name` that serves.
@@ -99,8 +107,12 @@ pub fn suggest(name: &str) -> String {
     while word.contains("__") {
         word = word.replace("__", "_");
     }
-    word.truncate(LONGEST_NAME);
-    word.trim_end_matches('_').to_string()
+    word.truncate(LONGEST_NAME - 6);
+    let word = word.trim_end_matches('_').to_string();
+    match is_prefix(&word) {
+        true => word,
+        false => format!("{word}_robot"),
+    }
 }
 
 /// Header and source for `model`, every name beginning with `name`.
