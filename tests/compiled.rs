@@ -3,6 +3,8 @@
 //! in what the compiler makes of it.
 
 mod common;
+#[path = "common/exact.rs"]
+mod exact;
 
 use std::fmt::Write as _;
 use std::fs;
@@ -10,6 +12,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use common::{Kind, tree};
+use exact::Interpreter;
 use nalgebra::DVector;
 use sesc::evaluate::Evaluator;
 use sesc::robot::Robot;
@@ -145,6 +148,7 @@ fn compiled_code_is_the_tape_to_the_bit_and_the_reference_within_its_bound() {
     cargo(&folder, &["run"]);
     for case in &cases {
         same_bits_as_the_tape(case, &folder);
+        same_bits_in_single_precision(case, &folder);
         close_to_the_reference(case, &folder);
         tape_agrees_with_the_reference(case);
     }
@@ -181,6 +185,31 @@ fn same_bits_as_the_tape(case: &Case, folder: &Path) {
             .collect();
         assert_eq!(sums.len(), count - WRITTEN, "{name}");
         assert_eq!(compiled[written..], sums, "{name}");
+    }
+}
+
+/// `f32`, against the programs run node by node.
+fn same_bits_in_single_precision(case: &Case, folder: &Path) {
+    let narrow = |values: &[f64]| values.iter().map(|x| *x as f32).collect::<Vec<f32>>();
+    let r = narrow(&case.model.cad_params());
+    for function in Function::ALL {
+        let name = format!("{}.{}_f32", case.module, function.name());
+        let compiled = floats(&folder.join(&name));
+        let program = case.model.program(function, Given::Positions).unwrap();
+        let (interpreter, width) = (Interpreter::new(&program), program.outputs.len());
+        let rows = compiled.chunks(width).zip(case.q.chunks(case.model.dof()));
+        for (compiled, q) in rows.take(WRITTEN) {
+            let q = narrow(q);
+            let inputs: [&[f32]; 2] = [&q, &r];
+            let expected = interpreter.run(&inputs[..program.inputs.len()]);
+            for (a, b) in compiled.iter().zip(expected) {
+                let b = f64::from(b);
+                assert!(
+                    a.to_bits() == b.to_bits() || (*a == 0.0 && b == 0.0),
+                    "{name}: {a} {b}"
+                );
+            }
+        }
     }
 }
 

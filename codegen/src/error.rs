@@ -39,8 +39,13 @@ pub enum Error {
     },
     #[error("{reason}")]
     Servos { reason: String },
-    #[error("fixed32: {reason}; use f32, or give tighter joint limits")]
+    #[error("fixed32: {reason}; use f32 or f64, or give tighter joint limits")]
     Overflow { reason: String },
+    #[error(
+        "no bound can be proven for {function}: its angles may go beyond what sines are computed \
+         for, 1024 rad in f32 and 2^20 rad in f64; give tighter joint limits, or more bits"
+    )]
+    Unbounded { function: String },
     #[error("cannot read {file}")]
     Read {
         file: String,

@@ -1,4 +1,4 @@
-//! Golden cases: a URDF beside the chain and the Rust it must become.
+//! Golden cases: a URDF beside the chain, the Rust and the C it must become.
 //!
 //! `SESC_BLESS=1 cargo test -p sesc-codegen --test golden` accepts new output;
 //! nothing rewrites itself otherwise.
@@ -6,6 +6,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
+use sesc_codegen::emit::c::{self, Options, Scalar};
 use sesc_codegen::emit::rust;
 use sesc_codegen::{Model, Snapping, urdf};
 
@@ -47,9 +48,15 @@ fn output_is_what_it_was() {
         let folder = golden.join(case);
         let description = urdf::read(&folder.join("robot.urdf")).unwrap();
         let model = Model::new(&description, support, Snapping::default()).unwrap();
+        let package = |scalar| c::package(&model, case, &Options::of(scalar)).unwrap();
+        let [float, fixed] = [Scalar::F32, Scalar::Fixed32].map(package);
         let files = [
             ("chain.txt", chain_text(&model)),
             ("expected.rs", rust::module(&model, case).unwrap()),
+            ("expected_f32.h", float.header),
+            ("expected_f32.c", float.source),
+            ("expected_fixed32.h", fixed.header),
+            ("expected_fixed32.c", fixed.source),
         ];
         for (name, text) in files {
             let path = folder.join(name);

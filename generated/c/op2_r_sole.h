@@ -4,27 +4,27 @@
  * robot          op2 (op2.urdf, hash 770fae9739440700): 24 links, 20 independent joints
  * support frame  r_sole
  * parameters     63 SESC (r), 43 base; rank 43 from CoM rows, 42 from flat CoP rows
- * snapped        l_el: 3.2e-9 rad to a right angle, CoM moves by at most 3.1e-12 m
- * snapped        r_el: 3.2e-9 rad to a right angle, CoM moves by at most 3.1e-12 m
+ * snapped        l_el: 3.2e-9 rad to a right angle, CoM moves by at most 3.2e-12 m
+ * snapped        r_el: 3.2e-9 rad to a right angle, CoM moves by at most 3.2e-12 m
  * scalar         f32 (float); double is never touched
  *
  * function                   mul     add   sin_cos   proven |rounding error|, m
- * com                         80      80        20   1.3e-6
- * com_jacobian               335     200        20   1.3e-6
+ * com                         80      80        20   1.4e-6
+ * com_jacobian               335     200        20   1.4e-6
  * gravity_moments            165     118        20   1.3e-6
  * regressor                  218     106        20   5.8e-6
  * regressor_cop              144      70        20   5.8e-6
  * regressor_full             230     112        20   5.8e-6
  * cop                         78      78        20   1.3e-6
- * com_sc                      88      84         0   1.3e-6
- * com_jacobian_sc            343     204         0   1.3e-6
+ * com_sc                      88      84         0   1.4e-6
+ * com_jacobian_sc            343     204         0   1.4e-6
  * gravity_moments_sc         173     122         0   1.3e-6
  * regressor_sc               226     110         0   5.8e-6
  * regressor_cop_sc           152      74         0   5.8e-6
  * regressor_full_sc          238     116         0   5.8e-6
  * cop_sc                      86      82         0   1.3e-6
- * com_ticks                   88      84         0   1.3e-6
- * com_jacobian_ticks         343     204         0   1.3e-6
+ * com_ticks                   88      84         0   1.4e-6
+ * com_jacobian_ticks         343     204         0   1.4e-6
  * gravity_moments_ticks      173     122         0   1.3e-6
  * regressor_ticks            226     110         0   5.8e-6
  * regressor_cop_ticks        152      74         0   5.8e-6
@@ -66,7 +66,7 @@ extern const op2_r_sole_real op2_r_sole_param_limits[op2_r_sole_BASE_PARAMS];
 
 /**
  * @brief Centre of mass in the support frame, m: r_0 + sum of B_i(q) r_i.
- * Proven rounding error below 1.3e-6 m; arrays must not overlap.
+ * Proven rounding error below 1.4e-6 m; arrays must not overlap.
  * @param[in] q joint positions, rad (m for sliding joints), [op2_r_sole_DOF]
  * @param[in] r base parameters, m, [op2_r_sole_BASE_PARAMS]
  * @param[out] com the result, [3]
@@ -75,7 +75,7 @@ void op2_r_sole_com(const op2_r_sole_real q[], const op2_r_sole_real r[], op2_r_
 
 /**
  * @brief d CoM / d q, m/rad (m/m for sliding joints), row-major: x, y, z.
- * Proven rounding error below 1.3e-6 m; arrays must not overlap.
+ * Proven rounding error below 1.4e-6 m; arrays must not overlap.
  * @param[in] q joint positions, rad (m for sliding joints), [op2_r_sole_DOF]
  * @param[in] r base parameters, m, [op2_r_sole_BASE_PARAMS]
  * @param[out] jac the result, [3 * op2_r_sole_DOF]
@@ -139,7 +139,7 @@ void op2_r_sole_cop(const op2_r_sole_real q[], const op2_r_sole_real r[], op2_r_
 /**
  * @brief Centre of mass in the support frame, m: r_0 + sum of B_i(q) r_i.
  * From sines and cosines; a sliding joint passes its position in sin_q.
- * Proven rounding error below 1.3e-6 m; arrays must not overlap.
+ * Proven rounding error below 1.4e-6 m; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [op2_r_sole_DOF]
  * @param[in] cos_q cosines of the joint angles, [op2_r_sole_DOF]
  * @param[in] r base parameters, m, [op2_r_sole_BASE_PARAMS]
@@ -154,7 +154,7 @@ void op2_r_sole_com_sc(
 /**
  * @brief d CoM / d q, m/rad (m/m for sliding joints), row-major: x, y, z.
  * From sines and cosines; a sliding joint passes its position in sin_q.
- * Proven rounding error below 1.3e-6 m; arrays must not overlap.
+ * Proven rounding error below 1.4e-6 m; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [op2_r_sole_DOF]
  * @param[in] cos_q cosines of the joint angles, [op2_r_sole_DOF]
  * @param[in] r base parameters, m, [op2_r_sole_BASE_PARAMS]
@@ -237,7 +237,7 @@ void op2_r_sole_cop_sc(
 
 /**
  * @brief Centre of mass in the support frame, m: r_0 + sum of B_i(q) r_i.
- * Proven rounding error below 1.3e-6 m; arrays must not overlap.
+ * Proven rounding error below 1.4e-6 m; arrays must not overlap.
  * @param[in] ticks servo ticks, [op2_r_sole_DOF], within the joint limits
  * @param[in] r base parameters, m, [op2_r_sole_BASE_PARAMS]
  * @param[out] com the result, [3]
@@ -246,7 +246,7 @@ void op2_r_sole_com_ticks(const int32_t ticks[], const op2_r_sole_real r[], op2_
 
 /**
  * @brief d CoM / d q, m/rad (m/m for sliding joints), row-major: x, y, z.
- * Proven rounding error below 1.3e-6 m; arrays must not overlap.
+ * Proven rounding error below 1.4e-6 m; arrays must not overlap.
  * @param[in] ticks servo ticks, [op2_r_sole_DOF], within the joint limits
  * @param[in] r base parameters, m, [op2_r_sole_BASE_PARAMS]
  * @param[out] jac the result, [3 * op2_r_sole_DOF]

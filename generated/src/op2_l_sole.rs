@@ -3,24 +3,24 @@
 // robot          op2 (op2.urdf, hash 770fae9739440700): 24 links, 20 independent joints
 // support frame  l_sole
 // parameters     63 SESC (r), 43 base; rank 43 from CoM rows, 42 from flat CoP rows
-// snapped        l_el: 3.2e-9 rad to a right angle, CoM moves by at most 3.1e-12 m
-// snapped        r_el: 3.2e-9 rad to a right angle, CoM moves by at most 3.1e-12 m
+// snapped        l_el: 3.2e-9 rad to a right angle, CoM moves by at most 3.2e-12 m
+// snapped        r_el: 3.2e-9 rad to a right angle, CoM moves by at most 3.2e-12 m
 //
 // function                 mul     add   sin_cos   proven |rounding error|, m
-// com                       80      80        20   3.2e-15 (f64)  1.3e-6 (f32)
-// com_jacobian             335     200        20   3.1e-15 (f64)  1.3e-6 (f32)
-// gravity_moments          165     118        20   3.0e-15 (f64)  1.3e-6 (f32)
+// com                       80      80        20   3.3e-15 (f64)  1.4e-6 (f32)
+// com_jacobian             335     200        20   3.2e-15 (f64)  1.4e-6 (f32)
+// gravity_moments          165     118        20   3.1e-15 (f64)  1.3e-6 (f32)
 // regressor                218     106        20   2.2e-14 (f64)  5.8e-6 (f32)
 // regressor_cop            144      70        20   2.2e-14 (f64)  5.8e-6 (f32)
 // regressor_full           230     112        20   2.2e-14 (f64)  5.8e-6 (f32)
 // cop                       78      78        20   3.1e-15 (f64)  1.3e-6 (f32)
 // com_sc                    88      84         0   3.6e-15 (f64)  1.4e-6 (f32)
-// com_jacobian_sc          343     204         0   3.5e-15 (f64)  1.3e-6 (f32)
+// com_jacobian_sc          343     204         0   3.5e-15 (f64)  1.4e-6 (f32)
 // gravity_moments_sc       173     122         0   3.4e-15 (f64)  1.3e-6 (f32)
 // regressor_sc             226     110         0   3.5e-14 (f64)  5.8e-6 (f32)
 // regressor_cop_sc         152      74         0   3.5e-14 (f64)  5.8e-6 (f32)
 // regressor_full_sc        238     116         0   3.5e-14 (f64)  5.8e-6 (f32)
-// cop_sc                    86      82         0   3.4e-15 (f64)  1.3e-6 (f32)
+// cop_sc                    86      82         0   3.5e-15 (f64)  1.3e-6 (f32)
 // Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
 // parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
 // against exact evaluation with the same parameters.

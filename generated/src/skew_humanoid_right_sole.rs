@@ -6,19 +6,19 @@
 //
 // function                 mul     add   sin_cos   proven |rounding error|, m
 // com                      232     188        30   3.6e-13 (f64)  1.5e-5 (f32)
-// com_jacobian            1044     614        30   3.3e-13 (f64)  1.3e-5 (f32)
+// com_jacobian            1044     614        30   3.3e-13 (f64)  1.4e-5 (f32)
 // gravity_moments          498     324        30   3.2e-13 (f64)  1.3e-5 (f32)
 // regressor                687     369        30   4.1e-13 (f64)  1.6e-5 (f32)
 // regressor_cop            458     246        30   4.1e-13 (f64)  1.6e-5 (f32)
-// regressor_full          1446     870        30   4.4e-13 (f64)  1.6e-5 (f32)
-// cop                      231     186        30   3.4e-13 (f64)  1.4e-5 (f32)
+// regressor_full          1446     870        30   4.4e-13 (f64)  1.7e-5 (f32)
+// cop                      231     186        30   3.5e-13 (f64)  1.5e-5 (f32)
 // com_sc                   336     240         0   5.1e-13 (f64)  2.0e-5 (f32)
-// com_jacobian_sc         1148     666         0   4.7e-13 (f64)  1.8e-5 (f32)
-// gravity_moments_sc       602     376         0   4.6e-13 (f64)  1.8e-5 (f32)
+// com_jacobian_sc         1148     666         0   4.8e-13 (f64)  1.9e-5 (f32)
+// gravity_moments_sc       602     376         0   4.7e-13 (f64)  1.9e-5 (f32)
 // regressor_sc             791     421         0   5.9e-13 (f64)  2.1e-5 (f32)
 // regressor_cop_sc         562     298         0   5.9e-13 (f64)  2.1e-5 (f32)
-// regressor_full_sc       1550     922         0   6.1e-13 (f64)  2.1e-5 (f32)
-// cop_sc                   335     238         0   4.9e-13 (f64)  1.9e-5 (f32)
+// regressor_full_sc       1550     922         0   6.2e-13 (f64)  2.2e-5 (f32)
+// cop_sc                   335     238         0   5.0e-13 (f64)  2.0e-5 (f32)
 // Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
 // parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
 // against exact evaluation with the same parameters.

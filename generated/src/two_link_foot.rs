@@ -5,20 +5,20 @@
 // parameters     9 SESC (r), 7 base; rank 7 from CoM rows, 6 from flat CoP rows
 //
 // function                 mul     add   sin_cos   proven |rounding error|, m
-// com                        8       8         2   9.7e-16 (f64)  2.3e-7 (f32)
-// com_jacobian              12       8         2   8.2e-16 (f64)  1.9e-7 (f32)
-// gravity_moments            8       6         2   8.2e-16 (f64)  1.7e-7 (f32)
+// com                        8       8         2   9.8e-16 (f64)  2.3e-7 (f32)
+// com_jacobian              12       8         2   8.2e-16 (f64)  2.0e-7 (f32)
+// gravity_moments            8       6         2   8.2e-16 (f64)  1.8e-7 (f32)
 // regressor                  4       2         2   8.9e-16 (f64)  4.8e-7 (f32)
 // regressor_cop              4       2         2   8.9e-16 (f64)  4.8e-7 (f32)
 // regressor_full             4       2         2   8.9e-16 (f64)  4.8e-7 (f32)
-// cop                        6       6         2   8.7e-16 (f64)  2.0e-7 (f32)
-// com_sc                     8       8         0   9.7e-16 (f64)  2.3e-7 (f32)
-// com_jacobian_sc           12       8         0   8.2e-16 (f64)  1.9e-7 (f32)
-// gravity_moments_sc         8       6         0   8.2e-16 (f64)  1.7e-7 (f32)
+// cop                        6       6         2   8.8e-16 (f64)  2.0e-7 (f32)
+// com_sc                     8       8         0   9.8e-16 (f64)  2.3e-7 (f32)
+// com_jacobian_sc           12       8         0   8.2e-16 (f64)  2.0e-7 (f32)
+// gravity_moments_sc         8       6         0   8.2e-16 (f64)  1.8e-7 (f32)
 // regressor_sc               4       2         0   8.9e-16 (f64)  4.8e-7 (f32)
 // regressor_cop_sc           4       2         0   8.9e-16 (f64)  4.8e-7 (f32)
 // regressor_full_sc          4       2         0   8.9e-16 (f64)  4.8e-7 (f32)
-// cop_sc                     6       6         0   8.7e-16 (f64)  2.0e-7 (f32)
+// cop_sc                     6       6         0   8.8e-16 (f64)  2.0e-7 (f32)
 // Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
 // parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
 // against exact evaluation with the same parameters.

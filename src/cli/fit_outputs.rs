@@ -1,7 +1,7 @@
 //! What `sesc fit` makes of a fit besides the model file: a corrected URDF, physical
 //! masses, a page.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use sesc_codegen::{Model, Snapping};

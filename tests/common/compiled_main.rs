@@ -55,8 +55,17 @@ macro_rules! run {
         write(name, "regressor_full", &each(&|q| $m::regressor_full(q).concat()));
         write(name, "cop", &each(&|q| $m::cop(q, &r).to_vec()));
         let r32 = r.map(|x| x as f32);
-        let single = each(&|q| $m::com(&q.map(|x| x as f32), &r32).map(f64::from).to_vec());
-        write(name, "com_f32", &single);
+        let single = |what: &str, f: &dyn Fn(&[f32; $m::DOF]) -> Vec<f32>| {
+            let wide = |q: &[f64; $m::DOF]| f(&q.map(|x| x as f32)).into_iter().map(f64::from).collect();
+            write(name, what, &each(&wide));
+        };
+        single("com_f32", &|q| $m::com(q, &r32).to_vec());
+        single("com_jacobian_f32", &|q| $m::com_jacobian(q, &r32).concat());
+        single("gravity_moments_f32", &|q| $m::gravity_moments(q, &r32).to_vec());
+        single("regressor_f32", &|q| $m::regressor(q).concat());
+        single("regressor_cop_f32", &|q| $m::regressor_cop(q).concat());
+        single("regressor_full_f32", &|q| $m::regressor_full(q).concat());
+        single("cop_f32", &|q| $m::cop(q, &r32).to_vec());
         // Lanes: four postures at once, each lane the same bits as alone.
         for four in all[..WRITTEN].chunks_exact(4) {
             let q = core::array::from_fn(|j| Lanes(core::array::from_fn::<f64, 4, _>(|k| four[k][j])));

@@ -22,6 +22,14 @@ impl Range {
     }
 }
 
+/// A product of magnitudes; without a bound where one of them has none.
+fn times(a: f64, b: f64) -> f64 {
+    match a.is_infinite() || b.is_infinite() {
+        true => f64::INFINITY,
+        false => a * b,
+    }
+}
+
 pub(super) struct Analysis<'p> {
     program: &'p Program,
     inputs: &'p [Vec<Input>],
@@ -109,8 +117,8 @@ impl<'p> Analysis<'p> {
                 let simple = x == 0.0 || libm::fabs(x) == 1.0 || x == libm::rint(x);
                 let own = if simple { 0.0 } else { CONSTANT_ULPS * U64 };
                 let narrowed = match self.arithmetic {
-                    Arithmetic::Float(_) if f64::from(x as f32) == x => 0.0,
-                    Arithmetic::Float(precision) => libm::fabs(x) * precision.unit(),
+                    Arithmetic::Float { .. } if f64::from(x as f32) == x => 0.0,
+                    Arithmetic::Float { precision, .. } => libm::fabs(x) * precision.unit(),
                     Arithmetic::Fixed(formats) => formats.rounding_of_constant(id, x),
                 };
                 Range {
@@ -124,7 +132,7 @@ impl<'p> Analysis<'p> {
                 let size = libm::fabs(input.lower).max(libm::fabs(input.upper));
                 let narrowed = match self.arithmetic {
                     _ if !input.rounded => 0.0,
-                    Arithmetic::Float(precision) => precision.unit() * size,
+                    Arithmetic::Float { precision, .. } => precision.unit() * size,
                     Arithmetic::Fixed(formats) => formats.half_unit(id),
                 };
                 Range {
@@ -149,7 +157,8 @@ impl<'p> Analysis<'p> {
                     a.upper * b.lower,
                     a.upper * b.upper,
                 ];
-                let carried = a.size() * b.error + (b.size() - b.error) * a.error;
+                let exact = libm::fabs(b.lower).max(libm::fabs(b.upper));
+                let carried = times(a.size(), b.error) + times(exact, a.error);
                 range(
                     corners.iter().copied().fold(f64::INFINITY, f64::min),
                     corners.iter().copied().fold(f64::NEG_INFINITY, f64::max),
@@ -176,7 +185,7 @@ impl<'p> Analysis<'p> {
     /// What rounding adds to a sum or product of magnitude `size`.
     fn rounding(&self, id: Id, size: f64) -> f64 {
         match self.arithmetic {
-            Arithmetic::Float(precision) => precision.unit() * size,
+            Arithmetic::Float { precision, .. } => precision.unit() * size,
             Arithmetic::Fixed(formats) => formats.rounding(self.program, id),
         }
     }
@@ -185,9 +194,9 @@ impl<'p> Analysis<'p> {
     fn kernel(&self, size: f64) -> f64 {
         match self.arithmetic {
             // Beyond their domain the kernels answer NaN: nothing is proven.
-            Arithmetic::Float(precision) if size > precision.largest_angle() => f64::INFINITY,
+            Arithmetic::Float { largest_angle, .. } if size > largest_angle => f64::INFINITY,
             // An ulp of a value below one is at most u.
-            Arithmetic::Float(precision) => KERNEL_ULPS * precision.unit(),
+            Arithmetic::Float { precision, .. } => KERNEL_ULPS * precision.unit(),
             Arithmetic::Fixed(_) => fixed::kernel_error(size),
         }
     }
@@ -308,7 +317,7 @@ impl<'p> Analysis<'p> {
             sources.insert(id, exact);
         }
         let local = self.local(product.entry, &mut sources);
-        let error = va.norm * eb + vb.norm * ea + ea * eb + local;
+        let error = times(va.norm, eb) + times(vb.norm, ea) + times(ea, eb) + local;
         let limit = va.norm * vb.norm;
         self.tighten(product.entry, error, limit);
     }

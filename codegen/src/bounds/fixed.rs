@@ -48,7 +48,7 @@ pub struct Formats {
 /// A quantity that 32 bits cannot hold with a use.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Overflow {
-    /// `sum` of the program, or an input: `q[3]`.
+    /// In words, or an input: `q[3]`.
     pub quantity: String,
     /// How large it may be.
     pub size: f64,
@@ -62,8 +62,12 @@ impl Formats {
     /// # Errors
     /// When a quantity may be 2^31 or more, or an angle 2^15 rad or more.
     pub fn choose(program: &Program, inputs: &[Vec<Input>]) -> Result<Formats, Overflow> {
-        // Sizes with the error of f32 first, which is larger; then what fits is proven.
-        let mut analysis = Analysis::new(program, inputs, Arithmetic::Float(Precision::F32));
+        // Sizes with errors like f32's first; then what fits is proven.
+        let like_floats = Arithmetic::Float {
+            precision: Precision::F32,
+            largest_angle: f64::INFINITY,
+        };
+        let mut analysis = Analysis::new(program, inputs, like_floats);
         analysis.run();
         let largest = |array: &[Input]| {
             let size = |x: &Input| libm::fabs(x.lower).max(libm::fabs(x.upper));
@@ -78,6 +82,16 @@ impl Formats {
             output: MOST,
         };
         formats.join_sines(program);
+        for (array, inputs) in program.inputs.iter().zip(inputs) {
+            let size = |x: &Input| libm::fabs(x.lower).max(libm::fabs(x.upper));
+            if let Some(k) = inputs.iter().position(|x| fitting(size(x)) < 0) {
+                return Err(Overflow {
+                    quantity: format!("{}[{k}]", array.name),
+                    size: size(&inputs[k]),
+                    angle: false,
+                });
+            }
+        }
         for (id, node) in program.iter() {
             let bits = match node.expr {
                 Expr::Const(x) => fitting(libm::fabs(x)),
@@ -88,11 +102,15 @@ impl Formats {
                 Expr::Mul(a, b) => {
                     fitting(analysis.range(id).size()).min(formats.of(a) + formats.of(b))
                 }
-                Expr::Add(..) | Expr::Sub(..) => {
-                    let least = variables(program, node.expr).map(|x| formats.of(x)).min();
-                    fitting(analysis.range(id).size()).min(least.unwrap_or(MOST))
+                // Constants take the format of the sum, which must hold them too.
+                Expr::Add(a, b) | Expr::Sub(a, b) => {
+                    let least = formats.of(a).min(formats.of(b));
+                    fitting(analysis.range(id).size()).min(least)
                 }
             };
+            if bits < 0 {
+                return Err(overflow(program, id, analysis.range(id).size()));
+            }
             formats.nodes.push(bits);
         }
         formats.check_angles(program, &analysis)?;
@@ -100,18 +118,26 @@ impl Formats {
         for _ in 0..=MOST {
             let mut analysis = Analysis::new(program, inputs, Arithmetic::Fixed(&formats));
             analysis.run();
-            let size = |id: Id| analysis.range(id).size();
+            let ids = || program.iter().map(|(id, _)| id);
+            let sizes: Vec<f64> = ids().map(|id| analysis.range(id).size()).collect();
+            let size = |id: Id| sizes[id.index()];
             let tight = |id: &Id| size(*id) > capacity(formats.of(*id));
-            let Some(id) = program.iter().map(|(id, _)| id).find(tight) else {
-                let sizes = program.iter().map(|(id, _)| size(id)).collect();
+            let tight: Vec<Id> = ids().filter(tight).collect();
+            if tight.is_empty() {
                 formats.output = formats.coarsest_output(program);
                 formats.sizes = sizes;
                 return Ok(formats);
-            };
-            if formats.of(id) <= 0 || !size(id).is_finite() {
-                return Err(overflow(program, id, size(id)));
             }
-            formats.nodes[id.index()] -= 1;
+            for id in tight {
+                if formats.of(id) <= 0 || !size(id).is_finite() {
+                    return Err(overflow(program, id, size(id)));
+                }
+                formats.nodes[id.index()] -= 1;
+                if let Expr::Input { array, .. } = program.expr(id) {
+                    let bits = &mut formats.arrays[usize::from(array)];
+                    *bits = (*bits).min(formats.nodes[id.index()]);
+                }
+            }
             formats.settle(program);
         }
         let id = program.outputs.first().copied().unwrap_or(Id(0));
@@ -186,14 +212,13 @@ impl Formats {
 
     /// Lower what rests on a node that was lowered.
     fn settle(&mut self, program: &Program) {
+        self.join_sines(program);
         for (id, node) in program.iter() {
             let most = match node.expr {
+                Expr::Input { array, .. } => self.arrays[usize::from(array)],
                 Expr::Neg(a) => self.of(a),
                 Expr::Mul(a, b) => self.of(a) + self.of(b),
-                Expr::Add(..) | Expr::Sub(..) => {
-                    let least = variables(program, node.expr).map(|x| self.of(x)).min();
-                    least.unwrap_or(MOST)
-                }
+                Expr::Add(a, b) | Expr::Sub(a, b) => self.of(a).min(self.of(b)),
                 _ => MOST,
             };
             let bits = &mut self.nodes[id.index()];
@@ -216,18 +241,13 @@ impl Formats {
     }
 }
 
-/// Operands that are no constants: a constant in a sum takes the format of the sum.
-fn variables(program: &Program, expr: Expr) -> impl Iterator<Item = Id> {
-    operands(expr).filter(|x| !matches!(program.expr(*x), Expr::Const(_)))
-}
-
 /// Largest magnitude in a format.
 fn capacity(bits: i32) -> f64 {
     libm::ldexp(1.0 - unit(31), 31 - bits)
 }
 
 /// Most fraction bits with which `size` fits.
-fn fitting(size: f64) -> i32 {
+pub(crate) fn fitting(size: f64) -> i32 {
     let mut bits = MOST;
     while size > capacity(bits) && bits > -64 {
         bits -= 1;
@@ -246,8 +266,14 @@ fn overflow(program: &Program, id: Id, size: f64) -> Overflow {
         (Expr::Input { array, index }, _) => {
             format!("{}[{index}]", program.inputs[array as usize].name)
         }
-        (_, Some(name)) => name.clone(),
-        _ => "an intermediate result".to_string(),
+        (_, Some(name)) => format!("`{name}`"),
+        _ => {
+            let before = |section: &&(usize, String)| section.0 <= id.index();
+            match program.sections.iter().rev().find(before) {
+                Some((_, title)) => format!("a step for `{title}`"),
+                None => "an intermediate result".to_string(),
+            }
+        }
     };
     Overflow {
         quantity,

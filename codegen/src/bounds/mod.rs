@@ -21,8 +21,8 @@ mod fixed;
 
 use crate::program::Program;
 use analysis::Analysis;
-pub(crate) use fixed::kernel_error as fixed_kernel_error;
 pub use fixed::{Formats, Overflow};
+pub(crate) use fixed::{fitting, kernel_error as fixed_kernel_error};
 
 /// Error of the sine and cosine kernels, in ulp (runtime::trig).
 const KERNEL_ULPS: f64 = 1.0;
@@ -97,13 +97,21 @@ pub struct Bound {
 /// Arithmetic in which a program runs, as the analysis sees it.
 #[derive(Debug, Clone, Copy)]
 enum Arithmetic<'f> {
-    Float(Precision),
+    Float {
+        precision: Precision,
+        /// Sines of larger angles have no bound.
+        largest_angle: f64,
+    },
     Fixed(&'f Formats),
 }
 
 /// Bound the rounding error of `program` for inputs in the given ranges.
 pub fn prove(program: &Program, inputs: &[Vec<Input>], precision: Precision) -> Bound {
-    bound(program, inputs, Arithmetic::Float(precision))
+    let arithmetic = Arithmetic::Float {
+        precision,
+        largest_angle: precision.largest_angle(),
+    };
+    bound(program, inputs, arithmetic)
 }
 
 /// Bound the rounding error of `program` in 32-bit fixed point with these formats.
@@ -119,7 +127,11 @@ pub fn prove_fixed(program: &Program, inputs: &[Vec<Input>], formats: &Formats) 
 fn bound(program: &Program, inputs: &[Vec<Input>], arithmetic: Arithmetic) -> Bound {
     let mut analysis = Analysis::new(program, inputs, arithmetic);
     analysis.run();
-    let error = |id: &crate::expr::Id| analysis.range(*id).error * MARGIN;
+    let error = |id: &crate::expr::Id| match analysis.range(*id).error * MARGIN {
+        // A maximum would pass over a NaN.
+        error if error.is_nan() => f64::INFINITY,
+        error => error,
+    };
     let outputs: Vec<f64> = program.outputs.iter().map(error).collect();
     Bound {
         worst: outputs.iter().copied().fold(0.0, f64::max),

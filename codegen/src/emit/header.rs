@@ -61,10 +61,10 @@ pub fn about(model: &Model) -> Vec<String> {
     ];
     for snap in &tree.snaps {
         lines.push(format!(
-            "snapped        {}: {:.1e} rad to a right angle, CoM moves by at most {:.1e} m",
+            "snapped        {}: {:.1e} rad to a right angle, CoM moves by at most {} m",
             printable(&snap.joint),
             snap.angle_error,
-            snap.com_error
+            at_most(snap.com_error)
         ));
     }
     lines
@@ -80,13 +80,13 @@ pub fn lines(model: &Model, rows: &[Row]) -> Vec<String> {
     ));
     for row in rows {
         lines.push(format!(
-            "{:<20} {:>7} {:>7} {:>9}   {:.1e} (f64)  {:.1e} (f32)",
+            "{:<20} {:>7} {:>7} {:>9}   {} (f64)  {} (f32)",
             function_name(row.function, row.given),
             row.counts.mul,
             row.counts.add,
             row.counts.sin_cos,
-            row.bounds[0],
-            row.bounds[1]
+            at_most(row.bounds[0]),
+            at_most(row.bounds[1])
         ));
     }
     lines.extend(PROMISE.map(str::to_string));
@@ -114,6 +114,25 @@ pub fn rows(model: &Model) -> Vec<(Row, crate::program::Program)> {
     rows
 }
 
+/// `x` in two digits, rounded up: a bound must not become smaller by being printed.
+pub fn at_most(x: f64) -> String {
+    let nearest = format!("{x:.1e}");
+    let Some((digits, exponent)) = nearest.split_once('e') else {
+        return nearest;
+    };
+    match nearest.parse() {
+        Ok(value) if x > value => {
+            let digits = digits.parse().unwrap_or(x) + 0.1;
+            // 9.9 + 0.1 carries.
+            match digits < 9.95 {
+                true => format!("{digits:.1}e{exponent}"),
+                false => format!("1.0e{}", exponent.parse().unwrap_or(0) + 1),
+            }
+        }
+        _ => nearest,
+    }
+}
+
 /// A name that cannot break out of a comment or a line.
 pub fn printable(name: &str) -> String {
     let clean = |c: char| if c.is_control() { ' ' } else { c };
@@ -121,4 +140,24 @@ pub fn printable(name: &str) -> String {
         .map(clean)
         .collect::<String>()
         .replace("*/", "* /")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bounds_are_rounded_up() {
+        for (x, text) in [
+            (6.64e-8, "6.7e-8"),
+            (6.6e-8, "6.6e-8"),
+            (6.66e-8, "6.7e-8"),
+            (9.91e-8, "1.0e-7"),
+            (9.96e-8, "1.0e-7"),
+            (0.0, "0.0e0"),
+            (f64::INFINITY, "inf"),
+        ] {
+            assert_eq!(at_most(x), text);
+        }
+    }
 }

@@ -6,6 +6,7 @@ use super::ticks::Ticks;
 use super::{Scalar, fixed, float};
 use crate::Error;
 use crate::bounds::{Formats, Overflow};
+use crate::emit::header;
 use crate::model::{Function, Given, Model};
 use crate::program::{Program, Shape};
 
@@ -89,14 +90,26 @@ pub(super) fn routines(
                 .filter(|r| r.baked == baked && r.given == ticks.given && !r.is_of_ticks())
                 .map(|r| Routine {
                     input: Input::Ticks,
-                    bound: ticks.bound(model, r),
                     ..r.clone()
                 })
                 .collect();
             routines.extend(of_ticks);
         }
     }
-    share_formats(model, &mut routines);
+    share_formats(&mut routines);
+    for routine in &mut routines {
+        routine.bound = match (routine.input, ticks, &routine.formats, scalar.precision()) {
+            (Input::Ticks, Some(ticks), ..) => ticks.bound(model, routine),
+            (_, _, Some(formats), _) => model.rounding_fixed(&routine.program, formats).worst,
+            (_, _, None, Some(precision)) => model.rounding(&routine.program, precision).worst,
+            (_, _, None, None) => unreachable!("fixed point comes with formats"),
+        };
+        if !routine.bound.is_finite() {
+            return Err(Error::Unbounded {
+                function: routine.name(),
+            });
+        }
+    }
     Ok(routines)
 }
 
@@ -108,13 +121,12 @@ fn routine(
     baked: bool,
     program: Program,
 ) -> Result<Routine, Error> {
-    let (formats, bound) = match scalar.precision() {
-        Some(precision) => (None, model.rounding(&program, precision).worst),
-        None => {
+    let formats = match scalar {
+        Scalar::Fixed32 => {
             let formats = model.fixed_point(&program);
-            let formats = formats.map_err(|overflow| too_large(model, function, &overflow))?;
-            (Some(formats), 0.0)
+            Some(formats.map_err(|overflow| too_large(model, function, &overflow))?)
         }
+        _ => None,
     };
     Ok(Routine {
         function,
@@ -123,7 +135,7 @@ fn routine(
         baked,
         program,
         formats,
-        bound,
+        bound: f64::INFINITY,
     })
 }
 
@@ -142,7 +154,7 @@ fn too_large(model: &Model, function: Function, overflow: &Overflow) -> Error {
                 .map_or("", |dof| dof.joint.as_str());
             format!("the position of joint `{joint}`")
         }
-        None => format!("`{}` of {}", overflow.quantity, function.name()),
+        None => format!("{} of {}", overflow.quantity, function.name()),
     };
     Error::Overflow {
         reason: format!(
@@ -154,7 +166,7 @@ fn too_large(model: &Model, function: Function, overflow: &Overflow) -> Error {
 }
 
 /// Variants of one function share the binary point of its results.
-fn share_formats(model: &Model, routines: &mut [Routine]) {
+fn share_formats(routines: &mut [Routine]) {
     for function in Function::ALL {
         let of = |r: &&Routine| r.function == function;
         let outputs = routines
@@ -168,11 +180,6 @@ fn share_formats(model: &Model, routines: &mut [Routine]) {
             if let Some(formats) = &mut routine.formats {
                 formats.share_output(coarsest);
             }
-        }
-    }
-    for routine in routines.iter_mut().filter(|r| !r.is_of_ticks()) {
-        if let Some(formats) = &routine.formats {
-            routine.bound = model.rounding_fixed(&routine.program, formats).worst;
         }
     }
 }
@@ -253,7 +260,7 @@ pub(super) fn text(model: &Model, routine: &Routine, scalar: Scalar, name: &str)
     {
         details.push(format!(
             "Parameters of the model file are constants here (source: {}).",
-            crate::emit::header::printable(&file.source())
+            header::printable(&file.source())
         ));
     }
     if routine.given == Given::SinesCosines && !routine.is_of_ticks() {
@@ -261,8 +268,8 @@ pub(super) fn text(model: &Model, routine: &Routine, scalar: Scalar, name: &str)
             .push("From sines and cosines; a sliding joint passes its position in sin_q.".into());
     }
     details.push(format!(
-        "Proven rounding error below {:.1e} m; arrays must not overlap.",
-        routine.bound
+        "Proven rounding error below {} m; arrays must not overlap.",
+        header::at_most(routine.bound)
     ));
     Text {
         name: routine.name(),

@@ -141,6 +141,7 @@ pub fn package(model: &Model, name: &str, options: &Options) -> Result<Package, 
     let arrays = tables::arrays(model, options.scalar, &routines, name);
     let (selftest, results) =
         selftest::checks(model, options.scalar, &routines, name, ticks.as_ref());
+    let renamed = Renamed::of(name, &functions, model.file.is_some());
     let points = functions::points(&routines);
     let joints: Vec<String> = model
         .tree
@@ -158,7 +159,8 @@ pub fn package(model: &Model, name: &str, options: &Options) -> Result<Package, 
             _ => "",
         },
         real => options.scalar.c_type(),
-        renamed => renamed(name, &functions, model.file.is_some()),
+        renamed => renamed.public,
+        renamed_static => renamed.internal,
         dof => model.dof(),
         base_params => model.base.params.len(),
         full_params => model.chain.full_params,
@@ -283,12 +285,12 @@ fn about(model: &Model, routines: &[Routine], scalar: Scalar) -> Vec<String> {
     for routine in routines {
         let counts = routine.program.counts();
         lines.push(format!(
-            "{:<22} {:>7} {:>7} {:>9}   {:.1e}",
+            "{:<22} {:>7} {:>7} {:>9}   {}",
             routine.name(),
             counts.mul,
             counts.add,
             counts.sin_cos,
-            routine.bound
+            header::at_most(routine.bound)
         ));
     }
     lines.extend(header::PROMISE.map(str::to_string));
@@ -303,15 +305,48 @@ fn about(model: &Model, routines: &[Routine], scalar: Scalar) -> Vec<String> {
         .collect()
 }
 
-/// Public names whose first 31 characters another has, each with a symbol of its own.
-fn renamed(name: &str, functions: &[functions::Text], model: bool) -> Vec<(String, String)> {
-    let fixed = ["joint_names", "cad_params", "param_limits", "selftest"];
-    let mut suffixes: Vec<String> = fixed.map(str::to_string).to_vec();
-    if model {
-        suffixes.push("model_params".into());
+/// Static helpers that a source file may hold.
+const HELPERS: [&str; 8] = [
+    "narrow",
+    "quarter",
+    "lookup",
+    "bits_of",
+    "from_bits",
+    "sincos",
+    "from_ticks",
+    "differs",
+];
+
+/// Names whose first 31 characters another has, each with a symbol of its own.
+struct Renamed {
+    /// For the header.
+    public: Vec<(String, String)>,
+    /// For the source file alone.
+    internal: Vec<(String, String)>,
+}
+
+impl Renamed {
+    fn of(name: &str, functions: &[functions::Text], model: bool) -> Renamed {
+        let data = [
+            "real",
+            "joint_names",
+            "cad_params",
+            "param_limits",
+            "selftest",
+        ];
+        let mut suffixes: Vec<String> = data.map(str::to_string).to_vec();
+        if model {
+            suffixes.push("model_params".into());
+        }
+        suffixes.extend(functions.iter().map(|text| text.name.clone()));
+        suffixes.extend(HELPERS.map(str::to_string));
+        let helpers: Vec<String> = HELPERS.map(|helper| format!("{name}_{helper}")).to_vec();
+        let renamed = names::distinct(name, &suffixes);
+        let (internal, public) = renamed
+            .into_iter()
+            .partition(|(name, _)| helpers.contains(name));
+        Renamed { public, internal }
     }
-    suffixes.extend(functions.iter().map(|text| text.name.clone()));
-    names::distinct(name, &suffixes)
 }
 
 /// Name of an input array in C; `sin` and `cos` belong to the library.

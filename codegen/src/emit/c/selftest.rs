@@ -9,7 +9,7 @@ use super::{Scalar, number};
 use crate::model::{Function, Given, Model};
 use crate::tape::{Argument, Tape};
 
-/// Error of moments by differences of the summed CoM, m.
+/// Error of moments by differences of the summed CoM, relative to the robot's reach.
 const DIFFERENCES: f64 = 1e-9;
 
 /// A result array of the self-test.
@@ -111,7 +111,7 @@ pub(super) fn checks(
         "gravity_moments",
         &moments(model, &posture),
         Vec::new(),
-        DIFFERENCES,
+        DIFFERENCES * model.reach().max(1.0) * model.largest_tie(),
     );
     if let Some(ticks) = ticks {
         let (values, posture) = nearest(ticks, &posture);
@@ -191,7 +191,8 @@ fn moments(model: &Model, posture: &[f64]) -> Vec<f64> {
         q[j] += step;
         model.com_by_sum(&q)[2]
     };
-    let h = 1e-3;
+    // A follower goes as many times as far.
+    let h = 1e-3 / model.largest_tie();
     let slope = |j: usize| {
         let near = (height(j, h) - height(j, -h)) / (2.0 * h);
         let far = (height(j, 2.0 * h) - height(j, -2.0 * h)) / (4.0 * h);

@@ -7,8 +7,9 @@ use super::functions::Routine;
 use super::servos::Servo;
 use super::{Options, Scalar, fixed, float};
 use crate::Error;
-use crate::bounds::{self, Input, Precision};
+use crate::bounds::{self, Input};
 use crate::model::{Function, Given, Model};
+use crate::tree::Dof;
 
 /// How ticks become what programs take.
 #[derive(Debug, Clone)]
@@ -72,7 +73,8 @@ impl Ticks {
                 continue;
             }
             for (k, input) in inputs.iter_mut().enumerate() {
-                self.widen(&model.tree.dofs[k], self.servos[k], input);
+                let bits = routine.formats.as_ref().map(|formats| formats.arrays[0]);
+                self.widen(&model.tree.dofs[k], self.servos[k], bits, input);
             }
         }
         match (&routine.formats, self.scalar.precision()) {
@@ -82,20 +84,29 @@ impl Ticks {
         }
     }
 
-    /// What comes on top of rounding one argument.
-    fn widen(&self, dof: &crate::tree::Dof, servo: Servo, input: &mut Input) {
+    /// What comes on top of rounding one argument, which has `bits` fraction bits
+    /// in fixed point.
+    fn widen(&self, dof: &Dof, servo: Servo, bits: Option<i32>, input: &mut Input) {
         input.rounded = true;
         let size = libm::fabs(dof.lower).max(libm::fabs(dof.upper));
-        let by_table = self.given == Given::SinesCosines && servo.steps.is_some();
-        if by_table {
+        let by_sines = self.given == Given::SinesCosines && !dof.prismatic;
+        if by_sines && servo.steps.is_some() {
+            // The table's entry is rounded first, where it has more bits.
+            if bits.is_some_and(|bits| bits < TABLE_BITS) {
+                input.absolute += unit(TABLE_BITS + 1);
+            }
             return;
         }
         // The position is a product with a rounded constant; its sine, if that is
         // what is passed, has the error of the kernel besides.
         input.absolute += match self.scalar.precision() {
             Some(precision) => 3.0 * precision.unit() * size.max(1.0),
-            None => bounds::fixed_kernel_error(size) + size * Precision::F32.unit() / 64.0,
+            None => bounds::fixed_kernel_error(size) + size * unit(30),
         };
+        if by_sines && bits.is_some() {
+            // Angle and sine are rounded on the way.
+            input.absolute += unit(angle_bits(dof) + 1) + unit(TABLE_BITS + 1);
+        }
     }
 
     pub(super) fn text(
@@ -122,13 +133,22 @@ impl Ticks {
             let position = |bits: i32| match scalar {
                 Scalar::Fixed32 => {
                     let (factor, shift) = multiplier(servo.per_tick, bits);
-                    let away = format!("((int64_t)ticks[{k}] - {})", servo.zero);
+                    let away = match servo.zero {
+                        0 => format!("(int64_t)ticks[{k}]"),
+                        zero if zero < 0 => format!("((int64_t)ticks[{k}] + {})", -zero),
+                        zero => format!("((int64_t)ticks[{k}] - {zero})"),
+                    };
                     format!("{name}_narrow({away} * {factor}, {shift}u)")
                 }
                 _ => {
-                    let zero = float::literal(f64::from(servo.zero), scalar);
                     let factor = float::literal(servo.per_tick, scalar);
-                    format!("(({real})ticks[{k}] - {zero}) * {factor}")
+                    let zero = float::literal(f64::from(servo.zero.abs()), scalar);
+                    let away = match servo.zero {
+                        0 => format!("({real})ticks[{k}]"),
+                        zero_at if zero_at < 0 => format!("(({real})ticks[{k}] + {zero})"),
+                        _ => format!("(({real})ticks[{k}] - {zero})"),
+                    };
+                    format!("{away} * {factor}")
                 }
             };
             if self.given == Given::Positions {
@@ -143,6 +163,7 @@ impl Ticks {
             } else if let Some(steps) = servo.steps {
                 let (at, zero) = (format!("(uint32_t)ticks[{k}]"), servo.zero as u32);
                 let away = match servo.sign {
+                    1 if zero == 0 => at,
                     1 => format!("{at} - {zero}u"),
                     _ => format!("{zero}u - {at}"),
                 };
@@ -152,8 +173,7 @@ impl Ticks {
                 };
                 lines.push(format!("{name}_lookup({step}, &sin_q[{k}], &cos_q[{k}]);"));
             } else {
-                // 20 bits below the point hold any angle; the phase keeps what matters.
-                let bits = bits("q").clamp(16, 28);
+                let bits = angle_bits(dof);
                 let angle = position(bits);
                 let bits = match scalar {
                     Scalar::Fixed32 => format!("{bits}u, "),
@@ -162,6 +182,16 @@ impl Ticks {
                 lines.push(format!(
                     "{name}_sincos({angle}, {bits}&sin_q[{k}], &cos_q[{k}]);"
                 ));
+            }
+            // A long slide among the sines leaves them fewer bits.
+            let by_sines = self.given == Given::SinesCosines && !dof.prismatic;
+            if by_sines && scalar == Scalar::Fixed32 && bits("sin") < TABLE_BITS {
+                let more = TABLE_BITS - bits("sin");
+                for array in ["sin_q", "cos_q"] {
+                    lines.push(format!(
+                        "{array}[{k}] = {name}_narrow({array}[{k}], {more}u);"
+                    ));
+                }
             }
         }
         let (brief, results) = match self.given {
@@ -177,6 +207,20 @@ impl Ticks {
             lines,
         }
     }
+}
+
+/// Fraction bits of the table of sines.
+const TABLE_BITS: i32 = 30;
+
+/// Fraction bits of a joint's angle on its way to its sine.
+fn angle_bits(dof: &Dof) -> i32 {
+    // More than 28 would leave no room beyond the limits.
+    bounds::fitting(libm::fabs(dof.lower).max(libm::fabs(dof.upper))).clamp(16, 28)
+}
+
+/// 2^-bits.
+fn unit(bits: i32) -> f64 {
+    libm::ldexp(1.0, -bits)
 }
 
 /// `x` per tick as `factor / 2^shift` of a value with `bits` fraction bits, the

@@ -6,19 +6,19 @@
 //
 // function                 mul     add   sin_cos   proven |rounding error|, m
 // com                        8       8         2   1.1e-15 (f64)  2.6e-7 (f32)
-// com_jacobian              12       8         2   9.4e-16 (f64)  2.2e-7 (f32)
-// gravity_moments            8       6         2   9.4e-16 (f64)  2.0e-7 (f32)
+// com_jacobian              12       8         2   9.4e-16 (f64)  2.3e-7 (f32)
+// gravity_moments            8       6         2   9.4e-16 (f64)  2.1e-7 (f32)
 // regressor                  4       2         2   8.9e-16 (f64)  4.8e-7 (f32)
 // regressor_cop              4       2         2   8.9e-16 (f64)  4.8e-7 (f32)
 // regressor_full             4       2         2   8.9e-16 (f64)  4.8e-7 (f32)
-// cop                        6       6         2   9.9e-16 (f64)  2.3e-7 (f32)
+// cop                        6       6         2   1.0e-15 (f64)  2.3e-7 (f32)
 // com_sc                     8       8         0   1.1e-15 (f64)  2.6e-7 (f32)
-// com_jacobian_sc           12       8         0   9.4e-16 (f64)  2.2e-7 (f32)
-// gravity_moments_sc         8       6         0   9.4e-16 (f64)  2.0e-7 (f32)
+// com_jacobian_sc           12       8         0   9.4e-16 (f64)  2.3e-7 (f32)
+// gravity_moments_sc         8       6         0   9.4e-16 (f64)  2.1e-7 (f32)
 // regressor_sc               4       2         0   8.9e-16 (f64)  4.8e-7 (f32)
 // regressor_cop_sc           4       2         0   8.9e-16 (f64)  4.8e-7 (f32)
 // regressor_full_sc          4       2         0   8.9e-16 (f64)  4.8e-7 (f32)
-// cop_sc                     6       6         0   9.9e-16 (f64)  2.3e-7 (f32)
+// cop_sc                     6       6         0   1.0e-15 (f64)  2.3e-7 (f32)
 // Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
 // parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
 // against exact evaluation with the same parameters.

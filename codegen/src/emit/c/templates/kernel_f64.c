@@ -34,7 +34,7 @@ static double {{ name }}_from_bits(uint64_t bits)
 static void {{ name }}_sincos(double x, double *sine, double *cosine)
 {
     const uint64_t all = {{ name }}_bits_of(x);
-    const uint64_t sign = all & UINT64_C(0x8000000000000000);
+    const uint64_t sign = all & ((uint64_t)1 << 63);
     const uint64_t magnitude = all ^ sign;
     /* Bit patterns of magnitudes are ordered as the magnitudes are, NaN last. */
     const uint64_t outside = ((uint64_t)0 - ((UINT64_C(0x4130000000000000) - magnitude) >> 63)) & UINT64_C(0x7FF8000000000000);

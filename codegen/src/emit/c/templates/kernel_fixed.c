@@ -10,7 +10,8 @@ static void {{ name }}_sincos(int32_t angle, uint32_t bits, int32_t *sine, int32
     const int64_t turned = (int64_t)angle * 1367130551;
     const uint32_t phase = (uint32_t)(uint64_t)((turned + ((int64_t)1 << bits)) >> (bits + 1u));
     const uint32_t step = (phase + 0x80000u) >> 20;
-    const int32_t rest = (int32_t)(phase - (step << 20));
+    const uint32_t beside = phase - (step << 20);
+    const int32_t rest = (int32_t)beside;
     const int32_t d = (int32_t)(((int64_t)rest * 421657428) >> 18);
     const int32_t half_d2 = (int32_t)(((int64_t)d * d) >> 41);
     int32_t s;

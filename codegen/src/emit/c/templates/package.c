@@ -17,6 +17,13 @@
 #endif
 #endif
 {%- endif %}
+{%- for (name, symbol) in renamed_static %}
+{%- if loop.first %}
+
+/* Names that C99 would not tell apart in their first 31 characters. */
+{%- endif %}
+#define {{ name }} {{ symbol }}
+{%- endfor %}
 {% if has_names %}
 const char *const {{ name }}_joint_names[{{ name }}_DOF] = {
 {%- for joint in joints %}

@@ -7,7 +7,11 @@ static int {{ name }}_differs(
 {
     int differs = 0;
     for (uint32_t k = 0u; k < count; k += 1u) {
+{%- if real == "int32_t" %}
+        const int64_t difference = (int64_t)got[k] - expected[k];
+{%- else %}
         const {{ name }}_real difference = got[k] - expected[k];
+{%- endif %}
         /* A NaN differs. */
         if (!((difference <= tolerance) && (difference >= -tolerance))) {
             differs = 1;

@@ -1,0 +1,290 @@
+//! Robots to generate C for, and what their postures are.
+
+use std::path::Path;
+
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+use sesc::robot::Robot;
+use sesc_codegen::emit::c::{self, Options, Package, Scalar, Servos, Setting};
+use sesc_codegen::program::Program;
+use sesc_codegen::tape::{Argument, Tape};
+use sesc_codegen::{Function, Given, Model, Snapping};
+
+use crate::common::{Kind, tree};
+use crate::exact::{Double, Number as _};
+
+pub const ROOT: &str = env!("CARGO_MANIFEST_DIR");
+
+/// Robot folder under `robots/`, and a support.
+pub const ROBOTS: [(&str, &str); 9] = [
+    ("op2", "r_sole"),
+    ("op2", "body_link"),
+    ("arm6", "base_link"),
+    ("quadruped", "lf_foot"),
+    ("lift_base", "base_link"),
+    ("lift_base", "hand"),
+    ("skew_humanoid", "left_sole"),
+    ("plain_humanoid", "right_sole"),
+    ("two_link", "foot"),
+];
+
+pub const SCALARS: [Scalar; 3] = [Scalar::F64, Scalar::F32, Scalar::Fixed32];
+
+/// A robot on a support, with servos.
+pub struct Case {
+    /// Prefix of its C names.
+    pub name: String,
+    pub model: Model,
+    pub servos: Servos,
+    /// What is to be called.
+    pub functions: Vec<Function>,
+}
+
+/// What a joint's tick is: zero, and radians or metres a tick.
+#[derive(Clone, Copy)]
+pub struct Servo {
+    pub zero: i32,
+    pub per_tick: f64,
+    /// Ticks a turn, negative where the servo runs backwards.
+    pub resolution: f64,
+}
+
+impl Servo {
+    /// The angle of `away` ticks from zero, 2π away / resolution, beyond doubles.
+    pub fn turned(self, away: f64) -> Double {
+        let turn = Double {
+            high: std::f64::consts::TAU,
+            low: 2.4492935982947064e-16,
+        };
+        Double::of(away).mul(turn).over(self.resolution)
+    }
+}
+
+impl Case {
+    pub fn new(model: Model, name: &str, servos: Servos) -> Case {
+        Case {
+            name: c::suggest(name),
+            model,
+            servos,
+            functions: Function::ALL.to_vec(),
+        }
+    }
+
+    /// One of `robots/`.
+    pub fn robot(robot: &str, support: &str) -> Case {
+        let path = Path::new(ROOT).join(format!("robots/{robot}/{robot}.urdf"));
+        let model = Robot::read(&path)
+            .unwrap()
+            .model(support, Snapping::default(), None)
+            .unwrap();
+        let servos = match support {
+            "r_sole" => Servos::default(),
+            _ => servos(&model),
+        };
+        Case::new(model, &format!("{robot}_{support}"), servos)
+    }
+
+    /// A random tree of `joints` joints of every type.
+    pub fn random(seed: u64, joints: usize) -> Case {
+        let kind = Kind {
+            joints,
+            canonical: false,
+            revolute: false,
+            chained: 0.6,
+        };
+        let (text, links) = tree(seed, kind);
+        let support = &links[seed as usize % links.len()];
+        Case::of_text(&text, support, &format!("random_{seed}"))
+    }
+
+    pub fn of_text(text: &str, support: &str, name: &str) -> Case {
+        let robot = Robot::parse(text, &format!("{name}.urdf")).unwrap();
+        let model = robot.model(support, Snapping::Off, None).unwrap();
+        let servos = servos(&model);
+        Case::new(model, name, servos)
+    }
+
+    pub fn package(&self, scalar: Scalar) -> Package {
+        let options = Options {
+            scalar,
+            servos: Some(self.servos.clone()),
+        };
+        c::package(&self.model, &self.name, &options)
+            .unwrap_or_else(|error| panic!("{}: {error}", self.name))
+    }
+
+    /// Every C function there must be.
+    pub fn entries(&self) -> Vec<Entry> {
+        let mut entries = Vec::new();
+        for (function, baked) in self.functions() {
+            let stem = match baked {
+                true => format!("model_{}", function.name()),
+                false => function.name().to_string(),
+            };
+            for (given, suffix) in [
+                (Some(Given::Positions), ""),
+                (Some(Given::SinesCosines), "_sc"),
+                (None, "_ticks"),
+            ] {
+                let entry = Entry {
+                    function,
+                    baked,
+                    given,
+                    name: format!("{stem}{suffix}"),
+                    width: 0,
+                };
+                if let Some(program) = entry.program(self) {
+                    let width = program.outputs.len();
+                    entries.push(Entry { width, ..entry });
+                }
+            }
+        }
+        entries
+    }
+
+    /// Functions, and whether their parameters are constants.
+    fn functions(&self) -> Vec<(Function, bool)> {
+        let mut functions: Vec<(Function, bool)> =
+            self.functions.iter().map(|f| (*f, false)).collect();
+        if self.model.file.is_some() {
+            functions.extend([(Function::Com, true), (Function::Cop, true)]);
+        }
+        functions
+    }
+
+    /// What each joint's servo is, read from the settings by their documentation.
+    pub fn servos(&self) -> Vec<Servo> {
+        let dofs = self.model.tree.dofs.iter();
+        dofs.map(|dof| {
+            let own = self
+                .servos
+                .joints
+                .get(&dof.joint)
+                .cloned()
+                .unwrap_or_default();
+            let sign = f64::from(own.sign.unwrap_or(1));
+            let resolution = sign * own.resolution.unwrap_or(4096.0);
+            Servo {
+                zero: own.zero.unwrap_or(2048),
+                resolution,
+                per_tick: match dof.prismatic {
+                    true => sign * own.metres_per_tick.unwrap(),
+                    false => std::f64::consts::TAU / resolution,
+                },
+            }
+        })
+        .collect()
+    }
+
+    /// Results of `function` by the tape; one row of `q` and of `r` per posture.
+    pub fn tape(&self, function: Function, q: &[f64], r: &[f64]) -> Vec<f64> {
+        let program = self.model.program(function, Given::Positions).unwrap();
+        let tape = Tape::new(&program);
+        let count = q.len() / self.model.dof();
+        let mut out = vec![0.0; count * tape.outputs()];
+        let mut arguments = vec![Argument::PerPosture(q)];
+        if function.takes_parameters() {
+            arguments.push(Argument::PerPosture(r));
+        }
+        tape.run(&arguments, count, &mut out, sesc::evaluate::sin_cos);
+        out
+    }
+}
+
+/// One C function.
+#[derive(Clone, Debug)]
+pub struct Entry {
+    pub function: Function,
+    /// Whether its parameters are constants.
+    pub baked: bool,
+    /// Behind the prefix.
+    pub name: String,
+    /// `None`: servo ticks.
+    pub given: Option<Given>,
+    pub width: usize,
+}
+
+impl Entry {
+    /// What it computes, from positions where it takes ticks.
+    pub fn program(&self, case: &Case) -> Option<Program> {
+        let given = self.given.unwrap_or(Given::Positions);
+        let program = match self.baked {
+            true => case.model.baked_program(self.function, given),
+            false => case.model.program(self.function, given),
+        };
+        program.filter(|program| !program.shape.is_empty())
+    }
+
+    pub fn takes_parameters(&self) -> bool {
+        self.function.takes_parameters() && !self.baked
+    }
+}
+
+/// Servos of every make, one after the other.
+pub fn servos(model: &Model) -> Servos {
+    let settings = model.tree.dofs.iter().enumerate().map(|(k, dof)| {
+        let setting = Setting {
+            zero: Some([2048, 512, 0, -77][k % 4]),
+            sign: Some([1, -1, -1][k % 3]),
+            resolution: Some([4096.0, 1024.0, 16384.0, 1228.8, 300.5][k % 5]),
+            metres_per_tick: dof.prismatic.then_some([1e-5, 3.3e-4][k % 2]),
+        };
+        (dof.joint.clone(), setting)
+    });
+    Servos {
+        default: Setting::default(),
+        joints: settings.collect(),
+    }
+}
+
+/// Postures and parameters, row by row.
+#[derive(Clone, Default)]
+pub struct Draw {
+    pub q: Vec<f64>,
+    pub r: Vec<f64>,
+    pub ticks: Vec<i32>,
+    /// What the ticks stand for.
+    pub turned: Vec<f64>,
+}
+
+/// A position as a scalar holds it: whether a slide's, whether rounded up.
+pub type Hold = dyn Fn(f64, bool, bool) -> f64;
+
+/// `count` draws: corners of the limits and of the promised parameters among
+/// them, everything in between, positions such that the scalar holds them.
+pub fn draw(case: &Case, count: usize, seed: u64, hold: &Hold) -> Draw {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut drawn = Draw::default();
+    let servos = case.servos();
+    let cad = case.model.cad_params();
+    for k in 0..count {
+        // Every fourth a corner in q, every third one in r; the first both, at their lowest.
+        let corner = |rng: &mut ChaCha8Rng, at: bool| match (at, k < 2) {
+            (true, true) => k as f64,
+            (true, false) => f64::from(u8::from(rng.random_bool(0.5))),
+            (false, _) => rng.random(),
+        };
+        for (dof, servo) in case.model.tree.dofs.iter().zip(&servos) {
+            let (lower, upper) = (dof.lower, dof.upper);
+            let x = lower + corner(&mut rng, k % 4 < 2) * (upper - lower);
+            // Towards the middle: what is rounded beyond a limit is no posture any more.
+            let up = x < 0.5 * (lower + upper);
+            drawn.q.push(hold(x, dof.prismatic, up));
+            let at = x / servo.per_tick;
+            let away = [at.floor(), at.ceil(), 0.0]
+                .into_iter()
+                .find(|n| (lower..=upper).contains(&(n * servo.per_tick)))
+                .unwrap_or(at.round());
+            drawn.ticks.push(servo.zero + away as i32);
+            drawn.turned.push(away * servo.per_tick);
+        }
+        for (limit, cad) in case.model.param_limits.iter().zip(&cad) {
+            drawn.r.push(match k % 3 {
+                0 => limit * (2.0 * corner(&mut rng, true) - 1.0),
+                1 => limit * (2.0 * rng.random::<f64>() - 1.0),
+                _ => *cad,
+            });
+        }
+    }
+    drawn
+}

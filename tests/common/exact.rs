@@ -1,0 +1,228 @@
+//! Programs run by other arithmetic than the tape's: in `f32`, and in pairs of
+//! doubles, beside which the rounding of a double shows.
+//!
+//! ```text
+//! x = high + low      |low| <= ulp(high) / 2      relative error about 2^-104
+//! ```
+
+#![allow(dead_code)] // each test binary uses its own part
+
+use std::collections::HashMap;
+use std::sync::LazyLock;
+
+use sesc_codegen::expr::Expr;
+use sesc_codegen::program::Program;
+
+/// What a program can be run in.
+pub trait Number: Copy {
+    fn of(x: f64) -> Self;
+    fn add(self, other: Self) -> Self;
+    fn sub(self, other: Self) -> Self;
+    fn mul(self, other: Self) -> Self;
+    fn neg(self) -> Self;
+    fn sin_cos(self) -> (Self, Self);
+}
+
+impl Number for f32 {
+    fn of(x: f64) -> f32 {
+        x as f32
+    }
+    fn add(self, other: f32) -> f32 {
+        self + other
+    }
+    fn sub(self, other: f32) -> f32 {
+        self - other
+    }
+    fn mul(self, other: f32) -> f32 {
+        self * other
+    }
+    fn neg(self) -> f32 {
+        -self
+    }
+    fn sin_cos(self) -> (f32, f32) {
+        sesc_runtime::trig::sin_cos_f32(self)
+    }
+}
+
+/// A program with operands by place.
+pub struct Interpreter {
+    steps: Vec<Step>,
+    outputs: Vec<usize>,
+}
+
+#[derive(Clone, Copy)]
+enum Step {
+    Const(f64),
+    Load(usize, usize),
+    Add(usize, usize),
+    Sub(usize, usize),
+    Mul(usize, usize),
+    Neg(usize),
+    Sin(usize),
+    Cos(usize),
+}
+
+impl Interpreter {
+    pub fn new(program: &Program) -> Interpreter {
+        let places: HashMap<_, usize> = program
+            .iter()
+            .enumerate()
+            .map(|(k, (id, _))| (id, k))
+            .collect();
+        let step = |expr: Expr| match expr {
+            Expr::Const(x) => Step::Const(x),
+            Expr::Input { array, index } => Step::Load(array.into(), index as usize),
+            Expr::Add(a, b) => Step::Add(places[&a], places[&b]),
+            Expr::Sub(a, b) => Step::Sub(places[&a], places[&b]),
+            Expr::Mul(a, b) => Step::Mul(places[&a], places[&b]),
+            Expr::Neg(a) => Step::Neg(places[&a]),
+            Expr::Sin(a) => Step::Sin(places[&a]),
+            Expr::Cos(a) => Step::Cos(places[&a]),
+        };
+        Interpreter {
+            steps: program.nodes.iter().map(|node| step(node.expr)).collect(),
+            outputs: program.outputs.iter().map(|id| places[id]).collect(),
+        }
+    }
+
+    /// The results for one set of input arrays.
+    pub fn run<T: Number>(&self, inputs: &[&[T]]) -> Vec<T> {
+        let mut values: Vec<T> = Vec::with_capacity(self.steps.len());
+        // Sine and cosine of an angle come together.
+        let mut pairs: HashMap<usize, (T, T)> = HashMap::new();
+        for step in &self.steps {
+            let value = match *step {
+                Step::Const(x) => T::of(x),
+                Step::Load(array, index) => inputs[array][index],
+                Step::Add(a, b) => values[a].add(values[b]),
+                Step::Sub(a, b) => values[a].sub(values[b]),
+                Step::Mul(a, b) => values[a].mul(values[b]),
+                Step::Neg(a) => values[a].neg(),
+                Step::Sin(a) => pairs.entry(a).or_insert_with(|| values[a].sin_cos()).0,
+                Step::Cos(a) => pairs.entry(a).or_insert_with(|| values[a].sin_cos()).1,
+            };
+            values.push(value);
+        }
+        self.outputs.iter().map(|&k| values[k]).collect()
+    }
+}
+
+/// An unevaluated sum of two doubles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Double {
+    pub high: f64,
+    pub low: f64,
+}
+
+/// a + b and what rounding lost of it.
+fn two_sum(a: f64, b: f64) -> Double {
+    let high = a + b;
+    let part = high - a;
+    let low = (a - (high - part)) + (b - part);
+    Double { high, low }
+}
+
+/// The same where |a| >= |b|.
+fn quick_sum(a: f64, b: f64) -> Double {
+    let high = a + b;
+    Double {
+        high,
+        low: b - (high - a),
+    }
+}
+
+fn two_product(a: f64, b: f64) -> Double {
+    let high = a * b;
+    Double {
+        high,
+        low: a.mul_add(b, -high),
+    }
+}
+
+impl Double {
+    pub fn over(self, divisor: f64) -> Double {
+        let high = self.high / divisor;
+        let rest = self.sub(two_product(high, divisor));
+        quick_sum(high, (rest.high + rest.low) / divisor)
+    }
+
+    /// |self − x|.
+    pub fn distance(self, x: f64) -> f64 {
+        let difference = self.sub(Double::of(x));
+        (difference.high + difference.low).abs()
+    }
+}
+
+/// π/2 in three doubles.
+const RIGHT_ANGLE: [f64; 3] = [
+    std::f64::consts::FRAC_PI_2,
+    6.123233995736766e-17,
+    -1.4973849048591833e-33,
+];
+
+/// 1/n! up to 29!, beyond which powers of π/4 vanish.
+static INVERSE_FACTORIALS: LazyLock<Vec<Double>> = LazyLock::new(|| {
+    let mut all = vec![Double::of(1.0)];
+    for n in 1..=29 {
+        all.push(all[n - 1].over(n as f64));
+    }
+    all
+});
+
+/// Σ r^n/n! over n = first, first + 2, …, with alternating signs.
+fn series(square: Double, first: usize) -> Double {
+    let minus = square.neg();
+    (first..=29)
+        .step_by(2)
+        .collect::<Vec<_>>()
+        .iter()
+        .rev()
+        .fold(Double::of(0.0), |sum, &n| {
+            sum.mul(minus).add(INVERSE_FACTORIALS[n])
+        })
+}
+
+impl Number for Double {
+    fn of(x: f64) -> Double {
+        Double { high: x, low: 0.0 }
+    }
+
+    fn add(self, other: Double) -> Double {
+        let high = two_sum(self.high, other.high);
+        let low = two_sum(self.low, other.low);
+        let sum = quick_sum(high.high, high.low + low.high);
+        quick_sum(sum.high, sum.low + low.low)
+    }
+
+    fn sub(self, other: Double) -> Double {
+        self.add(other.neg())
+    }
+
+    fn mul(self, other: Double) -> Double {
+        let product = two_product(self.high, other.high);
+        let cross = self.high * other.low + self.low * other.high;
+        quick_sum(product.high, product.low + cross)
+    }
+
+    fn neg(self) -> Double {
+        Double {
+            high: -self.high,
+            low: -self.low,
+        }
+    }
+
+    fn sin_cos(self) -> (Double, Double) {
+        let k = (self.high / RIGHT_ANGLE[0]).round();
+        let r = RIGHT_ANGLE
+            .iter()
+            .fold(self, |rest, piece| rest.sub(two_product(k, *piece)));
+        let square = r.mul(r);
+        let (s, c) = (series(square, 1).mul(r), series(square, 0));
+        match k.rem_euclid(4.0) as u8 {
+            0 => (s, c),
+            1 => (c, s.neg()),
+            2 => (s.neg(), c.neg()),
+            _ => (c.neg(), s),
+        }
+    }
+}
