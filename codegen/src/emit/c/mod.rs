@@ -107,10 +107,10 @@ pub fn suggest(name: &str) -> String {
     while word.contains("__") {
         word = word.replace("__", "_");
     }
-    word.truncate(LONGEST_NAME - 6);
-    let word = word.trim_end_matches('_').to_string();
-    match is_prefix(&word) {
-        true => word,
+    word.truncate(LONGEST_NAME);
+    let word = word.trim_end_matches('_');
+    match is_prefix(word) {
+        true => word.to_string(),
         false => format!("{word}_robot"),
     }
 }
