@@ -14,7 +14,7 @@ const ROOM: f64 = 0.1;
 /// Bounds of physical masses: none far below CAD's, and each CoM inside a box.
 ///
 /// Where the URDF gives no shape of known size, the box is generous: around the link's
-/// frame, its joints and CAD's CoM, and on each side as much again ([`ROOM`] at least).
+/// frame, its joints and CAD's CoM, and on each side as much again (`ROOM` at least).
 /// Without it a mass of nothing could sit in the next town.
 #[derive(Debug, Clone, Default)]
 pub struct Limits {

@@ -27,7 +27,7 @@ pub struct Tolerance {
     pub mass: Option<f64>,
     /// Standard deviation of its CoM on each axis, m.
     pub com: Option<f64>,
-    /// Standard deviation of its mass, kg, on top: cables, screws, a link without <inertial>.
+    /// Standard deviation of its mass, kg, on top: cables, screws, a link without `<inertial>`.
     pub mass_kg: Option<f64>,
 }
 

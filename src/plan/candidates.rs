@@ -100,7 +100,7 @@ impl<'a> Sampler<'a> {
     }
 
     /// Up to `wanted` candidates from at most `draws` draws, one after the other;
-    /// gives up where the first [`FUTILE`] bring none.
+    /// gives up where the first `FUTILE` bring none.
     pub fn sample(&mut self, wanted: usize, draws: usize, progress: impl Fn(usize)) -> Vec<f64> {
         let dof = self.model.dof();
         let mut found = Vec::new();

@@ -9,10 +9,10 @@
 //! with P = M⁻¹ and G_k = a_k P a_kᵀ, 2 × 2. In coordinates u, r = r_CAD + S u,
 //! the prior is the identity (ε = 1). Without a prior the coordinates are those
 //! in which all candidates together see every direction alike, directions that
-//! none sees are left out, and ε is [`RIDGE`].
+//! none sees are left out, and ε is `RIDGE`.
 //!
 //! Greedy first; then every chosen posture in turn is exchanged for the best of
-//! all, as long as rounds gain [`ENOUGH`]. σ² tr(G_k)/2 is the variance with which
+//! all, as long as rounds gain `ENOUGH`. σ² tr(G_k)/2 is the variance with which
 //! the CoP of posture k will be predicted.
 
 use nalgebra::{Cholesky, DMatrix, Matrix2};

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! A mesh is taken as the box around it where its file can be read, see
-//! [`super::mesh`].
+//! `super::mesh`.
 
 use std::collections::BTreeMap;
 use std::path::Path;
