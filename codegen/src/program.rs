@@ -41,6 +41,8 @@ pub struct Counts {
     pub angle: usize,
     /// Sign changes that no addition absorbs.
     pub neg: usize,
+    /// Divisions, clamps and powers, which only effects need.
+    pub other: usize,
 }
 
 /// One node of a program.
@@ -73,8 +75,10 @@ pub struct Program {
 pub fn operands(expr: Expr) -> impl Iterator<Item = Id> {
     let (a, b) = match expr {
         Expr::Const(_) | Expr::Input { .. } => (None, None),
-        Expr::Neg(a) | Expr::Sin(a) | Expr::Cos(a) => (Some(a), None),
-        Expr::Add(a, b) | Expr::Sub(a, b) | Expr::Mul(a, b) => (Some(a), Some(b)),
+        Expr::Neg(a) | Expr::Sin(a) | Expr::Cos(a) | Expr::Clamp(a) => (Some(a), None),
+        Expr::Add(a, b) | Expr::Sub(a, b) | Expr::Mul(a, b) | Expr::Div(a, b) | Expr::Pow(a, b) => {
+            (Some(a), Some(b))
+        }
     };
     a.into_iter().chain(b)
 }
@@ -86,9 +90,12 @@ fn rename(expr: Expr, to: impl Fn(Id) -> Id) -> Expr {
         Expr::Add(a, b) => Expr::Add(to(a), to(b)),
         Expr::Sub(a, b) => Expr::Sub(to(a), to(b)),
         Expr::Mul(a, b) => Expr::Mul(to(a), to(b)),
+        Expr::Div(a, b) => Expr::Div(to(a), to(b)),
         Expr::Neg(a) => Expr::Neg(to(a)),
         Expr::Sin(a) => Expr::Sin(to(a)),
         Expr::Cos(a) => Expr::Cos(to(a)),
+        Expr::Clamp(a) => Expr::Clamp(to(a)),
+        Expr::Pow(a, b) => Expr::Pow(to(a), to(b)),
     }
 }
 
@@ -221,6 +228,7 @@ impl Program {
                 Expr::Add(..) | Expr::Sub(..) => counts.add += 1,
                 Expr::Mul(..) => counts.mul += 1,
                 Expr::Neg(_) => counts.neg += 1,
+                Expr::Div(..) | Expr::Clamp(_) | Expr::Pow(..) => counts.other += 1,
             }
         }
         counts.sin_cos = self.angles().len();

@@ -35,7 +35,10 @@ enum Step {
     Add(usize, usize),
     Sub(usize, usize),
     Mul(usize, usize),
+    Div(usize, usize),
     Neg(usize),
+    Clamp(usize),
+    Pow(usize, usize),
     /// Angle, register of the sine (the cosine is the destination's neighbour).
     SinCos(usize),
 }
@@ -86,7 +89,10 @@ impl Tape {
                 Expr::Add(a, b) => Step::Add(at(a, &register), at(b, &register)),
                 Expr::Sub(a, b) => Step::Sub(at(a, &register), at(b, &register)),
                 Expr::Mul(a, b) => Step::Mul(at(a, &register), at(b, &register)),
+                Expr::Div(a, b) => Step::Div(at(a, &register), at(b, &register)),
                 Expr::Neg(a) => Step::Neg(at(a, &register)),
+                Expr::Clamp(a) => Step::Clamp(at(a, &register)),
+                Expr::Pow(a, b) => Step::Pow(at(a, &register), at(b, &register)),
                 Expr::Sin(a) | Expr::Cos(a) => Step::SinCos(at(a, &register)),
             };
             if let Expr::Sin(a) | Expr::Cos(a) = node.expr {
@@ -190,7 +196,10 @@ impl Tape {
                 Step::Add(a, b) => binary(registers, to, a, b, |x, y| x + y),
                 Step::Sub(a, b) => binary(registers, to, a, b, |x, y| x - y),
                 Step::Mul(a, b) => binary(registers, to, a, b, |x, y| x * y),
+                Step::Div(a, b) => binary(registers, to, a, b, |x, y| x / y),
                 Step::Neg(a) => binary(registers, to, a, a, |x, _| -x),
+                Step::Clamp(a) => binary(registers, to, a, a, |x, _| x.clamp(-1.0, 1.0)),
+                Step::Pow(a, b) => binary(registers, to, a, b, libm::pow),
                 Step::SinCos(a) => {
                     let angle = registers[a];
                     let (mut s, mut c) = ([0.0; BLOCK], [0.0; BLOCK]);

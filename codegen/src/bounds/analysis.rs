@@ -179,6 +179,16 @@ impl<'p> Analysis<'p> {
                 upper: 1.0,
                 error: operand(a).error + self.kernel(operand(a).size()),
             },
+            Expr::Clamp(_) => Range {
+                lower: -1.0,
+                upper: 1.0,
+                error: 2.0,
+            },
+            Expr::Div(..) | Expr::Pow(..) => Range {
+                lower: f64::NEG_INFINITY,
+                upper: f64::INFINITY,
+                error: f64::INFINITY,
+            },
         }
     }
 

@@ -107,6 +107,8 @@ impl Formats {
                     let least = formats.of(a).min(formats.of(b));
                     fitting(analysis.range(id).size()).min(least)
                 }
+                // Not to be had: refused before anything is emitted.
+                Expr::Div(..) | Expr::Clamp(_) | Expr::Pow(..) => -1,
             };
             if bits < 0 {
                 return Err(overflow(program, id, analysis.range(id).size()));

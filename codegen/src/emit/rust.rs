@@ -353,6 +353,18 @@ impl Body<'_> {
                 let a = at(a, Strength::Atom);
                 (quote!(-#a), Strength::Sign)
             }
+            Expr::Div(a, b) => {
+                let (a, b) = (at(a, Strength::Product), at(b, Strength::Sign));
+                (quote!(#a / #b), Strength::Product)
+            }
+            Expr::Clamp(a) => {
+                let a = at(a, Strength::Atom);
+                (quote!(#a.clamp_unit()), Strength::Atom)
+            }
+            Expr::Pow(a, b) => {
+                let (a, b) = (at(a, Strength::Atom), at(b, Strength::Sum));
+                (quote!(#a.power(#b)), Strength::Atom)
+            }
             Expr::Sin(a) => {
                 let a = at(a, Strength::Atom);
                 (quote!(#a.sin_cos().0), Strength::Atom)

@@ -2,9 +2,19 @@
 //!
 //! ```text
 //! (a b)' = a' b + a b'      sin(a)' = cos(a) a'      cos(a)' = −sin(a) a'
+//! (a/b)' = (a' − (a/b) b')/b
 //! ```
+//!
+//! A clamp's slope (one inside, zero outside) and a power's in its exponent are
+//! central differences of the function itself, written as expressions: no
+//! further operation is needed, and steps are small enough (2^-20, 2^-17) that
+//! they are exact to 1e-9 but at the clamp's corners, where they lie between.
 
 use super::graph::{Expr, Graph, Id};
+
+/// Steps of the differences that stand for a slope, powers of two.
+const CLAMP_STEP: f64 = 1.0 / 1_048_576.0;
+const POWER_STEP: f64 = 1.0 / 131_072.0;
 
 impl Graph {
     /// ∂`of`/∂`with_respect_to` for each of `of`; the variable is an input node.
@@ -37,9 +47,48 @@ impl Graph {
                     let product = self.mul(s, d[a.index()]);
                     self.neg(product)
                 }
+                Expr::Div(a, b) => {
+                    let carried = self.mul(id, d[b.index()]);
+                    let rest = self.sub(d[a.index()], carried);
+                    self.div(rest, b)
+                }
+                Expr::Clamp(a) => {
+                    let inner = d[a.index()];
+                    self.chain(inner, CLAMP_STEP, |g, h| {
+                        let moved = g.add(a, h);
+                        g.clamp(moved)
+                    })
+                }
+                Expr::Pow(a, b) => {
+                    let (base, exponent) = (d[a.index()], d[b.index()]);
+                    // (a^b)' = b a^(b-1) a' + slope in b
+                    let one = self.constant(1.0);
+                    let lower = self.sub(b, one);
+                    let power = self.pow(a, lower);
+                    let slope = self.mul(b, power);
+                    let left = self.mul(slope, base);
+                    let right = self.chain(exponent, POWER_STEP, |g, h| {
+                        let moved = g.add(b, h);
+                        g.pow(a, moved)
+                    });
+                    self.add(left, right)
+                }
             };
         }
         of.iter().map(|id| d[id.index()]).collect()
+    }
+
+    /// `inner` times the slope of `f`, a central difference over ±`step`.
+    fn chain(&mut self, inner: Id, step: f64, f: impl Fn(&mut Graph, Id) -> Id) -> Id {
+        if self.value(inner) == Some(0.0) {
+            return inner;
+        }
+        let (h, minus_h) = (self.constant(step), self.constant(-step));
+        let (ahead, behind) = (f(self, h), f(self, minus_h));
+        let difference = self.sub(ahead, behind);
+        let scale = self.constant(0.5 / step);
+        let slope = self.mul(scale, difference);
+        self.mul(slope, inner)
     }
 }
 

@@ -33,9 +33,14 @@ pub enum Expr {
     Add(Id, Id),
     Sub(Id, Id),
     Mul(Id, Id),
+    Div(Id, Id),
     Neg(Id),
     Sin(Id),
     Cos(Id),
+    /// The nearest number in [-1, 1].
+    Clamp(Id),
+    /// The first, not negative, to the power of the second.
+    Pow(Id, Id),
 }
 
 /// A node's identity for hash-consing: commutative operands sorted, floats by bits.
@@ -46,9 +51,12 @@ enum Key {
     Add(Id, Id),
     Sub(Id, Id),
     Mul(Id, Id),
+    Div(Id, Id),
     Neg(Id),
     Sin(Id),
     Cos(Id),
+    Clamp(Id),
+    Pow(Id, Id),
 }
 
 /// A vector of nodes, see [`Graph::know`].
@@ -152,9 +160,12 @@ impl Graph {
                 let (a, b) = sorted(a, b);
                 Key::Mul(a, b)
             }
+            Expr::Div(a, b) => Key::Div(a, b),
             Expr::Neg(a) => Key::Neg(a),
             Expr::Sin(a) => Key::Sin(a),
             Expr::Cos(a) => Key::Cos(a),
+            Expr::Clamp(a) => Key::Clamp(a),
+            Expr::Pow(a, b) => Key::Pow(a, b),
         };
         let nodes = &mut self.nodes;
         *self.index.entry(key).or_insert_with(|| {

@@ -126,6 +126,53 @@ impl Graph {
             _ => self.intern(Expr::Cos(a)),
         }
     }
+
+    /// `a / b`; a constant `b` becomes a factor.
+    pub fn div(&mut self, a: Id, b: Id) -> Id {
+        match (self.value(a), self.value(b)) {
+            (Some(x), Some(y)) => return self.constant(x / y),
+            (Some(0.0), _) => return self.constant(0.0),
+            (_, Some(y)) => {
+                let factor = self.constant(1.0 / y);
+                return self.mul(factor, a);
+            }
+            _ => {}
+        }
+        match (self.expr(a), self.expr(b)) {
+            (Expr::Neg(x), Expr::Neg(y)) => self.div(x, y),
+            (Expr::Neg(x), _) => {
+                let ratio = self.div(x, b);
+                self.neg(ratio)
+            }
+            (_, Expr::Neg(y)) => {
+                let ratio = self.div(a, y);
+                self.neg(ratio)
+            }
+            _ => self.intern(Expr::Div(a, b)),
+        }
+    }
+
+    /// The number in [-1, 1] nearest to `a`.
+    pub fn clamp(&mut self, a: Id) -> Id {
+        match self.expr(a) {
+            Expr::Const(x) => self.constant(x.clamp(-1.0, 1.0)),
+            Expr::Neg(x) => {
+                let inside = self.clamp(x);
+                self.neg(inside)
+            }
+            _ => self.intern(Expr::Clamp(a)),
+        }
+    }
+
+    /// `a` to the power of `b`, for `a` not negative.
+    pub fn pow(&mut self, a: Id, b: Id) -> Id {
+        match (self.value(a), self.value(b)) {
+            (Some(x), Some(y)) => self.constant(libm::pow(x, y)),
+            (_, Some(0.0)) => self.constant(1.0),
+            (_, Some(1.0)) => a,
+            _ => self.intern(Expr::Pow(a, b)),
+        }
+    }
 }
 
 #[cfg(test)]
@@ -173,6 +220,21 @@ mod tests {
         let difference = g.sub(x, y);
         let opposite = g.sub(y, x);
         assert_eq!(opposite, g.neg(difference));
+    }
+
+    #[test]
+    fn quotients_clamps_and_powers_fold() {
+        let (mut g, x, y) = graph();
+        let (half, two, one) = (g.constant(0.5), g.constant(2.0), g.constant(1.0));
+        assert_eq!(g.div(x, two), g.mul(half, x));
+        let minus_y = g.neg(y);
+        let ratio = g.div(x, y);
+        assert_eq!(g.div(x, minus_y), g.neg(ratio));
+        assert_eq!(g.clamp(two), one);
+        let inside = g.clamp(y);
+        assert_eq!(g.clamp(minus_y), g.neg(inside));
+        assert_eq!(g.pow(x, one), x);
+        assert_eq!(g.pow(two, two), g.constant(4.0));
     }
 
     #[test]

@@ -114,6 +114,9 @@ impl Spelling<'_, '_> {
                 let value = self.wide(id).unwrap_or_else(|| self.product(id));
                 (value, Strength::Atom)
             }
+            Expr::Div(..) | Expr::Clamp(_) | Expr::Pow(..) => {
+                unreachable!("no format can be chosen for these")
+            }
             Expr::Sin(_) | Expr::Cos(_) => {
                 unreachable!("sines and cosines have statements of their own")
             }

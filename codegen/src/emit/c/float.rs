@@ -97,7 +97,19 @@ impl Spelling<'_, '_> {
                 let (a, b) = (at(a, Strength::Product), at(b, Strength::Sign));
                 (format!("{a} * {b}"), Strength::Product)
             }
+            Expr::Div(a, b) => {
+                let (a, b) = (at(a, Strength::Product), at(b, Strength::Sign));
+                (format!("{a} / {b}"), Strength::Product)
+            }
             Expr::Neg(a) => (format!("-{}", at(a, Strength::Atom)), Strength::Sign),
+            Expr::Clamp(a) => {
+                let a = at(a, Strength::Sum);
+                (format!("clamp_unit({a})"), Strength::Atom)
+            }
+            Expr::Pow(a, b) => {
+                let (a, b) = (at(a, Strength::Sum), at(b, Strength::Sum));
+                (format!("pow({a}, {b})"), Strength::Atom)
+            }
             Expr::Sin(_) | Expr::Cos(_) => {
                 unreachable!("sines and cosines have statements of their own")
             }
