@@ -13,6 +13,7 @@
 
 pub mod cli;
 pub mod demo;
+pub mod diagnose;
 pub mod error;
 pub mod evaluate;
 pub mod identify;

@@ -27,6 +27,7 @@ pub mod base;
 pub mod bounds;
 mod builder;
 pub mod chain;
+pub mod effects;
 pub mod emit;
 mod error;
 pub mod expr;

@@ -239,6 +239,14 @@ impl Model {
             .collect()
     }
 
+    /// Height of the CAD CoM over the sole with every joint at zero (or at its
+    /// nearest limit), m.
+    pub fn cad_height(&self) -> f64 {
+        let rest = |dof: &tree::Dof| 0.0_f64.max(dof.lower).min(dof.upper);
+        let q: Vec<f64> = self.tree.dofs.iter().map(rest).collect();
+        libm::fabs(self.com_by_sum(&q)[2])
+    }
+
     /// How far the CoM can be from the support, m: Σ‖r_i‖ and every stroke.
     pub fn reach(&self) -> f64 {
         let reach = |body: &chain::Body| match (body.motion, body.s) {

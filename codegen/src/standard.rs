@@ -8,7 +8,7 @@
 //! linear in θ by lengths of the URDF alone, so tolerances of CAD carry over to
 //! them, and parameters seen from two supports are affine in each other.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DMatrixViewMut, DVector};
 
 use crate::model::Model;
 
@@ -54,30 +54,51 @@ impl Model {
 
     /// Full parameters as linear forms of θ: the sums of `chain`, link by link.
     fn full_of_standard(&self) -> DMatrix<f64> {
-        let bodies = &self.chain.bodies;
         let mut map = DMatrix::zeros(self.chain.full_params, PER_LINK * self.chain.places.len());
-        for (k, place) in self.chain.places.iter().enumerate() {
-            let Some(place) = place else { continue };
-            let (row, column) = (bodies[place.body].column, PER_LINK * k);
-            for m in 0..3 {
-                map[(row + m, column)] += place.origin[m];
-                for n in 0..3 {
-                    map[(row + m, column + 1 + n)] += place.orientation[(m, n)];
+        for link in 0..self.chain.places.len() {
+            self.add_full_of_link(link, &mut map.columns_mut(PER_LINK * link, PER_LINK));
+        }
+        map
+    }
+
+    /// The four columns of W that belong to one link.
+    pub fn standard_map_of(&self, link: usize) -> DMatrix<f64> {
+        let mut full = DMatrix::zeros(self.chain.full_params, PER_LINK);
+        self.add_full_of_link(link, &mut full.columns_mut(0, PER_LINK));
+        let mut map = DMatrix::zeros(self.base.params.len(), PER_LINK);
+        for (row, param) in self.base.params.iter().enumerate() {
+            for (&k, &weight) in &param.terms {
+                for column in 0..PER_LINK {
+                    map[(row, column)] += weight * full[(k, column)];
                 }
-            }
-            // Its mass is carried through every joint on the way to the support.
-            let mut at = place.body;
-            while let Some(parent) = bodies[at].parent {
-                if bodies[at].s.is_some() {
-                    map[(bodies[at].column + 3, column)] += 1.0;
-                }
-                for m in 0..3 {
-                    map[(bodies[parent].column + m, column)] += bodies[at].anchor[m];
-                }
-                at = parent;
             }
         }
         map
+    }
+
+    fn add_full_of_link(&self, link: usize, map: &mut DMatrixViewMut<f64>) {
+        let bodies = &self.chain.bodies;
+        let Some(place) = &self.chain.places[link] else {
+            return;
+        };
+        let row = bodies[place.body].column;
+        for m in 0..3 {
+            map[(row + m, 0)] += place.origin[m];
+            for n in 0..3 {
+                map[(row + m, 1 + n)] += place.orientation[(m, n)];
+            }
+        }
+        // Its mass is carried through every joint on the way to the support.
+        let mut at = place.body;
+        while let Some(parent) = bodies[at].parent {
+            if bodies[at].s.is_some() {
+                map[(bodies[at].column + 3, 0)] += 1.0;
+            }
+            for m in 0..3 {
+                map[(bodies[parent].column + m, 0)] += bodies[at].anchor[m];
+            }
+            at = parent;
+        }
     }
 
     /// Base parameters of `self` from those of the same robot on another support:

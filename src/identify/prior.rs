@@ -50,8 +50,8 @@ pub enum Prior {
     Cad(Tolerances),
 }
 
-/// CAD taken nearly for granted: masses to 1 %, CoMs to 0.5 mm.
-const TIGHT: (f64, f64) = (0.01, 0.0005);
+/// CAD taken nearly for granted: parts on a scale, masses to 0.2 %, CoMs to 0.1 mm.
+const TIGHT: (f64, f64) = (0.002, 0.0001);
 /// CAD as it usually is: masses to 10 %, CoMs to 5 mm.
 const USUAL: (f64, f64) = (0.10, 0.005);
 

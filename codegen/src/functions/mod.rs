@@ -15,6 +15,8 @@
 //!
 //! 4 per joint and row. They meet in the Jacobian: `J_j = B_p K_j (e_z × t_j)`.
 
+pub(crate) mod diagnosis;
+pub(crate) mod measured;
 mod rows;
 mod subtrees;
 mod turns;
@@ -143,6 +145,12 @@ struct Scratch<'m> {
     given: Given,
     /// Values of r, where they are constants.
     baked: Option<Vec<f64>>,
+    /// What takes the place of joint positions, where effects rewrote them.
+    positions: Option<Vec<Id>>,
+    /// What takes the place of r, each with its largest magnitude.
+    masses: Option<Vec<(Id, f64)>>,
+    /// Stands behind the prefix of names: which of several passes over the chain.
+    pass: String,
     children: Vec<Vec<usize>>,
     /// Sine and cosine per body, once asked for.
     turns: Vec<Option<(Id, Id)>>,
@@ -157,6 +165,9 @@ impl<'m> Scratch<'m> {
             g: Graph::default(),
             given,
             baked: None,
+            positions: None,
+            masses: None,
+            pass: String::new(),
             children: m.chain.children(),
             turns: vec![None; m.chain.bodies.len()],
         }
@@ -164,6 +175,9 @@ impl<'m> Scratch<'m> {
 
     /// Parameter `index` of r; zero where there is none.
     fn parameter(&mut self, index: Option<usize>) -> Id {
+        if let (Some(index), Some(masses)) = (index, &self.masses) {
+            return masses[index].0;
+        }
         let array = match self.given {
             Given::Positions => 1,
             Given::SinesCosines => 2,
@@ -177,6 +191,9 @@ impl<'m> Scratch<'m> {
 
     /// Largest magnitude of a parameter.
     fn parameter_limit(&self, index: Option<usize>) -> f64 {
+        if let (Some(index), Some(masses)) = (index, &self.masses) {
+            return masses[index].1;
+        }
         match (index, &self.baked) {
             (Some(index), None) => self.m.param_limits[index],
             (Some(index), Some(values)) => libm::fabs(values[index]),
@@ -186,7 +203,10 @@ impl<'m> Scratch<'m> {
 
     /// Position of a slide: factor·q + offset. (`_sc` passes q in `sin`.)
     fn position(&mut self, by: &Coordinate) -> Id {
-        let q = self.g.input(0, by.dof);
+        let q = match &self.positions {
+            Some(positions) => positions[by.dof],
+            None => self.g.input(0, by.dof),
+        };
         let (factor, offset) = (self.g.constant(by.factor), self.g.constant(by.offset));
         let scaled = self.g.mul(factor, q);
         self.g.add(scaled, offset)
@@ -202,8 +222,8 @@ impl<'m> Scratch<'m> {
 
     fn name(&mut self, vector: &[Id; 3], prefix: &str, body: usize) {
         for (id, axis) in vector.iter().zip(AXES) {
-            let key = &self.m.keys[body];
-            self.g.name(*id, || format!("{prefix}_{key}_{axis}"));
+            let (key, pass) = (&self.m.keys[body], &self.pass);
+            self.g.name(*id, || format!("{prefix}{pass}_{key}_{axis}"));
         }
     }
 

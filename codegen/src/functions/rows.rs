@@ -1,6 +1,7 @@
 //! Root to leaf: rows of orientations `b_i = b_p K_i Rz(θ_i)`, and what is made of
 //! them: Jacobian, gravity moments, regressor rows.
 
+use super::subtrees::Subtree;
 use super::{AXES, Known, Scratch};
 use crate::base::Column;
 use crate::expr::Id;
@@ -10,12 +11,19 @@ use crate::tree::Motion;
 impl Scratch<'_> {
     /// Row `row` of `B_p K_i` and of `B_i`, in canonical axes, for every body.
     pub(super) fn orientations(&mut self, row: usize) -> Vec<(Known, Known)> {
+        let unit = [0, 1, 2].map(|k| self.g.constant(if k == row { 1.0 } else { 0.0 }));
+        self.directions(unit, 1.0, AXES[row])
+    }
+
+    /// `dᵀ B_p K_i` and `dᵀ B_i` for every body: a direction `d` of the support
+    /// frame (of length `norm` at most) seen from the bodies.
+    pub(super) fn directions(&mut self, d: [Id; 3], norm: f64, tag: &str) -> Vec<(Known, Known)> {
         let m = self.m;
         let mut rows: Vec<(Known, Known)> = Vec::with_capacity(m.chain.bodies.len());
         for (i, body) in m.chain.bodies.iter().enumerate() {
             let Some(parent) = body.parent else {
-                let entries = [0, 1, 2].map(|k| self.g.constant(if k == row { 1.0 } else { 0.0 }));
-                let fact = self.g.know(&entries, 1.0, &[]);
+                let entries = d;
+                let fact = self.g.know(&entries, norm, &[]);
                 rows.push((Known { entries, fact }, Known { entries, fact }));
                 continue;
             };
@@ -29,7 +37,7 @@ impl Scratch<'_> {
             let [x, y, z] = self.twist(&turn.twist, near.entries, true);
             let before = Known {
                 entries: [x, y, z],
-                fact: self.g.know(&[x, y, z], 1.0, &[near.fact]),
+                fact: self.g.know(&[x, y, z], norm, &[near.fact]),
             };
             let first = self.g.dot(&[x, y], &[c, s]);
             let (yc, xs) = (self.g.mul(y, c), self.g.mul(x, s));
@@ -38,12 +46,11 @@ impl Scratch<'_> {
                 second = self.g.neg(second);
             }
             let entries = [first, second, z];
-            let prefix = format!("b{}", AXES[row]);
-            self.name(&before.entries, &format!("k{}", AXES[row]), i);
-            self.name(&entries, &prefix, i);
+            self.name(&before.entries, &format!("k{tag}"), i);
+            self.name(&entries, &format!("b{tag}"), i);
             let after = Known {
                 entries,
-                fact: self.g.know(&entries, 1.0, &[before.fact]),
+                fact: self.g.know(&entries, norm, &[before.fact]),
             };
             rows.push((before, after));
         }
@@ -52,11 +59,21 @@ impl Scratch<'_> {
 
     /// Rows of ∂CoM/∂q, row-major; negated for gravity moments.
     pub(super) fn jacobian(&mut self, rows: &[usize], negated: bool) -> Vec<Id> {
-        let m = self.m;
         let subtrees = self.subtrees();
         let orientations: Vec<_> = rows.iter().map(|&row| self.orientations(row)).collect();
+        self.turned(&subtrees, &orientations, negated)
+    }
+
+    /// `dᵀ ∂CoM/∂q` for each of the directions that `orientations` come from.
+    pub(super) fn turned(
+        &mut self,
+        subtrees: &[Subtree],
+        orientations: &[Vec<(Known, Known)>],
+        negated: bool,
+    ) -> Vec<Id> {
+        let m = self.m;
         let zero = self.g.constant(0.0);
-        let mut jacobian = vec![zero; rows.len() * m.dof()];
+        let mut jacobian = vec![zero; orientations.len() * m.dof()];
         for (i, body) in m.chain.bodies.iter().enumerate() {
             let (Some(parent), Motion::Turn { by, .. } | Motion::Slide { by, .. }) =
                 (body.parent, body.motion)
@@ -75,7 +92,7 @@ impl Scratch<'_> {
                         self.g.mul(factor, arm)
                     }
                     (None, Motion::Slide { axis, .. }) => {
-                        let along = self.direction(&row[parent].1, parent, &axis);
+                        let along = self.along(&row[parent].1, parent, &axis);
                         let mass = self.parameter(m.slide_param(i));
                         let factor = self.g.constant(by.factor);
                         let scaled = self.g.mul(factor, mass);
@@ -94,17 +111,13 @@ impl Scratch<'_> {
     }
 
     /// One row of `B_p a` for a slide on body `parent`.
-    pub(super) fn direction(
-        &mut self,
-        row: &Known,
-        parent: usize,
-        axis: &nalgebra::Vector3<f64>,
-    ) -> Id {
+    fn along(&mut self, row: &Known, parent: usize, axis: &nalgebra::Vector3<f64>) -> Id {
         let axis = (self.m.axes(parent).transpose() * axis).map(tidy);
         let weights = [0, 1, 2].map(|k| self.g.constant(axis[k]));
         let along = self.g.dot(&weights, &row.entries);
-        // A unit vector's image: as good as an entry of an orthogonal matrix.
-        self.g.know(&[along], 1.0, &[row.fact]);
+        // A unit vector's image: no longer than the direction itself.
+        let norm = self.norm(row.fact);
+        self.g.know(&[along], norm, &[row.fact]);
         along
     }
 
@@ -132,7 +145,7 @@ impl Scratch<'_> {
         ) else {
             return self.g.constant(0.0);
         };
-        let along = self.direction(&b[parent].1, parent, &axis);
+        let along = self.along(&b[parent].1, parent, &axis);
         let position = self.position(&by);
         self.g.mul(along, position)
     }

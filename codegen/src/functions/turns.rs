@@ -64,8 +64,9 @@ impl Scratch<'_> {
         };
         let x = self.position(&by);
         let (s, c) = (self.g.sin(x), self.g.cos(x));
-        self.g.name(s, || format!("s_{key}"));
-        self.g.name(c, || format!("c_{key}"));
+        let pass = &self.pass;
+        self.g.name(s, || format!("s{pass}_{key}"));
+        self.g.name(c, || format!("c{pass}_{key}"));
         let s = if sign < 0.0 { self.g.neg(s) } else { s };
         self.quarter_turns(s, c, quarters)
     }

@@ -1,0 +1,48 @@
+//! The sensor's axes are swapped or flipped.
+//!
+//! ```text
+//! y = (p_y, p_x)       y = (−p_x, p_y)       y = (p_x, −p_y)       y = −p
+//! ```
+//!
+//! No unknown and far from linear: found by full evaluation. A turn by 90° is a
+//! swap with one flip; it is named `sensor_rotation`.
+
+use super::{Effect, Measured, Setting, Stage, Target, Value};
+use crate::expr::Id;
+
+pub(super) struct SensorAxes;
+
+impl Effect for SensorAxes {
+    fn name(&self) -> &'static str {
+        "sensor_axes"
+    }
+
+    fn stage(&self) -> Stage {
+        Stage::Record
+    }
+
+    fn targets(&self, _: &Setting) -> Vec<Target> {
+        ["swapped", "flip_x", "flip_y"].map(Target::Way).to_vec()
+    }
+
+    fn scales(&self, _: &Setting, _: &Target) -> Vec<f64> {
+        Vec::new()
+    }
+
+    fn rewrite(&self, target: &Target, at: &mut Measured, _: &[Id]) {
+        let [x, y] = at.reading;
+        at.reading = match target {
+            Target::Way("swapped") => [y, x],
+            Target::Way("flip_x") => [at.neg(x), y],
+            _ => [x, at.neg(y)],
+        };
+    }
+
+    fn values(&self, _: &Setting, _: &Target, _: &[f64]) -> Vec<Value> {
+        Vec::new()
+    }
+
+    fn unknowns(&self, _: &Setting, _: &Target, _: &[f64]) -> Vec<f64> {
+        Vec::new()
+    }
+}

@@ -1,0 +1,258 @@
+//! One foot cell reads wrong.
+//!
+//! ```text
+//! f_k   = (1 ± x/a ± y/b) / 4 ± d         loads over the weight, cells at (±a, ±b)
+//! y     = Σ f'_k p_k / Σ f'_k             CoP of what the cells say
+//! f'_k  = g f_k | f_k + o | f_k^γ | s tanh(f_k / s)      gain, zero, exponent, saturation
+//! ```
+//!
+//! A rigid foot on four equal springs: a plane of loads; where a cell would have
+//! to pull it lifts off, and `d` (of alternating sign, the least that will do)
+//! gives its part to its neighbours without moving the CoP. Nothing imitates a cell's gain (residual share 0.45); small faults of one cell are like
+//! an offset. Raw cells show each directly.
+
+use super::{Effect, Measured, Setting, Stage, Target, Value};
+use crate::expr::Id;
+
+/// Least load of a cell, over the weight, that a power is taken of.
+const LEAST: f64 = 1e-6;
+
+/// Half lengths of the rectangle that four cells form, and its middle, m.
+fn rectangle(cells: &[[f64; 2]]) -> Option<([f64; 2], [f64; 2])> {
+    let [a, b, c, d] = cells else { return None };
+    let cells = [a, b, c, d];
+    let extent = |axis: usize| {
+        let values = cells.map(|cell| cell[axis]);
+        let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        (0.5 * (high + low), 0.5 * (high - low))
+    };
+    let ((mx, hx), (my, hy)) = (extent(0), extent(1));
+    let corner = |cell: &[f64; 2]| {
+        let off = |x: f64, middle: f64, half: f64| libm::fabs(libm::fabs(x - middle) - half);
+        off(cell[0], mx, hx) < 1e-6 && off(cell[1], my, hy) < 1e-6
+    };
+    let all = hx > 0.0 && hy > 0.0 && cells.iter().all(|cell| corner(cell));
+    // Four different corners: their signs cancel.
+    let distinct = cells.iter().map(|c| c[0]).sum::<f64>() - 4.0 * mx;
+    let distinct = libm::fabs(distinct) < 1e-6;
+    (all && distinct).then_some(([mx, my], [hx, hy]))
+}
+
+/// Whether loads of the cells follow from the CoP.
+pub(super) fn split_exists(cells: &[[f64; 2]]) -> bool {
+    rectangle(cells).is_some()
+}
+
+/// Loads of the cells over the weight, from the CoP.
+fn loads(at: &mut Measured) -> Vec<Id> {
+    let Some((middle, half)) = rectangle(&at.cells) else {
+        return Vec::new();
+    };
+    let cells = at.cells.clone();
+    let (one, quarter) = (at.constant(1.0), at.constant(0.25));
+    let off = [0, 1].map(|axis| {
+        let reading = at.reading[axis];
+        let middle = at.constant(-middle[axis]);
+        at.add(reading, middle)
+    });
+    let mut plane = Vec::with_capacity(cells.len());
+    for cell in &cells {
+        let mut share = one;
+        for axis in 0..2 {
+            let slope = (cell[axis] - middle[axis]) / (half[axis] * half[axis]);
+            let slope = at.constant(slope);
+            let along = at.mul(slope, off[axis]);
+            share = at.add(share, along);
+        }
+        plane.push(at.mul(quarter, share));
+    }
+    // Opposite corners gain what the other two lose.
+    let sign = |k: usize| (cells[k][0] > middle[0]) == (cells[k][1] > middle[1]);
+    let mut lift = [one; 2];
+    for (lift, corner) in lift.iter_mut().zip([true, false]) {
+        let pair: Vec<Id> = (0..4)
+            .filter(|&k| sign(k) == corner)
+            .map(|k| plane[k])
+            .collect();
+        let (a, b) = (at.neg(pair[0]), at.neg(pair[1]));
+        // At most one of two opposite corners hangs in the air.
+        let (a, b) = (ramp(at, a), ramp(at, b));
+        *lift = at.add(a, b);
+    }
+    let d = at.sub(lift[0], lift[1]);
+    let shared = plane.iter().enumerate();
+    shared
+        .map(|(k, &load)| match sign(k) {
+            true => at.add(load, d),
+            false => at.sub(load, d),
+        })
+        .collect()
+}
+
+/// `max(x, 0)` for x up to 1.
+fn ramp(at: &mut Measured, x: Id) -> Id {
+    let (two, half, one) = (at.constant(2.0), at.constant(0.5), at.constant(1.0));
+    let doubled = at.mul(two, x);
+    let centred = at.sub(doubled, one);
+    let inside = at.g().clamp(centred);
+    let lifted = at.add(inside, one);
+    at.mul(half, lifted)
+}
+
+/// CoP of what the cells say once cell `faulty` reads `wrong(its load)`.
+fn read_with(target: &Target, at: &mut Measured, wrong: impl Fn(&mut Measured, Id) -> Id) {
+    let Target::Cell(faulty) = *target else {
+        return;
+    };
+    let mut loads = loads(at);
+    if faulty >= loads.len() {
+        return;
+    }
+    let before = loads[faulty];
+    loads[faulty] = wrong(at, before);
+    let zero = at.constant(0.0);
+    let mut sum = zero;
+    for load in &loads {
+        sum = at.add(sum, *load);
+    }
+    let cells = at.cells.clone();
+    for axis in 0..2 {
+        let mut moment = zero;
+        for (load, cell) in loads.iter().zip(&cells) {
+            let arm = at.constant(cell[axis]);
+            let part = at.mul(arm, *load);
+            moment = at.add(moment, part);
+        }
+        at.reading[axis] = at.div(moment, sum);
+    }
+}
+
+/// A load no smaller than [`LEAST`].
+fn positive(at: &mut Measured, load: Id) -> Id {
+    let least = at.constant(LEAST);
+    let load = ramp(at, load);
+    at.add(load, least)
+}
+
+macro_rules! cell_effect {
+    ($(#[$doc:meta])* $type:ident, $name:literal, $scale:expr, $value:literal,
+     $to:expr, $from:expr, $starts:expr, $bound:expr, $wrong:expr) => {
+        $(#[$doc])*
+        pub(super) struct $type;
+
+        impl Effect for $type {
+            fn name(&self) -> &'static str {
+                $name
+            }
+
+            fn stage(&self) -> Stage {
+                Stage::Cells
+            }
+
+            fn targets(&self, setting: &Setting) -> Vec<Target> {
+                setting.cell_targets()
+            }
+
+            fn scales(&self, _: &Setting, _: &Target) -> Vec<f64> {
+                vec![$scale]
+            }
+
+            fn starts(&self, _: &Setting, _: &Target) -> Vec<Vec<f64>> {
+                let starts: &[f64] = &$starts;
+                starts.iter().map(|x| vec![*x]).collect()
+            }
+
+            fn rewrite(&self, target: &Target, at: &mut Measured, unknowns: &[Id]) {
+                let x = unknowns[0];
+                let wrong: fn(&mut Measured, Id, Id) -> Id = $wrong;
+                read_with(target, at, |at, load| wrong(at, load, x));
+            }
+
+            fn values(&self, setting: &Setting, _: &Target, unknowns: &[f64]) -> Vec<Value> {
+                let to: fn(&Setting, f64) -> f64 = $to;
+                super::plain(&[$value], &[to(setting, unknowns[0])])
+            }
+
+            fn unknowns(&self, setting: &Setting, _: &Target, values: &[f64]) -> Vec<f64> {
+                let from: fn(&Setting, f64) -> f64 = $from;
+                vec![from(setting, values[0])]
+            }
+
+            fn excess(&self, _: &Setting, _: &Target, unknowns: &[f64]) -> Vec<f64> {
+                let bound: fn(f64) -> Vec<f64> = $bound;
+                bound(unknowns[0])
+            }
+        }
+    };
+}
+
+cell_effect!(
+    /// `f' = g f`
+    Gain,
+    "cell_gain",
+    0.1,
+    "gain",
+    |_, x| 1.0 + x,
+    |_, g| g - 1.0,
+    [0.0],
+    |x| vec![(-0.95 - x).max(0.0) / 0.02, (x - 4.0).max(0.0) / 0.2],
+    |at, load, x| {
+        let one = at.constant(1.0);
+        let gain = at.add(one, x);
+        at.mul(gain, load)
+    }
+);
+
+cell_effect!(
+    /// `f' = f + o`, o in N.
+    Offset,
+    "cell_offset",
+    0.03,
+    "offset_n",
+    |setting, x| x * setting.weight(),
+    |setting, newton| newton / setting.weight(),
+    [0.0],
+    |x| super::beyond(x, 0.6, 0.05),
+    |at, load, x| at.add(load, x)
+);
+
+cell_effect!(
+    /// `f' = f^γ`, loads over the robot's weight.
+    Exponent,
+    "cell_exponent",
+    0.1,
+    "exponent",
+    |_, x| 1.0 + x,
+    |_, exponent| exponent - 1.0,
+    [0.0],
+    |x| vec![(-0.8 - x).max(0.0) / 0.05, (x - 3.0).max(0.0) / 0.2],
+    |at, load, x| {
+        let load = positive(at, load);
+        let one = at.constant(1.0);
+        let exponent = at.add(one, x);
+        at.g().pow(load, exponent)
+    }
+);
+
+cell_effect!(
+    /// `f' = s tanh(f / s)`, s in N: nearly true far below s, never above.
+    Saturation,
+    "cell_saturation",
+    0.05,
+    "level_n",
+    |setting, x| x * setting.weight(),
+    |setting, newton| newton / setting.weight(),
+    [0.15, 0.22, 0.3, 0.38, 0.46, 0.54],
+    |x| vec![(0.02 - x).max(0.0) / 0.01, (x - 1.0).max(0.0) / 0.01],
+    |at, load, x| {
+        // tanh u = 1 − 2 / (e^2u + 1)
+        let u = at.div(load, x);
+        let (base, one, two) = (at.constant(core::f64::consts::E * core::f64::consts::E), at.constant(1.0), at.constant(2.0));
+        let power = at.g().pow(base, u);
+        let more = at.add(power, one);
+        let short = at.div(two, more);
+        let filled = at.sub(one, short);
+        at.mul(x, filled)
+    }
+);

@@ -1,0 +1,58 @@
+//! The sensor stretches an axis.
+//!
+//! ```text
+//! y_k = (1 + g_k) p_k
+//! ```
+//!
+//! Imitated by a soft ankle (its deflection grows with the CoP), by a load on the
+//! foot, by slow motion (which adds ω² h / g). A wide range of CoP and standing
+//! still separate it from noise; squats of different depth from the ankle.
+
+use super::{Effect, Measured, Setting, Stage, Target, Value};
+use crate::expr::Id;
+
+pub(super) struct SensorGain;
+
+impl Effect for SensorGain {
+    fn name(&self) -> &'static str {
+        "sensor_gain"
+    }
+
+    fn stage(&self) -> Stage {
+        Stage::Gain
+    }
+
+    fn targets(&self, _: &Setting) -> Vec<Target> {
+        vec![Target::Whole]
+    }
+
+    fn scales(&self, _: &Setting, _: &Target) -> Vec<f64> {
+        vec![0.05; 2]
+    }
+
+    fn rewrite(&self, _: &Target, at: &mut Measured, unknowns: &[Id]) {
+        for axis in 0..2 {
+            let (p, g) = (at.reading[axis], at.g());
+            let one = g.constant(1.0);
+            let gain = g.add(one, unknowns[axis]);
+            at.reading[axis] = at.mul(gain, p);
+        }
+    }
+
+    fn values(&self, _: &Setting, _: &Target, unknowns: &[f64]) -> Vec<Value> {
+        let gains: Vec<f64> = unknowns.iter().map(|g| 1.0 + g).collect();
+        super::plain(&["gain_x", "gain_y"], &gains)
+    }
+
+    fn unknowns(&self, _: &Setting, _: &Target, values: &[f64]) -> Vec<f64> {
+        values.iter().map(|g| g - 1.0).collect()
+    }
+
+    fn excess(&self, _: &Setting, _: &Target, unknowns: &[f64]) -> Vec<f64> {
+        // A gain near zero tells nothing of the robot; a negative one is wiring.
+        unknowns
+            .iter()
+            .map(|g| (g.abs() - 0.6).max(0.0) / 0.05)
+            .collect()
+    }
+}

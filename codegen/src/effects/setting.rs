@@ -1,0 +1,142 @@
+//! What effects need to know of the robot and the log.
+
+use crate::model::Model;
+
+/// Standard gravity, m/s².
+pub const GRAVITY: f64 = 9.80665;
+/// Lever arms reach this far beyond what is known of a link, as a part of the
+/// robot's own reach.
+const ROOM: f64 = 0.25;
+
+/// What an effect is the matter with.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Target {
+    /// The whole robot, or its sensor.
+    Whole,
+    /// Index among the independent joints.
+    Joint(usize),
+    /// All turning joints alike.
+    AllJoints,
+    /// Two joints.
+    Joints(usize, usize),
+    /// Index among [`crate::tree::Tree::links`].
+    Link(usize),
+    /// Foot cell, from 0.
+    Cell(usize),
+    /// One of a few ways, by name.
+    Way(&'static str),
+}
+
+/// The robot, and what its log offers.
+#[derive(Debug, Clone)]
+pub struct Setting<'m> {
+    pub model: &'m Model,
+    /// Positions of the foot cells, m, support frame.
+    pub cells: Vec<[f64; 2]>,
+    /// Whether the log has times.
+    pub times: bool,
+    /// A link of each body, the heaviest: loads on others of the same body
+    /// cannot be told from loads on it.
+    links: Vec<usize>,
+    reach: f64,
+}
+
+impl<'m> Setting<'m> {
+    pub fn new(model: &'m Model, cells: &[[f64; 2]], times: bool) -> Setting<'m> {
+        let tree = &model.tree;
+        let heaviest = |body: &crate::chain::Body| {
+            let mut links = body.links.clone();
+            links.sort_by(|&a, &b| tree.links[b].mass.total_cmp(&tree.links[a].mass));
+            links.first().copied()
+        };
+        Setting {
+            model,
+            cells: cells.to_vec(),
+            times,
+            links: model.chain.bodies.iter().filter_map(heaviest).collect(),
+            reach: model.reach(),
+        }
+    }
+
+    /// A link of each body.
+    pub fn links(&self) -> Vec<Target> {
+        self.links.iter().map(|&link| Target::Link(link)).collect()
+    }
+
+    /// Every independent joint.
+    pub fn joints(&self) -> Vec<Target> {
+        (0..self.model.dof()).map(Target::Joint).collect()
+    }
+
+    /// Every independent joint that turns.
+    pub fn turning(&self) -> Vec<usize> {
+        let dofs = self.model.tree.dofs.iter().enumerate();
+        dofs.filter(|(_, dof)| !dof.prismatic)
+            .map(|(j, _)| j)
+            .collect()
+    }
+
+    /// Every cell whose place is known.
+    pub fn cell_targets(&self) -> Vec<Target> {
+        match crate::effects::cells::split_exists(&self.cells) {
+            true => (0..self.cells.len()).map(Target::Cell).collect(),
+            false => Vec::new(),
+        }
+    }
+
+    /// One of two words: for a joint that turns, or for one that slides.
+    pub(super) fn by_kind(
+        &self,
+        target: &Target,
+        turning: &'static str,
+        sliding: &'static str,
+    ) -> &'static str {
+        match target {
+            Target::Joint(j) if self.model.tree.dofs[*j].prismatic => sliding,
+            _ => turning,
+        }
+    }
+
+    /// Height of the CoM in the posture of zeros, at least a tenth of the reach, m.
+    pub(super) fn height(&self) -> f64 {
+        self.model.cad_height().max(0.1 * self.reach)
+    }
+
+    /// Mass of the robot, kg.
+    pub fn mass(&self) -> f64 {
+        self.model.tree.mass
+    }
+
+    /// Its weight, N.
+    pub fn weight(&self) -> f64 {
+        self.mass() * GRAVITY
+    }
+
+    /// Mass of the body that `link` is part of, kg: what can be missing from it.
+    pub fn mass_of(&self, link: usize) -> f64 {
+        match &self.model.chain.places[link] {
+            Some(place) => self.model.chain.bodies[place.body].mass,
+            None => 0.0,
+        }
+    }
+
+    /// How far from the link's origin a load can sit, m.
+    pub fn lever_of(&self, link: usize) -> f64 {
+        let links = &self.model.tree.links;
+        links[link].com.norm() + ROOM * self.reach
+    }
+
+    /// As reports and model files name a target.
+    pub fn name_of(&self, target: &Target) -> String {
+        let joint = |j: &usize| self.model.tree.dofs[*j].joint.clone();
+        match target {
+            Target::Whole => "-".to_string(),
+            Target::Joint(j) => joint(j),
+            Target::AllJoints => "all".to_string(),
+            Target::Joints(a, b) => format!("{},{}", joint(a), joint(b)),
+            Target::Link(link) => self.model.tree.links[*link].name.clone(),
+            Target::Cell(k) => format!("fsr_{}", k + 1),
+            Target::Way(way) => (*way).to_string(),
+        }
+    }
+}

@@ -1,0 +1,77 @@
+//! Programs of the measurement with effects, for fitting them.
+
+use super::measured::{Circumstances, Measured, Source};
+use crate::effects::{self, Instance, Setting};
+use crate::expr::Id;
+use crate::program::{Array, Program, Shape};
+
+/// Input arrays: q, then unknowns `e`, then circumstances `u`; r is constant.
+fn inputs(setting: &Setting, unknowns: usize) -> Vec<Array> {
+    let array = |name, len| Array { name, len };
+    vec![
+        array("q", setting.model.dof()),
+        array("e", unknowns),
+        array("u", Circumstances::of(setting.model).len()),
+    ]
+}
+
+fn written<'m>(
+    setting: &Setting<'m>,
+    instances: &[Instance],
+    params: &[f64],
+) -> (Measured<'m>, Vec<Id>) {
+    let baked = Some(params.to_vec());
+    let mut measured = Measured::new(setting.model, Source::Log, 2, baked, &setting.cells);
+    let count = instances.iter().map(|i| i.unknowns(setting)).sum();
+    let unknowns: Vec<Id> = (0..count).map(|k| measured.g().input(1, k)).collect();
+    effects::apply(&mut measured, setting, instances, &unknowns);
+    (measured, unknowns)
+}
+
+/// The reading of a posture of a log under effects, and its derivative with
+/// respect to each unknown: rows x and y, columns value, ∂/∂e_1, ∂/∂e_2, ….
+///
+/// Inputs: `q`, `e` (unknowns in the order of the instances), `u`
+/// ([`Circumstances`]). Base parameters are the constants `params`.
+pub fn reading(setting: &Setting, instances: &[Instance], params: &[f64]) -> Program {
+    let (mut measured, unknowns) = written(setting, instances, params);
+    let reading = measured.reading;
+    let mut columns = vec![reading.to_vec()];
+    for &unknown in &unknowns {
+        columns.push(measured.g().derivative(&reading, unknown));
+    }
+    let outputs: Vec<Id> = (0..2)
+        .flat_map(|axis| columns.iter().map(move |column| column[axis]))
+        .collect();
+    let shape = Shape::Matrix {
+        rows: 2,
+        cols: columns.len(),
+    };
+    let inputs = inputs(setting, unknowns.len());
+    Program::new(measured.into_graph(), inputs, shape, &outputs)
+}
+
+/// Gravity moments of all joints over the weight under effects, m, and how far
+/// the reading moves with each joint: rows moments, ∂y_x/∂φ, ∂y_y/∂φ.
+///
+/// What decides on which side of its dead band a joint rests. Inputs as in
+/// [`reading`].
+pub fn moments(setting: &Setting, instances: &[Instance], params: &[f64]) -> Program {
+    let (mut measured, unknowns) = written(setting, instances, params);
+    let dof = setting.model.dof();
+    let moments = measured.moments("m");
+    let slopes = measured.slopes();
+    let outputs: Vec<Id> = moments.into_iter().chain(slopes).collect();
+    let shape = Shape::Matrix { rows: 3, cols: dof };
+    let inputs = inputs(setting, unknowns.len());
+    Program::new(measured.into_graph(), inputs, shape, &outputs)
+}
+
+/// Joint positions of a posture as effects bend them. Inputs as in [`reading`].
+pub fn joints(setting: &Setting, instances: &[Instance], params: &[f64]) -> Program {
+    let (measured, unknowns) = written(setting, instances, params);
+    let outputs = measured.joints.clone();
+    let shape = Shape::Vector(outputs.len());
+    let inputs = inputs(setting, unknowns.len());
+    Program::new(measured.into_graph(), inputs, shape, &outputs)
+}

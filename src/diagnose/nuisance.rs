@@ -1,0 +1,79 @@
+//! Masses within their CAD prior, marginalised out of the evidence.
+//!
+//! ```text
+//! y = f(e) + Y δr + noise      δr ~ N(0, C), C = F Fᵀ      K = W Y F   (W: 1/σ)
+//! −2 log p(y | e) = ‖W(y − f)‖² − ‖L⁻¹ Kᵀ W(y − f)‖² + log det A + const
+//! A = I + Kᵀ K = L Lᵀ
+//! ```
+//!
+//! Y are the regressor rows of the unbent robot: the product of two small
+//! things, effect and mass error, is left out.
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
+/// Directions of mass error, whitened: rows as readings, a column per direction.
+#[derive(Debug, Clone)]
+pub struct Nuisance {
+    k: DMatrix<f64>,
+    factor: Cholesky<f64, Dyn>,
+    /// log det A
+    pub log_det: f64,
+}
+
+impl Nuisance {
+    /// `rows`: regressor, 2 per posture; `prior`: F; `weight`: 1/σ per row.
+    pub fn new(rows: &DMatrix<f64>, prior: &DMatrix<f64>, weight: &[f64]) -> Nuisance {
+        let mut k = rows * prior;
+        for (mut row, w) in k.row_iter_mut().zip(weight) {
+            row *= *w;
+        }
+        Nuisance::of(k)
+    }
+
+    fn of(k: DMatrix<f64>) -> Nuisance {
+        let mut a = k.tr_mul(&k);
+        for i in 0..a.nrows() {
+            a[(i, i)] += 1.0;
+        }
+        let factor = a.cholesky().expect("I + KᵀK is positive definite");
+        let log_det = 2.0
+            * factor
+                .l_dirty()
+                .diagonal()
+                .iter()
+                .map(|x| x.ln())
+                .sum::<f64>();
+        Nuisance { k, factor, log_det }
+    }
+
+    /// The same directions where rows count `weight` times their inverse deviation.
+    pub fn reweighted(&self, weight: &[f64]) -> Nuisance {
+        let mut k = self.k.clone();
+        for (mut row, w) in k.row_iter_mut().zip(weight) {
+            row *= *w;
+        }
+        Nuisance::of(k)
+    }
+
+    /// `S x` with `S = I − K A⁻¹ Kᵀ`: what of whitened columns is no mass error.
+    pub fn beyond(&self, x: &DMatrix<f64>) -> DMatrix<f64> {
+        let inner = self.factor.solve(&self.k.tr_mul(x));
+        x - &self.k * inner
+    }
+
+    /// The same of one whitened column.
+    pub fn beyond_one(&self, x: &DVector<f64>) -> DVector<f64> {
+        let inner = self.factor.solve(&self.k.tr_mul(x));
+        x - &self.k * inner
+    }
+
+    /// Expected mass error given whitened residuals, in the units of F's columns.
+    pub fn expected(&self, residual: &DVector<f64>) -> DVector<f64> {
+        self.factor.solve(&self.k.tr_mul(residual))
+    }
+
+    /// Whitened shift of readings by mass errors `z`, in units of F's columns.
+    pub fn shift(&self, z: &DVector<f64>) -> DVector<f64> {
+        &self.k * z
+    }
+}

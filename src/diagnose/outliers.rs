@@ -1,0 +1,107 @@
+//! A few readings that come from elsewhere: noise of two widths.
+//!
+//! ```text
+//! p(y_i) = (1 − ε) N(0, σ) + ε N(0, ρ σ)        per posture, both axes together
+//! ```
+
+use nalgebra::DVector;
+
+/// No more postures than this can be outliers: beyond, it is the rule.
+const LARGEST_SHARE: f64 = 0.25;
+/// Outliers at least this much wider than noise.
+const LEAST_WIDTH: f64 = 3.0;
+const WIDEST: f64 = 1e3;
+
+#[derive(Debug, Clone)]
+pub struct Outliers {
+    /// ε
+    pub share: f64,
+    /// ρ
+    pub width: f64,
+    /// Chance of each posture to be one.
+    pub chance: Vec<f64>,
+}
+
+impl Outliers {
+    /// Share and width that explain whitened residuals best (x, y per posture).
+    pub fn of(residual: &DVector<f64>, keep: Option<&[bool]>) -> Outliers {
+        let squares = squares(residual);
+        let kept = |k: usize| keep.is_none_or(|keep| keep[k]);
+        let count = (0..squares.len()).filter(|&k| kept(k)).count().max(1) as f64;
+        let mut found = Outliers {
+            share: 0.05,
+            width: 10.0,
+            chance: vec![0.0; squares.len()],
+        };
+        for _ in 0..60 {
+            found.judge(&squares);
+            let all = |f: &dyn Fn(usize) -> f64| {
+                (0..squares.len()).filter(|&k| kept(k)).map(f).sum::<f64>()
+            };
+            let sum = all(&|k| found.chance[k]);
+            let spread = all(&|k| found.chance[k] * squares[k]);
+            found.share = (sum / count).clamp(1e-4, LARGEST_SHARE);
+            let width = if sum > 1e-9 {
+                (spread / (2.0 * sum)).sqrt()
+            } else {
+                LEAST_WIDTH
+            };
+            found.width = width.clamp(LEAST_WIDTH, WIDEST);
+        }
+        found.judge(&squares);
+        found
+    }
+
+    fn judge(&mut self, squares: &[f64]) {
+        for (chance, square) in self.chance.iter_mut().zip(squares) {
+            let narrow = (1.0 - self.share).ln() - 0.5 * square;
+            let shrunk = square / (self.width * self.width);
+            let wide = self.share.ln() - 2.0 * self.width.ln() - 0.5 * shrunk;
+            *chance = 1.0 / (1.0 + (narrow - wide).exp());
+        }
+    }
+
+    /// Root of the weight of each reading.
+    pub fn root_weights(&self, keep: Option<&[bool]>) -> Vec<f64> {
+        let narrow = 1.0 / (self.width * self.width);
+        let weight = |(k, c): (usize, &f64)| match keep.is_none_or(|keep| keep[k]) {
+            true => [(1.0 - c + c * narrow).sqrt(); 2],
+            false => [0.0; 2],
+        };
+        self.chance.iter().enumerate().flat_map(weight).collect()
+    }
+
+    /// −2 log likelihood where `narrow` is that of the readings as weighted: the
+    /// weighted squares are exchanged for the mixture's.
+    pub fn objective(&self, residual: &DVector<f64>, keep: Option<&[bool]>, narrow: f64) -> f64 {
+        let weights = self.root_weights(keep);
+        let squares = squares(residual);
+        let mut objective = narrow;
+        for (k, square) in squares.iter().enumerate() {
+            if keep.is_some_and(|keep| !keep[k]) {
+                continue;
+            }
+            let near = (1.0 - self.share).ln() - 0.5 * square;
+            let shrunk = square / (self.width * self.width);
+            let far = self.share.ln() - 2.0 * self.width.ln() - 0.5 * shrunk;
+            let most = near.max(far);
+            let mixture = most + ((near - most).exp() + (far - most).exp()).ln();
+            objective += -2.0 * mixture - weights[2 * k].powi(2) * square;
+        }
+        objective
+    }
+
+    /// Postures that are rather outliers than not.
+    pub fn named(&self) -> Vec<usize> {
+        (0..self.chance.len())
+            .filter(|&k| self.chance[k] > 0.5)
+            .collect()
+    }
+}
+
+fn squares(residual: &DVector<f64>) -> Vec<f64> {
+    let pairs = residual.as_slice().chunks_exact(2);
+    pairs
+        .map(|pair| pair[0] * pair[0] + pair[1] * pair[1])
+        .collect()
+}

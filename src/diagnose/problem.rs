@@ -1,0 +1,653 @@
+//! Hypotheses about one log, and fitting them.
+//!
+//! ```text
+//! objective(e) = −2 log p(y | e)      masses marginalised, physical bounds as walls
+//! ```
+//!
+//! Levenberg-Marquardt over the unknowns of all instances together, with the
+//! symbolic derivatives of the measurement.
+
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::rc::Rc;
+
+use nalgebra::{DMatrix, DVector};
+use sesc_codegen::effects::{self, Circumstances, Instance, Setting, Stage, Target};
+use sesc_codegen::tape::{Argument, Tape};
+use sesc_codegen::{Function, Model};
+
+use super::data::Data;
+use super::nuisance::Nuisance;
+use super::outliers::Outliers;
+use super::sides;
+use crate::Error;
+use crate::evaluate::{Evaluator, sin_cos};
+use crate::identify::prior::{Prior, Tolerances};
+
+/// Steps of a fit, at most.
+const STEPS: usize = 25;
+/// An objective that falls by less is settled.
+const SETTLED: f64 = 1e-3;
+/// χ² at which an effect is reliably seen.
+const VISIBLE: f64 = 60.0;
+/// Rounds in which sides of dead bands and outliers are settled with the rest.
+const ROUNDS: usize = 4;
+
+/// A log, the robot, and what is believed of its masses.
+pub struct Problem<'m> {
+    pub setting: Setting<'m>,
+    pub data: Data,
+    pub params: Vec<f64>,
+    /// 1/σ per reading.
+    pub weight: Vec<f64>,
+    /// Masses within the prior that was asked for.
+    pub nuisance: Nuisance,
+    /// Masses within the usual tolerances of CAD, for `mass_distribution`.
+    pub wide: Nuisance,
+    /// F of the two.
+    pub prior: DMatrix<f64>,
+    pub wide_prior: DMatrix<f64>,
+    /// Regressor rows of the unbent robot.
+    pub rows: DMatrix<f64>,
+    tapes: RefCell<HashMap<String, Rc<Tapes>>>,
+    target_weights: HashMap<(&'static str, Target), f64>,
+    kinds: usize,
+}
+
+/// What a set of instances runs on.
+pub(super) struct Tapes {
+    pub reading: Tape,
+    /// Made when a dead band asks for sides.
+    moments: RefCell<Option<Rc<Tape>>>,
+}
+
+/// A hypothesis, fitted.
+#[derive(Debug, Clone)]
+pub struct Fit {
+    pub instances: Vec<Instance>,
+    pub unknowns: Vec<f64>,
+    /// Covariance of the unknowns.
+    pub covariance: DMatrix<f64>,
+    /// −2 log evidence without the price, less a constant: χ² with masses
+    /// marginalised, walls, sides and outliers paid for.
+    pub objective: f64,
+    /// What its unknowns and the search cost.
+    pub price: f64,
+    /// Readings it predicts, CAD masses, m.
+    pub predicted: Vec<f64>,
+    /// Whitened residuals (reading − predicted)/σ.
+    pub residual: DVector<f64>,
+    /// Whitened derivative by the unknowns.
+    pub slopes: DMatrix<f64>,
+    /// Circumstances with the sides of dead bands, where they matter.
+    pub circumstances: Option<Rc<Vec<f64>>>,
+    pub outliers: Option<Outliers>,
+    /// Walls that are touched: the answer lies at the edge of what is physical.
+    pub strained: f64,
+}
+
+impl Fit {
+    /// Smaller is better.
+    pub fn score(&self) -> f64 {
+        self.objective + self.price
+    }
+
+    pub fn has(&self, name: &str) -> bool {
+        self.instances.iter().any(|i| i.effect.name() == name)
+    }
+}
+
+/// How a set of readings counts in a fit.
+#[derive(Clone, Copy)]
+pub struct Rows<'a> {
+    /// 1 or 0 per posture; all where `None`.
+    pub keep: Option<&'a [bool]>,
+}
+
+pub const ALL: Rows = Rows { keep: None };
+
+impl<'m> Problem<'m> {
+    pub fn new(model: &'m Model, data: Data, prior: &Prior) -> Result<Problem<'m>, Error> {
+        let setting = Setting::new(model, &data.cells, data.t.is_some());
+        let weight: Vec<f64> = data.std.iter().map(|s| 1.0 / s).collect();
+        let n = data.len();
+        let mut rows = Evaluator::new(model, Function::Regressor).run(&data.q, n);
+        let p = model.base.params.len();
+        let layout = Circumstances::of(model);
+        let mut flat = DMatrix::zeros(2 * n, p);
+        for k in 0..n {
+            let row = &mut rows[3 * k * p..3 * (k + 1) * p];
+            for axis in 0..2 {
+                let tilt = data.circumstances[k * layout.len() + layout.tilt(axis)];
+                for c in 0..p {
+                    flat[(2 * k + axis, c)] = row[axis * p + c] + tilt * row[2 * p + c];
+                }
+            }
+        }
+        let factor = match prior {
+            Prior::Free => free(&flat),
+            Prior::Cad(_) => prior.factor(model).unwrap_or_else(|| DMatrix::zeros(p, 0)),
+        };
+        let usual = Prior::Cad(Tolerances::usual()).factor(model);
+        let usual = usual.unwrap_or_else(|| DMatrix::zeros(p, 0));
+        let nuisance = Nuisance::new(&flat, &factor, &weight);
+        let wide = Nuisance::new(&flat, &usual, &weight);
+        let mut names: Vec<&str> = effects::instances(&setting)
+            .iter()
+            .map(|i| i.effect.name())
+            .collect();
+        names.dedup();
+        Ok(Problem {
+            params: model.cad_params(),
+            kinds: names.len(),
+            setting,
+            data,
+            weight,
+            nuisance,
+            wide,
+            prior: factor,
+            wide_prior: usual,
+            rows: flat,
+            tapes: RefCell::new(HashMap::new()),
+            target_weights: HashMap::new(),
+        })
+    }
+
+    /// What unknowns and the number of things that were looked at cost:
+    /// `Σ p ln 2N + 2 ln(kinds / w_target)`, see [`Problem::weigh_targets`].
+    pub fn price(&self, instances: &[Instance]) -> f64 {
+        let readings = (2 * self.data.len()) as f64;
+        let of = |instance: &Instance| {
+            let own = (instance.effect.name(), instance.target.clone());
+            let weight = match self.target_weights.get(&own) {
+                Some(weight) => *weight,
+                None => 1.0 / instance.effect.targets(&self.setting).len().max(1) as f64,
+            };
+            let unknowns = match instance.effect.name() {
+                "cop_outliers" => 2,
+                _ => instance.unknowns(&self.setting),
+            };
+            unknowns as f64 * readings.ln() + 2.0 * (self.kinds as f64 / weight).ln()
+        };
+        instances.iter().map(of).sum()
+    }
+
+    /// Share the chance of each effect among its targets by how well this log
+    /// sees them: `visible` is χ² of an effect of ordinary size at each.
+    ///
+    /// A fault in an elbow that explains what an ankle's would has to be absurdly
+    /// large. Weights of one effect sum to one, so false alarms stay as rare as
+    /// with even weights.
+    pub fn weigh_targets(&mut self, visible: &[(Instance, f64)]) {
+        let chance = |chi2: f64| 0.02 + (1.0 + chi2 / VISIBLE).ln();
+        let mut sums: HashMap<&str, f64> = HashMap::new();
+        for (instance, chi2) in visible {
+            *sums.entry(instance.effect.name()).or_default() += chance(*chi2);
+        }
+        for (instance, chi2) in visible {
+            let name = instance.effect.name();
+            let weight = chance(*chi2) / sums[name];
+            self.target_weights
+                .insert((name, instance.target.clone()), weight);
+        }
+    }
+
+    /// The programs of a set of instances, made once.
+    pub(super) fn tapes(&self, instances: &[Instance]) -> Rc<Tapes> {
+        let key = format!("{instances:?}");
+        if let Some(tapes) = self.tapes.borrow().get(&key) {
+            return tapes.clone();
+        }
+        let program = effects::reading(&self.setting, instances, &self.params);
+        let tapes = Rc::new(Tapes {
+            reading: Tape::new(&program),
+            moments: RefCell::new(None),
+        });
+        self.tapes.borrow_mut().insert(key, tapes.clone());
+        tapes
+    }
+
+    fn moments(&self, instances: &[Instance]) -> Rc<Tape> {
+        let tapes = self.tapes(instances);
+        let mut made = tapes.moments.borrow_mut();
+        made.get_or_insert_with(|| {
+            let program = effects::moments(&self.setting, instances, &self.params);
+            Rc::new(Tape::new(&program))
+        })
+        .clone()
+    }
+
+    /// Readings and derivatives: per posture x then y, each value, ∂/∂e_1, ….
+    pub fn evaluate(
+        &self,
+        instances: &[Instance],
+        unknowns: &[f64],
+        q: &[f64],
+        circumstances: &[f64],
+    ) -> Vec<f64> {
+        let tapes = self.tapes(instances);
+        let n = self.data.len();
+        let mut out = vec![0.0; n * tapes.reading.outputs()];
+        let arguments = [
+            Argument::PerPosture(q),
+            Argument::Shared(unknowns),
+            Argument::PerPosture(circumstances),
+        ];
+        tapes.reading.run(&arguments, n, &mut out, sin_cos);
+        out
+    }
+
+    /// Moments (m) and slopes of the reading by joint: 3 × dof per posture.
+    pub(super) fn evaluate_moments(
+        &self,
+        instances: &[Instance],
+        unknowns: &[f64],
+        circumstances: &[f64],
+    ) -> Vec<f64> {
+        let tape = self.moments(instances);
+        let n = self.data.len();
+        let mut out = vec![0.0; n * tape.outputs()];
+        let arguments = [
+            Argument::PerPosture(&self.data.q),
+            Argument::Shared(unknowns),
+            Argument::PerPosture(circumstances),
+        ];
+        tape.run(&arguments, n, &mut out, sin_cos);
+        out
+    }
+
+    /// The masses' directions under a hypothesis.
+    pub fn masses(&self, instances: &[Instance]) -> &Nuisance {
+        match instances
+            .iter()
+            .any(|i| i.effect.name() == "mass_distribution")
+        {
+            true => &self.wide,
+            false => &self.nuisance,
+        }
+    }
+
+    /// Fit a hypothesis from where its unknowns may start.
+    pub fn fit(&self, instances: &[Instance], start: Option<&[f64]>, rows: Rows) -> Fit {
+        let starts = match start {
+            Some(start) => vec![start.to_vec()],
+            None => self.starts(instances),
+        };
+        let fits = starts
+            .into_iter()
+            .map(|start| self.fit_from(instances, start, rows));
+        fits.min_by(|a, b| a.objective.total_cmp(&b.objective))
+            .expect("there is a start")
+    }
+
+    fn starts(&self, instances: &[Instance]) -> Vec<Vec<f64>> {
+        let mut starts = vec![Vec::new()];
+        for instance in instances {
+            let own = instance.effect.starts(&self.setting, &instance.target);
+            starts = starts
+                .iter()
+                .flat_map(|before| {
+                    own.iter().map(move |own| {
+                        let mut all: Vec<f64> = before.clone();
+                        all.extend(own);
+                        all
+                    })
+                })
+                .collect();
+        }
+        starts.truncate(12);
+        starts
+    }
+
+    fn fit_from(&self, instances: &[Instance], start: Vec<f64>, rows: Rows) -> Fit {
+        let slack = instances.iter().any(|i| i.effect.name() == "backlash");
+        let outlying = instances.iter().any(|i| i.effect.name() == "cop_outliers");
+        let mut unknowns = start;
+        let mut fit: Option<Fit> = None;
+        let mut sides = None;
+        let mut outliers: Option<Outliers> = None;
+        for round in 0..ROUNDS {
+            if slack {
+                if round == 0 {
+                    // A width to begin with, else no side matters.
+                    self.widen(instances, &mut unknowns);
+                }
+                sides = Some(sides::settle(self, instances, &unknowns, fit.as_ref()));
+            }
+            let next = self.descend(instances, unknowns.clone(), sides.as_ref(), &outliers, rows);
+            let done = match &fit {
+                Some(before) => (before.objective - next.objective).abs() < SETTLED,
+                None => false,
+            };
+            unknowns = next.unknowns.clone();
+            let better = fit.as_ref().is_none_or(|f| next.objective < f.objective);
+            if better || outlying {
+                fit = Some(next);
+            }
+            if done || !(slack || outlying) {
+                break;
+            }
+            if outlying {
+                let fit = fit.as_ref().expect("set above");
+                outliers = Some(Outliers::of(&fit.residual, rows.keep));
+            }
+        }
+        fit.expect("at least one round")
+    }
+
+    fn widen(&self, instances: &[Instance], unknowns: &mut [f64]) {
+        let mut at = 0;
+        for instance in instances {
+            if instance.effect.name() == "backlash" && unknowns[at] == 0.0 {
+                unknowns[at] = 0.01;
+            }
+            at += instance.unknowns(&self.setting);
+        }
+    }
+
+    /// Levenberg-Marquardt with sides and outliers held.
+    fn descend(
+        &self,
+        instances: &[Instance],
+        start: Vec<f64>,
+        sides: Option<&sides::Sides>,
+        outliers: &Option<Outliers>,
+        rows: Rows,
+    ) -> Fit {
+        let circumstances: &[f64] = match sides {
+            Some(sides) => &sides.circumstances,
+            None => &self.data.circumstances,
+        };
+        let masses = self.masses(instances);
+        let root = outliers.as_ref().map(|o| o.root_weights(rows.keep));
+        let root = match (root, rows.keep) {
+            (None, Some(keep)) => Some(
+                keep.iter()
+                    .flat_map(|k| [f64::from(u8::from(*k)); 2])
+                    .collect(),
+            ),
+            (root, _) => root,
+        };
+        let reweighted = root.as_ref().map(|root: &Vec<f64>| masses.reweighted(root));
+        let masses = reweighted.as_ref().unwrap_or(masses);
+        let scales = self.scales(instances);
+        let p = start.len();
+        let mut state = self.state(instances, start, circumstances, &root, masses);
+        let mut damping = 1e-3;
+        for _ in 0..STEPS {
+            if p == 0 {
+                break;
+            }
+            let (normal, gradient) = &state.normal;
+            let mut improved = None;
+            for _ in 0..8 {
+                let mut damped = normal.clone();
+                for k in 0..p {
+                    let own = normal[(k, k)].max(1e-12 / (scales[k] * scales[k]));
+                    damped[(k, k)] += damping * own + 1e-9 / (scales[k] * scales[k]);
+                }
+                let Some(factor) = damped.cholesky() else {
+                    damping *= 10.0;
+                    continue;
+                };
+                let step = factor.solve(gradient);
+                let moved: Vec<f64> = state
+                    .unknowns
+                    .iter()
+                    .zip(step.iter())
+                    .map(|(x, d)| x + d)
+                    .collect();
+                let next = self.state(instances, moved, circumstances, &root, masses);
+                if next.value < state.value {
+                    improved = Some(next);
+                    damping = (damping * 0.2).max(1e-9);
+                    break;
+                }
+                damping *= 10.0;
+            }
+            let Some(next) = improved else { break };
+            let gain = state.value - next.value;
+            state = next;
+            if gain < SETTLED {
+                break;
+            }
+        }
+        let mut normal = state.normal.0.clone();
+        for k in 0..p {
+            normal[(k, k)] += 1e-9 / (scales[k] * scales[k]);
+        }
+        let covariance = normal
+            .cholesky()
+            .map_or_else(|| DMatrix::zeros(p, p), |f| f.inverse());
+        let mut objective = state.value + masses.log_det - self.nuisance.log_det;
+        if let Some(sides) = sides {
+            objective += sides.price;
+        }
+        if let Some(outliers) = outliers {
+            objective = outliers.objective(&state.residual, rows.keep, objective);
+        }
+        Fit {
+            price: self.price(instances),
+            instances: instances.to_vec(),
+            unknowns: state.unknowns,
+            covariance,
+            objective,
+            predicted: state.predicted,
+            residual: state.residual,
+            slopes: state.slopes,
+            circumstances: sides.map(|sides| sides.circumstances.clone()),
+            outliers: outliers.clone(),
+            strained: state.strained,
+        }
+    }
+
+    pub fn scales(&self, instances: &[Instance]) -> Vec<f64> {
+        let of = |i: &Instance| i.effect.scales(&self.setting, &i.target);
+        instances.iter().flat_map(of).collect()
+    }
+
+    fn state(
+        &self,
+        instances: &[Instance],
+        unknowns: Vec<f64>,
+        circumstances: &[f64],
+        root: &Option<Vec<f64>>,
+        masses: &Nuisance,
+    ) -> State {
+        let (n, p) = (self.data.len(), unknowns.len());
+        let out = self.evaluate(instances, &unknowns, &self.data.q, circumstances);
+        let width = p + 1;
+        let mut predicted = Vec::with_capacity(2 * n);
+        let mut residual = DVector::zeros(2 * n);
+        let mut slopes = DMatrix::zeros(2 * n, p);
+        for row in 0..2 * n {
+            let values = &out[row * width..(row + 1) * width];
+            predicted.push(values[0]);
+            residual[row] = (self.data.reading[row] - values[0]) * self.weight[row];
+            for k in 0..p {
+                slopes[(row, k)] = values[1 + k] * self.weight[row];
+            }
+        }
+        let (mut e, mut j) = (residual.clone(), slopes.clone());
+        if let Some(root) = root {
+            for row in 0..2 * n {
+                e[row] *= root[row];
+                j.row_mut(row).scale_mut(root[row]);
+            }
+        }
+        let inner = masses.beyond_one(&e);
+        let mut value = e.dot(&inner);
+        let mut normal = j.tr_mul(&masses.beyond(&j));
+        let mut gradient = j.tr_mul(&inner);
+        let mut strained = 0.0;
+        self.walls(instances, &unknowns, |excess, slope| {
+            value += excess * excess;
+            strained += excess * excess;
+            for a in 0..p {
+                gradient[a] -= excess * slope[a];
+                for b in 0..p {
+                    normal[(a, b)] += slope[a] * slope[b];
+                }
+            }
+        });
+        if !value.is_finite() {
+            value = f64::INFINITY;
+        }
+        State {
+            unknowns,
+            predicted,
+            residual,
+            slopes,
+            value,
+            normal: (normal, gradient),
+            strained,
+        }
+    }
+
+    /// Each bound that is crossed, with its slope by the unknowns.
+    fn walls(&self, instances: &[Instance], unknowns: &[f64], mut each: impl FnMut(f64, &[f64])) {
+        let mut at = 0;
+        for instance in instances {
+            let count = instance.unknowns(&self.setting);
+            let own = &unknowns[at..at + count];
+            let excess = |x: &[f64]| instance.effect.excess(&self.setting, &instance.target, x);
+            let now = excess(own);
+            if now.iter().any(|x| *x > 0.0) {
+                let scales = instance.effect.scales(&self.setting, &instance.target);
+                let mut slopes = vec![vec![0.0; unknowns.len()]; now.len()];
+                for k in 0..count {
+                    let mut moved = own.to_vec();
+                    let step = 1e-6 * scales[k];
+                    moved[k] += step;
+                    for (wall, after) in excess(&moved).iter().enumerate() {
+                        slopes[wall][at + k] = (after - now[wall]) / step;
+                    }
+                }
+                for (wall, slope) in slopes.iter().enumerate() {
+                    if now[wall] > 0.0 {
+                        each(now[wall], slope);
+                    }
+                }
+            }
+            at += count;
+        }
+    }
+
+    /// Joint positions of every posture as a hypothesis bends them.
+    pub fn bent(&self, fit: &Fit) -> Vec<f64> {
+        let joints: Vec<(usize, &Instance)> = fit
+            .instances
+            .iter()
+            .enumerate()
+            .filter(|(_, i)| i.effect.stage() <= Stage::Joints || i.effect.stage() == Stage::Bends)
+            .collect();
+        if joints.is_empty() {
+            return self.data.q.clone();
+        }
+        let program = effects::joints(&self.setting, &fit.instances, &self.params);
+        let tape = Tape::new(&program);
+        let n = self.data.len();
+        let mut out = vec![0.0; n * tape.outputs()];
+        let circumstances = match &fit.circumstances {
+            Some(own) => own.as_slice(),
+            None => &self.data.circumstances,
+        };
+        let arguments = [
+            Argument::PerPosture(&self.data.q),
+            Argument::Shared(&fit.unknowns),
+            Argument::PerPosture(circumstances),
+        ];
+        tape.run(&arguments, n, &mut out, sin_cos);
+        out
+    }
+
+    /// The turning joints that have a dead band under `instances`, with the
+    /// place of its width among the unknowns.
+    pub(super) fn slack_joints(&self, instances: &[Instance]) -> Vec<(usize, usize)> {
+        let mut found = Vec::new();
+        let mut at = 0;
+        for instance in instances {
+            if instance.effect.name() == "backlash" {
+                match instance.target {
+                    Target::Joint(j) => found.push((j, at)),
+                    _ => found.extend(self.setting.turning().into_iter().map(|j| (j, at))),
+                }
+            }
+            at += instance.unknowns(&self.setting);
+        }
+        found
+    }
+}
+
+struct State {
+    unknowns: Vec<f64>,
+    predicted: Vec<f64>,
+    residual: DVector<f64>,
+    slopes: DMatrix<f64>,
+    value: f64,
+    normal: (DMatrix<f64>, DVector<f64>),
+    strained: f64,
+}
+
+/// A prior so wide that it says nothing: 100 m on every direction that data see.
+fn free(rows: &DMatrix<f64>) -> DMatrix<f64> {
+    let svd = rows.clone().svd(false, true);
+    let v = svd.v_t.unwrap_or_else(|| DMatrix::zeros(0, rows.ncols()));
+    let largest = svd.singular_values.max();
+    let kept: Vec<usize> = (0..svd.singular_values.len())
+        .filter(|&k| svd.singular_values[k] > 1e-9 * largest)
+        .collect();
+    let mut factor = DMatrix::zeros(rows.ncols(), kept.len());
+    for (to, &from) in kept.iter().enumerate() {
+        factor.set_column(to, &(v.row(from).transpose() * 100.0));
+    }
+    factor
+}
+
+impl Problem<'_> {
+    /// Gravity moments and slopes of the robot as CAD has it, at positions `q`.
+    pub(super) fn moments_at(&self, q: &[f64]) -> Vec<f64> {
+        let tape = self.moments(&[]);
+        let n = self.data.len();
+        let mut out = vec![0.0; n * tape.outputs()];
+        let arguments = [
+            Argument::PerPosture(q),
+            Argument::Shared(&[]),
+            Argument::PerPosture(&self.data.circumstances),
+        ];
+        tape.run(&arguments, n, &mut out, sin_cos);
+        out
+    }
+
+    /// What a wiring fault does, without a program of its own: the joint
+    /// positions it leaves, and what becomes of a reading.
+    pub(super) fn rewired(&self, fault: &Instance) -> (Vec<f64>, fn([f64; 2]) -> [f64; 2]) {
+        let dof = self.setting.model.dof();
+        let mut q = self.data.q.clone();
+        let keep: fn([f64; 2]) -> [f64; 2] = |y| y;
+        let map = match (fault.effect.name(), &fault.target) {
+            ("joint_sign", Target::Joint(j)) => {
+                q.iter_mut().skip(*j).step_by(dof).for_each(|x| *x = -*x);
+                keep
+            }
+            ("joint_swap", Target::Joints(a, b)) => {
+                q.chunks_exact_mut(dof).for_each(|row| row.swap(*a, *b));
+                keep
+            }
+            ("units", Target::Way("degrees")) => {
+                let turning = self.setting.turning();
+                for row in q.chunks_exact_mut(dof) {
+                    turning.iter().for_each(|&j| row[j] = row[j].to_radians());
+                }
+                keep
+            }
+            ("units", Target::Way("centimetres")) => |y: [f64; 2]| y.map(|x| 100.0 * x),
+            ("units", _) => |y: [f64; 2]| y.map(|x| 1000.0 * x),
+            ("sensor_axes", Target::Way("swapped")) => |[x, y]: [f64; 2]| [y, x],
+            ("sensor_axes", Target::Way("flip_x")) => |[x, y]: [f64; 2]| [-x, y],
+            ("sensor_axes", _) => |[x, y]: [f64; 2]| [x, -y],
+            _ => keep,
+        };
+        (q, map)
+    }
+}
