@@ -1,6 +1,7 @@
 //! The command line: parse, call, print.
 
 mod demo;
+mod diagnose;
 mod fit;
 mod fit_outputs;
 mod generate;
@@ -39,6 +40,7 @@ enum Command {
     Plan(plan::Arguments),
     Predict(predict::Arguments),
     Fit(fit::Arguments),
+    Diagnose(diagnose::Arguments),
     Demo(demo::Arguments),
 }
 
@@ -60,6 +62,7 @@ pub fn main() -> ExitCode {
         Command::Plan(arguments) => plan::run(&arguments),
         Command::Predict(arguments) => predict::run(&arguments),
         Command::Fit(arguments) => fit::run(&arguments),
+        Command::Diagnose(arguments) => diagnose::run(&arguments),
         Command::Demo(arguments) => demo::run(&arguments),
     };
     match outcome {

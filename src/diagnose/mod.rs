@@ -1,14 +1,21 @@
 //! Where simulation and measurement disagree, and why.
 //!
 //! ```text
-//! posture_log → data → problem (evidence of a hypothesis) → search → verdict
+//! posture_log → data → problem (evidence of a hypothesis) → search → diagnosis
 //! ```
 
 pub mod data;
+pub mod diagnosis;
 mod dictionary;
+pub mod held_out;
+pub mod leftover;
 pub mod nuisance;
 pub mod outliers;
 pub mod problem;
 pub mod search;
 mod sides;
+mod verdict;
 mod wiring;
+pub mod words;
+
+pub use diagnosis::{About, Diagnosis, Found, Verdict, diagnose};

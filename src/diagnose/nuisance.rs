@@ -67,6 +67,17 @@ impl Nuisance {
         x - &self.k * inner
     }
 
+    /// Whether mass errors move readings by less than a thousandth of the noise.
+    pub fn is_negligible(&self) -> bool {
+        self.k.amax() < 1e-3
+    }
+
+    /// Effective number of directions that the data determine: tr(K A⁻¹ Kᵀ).
+    pub fn directions(&self) -> f64 {
+        // tr(A⁻¹ KᵀK) = m − tr A⁻¹
+        self.k.ncols() as f64 - self.factor.inverse().trace()
+    }
+
     /// Expected mass error given whitened residuals, in the units of F's columns.
     pub fn expected(&self, residual: &DVector<f64>) -> DVector<f64> {
         self.factor.solve(&self.k.tr_mul(residual))

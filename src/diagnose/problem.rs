@@ -82,6 +82,8 @@ pub struct Fit {
     /// Circumstances with the sides of dead bands, where they matter.
     pub circumstances: Option<Rc<Vec<f64>>>,
     pub outliers: Option<Outliers>,
+    /// Postures with a joint on the side of its dead band that gravity does not favour.
+    pub flipped: Vec<usize>,
     /// Walls that are touched: the answer lies at the edge of what is physical.
     pub strained: f64,
 }
@@ -96,6 +98,9 @@ impl Fit {
         self.instances.iter().any(|i| i.effect.name() == name)
     }
 }
+
+/// What a fault makes of a reading.
+type Rewire = fn([f64; 2]) -> [f64; 2];
 
 /// How a set of readings counts in a fit.
 #[derive(Clone, Copy)]
@@ -437,6 +442,7 @@ impl<'m> Problem<'m> {
             slopes: state.slopes,
             circumstances: sides.map(|sides| sides.circumstances.clone()),
             outliers: outliers.clone(),
+            flipped: sides.map_or_else(Vec::new, |sides| sides.flipped.clone()),
             strained: state.strained,
         }
     }
@@ -621,10 +627,10 @@ impl Problem<'_> {
 
     /// What a wiring fault does, without a program of its own: the joint
     /// positions it leaves, and what becomes of a reading.
-    pub(super) fn rewired(&self, fault: &Instance) -> (Vec<f64>, fn([f64; 2]) -> [f64; 2]) {
+    pub(super) fn rewired(&self, fault: &Instance) -> (Vec<f64>, Rewire) {
         let dof = self.setting.model.dof();
         let mut q = self.data.q.clone();
-        let keep: fn([f64; 2]) -> [f64; 2] = |y| y;
+        let keep: Rewire = |y| y;
         let map = match (fault.effect.name(), &fault.target) {
             ("joint_sign", Target::Joint(j)) => {
                 q.iter_mut().skip(*j).step_by(dof).for_each(|x| *x = -*x);

@@ -43,6 +43,7 @@ pub struct Search<'p, 'm> {
     problem: &'p Problem<'m>,
     known: HashMap<String, Fit>,
     base: Dictionary,
+    visible: Vec<(Instance, f64)>,
     pub fitted: usize,
 }
 
@@ -58,8 +59,18 @@ impl<'p, 'm> Search<'p, 'm> {
             problem,
             known: HashMap::new(),
             base,
+            visible,
             fitted: 0,
         }
+    }
+
+    pub fn problem(&self) -> &'p Problem<'m> {
+        self.problem
+    }
+
+    /// χ² that each effect of ordinary size would have in this log.
+    pub fn visible(&self) -> &[(Instance, f64)] {
+        &self.visible
     }
 
     fn price(&self, instance: &Instance) -> f64 {

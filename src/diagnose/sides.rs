@@ -24,8 +24,12 @@ const MOMENT: f64 = 0.0005;
 pub struct Sides {
     pub circumstances: Rc<Vec<f64>>,
     pub price: f64,
+    /// Postures with a joint on its unlikely side.
+    pub flipped: Vec<usize>,
 }
 
+/// The side of every slack joint in every posture: gravity's, and where that is
+/// nearly even and `fit` is there to say what is left over, the reading's.
 pub fn settle(
     problem: &Problem,
     instances: &[Instance],
@@ -49,10 +53,10 @@ pub fn settle(
         }
     }
     let mut price = 0.0;
-    if let Some(fit) = fit {
+    let mut flipped = Vec::new();
+    if fit.is_some() {
         let residual = residual_now(problem, instances, unknowns, &circumstances);
         let excess = problem.masses(instances).beyond_one(&residual);
-        let _ = fit;
         for k in 0..n {
             let near = bistable(
                 problem,
@@ -65,8 +69,11 @@ pub fn settle(
                 continue;
             }
             let own = [excess[2 * k], excess[2 * k + 1]];
-            let (flips, cost) = best_flips(problem, k, own, &near, &circumstances, &layout);
+            let (flips, cost) = best_flips(k, own, &near, &circumstances, &layout);
             price += cost;
+            if !flips.is_empty() {
+                flipped.push(k);
+            }
             for joint in flips {
                 circumstances[k * layout.len() + layout.side(joint)] *= -1.0;
             }
@@ -75,6 +82,7 @@ pub fn settle(
     Sides {
         circumstances: Rc::new(circumstances),
         price,
+        flipped,
     }
 }
 
@@ -136,22 +144,20 @@ fn bistable(
 
 /// The joints to put on their other side, and what that costs.
 fn best_flips(
-    problem: &Problem,
     k: usize,
     residual: [f64; 2],
     near: &[Near],
     circumstances: &[f64],
     layout: &Circumstances,
 ) -> (Vec<usize>, f64) {
-    let _ = problem;
     let mut best = (0, 0.0, residual[0].powi(2) + residual[1].powi(2));
     for choice in 1..1_usize << near.len() {
         let (mut left, mut cost) = (residual, 0.0);
         for (bit, joint) in near.iter().enumerate() {
             if choice >> bit & 1 == 1 {
                 let side = circumstances[k * layout.len() + layout.side(joint.joint)];
-                for axis in 0..2 {
-                    left[axis] += 2.0 * side * joint.half[axis];
+                for (left, half) in left.iter_mut().zip(joint.half) {
+                    *left += 2.0 * side * half;
                 }
                 cost += PRICE * (0.4 + joint.certainty);
             }

@@ -46,6 +46,7 @@ pub(super) struct Assembler {
     gravity: Option<[f64; 3]>,
     links: Vec<String>,
     readings_per_pose: u64,
+    any_unit: bool,
     /// 1/√readings of a row, once the first rows were seen.
     shrink: f64,
     next_pose: i64,
@@ -72,7 +73,7 @@ impl Assembler {
                 Angles::Deg if !dof.prismatic => std::f64::consts::PI / 180.0,
                 _ => 1.0,
             },
-            reach: (!dof.prismatic && !dof.continuous)
+            reach: (!dof.prismatic && !dof.continuous && !options.any_unit)
                 .then(|| FULL_TURN.max(dof.lower.abs()).max(dof.upper.abs())),
         });
         let assembler = Assembler {
@@ -88,6 +89,7 @@ impl Assembler {
             gravity: sidecar.gravity,
             links: options.links.clone(),
             readings_per_pose: sidecar.readings_per_pose.unwrap_or(1),
+            any_unit: options.any_unit,
             shrink: 1.0,
             next_pose: 0,
         };
@@ -128,7 +130,7 @@ impl Assembler {
     pub fn look(&mut self, raw: &Raw) -> Result<(), Error> {
         let rows = typical_run(&raw.pose).max(1) as f64;
         self.shrink = (rows / self.readings_per_pose as f64).min(1.0).sqrt();
-        let Some(k) = self.columns.cop else {
+        let Some(k) = self.columns.cop.filter(|_| !self.any_unit) else {
             return Ok(());
         };
         let width = self.columns.numbers.len();

@@ -34,6 +34,8 @@ pub struct Options {
     /// Topic of the CoP in an MCAP recording that has several; the sidecar's
     /// unless given.
     pub topic: Option<String>,
+    /// Take angles and CoP of any size: which unit they are in is the question.
+    pub any_unit: bool,
 }
 
 /// When a robot that is being recorded holds still.

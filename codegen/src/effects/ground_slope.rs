@@ -31,8 +31,8 @@ impl Effect for GroundSlope {
     }
 
     fn rewrite(&self, _: &Target, at: &mut Measured, unknowns: &[Id]) {
-        for axis in 0..2 {
-            at.tilt[axis] = at.add(at.tilt[axis], unknowns[axis]);
+        for (axis, &unknown) in unknowns.iter().enumerate() {
+            at.tilt[axis] = at.add(at.tilt[axis], unknown);
         }
     }
 

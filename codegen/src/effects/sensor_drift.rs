@@ -33,8 +33,8 @@ impl Effect for SensorDrift {
     fn rewrite(&self, _: &Target, at: &mut Measured, unknowns: &[Id]) {
         let place = Circumstances::of(at.model()).place();
         let u = at.circumstance(place);
-        for axis in 0..2 {
-            let moved = at.mul(u, unknowns[axis]);
+        for (axis, &unknown) in unknowns.iter().enumerate() {
+            let moved = at.mul(u, unknown);
             at.reading[axis] = at.add(at.reading[axis], moved);
         }
     }

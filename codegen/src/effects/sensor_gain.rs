@@ -31,10 +31,10 @@ impl Effect for SensorGain {
     }
 
     fn rewrite(&self, _: &Target, at: &mut Measured, unknowns: &[Id]) {
-        for axis in 0..2 {
+        for (axis, &unknown) in unknowns.iter().enumerate() {
             let (p, g) = (at.reading[axis], at.g());
             let one = g.constant(1.0);
-            let gain = g.add(one, unknowns[axis]);
+            let gain = g.add(one, unknown);
             at.reading[axis] = at.mul(gain, p);
         }
     }

@@ -32,8 +32,8 @@ impl Effect for SensorOffset {
     }
 
     fn rewrite(&self, _: &Target, at: &mut Measured, unknowns: &[Id]) {
-        for axis in 0..2 {
-            at.reading[axis] = at.add(at.reading[axis], unknowns[axis]);
+        for (axis, &unknown) in unknowns.iter().enumerate() {
+            at.reading[axis] = at.add(at.reading[axis], unknown);
         }
     }
 

@@ -1,0 +1,121 @@
+//! `sesc diagnose`
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use super::{Outcome, RobotArguments, message, notes, print, print_json, progress};
+use crate::Error;
+use crate::diagnose::data::{Data, Taking};
+use crate::diagnose::problem::Problem;
+use crate::diagnose::{self, About};
+use crate::identify::prior::Prior;
+use crate::output;
+use crate::posture_log::{Angles, Options, Readings, Sidecar};
+use crate::robot::Robot;
+
+/// Find where simulation and measurement disagree, and name the missing effect
+#[derive(Args)]
+#[command(after_help = "Examples:\n  \
+    sesc diagnose robots/op2/op2.urdf --data log.csv\n  \
+    sesc diagnose op2.urdf --data log.csv --out model.toml --urdf corrected.urdf --report report.html\n  \
+    sesc diagnose op2.urdf --data log.csv --prior cad --json")]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    robot: RobotArguments,
+    /// Posture log (CSV, gzip, Parquet, MCAP) with CoP or foot cells
+    #[arg(long, value_name = "FILE")]
+    data: PathBuf,
+    /// Turning joints are logged in degrees
+    #[arg(long)]
+    degrees: bool,
+    /// What CAD is worth: tight (mass 0.2 %, CoM 0.1 mm), cad (10 %, 5 mm), free, or a TOML file:
+    /// [default] mass = 0.1, com = 0.005 (m); [links.NAME] likewise
+    #[arg(long, value_name = "tight|cad|free|FILE", default_value = "tight")]
+    prior: String,
+    /// Standard deviation of a posture's reading on one axis, m; from the log unless given
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    noise: Option<f64>,
+    /// Added to the noise in quadrature, m: what encoder ticks do
+    #[arg(
+        long,
+        value_name = "M",
+        default_value = "0.0001",
+        allow_negative_numbers = true
+    )]
+    floor: f64,
+    /// Model file to write: parameters and effects, for `generate`, `predict`, `simulate`
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Print the result as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
+    for (name, value) in [
+        ("--noise", arguments.noise),
+        ("--floor", Some(arguments.floor)),
+    ] {
+        let least = if name == "--floor" { 0.0 } else { 1e-9 };
+        if let Some(x) = value.filter(|x| !(least..=1.0).contains(x)) {
+            return Err(Error::Usage(format!(
+                "{name} {x:e}: give metres, {least:e} to 1"
+            )));
+        }
+    }
+    let written: Vec<&PathBuf> = arguments.out.iter().collect();
+    let read = [arguments.robot.urdf.clone(), arguments.data.clone()];
+    output::check(&read, &written)?;
+    let robot = Robot::read(&arguments.robot.urdf)?;
+    let (sidecar, _) = Sidecar::of(&arguments.data)?;
+    let support = arguments
+        .robot
+        .support(&robot, sidecar.support.as_deref())?;
+    let model = robot.model(&support, arguments.robot.snapping(), None)?;
+    notes(&model);
+    let taking = Taking {
+        options: options(arguments, &robot, &support),
+        noise: arguments.noise,
+        floor: arguments.floor,
+    };
+    let data = Data::read(&arguments.data, &model, &taking)?;
+    for warning in &data.warnings {
+        message(&format!("warning: {warning}"));
+    }
+    let prior = Prior::named(&arguments.prior, &model)?;
+    let mut problem = Problem::new(&model, data, &prior)?;
+    let bar = progress("hypotheses");
+    let about = About {
+        robot: sidecar.robot.as_deref().unwrap_or(&model.tree.robot),
+        support: &support,
+        log: &name_of(&arguments.data),
+        prior: prior.sentence(),
+    };
+    let found = diagnose::diagnose(&mut problem, &about, &mut |count| {
+        bar.set_position(count as u64);
+    });
+    bar.finish_and_clear();
+    match arguments.json {
+        true => print_json(&found.diagnosis)?,
+        false => print(&format!("{}\n", found.diagnosis.sentence))?,
+    }
+    Ok(Outcome::Ok)
+}
+
+fn options(arguments: &Arguments, robot: &Robot, support: &str) -> Options {
+    let links = robot.description.robot.links.iter();
+    Options {
+        angles: arguments.degrees.then_some(Angles::Deg),
+        readings: Readings::Required,
+        links: links.map(|link| link.name.clone()).collect(),
+        support: Some(support.to_string()),
+        any_unit: true,
+        ..Options::default()
+    }
+}
+
+fn name_of(path: &Path) -> String {
+    path.file_name()
+        .map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+}

@@ -1,0 +1,107 @@
+//! The sentences that sum a diagnosis up.
+
+use super::diagnosis::{Found, Verdict, capital};
+use super::problem::Problem;
+use super::words;
+
+/// Names in a row, at most.
+const NAMED: usize = 4;
+
+/// What a good colleague would say, in a few sentences.
+pub(super) fn sentence(problem: &Problem, found: &Found) -> String {
+    let d = &found.diagnosis;
+    let mm = |x: f64| format!("{:.2} mm", 1e3 * x);
+    let mut said = vec![format!(
+        "Simulated and measured CoP differ by {} RMS; noise explains {}.",
+        mm(d.baseline.rmse),
+        mm(d.noise_floor)
+    )];
+    let values = words::values(problem, &found.best);
+    let clauses: Vec<String> = found
+        .best
+        .instances
+        .iter()
+        .zip(&values)
+        .map(|(i, v)| words::clause(&problem.setting, i, v))
+        .collect();
+    let others: Vec<String> = d
+        .class
+        .iter()
+        .skip(1)
+        .map(|m| m.effects.join(" + "))
+        .collect();
+    match d.verdict {
+        Verdict::None => said.push("Nothing is missing that these data could show.".to_string()),
+        Verdict::Absorbed => said.push(format!(
+            "Masses within their tolerances take {} of it and leave nothing to name: an effect \
+             behind it would not be visible in these data.",
+            mm(d.absorbed_by_masses)
+        )),
+        Verdict::Named => said.push(format!(
+            "Missing: {}; nothing else that is known explains these data.",
+            clauses.join(", and ")
+        )),
+        Verdict::Class => {
+            let shown = others
+                .iter()
+                .take(NAMED)
+                .cloned()
+                .collect::<Vec<_>>()
+                .join("; ");
+            let more = match others.len().saturating_sub(NAMED) {
+                0 => String::new(),
+                n => format!("; and {n} more"),
+            };
+            said.push(format!(
+                "Missing: most plainly {}; these data cannot tell it from {shown}{more}.",
+                clauses.join(", and ")
+            ));
+        }
+        Verdict::Unexplained => {
+            said.push(format!(
+                "No known effect explains it: χ² is {:.0} where noise leaves {:.0}.",
+                d.leftover.chi2, d.leftover.expected
+            ));
+            if !clauses.is_empty() {
+                said.push(format!(
+                    "{} is part of it.",
+                    capital(&clauses.join(", and "))
+                ));
+            }
+            match (&d.leftover.formula, &d.leftover.strongest) {
+                (Some(formula), _) => said.push(format!(
+                    "The rest follows {formula} (found by regression, not physical)."
+                )),
+                (None, Some(strongest)) => said.push(format!(
+                    "The rest goes most with {strongest} ({:.0} % of it).",
+                    100.0 * d.leftover.strongest_share
+                )),
+                (None, None) => {}
+            }
+        }
+    }
+    if !d.steps.is_empty() {
+        let of = match d.last.left_out {
+            0 => String::new(),
+            1 => " (1 posture apart)".to_string(),
+            n => format!(" ({n} postures apart)"),
+        };
+        said.push(format!(
+            "With it the held-out error is {}{of}.",
+            mm(d.last.rmse)
+        ));
+    }
+    let blind: Vec<String> = d
+        .blind
+        .iter()
+        .take(NAMED)
+        .map(|b| format!("{} below {}", b.effect.replace("joint_offset:", ""), b.size))
+        .collect();
+    if !blind.is_empty() {
+        said.push(format!(
+            "Offsets I could not have seen: {}.",
+            blind.join(", ")
+        ));
+    }
+    said.join(" ")
+}
