@@ -48,5 +48,5 @@ pub use builder::{Builder, write_all_if_changed, write_if_changed};
 pub use error::Error;
 pub use functions::differentiate_com;
 pub use model::{Function, Given, Model};
-pub use model_file::{DataUsed, ModelFile, Parameter};
+pub use model_file::{DataUsed, EffectRecord, ModelFile, Parameter, Quantity};
 pub use snap::Snapping;

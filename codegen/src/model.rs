@@ -11,6 +11,7 @@ use nalgebra::{DVector, Matrix3};
 use crate::base::{self, Base, Column};
 use crate::bounds::{self, Bound, Formats, Overflow, Precision};
 use crate::chain::{self, Chain};
+use crate::effects::Instance;
 use crate::emit::names;
 use crate::frames::{self, Frame};
 use crate::functions::{self, Parameters};
@@ -87,6 +88,8 @@ pub struct Model {
     pub base: Base,
     /// Identified parameters, if a model file was given.
     pub file: Option<ModelFile>,
+    /// Effects of that file with their unknowns; part of [`Function::Cop`].
+    pub effects: Vec<(Instance, Vec<f64>)>,
     /// Largest |r_k| that bounds hold for, m (a mass fraction for a slide's).
     pub param_limits: Vec<f64>,
     /// Identifier stem of each body: its joint, made a legal and unique word.
@@ -115,6 +118,7 @@ impl Model {
             frames,
             base,
             file: None,
+            effects: Vec::new(),
             param_limits: Vec::new(),
             keys,
         };
@@ -144,6 +148,7 @@ impl Model {
     pub fn with_file(mut self, file: ModelFile) -> Result<Model, Error> {
         file.check(&self)?;
         self.param_limits = self.limits_of(&file.values());
+        self.effects = file.instances(&self)?;
         self.file = Some(file);
         Ok(self)
     }

@@ -9,13 +9,19 @@
 //! value = 0.0123           # m
 //! std = 0.0004             # m, optional
 //! source = "data"          # or "prior"
+//! [[effects]]
+//! effect = "joint_offset"
+//! target = "l_knee"
+//! parameters.offset_rad = { value = 0.031, std = 0.001 }
 //! ```
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
+use crate::effects::{self, Instance, Setting};
 use crate::model::Model;
 
 /// One base parameter as identified.
@@ -42,6 +48,32 @@ pub struct DataUsed {
     pub rows: u64,
 }
 
+/// A number with its standard deviation.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Quantity {
+    pub value: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub std: Option<f64>,
+}
+
+/// One effect of a model file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EffectRecord {
+    /// `joint_offset`, see [`crate::effects::LIST`].
+    pub effect: String,
+    /// Joint, link, cell (`fsr_1`), `all`; `-` for the whole robot.
+    #[serde(default = "whole")]
+    pub target: String,
+    /// By name with unit: `offset_rad`.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub parameters: BTreeMap<String, Quantity>,
+}
+
+fn whole() -> String {
+    "-".to_string()
+}
+
 /// What `model.toml` holds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ModelFile {
@@ -55,12 +87,62 @@ pub struct ModelFile {
     /// What the parameters were identified from.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub data: Vec<DataUsed>,
-    /// Effects of the measurement, by name.
+    /// Places of the foot cells, m, support frame; effects of cells need them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub effects: Vec<toml::Table>,
+    pub cells: Vec<[f64; 2]>,
+    /// What the robot does that its URDF does not say.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub effects: Vec<EffectRecord>,
     /// Where it was read from, for messages.
     #[serde(skip)]
     pub file: String,
+}
+
+impl EffectRecord {
+    fn instance(&self, setting: &Setting) -> Result<(Instance, Vec<f64>), String> {
+        let name = &self.effect;
+        let effect = effects::named(name).ok_or_else(|| {
+            let known: Vec<&str> = effects::LIST.iter().map(|e| e.name()).collect();
+            format!(
+                "effect `{name}` is not known; known are {}",
+                known.join(", ")
+            )
+        })?;
+        let target = setting.target_named(effect, &self.target).ok_or_else(|| {
+            format!(
+                "effect `{name}`: no target `{}` on this robot{}",
+                self.target,
+                match effect.stage() {
+                    effects::Stage::Cells => " (do `cells` hold the places of four foot cells?)",
+                    _ => "",
+                }
+            )
+        })?;
+        let scales = effect.scales(setting, &target);
+        let names = effect.values(setting, &target, &scales);
+        let mut values = Vec::with_capacity(names.len());
+        for wanted in &names {
+            let found = self.parameters.get(wanted.name).ok_or_else(|| {
+                format!("effect `{name}`: parameter `{}` is missing", wanted.name)
+            })?;
+            if !found.value.is_finite() {
+                return Err(format!("effect `{name}`: `{}` is not finite", wanted.name));
+            }
+            values.push(found.value);
+        }
+        if let Some(stray) = self
+            .parameters
+            .keys()
+            .find(|key| names.iter().all(|n| n.name != key.as_str()))
+        {
+            return Err(format!("effect `{name}`: no parameter `{stray}`"));
+        }
+        let unknowns = effect.unknowns(setting, &target, &values);
+        match unknowns.iter().all(|x| x.is_finite()) {
+            true => Ok((Instance { effect, target }, unknowns)),
+            false => Err(format!("effect `{name}`: values that no robot can have")),
+        }
+    }
 }
 
 impl ModelFile {
@@ -90,13 +172,6 @@ impl ModelFile {
                 return Err(bad(format!("parameter `{}` is not finite", parameter.name)));
             }
         }
-        if let Some(effect) = model.effects.first() {
-            let name = effect.get("effect").and_then(toml::Value::as_str);
-            return Err(bad(format!(
-                "effect `{}` is not known to this version; remove it to use the parameters alone",
-                name.unwrap_or("without a name")
-            )));
-        }
         Ok(model)
     }
 
@@ -119,6 +194,17 @@ impl ModelFile {
         } else {
             sources.join(", ")
         }
+    }
+
+    /// The effects as instances with their unknowns, in the file's order.
+    pub(crate) fn instances(&self, model: &Model) -> Result<Vec<(Instance, Vec<f64>)>, Error> {
+        let setting = Setting::new(model, &self.cells, true);
+        let bad = |reason: String| Error::ModelFile {
+            file: self.file.clone(),
+            reason,
+        };
+        let of = |record: &EffectRecord| record.instance(&setting).map_err(bad);
+        self.effects.iter().map(of).collect()
     }
 
     /// Whether the file belongs to this robot and support, parameter by parameter.
@@ -185,6 +271,7 @@ impl ModelFile {
             noise_floor: None,
             parameters,
             data: Vec::new(),
+            cells: Vec::new(),
             effects: Vec::new(),
             file: String::new(),
         }

@@ -28,7 +28,7 @@ mod unsettled_motion;
 mod whole;
 
 use crate::expr::Id;
-pub use crate::functions::diagnosis::{joints, moments, reading};
+pub use crate::functions::diagnosis::{foretelling, joints, moments, reading};
 pub use crate::functions::measured::{Circumstances, Measured, Source};
 pub use setting::{Setting, Target};
 

@@ -1,5 +1,6 @@
 //! What effects need to know of the robot and the log.
 
+use super::Effect;
 use crate::model::Model;
 
 /// Standard gravity, m/s².
@@ -124,6 +125,26 @@ impl<'m> Setting<'m> {
     pub fn lever_of(&self, link: usize) -> f64 {
         let links = &self.model.tree.links;
         links[link].com.norm() + ROOM * self.reach
+    }
+
+    /// The target of `effect` that is called `name`; any link of a body will do.
+    pub fn target_named(&self, effect: &dyn Effect, name: &str) -> Option<Target> {
+        let targets = effect.targets(self);
+        let known = targets.iter().find(|target| self.name_of(target) == name);
+        let known = known.cloned().or_else(|| {
+            // A swap has two names, in either order.
+            let (a, b) = name.split_once(',')?;
+            let turned = format!("{},{}", b.trim(), a.trim());
+            let found = targets.iter().find(|target| self.name_of(target) == turned);
+            found.cloned()
+        });
+        let of_links = targets.iter().any(|t| matches!(t, Target::Link(_)));
+        known.or_else(|| {
+            let mut links = self.model.tree.links.iter();
+            let link = links.position(|link| of_links && link.name == name)?;
+            self.model.chain.places[link].as_ref()?;
+            Some(Target::Link(link))
+        })
     }
 
     /// As reports and model files name a target.

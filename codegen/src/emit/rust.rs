@@ -33,11 +33,10 @@ pub fn module(model: &Model, name: &str) -> Result<String, Error> {
         .map(|(row, program)| function(row, program, &mut titles))
         .collect();
     let constants = constants(model);
-    let unit = unit_struct(
-        model,
-        name,
-        rows.iter().any(|(row, _)| row.given == Given::SinesCosines),
-    );
+    let from_sines = rows
+        .iter()
+        .filter(|(row, _)| row.given == Given::SinesCosines);
+    let unit = unit_struct(model, name, from_sines.count() == Function::ALL.len());
     let file = syn::parse2(quote! {
         use sesc_runtime::{Real, Sesc};
         #constants

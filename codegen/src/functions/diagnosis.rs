@@ -1,8 +1,10 @@
 //! Programs of the measurement with effects, for fitting them.
 
+use super::Parameters;
 use super::measured::{Circumstances, Measured, Source};
 use crate::effects::{self, Instance, Setting};
 use crate::expr::Id;
+use crate::model::{Given, Model};
 use crate::program::{Array, Program, Shape};
 
 /// Input arrays: q, then unknowns `e`, then circumstances `u`; r is constant.
@@ -65,6 +67,60 @@ pub fn moments(setting: &Setting, instances: &[Instance], params: &[f64]) -> Pro
     let shape = Shape::Matrix { rows: 3, cols: dof };
     let inputs = inputs(setting, unknowns.len());
     Program::new(measured.into_graph(), inputs, shape, &outputs)
+}
+
+/// The reading that a posture alone foretells, with the effects of the model
+/// file as constants; effects that only a log can show are left out. `None` from
+/// sines and cosines: joints may be bent.
+pub(super) fn cop(model: &Model, given: Given, parameters: Parameters) -> Option<Program> {
+    if given != Given::Positions {
+        return None;
+    }
+    let baked = (parameters == Parameters::Baked).then(|| model.params());
+    let mut inputs = vec![Array {
+        name: "q",
+        len: model.dof(),
+    }];
+    if baked.is_none() {
+        inputs.push(Array {
+            name: "r",
+            len: model.base.params.len(),
+        });
+    }
+    let measured = foretold(model, Source::Posture, baked);
+    let outputs = measured.reading;
+    Some(Program::new(
+        measured.into_graph(),
+        inputs,
+        Shape::Vector(2),
+        &outputs,
+    ))
+}
+
+/// The same for postures with their [`Circumstances`], of which only gravity's
+/// direction counts. Inputs: `q`, `r`, `u`.
+pub fn foretelling(model: &Model) -> Program {
+    let measured = foretold(model, Source::Tilted, None);
+    let outputs = measured.reading;
+    let array = |name, len| Array { name, len };
+    let inputs = vec![
+        array("q", model.dof()),
+        array("r", model.base.params.len()),
+        array("u", Circumstances::of(model).len()),
+    ];
+    Program::new(measured.into_graph(), inputs, Shape::Vector(2), &outputs)
+}
+
+fn foretold(model: &Model, source: Source, baked: Option<Vec<f64>>) -> Measured<'_> {
+    let cells = model.file.as_ref().map_or(&[][..], |file| &file.cells);
+    let setting = Setting::new(model, cells, false);
+    let mut measured = Measured::new(model, source, 2, baked, cells);
+    let of_posture = model.effects.iter().filter(|(i, _)| i.effect.of_posture());
+    let instances: Vec<Instance> = of_posture.clone().map(|(i, _)| i.clone()).collect();
+    let values: Vec<f64> = of_posture.flat_map(|(_, x)| x.iter().copied()).collect();
+    let unknowns: Vec<Id> = values.iter().map(|x| measured.constant(*x)).collect();
+    effects::apply(&mut measured, &setting, &instances, &unknowns);
+    measured
 }
 
 /// Joint positions of a posture as effects bend them. Inputs as in [`reading`].

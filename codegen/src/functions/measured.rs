@@ -81,6 +81,8 @@ pub enum Source {
     Log,
     /// Any posture: level ground, standing still, sides by the gravity moments.
     Posture,
+    /// Any posture, with gravity's direction from its circumstances.
+    Tilted,
 }
 
 /// A pull on a point of the robot.
@@ -158,7 +160,7 @@ impl<'m> Measured<'m> {
             pulls: Vec::new(),
             bends: Vec::new(),
         };
-        if source == Source::Log {
+        if source != Source::Posture {
             let at = Circumstances::of(model);
             measured.tilt = [0, 1].map(|k| measured.circumstance(at.tilt(k)));
         }
@@ -293,7 +295,7 @@ impl<'m> Measured<'m> {
                 let at = Circumstances::of(self.model()).side(joint);
                 self.circumstance(at)
             }
-            Source::Posture => {
+            Source::Posture | Source::Tilted => {
                 let g = self.g();
                 let sharp = g.constant(SHARP);
                 let scaled = g.mul(sharp, moment);

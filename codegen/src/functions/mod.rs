@@ -52,6 +52,9 @@ pub(crate) fn build(
     if given == Given::SinesCosines && !sines_suffice(model) {
         return None;
     }
+    if function == Function::Cop && !model.effects.is_empty() {
+        return diagnosis::cop(model, given, parameters);
+    }
     let mut scratch = Scratch::new(model, given);
     if parameters == Parameters::Baked && function.takes_parameters() {
         scratch.baked = Some(model.params());
