@@ -47,11 +47,11 @@ impl Robot {
         &self,
         support: &str,
         snapping: Snapping,
-        file: Option<&Path>,
+        file: Option<&ModelFile>,
     ) -> Result<Model, Error> {
         let model = Model::new(&self.description, support, snapping)?;
         Ok(match file {
-            Some(path) => model.with_file(ModelFile::read(path)?)?,
+            Some(file) => model.with_file(file.clone())?,
             None => model,
         })
     }

@@ -3,6 +3,8 @@
 
 #[path = "common/command.rs"]
 mod command;
+#[path = "cli/model_files.rs"]
+mod model_files;
 
 use std::fs;
 use std::path::PathBuf;
@@ -177,94 +179,6 @@ fn predict_follows_gravity_supports_and_degrees() {
     refused(
         &sesc(&["predict", &urdf, "--data", &log]),
         &["a.csv:2", "`hip`", "--degrees"],
-    );
-}
-
-/// A model file moves predictions, and belongs to its robot and support.
-#[test]
-fn model_files_are_read_checked_and_baked_in() {
-    let folder = folder();
-    let urdf = format!("{ROOT}/robots/two_link/two_link.urdf");
-    let inspect = sesc(&["inspect", &urdf, "--support", "foot", "--json"]);
-    let json: Value = serde_json::from_str(&stdout(&inspect)).unwrap();
-    let mut model = format!(
-        "robot = \"two_link\"\nhash = {}\nsupport = \"foot\"\n",
-        json["hash"]
-    );
-    for parameter in json["parameters"].as_array().unwrap() {
-        let shift = if parameter["name"] == "foot.x" {
-            0.5
-        } else {
-            0.0
-        };
-        let value = parameter["cad"].as_f64().unwrap() + shift;
-        model += &format!(
-            "[[parameters]]\nname = {}\nvalue = {value:?}\n",
-            parameter["name"]
-        );
-    }
-    let good = write(folder.path(), "model.toml", &model);
-    let log = write(folder.path(), "q.csv", "pose,ankle,knee\n1,0,0\n");
-    let com_x = |arguments: &[&str]| -> f64 {
-        let text = stdout(&sesc(arguments));
-        text.lines()
-            .nth(1)
-            .unwrap()
-            .split(',')
-            .nth(1)
-            .unwrap()
-            .parse()
-            .unwrap()
-    };
-    let base = ["predict", &urdf, "--support", "foot", "--data", &log];
-    let cad = com_x(&base);
-    let identified = com_x(&[&base[..], &["--model", &good]].concat());
-    assert!((identified - cad - 0.5).abs() < 1e-15);
-    let out = folder.path().display().to_string();
-    stdout(&sesc(&[
-        "generate",
-        &urdf,
-        "--support",
-        "foot",
-        "--model",
-        &good,
-        "--name",
-        "m",
-        "--out",
-        &out,
-    ]));
-    assert!(
-        fs::read_to_string(folder.path().join("m.rs"))
-            .unwrap()
-            .contains("MODEL_PARAMS")
-    );
-
-    let other = write(
-        folder.path(),
-        "other.toml",
-        model.replace("hash = \"", "hash = \"0"),
-    );
-    refused(
-        &sesc(&[&base[..], &["--model", &other]].concat()),
-        &["other.toml", "hash"],
-    );
-    let short = write(
-        folder.path(),
-        "short.toml",
-        model.rsplit_once("[[").unwrap().0,
-    );
-    refused(
-        &sesc(&[&base[..], &["--model", &short]].concat()),
-        &["short.toml", "parameters"],
-    );
-    let odd = write(
-        folder.path(),
-        "odd.toml",
-        format!("{model}[[effects]]\neffect = \"warp\"\n"),
-    );
-    refused(
-        &sesc(&[&base[..], &["--model", &odd]].concat()),
-        &["odd.toml", "warp"],
     );
 }
 

@@ -207,6 +207,24 @@ impl ModelFile {
         self.effects.iter().map(of).collect()
     }
 
+    /// Whether the file was made for the robot of this `hash`, read from `urdf`.
+    ///
+    /// # Errors
+    /// When it was made for another one.
+    pub fn check_robot(&self, hash: &str, urdf: &str) -> Result<(), Error> {
+        if self.hash == hash {
+            return Ok(());
+        }
+        Err(Error::ModelFile {
+            file: self.file.clone(),
+            reason: format!(
+                "made for robot hash {}, but {urdf} has {hash}; identify again or use the URDF it \
+                 was made with",
+                self.hash
+            ),
+        })
+    }
+
     /// Whether the file belongs to this robot and support, parameter by parameter.
     pub(crate) fn check(&self, model: &Model) -> Result<(), Error> {
         let support = &model.tree.links[model.tree.support].name;
@@ -214,12 +232,7 @@ impl ModelFile {
             file: self.file.clone(),
             reason,
         };
-        if self.hash != model.tree.hash {
-            return Err(bad(format!(
-                "made for robot hash {}, but {} has {}; identify again or use the URDF it was made with",
-                self.hash, model.tree.file, model.tree.hash
-            )));
-        }
+        self.check_robot(&model.tree.hash, &model.tree.file)?;
         if &self.support != support {
             return Err(bad(format!(
                 "made for support `{}`, not `{support}`; fit with --support {support}, or use the \

@@ -31,7 +31,8 @@ pub(super) struct Arguments {
     /// Folder to write to
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Identified parameters: MODEL_PARAMS in Rust, functions with constants folded in C
+    /// Identified parameters, and their support unless --support is given: MODEL_PARAMS in Rust,
+    /// functions with constants folded in C
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
     /// C: what to put around the two files; bare unless given

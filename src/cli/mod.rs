@@ -12,12 +12,12 @@ mod simulate;
 mod verify;
 
 use std::io::{IsTerminal as _, Write as _};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use sesc_codegen::{Model, Snapping};
+use sesc_codegen::{Model, ModelFile, Snapping};
 
 use crate::Error;
 use crate::robot::Robot;
@@ -114,11 +114,17 @@ impl RobotArguments {
         }
     }
 
-    /// The support from the flag, else from `fallback` (a log's sidecar).
-    fn support(&self, robot: &Robot, fallback: Option<&str>) -> Result<String, Error> {
+    /// The support from the flag, else from a log or its sidecar, else from a model file.
+    fn support(
+        &self,
+        robot: &Robot,
+        logged: Option<&str>,
+        file: Option<&ModelFile>,
+    ) -> Result<String, Error> {
         self.support
             .as_deref()
-            .or(fallback)
+            .or(logged)
+            .or(file.map(|file| file.support.as_str()))
             .map(str::to_string)
             .ok_or_else(|| {
                 let links: Vec<&str> = robot
@@ -142,13 +148,25 @@ impl RobotArguments {
     }
 
     /// Read the robot and build its model, saying on stderr what was noticed.
-    fn load(&self, model_file: Option<&std::path::Path>) -> Result<(Robot, Model), Error> {
+    fn load(&self, model_file: Option<&Path>) -> Result<(Robot, Model), Error> {
         let robot = Robot::read(&self.urdf)?;
-        let support = self.support(&robot, None)?;
-        let model = robot.model(&support, self.snapping(), model_file)?;
+        let file = read_model(&robot, model_file)?;
+        let support = self.support(&robot, None, file.as_ref())?;
+        let model = robot.model(&support, self.snapping(), file.as_ref())?;
         notes(&model);
         Ok((robot, model))
     }
+}
+
+/// The model file, if one is given: read once, for it may be a pipe.
+fn read_model(robot: &Robot, path: Option<&Path>) -> Result<Option<ModelFile>, Error> {
+    let Some(path) = path else {
+        return Ok(None);
+    };
+    let file = ModelFile::read(path)?;
+    // Said before its support is looked for in a robot that it does not belong to.
+    file.check_robot(&robot.description.hash, &robot.description.file)?;
+    Ok(Some(file))
 }
 
 /// Notes about the robot, on stderr.

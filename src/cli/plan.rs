@@ -63,7 +63,7 @@ pub(super) struct Arguments {
     /// Seed of the candidates
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Parameters to balance with; CAD unless given
+    /// Parameters to balance with, and their support unless --support is given; else CAD
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
     /// Posture file to write (.csv, .csv.gz or .parquet); its sidecar gets the same name with .toml

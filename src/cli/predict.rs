@@ -5,9 +5,9 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
-use sesc_codegen::{Function, Model};
+use sesc_codegen::{Function, ModelFile};
 
-use super::{Outcome, RobotArguments, message, notes, progress};
+use super::{Outcome, RobotArguments, message, notes, progress, read_model};
 use crate::Error;
 use crate::evaluate::Evaluator;
 use crate::posture_log::{Angles, Block, Options, PostureReader, Readings};
@@ -24,7 +24,7 @@ const BLOCK: usize = 4096;
 pub(super) struct Arguments {
     #[command(flatten)]
     robot: RobotArguments,
-    /// Identified parameters; CAD unless given
+    /// Identified parameters, and their support where neither --support nor the log says it; else CAD
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
     /// Posture log (CSV, gzip, Parquet, MCAP): a column per joint, rad and m
@@ -37,6 +37,7 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let robot = Robot::read(&arguments.robot.urdf)?;
+    let file = read_model(&robot, arguments.model.as_deref())?;
     // Joints are the same on every support: any model can match the header.
     let first = first_support(arguments, &robot)?;
     let dofs = robot
@@ -56,7 +57,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     };
     let mut reader = PostureReader::open(&arguments.data, &dofs, &options)?;
     warn(&mut reader);
-    let mut predictor = Predictor::new(arguments, &robot);
+    let mut predictor = Predictor {
+        arguments,
+        robot: &robot,
+        file: file.as_ref(),
+        evaluators: HashMap::new(),
+    };
     let bar = progress("predicting");
     let mut out = std::io::BufWriter::new(std::io::stdout().lock());
     let mut started = false;
@@ -111,25 +117,19 @@ fn warn(reader: &mut PostureReader) {
 fn first_support(arguments: &Arguments, robot: &Robot) -> Result<String, Error> {
     let links = &robot.description.robot.links;
     let first = links.first().map(|link| link.name.as_str());
-    arguments.robot.support(robot, first)
+    arguments.robot.support(robot, first, None)
 }
 
 /// Predictions on whatever support a row stands on.
 struct Predictor<'a> {
     arguments: &'a Arguments,
     robot: &'a Robot,
+    /// Identified parameters.
+    file: Option<&'a ModelFile>,
     evaluators: HashMap<String, (Evaluator, usize)>,
 }
 
-impl<'a> Predictor<'a> {
-    fn new(arguments: &'a Arguments, robot: &'a Robot) -> Self {
-        Predictor {
-            arguments,
-            robot,
-            evaluators: HashMap::new(),
-        }
-    }
-
+impl Predictor<'_> {
     /// CoM and CoP of each row: runs of rows on one support are evaluated together.
     fn block(&mut self, block: &Block) -> Result<Vec<[f64; 5]>, Error> {
         let dof = block.q.len() / block.len();
@@ -140,9 +140,9 @@ impl<'a> Predictor<'a> {
             let n = (start..block.len())
                 .take_while(|row| on(*row) == on(start))
                 .count();
-            // The flag wins, then the log.
             let logged = on(start).filter(|support| !support.is_empty());
-            let support = self.arguments.robot.support(self.robot, logged)?;
+            let arguments = &self.arguments.robot;
+            let support = arguments.support(self.robot, logged, self.file)?;
             let evaluator = self.evaluator(&support)?;
             let com = evaluator.run(&block.q[start * dof..(start + n) * dof], n);
             for (row, com) in (start..).zip(com.chunks_exact(3)) {
@@ -156,10 +156,8 @@ impl<'a> Predictor<'a> {
 
     fn evaluator(&mut self, support: &str) -> Result<&Evaluator, Error> {
         if !self.evaluators.contains_key(support) {
-            let file = self.arguments.model.as_deref();
-            let model: Model = self
-                .robot
-                .model(support, self.arguments.robot.snapping(), file)?;
+            let snapping = self.arguments.robot.snapping();
+            let model = self.robot.model(support, snapping, self.file)?;
             if self.evaluators.is_empty() {
                 notes(&model);
             }

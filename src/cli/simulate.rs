@@ -34,7 +34,7 @@ pub(super) struct Arguments {
     /// Seed of postures and noise
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Parameters of the simulated robot; CAD unless given
+    /// Parameters of the simulated robot, and their support unless --support is given; else CAD
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
     /// Log to write (.csv, .csv.gz or .parquet); its sidecar gets the same name with .toml
