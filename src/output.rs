@@ -1,53 +1,55 @@
 //! Files that appear whole or not at all.
 
-use std::fs;
+mod temporary;
+
+use std::fs::{self, File};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use tempfile::NamedTempFile;
-
 use crate::Error;
+use temporary::Temporary;
+pub use temporary::{tidy_when_interrupted, undisturbed};
 
 /// A file under construction: written beside its target, renamed at the end,
 /// removed if dropped before.
 pub struct NewFile {
-    path: PathBuf,
-    file: BufWriter<NamedTempFile>,
+    /// As the user calls it.
+    name: PathBuf,
+    /// Where it really goes.
+    place: PathBuf,
+    file: BufWriter<File>,
+    temporary: Temporary,
 }
 
 impl NewFile {
     /// Start a file that will become `path`.
     pub fn create(path: &Path) -> Result<NewFile, Error> {
         // Renaming would replace a link or a device itself, not what it stands for.
-        let path = &std::fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
-        if path.exists() && !path.is_file() {
+        let place = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+        if place.exists() && !place.is_file() {
             return Err(Error::Usage(format!(
                 "{} is no regular file; give the name of a file to write",
                 path.display()
             )));
         }
-        let folder = match path.parent() {
+        let folder = match place.parent() {
             Some(folder) if !folder.as_os_str().is_empty() => folder,
             _ => Path::new("."),
         };
-        let file = NamedTempFile::new_in(folder).map_err(|source| failed(path, source))?;
+        let (file, temporary) = Temporary::create(folder).map_err(|source| failed(path, source))?;
         Ok(NewFile {
-            path: path.to_path_buf(),
+            name: path.to_path_buf(),
+            place,
             file: BufWriter::new(file),
+            temporary,
         })
     }
 
-    /// Move the file to its place, readable like any other new file.
-    pub fn finish(self) -> Result<(), Error> {
-        let path = self.path;
-        let file = self
-            .file
-            .into_inner()
-            .map_err(|error| failed(&path, error.into_error()))?;
-        file.persist(&path)
-            .map_err(|error| failed(&path, error.error))?;
-        // Temporary files are private; a result is for everyone the folder is for.
-        open_to_readers(&path).map_err(|source| failed(&path, source))
+    /// Move the file to its place.
+    pub fn finish(mut self) -> Result<(), Error> {
+        let failed = |source| failed(&self.name, source);
+        self.file.flush().map_err(failed)?;
+        self.temporary.persist(&self.place).map_err(failed)
     }
 }
 
@@ -114,15 +116,4 @@ pub fn failed(path: &Path, source: std::io::Error) -> Error {
         file: path.display().to_string(),
         source,
     }
-}
-
-#[cfg(unix)]
-fn open_to_readers(path: &Path) -> std::io::Result<()> {
-    use std::os::unix::fs::PermissionsExt as _;
-    fs::set_permissions(path, fs::Permissions::from_mode(0o644))
-}
-
-#[cfg(not(unix))]
-fn open_to_readers(_: &Path) -> std::io::Result<()> {
-    Ok(())
 }

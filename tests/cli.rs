@@ -5,6 +5,8 @@
 mod command;
 #[path = "cli/model_files.rs"]
 mod model_files;
+#[path = "cli/unfinished.rs"]
+mod unfinished;
 
 use std::fs;
 use std::path::PathBuf;

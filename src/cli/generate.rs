@@ -9,6 +9,7 @@ use sesc_codegen::{Model, write_all_if_changed};
 
 use super::{Outcome, RobotArguments, message, print};
 use crate::Error;
+use crate::output;
 
 /// Write the functions of a robot as source code
 #[derive(Args)]
@@ -109,7 +110,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         .into_iter()
         .map(|(file, text)| (arguments.out.join(file), text))
         .collect();
-    let changed = write_all_if_changed(&files)?;
+    let changed = output::undisturbed(|| write_all_if_changed(&files))?;
     for ((path, _), changed) in files.iter().zip(changed) {
         if !changed {
             message(&format!("{} is up to date", path.display()));

@@ -20,6 +20,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use sesc_codegen::{Model, ModelFile, Snapping};
 
 use crate::Error;
+use crate::output;
 use crate::robot::Robot;
 
 /// Centre of mass by the statically equivalent serial chain: from a URDF to
@@ -54,6 +55,12 @@ enum Outcome {
 /// Run the command line of this process.
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
+    if let Err(error) = output::tidy_when_interrupted() {
+        // Results do not depend on it.
+        message(&format!(
+            "note: an interruption would leave files behind: {error}"
+        ));
+    }
     let outcome = match cli.command {
         Command::Inspect(arguments) => inspect::run(&arguments),
         Command::Generate(arguments) => generate::run(&arguments),
