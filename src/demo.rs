@@ -13,7 +13,8 @@ use sesc_reference::Reference;
 
 use crate::Error;
 use crate::evaluate::Evaluator;
-use crate::identify::fit::{self, Fit};
+use crate::identify::factor::Factor;
+use crate::identify::solve::{self, Estimate};
 use crate::report::{CopRow, DemoReport, Errors, FunctionRow, HeightRow, LengthRow};
 use crate::robot::{OP2_URDF, Robot};
 use crate::simulate::Simulator;
@@ -50,8 +51,8 @@ pub fn run(seed: u64, progress: impl Fn(usize, usize)) -> Result<Demo, Error> {
     let verification = verify::verify(&model, &reference, 5000, seed, progress);
 
     let study = Study::new(&model, &reference, seed);
-    let full = study.fit(Function::RegressorFull)?;
-    let base = study.fit(Function::RegressorCop)?;
+    let full = study.fit(Function::RegressorFull);
+    let base = study.fit(Function::RegressorCop);
     let report = DemoReport {
         robot: model.tree.robot.clone(),
         support: model.tree.links[model.tree.support].name.clone(),
@@ -128,19 +129,26 @@ impl<'m> Study<'m> {
         }
     }
 
-    /// Least squares on the x and y rows of `function`.
-    fn fit(&self, function: Function) -> Result<Fit, Error> {
+    /// Least squares on the x and y rows of `function`: minimum norm where they see nothing.
+    fn fit(&self, function: Function) -> Estimate {
         let rows = cop_rows(self.model, function, &self.fitted, POSTURES);
-        fit::least_squares(rows, &self.readings)
-            .ok_or_else(|| Error::Usage("the least-squares problem has no solution".into()))
+        let mut factor = Factor::new(rows.ncols());
+        factor.push(&rows, &self.readings, &[1.0; 2 * POSTURES]);
+        solve::solve(&factor, NOISE, &DVector::zeros(rows.ncols()), None)
+    }
+
+    /// Mean |error| against the readings fitted, m.
+    fn in_sample(&self, function: Function, fit: &Estimate) -> f64 {
+        let rows = cop_rows(self.model, function, &self.fitted, POSTURES);
+        (rows * &fit.params - &self.readings).abs().mean()
     }
 
     /// Predicted x, y, x, y, … of the held-out postures.
-    fn predicted(&self, function: Function, fit: &Fit) -> DVector<f64> {
+    fn predicted(&self, function: Function, fit: &Estimate) -> DVector<f64> {
         cop_rows(self.model, function, &self.held_out, HELD_OUT) * &fit.params
     }
 
-    fn errors(&self, full: &Fit, base: &Fit) -> Errors {
+    fn errors(&self, full: &Estimate, base: &Estimate) -> Errors {
         let truth = DVector::from_iterator(
             2 * HELD_OUT,
             self.truth.iter().flat_map(|com| [com[0], com[1]]),
@@ -154,7 +162,7 @@ impl<'m> Study<'m> {
         let measured = (&by_base - &self.held_out_readings).abs().mean();
         Errors {
             measured_mae_m: measured,
-            in_sample_mae_m: base.in_sample_mae,
+            in_sample_mae_m: self.in_sample(Function::RegressorCop, base),
             noise_mae_m: NOISE * (2.0 / std::f64::consts::PI).sqrt(),
             clean_rmse_base_m: rms(by_base - &truth),
             clean_rmse_full_m: rms(by_full - &truth),
@@ -163,7 +171,7 @@ impl<'m> Study<'m> {
         }
     }
 
-    fn cop_rows(&self, base: &Fit) -> Vec<CopRow> {
+    fn cop_rows(&self, base: &Estimate) -> Vec<CopRow> {
         let cad = Evaluator::new(self.model, Function::Cop).run(&self.held_out, SHOWN);
         let identified = self.predicted(Function::RegressorCop, base);
         let measured = &self.held_out_readings;
@@ -179,7 +187,7 @@ impl<'m> Study<'m> {
     }
 
     /// CoM heights of the held-out postures with the minimum-norm constant, m.
-    fn heights(&self, base: &Fit) -> Vec<f64> {
+    fn heights(&self, base: &Estimate) -> Vec<f64> {
         let params = base.params.as_slice().to_vec();
         let com = Evaluator::with_params(self.model, Function::Com, params);
         com.run(&self.held_out, HELD_OUT)
@@ -189,7 +197,7 @@ impl<'m> Study<'m> {
     }
 
     /// The constant that no flat CoP tells: minimum norm minus CAD, m.
-    fn height_offset(&self, base: &Fit) -> f64 {
+    fn height_offset(&self, base: &Estimate) -> f64 {
         let heights = self.heights(base);
         let sum: f64 = heights
             .iter()
@@ -199,7 +207,7 @@ impl<'m> Study<'m> {
         sum / HELD_OUT as f64
     }
 
-    fn height_rows(&self, base: &Fit) -> Vec<HeightRow> {
+    fn height_rows(&self, base: &Estimate) -> Vec<HeightRow> {
         let constant = self.model.base.params[2].cad - base.params[2];
         let heights = self.heights(base);
         (0..SHOWN)
@@ -243,7 +251,7 @@ fn functions(model: &Model, verification: &Verification) -> Vec<FunctionRow> {
 }
 
 /// ‖r_i‖ from CAD and as identified, body by body (the paper's Fig. 3a).
-fn lengths(model: &Model, full: &Fit, base: &Fit) -> Vec<LengthRow> {
+fn lengths(model: &Model, full: &Estimate, base: &Estimate) -> Vec<LengthRow> {
     let norm = |values: &mut dyn Iterator<Item = f64>| values.map(|x| x * x).sum::<f64>().sqrt();
     let row = |body: &sesc_codegen::chain::Body| {
         // Base parameters are named `link.axis`.

@@ -1,7 +1,8 @@
 //! The estimator of the runtime against the batch fit, on the OP2 on its right sole.
 
 use nalgebra::{DMatrix, DVector};
-use sesc::identify::fit::least_squares;
+use sesc::identify::factor::Factor;
+use sesc::identify::solve::{Estimate, solve};
 use sesc::robot::{OP2_URDF, Robot};
 use sesc::simulate::Simulator;
 use sesc_codegen::Snapping;
@@ -63,6 +64,13 @@ fn with_prior(data: &[(Row, f64)], prior_std: f64) -> (DMatrix<f64>, DVector<f64
     batch(&all, |i| if i < N { prior_std } else { STD })
 }
 
+/// What `sesc fit` makes of weighted rows without a prior.
+fn least_squares(rows: &DMatrix<f64>, readings: &DVector<f64>) -> Estimate {
+    let mut factor = Factor::new(rows.ncols());
+    factor.push(rows, readings, &vec![1.0; rows.nrows()]);
+    solve(&factor, 1.0, &DVector::zeros(rows.ncols()), None)
+}
+
 #[track_caller]
 fn agree(found: &Row, expected: &DVector<f64>, within: f64) {
     let worst: f64 = found
@@ -80,7 +88,7 @@ fn without_a_prior_it_is_the_batch_fit() {
     let mut estimator = Estimator::new();
     feed(&mut estimator, &data);
     let (rows, readings) = batch(&data, |_| STD);
-    let fit = least_squares(rows.clone(), &readings).unwrap();
+    let fit = least_squares(&rows, &readings);
     assert_eq!((estimator.rank(), fit.rank), (42, 42));
     let unseen: Vec<_> = (0..N).filter(|k| !estimator.seen()[*k]).collect();
     assert_eq!(unseen, [HEIGHT]);
@@ -239,7 +247,7 @@ fn forgetting_is_the_batch_fit_weighed_by_age() {
     feed(&mut estimator, &data);
     let age = |i: usize| 999 - i / 2;
     let (rows, readings) = batch(&data, |i| STD / lambda.powf(0.5 * age(i) as f64));
-    let fit = least_squares(rows, &readings).unwrap();
+    let fit = least_squares(&rows, &readings);
     agree(&estimator.params(), &fit.params, 1e-9);
 }
 

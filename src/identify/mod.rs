@@ -7,7 +7,6 @@
 
 pub mod corrected;
 pub mod factor;
-pub mod fit;
 pub mod gather;
 pub mod identification;
 pub mod limits;
