@@ -17,6 +17,7 @@ use sesc_codegen::standard::Shift;
 use super::factor::Factor;
 use super::measurement::{Measurement, Rows};
 use super::noise::Replicates;
+use super::postures::{Postures, Visit};
 use super::robust::Robust;
 use crate::Error;
 use crate::posture_log::Block;
@@ -75,14 +76,14 @@ pub struct Gathered {
     pub trusted: f64,
     /// What robust weights leave of the mean square of normal noise; 1 in a plain fit.
     pub consistency: f64,
-    /// Rows that share a `pose` with the row before but not its joint positions.
+    /// Rows that share a `pose` with an earlier row but not its joint positions.
     pub moved: u64,
+    /// Logs with more postures than can be known: those that come back later count anew.
+    #[serde(default)]
+    pub overfull: u64,
     #[serde(skip)]
-    last: Option<(i64, Vec<f64>)>,
+    pub(super) postures: Postures,
 }
-
-/// Repeated readings are of one posture up to this, rad or m: servos jitter.
-const JITTER: f64 = 0.02;
 
 /// Down-weighted postures worth listing.
 const LISTED: usize = 1000;
@@ -93,6 +94,12 @@ fn fold_of(pose: i64, folds: usize) -> usize {
     x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     ((x ^ (x >> 31)) % folds as u64) as usize
+}
+
+/// x and y of gravity's direction.
+fn lean(gravity: [f64; 3]) -> [f64; 2] {
+    let length = gravity.iter().map(|g| g * g).sum::<f64>().sqrt();
+    [gravity[0] / length, gravity[1] / length]
 }
 
 impl Gathered {
@@ -111,7 +118,8 @@ impl Gathered {
             trusted: 0.0,
             consistency: 1.0,
             moved: 0,
-            last: None,
+            overfull: 0,
+            postures: Postures::default(),
         }
     }
 
@@ -169,12 +177,17 @@ impl Gathered {
         let mut keys = Vec::with_capacity(block.len());
         for k in 0..block.len() {
             let support = block.support.as_ref().map_or("", |all| &all[k]);
-            keys.push(self.posture(block.pose[k], &block.q[k * dof..(k + 1) * dof]));
+            let gravity = block.gravity.as_ref().map_or([0.0; 2], |all| lean(all[k]));
+            let q = &block.q[k * dof..(k + 1) * dof];
+            let name = (block.pose[k], support);
+            let (posture, visit) = self.postures.of_row(name, q, gravity, self.moved);
+            keys.push(posture.key);
             // A reading that a robust fit rejects is no repeat.
             if trust[k] >= 0.5 {
                 self.replicates
-                    .push(block.pose[k], support, readings[k], std[k]);
+                    .push(&mut posture.group, readings[k], std[k]);
             }
+            self.moved += u64::from(visit == Visit::Moved);
             if block.std.is_some() {
                 self.stated += std[k][0] * std[k][0] + std[k][1] * std[k][1];
             }
@@ -184,24 +197,10 @@ impl Gathered {
         Ok(())
     }
 
-    /// What deals a row to its fold: its pose, or one of its own where the robot
-    /// moved although the pose says otherwise.
-    fn posture(&mut self, pose: i64, q: &[f64]) -> i64 {
-        if let Some((last, at)) = &self.last
-            && *last == pose
-            && at.iter().zip(q).any(|(a, b)| (a - b).abs() > JITTER)
-        {
-            self.moved += 1;
-            self.replicates.close();
-        }
-        self.last = Some((pose, q.to_vec()));
-        pose.wrapping_add((self.moved as i64).wrapping_mul(0x5851_f42d))
-    }
-
     /// The log that was read has ended: poses of the next one are others.
     pub fn end_log(&mut self) {
-        self.last = None;
-        self.replicates.close();
+        self.overfull += u64::from(self.postures.full());
+        self.postures.clear();
     }
 
     /// Rows to their folds.
@@ -308,6 +307,7 @@ impl Gathered {
         self.trusted += other.trusted;
         self.consistency = self.consistency.min(other.consistency);
         self.moved += other.moved;
+        self.overfull += other.overfull;
         Ok(())
     }
 

@@ -10,6 +10,7 @@ use super::limits::Limits;
 use super::masses::Masses;
 use super::noise::{self, LackOfFit};
 use super::physical;
+use super::postures;
 use super::prior::{Prior, Tolerances};
 use super::solve::{self, Estimate};
 use crate::evaluate::Evaluator;
@@ -200,9 +201,16 @@ pub fn identify_within(
     }
     if gathered.moved > 0 {
         warnings.push(format!(
-            "{} rows share the `pose` of the row before but not its joint positions: \
+            "{} rows share the `pose` of an earlier row but not its joint positions: \
              taken as postures of their own",
             gathered.moved
+        ));
+    }
+    if gathered.overfull > 0 {
+        warnings.push(format!(
+            "more than {} postures in a log: readings of the others are repeats only where \
+             their rows follow each other",
+            postures::MOST
         ));
     }
     let lack_of_fit = noise.lack_of_fit(gathered, leftover, df);

@@ -16,9 +16,12 @@ mod mass_tests;
 pub mod masses;
 pub mod measurement;
 pub mod noise;
+#[cfg(test)]
+mod noise_tests;
 mod non_negative;
 pub mod part;
 pub mod physical;
+pub mod postures;
 pub mod prior;
 pub mod quadratic;
 pub mod residuals;

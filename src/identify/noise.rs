@@ -9,9 +9,7 @@
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ChiSquared, ContinuousCDF as _, FisherSnedecor};
 
-/// Repeated readings of postures, gathered as they come.
-///
-/// Rows that follow each other with one `pose` and support are a group.
+/// Repeated readings of postures, summed as they come.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Replicates {
     /// Σ over groups and axes of squared distances from the group's mean, m².
@@ -22,54 +20,39 @@ pub struct Replicates {
     pub df: u64,
     /// Postures: groups of rows.
     pub groups: u64,
-    #[serde(skip)]
-    open: Option<Group>,
 }
 
-#[derive(Debug, Clone, PartialEq)]
-struct Group {
-    pose: i64,
-    support: String,
-    count: f64,
+/// Readings of one posture so far.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Group {
+    pub count: f64,
+    /// m
     mean: [f64; 2],
     weighted_mean: [f64; 2],
+    /// Σ of weights, 1/m².
     weight: [f64; 2],
 }
 
 impl Replicates {
-    /// A row with its reading and, where stated, its deviation (1 elsewhere), m.
-    pub fn push(&mut self, pose: i64, support: &str, reading: [f64; 2], std: [f64; 2]) {
-        let weight = std.map(|s| 1.0 / (s * s));
-        let same = |group: &&mut Group| group.pose == pose && group.support == support;
-        let Some(group) = self.open.as_mut().filter(same) else {
-            self.groups += 1;
-            self.open = Some(Group {
-                pose,
-                support: support.to_string(),
-                count: 1.0,
-                mean: reading,
-                weighted_mean: reading,
-                weight,
-            });
-            return;
-        };
-        // Welford: sums of squares about a mean that moves.
+    /// A row of `group` with its reading and, where stated, its deviation (1 elsewhere), m.
+    pub fn push(&mut self, group: &mut Group, reading: [f64; 2], std: [f64; 2]) {
+        match group.count {
+            0.0 => self.groups += 1,
+            _ => self.df += 2,
+        }
+        // Welford: sums of squares about a mean that moves. Nothing is added to
+        // them by the first row of a group.
         group.count += 1.0;
         for axis in 0..2 {
+            let weight = 1.0 / (std[axis] * std[axis]);
             let away = reading[axis] - group.mean[axis];
             group.mean[axis] += away / group.count;
             self.sum += away * (reading[axis] - group.mean[axis]);
             let away = reading[axis] - group.weighted_mean[axis];
-            group.weight[axis] += weight[axis];
-            group.weighted_mean[axis] += away * weight[axis] / group.weight[axis];
-            self.weighted_sum += weight[axis] * away * (reading[axis] - group.weighted_mean[axis]);
+            group.weight[axis] += weight;
+            group.weighted_mean[axis] += away * (weight / group.weight[axis]);
+            self.weighted_sum += weight * away * (reading[axis] - group.weighted_mean[axis]);
         }
-        self.df += 2;
-    }
-
-    /// No more rows of the posture at hand.
-    pub fn close(&mut self) {
-        self.open = None;
     }
 
     /// Add what another part of the data gathered.
@@ -78,7 +61,6 @@ impl Replicates {
         self.weighted_sum += other.weighted_sum;
         self.df += other.df;
         self.groups += other.groups;
-        self.open = None;
     }
 
     /// Standard deviation of a reading on one axis, m; `None` without repeats.
@@ -133,17 +115,35 @@ mod tests {
     use super::*;
 
     #[test]
-    fn groups_of_equal_poses_give_the_pure_error() {
+    fn groups_give_the_pure_error_in_whatever_order_they_come() {
+        // About their means 1, −1 and 2, −2 on x, nothing on y.
+        let rows = [(0, 5.0), (1, 0.0), (2, 100.0), (0, 3.0), (1, 4.0)];
+        let mut groups = vec![Group::default(); 3];
         let mut replicates = Replicates::default();
-        // Two groups; about their means 1, −1 and 2, −2 on x, nothing on y.
-        for (pose, x) in [(4, 5.0), (4, 3.0), (9, 0.0), (9, 4.0), (11, 100.0)] {
-            replicates.push(pose, "foot", [x, 7.0], [1.0, 1.0]);
+        for (group, x) in rows {
+            replicates.push(&mut groups[group], [x, 7.0], [1.0, 1.0]);
         }
         assert_eq!(replicates.groups, 3);
         assert_eq!(replicates.df, 4);
         assert!((replicates.sum - 10.0).abs() < 1e-12);
         assert!((replicates.weighted_sum - 10.0).abs() < 1e-12);
         assert!((replicates.deviation().unwrap() - 2.5_f64.sqrt()).abs() < 1e-12);
+    }
+
+    /// Σ w (y − ȳ)² with ȳ = Σ w y / Σ w.
+    #[test]
+    fn readings_count_by_their_stated_variances() {
+        let (mut group, mut replicates) = (Group::default(), Replicates::default());
+        for (x, std) in [(1.0, 0.5), (4.0, 1.0), (2.0, 2.0)] {
+            replicates.push(&mut group, [x, 0.0], [std, 1.0]);
+        }
+        // Weights 4, 1, 1/4; mean 34/21.
+        let mean = 34.0 / 21.0;
+        let sum: f64 = [(1.0, 4.0), (4.0, 1.0), (2.0, 0.25)]
+            .map(|(x, w): (f64, f64)| w * (x - mean).powi(2))
+            .iter()
+            .sum();
+        assert!((replicates.weighted_sum - sum).abs() < 1e-12);
     }
 
     /// Critical values from tables: F(0.95; 5, 10) = 3.3258, χ²(0.95; 10) = 18.307.
