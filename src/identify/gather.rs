@@ -9,7 +9,7 @@
 //! held-out error of fold k = ‖R_k r_(−k) − z_k‖² + ρ_k²        r_(−k) from the other folds
 //! ```
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
 use sesc_codegen::standard::Shift;
@@ -19,10 +19,11 @@ use super::measurement::{Measurement, Rows};
 use super::noise::Replicates;
 use super::postures::{Postures, Visit};
 use super::robust::Robust;
+use super::solve::{self, Estimate};
 use crate::Error;
 use crate::posture_log::Block;
 
-/// Rows of one fold.
+/// Rows of one fold, or of several.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Fold {
     /// Rows over their stated deviations.
@@ -35,6 +36,12 @@ impl Fold {
     /// Rows as they are.
     pub fn plain(&self) -> &Factor {
         self.plain.as_ref().unwrap_or(&self.weighted)
+    }
+
+    /// Estimate from these rows, whose deviations are `sigma` times those stated (m
+    /// where none are), and a prior with factor S about `cad`.
+    pub fn solve(&self, sigma: f64, cad: &DVector<f64>, prior: Option<&DMatrix<f64>>) -> Estimate {
+        solve::solve_weighted(&self.weighted, self.plain(), sigma, cad, prior)
     }
 }
 
@@ -81,9 +88,16 @@ pub struct Gathered {
     /// Logs with more postures than can be known: those that come back later count anew.
     #[serde(default)]
     pub overfull: u64,
+    /// Rows whose stated deviation no sensor has.
+    #[serde(default)]
+    pub tiny: u64,
     #[serde(skip)]
     pub(super) postures: Postures,
 }
+
+/// Stated deviations below this are taken for it, m: a row that weighs more would
+/// drown all others in rounding.
+pub const LEAST_STD: f64 = 1e-9;
 
 /// Down-weighted postures worth listing.
 const LISTED: usize = 1000;
@@ -119,6 +133,7 @@ impl Gathered {
             consistency: 1.0,
             moved: 0,
             overfull: 0,
+            tiny: 0,
             postures: Postures::default(),
         }
     }
@@ -161,13 +176,12 @@ impl Gathered {
             });
         }
         let rows = measurement.rows(block)?;
-        let ones = vec![[1.0; 2]; block.len()];
-        let std = block.std.as_ref().unwrap_or(&ones);
+        let std = self.deviations(block);
         self.readings += block.len() as u64;
         let trust = match robust {
             None => vec![1.0; block.len()],
             Some((robust, params)) => {
-                let weights = robust.weights(&rows, std, params);
+                let weights = robust.weights(&rows, &std, params);
                 self.consistency = robust.consistency();
                 self.name_outliers(block, &rows, &weights, params, file);
                 weights
@@ -193,8 +207,19 @@ impl Gathered {
             }
         }
         self.trusted += trust.iter().sum::<f64>();
-        self.deal(block.std.is_some(), &keys, &rows, std, &trust);
+        self.deal(block.std.is_some(), &keys, &rows, &std, &trust);
         Ok(())
+    }
+
+    /// Deviations of a block's rows, m; 1 where none are stated.
+    fn deviations(&mut self, block: &Block) -> Vec<[f64; 2]> {
+        let Some(stated) = &block.std else {
+            return vec![[1.0; 2]; block.len()];
+        };
+        let small = |std: &&[f64; 2]| std.iter().any(|s| *s < LEAST_STD);
+        self.tiny += stated.iter().filter(small).count() as u64;
+        let floored = stated.iter().map(|std| std.map(|s| s.max(LEAST_STD)));
+        floored.collect()
     }
 
     /// The log that was read has ended: poses of the next one are others.
@@ -308,6 +333,7 @@ impl Gathered {
         self.consistency = self.consistency.min(other.consistency);
         self.moved += other.moved;
         self.overfull += other.overfull;
+        self.tiny += other.tiny;
         Ok(())
     }
 
@@ -319,19 +345,19 @@ impl Gathered {
         }
     }
 
-    /// All folds but `without` together, rows over their deviations.
-    pub fn weighted(&self, without: Option<usize>) -> Factor {
-        let parts = self.folds.iter().enumerate();
-        let parts: Vec<&Factor> = parts
-            .filter(|(k, _)| Some(*k) != without)
-            .map(|(_, fold)| &fold.weighted)
-            .collect();
-        Factor::of(&parts, self.params())
-    }
-
-    /// All folds together, rows as they are.
-    pub fn plain(&self) -> Factor {
-        let parts: Vec<&Factor> = self.folds.iter().map(Fold::plain).collect();
-        Factor::of(&parts, self.params())
+    /// All folds but `without` together.
+    pub fn together(&self, without: Option<usize>) -> Fold {
+        let folds = || {
+            let all = self.folds.iter().enumerate();
+            all.filter(move |(k, _)| Some(*k) != without)
+                .map(|(_, fold)| fold)
+        };
+        let of = |parts: Vec<&Factor>| Factor::of(&parts, self.params());
+        Fold {
+            weighted: of(folds().map(|fold| &fold.weighted).collect()),
+            plain: folds()
+                .any(|fold| fold.plain.is_some())
+                .then(|| of(folds().map(Fold::plain).collect())),
+        }
     }
 }

@@ -5,14 +5,14 @@ use serde::Serialize;
 use sesc_codegen::{Model, ModelFile};
 
 use super::factor::Factor;
-use super::gather::{DownWeighted, Gathered, LogUsed};
+use super::gather::{self, DownWeighted, Fold, Gathered, LogUsed};
 use super::limits::Limits;
 use super::masses::Masses;
 use super::noise::{self, LackOfFit};
 use super::physical;
 use super::postures;
 use super::prior::{Prior, Tolerances};
-use super::solve::{self, Estimate};
+use super::solve::Estimate;
 use crate::evaluate::Evaluator;
 use crate::simulate::Simulator;
 
@@ -184,8 +184,9 @@ pub fn identify_within(
     limits: Option<&Limits>,
 ) -> Identification {
     let cad = DVector::from_vec(model.cad_params());
-    let whole = gathered.weighted(None);
-    let free = solve::solve(&whole, 1.0, &cad, None);
+    let together = gathered.together(None);
+    let (whole, plain) = (&together.weighted, together.plain());
+    let free = together.solve(1.0, &cad, None);
     let rows = whole.rows() as f64;
     // Rows that a robust fit trusts less count less.
     let df = 2.0 * gathered.trusted - free.rank as f64;
@@ -204,6 +205,14 @@ pub fn identify_within(
             "{} rows share the `pose` of an earlier row but not its joint positions: \
              taken as postures of their own",
             gathered.moved
+        ));
+    }
+    if gathered.tiny > 0 {
+        warnings.push(format!(
+            "{} rows state deviations below {:e} m, which no sensor has; that is taken for them: \
+             are they in metres?",
+            gathered.tiny,
+            gather::LEAST_STD
         ));
     }
     if gathered.overfull > 0 {
@@ -242,12 +251,12 @@ pub fn identify_within(
     let guessed = noise.source == NoiseSource::Unknown;
     let prior = settings.prior.factor(model);
     let mut failures = Vec::new();
-    let mut fit = |factor: &Factor| {
-        let mut estimate = solve::solve(factor, sigma, &cad, prior.as_ref());
+    let mut fit = |fold: &Fold| {
+        let mut estimate = fold.solve(sigma, &cad, prior.as_ref());
         let bounded = limits.map(|limits| {
             physical::constrain(
                 model,
-                factor,
+                &fold.weighted,
                 sigma,
                 &settings.prior,
                 limits,
@@ -266,7 +275,7 @@ pub fn identify_within(
             }
         }
     };
-    let (estimate, masses) = fit(&whole);
+    let (estimate, masses) = fit(&together);
     let held_out = held_out(gathered, |others| fit(others).0);
     if held_out.rmse > FAR * noise.floor && !guessed {
         warnings.push(format!(
@@ -281,7 +290,6 @@ pub fn identify_within(
             failures.len()
         ));
     }
-    let plain = gathered.plain();
     let rms = |sum: f64, rows: u64| (sum / rows.max(1) as f64).sqrt();
     // What data leave open is as uncertain as CAD usually is.
     let usual = Prior::Cad(Tolerances::usual()).factor(model);
@@ -419,14 +427,15 @@ struct HeldOut {
 }
 
 /// k-fold cross-validation on the folds' factors.
-fn held_out(gathered: &Gathered, mut fit: impl FnMut(&Factor) -> Estimate) -> HeldOut {
+fn held_out(gathered: &Gathered, mut fit: impl FnMut(&Fold) -> Estimate) -> HeldOut {
+    let all: u64 = gathered.folds.iter().map(|fold| fold.plain().rows()).sum();
     let mut folds: Vec<(f64, f64)> = Vec::new(); // mean square, rows
     for (k, fold) in gathered.folds.iter().enumerate() {
         let rows = fold.plain().rows();
-        if rows == 0 || rows == gathered.plain().rows() {
+        if rows == 0 || rows == all {
             continue;
         }
-        let estimate = fit(&gathered.weighted(Some(k)));
+        let estimate = fit(&gathered.together(Some(k)));
         let sum = fold.plain().residual_sum(&estimate.params);
         folds.push((sum / rows as f64, rows as f64));
     }

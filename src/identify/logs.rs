@@ -10,7 +10,6 @@ use super::gather::{Gathered, LogUsed};
 use super::measurement::Measurement;
 use super::prior::Prior;
 use super::robust::{self, Loss, MEDIAN_OF_PAIRS, Robust};
-use super::solve;
 use crate::Error;
 use crate::posture_log::{Options, PostureReader, Progress};
 use crate::robot::Robot;
@@ -65,8 +64,9 @@ impl<'r> Logs<'r> {
         let cad = DVector::from_vec(measurement.model().cad_params());
         let prior = prior(measurement.model())?.factor(measurement.model());
         let stated = gathered.has_deviations();
-        let rows = gathered.weighted(None).rows() as f64;
-        let free = solve::solve(&gathered.weighted(None), 1.0, &cad, None);
+        let whole = gathered.together(None);
+        let rows = whole.weighted.rows() as f64;
+        let free = whole.solve(1.0, &cad, None);
         let mut params = free.params;
         // What a fit takes up does not show in its residuals.
         let mut taken = free.rank as f64;
@@ -85,9 +85,9 @@ impl<'r> Logs<'r> {
             let robust = Robust { loss, scale };
             let weights = Some((&robust, &params));
             gathered = self.pass(&mut measurement, weights, "reweighting", false, watch)?;
-            let whole = gathered.weighted(None);
-            let next = solve::solve(&whole, scale, &cad, prior.as_ref());
-            let r = whole.r();
+            let whole = gathered.together(None);
+            let next = whole.solve(scale, &cad, prior.as_ref());
+            let r = whole.weighted.r();
             taken = (&r * &next.covariance * r.transpose()).trace() / (scale * scale);
             let rms = (&r * (&next.params - &params)).norm() / rows.sqrt();
             params = next.params;

@@ -1,8 +1,8 @@
-//! Noise and repeats, on a small robot, judged by closed forms.
+//! Noise, repeats and what is seen, on a small robot, judged by closed forms.
 
 use std::collections::BTreeMap;
 
-use nalgebra::{DVector, Vector2};
+use nalgebra::{DMatrix, DVector, Vector2};
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, Normal};
@@ -13,6 +13,7 @@ use super::identification::NoiseSource;
 use super::measurement::Measurement;
 use super::postures::Postures;
 use super::prior::Prior;
+use super::solve::solve;
 use super::{Identification, Settings, identify};
 use crate::posture_log::Block;
 use crate::robot::Robot;
@@ -222,4 +223,39 @@ fn more_postures_than_can_be_known_are_said() {
         said.contains("more than 200000 postures in a log"),
         "{said}"
     );
+}
+
+/// A knee that hardly moves is seen at 1e-4 of the rest: a row that is said to be
+/// 1e7 times better than all others hides it only where rank is cut on weights.
+#[test]
+fn a_row_said_to_be_exact_hides_no_other() {
+    let skew = Skew::new();
+    let still = |k: usize| (k as i64, [posture(k)[0], 1e-4 * posture(k)[1]]);
+    let poses: Vec<_> = (0..30).map(still).collect();
+    let mut std = vec![0.01; 30];
+    std[11] = 1e-300;
+    let mut block = skew.log(&poses, &std, &mut ChaCha8Rng::seed_from_u64(4));
+    block.std = Some(std.iter().map(|s| [*s; 2]).collect());
+    let gathered = skew.gather(&[&block]);
+    let weighted = gathered.together(None).weighted;
+    assert!(solve(&weighted, 1.0, &skew.truth, None).rank < RANK);
+    let found = skew.identify(&gathered);
+    assert_eq!(found.rank, RANK);
+    let said = found.warnings.join("\n");
+    assert!(
+        said.contains("1 rows state deviations below 1e-9 m"),
+        "{said}"
+    );
+    for (parameter, truth) in found.parameters.iter().zip(&skew.truth) {
+        if let Some(std) = parameter.std {
+            assert!(std.is_finite() && (parameter.value - truth).abs() < 4.0 * std + 1e-6);
+        }
+    }
+    // Without that row it is what stated deviations of one size give.
+    block.std = None;
+    let plain = skew.identify(&skew.gather(&[&block]));
+    assert_eq!(plain.rank, RANK);
+    assert!((plain.condition_number / found.condition_number - 1.0).abs() < 1e-9);
+    let blind = |found: &Identification| -> DMatrix<f64> { found.estimate.unseen.clone() };
+    assert!((blind(&plain).tr_mul(&blind(&found))[(0, 0)].abs() - 1.0).abs() < 1e-9);
 }

@@ -7,7 +7,9 @@
 //! ```
 //!
 //! Without a prior the same by singular values of R: directions below
-//! [`UNSEEN`] of the largest stay at CAD.
+//! [`UNSEEN`] of the largest stay at CAD. What is seen is a matter of postures,
+//! not of weights: it is decided on rows as they are, so that a row with an
+//! absurdly small deviation hides no other.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -15,6 +17,10 @@ use super::factor::Factor;
 
 /// Singular values below this, relative to the largest, are not seen.
 pub const UNSEEN: f64 = 1e-10;
+
+/// Weighted singular values below this, relative to the largest and per parameter,
+/// are rounding.
+const LOST: f64 = 4.0 * f64::EPSILON;
 
 /// What data and prior say together.
 #[derive(Debug, Clone)]
@@ -31,48 +37,33 @@ pub struct Estimate {
     pub unseen: DMatrix<f64>,
 }
 
-/// Estimate from weighted rows (σ = 1 where weights are 1/σ already).
+/// Estimate from rows that count alike, or all with one deviation.
 ///
-/// `prior` is the factor S of the prior covariance about `cad`.
+/// `sigma` is that of the rows (1 where they are over it already); `prior` is the
+/// factor S of the prior covariance about `cad`.
 pub fn solve(
     factor: &Factor,
     sigma: f64,
     cad: &DVector<f64>,
     prior: Option<&DMatrix<f64>>,
 ) -> Estimate {
-    let p = factor.params();
-    let svd = factor.r().svd(true, true);
-    let largest = svd.singular_values.max();
-    let seen = |k: &usize| svd.singular_values[*k] > UNSEEN * largest;
-    let (seen, blind): (Vec<usize>, Vec<usize>) = (0..p).partition(seen);
-    let v = svd
-        .v_t
-        .as_ref()
-        .map_or_else(|| DMatrix::identity(p, p), DMatrix::transpose);
-    let smallest = seen
-        .iter()
-        .map(|&k| svd.singular_values[k])
-        .fold(largest, f64::min);
-    let unseen = v.select_columns(&blind);
+    solve_weighted(factor, factor, sigma, cad, prior)
+}
+
+/// The same from rows over deviations of their own; `plain` has them as they are.
+pub fn solve_weighted(
+    factor: &Factor,
+    plain: &Factor,
+    sigma: f64,
+    cad: &DVector<f64>,
+    prior: Option<&DMatrix<f64>>,
+) -> Estimate {
+    let seen = Seen::by(plain, factor);
     let away = factor.z() - factor.r() * cad;
     let (params, covariance) = match prior {
-        None => {
-            let u = svd
-                .u
-                .as_ref()
-                .map_or_else(|| DMatrix::identity(p, p), Clone::clone);
-            let inverse = |k: usize| 1.0 / svd.singular_values[k];
-            let mut half = v.select_columns(&seen);
-            let mut step = DVector::zeros(p);
-            for (to, &k) in seen.iter().enumerate() {
-                let along = u.column(k).dot(&away) * inverse(k);
-                step.axpy(along, &v.column(k), 1.0);
-                half.column_mut(to).scale_mut(sigma * inverse(k));
-            }
-            (cad + step, &half * half.transpose())
-        }
+        None => seen.step(factor, sigma, &away),
         Some(s) => {
-            let m = s.ncols();
+            let (p, m) = s.shape();
             let mut stacked = DMatrix::zeros(p + m, m);
             stacked.rows_mut(0, p).copy_from(&(factor.r() * s / sigma));
             stacked.rows_mut(p, m).fill_with_identity();
@@ -83,15 +74,85 @@ pub fn solve(
             let u = u.unwrap_or_else(|| DVector::zeros(m));
             let half = r.transpose().solve_lower_triangular(&s.transpose());
             let half = half.unwrap_or_else(|| DMatrix::zeros(m, p)).transpose();
-            (cad + s * u, &half * half.transpose())
+            (s * u, &half * half.transpose())
         }
     };
     Estimate {
-        params,
+        params: cad + params,
         covariance,
-        rank: seen.len(),
-        condition_number: largest / smallest,
-        unseen,
+        rank: seen.basis.ncols(),
+        condition_number: seen.condition_number,
+        unseen: seen.blind,
+    }
+}
+
+/// What rows see, and what they do not.
+struct Seen {
+    /// Orthonormal columns, p × rank.
+    basis: DMatrix<f64>,
+    /// p × (p − rank)
+    blind: DMatrix<f64>,
+    condition_number: f64,
+}
+
+impl Seen {
+    /// By the singular values of `plain`, less what `weighted` gives no weight at all.
+    fn by(plain: &Factor, weighted: &Factor) -> Seen {
+        let p = plain.params();
+        let svd = plain.r().svd(false, true);
+        let values = svd.singular_values;
+        let largest = values.max();
+        let (seen, blind): (Vec<usize>, Vec<usize>) =
+            (0..p).partition(|&k| values[k] > UNSEEN * largest);
+        let smallest = seen.iter().map(|&k| values[k]).fold(largest, f64::min);
+        let v = svd
+            .v_t
+            .map_or_else(|| DMatrix::identity(p, p), |v| v.transpose());
+        let mut found = Seen {
+            basis: v.select_columns(&seen),
+            blind: v.select_columns(&blind),
+            condition_number: largest / smallest,
+        };
+        if !std::ptr::eq(plain, weighted) {
+            found.weigh(weighted);
+        }
+        found
+    }
+
+    /// Rows that a robust fit rejects have no weight, and may be all that saw a direction.
+    fn weigh(&mut self, weighted: &Factor) {
+        let svd = (weighted.r() * &self.basis).svd(false, true);
+        let values = svd.singular_values;
+        let least = LOST * weighted.params() as f64 * values.max();
+        let (seen, lost): (Vec<usize>, Vec<usize>) =
+            (0..values.len()).partition(|&k| values[k] > least);
+        let Some(v) = svd.v_t.filter(|_| !lost.is_empty()) else {
+            return;
+        };
+        let v = &self.basis * v.transpose();
+        let blind: Vec<_> = self.blind.column_iter().collect();
+        let lost: Vec<_> = lost.iter().map(|&k| v.column(k)).collect();
+        self.blind = DMatrix::from_columns(&[blind, lost].concat());
+        self.basis = v.select_columns(&seen);
+    }
+
+    /// Step from where `away` is left over, in the directions seen, and its covariance.
+    fn step(
+        &self,
+        factor: &Factor,
+        sigma: f64,
+        away: &DVector<f64>,
+    ) -> (DVector<f64>, DMatrix<f64>) {
+        let p = factor.params();
+        let svd = (factor.r() * &self.basis).svd(true, true);
+        let (Some(u), Some(v_t)) = (&svd.u, &svd.v_t) else {
+            return (DVector::zeros(p), DMatrix::zeros(p, p));
+        };
+        let inverse = svd.singular_values.map(|value| 1.0 / value);
+        let along = u.tr_mul(away).component_mul(&inverse);
+        let v = &self.basis * v_t.transpose();
+        let half = &v * DMatrix::from_diagonal(&(inverse * sigma));
+        (v * along, &half * half.transpose())
     }
 }
 
@@ -142,5 +203,50 @@ mod tests {
         assert!((found.unseen.column(0).dot(&direction).abs() - direction.norm()).abs() < 1e-12);
         let residual = blind.transpose() * (&blind * &found.params - reading);
         assert!(residual.norm() < 1e-12);
+    }
+
+    /// A row that is said to be exact becomes a constraint; the others tell the rest.
+    #[test]
+    fn a_row_with_an_absurd_deviation_hides_no_other() {
+        let (matrix, reading, plain) = data();
+        let mut weights = [1.0; 30];
+        weights[7] = 1e11;
+        let mut weighted = Factor::new(3);
+        weighted.push(&matrix, &reading, &weights);
+        let cad = DVector::from_vec(vec![0.5, -0.5, 0.1]);
+        let found = solve_weighted(&weighted, &plain, 1.0, &cad, None);
+        assert_eq!((found.rank, found.unseen.ncols()), (3, 0));
+        assert!(found.condition_number < 10.0);
+        // Lagrange: [AᵀA aᵀ; a 0] [r; λ] = [Aᵀ y; y_7] over the other rows.
+        let others = matrix.clone().remove_row(7);
+        let mut bordered = DMatrix::zeros(4, 4);
+        bordered
+            .view_mut((0, 0), (3, 3))
+            .copy_from(&others.tr_mul(&others));
+        bordered.view_mut((3, 0), (1, 3)).copy_from(&matrix.row(7));
+        bordered
+            .view_mut((0, 3), (3, 1))
+            .copy_from(&matrix.row(7).transpose());
+        let right = others.tr_mul(&reading.clone().remove_row(7));
+        let right = right.push(reading[7]);
+        let exact = bordered.lu().solve(&right).unwrap().remove_row(3);
+        // Of the other rows' sixteen digits the weight leaves five.
+        assert!((&found.params - exact).norm() < 1e-4, "{}", found.params);
+        // Their own deviations are those of two directions that they tell.
+        let along = matrix.row(7).transpose().normalize();
+        assert!((&found.covariance * &along).norm() < 1e-4 * found.covariance.norm());
+    }
+
+    /// A row of no weight shows nothing, whatever its posture would.
+    #[test]
+    fn a_row_without_weight_is_not_seen() {
+        let mut plain = Factor::new(2);
+        let rows = DMatrix::identity(2, 2);
+        plain.push(&rows, &DVector::from_vec(vec![1.0, 2.0]), &[1.0; 2]);
+        let mut weighted = Factor::new(2);
+        weighted.push(&rows, &DVector::from_vec(vec![1.0, 2.0]), &[1.0, 0.0]);
+        let found = solve_weighted(&weighted, &plain, 1.0, &DVector::zeros(2), None);
+        assert_eq!((found.rank, found.unseen.ncols()), (1, 1));
+        assert!((found.params - DVector::from_vec(vec![1.0, 0.0])).norm() < 1e-14);
     }
 }
