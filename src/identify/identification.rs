@@ -8,7 +8,8 @@ use super::factor::Factor;
 use super::gather::{self, DownWeighted, Fold, Gathered, LogUsed};
 use super::limits::Limits;
 use super::masses::Masses;
-use super::noise::{self, LackOfFit};
+use super::noise::LackOfFit;
+use super::noise_level::{Leftover, Noise, UNLIKELY, widening};
 use super::physical;
 use super::postures;
 use super::prior::{Prior, Tolerances};
@@ -34,7 +35,7 @@ pub enum NoiseSource {
     Given,
     /// Columns of standard deviations.
     Stated,
-    /// Repeated readings.
+    /// Repeated readings, with what a fit leaves where that is of one size with them.
     Replicates,
     /// What a fit without prior leaves.
     Residuals,
@@ -48,7 +49,7 @@ pub struct ParameterFound {
     pub name: String,
     /// m
     pub value: f64,
-    /// m; none where neither data nor prior say anything.
+    /// m, ± 1.96 of them hold 95 %; none where neither data nor prior say anything.
     pub std: Option<f64>,
     /// m
     pub cad: f64,
@@ -116,6 +117,8 @@ pub struct Identification {
     /// Noise of a reading on one axis, m.
     pub noise_floor: f64,
     pub noise_source: NoiseSource,
+    /// Degrees of freedom it was estimated with; none where it is stated or guessed.
+    pub noise_df: Option<f64>,
     pub lack_of_fit: Option<LackOfFit>,
     /// Deviations of parameters are larger by this, because the model leaves more than noise.
     pub inflation: f64,
@@ -156,14 +159,8 @@ const CORRELATED: f64 = 0.9;
 const CORRELATIONS: usize = 20;
 /// Postures over which errors are expected.
 const SAMPLES: usize = 2000;
-/// A model that leaves more than noise with less than this chance is said to.
-const UNLIKELY: f64 = 1e-3;
 /// Held-out errors beyond this many times the noise deserve a word.
 const FAR: f64 = 2.0;
-/// A noise of zero would leave nothing to weigh a prior against, m.
-const LEAST_NOISE: f64 = 1e-9;
-/// Rows beyond the rank without which residuals say nothing of noise.
-const FEWEST: f64 = 5.0;
 
 /// Fit `gathered` and say what was found.
 pub fn identify(
@@ -188,47 +185,28 @@ pub fn identify_within(
     let (whole, plain) = (&together.weighted, together.plain());
     let free = together.solve(1.0, &cad, None);
     let rows = whole.rows() as f64;
-    // Rows that a robust fit trusts less count less.
-    let df = 2.0 * gathered.trusted - free.rank as f64;
-    let leftover = whole.residual_sum(&free.params) / gathered.consistency;
+    let left = Leftover {
+        sum: whole.residual_sum(&free.params) / gathered.consistency,
+        // Rows that a robust fit trusts less count less.
+        df: 2.0 * gathered.trusted - free.rank as f64,
+        of_cad: (whole.residual_sum(&cad) / rows).sqrt(),
+    };
     let mut warnings = Vec::new();
-    let from_cad = whole.residual_sum(&cad) / rows;
-    let noise = Noise::of(gathered, settings, leftover, df, from_cad.sqrt());
+    let noise = Noise::of(gathered, settings.noise, left);
     if noise.understated > 1.0 {
         warnings.push(format!(
             "repeated readings scatter {:.1} times as much as is stated; the scatter is taken",
             noise.understated
         ));
     }
-    if gathered.moved > 0 {
-        warnings.push(format!(
-            "{} rows share the `pose` of an earlier row but not its joint positions: \
-             taken as postures of their own",
-            gathered.moved
-        ));
-    }
-    if gathered.tiny > 0 {
-        warnings.push(format!(
-            "{} rows state deviations below {:e} m, which no sensor has; that is taken for them: \
-             are they in metres?",
-            gathered.tiny,
-            gather::LEAST_STD
-        ));
-    }
-    if gathered.overfull > 0 {
-        warnings.push(format!(
-            "more than {} postures in a log: readings of the others are repeats only where \
-             their rows follow each other",
-            postures::MOST
-        ));
-    }
-    let lack_of_fit = noise.lack_of_fit(gathered, leftover, df);
+    warnings.extend(oddities(gathered));
+    let lack_of_fit = noise.lack_of_fit(gathered, left);
     let misfit = lack_of_fit.filter(|test| test.p_value < UNLIKELY && test.ratio > 1.0);
     // All that is left over counts as noise then.
     let inflation = match misfit {
         // Repeats of a posture are no evidence of their own about what is missing.
         Some(test) if test.df_noise.is_some() => test.ratio.sqrt(),
-        Some(_) => (leftover / df).sqrt() / noise.sigma,
+        Some(_) => (left.sum / left.df).sqrt() / noise.sigma,
         None => 1.0,
     };
     let inflation = inflation.max(1.0);
@@ -247,7 +225,8 @@ pub fn identify_within(
             inflation
         ));
     }
-    let sigma = noise.sigma * inflation;
+    let told_by = misfit.map_or(noise.df, |test| test.df);
+    let sigma = noise.sigma * inflation * widening(told_by);
     let guessed = noise.source == NoiseSource::Unknown;
     let prior = settings.prior.factor(model);
     let mut failures = Vec::new();
@@ -317,6 +296,7 @@ pub fn identify_within(
         prior: settings.prior.sentence(),
         noise_floor: noise.floor,
         noise_source: noise.source,
+        noise_df: noise.df.is_finite().then_some(noise.df),
         lack_of_fit,
         inflation,
         held_out_rmse: held_out.rmse,
@@ -342,82 +322,32 @@ pub fn identify_within(
     }
 }
 
-/// The noise of a reading.
-struct Noise {
-    /// In units of the weights: 1 where rows are over their deviations.
-    sigma: f64,
-    /// RMS over readings and axes, m.
-    floor: f64,
-    source: NoiseSource,
-    /// How many times the stated noise repeated readings scatter, where that is no chance.
-    understated: f64,
-}
-
-impl Noise {
-    fn of(
-        gathered: &Gathered,
-        settings: &Settings,
-        leftover: f64,
-        df: f64,
-        from_cad: f64,
-    ) -> Noise {
-        let axes = 2.0 * gathered.readings.max(1) as f64;
-        let stated = (gathered.stated / axes).sqrt();
-        let (sigma, floor, source) = match (settings.noise, gathered.replicates.deviation()) {
-            // A given noise rescales what rows state of themselves.
-            (Some(given), _) if gathered.has_deviations() => {
-                (given / stated, given, NoiseSource::Given)
-            }
-            (Some(given), _) => (given, given, NoiseSource::Given),
-            _ if gathered.has_deviations() => (1.0, stated, NoiseSource::Stated),
-            (None, Some(seen)) if gathered.replicates.df >= 10 && seen > 0.0 => {
-                (seen, seen, NoiseSource::Replicates)
-            }
-            _ if df >= FEWEST && leftover > 0.0 => {
-                let seen = (leftover / df).sqrt();
-                (seen, seen, NoiseSource::Residuals)
-            }
-            // All that is known: readings are off CAD by this.
-            _ => {
-                let seen = from_cad.max(LEAST_NOISE);
-                (seen, seen, NoiseSource::Unknown)
-            }
-        };
-        let replicates = &gathered.replicates;
-        let pure = match gathered.has_deviations() {
-            true => replicates.weighted_sum,
-            false => replicates.sum,
-        };
-        let of_repeats = noise::excess(pure / (sigma * sigma), replicates.df as f64);
-        let understated = match of_repeats.filter(|test| test.p_value < UNLIKELY) {
-            Some(test) if source != NoiseSource::Replicates => test.ratio.sqrt().max(1.0),
-            _ => 1.0,
-        };
-        Noise {
-            sigma: sigma * understated,
-            floor: floor * understated,
-            source: match understated > 1.0 {
-                true => NoiseSource::Replicates,
-                false => source,
-            },
-            understated,
-        }
+/// What is odd about the rows.
+fn oddities(gathered: &Gathered) -> Vec<String> {
+    let mut said = Vec::new();
+    if gathered.moved > 0 {
+        said.push(format!(
+            "{} rows share the `pose` of an earlier row but not its joint positions: \
+             taken as postures of their own",
+            gathered.moved
+        ));
     }
-
-    fn lack_of_fit(&self, gathered: &Gathered, leftover: f64, df: f64) -> Option<LackOfFit> {
-        let replicates = &gathered.replicates;
-        let pure = match gathered.has_deviations() {
-            true => replicates.weighted_sum,
-            false => replicates.sum,
-        };
-        let by_repeats = noise::lack_of_fit(leftover, df, (pure, replicates.df));
-        match self.source {
-            NoiseSource::Residuals | NoiseSource::Unknown => None,
-            NoiseSource::Replicates => by_repeats,
-            // Repeats know better than a statement; without them the statement is all.
-            _ => by_repeats.or_else(|| noise::excess(leftover / self.sigma.powi(2), df)),
-        }
+    if gathered.tiny > 0 {
+        said.push(format!(
+            "{} rows state deviations below {:e} m, which no sensor has; that is taken for them: \
+             are they in metres?",
+            gathered.tiny,
+            gather::LEAST_STD
+        ));
     }
+    if gathered.overfull > 0 {
+        said.push(format!(
+            "more than {} postures in a log: readings of the others are repeats only where \
+             their rows follow each other",
+            postures::MOST
+        ));
+    }
+    said
 }
 
 struct HeldOut {

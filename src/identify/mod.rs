@@ -16,6 +16,7 @@ mod mass_tests;
 pub mod masses;
 pub mod measurement;
 pub mod noise;
+mod noise_level;
 #[cfg(test)]
 mod noise_tests;
 mod non_negative;

@@ -154,8 +154,10 @@ fn poses_that_come_back_are_repeats() {
     assert_eq!((test.df, test.df_noise), (df, Some(df_pure)));
     let ratio = (lack / df) / (pure / df_pure);
     assert!((test.ratio - ratio).abs() < 1e-9 * ratio);
+    // They agree, so that all of it is noise.
     assert_eq!(found.noise_source, NoiseSource::Replicates);
-    let floor = (pure / df_pure).sqrt();
+    assert_eq!(found.noise_df, Some(df + df_pure));
+    let floor = ((lack + pure) / (df + df_pure)).sqrt();
     assert!((found.noise_floor - floor).abs() < 1e-12);
 
     // In the order of poses, or cut in two, they tell the same.
@@ -223,6 +225,54 @@ fn more_postures_than_can_be_known_are_said() {
         said.contains("more than 200000 postures in a log"),
         "{said}"
     );
+}
+
+/// Share of 95 % intervals that hold the truth, of 500 logs.
+fn coverage(poses: &[(i64, [f64; 2])]) -> (f64, Identification) {
+    let skew = Skew::new();
+    let std = vec![0.002; poses.len()];
+    let (mut inside, mut all, mut last) = (0, 0, None);
+    for seed in 0..500 {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let found = skew.identify(&skew.gather(&[&skew.log(poses, &std, &mut rng)]));
+        for (parameter, truth) in found.parameters.iter().zip(&skew.truth) {
+            if let Some(std) = parameter.std {
+                all += 1;
+                inside += usize::from((parameter.value - truth).abs() < 1.96 * std);
+            }
+        }
+        last = Some(found);
+    }
+    assert_eq!(all, 500 * RANK);
+    (
+        f64::from(inside as u32) / f64::from(all as u32),
+        last.unwrap(),
+    )
+}
+
+/// Twelve degrees of freedom and no more: three postures, which settle six
+/// directions, three times each. Normal intervals of such a noise hold 92.6 %.
+#[test]
+fn intervals_are_honest_when_few_repeats_tell_the_noise() {
+    let poses: Vec<_> = (0..9).map(|k| ((k % 3) as i64, posture(k % 3))).collect();
+    let (share, found) = coverage(&poses);
+    println!("repeats alone: {share:.4} of the intervals hold the truth");
+    assert_eq!((found.rank, found.noise_df), (RANK, Some(12.0)));
+    assert_eq!(found.noise_source, NoiseSource::Replicates);
+    assert!((0.93..=0.97).contains(&share), "{share}");
+}
+
+/// Twelve of repeats, and more of residuals that are of one size with them.
+#[test]
+fn few_repeats_are_not_taken_alone() {
+    let poses: Vec<_> = (0..26)
+        .map(|k| ((k % 20) as i64, posture(k % 20)))
+        .collect();
+    let (share, found) = coverage(&poses);
+    println!("repeats and residuals: {share:.4} of the intervals hold the truth");
+    assert_eq!(found.lack_of_fit.unwrap().df_noise, Some(12.0));
+    assert_eq!(found.noise_df, Some((2 * 26 - RANK) as f64));
+    assert!((0.93..=0.97).contains(&share), "{share}");
 }
 
 /// A knee that hardly moves is seen at 1e-4 of the rest: a row that is said to be

@@ -6,6 +6,9 @@ use crate::identify::Identification;
 use crate::identify::identification::NoiseSource;
 use crate::report::table::Table;
 
+/// Degrees of freedom that are worth a word.
+const FEW: f64 = 50.0;
+
 /// Parameters, and everything that must be said with them.
 pub fn text(found: &Identification) -> String {
     let mut out = String::new();
@@ -165,13 +168,18 @@ fn facts(found: &Identification) -> String {
     out
 }
 
-fn source(found: &Identification) -> &'static str {
-    match found.noise_source {
+/// Where the noise comes from, and how well it is known where that is little.
+fn source(found: &Identification) -> String {
+    let from = match found.noise_source {
         NoiseSource::Given => "as given",
         NoiseSource::Stated => "as the log states",
         NoiseSource::Replicates => "from repeated readings",
         NoiseSource::Residuals => "from what a fit without prior leaves",
         NoiseSource::Unknown => "not known",
+    };
+    match found.noise_df.filter(|df| *df < FEW) {
+        Some(df) => format!("{from} with {df:.0} degrees of freedom"),
+        None => from.to_string(),
     }
 }
 
