@@ -6,7 +6,8 @@ mod command;
 
 use std::fs;
 
-use command::{ROOT, folder, op2, refused, sesc, write};
+use command::{ROOT, folder, op2, refused, sesc, stdout, write};
+use serde_json::Value;
 
 #[test]
 fn bad_logs_are_refused_by_line_and_column() {
@@ -175,6 +176,76 @@ fn bad_robots_and_usage_exit_with_two_and_write_nothing() {
         0,
         "nothing was written"
     );
+}
+
+/// What was settled when factor files were gathered cannot be asked for anew.
+#[test]
+fn factor_files_refuse_what_they_have_settled() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    let (urdf, log, part) = (
+        format!("{ROOT}/robots/two_link/two_link.urdf"),
+        at("log.csv"),
+        at("a.part"),
+    );
+    let fit = |words: &[&str]| sesc(&[&["fit"], words].concat());
+    stdout(&sesc(&[
+        "simulate",
+        &urdf,
+        "--support",
+        "foot",
+        "--poses",
+        "40",
+        "--noise",
+        "0.001",
+        "--out",
+        &log,
+    ]));
+    let gather = [&urdf, "--data", &log, "--folds", "4", "--partial", &part];
+    stdout(&fit(&gather));
+    refused(
+        &fit(&[&part, "--folds", "5"]),
+        &["--folds 5", "in 4", "--partial"],
+    );
+    refused(
+        &fit(&[&part, "--degrees"]),
+        &["--degrees", "no angles", "--partial"],
+    );
+    refused(
+        &fit(&[&part, "--no-snap"]),
+        &["--no-snap", "right angles made exact"],
+    );
+    refused(&fit(&[&part, "--robust", "huber"]), &["--robust", "--data"]);
+    let folds = |words: &[&str]| {
+        let json: Value = serde_json::from_str(&stdout(&fit(words))).unwrap();
+        json["folds"].as_u64()
+    };
+    assert_eq!(folds(&[&part, "--json"]), Some(4));
+    assert_eq!(folds(&[&part, "--folds", "4", "--json"]), Some(4));
+    // A log that is added is dealt as the parts are.
+    let more = at("more.csv");
+    stdout(&sesc(&[
+        "simulate",
+        &urdf,
+        "--support",
+        "foot",
+        "--poses",
+        "40",
+        "--noise",
+        "0.001",
+        "--seed",
+        "2",
+        "--out",
+        &more,
+    ]));
+    assert_eq!(folds(&[&part, "--data", &more, "--json"]), Some(4));
+    // Gathering settles nothing about these.
+    for word in ["--noise", "--range"] {
+        refused(
+            &fit(&[&gather[..], &[word, "1"]].concat()),
+            &[word, "--partial"],
+        );
+    }
 }
 
 /// Outputs go where a link points, and never in place of a folder or a device.

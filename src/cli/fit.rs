@@ -1,24 +1,18 @@
 //! `sesc fit`
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use indicatif::ProgressBar;
-use sesc_codegen::{Model, Snapping};
+use sesc_codegen::Model;
 
+use super::fit_inputs::{gathered, residuals, snapping};
 use super::fit_outputs::Outputs;
-use super::{Outcome, message, notes, print, print_json, progress};
+use super::{Outcome, message, print, print_json};
 use crate::Error;
-use crate::identify::gather::Gathered;
-use crate::identify::logs::{Logs, Watch};
-use crate::identify::measurement::Measurement;
-use crate::identify::part::{About, Part};
 use crate::identify::prior::Prior;
-use crate::identify::residuals::{self, Residual};
-use crate::identify::robust::Loss;
 use crate::identify::{Identification, Settings, identify_within};
 use crate::output;
-use crate::posture_log::{Angles, Options, Progress, Readings, Sidecar};
+use crate::posture_log::Sidecar;
 use crate::report;
 use crate::report::fit::FitReport;
 use crate::robot::Robot;
@@ -34,35 +28,45 @@ use crate::robot::Robot;
 pub(super) struct Arguments {
     /// Robot description; or factor files of `--partial` to combine
     #[arg(value_name = "URDF|PART", required = true)]
-    inputs: Vec<PathBuf>,
+    pub(super) inputs: Vec<PathBuf>,
     /// Posture log (CSV, gzip, Parquet, MCAP); may be given several times
     #[arg(long, value_name = "FILE")]
-    data: Vec<PathBuf>,
+    pub(super) data: Vec<PathBuf>,
     /// Link whose parameters are meant, and on the ground wherever a log has no `support` column
     /// (it wins over the sidecar's); the first log's own unless given
     #[arg(long, value_name = "LINK")]
-    support: Option<String>,
+    pub(super) support: Option<String>,
     /// Take decimals of right angles (1.5708) literally
     #[arg(long)]
-    no_snap: bool,
+    pub(super) no_snap: bool,
     /// Turning joints are logged in degrees
     #[arg(long)]
-    degrees: bool,
+    pub(super) degrees: bool,
     /// What CAD is worth: tight (mass 0.2 %, CoM 0.1 mm), cad (10 %, 5 mm), free, or a TOML file:
     /// [default] mass = 0.1, com = 0.005 (m); [links.NAME] likewise, and mass_kg
     #[arg(long, value_name = "tight|cad|free|FILE", default_value = "cad")]
-    prior: String,
+    pub(super) prior: String,
     /// Standard deviation of a reading, m; from the log unless given
-    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "M",
+        allow_negative_numbers = true,
+        conflicts_with = "partial"
+    )]
     noise: Option<f64>,
     /// Trust postures less that no noise explains, and name them
     #[arg(long, value_enum)]
-    robust: Option<RobustLoss>,
-    /// Folds of the cross-validation
-    #[arg(long, default_value = "10", value_parser = clap::value_parser!(u64).range(2..=100))]
-    folds: Option<u64>,
+    pub(super) robust: Option<RobustLoss>,
+    /// Folds of the cross-validation, settled when factor files are gathered [default: 10]
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u64).range(2..=100))]
+    pub(super) folds: Option<u64>,
     /// State the expected error for joints within ±DEG; else for their limits
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "DEG",
+        allow_negative_numbers = true,
+        conflicts_with = "partial"
+    )]
     range: Option<f64>,
     /// Only gather: write the factors of these logs, to combine them later
     #[arg(long, value_name = "FILE")]
@@ -78,7 +82,7 @@ pub(super) struct Arguments {
 }
 
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
-enum RobustLoss {
+pub(super) enum RobustLoss {
     Huber,
     Tukey,
 }
@@ -182,159 +186,4 @@ fn check_files(arguments: &Arguments) -> Result<(), Error> {
     let own = [&arguments.out, &arguments.partial].into_iter().flatten();
     let written: Vec<&PathBuf> = own.chain(arguments.outputs.files()).collect();
     output::check(&read, &written)
-}
-
-fn snapping(literal: bool) -> Snapping {
-    match literal {
-        true => Snapping::Off,
-        false => Snapping::default(),
-    }
-}
-
-/// The factors of all logs and parts.
-fn gathered(arguments: &Arguments) -> Result<Part, Error> {
-    let is_part = |path: &&PathBuf| path.extension().is_some_and(|e| e == "part");
-    let (parts, robots): (Vec<&PathBuf>, Vec<&PathBuf>) =
-        arguments.inputs.iter().partition(|path| is_part(path));
-    if robots.len() > 1 {
-        return Err(Error::Usage(format!(
-            "{} and {} both stand where the URDF goes; logs are given with --data, \
-             factor files end in .part",
-            robots[0].display(),
-            robots[1].display()
-        )));
-    }
-    if parts.is_empty() && arguments.data.is_empty() {
-        return Err(Error::Usage(
-            "nothing to fit: add --data LOG, or factor files of `sesc fit --partial`".into(),
-        ));
-    }
-    if !parts.is_empty() && arguments.robust.is_some() {
-        return Err(Error::Usage(
-            "--robust needs the postures themselves: give all logs with --data, \
-             or use it when the parts are gathered"
-                .into(),
-        ));
-    }
-    let mut whole: Option<Part> = None;
-    for path in parts {
-        let part = Part::read(path)?;
-        match &mut whole {
-            None => whole = Some(part),
-            Some(whole) => whole.merge(part, path)?,
-        }
-    }
-    if !arguments.data.is_empty() {
-        let part = from_logs(arguments, robots.first().copied(), whole.as_ref())?;
-        match &mut whole {
-            None => whole = Some(part),
-            Some(whole) => whole.merge(part, Path::new("--data"))?,
-        }
-    } else if let (Some(path), Some(whole)) = (robots.first(), &whole) {
-        let robot = Robot::read(path)?;
-        if robot.description.hash != whole.hash {
-            return Err(Error::Usage(format!(
-                "{} (hash {}) is not the robot of the factor files ({}, hash {})",
-                path.display(),
-                robot.description.hash,
-                whole.urdf_file,
-                whole.hash
-            )));
-        }
-    }
-    whole.ok_or_else(|| Error::Usage("nothing to fit".into()))
-}
-
-fn from_logs(
-    arguments: &Arguments,
-    urdf: Option<&PathBuf>,
-    parts: Option<&Part>,
-) -> Result<Part, Error> {
-    let robot = match (urdf, parts) {
-        (Some(path), _) => Robot::read(path)?,
-        (None, Some(part)) => Robot::parse(&part.urdf, &part.urdf_file)?,
-        (None, None) => {
-            return Err(Error::Usage("no robot: give the URDF before --data".into()));
-        }
-    };
-    let support = arguments.support.clone();
-    let support = support.or_else(|| parts.map(|part| part.support.clone()));
-    let logs = logs(arguments, &robot, support);
-    let loss = arguments.robust.map(|robust| match robust {
-        RobustLoss::Huber => Loss::Huber,
-        RobustLoss::Tukey => Loss::Tukey,
-    });
-    let mut bar = Bar(progress("reading"));
-    let (measurement, gathered): (_, Gathered) = logs.gather(
-        loss,
-        &|model| Prior::named(&arguments.prior, model),
-        &mut bar,
-    )?;
-    bar.0.finish_and_clear();
-    notes(measurement.model());
-    let about = About {
-        hash: robot.description.hash.clone(),
-        urdf_file: robot.description.file.clone(),
-        urdf: robot.text().to_string(),
-        support: measurement.supports()[0].to_string(),
-        supports: measurement
-            .supports()
-            .iter()
-            .map(|s| s.to_string())
-            .collect(),
-        snapped: !arguments.no_snap,
-    };
-    Ok(Part::new(about, gathered))
-}
-
-/// The logs of the command line.
-fn logs<'r>(arguments: &'r Arguments, robot: &'r Robot, support: Option<String>) -> Logs<'r> {
-    let links = robot.description.robot.links.iter();
-    Logs {
-        robot,
-        files: &arguments.data,
-        options: Options {
-            angles: arguments.degrees.then_some(Angles::Deg),
-            readings: Readings::Required,
-            links: links.map(|link| link.name.clone()).collect(),
-            support: arguments.support.clone(),
-            ..Options::default()
-        },
-        support,
-        snapping: snapping(arguments.no_snap),
-        folds: arguments
-            .folds
-            .and_then(|k| usize::try_from(k).ok())
-            .unwrap_or(10),
-    }
-}
-
-/// A sample of readings beside their predictions; none of factor files.
-fn residuals(
-    arguments: &Arguments,
-    robot: &Robot,
-    support: &str,
-    found: &Identification,
-) -> Result<Vec<Residual>, Error> {
-    let logs = logs(arguments, robot, Some(support.to_string()));
-    let mut measurement = Measurement::new(robot, support, logs.snapping)?;
-    let mut bar = Bar(progress("residuals"));
-    let found = residuals::sample(&logs, &mut measurement, &found.estimate.params, &mut bar);
-    bar.0.finish_and_clear();
-    found
-}
-
-/// Progress on the terminal.
-struct Bar(ProgressBar);
-
-impl Watch for Bar {
-    fn progress(&mut self, what: &str, progress: Progress) {
-        self.0.set_message(what.to_string());
-        self.0.set_length(progress.total.unwrap_or(progress.done));
-        self.0.set_position(progress.done);
-    }
-
-    fn warning(&mut self, text: &str) {
-        self.0.suspend(|| message(&format!("warning: {text}")));
-    }
 }

@@ -3,6 +3,7 @@
 mod demo;
 mod diagnose;
 mod fit;
+mod fit_inputs;
 mod fit_outputs;
 mod generate;
 mod inspect;
