@@ -237,7 +237,37 @@ fn open_source(
     if head.starts_with(b"\x89MCAP") {
         return open_mcap(path, file, dofs, options, sidecar);
     }
+    if let Some(message) = damaged_from_the_start(path, &head) {
+        return Err(Error::Log {
+            file: file.to_string(),
+            line: None,
+            message,
+        });
+    }
     Ok(Box::new(CsvSource::open(file, head, input)?))
+}
+
+/// What is wrong with a file that by its name is no CSV, and by its first bytes no text.
+fn damaged_from_the_start(path: &Path, head: &[u8]) -> Option<String> {
+    let end = path.extension()?.to_str()?.to_ascii_lowercase();
+    let format = match end.as_str() {
+        "parquet" => "a Parquet file",
+        "mcap" => "an MCAP recording",
+        "gz" if !head.starts_with(b"\x1f\x8b") => "packed with gzip",
+        _ => return None,
+    };
+    // Text of any name is read as CSV.
+    let text = head.utf8_chunks().next().is_some_and(|chunk| {
+        // The last character may be cut by the eight bytes looked at.
+        !chunk.valid().is_empty() && !chunk.valid().contains('\0') && chunk.invalid().is_empty()
+    });
+    (!text).then(|| match head.is_empty() {
+        true => "empty; copy it again".to_string(),
+        false => format!(
+            "by its name {format}, but it does not start like one: damaged, or of another format; \
+             copy it again, or rename it"
+        ),
+    })
 }
 
 #[cfg(feature = "parquet")]

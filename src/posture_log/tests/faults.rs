@@ -81,6 +81,59 @@ fn what_is_no_table_is_told_by_its_bytes() {
     assert!(error.to_string().contains("cut off"), "{error}");
 }
 
+/// Bytes of no format under the names of some, and text under a name that is not its own.
+#[test]
+fn damaged_files_are_told_by_their_names() {
+    let noise: Vec<u8> = (0..200u32).map(|k| (k * k * 37 + 129) as u8).collect();
+    for (name, format) in [
+        ("log.parquet", "a Parquet file"),
+        ("log.mcap", "an MCAP recording"),
+        ("log.csv.gz", "packed with gzip"),
+    ] {
+        let said = |bytes: &[u8]| {
+            let (_folder, path) = log(name, bytes, "");
+            let error = read_file(&path, &dofs(&["hip"]), &Options::default()).unwrap_err();
+            error.to_string()
+        };
+        for bytes in [&noise, &noise[..3], b"\x7fELF\x02\x01\0\0\0\0"] {
+            let message = said(bytes);
+            for word in [name, format, "copy it again, or rename it"] {
+                assert!(message.contains(word), "{word}: {message}");
+            }
+        }
+        assert!(said(b"").contains("empty; copy it again"));
+        let (_folder, path) = log(name, b"hip\n0.5\n", "");
+        assert!(read_file(&path, &dofs(&["hip"]), &Options::default()).is_ok());
+    }
+}
+
+/// Cut anywhere, a file of each format names itself and what helps.
+#[test]
+fn files_that_are_cut_off_say_so() {
+    for (bytes, name, remedy) in [
+        (&b"PAR1\x15\x04\x15"[..], "log.parquet", "copy it again"),
+        (b"\x89MCAP0\r\n", "log.mcap", "mcap recover"),
+        (
+            b"\x89MCAP0\r\n\x01\x40\0\0\0\0\0\0\0abc",
+            "log.mcap",
+            "mcap recover",
+        ),
+        (b"\x89MCAP", "log.mcap", "mcap recover"),
+    ] {
+        if !cfg!(feature = "parquet") && name.ends_with("parquet")
+            || !cfg!(feature = "mcap") && name.ends_with("mcap")
+        {
+            continue;
+        }
+        let (_folder, path) = log(name, bytes, "");
+        let error = read_file(&path, &dofs(&["hip"]), &Options::default()).unwrap_err();
+        let message = error.to_string();
+        for word in [name, "cut off", remedy] {
+            assert!(message.contains(word), "{word}: {message}");
+        }
+    }
+}
+
 #[test]
 fn absurd_sizes_end_in_words() {
     let joints = dofs(&["hip"]);
