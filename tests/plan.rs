@@ -367,6 +367,33 @@ fn planned_postures_do_not_collide() {
 }
 
 #[test]
+fn a_page_is_written_and_takes_no_other_files_place() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    let (poses, page) = (at("poses.csv"), at("plan.html"));
+    let plan = |report: &str| {
+        let first = ["plan", &op2(), "--support", "r_sole", "--poses", "12"];
+        let more = ["--candidates", "60", "--sigmas", "0", "--json"];
+        let files = ["--out", &poses, "--report", report];
+        sesc(&[&first[..], &more, &files].concat())
+    };
+    let json: serde_json::Value = serde_json::from_str(&stdout(&plan(&page))).unwrap();
+    let curve = json["curve"].as_array().unwrap();
+    assert_eq!(curve[0]["postures"], 0);
+    let last = &curve[curve.len() - 1];
+    assert_eq!(last["postures"], 12);
+    assert_eq!(last["planned"], json["expected_error"]);
+    assert_eq!(json["corners"].as_array().unwrap().len(), 4);
+    assert_eq!(json["joints"].as_array().unwrap().len(), 20);
+    let text = std::fs::read_to_string(&page).unwrap();
+    assert!(text.contains("12 postures to take, of 60") && text.contains("--report"));
+    for taken in [&poses, &at("poses.toml")] {
+        refused(&plan(taken), &["meant for two outputs"]);
+    }
+    refused(&plan(&op2()), &["op2.urdf is read here"]);
+}
+
+#[test]
 fn bad_input_is_refused_with_a_remedy() {
     let folder = folder();
     let out = folder.path().join("poses.csv").display().to_string();

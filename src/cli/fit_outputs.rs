@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 use sesc_codegen::{Model, Snapping};
 
-use super::message;
+use super::{command_line, message};
 use crate::Error;
 use crate::identify::corrected::{Corrected, correct};
 use crate::identify::limits::Limits;
@@ -81,7 +81,7 @@ impl Outputs {
         self.page().then(|| Shown {
             residuals,
             correlation_matrix: found.correlation_matrix(),
-            command: command(),
+            command: command_line(),
         })
     }
 
@@ -98,20 +98,4 @@ impl Outputs {
         }
         Ok(())
     }
-}
-
-/// This command line, as a shell takes it.
-fn command() -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+".contains(c);
-    let quoted = |word: String| match word.chars().all(plain) && !word.is_empty() {
-        true => word,
-        false => format!("'{}'", word.replace('\'', "'\\''")),
-    };
-    let words = std::env::args_os()
-        .skip(1)
-        .map(|word| word.to_string_lossy().into_owned());
-    std::iter::once("sesc".to_string())
-        .chain(words.map(quoted))
-        .collect::<Vec<_>>()
-        .join(" ")
 }

@@ -216,3 +216,19 @@ fn progress(what: &'static str) -> ProgressBar {
     bar.set_message(what);
     bar
 }
+
+/// This command line, as a shell takes it.
+fn command_line() -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+".contains(c);
+    let quoted = |word: String| match word.chars().all(plain) && !word.is_empty() {
+        true => word,
+        false => format!("'{}'", word.replace('\'', "'\\''")),
+    };
+    let words = std::env::args_os()
+        .skip(1)
+        .map(|word| word.to_string_lossy().into_owned());
+    std::iter::once("sesc".to_string())
+        .chain(words.map(quoted))
+        .collect::<Vec<_>>()
+        .join(" ")
+}

@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use sesc_codegen::Model;
 
-use super::{Outcome, RobotArguments, message, print, print_json, progress};
+use super::{Outcome, RobotArguments, command_line, message, print, print_json, progress};
 use crate::Error;
 use crate::identify::prior::Prior;
+use crate::output;
 use crate::plan::balance::Region;
 use crate::plan::limits::Limits;
 use crate::plan::{self, Plan, Request};
@@ -20,7 +21,8 @@ const COP_BOX: f64 = 0.023;
 /// Choose postures that tell most about the parameters, balanced and clear, in a short order
 #[derive(Args)]
 #[command(after_help = "Example:\n  \
-    sesc plan robots/op2/op2.urdf --support r_sole --poses 38 --limits robots/op2/limits_paper.csv --out poses.csv\n\n\
+    sesc plan robots/op2/op2.urdf --support r_sole --poses 38 --limits robots/op2/limits_paper.csv \
+    --out poses.csv --report plan.html\n\n\
     Only the postures are checked, not the way from one to the next.")]
 pub(super) struct Arguments {
     #[command(flatten)]
@@ -69,6 +71,9 @@ pub(super) struct Arguments {
     /// Posture file to write (.csv, .csv.gz or .parquet); its sidecar gets the same name with .toml
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
+    /// Page to write: where the CoP is, what the postures are worth, what joints do
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
     /// Print the result as JSON
     #[arg(long)]
     json: bool,
@@ -76,6 +81,7 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     check(arguments)?;
+    check_files(arguments)?;
     let (robot, model) = arguments.robot.load(arguments.model.as_deref())?;
     let dofs = &model.tree.dofs;
     let request = Request {
@@ -109,6 +115,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     bar.finish_and_clear();
     let found = found?;
     write(log, &arguments.out, &model, &found)?;
+    if let Some(path) = &arguments.report {
+        let file = arguments.out.display().to_string();
+        let page = report::plan::page(&found, &file, &command_line());
+        let page = page.map_err(|error| Error::Report(Box::new(error)))?;
+        output::write(path, &page)?;
+        message(&format!("wrote {}", path.display()));
+    }
     if arguments.json {
         print_json(&found)?;
     } else {
@@ -143,6 +156,21 @@ fn check(arguments: &Arguments) -> Result<(), Error> {
         )));
     }
     Ok(())
+}
+
+/// Nothing that is read is written, and nothing is written twice.
+fn check_files(arguments: &Arguments) -> Result<(), Error> {
+    let optional = [&arguments.limits, &arguments.model];
+    let mut read: Vec<PathBuf> = optional.into_iter().flatten().cloned().collect();
+    read.push(arguments.robot.urdf.clone());
+    read.extend(arguments.sole.iter().map(PathBuf::from));
+    read.push(PathBuf::from(&arguments.prior));
+    let sidecar = Sidecar::path(&arguments.out);
+    let mut written = vec![&arguments.out];
+    // A posture file that ends like one is refused when it is begun.
+    written.extend(Some(&sidecar).filter(|path| **path != arguments.out));
+    written.extend(&arguments.report);
+    output::check(&read, &written)
 }
 
 fn write(mut log: PostureWriter, out: &Path, model: &Model, found: &Plan) -> Result<(), Error> {

@@ -38,6 +38,8 @@ pub struct Choice {
     pub exchanges: usize,
     /// tr(G_k)/2 of all candidates: variances in units of σ².
     pub variances: Vec<f64>,
+    /// Their mean before and after every greedy step.
+    pub greedy: Vec<f64>,
 }
 
 impl Rows {
@@ -91,11 +93,13 @@ impl Rows {
         let mut state = State::new(self);
         let mut chosen = Vec::with_capacity(n);
         let mut log_det = 0.0;
+        let mut greedy = vec![state.mean_variance()];
         for _ in 0..n.min(self.len()) {
             let best = state.best();
             log_det += state.gain(best);
             state.add(best);
             chosen.push(best);
+            greedy.push(state.mean_variance());
             progress(1);
         }
         let mut steps = vec![log_det];
@@ -134,6 +138,7 @@ impl Rows {
             log_det: steps,
             exchanges,
             variances: state.gains.iter().map(|g| g.trace() / 2.0).collect(),
+            greedy,
         }
     }
 
@@ -191,6 +196,12 @@ impl<'r> State<'r> {
             Matrix2::new(of(0, 0), of(0, 1), of(0, 1), of(1, 1))
         };
         self.gains = (0..self.rows.len()).map(gain).collect();
+    }
+
+    /// Mean of tr(G_k)/2 over all candidates.
+    fn mean_variance(&self) -> f64 {
+        let sum: f64 = self.gains.iter().map(Matrix2::trace).sum();
+        sum / (2 * self.gains.len().max(1)) as f64
     }
 
     /// log det(I + G_k)

@@ -15,17 +15,16 @@ pub mod clearance;
 pub mod collision;
 pub mod design;
 pub mod geometry;
+pub mod joint_use;
 pub mod limits;
 mod mesh;
 pub mod order;
 pub mod poses;
+pub mod worth;
 
 use std::path::Path;
 
 use nalgebra::{DMatrix, DVector};
-use rand::SeedableRng as _;
-use rand::seq::index;
-use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 use sesc_codegen::{Function, Model};
 
@@ -40,7 +39,9 @@ use candidates::{Counts, Demands, Sampler};
 use clearance::Clearance;
 use design::Rows;
 use geometry::Geometry;
+use joint_use::JointUse;
 use limits::Limits;
+use worth::Worth;
 
 /// What is asked for.
 pub struct Request<'a> {
@@ -85,6 +86,8 @@ pub struct Plan {
     pub expected_error: Option<f64>,
     /// The same for random choices of as many candidates, on average.
     pub expected_error_random: Option<f64>,
+    /// Both over the number of postures.
+    pub curve: Vec<Worth>,
     /// log det of the information over the prior's: greedy, then per round of exchanges.
     pub log_det: Vec<f64>,
     pub exchanges: usize,
@@ -94,8 +97,14 @@ pub struct Plan {
     /// Pairs of bodies that touch at rest and are not watched.
     pub collision_exempt: Vec<[String; 2]>,
     pub notes: Vec<String>,
+    /// Corners of where the CoP may be, counter-clockwise, m, and how far from their
+    /// edges it is kept.
+    pub corners: Vec<[f64; 2]>,
+    pub margin: f64,
     /// Predicted CoP of the chosen postures, m, in their order.
     pub cop: Vec<[f64; 2]>,
+    /// What the chosen postures ask of every joint.
+    pub joints: Vec<JointUse>,
     /// The chosen candidates in their order.
     #[serde(skip)]
     pub chosen: Vec<usize>,
@@ -117,8 +126,6 @@ pub type Progress<'p> = &'p dyn Fn(&'static str, u64, u64);
 
 /// Draws per candidate asked for, before giving up.
 const DRAWS: usize = 100;
-/// Random choices that the chosen postures are compared with.
-const RANDOM: usize = 20;
 
 /// Candidates unless told: twenty per posture, within what is quickly worked on.
 fn default_candidates(poses: usize, params: usize) -> usize {
@@ -195,6 +202,11 @@ pub fn plan(
     let (rank, condition_number) = conditioning(&regressor, &choice.chosen);
     let told = prior.is_some() || rank >= rows.directions();
     let chosen = ordered(&q, dof, &choice.chosen);
+    let curve = match told {
+        true => worth::curve(&rows, &choice, request.noise, request.seed, prior.is_some()),
+        false => Vec::new(),
+    };
+    let last = curve.last();
     let mut notes = geometry.notes.clone();
     notes.extend(request.limits.notes.iter().cloned());
     if count < wanted {
@@ -232,8 +244,8 @@ pub fn plan(
         directions: rows.directions(),
         rank,
         condition_number,
-        expected_error: told.then(|| request.noise * mean(&choice.variances).sqrt()),
-        expected_error_random: told.then(|| random_error(&rows, request)),
+        expected_error: last.map(|worth| worth.planned),
+        expected_error_random: last.map(|worth| worth.random),
         motion: Motion {
             as_chosen: order::length(&q, dof, &choice.chosen),
             ordered: order::length(&q, dof, &chosen),
@@ -244,10 +256,14 @@ pub fn plan(
         collision,
         collision_exempt,
         notes,
+        corners: request.region.corners.clone(),
+        margin: request.region.margin,
+        joints: joint_use::of_all(model, &request.limits, &q, &chosen),
         cop: chosen
             .iter()
             .map(|&k| [cop[2 * k], cop[2 * k + 1]])
             .collect(),
+        curve,
         chosen,
         q,
     })
@@ -293,22 +309,6 @@ fn conditioning(regressor: &DMatrix<f64>, chosen: &[usize]) -> (usize, f64) {
         .collect();
     let smallest = seen.iter().copied().fold(largest, f64::min);
     (seen.len(), largest / smallest)
-}
-
-/// Mean expected error of random choices, m.
-fn random_error(rows: &Rows, request: &Request) -> f64 {
-    let mut rng = ChaCha8Rng::seed_from_u64(request.seed);
-    rng.set_stream(1);
-    let gram = rows.gram();
-    let error = |_| {
-        let chosen = index::sample(&mut rng, rows.len(), request.poses).into_vec();
-        request.noise * rows.mean_variance(&chosen, &gram).sqrt()
-    };
-    mean(&(0..RANDOM).map(error).collect::<Vec<f64>>())
-}
-
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
 #[cfg(feature = "collision")]

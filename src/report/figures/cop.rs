@@ -166,7 +166,7 @@ pub fn cop_plane(rows: &[CopRow], sole_m: [f64; 2]) -> String {
 }
 
 /// Widen one of two ranges so that a millimetre is as long on both axes.
-fn same_scale(
+pub(super) fn same_scale(
     [x, y]: [std::ops::Range<f64>; 2],
     [left, top, right, bottom]: [f64; 4],
 ) -> [std::ops::Range<f64>; 2] {

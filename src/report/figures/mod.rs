@@ -10,6 +10,7 @@ pub mod fit;
 mod height;
 mod lengths;
 mod parameters;
+pub mod plan;
 #[cfg(test)]
 mod tests;
 

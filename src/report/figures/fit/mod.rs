@@ -17,7 +17,8 @@ pub use waterfall::waterfall;
 /// Longest name that fits beside a plane.
 const NAME: usize = 21;
 
-fn shortened(name: &str) -> String {
+/// A name that fits beside a plane.
+pub(in crate::report::figures) fn shortened(name: &str) -> String {
     if name.chars().count() <= NAME {
         return name.to_string();
     }

@@ -1,0 +1,53 @@
+//! Odd plans in: still trees of shapes.
+
+use super::{joints, worth};
+use crate::plan::joint_use::JointUse;
+use crate::plan::worth::Worth;
+
+fn well_formed(svg: &str) {
+    assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
+    roxmltree::Document::parse(svg).expect("a figure is well-formed");
+}
+
+#[test]
+fn figures_of_nothing_and_of_odd_numbers() {
+    well_formed(&joints(&[]));
+    let odd = JointUse {
+        joint: "<joint> & a name that is too long".to_string(),
+        sliding: true,
+        limits: [0.5, 0.5],
+        values: vec![0.5, f64::NAN],
+        used: [0.5, 0.5],
+    };
+    let drawn = joints(&[
+        JointUse {
+            sliding: false,
+            limits: [-0.5, 1.0],
+            values: vec![-0.9; 5000],
+            used: [-0.9, 0.2],
+            ..odd.clone()
+        },
+        odd,
+    ]);
+    well_formed(&drawn);
+    for text in ["500 mm", "−29°", "57°"] {
+        assert!(drawn.contains(text), "{text}");
+    }
+    assert!(drawn.matches("<polyline").count() < 200, "ticks stay apart");
+
+    well_formed(&worth(&[]));
+    let point = |postures: usize, planned: f64, random: f64| Worth {
+        postures,
+        planned,
+        random,
+    };
+    well_formed(&worth(&[point(3, 0.001, 0.002)]));
+    // What hardly tells all directions leaves the rest readable.
+    let drawn = worth(&[
+        point(3, 0.9, 1e9),
+        point(4, 0.002, f64::INFINITY),
+        point(5, 0.001, 0.002),
+    ]);
+    well_formed(&drawn);
+    assert!(drawn.contains("1.00 mm") && drawn.contains("2.00 mm"));
+}

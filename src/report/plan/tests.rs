@@ -1,0 +1,80 @@
+//! The page of a small plan.
+
+use sesc_codegen::Snapping;
+
+use super::page;
+use crate::identify::prior::Prior;
+use crate::plan::balance::Region;
+use crate::plan::limits::Limits;
+use crate::plan::{Plan, Request, plan};
+use crate::report::table::mm;
+use crate::robot::{OP2_URDF, Robot};
+
+fn small(prior: &str, poses: usize) -> Plan {
+    let robot = Robot::parse(OP2_URDF, "op2.urdf").unwrap();
+    let model = robot.model("r_sole", Snapping::default(), None).unwrap();
+    let request = Request {
+        poses,
+        candidates: Some(120),
+        region: Region::sole("0.05,0.03; -0.05,0.03; -0.05,-0.03; 0.04,-0.03", 0.002).unwrap(),
+        sigmas: 0.0,
+        limits: Limits::of_urdf(&model.tree.dofs),
+        prior: Prior::named(prior, &model).unwrap(),
+        noise: 0.0005,
+        clearance: 0.0,
+        seed: 1,
+        folder: None,
+    };
+    plan(&robot, &model, &request, &|_, _, _| ()).unwrap()
+}
+
+#[test]
+fn the_page_stands_alone_says_the_numbers_and_escapes_names() {
+    let mut found = small("cad", 25);
+    found.robot = "op<2>".to_string();
+    found.joints[3].joint = "<hip>".to_string();
+    found.joints[3].used = [0.0, 0.0];
+    let html = page(&found, "poses.csv", "sesc plan 'a<b>.urdf'").unwrap();
+    for words in [
+        "op&lt;2&gt;",
+        "<code>&lt;hip&gt;</code>",
+        "sesc plan &#x27;a&lt;b&gt;.urdf&#x27;",
+        &format!("{} mm off", mm(found.expected_error.unwrap())),
+        &format!(
+            "random ones, {} mm",
+            mm(found.expected_error_random.unwrap())
+        ),
+        "a sole of 4 corners",
+        "25 postures to take, of 120",
+    ] {
+        assert!(html.contains(words), "{words}");
+    }
+    assert_eq!(html.matches("<svg ").count(), 3);
+    // A dot per posture in the sole plane, and one at the end of the curve; and
+    // as many in the keys.
+    assert_eq!(html.matches("<circle").count(), 25 + 1 + 2 + 1);
+    assert!(!html.contains("NaN") && !html.contains("op<2>") && !html.contains("<hip>"));
+    let outside = html.replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
+    for reference in ["http", "src=", "href", "@import", "url(", "<script"] {
+        assert!(!outside.contains(reference), "{reference}");
+    }
+    assert_eq!(
+        html,
+        page(&found, "poses.csv", "sesc plan 'a<b>.urdf'").unwrap()
+    );
+}
+
+/// Too few postures for a fit without a prior: no number is made up.
+#[test]
+fn a_plan_that_leaves_directions_open_says_so() {
+    let found = small("free", 10);
+    assert!(found.expected_error.is_none() && found.curve.is_empty());
+    let html = page(&found, "poses.csv", "sesc plan").unwrap();
+    assert!(html.contains("10 postures tell 20 of 42 directions"));
+    assert!(html.contains("these postures leave directions open"));
+    let told = small("free", 30);
+    assert_eq!(told.curve[0].postures, 21);
+    let last = told.curve.last().unwrap();
+    assert_eq!(Some(last.planned), told.expected_error);
+    assert_eq!(Some(last.random), told.expected_error_random);
+}
