@@ -1,7 +1,7 @@
 //! Several postures side by side.
 //!
 //! ```text
-//! (x ∘ y)[i] = x[i] ∘ y[i]        ∘ one of +, -, ·        i = 0 .. N
+//! (x ∘ y)[i] = x[i] ∘ y[i]        ∘ one of +, -, ·, /     i = 0 .. N
 //! ```
 //!
 //! A generated function evaluated with [`Lanes`] treats `N` postures at once: lane
@@ -10,7 +10,7 @@
 //! lane `i` holds the very bits that the scalar function would give for posture
 //! `i`.
 
-use core::ops::{Add, Mul, Neg, Sub};
+use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::real::Real;
 
@@ -118,6 +118,15 @@ impl<S: Real, const N: usize> Mul for Lanes<S, N> {
     }
 }
 
+impl<S: Real, const N: usize> Div for Lanes<S, N> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        self.zip(other, |a, b| a / b)
+    }
+}
+
 impl<S: Real, const N: usize> Neg for Lanes<S, N> {
     type Output = Self;
 
@@ -145,6 +154,19 @@ impl<S: Real, const N: usize> Real for Lanes<S, N> {
         }
         (sin, cos)
     }
+
+    #[inline(always)]
+    fn clamp_unit(mut self) -> Self {
+        for a in &mut self.0 {
+            *a = a.clamp_unit();
+        }
+        self
+    }
+
+    #[inline]
+    fn power(self, exponent: Self) -> Self {
+        self.zip(exponent, |a, b| a.power(b))
+    }
 }
 
 #[cfg(test)]
@@ -152,7 +174,7 @@ mod tests {
     use super::*;
 
     /// Every operation once, in an order that would show fused or reordered rounding.
-    fn mixed<T: Real>(q: &[T; 2]) -> [T; 3] {
+    fn mixed<T: Real>(q: &[T; 2]) -> [T; 6] {
         let (s, c) = q[0].sin_cos();
         let (s_sum, c_sum) = (q[0] + q[1]).sin_cos();
         let third = T::from_f64(1.0 / 3.0);
@@ -160,6 +182,9 @@ mod tests {
             s * c_sum + third,
             -(c * s_sum - q[1]),
             s_sum - third * c * s,
+            (s - third) / (c_sum * c_sum + third),
+            (q[0] * third).clamp_unit(),
+            (q[1] * q[1]).power(s + third),
         ]
     }
 
@@ -198,6 +223,18 @@ mod tests {
         assert_eq!((sin.0[0], cos.0[0]), Real::sin_cos(0.1));
         assert_eq!((sin.0[2], cos.0[2]), Real::sin_cos(0.3));
         assert!(sin.0[1].is_nan() && cos.0[3].is_nan());
+    }
+
+    #[test]
+    fn a_nan_stays_in_its_lane() {
+        let x = Lanes([-1.0, f64::NAN, 0.0, 9.0]);
+        let y = Lanes([0.5, 1.0, 0.0, 0.5]);
+        let power = x.power(y).0;
+        assert!(power[0].is_nan() && power[1].is_nan());
+        assert_eq!(power[2..], [1.0, 3.0]);
+        assert!(x.clamp_unit().0[1].is_nan() && (x / y).0[2].is_nan());
+        assert_eq!((x / y).0[3], 18.0);
+        assert_eq!(x.clamp_unit().0[3], 1.0);
     }
 
     #[test]

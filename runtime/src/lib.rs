@@ -6,7 +6,8 @@
 //! CoM(q) = r_0 + Σ B_i(q) r_i
 //! ```
 //!
-//! so its code consists of sums, products, and one sine and cosine per joint.
+//! so its code consists of sums, products, and one sine and cosine per joint; what
+//! a sensor makes of it may take quotients and powers too.
 //! This crate supplies these for one posture or for many at once:
 //!
 //! * [`Sesc`] and [`SescFromSinCos`]: the functions that every generated unit
@@ -15,6 +16,7 @@
 //!   [`Lanes`] of either, one posture per lane;
 //! * [`trig`]: the sine and cosine behind [`Real::sin_cos`], free of branches
 //!   and tables, the same to the last bit on every machine and in every lane;
+//! * [`power`]: the powers behind [`Real::power`], by the same rules;
 //! * [`fit`]: the parameters themselves, estimated posture by posture in fixed
 //!   memory.
 //!
@@ -45,6 +47,7 @@ extern crate std;
 pub mod fit;
 mod lanes;
 mod model;
+pub mod power;
 mod real;
 pub mod trig;
 

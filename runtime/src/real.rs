@@ -2,19 +2,30 @@
 //!
 //! Written as a serial chain, every function of a posture is a polynomial in the
 //! sines and cosines of the joint angles, in prismatic positions, and in the
-//! parameters. A commutative ring with `sin` and `cos` is therefore all it takes:
-//! no division, no square root, no comparison. What has these operations can
-//! stand for a joint angle: `f64`, `f32`, or a whole row of postures
-//! ([`Lanes`](crate::Lanes)).
+//! parameters. A commutative ring with `sin` and `cos` is therefore all that the
+//! CoM, its Jacobian, gravity moments and regressors take: no division, no square
+//! root, no comparison.
+//!
+//! The effects of a model file reach further. Gains of foot cells weigh their mean,
+//!
+//! ```text
+//! CoP = Σ g_k f_k p_k / Σ g_k f_k
+//! ```
+//!
+//! a cell saturates, or answers with a power of its load; backlash follows the sign
+//! of a gravity moment. They take division, [`Real::clamp_unit`] and [`Real::power`].
+//! What has all these operations can stand for a joint angle: `f64`, `f32`, or a
+//! whole row of postures ([`Lanes`](crate::Lanes)).
 
-use core::ops::{Add, Mul, Neg, Sub};
+use core::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::trig;
+use crate::{power, trig};
 
 /// A number, or several numbers side by side, that generated code computes with.
 ///
 /// Each operation rounds once and is never fused with its neighbour, so that
-/// one generated body gives the same bits for a scalar and for every lane.
+/// one generated body gives the same bits for a scalar and for every lane. Nothing
+/// panics: NaN goes in at one end and comes out at the other.
 ///
 /// In a crate that links `std`, `f64` and `f32` have inherent methods of the name
 /// `sin_cos`, and the method syntax on a concrete float finds those first. Write
@@ -28,7 +39,12 @@ use crate::trig;
 /// assert_eq!(Real::sin_cos(x), trig::sin_cos(x));
 /// ```
 pub trait Real:
-    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
 {
     /// The constant `x`, rounded to the nearest representable number, in every lane.
     fn from_f64(x: f64) -> Self;
@@ -38,6 +54,14 @@ pub trait Real:
     /// Accuracy and domain are those of [`trig`]: outside the domain, at
     /// infinities and at NaN, both are NaN.
     fn sin_cos(self) -> (Self, Self);
+
+    /// The nearest number in [-1, 1]; NaN for NaN.
+    fn clamp_unit(self) -> Self;
+
+    /// This number, not negative, to the power of `exponent`.
+    ///
+    /// Accuracy and edges are those of [`power`]: NaN for negative numbers.
+    fn power(self, exponent: Self) -> Self;
 }
 
 impl Real for f64 {
@@ -50,6 +74,16 @@ impl Real for f64 {
     fn sin_cos(self) -> (Self, Self) {
         trig::sin_cos(self)
     }
+
+    #[inline(always)]
+    fn clamp_unit(self) -> Self {
+        self.clamp(-1.0, 1.0)
+    }
+
+    #[inline]
+    fn power(self, exponent: Self) -> Self {
+        power::power(self, exponent)
+    }
 }
 
 impl Real for f32 {
@@ -61,6 +95,16 @@ impl Real for f32 {
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
         trig::sin_cos_f32(self)
+    }
+
+    #[inline(always)]
+    fn clamp_unit(self) -> Self {
+        self.clamp(-1.0, 1.0)
+    }
+
+    #[inline]
+    fn power(self, exponent: Self) -> Self {
+        power::power_f32(self, exponent)
     }
 }
 
@@ -81,6 +125,40 @@ mod tests {
         for (double, single) in double.into_iter().zip(single) {
             assert!((double - f64::from(single)).abs() < 1e-7);
         }
+    }
+
+    /// As an effect writes it: a mean weighed by powers, and a sign.
+    fn weighed<T: Real>(x: T, y: T) -> [T; 2] {
+        let (a, b) = (x.power(T::from_f64(1.5)), y.power(T::from_f64(0.5)));
+        let sign = (T::from_f64(1e9) * (x - y)).clamp_unit();
+        [(a - b) / (a + b), sign]
+    }
+
+    #[test]
+    fn effects_serve_both_scalars() {
+        assert_eq!(weighed(4.0_f64, 9.0), [5.0 / 11.0, -1.0]);
+        assert_eq!(weighed(4.0_f32, 4.0), [6.0 / 10.0, 0.0]);
+        // 0/0 and a negative load.
+        assert!(weighed(0.0_f64, 0.0)[0].is_nan());
+        assert!(weighed(-4.0_f32, 9.0)[0].is_nan());
+    }
+
+    #[test]
+    fn a_clamp_is_the_nearest_and_keeps_nan() {
+        for (x, nearest) in [
+            (0.5, 0.5),
+            (-0.25, -0.25),
+            (1.0, 1.0),
+            (7.0, 1.0),
+            (-7.0, -1.0),
+            (f64::INFINITY, 1.0),
+            (f64::NEG_INFINITY, -1.0),
+        ] {
+            assert_eq!(Real::clamp_unit(x), nearest);
+            assert_eq!(Real::clamp_unit(x as f32), nearest as f32);
+        }
+        assert_eq!((-0.0_f64).clamp_unit().to_bits(), (-0.0_f64).to_bits());
+        assert!(f64::NAN.clamp_unit().is_nan() && f32::NAN.clamp_unit().is_nan());
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! What the tests of the sines and cosines hold them against.
+//! What the tests of sines, cosines and powers hold them against.
 //!
 //! `error_ulp = |got - true| / 2^(e - p)` for a true value in `[2^(e-1), 2^e)` and a
 //! format of `p` bits: 53 for `f64`, 24 for `f32`.
@@ -8,7 +8,7 @@ use astro_float::{BigFloat, Consts, RoundingMode};
 /// Bits of the arbitrary-precision values.
 const BITS: usize = 256;
 
-/// Sines and cosines to 256 bits.
+/// Functions to 256 bits.
 pub struct Exact {
     constants: Consts,
 }
@@ -25,6 +25,16 @@ impl Exact {
         let sin = angle.sin(BITS, RoundingMode::ToEven, &mut self.constants);
         let cos = angle.cos(BITS, RoundingMode::ToEven, &mut self.constants);
         (error_ulp(&sin, got.0), error_ulp(&cos, got.1))
+    }
+
+    /// Error, in ulp, of what an `f64` function gave for `x` to the power of `y`.
+    pub fn power_error_ulp(&mut self, x: f64, y: f64, got: f64) -> f64 {
+        // Scaled, since the conversion is wrong below the normal numbers.
+        let scale = if x < 1.0 { 128_f64.exp2() } else { 1.0 };
+        let [base, exponent, scale] = [x * scale, y, scale].map(|x| BigFloat::from_f64(x, BITS));
+        let base = base.div(&scale, BITS, RoundingMode::ToEven);
+        let truth = base.pow(&exponent, BITS, RoundingMode::ToEven, &mut self.constants);
+        error_ulp(&truth, got)
     }
 }
 

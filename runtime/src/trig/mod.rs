@@ -35,7 +35,7 @@
 mod block;
 mod double;
 #[cfg(test)]
-mod exact;
+pub(crate) mod exact;
 mod single;
 
 pub use block::{sin_cos_block, sin_cos_block_f32};
