@@ -1,8 +1,9 @@
 //! Functions of any robot at near-native speed: programs on tape.
 
 use sesc_codegen::program::Program;
-use sesc_codegen::tape::{Argument, Lane, Tape};
+use sesc_codegen::tape::{Argument, Kernels, Tape};
 use sesc_codegen::{Function, Given, Model};
+use sesc_runtime::{power, trig};
 
 /// One function of a model, ready for batches of postures.
 pub struct Evaluator {
@@ -70,7 +71,7 @@ impl Evaluator {
             Given::SinesCosines => vec![Argument::PerPosture(&sin), Argument::PerPosture(&cos)],
         };
         arguments.extend(self.params.as_deref().map(Argument::Shared));
-        self.tape.run(&arguments, postures, &mut out, sin_cos);
+        self.tape.run(&arguments, postures, &mut out, KERNELS);
         out
     }
 
@@ -81,13 +82,14 @@ impl Evaluator {
             .zip(slides)
             .map(|(&x, &slide)| match slide {
                 true => (x, 0.0),
-                false => sesc_runtime::trig::sin_cos(x),
+                false => trig::sin_cos(x),
             })
             .unzip()
     }
 }
 
-/// The runtime's kernel: what generated code computes, the tape computes.
-pub fn sin_cos(angle: &Lane, sin: &mut Lane, cos: &mut Lane) {
-    sesc_runtime::trig::sin_cos_block(angle, sin, cos);
-}
+/// The runtime's kernels: what generated code computes, the tape computes.
+pub const KERNELS: Kernels = Kernels {
+    sin_cos: |angle, sin, cos| trig::sin_cos_block(angle, sin, cos),
+    power: |base, exponent, out| power::power_block(base, exponent, out),
+};

@@ -16,6 +16,33 @@ pub type Lane = [f64; BLOCK];
 /// Sines and cosines of a block of angles.
 pub type SinCos = fn(&Lane, &mut Lane, &mut Lane);
 
+/// A block of bases to the power of a block of exponents.
+pub type Power = fn(&Lane, &Lane, &mut Lane);
+
+/// Functions that arithmetic does not bring along. With those of the runtime the
+/// tape gives the bits of generated code.
+#[derive(Debug, Clone, Copy)]
+pub struct Kernels {
+    pub sin_cos: SinCos,
+    pub power: Power,
+}
+
+impl Kernels {
+    /// Those that constants are folded with: right to an ulp, not to the bit.
+    pub const LIBM: Kernels = Kernels {
+        sin_cos: |angles, sines, cosines| {
+            for ((angle, sine), cosine) in angles.iter().zip(sines).zip(cosines) {
+                (*sine, *cosine) = libm::sincos(*angle);
+            }
+        },
+        power: |bases, exponents, powers| {
+            for ((base, exponent), power) in bases.iter().zip(exponents).zip(powers) {
+                *power = libm::pow(*base, *exponent);
+            }
+        },
+    };
+}
+
 /// One element of an input array, over a batch of postures.
 #[derive(Debug, Clone, Copy)]
 pub enum Argument<'a> {
@@ -143,7 +170,7 @@ impl Tape {
     /// # Panics
     /// When an argument or `out` is shorter than the postures need: a mistake
     /// of the calling code, not of its input.
-    pub fn run(&self, arguments: &[Argument], postures: usize, out: &mut [f64], sin_cos: SinCos) {
+    pub fn run(&self, arguments: &[Argument], postures: usize, out: &mut [f64], kernels: Kernels) {
         assert_eq!(
             arguments.len(),
             self.lens.len(),
@@ -163,7 +190,7 @@ impl Tape {
         let mut registers = vec![[0.0; BLOCK]; self.registers];
         for start in (0..postures).step_by(BLOCK) {
             let n = BLOCK.min(postures - start);
-            self.run_block(arguments, start, n, &mut registers, sin_cos);
+            self.run_block(arguments, start, n, &mut registers, kernels);
             for (k, &register) in self.outputs.iter().enumerate() {
                 for lane in 0..n {
                     out[(start + lane) * self.outputs.len() + k] = registers[register][lane];
@@ -178,7 +205,7 @@ impl Tape {
         start: usize,
         n: usize,
         registers: &mut [Lane],
-        sin_cos: SinCos,
+        kernels: Kernels,
     ) {
         for instruction in &self.steps {
             let to = instruction.to;
@@ -199,11 +226,14 @@ impl Tape {
                 Step::Div(a, b) => binary(registers, to, a, b, |x, y| x / y),
                 Step::Neg(a) => binary(registers, to, a, a, |x, _| -x),
                 Step::Clamp(a) => binary(registers, to, a, a, |x, _| x.clamp(-1.0, 1.0)),
-                Step::Pow(a, b) => binary(registers, to, a, b, libm::pow),
+                Step::Pow(a, b) => {
+                    let (base, exponent) = (registers[a], registers[b]);
+                    (kernels.power)(&base, &exponent, &mut registers[to]);
+                }
                 Step::SinCos(a) => {
                     let angle = registers[a];
                     let (mut s, mut c) = ([0.0; BLOCK], [0.0; BLOCK]);
-                    sin_cos(&angle, &mut s, &mut c);
+                    (kernels.sin_cos)(&angle, &mut s, &mut c);
                     registers[to] = s;
                     registers[instruction.also] = c;
                 }

@@ -21,7 +21,7 @@ use super::nuisance::Nuisance;
 use super::outliers::Outliers;
 use super::sides;
 use crate::Error;
-use crate::evaluate::{Evaluator, sin_cos};
+use crate::evaluate::{Evaluator, KERNELS};
 use crate::identify::prior::{Prior, Tolerances};
 
 /// Steps of a fit, at most.
@@ -238,7 +238,7 @@ impl<'m> Problem<'m> {
             Argument::Shared(unknowns),
             Argument::PerPosture(circumstances),
         ];
-        tapes.reading.run(&arguments, n, &mut out, sin_cos);
+        tapes.reading.run(&arguments, n, &mut out, KERNELS);
         out
     }
 
@@ -257,7 +257,7 @@ impl<'m> Problem<'m> {
             Argument::Shared(unknowns),
             Argument::PerPosture(circumstances),
         ];
-        tape.run(&arguments, n, &mut out, sin_cos);
+        tape.run(&arguments, n, &mut out, KERNELS);
         out
     }
 
@@ -563,7 +563,7 @@ impl<'m> Problem<'m> {
             Argument::Shared(&fit.unknowns),
             Argument::PerPosture(circumstances),
         ];
-        tape.run(&arguments, n, &mut out, sin_cos);
+        tape.run(&arguments, n, &mut out, KERNELS);
         out
     }
 
@@ -621,7 +621,7 @@ impl Problem<'_> {
             Argument::Shared(&[]),
             Argument::PerPosture(&self.data.circumstances),
         ];
-        tape.run(&arguments, n, &mut out, sin_cos);
+        tape.run(&arguments, n, &mut out, KERNELS);
         out
     }
 

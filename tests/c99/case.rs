@@ -186,7 +186,7 @@ impl Case {
         if function.takes_parameters() {
             arguments.push(Argument::PerPosture(r));
         }
-        tape.run(&arguments, count, &mut out, sesc::evaluate::sin_cos);
+        tape.run(&arguments, count, &mut out, sesc::evaluate::KERNELS);
         out
     }
 }

@@ -7,7 +7,7 @@ use super::functions::Routine;
 use super::ticks::Ticks;
 use super::{Scalar, number};
 use crate::model::{Function, Given, Model};
-use crate::tape::{Argument, Tape};
+use crate::tape::{Argument, Kernels, Tape};
 
 /// Error of moments by differences of the summed CoM, relative to the robot's reach.
 const DIFFERENCES: f64 = 1e-9;
@@ -219,11 +219,7 @@ fn by_tape(model: &Model, posture: &[f64]) -> Vec<f64> {
     if let Some(program) = model.program(Function::Com, Given::Positions) {
         let params = model.params();
         let arguments = [Argument::PerPosture(posture), Argument::Shared(&params)];
-        Tape::new(&program).run(&arguments, 1, &mut com, |angles, sines, cosines| {
-            for (k, angle) in angles.iter().enumerate() {
-                (sines[k], cosines[k]) = libm::sincos(*angle);
-            }
-        });
+        Tape::new(&program).run(&arguments, 1, &mut com, Kernels::LIBM);
     }
     com
 }
