@@ -42,6 +42,16 @@ pub enum Error {
     #[error("fixed32: {reason}; use f32 or f64, or give tighter joint limits")]
     Overflow { reason: String },
     #[error(
+        "fixed32: {function} divides, clamps or raises to powers, which cannot be had in fixed \
+         point; effects with divisions or clamps (cell_gain, backlash) need f32 or f64"
+    )]
+    NoFixedPoint { function: &'static str },
+    #[error(
+        "no bound can be proven for {function}: an effect divides by what may be zero, or raises \
+         what may be negative to a power; give the effect tighter parameters"
+    )]
+    UnboundedEffect { function: String },
+    #[error(
         "no bound can be proven for {function}: its angles may go beyond what sines are computed \
          for, 1024 rad in f32 and 2^20 rad in f64; give tighter joint limits, or more bits"
     )]

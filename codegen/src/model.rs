@@ -9,7 +9,7 @@
 use nalgebra::{DVector, Matrix3};
 
 use crate::base::{self, Base, Column};
-use crate::bounds::{self, Bound, Formats, Overflow, Precision};
+use crate::bounds::{self, Bound, Formats, Precision, Unfit};
 use crate::chain::{self, Chain};
 use crate::effects::Instance;
 use crate::emit::names;
@@ -183,8 +183,8 @@ impl Model {
     /// Binary points and the rounding bound of `program` in 32-bit fixed point.
     ///
     /// # Errors
-    /// When a quantity does not fit.
-    pub fn fixed_point(&self, program: &Program) -> Result<Formats, Overflow> {
+    /// When a quantity does not fit, or an operation of effects is asked for.
+    pub fn fixed_point(&self, program: &Program) -> Result<Formats, Unfit> {
         Formats::choose(program, &self.input_ranges(program))
     }
 

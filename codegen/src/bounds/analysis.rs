@@ -3,7 +3,7 @@
 
 use std::collections::HashMap;
 
-use super::{Arithmetic, CONSTANT_ULPS, Input, KERNEL_ULPS, U64, fixed};
+use super::{Arithmetic, CONSTANT_ULPS, Input, KERNEL_ULPS, U64, effects, fixed};
 use crate::expr::{Expr, Id};
 use crate::program::{Program, operands};
 
@@ -20,10 +20,15 @@ impl Range {
     pub(super) fn size(self) -> f64 {
         libm::fabs(self.lower).max(libm::fabs(self.upper)) + self.error
     }
+
+    /// Whether anything is known.
+    pub(super) fn is_bounded(self) -> bool {
+        self.size().is_finite() && !self.lower.is_nan() && !self.upper.is_nan()
+    }
 }
 
 /// A product of magnitudes; without a bound where one of them has none.
-fn times(a: f64, b: f64) -> f64 {
+pub(super) fn times(a: f64, b: f64) -> f64 {
     match a.is_infinite() || b.is_infinite() {
         true => f64::INFINITY,
         false => a * b,
@@ -38,6 +43,8 @@ pub(super) struct Analysis<'p> {
     vector_errors: Vec<f64>,
     /// The negative of a node, where one exists.
     negatives: HashMap<Id, usize>,
+    /// Whether a node is computed by operations that cannot round below zero.
+    not_negative: Vec<bool>,
 }
 
 impl<'p> Analysis<'p> {
@@ -53,6 +60,7 @@ impl<'p> Analysis<'p> {
             ranges: Vec::with_capacity(program.nodes.len()),
             vector_errors: vec![0.0; program.vectors.len()],
             negatives: HashMap::new(),
+            not_negative: Vec::with_capacity(program.nodes.len()),
         }
     }
 
@@ -96,8 +104,27 @@ impl<'p> Analysis<'p> {
                     self.negatives.insert(x, self.ranges.len());
                 }
                 self.ranges.push(range);
+                self.not_negative.push(self.stays_above(node.expr, range));
             }
         }
+    }
+
+    /// Whether what is computed for `expr` is zero or more: rounding keeps order,
+    /// so sums, products and quotients of such numbers are such numbers.
+    fn stays_above(&self, expr: Expr, range: Range) -> bool {
+        let above = |id: Id| self.not_negative[id.index()];
+        let by_operation = match expr {
+            Expr::Const(x) => x >= 0.0,
+            Expr::Input { array, index } => {
+                let input = self.inputs[array as usize][index as usize];
+                input.lower >= 0.0 && input.ulps_of == 0.0 && input.absolute == 0.0
+            }
+            Expr::Add(a, b) | Expr::Div(a, b) => above(a) && above(b),
+            Expr::Mul(a, b) => a == b || (above(a) && above(b)),
+            Expr::Clamp(a) | Expr::Pow(a, _) => above(a),
+            Expr::Sub(..) | Expr::Neg(_) | Expr::Sin(_) | Expr::Cos(_) => false,
+        };
+        by_operation || range.lower - range.error >= 0.0
     }
 
     /// Node `id`: one operation on enclosed operands.
@@ -179,16 +206,20 @@ impl<'p> Analysis<'p> {
                 upper: 1.0,
                 error: operand(a).error + self.kernel(operand(a).size()),
             },
-            Expr::Clamp(_) => Range {
-                lower: -1.0,
-                upper: 1.0,
-                error: 2.0,
+            Expr::Clamp(a) => effects::clamped(operand(a)),
+            Expr::Div(a, b) => match effects::quotient(operand(a), operand(b)) {
+                Some(exact) => range(exact.lower, exact.upper, exact.error),
+                None => effects::UNBOUNDED,
             },
-            Expr::Div(..) | Expr::Pow(..) => Range {
-                lower: f64::NEG_INFINITY,
-                upper: f64::INFINITY,
-                error: f64::INFINITY,
-            },
+            Expr::Pow(a, b) => {
+                let above = self.not_negative[a.index()];
+                let unit = match self.arithmetic {
+                    Arithmetic::Float { precision, .. } => precision.unit(),
+                    // Not to be had: refused when formats are chosen.
+                    Arithmetic::Fixed(_) => f64::INFINITY,
+                };
+                effects::power(operand(a), operand(b), above, unit).unwrap_or(effects::UNBOUNDED)
+            }
         }
     }
 

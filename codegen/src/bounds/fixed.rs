@@ -56,12 +56,32 @@ pub struct Overflow {
     pub angle: bool,
 }
 
+/// Why a program cannot be had in fixed point.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Unfit {
+    /// A quantity is too large.
+    Overflow(Overflow),
+    /// It divides, clamps or raises to powers.
+    Operation,
+}
+
+impl From<Overflow> for Unfit {
+    fn from(overflow: Overflow) -> Unfit {
+        Unfit::Overflow(overflow)
+    }
+}
+
 impl Formats {
     /// Choose binary points for `program` on inputs in the given ranges.
     ///
     /// # Errors
-    /// When a quantity may be 2^31 or more, or an angle 2^15 rad or more.
-    pub fn choose(program: &Program, inputs: &[Vec<Input>]) -> Result<Formats, Overflow> {
+    /// When a quantity may be 2^31 or more, an angle 2^15 rad or more, or when
+    /// the program divides, clamps or raises to powers.
+    pub fn choose(program: &Program, inputs: &[Vec<Input>]) -> Result<Formats, Unfit> {
+        let fits = |expr| !matches!(expr, Expr::Div(..) | Expr::Clamp(_) | Expr::Pow(..));
+        if !program.nodes.iter().all(|node| fits(node.expr)) {
+            return Err(Unfit::Operation);
+        }
         // Sizes with errors like f32's first; then what fits is proven.
         let like_floats = Arithmetic::Float {
             precision: Precision::F32,
@@ -85,11 +105,12 @@ impl Formats {
         for (array, inputs) in program.inputs.iter().zip(inputs) {
             let size = |x: &Input| libm::fabs(x.lower).max(libm::fabs(x.upper));
             if let Some(k) = inputs.iter().position(|x| fitting(size(x)) < 0) {
-                return Err(Overflow {
+                let overflow = Overflow {
                     quantity: format!("{}[{k}]", array.name),
                     size: size(&inputs[k]),
                     angle: false,
-                });
+                };
+                return Err(overflow.into());
             }
         }
         for (id, node) in program.iter() {
@@ -107,11 +128,12 @@ impl Formats {
                     let least = formats.of(a).min(formats.of(b));
                     fitting(analysis.range(id).size()).min(least)
                 }
-                // Not to be had: refused before anything is emitted.
-                Expr::Div(..) | Expr::Clamp(_) | Expr::Pow(..) => -1,
+                Expr::Div(..) | Expr::Clamp(_) | Expr::Pow(..) => {
+                    unreachable!("programs with these were refused")
+                }
             };
             if bits < 0 {
-                return Err(overflow(program, id, analysis.range(id).size()));
+                return Err(overflow(program, id, analysis.range(id).size()).into());
             }
             formats.nodes.push(bits);
         }
@@ -132,7 +154,7 @@ impl Formats {
             }
             for id in tight {
                 if formats.of(id) <= 0 || !size(id).is_finite() {
-                    return Err(overflow(program, id, size(id)));
+                    return Err(overflow(program, id, size(id)).into());
                 }
                 formats.nodes[id.index()] -= 1;
                 if let Expr::Input { array, .. } = program.expr(id) {
@@ -143,7 +165,7 @@ impl Formats {
             formats.settle(program);
         }
         let id = program.outputs.first().copied().unwrap_or(Id(0));
-        Err(overflow(program, id, f64::INFINITY))
+        Err(overflow(program, id, f64::INFINITY).into())
     }
 
     /// Fraction bits of node `id`.

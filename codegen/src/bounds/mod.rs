@@ -17,11 +17,12 @@
 //! are correct to `CONSTANT_ULPS`; terms of order u² are covered by a margin.
 
 mod analysis;
+mod effects;
 mod fixed;
 
 use crate::program::Program;
 use analysis::Analysis;
-pub use fixed::{Formats, Overflow};
+pub use fixed::{Formats, Overflow, Unfit};
 pub(crate) use fixed::{fitting, kernel_error as fixed_kernel_error};
 
 /// Error of the sine and cosine kernels, in ulp (runtime::trig).

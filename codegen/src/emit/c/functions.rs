@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::ticks::Ticks;
 use super::{Scalar, fixed, float};
 use crate::Error;
-use crate::bounds::{Formats, Overflow};
+use crate::bounds::{Formats, Overflow, Unfit};
 use crate::emit::header;
 use crate::model::{Function, Given, Model};
 use crate::program::{Program, Shape};
@@ -105,8 +105,13 @@ pub(super) fn routines(
             (_, _, None, None) => unreachable!("fixed point comes with formats"),
         };
         if !routine.bound.is_finite() {
-            return Err(Error::Unbounded {
-                function: routine.name(),
+            return Err(match routine.program.counts().other {
+                0 => Error::Unbounded {
+                    function: routine.name(),
+                },
+                _ => Error::UnboundedEffect {
+                    function: routine.name(),
+                },
             });
         }
     }
@@ -124,7 +129,7 @@ fn routine(
     let formats = match scalar {
         Scalar::Fixed32 => {
             let formats = model.fixed_point(&program);
-            Some(formats.map_err(|overflow| too_large(model, function, &overflow))?)
+            Some(formats.map_err(|unfit| no_fixed_point(model, function, &unfit))?)
         }
         _ => None,
     };
@@ -137,6 +142,15 @@ fn routine(
         formats,
         bound: f64::INFINITY,
     })
+}
+
+fn no_fixed_point(model: &Model, function: Function, unfit: &Unfit) -> Error {
+    match unfit {
+        Unfit::Overflow(overflow) => too_large(model, function, overflow),
+        Unfit::Operation => Error::NoFixedPoint {
+            function: function.name(),
+        },
+    }
 }
 
 fn too_large(model: &Model, function: Function, overflow: &Overflow) -> Error {
@@ -409,3 +423,6 @@ fn ticks_body(routine: &Routine, name: &str) -> Vec<String> {
     lines.push(format!("{name}_{}({arrays}, {r}{output});", target.name()));
     lines
 }
+
+#[cfg(test)]
+mod tests;

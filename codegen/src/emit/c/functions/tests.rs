@@ -1,0 +1,59 @@
+//! What a function with an effect is in fixed point: nothing.
+
+use super::*;
+use crate::expr::{Graph, Id};
+use crate::program::Array;
+use crate::{Snapping, urdf};
+
+const LEG: &str = r#"<robot name="leg">
+    <link name="foot"/>
+    <link name="shin"><inertial><mass value="1"/><origin xyz="0 0 0.2"/></inertial></link>
+    <joint name="ankle" type="revolute"><parent link="foot"/><child link="shin"/>
+        <axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+</robot>"#;
+
+/// A function of the one joint of a robot, as an effect would rewrite it.
+fn routine_of(scalar: Scalar, build: impl Fn(&mut Graph, Id) -> Id) -> Result<Routine, Error> {
+    let description = urdf::parse(LEG, "leg.urdf").unwrap();
+    let model = Model::new(&description, "foot", Snapping::default()).unwrap();
+    let mut g = Graph::default();
+    let q = g.input(0, 0);
+    let out = build(&mut g, q);
+    let inputs = vec![Array { name: "q", len: 1 }];
+    let program = Program::new(g, inputs, Shape::Vector(2), &[out, out]);
+    routine(
+        &model,
+        scalar,
+        Function::Cop,
+        Given::Positions,
+        false,
+        program,
+    )
+}
+
+#[test]
+fn effects_that_fixed_point_cannot_hold_are_refused_by_name() {
+    type Build = fn(&mut Graph, Id) -> Id;
+    let builds: [Build; 3] = [
+        |g, q| {
+            let two = g.constant(2.0);
+            let weight = g.add(q, two);
+            g.div(q, weight)
+        },
+        |g, q| g.clamp(q),
+        |g, q| {
+            let exponent = g.constant(1.5);
+            let square = g.mul(q, q);
+            g.pow(square, exponent)
+        },
+    ];
+    for build in builds {
+        let error = routine_of(Scalar::Fixed32, build).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "fixed32: cop divides, clamps or raises to powers, which cannot be had in fixed \
+             point; effects with divisions or clamps (cell_gain, backlash) need f32 or f64"
+        );
+        assert!(routine_of(Scalar::F32, build).is_ok());
+    }
+}
