@@ -99,6 +99,13 @@ pub struct Operations {
     pub sin_cos: usize,
     /// Operations on angles before their sine and cosine.
     pub angle: usize,
+    /// Divisions, clamps and powers of effects; left out where there are none.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub other: usize,
+}
+
+fn is_zero(count: &usize) -> bool {
+    *count == 0
 }
 
 impl From<Counts> for Operations {
@@ -108,6 +115,7 @@ impl From<Counts> for Operations {
             add: counts.add,
             sin_cos: counts.sin_cos,
             angle: counts.angle,
+            other: counts.other,
         }
     }
 }

@@ -81,23 +81,23 @@ fn text(i: &Inspection) -> String {
     for direction in &i.unobservable {
         let _ = writeln!(out, "  {}", direction.sentence);
     }
-    let mut costs = Table::new(&[
-        "function",
-        "mul",
-        "add",
-        "sin_cos",
-        "rounding f64, m",
-        "f32, m",
-    ]);
+    // Divisions, clamps and powers: a column of their own where an effect needs any.
+    let effects = i.operations.values().any(|operations| operations.other > 0);
+    let mut titles = vec!["function", "mul", "add", "sin_cos"];
+    titles.extend(effects.then_some("other"));
+    titles.extend(["rounding f64, m", "f32, m"]);
+    let mut costs = Table::new(&titles);
     for (name, operations) in &i.operations {
-        costs.row(&[
+        let mut row = vec![
             name.to_string(),
             operations.mul.to_string(),
             operations.add.to_string(),
             operations.sin_cos.to_string(),
-            format!("{:.1e}", i.rounding_bound[name].f64),
-            format!("{:.1e}", i.rounding_bound[name].f32),
-        ]);
+        ];
+        row.extend(effects.then(|| operations.other.to_string()));
+        row.push(format!("{:.1e}", i.rounding_bound[name].f64));
+        row.push(format!("{:.1e}", i.rounding_bound[name].f32));
+        costs.row(&row);
     }
     let _ = writeln!(out, "\n{costs}");
     if i.snaps.is_empty() {
