@@ -4,6 +4,8 @@
 //! That printer drops comments, so section titles travel as marker statements
 //! and become comment lines afterwards.
 
+pub mod free;
+
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{format_ident, quote};
 
@@ -37,19 +39,24 @@ pub fn module(model: &Model, name: &str) -> Result<String, Error> {
         .iter()
         .filter(|(row, _)| row.given == Given::SinesCosines);
     let unit = unit_struct(model, name, from_sines.count() == Function::ALL.len());
-    let file = syn::parse2(quote! {
+    let items = quote! {
         use sesc_runtime::{Real, Sesc};
         #constants
         #unit
         #(#functions)*
-    })
-    .map_err(|error| Error::Emitted {
+    };
+    let rows: Vec<Row> = rows.into_iter().map(|(row, _)| row).collect();
+    printed(items, &header::lines(model, &rows), &titles)
+}
+
+/// Items below a comment, with the section titles that their markers stand for.
+fn printed(items: TokenStream, about: &[String], titles: &[String]) -> Result<String, Error> {
+    let file = syn::parse2(items).map_err(|error| Error::Emitted {
         reason: error.to_string(),
     })?;
     let printed = prettyplease::unparse(&file);
-    let rows: Vec<Row> = rows.into_iter().map(|(row, _)| row).collect();
     let mut text = String::with_capacity(printed.len() + 4096);
-    for line in header::lines(model, &rows) {
+    for line in about {
         text.push_str(format!("// {line}").trim_end());
         text.push('\n');
     }
@@ -63,7 +70,7 @@ pub fn module(model: &Model, name: &str) -> Result<String, Error> {
             text.push('\n');
         }
         open = attached;
-        match section(line, &titles) {
+        match section(line, titles) {
             Some(comment) => text.push_str(&comment),
             None => text.push_str(line),
         }

@@ -12,6 +12,7 @@ pub(super) fn body(program: &Program, scalar: Scalar, name: &str, output: &str) 
     let spelling = Spelling {
         listing: &listing,
         scalar,
+        name,
     };
     let real = scalar.c_type();
     let mut lines = Vec::new();
@@ -57,6 +58,8 @@ pub(super) fn literal(x: f64, scalar: Scalar) -> String {
 struct Spelling<'l, 'p> {
     listing: &'l Listing<'p>,
     scalar: Scalar,
+    /// What names of helpers begin with.
+    name: &'l str,
 }
 
 impl Spelling<'_, '_> {
@@ -104,11 +107,11 @@ impl Spelling<'_, '_> {
             Expr::Neg(a) => (format!("-{}", at(a, Strength::Atom)), Strength::Sign),
             Expr::Clamp(a) => {
                 let a = at(a, Strength::Sum);
-                (format!("clamp_unit({a})"), Strength::Atom)
+                (format!("{}_clamp({a})", self.name), Strength::Atom)
             }
             Expr::Pow(a, b) => {
                 let (a, b) = (at(a, Strength::Sum), at(b, Strength::Sum));
-                (format!("pow({a}, {b})"), Strength::Atom)
+                (format!("{}_power({a}, {b})", self.name), Strength::Atom)
             }
             Expr::Sin(_) | Expr::Cos(_) => {
                 unreachable!("sines and cosines have statements of their own")

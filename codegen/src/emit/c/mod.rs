@@ -7,6 +7,7 @@
 
 mod fixed;
 mod float;
+pub mod free;
 mod functions;
 pub mod layout;
 mod selftest;
@@ -141,7 +142,7 @@ pub fn package(model: &Model, name: &str, options: &Options) -> Result<Package, 
     let arrays = tables::arrays(model, options.scalar, &routines, name);
     let (selftest, results) =
         selftest::checks(model, options.scalar, &routines, name, ticks.as_ref());
-    let renamed = Renamed::of(name, &functions, model.file.is_some());
+    let renamed = Renamed::of(name, &functions, model.file.is_some(), &needs);
     let points = functions::points(&routines);
     let joints: Vec<String> = model
         .tree
@@ -175,36 +176,48 @@ pub fn package(model: &Model, name: &str, options: &Options) -> Result<Package, 
         joints,
         arrays => listed(arrays),
         functions => listed(functions),
-        has_kernel => needs.kernel,
-        kernel => match options.scalar {
-            Scalar::F64 => "kernel_f64.c",
-            Scalar::F32 => "kernel_f32.c",
-            Scalar::Fixed32 => "kernel_fixed.c",
-        },
-        has_table => needs.table,
-        has_narrow => needs.narrow,
         quarter => tables::quarter(options.scalar),
         from_ticks => Value::from(Serde(from_ticks)),
         selftest => listed(selftest),
         selftest_results => listed(results),
     };
-    let environment = environment();
-    let render = |template: &str| {
-        let text = environment
-            .get_template(template)
-            .and_then(|template| template.render(&texts));
-        match text {
-            Ok(text) => Ok(text + "\n"),
-            Err(error) => Err(Error::Emitted {
-                reason: format!("{error:#}"),
-            }),
-        }
-    };
+    let texts = context! { ..helpers(&needs, options.scalar), ..texts };
     Ok(Package {
-        header: render("package.h")?,
-        source: render("package.c")?,
+        header: render("package.h", &texts)?,
+        source: render("package.c", &texts)?,
         notes,
     })
+}
+
+/// What the templates of static helpers read.
+fn helpers(needs: &Needs, scalar: Scalar) -> Value {
+    let (kernel, power, bits, suffix) = match scalar {
+        Scalar::F64 => ("kernel_f64.c", "power_f64.c", "uint64_t", ""),
+        Scalar::F32 => ("kernel_f32.c", "power_f32.c", "uint32_t", "f"),
+        Scalar::Fixed32 => ("kernel_fixed.c", "", "", ""),
+    };
+    context! {
+        has_kernel => needs.kernel,
+        has_table => needs.table,
+        has_narrow => needs.narrow,
+        has_clamp => needs.clamp,
+        has_power => needs.power,
+        kernel,
+        power,
+        bits,
+        suffix,
+    }
+}
+
+/// A template of this crate, filled in.
+fn render(template: &str, texts: &Value) -> Result<String, Error> {
+    environment()
+        .get_template(template)
+        .and_then(|template| template.render(texts))
+        .map(|text| text + "\n")
+        .map_err(|error| Error::Emitted {
+            reason: format!("{error:#}"),
+        })
 }
 
 /// A list as a template reads it.
@@ -219,12 +232,20 @@ fn environment() -> Environment<'static> {
     for (name, text) in [
         ("package.h", include_str!("templates/package.h")),
         ("package.c", include_str!("templates/package.c")),
+        ("includes.c", include_str!("templates/includes.c")),
+        ("helpers.c", include_str!("templates/helpers.c")),
         ("narrow.c", include_str!("templates/narrow.c")),
         ("table.c", include_str!("templates/table.c")),
         ("kernel_f64.c", include_str!("templates/kernel_f64.c")),
         ("kernel_f32.c", include_str!("templates/kernel_f32.c")),
         ("kernel_fixed.c", include_str!("templates/kernel_fixed.c")),
+        ("bits.c", include_str!("templates/bits.c")),
+        ("clamp.c", include_str!("templates/clamp.c")),
+        ("power_f64.c", include_str!("templates/power_f64.c")),
+        ("power_f32.c", include_str!("templates/power_f32.c")),
         ("selftest.c", include_str!("templates/selftest.c")),
+        ("free.h", include_str!("templates/free.h")),
+        ("free.c", include_str!("templates/free.c")),
     ] {
         environment
             .add_template(name, text)
@@ -239,6 +260,9 @@ struct Needs {
     kernel: bool,
     table: bool,
     narrow: bool,
+    /// For effects alone.
+    clamp: bool,
+    power: bool,
 }
 
 impl Needs {
@@ -248,13 +272,19 @@ impl Needs {
         scalar: Scalar,
         name: &str,
     ) -> Needs {
-        let lines = || {
-            let ticks = from_ticks.iter().flat_map(|text| &text.lines);
-            functions.iter().flat_map(|text| &text.body).chain(ticks)
-        };
+        let ticks = from_ticks.iter().flat_map(|text| &text.lines);
+        let bodies = functions.iter().flat_map(|text| &text.body);
+        Needs::of_lines(bodies.chain(ticks), scalar, name)
+    }
+
+    fn of_lines<'l>(
+        lines: impl Iterator<Item = &'l String> + Clone,
+        scalar: Scalar,
+        name: &str,
+    ) -> Needs {
         let calls = |helper: &str| {
             let call = format!("{name}_{helper}(");
-            lines().any(|line| line.contains(&call))
+            lines.clone().any(|line| line.contains(&call))
         };
         let kernel = calls("sincos");
         let fixed = scalar == Scalar::Fixed32;
@@ -262,6 +292,8 @@ impl Needs {
             kernel,
             table: calls("lookup") || (fixed && kernel),
             narrow: fixed && (kernel || calls("narrow")),
+            clamp: calls("clamp"),
+            power: calls("power"),
         }
     }
 }
@@ -285,12 +317,13 @@ fn about(model: &Model, routines: &[Routine], scalar: Scalar) -> Vec<String> {
     for routine in routines {
         let counts = routine.program.counts();
         lines.push(format!(
-            "{:<22} {:>7} {:>7} {:>9}   {}",
+            "{:<22} {:>7} {:>7} {:>9}   {}{}",
             routine.name(),
             counts.mul,
             counts.add,
             counts.sin_cos,
-            header::at_most(routine.bound)
+            header::at_most(routine.bound),
+            header::others(counts)
         ));
     }
     lines.extend(header::PROMISE.map(str::to_string));
@@ -317,6 +350,9 @@ const HELPERS: [&str; 8] = [
     "differs",
 ];
 
+/// Those of effects, which few files hold.
+const EFFECT_HELPERS: [&str; 4] = ["clamp", "high", "lost", "power"];
+
 /// Names whose first 31 characters another has, each with a symbol of its own.
 struct Renamed {
     /// For the header.
@@ -326,7 +362,7 @@ struct Renamed {
 }
 
 impl Renamed {
-    fn of(name: &str, functions: &[functions::Text], model: bool) -> Renamed {
+    fn of(name: &str, functions: &[functions::Text], model: bool, needs: &Needs) -> Renamed {
         let data = [
             "real",
             "joint_names",
@@ -339,8 +375,12 @@ impl Renamed {
             suffixes.push("model_params".into());
         }
         suffixes.extend(functions.iter().map(|text| text.name.clone()));
-        suffixes.extend(HELPERS.map(str::to_string));
-        let helpers: Vec<String> = HELPERS.map(|helper| format!("{name}_{helper}")).to_vec();
+        let mut helpers = HELPERS.to_vec();
+        if needs.clamp || needs.power {
+            helpers.extend(EFFECT_HELPERS);
+        }
+        suffixes.extend(helpers.iter().map(|helper| helper.to_string()));
+        let helpers: Vec<String> = helpers.iter().map(|h| format!("{name}_{h}")).collect();
         let renamed = names::distinct(name, &suffixes);
         let (internal, public) = renamed
             .into_iter()

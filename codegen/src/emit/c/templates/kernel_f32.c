@@ -9,19 +9,7 @@ static void {{ name }}_sincos(float x, float *sine, float *cosine)
 
 #else
 
-static uint32_t {{ name }}_bits_of(float x)
-{
-    uint32_t bits;
-    (void)memcpy(&bits, &x, sizeof bits);
-    return bits;
-}
-
-static float {{ name }}_from_bits(uint32_t bits)
-{
-    float x;
-    (void)memcpy(&x, &bits, sizeof x);
-    return x;
-}
+{% include "bits.c" %}
 
 /*
  * Sine and cosine of x rad, each within 0.85 ulp for |x| <= 1024, NaN beyond.

@@ -9,19 +9,7 @@ static void {{ name }}_sincos(double x, double *sine, double *cosine)
 
 #else
 
-static uint64_t {{ name }}_bits_of(double x)
-{
-    uint64_t bits;
-    (void)memcpy(&bits, &x, sizeof bits);
-    return bits;
-}
-
-static double {{ name }}_from_bits(uint64_t bits)
-{
-    double x;
-    (void)memcpy(&x, &bits, sizeof x);
-    return x;
-}
+{% include "bits.c" %}
 
 /*
  * Sine and cosine of x rad, each within 0.9 ulp for |x| <= 2^20, NaN beyond.

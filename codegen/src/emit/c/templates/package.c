@@ -4,26 +4,7 @@
 {%- endfor %}
  */
 
-#include "{{ name }}.h"
-
-#include <stdint.h>
-{%- if has_kernel and real != "int32_t" %}
-#ifdef {{ name }}_USE_LIBM
-#include <math.h>
-#else
-#include <string.h>
-#ifdef __FAST_MATH__
-#error "-ffast-math breaks the reduction of angles: leave it out or define {{ name }}_USE_LIBM"
-#endif
-#endif
-{%- endif %}
-{%- for (name, symbol) in renamed_static %}
-{%- if loop.first %}
-
-/* Names that C99 would not tell apart in their first 31 characters. */
-{%- endif %}
-#define {{ name }} {{ symbol }}
-{%- endfor %}
+{% include "includes.c" %}
 {% if has_names %}
 const char *const {{ name }}_joint_names[{{ name }}_DOF] = {
 {%- for joint in joints %}
@@ -38,15 +19,7 @@ const char *const {{ name }}_joint_names[{{ name }}_DOF] = {
 {%- endfor %}
 };
 {% endfor %}
-{%- if has_narrow %}
-{%- include "narrow.c" %}
-{%- endif %}
-{%- if has_table %}
-{%- include "table.c" %}
-{%- endif %}
-{%- if has_kernel %}
-{%- include kernel %}
-{%- endif %}
+{%- include "helpers.c" %}
 {%- if from_ticks %}
 /* {{ from_ticks.brief }} */
 static void {{ from_ticks.signature }}

@@ -1,0 +1,100 @@
+//! One program by itself: a header and a source that know no robot.
+
+use minijinja::context;
+use serde::Serialize;
+
+use super::{EFFECT_HELPERS, HELPERS, Needs, Package, Scalar, float, helpers, is_prefix, render};
+use super::{listed, suggest};
+use crate::Error;
+use crate::bounds::{self, Input, Precision};
+use crate::emit::{header, names};
+use crate::program::Program;
+
+/// An input array, as the templates read it.
+#[derive(Serialize)]
+struct Array {
+    name: String,
+    len: usize,
+}
+
+/// `void NAME_run(inputs…, out)` for `program` in floating point: its header
+/// tells the rounding bound for inputs in the given ranges.
+///
+/// # Errors
+/// When `name` is no prefix of C names.
+pub fn function(
+    program: &Program,
+    name: &str,
+    precision: Precision,
+    inputs: &[Vec<Input>],
+) -> Result<Package, Error> {
+    if !is_prefix(name) {
+        return Err(Error::BadPrefix {
+            name: name.to_string(),
+            suggestion: suggest(name),
+        });
+    }
+    let scalar = match precision {
+        Precision::F64 => Scalar::F64,
+        Precision::F32 => Scalar::F32,
+    };
+    let body = float::body(program, scalar, name, "out");
+    let needs = Needs::of_lines(body.iter(), scalar, name);
+    let outputs = program.outputs.len();
+    let inputs_of = |array: &crate::program::Array| {
+        format!("const {name}_real {}[]", super::argument(array.name))
+    };
+    let mut declarations: Vec<String> = program.inputs.iter().map(inputs_of).collect();
+    declarations.push(format!("{name}_real out[{outputs}]"));
+    let counts = program.counts();
+    let about = vec![
+        header::GENERATOR.to_string(),
+        String::new(),
+        format!(
+            "operations     {} mul, {} add, {} sin_cos{}",
+            counts.mul,
+            counts.add,
+            counts.sin_cos,
+            header::others(counts)
+        ),
+    ];
+    let worst = bounds::prove(program, inputs, precision).worst;
+    let suffixes = ["real", "run"]
+        .iter()
+        .chain(&HELPERS)
+        .chain(&EFFECT_HELPERS);
+    let suffixes: Vec<String> = suffixes.map(|suffix| suffix.to_string()).collect();
+    let public = |(long, _): &(String, String)| {
+        ["real", "run"]
+            .iter()
+            .any(|word| *long == format!("{name}_{word}"))
+    };
+    let (renamed, internal): (Vec<_>, Vec<_>) = names::distinct(name, &suffixes)
+        .into_iter()
+        .partition(public);
+    let texts = context! {
+        name,
+        guard => format!("{}_H", name.to_uppercase()),
+        about,
+        real => scalar.c_type(),
+        promise => match worst.is_finite() {
+            true => format!("Proven rounding error below {}.", header::at_most(worst)),
+            false => "No rounding bound can be proven.".to_string(),
+        },
+        arrays => listed(program.inputs.iter().map(|array| Array {
+            name: super::argument(array.name).to_string(),
+            len: array.len,
+        }).collect()),
+        outputs,
+        signature => declarations.join(", "),
+        body,
+        renamed,
+        renamed_static => internal,
+        ..helpers(&needs, scalar),
+    };
+    Ok(Package {
+        header: render("free.h", &texts)?,
+        source: render("free.c", &texts)?,
+        notes: Vec::new(),
+    })
+}

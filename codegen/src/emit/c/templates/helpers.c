@@ -1,0 +1,15 @@
+{%- if has_narrow %}
+{%- include "narrow.c" %}
+{%- endif %}
+{%- if has_table %}
+{%- include "table.c" %}
+{%- endif %}
+{%- if has_kernel %}
+{%- include kernel %}
+{%- endif %}
+{%- if has_clamp %}
+{%- include "clamp.c" %}
+{%- endif %}
+{%- if has_power %}
+{%- include power %}
+{%- endif %}

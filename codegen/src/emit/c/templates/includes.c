@@ -1,0 +1,20 @@
+#include "{{ name }}.h"
+
+#include <stdint.h>
+{%- if (has_kernel or has_power) and real != "int32_t" %}
+#ifdef {{ name }}_USE_LIBM
+#include <math.h>
+#else
+#include <string.h>
+#ifdef __FAST_MATH__
+#error "-ffast-math breaks {{ "the reduction of angles" if has_kernel else "powers" }}: leave it out or define {{ name }}_USE_LIBM"
+#endif
+#endif
+{%- endif %}
+{%- for (name, symbol) in renamed_static %}
+{%- if loop.first %}
+
+/* Names that C99 would not tell apart in their first 31 characters. */
+{%- endif %}
+#define {{ name }} {{ symbol }}
+{%- endfor %}
