@@ -19,8 +19,13 @@ pub trait Number: Copy {
     fn add(self, other: Self) -> Self;
     fn sub(self, other: Self) -> Self;
     fn mul(self, other: Self) -> Self;
+    fn div(self, other: Self) -> Self;
     fn neg(self) -> Self;
     fn sin_cos(self) -> (Self, Self);
+    /// The nearest number in [-1, 1].
+    fn clamp(self) -> Self;
+    /// To the power of `exponent`, for what is not negative.
+    fn power(self, exponent: Self) -> Self;
 }
 
 impl Number for f32 {
@@ -36,11 +41,20 @@ impl Number for f32 {
     fn mul(self, other: f32) -> f32 {
         self * other
     }
+    fn div(self, other: f32) -> f32 {
+        self / other
+    }
     fn neg(self) -> f32 {
         -self
     }
     fn sin_cos(self) -> (f32, f32) {
         sesc_runtime::trig::sin_cos_f32(self)
+    }
+    fn clamp(self) -> f32 {
+        f32::clamp(self, -1.0, 1.0)
+    }
+    fn power(self, exponent: f32) -> f32 {
+        sesc_runtime::power::power_f32(self, exponent)
     }
 }
 
@@ -57,9 +71,12 @@ enum Step {
     Add(usize, usize),
     Sub(usize, usize),
     Mul(usize, usize),
+    Div(usize, usize),
     Neg(usize),
     Sin(usize),
     Cos(usize),
+    Clamp(usize),
+    Pow(usize, usize),
 }
 
 impl Interpreter {
@@ -75,9 +92,12 @@ impl Interpreter {
             Expr::Add(a, b) => Step::Add(places[&a], places[&b]),
             Expr::Sub(a, b) => Step::Sub(places[&a], places[&b]),
             Expr::Mul(a, b) => Step::Mul(places[&a], places[&b]),
+            Expr::Div(a, b) => Step::Div(places[&a], places[&b]),
             Expr::Neg(a) => Step::Neg(places[&a]),
             Expr::Sin(a) => Step::Sin(places[&a]),
             Expr::Cos(a) => Step::Cos(places[&a]),
+            Expr::Clamp(a) => Step::Clamp(places[&a]),
+            Expr::Pow(a, b) => Step::Pow(places[&a], places[&b]),
         };
         Interpreter {
             steps: program.nodes.iter().map(|node| step(node.expr)).collect(),
@@ -97,7 +117,10 @@ impl Interpreter {
                 Step::Add(a, b) => values[a].add(values[b]),
                 Step::Sub(a, b) => values[a].sub(values[b]),
                 Step::Mul(a, b) => values[a].mul(values[b]),
+                Step::Div(a, b) => values[a].div(values[b]),
                 Step::Neg(a) => values[a].neg(),
+                Step::Clamp(a) => values[a].clamp(),
+                Step::Pow(a, b) => values[a].power(values[b]),
                 Step::Sin(a) => pairs.entry(a).or_insert_with(|| values[a].sin_cos()).0,
                 Step::Cos(a) => pairs.entry(a).or_insert_with(|| values[a].sin_cos()).1,
             };
@@ -153,6 +176,42 @@ impl Double {
     }
 }
 
+/// ln 2 in two doubles.
+const LN_2: Double = Double {
+    high: std::f64::consts::LN_2,
+    low: 2.319_046_813_846_299_6e-17,
+};
+
+impl Double {
+    /// e^self: a whole power of two, and a series on a sixteenth of the rest.
+    fn exp(self) -> Double {
+        let k = (self.high / LN_2.high).round();
+        let rest = self.sub(LN_2.mul(Double::of(k)));
+        let part = Double {
+            high: rest.high / 16.0,
+            low: rest.low / 16.0,
+        };
+        let inverse = INVERSE_FACTORIALS[..20].iter().rev();
+        let series = inverse.fold(Double::of(0.0), |sum, c| sum.mul(part).add(*c));
+        let power = (0..4).fold(series, |x, _| x.mul(x));
+        let scale = k.exp2();
+        Double {
+            high: power.high * scale,
+            low: power.low * scale,
+        }
+    }
+
+    /// ln self, by Newton's rule on the exponential, which doubles the digits.
+    fn ln(self) -> Double {
+        let mut found = Double::of(self.high.ln());
+        for _ in 0..2 {
+            let ratio = self.mul(found.neg().exp());
+            found = found.add(ratio.sub(Double::of(1.0)));
+        }
+        found
+    }
+}
+
 /// π/2 in three doubles.
 const RIGHT_ANGLE: [f64; 3] = [
     std::f64::consts::FRAC_PI_2,
@@ -202,6 +261,30 @@ impl Number for Double {
         let product = two_product(self.high, other.high);
         let cross = self.high * other.low + self.low * other.high;
         quick_sum(product.high, product.low + cross)
+    }
+
+    fn div(self, other: Double) -> Double {
+        // Two digits of the quotient and a third for what they leave.
+        let first = self.high / other.high;
+        let rest = self.sub(other.mul(Double::of(first)));
+        let second = rest.high / other.high;
+        let rest = rest.sub(other.mul(Double::of(second)));
+        quick_sum(first, second).add(Double::of(rest.high / other.high))
+    }
+
+    fn clamp(self) -> Double {
+        match self.high {
+            x if x > 1.0 || (x == 1.0 && self.low > 0.0) => Double::of(1.0),
+            x if x < -1.0 || (x == -1.0 && self.low < 0.0) => Double::of(-1.0),
+            _ => self,
+        }
+    }
+
+    fn power(self, exponent: Double) -> Double {
+        match self.high == 0.0 || exponent.high == 0.0 {
+            true => Double::of(self.high.powf(exponent.high)),
+            false => self.ln().mul(exponent).exp(),
+        }
     }
 
     fn neg(self) -> Double {
