@@ -182,4 +182,32 @@ pub enum Error {
         /// The direction asked for, in the support frame.
         direction: [f64; 3],
     },
+    /// A joint without an encoder was asked for as if it had one.
+    #[error("joint `{joint}` has no encoder")]
+    HiddenJoint {
+        /// The joint.
+        joint: String,
+    },
+    /// A number that only makes sense above zero.
+    #[error("{what} of {value} must be finite and above zero")]
+    Value {
+        /// What it stands for.
+        what: &'static str,
+        /// The number.
+        value: f64,
+    },
+    /// The cells of a sole cannot carry a load anywhere between them.
+    #[error("{count} cells cannot carry a load between them; give at least three, not in one line")]
+    Cells {
+        /// How many there are.
+        count: usize,
+    },
+    /// A cell that is not there.
+    #[error("there is no cell fsr_{cell}; the sole has {count}, counted from 1")]
+    UnknownCell {
+        /// The cell asked for.
+        cell: usize,
+        /// How many there are.
+        count: usize,
+    },
 }

@@ -15,7 +15,8 @@
 //! * [`Reference`]: CoM, link poses, Jacobian and gravity moments by
 //!   differences, standard regressor columns, with one link held fixed.
 //! * [`numeric_rank`]: how many parameters a set of postures can determine.
-//! * [`World`]: a virtual robot that is bent on purpose.
+//! * [`World`]: a virtual robot that is bent on purpose; [`Track`]: the postures
+//!   of a log, with which it is read.
 //!
 //! Lengths are metres, masses kilograms, angles radians.
 //!
@@ -56,4 +57,4 @@ pub use joint::{Joint, JointKind, Link, Mimic, Pose};
 pub use regressor::numeric_rank;
 pub use robot::Robot;
 pub use tree::Coordinate;
-pub use world::World;
+pub use world::{GRAVITY, Reading, Track, World};

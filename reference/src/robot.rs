@@ -12,10 +12,10 @@
 
 use std::path::Path;
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Point3, Unit, Vector3};
 
 use crate::error::Error;
-use crate::joint::{Joint, Link, Pose};
+use crate::joint::{Joint, JointKind, Link, Pose};
 use crate::tree::{Coordinate, join, resolve_mimics, sort_from_root};
 
 /// A robot: one tree of links.
@@ -115,6 +115,11 @@ impl Robot {
         &self.coordinates
     }
 
+    /// Indices of the joints, every parent link before its children.
+    pub(crate) fn joints_from_root(&self) -> &[usize] {
+        &self.order
+    }
+
     /// Index of a link.
     ///
     /// # Errors
@@ -188,5 +193,57 @@ impl Robot {
         link.com_m = Point3::from(moment / left_kg);
         link.mass_kg = left_kg;
         Ok(robot)
+    }
+
+    /// The same robot with another mass and centre of mass of a link.
+    ///
+    /// # Errors
+    /// [`Error::UnknownLink`]; [`Error::NegativeMass`].
+    pub fn with_mass(&self, link: &str, mass_kg: f64, com_m: Point3<f64>) -> Result<Self, Error> {
+        let mut robot = self.clone();
+        let link = &mut robot.links[self.link_index(link)?];
+        if mass_kg < 0.0 {
+            return Err(Error::NegativeMass {
+                link: link.name.clone(),
+                mass_kg,
+            });
+        }
+        (link.mass_kg, link.com_m) = (mass_kg, com_m);
+        Ok(robot)
+    }
+
+    /// The same robot with a hinge between a joint and the link it sits on,
+    /// about `axis` of the joint's frame: the last entry of the posture.
+    ///
+    /// # Errors
+    /// [`Error::UnknownJoint`]; [`Error::Duplicate`] where the joint has one.
+    pub fn with_hinge(&self, joint: &str, axis: Unit<Vector3<f64>>) -> Result<Self, Error> {
+        let at = self.movable[self.dof_index(joint)?];
+        let (mut links, mut joints) = (self.links.clone(), self.joints.clone());
+        let name = format!("{joint} hinge");
+        if joints.iter().any(|joint| joint.name == name) {
+            return Err(Error::Duplicate {
+                place: format!("joint `{name}`"),
+            });
+        }
+        let seat = links.len();
+        links.push(Link {
+            name: format!("{joint} seat"),
+            mass_kg: 0.0,
+            com_m: Point3::origin(),
+        });
+        let (parent, origin) = (joints[at].parent, joints[at].origin);
+        (joints[at].parent, joints[at].origin) = (seat, Pose::identity());
+        joints.push(Joint {
+            name,
+            kind: JointKind::Continuous,
+            parent,
+            child: seat,
+            origin,
+            axis,
+            limits: (f64::NEG_INFINITY, f64::INFINITY),
+            mimic: None,
+        });
+        Self::new(self.name.clone(), links, joints)
     }
 }

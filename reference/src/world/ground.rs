@@ -1,0 +1,154 @@
+//! From the loads on the robot to the pressure under its sole.
+//!
+//! ```text
+//! p   = c - g c_z / g_z                    c along gravity onto the plane z = 0
+//! R   = M g + Σ F,  m = c × M g + Σ x × F  with pulls and inertia: all loads together
+//! p   = (-m_y, m_x) / R_z                  where the ground's answer has no moment along x, y
+//! ```
+//!
+//! The second is the first where nothing but gravity acts. A body that is
+//! accelerated by `a` pulls at the robot with `-m a`; each link counts as a
+//! point at its centre of mass.
+
+use nalgebra::{Point3, Vector2, Vector3};
+
+use crate::error::Error;
+use crate::joint::Pose;
+
+use super::World;
+use super::statics::{GRAVITY, Load};
+
+/// What the ground feels.
+pub(super) struct Pressure {
+    /// The centre of pressure, m, in the support frame.
+    pub at_m: Vector2<f64>,
+    /// How hard the sole presses, N.
+    pub total_n: f64,
+}
+
+impl World {
+    /// Gravity has this direction in the support frame (any length). It
+    /// replaces an earlier gravity or slope.
+    ///
+    /// # Errors
+    /// [`Error::Gravity`] where it does not point below the support plane.
+    pub fn gravity(mut self, direction: [f64; 3]) -> Result<Self, Error> {
+        let finite = direction.iter().all(|component| component.is_finite());
+        if !finite || direction[2] >= 0.0 {
+            return Err(Error::Gravity { direction });
+        }
+        self.gravity = Vector3::from(direction);
+        Ok(self)
+    }
+
+    /// The ground, and the foot flat on it, falls off by `slope` (rise over
+    /// run) along x and y of the support frame, so that a CoM at height `z`
+    /// moves the CoP by `z · slope`: gravity along `(slope_x, slope_y, -1)`.
+    ///
+    /// # Errors
+    /// [`Error::Gravity`] where a slope is not finite.
+    pub fn ground_slope(self, [x, y]: [f64; 2]) -> Result<Self, Error> {
+        self.gravity([x, y, -1.0])
+    }
+
+    /// Gravity's pull on a kilogram, N.
+    pub(super) fn pull_of_gravity(&self) -> Vector3<f64> {
+        self.gravity * (GRAVITY / self.gravity.norm())
+    }
+
+    /// Every force on the robot: weights of links and of what they carry
+    /// loosely, and pulls.
+    pub(super) fn loads(&self, poses: &[Pose]) -> Vec<Load> {
+        let gravity = self.pull_of_gravity();
+        let links = self.robot().links().iter().zip(poses).enumerate();
+        let weights = links.map(|(link, (inertia, pose))| Load {
+            link,
+            at_m: pose * inertia.com_m,
+            force_n: gravity * inertia.mass_kg,
+        });
+        let carried = self.carried(poses).into_iter().map(|carried| Load {
+            link: carried.link,
+            at_m: carried.at_m,
+            force_n: gravity * carried.mass_kg,
+        });
+        weights
+            .chain(carried)
+            .chain(self.pull_loads(poses))
+            .collect()
+    }
+
+    fn pull_loads(&self, poses: &[Pose]) -> impl Iterator<Item = Load> {
+        self.pulls.iter().map(|pull| Load {
+            link: pull.link,
+            at_m: poses[pull.link] * pull.at_m,
+            force_n: pull.force_n,
+        })
+    }
+
+    /// The centre of mass of all that hangs together, and its mass, kg.
+    pub(super) fn com_of(&self, joints: &[f64]) -> (Vector3<f64>, f64) {
+        let (com, mass_kg) = (self.reference.com(joints), self.reference.total_mass());
+        if self.strange.carries_nothing() {
+            return (com, mass_kg);
+        }
+        let carried = self.carried(&self.reference.link_poses(joints));
+        let (mut moment, mut total_kg) = (com * mass_kg, mass_kg);
+        for load in carried {
+            moment += load.at_m.coords * load.mass_kg;
+            total_kg += load.mass_kg;
+        }
+        (moment / total_kg, total_kg)
+    }
+
+    /// The pressure under the sole when the joints stand at `joints` and these
+    /// forces of inertia act.
+    pub(super) fn pressure(&self, joints: &[f64], inertia: &[Load]) -> Pressure {
+        let (com, mass_kg) = self.com_of(joints);
+        let weight = self.pull_of_gravity() * mass_kg;
+        if self.pulls.is_empty() && inertia.is_empty() {
+            return Pressure {
+                at_m: (com - self.gravity * (com.z / self.gravity.z)).xy(),
+                total_n: -weight.z,
+            };
+        }
+        let (mut force, mut moment) = (weight, com.cross(&weight));
+        let poses = self.reference.link_poses(joints);
+        for load in self.pull_loads(&poses).chain(inertia.iter().copied()) {
+            force += load.force_n;
+            moment += load.at_m.coords.cross(&load.force_n);
+        }
+        Pressure {
+            at_m: Vector2::new(-moment.y, moment.x) / force.z,
+            total_n: -force.z,
+        }
+    }
+
+    /// The forces of inertia at the middle one of three moments that are
+    /// `step_s` apart.
+    pub(super) fn inertia(&self, joints: [&[f64]; 3], step_s: f64) -> Vec<Load> {
+        let places = joints.map(|joints| self.mass_points(joints));
+        let [before, now, after] = &places;
+        let moments = before.iter().zip(now).zip(after);
+        moments
+            .map(|((before, now), after)| {
+                let turn = (after.1 - now.1) - (now.1 - before.1);
+                Load {
+                    link: now.0,
+                    at_m: now.1,
+                    force_n: turn * (-now.2 / (step_s * step_s)),
+                }
+            })
+            .collect()
+    }
+
+    /// Link, place and mass of every point mass.
+    fn mass_points(&self, joints: &[f64]) -> Vec<(usize, Point3<f64>, f64)> {
+        let poses = self.reference.link_poses(joints);
+        let links = self.robot().links().iter().zip(&poses).enumerate();
+        let links = links.map(|(l, (link, pose))| (l, pose * link.com_m, link.mass_kg));
+        let carried = self.carried(&poses).into_iter();
+        links
+            .chain(carried.map(|load| (load.link, load.at_m, load.mass_kg)))
+            .collect()
+    }
+}
