@@ -127,3 +127,45 @@ pub fn postures(reference: &Reference, count: usize) -> Vec<Vec<f64>> {
         })
         .collect()
 }
+
+/// A mass of 2 kg on a stick of 0.5 m that leans over an ankle 0.1 m above the
+/// foot: at `q` it stands at x = 0.5 sin q, z = 0.1 + 0.5 cos q.
+pub fn leaning() -> Robot {
+    robot(
+        &[
+            "<link name='foot'/>".to_owned(),
+            link("stick", LEANING_KG, [0.0, 0.0, LEANING_M]),
+            joint(
+                "ankle",
+                "continuous",
+                "foot",
+                "stick",
+                "xyz='0 0 0.1'",
+                "<axis xyz='0 1 0'/>",
+            ),
+        ]
+        .concat(),
+    )
+}
+
+pub const LEANING_KG: f64 = 2.0;
+pub const LEANING_M: f64 = 0.5;
+
+/// The same thing, described from the stick down: the foot is the ankle's child.
+pub fn leaning_from_above() -> Robot {
+    robot(
+        &[
+            link("stick", LEANING_KG, [0.0, 0.0, LEANING_M]),
+            "<link name='foot'/>".to_owned(),
+            joint(
+                "ankle",
+                "continuous",
+                "stick",
+                "foot",
+                "",
+                "<axis xyz='0 -1 0'/>",
+            ),
+        ]
+        .concat(),
+    )
+}
