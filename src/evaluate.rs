@@ -1,5 +1,6 @@
 //! Functions of any robot at near-native speed: programs on tape.
 
+use sesc_codegen::effects::{self, Circumstances};
 use sesc_codegen::program::Program;
 use sesc_codegen::tape::{Argument, Kernels, Tape};
 use sesc_codegen::{Function, Given, Model};
@@ -93,3 +94,40 @@ pub const KERNELS: Kernels = Kernels {
     sin_cos: |angle, sin, cos| trig::sin_cos_block(angle, sin, cos),
     power: |base, exponent, out| power::power_block(base, exponent, out),
 };
+
+/// The reading that a model with effects foretells, under any gravity.
+pub struct Foretelling {
+    tape: Tape,
+    layout: Circumstances,
+    params: Vec<f64>,
+}
+
+impl Foretelling {
+    /// Prepare a model; `None` where it has no effects that a posture shows.
+    pub fn new(model: &Model) -> Option<Foretelling> {
+        let shown = model.effects.iter().any(|(i, _)| i.effect.of_posture());
+        shown.then(|| Foretelling {
+            tape: Tape::new(&effects::foretelling(model)),
+            layout: Circumstances::of(model),
+            params: model.params(),
+        })
+    }
+
+    /// Readings (x, y) of `postures` postures, m, with gravity per posture.
+    pub fn run(&self, q: &[f64], postures: usize, gravity: Option<&[[f64; 3]]>) -> Vec<f64> {
+        let mut circumstances = vec![0.0; postures * self.layout.len()];
+        for (k, g) in gravity.into_iter().flatten().enumerate() {
+            for axis in 0..2 {
+                circumstances[k * self.layout.len() + self.layout.tilt(axis)] = -g[axis] / g[2];
+            }
+        }
+        let mut out = vec![0.0; 2 * postures];
+        let arguments = [
+            Argument::PerPosture(q),
+            Argument::Shared(&self.params),
+            Argument::PerPosture(&circumstances),
+        ];
+        self.tape.run(&arguments, postures, &mut out, KERNELS);
+        out
+    }
+}

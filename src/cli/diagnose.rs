@@ -7,6 +7,7 @@ use clap::Args;
 use super::{Outcome, RobotArguments, message, notes, print, print_json, progress};
 use crate::Error;
 use crate::diagnose::data::{Data, Taking};
+use crate::diagnose::model_file::model_file;
 use crate::diagnose::problem::Problem;
 use crate::diagnose::{self, About};
 use crate::identify::prior::Prior;
@@ -71,7 +72,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let (sidecar, _) = Sidecar::of(&arguments.data)?;
     let support = arguments
         .robot
-        .support(&robot, sidecar.support.as_deref())?;
+        .support(&robot, sidecar.support.as_deref(), None)?;
     let model = robot.model(&support, arguments.robot.snapping(), None)?;
     notes(&model);
     let taking = Taking {
@@ -96,6 +97,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         bar.set_position(count as u64);
     });
     bar.finish_and_clear();
+    if let Some(path) = &arguments.out {
+        let file = model_file(&problem, &found);
+        let text = toml::to_string(&file).map_err(|error| Error::Report(Box::new(error)))?;
+        output::write(path, &text)?;
+        message(&format!("wrote {}", path.display()));
+    }
     match arguments.json {
         true => print_json(&found.diagnosis)?,
         false => print(&format!("{}\n", found.diagnosis.sentence))?,

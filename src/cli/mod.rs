@@ -162,6 +162,7 @@ impl RobotArguments {
         let support = self.support(&robot, None, file.as_ref())?;
         let model = robot.model(&support, self.snapping(), file.as_ref())?;
         notes(&model);
+        left_out(&model);
         Ok((robot, model))
     }
 }
@@ -181,6 +182,18 @@ fn read_model(robot: &Robot, path: Option<&Path>) -> Result<Option<ModelFile>, E
 fn notes(model: &Model) {
     for note in &model.tree.notes {
         message(&format!("note: {note}"));
+    }
+}
+
+/// Effects of a model file that no posture alone shows, on stderr.
+fn left_out(model: &Model) {
+    for (instance, _) in &model.effects {
+        if !instance.effect.of_posture() {
+            message(&format!(
+                "note: effect `{}` belongs to the log it was found in and is left out here",
+                instance.effect.name()
+            ));
+        }
     }
 }
 

@@ -7,9 +7,9 @@ use std::path::PathBuf;
 use clap::Args;
 use sesc_codegen::{Function, ModelFile};
 
-use super::{Outcome, RobotArguments, message, notes, progress, read_model};
+use super::{Outcome, RobotArguments, left_out, message, notes, progress, read_model};
 use crate::Error;
-use crate::evaluate::Evaluator;
+use crate::evaluate::{Evaluator, Foretelling};
 use crate::posture_log::{Angles, Block, Options, PostureReader, Readings};
 use crate::robot::Robot;
 
@@ -126,7 +126,7 @@ struct Predictor<'a> {
     robot: &'a Robot,
     /// Identified parameters.
     file: Option<&'a ModelFile>,
-    evaluators: HashMap<String, (Evaluator, usize)>,
+    evaluators: HashMap<String, (Evaluator, Option<Foretelling>)>,
 }
 
 impl Predictor<'_> {
@@ -143,29 +143,41 @@ impl Predictor<'_> {
             let logged = on(start).filter(|support| !support.is_empty());
             let arguments = &self.arguments.robot;
             let support = arguments.support(self.robot, logged, self.file)?;
-            let evaluator = self.evaluator(&support)?;
-            let com = evaluator.run(&block.q[start * dof..(start + n) * dof], n);
+            let (evaluator, foretelling) = self.evaluator(&support)?;
+            let q = &block.q[start * dof..(start + n) * dof];
+            let com = evaluator.run(q, n);
             for (row, com) in (start..).zip(com.chunks_exact(3)) {
                 let gravity = block.gravity.as_ref().map(|all| all[row]);
                 predictions.push(projected(com, gravity.unwrap_or([0.0, 0.0, -1.0])));
+            }
+            if let Some(foretelling) = foretelling {
+                let gravity = block.gravity.as_ref().map(|all| &all[start..start + n]);
+                let readings = foretelling.run(q, n, gravity);
+                for (row, cop) in predictions[start..]
+                    .iter_mut()
+                    .zip(readings.chunks_exact(2))
+                {
+                    row[3..].copy_from_slice(cop);
+                }
             }
             start += n;
         }
         Ok(predictions)
     }
 
-    fn evaluator(&mut self, support: &str) -> Result<&Evaluator, Error> {
+    fn evaluator(&mut self, support: &str) -> Result<&(Evaluator, Option<Foretelling>), Error> {
         if !self.evaluators.contains_key(support) {
             let snapping = self.arguments.robot.snapping();
             let model = self.robot.model(support, snapping, self.file)?;
             if self.evaluators.is_empty() {
                 notes(&model);
+                left_out(&model);
             }
             let evaluator = Evaluator::new(&model, Function::Com);
-            self.evaluators
-                .insert(support.to_string(), (evaluator, model.dof()));
+            let both = (evaluator, Foretelling::new(&model));
+            self.evaluators.insert(support.to_string(), both);
         }
-        Ok(&self.evaluators[support].0)
+        Ok(&self.evaluators[support])
     }
 }
 

@@ -9,6 +9,7 @@ pub mod diagnosis;
 mod dictionary;
 pub mod held_out;
 pub mod leftover;
+pub mod model_file;
 pub mod nuisance;
 pub mod outliers;
 pub mod problem;

@@ -83,6 +83,11 @@ impl Nuisance {
         self.factor.solve(&self.k.tr_mul(residual))
     }
 
+    /// Their covariance once the data are in: A⁻¹.
+    pub fn covariance(&self) -> DMatrix<f64> {
+        self.factor.inverse()
+    }
+
     /// Whitened shift of readings by mass errors `z`, in units of F's columns.
     pub fn shift(&self, z: &DVector<f64>) -> DVector<f64> {
         &self.k * z

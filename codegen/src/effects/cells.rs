@@ -16,6 +16,9 @@ use crate::expr::Id;
 
 /// Least load of a cell, over the weight, that a power is taken of.
 const LEAST: f64 = 1e-6;
+/// Least sum of the cells, over the weight, and more than any sum.
+const FAINT: f64 = 0.01;
+const MOST: f64 = 8.0;
 
 /// Half lengths of the rectangle that four cells form, and its middle, m.
 fn rectangle(cells: &[[f64; 2]]) -> Option<([f64; 2], [f64; 2])> {
@@ -44,11 +47,9 @@ pub(super) fn split_exists(cells: &[[f64; 2]]) -> bool {
     rectangle(cells).is_some()
 }
 
-/// Loads of the cells over the weight, from the CoP.
-fn loads(at: &mut Measured) -> Vec<Id> {
-    let Some((middle, half)) = rectangle(&at.cells) else {
-        return Vec::new();
-    };
+/// Load of one cell over the weight, from the CoP: 0 to 1.
+fn load_of(faulty: usize, at: &mut Measured) -> Option<Id> {
+    let (middle, half) = rectangle(&at.cells)?;
     let cells = at.cells.clone();
     let (one, quarter) = (at.constant(1.0), at.constant(0.25));
     let off = [0, 1].map(|axis| {
@@ -67,27 +68,18 @@ fn loads(at: &mut Measured) -> Vec<Id> {
         }
         plane.push(at.mul(quarter, share));
     }
-    // Opposite corners gain what the other two lose.
-    let sign = |k: usize| (cells[k][0] > middle[0]) == (cells[k][1] > middle[1]);
-    let mut lift = [one; 2];
-    for (lift, corner) in lift.iter_mut().zip([true, false]) {
-        let pair: Vec<Id> = (0..4)
-            .filter(|&k| sign(k) == corner)
-            .map(|k| plane[k])
-            .collect();
-        let (a, b) = (at.neg(pair[0]), at.neg(pair[1]));
-        // At most one of two opposite corners hangs in the air.
-        let (a, b) = (ramp(at, a), ramp(at, b));
-        *lift = at.add(a, b);
+    // Opposite corners gain what the other two lose; at most one of two hangs.
+    let corner = |k: usize| (cells[k][0] > middle[0]) == (cells[k][1] > middle[1]);
+    let mut load = *plane.get(faulty)?;
+    for (k, other) in plane.iter().enumerate() {
+        let missing = at.neg(*other);
+        let missing = ramp(at, missing);
+        load = match corner(k) == corner(faulty) {
+            true => at.add(load, missing),
+            false => at.sub(load, missing),
+        };
     }
-    let d = at.sub(lift[0], lift[1]);
-    let shared = plane.iter().enumerate();
-    shared
-        .map(|(k, &load)| match sign(k) {
-            true => at.add(load, d),
-            false => at.sub(load, d),
-        })
-        .collect()
+    Some(ramp(at, load))
 }
 
 /// `max(x, 0)` for x up to 1.
@@ -100,32 +92,39 @@ fn ramp(at: &mut Measured, x: Id) -> Id {
     at.mul(half, lifted)
 }
 
-/// CoP of what the cells say once cell `faulty` reads `wrong(its load)`.
+/// CoP of what the cells say once cell `faulty` reads `wrong(its load)`:
+///
+/// ```text
+/// y' = (y + Δ p_k) / (1 + Δ)        Δ = f'_k − f_k
+/// ```
 fn read_with(target: &Target, at: &mut Measured, wrong: impl Fn(&mut Measured, Id) -> Id) {
     let Target::Cell(faulty) = *target else {
         return;
     };
-    let mut loads = loads(at);
-    if faulty >= loads.len() {
+    let Some(load) = load_of(faulty, at) else {
         return;
-    }
-    let before = loads[faulty];
-    loads[faulty] = wrong(at, before);
-    let zero = at.constant(0.0);
-    let mut sum = zero;
-    for load in &loads {
-        sum = at.add(sum, *load);
-    }
-    let cells = at.cells.clone();
+    };
+    let said = wrong(at, load);
+    let change = at.sub(said, load);
+    let sum = whole(at, change);
     for axis in 0..2 {
-        let mut moment = zero;
-        for (load, cell) in loads.iter().zip(&cells) {
-            let arm = at.constant(cell[axis]);
-            let part = at.mul(arm, *load);
-            moment = at.add(moment, part);
-        }
+        let arm = at.constant(at.cells[faulty][axis]);
+        let moment = at.mul(arm, change);
+        let moment = at.add(at.reading[axis], moment);
         at.reading[axis] = at.div(moment, sum);
     }
+}
+
+/// `1 + change`, where cells say next to nothing no less than [`FAINT`]: a
+/// quotient that cannot run away.
+fn whole(at: &mut Measured, change: Id) -> Id {
+    let (most, faint) = (at.constant(MOST), at.constant(FAINT));
+    let (scale, rest) = (at.constant(1.0 / MOST), at.constant(1.0 - FAINT));
+    let above = at.add(change, rest);
+    let above = at.mul(scale, above);
+    let above = ramp(at, above);
+    let above = at.mul(most, above);
+    at.add(above, faint)
 }
 
 /// A load no smaller than [`LEAST`].
@@ -248,7 +247,8 @@ cell_effect!(
     |at, load, x| {
         // tanh u = 1 − 2 / (e^2u + 1)
         let u = at.div(load, x);
-        let (base, one, two) = (at.constant(core::f64::consts::E * core::f64::consts::E), at.constant(1.0), at.constant(2.0));
+        let square = core::f64::consts::E * core::f64::consts::E;
+        let (base, one, two) = (at.constant(square), at.constant(1.0), at.constant(2.0));
         let power = at.g().pow(base, u);
         let more = at.add(power, one);
         let short = at.div(two, more);
