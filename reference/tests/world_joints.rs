@@ -61,12 +61,12 @@ fn degrees_are_read_as_radians() {
 }
 
 #[test]
-fn an_eccentric_gear_errs_once_a_turn() {
+fn a_gear_that_is_not_round_errs_with_its_angle() {
     let world = World::new(&leaning(), "foot").unwrap();
-    let world = world.eccentric_gear("ankle", 0.02, 0.3).unwrap();
+    let world = world.gear_error("ankle", 0.02, 2.0, 0.3).unwrap();
     for q in [-1.0, 0.0, 0.4, 2.0_f64] {
         let joint = world.true_posture(&[q])[0];
-        assert!((joint - (q + 0.02 * (q + 0.3).sin())).abs() < 1e-15);
+        assert!((joint - (q + 0.02 * (2.0 * q + 0.3).sin())).abs() < 1e-15);
     }
 }
 
@@ -95,7 +95,7 @@ fn mistakes_are_named() {
     for wrong in [
         world.clone().joint_sign("flange"),
         world.clone().joint_swap("hip", "curl"),
-        world.clone().eccentric_gear("tail", 0.1, 0.0),
+        world.clone().gear_error("tail", 0.1, 1.0, 0.0),
     ] {
         assert!(matches!(wrong, Err(Error::UnknownJoint { .. })));
     }

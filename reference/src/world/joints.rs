@@ -1,7 +1,7 @@
 //! From what the encoders say to where the joints would stand unloaded.
 //!
 //! ```text
-//! φ_j = scale_j q_w(j) + offset_j + ecc_j sin(q_w(j) + phase_j)
+//! φ_j = scale_j q_w(j) + offset_j + wave_j sin(n_j q_w(j) + phase_j)
 //! ```
 //!
 //! `w(j)` is the channel that joint j is wired to, itself where nothing is
@@ -22,8 +22,16 @@ pub(super) struct Encoder {
     pub channel: usize,
     pub scale: f64,
     pub offset: f64,
-    /// A gear mounted off its centre: how far (rad or m), at what phase (rad).
-    pub eccentricity: (f64, f64),
+    pub wave: Option<Wave>,
+}
+
+/// What a gear gets wrong again and again.
+#[derive(Debug, Clone)]
+pub(super) struct Wave {
+    /// Rad or m.
+    amplitude: f64,
+    harmonic: f64,
+    phase: f64,
 }
 
 impl Encoder {
@@ -32,18 +40,16 @@ impl Encoder {
             channel: dof,
             scale: 1.0,
             offset: 0.0,
-            eccentricity: (0.0, 0.0),
+            wave: None,
         }
     }
 
     fn position(&self, q: &[f64]) -> f64 {
         let q = q[self.channel];
-        let (ecc, phase) = self.eccentricity;
         let linear = self.scale * q + self.offset;
-        if ecc == 0.0 {
-            linear
-        } else {
-            linear + ecc * (q + phase).sin()
+        match &self.wave {
+            Some(wave) => linear + wave.amplitude * (wave.harmonic * q + wave.phase).sin(),
+            None => linear,
         }
     }
 }
@@ -107,20 +113,25 @@ impl World {
         self
     }
 
-    /// The gear turns about a point off its centre: the joint stands
-    /// `amplitude sin(q + phase)` further than its encoder says. Not in the
-    /// library of effects.
+    /// The gear is not round: the joint stands `amplitude sin(harmonic q +
+    /// phase)` further than its encoder says; harmonic 1 is a gear off its
+    /// centre. It replaces an earlier one. Not in the library of effects.
     ///
     /// # Errors
     /// [`Error::UnknownJoint`].
-    pub fn eccentric_gear(
+    pub fn gear_error(
         mut self,
         joint: &str,
         amplitude: f64,
+        harmonic: f64,
         phase: f64,
     ) -> Result<Self, Error> {
         let j = self.encoder(joint)?;
-        self.encoders[j].eccentricity = (amplitude, phase);
+        self.encoders[j].wave = Some(Wave {
+            amplitude,
+            harmonic,
+            phase,
+        });
         Ok(self)
     }
 
