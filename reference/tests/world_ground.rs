@@ -118,15 +118,25 @@ fn late_angles_belong_to_an_earlier_reading() {
 
 #[test]
 fn samples_of_a_parabola_are_a_parabola() {
-    let world = World::new(&cart(), "floor").unwrap().time_delay(0.03);
     let parabola = |t: f64| 0.02 + 0.1 * t - 0.05 * t * t;
-    let times: Vec<f64> = (0..10).map(|i| 0.1 * f64::from(i)).collect();
-    let postures = times.iter().map(|&t| vec![parabola(t)]).collect();
-    let track = Track::sampled(times.clone(), postures);
-    let readings = world.readings(&track);
-    for (t, reading) in times.iter().zip(&readings).take(8).skip(1) {
-        near(reading.cop, [parabola(t + 0.03), 0.0], 1e-15);
+    // Unevenly spaced; the last one, and the first, lie beyond the samples.
+    let times: Vec<f64> = (0..10)
+        .map(|i| 0.1 * f64::from(i) + 0.003 * f64::from(i * i))
+        .collect();
+    let postures: Vec<_> = times.iter().map(|&t| vec![parabola(t)]).collect();
+    for delay in [0.03, -0.03] {
+        let world = World::new(&cart(), "floor").unwrap().time_delay(delay);
+        let track = Track::sampled(times.clone(), postures.clone());
+        for (t, reading) in times.iter().zip(&world.readings(&track)) {
+            near(reading.cop, [parabola(t + delay), 0.0], 1e-15);
+        }
     }
+    // Two samples are a line, one is a place.
+    let world = World::new(&cart(), "floor").unwrap().time_delay(0.5);
+    let two = Track::sampled(vec![0.0, 1.0], vec![vec![0.0], vec![0.02]]);
+    near(world.readings(&two)[0].cop, [0.01, 0.0], 1e-17);
+    let one = Track::sampled(vec![3.0], vec![vec![0.02]]);
+    near(world.readings(&one)[0].cop, [0.02, 0.0], 1e-17);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 //! ```text
 //! u    = (number - first) / (last - first)          how far the log has come
 //! φ(t) = motion(t + delay)                          angles that were written down late
-//! q(t) ≈ cubic through four samples                 motion known by its samples alone
+//! q(t) ≈ cubics, tangents those of parabolas        motion known by its samples alone
 //! ```
 
 use std::fmt;
@@ -65,7 +65,7 @@ impl Track {
     }
 
     /// Postures passed at these times (s, rising) by a motion known by them
-    /// alone: cubics between, tangents by the neighbours.
+    /// alone: cubics between, parabolas beyond the ends.
     pub fn sampled(times: Vec<f64>, postures: Vec<Vec<f64>>) -> Self {
         assert_eq!(times.len(), postures.len(), "one time per posture");
         let (at, through) = (times.clone(), postures);
@@ -96,27 +96,74 @@ impl Track {
     }
 }
 
-/// Cubic Hermite; beyond the ends the end's own.
+/// Cubic Hermite, with the tangents of parabolas through three neighbours.
 fn interpolate(times: &[f64], postures: &[Vec<f64>], t: f64) -> Vec<f64> {
     let n = times.len();
-    if n < 2 {
-        return postures[0].clone();
+    let dof = postures.first().map_or(0, Vec::len);
+    if n < 3 {
+        return (0..dof).map(|j| line(times, postures, j, t)).collect();
     }
     let left = times.partition_point(|&at| at <= t).clamp(1, n - 1) - 1;
-    let tangent = |i: usize, j: usize| {
-        let (a, b) = (i.saturating_sub(1), (i + 1).min(n - 1));
-        (postures[b][j] - postures[a][j]) / (times[b] - times[a])
+    let parabola = |i: usize, j: usize| {
+        let [a, b, c] = [0, 1, 2].map(|k| i.clamp(1, n - 2) - 1 + k);
+        let value = |k: usize| postures[k][j];
+        let first = (value(b) - value(a)) / (times[b] - times[a]);
+        let second = (value(c) - value(b)) / (times[c] - times[b]);
+        Parabola {
+            from: [times[a], times[b]],
+            value: value(a),
+            slope: first,
+            bend: (second - first) / (times[c] - times[a]),
+        }
     };
+    if t < times[0] || t > times[n - 1] {
+        return (0..dof)
+            .map(|j| parabola(left + usize::from(t > times[0]), j).at(t))
+            .collect();
+    }
     let width = times[left + 1] - times[left];
     let s = (t - times[left]) / width;
-    let (p, v) = ((2.0 * s - 3.0) * s * s, ((s - 2.0) * s + 1.0) * s);
-    let w = (s - 1.0) * s * s;
-    (0..postures[left].len())
+    let p = (3.0 - 2.0 * s) * s * s;
+    let (v, w) = (((s - 2.0) * s + 1.0) * s, (s - 1.0) * s * s);
+    (0..dof)
         .map(|j| {
-            (1.0 + p) * postures[left][j] - p * postures[left + 1][j]
-                + width * (v * tangent(left, j) + w * tangent(left + 1, j))
+            let [before, after] = [left, left + 1].map(|i| parabola(i, j).slope_at(times[i]));
+            (1.0 - p) * postures[left][j]
+                + p * postures[left + 1][j]
+                + width * (v * before + w * after)
         })
         .collect()
+}
+
+/// One joint through one or two samples.
+fn line(times: &[f64], postures: &[Vec<f64>], j: usize, t: f64) -> f64 {
+    let (first, last) = (postures[0][j], postures[postures.len() - 1][j]);
+    let span = times[times.len() - 1] - times[0];
+    if span > 0.0 {
+        first + (last - first) * (t - times[0]) / span
+    } else {
+        first
+    }
+}
+
+/// Newton's form: `value + slope (t - t_0) + bend (t - t_0)(t - t_1)`.
+struct Parabola {
+    from: [f64; 2],
+    value: f64,
+    slope: f64,
+    bend: f64,
+}
+
+impl Parabola {
+    fn at(&self, t: f64) -> f64 {
+        let [a, b] = self.from;
+        self.value + (t - a) * (self.slope + self.bend * (t - b))
+    }
+
+    fn slope_at(&self, t: f64) -> f64 {
+        let [a, b] = self.from;
+        self.slope + self.bend * (2.0 * t - a - b)
+    }
 }
 
 /// Half the span over which accelerations are taken, s.
