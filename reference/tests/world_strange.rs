@@ -60,6 +60,20 @@ fn a_cable_pulls_back_once_it_is_taut() {
     let joint = held.true_posture(&[0.3])[0];
     let gravity = LEANING_KG * GRAVITY * LEANING_M * joint.sin();
     near(joint, 0.3 + (gravity - 30.0 * (joint - 0.1)) / 60.0);
+    near(
+        held.joint_moments(&[0.3])[0],
+        gravity - 30.0 * (joint - 0.1),
+    );
+    // A cable far stiffer than its joint holds it at the end.
+    let stopped = soft.clone().cable("ankle", 1e9, 0.1).unwrap();
+    assert!((stopped.true_posture(&[0.3])[0] - 0.1).abs() < 1e-6);
+    // A loose ankle falls into its cable until that holds.
+    let world = World::new(&leaning(), "foot").unwrap();
+    let loose = world.backlash("ankle", 0.2).unwrap();
+    let loose = loose.cable("ankle", 200.0, 0.12).unwrap();
+    let joint = loose.true_posture(&[0.1])[0];
+    assert!((loose.joint_moments(&[0.1])[0]).abs() < 1e-7);
+    assert!(joint > 0.12 && joint < 0.15, "{joint}");
 }
 
 #[test]

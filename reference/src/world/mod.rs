@@ -122,15 +122,19 @@ impl World {
         joints
     }
 
-    /// What loads do to the joints when the encoders read `q`: N m, or N for
+    /// What loads and cables do to the joints when the encoders read `q`: N m, or N for
     /// sliding ones. Positive moments push joints up.
     ///
     /// # Panics
     /// As [`World::true_posture`].
     pub fn joint_moments(&self, q: &[f64]) -> Vec<f64> {
-        let mut moments = self.moments(&self.settle(q));
-        moments.truncate(self.dof());
+        let joints = self.settle(q);
+        let loads = self.moments(&joints).into_iter().zip(&self.yielding);
+        let moments = loads.zip(joints);
         moments
+            .map(|((moment, yielding), joint)| moment + yielding.cable_moment(joint))
+            .take(self.dof())
+            .collect()
     }
 
     /// The true centre of mass when the encoders read `q`, in the support

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! τ_j   = s_j a_j · Σ_{loads beyond j} (p - o_j) × F    turning; s_j a_j · Σ F sliding
-//! φ_j   = unloaded_j + slack_j + τ_j(φ) / k_j           springs, to their fixed point
+//! φ_j   = unloaded_j + slack_j + (τ_j(φ) + cable_j(φ_j)) / k_j      to the fixed point
 //! |slack_j| ≤ β_j / 2                                   dead bands
 //! ```
 //!
@@ -53,6 +53,35 @@ pub(super) struct Yielding {
     pub compliance: f64,
     /// Width of the dead band, rad or m.
     pub slack: f64,
+    pub cable: Option<Cable>,
+}
+
+/// What pulls a joint back beyond a position.
+#[derive(Debug, Clone)]
+pub(super) struct Cable {
+    pub stiffness: f64,
+    pub taut: f64,
+}
+
+impl Yielding {
+    pub fn cable_moment(&self, joint: f64) -> f64 {
+        self.cable.as_ref().map_or(0.0, |cable| {
+            -cable.stiffness * (joint - cable.taut).max(0.0)
+        })
+    }
+
+    /// Where spring and cable hold the joint under a moment; `free` is where it
+    /// stands without any. The cable may well be the stiffer of the two.
+    fn held(&self, free: f64, moment: f64) -> f64 {
+        let sprung = free + self.compliance * moment;
+        match &self.cable {
+            Some(cable) if sprung > cable.taut => {
+                let share = self.compliance * cable.stiffness;
+                (sprung + share * cable.taut) / (1.0 + share)
+            }
+            _ => sprung,
+        }
+    }
 }
 
 /// Which links every joint of the file moves as seen from the support, and
@@ -155,13 +184,13 @@ impl World {
         Ok(self)
     }
 
-    /// What gravity, pulls and cables do to the joints at their true positions
-    /// `joints`: N m, or N for sliding ones.
+    /// What gravity and pulls do to the joints at their true positions `joints`:
+    /// N m, or N for sliding ones.
     pub(super) fn moments(&self, joints: &[f64]) -> Vec<f64> {
         let robot = self.robot();
         let poses = self.reference.link_poses(joints);
         let loads = self.loads(&poses);
-        let mut moments = self.cable_moments(joints);
+        let mut moments = vec![0.0; joints.len()];
         for (j, (joint, coordinate)) in robot.joints().iter().zip(robot.coordinates()).enumerate() {
             let Some(dof) = coordinate.dof else { continue };
             let (moved, sign) = &self.moved[j];
@@ -197,8 +226,8 @@ impl World {
             let moments = self.moments(&joints);
             let mut moved: f64 = 0.0;
             for (j, (joint, yielding)) in joints.iter_mut().zip(&self.yielding).enumerate() {
-                let slid = slides[j].follow(moments[j]);
-                let next = unloaded[j] + slides[j].at + yielding.compliance * moments[j];
+                let slid = slides[j].follow(moments[j] + yielding.cable_moment(*joint));
+                let next = yielding.held(unloaded[j] + slides[j].at, moments[j]);
                 moved = moved.max((next - *joint).abs()).max(slid);
                 *joint = next;
             }

@@ -15,7 +15,7 @@ use crate::error::Error;
 use crate::joint::Pose;
 
 use super::World;
-use super::statics::{Yielding, above_zero, moved_links};
+use super::statics::{Cable, Yielding, above_zero, moved_links};
 
 /// A slope of its rod that takes a loose mass three quarters of the way, rad.
 const LOOSE: f64 = 0.17;
@@ -24,7 +24,6 @@ const LOOSE: f64 = 0.17;
 pub(super) struct Strange {
     hanging: Vec<Hanging>,
     loose: Vec<Loose>,
-    cables: Vec<Cable>,
     sines: Vec<Sine>,
 }
 
@@ -43,13 +42,6 @@ struct Loose {
     at_m: Point3<f64>,
     rod: Unit<Vector3<f64>>,
     half_m: f64,
-}
-
-#[derive(Debug, Clone)]
-struct Cable {
-    dof: usize,
-    stiffness: f64,
-    taut: f64,
 }
 
 #[derive(Debug, Clone)]
@@ -129,13 +121,14 @@ impl World {
 
     /// A cable across the joint is slack up to `taut` (rad or m) and pulls back
     /// beyond, N m/rad or N/m. The joint follows where it is
-    /// [soft](World::joint_compliance) or [loose](World::backlash).
+    /// [soft](World::joint_compliance) or [loose](World::backlash). It replaces
+    /// an earlier one.
     ///
     /// # Errors
     /// [`Error::UnknownJoint`]; [`Error::Value`] unless it is above zero.
     pub fn cable(mut self, joint: &str, stiffness: f64, taut: f64) -> Result<Self, Error> {
-        self.strange.cables.push(Cable {
-            dof: self.encoder(joint)?,
+        let j = self.encoder(joint)?;
+        self.yielding[j].cable = Some(Cable {
             stiffness: above_zero("stiffness", stiffness)?,
             taut,
         });
@@ -163,7 +156,7 @@ impl World {
         self.moved = moved_links(&robot, support);
         self.yielding.push(Yielding {
             compliance,
-            slack: 0.0,
+            ..Yielding::default()
         });
         Ok(self)
     }
@@ -205,14 +198,5 @@ impl World {
             }
         });
         hanging.chain(loose).collect()
-    }
-
-    /// What cables do to the joints, N m or N.
-    pub(super) fn cable_moments(&self, joints: &[f64]) -> Vec<f64> {
-        let mut moments = vec![0.0; joints.len()];
-        for cable in &self.strange.cables {
-            moments[cable.dof] -= cable.stiffness * (joints[cable.dof] - cable.taut).max(0.0);
-        }
-        moments
     }
 }
