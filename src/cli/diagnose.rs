@@ -9,7 +9,7 @@ use crate::Error;
 use crate::diagnose::data::{Data, Taking};
 use crate::diagnose::model_file::model_file;
 use crate::diagnose::problem::Problem;
-use crate::diagnose::{self, About};
+use crate::diagnose::{self, About, next_postures};
 use crate::identify::prior::Prior;
 use crate::output;
 use crate::posture_log::{Angles, Options, Readings, Sidecar};
@@ -48,6 +48,9 @@ pub(super) struct Arguments {
     /// Model file to write: parameters and effects, for `generate`, `predict`, `simulate`
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+    /// Posture file to write: the experiment that would tell most (.csv, .csv.gz or .parquet)
+    #[arg(long, value_name = "FILE")]
+    next: Option<PathBuf>,
     /// Print the result as JSON
     #[arg(long)]
     json: bool,
@@ -65,7 +68,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
             )));
         }
     }
-    let written: Vec<&PathBuf> = arguments.out.iter().collect();
+    let written: Vec<&PathBuf> = [&arguments.out, &arguments.next]
+        .into_iter()
+        .flatten()
+        .collect();
     let read = [arguments.robot.urdf.clone(), arguments.data.clone()];
     output::check(&read, &written)?;
     let robot = Robot::read(&arguments.robot.urdf)?;
@@ -93,10 +99,25 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         log: &name_of(&arguments.data),
         prior: prior.sentence(),
     };
-    let found = diagnose::diagnose(&mut problem, &about, &mut |count| {
+    let mut found = diagnose::diagnose(&mut problem, &about, &mut |count| {
         bar.set_position(count as u64);
     });
     bar.finish_and_clear();
+    let folder = arguments.robot.urdf.parent();
+    let next = next_postures::next(&problem, &found, &robot, arguments.robot.snapping(), folder);
+    found.diagnosis.next_postures.why = next_postures::why(&next, found.class.len());
+    found.diagnosis.next_postures.experiments = next.proposals.clone();
+    if let Some(path) = &arguments.next {
+        if next_postures::write(&next, &model, about.robot, path)? {
+            found.diagnosis.next_postures.file = Some(path.display().to_string());
+            message(&format!("wrote {}", path.display()));
+        } else {
+            message(&format!(
+                "{} is not written: nothing is left to tell apart",
+                path.display()
+            ));
+        }
+    }
     if let Some(path) = &arguments.out {
         let file = model_file(&problem, &found);
         let text = toml::to_string(&file).map_err(|error| Error::Report(Box::new(error)))?;

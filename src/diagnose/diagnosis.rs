@@ -120,6 +120,8 @@ pub struct Leftover {
 pub struct NextPostures {
     pub why: String,
     pub file: Option<String>,
+    /// What was compared, the best first.
+    pub experiments: Vec<super::next_postures::Proposal>,
 }
 
 /// Everything that is said of a log. Lengths in m.

@@ -7,9 +7,11 @@
 pub mod data;
 pub mod diagnosis;
 mod dictionary;
+pub mod experiment;
 pub mod held_out;
 pub mod leftover;
 pub mod model_file;
+pub mod next_postures;
 pub mod nuisance;
 pub mod outliers;
 pub mod problem;

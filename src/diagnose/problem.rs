@@ -158,6 +158,25 @@ impl<'m> Problem<'m> {
         })
     }
 
+    /// This problem's log, for a robot that stands elsewhere: nothing can be fitted
+    /// there, explanations can be evaluated.
+    pub(super) fn elsewhere<'o>(&self, setting: Setting<'o>) -> Problem<'o> {
+        Problem {
+            params: setting.model.cad_params(),
+            kinds: self.kinds,
+            setting,
+            data: self.data.clone(),
+            weight: self.weight.clone(),
+            nuisance: self.nuisance.clone(),
+            wide: self.wide.clone(),
+            prior: self.prior.clone(),
+            wide_prior: self.wide_prior.clone(),
+            rows: self.rows.clone(),
+            tapes: RefCell::new(HashMap::new()),
+            target_weights: HashMap::new(),
+        }
+    }
+
     /// What unknowns and the number of things that were looked at cost:
     /// `Σ p ln 2N + 2 ln(kinds / w_target)`, see [`Problem::weigh_targets`].
     pub fn price(&self, instances: &[Instance]) -> f64 {
@@ -222,7 +241,7 @@ impl<'m> Problem<'m> {
         .clone()
     }
 
-    /// Readings and derivatives: per posture x then y, each value, ∂/∂e_1, ….
+    /// Readings and derivatives of as many postures as have circumstances: per posture x then y, each value, ∂/∂e_1, ….
     pub fn evaluate(
         &self,
         instances: &[Instance],
@@ -231,7 +250,7 @@ impl<'m> Problem<'m> {
         circumstances: &[f64],
     ) -> Vec<f64> {
         let tapes = self.tapes(instances);
-        let n = self.data.len();
+        let n = circumstances.len() / Circumstances::of(self.setting.model).len();
         let mut out = vec![0.0; n * tapes.reading.outputs()];
         let arguments = [
             Argument::PerPosture(q),
@@ -249,11 +268,22 @@ impl<'m> Problem<'m> {
         unknowns: &[f64],
         circumstances: &[f64],
     ) -> Vec<f64> {
+        self.evaluate_moments_at(instances, unknowns, &self.data.q, circumstances)
+    }
+
+    /// The same at joint positions `q`.
+    pub(super) fn evaluate_moments_at(
+        &self,
+        instances: &[Instance],
+        unknowns: &[f64],
+        q: &[f64],
+        circumstances: &[f64],
+    ) -> Vec<f64> {
         let tape = self.moments(instances);
-        let n = self.data.len();
+        let n = circumstances.len() / Circumstances::of(self.setting.model).len();
         let mut out = vec![0.0; n * tape.outputs()];
         let arguments = [
-            Argument::PerPosture(&self.data.q),
+            Argument::PerPosture(q),
             Argument::Shared(unknowns),
             Argument::PerPosture(circumstances),
         ];

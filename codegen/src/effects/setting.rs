@@ -99,7 +99,7 @@ impl<'m> Setting<'m> {
     }
 
     /// Height of the CoM in the posture of zeros, at least a tenth of the reach, m.
-    pub(super) fn height(&self) -> f64 {
+    pub fn height(&self) -> f64 {
         self.model.cad_height().max(0.1 * self.reach)
     }
 
