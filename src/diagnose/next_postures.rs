@@ -45,7 +45,7 @@ pub struct Proposal {
 pub struct Next {
     pub proposals: Vec<Proposal>,
     /// `q` row by row and the support to take them on.
-    pub postures: Option<(String, Vec<f64>)>,
+    pub postures: Option<OnFoot>,
 }
 
 /// Rank experiments by how many of the class they exclude.
@@ -65,7 +65,7 @@ pub fn next(
     if others.is_empty() {
         return next;
     }
-    let mut ranked: Vec<(Proposal, Option<(String, Vec<f64>)>)> = Vec::new();
+    let mut ranked: Vec<(Proposal, Option<OnFoot>)> = Vec::new();
     let support = problem.setting.model.tree.links[problem.setting.model.tree.support]
         .name
         .clone();
@@ -169,7 +169,9 @@ fn proposal(experiment: &Experiment, support: &str, separations: Vec<f64>) -> Pr
     }
 }
 
-type Ranked = Option<(Proposal, Option<(String, Vec<f64>)>)>;
+/// A support and the postures to take on it.
+type OnFoot = (String, Vec<f64>);
+type Ranked = Option<(Proposal, Option<OnFoot>)>;
 
 fn with_other(
     problem: &Problem,

@@ -7,7 +7,7 @@
 use std::rc::Rc;
 
 use nalgebra::DVector;
-use sesc_codegen::effects::{Circumstances, Instance};
+use sesc_codegen::effects::{Circumstances, Instance, ROUNDS};
 
 use super::problem::{Fit, Problem};
 
@@ -41,16 +41,14 @@ pub fn settle(
     let joints = problem.slack_joints(instances);
     let mut circumstances = problem.data.circumstances.clone();
     let mut out = Vec::new();
-    // From the middle of every band, then with the others where they fell.
-    for _ in 0..2 {
+    // From the middle of every band, all at once: as `Measured::bend` has it.
+    joints_at(problem, &joints, &mut circumstances, |_, _| 0.0);
+    for _ in 0..ROUNDS {
         out = problem.evaluate_moments(instances, unknowns, &circumstances);
-        for k in 0..n {
-            for &(joint, _) in &joints {
-                let moment = out[k * 3 * dof + joint];
-                let side = if moment < 0.0 { -1.0 } else { 1.0 };
-                circumstances[k * layout.len() + layout.side(joint)] = side;
-            }
-        }
+        joints_at(problem, &joints, &mut circumstances, |before, at| {
+            let step = if out[at] < 0.0 { -1.0 } else { 1.0 };
+            before + step / ROUNDS as f64
+        });
     }
     let mut price = 0.0;
     let mut flipped = Vec::new();
@@ -83,6 +81,24 @@ pub fn settle(
         circumstances: Rc::new(circumstances),
         price,
         flipped,
+    }
+}
+
+/// Move every loose joint of every posture: from where it is and the place of its
+/// moment among the outputs.
+fn joints_at(
+    problem: &Problem,
+    joints: &[(usize, usize)],
+    circumstances: &mut [f64],
+    to: impl Fn(f64, usize) -> f64,
+) {
+    let layout = Circumstances::of(problem.setting.model);
+    let dof = problem.setting.model.dof();
+    for k in 0..problem.data.len() {
+        for &(joint, _) in joints {
+            let side = &mut circumstances[k * layout.len() + layout.side(joint)];
+            *side = to(*side, k * 3 * dof + joint);
+        }
     }
 }
 

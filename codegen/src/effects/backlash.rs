@@ -4,7 +4,8 @@
 //! φ_j = q_j + (β/2) sign τ_j(φ)          β in rad, whole width
 //! ```
 //!
-//! `τ` under everything else that is known. Imitated by the joint's offset while
+//! `τ` under everything else that is known; loose joints slide together from the
+//! middle of their bands, at one speed. Imitated by the joint's offset while
 //! gravity always loads it one way; postures approached from both sides, with
 //! moments of both signs, separate them. Near zero moment a joint that carries
 //! the robot can rest on either side: a fit takes the sides from the log.

@@ -29,7 +29,7 @@ mod whole;
 
 use crate::expr::Id;
 pub use crate::functions::diagnosis::{foretelling, joints, moments, reading};
-pub use crate::functions::measured::{Circumstances, Measured, Source};
+pub use crate::functions::measured::{Circumstances, Measured, ROUNDS, Source};
 pub use setting::{Setting, Target};
 
 /// When an effect comes in, first to last.

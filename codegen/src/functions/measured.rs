@@ -17,7 +17,7 @@ use crate::model::{Given, Model};
 
 /// Rounds of `φ' = φ + bend(τ(φ'))`: each adds a factor of (gravity stiffness /
 /// joint stiffness), 0.2 and less in joints that can carry the robot.
-const ROUNDS: usize = 4;
+pub const ROUNDS: usize = 4;
 /// Gravity moment (m) times this, clamped to ±1, is its sign.
 const SHARP: f64 = 1e9;
 
@@ -260,48 +260,51 @@ impl<'m> Measured<'m> {
     }
 
     /// Where the joints come to rest under their gravity moments.
+    ///
+    /// Springs by iteration. Loose joints slide all at once from the middle of
+    /// their bands, an equal step each round along their moments, so that one
+    /// that carries the robot sees where the others went before it is at its end.
     pub(crate) fn bend(&mut self) {
         if self.bends.is_empty() {
             return;
         }
         let straight = self.joints.clone();
+        let zero = self.constant(0.0);
+        let mut slid = vec![zero; self.bends.len()];
         for round in 0..ROUNDS {
             let moments = self.moments(&format!("{round}"));
             let mut bent = straight.clone();
             for k in 0..self.bends.len() {
                 let (joint, by) = match self.bends[k] {
                     Bend::Spring(joint, compliance) => {
-                        (joint, self.g().mul(compliance, moments[joint]))
+                        (joint, self.mul(compliance, moments[joint]))
                     }
                     Bend::Slack(joint, half) => {
-                        let side = self.side(joint, moments[joint]);
-                        (joint, self.g().mul(half, side))
+                        slid[k] = self.slide(slid[k], joint, moments[joint]);
+                        (joint, self.mul(half, slid[k]))
                     }
                 };
-                bent[joint] = self.g().add(bent[joint], by);
+                bent[joint] = self.add(bent[joint], by);
             }
             self.joints = bent;
-            let given = self.source == Source::Log;
             let springs = self.bends.iter().any(|b| matches!(b, Bend::Spring(..)));
-            if given && !springs {
+            if self.source == Source::Log && !springs {
                 break;
             }
         }
     }
 
-    fn side(&mut self, joint: usize, moment: Id) -> Id {
-        match self.source {
-            Source::Log => {
-                let at = Circumstances::of(self.model()).side(joint);
-                self.circumstance(at)
-            }
-            Source::Posture | Source::Tilted => {
-                let g = self.g();
-                let sharp = g.constant(SHARP);
-                let scaled = g.mul(sharp, moment);
-                g.clamp(scaled)
-            }
+    /// How far into its band a loose joint is, −1 to 1, after one more round.
+    fn slide(&mut self, before: Id, joint: usize, moment: Id) -> Id {
+        if self.source == Source::Log {
+            let at = Circumstances::of(self.model()).side(joint);
+            return self.circumstance(at);
         }
+        let (sharp, step) = (self.constant(SHARP), self.constant(1.0 / ROUNDS as f64));
+        let scaled = self.mul(sharp, moment);
+        let sign = self.scratch.g.clamp(scaled);
+        let moved = self.mul(step, sign);
+        self.add(before, moved)
     }
 
     /// Gravity moments of all joints at [`Measured::joints`], over the weight, m:

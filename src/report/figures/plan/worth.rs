@@ -30,7 +30,7 @@ pub fn worth(curve: &[Worth]) -> String {
             let point = move |worth: &Worth| (worth.postures as f64, to_mm(pick(worth)));
             curve.iter().filter(low).map(point)
         };
-        let (planned, random) = (of(|worth| worth.planned), of(|worth| worth.random));
+        let (mut planned, mut random) = (of(|worth| worth.planned), of(|worth| worth.random));
         let both: Vec<(f64, f64)> = planned.clone().chain(random.clone()).collect();
         let x = span(both.iter().map(|point| point.0));
         let y = span(both.iter().map(|point| point.1).chain([0.0]));
@@ -52,8 +52,8 @@ pub fn worth(curve: &[Worth]) -> String {
         plane.line(planned.clone(), BLUE, 1.75)?;
         // One number above its line, one below.
         let ends = [
-            (random.last(), Mark::Ring(MUTED), -13.0),
-            (planned.last(), Mark::Dot(BLUE), 13.0),
+            (random.next_back(), Mark::Ring(MUTED), -13.0),
+            (planned.next_back(), Mark::Dot(BLUE), 13.0),
         ];
         for (point, mark, beside) in ends {
             let Some((x, y)) = point else { continue };
