@@ -4,16 +4,16 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use sesc_codegen::Model;
 use sesc_codegen::effects::Circumstances;
-use sesc_codegen::{Model, tree::Dof};
 
 use crate::Error;
 use crate::posture_log::{Options, PostureReader, Summary};
 
 /// Rows taken at once.
 const BLOCK: usize = 4096;
-/// Postures that a diagnosis looks at; evenly chosen of more.
-pub const MOST: usize = 4000;
+/// Postures that a diagnosis looks at, up to twice this; evenly chosen of more.
+pub const MOST: usize = 2000;
 /// Stated deviations that scatter less than this are estimates of one number.
 const SCATTER: f64 = 0.15;
 
@@ -61,7 +61,9 @@ pub enum NoiseSource {
 }
 
 /// One posture while its rows are gathered.
+#[derive(Clone)]
 struct Posture {
+    pose: i64,
     rows: f64,
     q: Vec<f64>,
     sum: [f64; 2],
@@ -69,6 +71,107 @@ struct Posture {
     weight: [f64; 2],
     t: f64,
     tilt: [f64; 2],
+    /// Neighbours in the log: time and joints.
+    before: Option<(f64, Vec<f64>)>,
+    after: Option<(f64, Vec<f64>)>,
+}
+
+impl Posture {
+    fn mean(&self) -> Vec<f64> {
+        self.q.iter().map(|sum| sum / self.rows).collect()
+    }
+}
+
+/// Postures of a log of any length in bounded memory: every `stride`-th is kept,
+/// and `stride` doubles whenever they are too many. An even choice keeps the
+/// order, the times and the range.
+struct Gathering {
+    kept: Vec<Posture>,
+    /// Where a pose is kept: poses that come back are repeats.
+    places: BTreeMap<i64, usize>,
+    stride: usize,
+    /// Postures seen, and the one that rows belong to now.
+    seen: usize,
+    current: Option<Posture>,
+    last: Option<(f64, Vec<f64>)>,
+    first: Option<(i64, f64)>,
+    /// Whether pose numbers rise all along.
+    rising: bool,
+    end: (i64, f64),
+}
+
+impl Gathering {
+    fn new() -> Gathering {
+        Gathering {
+            kept: Vec::new(),
+            places: BTreeMap::new(),
+            stride: 1,
+            seen: 0,
+            current: None,
+            last: None,
+            first: None,
+            rising: true,
+            end: (0, 0.0),
+        }
+    }
+
+    fn push(&mut self, row: Posture) {
+        if let Some(current) = self.current.as_mut().filter(|c| c.pose == row.pose) {
+            join(current, &row);
+            return;
+        }
+        self.close();
+        match self.places.get(&row.pose) {
+            // Back at an old pose: more readings of it.
+            Some(&at) => join(&mut self.kept[at], &row),
+            None => self.current = Some(row),
+        }
+    }
+
+    /// The posture at hand is whole.
+    fn close(&mut self) {
+        let Some(mut posture) = self.current.take() else {
+            return;
+        };
+        let own = (posture.t, posture.mean());
+        if let Some(before) = self.kept.last_mut().filter(|p| p.after.is_none())
+            && self.last.as_ref().is_some_and(|last| last.0 == before.t)
+        {
+            before.after = Some(own.clone());
+        }
+        posture.before = self.last.replace(own);
+        self.rising &= self.seen == 0 || posture.pose > self.end.0;
+        self.first.get_or_insert((posture.pose, posture.t));
+        self.end = (posture.pose, posture.t);
+        if self.seen.is_multiple_of(self.stride) {
+            self.places.insert(posture.pose, self.kept.len());
+            self.kept.push(posture);
+            if self.kept.len() > 2 * MOST {
+                self.thin();
+            }
+        }
+        self.seen += 1;
+    }
+
+    fn thin(&mut self) {
+        self.stride *= 2;
+        let kept = std::mem::take(&mut self.kept);
+        self.kept = kept.into_iter().step_by(2).collect();
+        let places = self.kept.iter().enumerate();
+        self.places = places.map(|(k, p)| (p.pose, k)).collect();
+    }
+}
+
+fn join(posture: &mut Posture, row: &Posture) {
+    posture.rows += row.rows;
+    for (sum, q) in posture.q.iter_mut().zip(&row.q) {
+        *sum += q;
+    }
+    for axis in 0..2 {
+        posture.sum[axis] += row.sum[axis];
+        posture.squares[axis] += row.squares[axis];
+        posture.weight[axis] += row.weight[axis];
+    }
 }
 
 /// How a log is to be taken.
@@ -85,14 +188,15 @@ impl Data {
     /// Read a log of readings on the model's support.
     ///
     /// # Errors
-    /// As [`PostureReader`]; a log that stands on several links.
+    /// As [`PostureReader`]; a log without a posture on that link.
     pub fn read(path: &Path, model: &Model, taking: &Taking) -> Result<Data, Error> {
         let dofs = &model.tree.dofs;
         let mut reader = PostureReader::open(path, dofs, &taking.options)?;
-        let mut postures: BTreeMap<usize, Posture> = BTreeMap::new();
-        let mut order: BTreeMap<i64, usize> = BTreeMap::new();
-        let mut pose = Vec::new();
+        let support = &model.tree.links[model.tree.support].name;
+        let mut gathering = Gathering::new();
         let (mut stated, mut timed, mut raw) = (false, false, false);
+        let mut elsewhere = 0_u64;
+        let dof = dofs.len();
         loop {
             let block = reader.block(BLOCK)?;
             if block.is_empty() {
@@ -101,102 +205,92 @@ impl Data {
             stated |= block.std.is_some();
             timed |= block.t.is_some();
             raw |= block.cells.is_some();
-            let dof = dofs.len();
             for k in 0..block.len() {
-                let at = *order.entry(block.pose[k]).or_insert_with(|| {
-                    pose.push(block.pose[k]);
-                    pose.len() - 1
-                });
-                let q = &block.q[k * dof..(k + 1) * dof];
+                let on = block.support.as_ref().map_or("", |all| &all[k]);
+                if !on.is_empty() && on != support {
+                    elsewhere += 1;
+                    continue;
+                }
                 let reading = block.reading.as_ref().map_or([0.0; 2], |all| all[k]);
                 let std = block.std.as_ref().map_or([0.0; 2], |all| all[k]);
                 let gravity = block
                     .gravity
                     .as_ref()
                     .map_or([0.0, 0.0, -1.0], |all| all[k]);
-                let posture = postures.entry(at).or_insert_with(|| Posture {
-                    rows: 0.0,
-                    q: vec![0.0; dof],
-                    sum: [0.0; 2],
-                    squares: [0.0; 2],
-                    weight: [0.0; 2],
+                gathering.push(Posture {
+                    pose: block.pose[k],
+                    rows: 1.0,
+                    q: block.q[k * dof..(k + 1) * dof].to_vec(),
+                    sum: reading,
+                    squares: reading.map(|x| x * x),
+                    weight: std.map(|s| s * s),
                     t: block.t.as_ref().map_or(0.0, |all| all[k]),
                     tilt: [-gravity[0] / gravity[2], -gravity[1] / gravity[2]],
+                    before: None,
+                    after: None,
                 });
-                posture.rows += 1.0;
-                for (sum, q) in posture.q.iter_mut().zip(q) {
-                    *sum += q;
-                }
-                for axis in 0..2 {
-                    posture.sum[axis] += reading[axis];
-                    posture.squares[axis] += reading[axis] * reading[axis];
-                    posture.weight[axis] += std[axis] * std[axis];
-                }
             }
         }
-        let all: Vec<Posture> = postures.into_values().collect();
-        let mut data = Data::gather(dofs, &pose, &all, stated, timed, taking);
+        gathering.close();
+        if gathering.kept.is_empty() {
+            return Err(Error::Log {
+                file: path.display().to_string(),
+                line: None,
+                message: format!("no posture stands on `{support}`; give --support another link"),
+            });
+        }
+        let mut data = Data::of(dof, &gathering, stated, timed, taking);
         data.cells = reader.sidecar.cells.clone().unwrap_or_default();
         data.raw_cells = raw;
         data.summary = reader.summary();
         data.warnings = reader.warnings.clone();
+        if elsewhere > 0 {
+            data.warnings.push(format!(
+                "{}: {elsewhere} rows stand on another link and are left out; diagnose them with --support",
+                path.display()
+            ));
+        }
         Ok(data)
     }
 
-    fn gather(
-        dofs: &[Dof],
-        pose: &[i64],
-        all: &[Posture],
-        stated: bool,
-        timed: bool,
-        taking: &Taking,
-    ) -> Data {
-        let n = all.len();
+    fn of(dof: usize, gathering: &Gathering, stated: bool, timed: bool, taking: &Taking) -> Data {
+        let all = &gathering.kept;
         let noise = Noise::of(all, stated, taking);
-        // An even choice keeps the order, the times and the range.
-        let chosen: Vec<usize> = match n <= MOST {
-            true => (0..n).collect(),
-            false => (0..MOST).map(|k| k * (n - 1) / (MOST - 1)).collect(),
-        };
-        let dof = dofs.len();
         let layout = Circumstances::with_joints(dof);
-        let count = chosen.len();
+        let count = all.len();
         let mut data = Data {
-            pose: chosen.iter().map(|&k| pose[k]).collect(),
+            pose: all.iter().map(|p| p.pose).collect(),
             q: Vec::with_capacity(count * dof),
             circumstances: vec![0.0; count * layout.len()],
             reading: Vec::with_capacity(2 * count),
             std: Vec::with_capacity(2 * count),
-            t: timed.then(|| chosen.iter().map(|&k| all[k].t).collect()),
+            t: timed.then(|| all.iter().map(|p| p.t).collect()),
             noise: noise.overall,
             noise_floor: noise.overall.hypot(taking.floor),
             noise_source: noise.source,
             cells: Vec::new(),
             raw_cells: false,
-            postures: n,
+            postures: gathering.seen,
             summary: None,
             warnings: Vec::new(),
         };
-        let place = places(pose, all, timed);
-        let motion = timed.then(|| motion(all, dof));
-        for (row, &k) in chosen.iter().enumerate() {
-            let posture = &all[k];
-            data.q
-                .extend(posture.q.iter().map(|sum| sum / posture.rows));
-            let u = &mut data.circumstances[row * layout.len()..(row + 1) * layout.len()];
-            u[layout.place()] = place[k];
+        for (k, posture) in all.iter().enumerate() {
+            let q = posture.mean();
+            let u = &mut data.circumstances[k * layout.len()..(k + 1) * layout.len()];
+            u[layout.place()] = gathering.place(k, timed);
             for axis in 0..2 {
                 u[layout.tilt(axis)] = posture.tilt[axis];
                 data.reading.push(posture.sum[axis] / posture.rows);
-                data.std.push(noise.of_posture(k, axis).hypot(taking.floor));
+                data.std.push(noise.per_entry[k][axis].hypot(taking.floor));
             }
-            if let Some(motion) = &motion {
+            if timed {
                 for joint in 0..dof {
-                    let [rate, acceleration] = motion[k * dof + joint];
+                    let [rate, acceleration] = motion(posture, &q, joint);
                     u[layout.rate(joint)] = rate;
                     u[layout.acceleration(joint)] = acceleration;
                 }
             }
+            data.q.extend(q);
         }
         data
     }
@@ -268,10 +362,6 @@ impl Noise {
             source: NoiseSource::Stated,
         }
     }
-
-    fn of_posture(&self, k: usize, axis: usize) -> f64 {
-        self.per_entry[k][axis]
-    }
 }
 
 /// Root of the mean square; zero of nothing.
@@ -284,43 +374,40 @@ pub fn rms(values: impl Iterator<Item = f64>) -> f64 {
     }
 }
 
-/// Place of each posture in the log, 0 to 1: by time, by number where numbers
-/// rise, else by order.
-fn places(pose: &[i64], all: &[Posture], timed: bool) -> Vec<f64> {
-    let by_number = pose.windows(2).all(|pair| pair[0] < pair[1]);
-    let raw: Vec<f64> = match (timed, by_number) {
-        (true, _) => all.iter().map(|p| p.t).collect(),
-        (false, true) => pose.iter().map(|&p| p as f64).collect(),
-        (false, false) => (0..all.len()).map(|k| k as f64).collect(),
-    };
-    let (first, last) = (raw[0], raw[raw.len() - 1]);
-    let length = if last > first { last - first } else { 1.0 };
-    raw.iter().map(|x| (x - first) / length).collect()
+impl Gathering {
+    /// Place of a posture in the log, 0 to 1: by time, by number where numbers
+    /// rise, else by order.
+    fn place(&self, k: usize, timed: bool) -> f64 {
+        let (first, end) = (self.first.unwrap_or_default(), self.end);
+        let posture = &self.kept[k];
+        let (from, to, at) = match (timed, self.rising) {
+            (true, _) => (first.1, end.1, posture.t),
+            (false, true) => (first.0 as f64, end.0 as f64, posture.pose as f64),
+            (false, false) => (0.0, self.seen as f64 - 1.0, (k * self.stride) as f64),
+        };
+        if to > from {
+            (at - from) / (to - from)
+        } else {
+            0.0
+        }
+    }
 }
 
-/// Velocity and acceleration of every joint at every posture, by the parabola
-/// through a posture and its neighbours in time.
-fn motion(all: &[Posture], dof: usize) -> Vec<[f64; 2]> {
-    let n = all.len();
-    let mut motion = vec![[0.0; 2]; n * dof];
-    if n < 3 {
-        return motion;
+/// Velocity and acceleration of a joint, by the parabola through a posture and
+/// its neighbours in time; at the ends of a log by the line to the one there is.
+fn motion(posture: &Posture, q: &[f64], joint: usize) -> [f64; 2] {
+    let slope = |(t, other): &(f64, Vec<f64>)| {
+        let time = t - posture.t;
+        (time != 0.0).then(|| ((other[joint] - q[joint]) / time, time.abs()))
+    };
+    let left = posture.before.as_ref().and_then(slope);
+    let right = posture.after.as_ref().and_then(slope);
+    match (left, right) {
+        (Some((left, before)), Some((right, after))) => [
+            (left * after + right * before) / (before + after),
+            2.0 * (right - left) / (before + after),
+        ],
+        (Some((slope, _)), None) | (None, Some((slope, _))) => [slope, 0.0],
+        (None, None) => [0.0; 2],
     }
-    for k in 0..n {
-        let middle = k.clamp(1, n - 2);
-        let [a, b, c] = [middle - 1, middle, middle + 1];
-        let (before, after) = (all[b].t - all[a].t, all[c].t - all[b].t);
-        if !(before > 0.0 && after > 0.0) {
-            continue;
-        }
-        let ahead = all[k].t - all[b].t;
-        for j in 0..dof {
-            let q = |i: usize| all[i].q[j] / all[i].rows;
-            let (left, right) = ((q(b) - q(a)) / before, (q(c) - q(b)) / after);
-            let acceleration = 2.0 * (right - left) / (before + after);
-            let rate = (left * after + right * before) / (before + after);
-            motion[k * dof + j] = [rate + ahead * acceleration, acceleration];
-        }
-    }
-    motion
 }
