@@ -129,5 +129,50 @@ fn text(demo: &Demo) -> String {
         mm(errors.theory_rmse_m),
         mm(report.height_offset_m),
     );
+    out.push_str(&second_act(demo));
+    out
+}
+
+/// Something is wrong with the robot, and is found.
+fn second_act(demo: &Demo) -> String {
+    let hidden = &demo.hidden;
+    let found = &hidden.diagnosis;
+    let mm = |x: f64| format!("{:.2}", 1e3 * x);
+    let mut out = String::new();
+    let _ = writeln!(
+        out,
+        "\n4. something is hidden in the robot: {} balanced postures, read to {} mm\n   {}",
+        found.postures,
+        mm(found.noise),
+        wrapped(&found.sentence, "   ")
+    );
+    let _ = writeln!(
+        out,
+        "   on {} postures never seen the model misses the true CoP by {} mm, before {} mm;\n   \
+         its {} lines of Rust carry the effect",
+        crate::demo::hidden::JUDGED,
+        mm(hidden.after),
+        mm(hidden.before),
+        hidden.lines
+    );
+    out
+}
+
+/// Lines of at most a hundred characters, `indent` before all but the first.
+fn wrapped(text: &str, indent: &str) -> String {
+    let mut out = String::new();
+    let mut length = 0;
+    for word in text.split_whitespace() {
+        let count = word.chars().count();
+        if length > 0 && length + 1 + count > 97 {
+            out.push_str(&format!("\n{indent}"));
+            length = 0;
+        } else if length > 0 {
+            out.push(' ');
+            length += 1;
+        }
+        out.push_str(word);
+        length += count;
+    }
     out
 }

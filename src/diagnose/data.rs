@@ -253,6 +253,32 @@ impl Data {
         Ok(data)
     }
 
+    /// Postures and readings of known noise (m, one axis), `floor` beside it.
+    pub fn given(dof: usize, q: &[f64], reading: &[f64], noise: f64, floor: f64) -> Data {
+        let mut gathering = Gathering::new();
+        for (k, (q, y)) in q.chunks_exact(dof).zip(reading.chunks_exact(2)).enumerate() {
+            gathering.push(Posture {
+                pose: k as i64,
+                rows: 1.0,
+                q: q.to_vec(),
+                sum: [y[0], y[1]],
+                squares: [y[0] * y[0], y[1] * y[1]],
+                weight: [0.0; 2],
+                t: 0.0,
+                tilt: [0.0; 2],
+                before: None,
+                after: None,
+            });
+        }
+        gathering.close();
+        let taking = Taking {
+            options: Options::default(),
+            noise: Some(noise),
+            floor,
+        };
+        Data::of(dof, &gathering, false, false, &taking)
+    }
+
     fn of(dof: usize, gathering: &Gathering, stated: bool, timed: bool, taking: &Taking) -> Data {
         let all = &gathering.kept;
         let noise = Noise::of(all, stated, taking);

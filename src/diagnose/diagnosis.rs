@@ -20,6 +20,8 @@ pub const BRACKET: f64 = 9.0;
 const EVEN: f64 = 3.0;
 /// Outliers are at most this part of the postures.
 const FEW: f64 = 0.2;
+/// Offsets that show only from here on, rad (m), are worth a warning.
+const BLIND_RAD: f64 = 0.1;
 /// Single effects that a formula is tried beside.
 const SINGLES: usize = 3;
 /// A formula has to be better than effects by this much: its library is larger
@@ -474,39 +476,30 @@ fn outliers(problem: &Problem, best: &Fit) -> Vec<i64> {
     named.into_iter().map(|k| problem.data.pose[k]).collect()
 }
 
-/// Effects of one number, with the size from which this log shows them.
+/// Joints whose offset this log hardly shows, with the size from which it would.
 fn blind_spots(problem: &Problem, visible: &[(Instance, f64)]) -> Vec<Blind> {
     let setting = &problem.setting;
     let mut spots = Vec::new();
     for (instance, chi2) in visible {
-        let scales = instance.effect.scales(setting, &instance.target);
-        let told = ["joint_offset", "joint_scale", "backlash"].contains(&instance.effect.name());
-        if scales.len() != 1 || !told {
-            continue;
-        }
-        let size = scales[0] * (SEEN / chi2.max(1e-9)).sqrt();
-        let values = instance.effect.values(setting, &instance.target, &[size]);
-        let Some(value) = values.first() else {
-            continue;
-        };
-        // What a person would notice without any tool is no blind spot worth telling.
-        if instance.effect.name() == "joint_offset" && size < 0.1 {
-            continue;
-        }
         if instance.effect.name() != "joint_offset" {
             continue;
         }
-        let found = words::Found {
-            name: value.name,
-            value: value.value,
-            std: 0.0,
-        };
-        let text = words::spoken(&found);
-        let text = text.split(" ±").next().unwrap_or_default().to_string();
+        let scales = instance.effect.scales(setting, &instance.target);
+        let from = scales[0] * (SEEN / chi2.max(1e-9)).sqrt();
+        // What everybody would notice without a tool is no blind spot.
+        if from < BLIND_RAD {
+            continue;
+        }
+        let values = instance.effect.values(setting, &instance.target, &[from]);
+        let angle = values.iter().any(|v| v.name.ends_with("_rad"));
         spots.push(Blind {
             effect: instance.label(setting),
-            from: value.value,
-            size: text,
+            from,
+            size: match angle {
+                true if from > std::f64::consts::FRAC_PI_2 => "of any size".to_string(),
+                true => format!("below {:.0}°", from.to_degrees()),
+                false => format!("below {:.0} mm", 1e3 * from),
+            },
         });
     }
     spots.sort_by(|a, b| b.from.total_cmp(&a.from));

@@ -569,6 +569,13 @@ impl<'m> Problem<'m> {
         }
     }
 
+    /// Readings that CAD foretells at joint positions `q`, on level ground.
+    pub fn plain(&self, q: &[f64]) -> Vec<f64> {
+        let n = q.len() / self.setting.model.dof();
+        let model = self.setting.model;
+        Evaluator::with_params(model, Function::Cop, self.params.clone()).run(q, n)
+    }
+
     /// Joint positions of every posture as a hypothesis bends them.
     pub fn bent(&self, fit: &Fit) -> Vec<f64> {
         let joints: Vec<(usize, &Instance)> = fit

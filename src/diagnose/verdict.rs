@@ -95,7 +95,7 @@ pub(super) fn sentence(problem: &Problem, found: &Found) -> String {
         .blind
         .iter()
         .take(NAMED)
-        .map(|b| format!("{} below {}", b.effect.replace("joint_offset:", ""), b.size))
+        .map(|b| format!("{} {}", b.effect.replace("joint_offset:", ""), b.size))
         .collect();
     if !blind.is_empty() {
         said.push(format!(

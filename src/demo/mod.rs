@@ -6,6 +6,8 @@
 //! where the noise itself is most of the error, and against the truth, where
 //! theory says σ √(rank / 2N).
 
+pub mod hidden;
+
 use nalgebra::{DMatrix, DVector};
 use sesc_codegen::emit::rust;
 use sesc_codegen::{Function, Given, Model, Snapping};
@@ -40,6 +42,8 @@ pub struct Demo {
     /// Both fits' ranks: full columns, base columns.
     pub ranks: [usize; 2],
     pub condition_number: f64,
+    /// The second act.
+    pub hidden: hidden::Hidden,
 }
 
 /// Run with the given seed.
@@ -84,6 +88,7 @@ pub fn run(seed: u64, progress: impl Fn(usize, usize)) -> Result<Demo, Error> {
         lines: code.lines().count(),
         ranks: [full.rank, base.rank],
         condition_number: base.condition_number,
+        hidden: hidden::run(&robot, &model, seed)?,
     })
 }
 

@@ -1,0 +1,129 @@
+//! The demo's second act: something is wrong with the robot, and is found.
+//!
+//! The reference's virtual robot hides backlash in every joint: its joints rest
+//! where gravity puts them, not where their encoders say. 100 balanced postures
+//! and their CoP go into the diagnosis; the model it gives is judged on postures
+//! that nobody has seen.
+
+use sesc_codegen::emit::rust;
+use sesc_codegen::{Model, Snapping};
+use sesc_reference::World;
+
+use crate::Error;
+use crate::diagnose::data::{Data, rms};
+use crate::diagnose::model_file::model_file;
+use crate::diagnose::problem::Problem;
+use crate::diagnose::{self, About, Diagnosis};
+use crate::evaluate::Foretelling;
+use crate::identify::prior::Prior;
+use crate::plan::balance::Region;
+use crate::plan::candidates::{Demands, Sampler};
+use crate::plan::clearance::Clearance;
+use crate::plan::geometry::Geometry;
+use crate::plan::limits::Limits;
+use crate::robot::Robot;
+use crate::simulate::Simulator;
+
+/// Width of the hidden dead bands: 0.9°.
+pub const WIDTH_RAD: f64 = 0.9 * std::f64::consts::PI / 180.0;
+/// Postures that are read, and further ones that judge.
+pub const POSTURES: usize = 100;
+pub const JUDGED: usize = 1000;
+/// Noise of the mean of 100 readings as in the paper, and of encoder ticks, m.
+const NOISE: f64 = super::NOISE / 10.0;
+const FLOOR: f64 = 1e-4;
+/// CoP of the seed paper's stable postures, m.
+const BOX: f64 = 0.023;
+
+/// What came out.
+#[derive(Debug, Clone)]
+pub struct Hidden {
+    pub diagnosis: Diagnosis,
+    /// RMS error per axis on postures never seen, against the noise-free truth:
+    /// CAD's model, and the corrected one, m.
+    pub before: f64,
+    pub after: f64,
+    /// Lines of Rust of the corrected model.
+    pub lines: usize,
+    /// The first of the judged postures: truth, CAD, corrected, m.
+    pub shown: Vec<[[f64; 2]; 3]>,
+}
+
+/// Postures of the figure.
+const SHOWN: usize = 40;
+
+pub fn run(robot: &Robot, model: &Model, seed: u64) -> Result<Hidden, Error> {
+    let virtual_robot = sesc_reference::Robot::from_urdf(robot.text())?;
+    let world = World::new(&virtual_robot, "r_sole")?.backlash_all(WIDTH_RAD)?;
+    let q = balanced(robot, model, POSTURES + JUDGED, seed)?;
+    let dof = model.dof();
+    let (taken, judged) = q.split_at(POSTURES * dof);
+    let mut simulator = Simulator::new(&model.tree.dofs, None, seed);
+    let truth =
+        |q: &[f64]| -> Vec<f64> { q.chunks_exact(dof).flat_map(|q| world.cop(q)).collect() };
+    let readings: Vec<f64> = truth(taken)
+        .iter()
+        .map(|y| y + simulator.gauss(NOISE))
+        .collect();
+    let data = Data::given(dof, taken, &readings, NOISE, FLOOR);
+    let prior = Prior::named("tight", model)?;
+    let mut problem = Problem::new(model, data, &prior)?;
+    let about = About {
+        robot: &model.tree.robot,
+        support: "r_sole",
+        log: "100 balanced postures",
+        prior: prior.sentence(),
+    };
+    let found = diagnose::diagnose(&mut problem, &about, &mut |_| ());
+    let file = model_file(&problem, &found);
+    let corrected = robot.model("r_sole", Snapping::default(), Some(&file))?;
+    let code = rust::module(&corrected, "op2_r_sole")?;
+    let cad = problem.plain(judged);
+    let better = match Foretelling::new(&corrected) {
+        Some(foretelling) => foretelling.run(judged, JUDGED, None),
+        None => cad.clone(),
+    };
+    let truth = truth(judged);
+    let error = |found: &[f64]| rms(found.iter().zip(&truth).map(|(a, b)| a - b));
+    let at = |all: &[f64], k: usize| [all[2 * k], all[2 * k + 1]];
+    Ok(Hidden {
+        before: error(&cad),
+        after: error(&better),
+        lines: code.lines().count(),
+        shown: (0..SHOWN)
+            .map(|k| [at(&truth, k), at(&cad, k), at(&better, k)])
+            .collect(),
+        diagnosis: found.diagnosis,
+    })
+}
+
+/// Postures within ±30° that stand.
+fn balanced(robot: &Robot, model: &Model, count: usize, seed: u64) -> Result<Vec<f64>, Error> {
+    let mut limits = Limits::of_urdf(&model.tree.dofs);
+    let range = super::RANGE_DEG.to_radians();
+    for (low, high) in &mut limits.ranges {
+        (*low, *high) = (low.max(-range), high.min(range));
+    }
+    let region = Region::square(BOX, 0.0)?;
+    let geometry = Geometry::read(robot.text(), None);
+    let clearance = Clearance::new(model, &geometry, 0.005);
+    let uncertainty = nalgebra::DMatrix::zeros(model.base.params.len(), 0);
+    #[cfg(feature = "collision")]
+    let collisions = crate::plan::collision::Collisions::new(model, &geometry, &limits.rest());
+    let demands = Demands {
+        limits: &limits,
+        region: &region,
+        sigmas: 0.0,
+        uncertainty: &uncertainty,
+        clearance: &clearance,
+        #[cfg(feature = "collision")]
+        collisions: &collisions,
+    };
+    let found = Sampler::new(model, demands, seed).sample(count, 100 * count, |_| ());
+    match found.len() == count * model.dof() {
+        true => Ok(found),
+        false => Err(Error::Usage(
+            "too few balanced postures for the demo".into(),
+        )),
+    }
+}
