@@ -183,13 +183,14 @@ pub fn diagnose(problem: &mut Problem, about: &About, watch: Watch) -> Found {
     let mut search = Search::new(problem);
     let blind = search.visible().to_vec();
     let mut ranked = search.run(watch);
+    ranked.retain(|fit| !too_many_outliers(fit));
     let best = ranked[0].clone();
     ranked.retain(|fit| fit.score() <= best.score() + BRACKET);
     let mut class = class(&best, ranked);
     let problem = search.problem();
     let excess = Excess::of(problem, &best);
     let (best, formula) = with_formula(excess, best, &mut search);
-    let unexplained = excess.is_clear() || formula.is_some() || too_many_outliers(&best);
+    let unexplained = excess.is_clear() || formula.is_some();
     let problem = search.problem();
     if unexplained {
         class = vec![best.clone()];
@@ -292,7 +293,7 @@ fn class(best: &Fit, near: Vec<Fit>) -> Vec<Fit> {
     class
 }
 
-/// Outliers are a few: where more postures are odd, it is the rule that is unknown.
+/// Outliers are a few: where more postures are odd, it is the rule that is odd.
 fn too_many_outliers(fit: &Fit) -> bool {
     let share = |o: &Outliers| o.named().len() as f64 / o.chance.len() as f64;
     fit.outliers.as_ref().is_some_and(|o| share(o) > FEW)

@@ -7,7 +7,7 @@ use super::data::rms;
 use super::problem::{Fit, Problem, Rows};
 
 /// Parts that a log is dealt into.
-const FOLDS: usize = 10;
+const FOLDS: usize = 20;
 
 /// Errors of predicted readings, m; outliers, and postures that a dead band
 /// leaves on the side that gravity does not favour, are counted apart.
@@ -33,7 +33,7 @@ pub fn cross_validate(problem: &Problem, whole: &Fit) -> HeldOut {
     let folds = FOLDS.min(n);
     let mut errors = vec![f64::NAN; 2 * n];
     for fold in 0..folds {
-        // Neighbours in a log are alike: every FOLDS-th posture is left out.
+        // Neighbours in a log are alike: every `FOLDS`-th posture is left out.
         let keep: Vec<bool> = (0..n).map(|k| k % folds != fold).collect();
         let rows = Rows { keep: Some(&keep) };
         let fit = problem.fit(&whole.instances, Some(&whole.unknowns), rows);

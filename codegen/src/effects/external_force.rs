@@ -6,7 +6,7 @@
 //! ```
 //!
 //! The vertical part is a load of mass −F_z/g there, and can never be told from
-//! it; the horizontal part is imitated by a slope, an offset, an ankle: whatever
+//! it: what pulls down is called a payload, a force pulls sideways or up. The horizontal part is imitated by a slope, an offset, an ankle: whatever
 //! shifts the CoP alike in all postures. Repeat the log without the tether.
 
 use super::setting::GRAVITY;
@@ -55,6 +55,9 @@ impl Effect for ExternalForce {
 
     fn excess(&self, _: &Setting, _: &Target, unknowns: &[f64]) -> Vec<f64> {
         let beyond = |x: &f64| (x.abs() - 0.5).max(0.0) / 0.02;
-        unknowns.iter().map(beyond).collect()
+        let mut excess: Vec<f64> = unknowns.iter().map(beyond).collect();
+        // A pull straight down is a load in every reading, and is called one.
+        excess.push(unknowns[2].max(0.0) / 0.002);
+        excess
     }
 }
