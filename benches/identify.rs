@@ -121,7 +121,7 @@ fn from_file(robot: &Robot, path: PathBuf) -> f64 {
         snapping: Snapping::default(),
         folds: 10,
     };
-    let (measurement, gathered) = logs.gather(None, &mut Quiet).unwrap();
+    let (measurement, gathered) = logs.gather(None, &|_| Ok(Prior::Free), &mut Quiet).unwrap();
     identify(measurement.model(), &[SUPPORT], &gathered, &settings()).held_out_rmse
 }
 
