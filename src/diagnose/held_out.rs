@@ -55,7 +55,7 @@ pub fn of_cad(problem: &Problem) -> HeldOut {
 }
 
 /// reading − prediction, masses as the kept postures suggest.
-fn errors_of(problem: &Problem, fit: &Fit, keep: Option<&[bool]>) -> Vec<f64> {
+pub(super) fn errors_of(problem: &Problem, fit: &Fit, keep: Option<&[bool]>) -> Vec<f64> {
     let masses = problem.masses(&fit.instances);
     let root: Vec<f64> = match (&fit.outliers, keep) {
         (Some(outliers), keep) => outliers.root_weights(keep),

@@ -18,6 +18,7 @@ pub mod problem;
 pub mod search;
 mod sides;
 mod verdict;
+pub mod view;
 mod wiring;
 pub mod words;
 

@@ -135,21 +135,20 @@ pub fn subject(setting: &Setting, instance: &Instance) -> String {
     }
 }
 
+/// `width 0.93° ± 0.04°`: what it is called, without the unit, and its value.
+pub fn named(found: &Found) -> String {
+    let plain = ["_nm_per_rad", "_rad", "_kg", "_m", "_n", "_s"];
+    let stem = plain
+        .iter()
+        .find_map(|unit| found.name.strip_suffix(unit))
+        .unwrap_or(found.name);
+    format!("{} {}", stem.replace('_', " "), spoken(found))
+}
+
 /// `subject`, with its values: `backlash in every joint: width 0.93° ± 0.04°`.
 pub fn clause(setting: &Setting, instance: &Instance, values: &[Found]) -> String {
     let subject = subject(setting, instance);
-    let said: Vec<String> = values
-        .iter()
-        .map(|found| {
-            let name = found.name;
-            let plain = ["_nm_per_rad", "_rad", "_kg", "_m", "_n", "_s"];
-            let stem = plain
-                .iter()
-                .find_map(|unit| name.strip_suffix(unit))
-                .unwrap_or(name);
-            format!("{} {}", stem.replace('_', " "), spoken(found))
-        })
-        .collect();
+    let said: Vec<String> = values.iter().map(named).collect();
     match said.is_empty() {
         true => subject,
         false => format!("{subject} ({})", said.join(", ")),

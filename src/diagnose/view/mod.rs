@@ -1,0 +1,201 @@
+//! What a report shows of a diagnosis: plain numbers, lengths in m, all that is
+//! worked out for a figure worked out here.
+//!
+//! ```text
+//! before = reading − CAD        after = reading − explanation, fitted to all postures
+//! ```
+
+mod spread;
+mod trends;
+
+pub use spread::{EDGE, Region, Regions, Spread};
+pub use trends::{Middle, Point, Quantity, Trend};
+
+use super::data::rms;
+use super::diagnosis::Found;
+use super::held_out;
+use super::problem::{Fit, Problem};
+use super::words;
+
+/// Postures that a figure shows one by one; evenly chosen of more.
+pub const MOST: usize = 400;
+
+/// One posture: its reading, and what was simulated there.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Posture {
+    pub pose: i64,
+    /// Time, s, or number in the order of the log, from 1.
+    pub at: f64,
+    pub measured: [f64; 2],
+    /// By the robot as CAD has it.
+    pub simulated: [f64; 2],
+    /// By the explanation.
+    pub corrected: [f64; 2],
+    /// Rather an outlier than not.
+    pub outlier: bool,
+}
+
+/// Held-out error at a stage of the way from CAD to noise.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stage {
+    pub name: String,
+    pub rmse: f64,
+    pub kind: StageKind,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StageKind {
+    Cad,
+    /// Masses alone, or an effect more.
+    Better,
+    Noise,
+}
+
+/// Rows of the figures.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DiagnosisView {
+    pub postures: Vec<Posture>,
+    /// `at` is a time.
+    pub timed: bool,
+    /// Corners of the smallest box around the foot's cells.
+    pub foot: Option<[[f64; 2]; 2]>,
+    /// Strongest first.
+    pub by_position: Vec<Trend>,
+    pub by_moment: Vec<Trend>,
+    /// What the trends were chosen by is what the explanation leaves, not the gap.
+    pub trends_of_rest: bool,
+    pub spread: Spread,
+    pub regions: Regions,
+    /// RMS difference of what two explanations of the class predict, in units of
+    /// noise.
+    pub differences: Vec<Vec<f64>>,
+    pub stages: Vec<Stage>,
+    /// The effects of the explanation in words.
+    pub subjects: Vec<String>,
+}
+
+/// Residuals of all postures, m, x and y in turn.
+struct Residuals {
+    before: Vec<f64>,
+    after: Vec<f64>,
+    outlier: Vec<bool>,
+}
+
+impl DiagnosisView {
+    pub fn of(problem: &Problem, found: &Found) -> DiagnosisView {
+        let data = &problem.data;
+        let mut outlier = vec![false; data.len()];
+        if let Some(outliers) = &found.best.outliers {
+            outliers.named().into_iter().for_each(|k| outlier[k] = true);
+        }
+        let residuals = Residuals {
+            before: found.baseline.errors.clone(),
+            after: held_out::errors_of(problem, &found.best, None),
+            outlier,
+        };
+        let rest = found.diagnosis.unexplained;
+        let setting = &problem.setting;
+        DiagnosisView {
+            postures: postures(problem, &residuals),
+            timed: data.t.is_some(),
+            foot: foot(&data.cells),
+            by_position: trends::strongest(problem, &residuals, Quantity::Position, rest),
+            by_moment: trends::strongest(problem, &residuals, Quantity::Moment, rest),
+            trends_of_rest: rest,
+            spread: Spread::of(problem, &residuals),
+            regions: Regions::of(problem, &residuals),
+            differences: differences(problem, &found.class),
+            stages: stages(found),
+            subjects: found
+                .best
+                .instances
+                .iter()
+                .map(|instance| words::subject(setting, instance))
+                .collect(),
+        }
+    }
+}
+
+/// An even choice of `most` of `n` places, both ends in it.
+pub fn chosen(n: usize, most: usize) -> Vec<usize> {
+    match n <= most {
+        true => (0..n).collect(),
+        false => (0..most).map(|k| k * (n - 1) / (most - 1)).collect(),
+    }
+}
+
+fn postures(problem: &Problem, residuals: &Residuals) -> Vec<Posture> {
+    let data = &problem.data;
+    let of = |k: usize| {
+        let measured = [0, 1].map(|axis| data.reading[2 * k + axis]);
+        let less = |errors: &[f64]| [0, 1].map(|axis| measured[axis] - errors[2 * k + axis]);
+        Posture {
+            pose: data.pose[k],
+            at: data.t.as_ref().map_or((k + 1) as f64, |t| t[k]),
+            measured,
+            simulated: less(&residuals.before),
+            corrected: less(&residuals.after),
+            outlier: residuals.outlier[k],
+        }
+    };
+    chosen(data.len(), MOST).into_iter().map(of).collect()
+}
+
+fn foot(cells: &[[f64; 2]]) -> Option<[[f64; 2]; 2]> {
+    let first = cells.first()?;
+    let mut corners = [*first, *first];
+    for cell in cells {
+        for axis in 0..2 {
+            corners[0][axis] = corners[0][axis].min(cell[axis]);
+            corners[1][axis] = corners[1][axis].max(cell[axis]);
+        }
+    }
+    Some(corners)
+}
+
+/// Each with each; postures that the best of them does not explain are left out.
+fn differences(problem: &Problem, class: &[Fit]) -> Vec<Vec<f64>> {
+    let class: Vec<&Fit> = class.iter().filter(|f| !f.instances.is_empty()).collect();
+    let errors: Vec<Vec<f64>> = class
+        .iter()
+        .map(|fit| held_out::errors_of(problem, fit, None))
+        .collect();
+    let Some(best) = class.first() else {
+        return Vec::new();
+    };
+    let apart = held_out::apart(problem, best);
+    let between = |a: &[f64], b: &[f64]| {
+        let entries = a.iter().zip(b).zip(&problem.weight).enumerate();
+        let kept = entries.filter(|(row, _)| !apart[row / 2]);
+        rms(kept.map(|(_, ((a, b), w))| (a - b) * w))
+    };
+    errors
+        .iter()
+        .map(|a| errors.iter().map(|b| between(a, b)).collect())
+        .collect()
+}
+
+fn stages(found: &Found) -> Vec<Stage> {
+    let said = &found.diagnosis;
+    let stage = |name: &str, rmse: f64, kind| Stage {
+        name: name.to_string(),
+        rmse,
+        kind,
+    };
+    let mut stages = vec![stage("CAD", said.baseline.rmse, StageKind::Cad)];
+    let masses = said.steps.first().map_or(said.last.rmse, |s| s.rmse_before);
+    // A tight prior leaves masses nothing to do.
+    if (masses - said.baseline.rmse).abs() > 0.005 * said.baseline.rmse {
+        stages.push(stage("masses within the prior", masses, StageKind::Better));
+    }
+    for step in &said.steps {
+        let name = match step.target.as_str() {
+            "-" => format!("+ {}", step.effect.replace('_', " ")),
+            "all" => format!("+ {} of every joint", step.effect.replace('_', " ")),
+            target => format!("+ {} {target}", step.effect.replace('_', " ")),
+        };
+        stages.push(stage(&name, step.rmse_after, StageKind::Better));
+    }
+    stages.push(stage("noise", said.noise_floor, StageKind::Noise));
+    stages
+}

@@ -1,0 +1,176 @@
+//! What the gap goes with: residuals against the position and the gravity moment
+//! of a joint, averaged in bins.
+//!
+//! ```text
+//! share = 1 − Σ_bins Σ (e − ē_bin)² / Σ (e − ē)² · (n − 1)/(n − bins)
+//! ```
+
+use super::super::problem::Problem;
+use super::{Residuals, chosen};
+
+/// Standard gravity, m/s².
+const GRAVITY: f64 = 9.80665;
+/// Postures of a small panel; evenly chosen of more.
+const PER_PANEL: usize = 200;
+/// Joints that are shown.
+const SHOWN: usize = 6;
+/// Bins of a trend, at most, and postures that each has to have.
+const BINS: usize = 10;
+const PER_BIN: usize = 6;
+
+/// Moments (Nm) and forces (N) below this are told in thousandths.
+const SMALL: f64 = 0.2;
+
+/// What a residual is drawn against.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    /// ° of a joint that turns, mm of one that slides.
+    Position,
+    /// Nm of a joint that turns, N of one that slides.
+    Moment,
+}
+
+/// Residuals of one axis, m, at a value of the quantity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Point {
+    pub at: f64,
+    pub before: f64,
+    pub after: f64,
+    pub outlier: bool,
+}
+
+/// Mean residuals of a bin, m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Middle {
+    pub at: f64,
+    pub before: f64,
+    pub after: f64,
+}
+
+/// Residuals against one quantity of one joint, on the axis that follows it more.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trend {
+    pub joint: String,
+    pub unit: &'static str,
+    /// 0: x, 1: y.
+    pub axis: usize,
+    /// Part of the scatter that follows the quantity, before and after.
+    pub share: [f64; 2],
+    pub points: Vec<Point>,
+    pub means: Vec<Middle>,
+}
+
+/// The joints that the gap, or what is left of it, goes with most.
+pub(super) fn strongest(
+    problem: &Problem,
+    residuals: &Residuals,
+    quantity: Quantity,
+    of_rest: bool,
+) -> Vec<Trend> {
+    let data = &problem.data;
+    let dofs = &problem.setting.model.tree.dofs;
+    let (n, dof) = (data.len(), dofs.len());
+    let links = problem.setting.model.tree.links.iter();
+    let weight = GRAVITY * links.map(|link| link.mass).sum::<f64>();
+    let moments = match quantity {
+        Quantity::Moment => problem.moments_at(&data.q),
+        Quantity::Position => Vec::new(),
+    };
+    let mut ranked = Vec::new();
+    for (j, joint) in dofs.iter().enumerate() {
+        let (factor, unit) = match (quantity, joint.prismatic) {
+            (Quantity::Position, false) => (180.0 / std::f64::consts::PI, "°"),
+            (Quantity::Position, true) => (1e3, "mm"),
+            (Quantity::Moment, false) => (weight, "Nm"),
+            (Quantity::Moment, true) => (weight, "N"),
+        };
+        let mut values: Vec<f64> = match quantity {
+            Quantity::Position => (0..n).map(|k| factor * data.q[k * dof + j]).collect(),
+            Quantity::Moment => (0..n).map(|k| factor * moments[k * 3 * dof + j]).collect(),
+        };
+        let unit = match values.iter().fold(0.0, |most: f64, x| most.max(x.abs())) {
+            most if quantity == Quantity::Moment && most < SMALL => {
+                values.iter_mut().for_each(|x| *x *= 1e3);
+                if joint.prismatic { "mN" } else { "mNm" }
+            }
+            _ => unit,
+        };
+        let bins = Bins::of(&values, &residuals.outlier);
+        let followed =
+            [0, 1].map(|axis| [&residuals.before, &residuals.after].map(|e| bins.follows(e, axis)));
+        let worth = followed.map(|own| own[usize::from(of_rest)].1);
+        let axis = usize::from(worth[1] > worth[0]);
+        let point = |k: usize| Point {
+            at: values[k],
+            before: residuals.before[2 * k + axis],
+            after: residuals.after[2 * k + axis],
+            outlier: residuals.outlier[k],
+        };
+        let trend = Trend {
+            joint: joint.joint.clone(),
+            unit,
+            axis,
+            share: followed[axis].map(|(share, _)| share),
+            points: chosen(n, PER_PANEL).into_iter().map(point).collect(),
+            means: bins.means(&values, residuals, axis),
+        };
+        ranked.push((worth[axis], trend));
+    }
+    ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+    ranked.truncate(SHOWN);
+    ranked.into_iter().map(|(_, trend)| trend).collect()
+}
+
+/// Postures by the size of a quantity, equally many in each; outliers in none.
+struct Bins(Vec<Vec<usize>>);
+
+impl Bins {
+    fn of(values: &[f64], outlier: &[bool]) -> Bins {
+        let mut order: Vec<usize> = (0..values.len()).filter(|&k| !outlier[k]).collect();
+        order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
+        let count = (order.len() / PER_BIN).clamp(1, BINS);
+        let cut = |b: usize| b * order.len() / count;
+        Bins(
+            (0..count)
+                .map(|b| order[cut(b)..cut(b + 1)].to_vec())
+                .collect(),
+        )
+    }
+
+    /// Part of the scatter on an axis that the bins explain, and its size, m².
+    fn follows(&self, errors: &[f64], axis: usize) -> (f64, f64) {
+        let of = |k: &usize| errors[2 * k + axis];
+        let all: Vec<f64> = self.0.iter().flatten().map(of).collect();
+        let scatter = |values: &[f64]| {
+            let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+            values.iter().map(|x| (x - mean).powi(2)).sum::<f64>()
+        };
+        let whole = scatter(&all);
+        let within: f64 = self
+            .0
+            .iter()
+            .map(|bin| scatter(&bin.iter().map(of).collect::<Vec<f64>>()))
+            .sum();
+        let (n, bins) = (all.len() as f64, self.0.len() as f64);
+        if !(whole > 0.0 && n > bins) {
+            return (0.0, 0.0);
+        }
+        let share = (1.0 - within / whole * (n - 1.0) / (n - bins)).max(0.0);
+        (share, share * whole)
+    }
+
+    fn means(&self, values: &[f64], residuals: &Residuals, axis: usize) -> Vec<Middle> {
+        let bins = self.0.iter().filter(|bin| !bin.is_empty());
+        bins.map(|bin| {
+            let mean = |of: &dyn Fn(usize) -> f64| {
+                bin.iter().map(|&k| of(k)).sum::<f64>() / bin.len() as f64
+            };
+            Middle {
+                at: mean(&|k| values[k]),
+                before: mean(&|k| residuals.before[2 * k + axis]),
+                after: mean(&|k| residuals.after[2 * k + axis]),
+            }
+        })
+        .collect()
+    }
+}
