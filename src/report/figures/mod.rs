@@ -5,6 +5,7 @@
 //! be known. Lengths are drawn in millimetres.
 
 mod cop;
+pub mod diagnose;
 mod errors;
 pub mod fit;
 mod height;

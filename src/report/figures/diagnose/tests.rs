@@ -1,0 +1,120 @@
+//! Odd rows in: still trees of shapes.
+
+use super::{arrows, confusion, course, regions, rest, spread, trends, waterfall};
+use crate::diagnose::view::{
+    DiagnosisView, Middle, Point, Posture, Region, Regions, Spread, Stage, StageKind, Trend,
+};
+
+fn well_formed(svg: &str) {
+    assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
+    roxmltree::Document::parse(svg).expect("a figure is well-formed");
+}
+
+fn empty() -> DiagnosisView {
+    DiagnosisView {
+        postures: Vec::new(),
+        timed: false,
+        foot: None,
+        by_position: Vec::new(),
+        by_moment: Vec::new(),
+        trends_of_rest: false,
+        spread: Spread {
+            before: vec![0; 4],
+            after: vec![0; 4],
+            beyond: [0, 0],
+            rms: [f64::NAN; 2],
+            count: 0,
+        },
+        regions: Regions {
+            side: 0.01,
+            squares: Vec::new(),
+        },
+        differences: Vec::new(),
+        stages: Vec::new(),
+        subjects: Vec::new(),
+    }
+}
+
+fn all(view: &DiagnosisView) {
+    for svg in [
+        course(&view.postures),
+        arrows(view, false),
+        arrows(view, true),
+        rest(view),
+        trends(&view.by_position, "joint position"),
+        regions(&view.regions, true),
+        spread(&view.spread),
+        waterfall(&view.stages),
+        confusion(&view.differences),
+    ] {
+        well_formed(&svg);
+    }
+}
+
+#[test]
+fn figures_of_nothing_and_of_no_numbers() {
+    all(&empty());
+    let posture = |x: f64| Posture {
+        pose: 0,
+        at: x,
+        measured: [x, 0.0],
+        simulated: [0.0, x],
+        corrected: [f64::NAN, 0.01],
+        outlier: x.is_nan(),
+    };
+    let point = |at: f64| Point {
+        at,
+        before: 0.001,
+        after: f64::NAN,
+        outlier: true,
+    };
+    let trend = Trend {
+        joint: "a<b> & a name that is too long for a panel".to_string(),
+        unit: "°",
+        axis: 1,
+        share: [f64::NAN, 0.5],
+        points: vec![point(1.0), point(f64::NAN)],
+        means: vec![Middle {
+            at: f64::NAN,
+            before: 0.0,
+            after: 0.0,
+        }],
+    };
+    let stage = |rmse, kind| Stage {
+        name: "+ joint_offset <a & b> of a robot with long names".to_string(),
+        rmse,
+        kind,
+    };
+    all(&DiagnosisView {
+        postures: vec![posture(0.01), posture(f64::NAN), posture(f64::INFINITY)],
+        foot: Some([[-0.03, -0.02], [0.03, 0.02]]),
+        by_position: vec![trend],
+        regions: Regions {
+            side: 0.01,
+            squares: vec![Region {
+                corner: [0.0, 0.01],
+                postures: 1,
+                rms: [f64::NAN, f64::INFINITY],
+            }],
+        },
+        differences: vec![vec![0.0, f64::NAN], vec![7.0, 0.0]],
+        stages: vec![
+            stage(0.01, StageKind::Cad),
+            stage(f64::NAN, StageKind::Better),
+            stage(0.02, StageKind::Better),
+            stage(0.0, StageKind::Noise),
+        ],
+        ..empty()
+    });
+}
+
+#[test]
+fn strong_differences_are_dark_and_small_maps_numbered() {
+    let svg = confusion(&[vec![0.0, 3.0], vec![3.0, 0.0]]);
+    assert!(
+        svg.contains("3.0") && svg.contains("opacity=\"0.7\""),
+        "{svg}"
+    );
+    let many = vec![vec![3.0; 20]; 20];
+    assert!(!confusion(&many).contains("3.0"));
+}
