@@ -1,0 +1,171 @@
+//! The page of `sesc diagnose --report`.
+
+use std::path::Path;
+
+use minijinja::value::{Serde, Value};
+use minijinja::{Error, context};
+
+use super::{count, effect, noise_source, parameters};
+use crate::diagnose::diagnosis::{Diagnosis, Verdict};
+use crate::diagnose::view::DiagnosisView;
+use crate::report::figures::diagnose as figures;
+use crate::report::html::{colors, environment};
+
+/// Poses and blind spots in a row, at most.
+const POSES: usize = 40;
+const BLIND: usize = 40;
+const EXPERIMENTS: usize = 8;
+const MEMBERS: usize = 10;
+/// An offset that takes half a turn to be seen is never seen, rad.
+const NEVER: f64 = 3.1;
+
+/// The page of a diagnosis, alone in one file.
+pub fn page(found: &Diagnosis, view: &DiagnosisView) -> Result<String, Error> {
+    let mut environment = environment()?;
+    environment.add_template("diagnose.html", include_str!("diagnose.html"))?;
+    environment.add_filter("digits", |value: f64, digits: usize| {
+        format!("{value:.digits$}")
+    });
+    let figure = Value::from_safe_string;
+    let apart = view.differences.len() > 1;
+    let poses = found.outliers.iter().take(POSES);
+    environment.get_template("diagnose.html")?.render(context! {
+        found => Serde(found),
+        last => Serde(&found.last),
+        headline => headline(found, view),
+        verdict => verdict(found.verdict),
+        postures => count(found.postures, "posture"),
+        class_size => found.class.len(),
+        noise_source => noise_source(found.noise_source),
+        steps => steps(found),
+        class => class(found),
+        outliers => poses.copied().collect::<Vec<i64>>(),
+        more_outliers => found.outliers.len().saturating_sub(POSES),
+        blind => blind(found),
+        experiments => experiments(found),
+        next_file => file_name(found),
+        rest => view.trends_of_rest,
+        rms => view.spread.rms.to_vec(),
+        many => found.postures_used > view.postures.len(),
+        shown => view.postures.len(),
+        colors => colors(),
+        figures => context! {
+            waterfall => figure(figures::waterfall(&view.stages)),
+            course => figure(figures::course(&view.postures)),
+            arrows_before => figure(figures::arrows(view, false)),
+            arrows_after => figure(figures::arrows(view, true)),
+            by_position => figure(figures::trends(&view.by_position, "joint position")),
+            by_moment => figure(figures::trends(&view.by_moment, "gravity moment")),
+            rest => figure(figures::rest(view)),
+            regions_before => figure(figures::regions(&view.regions, false)),
+            regions_after => figure(figures::regions(&view.regions, true)),
+            spread => figure(figures::spread(&view.spread)),
+            confusion => match apart {
+                true => figure(figures::confusion(&view.differences)),
+                false => Value::from(()),
+            },
+        },
+    })
+}
+
+/// The finding in a line.
+fn headline(found: &Diagnosis, view: &DiagnosisView) -> String {
+    let subjects = view.subjects.join(", and ");
+    match found.verdict {
+        Verdict::None => "Simulation and measurement agree".to_string(),
+        Verdict::Absorbed => "Masses take the gap: nothing else is visible".to_string(),
+        Verdict::Named => format!("The simulation misses {subjects}"),
+        Verdict::Class => format!(
+            "The simulation misses {subjects}, or one of {} that look alike",
+            count(found.class.len().saturating_sub(1), "other")
+        ),
+        Verdict::Unexplained if subjects.is_empty() => {
+            "No known effect explains the gap".to_string()
+        }
+        Verdict::Unexplained => {
+            format!("No known effect explains the gap; {subjects} is part of it")
+        }
+    }
+}
+
+fn verdict(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::None => "nothing missing that these data could show",
+        Verdict::Named => "one explanation",
+        Verdict::Class => "one of several that these data cannot tell apart",
+        Verdict::Absorbed => "absorbed by masses, not visible in these data",
+        Verdict::Unexplained => "nothing known explains all of it",
+    }
+}
+
+fn steps(found: &Diagnosis) -> Vec<Value> {
+    let row = |step: &crate::diagnose::diagnosis::Step| {
+        context! {
+            effect => effect(step),
+            target => &step.target,
+            parameters => parameters(step),
+            before => step.rmse_before,
+            after => step.rmse_after,
+            evidence => format!("{:.0}", step.evidence),
+        }
+    };
+    found.steps.iter().map(row).collect()
+}
+
+/// Each explanation with the odds against it, the best one's being even.
+fn class(found: &Diagnosis) -> Vec<Value> {
+    let row = |member: &crate::diagnose::diagnosis::Member| {
+        context! {
+            effects => member.effects.join(" + "),
+            sentence => &member.sentence,
+            behind => format!("{:.1}", member.behind),
+            odds => format!("1 : {:.0}", (0.5 * member.behind).exp().max(1.0)),
+        }
+    };
+    found.class.iter().map(row).collect()
+}
+
+/// What could be done to tell the class apart, the best first.
+fn experiments(found: &Diagnosis) -> Vec<Value> {
+    let all = found.next_postures.experiments.iter();
+    let row = |experiment: &crate::diagnose::next_postures::Proposal| {
+        context! {
+            what => &experiment.what,
+            splits => experiment.splits,
+            separations => separations(&experiment.separations),
+        }
+    };
+    all.take(EXPERIMENTS).map(row).collect()
+}
+
+/// Without the folders of this machine.
+fn file_name(found: &Diagnosis) -> Option<String> {
+    let path = Path::new(found.next_postures.file.as_ref()?);
+    Some(path.file_name()?.to_string_lossy().into_owned())
+}
+
+/// χ² against each explanation but the first.
+fn separations(chi2: &[f64]) -> String {
+    let shown = chi2.iter().take(MEMBERS).map(|x| match x.is_finite() {
+        true => format!("{x:.0}"),
+        false => "–".to_string(),
+    });
+    let mut text = shown.collect::<Vec<_>>().join(", ");
+    if chi2.len() > MEMBERS {
+        text.push_str(", …");
+    }
+    text
+}
+
+fn blind(found: &Diagnosis) -> Vec<Value> {
+    let row = |spot: &crate::diagnose::diagnosis::Blind| {
+        context! {
+            effect => &spot.effect,
+            size => match spot.from < NEVER {
+                true => Value::from(&spot.size),
+                false => Value::from("no size at all"),
+            },
+        }
+    };
+    found.blind.iter().take(BLIND).map(row).collect()
+}

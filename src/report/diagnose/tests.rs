@@ -1,0 +1,233 @@
+//! Pages and console texts of small simulated logs.
+
+use std::fmt::Write as _;
+
+use sesc_codegen::{Function, Model, Snapping};
+
+use super::{Asked, page, text};
+use crate::diagnose::data::{Data, Taking};
+use crate::diagnose::diagnosis::{Diagnosis, Member, Verdict};
+use crate::diagnose::next_postures::Proposal;
+use crate::diagnose::problem::Problem;
+use crate::diagnose::view::DiagnosisView;
+use crate::diagnose::{About, diagnose};
+use crate::evaluate::Evaluator;
+use crate::identify::prior::Prior;
+use crate::posture_log::Options;
+use crate::robot::{OP2_URDF, Robot};
+use crate::simulate::Simulator;
+
+const TWO_LINK: &str = include_str!("../../../robots/two_link/two_link.urdf");
+const NOISE: f64 = 2e-4;
+
+/// What is added to the CoP of posture `k` at these joint positions, m.
+type Off = fn(usize, &[f64]) -> [f64; 2];
+
+/// A log of readings that differ from CAD by `off` and noise.
+fn log(model: &Model, count: usize, timed: bool, off: Off) -> String {
+    let dofs = &model.tree.dofs;
+    let mut simulator = Simulator::new(dofs, Some(0.6), 3);
+    let q = simulator.batch(count);
+    let rows = Evaluator::new(model, Function::RegressorCop).run(&q, count);
+    let (params, p) = (model.cad_params(), model.base.params.len());
+    let mut text = String::from(if timed { "pose,t" } else { "pose" });
+    dofs.iter()
+        .for_each(|dof| text.extend([",", dof.joint.as_str()]));
+    text.push_str(",cop_x,cop_y,cop_x_std,cop_y_std\n");
+    for k in 0..count {
+        let own = &q[k * dofs.len()..(k + 1) * dofs.len()];
+        let extra = off(k, own);
+        let _ = write!(text, "{k}");
+        if timed {
+            let _ = write!(text, ",{}", 0.5 * k as f64);
+        }
+        own.iter().for_each(|q| {
+            let _ = write!(text, ",{q}");
+        });
+        for axis in 0..2 {
+            let row = &rows[(2 * k + axis) * p..(2 * k + axis + 1) * p];
+            let cop: f64 = row.iter().zip(&params).map(|(x, r)| x * r).sum();
+            let _ = write!(text, ",{}", cop + extra[axis] + simulator.gauss(NOISE));
+        }
+        let _ = writeln!(text, ",{NOISE},{NOISE}");
+    }
+    text
+}
+
+fn diagnosed(
+    urdf: &str,
+    support: &str,
+    prior: &str,
+    (count, timed): (usize, bool),
+    off: Off,
+) -> (Diagnosis, DiagnosisView) {
+    let robot = Robot::parse(urdf, "robot.urdf").unwrap();
+    let model = robot.model(support, Snapping::default(), None).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("log.csv");
+    std::fs::write(&file, log(&model, count, timed, off)).unwrap();
+    let taking = Taking {
+        options: Options {
+            support: Some(support.to_string()),
+            ..Options::default()
+        },
+        noise: None,
+        floor: 1e-4,
+    };
+    let data = Data::read(&file, &model, &taking).unwrap();
+    let prior = Prior::named(prior, &model).unwrap();
+    let mut problem = Problem::new(&model, data, &prior).unwrap();
+    let about = About {
+        robot: "a<b>&c",
+        support,
+        log: "log.csv",
+        prior: prior.sentence(),
+    };
+    let found = diagnose(&mut problem, &about, &mut |_| {});
+    let view = DiagnosisView::of(&problem, &found);
+    (found.diagnosis, view)
+}
+
+fn small(size: (usize, bool), off: Off) -> (Diagnosis, DiagnosisView) {
+    diagnosed(TWO_LINK, "foot", "tight", size, off)
+}
+
+/// The page, after what holds for every page.
+fn sound(found: &Diagnosis, view: &DiagnosisView) -> String {
+    let html = page(found, view).unwrap();
+    assert_eq!(html, page(found, view).unwrap());
+    assert!(html.contains("a&lt;b&gt;&amp;c") && !html.contains("a<b>"));
+    for figure in html.split("<svg ").skip(1) {
+        let figure = figure.split("</svg>").next().unwrap();
+        assert!(!figure.contains("NaN") && !figure.contains("inf"));
+    }
+    let outside = html.replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
+    for reference in ["http", "src=", "href", "@import", "url(", "<script"] {
+        assert!(!outside.contains(reference), "{reference}");
+    }
+    // Closed like XML, but for what HTML leaves open.
+    let closed = html
+        .lines()
+        .map(|line| match line.starts_with("<meta ") {
+            true => line.replace('>', "/>"),
+            false => line.to_string(),
+        })
+        .collect::<Vec<_>>()
+        .join("\n")
+        .replace("<!DOCTYPE html>", "");
+    roxmltree::Document::parse(&closed).expect("a page is well-formed");
+    assert!(html.contains(&found.log) && html.contains(&found.prior));
+    html
+}
+
+#[test]
+fn a_named_effect_is_told_with_its_size_and_all_figures() {
+    let (found, view) = small((60, true), |_, q| [0.02 * (q[0] + q[1]), 0.004]);
+    assert!(!found.steps.is_empty(), "{}", found.sentence);
+    let html = sound(&found, &view);
+    let confusion = usize::from(found.class.len() > 1);
+    assert_eq!(html.matches("<svg ").count(), 10 + confusion);
+    for words in ["simulation misses", "time, s", "±", "CoP x, mm", "evidence"] {
+        assert!(html.contains(words), "{words}");
+    }
+    let stages = &view.stages;
+    assert_eq!(stages[0].rmse, found.baseline.rmse);
+    assert!(stages[stages.len() - 2].rmse < 0.5 * stages[0].rmse);
+    assert!(view.spread.rms[1] < 2.0 && view.spread.rms[0] > 5.0);
+    let said = text(&found, Asked::default());
+    for words in [
+        found.steps[0].effect,
+        "before, mm",
+        "held out",
+        "--out model.toml",
+        "--report report.html",
+    ] {
+        assert!(said.contains(words), "{words}\n{said}");
+    }
+    let asked = Asked {
+        model: true,
+        next: true,
+        page: true,
+    };
+    assert!(!text(&found, asked).contains("--report"));
+}
+
+#[test]
+fn a_log_without_times_and_without_a_gap_is_shown_in_its_order() {
+    let (found, view) = small((38, false), |_, _| [0.0; 2]);
+    assert_eq!(found.verdict, Verdict::None, "{}", found.sentence);
+    let html = sound(&found, &view);
+    assert!(html.contains("posture, in the order of the log") && !html.contains("time, s"));
+    assert!(html.contains("Simulation and measurement agree"));
+    assert!(!view.timed && view.differences.is_empty());
+    assert!(!text(&found, Asked::default()).contains("--out"));
+}
+
+#[test]
+fn a_single_posture_still_makes_a_page() {
+    let (found, view) = small((1, false), |_, _| [0.0; 2]);
+    let html = sound(&found, &view);
+    assert!(html.contains("1 posture of log.csv"));
+    assert!(view.by_position.iter().all(|t| t.share == [0.0; 2]));
+}
+
+#[test]
+fn what_nothing_explains_is_called_so() {
+    let (found, view) = small((100, true), |_, q| [0.004 * (9.0 * q[1]).sin(), 0.0]);
+    assert_eq!(found.verdict, Verdict::Unexplained, "{}", found.sentence);
+    let html = sound(&found, &view);
+    assert!(html.contains("What nothing explains") && html.contains("No known effect"));
+    assert!(view.trends_of_rest);
+    assert_eq!(view.by_position[0].joint, "knee");
+}
+
+#[test]
+fn outliers_are_boxed() {
+    let off: Off = |k, _| [if k % 17 == 4 { 0.02 } else { 0.0 }, 0.0];
+    let (found, view) = small((80, true), off);
+    assert!(!found.outliers.is_empty(), "{}", found.sentence);
+    let html = sound(&found, &view);
+    assert!(html.contains("outliers apart") && html.contains("poses 4, 21"));
+    assert!(view.postures.iter().filter(|p| p.outlier).count() >= 4);
+    assert!(text(&found, Asked::default()).contains("poses 4, 21"));
+}
+
+#[test]
+fn a_class_of_twenty_is_numbered_and_mapped() {
+    let (mut found, mut view) = small((38, false), |_, _| [0.004, 0.0]);
+    let member = |k: usize| Member {
+        effects: vec![format!("joint_offset:a<{k}>"), "ground_slope".to_string()],
+        behind: 0.4 * k as f64,
+        sentence: format!("An offset of a<{k}>"),
+    };
+    found.verdict = Verdict::Class;
+    found.class = (0..20).map(member).collect();
+    let row = |k: usize| (0..20_i32).map(move |i| 0.1 * f64::from((i - k as i32).abs()));
+    view.differences = (0..20).map(|k| row(k).collect()).collect();
+    found.next_postures.why = "Turn the robot.".to_string();
+    found.next_postures.file = Some("/a/folder/next.csv".to_string());
+    found.next_postures.experiments = vec![Proposal {
+        what: "the robot turned <round>".to_string(),
+        splits: 7,
+        separations: vec![f64::INFINITY; 19],
+    }];
+    let html = sound(&found, &view);
+    for words in ["turned &lt;round&gt;", "7 of 19", "<code>next.csv</code>"] {
+        assert!(html.contains(words), "{words}");
+    }
+    assert!(!html.contains("/a/folder"));
+    assert!(html.contains("20 complete explanations") && html.contains("How far apart"));
+    assert!(html.contains("19 others that look alike"));
+    let said = text(&found, Asked::default());
+    assert!(said.contains("cannot tell apart") && said.contains("and 12 more, see --json"));
+}
+
+#[test]
+fn thirty_eight_postures_of_a_humanoid_with_masses_in_doubt() {
+    let off: Off = |_, q| [0.01 + 0.0 * q[0], -0.006];
+    let (found, view) = diagnosed(OP2_URDF, "r_sole", "cad", (38, false), off);
+    sound(&found, &view);
+    assert_eq!(view.by_position.len(), 6);
+    assert_eq!(view.by_moment.len(), 6);
+    assert_eq!(view.postures.len(), 38);
+}

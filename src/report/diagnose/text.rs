@@ -1,0 +1,144 @@
+//! The console's account of a diagnosis.
+
+use std::fmt::Write as _;
+
+use super::{count, noise_source, parameters};
+use crate::diagnose::diagnosis::{Diagnosis, Verdict};
+use crate::report::table::{Table, mm};
+
+/// Explanations and poses in a row, at most.
+const LISTED: usize = 8;
+const POSES: usize = 12;
+
+/// Which files were asked for; what was not is hinted at.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Asked {
+    pub model: bool,
+    pub next: bool,
+    pub page: bool,
+}
+
+/// The sentence, and what it stands on.
+pub fn text(found: &Diagnosis, asked: Asked) -> String {
+    let mut out = format!("{}\n", found.sentence);
+    if !found.steps.is_empty() {
+        let _ = write!(out, "\n{}", steps(found));
+    }
+    if found.class.len() > 1 {
+        let _ = write!(out, "\n{}", class(found));
+    }
+    let _ = write!(out, "\n{}", facts(found));
+    for hint in hints(found, asked) {
+        let _ = writeln!(out, "{:<16} {hint}", "next");
+    }
+    out
+}
+
+fn steps(found: &Diagnosis) -> Table {
+    let mut table = Table::new(&[
+        "effect",
+        "target",
+        "parameters",
+        "before, mm",
+        "after, mm",
+        "evidence",
+    ]);
+    for step in &found.steps {
+        table.row(&[
+            step.effect.to_string(),
+            step.target.clone(),
+            parameters(step).join(", "),
+            mm(step.rmse_before),
+            mm(step.rmse_after),
+            format!("{:.0}", step.evidence),
+        ]);
+    }
+    table
+}
+
+fn class(found: &Diagnosis) -> String {
+    let mut table = Table::new(&["these data cannot tell apart", "behind"]);
+    for member in found.class.iter().take(LISTED) {
+        table.row(&[member.effects.join(" + "), format!("{:.1}", member.behind)]);
+    }
+    let mut out = table.to_string();
+    if found.class.len() > LISTED {
+        let more = found.class.len() - LISTED;
+        let _ = writeln!(out, "and {more} more, see --json");
+    }
+    out
+}
+
+fn facts(found: &Diagnosis) -> String {
+    let mut out = String::new();
+    let mut fact = |name: &str, text: String| {
+        let _ = writeln!(out, "{name:<16} {text}");
+    };
+    let apart = match found.last.left_out {
+        0 => String::new(),
+        n => format!(", {} apart", count(n, "posture")),
+    };
+    fact(
+        "left",
+        format!(
+            "{} mm held out (x {}, y {}{apart}), where CAD leaves {} mm; χ² {:.0} where noise \
+             leaves {:.0}",
+            mm(found.last.rmse),
+            mm(found.last.rmse_x),
+            mm(found.last.rmse_y),
+            mm(found.baseline.rmse),
+            found.leftover.chi2,
+            found.leftover.expected
+        ),
+    );
+    fact(
+        "noise",
+        format!(
+            "{} mm per posture and axis, {}; {} mm with the floor",
+            mm(found.noise),
+            noise_source(found.noise_source),
+            mm(found.noise_floor)
+        ),
+    );
+    fact(
+        "masses",
+        format!(
+            "take {} mm of the gap{}; prior {}",
+            mm(found.absorbed_by_masses),
+            if found.steps.is_empty() {
+                ""
+            } else {
+                " beside that"
+            },
+            found.prior
+        ),
+    );
+    if !found.outliers.is_empty() {
+        let poses = found.outliers.iter().take(POSES).map(ToString::to_string);
+        let poses = poses.collect::<Vec<_>>().join(", ");
+        let more = match found.outliers.len().saturating_sub(POSES) {
+            0 => String::new(),
+            n => format!(" and {n} more"),
+        };
+        fact("outliers", format!("poses {poses}{more}"));
+    }
+    out
+}
+
+/// What to do with it.
+fn hints(found: &Diagnosis, asked: Asked) -> Vec<String> {
+    let mut hints = Vec::new();
+    if found.class.len() > 1 && !found.next_postures.why.is_empty() {
+        hints.push(found.next_postures.why.clone());
+    }
+    if !asked.next && found.verdict == Verdict::Class {
+        hints.push("--next next.csv writes postures that would tell these apart".to_string());
+    }
+    if !asked.model && matches!(found.verdict, Verdict::Named | Verdict::Class) {
+        hints.push("--out model.toml keeps the corrected model".to_string());
+    }
+    if !asked.page {
+        hints.push("--report report.html shows where the gap is, and what closes it".to_string());
+    }
+    hints
+}
