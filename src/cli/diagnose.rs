@@ -9,10 +9,12 @@ use crate::Error;
 use crate::diagnose::data::{Data, Taking};
 use crate::diagnose::model_file::model_file;
 use crate::diagnose::problem::Problem;
+use crate::diagnose::view::DiagnosisView;
 use crate::diagnose::{self, About, next_postures};
 use crate::identify::prior::Prior;
 use crate::output;
 use crate::posture_log::{Angles, Options, Readings, Sidecar};
+use crate::report::diagnose::{self as report, Asked};
 use crate::robot::Robot;
 
 /// Find where simulation and measurement disagree, and name the missing effect
@@ -51,6 +53,9 @@ pub(super) struct Arguments {
     /// Posture file to write: the experiment that would tell most (.csv, .csv.gz or .parquet)
     #[arg(long, value_name = "FILE")]
     next: Option<PathBuf>,
+    /// Page to write: where the gap is, what closes it, what these data cannot tell apart
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
     /// Print the result as JSON
     #[arg(long)]
     json: bool,
@@ -68,7 +73,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
             )));
         }
     }
-    let written: Vec<&PathBuf> = [&arguments.out, &arguments.next]
+    let written: Vec<&PathBuf> = [&arguments.out, &arguments.next, &arguments.report]
         .into_iter()
         .flatten()
         .collect();
@@ -124,9 +129,21 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         output::write(path, &text)?;
         message(&format!("wrote {}", path.display()));
     }
+    if let Some(path) = &arguments.report {
+        let view = DiagnosisView::of(&problem, &found);
+        let text = report::page(&found.diagnosis, &view)
+            .map_err(|error| Error::Report(Box::new(error)))?;
+        output::write(path, &text)?;
+        message(&format!("wrote {}", path.display()));
+    }
+    let asked = Asked {
+        model: arguments.out.is_some(),
+        next: arguments.next.is_some(),
+        page: arguments.report.is_some(),
+    };
     match arguments.json {
         true => print_json(&found.diagnosis)?,
-        false => print(&format!("{}\n", found.diagnosis.sentence))?,
+        false => print(&report::text(&found.diagnosis, asked))?,
     }
     Ok(Outcome::Ok)
 }
