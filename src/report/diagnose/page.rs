@@ -16,8 +16,6 @@ const POSES: usize = 40;
 const BLIND: usize = 40;
 const EXPERIMENTS: usize = 8;
 const MEMBERS: usize = 10;
-/// An offset that takes half a turn to be seen is never seen, rad.
-const NEVER: f64 = 3.1;
 
 /// The page of a diagnosis, alone in one file.
 pub fn page(found: &Diagnosis, view: &DiagnosisView) -> Result<String, Error> {
@@ -41,7 +39,7 @@ pub fn page(found: &Diagnosis, view: &DiagnosisView) -> Result<String, Error> {
         class => class(found),
         outliers => poses.copied().collect::<Vec<i64>>(),
         more_outliers => found.outliers.len().saturating_sub(POSES),
-        blind => blind(found),
+        blind => Serde(&found.blind[..found.blind.len().min(BLIND)]),
         experiments => experiments(found),
         next_file => file_name(found),
         rest => view.trends_of_rest,
@@ -155,17 +153,4 @@ fn separations(chi2: &[f64]) -> String {
         text.push_str(", …");
     }
     text
-}
-
-fn blind(found: &Diagnosis) -> Vec<Value> {
-    let row = |spot: &crate::diagnose::diagnosis::Blind| {
-        context! {
-            effect => &spot.effect,
-            size => match spot.from < NEVER {
-                true => Value::from(&spot.size),
-                false => Value::from("no size at all"),
-            },
-        }
-    };
-    found.blind.iter().take(BLIND).map(row).collect()
 }
