@@ -34,6 +34,8 @@ pub struct Data {
     /// Noise of a posture's reading on one axis without and with the floor, m.
     pub noise: f64,
     pub noise_floor: f64,
+    /// What was added to the noise in quadrature, m.
+    pub floor: f64,
     /// Where the noise is known from.
     pub noise_source: NoiseSource,
     /// Foot cells, m.
@@ -293,6 +295,7 @@ impl Data {
             t: timed.then(|| all.iter().map(|p| p.t).collect()),
             noise: noise.overall,
             noise_floor: noise.overall.hypot(taking.floor),
+            floor: taking.floor,
             noise_source: noise.source,
             cells: Vec::new(),
             raw_cells: false,
@@ -319,6 +322,21 @@ impl Data {
             data.q.extend(q);
         }
         data
+    }
+
+    /// Take the noise from what a fit left, m: by the median, so that a few odd
+    /// readings do not count.
+    pub fn take_noise(&mut self, left: &[f64]) {
+        let mut sizes: Vec<f64> = left.iter().map(|e| e.abs()).collect();
+        sizes.sort_by(f64::total_cmp);
+        // The median of |N(0, 1)|.
+        let noise = sizes
+            .get(sizes.len() / 2)
+            .map_or(0.0, |m| m / 0.674_489_750_196);
+        let floor = self.floor.max(1e-6);
+        self.noise = noise;
+        self.noise_floor = noise.hypot(floor);
+        self.std.fill(self.noise_floor);
     }
 
     /// Postures.

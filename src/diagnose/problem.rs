@@ -16,7 +16,7 @@ use sesc_codegen::effects::{self, Circumstances, Instance, Setting, Stage, Targe
 use sesc_codegen::tape::{Argument, Tape};
 use sesc_codegen::{Function, Model};
 
-use super::data::Data;
+use super::data::{Data, NoiseSource};
 use super::nuisance::Nuisance;
 use super::outliers::Outliers;
 use super::sides;
@@ -112,9 +112,8 @@ pub struct Rows<'a> {
 pub const ALL: Rows = Rows { keep: None };
 
 impl<'m> Problem<'m> {
-    pub fn new(model: &'m Model, data: Data, prior: &Prior) -> Result<Problem<'m>, Error> {
+    pub fn new(model: &'m Model, mut data: Data, prior: &Prior) -> Result<Problem<'m>, Error> {
         let setting = Setting::new(model, &data.cells, data.t.is_some());
-        let weight: Vec<f64> = data.std.iter().map(|s| 1.0 / s).collect();
         let n = data.len();
         let mut rows = Evaluator::new(model, Function::Regressor).run(&data.q, n);
         let p = model.base.params.len();
@@ -135,6 +134,11 @@ impl<'m> Problem<'m> {
         };
         let usual = Prior::Cad(Tolerances::usual()).factor(model);
         let usual = usual.unwrap_or_else(|| DMatrix::zeros(p, 0));
+        if data.noise_source == NoiseSource::Residuals {
+            let out = Evaluator::new(model, Function::Cop).run(&data.q, n);
+            data.take_noise(&left_by_masses(&flat, &data.reading, &out));
+        }
+        let weight: Vec<f64> = data.std.iter().map(|s| 1.0 / s).collect();
         let nuisance = Nuisance::new(&flat, &factor, &weight);
         let wide = Nuisance::new(&flat, &usual, &weight);
         let mut names: Vec<&str> = effects::instances(&setting)
@@ -630,6 +634,27 @@ struct State {
     value: f64,
     normal: (DMatrix<f64>, DVector<f64>),
     strained: f64,
+}
+
+/// What free masses leave of readings, m: noise, and whatever else is in the log.
+/// Where postures are too few for that, all of the gap.
+fn left_by_masses(rows: &DMatrix<f64>, reading: &[f64], cad: &[f64]) -> Vec<f64> {
+    let gap = DVector::from_fn(reading.len(), |row, _| reading[row] - cad[row]);
+    if rows.nrows() < 2 * rows.ncols() {
+        return gap.as_slice().to_vec();
+    }
+    let directions = free(rows);
+    let seen = rows * directions;
+    let mut normal = seen.tr_mul(&seen);
+    for k in 0..normal.nrows() {
+        normal[(k, k)] *= 1.0 + 1e-9;
+    }
+    match normal.cholesky() {
+        Some(factor) => (&gap - &seen * factor.solve(&seen.tr_mul(&gap)))
+            .as_slice()
+            .to_vec(),
+        None => gap.as_slice().to_vec(),
+    }
 }
 
 /// A prior so wide that it says nothing: 100 m on every direction that data see.
