@@ -1,4 +1,4 @@
-//! What `generated/` holds, and how it is written.
+//! What `generated/` holds and the figure of README, and how they are written.
 
 use std::path::{Path, PathBuf};
 
@@ -7,7 +7,9 @@ use sesc_codegen::emit::rust;
 use sesc_codegen::{Snapping, write_if_changed};
 
 use crate::Error;
-use crate::robot::Robot;
+use crate::demo::{self, hidden};
+use crate::report::figures::diagnose::course;
+use crate::robot::{OP2_URDF, Robot};
 
 /// Robots with checked-in code: folder under `robots/`, support link, module.
 pub const TARGETS: [(&str, &str, &str); 4] = [
@@ -23,7 +25,17 @@ pub const C_TARGETS: [(&str, &str, Scalar, &str); 2] = [
     ("op2", "r_sole", Scalar::Fixed32, "op2_r_sole_fixed"),
 ];
 
-/// Every file of `generated/`, relative to the project's root, with its text.
+/// README's figure: what the demo's second act finds.
+pub const FIGURE: &str = "docs/hidden_effect.svg";
+
+fn figure() -> Result<String, Error> {
+    let robot = Robot::parse(OP2_URDF, "op2.urdf")?;
+    let model = robot.model("r_sole", Snapping::default(), None)?;
+    let hidden = hidden::run(&robot, &model, demo::SEED)?;
+    Ok(course(&hidden.view.postures) + "\n")
+}
+
+/// Every file that is written by `cargo regen`, relative to the project's root, with its text.
 pub fn files(root: &Path) -> Result<Vec<(PathBuf, String)>, Error> {
     let mut files = Vec::new();
     let mut modules = String::from(
@@ -46,6 +58,7 @@ pub fn files(root: &Path) -> Result<Vec<(PathBuf, String)>, Error> {
         files.push((path("h"), package.header));
         files.push((path("c"), package.source));
     }
+    files.push((PathBuf::from(FIGURE), figure()?));
     Ok(files)
 }
 

@@ -20,7 +20,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "FILE", default_value = "sesc-demo.html")]
     out: PathBuf,
     /// Seed of postures and noise
-    #[arg(long, default_value_t = 6)]
+    #[arg(long, default_value_t = demo::SEED)]
     seed: u64,
 }
 

@@ -13,6 +13,7 @@ use crate::Error;
 use crate::diagnose::data::{Data, rms};
 use crate::diagnose::model_file::model_file;
 use crate::diagnose::problem::Problem;
+use crate::diagnose::view::DiagnosisView;
 use crate::diagnose::{self, About, Diagnosis};
 use crate::evaluate::Foretelling;
 use crate::identify::prior::Prior;
@@ -21,6 +22,7 @@ use crate::plan::candidates::{Demands, Sampler};
 use crate::plan::clearance::Clearance;
 use crate::plan::geometry::Geometry;
 use crate::plan::limits::Limits;
+use crate::report::HiddenAct;
 use crate::robot::Robot;
 use crate::simulate::Simulator;
 
@@ -45,12 +47,9 @@ pub struct Hidden {
     pub after: f64,
     /// Lines of Rust of the corrected model.
     pub lines: usize,
-    /// The first of the judged postures: truth, CAD, corrected, m.
-    pub shown: Vec<[[f64; 2]; 3]>,
+    /// What its figures show.
+    pub view: DiagnosisView,
 }
-
-/// Postures of the figure.
-const SHOWN: usize = 40;
 
 pub fn run(robot: &Robot, model: &Model, seed: u64) -> Result<Hidden, Error> {
     let virtual_robot = sesc_reference::Robot::from_urdf(robot.text())?;
@@ -85,14 +84,11 @@ pub fn run(robot: &Robot, model: &Model, seed: u64) -> Result<Hidden, Error> {
     };
     let truth = truth(judged);
     let error = |found: &[f64]| rms(found.iter().zip(&truth).map(|(a, b)| a - b));
-    let at = |all: &[f64], k: usize| [all[2 * k], all[2 * k + 1]];
     Ok(Hidden {
         before: error(&cad),
         after: error(&better),
         lines: code.lines().count(),
-        shown: (0..SHOWN)
-            .map(|k| [at(&truth, k), at(&cad, k), at(&better, k)])
-            .collect(),
+        view: DiagnosisView::of(&problem, &found),
         diagnosis: found.diagnosis,
     })
 }
@@ -125,5 +121,20 @@ fn balanced(robot: &Robot, model: &Model, count: usize, seed: u64) -> Result<Vec
         false => Err(Error::Usage(
             "too few balanced postures for the demo".into(),
         )),
+    }
+}
+
+impl Hidden {
+    /// For the report.
+    pub fn act(&self) -> HiddenAct {
+        HiddenAct {
+            sentence: self.diagnosis.sentence.clone(),
+            postures: POSTURES,
+            judged: JUDGED,
+            before: self.before,
+            after: self.after,
+            course: self.view.postures.clone(),
+            stages: self.view.stages.clone(),
+        }
     }
 }

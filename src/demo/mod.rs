@@ -46,6 +46,9 @@ pub struct Demo {
     pub hidden: hidden::Hidden,
 }
 
+/// Seed of the demo unless given.
+pub const SEED: u64 = 6;
+
 /// Run with the given seed.
 pub fn run(seed: u64, progress: impl Fn(usize, usize)) -> Result<Demo, Error> {
     let robot = Robot::parse(OP2_URDF, "op2.urdf")?;
@@ -57,7 +60,9 @@ pub fn run(seed: u64, progress: impl Fn(usize, usize)) -> Result<Demo, Error> {
     let study = Study::new(&model, &reference, seed);
     let full = study.fit(Function::RegressorFull);
     let base = study.fit(Function::RegressorCop);
+    let hidden = hidden::run(&robot, &model, seed)?;
     let report = DemoReport {
+        hidden: Some(hidden.act()),
         robot: model.tree.robot.clone(),
         support: model.tree.links[model.tree.support].name.clone(),
         dof: model.dof(),
@@ -88,7 +93,7 @@ pub fn run(seed: u64, progress: impl Fn(usize, usize)) -> Result<Demo, Error> {
         lines: code.lines().count(),
         ranks: [full.rank, base.rank],
         condition_number: base.condition_number,
-        hidden: hidden::run(&robot, &model, seed)?,
+        hidden,
     })
 }
 

@@ -34,6 +34,8 @@ pub fn demo(report: &DemoReport) -> Result<String, Error> {
             height_level => figure(figures::height_level(&report.height, report.height_offset_m)),
             height_shape => figure(figures::height_shape(&report.height)),
             parameters => figure(figures::parameters(report)),
+            course => figure(report.hidden.as_ref().map_or_else(String::new, |h| figures::diagnose::course(&h.course))),
+            waterfall => figure(report.hidden.as_ref().map_or_else(String::new, |h| figures::diagnose::waterfall(&h.stages))),
         },
     })?;
     Ok(page)

@@ -54,6 +54,27 @@ pub struct DemoReport {
     pub height_offset_m: f64,
     /// A sentence for each direction no flat CoP can see.
     pub unobservable: Vec<String>,
+    /// The second act; none in reports without it.
+    pub hidden: Option<HiddenAct>,
+}
+
+/// Something was hidden in the robot, and found.
+#[derive(Debug, Clone, Serialize)]
+pub struct HiddenAct {
+    /// What the diagnosis says.
+    pub sentence: String,
+    /// Postures that it read.
+    pub postures: usize,
+    /// Postures never seen that judge, and the RMS error there, CAD's and corrected, m.
+    pub judged: usize,
+    pub before: f64,
+    pub after: f64,
+    /// The course of the CoP over the postures read.
+    #[serde(skip)]
+    pub course: Vec<crate::diagnose::view::Posture>,
+    /// The held-out error on its way from CAD to the noise.
+    #[serde(skip)]
+    pub stages: Vec<crate::diagnose::view::Stage>,
 }
 
 /// A generated function: its cost, and its error against the reference.

@@ -98,5 +98,6 @@ pub fn report() -> DemoReport {
             .collect(),
         height_offset_m: -0.0336,
         unobservable: vec!["mass along the axis of <l_knee> moves to its parent".to_string()],
+        hidden: None,
     }
 }
