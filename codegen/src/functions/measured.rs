@@ -274,14 +274,14 @@ impl<'m> Measured<'m> {
         for round in 0..ROUNDS {
             let moments = self.moments(&format!("{round}"));
             let mut bent = straight.clone();
-            for k in 0..self.bends.len() {
-                let (joint, by) = match self.bends[k] {
+            for (bend, slid) in self.bends.clone().into_iter().zip(&mut slid) {
+                let (joint, by) = match bend {
                     Bend::Spring(joint, compliance) => {
                         (joint, self.mul(compliance, moments[joint]))
                     }
                     Bend::Slack(joint, half) => {
-                        slid[k] = self.slide(slid[k], joint, moments[joint]);
-                        (joint, self.mul(half, slid[k]))
+                        *slid = self.slide(*slid, joint, moments[joint]);
+                        (joint, self.mul(half, *slid))
                     }
                 };
                 bent[joint] = self.add(bent[joint], by);
