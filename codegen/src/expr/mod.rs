@@ -3,5 +3,6 @@
 mod derivative;
 mod graph;
 mod rules;
+mod substitute;
 
 pub use graph::{Expr, Graph, Id, Product, Vector, VectorId};
