@@ -105,7 +105,7 @@ pub struct Foretelling {
 impl Foretelling {
     /// Prepare a model; `None` where it has no effects that a posture shows.
     pub fn new(model: &Model) -> Option<Foretelling> {
-        let shown = model.effects.iter().any(|(i, _)| i.effect.of_posture());
+        let shown = model.foretold().next().is_some();
         shown.then(|| Foretelling {
             tape: Tape::new(&effects::foretelling(model)),
             layout: Circumstances::of(model),

@@ -149,6 +149,7 @@ impl Truth {
         };
         match (function, &self.derivatives) {
             (Function::Com | Function::Cop, _) => largest(values, &self.com),
+            (Function::CorrectCop, _) => unreachable!("a function of no posture"),
             (Function::Regressor | Function::RegressorCop, _) => {
                 largest(&explained(model.cad_params()), &self.com)
             }
@@ -191,6 +192,8 @@ pub fn allowed(model: &Model, function: Function, given: Given) -> f64 {
     };
     match function {
         Function::Com | Function::Cop => com,
+        // Not of a posture: nothing to compare.
+        Function::CorrectCop => 0.0,
         Function::Regressor | Function::RegressorCop => com + weighed(model.cad_params()),
         Function::RegressorFull => com + weighed(model.chain.full_cad()),
         Function::ComJacobian | Function::GravityMoments => {

@@ -60,7 +60,7 @@ impl Builder {
         self
     }
 
-    /// Identified parameters to add as `MODEL_PARAMS`.
+    /// Identified parameters to add as `MODEL_PARAMS`, and effects that `cop` then has.
     pub fn model(mut self, file: impl AsRef<Path>) -> Builder {
         self.model = Some(file.as_ref().to_path_buf());
         self
@@ -119,6 +119,9 @@ impl Builder {
         let mut model = Model::new(&description, support, self.snapping)?;
         if let Some(file) = &self.model {
             model = model.with_file(ModelFile::read(file)?)?;
+        }
+        for note in model.left_out() {
+            println!("cargo::warning={note}");
         }
         let name = match &self.name {
             Some(name) => name.clone(),

@@ -11,7 +11,7 @@ use nalgebra::{DVector, Matrix3};
 use crate::base::{self, Base, Column};
 use crate::bounds::{self, Bound, Formats, Precision, Unfit};
 use crate::chain::{self, Chain};
-use crate::effects::Instance;
+use crate::effects::{Instance, Stage};
 use crate::emit::names;
 use crate::frames::{self, Frame};
 use crate::functions::{self, Parameters};
@@ -25,7 +25,7 @@ use crate::{Error, ModelFile};
 /// How far beyond CAD and model file parameters may be, as a part of the robot's reach.
 const ROOM: f64 = 0.02;
 
-/// A function of the generated interface.
+/// A function of the generated interface. Not all robots have the last one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Function {
     Com,
@@ -35,9 +35,12 @@ pub enum Function {
     RegressorCop,
     RegressorFull,
     Cop,
+    /// The CoP that a reading was made of, where the model has effects of the sensor.
+    CorrectCop,
 }
 
 impl Function {
+    /// Those of a posture, which every robot has.
     pub const ALL: [Function; 7] = [
         Function::Com,
         Function::ComJacobian,
@@ -58,6 +61,7 @@ impl Function {
             Function::RegressorCop => "regressor_cop",
             Function::RegressorFull => "regressor_full",
             Function::Cop => "cop",
+            Function::CorrectCop => "correct_cop",
         }
     }
 
@@ -65,7 +69,10 @@ impl Function {
     pub fn takes_parameters(self) -> bool {
         !matches!(
             self,
-            Function::Regressor | Function::RegressorCop | Function::RegressorFull
+            Function::Regressor
+                | Function::RegressorCop
+                | Function::RegressorFull
+                | Function::CorrectCop
         )
     }
 }
@@ -153,6 +160,25 @@ impl Model {
         Ok(self)
     }
 
+    /// Effects that a posture foretells, with their unknowns: those of [`Function::Cop`].
+    pub fn foretold(&self) -> impl Iterator<Item = &(Instance, Vec<f64>)> {
+        let shown = |i: &Instance| i.effect.of_posture() && i.effect.stage() != Stage::Whole;
+        self.effects.iter().filter(move |(i, _)| shown(i))
+    }
+
+    /// Effects of the model file that generated code leaves out, as sentences.
+    pub fn left_out(&self) -> Vec<String> {
+        let of_log = self.effects.iter().filter(|(i, _)| !i.effect.of_posture());
+        of_log
+            .map(|(instance, _)| {
+                format!(
+                    "effect `{}` belongs to the log it was found in and is left out here",
+                    instance.effect.name()
+                )
+            })
+            .collect()
+    }
+
     /// Bounds hold for CAD parameters, those of a model file, and all up to
     /// [`ROOM`] of the robot's reach beyond: what is identified differs from CAD.
     fn limits_of(&self, values: &[f64]) -> Vec<f64> {
@@ -224,6 +250,13 @@ impl Model {
             .map(|array| match array.name {
                 "q" => self.tree.dofs.iter().map(joint).collect(),
                 "r" => self.base.params.iter().enumerate().map(parameter).collect(),
+                "reading" => self
+                    .largest_reading()
+                    .map(|most| bounds::Input {
+                        rounded: true,
+                        ..bounds::Input::exact(-most, most)
+                    })
+                    .to_vec(),
                 // A slide passes its position where a turn passes its sine.
                 _ => self
                     .tree

@@ -14,6 +14,10 @@
 //! target = "l_knee"
 //! parameters.offset_rad = { value = 0.031, std = 0.001 }
 //! ```
+//!
+//! Effects act stage by stage, whatever their order in the file; those of one
+//! stage (two of wiring, two ways of the sensor's axes, two faults of one cell) in
+//! the file's order.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -99,6 +103,7 @@ pub struct ModelFile {
 }
 
 impl EffectRecord {
+    /// The effect at its target with its unknowns, or what is wrong and what to do.
     fn instance(&self, setting: &Setting) -> Result<(Instance, Vec<f64>), String> {
         let name = &self.effect;
         let effect = effects::named(name).ok_or_else(|| {
@@ -108,39 +113,63 @@ impl EffectRecord {
                 known.join(", ")
             )
         })?;
-        let target = setting.target_named(effect, &self.target).ok_or_else(|| {
-            format!(
-                "effect `{name}`: no target `{}` on this robot{}",
-                self.target,
-                match effect.stage() {
-                    effects::Stage::Cells => " (do `cells` hold the places of four foot cells?)",
-                    _ => "",
-                }
-            )
-        })?;
+        let bad = |reason: String| format!("effect `{name}` of `{}`: {reason}", self.target);
+        let target = setting
+            .target_named(effect, &self.target)
+            .ok_or_else(|| bad(no_target(effect, setting)))?;
         let scales = effect.scales(setting, &target);
         let names = effect.values(setting, &target, &scales);
+        let names: Vec<&str> = names.iter().map(|value| value.name).collect();
+        let stray = |key: &&String| !names.contains(&key.as_str());
+        if let Some(stray) = self.parameters.keys().find(stray) {
+            return Err(bad(match names.is_empty() {
+                true => format!("it has no parameters; remove `{stray}`"),
+                false => format!("no parameter `{stray}`; it has {}", names.join(", ")),
+            }));
+        }
         let mut values = Vec::with_capacity(names.len());
         for wanted in &names {
-            let found = self.parameters.get(wanted.name).ok_or_else(|| {
-                format!("effect `{name}`: parameter `{}` is missing", wanted.name)
+            let found = self.parameters.get(*wanted).ok_or_else(|| {
+                bad(format!(
+                    "`{wanted}` is missing; add parameters.{wanted} = {{ value = … }}"
+                ))
             })?;
             if !found.value.is_finite() {
-                return Err(format!("effect `{name}`: `{}` is not finite", wanted.name));
+                return Err(bad(format!("`{wanted}` is not finite; give a number")));
             }
             values.push(found.value);
         }
-        if let Some(stray) = self
-            .parameters
-            .keys()
-            .find(|key| names.iter().all(|n| n.name != key.as_str()))
-        {
-            return Err(format!("effect `{name}`: no parameter `{stray}`"));
+        if let Some(fault) = effect.fault(setting, &target, &values) {
+            return Err(bad(fault.to_string()));
         }
         let unknowns = effect.unknowns(setting, &target, &values);
         match unknowns.iter().all(|x| x.is_finite()) {
             true => Ok((Instance { effect, target }, unknowns)),
-            false => Err(format!("effect `{name}`: values that no robot can have")),
+            false => Err(bad("values that no robot can have; give others".to_string())),
+        }
+    }
+}
+
+/// Targets named in a message, at most.
+const NAMED: usize = 30;
+
+fn no_target(effect: &dyn effects::Effect, setting: &Setting) -> String {
+    let targets = effect.targets(setting);
+    let names = targets.iter().take(NAMED).map(|t| setting.name_of(t));
+    let names: Vec<String> = names.collect();
+    match names.is_empty() {
+        true if effect.stage() == effects::Stage::Cells => {
+            "the places of the cells are missing; add cells = [[x, y], …], four corners of a \
+             rectangle, m"
+                .to_string()
+        }
+        true => "this robot has nothing that it can be the matter with; remove it".to_string(),
+        false => {
+            let more = if targets.len() > NAMED { ", …" } else { "" };
+            format!(
+                "no such target on this robot; it has {}{more}",
+                names.join(", ")
+            )
         }
     }
 }

@@ -52,5 +52,5 @@ mod real;
 pub mod trig;
 
 pub use lanes::{F32x8, F32x16, F64x4, F64x8, Lanes, pack, unpack};
-pub use model::{Sesc, SescFromSinCos};
+pub use model::{CorrectCop, Sesc, SescFromSinCos};
 pub use real::Real;

@@ -123,6 +123,15 @@ pub trait SescFromSinCos<const DOF: usize, const BASE: usize, const FULL: usize>
     fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE]) -> [T; 2];
 }
 
+/// A robot whose model has effects of its CoP sensor.
+pub trait CorrectCop {
+    /// The centre of pressure, metres, that a reading was made of: what
+    /// [`Sesc::cop`] would be without the effects of the sensor, a wrong cell, a
+    /// gain, a turn, an offset, swapped axes, the unit of the record. Means nothing
+    /// where no CoP on the foot has that reading.
+    fn correct_cop<T: Real>(reading: &[T; 2]) -> [T; 2];
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

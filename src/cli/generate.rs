@@ -33,7 +33,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Identified parameters, and their support unless --support is given: MODEL_PARAMS in Rust,
-    /// functions with constants folded in C
+    /// functions with constants folded in C. Its effects are part of cop, the reading that is
+    /// foretold; correct_cop, there where the sensor has effects, frees a reading from those
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
     /// C: what to put around the two files; bare unless given

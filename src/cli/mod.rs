@@ -187,13 +187,8 @@ fn notes(model: &Model) {
 
 /// Effects of a model file that no posture alone shows, on stderr.
 fn left_out(model: &Model) {
-    for (instance, _) in &model.effects {
-        if !instance.effect.of_posture() {
-            message(&format!(
-                "note: effect `{}` belongs to the log it was found in and is left out here",
-                instance.effect.name()
-            ));
-        }
+    for note in model.left_out() {
+        message(&format!("note: {note}"));
     }
 }
 

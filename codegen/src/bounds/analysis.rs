@@ -119,12 +119,19 @@ impl<'p> Analysis<'p> {
                 let input = self.inputs[array as usize][index as usize];
                 input.lower >= 0.0 && input.ulps_of == 0.0 && input.absolute == 0.0
             }
-            Expr::Add(a, b) | Expr::Div(a, b) => above(a) && above(b),
+            Expr::Add(a, b) => (above(a) && above(b)) || self.lifts(a, b) || self.lifts(b, a),
+            Expr::Div(a, b) => above(a) && above(b),
             Expr::Mul(a, b) => a == b || (above(a) && above(b)),
             Expr::Clamp(a) | Expr::Pow(a, _) => above(a),
             Expr::Sub(..) | Expr::Neg(_) | Expr::Sin(_) | Expr::Cos(_) => false,
         };
         by_operation || range.lower - range.error >= 0.0
+    }
+
+    /// A clamp is no less than -1, so with 1 or more it is no less than zero.
+    fn lifts(&self, clamp: Id, constant: Id) -> bool {
+        let exprs = (self.program.expr(clamp), self.program.expr(constant));
+        matches!(exprs, (Expr::Clamp(_), Expr::Const(x)) if x >= 1.0)
     }
 
     /// Node `id`: one operation on enclosed operands.

@@ -45,4 +45,9 @@ impl Effect for SensorAxes {
     fn unknowns(&self, _: &Setting, _: &Target, _: &[f64]) -> Vec<f64> {
         Vec::new()
     }
+
+    fn undo(&self, target: &Target, at: &mut Measured, unknowns: &[Id]) {
+        // Each way is its own inverse.
+        self.rewrite(target, at, unknowns);
+    }
 }

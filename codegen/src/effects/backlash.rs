@@ -55,4 +55,17 @@ impl Effect for Backlash {
         excess.extend(super::beyond(unknowns[0], 0.35, 0.05));
         excess
     }
+
+    fn fault(&self, _: &Setting, _: &Target, values: &[f64]) -> Option<&'static str> {
+        let negative = values[0] < 0.0;
+        negative.then_some("a dead band is 0 or wider; give width_rad without its sign")
+    }
+
+    fn caution(&self) -> Option<&'static str> {
+        Some(
+            "backlash: the bound of cop is as large as the dead band lets the CoP move. Where a \
+             joint's gravity moment is next to zero, rounding can flip the side it rests on; \
+             everywhere else the error is that of com.",
+        )
+    }
 }

@@ -8,14 +8,18 @@
 //!
 //! A rigid foot on four equal springs: a plane of loads; where a cell would have
 //! to pull it lifts off, and `d` (of alternating sign, the least that will do)
-//! gives its part to its neighbours without moving the CoP. Nothing imitates a cell's gain (residual share 0.45); small faults of one cell are like
-//! an offset. Raw cells show each directly.
+//! gives its part to its neighbours without moving the CoP. Several faults share
+//! the true loads, whichever comes first. Nothing imitates a cell's gain (residual
+//! share 0.45); small faults of one cell are like an offset. Raw cells show each
+//! directly.
 
 use super::{Effect, Measured, Setting, Stage, Target, Value};
 use crate::expr::Id;
+use crate::functions::measured::Foot;
 
-/// Least load of a cell, over the weight, that a power is taken of.
-const LEAST: f64 = 1e-6;
+/// Least load of a cell, over the weight, that a power is taken of: a root's slope
+/// at zero would have no bound.
+const LEAST: f64 = 1e-12;
 /// Least sum of the cells, over the weight, and more than any sum.
 const FAINT: f64 = 0.01;
 const MOST: f64 = 8.0;
@@ -36,9 +40,8 @@ fn rectangle(cells: &[[f64; 2]]) -> Option<([f64; 2], [f64; 2])> {
         off(cell[0], mx, hx) < 1e-6 && off(cell[1], my, hy) < 1e-6
     };
     let all = hx > 0.0 && hy > 0.0 && cells.iter().all(|cell| corner(cell));
-    // Four different corners: their signs cancel.
-    let distinct = cells.iter().map(|c| c[0]).sum::<f64>() - 4.0 * mx;
-    let distinct = libm::fabs(distinct) < 1e-6;
+    let side = |cell: &[f64; 2]| (cell[0] > mx, cell[1] > my);
+    let distinct = (0..4).all(|k| (0..k).all(|j| side(cells[j]) != side(cells[k])));
     (all && distinct).then_some(([mx, my], [hx, hy]))
 }
 
@@ -47,15 +50,19 @@ pub(super) fn split_exists(cells: &[[f64; 2]]) -> bool {
     rectangle(cells).is_some()
 }
 
+/// Middle and half lengths of the cells' rectangle, m: where a CoP can be.
+pub(crate) fn support(cells: &[[f64; 2]]) -> Option<([f64; 2], [f64; 2])> {
+    rectangle(cells)
+}
+
 /// Load of one cell over the weight, from the CoP: 0 to 1.
-fn load_of(faulty: usize, at: &mut Measured) -> Option<Id> {
+fn load_of(faulty: usize, cop: [Id; 2], at: &mut Measured) -> Option<Id> {
     let (middle, half) = rectangle(&at.cells)?;
     let cells = at.cells.clone();
     let (one, quarter) = (at.constant(1.0), at.constant(0.25));
     let off = [0, 1].map(|axis| {
-        let reading = at.reading[axis];
         let middle = at.constant(-middle[axis]);
-        at.add(reading, middle)
+        at.add(cop[axis], middle)
     });
     let mut plane = Vec::with_capacity(cells.len());
     for cell in &cells {
@@ -92,27 +99,53 @@ fn ramp(at: &mut Measured, x: Id) -> Id {
     at.mul(half, lifted)
 }
 
-/// CoP of what the cells say once cell `faulty` reads `wrong(its load)`:
+/// CoP of what the cells say once cell `faulty` reads `wrong(its load)`, loads
+/// over the nominal weight:
 ///
 /// ```text
-/// y' = (y + Δ p_k) / (1 + Δ)        Δ = f'_k − f_k
+/// y = (p + Σ Δ_k p_k) / (1 + Σ Δ_k)        Δ_k = f'_k − f_k of the cells that are wrong
 /// ```
 fn read_with(target: &Target, at: &mut Measured, wrong: impl Fn(&mut Measured, Id) -> Id) {
     let Target::Cell(faulty) = *target else {
         return;
     };
-    let Some(load) = load_of(faulty, at) else {
-        return;
+    let mut foot = at.foot.take().unwrap_or(Foot {
+        cop: at.reading,
+        wrong: vec![None; at.cells.len()],
+    });
+    let before = match foot.wrong.get(faulty) {
+        Some(Some(already)) => Some(*already),
+        _ => load_of(faulty, foot.cop, at).map(|load| (load, load)),
     };
-    let said = wrong(at, load);
-    let change = at.sub(said, load);
-    let sum = whole(at, change);
-    for axis in 0..2 {
-        let arm = at.constant(at.cells[faulty][axis]);
-        let moment = at.mul(arm, change);
-        let moment = at.add(at.reading[axis], moment);
-        at.reading[axis] = at.div(moment, sum);
+    if let Some((load, felt)) = before {
+        let felt = at.mul(at.weight, felt);
+        let said = wrong(at, felt);
+        let said = at.div(said, at.weight);
+        foot.wrong[faulty] = Some((load, said));
+        let changes = foot
+            .wrong
+            .iter()
+            .map(|cell| cell.map(|(f, s)| at.sub(s, f)));
+        let changes: Vec<Option<Id>> = changes.collect();
+        let zero = at.constant(0.0);
+        let change = changes
+            .iter()
+            .flatten()
+            .fold(zero, |sum, &c| at.add(sum, c));
+        let sum = whole(at, change);
+        for axis in 0..2 {
+            let mut moment = foot.cop[axis];
+            for (k, change) in changes.iter().enumerate() {
+                if let Some(change) = *change {
+                    let arm = at.constant(at.cells[k][axis]);
+                    let moved = at.mul(arm, change);
+                    moment = at.add(moment, moved);
+                }
+            }
+            at.reading[axis] = at.div(moment, sum);
+        }
     }
+    at.foot = Some(foot);
 }
 
 /// `1 + change`, where cells say next to nothing no less than [`FAINT`]: a
@@ -130,13 +163,12 @@ fn whole(at: &mut Measured, change: Id) -> Id {
 /// A load no smaller than [`LEAST`].
 fn positive(at: &mut Measured, load: Id) -> Id {
     let least = at.constant(LEAST);
-    let load = ramp(at, load);
     at.add(load, least)
 }
 
 macro_rules! cell_effect {
     ($(#[$doc:meta])* $type:ident, $name:literal, $scale:expr, $value:literal,
-     $to:expr, $from:expr, $starts:expr, $bound:expr, $wrong:expr) => {
+     $to:expr, $from:expr, $fault:expr, $starts:expr, $bound:expr, $wrong:expr) => {
         $(#[$doc])*
         pub(super) struct $type;
 
@@ -178,6 +210,11 @@ macro_rules! cell_effect {
                 vec![from(setting, values[0])]
             }
 
+            fn fault(&self, _: &Setting, _: &Target, values: &[f64]) -> Option<&'static str> {
+                let fault: fn(f64) -> Option<&'static str> = $fault;
+                fault(values[0])
+            }
+
             fn excess(&self, _: &Setting, _: &Target, unknowns: &[f64]) -> Vec<f64> {
                 let bound: fn(f64) -> Vec<f64> = $bound;
                 bound(unknowns[0])
@@ -194,6 +231,7 @@ cell_effect!(
     "gain",
     |_, x| 1.0 + x,
     |_, g| g - 1.0,
+    |g| (g < 0.0).then_some("cells do not pull; give a gain of 0 or more"),
     [0.0],
     |x| vec![(-0.95 - x).max(0.0) / 0.02, (x - 4.0).max(0.0) / 0.2],
     |at, load, x| {
@@ -211,6 +249,7 @@ cell_effect!(
     "offset_n",
     |setting, x| x * setting.weight(),
     |setting, newton| newton / setting.weight(),
+    |_| None,
     [0.0],
     |x| super::beyond(x, 0.6, 0.05),
     |at, load, x| at.add(load, x)
@@ -224,6 +263,7 @@ cell_effect!(
     "exponent",
     |_, x| 1.0 + x,
     |_, exponent| exponent - 1.0,
+    |e| (e <= 0.0).then_some("such a cell feels no load; give an exponent above 0"),
     [0.0],
     |x| vec![(-0.8 - x).max(0.0) / 0.05, (x - 3.0).max(0.0) / 0.2],
     |at, load, x| {
@@ -242,6 +282,7 @@ cell_effect!(
     "level_n",
     |setting, x| x * setting.weight(),
     |setting, newton| newton / setting.weight(),
+    |s| (s <= 0.0).then_some("such a cell feels no load; give a level_n above 0"),
     [0.15, 0.22, 0.3, 0.38, 0.46, 0.54],
     |x| vec![(0.02 - x).max(0.0) / 0.01, (x - 1.0).max(0.0) / 0.01],
     |at, load, x| {

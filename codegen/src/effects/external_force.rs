@@ -34,9 +34,7 @@ impl Effect for ExternalForce {
 
     fn rewrite(&self, target: &Target, at: &mut Measured, unknowns: &[Id]) {
         if let Target::Link(link) = *target {
-            let zero = at.constant(0.0);
-            at.load(link, unknowns[2], [zero; 3]);
-            at.pull(link, [unknowns[0], unknowns[1]]);
+            at.pull(link, [unknowns[0], unknowns[1]], unknowns[2]);
         }
     }
 
@@ -59,5 +57,10 @@ impl Effect for ExternalForce {
         // A pull straight down is a load in every reading, and is called one.
         excess.push(unknowns[2].max(0.0) / 0.002);
         excess
+    }
+
+    fn fault(&self, setting: &Setting, _: &Target, values: &[f64]) -> Option<&'static str> {
+        let lifted = values[2] >= setting.weight();
+        lifted.then_some("it lifts the robot off the ground; give force_z_n below its weight")
     }
 }

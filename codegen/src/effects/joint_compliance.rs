@@ -55,4 +55,9 @@ impl Effect for JointCompliance {
         excess.extend(super::beyond(unknowns[0], most, 0.1 * most));
         excess
     }
+
+    fn fault(&self, _: &Setting, _: &Target, values: &[f64]) -> Option<&'static str> {
+        let soft = values[0] <= 0.0;
+        soft.then_some("a stiffness of 0 or less holds nothing; give Nm/rad above 0")
+    }
 }

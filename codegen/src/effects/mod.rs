@@ -2,13 +2,14 @@
 //!
 //! Each effect is a rewrite of the symbolic measurement ([`Measured`]), with
 //! its unknowns as expressions; derivatives, fits, Rust and C follow from that
-//! one text. A new effect is one file and one line in [`LIST`].
+//! one text, and so does the way back from a reading. A new effect is one file and
+//! one line in [`LIST`].
 //!
 //! An *instance* is an effect at its target: `joint_offset` of `l_knee`.
 
 mod axes;
 mod backlash;
-mod cells;
+pub(crate) mod cells;
 mod external_force;
 mod ground_slope;
 mod joint_compliance;
@@ -28,8 +29,10 @@ mod unsettled_motion;
 mod whole;
 
 use crate::expr::Id;
+pub use crate::functions::circumstances::{Circumstances, Source};
+pub use crate::functions::correction::perceived;
 pub use crate::functions::diagnosis::{foretelling, joints, moments, reading};
-pub use crate::functions::measured::{Circumstances, Measured, ROUNDS, Source};
+pub use crate::functions::measured::{Measured, ROUNDS};
 pub use setting::{Setting, Target};
 
 /// When an effect comes in, first to last.
@@ -100,10 +103,35 @@ pub trait Effect: Sync {
         Vec::new()
     }
 
+    /// What keeps a robot from having these values (in the order of
+    /// [`Effect::values`]), in words that name the remedy.
+    fn fault(&self, _: &Setting, _: &Target, _: &[f64]) -> Option<&'static str> {
+        None
+    }
+
+    /// What a reader of rounding bounds must know of it.
+    fn caution(&self) -> Option<&'static str> {
+        None
+    }
+
     /// Whether a posture alone, without the log around it, shows the effect, so
     /// that it can be part of generated code.
     fn of_posture(&self) -> bool {
         true
+    }
+
+    /// Whether it comes between the CoP and its reading, so that a reading can be
+    /// freed from it.
+    fn of_sensor(&self, _: &Target) -> bool {
+        (Stage::Cells..=Stage::Record).contains(&self.stage())
+    }
+
+    /// Take the effect back: [`Measured::reading`] with it becomes the one without.
+    ///
+    /// Unless there is a closed form, [`Effect::rewrite`] is solved for its CoP.
+    /// Faults of cells share their loads and are solved together.
+    fn undo(&self, target: &Target, at: &mut Measured, unknowns: &[Id]) {
+        at.solve(|at| self.rewrite(target, at, unknowns));
     }
 }
 
@@ -183,14 +211,14 @@ pub fn instances(setting: &Setting) -> Vec<Instance> {
     LIST.iter().flat_map(of).collect()
 }
 
-/// Write `instances` into the nominal measurement, stage by stage, with
-/// `unknowns` in the order of the instances.
-pub(crate) fn apply(
-    measured: &mut Measured,
+/// Instances with their own unknowns in the order of their stages; those of one
+/// stage as they are given. Split at the CoP.
+#[allow(clippy::type_complexity)]
+fn by_stage<'i>(
     setting: &Setting,
-    instances: &[Instance],
-    unknowns: &[Id],
-) {
+    instances: &'i [Instance],
+    unknowns: &'i [Id],
+) -> [Vec<(&'i Instance, &'i [Id])>; 2] {
     let mut parts = Vec::with_capacity(instances.len());
     let mut rest = unknowns;
     for instance in instances {
@@ -199,9 +227,20 @@ pub(crate) fn apply(
         rest = after;
     }
     parts.sort_by_key(|(instance, _)| instance.effect.stage());
-    let (before, after): (Vec<_>, Vec<_>) = parts
-        .into_iter()
-        .partition(|(instance, _)| instance.effect.stage() <= Stage::Bends);
+    let split = parts.partition_point(|(instance, _)| instance.effect.stage() <= Stage::Bends);
+    let after = parts.split_off(split);
+    [parts, after]
+}
+
+/// Write `instances` into the nominal measurement, stage by stage, with
+/// `unknowns` in the order of the instances.
+pub(crate) fn apply(
+    measured: &mut Measured,
+    setting: &Setting,
+    instances: &[Instance],
+    unknowns: &[Id],
+) {
+    let [before, after] = by_stage(setting, instances, unknowns);
     for (instance, own) in before {
         instance.effect.rewrite(&instance.target, measured, own);
     }
@@ -211,6 +250,48 @@ pub(crate) fn apply(
         instance.effect.rewrite(&instance.target, measured, own);
     }
     measured.record();
+}
+
+/// The sensor's part of [`apply`], from a CoP in [`Measured::reading`].
+pub(crate) fn sense(
+    measured: &mut Measured,
+    setting: &Setting,
+    instances: &[Instance],
+    unknowns: &[Id],
+) {
+    let [before, after] = by_stage(setting, instances, unknowns);
+    for (instance, own) in before.into_iter().chain(after) {
+        instance.effect.rewrite(&instance.target, measured, own);
+    }
+    measured.record();
+}
+
+/// The inverse of [`sense`]: last stage first.
+pub(crate) fn undo(
+    measured: &mut Measured,
+    setting: &Setting,
+    instances: &[Instance],
+    unknowns: &[Id],
+) {
+    let [before, after] = by_stage(setting, instances, unknowns);
+    // The record's unit.
+    for (instance, own) in before {
+        instance.effect.rewrite(&instance.target, measured, own);
+    }
+    measured.unrecord();
+    let of_cells = |part: &&(&Instance, &[Id])| part.0.effect.stage() == Stage::Cells;
+    let cells: Vec<_> = after.iter().filter(of_cells).collect();
+    for (instance, own) in after.iter().rev().filter(|part| !of_cells(part)) {
+        instance.effect.undo(&instance.target, measured, own);
+    }
+    if !cells.is_empty() {
+        measured.solve(|at| {
+            at.foot = None;
+            for (instance, own) in &cells {
+                instance.effect.rewrite(&instance.target, at, own);
+            }
+        });
+    }
 }
 
 /// Values that are what their names say.

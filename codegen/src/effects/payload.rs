@@ -65,4 +65,9 @@ impl Effect for Payload {
         let heavy = (share - 0.5).max(0.0);
         vec![long / 1e-3, lacking / 1e-3, heavy / 0.02]
     }
+
+    fn fault(&self, setting: &Setting, _: &Target, values: &[f64]) -> Option<&'static str> {
+        let gone = values[0] <= -setting.mass();
+        gone.then_some("more is missing than the robot weighs; give mass_kg above that")
+    }
 }

@@ -19,7 +19,7 @@ impl Effect for SensorDrift {
     }
 
     fn stage(&self) -> Stage {
-        Stage::Record
+        Stage::Offset
     }
 
     fn targets(&self, _: &Setting) -> Vec<Target> {

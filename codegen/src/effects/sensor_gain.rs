@@ -55,4 +55,17 @@ impl Effect for SensorGain {
             .map(|g| (g.abs() - 0.6).max(0.0) / 0.05)
             .collect()
     }
+
+    fn fault(&self, _: &Setting, _: &Target, values: &[f64]) -> Option<&'static str> {
+        let zero = values.contains(&0.0);
+        zero.then_some("a gain of 0 shows no CoP; leave it out or give another")
+    }
+
+    fn undo(&self, _: &Target, at: &mut Measured, unknowns: &[Id]) {
+        for (axis, &unknown) in unknowns.iter().enumerate() {
+            let (y, one) = (at.reading[axis], at.constant(1.0));
+            let gain = at.add(one, unknown);
+            at.reading[axis] = at.div(y, gain);
+        }
+    }
 }

@@ -45,4 +45,10 @@ impl Effect for SensorOffset {
     fn unknowns(&self, _: &Setting, _: &Target, values: &[f64]) -> Vec<f64> {
         values.to_vec()
     }
+
+    fn undo(&self, _: &Target, at: &mut Measured, unknowns: &[Id]) {
+        for (axis, &unknown) in unknowns.iter().enumerate() {
+            at.reading[axis] = at.sub(at.reading[axis], unknown);
+        }
+    }
 }

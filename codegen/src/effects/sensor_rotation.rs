@@ -45,4 +45,9 @@ impl Effect for SensorRotation {
     fn unknowns(&self, _: &Setting, _: &Target, values: &[f64]) -> Vec<f64> {
         values.to_vec()
     }
+
+    fn undo(&self, target: &Target, at: &mut Measured, unknowns: &[Id]) {
+        let back = at.neg(unknowns[0]);
+        self.rewrite(target, at, &[back]);
+    }
 }

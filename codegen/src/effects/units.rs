@@ -51,4 +51,8 @@ impl Effect for Units {
     fn unknowns(&self, _: &Setting, _: &Target, _: &[f64]) -> Vec<f64> {
         Vec::new()
     }
+
+    fn of_sensor(&self, target: &Target) -> bool {
+        *target != Target::Way("degrees")
+    }
 }

@@ -1,6 +1,7 @@
 //! The comment at the top of a generated file: what it is, what it costs, how exact it is.
 
 use crate::bounds::Precision;
+use crate::effects::Stage;
 use crate::model::{Function, Given, Model};
 use crate::program::Counts;
 
@@ -71,7 +72,81 @@ pub fn about(model: &Model) -> Vec<String> {
             at_most(snap.com_error)
         ));
     }
+    lines.extend(effects(model));
     lines
+}
+
+/// What is in the function `cop` beside the robot, and what is not.
+fn effects(model: &Model) -> Vec<String> {
+    let records = model.file.iter().flat_map(|file| &file.effects);
+    let mut lines = Vec::new();
+    for (record, (instance, _)) in records.zip(&model.effects) {
+        let effect = instance.effect;
+        let title = match () {
+            () if !effect.of_posture() => "left out",
+            () if effect.stage() == Stage::Whole => continue,
+            () => "effect in cop",
+        };
+        let mut text = effect.name().to_string();
+        if record.target != "-" {
+            text += &format!(" of {}", printable(&record.target));
+        }
+        let values = record.parameters.iter();
+        let values = values.map(|(name, quantity)| format!("{name} = {}", quantity.value));
+        let values: Vec<String> = values.collect();
+        if !effect.of_posture() {
+            text += " (only a log shows it)";
+        } else if !values.is_empty() {
+            text += &format!(": {}", values.join(", "));
+        }
+        lines.push(format!("{title:<14} {text}"));
+    }
+    lines
+}
+
+/// What is to be said of bounds where there are effects.
+pub fn cautions(model: &Model, correction_is_proven: bool) -> Vec<String> {
+    let mut texts: Vec<&str> = Vec::new();
+    for (instance, _) in model.foretold() {
+        let caution = instance.effect.caution();
+        texts.extend(caution.filter(|text| !texts.contains(text)));
+    }
+    if !correction_is_proven {
+        texts.push(ITERATED);
+    }
+    texts.into_iter().flat_map(wrapped).collect()
+}
+
+/// Of a [`Function::CorrectCop`] that no bound is proven for.
+pub const ITERATED: &str = "correct_cop: Newton's method, unrolled. Each round forgets the \
+    rounding of those before, which no bound of single operations shows: readings of a CoP \
+    between the foot's cells come back within 1e-9 m (f64).";
+
+/// Longest line of prose in a header.
+const WIDTH: usize = 92;
+
+fn wrapped(text: &str) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in text.split(' ').filter(|word| !word.is_empty()) {
+        let full = lines.last().map_or(0, String::len) + word.len() >= WIDTH;
+        if full {
+            lines.push(String::new());
+        }
+        let line = lines.last_mut().expect("there is always a line");
+        if !line.is_empty() {
+            line.push(' ');
+        }
+        line.push_str(word);
+    }
+    lines
+}
+
+/// A bound in two digits; `none` where nothing is proven.
+pub fn bound(x: f64) -> String {
+    match x.is_finite() {
+        true => at_most(x),
+        false => "none".to_string(),
+    }
 }
 
 /// Lines of a Rust module's header, without comment marks.
@@ -89,12 +164,14 @@ pub fn lines(model: &Model, rows: &[Row]) -> Vec<String> {
             row.counts.mul,
             row.counts.add,
             row.counts.sin_cos,
-            at_most(row.bounds[0]),
-            at_most(row.bounds[1]),
+            bound(row.bounds[0]),
+            bound(row.bounds[1]),
             others(row.counts)
         ));
     }
     lines.extend(PROMISE.map(str::to_string));
+    let unproven = |row: &Row| row.function == Function::CorrectCop && row.bounds[0].is_infinite();
+    lines.extend(cautions(model, !rows.iter().any(unproven)));
     lines
 }
 
@@ -111,7 +188,8 @@ pub fn others(counts: Counts) -> String {
 pub fn rows(model: &Model) -> Vec<(Row, crate::program::Program)> {
     let mut rows = Vec::new();
     for given in [Given::Positions, Given::SinesCosines] {
-        for function in Function::ALL {
+        let all = Function::ALL.into_iter().chain([Function::CorrectCop]);
+        for function in all {
             let Some(program) = model.program(function, given) else {
                 continue;
             };

@@ -32,13 +32,21 @@ pub fn module(model: &Model, name: &str) -> Result<String, Error> {
     let mut titles = Vec::new();
     let functions: Vec<TokenStream> = rows
         .iter()
-        .map(|(row, program)| function(row, program, &mut titles))
+        .map(|(row, program)| function(model, row, program, &mut titles))
         .collect();
     let constants = constants(model);
     let from_sines = rows
         .iter()
         .filter(|(row, _)| row.given == Given::SinesCosines);
-    let unit = unit_struct(model, name, from_sines.count() == Function::ALL.len());
+    let corrects = rows
+        .iter()
+        .any(|(row, _)| row.function == Function::CorrectCop);
+    let unit = unit_struct(
+        model,
+        name,
+        from_sines.count() == Function::ALL.len(),
+        corrects,
+    );
     let items = quote! {
         use sesc_runtime::{Real, Sesc};
         #constants
@@ -157,7 +165,7 @@ fn allow_names() -> TokenStream {
 }
 
 /// The unit struct and its traits, forwarding to the functions of the module.
-fn unit_struct(model: &Model, name: &str, from_sines: bool) -> TokenStream {
+fn unit_struct(model: &Model, name: &str, from_sines: bool, corrects: bool) -> TokenStream {
     let unit = Ident::new(&names::type_name(name), Span::call_site());
     let doc = format!(
         " Robot `{}` standing on `{}`.",
@@ -187,6 +195,15 @@ fn unit_struct(model: &Model, name: &str, from_sines: bool) -> TokenStream {
             impl sesc_runtime::SescFromSinCos<DOF, BASE_PARAMS, FULL_PARAMS> for #unit { #(#methods)* }
         }
     });
+    let correction = corrects.then(|| {
+        quote! {
+            #allow
+            impl sesc_runtime::CorrectCop for #unit {
+                #[inline]
+                fn correct_cop<T: Real>(reading: &[T; 2]) -> [T; 2] { correct_cop(reading) }
+            }
+        }
+    });
     quote! {
         #[doc = #doc]
         #names
@@ -199,6 +216,7 @@ fn unit_struct(model: &Model, name: &str, from_sines: bool) -> TokenStream {
             #(#methods)*
         }
         #sines
+        #correction
     }
 }
 
@@ -209,6 +227,7 @@ fn signature(
     rename: impl Fn(&str) -> String,
 ) -> (TokenStream, Vec<Ident>) {
     let mut arrays: Vec<(&str, TokenStream)> = match given {
+        _ if function == Function::CorrectCop => vec![("reading", quote!(2))],
         Given::Positions => vec![("q", quote!(DOF))],
         Given::SinesCosines => vec![("sin", quote!(DOF)), ("cos", quote!(DOF))],
     };
@@ -226,7 +245,7 @@ fn signature(
 fn result(function: Function) -> TokenStream {
     match function {
         Function::Com => quote!([T; 3]),
-        Function::Cop => quote!([T; 2]),
+        Function::Cop | Function::CorrectCop => quote!([T; 2]),
         Function::ComJacobian => quote!([[T; DOF]; 3]),
         Function::GravityMoments => quote!([T; DOF]),
         Function::Regressor => quote!([[T; BASE_PARAMS]; 3]),
@@ -235,8 +254,12 @@ fn result(function: Function) -> TokenStream {
     }
 }
 
-fn documentation(function: Function, given: Given) -> String {
+fn documentation(model: &Model, function: Function, given: Given) -> String {
     let what = match function {
+        Function::Cop if model.foretold().next().is_some() => {
+            "Reading of the CoP that a static posture foretells, with the effects at the top of \
+             this file, m unless they change its unit."
+        }
         Function::Com => "Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i.",
         Function::ComJacobian => "∂CoM/∂q, m/rad (m/m for sliding joints), one row per axis.",
         Function::GravityMoments => {
@@ -248,6 +271,10 @@ fn documentation(function: Function, given: Given) -> String {
             "Rows [B_0 B_1 …] of the full regressor, seed paper Eq. (5), in link frames."
         }
         Function::Cop => "Centre of pressure that a static posture shows on a level sole, m.",
+        Function::CorrectCop => {
+            "The CoP, m, that a reading (as `cop` foretells it) was made of: the effects of the \
+             sensor taken back."
+        }
     };
     match given {
         Given::Positions => format!(" {what}"),
@@ -257,7 +284,7 @@ fn documentation(function: Function, given: Given) -> String {
     }
 }
 
-fn function(row: &Row, program: &Program, titles: &mut Vec<String>) -> TokenStream {
+fn function(model: &Model, row: &Row, program: &Program, titles: &mut Vec<String>) -> TokenStream {
     let name = format_ident!("{}", header::function_name(row.function, row.given));
     let listing = Listing::new(program);
     let unused = |array: &str| {
@@ -269,7 +296,7 @@ fn function(row: &Row, program: &Program, titles: &mut Vec<String>) -> TokenStre
         false => array.to_string(),
     };
     let (parameters, _) = signature(row.function, row.given, rename);
-    let doc = documentation(row.function, row.given);
+    let doc = documentation(model, row.function, row.given);
     let doc = doc.lines();
     let result = result(row.function);
     let body = Body(listing).statements(titles);

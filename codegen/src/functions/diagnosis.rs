@@ -1,7 +1,8 @@
 //! Programs of the measurement with effects, for fitting them.
 
 use super::Parameters;
-use super::measured::{Circumstances, Measured, Source};
+use super::circumstances::{Circumstances, Source};
+use super::measured::Measured;
 use crate::effects::{self, Instance, Setting};
 use crate::expr::Id;
 use crate::model::{Given, Model};
@@ -115,9 +116,9 @@ fn foretold(model: &Model, source: Source, baked: Option<Vec<f64>>) -> Measured<
     let cells = model.file.as_ref().map_or(&[][..], |file| &file.cells);
     let setting = Setting::new(model, cells, false);
     let mut measured = Measured::new(model, source, 2, baked, cells);
-    let of_posture = model.effects.iter().filter(|(i, _)| i.effect.of_posture());
-    let instances: Vec<Instance> = of_posture.clone().map(|(i, _)| i.clone()).collect();
-    let values: Vec<f64> = of_posture.flat_map(|(_, x)| x.iter().copied()).collect();
+    let instances: Vec<Instance> = model.foretold().map(|(i, _)| i.clone()).collect();
+    let values = model.foretold().flat_map(|(_, x)| x.iter().copied());
+    let values: Vec<f64> = values.collect();
     let unknowns: Vec<Id> = values.iter().map(|x| measured.constant(*x)).collect();
     effects::apply(&mut measured, &setting, &instances, &unknowns);
     measured

@@ -8,9 +8,12 @@
 //! ```
 //!
 //! Stages are walked in this order; an effect rewrites what its stage holds.
-//! Gravity, for bends as for the CoP, points along `(tilt_x, tilt_y, −1)`.
+//! Gravity, for bends as for the CoP, points along `(tilt_x, tilt_y, −1)`; what
+//! presses on the ground is taken along the sole's normal as on level ground,
+//! which leaves out a part tilt²/2 of what forces and springs in N add.
 
 use super::Scratch;
+use super::circumstances::{Circumstances, Source};
 use crate::effects::Target;
 use crate::expr::{Graph, Id};
 use crate::model::{Given, Model};
@@ -21,84 +24,31 @@ pub const ROUNDS: usize = 4;
 /// Gravity moment (m) times this, clamped to ±1, is its sign.
 const SHARP: f64 = 1e9;
 
-/// What a posture brings along beside its joint positions, in this order:
-/// place in the log, tilt (2), rates, accelerations, sides of dead bands.
-#[derive(Debug, Clone, Copy)]
-pub struct Circumstances {
-    dof: usize,
-}
-
-impl Circumstances {
-    pub fn of(model: &Model) -> Circumstances {
-        Circumstances { dof: model.dof() }
-    }
-
-    /// Of a robot with `dof` independent joints.
-    pub fn with_joints(dof: usize) -> Circumstances {
-        Circumstances { dof }
-    }
-
-    /// Entries per posture.
-    pub fn len(self) -> usize {
-        3 + 3 * self.dof
-    }
-
-    /// Never: tilt is always there.
-    pub fn is_empty(self) -> bool {
-        false
-    }
-
-    /// Place in the log: 0 at its first posture, 1 at its last.
-    pub fn place(self) -> usize {
-        0
-    }
-
-    /// Gravity's direction: `-g_x / g_z` (axis 0), `-g_y / g_z` (axis 1).
-    pub fn tilt(self, axis: usize) -> usize {
-        1 + axis
-    }
-
-    /// Velocity of a joint, rad/s or m/s.
-    pub fn rate(self, dof: usize) -> usize {
-        3 + dof
-    }
-
-    /// Acceleration of a joint, rad/s² or m/s².
-    pub fn acceleration(self, dof: usize) -> usize {
-        3 + self.dof + dof
-    }
-
-    /// Which side of its dead band a joint rests on, −1 to 1.
-    pub fn side(self, dof: usize) -> usize {
-        3 + 2 * self.dof + dof
-    }
-}
-
-/// Where the measurement gets what its posture alone does not tell.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Source {
-    /// A posture of a log: circumstances are inputs.
-    Log,
-    /// Any posture: level ground, standing still, sides by the gravity moments.
-    Posture,
-    /// Any posture, with gravity's direction from its circumstances.
-    Tilted,
-}
-
 /// A pull on a point of the robot.
 struct Pull {
     /// The point, as base parameters: its position is what their CoM would be.
     point: Vec<f64>,
     /// Horizontal force over the weight on the ground.
     force: [Id; 2],
+    /// Vertical force over it, down, where it is counted as a load: unlike one it
+    /// keeps its direction on a slope.
+    load: Id,
+}
+
+/// What the cells of the foot say, once one of them is wrong.
+pub(crate) struct Foot {
+    /// The true CoP, m.
+    pub(crate) cop: [Id; 2],
+    /// True and felt load of each cell that is wrong, over the weight on the ground.
+    pub(crate) wrong: Vec<Option<(Id, Id)>>,
 }
 
 /// A joint that gives way to its gravity moment.
 #[derive(Clone, Copy)]
 enum Bend {
-    /// By `1` times its moment (rad per m of moment over weight).
+    /// By its moment times this: rad per m of moment over the nominal weight.
     Spring(usize, Id),
-    /// To one end of a dead band of half this width.
+    /// To one end of a dead band of half this width, rad.
     Slack(usize, Id),
 }
 
@@ -120,6 +70,9 @@ pub struct Measured<'m> {
     pub(crate) record_scale: f64,
     /// Foot cells, m, where the log says where they are.
     pub(crate) cells: Vec<[f64; 2]>,
+    pub(crate) foot: Option<Foot>,
+    /// Weight on the ground over the nominal weight.
+    pub(crate) weight: Id,
     pulls: Vec<Pull>,
     bends: Vec<Bend>,
 }
@@ -146,7 +99,7 @@ impl<'m> Measured<'m> {
             })
             .collect();
         scratch.masses = Some(masses);
-        let zero = scratch.g.constant(0.0);
+        let (zero, one) = (scratch.g.constant(0.0), scratch.g.constant(1.0));
         let mut measured = Measured {
             scratch,
             source,
@@ -157,6 +110,8 @@ impl<'m> Measured<'m> {
             reading: [zero; 2],
             record_scale: 1.0,
             cells: cells.to_vec(),
+            foot: None,
+            weight: one,
             pulls: Vec::new(),
             bends: Vec::new(),
         };
@@ -210,14 +165,35 @@ impl<'m> Measured<'m> {
         self.joints[joint] = self.scratch.g.add(self.joints[joint], by);
     }
 
-    /// A mass joins: `share` of the new whole, `moment` its first moment over
-    /// the whole in the frame of `link`: `r' = (1 − share) r + W (share, moment)`.
-    pub(crate) fn load(&mut self, link: usize, share: Id, moment: [Id; 3]) {
+    /// A mass joins the nominal robot: `share` of both together, `moment` its
+    /// first moment over both in the frame of `link`: `r' = (1 − share) r + W
+    /// (share, moment)`. Gives back what makes shares of both shares of all that
+    /// presses on the ground, loads before this one included.
+    ///
+    /// ```text
+    /// G' = G + μ/(1 − μ)        share' = μ c,  moment' = moment c        c = 1/(G (1 − μ) + μ)
+    /// ```
+    ///
+    /// with `G` the weight on the ground over the nominal one; `c = 1` where `G` was.
+    pub(crate) fn load(&mut self, link: usize, share: Id, moment: [Id; 3]) -> Id {
         let map = self.model().standard_map_of(link);
         let g = &mut self.scratch.g;
         let one = g.constant(1.0);
-        let rest = g.sub(one, share);
-        let with = [share, moment[0], moment[1], moment[2]];
+        let bare = g.sub(one, share);
+        let factor = match g.value(self.weight) {
+            Some(1.0) => {
+                self.weight = g.div(one, bare);
+                one
+            }
+            _ => {
+                let before = g.mul(self.weight, bare);
+                let all = g.add(before, share);
+                self.weight = g.div(all, bare);
+                g.div(one, all)
+            }
+        };
+        let with = [share, moment[0], moment[1], moment[2]].map(|x| g.mul(factor, x));
+        let rest = g.sub(one, with[0]);
         let masses = self.scratch.masses.as_mut().expect("set by `new`");
         for ((mass, limit), row) in masses.iter_mut().zip(map.row_iter()) {
             let weights: Vec<Id> = row.iter().map(|w| g.constant(*w)).collect();
@@ -230,13 +206,33 @@ impl<'m> Measured<'m> {
                 None => 2.0 * *limit + row.amax(),
             };
         }
+        for pull in &mut self.pulls {
+            pull.force = pull.force.map(|force| g.mul(rest, force));
+            pull.load = g.mul(rest, pull.load);
+        }
+        factor
     }
 
-    /// A horizontal pull at the origin of `link`, over the weight on the ground.
-    pub(crate) fn pull(&mut self, link: usize, force: [Id; 2]) {
+    /// A pull at the origin of `link`: horizontally `force` over the nominal
+    /// weight less the pull, down `share` of that.
+    pub(crate) fn pull(&mut self, link: usize, force: [Id; 2], share: Id) {
+        let zero = self.constant(0.0);
+        let factor = self.load(link, share, [zero; 3]);
         let map = self.model().standard_map_of(link);
         let point = map.column(0).iter().copied().collect();
-        self.pulls.push(Pull { point, force });
+        let force = force.map(|force| self.mul(factor, force));
+        let load = self.mul(factor, share);
+        self.pulls.push(Pull { point, force, load });
+    }
+
+    /// What pull `k` is horizontally, less what counting it as a load puts there
+    /// on a slope.
+    fn sideways(&mut self, k: usize) -> [Id; 2] {
+        let Pull { force, load, .. } = self.pulls[k];
+        [0, 1].map(|axis| {
+            let along = self.mul(self.tilt[axis], load);
+            self.sub(force[axis], along)
+        })
     }
 
     /// The turning joints that a target means.
@@ -277,6 +273,7 @@ impl<'m> Measured<'m> {
             for (bend, slid) in self.bends.clone().into_iter().zip(&mut slid) {
                 let (joint, by) = match bend {
                     Bend::Spring(joint, compliance) => {
+                        let compliance = self.mul(self.weight, compliance);
                         (joint, self.mul(compliance, moments[joint]))
                     }
                     Bend::Slack(joint, half) => {
@@ -323,7 +320,7 @@ impl<'m> Measured<'m> {
         let mut moments = self.scratch.turned(&subtrees, &[orientations], false);
         let zero = self.constant(0.0);
         for k in 0..self.pulls.len() {
-            let force = self.pulls[k].force;
+            let force = self.sideways(k);
             let subtrees = self.at_point(k, &format!("{pass}p{k}"));
             let direction = [force[0], force[1], zero];
             let rows = self.scratch.directions(direction, f64::INFINITY, "f");
@@ -364,10 +361,10 @@ impl<'m> Measured<'m> {
         }
         for k in 0..self.pulls.len() {
             let height = self.at_point(k, &format!("p{k}"))[0].v.entries[2];
+            let force = self.sideways(k);
             for axis in 0..2 {
-                let g = &mut self.scratch.g;
-                let moved = g.mul(self.pulls[k].force[axis], height);
-                self.reading[axis] = g.add(self.reading[axis], moved);
+                let moved = self.mul(force[axis], height);
+                self.reading[axis] = self.add(self.reading[axis], moved);
             }
         }
     }
@@ -395,6 +392,12 @@ impl<'m> Measured<'m> {
     /// The record's unit, once everything else is written.
     pub(crate) fn record(&mut self) {
         let scale = self.constant(self.record_scale);
+        self.reading = self.reading.map(|y| self.scratch.g.mul(scale, y));
+    }
+
+    /// Metres again, before anything else is undone.
+    pub(crate) fn unrecord(&mut self) {
+        let scale = self.constant(1.0 / self.record_scale);
         self.reading = self.reading.map(|y| self.scratch.g.mul(scale, y));
     }
 

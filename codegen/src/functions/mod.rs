@@ -15,7 +15,10 @@
 //!
 //! 4 per joint and row. They meet in the Jacobian: `J_j = B_p K_j (e_z × t_j)`.
 
+pub(crate) mod circumstances;
+pub(crate) mod correction;
 pub(crate) mod diagnosis;
+mod inverse;
 pub(crate) mod measured;
 mod rows;
 mod subtrees;
@@ -52,7 +55,13 @@ pub(crate) fn build(
     if given == Given::SinesCosines && !sines_suffice(model) {
         return None;
     }
-    if function == Function::Cop && !model.effects.is_empty() {
+    if function == Function::CorrectCop {
+        return match given {
+            Given::Positions => correction::correct_cop(model),
+            Given::SinesCosines => None,
+        };
+    }
+    if function == Function::Cop && model.foretold().next().is_some() {
         return diagnosis::cop(model, given, parameters);
     }
     let mut scratch = Scratch::new(model, given);
@@ -68,6 +77,7 @@ pub(crate) fn build(
         Function::Regressor => scratch.regressor(&[0, 1, 2]),
         Function::RegressorCop => scratch.regressor(&[0, 1]),
         Function::RegressorFull => scratch.regressor_full(),
+        Function::CorrectCop => unreachable!("a function of no posture"),
     };
     let shape = match (rows, cols) {
         (1, n) => Shape::Vector(n),
@@ -135,7 +145,7 @@ fn rows_of(function: Function) -> usize {
 fn columns_of(model: &Model, function: Function) -> usize {
     match function {
         Function::Com => 3,
-        Function::Cop => 2,
+        Function::Cop | Function::CorrectCop => 2,
         Function::ComJacobian | Function::GravityMoments => model.dof(),
         Function::Regressor | Function::RegressorCop => model.base.params.len(),
         Function::RegressorFull => model.chain.full_params,

@@ -52,7 +52,7 @@ impl Routine {
         self.input == Input::Ticks
     }
 
-    fn takes_parameters(&self) -> bool {
+    pub(super) fn takes_parameters(&self) -> bool {
         self.function.takes_parameters() && !self.baked
     }
 }
@@ -96,6 +96,17 @@ pub(super) fn routines(
             routines.extend(of_ticks);
         }
     }
+    if let Some(program) = model.program(Function::CorrectCop, Given::Positions) {
+        let given = Given::Positions;
+        routines.push(routine(
+            model,
+            scalar,
+            Function::CorrectCop,
+            given,
+            false,
+            program,
+        )?);
+    }
     share_formats(&mut routines);
     for routine in &mut routines {
         routine.bound = match (routine.input, ticks, &routine.formats, scalar.precision()) {
@@ -104,7 +115,8 @@ pub(super) fn routines(
             (_, _, None, Some(precision)) => model.rounding(&routine.program, precision).worst,
             (_, _, None, None) => unreachable!("fixed point comes with formats"),
         };
-        if !routine.bound.is_finite() {
+        // An iteration has no proven bound; its header says so.
+        if !routine.bound.is_finite() && routine.function != Function::CorrectCop {
             return Err(match routine.program.counts().other {
                 0 => Error::Unbounded {
                     function: routine.name(),
@@ -220,6 +232,7 @@ pub(super) fn points(routines: &[Routine]) -> Vec<Point> {
         };
         for (array, bits) in routine.program.inputs.iter().zip(&formats.arrays) {
             let (name, of) = match array.name {
+                "reading" => ("READING", "readings of the CoP, m or the record's unit"),
                 "q" => ("Q", "joint positions, rad or m"),
                 "r" => ("R", "parameters, m"),
                 _ => (
@@ -281,13 +294,17 @@ pub(super) fn text(model: &Model, routine: &Routine, scalar: Scalar, name: &str)
         details
             .push("From sines and cosines; a sliding joint passes its position in sin_q.".into());
     }
-    details.push(format!(
-        "Proven rounding error below {} m; arrays must not overlap.",
-        header::at_most(routine.bound)
-    ));
+    details.push(match routine.bound.is_finite() {
+        true => format!(
+            "Proven rounding error below {} m; arrays must not overlap.",
+            header::at_most(routine.bound)
+        ),
+        false => "Newton's method, unrolled: no rounding bound is proven; arrays must not overlap."
+            .to_string(),
+    });
     Text {
         name: routine.name(),
-        brief: brief(routine.function).to_string(),
+        brief: brief(model, routine.function).to_string(),
         details,
         signature: signature(&declarations, routine.name().len() + name.len()),
         parameters,
@@ -307,15 +324,21 @@ fn signature(declarations: &[&str], before: usize) -> String {
 fn output(function: Function) -> &'static str {
     match function {
         Function::Com => "com",
-        Function::Cop => "cop",
+        Function::Cop | Function::CorrectCop => "cop",
         Function::ComJacobian => "jac",
         Function::GravityMoments => "moments",
         Function::Regressor | Function::RegressorCop | Function::RegressorFull => "rows",
     }
 }
 
-fn brief(function: Function) -> &'static str {
+fn brief(model: &Model, function: Function) -> &'static str {
     match function {
+        Function::Cop if model.foretold().next().is_some() => {
+            "Reading of the CoP that a static posture foretells, with the effects named above, m."
+        }
+        Function::CorrectCop => {
+            "CoP that a reading was made of, m: the effects of the sensor taken back."
+        }
         Function::Com => "Centre of mass in the support frame, m: r_0 + sum of B_i(q) r_i.",
         Function::ComJacobian => "d CoM / d q, m/rad (m/m for sliding joints), row-major: x, y, z.",
         Function::GravityMoments => {
@@ -336,7 +359,7 @@ fn brief(function: Function) -> &'static str {
 fn length(routine: &Routine, name: &str) -> String {
     let columns = match routine.function {
         Function::Com => return "3".to_string(),
-        Function::Cop => return "2".to_string(),
+        Function::Cop | Function::CorrectCop => return "2".to_string(),
         Function::GravityMoments => return format!("{name}_DOF"),
         Function::ComJacobian => format!("{name}_DOF"),
         Function::RegressorFull => format!("{name}_FULL_PARAMS"),
@@ -357,6 +380,12 @@ fn parameters(routine: &Routine, name: &str) -> Vec<Parameter> {
         declaration: format!("const {scalar} {array}[]"),
     };
     let mut parameters = match (routine.input, routine.given) {
+        _ if routine.function == Function::CorrectCop => vec![Parameter {
+            direction: "in",
+            name: "reading".to_string(),
+            meaning: "what the sensor says, in the unit of cop, [2]".to_string(),
+            declaration: format!("const {real} reading[2]"),
+        }],
         (Input::Ticks, _) => vec![input(
             "ticks",
             "int32_t",

@@ -130,6 +130,12 @@ pub fn package(model: &Model, name: &str, options: &Options) -> Result<Package, 
     }
     let mut notes = Vec::new();
     let ticks = ticks::Ticks::of(model, options, &mut notes)?;
+    if ticks.as_ref().is_some_and(|ticks| !ticks.reach_cop(model)) {
+        notes.push(
+            "cop_ticks is left out: effects are written for joint angles; call cop with those"
+                .to_string(),
+        );
+    }
     let routines = functions::routines(model, options.scalar, ticks.as_ref())?;
     let functions: Vec<functions::Text> = routines
         .iter()
@@ -322,11 +328,13 @@ fn about(model: &Model, routines: &[Routine], scalar: Scalar) -> Vec<String> {
             counts.mul,
             counts.add,
             counts.sin_cos,
-            header::at_most(routine.bound),
+            header::bound(routine.bound),
             header::others(counts)
         ));
     }
     lines.extend(header::PROMISE.map(str::to_string));
+    let proven = routines.iter().all(|routine| routine.bound.is_finite());
+    lines.extend(header::cautions(model, proven));
     if routines.iter().any(Routine::is_of_ticks) {
         lines.push(
             "Functions of ticks: against the angles and positions that the ticks stand for.".into(),

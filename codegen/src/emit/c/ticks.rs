@@ -66,6 +66,11 @@ impl Ticks {
     }
 
     /// Proven bound of a routine when its arguments come from ticks.
+    /// Whether the CoP can be had from what ticks are turned into.
+    pub(super) fn reach_cop(&self, model: &Model) -> bool {
+        model.program(Function::Cop, self.given).is_some()
+    }
+
     pub(super) fn bound(&self, model: &Model, routine: &Routine) -> f64 {
         let mut inputs = model.input_ranges(&routine.program);
         for (array, inputs) in routine.program.inputs.iter().zip(&mut inputs) {
