@@ -1,0 +1,168 @@
+//! Code of models with effects, compiled and run: Rust by the builder, and C.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use sesc_codegen::emit::c::{Options, Scalar};
+use sesc_codegen::{Builder, ModelFile, Snapping};
+
+use crate::command::ROOT;
+use crate::robots::{Stand, urdf};
+
+/// What generated code says of one posture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Said {
+    /// `cop(q, model parameters)`
+    pub cop: [f64; 2],
+    /// `model_cop(q)`, of C alone.
+    pub baked: Option<[f64; 2]>,
+    /// `correct_cop(cop)`, where there is one.
+    pub corrected: Option<[f64; 2]>,
+}
+
+/// A model to generate code for.
+pub struct Case {
+    pub module: String,
+    pub file: ModelFile,
+    pub corrects: bool,
+}
+
+/// A fresh folder that outlives the test, for whoever wants to look.
+pub fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
+        .join("effects")
+        .join(name);
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(folder.join("src")).unwrap();
+    folder
+}
+
+pub fn tool(command: &mut Command) -> Vec<u8> {
+    let output = command
+        .output()
+        .unwrap_or_else(|error| panic!("{command:?} does not start: {error}; run `tests/setup`"));
+    assert!(
+        output.status.success(),
+        "{command:?}\n{}{}",
+        String::from_utf8_lossy(&output.stdout),
+        String::from_utf8_lossy(&output.stderr)
+    );
+    output.stdout
+}
+
+/// `<module>.rs` in `src` and `<module>.{h,c}` beside it, as a build script writes them.
+pub fn write(folder: &Path, stand: &Stand, case: &Case) {
+    let model = folder.join(format!("{}.toml", case.module));
+    fs::write(&model, toml::to_string(&case.file).unwrap()).unwrap();
+    let tree = &stand.model.tree;
+    Builder::new(urdf(stand.name))
+        .support(&tree.links[tree.support].name)
+        .snapping(Snapping::Off)
+        .model(&model)
+        .name(&case.module)
+        .out_dir(folder.join("src"))
+        .c99(folder)
+        .c99_options(Options::of(Scalar::F64))
+        .emit()
+        .unwrap();
+}
+
+/// Every case in one crate, run on all postures.
+pub fn rust(folder: &Path, cases: &[Case], postures: &Path, count: usize) -> Vec<Vec<Said>> {
+    let manifest = format!(
+        "[workspace]\n[package]\nname = \"effects\"\nversion = \"0.1.0\"\nedition = \"2024\"\n\
+         [dependencies]\nsesc-runtime = {{ path = {:?} }}\n[profile.release]\nopt-level = 1\n",
+        Path::new(ROOT).join("runtime")
+    );
+    fs::write(folder.join("Cargo.toml"), manifest).unwrap();
+    let (mut modules, mut calls) = (String::new(), String::new());
+    for Case {
+        module, corrects, ..
+    } in cases
+    {
+        let _ = writeln!(modules, "mod {module};");
+        let correct = match corrects {
+            true => format!("{module}::correct_cop(&cop)"),
+            false => "[f64::NAN; 2]".to_string(),
+        };
+        let _ = writeln!(calls, "    run!({module}, cop, {correct});");
+    }
+    let main = format!(
+        "#![forbid(unsafe_code)]\n#![deny(warnings)]\n{modules}\nmacro_rules! run {{\n    \
+         ($m:ident, $cop:ident, $correct:expr) => {{{{\n        let path = std::env::args().nth(1).unwrap();\n        \
+         let bytes = std::fs::read(path).unwrap();\n        let values: Vec<f64> = bytes.chunks(8)\
+         .map(|b| f64::from_le_bytes(b.try_into().unwrap())).collect();\n        let mut out = Vec::new();\n        \
+         for q in values.chunks($m::DOF) {{\n            let $cop = $m::cop(q.try_into().unwrap(), &$m::MODEL_PARAMS);\n            \
+         let back: [f64; 2] = $correct;\n            \
+         out.extend($cop.into_iter().chain(back).flat_map(f64::to_le_bytes));\n        }}\n        \
+         std::fs::write(concat!(stringify!($m), \".out\"), out).unwrap();\n    }}}};\n}}\n\nfn main() {{\n{calls}}}\n"
+    );
+    fs::write(folder.join("src/main.rs"), main).unwrap();
+    let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("effects-target");
+    tool(
+        Command::new(env!("CARGO"))
+            .args(["run", "--release", "--offline", "--quiet", "--target-dir"])
+            .arg(target)
+            .arg("--")
+            .arg(postures)
+            .current_dir(folder),
+    );
+    let read = |case: &Case| {
+        let out = floats(&fs::read(folder.join(format!("{}.out", case.module))).unwrap());
+        assert_eq!(out.len(), 4 * count);
+        let said = out.chunks(4).map(|row| Said {
+            cop: [row[0], row[1]],
+            baked: None,
+            corrected: case.corrects.then_some([row[2], row[3]]),
+        });
+        said.collect()
+    };
+    cases.iter().map(read).collect()
+}
+
+/// One case in C, run on all postures, its self-test first.
+pub fn c(folder: &Path, case: &Case, postures: &Path) -> Vec<Said> {
+    let name = &case.module;
+    let correct = match case.corrects {
+        true => format!("{name}_correct_cop(out, out + 4);"),
+        false => String::new(),
+    };
+    let main = format!(
+        "#include \"{name}.h\"\n#include <stdio.h>\n\nint main(int count, char **arguments)\n{{\n    \
+         double q[{name}_DOF], out[6] = {{0.0}};\n    FILE *input = (count > 1) ? fopen(arguments[1], \"rb\") : NULL;\n    \
+         if ((input == NULL) || ({name}_selftest() != 0)) {{\n        return 2;\n    }}\n    \
+         while (fread(q, sizeof q, 1u, input) == 1u) {{\n        {name}_cop(q, {name}_model_params, out);\n        \
+         {name}_model_cop(q, out + 2);\n        {correct}\n        \
+         if (fwrite(out, sizeof out, 1u, stdout) != 1u) {{\n            return 3;\n        }}\n    }}\n    \
+         return fclose(input);\n}}\n"
+    );
+    let main_file = folder.join(format!("{name}_main.c"));
+    fs::write(&main_file, main).unwrap();
+    let program = folder.join(format!("{name}.program"));
+    let mut command = Command::new("gcc");
+    command.args([
+        "-std=c99",
+        "-Wall",
+        "-Wextra",
+        "-Wpedantic",
+        "-Wconversion",
+        "-Werror",
+    ]);
+    command.args(["-O1", "-ffp-contract=off"]);
+    command.arg(folder.join(format!("{name}.c"))).arg(main_file);
+    tool(command.arg("-o").arg(&program));
+    let out = floats(&tool(Command::new(&program).arg(postures)));
+    let said = out.chunks(6).map(|row| Said {
+        cop: [row[0], row[1]],
+        baked: Some([row[2], row[3]]),
+        corrected: case.corrects.then_some([row[4], row[5]]),
+    });
+    said.collect()
+}
+
+fn floats(bytes: &[u8]) -> Vec<f64> {
+    let value = |b: &[u8]| f64::from_le_bytes(b.try_into().unwrap());
+    bytes.chunks(8).map(value).collect()
+}

@@ -1,0 +1,172 @@
+//! What each effect is called, how large it may be, and how a virtual robot comes
+//! to have it.
+
+use sesc_codegen::effects::{Effect, Instance, Setting, Target};
+use sesc_codegen::{EffectRecord, Quantity};
+use sesc_reference::World;
+
+use crate::robots::Stand;
+
+/// An effect at its target with values as people know them.
+#[derive(Debug, Clone)]
+pub struct Hidden {
+    pub instance: Instance,
+    pub target: String,
+    pub values: Vec<f64>,
+}
+
+/// Values of several sizes, in the order of [`Effect::values`].
+///
+/// # Panics
+/// For an effect that nobody has given any.
+pub fn sizes(effect: &dyn Effect, setting: &Setting, target: &Target) -> Vec<Vec<f64>> {
+    let stiff = setting.weight() * setting.height();
+    let heavy = setting.mass();
+    let weight = setting.weight();
+    let long = setting.height();
+    match effect.name() {
+        "sensor_offset" => vec![vec![0.001, -0.002], vec![-0.02, 0.01]],
+        "sensor_rotation" => vec![vec![0.03], vec![-0.5], vec![3.0]],
+        "sensor_gain" => vec![vec![1.05, 0.9], vec![0.5, 2.0], vec![-1.0, 1.0]],
+        "ground_slope" => vec![vec![0.01, -0.02], vec![-0.2, 0.1]],
+        "joint_offset" => vec![vec![0.01], vec![-0.3]],
+        "joint_scale" => vec![vec![1.03], vec![0.7]],
+        "joint_compliance" => vec![vec![100.0 * stiff], vec![20.0 * stiff]],
+        "backlash" => vec![vec![0.01], vec![0.05]],
+        "payload" => vec![
+            vec![0.02 * heavy, 0.1 * long, 0.0, 0.05 * long],
+            vec![0.4 * heavy, -0.1 * long, 0.2 * long, 0.0],
+        ],
+        "external_force" => vec![
+            vec![0.01 * weight, 0.0, 0.0],
+            vec![-0.05 * weight, 0.03 * weight, 0.1 * weight],
+        ],
+        "sensor_drift" => vec![vec![0.003, -0.001], vec![-0.02, 0.01]],
+        "cell_gain" => vec![vec![1.1], vec![0.6], vec![2.0], vec![0.0]],
+        "cell_offset" => vec![vec![0.02 * weight], vec![-0.05 * weight]],
+        "cell_exponent" => vec![vec![1.1], vec![0.7], vec![1.5]],
+        "cell_saturation" => vec![vec![0.5 * weight], vec![0.25 * weight]],
+        "time_delay" => vec![vec![0.005], vec![-0.02], vec![0.04]],
+        "unsettled_motion" => vec![vec![1.0]],
+        "joint_sign" | "joint_swap" | "sensor_axes" | "units" | "cop_outliers"
+        | "mass_distribution" => vec![vec![]],
+        other => panic!("effect `{other}` at {target:?} has no test: add it to tests/effects"),
+    }
+}
+
+/// A virtual robot with the effect; outliers and masses are not a robot's own.
+///
+/// # Panics
+/// For an effect that nobody has taught it.
+pub fn hide(world: World, stand: &Stand, hidden: &Hidden) -> World {
+    let v = &hidden.values;
+    let target = hidden.target.as_str();
+    let turning = || match target {
+        "all" => {
+            let dofs = stand.model.tree.dofs.iter().filter(|dof| !dof.prismatic);
+            dofs.map(|dof| dof.joint.as_str()).collect()
+        }
+        joint => vec![joint],
+    };
+    let cell = || target.trim_start_matches("fsr_").parse().unwrap();
+    let found = match hidden.instance.effect.name() {
+        "sensor_offset" => Ok(world.sensor_offset([v[0], v[1]])),
+        "sensor_rotation" => Ok(world.sensor_rotation(v[0])),
+        "sensor_gain" => Ok(world.sensor_gain([v[0], v[1]])),
+        "ground_slope" => world.ground_slope([v[0], v[1]]),
+        "joint_offset" => world.joint_offset(target, v[0]),
+        "joint_scale" => world.joint_scale(target, v[0]),
+        "joint_compliance" => {
+            let mut joints = turning().into_iter();
+            joints.try_fold(world, |world, joint| world.joint_compliance(joint, v[0]))
+        }
+        "backlash" => {
+            let mut joints = turning().into_iter();
+            joints.try_fold(world, |world, joint| world.backlash(joint, v[0]))
+        }
+        "payload" => world.payload(target, v[0], [v[1], v[2], v[3]]),
+        "external_force" => world.external_force(target, [v[0], v[1], v[2]]),
+        "sensor_drift" => Ok(world.sensor_drift([v[0], v[1]])),
+        "cell_gain" => world.cell_gain(cell(), v[0]),
+        "cell_offset" => world.cell_offset(cell(), v[0]),
+        "cell_exponent" => world.cell_exponent(cell(), v[0]),
+        "cell_saturation" => world.cell_saturation(cell(), v[0]),
+        "time_delay" => Ok(world.time_delay(v[0])),
+        "unsettled_motion" => Ok(world.unsettled()),
+        "joint_sign" => world.joint_sign(target),
+        "joint_swap" => {
+            let (a, b) = target.split_once(',').unwrap();
+            world.joint_swap(a, b)
+        }
+        "sensor_axes" => Ok(match target {
+            "swapped" => world.sensor_axes(true, [1.0, 1.0]),
+            "flip_x" => world.sensor_axes(false, [-1.0, 1.0]),
+            _ => world.sensor_axes(false, [1.0, -1.0]),
+        }),
+        "units" => Ok(match target {
+            "degrees" => world.joints_in_degrees(),
+            "millimetres" => world.sensor_unit(1000.0),
+            _ => world.sensor_unit(100.0),
+        }),
+        "cop_outliers" | "mass_distribution" => Ok(world),
+        other => panic!("no virtual robot has the effect `{other}`: add it to tests/effects"),
+    };
+    found.unwrap_or_else(|error| panic!("{hidden:?}: {error}"))
+}
+
+impl Hidden {
+    pub fn new(setting: &Setting, instance: Instance, values: Vec<f64>) -> Hidden {
+        Hidden {
+            target: setting.name_of(&instance.target),
+            instance,
+            values,
+        }
+    }
+
+    /// By the name of its target.
+    pub fn named(setting: &Setting, effect: &str, target: &str, values: &[f64]) -> Hidden {
+        let effect = sesc_codegen::effects::named(effect).unwrap();
+        let target = setting.target_named(effect, target).unwrap();
+        Hidden::new(setting, Instance { effect, target }, values.to_vec())
+    }
+
+    /// Every size at up to `most` targets, first and last among them.
+    pub fn of(effect: &'static dyn Effect, setting: &Setting, most: usize) -> Vec<Hidden> {
+        let targets = effect.targets(setting);
+        assert!(!targets.is_empty(), "{} has no target", effect.name());
+        let step = (targets.len() - 1).div_ceil(most - 1).max(1);
+        let last = targets.len() - 1;
+        let chosen = targets.into_iter().enumerate();
+        let chosen = chosen.filter(|(k, _)| k % step == 0 || *k == last);
+        chosen
+            .flat_map(|(_, target)| {
+                let sizes = sizes(effect, setting, &target);
+                sizes
+                    .into_iter()
+                    .map(move |values| (target.clone(), values))
+            })
+            .map(|(target, values)| Hidden::new(setting, Instance { effect, target }, values))
+            .collect()
+    }
+
+    pub fn unknowns(&self, setting: &Setting) -> Vec<f64> {
+        let Instance { effect, target } = &self.instance;
+        effect.unknowns(setting, target, &self.values)
+    }
+
+    /// As a model file has it.
+    pub fn record(&self, setting: &Setting) -> EffectRecord {
+        let Instance { effect, target } = &self.instance;
+        let names = effect.values(setting, target, &self.unknowns(setting));
+        let names = names.iter().map(|value| value.name.to_string());
+        let quantity = |value: &f64| Quantity {
+            value: *value,
+            std: Some(0.1 * value.abs()),
+        };
+        EffectRecord {
+            effect: effect.name().to_string(),
+            target: self.target.clone(),
+            parameters: names.zip(self.values.iter().map(quantity)).collect(),
+        }
+    }
+}

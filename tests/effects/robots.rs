@@ -1,0 +1,107 @@
+//! Robots for the tests, their postures, and programs run on tape.
+
+use std::path::Path;
+
+use sesc::evaluate::KERNELS;
+use sesc::robot::Robot;
+use sesc::simulate::Simulator;
+use sesc_codegen::effects::{self, Circumstances, Instance, Setting};
+use sesc_codegen::program::Program;
+use sesc_codegen::tape::{Argument, Tape};
+use sesc_codegen::{Model, Snapping};
+use sesc_reference::World;
+
+use crate::command::ROOT;
+
+/// A robot on its support, and its bent twin's blueprint.
+pub struct Stand {
+    pub name: &'static str,
+    pub model: Model,
+    described: sesc_reference::Robot,
+    pub cells: Vec<[f64; 2]>,
+}
+
+/// With skewed axes and mimics; with slides; and the one of the paper.
+pub const ROBOTS: [(&str, &str); 3] = [
+    ("op2", "r_sole"),
+    ("skew_humanoid", "left_sole"),
+    ("lift_base", "base_link"),
+];
+
+pub fn urdf(robot: &str) -> String {
+    format!("{ROOT}/robots/{robot}/{robot}.urdf")
+}
+
+impl Stand {
+    pub fn new(name: &'static str, support: &str) -> Stand {
+        let robot = Robot::read(Path::new(&urdf(name))).unwrap();
+        // The reference takes decimals literally.
+        let model = robot.model(support, Snapping::Off, None).unwrap();
+        let described = sesc_reference::Robot::from_urdf(robot.text()).unwrap();
+        let at_rest = World::new(&described, support).unwrap();
+        let [x, y] = at_rest.cop(&vec![0.0; model.dof()]);
+        // Around the CoP of the posture of zeros; postures off them are not used.
+        let (a, b) = (0.4 * model.cad_height(), 0.3 * model.cad_height());
+        let cells = [[a, b], [a, -b], [-a, -b], [-a, b]].map(|[dx, dy]| [x + dx, y + dy]);
+        Stand {
+            name,
+            model,
+            described,
+            cells: cells.to_vec(),
+        }
+    }
+
+    pub fn all() -> Vec<Stand> {
+        ROBOTS
+            .map(|(robot, support)| Stand::new(robot, support))
+            .into()
+    }
+
+    pub fn setting(&self) -> Setting<'_> {
+        Setting::new(&self.model, &self.cells, true)
+    }
+
+    /// The robot as its URDF says.
+    pub fn world(&self) -> World {
+        let tree = &self.model.tree;
+        World::new(&self.described, &tree.links[tree.support].name).unwrap()
+    }
+
+    /// Random postures, joints within ±`range` rad.
+    pub fn postures(&self, count: usize, range: f64, seed: u64) -> Vec<Vec<f64>> {
+        let mut simulator = Simulator::new(&self.model.tree.dofs, Some(range), seed);
+        (0..count).map(|_| simulator.posture()).collect()
+    }
+
+    /// Whether a CoP lies between the cells.
+    pub fn is_inside(&self, cop: [f64; 2]) -> bool {
+        (0..2).all(|axis| {
+            let all = self.cells.iter().map(|cell| cell[axis]);
+            let low = all.clone().fold(f64::INFINITY, f64::min);
+            let high = all.fold(f64::NEG_INFINITY, f64::max);
+            (low..=high).contains(&cop[axis])
+        })
+    }
+
+    /// The reading and its slopes in each unknown, rows x and y.
+    pub fn reading(&self, instances: &[Instance], params: &[f64]) -> Program {
+        effects::reading(&self.setting(), instances, params)
+    }
+
+    pub fn circumstances(&self) -> Circumstances {
+        Circumstances::of(&self.model)
+    }
+}
+
+/// What `program` makes of one posture, unknowns and circumstances.
+pub fn run(program: &Program, arrays: &[&[f64]]) -> Vec<f64> {
+    let tape = Tape::new(program);
+    let mut out = vec![0.0; tape.outputs()];
+    let arguments: Vec<Argument> = arrays.iter().map(|x| Argument::Shared(x)).collect();
+    tape.run(&arguments, 1, &mut out, KERNELS);
+    out
+}
+
+pub fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}
