@@ -212,8 +212,15 @@ impl Program {
     /// Operations of one call.
     pub fn counts(&self) -> Counts {
         let mut counts = Counts::default();
+        // Whether a node is made of sines and cosines: where effects bend joints, what
+        // forms their angles is a computation of its own.
+        let mut made = vec![false; self.nodes.len()];
+        for (k, node) in self.nodes.iter().enumerate() {
+            let trig = matches!(node.expr, Expr::Sin(_) | Expr::Cos(_));
+            made[k] = trig || operands(node.expr).any(|operand| made[operand.index()]);
+        }
         // Whether a node feeds anything but sines and cosines.
-        let mut beyond = vec![false; self.nodes.len()];
+        let mut beyond = made;
         for id in &self.outputs {
             beyond[id.index()] = true;
         }
