@@ -1,5 +1,6 @@
 //! A controller builds with three lines of `build.rs`, runs, is left alone by a
-//! second build and follows a change of the URDF.
+//! second build and follows a change of the URDF. With a model file it foretells
+//! readings with the robot's effects and frees readings from the sensor's.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -112,4 +113,79 @@ fn a_controller_builds_runs_and_follows_its_urdf() {
     assert!(!broken.status.success());
     let complaint = "Error: op2.urdf:15: link `body_link`: mass is -0.97559947 kg";
     assert!(said(&broken).contains(complaint), "{}", said(&broken));
+}
+
+/// Foretells a reading and takes the sensor's effects back.
+const FORETELL: &str = r#"
+#![deny(warnings)]
+mod op2 {
+    include!(concat!(env!("OUT_DIR"), "/effects.rs"));
+}
+use sesc_runtime::{CorrectCop, Sesc};
+
+fn main() {
+    let q = [0.1; op2::DOF];
+    let reading = op2::Effects::cop(&q, &op2::MODEL_PARAMS);
+    let cop = op2::Effects::correct_cop(&reading);
+    assert_eq!(cop, op2::correct_cop(&reading));
+    println!("{:?} {:?} {:?} {:?}", reading[0], reading[1], cop[0], cop[1]);
+}
+"#;
+
+#[test]
+fn a_controller_with_a_model_file_has_its_effects() {
+    use sesc::robot::Robot;
+    use sesc_codegen::{ModelFile, Snapping};
+
+    let crate_ = Path::new(env!("CARGO_TARGET_TMPDIR")).join("controller_with_effects");
+    let _ = fs::remove_dir_all(&crate_);
+    fs::create_dir_all(crate_.join("src")).unwrap();
+    let from = Path::new(ROOT).join("tests/controller");
+    for file in ["Cargo.toml", "Cargo.lock"] {
+        let text = fs::read_to_string(from.join(file)).unwrap();
+        let text = text.replace("../../", &format!("{ROOT}/"));
+        let text = text.replace("name = \"controller\"", "name = \"with_effects\"");
+        fs::write(crate_.join(file), text).unwrap();
+    }
+    let build = fs::read_to_string(from.join("build.rs")).unwrap();
+    let build = build
+        .replace("../../", &format!("{ROOT}/"))
+        .replace(".emit()", ".model(\"model.toml\").name(\"effects\").emit()");
+    fs::write(crate_.join("build.rs"), build).unwrap();
+    fs::write(crate_.join("src/main.rs"), FORETELL).unwrap();
+
+    let urdf = Path::new(ROOT).join("robots/op2/op2.urdf");
+    let robot = Robot::read(&urdf).unwrap();
+    let model = robot.model("r_sole", Snapping::default(), None).unwrap();
+    let file = ModelFile::from_values(&model, &model.cad_params(), None, "prior");
+    let effects = |offset: f64| {
+        format!(
+            "{}[[effects]]\neffect = \"sensor_offset\"\nparameters.offset_x_m = {{ value = \
+             {offset} }}\nparameters.offset_y_m = {{ value = 0.002 }}\n[[effects]]\neffect = \
+             \"joint_offset\"\ntarget = \"l_knee\"\nparameters.offset_rad = {{ value = 0.2 }}\n\
+             [[effects]]\neffect = \"sensor_drift\"\nparameters.drift_x_m = {{ value = 1 }}\n\
+             parameters.drift_y_m = {{ value = 1 }}\n",
+            toml::to_string(&file).unwrap()
+        )
+    };
+    let mut q = vec![0.1; model.dof()];
+    let knee = model.tree.dofs.iter().position(|dof| dof.joint == "l_knee");
+    q[knee.unwrap()] += 0.2;
+    let bent = model.com_by_sum(&q);
+    for offset in [0.003, -0.007] {
+        fs::write(crate_.join("model.toml"), effects(offset)).unwrap();
+        let output = cargo(&crate_, &["run"]);
+        assert!(output.status.success(), "{}", said(&output));
+        let note = "sensor_drift` belongs to the log";
+        assert!(said(&output).contains(note), "{}", said(&output));
+        let printed = String::from_utf8(output.stdout).unwrap();
+        let values: Vec<f64> = printed
+            .split_whitespace()
+            .map(|x| x.parse().unwrap())
+            .collect();
+        let expected = [bent[0] + offset, bent[1] + 0.002, bent[0], bent[1]];
+        for (found, expected) in values.iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-14, "{values:?} {expected}");
+        }
+    }
 }

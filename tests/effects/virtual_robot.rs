@@ -316,3 +316,41 @@ fn masses_are_the_parameters_themselves() {
         }
     }
 }
+
+/// Without a log, a loose joint falls where gravity loads it; near zero moment it may
+/// rest on either side, and such postures are not asked.
+#[test]
+fn loose_joints_fall_where_gravity_puts_them() {
+    use sesc_codegen::{Function, Given};
+
+    let stand = Stand::new("op2", "r_sole");
+    let setting = stand.setting();
+    let weight = setting.weight();
+    for target in ["r_knee", "r_ank_roll", "r_hip_pitch"] {
+        let hidden = Hidden::named(&setting, "backlash", target, &[0.03]);
+        let model = crate::correction::with(&stand, std::slice::from_ref(&hidden));
+        let program = model.program(Function::Cop, Given::Positions).unwrap();
+        let world = hide(stand.world(), &stand, &hidden);
+        let joint = stand
+            .model
+            .tree
+            .dofs
+            .iter()
+            .position(|dof| dof.joint == target);
+        let mut asked = 0;
+        for q in stand.postures(60, 0.5, 29) {
+            // Half the band turns a moment by at most this.
+            let even = 0.015 * weight * stand.model.reach();
+            if world.joint_moments(&q)[joint.unwrap()].abs() < 2.0 * even {
+                continue;
+            }
+            asked += 1;
+            let out = run(&program, &[&q, &model.params()]);
+            assert!(
+                distance([out[0], out[1]], world.cop(&q)) < EXACT,
+                "{target}"
+            );
+        }
+        assert!(asked > 15, "{target}: {asked}");
+    }
+}
