@@ -24,6 +24,10 @@ const LATER: usize = 8;
 const NEAR: usize = 60;
 /// Pairs from the linear search that are fitted.
 const PAIRS: usize = 40;
+/// χ² over what noise leaves from which wiring is suspected beside other effects,
+/// and how many hypotheses it is tried beside.
+const LARGE: f64 = 2.0;
+const WIRED: usize = 5;
 /// What is this much worse than the best is not worth a fit.
 const HOPELESS: f64 = 12.0;
 
@@ -90,6 +94,15 @@ impl<'p, 'm> Search<'p, 'm> {
                     Width::Later
                 };
                 proposals.extend(self.extensions(parent, width));
+            }
+            if depth > 1 {
+                // Wiring faults come together too, and only large gaps are theirs.
+                let large = LARGE * 2.0 * self.problem.data.len() as f64;
+                let gaps = beam.iter().filter(|f| f.objective > large);
+                let further = gaps
+                    .take(WIRED)
+                    .flat_map(|f| wiring::beside(self.problem, f));
+                proposals.extend(further);
             }
             if depth == 1 {
                 proposals.extend(self.pairs(&beam[0]));
