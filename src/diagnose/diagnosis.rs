@@ -13,9 +13,9 @@ use super::problem::{Fit, Problem};
 use super::search::{Search, Watch};
 use super::words;
 
-/// Scores that differ by less are not told apart: the truth lies within this of
-/// the best in 97 of 100 logs (study of discrepancies, section 4).
-pub const BRACKET: f64 = 9.0;
+/// Scores that differ by less are not told apart: odds of 150 to 1. The truth lies
+/// within this of the best in 97 of 100 logs.
+pub const BRACKET: f64 = 10.0;
 /// By how much an explanation has to beat that nothing is missing: logs without
 /// any effect, 2 of 300 without this.
 const CLEAR: f64 = 4.0;

@@ -349,6 +349,9 @@ impl<'p, 'm> Search<'p, 'm> {
     /// Drop one, replace one, of the best hypotheses; of the very best, by
     /// everything that comes near it.
     fn reexamine(&mut self, watch: Watch) {
+        let null = self.fit(&[], None);
+        let alone = self.extensions(&null, Width::Near);
+        self.refine(alone, 2, watch);
         let best: Vec<Fit> = self.ranked().into_iter().take(3).collect();
         for (place, fit) in best.iter().enumerate() {
             for k in 0..fit.instances.len() {

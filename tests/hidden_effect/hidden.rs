@@ -1,0 +1,279 @@
+//! What can be hidden: an effect, where it sits, and how large it is.
+//!
+//! `values` are zero where there is no effect, so that a size scales them and a
+//! refit starts from nothing:
+//!
+//! ```text
+//! sensor_offset x, y m · sensor_gain x, y less 1 · sensor_rotation rad · sensor_drift x, y m
+//! cell_gain less 1 · cell_offset N · cell_exponent less 1 · cell_saturation 1/N
+//! ground_slope x, y · payload m kg, m·x, m·y, m·z kg m · external_force x, y, z N
+//! joint_offset rad · joint_scale less 1 · joint_compliance rad/(N m) · backlash rad
+//! time_delay s · mass_distribution spread · cop_outliers m · cable its part of the joint's stiffness
+//! ```
+
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution as _, StandardNormal};
+use sesc_reference::{Error, World};
+
+/// The target of an effect that has none.
+pub const NOWHERE: &str = "-";
+/// The target of an effect on every joint.
+pub const ALL: &str = "all";
+/// A joint that no load bends, N m/rad.
+const STIFF: f64 = 1e7;
+/// The part of a log that reads wrong where `cop_outliers` are hidden.
+pub const OUTLIER_FRACTION: f64 = 0.12;
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Effect {
+    SensorOffset,
+    SensorGain,
+    SensorRotation,
+    SensorDrift,
+    CellGain,
+    CellOffset,
+    CellExponent,
+    CellSaturation,
+    GroundSlope,
+    Payload,
+    ExternalForce,
+    JointOffset,
+    JointScale,
+    JointSign,
+    JointSwap,
+    JointCompliance,
+    Backlash,
+    TimeDelay,
+    MassDistribution,
+    CopOutliers,
+    Units,
+    // Outside the library.
+    HangingLoad,
+    KneeSine,
+    LooseMass,
+    BendingLink,
+    Cable,
+    GearError,
+}
+
+impl Effect {
+    pub const LIBRARY: [Effect; 21] = [
+        Effect::SensorOffset,
+        Effect::SensorGain,
+        Effect::SensorRotation,
+        Effect::SensorDrift,
+        Effect::CellGain,
+        Effect::CellOffset,
+        Effect::CellExponent,
+        Effect::CellSaturation,
+        Effect::GroundSlope,
+        Effect::Payload,
+        Effect::ExternalForce,
+        Effect::JointOffset,
+        Effect::JointScale,
+        Effect::JointSign,
+        Effect::JointSwap,
+        Effect::JointCompliance,
+        Effect::Backlash,
+        Effect::TimeDelay,
+        Effect::MassDistribution,
+        Effect::CopOutliers,
+        Effect::Units,
+    ];
+
+    pub const OUTSIDE: [Effect; 6] = [
+        Effect::HangingLoad,
+        Effect::KneeSine,
+        Effect::LooseMass,
+        Effect::BendingLink,
+        Effect::Cable,
+        Effect::GearError,
+    ];
+
+    /// The name in the diagnoser's contract; for the others our own.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::SensorOffset => "sensor_offset",
+            Self::SensorGain => "sensor_gain",
+            Self::SensorRotation => "sensor_rotation",
+            Self::SensorDrift => "sensor_drift",
+            Self::CellGain => "cell_gain",
+            Self::CellOffset => "cell_offset",
+            Self::CellExponent => "cell_exponent",
+            Self::CellSaturation => "cell_saturation",
+            Self::GroundSlope => "ground_slope",
+            Self::Payload => "payload",
+            Self::ExternalForce => "external_force",
+            Self::JointOffset => "joint_offset",
+            Self::JointScale => "joint_scale",
+            Self::JointSign => "joint_sign",
+            Self::JointSwap => "joint_swap",
+            Self::JointCompliance => "joint_compliance",
+            Self::Backlash => "backlash",
+            Self::TimeDelay => "time_delay",
+            Self::MassDistribution => "mass_distribution",
+            Self::CopOutliers => "cop_outliers",
+            Self::Units => "units",
+            Self::HangingLoad => "hanging_load",
+            Self::KneeSine => "knee_sine",
+            Self::LooseMass => "loose_mass",
+            Self::BendingLink => "bending_link",
+            Self::Cable => "cable",
+            Self::GearError => "gear_error",
+        }
+    }
+
+    pub fn named(name: &str) -> Option<Effect> {
+        let all = Self::LIBRARY.into_iter().chain(Self::OUTSIDE);
+        all.into_iter().find(|effect| effect.name() == name)
+    }
+
+    pub fn is_outside(self) -> bool {
+        Self::OUTSIDE.contains(&self)
+    }
+
+    pub fn needs_cells(self) -> bool {
+        matches!(
+            self,
+            Self::CellGain | Self::CellOffset | Self::CellExponent | Self::CellSaturation
+        )
+    }
+
+    /// The number of values that a fit would find.
+    pub fn parameters(self) -> usize {
+        match self {
+            Self::JointSign | Self::JointSwap | Self::Units => 0,
+            Self::SensorOffset | Self::SensorGain | Self::SensorDrift | Self::GroundSlope => 2,
+            Self::ExternalForce => 3,
+            Self::Payload | Self::HangingLoad => 4,
+            // As many as there are links, and more.
+            Self::MassDistribution => 40,
+            _ => 1,
+        }
+    }
+}
+
+/// One effect at one place with its size.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Hidden {
+    pub effect: Effect,
+    pub target: String,
+    pub values: Vec<f64>,
+    /// Where a cable becomes taut, rad; 0 for all others.
+    pub begins: f64,
+    /// What is random about it beyond its values: which postures are wrong,
+    /// which masses.
+    pub seed: u64,
+}
+
+impl Hidden {
+    /// As the contract writes it: `effect`, or `effect:target`.
+    pub fn label(&self) -> String {
+        if self.target == NOWHERE {
+            self.effect.name().to_owned()
+        } else {
+            format!("{}:{}", self.effect.name(), self.target)
+        }
+    }
+
+    pub fn with(&self, values: Vec<f64>) -> Hidden {
+        Hidden {
+            values,
+            ..self.clone()
+        }
+    }
+
+    /// Bends the robot.
+    pub fn hide(&self, world: World) -> Result<World, Error> {
+        let (v, target) = (&self.values, self.target.as_str());
+        let cell = || target.trim_start_matches("fsr_").parse().unwrap_or(0);
+        match self.effect {
+            Effect::SensorOffset => Ok(world.sensor_offset([v[0], v[1]])),
+            Effect::SensorGain => Ok(world.sensor_gain([1.0 + v[0], 1.0 + v[1]])),
+            Effect::SensorRotation => Ok(world.sensor_rotation(v[0])),
+            Effect::SensorDrift => Ok(world.sensor_drift([v[0], v[1]])),
+            Effect::CellGain => world.cell_gain(cell(), 1.0 + v[0]),
+            Effect::CellOffset => world.cell_offset(cell(), v[0]),
+            Effect::CellExponent => world.cell_exponent(cell(), 1.0 + v[0]),
+            Effect::CellSaturation => world.cell_saturation(cell(), 1.0 / v[0].abs()),
+            Effect::GroundSlope => world.ground_slope([v[0], v[1]]),
+            Effect::Payload => world.payload(target, v[0], point(v)),
+            Effect::HangingLoad => world.hanging_load(target, v[0], point(v), 0.1),
+            Effect::ExternalForce => world.external_force(target, [v[0], v[1], v[2]]),
+            Effect::JointOffset => world.joint_offset(target, v[0]),
+            Effect::JointScale => world.joint_scale(target, 1.0 + v[0]),
+            Effect::JointSign => world.joint_sign(target),
+            Effect::JointSwap => {
+                let (one, other) = target.split_once(',').unwrap_or((target, ""));
+                world.joint_swap(one, other)
+            }
+            Effect::JointCompliance if target == ALL => {
+                world.joint_compliance_all(1.0 / v[0].abs())
+            }
+            Effect::JointCompliance => world.joint_compliance(target, 1.0 / v[0].abs()),
+            Effect::Backlash if target == ALL => world.backlash_all(v[0].abs()),
+            Effect::Backlash => world.backlash(target, v[0].abs()),
+            Effect::TimeDelay => Ok(world.time_delay(v[0])),
+            Effect::MassDistribution => self.spread_masses(world),
+            Effect::CopOutliers => world.cop_outliers(OUTLIER_FRACTION, v[0], self.seed),
+            Effect::Units => Ok(world.joints_in_degrees()),
+            Effect::KneeSine => {
+                let [x, y] = self.direction();
+                world.cop_sine(target, 3.0, [x * v[0], y * v[0]])
+            }
+            Effect::LooseMass => {
+                let [x, y] = self.direction();
+                world.loose_mass(target, v[0], [0.0; 3], [x, y, 0.0], 0.065)
+            }
+            Effect::BendingLink => {
+                let [x, y] = self.direction();
+                world.bending_link(target, [x, y, 0.0], 1.0 / v[0].abs())
+            }
+            // Against a joint so stiff that nothing but the cable bends it.
+            Effect::Cable => {
+                let stiff = world.joint_compliance(target, STIFF)?;
+                stiff.cable(target, STIFF * v[0].abs(), self.begins)
+            }
+            Effect::GearError => world.gear_error(target, v[0], 6.0, self.direction()[0]),
+        }
+    }
+
+    /// A direction that belongs to the seed.
+    fn direction(&self) -> [f64; 2] {
+        let mut random = ChaCha8Rng::seed_from_u64(self.seed);
+        let (sin, cos) = (std::f64::consts::TAU * random.random::<f64>()).sin_cos();
+        [cos, sin]
+    }
+
+    /// Every link's mass by a factor, every CoM by a shift of some millimetres.
+    fn spread_masses(&self, mut world: World) -> Result<World, Error> {
+        let mut random = ChaCha8Rng::seed_from_u64(self.seed);
+        let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+        let spread = self.values[0];
+        let links = world.robot().links().iter();
+        let massive: Vec<(String, f64)> = links
+            .filter(|link| link.mass_kg > 0.0)
+            .map(|link| (link.name.clone(), link.com_m.coords.norm()))
+            .collect();
+        for (link, reach) in massive {
+            let factor = (spread * normal()).exp();
+            let shift = [(); 3].map(|()| spread * reach * normal());
+            world = world.link_mass(&link, factor, shift)?;
+        }
+        Ok(world)
+    }
+}
+
+/// The place of a mass from its first moment.
+fn point(values: &[f64]) -> [f64; 3] {
+    [1, 2, 3].map(|i| values[i] / values[0])
+}
+
+/// Bends a robot by everything that is hidden in it, in the contract's order
+/// whatever the order given.
+pub fn hide_all(world: World, hidden: &[Hidden]) -> Result<World, Error> {
+    hidden
+        .iter()
+        .try_fold(world, |world, hidden| hidden.hide(world))
+}

@@ -1,0 +1,251 @@
+//! What the diagnoser said, against the truth.
+//!
+//! An answer is right *as a class* where one of these holds:
+//!
+//! * it is the truth, effect by effect, target by target;
+//! * the truth is among the explanations that it calls indistinguishable;
+//! * the data cannot tell: refitted on the same postures, the answer leaves at
+//!   most 9 more of chi2 than the truth, with at most one parameter more.
+//!
+//! An extra `cop_outliers` beside backlash is no mistake: in a wide dead band
+//! single postures fall to either side.
+
+use std::collections::BTreeSet;
+
+use serde_json::Value;
+
+use super::hidden::{Effect, Hidden, NOWHERE};
+use super::refit::Refit;
+use super::trial::Trial;
+
+/// Three standard deviations: what noise alone may cost.
+const NOISE_ALLOWS: f64 = 9.0;
+
+/// Labels `effect` or `effect:target`, without order.
+pub type Labels = BTreeSet<String>;
+
+/// The parts of an answer that are judged.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Answer {
+    pub verdict: String,
+    pub steps: Labels,
+    pub groups: Vec<Labels>,
+    pub unexplained: bool,
+    pub final_rmse: f64,
+    pub noise_floor: f64,
+}
+
+impl Answer {
+    /// Reads the diagnoser's JSON.
+    ///
+    /// # Errors
+    /// The key that is not as the contract has it.
+    pub fn read(json: &Value) -> Result<Answer, String> {
+        let number = |value: &Value, key: &str| {
+            value
+                .as_f64()
+                .ok_or_else(|| format!("`{key}` is {value}, not a number"))
+        };
+        let list = |key: &str| {
+            let value = &json[key];
+            value
+                .as_array()
+                .ok_or_else(|| format!("`{key}` is {value}, not a list"))
+        };
+        let text = |value: &Value, key: &str| {
+            let text = value.as_str().map(str::to_owned);
+            text.ok_or_else(|| format!("`{key}` is {value}, not a text"))
+        };
+        let mut steps = Labels::new();
+        for step in list("steps")? {
+            let effect = text(&step["effect"], "effect")?;
+            let target = text(&step["target"], "target")?;
+            steps.insert(label(&effect, &target));
+        }
+        let mut groups = Vec::new();
+        for group in list("indistinguishable")? {
+            let group = group.as_array().ok_or("a group is not a list")?;
+            let labels = group.iter().map(|one| {
+                let one = text(one, "indistinguishable")?;
+                let (effect, target) = one.split_once(':').unwrap_or((&one, NOWHERE));
+                Ok(label(effect, target))
+            });
+            groups.push(labels.collect::<Result<Labels, String>>()?);
+        }
+        Ok(Answer {
+            verdict: text(&json["verdict"], "verdict")?,
+            steps,
+            groups,
+            unexplained: json["unexplained"]
+                .as_bool()
+                .ok_or("`unexplained` is not a bool")?,
+            final_rmse: number(&json["final"]["rmse"], "final.rmse")?,
+            noise_floor: number(&json["noise_floor"], "noise_floor")?,
+        })
+    }
+}
+
+/// One answer, judged.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Judgement {
+    /// The names of all effects are right.
+    pub name: bool,
+    /// Names and targets.
+    pub exact: bool,
+    /// The truth is in the group that the answer names.
+    pub in_group: bool,
+    /// The data cannot tell it from the truth.
+    pub twin: bool,
+    /// The number of explanations in the group.
+    pub group: usize,
+    /// Nothing is said to be hidden.
+    pub none: bool,
+    pub unexplained: bool,
+    /// The answer leaves no more than noise might, whatever it is made of.
+    pub imitates: bool,
+    /// RMSE on held-out postures over the noise floor, as the diagnoser has it.
+    pub held_out: f64,
+    /// The same of its model on postures that it never saw, with the true noise.
+    pub aside: Option<f64>,
+    /// The answer, for the table of confusions.
+    pub said: String,
+    pub said_name: String,
+}
+
+impl Judgement {
+    pub fn of(answer: &Answer, trial: &Trial) -> Judgement {
+        let truth = truth(&trial.hidden);
+        let steps = without_excuses(&answer.steps, &truth);
+        let exact = steps == truth;
+        let grouped = |group: &Labels| without_excuses(group, &truth) == truth;
+        Judgement {
+            name: names(&steps) == names(&truth),
+            exact,
+            in_group: exact || answer.groups.iter().any(grouped),
+            twin: exact || is_twin(&steps, trial),
+            imitates: exact || imitates(&answer.steps, trial),
+            aside: None,
+            group: answer.groups.len(),
+            none: answer.steps.is_empty(),
+            unexplained: answer.unexplained,
+            held_out: answer.final_rmse / answer.noise_floor,
+            said: joined(&answer.steps),
+            said_name: joined(&names(&steps).into_iter().collect()),
+        }
+    }
+
+    /// Right as a class.
+    pub fn class(&self) -> bool {
+        self.exact || self.in_group || self.twin
+    }
+
+    pub fn name_or_class(&self) -> bool {
+        self.name || self.class()
+    }
+}
+
+/// What should be said. A hanging load is a payload at its hinge.
+pub fn truth(hidden: &[Hidden]) -> Labels {
+    let labels = hidden.iter().map(|hidden| match hidden.effect {
+        Effect::HangingLoad => label(Effect::Payload.name(), &hidden.target),
+        effect => label(effect.name(), &hidden.target),
+    });
+    labels.collect()
+}
+
+fn label(effect: &str, target: &str) -> String {
+    let mut ends: Vec<&str> = target.split(',').map(str::trim).collect();
+    ends.sort_unstable();
+    if target == NOWHERE || target.is_empty() {
+        effect.to_owned()
+    } else {
+        format!("{effect}:{}", ends.join(","))
+    }
+}
+
+/// The names alone; two of a kind count as two.
+pub fn names(labels: &Labels) -> Vec<String> {
+    let names = labels
+        .iter()
+        .map(|label| label.split(':').next().unwrap_or(""));
+    let mut names: Vec<String> = names.map(str::to_owned).collect();
+    names.sort_unstable();
+    names
+}
+
+fn joined(labels: &Labels) -> String {
+    if labels.is_empty() {
+        "none".to_owned()
+    } else {
+        labels.iter().cloned().collect::<Vec<_>>().join(" + ")
+    }
+}
+
+fn without_excuses(said: &Labels, truth: &Labels) -> Labels {
+    let outliers = Effect::CopOutliers.name();
+    let loose = truth
+        .iter()
+        .any(|label| label.starts_with(Effect::Backlash.name()));
+    if loose && !truth.contains(outliers) {
+        said.iter()
+            .filter(|label| *label != outliers)
+            .cloned()
+            .collect()
+    } else {
+        said.clone()
+    }
+}
+
+/// An explanation by labels, sizes left open.
+fn explanation(labels: &Labels) -> Option<Vec<Hidden>> {
+    let hidden = labels.iter().map(|label| {
+        let (effect, target) = label.split_once(':').unwrap_or((label, NOWHERE));
+        let effect = Effect::named(effect).filter(|effect| !effect.is_outside())?;
+        let can_refit = !matches!(effect, Effect::MassDistribution | Effect::Units);
+        can_refit.then(|| Hidden {
+            effect,
+            target: target.to_owned(),
+            values: vec![0.0; effect.parameters()],
+            begins: 0.0,
+            seed: 0,
+        })
+    });
+    hidden.collect()
+}
+
+fn parameters(hidden: &[Hidden]) -> usize {
+    hidden.iter().map(|hidden| hidden.effect.parameters()).sum()
+}
+
+/// What the truth leaves, and what the answer leaves when it is refitted.
+fn left_over(said: &[Hidden], trial: &Trial) -> (f64, f64) {
+    let outliers = |hidden: &[Hidden]| hidden.iter().any(|h| h.effect == Effect::CopOutliers);
+    let robust = outliers(said) || outliers(&trial.hidden);
+    let refit = Refit::new(&trial.stage, &trial.log, robust);
+    (refit.least(&trial.hidden), refit.least_from_nothing(said))
+}
+
+/// What is said explains the data as well as the truth does.
+fn is_twin(steps: &Labels, trial: &Trial) -> bool {
+    let Some(said) = explanation(steps).filter(|said| !said.is_empty()) else {
+        return false;
+    };
+    let misses_outliers = truth(&trial.hidden).contains(Effect::CopOutliers.name())
+        && !steps.contains(Effect::CopOutliers.name());
+    if misses_outliers || parameters(&said) > parameters(&trial.hidden) + 1 {
+        return false;
+    }
+    let (truth, answer) = left_over(&said, trial);
+    answer <= truth + NOISE_ALLOWS
+}
+
+/// What is said, refitted, leaves no more than noise might: three standard
+/// deviations of chi2, each parameter paid for.
+fn imitates(steps: &Labels, trial: &Trial) -> bool {
+    let Some(said) = explanation(steps) else {
+        return false;
+    };
+    let expected = 2.0 * trial.log.cop.len() as f64;
+    let (_, answer) = left_over(&said, trial);
+    answer + parameters(&said) as f64 <= expected + 3.0 * (2.0 * expected).sqrt()
+}

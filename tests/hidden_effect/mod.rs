@@ -1,0 +1,24 @@
+//! The study of hidden effects: hide something in a virtual robot, hand its log
+//! to the diagnoser, and judge what it says against the truth.
+//!
+//! ```text
+//! stage ─▶ trial (what is hidden, which postures) ─▶ log ─▶ diagnose ─▶ judge ─▶ table
+//! ```
+//!
+//! The virtual robot is the reference's `World`, which shares no code with the
+//! effects that the diagnoser tries. Shared by the test `hidden_effect` and the
+//! example `hidden_effects`.
+
+#![allow(dead_code)] // each of the two uses its own part
+
+pub mod diagnoser;
+pub mod hidden;
+pub mod judge;
+pub mod log;
+pub mod poses;
+pub mod refit;
+pub mod sizes;
+pub mod stage;
+pub mod survey;
+pub mod table;
+pub mod trial;

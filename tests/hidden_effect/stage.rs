@@ -1,0 +1,200 @@
+//! Robots on one foot, and postures for them.
+//!
+//! `bench` postures keep the CoP in a box over the sole (|x|, |y| < 23 mm on the
+//! OP2, larger robots in proportion to their feet), `wide` ones are uniform
+//! within ±30°, `motion` sweeps slowly with time.
+
+use std::f64::consts::TAU;
+use std::path::PathBuf;
+
+use rand::RngExt as _;
+use rand_chacha::ChaCha8Rng;
+use sesc_reference::{Robot, World};
+
+/// Largest |x| and |y| of a balanced CoP on the OP2, m.
+const BOX_M: f64 = 0.023;
+/// Standard deviation of one reading on the OP2, m.
+const NOISE_M: f64 = 0.00493;
+/// Half length and half width of the rectangle of cells on the OP2, m.
+const CELLS_M: [f64; 2] = [0.0315, 0.0245];
+/// ±30°.
+const WIDE: f64 = 0.523_598_775_598_298_8;
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Platform {
+    Op2,
+    Skew,
+    Plain,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Postures {
+    Bench(usize),
+    Wide(usize),
+    Motion(usize),
+}
+
+impl Postures {
+    pub fn count(self) -> usize {
+        match self {
+            Self::Bench(count) | Self::Wide(count) | Self::Motion(count) => count,
+        }
+    }
+}
+
+/// A robot standing, and how large everything about it is.
+#[derive(Debug, Clone)]
+pub struct Stage {
+    pub platform: Platform,
+    pub urdf: PathBuf,
+    pub support: &'static str,
+    pub robot: Robot,
+    /// Foot against the OP2's.
+    pub size: f64,
+    /// Ranges of balanced postures, rad.
+    ranges: Vec<(f64, f64)>,
+}
+
+/// The OP2's ranges on the bench, rad: of the right leg, which carries, of the
+/// left leg and of everything above.
+const OP2_RANGES: [(&str, f64, f64); 20] = [
+    ("head_pan", -1.2, 1.2),
+    ("head_tilt", -0.4, 0.25),
+    ("l_hip_yaw", -0.3, 0.5),
+    ("l_hip_roll", -0.5, 0.05),
+    ("l_hip_pitch", -0.25, 1.0),
+    ("l_knee", -1.4, 0.0),
+    ("l_ank_pitch", -0.8, 0.45),
+    ("l_ank_roll", -0.35, 0.55),
+    ("l_sho_pitch", -1.7, 1.7),
+    ("l_sho_roll", -0.7, 1.1),
+    ("l_el", -1.6, 0.0),
+    ("r_hip_yaw", -0.5, 0.3),
+    ("r_hip_roll", -0.42, 0.42),
+    ("r_hip_pitch", -0.65, 0.25),
+    ("r_knee", 0.0, 0.95),
+    ("r_ank_pitch", -0.1, 0.5),
+    ("r_ank_roll", -0.45, -0.05),
+    ("r_sho_pitch", -1.7, 1.7),
+    ("r_sho_roll", -1.1, 0.7),
+    ("r_el", 0.0, 1.6),
+];
+
+impl Stage {
+    pub fn new(platform: Platform) -> Stage {
+        let (name, support, size) = match platform {
+            Platform::Op2 => ("op2", "r_sole", 1.0),
+            Platform::Skew => ("skew_humanoid", "right_sole", 2.2),
+            Platform::Plain => ("plain_humanoid", "right_sole", 2.2),
+        };
+        let root = env!("CARGO_MANIFEST_DIR");
+        let urdf = PathBuf::from(format!("{root}/robots/{name}/{name}.urdf"));
+        let robot = Robot::from_file(&urdf).expect("the repository's robots are readable");
+        let ranges = robot.movable_joints().map(|joint| {
+            let given = OP2_RANGES.iter().find(|(name, ..)| *name == joint.name);
+            match given {
+                Some(&(_, low, high)) if platform == Platform::Op2 => (low, high),
+                _ => (joint.range().0.max(-WIDE), joint.range().1.min(WIDE)),
+            }
+        });
+        Stage {
+            platform,
+            support,
+            size,
+            ranges: ranges.collect(),
+            urdf,
+            robot,
+        }
+    }
+
+    /// The middle of a joint's balanced positions, rad.
+    pub fn middle(&self, joint: &str) -> f64 {
+        let joints = self.robot.movable_joints().zip(&self.ranges);
+        let mut found = joints.filter(|(found, _)| found.name == joint);
+        found
+            .next()
+            .map_or(0.0, |(_, (low, high))| 0.5 * (low + high))
+    }
+
+    /// The robot as its URDF has it, on its cells.
+    pub fn world(&self) -> World {
+        let world = World::new(&self.robot, self.support).expect("the stage names a sole");
+        world.cells(&self.cells()).expect("a rectangle carries")
+    }
+
+    /// True for the joints of the leg that stands.
+    pub fn carries(&self, joint: &str) -> bool {
+        joint.starts_with("r_") || joint.starts_with("right_")
+    }
+
+    pub fn joint_names(&self) -> Vec<String> {
+        let joints = self.robot.movable_joints();
+        joints.map(|joint| joint.name.clone()).collect()
+    }
+
+    pub fn cells(&self) -> [[f64; 2]; 4] {
+        let [x, y] = CELLS_M.map(|half| half * self.size);
+        [[x, y], [x, -y], [-x, -y], [-x, y]]
+    }
+
+    /// Standard deviation of one reading of the CoP, m.
+    pub fn reading_std(&self) -> f64 {
+        NOISE_M * self.size
+    }
+
+    /// Standard deviation of one reading of a cell, N: as much noise in x.
+    pub fn cell_std(&self, weight_n: f64) -> f64 {
+        self.reading_std() * weight_n / (2.0 * CELLS_M[0] * self.size)
+    }
+
+    pub fn balanced(&self, count: usize, random: &mut ChaCha8Rng) -> Vec<Vec<f64>> {
+        let world = self.world();
+        let within = BOX_M * self.size;
+        let mut postures = Vec::with_capacity(count);
+        while postures.len() < count {
+            let q = draw(&self.ranges, random);
+            if world.cop(&q).iter().all(|x| x.abs() < within) {
+                postures.push(q);
+            }
+        }
+        postures
+    }
+
+    pub fn wide(&self, count: usize, random: &mut ChaCha8Rng) -> Vec<Vec<f64>> {
+        let ranges = self.robot.movable_joints().map(|joint| {
+            let (low, high) = joint.range();
+            (low.max(-WIDE), high.min(WIDE))
+        });
+        let ranges: Vec<_> = ranges.collect();
+        (0..count).map(|_| draw(&ranges, random)).collect()
+    }
+
+    /// Two slow sines a joint, at most 0.1 Hz.
+    pub fn motion(&self, random: &mut ChaCha8Rng) -> impl Fn(f64) -> Vec<f64> + 'static {
+        let waves: Vec<[[f64; 3]; 2]> = (0..self.ranges.len())
+            .map(|_| {
+                [(); 2].map(|()| {
+                    let rate = TAU * (0.02 + 0.08 * random.random::<f64>());
+                    [
+                        0.2 * random.random::<f64>(),
+                        rate,
+                        TAU * random.random::<f64>(),
+                    ]
+                })
+            })
+            .collect();
+        move |t| {
+            let joints = waves.iter();
+            joints
+                .map(|waves| waves.iter().map(|[a, w, p]| a * (w * t + p).sin()).sum())
+                .collect()
+        }
+    }
+}
+
+fn draw(ranges: &[(f64, f64)], random: &mut ChaCha8Rng) -> Vec<f64> {
+    let ranges = ranges.iter();
+    ranges
+        .map(|(low, high)| low + (high - low) * random.random::<f64>())
+        .collect()
+}

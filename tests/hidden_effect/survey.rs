@@ -1,0 +1,140 @@
+//! Many trials, each drawn, written, diagnosed and judged.
+
+use std::path::Path;
+
+use super::diagnoser::Diagnoser;
+use super::hidden::Effect;
+use super::judge::{Answer, Judgement};
+use super::stage::Platform;
+use super::trial::{Choice, Question, Trial};
+
+/// A trial and what became of it.
+#[derive(Debug, Clone)]
+pub struct Outcome {
+    pub question: Question,
+    pub effects: Vec<Effect>,
+    /// Robot, postures, what is hidden, how visible: for a reader.
+    pub description: String,
+    pub chi2: f64,
+    pub seed: u64,
+    pub judgement: Judgement,
+    pub seconds: f64,
+}
+
+/// Asks one question; the log's files stay in `folder` as `trial_<seed>`.
+///
+/// # Errors
+/// What the diagnoser said where it did not answer.
+pub fn ask(diagnoser: &Diagnoser, trial: &Trial, folder: &Path) -> Result<Outcome, String> {
+    let stem = format!("trial_{}", trial.seed);
+    let log = trial.log.write(folder, &stem);
+    let (urdf, model) = (&trial.stage.urdf, folder.join(format!("{stem}_model.toml")));
+    let start = std::time::Instant::now();
+    let named = |error| format!("{}: {error}", log.display());
+    let json = diagnoser.diagnose(urdf, &log, &model).map_err(named)?;
+    let seconds = start.elapsed().as_secs_f64();
+    let answer = Answer::read(&json).map_err(named)?;
+    let mut judgement = Judgement::of(&answer, trial);
+    if !trial.aside.is_empty() {
+        let postures = folder.join(format!("{stem}_aside.csv"));
+        let predicted = diagnoser.predict(urdf, &model, &postures).map_err(named)?;
+        judgement.aside = Some(over_noise(&predicted, trial)?);
+    }
+    Ok(Outcome {
+        question: trial.question,
+        effects: trial.hidden.iter().map(|hidden| hidden.effect).collect(),
+        description: describe(trial),
+        chi2: trial.chi2,
+        seed: trial.seed,
+        judgement,
+        seconds,
+    })
+}
+
+/// RMSE of predictions of the postures put aside, noise included, over the noise.
+fn over_noise(predicted: &[[f64; 2]], trial: &Trial) -> Result<f64, String> {
+    if predicted.len() != trial.aside.len() {
+        return Err(format!(
+            "{} of {} postures predicted",
+            predicted.len(),
+            trial.aside.len()
+        ));
+    }
+    let sigma = trial
+        .log
+        .sigma
+        .iter()
+        .map(|sigma| sigma[0].powi(2) + sigma[1].powi(2));
+    let noise = sigma.sum::<f64>() / trial.log.sigma.len() as f64;
+    let gaps = predicted.iter().zip(&trial.aside);
+    let gaps =
+        gaps.map(|(found, truth)| (found[0] - truth[0]).powi(2) + (found[1] - truth[1]).powi(2));
+    Ok((1.0 + gaps.sum::<f64>() / predicted.len() as f64 / noise).sqrt())
+}
+
+fn describe(trial: &Trial) -> String {
+    let hidden: Vec<String> = trial
+        .hidden
+        .iter()
+        .map(|hidden| {
+            let values: Vec<String> = hidden.values.iter().map(|v| format!("{v:.3e}")).collect();
+            format!("{}({})", hidden.label(), values.join(" "))
+        })
+        .collect();
+    format!(
+        "{:?} {:?} {}",
+        trial.stage.platform,
+        trial.postures,
+        if hidden.is_empty() {
+            "nothing".to_owned()
+        } else {
+            hidden.join(" + ")
+        }
+    )
+}
+
+/// The questions of a study: what is asked how often, of `trials` in all.
+pub fn questions(trials: usize, choice: &Choice) -> Vec<Question> {
+    if let Some(only) = choice.only {
+        let question = if only.is_outside() {
+            Question::Outside
+        } else {
+            Question::Library(1)
+        };
+        return vec![question; trials];
+    }
+    let shares = [
+        (Question::Library(1), 50),
+        (Question::Library(2), 16),
+        (Question::Library(3), 8),
+        (Question::Nothing, 14),
+        (Question::Outside, 6),
+        (Question::Invisible, 3),
+        (Question::Absorbed, 3),
+    ];
+    // Each time the question that lags most, so that a study may be cut short.
+    let mut asked = [0; 7];
+    (1..=trials as i64)
+        .map(|n| {
+            let lag = |i: usize| shares[i].1 * n - 100 * asked[i];
+            let next = (0..shares.len()).max_by_key(|&i| lag(i)).unwrap_or(0);
+            asked[next] += 1;
+            shares[next].0
+        })
+        .collect()
+}
+
+/// All robots, logs of every length.
+pub fn everything() -> Choice {
+    Choice {
+        // The OP2 seven times in ten.
+        platforms: [
+            vec![Platform::Op2; 7],
+            vec![Platform::Skew; 2],
+            vec![Platform::Plain],
+        ]
+        .concat(),
+        only: None,
+        long: true,
+    }
+}

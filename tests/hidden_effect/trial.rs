@@ -1,0 +1,207 @@
+//! One question to the diagnoser: what is hidden, on which robot, in which
+//! postures.
+
+use rand::seq::IndexedRandom as _;
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+
+use super::hidden::{ALL, Effect, Hidden, hide_all};
+use super::log::{Log, READINGS, Style};
+use super::poses::Poses;
+use super::sizes::{self, INVISIBLE, VISIBLE};
+use super::stage::{Platform, Postures, Stage};
+
+/// What CAD masses are trusted to: 0.2 % of mass, as much of the CoM's distance.
+const TRUSTED: f64 = 0.002;
+
+/// What is asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Question {
+    /// Nothing is hidden.
+    Nothing,
+    /// So many effects of the library, each of them visible.
+    Library(usize),
+    /// Something outside the library.
+    Outside,
+    /// A fault that these postures cannot show.
+    Invisible,
+    /// Masses that differ within what CAD is trusted to.
+    Absorbed,
+}
+
+/// A question with its truth and its log.
+pub struct Trial {
+    pub question: Question,
+    pub stage: Stage,
+    pub postures: Postures,
+    pub hidden: Vec<Hidden>,
+    pub chi2: f64,
+    pub log: Log,
+    /// Readings without noise of the postures put aside, m.
+    pub aside: Vec<[f64; 2]>,
+    pub seed: u64,
+}
+
+/// What a study draws from.
+#[derive(Debug, Clone)]
+pub struct Choice {
+    pub platforms: Vec<Platform>,
+    /// Only logs in which this is hidden.
+    pub only: Option<Effect>,
+    /// Logs of 1000 postures, too.
+    pub long: bool,
+}
+
+impl Trial {
+    /// Draws; the same for the same seed.
+    pub fn draw(question: Question, choice: &Choice, seed: u64) -> Trial {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        loop {
+            let platform = choice.platforms.choose(&mut random).copied();
+            let stage = Stage::new(platform.unwrap_or(Platform::Op2));
+            let effects = effects(question, choice, &mut random);
+            // Many targets of some effects cannot be seen: look for one that can.
+            for _ in 0..50 {
+                let postures = postures(&effects, choice, &mut random);
+                let trial = attempt(question, &stage, &effects, postures, seed, &mut random);
+                if let Some(trial) = trial {
+                    return trial;
+                }
+            }
+        }
+    }
+}
+
+fn effects(question: Question, choice: &Choice, random: &mut ChaCha8Rng) -> Vec<Effect> {
+    let mut pick = |from: &[Effect]| from.choose(random).copied();
+    // A log in degrees is refused or warned of before anybody is asked.
+    let common = Effect::LIBRARY
+        .into_iter()
+        .filter(|effect| *effect != Effect::Units);
+    let common: Vec<Effect> = common.collect();
+    let mut effects: Vec<Effect> = match question {
+        Question::Nothing => Vec::new(),
+        Question::Library(1) => choice.only.or_else(|| pick(&common)).into_iter().collect(),
+        // A faulty cell, a motion and a whole set of masses come alone.
+        Question::Library(count) => {
+            let alone = |effect: &Effect| {
+                effect.needs_cells()
+                    || matches!(effect, Effect::TimeDelay | Effect::MassDistribution)
+            };
+            let together = common.iter().copied().filter(|effect| !alone(effect));
+            let together: Vec<Effect> = together.collect();
+            (0..count).filter_map(|_| pick(&together)).collect()
+        }
+        Question::Outside => {
+            let only = choice.only.filter(|effect| effect.is_outside());
+            only.or_else(|| pick(&Effect::OUTSIDE))
+                .into_iter()
+                .collect()
+        }
+        Question::Invisible => vec![Effect::JointOffset],
+        Question::Absorbed => vec![Effect::MassDistribution],
+    };
+    effects.sort_unstable();
+    effects
+}
+
+fn postures(effects: &[Effect], choice: &Choice, random: &mut ChaCha8Rng) -> Postures {
+    if effects.contains(&Effect::Units) {
+        return Postures::Bench(100);
+    }
+    if effects.contains(&Effect::TimeDelay) {
+        return Postures::Motion(if random.random_bool(0.5) { 100 } else { 200 });
+    }
+    let beyond = !effects.iter().any(|effect| effect.needs_cells());
+    match random.random_range(0..100) {
+        0..20 => Postures::Bench(38),
+        20..65 => Postures::Bench(100),
+        65..88 => Postures::Bench(200),
+        88..94 if choice.long && beyond => Postures::Wide(1000),
+        94..97 if beyond => Postures::Motion(100),
+        _ => Postures::Bench(100),
+    }
+}
+
+/// One attempt; none where what was drawn cannot be seen, or is seen where it
+/// should not.
+fn attempt(
+    question: Question,
+    stage: &Stage,
+    effects: &[Effect],
+    postures: Postures,
+    seed: u64,
+    random: &mut ChaCha8Rng,
+) -> Option<Trial> {
+    let degrees = effects.contains(&Effect::Units);
+    let poses = Poses::draw(stage, postures, degrees, random);
+    let track = &poses.track;
+    let sigma = stage.reading_std() / (READINGS as f64).sqrt();
+    let mut hidden = Vec::new();
+    for &effect in effects {
+        let large = sizes::large(effect, stage, random);
+        hidden.push(match question {
+            Question::Invisible => large,
+            Question::Absorbed => large.with(vec![TRUSTED]),
+            _ => sizes::visible(large, stage, track, sigma, random)?,
+        });
+    }
+    let chi2 = sizes::chi2(stage, &hidden, track, sigma);
+    let as_asked = match question {
+        Question::Invisible => chi2 < INVISIBLE,
+        Question::Library(_) | Question::Outside => chi2 > VISIBLE && distinct(&hidden),
+        Question::Nothing | Question::Absorbed => true,
+    };
+    if !as_asked {
+        return None;
+    }
+    let cells = effects.iter().any(|effect| effect.needs_cells());
+    // Cells cannot pull: they are read where the CoP lies between them.
+    let balanced = matches!(postures, Postures::Bench(_));
+    let style = Style {
+        cells: balanced && random.random_bool(if cells { 0.5 } else { 0.1 }),
+        // Ticks are parts of a turn in radians.
+        ticks: random.random_bool(0.25) && !degrees,
+        repeats: postures.count() <= 38 && random.random_bool(0.2),
+    };
+    let world = hide_all(stage.world(), &hidden).ok()?;
+    let log = Log::take(stage, &world, &poses, style, random);
+    // Whoever predicts is not asked for outliers.
+    let lasting = hidden
+        .iter()
+        .filter(|hidden| hidden.effect != Effect::CopOutliers);
+    let lasting: Vec<Hidden> = lasting.cloned().collect();
+    let aside = poses.read_aside(&hide_all(stage.world(), &lasting).ok()?);
+    Some(Trial {
+        question,
+        stage: stage.clone(),
+        postures,
+        hidden,
+        chi2,
+        log,
+        aside,
+        seed,
+    })
+}
+
+/// No two of them on the same thing in the same way, nor on the same plug.
+fn distinct(hidden: &[Hidden]) -> bool {
+    let wired = |effect| matches!(effect, Effect::JointSign | Effect::JointSwap);
+    let alike = |one: &Hidden, other: &Hidden| {
+        one.effect == other.effect || (wired(one.effect) && wired(other.effect))
+    };
+    let meet = |one: &Hidden, other: &Hidden| {
+        let shared = one
+            .target
+            .split(',')
+            .any(|end| other.target.split(',').any(|e| e == end));
+        shared || one.target == ALL || other.target == ALL
+    };
+    let pairs = hidden
+        .iter()
+        .enumerate()
+        .flat_map(|(i, one)| hidden[..i].iter().map(move |other| (one, other)));
+    pairs
+        .into_iter()
+        .all(|(one, other)| !(alike(one, other) && meet(one, other)))
+}
