@@ -7,14 +7,11 @@
 //!
 //! Inertia about the CoM is scaled with the mass: data of a robot at rest say
 //! nothing of it, and a link whose density is off keeps its radii of gyration.
-//! Numbers are the shortest that read back to the last bit; one that does not
-//! change stays as it was written.
-
-use std::ops::Range;
 
 use roxmltree::Node;
 
 use super::Error;
+use super::edits::{Edits, SAME, number, three};
 use super::link::INERTIA;
 use super::source::{Source, children, links};
 
@@ -28,8 +25,6 @@ pub struct Weight {
 
 /// A change of a mass below this, relative, is rounding.
 const SAME_MASS: f64 = 1e-15;
-/// A change of a coordinate below this is rounding, m.
-const SAME_M: f64 = 1e-16;
 /// Radius of gyration given to a link that had no inertia, m.
 const GYRATION_M: f64 = 0.02;
 
@@ -41,11 +36,7 @@ const GYRATION_M: f64 = 0.02;
 pub fn amend(text: &str, file: &str, weights: &[Option<Weight>]) -> Result<String, Error> {
     let source = Source::of(text, file)?;
     let document = source.document(file)?;
-    let mut edits = Edits {
-        source: &source,
-        text,
-        edits: Vec::new(),
-    };
+    let mut edits = Edits::new(&source, text);
     for (link, weight) in links(&document).zip(weights) {
         let Some(weight) = weight else { continue };
         match children(link, "inertial").next() {
@@ -54,13 +45,6 @@ pub fn amend(text: &str, file: &str, weights: &[Option<Weight>]) -> Result<Strin
         }
     }
     Ok(edits.applied())
-}
-
-/// Pieces of text and what takes their place.
-struct Edits<'a> {
-    source: &'a Source,
-    text: &'a str,
-    edits: Vec<(Range<usize>, String)>,
 }
 
 impl Edits<'_> {
@@ -75,11 +59,12 @@ impl Edits<'_> {
             self.set(mass, "value", weight.mass_kg);
         }
         match children(inertial, "origin").next() {
-            Some(origin) => self.move_to(origin, weight.com_m),
-            None if weight.com_m.iter().any(|x| x.abs() > SAME_M) => {
-                let at = self.source.original(&mass.range()).start;
+            Some(origin) => self.set_three(origin, "xyz", weight.com_m),
+            None if weight.com_m.iter().any(|x| x.abs() > SAME) => {
+                let at = self.place(&mass.range()).start;
                 let element = format!("<origin xyz=\"{}\"/>", three(weight.com_m));
-                self.edits.push((at..at, element + self.blank_before(at)));
+                let blank = self.blank_before(at);
+                self.put(at..at, element + blank);
             }
             None => {}
         }
@@ -106,104 +91,18 @@ impl Edits<'_> {
             three(weight.com_m),
             weight.mass_kg
         );
-        let place = self.source.original(&link.range());
-        let written = &self.text[place.clone()];
-        if let Some(open) = written.strip_suffix("/>") {
+        let place = self.place(&link.range());
+        if let Some(open) = self.written(&place).strip_suffix("/>") {
             let name = open[1..]
                 .split(|c: char| c.is_whitespace() || c == '/')
                 .next()
                 .unwrap_or("link");
             let close = place.end - 2;
-            self.edits
-                .push((close..place.end, format!(">{inertial}</{name}>")));
+            self.put(close..place.end, format!(">{inertial}</{name}>"));
             return;
         }
-        let first = link.first_child().map(|child| child.range());
-        let at = match first {
-            Some(child) => self.source.original(&child).start,
-            None => place.start + written.rfind("</").unwrap_or(written.len()),
-        };
-        let blank: String = self.text[at..]
-            .chars()
-            .take_while(|c| c.is_whitespace())
-            .collect();
-        self.edits.push((at..at, blank + &inertial));
+        self.put_first(link, &inertial);
     }
-
-    /// Coordinates of an origin; those that stay, stay as they are written.
-    fn move_to(&mut self, origin: Node<'_, '_>, com: [f64; 3]) {
-        let Some(xyz) = origin.attribute_node("xyz") else {
-            if com.iter().any(|x| x.abs() > SAME_M) {
-                let place = self.source.original(&origin.range());
-                let written = &self.text[place.clone()];
-                let name = written
-                    .find(|c: char| c.is_whitespace() || matches!(c, '/' | '>'))
-                    .unwrap_or(written.len());
-                let at = place.start + name;
-                self.edits
-                    .push((at..at, format!(" xyz=\"{}\"", three(com))));
-            }
-            return;
-        };
-        let place = self.source.original(&xyz.range_value());
-        let written = &self.text[place.clone()];
-        let words: Vec<&str> = written.split_whitespace().collect();
-        let old: Option<Vec<f64>> = words.iter().map(|word| number(word)).collect();
-        let Some(old) = old.filter(|old| old.len() == 3) else {
-            self.edits.push((place, three(com)));
-            return;
-        };
-        for axis in 0..3 {
-            if (com[axis] - old[axis]).abs() > SAME_M {
-                let at = place.start + (words[axis].as_ptr() as usize - written.as_ptr() as usize);
-                self.edits
-                    .push((at..at + words[axis].len(), format!("{:?}", com[axis])));
-            }
-        }
-    }
-
-    fn set(&mut self, node: Node<'_, '_>, name: &str, value: f64) {
-        match node.attribute_node(name) {
-            Some(attribute) => {
-                let place = self.source.original(&attribute.range_value());
-                self.edits.push((place, format!("{value:?}")));
-            }
-            None => {
-                let place = self.source.original(&node.range());
-                let end = self.text[place.clone()].find(['/', '>']).unwrap_or(0);
-                let at = place.start + end;
-                self.edits.push((at..at, format!(" {name}=\"{value:?}\"")));
-            }
-        }
-    }
-
-    /// Blanks before a place, from the end of what stands there.
-    fn blank_before(&self, at: usize) -> &str {
-        let before = &self.text[..at];
-        &before[before.trim_end().len()..]
-    }
-
-    fn applied(mut self) -> String {
-        self.edits
-            .sort_by_key(|(place, _)| (place.start, place.end));
-        let mut out = String::with_capacity(self.text.len() + 64 * self.edits.len());
-        let mut at = 0;
-        for (place, new) in &self.edits {
-            out.push_str(&self.text[at..place.start]);
-            out.push_str(new);
-            at = place.end;
-        }
-        out.push_str(&self.text[at..]);
-        out
-    }
-}
-
-fn number(text: &str) -> Option<f64> {
-    text.trim().parse().ok().filter(|x: &f64| x.is_finite())
-}
-
-fn three([x, y, z]: [f64; 3]) -> String {
-    format!("{x:?} {y:?} {z:?}")
 }
 
 #[cfg(test)]

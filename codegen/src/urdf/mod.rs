@@ -14,6 +14,7 @@ mod amend;
 mod check;
 mod clean;
 mod draft;
+mod edits;
 mod extent;
 mod joint;
 mod joint_limit;
