@@ -112,7 +112,7 @@ fn write_origin(out: &mut String, origin: &Origin) {
     );
 }
 
-fn escaped(text: &str) -> String {
+pub(super) fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
         match c {

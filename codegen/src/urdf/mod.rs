@@ -11,6 +11,7 @@
 //! numbers that survive to the last bit.
 
 mod amend;
+mod bend;
 mod check;
 mod clean;
 mod draft;
@@ -40,6 +41,7 @@ use std::io::Read as _;
 use std::path::Path;
 
 pub use amend::{Weight, amend};
+pub use bend::{Load, Shift, bend, load};
 pub use extent::{Extent, extents};
 pub use report::Complaint;
 use report::{Lines, Report};

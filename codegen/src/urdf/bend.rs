@@ -1,0 +1,278 @@
+//! Joints that stand elsewhere than their encoders say, and loads that nobody drew,
+//! written into the text of a URDF; nothing else in it is touched.
+//!
+//! ```text
+//! T → T Rot(axis, δ)          a joint that turns stands δ further
+//! T → T Trans(axis δ)         one that slides
+//! q_f = k q + o  →  k q + (o + k δ)
+//! ```
+//!
+//! Whoever reads the URDF moves a follower by the master's encoder; the robot moves it
+//! by where the master really is, so the follower's offset takes up the rest. Followers
+//! of followers then come right by themselves. Limits stay: they are the encoder's.
+
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use roxmltree::Node;
+use urdf_rs::{Joint, JointType};
+
+use super::Error;
+use super::clean::escaped;
+use super::edits::{Edits, SAME, three};
+use super::rotation::rpy_of_quaternion;
+use super::source::{Source, children};
+
+/// A joint that stands further than its encoder says.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shift {
+    pub joint: String,
+    /// rad (m for a slide)
+    pub by: f64,
+}
+
+/// A mass on a link.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Load {
+    pub link: String,
+    pub mass_kg: f64,
+    /// In the frame of the link, m.
+    pub at_m: [f64; 3],
+}
+
+/// Radius of gyration of a load, m: as good as a point, yet no simulator divides by zero.
+const GYRATION_M: f64 = 1e-3;
+
+/// The text with the origins of joints, and what follows them, moved by `shifts`.
+///
+/// # Errors
+/// When the text is no URDF.
+pub fn bend(text: &str, file: &str, shifts: &[Shift]) -> Result<String, Error> {
+    let description = super::parse(text, file)?;
+    let source = Source::of(text, file)?;
+    let document = source.document(file)?;
+    let mut edits = Edits::new(&source, text);
+    let shift_of = |name: &str| -> f64 {
+        let own = shifts.iter().filter(|shift| shift.joint == name);
+        own.map(|shift| shift.by).sum()
+    };
+    let root = document.root_element();
+    for (node, joint) in children(root, "joint").zip(&description.robot.joints) {
+        let by = shift_of(&joint.name);
+        if by.abs() > SAME {
+            turn(&mut edits, node, joint, by);
+        }
+        let Some(mimic) = &joint.mimic else { continue };
+        let behind = mimic.multiplier.unwrap_or(1.0) * shift_of(&mimic.joint);
+        if let Some(element) = children(node, "mimic")
+            .next()
+            .filter(|_| behind.abs() > SAME)
+        {
+            edits.set(element, "offset", mimic.offset.unwrap_or(0.0) + behind);
+        }
+    }
+    Ok(edits.applied())
+}
+
+/// The origin of a joint where it stands `by` further.
+fn turn(edits: &mut Edits<'_>, node: Node<'_, '_>, joint: &Joint, by: f64) {
+    let (xyz, rpy) = (Vector3::from(*joint.origin.xyz), *joint.origin.rpy);
+    let axis = Vector3::from(*joint.axis.xyz).normalize();
+    let rotation = quaternion_of_rpy(rpy);
+    let (xyz, rpy) = match joint.joint_type {
+        JointType::Prismatic => {
+            let rotation = UnitQuaternion::new_normalize(rotation);
+            (xyz + rotation * (axis * by), rpy)
+        }
+        _ => {
+            let (sin, cos) = libm::sincos(by / 2.0);
+            let [x, y, z] = (axis * sin).into();
+            let turned = rotation * Quaternion::new(cos, x, y, z);
+            let [x, y, z, w] = turned.coords.into();
+            // Zero only where nothing turns at all.
+            (xyz, rpy_of_quaternion([x, y, z, w]).unwrap_or(rpy))
+        }
+    };
+    // A sum with zero has no sign where it is zero.
+    let (xyz, rpy) = ([0, 1, 2].map(|k| xyz[k] + 0.0), rpy.map(|x| x + 0.0));
+    let Some(origin) = children(node, "origin").next() else {
+        let element = format!("<origin xyz=\"{}\" rpy=\"{}\"/>", three(xyz), three(rpy));
+        edits.put_first(node, &element);
+        return;
+    };
+    edits.set_three(origin, "xyz", xyz);
+    match (
+        origin.attribute_node("quat_xyzw"),
+        origin.attribute_node("rpy"),
+    ) {
+        // Roll, pitch and yaw in its place: every reader knows them, and both at once
+        // contradict each other.
+        (Some(quaternion), None) if joint.joint_type != JointType::Prismatic => {
+            let place = edits.place(&quaternion.range());
+            edits.put(place, format!("rpy=\"{}\"", three(rpy)));
+        }
+        (Some(_), None) => {}
+        _ => edits.set_three(origin, "rpy", rpy),
+    }
+}
+
+/// `Rz(yaw) Ry(pitch) Rx(roll)`
+fn quaternion_of_rpy([roll, pitch, yaw]: [f64; 3]) -> Quaternion<f64> {
+    let half = |angle: f64, axis: usize| {
+        let (sin, cos) = libm::sincos(angle / 2.0);
+        let mut vector = Vector3::zeros();
+        vector[axis] = sin;
+        Quaternion::from_parts(cos, vector)
+    };
+    half(yaw, 2) * half(pitch, 1) * half(roll, 0)
+}
+
+/// The text with a link `payload_<link>` for each load, fixed where the load sits.
+///
+/// # Errors
+/// When the text is no URDF.
+pub fn load(text: &str, file: &str, loads: &[Load]) -> Result<String, Error> {
+    let description = super::parse(text, file)?;
+    let source = Source::of(text, file)?;
+    let document = source.document(file)?;
+    let mut edits = Edits::new(&source, text);
+    let links = description.robot.links.iter().map(|link| link.name.clone());
+    let joints = description.robot.joints.iter().map(|j| j.name.clone());
+    let mut taken: Vec<String> = links.chain(joints).collect();
+
+    let root = document.root_element();
+    // The tag of the root may have been mended; its end has not.
+    let end = edits.place(&root.range()).end;
+    let inside = &text[..text[..end].rfind("</").unwrap_or(end)];
+    let at = inside.trim_end().len();
+    let blank = root.last_element_child().map_or("", |last| {
+        let blank = edits.blank_before(edits.place(&last.range()).start);
+        // One end of line, however it is written, and the indent.
+        blank.rfind('\n').map_or("", |line| {
+            let crlf = blank[..line].ends_with('\r');
+            &blank[line - usize::from(crlf)..]
+        })
+    });
+    let deeper = |levels: usize| match blank.is_empty() {
+        true => String::new(),
+        false => blank.to_string() + &"  ".repeat(levels),
+    };
+    let [out, one, two] = [0, 1, 2].map(deeper);
+    for load in loads {
+        let name = unused(&format!("payload_{}", load.link), &mut taken);
+        let joint = unused(&format!("{name}_joint"), &mut taken);
+        let (name, joint) = (escaped(&name), escaped(&joint));
+        let moment = load.mass_kg * GYRATION_M * GYRATION_M;
+        let element = format!(
+            "{out}<link name=\"{name}\">\
+             {one}<inertial>\
+             {two}<mass value=\"{:?}\"/>\
+             {two}<inertia ixx=\"{moment:?}\" ixy=\"0\" ixz=\"0\" iyy=\"{moment:?}\" iyz=\"0\" izz=\"{moment:?}\"/>\
+             {one}</inertial>\
+             {out}</link>\
+             {out}<joint name=\"{joint}\" type=\"fixed\">\
+             {one}<origin xyz=\"{}\" rpy=\"0 0 0\"/>\
+             {one}<parent link=\"{}\"/>\
+             {one}<child link=\"{name}\"/>\
+             {out}</joint>",
+            load.mass_kg,
+            three(load.at_m),
+            escaped(&load.link),
+        );
+        edits.put(at..at, element);
+    }
+    Ok(edits.applied())
+}
+
+/// `name`, or the first of `name_2`, `name_3`, … that nothing is called yet.
+fn unused(name: &str, taken: &mut Vec<String>) -> String {
+    let free = |candidate: &String| !taken.contains(candidate);
+    let others = (2..).map(|k| format!("{name}_{k}"));
+    let found = std::iter::once(name.to_string()).chain(others).find(free);
+    let found = found.unwrap_or_default();
+    taken.push(found.clone());
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::urdf::parse;
+
+    const TEXT: &str = "\u{feff}<?xml version='1.0'?>\r\n<robot name='r' version='1.1'>\r\n  <link name='a&amp;b'/>\r\n\
+        \x20 <link name='c/d'/><link name='e'><inertial><mass value='1'/></inertial></link><link name='payload_e'/><link name='f'/>\r\n\
+        \x20 <!-- bent --><xacro:foo bar='${x}'/>\r\n\
+        \x20 <joint name='j/1' type='revolute'>\r\n    <parent link='a&amp;b'/><child link='c/d'/> <axis xyz='0 -2 0'/>\
+        <limit lower='-1' upper='1'/></joint>\r\n\
+        \x20 <joint name='k' type='continuous'><origin  xyz='0.10 0 0'/><mimic multiplier='-2' joint='j/1'/>\
+        <parent link='a&amp;b'/><child link='e'/></joint>\r\n\
+        \x20 <joint name='l' type='prismatic'><origin quat_xyzw='0 0 1 1' xyz='1 0 0'/><parent link='e'/>\
+        <child link='f'/><axis xyz='1 0 0'/></joint>\r\n\
+        \x20 <joint name='m' type='revolute'><origin quat_xyzw='0 0 1 1'/><parent link='e'/>\
+        <child link='payload_e'/><axis xyz='0 0 1'/><limit lower='-1' upper='1'/></joint>\r\n  <!-- end -->\r\n</robot>\r\n";
+
+    fn shift(joint: &str, by: f64) -> Shift {
+        Shift {
+            joint: joint.to_string(),
+            by,
+        }
+    }
+
+    #[test]
+    fn origins_turn_and_slide_and_followers_follow() {
+        let shifts = [shift("j/1", 0.03), shift("l", 0.25)];
+        let expected = TEXT
+            .replace(
+                "'revolute'>\r\n    <parent",
+                "'revolute'>\r\n    <origin xyz=\"0.0 0.0 0.0\" rpy=\"0.0 -0.03 0.0\"/>\r\n    <parent",
+            )
+            .replace("<mimic m", "<mimic offset=\"-0.06\" m");
+        let text = bend(TEXT, "r.urdf", &shifts).unwrap();
+        let read = parse(&text, "r.urdf").unwrap();
+        let rpy = *read.robot.joints[0].origin.rpy;
+        assert!((rpy[1] + 0.03).abs() < 1e-15 && rpy[0] == 0.0 && rpy[2] == 0.0);
+        let slide = *read.robot.joints[2].origin.xyz;
+        assert!((slide[0] - 1.0).abs() < 1e-15 && (slide[1] - 0.25).abs() < 1e-15);
+        // All of it but where last digits are the machine's business.
+        let line = |text: &str, k: usize| text.lines().nth(k).unwrap().to_string();
+        assert_eq!(text.lines().count(), expected.lines().count());
+        for k in [0, 1, 2, 3, 4, 5, 7, 8, 10, 11, 12] {
+            assert_eq!(line(&text, k), line(&expected, k));
+        }
+        assert_eq!(bend(TEXT, "r.urdf", &[]).unwrap(), TEXT);
+    }
+
+    #[test]
+    fn a_quaternion_becomes_roll_pitch_and_yaw() {
+        let text = bend(TEXT, "r.urdf", &[shift("m", 0.1)]).unwrap();
+        let read = parse(&text, "r.urdf").unwrap();
+        let rpy = *read.robot.joints[3].origin.rpy;
+        assert!((rpy[2] - 0.1 - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
+        assert_eq!(text.matches("quat_xyzw").count(), 1);
+    }
+
+    #[test]
+    fn loads_are_links_of_their_own() {
+        let on = |link: &str, mass_kg| Load {
+            link: link.to_string(),
+            mass_kg,
+            at_m: [0.1, -1e-9, 1.0 / 3.0],
+        };
+        let loads = [on("e", 0.3), on("a&b", 0.1), on("e", 0.2)];
+        let text = load(TEXT, "r.urdf", &loads).unwrap();
+        let read = parse(&text, "r.urdf").unwrap();
+        let names: Vec<&str> = read.robot.links[5..]
+            .iter()
+            .map(|link| link.name.as_str())
+            .collect();
+        assert_eq!(names, ["payload_e_2", "payload_a&b", "payload_e_3"]);
+        assert_eq!(*read.robot.joints[4].origin.xyz, loads[0].at_m);
+        assert_eq!(read.robot.joints[5].parent.link, "a&b");
+        assert_eq!(read.robot.links[7].inertial.mass.value, 0.2);
+        // What was there stands around it as it did.
+        let (before, after) = TEXT.split_at(TEXT.rfind("\r\n</robot>").unwrap());
+        assert!(text.starts_with(before) && text.ends_with(after));
+        assert!(
+            text.contains("\r\n  <link name=\"payload_e_2\">\r\n    <inertial>\r\n      <mass")
+        );
+        assert_eq!(load(TEXT, "r.urdf", &[]).unwrap(), TEXT);
+    }
+}
