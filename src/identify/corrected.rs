@@ -10,7 +10,7 @@ use sesc_codegen::{Model, Snapping, urdf};
 
 use super::Identification;
 use super::limits::Limits;
-use super::masses::{self, Impossible};
+use super::masses::{self, Impossible, Masses};
 use super::prior::{Prior, Tolerances};
 use crate::Error;
 use crate::robot::Robot;
@@ -64,11 +64,35 @@ pub fn correct(
     prior: &Prior,
     total: Option<f64>,
 ) -> Result<Corrected, Error> {
-    let params = DVector::from_iterator(
-        found.parameters.len(),
-        found.parameters.iter().map(|parameter| parameter.value),
-    );
-    let masses = match &found.masses {
+    let params: Vec<f64> = found.parameters.iter().map(|p| p.value).collect();
+    towards(
+        robot,
+        model,
+        snapping,
+        &params,
+        found.masses.as_ref(),
+        prior,
+        total,
+    )?
+    .map_err(|impossible| refused(&impossible))
+}
+
+/// Correct the text of `robot` so that it has these base parameters; by `masses` where
+/// they are known, else by the nearest to CAD. The inner error says why there are none.
+///
+/// # Errors
+/// When a text cannot be read.
+pub fn towards(
+    robot: &Robot,
+    model: &Model,
+    snapping: Snapping,
+    params: &[f64],
+    masses: Option<&Masses>,
+    prior: &Prior,
+    total: Option<f64>,
+) -> Result<Result<Corrected, Impossible>, Error> {
+    let params = DVector::from_column_slice(params);
+    let masses = match masses {
         Some(masses) => masses.clone(),
         None => {
             let usual = Tolerances::usual();
@@ -76,18 +100,21 @@ pub fn correct(
                 Prior::Cad(tolerances) => tolerances,
                 Prior::Free => &usual,
             };
-            masses::nearest(model, tolerances, &params, &Limits::generous(robot))
-                .map_err(|impossible| refused(&impossible))?
+            match masses::nearest(model, tolerances, &params, &Limits::generous(robot)) {
+                Ok(masses) => masses,
+                Err(impossible) => return Ok(Err(impossible)),
+            }
         }
     };
     let total_mass = total.unwrap_or(model.tree.mass);
     let weights = masses.weights(model, total_mass);
     let file = &robot.description.file;
     let text = urdf::amend(robot.text(), file, &weights).map_err(sesc_codegen::Error::from)?;
-    let again = Robot::parse(&text, file)?.model(&found.support, snapping, None)?;
+    let support = &model.tree.links[model.tree.support].name;
+    let again = Robot::parse(&text, file)?.model(support, snapping, None)?;
     let off = (DVector::from_vec(again.cad_params()) - &params).amax();
     if off.is_nan() || off > EXACT {
-        return Err(refused(&Impossible {
+        return Ok(Err(Impossible {
             reason: format!("the masses found give them only to {off:.1e} m"),
         }));
     }
@@ -99,12 +126,12 @@ pub fn correct(
             com: [old.com.into(), new.com.into()],
         })
         .filter(|change| change.mass[0] != change.mass[1] || change.shift() > 0.0);
-    Ok(Corrected {
+    Ok(Ok(Corrected {
         total_mass,
         links: links.collect(),
         active_bounds: masses.active,
         text,
-    })
+    }))
 }
 
 fn refused(impossible: &Impossible) -> Error {
