@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::{Outcome, RobotArguments, message, notes, print, print_json, progress};
 use crate::Error;
+use crate::diagnose::corrected_urdf::{self, CorrectedUrdf};
 use crate::diagnose::data::{Data, Taking};
 use crate::diagnose::model_file::model_file;
 use crate::diagnose::problem::Problem;
@@ -50,6 +51,10 @@ pub(super) struct Arguments {
     /// Model file to write: parameters and effects, for `generate`, `predict`, `simulate`
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+    /// URDF to write: joint origins turned by what encoders are off, payloads as links of
+    /// their own, masses as re-identified. What no URDF can hold is named and left out
+    #[arg(long = "urdf", value_name = "FILE")]
+    corrected: Option<PathBuf>,
     /// Posture file to write: the experiment that would tell most (.csv, .csv.gz or .parquet)
     #[arg(long, value_name = "FILE")]
     next: Option<PathBuf>,
@@ -73,10 +78,15 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
             )));
         }
     }
-    let written: Vec<&PathBuf> = [&arguments.out, &arguments.next, &arguments.report]
-        .into_iter()
-        .flatten()
-        .collect();
+    let written: Vec<&PathBuf> = [
+        &arguments.out,
+        &arguments.corrected,
+        &arguments.next,
+        &arguments.report,
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
     let read = [arguments.robot.urdf.clone(), arguments.data.clone()];
     output::check(&read, &written)?;
     let robot = Robot::read(&arguments.robot.urdf)?;
@@ -126,6 +136,16 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     if let Some(path) = &arguments.out {
         let file = model_file(&problem, &found);
         let text = toml::to_string(&file).map_err(|error| Error::Report(Box::new(error)))?;
+        output::write(path, &text)?;
+        message(&format!("wrote {}", path.display()));
+    }
+    if let Some(path) = &arguments.corrected {
+        let snapping = arguments.robot.snapping();
+        let CorrectedUrdf { text, left_out } =
+            corrected_urdf::of(&problem, &found, &robot, snapping, &prior)?;
+        for sentence in &left_out {
+            message(sentence);
+        }
         output::write(path, &text)?;
         message(&format!("wrote {}", path.display()));
     }

@@ -4,6 +4,7 @@
 //! posture_log → data → problem (evidence of a hypothesis) → search → diagnosis
 //! ```
 
+pub mod corrected_urdf;
 pub mod data;
 pub mod diagnosis;
 mod dictionary;
