@@ -286,14 +286,13 @@ cell_effect!(
     [0.15, 0.22, 0.3, 0.38, 0.46, 0.54],
     |x| vec![(0.02 - x).max(0.0) / 0.01, (x - 1.0).max(0.0) / 0.01],
     |at, load, x| {
-        // tanh u = 1 − 2 / (e^2u + 1)
+        // tanh u = (1 − w) / (1 + w), w = e^−2u: nothing grows with u.
         let u = at.div(load, x);
         let square = core::f64::consts::E * core::f64::consts::E;
-        let (base, one, two) = (at.constant(square), at.constant(1.0), at.constant(2.0));
-        let power = at.g().pow(base, u);
-        let more = at.add(power, one);
-        let short = at.div(two, more);
-        let filled = at.sub(one, short);
+        let (base, one) = (at.constant(1.0 / square), at.constant(1.0));
+        let w = at.g().pow(base, u);
+        let (less, more) = (at.sub(one, w), at.add(one, w));
+        let filled = at.div(less, more);
         at.mul(x, filled)
     }
 );
