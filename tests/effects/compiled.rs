@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use std::fs;
 
 use sesc_codegen::effects;
+use sesc_codegen::emit::c::{self, Options, Scalar};
 use sesc_codegen::{Function, Given};
 
 use crate::command::{sesc, stdout};
@@ -159,4 +160,40 @@ fn cops(text: &str) -> Vec<[f64; 2]> {
         [cells.next().unwrap(), y]
     };
     text.lines().skip(1).map(cop).collect()
+}
+
+/// Firmware in f32 and integers checks itself: `cop`, `model_cop`, `correct_cop` with
+/// effects against what the generator computed in f64.
+#[test]
+fn self_tests_know_effects_in_every_scalar() {
+    let stand = Stand::new("two_link", "foot");
+    let setting = stand.setting();
+    let folder = generated::folder("scalars");
+    let mut corrected = 0;
+    for effect in effects::LIST {
+        let all = Hidden::of(*effect, &setting, 3);
+        let hidden = &all[all.len() / 2..][..1];
+        let model = with(&stand, hidden);
+        let corrects = model.program(Function::CorrectCop, Given::Positions);
+        for scalar in [Scalar::F64, Scalar::F32, Scalar::Fixed32] {
+            let package = match c::package(&model, effect.name(), &Options::of(scalar)) {
+                Ok(package) => package,
+                // Refused by name: see `records`.
+                Err(_) if scalar == Scalar::Fixed32 => continue,
+                Err(error) => panic!("{}: {error}", effect.name()),
+            };
+            let shown = model.foretold().next().is_some();
+            let note = package
+                .notes
+                .iter()
+                .any(|note| note.contains("cop_ticks is left out"));
+            assert_eq!(note, shown && scalar != Scalar::F64, "{:?}", package.notes);
+            let name = effect.name();
+            let call = format!("{name}_correct_cop(reading, cop);");
+            assert_eq!(package.source.contains(&call), corrects.is_some());
+            corrected += usize::from(corrects.is_some());
+            generated::self_test(&folder, name, &package);
+        }
+    }
+    assert!(corrected >= 3 * 5, "{corrected}");
 }

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use sesc_codegen::emit::c::{Options, Scalar};
+use sesc_codegen::emit::c::{Options, Package, Scalar};
 use sesc_codegen::{Builder, ModelFile, Snapping};
 
 use crate::command::ROOT;
@@ -160,6 +160,30 @@ pub fn c(folder: &Path, case: &Case, postures: &Path) -> Vec<Said> {
         corrected: case.corrects.then_some([row[4], row[5]]),
     });
     said.collect()
+}
+
+/// Compile a package without a warning and run its self-test.
+pub fn self_test(folder: &Path, name: &str, package: &Package) {
+    fs::write(folder.join(format!("{name}.h")), &package.header).unwrap();
+    fs::write(folder.join(format!("{name}.c")), &package.source).unwrap();
+    let main = format!("#include \"{name}.h\"\nint main(void) {{ return {name}_selftest(); }}\n");
+    fs::write(folder.join("main.c"), main).unwrap();
+    let program = folder.join("program");
+    let mut command = Command::new("gcc");
+    command.args([
+        "-std=c99",
+        "-Wall",
+        "-Wextra",
+        "-Wpedantic",
+        "-Wconversion",
+        "-Werror",
+    ]);
+    command.args(["-Wdouble-promotion", "-Wshadow", "-O1"]);
+    command
+        .arg(folder.join(format!("{name}.c")))
+        .arg(folder.join("main.c"));
+    tool(command.arg("-o").arg(&program));
+    tool(&mut Command::new(&program));
 }
 
 fn floats(bytes: &[u8]) -> Vec<f64> {
