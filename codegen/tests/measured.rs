@@ -161,13 +161,21 @@ fn a_pull_on_a_pendulum_is_a_sum_of_moments() {
                 let lifted = force[axis] * tip[2] - force[2] * tip[axis];
                 (weight * com[axis] + lifted) / ground
             });
-            let program = effects::reading(&setting, &[instance.clone()], &model.cad_params());
+            let program = effects::reading(
+                &setting,
+                std::slice::from_ref(&instance),
+                &model.cad_params(),
+            );
             let out = run(&model, &program, &[q], &unknowns, [0.0; 2]);
             assert_near([out[0], out[out.len() / 2]], expected, 1e-14);
             // About y through the pivot, over the weight on the ground.
             let gravity = MASSES[1] * GRAVITY * HEAVY * s;
             let moment = gravity + TIP * (force[0] * c - force[2] * s);
-            let moments = effects::moments(&setting, &[instance.clone()], &model.cad_params());
+            let moments = effects::moments(
+                &setting,
+                std::slice::from_ref(&instance),
+                &model.cad_params(),
+            );
             let found = run(&model, &moments, &[q], &unknowns, [0.0; 2])[0];
             assert!((found - moment / ground).abs() < 1e-14, "{found}");
         }

@@ -31,7 +31,7 @@ fn slopes_are_differences() {
                 .zip(&scales)
                 .map(|(start, scale)| start + 0.37 * scale)
                 .collect();
-            let program = stand.reading(&[instance.clone()], &stand.model.cad_params());
+            let program = stand.reading(std::slice::from_ref(&instance), &stand.model.cad_params());
             let at = |e: &[f64]| run(&program, &[&q, e, &circumstances]);
             let (out, width) = (at(&unknowns), scales.len() + 1);
             for (k, scale) in scales.iter().enumerate() {

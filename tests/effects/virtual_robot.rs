@@ -202,7 +202,10 @@ impl Dance {
 /// Formula, robot, and the robot at rest, all along the dance.
 fn dance(stand: &Stand, hidden: &Hidden, dance: &Dance) -> Vec<[[f64; 2]; 3]> {
     let setting = stand.setting();
-    let program = stand.reading(&[hidden.instance.clone()], &stand.model.cad_params());
+    let program = stand.reading(
+        std::slice::from_ref(&hidden.instance),
+        &stand.model.cad_params(),
+    );
     let times: Vec<f64> = (0..25).map(|k| 0.21 * f64::from(k)).collect();
     let moving = dance.clone();
     let track = Track::moving(times.clone(), move |t| moving.at(t));
@@ -300,7 +303,7 @@ fn masses_are_the_parameters_themselves() {
         let setting = stand.setting();
         let effect = effects::named("mass_distribution").unwrap();
         let hidden = &Hidden::of(effect, &setting, 2)[0];
-        let program = stand.reading(&[hidden.instance.clone()], &params);
+        let program = stand.reading(std::slice::from_ref(&hidden.instance), &params);
         let world = stand
             .world()
             .payload(&tree.links[link].name, mass, at)

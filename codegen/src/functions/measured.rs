@@ -362,8 +362,8 @@ impl<'m> Measured<'m> {
         for k in 0..self.pulls.len() {
             let height = self.at_point(k, &format!("p{k}"))[0].v.entries[2];
             let force = self.sideways(k);
-            for axis in 0..2 {
-                let moved = self.mul(force[axis], height);
+            for (axis, force) in force.into_iter().enumerate() {
+                let moved = self.mul(force, height);
                 self.reading[axis] = self.add(self.reading[axis], moved);
             }
         }
