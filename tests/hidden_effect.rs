@@ -128,19 +128,7 @@ fn hidden(effect: Effect, target: &str, values: &[f64]) -> Hidden {
 
 /// A bench log of 100 postures of the OP2 with this hidden.
 fn hiding(truth: Vec<Hidden>) -> Trial {
-    let mut trial = (0..)
-        .map(|seed| Trial::draw(Question::Nothing, &small(), seed))
-        .find(|trial| trial.postures == Postures::Bench(100))
-        .unwrap();
-    let world = hide_all(trial.stage.world(), &truth).unwrap();
-    let straight = trial.stage.world().readings(&trial.log.track());
-    let bent = world.readings(&trial.log.track());
-    for ((cop, bent), straight) in trial.log.cop.iter_mut().zip(&bent).zip(&straight) {
-        *cop = [0, 1].map(|axis| cop[axis] + bent.cop[axis] - straight.cop[axis]);
-    }
-    trial.hidden = truth;
-    trial.question = Question::Library(trial.hidden.len());
-    trial
+    Trial::of(truth, &small(), 1).unwrap()
 }
 
 fn said(steps: &[(&str, &str)], groups: serde_json::Value) -> Answer {
@@ -292,34 +280,61 @@ fn goals_are_counted() {
     assert_eq!(single.count(), 25);
 }
 
+fn diagnoser() -> Diagnoser {
+    Diagnoser {
+        sesc: env!("CARGO_BIN_EXE_sesc").into(),
+    }
+}
+
 /// The study itself, cut short: every question, the OP2, at most 200 postures.
-/// Of so few logs a share may lie two standard deviations from its goal.
+/// Of so few logs a share may lie two standard deviations from its goal. What
+/// is outside the library and barely shows is imitated by what is inside.
 #[test]
 fn the_truth_comes_out() {
     const LOGS: usize = 60;
     const SEED: u64 = 1;
     let folder = tempfile::tempdir().unwrap();
-    let diagnoser = Diagnoser {
-        sesc: env!("CARGO_BIN_EXE_sesc").into(),
-    };
     let asked = questions(LOGS, &small()).into_iter().zip(SEED..);
     let outcomes: Vec<Outcome> = asked
         .map(|(question, seed)| {
             let trial = Trial::draw(question, &small(), seed);
-            ask(&diagnoser, &trial, folder.path()).unwrap()
+            ask(&diagnoser(), &trial, folder.path()).unwrap()
         })
         .collect();
     let found = goals(&outcomes);
     let told = format!("{}\n{}", goal_table(&found), mistakes(&outcomes));
     for goal in &found {
         let (share, sign) = match goal.bound {
-            Bound::Least(share) => (share, 1.0),
+            Bound::Least(share) if share < 1.0 => (share, 1.0),
             Bound::Most(share) => (share, -1.0),
-            Bound::Shown => continue,
+            _ => continue,
         };
         let of = goal.of as f64;
         let slack = 2.0 * (share * (1.0 - share) * of).sqrt();
         let short = sign * (share * of - goal.met as f64);
         assert!(short <= slack, "{}\n{told}", goal.what);
+    }
+}
+
+/// As strong as in the open logs, nothing in the library is like these.
+#[test]
+fn strange_faults_stay_unexplained() {
+    let folder = tempfile::tempdir().unwrap();
+    for strange in [
+        hidden(Effect::KneeSine, "r_knee", &[0.006]),
+        hidden(Effect::LooseMass, "body_link", &[0.25]),
+        hidden(Effect::GearError, "r_knee", &[0.05]),
+    ] {
+        let told: Vec<Outcome> = (0..3)
+            .map(|seed| {
+                let trial = Trial::of(vec![strange.clone()], &small(), seed).unwrap();
+                ask(&diagnoser(), &trial, folder.path()).unwrap()
+            })
+            .collect();
+        let unexplained = told
+            .iter()
+            .filter(|told| told.judgement.unexplained)
+            .count();
+        assert!(unexplained >= 2, "{}", mistakes(&told));
     }
 }

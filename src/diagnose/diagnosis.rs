@@ -21,6 +21,8 @@ pub const BRACKET: f64 = 10.0;
 const CLEAR: f64 = 4.0;
 /// More effects that are this little worse are as good.
 const EVEN: f64 = 3.0;
+/// So many effects at once are less likely than one that is not known here.
+const CROWD: usize = 4;
 /// Outliers are at most this part of the postures.
 const FEW: f64 = 0.2;
 /// Offsets that show only from here on, rad (m), are worth a warning.
@@ -200,7 +202,8 @@ pub fn diagnose(problem: &mut Problem, about: &About, watch: Watch) -> Found {
     let (best, formula) = with_formula(excess, best, &mut search);
     // Noise that was taken from what is left over cannot say that too much is left.
     let known = problem.data.noise_source != NoiseSource::Residuals;
-    let unexplained = known && excess.is_clear() || formula.is_some();
+    let crowd = best.instances.len() >= CROWD;
+    let unexplained = known && excess.is_clear() || formula.is_some() || crowd;
     let problem = search.problem();
     if unexplained {
         class = vec![best.clone()];

@@ -14,10 +14,10 @@ use super::held_out;
 use super::problem::{Fit, Problem};
 
 /// Beyond this many standard deviations of χ² noise does not explain the rest.
-const CLEARLY: f64 = 5.0;
+const CLEARLY: f64 = 4.0;
 /// Nor does it if χ² is not larger than expected by this factor: noise is not
 /// known better.
-const RATIO: f64 = 1.2;
+const RATIO: f64 = 1.15;
 /// Terms of a formula, at most.
 const TERMS: usize = 3;
 /// A formula is worth telling if it explains this much of the excess.

@@ -418,6 +418,6 @@ pub fn sorted(instances: &[Instance]) -> Vec<Instance> {
 fn key(problem: &Problem, instances: &[Instance]) -> String {
     let labels = instances
         .iter()
-        .map(|i| format!("{:02}{}", rank(i), i.label(&problem.setting)));
+        .map(|i| format!("{:02}{}", rank(i), problem.setting.name_of(&i.target)));
     labels.collect::<Vec<_>>().join(" + ")
 }

@@ -58,10 +58,17 @@ pub(super) fn sentence(problem: &Problem, found: &Found) -> String {
             ));
         }
         Verdict::Unexplained => {
-            said.push(format!(
-                "No known effect explains it: χ² is {:.0} where noise leaves {:.0}.",
-                d.leftover.chi2, d.leftover.expected
-            ));
+            said.push(match found.best.instances.len() {
+                0..4 => format!(
+                    "No known effect explains it: χ² is {:.0} where noise leaves {:.0}.",
+                    d.leftover.chi2, d.leftover.expected
+                ),
+                count => format!(
+                    "It takes {count} known effects to imitate it (χ² {:.0}, noise leaves {:.0}): more \
+                     likely something is missing that is not known here.",
+                    d.leftover.chi2, d.leftover.expected
+                ),
+            });
             if !clauses.is_empty() {
                 said.push(format!(
                     "{} is part of it.",

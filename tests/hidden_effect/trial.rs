@@ -4,6 +4,7 @@
 use rand::seq::IndexedRandom as _;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
+use sesc_reference::Error;
 
 use super::hidden::{ALL, Effect, Hidden, hide_all};
 use super::log::{Log, READINGS, Style};
@@ -72,6 +73,66 @@ impl Trial {
     }
 }
 
+impl Trial {
+    /// A given truth on 100 balanced postures of the first platform.
+    ///
+    /// # Errors
+    /// What cannot be hidden there.
+    pub fn of(hidden: Vec<Hidden>, choice: &Choice, seed: u64) -> Result<Trial, Error> {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let stage = Stage::new(choice.platforms.first().copied().unwrap_or(Platform::Op2));
+        let postures = Postures::Bench(100);
+        let poses = Poses::draw(&stage, postures, false, &mut random);
+        let outside = hidden.iter().any(|hidden| hidden.effect.is_outside());
+        let question = match hidden.len() {
+            0 => Question::Nothing,
+            _ if outside => Question::Outside,
+            count => Question::Library(count),
+        };
+        Trial::take(
+            (question, seed),
+            &stage,
+            (postures, &poses),
+            hidden,
+            Style::default(),
+            &mut random,
+        )
+    }
+
+    /// Takes the log.
+    fn take(
+        (question, seed): (Question, u64),
+        stage: &Stage,
+        (postures, poses): (Postures, &Poses),
+        hidden: Vec<Hidden>,
+        style: Style,
+        random: &mut ChaCha8Rng,
+    ) -> Result<Trial, Error> {
+        let world = hide_all(stage.world(), &hidden)?;
+        let log = Log::take(stage, &world, poses, style, random);
+        // Whoever predicts is not asked for outliers.
+        let lasting = hidden
+            .iter()
+            .filter(|hidden| hidden.effect != Effect::CopOutliers);
+        let lasting: Vec<Hidden> = lasting.cloned().collect();
+        Ok(Trial {
+            question,
+            stage: stage.clone(),
+            postures,
+            chi2: sizes::chi2(stage, &hidden, &poses.track, sigma(stage)),
+            aside: poses.read_aside(&hide_all(stage.world(), &lasting)?),
+            hidden,
+            log,
+            seed,
+        })
+    }
+}
+
+/// Standard deviation of a mean reading, m.
+fn sigma(stage: &Stage) -> f64 {
+    stage.reading_std() / (READINGS as f64).sqrt()
+}
+
 fn effects(question: Question, choice: &Choice, random: &mut ChaCha8Rng) -> Vec<Effect> {
     let mut pick = |from: &[Effect]| from.choose(random).copied();
     // A log in degrees is refused or warned of before anybody is asked.
@@ -136,7 +197,7 @@ fn attempt(
     let degrees = effects.contains(&Effect::Units);
     let poses = Poses::draw(stage, postures, degrees, random);
     let track = &poses.track;
-    let sigma = stage.reading_std() / (READINGS as f64).sqrt();
+    let sigma = sigma(stage);
     let mut hidden = Vec::new();
     for &effect in effects {
         let large = sizes::large(effect, stage, random);
@@ -164,24 +225,15 @@ fn attempt(
         ticks: random.random_bool(0.25) && !degrees,
         repeats: postures.count() <= 38 && random.random_bool(0.2),
     };
-    let world = hide_all(stage.world(), &hidden).ok()?;
-    let log = Log::take(stage, &world, &poses, style, random);
-    // Whoever predicts is not asked for outliers.
-    let lasting = hidden
-        .iter()
-        .filter(|hidden| hidden.effect != Effect::CopOutliers);
-    let lasting: Vec<Hidden> = lasting.cloned().collect();
-    let aside = poses.read_aside(&hide_all(stage.world(), &lasting).ok()?);
-    Some(Trial {
-        question,
-        stage: stage.clone(),
-        postures,
+    Trial::take(
+        (question, seed),
+        stage,
+        (postures, &poses),
         hidden,
-        chi2,
-        log,
-        aside,
-        seed,
-    })
+        style,
+        random,
+    )
+    .ok()
 }
 
 /// No two of them on the same thing in the same way, nor on the same plug.

@@ -195,7 +195,10 @@ impl Instance {
     /// `joint_offset:l_knee`; the name alone where there is no target.
     pub fn label(&self, setting: &Setting) -> String {
         match setting.name_of(&self.target) {
-            target if target == "-" => self.effect.name().to_string(),
+            // Which unit it is belongs to the finding, not to its name.
+            target if target == "-" || self.effect.name() == "units" => {
+                self.effect.name().to_string()
+            }
             target => format!("{}:{target}", self.effect.name()),
         }
     }
