@@ -10,7 +10,7 @@ use study::hidden::{Effect, Hidden, NOWHERE, hide_all};
 use study::judge::{Answer, Judgement, names, truth};
 use study::refit::Refit;
 use study::sizes::VISIBLE;
-use study::stage::{Platform, Postures};
+use study::stage::Platform;
 use study::survey::{Outcome, ask, everything, questions};
 use study::table::{Bound, Goal, goal_table, goals, mistakes};
 use study::trial::{Choice, Question, Trial};

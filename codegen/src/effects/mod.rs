@@ -126,7 +126,7 @@ pub trait Effect: Sync {
         (Stage::Cells..=Stage::Record).contains(&self.stage())
     }
 
-    /// Take the effect back: [`Measured::reading`] with it becomes the one without.
+    /// Take the effect back: the reading with it becomes the one without.
     ///
     /// Unless there is a closed form, [`Effect::rewrite`] is solved for its CoP.
     /// Faults of cells share their loads and are solved together.
