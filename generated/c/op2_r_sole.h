@@ -9,13 +9,13 @@
  * scalar         f32 (float); double is never touched
  *
  * function                   mul     add   sin_cos   proven |rounding error|, m
- * com                         80      80        20   1.4e-6
- * com_jacobian               335     200        20   1.4e-6
- * gravity_moments            165     118        20   1.3e-6
- * regressor                  218     106        20   5.8e-6
- * regressor_cop              144      70        20   5.8e-6
- * regressor_full             230     112        20   5.8e-6
- * cop                         78      78        20   1.3e-6
+ * com                         80      80        20   1.7e-6
+ * com_jacobian               335     200        20   1.6e-6
+ * gravity_moments            165     118        20   1.6e-6
+ * regressor                  218     106        20   7.5e-6
+ * regressor_cop              144      70        20   7.5e-6
+ * regressor_full             230     112        20   7.5e-6
+ * cop                         78      78        20   1.6e-6
  * com_sc                      88      84         0   1.4e-6
  * com_jacobian_sc            343     204         0   1.4e-6
  * gravity_moments_sc         173     122         0   1.3e-6
@@ -66,7 +66,7 @@ extern const op2_r_sole_real op2_r_sole_param_limits[op2_r_sole_BASE_PARAMS];
 
 /**
  * @brief Centre of mass in the support frame, m: r_0 + sum of B_i(q) r_i.
- * Proven rounding error below 1.4e-6 m; arrays must not overlap.
+ * Proven rounding error below 1.7e-6 m; arrays must not overlap.
  * @param[in] q joint positions, rad (m for sliding joints), [op2_r_sole_DOF]
  * @param[in] r base parameters, m, [op2_r_sole_BASE_PARAMS]
  * @param[out] com the result, [3]
@@ -75,7 +75,7 @@ void op2_r_sole_com(const op2_r_sole_real q[], const op2_r_sole_real r[], op2_r_
 
 /**
  * @brief d CoM / d q, m/rad (m/m for sliding joints), row-major: x, y, z.
- * Proven rounding error below 1.4e-6 m; arrays must not overlap.
+ * Proven rounding error below 1.6e-6 m; arrays must not overlap.
  * @param[in] q joint positions, rad (m for sliding joints), [op2_r_sole_DOF]
  * @param[in] r base parameters, m, [op2_r_sole_BASE_PARAMS]
  * @param[out] jac the result, [3 * op2_r_sole_DOF]
@@ -87,7 +87,7 @@ void op2_r_sole_com_jacobian(
 
 /**
  * @brief Moment of gravity about each joint, per kg of total mass times g, m: -d CoM_z / d q.
- * Proven rounding error below 1.3e-6 m; arrays must not overlap.
+ * Proven rounding error below 1.6e-6 m; arrays must not overlap.
  * @param[in] q joint positions, rad (m for sliding joints), [op2_r_sole_DOF]
  * @param[in] r base parameters, m, [op2_r_sole_BASE_PARAMS]
  * @param[out] moments the result, [op2_r_sole_DOF]
@@ -99,7 +99,7 @@ void op2_r_sole_gravity_moments(
 
 /**
  * @brief Rows of the base regressor, row-major: CoM = rows r.
- * Proven rounding error below 5.8e-6 m; arrays must not overlap.
+ * Proven rounding error below 7.5e-6 m; arrays must not overlap.
  * @param[in] q joint positions, rad (m for sliding joints), [op2_r_sole_DOF]
  * @param[out] rows the result, [3 * op2_r_sole_BASE_PARAMS]
  */
@@ -109,7 +109,7 @@ void op2_r_sole_regressor(
 
 /**
  * @brief The x and y rows of the base regressor, row-major: CoP = rows r.
- * Proven rounding error below 5.8e-6 m; arrays must not overlap.
+ * Proven rounding error below 7.5e-6 m; arrays must not overlap.
  * @param[in] q joint positions, rad (m for sliding joints), [op2_r_sole_DOF]
  * @param[out] rows the result, [2 * op2_r_sole_BASE_PARAMS]
  */
@@ -119,7 +119,7 @@ void op2_r_sole_regressor_cop(
 
 /**
  * @brief Rows [B_0 B_1 ...] of the full regressor in link frames, row-major.
- * Proven rounding error below 5.8e-6 m; arrays must not overlap.
+ * Proven rounding error below 7.5e-6 m; arrays must not overlap.
  * @param[in] q joint positions, rad (m for sliding joints), [op2_r_sole_DOF]
  * @param[out] rows the result, [3 * op2_r_sole_FULL_PARAMS]
  */
@@ -129,7 +129,7 @@ void op2_r_sole_regressor_full(
 
 /**
  * @brief Centre of pressure that a static posture shows on a level sole, m.
- * Proven rounding error below 1.3e-6 m; arrays must not overlap.
+ * Proven rounding error below 1.6e-6 m; arrays must not overlap.
  * @param[in] q joint positions, rad (m for sliding joints), [op2_r_sole_DOF]
  * @param[in] r base parameters, m, [op2_r_sole_BASE_PARAMS]
  * @param[out] cop the result, [2]

@@ -14,10 +14,10 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::real::Real;
 
-/// `N` numbers, one per posture, with elementwise arithmetic.
+/// `N` numbers, one per posture, with elementwise arithmetic; they start at a cache line.
 ///
 /// ```
-/// use sesc_runtime::{F64x4, Lanes, Real, pack, unpack};
+/// use sesc_runtime::{F64x8, Lanes, Real, pack, unpack};
 ///
 /// /// Forward position of a two-link arm, in metres.
 /// fn forward<T: Real>(q: &[T; 2]) -> [T; 1] {
@@ -26,22 +26,18 @@ use crate::real::Real;
 ///     [T::from_f64(0.3) * s_hip + T::from_f64(0.25) * s_both]
 /// }
 ///
-/// // Four postures, a row each.
-/// let postures = [[0.1, 0.2], [0.3, -0.4], [0.5, 0.6], [-0.7, 0.8]];
-/// let q: [F64x4; 2] = pack(&postures);
-/// let results: [[f64; 1]; 4] = unpack(&forward(&q));
+/// // Eight postures, a row each.
+/// let postures: [[f64; 2]; 8] = core::array::from_fn(|k| [0.1 * k as f64, 0.2]);
+/// let q: [F64x8; 2] = pack(&postures);
+/// let results: [[f64; 1]; 8] = unpack(&forward(&q));
 /// assert_eq!(results[2], forward(&postures[2]));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[repr(transparent)]
+#[repr(C, align(64))]
 pub struct Lanes<S, const N: usize>(pub [S; N]);
 
-/// Four postures in double precision: a register of AVX2.
-pub type F64x4 = Lanes<f64, 4>;
 /// Eight postures in double precision: a register of AVX-512, a cache line.
 pub type F64x8 = Lanes<f64, 8>;
-/// Eight postures in single precision: a register of AVX2.
-pub type F32x8 = Lanes<f32, 8>;
 /// Sixteen postures in single precision: a register of AVX-512, a cache line.
 pub type F32x16 = Lanes<f32, 16>;
 

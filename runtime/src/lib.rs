@@ -38,10 +38,10 @@
 //! ```
 
 #![no_std]
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 #![warn(missing_docs)]
 
-#[cfg(test)]
+#[cfg(any(test, feature = "std"))]
 extern crate std;
 
 pub mod fit;
@@ -49,8 +49,10 @@ mod lanes;
 mod model;
 pub mod power;
 mod real;
+mod simd;
 pub mod trig;
 
-pub use lanes::{F32x8, F32x16, F64x4, F64x8, Lanes, pack, unpack};
+pub use lanes::{F32x16, F64x8, Lanes, pack, unpack};
 pub use model::{CorrectCop, Sesc, SescFromSinCos};
 pub use real::Real;
+pub use simd::{Batch, Block, Scalar, Simd, Single};

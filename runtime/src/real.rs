@@ -23,9 +23,10 @@ use crate::{power, trig};
 
 /// A number, or several numbers side by side, that generated code computes with.
 ///
-/// Each operation rounds once and is never fused with its neighbour, so that
-/// one generated body gives the same bits for a scalar and for every lane. Nothing
-/// panics: NaN goes in at one end and comes out at the other.
+/// With floats and [`Lanes`](crate::Lanes) each operation rounds once and is never
+/// fused with its neighbour, so that one generated body gives the same bits for a
+/// scalar and for every lane, on every machine. The registers behind
+/// [`Simd`](crate::Simd) fuse where the machine does. Nothing panics: NaN goes in at one end and comes out at the other.
 ///
 /// In a crate that links `std`, `f64` and `f32` have inherent methods of the name
 /// `sin_cos`, and the method syntax on a concrete float finds those first. Write
@@ -48,6 +49,13 @@ pub trait Real:
 {
     /// The constant `x`, rounded to the nearest representable number, in every lane.
     fn from_f64(x: f64) -> Self;
+
+    /// `self · factor + term`: by one rounding where the register fuses them, by two
+    /// elsewhere.
+    #[inline(always)]
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        self * factor + term
+    }
 
     /// Sine and cosine of an angle in radians, in this order.
     ///

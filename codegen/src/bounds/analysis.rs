@@ -3,7 +3,7 @@
 
 use std::collections::HashMap;
 
-use super::{Arithmetic, CONSTANT_ULPS, Input, KERNEL_ULPS, U64, effects, fixed};
+use super::{Arithmetic, CONSTANT_ULPS, Input, KERNEL_UNITS, U64, effects, fixed};
 use crate::expr::{Expr, Id};
 use crate::program::{Program, operands};
 
@@ -243,8 +243,7 @@ impl<'p> Analysis<'p> {
         match self.arithmetic {
             // Beyond their domain the kernels answer NaN: nothing is proven.
             Arithmetic::Float { largest_angle, .. } if size > largest_angle => f64::INFINITY,
-            // An ulp of a value below one is at most u.
-            Arithmetic::Float { precision, .. } => KERNEL_ULPS * precision.unit(),
+            Arithmetic::Float { precision, .. } => KERNEL_UNITS * precision.unit(),
             Arithmetic::Fixed(_) => fixed::kernel_error(size),
         }
     }

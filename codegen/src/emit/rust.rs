@@ -180,7 +180,7 @@ fn unit_struct(model: &Model, name: &str, from_sines: bool, corrects: bool) -> T
                 let (parameters, arguments) = signature(function, given, |array| array.to_string());
                 let result = result(function);
                 quote! {
-                    #[inline]
+                    #[inline(always)]
                     fn #name<T: Real>(#parameters) -> #result { #name(#(#arguments),*) }
                 }
             })
@@ -199,7 +199,7 @@ fn unit_struct(model: &Model, name: &str, from_sines: bool, corrects: bool) -> T
         quote! {
             #allow
             impl sesc_runtime::CorrectCop for #unit {
-                #[inline]
+                #[inline(always)]
                 fn correct_cop<T: Real>(reading: &[T; 2]) -> [T; 2] { correct_cop(reading) }
             }
         }
@@ -212,6 +212,7 @@ fn unit_struct(model: &Model, name: &str, from_sines: bool, corrects: bool) -> T
         #allow
         impl Sesc<DOF, BASE_PARAMS, FULL_PARAMS> for #unit {
             const JOINT_NAMES: [&'static str; DOF] = JOINT_NAMES;
+            const SLIDING: [bool; DOF] = SLIDING;
             const CAD_PARAMS: [f64; BASE_PARAMS] = CAD_PARAMS;
             #(#methods)*
         }
@@ -304,6 +305,7 @@ fn function(model: &Model, row: &Row, program: &Program, titles: &mut Vec<String
     quote! {
         #(#[doc = #doc])*
         #allow
+        #[inline(always)]
         pub fn #name<T: Real>(#parameters) -> #result { #body }
     }
 }
@@ -371,10 +373,16 @@ impl Body<'_> {
             }
             // A sum on the right keeps its parentheses: rounding depends on the order.
             Expr::Add(a, b) => {
+                if let Some(fused) = self.fused(a, b, false) {
+                    return (fused, Strength::Atom);
+                }
                 let (a, b) = (at(a, Strength::Sum), at(b, Strength::Product));
                 (quote!(#a + #b), Strength::Sum)
             }
             Expr::Sub(a, b) => {
+                if let Some(fused) = self.fused(a, b, true) {
+                    return (fused, Strength::Atom);
+                }
                 let (a, b) = (at(a, Strength::Sum), at(b, Strength::Product));
                 (quote!(#a - #b), Strength::Sum)
             }
@@ -407,6 +415,41 @@ impl Body<'_> {
                 (quote!(#a.sin_cos().1), Strength::Atom)
             }
         }
+    }
+
+    /// The factors of a product that only the sum at hand uses, a constant last.
+    fn factors(&self, id: Id) -> Option<[Id; 2]> {
+        match self.0.program.expr(id) {
+            Expr::Mul(a, b) if self.0.name(id).is_none() => {
+                let constant = |id| matches!(self.0.program.expr(id), Expr::Const(_));
+                Some(if constant(a) { [b, a] } else { [a, b] })
+            }
+            _ => None,
+        }
+    }
+
+    /// `a ± b` where one is a product: one rounding fewer where the machine can.
+    fn fused(&self, a: Id, b: Id, minus: bool) -> Option<TokenStream> {
+        let atom = |id: Id| {
+            let (value, strength) = self.operand(id);
+            parenthesised(value, strength, Strength::Atom)
+        };
+        let (negated, [x, y], term) = match (self.factors(a), self.factors(b)) {
+            (Some(factors), _) => (false, factors, b),
+            (None, Some(factors)) => (minus, factors, a),
+            (None, None) => return None,
+        };
+        let x = atom(x);
+        let x = if negated { quote!((-#x)) } else { x };
+        let y = self.operand(y).0;
+        let term = match minus && !negated {
+            true => {
+                let term = atom(term);
+                quote!(-#term)
+            }
+            false => self.operand(term).0,
+        };
+        Some(quote!(#x.mul_add(#y, #term)))
     }
 
     /// The array of results; repeated constants get a name first.

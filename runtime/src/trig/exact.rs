@@ -19,6 +19,25 @@ impl Exact {
         Self { constants }
     }
 
+    /// Errors of what an `f64` function gave at `x` for sine and cosine.
+    pub fn errors(&mut self, x: f64, got: (f64, f64)) -> (f64, f64) {
+        let angle = BigFloat::from_f64(x, BITS);
+        let sin = angle.sin(BITS, RoundingMode::ToEven, &mut self.constants);
+        let cos = angle.cos(BITS, RoundingMode::ToEven, &mut self.constants);
+        let error = |truth: &BigFloat, got: f64| {
+            let got = BigFloat::from_f64(got, BITS);
+            let difference = truth.sub(&got, BITS, RoundingMode::ToEven);
+            match difference.is_zero() {
+                true => 0.0,
+                false => {
+                    let (mantissa, exponent) = fraction(&difference);
+                    mantissa * f64::from(exponent).exp2()
+                }
+            }
+        };
+        (error(&sin, got.0), error(&cos, got.1))
+    }
+
     /// Errors, in ulp, of what an `f64` function gave at `x` for sine and cosine.
     pub fn errors_ulp(&mut self, x: f64, got: (f64, f64)) -> (f64, f64) {
         let angle = BigFloat::from_f64(x, BITS);

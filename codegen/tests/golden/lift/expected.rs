@@ -6,13 +6,13 @@
 // snapped        thumb: 3.7e-6 rad to a right angle, CoM moves by at most 2.3e-8 m
 //
 // function                 mul     add   sin_cos   proven |rounding error|, m
-// com                       16      15         2   2.5e-15 (f64)  1.5e-7 (f32)
-// com_jacobian              32      24         2   2.3e-15 (f64)  1.1e-7 (f32)
-// gravity_moments           18      12         2   2.0e-15 (f64)  8.8e-8 (f32)
-// regressor                 23      15         2   4.5e-14 (f64)  1.6e-6 (f32)
-// regressor_cop             16      10         2   4.5e-14 (f64)  1.6e-6 (f32)
-// regressor_full            38      30         2   4.5e-14 (f64)  1.6e-6 (f32)
-// cop                       13      12         2   2.3e-15 (f64)  1.2e-7 (f32)
+// com                       16      15         2   2.5e-15 (f64)  1.6e-7 (f32)
+// com_jacobian              32      24         2   2.4e-15 (f64)  1.2e-7 (f32)
+// gravity_moments           18      12         2   2.1e-15 (f64)  9.5e-8 (f32)
+// regressor                 23      15         2   4.6e-14 (f64)  1.8e-6 (f32)
+// regressor_cop             16      10         2   4.6e-14 (f64)  1.8e-6 (f32)
+// regressor_full            38      30         2   4.6e-14 (f64)  1.8e-6 (f32)
+// cop                       13      12         2   2.3e-15 (f64)  1.3e-7 (f32)
 // com_sc                    24      19         0   3.3e-15 (f64)  1.9e-7 (f32)
 // com_jacobian_sc           40      28         0   3.6e-15 (f64)  1.5e-7 (f32)
 // gravity_moments_sc        26      16         0   3.1e-15 (f64)  1.4e-7 (f32)
@@ -92,32 +92,33 @@ pub struct Lift;
 #[allow(dead_code, clippy::all)]
 impl Sesc<DOF, BASE_PARAMS, FULL_PARAMS> for Lift {
     const JOINT_NAMES: [&'static str; DOF] = JOINT_NAMES;
+    const SLIDING: [bool; DOF] = SLIDING;
     const CAD_PARAMS: [f64; BASE_PARAMS] = CAD_PARAMS;
-    #[inline]
+    #[inline(always)]
     fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
         com(q, r)
     }
-    #[inline]
+    #[inline(always)]
     fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3] {
         com_jacobian(q, r)
     }
-    #[inline]
+    #[inline(always)]
     fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] {
         gravity_moments(q, r)
     }
-    #[inline]
+    #[inline(always)]
     fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         regressor(q)
     }
-    #[inline]
+    #[inline(always)]
     fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         regressor_cop(q)
     }
-    #[inline]
+    #[inline(always)]
     fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
         regressor_full(q)
     }
-    #[inline]
+    #[inline(always)]
     fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
         cop(q, r)
     }
@@ -125,11 +126,11 @@ impl Sesc<DOF, BASE_PARAMS, FULL_PARAMS> for Lift {
 
 #[allow(dead_code, clippy::all)]
 impl sesc_runtime::SescFromSinCos<DOF, BASE_PARAMS, FULL_PARAMS> for Lift {
-    #[inline]
+    #[inline(always)]
     fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
         com_sc(sin, cos, r)
     }
-    #[inline]
+    #[inline(always)]
     fn com_jacobian_sc<T: Real>(
         sin: &[T; DOF],
         cos: &[T; DOF],
@@ -137,7 +138,7 @@ impl sesc_runtime::SescFromSinCos<DOF, BASE_PARAMS, FULL_PARAMS> for Lift {
     ) -> [[T; DOF]; 3] {
         com_jacobian_sc(sin, cos, r)
     }
-    #[inline]
+    #[inline(always)]
     fn gravity_moments_sc<T: Real>(
         sin: &[T; DOF],
         cos: &[T; DOF],
@@ -145,25 +146,25 @@ impl sesc_runtime::SescFromSinCos<DOF, BASE_PARAMS, FULL_PARAMS> for Lift {
     ) -> [T; DOF] {
         gravity_moments_sc(sin, cos, r)
     }
-    #[inline]
+    #[inline(always)]
     fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         regressor_sc(sin, cos)
     }
-    #[inline]
+    #[inline(always)]
     fn regressor_cop_sc<T: Real>(
         sin: &[T; DOF],
         cos: &[T; DOF],
     ) -> [[T; BASE_PARAMS]; 2] {
         regressor_cop_sc(sin, cos)
     }
-    #[inline]
+    #[inline(always)]
     fn regressor_full_sc<T: Real>(
         sin: &[T; DOF],
         cos: &[T; DOF],
     ) -> [[T; FULL_PARAMS]; 3] {
         regressor_full_sc(sin, cos)
     }
-    #[inline]
+    #[inline(always)]
     fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
         cop_sc(sin, cos, r)
     }
@@ -171,47 +172,55 @@ impl sesc_runtime::SescFromSinCos<DOF, BASE_PARAMS, FULL_PARAMS> for Lift {
 
 /// Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i.
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
 pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
     // thumb
     let e1 = q[1] - T::from_f64(0.5636476090008061);
     let (s_thumb, c_thumb) = e1.sin_cos();
-    let t_thumb_x = c_thumb * r[6] + s_thumb * r[7];
-    let t_thumb_y = s_thumb * r[6] - c_thumb * r[7];
+    let t_thumb_x = c_thumb.mul_add(r[6], s_thumb * r[7]);
+    let t_thumb_y = s_thumb.mul_add(r[6], -(c_thumb * r[7]));
     // wrist
-    let v_wrist_x = r[4] - T::from_f64(0.6666666666666666) * t_thumb_y;
+    let v_wrist_x = (-t_thumb_y).mul_add(T::from_f64(0.6666666666666666), r[4]);
     let v_wrist_y = r[5] + t_thumb_x;
     let e2 = q[1] - T::from_f64(0.4636476090008061);
     let (s_wrist, c_wrist) = e2.sin_cos();
-    let t_wrist_x = c_wrist * v_wrist_x - s_wrist * v_wrist_y;
-    let e3 = s_wrist * v_wrist_x + c_wrist * v_wrist_y;
+    let t_wrist_x = c_wrist.mul_add(v_wrist_x, -(s_wrist * v_wrist_y));
+    let e3 = s_wrist.mul_add(v_wrist_x, c_wrist * v_wrist_y);
     // lift
-    let e4 = T::from_f64(0.5) * t_wrist_x - e3
-        + T::from_f64(0.372677996249965) * t_thumb_y;
-    let w_wrist_x = t_wrist_x - T::from_f64(0.6666666666666666) * e4;
-    let w_wrist_z = T::from_f64(0.6666666666666667) * e4
-        - T::from_f64(0.7453559924999299) * t_thumb_y;
+    let e4 = t_thumb_y
+        .mul_add(
+            T::from_f64(0.372677996249965),
+            t_wrist_x.mul_add(T::from_f64(0.5), -e3),
+        );
+    let w_wrist_x = (-e4).mul_add(T::from_f64(0.6666666666666666), t_wrist_x);
+    let w_wrist_z = e4
+        .mul_add(
+            T::from_f64(0.6666666666666667),
+            -(T::from_f64(0.7453559924999299) * t_thumb_y),
+        );
     // base
     let v_base_x = r[0] + w_wrist_x;
-    let v_base_y = r[1] - (e3 + T::from_f64(1.3333333333333333) * e4);
-    let v_base_z = r[2] + (w_wrist_z + q[0] * r[3]);
+    let v_base_y = r[1] - e4.mul_add(T::from_f64(1.3333333333333333), e3);
+    let v_base_z = r[2] + q[0].mul_add(r[3], w_wrist_z);
     [v_base_x, v_base_y, v_base_z]
 }
 
 /// ∂CoM/∂q, m/rad (m/m for sliding joints), one row per axis.
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
 pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3] {
     // thumb
     let e1 = q[1] - T::from_f64(0.5636476090008061);
     let (s_thumb, c_thumb) = e1.sin_cos();
-    let t_thumb_x = c_thumb * r[6] + s_thumb * r[7];
-    let t_thumb_y = s_thumb * r[6] - c_thumb * r[7];
+    let t_thumb_x = c_thumb.mul_add(r[6], s_thumb * r[7]);
+    let t_thumb_y = s_thumb.mul_add(r[6], -(c_thumb * r[7]));
     // wrist
-    let v_wrist_x = r[4] - T::from_f64(0.6666666666666666) * t_thumb_y;
+    let v_wrist_x = (-t_thumb_y).mul_add(T::from_f64(0.6666666666666666), r[4]);
     let v_wrist_y = r[5] + t_thumb_x;
     let e2 = q[1] - T::from_f64(0.4636476090008061);
     let (s_wrist, c_wrist) = e2.sin_cos();
-    let t_wrist_x = c_wrist * v_wrist_x - s_wrist * v_wrist_y;
-    let e3 = s_wrist * v_wrist_x + c_wrist * v_wrist_y;
+    let t_wrist_x = c_wrist.mul_add(v_wrist_x, -(s_wrist * v_wrist_y));
+    let e3 = s_wrist.mul_add(v_wrist_x, c_wrist * v_wrist_y);
     // wrist
     let e4 = T::from_f64(0.6666666666666667) * c_wrist;
     let e5 = T::from_f64(0.6666666666666666) * s_wrist;
@@ -219,70 +228,112 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     let e6 = T::from_f64(0.6666666666666666) * c_wrist;
     let e7 = T::from_f64(0.6666666666666667) * s_wrist;
     // wrist
-    let by_wrist_x = T::from_f64(0.33333333333333326) * s_wrist - e6;
-    let by_wrist_y = T::from_f64(0.33333333333333326) * c_wrist + e5;
+    let by_wrist_x = s_wrist.mul_add(T::from_f64(0.33333333333333326), -e6);
+    let by_wrist_y = c_wrist.mul_add(T::from_f64(0.33333333333333326), e5);
     // wrist
-    let bz_wrist_x = T::from_f64(0.33333333333333337) * c_wrist - e7;
+    let bz_wrist_x = c_wrist.mul_add(T::from_f64(0.33333333333333337), -e7);
     let zero = T::from_f64(0.0);
     [
         [
             zero,
-            (e7 - e6) * t_thumb_y
-                - (T::from_f64(0.6666666666666666) * bx_wrist_x
-                    + T::from_f64(0.24845199749997665)) * t_thumb_x
-                - (T::from_f64(0.6666666666666667) * e3
-                    - T::from_f64(0.6666666666666666) * t_wrist_x),
+            (e7 - e6)
+                .mul_add(
+                    t_thumb_y,
+                    -(bx_wrist_x
+                        .mul_add(
+                            T::from_f64(0.6666666666666666),
+                            T::from_f64(0.24845199749997665),
+                        ) * t_thumb_x),
+                )
+                - e3
+                    .mul_add(
+                        T::from_f64(0.6666666666666667),
+                        -(T::from_f64(0.6666666666666666) * t_wrist_x),
+                    ),
         ],
         [
             zero,
-            T::from_f64(0.33333333333333326) * t_wrist_x
-                + T::from_f64(0.6666666666666666) * e3
-                - ((T::from_f64(0.6666666666666666) * by_wrist_x
-                    + T::from_f64(0.4969039949999533)) * t_thumb_x
-                    + by_wrist_y * t_thumb_y),
+            t_wrist_x
+                .mul_add(
+                    T::from_f64(0.33333333333333326),
+                    T::from_f64(0.6666666666666666) * e3,
+                )
+                - by_wrist_x
+                    .mul_add(
+                        T::from_f64(0.6666666666666666),
+                        T::from_f64(0.4969039949999533),
+                    )
+                    .mul_add(t_thumb_x, by_wrist_y * t_thumb_y),
         ],
         [
             r[3],
-            (e4 + T::from_f64(0.33333333333333337) * s_wrist) * t_thumb_y
-                - (T::from_f64(0.6666666666666666) * bz_wrist_x
-                    + T::from_f64(0.49690399499995314)) * t_thumb_x
-                - (T::from_f64(0.6666666666666667) * t_wrist_x
-                    + T::from_f64(0.33333333333333337) * e3),
+            s_wrist
+                .mul_add(T::from_f64(0.33333333333333337), e4)
+                .mul_add(
+                    t_thumb_y,
+                    -(bz_wrist_x
+                        .mul_add(
+                            T::from_f64(0.6666666666666666),
+                            T::from_f64(0.49690399499995314),
+                        ) * t_thumb_x),
+                )
+                - t_wrist_x
+                    .mul_add(
+                        T::from_f64(0.6666666666666667),
+                        T::from_f64(0.33333333333333337) * e3,
+                    ),
         ],
     ]
 }
 
 /// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
 pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] {
     // thumb
     let e1 = q[1] - T::from_f64(0.5636476090008061);
     let (s_thumb, c_thumb) = e1.sin_cos();
-    let t_thumb_x = c_thumb * r[6] + s_thumb * r[7];
-    let t_thumb_y = s_thumb * r[6] - c_thumb * r[7];
+    let t_thumb_x = c_thumb.mul_add(r[6], s_thumb * r[7]);
+    let t_thumb_y = s_thumb.mul_add(r[6], -(c_thumb * r[7]));
     // wrist
-    let v_wrist_x = r[4] - T::from_f64(0.6666666666666666) * t_thumb_y;
+    let v_wrist_x = (-t_thumb_y).mul_add(T::from_f64(0.6666666666666666), r[4]);
     let v_wrist_y = r[5] + t_thumb_x;
     let e2 = q[1] - T::from_f64(0.4636476090008061);
     let (s_wrist, c_wrist) = e2.sin_cos();
-    let t_wrist_x = c_wrist * v_wrist_x - s_wrist * v_wrist_y;
+    let t_wrist_x = c_wrist.mul_add(v_wrist_x, -(s_wrist * v_wrist_y));
     // wrist
-    let bz_wrist_x = T::from_f64(0.33333333333333337) * c_wrist
-        - T::from_f64(0.6666666666666667) * s_wrist;
+    let bz_wrist_x = c_wrist
+        .mul_add(
+            T::from_f64(0.33333333333333337),
+            -(T::from_f64(0.6666666666666667) * s_wrist),
+        );
     [
         -r[3],
-        T::from_f64(0.6666666666666667) * t_wrist_x
-            + T::from_f64(0.33333333333333337)
-                * (s_wrist * v_wrist_x + c_wrist * v_wrist_y)
-            - ((T::from_f64(0.6666666666666667) * c_wrist
-                + T::from_f64(0.33333333333333337) * s_wrist) * t_thumb_y
-                - (T::from_f64(0.6666666666666666) * bz_wrist_x
-                    + T::from_f64(0.49690399499995314)) * t_thumb_x),
+        t_wrist_x
+            .mul_add(
+                T::from_f64(0.6666666666666667),
+                T::from_f64(0.33333333333333337)
+                    * s_wrist.mul_add(v_wrist_x, c_wrist * v_wrist_y),
+            )
+            - c_wrist
+                .mul_add(
+                    T::from_f64(0.6666666666666667),
+                    T::from_f64(0.33333333333333337) * s_wrist,
+                )
+                .mul_add(
+                    t_thumb_y,
+                    -(bz_wrist_x
+                        .mul_add(
+                            T::from_f64(0.6666666666666666),
+                            T::from_f64(0.49690399499995314),
+                        ) * t_thumb_x),
+                ),
     ]
 }
 
 /// Rows of the base regressor: CoM = rows · r.
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
 pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     // wrist
     let e1 = q[1] - T::from_f64(0.4636476090008061);
@@ -297,27 +348,27 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     // thumb
     let e7 = q[1] - T::from_f64(0.5636476090008061);
     let (s_thumb, c_thumb) = e7.sin_cos();
-    let e8 = T::from_f64(0.6666666666666666) * bx_wrist_x
-        + T::from_f64(0.24845199749997665);
-    let bx_thumb_x = -(e6 * c_thumb + e8 * s_thumb);
-    let bx_thumb_y = -(e6 * s_thumb - e8 * c_thumb);
+    let e8 = bx_wrist_x
+        .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
+    let bx_thumb_x = -e6.mul_add(c_thumb, e8 * s_thumb);
+    let bx_thumb_y = -e6.mul_add(s_thumb, -(e8 * c_thumb));
     // wrist
-    let by_wrist_x = T::from_f64(0.33333333333333326) * s_wrist - e4;
-    let by_wrist_y = T::from_f64(0.33333333333333326) * c_wrist + e3;
+    let by_wrist_x = s_wrist.mul_add(T::from_f64(0.33333333333333326), -e4);
+    let by_wrist_y = c_wrist.mul_add(T::from_f64(0.33333333333333326), e3);
     // thumb
-    let e9 = T::from_f64(0.6666666666666666) * by_wrist_x
-        + T::from_f64(0.4969039949999533);
-    let by_thumb_x = by_wrist_y * c_thumb - e9 * s_thumb;
-    let by_thumb_y = e9 * c_thumb + by_wrist_y * s_thumb;
+    let e9 = by_wrist_x
+        .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.4969039949999533));
+    let by_thumb_x = by_wrist_y.mul_add(c_thumb, -(e9 * s_thumb));
+    let by_thumb_y = e9.mul_add(c_thumb, by_wrist_y * s_thumb);
     // wrist
-    let bz_wrist_x = T::from_f64(0.33333333333333337) * c_wrist - e5;
-    let e10 = e2 + T::from_f64(0.33333333333333337) * s_wrist;
+    let bz_wrist_x = c_wrist.mul_add(T::from_f64(0.33333333333333337), -e5);
+    let e10 = s_wrist.mul_add(T::from_f64(0.33333333333333337), e2);
     let bz_wrist_y = -e10;
     // thumb
-    let e11 = T::from_f64(0.6666666666666666) * bz_wrist_x
-        + T::from_f64(0.49690399499995314);
-    let bz_thumb_x = -(e10 * c_thumb + e11 * s_thumb);
-    let bz_thumb_y = -(e10 * s_thumb - e11 * c_thumb);
+    let e11 = bz_wrist_x
+        .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
+    let bz_thumb_x = -e10.mul_add(c_thumb, e11 * s_thumb);
+    let bz_thumb_y = -e10.mul_add(s_thumb, -(e11 * c_thumb));
     let zero = T::from_f64(0.0);
     let one = T::from_f64(1.0);
     [
@@ -329,30 +380,31 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
 
 /// The x and y rows of the base regressor: CoP = rows · r.
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
 pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
     // wrist
     let e1 = q[1] - T::from_f64(0.4636476090008061);
     let (s_wrist, c_wrist) = e1.sin_cos();
     let e2 = T::from_f64(0.6666666666666666) * s_wrist;
-    let bx_wrist_x = T::from_f64(0.6666666666666667) * c_wrist + e2;
+    let bx_wrist_x = c_wrist.mul_add(T::from_f64(0.6666666666666667), e2);
     let e3 = T::from_f64(0.6666666666666666) * c_wrist;
-    let e4 = T::from_f64(0.6666666666666667) * s_wrist - e3;
+    let e4 = s_wrist.mul_add(T::from_f64(0.6666666666666667), -e3);
     let bx_wrist_y = -e4;
     // thumb
     let e5 = q[1] - T::from_f64(0.5636476090008061);
     let (s_thumb, c_thumb) = e5.sin_cos();
-    let e6 = T::from_f64(0.6666666666666666) * bx_wrist_x
-        + T::from_f64(0.24845199749997665);
-    let bx_thumb_x = -(e4 * c_thumb + e6 * s_thumb);
-    let bx_thumb_y = -(e4 * s_thumb - e6 * c_thumb);
+    let e6 = bx_wrist_x
+        .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
+    let bx_thumb_x = -e4.mul_add(c_thumb, e6 * s_thumb);
+    let bx_thumb_y = -e4.mul_add(s_thumb, -(e6 * c_thumb));
     // wrist
-    let by_wrist_x = T::from_f64(0.33333333333333326) * s_wrist - e3;
-    let by_wrist_y = T::from_f64(0.33333333333333326) * c_wrist + e2;
+    let by_wrist_x = s_wrist.mul_add(T::from_f64(0.33333333333333326), -e3);
+    let by_wrist_y = c_wrist.mul_add(T::from_f64(0.33333333333333326), e2);
     // thumb
-    let e7 = T::from_f64(0.6666666666666666) * by_wrist_x
-        + T::from_f64(0.4969039949999533);
-    let by_thumb_x = by_wrist_y * c_thumb - e7 * s_thumb;
-    let by_thumb_y = e7 * c_thumb + by_wrist_y * s_thumb;
+    let e7 = by_wrist_x
+        .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.4969039949999533));
+    let by_thumb_x = by_wrist_y.mul_add(c_thumb, -(e7 * s_thumb));
+    let by_thumb_y = e7.mul_add(c_thumb, by_wrist_y * s_thumb);
     let zero = T::from_f64(0.0);
     let one = T::from_f64(1.0);
     [
@@ -363,6 +415,7 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
 
 /// Rows [B_0 B_1 …] of the full regressor, seed paper Eq. (5), in link frames.
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
 pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     // wrist
     let e1 = q[1] - T::from_f64(0.4636476090008061);
@@ -376,32 +429,32 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     // thumb
     let e7 = q[1] - T::from_f64(0.5636476090008061);
     let (s_thumb, c_thumb) = e7.sin_cos();
-    let e8 = T::from_f64(0.6666666666666666) * bx_wrist_x
-        + T::from_f64(0.24845199749997665);
-    let kx_thumb_z = T::from_f64(0.7453559924999299) * bx_wrist_x
-        - T::from_f64(0.22222222222222224);
-    let bx_thumb_x = -(e6 * c_thumb + e8 * s_thumb);
-    let bx_thumb_y = -(e6 * s_thumb - e8 * c_thumb);
+    let e8 = bx_wrist_x
+        .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
+    let kx_thumb_z = bx_wrist_x
+        .mul_add(T::from_f64(0.7453559924999299), -T::from_f64(0.22222222222222224));
+    let bx_thumb_x = -e6.mul_add(c_thumb, e8 * s_thumb);
+    let bx_thumb_y = -e6.mul_add(s_thumb, -(e8 * c_thumb));
     // wrist
-    let by_wrist_x = T::from_f64(0.33333333333333326) * s_wrist - e4;
-    let by_wrist_y = T::from_f64(0.33333333333333326) * c_wrist + e3;
+    let by_wrist_x = s_wrist.mul_add(T::from_f64(0.33333333333333326), -e4);
+    let by_wrist_y = c_wrist.mul_add(T::from_f64(0.33333333333333326), e3);
     // thumb
-    let e9 = T::from_f64(0.6666666666666666) * by_wrist_x
-        + T::from_f64(0.4969039949999533);
-    let ky_thumb_z = T::from_f64(0.7453559924999299) * by_wrist_x
-        - T::from_f64(0.4444444444444445);
-    let by_thumb_x = by_wrist_y * c_thumb - e9 * s_thumb;
-    let by_thumb_y = e9 * c_thumb + by_wrist_y * s_thumb;
+    let e9 = by_wrist_x
+        .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.4969039949999533));
+    let ky_thumb_z = by_wrist_x
+        .mul_add(T::from_f64(0.7453559924999299), -T::from_f64(0.4444444444444445));
+    let by_thumb_x = by_wrist_y.mul_add(c_thumb, -(e9 * s_thumb));
+    let by_thumb_y = e9.mul_add(c_thumb, by_wrist_y * s_thumb);
     // wrist
-    let bz_wrist_x = T::from_f64(0.33333333333333337) * c_wrist - e5;
-    let e10 = e2 + T::from_f64(0.33333333333333337) * s_wrist;
+    let bz_wrist_x = c_wrist.mul_add(T::from_f64(0.33333333333333337), -e5);
+    let e10 = s_wrist.mul_add(T::from_f64(0.33333333333333337), e2);
     // thumb
-    let e11 = T::from_f64(0.6666666666666666) * bz_wrist_x
-        + T::from_f64(0.49690399499995314);
-    let kz_thumb_z = T::from_f64(0.7453559924999299) * bz_wrist_x
-        - T::from_f64(0.4444444444444443);
-    let bz_thumb_x = -(e10 * c_thumb + e11 * s_thumb);
-    let bz_thumb_y = -(e10 * s_thumb - e11 * c_thumb);
+    let e11 = bz_wrist_x
+        .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
+    let kz_thumb_z = bz_wrist_x
+        .mul_add(T::from_f64(0.7453559924999299), -T::from_f64(0.4444444444444443));
+    let bz_thumb_x = -e10.mul_add(c_thumb, e11 * s_thumb);
+    let bz_thumb_y = -e10.mul_add(s_thumb, -(e11 * c_thumb));
     let zero = T::from_f64(0.0);
     let one = T::from_f64(1.0);
     [
@@ -413,13 +466,17 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             zero,
             zero,
             zero,
-            T::from_f64(0.29814239699997197) * bx_wrist_x
-                - T::from_f64(0.8944271909999159) * e6
-                + T::from_f64(0.11111111111111112),
+            bx_wrist_x
+                .mul_add(
+                    T::from_f64(0.29814239699997197),
+                    -(T::from_f64(0.8944271909999159) * e6),
+                ) + T::from_f64(0.11111111111111112),
             -kx_thumb_z,
-            T::from_f64(0.5962847939999439) * bx_wrist_x
-                + T::from_f64(0.4472135954999579) * e6
-                + T::from_f64(0.22222222222222224),
+            bx_wrist_x
+                .mul_add(
+                    T::from_f64(0.5962847939999439),
+                    T::from_f64(0.4472135954999579) * e6,
+                ) + T::from_f64(0.22222222222222224),
             bx_thumb_x,
             bx_thumb_y,
             kx_thumb_z,
@@ -432,13 +489,17 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             one,
             zero,
             zero,
-            T::from_f64(0.29814239699997197) * by_wrist_x
-                + T::from_f64(0.8944271909999159) * by_wrist_y
-                + T::from_f64(0.22222222222222224),
+            by_wrist_x
+                .mul_add(
+                    T::from_f64(0.29814239699997197),
+                    T::from_f64(0.8944271909999159) * by_wrist_y,
+                ) + T::from_f64(0.22222222222222224),
             -ky_thumb_z,
-            T::from_f64(0.5962847939999439) * by_wrist_x
-                - T::from_f64(0.4472135954999579) * by_wrist_y
-                + T::from_f64(0.4444444444444445),
+            by_wrist_x
+                .mul_add(
+                    T::from_f64(0.5962847939999439),
+                    -(T::from_f64(0.4472135954999579) * by_wrist_y),
+                ) + T::from_f64(0.4444444444444445),
             by_thumb_x,
             by_thumb_y,
             ky_thumb_z,
@@ -451,13 +512,17 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             zero,
             one,
             q[0],
-            T::from_f64(0.29814239699997197) * bz_wrist_x
-                - T::from_f64(0.8944271909999159) * e10
-                + T::from_f64(0.22222222222222215),
+            bz_wrist_x
+                .mul_add(
+                    T::from_f64(0.29814239699997197),
+                    -(T::from_f64(0.8944271909999159) * e10),
+                ) + T::from_f64(0.22222222222222215),
             -kz_thumb_z,
-            T::from_f64(0.5962847939999439) * bz_wrist_x
-                + T::from_f64(0.4472135954999579) * e10
-                + T::from_f64(0.4444444444444443),
+            bz_wrist_x
+                .mul_add(
+                    T::from_f64(0.5962847939999439),
+                    T::from_f64(0.4472135954999579) * e10,
+                ) + T::from_f64(0.4444444444444443),
             bz_thumb_x,
             bz_thumb_y,
             kz_thumb_z,
@@ -467,26 +532,30 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
 
 /// Centre of pressure that a static posture shows on a level sole, m.
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
 pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
     // thumb
     let e1 = q[1] - T::from_f64(0.5636476090008061);
     let (s_thumb, c_thumb) = e1.sin_cos();
-    let t_thumb_x = c_thumb * r[6] + s_thumb * r[7];
-    let t_thumb_y = s_thumb * r[6] - c_thumb * r[7];
+    let t_thumb_x = c_thumb.mul_add(r[6], s_thumb * r[7]);
+    let t_thumb_y = s_thumb.mul_add(r[6], -(c_thumb * r[7]));
     // wrist
-    let v_wrist_x = r[4] - T::from_f64(0.6666666666666666) * t_thumb_y;
+    let v_wrist_x = (-t_thumb_y).mul_add(T::from_f64(0.6666666666666666), r[4]);
     let v_wrist_y = r[5] + t_thumb_x;
     let e2 = q[1] - T::from_f64(0.4636476090008061);
     let (s_wrist, c_wrist) = e2.sin_cos();
-    let t_wrist_x = c_wrist * v_wrist_x - s_wrist * v_wrist_y;
-    let e3 = s_wrist * v_wrist_x + c_wrist * v_wrist_y;
+    let t_wrist_x = c_wrist.mul_add(v_wrist_x, -(s_wrist * v_wrist_y));
+    let e3 = s_wrist.mul_add(v_wrist_x, c_wrist * v_wrist_y);
     // lift
-    let e4 = T::from_f64(0.5) * t_wrist_x - e3
-        + T::from_f64(0.372677996249965) * t_thumb_y;
-    let w_wrist_x = t_wrist_x - T::from_f64(0.6666666666666666) * e4;
+    let e4 = t_thumb_y
+        .mul_add(
+            T::from_f64(0.372677996249965),
+            t_wrist_x.mul_add(T::from_f64(0.5), -e3),
+        );
+    let w_wrist_x = (-e4).mul_add(T::from_f64(0.6666666666666666), t_wrist_x);
     // base
     let v_base_x = r[0] + w_wrist_x;
-    let v_base_y = r[1] - (e3 + T::from_f64(1.3333333333333333) * e4);
+    let v_base_y = r[1] - e4.mul_add(T::from_f64(1.3333333333333333), e3);
     [v_base_x, v_base_y]
 }
 
@@ -494,34 +563,53 @@ pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
 pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
     // thumb
-    let s_thumb = T::from_f64(0.8453119193731673) * sin[1]
-        - T::from_f64(0.534273112710767) * cos[1];
-    let c_thumb = T::from_f64(0.8453119193731673) * cos[1]
-        + T::from_f64(0.534273112710767) * sin[1];
-    let t_thumb_x = c_thumb * r[6] + s_thumb * r[7];
-    let t_thumb_y = s_thumb * r[6] - c_thumb * r[7];
+    let s_thumb = sin[1]
+        .mul_add(
+            T::from_f64(0.8453119193731673),
+            -(T::from_f64(0.534273112710767) * cos[1]),
+        );
+    let c_thumb = cos[1]
+        .mul_add(
+            T::from_f64(0.8453119193731673),
+            T::from_f64(0.534273112710767) * sin[1],
+        );
+    let t_thumb_x = c_thumb.mul_add(r[6], s_thumb * r[7]);
+    let t_thumb_y = s_thumb.mul_add(r[6], -(c_thumb * r[7]));
     // wrist
-    let v_wrist_x = r[4] - T::from_f64(0.6666666666666666) * t_thumb_y;
+    let v_wrist_x = (-t_thumb_y).mul_add(T::from_f64(0.6666666666666666), r[4]);
     let v_wrist_y = r[5] + t_thumb_x;
-    let s_wrist = T::from_f64(0.4472135954999579) * cos[1]
-        - T::from_f64(0.8944271909999159) * sin[1];
-    let c_wrist = T::from_f64(0.8944271909999159) * cos[1]
-        + T::from_f64(0.4472135954999579) * sin[1];
-    let t_wrist_x = c_wrist * v_wrist_x + s_wrist * v_wrist_y;
-    let t_wrist_y = s_wrist * v_wrist_x - c_wrist * v_wrist_y;
+    let s_wrist = cos[1]
+        .mul_add(
+            T::from_f64(0.4472135954999579),
+            -(T::from_f64(0.8944271909999159) * sin[1]),
+        );
+    let c_wrist = cos[1]
+        .mul_add(
+            T::from_f64(0.8944271909999159),
+            T::from_f64(0.4472135954999579) * sin[1],
+        );
+    let t_wrist_x = c_wrist.mul_add(v_wrist_x, s_wrist * v_wrist_y);
+    let t_wrist_y = s_wrist.mul_add(v_wrist_x, -(c_wrist * v_wrist_y));
     // lift
-    let e1 = T::from_f64(0.5) * t_wrist_x + t_wrist_y
-        + T::from_f64(0.372677996249965) * t_thumb_y;
-    let w_wrist_x = t_wrist_x - T::from_f64(0.6666666666666666) * e1;
-    let w_wrist_y = t_wrist_y - T::from_f64(1.3333333333333333) * e1;
-    let w_wrist_z = T::from_f64(0.6666666666666667) * e1
-        - T::from_f64(0.7453559924999299) * t_thumb_y;
+    let e1 = t_thumb_y
+        .mul_add(
+            T::from_f64(0.372677996249965),
+            t_wrist_x.mul_add(T::from_f64(0.5), t_wrist_y),
+        );
+    let w_wrist_x = (-e1).mul_add(T::from_f64(0.6666666666666666), t_wrist_x);
+    let w_wrist_y = (-e1).mul_add(T::from_f64(1.3333333333333333), t_wrist_y);
+    let w_wrist_z = e1
+        .mul_add(
+            T::from_f64(0.6666666666666667),
+            -(T::from_f64(0.7453559924999299) * t_thumb_y),
+        );
     // base
     let v_base_x = r[0] + w_wrist_x;
     let v_base_y = r[1] + w_wrist_y;
-    let v_base_z = r[2] + (w_wrist_z + sin[0] * r[3]);
+    let v_base_z = r[2] + sin[0].mul_add(r[3], w_wrist_z);
     [v_base_x, v_base_y, v_base_z]
 }
 
@@ -529,27 +617,40 @@ pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
 pub fn com_jacobian_sc<T: Real>(
     sin: &[T; DOF],
     cos: &[T; DOF],
     r: &[T; BASE_PARAMS],
 ) -> [[T; DOF]; 3] {
     // thumb
-    let s_thumb = T::from_f64(0.8453119193731673) * sin[1]
-        - T::from_f64(0.534273112710767) * cos[1];
-    let c_thumb = T::from_f64(0.8453119193731673) * cos[1]
-        + T::from_f64(0.534273112710767) * sin[1];
-    let t_thumb_x = c_thumb * r[6] + s_thumb * r[7];
-    let t_thumb_y = s_thumb * r[6] - c_thumb * r[7];
+    let s_thumb = sin[1]
+        .mul_add(
+            T::from_f64(0.8453119193731673),
+            -(T::from_f64(0.534273112710767) * cos[1]),
+        );
+    let c_thumb = cos[1]
+        .mul_add(
+            T::from_f64(0.8453119193731673),
+            T::from_f64(0.534273112710767) * sin[1],
+        );
+    let t_thumb_x = c_thumb.mul_add(r[6], s_thumb * r[7]);
+    let t_thumb_y = s_thumb.mul_add(r[6], -(c_thumb * r[7]));
     // wrist
-    let v_wrist_x = r[4] - T::from_f64(0.6666666666666666) * t_thumb_y;
+    let v_wrist_x = (-t_thumb_y).mul_add(T::from_f64(0.6666666666666666), r[4]);
     let v_wrist_y = r[5] + t_thumb_x;
-    let s_wrist = T::from_f64(0.4472135954999579) * cos[1]
-        - T::from_f64(0.8944271909999159) * sin[1];
-    let c_wrist = T::from_f64(0.8944271909999159) * cos[1]
-        + T::from_f64(0.4472135954999579) * sin[1];
-    let t_wrist_x = c_wrist * v_wrist_x + s_wrist * v_wrist_y;
-    let t_wrist_y = s_wrist * v_wrist_x - c_wrist * v_wrist_y;
+    let s_wrist = cos[1]
+        .mul_add(
+            T::from_f64(0.4472135954999579),
+            -(T::from_f64(0.8944271909999159) * sin[1]),
+        );
+    let c_wrist = cos[1]
+        .mul_add(
+            T::from_f64(0.8944271909999159),
+            T::from_f64(0.4472135954999579) * sin[1],
+        );
+    let t_wrist_x = c_wrist.mul_add(v_wrist_x, s_wrist * v_wrist_y);
+    let t_wrist_y = s_wrist.mul_add(v_wrist_x, -(c_wrist * v_wrist_y));
     // wrist
     let e1 = T::from_f64(0.6666666666666667) * c_wrist;
     let e2 = T::from_f64(0.6666666666666666) * s_wrist;
@@ -558,35 +659,57 @@ pub fn com_jacobian_sc<T: Real>(
     let e4 = T::from_f64(0.6666666666666667) * s_wrist;
     let bx_wrist_y = e3 + e4;
     // thumb
-    let ky_thumb_y = T::from_f64(0.6666666666666666)
-        * (e3 + T::from_f64(0.33333333333333326) * s_wrist)
-        - T::from_f64(0.4969039949999533);
+    let ky_thumb_y = s_wrist
+        .mul_add(T::from_f64(0.33333333333333326), e3)
+        .mul_add(T::from_f64(0.6666666666666666), -T::from_f64(0.4969039949999533));
     // wrist
-    let bz_wrist_x = T::from_f64(0.33333333333333337) * c_wrist + e4;
+    let bz_wrist_x = c_wrist.mul_add(T::from_f64(0.33333333333333337), e4);
     let zero = T::from_f64(0.0);
     [
         [
             zero,
-            T::from_f64(0.6666666666666666) * t_wrist_x
-                + T::from_f64(0.6666666666666667) * t_wrist_y
-                - ((T::from_f64(0.6666666666666666) * bx_wrist_x
-                    + T::from_f64(0.24845199749997665)) * t_thumb_x
-                    + bx_wrist_y * t_thumb_y),
+            t_wrist_x
+                .mul_add(
+                    T::from_f64(0.6666666666666666),
+                    T::from_f64(0.6666666666666667) * t_wrist_y,
+                )
+                - bx_wrist_x
+                    .mul_add(
+                        T::from_f64(0.6666666666666666),
+                        T::from_f64(0.24845199749997665),
+                    )
+                    .mul_add(t_thumb_x, bx_wrist_y * t_thumb_y),
         ],
         [
             zero,
-            ky_thumb_y * t_thumb_x
-                + (e2 - T::from_f64(0.33333333333333326) * c_wrist) * t_thumb_y
-                - (T::from_f64(0.6666666666666666) * t_wrist_y
-                    - T::from_f64(0.33333333333333326) * t_wrist_x),
+            ky_thumb_y
+                .mul_add(
+                    t_thumb_x,
+                    (-c_wrist).mul_add(T::from_f64(0.33333333333333326), e2) * t_thumb_y,
+                )
+                - t_wrist_y
+                    .mul_add(
+                        T::from_f64(0.6666666666666666),
+                        -(T::from_f64(0.33333333333333326) * t_wrist_x),
+                    ),
         ],
         [
             r[3],
-            (e1 - T::from_f64(0.33333333333333337) * s_wrist) * t_thumb_y
-                - (T::from_f64(0.6666666666666666) * bz_wrist_x
-                    + T::from_f64(0.49690399499995314)) * t_thumb_x
-                - (T::from_f64(0.6666666666666667) * t_wrist_x
-                    - T::from_f64(0.33333333333333337) * t_wrist_y),
+            (-s_wrist)
+                .mul_add(T::from_f64(0.33333333333333337), e1)
+                .mul_add(
+                    t_thumb_y,
+                    -(bz_wrist_x
+                        .mul_add(
+                            T::from_f64(0.6666666666666666),
+                            T::from_f64(0.49690399499995314),
+                        ) * t_thumb_x),
+                )
+                - t_wrist_x
+                    .mul_add(
+                        T::from_f64(0.6666666666666667),
+                        -(T::from_f64(0.33333333333333337) * t_wrist_y),
+                    ),
         ],
     ]
 }
@@ -595,38 +718,66 @@ pub fn com_jacobian_sc<T: Real>(
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
 pub fn gravity_moments_sc<T: Real>(
     sin: &[T; DOF],
     cos: &[T; DOF],
     r: &[T; BASE_PARAMS],
 ) -> [T; DOF] {
     // thumb
-    let s_thumb = T::from_f64(0.8453119193731673) * sin[1]
-        - T::from_f64(0.534273112710767) * cos[1];
-    let c_thumb = T::from_f64(0.8453119193731673) * cos[1]
-        + T::from_f64(0.534273112710767) * sin[1];
-    let t_thumb_x = c_thumb * r[6] + s_thumb * r[7];
-    let t_thumb_y = s_thumb * r[6] - c_thumb * r[7];
+    let s_thumb = sin[1]
+        .mul_add(
+            T::from_f64(0.8453119193731673),
+            -(T::from_f64(0.534273112710767) * cos[1]),
+        );
+    let c_thumb = cos[1]
+        .mul_add(
+            T::from_f64(0.8453119193731673),
+            T::from_f64(0.534273112710767) * sin[1],
+        );
+    let t_thumb_x = c_thumb.mul_add(r[6], s_thumb * r[7]);
+    let t_thumb_y = s_thumb.mul_add(r[6], -(c_thumb * r[7]));
     // wrist
-    let v_wrist_x = r[4] - T::from_f64(0.6666666666666666) * t_thumb_y;
+    let v_wrist_x = (-t_thumb_y).mul_add(T::from_f64(0.6666666666666666), r[4]);
     let v_wrist_y = r[5] + t_thumb_x;
-    let s_wrist = T::from_f64(0.4472135954999579) * cos[1]
-        - T::from_f64(0.8944271909999159) * sin[1];
-    let c_wrist = T::from_f64(0.8944271909999159) * cos[1]
-        + T::from_f64(0.4472135954999579) * sin[1];
-    let t_wrist_x = c_wrist * v_wrist_x + s_wrist * v_wrist_y;
-    let t_wrist_y = s_wrist * v_wrist_x - c_wrist * v_wrist_y;
+    let s_wrist = cos[1]
+        .mul_add(
+            T::from_f64(0.4472135954999579),
+            -(T::from_f64(0.8944271909999159) * sin[1]),
+        );
+    let c_wrist = cos[1]
+        .mul_add(
+            T::from_f64(0.8944271909999159),
+            T::from_f64(0.4472135954999579) * sin[1],
+        );
+    let t_wrist_x = c_wrist.mul_add(v_wrist_x, s_wrist * v_wrist_y);
+    let t_wrist_y = s_wrist.mul_add(v_wrist_x, -(c_wrist * v_wrist_y));
     // wrist
-    let bz_wrist_x = T::from_f64(0.33333333333333337) * c_wrist
-        + T::from_f64(0.6666666666666667) * s_wrist;
+    let bz_wrist_x = c_wrist
+        .mul_add(
+            T::from_f64(0.33333333333333337),
+            T::from_f64(0.6666666666666667) * s_wrist,
+        );
     [
         -r[3],
-        T::from_f64(0.6666666666666667) * t_wrist_x
-            - T::from_f64(0.33333333333333337) * t_wrist_y
-            - ((T::from_f64(0.6666666666666667) * c_wrist
-                - T::from_f64(0.33333333333333337) * s_wrist) * t_thumb_y
-                - (T::from_f64(0.6666666666666666) * bz_wrist_x
-                    + T::from_f64(0.49690399499995314)) * t_thumb_x),
+        t_wrist_x
+            .mul_add(
+                T::from_f64(0.6666666666666667),
+                -(T::from_f64(0.33333333333333337) * t_wrist_y),
+            )
+            - c_wrist
+                .mul_add(
+                    T::from_f64(0.6666666666666667),
+                    -(T::from_f64(0.33333333333333337) * s_wrist),
+                )
+                .mul_add(
+                    t_thumb_y,
+                    -(bz_wrist_x
+                        .mul_add(
+                            T::from_f64(0.6666666666666666),
+                            T::from_f64(0.49690399499995314),
+                        ) * t_thumb_x),
+                ),
     ]
 }
 
@@ -634,12 +785,19 @@ pub fn gravity_moments_sc<T: Real>(
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
 pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     // wrist
-    let s_wrist = T::from_f64(0.4472135954999579) * cos[1]
-        - T::from_f64(0.8944271909999159) * sin[1];
-    let c_wrist = T::from_f64(0.8944271909999159) * cos[1]
-        + T::from_f64(0.4472135954999579) * sin[1];
+    let s_wrist = cos[1]
+        .mul_add(
+            T::from_f64(0.4472135954999579),
+            -(T::from_f64(0.8944271909999159) * sin[1]),
+        );
+    let c_wrist = cos[1]
+        .mul_add(
+            T::from_f64(0.8944271909999159),
+            T::from_f64(0.4472135954999579) * sin[1],
+        );
     let e1 = T::from_f64(0.6666666666666667) * c_wrist;
     let e2 = T::from_f64(0.6666666666666666) * s_wrist;
     let bx_wrist_x = e1 - e2;
@@ -647,33 +805,39 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
     let e4 = T::from_f64(0.6666666666666667) * s_wrist;
     let bx_wrist_y = e3 + e4;
     // thumb
-    let s_thumb = T::from_f64(0.8453119193731673) * sin[1]
-        - T::from_f64(0.534273112710767) * cos[1];
-    let c_thumb = T::from_f64(0.8453119193731673) * cos[1]
-        + T::from_f64(0.534273112710767) * sin[1];
-    let e5 = T::from_f64(0.6666666666666666) * bx_wrist_x
-        + T::from_f64(0.24845199749997665);
-    let bx_thumb_x = bx_wrist_y * c_thumb - e5 * s_thumb;
-    let bx_thumb_y = e5 * c_thumb + bx_wrist_y * s_thumb;
+    let s_thumb = sin[1]
+        .mul_add(
+            T::from_f64(0.8453119193731673),
+            -(T::from_f64(0.534273112710767) * cos[1]),
+        );
+    let c_thumb = cos[1]
+        .mul_add(
+            T::from_f64(0.8453119193731673),
+            T::from_f64(0.534273112710767) * sin[1],
+        );
+    let e5 = bx_wrist_x
+        .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
+    let bx_thumb_x = bx_wrist_y.mul_add(c_thumb, -(e5 * s_thumb));
+    let bx_thumb_y = e5.mul_add(c_thumb, bx_wrist_y * s_thumb);
     // wrist
-    let e6 = e3 + T::from_f64(0.33333333333333326) * s_wrist;
+    let e6 = s_wrist.mul_add(T::from_f64(0.33333333333333326), e3);
     let by_wrist_x = -e6;
-    let e7 = e2 - T::from_f64(0.33333333333333326) * c_wrist;
+    let e7 = (-c_wrist).mul_add(T::from_f64(0.33333333333333326), e2);
     let by_wrist_y = -e7;
     // thumb
-    let ky_thumb_y = T::from_f64(0.6666666666666666) * e6
-        - T::from_f64(0.4969039949999533);
-    let by_thumb_x = ky_thumb_y * s_thumb - e7 * c_thumb;
-    let by_thumb_y = -(ky_thumb_y * c_thumb + e7 * s_thumb);
+    let ky_thumb_y = e6
+        .mul_add(T::from_f64(0.6666666666666666), -T::from_f64(0.4969039949999533));
+    let by_thumb_x = ky_thumb_y.mul_add(s_thumb, -(e7 * c_thumb));
+    let by_thumb_y = -ky_thumb_y.mul_add(c_thumb, e7 * s_thumb);
     // wrist
-    let bz_wrist_x = T::from_f64(0.33333333333333337) * c_wrist + e4;
-    let e8 = e1 - T::from_f64(0.33333333333333337) * s_wrist;
+    let bz_wrist_x = c_wrist.mul_add(T::from_f64(0.33333333333333337), e4);
+    let e8 = (-s_wrist).mul_add(T::from_f64(0.33333333333333337), e1);
     let bz_wrist_y = -e8;
     // thumb
-    let e9 = T::from_f64(0.6666666666666666) * bz_wrist_x
-        + T::from_f64(0.49690399499995314);
-    let bz_thumb_x = -(e8 * c_thumb + e9 * s_thumb);
-    let bz_thumb_y = -(e8 * s_thumb - e9 * c_thumb);
+    let e9 = bz_wrist_x
+        .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
+    let bz_thumb_x = -e8.mul_add(c_thumb, e9 * s_thumb);
+    let bz_thumb_y = -e8.mul_add(s_thumb, -(e9 * c_thumb));
     let zero = T::from_f64(0.0);
     let one = T::from_f64(1.0);
     [
@@ -687,38 +851,51 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
 pub fn regressor_cop_sc<T: Real>(
     sin: &[T; DOF],
     cos: &[T; DOF],
 ) -> [[T; BASE_PARAMS]; 2] {
     // wrist
-    let s_wrist = T::from_f64(0.4472135954999579) * cos[1]
-        - T::from_f64(0.8944271909999159) * sin[1];
-    let c_wrist = T::from_f64(0.8944271909999159) * cos[1]
-        + T::from_f64(0.4472135954999579) * sin[1];
+    let s_wrist = cos[1]
+        .mul_add(
+            T::from_f64(0.4472135954999579),
+            -(T::from_f64(0.8944271909999159) * sin[1]),
+        );
+    let c_wrist = cos[1]
+        .mul_add(
+            T::from_f64(0.8944271909999159),
+            T::from_f64(0.4472135954999579) * sin[1],
+        );
     let e1 = T::from_f64(0.6666666666666666) * s_wrist;
-    let bx_wrist_x = T::from_f64(0.6666666666666667) * c_wrist - e1;
+    let bx_wrist_x = c_wrist.mul_add(T::from_f64(0.6666666666666667), -e1);
     let e2 = T::from_f64(0.6666666666666666) * c_wrist;
-    let bx_wrist_y = e2 + T::from_f64(0.6666666666666667) * s_wrist;
+    let bx_wrist_y = s_wrist.mul_add(T::from_f64(0.6666666666666667), e2);
     // thumb
-    let s_thumb = T::from_f64(0.8453119193731673) * sin[1]
-        - T::from_f64(0.534273112710767) * cos[1];
-    let c_thumb = T::from_f64(0.8453119193731673) * cos[1]
-        + T::from_f64(0.534273112710767) * sin[1];
-    let e3 = T::from_f64(0.6666666666666666) * bx_wrist_x
-        + T::from_f64(0.24845199749997665);
-    let bx_thumb_x = bx_wrist_y * c_thumb - e3 * s_thumb;
-    let bx_thumb_y = e3 * c_thumb + bx_wrist_y * s_thumb;
+    let s_thumb = sin[1]
+        .mul_add(
+            T::from_f64(0.8453119193731673),
+            -(T::from_f64(0.534273112710767) * cos[1]),
+        );
+    let c_thumb = cos[1]
+        .mul_add(
+            T::from_f64(0.8453119193731673),
+            T::from_f64(0.534273112710767) * sin[1],
+        );
+    let e3 = bx_wrist_x
+        .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
+    let bx_thumb_x = bx_wrist_y.mul_add(c_thumb, -(e3 * s_thumb));
+    let bx_thumb_y = e3.mul_add(c_thumb, bx_wrist_y * s_thumb);
     // wrist
-    let e4 = e2 + T::from_f64(0.33333333333333326) * s_wrist;
+    let e4 = s_wrist.mul_add(T::from_f64(0.33333333333333326), e2);
     let by_wrist_x = -e4;
-    let e5 = e1 - T::from_f64(0.33333333333333326) * c_wrist;
+    let e5 = (-c_wrist).mul_add(T::from_f64(0.33333333333333326), e1);
     let by_wrist_y = -e5;
     // thumb
-    let ky_thumb_y = T::from_f64(0.6666666666666666) * e4
-        - T::from_f64(0.4969039949999533);
-    let by_thumb_x = ky_thumb_y * s_thumb - e5 * c_thumb;
-    let by_thumb_y = -(ky_thumb_y * c_thumb + e5 * s_thumb);
+    let ky_thumb_y = e4
+        .mul_add(T::from_f64(0.6666666666666666), -T::from_f64(0.4969039949999533));
+    let by_thumb_x = ky_thumb_y.mul_add(s_thumb, -(e5 * c_thumb));
+    let by_thumb_y = -ky_thumb_y.mul_add(c_thumb, e5 * s_thumb);
     let zero = T::from_f64(0.0);
     let one = T::from_f64(1.0);
     [
@@ -731,15 +908,22 @@ pub fn regressor_cop_sc<T: Real>(
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
 pub fn regressor_full_sc<T: Real>(
     sin: &[T; DOF],
     cos: &[T; DOF],
 ) -> [[T; FULL_PARAMS]; 3] {
     // wrist
-    let s_wrist = T::from_f64(0.4472135954999579) * cos[1]
-        - T::from_f64(0.8944271909999159) * sin[1];
-    let c_wrist = T::from_f64(0.8944271909999159) * cos[1]
-        + T::from_f64(0.4472135954999579) * sin[1];
+    let s_wrist = cos[1]
+        .mul_add(
+            T::from_f64(0.4472135954999579),
+            -(T::from_f64(0.8944271909999159) * sin[1]),
+        );
+    let c_wrist = cos[1]
+        .mul_add(
+            T::from_f64(0.8944271909999159),
+            T::from_f64(0.4472135954999579) * sin[1],
+        );
     let e1 = T::from_f64(0.6666666666666667) * c_wrist;
     let e2 = T::from_f64(0.6666666666666666) * s_wrist;
     let bx_wrist_x = e1 - e2;
@@ -747,36 +931,43 @@ pub fn regressor_full_sc<T: Real>(
     let e4 = T::from_f64(0.6666666666666667) * s_wrist;
     let bx_wrist_y = e3 + e4;
     // thumb
-    let s_thumb = T::from_f64(0.8453119193731673) * sin[1]
-        - T::from_f64(0.534273112710767) * cos[1];
-    let c_thumb = T::from_f64(0.8453119193731673) * cos[1]
-        + T::from_f64(0.534273112710767) * sin[1];
-    let e5 = T::from_f64(0.6666666666666666) * bx_wrist_x
-        + T::from_f64(0.24845199749997665);
-    let kx_thumb_z = T::from_f64(0.7453559924999299) * bx_wrist_x
-        - T::from_f64(0.22222222222222224);
-    let bx_thumb_x = bx_wrist_y * c_thumb - e5 * s_thumb;
-    let bx_thumb_y = e5 * c_thumb + bx_wrist_y * s_thumb;
+    let s_thumb = sin[1]
+        .mul_add(
+            T::from_f64(0.8453119193731673),
+            -(T::from_f64(0.534273112710767) * cos[1]),
+        );
+    let c_thumb = cos[1]
+        .mul_add(
+            T::from_f64(0.8453119193731673),
+            T::from_f64(0.534273112710767) * sin[1],
+        );
+    let e5 = bx_wrist_x
+        .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
+    let kx_thumb_z = bx_wrist_x
+        .mul_add(T::from_f64(0.7453559924999299), -T::from_f64(0.22222222222222224));
+    let bx_thumb_x = bx_wrist_y.mul_add(c_thumb, -(e5 * s_thumb));
+    let bx_thumb_y = e5.mul_add(c_thumb, bx_wrist_y * s_thumb);
     // wrist
-    let e6 = e3 + T::from_f64(0.33333333333333326) * s_wrist;
-    let e7 = e2 - T::from_f64(0.33333333333333326) * c_wrist;
+    let e6 = s_wrist.mul_add(T::from_f64(0.33333333333333326), e3);
+    let e7 = (-c_wrist).mul_add(T::from_f64(0.33333333333333326), e2);
     // thumb
-    let ky_thumb_y = T::from_f64(0.6666666666666666) * e6
-        - T::from_f64(0.4969039949999533);
-    let e8 = T::from_f64(0.7453559924999299) * e6 + T::from_f64(0.4444444444444445);
+    let ky_thumb_y = e6
+        .mul_add(T::from_f64(0.6666666666666666), -T::from_f64(0.4969039949999533));
+    let e8 = e6
+        .mul_add(T::from_f64(0.7453559924999299), T::from_f64(0.4444444444444445));
     let ky_thumb_z = -e8;
-    let by_thumb_x = ky_thumb_y * s_thumb - e7 * c_thumb;
-    let by_thumb_y = -(ky_thumb_y * c_thumb + e7 * s_thumb);
+    let by_thumb_x = ky_thumb_y.mul_add(s_thumb, -(e7 * c_thumb));
+    let by_thumb_y = -ky_thumb_y.mul_add(c_thumb, e7 * s_thumb);
     // wrist
-    let bz_wrist_x = T::from_f64(0.33333333333333337) * c_wrist + e4;
-    let e9 = e1 - T::from_f64(0.33333333333333337) * s_wrist;
+    let bz_wrist_x = c_wrist.mul_add(T::from_f64(0.33333333333333337), e4);
+    let e9 = (-s_wrist).mul_add(T::from_f64(0.33333333333333337), e1);
     // thumb
-    let e10 = T::from_f64(0.6666666666666666) * bz_wrist_x
-        + T::from_f64(0.49690399499995314);
-    let kz_thumb_z = T::from_f64(0.7453559924999299) * bz_wrist_x
-        - T::from_f64(0.4444444444444443);
-    let bz_thumb_x = -(e9 * c_thumb + e10 * s_thumb);
-    let bz_thumb_y = -(e9 * s_thumb - e10 * c_thumb);
+    let e10 = bz_wrist_x
+        .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
+    let kz_thumb_z = bz_wrist_x
+        .mul_add(T::from_f64(0.7453559924999299), -T::from_f64(0.4444444444444443));
+    let bz_thumb_x = -e9.mul_add(c_thumb, e10 * s_thumb);
+    let bz_thumb_y = -e9.mul_add(s_thumb, -(e10 * c_thumb));
     let zero = T::from_f64(0.0);
     let one = T::from_f64(1.0);
     [
@@ -788,13 +979,17 @@ pub fn regressor_full_sc<T: Real>(
             zero,
             zero,
             zero,
-            T::from_f64(0.29814239699997197) * bx_wrist_x
-                + T::from_f64(0.8944271909999159) * bx_wrist_y
-                + T::from_f64(0.11111111111111112),
+            bx_wrist_x
+                .mul_add(
+                    T::from_f64(0.29814239699997197),
+                    T::from_f64(0.8944271909999159) * bx_wrist_y,
+                ) + T::from_f64(0.11111111111111112),
             -kx_thumb_z,
-            T::from_f64(0.5962847939999439) * bx_wrist_x
-                - T::from_f64(0.4472135954999579) * bx_wrist_y
-                + T::from_f64(0.22222222222222224),
+            bx_wrist_x
+                .mul_add(
+                    T::from_f64(0.5962847939999439),
+                    -(T::from_f64(0.4472135954999579) * bx_wrist_y),
+                ) + T::from_f64(0.22222222222222224),
             bx_thumb_x,
             bx_thumb_y,
             kx_thumb_z,
@@ -808,11 +1003,17 @@ pub fn regressor_full_sc<T: Real>(
             zero,
             zero,
             T::from_f64(0.22222222222222224)
-                - (T::from_f64(0.29814239699997197) * e6
-                    + T::from_f64(0.8944271909999159) * e7),
+                - e6
+                    .mul_add(
+                        T::from_f64(0.29814239699997197),
+                        T::from_f64(0.8944271909999159) * e7,
+                    ),
             e8,
-            T::from_f64(0.4472135954999579) * e7 - T::from_f64(0.5962847939999439) * e6
-                + T::from_f64(0.4444444444444445),
+            e7
+                .mul_add(
+                    T::from_f64(0.4472135954999579),
+                    -(T::from_f64(0.5962847939999439) * e6),
+                ) + T::from_f64(0.4444444444444445),
             by_thumb_x,
             by_thumb_y,
             ky_thumb_z,
@@ -825,12 +1026,17 @@ pub fn regressor_full_sc<T: Real>(
             zero,
             one,
             sin[0],
-            T::from_f64(0.29814239699997197) * bz_wrist_x
-                - T::from_f64(0.8944271909999159) * e9
-                + T::from_f64(0.22222222222222215),
+            bz_wrist_x
+                .mul_add(
+                    T::from_f64(0.29814239699997197),
+                    -(T::from_f64(0.8944271909999159) * e9),
+                ) + T::from_f64(0.22222222222222215),
             -kz_thumb_z,
-            T::from_f64(0.5962847939999439) * bz_wrist_x
-                + T::from_f64(0.4472135954999579) * e9 + T::from_f64(0.4444444444444443),
+            bz_wrist_x
+                .mul_add(
+                    T::from_f64(0.5962847939999439),
+                    T::from_f64(0.4472135954999579) * e9,
+                ) + T::from_f64(0.4444444444444443),
             bz_thumb_x,
             bz_thumb_y,
             kz_thumb_z,
@@ -842,28 +1048,44 @@ pub fn regressor_full_sc<T: Real>(
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
 pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
     // thumb
-    let s_thumb = T::from_f64(0.8453119193731673) * sin[1]
-        - T::from_f64(0.534273112710767) * cos[1];
-    let c_thumb = T::from_f64(0.8453119193731673) * cos[1]
-        + T::from_f64(0.534273112710767) * sin[1];
-    let t_thumb_x = c_thumb * r[6] + s_thumb * r[7];
-    let t_thumb_y = s_thumb * r[6] - c_thumb * r[7];
+    let s_thumb = sin[1]
+        .mul_add(
+            T::from_f64(0.8453119193731673),
+            -(T::from_f64(0.534273112710767) * cos[1]),
+        );
+    let c_thumb = cos[1]
+        .mul_add(
+            T::from_f64(0.8453119193731673),
+            T::from_f64(0.534273112710767) * sin[1],
+        );
+    let t_thumb_x = c_thumb.mul_add(r[6], s_thumb * r[7]);
+    let t_thumb_y = s_thumb.mul_add(r[6], -(c_thumb * r[7]));
     // wrist
-    let v_wrist_x = r[4] - T::from_f64(0.6666666666666666) * t_thumb_y;
+    let v_wrist_x = (-t_thumb_y).mul_add(T::from_f64(0.6666666666666666), r[4]);
     let v_wrist_y = r[5] + t_thumb_x;
-    let s_wrist = T::from_f64(0.4472135954999579) * cos[1]
-        - T::from_f64(0.8944271909999159) * sin[1];
-    let c_wrist = T::from_f64(0.8944271909999159) * cos[1]
-        + T::from_f64(0.4472135954999579) * sin[1];
-    let t_wrist_x = c_wrist * v_wrist_x + s_wrist * v_wrist_y;
-    let t_wrist_y = s_wrist * v_wrist_x - c_wrist * v_wrist_y;
+    let s_wrist = cos[1]
+        .mul_add(
+            T::from_f64(0.4472135954999579),
+            -(T::from_f64(0.8944271909999159) * sin[1]),
+        );
+    let c_wrist = cos[1]
+        .mul_add(
+            T::from_f64(0.8944271909999159),
+            T::from_f64(0.4472135954999579) * sin[1],
+        );
+    let t_wrist_x = c_wrist.mul_add(v_wrist_x, s_wrist * v_wrist_y);
+    let t_wrist_y = s_wrist.mul_add(v_wrist_x, -(c_wrist * v_wrist_y));
     // lift
-    let e1 = T::from_f64(0.5) * t_wrist_x + t_wrist_y
-        + T::from_f64(0.372677996249965) * t_thumb_y;
-    let w_wrist_x = t_wrist_x - T::from_f64(0.6666666666666666) * e1;
-    let w_wrist_y = t_wrist_y - T::from_f64(1.3333333333333333) * e1;
+    let e1 = t_thumb_y
+        .mul_add(
+            T::from_f64(0.372677996249965),
+            t_wrist_x.mul_add(T::from_f64(0.5), t_wrist_y),
+        );
+    let w_wrist_x = (-e1).mul_add(T::from_f64(0.6666666666666666), t_wrist_x);
+    let w_wrist_y = (-e1).mul_add(T::from_f64(1.3333333333333333), t_wrist_y);
     // base
     let v_base_x = r[0] + w_wrist_x;
     let v_base_y = r[1] + w_wrist_y;

@@ -5,13 +5,13 @@
 // parameters     9 SESC (r), 7 base; rank 7 from CoM rows, 6 from flat CoP rows
 //
 // function                 mul     add   sin_cos   proven |rounding error|, m
-// com                        8       8         2   1.1e-15 (f64)  2.6e-7 (f32)
-// com_jacobian              12       8         2   9.4e-16 (f64)  2.3e-7 (f32)
-// gravity_moments            8       6         2   9.4e-16 (f64)  2.1e-7 (f32)
-// regressor                  4       2         2   8.9e-16 (f64)  4.8e-7 (f32)
-// regressor_cop              4       2         2   8.9e-16 (f64)  4.8e-7 (f32)
-// regressor_full             4       2         2   8.9e-16 (f64)  4.8e-7 (f32)
-// cop                        6       6         2   1.0e-15 (f64)  2.3e-7 (f32)
+// com                        8       8         2   1.2e-15 (f64)  3.0e-7 (f32)
+// com_jacobian              12       8         2   1.1e-15 (f64)  2.6e-7 (f32)
+// gravity_moments            8       6         2   1.1e-15 (f64)  2.4e-7 (f32)
+// regressor                  4       2         2   1.3e-15 (f64)  6.6e-7 (f32)
+// regressor_cop              4       2         2   1.3e-15 (f64)  6.6e-7 (f32)
+// regressor_full             4       2         2   1.3e-15 (f64)  6.6e-7 (f32)
+// cop                        6       6         2   1.1e-15 (f64)  2.7e-7 (f32)
 // com_sc                     8       8         0   1.1e-15 (f64)  2.6e-7 (f32)
 // com_jacobian_sc           12       8         0   9.4e-16 (f64)  2.3e-7 (f32)
 // gravity_moments_sc         8       6         0   9.4e-16 (f64)  2.1e-7 (f32)
@@ -85,32 +85,33 @@ pub struct TwoLink;
 #[allow(dead_code, clippy::all)]
 impl Sesc<DOF, BASE_PARAMS, FULL_PARAMS> for TwoLink {
     const JOINT_NAMES: [&'static str; DOF] = JOINT_NAMES;
+    const SLIDING: [bool; DOF] = SLIDING;
     const CAD_PARAMS: [f64; BASE_PARAMS] = CAD_PARAMS;
-    #[inline]
+    #[inline(always)]
     fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
         com(q, r)
     }
-    #[inline]
+    #[inline(always)]
     fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3] {
         com_jacobian(q, r)
     }
-    #[inline]
+    #[inline(always)]
     fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] {
         gravity_moments(q, r)
     }
-    #[inline]
+    #[inline(always)]
     fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         regressor(q)
     }
-    #[inline]
+    #[inline(always)]
     fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         regressor_cop(q)
     }
-    #[inline]
+    #[inline(always)]
     fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
         regressor_full(q)
     }
-    #[inline]
+    #[inline(always)]
     fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
         cop(q, r)
     }
@@ -118,11 +119,11 @@ impl Sesc<DOF, BASE_PARAMS, FULL_PARAMS> for TwoLink {
 
 #[allow(dead_code, clippy::all)]
 impl sesc_runtime::SescFromSinCos<DOF, BASE_PARAMS, FULL_PARAMS> for TwoLink {
-    #[inline]
+    #[inline(always)]
     fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
         com_sc(sin, cos, r)
     }
-    #[inline]
+    #[inline(always)]
     fn com_jacobian_sc<T: Real>(
         sin: &[T; DOF],
         cos: &[T; DOF],
@@ -130,7 +131,7 @@ impl sesc_runtime::SescFromSinCos<DOF, BASE_PARAMS, FULL_PARAMS> for TwoLink {
     ) -> [[T; DOF]; 3] {
         com_jacobian_sc(sin, cos, r)
     }
-    #[inline]
+    #[inline(always)]
     fn gravity_moments_sc<T: Real>(
         sin: &[T; DOF],
         cos: &[T; DOF],
@@ -138,25 +139,25 @@ impl sesc_runtime::SescFromSinCos<DOF, BASE_PARAMS, FULL_PARAMS> for TwoLink {
     ) -> [T; DOF] {
         gravity_moments_sc(sin, cos, r)
     }
-    #[inline]
+    #[inline(always)]
     fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         regressor_sc(sin, cos)
     }
-    #[inline]
+    #[inline(always)]
     fn regressor_cop_sc<T: Real>(
         sin: &[T; DOF],
         cos: &[T; DOF],
     ) -> [[T; BASE_PARAMS]; 2] {
         regressor_cop_sc(sin, cos)
     }
-    #[inline]
+    #[inline(always)]
     fn regressor_full_sc<T: Real>(
         sin: &[T; DOF],
         cos: &[T; DOF],
     ) -> [[T; FULL_PARAMS]; 3] {
         regressor_full_sc(sin, cos)
     }
-    #[inline]
+    #[inline(always)]
     fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
         cop_sc(sin, cos, r)
     }
@@ -164,17 +165,18 @@ impl sesc_runtime::SescFromSinCos<DOF, BASE_PARAMS, FULL_PARAMS> for TwoLink {
 
 /// Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i.
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
 pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
     // knee
     let (s_knee, c_knee) = q[1].sin_cos();
-    let t_knee_x = c_knee * r[5] + s_knee * r[6];
-    let t_knee_y = c_knee * r[6] - s_knee * r[5];
+    let t_knee_x = c_knee.mul_add(r[5], s_knee * r[6]);
+    let t_knee_y = c_knee.mul_add(r[6], -(s_knee * r[5]));
     // ankle
     let v_ankle_x = r[3] + t_knee_x;
     let v_ankle_y = r[4] + t_knee_y;
     let (s_ankle, c_ankle) = q[0].sin_cos();
-    let t_ankle_x = c_ankle * v_ankle_x + s_ankle * v_ankle_y;
-    let t_ankle_y = c_ankle * v_ankle_y - s_ankle * v_ankle_x;
+    let t_ankle_x = c_ankle.mul_add(v_ankle_x, s_ankle * v_ankle_y);
+    let t_ankle_y = c_ankle.mul_add(v_ankle_y, -(s_ankle * v_ankle_x));
     // foot
     let v_foot_x = r[0] + t_ankle_x;
     let v_foot_z = r[2] + t_ankle_y;
@@ -183,50 +185,53 @@ pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
 
 /// ∂CoM/∂q, m/rad (m/m for sliding joints), one row per axis.
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
 pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3] {
     // knee
     let (s_knee, c_knee) = q[1].sin_cos();
-    let t_knee_x = c_knee * r[5] + s_knee * r[6];
-    let t_knee_y = c_knee * r[6] - s_knee * r[5];
+    let t_knee_x = c_knee.mul_add(r[5], s_knee * r[6]);
+    let t_knee_y = c_knee.mul_add(r[6], -(s_knee * r[5]));
     // ankle
     let v_ankle_x = r[3] + t_knee_x;
     let v_ankle_y = r[4] + t_knee_y;
     let (s_ankle, c_ankle) = q[0].sin_cos();
-    let t_ankle_x = c_ankle * v_ankle_x + s_ankle * v_ankle_y;
-    let t_ankle_y = c_ankle * v_ankle_y - s_ankle * v_ankle_x;
+    let t_ankle_x = c_ankle.mul_add(v_ankle_x, s_ankle * v_ankle_y);
+    let t_ankle_y = c_ankle.mul_add(v_ankle_y, -(s_ankle * v_ankle_x));
     let zero = T::from_f64(0.0);
     [
-        [t_ankle_y, -(s_ankle * t_knee_x - c_ankle * t_knee_y)],
+        [t_ankle_y, -s_ankle.mul_add(t_knee_x, -(c_ankle * t_knee_y))],
         [zero, zero],
-        [-t_ankle_x, -(c_ankle * t_knee_x + s_ankle * t_knee_y)],
+        [-t_ankle_x, -c_ankle.mul_add(t_knee_x, s_ankle * t_knee_y)],
     ]
 }
 
 /// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
 pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] {
     // knee
     let (s_knee, c_knee) = q[1].sin_cos();
-    let t_knee_x = c_knee * r[5] + s_knee * r[6];
-    let t_knee_y = c_knee * r[6] - s_knee * r[5];
+    let t_knee_x = c_knee.mul_add(r[5], s_knee * r[6]);
+    let t_knee_y = c_knee.mul_add(r[6], -(s_knee * r[5]));
     // ankle
     let v_ankle_x = r[3] + t_knee_x;
     let v_ankle_y = r[4] + t_knee_y;
     let (s_ankle, c_ankle) = q[0].sin_cos();
-    let t_ankle_x = c_ankle * v_ankle_x + s_ankle * v_ankle_y;
-    [t_ankle_x, c_ankle * t_knee_x + s_ankle * t_knee_y]
+    let t_ankle_x = c_ankle.mul_add(v_ankle_x, s_ankle * v_ankle_y);
+    [t_ankle_x, c_ankle.mul_add(t_knee_x, s_ankle * t_knee_y)]
 }
 
 /// Rows of the base regressor: CoM = rows · r.
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
 pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     // ankle
     let (s_ankle, c_ankle) = q[0].sin_cos();
     let bz_ankle_x = -s_ankle;
     // knee
     let (s_knee, c_knee) = q[1].sin_cos();
-    let bx_knee_x = c_ankle * c_knee - s_ankle * s_knee;
-    let bx_knee_y = s_ankle * c_knee + c_ankle * s_knee;
+    let bx_knee_x = c_ankle.mul_add(c_knee, -(s_ankle * s_knee));
+    let bx_knee_y = s_ankle.mul_add(c_knee, c_ankle * s_knee);
     // knee
     let bz_knee_x = -bx_knee_y;
     let zero = T::from_f64(0.0);
@@ -240,13 +245,14 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
 
 /// The x and y rows of the base regressor: CoP = rows · r.
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
 pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
     // ankle
     let (s_ankle, c_ankle) = q[0].sin_cos();
     // knee
     let (s_knee, c_knee) = q[1].sin_cos();
-    let bx_knee_x = c_ankle * c_knee - s_ankle * s_knee;
-    let bx_knee_y = s_ankle * c_knee + c_ankle * s_knee;
+    let bx_knee_x = c_ankle.mul_add(c_knee, -(s_ankle * s_knee));
+    let bx_knee_y = s_ankle.mul_add(c_knee, c_ankle * s_knee);
     let zero = T::from_f64(0.0);
     let one = T::from_f64(1.0);
     [
@@ -257,14 +263,15 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
 
 /// Rows [B_0 B_1 …] of the full regressor, seed paper Eq. (5), in link frames.
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
 pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     // ankle
     let (s_ankle, c_ankle) = q[0].sin_cos();
     let bz_ankle_x = -s_ankle;
     // knee
     let (s_knee, c_knee) = q[1].sin_cos();
-    let bx_knee_x = c_ankle * c_knee - s_ankle * s_knee;
-    let bx_knee_y = s_ankle * c_knee + c_ankle * s_knee;
+    let bx_knee_x = c_ankle.mul_add(c_knee, -(s_ankle * s_knee));
+    let bx_knee_y = s_ankle.mul_add(c_knee, c_ankle * s_knee);
     // knee
     let bz_knee_x = -bx_knee_y;
     let zero = T::from_f64(0.0);
@@ -278,16 +285,17 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
 
 /// Centre of pressure that a static posture shows on a level sole, m.
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
 pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
     // knee
     let (s_knee, c_knee) = q[1].sin_cos();
-    let t_knee_x = c_knee * r[5] + s_knee * r[6];
-    let t_knee_y = c_knee * r[6] - s_knee * r[5];
+    let t_knee_x = c_knee.mul_add(r[5], s_knee * r[6]);
+    let t_knee_y = c_knee.mul_add(r[6], -(s_knee * r[5]));
     // ankle
     let v_ankle_x = r[3] + t_knee_x;
     let v_ankle_y = r[4] + t_knee_y;
     let (s_ankle, c_ankle) = q[0].sin_cos();
-    let t_ankle_x = c_ankle * v_ankle_x + s_ankle * v_ankle_y;
+    let t_ankle_x = c_ankle.mul_add(v_ankle_x, s_ankle * v_ankle_y);
     // foot
     let v_foot_x = r[0] + t_ankle_x;
     [v_foot_x, r[1]]
@@ -297,15 +305,16 @@ pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
 pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
     // knee
-    let t_knee_x = cos[1] * r[5] + sin[1] * r[6];
-    let t_knee_y = cos[1] * r[6] - sin[1] * r[5];
+    let t_knee_x = cos[1].mul_add(r[5], sin[1] * r[6]);
+    let t_knee_y = cos[1].mul_add(r[6], -(sin[1] * r[5]));
     // ankle
     let v_ankle_x = r[3] + t_knee_x;
     let v_ankle_y = r[4] + t_knee_y;
-    let t_ankle_x = cos[0] * v_ankle_x + sin[0] * v_ankle_y;
-    let t_ankle_y = cos[0] * v_ankle_y - sin[0] * v_ankle_x;
+    let t_ankle_x = cos[0].mul_add(v_ankle_x, sin[0] * v_ankle_y);
+    let t_ankle_y = cos[0].mul_add(v_ankle_y, -(sin[0] * v_ankle_x));
     // foot
     let v_foot_x = r[0] + t_ankle_x;
     let v_foot_z = r[2] + t_ankle_y;
@@ -316,24 +325,25 @@ pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
 pub fn com_jacobian_sc<T: Real>(
     sin: &[T; DOF],
     cos: &[T; DOF],
     r: &[T; BASE_PARAMS],
 ) -> [[T; DOF]; 3] {
     // knee
-    let t_knee_x = cos[1] * r[5] + sin[1] * r[6];
-    let t_knee_y = cos[1] * r[6] - sin[1] * r[5];
+    let t_knee_x = cos[1].mul_add(r[5], sin[1] * r[6]);
+    let t_knee_y = cos[1].mul_add(r[6], -(sin[1] * r[5]));
     // ankle
     let v_ankle_x = r[3] + t_knee_x;
     let v_ankle_y = r[4] + t_knee_y;
-    let t_ankle_x = cos[0] * v_ankle_x + sin[0] * v_ankle_y;
-    let t_ankle_y = cos[0] * v_ankle_y - sin[0] * v_ankle_x;
+    let t_ankle_x = cos[0].mul_add(v_ankle_x, sin[0] * v_ankle_y);
+    let t_ankle_y = cos[0].mul_add(v_ankle_y, -(sin[0] * v_ankle_x));
     let zero = T::from_f64(0.0);
     [
-        [t_ankle_y, -(sin[0] * t_knee_x - cos[0] * t_knee_y)],
+        [t_ankle_y, -sin[0].mul_add(t_knee_x, -(cos[0] * t_knee_y))],
         [zero, zero],
-        [-t_ankle_x, -(cos[0] * t_knee_x + sin[0] * t_knee_y)],
+        [-t_ankle_x, -cos[0].mul_add(t_knee_x, sin[0] * t_knee_y)],
     ]
 }
 
@@ -341,31 +351,33 @@ pub fn com_jacobian_sc<T: Real>(
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
 pub fn gravity_moments_sc<T: Real>(
     sin: &[T; DOF],
     cos: &[T; DOF],
     r: &[T; BASE_PARAMS],
 ) -> [T; DOF] {
     // knee
-    let t_knee_x = cos[1] * r[5] + sin[1] * r[6];
-    let t_knee_y = cos[1] * r[6] - sin[1] * r[5];
+    let t_knee_x = cos[1].mul_add(r[5], sin[1] * r[6]);
+    let t_knee_y = cos[1].mul_add(r[6], -(sin[1] * r[5]));
     // ankle
     let v_ankle_x = r[3] + t_knee_x;
     let v_ankle_y = r[4] + t_knee_y;
-    let t_ankle_x = cos[0] * v_ankle_x + sin[0] * v_ankle_y;
-    [t_ankle_x, cos[0] * t_knee_x + sin[0] * t_knee_y]
+    let t_ankle_x = cos[0].mul_add(v_ankle_x, sin[0] * v_ankle_y);
+    [t_ankle_x, cos[0].mul_add(t_knee_x, sin[0] * t_knee_y)]
 }
 
 /// Rows of the base regressor: CoM = rows · r.
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
 pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     // ankle
     let bz_ankle_x = -sin[0];
     // knee
-    let bx_knee_x = cos[0] * cos[1] - sin[0] * sin[1];
-    let bx_knee_y = sin[0] * cos[1] + cos[0] * sin[1];
+    let bx_knee_x = cos[0].mul_add(cos[1], -(sin[0] * sin[1]));
+    let bx_knee_y = sin[0].mul_add(cos[1], cos[0] * sin[1]);
     // knee
     let bz_knee_x = -bx_knee_y;
     let zero = T::from_f64(0.0);
@@ -381,13 +393,14 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
 pub fn regressor_cop_sc<T: Real>(
     sin: &[T; DOF],
     cos: &[T; DOF],
 ) -> [[T; BASE_PARAMS]; 2] {
     // knee
-    let bx_knee_x = cos[0] * cos[1] - sin[0] * sin[1];
-    let bx_knee_y = sin[0] * cos[1] + cos[0] * sin[1];
+    let bx_knee_x = cos[0].mul_add(cos[1], -(sin[0] * sin[1]));
+    let bx_knee_y = sin[0].mul_add(cos[1], cos[0] * sin[1]);
     let zero = T::from_f64(0.0);
     let one = T::from_f64(1.0);
     [
@@ -400,6 +413,7 @@ pub fn regressor_cop_sc<T: Real>(
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
 pub fn regressor_full_sc<T: Real>(
     sin: &[T; DOF],
     cos: &[T; DOF],
@@ -407,8 +421,8 @@ pub fn regressor_full_sc<T: Real>(
     // ankle
     let bz_ankle_x = -sin[0];
     // knee
-    let bx_knee_x = cos[0] * cos[1] - sin[0] * sin[1];
-    let bx_knee_y = sin[0] * cos[1] + cos[0] * sin[1];
+    let bx_knee_x = cos[0].mul_add(cos[1], -(sin[0] * sin[1]));
+    let bx_knee_y = sin[0].mul_add(cos[1], cos[0] * sin[1]);
     // knee
     let bz_knee_x = -bx_knee_y;
     let zero = T::from_f64(0.0);
@@ -424,14 +438,15 @@ pub fn regressor_full_sc<T: Real>(
 ///
 /// From sines and cosines; a sliding joint passes its position in `sin`.
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
 pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
     // knee
-    let t_knee_x = cos[1] * r[5] + sin[1] * r[6];
-    let t_knee_y = cos[1] * r[6] - sin[1] * r[5];
+    let t_knee_x = cos[1].mul_add(r[5], sin[1] * r[6]);
+    let t_knee_y = cos[1].mul_add(r[6], -(sin[1] * r[5]));
     // ankle
     let v_ankle_x = r[3] + t_knee_x;
     let v_ankle_y = r[4] + t_knee_y;
-    let t_ankle_x = cos[0] * v_ankle_x + sin[0] * v_ankle_y;
+    let t_ankle_x = cos[0].mul_add(v_ankle_x, sin[0] * v_ankle_y);
     // foot
     let v_foot_x = r[0] + t_ankle_x;
     [v_foot_x, r[1]]

@@ -1,0 +1,230 @@
+//! The fastest instructions that this machine has.
+//!
+//! Generated code is generic over [`Real`]; here it meets registers. [`Simd`] names a set
+//! of instructions, [`Batch`] evaluates blocks of postures with it, one posture
+//! per lane, and [`Single`] one posture, its sines and cosines side by side.
+//!
+//! | set      | lanes (f64, f32) | a·b + c | sine and cosine                      |
+//! |----------|------------------|---------|--------------------------------------|
+//! | portable | as compiled for  | 2 roundings | [`trig`](crate::trig)            |
+//! | AVX2     | 4, 8             | fused   | [`trig`](crate::trig)                |
+//! | AVX-512  | 8, 16            | fused   | table of 16 (32) angles, see `avx512` |
+//!
+//! The sets differ in the last bits: each result is within the bound that the head of
+//! the generated file states. The portable one gives the same bits on every machine.
+
+mod batch;
+mod single;
+#[cfg(test)]
+mod tests;
+#[cfg(target_arch = "x86_64")]
+mod x86;
+
+use crate::lanes::{F32x16, F64x8};
+use crate::real::Real;
+use crate::trig;
+
+pub use batch::Batch;
+pub use single::Single;
+
+/// A set of instructions that this machine has.
+///
+/// ```
+/// use sesc_runtime::Simd;
+///
+/// let best = Simd::best();
+/// assert!(Simd::available().any(|set| set == best));
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Simd(Set);
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Set {
+    Portable,
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
+}
+
+impl Simd {
+    /// What every machine has: the same bits everywhere.
+    pub const PORTABLE: Simd = Simd(Set::Portable);
+
+    /// The widest set of this machine: asked of the processor with the feature `std`, of
+    /// the compiler's target without. Ask once and keep the answer.
+    pub fn best() -> Simd {
+        let mut best = Simd::PORTABLE;
+        for set in Simd::available() {
+            best = set;
+        }
+        best
+    }
+
+    /// Every set of this machine, the widest last.
+    pub fn available() -> impl Iterator<Item = Simd> {
+        let sets = [
+            (Set::Portable, true),
+            #[cfg(target_arch = "x86_64")]
+            (Set::Avx2, x86::has_avx2()),
+            #[cfg(target_arch = "x86_64")]
+            (Set::Avx512, x86::has_avx512()),
+        ];
+        sets.into_iter()
+            .filter_map(|(set, there)| there.then_some(Simd(set)))
+    }
+
+    /// Its name, for people.
+    pub fn name(self) -> &'static str {
+        match self.0 {
+            Set::Portable => "portable",
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx2 => "AVX2",
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx512 => "AVX-512",
+        }
+    }
+}
+
+/// A scalar that comes in blocks of a cache line.
+pub trait Scalar: Real + Default + sealed::Dispatch {
+    /// A number of each posture of a block.
+    type Block: Block<Scalar = Self>;
+}
+
+/// A number of each of several postures, together a cache line: [`F64x8`] or [`F32x16`].
+pub trait Block: Real {
+    /// Its numbers.
+    type Scalar: Scalar<Block = Self>;
+}
+
+pub(crate) mod sealed {
+    use super::{Scalar, Simd};
+    use crate::real::Real;
+
+    /// Registers of one set, and how they meet memory.
+    pub trait Machine<S: Scalar> {
+        /// Postures side by side.
+        type Vector: Real;
+        /// Registers in a block.
+        const PARTS: usize;
+        /// One number, its products fused with its sums.
+        type One: Real;
+
+        /// The same number in every lane.
+        fn splat(x: S) -> Self::Vector;
+
+        /// A register of each block.
+        fn load<const N: usize>(blocks: &[S::Block; N], part: usize) -> [Self::Vector; N];
+
+        /// Its inverse; of the longer slice the rest is left out.
+        fn store(vectors: &[Self::Vector], blocks: &mut [S::Block], part: usize);
+
+        fn ones<const N: usize>(scalars: &[S; N]) -> &[Self::One; N];
+
+        fn scalars(ones: &[Self::One]) -> &[S];
+
+        fn sin_cos<const N: usize>(angles: &[S; N], sin: &mut [S; N], cos: &mut [S; N]);
+    }
+
+    /// What is to be done, on any set.
+    pub trait Task<S: Scalar> {
+        fn run<M: Machine<S>>(self);
+    }
+
+    /// Run a task, compiled for a set.
+    pub trait Dispatch: Sized {
+        fn run(set: Simd, task: impl Task<Self>)
+        where
+            Self: Scalar;
+    }
+}
+
+/// What needs no particular instruction.
+struct Portable;
+
+macro_rules! portable {
+    ($scalar:ty, $block:ty, $sin_cos:path, $avx2:path, $avx512:path) => {
+        impl Scalar for $scalar {
+            type Block = $block;
+        }
+
+        impl Block for $block {
+            type Scalar = $scalar;
+        }
+
+        impl sealed::Machine<$scalar> for Portable {
+            type Vector = $block;
+            const PARTS: usize = 1;
+            type One = $scalar;
+
+            #[inline(always)]
+            fn splat(x: $scalar) -> $block {
+                <$block>::splat(x)
+            }
+
+            #[inline(always)]
+            fn load<const N: usize>(blocks: &[$block; N], _: usize) -> [$block; N] {
+                *blocks
+            }
+
+            #[inline(always)]
+            fn store(vectors: &[$block], blocks: &mut [$block], _: usize) {
+                let len = vectors.len().min(blocks.len());
+                blocks[..len].copy_from_slice(&vectors[..len]);
+            }
+
+            #[inline(always)]
+            fn ones<const N: usize>(scalars: &[$scalar; N]) -> &[$scalar; N] {
+                scalars
+            }
+
+            #[inline(always)]
+            fn scalars(ones: &[$scalar]) -> &[$scalar] {
+                ones
+            }
+
+            #[inline(always)]
+            fn sin_cos<const N: usize>(
+                angles: &[$scalar; N],
+                sin: &mut [$scalar; N],
+                cos: &mut [$scalar; N],
+            ) {
+                for ((x, sin), cos) in angles.iter().zip(sin).zip(cos) {
+                    (*sin, *cos) = $sin_cos(*x);
+                }
+            }
+        }
+
+        impl sealed::Dispatch for $scalar {
+            #[inline]
+            #[allow(unsafe_code)]
+            fn run(set: Simd, task: impl sealed::Task<Self>) {
+                match set.0 {
+                    Set::Portable => task.run::<Portable>(),
+                    // SAFETY: only `available` makes one, after it has seen the
+                    // processor's features.
+                    #[cfg(target_arch = "x86_64")]
+                    Set::Avx2 => unsafe { $avx2(task) },
+                    #[cfg(target_arch = "x86_64")]
+                    Set::Avx512 => unsafe { $avx512(task) },
+                }
+            }
+        }
+    };
+}
+
+portable!(
+    f64,
+    F64x8,
+    trig::sin_cos,
+    x86::avx2::double,
+    x86::avx512::double
+);
+portable!(
+    f32,
+    F32x16,
+    trig::sin_cos_f32,
+    x86::avx2::single,
+    x86::avx512::single
+);

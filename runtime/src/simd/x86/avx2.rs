@@ -1,0 +1,84 @@
+//! AVX2 with FMA: four doubles, eight singles.
+
+use core::arch::x86_64::*;
+
+use super::fused::{FusedF32, FusedF64};
+use super::{machine, register};
+use crate::simd::sealed::Task;
+use crate::{power, trig};
+
+/// The set.
+pub struct Avx2;
+
+/// Run a task on doubles.
+///
+/// # Safety
+/// The processor must have AVX2 and FMA.
+#[target_feature(enable = "avx2,fma")]
+pub unsafe fn double(task: impl Task<f64>) {
+    task.run::<Avx2>();
+}
+
+/// Run a task on singles.
+///
+/// # Safety
+/// The processor must have AVX2 and FMA.
+#[target_feature(enable = "avx2,fma")]
+pub unsafe fn single(task: impl Task<f32>) {
+    task.run::<Avx2>();
+}
+
+register! {
+    /// Four doubles.
+    F64x4(__m256d): 4 of f64;
+    _mm256_set1_pd _mm256_loadu_pd _mm256_storeu_pd
+    _mm256_add_pd _mm256_sub_pd _mm256_mul_pd _mm256_div_pd _mm256_fmadd_pd
+    _mm256_max_pd _mm256_min_pd
+    negate |x| _mm256_xor_pd(x, _mm256_set1_pd(-0.0));
+    sin_cos |x: F64x4| {
+        let (mut sin, mut cos) = ([0.0; 4], [0.0; 4]);
+        sin_cos_f64(&x.array(), &mut sin, &mut cos);
+        (F64x4::of(&sin), F64x4::of(&cos))
+    };
+    power power::power;
+}
+
+register! {
+    /// Eight singles.
+    F32x8(__m256): 8 of f32;
+    _mm256_set1_ps _mm256_loadu_ps _mm256_storeu_ps
+    _mm256_add_ps _mm256_sub_ps _mm256_mul_ps _mm256_div_ps _mm256_fmadd_ps
+    _mm256_max_ps _mm256_min_ps
+    negate |x| _mm256_xor_ps(x, _mm256_set1_ps(-0.0));
+    sin_cos |x: F32x8| {
+        let (mut sin, mut cos) = ([0.0; 8], [0.0; 8]);
+        sin_cos_f32(&x.array(), &mut sin, &mut cos);
+        (F32x8::of(&sin), F32x8::of(&cos))
+    };
+    power power::power_f32;
+}
+
+/// The kernel of [`trig`], as the compiler vectorises it inside the entries above.
+#[inline(always)]
+fn sin_cos_f64<const N: usize>(angles: &[f64; N], sin: &mut [f64; N], cos: &mut [f64; N]) {
+    for ((x, sin), cos) in angles.iter().zip(sin).zip(cos) {
+        (*sin, *cos) = trig::sin_cos(*x);
+    }
+}
+
+/// The kernel of [`trig`], likewise.
+#[inline(always)]
+fn sin_cos_f32<const N: usize>(angles: &[f32; N], sin: &mut [f32; N], cos: &mut [f32; N]) {
+    for ((x, sin), cos) in angles.iter().zip(sin).zip(cos) {
+        (*sin, *cos) = trig::sin_cos_f32(*x);
+    }
+}
+
+machine! {
+    Avx2: F64x4, 4 of f64, 8 a block, FusedF64;
+    sin_cos sin_cos_f64;
+}
+machine! {
+    Avx2: F32x8, 8 of f32, 16 a block, FusedF32;
+    sin_cos sin_cos_f32;
+}

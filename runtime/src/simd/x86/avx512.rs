@@ -1,0 +1,267 @@
+//! AVX-512: eight doubles, sixteen singles, and a table of sines in two registers.
+//!
+//! ```text
+//! x = k t + r,    t = π/8 (f32: π/16),    k = round(x / t),    |r| ≤ t/2
+//! sin x = S_k + S_k (cos r − 1) + C_k sin r
+//! cos x = C_k + C_k (cos r − 1) − S_k sin r
+//! ```
+//!
+//! `S_k = sin k t` and `C_k = cos k t` come from registers by one instruction, whose
+//! index wraps around the turn by itself: no quadrants, and polynomials of low degree.
+//! Errors are below 1.7 units of 2⁻⁵³, or of 2⁻²⁴: the roundings of
+//! the table and of two sums are half a unit each. Angles beyond the limits of
+//! [`trig`] give NaN, as there.
+
+use core::arch::x86_64::*;
+
+use super::fused::{FusedF32, FusedF64};
+use super::{machine, register};
+use crate::simd::sealed::Task;
+use crate::{power, trig};
+
+/// The set.
+pub struct Avx512;
+
+/// Run a task on doubles.
+///
+/// # Safety
+/// The processor must have AVX-512 F, DQ and VL, and FMA.
+#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
+pub unsafe fn double(task: impl Task<f64>) {
+    task.run::<Avx512>();
+}
+
+/// Run a task on singles.
+///
+/// # Safety
+/// The processor must have AVX-512 F, DQ and VL, and FMA.
+#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
+pub unsafe fn single(task: impl Task<f32>) {
+    task.run::<Avx512>();
+}
+
+register! {
+    /// Eight doubles.
+    F64x8(__m512d): 8 of f64;
+    _mm512_set1_pd _mm512_loadu_pd _mm512_storeu_pd
+    _mm512_add_pd _mm512_sub_pd _mm512_mul_pd _mm512_div_pd _mm512_fmadd_pd
+    _mm512_max_pd _mm512_min_pd
+    negate |x| _mm512_xor_pd(x, _mm512_set1_pd(-0.0));
+    sin_cos |x: F64x8| {
+        // SAFETY: see the head of `super`.
+        let (sin, cos) = unsafe { sin_cos_f64(x.0) };
+        (F64x8(sin), F64x8(cos))
+    };
+    power power::power;
+}
+
+register! {
+    /// Sixteen singles.
+    F32x16(__m512): 16 of f32;
+    _mm512_set1_ps _mm512_loadu_ps _mm512_storeu_ps
+    _mm512_add_ps _mm512_sub_ps _mm512_mul_ps _mm512_div_ps _mm512_fmadd_ps
+    _mm512_max_ps _mm512_min_ps
+    negate |x| _mm512_xor_ps(x, _mm512_set1_ps(-0.0));
+    sin_cos |x: F32x16| {
+        // SAFETY: see the head of `super`.
+        let (sin, cos) = unsafe { sin_cos_f32(x.0) };
+        (F32x16(sin), F32x16(cos))
+    };
+    power power::power_f32;
+}
+
+/// Over all angles, a register at a time.
+macro_rules! each {
+    ($each:ident, $scalar:ty, $lanes:literal, $mask:ty, $load:ident, $store:ident, $sin_cos:ident) => {
+        #[inline(always)]
+        fn $each<const N: usize>(
+            angles: &[$scalar; N],
+            sin: &mut [$scalar; N],
+            cos: &mut [$scalar; N],
+        ) {
+            let mask = <$mask>::MAX >> ($lanes - N.min($lanes));
+            for step in 0..N.div_ceil($lanes) {
+                // The last register ends with the arrays, and does some twice: what is
+                // stored under a mask cannot be loaded again at once.
+                let start = (step * $lanes).min(N.saturating_sub($lanes));
+                // SAFETY: see the head of `super`; `$lanes` numbers from `start`, or all
+                // N under the mask, are in the arrays.
+                unsafe {
+                    let (s, c) = $sin_cos($load(mask, angles.as_ptr().add(start)));
+                    $store(sin.as_mut_ptr().add(start), mask, s);
+                    $store(cos.as_mut_ptr().add(start), mask, c);
+                }
+            }
+        }
+    };
+}
+each!(
+    each_f64,
+    f64,
+    8,
+    __mmask8,
+    _mm512_maskz_loadu_pd,
+    _mm512_mask_storeu_pd,
+    sin_cos_f64
+);
+each!(
+    each_f32,
+    f32,
+    16,
+    __mmask16,
+    _mm512_maskz_loadu_ps,
+    _mm512_mask_storeu_ps,
+    sin_cos_f32
+);
+
+machine! {
+    Avx512: F64x8, 8 of f64, 8 a block, FusedF64;
+    sin_cos each_f64;
+}
+machine! {
+    Avx512: F32x16, 16 of f32, 16 a block, FusedF32;
+    sin_cos each_f32;
+}
+
+/// `sin k π/8`; a quarter turn on, the cosines.
+const TABLE: [f64; 20] = {
+    const S1: f64 = 0.382_683_432_365_089_8;
+    const S2: f64 = core::f64::consts::FRAC_1_SQRT_2;
+    const S3: f64 = 0.923_879_532_511_286_7;
+    [
+        0.0, S1, S2, S3, 1.0, S3, S2, S1, 0.0, -S1, -S2, -S3, -1.0, -S3, -S2, -S1, 0.0, S1, S2, S3,
+    ]
+};
+
+/// π/8 in two pieces.
+const STEP: [f64; 2] = [0.392_699_081_698_724_14, 1.530_808_498_934_191_5e-17];
+
+/// 1.5 · 2^52: a sum with it is rounded to an integer, which its low bits show.
+const MAGIC: f64 = 6_755_399_441_055_744.0;
+
+/// `(sin r − r) / r³` in `r²`: minimax, error of the sine below 6e-19.
+const SIN: [f64; 4] = [
+    -0.166_666_666_666_660_66,
+    0.008_333_333_332_069_795,
+    -0.000_198_412_610_357_313_73,
+    2.753_228_697_618_134_6e-6,
+];
+
+/// `(cos r − 1 + r²/2) / r⁴` in `r²`: minimax, error of the cosine below 7e-21.
+const COS: [f64; 4] = [
+    0.041_666_666_666_665_984,
+    -0.001_388_888_888_761_665_2,
+    2.480_157_913_208_039_4e-5,
+    -2.753_546_000_923_134_6e-7,
+];
+
+/// Sines and cosines of eight doubles.
+///
+/// # Safety
+/// The processor must have AVX-512 F and DQ.
+#[inline(always)]
+unsafe fn sin_cos_f64(x: __m512d) -> (__m512d, __m512d) {
+    unsafe {
+        let all = |value: f64| _mm512_set1_pd(value);
+        let known = _mm512_cmp_pd_mask::<_CMP_LE_OQ>(_mm512_abs_pd(x), all(trig::LIMIT_RAD));
+
+        let shifted = _mm512_fmadd_pd(x, all(8.0 * core::f64::consts::FRAC_1_PI), all(MAGIC));
+        let index = _mm512_castpd_si512(shifted);
+        let k = _mm512_sub_pd(shifted, all(MAGIC));
+        let r = _mm512_fnmadd_pd(k, all(STEP[0]), x);
+        let r = _mm512_fnmadd_pd(k, all(STEP[1]), r);
+        // From here a NaN spreads to both results.
+        let z = _mm512_mask_mul_pd(all(f64::NAN), known, r, r);
+
+        let s = _mm512_fmadd_pd(z, all(SIN[3]), all(SIN[2]));
+        let s = _mm512_fmadd_pd(z, s, all(SIN[1]));
+        let s = _mm512_fmadd_pd(z, s, all(SIN[0]));
+        let sin_r = _mm512_fmadd_pd(_mm512_mul_pd(z, r), s, r);
+        let c = _mm512_fmadd_pd(z, all(COS[3]), all(COS[2]));
+        let c = _mm512_fmadd_pd(z, c, all(COS[1]));
+        let c = _mm512_fmadd_pd(z, c, all(COS[0]));
+        let c = _mm512_fmadd_pd(z, c, all(-0.5));
+        let cos_r_less_1 = _mm512_mul_pd(z, c);
+
+        let row = |start: usize| _mm512_loadu_pd(TABLE.as_ptr().add(start));
+        let sin_k = _mm512_permutex2var_pd(row(0), index, row(8));
+        let cos_k = _mm512_permutex2var_pd(row(4), index, row(12));
+        let sin = _mm512_fmadd_pd(cos_k, sin_r, sin_k);
+        let cos = _mm512_fnmadd_pd(sin_k, sin_r, cos_k);
+        (
+            _mm512_fmadd_pd(sin_k, cos_r_less_1, sin),
+            _mm512_fmadd_pd(cos_k, cos_r_less_1, cos),
+        )
+    }
+}
+
+/// `sin k π/16`; a quarter turn on, the cosines.
+const TABLE_F32: [f32; 40] = {
+    const S: [f32; 9] = [
+        0.0,
+        0.195_090_32,
+        0.382_683_43,
+        0.555_570_24,
+        core::f32::consts::FRAC_1_SQRT_2,
+        0.831_469_6,
+        0.923_879_5,
+        0.980_785_25,
+        1.0,
+    ];
+    let mut table = [0.0; 40];
+    let mut k = 0;
+    while k < 40 {
+        let (half, within) = (k / 16 % 2, k % 16);
+        let sine = S[if within <= 8 { within } else { 16 - within }];
+        table[k] = if half == 0 { sine } else { -sine };
+        k += 1;
+    }
+    table
+};
+
+/// π/16 in two pieces.
+const STEP_F32: [f32; 2] = [f32::from_bits(0x3E49_0FDB), f32::from_bits(0xB1BB_BD2E)];
+
+/// 1.5 · 2^23.
+const MAGIC_F32: f32 = 12_582_912.0;
+
+/// `(sin r − r) / r³` in `r²`: minimax, error of the sine below 5e-13.
+const SIN_F32: [f32; 2] = [f32::from_bits(0xBE2A_AAAA), f32::from_bits(0x3C08_7C92)];
+
+/// `(cos r − 1) / r²` in `r²`: minimax, error of the cosine below 5e-11.
+const COS_F32: [f32; 2] = [f32::from_bits(0xBEFF_FFFE), f32::from_bits(0x3D2A_9717)];
+
+/// Sines and cosines of sixteen singles.
+///
+/// # Safety
+/// The processor must have AVX-512 F and DQ.
+#[inline(always)]
+unsafe fn sin_cos_f32(x: __m512) -> (__m512, __m512) {
+    unsafe {
+        let all = |value: f32| _mm512_set1_ps(value);
+        let known = _mm512_cmp_ps_mask::<_CMP_LE_OQ>(_mm512_abs_ps(x), all(trig::LIMIT_RAD_F32));
+
+        let shifted = _mm512_fmadd_ps(x, all(16.0 * core::f32::consts::FRAC_1_PI), all(MAGIC_F32));
+        let index = _mm512_castps_si512(shifted);
+        let k = _mm512_sub_ps(shifted, all(MAGIC_F32));
+        let r = _mm512_fnmadd_ps(k, all(STEP_F32[0]), x);
+        let r = _mm512_fnmadd_ps(k, all(STEP_F32[1]), r);
+        // From here a NaN spreads to both results.
+        let z = _mm512_mask_mul_ps(all(f32::NAN), known, r, r);
+
+        let s = _mm512_fmadd_ps(z, all(SIN_F32[1]), all(SIN_F32[0]));
+        let sin_r = _mm512_fmadd_ps(_mm512_mul_ps(z, r), s, r);
+        let c = _mm512_fmadd_ps(z, all(COS_F32[1]), all(COS_F32[0]));
+        let cos_r_less_1 = _mm512_mul_ps(z, c);
+
+        let row = |start: usize| _mm512_loadu_ps(TABLE_F32.as_ptr().add(start));
+        let sin_k = _mm512_permutex2var_ps(row(0), index, row(16));
+        let cos_k = _mm512_permutex2var_ps(row(8), index, row(24));
+        let sin = _mm512_fmadd_ps(cos_k, sin_r, sin_k);
+        let cos = _mm512_fnmadd_ps(sin_k, sin_r, cos_k);
+        (
+            _mm512_fmadd_ps(sin_k, cos_r_less_1, sin),
+            _mm512_fmadd_ps(cos_k, cos_r_less_1, cos),
+        )
+    }
+}

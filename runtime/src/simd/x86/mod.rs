@@ -1,0 +1,217 @@
+//! Registers of x86-64, and the operations that a [`Real`](crate::Real) takes.
+//!
+//! Every operation is `inline(always)` around one instruction, and ends up inside one of
+//! the entry functions that are compiled for the set: nothing else calls it.
+
+#![allow(unsafe_code)]
+
+pub(super) mod avx2;
+pub(super) mod avx512;
+mod fused;
+
+/// True where the processor, and the system, have all that the entry of AVX2 is compiled for.
+#[cfg(feature = "std")]
+pub(super) fn has_avx2() -> bool {
+    std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma")
+}
+
+/// True where the processor, and the system, have all that the entry of AVX-512 is compiled for.
+#[cfg(feature = "std")]
+pub(super) fn has_avx512() -> bool {
+    has_avx2()
+        && std::arch::is_x86_feature_detected!("avx512f")
+        && std::arch::is_x86_feature_detected!("avx512dq")
+        && std::arch::is_x86_feature_detected!("avx512vl")
+}
+
+#[cfg(not(feature = "std"))]
+pub(super) fn has_avx2() -> bool {
+    cfg!(all(target_feature = "avx2", target_feature = "fma"))
+}
+
+#[cfg(not(feature = "std"))]
+pub(super) fn has_avx512() -> bool {
+    has_avx2()
+        && cfg!(all(
+            target_feature = "avx512f",
+            target_feature = "avx512dq",
+            target_feature = "avx512vl"
+        ))
+}
+
+/// A register as a [`Real`](crate::Real), from its instructions.
+macro_rules! register {
+    (
+        $(#[$doc:meta])*
+        $name:ident($raw:ty): $lanes:literal of $scalar:ty;
+        $splat:ident $load:ident $store:ident
+        $add:ident $sub:ident $mul:ident $div:ident $fused:ident
+        $max:ident $min:ident
+        negate $negate:expr;
+        sin_cos $sin_cos:expr;
+        power $power:path;
+    ) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy)]
+        #[repr(transparent)]
+        pub struct $name($raw);
+
+        register!(@operator $name Add add $add);
+        register!(@operator $name Sub sub $sub);
+        register!(@operator $name Mul mul $mul);
+        register!(@operator $name Div div $div);
+
+        impl core::ops::Neg for $name {
+            type Output = Self;
+
+            #[inline(always)]
+            fn neg(self) -> Self {
+                // SAFETY: see the head of this module.
+                Self(unsafe { $negate(self.0) })
+            }
+        }
+
+        impl $name {
+            #[inline(always)]
+            fn splat(x: $scalar) -> Self {
+                // SAFETY: see the head of this module.
+                Self(unsafe { $splat(x) })
+            }
+
+            #[inline(always)]
+            fn array(self) -> [$scalar; $lanes] {
+                let mut array = [0.0; $lanes];
+                // SAFETY: see the head of this module; the array has room for the register.
+                unsafe { $store(array.as_mut_ptr(), self.0) };
+                array
+            }
+
+            #[inline(always)]
+            fn of(array: &[$scalar; $lanes]) -> Self {
+                // SAFETY: see the head of this module; the array fills the register.
+                Self(unsafe { $load(array.as_ptr()) })
+            }
+        }
+
+        impl crate::Real for $name {
+            #[inline(always)]
+            fn from_f64(x: f64) -> Self {
+                Self::splat(x as $scalar)
+            }
+
+            #[inline(always)]
+            fn mul_add(self, factor: Self, term: Self) -> Self {
+                // SAFETY: see the head of this module.
+                Self(unsafe { $fused(self.0, factor.0, term.0) })
+            }
+
+            #[inline(always)]
+            fn sin_cos(self) -> (Self, Self) {
+                $sin_cos(self)
+            }
+
+            #[inline(always)]
+            fn clamp_unit(self) -> Self {
+                let (low, high) = (Self::from_f64(-1.0), Self::from_f64(1.0));
+                // Of two operands the second is the answer where either is NaN.
+                // SAFETY: see the head of this module.
+                Self(unsafe { $min(high.0, $max(low.0, self.0)) })
+            }
+
+            #[inline(always)]
+            fn power(self, exponent: Self) -> Self {
+                let (mut array, exponents) = (self.array(), exponent.array());
+                for (x, exponent) in array.iter_mut().zip(&exponents) {
+                    *x = $power(*x, *exponent);
+                }
+                Self::of(&array)
+            }
+        }
+    };
+    (@operator $name:ident $trait:ident $method:ident $instruction:ident) => {
+        impl core::ops::$trait for $name {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                // SAFETY: see the head of this module.
+                Self(unsafe { $instruction(self.0, other.0) })
+            }
+        }
+    };
+}
+use register;
+
+/// A set's registers as a [`Machine`](crate::simd::sealed::Machine).
+macro_rules! machine {
+    (
+        $set:ident: $vector:ident, $lanes:literal of $scalar:ty, $count:literal a block,
+        $one:ty;
+        sin_cos $sin_cos:expr;
+    ) => {
+        impl crate::simd::sealed::Machine<$scalar> for $set {
+            type Vector = $vector;
+            const PARTS: usize = $count / $lanes;
+            type One = $one;
+
+            #[inline(always)]
+            fn splat(x: $scalar) -> $vector {
+                <$vector>::splat(x)
+            }
+
+            #[inline(always)]
+            fn load<const N: usize>(
+                blocks: &[crate::Lanes<$scalar, $count>; N],
+                part: usize,
+            ) -> [$vector; N] {
+                core::array::from_fn(|k| {
+                    let (values, _) = blocks[k].0[part * $lanes..].as_chunks();
+                    $vector::of(&values[0])
+                })
+            }
+
+            #[inline(always)]
+            fn store(
+                vectors: &[$vector],
+                blocks: &mut [crate::Lanes<$scalar, $count>],
+                part: usize,
+            ) {
+                let len = vectors.len().min(blocks.len());
+                if $lanes == $count {
+                    // SAFETY: a register and a block have the same size, and `len` of
+                    // both are there. One copy, which the compiler can dissolve.
+                    unsafe {
+                        let from = vectors.as_ptr().cast::<crate::Lanes<$scalar, $count>>();
+                        core::ptr::copy_nonoverlapping(from, blocks.as_mut_ptr(), len);
+                    }
+                } else {
+                    for (vector, block) in vectors.iter().zip(blocks) {
+                        block.0[part * $lanes..][..$lanes].copy_from_slice(&vector.array());
+                    }
+                }
+            }
+
+            #[inline(always)]
+            fn ones<const N: usize>(scalars: &[$scalar; N]) -> &[$one; N] {
+                // SAFETY: the one is a transparent wrapper of the other.
+                unsafe { &*core::ptr::from_ref(scalars).cast() }
+            }
+
+            #[inline(always)]
+            fn scalars(ones: &[$one]) -> &[$scalar] {
+                // SAFETY: the one is a transparent wrapper of the other.
+                unsafe { core::slice::from_raw_parts(ones.as_ptr().cast(), ones.len()) }
+            }
+
+            #[inline(always)]
+            fn sin_cos<const N: usize>(
+                angles: &[$scalar; N],
+                sin: &mut [$scalar; N],
+                cos: &mut [$scalar; N],
+            ) {
+                $sin_cos(angles, sin, cos)
+            }
+        }
+    };
+}
+use machine;
