@@ -1,10 +1,12 @@
 //! Functions of any robot at near-native speed: programs on tape.
 
+use std::sync::LazyLock;
+
 use sesc_codegen::effects::{self, Circumstances};
 use sesc_codegen::program::Program;
 use sesc_codegen::tape::{Argument, Kernels, Tape};
 use sesc_codegen::{Function, Given, Model};
-use sesc_runtime::{power, trig};
+use sesc_runtime::{Simd, power, trig};
 
 /// One function of a model, ready for batches of postures.
 pub struct Evaluator {
@@ -72,7 +74,7 @@ impl Evaluator {
             Given::SinesCosines => vec![Argument::PerPosture(&sin), Argument::PerPosture(&cos)],
         };
         arguments.extend(self.params.as_deref().map(Argument::Shared));
-        self.tape.run(&arguments, postures, &mut out, KERNELS);
+        self.tape.run(&arguments, postures, &mut out, FASTEST);
         out
     }
 
@@ -89,11 +91,20 @@ impl Evaluator {
     }
 }
 
-/// The runtime's kernels: what generated code computes, the tape computes.
-pub const KERNELS: Kernels = Kernels {
-    sin_cos: |angle, sin, cos| trig::sin_cos_block(angle, sin, cos),
+/// The runtime's portable kernels: what generated code computes from scalars, the tape
+/// computes to the bit, on any machine.
+pub const PORTABLE: Kernels = Kernels {
+    sin_cos: |angle, sin, cos| Simd::PORTABLE.sin_cos(angle, sin, cos),
     power: |base, exponent, out| power::power_block(base, exponent, out),
 };
+
+/// The runtime's kernels on the widest registers of this machine: within the same bounds.
+pub const FASTEST: Kernels = Kernels {
+    sin_cos: |angle, sin, cos| BEST.sin_cos(angle, sin, cos),
+    power: PORTABLE.power,
+};
+
+static BEST: LazyLock<Simd> = LazyLock::new(Simd::best);
 
 /// The reading that a model with effects foretells, under any gravity.
 pub struct Foretelling {
@@ -127,7 +138,7 @@ impl Foretelling {
             Argument::Shared(&self.params),
             Argument::PerPosture(&circumstances),
         ];
-        self.tape.run(&arguments, postures, &mut out, KERNELS);
+        self.tape.run(&arguments, postures, &mut out, FASTEST);
         out
     }
 }

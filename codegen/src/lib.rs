@@ -21,7 +21,7 @@
 //! urdf → tree → chain → frames → base → model → expr → program → emit | tape
 //! ```
 
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 
 pub mod base;
 pub mod bounds;

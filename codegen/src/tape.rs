@@ -1,8 +1,9 @@
 //! Running a program without a compiler: a tape over blocks of postures.
 //!
 //! Each node works on [`BLOCK`] postures at once, so that the cost of looking
-//! up what to do is shared and the loops vectorise. Registers are reused as
-//! soon as their value is dead; a block's working set stays in the cache.
+//! up what to do is shared and the loops vectorise: in the widest registers that the
+//! processor has, with the same bits in all. Registers of results are reused as soon
+//! as their value is dead; inputs keep theirs, and what all postures share is loaded once.
 
 use crate::expr::{Expr, Id};
 use crate::program::{Program, operands};
@@ -54,11 +55,6 @@ pub enum Argument<'a> {
 
 #[derive(Debug, Clone, Copy)]
 enum Step {
-    Const(f64),
-    Load {
-        array: usize,
-        index: usize,
-    },
     Add(usize, usize),
     Sub(usize, usize),
     Mul(usize, usize),
@@ -66,8 +62,15 @@ enum Step {
     Neg(usize),
     Clamp(usize),
     Pow(usize, usize),
-    /// Angle, register of the sine (the cosine is the destination's neighbour).
+    /// Angle; the second destination is the cosine's.
     SinCos(usize),
+}
+
+/// What fills a register before any step.
+#[derive(Debug, Clone, Copy)]
+enum Source {
+    Const(f64),
+    Input { array: usize, index: usize },
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -81,6 +84,8 @@ struct Instruction {
 /// A program made ready to run.
 #[derive(Debug, Clone)]
 pub struct Tape {
+    /// Of the first registers, in their order.
+    sources: Vec<Source>,
     steps: Vec<Instruction>,
     registers: usize,
     /// Register of each output.
@@ -94,7 +99,22 @@ impl Tape {
         let pairs = program.angles();
         let mut left: Vec<usize> = program.nodes.iter().map(|node| node.uses).collect();
         let mut register: Vec<Option<usize>> = vec![None; program.nodes.len()];
-        let (mut free, mut count) = (Vec::new(), 0);
+        let mut sources = Vec::new();
+        for (id, node) in program.iter() {
+            let source = match node.expr {
+                Expr::Const(x) => Source::Const(x),
+                Expr::Input { array, index } => Source::Input {
+                    array: array as usize,
+                    index: index as usize,
+                },
+                _ => continue,
+            };
+            register[id.index()] = Some(sources.len());
+            // Never free: one use more than there are.
+            left[id.index()] += 1;
+            sources.push(source);
+        }
+        let (mut free, mut count) = (Vec::new(), sources.len());
         let mut take = |free: &mut Vec<usize>| {
             free.pop().unwrap_or_else(|| {
                 count += 1;
@@ -108,11 +128,7 @@ impl Tape {
                 register[id.index()].expect("operands come before their users")
             };
             let step = match node.expr {
-                Expr::Const(x) => Step::Const(x),
-                Expr::Input { array, index } => Step::Load {
-                    array: array as usize,
-                    index: index as usize,
-                },
+                Expr::Const(_) | Expr::Input { .. } => continue,
                 Expr::Add(a, b) => Step::Add(at(a, &register), at(b, &register)),
                 Expr::Sub(a, b) => Step::Sub(at(a, &register), at(b, &register)),
                 Expr::Mul(a, b) => Step::Mul(at(a, &register), at(b, &register)),
@@ -154,6 +170,7 @@ impl Tape {
                 .iter()
                 .map(|id| register[id.index()].expect("outputs are live"))
                 .collect(),
+            sources,
             steps,
             registers: count,
             lens: program.inputs.iter().map(|array| array.len).collect(),
@@ -188,55 +205,87 @@ impl Tape {
             "room for every output"
         );
         let mut registers = vec![[0.0; BLOCK]; self.registers];
+        for (register, source) in registers.iter_mut().zip(&self.sources) {
+            match *source {
+                Source::Const(x) => register.fill(x),
+                Source::Input { array, index } => {
+                    if let Argument::Shared(values) = arguments[array] {
+                        register.fill(values[index]);
+                    }
+                }
+            }
+        }
         for start in (0..postures).step_by(BLOCK) {
             let n = BLOCK.min(postures - start);
-            self.run_block(arguments, start, n, &mut registers, kernels);
+            for (register, source) in registers.iter_mut().zip(&self.sources) {
+                if let Source::Input { array, index } = *source
+                    && let Argument::PerPosture(values) = arguments[array]
+                {
+                    let len = self.lens[array];
+                    let column = values[start * len + index..].iter().step_by(len);
+                    for (lane, value) in register[..n].iter_mut().zip(column) {
+                        *lane = *value;
+                    }
+                }
+            }
+            widest(&self.steps, &mut registers, kernels);
+            let out = &mut out[start * self.outputs.len()..];
             for (k, &register) in self.outputs.iter().enumerate() {
-                for lane in 0..n {
-                    out[(start + lane) * self.outputs.len() + k] = registers[register][lane];
+                let column = out[k..].iter_mut().step_by(self.outputs.len());
+                for (to, value) in column.zip(&registers[register][..n]) {
+                    *to = *value;
                 }
             }
         }
     }
+}
 
-    fn run_block(
-        &self,
-        arguments: &[Argument],
-        start: usize,
-        n: usize,
-        registers: &mut [Lane],
-        kernels: Kernels,
-    ) {
-        for instruction in &self.steps {
-            let to = instruction.to;
-            match instruction.step {
-                Step::Const(x) => registers[to] = [x; BLOCK],
-                Step::Load { array, index } => match arguments[array] {
-                    Argument::Shared(values) => registers[to] = [values[index]; BLOCK],
-                    Argument::PerPosture(values) => {
-                        let len = self.lens[array];
-                        for lane in 0..n {
-                            registers[to][lane] = values[(start + lane) * len + index];
-                        }
-                    }
-                },
-                Step::Add(a, b) => binary(registers, to, a, b, |x, y| x + y),
-                Step::Sub(a, b) => binary(registers, to, a, b, |x, y| x - y),
-                Step::Mul(a, b) => binary(registers, to, a, b, |x, y| x * y),
-                Step::Div(a, b) => binary(registers, to, a, b, |x, y| x / y),
-                Step::Neg(a) => binary(registers, to, a, a, |x, _| -x),
-                Step::Clamp(a) => binary(registers, to, a, a, |x, _| x.clamp(-1.0, 1.0)),
-                Step::Pow(a, b) => {
-                    let (base, exponent) = (registers[a], registers[b]);
-                    (kernels.power)(&base, &exponent, &mut registers[to]);
-                }
-                Step::SinCos(a) => {
-                    let angle = registers[a];
-                    let (mut s, mut c) = ([0.0; BLOCK], [0.0; BLOCK]);
-                    (kernels.sin_cos)(&angle, &mut s, &mut c);
-                    registers[to] = s;
-                    registers[instruction.also] = c;
-                }
+/// All steps on one block, in the widest registers there are. No step fuses a product with
+/// a sum, so that all sets of instructions give the same bits.
+#[allow(unsafe_code)]
+fn widest(steps: &[Instruction], registers: &mut [Lane], kernels: Kernels) {
+    #[cfg(target_arch = "x86_64")]
+    {
+        #[target_feature(enable = "avx512f,avx512vl,avx512dq")]
+        fn avx512(steps: &[Instruction], registers: &mut [Lane], kernels: Kernels) {
+            run(steps, registers, kernels);
+        }
+        #[target_feature(enable = "avx2")]
+        fn avx2(steps: &[Instruction], registers: &mut [Lane], kernels: Kernels) {
+            run(steps, registers, kernels);
+        }
+        use std::arch::is_x86_feature_detected as has;
+        if has!("avx512f") && has!("avx512vl") && has!("avx512dq") {
+            // SAFETY: the processor has what the function is compiled for.
+            return unsafe { avx512(steps, registers, kernels) };
+        }
+        if has!("avx2") {
+            // SAFETY: likewise.
+            return unsafe { avx2(steps, registers, kernels) };
+        }
+    }
+    run(steps, registers, kernels);
+}
+
+#[inline(always)]
+fn run(steps: &[Instruction], registers: &mut [Lane], kernels: Kernels) {
+    for instruction in steps {
+        let to = instruction.to;
+        match instruction.step {
+            Step::Add(a, b) => binary(registers, to, a, b, |x, y| x + y),
+            Step::Sub(a, b) => binary(registers, to, a, b, |x, y| x - y),
+            Step::Mul(a, b) => binary(registers, to, a, b, |x, y| x * y),
+            Step::Div(a, b) => binary(registers, to, a, b, |x, y| x / y),
+            Step::Neg(a) => binary(registers, to, a, a, |x, _| -x),
+            Step::Clamp(a) => binary(registers, to, a, a, |x, _| x.clamp(-1.0, 1.0)),
+            Step::Pow(a, b) => {
+                let (base, exponent) = (registers[a], registers[b]);
+                (kernels.power)(&base, &exponent, &mut registers[to]);
+            }
+            Step::SinCos(a) => {
+                let registers = registers.get_disjoint_mut([a, to, instruction.also]);
+                let [angle, sin, cos] = registers.expect("destinations of their own");
+                (kernels.sin_cos)(angle, sin, cos);
             }
         }
     }
@@ -244,9 +293,17 @@ impl Tape {
 
 #[inline(always)]
 fn binary(registers: &mut [Lane], to: usize, a: usize, b: usize, f: impl Fn(f64, f64) -> f64) {
-    // Copies keep the borrow checker out of the loop; 64 lanes cost a few ns.
-    let (x, y) = (registers[a], registers[b]);
-    for ((z, x), y) in registers[to].iter_mut().zip(&x).zip(&y) {
-        *z = f(*x, *y);
+    if a == b {
+        let pair = registers.get_disjoint_mut([to, a]);
+        let [to, x] = pair.expect("a destination of its own");
+        for (z, x) in to.iter_mut().zip(&*x) {
+            *z = f(*x, *x);
+        }
+    } else {
+        let three = registers.get_disjoint_mut([to, a, b]);
+        let [to, x, y] = three.expect("a destination of its own");
+        for ((z, x), y) in to.iter_mut().zip(&*x).zip(&*y) {
+            *z = f(*x, *y);
+        }
     }
 }

@@ -64,6 +64,7 @@
 //! ```
 
 mod answers;
+mod batch;
 mod error;
 mod scalar;
 mod triangle;
@@ -72,6 +73,7 @@ mod triangle;
 mod tests;
 
 pub use answers::Prediction;
+pub use batch::WORST;
 pub use error::Error;
 pub use scalar::Scalar;
 

@@ -49,7 +49,7 @@ mod lanes;
 mod model;
 pub mod power;
 mod real;
-mod simd;
+pub(crate) mod simd;
 pub mod trig;
 
 pub use lanes::{F32x16, F64x8, Lanes, pack, unpack};

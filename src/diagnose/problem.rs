@@ -21,7 +21,7 @@ use super::nuisance::Nuisance;
 use super::outliers::Outliers;
 use super::sides;
 use crate::Error;
-use crate::evaluate::{Evaluator, KERNELS};
+use crate::evaluate::{Evaluator, FASTEST};
 use crate::identify::prior::{Prior, Tolerances};
 
 /// Steps of a fit, at most.
@@ -261,7 +261,7 @@ impl<'m> Problem<'m> {
             Argument::Shared(unknowns),
             Argument::PerPosture(circumstances),
         ];
-        tapes.reading.run(&arguments, n, &mut out, KERNELS);
+        tapes.reading.run(&arguments, n, &mut out, FASTEST);
         out
     }
 
@@ -291,7 +291,7 @@ impl<'m> Problem<'m> {
             Argument::Shared(unknowns),
             Argument::PerPosture(circumstances),
         ];
-        tape.run(&arguments, n, &mut out, KERNELS);
+        tape.run(&arguments, n, &mut out, FASTEST);
         out
     }
 
@@ -604,7 +604,7 @@ impl<'m> Problem<'m> {
             Argument::Shared(&fit.unknowns),
             Argument::PerPosture(circumstances),
         ];
-        tape.run(&arguments, n, &mut out, KERNELS);
+        tape.run(&arguments, n, &mut out, FASTEST);
         out
     }
 
@@ -683,7 +683,7 @@ impl Problem<'_> {
             Argument::Shared(&[]),
             Argument::PerPosture(&self.data.circumstances),
         ];
-        tape.run(&arguments, n, &mut out, KERNELS);
+        tape.run(&arguments, n, &mut out, FASTEST);
         out
     }
 

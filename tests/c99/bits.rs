@@ -117,7 +117,7 @@ fn rust(case: &Case, scalar: Scalar, entry: &Entry, drawn: &Draw) -> Vec<f64> {
             .map(|(values, _)| Argument::PerPosture(values))
             .collect();
         let mut out = vec![0.0; count * entry.width];
-        Tape::new(&program).run(&arguments, count, &mut out, sesc::evaluate::KERNELS);
+        Tape::new(&program).run(&arguments, count, &mut out, sesc::evaluate::PORTABLE);
         return out;
     }
     let interpreter = Interpreter::new(&program);

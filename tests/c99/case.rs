@@ -186,7 +186,7 @@ impl Case {
         if function.takes_parameters() {
             arguments.push(Argument::PerPosture(r));
         }
-        tape.run(&arguments, count, &mut out, sesc::evaluate::KERNELS);
+        tape.run(&arguments, count, &mut out, sesc::evaluate::PORTABLE);
         out
     }
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use sesc::evaluate::KERNELS;
+use sesc::evaluate::PORTABLE;
 use sesc::robot::Robot;
 use sesc::simulate::Simulator;
 use sesc_codegen::effects::{self, Circumstances, Instance, Setting};
@@ -98,7 +98,7 @@ pub fn run(program: &Program, arrays: &[&[f64]]) -> Vec<f64> {
     let tape = Tape::new(program);
     let mut out = vec![0.0; tape.outputs()];
     let arguments: Vec<Argument> = arrays.iter().map(|x| Argument::Shared(x)).collect();
-    tape.run(&arguments, 1, &mut out, KERNELS);
+    tape.run(&arguments, 1, &mut out, PORTABLE);
     out
 }
 

@@ -11,7 +11,7 @@ use std::process::Command;
 use build::{ROOT, Rows, WARNINGS, folder, tool, write_c};
 use exact::{Double, Interpreter, Number};
 use programs::{Case, bare, cases, edges};
-use sesc::evaluate::KERNELS;
+use sesc::evaluate::PORTABLE;
 use sesc_codegen::bounds::{self, Precision};
 use sesc_codegen::program::Program;
 use sesc_codegen::tape::{Argument, Tape};
@@ -28,7 +28,7 @@ fn by_tape(program: &Program, rows: &Rows) -> Vec<f64> {
     let tape = Tape::new(program);
     let mut out = vec![0.0; rows.len() * tape.outputs()];
     let arguments = [Argument::PerPosture(&x), Argument::PerPosture(&y)];
-    tape.run(&arguments, rows.len(), &mut out, KERNELS);
+    tape.run(&arguments, rows.len(), &mut out, PORTABLE);
     out
 }
 

@@ -14,6 +14,7 @@
 //! the generated file states. The portable one gives the same bits on every machine.
 
 mod batch;
+pub(crate) mod normal;
 mod single;
 #[cfg(test)]
 mod tests;
@@ -72,6 +73,25 @@ impl Simd {
         ];
         sets.into_iter()
             .filter_map(|(set, there)| there.then_some(Simd(set)))
+    }
+
+    /// Sines and cosines of angles, rad, within 1.7 units of 2⁻⁵³ (f32: 2⁻²⁴); NaN
+    /// beyond the limits of [`trig`].
+    ///
+    /// ```
+    /// use sesc_runtime::Simd;
+    ///
+    /// let (mut sin, mut cos) = ([0.0; 3], [0.0; 3]);
+    /// Simd::best().sin_cos(&[0.0, 0.5, 1.0], &mut sin, &mut cos);
+    /// assert!((sin[1] - 0.4794255386042030).abs() < 2e-16 && cos[0] == 1.0);
+    /// ```
+    pub fn sin_cos<S: Scalar, const N: usize>(
+        self,
+        angles: &[S; N],
+        sin: &mut [S; N],
+        cos: &mut [S; N],
+    ) {
+        S::run(self, Sines { angles, sin, cos });
     }
 
     /// Its name, for people.
@@ -137,6 +157,20 @@ pub(crate) mod sealed {
         fn run(set: Simd, task: impl Task<Self>)
         where
             Self: Scalar;
+    }
+}
+
+/// Sines and cosines side by side.
+struct Sines<'a, S, const N: usize> {
+    angles: &'a [S; N],
+    sin: &'a mut [S; N],
+    cos: &'a mut [S; N],
+}
+
+impl<S: Scalar, const N: usize> sealed::Task<S> for Sines<'_, S, N> {
+    #[inline(always)]
+    fn run<M: sealed::Machine<S>>(self) {
+        M::sin_cos(self.angles, self.sin, self.cos);
     }
 }
 

@@ -32,12 +32,10 @@
 //! turns, |x| <= 2π, are the same to the second digit. Rounding must be to nearest,
 //! which is how Rust programs run.
 
-mod block;
 mod double;
 #[cfg(test)]
 pub(crate) mod exact;
 mod single;
 
-pub use block::{sin_cos_block, sin_cos_block_f32};
 pub use double::{LIMIT_RAD, sin_cos};
 pub use single::{LIMIT_RAD_F32, sin_cos_f32};
