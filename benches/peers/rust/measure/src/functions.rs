@@ -1,0 +1,255 @@
+//! CoM, Jacobian and rows: one posture, batches, the tape.
+
+use std::hint::black_box;
+use std::time::Duration;
+
+use sesc::simulate::Simulator;
+use sesc_codegen::Function;
+
+use crate::ours;
+use crate::peers::{Answer, Batch, One, Peers, contestants};
+use crate::turns::{Entry, Found, compare};
+
+/// Postures of a batch: its rows stay in the second cache.
+pub const POSTURES: usize = 512;
+/// Answers may differ by this much, m (and m/rad).
+const AGREE_F64: f64 = 1e-9;
+const AGREE_F32: f64 = 2e-5;
+
+pub const FUNCTIONS: [(Function, &str); 4] = [
+    (Function::Com, "CoM"),
+    (Function::ComJacobian, "Jacobian 3×20"),
+    (Function::RegressorFull, "full rows 3×60"),
+    (Function::RegressorCop, "CoP rows 2×42"),
+];
+
+/// How a function is asked.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Mode {
+    One,
+    BatchF64,
+    BatchF32,
+    Tape,
+}
+
+pub const MODES: [(Mode, &str); 4] = [
+    (Mode::One, "one posture, f64"),
+    (Mode::BatchF64, "batch, f64"),
+    (Mode::BatchF32, "batch, f32"),
+    (Mode::Tape, "batch, f64, our tape"),
+];
+
+/// Where postures are drawn from.
+pub struct Range {
+    pub name: &'static str,
+    q: Vec<f64>,
+    q32: Vec<f32>,
+    peers: Vec<f64>,
+    peers32: Vec<f32>,
+}
+
+impl Range {
+    /// The limits of the URDF, or those of `limits` (joint, lower, upper; rad).
+    pub fn new(name: &'static str, peers: &Peers, limits: Option<&str>) -> Result<Range, String> {
+        let mut dofs = ours::model().tree.dofs.clone();
+        for line in limits.unwrap_or("").lines() {
+            let words: Vec<&str> = line.split_whitespace().collect();
+            let [joint, lower, upper] = words[..] else {
+                return Err(format!("limits.txt: cannot read `{line}`"));
+            };
+            let place = ours::JOINT_NAMES.iter().position(|name| *name == joint);
+            let place = place.ok_or_else(|| format!("limits.txt: no joint {joint}"))?;
+            let number = |text: &str| text.parse().map_err(|_| format!("limits.txt: `{line}`"));
+            (dofs[place].lower, dofs[place].upper) = (number(lower)?, number(upper)?);
+        }
+        let q = Simulator::new(&dofs, None, 1).batch(POSTURES);
+        let q32: Vec<f32> = q.iter().map(|x| *x as f32).collect();
+        Ok(Range {
+            name,
+            peers: peers.reordered(&q),
+            peers32: peers.reordered(&q32),
+            q,
+            q32,
+        })
+    }
+}
+
+/// Values that our function writes per posture.
+fn width(function: Function) -> usize {
+    match function {
+        Function::Com => 3,
+        Function::ComJacobian => 3 * ours::DOF,
+        Function::RegressorFull => 3 * 63,
+        _ => 2 * 43,
+    }
+}
+
+/// A loop of calls, each result on the place of the last: what a controller does.
+fn one<'a>(name: &str, f: One<f64>, q: &'a [f64], width: usize) -> Entry<'a> {
+    let mut out = vec![0.0; width];
+    Entry::new(name, move || {
+        for q in q.chunks_exact(ours::DOF) {
+            f(q.as_ptr(), out.as_mut_ptr());
+            black_box(&mut out);
+        }
+    })
+}
+
+/// One call, all results kept.
+fn batch<'a, T: Copy + 'a>(
+    name: &str,
+    f: Batch<T>,
+    q: &'a [T],
+    width: usize,
+    zero: T,
+) -> Entry<'a> {
+    let mut out = vec![zero; width * POSTURES];
+    Entry::new(name, move || {
+        f(q.as_ptr(), POSTURES, out.as_mut_ptr());
+        black_box(&mut out);
+    })
+}
+
+/// Ours first, then every peer that has the function; answers are compared first.
+pub fn measure(
+    peers: &Peers,
+    range: &Range,
+    function: Function,
+    mode: Mode,
+    rounds: usize,
+    slot: Duration,
+) -> Result<Vec<Found>, String> {
+    let width = width(function);
+    let tape = ours::tape(function);
+    let mut entries = vec![match mode {
+        Mode::One => one("ours", ours::one(function), &range.q, width),
+        Mode::BatchF64 => batch("ours", ours::batch_f64(function), &range.q, width, 0.0),
+        Mode::BatchF32 => batch("ours", ours::batch_f32(function), &range.q32, width, 0.0),
+        Mode::Tape => Entry::new("ours", || {
+            black_box(tape(&range.q));
+        }),
+    }];
+    ours_agrees(range, function, mode)?;
+    for &(name, symbol, answer) in contestants(function) {
+        let len = answer.len();
+        let entry = match mode {
+            Mode::One => {
+                let Some(f) = peers.maybe::<One<f64>>(symbol) else {
+                    continue;
+                };
+                agrees(
+                    peers,
+                    range,
+                    name,
+                    answer,
+                    &each(f, &range.peers, len),
+                    AGREE_F64,
+                )?;
+                one(name, f, &range.peers, len)
+            }
+            Mode::BatchF64 | Mode::Tape => {
+                let Some(f) = peers.maybe::<Batch<f64>>(&format!("{symbol}_batch")) else {
+                    continue;
+                };
+                let mut out = vec![0.0; len * POSTURES];
+                f(range.peers.as_ptr(), POSTURES, out.as_mut_ptr());
+                agrees(peers, range, name, answer, &out, AGREE_F64)?;
+                batch(name, f, &range.peers, len, 0.0)
+            }
+            Mode::BatchF32 => {
+                let Some(f) = peers.maybe::<Batch<f32>>(&format!("{symbol}_batch_f32")) else {
+                    continue;
+                };
+                let mut out = vec![0.0f32; len * POSTURES];
+                f(range.peers32.as_ptr(), POSTURES, out.as_mut_ptr());
+                agrees(peers, range, name, answer, &wide(&out), AGREE_F32)?;
+                batch(name, f, &range.peers32, len, 0.0)
+            }
+        };
+        entries.push(entry);
+    }
+    Ok(compare(entries, rounds, slot))
+}
+
+fn each(f: One<f64>, q: &[f64], width: usize) -> Vec<f64> {
+    let mut out = vec![0.0; width * POSTURES];
+    for (q, out) in q.chunks_exact(ours::DOF).zip(out.chunks_exact_mut(width)) {
+        f(q.as_ptr(), out.as_mut_ptr());
+    }
+    out
+}
+
+fn wide(values: &[f32]) -> Vec<f64> {
+    values.iter().map(|x| f64::from(*x)).collect()
+}
+
+/// A peer's answers against our function's.
+fn agrees(
+    peers: &Peers,
+    range: &Range,
+    name: &str,
+    answer: Answer,
+    out: &[f64],
+    tolerance: f64,
+) -> Result<(), String> {
+    for (q, out) in range.q.chunks(ours::DOF).zip(out.chunks(answer.len())) {
+        let difference = largest(&peers.meaning(answer, out), &Peers::expected(answer, q));
+        if difference.is_nan() || difference > tolerance {
+            return Err(format!(
+                "{name} and ours differ by {difference:.1e} m in {answer:?}; {tolerance:e} is allowed"
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Our batches and the tape against our function of one posture; its rows times the
+/// parameters against the CoM.
+fn ours_agrees(range: &Range, function: Function, mode: Mode) -> Result<(), String> {
+    let width = width(function);
+    let single = each(ours::one(function), &range.q, width);
+    let (out, tolerance) = match mode {
+        Mode::One => (single.clone(), AGREE_F64),
+        Mode::BatchF64 => {
+            let mut out = vec![0.0; width * POSTURES];
+            ours::batch_f64(function)(range.q.as_ptr(), POSTURES, out.as_mut_ptr());
+            (out, AGREE_F64)
+        }
+        Mode::BatchF32 => {
+            let mut out = vec![0.0f32; width * POSTURES];
+            ours::batch_f32(function)(range.q32.as_ptr(), POSTURES, out.as_mut_ptr());
+            (wide(&out), AGREE_F32)
+        }
+        Mode::Tape => (ours::tape(function)(&range.q), AGREE_F64),
+    };
+    let params = match function {
+        Function::RegressorFull => Some((3, ours::full_params())),
+        Function::RegressorCop => Some((2, ours::base_params())),
+        _ => None,
+    };
+    let mut worst = largest(&out, &single);
+    if let Some((rows, params)) = params {
+        for (q, matrix) in range.q.chunks(ours::DOF).zip(single.chunks(width)) {
+            let com = Peers::expected(Answer::Com, q);
+            let product = matrix.chunks(width / rows).map(|row| {
+                let terms = row.iter().zip(&params).map(|(x, r)| x * r);
+                terms.sum::<f64>()
+            });
+            worst = worst.max(largest(&product.collect::<Vec<f64>>(), &com[..rows]));
+        }
+    }
+    if worst.is_nan() || worst > tolerance {
+        return Err(format!(
+            "our own answers differ by {worst:.1e} in {function:?}"
+        ));
+    }
+    Ok(())
+}
+
+/// The largest difference; NaN if there is one.
+pub fn largest(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len(), "answers of one length");
+    let differences = a.iter().zip(b).map(|(a, b)| (a - b).abs());
+    // By total order, in which NaN comes last.
+    differences.max_by(f64::total_cmp).unwrap_or(0.0)
+}
