@@ -1,6 +1,10 @@
 /* The functions that autocode.cpp wrote, as the measuring program calls them. */
 #include "peers.h"
 
+#ifdef SINGLE
+/* CasADi writes sin and cos whatever the scalar; these take those of float. */
+#include <tgmath.h>
+#endif
 #include CASADI_CODE
 
 static SCALAR room[1 << 16];

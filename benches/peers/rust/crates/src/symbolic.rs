@@ -1,11 +1,11 @@
 //! What `symplex-build` writes, called as it is.
 
-#[allow(clippy::all, clippy::pedantic, dead_code)]
-mod f64 {
+#[allow(clippy::all, unused)]
+mod double {
     include!(concat!(env!("OUT_DIR"), "/symplex_f64.rs"));
 }
-#[allow(clippy::all, clippy::pedantic, dead_code)]
-mod f32 {
+#[allow(clippy::all, unused)]
+mod single {
     include!(concat!(env!("OUT_DIR"), "/symplex_f32.rs"));
 }
 
@@ -21,7 +21,7 @@ macro_rules! call {
 }
 
 macro_rules! offer {
-    ($scalar:ident, $function:ident, $width:literal, $batch:ident $(, $one:ident)?) => {
+    ($scalar:ty, $function:path, $width:literal, $batch:ident $(, $one:ident)?) => {
         $(
             /// One posture.
             ///
@@ -30,7 +30,7 @@ macro_rules! offer {
             #[unsafe(no_mangle)]
             pub unsafe extern "C" fn $one(q: *const $scalar, out: *mut $scalar) {
                 let q = unsafe { &*q.cast::<[$scalar; DOF]>() };
-                unsafe { *out.cast::<[$scalar; $width]>() = call!($scalar::$function, q) };
+                unsafe { *out.cast::<[$scalar; $width]>() = call!($function, q) };
             }
         )?
 
@@ -43,13 +43,19 @@ macro_rules! offer {
             let q = unsafe { std::slice::from_raw_parts(q.cast::<[$scalar; DOF]>(), n) };
             let out = unsafe { std::slice::from_raw_parts_mut(out.cast::<[$scalar; $width]>(), n) };
             for (q, out) in q.iter().zip(out) {
-                *out = call!($scalar::$function, q);
+                *out = call!($function, q);
             }
         }
     };
 }
 
-offer!(f64, com, 3, symplex_com_batch, symplex_com);
-offer!(f64, jacobian, 60, symplex_jacobian_batch, symplex_jacobian);
-offer!(f32, com, 3, symplex_com_batch_f32);
-offer!(f32, jacobian, 60, symplex_jacobian_batch_f32);
+offer!(f64, double::com, 3, symplex_com_batch, symplex_com);
+offer!(
+    f64,
+    double::jacobian,
+    60,
+    symplex_jacobian_batch,
+    symplex_jacobian
+);
+offer!(f32, single::com, 3, symplex_com_batch_f32);
+offer!(f32, single::jacobian, 60, symplex_jacobian_batch_f32);
