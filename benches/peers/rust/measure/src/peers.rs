@@ -3,6 +3,7 @@
 //! Every contestant, ours included, is a C function of the shapes of `peers.h`,
 //! called through a pointer, with the results in an array of the caller.
 
+use std::error::Error as _;
 use std::ffi::{CStr, CString, c_char};
 use std::path::Path;
 
@@ -95,7 +96,13 @@ impl Peers {
             // theirs does more than set up a robot.
             let library = unsafe { Library::new(&path) };
             libraries.push(library.map_err(|error| {
-                format!("{}: {error}; build it by benches/peers/run", path.display())
+                let cause = error
+                    .source()
+                    .map_or(String::new(), |cause| format!(": {cause}"));
+                format!(
+                    "{error}{cause}; benches/peers/run builds {}",
+                    path.display()
+                )
             })?);
         }
         let mut peers = Peers {
