@@ -18,6 +18,8 @@ pub mod outliers;
 pub mod problem;
 pub mod search;
 mod sides;
+#[cfg(test)]
+mod tests;
 mod verdict;
 pub mod view;
 mod wiring;

@@ -306,6 +306,11 @@ impl<'m> Problem<'m> {
         }
     }
 
+    /// Whether the usual tolerances of CAD leave masses more room than the prior.
+    pub(super) fn is_wider(&self) -> bool {
+        self.wide.log_det > self.nuisance.log_det
+    }
+
     /// Fit a hypothesis from where its unknowns may start.
     pub fn fit(&self, instances: &[Instance], start: Option<&[f64]>, rows: Rows) -> Fit {
         let starts = match start {

@@ -253,6 +253,10 @@ impl<'p, 'm> Search<'p, 'm> {
         if !compatible(&parent.instances, &instance) {
             return None;
         }
+        // Masses that are as free already are no effect.
+        if name == "mass_distribution" && !self.problem.is_wider() {
+            return None;
+        }
         let price = self.problem.price(std::slice::from_ref(&instance));
         let promise = match name {
             "cop_outliers" => {

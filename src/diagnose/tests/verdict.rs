@@ -1,0 +1,163 @@
+//! Whole diagnoses: what is planted is named, and what cannot be told is not.
+
+use sesc_reference::World;
+
+use super::{Bench, diagnosed};
+use crate::diagnose::{Diagnosis, Verdict};
+
+const POSTURES: usize = 100;
+
+fn of(bench: &Bench, world: &World, prior: &str, seed: u64) -> Diagnosis {
+    let q = bench.balanced(POSTURES, 50 + seed);
+    bench.diagnose(bench.log(world, &q, seed), prior).diagnosis
+}
+
+fn labels(found: &Diagnosis) -> Vec<String> {
+    found
+        .steps
+        .iter()
+        .map(|step| match step.target.as_str() {
+            "-" => step.effect.to_string(),
+            target => format!("{}:{target}", step.effect),
+        })
+        .collect()
+}
+
+#[test]
+fn what_is_planted_is_named_with_its_value() {
+    let bench = Bench::op2();
+    let world = || bench.world();
+    for (seed, (label, value, world)) in [
+        ("sensor_rotation", 0.1, world().sensor_rotation(0.1)),
+        ("joint_scale:r_ank_roll", 1.2, {
+            world().joint_scale("r_ank_roll", 1.2).unwrap()
+        }),
+        ("joint_compliance:all", 60.0, {
+            world().joint_compliance_all(60.0).unwrap()
+        }),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let found = of(&bench, &world, "tight", seed as u64);
+        assert_eq!(found.verdict, Verdict::Named, "{}", found.sentence);
+        assert_eq!(labels(&found), [label]);
+        assert_eq!(found.indistinguishable, [[label]]);
+        assert!(!found.unexplained);
+        let step = &found.steps[0];
+        let quantity = step.parameters.values().next().unwrap();
+        let pull = (quantity.value - value) / quantity.std;
+        assert!(pull.abs() < 3.9, "{label}: {quantity:?}");
+        assert!(step.evidence > 20.0 && step.rmse_after < step.rmse_before);
+        assert_eq!(step.rmse_after, found.last.rmse);
+        assert!((found.last.rmse / found.noise_floor - 1.0).abs() < 0.2);
+    }
+    let wired = world().joint_swap("r_knee", "l_knee").unwrap();
+    let found = of(&bench, &wired, "tight", 9);
+    assert_eq!(labels(&found), ["joint_swap:l_knee,r_knee"]);
+    assert_eq!(found.verdict, Verdict::Named);
+}
+
+#[test]
+fn where_nothing_is_planted_nothing_is_found() {
+    let bench = Bench::op2();
+    for seed in 0..6 {
+        let found = of(&bench, &bench.world(), "tight", seed);
+        assert_eq!(found.verdict, Verdict::None, "{}", found.sentence);
+        assert!(found.steps.is_empty() && found.indistinguishable.is_empty());
+        assert!(!found.unexplained);
+        assert!((found.last.rmse / found.noise_floor - 1.0).abs() < 0.2);
+    }
+}
+
+/// DESIGN, what masses absorb: an offset of the sensor and a payload leave nothing.
+#[test]
+fn free_masses_absorb_what_looks_like_mass() {
+    let bench = Bench::op2();
+    let payload = bench.world().payload("body_link", 0.3, [0.05, -0.04, 0.06]);
+    for (seed, world) in [
+        bench.world().sensor_offset([0.006, -0.004]),
+        payload.unwrap(),
+    ]
+    .iter()
+    .enumerate()
+    {
+        let free = of(&bench, world, "free", seed as u64);
+        assert_eq!(free.verdict, Verdict::Absorbed, "{}", free.sentence);
+        assert!(free.steps.is_empty() && !free.unexplained);
+        assert!(free.absorbed_by_masses > 1e-3);
+        // The same log, masses trusted.
+        let tight = of(&bench, world, "tight", seed as u64);
+        assert!(!tight.steps.is_empty(), "{}", tight.sentence);
+    }
+    // Half of it is left of backlash, and all of a turned sensor.
+    let turned = of(&bench, &bench.world().sensor_rotation(0.2), "free", 2);
+    assert_eq!(labels(&turned), ["sensor_rotation"], "{}", turned.sentence);
+}
+
+/// Offsets about parallel axes: the truth is among what cannot be told apart.
+#[test]
+fn parallel_axes_make_a_class_that_holds_the_truth() {
+    let bench = Bench::op2();
+    for (seed, (joint, offset)) in [
+        ("r_ank_pitch", 0.008),
+        ("r_knee", 0.012),
+        ("r_ank_roll", 0.008),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let world = bench.world().joint_offset(joint, offset).unwrap();
+        let found = of(&bench, &world, "tight", seed as u64);
+        assert_eq!(found.verdict, Verdict::Class, "{joint}: {}", found.sentence);
+        let truth = vec![format!("joint_offset:{joint}")];
+        assert!(
+            found.indistinguishable.contains(&truth),
+            "{}",
+            found.sentence
+        );
+        assert_eq!(found.indistinguishable[0], labels(&found));
+        assert_eq!(found.class.len(), found.indistinguishable.len());
+        assert_eq!(found.class[0].behind, 0.0);
+        assert!(found.class.windows(2).all(|w| w[0].behind <= w[1].behind));
+    }
+}
+
+#[test]
+fn a_crowd_of_effects_is_no_explanation() {
+    let bench = Bench::op2();
+    let world = bench
+        .world()
+        .sensor_rotation(0.3)
+        .joint_scale("r_ank_roll", 1.3)
+        .and_then(|world| world.joint_scale("r_knee", 0.8))
+        .and_then(|world| world.payload("l_el_link", 0.3, [0.0, 0.0, -0.1]))
+        .and_then(|world| world.joint_scale("l_hip_roll", 0.4))
+        .and_then(|world| world.joint_scale("r_hip_pitch", 1.5))
+        .unwrap();
+    let found = of(&bench, &world, "tight", 1);
+    assert_eq!(found.verdict, Verdict::Unexplained, "{}", found.sentence);
+    assert!(found.unexplained);
+    assert_eq!(
+        found.indistinguishable.len(),
+        usize::from(!found.steps.is_empty())
+    );
+}
+
+/// A wave of the CoP with the knee, as no effect of the list makes one.
+#[test]
+fn what_is_not_in_the_list_stays_unexplained_and_names_its_joint() {
+    let bench = Bench::op2();
+    let q = bench.balanced(POSTURES, 60);
+    let knee = bench.joint("r_knee");
+    let data = bench.read(&bench.world(), &q, 1, |_, q| {
+        [5e-3, -4e-3].map(|a| a * (3.0 * q[knee]).sin())
+    });
+    let found = diagnosed(&mut bench.problem(data, "tight")).diagnosis;
+    assert_eq!(found.verdict, Verdict::Unexplained, "{}", found.sentence);
+    assert!(found.unexplained);
+    let formula = found.leftover.formula.unwrap();
+    assert!(formula.contains("sin(3 r_knee)"), "{formula}");
+    assert!(found.sentence.contains(&formula));
+    assert!(found.leftover.formula_share.unwrap() > 0.8);
+}
