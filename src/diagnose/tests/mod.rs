@@ -1,6 +1,12 @@
 //! The diagnosis judged by closed forms, dense algebra and the virtual robot.
 
 mod data;
+mod held_out;
+mod leftover;
+mod nuisance;
+mod outliers;
+mod problem;
+mod sides;
 mod verdict;
 
 use rand::SeedableRng as _;
