@@ -1,0 +1,283 @@
+//! What `sesc diagnose` refuses, and how: exit code 2, what is wrong and what to do,
+//! nothing written. What is only odd is diagnosed.
+
+#[path = "common/command.rs"]
+mod command;
+
+use std::fmt::Write as _;
+use std::path::Path;
+use std::process::Output;
+
+use command::{folder, refused, sesc, stdout, write};
+use rand::SeedableRng as _;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution as _, StandardNormal};
+use sesc_reference::{Robot, World};
+use tempfile::TempDir;
+
+/// Two skewed joints on a foot.
+const SKEW: &str = "<robot name='skew'>\
+    <link name='foot'><inertial><origin xyz='0.01 0.02 0.05'/><mass value='2'/></inertial></link>\
+    <joint name='hip' type='revolute'><parent link='foot'/><child link='thigh'/>\
+    <origin xyz='0 0 0.1'/><axis xyz='0.3 0.8 0.2'/><limit lower='-0.6' upper='0.6'/></joint>\
+    <link name='thigh'><inertial><origin xyz='0.05 0.1 0.2'/><mass value='3'/></inertial></link>\
+    <joint name='knee' type='revolute'><parent link='thigh'/><child link='shank'/>\
+    <origin xyz='0.02 0.01 0.4'/><axis xyz='0.9 -0.2 0.3'/><limit lower='-1' upper='1'/></joint>\
+    <link name='shank'><inertial><origin xyz='0.1 -0.05 0.3'/><mass value='4'/></inertial></link>\
+    </robot>";
+const HEADER: &str = "pose,hip,knee,cop_x,cop_y,cop_x_std,cop_y_std";
+/// Standard deviation of a reading, m.
+const NOISE: f64 = 1e-3;
+/// Every output that there is.
+const OUTPUTS: [(&str, &str); 4] = [
+    ("--out", "model.toml"),
+    ("--urdf", "corrected.urdf"),
+    ("--next", "next.csv"),
+    ("--report", "report.html"),
+];
+
+/// A log of this world, angles in units of `unit` rad.
+fn log(world: &World, unit: f64) -> String {
+    let mut random = ChaCha8Rng::seed_from_u64(3);
+    let mut text = format!("{HEADER}\n");
+    for k in 0..60 {
+        let q = [0.5 * (1.3 * k as f64).sin(), 0.9 * (2.1 * k as f64).cos()];
+        let noise = |random: &mut ChaCha8Rng| -> f64 {
+            let gauss: f64 = StandardNormal.sample(random);
+            NOISE * gauss
+        };
+        let [x, y] = world.cop(&q).map(|x| x + noise(&mut random));
+        let [hip, knee] = q.map(|q| q / unit);
+        let _ = writeln!(text, "{k},{hip},{knee},{x},{y},{NOISE},{NOISE}");
+    }
+    text
+}
+
+fn world() -> World {
+    World::new(&Robot::from_urdf(SKEW).unwrap(), "foot").unwrap()
+}
+
+/// A folder with the robot and a log.
+struct Case {
+    folder: TempDir,
+    urdf: String,
+}
+
+impl Case {
+    fn new() -> Case {
+        let folder = folder();
+        let urdf = write(folder.path(), "skew.urdf", SKEW);
+        Case { folder, urdf }
+    }
+
+    fn path(&self, name: &str) -> String {
+        self.folder.path().join(name).display().to_string()
+    }
+
+    fn log(&self, name: &str, text: impl AsRef<[u8]>) -> String {
+        write(self.folder.path(), name, text)
+    }
+
+    /// With every output asked for.
+    fn run(&self, log: &str, more: &[&str]) -> Output {
+        let outputs = OUTPUTS.map(|(flag, name)| [flag.to_string(), self.path(name)]);
+        let mut arguments = vec!["diagnose", &self.urdf, "--support", "foot", "--data", log];
+        arguments.extend(outputs.iter().flatten().map(String::as_str));
+        arguments.extend(more);
+        sesc(&arguments)
+    }
+
+    /// Refused with these words, and none of the outputs is there, nor a part of one.
+    fn refuses(&self, log: &str, more: &[&str], words: &[&str]) {
+        let before = self.files();
+        refused(&self.run(log, more), words);
+        assert_eq!(self.files(), before);
+    }
+
+    fn files(&self) -> Vec<String> {
+        let entries = std::fs::read_dir(self.folder.path()).unwrap();
+        let mut names: Vec<String> = entries
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+}
+
+#[test]
+fn logs_that_are_none_are_refused_by_place_and_remedy() {
+    let case = Case::new();
+    let good = log(&world(), 1.0);
+    let cut = &good[..good.len() - 40];
+    let cases: [(&str, &[u8], &[&str]); 14] = [
+        ("empty.csv", b"", &["empty.csv", "header"]),
+        (
+            "header.csv",
+            HEADER.as_bytes(),
+            &["header.csv", "no postures"],
+        ),
+        ("cut.csv", cut.as_bytes(), &["cut.csv:61", "fields", "7"]),
+        (
+            "binary.csv",
+            &[0, 159, 146, 150, 255, 10, 3, 200],
+            &["binary.csv"],
+        ),
+        (
+            "nan.csv",
+            b"pose,hip,knee,cop_x,cop_y\n1,0,0,0,0\n2,0,NaN,0,0\n",
+            &["nan.csv:3", "`knee`", "not finite", "mend"],
+        ),
+        (
+            "word.csv",
+            b"pose,hip,knee,cop_x,cop_y\n1,0,0,left,0\n",
+            &["word.csv:2", "cop_x", "`left`"],
+        ),
+        (
+            "unknown.csv",
+            b"pose,hip,kne,cop_x,cop_y\n1,0,0,0,0\n",
+            &["unknown.csv:1", "`knee`", "kne"],
+        ),
+        (
+            "jointless.csv",
+            b"pose,cop_x,cop_y\n1,0,0\n",
+            &["jointless.csv:1", "`hip`", "`knee`"],
+        ),
+        (
+            "blind.csv",
+            b"pose,hip,knee\n1,0,0\n",
+            &["blind.csv:1", "cop_x", "fsr_1"],
+        ),
+        (
+            "half.csv",
+            b"pose,hip,knee,cop_x\n1,0,0,0\n",
+            &["half.csv:1", "cop_y"],
+        ),
+        (
+            "std.csv",
+            b"pose,hip,knee,cop_x,cop_y,cop_x_std,cop_y_std\n1,0,0,0,0,0.001,-0.001\n",
+            &["std.csv:2", "cop_y_std"],
+        ),
+        (
+            "cells.csv",
+            b"pose,hip,knee,fsr_1,fsr_2\n1,0,0,10,10\n",
+            &["cells.csv", "cells", "sidecar"],
+        ),
+        (
+            "foot.csv",
+            b"pose,support,hip,knee,cop_x,cop_y\n1,hand,0,0,0,0\n",
+            &["foot.csv:2", "`hand`"],
+        ),
+        (
+            "elsewhere.csv",
+            b"pose,support,hip,knee,cop_x,cop_y\n1,shank,0,0,0,0\n",
+            &["elsewhere.csv", "no posture stands on `foot`", "--support"],
+        ),
+    ];
+    for (name, text, words) in cases {
+        case.refuses(&case.log(name, text), &[], words);
+    }
+    case.refuses(&case.path("gone.csv"), &[], &["gone.csv"]);
+    case.refuses(&case.folder.path().display().to_string(), &[], &[]);
+    let log = case.log("side.csv", &good);
+    case.log("side.toml", "readings_per_pose = 0\n");
+    case.refuses(&log, &[], &["side.toml", "readings_per_pose"]);
+}
+
+#[test]
+fn usage_is_checked_before_anything_is_read_or_written() {
+    let case = Case::new();
+    let log = case.log("log.csv", log(&world(), 1.0));
+    for (flag, value) in [
+        ("--noise", "-0.001"),
+        ("--noise", "0"),
+        ("--noise", "nan"),
+        ("--noise", "20"),
+        ("--floor", "-0.0001"),
+        ("--floor", "inf"),
+    ] {
+        case.refuses(&log, &[flag, value], &[flag, "metres"]);
+    }
+    case.refuses(&log, &["--noise", "little"], &["--noise", "little"]);
+    case.refuses(
+        &log,
+        &["--prior", "tigth"],
+        &["tigth", "tight, cad, free or a file"],
+    );
+    let prior = case.log("prior.toml", "[links.elbow]\nmass = 0.1\n");
+    case.refuses(&log, &["--prior", &prior], &["prior.toml", "`elbow`"]);
+    let wrong = ["diagnose", &case.urdf, "--data", &log, "--support", "sole"];
+    refused(&sesc(&wrong), &["`sole`", "foot", "thigh", "shank"]);
+    refused(&sesc(&wrong[..4]), &["--support", "foot, thigh, shank"]);
+    refused(
+        &sesc(&["diagnose", &case.path("gone.urdf"), "--data", &log]),
+        &["gone.urdf"],
+    );
+    for (flag, name) in OUTPUTS {
+        // A folder that is not there, one that is, and what is read.
+        let gone = case.path(&format!("nowhere/{name}"));
+        let plain = ["diagnose", &case.urdf, "--support", "foot", "--data", &log];
+        let before = case.files();
+        for (path, word) in [
+            (gone.as_str(), name),
+            (case.folder.path().to_str().unwrap(), "no regular file"),
+            (&log, "is read here"),
+        ] {
+            refused(&sesc(&[&plain[..], &[flag, path]].concat()), &[word]);
+        }
+        assert_eq!(case.files(), before, "{flag}");
+    }
+    let twice = case.path("twice");
+    let plain = ["diagnose", &case.urdf, "--support", "foot", "--data", &log];
+    let both = ["--out", &twice, "--report", &twice];
+    refused(&sesc(&[&plain[..], &both].concat()), &["two outputs"]);
+    assert!(!Path::new(&twice).exists());
+}
+
+fn json(output: &Output) -> serde_json::Value {
+    serde_json::from_str(&stdout(output)).unwrap()
+}
+
+/// Angles in degrees are no fault of a log: with the flag nothing is missing, and
+/// without it that is the finding.
+#[test]
+fn degrees_are_taken_with_the_flag_and_named_without() {
+    let case = Case::new();
+    let degrees = case.log("degrees.csv", log(&world(), 1f64.to_radians()));
+    let with = json(&case.run(&degrees, &["--degrees", "--json"]));
+    assert_eq!(with["verdict"], "none", "{}", with["sentence"]);
+    let without = json(&case.run(&degrees, &["--json"]));
+    let steps = without["steps"].as_array().unwrap();
+    assert_eq!(steps.len(), 1, "{}", without["sentence"]);
+    assert_eq!(steps[0]["effect"], "units");
+    assert_eq!(steps[0]["target"], "-");
+    assert!(without["sentence"].as_str().unwrap().contains("degrees"));
+}
+
+/// The log says what it is: tilted gravity, and rows on two links.
+#[test]
+fn rows_on_another_link_are_left_to_another_run() {
+    let case = Case::new();
+    let plain = log(&world(), 1.0);
+    let both: String = plain
+        .lines()
+        .enumerate()
+        .flat_map(|(k, line)| {
+            let (pose, rest) = line.split_once(',').unwrap();
+            let own = |link: &str| format!("{pose},{link},{rest}\n");
+            match k {
+                0 => vec![own("support")],
+                // The same numbers mean something else on another link.
+                _ => vec![own("foot"), format!("{},shank,{rest}\n", 1000 + k)],
+            }
+        })
+        .collect();
+    let plain = json(&case.run(&case.log("log.csv", plain), &["--json"]));
+    let output = case.run(&case.log("both.csv", both), &["--json"]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(said.contains("60 rows stand on another link"), "{said}");
+    assert!(said.contains("--support"), "{said}");
+    let both = json(&output);
+    for key in ["verdict", "baseline", "final", "steps", "postures"] {
+        assert_eq!(both[key], plain[key], "{key}");
+    }
+}
