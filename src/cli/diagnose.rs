@@ -3,11 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use sesc_codegen::{DataUsed, Model};
 
 use super::{Outcome, RobotArguments, message, notes, print, print_json, progress};
 use crate::Error;
 use crate::diagnose::corrected_urdf::{self, CorrectedUrdf};
 use crate::diagnose::data::{Data, Taking};
+use crate::diagnose::experiment::Experiment;
+use crate::diagnose::further::Further;
 use crate::diagnose::model_file::model_file;
 use crate::diagnose::problem::Problem;
 use crate::diagnose::view::DiagnosisView;
@@ -23,6 +26,8 @@ use crate::robot::Robot;
 #[command(after_help = "Examples:\n  \
     sesc diagnose robots/op2/op2.urdf --data log.csv\n  \
     sesc diagnose op2.urdf --data log.csv --out model.toml --urdf corrected.urdf --report report.html\n  \
+    sesc diagnose op2.urdf --data log.csv --next next.csv\n  \
+    sesc diagnose op2.urdf --data log.csv --then next_log.csv\n  \
     sesc diagnose op2.urdf --data log.csv --prior cad --json")]
 pub(super) struct Arguments {
     #[command(flatten)]
@@ -30,6 +35,10 @@ pub(super) struct Arguments {
     /// Posture log (CSV, gzip, Parquet, MCAP) with CoP or foot cells
     #[arg(long, value_name = "FILE")]
     data: PathBuf,
+    /// Log of an experiment that --next asked for: explanations of the first log are
+    /// judged by it, too
+    #[arg(long, value_name = "FILE")]
+    then: Vec<PathBuf>,
     /// Turning joints are logged in degrees
     #[arg(long)]
     degrees: bool,
@@ -87,7 +96,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     .into_iter()
     .flatten()
     .collect();
-    let read = [arguments.robot.urdf.clone(), arguments.data.clone()];
+    let mut read = vec![arguments.robot.urdf.clone(), arguments.data.clone()];
+    read.extend(arguments.then.iter().cloned());
     output::check(&read, &written)?;
     let robot = Robot::read(&arguments.robot.urdf)?;
     let (sidecar, _) = Sidecar::of(&arguments.data)?;
@@ -96,17 +106,23 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         .support(&robot, sidecar.support.as_deref(), None)?;
     let model = robot.model(&support, arguments.robot.snapping(), None)?;
     notes(&model);
-    let taking = Taking {
-        options: options(arguments, &robot, &support),
-        noise: arguments.noise,
-        floor: arguments.floor,
-    };
-    let data = Data::read(&arguments.data, &model, &taking)?;
-    for warning in &data.warnings {
-        message(&format!("warning: {warning}"));
-    }
+    let data = take(arguments, &robot, &model, &arguments.data)?;
     let prior = Prior::named(&arguments.prior, &model)?;
     let mut problem = Problem::new(&model, data, &prior)?;
+    let stands: Vec<(Experiment, Model)> = arguments
+        .then
+        .iter()
+        .map(|log| stand(arguments, &robot, &support, log))
+        .collect::<Result<_, _>>()?;
+    let logs = arguments.then.iter().zip(&stands);
+    let further: Vec<Further> = logs
+        .map(|(log, (experiment, model))| {
+            Ok(Further {
+                experiment: experiment.clone(),
+                problem: Problem::new(model, take(arguments, &robot, model, log)?, &prior)?,
+            })
+        })
+        .collect::<Result<_, Error>>()?;
     let bar = progress("hypotheses");
     let about = About {
         robot: sidecar.robot.as_deref().unwrap_or(&model.tree.robot),
@@ -114,7 +130,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         log: &name_of(&arguments.data),
         prior: prior.sentence(),
     };
-    let mut found = diagnose::diagnose(&mut problem, &about, &mut |count| {
+    let mut found = diagnose::diagnose_all(&mut problem, &further, &about, &mut |count| {
         bar.set_position(count as u64);
     });
     bar.finish_and_clear();
@@ -134,10 +150,22 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         }
     }
     if let Some(path) = &arguments.out {
-        let file = model_file(&problem, &found);
+        let mut file = model_file(&problem, &found);
+        let logs = arguments.then.iter().zip(&further);
+        file.data.extend(logs.filter_map(|(log, further)| {
+            let summary = further.problem.data.summary.as_ref()?;
+            Some(DataUsed {
+                file: name_of(log),
+                hash: summary.hash.clone(),
+                rows: summary.rows,
+            })
+        }));
         let text = toml::to_string(&file).map_err(|error| Error::Report(Box::new(error)))?;
         output::write(path, &text)?;
         message(&format!("wrote {}", path.display()));
+    }
+    for log in &arguments.then {
+        found.diagnosis.log += &format!(" + {}", name_of(log));
     }
     if let Some(path) = &arguments.corrected {
         let snapping = arguments.robot.snapping();
@@ -166,6 +194,56 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         false => print(&report::text(&found.diagnosis, asked))?,
     }
     Ok(Outcome::Ok)
+}
+
+/// A log on the model's support, its oddities on stderr.
+fn take(arguments: &Arguments, robot: &Robot, model: &Model, log: &Path) -> Result<Data, Error> {
+    let taking = Taking {
+        options: options(arguments, robot, &model.tree.links[model.tree.support].name),
+        noise: arguments.noise,
+        floor: arguments.floor,
+    };
+    let data = Data::read(log, model, &taking)?;
+    for warning in &data.warnings {
+        message(&format!("warning: {warning}"));
+    }
+    Ok(data)
+}
+
+/// What a further log is of, and the robot as it stands there.
+fn stand(
+    arguments: &Arguments,
+    robot: &Robot,
+    first: &str,
+    log: &Path,
+) -> Result<(Experiment, Model), Error> {
+    let (sidecar, _) = Sidecar::of(log)?;
+    let support = sidecar.support.as_deref().unwrap_or(first);
+    let experiment = match &sidecar.experiment {
+        Some(name) => Experiment::of_log(name).ok_or_else(|| Error::Log {
+            file: Sidecar::path(log).display().to_string(),
+            line: None,
+            message: format!(
+                "experiment `{name}` cannot be taken together with another log; known are \
+                 postures, turned, other_foot, raw_cells, untouched. Diagnose it alone with --data"
+            ),
+        })?,
+        None if support != first => Experiment::OtherFoot,
+        None => Experiment::Postures,
+    };
+    if (experiment == Experiment::OtherFoot) == (support == first) {
+        return Err(Error::Log {
+            file: Sidecar::path(log).display().to_string(),
+            line: None,
+            message: format!(
+                "experiment `{}` on `{support}`, and the first log is on `{first}`; mend \
+                 `experiment` or `support`",
+                experiment.name()
+            ),
+        });
+    }
+    let model = robot.model(support, arguments.robot.snapping(), None)?;
+    Ok((experiment, model))
 }
 
 fn options(arguments: &Arguments, robot: &Robot, support: &str) -> Options {

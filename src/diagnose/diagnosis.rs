@@ -6,6 +6,7 @@ use serde::Serialize;
 use sesc_codegen::effects::Instance;
 
 use super::data::NoiseSource;
+use super::further::{self, Further};
 use super::held_out::{self, HeldOut};
 use super::leftover::{self, Excess, Formula};
 use super::outliers::Outliers;
@@ -32,6 +33,8 @@ const SINGLES: usize = 3;
 /// A formula has to be better than effects by this much: its library is larger
 /// than its price says.
 const MARGIN: f64 = 20.0;
+/// What is worse than the best by more is not brought back by further logs.
+const JUDGED: f64 = 2.0 * BRACKET;
 /// Explanations that are listed, at most.
 const LISTED: usize = 24;
 /// χ² at which an effect is reliably seen.
@@ -185,21 +188,32 @@ pub struct About<'a> {
 }
 
 pub fn diagnose(problem: &mut Problem, about: &About, watch: Watch) -> Found {
+    diagnose_all(problem, &[], about, watch)
+}
+
+/// A log whose explanations are judged by further ones, too.
+pub fn diagnose_all(
+    problem: &mut Problem,
+    further: &[Further],
+    about: &About,
+    watch: Watch,
+) -> Found {
     let mut search = Search::new(problem);
     let blind = search.visible().to_vec();
     let mut ranked = search.run(watch);
     ranked.retain(|fit| !too_many_outliers(fit));
+    let mut ranked = judged(&search, ranked, further);
     // Something is missing only if that is clearly better than nothing missing.
-    let nothing = search.fit(&[], None);
+    let nothing = further::together(search.problem(), search.fit(&[], None), further);
     if nothing.score() < ranked[0].score() + CLEAR {
-        ranked.retain(|fit| fit.instances.is_empty());
+        ranked = vec![nothing];
     }
     let best = ranked[0].clone();
     ranked.retain(|fit| fit.score() <= best.score() + BRACKET);
     let mut class = class(&best, ranked);
     let problem = search.problem();
     let excess = Excess::of(problem, &best);
-    let (best, formula) = with_formula(excess, best, &mut search);
+    let (best, formula) = with_formula(excess, best, &mut search, further);
     // Noise that was taken from what is left over cannot say that too much is left.
     let known = problem.data.noise_source != NoiseSource::Residuals;
     let crowd = best.instances.len() >= CROWD;
@@ -227,7 +241,8 @@ pub fn diagnose(problem: &mut Problem, about: &About, watch: Watch) -> Found {
                 .filter(|i| *i != instance)
                 .cloned()
                 .collect();
-            search.fit(&others, Some(&best)).score() - best.score()
+            let without = search.fit(&others, Some(&best));
+            further::together(search.problem(), without, further).score() - best.score()
         })
         .collect();
     let problem = search.problem();
@@ -283,6 +298,20 @@ pub fn diagnose(problem: &mut Problem, about: &About, watch: Watch) -> Found {
     found
 }
 
+/// What comes near the best of the first log, ranked by all logs.
+fn judged(search: &Search, mut ranked: Vec<Fit>, further: &[Further]) -> Vec<Fit> {
+    if further.is_empty() {
+        return ranked;
+    }
+    let best = ranked[0].score();
+    ranked.retain(|fit| fit.score() <= best + JUDGED);
+    ranked.truncate(LISTED);
+    let together = |fit| further::together(search.problem(), fit, further);
+    let mut ranked: Vec<Fit> = ranked.into_iter().map(together).collect();
+    ranked.sort_by(|a, b| a.score().total_cmp(&b.score()));
+    ranked
+}
+
 /// The best first, without those that only add to another.
 fn class(best: &Fit, near: Vec<Fit>) -> Vec<Fit> {
     let mut class: Vec<Fit> = vec![best.clone()];
@@ -315,7 +344,12 @@ fn too_many_outliers(fit: &Fit) -> bool {
 /// A short formula that explains the gap better than any effects do, with the
 /// plain hypothesis that it completes; looked for only where effects leave
 /// something over, or explain it by outliers or by a crowd of them.
-fn with_formula(excess: Excess, best: Fit, search: &mut Search) -> (Fit, Option<Formula>) {
+fn with_formula(
+    excess: Excess,
+    best: Fit,
+    search: &mut Search,
+    further: &[Further],
+) -> (Fit, Option<Formula>) {
     let crowd = best.instances.len() > 2 || best.outliers.is_some();
     if !(excess.is_clear() || crowd) {
         return (best, None);
@@ -327,7 +361,9 @@ fn with_formula(excess: Excess, best: Fit, search: &mut Search) -> (Fit, Option<
         .filter(|fit| fit.instances.len() == 1 && fit.outliers.is_none());
     let singles: Vec<Fit> = singles.take(SINGLES).cloned().collect();
     let problem = search.problem();
-    let tried = [null].into_iter().chain(singles).chain([best.clone()]);
+    let alone = [null].into_iter().chain(singles);
+    let together = alone.map(|fit| further::together(problem, fit, further));
+    let tried = together.chain([best.clone()]);
     let formulas = tried.map(|fit| {
         let formula = leftover::formula(problem, &fit);
         (fit, formula)

@@ -8,7 +8,7 @@
 //! were true. Nine is enough to tell, as in the class itself.
 
 use nalgebra::{DMatrix, DVector};
-use sesc_codegen::effects::{Circumstances, Instance, Stage, Target};
+use sesc_codegen::effects::{Circumstances, Instance, Setting, Stage, Target};
 use sesc_codegen::{Function, Model};
 
 use super::problem::{Fit, Problem};
@@ -34,6 +34,49 @@ pub enum Experiment {
     RawCells,
     /// The same postures without whatever touches the robot.
     Untouched,
+}
+
+impl Experiment {
+    /// As sidecars have it.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Experiment::Postures => "postures",
+            Experiment::Turned => "turned",
+            Experiment::OtherFoot => "other_foot",
+            Experiment::KnownWeight => "known_weight",
+            Experiment::BothSides => "both_sides",
+            Experiment::RawCells => "raw_cells",
+            Experiment::Untouched => "untouched",
+        }
+    }
+
+    /// The experiment of this name whose log says all that there is to know of it: not
+    /// the size of a weight, nor from where a posture was approached.
+    pub fn of_log(name: &str) -> Option<Experiment> {
+        let all = [
+            Experiment::Postures,
+            Experiment::Turned,
+            Experiment::OtherFoot,
+            Experiment::RawCells,
+            Experiment::Untouched,
+        ];
+        all.into_iter().find(|experiment| experiment.name() == name)
+    }
+
+    /// What happens to an instance's unknowns in the experiment; `None`: it is gone.
+    fn signs(&self, instance: &Instance, count: usize) -> Option<Vec<f64>> {
+        let name = instance.effect.name();
+        match (self, name) {
+            // Ground and tether stay in the room while the robot turns.
+            (Experiment::Turned, "ground_slope") => Some(vec![-1.0; 2]),
+            (Experiment::Turned, "external_force") => Some(vec![-1.0, -1.0, 1.0]),
+            (Experiment::Untouched, "external_force") => None,
+            // Another foot has another sensor.
+            (Experiment::OtherFoot, _) if instance.effect.stage() >= Stage::Cells => None,
+            (_, "sensor_drift" | "cop_outliers" | "time_delay" | "unsettled_motion") => None,
+            _ => Some(vec![1.0; count]),
+        }
+    }
 }
 
 /// Postures to be taken, and in what circumstances.
@@ -63,6 +106,52 @@ impl Rows {
         rows.slopes.rows_mut(a, b).copy_from(&more.slopes);
         rows
     }
+}
+
+/// An explanation of a log as an experiment has it.
+pub(super) struct Carried {
+    pub instances: Vec<Instance>,
+    /// Each of their unknowns: which one of the log's it is, and its sign.
+    pub columns: Vec<(usize, f64)>,
+}
+
+impl Carried {
+    pub fn unknowns(&self, of_log: &[f64]) -> Vec<f64> {
+        let columns = self.columns.iter();
+        columns.map(|(k, sign)| sign * of_log[*k]).collect()
+    }
+}
+
+/// What becomes of `instances` of the robot `here`, if anything, in an experiment `there`.
+pub(super) fn carried(
+    experiment: &Experiment,
+    here: &Setting,
+    there: &Setting,
+    instances: &[Instance],
+) -> Carried {
+    let mut carried = Carried {
+        instances: Vec::new(),
+        columns: Vec::new(),
+    };
+    let mut at = 0;
+    for instance in instances {
+        let count = instance.unknowns(here);
+        let own = at..at + count;
+        at += count;
+        let Some(signs) = experiment.signs(instance, count) else {
+            continue;
+        };
+        let name = here.name_of(&instance.target);
+        let Some(target) = there.target_named(instance.effect, &name) else {
+            continue;
+        };
+        carried.instances.push(Instance {
+            effect: instance.effect,
+            target,
+        });
+        carried.columns.extend(own.zip(signs));
+    }
+    carried
 }
 
 /// Explanations under an experiment. `here` is the problem of the log; `there` one
@@ -142,33 +231,13 @@ impl Trial<'_, '_> {
     }
 
     fn new_rows(&self, fit: &Fit) -> Rows {
-        let setting = &self.there.setting;
-        let here = &self.here.setting;
-        // Each unknown of the log's fit: what becomes of it here, if anything.
-        let mut instances: Vec<Instance> = Vec::new();
-        let mut unknowns: Vec<f64> = Vec::new();
-        let mut columns: Vec<(usize, f64)> = Vec::new();
-        let mut at = 0;
-        for instance in &fit.instances {
-            let count = instance.unknowns(here);
-            let own = at..at + count;
-            at += count;
-            let Some(signs) = self.signs(instance, count) else {
-                continue;
-            };
-            let name = here.name_of(&instance.target);
-            let Some(target) = setting.target_named(instance.effect, &name) else {
-                continue;
-            };
-            instances.push(Instance {
-                effect: instance.effect,
-                target,
-            });
-            for (k, sign) in own.zip(signs) {
-                unknowns.push(sign * fit.unknowns[k]);
-                columns.push((k, sign));
-            }
-        }
+        let (here, there) = (&self.here.setting, &self.there.setting);
+        let carried = carried(&self.experiment, here, there, &fit.instances);
+        let mut unknowns = carried.unknowns(&fit.unknowns);
+        let Carried {
+            mut instances,
+            columns,
+        } = carried;
         if self.experiment == Experiment::KnownWeight {
             self.carry(&mut instances, &mut unknowns);
         }
@@ -190,21 +259,6 @@ impl Trial<'_, '_> {
         Rows {
             value: DVector::from_fn(rows, |row, _| out[row * width] * weight),
             slopes,
-        }
-    }
-
-    /// What happens to an instance's unknowns in the experiment; `None`: it is gone.
-    fn signs(&self, instance: &Instance, count: usize) -> Option<Vec<f64>> {
-        let name = instance.effect.name();
-        match (&self.experiment, name) {
-            // Ground and tether stay in the room while the robot turns.
-            (Experiment::Turned, "ground_slope") => Some(vec![-1.0; 2]),
-            (Experiment::Turned, "external_force") => Some(vec![-1.0, -1.0, 1.0]),
-            (Experiment::Untouched, "external_force") => None,
-            // Another foot has another sensor.
-            (Experiment::OtherFoot, _) if instance.effect.stage() >= Stage::Cells => None,
-            (_, "sensor_drift" | "cop_outliers" | "time_delay" | "unsettled_motion") => None,
-            _ => Some(vec![1.0; count]),
         }
     }
 

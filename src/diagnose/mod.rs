@@ -9,6 +9,7 @@ pub mod data;
 pub mod diagnosis;
 mod dictionary;
 pub mod experiment;
+pub mod further;
 pub mod held_out;
 pub mod leftover;
 pub mod model_file;
@@ -25,4 +26,4 @@ pub mod view;
 mod wiring;
 pub mod words;
 
-pub use diagnosis::{About, Diagnosis, Found, Verdict, diagnose};
+pub use diagnosis::{About, Diagnosis, Found, Verdict, diagnose, diagnose_all};

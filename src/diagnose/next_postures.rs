@@ -44,6 +44,8 @@ pub struct Proposal {
 /// Experiments, the best first, and the postures of the best.
 pub struct Next {
     pub proposals: Vec<Proposal>,
+    /// What the best is.
+    pub experiment: Option<Experiment>,
     /// `q` row by row and the support to take them on.
     pub postures: Option<OnFoot>,
 }
@@ -58,6 +60,7 @@ pub fn next(
 ) -> Next {
     let mut next = Next {
         proposals: Vec::new(),
+        experiment: None,
         postures: None,
     };
     let truth = &found.best;
@@ -65,7 +68,7 @@ pub fn next(
     if others.is_empty() {
         return next;
     }
-    let mut ranked: Vec<(Proposal, Option<OnFoot>)> = Vec::new();
+    let mut ranked: Vec<Ranked> = Vec::new();
     let support = problem.setting.model.tree.links[problem.setting.model.tree.support]
         .name
         .clone();
@@ -91,21 +94,17 @@ pub fn next(
             },
         };
         let (separations, _) = trial.separations(truth, &others);
-        ranked.push((
-            proposal(&trial.experiment, &support, separations),
-            Some((support.clone(), problem.data.q.clone())),
-        ));
+        ranked.push(Ranked {
+            proposal: proposal(&trial.experiment, &support, separations),
+            postures: (support.clone(), problem.data.q.clone()),
+            experiment: trial.experiment,
+        });
     }
     let model = problem.setting.model;
     if let Some(q) = candidates(problem, model, robot, folder) {
-        ranked.extend(with_postures(
-            Experiment::Postures,
-            problem,
-            problem,
-            model,
-            q,
-            truth,
-            &others,
+        let own = Experiment::Postures;
+        ranked.push(with_postures(
+            own, problem, problem, model, q, truth, &others,
         ));
     }
     if let Some(other) = other_foot(robot, &support, snapping) {
@@ -114,7 +113,7 @@ pub fn next(
             // The other problem borrows the other model, so it is ranked in here.
             let there = &there;
             let found = with_other(problem, there, &other, q, truth, &others);
-            ranked.extend(found);
+            ranked.push(found);
         }
     }
     ranked.sort_by(|a, b| {
@@ -125,12 +124,12 @@ pub fn next(
                 .filter(|s| *s > TOLD)
                 .fold(f64::INFINITY, f64::min)
         };
-        b.0.splits
-            .cmp(&a.0.splits)
-            .then(least(&b.0).total_cmp(&least(&a.0)))
+        let (a, b) = (&a.proposal, &b.proposal);
+        b.splits.cmp(&a.splits).then(least(b).total_cmp(&least(a)))
     });
-    next.postures = ranked.first().and_then(|(_, postures)| postures.clone());
-    next.proposals = ranked.into_iter().map(|(proposal, _)| proposal).collect();
+    next.experiment = ranked.first().map(|best| best.experiment.clone());
+    next.postures = ranked.first().map(|best| best.postures.clone());
+    next.proposals = ranked.into_iter().map(|ranked| ranked.proposal).collect();
     next
 }
 
@@ -149,9 +148,7 @@ fn proposal(experiment: &Experiment, support: &str, separations: Vec<f64>) -> Pr
         Experiment::Postures => {
             format!("{POSTURES} new postures on {support}, deeper and more varied")
         }
-        Experiment::Turned => {
-            "the same postures after turning the robot by 180° on the floor".into()
-        }
+        Experiment::Turned => "postures after turning the robot by 180° on the floor".into(),
         Experiment::OtherFoot => format!("{POSTURES} postures on the other foot, {support}"),
         Experiment::KnownWeight => {
             "the same postures with a known weight on the trunk, a tenth of the robot's".into()
@@ -171,7 +168,13 @@ fn proposal(experiment: &Experiment, support: &str, separations: Vec<f64>) -> Pr
 
 /// A support and the postures to take on it.
 type OnFoot = (String, Vec<f64>);
-type Ranked = Option<(Proposal, Option<OnFoot>)>;
+
+/// An experiment with what it would tell.
+struct Ranked {
+    experiment: Experiment,
+    proposal: Proposal,
+    postures: OnFoot,
+}
 
 fn with_other(
     problem: &Problem,
@@ -231,8 +234,11 @@ fn with_postures(
     trial.postures = take(&chosen);
     let (separations, _) = trial.separations(truth, others);
     let support = model.tree.links[model.tree.support].name.clone();
-    let proposal = proposal(&trial.experiment, &support, separations);
-    Some((proposal, Some((support, chosen))))
+    Ranked {
+        proposal: proposal(&trial.experiment, &support, separations),
+        postures: (support, chosen),
+        experiment: trial.experiment,
+    }
 }
 
 /// Balanced postures within what the log's joints do, and somewhat more.
@@ -370,6 +376,7 @@ pub fn write(next: &Next, model: &Model, robot: &str, path: &Path) -> Result<boo
     log.finish(&Sidecar {
         robot: Some(robot.to_string()),
         support: Some(support.clone()),
+        experiment: next.experiment.as_ref().map(|e| e.name().to_string()),
         ..Sidecar::default()
     })?;
     Ok(true)

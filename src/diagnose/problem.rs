@@ -491,7 +491,34 @@ impl<'m> Problem<'m> {
         instances.iter().flat_map(of).collect()
     }
 
-    fn state(
+    pub(super) fn state(
+        &self,
+        instances: &[Instance],
+        unknowns: Vec<f64>,
+        circumstances: &[f64],
+        root: &Option<Vec<f64>>,
+        masses: &Nuisance,
+    ) -> State {
+        let mut state = self.squares(instances, unknowns, circumstances, root, masses);
+        let (normal, gradient) = &mut state.normal;
+        self.walls(instances, &state.unknowns, |excess, slope| {
+            state.value += excess * excess;
+            state.strained += excess * excess;
+            for a in 0..slope.len() {
+                gradient[a] -= excess * slope[a];
+                for b in 0..slope.len() {
+                    normal[(a, b)] += slope[a] * slope[b];
+                }
+            }
+        });
+        if !state.value.is_finite() {
+            state.value = f64::INFINITY;
+        }
+        state
+    }
+
+    /// The same without walls.
+    pub(super) fn squares(
         &self,
         instances: &[Instance],
         unknowns: Vec<f64>,
@@ -521,31 +548,14 @@ impl<'m> Problem<'m> {
             }
         }
         let inner = masses.beyond_one(&e);
-        let mut value = e.dot(&inner);
-        let mut normal = j.tr_mul(&masses.beyond(&j));
-        let mut gradient = j.tr_mul(&inner);
-        let mut strained = 0.0;
-        self.walls(instances, &unknowns, |excess, slope| {
-            value += excess * excess;
-            strained += excess * excess;
-            for a in 0..p {
-                gradient[a] -= excess * slope[a];
-                for b in 0..p {
-                    normal[(a, b)] += slope[a] * slope[b];
-                }
-            }
-        });
-        if !value.is_finite() {
-            value = f64::INFINITY;
-        }
         State {
+            value: e.dot(&inner),
+            normal: (j.tr_mul(&masses.beyond(&j)), j.tr_mul(&inner)),
+            strained: 0.0,
             unknowns,
             predicted,
             residual,
             slopes,
-            value,
-            normal: (normal, gradient),
-            strained,
         }
     }
 
@@ -631,14 +641,15 @@ impl<'m> Problem<'m> {
     }
 }
 
-struct State {
-    unknowns: Vec<f64>,
-    predicted: Vec<f64>,
-    residual: DVector<f64>,
-    slopes: DMatrix<f64>,
-    value: f64,
-    normal: (DMatrix<f64>, DVector<f64>),
-    strained: f64,
+/// A hypothesis at given unknowns.
+pub(super) struct State {
+    pub unknowns: Vec<f64>,
+    pub predicted: Vec<f64>,
+    pub residual: DVector<f64>,
+    pub slopes: DMatrix<f64>,
+    pub value: f64,
+    pub normal: (DMatrix<f64>, DVector<f64>),
+    pub strained: f64,
 }
 
 /// What free masses leave of readings, m: noise, and whatever else is in the log.

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::names::{nearest, short};
 use crate::Error;
 
-const KEYS: [&str; 7] = [
+const KEYS: [&str; 8] = [
     "robot",
     "support",
     "angles",
@@ -18,6 +18,7 @@ const KEYS: [&str; 7] = [
     "cells",
     "gravity",
     "topic",
+    "experiment",
 ];
 
 /// No foot is so large: cells further out were hardly given in metres, m.
@@ -50,6 +51,9 @@ pub struct Sidecar {
     /// Topic of the CoP in a recording that has several.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub topic: Option<String>,
+    /// What `sesc diagnose --next` asked for, where the log is of such an experiment.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub experiment: Option<String>,
 }
 
 /// Unit of the turning joints' columns.

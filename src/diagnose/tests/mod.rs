@@ -138,14 +138,17 @@ impl Bench {
     }
 }
 
-fn diagnosed(problem: &mut Problem) -> Found {
-    let about = About {
+fn about() -> About<'static> {
+    About {
         robot: "robot",
         support: "sole",
         log: "log.csv",
         prior: String::new(),
-    };
-    diagnose(problem, &about, &mut |_| ())
+    }
+}
+
+fn diagnosed(problem: &mut Problem) -> Found {
+    diagnose(problem, &about(), &mut |_| ())
 }
 
 fn gauss(seed: u64) -> impl FnMut() -> f64 {

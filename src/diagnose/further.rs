@@ -1,0 +1,174 @@
+//! A further log, of an experiment: explanations of the first, fitted to both.
+//!
+//! ```text
+//! objective(e) = objective_1(e) + χ²_2(S e)      S: what the experiment makes of the
+//!                                                unknowns, see `experiment`
+//! ```
+//!
+//! Masses are marginalised log by log: what both know of them together is left out.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::experiment::{self, Carried, Experiment};
+use super::problem::{Fit, Problem, State};
+use super::sides;
+
+/// Steps of a joint fit, at most.
+const STEPS: usize = 25;
+/// Dampings of a step, at most.
+const TRIES: usize = 8;
+/// An objective that falls by less is settled.
+const SETTLED: f64 = 1e-3;
+
+/// A log of an experiment, on the support that it was taken on.
+pub struct Further<'m> {
+    pub experiment: Experiment,
+    pub problem: Problem<'m>,
+}
+
+/// `fit` of the first log, fitted to all: its score is that of all logs, its
+/// predictions and residuals are those of the first.
+pub fn together(first: &Problem, fit: Fit, further: &[Further]) -> Fit {
+    if further.is_empty() {
+        return fit;
+    }
+    let logs: Vec<Log> = further.iter().map(|f| Log::new(first, &fit, f)).collect();
+    let root = fit.outliers.as_ref().map(|o| o.root_weights(None));
+    let masses = root
+        .as_ref()
+        .map(|r| first.masses(&fit.instances).reweighted(r));
+    let own = |unknowns: Vec<f64>| {
+        let masses = masses.as_ref().unwrap_or(first.masses(&fit.instances));
+        let circumstances = match &fit.circumstances {
+            Some(sides) => sides.as_slice(),
+            None => &first.data.circumstances,
+        };
+        first.state(&fit.instances, unknowns, circumstances, &root, masses)
+    };
+    let scales = first.scales(&fit.instances);
+    let before = own(fit.unknowns.clone());
+    // Of the first log alone: what is no square, and stays.
+    let rest = fit.objective - before.value;
+    let mut at = Joint::new(before, &logs);
+    let p = scales.len();
+    let mut damping = 1e-3;
+    for _ in 0..STEPS {
+        let mut improved = None;
+        for _ in 0..TRIES {
+            let mut damped = at.normal.clone();
+            for k in 0..p {
+                damped[(k, k)] *= 1.0 + damping;
+                damped[(k, k)] += 1e-9 / (scales[k] * scales[k]);
+            }
+            let Some(factor) = damped.cholesky().filter(|_| p > 0) else {
+                break;
+            };
+            let step = factor.solve(&at.gradient);
+            let moved = at.first.unknowns.iter().zip(step.iter());
+            let next = Joint::new(own(moved.map(|(x, d)| x + d).collect()), &logs);
+            if next.value < at.value {
+                improved = Some(next);
+                damping *= 0.2;
+                break;
+            }
+            damping *= 10.0;
+        }
+        let Some(next) = improved else { break };
+        let gain = at.value - next.value;
+        at = next;
+        if gain < SETTLED {
+            break;
+        }
+    }
+    let n = first.data.len() as f64;
+    let all = n + further
+        .iter()
+        .map(|f| f.problem.data.len() as f64)
+        .sum::<f64>();
+    let mut normal = at.normal;
+    for k in 0..p {
+        normal[(k, k)] += 1e-9 / (scales[k] * scales[k]);
+    }
+    let covariance = normal.cholesky().map(|factor| factor.inverse());
+    Fit {
+        covariance: covariance.unwrap_or_else(|| DMatrix::zeros(p, p)),
+        objective: at.value + rest,
+        price: fit.price + p as f64 * (all / n).ln(),
+        unknowns: at.first.unknowns,
+        predicted: at.first.predicted,
+        residual: at.first.residual,
+        slopes: at.first.slopes,
+        strained: at.first.strained,
+        ..fit
+    }
+}
+
+/// A further log under one explanation.
+struct Log<'f, 'm> {
+    problem: &'f Problem<'m>,
+    carried: Carried,
+    circumstances: Vec<f64>,
+    /// Of sides that gravity does not favour.
+    price: f64,
+}
+
+impl<'f, 'm> Log<'f, 'm> {
+    fn new(first: &Problem, fit: &Fit, further: &'f Further<'m>) -> Log<'f, 'm> {
+        let problem = &further.problem;
+        let (here, there) = (&first.setting, &problem.setting);
+        let carried = experiment::carried(&further.experiment, here, there, &fit.instances);
+        let mut circumstances = problem.data.circumstances.clone();
+        let mut price = 0.0;
+        if !problem.slack_joints(&carried.instances).is_empty() {
+            let unknowns = carried.unknowns(&fit.unknowns);
+            let sides = sides::settle(problem, &carried.instances, &unknowns, Some(fit));
+            price = sides.price;
+            circumstances.clone_from(&sides.circumstances);
+        }
+        Log {
+            problem,
+            carried,
+            circumstances,
+            price,
+        }
+    }
+
+    fn state(&self, unknowns: &[f64]) -> State {
+        let instances = &self.carried.instances;
+        let unknowns = self.carried.unknowns(unknowns);
+        let masses = self.problem.masses(instances);
+        self.problem
+            .squares(instances, unknowns, &self.circumstances, &None, masses)
+    }
+}
+
+/// All logs at the same unknowns.
+struct Joint {
+    first: State,
+    value: f64,
+    normal: DMatrix<f64>,
+    gradient: DVector<f64>,
+}
+
+impl Joint {
+    fn new(first: State, logs: &[Log]) -> Joint {
+        let (mut normal, mut gradient) = first.normal.clone();
+        let mut value = first.value;
+        for log in logs {
+            let state = log.state(&first.unknowns);
+            value += state.value + log.price;
+            for (a, &(to_a, sign_a)) in log.carried.columns.iter().enumerate() {
+                gradient[to_a] += sign_a * state.normal.1[a];
+                for (b, &(to_b, sign_b)) in log.carried.columns.iter().enumerate() {
+                    normal[(to_a, to_b)] += sign_a * sign_b * state.normal.0[(a, b)];
+                }
+            }
+        }
+        Joint {
+            first,
+            value,
+            normal,
+            gradient,
+        }
+    }
+}
