@@ -19,8 +19,9 @@ use crate::plan::limits::Limits;
 use crate::plan::order;
 use crate::robot::Robot;
 
-/// χ² from which two explanations are told apart.
-pub const TOLD: f64 = 9.0;
+/// χ² from which two explanations are told apart in nine of ten logs: what noise
+/// leaves of it, `S − 1.28 · 2 √S`, is then beyond the bracket of a class.
+pub const TOLD: f64 = 22.0;
 /// Candidate postures, and how many an experiment asks for.
 const CANDIDATES: usize = 300;
 pub const POSTURES: usize = 40;
@@ -72,13 +73,26 @@ pub fn next(
     let support = problem.setting.model.tree.links[problem.setting.model.tree.support]
         .name
         .clone();
-    let all = [
-        Experiment::Turned,
+    let model = problem.setting.model;
+    let fresh = candidates(problem, model, robot, folder);
+    let mut all = vec![
         Experiment::Untouched,
         Experiment::KnownWeight,
         Experiment::BothSides,
         Experiment::RawCells,
     ];
+    match fresh {
+        // Whoever turns the robot can as well take postures that tell more.
+        Some(q) => {
+            for experiment in [Experiment::Postures, Experiment::Turned] {
+                let q = q.clone();
+                ranked.push(with_postures(
+                    experiment, problem, problem, model, q, truth, &others,
+                ));
+            }
+        }
+        None => all.insert(0, Experiment::Turned),
+    }
     for experiment in all {
         if !makes_sense(&experiment, problem, found) {
             continue;
@@ -99,13 +113,6 @@ pub fn next(
             postures: (support.clone(), problem.data.q.clone()),
             experiment: trial.experiment,
         });
-    }
-    let model = problem.setting.model;
-    if let Some(q) = candidates(problem, model, robot, folder) {
-        let own = Experiment::Postures;
-        ranked.push(with_postures(
-            own, problem, problem, model, q, truth, &others,
-        ));
     }
     if let Some(other) = other_foot(robot, &support, snapping) {
         let there = problem.on(&other);

@@ -3,6 +3,7 @@
 mod data;
 mod held_out;
 mod leftover;
+mod next;
 mod nuisance;
 mod outliers;
 mod problem;
