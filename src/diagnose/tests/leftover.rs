@@ -32,8 +32,8 @@ fn sines_and_powers_are_found_with_their_weights() {
         assert_eq!(found.terms.len(), 1, "{}", found.text());
         // One regressor alone: its weight is known to σ / |f|.
         let squares: f64 = q.chunks(dof).map(|q| f(q).powi(2)).sum();
-        for axis in 0..2 {
-            let pull = (first.weight[axis] - weight[axis]) / (NOISE / squares.sqrt());
+        for (told, truth) in first.weight.iter().zip(weight) {
+            let pull = (told - truth) / (NOISE / squares.sqrt());
             assert!(pull.abs() < 3.5, "{name}: {}", found.text());
         }
         assert!((found.share - 1.0).abs() < 0.1, "{}", found.share);

@@ -63,7 +63,7 @@ fn chi2_and_projections_are_those_of_the_dense_covariance() {
         let case = Case::new(width);
         let nuisance = case.nuisance();
         let inverse = case.covariance().try_inverse().unwrap();
-        let gap = case.whitened(&DMatrix::from_columns(&[case.gap.clone()]));
+        let gap = case.whitened(&DMatrix::from_columns(std::slice::from_ref(&case.gap)));
         let gap = gap.column(0).into_owned();
         let slopes = case.whitened(&case.slopes);
         let dense = case.gap.dot(&(&inverse * &case.gap));
