@@ -284,6 +284,24 @@ fn the_model_file_predicts_what_was_diagnosed_here_and_in_c() {
         hidden(Effect::JointScale, "r_ank_roll", &[0.2]),
         hidden(Effect::SensorRotation, NOWHERE, &[0.15]),
     ]);
+    // The file holds what was said, to the last digit.
+    let file: toml::Table = fs::read_to_string(told.path("model.toml"))
+        .unwrap()
+        .parse()
+        .unwrap();
+    for step in told.said["steps"].as_array().unwrap() {
+        let effects = file["effects"].as_array().unwrap();
+        let mut effects = effects.iter();
+        let own = effects
+            .find(|e| e["effect"].as_str() == step["effect"].as_str())
+            .unwrap();
+        for (name, said) in step["parameters"].as_object().unwrap() {
+            for key in ["value", "std"] {
+                let held = own["parameters"][name.as_str()][key].as_float();
+                assert_eq!(held, said[key].as_f64(), "{name}");
+            }
+        }
+    }
     let mut labels = labels(&told.said);
     labels.sort();
     assert_eq!(labels, ["joint_scale:r_ank_roll", "sensor_rotation"]);
