@@ -128,8 +128,7 @@ pub fn measure(
 
     let robot = ours::robot();
     let log = our_fit::log(&q, &reading);
-    drop(q);
-    let expected = foretold_by_ours(&our_fit::parameters(&robot, &log), &others);
+    let expected = foretold_by_ours(&our_fit::parameters(&q, &reading), &others);
     let everything = foretold_by_ours(&our_fit::everything(&robot, &log), &others);
     let casadi = peers.symbol::<One<f64>>("casadi_cop")?;
     let others = peers.reordered(&others);
@@ -152,7 +151,7 @@ pub fn measure(
 
     let mut entries = vec![
         Entry::new("ours, parameters alone", || {
-            std::hint::black_box(our_fit::parameters(&robot, &log));
+            std::hint::black_box(our_fit::parameters(&q, &reading));
         }),
         Entry::new("ours, all that `sesc fit` says", || {
             std::hint::black_box(our_fit::everything(&robot, &log));

@@ -110,6 +110,16 @@ fn batch<'a, T: Copy + 'a>(
     })
 }
 
+/// Ours on blocks: the layout is the batch's own, on both sides.
+fn blocks<'a>(mut batches: Box<dyn ours::Batches>) -> Entry<'a> {
+    Entry::new("ours", move || batches.run())
+}
+
+fn answers(mut batches: Box<dyn ours::Batches>) -> Vec<f64> {
+    batches.run();
+    batches.answers()
+}
+
 /// Ours first, then every peer that has the function; answers are compared first.
 pub fn measure(
     peers: &Peers,
@@ -123,8 +133,8 @@ pub fn measure(
     let tape = ours::tape(function);
     let mut entries = vec![match mode {
         Mode::One => one("ours", ours::one(function), &range.q, width),
-        Mode::BatchF64 => batch("ours", ours::batch_f64(function), &range.q, width, 0.0),
-        Mode::BatchF32 => batch("ours", ours::batch_f32(function), &range.q32, width, 0.0),
+        Mode::BatchF64 => blocks(ours::batch_f64(function, &range.q)),
+        Mode::BatchF32 => blocks(ours::batch_f32(function, &range.q32)),
         Mode::Tape => Entry::new("ours", || {
             black_box(tape(&range.q));
         }),
@@ -210,16 +220,8 @@ fn ours_agrees(range: &Range, function: Function, mode: Mode) -> Result<(), Stri
     let single = each(ours::one(function), &range.q, width);
     let (out, tolerance) = match mode {
         Mode::One => (single.clone(), AGREE_F64),
-        Mode::BatchF64 => {
-            let mut out = vec![0.0; width * POSTURES];
-            ours::batch_f64(function)(range.q.as_ptr(), POSTURES, out.as_mut_ptr());
-            (out, AGREE_F64)
-        }
-        Mode::BatchF32 => {
-            let mut out = vec![0.0f32; width * POSTURES];
-            ours::batch_f32(function)(range.q32.as_ptr(), POSTURES, out.as_mut_ptr());
-            (wide(&out), AGREE_F32)
-        }
+        Mode::BatchF64 => (answers(ours::batch_f64(function, &range.q)), AGREE_F64),
+        Mode::BatchF32 => (answers(ours::batch_f32(function, &range.q32)), AGREE_F32),
         Mode::Tape => (ours::tape(function)(&range.q), AGREE_F64),
     };
     let params = match function {

@@ -1,16 +1,15 @@
 //! Our fit from postures in memory: the library's present path, all that is
 //! measured of it.
 
-use nalgebra::DVector;
-use sesc::identify::factor::Factor;
 use sesc::identify::gather::Gathered;
 use sesc::identify::measurement::Measurement;
 use sesc::identify::prior::Prior;
-use sesc::identify::solve::solve;
 use sesc::identify::{Settings, identify};
 use sesc::posture_log::Block;
 use sesc::robot::Robot;
 use sesc_codegen::Snapping;
+use sesc_generated::op2_r_sole::{CAD_PARAMS, Op2RSole};
+use sesc_runtime::fit::Estimator;
 
 use crate::ours;
 
@@ -40,17 +39,15 @@ fn measurement(robot: &Robot) -> Measurement<'_> {
         .expect("the OP2 stands on its right sole")
 }
 
-/// The parameters alone, as the peers compute them.
-pub fn parameters(robot: &Robot, log: &[Block]) -> Vec<f64> {
-    let mut measurement = measurement(robot);
-    let params = measurement.model().base.params.len();
-    let mut factor = Factor::new(params);
-    for block in log {
-        let rows = measurement.rows(block).expect("flat ground, one foot");
-        factor.push(&rows.matrix, &rows.reading, &vec![1.0; rows.reading.len()]);
-    }
-    let cad = DVector::from_vec(measurement.model().cad_params());
-    solve(&factor, 1.0, &cad, None).params.as_slice().to_vec()
+/// The parameters, as the peers compute them: generated code, products, one refinement.
+pub fn parameters(q: &[f64], reading: &[[f64; 2]]) -> Vec<f64> {
+    let (q, _) = q.as_chunks::<{ ours::DOF }>();
+    let start = Estimator::around(&CAD_PARAMS).expect("CAD parameters are finite");
+    let found = start.batch(Op2RSole, ours::simd(), q, reading, &[1.0; 2]);
+    found
+        .expect("postures and readings are finite")
+        .params()
+        .to_vec()
 }
 
 /// All that `sesc fit` says after reading: ten-fold cross-validation, noise,

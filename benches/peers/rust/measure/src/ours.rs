@@ -3,19 +3,67 @@
 //! Faster ones replace these here; nothing else knows how a function is called.
 
 use std::hint::black_box;
+use std::sync::LazyLock;
 
 use sesc::evaluate::Evaluator;
 use sesc::robot::{OP2_URDF, Robot};
 use sesc_codegen::{Function, Model, Snapping};
-use sesc_generated::op2_r_sole as op2;
-use sesc_runtime::{F32x16, F64x8, Lanes, Real, pack, unpack};
+use sesc_generated::op2_r_sole::{self as op2, Op2RSole};
+use sesc_runtime::{Batch as _, F32x16, F64x8, Simd, Single as _, pack};
 
-use crate::peers::{Batch, One};
+use crate::peers::One;
 
 pub use op2::{DOF, JOINT_NAMES};
 
 /// Where the robot stands.
 pub const SUPPORT: &str = "r_sole";
+
+macro_rules! batches {
+    ($function:expr, $q:expr, $scalar:ty, $lanes:ty, $side:literal) => {{
+        let (q, rest) = $q.as_chunks::<DOF>();
+        assert!(rest.is_empty(), "postures are whole");
+        let (q, rest) = q.as_chunks::<$side>();
+        assert!(rest.is_empty(), "batches are whole numbers of lanes");
+        let q: Vec<[$lanes; DOF]> = q.iter().map(pack).collect();
+        let r: [$scalar; op2::BASE_PARAMS] = op2::CAD_PARAMS.map(|x| x as $scalar);
+        let zero = <$lanes>::splat(0.0);
+        macro_rules! blocks {
+            ($start:expr, $run:expr, |$out:ident| $flat:expr) => {{
+                let out = vec![$start; q.len()];
+                Box::new(Blocks {
+                    q,
+                    r,
+                    out,
+                    run: $run,
+                    lane: |$out, k| $flat.iter().map(|x| x.0[k] as f64).collect(),
+                    lanes: $side,
+                })
+            }};
+        }
+        match $function {
+            Function::Com => blocks!(
+                [zero; 3],
+                |q, r, out| Op2RSole::com_batch(simd(), q, r, out),
+                |out| out
+            ),
+            Function::ComJacobian => blocks!(
+                [[zero; DOF]; 3],
+                |q, r, out| Op2RSole::com_jacobian_batch(simd(), q, r, out),
+                |out| out.as_flattened()
+            ),
+            Function::RegressorFull => blocks!(
+                [[zero; op2::FULL_PARAMS]; 3],
+                |q, _, out| Op2RSole::regressor_full_batch(simd(), q, out),
+                |out| out.as_flattened()
+            ),
+            _ => blocks!(
+                [[zero; op2::BASE_PARAMS]; 2],
+                |q, _, out| Op2RSole::regressor_cop_batch(simd(), q, out),
+                |out| out.as_flattened()
+            ),
+        }
+    }};
+}
 
 /// One posture in double precision.
 pub fn one(function: Function) -> One<f64> {
@@ -27,24 +75,22 @@ pub fn one(function: Function) -> One<f64> {
     }
 }
 
+/// Blocks of postures and of results, in the layout that batches have.
+pub trait Batches {
+    fn run(&mut self);
+
+    /// The results, posture by posture.
+    fn answers(&self) -> Vec<f64>;
+}
+
 /// Many postures in double precision, eight at a time.
-pub fn batch_f64(function: Function) -> Batch<f64> {
-    match function {
-        Function::Com => com_f64,
-        Function::ComJacobian => jacobian_f64,
-        Function::RegressorFull => full_f64,
-        _ => cop_f64,
-    }
+pub fn batch_f64(function: Function, q: &[f64]) -> Box<dyn Batches> {
+    batches!(function, q, f64, F64x8, 8)
 }
 
 /// Many postures in single precision, sixteen at a time.
-pub fn batch_f32(function: Function) -> Batch<f32> {
-    match function {
-        Function::Com => com_f32,
-        Function::ComJacobian => jacobian_f32,
-        Function::RegressorFull => full_f32,
-        _ => cop_f32,
-    }
+pub fn batch_f32(function: Function, q: &[f32]) -> Box<dyn Batches> {
+    batches!(function, q, f32, F32x16, 16)
 }
 
 /// The tape: from a URDF at run time, without a compiler.
@@ -71,11 +117,6 @@ pub fn full_params() -> Vec<f64> {
     model().chain.full_cad()
 }
 
-/// Parameters come at run time; the compiler must not know them.
-fn params<T: Real>() -> [T; op2::BASE_PARAMS] {
-    black_box(op2::CAD_PARAMS).map(T::from_f64)
-}
-
 macro_rules! one_posture {
     ($name:ident, $rows:ty, |$q:ident| $call:expr) => {
         extern "C" fn $name(q: *const f64, out: *mut f64) {
@@ -86,71 +127,51 @@ macro_rules! one_posture {
     };
 }
 
-one_posture!(com, [f64; 3], |q| op2::com(q, black_box(&op2::CAD_PARAMS)));
-one_posture!(jacobian, [[f64; DOF]; 3], |q| op2::com_jacobian(
-    q,
-    black_box(&op2::CAD_PARAMS)
-));
+one_posture!(com, [f64; 3], |q| Op2RSole::com_single(simd(), q, params()));
+one_posture!(
+    jacobian,
+    [[f64; DOF]; 3],
+    |q| Op2RSole::com_jacobian_single(simd(), q, params())
+);
 one_posture!(full, [[f64; op2::FULL_PARAMS]; 3], |q| {
-    op2::regressor_full(q)
+    Op2RSole::regressor_full_single(simd(), q)
 });
-one_posture!(cop, [[f64; op2::BASE_PARAMS]; 2], |q| op2::regressor_cop(q));
+one_posture!(cop, [[f64; op2::BASE_PARAMS]; 2], |q| {
+    Op2RSole::regressor_cop_single(simd(), q)
+});
 
-macro_rules! batch {
-    ($name:ident, $scalar:ty, $lanes:ty, $side:literal, $width:expr, |$q:ident, $r:ident| $call:expr) => {
-        extern "C" fn $name(q: *const $scalar, n: usize, out: *mut $scalar) {
-            const WIDTH: usize = $width;
-            // SAFETY: `Peers` hands arrays of these sizes to every contestant.
-            let (q, out) = unsafe {
-                (
-                    std::slice::from_raw_parts(q.cast::<[$scalar; DOF]>(), n),
-                    std::slice::from_raw_parts_mut(out.cast::<[$scalar; WIDTH]>(), n),
-                )
-            };
-            let $r = &params::<$lanes>();
-            let (q, rest) = q.as_chunks::<$side>();
-            assert!(rest.is_empty(), "batches are whole numbers of lanes");
-            let (out, _) = out.as_chunks_mut::<$side>();
-            for (q, out) in q.iter().zip(out) {
-                let $q = &pack(q);
-                let columns: [$lanes; WIDTH] = $call;
-                *out = unpack(&columns);
-            }
-        }
-    };
+/// Asked once, as a controller does.
+pub fn simd() -> Simd {
+    static BEST: LazyLock<Simd> = LazyLock::new(Simd::best);
+    *BEST
 }
 
-/// Rows as one array.
-fn flat<S: Real, const N: usize, const COLUMNS: usize, const ROWS: usize, const WIDTH: usize>(
-    rows: [[Lanes<S, N>; COLUMNS]; ROWS],
-) -> [Lanes<S, N>; WIDTH] {
-    std::array::from_fn(|k| rows[k / COLUMNS][k % COLUMNS])
+/// Parameters come at run time; the compiler must not know them.
+fn params() -> &'static [f64; op2::BASE_PARAMS] {
+    black_box(&op2::CAD_PARAMS)
 }
 
-macro_rules! batches {
-    ($scalar:ty, $lanes:ty, $side:literal, $com:ident, $jacobian:ident, $full:ident, $cop:ident) => {
-        batch!($com, $scalar, $lanes, $side, 3, |q, r| op2::com(q, r));
-        batch!($jacobian, $scalar, $lanes, $side, 3 * DOF, |q, r| {
-            flat(op2::com_jacobian(q, r))
-        });
-        batch!(
-            $full,
-            $scalar,
-            $lanes,
-            $side,
-            3 * op2::FULL_PARAMS,
-            |q, _r| flat(op2::regressor_full(q))
-        );
-        batch!(
-            $cop,
-            $scalar,
-            $lanes,
-            $side,
-            2 * op2::BASE_PARAMS,
-            |q, _r| flat(op2::regressor_cop(q))
-        );
-    };
+/// A function over blocks, and where its results go.
+struct Blocks<Q, R, O> {
+    q: Vec<Q>,
+    r: R,
+    out: Vec<O>,
+    run: fn(&[Q], &R, &mut [O]),
+    lane: fn(&O, usize) -> Vec<f64>,
+    lanes: usize,
 }
 
-batches!(f64, F64x8, 8, com_f64, jacobian_f64, full_f64, cop_f64);
-batches!(f32, F32x16, 16, com_f32, jacobian_f32, full_f32, cop_f32);
+impl<Q, R, O> Batches for Blocks<Q, R, O> {
+    fn run(&mut self) {
+        (self.run)(&self.q, black_box(&self.r), &mut self.out);
+        black_box(&mut self.out);
+    }
+
+    fn answers(&self) -> Vec<f64> {
+        let lanes = self.lanes;
+        let blocks = self.out.iter();
+        blocks
+            .flat_map(|block| (0..lanes).flat_map(|k| (self.lane)(block, k)))
+            .collect()
+    }
+}
