@@ -5,11 +5,12 @@
 use std::hint::black_box;
 use std::time::Duration;
 
-use criterion::{Criterion, criterion_group, criterion_main};
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use sesc::robot::{OP2_URDF, Robot};
 use sesc::simulate::Simulator;
 use sesc_codegen::Snapping;
 use sesc_generated::op2_r_sole::{self as op2, BASE_PARAMS as N, CAD_PARAMS, DOF};
+use sesc_runtime::Simd;
 use sesc_runtime::fit::{Estimator, Scalar};
 
 /// Postures fed in turn.
@@ -73,5 +74,48 @@ fn op2_fit(c: &mut Criterion) {
     scalar::<f32>(c, "f32");
 }
 
-criterion_group!(benches, op2_fit);
+/// Parameters from postures in memory: rows, products, one refinement.
+fn many(c: &mut Criterion) {
+    let robot = Robot::parse(OP2_URDF, "op2.urdf").unwrap();
+    let model = robot.model("r_sole", Snapping::default(), None).unwrap();
+    let mut simulator = Simulator::new(&model.tree.dofs, Some(0.5), 1);
+    let q = simulator.batch(1_000_000);
+    let q: &[[f64; DOF]] = q.as_chunks().0;
+    let mut reading = |x: f64| x + simulator.gauss(1e-3);
+    let cop: Vec<[f64; 2]> = q
+        .iter()
+        .map(|q| op2::cop(q, &CAD_PARAMS).map(&mut reading))
+        .collect();
+    let start = Estimator::around(&CAD_PARAMS).unwrap();
+    let fit = |simd, q: &[[f64; DOF]], cop: &[[f64; 2]]| {
+        start.batch(op2::Op2RSole, simd, black_box(q), cop, &[1e-3; 2])
+    };
+    for count in [1_000, 100_000, 1_000_000] {
+        let (q, cop) = (&q[..count], &cop[..count]);
+        let mut group = c.benchmark_group(format!("op2/fit of {count} postures"));
+        group
+            .throughput(Throughput::Elements(count as u64))
+            .sample_size(10)
+            .warm_up_time(Duration::from_millis(100))
+            .measurement_time(Duration::from_secs(2));
+        for simd in Simd::available() {
+            group.bench_function(simd.name(), |b| b.iter(|| fit(simd, q, cop).unwrap()));
+        }
+        group.bench_function("two threads", |b| {
+            let half = count / 2;
+            b.iter(|| {
+                let (first, second) = rayon::join(
+                    || fit(Simd::best(), &q[..half], &cop[..half]),
+                    || fit(Simd::best(), &q[half..], &cop[half..]),
+                );
+                let mut whole = first.unwrap();
+                whole.absorb(&second.unwrap()).unwrap();
+                whole.params()
+            });
+        });
+        group.finish();
+    }
+}
+
+criterion_group!(benches, op2_fit, many);
 criterion_main!(benches);

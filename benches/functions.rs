@@ -1,6 +1,6 @@
-//! One posture's worth of CoM, Jacobian, CoP rows and full rows, side by side:
-//! the reference, the tape (per posture, in blocks) and generated code (from q,
-//! from sines and cosines, in f64, f32 and SIMD lanes, per posture).
+//! CoM, Jacobian, CoP rows and full rows of a batch of postures, side by side: the
+//! reference, the tape, and generated code, as scalars, one posture at a time and in blocks
+//! on every set of instructions that this machine has, on one thread and on two.
 
 use std::hint::black_box;
 use std::time::Duration;
@@ -11,120 +11,148 @@ use sesc::evaluate::Evaluator;
 use sesc::robot::Robot;
 use sesc::simulate::Simulator;
 use sesc_codegen::{Function, Model, Snapping};
-use sesc_generated::{op2_r_sole, skew_humanoid_right_sole};
 use sesc_reference::Reference;
-use sesc_runtime::{F32x16, F64x8, Real};
+use sesc_runtime::{Batch, F32x16, F64x8, Simd, Single, pack};
 
-/// Postures in a batch: what a tape and lanes work through together.
-const BATCH: usize = 1024;
+/// Postures evaluated together: their rows stay in the second cache.
+const BATCH: usize = 512;
+/// Postures of two threads, for whom fewer are not worth waking.
+const SHARED: usize = 16 * BATCH;
 
-fn robot(name: &str, support: &str) -> (Model, Reference, Vec<f64>) {
-    let path = format!("{}/robots/{name}/{name}.urdf", env!("CARGO_MANIFEST_DIR"));
-    let robot = Robot::read(path.as_ref()).unwrap();
-    let model = robot.model(support, Snapping::default(), None).unwrap();
-    let q = Simulator::new(&model.tree.dofs, None, 1).batch(BATCH);
-    (model, robot.reference(support).unwrap(), q)
+struct Setup {
+    model: Model,
+    reference: Reference,
+    q: Vec<f64>,
 }
 
-fn reference_and_tape(
-    group: &mut BenchmarkGroup<WallTime>,
-    function: Function,
-    (model, reference, q): &(Model, Reference, Vec<f64>),
-) {
-    let tape = Evaluator::new(model, function);
-    let each = |f: &dyn Fn(&[f64])| q.chunks(model.dof()).for_each(f);
+impl Setup {
+    fn new(name: &str, support: &str) -> Setup {
+        let path = format!("{}/robots/{name}/{name}.urdf", env!("CARGO_MANIFEST_DIR"));
+        let robot = Robot::read(path.as_ref()).unwrap();
+        let model = robot.model(support, Snapping::default(), None).unwrap();
+        Setup {
+            reference: robot.reference(support).unwrap(),
+            q: Simulator::new(&model.tree.dofs, None, 1).batch(SHARED),
+            model,
+        }
+    }
+}
+
+fn generic(group: &mut BenchmarkGroup<WallTime>, function: Function, setup: &Setup) {
+    let q = &setup.q[..BATCH * setup.model.dof()];
+    let each = |f: &dyn Fn(&[f64])| q.chunks(setup.model.dof()).for_each(f);
     group.bench_function("reference", |b| {
         b.iter(|| match function {
             Function::Com => each(&|q| {
-                black_box(reference.com(q));
+                black_box(setup.reference.com(q));
             }),
             Function::ComJacobian => each(&|q| {
-                black_box(reference.com_jacobian(q));
+                black_box(setup.reference.com_jacobian(q));
             }),
             _ => each(&|q| {
-                black_box(reference.standard_columns(q));
+                black_box(setup.reference.standard_columns(q));
             }),
         });
     });
+    let tape = Evaluator::new(&setup.model, function);
     group.bench_function("tape", |b| b.iter(|| black_box(tape.run(q, BATCH))));
 }
 
-/// Generated code on a batch, one posture after the other, in each scalar type.
-macro_rules! generated {
-    ($group:expr, $module:ident, $q:expr, $f:ident ( $($r:ident)? ), $sc:ident) => {{
-        const DOF: usize = $module::DOF;
-        let q: Vec<[f64; DOF]> = $q.chunks(DOF).map(|q| q.try_into().unwrap()).collect();
-        let q32: Vec<[f32; DOF]> = q.iter().map(|q| q.map(|x| x as f32)).collect();
-        let sines: Vec<([f64; DOF], [f64; DOF])> = q
-            .iter()
-            .map(|q| (q.map(|x| Real::sin_cos(x).0), q.map(|x| Real::sin_cos(x).1)))
-            .collect();
-        let eight: Vec<[F64x8; DOF]> = q
-            .chunks(8)
-            .map(|p| core::array::from_fn(|j| sesc_runtime::Lanes(core::array::from_fn(|k| p[k][j]))))
-            .collect();
-        let sixteen: Vec<[F32x16; DOF]> = q32
-            .chunks(16)
-            .map(|p| core::array::from_fn(|j| sesc_runtime::Lanes(core::array::from_fn(|k| p[k][j]))))
-            .collect();
-        generated!(@run $group, "f64", $module::$f, q, |q| (q), f64, $module, $($r)?);
-        generated!(@run $group, "f64 from sines", $module::$sc, sines, |p| (&p.0, &p.1), f64, $module, $($r)?);
-        generated!(@run $group, "f32", $module::$f, q32, |q| (q), f32, $module, $($r)?);
-        generated!(@run $group, "f64 x8 lanes", $module::$f, eight, |q| (q), F64x8, $module, $($r)?);
-        generated!(@run $group, "f32 x16 lanes", $module::$f, sixteen, |q| (q), F32x16, $module, $($r)?);
-    }};
-    (@run $group:expr, $name:expr, $f:path, $batch:ident, |$p:ident| ($($argument:expr),+), $t:ty, $module:ident, $r:ident) => {{
-        let r = $module::CAD_PARAMS.map(<$t as Real>::from_f64);
-        $group.bench_function($name, |b| {
-            b.iter(|| for $p in &$batch { black_box($f($($argument),+, black_box(&r))); });
-        });
-    }};
-    (@run $group:expr, $name:expr, $f:path, $batch:ident, |$p:ident| ($($argument:expr),+), $t:ty, $module:ident,) => {{
-        $group.bench_function($name, |b| {
-            b.iter(|| for $p in &$batch { black_box($f($($argument),+)); });
-        });
-    }};
-}
-
-macro_rules! robot_benches {
-    ($name:ident, $module:ident, $robot:expr, $support:expr) => {
+/// Generated code of one robot; `r` marks functions that take parameters.
+macro_rules! robot {
+    ($name:ident, $folder:literal, $support:literal, $module:ident, $robot:ident: $($which:ident)+) => {
         fn $name(c: &mut Criterion) {
-            let setup = robot($robot, $support);
-            let q = &setup.2;
-            let mut group = |function: Function| {
-                let mut group = c.benchmark_group(format!("{}/{}", $robot, function.name()));
-                group
-                    .throughput(Throughput::Elements(BATCH as u64))
-                    .sample_size(20)
-                    .warm_up_time(Duration::from_millis(300))
-                    .measurement_time(Duration::from_millis(1000));
-                reference_and_tape(&mut group, function, &setup);
-                match function {
-                    Function::Com => generated!(group, $module, q, com(r), com_sc),
-                    Function::ComJacobian => {
-                        generated!(group, $module, q, com_jacobian(r), com_jacobian_sc)
+            #[allow(unused_imports)] // not every function is on every list
+            use sesc_generated::$module::{self as module, BASE_PARAMS, CAD_PARAMS, DOF, FULL_PARAMS, $robot};
+            let setup = Setup::new($folder, $support);
+            let q: &[[f64; DOF]] = setup.q.as_chunks().0;
+            let q32: Vec<[f32; DOF]> = q.iter().map(|q| q.map(|x| x as f32)).collect();
+            let eight: Vec<[F64x8; DOF]> = q.as_chunks().0.iter().map(pack).collect();
+            let sixteen: Vec<[F32x16; DOF]> = q32.as_chunks().0.iter().map(pack).collect();
+            let r32 = CAD_PARAMS.map(|x| x as f32);
+            let (zero, zero32) = (F64x8::splat(0.0), F32x16::splat(0.0));
+
+            macro_rules! function {
+                (@ Com) => { function!(Com, com(r), com_single, com_batch, |z| [z; 3]) };
+                (@ ComJacobian) => {
+                    function!(ComJacobian, com_jacobian(r), com_jacobian_single, com_jacobian_batch, |z| [[z; DOF]; 3])
+                };
+                (@ RegressorCop) => {
+                    function!(RegressorCop, regressor_cop(-), regressor_cop_single, regressor_cop_batch, |z| [[z; BASE_PARAMS]; 2])
+                };
+                (@ RegressorFull) => {
+                    function!(RegressorFull, regressor_full(-), regressor_full_single, regressor_full_batch, |z| [[z; FULL_PARAMS]; 3])
+                };
+                ($function:ident, $scalar:ident($r:tt), $single:ident, $batch:ident, |$z:ident| $start:expr) => {{
+                    let function = Function::$function;
+                    let mut group = c.benchmark_group(format!("{}/{}", $folder, function.name()));
+                    group
+                        .throughput(Throughput::Elements(BATCH as u64))
+                        .sample_size(20)
+                        .warm_up_time(Duration::from_millis(200))
+                        .measurement_time(Duration::from_millis(700));
+                    generic(&mut group, function, &setup);
+                    group.bench_function("scalar f64", |b| {
+                        b.iter(|| for q in &q[..BATCH] {
+                            black_box(function!(@scalar $r, $scalar, black_box(q)));
+                        });
+                    });
+                    let mut out = vec![{ let $z = zero; $start }; SHARED / 8];
+                    let mut out32 = vec![{ let $z = zero32; $start }; SHARED / 16];
+                    for simd in Simd::available() {
+                        let set = simd.name();
+                        group.bench_function(format!("one posture f64, {set}"), |b| {
+                            b.iter(|| for q in &q[..BATCH] {
+                                black_box(function!(@one $r, $single, f64, simd, black_box(q), CAD_PARAMS));
+                            });
+                        });
+                        group.bench_function(format!("batch f64, {set}"), |b| {
+                            let (q, out) = (&eight[..BATCH / 8], &mut out[..BATCH / 8]);
+                            b.iter(|| function!(@many $r, $batch, simd, black_box(q), CAD_PARAMS, out));
+                        });
+                        group.bench_function(format!("batch f32, {set}"), |b| {
+                            let (q, out) = (&sixteen[..BATCH / 16], &mut out32[..BATCH / 16]);
+                            b.iter(|| function!(@many $r, $batch, simd, black_box(q), r32, out));
+                        });
                     }
-                    Function::RegressorCop => {
-                        generated!(group, $module, q, regressor_cop(), regressor_cop_sc)
-                    }
-                    _ => generated!(group, $module, q, regressor_full(), regressor_full_sc),
-                }
-                group.finish();
-            };
-            group(Function::Com);
-            group(Function::ComJacobian);
-            group(Function::RegressorCop);
-            group(Function::RegressorFull);
+                    group.throughput(Throughput::Elements(SHARED as u64));
+                    let simd = Simd::best();
+                    group.bench_function("batch f64, two threads", |b| {
+                        let (q, p) = eight.split_at(eight.len() / 2);
+                        let (out, tuo) = out.split_at_mut(q.len());
+                        b.iter(|| {
+                            rayon::join(
+                                || function!(@many $r, $batch, simd, black_box(q), CAD_PARAMS, out),
+                                || function!(@many $r, $batch, simd, black_box(p), CAD_PARAMS, tuo),
+                            )
+                        });
+                    });
+                    group.finish();
+                }};
+                (@scalar r, $f:ident, $q:expr) => { module::$f($q, black_box(&CAD_PARAMS)) };
+                (@scalar -, $f:ident, $q:expr) => { module::$f($q) };
+                (@one r, $f:ident, $s:ty, $simd:expr, $q:expr, $r:expr) => {
+                    $robot::$f($simd, $q, black_box(&$r))
+                };
+                (@one -, $f:ident, $s:ty, $simd:expr, $q:expr, $r:expr) => {
+                    $robot::$f::<$s>($simd, $q)
+                };
+                (@many r, $f:ident, $simd:expr, $q:expr, $r:expr, $out:expr) => {
+                    $robot::$f($simd, $q, black_box(&$r), black_box($out))
+                };
+                (@many -, $f:ident, $simd:expr, $q:expr, $r:expr, $out:expr) => {
+                    $robot::$f($simd, $q, black_box($out))
+                };
+            }
+            $(function!(@ $which);)+
         }
     };
 }
 
-robot_benches!(op2, op2_r_sole, "op2", "r_sole");
-robot_benches!(
-    humanoid,
-    skew_humanoid_right_sole,
-    "skew_humanoid",
-    "right_sole"
+robot!(op2, "op2", "r_sole", op2_r_sole, Op2RSole: Com ComJacobian RegressorCop RegressorFull);
+robot!(
+    humanoid, "skew_humanoid", "right_sole", skew_humanoid_right_sole, SkewHumanoidRightSole:
+    Com RegressorCop
 );
 
 criterion_group!(benches, op2, humanoid);

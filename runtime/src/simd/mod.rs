@@ -81,7 +81,7 @@ impl Simd {
     /// ```
     /// use sesc_runtime::Simd;
     ///
-    /// let (mut sin, mut cos) = ([0.0; 3], [0.0; 3]);
+    /// let (mut sin, mut cos) = ([0.0_f64; 3], [0.0; 3]);
     /// Simd::best().sin_cos(&[0.0, 0.5, 1.0], &mut sin, &mut cos);
     /// assert!((sin[1] - 0.4794255386042030).abs() < 2e-16 && cos[0] == 1.0);
     /// ```
