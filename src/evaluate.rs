@@ -15,6 +15,7 @@ pub struct Evaluator {
     /// Which joints slide: `_sc` functions take their positions as they are.
     slides: Vec<bool>,
     params: Option<Vec<f64>>,
+    kernels: Kernels,
 }
 
 impl Evaluator {
@@ -53,6 +54,15 @@ impl Evaluator {
             given,
             slides: model.tree.dofs.iter().map(|dof| dof.prismatic).collect(),
             params,
+            kernels: PORTABLE,
+        }
+    }
+
+    /// By [`FASTEST`] kernels, where results are not written to files that are compared.
+    pub fn fastest(self) -> Evaluator {
+        Evaluator {
+            kernels: FASTEST,
+            ..self
         }
     }
 
@@ -74,7 +84,7 @@ impl Evaluator {
             Given::SinesCosines => vec![Argument::PerPosture(&sin), Argument::PerPosture(&cos)],
         };
         arguments.extend(self.params.as_deref().map(Argument::Shared));
-        self.tape.run(&arguments, postures, &mut out, FASTEST);
+        self.tape.run(&arguments, postures, &mut out, self.kernels);
         out
     }
 
@@ -138,7 +148,7 @@ impl Foretelling {
             Argument::Shared(&self.params),
             Argument::PerPosture(&circumstances),
         ];
-        self.tape.run(&arguments, postures, &mut out, FASTEST);
+        self.tape.run(&arguments, postures, &mut out, PORTABLE);
         out
     }
 }

@@ -117,8 +117,8 @@ impl<'r> Measurement<'r> {
             .map(|first| model.params_from(&first.model));
         self.standing.push(Standing {
             link: link.to_string(),
-            flat: Evaluator::new(&model, Function::RegressorCop),
-            space: Evaluator::new(&model, Function::Regressor),
+            flat: Evaluator::new(&model, Function::RegressorCop).fastest(),
+            space: Evaluator::new(&model, Function::Regressor).fastest(),
             model,
             shift,
         });

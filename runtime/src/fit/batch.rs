@@ -33,7 +33,8 @@ impl<const N: usize> Estimator<f64, N> {
     ///
     /// `q[k]` are the joint positions of posture k, `cop[k]` its reading (m), `std` the
     /// standard deviations of x and y (m), alike for all. Where the slices differ in
-    /// length the shorter counts. Takes about 16 N² + 2 kB of stack (N = 43: 250 kB);
+    /// length the shorter counts. Takes about 64 N (N + 48) bytes of stack beside its own
+    /// size (N = 43: 250 kB);
     /// several estimators, each with its share of the postures, [`absorb`](Self::absorb)
     /// each other. With forgetting, postures are fed in turn.
     ///

@@ -21,7 +21,7 @@ mod tests;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
-use crate::lanes::{F32x16, F64x8};
+use crate::lanes::{F32x16, F64x8, pack};
 use crate::real::Real;
 use crate::trig;
 
@@ -137,7 +137,10 @@ pub(crate) mod sealed {
         /// A register of each block.
         fn load<const N: usize>(blocks: &[S::Block; N], part: usize) -> [Self::Vector; N];
 
-        /// Its inverse; of the longer slice the rest is left out.
+        /// The same from postures as rows, a block of them.
+        fn columns<const N: usize>(rows: &[[S; N]], part: usize) -> [Self::Vector; N];
+
+        /// The inverse of `load`; of the longer slice the rest is left out.
         fn store(vectors: &[Self::Vector], blocks: &mut [S::Block], part: usize);
 
         fn ones<const N: usize>(scalars: &[S; N]) -> &[Self::One; N];
@@ -200,6 +203,14 @@ macro_rules! portable {
             #[inline(always)]
             fn load<const N: usize>(blocks: &[$block; N], _: usize) -> [$block; N] {
                 *blocks
+            }
+
+            #[inline(always)]
+            fn columns<const N: usize>(rows: &[[$scalar; N]], _: usize) -> [$block; N] {
+                match rows.first_chunk() {
+                    Some(rows) => pack(rows),
+                    None => [<$block>::splat(0.0); N],
+                }
             }
 
             #[inline(always)]

@@ -5,22 +5,23 @@
 //! g = Σ w² Yᵀ e      Σ w² e²                    e = cop − Y r, in another
 //! ```
 //!
-//! Regressor rows of 64 postures stay in the first cache while tiles of 5 × 5 sums, each
-//! in a register, run over them.
+//! Regressor rows of 192 postures lie in the second cache, in strips of five columns; tiles
+//! of 5 × 5 sums, each in a register, run over two strips at a time. Strips i and i + 1 stay
+//! in the first cache while all strips before them pass.
 
 use core::marker::PhantomData;
 
 use super::sealed::{Machine, Task};
-use crate::lanes::{F64x8, pack};
+use crate::lanes::F64x8;
 use crate::model::Sesc;
 use crate::real::Real;
 
 /// Postures of a block.
 const LANES: usize = 8;
-/// Rows of blocks that are worked through together: x and y of 64 postures.
-const PANEL: usize = 16;
-/// Columns and lines of a tile: 25 sums and 10 factors fill the registers of AVX-512.
-const TILE: usize = 5;
+/// Rows of blocks that are worked through together: x and y of 192 postures.
+const PANEL: usize = 48;
+/// Columns of a strip: 25 sums and 6 factors fill the registers of AVX-512.
+const STRIP: usize = 5;
 
 /// Postures, readings, and what to hold them against.
 pub(crate) struct Data<'a, M, const DOF: usize, const BASE: usize, const FULL: usize> {
@@ -81,29 +82,46 @@ where
         let mut gram = [[zero; BASE]; BASE];
         let mut right = [zero; BASE];
         let mut panel = [[zero; BASE]; PANEL];
+        let panel = panel.as_flattened_mut();
         let weight = self.data.weight.map(X::splat);
         let (q, _) = self.data.q.as_chunks::<LANES>();
         let (cop, _) = self.data.cop.as_chunks::<LANES>();
         for (q, cop) in q.chunks(PANEL / 2).zip(cop.chunks(PANEL / 2)) {
-            let (lines, _) = panel.as_chunks_mut::<2>();
-            for ((q, cop), lines) in q.iter().zip(cop).zip(lines) {
-                let (q, cop): ([F64x8; DOF], [F64x8; 2]) = (pack(q), pack(cop));
+            for (block, (q, cop)) in q.iter().zip(cop).enumerate() {
                 for part in 0..X::PARTS {
-                    let rows = M::regressor_cop(&X::load(&q, part));
-                    let readings = X::load(&cop, part);
-                    let mut sums = X::load(&right, part);
+                    let rows = M::regressor_cop(&X::columns(q, part));
+                    let readings = X::columns(cop, part);
                     for axis in 0..2 {
                         let reading = readings[axis] * weight[axis];
-                        let row = rows[axis].map(|y| y * weight[axis]);
-                        for (sum, y) in sums.iter_mut().zip(&row) {
-                            *sum = y.mul_add(reading, *sum);
+                        let line = 2 * block + axis;
+                        let (strips, rest) = rows[axis].as_chunks::<STRIP>();
+                        let (rights, right_rest) = right.as_chunks_mut::<STRIP>();
+                        for (k, (y, right)) in strips.iter().zip(rights).enumerate() {
+                            let place = panel.get_mut((k * PANEL + line) * STRIP..);
+                            if let Some(place) = place.and_then(|p| p.first_chunk_mut::<STRIP>()) {
+                                let y = y.map(|y| y * weight[axis]);
+                                X::store(&y, place, part);
+                                let mut sums = X::load(right, part);
+                                for (sum, y) in sums.iter_mut().zip(&y) {
+                                    *sum = y.mul_add(reading, *sum);
+                                }
+                                X::store(&sums, right, part);
+                            }
                         }
-                        X::store(&row, &mut lines[axis], part);
+                        let place =
+                            panel.get_mut(strips.len() * PANEL * STRIP + line * rest.len()..);
+                        let places = place.unwrap_or(&mut []).iter_mut();
+                        for ((y, place), right) in rest.iter().zip(places).zip(right_rest) {
+                            let y = *y * weight[axis];
+                            X::store(&[y], core::slice::from_mut(place), part);
+                            let [sum] = X::load(&[*right], part);
+                            let sum = y.mul_add(reading, sum);
+                            X::store(&[sum], core::slice::from_mut(right), part);
+                        }
                     }
-                    X::store(&sums, &mut right, part);
                 }
             }
-            tiles::<X, BASE>(&panel[..2 * q.len()], &mut gram);
+            tiles::<X, BASE>(panel, 2 * q.len(), &mut gram);
         }
         for (line, lanes) in self.sums.gram.iter_mut().zip(&gram) {
             for (sum, lanes) in line.iter_mut().zip(lanes) {
@@ -130,12 +148,10 @@ where
         let (q, _) = self.data.q.as_chunks::<LANES>();
         let (cop, _) = self.data.cop.as_chunks::<LANES>();
         for (q, cop) in q.iter().zip(cop) {
-            let (q, cop): ([F64x8; DOF], [F64x8; 2]) = (pack(q), pack(cop));
             for part in 0..X::PARTS {
-                let rows = M::regressor_cop(&X::load(&q, part));
-                let readings = X::load(&cop, part);
+                let rows = M::regressor_cop(&X::columns(q, part));
+                let readings = X::columns(cop, part);
                 let [mut squares] = X::load(&square, part);
-                let mut sums = X::load(&right, part);
                 for axis in 0..2 {
                     // Four sums, of which none waits for another.
                     let mut foretold = [X::splat(0.0); 4];
@@ -145,12 +161,13 @@ where
                     let [a, b, c, d] = foretold;
                     let e = (readings[axis] - ((a + b) + (c + d))) * weight[axis];
                     let weighed = e * weight[axis];
-                    for (sum, y) in sums.iter_mut().zip(&rows[axis]) {
-                        *sum = y.mul_add(weighed, *sum);
+                    for (right, y) in right.iter_mut().zip(&rows[axis]) {
+                        let [sum] = X::load(&[*right], part);
+                        let sum = y.mul_add(weighed, sum);
+                        X::store(&[sum], core::slice::from_mut(right), part);
                     }
                     squares = e.mul_add(e, squares);
                 }
-                X::store(&sums, &mut right, part);
                 X::store(&[squares], &mut square, part);
             }
         }
@@ -167,51 +184,56 @@ fn total(lanes: &F64x8) -> f64 {
     ((a + b) + (c + d)) + ((e + f) + (g + h))
 }
 
-/// `gram += panelᵀ panel` in its lower triangle.
+/// `gram += panelᵀ panel` in its lower triangle, over the first `rows` of every strip.
 #[inline(always)]
-fn tiles<X: Machine<f64>, const N: usize>(panel: &[[F64x8; N]], gram: &mut [[F64x8; N]; N]) {
-    let whole = N - N % TILE;
-    for i in (0..whole).step_by(TILE) {
-        for j in (0..=i).step_by(TILE) {
-            tile::<X, N, TILE, TILE>(panel, gram, i, j);
+fn tiles<X: Machine<f64>, const N: usize>(
+    panel: &[F64x8],
+    rows: usize,
+    gram: &mut [[F64x8; N]; N],
+) {
+    let strips = N.div_ceil(STRIP);
+    for first in (0..strips).step_by(2) {
+        for j in 0..strips.min(first + 2) {
+            for i in first.max(j)..strips.min(first + 2) {
+                let (a, b) = (strip(panel, i, N), strip(panel, j, N));
+                let at = (i * STRIP, j * STRIP);
+                // Only the last strip is narrower.
+                match ((N - at.0).min(STRIP), i == j) {
+                    (1, true) => tile::<X, N, 1, 1>(a, b, rows, gram, at),
+                    (2, true) => tile::<X, N, 2, 2>(a, b, rows, gram, at),
+                    (3, true) => tile::<X, N, 3, 3>(a, b, rows, gram, at),
+                    (4, true) => tile::<X, N, 4, 4>(a, b, rows, gram, at),
+                    (1, false) => tile::<X, N, 1, STRIP>(a, b, rows, gram, at),
+                    (2, false) => tile::<X, N, 2, STRIP>(a, b, rows, gram, at),
+                    (3, false) => tile::<X, N, 3, STRIP>(a, b, rows, gram, at),
+                    (4, false) => tile::<X, N, 4, STRIP>(a, b, rows, gram, at),
+                    _ => tile::<X, N, STRIP, STRIP>(a, b, rows, gram, at),
+                }
+            }
         }
-    }
-    // The last lines are fewer than a tile has.
-    for j in (0..whole).step_by(TILE) {
-        match N % TILE {
-            1 => tile::<X, N, 1, TILE>(panel, gram, whole, j),
-            2 => tile::<X, N, 2, TILE>(panel, gram, whole, j),
-            3 => tile::<X, N, 3, TILE>(panel, gram, whole, j),
-            4 => tile::<X, N, 4, TILE>(panel, gram, whole, j),
-            _ => (),
-        }
-    }
-    match N % TILE {
-        1 => tile::<X, N, 1, 1>(panel, gram, whole, whole),
-        2 => tile::<X, N, 2, 2>(panel, gram, whole, whole),
-        3 => tile::<X, N, 3, 3>(panel, gram, whole, whole),
-        4 => tile::<X, N, 4, 4>(panel, gram, whole, whole),
-        _ => (),
     }
 }
 
-/// Lines `i`, columns `j` onwards, A × B of them.
+/// Columns of strip k, line after line.
+#[inline(always)]
+fn strip(panel: &[F64x8], k: usize, columns: usize) -> &[F64x8] {
+    let end = ((k + 1) * STRIP).min(columns);
+    panel.get(k * STRIP * PANEL..end * PANEL).unwrap_or(&[])
+}
+
+/// A × B sums, from line and column `at` on.
 #[inline(always)]
 fn tile<X: Machine<f64>, const N: usize, const A: usize, const B: usize>(
-    panel: &[[F64x8; N]],
+    a: &[F64x8],
+    b: &[F64x8],
+    rows: usize,
     gram: &mut [[F64x8; N]; N],
-    i: usize,
-    j: usize,
+    at: (usize, usize),
 ) {
     for part in 0..X::PARTS {
         let mut sums = [[X::splat(0.0); B]; A];
-        for row in panel {
-            let (Some(a), Some(b)) = (
-                row.get(i..).and_then(|row| row.first_chunk::<A>()),
-                row.get(j..).and_then(|row| row.first_chunk::<B>()),
-            ) else {
-                return;
-            };
+        let (a, b) = (a.as_chunks::<A>().0, b.as_chunks::<B>().0);
+        for (a, b) in a.iter().zip(b).take(rows) {
             let (a, b) = (X::load(a, part), X::load(b, part));
             for (sums, a) in sums.iter_mut().zip(&a) {
                 for (sum, b) in sums.iter_mut().zip(&b) {
@@ -219,11 +241,11 @@ fn tile<X: Machine<f64>, const N: usize, const A: usize, const B: usize>(
                 }
             }
         }
-        for (line, sums) in gram.iter_mut().skip(i).zip(&sums) {
-            if let Some(line) = line
-                .get_mut(j..)
-                .and_then(|line| line.first_chunk_mut::<B>())
-            {
+        for (line, sums) in gram.iter_mut().skip(at.0).zip(&sums) {
+            let line = line
+                .get_mut(at.1..)
+                .and_then(|line| line.first_chunk_mut::<B>());
+            if let Some(line) = line {
                 let mut before = X::load(line, part);
                 for (before, sum) in before.iter_mut().zip(sums) {
                     *before = *before + *sum;

@@ -4,8 +4,8 @@ use core::arch::x86_64::*;
 
 use super::fused::{FusedF32, FusedF64};
 use super::{machine, register};
-use crate::simd::sealed::Task;
-use crate::{power, trig};
+use crate::simd::sealed::{Machine, Task};
+use crate::{pack, power, trig};
 
 /// The set.
 pub struct Avx2;
@@ -74,11 +74,23 @@ fn sin_cos_f32<const N: usize>(angles: &[f32; N], sin: &mut [f32; N], cos: &mut 
     }
 }
 
+#[inline(always)]
+fn columns_f64<const N: usize>(rows: &[[f64; N]; 8], part: usize) -> [F64x4; N] {
+    <Avx2 as Machine<f64>>::load(&pack(rows), part)
+}
+
+#[inline(always)]
+fn columns_f32<const N: usize>(rows: &[[f32; N]; 16], part: usize) -> [F32x8; N] {
+    <Avx2 as Machine<f32>>::load(&pack(rows), part)
+}
+
 machine! {
     Avx2: F64x4, 4 of f64, 8 a block, FusedF64;
+    columns columns_f64;
     sin_cos sin_cos_f64;
 }
 machine! {
     Avx2: F32x8, 8 of f32, 16 a block, FusedF32;
+    columns columns_f32;
     sin_cos sin_cos_f32;
 }

@@ -16,8 +16,8 @@ use core::arch::x86_64::*;
 
 use super::fused::{FusedF32, FusedF64};
 use super::{machine, register};
-use crate::simd::sealed::Task;
-use crate::{power, trig};
+use crate::simd::sealed::{Machine, Task};
+use crate::{pack, power, trig};
 
 /// The set.
 pub struct Avx512;
@@ -114,12 +114,64 @@ each!(
     sin_cos_f32
 );
 
+#[inline(always)]
+fn columns_f32<const N: usize>(rows: &[[f32; N]; 16], part: usize) -> [F32x16; N] {
+    <Avx512 as Machine<f32>>::load(&pack(rows), part)
+}
+
+/// Squares of 8 × 8 transposed in registers: through memory the stores of single numbers
+/// would hold up the loads of whole lines.
+#[inline(always)]
+fn columns_f64<const N: usize>(rows: &[[f64; N]; 8], _: usize) -> [F64x8; N] {
+    let mut columns = [F64x8::splat(0.0); N];
+    for start in (0..N).step_by(8) {
+        let mask = __mmask8::MAX >> (8 - (N - start).min(8));
+        // SAFETY: see the head of `super`; the mask ends with the row.
+        let square = unsafe {
+            transposed(core::array::from_fn(|k| {
+                _mm512_maskz_loadu_pd(mask, rows[k].as_ptr().add(start))
+            }))
+        };
+        for (column, line) in columns.iter_mut().skip(start).zip(square) {
+            *column = F64x8(line);
+        }
+    }
+    columns
+}
+
+/// # Safety
+/// The processor must have AVX-512 F.
+#[inline(always)]
+unsafe fn transposed(r: [__m512d; 8]) -> [__m512d; 8] {
+    // Columns 0 and 4, 2 and 6 of four pairs of rows.
+    #[inline(always)]
+    unsafe fn four(pairs: [__m512d; 4]) -> [__m512d; 4] {
+        unsafe {
+            let even = |a, b| _mm512_shuffle_f64x2::<0x88>(a, b);
+            let odd = |a, b| _mm512_shuffle_f64x2::<0xDD>(a, b);
+            let [a, b, c, d] = pairs;
+            let (ab, cd) = (even(a, b), even(c, d));
+            let (ba, dc) = (odd(a, b), odd(c, d));
+            [even(ab, cd), even(ba, dc), odd(ab, cd), odd(ba, dc)]
+        }
+    }
+    unsafe {
+        let low = core::array::from_fn(|k| _mm512_unpacklo_pd(r[2 * k], r[2 * k + 1]));
+        let high = core::array::from_fn(|k| _mm512_unpackhi_pd(r[2 * k], r[2 * k + 1]));
+        let [c0, c2, c4, c6] = four(low);
+        let [c1, c3, c5, c7] = four(high);
+        [c0, c1, c2, c3, c4, c5, c6, c7]
+    }
+}
+
 machine! {
     Avx512: F64x8, 8 of f64, 8 a block, FusedF64;
+    columns columns_f64;
     sin_cos each_f64;
 }
 machine! {
     Avx512: F32x16, 16 of f32, 16 a block, FusedF32;
+    columns columns_f32;
     sin_cos each_f32;
 }
 

@@ -147,7 +147,8 @@ macro_rules! machine {
     (
         $set:ident: $vector:ident, $lanes:literal of $scalar:ty, $count:literal a block,
         $one:ty;
-        sin_cos $sin_cos:expr;
+        columns $columns:path;
+        sin_cos $sin_cos:path;
     ) => {
         impl crate::simd::sealed::Machine<$scalar> for $set {
             type Vector = $vector;
@@ -168,6 +169,14 @@ macro_rules! machine {
                     let (values, _) = blocks[k].0[part * $lanes..].as_chunks();
                     $vector::of(&values[0])
                 })
+            }
+
+            #[inline(always)]
+            fn columns<const N: usize>(rows: &[[$scalar; N]], part: usize) -> [$vector; N] {
+                match rows.first_chunk() {
+                    Some(rows) => $columns(rows, part),
+                    None => [<$vector>::splat(0.0); N],
+                }
             }
 
             #[inline(always)]
