@@ -10,7 +10,7 @@ use crate::Error;
 use crate::demo::{self, Demo};
 use crate::output;
 use crate::report::html;
-use crate::report::table::Table;
+use crate::report::table::{Table, wrapped};
 
 /// The seed paper's simulation end to end on the embedded OP2, with a report
 #[derive(Args)]
@@ -155,24 +155,5 @@ fn second_act(demo: &Demo) -> String {
         mm(hidden.before),
         hidden.lines
     );
-    out
-}
-
-/// Lines of at most a hundred characters, `indent` before all but the first.
-fn wrapped(text: &str, indent: &str) -> String {
-    let mut out = String::new();
-    let mut length = 0;
-    for word in text.split_whitespace() {
-        let count = word.chars().count();
-        if length > 0 && length + 1 + count > 97 {
-            out.push_str(&format!("\n{indent}"));
-            length = 0;
-        } else if length > 0 {
-            out.push(' ');
-            length += 1;
-        }
-        out.push_str(word);
-        length += count;
-    }
     out
 }

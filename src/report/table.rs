@@ -128,6 +128,25 @@ pub fn mm(metres: f64) -> String {
     }
 }
 
+/// Lines of at most a hundred characters, `indent` before all but the first.
+pub fn wrapped(text: &str, indent: &str) -> String {
+    let mut out = String::new();
+    let mut length = 0;
+    for word in text.split_whitespace() {
+        let count = word.chars().count();
+        if length > 0 && length + 1 + count > 97 {
+            out.push_str(&format!("\n{indent}"));
+            length = 0;
+        } else if length > 0 {
+            out.push(' ');
+            length += 1;
+        }
+        out.push_str(word);
+        length += count;
+    }
+    out
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

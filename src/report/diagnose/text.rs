@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::{count, noise_source, parameters};
 use crate::diagnose::diagnosis::{Diagnosis, Verdict};
-use crate::report::table::{Table, mm};
+use crate::report::table::{Table, mm, wrapped};
 
 /// Explanations and poses in a row, at most.
 const LISTED: usize = 8;
@@ -20,7 +20,7 @@ pub struct Asked {
 
 /// The sentence, and what it stands on.
 pub fn text(found: &Diagnosis, asked: Asked) -> String {
-    let mut out = format!("{}\n", found.sentence);
+    let mut out = format!("{}\n", wrapped(&found.sentence, ""));
     if !found.steps.is_empty() {
         let _ = write!(out, "\n{}", steps(found));
     }
