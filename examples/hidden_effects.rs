@@ -69,8 +69,16 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let sesc = match arguments.sesc {
         Some(sesc) => sesc,
         // target/release/examples/hidden_effects
-        None => std::env::current_exe()?.with_file_name("../sesc"),
+        None => {
+            let here = std::env::current_exe()?;
+            let release = here.parent().and_then(|folder| folder.parent());
+            release.ok_or("no folder above this one")?.join("sesc")
+        }
     };
+    if !sesc.is_file() {
+        let build = "cargo build --release builds it, --sesc PATH names another";
+        return Err(format!("no sesc at {}; {build}", sesc.display()).into());
+    }
     let diagnoser = Diagnoser { sesc };
     let scratch = tempfile::tempdir()?;
     let folder = arguments.keep.unwrap_or_else(|| scratch.path().to_owned());
