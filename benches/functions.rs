@@ -55,7 +55,10 @@ fn generic(group: &mut BenchmarkGroup<WallTime>, function: Function, setup: &Set
         });
     });
     let tape = Evaluator::new(&setup.model, function).fastest();
-    group.bench_function("tape", |b| b.iter(|| black_box(tape.run(q, BATCH))));
+    let mut out = vec![0.0; BATCH * tape.width()];
+    group.bench_function("tape", |b| {
+        b.iter(|| tape.run_into(black_box(q), BATCH, black_box(&mut out)));
+    });
 }
 
 /// Generated code of one robot; `r` marks functions that take parameters.

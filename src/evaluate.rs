@@ -74,6 +74,15 @@ impl Evaluator {
     /// Evaluate `postures` postures, `q[posture * dof + joint]`, row by row.
     pub fn run(&self, q: &[f64], postures: usize) -> Vec<f64> {
         let mut out = vec![0.0; postures * self.width()];
+        self.run_into(q, postures, &mut out);
+        out
+    }
+
+    /// The same into memory that is there: new pages cost more than wide rows do.
+    ///
+    /// # Panics
+    /// Where `q` or `out` is too short.
+    pub fn run_into(&self, q: &[f64], postures: usize, out: &mut [f64]) {
         let q = &q[..postures * self.slides.len()];
         let (sin, cos) = match self.given {
             Given::Positions => (Vec::new(), Vec::new()),
@@ -84,8 +93,7 @@ impl Evaluator {
             Given::SinesCosines => vec![Argument::PerPosture(&sin), Argument::PerPosture(&cos)],
         };
         arguments.extend(self.params.as_deref().map(Argument::Shared));
-        self.tape.run(&arguments, postures, &mut out, self.kernels);
-        out
+        self.tape.run(&arguments, postures, out, self.kernels);
     }
 
     /// What `_sc` functions take: sines (positions of slides) and cosines.

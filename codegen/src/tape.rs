@@ -11,6 +11,9 @@ use crate::program::{Program, operands};
 /// Postures evaluated together.
 pub const BLOCK: usize = 64;
 
+/// Numbers in a line of the cache.
+const LINE: usize = 8;
+
 /// One register: the value of a node for every posture of a block.
 pub type Lane = [f64; BLOCK];
 
@@ -204,16 +207,17 @@ impl Tape {
             out.len() >= postures * self.outputs.len(),
             "room for every output"
         );
+        let uniform = |source: &Source| match *source {
+            Source::Const(x) => Some(x),
+            Source::Input { array, index } => match arguments[array] {
+                Argument::Shared(values) => Some(values[index]),
+                Argument::PerPosture(_) => None,
+            },
+        };
+        let uniform: Vec<Option<f64>> = self.sources.iter().map(uniform).collect();
         let mut registers = vec![[0.0; BLOCK]; self.registers];
-        for (register, source) in registers.iter_mut().zip(&self.sources) {
-            match *source {
-                Source::Const(x) => register.fill(x),
-                Source::Input { array, index } => {
-                    if let Argument::Shared(values) = arguments[array] {
-                        register.fill(values[index]);
-                    }
-                }
-            }
+        for (register, value) in registers.iter_mut().zip(&uniform) {
+            register.fill(value.unwrap_or(0.0));
         }
         for start in (0..postures).step_by(BLOCK) {
             let n = BLOCK.min(postures - start);
@@ -228,11 +232,23 @@ impl Tape {
                     }
                 }
             }
-            widest(&self.steps, &mut registers, kernels);
+            widest(&self.steps, &mut registers, &uniform, kernels);
             let out = &mut out[start * self.outputs.len()..];
-            for (k, &register) in self.outputs.iter().enumerate() {
-                let column = out[k..].iter_mut().step_by(self.outputs.len());
-                for (to, value) in column.zip(&registers[register][..n]) {
+            // A line of the cache at a time.
+            let (lines, rest) = self.outputs.as_chunks::<LINE>();
+            let width = self.outputs.len();
+            for (k, line) in lines.iter().enumerate() {
+                let columns = line.map(|register| &registers[register]);
+                let rows = out[k * LINE..].chunks_mut(width);
+                for (lane, row) in rows.take(n).enumerate() {
+                    if let Some(row) = row.first_chunk_mut::<LINE>() {
+                        *row = columns.map(|column| column[lane % BLOCK]);
+                    }
+                }
+            }
+            for (k, register) in (lines.len() * LINE..).zip(rest) {
+                let column = out[k..].iter_mut().step_by(width);
+                for (to, value) in column.zip(&registers[*register][..n]) {
                     *to = *value;
                 }
             }
@@ -243,41 +259,48 @@ impl Tape {
 /// All steps on one block, in the widest registers there are. No step fuses a product with
 /// a sum, so that all sets of instructions give the same bits.
 #[allow(unsafe_code)]
-fn widest(steps: &[Instruction], registers: &mut [Lane], kernels: Kernels) {
+fn widest(
+    steps: &[Instruction],
+    registers: &mut [Lane],
+    uniform: &[Option<f64>],
+    kernels: Kernels,
+) {
     #[cfg(target_arch = "x86_64")]
     {
         #[target_feature(enable = "avx512f,avx512vl,avx512dq")]
-        fn avx512(steps: &[Instruction], registers: &mut [Lane], kernels: Kernels) {
-            run(steps, registers, kernels);
+        fn avx512(s: &[Instruction], registers: &mut [Lane], u: &[Option<f64>], k: Kernels) {
+            run(s, registers, u, k);
         }
         #[target_feature(enable = "avx2")]
-        fn avx2(steps: &[Instruction], registers: &mut [Lane], kernels: Kernels) {
-            run(steps, registers, kernels);
+        fn avx2(s: &[Instruction], registers: &mut [Lane], u: &[Option<f64>], k: Kernels) {
+            run(s, registers, u, k);
         }
         use std::arch::is_x86_feature_detected as has;
         if has!("avx512f") && has!("avx512vl") && has!("avx512dq") {
             // SAFETY: the processor has what the function is compiled for.
-            return unsafe { avx512(steps, registers, kernels) };
+            return unsafe { avx512(steps, registers, uniform, kernels) };
         }
         if has!("avx2") {
             // SAFETY: likewise.
-            return unsafe { avx2(steps, registers, kernels) };
+            return unsafe { avx2(steps, registers, uniform, kernels) };
         }
     }
-    run(steps, registers, kernels);
+    run(steps, registers, uniform, kernels);
 }
 
 #[inline(always)]
-fn run(steps: &[Instruction], registers: &mut [Lane], kernels: Kernels) {
+fn run(steps: &[Instruction], registers: &mut [Lane], uniform: &[Option<f64>], kernels: Kernels) {
     for instruction in steps {
         let to = instruction.to;
         match instruction.step {
-            Step::Add(a, b) => binary(registers, to, a, b, |x, y| x + y),
-            Step::Sub(a, b) => binary(registers, to, a, b, |x, y| x - y),
-            Step::Mul(a, b) => binary(registers, to, a, b, |x, y| x * y),
-            Step::Div(a, b) => binary(registers, to, a, b, |x, y| x / y),
-            Step::Neg(a) => binary(registers, to, a, a, |x, _| -x),
-            Step::Clamp(a) => binary(registers, to, a, a, |x, _| x.clamp(-1.0, 1.0)),
+            Step::Add(a, b) => binary(registers, uniform, to, a, b, |x, y| x + y),
+            Step::Sub(a, b) => binary(registers, uniform, to, a, b, |x, y| x - y),
+            Step::Mul(a, b) => binary(registers, uniform, to, a, b, |x, y| x * y),
+            Step::Div(a, b) => binary(registers, uniform, to, a, b, |x, y| x / y),
+            Step::Neg(a) => binary(registers, uniform, to, a, a, |x, _| -x),
+            Step::Clamp(a) => {
+                binary(registers, uniform, to, a, a, |x, _| x.clamp(-1.0, 1.0));
+            }
             Step::Pow(a, b) => {
                 let (base, exponent) = (registers[a], registers[b]);
                 (kernels.power)(&base, &exponent, &mut registers[to]);
@@ -291,19 +314,43 @@ fn run(steps: &[Instruction], registers: &mut [Lane], kernels: Kernels) {
     }
 }
 
+/// What all postures share stays in a register of the processor.
 #[inline(always)]
-fn binary(registers: &mut [Lane], to: usize, a: usize, b: usize, f: impl Fn(f64, f64) -> f64) {
-    if a == b {
-        let pair = registers.get_disjoint_mut([to, a]);
-        let [to, x] = pair.expect("a destination of its own");
-        for (z, x) in to.iter_mut().zip(&*x) {
-            *z = f(*x, *x);
+fn binary(
+    registers: &mut [Lane],
+    uniform: &[Option<f64>],
+    to: usize,
+    a: usize,
+    b: usize,
+    f: impl Fn(f64, f64) -> f64,
+) {
+    const APART: &str = "a destination of its own";
+    let shared = |k: usize| uniform.get(k).copied().flatten();
+    match (shared(a), shared(b)) {
+        (Some(x), Some(y)) => registers[to].fill(f(x, y)),
+        (Some(x), None) => {
+            let [to, y] = registers.get_disjoint_mut([to, b]).expect(APART);
+            for (z, y) in to.iter_mut().zip(&*y) {
+                *z = f(x, *y);
+            }
         }
-    } else {
-        let three = registers.get_disjoint_mut([to, a, b]);
-        let [to, x, y] = three.expect("a destination of its own");
-        for ((z, x), y) in to.iter_mut().zip(&*x).zip(&*y) {
-            *z = f(*x, *y);
+        (None, Some(y)) => {
+            let [to, x] = registers.get_disjoint_mut([to, a]).expect(APART);
+            for (z, x) in to.iter_mut().zip(&*x) {
+                *z = f(*x, y);
+            }
+        }
+        (None, None) if a == b => {
+            let [to, x] = registers.get_disjoint_mut([to, a]).expect(APART);
+            for (z, x) in to.iter_mut().zip(&*x) {
+                *z = f(*x, *x);
+            }
+        }
+        (None, None) => {
+            let [to, x, y] = registers.get_disjoint_mut([to, a, b]).expect(APART);
+            for ((z, x), y) in to.iter_mut().zip(&*x).zip(&*y) {
+                *z = f(*x, *y);
+            }
         }
     }
 }

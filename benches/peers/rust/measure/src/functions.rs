@@ -131,12 +131,14 @@ pub fn measure(
 ) -> Result<Vec<Found>, String> {
     let width = width(function);
     let tape = ours::tape(function);
+    let mut out = vec![0.0; width * POSTURES];
     let mut entries = vec![match mode {
         Mode::One => one("ours", ours::one(function), &range.q, width),
         Mode::BatchF64 => blocks(ours::batch_f64(function, &range.q)),
         Mode::BatchF32 => blocks(ours::batch_f32(function, &range.q32)),
         Mode::Tape => Entry::new("ours", || {
-            black_box(tape(&range.q));
+            tape(&range.q, &mut out);
+            black_box(&mut out);
         }),
     }];
     ours_agrees(range, function, mode)?;
@@ -222,7 +224,11 @@ fn ours_agrees(range: &Range, function: Function, mode: Mode) -> Result<(), Stri
         Mode::One => (single.clone(), AGREE_F64),
         Mode::BatchF64 => (answers(ours::batch_f64(function, &range.q)), AGREE_F64),
         Mode::BatchF32 => (answers(ours::batch_f32(function, &range.q32)), AGREE_F32),
-        Mode::Tape => (ours::tape(function)(&range.q), AGREE_F64),
+        Mode::Tape => {
+            let mut out = vec![0.0; width * POSTURES];
+            ours::tape(function)(&range.q, &mut out);
+            (out, AGREE_F64)
+        }
     };
     let params = match function {
         Function::RegressorFull => Some((3, ours::full_params())),

@@ -94,9 +94,9 @@ pub fn batch_f32(function: Function, q: &[f32]) -> Box<dyn Batches> {
 }
 
 /// The tape: from a URDF at run time, without a compiler.
-pub fn tape(function: Function) -> impl Fn(&[f64]) -> Vec<f64> {
+pub fn tape(function: Function) -> impl Fn(&[f64], &mut [f64]) {
     let evaluator = Evaluator::new(&model(), function).fastest();
-    move |q| evaluator.run(q, q.len() / DOF)
+    move |q, out| evaluator.run_into(q, q.len() / DOF, out)
 }
 
 pub fn robot() -> Robot {
