@@ -186,7 +186,7 @@ const TABLE: [f64; 20] = {
 };
 
 /// π/8 in two pieces.
-const STEP: [f64; 2] = [0.392_699_081_698_724_14, 1.530_808_498_934_191_5e-17];
+const STEP: [f64; 2] = [core::f64::consts::FRAC_PI_8, 1.530_808_498_934_191_5e-17];
 
 /// 1.5 · 2^52: a sum with it is rounded to an integer, which its low bits show.
 const MAGIC: f64 = 6_755_399_441_055_744.0;
