@@ -14,6 +14,8 @@
 //!   struct has, so that a controller can be written for any robot;
 //! * [`Real`]: the scalars that these functions accept: `f64`, `f32`, and
 //!   [`Lanes`] of either, one posture per lane;
+//! * [`Batch`] and [`Single`]: the same functions at the speed of the machine, on the
+//!   widest registers that [`Simd`] finds;
 //! * [`trig`]: the sine and cosine behind [`Real::sin_cos`], free of branches
 //!   and tables, the same to the last bit on every machine and in every lane;
 //! * [`power`]: the powers behind [`Real::power`], by the same rules;
@@ -21,7 +23,8 @@
 //!   memory.
 //!
 //! No allocation, no dependency, no panic: it runs inside a control loop and on
-//! a microcontroller.
+//! a microcontroller. With the feature `std`, [`Simd`] asks the processor which
+//! instructions it has; without, it is what the crate is compiled for.
 //!
 //! ```
 //! use sesc_runtime::{F64x8, Lanes, Real};

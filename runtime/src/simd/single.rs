@@ -9,9 +9,9 @@ use crate::model::SescFromSinCos;
 /// The functions of [`Sesc`](crate::Sesc) for one posture.
 ///
 /// Sines and cosines are nine tenths of the work: here a register takes those of many
-/// joints at once, and products are fused with sums. For robots whose functions can be
-/// had from sines and cosines; a joint that slides, or is tied to another by a fraction,
-/// has none.
+/// joints at once, and products are fused with sums. For robots whose functions can be had
+/// from sines and cosines: all but those with joints tied to others by fractions, or with
+/// effects in their joints.
 ///
 /// ```
 /// use sesc_runtime::{Simd, Single, SescFromSinCos};
