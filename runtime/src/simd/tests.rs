@@ -238,6 +238,36 @@ fn single_postures_are_those_of_the_batch() {
     }
 }
 
+/// Whole registers, part of one, and none at all.
+#[test]
+fn any_number_of_angles() {
+    fn check<const N: usize>(simd: Simd) {
+        let angles: [f64; N] = core::array::from_fn(|k| 0.7 * k as f64 - 3.0);
+        let (mut sin, mut cos) = ([9.0; N], [9.0; N]);
+        simd.sin_cos(&angles, &mut sin, &mut cos);
+        let singles = angles.map(|x| x as f32);
+        let (mut sin_f32, mut cos_f32) = ([9.0; N], [9.0; N]);
+        simd.sin_cos(&singles, &mut sin_f32, &mut cos_f32);
+        for k in 0..N {
+            let (s, c) = trig::sin_cos(angles[k]);
+            assert!((sin[k] - s).abs() < 4e-16 && (cos[k] - c).abs() < 4e-16);
+            let (s, c) = trig::sin_cos(f64::from(singles[k]));
+            assert!((f64::from(sin_f32[k]) - s).abs() < 2e-7);
+            assert!((f64::from(cos_f32[k]) - c).abs() < 2e-7);
+        }
+    }
+    for simd in Simd::available() {
+        check::<0>(simd);
+        check::<1>(simd);
+        check::<7>(simd);
+        check::<8>(simd);
+        check::<15>(simd);
+        check::<16>(simd);
+        check::<20>(simd);
+        check::<33>(simd);
+    }
+}
+
 #[test]
 fn the_shorter_slice_counts() {
     let q = [[F64x8::splat(0.1), F64x8::splat(0.2)]; 3];

@@ -79,7 +79,8 @@ macro_rules! each {
             sin: &mut [$scalar; N],
             cos: &mut [$scalar; N],
         ) {
-            let mask = <$mask>::MAX >> ($lanes - N.min($lanes));
+            let beyond = $lanes - N.min($lanes);
+            let mask = <$mask>::MAX.checked_shr(beyond as u32).unwrap_or(0);
             for step in 0..N.div_ceil($lanes) {
                 // The last register ends with the arrays, and does some twice: what is
                 // stored under a mask cannot be loaded again at once.
