@@ -16,8 +16,8 @@ use sesc_runtime::{Batch, F32x16, F64x8, Simd, Single, pack};
 
 /// Postures evaluated together: their rows stay in the second cache.
 const BATCH: usize = 512;
-/// Postures of two threads, for whom fewer are not worth waking.
-const SHARED: usize = 16 * BATCH;
+/// Batches that each of two threads works through: waking one takes longer than a batch.
+const TURNS: usize = 64;
 
 struct Setup {
     model: Model,
@@ -32,7 +32,7 @@ impl Setup {
         let model = robot.model(support, Snapping::default(), None).unwrap();
         Setup {
             reference: robot.reference(support).unwrap(),
-            q: Simulator::new(&model.tree.dofs, None, 1).batch(SHARED),
+            q: Simulator::new(&model.tree.dofs, None, 1).batch(2 * BATCH),
             model,
         }
     }
@@ -100,8 +100,8 @@ macro_rules! robot {
                             black_box(function!(@scalar $r, $scalar, black_box(q)));
                         });
                     });
-                    let mut out = vec![{ let $z = zero; $start }; SHARED / 8];
-                    let mut out32 = vec![{ let $z = zero32; $start }; SHARED / 16];
+                    let mut out = vec![{ let $z = zero; $start }; 2 * BATCH / 8];
+                    let mut out32 = vec![{ let $z = zero32; $start }; 2 * BATCH / 16];
                     for simd in Simd::available() {
                         let set = simd.name();
                         group.bench_function(format!("one posture f64, {set}"), |b| {
@@ -118,15 +118,19 @@ macro_rules! robot {
                             b.iter(|| function!(@many $r, $batch, simd, black_box(q), r32, out));
                         });
                     }
-                    group.throughput(Throughput::Elements(SHARED as u64));
+                    group.throughput(Throughput::Elements((2 * TURNS * BATCH) as u64));
                     let simd = Simd::best();
                     group.bench_function("batch f64, two threads", |b| {
                         let (q, p) = eight.split_at(eight.len() / 2);
                         let (out, tuo) = out.split_at_mut(q.len());
                         b.iter(|| {
                             rayon::join(
-                                || function!(@many $r, $batch, simd, black_box(q), CAD_PARAMS, out),
-                                || function!(@many $r, $batch, simd, black_box(p), CAD_PARAMS, tuo),
+                                || for _ in 0..TURNS {
+                                    function!(@many $r, $batch, simd, black_box(q), CAD_PARAMS, out);
+                                },
+                                || for _ in 0..TURNS {
+                                    function!(@many $r, $batch, simd, black_box(p), CAD_PARAMS, tuo);
+                                },
                             )
                         });
                     });
