@@ -13,7 +13,7 @@ use sesc_codegen::effects::Stage;
 use sesc_codegen::urdf::{self, Load, Shift, Weight};
 use sesc_codegen::{EffectRecord, Model, ModelFile, Snapping};
 
-use super::diagnosis::Found;
+use super::findings::Found;
 use super::model_file::model_file;
 use super::problem::Problem;
 use crate::Error;

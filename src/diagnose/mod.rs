@@ -9,6 +9,7 @@ pub mod data;
 pub mod diagnosis;
 mod dictionary;
 pub mod experiment;
+pub mod findings;
 pub mod further;
 pub mod held_out;
 pub mod leftover;
@@ -26,4 +27,5 @@ pub mod view;
 mod wiring;
 pub mod words;
 
-pub use diagnosis::{About, Diagnosis, Found, Verdict, diagnose, diagnose_all};
+pub use diagnosis::{diagnose, diagnose_all};
+pub use findings::{About, Diagnosis, Found, Verdict};

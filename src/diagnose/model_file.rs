@@ -6,7 +6,7 @@ use nalgebra::DVector;
 use sesc_codegen::effects::Stage;
 use sesc_codegen::{DataUsed, EffectRecord, ModelFile, Quantity};
 
-use super::diagnosis::Found;
+use super::findings::Found;
 use super::problem::Problem;
 use super::words;
 

@@ -7,8 +7,8 @@ use serde::Serialize;
 use sesc_codegen::effects::{Circumstances, Setting};
 use sesc_codegen::{Model, Snapping};
 
-use super::diagnosis::Found;
 use super::experiment::{Experiment, Postures, Trial};
+use super::findings::Found;
 use super::problem::{Fit, Problem};
 use crate::Error;
 use crate::plan::balance::Region;

@@ -1,6 +1,7 @@
 //! The sentences that sum a diagnosis up.
 
-use super::diagnosis::{Found, Verdict, capital};
+use super::diagnosis::capital;
+use super::findings::{Found, Verdict};
 use super::problem::Problem;
 use super::words;
 

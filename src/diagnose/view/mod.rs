@@ -12,7 +12,7 @@ pub use spread::{EDGE, Region, Regions, Spread};
 pub use trends::{Middle, Point, Quantity, Trend};
 
 use super::data::rms;
-use super::diagnosis::Found;
+use super::findings::Found;
 use super::held_out;
 use super::problem::{Fit, Problem};
 use super::words;

@@ -9,7 +9,7 @@ pub use page::page;
 pub use text::{Asked, text};
 
 use crate::diagnose::data::NoiseSource;
-use crate::diagnose::diagnosis::Step;
+use crate::diagnose::findings::Step;
 use crate::diagnose::words::{Found, named};
 
 /// `width 0.93° ± 0.04°`, one entry per parameter.

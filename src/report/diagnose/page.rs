@@ -6,7 +6,7 @@ use minijinja::value::{Serde, Value};
 use minijinja::{Error, context};
 
 use super::{count, effect, noise_source, parameters};
-use crate::diagnose::diagnosis::{Diagnosis, Verdict};
+use crate::diagnose::findings::{Diagnosis, Verdict};
 use crate::diagnose::view::DiagnosisView;
 use crate::report::figures::diagnose as figures;
 use crate::report::html::{colors, environment};
@@ -97,7 +97,7 @@ fn verdict(verdict: Verdict) -> &'static str {
 }
 
 fn steps(found: &Diagnosis) -> Vec<Value> {
-    let row = |step: &crate::diagnose::diagnosis::Step| {
+    let row = |step: &crate::diagnose::findings::Step| {
         context! {
             effect => effect(step),
             target => &step.target,
@@ -112,7 +112,7 @@ fn steps(found: &Diagnosis) -> Vec<Value> {
 
 /// Each explanation with the odds against it, the best one's being even.
 fn class(found: &Diagnosis) -> Vec<Value> {
-    let row = |member: &crate::diagnose::diagnosis::Member| {
+    let row = |member: &crate::diagnose::findings::Member| {
         context! {
             effects => member.effects.join(" + "),
             sentence => &member.sentence,

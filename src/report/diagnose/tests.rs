@@ -6,7 +6,7 @@ use sesc_codegen::{Function, Model, Snapping};
 
 use super::{Asked, page, text};
 use crate::diagnose::data::{Data, Taking};
-use crate::diagnose::diagnosis::{Diagnosis, Member, Verdict};
+use crate::diagnose::findings::{Diagnosis, Member, Verdict};
 use crate::diagnose::next_postures::Proposal;
 use crate::diagnose::problem::Problem;
 use crate::diagnose::view::DiagnosisView;

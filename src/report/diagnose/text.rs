@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::{count, noise_source, parameters};
-use crate::diagnose::diagnosis::{Diagnosis, Verdict};
+use crate::diagnose::findings::{Diagnosis, Verdict};
 use crate::report::table::{Table, mm, wrapped};
 
 /// Explanations and poses in a row, at most.
