@@ -3,7 +3,7 @@
 use core::arch::x86_64::*;
 
 use super::fused::{FusedF32, FusedF64};
-use super::{machine, register};
+use super::{align_stack, machine, register};
 use crate::simd::sealed::{Machine, Task};
 use crate::{pack, power, trig};
 
@@ -16,6 +16,7 @@ pub struct Avx2;
 /// The processor must have AVX2 and FMA.
 #[target_feature(enable = "avx2,fma")]
 pub unsafe fn double(task: impl Task<f64>) {
+    align_stack();
     task.run::<Avx2>();
 }
 
@@ -25,6 +26,7 @@ pub unsafe fn double(task: impl Task<f64>) {
 /// The processor must have AVX2 and FMA.
 #[target_feature(enable = "avx2,fma")]
 pub unsafe fn single(task: impl Task<f32>) {
+    align_stack();
     task.run::<Avx2>();
 }
 

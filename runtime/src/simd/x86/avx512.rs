@@ -15,7 +15,7 @@
 use core::arch::x86_64::*;
 
 use super::fused::{FusedF32, FusedF64};
-use super::{machine, register};
+use super::{align_stack, machine, register};
 use crate::simd::sealed::{Machine, Task};
 use crate::{pack, power, trig};
 
@@ -28,6 +28,7 @@ pub struct Avx512;
 /// The processor must have AVX-512 F, DQ and VL, and FMA.
 #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
 pub unsafe fn double(task: impl Task<f64>) {
+    align_stack();
     task.run::<Avx512>();
 }
 
@@ -37,6 +38,7 @@ pub unsafe fn double(task: impl Task<f64>) {
 /// The processor must have AVX-512 F, DQ and VL, and FMA.
 #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
 pub unsafe fn single(task: impl Task<f32>) {
+    align_stack();
     task.run::<Avx512>();
 }
 

@@ -39,6 +39,18 @@ pub(super) fn has_avx512() -> bool {
         ))
 }
 
+/// Lets the caller's stack begin at a cache line.
+///
+/// The compiler saves registers on the stack wherever it happens to begin, 16 bytes after
+/// a multiple of 64 as often as not, unless a local asks for more: then every register of
+/// 512 bits that is saved straddles two cache lines, and a Jacobian takes a third longer.
+#[inline(always)]
+fn align_stack() {
+    #[repr(align(64))]
+    struct Line(#[allow(dead_code)] u8);
+    core::hint::black_box(&mut Line(0));
+}
+
 /// A register as a [`Real`](crate::Real), from its instructions.
 macro_rules! register {
     (
