@@ -31,6 +31,16 @@ pub enum Twist {
     Reflection { u: Vector3<f64>, k: f64 },
 }
 
+impl Twist {
+    /// Whether it only changes the places and signs of coordinates.
+    pub(crate) fn is_permutation(&self) -> bool {
+        match self {
+            Twist::Sparse(k) => k.iter().all(|x| [0.0, 1.0].contains(&libm::fabs(*x))),
+            Twist::Reflection { .. } => false,
+        }
+    }
+}
+
 /// How a turning body sits on its parent, in canonical coordinates.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Turn {

@@ -9,27 +9,27 @@
  * scalar         f32 (float); double is never touched
  *
  * function                   mul     add   sin_cos   proven |rounding error|, m
- * com                         80      80        20   1.7e-6
+ * com                         80      80        20   1.8e-6
  * com_jacobian               335     200        20   1.6e-6
- * gravity_moments            165     118        20   1.6e-6
+ * gravity_moments            165     118        20   1.5e-6
  * regressor                  218     106        20   7.5e-6
  * regressor_cop              144      70        20   7.5e-6
  * regressor_full             230     112        20   7.5e-6
- * cop                         78      78        20   1.6e-6
- * com_sc                      88      84         0   1.4e-6
+ * cop                         78      78        20   1.7e-6
+ * com_sc                      88      84         0   1.5e-6
  * com_jacobian_sc            343     204         0   1.4e-6
  * gravity_moments_sc         173     122         0   1.3e-6
  * regressor_sc               226     110         0   5.8e-6
  * regressor_cop_sc           152      74         0   5.8e-6
  * regressor_full_sc          238     116         0   5.8e-6
- * cop_sc                      86      82         0   1.3e-6
- * com_ticks                   88      84         0   1.4e-6
+ * cop_sc                      86      82         0   1.4e-6
+ * com_ticks                   88      84         0   1.5e-6
  * com_jacobian_ticks         343     204         0   1.4e-6
  * gravity_moments_ticks      173     122         0   1.3e-6
  * regressor_ticks            226     110         0   5.8e-6
  * regressor_cop_ticks        152      74         0   5.8e-6
  * regressor_full_ticks       238     116         0   5.8e-6
- * cop_ticks                   86      82         0   1.3e-6
+ * cop_ticks                   86      82         0   1.4e-6
  * Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
  * parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
  * against exact evaluation with the same parameters.
@@ -66,7 +66,7 @@ extern const op2_r_sole_real op2_r_sole_param_limits[op2_r_sole_BASE_PARAMS];
 
 /**
  * @brief Centre of mass in the support frame, m: r_0 + sum of B_i(q) r_i.
- * Proven rounding error below 1.7e-6 m; arrays must not overlap.
+ * Proven rounding error below 1.8e-6 m; arrays must not overlap.
  * @param[in] q joint positions, rad (m for sliding joints), [op2_r_sole_DOF]
  * @param[in] r base parameters, m, [op2_r_sole_BASE_PARAMS]
  * @param[out] com the result, [3]
@@ -87,7 +87,7 @@ void op2_r_sole_com_jacobian(
 
 /**
  * @brief Moment of gravity about each joint, per kg of total mass times g, m: -d CoM_z / d q.
- * Proven rounding error below 1.6e-6 m; arrays must not overlap.
+ * Proven rounding error below 1.5e-6 m; arrays must not overlap.
  * @param[in] q joint positions, rad (m for sliding joints), [op2_r_sole_DOF]
  * @param[in] r base parameters, m, [op2_r_sole_BASE_PARAMS]
  * @param[out] moments the result, [op2_r_sole_DOF]
@@ -129,7 +129,7 @@ void op2_r_sole_regressor_full(
 
 /**
  * @brief Centre of pressure that a static posture shows on a level sole, m.
- * Proven rounding error below 1.6e-6 m; arrays must not overlap.
+ * Proven rounding error below 1.7e-6 m; arrays must not overlap.
  * @param[in] q joint positions, rad (m for sliding joints), [op2_r_sole_DOF]
  * @param[in] r base parameters, m, [op2_r_sole_BASE_PARAMS]
  * @param[out] cop the result, [2]
@@ -139,7 +139,7 @@ void op2_r_sole_cop(const op2_r_sole_real q[], const op2_r_sole_real r[], op2_r_
 /**
  * @brief Centre of mass in the support frame, m: r_0 + sum of B_i(q) r_i.
  * From sines and cosines; a sliding joint passes its position in sin_q.
- * Proven rounding error below 1.4e-6 m; arrays must not overlap.
+ * Proven rounding error below 1.5e-6 m; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [op2_r_sole_DOF]
  * @param[in] cos_q cosines of the joint angles, [op2_r_sole_DOF]
  * @param[in] r base parameters, m, [op2_r_sole_BASE_PARAMS]
@@ -223,7 +223,7 @@ void op2_r_sole_regressor_full_sc(
 /**
  * @brief Centre of pressure that a static posture shows on a level sole, m.
  * From sines and cosines; a sliding joint passes its position in sin_q.
- * Proven rounding error below 1.3e-6 m; arrays must not overlap.
+ * Proven rounding error below 1.4e-6 m; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [op2_r_sole_DOF]
  * @param[in] cos_q cosines of the joint angles, [op2_r_sole_DOF]
  * @param[in] r base parameters, m, [op2_r_sole_BASE_PARAMS]
@@ -237,7 +237,7 @@ void op2_r_sole_cop_sc(
 
 /**
  * @brief Centre of mass in the support frame, m: r_0 + sum of B_i(q) r_i.
- * Proven rounding error below 1.4e-6 m; arrays must not overlap.
+ * Proven rounding error below 1.5e-6 m; arrays must not overlap.
  * @param[in] ticks servo ticks, [op2_r_sole_DOF], within the joint limits
  * @param[in] r base parameters, m, [op2_r_sole_BASE_PARAMS]
  * @param[out] com the result, [3]
@@ -300,7 +300,7 @@ void op2_r_sole_regressor_full_ticks(
 
 /**
  * @brief Centre of pressure that a static posture shows on a level sole, m.
- * Proven rounding error below 1.3e-6 m; arrays must not overlap.
+ * Proven rounding error below 1.4e-6 m; arrays must not overlap.
  * @param[in] ticks servo ticks, [op2_r_sole_DOF], within the joint limits
  * @param[in] r base parameters, m, [op2_r_sole_BASE_PARAMS]
  * @param[out] cop the result, [2]

@@ -9,27 +9,27 @@
  * scalar         fixed32 (int32_t, binary points proven from ranges; no division)
  *
  * function                   mul     add   sin_cos   proven |rounding error|, m
- * com                         80      80        20   6.7e-8
- * com_jacobian               335     200        20   6.6e-8
- * gravity_moments            165     118        20   6.5e-8
+ * com                         80      80        20   6.3e-8
+ * com_jacobian               335     200        20   6.4e-8
+ * gravity_moments            165     118        20   6.2e-8
  * regressor                  218     106        20   1.4e-7
  * regressor_cop              144      70        20   1.4e-7
  * regressor_full             230     112        20   1.4e-7
- * cop                         78      78        20   6.5e-8
- * com_sc                      88      84         0   5.2e-8
- * com_jacobian_sc            343     204         0   5.1e-8
- * gravity_moments_sc         173     122         0   5.1e-8
+ * cop                         78      78        20   6.2e-8
+ * com_sc                      88      84         0   4.7e-8
+ * com_jacobian_sc            343     204         0   4.9e-8
+ * gravity_moments_sc         173     122         0   4.8e-8
  * regressor_sc               226     110         0   3.2e-8
  * regressor_cop_sc           152      74         0   3.2e-8
  * regressor_full_sc          238     116         0   3.2e-8
- * cop_sc                      86      82         0   5.1e-8
- * com_ticks                   88      84         0   5.2e-8
- * com_jacobian_ticks         343     204         0   5.1e-8
- * gravity_moments_ticks      173     122         0   5.1e-8
+ * cop_sc                      86      82         0   4.6e-8
+ * com_ticks                   88      84         0   4.7e-8
+ * com_jacobian_ticks         343     204         0   4.9e-8
+ * gravity_moments_ticks      173     122         0   4.8e-8
  * regressor_ticks            226     110         0   3.2e-8
  * regressor_cop_ticks        152      74         0   3.2e-8
  * regressor_full_ticks       238     116         0   3.2e-8
- * cop_ticks                   86      82         0   5.1e-8
+ * cop_ticks                   86      82         0   4.6e-8
  * Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
  * parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
  * against exact evaluation with the same parameters.
@@ -360,156 +360,128 @@ void op2_r_sole_fixed_com(
     int32_t s_r_el;
     int32_t c_r_el;
     op2_r_sole_fixed_sincos(q[19], 29u, &s_r_el, &c_r_el);
-    const int32_t t_r_el_x = op2_r_sole_fixed_narrow(((int64_t)c_r_el * r[41]) - ((int64_t)s_r_el * r[42]), 30u);
     /* r_sho_roll */
-    const int32_t v_r_sho_roll_y = r[40] + t_r_el_x;
+    const int32_t v_r_sho_roll_y = op2_r_sole_fixed_narrow((((int64_t)r[40]) * INT64_C(1073741824)) + ((int64_t)c_r_el * r[41]) - ((int64_t)s_r_el * r[42]), 30u);
     const int32_t e1 = q[18] + 421657428;
     int32_t s_r_sho_roll;
     int32_t c_r_sho_roll;
     op2_r_sole_fixed_sincos(e1, 29u, &s_r_sho_roll, &c_r_sho_roll);
-    const int32_t t_r_sho_roll_x = op2_r_sole_fixed_narrow(((int64_t)c_r_sho_roll * v_r_sho_roll_y) - ((int64_t)s_r_sho_roll * r[39]), 30u);
-    const int32_t t_r_sho_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_r_sho_roll * r[39]) + ((int64_t)s_r_sho_roll * v_r_sho_roll_y), 30u);
     /* r_sho_pitch */
     const int32_t v_r_sho_pitch_x = op2_r_sole_fixed_narrow((((int64_t)r[37]) * INT64_C(1073741824)) - ((int64_t)s_r_el * r[41]) - ((int64_t)c_r_el * r[42]), 30u);
-    const int32_t v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
+    const int32_t v_r_sho_pitch_y = op2_r_sole_fixed_narrow((((int64_t)r[38]) * INT64_C(1073741824)) - ((int64_t)s_r_sho_roll * r[39]) + ((int64_t)c_r_sho_roll * v_r_sho_roll_y), 30u);
+    const int32_t v_r_sho_pitch_z = op2_r_sole_fixed_narrow(((int64_t)c_r_sho_roll * r[39]) + ((int64_t)s_r_sho_roll * v_r_sho_roll_y), 30u);
     int32_t s_r_sho_pitch;
     int32_t c_r_sho_pitch;
     op2_r_sole_fixed_sincos(q[17], 29u, &s_r_sho_pitch, &c_r_sho_pitch);
-    const int32_t t_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)c_r_sho_pitch * v_r_sho_pitch_x) - ((int64_t)s_r_sho_pitch * v_r_sho_pitch_y), 30u);
-    const int32_t t_r_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)s_r_sho_pitch * v_r_sho_pitch_x) + ((int64_t)c_r_sho_pitch * v_r_sho_pitch_y), 30u);
     /* l_el */
     int32_t s_l_el;
     int32_t c_l_el;
     op2_r_sole_fixed_sincos(q[10], 29u, &s_l_el, &c_l_el);
-    const int32_t t_l_el_x = op2_r_sole_fixed_narrow(((int64_t)c_l_el * r[35]) + ((int64_t)s_l_el * r[36]), 30u);
-    const int32_t t_l_el_y = op2_r_sole_fixed_narrow(((int64_t)s_l_el * r[35]) - ((int64_t)c_l_el * r[36]), 30u);
     /* l_sho_roll */
-    const int32_t v_l_sho_roll_y = r[34] + t_l_el_x;
+    const int32_t v_l_sho_roll_y = op2_r_sole_fixed_narrow((((int64_t)r[34]) * INT64_C(1073741824)) + ((int64_t)c_l_el * r[35]) + ((int64_t)s_l_el * r[36]), 30u);
+    const int32_t v_l_sho_roll_z = op2_r_sole_fixed_narrow(((int64_t)s_l_el * r[35]) - ((int64_t)c_l_el * r[36]), 30u);
     const int32_t e2 = q[9] - 421657428;
     int32_t s_l_sho_roll;
     int32_t c_l_sho_roll;
     op2_r_sole_fixed_sincos(e2, 29u, &s_l_sho_roll, &c_l_sho_roll);
-    const int32_t t_l_sho_roll_x = op2_r_sole_fixed_narrow(((int64_t)c_l_sho_roll * v_l_sho_roll_y) - ((int64_t)s_l_sho_roll * r[33]), 30u);
-    const int32_t t_l_sho_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_l_sho_roll * r[33]) + ((int64_t)s_l_sho_roll * v_l_sho_roll_y), 30u);
     /* l_sho_pitch */
-    const int32_t v_l_sho_pitch_x = r[31] + t_l_el_y;
-    const int32_t v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
+    const int32_t v_l_sho_pitch_x = r[31] + v_l_sho_roll_z;
+    const int32_t v_l_sho_pitch_y = op2_r_sole_fixed_narrow((((int64_t)r[32]) * INT64_C(1073741824)) - ((int64_t)s_l_sho_roll * r[33]) + ((int64_t)c_l_sho_roll * v_l_sho_roll_y), 30u);
+    const int32_t v_l_sho_pitch_z = op2_r_sole_fixed_narrow(((int64_t)c_l_sho_roll * r[33]) + ((int64_t)s_l_sho_roll * v_l_sho_roll_y), 30u);
     int32_t s_l_sho_pitch;
     int32_t c_l_sho_pitch;
     op2_r_sole_fixed_sincos(q[8], 29u, &s_l_sho_pitch, &c_l_sho_pitch);
-    const int32_t t_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)c_l_sho_pitch * v_l_sho_pitch_x) + ((int64_t)s_l_sho_pitch * v_l_sho_pitch_y), 30u);
-    const int32_t t_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)c_l_sho_pitch * v_l_sho_pitch_y) - ((int64_t)s_l_sho_pitch * v_l_sho_pitch_x), 30u);
     /* l_ank_roll */
     int32_t s_l_ank_roll;
     int32_t c_l_ank_roll;
     op2_r_sole_fixed_sincos(q[7], 29u, &s_l_ank_roll, &c_l_ank_roll);
-    const int32_t t_l_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)s_l_ank_roll * r[29]) + ((int64_t)c_l_ank_roll * r[30]), 30u);
-    const int32_t t_l_ank_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_l_ank_roll * r[29]) - ((int64_t)s_l_ank_roll * r[30]), 30u);
     /* l_ank_pitch */
-    const int32_t v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
+    const int32_t v_l_ank_pitch_y = op2_r_sole_fixed_narrow((((int64_t)r[28]) * INT64_C(1073741824)) + ((int64_t)s_l_ank_roll * r[29]) + ((int64_t)c_l_ank_roll * r[30]), 30u);
+    const int32_t v_l_ank_pitch_z = op2_r_sole_fixed_narrow(((int64_t)c_l_ank_roll * r[29]) - ((int64_t)s_l_ank_roll * r[30]), 30u);
     int32_t s_l_ank_pitch;
     int32_t c_l_ank_pitch;
     op2_r_sole_fixed_sincos(q[6], 29u, &s_l_ank_pitch, &c_l_ank_pitch);
-    const int32_t t_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)c_l_ank_pitch * r[27]) + ((int64_t)s_l_ank_pitch * v_l_ank_pitch_y), 30u);
-    const int32_t t_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)c_l_ank_pitch * v_l_ank_pitch_y) - ((int64_t)s_l_ank_pitch * r[27]), 30u);
     /* l_knee */
-    const int32_t v_l_knee_x = r[25] + t_l_ank_pitch_x;
-    const int32_t v_l_knee_y = r[26] + t_l_ank_pitch_y;
+    const int32_t v_l_knee_x = op2_r_sole_fixed_narrow((((int64_t)r[25]) * INT64_C(1073741824)) + ((int64_t)c_l_ank_pitch * r[27]) + ((int64_t)s_l_ank_pitch * v_l_ank_pitch_y), 30u);
+    const int32_t v_l_knee_y = op2_r_sole_fixed_narrow((((int64_t)r[26]) * INT64_C(1073741824)) - ((int64_t)s_l_ank_pitch * r[27]) + ((int64_t)c_l_ank_pitch * v_l_ank_pitch_y), 30u);
     int32_t s_l_knee;
     int32_t c_l_knee;
     op2_r_sole_fixed_sincos(q[5], 29u, &s_l_knee, &c_l_knee);
-    const int32_t t_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)c_l_knee * v_l_knee_x) - ((int64_t)s_l_knee * v_l_knee_y), 30u);
-    const int32_t t_l_knee_y = op2_r_sole_fixed_narrow(((int64_t)s_l_knee * v_l_knee_x) + ((int64_t)c_l_knee * v_l_knee_y), 30u);
     /* l_hip_pitch */
-    const int32_t v_l_hip_pitch_x = r[23] + t_l_knee_x;
-    const int32_t v_l_hip_pitch_y = r[24] + t_l_knee_y;
+    const int32_t v_l_hip_pitch_x = op2_r_sole_fixed_narrow((((int64_t)r[23]) * INT64_C(1073741824)) + ((int64_t)c_l_knee * v_l_knee_x) - ((int64_t)s_l_knee * v_l_knee_y), 30u);
+    const int32_t v_l_hip_pitch_y = op2_r_sole_fixed_narrow((((int64_t)r[24]) * INT64_C(1073741824)) + ((int64_t)s_l_knee * v_l_knee_x) + ((int64_t)c_l_knee * v_l_knee_y), 30u);
     int32_t s_l_hip_pitch;
     int32_t c_l_hip_pitch;
     op2_r_sole_fixed_sincos(q[4], 29u, &s_l_hip_pitch, &c_l_hip_pitch);
-    const int32_t t_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)s_l_hip_pitch * v_l_hip_pitch_x) + ((int64_t)c_l_hip_pitch * v_l_hip_pitch_y), 30u);
-    const int32_t t_l_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)c_l_hip_pitch * v_l_hip_pitch_x) - ((int64_t)s_l_hip_pitch * v_l_hip_pitch_y), 30u);
     /* l_hip_roll */
-    const int32_t v_l_hip_roll_x = r[21] + t_l_ank_roll_y;
-    const int32_t v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
+    const int32_t v_l_hip_roll_x = r[21] + v_l_ank_pitch_z;
+    const int32_t v_l_hip_roll_y = op2_r_sole_fixed_narrow((((int64_t)r[22]) * INT64_C(1073741824)) + ((int64_t)s_l_hip_pitch * v_l_hip_pitch_x) + ((int64_t)c_l_hip_pitch * v_l_hip_pitch_y), 30u);
+    const int32_t v_l_hip_roll_z = op2_r_sole_fixed_narrow(((int64_t)c_l_hip_pitch * v_l_hip_pitch_x) - ((int64_t)s_l_hip_pitch * v_l_hip_pitch_y), 30u);
     int32_t s_l_hip_roll;
     int32_t c_l_hip_roll;
     op2_r_sole_fixed_sincos(q[3], 29u, &s_l_hip_roll, &c_l_hip_roll);
-    const int32_t t_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)c_l_hip_roll * v_l_hip_roll_x) + ((int64_t)s_l_hip_roll * v_l_hip_roll_y), 30u);
-    const int32_t t_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_l_hip_roll * v_l_hip_roll_y) - ((int64_t)s_l_hip_roll * v_l_hip_roll_x), 30u);
     /* l_hip_yaw */
-    const int32_t v_l_hip_yaw_x = r[19] + t_l_hip_pitch_y;
-    const int32_t v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
+    const int32_t v_l_hip_yaw_x = r[19] + v_l_hip_roll_z;
+    const int32_t v_l_hip_yaw_y = op2_r_sole_fixed_narrow((((int64_t)r[20]) * INT64_C(1073741824)) + ((int64_t)c_l_hip_roll * v_l_hip_roll_x) + ((int64_t)s_l_hip_roll * v_l_hip_roll_y), 30u);
+    const int32_t v_l_hip_yaw_z = op2_r_sole_fixed_narrow(((int64_t)c_l_hip_roll * v_l_hip_roll_y) - ((int64_t)s_l_hip_roll * v_l_hip_roll_x), 30u);
     int32_t s_l_hip_yaw;
     int32_t c_l_hip_yaw;
     op2_r_sole_fixed_sincos(q[2], 29u, &s_l_hip_yaw, &c_l_hip_yaw);
-    const int32_t t_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)c_l_hip_yaw * v_l_hip_yaw_x) + ((int64_t)s_l_hip_yaw * v_l_hip_yaw_y), 30u);
-    const int32_t t_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)c_l_hip_yaw * v_l_hip_yaw_y) - ((int64_t)s_l_hip_yaw * v_l_hip_yaw_x), 30u);
     /* head_tilt */
     int32_t s_head_tilt;
     int32_t c_head_tilt;
     op2_r_sole_fixed_sincos(q[1], 29u, &s_head_tilt, &c_head_tilt);
-    const int32_t t_head_tilt_x = op2_r_sole_fixed_narrow(((int64_t)c_head_tilt * r[17]) + ((int64_t)s_head_tilt * r[18]), 30u);
-    const int32_t t_head_tilt_y = op2_r_sole_fixed_narrow(((int64_t)s_head_tilt * r[17]) - ((int64_t)c_head_tilt * r[18]), 30u);
     /* head_pan */
-    const int32_t v_head_pan_x = r[15] + t_head_tilt_x;
+    const int32_t v_head_pan_x = op2_r_sole_fixed_narrow((((int64_t)r[15]) * INT64_C(1073741824)) + ((int64_t)c_head_tilt * r[17]) + ((int64_t)s_head_tilt * r[18]), 30u);
+    const int32_t v_head_pan_z = op2_r_sole_fixed_narrow(((int64_t)s_head_tilt * r[17]) - ((int64_t)c_head_tilt * r[18]), 30u);
     int32_t s_head_pan;
     int32_t c_head_pan;
     op2_r_sole_fixed_sincos(q[0], 29u, &s_head_pan, &c_head_pan);
-    const int32_t t_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)c_head_pan * v_head_pan_x) - ((int64_t)s_head_pan * r[16]), 30u);
-    const int32_t t_head_pan_y = op2_r_sole_fixed_narrow(((int64_t)s_head_pan * v_head_pan_x) + ((int64_t)c_head_pan * r[16]), 30u);
     /* r_hip_yaw */
-    const int32_t v_r_hip_yaw_x = (((r[13] + t_head_pan_x) + t_l_hip_yaw_x) + t_l_sho_pitch_x) + t_r_sho_pitch_x;
-    const int32_t v_r_hip_yaw_y = (((r[14] + t_head_pan_y) + t_l_hip_yaw_y) + t_l_sho_roll_y) + t_r_sho_roll_y;
-    const int32_t v_r_hip_yaw_z = ((t_head_tilt_y + t_l_hip_roll_y) + t_l_sho_pitch_y) + t_r_sho_pitch_y;
+    const int32_t e3 = op2_r_sole_fixed_narrow((((int64_t)r[13]) * INT64_C(1073741824)) + ((int64_t)c_head_pan * v_head_pan_x) - ((int64_t)s_head_pan * r[16]) + ((int64_t)c_l_sho_pitch * v_l_sho_pitch_x) + ((int64_t)s_l_sho_pitch * v_l_sho_pitch_y) + ((int64_t)c_r_sho_pitch * v_r_sho_pitch_x) - ((int64_t)s_r_sho_pitch * v_r_sho_pitch_y), 30u);
+    const int32_t v_r_hip_yaw_x = op2_r_sole_fixed_narrow((((int64_t)e3) * INT64_C(1073741824)) + ((int64_t)c_l_hip_yaw * v_l_hip_yaw_x) + ((int64_t)s_l_hip_yaw * v_l_hip_yaw_y), 30u);
+    const int32_t v_r_hip_yaw_y = op2_r_sole_fixed_narrow((((int64_t)r[14]) * INT64_C(1073741824)) + ((int64_t)s_head_pan * v_head_pan_x) + ((int64_t)c_head_pan * r[16]) + (((int64_t)v_l_sho_pitch_z) * INT64_C(1073741824)) + (((int64_t)v_r_sho_pitch_z) * INT64_C(1073741824)) - ((int64_t)s_l_hip_yaw * v_l_hip_yaw_x) + ((int64_t)c_l_hip_yaw * v_l_hip_yaw_y), 30u);
+    const int32_t v_r_hip_yaw_z = op2_r_sole_fixed_narrow((((int64_t)v_head_pan_z) * INT64_C(1073741824)) - ((int64_t)s_l_sho_pitch * v_l_sho_pitch_x) + ((int64_t)c_l_sho_pitch * v_l_sho_pitch_y) + ((int64_t)s_r_sho_pitch * v_r_sho_pitch_x) + ((int64_t)c_r_sho_pitch * v_r_sho_pitch_y) + (((int64_t)v_l_hip_yaw_z) * INT64_C(1073741824)), 30u);
     int32_t s_r_hip_yaw;
     int32_t c_r_hip_yaw;
     op2_r_sole_fixed_sincos(q[11], 29u, &s_r_hip_yaw, &c_r_hip_yaw);
-    const int32_t t_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)s_r_hip_yaw * v_r_hip_yaw_x) + ((int64_t)c_r_hip_yaw * v_r_hip_yaw_y), 30u);
-    const int32_t t_r_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)c_r_hip_yaw * v_r_hip_yaw_x) - ((int64_t)s_r_hip_yaw * v_r_hip_yaw_y), 30u);
     /* r_hip_roll */
-    const int32_t v_r_hip_roll_x = r[11] + t_r_hip_yaw_x;
+    const int32_t v_r_hip_roll_x = op2_r_sole_fixed_narrow((((int64_t)r[11]) * INT64_C(1073741824)) + ((int64_t)s_r_hip_yaw * v_r_hip_yaw_x) + ((int64_t)c_r_hip_yaw * v_r_hip_yaw_y), 30u);
     const int32_t v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
+    const int32_t v_r_hip_roll_z = op2_r_sole_fixed_narrow(((int64_t)c_r_hip_yaw * v_r_hip_yaw_x) - ((int64_t)s_r_hip_yaw * v_r_hip_yaw_y), 30u);
     int32_t s_r_hip_roll;
     int32_t c_r_hip_roll;
     op2_r_sole_fixed_sincos(q[12], 29u, &s_r_hip_roll, &c_r_hip_roll);
-    const int32_t t_r_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)s_r_hip_roll * v_r_hip_roll_x) + ((int64_t)c_r_hip_roll * v_r_hip_roll_y), 30u);
-    const int32_t t_r_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_r_hip_roll * v_r_hip_roll_x) - ((int64_t)s_r_hip_roll * v_r_hip_roll_y), 30u);
     /* r_hip_pitch */
-    const int32_t v_r_hip_pitch_x = r[9] + t_r_hip_yaw_y;
-    const int32_t v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
+    const int32_t v_r_hip_pitch_x = r[9] + v_r_hip_roll_z;
+    const int32_t v_r_hip_pitch_y = op2_r_sole_fixed_narrow((((int64_t)r[10]) * INT64_C(1073741824)) + ((int64_t)s_r_hip_roll * v_r_hip_roll_x) + ((int64_t)c_r_hip_roll * v_r_hip_roll_y), 30u);
+    const int32_t v_r_hip_pitch_z = op2_r_sole_fixed_narrow(((int64_t)c_r_hip_roll * v_r_hip_roll_x) - ((int64_t)s_r_hip_roll * v_r_hip_roll_y), 30u);
     int32_t s_r_hip_pitch;
     int32_t c_r_hip_pitch;
     op2_r_sole_fixed_sincos(q[13], 29u, &s_r_hip_pitch, &c_r_hip_pitch);
-    const int32_t t_r_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)c_r_hip_pitch * v_r_hip_pitch_x) - ((int64_t)s_r_hip_pitch * v_r_hip_pitch_y), 30u);
-    const int32_t t_r_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)s_r_hip_pitch * v_r_hip_pitch_x) + ((int64_t)c_r_hip_pitch * v_r_hip_pitch_y), 30u);
     /* r_knee */
-    const int32_t v_r_knee_x = r[7] + t_r_hip_pitch_x;
-    const int32_t v_r_knee_y = r[8] + t_r_hip_pitch_y;
+    const int32_t v_r_knee_x = op2_r_sole_fixed_narrow((((int64_t)r[7]) * INT64_C(1073741824)) + ((int64_t)c_r_hip_pitch * v_r_hip_pitch_x) - ((int64_t)s_r_hip_pitch * v_r_hip_pitch_y), 30u);
+    const int32_t v_r_knee_y = op2_r_sole_fixed_narrow((((int64_t)r[8]) * INT64_C(1073741824)) + ((int64_t)s_r_hip_pitch * v_r_hip_pitch_x) + ((int64_t)c_r_hip_pitch * v_r_hip_pitch_y), 30u);
     int32_t s_r_knee;
     int32_t c_r_knee;
     op2_r_sole_fixed_sincos(q[14], 29u, &s_r_knee, &c_r_knee);
-    const int32_t t_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)c_r_knee * v_r_knee_x) - ((int64_t)s_r_knee * v_r_knee_y), 30u);
-    const int32_t t_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)s_r_knee * v_r_knee_x) + ((int64_t)c_r_knee * v_r_knee_y), 30u);
     /* r_ank_pitch */
-    const int32_t v_r_ank_pitch_x = r[5] + t_r_knee_x;
-    const int32_t v_r_ank_pitch_y = r[6] + t_r_knee_y;
+    const int32_t v_r_ank_pitch_x = op2_r_sole_fixed_narrow((((int64_t)r[5]) * INT64_C(1073741824)) + ((int64_t)c_r_knee * v_r_knee_x) - ((int64_t)s_r_knee * v_r_knee_y), 30u);
+    const int32_t v_r_ank_pitch_y = op2_r_sole_fixed_narrow((((int64_t)r[6]) * INT64_C(1073741824)) + ((int64_t)s_r_knee * v_r_knee_x) + ((int64_t)c_r_knee * v_r_knee_y), 30u);
     int32_t s_r_ank_pitch;
     int32_t c_r_ank_pitch;
     op2_r_sole_fixed_sincos(q[15], 29u, &s_r_ank_pitch, &c_r_ank_pitch);
-    const int32_t t_r_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)c_r_ank_pitch * v_r_ank_pitch_y) - ((int64_t)s_r_ank_pitch * v_r_ank_pitch_x), 30u);
-    const int32_t t_r_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)c_r_ank_pitch * v_r_ank_pitch_x) + ((int64_t)s_r_ank_pitch * v_r_ank_pitch_y), 30u);
     /* r_ank_roll */
-    const int32_t v_r_ank_roll_x = r[3] + t_r_hip_roll_y;
-    const int32_t v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
+    const int32_t v_r_ank_roll_x = r[3] + v_r_hip_pitch_z;
+    const int32_t v_r_ank_roll_y = op2_r_sole_fixed_narrow((((int64_t)r[4]) * INT64_C(1073741824)) - ((int64_t)s_r_ank_pitch * v_r_ank_pitch_x) + ((int64_t)c_r_ank_pitch * v_r_ank_pitch_y), 30u);
+    const int32_t v_r_ank_roll_z = op2_r_sole_fixed_narrow(((int64_t)c_r_ank_pitch * v_r_ank_pitch_x) + ((int64_t)s_r_ank_pitch * v_r_ank_pitch_y), 30u);
     int32_t s_r_ank_roll;
     int32_t c_r_ank_roll;
     op2_r_sole_fixed_sincos(q[16], 29u, &s_r_ank_roll, &c_r_ank_roll);
-    const int32_t t_r_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)c_r_ank_roll * v_r_ank_roll_x) + ((int64_t)s_r_ank_roll * v_r_ank_roll_y), 30u);
-    const int32_t t_r_ank_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_r_ank_roll * v_r_ank_roll_y) - ((int64_t)s_r_ank_roll * v_r_ank_roll_x), 30u);
     /* r_sole */
-    const int32_t v_r_sole_x = r[0] + t_r_ank_pitch_y;
-    const int32_t v_r_sole_y = r[1] + t_r_ank_roll_x;
-    const int32_t v_r_sole_z = r[2] + t_r_ank_roll_y;
+    const int32_t v_r_sole_x = r[0] + v_r_ank_roll_z;
+    const int32_t v_r_sole_y = op2_r_sole_fixed_narrow((((int64_t)r[1]) * INT64_C(1073741824)) + ((int64_t)c_r_ank_roll * v_r_ank_roll_x) + ((int64_t)s_r_ank_roll * v_r_ank_roll_y), 30u);
+    const int32_t v_r_sole_z = op2_r_sole_fixed_narrow((((int64_t)r[2]) * INT64_C(1073741824)) - ((int64_t)s_r_ank_roll * v_r_ank_roll_x) + ((int64_t)c_r_ank_roll * v_r_ank_roll_y), 30u);
     com[0] = v_r_sole_x;
     com[1] = v_r_sole_y;
     com[2] = v_r_sole_z;
@@ -623,9 +595,9 @@ void op2_r_sole_fixed_com_jacobian(
     const int32_t t_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)c_head_pan * v_head_pan_x) - ((int64_t)s_head_pan * r[16]), 30u);
     const int32_t t_head_pan_y = op2_r_sole_fixed_narrow(((int64_t)s_head_pan * v_head_pan_x) + ((int64_t)c_head_pan * r[16]), 30u);
     /* r_hip_yaw */
-    const int32_t v_r_hip_yaw_x = (((r[13] + t_head_pan_x) + t_l_hip_yaw_x) + t_l_sho_pitch_x) + t_r_sho_pitch_x;
-    const int32_t v_r_hip_yaw_y = (((r[14] + t_head_pan_y) + t_l_hip_yaw_y) + t_l_sho_roll_y) + t_r_sho_roll_y;
-    const int32_t v_r_hip_yaw_z = ((t_head_tilt_y + t_l_hip_roll_y) + t_l_sho_pitch_y) + t_r_sho_pitch_y;
+    const int32_t v_r_hip_yaw_x = (((r[13] + t_head_pan_x) + t_l_sho_pitch_x) + t_r_sho_pitch_x) + t_l_hip_yaw_x;
+    const int32_t v_r_hip_yaw_y = (((r[14] + t_head_pan_y) + t_l_sho_roll_y) + t_r_sho_roll_y) + t_l_hip_yaw_y;
+    const int32_t v_r_hip_yaw_z = ((t_head_tilt_y + t_l_sho_pitch_y) + t_r_sho_pitch_y) + t_l_hip_roll_y;
     int32_t s_r_hip_yaw;
     int32_t c_r_hip_yaw;
     op2_r_sole_fixed_sincos(q[11], 29u, &s_r_hip_yaw, &c_r_hip_yaw);
@@ -671,125 +643,100 @@ void op2_r_sole_fixed_com_jacobian(
     op2_r_sole_fixed_sincos(q[16], 29u, &s_r_ank_roll, &c_r_ank_roll);
     const int32_t t_r_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)c_r_ank_roll * v_r_ank_roll_x) + ((int64_t)s_r_ank_roll * v_r_ank_roll_y), 30u);
     const int32_t t_r_ank_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_r_ank_roll * v_r_ank_roll_y) - ((int64_t)s_r_ank_roll * v_r_ank_roll_x), 30u);
+    /* r_ank_pitch */
+    const int32_t e4 = op2_r_sole_fixed_narrow((int64_t)s_r_ank_roll * s_r_ank_pitch, 30u);
+    const int32_t by_r_ank_pitch_y = op2_r_sole_fixed_narrow((int64_t)s_r_ank_roll * c_r_ank_pitch, 30u);
+    const int32_t e5 = op2_r_sole_fixed_narrow((int64_t)c_r_ank_roll * s_r_ank_pitch, 30u);
+    const int32_t bz_r_ank_pitch_y = op2_r_sole_fixed_narrow((int64_t)c_r_ank_roll * c_r_ank_pitch, 30u);
     /* r_knee */
     const int32_t bx_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)c_r_ank_pitch * c_r_knee) + ((int64_t)s_r_ank_pitch * s_r_knee), 30u);
     const int32_t bx_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)s_r_ank_pitch * c_r_knee) - ((int64_t)c_r_ank_pitch * s_r_knee), 30u);
+    const int32_t by_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)by_r_ank_pitch_y * s_r_knee) - ((int64_t)e4 * c_r_knee), 30u);
+    const int32_t by_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)by_r_ank_pitch_y * c_r_knee) + ((int64_t)e4 * s_r_knee), 30u);
+    const int32_t bz_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_ank_pitch_y * s_r_knee) - ((int64_t)e5 * c_r_knee), 30u);
+    const int32_t bz_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_ank_pitch_y * c_r_knee) + ((int64_t)e5 * s_r_knee), 30u);
     /* r_hip_pitch */
     const int32_t bx_r_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_knee_x * c_r_hip_pitch) + ((int64_t)bx_r_knee_y * s_r_hip_pitch), 30u);
     const int32_t bx_r_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_knee_y * c_r_hip_pitch) - ((int64_t)bx_r_knee_x * s_r_hip_pitch), 30u);
-    /* r_hip_roll */
-    const int32_t bx_r_hip_roll_x = op2_r_sole_fixed_narrow((int64_t)bx_r_hip_pitch_y * s_r_hip_roll, 30u);
-    const int32_t bx_r_hip_roll_y = op2_r_sole_fixed_narrow((int64_t)bx_r_hip_pitch_y * c_r_hip_roll, 30u);
-    /* r_hip_yaw */
-    const int32_t bx_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_x * s_r_hip_yaw) + ((int64_t)bx_r_hip_pitch_x * c_r_hip_yaw), 30u);
-    const int32_t e4 = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_pitch_x * s_r_hip_yaw) - ((int64_t)bx_r_hip_roll_x * c_r_hip_yaw), 30u);
-    /* head_pan */
-    const int32_t bx_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * c_head_pan) - ((int64_t)e4 * s_head_pan), 30u);
-    /* l_hip_yaw */
-    const int32_t bx_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * c_l_hip_yaw) + ((int64_t)e4 * s_l_hip_yaw), 30u);
-    const int32_t bx_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * s_l_hip_yaw) - ((int64_t)e4 * c_l_hip_yaw), 30u);
-    /* l_hip_roll */
-    const int32_t bx_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_yaw_y * c_l_hip_roll) - ((int64_t)bx_r_hip_roll_y * s_l_hip_roll), 30u);
-    const int32_t bx_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * c_l_hip_roll) + ((int64_t)bx_l_hip_yaw_y * s_l_hip_roll), 30u);
-    /* l_hip_pitch */
-    const int32_t bx_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_roll_y * s_l_hip_pitch) + ((int64_t)bx_l_hip_yaw_x * c_l_hip_pitch), 30u);
-    const int32_t e5 = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_yaw_x * s_l_hip_pitch) - ((int64_t)bx_l_hip_roll_y * c_l_hip_pitch), 30u);
-    /* l_knee */
-    const int32_t bx_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_pitch_x * c_l_knee) - ((int64_t)e5 * s_l_knee), 30u);
-    const int32_t e6 = op2_r_sole_fixed_narrow(((int64_t)e5 * c_l_knee) + ((int64_t)bx_l_hip_pitch_x * s_l_knee), 30u);
-    /* l_ank_pitch */
-    const int32_t bx_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_l_knee_x * s_l_ank_pitch) - ((int64_t)e6 * c_l_ank_pitch), 30u);
-    /* l_sho_pitch */
-    const int32_t bx_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * c_l_sho_pitch) - ((int64_t)bx_r_hip_roll_y * s_l_sho_pitch), 30u);
-    const int32_t bx_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * c_l_sho_pitch) + ((int64_t)bx_r_hip_yaw_x * s_l_sho_pitch), 30u);
-    /* r_sho_pitch */
-    const int32_t bx_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * c_r_sho_pitch) + ((int64_t)bx_r_hip_roll_y * s_r_sho_pitch), 30u);
-    const int32_t bx_r_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * c_r_sho_pitch) - ((int64_t)bx_r_hip_yaw_x * s_r_sho_pitch), 30u);
-    /* r_ank_pitch */
-    const int32_t e7 = op2_r_sole_fixed_narrow((int64_t)s_r_ank_roll * s_r_ank_pitch, 30u);
-    const int32_t by_r_ank_pitch_y = op2_r_sole_fixed_narrow((int64_t)s_r_ank_roll * c_r_ank_pitch, 30u);
-    /* r_knee */
-    const int32_t by_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)by_r_ank_pitch_y * s_r_knee) - ((int64_t)e7 * c_r_knee), 30u);
-    const int32_t by_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)by_r_ank_pitch_y * c_r_knee) + ((int64_t)e7 * s_r_knee), 30u);
-    /* r_hip_pitch */
     const int32_t by_r_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_knee_x * c_r_hip_pitch) + ((int64_t)by_r_knee_y * s_r_hip_pitch), 30u);
     const int32_t by_r_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_r_knee_y * c_r_hip_pitch) - ((int64_t)by_r_knee_x * s_r_hip_pitch), 30u);
-    /* r_hip_roll */
-    const int32_t by_r_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_pitch_y * s_r_hip_roll) + ((int64_t)c_r_ank_roll * c_r_hip_roll), 30u);
-    const int32_t e8 = op2_r_sole_fixed_narrow(((int64_t)c_r_ank_roll * s_r_hip_roll) - ((int64_t)by_r_hip_pitch_y * c_r_hip_roll), 30u);
-    /* r_hip_yaw */
-    const int32_t by_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_roll_x * s_r_hip_yaw) + ((int64_t)by_r_hip_pitch_x * c_r_hip_yaw), 30u);
-    const int32_t e9 = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_pitch_x * s_r_hip_yaw) - ((int64_t)by_r_hip_roll_x * c_r_hip_yaw), 30u);
-    /* head_pan */
-    const int32_t by_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * c_head_pan) - ((int64_t)e9 * s_head_pan), 30u);
-    /* l_hip_yaw */
-    const int32_t by_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * c_l_hip_yaw) + ((int64_t)e9 * s_l_hip_yaw), 30u);
-    const int32_t by_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * s_l_hip_yaw) - ((int64_t)e9 * c_l_hip_yaw), 30u);
-    /* l_hip_roll */
-    const int32_t by_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_y * c_l_hip_roll) + ((int64_t)e8 * s_l_hip_roll), 30u);
-    const int32_t by_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_y * s_l_hip_roll) - ((int64_t)e8 * c_l_hip_roll), 30u);
-    /* l_hip_pitch */
-    const int32_t by_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_roll_y * s_l_hip_pitch) + ((int64_t)by_l_hip_yaw_x * c_l_hip_pitch), 30u);
-    const int32_t e10 = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_x * s_l_hip_pitch) - ((int64_t)by_l_hip_roll_y * c_l_hip_pitch), 30u);
-    /* l_knee */
-    const int32_t by_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_pitch_x * c_l_knee) - ((int64_t)e10 * s_l_knee), 30u);
-    const int32_t e11 = op2_r_sole_fixed_narrow(((int64_t)e10 * c_l_knee) + ((int64_t)by_l_hip_pitch_x * s_l_knee), 30u);
-    /* l_ank_pitch */
-    const int32_t by_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_l_knee_x * s_l_ank_pitch) - ((int64_t)e11 * c_l_ank_pitch), 30u);
-    /* l_sho_pitch */
-    const int32_t by_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * c_l_sho_pitch) + ((int64_t)e8 * s_l_sho_pitch), 30u);
-    const int32_t by_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * s_l_sho_pitch) - ((int64_t)e8 * c_l_sho_pitch), 30u);
-    /* r_sho_pitch */
-    const int32_t by_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * c_r_sho_pitch) - ((int64_t)e8 * s_r_sho_pitch), 30u);
-    const int32_t e12 = op2_r_sole_fixed_narrow(((int64_t)e8 * c_r_sho_pitch) + ((int64_t)by_r_hip_yaw_x * s_r_sho_pitch), 30u);
-    /* r_ank_pitch */
-    const int32_t e13 = op2_r_sole_fixed_narrow((int64_t)c_r_ank_roll * s_r_ank_pitch, 30u);
-    const int32_t bz_r_ank_pitch_y = op2_r_sole_fixed_narrow((int64_t)c_r_ank_roll * c_r_ank_pitch, 30u);
-    /* r_knee */
-    const int32_t bz_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_ank_pitch_y * s_r_knee) - ((int64_t)e13 * c_r_knee), 30u);
-    const int32_t bz_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_ank_pitch_y * c_r_knee) + ((int64_t)e13 * s_r_knee), 30u);
-    /* r_hip_pitch */
     const int32_t bz_r_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_knee_x * c_r_hip_pitch) + ((int64_t)bz_r_knee_y * s_r_hip_pitch), 30u);
     const int32_t bz_r_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_knee_y * c_r_hip_pitch) - ((int64_t)bz_r_knee_x * s_r_hip_pitch), 30u);
     /* r_hip_roll */
+    const int32_t bx_r_hip_roll_x = op2_r_sole_fixed_narrow((int64_t)bx_r_hip_pitch_y * s_r_hip_roll, 30u);
+    const int32_t bx_r_hip_roll_y = op2_r_sole_fixed_narrow((int64_t)bx_r_hip_pitch_y * c_r_hip_roll, 30u);
+    const int32_t by_r_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_pitch_y * s_r_hip_roll) + ((int64_t)c_r_ank_roll * c_r_hip_roll), 30u);
+    const int32_t e6 = op2_r_sole_fixed_narrow(((int64_t)c_r_ank_roll * s_r_hip_roll) - ((int64_t)by_r_hip_pitch_y * c_r_hip_roll), 30u);
     const int32_t bz_r_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_pitch_y * s_r_hip_roll) - ((int64_t)s_r_ank_roll * c_r_hip_roll), 30u);
     const int32_t bz_r_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)s_r_ank_roll * s_r_hip_roll) + ((int64_t)bz_r_hip_pitch_y * c_r_hip_roll), 30u);
     /* r_hip_yaw */
+    const int32_t bx_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_x * s_r_hip_yaw) + ((int64_t)bx_r_hip_pitch_x * c_r_hip_yaw), 30u);
+    const int32_t e7 = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_pitch_x * s_r_hip_yaw) - ((int64_t)bx_r_hip_roll_x * c_r_hip_yaw), 30u);
+    const int32_t by_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_roll_x * s_r_hip_yaw) + ((int64_t)by_r_hip_pitch_x * c_r_hip_yaw), 30u);
+    const int32_t e8 = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_pitch_x * s_r_hip_yaw) - ((int64_t)by_r_hip_roll_x * c_r_hip_yaw), 30u);
     const int32_t bz_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_x * s_r_hip_yaw) + ((int64_t)bz_r_hip_pitch_x * c_r_hip_yaw), 30u);
-    const int32_t e14 = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_pitch_x * s_r_hip_yaw) - ((int64_t)bz_r_hip_roll_x * c_r_hip_yaw), 30u);
+    const int32_t e9 = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_pitch_x * s_r_hip_yaw) - ((int64_t)bz_r_hip_roll_x * c_r_hip_yaw), 30u);
     /* head_pan */
-    const int32_t bz_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * c_head_pan) - ((int64_t)e14 * s_head_pan), 30u);
+    const int32_t bx_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * c_head_pan) - ((int64_t)e7 * s_head_pan), 30u);
+    const int32_t by_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * c_head_pan) - ((int64_t)e8 * s_head_pan), 30u);
+    const int32_t bz_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * c_head_pan) - ((int64_t)e9 * s_head_pan), 30u);
     /* l_hip_yaw */
-    const int32_t bz_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * c_l_hip_yaw) + ((int64_t)e14 * s_l_hip_yaw), 30u);
-    const int32_t bz_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * s_l_hip_yaw) - ((int64_t)e14 * c_l_hip_yaw), 30u);
+    const int32_t bx_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * c_l_hip_yaw) + ((int64_t)e7 * s_l_hip_yaw), 30u);
+    const int32_t bx_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * s_l_hip_yaw) - ((int64_t)e7 * c_l_hip_yaw), 30u);
+    const int32_t by_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * c_l_hip_yaw) + ((int64_t)e8 * s_l_hip_yaw), 30u);
+    const int32_t by_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * s_l_hip_yaw) - ((int64_t)e8 * c_l_hip_yaw), 30u);
+    const int32_t bz_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * c_l_hip_yaw) + ((int64_t)e9 * s_l_hip_yaw), 30u);
+    const int32_t bz_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * s_l_hip_yaw) - ((int64_t)e9 * c_l_hip_yaw), 30u);
     /* l_hip_roll */
+    const int32_t bx_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_yaw_y * c_l_hip_roll) - ((int64_t)bx_r_hip_roll_y * s_l_hip_roll), 30u);
+    const int32_t bx_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * c_l_hip_roll) + ((int64_t)bx_l_hip_yaw_y * s_l_hip_roll), 30u);
+    const int32_t by_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_y * c_l_hip_roll) + ((int64_t)e6 * s_l_hip_roll), 30u);
+    const int32_t by_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_y * s_l_hip_roll) - ((int64_t)e6 * c_l_hip_roll), 30u);
     const int32_t bz_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_yaw_y * c_l_hip_roll) - ((int64_t)bz_r_hip_roll_y * s_l_hip_roll), 30u);
     const int32_t bz_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y * c_l_hip_roll) + ((int64_t)bz_l_hip_yaw_y * s_l_hip_roll), 30u);
     /* l_hip_pitch */
+    const int32_t bx_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_roll_y * s_l_hip_pitch) + ((int64_t)bx_l_hip_yaw_x * c_l_hip_pitch), 30u);
+    const int32_t e10 = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_yaw_x * s_l_hip_pitch) - ((int64_t)bx_l_hip_roll_y * c_l_hip_pitch), 30u);
+    const int32_t by_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_roll_y * s_l_hip_pitch) + ((int64_t)by_l_hip_yaw_x * c_l_hip_pitch), 30u);
+    const int32_t e11 = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_x * s_l_hip_pitch) - ((int64_t)by_l_hip_roll_y * c_l_hip_pitch), 30u);
     const int32_t bz_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_roll_y * s_l_hip_pitch) + ((int64_t)bz_l_hip_yaw_x * c_l_hip_pitch), 30u);
-    const int32_t e15 = op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_yaw_x * s_l_hip_pitch) - ((int64_t)bz_l_hip_roll_y * c_l_hip_pitch), 30u);
+    const int32_t e12 = op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_yaw_x * s_l_hip_pitch) - ((int64_t)bz_l_hip_roll_y * c_l_hip_pitch), 30u);
     /* l_knee */
-    const int32_t bz_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_pitch_x * c_l_knee) - ((int64_t)e15 * s_l_knee), 30u);
-    const int32_t e16 = op2_r_sole_fixed_narrow(((int64_t)e15 * c_l_knee) + ((int64_t)bz_l_hip_pitch_x * s_l_knee), 30u);
+    const int32_t bx_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_pitch_x * c_l_knee) - ((int64_t)e10 * s_l_knee), 30u);
+    const int32_t e13 = op2_r_sole_fixed_narrow(((int64_t)e10 * c_l_knee) + ((int64_t)bx_l_hip_pitch_x * s_l_knee), 30u);
+    const int32_t by_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_pitch_x * c_l_knee) - ((int64_t)e11 * s_l_knee), 30u);
+    const int32_t e14 = op2_r_sole_fixed_narrow(((int64_t)e11 * c_l_knee) + ((int64_t)by_l_hip_pitch_x * s_l_knee), 30u);
+    const int32_t bz_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_pitch_x * c_l_knee) - ((int64_t)e12 * s_l_knee), 30u);
+    const int32_t e15 = op2_r_sole_fixed_narrow(((int64_t)e12 * c_l_knee) + ((int64_t)bz_l_hip_pitch_x * s_l_knee), 30u);
     /* l_ank_pitch */
-    const int32_t bz_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bz_l_knee_x * s_l_ank_pitch) - ((int64_t)e16 * c_l_ank_pitch), 30u);
+    const int32_t bx_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_l_knee_x * s_l_ank_pitch) - ((int64_t)e13 * c_l_ank_pitch), 30u);
+    const int32_t by_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_l_knee_x * s_l_ank_pitch) - ((int64_t)e14 * c_l_ank_pitch), 30u);
+    const int32_t bz_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bz_l_knee_x * s_l_ank_pitch) - ((int64_t)e15 * c_l_ank_pitch), 30u);
     /* l_sho_pitch */
+    const int32_t bx_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * c_l_sho_pitch) - ((int64_t)bx_r_hip_roll_y * s_l_sho_pitch), 30u);
+    const int32_t bx_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * c_l_sho_pitch) + ((int64_t)bx_r_hip_yaw_x * s_l_sho_pitch), 30u);
+    const int32_t by_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * c_l_sho_pitch) + ((int64_t)e6 * s_l_sho_pitch), 30u);
+    const int32_t by_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * s_l_sho_pitch) - ((int64_t)e6 * c_l_sho_pitch), 30u);
     const int32_t bz_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * c_l_sho_pitch) - ((int64_t)bz_r_hip_roll_y * s_l_sho_pitch), 30u);
     const int32_t bz_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y * c_l_sho_pitch) + ((int64_t)bz_r_hip_yaw_x * s_l_sho_pitch), 30u);
     /* r_sho_pitch */
+    const int32_t bx_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * c_r_sho_pitch) + ((int64_t)bx_r_hip_roll_y * s_r_sho_pitch), 30u);
+    const int32_t bx_r_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * c_r_sho_pitch) - ((int64_t)bx_r_hip_yaw_x * s_r_sho_pitch), 30u);
+    const int32_t by_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * c_r_sho_pitch) - ((int64_t)e6 * s_r_sho_pitch), 30u);
+    const int32_t e16 = op2_r_sole_fixed_narrow(((int64_t)e6 * c_r_sho_pitch) + ((int64_t)by_r_hip_yaw_x * s_r_sho_pitch), 30u);
     const int32_t bz_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * c_r_sho_pitch) + ((int64_t)bz_r_hip_roll_y * s_r_sho_pitch), 30u);
     const int32_t bz_r_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y * c_r_sho_pitch) - ((int64_t)bz_r_hip_yaw_x * s_r_sho_pitch), 30u);
-    jac[0] = (-op2_r_sole_fixed_narrow(((int64_t)e4 * t_head_pan_x) + ((int64_t)bx_r_hip_yaw_x * t_head_pan_y), 30u));
+    jac[0] = (-op2_r_sole_fixed_narrow(((int64_t)e7 * t_head_pan_x) + ((int64_t)bx_r_hip_yaw_x * t_head_pan_y), 30u));
     jac[1] = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * t_head_tilt_x) - ((int64_t)bx_head_pan_x * t_head_tilt_y), 30u);
-    jac[2] = op2_r_sole_fixed_narrow(((int64_t)e4 * t_l_hip_yaw_x) + ((int64_t)bx_r_hip_yaw_x * t_l_hip_yaw_y), 30u);
+    jac[2] = op2_r_sole_fixed_narrow(((int64_t)e7 * t_l_hip_yaw_x) + ((int64_t)bx_r_hip_yaw_x * t_l_hip_yaw_y), 30u);
     jac[3] = (-op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * t_l_hip_roll_x) - ((int64_t)bx_l_hip_yaw_y * t_l_hip_roll_y), 30u));
     jac[4] = (-op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_yaw_x * t_l_hip_pitch_x) - ((int64_t)bx_l_hip_roll_y * t_l_hip_pitch_y), 30u));
-    jac[5] = (-op2_r_sole_fixed_narrow(((int64_t)e5 * t_l_knee_x) + ((int64_t)bx_l_hip_pitch_x * t_l_knee_y), 30u));
-    jac[6] = op2_r_sole_fixed_narrow(((int64_t)e6 * t_l_ank_pitch_x) + ((int64_t)bx_l_knee_x * t_l_ank_pitch_y), 30u);
+    jac[5] = (-op2_r_sole_fixed_narrow(((int64_t)e10 * t_l_knee_x) + ((int64_t)bx_l_hip_pitch_x * t_l_knee_y), 30u));
+    jac[6] = op2_r_sole_fixed_narrow(((int64_t)e13 * t_l_ank_pitch_x) + ((int64_t)bx_l_knee_x * t_l_ank_pitch_y), 30u);
     jac[7] = (-op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_roll_x * t_l_ank_roll_x) - ((int64_t)bx_l_ank_pitch_y * t_l_ank_roll_y), 30u));
     jac[8] = (-op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * t_l_sho_pitch_x) - ((int64_t)bx_r_hip_yaw_x * t_l_sho_pitch_y), 30u));
-    jac[9] = (-op2_r_sole_fixed_narrow(((int64_t)e4 * t_l_sho_roll_x) + ((int64_t)bx_l_sho_pitch_y * t_l_sho_roll_y), 30u));
-    jac[10] = op2_r_sole_fixed_narrow(((int64_t)bx_l_sho_pitch_x * t_l_el_x) + ((int64_t)op2_r_sole_fixed_narrow(((int64_t)e4 * s_l_sho_roll) - ((int64_t)bx_l_sho_pitch_y * c_l_sho_roll), 30u) * t_l_el_y), 30u);
+    jac[9] = (-op2_r_sole_fixed_narrow(((int64_t)e7 * t_l_sho_roll_x) + ((int64_t)bx_l_sho_pitch_y * t_l_sho_roll_y), 30u));
+    jac[10] = op2_r_sole_fixed_narrow(((int64_t)bx_l_sho_pitch_x * t_l_el_x) + ((int64_t)op2_r_sole_fixed_narrow(((int64_t)e7 * s_l_sho_roll) - ((int64_t)bx_l_sho_pitch_y * c_l_sho_roll), 30u) * t_l_el_y), 30u);
     jac[11] = (-op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_pitch_x * t_r_hip_yaw_x) - ((int64_t)bx_r_hip_roll_x * t_r_hip_yaw_y), 30u));
     jac[12] = op2_r_sole_fixed_narrow((int64_t)bx_r_hip_pitch_y * t_r_hip_roll_y, 30u);
     jac[13] = op2_r_sole_fixed_narrow(((int64_t)bx_r_knee_y * t_r_hip_pitch_x) - ((int64_t)bx_r_knee_x * t_r_hip_pitch_y), 30u);
@@ -797,48 +744,48 @@ void op2_r_sole_fixed_com_jacobian(
     jac[15] = t_r_ank_pitch_x;
     jac[16] = 0;
     jac[17] = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * t_r_sho_pitch_x) - ((int64_t)bx_r_hip_yaw_x * t_r_sho_pitch_y), 30u);
-    jac[18] = (-op2_r_sole_fixed_narrow(((int64_t)e4 * t_r_sho_roll_x) + ((int64_t)bx_r_sho_pitch_y * t_r_sho_roll_y), 30u));
-    jac[19] = (-op2_r_sole_fixed_narrow(((int64_t)bx_r_sho_pitch_x * t_r_el_x) - ((int64_t)op2_r_sole_fixed_narrow(((int64_t)e4 * s_r_sho_roll) - ((int64_t)bx_r_sho_pitch_y * c_r_sho_roll), 30u) * e1), 30u));
-    jac[20] = (-op2_r_sole_fixed_narrow(((int64_t)e9 * t_head_pan_x) + ((int64_t)by_r_hip_yaw_x * t_head_pan_y), 30u));
-    jac[21] = (-op2_r_sole_fixed_narrow(((int64_t)e8 * t_head_tilt_x) + ((int64_t)by_head_pan_x * t_head_tilt_y), 30u));
-    jac[22] = op2_r_sole_fixed_narrow(((int64_t)e9 * t_l_hip_yaw_x) + ((int64_t)by_r_hip_yaw_x * t_l_hip_yaw_y), 30u);
-    jac[23] = op2_r_sole_fixed_narrow(((int64_t)e8 * t_l_hip_roll_x) + ((int64_t)by_l_hip_yaw_y * t_l_hip_roll_y), 30u);
+    jac[18] = (-op2_r_sole_fixed_narrow(((int64_t)e7 * t_r_sho_roll_x) + ((int64_t)bx_r_sho_pitch_y * t_r_sho_roll_y), 30u));
+    jac[19] = (-op2_r_sole_fixed_narrow(((int64_t)bx_r_sho_pitch_x * t_r_el_x) - ((int64_t)op2_r_sole_fixed_narrow(((int64_t)e7 * s_r_sho_roll) - ((int64_t)bx_r_sho_pitch_y * c_r_sho_roll), 30u) * e1), 30u));
+    jac[20] = (-op2_r_sole_fixed_narrow(((int64_t)e8 * t_head_pan_x) + ((int64_t)by_r_hip_yaw_x * t_head_pan_y), 30u));
+    jac[21] = (-op2_r_sole_fixed_narrow(((int64_t)e6 * t_head_tilt_x) + ((int64_t)by_head_pan_x * t_head_tilt_y), 30u));
+    jac[22] = op2_r_sole_fixed_narrow(((int64_t)e8 * t_l_hip_yaw_x) + ((int64_t)by_r_hip_yaw_x * t_l_hip_yaw_y), 30u);
+    jac[23] = op2_r_sole_fixed_narrow(((int64_t)e6 * t_l_hip_roll_x) + ((int64_t)by_l_hip_yaw_y * t_l_hip_roll_y), 30u);
     jac[24] = (-op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_x * t_l_hip_pitch_x) - ((int64_t)by_l_hip_roll_y * t_l_hip_pitch_y), 30u));
-    jac[25] = (-op2_r_sole_fixed_narrow(((int64_t)e10 * t_l_knee_x) + ((int64_t)by_l_hip_pitch_x * t_l_knee_y), 30u));
-    jac[26] = op2_r_sole_fixed_narrow(((int64_t)e11 * t_l_ank_pitch_x) + ((int64_t)by_l_knee_x * t_l_ank_pitch_y), 30u);
+    jac[25] = (-op2_r_sole_fixed_narrow(((int64_t)e11 * t_l_knee_x) + ((int64_t)by_l_hip_pitch_x * t_l_knee_y), 30u));
+    jac[26] = op2_r_sole_fixed_narrow(((int64_t)e14 * t_l_ank_pitch_x) + ((int64_t)by_l_knee_x * t_l_ank_pitch_y), 30u);
     jac[27] = (-op2_r_sole_fixed_narrow(((int64_t)by_l_hip_roll_x * t_l_ank_roll_x) - ((int64_t)by_l_ank_pitch_y * t_l_ank_roll_y), 30u));
-    jac[28] = op2_r_sole_fixed_narrow(((int64_t)e8 * t_l_sho_pitch_x) + ((int64_t)by_r_hip_yaw_x * t_l_sho_pitch_y), 30u);
-    jac[29] = (-op2_r_sole_fixed_narrow(((int64_t)e9 * t_l_sho_roll_x) + ((int64_t)by_l_sho_pitch_y * t_l_sho_roll_y), 30u));
-    jac[30] = op2_r_sole_fixed_narrow(((int64_t)by_l_sho_pitch_x * t_l_el_x) + ((int64_t)op2_r_sole_fixed_narrow(((int64_t)e9 * s_l_sho_roll) - ((int64_t)by_l_sho_pitch_y * c_l_sho_roll), 30u) * t_l_el_y), 30u);
+    jac[28] = op2_r_sole_fixed_narrow(((int64_t)e6 * t_l_sho_pitch_x) + ((int64_t)by_r_hip_yaw_x * t_l_sho_pitch_y), 30u);
+    jac[29] = (-op2_r_sole_fixed_narrow(((int64_t)e8 * t_l_sho_roll_x) + ((int64_t)by_l_sho_pitch_y * t_l_sho_roll_y), 30u));
+    jac[30] = op2_r_sole_fixed_narrow(((int64_t)by_l_sho_pitch_x * t_l_el_x) + ((int64_t)op2_r_sole_fixed_narrow(((int64_t)e8 * s_l_sho_roll) - ((int64_t)by_l_sho_pitch_y * c_l_sho_roll), 30u) * t_l_el_y), 30u);
     jac[31] = (-op2_r_sole_fixed_narrow(((int64_t)by_r_hip_pitch_x * t_r_hip_yaw_x) - ((int64_t)by_r_hip_roll_x * t_r_hip_yaw_y), 30u));
     jac[32] = (-op2_r_sole_fixed_narrow(((int64_t)c_r_ank_roll * t_r_hip_roll_x) - ((int64_t)by_r_hip_pitch_y * t_r_hip_roll_y), 30u));
     jac[33] = op2_r_sole_fixed_narrow(((int64_t)by_r_knee_y * t_r_hip_pitch_x) - ((int64_t)by_r_knee_x * t_r_hip_pitch_y), 30u);
-    jac[34] = op2_r_sole_fixed_narrow(((int64_t)by_r_ank_pitch_y * t_r_knee_x) + ((int64_t)e7 * t_r_knee_y), 30u);
+    jac[34] = op2_r_sole_fixed_narrow(((int64_t)by_r_ank_pitch_y * t_r_knee_x) + ((int64_t)e4 * t_r_knee_y), 30u);
     jac[35] = (-op2_r_sole_fixed_narrow((int64_t)s_r_ank_roll * t_r_ank_pitch_y, 30u));
     jac[36] = t_r_ank_roll_y;
-    jac[37] = (-op2_r_sole_fixed_narrow(((int64_t)e8 * t_r_sho_pitch_x) + ((int64_t)by_r_hip_yaw_x * t_r_sho_pitch_y), 30u));
-    jac[38] = op2_r_sole_fixed_narrow(((int64_t)e12 * t_r_sho_roll_y) - ((int64_t)e9 * t_r_sho_roll_x), 30u);
-    jac[39] = (-op2_r_sole_fixed_narrow(((int64_t)by_r_sho_pitch_x * t_r_el_x) - ((int64_t)op2_r_sole_fixed_narrow(((int64_t)e9 * s_r_sho_roll) + ((int64_t)e12 * c_r_sho_roll), 30u) * e1), 30u));
-    jac[40] = (-op2_r_sole_fixed_narrow(((int64_t)e14 * t_head_pan_x) + ((int64_t)bz_r_hip_yaw_x * t_head_pan_y), 30u));
+    jac[37] = (-op2_r_sole_fixed_narrow(((int64_t)e6 * t_r_sho_pitch_x) + ((int64_t)by_r_hip_yaw_x * t_r_sho_pitch_y), 30u));
+    jac[38] = op2_r_sole_fixed_narrow(((int64_t)e16 * t_r_sho_roll_y) - ((int64_t)e8 * t_r_sho_roll_x), 30u);
+    jac[39] = (-op2_r_sole_fixed_narrow(((int64_t)by_r_sho_pitch_x * t_r_el_x) - ((int64_t)op2_r_sole_fixed_narrow(((int64_t)e8 * s_r_sho_roll) + ((int64_t)e16 * c_r_sho_roll), 30u) * e1), 30u));
+    jac[40] = (-op2_r_sole_fixed_narrow(((int64_t)e9 * t_head_pan_x) + ((int64_t)bz_r_hip_yaw_x * t_head_pan_y), 30u));
     jac[41] = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y * t_head_tilt_x) - ((int64_t)bz_head_pan_x * t_head_tilt_y), 30u);
-    jac[42] = op2_r_sole_fixed_narrow(((int64_t)e14 * t_l_hip_yaw_x) + ((int64_t)bz_r_hip_yaw_x * t_l_hip_yaw_y), 30u);
+    jac[42] = op2_r_sole_fixed_narrow(((int64_t)e9 * t_l_hip_yaw_x) + ((int64_t)bz_r_hip_yaw_x * t_l_hip_yaw_y), 30u);
     jac[43] = (-op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y * t_l_hip_roll_x) - ((int64_t)bz_l_hip_yaw_y * t_l_hip_roll_y), 30u));
     jac[44] = (-op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_yaw_x * t_l_hip_pitch_x) - ((int64_t)bz_l_hip_roll_y * t_l_hip_pitch_y), 30u));
-    jac[45] = (-op2_r_sole_fixed_narrow(((int64_t)e15 * t_l_knee_x) + ((int64_t)bz_l_hip_pitch_x * t_l_knee_y), 30u));
-    jac[46] = op2_r_sole_fixed_narrow(((int64_t)e16 * t_l_ank_pitch_x) + ((int64_t)bz_l_knee_x * t_l_ank_pitch_y), 30u);
+    jac[45] = (-op2_r_sole_fixed_narrow(((int64_t)e12 * t_l_knee_x) + ((int64_t)bz_l_hip_pitch_x * t_l_knee_y), 30u));
+    jac[46] = op2_r_sole_fixed_narrow(((int64_t)e15 * t_l_ank_pitch_x) + ((int64_t)bz_l_knee_x * t_l_ank_pitch_y), 30u);
     jac[47] = (-op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_roll_x * t_l_ank_roll_x) - ((int64_t)bz_l_ank_pitch_y * t_l_ank_roll_y), 30u));
     jac[48] = (-op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y * t_l_sho_pitch_x) - ((int64_t)bz_r_hip_yaw_x * t_l_sho_pitch_y), 30u));
-    jac[49] = (-op2_r_sole_fixed_narrow(((int64_t)e14 * t_l_sho_roll_x) + ((int64_t)bz_l_sho_pitch_y * t_l_sho_roll_y), 30u));
-    jac[50] = op2_r_sole_fixed_narrow(((int64_t)bz_l_sho_pitch_x * t_l_el_x) + ((int64_t)op2_r_sole_fixed_narrow(((int64_t)e14 * s_l_sho_roll) - ((int64_t)bz_l_sho_pitch_y * c_l_sho_roll), 30u) * t_l_el_y), 30u);
+    jac[49] = (-op2_r_sole_fixed_narrow(((int64_t)e9 * t_l_sho_roll_x) + ((int64_t)bz_l_sho_pitch_y * t_l_sho_roll_y), 30u));
+    jac[50] = op2_r_sole_fixed_narrow(((int64_t)bz_l_sho_pitch_x * t_l_el_x) + ((int64_t)op2_r_sole_fixed_narrow(((int64_t)e9 * s_l_sho_roll) - ((int64_t)bz_l_sho_pitch_y * c_l_sho_roll), 30u) * t_l_el_y), 30u);
     jac[51] = (-op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_pitch_x * t_r_hip_yaw_x) - ((int64_t)bz_r_hip_roll_x * t_r_hip_yaw_y), 30u));
     jac[52] = op2_r_sole_fixed_narrow(((int64_t)s_r_ank_roll * t_r_hip_roll_x) + ((int64_t)bz_r_hip_pitch_y * t_r_hip_roll_y), 30u);
     jac[53] = op2_r_sole_fixed_narrow(((int64_t)bz_r_knee_y * t_r_hip_pitch_x) - ((int64_t)bz_r_knee_x * t_r_hip_pitch_y), 30u);
-    jac[54] = op2_r_sole_fixed_narrow(((int64_t)bz_r_ank_pitch_y * t_r_knee_x) + ((int64_t)e13 * t_r_knee_y), 30u);
+    jac[54] = op2_r_sole_fixed_narrow(((int64_t)bz_r_ank_pitch_y * t_r_knee_x) + ((int64_t)e5 * t_r_knee_y), 30u);
     jac[55] = (-op2_r_sole_fixed_narrow((int64_t)c_r_ank_roll * t_r_ank_pitch_y, 30u));
     jac[56] = (-t_r_ank_roll_x);
     jac[57] = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y * t_r_sho_pitch_x) - ((int64_t)bz_r_hip_yaw_x * t_r_sho_pitch_y), 30u);
-    jac[58] = (-op2_r_sole_fixed_narrow(((int64_t)e14 * t_r_sho_roll_x) + ((int64_t)bz_r_sho_pitch_y * t_r_sho_roll_y), 30u));
-    jac[59] = (-op2_r_sole_fixed_narrow(((int64_t)bz_r_sho_pitch_x * t_r_el_x) - ((int64_t)op2_r_sole_fixed_narrow(((int64_t)e14 * s_r_sho_roll) - ((int64_t)bz_r_sho_pitch_y * c_r_sho_roll), 30u) * e1), 30u));
+    jac[58] = (-op2_r_sole_fixed_narrow(((int64_t)e9 * t_r_sho_roll_x) + ((int64_t)bz_r_sho_pitch_y * t_r_sho_roll_y), 30u));
+    jac[59] = (-op2_r_sole_fixed_narrow(((int64_t)bz_r_sho_pitch_x * t_r_el_x) - ((int64_t)op2_r_sole_fixed_narrow(((int64_t)e9 * s_r_sho_roll) - ((int64_t)bz_r_sho_pitch_y * c_r_sho_roll), 30u) * e1), 30u));
 }
 
 void op2_r_sole_fixed_gravity_moments(
@@ -949,9 +896,9 @@ void op2_r_sole_fixed_gravity_moments(
     const int32_t t_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)c_head_pan * v_head_pan_x) - ((int64_t)s_head_pan * r[16]), 30u);
     const int32_t t_head_pan_y = op2_r_sole_fixed_narrow(((int64_t)s_head_pan * v_head_pan_x) + ((int64_t)c_head_pan * r[16]), 30u);
     /* r_hip_yaw */
-    const int32_t v_r_hip_yaw_x = (((r[13] + t_head_pan_x) + t_l_hip_yaw_x) + t_l_sho_pitch_x) + t_r_sho_pitch_x;
-    const int32_t v_r_hip_yaw_y = (((r[14] + t_head_pan_y) + t_l_hip_yaw_y) + t_l_sho_roll_y) + t_r_sho_roll_y;
-    const int32_t v_r_hip_yaw_z = ((t_head_tilt_y + t_l_hip_roll_y) + t_l_sho_pitch_y) + t_r_sho_pitch_y;
+    const int32_t v_r_hip_yaw_x = (((r[13] + t_head_pan_x) + t_l_sho_pitch_x) + t_r_sho_pitch_x) + t_l_hip_yaw_x;
+    const int32_t v_r_hip_yaw_y = (((r[14] + t_head_pan_y) + t_l_sho_roll_y) + t_r_sho_roll_y) + t_l_hip_yaw_y;
+    const int32_t v_r_hip_yaw_z = ((t_head_tilt_y + t_l_sho_pitch_y) + t_r_sho_pitch_y) + t_l_hip_roll_y;
     int32_t s_r_hip_yaw;
     int32_t c_r_hip_yaw;
     op2_r_sole_fixed_sincos(q[11], 29u, &s_r_hip_yaw, &c_r_hip_yaw);
@@ -1068,247 +1015,209 @@ void op2_r_sole_fixed_regressor(
     int32_t s_r_ank_pitch;
     int32_t c_r_ank_pitch;
     op2_r_sole_fixed_sincos(q[15], 29u, &s_r_ank_pitch, &c_r_ank_pitch);
+    const int32_t e1 = op2_r_sole_fixed_narrow((int64_t)s_r_ank_roll * s_r_ank_pitch, 30u);
+    const int32_t by_r_ank_pitch_x = -e1;
+    const int32_t by_r_ank_pitch_y = op2_r_sole_fixed_narrow((int64_t)s_r_ank_roll * c_r_ank_pitch, 30u);
+    const int32_t e2 = op2_r_sole_fixed_narrow((int64_t)c_r_ank_roll * s_r_ank_pitch, 30u);
+    const int32_t bz_r_ank_pitch_x = -e2;
+    const int32_t bz_r_ank_pitch_y = op2_r_sole_fixed_narrow((int64_t)c_r_ank_roll * c_r_ank_pitch, 30u);
     /* r_knee */
     int32_t s_r_knee;
     int32_t c_r_knee;
     op2_r_sole_fixed_sincos(q[14], 29u, &s_r_knee, &c_r_knee);
     const int32_t bx_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)c_r_ank_pitch * c_r_knee) + ((int64_t)s_r_ank_pitch * s_r_knee), 30u);
     const int32_t bx_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)s_r_ank_pitch * c_r_knee) - ((int64_t)c_r_ank_pitch * s_r_knee), 30u);
+    const int32_t by_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)by_r_ank_pitch_y * s_r_knee) - ((int64_t)e1 * c_r_knee), 30u);
+    const int32_t by_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)by_r_ank_pitch_y * c_r_knee) + ((int64_t)e1 * s_r_knee), 30u);
+    const int32_t bz_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_ank_pitch_y * s_r_knee) - ((int64_t)e2 * c_r_knee), 30u);
+    const int32_t bz_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_ank_pitch_y * c_r_knee) + ((int64_t)e2 * s_r_knee), 30u);
     /* r_hip_pitch */
     int32_t s_r_hip_pitch;
     int32_t c_r_hip_pitch;
     op2_r_sole_fixed_sincos(q[13], 29u, &s_r_hip_pitch, &c_r_hip_pitch);
     const int32_t bx_r_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_knee_x * c_r_hip_pitch) + ((int64_t)bx_r_knee_y * s_r_hip_pitch), 30u);
     const int32_t bx_r_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_knee_y * c_r_hip_pitch) - ((int64_t)bx_r_knee_x * s_r_hip_pitch), 30u);
+    const int32_t by_r_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_knee_x * c_r_hip_pitch) + ((int64_t)by_r_knee_y * s_r_hip_pitch), 30u);
+    const int32_t by_r_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_r_knee_y * c_r_hip_pitch) - ((int64_t)by_r_knee_x * s_r_hip_pitch), 30u);
+    const int32_t bz_r_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_knee_x * c_r_hip_pitch) + ((int64_t)bz_r_knee_y * s_r_hip_pitch), 30u);
+    const int32_t bz_r_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_knee_y * c_r_hip_pitch) - ((int64_t)bz_r_knee_x * s_r_hip_pitch), 30u);
     /* r_hip_roll */
     int32_t s_r_hip_roll;
     int32_t c_r_hip_roll;
     op2_r_sole_fixed_sincos(q[12], 29u, &s_r_hip_roll, &c_r_hip_roll);
     const int32_t bx_r_hip_roll_x = op2_r_sole_fixed_narrow((int64_t)bx_r_hip_pitch_y * s_r_hip_roll, 30u);
     const int32_t bx_r_hip_roll_y = op2_r_sole_fixed_narrow((int64_t)bx_r_hip_pitch_y * c_r_hip_roll, 30u);
+    const int32_t by_r_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_pitch_y * s_r_hip_roll) + ((int64_t)c_r_ank_roll * c_r_hip_roll), 30u);
+    const int32_t e3 = op2_r_sole_fixed_narrow(((int64_t)c_r_ank_roll * s_r_hip_roll) - ((int64_t)by_r_hip_pitch_y * c_r_hip_roll), 30u);
+    const int32_t by_r_hip_roll_y = -e3;
+    const int32_t bz_r_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_pitch_y * s_r_hip_roll) - ((int64_t)s_r_ank_roll * c_r_hip_roll), 30u);
+    const int32_t bz_r_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)s_r_ank_roll * s_r_hip_roll) + ((int64_t)bz_r_hip_pitch_y * c_r_hip_roll), 30u);
     /* r_hip_yaw */
     int32_t s_r_hip_yaw;
     int32_t c_r_hip_yaw;
     op2_r_sole_fixed_sincos(q[11], 29u, &s_r_hip_yaw, &c_r_hip_yaw);
     const int32_t bx_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_x * s_r_hip_yaw) + ((int64_t)bx_r_hip_pitch_x * c_r_hip_yaw), 30u);
-    const int32_t e1 = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_pitch_x * s_r_hip_yaw) - ((int64_t)bx_r_hip_roll_x * c_r_hip_yaw), 30u);
-    const int32_t bx_r_hip_yaw_y = -e1;
+    const int32_t e4 = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_pitch_x * s_r_hip_yaw) - ((int64_t)bx_r_hip_roll_x * c_r_hip_yaw), 30u);
+    const int32_t bx_r_hip_yaw_y = -e4;
+    const int32_t by_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_roll_x * s_r_hip_yaw) + ((int64_t)by_r_hip_pitch_x * c_r_hip_yaw), 30u);
+    const int32_t e5 = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_pitch_x * s_r_hip_yaw) - ((int64_t)by_r_hip_roll_x * c_r_hip_yaw), 30u);
+    const int32_t by_r_hip_yaw_y = -e5;
+    const int32_t bz_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_x * s_r_hip_yaw) + ((int64_t)bz_r_hip_pitch_x * c_r_hip_yaw), 30u);
+    const int32_t e6 = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_pitch_x * s_r_hip_yaw) - ((int64_t)bz_r_hip_roll_x * c_r_hip_yaw), 30u);
+    const int32_t bz_r_hip_yaw_y = -e6;
     /* head_pan */
     int32_t s_head_pan;
     int32_t c_head_pan;
     op2_r_sole_fixed_sincos(q[0], 29u, &s_head_pan, &c_head_pan);
-    const int32_t bx_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * c_head_pan) - ((int64_t)e1 * s_head_pan), 30u);
-    const int32_t bx_head_pan_y = -op2_r_sole_fixed_narrow(((int64_t)e1 * c_head_pan) + ((int64_t)bx_r_hip_yaw_x * s_head_pan), 30u);
+    const int32_t bx_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * c_head_pan) - ((int64_t)e4 * s_head_pan), 30u);
+    const int32_t bx_head_pan_y = -op2_r_sole_fixed_narrow(((int64_t)e4 * c_head_pan) + ((int64_t)bx_r_hip_yaw_x * s_head_pan), 30u);
+    const int32_t by_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * c_head_pan) - ((int64_t)e5 * s_head_pan), 30u);
+    const int32_t by_head_pan_y = -op2_r_sole_fixed_narrow(((int64_t)e5 * c_head_pan) + ((int64_t)by_r_hip_yaw_x * s_head_pan), 30u);
+    const int32_t bz_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * c_head_pan) - ((int64_t)e6 * s_head_pan), 30u);
+    const int32_t bz_head_pan_y = -op2_r_sole_fixed_narrow(((int64_t)e6 * c_head_pan) + ((int64_t)bz_r_hip_yaw_x * s_head_pan), 30u);
     /* head_tilt */
     int32_t s_head_tilt;
     int32_t c_head_tilt;
     op2_r_sole_fixed_sincos(q[1], 29u, &s_head_tilt, &c_head_tilt);
     const int32_t bx_head_tilt_x = op2_r_sole_fixed_narrow(((int64_t)bx_head_pan_x * c_head_tilt) + ((int64_t)bx_r_hip_roll_y * s_head_tilt), 30u);
     const int32_t bx_head_tilt_y = -op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * c_head_tilt) - ((int64_t)bx_head_pan_x * s_head_tilt), 30u);
+    const int32_t by_head_tilt_x = op2_r_sole_fixed_narrow(((int64_t)by_head_pan_x * c_head_tilt) - ((int64_t)e3 * s_head_tilt), 30u);
+    const int32_t by_head_tilt_y = op2_r_sole_fixed_narrow(((int64_t)e3 * c_head_tilt) + ((int64_t)by_head_pan_x * s_head_tilt), 30u);
+    const int32_t bz_head_tilt_x = op2_r_sole_fixed_narrow(((int64_t)bz_head_pan_x * c_head_tilt) + ((int64_t)bz_r_hip_roll_y * s_head_tilt), 30u);
+    const int32_t bz_head_tilt_y = -op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y * c_head_tilt) - ((int64_t)bz_head_pan_x * s_head_tilt), 30u);
     /* l_hip_yaw */
     int32_t s_l_hip_yaw;
     int32_t c_l_hip_yaw;
     op2_r_sole_fixed_sincos(q[2], 29u, &s_l_hip_yaw, &c_l_hip_yaw);
-    const int32_t bx_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * c_l_hip_yaw) + ((int64_t)e1 * s_l_hip_yaw), 30u);
-    const int32_t bx_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * s_l_hip_yaw) - ((int64_t)e1 * c_l_hip_yaw), 30u);
+    const int32_t bx_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * c_l_hip_yaw) + ((int64_t)e4 * s_l_hip_yaw), 30u);
+    const int32_t bx_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * s_l_hip_yaw) - ((int64_t)e4 * c_l_hip_yaw), 30u);
+    const int32_t by_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * c_l_hip_yaw) + ((int64_t)e5 * s_l_hip_yaw), 30u);
+    const int32_t by_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * s_l_hip_yaw) - ((int64_t)e5 * c_l_hip_yaw), 30u);
+    const int32_t bz_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * c_l_hip_yaw) + ((int64_t)e6 * s_l_hip_yaw), 30u);
+    const int32_t bz_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * s_l_hip_yaw) - ((int64_t)e6 * c_l_hip_yaw), 30u);
     /* l_hip_roll */
     int32_t s_l_hip_roll;
     int32_t c_l_hip_roll;
     op2_r_sole_fixed_sincos(q[3], 29u, &s_l_hip_roll, &c_l_hip_roll);
     const int32_t bx_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_yaw_y * c_l_hip_roll) - ((int64_t)bx_r_hip_roll_y * s_l_hip_roll), 30u);
     const int32_t bx_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * c_l_hip_roll) + ((int64_t)bx_l_hip_yaw_y * s_l_hip_roll), 30u);
+    const int32_t by_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_y * c_l_hip_roll) + ((int64_t)e3 * s_l_hip_roll), 30u);
+    const int32_t by_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_y * s_l_hip_roll) - ((int64_t)e3 * c_l_hip_roll), 30u);
+    const int32_t bz_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_yaw_y * c_l_hip_roll) - ((int64_t)bz_r_hip_roll_y * s_l_hip_roll), 30u);
+    const int32_t bz_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y * c_l_hip_roll) + ((int64_t)bz_l_hip_yaw_y * s_l_hip_roll), 30u);
     /* l_hip_pitch */
     int32_t s_l_hip_pitch;
     int32_t c_l_hip_pitch;
     op2_r_sole_fixed_sincos(q[4], 29u, &s_l_hip_pitch, &c_l_hip_pitch);
     const int32_t bx_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_roll_y * s_l_hip_pitch) + ((int64_t)bx_l_hip_yaw_x * c_l_hip_pitch), 30u);
-    const int32_t e2 = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_yaw_x * s_l_hip_pitch) - ((int64_t)bx_l_hip_roll_y * c_l_hip_pitch), 30u);
-    const int32_t bx_l_hip_pitch_y = -e2;
+    const int32_t e7 = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_yaw_x * s_l_hip_pitch) - ((int64_t)bx_l_hip_roll_y * c_l_hip_pitch), 30u);
+    const int32_t bx_l_hip_pitch_y = -e7;
+    const int32_t by_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_roll_y * s_l_hip_pitch) + ((int64_t)by_l_hip_yaw_x * c_l_hip_pitch), 30u);
+    const int32_t e8 = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_x * s_l_hip_pitch) - ((int64_t)by_l_hip_roll_y * c_l_hip_pitch), 30u);
+    const int32_t by_l_hip_pitch_y = -e8;
+    const int32_t bz_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_roll_y * s_l_hip_pitch) + ((int64_t)bz_l_hip_yaw_x * c_l_hip_pitch), 30u);
+    const int32_t e9 = op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_yaw_x * s_l_hip_pitch) - ((int64_t)bz_l_hip_roll_y * c_l_hip_pitch), 30u);
+    const int32_t bz_l_hip_pitch_y = -e9;
     /* l_knee */
     int32_t s_l_knee;
     int32_t c_l_knee;
     op2_r_sole_fixed_sincos(q[5], 29u, &s_l_knee, &c_l_knee);
-    const int32_t bx_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_pitch_x * c_l_knee) - ((int64_t)e2 * s_l_knee), 30u);
-    const int32_t e3 = op2_r_sole_fixed_narrow(((int64_t)e2 * c_l_knee) + ((int64_t)bx_l_hip_pitch_x * s_l_knee), 30u);
-    const int32_t bx_l_knee_y = -e3;
+    const int32_t bx_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_pitch_x * c_l_knee) - ((int64_t)e7 * s_l_knee), 30u);
+    const int32_t e10 = op2_r_sole_fixed_narrow(((int64_t)e7 * c_l_knee) + ((int64_t)bx_l_hip_pitch_x * s_l_knee), 30u);
+    const int32_t bx_l_knee_y = -e10;
+    const int32_t by_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_pitch_x * c_l_knee) - ((int64_t)e8 * s_l_knee), 30u);
+    const int32_t e11 = op2_r_sole_fixed_narrow(((int64_t)e8 * c_l_knee) + ((int64_t)by_l_hip_pitch_x * s_l_knee), 30u);
+    const int32_t by_l_knee_y = -e11;
+    const int32_t bz_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_pitch_x * c_l_knee) - ((int64_t)e9 * s_l_knee), 30u);
+    const int32_t e12 = op2_r_sole_fixed_narrow(((int64_t)e9 * c_l_knee) + ((int64_t)bz_l_hip_pitch_x * s_l_knee), 30u);
+    const int32_t bz_l_knee_y = -e12;
     /* l_ank_pitch */
     int32_t s_l_ank_pitch;
     int32_t c_l_ank_pitch;
     op2_r_sole_fixed_sincos(q[6], 29u, &s_l_ank_pitch, &c_l_ank_pitch);
-    const int32_t bx_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_knee_x * c_l_ank_pitch) + ((int64_t)e3 * s_l_ank_pitch), 30u);
-    const int32_t bx_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_l_knee_x * s_l_ank_pitch) - ((int64_t)e3 * c_l_ank_pitch), 30u);
+    const int32_t bx_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_knee_x * c_l_ank_pitch) + ((int64_t)e10 * s_l_ank_pitch), 30u);
+    const int32_t bx_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_l_knee_x * s_l_ank_pitch) - ((int64_t)e10 * c_l_ank_pitch), 30u);
+    const int32_t by_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_l_knee_x * c_l_ank_pitch) + ((int64_t)e11 * s_l_ank_pitch), 30u);
+    const int32_t by_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_l_knee_x * s_l_ank_pitch) - ((int64_t)e11 * c_l_ank_pitch), 30u);
+    const int32_t bz_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_knee_x * c_l_ank_pitch) + ((int64_t)e12 * s_l_ank_pitch), 30u);
+    const int32_t bz_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bz_l_knee_x * s_l_ank_pitch) - ((int64_t)e12 * c_l_ank_pitch), 30u);
     /* l_ank_roll */
     int32_t s_l_ank_roll;
     int32_t c_l_ank_roll;
     op2_r_sole_fixed_sincos(q[7], 29u, &s_l_ank_roll, &c_l_ank_roll);
     const int32_t bx_l_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_ank_pitch_y * s_l_ank_roll) + ((int64_t)bx_l_hip_roll_x * c_l_ank_roll), 30u);
     const int32_t bx_l_ank_roll_y = -op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_roll_x * s_l_ank_roll) - ((int64_t)bx_l_ank_pitch_y * c_l_ank_roll), 30u);
+    const int32_t by_l_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_l_ank_pitch_y * s_l_ank_roll) + ((int64_t)by_l_hip_roll_x * c_l_ank_roll), 30u);
+    const int32_t by_l_ank_roll_y = -op2_r_sole_fixed_narrow(((int64_t)by_l_hip_roll_x * s_l_ank_roll) - ((int64_t)by_l_ank_pitch_y * c_l_ank_roll), 30u);
+    const int32_t bz_l_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_ank_pitch_y * s_l_ank_roll) + ((int64_t)bz_l_hip_roll_x * c_l_ank_roll), 30u);
+    const int32_t bz_l_ank_roll_y = -op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_roll_x * s_l_ank_roll) - ((int64_t)bz_l_ank_pitch_y * c_l_ank_roll), 30u);
     /* l_sho_pitch */
     int32_t s_l_sho_pitch;
     int32_t c_l_sho_pitch;
     op2_r_sole_fixed_sincos(q[8], 29u, &s_l_sho_pitch, &c_l_sho_pitch);
     const int32_t bx_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * c_l_sho_pitch) - ((int64_t)bx_r_hip_roll_y * s_l_sho_pitch), 30u);
     const int32_t bx_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * c_l_sho_pitch) + ((int64_t)bx_r_hip_yaw_x * s_l_sho_pitch), 30u);
+    const int32_t by_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * c_l_sho_pitch) + ((int64_t)e3 * s_l_sho_pitch), 30u);
+    const int32_t by_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * s_l_sho_pitch) - ((int64_t)e3 * c_l_sho_pitch), 30u);
+    const int32_t bz_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * c_l_sho_pitch) - ((int64_t)bz_r_hip_roll_y * s_l_sho_pitch), 30u);
+    const int32_t bz_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y * c_l_sho_pitch) + ((int64_t)bz_r_hip_yaw_x * s_l_sho_pitch), 30u);
     /* l_sho_roll */
-    const int32_t e4 = q[9] - 421657428;
+    const int32_t e13 = q[9] - 421657428;
     int32_t s_l_sho_roll;
     int32_t c_l_sho_roll;
-    op2_r_sole_fixed_sincos(e4, 29u, &s_l_sho_roll, &c_l_sho_roll);
-    const int32_t bx_l_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)bx_l_sho_pitch_y * s_l_sho_roll) + ((int64_t)e1 * c_l_sho_roll), 30u);
-    const int32_t e5 = op2_r_sole_fixed_narrow(((int64_t)e1 * s_l_sho_roll) - ((int64_t)bx_l_sho_pitch_y * c_l_sho_roll), 30u);
-    const int32_t bx_l_sho_roll_y = -e5;
+    op2_r_sole_fixed_sincos(e13, 29u, &s_l_sho_roll, &c_l_sho_roll);
+    const int32_t bx_l_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)bx_l_sho_pitch_y * s_l_sho_roll) + ((int64_t)e4 * c_l_sho_roll), 30u);
+    const int32_t e14 = op2_r_sole_fixed_narrow(((int64_t)e4 * s_l_sho_roll) - ((int64_t)bx_l_sho_pitch_y * c_l_sho_roll), 30u);
+    const int32_t bx_l_sho_roll_y = -e14;
+    const int32_t by_l_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)by_l_sho_pitch_y * s_l_sho_roll) + ((int64_t)e5 * c_l_sho_roll), 30u);
+    const int32_t e15 = op2_r_sole_fixed_narrow(((int64_t)e5 * s_l_sho_roll) - ((int64_t)by_l_sho_pitch_y * c_l_sho_roll), 30u);
+    const int32_t by_l_sho_roll_y = -e15;
+    const int32_t bz_l_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)bz_l_sho_pitch_y * s_l_sho_roll) + ((int64_t)e6 * c_l_sho_roll), 30u);
+    const int32_t e16 = op2_r_sole_fixed_narrow(((int64_t)e6 * s_l_sho_roll) - ((int64_t)bz_l_sho_pitch_y * c_l_sho_roll), 30u);
+    const int32_t bz_l_sho_roll_y = -e16;
     /* l_el */
     int32_t s_l_el;
     int32_t c_l_el;
     op2_r_sole_fixed_sincos(q[10], 29u, &s_l_el, &c_l_el);
-    const int32_t bx_l_el_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_sho_pitch_x * s_l_el) - ((int64_t)e5 * c_l_el), 30u);
-    const int32_t bx_l_el_y = -op2_r_sole_fixed_narrow(((int64_t)bx_l_sho_pitch_x * c_l_el) + ((int64_t)e5 * s_l_el), 30u);
+    const int32_t bx_l_el_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_sho_pitch_x * s_l_el) - ((int64_t)e14 * c_l_el), 30u);
+    const int32_t bx_l_el_y = -op2_r_sole_fixed_narrow(((int64_t)bx_l_sho_pitch_x * c_l_el) + ((int64_t)e14 * s_l_el), 30u);
+    const int32_t by_l_el_x = op2_r_sole_fixed_narrow(((int64_t)by_l_sho_pitch_x * s_l_el) - ((int64_t)e15 * c_l_el), 30u);
+    const int32_t by_l_el_y = -op2_r_sole_fixed_narrow(((int64_t)by_l_sho_pitch_x * c_l_el) + ((int64_t)e15 * s_l_el), 30u);
+    const int32_t bz_l_el_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_sho_pitch_x * s_l_el) - ((int64_t)e16 * c_l_el), 30u);
+    const int32_t bz_l_el_y = -op2_r_sole_fixed_narrow(((int64_t)bz_l_sho_pitch_x * c_l_el) + ((int64_t)e16 * s_l_el), 30u);
     /* r_sho_pitch */
     int32_t s_r_sho_pitch;
     int32_t c_r_sho_pitch;
     op2_r_sole_fixed_sincos(q[17], 29u, &s_r_sho_pitch, &c_r_sho_pitch);
     const int32_t bx_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * c_r_sho_pitch) + ((int64_t)bx_r_hip_roll_y * s_r_sho_pitch), 30u);
     const int32_t bx_r_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * c_r_sho_pitch) - ((int64_t)bx_r_hip_yaw_x * s_r_sho_pitch), 30u);
+    const int32_t by_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * c_r_sho_pitch) - ((int64_t)e3 * s_r_sho_pitch), 30u);
+    const int32_t e17 = op2_r_sole_fixed_narrow(((int64_t)e3 * c_r_sho_pitch) + ((int64_t)by_r_hip_yaw_x * s_r_sho_pitch), 30u);
+    const int32_t by_r_sho_pitch_y = -e17;
+    const int32_t bz_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * c_r_sho_pitch) + ((int64_t)bz_r_hip_roll_y * s_r_sho_pitch), 30u);
+    const int32_t bz_r_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y * c_r_sho_pitch) - ((int64_t)bz_r_hip_yaw_x * s_r_sho_pitch), 30u);
     /* r_sho_roll */
-    const int32_t e6 = q[18] + 421657428;
+    const int32_t e18 = q[18] + 421657428;
     int32_t s_r_sho_roll;
     int32_t c_r_sho_roll;
-    op2_r_sole_fixed_sincos(e6, 29u, &s_r_sho_roll, &c_r_sho_roll);
-    const int32_t bx_r_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)bx_r_sho_pitch_y * s_r_sho_roll) + ((int64_t)e1 * c_r_sho_roll), 30u);
-    const int32_t e7 = op2_r_sole_fixed_narrow(((int64_t)e1 * s_r_sho_roll) - ((int64_t)bx_r_sho_pitch_y * c_r_sho_roll), 30u);
-    const int32_t bx_r_sho_roll_y = -e7;
+    op2_r_sole_fixed_sincos(e18, 29u, &s_r_sho_roll, &c_r_sho_roll);
+    const int32_t bx_r_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)bx_r_sho_pitch_y * s_r_sho_roll) + ((int64_t)e4 * c_r_sho_roll), 30u);
+    const int32_t e19 = op2_r_sole_fixed_narrow(((int64_t)e4 * s_r_sho_roll) - ((int64_t)bx_r_sho_pitch_y * c_r_sho_roll), 30u);
+    const int32_t bx_r_sho_roll_y = -e19;
+    const int32_t by_r_sho_roll_x = op2_r_sole_fixed_narrow(((int64_t)e17 * s_r_sho_roll) - ((int64_t)e5 * c_r_sho_roll), 30u);
+    const int32_t e20 = op2_r_sole_fixed_narrow(((int64_t)e5 * s_r_sho_roll) + ((int64_t)e17 * c_r_sho_roll), 30u);
+    const int32_t by_r_sho_roll_y = -e20;
+    const int32_t bz_r_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)bz_r_sho_pitch_y * s_r_sho_roll) + ((int64_t)e6 * c_r_sho_roll), 30u);
+    const int32_t e21 = op2_r_sole_fixed_narrow(((int64_t)e6 * s_r_sho_roll) - ((int64_t)bz_r_sho_pitch_y * c_r_sho_roll), 30u);
+    const int32_t bz_r_sho_roll_y = -e21;
     /* r_el */
     int32_t s_r_el;
     int32_t c_r_el;
     op2_r_sole_fixed_sincos(q[19], 29u, &s_r_el, &c_r_el);
-    const int32_t bx_r_el_x = -op2_r_sole_fixed_narrow(((int64_t)e7 * c_r_el) + ((int64_t)bx_r_sho_pitch_x * s_r_el), 30u);
-    const int32_t bx_r_el_y = -op2_r_sole_fixed_narrow(((int64_t)bx_r_sho_pitch_x * c_r_el) - ((int64_t)e7 * s_r_el), 30u);
-    /* r_ank_pitch */
-    const int32_t e8 = op2_r_sole_fixed_narrow((int64_t)s_r_ank_roll * s_r_ank_pitch, 30u);
-    const int32_t by_r_ank_pitch_x = -e8;
-    const int32_t by_r_ank_pitch_y = op2_r_sole_fixed_narrow((int64_t)s_r_ank_roll * c_r_ank_pitch, 30u);
-    /* r_knee */
-    const int32_t by_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)by_r_ank_pitch_y * s_r_knee) - ((int64_t)e8 * c_r_knee), 30u);
-    const int32_t by_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)by_r_ank_pitch_y * c_r_knee) + ((int64_t)e8 * s_r_knee), 30u);
-    /* r_hip_pitch */
-    const int32_t by_r_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_knee_x * c_r_hip_pitch) + ((int64_t)by_r_knee_y * s_r_hip_pitch), 30u);
-    const int32_t by_r_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_r_knee_y * c_r_hip_pitch) - ((int64_t)by_r_knee_x * s_r_hip_pitch), 30u);
-    /* r_hip_roll */
-    const int32_t by_r_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_pitch_y * s_r_hip_roll) + ((int64_t)c_r_ank_roll * c_r_hip_roll), 30u);
-    const int32_t e9 = op2_r_sole_fixed_narrow(((int64_t)c_r_ank_roll * s_r_hip_roll) - ((int64_t)by_r_hip_pitch_y * c_r_hip_roll), 30u);
-    const int32_t by_r_hip_roll_y = -e9;
-    /* r_hip_yaw */
-    const int32_t by_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_roll_x * s_r_hip_yaw) + ((int64_t)by_r_hip_pitch_x * c_r_hip_yaw), 30u);
-    const int32_t e10 = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_pitch_x * s_r_hip_yaw) - ((int64_t)by_r_hip_roll_x * c_r_hip_yaw), 30u);
-    const int32_t by_r_hip_yaw_y = -e10;
-    /* head_pan */
-    const int32_t by_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * c_head_pan) - ((int64_t)e10 * s_head_pan), 30u);
-    const int32_t by_head_pan_y = -op2_r_sole_fixed_narrow(((int64_t)e10 * c_head_pan) + ((int64_t)by_r_hip_yaw_x * s_head_pan), 30u);
-    /* head_tilt */
-    const int32_t by_head_tilt_x = op2_r_sole_fixed_narrow(((int64_t)by_head_pan_x * c_head_tilt) - ((int64_t)e9 * s_head_tilt), 30u);
-    const int32_t by_head_tilt_y = op2_r_sole_fixed_narrow(((int64_t)e9 * c_head_tilt) + ((int64_t)by_head_pan_x * s_head_tilt), 30u);
-    /* l_hip_yaw */
-    const int32_t by_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * c_l_hip_yaw) + ((int64_t)e10 * s_l_hip_yaw), 30u);
-    const int32_t by_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * s_l_hip_yaw) - ((int64_t)e10 * c_l_hip_yaw), 30u);
-    /* l_hip_roll */
-    const int32_t by_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_y * c_l_hip_roll) + ((int64_t)e9 * s_l_hip_roll), 30u);
-    const int32_t by_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_y * s_l_hip_roll) - ((int64_t)e9 * c_l_hip_roll), 30u);
-    /* l_hip_pitch */
-    const int32_t by_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_roll_y * s_l_hip_pitch) + ((int64_t)by_l_hip_yaw_x * c_l_hip_pitch), 30u);
-    const int32_t e11 = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_x * s_l_hip_pitch) - ((int64_t)by_l_hip_roll_y * c_l_hip_pitch), 30u);
-    const int32_t by_l_hip_pitch_y = -e11;
-    /* l_knee */
-    const int32_t by_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_pitch_x * c_l_knee) - ((int64_t)e11 * s_l_knee), 30u);
-    const int32_t e12 = op2_r_sole_fixed_narrow(((int64_t)e11 * c_l_knee) + ((int64_t)by_l_hip_pitch_x * s_l_knee), 30u);
-    const int32_t by_l_knee_y = -e12;
-    /* l_ank_pitch */
-    const int32_t by_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_l_knee_x * c_l_ank_pitch) + ((int64_t)e12 * s_l_ank_pitch), 30u);
-    const int32_t by_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_l_knee_x * s_l_ank_pitch) - ((int64_t)e12 * c_l_ank_pitch), 30u);
-    /* l_ank_roll */
-    const int32_t by_l_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_l_ank_pitch_y * s_l_ank_roll) + ((int64_t)by_l_hip_roll_x * c_l_ank_roll), 30u);
-    const int32_t by_l_ank_roll_y = -op2_r_sole_fixed_narrow(((int64_t)by_l_hip_roll_x * s_l_ank_roll) - ((int64_t)by_l_ank_pitch_y * c_l_ank_roll), 30u);
-    /* l_sho_pitch */
-    const int32_t by_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * c_l_sho_pitch) + ((int64_t)e9 * s_l_sho_pitch), 30u);
-    const int32_t by_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * s_l_sho_pitch) - ((int64_t)e9 * c_l_sho_pitch), 30u);
-    /* l_sho_roll */
-    const int32_t by_l_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)by_l_sho_pitch_y * s_l_sho_roll) + ((int64_t)e10 * c_l_sho_roll), 30u);
-    const int32_t e13 = op2_r_sole_fixed_narrow(((int64_t)e10 * s_l_sho_roll) - ((int64_t)by_l_sho_pitch_y * c_l_sho_roll), 30u);
-    const int32_t by_l_sho_roll_y = -e13;
-    /* l_el */
-    const int32_t by_l_el_x = op2_r_sole_fixed_narrow(((int64_t)by_l_sho_pitch_x * s_l_el) - ((int64_t)e13 * c_l_el), 30u);
-    const int32_t by_l_el_y = -op2_r_sole_fixed_narrow(((int64_t)by_l_sho_pitch_x * c_l_el) + ((int64_t)e13 * s_l_el), 30u);
-    /* r_sho_pitch */
-    const int32_t by_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * c_r_sho_pitch) - ((int64_t)e9 * s_r_sho_pitch), 30u);
-    const int32_t e14 = op2_r_sole_fixed_narrow(((int64_t)e9 * c_r_sho_pitch) + ((int64_t)by_r_hip_yaw_x * s_r_sho_pitch), 30u);
-    const int32_t by_r_sho_pitch_y = -e14;
-    /* r_sho_roll */
-    const int32_t by_r_sho_roll_x = op2_r_sole_fixed_narrow(((int64_t)e14 * s_r_sho_roll) - ((int64_t)e10 * c_r_sho_roll), 30u);
-    const int32_t e15 = op2_r_sole_fixed_narrow(((int64_t)e10 * s_r_sho_roll) + ((int64_t)e14 * c_r_sho_roll), 30u);
-    const int32_t by_r_sho_roll_y = -e15;
-    /* r_el */
-    const int32_t by_r_el_x = -op2_r_sole_fixed_narrow(((int64_t)e15 * c_r_el) + ((int64_t)by_r_sho_pitch_x * s_r_el), 30u);
-    const int32_t by_r_el_y = -op2_r_sole_fixed_narrow(((int64_t)by_r_sho_pitch_x * c_r_el) - ((int64_t)e15 * s_r_el), 30u);
-    /* r_ank_pitch */
-    const int32_t e16 = op2_r_sole_fixed_narrow((int64_t)c_r_ank_roll * s_r_ank_pitch, 30u);
-    const int32_t bz_r_ank_pitch_x = -e16;
-    const int32_t bz_r_ank_pitch_y = op2_r_sole_fixed_narrow((int64_t)c_r_ank_roll * c_r_ank_pitch, 30u);
-    /* r_knee */
-    const int32_t bz_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_ank_pitch_y * s_r_knee) - ((int64_t)e16 * c_r_knee), 30u);
-    const int32_t bz_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_ank_pitch_y * c_r_knee) + ((int64_t)e16 * s_r_knee), 30u);
-    /* r_hip_pitch */
-    const int32_t bz_r_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_knee_x * c_r_hip_pitch) + ((int64_t)bz_r_knee_y * s_r_hip_pitch), 30u);
-    const int32_t bz_r_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_knee_y * c_r_hip_pitch) - ((int64_t)bz_r_knee_x * s_r_hip_pitch), 30u);
-    /* r_hip_roll */
-    const int32_t bz_r_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_pitch_y * s_r_hip_roll) - ((int64_t)s_r_ank_roll * c_r_hip_roll), 30u);
-    const int32_t bz_r_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)s_r_ank_roll * s_r_hip_roll) + ((int64_t)bz_r_hip_pitch_y * c_r_hip_roll), 30u);
-    /* r_hip_yaw */
-    const int32_t bz_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_x * s_r_hip_yaw) + ((int64_t)bz_r_hip_pitch_x * c_r_hip_yaw), 30u);
-    const int32_t e17 = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_pitch_x * s_r_hip_yaw) - ((int64_t)bz_r_hip_roll_x * c_r_hip_yaw), 30u);
-    const int32_t bz_r_hip_yaw_y = -e17;
-    /* head_pan */
-    const int32_t bz_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * c_head_pan) - ((int64_t)e17 * s_head_pan), 30u);
-    const int32_t bz_head_pan_y = -op2_r_sole_fixed_narrow(((int64_t)e17 * c_head_pan) + ((int64_t)bz_r_hip_yaw_x * s_head_pan), 30u);
-    /* head_tilt */
-    const int32_t bz_head_tilt_x = op2_r_sole_fixed_narrow(((int64_t)bz_head_pan_x * c_head_tilt) + ((int64_t)bz_r_hip_roll_y * s_head_tilt), 30u);
-    const int32_t bz_head_tilt_y = -op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y * c_head_tilt) - ((int64_t)bz_head_pan_x * s_head_tilt), 30u);
-    /* l_hip_yaw */
-    const int32_t bz_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * c_l_hip_yaw) + ((int64_t)e17 * s_l_hip_yaw), 30u);
-    const int32_t bz_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * s_l_hip_yaw) - ((int64_t)e17 * c_l_hip_yaw), 30u);
-    /* l_hip_roll */
-    const int32_t bz_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_yaw_y * c_l_hip_roll) - ((int64_t)bz_r_hip_roll_y * s_l_hip_roll), 30u);
-    const int32_t bz_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y * c_l_hip_roll) + ((int64_t)bz_l_hip_yaw_y * s_l_hip_roll), 30u);
-    /* l_hip_pitch */
-    const int32_t bz_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_roll_y * s_l_hip_pitch) + ((int64_t)bz_l_hip_yaw_x * c_l_hip_pitch), 30u);
-    const int32_t e18 = op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_yaw_x * s_l_hip_pitch) - ((int64_t)bz_l_hip_roll_y * c_l_hip_pitch), 30u);
-    const int32_t bz_l_hip_pitch_y = -e18;
-    /* l_knee */
-    const int32_t bz_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_pitch_x * c_l_knee) - ((int64_t)e18 * s_l_knee), 30u);
-    const int32_t e19 = op2_r_sole_fixed_narrow(((int64_t)e18 * c_l_knee) + ((int64_t)bz_l_hip_pitch_x * s_l_knee), 30u);
-    const int32_t bz_l_knee_y = -e19;
-    /* l_ank_pitch */
-    const int32_t bz_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_knee_x * c_l_ank_pitch) + ((int64_t)e19 * s_l_ank_pitch), 30u);
-    const int32_t bz_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bz_l_knee_x * s_l_ank_pitch) - ((int64_t)e19 * c_l_ank_pitch), 30u);
-    /* l_ank_roll */
-    const int32_t bz_l_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_ank_pitch_y * s_l_ank_roll) + ((int64_t)bz_l_hip_roll_x * c_l_ank_roll), 30u);
-    const int32_t bz_l_ank_roll_y = -op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_roll_x * s_l_ank_roll) - ((int64_t)bz_l_ank_pitch_y * c_l_ank_roll), 30u);
-    /* l_sho_pitch */
-    const int32_t bz_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * c_l_sho_pitch) - ((int64_t)bz_r_hip_roll_y * s_l_sho_pitch), 30u);
-    const int32_t bz_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y * c_l_sho_pitch) + ((int64_t)bz_r_hip_yaw_x * s_l_sho_pitch), 30u);
-    /* l_sho_roll */
-    const int32_t bz_l_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)bz_l_sho_pitch_y * s_l_sho_roll) + ((int64_t)e17 * c_l_sho_roll), 30u);
-    const int32_t e20 = op2_r_sole_fixed_narrow(((int64_t)e17 * s_l_sho_roll) - ((int64_t)bz_l_sho_pitch_y * c_l_sho_roll), 30u);
-    const int32_t bz_l_sho_roll_y = -e20;
-    /* l_el */
-    const int32_t bz_l_el_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_sho_pitch_x * s_l_el) - ((int64_t)e20 * c_l_el), 30u);
-    const int32_t bz_l_el_y = -op2_r_sole_fixed_narrow(((int64_t)bz_l_sho_pitch_x * c_l_el) + ((int64_t)e20 * s_l_el), 30u);
-    /* r_sho_pitch */
-    const int32_t bz_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * c_r_sho_pitch) + ((int64_t)bz_r_hip_roll_y * s_r_sho_pitch), 30u);
-    const int32_t bz_r_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y * c_r_sho_pitch) - ((int64_t)bz_r_hip_yaw_x * s_r_sho_pitch), 30u);
-    /* r_sho_roll */
-    const int32_t bz_r_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)bz_r_sho_pitch_y * s_r_sho_roll) + ((int64_t)e17 * c_r_sho_roll), 30u);
-    const int32_t e21 = op2_r_sole_fixed_narrow(((int64_t)e17 * s_r_sho_roll) - ((int64_t)bz_r_sho_pitch_y * c_r_sho_roll), 30u);
-    const int32_t bz_r_sho_roll_y = -e21;
-    /* r_el */
+    const int32_t bx_r_el_x = -op2_r_sole_fixed_narrow(((int64_t)e19 * c_r_el) + ((int64_t)bx_r_sho_pitch_x * s_r_el), 30u);
+    const int32_t bx_r_el_y = -op2_r_sole_fixed_narrow(((int64_t)bx_r_sho_pitch_x * c_r_el) - ((int64_t)e19 * s_r_el), 30u);
+    const int32_t by_r_el_x = -op2_r_sole_fixed_narrow(((int64_t)e20 * c_r_el) + ((int64_t)by_r_sho_pitch_x * s_r_el), 30u);
+    const int32_t by_r_el_y = -op2_r_sole_fixed_narrow(((int64_t)by_r_sho_pitch_x * c_r_el) - ((int64_t)e20 * s_r_el), 30u);
     const int32_t bz_r_el_x = -op2_r_sole_fixed_narrow(((int64_t)e21 * c_r_el) + ((int64_t)bz_r_sho_pitch_x * s_r_el), 30u);
     const int32_t bz_r_el_y = -op2_r_sole_fixed_narrow(((int64_t)bz_r_sho_pitch_x * c_r_el) - ((int64_t)e21 * s_r_el), 30u);
     rows[0] = 1073741824;
@@ -1454,184 +1363,165 @@ void op2_r_sole_fixed_regressor_cop(
     int32_t s_r_ank_pitch;
     int32_t c_r_ank_pitch;
     op2_r_sole_fixed_sincos(q[15], 29u, &s_r_ank_pitch, &c_r_ank_pitch);
+    const int32_t e1 = op2_r_sole_fixed_narrow((int64_t)s_r_ank_roll * s_r_ank_pitch, 30u);
+    const int32_t by_r_ank_pitch_x = -e1;
+    const int32_t by_r_ank_pitch_y = op2_r_sole_fixed_narrow((int64_t)s_r_ank_roll * c_r_ank_pitch, 30u);
     /* r_knee */
     int32_t s_r_knee;
     int32_t c_r_knee;
     op2_r_sole_fixed_sincos(q[14], 29u, &s_r_knee, &c_r_knee);
     const int32_t bx_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)c_r_ank_pitch * c_r_knee) + ((int64_t)s_r_ank_pitch * s_r_knee), 30u);
     const int32_t bx_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)s_r_ank_pitch * c_r_knee) - ((int64_t)c_r_ank_pitch * s_r_knee), 30u);
+    const int32_t by_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)by_r_ank_pitch_y * s_r_knee) - ((int64_t)e1 * c_r_knee), 30u);
+    const int32_t by_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)by_r_ank_pitch_y * c_r_knee) + ((int64_t)e1 * s_r_knee), 30u);
     /* r_hip_pitch */
     int32_t s_r_hip_pitch;
     int32_t c_r_hip_pitch;
     op2_r_sole_fixed_sincos(q[13], 29u, &s_r_hip_pitch, &c_r_hip_pitch);
     const int32_t bx_r_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_knee_x * c_r_hip_pitch) + ((int64_t)bx_r_knee_y * s_r_hip_pitch), 30u);
     const int32_t bx_r_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_knee_y * c_r_hip_pitch) - ((int64_t)bx_r_knee_x * s_r_hip_pitch), 30u);
+    const int32_t by_r_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_knee_x * c_r_hip_pitch) + ((int64_t)by_r_knee_y * s_r_hip_pitch), 30u);
+    const int32_t by_r_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_r_knee_y * c_r_hip_pitch) - ((int64_t)by_r_knee_x * s_r_hip_pitch), 30u);
     /* r_hip_roll */
     int32_t s_r_hip_roll;
     int32_t c_r_hip_roll;
     op2_r_sole_fixed_sincos(q[12], 29u, &s_r_hip_roll, &c_r_hip_roll);
     const int32_t bx_r_hip_roll_x = op2_r_sole_fixed_narrow((int64_t)bx_r_hip_pitch_y * s_r_hip_roll, 30u);
     const int32_t bx_r_hip_roll_y = op2_r_sole_fixed_narrow((int64_t)bx_r_hip_pitch_y * c_r_hip_roll, 30u);
+    const int32_t by_r_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_pitch_y * s_r_hip_roll) + ((int64_t)c_r_ank_roll * c_r_hip_roll), 30u);
+    const int32_t e2 = op2_r_sole_fixed_narrow(((int64_t)c_r_ank_roll * s_r_hip_roll) - ((int64_t)by_r_hip_pitch_y * c_r_hip_roll), 30u);
+    const int32_t by_r_hip_roll_y = -e2;
     /* r_hip_yaw */
     int32_t s_r_hip_yaw;
     int32_t c_r_hip_yaw;
     op2_r_sole_fixed_sincos(q[11], 29u, &s_r_hip_yaw, &c_r_hip_yaw);
     const int32_t bx_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_x * s_r_hip_yaw) + ((int64_t)bx_r_hip_pitch_x * c_r_hip_yaw), 30u);
-    const int32_t e1 = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_pitch_x * s_r_hip_yaw) - ((int64_t)bx_r_hip_roll_x * c_r_hip_yaw), 30u);
-    const int32_t bx_r_hip_yaw_y = -e1;
+    const int32_t e3 = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_pitch_x * s_r_hip_yaw) - ((int64_t)bx_r_hip_roll_x * c_r_hip_yaw), 30u);
+    const int32_t bx_r_hip_yaw_y = -e3;
+    const int32_t by_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_roll_x * s_r_hip_yaw) + ((int64_t)by_r_hip_pitch_x * c_r_hip_yaw), 30u);
+    const int32_t e4 = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_pitch_x * s_r_hip_yaw) - ((int64_t)by_r_hip_roll_x * c_r_hip_yaw), 30u);
+    const int32_t by_r_hip_yaw_y = -e4;
     /* head_pan */
     int32_t s_head_pan;
     int32_t c_head_pan;
     op2_r_sole_fixed_sincos(q[0], 29u, &s_head_pan, &c_head_pan);
-    const int32_t bx_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * c_head_pan) - ((int64_t)e1 * s_head_pan), 30u);
-    const int32_t bx_head_pan_y = -op2_r_sole_fixed_narrow(((int64_t)e1 * c_head_pan) + ((int64_t)bx_r_hip_yaw_x * s_head_pan), 30u);
+    const int32_t bx_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * c_head_pan) - ((int64_t)e3 * s_head_pan), 30u);
+    const int32_t bx_head_pan_y = -op2_r_sole_fixed_narrow(((int64_t)e3 * c_head_pan) + ((int64_t)bx_r_hip_yaw_x * s_head_pan), 30u);
+    const int32_t by_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * c_head_pan) - ((int64_t)e4 * s_head_pan), 30u);
+    const int32_t by_head_pan_y = -op2_r_sole_fixed_narrow(((int64_t)e4 * c_head_pan) + ((int64_t)by_r_hip_yaw_x * s_head_pan), 30u);
     /* head_tilt */
     int32_t s_head_tilt;
     int32_t c_head_tilt;
     op2_r_sole_fixed_sincos(q[1], 29u, &s_head_tilt, &c_head_tilt);
     const int32_t bx_head_tilt_x = op2_r_sole_fixed_narrow(((int64_t)bx_head_pan_x * c_head_tilt) + ((int64_t)bx_r_hip_roll_y * s_head_tilt), 30u);
     const int32_t bx_head_tilt_y = -op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * c_head_tilt) - ((int64_t)bx_head_pan_x * s_head_tilt), 30u);
+    const int32_t by_head_tilt_x = op2_r_sole_fixed_narrow(((int64_t)by_head_pan_x * c_head_tilt) - ((int64_t)e2 * s_head_tilt), 30u);
+    const int32_t by_head_tilt_y = op2_r_sole_fixed_narrow(((int64_t)e2 * c_head_tilt) + ((int64_t)by_head_pan_x * s_head_tilt), 30u);
     /* l_hip_yaw */
     int32_t s_l_hip_yaw;
     int32_t c_l_hip_yaw;
     op2_r_sole_fixed_sincos(q[2], 29u, &s_l_hip_yaw, &c_l_hip_yaw);
-    const int32_t bx_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * c_l_hip_yaw) + ((int64_t)e1 * s_l_hip_yaw), 30u);
-    const int32_t bx_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * s_l_hip_yaw) - ((int64_t)e1 * c_l_hip_yaw), 30u);
+    const int32_t bx_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * c_l_hip_yaw) + ((int64_t)e3 * s_l_hip_yaw), 30u);
+    const int32_t bx_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * s_l_hip_yaw) - ((int64_t)e3 * c_l_hip_yaw), 30u);
+    const int32_t by_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * c_l_hip_yaw) + ((int64_t)e4 * s_l_hip_yaw), 30u);
+    const int32_t by_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * s_l_hip_yaw) - ((int64_t)e4 * c_l_hip_yaw), 30u);
     /* l_hip_roll */
     int32_t s_l_hip_roll;
     int32_t c_l_hip_roll;
     op2_r_sole_fixed_sincos(q[3], 29u, &s_l_hip_roll, &c_l_hip_roll);
     const int32_t bx_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_yaw_y * c_l_hip_roll) - ((int64_t)bx_r_hip_roll_y * s_l_hip_roll), 30u);
     const int32_t bx_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * c_l_hip_roll) + ((int64_t)bx_l_hip_yaw_y * s_l_hip_roll), 30u);
+    const int32_t by_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_y * c_l_hip_roll) + ((int64_t)e2 * s_l_hip_roll), 30u);
+    const int32_t by_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_y * s_l_hip_roll) - ((int64_t)e2 * c_l_hip_roll), 30u);
     /* l_hip_pitch */
     int32_t s_l_hip_pitch;
     int32_t c_l_hip_pitch;
     op2_r_sole_fixed_sincos(q[4], 29u, &s_l_hip_pitch, &c_l_hip_pitch);
     const int32_t bx_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_roll_y * s_l_hip_pitch) + ((int64_t)bx_l_hip_yaw_x * c_l_hip_pitch), 30u);
-    const int32_t e2 = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_yaw_x * s_l_hip_pitch) - ((int64_t)bx_l_hip_roll_y * c_l_hip_pitch), 30u);
-    const int32_t bx_l_hip_pitch_y = -e2;
+    const int32_t e5 = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_yaw_x * s_l_hip_pitch) - ((int64_t)bx_l_hip_roll_y * c_l_hip_pitch), 30u);
+    const int32_t bx_l_hip_pitch_y = -e5;
+    const int32_t by_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_roll_y * s_l_hip_pitch) + ((int64_t)by_l_hip_yaw_x * c_l_hip_pitch), 30u);
+    const int32_t e6 = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_x * s_l_hip_pitch) - ((int64_t)by_l_hip_roll_y * c_l_hip_pitch), 30u);
+    const int32_t by_l_hip_pitch_y = -e6;
     /* l_knee */
     int32_t s_l_knee;
     int32_t c_l_knee;
     op2_r_sole_fixed_sincos(q[5], 29u, &s_l_knee, &c_l_knee);
-    const int32_t bx_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_pitch_x * c_l_knee) - ((int64_t)e2 * s_l_knee), 30u);
-    const int32_t e3 = op2_r_sole_fixed_narrow(((int64_t)e2 * c_l_knee) + ((int64_t)bx_l_hip_pitch_x * s_l_knee), 30u);
-    const int32_t bx_l_knee_y = -e3;
+    const int32_t bx_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_pitch_x * c_l_knee) - ((int64_t)e5 * s_l_knee), 30u);
+    const int32_t e7 = op2_r_sole_fixed_narrow(((int64_t)e5 * c_l_knee) + ((int64_t)bx_l_hip_pitch_x * s_l_knee), 30u);
+    const int32_t bx_l_knee_y = -e7;
+    const int32_t by_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_pitch_x * c_l_knee) - ((int64_t)e6 * s_l_knee), 30u);
+    const int32_t e8 = op2_r_sole_fixed_narrow(((int64_t)e6 * c_l_knee) + ((int64_t)by_l_hip_pitch_x * s_l_knee), 30u);
+    const int32_t by_l_knee_y = -e8;
     /* l_ank_pitch */
     int32_t s_l_ank_pitch;
     int32_t c_l_ank_pitch;
     op2_r_sole_fixed_sincos(q[6], 29u, &s_l_ank_pitch, &c_l_ank_pitch);
-    const int32_t bx_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_knee_x * c_l_ank_pitch) + ((int64_t)e3 * s_l_ank_pitch), 30u);
-    const int32_t bx_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_l_knee_x * s_l_ank_pitch) - ((int64_t)e3 * c_l_ank_pitch), 30u);
+    const int32_t bx_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_knee_x * c_l_ank_pitch) + ((int64_t)e7 * s_l_ank_pitch), 30u);
+    const int32_t bx_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_l_knee_x * s_l_ank_pitch) - ((int64_t)e7 * c_l_ank_pitch), 30u);
+    const int32_t by_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_l_knee_x * c_l_ank_pitch) + ((int64_t)e8 * s_l_ank_pitch), 30u);
+    const int32_t by_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_l_knee_x * s_l_ank_pitch) - ((int64_t)e8 * c_l_ank_pitch), 30u);
     /* l_ank_roll */
     int32_t s_l_ank_roll;
     int32_t c_l_ank_roll;
     op2_r_sole_fixed_sincos(q[7], 29u, &s_l_ank_roll, &c_l_ank_roll);
     const int32_t bx_l_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_ank_pitch_y * s_l_ank_roll) + ((int64_t)bx_l_hip_roll_x * c_l_ank_roll), 30u);
     const int32_t bx_l_ank_roll_y = -op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_roll_x * s_l_ank_roll) - ((int64_t)bx_l_ank_pitch_y * c_l_ank_roll), 30u);
+    const int32_t by_l_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_l_ank_pitch_y * s_l_ank_roll) + ((int64_t)by_l_hip_roll_x * c_l_ank_roll), 30u);
+    const int32_t by_l_ank_roll_y = -op2_r_sole_fixed_narrow(((int64_t)by_l_hip_roll_x * s_l_ank_roll) - ((int64_t)by_l_ank_pitch_y * c_l_ank_roll), 30u);
     /* l_sho_pitch */
     int32_t s_l_sho_pitch;
     int32_t c_l_sho_pitch;
     op2_r_sole_fixed_sincos(q[8], 29u, &s_l_sho_pitch, &c_l_sho_pitch);
     const int32_t bx_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * c_l_sho_pitch) - ((int64_t)bx_r_hip_roll_y * s_l_sho_pitch), 30u);
     const int32_t bx_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * c_l_sho_pitch) + ((int64_t)bx_r_hip_yaw_x * s_l_sho_pitch), 30u);
+    const int32_t by_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * c_l_sho_pitch) + ((int64_t)e2 * s_l_sho_pitch), 30u);
+    const int32_t by_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * s_l_sho_pitch) - ((int64_t)e2 * c_l_sho_pitch), 30u);
     /* l_sho_roll */
-    const int32_t e4 = q[9] - 421657428;
+    const int32_t e9 = q[9] - 421657428;
     int32_t s_l_sho_roll;
     int32_t c_l_sho_roll;
-    op2_r_sole_fixed_sincos(e4, 29u, &s_l_sho_roll, &c_l_sho_roll);
-    const int32_t bx_l_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)bx_l_sho_pitch_y * s_l_sho_roll) + ((int64_t)e1 * c_l_sho_roll), 30u);
-    const int32_t e5 = op2_r_sole_fixed_narrow(((int64_t)e1 * s_l_sho_roll) - ((int64_t)bx_l_sho_pitch_y * c_l_sho_roll), 30u);
-    const int32_t bx_l_sho_roll_y = -e5;
+    op2_r_sole_fixed_sincos(e9, 29u, &s_l_sho_roll, &c_l_sho_roll);
+    const int32_t bx_l_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)bx_l_sho_pitch_y * s_l_sho_roll) + ((int64_t)e3 * c_l_sho_roll), 30u);
+    const int32_t e10 = op2_r_sole_fixed_narrow(((int64_t)e3 * s_l_sho_roll) - ((int64_t)bx_l_sho_pitch_y * c_l_sho_roll), 30u);
+    const int32_t bx_l_sho_roll_y = -e10;
+    const int32_t by_l_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)by_l_sho_pitch_y * s_l_sho_roll) + ((int64_t)e4 * c_l_sho_roll), 30u);
+    const int32_t e11 = op2_r_sole_fixed_narrow(((int64_t)e4 * s_l_sho_roll) - ((int64_t)by_l_sho_pitch_y * c_l_sho_roll), 30u);
+    const int32_t by_l_sho_roll_y = -e11;
     /* l_el */
     int32_t s_l_el;
     int32_t c_l_el;
     op2_r_sole_fixed_sincos(q[10], 29u, &s_l_el, &c_l_el);
-    const int32_t bx_l_el_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_sho_pitch_x * s_l_el) - ((int64_t)e5 * c_l_el), 30u);
-    const int32_t bx_l_el_y = -op2_r_sole_fixed_narrow(((int64_t)bx_l_sho_pitch_x * c_l_el) + ((int64_t)e5 * s_l_el), 30u);
+    const int32_t bx_l_el_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_sho_pitch_x * s_l_el) - ((int64_t)e10 * c_l_el), 30u);
+    const int32_t bx_l_el_y = -op2_r_sole_fixed_narrow(((int64_t)bx_l_sho_pitch_x * c_l_el) + ((int64_t)e10 * s_l_el), 30u);
+    const int32_t by_l_el_x = op2_r_sole_fixed_narrow(((int64_t)by_l_sho_pitch_x * s_l_el) - ((int64_t)e11 * c_l_el), 30u);
+    const int32_t by_l_el_y = -op2_r_sole_fixed_narrow(((int64_t)by_l_sho_pitch_x * c_l_el) + ((int64_t)e11 * s_l_el), 30u);
     /* r_sho_pitch */
     int32_t s_r_sho_pitch;
     int32_t c_r_sho_pitch;
     op2_r_sole_fixed_sincos(q[17], 29u, &s_r_sho_pitch, &c_r_sho_pitch);
     const int32_t bx_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * c_r_sho_pitch) + ((int64_t)bx_r_hip_roll_y * s_r_sho_pitch), 30u);
     const int32_t bx_r_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * c_r_sho_pitch) - ((int64_t)bx_r_hip_yaw_x * s_r_sho_pitch), 30u);
+    const int32_t by_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * c_r_sho_pitch) - ((int64_t)e2 * s_r_sho_pitch), 30u);
+    const int32_t e12 = op2_r_sole_fixed_narrow(((int64_t)e2 * c_r_sho_pitch) + ((int64_t)by_r_hip_yaw_x * s_r_sho_pitch), 30u);
+    const int32_t by_r_sho_pitch_y = -e12;
     /* r_sho_roll */
-    const int32_t e6 = q[18] + 421657428;
+    const int32_t e13 = q[18] + 421657428;
     int32_t s_r_sho_roll;
     int32_t c_r_sho_roll;
-    op2_r_sole_fixed_sincos(e6, 29u, &s_r_sho_roll, &c_r_sho_roll);
-    const int32_t bx_r_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)bx_r_sho_pitch_y * s_r_sho_roll) + ((int64_t)e1 * c_r_sho_roll), 30u);
-    const int32_t e7 = op2_r_sole_fixed_narrow(((int64_t)e1 * s_r_sho_roll) - ((int64_t)bx_r_sho_pitch_y * c_r_sho_roll), 30u);
-    const int32_t bx_r_sho_roll_y = -e7;
+    op2_r_sole_fixed_sincos(e13, 29u, &s_r_sho_roll, &c_r_sho_roll);
+    const int32_t bx_r_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)bx_r_sho_pitch_y * s_r_sho_roll) + ((int64_t)e3 * c_r_sho_roll), 30u);
+    const int32_t e14 = op2_r_sole_fixed_narrow(((int64_t)e3 * s_r_sho_roll) - ((int64_t)bx_r_sho_pitch_y * c_r_sho_roll), 30u);
+    const int32_t bx_r_sho_roll_y = -e14;
+    const int32_t by_r_sho_roll_x = op2_r_sole_fixed_narrow(((int64_t)e12 * s_r_sho_roll) - ((int64_t)e4 * c_r_sho_roll), 30u);
+    const int32_t e15 = op2_r_sole_fixed_narrow(((int64_t)e4 * s_r_sho_roll) + ((int64_t)e12 * c_r_sho_roll), 30u);
+    const int32_t by_r_sho_roll_y = -e15;
     /* r_el */
     int32_t s_r_el;
     int32_t c_r_el;
     op2_r_sole_fixed_sincos(q[19], 29u, &s_r_el, &c_r_el);
-    const int32_t bx_r_el_x = -op2_r_sole_fixed_narrow(((int64_t)e7 * c_r_el) + ((int64_t)bx_r_sho_pitch_x * s_r_el), 30u);
-    const int32_t bx_r_el_y = -op2_r_sole_fixed_narrow(((int64_t)bx_r_sho_pitch_x * c_r_el) - ((int64_t)e7 * s_r_el), 30u);
-    /* r_ank_pitch */
-    const int32_t e8 = op2_r_sole_fixed_narrow((int64_t)s_r_ank_roll * s_r_ank_pitch, 30u);
-    const int32_t by_r_ank_pitch_x = -e8;
-    const int32_t by_r_ank_pitch_y = op2_r_sole_fixed_narrow((int64_t)s_r_ank_roll * c_r_ank_pitch, 30u);
-    /* r_knee */
-    const int32_t by_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)by_r_ank_pitch_y * s_r_knee) - ((int64_t)e8 * c_r_knee), 30u);
-    const int32_t by_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)by_r_ank_pitch_y * c_r_knee) + ((int64_t)e8 * s_r_knee), 30u);
-    /* r_hip_pitch */
-    const int32_t by_r_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_knee_x * c_r_hip_pitch) + ((int64_t)by_r_knee_y * s_r_hip_pitch), 30u);
-    const int32_t by_r_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_r_knee_y * c_r_hip_pitch) - ((int64_t)by_r_knee_x * s_r_hip_pitch), 30u);
-    /* r_hip_roll */
-    const int32_t by_r_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_pitch_y * s_r_hip_roll) + ((int64_t)c_r_ank_roll * c_r_hip_roll), 30u);
-    const int32_t e9 = op2_r_sole_fixed_narrow(((int64_t)c_r_ank_roll * s_r_hip_roll) - ((int64_t)by_r_hip_pitch_y * c_r_hip_roll), 30u);
-    const int32_t by_r_hip_roll_y = -e9;
-    /* r_hip_yaw */
-    const int32_t by_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_roll_x * s_r_hip_yaw) + ((int64_t)by_r_hip_pitch_x * c_r_hip_yaw), 30u);
-    const int32_t e10 = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_pitch_x * s_r_hip_yaw) - ((int64_t)by_r_hip_roll_x * c_r_hip_yaw), 30u);
-    const int32_t by_r_hip_yaw_y = -e10;
-    /* head_pan */
-    const int32_t by_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * c_head_pan) - ((int64_t)e10 * s_head_pan), 30u);
-    const int32_t by_head_pan_y = -op2_r_sole_fixed_narrow(((int64_t)e10 * c_head_pan) + ((int64_t)by_r_hip_yaw_x * s_head_pan), 30u);
-    /* head_tilt */
-    const int32_t by_head_tilt_x = op2_r_sole_fixed_narrow(((int64_t)by_head_pan_x * c_head_tilt) - ((int64_t)e9 * s_head_tilt), 30u);
-    const int32_t by_head_tilt_y = op2_r_sole_fixed_narrow(((int64_t)e9 * c_head_tilt) + ((int64_t)by_head_pan_x * s_head_tilt), 30u);
-    /* l_hip_yaw */
-    const int32_t by_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * c_l_hip_yaw) + ((int64_t)e10 * s_l_hip_yaw), 30u);
-    const int32_t by_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * s_l_hip_yaw) - ((int64_t)e10 * c_l_hip_yaw), 30u);
-    /* l_hip_roll */
-    const int32_t by_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_y * c_l_hip_roll) + ((int64_t)e9 * s_l_hip_roll), 30u);
-    const int32_t by_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_y * s_l_hip_roll) - ((int64_t)e9 * c_l_hip_roll), 30u);
-    /* l_hip_pitch */
-    const int32_t by_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_roll_y * s_l_hip_pitch) + ((int64_t)by_l_hip_yaw_x * c_l_hip_pitch), 30u);
-    const int32_t e11 = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_x * s_l_hip_pitch) - ((int64_t)by_l_hip_roll_y * c_l_hip_pitch), 30u);
-    const int32_t by_l_hip_pitch_y = -e11;
-    /* l_knee */
-    const int32_t by_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_pitch_x * c_l_knee) - ((int64_t)e11 * s_l_knee), 30u);
-    const int32_t e12 = op2_r_sole_fixed_narrow(((int64_t)e11 * c_l_knee) + ((int64_t)by_l_hip_pitch_x * s_l_knee), 30u);
-    const int32_t by_l_knee_y = -e12;
-    /* l_ank_pitch */
-    const int32_t by_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_l_knee_x * c_l_ank_pitch) + ((int64_t)e12 * s_l_ank_pitch), 30u);
-    const int32_t by_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_l_knee_x * s_l_ank_pitch) - ((int64_t)e12 * c_l_ank_pitch), 30u);
-    /* l_ank_roll */
-    const int32_t by_l_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_l_ank_pitch_y * s_l_ank_roll) + ((int64_t)by_l_hip_roll_x * c_l_ank_roll), 30u);
-    const int32_t by_l_ank_roll_y = -op2_r_sole_fixed_narrow(((int64_t)by_l_hip_roll_x * s_l_ank_roll) - ((int64_t)by_l_ank_pitch_y * c_l_ank_roll), 30u);
-    /* l_sho_pitch */
-    const int32_t by_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * c_l_sho_pitch) + ((int64_t)e9 * s_l_sho_pitch), 30u);
-    const int32_t by_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * s_l_sho_pitch) - ((int64_t)e9 * c_l_sho_pitch), 30u);
-    /* l_sho_roll */
-    const int32_t by_l_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)by_l_sho_pitch_y * s_l_sho_roll) + ((int64_t)e10 * c_l_sho_roll), 30u);
-    const int32_t e13 = op2_r_sole_fixed_narrow(((int64_t)e10 * s_l_sho_roll) - ((int64_t)by_l_sho_pitch_y * c_l_sho_roll), 30u);
-    const int32_t by_l_sho_roll_y = -e13;
-    /* l_el */
-    const int32_t by_l_el_x = op2_r_sole_fixed_narrow(((int64_t)by_l_sho_pitch_x * s_l_el) - ((int64_t)e13 * c_l_el), 30u);
-    const int32_t by_l_el_y = -op2_r_sole_fixed_narrow(((int64_t)by_l_sho_pitch_x * c_l_el) + ((int64_t)e13 * s_l_el), 30u);
-    /* r_sho_pitch */
-    const int32_t by_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * c_r_sho_pitch) - ((int64_t)e9 * s_r_sho_pitch), 30u);
-    const int32_t e14 = op2_r_sole_fixed_narrow(((int64_t)e9 * c_r_sho_pitch) + ((int64_t)by_r_hip_yaw_x * s_r_sho_pitch), 30u);
-    const int32_t by_r_sho_pitch_y = -e14;
-    /* r_sho_roll */
-    const int32_t by_r_sho_roll_x = op2_r_sole_fixed_narrow(((int64_t)e14 * s_r_sho_roll) - ((int64_t)e10 * c_r_sho_roll), 30u);
-    const int32_t e15 = op2_r_sole_fixed_narrow(((int64_t)e10 * s_r_sho_roll) + ((int64_t)e14 * c_r_sho_roll), 30u);
-    const int32_t by_r_sho_roll_y = -e15;
-    /* r_el */
+    const int32_t bx_r_el_x = -op2_r_sole_fixed_narrow(((int64_t)e14 * c_r_el) + ((int64_t)bx_r_sho_pitch_x * s_r_el), 30u);
+    const int32_t bx_r_el_y = -op2_r_sole_fixed_narrow(((int64_t)bx_r_sho_pitch_x * c_r_el) - ((int64_t)e14 * s_r_el), 30u);
     const int32_t by_r_el_x = -op2_r_sole_fixed_narrow(((int64_t)e15 * c_r_el) + ((int64_t)by_r_sho_pitch_x * s_r_el), 30u);
     const int32_t by_r_el_y = -op2_r_sole_fixed_narrow(((int64_t)by_r_sho_pitch_x * c_r_el) - ((int64_t)e15 * s_r_el), 30u);
     rows[0] = 1073741824;
@@ -1735,247 +1625,209 @@ void op2_r_sole_fixed_regressor_full(
     int32_t s_r_ank_pitch;
     int32_t c_r_ank_pitch;
     op2_r_sole_fixed_sincos(q[15], 29u, &s_r_ank_pitch, &c_r_ank_pitch);
+    const int32_t e1 = op2_r_sole_fixed_narrow((int64_t)s_r_ank_roll * s_r_ank_pitch, 30u);
+    const int32_t by_r_ank_pitch_x = -e1;
+    const int32_t by_r_ank_pitch_y = op2_r_sole_fixed_narrow((int64_t)s_r_ank_roll * c_r_ank_pitch, 30u);
+    const int32_t e2 = op2_r_sole_fixed_narrow((int64_t)c_r_ank_roll * s_r_ank_pitch, 30u);
+    const int32_t bz_r_ank_pitch_x = -e2;
+    const int32_t bz_r_ank_pitch_y = op2_r_sole_fixed_narrow((int64_t)c_r_ank_roll * c_r_ank_pitch, 30u);
     /* r_knee */
     int32_t s_r_knee;
     int32_t c_r_knee;
     op2_r_sole_fixed_sincos(q[14], 29u, &s_r_knee, &c_r_knee);
     const int32_t bx_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)c_r_ank_pitch * c_r_knee) + ((int64_t)s_r_ank_pitch * s_r_knee), 30u);
     const int32_t bx_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)s_r_ank_pitch * c_r_knee) - ((int64_t)c_r_ank_pitch * s_r_knee), 30u);
+    const int32_t by_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)by_r_ank_pitch_y * s_r_knee) - ((int64_t)e1 * c_r_knee), 30u);
+    const int32_t by_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)by_r_ank_pitch_y * c_r_knee) + ((int64_t)e1 * s_r_knee), 30u);
+    const int32_t bz_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_ank_pitch_y * s_r_knee) - ((int64_t)e2 * c_r_knee), 30u);
+    const int32_t bz_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_ank_pitch_y * c_r_knee) + ((int64_t)e2 * s_r_knee), 30u);
     /* r_hip_pitch */
     int32_t s_r_hip_pitch;
     int32_t c_r_hip_pitch;
     op2_r_sole_fixed_sincos(q[13], 29u, &s_r_hip_pitch, &c_r_hip_pitch);
     const int32_t bx_r_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_knee_x * c_r_hip_pitch) + ((int64_t)bx_r_knee_y * s_r_hip_pitch), 30u);
     const int32_t bx_r_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_knee_y * c_r_hip_pitch) - ((int64_t)bx_r_knee_x * s_r_hip_pitch), 30u);
+    const int32_t by_r_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_knee_x * c_r_hip_pitch) + ((int64_t)by_r_knee_y * s_r_hip_pitch), 30u);
+    const int32_t by_r_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_r_knee_y * c_r_hip_pitch) - ((int64_t)by_r_knee_x * s_r_hip_pitch), 30u);
+    const int32_t bz_r_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_knee_x * c_r_hip_pitch) + ((int64_t)bz_r_knee_y * s_r_hip_pitch), 30u);
+    const int32_t bz_r_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_knee_y * c_r_hip_pitch) - ((int64_t)bz_r_knee_x * s_r_hip_pitch), 30u);
     /* r_hip_roll */
     int32_t s_r_hip_roll;
     int32_t c_r_hip_roll;
     op2_r_sole_fixed_sincos(q[12], 29u, &s_r_hip_roll, &c_r_hip_roll);
     const int32_t bx_r_hip_roll_x = op2_r_sole_fixed_narrow((int64_t)bx_r_hip_pitch_y * s_r_hip_roll, 30u);
     const int32_t bx_r_hip_roll_y = op2_r_sole_fixed_narrow((int64_t)bx_r_hip_pitch_y * c_r_hip_roll, 30u);
+    const int32_t by_r_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_pitch_y * s_r_hip_roll) + ((int64_t)c_r_ank_roll * c_r_hip_roll), 30u);
+    const int32_t e3 = op2_r_sole_fixed_narrow(((int64_t)c_r_ank_roll * s_r_hip_roll) - ((int64_t)by_r_hip_pitch_y * c_r_hip_roll), 30u);
+    const int32_t by_r_hip_roll_y = -e3;
+    const int32_t bz_r_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_pitch_y * s_r_hip_roll) - ((int64_t)s_r_ank_roll * c_r_hip_roll), 30u);
+    const int32_t bz_r_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)s_r_ank_roll * s_r_hip_roll) + ((int64_t)bz_r_hip_pitch_y * c_r_hip_roll), 30u);
     /* r_hip_yaw */
     int32_t s_r_hip_yaw;
     int32_t c_r_hip_yaw;
     op2_r_sole_fixed_sincos(q[11], 29u, &s_r_hip_yaw, &c_r_hip_yaw);
     const int32_t bx_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_x * s_r_hip_yaw) + ((int64_t)bx_r_hip_pitch_x * c_r_hip_yaw), 30u);
-    const int32_t e1 = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_pitch_x * s_r_hip_yaw) - ((int64_t)bx_r_hip_roll_x * c_r_hip_yaw), 30u);
-    const int32_t bx_r_hip_yaw_y = -e1;
+    const int32_t e4 = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_pitch_x * s_r_hip_yaw) - ((int64_t)bx_r_hip_roll_x * c_r_hip_yaw), 30u);
+    const int32_t bx_r_hip_yaw_y = -e4;
+    const int32_t by_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_roll_x * s_r_hip_yaw) + ((int64_t)by_r_hip_pitch_x * c_r_hip_yaw), 30u);
+    const int32_t e5 = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_pitch_x * s_r_hip_yaw) - ((int64_t)by_r_hip_roll_x * c_r_hip_yaw), 30u);
+    const int32_t by_r_hip_yaw_y = -e5;
+    const int32_t bz_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_x * s_r_hip_yaw) + ((int64_t)bz_r_hip_pitch_x * c_r_hip_yaw), 30u);
+    const int32_t e6 = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_pitch_x * s_r_hip_yaw) - ((int64_t)bz_r_hip_roll_x * c_r_hip_yaw), 30u);
+    const int32_t bz_r_hip_yaw_y = -e6;
     /* head_pan */
     int32_t s_head_pan;
     int32_t c_head_pan;
     op2_r_sole_fixed_sincos(q[0], 29u, &s_head_pan, &c_head_pan);
-    const int32_t bx_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * c_head_pan) - ((int64_t)e1 * s_head_pan), 30u);
-    const int32_t bx_head_pan_y = -op2_r_sole_fixed_narrow(((int64_t)e1 * c_head_pan) + ((int64_t)bx_r_hip_yaw_x * s_head_pan), 30u);
+    const int32_t bx_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * c_head_pan) - ((int64_t)e4 * s_head_pan), 30u);
+    const int32_t bx_head_pan_y = -op2_r_sole_fixed_narrow(((int64_t)e4 * c_head_pan) + ((int64_t)bx_r_hip_yaw_x * s_head_pan), 30u);
+    const int32_t by_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * c_head_pan) - ((int64_t)e5 * s_head_pan), 30u);
+    const int32_t by_head_pan_y = -op2_r_sole_fixed_narrow(((int64_t)e5 * c_head_pan) + ((int64_t)by_r_hip_yaw_x * s_head_pan), 30u);
+    const int32_t bz_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * c_head_pan) - ((int64_t)e6 * s_head_pan), 30u);
+    const int32_t bz_head_pan_y = -op2_r_sole_fixed_narrow(((int64_t)e6 * c_head_pan) + ((int64_t)bz_r_hip_yaw_x * s_head_pan), 30u);
     /* head_tilt */
     int32_t s_head_tilt;
     int32_t c_head_tilt;
     op2_r_sole_fixed_sincos(q[1], 29u, &s_head_tilt, &c_head_tilt);
     const int32_t bx_head_tilt_x = op2_r_sole_fixed_narrow(((int64_t)bx_head_pan_x * c_head_tilt) + ((int64_t)bx_r_hip_roll_y * s_head_tilt), 30u);
-    const int32_t e2 = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * c_head_tilt) - ((int64_t)bx_head_pan_x * s_head_tilt), 30u);
+    const int32_t e7 = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * c_head_tilt) - ((int64_t)bx_head_pan_x * s_head_tilt), 30u);
+    const int32_t by_head_tilt_x = op2_r_sole_fixed_narrow(((int64_t)by_head_pan_x * c_head_tilt) - ((int64_t)e3 * s_head_tilt), 30u);
+    const int32_t by_head_tilt_y = op2_r_sole_fixed_narrow(((int64_t)e3 * c_head_tilt) + ((int64_t)by_head_pan_x * s_head_tilt), 30u);
+    const int32_t bz_head_tilt_x = op2_r_sole_fixed_narrow(((int64_t)bz_head_pan_x * c_head_tilt) + ((int64_t)bz_r_hip_roll_y * s_head_tilt), 30u);
+    const int32_t e8 = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y * c_head_tilt) - ((int64_t)bz_head_pan_x * s_head_tilt), 30u);
     /* l_hip_yaw */
     int32_t s_l_hip_yaw;
     int32_t c_l_hip_yaw;
     op2_r_sole_fixed_sincos(q[2], 29u, &s_l_hip_yaw, &c_l_hip_yaw);
-    const int32_t bx_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * c_l_hip_yaw) + ((int64_t)e1 * s_l_hip_yaw), 30u);
-    const int32_t bx_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * s_l_hip_yaw) - ((int64_t)e1 * c_l_hip_yaw), 30u);
+    const int32_t bx_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * c_l_hip_yaw) + ((int64_t)e4 * s_l_hip_yaw), 30u);
+    const int32_t bx_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * s_l_hip_yaw) - ((int64_t)e4 * c_l_hip_yaw), 30u);
+    const int32_t by_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * c_l_hip_yaw) + ((int64_t)e5 * s_l_hip_yaw), 30u);
+    const int32_t by_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * s_l_hip_yaw) - ((int64_t)e5 * c_l_hip_yaw), 30u);
+    const int32_t bz_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * c_l_hip_yaw) + ((int64_t)e6 * s_l_hip_yaw), 30u);
+    const int32_t bz_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * s_l_hip_yaw) - ((int64_t)e6 * c_l_hip_yaw), 30u);
     /* l_hip_roll */
     int32_t s_l_hip_roll;
     int32_t c_l_hip_roll;
     op2_r_sole_fixed_sincos(q[3], 29u, &s_l_hip_roll, &c_l_hip_roll);
     const int32_t bx_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_yaw_y * c_l_hip_roll) - ((int64_t)bx_r_hip_roll_y * s_l_hip_roll), 30u);
     const int32_t bx_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * c_l_hip_roll) + ((int64_t)bx_l_hip_yaw_y * s_l_hip_roll), 30u);
+    const int32_t by_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_y * c_l_hip_roll) + ((int64_t)e3 * s_l_hip_roll), 30u);
+    const int32_t by_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_y * s_l_hip_roll) - ((int64_t)e3 * c_l_hip_roll), 30u);
+    const int32_t bz_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_yaw_y * c_l_hip_roll) - ((int64_t)bz_r_hip_roll_y * s_l_hip_roll), 30u);
+    const int32_t bz_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y * c_l_hip_roll) + ((int64_t)bz_l_hip_yaw_y * s_l_hip_roll), 30u);
     /* l_hip_pitch */
     int32_t s_l_hip_pitch;
     int32_t c_l_hip_pitch;
     op2_r_sole_fixed_sincos(q[4], 29u, &s_l_hip_pitch, &c_l_hip_pitch);
     const int32_t bx_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_roll_y * s_l_hip_pitch) + ((int64_t)bx_l_hip_yaw_x * c_l_hip_pitch), 30u);
-    const int32_t e3 = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_yaw_x * s_l_hip_pitch) - ((int64_t)bx_l_hip_roll_y * c_l_hip_pitch), 30u);
-    const int32_t bx_l_hip_pitch_y = -e3;
+    const int32_t e9 = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_yaw_x * s_l_hip_pitch) - ((int64_t)bx_l_hip_roll_y * c_l_hip_pitch), 30u);
+    const int32_t bx_l_hip_pitch_y = -e9;
+    const int32_t by_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_roll_y * s_l_hip_pitch) + ((int64_t)by_l_hip_yaw_x * c_l_hip_pitch), 30u);
+    const int32_t e10 = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_x * s_l_hip_pitch) - ((int64_t)by_l_hip_roll_y * c_l_hip_pitch), 30u);
+    const int32_t by_l_hip_pitch_y = -e10;
+    const int32_t bz_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_roll_y * s_l_hip_pitch) + ((int64_t)bz_l_hip_yaw_x * c_l_hip_pitch), 30u);
+    const int32_t e11 = op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_yaw_x * s_l_hip_pitch) - ((int64_t)bz_l_hip_roll_y * c_l_hip_pitch), 30u);
+    const int32_t bz_l_hip_pitch_y = -e11;
     /* l_knee */
     int32_t s_l_knee;
     int32_t c_l_knee;
     op2_r_sole_fixed_sincos(q[5], 29u, &s_l_knee, &c_l_knee);
-    const int32_t bx_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_pitch_x * c_l_knee) - ((int64_t)e3 * s_l_knee), 30u);
-    const int32_t e4 = op2_r_sole_fixed_narrow(((int64_t)e3 * c_l_knee) + ((int64_t)bx_l_hip_pitch_x * s_l_knee), 30u);
-    const int32_t bx_l_knee_y = -e4;
+    const int32_t bx_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_pitch_x * c_l_knee) - ((int64_t)e9 * s_l_knee), 30u);
+    const int32_t e12 = op2_r_sole_fixed_narrow(((int64_t)e9 * c_l_knee) + ((int64_t)bx_l_hip_pitch_x * s_l_knee), 30u);
+    const int32_t bx_l_knee_y = -e12;
+    const int32_t by_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_pitch_x * c_l_knee) - ((int64_t)e10 * s_l_knee), 30u);
+    const int32_t e13 = op2_r_sole_fixed_narrow(((int64_t)e10 * c_l_knee) + ((int64_t)by_l_hip_pitch_x * s_l_knee), 30u);
+    const int32_t by_l_knee_y = -e13;
+    const int32_t bz_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_pitch_x * c_l_knee) - ((int64_t)e11 * s_l_knee), 30u);
+    const int32_t e14 = op2_r_sole_fixed_narrow(((int64_t)e11 * c_l_knee) + ((int64_t)bz_l_hip_pitch_x * s_l_knee), 30u);
+    const int32_t bz_l_knee_y = -e14;
     /* l_ank_pitch */
     int32_t s_l_ank_pitch;
     int32_t c_l_ank_pitch;
     op2_r_sole_fixed_sincos(q[6], 29u, &s_l_ank_pitch, &c_l_ank_pitch);
-    const int32_t bx_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_knee_x * c_l_ank_pitch) + ((int64_t)e4 * s_l_ank_pitch), 30u);
-    const int32_t bx_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_l_knee_x * s_l_ank_pitch) - ((int64_t)e4 * c_l_ank_pitch), 30u);
+    const int32_t bx_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_knee_x * c_l_ank_pitch) + ((int64_t)e12 * s_l_ank_pitch), 30u);
+    const int32_t bx_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_l_knee_x * s_l_ank_pitch) - ((int64_t)e12 * c_l_ank_pitch), 30u);
+    const int32_t by_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_l_knee_x * c_l_ank_pitch) + ((int64_t)e13 * s_l_ank_pitch), 30u);
+    const int32_t by_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_l_knee_x * s_l_ank_pitch) - ((int64_t)e13 * c_l_ank_pitch), 30u);
+    const int32_t bz_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_knee_x * c_l_ank_pitch) + ((int64_t)e14 * s_l_ank_pitch), 30u);
+    const int32_t bz_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bz_l_knee_x * s_l_ank_pitch) - ((int64_t)e14 * c_l_ank_pitch), 30u);
     /* l_ank_roll */
     int32_t s_l_ank_roll;
     int32_t c_l_ank_roll;
     op2_r_sole_fixed_sincos(q[7], 29u, &s_l_ank_roll, &c_l_ank_roll);
     const int32_t bx_l_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_ank_pitch_y * s_l_ank_roll) + ((int64_t)bx_l_hip_roll_x * c_l_ank_roll), 30u);
     const int32_t bx_l_ank_roll_y = -op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_roll_x * s_l_ank_roll) - ((int64_t)bx_l_ank_pitch_y * c_l_ank_roll), 30u);
+    const int32_t by_l_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_l_ank_pitch_y * s_l_ank_roll) + ((int64_t)by_l_hip_roll_x * c_l_ank_roll), 30u);
+    const int32_t by_l_ank_roll_y = -op2_r_sole_fixed_narrow(((int64_t)by_l_hip_roll_x * s_l_ank_roll) - ((int64_t)by_l_ank_pitch_y * c_l_ank_roll), 30u);
+    const int32_t bz_l_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_ank_pitch_y * s_l_ank_roll) + ((int64_t)bz_l_hip_roll_x * c_l_ank_roll), 30u);
+    const int32_t bz_l_ank_roll_y = -op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_roll_x * s_l_ank_roll) - ((int64_t)bz_l_ank_pitch_y * c_l_ank_roll), 30u);
     /* l_sho_pitch */
     int32_t s_l_sho_pitch;
     int32_t c_l_sho_pitch;
     op2_r_sole_fixed_sincos(q[8], 29u, &s_l_sho_pitch, &c_l_sho_pitch);
     const int32_t bx_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * c_l_sho_pitch) - ((int64_t)bx_r_hip_roll_y * s_l_sho_pitch), 30u);
     const int32_t bx_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * c_l_sho_pitch) + ((int64_t)bx_r_hip_yaw_x * s_l_sho_pitch), 30u);
+    const int32_t by_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * c_l_sho_pitch) + ((int64_t)e3 * s_l_sho_pitch), 30u);
+    const int32_t by_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * s_l_sho_pitch) - ((int64_t)e3 * c_l_sho_pitch), 30u);
+    const int32_t bz_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * c_l_sho_pitch) - ((int64_t)bz_r_hip_roll_y * s_l_sho_pitch), 30u);
+    const int32_t bz_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y * c_l_sho_pitch) + ((int64_t)bz_r_hip_yaw_x * s_l_sho_pitch), 30u);
     /* l_sho_roll */
-    const int32_t e5 = q[9] - 421657428;
+    const int32_t e15 = q[9] - 421657428;
     int32_t s_l_sho_roll;
     int32_t c_l_sho_roll;
-    op2_r_sole_fixed_sincos(e5, 29u, &s_l_sho_roll, &c_l_sho_roll);
-    const int32_t bx_l_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)bx_l_sho_pitch_y * s_l_sho_roll) + ((int64_t)e1 * c_l_sho_roll), 30u);
-    const int32_t e6 = op2_r_sole_fixed_narrow(((int64_t)e1 * s_l_sho_roll) - ((int64_t)bx_l_sho_pitch_y * c_l_sho_roll), 30u);
-    const int32_t bx_l_sho_roll_y = -e6;
+    op2_r_sole_fixed_sincos(e15, 29u, &s_l_sho_roll, &c_l_sho_roll);
+    const int32_t bx_l_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)bx_l_sho_pitch_y * s_l_sho_roll) + ((int64_t)e4 * c_l_sho_roll), 30u);
+    const int32_t e16 = op2_r_sole_fixed_narrow(((int64_t)e4 * s_l_sho_roll) - ((int64_t)bx_l_sho_pitch_y * c_l_sho_roll), 30u);
+    const int32_t bx_l_sho_roll_y = -e16;
+    const int32_t by_l_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)by_l_sho_pitch_y * s_l_sho_roll) + ((int64_t)e5 * c_l_sho_roll), 30u);
+    const int32_t e17 = op2_r_sole_fixed_narrow(((int64_t)e5 * s_l_sho_roll) - ((int64_t)by_l_sho_pitch_y * c_l_sho_roll), 30u);
+    const int32_t by_l_sho_roll_y = -e17;
+    const int32_t bz_l_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)bz_l_sho_pitch_y * s_l_sho_roll) + ((int64_t)e6 * c_l_sho_roll), 30u);
+    const int32_t e18 = op2_r_sole_fixed_narrow(((int64_t)e6 * s_l_sho_roll) - ((int64_t)bz_l_sho_pitch_y * c_l_sho_roll), 30u);
+    const int32_t bz_l_sho_roll_y = -e18;
     /* l_el */
     int32_t s_l_el;
     int32_t c_l_el;
     op2_r_sole_fixed_sincos(q[10], 29u, &s_l_el, &c_l_el);
-    const int32_t bx_l_el_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_sho_pitch_x * s_l_el) - ((int64_t)e6 * c_l_el), 30u);
-    const int32_t bx_l_el_y = -op2_r_sole_fixed_narrow(((int64_t)bx_l_sho_pitch_x * c_l_el) + ((int64_t)e6 * s_l_el), 30u);
+    const int32_t bx_l_el_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_sho_pitch_x * s_l_el) - ((int64_t)e16 * c_l_el), 30u);
+    const int32_t bx_l_el_y = -op2_r_sole_fixed_narrow(((int64_t)bx_l_sho_pitch_x * c_l_el) + ((int64_t)e16 * s_l_el), 30u);
+    const int32_t by_l_el_x = op2_r_sole_fixed_narrow(((int64_t)by_l_sho_pitch_x * s_l_el) - ((int64_t)e17 * c_l_el), 30u);
+    const int32_t by_l_el_y = -op2_r_sole_fixed_narrow(((int64_t)by_l_sho_pitch_x * c_l_el) + ((int64_t)e17 * s_l_el), 30u);
+    const int32_t bz_l_el_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_sho_pitch_x * s_l_el) - ((int64_t)e18 * c_l_el), 30u);
+    const int32_t bz_l_el_y = -op2_r_sole_fixed_narrow(((int64_t)bz_l_sho_pitch_x * c_l_el) + ((int64_t)e18 * s_l_el), 30u);
     /* r_sho_pitch */
     int32_t s_r_sho_pitch;
     int32_t c_r_sho_pitch;
     op2_r_sole_fixed_sincos(q[17], 29u, &s_r_sho_pitch, &c_r_sho_pitch);
     const int32_t bx_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * c_r_sho_pitch) + ((int64_t)bx_r_hip_roll_y * s_r_sho_pitch), 30u);
     const int32_t bx_r_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * c_r_sho_pitch) - ((int64_t)bx_r_hip_yaw_x * s_r_sho_pitch), 30u);
+    const int32_t by_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * c_r_sho_pitch) - ((int64_t)e3 * s_r_sho_pitch), 30u);
+    const int32_t e19 = op2_r_sole_fixed_narrow(((int64_t)e3 * c_r_sho_pitch) + ((int64_t)by_r_hip_yaw_x * s_r_sho_pitch), 30u);
+    const int32_t by_r_sho_pitch_y = -e19;
+    const int32_t bz_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * c_r_sho_pitch) + ((int64_t)bz_r_hip_roll_y * s_r_sho_pitch), 30u);
+    const int32_t bz_r_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y * c_r_sho_pitch) - ((int64_t)bz_r_hip_yaw_x * s_r_sho_pitch), 30u);
     /* r_sho_roll */
-    const int32_t e7 = q[18] + 421657428;
+    const int32_t e20 = q[18] + 421657428;
     int32_t s_r_sho_roll;
     int32_t c_r_sho_roll;
-    op2_r_sole_fixed_sincos(e7, 29u, &s_r_sho_roll, &c_r_sho_roll);
-    const int32_t bx_r_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)bx_r_sho_pitch_y * s_r_sho_roll) + ((int64_t)e1 * c_r_sho_roll), 30u);
-    const int32_t e8 = op2_r_sole_fixed_narrow(((int64_t)e1 * s_r_sho_roll) - ((int64_t)bx_r_sho_pitch_y * c_r_sho_roll), 30u);
-    const int32_t bx_r_sho_roll_y = -e8;
+    op2_r_sole_fixed_sincos(e20, 29u, &s_r_sho_roll, &c_r_sho_roll);
+    const int32_t bx_r_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)bx_r_sho_pitch_y * s_r_sho_roll) + ((int64_t)e4 * c_r_sho_roll), 30u);
+    const int32_t e21 = op2_r_sole_fixed_narrow(((int64_t)e4 * s_r_sho_roll) - ((int64_t)bx_r_sho_pitch_y * c_r_sho_roll), 30u);
+    const int32_t bx_r_sho_roll_y = -e21;
+    const int32_t by_r_sho_roll_x = op2_r_sole_fixed_narrow(((int64_t)e19 * s_r_sho_roll) - ((int64_t)e5 * c_r_sho_roll), 30u);
+    const int32_t e22 = op2_r_sole_fixed_narrow(((int64_t)e5 * s_r_sho_roll) + ((int64_t)e19 * c_r_sho_roll), 30u);
+    const int32_t by_r_sho_roll_y = -e22;
+    const int32_t bz_r_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)bz_r_sho_pitch_y * s_r_sho_roll) + ((int64_t)e6 * c_r_sho_roll), 30u);
+    const int32_t e23 = op2_r_sole_fixed_narrow(((int64_t)e6 * s_r_sho_roll) - ((int64_t)bz_r_sho_pitch_y * c_r_sho_roll), 30u);
+    const int32_t bz_r_sho_roll_y = -e23;
     /* r_el */
     int32_t s_r_el;
     int32_t c_r_el;
     op2_r_sole_fixed_sincos(q[19], 29u, &s_r_el, &c_r_el);
-    const int32_t bx_r_el_x = -op2_r_sole_fixed_narrow(((int64_t)e8 * c_r_el) + ((int64_t)bx_r_sho_pitch_x * s_r_el), 30u);
-    const int32_t bx_r_el_y = -op2_r_sole_fixed_narrow(((int64_t)bx_r_sho_pitch_x * c_r_el) - ((int64_t)e8 * s_r_el), 30u);
-    /* r_ank_pitch */
-    const int32_t e9 = op2_r_sole_fixed_narrow((int64_t)s_r_ank_roll * s_r_ank_pitch, 30u);
-    const int32_t by_r_ank_pitch_x = -e9;
-    const int32_t by_r_ank_pitch_y = op2_r_sole_fixed_narrow((int64_t)s_r_ank_roll * c_r_ank_pitch, 30u);
-    /* r_knee */
-    const int32_t by_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)by_r_ank_pitch_y * s_r_knee) - ((int64_t)e9 * c_r_knee), 30u);
-    const int32_t by_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)by_r_ank_pitch_y * c_r_knee) + ((int64_t)e9 * s_r_knee), 30u);
-    /* r_hip_pitch */
-    const int32_t by_r_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_knee_x * c_r_hip_pitch) + ((int64_t)by_r_knee_y * s_r_hip_pitch), 30u);
-    const int32_t by_r_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_r_knee_y * c_r_hip_pitch) - ((int64_t)by_r_knee_x * s_r_hip_pitch), 30u);
-    /* r_hip_roll */
-    const int32_t by_r_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_pitch_y * s_r_hip_roll) + ((int64_t)c_r_ank_roll * c_r_hip_roll), 30u);
-    const int32_t e10 = op2_r_sole_fixed_narrow(((int64_t)c_r_ank_roll * s_r_hip_roll) - ((int64_t)by_r_hip_pitch_y * c_r_hip_roll), 30u);
-    const int32_t by_r_hip_roll_y = -e10;
-    /* r_hip_yaw */
-    const int32_t by_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_roll_x * s_r_hip_yaw) + ((int64_t)by_r_hip_pitch_x * c_r_hip_yaw), 30u);
-    const int32_t e11 = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_pitch_x * s_r_hip_yaw) - ((int64_t)by_r_hip_roll_x * c_r_hip_yaw), 30u);
-    const int32_t by_r_hip_yaw_y = -e11;
-    /* head_pan */
-    const int32_t by_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * c_head_pan) - ((int64_t)e11 * s_head_pan), 30u);
-    const int32_t by_head_pan_y = -op2_r_sole_fixed_narrow(((int64_t)e11 * c_head_pan) + ((int64_t)by_r_hip_yaw_x * s_head_pan), 30u);
-    /* head_tilt */
-    const int32_t by_head_tilt_x = op2_r_sole_fixed_narrow(((int64_t)by_head_pan_x * c_head_tilt) - ((int64_t)e10 * s_head_tilt), 30u);
-    const int32_t by_head_tilt_y = op2_r_sole_fixed_narrow(((int64_t)e10 * c_head_tilt) + ((int64_t)by_head_pan_x * s_head_tilt), 30u);
-    /* l_hip_yaw */
-    const int32_t by_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * c_l_hip_yaw) + ((int64_t)e11 * s_l_hip_yaw), 30u);
-    const int32_t by_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * s_l_hip_yaw) - ((int64_t)e11 * c_l_hip_yaw), 30u);
-    /* l_hip_roll */
-    const int32_t by_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_y * c_l_hip_roll) + ((int64_t)e10 * s_l_hip_roll), 30u);
-    const int32_t by_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_y * s_l_hip_roll) - ((int64_t)e10 * c_l_hip_roll), 30u);
-    /* l_hip_pitch */
-    const int32_t by_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_roll_y * s_l_hip_pitch) + ((int64_t)by_l_hip_yaw_x * c_l_hip_pitch), 30u);
-    const int32_t e12 = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_x * s_l_hip_pitch) - ((int64_t)by_l_hip_roll_y * c_l_hip_pitch), 30u);
-    const int32_t by_l_hip_pitch_y = -e12;
-    /* l_knee */
-    const int32_t by_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_pitch_x * c_l_knee) - ((int64_t)e12 * s_l_knee), 30u);
-    const int32_t e13 = op2_r_sole_fixed_narrow(((int64_t)e12 * c_l_knee) + ((int64_t)by_l_hip_pitch_x * s_l_knee), 30u);
-    const int32_t by_l_knee_y = -e13;
-    /* l_ank_pitch */
-    const int32_t by_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_l_knee_x * c_l_ank_pitch) + ((int64_t)e13 * s_l_ank_pitch), 30u);
-    const int32_t by_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_l_knee_x * s_l_ank_pitch) - ((int64_t)e13 * c_l_ank_pitch), 30u);
-    /* l_ank_roll */
-    const int32_t by_l_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_l_ank_pitch_y * s_l_ank_roll) + ((int64_t)by_l_hip_roll_x * c_l_ank_roll), 30u);
-    const int32_t by_l_ank_roll_y = -op2_r_sole_fixed_narrow(((int64_t)by_l_hip_roll_x * s_l_ank_roll) - ((int64_t)by_l_ank_pitch_y * c_l_ank_roll), 30u);
-    /* l_sho_pitch */
-    const int32_t by_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * c_l_sho_pitch) + ((int64_t)e10 * s_l_sho_pitch), 30u);
-    const int32_t by_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * s_l_sho_pitch) - ((int64_t)e10 * c_l_sho_pitch), 30u);
-    /* l_sho_roll */
-    const int32_t by_l_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)by_l_sho_pitch_y * s_l_sho_roll) + ((int64_t)e11 * c_l_sho_roll), 30u);
-    const int32_t e14 = op2_r_sole_fixed_narrow(((int64_t)e11 * s_l_sho_roll) - ((int64_t)by_l_sho_pitch_y * c_l_sho_roll), 30u);
-    const int32_t by_l_sho_roll_y = -e14;
-    /* l_el */
-    const int32_t by_l_el_x = op2_r_sole_fixed_narrow(((int64_t)by_l_sho_pitch_x * s_l_el) - ((int64_t)e14 * c_l_el), 30u);
-    const int32_t by_l_el_y = -op2_r_sole_fixed_narrow(((int64_t)by_l_sho_pitch_x * c_l_el) + ((int64_t)e14 * s_l_el), 30u);
-    /* r_sho_pitch */
-    const int32_t by_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * c_r_sho_pitch) - ((int64_t)e10 * s_r_sho_pitch), 30u);
-    const int32_t e15 = op2_r_sole_fixed_narrow(((int64_t)e10 * c_r_sho_pitch) + ((int64_t)by_r_hip_yaw_x * s_r_sho_pitch), 30u);
-    const int32_t by_r_sho_pitch_y = -e15;
-    /* r_sho_roll */
-    const int32_t by_r_sho_roll_x = op2_r_sole_fixed_narrow(((int64_t)e15 * s_r_sho_roll) - ((int64_t)e11 * c_r_sho_roll), 30u);
-    const int32_t e16 = op2_r_sole_fixed_narrow(((int64_t)e11 * s_r_sho_roll) + ((int64_t)e15 * c_r_sho_roll), 30u);
-    const int32_t by_r_sho_roll_y = -e16;
-    /* r_el */
-    const int32_t by_r_el_x = -op2_r_sole_fixed_narrow(((int64_t)e16 * c_r_el) + ((int64_t)by_r_sho_pitch_x * s_r_el), 30u);
-    const int32_t by_r_el_y = -op2_r_sole_fixed_narrow(((int64_t)by_r_sho_pitch_x * c_r_el) - ((int64_t)e16 * s_r_el), 30u);
-    /* r_ank_pitch */
-    const int32_t e17 = op2_r_sole_fixed_narrow((int64_t)c_r_ank_roll * s_r_ank_pitch, 30u);
-    const int32_t bz_r_ank_pitch_x = -e17;
-    const int32_t bz_r_ank_pitch_y = op2_r_sole_fixed_narrow((int64_t)c_r_ank_roll * c_r_ank_pitch, 30u);
-    /* r_knee */
-    const int32_t bz_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_ank_pitch_y * s_r_knee) - ((int64_t)e17 * c_r_knee), 30u);
-    const int32_t bz_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_ank_pitch_y * c_r_knee) + ((int64_t)e17 * s_r_knee), 30u);
-    /* r_hip_pitch */
-    const int32_t bz_r_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_knee_x * c_r_hip_pitch) + ((int64_t)bz_r_knee_y * s_r_hip_pitch), 30u);
-    const int32_t bz_r_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_knee_y * c_r_hip_pitch) - ((int64_t)bz_r_knee_x * s_r_hip_pitch), 30u);
-    /* r_hip_roll */
-    const int32_t bz_r_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_pitch_y * s_r_hip_roll) - ((int64_t)s_r_ank_roll * c_r_hip_roll), 30u);
-    const int32_t bz_r_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)s_r_ank_roll * s_r_hip_roll) + ((int64_t)bz_r_hip_pitch_y * c_r_hip_roll), 30u);
-    /* r_hip_yaw */
-    const int32_t bz_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_x * s_r_hip_yaw) + ((int64_t)bz_r_hip_pitch_x * c_r_hip_yaw), 30u);
-    const int32_t e18 = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_pitch_x * s_r_hip_yaw) - ((int64_t)bz_r_hip_roll_x * c_r_hip_yaw), 30u);
-    const int32_t bz_r_hip_yaw_y = -e18;
-    /* head_pan */
-    const int32_t bz_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * c_head_pan) - ((int64_t)e18 * s_head_pan), 30u);
-    const int32_t bz_head_pan_y = -op2_r_sole_fixed_narrow(((int64_t)e18 * c_head_pan) + ((int64_t)bz_r_hip_yaw_x * s_head_pan), 30u);
-    /* head_tilt */
-    const int32_t bz_head_tilt_x = op2_r_sole_fixed_narrow(((int64_t)bz_head_pan_x * c_head_tilt) + ((int64_t)bz_r_hip_roll_y * s_head_tilt), 30u);
-    const int32_t e19 = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y * c_head_tilt) - ((int64_t)bz_head_pan_x * s_head_tilt), 30u);
-    /* l_hip_yaw */
-    const int32_t bz_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * c_l_hip_yaw) + ((int64_t)e18 * s_l_hip_yaw), 30u);
-    const int32_t bz_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * s_l_hip_yaw) - ((int64_t)e18 * c_l_hip_yaw), 30u);
-    /* l_hip_roll */
-    const int32_t bz_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_yaw_y * c_l_hip_roll) - ((int64_t)bz_r_hip_roll_y * s_l_hip_roll), 30u);
-    const int32_t bz_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y * c_l_hip_roll) + ((int64_t)bz_l_hip_yaw_y * s_l_hip_roll), 30u);
-    /* l_hip_pitch */
-    const int32_t bz_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_roll_y * s_l_hip_pitch) + ((int64_t)bz_l_hip_yaw_x * c_l_hip_pitch), 30u);
-    const int32_t e20 = op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_yaw_x * s_l_hip_pitch) - ((int64_t)bz_l_hip_roll_y * c_l_hip_pitch), 30u);
-    const int32_t bz_l_hip_pitch_y = -e20;
-    /* l_knee */
-    const int32_t bz_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_pitch_x * c_l_knee) - ((int64_t)e20 * s_l_knee), 30u);
-    const int32_t e21 = op2_r_sole_fixed_narrow(((int64_t)e20 * c_l_knee) + ((int64_t)bz_l_hip_pitch_x * s_l_knee), 30u);
-    const int32_t bz_l_knee_y = -e21;
-    /* l_ank_pitch */
-    const int32_t bz_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_knee_x * c_l_ank_pitch) + ((int64_t)e21 * s_l_ank_pitch), 30u);
-    const int32_t bz_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bz_l_knee_x * s_l_ank_pitch) - ((int64_t)e21 * c_l_ank_pitch), 30u);
-    /* l_ank_roll */
-    const int32_t bz_l_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_ank_pitch_y * s_l_ank_roll) + ((int64_t)bz_l_hip_roll_x * c_l_ank_roll), 30u);
-    const int32_t bz_l_ank_roll_y = -op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_roll_x * s_l_ank_roll) - ((int64_t)bz_l_ank_pitch_y * c_l_ank_roll), 30u);
-    /* l_sho_pitch */
-    const int32_t bz_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * c_l_sho_pitch) - ((int64_t)bz_r_hip_roll_y * s_l_sho_pitch), 30u);
-    const int32_t bz_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y * c_l_sho_pitch) + ((int64_t)bz_r_hip_yaw_x * s_l_sho_pitch), 30u);
-    /* l_sho_roll */
-    const int32_t bz_l_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)bz_l_sho_pitch_y * s_l_sho_roll) + ((int64_t)e18 * c_l_sho_roll), 30u);
-    const int32_t e22 = op2_r_sole_fixed_narrow(((int64_t)e18 * s_l_sho_roll) - ((int64_t)bz_l_sho_pitch_y * c_l_sho_roll), 30u);
-    const int32_t bz_l_sho_roll_y = -e22;
-    /* l_el */
-    const int32_t bz_l_el_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_sho_pitch_x * s_l_el) - ((int64_t)e22 * c_l_el), 30u);
-    const int32_t bz_l_el_y = -op2_r_sole_fixed_narrow(((int64_t)bz_l_sho_pitch_x * c_l_el) + ((int64_t)e22 * s_l_el), 30u);
-    /* r_sho_pitch */
-    const int32_t bz_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * c_r_sho_pitch) + ((int64_t)bz_r_hip_roll_y * s_r_sho_pitch), 30u);
-    const int32_t bz_r_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y * c_r_sho_pitch) - ((int64_t)bz_r_hip_yaw_x * s_r_sho_pitch), 30u);
-    /* r_sho_roll */
-    const int32_t bz_r_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)bz_r_sho_pitch_y * s_r_sho_roll) + ((int64_t)e18 * c_r_sho_roll), 30u);
-    const int32_t e23 = op2_r_sole_fixed_narrow(((int64_t)e18 * s_r_sho_roll) - ((int64_t)bz_r_sho_pitch_y * c_r_sho_roll), 30u);
-    const int32_t bz_r_sho_roll_y = -e23;
-    /* r_el */
+    const int32_t bx_r_el_x = -op2_r_sole_fixed_narrow(((int64_t)e21 * c_r_el) + ((int64_t)bx_r_sho_pitch_x * s_r_el), 30u);
+    const int32_t bx_r_el_y = -op2_r_sole_fixed_narrow(((int64_t)bx_r_sho_pitch_x * c_r_el) - ((int64_t)e21 * s_r_el), 30u);
+    const int32_t by_r_el_x = -op2_r_sole_fixed_narrow(((int64_t)e22 * c_r_el) + ((int64_t)by_r_sho_pitch_x * s_r_el), 30u);
+    const int32_t by_r_el_y = -op2_r_sole_fixed_narrow(((int64_t)by_r_sho_pitch_x * c_r_el) - ((int64_t)e22 * s_r_el), 30u);
     const int32_t bz_r_el_x = -op2_r_sole_fixed_narrow(((int64_t)e23 * c_r_el) + ((int64_t)bz_r_sho_pitch_x * s_r_el), 30u);
     const int32_t bz_r_el_y = -op2_r_sole_fixed_narrow(((int64_t)bz_r_sho_pitch_x * c_r_el) - ((int64_t)e23 * s_r_el), 30u);
     rows[0] = 1073741824;
@@ -2002,9 +1854,9 @@ void op2_r_sole_fixed_regressor_full(
     rows[21] = bx_head_pan_x;
     rows[22] = bx_head_pan_y;
     rows[23] = bx_r_hip_roll_y;
-    rows[24] = op2_r_sole_fixed_narrow(((int64_t)900515665 * bx_head_tilt_x) - ((int64_t)584801711 * e2), 30u);
+    rows[24] = op2_r_sole_fixed_narrow(((int64_t)900515665 * bx_head_tilt_x) - ((int64_t)584801711 * e7), 30u);
     rows[25] = bx_head_pan_y;
-    rows[26] = op2_r_sole_fixed_narrow(((int64_t)584801711 * bx_head_tilt_x) + ((int64_t)900515665 * e2), 30u);
+    rows[26] = op2_r_sole_fixed_narrow(((int64_t)584801711 * bx_head_tilt_x) + ((int64_t)900515665 * e7), 30u);
     rows[27] = bx_l_hip_yaw_x;
     rows[28] = bx_l_hip_yaw_y;
     rows[29] = bx_r_hip_roll_y;
@@ -2128,9 +1980,9 @@ void op2_r_sole_fixed_regressor_full(
     rows[147] = bz_head_pan_x;
     rows[148] = bz_head_pan_y;
     rows[149] = bz_r_hip_roll_y;
-    rows[150] = op2_r_sole_fixed_narrow(((int64_t)900515665 * bz_head_tilt_x) - ((int64_t)584801711 * e19), 30u);
+    rows[150] = op2_r_sole_fixed_narrow(((int64_t)900515665 * bz_head_tilt_x) - ((int64_t)584801711 * e8), 30u);
     rows[151] = bz_head_pan_y;
-    rows[152] = op2_r_sole_fixed_narrow(((int64_t)584801711 * bz_head_tilt_x) + ((int64_t)900515665 * e19), 30u);
+    rows[152] = op2_r_sole_fixed_narrow(((int64_t)584801711 * bz_head_tilt_x) + ((int64_t)900515665 * e8), 30u);
     rows[153] = bz_l_hip_yaw_x;
     rows[154] = bz_l_hip_yaw_y;
     rows[155] = bz_r_hip_roll_y;
@@ -2178,154 +2030,127 @@ void op2_r_sole_fixed_cop(
     int32_t s_r_el;
     int32_t c_r_el;
     op2_r_sole_fixed_sincos(q[19], 29u, &s_r_el, &c_r_el);
-    const int32_t t_r_el_x = op2_r_sole_fixed_narrow(((int64_t)c_r_el * r[41]) - ((int64_t)s_r_el * r[42]), 30u);
     /* r_sho_roll */
-    const int32_t v_r_sho_roll_y = r[40] + t_r_el_x;
+    const int32_t v_r_sho_roll_y = op2_r_sole_fixed_narrow((((int64_t)r[40]) * INT64_C(1073741824)) + ((int64_t)c_r_el * r[41]) - ((int64_t)s_r_el * r[42]), 30u);
     const int32_t e1 = q[18] + 421657428;
     int32_t s_r_sho_roll;
     int32_t c_r_sho_roll;
     op2_r_sole_fixed_sincos(e1, 29u, &s_r_sho_roll, &c_r_sho_roll);
-    const int32_t t_r_sho_roll_x = op2_r_sole_fixed_narrow(((int64_t)c_r_sho_roll * v_r_sho_roll_y) - ((int64_t)s_r_sho_roll * r[39]), 30u);
-    const int32_t t_r_sho_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_r_sho_roll * r[39]) + ((int64_t)s_r_sho_roll * v_r_sho_roll_y), 30u);
     /* r_sho_pitch */
     const int32_t v_r_sho_pitch_x = op2_r_sole_fixed_narrow((((int64_t)r[37]) * INT64_C(1073741824)) - ((int64_t)s_r_el * r[41]) - ((int64_t)c_r_el * r[42]), 30u);
-    const int32_t v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
+    const int32_t v_r_sho_pitch_y = op2_r_sole_fixed_narrow((((int64_t)r[38]) * INT64_C(1073741824)) - ((int64_t)s_r_sho_roll * r[39]) + ((int64_t)c_r_sho_roll * v_r_sho_roll_y), 30u);
+    const int32_t v_r_sho_pitch_z = op2_r_sole_fixed_narrow(((int64_t)c_r_sho_roll * r[39]) + ((int64_t)s_r_sho_roll * v_r_sho_roll_y), 30u);
     int32_t s_r_sho_pitch;
     int32_t c_r_sho_pitch;
     op2_r_sole_fixed_sincos(q[17], 29u, &s_r_sho_pitch, &c_r_sho_pitch);
-    const int32_t t_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)c_r_sho_pitch * v_r_sho_pitch_x) - ((int64_t)s_r_sho_pitch * v_r_sho_pitch_y), 30u);
-    const int32_t t_r_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)s_r_sho_pitch * v_r_sho_pitch_x) + ((int64_t)c_r_sho_pitch * v_r_sho_pitch_y), 30u);
     /* l_el */
     int32_t s_l_el;
     int32_t c_l_el;
     op2_r_sole_fixed_sincos(q[10], 29u, &s_l_el, &c_l_el);
-    const int32_t t_l_el_x = op2_r_sole_fixed_narrow(((int64_t)c_l_el * r[35]) + ((int64_t)s_l_el * r[36]), 30u);
-    const int32_t t_l_el_y = op2_r_sole_fixed_narrow(((int64_t)s_l_el * r[35]) - ((int64_t)c_l_el * r[36]), 30u);
     /* l_sho_roll */
-    const int32_t v_l_sho_roll_y = r[34] + t_l_el_x;
+    const int32_t v_l_sho_roll_y = op2_r_sole_fixed_narrow((((int64_t)r[34]) * INT64_C(1073741824)) + ((int64_t)c_l_el * r[35]) + ((int64_t)s_l_el * r[36]), 30u);
+    const int32_t v_l_sho_roll_z = op2_r_sole_fixed_narrow(((int64_t)s_l_el * r[35]) - ((int64_t)c_l_el * r[36]), 30u);
     const int32_t e2 = q[9] - 421657428;
     int32_t s_l_sho_roll;
     int32_t c_l_sho_roll;
     op2_r_sole_fixed_sincos(e2, 29u, &s_l_sho_roll, &c_l_sho_roll);
-    const int32_t t_l_sho_roll_x = op2_r_sole_fixed_narrow(((int64_t)c_l_sho_roll * v_l_sho_roll_y) - ((int64_t)s_l_sho_roll * r[33]), 30u);
-    const int32_t t_l_sho_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_l_sho_roll * r[33]) + ((int64_t)s_l_sho_roll * v_l_sho_roll_y), 30u);
     /* l_sho_pitch */
-    const int32_t v_l_sho_pitch_x = r[31] + t_l_el_y;
-    const int32_t v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
+    const int32_t v_l_sho_pitch_x = r[31] + v_l_sho_roll_z;
+    const int32_t v_l_sho_pitch_y = op2_r_sole_fixed_narrow((((int64_t)r[32]) * INT64_C(1073741824)) - ((int64_t)s_l_sho_roll * r[33]) + ((int64_t)c_l_sho_roll * v_l_sho_roll_y), 30u);
+    const int32_t v_l_sho_pitch_z = op2_r_sole_fixed_narrow(((int64_t)c_l_sho_roll * r[33]) + ((int64_t)s_l_sho_roll * v_l_sho_roll_y), 30u);
     int32_t s_l_sho_pitch;
     int32_t c_l_sho_pitch;
     op2_r_sole_fixed_sincos(q[8], 29u, &s_l_sho_pitch, &c_l_sho_pitch);
-    const int32_t t_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)c_l_sho_pitch * v_l_sho_pitch_x) + ((int64_t)s_l_sho_pitch * v_l_sho_pitch_y), 30u);
-    const int32_t t_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)c_l_sho_pitch * v_l_sho_pitch_y) - ((int64_t)s_l_sho_pitch * v_l_sho_pitch_x), 30u);
     /* l_ank_roll */
     int32_t s_l_ank_roll;
     int32_t c_l_ank_roll;
     op2_r_sole_fixed_sincos(q[7], 29u, &s_l_ank_roll, &c_l_ank_roll);
-    const int32_t t_l_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)s_l_ank_roll * r[29]) + ((int64_t)c_l_ank_roll * r[30]), 30u);
-    const int32_t t_l_ank_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_l_ank_roll * r[29]) - ((int64_t)s_l_ank_roll * r[30]), 30u);
     /* l_ank_pitch */
-    const int32_t v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
+    const int32_t v_l_ank_pitch_y = op2_r_sole_fixed_narrow((((int64_t)r[28]) * INT64_C(1073741824)) + ((int64_t)s_l_ank_roll * r[29]) + ((int64_t)c_l_ank_roll * r[30]), 30u);
+    const int32_t v_l_ank_pitch_z = op2_r_sole_fixed_narrow(((int64_t)c_l_ank_roll * r[29]) - ((int64_t)s_l_ank_roll * r[30]), 30u);
     int32_t s_l_ank_pitch;
     int32_t c_l_ank_pitch;
     op2_r_sole_fixed_sincos(q[6], 29u, &s_l_ank_pitch, &c_l_ank_pitch);
-    const int32_t t_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)c_l_ank_pitch * r[27]) + ((int64_t)s_l_ank_pitch * v_l_ank_pitch_y), 30u);
-    const int32_t t_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)c_l_ank_pitch * v_l_ank_pitch_y) - ((int64_t)s_l_ank_pitch * r[27]), 30u);
     /* l_knee */
-    const int32_t v_l_knee_x = r[25] + t_l_ank_pitch_x;
-    const int32_t v_l_knee_y = r[26] + t_l_ank_pitch_y;
+    const int32_t v_l_knee_x = op2_r_sole_fixed_narrow((((int64_t)r[25]) * INT64_C(1073741824)) + ((int64_t)c_l_ank_pitch * r[27]) + ((int64_t)s_l_ank_pitch * v_l_ank_pitch_y), 30u);
+    const int32_t v_l_knee_y = op2_r_sole_fixed_narrow((((int64_t)r[26]) * INT64_C(1073741824)) - ((int64_t)s_l_ank_pitch * r[27]) + ((int64_t)c_l_ank_pitch * v_l_ank_pitch_y), 30u);
     int32_t s_l_knee;
     int32_t c_l_knee;
     op2_r_sole_fixed_sincos(q[5], 29u, &s_l_knee, &c_l_knee);
-    const int32_t t_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)c_l_knee * v_l_knee_x) - ((int64_t)s_l_knee * v_l_knee_y), 30u);
-    const int32_t t_l_knee_y = op2_r_sole_fixed_narrow(((int64_t)s_l_knee * v_l_knee_x) + ((int64_t)c_l_knee * v_l_knee_y), 30u);
     /* l_hip_pitch */
-    const int32_t v_l_hip_pitch_x = r[23] + t_l_knee_x;
-    const int32_t v_l_hip_pitch_y = r[24] + t_l_knee_y;
+    const int32_t v_l_hip_pitch_x = op2_r_sole_fixed_narrow((((int64_t)r[23]) * INT64_C(1073741824)) + ((int64_t)c_l_knee * v_l_knee_x) - ((int64_t)s_l_knee * v_l_knee_y), 30u);
+    const int32_t v_l_hip_pitch_y = op2_r_sole_fixed_narrow((((int64_t)r[24]) * INT64_C(1073741824)) + ((int64_t)s_l_knee * v_l_knee_x) + ((int64_t)c_l_knee * v_l_knee_y), 30u);
     int32_t s_l_hip_pitch;
     int32_t c_l_hip_pitch;
     op2_r_sole_fixed_sincos(q[4], 29u, &s_l_hip_pitch, &c_l_hip_pitch);
-    const int32_t t_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)s_l_hip_pitch * v_l_hip_pitch_x) + ((int64_t)c_l_hip_pitch * v_l_hip_pitch_y), 30u);
-    const int32_t t_l_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)c_l_hip_pitch * v_l_hip_pitch_x) - ((int64_t)s_l_hip_pitch * v_l_hip_pitch_y), 30u);
     /* l_hip_roll */
-    const int32_t v_l_hip_roll_x = r[21] + t_l_ank_roll_y;
-    const int32_t v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
+    const int32_t v_l_hip_roll_x = r[21] + v_l_ank_pitch_z;
+    const int32_t v_l_hip_roll_y = op2_r_sole_fixed_narrow((((int64_t)r[22]) * INT64_C(1073741824)) + ((int64_t)s_l_hip_pitch * v_l_hip_pitch_x) + ((int64_t)c_l_hip_pitch * v_l_hip_pitch_y), 30u);
+    const int32_t v_l_hip_roll_z = op2_r_sole_fixed_narrow(((int64_t)c_l_hip_pitch * v_l_hip_pitch_x) - ((int64_t)s_l_hip_pitch * v_l_hip_pitch_y), 30u);
     int32_t s_l_hip_roll;
     int32_t c_l_hip_roll;
     op2_r_sole_fixed_sincos(q[3], 29u, &s_l_hip_roll, &c_l_hip_roll);
-    const int32_t t_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)c_l_hip_roll * v_l_hip_roll_x) + ((int64_t)s_l_hip_roll * v_l_hip_roll_y), 30u);
-    const int32_t t_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_l_hip_roll * v_l_hip_roll_y) - ((int64_t)s_l_hip_roll * v_l_hip_roll_x), 30u);
     /* l_hip_yaw */
-    const int32_t v_l_hip_yaw_x = r[19] + t_l_hip_pitch_y;
-    const int32_t v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
+    const int32_t v_l_hip_yaw_x = r[19] + v_l_hip_roll_z;
+    const int32_t v_l_hip_yaw_y = op2_r_sole_fixed_narrow((((int64_t)r[20]) * INT64_C(1073741824)) + ((int64_t)c_l_hip_roll * v_l_hip_roll_x) + ((int64_t)s_l_hip_roll * v_l_hip_roll_y), 30u);
+    const int32_t v_l_hip_yaw_z = op2_r_sole_fixed_narrow(((int64_t)c_l_hip_roll * v_l_hip_roll_y) - ((int64_t)s_l_hip_roll * v_l_hip_roll_x), 30u);
     int32_t s_l_hip_yaw;
     int32_t c_l_hip_yaw;
     op2_r_sole_fixed_sincos(q[2], 29u, &s_l_hip_yaw, &c_l_hip_yaw);
-    const int32_t t_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)c_l_hip_yaw * v_l_hip_yaw_x) + ((int64_t)s_l_hip_yaw * v_l_hip_yaw_y), 30u);
-    const int32_t t_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)c_l_hip_yaw * v_l_hip_yaw_y) - ((int64_t)s_l_hip_yaw * v_l_hip_yaw_x), 30u);
     /* head_tilt */
     int32_t s_head_tilt;
     int32_t c_head_tilt;
     op2_r_sole_fixed_sincos(q[1], 29u, &s_head_tilt, &c_head_tilt);
-    const int32_t t_head_tilt_x = op2_r_sole_fixed_narrow(((int64_t)c_head_tilt * r[17]) + ((int64_t)s_head_tilt * r[18]), 30u);
-    const int32_t t_head_tilt_y = op2_r_sole_fixed_narrow(((int64_t)s_head_tilt * r[17]) - ((int64_t)c_head_tilt * r[18]), 30u);
     /* head_pan */
-    const int32_t v_head_pan_x = r[15] + t_head_tilt_x;
+    const int32_t v_head_pan_x = op2_r_sole_fixed_narrow((((int64_t)r[15]) * INT64_C(1073741824)) + ((int64_t)c_head_tilt * r[17]) + ((int64_t)s_head_tilt * r[18]), 30u);
+    const int32_t v_head_pan_z = op2_r_sole_fixed_narrow(((int64_t)s_head_tilt * r[17]) - ((int64_t)c_head_tilt * r[18]), 30u);
     int32_t s_head_pan;
     int32_t c_head_pan;
     op2_r_sole_fixed_sincos(q[0], 29u, &s_head_pan, &c_head_pan);
-    const int32_t t_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)c_head_pan * v_head_pan_x) - ((int64_t)s_head_pan * r[16]), 30u);
-    const int32_t t_head_pan_y = op2_r_sole_fixed_narrow(((int64_t)s_head_pan * v_head_pan_x) + ((int64_t)c_head_pan * r[16]), 30u);
     /* r_hip_yaw */
-    const int32_t v_r_hip_yaw_x = (((r[13] + t_head_pan_x) + t_l_hip_yaw_x) + t_l_sho_pitch_x) + t_r_sho_pitch_x;
-    const int32_t v_r_hip_yaw_y = (((r[14] + t_head_pan_y) + t_l_hip_yaw_y) + t_l_sho_roll_y) + t_r_sho_roll_y;
-    const int32_t v_r_hip_yaw_z = ((t_head_tilt_y + t_l_hip_roll_y) + t_l_sho_pitch_y) + t_r_sho_pitch_y;
+    const int32_t e3 = op2_r_sole_fixed_narrow((((int64_t)r[13]) * INT64_C(1073741824)) + ((int64_t)c_head_pan * v_head_pan_x) - ((int64_t)s_head_pan * r[16]) + ((int64_t)c_l_sho_pitch * v_l_sho_pitch_x) + ((int64_t)s_l_sho_pitch * v_l_sho_pitch_y) + ((int64_t)c_r_sho_pitch * v_r_sho_pitch_x) - ((int64_t)s_r_sho_pitch * v_r_sho_pitch_y), 30u);
+    const int32_t v_r_hip_yaw_x = op2_r_sole_fixed_narrow((((int64_t)e3) * INT64_C(1073741824)) + ((int64_t)c_l_hip_yaw * v_l_hip_yaw_x) + ((int64_t)s_l_hip_yaw * v_l_hip_yaw_y), 30u);
+    const int32_t v_r_hip_yaw_y = op2_r_sole_fixed_narrow((((int64_t)r[14]) * INT64_C(1073741824)) + ((int64_t)s_head_pan * v_head_pan_x) + ((int64_t)c_head_pan * r[16]) + (((int64_t)v_l_sho_pitch_z) * INT64_C(1073741824)) + (((int64_t)v_r_sho_pitch_z) * INT64_C(1073741824)) - ((int64_t)s_l_hip_yaw * v_l_hip_yaw_x) + ((int64_t)c_l_hip_yaw * v_l_hip_yaw_y), 30u);
+    const int32_t v_r_hip_yaw_z = op2_r_sole_fixed_narrow((((int64_t)v_head_pan_z) * INT64_C(1073741824)) - ((int64_t)s_l_sho_pitch * v_l_sho_pitch_x) + ((int64_t)c_l_sho_pitch * v_l_sho_pitch_y) + ((int64_t)s_r_sho_pitch * v_r_sho_pitch_x) + ((int64_t)c_r_sho_pitch * v_r_sho_pitch_y) + (((int64_t)v_l_hip_yaw_z) * INT64_C(1073741824)), 30u);
     int32_t s_r_hip_yaw;
     int32_t c_r_hip_yaw;
     op2_r_sole_fixed_sincos(q[11], 29u, &s_r_hip_yaw, &c_r_hip_yaw);
-    const int32_t t_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)s_r_hip_yaw * v_r_hip_yaw_x) + ((int64_t)c_r_hip_yaw * v_r_hip_yaw_y), 30u);
-    const int32_t t_r_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)c_r_hip_yaw * v_r_hip_yaw_x) - ((int64_t)s_r_hip_yaw * v_r_hip_yaw_y), 30u);
     /* r_hip_roll */
-    const int32_t v_r_hip_roll_x = r[11] + t_r_hip_yaw_x;
+    const int32_t v_r_hip_roll_x = op2_r_sole_fixed_narrow((((int64_t)r[11]) * INT64_C(1073741824)) + ((int64_t)s_r_hip_yaw * v_r_hip_yaw_x) + ((int64_t)c_r_hip_yaw * v_r_hip_yaw_y), 30u);
     const int32_t v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
+    const int32_t v_r_hip_roll_z = op2_r_sole_fixed_narrow(((int64_t)c_r_hip_yaw * v_r_hip_yaw_x) - ((int64_t)s_r_hip_yaw * v_r_hip_yaw_y), 30u);
     int32_t s_r_hip_roll;
     int32_t c_r_hip_roll;
     op2_r_sole_fixed_sincos(q[12], 29u, &s_r_hip_roll, &c_r_hip_roll);
-    const int32_t t_r_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)s_r_hip_roll * v_r_hip_roll_x) + ((int64_t)c_r_hip_roll * v_r_hip_roll_y), 30u);
-    const int32_t t_r_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_r_hip_roll * v_r_hip_roll_x) - ((int64_t)s_r_hip_roll * v_r_hip_roll_y), 30u);
     /* r_hip_pitch */
-    const int32_t v_r_hip_pitch_x = r[9] + t_r_hip_yaw_y;
-    const int32_t v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
+    const int32_t v_r_hip_pitch_x = r[9] + v_r_hip_roll_z;
+    const int32_t v_r_hip_pitch_y = op2_r_sole_fixed_narrow((((int64_t)r[10]) * INT64_C(1073741824)) + ((int64_t)s_r_hip_roll * v_r_hip_roll_x) + ((int64_t)c_r_hip_roll * v_r_hip_roll_y), 30u);
+    const int32_t v_r_hip_pitch_z = op2_r_sole_fixed_narrow(((int64_t)c_r_hip_roll * v_r_hip_roll_x) - ((int64_t)s_r_hip_roll * v_r_hip_roll_y), 30u);
     int32_t s_r_hip_pitch;
     int32_t c_r_hip_pitch;
     op2_r_sole_fixed_sincos(q[13], 29u, &s_r_hip_pitch, &c_r_hip_pitch);
-    const int32_t t_r_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)c_r_hip_pitch * v_r_hip_pitch_x) - ((int64_t)s_r_hip_pitch * v_r_hip_pitch_y), 30u);
-    const int32_t t_r_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)s_r_hip_pitch * v_r_hip_pitch_x) + ((int64_t)c_r_hip_pitch * v_r_hip_pitch_y), 30u);
     /* r_knee */
-    const int32_t v_r_knee_x = r[7] + t_r_hip_pitch_x;
-    const int32_t v_r_knee_y = r[8] + t_r_hip_pitch_y;
+    const int32_t v_r_knee_x = op2_r_sole_fixed_narrow((((int64_t)r[7]) * INT64_C(1073741824)) + ((int64_t)c_r_hip_pitch * v_r_hip_pitch_x) - ((int64_t)s_r_hip_pitch * v_r_hip_pitch_y), 30u);
+    const int32_t v_r_knee_y = op2_r_sole_fixed_narrow((((int64_t)r[8]) * INT64_C(1073741824)) + ((int64_t)s_r_hip_pitch * v_r_hip_pitch_x) + ((int64_t)c_r_hip_pitch * v_r_hip_pitch_y), 30u);
     int32_t s_r_knee;
     int32_t c_r_knee;
     op2_r_sole_fixed_sincos(q[14], 29u, &s_r_knee, &c_r_knee);
-    const int32_t t_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)c_r_knee * v_r_knee_x) - ((int64_t)s_r_knee * v_r_knee_y), 30u);
-    const int32_t t_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)s_r_knee * v_r_knee_x) + ((int64_t)c_r_knee * v_r_knee_y), 30u);
     /* r_ank_pitch */
-    const int32_t v_r_ank_pitch_x = r[5] + t_r_knee_x;
-    const int32_t v_r_ank_pitch_y = r[6] + t_r_knee_y;
+    const int32_t v_r_ank_pitch_x = op2_r_sole_fixed_narrow((((int64_t)r[5]) * INT64_C(1073741824)) + ((int64_t)c_r_knee * v_r_knee_x) - ((int64_t)s_r_knee * v_r_knee_y), 30u);
+    const int32_t v_r_ank_pitch_y = op2_r_sole_fixed_narrow((((int64_t)r[6]) * INT64_C(1073741824)) + ((int64_t)s_r_knee * v_r_knee_x) + ((int64_t)c_r_knee * v_r_knee_y), 30u);
     int32_t s_r_ank_pitch;
     int32_t c_r_ank_pitch;
     op2_r_sole_fixed_sincos(q[15], 29u, &s_r_ank_pitch, &c_r_ank_pitch);
-    const int32_t t_r_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)c_r_ank_pitch * v_r_ank_pitch_y) - ((int64_t)s_r_ank_pitch * v_r_ank_pitch_x), 30u);
-    const int32_t t_r_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)c_r_ank_pitch * v_r_ank_pitch_x) + ((int64_t)s_r_ank_pitch * v_r_ank_pitch_y), 30u);
     /* r_ank_roll */
-    const int32_t v_r_ank_roll_x = r[3] + t_r_hip_roll_y;
-    const int32_t v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
+    const int32_t v_r_ank_roll_x = r[3] + v_r_hip_pitch_z;
+    const int32_t v_r_ank_roll_y = op2_r_sole_fixed_narrow((((int64_t)r[4]) * INT64_C(1073741824)) - ((int64_t)s_r_ank_pitch * v_r_ank_pitch_x) + ((int64_t)c_r_ank_pitch * v_r_ank_pitch_y), 30u);
+    const int32_t v_r_ank_roll_z = op2_r_sole_fixed_narrow(((int64_t)c_r_ank_pitch * v_r_ank_pitch_x) + ((int64_t)s_r_ank_pitch * v_r_ank_pitch_y), 30u);
     int32_t s_r_ank_roll;
     int32_t c_r_ank_roll;
     op2_r_sole_fixed_sincos(q[16], 29u, &s_r_ank_roll, &c_r_ank_roll);
-    const int32_t t_r_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)c_r_ank_roll * v_r_ank_roll_x) + ((int64_t)s_r_ank_roll * v_r_ank_roll_y), 30u);
     /* r_sole */
-    const int32_t v_r_sole_x = r[0] + t_r_ank_pitch_y;
-    const int32_t v_r_sole_y = r[1] + t_r_ank_roll_x;
+    const int32_t v_r_sole_x = r[0] + v_r_ank_roll_z;
+    const int32_t v_r_sole_y = op2_r_sole_fixed_narrow((((int64_t)r[1]) * INT64_C(1073741824)) + ((int64_t)c_r_ank_roll * v_r_ank_roll_x) + ((int64_t)s_r_ank_roll * v_r_ank_roll_y), 30u);
     cop[0] = v_r_sole_x;
     cop[1] = v_r_sole_y;
 }
@@ -2336,102 +2161,71 @@ void op2_r_sole_fixed_com_sc(
     const op2_r_sole_fixed_real r[],
     op2_r_sole_fixed_real com[3])
 {
-    /* r_el */
-    const int32_t t_r_el_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[19] * r[41]) - ((int64_t)sin_q[19] * r[42]), 30u);
     /* r_sho_roll */
-    const int32_t v_r_sho_roll_y = r[40] + t_r_el_x;
+    const int32_t v_r_sho_roll_y = op2_r_sole_fixed_narrow((((int64_t)r[40]) * INT64_C(1073741824)) + ((int64_t)cos_q[19] * r[41]) - ((int64_t)sin_q[19] * r[42]), 30u);
     const int32_t s_r_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * sin_q[18]) + ((int64_t)759250125 * cos_q[18]), 30u);
     const int32_t c_r_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * cos_q[18]) - ((int64_t)759250125 * sin_q[18]), 30u);
-    const int32_t t_r_sho_roll_x = op2_r_sole_fixed_narrow(((int64_t)c_r_sho_roll * v_r_sho_roll_y) - ((int64_t)s_r_sho_roll * r[39]), 30u);
-    const int32_t t_r_sho_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_r_sho_roll * r[39]) + ((int64_t)s_r_sho_roll * v_r_sho_roll_y), 30u);
     /* r_sho_pitch */
     const int32_t v_r_sho_pitch_x = op2_r_sole_fixed_narrow((((int64_t)r[37]) * INT64_C(1073741824)) - ((int64_t)sin_q[19] * r[41]) - ((int64_t)cos_q[19] * r[42]), 30u);
-    const int32_t v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
-    const int32_t t_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[17] * v_r_sho_pitch_x) - ((int64_t)sin_q[17] * v_r_sho_pitch_y), 30u);
-    const int32_t t_r_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[17] * v_r_sho_pitch_x) + ((int64_t)cos_q[17] * v_r_sho_pitch_y), 30u);
-    /* l_el */
-    const int32_t t_l_el_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[10] * r[35]) + ((int64_t)sin_q[10] * r[36]), 30u);
-    const int32_t t_l_el_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[10] * r[35]) - ((int64_t)cos_q[10] * r[36]), 30u);
+    const int32_t v_r_sho_pitch_y = op2_r_sole_fixed_narrow((((int64_t)r[38]) * INT64_C(1073741824)) - ((int64_t)s_r_sho_roll * r[39]) + ((int64_t)c_r_sho_roll * v_r_sho_roll_y), 30u);
+    const int32_t v_r_sho_pitch_z = op2_r_sole_fixed_narrow(((int64_t)c_r_sho_roll * r[39]) + ((int64_t)s_r_sho_roll * v_r_sho_roll_y), 30u);
     /* l_sho_roll */
-    const int32_t v_l_sho_roll_y = r[34] + t_l_el_x;
+    const int32_t v_l_sho_roll_y = op2_r_sole_fixed_narrow((((int64_t)r[34]) * INT64_C(1073741824)) + ((int64_t)cos_q[10] * r[35]) + ((int64_t)sin_q[10] * r[36]), 30u);
+    const int32_t v_l_sho_roll_z = op2_r_sole_fixed_narrow(((int64_t)sin_q[10] * r[35]) - ((int64_t)cos_q[10] * r[36]), 30u);
     const int32_t s_l_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * sin_q[9]) - ((int64_t)759250125 * cos_q[9]), 30u);
     const int32_t c_l_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * cos_q[9]) + ((int64_t)759250125 * sin_q[9]), 30u);
-    const int32_t t_l_sho_roll_x = op2_r_sole_fixed_narrow(((int64_t)c_l_sho_roll * v_l_sho_roll_y) - ((int64_t)s_l_sho_roll * r[33]), 30u);
-    const int32_t t_l_sho_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_l_sho_roll * r[33]) + ((int64_t)s_l_sho_roll * v_l_sho_roll_y), 30u);
     /* l_sho_pitch */
-    const int32_t v_l_sho_pitch_x = r[31] + t_l_el_y;
-    const int32_t v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
-    const int32_t t_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[8] * v_l_sho_pitch_x) + ((int64_t)sin_q[8] * v_l_sho_pitch_y), 30u);
-    const int32_t t_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[8] * v_l_sho_pitch_y) - ((int64_t)sin_q[8] * v_l_sho_pitch_x), 30u);
-    /* l_ank_roll */
-    const int32_t t_l_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)sin_q[7] * r[29]) + ((int64_t)cos_q[7] * r[30]), 30u);
-    const int32_t t_l_ank_roll_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[7] * r[29]) - ((int64_t)sin_q[7] * r[30]), 30u);
+    const int32_t v_l_sho_pitch_x = r[31] + v_l_sho_roll_z;
+    const int32_t v_l_sho_pitch_y = op2_r_sole_fixed_narrow((((int64_t)r[32]) * INT64_C(1073741824)) - ((int64_t)s_l_sho_roll * r[33]) + ((int64_t)c_l_sho_roll * v_l_sho_roll_y), 30u);
+    const int32_t v_l_sho_pitch_z = op2_r_sole_fixed_narrow(((int64_t)c_l_sho_roll * r[33]) + ((int64_t)s_l_sho_roll * v_l_sho_roll_y), 30u);
     /* l_ank_pitch */
-    const int32_t v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
-    const int32_t t_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[6] * r[27]) + ((int64_t)sin_q[6] * v_l_ank_pitch_y), 30u);
-    const int32_t t_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[6] * v_l_ank_pitch_y) - ((int64_t)sin_q[6] * r[27]), 30u);
+    const int32_t v_l_ank_pitch_y = op2_r_sole_fixed_narrow((((int64_t)r[28]) * INT64_C(1073741824)) + ((int64_t)sin_q[7] * r[29]) + ((int64_t)cos_q[7] * r[30]), 30u);
+    const int32_t v_l_ank_pitch_z = op2_r_sole_fixed_narrow(((int64_t)cos_q[7] * r[29]) - ((int64_t)sin_q[7] * r[30]), 30u);
     /* l_knee */
-    const int32_t v_l_knee_x = r[25] + t_l_ank_pitch_x;
-    const int32_t v_l_knee_y = r[26] + t_l_ank_pitch_y;
-    const int32_t t_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[5] * v_l_knee_x) - ((int64_t)sin_q[5] * v_l_knee_y), 30u);
-    const int32_t t_l_knee_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[5] * v_l_knee_x) + ((int64_t)cos_q[5] * v_l_knee_y), 30u);
+    const int32_t v_l_knee_x = op2_r_sole_fixed_narrow((((int64_t)r[25]) * INT64_C(1073741824)) + ((int64_t)cos_q[6] * r[27]) + ((int64_t)sin_q[6] * v_l_ank_pitch_y), 30u);
+    const int32_t v_l_knee_y = op2_r_sole_fixed_narrow((((int64_t)r[26]) * INT64_C(1073741824)) - ((int64_t)sin_q[6] * r[27]) + ((int64_t)cos_q[6] * v_l_ank_pitch_y), 30u);
     /* l_hip_pitch */
-    const int32_t v_l_hip_pitch_x = r[23] + t_l_knee_x;
-    const int32_t v_l_hip_pitch_y = r[24] + t_l_knee_y;
-    const int32_t t_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)sin_q[4] * v_l_hip_pitch_x) + ((int64_t)cos_q[4] * v_l_hip_pitch_y), 30u);
-    const int32_t t_l_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[4] * v_l_hip_pitch_x) - ((int64_t)sin_q[4] * v_l_hip_pitch_y), 30u);
+    const int32_t v_l_hip_pitch_x = op2_r_sole_fixed_narrow((((int64_t)r[23]) * INT64_C(1073741824)) + ((int64_t)cos_q[5] * v_l_knee_x) - ((int64_t)sin_q[5] * v_l_knee_y), 30u);
+    const int32_t v_l_hip_pitch_y = op2_r_sole_fixed_narrow((((int64_t)r[24]) * INT64_C(1073741824)) + ((int64_t)sin_q[5] * v_l_knee_x) + ((int64_t)cos_q[5] * v_l_knee_y), 30u);
     /* l_hip_roll */
-    const int32_t v_l_hip_roll_x = r[21] + t_l_ank_roll_y;
-    const int32_t v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
-    const int32_t t_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[3] * v_l_hip_roll_x) + ((int64_t)sin_q[3] * v_l_hip_roll_y), 30u);
-    const int32_t t_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[3] * v_l_hip_roll_y) - ((int64_t)sin_q[3] * v_l_hip_roll_x), 30u);
+    const int32_t v_l_hip_roll_x = r[21] + v_l_ank_pitch_z;
+    const int32_t v_l_hip_roll_y = op2_r_sole_fixed_narrow((((int64_t)r[22]) * INT64_C(1073741824)) + ((int64_t)sin_q[4] * v_l_hip_pitch_x) + ((int64_t)cos_q[4] * v_l_hip_pitch_y), 30u);
+    const int32_t v_l_hip_roll_z = op2_r_sole_fixed_narrow(((int64_t)cos_q[4] * v_l_hip_pitch_x) - ((int64_t)sin_q[4] * v_l_hip_pitch_y), 30u);
     /* l_hip_yaw */
-    const int32_t v_l_hip_yaw_x = r[19] + t_l_hip_pitch_y;
-    const int32_t v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
-    const int32_t t_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[2] * v_l_hip_yaw_x) + ((int64_t)sin_q[2] * v_l_hip_yaw_y), 30u);
-    const int32_t t_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[2] * v_l_hip_yaw_y) - ((int64_t)sin_q[2] * v_l_hip_yaw_x), 30u);
-    /* head_tilt */
-    const int32_t t_head_tilt_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[1] * r[17]) + ((int64_t)sin_q[1] * r[18]), 30u);
-    const int32_t t_head_tilt_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[1] * r[17]) - ((int64_t)cos_q[1] * r[18]), 30u);
+    const int32_t v_l_hip_yaw_x = r[19] + v_l_hip_roll_z;
+    const int32_t v_l_hip_yaw_y = op2_r_sole_fixed_narrow((((int64_t)r[20]) * INT64_C(1073741824)) + ((int64_t)cos_q[3] * v_l_hip_roll_x) + ((int64_t)sin_q[3] * v_l_hip_roll_y), 30u);
+    const int32_t v_l_hip_yaw_z = op2_r_sole_fixed_narrow(((int64_t)cos_q[3] * v_l_hip_roll_y) - ((int64_t)sin_q[3] * v_l_hip_roll_x), 30u);
     /* head_pan */
-    const int32_t v_head_pan_x = r[15] + t_head_tilt_x;
-    const int32_t t_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[0] * v_head_pan_x) - ((int64_t)sin_q[0] * r[16]), 30u);
-    const int32_t t_head_pan_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[0] * v_head_pan_x) + ((int64_t)cos_q[0] * r[16]), 30u);
+    const int32_t v_head_pan_x = op2_r_sole_fixed_narrow((((int64_t)r[15]) * INT64_C(1073741824)) + ((int64_t)cos_q[1] * r[17]) + ((int64_t)sin_q[1] * r[18]), 30u);
+    const int32_t v_head_pan_z = op2_r_sole_fixed_narrow(((int64_t)sin_q[1] * r[17]) - ((int64_t)cos_q[1] * r[18]), 30u);
     /* r_hip_yaw */
-    const int32_t v_r_hip_yaw_x = (((r[13] + t_head_pan_x) + t_l_hip_yaw_x) + t_l_sho_pitch_x) + t_r_sho_pitch_x;
-    const int32_t v_r_hip_yaw_y = (((r[14] + t_head_pan_y) + t_l_hip_yaw_y) + t_l_sho_roll_y) + t_r_sho_roll_y;
-    const int32_t v_r_hip_yaw_z = ((t_head_tilt_y + t_l_hip_roll_y) + t_l_sho_pitch_y) + t_r_sho_pitch_y;
-    const int32_t t_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)sin_q[11] * v_r_hip_yaw_x) + ((int64_t)cos_q[11] * v_r_hip_yaw_y), 30u);
-    const int32_t t_r_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[11] * v_r_hip_yaw_x) - ((int64_t)sin_q[11] * v_r_hip_yaw_y), 30u);
+    const int32_t e1 = op2_r_sole_fixed_narrow((((int64_t)r[13]) * INT64_C(1073741824)) + ((int64_t)cos_q[0] * v_head_pan_x) - ((int64_t)sin_q[0] * r[16]) + ((int64_t)cos_q[8] * v_l_sho_pitch_x) + ((int64_t)sin_q[8] * v_l_sho_pitch_y) + ((int64_t)cos_q[17] * v_r_sho_pitch_x), 30u);
+    const int32_t v_r_hip_yaw_x = op2_r_sole_fixed_narrow((((int64_t)e1) * INT64_C(1073741824)) - ((int64_t)sin_q[17] * v_r_sho_pitch_y) + ((int64_t)cos_q[2] * v_l_hip_yaw_x) + ((int64_t)sin_q[2] * v_l_hip_yaw_y), 30u);
+    const int32_t e2 = op2_r_sole_fixed_narrow((((int64_t)r[14]) * INT64_C(1073741824)) + ((int64_t)sin_q[0] * v_head_pan_x) + ((int64_t)cos_q[0] * r[16]) + (((int64_t)v_l_sho_pitch_z) * INT64_C(1073741824)) + (((int64_t)v_r_sho_pitch_z) * INT64_C(1073741824)) - ((int64_t)sin_q[2] * v_l_hip_yaw_x), 30u);
+    const int32_t v_r_hip_yaw_y = op2_r_sole_fixed_narrow((((int64_t)e2) * INT64_C(1073741824)) + ((int64_t)cos_q[2] * v_l_hip_yaw_y), 30u);
+    const int32_t v_r_hip_yaw_z = op2_r_sole_fixed_narrow((((int64_t)v_head_pan_z) * INT64_C(1073741824)) - ((int64_t)sin_q[8] * v_l_sho_pitch_x) + ((int64_t)cos_q[8] * v_l_sho_pitch_y) + ((int64_t)sin_q[17] * v_r_sho_pitch_x) + ((int64_t)cos_q[17] * v_r_sho_pitch_y) + (((int64_t)v_l_hip_yaw_z) * INT64_C(1073741824)), 30u);
     /* r_hip_roll */
-    const int32_t v_r_hip_roll_x = r[11] + t_r_hip_yaw_x;
+    const int32_t v_r_hip_roll_x = op2_r_sole_fixed_narrow((((int64_t)r[11]) * INT64_C(1073741824)) + ((int64_t)sin_q[11] * v_r_hip_yaw_x) + ((int64_t)cos_q[11] * v_r_hip_yaw_y), 30u);
     const int32_t v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
-    const int32_t t_r_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)sin_q[12] * v_r_hip_roll_x) + ((int64_t)cos_q[12] * v_r_hip_roll_y), 30u);
-    const int32_t t_r_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[12] * v_r_hip_roll_x) - ((int64_t)sin_q[12] * v_r_hip_roll_y), 30u);
+    const int32_t v_r_hip_roll_z = op2_r_sole_fixed_narrow(((int64_t)cos_q[11] * v_r_hip_yaw_x) - ((int64_t)sin_q[11] * v_r_hip_yaw_y), 30u);
     /* r_hip_pitch */
-    const int32_t v_r_hip_pitch_x = r[9] + t_r_hip_yaw_y;
-    const int32_t v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
-    const int32_t t_r_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[13] * v_r_hip_pitch_x) - ((int64_t)sin_q[13] * v_r_hip_pitch_y), 30u);
-    const int32_t t_r_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[13] * v_r_hip_pitch_x) + ((int64_t)cos_q[13] * v_r_hip_pitch_y), 30u);
+    const int32_t v_r_hip_pitch_x = r[9] + v_r_hip_roll_z;
+    const int32_t v_r_hip_pitch_y = op2_r_sole_fixed_narrow((((int64_t)r[10]) * INT64_C(1073741824)) + ((int64_t)sin_q[12] * v_r_hip_roll_x) + ((int64_t)cos_q[12] * v_r_hip_roll_y), 30u);
+    const int32_t v_r_hip_pitch_z = op2_r_sole_fixed_narrow(((int64_t)cos_q[12] * v_r_hip_roll_x) - ((int64_t)sin_q[12] * v_r_hip_roll_y), 30u);
     /* r_knee */
-    const int32_t v_r_knee_x = r[7] + t_r_hip_pitch_x;
-    const int32_t v_r_knee_y = r[8] + t_r_hip_pitch_y;
-    const int32_t t_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[14] * v_r_knee_x) - ((int64_t)sin_q[14] * v_r_knee_y), 30u);
-    const int32_t t_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[14] * v_r_knee_x) + ((int64_t)cos_q[14] * v_r_knee_y), 30u);
+    const int32_t v_r_knee_x = op2_r_sole_fixed_narrow((((int64_t)r[7]) * INT64_C(1073741824)) + ((int64_t)cos_q[13] * v_r_hip_pitch_x) - ((int64_t)sin_q[13] * v_r_hip_pitch_y), 30u);
+    const int32_t v_r_knee_y = op2_r_sole_fixed_narrow((((int64_t)r[8]) * INT64_C(1073741824)) + ((int64_t)sin_q[13] * v_r_hip_pitch_x) + ((int64_t)cos_q[13] * v_r_hip_pitch_y), 30u);
     /* r_ank_pitch */
-    const int32_t v_r_ank_pitch_x = r[5] + t_r_knee_x;
-    const int32_t v_r_ank_pitch_y = r[6] + t_r_knee_y;
-    const int32_t t_r_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[15] * v_r_ank_pitch_y) - ((int64_t)sin_q[15] * v_r_ank_pitch_x), 30u);
-    const int32_t t_r_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[15] * v_r_ank_pitch_x) + ((int64_t)sin_q[15] * v_r_ank_pitch_y), 30u);
+    const int32_t v_r_ank_pitch_x = op2_r_sole_fixed_narrow((((int64_t)r[5]) * INT64_C(1073741824)) + ((int64_t)cos_q[14] * v_r_knee_x) - ((int64_t)sin_q[14] * v_r_knee_y), 30u);
+    const int32_t v_r_ank_pitch_y = op2_r_sole_fixed_narrow((((int64_t)r[6]) * INT64_C(1073741824)) + ((int64_t)sin_q[14] * v_r_knee_x) + ((int64_t)cos_q[14] * v_r_knee_y), 30u);
     /* r_ank_roll */
-    const int32_t v_r_ank_roll_x = r[3] + t_r_hip_roll_y;
-    const int32_t v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
-    const int32_t t_r_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[16] * v_r_ank_roll_x) + ((int64_t)sin_q[16] * v_r_ank_roll_y), 30u);
-    const int32_t t_r_ank_roll_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[16] * v_r_ank_roll_y) - ((int64_t)sin_q[16] * v_r_ank_roll_x), 30u);
+    const int32_t v_r_ank_roll_x = r[3] + v_r_hip_pitch_z;
+    const int32_t v_r_ank_roll_y = op2_r_sole_fixed_narrow((((int64_t)r[4]) * INT64_C(1073741824)) - ((int64_t)sin_q[15] * v_r_ank_pitch_x) + ((int64_t)cos_q[15] * v_r_ank_pitch_y), 30u);
+    const int32_t v_r_ank_roll_z = op2_r_sole_fixed_narrow(((int64_t)cos_q[15] * v_r_ank_pitch_x) + ((int64_t)sin_q[15] * v_r_ank_pitch_y), 30u);
     /* r_sole */
-    const int32_t v_r_sole_x = r[0] + t_r_ank_pitch_y;
-    const int32_t v_r_sole_y = r[1] + t_r_ank_roll_x;
-    const int32_t v_r_sole_z = r[2] + t_r_ank_roll_y;
+    const int32_t v_r_sole_x = r[0] + v_r_ank_roll_z;
+    const int32_t v_r_sole_y = op2_r_sole_fixed_narrow((((int64_t)r[1]) * INT64_C(1073741824)) + ((int64_t)cos_q[16] * v_r_ank_roll_x) + ((int64_t)sin_q[16] * v_r_ank_roll_y), 30u);
+    const int32_t v_r_sole_z = op2_r_sole_fixed_narrow((((int64_t)r[2]) * INT64_C(1073741824)) - ((int64_t)sin_q[16] * v_r_ank_roll_x) + ((int64_t)cos_q[16] * v_r_ank_roll_y), 30u);
     com[0] = v_r_sole_x;
     com[1] = v_r_sole_y;
     com[2] = v_r_sole_z;
@@ -2506,9 +2300,9 @@ void op2_r_sole_fixed_com_jacobian_sc(
     const int32_t t_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[0] * v_head_pan_x) - ((int64_t)sin_q[0] * r[16]), 30u);
     const int32_t t_head_pan_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[0] * v_head_pan_x) + ((int64_t)cos_q[0] * r[16]), 30u);
     /* r_hip_yaw */
-    const int32_t v_r_hip_yaw_x = (((r[13] + t_head_pan_x) + t_l_hip_yaw_x) + t_l_sho_pitch_x) + t_r_sho_pitch_x;
-    const int32_t v_r_hip_yaw_y = (((r[14] + t_head_pan_y) + t_l_hip_yaw_y) + t_l_sho_roll_y) + t_r_sho_roll_y;
-    const int32_t v_r_hip_yaw_z = ((t_head_tilt_y + t_l_hip_roll_y) + t_l_sho_pitch_y) + t_r_sho_pitch_y;
+    const int32_t v_r_hip_yaw_x = (((r[13] + t_head_pan_x) + t_l_sho_pitch_x) + t_r_sho_pitch_x) + t_l_hip_yaw_x;
+    const int32_t v_r_hip_yaw_y = (((r[14] + t_head_pan_y) + t_l_sho_roll_y) + t_r_sho_roll_y) + t_l_hip_yaw_y;
+    const int32_t v_r_hip_yaw_z = ((t_head_tilt_y + t_l_sho_pitch_y) + t_r_sho_pitch_y) + t_l_hip_roll_y;
     const int32_t t_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)sin_q[11] * v_r_hip_yaw_x) + ((int64_t)cos_q[11] * v_r_hip_yaw_y), 30u);
     const int32_t t_r_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[11] * v_r_hip_yaw_x) - ((int64_t)sin_q[11] * v_r_hip_yaw_y), 30u);
     /* r_hip_roll */
@@ -2536,125 +2330,100 @@ void op2_r_sole_fixed_com_jacobian_sc(
     const int32_t v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
     const int32_t t_r_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[16] * v_r_ank_roll_x) + ((int64_t)sin_q[16] * v_r_ank_roll_y), 30u);
     const int32_t t_r_ank_roll_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[16] * v_r_ank_roll_y) - ((int64_t)sin_q[16] * v_r_ank_roll_x), 30u);
+    /* r_ank_pitch */
+    const int32_t e2 = op2_r_sole_fixed_narrow((int64_t)sin_q[16] * sin_q[15], 30u);
+    const int32_t by_r_ank_pitch_y = op2_r_sole_fixed_narrow((int64_t)sin_q[16] * cos_q[15], 30u);
+    const int32_t e3 = op2_r_sole_fixed_narrow((int64_t)cos_q[16] * sin_q[15], 30u);
+    const int32_t bz_r_ank_pitch_y = op2_r_sole_fixed_narrow((int64_t)cos_q[16] * cos_q[15], 30u);
     /* r_knee */
     const int32_t bx_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[15] * cos_q[14]) + ((int64_t)sin_q[15] * sin_q[14]), 30u);
     const int32_t bx_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[15] * cos_q[14]) - ((int64_t)cos_q[15] * sin_q[14]), 30u);
+    const int32_t by_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)by_r_ank_pitch_y * sin_q[14]) - ((int64_t)e2 * cos_q[14]), 30u);
+    const int32_t by_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)by_r_ank_pitch_y * cos_q[14]) + ((int64_t)e2 * sin_q[14]), 30u);
+    const int32_t bz_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_ank_pitch_y * sin_q[14]) - ((int64_t)e3 * cos_q[14]), 30u);
+    const int32_t bz_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_ank_pitch_y * cos_q[14]) + ((int64_t)e3 * sin_q[14]), 30u);
     /* r_hip_pitch */
     const int32_t bx_r_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_knee_x * cos_q[13]) + ((int64_t)bx_r_knee_y * sin_q[13]), 30u);
     const int32_t bx_r_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_knee_y * cos_q[13]) - ((int64_t)bx_r_knee_x * sin_q[13]), 30u);
-    /* r_hip_roll */
-    const int32_t bx_r_hip_roll_x = op2_r_sole_fixed_narrow((int64_t)bx_r_hip_pitch_y * sin_q[12], 30u);
-    const int32_t bx_r_hip_roll_y = op2_r_sole_fixed_narrow((int64_t)bx_r_hip_pitch_y * cos_q[12], 30u);
-    /* r_hip_yaw */
-    const int32_t bx_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_x * sin_q[11]) + ((int64_t)bx_r_hip_pitch_x * cos_q[11]), 30u);
-    const int32_t e2 = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_pitch_x * sin_q[11]) - ((int64_t)bx_r_hip_roll_x * cos_q[11]), 30u);
-    /* head_pan */
-    const int32_t bx_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * cos_q[0]) - ((int64_t)e2 * sin_q[0]), 30u);
-    /* l_hip_yaw */
-    const int32_t bx_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * cos_q[2]) + ((int64_t)e2 * sin_q[2]), 30u);
-    const int32_t bx_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * sin_q[2]) - ((int64_t)e2 * cos_q[2]), 30u);
-    /* l_hip_roll */
-    const int32_t bx_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_yaw_y * cos_q[3]) - ((int64_t)bx_r_hip_roll_y * sin_q[3]), 30u);
-    const int32_t bx_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * cos_q[3]) + ((int64_t)bx_l_hip_yaw_y * sin_q[3]), 30u);
-    /* l_hip_pitch */
-    const int32_t bx_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_roll_y * sin_q[4]) + ((int64_t)bx_l_hip_yaw_x * cos_q[4]), 30u);
-    const int32_t e3 = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_yaw_x * sin_q[4]) - ((int64_t)bx_l_hip_roll_y * cos_q[4]), 30u);
-    /* l_knee */
-    const int32_t bx_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_pitch_x * cos_q[5]) - ((int64_t)e3 * sin_q[5]), 30u);
-    const int32_t e4 = op2_r_sole_fixed_narrow(((int64_t)e3 * cos_q[5]) + ((int64_t)bx_l_hip_pitch_x * sin_q[5]), 30u);
-    /* l_ank_pitch */
-    const int32_t bx_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_l_knee_x * sin_q[6]) - ((int64_t)e4 * cos_q[6]), 30u);
-    /* l_sho_pitch */
-    const int32_t bx_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * cos_q[8]) - ((int64_t)bx_r_hip_roll_y * sin_q[8]), 30u);
-    const int32_t bx_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * cos_q[8]) + ((int64_t)bx_r_hip_yaw_x * sin_q[8]), 30u);
-    /* r_sho_pitch */
-    const int32_t bx_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * cos_q[17]) + ((int64_t)bx_r_hip_roll_y * sin_q[17]), 30u);
-    const int32_t bx_r_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * cos_q[17]) - ((int64_t)bx_r_hip_yaw_x * sin_q[17]), 30u);
-    /* r_ank_pitch */
-    const int32_t e5 = op2_r_sole_fixed_narrow((int64_t)sin_q[16] * sin_q[15], 30u);
-    const int32_t by_r_ank_pitch_y = op2_r_sole_fixed_narrow((int64_t)sin_q[16] * cos_q[15], 30u);
-    /* r_knee */
-    const int32_t by_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)by_r_ank_pitch_y * sin_q[14]) - ((int64_t)e5 * cos_q[14]), 30u);
-    const int32_t by_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)by_r_ank_pitch_y * cos_q[14]) + ((int64_t)e5 * sin_q[14]), 30u);
-    /* r_hip_pitch */
     const int32_t by_r_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_knee_x * cos_q[13]) + ((int64_t)by_r_knee_y * sin_q[13]), 30u);
     const int32_t by_r_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_r_knee_y * cos_q[13]) - ((int64_t)by_r_knee_x * sin_q[13]), 30u);
-    /* r_hip_roll */
-    const int32_t by_r_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_pitch_y * sin_q[12]) + ((int64_t)cos_q[16] * cos_q[12]), 30u);
-    const int32_t e6 = op2_r_sole_fixed_narrow(((int64_t)cos_q[16] * sin_q[12]) - ((int64_t)by_r_hip_pitch_y * cos_q[12]), 30u);
-    /* r_hip_yaw */
-    const int32_t by_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_roll_x * sin_q[11]) + ((int64_t)by_r_hip_pitch_x * cos_q[11]), 30u);
-    const int32_t e7 = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_pitch_x * sin_q[11]) - ((int64_t)by_r_hip_roll_x * cos_q[11]), 30u);
-    /* head_pan */
-    const int32_t by_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * cos_q[0]) - ((int64_t)e7 * sin_q[0]), 30u);
-    /* l_hip_yaw */
-    const int32_t by_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * cos_q[2]) + ((int64_t)e7 * sin_q[2]), 30u);
-    const int32_t by_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * sin_q[2]) - ((int64_t)e7 * cos_q[2]), 30u);
-    /* l_hip_roll */
-    const int32_t by_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_y * cos_q[3]) + ((int64_t)e6 * sin_q[3]), 30u);
-    const int32_t by_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_y * sin_q[3]) - ((int64_t)e6 * cos_q[3]), 30u);
-    /* l_hip_pitch */
-    const int32_t by_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_roll_y * sin_q[4]) + ((int64_t)by_l_hip_yaw_x * cos_q[4]), 30u);
-    const int32_t e8 = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_x * sin_q[4]) - ((int64_t)by_l_hip_roll_y * cos_q[4]), 30u);
-    /* l_knee */
-    const int32_t by_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_pitch_x * cos_q[5]) - ((int64_t)e8 * sin_q[5]), 30u);
-    const int32_t e9 = op2_r_sole_fixed_narrow(((int64_t)e8 * cos_q[5]) + ((int64_t)by_l_hip_pitch_x * sin_q[5]), 30u);
-    /* l_ank_pitch */
-    const int32_t by_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_l_knee_x * sin_q[6]) - ((int64_t)e9 * cos_q[6]), 30u);
-    /* l_sho_pitch */
-    const int32_t by_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * cos_q[8]) + ((int64_t)e6 * sin_q[8]), 30u);
-    const int32_t by_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * sin_q[8]) - ((int64_t)e6 * cos_q[8]), 30u);
-    /* r_sho_pitch */
-    const int32_t by_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * cos_q[17]) - ((int64_t)e6 * sin_q[17]), 30u);
-    const int32_t e10 = op2_r_sole_fixed_narrow(((int64_t)e6 * cos_q[17]) + ((int64_t)by_r_hip_yaw_x * sin_q[17]), 30u);
-    /* r_ank_pitch */
-    const int32_t e11 = op2_r_sole_fixed_narrow((int64_t)cos_q[16] * sin_q[15], 30u);
-    const int32_t bz_r_ank_pitch_y = op2_r_sole_fixed_narrow((int64_t)cos_q[16] * cos_q[15], 30u);
-    /* r_knee */
-    const int32_t bz_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_ank_pitch_y * sin_q[14]) - ((int64_t)e11 * cos_q[14]), 30u);
-    const int32_t bz_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_ank_pitch_y * cos_q[14]) + ((int64_t)e11 * sin_q[14]), 30u);
-    /* r_hip_pitch */
     const int32_t bz_r_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_knee_x * cos_q[13]) + ((int64_t)bz_r_knee_y * sin_q[13]), 30u);
     const int32_t bz_r_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_knee_y * cos_q[13]) - ((int64_t)bz_r_knee_x * sin_q[13]), 30u);
     /* r_hip_roll */
+    const int32_t bx_r_hip_roll_x = op2_r_sole_fixed_narrow((int64_t)bx_r_hip_pitch_y * sin_q[12], 30u);
+    const int32_t bx_r_hip_roll_y = op2_r_sole_fixed_narrow((int64_t)bx_r_hip_pitch_y * cos_q[12], 30u);
+    const int32_t by_r_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_pitch_y * sin_q[12]) + ((int64_t)cos_q[16] * cos_q[12]), 30u);
+    const int32_t e4 = op2_r_sole_fixed_narrow(((int64_t)cos_q[16] * sin_q[12]) - ((int64_t)by_r_hip_pitch_y * cos_q[12]), 30u);
     const int32_t bz_r_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_pitch_y * sin_q[12]) - ((int64_t)sin_q[16] * cos_q[12]), 30u);
     const int32_t bz_r_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[16] * sin_q[12]) + ((int64_t)bz_r_hip_pitch_y * cos_q[12]), 30u);
     /* r_hip_yaw */
+    const int32_t bx_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_x * sin_q[11]) + ((int64_t)bx_r_hip_pitch_x * cos_q[11]), 30u);
+    const int32_t e5 = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_pitch_x * sin_q[11]) - ((int64_t)bx_r_hip_roll_x * cos_q[11]), 30u);
+    const int32_t by_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_roll_x * sin_q[11]) + ((int64_t)by_r_hip_pitch_x * cos_q[11]), 30u);
+    const int32_t e6 = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_pitch_x * sin_q[11]) - ((int64_t)by_r_hip_roll_x * cos_q[11]), 30u);
     const int32_t bz_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_x * sin_q[11]) + ((int64_t)bz_r_hip_pitch_x * cos_q[11]), 30u);
-    const int32_t e12 = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_pitch_x * sin_q[11]) - ((int64_t)bz_r_hip_roll_x * cos_q[11]), 30u);
+    const int32_t e7 = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_pitch_x * sin_q[11]) - ((int64_t)bz_r_hip_roll_x * cos_q[11]), 30u);
     /* head_pan */
-    const int32_t bz_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * cos_q[0]) - ((int64_t)e12 * sin_q[0]), 30u);
+    const int32_t bx_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * cos_q[0]) - ((int64_t)e5 * sin_q[0]), 30u);
+    const int32_t by_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * cos_q[0]) - ((int64_t)e6 * sin_q[0]), 30u);
+    const int32_t bz_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * cos_q[0]) - ((int64_t)e7 * sin_q[0]), 30u);
     /* l_hip_yaw */
-    const int32_t bz_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * cos_q[2]) + ((int64_t)e12 * sin_q[2]), 30u);
-    const int32_t bz_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * sin_q[2]) - ((int64_t)e12 * cos_q[2]), 30u);
+    const int32_t bx_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * cos_q[2]) + ((int64_t)e5 * sin_q[2]), 30u);
+    const int32_t bx_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * sin_q[2]) - ((int64_t)e5 * cos_q[2]), 30u);
+    const int32_t by_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * cos_q[2]) + ((int64_t)e6 * sin_q[2]), 30u);
+    const int32_t by_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * sin_q[2]) - ((int64_t)e6 * cos_q[2]), 30u);
+    const int32_t bz_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * cos_q[2]) + ((int64_t)e7 * sin_q[2]), 30u);
+    const int32_t bz_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * sin_q[2]) - ((int64_t)e7 * cos_q[2]), 30u);
     /* l_hip_roll */
+    const int32_t bx_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_yaw_y * cos_q[3]) - ((int64_t)bx_r_hip_roll_y * sin_q[3]), 30u);
+    const int32_t bx_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * cos_q[3]) + ((int64_t)bx_l_hip_yaw_y * sin_q[3]), 30u);
+    const int32_t by_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_y * cos_q[3]) + ((int64_t)e4 * sin_q[3]), 30u);
+    const int32_t by_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_y * sin_q[3]) - ((int64_t)e4 * cos_q[3]), 30u);
     const int32_t bz_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_yaw_y * cos_q[3]) - ((int64_t)bz_r_hip_roll_y * sin_q[3]), 30u);
     const int32_t bz_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y * cos_q[3]) + ((int64_t)bz_l_hip_yaw_y * sin_q[3]), 30u);
     /* l_hip_pitch */
+    const int32_t bx_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_roll_y * sin_q[4]) + ((int64_t)bx_l_hip_yaw_x * cos_q[4]), 30u);
+    const int32_t e8 = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_yaw_x * sin_q[4]) - ((int64_t)bx_l_hip_roll_y * cos_q[4]), 30u);
+    const int32_t by_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_roll_y * sin_q[4]) + ((int64_t)by_l_hip_yaw_x * cos_q[4]), 30u);
+    const int32_t e9 = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_x * sin_q[4]) - ((int64_t)by_l_hip_roll_y * cos_q[4]), 30u);
     const int32_t bz_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_roll_y * sin_q[4]) + ((int64_t)bz_l_hip_yaw_x * cos_q[4]), 30u);
-    const int32_t e13 = op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_yaw_x * sin_q[4]) - ((int64_t)bz_l_hip_roll_y * cos_q[4]), 30u);
+    const int32_t e10 = op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_yaw_x * sin_q[4]) - ((int64_t)bz_l_hip_roll_y * cos_q[4]), 30u);
     /* l_knee */
-    const int32_t bz_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_pitch_x * cos_q[5]) - ((int64_t)e13 * sin_q[5]), 30u);
-    const int32_t e14 = op2_r_sole_fixed_narrow(((int64_t)e13 * cos_q[5]) + ((int64_t)bz_l_hip_pitch_x * sin_q[5]), 30u);
+    const int32_t bx_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_pitch_x * cos_q[5]) - ((int64_t)e8 * sin_q[5]), 30u);
+    const int32_t e11 = op2_r_sole_fixed_narrow(((int64_t)e8 * cos_q[5]) + ((int64_t)bx_l_hip_pitch_x * sin_q[5]), 30u);
+    const int32_t by_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_pitch_x * cos_q[5]) - ((int64_t)e9 * sin_q[5]), 30u);
+    const int32_t e12 = op2_r_sole_fixed_narrow(((int64_t)e9 * cos_q[5]) + ((int64_t)by_l_hip_pitch_x * sin_q[5]), 30u);
+    const int32_t bz_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_pitch_x * cos_q[5]) - ((int64_t)e10 * sin_q[5]), 30u);
+    const int32_t e13 = op2_r_sole_fixed_narrow(((int64_t)e10 * cos_q[5]) + ((int64_t)bz_l_hip_pitch_x * sin_q[5]), 30u);
     /* l_ank_pitch */
-    const int32_t bz_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bz_l_knee_x * sin_q[6]) - ((int64_t)e14 * cos_q[6]), 30u);
+    const int32_t bx_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_l_knee_x * sin_q[6]) - ((int64_t)e11 * cos_q[6]), 30u);
+    const int32_t by_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_l_knee_x * sin_q[6]) - ((int64_t)e12 * cos_q[6]), 30u);
+    const int32_t bz_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bz_l_knee_x * sin_q[6]) - ((int64_t)e13 * cos_q[6]), 30u);
     /* l_sho_pitch */
+    const int32_t bx_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * cos_q[8]) - ((int64_t)bx_r_hip_roll_y * sin_q[8]), 30u);
+    const int32_t bx_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * cos_q[8]) + ((int64_t)bx_r_hip_yaw_x * sin_q[8]), 30u);
+    const int32_t by_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * cos_q[8]) + ((int64_t)e4 * sin_q[8]), 30u);
+    const int32_t by_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * sin_q[8]) - ((int64_t)e4 * cos_q[8]), 30u);
     const int32_t bz_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * cos_q[8]) - ((int64_t)bz_r_hip_roll_y * sin_q[8]), 30u);
     const int32_t bz_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y * cos_q[8]) + ((int64_t)bz_r_hip_yaw_x * sin_q[8]), 30u);
     /* r_sho_pitch */
+    const int32_t bx_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * cos_q[17]) + ((int64_t)bx_r_hip_roll_y * sin_q[17]), 30u);
+    const int32_t bx_r_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * cos_q[17]) - ((int64_t)bx_r_hip_yaw_x * sin_q[17]), 30u);
+    const int32_t by_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * cos_q[17]) - ((int64_t)e4 * sin_q[17]), 30u);
+    const int32_t e14 = op2_r_sole_fixed_narrow(((int64_t)e4 * cos_q[17]) + ((int64_t)by_r_hip_yaw_x * sin_q[17]), 30u);
     const int32_t bz_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * cos_q[17]) + ((int64_t)bz_r_hip_roll_y * sin_q[17]), 30u);
     const int32_t bz_r_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y * cos_q[17]) - ((int64_t)bz_r_hip_yaw_x * sin_q[17]), 30u);
-    jac[0] = (-op2_r_sole_fixed_narrow(((int64_t)e2 * t_head_pan_x) + ((int64_t)bx_r_hip_yaw_x * t_head_pan_y), 30u));
+    jac[0] = (-op2_r_sole_fixed_narrow(((int64_t)e5 * t_head_pan_x) + ((int64_t)bx_r_hip_yaw_x * t_head_pan_y), 30u));
     jac[1] = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * t_head_tilt_x) - ((int64_t)bx_head_pan_x * t_head_tilt_y), 30u);
-    jac[2] = op2_r_sole_fixed_narrow(((int64_t)e2 * t_l_hip_yaw_x) + ((int64_t)bx_r_hip_yaw_x * t_l_hip_yaw_y), 30u);
+    jac[2] = op2_r_sole_fixed_narrow(((int64_t)e5 * t_l_hip_yaw_x) + ((int64_t)bx_r_hip_yaw_x * t_l_hip_yaw_y), 30u);
     jac[3] = (-op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * t_l_hip_roll_x) - ((int64_t)bx_l_hip_yaw_y * t_l_hip_roll_y), 30u));
     jac[4] = (-op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_yaw_x * t_l_hip_pitch_x) - ((int64_t)bx_l_hip_roll_y * t_l_hip_pitch_y), 30u));
-    jac[5] = (-op2_r_sole_fixed_narrow(((int64_t)e3 * t_l_knee_x) + ((int64_t)bx_l_hip_pitch_x * t_l_knee_y), 30u));
-    jac[6] = op2_r_sole_fixed_narrow(((int64_t)e4 * t_l_ank_pitch_x) + ((int64_t)bx_l_knee_x * t_l_ank_pitch_y), 30u);
+    jac[5] = (-op2_r_sole_fixed_narrow(((int64_t)e8 * t_l_knee_x) + ((int64_t)bx_l_hip_pitch_x * t_l_knee_y), 30u));
+    jac[6] = op2_r_sole_fixed_narrow(((int64_t)e11 * t_l_ank_pitch_x) + ((int64_t)bx_l_knee_x * t_l_ank_pitch_y), 30u);
     jac[7] = (-op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_roll_x * t_l_ank_roll_x) - ((int64_t)bx_l_ank_pitch_y * t_l_ank_roll_y), 30u));
     jac[8] = (-op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * t_l_sho_pitch_x) - ((int64_t)bx_r_hip_yaw_x * t_l_sho_pitch_y), 30u));
-    jac[9] = (-op2_r_sole_fixed_narrow(((int64_t)e2 * t_l_sho_roll_x) + ((int64_t)bx_l_sho_pitch_y * t_l_sho_roll_y), 30u));
-    jac[10] = op2_r_sole_fixed_narrow(((int64_t)bx_l_sho_pitch_x * t_l_el_x) + ((int64_t)op2_r_sole_fixed_narrow(((int64_t)e2 * s_l_sho_roll) - ((int64_t)bx_l_sho_pitch_y * c_l_sho_roll), 30u) * t_l_el_y), 30u);
+    jac[9] = (-op2_r_sole_fixed_narrow(((int64_t)e5 * t_l_sho_roll_x) + ((int64_t)bx_l_sho_pitch_y * t_l_sho_roll_y), 30u));
+    jac[10] = op2_r_sole_fixed_narrow(((int64_t)bx_l_sho_pitch_x * t_l_el_x) + ((int64_t)op2_r_sole_fixed_narrow(((int64_t)e5 * s_l_sho_roll) - ((int64_t)bx_l_sho_pitch_y * c_l_sho_roll), 30u) * t_l_el_y), 30u);
     jac[11] = (-op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_pitch_x * t_r_hip_yaw_x) - ((int64_t)bx_r_hip_roll_x * t_r_hip_yaw_y), 30u));
     jac[12] = op2_r_sole_fixed_narrow((int64_t)bx_r_hip_pitch_y * t_r_hip_roll_y, 30u);
     jac[13] = op2_r_sole_fixed_narrow(((int64_t)bx_r_knee_y * t_r_hip_pitch_x) - ((int64_t)bx_r_knee_x * t_r_hip_pitch_y), 30u);
@@ -2662,48 +2431,48 @@ void op2_r_sole_fixed_com_jacobian_sc(
     jac[15] = t_r_ank_pitch_x;
     jac[16] = 0;
     jac[17] = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * t_r_sho_pitch_x) - ((int64_t)bx_r_hip_yaw_x * t_r_sho_pitch_y), 30u);
-    jac[18] = (-op2_r_sole_fixed_narrow(((int64_t)e2 * t_r_sho_roll_x) + ((int64_t)bx_r_sho_pitch_y * t_r_sho_roll_y), 30u));
-    jac[19] = (-op2_r_sole_fixed_narrow(((int64_t)bx_r_sho_pitch_x * t_r_el_x) - ((int64_t)op2_r_sole_fixed_narrow(((int64_t)e2 * s_r_sho_roll) - ((int64_t)bx_r_sho_pitch_y * c_r_sho_roll), 30u) * e1), 30u));
-    jac[20] = (-op2_r_sole_fixed_narrow(((int64_t)e7 * t_head_pan_x) + ((int64_t)by_r_hip_yaw_x * t_head_pan_y), 30u));
-    jac[21] = (-op2_r_sole_fixed_narrow(((int64_t)e6 * t_head_tilt_x) + ((int64_t)by_head_pan_x * t_head_tilt_y), 30u));
-    jac[22] = op2_r_sole_fixed_narrow(((int64_t)e7 * t_l_hip_yaw_x) + ((int64_t)by_r_hip_yaw_x * t_l_hip_yaw_y), 30u);
-    jac[23] = op2_r_sole_fixed_narrow(((int64_t)e6 * t_l_hip_roll_x) + ((int64_t)by_l_hip_yaw_y * t_l_hip_roll_y), 30u);
+    jac[18] = (-op2_r_sole_fixed_narrow(((int64_t)e5 * t_r_sho_roll_x) + ((int64_t)bx_r_sho_pitch_y * t_r_sho_roll_y), 30u));
+    jac[19] = (-op2_r_sole_fixed_narrow(((int64_t)bx_r_sho_pitch_x * t_r_el_x) - ((int64_t)op2_r_sole_fixed_narrow(((int64_t)e5 * s_r_sho_roll) - ((int64_t)bx_r_sho_pitch_y * c_r_sho_roll), 30u) * e1), 30u));
+    jac[20] = (-op2_r_sole_fixed_narrow(((int64_t)e6 * t_head_pan_x) + ((int64_t)by_r_hip_yaw_x * t_head_pan_y), 30u));
+    jac[21] = (-op2_r_sole_fixed_narrow(((int64_t)e4 * t_head_tilt_x) + ((int64_t)by_head_pan_x * t_head_tilt_y), 30u));
+    jac[22] = op2_r_sole_fixed_narrow(((int64_t)e6 * t_l_hip_yaw_x) + ((int64_t)by_r_hip_yaw_x * t_l_hip_yaw_y), 30u);
+    jac[23] = op2_r_sole_fixed_narrow(((int64_t)e4 * t_l_hip_roll_x) + ((int64_t)by_l_hip_yaw_y * t_l_hip_roll_y), 30u);
     jac[24] = (-op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_x * t_l_hip_pitch_x) - ((int64_t)by_l_hip_roll_y * t_l_hip_pitch_y), 30u));
-    jac[25] = (-op2_r_sole_fixed_narrow(((int64_t)e8 * t_l_knee_x) + ((int64_t)by_l_hip_pitch_x * t_l_knee_y), 30u));
-    jac[26] = op2_r_sole_fixed_narrow(((int64_t)e9 * t_l_ank_pitch_x) + ((int64_t)by_l_knee_x * t_l_ank_pitch_y), 30u);
+    jac[25] = (-op2_r_sole_fixed_narrow(((int64_t)e9 * t_l_knee_x) + ((int64_t)by_l_hip_pitch_x * t_l_knee_y), 30u));
+    jac[26] = op2_r_sole_fixed_narrow(((int64_t)e12 * t_l_ank_pitch_x) + ((int64_t)by_l_knee_x * t_l_ank_pitch_y), 30u);
     jac[27] = (-op2_r_sole_fixed_narrow(((int64_t)by_l_hip_roll_x * t_l_ank_roll_x) - ((int64_t)by_l_ank_pitch_y * t_l_ank_roll_y), 30u));
-    jac[28] = op2_r_sole_fixed_narrow(((int64_t)e6 * t_l_sho_pitch_x) + ((int64_t)by_r_hip_yaw_x * t_l_sho_pitch_y), 30u);
-    jac[29] = (-op2_r_sole_fixed_narrow(((int64_t)e7 * t_l_sho_roll_x) + ((int64_t)by_l_sho_pitch_y * t_l_sho_roll_y), 30u));
-    jac[30] = op2_r_sole_fixed_narrow(((int64_t)by_l_sho_pitch_x * t_l_el_x) + ((int64_t)op2_r_sole_fixed_narrow(((int64_t)e7 * s_l_sho_roll) - ((int64_t)by_l_sho_pitch_y * c_l_sho_roll), 30u) * t_l_el_y), 30u);
+    jac[28] = op2_r_sole_fixed_narrow(((int64_t)e4 * t_l_sho_pitch_x) + ((int64_t)by_r_hip_yaw_x * t_l_sho_pitch_y), 30u);
+    jac[29] = (-op2_r_sole_fixed_narrow(((int64_t)e6 * t_l_sho_roll_x) + ((int64_t)by_l_sho_pitch_y * t_l_sho_roll_y), 30u));
+    jac[30] = op2_r_sole_fixed_narrow(((int64_t)by_l_sho_pitch_x * t_l_el_x) + ((int64_t)op2_r_sole_fixed_narrow(((int64_t)e6 * s_l_sho_roll) - ((int64_t)by_l_sho_pitch_y * c_l_sho_roll), 30u) * t_l_el_y), 30u);
     jac[31] = (-op2_r_sole_fixed_narrow(((int64_t)by_r_hip_pitch_x * t_r_hip_yaw_x) - ((int64_t)by_r_hip_roll_x * t_r_hip_yaw_y), 30u));
     jac[32] = (-op2_r_sole_fixed_narrow(((int64_t)cos_q[16] * t_r_hip_roll_x) - ((int64_t)by_r_hip_pitch_y * t_r_hip_roll_y), 30u));
     jac[33] = op2_r_sole_fixed_narrow(((int64_t)by_r_knee_y * t_r_hip_pitch_x) - ((int64_t)by_r_knee_x * t_r_hip_pitch_y), 30u);
-    jac[34] = op2_r_sole_fixed_narrow(((int64_t)by_r_ank_pitch_y * t_r_knee_x) + ((int64_t)e5 * t_r_knee_y), 30u);
+    jac[34] = op2_r_sole_fixed_narrow(((int64_t)by_r_ank_pitch_y * t_r_knee_x) + ((int64_t)e2 * t_r_knee_y), 30u);
     jac[35] = (-op2_r_sole_fixed_narrow((int64_t)sin_q[16] * t_r_ank_pitch_y, 30u));
     jac[36] = t_r_ank_roll_y;
-    jac[37] = (-op2_r_sole_fixed_narrow(((int64_t)e6 * t_r_sho_pitch_x) + ((int64_t)by_r_hip_yaw_x * t_r_sho_pitch_y), 30u));
-    jac[38] = op2_r_sole_fixed_narrow(((int64_t)e10 * t_r_sho_roll_y) - ((int64_t)e7 * t_r_sho_roll_x), 30u);
-    jac[39] = (-op2_r_sole_fixed_narrow(((int64_t)by_r_sho_pitch_x * t_r_el_x) - ((int64_t)op2_r_sole_fixed_narrow(((int64_t)e7 * s_r_sho_roll) + ((int64_t)e10 * c_r_sho_roll), 30u) * e1), 30u));
-    jac[40] = (-op2_r_sole_fixed_narrow(((int64_t)e12 * t_head_pan_x) + ((int64_t)bz_r_hip_yaw_x * t_head_pan_y), 30u));
+    jac[37] = (-op2_r_sole_fixed_narrow(((int64_t)e4 * t_r_sho_pitch_x) + ((int64_t)by_r_hip_yaw_x * t_r_sho_pitch_y), 30u));
+    jac[38] = op2_r_sole_fixed_narrow(((int64_t)e14 * t_r_sho_roll_y) - ((int64_t)e6 * t_r_sho_roll_x), 30u);
+    jac[39] = (-op2_r_sole_fixed_narrow(((int64_t)by_r_sho_pitch_x * t_r_el_x) - ((int64_t)op2_r_sole_fixed_narrow(((int64_t)e6 * s_r_sho_roll) + ((int64_t)e14 * c_r_sho_roll), 30u) * e1), 30u));
+    jac[40] = (-op2_r_sole_fixed_narrow(((int64_t)e7 * t_head_pan_x) + ((int64_t)bz_r_hip_yaw_x * t_head_pan_y), 30u));
     jac[41] = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y * t_head_tilt_x) - ((int64_t)bz_head_pan_x * t_head_tilt_y), 30u);
-    jac[42] = op2_r_sole_fixed_narrow(((int64_t)e12 * t_l_hip_yaw_x) + ((int64_t)bz_r_hip_yaw_x * t_l_hip_yaw_y), 30u);
+    jac[42] = op2_r_sole_fixed_narrow(((int64_t)e7 * t_l_hip_yaw_x) + ((int64_t)bz_r_hip_yaw_x * t_l_hip_yaw_y), 30u);
     jac[43] = (-op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y * t_l_hip_roll_x) - ((int64_t)bz_l_hip_yaw_y * t_l_hip_roll_y), 30u));
     jac[44] = (-op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_yaw_x * t_l_hip_pitch_x) - ((int64_t)bz_l_hip_roll_y * t_l_hip_pitch_y), 30u));
-    jac[45] = (-op2_r_sole_fixed_narrow(((int64_t)e13 * t_l_knee_x) + ((int64_t)bz_l_hip_pitch_x * t_l_knee_y), 30u));
-    jac[46] = op2_r_sole_fixed_narrow(((int64_t)e14 * t_l_ank_pitch_x) + ((int64_t)bz_l_knee_x * t_l_ank_pitch_y), 30u);
+    jac[45] = (-op2_r_sole_fixed_narrow(((int64_t)e10 * t_l_knee_x) + ((int64_t)bz_l_hip_pitch_x * t_l_knee_y), 30u));
+    jac[46] = op2_r_sole_fixed_narrow(((int64_t)e13 * t_l_ank_pitch_x) + ((int64_t)bz_l_knee_x * t_l_ank_pitch_y), 30u);
     jac[47] = (-op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_roll_x * t_l_ank_roll_x) - ((int64_t)bz_l_ank_pitch_y * t_l_ank_roll_y), 30u));
     jac[48] = (-op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y * t_l_sho_pitch_x) - ((int64_t)bz_r_hip_yaw_x * t_l_sho_pitch_y), 30u));
-    jac[49] = (-op2_r_sole_fixed_narrow(((int64_t)e12 * t_l_sho_roll_x) + ((int64_t)bz_l_sho_pitch_y * t_l_sho_roll_y), 30u));
-    jac[50] = op2_r_sole_fixed_narrow(((int64_t)bz_l_sho_pitch_x * t_l_el_x) + ((int64_t)op2_r_sole_fixed_narrow(((int64_t)e12 * s_l_sho_roll) - ((int64_t)bz_l_sho_pitch_y * c_l_sho_roll), 30u) * t_l_el_y), 30u);
+    jac[49] = (-op2_r_sole_fixed_narrow(((int64_t)e7 * t_l_sho_roll_x) + ((int64_t)bz_l_sho_pitch_y * t_l_sho_roll_y), 30u));
+    jac[50] = op2_r_sole_fixed_narrow(((int64_t)bz_l_sho_pitch_x * t_l_el_x) + ((int64_t)op2_r_sole_fixed_narrow(((int64_t)e7 * s_l_sho_roll) - ((int64_t)bz_l_sho_pitch_y * c_l_sho_roll), 30u) * t_l_el_y), 30u);
     jac[51] = (-op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_pitch_x * t_r_hip_yaw_x) - ((int64_t)bz_r_hip_roll_x * t_r_hip_yaw_y), 30u));
     jac[52] = op2_r_sole_fixed_narrow(((int64_t)sin_q[16] * t_r_hip_roll_x) + ((int64_t)bz_r_hip_pitch_y * t_r_hip_roll_y), 30u);
     jac[53] = op2_r_sole_fixed_narrow(((int64_t)bz_r_knee_y * t_r_hip_pitch_x) - ((int64_t)bz_r_knee_x * t_r_hip_pitch_y), 30u);
-    jac[54] = op2_r_sole_fixed_narrow(((int64_t)bz_r_ank_pitch_y * t_r_knee_x) + ((int64_t)e11 * t_r_knee_y), 30u);
+    jac[54] = op2_r_sole_fixed_narrow(((int64_t)bz_r_ank_pitch_y * t_r_knee_x) + ((int64_t)e3 * t_r_knee_y), 30u);
     jac[55] = (-op2_r_sole_fixed_narrow((int64_t)cos_q[16] * t_r_ank_pitch_y, 30u));
     jac[56] = (-t_r_ank_roll_x);
     jac[57] = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y * t_r_sho_pitch_x) - ((int64_t)bz_r_hip_yaw_x * t_r_sho_pitch_y), 30u);
-    jac[58] = (-op2_r_sole_fixed_narrow(((int64_t)e12 * t_r_sho_roll_x) + ((int64_t)bz_r_sho_pitch_y * t_r_sho_roll_y), 30u));
-    jac[59] = (-op2_r_sole_fixed_narrow(((int64_t)bz_r_sho_pitch_x * t_r_el_x) - ((int64_t)op2_r_sole_fixed_narrow(((int64_t)e12 * s_r_sho_roll) - ((int64_t)bz_r_sho_pitch_y * c_r_sho_roll), 30u) * e1), 30u));
+    jac[58] = (-op2_r_sole_fixed_narrow(((int64_t)e7 * t_r_sho_roll_x) + ((int64_t)bz_r_sho_pitch_y * t_r_sho_roll_y), 30u));
+    jac[59] = (-op2_r_sole_fixed_narrow(((int64_t)bz_r_sho_pitch_x * t_r_el_x) - ((int64_t)op2_r_sole_fixed_narrow(((int64_t)e7 * s_r_sho_roll) - ((int64_t)bz_r_sho_pitch_y * c_r_sho_roll), 30u) * e1), 30u));
 }
 
 void op2_r_sole_fixed_gravity_moments_sc(
@@ -2775,9 +2544,9 @@ void op2_r_sole_fixed_gravity_moments_sc(
     const int32_t t_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[0] * v_head_pan_x) - ((int64_t)sin_q[0] * r[16]), 30u);
     const int32_t t_head_pan_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[0] * v_head_pan_x) + ((int64_t)cos_q[0] * r[16]), 30u);
     /* r_hip_yaw */
-    const int32_t v_r_hip_yaw_x = (((r[13] + t_head_pan_x) + t_l_hip_yaw_x) + t_l_sho_pitch_x) + t_r_sho_pitch_x;
-    const int32_t v_r_hip_yaw_y = (((r[14] + t_head_pan_y) + t_l_hip_yaw_y) + t_l_sho_roll_y) + t_r_sho_roll_y;
-    const int32_t v_r_hip_yaw_z = ((t_head_tilt_y + t_l_hip_roll_y) + t_l_sho_pitch_y) + t_r_sho_pitch_y;
+    const int32_t v_r_hip_yaw_x = (((r[13] + t_head_pan_x) + t_l_sho_pitch_x) + t_r_sho_pitch_x) + t_l_hip_yaw_x;
+    const int32_t v_r_hip_yaw_y = (((r[14] + t_head_pan_y) + t_l_sho_roll_y) + t_r_sho_roll_y) + t_l_hip_yaw_y;
+    const int32_t v_r_hip_yaw_z = ((t_head_tilt_y + t_l_sho_pitch_y) + t_r_sho_pitch_y) + t_l_hip_roll_y;
     const int32_t t_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)sin_q[11] * v_r_hip_yaw_x) + ((int64_t)cos_q[11] * v_r_hip_yaw_y), 30u);
     const int32_t t_r_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[11] * v_r_hip_yaw_x) - ((int64_t)sin_q[11] * v_r_hip_yaw_y), 30u);
     /* r_hip_roll */
@@ -2870,195 +2639,158 @@ void op2_r_sole_fixed_regressor_sc(
 {
     /* r_ank_roll */
     const int32_t bz_r_ank_roll_x = -sin_q[16];
+    /* r_ank_pitch */
+    const int32_t e1 = op2_r_sole_fixed_narrow((int64_t)sin_q[16] * sin_q[15], 30u);
+    const int32_t by_r_ank_pitch_x = -e1;
+    const int32_t by_r_ank_pitch_y = op2_r_sole_fixed_narrow((int64_t)sin_q[16] * cos_q[15], 30u);
+    const int32_t e2 = op2_r_sole_fixed_narrow((int64_t)cos_q[16] * sin_q[15], 30u);
+    const int32_t bz_r_ank_pitch_x = -e2;
+    const int32_t bz_r_ank_pitch_y = op2_r_sole_fixed_narrow((int64_t)cos_q[16] * cos_q[15], 30u);
     /* r_knee */
     const int32_t bx_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[15] * cos_q[14]) + ((int64_t)sin_q[15] * sin_q[14]), 30u);
     const int32_t bx_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[15] * cos_q[14]) - ((int64_t)cos_q[15] * sin_q[14]), 30u);
+    const int32_t by_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)by_r_ank_pitch_y * sin_q[14]) - ((int64_t)e1 * cos_q[14]), 30u);
+    const int32_t by_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)by_r_ank_pitch_y * cos_q[14]) + ((int64_t)e1 * sin_q[14]), 30u);
+    const int32_t bz_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_ank_pitch_y * sin_q[14]) - ((int64_t)e2 * cos_q[14]), 30u);
+    const int32_t bz_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_ank_pitch_y * cos_q[14]) + ((int64_t)e2 * sin_q[14]), 30u);
     /* r_hip_pitch */
     const int32_t bx_r_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_knee_x * cos_q[13]) + ((int64_t)bx_r_knee_y * sin_q[13]), 30u);
     const int32_t bx_r_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_knee_y * cos_q[13]) - ((int64_t)bx_r_knee_x * sin_q[13]), 30u);
-    /* r_hip_roll */
-    const int32_t bx_r_hip_roll_x = op2_r_sole_fixed_narrow((int64_t)bx_r_hip_pitch_y * sin_q[12], 30u);
-    const int32_t bx_r_hip_roll_y = op2_r_sole_fixed_narrow((int64_t)bx_r_hip_pitch_y * cos_q[12], 30u);
-    /* r_hip_yaw */
-    const int32_t bx_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_x * sin_q[11]) + ((int64_t)bx_r_hip_pitch_x * cos_q[11]), 30u);
-    const int32_t e1 = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_pitch_x * sin_q[11]) - ((int64_t)bx_r_hip_roll_x * cos_q[11]), 30u);
-    const int32_t bx_r_hip_yaw_y = -e1;
-    /* head_pan */
-    const int32_t bx_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * cos_q[0]) - ((int64_t)e1 * sin_q[0]), 30u);
-    const int32_t bx_head_pan_y = -op2_r_sole_fixed_narrow(((int64_t)e1 * cos_q[0]) + ((int64_t)bx_r_hip_yaw_x * sin_q[0]), 30u);
-    /* head_tilt */
-    const int32_t bx_head_tilt_x = op2_r_sole_fixed_narrow(((int64_t)bx_head_pan_x * cos_q[1]) + ((int64_t)bx_r_hip_roll_y * sin_q[1]), 30u);
-    const int32_t bx_head_tilt_y = -op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * cos_q[1]) - ((int64_t)bx_head_pan_x * sin_q[1]), 30u);
-    /* l_hip_yaw */
-    const int32_t bx_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * cos_q[2]) + ((int64_t)e1 * sin_q[2]), 30u);
-    const int32_t bx_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * sin_q[2]) - ((int64_t)e1 * cos_q[2]), 30u);
-    /* l_hip_roll */
-    const int32_t bx_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_yaw_y * cos_q[3]) - ((int64_t)bx_r_hip_roll_y * sin_q[3]), 30u);
-    const int32_t bx_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * cos_q[3]) + ((int64_t)bx_l_hip_yaw_y * sin_q[3]), 30u);
-    /* l_hip_pitch */
-    const int32_t bx_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_roll_y * sin_q[4]) + ((int64_t)bx_l_hip_yaw_x * cos_q[4]), 30u);
-    const int32_t e2 = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_yaw_x * sin_q[4]) - ((int64_t)bx_l_hip_roll_y * cos_q[4]), 30u);
-    const int32_t bx_l_hip_pitch_y = -e2;
-    /* l_knee */
-    const int32_t bx_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_pitch_x * cos_q[5]) - ((int64_t)e2 * sin_q[5]), 30u);
-    const int32_t e3 = op2_r_sole_fixed_narrow(((int64_t)e2 * cos_q[5]) + ((int64_t)bx_l_hip_pitch_x * sin_q[5]), 30u);
-    const int32_t bx_l_knee_y = -e3;
-    /* l_ank_pitch */
-    const int32_t bx_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_knee_x * cos_q[6]) + ((int64_t)e3 * sin_q[6]), 30u);
-    const int32_t bx_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_l_knee_x * sin_q[6]) - ((int64_t)e3 * cos_q[6]), 30u);
-    /* l_ank_roll */
-    const int32_t bx_l_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_ank_pitch_y * sin_q[7]) + ((int64_t)bx_l_hip_roll_x * cos_q[7]), 30u);
-    const int32_t bx_l_ank_roll_y = -op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_roll_x * sin_q[7]) - ((int64_t)bx_l_ank_pitch_y * cos_q[7]), 30u);
-    /* l_sho_pitch */
-    const int32_t bx_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * cos_q[8]) - ((int64_t)bx_r_hip_roll_y * sin_q[8]), 30u);
-    const int32_t bx_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * cos_q[8]) + ((int64_t)bx_r_hip_yaw_x * sin_q[8]), 30u);
-    /* l_sho_roll */
-    const int32_t s_l_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * sin_q[9]) - ((int64_t)759250125 * cos_q[9]), 30u);
-    const int32_t c_l_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * cos_q[9]) + ((int64_t)759250125 * sin_q[9]), 30u);
-    const int32_t bx_l_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)bx_l_sho_pitch_y * s_l_sho_roll) + ((int64_t)e1 * c_l_sho_roll), 30u);
-    const int32_t e4 = op2_r_sole_fixed_narrow(((int64_t)e1 * s_l_sho_roll) - ((int64_t)bx_l_sho_pitch_y * c_l_sho_roll), 30u);
-    const int32_t bx_l_sho_roll_y = -e4;
-    /* l_el */
-    const int32_t bx_l_el_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_sho_pitch_x * sin_q[10]) - ((int64_t)e4 * cos_q[10]), 30u);
-    const int32_t bx_l_el_y = -op2_r_sole_fixed_narrow(((int64_t)bx_l_sho_pitch_x * cos_q[10]) + ((int64_t)e4 * sin_q[10]), 30u);
-    /* r_sho_pitch */
-    const int32_t bx_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * cos_q[17]) + ((int64_t)bx_r_hip_roll_y * sin_q[17]), 30u);
-    const int32_t bx_r_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * cos_q[17]) - ((int64_t)bx_r_hip_yaw_x * sin_q[17]), 30u);
-    /* r_sho_roll */
-    const int32_t s_r_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * sin_q[18]) + ((int64_t)759250125 * cos_q[18]), 30u);
-    const int32_t c_r_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * cos_q[18]) - ((int64_t)759250125 * sin_q[18]), 30u);
-    const int32_t bx_r_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)bx_r_sho_pitch_y * s_r_sho_roll) + ((int64_t)e1 * c_r_sho_roll), 30u);
-    const int32_t e5 = op2_r_sole_fixed_narrow(((int64_t)e1 * s_r_sho_roll) - ((int64_t)bx_r_sho_pitch_y * c_r_sho_roll), 30u);
-    const int32_t bx_r_sho_roll_y = -e5;
-    /* r_el */
-    const int32_t bx_r_el_x = -op2_r_sole_fixed_narrow(((int64_t)e5 * cos_q[19]) + ((int64_t)bx_r_sho_pitch_x * sin_q[19]), 30u);
-    const int32_t bx_r_el_y = -op2_r_sole_fixed_narrow(((int64_t)bx_r_sho_pitch_x * cos_q[19]) - ((int64_t)e5 * sin_q[19]), 30u);
-    /* r_ank_pitch */
-    const int32_t e6 = op2_r_sole_fixed_narrow((int64_t)sin_q[16] * sin_q[15], 30u);
-    const int32_t by_r_ank_pitch_x = -e6;
-    const int32_t by_r_ank_pitch_y = op2_r_sole_fixed_narrow((int64_t)sin_q[16] * cos_q[15], 30u);
-    /* r_knee */
-    const int32_t by_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)by_r_ank_pitch_y * sin_q[14]) - ((int64_t)e6 * cos_q[14]), 30u);
-    const int32_t by_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)by_r_ank_pitch_y * cos_q[14]) + ((int64_t)e6 * sin_q[14]), 30u);
-    /* r_hip_pitch */
     const int32_t by_r_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_knee_x * cos_q[13]) + ((int64_t)by_r_knee_y * sin_q[13]), 30u);
     const int32_t by_r_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_r_knee_y * cos_q[13]) - ((int64_t)by_r_knee_x * sin_q[13]), 30u);
-    /* r_hip_roll */
-    const int32_t by_r_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_pitch_y * sin_q[12]) + ((int64_t)cos_q[16] * cos_q[12]), 30u);
-    const int32_t e7 = op2_r_sole_fixed_narrow(((int64_t)cos_q[16] * sin_q[12]) - ((int64_t)by_r_hip_pitch_y * cos_q[12]), 30u);
-    const int32_t by_r_hip_roll_y = -e7;
-    /* r_hip_yaw */
-    const int32_t by_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_roll_x * sin_q[11]) + ((int64_t)by_r_hip_pitch_x * cos_q[11]), 30u);
-    const int32_t e8 = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_pitch_x * sin_q[11]) - ((int64_t)by_r_hip_roll_x * cos_q[11]), 30u);
-    const int32_t by_r_hip_yaw_y = -e8;
-    /* head_pan */
-    const int32_t by_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * cos_q[0]) - ((int64_t)e8 * sin_q[0]), 30u);
-    const int32_t by_head_pan_y = -op2_r_sole_fixed_narrow(((int64_t)e8 * cos_q[0]) + ((int64_t)by_r_hip_yaw_x * sin_q[0]), 30u);
-    /* head_tilt */
-    const int32_t by_head_tilt_x = op2_r_sole_fixed_narrow(((int64_t)by_head_pan_x * cos_q[1]) - ((int64_t)e7 * sin_q[1]), 30u);
-    const int32_t by_head_tilt_y = op2_r_sole_fixed_narrow(((int64_t)e7 * cos_q[1]) + ((int64_t)by_head_pan_x * sin_q[1]), 30u);
-    /* l_hip_yaw */
-    const int32_t by_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * cos_q[2]) + ((int64_t)e8 * sin_q[2]), 30u);
-    const int32_t by_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * sin_q[2]) - ((int64_t)e8 * cos_q[2]), 30u);
-    /* l_hip_roll */
-    const int32_t by_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_y * cos_q[3]) + ((int64_t)e7 * sin_q[3]), 30u);
-    const int32_t by_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_y * sin_q[3]) - ((int64_t)e7 * cos_q[3]), 30u);
-    /* l_hip_pitch */
-    const int32_t by_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_roll_y * sin_q[4]) + ((int64_t)by_l_hip_yaw_x * cos_q[4]), 30u);
-    const int32_t e9 = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_x * sin_q[4]) - ((int64_t)by_l_hip_roll_y * cos_q[4]), 30u);
-    const int32_t by_l_hip_pitch_y = -e9;
-    /* l_knee */
-    const int32_t by_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_pitch_x * cos_q[5]) - ((int64_t)e9 * sin_q[5]), 30u);
-    const int32_t e10 = op2_r_sole_fixed_narrow(((int64_t)e9 * cos_q[5]) + ((int64_t)by_l_hip_pitch_x * sin_q[5]), 30u);
-    const int32_t by_l_knee_y = -e10;
-    /* l_ank_pitch */
-    const int32_t by_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_l_knee_x * cos_q[6]) + ((int64_t)e10 * sin_q[6]), 30u);
-    const int32_t by_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_l_knee_x * sin_q[6]) - ((int64_t)e10 * cos_q[6]), 30u);
-    /* l_ank_roll */
-    const int32_t by_l_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_l_ank_pitch_y * sin_q[7]) + ((int64_t)by_l_hip_roll_x * cos_q[7]), 30u);
-    const int32_t by_l_ank_roll_y = -op2_r_sole_fixed_narrow(((int64_t)by_l_hip_roll_x * sin_q[7]) - ((int64_t)by_l_ank_pitch_y * cos_q[7]), 30u);
-    /* l_sho_pitch */
-    const int32_t by_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * cos_q[8]) + ((int64_t)e7 * sin_q[8]), 30u);
-    const int32_t by_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * sin_q[8]) - ((int64_t)e7 * cos_q[8]), 30u);
-    /* l_sho_roll */
-    const int32_t by_l_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)by_l_sho_pitch_y * s_l_sho_roll) + ((int64_t)e8 * c_l_sho_roll), 30u);
-    const int32_t e11 = op2_r_sole_fixed_narrow(((int64_t)e8 * s_l_sho_roll) - ((int64_t)by_l_sho_pitch_y * c_l_sho_roll), 30u);
-    const int32_t by_l_sho_roll_y = -e11;
-    /* l_el */
-    const int32_t by_l_el_x = op2_r_sole_fixed_narrow(((int64_t)by_l_sho_pitch_x * sin_q[10]) - ((int64_t)e11 * cos_q[10]), 30u);
-    const int32_t by_l_el_y = -op2_r_sole_fixed_narrow(((int64_t)by_l_sho_pitch_x * cos_q[10]) + ((int64_t)e11 * sin_q[10]), 30u);
-    /* r_sho_pitch */
-    const int32_t by_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * cos_q[17]) - ((int64_t)e7 * sin_q[17]), 30u);
-    const int32_t e12 = op2_r_sole_fixed_narrow(((int64_t)e7 * cos_q[17]) + ((int64_t)by_r_hip_yaw_x * sin_q[17]), 30u);
-    const int32_t by_r_sho_pitch_y = -e12;
-    /* r_sho_roll */
-    const int32_t by_r_sho_roll_x = op2_r_sole_fixed_narrow(((int64_t)e12 * s_r_sho_roll) - ((int64_t)e8 * c_r_sho_roll), 30u);
-    const int32_t e13 = op2_r_sole_fixed_narrow(((int64_t)e8 * s_r_sho_roll) + ((int64_t)e12 * c_r_sho_roll), 30u);
-    const int32_t by_r_sho_roll_y = -e13;
-    /* r_el */
-    const int32_t by_r_el_x = -op2_r_sole_fixed_narrow(((int64_t)e13 * cos_q[19]) + ((int64_t)by_r_sho_pitch_x * sin_q[19]), 30u);
-    const int32_t by_r_el_y = -op2_r_sole_fixed_narrow(((int64_t)by_r_sho_pitch_x * cos_q[19]) - ((int64_t)e13 * sin_q[19]), 30u);
-    /* r_ank_pitch */
-    const int32_t e14 = op2_r_sole_fixed_narrow((int64_t)cos_q[16] * sin_q[15], 30u);
-    const int32_t bz_r_ank_pitch_x = -e14;
-    const int32_t bz_r_ank_pitch_y = op2_r_sole_fixed_narrow((int64_t)cos_q[16] * cos_q[15], 30u);
-    /* r_knee */
-    const int32_t bz_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_ank_pitch_y * sin_q[14]) - ((int64_t)e14 * cos_q[14]), 30u);
-    const int32_t bz_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_ank_pitch_y * cos_q[14]) + ((int64_t)e14 * sin_q[14]), 30u);
-    /* r_hip_pitch */
     const int32_t bz_r_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_knee_x * cos_q[13]) + ((int64_t)bz_r_knee_y * sin_q[13]), 30u);
     const int32_t bz_r_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_knee_y * cos_q[13]) - ((int64_t)bz_r_knee_x * sin_q[13]), 30u);
     /* r_hip_roll */
+    const int32_t bx_r_hip_roll_x = op2_r_sole_fixed_narrow((int64_t)bx_r_hip_pitch_y * sin_q[12], 30u);
+    const int32_t bx_r_hip_roll_y = op2_r_sole_fixed_narrow((int64_t)bx_r_hip_pitch_y * cos_q[12], 30u);
+    const int32_t by_r_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_pitch_y * sin_q[12]) + ((int64_t)cos_q[16] * cos_q[12]), 30u);
+    const int32_t e3 = op2_r_sole_fixed_narrow(((int64_t)cos_q[16] * sin_q[12]) - ((int64_t)by_r_hip_pitch_y * cos_q[12]), 30u);
+    const int32_t by_r_hip_roll_y = -e3;
     const int32_t bz_r_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_pitch_y * sin_q[12]) - ((int64_t)sin_q[16] * cos_q[12]), 30u);
     const int32_t bz_r_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[16] * sin_q[12]) + ((int64_t)bz_r_hip_pitch_y * cos_q[12]), 30u);
     /* r_hip_yaw */
+    const int32_t bx_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_x * sin_q[11]) + ((int64_t)bx_r_hip_pitch_x * cos_q[11]), 30u);
+    const int32_t e4 = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_pitch_x * sin_q[11]) - ((int64_t)bx_r_hip_roll_x * cos_q[11]), 30u);
+    const int32_t bx_r_hip_yaw_y = -e4;
+    const int32_t by_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_roll_x * sin_q[11]) + ((int64_t)by_r_hip_pitch_x * cos_q[11]), 30u);
+    const int32_t e5 = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_pitch_x * sin_q[11]) - ((int64_t)by_r_hip_roll_x * cos_q[11]), 30u);
+    const int32_t by_r_hip_yaw_y = -e5;
     const int32_t bz_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_x * sin_q[11]) + ((int64_t)bz_r_hip_pitch_x * cos_q[11]), 30u);
-    const int32_t e15 = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_pitch_x * sin_q[11]) - ((int64_t)bz_r_hip_roll_x * cos_q[11]), 30u);
-    const int32_t bz_r_hip_yaw_y = -e15;
+    const int32_t e6 = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_pitch_x * sin_q[11]) - ((int64_t)bz_r_hip_roll_x * cos_q[11]), 30u);
+    const int32_t bz_r_hip_yaw_y = -e6;
     /* head_pan */
-    const int32_t bz_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * cos_q[0]) - ((int64_t)e15 * sin_q[0]), 30u);
-    const int32_t bz_head_pan_y = -op2_r_sole_fixed_narrow(((int64_t)e15 * cos_q[0]) + ((int64_t)bz_r_hip_yaw_x * sin_q[0]), 30u);
+    const int32_t bx_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * cos_q[0]) - ((int64_t)e4 * sin_q[0]), 30u);
+    const int32_t bx_head_pan_y = -op2_r_sole_fixed_narrow(((int64_t)e4 * cos_q[0]) + ((int64_t)bx_r_hip_yaw_x * sin_q[0]), 30u);
+    const int32_t by_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * cos_q[0]) - ((int64_t)e5 * sin_q[0]), 30u);
+    const int32_t by_head_pan_y = -op2_r_sole_fixed_narrow(((int64_t)e5 * cos_q[0]) + ((int64_t)by_r_hip_yaw_x * sin_q[0]), 30u);
+    const int32_t bz_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * cos_q[0]) - ((int64_t)e6 * sin_q[0]), 30u);
+    const int32_t bz_head_pan_y = -op2_r_sole_fixed_narrow(((int64_t)e6 * cos_q[0]) + ((int64_t)bz_r_hip_yaw_x * sin_q[0]), 30u);
     /* head_tilt */
+    const int32_t bx_head_tilt_x = op2_r_sole_fixed_narrow(((int64_t)bx_head_pan_x * cos_q[1]) + ((int64_t)bx_r_hip_roll_y * sin_q[1]), 30u);
+    const int32_t bx_head_tilt_y = -op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * cos_q[1]) - ((int64_t)bx_head_pan_x * sin_q[1]), 30u);
+    const int32_t by_head_tilt_x = op2_r_sole_fixed_narrow(((int64_t)by_head_pan_x * cos_q[1]) - ((int64_t)e3 * sin_q[1]), 30u);
+    const int32_t by_head_tilt_y = op2_r_sole_fixed_narrow(((int64_t)e3 * cos_q[1]) + ((int64_t)by_head_pan_x * sin_q[1]), 30u);
     const int32_t bz_head_tilt_x = op2_r_sole_fixed_narrow(((int64_t)bz_head_pan_x * cos_q[1]) + ((int64_t)bz_r_hip_roll_y * sin_q[1]), 30u);
     const int32_t bz_head_tilt_y = -op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y * cos_q[1]) - ((int64_t)bz_head_pan_x * sin_q[1]), 30u);
     /* l_hip_yaw */
-    const int32_t bz_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * cos_q[2]) + ((int64_t)e15 * sin_q[2]), 30u);
-    const int32_t bz_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * sin_q[2]) - ((int64_t)e15 * cos_q[2]), 30u);
+    const int32_t bx_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * cos_q[2]) + ((int64_t)e4 * sin_q[2]), 30u);
+    const int32_t bx_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * sin_q[2]) - ((int64_t)e4 * cos_q[2]), 30u);
+    const int32_t by_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * cos_q[2]) + ((int64_t)e5 * sin_q[2]), 30u);
+    const int32_t by_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * sin_q[2]) - ((int64_t)e5 * cos_q[2]), 30u);
+    const int32_t bz_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * cos_q[2]) + ((int64_t)e6 * sin_q[2]), 30u);
+    const int32_t bz_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * sin_q[2]) - ((int64_t)e6 * cos_q[2]), 30u);
     /* l_hip_roll */
+    const int32_t bx_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_yaw_y * cos_q[3]) - ((int64_t)bx_r_hip_roll_y * sin_q[3]), 30u);
+    const int32_t bx_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * cos_q[3]) + ((int64_t)bx_l_hip_yaw_y * sin_q[3]), 30u);
+    const int32_t by_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_y * cos_q[3]) + ((int64_t)e3 * sin_q[3]), 30u);
+    const int32_t by_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_y * sin_q[3]) - ((int64_t)e3 * cos_q[3]), 30u);
     const int32_t bz_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_yaw_y * cos_q[3]) - ((int64_t)bz_r_hip_roll_y * sin_q[3]), 30u);
     const int32_t bz_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y * cos_q[3]) + ((int64_t)bz_l_hip_yaw_y * sin_q[3]), 30u);
     /* l_hip_pitch */
+    const int32_t bx_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_roll_y * sin_q[4]) + ((int64_t)bx_l_hip_yaw_x * cos_q[4]), 30u);
+    const int32_t e7 = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_yaw_x * sin_q[4]) - ((int64_t)bx_l_hip_roll_y * cos_q[4]), 30u);
+    const int32_t bx_l_hip_pitch_y = -e7;
+    const int32_t by_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_roll_y * sin_q[4]) + ((int64_t)by_l_hip_yaw_x * cos_q[4]), 30u);
+    const int32_t e8 = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_x * sin_q[4]) - ((int64_t)by_l_hip_roll_y * cos_q[4]), 30u);
+    const int32_t by_l_hip_pitch_y = -e8;
     const int32_t bz_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_roll_y * sin_q[4]) + ((int64_t)bz_l_hip_yaw_x * cos_q[4]), 30u);
-    const int32_t e16 = op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_yaw_x * sin_q[4]) - ((int64_t)bz_l_hip_roll_y * cos_q[4]), 30u);
-    const int32_t bz_l_hip_pitch_y = -e16;
+    const int32_t e9 = op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_yaw_x * sin_q[4]) - ((int64_t)bz_l_hip_roll_y * cos_q[4]), 30u);
+    const int32_t bz_l_hip_pitch_y = -e9;
     /* l_knee */
-    const int32_t bz_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_pitch_x * cos_q[5]) - ((int64_t)e16 * sin_q[5]), 30u);
-    const int32_t e17 = op2_r_sole_fixed_narrow(((int64_t)e16 * cos_q[5]) + ((int64_t)bz_l_hip_pitch_x * sin_q[5]), 30u);
-    const int32_t bz_l_knee_y = -e17;
+    const int32_t bx_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_pitch_x * cos_q[5]) - ((int64_t)e7 * sin_q[5]), 30u);
+    const int32_t e10 = op2_r_sole_fixed_narrow(((int64_t)e7 * cos_q[5]) + ((int64_t)bx_l_hip_pitch_x * sin_q[5]), 30u);
+    const int32_t bx_l_knee_y = -e10;
+    const int32_t by_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_pitch_x * cos_q[5]) - ((int64_t)e8 * sin_q[5]), 30u);
+    const int32_t e11 = op2_r_sole_fixed_narrow(((int64_t)e8 * cos_q[5]) + ((int64_t)by_l_hip_pitch_x * sin_q[5]), 30u);
+    const int32_t by_l_knee_y = -e11;
+    const int32_t bz_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_pitch_x * cos_q[5]) - ((int64_t)e9 * sin_q[5]), 30u);
+    const int32_t e12 = op2_r_sole_fixed_narrow(((int64_t)e9 * cos_q[5]) + ((int64_t)bz_l_hip_pitch_x * sin_q[5]), 30u);
+    const int32_t bz_l_knee_y = -e12;
     /* l_ank_pitch */
-    const int32_t bz_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_knee_x * cos_q[6]) + ((int64_t)e17 * sin_q[6]), 30u);
-    const int32_t bz_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bz_l_knee_x * sin_q[6]) - ((int64_t)e17 * cos_q[6]), 30u);
+    const int32_t bx_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_knee_x * cos_q[6]) + ((int64_t)e10 * sin_q[6]), 30u);
+    const int32_t bx_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_l_knee_x * sin_q[6]) - ((int64_t)e10 * cos_q[6]), 30u);
+    const int32_t by_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_l_knee_x * cos_q[6]) + ((int64_t)e11 * sin_q[6]), 30u);
+    const int32_t by_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_l_knee_x * sin_q[6]) - ((int64_t)e11 * cos_q[6]), 30u);
+    const int32_t bz_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_knee_x * cos_q[6]) + ((int64_t)e12 * sin_q[6]), 30u);
+    const int32_t bz_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bz_l_knee_x * sin_q[6]) - ((int64_t)e12 * cos_q[6]), 30u);
     /* l_ank_roll */
+    const int32_t bx_l_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_ank_pitch_y * sin_q[7]) + ((int64_t)bx_l_hip_roll_x * cos_q[7]), 30u);
+    const int32_t bx_l_ank_roll_y = -op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_roll_x * sin_q[7]) - ((int64_t)bx_l_ank_pitch_y * cos_q[7]), 30u);
+    const int32_t by_l_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_l_ank_pitch_y * sin_q[7]) + ((int64_t)by_l_hip_roll_x * cos_q[7]), 30u);
+    const int32_t by_l_ank_roll_y = -op2_r_sole_fixed_narrow(((int64_t)by_l_hip_roll_x * sin_q[7]) - ((int64_t)by_l_ank_pitch_y * cos_q[7]), 30u);
     const int32_t bz_l_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_ank_pitch_y * sin_q[7]) + ((int64_t)bz_l_hip_roll_x * cos_q[7]), 30u);
     const int32_t bz_l_ank_roll_y = -op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_roll_x * sin_q[7]) - ((int64_t)bz_l_ank_pitch_y * cos_q[7]), 30u);
     /* l_sho_pitch */
+    const int32_t bx_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * cos_q[8]) - ((int64_t)bx_r_hip_roll_y * sin_q[8]), 30u);
+    const int32_t bx_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * cos_q[8]) + ((int64_t)bx_r_hip_yaw_x * sin_q[8]), 30u);
+    const int32_t by_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * cos_q[8]) + ((int64_t)e3 * sin_q[8]), 30u);
+    const int32_t by_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * sin_q[8]) - ((int64_t)e3 * cos_q[8]), 30u);
     const int32_t bz_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * cos_q[8]) - ((int64_t)bz_r_hip_roll_y * sin_q[8]), 30u);
     const int32_t bz_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y * cos_q[8]) + ((int64_t)bz_r_hip_yaw_x * sin_q[8]), 30u);
     /* l_sho_roll */
-    const int32_t bz_l_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)bz_l_sho_pitch_y * s_l_sho_roll) + ((int64_t)e15 * c_l_sho_roll), 30u);
-    const int32_t e18 = op2_r_sole_fixed_narrow(((int64_t)e15 * s_l_sho_roll) - ((int64_t)bz_l_sho_pitch_y * c_l_sho_roll), 30u);
-    const int32_t bz_l_sho_roll_y = -e18;
+    const int32_t s_l_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * sin_q[9]) - ((int64_t)759250125 * cos_q[9]), 30u);
+    const int32_t c_l_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * cos_q[9]) + ((int64_t)759250125 * sin_q[9]), 30u);
+    const int32_t bx_l_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)bx_l_sho_pitch_y * s_l_sho_roll) + ((int64_t)e4 * c_l_sho_roll), 30u);
+    const int32_t e13 = op2_r_sole_fixed_narrow(((int64_t)e4 * s_l_sho_roll) - ((int64_t)bx_l_sho_pitch_y * c_l_sho_roll), 30u);
+    const int32_t bx_l_sho_roll_y = -e13;
+    const int32_t by_l_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)by_l_sho_pitch_y * s_l_sho_roll) + ((int64_t)e5 * c_l_sho_roll), 30u);
+    const int32_t e14 = op2_r_sole_fixed_narrow(((int64_t)e5 * s_l_sho_roll) - ((int64_t)by_l_sho_pitch_y * c_l_sho_roll), 30u);
+    const int32_t by_l_sho_roll_y = -e14;
+    const int32_t bz_l_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)bz_l_sho_pitch_y * s_l_sho_roll) + ((int64_t)e6 * c_l_sho_roll), 30u);
+    const int32_t e15 = op2_r_sole_fixed_narrow(((int64_t)e6 * s_l_sho_roll) - ((int64_t)bz_l_sho_pitch_y * c_l_sho_roll), 30u);
+    const int32_t bz_l_sho_roll_y = -e15;
     /* l_el */
-    const int32_t bz_l_el_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_sho_pitch_x * sin_q[10]) - ((int64_t)e18 * cos_q[10]), 30u);
-    const int32_t bz_l_el_y = -op2_r_sole_fixed_narrow(((int64_t)bz_l_sho_pitch_x * cos_q[10]) + ((int64_t)e18 * sin_q[10]), 30u);
+    const int32_t bx_l_el_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_sho_pitch_x * sin_q[10]) - ((int64_t)e13 * cos_q[10]), 30u);
+    const int32_t bx_l_el_y = -op2_r_sole_fixed_narrow(((int64_t)bx_l_sho_pitch_x * cos_q[10]) + ((int64_t)e13 * sin_q[10]), 30u);
+    const int32_t by_l_el_x = op2_r_sole_fixed_narrow(((int64_t)by_l_sho_pitch_x * sin_q[10]) - ((int64_t)e14 * cos_q[10]), 30u);
+    const int32_t by_l_el_y = -op2_r_sole_fixed_narrow(((int64_t)by_l_sho_pitch_x * cos_q[10]) + ((int64_t)e14 * sin_q[10]), 30u);
+    const int32_t bz_l_el_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_sho_pitch_x * sin_q[10]) - ((int64_t)e15 * cos_q[10]), 30u);
+    const int32_t bz_l_el_y = -op2_r_sole_fixed_narrow(((int64_t)bz_l_sho_pitch_x * cos_q[10]) + ((int64_t)e15 * sin_q[10]), 30u);
     /* r_sho_pitch */
+    const int32_t bx_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * cos_q[17]) + ((int64_t)bx_r_hip_roll_y * sin_q[17]), 30u);
+    const int32_t bx_r_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * cos_q[17]) - ((int64_t)bx_r_hip_yaw_x * sin_q[17]), 30u);
+    const int32_t by_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * cos_q[17]) - ((int64_t)e3 * sin_q[17]), 30u);
+    const int32_t e16 = op2_r_sole_fixed_narrow(((int64_t)e3 * cos_q[17]) + ((int64_t)by_r_hip_yaw_x * sin_q[17]), 30u);
+    const int32_t by_r_sho_pitch_y = -e16;
     const int32_t bz_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * cos_q[17]) + ((int64_t)bz_r_hip_roll_y * sin_q[17]), 30u);
     const int32_t bz_r_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y * cos_q[17]) - ((int64_t)bz_r_hip_yaw_x * sin_q[17]), 30u);
     /* r_sho_roll */
-    const int32_t bz_r_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)bz_r_sho_pitch_y * s_r_sho_roll) + ((int64_t)e15 * c_r_sho_roll), 30u);
-    const int32_t e19 = op2_r_sole_fixed_narrow(((int64_t)e15 * s_r_sho_roll) - ((int64_t)bz_r_sho_pitch_y * c_r_sho_roll), 30u);
+    const int32_t s_r_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * sin_q[18]) + ((int64_t)759250125 * cos_q[18]), 30u);
+    const int32_t c_r_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * cos_q[18]) - ((int64_t)759250125 * sin_q[18]), 30u);
+    const int32_t bx_r_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)bx_r_sho_pitch_y * s_r_sho_roll) + ((int64_t)e4 * c_r_sho_roll), 30u);
+    const int32_t e17 = op2_r_sole_fixed_narrow(((int64_t)e4 * s_r_sho_roll) - ((int64_t)bx_r_sho_pitch_y * c_r_sho_roll), 30u);
+    const int32_t bx_r_sho_roll_y = -e17;
+    const int32_t by_r_sho_roll_x = op2_r_sole_fixed_narrow(((int64_t)e16 * s_r_sho_roll) - ((int64_t)e5 * c_r_sho_roll), 30u);
+    const int32_t e18 = op2_r_sole_fixed_narrow(((int64_t)e5 * s_r_sho_roll) + ((int64_t)e16 * c_r_sho_roll), 30u);
+    const int32_t by_r_sho_roll_y = -e18;
+    const int32_t bz_r_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)bz_r_sho_pitch_y * s_r_sho_roll) + ((int64_t)e6 * c_r_sho_roll), 30u);
+    const int32_t e19 = op2_r_sole_fixed_narrow(((int64_t)e6 * s_r_sho_roll) - ((int64_t)bz_r_sho_pitch_y * c_r_sho_roll), 30u);
     const int32_t bz_r_sho_roll_y = -e19;
     /* r_el */
+    const int32_t bx_r_el_x = -op2_r_sole_fixed_narrow(((int64_t)e17 * cos_q[19]) + ((int64_t)bx_r_sho_pitch_x * sin_q[19]), 30u);
+    const int32_t bx_r_el_y = -op2_r_sole_fixed_narrow(((int64_t)bx_r_sho_pitch_x * cos_q[19]) - ((int64_t)e17 * sin_q[19]), 30u);
+    const int32_t by_r_el_x = -op2_r_sole_fixed_narrow(((int64_t)e18 * cos_q[19]) + ((int64_t)by_r_sho_pitch_x * sin_q[19]), 30u);
+    const int32_t by_r_el_y = -op2_r_sole_fixed_narrow(((int64_t)by_r_sho_pitch_x * cos_q[19]) - ((int64_t)e18 * sin_q[19]), 30u);
     const int32_t bz_r_el_x = -op2_r_sole_fixed_narrow(((int64_t)e19 * cos_q[19]) + ((int64_t)bz_r_sho_pitch_x * sin_q[19]), 30u);
     const int32_t bz_r_el_y = -op2_r_sole_fixed_narrow(((int64_t)bz_r_sho_pitch_x * cos_q[19]) - ((int64_t)e19 * sin_q[19]), 30u);
     rows[0] = 1073741824;
@@ -3197,132 +2929,114 @@ void op2_r_sole_fixed_regressor_cop_sc(
     const op2_r_sole_fixed_real cos_q[],
     op2_r_sole_fixed_real rows[2 * op2_r_sole_fixed_BASE_PARAMS])
 {
+    /* r_ank_pitch */
+    const int32_t e1 = op2_r_sole_fixed_narrow((int64_t)sin_q[16] * sin_q[15], 30u);
+    const int32_t by_r_ank_pitch_x = -e1;
+    const int32_t by_r_ank_pitch_y = op2_r_sole_fixed_narrow((int64_t)sin_q[16] * cos_q[15], 30u);
     /* r_knee */
     const int32_t bx_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[15] * cos_q[14]) + ((int64_t)sin_q[15] * sin_q[14]), 30u);
     const int32_t bx_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[15] * cos_q[14]) - ((int64_t)cos_q[15] * sin_q[14]), 30u);
+    const int32_t by_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)by_r_ank_pitch_y * sin_q[14]) - ((int64_t)e1 * cos_q[14]), 30u);
+    const int32_t by_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)by_r_ank_pitch_y * cos_q[14]) + ((int64_t)e1 * sin_q[14]), 30u);
     /* r_hip_pitch */
     const int32_t bx_r_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_knee_x * cos_q[13]) + ((int64_t)bx_r_knee_y * sin_q[13]), 30u);
     const int32_t bx_r_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_knee_y * cos_q[13]) - ((int64_t)bx_r_knee_x * sin_q[13]), 30u);
-    /* r_hip_roll */
-    const int32_t bx_r_hip_roll_x = op2_r_sole_fixed_narrow((int64_t)bx_r_hip_pitch_y * sin_q[12], 30u);
-    const int32_t bx_r_hip_roll_y = op2_r_sole_fixed_narrow((int64_t)bx_r_hip_pitch_y * cos_q[12], 30u);
-    /* r_hip_yaw */
-    const int32_t bx_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_x * sin_q[11]) + ((int64_t)bx_r_hip_pitch_x * cos_q[11]), 30u);
-    const int32_t e1 = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_pitch_x * sin_q[11]) - ((int64_t)bx_r_hip_roll_x * cos_q[11]), 30u);
-    const int32_t bx_r_hip_yaw_y = -e1;
-    /* head_pan */
-    const int32_t bx_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * cos_q[0]) - ((int64_t)e1 * sin_q[0]), 30u);
-    const int32_t bx_head_pan_y = -op2_r_sole_fixed_narrow(((int64_t)e1 * cos_q[0]) + ((int64_t)bx_r_hip_yaw_x * sin_q[0]), 30u);
-    /* head_tilt */
-    const int32_t bx_head_tilt_x = op2_r_sole_fixed_narrow(((int64_t)bx_head_pan_x * cos_q[1]) + ((int64_t)bx_r_hip_roll_y * sin_q[1]), 30u);
-    const int32_t bx_head_tilt_y = -op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * cos_q[1]) - ((int64_t)bx_head_pan_x * sin_q[1]), 30u);
-    /* l_hip_yaw */
-    const int32_t bx_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * cos_q[2]) + ((int64_t)e1 * sin_q[2]), 30u);
-    const int32_t bx_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * sin_q[2]) - ((int64_t)e1 * cos_q[2]), 30u);
-    /* l_hip_roll */
-    const int32_t bx_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_yaw_y * cos_q[3]) - ((int64_t)bx_r_hip_roll_y * sin_q[3]), 30u);
-    const int32_t bx_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * cos_q[3]) + ((int64_t)bx_l_hip_yaw_y * sin_q[3]), 30u);
-    /* l_hip_pitch */
-    const int32_t bx_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_roll_y * sin_q[4]) + ((int64_t)bx_l_hip_yaw_x * cos_q[4]), 30u);
-    const int32_t e2 = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_yaw_x * sin_q[4]) - ((int64_t)bx_l_hip_roll_y * cos_q[4]), 30u);
-    const int32_t bx_l_hip_pitch_y = -e2;
-    /* l_knee */
-    const int32_t bx_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_pitch_x * cos_q[5]) - ((int64_t)e2 * sin_q[5]), 30u);
-    const int32_t e3 = op2_r_sole_fixed_narrow(((int64_t)e2 * cos_q[5]) + ((int64_t)bx_l_hip_pitch_x * sin_q[5]), 30u);
-    const int32_t bx_l_knee_y = -e3;
-    /* l_ank_pitch */
-    const int32_t bx_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_knee_x * cos_q[6]) + ((int64_t)e3 * sin_q[6]), 30u);
-    const int32_t bx_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_l_knee_x * sin_q[6]) - ((int64_t)e3 * cos_q[6]), 30u);
-    /* l_ank_roll */
-    const int32_t bx_l_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_ank_pitch_y * sin_q[7]) + ((int64_t)bx_l_hip_roll_x * cos_q[7]), 30u);
-    const int32_t bx_l_ank_roll_y = -op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_roll_x * sin_q[7]) - ((int64_t)bx_l_ank_pitch_y * cos_q[7]), 30u);
-    /* l_sho_pitch */
-    const int32_t bx_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * cos_q[8]) - ((int64_t)bx_r_hip_roll_y * sin_q[8]), 30u);
-    const int32_t bx_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * cos_q[8]) + ((int64_t)bx_r_hip_yaw_x * sin_q[8]), 30u);
-    /* l_sho_roll */
-    const int32_t s_l_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * sin_q[9]) - ((int64_t)759250125 * cos_q[9]), 30u);
-    const int32_t c_l_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * cos_q[9]) + ((int64_t)759250125 * sin_q[9]), 30u);
-    const int32_t bx_l_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)bx_l_sho_pitch_y * s_l_sho_roll) + ((int64_t)e1 * c_l_sho_roll), 30u);
-    const int32_t e4 = op2_r_sole_fixed_narrow(((int64_t)e1 * s_l_sho_roll) - ((int64_t)bx_l_sho_pitch_y * c_l_sho_roll), 30u);
-    const int32_t bx_l_sho_roll_y = -e4;
-    /* l_el */
-    const int32_t bx_l_el_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_sho_pitch_x * sin_q[10]) - ((int64_t)e4 * cos_q[10]), 30u);
-    const int32_t bx_l_el_y = -op2_r_sole_fixed_narrow(((int64_t)bx_l_sho_pitch_x * cos_q[10]) + ((int64_t)e4 * sin_q[10]), 30u);
-    /* r_sho_pitch */
-    const int32_t bx_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * cos_q[17]) + ((int64_t)bx_r_hip_roll_y * sin_q[17]), 30u);
-    const int32_t bx_r_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * cos_q[17]) - ((int64_t)bx_r_hip_yaw_x * sin_q[17]), 30u);
-    /* r_sho_roll */
-    const int32_t s_r_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * sin_q[18]) + ((int64_t)759250125 * cos_q[18]), 30u);
-    const int32_t c_r_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * cos_q[18]) - ((int64_t)759250125 * sin_q[18]), 30u);
-    const int32_t bx_r_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)bx_r_sho_pitch_y * s_r_sho_roll) + ((int64_t)e1 * c_r_sho_roll), 30u);
-    const int32_t e5 = op2_r_sole_fixed_narrow(((int64_t)e1 * s_r_sho_roll) - ((int64_t)bx_r_sho_pitch_y * c_r_sho_roll), 30u);
-    const int32_t bx_r_sho_roll_y = -e5;
-    /* r_el */
-    const int32_t bx_r_el_x = -op2_r_sole_fixed_narrow(((int64_t)e5 * cos_q[19]) + ((int64_t)bx_r_sho_pitch_x * sin_q[19]), 30u);
-    const int32_t bx_r_el_y = -op2_r_sole_fixed_narrow(((int64_t)bx_r_sho_pitch_x * cos_q[19]) - ((int64_t)e5 * sin_q[19]), 30u);
-    /* r_ank_pitch */
-    const int32_t e6 = op2_r_sole_fixed_narrow((int64_t)sin_q[16] * sin_q[15], 30u);
-    const int32_t by_r_ank_pitch_x = -e6;
-    const int32_t by_r_ank_pitch_y = op2_r_sole_fixed_narrow((int64_t)sin_q[16] * cos_q[15], 30u);
-    /* r_knee */
-    const int32_t by_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)by_r_ank_pitch_y * sin_q[14]) - ((int64_t)e6 * cos_q[14]), 30u);
-    const int32_t by_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)by_r_ank_pitch_y * cos_q[14]) + ((int64_t)e6 * sin_q[14]), 30u);
-    /* r_hip_pitch */
     const int32_t by_r_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_knee_x * cos_q[13]) + ((int64_t)by_r_knee_y * sin_q[13]), 30u);
     const int32_t by_r_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_r_knee_y * cos_q[13]) - ((int64_t)by_r_knee_x * sin_q[13]), 30u);
     /* r_hip_roll */
+    const int32_t bx_r_hip_roll_x = op2_r_sole_fixed_narrow((int64_t)bx_r_hip_pitch_y * sin_q[12], 30u);
+    const int32_t bx_r_hip_roll_y = op2_r_sole_fixed_narrow((int64_t)bx_r_hip_pitch_y * cos_q[12], 30u);
     const int32_t by_r_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_pitch_y * sin_q[12]) + ((int64_t)cos_q[16] * cos_q[12]), 30u);
-    const int32_t e7 = op2_r_sole_fixed_narrow(((int64_t)cos_q[16] * sin_q[12]) - ((int64_t)by_r_hip_pitch_y * cos_q[12]), 30u);
-    const int32_t by_r_hip_roll_y = -e7;
+    const int32_t e2 = op2_r_sole_fixed_narrow(((int64_t)cos_q[16] * sin_q[12]) - ((int64_t)by_r_hip_pitch_y * cos_q[12]), 30u);
+    const int32_t by_r_hip_roll_y = -e2;
     /* r_hip_yaw */
+    const int32_t bx_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_x * sin_q[11]) + ((int64_t)bx_r_hip_pitch_x * cos_q[11]), 30u);
+    const int32_t e3 = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_pitch_x * sin_q[11]) - ((int64_t)bx_r_hip_roll_x * cos_q[11]), 30u);
+    const int32_t bx_r_hip_yaw_y = -e3;
     const int32_t by_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_roll_x * sin_q[11]) + ((int64_t)by_r_hip_pitch_x * cos_q[11]), 30u);
-    const int32_t e8 = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_pitch_x * sin_q[11]) - ((int64_t)by_r_hip_roll_x * cos_q[11]), 30u);
-    const int32_t by_r_hip_yaw_y = -e8;
+    const int32_t e4 = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_pitch_x * sin_q[11]) - ((int64_t)by_r_hip_roll_x * cos_q[11]), 30u);
+    const int32_t by_r_hip_yaw_y = -e4;
     /* head_pan */
-    const int32_t by_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * cos_q[0]) - ((int64_t)e8 * sin_q[0]), 30u);
-    const int32_t by_head_pan_y = -op2_r_sole_fixed_narrow(((int64_t)e8 * cos_q[0]) + ((int64_t)by_r_hip_yaw_x * sin_q[0]), 30u);
+    const int32_t bx_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * cos_q[0]) - ((int64_t)e3 * sin_q[0]), 30u);
+    const int32_t bx_head_pan_y = -op2_r_sole_fixed_narrow(((int64_t)e3 * cos_q[0]) + ((int64_t)bx_r_hip_yaw_x * sin_q[0]), 30u);
+    const int32_t by_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * cos_q[0]) - ((int64_t)e4 * sin_q[0]), 30u);
+    const int32_t by_head_pan_y = -op2_r_sole_fixed_narrow(((int64_t)e4 * cos_q[0]) + ((int64_t)by_r_hip_yaw_x * sin_q[0]), 30u);
     /* head_tilt */
-    const int32_t by_head_tilt_x = op2_r_sole_fixed_narrow(((int64_t)by_head_pan_x * cos_q[1]) - ((int64_t)e7 * sin_q[1]), 30u);
-    const int32_t by_head_tilt_y = op2_r_sole_fixed_narrow(((int64_t)e7 * cos_q[1]) + ((int64_t)by_head_pan_x * sin_q[1]), 30u);
+    const int32_t bx_head_tilt_x = op2_r_sole_fixed_narrow(((int64_t)bx_head_pan_x * cos_q[1]) + ((int64_t)bx_r_hip_roll_y * sin_q[1]), 30u);
+    const int32_t bx_head_tilt_y = -op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * cos_q[1]) - ((int64_t)bx_head_pan_x * sin_q[1]), 30u);
+    const int32_t by_head_tilt_x = op2_r_sole_fixed_narrow(((int64_t)by_head_pan_x * cos_q[1]) - ((int64_t)e2 * sin_q[1]), 30u);
+    const int32_t by_head_tilt_y = op2_r_sole_fixed_narrow(((int64_t)e2 * cos_q[1]) + ((int64_t)by_head_pan_x * sin_q[1]), 30u);
     /* l_hip_yaw */
-    const int32_t by_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * cos_q[2]) + ((int64_t)e8 * sin_q[2]), 30u);
-    const int32_t by_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * sin_q[2]) - ((int64_t)e8 * cos_q[2]), 30u);
+    const int32_t bx_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * cos_q[2]) + ((int64_t)e3 * sin_q[2]), 30u);
+    const int32_t bx_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * sin_q[2]) - ((int64_t)e3 * cos_q[2]), 30u);
+    const int32_t by_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * cos_q[2]) + ((int64_t)e4 * sin_q[2]), 30u);
+    const int32_t by_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * sin_q[2]) - ((int64_t)e4 * cos_q[2]), 30u);
     /* l_hip_roll */
-    const int32_t by_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_y * cos_q[3]) + ((int64_t)e7 * sin_q[3]), 30u);
-    const int32_t by_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_y * sin_q[3]) - ((int64_t)e7 * cos_q[3]), 30u);
+    const int32_t bx_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_yaw_y * cos_q[3]) - ((int64_t)bx_r_hip_roll_y * sin_q[3]), 30u);
+    const int32_t bx_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * cos_q[3]) + ((int64_t)bx_l_hip_yaw_y * sin_q[3]), 30u);
+    const int32_t by_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_y * cos_q[3]) + ((int64_t)e2 * sin_q[3]), 30u);
+    const int32_t by_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_y * sin_q[3]) - ((int64_t)e2 * cos_q[3]), 30u);
     /* l_hip_pitch */
+    const int32_t bx_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_roll_y * sin_q[4]) + ((int64_t)bx_l_hip_yaw_x * cos_q[4]), 30u);
+    const int32_t e5 = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_yaw_x * sin_q[4]) - ((int64_t)bx_l_hip_roll_y * cos_q[4]), 30u);
+    const int32_t bx_l_hip_pitch_y = -e5;
     const int32_t by_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_roll_y * sin_q[4]) + ((int64_t)by_l_hip_yaw_x * cos_q[4]), 30u);
-    const int32_t e9 = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_x * sin_q[4]) - ((int64_t)by_l_hip_roll_y * cos_q[4]), 30u);
-    const int32_t by_l_hip_pitch_y = -e9;
+    const int32_t e6 = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_x * sin_q[4]) - ((int64_t)by_l_hip_roll_y * cos_q[4]), 30u);
+    const int32_t by_l_hip_pitch_y = -e6;
     /* l_knee */
-    const int32_t by_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_pitch_x * cos_q[5]) - ((int64_t)e9 * sin_q[5]), 30u);
-    const int32_t e10 = op2_r_sole_fixed_narrow(((int64_t)e9 * cos_q[5]) + ((int64_t)by_l_hip_pitch_x * sin_q[5]), 30u);
-    const int32_t by_l_knee_y = -e10;
+    const int32_t bx_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_pitch_x * cos_q[5]) - ((int64_t)e5 * sin_q[5]), 30u);
+    const int32_t e7 = op2_r_sole_fixed_narrow(((int64_t)e5 * cos_q[5]) + ((int64_t)bx_l_hip_pitch_x * sin_q[5]), 30u);
+    const int32_t bx_l_knee_y = -e7;
+    const int32_t by_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_pitch_x * cos_q[5]) - ((int64_t)e6 * sin_q[5]), 30u);
+    const int32_t e8 = op2_r_sole_fixed_narrow(((int64_t)e6 * cos_q[5]) + ((int64_t)by_l_hip_pitch_x * sin_q[5]), 30u);
+    const int32_t by_l_knee_y = -e8;
     /* l_ank_pitch */
-    const int32_t by_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_l_knee_x * cos_q[6]) + ((int64_t)e10 * sin_q[6]), 30u);
-    const int32_t by_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_l_knee_x * sin_q[6]) - ((int64_t)e10 * cos_q[6]), 30u);
+    const int32_t bx_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_knee_x * cos_q[6]) + ((int64_t)e7 * sin_q[6]), 30u);
+    const int32_t bx_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_l_knee_x * sin_q[6]) - ((int64_t)e7 * cos_q[6]), 30u);
+    const int32_t by_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_l_knee_x * cos_q[6]) + ((int64_t)e8 * sin_q[6]), 30u);
+    const int32_t by_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_l_knee_x * sin_q[6]) - ((int64_t)e8 * cos_q[6]), 30u);
     /* l_ank_roll */
+    const int32_t bx_l_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_ank_pitch_y * sin_q[7]) + ((int64_t)bx_l_hip_roll_x * cos_q[7]), 30u);
+    const int32_t bx_l_ank_roll_y = -op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_roll_x * sin_q[7]) - ((int64_t)bx_l_ank_pitch_y * cos_q[7]), 30u);
     const int32_t by_l_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_l_ank_pitch_y * sin_q[7]) + ((int64_t)by_l_hip_roll_x * cos_q[7]), 30u);
     const int32_t by_l_ank_roll_y = -op2_r_sole_fixed_narrow(((int64_t)by_l_hip_roll_x * sin_q[7]) - ((int64_t)by_l_ank_pitch_y * cos_q[7]), 30u);
     /* l_sho_pitch */
-    const int32_t by_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * cos_q[8]) + ((int64_t)e7 * sin_q[8]), 30u);
-    const int32_t by_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * sin_q[8]) - ((int64_t)e7 * cos_q[8]), 30u);
+    const int32_t bx_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * cos_q[8]) - ((int64_t)bx_r_hip_roll_y * sin_q[8]), 30u);
+    const int32_t bx_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * cos_q[8]) + ((int64_t)bx_r_hip_yaw_x * sin_q[8]), 30u);
+    const int32_t by_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * cos_q[8]) + ((int64_t)e2 * sin_q[8]), 30u);
+    const int32_t by_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * sin_q[8]) - ((int64_t)e2 * cos_q[8]), 30u);
     /* l_sho_roll */
-    const int32_t by_l_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)by_l_sho_pitch_y * s_l_sho_roll) + ((int64_t)e8 * c_l_sho_roll), 30u);
-    const int32_t e11 = op2_r_sole_fixed_narrow(((int64_t)e8 * s_l_sho_roll) - ((int64_t)by_l_sho_pitch_y * c_l_sho_roll), 30u);
-    const int32_t by_l_sho_roll_y = -e11;
+    const int32_t s_l_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * sin_q[9]) - ((int64_t)759250125 * cos_q[9]), 30u);
+    const int32_t c_l_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * cos_q[9]) + ((int64_t)759250125 * sin_q[9]), 30u);
+    const int32_t bx_l_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)bx_l_sho_pitch_y * s_l_sho_roll) + ((int64_t)e3 * c_l_sho_roll), 30u);
+    const int32_t e9 = op2_r_sole_fixed_narrow(((int64_t)e3 * s_l_sho_roll) - ((int64_t)bx_l_sho_pitch_y * c_l_sho_roll), 30u);
+    const int32_t bx_l_sho_roll_y = -e9;
+    const int32_t by_l_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)by_l_sho_pitch_y * s_l_sho_roll) + ((int64_t)e4 * c_l_sho_roll), 30u);
+    const int32_t e10 = op2_r_sole_fixed_narrow(((int64_t)e4 * s_l_sho_roll) - ((int64_t)by_l_sho_pitch_y * c_l_sho_roll), 30u);
+    const int32_t by_l_sho_roll_y = -e10;
     /* l_el */
-    const int32_t by_l_el_x = op2_r_sole_fixed_narrow(((int64_t)by_l_sho_pitch_x * sin_q[10]) - ((int64_t)e11 * cos_q[10]), 30u);
-    const int32_t by_l_el_y = -op2_r_sole_fixed_narrow(((int64_t)by_l_sho_pitch_x * cos_q[10]) + ((int64_t)e11 * sin_q[10]), 30u);
+    const int32_t bx_l_el_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_sho_pitch_x * sin_q[10]) - ((int64_t)e9 * cos_q[10]), 30u);
+    const int32_t bx_l_el_y = -op2_r_sole_fixed_narrow(((int64_t)bx_l_sho_pitch_x * cos_q[10]) + ((int64_t)e9 * sin_q[10]), 30u);
+    const int32_t by_l_el_x = op2_r_sole_fixed_narrow(((int64_t)by_l_sho_pitch_x * sin_q[10]) - ((int64_t)e10 * cos_q[10]), 30u);
+    const int32_t by_l_el_y = -op2_r_sole_fixed_narrow(((int64_t)by_l_sho_pitch_x * cos_q[10]) + ((int64_t)e10 * sin_q[10]), 30u);
     /* r_sho_pitch */
-    const int32_t by_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * cos_q[17]) - ((int64_t)e7 * sin_q[17]), 30u);
-    const int32_t e12 = op2_r_sole_fixed_narrow(((int64_t)e7 * cos_q[17]) + ((int64_t)by_r_hip_yaw_x * sin_q[17]), 30u);
-    const int32_t by_r_sho_pitch_y = -e12;
+    const int32_t bx_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * cos_q[17]) + ((int64_t)bx_r_hip_roll_y * sin_q[17]), 30u);
+    const int32_t bx_r_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * cos_q[17]) - ((int64_t)bx_r_hip_yaw_x * sin_q[17]), 30u);
+    const int32_t by_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * cos_q[17]) - ((int64_t)e2 * sin_q[17]), 30u);
+    const int32_t e11 = op2_r_sole_fixed_narrow(((int64_t)e2 * cos_q[17]) + ((int64_t)by_r_hip_yaw_x * sin_q[17]), 30u);
+    const int32_t by_r_sho_pitch_y = -e11;
     /* r_sho_roll */
-    const int32_t by_r_sho_roll_x = op2_r_sole_fixed_narrow(((int64_t)e12 * s_r_sho_roll) - ((int64_t)e8 * c_r_sho_roll), 30u);
-    const int32_t e13 = op2_r_sole_fixed_narrow(((int64_t)e8 * s_r_sho_roll) + ((int64_t)e12 * c_r_sho_roll), 30u);
+    const int32_t s_r_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * sin_q[18]) + ((int64_t)759250125 * cos_q[18]), 30u);
+    const int32_t c_r_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * cos_q[18]) - ((int64_t)759250125 * sin_q[18]), 30u);
+    const int32_t bx_r_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)bx_r_sho_pitch_y * s_r_sho_roll) + ((int64_t)e3 * c_r_sho_roll), 30u);
+    const int32_t e12 = op2_r_sole_fixed_narrow(((int64_t)e3 * s_r_sho_roll) - ((int64_t)bx_r_sho_pitch_y * c_r_sho_roll), 30u);
+    const int32_t bx_r_sho_roll_y = -e12;
+    const int32_t by_r_sho_roll_x = op2_r_sole_fixed_narrow(((int64_t)e11 * s_r_sho_roll) - ((int64_t)e4 * c_r_sho_roll), 30u);
+    const int32_t e13 = op2_r_sole_fixed_narrow(((int64_t)e4 * s_r_sho_roll) + ((int64_t)e11 * c_r_sho_roll), 30u);
     const int32_t by_r_sho_roll_y = -e13;
     /* r_el */
+    const int32_t bx_r_el_x = -op2_r_sole_fixed_narrow(((int64_t)e12 * cos_q[19]) + ((int64_t)bx_r_sho_pitch_x * sin_q[19]), 30u);
+    const int32_t bx_r_el_y = -op2_r_sole_fixed_narrow(((int64_t)bx_r_sho_pitch_x * cos_q[19]) - ((int64_t)e12 * sin_q[19]), 30u);
     const int32_t by_r_el_x = -op2_r_sole_fixed_narrow(((int64_t)e13 * cos_q[19]) + ((int64_t)by_r_sho_pitch_x * sin_q[19]), 30u);
     const int32_t by_r_el_y = -op2_r_sole_fixed_narrow(((int64_t)by_r_sho_pitch_x * cos_q[19]) - ((int64_t)e13 * sin_q[19]), 30u);
     rows[0] = 1073741824;
@@ -3420,195 +3134,158 @@ void op2_r_sole_fixed_regressor_full_sc(
 {
     /* r_ank_roll */
     const int32_t bz_r_ank_roll_x = -sin_q[16];
+    /* r_ank_pitch */
+    const int32_t e1 = op2_r_sole_fixed_narrow((int64_t)sin_q[16] * sin_q[15], 30u);
+    const int32_t by_r_ank_pitch_x = -e1;
+    const int32_t by_r_ank_pitch_y = op2_r_sole_fixed_narrow((int64_t)sin_q[16] * cos_q[15], 30u);
+    const int32_t e2 = op2_r_sole_fixed_narrow((int64_t)cos_q[16] * sin_q[15], 30u);
+    const int32_t bz_r_ank_pitch_x = -e2;
+    const int32_t bz_r_ank_pitch_y = op2_r_sole_fixed_narrow((int64_t)cos_q[16] * cos_q[15], 30u);
     /* r_knee */
     const int32_t bx_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[15] * cos_q[14]) + ((int64_t)sin_q[15] * sin_q[14]), 30u);
     const int32_t bx_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[15] * cos_q[14]) - ((int64_t)cos_q[15] * sin_q[14]), 30u);
+    const int32_t by_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)by_r_ank_pitch_y * sin_q[14]) - ((int64_t)e1 * cos_q[14]), 30u);
+    const int32_t by_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)by_r_ank_pitch_y * cos_q[14]) + ((int64_t)e1 * sin_q[14]), 30u);
+    const int32_t bz_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_ank_pitch_y * sin_q[14]) - ((int64_t)e2 * cos_q[14]), 30u);
+    const int32_t bz_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_ank_pitch_y * cos_q[14]) + ((int64_t)e2 * sin_q[14]), 30u);
     /* r_hip_pitch */
     const int32_t bx_r_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_knee_x * cos_q[13]) + ((int64_t)bx_r_knee_y * sin_q[13]), 30u);
     const int32_t bx_r_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_knee_y * cos_q[13]) - ((int64_t)bx_r_knee_x * sin_q[13]), 30u);
-    /* r_hip_roll */
-    const int32_t bx_r_hip_roll_x = op2_r_sole_fixed_narrow((int64_t)bx_r_hip_pitch_y * sin_q[12], 30u);
-    const int32_t bx_r_hip_roll_y = op2_r_sole_fixed_narrow((int64_t)bx_r_hip_pitch_y * cos_q[12], 30u);
-    /* r_hip_yaw */
-    const int32_t bx_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_x * sin_q[11]) + ((int64_t)bx_r_hip_pitch_x * cos_q[11]), 30u);
-    const int32_t e1 = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_pitch_x * sin_q[11]) - ((int64_t)bx_r_hip_roll_x * cos_q[11]), 30u);
-    const int32_t bx_r_hip_yaw_y = -e1;
-    /* head_pan */
-    const int32_t bx_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * cos_q[0]) - ((int64_t)e1 * sin_q[0]), 30u);
-    const int32_t bx_head_pan_y = -op2_r_sole_fixed_narrow(((int64_t)e1 * cos_q[0]) + ((int64_t)bx_r_hip_yaw_x * sin_q[0]), 30u);
-    /* head_tilt */
-    const int32_t bx_head_tilt_x = op2_r_sole_fixed_narrow(((int64_t)bx_head_pan_x * cos_q[1]) + ((int64_t)bx_r_hip_roll_y * sin_q[1]), 30u);
-    const int32_t e2 = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * cos_q[1]) - ((int64_t)bx_head_pan_x * sin_q[1]), 30u);
-    /* l_hip_yaw */
-    const int32_t bx_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * cos_q[2]) + ((int64_t)e1 * sin_q[2]), 30u);
-    const int32_t bx_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * sin_q[2]) - ((int64_t)e1 * cos_q[2]), 30u);
-    /* l_hip_roll */
-    const int32_t bx_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_yaw_y * cos_q[3]) - ((int64_t)bx_r_hip_roll_y * sin_q[3]), 30u);
-    const int32_t bx_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * cos_q[3]) + ((int64_t)bx_l_hip_yaw_y * sin_q[3]), 30u);
-    /* l_hip_pitch */
-    const int32_t bx_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_roll_y * sin_q[4]) + ((int64_t)bx_l_hip_yaw_x * cos_q[4]), 30u);
-    const int32_t e3 = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_yaw_x * sin_q[4]) - ((int64_t)bx_l_hip_roll_y * cos_q[4]), 30u);
-    const int32_t bx_l_hip_pitch_y = -e3;
-    /* l_knee */
-    const int32_t bx_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_pitch_x * cos_q[5]) - ((int64_t)e3 * sin_q[5]), 30u);
-    const int32_t e4 = op2_r_sole_fixed_narrow(((int64_t)e3 * cos_q[5]) + ((int64_t)bx_l_hip_pitch_x * sin_q[5]), 30u);
-    const int32_t bx_l_knee_y = -e4;
-    /* l_ank_pitch */
-    const int32_t bx_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_knee_x * cos_q[6]) + ((int64_t)e4 * sin_q[6]), 30u);
-    const int32_t bx_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_l_knee_x * sin_q[6]) - ((int64_t)e4 * cos_q[6]), 30u);
-    /* l_ank_roll */
-    const int32_t bx_l_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_ank_pitch_y * sin_q[7]) + ((int64_t)bx_l_hip_roll_x * cos_q[7]), 30u);
-    const int32_t bx_l_ank_roll_y = -op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_roll_x * sin_q[7]) - ((int64_t)bx_l_ank_pitch_y * cos_q[7]), 30u);
-    /* l_sho_pitch */
-    const int32_t bx_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * cos_q[8]) - ((int64_t)bx_r_hip_roll_y * sin_q[8]), 30u);
-    const int32_t bx_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * cos_q[8]) + ((int64_t)bx_r_hip_yaw_x * sin_q[8]), 30u);
-    /* l_sho_roll */
-    const int32_t s_l_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * sin_q[9]) - ((int64_t)759250125 * cos_q[9]), 30u);
-    const int32_t c_l_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * cos_q[9]) + ((int64_t)759250125 * sin_q[9]), 30u);
-    const int32_t bx_l_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)bx_l_sho_pitch_y * s_l_sho_roll) + ((int64_t)e1 * c_l_sho_roll), 30u);
-    const int32_t e5 = op2_r_sole_fixed_narrow(((int64_t)e1 * s_l_sho_roll) - ((int64_t)bx_l_sho_pitch_y * c_l_sho_roll), 30u);
-    const int32_t bx_l_sho_roll_y = -e5;
-    /* l_el */
-    const int32_t bx_l_el_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_sho_pitch_x * sin_q[10]) - ((int64_t)e5 * cos_q[10]), 30u);
-    const int32_t bx_l_el_y = -op2_r_sole_fixed_narrow(((int64_t)bx_l_sho_pitch_x * cos_q[10]) + ((int64_t)e5 * sin_q[10]), 30u);
-    /* r_sho_pitch */
-    const int32_t bx_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * cos_q[17]) + ((int64_t)bx_r_hip_roll_y * sin_q[17]), 30u);
-    const int32_t bx_r_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * cos_q[17]) - ((int64_t)bx_r_hip_yaw_x * sin_q[17]), 30u);
-    /* r_sho_roll */
-    const int32_t s_r_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * sin_q[18]) + ((int64_t)759250125 * cos_q[18]), 30u);
-    const int32_t c_r_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * cos_q[18]) - ((int64_t)759250125 * sin_q[18]), 30u);
-    const int32_t bx_r_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)bx_r_sho_pitch_y * s_r_sho_roll) + ((int64_t)e1 * c_r_sho_roll), 30u);
-    const int32_t e6 = op2_r_sole_fixed_narrow(((int64_t)e1 * s_r_sho_roll) - ((int64_t)bx_r_sho_pitch_y * c_r_sho_roll), 30u);
-    const int32_t bx_r_sho_roll_y = -e6;
-    /* r_el */
-    const int32_t bx_r_el_x = -op2_r_sole_fixed_narrow(((int64_t)e6 * cos_q[19]) + ((int64_t)bx_r_sho_pitch_x * sin_q[19]), 30u);
-    const int32_t bx_r_el_y = -op2_r_sole_fixed_narrow(((int64_t)bx_r_sho_pitch_x * cos_q[19]) - ((int64_t)e6 * sin_q[19]), 30u);
-    /* r_ank_pitch */
-    const int32_t e7 = op2_r_sole_fixed_narrow((int64_t)sin_q[16] * sin_q[15], 30u);
-    const int32_t by_r_ank_pitch_x = -e7;
-    const int32_t by_r_ank_pitch_y = op2_r_sole_fixed_narrow((int64_t)sin_q[16] * cos_q[15], 30u);
-    /* r_knee */
-    const int32_t by_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)by_r_ank_pitch_y * sin_q[14]) - ((int64_t)e7 * cos_q[14]), 30u);
-    const int32_t by_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)by_r_ank_pitch_y * cos_q[14]) + ((int64_t)e7 * sin_q[14]), 30u);
-    /* r_hip_pitch */
     const int32_t by_r_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_knee_x * cos_q[13]) + ((int64_t)by_r_knee_y * sin_q[13]), 30u);
     const int32_t by_r_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_r_knee_y * cos_q[13]) - ((int64_t)by_r_knee_x * sin_q[13]), 30u);
-    /* r_hip_roll */
-    const int32_t by_r_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_pitch_y * sin_q[12]) + ((int64_t)cos_q[16] * cos_q[12]), 30u);
-    const int32_t e8 = op2_r_sole_fixed_narrow(((int64_t)cos_q[16] * sin_q[12]) - ((int64_t)by_r_hip_pitch_y * cos_q[12]), 30u);
-    const int32_t by_r_hip_roll_y = -e8;
-    /* r_hip_yaw */
-    const int32_t by_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_roll_x * sin_q[11]) + ((int64_t)by_r_hip_pitch_x * cos_q[11]), 30u);
-    const int32_t e9 = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_pitch_x * sin_q[11]) - ((int64_t)by_r_hip_roll_x * cos_q[11]), 30u);
-    const int32_t by_r_hip_yaw_y = -e9;
-    /* head_pan */
-    const int32_t by_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * cos_q[0]) - ((int64_t)e9 * sin_q[0]), 30u);
-    const int32_t by_head_pan_y = -op2_r_sole_fixed_narrow(((int64_t)e9 * cos_q[0]) + ((int64_t)by_r_hip_yaw_x * sin_q[0]), 30u);
-    /* head_tilt */
-    const int32_t by_head_tilt_x = op2_r_sole_fixed_narrow(((int64_t)by_head_pan_x * cos_q[1]) - ((int64_t)e8 * sin_q[1]), 30u);
-    const int32_t by_head_tilt_y = op2_r_sole_fixed_narrow(((int64_t)e8 * cos_q[1]) + ((int64_t)by_head_pan_x * sin_q[1]), 30u);
-    /* l_hip_yaw */
-    const int32_t by_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * cos_q[2]) + ((int64_t)e9 * sin_q[2]), 30u);
-    const int32_t by_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * sin_q[2]) - ((int64_t)e9 * cos_q[2]), 30u);
-    /* l_hip_roll */
-    const int32_t by_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_y * cos_q[3]) + ((int64_t)e8 * sin_q[3]), 30u);
-    const int32_t by_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_y * sin_q[3]) - ((int64_t)e8 * cos_q[3]), 30u);
-    /* l_hip_pitch */
-    const int32_t by_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_roll_y * sin_q[4]) + ((int64_t)by_l_hip_yaw_x * cos_q[4]), 30u);
-    const int32_t e10 = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_x * sin_q[4]) - ((int64_t)by_l_hip_roll_y * cos_q[4]), 30u);
-    const int32_t by_l_hip_pitch_y = -e10;
-    /* l_knee */
-    const int32_t by_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_pitch_x * cos_q[5]) - ((int64_t)e10 * sin_q[5]), 30u);
-    const int32_t e11 = op2_r_sole_fixed_narrow(((int64_t)e10 * cos_q[5]) + ((int64_t)by_l_hip_pitch_x * sin_q[5]), 30u);
-    const int32_t by_l_knee_y = -e11;
-    /* l_ank_pitch */
-    const int32_t by_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_l_knee_x * cos_q[6]) + ((int64_t)e11 * sin_q[6]), 30u);
-    const int32_t by_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_l_knee_x * sin_q[6]) - ((int64_t)e11 * cos_q[6]), 30u);
-    /* l_ank_roll */
-    const int32_t by_l_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_l_ank_pitch_y * sin_q[7]) + ((int64_t)by_l_hip_roll_x * cos_q[7]), 30u);
-    const int32_t by_l_ank_roll_y = -op2_r_sole_fixed_narrow(((int64_t)by_l_hip_roll_x * sin_q[7]) - ((int64_t)by_l_ank_pitch_y * cos_q[7]), 30u);
-    /* l_sho_pitch */
-    const int32_t by_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * cos_q[8]) + ((int64_t)e8 * sin_q[8]), 30u);
-    const int32_t by_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * sin_q[8]) - ((int64_t)e8 * cos_q[8]), 30u);
-    /* l_sho_roll */
-    const int32_t by_l_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)by_l_sho_pitch_y * s_l_sho_roll) + ((int64_t)e9 * c_l_sho_roll), 30u);
-    const int32_t e12 = op2_r_sole_fixed_narrow(((int64_t)e9 * s_l_sho_roll) - ((int64_t)by_l_sho_pitch_y * c_l_sho_roll), 30u);
-    const int32_t by_l_sho_roll_y = -e12;
-    /* l_el */
-    const int32_t by_l_el_x = op2_r_sole_fixed_narrow(((int64_t)by_l_sho_pitch_x * sin_q[10]) - ((int64_t)e12 * cos_q[10]), 30u);
-    const int32_t by_l_el_y = -op2_r_sole_fixed_narrow(((int64_t)by_l_sho_pitch_x * cos_q[10]) + ((int64_t)e12 * sin_q[10]), 30u);
-    /* r_sho_pitch */
-    const int32_t by_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * cos_q[17]) - ((int64_t)e8 * sin_q[17]), 30u);
-    const int32_t e13 = op2_r_sole_fixed_narrow(((int64_t)e8 * cos_q[17]) + ((int64_t)by_r_hip_yaw_x * sin_q[17]), 30u);
-    const int32_t by_r_sho_pitch_y = -e13;
-    /* r_sho_roll */
-    const int32_t by_r_sho_roll_x = op2_r_sole_fixed_narrow(((int64_t)e13 * s_r_sho_roll) - ((int64_t)e9 * c_r_sho_roll), 30u);
-    const int32_t e14 = op2_r_sole_fixed_narrow(((int64_t)e9 * s_r_sho_roll) + ((int64_t)e13 * c_r_sho_roll), 30u);
-    const int32_t by_r_sho_roll_y = -e14;
-    /* r_el */
-    const int32_t by_r_el_x = -op2_r_sole_fixed_narrow(((int64_t)e14 * cos_q[19]) + ((int64_t)by_r_sho_pitch_x * sin_q[19]), 30u);
-    const int32_t by_r_el_y = -op2_r_sole_fixed_narrow(((int64_t)by_r_sho_pitch_x * cos_q[19]) - ((int64_t)e14 * sin_q[19]), 30u);
-    /* r_ank_pitch */
-    const int32_t e15 = op2_r_sole_fixed_narrow((int64_t)cos_q[16] * sin_q[15], 30u);
-    const int32_t bz_r_ank_pitch_x = -e15;
-    const int32_t bz_r_ank_pitch_y = op2_r_sole_fixed_narrow((int64_t)cos_q[16] * cos_q[15], 30u);
-    /* r_knee */
-    const int32_t bz_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_ank_pitch_y * sin_q[14]) - ((int64_t)e15 * cos_q[14]), 30u);
-    const int32_t bz_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_ank_pitch_y * cos_q[14]) + ((int64_t)e15 * sin_q[14]), 30u);
-    /* r_hip_pitch */
     const int32_t bz_r_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_knee_x * cos_q[13]) + ((int64_t)bz_r_knee_y * sin_q[13]), 30u);
     const int32_t bz_r_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_knee_y * cos_q[13]) - ((int64_t)bz_r_knee_x * sin_q[13]), 30u);
     /* r_hip_roll */
+    const int32_t bx_r_hip_roll_x = op2_r_sole_fixed_narrow((int64_t)bx_r_hip_pitch_y * sin_q[12], 30u);
+    const int32_t bx_r_hip_roll_y = op2_r_sole_fixed_narrow((int64_t)bx_r_hip_pitch_y * cos_q[12], 30u);
+    const int32_t by_r_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_pitch_y * sin_q[12]) + ((int64_t)cos_q[16] * cos_q[12]), 30u);
+    const int32_t e3 = op2_r_sole_fixed_narrow(((int64_t)cos_q[16] * sin_q[12]) - ((int64_t)by_r_hip_pitch_y * cos_q[12]), 30u);
+    const int32_t by_r_hip_roll_y = -e3;
     const int32_t bz_r_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_pitch_y * sin_q[12]) - ((int64_t)sin_q[16] * cos_q[12]), 30u);
     const int32_t bz_r_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[16] * sin_q[12]) + ((int64_t)bz_r_hip_pitch_y * cos_q[12]), 30u);
     /* r_hip_yaw */
+    const int32_t bx_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_x * sin_q[11]) + ((int64_t)bx_r_hip_pitch_x * cos_q[11]), 30u);
+    const int32_t e4 = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_pitch_x * sin_q[11]) - ((int64_t)bx_r_hip_roll_x * cos_q[11]), 30u);
+    const int32_t bx_r_hip_yaw_y = -e4;
+    const int32_t by_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_roll_x * sin_q[11]) + ((int64_t)by_r_hip_pitch_x * cos_q[11]), 30u);
+    const int32_t e5 = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_pitch_x * sin_q[11]) - ((int64_t)by_r_hip_roll_x * cos_q[11]), 30u);
+    const int32_t by_r_hip_yaw_y = -e5;
     const int32_t bz_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_x * sin_q[11]) + ((int64_t)bz_r_hip_pitch_x * cos_q[11]), 30u);
-    const int32_t e16 = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_pitch_x * sin_q[11]) - ((int64_t)bz_r_hip_roll_x * cos_q[11]), 30u);
-    const int32_t bz_r_hip_yaw_y = -e16;
+    const int32_t e6 = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_pitch_x * sin_q[11]) - ((int64_t)bz_r_hip_roll_x * cos_q[11]), 30u);
+    const int32_t bz_r_hip_yaw_y = -e6;
     /* head_pan */
-    const int32_t bz_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * cos_q[0]) - ((int64_t)e16 * sin_q[0]), 30u);
-    const int32_t bz_head_pan_y = -op2_r_sole_fixed_narrow(((int64_t)e16 * cos_q[0]) + ((int64_t)bz_r_hip_yaw_x * sin_q[0]), 30u);
+    const int32_t bx_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * cos_q[0]) - ((int64_t)e4 * sin_q[0]), 30u);
+    const int32_t bx_head_pan_y = -op2_r_sole_fixed_narrow(((int64_t)e4 * cos_q[0]) + ((int64_t)bx_r_hip_yaw_x * sin_q[0]), 30u);
+    const int32_t by_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * cos_q[0]) - ((int64_t)e5 * sin_q[0]), 30u);
+    const int32_t by_head_pan_y = -op2_r_sole_fixed_narrow(((int64_t)e5 * cos_q[0]) + ((int64_t)by_r_hip_yaw_x * sin_q[0]), 30u);
+    const int32_t bz_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * cos_q[0]) - ((int64_t)e6 * sin_q[0]), 30u);
+    const int32_t bz_head_pan_y = -op2_r_sole_fixed_narrow(((int64_t)e6 * cos_q[0]) + ((int64_t)bz_r_hip_yaw_x * sin_q[0]), 30u);
     /* head_tilt */
+    const int32_t bx_head_tilt_x = op2_r_sole_fixed_narrow(((int64_t)bx_head_pan_x * cos_q[1]) + ((int64_t)bx_r_hip_roll_y * sin_q[1]), 30u);
+    const int32_t e7 = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * cos_q[1]) - ((int64_t)bx_head_pan_x * sin_q[1]), 30u);
+    const int32_t by_head_tilt_x = op2_r_sole_fixed_narrow(((int64_t)by_head_pan_x * cos_q[1]) - ((int64_t)e3 * sin_q[1]), 30u);
+    const int32_t by_head_tilt_y = op2_r_sole_fixed_narrow(((int64_t)e3 * cos_q[1]) + ((int64_t)by_head_pan_x * sin_q[1]), 30u);
     const int32_t bz_head_tilt_x = op2_r_sole_fixed_narrow(((int64_t)bz_head_pan_x * cos_q[1]) + ((int64_t)bz_r_hip_roll_y * sin_q[1]), 30u);
-    const int32_t e17 = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y * cos_q[1]) - ((int64_t)bz_head_pan_x * sin_q[1]), 30u);
+    const int32_t e8 = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y * cos_q[1]) - ((int64_t)bz_head_pan_x * sin_q[1]), 30u);
     /* l_hip_yaw */
-    const int32_t bz_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * cos_q[2]) + ((int64_t)e16 * sin_q[2]), 30u);
-    const int32_t bz_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * sin_q[2]) - ((int64_t)e16 * cos_q[2]), 30u);
+    const int32_t bx_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * cos_q[2]) + ((int64_t)e4 * sin_q[2]), 30u);
+    const int32_t bx_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * sin_q[2]) - ((int64_t)e4 * cos_q[2]), 30u);
+    const int32_t by_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * cos_q[2]) + ((int64_t)e5 * sin_q[2]), 30u);
+    const int32_t by_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * sin_q[2]) - ((int64_t)e5 * cos_q[2]), 30u);
+    const int32_t bz_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * cos_q[2]) + ((int64_t)e6 * sin_q[2]), 30u);
+    const int32_t bz_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * sin_q[2]) - ((int64_t)e6 * cos_q[2]), 30u);
     /* l_hip_roll */
+    const int32_t bx_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_yaw_y * cos_q[3]) - ((int64_t)bx_r_hip_roll_y * sin_q[3]), 30u);
+    const int32_t bx_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * cos_q[3]) + ((int64_t)bx_l_hip_yaw_y * sin_q[3]), 30u);
+    const int32_t by_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_y * cos_q[3]) + ((int64_t)e3 * sin_q[3]), 30u);
+    const int32_t by_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_y * sin_q[3]) - ((int64_t)e3 * cos_q[3]), 30u);
     const int32_t bz_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_yaw_y * cos_q[3]) - ((int64_t)bz_r_hip_roll_y * sin_q[3]), 30u);
     const int32_t bz_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y * cos_q[3]) + ((int64_t)bz_l_hip_yaw_y * sin_q[3]), 30u);
     /* l_hip_pitch */
+    const int32_t bx_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_roll_y * sin_q[4]) + ((int64_t)bx_l_hip_yaw_x * cos_q[4]), 30u);
+    const int32_t e9 = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_yaw_x * sin_q[4]) - ((int64_t)bx_l_hip_roll_y * cos_q[4]), 30u);
+    const int32_t bx_l_hip_pitch_y = -e9;
+    const int32_t by_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_roll_y * sin_q[4]) + ((int64_t)by_l_hip_yaw_x * cos_q[4]), 30u);
+    const int32_t e10 = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_yaw_x * sin_q[4]) - ((int64_t)by_l_hip_roll_y * cos_q[4]), 30u);
+    const int32_t by_l_hip_pitch_y = -e10;
     const int32_t bz_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_roll_y * sin_q[4]) + ((int64_t)bz_l_hip_yaw_x * cos_q[4]), 30u);
-    const int32_t e18 = op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_yaw_x * sin_q[4]) - ((int64_t)bz_l_hip_roll_y * cos_q[4]), 30u);
-    const int32_t bz_l_hip_pitch_y = -e18;
+    const int32_t e11 = op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_yaw_x * sin_q[4]) - ((int64_t)bz_l_hip_roll_y * cos_q[4]), 30u);
+    const int32_t bz_l_hip_pitch_y = -e11;
     /* l_knee */
-    const int32_t bz_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_pitch_x * cos_q[5]) - ((int64_t)e18 * sin_q[5]), 30u);
-    const int32_t e19 = op2_r_sole_fixed_narrow(((int64_t)e18 * cos_q[5]) + ((int64_t)bz_l_hip_pitch_x * sin_q[5]), 30u);
-    const int32_t bz_l_knee_y = -e19;
+    const int32_t bx_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_pitch_x * cos_q[5]) - ((int64_t)e9 * sin_q[5]), 30u);
+    const int32_t e12 = op2_r_sole_fixed_narrow(((int64_t)e9 * cos_q[5]) + ((int64_t)bx_l_hip_pitch_x * sin_q[5]), 30u);
+    const int32_t bx_l_knee_y = -e12;
+    const int32_t by_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)by_l_hip_pitch_x * cos_q[5]) - ((int64_t)e10 * sin_q[5]), 30u);
+    const int32_t e13 = op2_r_sole_fixed_narrow(((int64_t)e10 * cos_q[5]) + ((int64_t)by_l_hip_pitch_x * sin_q[5]), 30u);
+    const int32_t by_l_knee_y = -e13;
+    const int32_t bz_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_pitch_x * cos_q[5]) - ((int64_t)e11 * sin_q[5]), 30u);
+    const int32_t e14 = op2_r_sole_fixed_narrow(((int64_t)e11 * cos_q[5]) + ((int64_t)bz_l_hip_pitch_x * sin_q[5]), 30u);
+    const int32_t bz_l_knee_y = -e14;
     /* l_ank_pitch */
-    const int32_t bz_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_knee_x * cos_q[6]) + ((int64_t)e19 * sin_q[6]), 30u);
-    const int32_t bz_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bz_l_knee_x * sin_q[6]) - ((int64_t)e19 * cos_q[6]), 30u);
+    const int32_t bx_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_knee_x * cos_q[6]) + ((int64_t)e12 * sin_q[6]), 30u);
+    const int32_t bx_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_l_knee_x * sin_q[6]) - ((int64_t)e12 * cos_q[6]), 30u);
+    const int32_t by_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_l_knee_x * cos_q[6]) + ((int64_t)e13 * sin_q[6]), 30u);
+    const int32_t by_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_l_knee_x * sin_q[6]) - ((int64_t)e13 * cos_q[6]), 30u);
+    const int32_t bz_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_knee_x * cos_q[6]) + ((int64_t)e14 * sin_q[6]), 30u);
+    const int32_t bz_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bz_l_knee_x * sin_q[6]) - ((int64_t)e14 * cos_q[6]), 30u);
     /* l_ank_roll */
+    const int32_t bx_l_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_ank_pitch_y * sin_q[7]) + ((int64_t)bx_l_hip_roll_x * cos_q[7]), 30u);
+    const int32_t bx_l_ank_roll_y = -op2_r_sole_fixed_narrow(((int64_t)bx_l_hip_roll_x * sin_q[7]) - ((int64_t)bx_l_ank_pitch_y * cos_q[7]), 30u);
+    const int32_t by_l_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)by_l_ank_pitch_y * sin_q[7]) + ((int64_t)by_l_hip_roll_x * cos_q[7]), 30u);
+    const int32_t by_l_ank_roll_y = -op2_r_sole_fixed_narrow(((int64_t)by_l_hip_roll_x * sin_q[7]) - ((int64_t)by_l_ank_pitch_y * cos_q[7]), 30u);
     const int32_t bz_l_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_ank_pitch_y * sin_q[7]) + ((int64_t)bz_l_hip_roll_x * cos_q[7]), 30u);
     const int32_t bz_l_ank_roll_y = -op2_r_sole_fixed_narrow(((int64_t)bz_l_hip_roll_x * sin_q[7]) - ((int64_t)bz_l_ank_pitch_y * cos_q[7]), 30u);
     /* l_sho_pitch */
+    const int32_t bx_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * cos_q[8]) - ((int64_t)bx_r_hip_roll_y * sin_q[8]), 30u);
+    const int32_t bx_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * cos_q[8]) + ((int64_t)bx_r_hip_yaw_x * sin_q[8]), 30u);
+    const int32_t by_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * cos_q[8]) + ((int64_t)e3 * sin_q[8]), 30u);
+    const int32_t by_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * sin_q[8]) - ((int64_t)e3 * cos_q[8]), 30u);
     const int32_t bz_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * cos_q[8]) - ((int64_t)bz_r_hip_roll_y * sin_q[8]), 30u);
     const int32_t bz_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y * cos_q[8]) + ((int64_t)bz_r_hip_yaw_x * sin_q[8]), 30u);
     /* l_sho_roll */
-    const int32_t bz_l_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)bz_l_sho_pitch_y * s_l_sho_roll) + ((int64_t)e16 * c_l_sho_roll), 30u);
-    const int32_t e20 = op2_r_sole_fixed_narrow(((int64_t)e16 * s_l_sho_roll) - ((int64_t)bz_l_sho_pitch_y * c_l_sho_roll), 30u);
-    const int32_t bz_l_sho_roll_y = -e20;
+    const int32_t s_l_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * sin_q[9]) - ((int64_t)759250125 * cos_q[9]), 30u);
+    const int32_t c_l_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * cos_q[9]) + ((int64_t)759250125 * sin_q[9]), 30u);
+    const int32_t bx_l_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)bx_l_sho_pitch_y * s_l_sho_roll) + ((int64_t)e4 * c_l_sho_roll), 30u);
+    const int32_t e15 = op2_r_sole_fixed_narrow(((int64_t)e4 * s_l_sho_roll) - ((int64_t)bx_l_sho_pitch_y * c_l_sho_roll), 30u);
+    const int32_t bx_l_sho_roll_y = -e15;
+    const int32_t by_l_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)by_l_sho_pitch_y * s_l_sho_roll) + ((int64_t)e5 * c_l_sho_roll), 30u);
+    const int32_t e16 = op2_r_sole_fixed_narrow(((int64_t)e5 * s_l_sho_roll) - ((int64_t)by_l_sho_pitch_y * c_l_sho_roll), 30u);
+    const int32_t by_l_sho_roll_y = -e16;
+    const int32_t bz_l_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)bz_l_sho_pitch_y * s_l_sho_roll) + ((int64_t)e6 * c_l_sho_roll), 30u);
+    const int32_t e17 = op2_r_sole_fixed_narrow(((int64_t)e6 * s_l_sho_roll) - ((int64_t)bz_l_sho_pitch_y * c_l_sho_roll), 30u);
+    const int32_t bz_l_sho_roll_y = -e17;
     /* l_el */
-    const int32_t bz_l_el_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_sho_pitch_x * sin_q[10]) - ((int64_t)e20 * cos_q[10]), 30u);
-    const int32_t bz_l_el_y = -op2_r_sole_fixed_narrow(((int64_t)bz_l_sho_pitch_x * cos_q[10]) + ((int64_t)e20 * sin_q[10]), 30u);
+    const int32_t bx_l_el_x = op2_r_sole_fixed_narrow(((int64_t)bx_l_sho_pitch_x * sin_q[10]) - ((int64_t)e15 * cos_q[10]), 30u);
+    const int32_t bx_l_el_y = -op2_r_sole_fixed_narrow(((int64_t)bx_l_sho_pitch_x * cos_q[10]) + ((int64_t)e15 * sin_q[10]), 30u);
+    const int32_t by_l_el_x = op2_r_sole_fixed_narrow(((int64_t)by_l_sho_pitch_x * sin_q[10]) - ((int64_t)e16 * cos_q[10]), 30u);
+    const int32_t by_l_el_y = -op2_r_sole_fixed_narrow(((int64_t)by_l_sho_pitch_x * cos_q[10]) + ((int64_t)e16 * sin_q[10]), 30u);
+    const int32_t bz_l_el_x = op2_r_sole_fixed_narrow(((int64_t)bz_l_sho_pitch_x * sin_q[10]) - ((int64_t)e17 * cos_q[10]), 30u);
+    const int32_t bz_l_el_y = -op2_r_sole_fixed_narrow(((int64_t)bz_l_sho_pitch_x * cos_q[10]) + ((int64_t)e17 * sin_q[10]), 30u);
     /* r_sho_pitch */
+    const int32_t bx_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_yaw_x * cos_q[17]) + ((int64_t)bx_r_hip_roll_y * sin_q[17]), 30u);
+    const int32_t bx_r_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bx_r_hip_roll_y * cos_q[17]) - ((int64_t)bx_r_hip_yaw_x * sin_q[17]), 30u);
+    const int32_t by_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x * cos_q[17]) - ((int64_t)e3 * sin_q[17]), 30u);
+    const int32_t e18 = op2_r_sole_fixed_narrow(((int64_t)e3 * cos_q[17]) + ((int64_t)by_r_hip_yaw_x * sin_q[17]), 30u);
+    const int32_t by_r_sho_pitch_y = -e18;
     const int32_t bz_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_yaw_x * cos_q[17]) + ((int64_t)bz_r_hip_roll_y * sin_q[17]), 30u);
     const int32_t bz_r_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y * cos_q[17]) - ((int64_t)bz_r_hip_yaw_x * sin_q[17]), 30u);
     /* r_sho_roll */
-    const int32_t bz_r_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)bz_r_sho_pitch_y * s_r_sho_roll) + ((int64_t)e16 * c_r_sho_roll), 30u);
-    const int32_t e21 = op2_r_sole_fixed_narrow(((int64_t)e16 * s_r_sho_roll) - ((int64_t)bz_r_sho_pitch_y * c_r_sho_roll), 30u);
+    const int32_t s_r_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * sin_q[18]) + ((int64_t)759250125 * cos_q[18]), 30u);
+    const int32_t c_r_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * cos_q[18]) - ((int64_t)759250125 * sin_q[18]), 30u);
+    const int32_t bx_r_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)bx_r_sho_pitch_y * s_r_sho_roll) + ((int64_t)e4 * c_r_sho_roll), 30u);
+    const int32_t e19 = op2_r_sole_fixed_narrow(((int64_t)e4 * s_r_sho_roll) - ((int64_t)bx_r_sho_pitch_y * c_r_sho_roll), 30u);
+    const int32_t bx_r_sho_roll_y = -e19;
+    const int32_t by_r_sho_roll_x = op2_r_sole_fixed_narrow(((int64_t)e18 * s_r_sho_roll) - ((int64_t)e5 * c_r_sho_roll), 30u);
+    const int32_t e20 = op2_r_sole_fixed_narrow(((int64_t)e5 * s_r_sho_roll) + ((int64_t)e18 * c_r_sho_roll), 30u);
+    const int32_t by_r_sho_roll_y = -e20;
+    const int32_t bz_r_sho_roll_x = -op2_r_sole_fixed_narrow(((int64_t)bz_r_sho_pitch_y * s_r_sho_roll) + ((int64_t)e6 * c_r_sho_roll), 30u);
+    const int32_t e21 = op2_r_sole_fixed_narrow(((int64_t)e6 * s_r_sho_roll) - ((int64_t)bz_r_sho_pitch_y * c_r_sho_roll), 30u);
     const int32_t bz_r_sho_roll_y = -e21;
     /* r_el */
+    const int32_t bx_r_el_x = -op2_r_sole_fixed_narrow(((int64_t)e19 * cos_q[19]) + ((int64_t)bx_r_sho_pitch_x * sin_q[19]), 30u);
+    const int32_t bx_r_el_y = -op2_r_sole_fixed_narrow(((int64_t)bx_r_sho_pitch_x * cos_q[19]) - ((int64_t)e19 * sin_q[19]), 30u);
+    const int32_t by_r_el_x = -op2_r_sole_fixed_narrow(((int64_t)e20 * cos_q[19]) + ((int64_t)by_r_sho_pitch_x * sin_q[19]), 30u);
+    const int32_t by_r_el_y = -op2_r_sole_fixed_narrow(((int64_t)by_r_sho_pitch_x * cos_q[19]) - ((int64_t)e20 * sin_q[19]), 30u);
     const int32_t bz_r_el_x = -op2_r_sole_fixed_narrow(((int64_t)e21 * cos_q[19]) + ((int64_t)bz_r_sho_pitch_x * sin_q[19]), 30u);
     const int32_t bz_r_el_y = -op2_r_sole_fixed_narrow(((int64_t)bz_r_sho_pitch_x * cos_q[19]) - ((int64_t)e21 * sin_q[19]), 30u);
     rows[0] = 1073741824;
@@ -3635,9 +3312,9 @@ void op2_r_sole_fixed_regressor_full_sc(
     rows[21] = bx_head_pan_x;
     rows[22] = bx_head_pan_y;
     rows[23] = bx_r_hip_roll_y;
-    rows[24] = op2_r_sole_fixed_narrow(((int64_t)900515665 * bx_head_tilt_x) - ((int64_t)584801711 * e2), 30u);
+    rows[24] = op2_r_sole_fixed_narrow(((int64_t)900515665 * bx_head_tilt_x) - ((int64_t)584801711 * e7), 30u);
     rows[25] = bx_head_pan_y;
-    rows[26] = op2_r_sole_fixed_narrow(((int64_t)584801711 * bx_head_tilt_x) + ((int64_t)900515665 * e2), 30u);
+    rows[26] = op2_r_sole_fixed_narrow(((int64_t)584801711 * bx_head_tilt_x) + ((int64_t)900515665 * e7), 30u);
     rows[27] = bx_l_hip_yaw_x;
     rows[28] = bx_l_hip_yaw_y;
     rows[29] = bx_r_hip_roll_y;
@@ -3761,9 +3438,9 @@ void op2_r_sole_fixed_regressor_full_sc(
     rows[147] = bz_head_pan_x;
     rows[148] = bz_head_pan_y;
     rows[149] = bz_r_hip_roll_y;
-    rows[150] = op2_r_sole_fixed_narrow(((int64_t)900515665 * bz_head_tilt_x) - ((int64_t)584801711 * e17), 30u);
+    rows[150] = op2_r_sole_fixed_narrow(((int64_t)900515665 * bz_head_tilt_x) - ((int64_t)584801711 * e8), 30u);
     rows[151] = bz_head_pan_y;
-    rows[152] = op2_r_sole_fixed_narrow(((int64_t)584801711 * bz_head_tilt_x) + ((int64_t)900515665 * e17), 30u);
+    rows[152] = op2_r_sole_fixed_narrow(((int64_t)584801711 * bz_head_tilt_x) + ((int64_t)900515665 * e8), 30u);
     rows[153] = bz_l_hip_yaw_x;
     rows[154] = bz_l_hip_yaw_y;
     rows[155] = bz_r_hip_roll_y;
@@ -3808,100 +3485,70 @@ void op2_r_sole_fixed_cop_sc(
     const op2_r_sole_fixed_real r[],
     op2_r_sole_fixed_real cop[2])
 {
-    /* r_el */
-    const int32_t t_r_el_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[19] * r[41]) - ((int64_t)sin_q[19] * r[42]), 30u);
     /* r_sho_roll */
-    const int32_t v_r_sho_roll_y = r[40] + t_r_el_x;
+    const int32_t v_r_sho_roll_y = op2_r_sole_fixed_narrow((((int64_t)r[40]) * INT64_C(1073741824)) + ((int64_t)cos_q[19] * r[41]) - ((int64_t)sin_q[19] * r[42]), 30u);
     const int32_t s_r_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * sin_q[18]) + ((int64_t)759250125 * cos_q[18]), 30u);
     const int32_t c_r_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * cos_q[18]) - ((int64_t)759250125 * sin_q[18]), 30u);
-    const int32_t t_r_sho_roll_x = op2_r_sole_fixed_narrow(((int64_t)c_r_sho_roll * v_r_sho_roll_y) - ((int64_t)s_r_sho_roll * r[39]), 30u);
-    const int32_t t_r_sho_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_r_sho_roll * r[39]) + ((int64_t)s_r_sho_roll * v_r_sho_roll_y), 30u);
     /* r_sho_pitch */
     const int32_t v_r_sho_pitch_x = op2_r_sole_fixed_narrow((((int64_t)r[37]) * INT64_C(1073741824)) - ((int64_t)sin_q[19] * r[41]) - ((int64_t)cos_q[19] * r[42]), 30u);
-    const int32_t v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
-    const int32_t t_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[17] * v_r_sho_pitch_x) - ((int64_t)sin_q[17] * v_r_sho_pitch_y), 30u);
-    const int32_t t_r_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[17] * v_r_sho_pitch_x) + ((int64_t)cos_q[17] * v_r_sho_pitch_y), 30u);
-    /* l_el */
-    const int32_t t_l_el_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[10] * r[35]) + ((int64_t)sin_q[10] * r[36]), 30u);
-    const int32_t t_l_el_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[10] * r[35]) - ((int64_t)cos_q[10] * r[36]), 30u);
+    const int32_t v_r_sho_pitch_y = op2_r_sole_fixed_narrow((((int64_t)r[38]) * INT64_C(1073741824)) - ((int64_t)s_r_sho_roll * r[39]) + ((int64_t)c_r_sho_roll * v_r_sho_roll_y), 30u);
+    const int32_t v_r_sho_pitch_z = op2_r_sole_fixed_narrow(((int64_t)c_r_sho_roll * r[39]) + ((int64_t)s_r_sho_roll * v_r_sho_roll_y), 30u);
     /* l_sho_roll */
-    const int32_t v_l_sho_roll_y = r[34] + t_l_el_x;
+    const int32_t v_l_sho_roll_y = op2_r_sole_fixed_narrow((((int64_t)r[34]) * INT64_C(1073741824)) + ((int64_t)cos_q[10] * r[35]) + ((int64_t)sin_q[10] * r[36]), 30u);
+    const int32_t v_l_sho_roll_z = op2_r_sole_fixed_narrow(((int64_t)sin_q[10] * r[35]) - ((int64_t)cos_q[10] * r[36]), 30u);
     const int32_t s_l_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * sin_q[9]) - ((int64_t)759250125 * cos_q[9]), 30u);
     const int32_t c_l_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * cos_q[9]) + ((int64_t)759250125 * sin_q[9]), 30u);
-    const int32_t t_l_sho_roll_x = op2_r_sole_fixed_narrow(((int64_t)c_l_sho_roll * v_l_sho_roll_y) - ((int64_t)s_l_sho_roll * r[33]), 30u);
-    const int32_t t_l_sho_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_l_sho_roll * r[33]) + ((int64_t)s_l_sho_roll * v_l_sho_roll_y), 30u);
     /* l_sho_pitch */
-    const int32_t v_l_sho_pitch_x = r[31] + t_l_el_y;
-    const int32_t v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
-    const int32_t t_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[8] * v_l_sho_pitch_x) + ((int64_t)sin_q[8] * v_l_sho_pitch_y), 30u);
-    const int32_t t_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[8] * v_l_sho_pitch_y) - ((int64_t)sin_q[8] * v_l_sho_pitch_x), 30u);
-    /* l_ank_roll */
-    const int32_t t_l_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)sin_q[7] * r[29]) + ((int64_t)cos_q[7] * r[30]), 30u);
-    const int32_t t_l_ank_roll_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[7] * r[29]) - ((int64_t)sin_q[7] * r[30]), 30u);
+    const int32_t v_l_sho_pitch_x = r[31] + v_l_sho_roll_z;
+    const int32_t v_l_sho_pitch_y = op2_r_sole_fixed_narrow((((int64_t)r[32]) * INT64_C(1073741824)) - ((int64_t)s_l_sho_roll * r[33]) + ((int64_t)c_l_sho_roll * v_l_sho_roll_y), 30u);
+    const int32_t v_l_sho_pitch_z = op2_r_sole_fixed_narrow(((int64_t)c_l_sho_roll * r[33]) + ((int64_t)s_l_sho_roll * v_l_sho_roll_y), 30u);
     /* l_ank_pitch */
-    const int32_t v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
-    const int32_t t_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[6] * r[27]) + ((int64_t)sin_q[6] * v_l_ank_pitch_y), 30u);
-    const int32_t t_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[6] * v_l_ank_pitch_y) - ((int64_t)sin_q[6] * r[27]), 30u);
+    const int32_t v_l_ank_pitch_y = op2_r_sole_fixed_narrow((((int64_t)r[28]) * INT64_C(1073741824)) + ((int64_t)sin_q[7] * r[29]) + ((int64_t)cos_q[7] * r[30]), 30u);
+    const int32_t v_l_ank_pitch_z = op2_r_sole_fixed_narrow(((int64_t)cos_q[7] * r[29]) - ((int64_t)sin_q[7] * r[30]), 30u);
     /* l_knee */
-    const int32_t v_l_knee_x = r[25] + t_l_ank_pitch_x;
-    const int32_t v_l_knee_y = r[26] + t_l_ank_pitch_y;
-    const int32_t t_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[5] * v_l_knee_x) - ((int64_t)sin_q[5] * v_l_knee_y), 30u);
-    const int32_t t_l_knee_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[5] * v_l_knee_x) + ((int64_t)cos_q[5] * v_l_knee_y), 30u);
+    const int32_t v_l_knee_x = op2_r_sole_fixed_narrow((((int64_t)r[25]) * INT64_C(1073741824)) + ((int64_t)cos_q[6] * r[27]) + ((int64_t)sin_q[6] * v_l_ank_pitch_y), 30u);
+    const int32_t v_l_knee_y = op2_r_sole_fixed_narrow((((int64_t)r[26]) * INT64_C(1073741824)) - ((int64_t)sin_q[6] * r[27]) + ((int64_t)cos_q[6] * v_l_ank_pitch_y), 30u);
     /* l_hip_pitch */
-    const int32_t v_l_hip_pitch_x = r[23] + t_l_knee_x;
-    const int32_t v_l_hip_pitch_y = r[24] + t_l_knee_y;
-    const int32_t t_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)sin_q[4] * v_l_hip_pitch_x) + ((int64_t)cos_q[4] * v_l_hip_pitch_y), 30u);
-    const int32_t t_l_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[4] * v_l_hip_pitch_x) - ((int64_t)sin_q[4] * v_l_hip_pitch_y), 30u);
+    const int32_t v_l_hip_pitch_x = op2_r_sole_fixed_narrow((((int64_t)r[23]) * INT64_C(1073741824)) + ((int64_t)cos_q[5] * v_l_knee_x) - ((int64_t)sin_q[5] * v_l_knee_y), 30u);
+    const int32_t v_l_hip_pitch_y = op2_r_sole_fixed_narrow((((int64_t)r[24]) * INT64_C(1073741824)) + ((int64_t)sin_q[5] * v_l_knee_x) + ((int64_t)cos_q[5] * v_l_knee_y), 30u);
     /* l_hip_roll */
-    const int32_t v_l_hip_roll_x = r[21] + t_l_ank_roll_y;
-    const int32_t v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
-    const int32_t t_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[3] * v_l_hip_roll_x) + ((int64_t)sin_q[3] * v_l_hip_roll_y), 30u);
-    const int32_t t_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[3] * v_l_hip_roll_y) - ((int64_t)sin_q[3] * v_l_hip_roll_x), 30u);
+    const int32_t v_l_hip_roll_x = r[21] + v_l_ank_pitch_z;
+    const int32_t v_l_hip_roll_y = op2_r_sole_fixed_narrow((((int64_t)r[22]) * INT64_C(1073741824)) + ((int64_t)sin_q[4] * v_l_hip_pitch_x) + ((int64_t)cos_q[4] * v_l_hip_pitch_y), 30u);
+    const int32_t v_l_hip_roll_z = op2_r_sole_fixed_narrow(((int64_t)cos_q[4] * v_l_hip_pitch_x) - ((int64_t)sin_q[4] * v_l_hip_pitch_y), 30u);
     /* l_hip_yaw */
-    const int32_t v_l_hip_yaw_x = r[19] + t_l_hip_pitch_y;
-    const int32_t v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
-    const int32_t t_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[2] * v_l_hip_yaw_x) + ((int64_t)sin_q[2] * v_l_hip_yaw_y), 30u);
-    const int32_t t_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[2] * v_l_hip_yaw_y) - ((int64_t)sin_q[2] * v_l_hip_yaw_x), 30u);
-    /* head_tilt */
-    const int32_t t_head_tilt_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[1] * r[17]) + ((int64_t)sin_q[1] * r[18]), 30u);
-    const int32_t t_head_tilt_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[1] * r[17]) - ((int64_t)cos_q[1] * r[18]), 30u);
+    const int32_t v_l_hip_yaw_x = r[19] + v_l_hip_roll_z;
+    const int32_t v_l_hip_yaw_y = op2_r_sole_fixed_narrow((((int64_t)r[20]) * INT64_C(1073741824)) + ((int64_t)cos_q[3] * v_l_hip_roll_x) + ((int64_t)sin_q[3] * v_l_hip_roll_y), 30u);
+    const int32_t v_l_hip_yaw_z = op2_r_sole_fixed_narrow(((int64_t)cos_q[3] * v_l_hip_roll_y) - ((int64_t)sin_q[3] * v_l_hip_roll_x), 30u);
     /* head_pan */
-    const int32_t v_head_pan_x = r[15] + t_head_tilt_x;
-    const int32_t t_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[0] * v_head_pan_x) - ((int64_t)sin_q[0] * r[16]), 30u);
-    const int32_t t_head_pan_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[0] * v_head_pan_x) + ((int64_t)cos_q[0] * r[16]), 30u);
+    const int32_t v_head_pan_x = op2_r_sole_fixed_narrow((((int64_t)r[15]) * INT64_C(1073741824)) + ((int64_t)cos_q[1] * r[17]) + ((int64_t)sin_q[1] * r[18]), 30u);
+    const int32_t v_head_pan_z = op2_r_sole_fixed_narrow(((int64_t)sin_q[1] * r[17]) - ((int64_t)cos_q[1] * r[18]), 30u);
     /* r_hip_yaw */
-    const int32_t v_r_hip_yaw_x = (((r[13] + t_head_pan_x) + t_l_hip_yaw_x) + t_l_sho_pitch_x) + t_r_sho_pitch_x;
-    const int32_t v_r_hip_yaw_y = (((r[14] + t_head_pan_y) + t_l_hip_yaw_y) + t_l_sho_roll_y) + t_r_sho_roll_y;
-    const int32_t v_r_hip_yaw_z = ((t_head_tilt_y + t_l_hip_roll_y) + t_l_sho_pitch_y) + t_r_sho_pitch_y;
-    const int32_t t_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)sin_q[11] * v_r_hip_yaw_x) + ((int64_t)cos_q[11] * v_r_hip_yaw_y), 30u);
-    const int32_t t_r_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[11] * v_r_hip_yaw_x) - ((int64_t)sin_q[11] * v_r_hip_yaw_y), 30u);
+    const int32_t e1 = op2_r_sole_fixed_narrow((((int64_t)r[13]) * INT64_C(1073741824)) + ((int64_t)cos_q[0] * v_head_pan_x) - ((int64_t)sin_q[0] * r[16]) + ((int64_t)cos_q[8] * v_l_sho_pitch_x) + ((int64_t)sin_q[8] * v_l_sho_pitch_y) + ((int64_t)cos_q[17] * v_r_sho_pitch_x), 30u);
+    const int32_t v_r_hip_yaw_x = op2_r_sole_fixed_narrow((((int64_t)e1) * INT64_C(1073741824)) - ((int64_t)sin_q[17] * v_r_sho_pitch_y) + ((int64_t)cos_q[2] * v_l_hip_yaw_x) + ((int64_t)sin_q[2] * v_l_hip_yaw_y), 30u);
+    const int32_t e2 = op2_r_sole_fixed_narrow((((int64_t)r[14]) * INT64_C(1073741824)) + ((int64_t)sin_q[0] * v_head_pan_x) + ((int64_t)cos_q[0] * r[16]) + (((int64_t)v_l_sho_pitch_z) * INT64_C(1073741824)) + (((int64_t)v_r_sho_pitch_z) * INT64_C(1073741824)) - ((int64_t)sin_q[2] * v_l_hip_yaw_x), 30u);
+    const int32_t v_r_hip_yaw_y = op2_r_sole_fixed_narrow((((int64_t)e2) * INT64_C(1073741824)) + ((int64_t)cos_q[2] * v_l_hip_yaw_y), 30u);
+    const int32_t v_r_hip_yaw_z = op2_r_sole_fixed_narrow((((int64_t)v_head_pan_z) * INT64_C(1073741824)) - ((int64_t)sin_q[8] * v_l_sho_pitch_x) + ((int64_t)cos_q[8] * v_l_sho_pitch_y) + ((int64_t)sin_q[17] * v_r_sho_pitch_x) + ((int64_t)cos_q[17] * v_r_sho_pitch_y) + (((int64_t)v_l_hip_yaw_z) * INT64_C(1073741824)), 30u);
     /* r_hip_roll */
-    const int32_t v_r_hip_roll_x = r[11] + t_r_hip_yaw_x;
+    const int32_t v_r_hip_roll_x = op2_r_sole_fixed_narrow((((int64_t)r[11]) * INT64_C(1073741824)) + ((int64_t)sin_q[11] * v_r_hip_yaw_x) + ((int64_t)cos_q[11] * v_r_hip_yaw_y), 30u);
     const int32_t v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
-    const int32_t t_r_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)sin_q[12] * v_r_hip_roll_x) + ((int64_t)cos_q[12] * v_r_hip_roll_y), 30u);
-    const int32_t t_r_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[12] * v_r_hip_roll_x) - ((int64_t)sin_q[12] * v_r_hip_roll_y), 30u);
+    const int32_t v_r_hip_roll_z = op2_r_sole_fixed_narrow(((int64_t)cos_q[11] * v_r_hip_yaw_x) - ((int64_t)sin_q[11] * v_r_hip_yaw_y), 30u);
     /* r_hip_pitch */
-    const int32_t v_r_hip_pitch_x = r[9] + t_r_hip_yaw_y;
-    const int32_t v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
-    const int32_t t_r_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[13] * v_r_hip_pitch_x) - ((int64_t)sin_q[13] * v_r_hip_pitch_y), 30u);
-    const int32_t t_r_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[13] * v_r_hip_pitch_x) + ((int64_t)cos_q[13] * v_r_hip_pitch_y), 30u);
+    const int32_t v_r_hip_pitch_x = r[9] + v_r_hip_roll_z;
+    const int32_t v_r_hip_pitch_y = op2_r_sole_fixed_narrow((((int64_t)r[10]) * INT64_C(1073741824)) + ((int64_t)sin_q[12] * v_r_hip_roll_x) + ((int64_t)cos_q[12] * v_r_hip_roll_y), 30u);
+    const int32_t v_r_hip_pitch_z = op2_r_sole_fixed_narrow(((int64_t)cos_q[12] * v_r_hip_roll_x) - ((int64_t)sin_q[12] * v_r_hip_roll_y), 30u);
     /* r_knee */
-    const int32_t v_r_knee_x = r[7] + t_r_hip_pitch_x;
-    const int32_t v_r_knee_y = r[8] + t_r_hip_pitch_y;
-    const int32_t t_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[14] * v_r_knee_x) - ((int64_t)sin_q[14] * v_r_knee_y), 30u);
-    const int32_t t_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[14] * v_r_knee_x) + ((int64_t)cos_q[14] * v_r_knee_y), 30u);
+    const int32_t v_r_knee_x = op2_r_sole_fixed_narrow((((int64_t)r[7]) * INT64_C(1073741824)) + ((int64_t)cos_q[13] * v_r_hip_pitch_x) - ((int64_t)sin_q[13] * v_r_hip_pitch_y), 30u);
+    const int32_t v_r_knee_y = op2_r_sole_fixed_narrow((((int64_t)r[8]) * INT64_C(1073741824)) + ((int64_t)sin_q[13] * v_r_hip_pitch_x) + ((int64_t)cos_q[13] * v_r_hip_pitch_y), 30u);
     /* r_ank_pitch */
-    const int32_t v_r_ank_pitch_x = r[5] + t_r_knee_x;
-    const int32_t v_r_ank_pitch_y = r[6] + t_r_knee_y;
-    const int32_t t_r_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[15] * v_r_ank_pitch_y) - ((int64_t)sin_q[15] * v_r_ank_pitch_x), 30u);
-    const int32_t t_r_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[15] * v_r_ank_pitch_x) + ((int64_t)sin_q[15] * v_r_ank_pitch_y), 30u);
+    const int32_t v_r_ank_pitch_x = op2_r_sole_fixed_narrow((((int64_t)r[5]) * INT64_C(1073741824)) + ((int64_t)cos_q[14] * v_r_knee_x) - ((int64_t)sin_q[14] * v_r_knee_y), 30u);
+    const int32_t v_r_ank_pitch_y = op2_r_sole_fixed_narrow((((int64_t)r[6]) * INT64_C(1073741824)) + ((int64_t)sin_q[14] * v_r_knee_x) + ((int64_t)cos_q[14] * v_r_knee_y), 30u);
     /* r_ank_roll */
-    const int32_t v_r_ank_roll_x = r[3] + t_r_hip_roll_y;
-    const int32_t v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
-    const int32_t t_r_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[16] * v_r_ank_roll_x) + ((int64_t)sin_q[16] * v_r_ank_roll_y), 30u);
+    const int32_t v_r_ank_roll_x = r[3] + v_r_hip_pitch_z;
+    const int32_t v_r_ank_roll_y = op2_r_sole_fixed_narrow((((int64_t)r[4]) * INT64_C(1073741824)) - ((int64_t)sin_q[15] * v_r_ank_pitch_x) + ((int64_t)cos_q[15] * v_r_ank_pitch_y), 30u);
+    const int32_t v_r_ank_roll_z = op2_r_sole_fixed_narrow(((int64_t)cos_q[15] * v_r_ank_pitch_x) + ((int64_t)sin_q[15] * v_r_ank_pitch_y), 30u);
     /* r_sole */
-    const int32_t v_r_sole_x = r[0] + t_r_ank_pitch_y;
-    const int32_t v_r_sole_y = r[1] + t_r_ank_roll_x;
+    const int32_t v_r_sole_x = r[0] + v_r_ank_roll_z;
+    const int32_t v_r_sole_y = op2_r_sole_fixed_narrow((((int64_t)r[1]) * INT64_C(1073741824)) + ((int64_t)cos_q[16] * v_r_ank_roll_x) + ((int64_t)sin_q[16] * v_r_ank_roll_y), 30u);
     cop[0] = v_r_sole_x;
     cop[1] = v_r_sole_y;
 }
@@ -4085,22 +3732,22 @@ int op2_r_sole_fixed_selftest(void)
     int failed = 0;
 
     op2_r_sole_fixed_com(q, op2_r_sole_fixed_cad_params, com);
-    if (op2_r_sole_fixed_differs(com, expected_com, 3u, 72) != 0) {
+    if (op2_r_sole_fixed_differs(com, expected_com, 3u, 68) != 0) {
         failed += 1;
     }
 
     op2_r_sole_fixed_cop(q, op2_r_sole_fixed_cad_params, cop);
-    if (op2_r_sole_fixed_differs(cop, expected_cop, 2u, 71) != 0) {
+    if (op2_r_sole_fixed_differs(cop, expected_cop, 2u, 67) != 0) {
         failed += 2;
     }
 
     op2_r_sole_fixed_gravity_moments(q, op2_r_sole_fixed_cad_params, moments);
-    if (op2_r_sole_fixed_differs(moments, expected_gravity_moments, 20u, 72) != 0) {
+    if (op2_r_sole_fixed_differs(moments, expected_gravity_moments, 20u, 69) != 0) {
         failed += 4;
     }
 
     op2_r_sole_fixed_com_ticks(ticks, op2_r_sole_fixed_cad_params, com);
-    if (op2_r_sole_fixed_differs(com, expected_com_ticks, 3u, 56) != 0) {
+    if (op2_r_sole_fixed_differs(com, expected_com_ticks, 3u, 51) != 0) {
         failed += 8;
     }
     return failed;

@@ -9,27 +9,27 @@
  * scalar         fixed32 (int32_t, binary points proven from ranges; no division)
  *
  * function                   mul     add   sin_cos   proven |rounding error|, m
- * com                         80      80        20   6.7e-8
- * com_jacobian               335     200        20   6.6e-8
- * gravity_moments            165     118        20   6.5e-8
+ * com                         80      80        20   6.3e-8
+ * com_jacobian               335     200        20   6.4e-8
+ * gravity_moments            165     118        20   6.2e-8
  * regressor                  218     106        20   1.4e-7
  * regressor_cop              144      70        20   1.4e-7
  * regressor_full             230     112        20   1.4e-7
- * cop                         78      78        20   6.5e-8
- * com_sc                      88      84         0   5.2e-8
- * com_jacobian_sc            343     204         0   5.1e-8
- * gravity_moments_sc         173     122         0   5.1e-8
+ * cop                         78      78        20   6.2e-8
+ * com_sc                      88      84         0   4.7e-8
+ * com_jacobian_sc            343     204         0   4.9e-8
+ * gravity_moments_sc         173     122         0   4.8e-8
  * regressor_sc               226     110         0   3.2e-8
  * regressor_cop_sc           152      74         0   3.2e-8
  * regressor_full_sc          238     116         0   3.2e-8
- * cop_sc                      86      82         0   5.1e-8
- * com_ticks                   88      84         0   5.2e-8
- * com_jacobian_ticks         343     204         0   5.1e-8
- * gravity_moments_ticks      173     122         0   5.1e-8
+ * cop_sc                      86      82         0   4.6e-8
+ * com_ticks                   88      84         0   4.7e-8
+ * com_jacobian_ticks         343     204         0   4.9e-8
+ * gravity_moments_ticks      173     122         0   4.8e-8
  * regressor_ticks            226     110         0   3.2e-8
  * regressor_cop_ticks        152      74         0   3.2e-8
  * regressor_full_ticks       238     116         0   3.2e-8
- * cop_ticks                   86      82         0   5.1e-8
+ * cop_ticks                   86      82         0   4.6e-8
  * Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
  * parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
  * against exact evaluation with the same parameters.
@@ -104,7 +104,7 @@ extern const op2_r_sole_fixed_real op2_r_sole_fixed_param_limits[op2_r_sole_fixe
 
 /**
  * @brief Centre of mass in the support frame, m: r_0 + sum of B_i(q) r_i.
- * Proven rounding error below 6.7e-8 m; arrays must not overlap.
+ * Proven rounding error below 6.3e-8 m; arrays must not overlap.
  * @param[in] q joint positions, rad (m for sliding joints), [op2_r_sole_fixed_DOF]
  * @param[in] r base parameters, m, [op2_r_sole_fixed_BASE_PARAMS]
  * @param[out] com the result, [3]
@@ -116,7 +116,7 @@ void op2_r_sole_fixed_com(
 
 /**
  * @brief d CoM / d q, m/rad (m/m for sliding joints), row-major: x, y, z.
- * Proven rounding error below 6.6e-8 m; arrays must not overlap.
+ * Proven rounding error below 6.4e-8 m; arrays must not overlap.
  * @param[in] q joint positions, rad (m for sliding joints), [op2_r_sole_fixed_DOF]
  * @param[in] r base parameters, m, [op2_r_sole_fixed_BASE_PARAMS]
  * @param[out] jac the result, [3 * op2_r_sole_fixed_DOF]
@@ -128,7 +128,7 @@ void op2_r_sole_fixed_com_jacobian(
 
 /**
  * @brief Moment of gravity about each joint, per kg of total mass times g, m: -d CoM_z / d q.
- * Proven rounding error below 6.5e-8 m; arrays must not overlap.
+ * Proven rounding error below 6.2e-8 m; arrays must not overlap.
  * @param[in] q joint positions, rad (m for sliding joints), [op2_r_sole_fixed_DOF]
  * @param[in] r base parameters, m, [op2_r_sole_fixed_BASE_PARAMS]
  * @param[out] moments the result, [op2_r_sole_fixed_DOF]
@@ -170,7 +170,7 @@ void op2_r_sole_fixed_regressor_full(
 
 /**
  * @brief Centre of pressure that a static posture shows on a level sole, m.
- * Proven rounding error below 6.5e-8 m; arrays must not overlap.
+ * Proven rounding error below 6.2e-8 m; arrays must not overlap.
  * @param[in] q joint positions, rad (m for sliding joints), [op2_r_sole_fixed_DOF]
  * @param[in] r base parameters, m, [op2_r_sole_fixed_BASE_PARAMS]
  * @param[out] cop the result, [2]
@@ -183,7 +183,7 @@ void op2_r_sole_fixed_cop(
 /**
  * @brief Centre of mass in the support frame, m: r_0 + sum of B_i(q) r_i.
  * From sines and cosines; a sliding joint passes its position in sin_q.
- * Proven rounding error below 5.2e-8 m; arrays must not overlap.
+ * Proven rounding error below 4.7e-8 m; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [op2_r_sole_fixed_DOF]
  * @param[in] cos_q cosines of the joint angles, [op2_r_sole_fixed_DOF]
  * @param[in] r base parameters, m, [op2_r_sole_fixed_BASE_PARAMS]
@@ -198,7 +198,7 @@ void op2_r_sole_fixed_com_sc(
 /**
  * @brief d CoM / d q, m/rad (m/m for sliding joints), row-major: x, y, z.
  * From sines and cosines; a sliding joint passes its position in sin_q.
- * Proven rounding error below 5.1e-8 m; arrays must not overlap.
+ * Proven rounding error below 4.9e-8 m; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [op2_r_sole_fixed_DOF]
  * @param[in] cos_q cosines of the joint angles, [op2_r_sole_fixed_DOF]
  * @param[in] r base parameters, m, [op2_r_sole_fixed_BASE_PARAMS]
@@ -213,7 +213,7 @@ void op2_r_sole_fixed_com_jacobian_sc(
 /**
  * @brief Moment of gravity about each joint, per kg of total mass times g, m: -d CoM_z / d q.
  * From sines and cosines; a sliding joint passes its position in sin_q.
- * Proven rounding error below 5.1e-8 m; arrays must not overlap.
+ * Proven rounding error below 4.8e-8 m; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [op2_r_sole_fixed_DOF]
  * @param[in] cos_q cosines of the joint angles, [op2_r_sole_fixed_DOF]
  * @param[in] r base parameters, m, [op2_r_sole_fixed_BASE_PARAMS]
@@ -267,7 +267,7 @@ void op2_r_sole_fixed_regressor_full_sc(
 /**
  * @brief Centre of pressure that a static posture shows on a level sole, m.
  * From sines and cosines; a sliding joint passes its position in sin_q.
- * Proven rounding error below 5.1e-8 m; arrays must not overlap.
+ * Proven rounding error below 4.6e-8 m; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [op2_r_sole_fixed_DOF]
  * @param[in] cos_q cosines of the joint angles, [op2_r_sole_fixed_DOF]
  * @param[in] r base parameters, m, [op2_r_sole_fixed_BASE_PARAMS]
@@ -281,7 +281,7 @@ void op2_r_sole_fixed_cop_sc(
 
 /**
  * @brief Centre of mass in the support frame, m: r_0 + sum of B_i(q) r_i.
- * Proven rounding error below 5.2e-8 m; arrays must not overlap.
+ * Proven rounding error below 4.7e-8 m; arrays must not overlap.
  * @param[in] ticks servo ticks, [op2_r_sole_fixed_DOF], within the joint limits
  * @param[in] r base parameters, m, [op2_r_sole_fixed_BASE_PARAMS]
  * @param[out] com the result, [3]
@@ -293,7 +293,7 @@ void op2_r_sole_fixed_com_ticks(
 
 /**
  * @brief d CoM / d q, m/rad (m/m for sliding joints), row-major: x, y, z.
- * Proven rounding error below 5.1e-8 m; arrays must not overlap.
+ * Proven rounding error below 4.9e-8 m; arrays must not overlap.
  * @param[in] ticks servo ticks, [op2_r_sole_fixed_DOF], within the joint limits
  * @param[in] r base parameters, m, [op2_r_sole_fixed_BASE_PARAMS]
  * @param[out] jac the result, [3 * op2_r_sole_fixed_DOF]
@@ -305,7 +305,7 @@ void op2_r_sole_fixed_com_jacobian_ticks(
 
 /**
  * @brief Moment of gravity about each joint, per kg of total mass times g, m: -d CoM_z / d q.
- * Proven rounding error below 5.1e-8 m; arrays must not overlap.
+ * Proven rounding error below 4.8e-8 m; arrays must not overlap.
  * @param[in] ticks servo ticks, [op2_r_sole_fixed_DOF], within the joint limits
  * @param[in] r base parameters, m, [op2_r_sole_fixed_BASE_PARAMS]
  * @param[out] moments the result, [op2_r_sole_fixed_DOF]
@@ -347,7 +347,7 @@ void op2_r_sole_fixed_regressor_full_ticks(
 
 /**
  * @brief Centre of pressure that a static posture shows on a level sole, m.
- * Proven rounding error below 5.1e-8 m; arrays must not overlap.
+ * Proven rounding error below 4.6e-8 m; arrays must not overlap.
  * @param[in] ticks servo ticks, [op2_r_sole_fixed_DOF], within the joint limits
  * @param[in] r base parameters, m, [op2_r_sole_fixed_BASE_PARAMS]
  * @param[out] cop the result, [2]

@@ -7,20 +7,20 @@
 // snapped        r_el: 3.2e-9 rad to a right angle, CoM moves by at most 3.2e-12 m
 //
 // function                 mul     add   sin_cos   proven |rounding error|, m
-// com                       80      80        20   3.8e-15 (f64)  1.7e-6 (f32)
+// com                       80      80        20   4.0e-15 (f64)  1.8e-6 (f32)
 // com_jacobian             335     200        20   3.7e-15 (f64)  1.6e-6 (f32)
 // gravity_moments          165     118        20   3.5e-15 (f64)  1.6e-6 (f32)
 // regressor                218     106        20   2.5e-14 (f64)  7.5e-6 (f32)
 // regressor_cop            144      70        20   2.5e-14 (f64)  7.5e-6 (f32)
 // regressor_full           230     112        20   2.5e-14 (f64)  7.5e-6 (f32)
-// cop                       78      78        20   3.6e-15 (f64)  1.6e-6 (f32)
-// com_sc                    88      84         0   3.6e-15 (f64)  1.4e-6 (f32)
+// cop                       78      78        20   3.8e-15 (f64)  1.7e-6 (f32)
+// com_sc                    88      84         0   3.8e-15 (f64)  1.5e-6 (f32)
 // com_jacobian_sc          343     204         0   3.5e-15 (f64)  1.4e-6 (f32)
 // gravity_moments_sc       173     122         0   3.4e-15 (f64)  1.3e-6 (f32)
 // regressor_sc             226     110         0   3.5e-14 (f64)  5.8e-6 (f32)
 // regressor_cop_sc         152      74         0   3.5e-14 (f64)  5.8e-6 (f32)
 // regressor_full_sc        238     116         0   3.5e-14 (f64)  5.8e-6 (f32)
-// cop_sc                    86      82         0   3.5e-15 (f64)  1.3e-6 (f32)
+// cop_sc                    86      82         0   3.6e-15 (f64)  1.4e-6 (f32)
 // Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
 // parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
 // against exact evaluation with the same parameters.
@@ -292,140 +292,152 @@ impl sesc_runtime::SescFromSinCos<DOF, BASE_PARAMS, FULL_PARAMS> for Op2LSole {
 pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
     // r_el
     let (s_r_el, c_r_el) = q[19].sin_cos();
-    let t_r_el_x = c_r_el.mul_add(r[41], -(s_r_el * r[42]));
     // r_sho_roll
-    let v_r_sho_roll_y = r[40] + t_r_el_x;
+    let v_r_sho_roll_y = (-s_r_el).mul_add(r[42], c_r_el.mul_add(r[41], r[40]));
     let e1 = q[18] + T::from_f64(0.785398163);
     let (s_r_sho_roll, c_r_sho_roll) = e1.sin_cos();
-    let t_r_sho_roll_x = c_r_sho_roll.mul_add(v_r_sho_roll_y, -(s_r_sho_roll * r[39]));
-    let t_r_sho_roll_y = c_r_sho_roll.mul_add(r[39], s_r_sho_roll * v_r_sho_roll_y);
     // r_sho_pitch
     let v_r_sho_pitch_x = r[37] - s_r_el.mul_add(r[41], c_r_el * r[42]);
-    let v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
+    let v_r_sho_pitch_y = c_r_sho_roll
+        .mul_add(v_r_sho_roll_y, (-s_r_sho_roll).mul_add(r[39], r[38]));
+    let v_r_sho_pitch_z = c_r_sho_roll.mul_add(r[39], s_r_sho_roll * v_r_sho_roll_y);
     let (s_r_sho_pitch, c_r_sho_pitch) = q[17].sin_cos();
-    let t_r_sho_pitch_x = c_r_sho_pitch
-        .mul_add(v_r_sho_pitch_x, -(s_r_sho_pitch * v_r_sho_pitch_y));
-    let t_r_sho_pitch_y = s_r_sho_pitch
-        .mul_add(v_r_sho_pitch_x, c_r_sho_pitch * v_r_sho_pitch_y);
     // r_ank_roll
     let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
-    let t_r_ank_roll_x = s_r_ank_roll.mul_add(r[35], c_r_ank_roll * r[36]);
-    let t_r_ank_roll_y = c_r_ank_roll.mul_add(r[35], -(s_r_ank_roll * r[36]));
     // r_ank_pitch
-    let v_r_ank_pitch_y = r[34] + t_r_ank_roll_x;
+    let v_r_ank_pitch_y = c_r_ank_roll
+        .mul_add(r[36], s_r_ank_roll.mul_add(r[35], r[34]));
+    let v_r_ank_pitch_z = c_r_ank_roll.mul_add(r[35], -(s_r_ank_roll * r[36]));
     let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
-    let t_r_ank_pitch_x = c_r_ank_pitch
-        .mul_add(r[33], -(s_r_ank_pitch * v_r_ank_pitch_y));
-    let t_r_ank_pitch_y = s_r_ank_pitch.mul_add(r[33], c_r_ank_pitch * v_r_ank_pitch_y);
     // r_knee
-    let v_r_knee_x = r[31] + t_r_ank_pitch_x;
-    let v_r_knee_y = r[32] + t_r_ank_pitch_y;
+    let v_r_knee_x = (-s_r_ank_pitch)
+        .mul_add(v_r_ank_pitch_y, c_r_ank_pitch.mul_add(r[33], r[31]));
+    let v_r_knee_y = c_r_ank_pitch
+        .mul_add(v_r_ank_pitch_y, s_r_ank_pitch.mul_add(r[33], r[32]));
     let (s_r_knee, c_r_knee) = q[14].sin_cos();
-    let t_r_knee_x = c_r_knee.mul_add(v_r_knee_x, s_r_knee * v_r_knee_y);
-    let t_r_knee_y = c_r_knee.mul_add(v_r_knee_y, -(s_r_knee * v_r_knee_x));
     // r_hip_pitch
-    let v_r_hip_pitch_x = r[29] + t_r_knee_x;
-    let v_r_hip_pitch_y = r[30] + t_r_knee_y;
+    let v_r_hip_pitch_x = s_r_knee
+        .mul_add(v_r_knee_y, c_r_knee.mul_add(v_r_knee_x, r[29]));
+    let v_r_hip_pitch_y = c_r_knee
+        .mul_add(v_r_knee_y, (-s_r_knee).mul_add(v_r_knee_x, r[30]));
     let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
-    let t_r_hip_pitch_x = c_r_hip_pitch
-        .mul_add(v_r_hip_pitch_y, -(s_r_hip_pitch * v_r_hip_pitch_x));
-    let t_r_hip_pitch_y = c_r_hip_pitch
-        .mul_add(v_r_hip_pitch_x, s_r_hip_pitch * v_r_hip_pitch_y);
     // r_hip_roll
-    let v_r_hip_roll_x = r[27] + t_r_ank_roll_y;
-    let v_r_hip_roll_y = r[28] + t_r_hip_pitch_x;
+    let v_r_hip_roll_x = r[27] + v_r_ank_pitch_z;
+    let v_r_hip_roll_y = c_r_hip_pitch
+        .mul_add(v_r_hip_pitch_y, (-s_r_hip_pitch).mul_add(v_r_hip_pitch_x, r[28]));
+    let v_r_hip_roll_z = c_r_hip_pitch
+        .mul_add(v_r_hip_pitch_x, s_r_hip_pitch * v_r_hip_pitch_y);
     let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
-    let t_r_hip_roll_x = c_r_hip_roll
-        .mul_add(v_r_hip_roll_x, s_r_hip_roll * v_r_hip_roll_y);
-    let t_r_hip_roll_y = c_r_hip_roll
-        .mul_add(v_r_hip_roll_y, -(s_r_hip_roll * v_r_hip_roll_x));
     // r_hip_yaw
-    let v_r_hip_yaw_x = r[25] + t_r_hip_pitch_y;
-    let v_r_hip_yaw_y = r[26] + t_r_hip_roll_x;
+    let v_r_hip_yaw_x = r[25] + v_r_hip_roll_z;
+    let v_r_hip_yaw_y = s_r_hip_roll
+        .mul_add(v_r_hip_roll_y, c_r_hip_roll.mul_add(v_r_hip_roll_x, r[26]));
+    let v_r_hip_yaw_z = c_r_hip_roll
+        .mul_add(v_r_hip_roll_y, -(s_r_hip_roll * v_r_hip_roll_x));
     let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
-    let t_r_hip_yaw_x = c_r_hip_yaw.mul_add(v_r_hip_yaw_x, s_r_hip_yaw * v_r_hip_yaw_y);
-    let t_r_hip_yaw_y = c_r_hip_yaw
-        .mul_add(v_r_hip_yaw_y, -(s_r_hip_yaw * v_r_hip_yaw_x));
     // l_el
     let (s_l_el, c_l_el) = q[10].sin_cos();
-    let t_l_el_x = c_l_el.mul_add(r[23], s_l_el * r[24]);
-    let t_l_el_y = s_l_el.mul_add(r[23], -(c_l_el * r[24]));
     // l_sho_roll
-    let v_l_sho_roll_y = r[22] + t_l_el_x;
+    let v_l_sho_roll_y = s_l_el.mul_add(r[24], c_l_el.mul_add(r[23], r[22]));
+    let v_l_sho_roll_z = s_l_el.mul_add(r[23], -(c_l_el * r[24]));
     let e2 = q[9] - T::from_f64(0.785398163);
     let (s_l_sho_roll, c_l_sho_roll) = e2.sin_cos();
-    let t_l_sho_roll_x = c_l_sho_roll.mul_add(v_l_sho_roll_y, -(s_l_sho_roll * r[21]));
-    let t_l_sho_roll_y = c_l_sho_roll.mul_add(r[21], s_l_sho_roll * v_l_sho_roll_y);
     // l_sho_pitch
-    let v_l_sho_pitch_x = r[19] + t_l_el_y;
-    let v_l_sho_pitch_y = r[20] + t_l_sho_roll_x;
+    let v_l_sho_pitch_x = r[19] + v_l_sho_roll_z;
+    let v_l_sho_pitch_y = c_l_sho_roll
+        .mul_add(v_l_sho_roll_y, (-s_l_sho_roll).mul_add(r[21], r[20]));
+    let v_l_sho_pitch_z = c_l_sho_roll.mul_add(r[21], s_l_sho_roll * v_l_sho_roll_y);
     let (s_l_sho_pitch, c_l_sho_pitch) = q[8].sin_cos();
-    let t_l_sho_pitch_x = c_l_sho_pitch
-        .mul_add(v_l_sho_pitch_x, s_l_sho_pitch * v_l_sho_pitch_y);
-    let t_l_sho_pitch_y = c_l_sho_pitch
-        .mul_add(v_l_sho_pitch_y, -(s_l_sho_pitch * v_l_sho_pitch_x));
     // head_tilt
     let (s_head_tilt, c_head_tilt) = q[1].sin_cos();
-    let t_head_tilt_x = c_head_tilt.mul_add(r[17], s_head_tilt * r[18]);
-    let t_head_tilt_y = s_head_tilt.mul_add(r[17], -(c_head_tilt * r[18]));
     // head_pan
-    let v_head_pan_x = r[15] + t_head_tilt_x;
+    let v_head_pan_x = s_head_tilt.mul_add(r[18], c_head_tilt.mul_add(r[17], r[15]));
+    let v_head_pan_z = s_head_tilt.mul_add(r[17], -(c_head_tilt * r[18]));
     let (s_head_pan, c_head_pan) = q[0].sin_cos();
-    let t_head_pan_x = c_head_pan.mul_add(v_head_pan_x, -(s_head_pan * r[16]));
-    let t_head_pan_y = s_head_pan.mul_add(v_head_pan_x, c_head_pan * r[16]);
     // l_hip_yaw
-    let v_l_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_hip_yaw_x
-        + t_r_sho_pitch_x;
-    let v_l_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_hip_yaw_y
-        + t_r_sho_roll_y;
-    let v_l_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_hip_roll_y
-        + t_r_sho_pitch_y;
+    let e3 = (-s_r_sho_pitch)
+        .mul_add(
+            v_r_sho_pitch_y,
+            c_r_sho_pitch
+                .mul_add(
+                    v_r_sho_pitch_x,
+                    s_l_sho_pitch
+                        .mul_add(
+                            v_l_sho_pitch_y,
+                            c_l_sho_pitch
+                                .mul_add(
+                                    v_l_sho_pitch_x,
+                                    (-s_head_pan)
+                                        .mul_add(r[16], c_head_pan.mul_add(v_head_pan_x, r[13])),
+                                ),
+                        ),
+                ),
+        );
+    let v_l_hip_yaw_x = s_r_hip_yaw
+        .mul_add(v_r_hip_yaw_y, c_r_hip_yaw.mul_add(v_r_hip_yaw_x, e3));
+    let v_l_hip_yaw_y = c_r_hip_yaw
+        .mul_add(
+            v_r_hip_yaw_y,
+            (-s_r_hip_yaw)
+                .mul_add(
+                    v_r_hip_yaw_x,
+                    c_head_pan.mul_add(r[16], s_head_pan.mul_add(v_head_pan_x, r[14]))
+                        + v_l_sho_pitch_z + v_r_sho_pitch_z,
+                ),
+        );
+    let v_l_hip_yaw_z = c_r_sho_pitch
+        .mul_add(
+            v_r_sho_pitch_y,
+            s_r_sho_pitch
+                .mul_add(
+                    v_r_sho_pitch_x,
+                    c_l_sho_pitch
+                        .mul_add(
+                            v_l_sho_pitch_y,
+                            (-s_l_sho_pitch).mul_add(v_l_sho_pitch_x, v_head_pan_z),
+                        ),
+                ),
+        ) + v_r_hip_yaw_z;
     let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
-    let t_l_hip_yaw_x = s_l_hip_yaw.mul_add(v_l_hip_yaw_x, c_l_hip_yaw * v_l_hip_yaw_y);
-    let t_l_hip_yaw_y = c_l_hip_yaw
-        .mul_add(v_l_hip_yaw_x, -(s_l_hip_yaw * v_l_hip_yaw_y));
     // l_hip_roll
-    let v_l_hip_roll_x = r[11] + t_l_hip_yaw_x;
+    let v_l_hip_roll_x = c_l_hip_yaw
+        .mul_add(v_l_hip_yaw_y, s_l_hip_yaw.mul_add(v_l_hip_yaw_x, r[11]));
     let v_l_hip_roll_y = r[12] + v_l_hip_yaw_z;
+    let v_l_hip_roll_z = c_l_hip_yaw
+        .mul_add(v_l_hip_yaw_x, -(s_l_hip_yaw * v_l_hip_yaw_y));
     let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
-    let t_l_hip_roll_x = s_l_hip_roll
-        .mul_add(v_l_hip_roll_x, c_l_hip_roll * v_l_hip_roll_y);
-    let t_l_hip_roll_y = c_l_hip_roll
-        .mul_add(v_l_hip_roll_x, -(s_l_hip_roll * v_l_hip_roll_y));
     // l_hip_pitch
-    let v_l_hip_pitch_x = r[9] + t_l_hip_yaw_y;
-    let v_l_hip_pitch_y = r[10] + t_l_hip_roll_x;
+    let v_l_hip_pitch_x = r[9] + v_l_hip_roll_z;
+    let v_l_hip_pitch_y = c_l_hip_roll
+        .mul_add(v_l_hip_roll_y, s_l_hip_roll.mul_add(v_l_hip_roll_x, r[10]));
+    let v_l_hip_pitch_z = c_l_hip_roll
+        .mul_add(v_l_hip_roll_x, -(s_l_hip_roll * v_l_hip_roll_y));
     let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
-    let t_l_hip_pitch_x = c_l_hip_pitch
-        .mul_add(v_l_hip_pitch_x, s_l_hip_pitch * v_l_hip_pitch_y);
-    let t_l_hip_pitch_y = c_l_hip_pitch
-        .mul_add(v_l_hip_pitch_y, -(s_l_hip_pitch * v_l_hip_pitch_x));
     // l_knee
-    let v_l_knee_x = r[7] + t_l_hip_pitch_x;
-    let v_l_knee_y = r[8] + t_l_hip_pitch_y;
+    let v_l_knee_x = s_l_hip_pitch
+        .mul_add(v_l_hip_pitch_y, c_l_hip_pitch.mul_add(v_l_hip_pitch_x, r[7]));
+    let v_l_knee_y = c_l_hip_pitch
+        .mul_add(v_l_hip_pitch_y, (-s_l_hip_pitch).mul_add(v_l_hip_pitch_x, r[8]));
     let (s_l_knee, c_l_knee) = q[5].sin_cos();
-    let t_l_knee_x = c_l_knee.mul_add(v_l_knee_x, s_l_knee * v_l_knee_y);
-    let t_l_knee_y = c_l_knee.mul_add(v_l_knee_y, -(s_l_knee * v_l_knee_x));
     // l_ank_pitch
-    let v_l_ank_pitch_x = r[5] + t_l_knee_x;
-    let v_l_ank_pitch_y = r[6] + t_l_knee_y;
+    let v_l_ank_pitch_x = s_l_knee
+        .mul_add(v_l_knee_y, c_l_knee.mul_add(v_l_knee_x, r[5]));
+    let v_l_ank_pitch_y = c_l_knee
+        .mul_add(v_l_knee_y, (-s_l_knee).mul_add(v_l_knee_x, r[6]));
     let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
-    let t_l_ank_pitch_x = s_l_ank_pitch
-        .mul_add(v_l_ank_pitch_x, c_l_ank_pitch * v_l_ank_pitch_y);
-    let t_l_ank_pitch_y = c_l_ank_pitch
-        .mul_add(v_l_ank_pitch_x, -(s_l_ank_pitch * v_l_ank_pitch_y));
     // l_ank_roll
-    let v_l_ank_roll_x = r[3] + t_l_hip_roll_y;
-    let v_l_ank_roll_y = r[4] + t_l_ank_pitch_x;
+    let v_l_ank_roll_x = r[3] + v_l_hip_pitch_z;
+    let v_l_ank_roll_y = c_l_ank_pitch
+        .mul_add(v_l_ank_pitch_y, s_l_ank_pitch.mul_add(v_l_ank_pitch_x, r[4]));
+    let v_l_ank_roll_z = c_l_ank_pitch
+        .mul_add(v_l_ank_pitch_x, -(s_l_ank_pitch * v_l_ank_pitch_y));
     let (s_l_ank_roll, c_l_ank_roll) = q[7].sin_cos();
-    let t_l_ank_roll_x = c_l_ank_roll
-        .mul_add(v_l_ank_roll_x, s_l_ank_roll * v_l_ank_roll_y);
-    let t_l_ank_roll_y = c_l_ank_roll
-        .mul_add(v_l_ank_roll_y, -(s_l_ank_roll * v_l_ank_roll_x));
     // l_sole
-    let v_l_sole_x = r[0] + t_l_ank_pitch_y;
-    let v_l_sole_y = r[1] + t_l_ank_roll_x;
-    let v_l_sole_z = r[2] + t_l_ank_roll_y;
+    let v_l_sole_x = r[0] + v_l_ank_roll_z;
+    let v_l_sole_y = s_l_ank_roll
+        .mul_add(v_l_ank_roll_y, c_l_ank_roll.mul_add(v_l_ank_roll_x, r[1]));
+    let v_l_sole_z = c_l_ank_roll
+        .mul_add(v_l_ank_roll_y, (-s_l_ank_roll).mul_add(v_l_ank_roll_x, r[2]));
     [v_l_sole_x, v_l_sole_y, v_l_sole_z]
 }
 
@@ -518,12 +530,12 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     let t_head_pan_x = c_head_pan.mul_add(v_head_pan_x, -(s_head_pan * r[16]));
     let t_head_pan_y = s_head_pan.mul_add(v_head_pan_x, c_head_pan * r[16]);
     // l_hip_yaw
-    let v_l_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_hip_yaw_x
-        + t_r_sho_pitch_x;
-    let v_l_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_hip_yaw_y
-        + t_r_sho_roll_y;
-    let v_l_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_hip_roll_y
-        + t_r_sho_pitch_y;
+    let v_l_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_sho_pitch_x
+        + t_r_hip_yaw_x;
+    let v_l_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_sho_roll_y
+        + t_r_hip_yaw_y;
+    let v_l_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y
+        + t_r_hip_roll_y;
     let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
     let t_l_hip_yaw_x = s_l_hip_yaw.mul_add(v_l_hip_yaw_x, c_l_hip_yaw * v_l_hip_yaw_y);
     let t_l_hip_yaw_y = c_l_hip_yaw
@@ -566,143 +578,118 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
         .mul_add(v_l_ank_roll_x, s_l_ank_roll * v_l_ank_roll_y);
     let t_l_ank_roll_y = c_l_ank_roll
         .mul_add(v_l_ank_roll_y, -(s_l_ank_roll * v_l_ank_roll_x));
+    // l_ank_pitch
+    let by_l_ank_pitch_x = s_l_ank_roll * s_l_ank_pitch;
+    let by_l_ank_pitch_y = s_l_ank_roll * c_l_ank_pitch;
+    let bz_l_ank_pitch_x = c_l_ank_roll * s_l_ank_pitch;
+    let bz_l_ank_pitch_y = c_l_ank_roll * c_l_ank_pitch;
     // l_knee
     let bx_l_knee_x = c_l_ank_pitch.mul_add(c_l_knee, s_l_ank_pitch * s_l_knee);
     let bx_l_knee_y = c_l_ank_pitch.mul_add(s_l_knee, -(s_l_ank_pitch * c_l_knee));
+    let by_l_knee_x = by_l_ank_pitch_x.mul_add(c_l_knee, -(by_l_ank_pitch_y * s_l_knee));
+    let by_l_knee_y = by_l_ank_pitch_y.mul_add(c_l_knee, by_l_ank_pitch_x * s_l_knee);
+    let bz_l_knee_x = bz_l_ank_pitch_x.mul_add(c_l_knee, -(bz_l_ank_pitch_y * s_l_knee));
+    let bz_l_knee_y = bz_l_ank_pitch_y.mul_add(c_l_knee, bz_l_ank_pitch_x * s_l_knee);
     // l_hip_pitch
     let bx_l_hip_pitch_x = bx_l_knee_x
         .mul_add(c_l_hip_pitch, -(bx_l_knee_y * s_l_hip_pitch));
     let bx_l_hip_pitch_y = bx_l_knee_y
         .mul_add(c_l_hip_pitch, bx_l_knee_x * s_l_hip_pitch);
-    // l_hip_roll
-    let bx_l_hip_roll_x = bx_l_hip_pitch_y * s_l_hip_roll;
-    let bx_l_hip_roll_y = bx_l_hip_pitch_y * c_l_hip_roll;
-    // l_hip_yaw
-    let bx_l_hip_yaw_x = bx_l_hip_roll_x
-        .mul_add(s_l_hip_yaw, bx_l_hip_pitch_x * c_l_hip_yaw);
-    let e4 = bx_l_hip_pitch_x.mul_add(s_l_hip_yaw, -(bx_l_hip_roll_x * c_l_hip_yaw));
-    // head_pan
-    let bx_head_pan_x = bx_l_hip_yaw_x.mul_add(c_head_pan, -(e4 * s_head_pan));
-    // l_sho_pitch
-    let bx_l_sho_pitch_x = bx_l_hip_yaw_x
-        .mul_add(c_l_sho_pitch, -(bx_l_hip_roll_y * s_l_sho_pitch));
-    let bx_l_sho_pitch_y = bx_l_hip_roll_y
-        .mul_add(c_l_sho_pitch, bx_l_hip_yaw_x * s_l_sho_pitch);
-    // r_hip_yaw
-    let bx_r_hip_yaw_x = bx_l_hip_yaw_x.mul_add(c_r_hip_yaw, e4 * s_r_hip_yaw);
-    let bx_r_hip_yaw_y = bx_l_hip_yaw_x.mul_add(s_r_hip_yaw, -(e4 * c_r_hip_yaw));
-    // r_hip_roll
-    let bx_r_hip_roll_x = bx_r_hip_yaw_y
-        .mul_add(c_r_hip_roll, -(bx_l_hip_roll_y * s_r_hip_roll));
-    let bx_r_hip_roll_y = bx_l_hip_roll_y
-        .mul_add(c_r_hip_roll, bx_r_hip_yaw_y * s_r_hip_roll);
-    // r_hip_pitch
-    let bx_r_hip_pitch_x = bx_r_hip_yaw_x
-        .mul_add(c_r_hip_pitch, -(bx_r_hip_roll_y * s_r_hip_pitch));
-    let bx_r_hip_pitch_y = bx_r_hip_yaw_x
-        .mul_add(s_r_hip_pitch, bx_r_hip_roll_y * c_r_hip_pitch);
-    // r_knee
-    let bx_r_knee_x = bx_r_hip_pitch_x.mul_add(c_r_knee, -(bx_r_hip_pitch_y * s_r_knee));
-    let bx_r_knee_y = bx_r_hip_pitch_y.mul_add(c_r_knee, bx_r_hip_pitch_x * s_r_knee);
-    // r_ank_pitch
-    let bx_r_ank_pitch_y = bx_r_knee_y
-        .mul_add(c_r_ank_pitch, -(bx_r_knee_x * s_r_ank_pitch));
-    // r_sho_pitch
-    let bx_r_sho_pitch_x = bx_l_hip_yaw_x
-        .mul_add(c_r_sho_pitch, bx_l_hip_roll_y * s_r_sho_pitch);
-    let bx_r_sho_pitch_y = bx_l_hip_roll_y
-        .mul_add(c_r_sho_pitch, -(bx_l_hip_yaw_x * s_r_sho_pitch));
-    // l_ank_pitch
-    let by_l_ank_pitch_x = s_l_ank_roll * s_l_ank_pitch;
-    let by_l_ank_pitch_y = s_l_ank_roll * c_l_ank_pitch;
-    // l_knee
-    let by_l_knee_x = by_l_ank_pitch_x.mul_add(c_l_knee, -(by_l_ank_pitch_y * s_l_knee));
-    let by_l_knee_y = by_l_ank_pitch_y.mul_add(c_l_knee, by_l_ank_pitch_x * s_l_knee);
-    // l_hip_pitch
     let by_l_hip_pitch_x = by_l_knee_x
         .mul_add(c_l_hip_pitch, -(by_l_knee_y * s_l_hip_pitch));
     let by_l_hip_pitch_y = by_l_knee_y
         .mul_add(c_l_hip_pitch, by_l_knee_x * s_l_hip_pitch);
-    // l_hip_roll
-    let by_l_hip_roll_x = by_l_hip_pitch_y
-        .mul_add(s_l_hip_roll, c_l_ank_roll * c_l_hip_roll);
-    let e5 = c_l_ank_roll.mul_add(s_l_hip_roll, -(by_l_hip_pitch_y * c_l_hip_roll));
-    // l_hip_yaw
-    let by_l_hip_yaw_x = by_l_hip_roll_x
-        .mul_add(s_l_hip_yaw, by_l_hip_pitch_x * c_l_hip_yaw);
-    let e6 = by_l_hip_pitch_x.mul_add(s_l_hip_yaw, -(by_l_hip_roll_x * c_l_hip_yaw));
-    // head_pan
-    let by_head_pan_x = by_l_hip_yaw_x.mul_add(c_head_pan, -(e6 * s_head_pan));
-    // l_sho_pitch
-    let by_l_sho_pitch_x = by_l_hip_yaw_x.mul_add(c_l_sho_pitch, e5 * s_l_sho_pitch);
-    let by_l_sho_pitch_y = by_l_hip_yaw_x.mul_add(s_l_sho_pitch, -(e5 * c_l_sho_pitch));
-    // r_hip_yaw
-    let by_r_hip_yaw_x = by_l_hip_yaw_x.mul_add(c_r_hip_yaw, e6 * s_r_hip_yaw);
-    let by_r_hip_yaw_y = by_l_hip_yaw_x.mul_add(s_r_hip_yaw, -(e6 * c_r_hip_yaw));
-    // r_hip_roll
-    let by_r_hip_roll_x = by_r_hip_yaw_y.mul_add(c_r_hip_roll, e5 * s_r_hip_roll);
-    let by_r_hip_roll_y = by_r_hip_yaw_y.mul_add(s_r_hip_roll, -(e5 * c_r_hip_roll));
-    // r_hip_pitch
-    let by_r_hip_pitch_x = by_r_hip_yaw_x
-        .mul_add(c_r_hip_pitch, -(by_r_hip_roll_y * s_r_hip_pitch));
-    let by_r_hip_pitch_y = by_r_hip_yaw_x
-        .mul_add(s_r_hip_pitch, by_r_hip_roll_y * c_r_hip_pitch);
-    // r_knee
-    let by_r_knee_x = by_r_hip_pitch_x.mul_add(c_r_knee, -(by_r_hip_pitch_y * s_r_knee));
-    let by_r_knee_y = by_r_hip_pitch_y.mul_add(c_r_knee, by_r_hip_pitch_x * s_r_knee);
-    // r_ank_pitch
-    let by_r_ank_pitch_y = by_r_knee_y
-        .mul_add(c_r_ank_pitch, -(by_r_knee_x * s_r_ank_pitch));
-    // r_sho_pitch
-    let by_r_sho_pitch_x = by_l_hip_yaw_x.mul_add(c_r_sho_pitch, -(e5 * s_r_sho_pitch));
-    let e7 = e5.mul_add(c_r_sho_pitch, by_l_hip_yaw_x * s_r_sho_pitch);
-    // l_ank_pitch
-    let bz_l_ank_pitch_x = c_l_ank_roll * s_l_ank_pitch;
-    let bz_l_ank_pitch_y = c_l_ank_roll * c_l_ank_pitch;
-    // l_knee
-    let bz_l_knee_x = bz_l_ank_pitch_x.mul_add(c_l_knee, -(bz_l_ank_pitch_y * s_l_knee));
-    let bz_l_knee_y = bz_l_ank_pitch_y.mul_add(c_l_knee, bz_l_ank_pitch_x * s_l_knee);
-    // l_hip_pitch
     let bz_l_hip_pitch_x = bz_l_knee_x
         .mul_add(c_l_hip_pitch, -(bz_l_knee_y * s_l_hip_pitch));
     let bz_l_hip_pitch_y = bz_l_knee_y
         .mul_add(c_l_hip_pitch, bz_l_knee_x * s_l_hip_pitch);
     // l_hip_roll
+    let bx_l_hip_roll_x = bx_l_hip_pitch_y * s_l_hip_roll;
+    let bx_l_hip_roll_y = bx_l_hip_pitch_y * c_l_hip_roll;
+    let by_l_hip_roll_x = by_l_hip_pitch_y
+        .mul_add(s_l_hip_roll, c_l_ank_roll * c_l_hip_roll);
+    let e4 = c_l_ank_roll.mul_add(s_l_hip_roll, -(by_l_hip_pitch_y * c_l_hip_roll));
     let bz_l_hip_roll_x = bz_l_hip_pitch_y
         .mul_add(s_l_hip_roll, -(s_l_ank_roll * c_l_hip_roll));
     let bz_l_hip_roll_y = s_l_ank_roll
         .mul_add(s_l_hip_roll, bz_l_hip_pitch_y * c_l_hip_roll);
     // l_hip_yaw
+    let bx_l_hip_yaw_x = bx_l_hip_roll_x
+        .mul_add(s_l_hip_yaw, bx_l_hip_pitch_x * c_l_hip_yaw);
+    let e5 = bx_l_hip_pitch_x.mul_add(s_l_hip_yaw, -(bx_l_hip_roll_x * c_l_hip_yaw));
+    let by_l_hip_yaw_x = by_l_hip_roll_x
+        .mul_add(s_l_hip_yaw, by_l_hip_pitch_x * c_l_hip_yaw);
+    let e6 = by_l_hip_pitch_x.mul_add(s_l_hip_yaw, -(by_l_hip_roll_x * c_l_hip_yaw));
     let bz_l_hip_yaw_x = bz_l_hip_roll_x
         .mul_add(s_l_hip_yaw, bz_l_hip_pitch_x * c_l_hip_yaw);
-    let e8 = bz_l_hip_pitch_x.mul_add(s_l_hip_yaw, -(bz_l_hip_roll_x * c_l_hip_yaw));
+    let e7 = bz_l_hip_pitch_x.mul_add(s_l_hip_yaw, -(bz_l_hip_roll_x * c_l_hip_yaw));
     // head_pan
-    let bz_head_pan_x = bz_l_hip_yaw_x.mul_add(c_head_pan, -(e8 * s_head_pan));
+    let bx_head_pan_x = bx_l_hip_yaw_x.mul_add(c_head_pan, -(e5 * s_head_pan));
+    let by_head_pan_x = by_l_hip_yaw_x.mul_add(c_head_pan, -(e6 * s_head_pan));
+    let bz_head_pan_x = bz_l_hip_yaw_x.mul_add(c_head_pan, -(e7 * s_head_pan));
     // l_sho_pitch
+    let bx_l_sho_pitch_x = bx_l_hip_yaw_x
+        .mul_add(c_l_sho_pitch, -(bx_l_hip_roll_y * s_l_sho_pitch));
+    let bx_l_sho_pitch_y = bx_l_hip_roll_y
+        .mul_add(c_l_sho_pitch, bx_l_hip_yaw_x * s_l_sho_pitch);
+    let by_l_sho_pitch_x = by_l_hip_yaw_x.mul_add(c_l_sho_pitch, e4 * s_l_sho_pitch);
+    let by_l_sho_pitch_y = by_l_hip_yaw_x.mul_add(s_l_sho_pitch, -(e4 * c_l_sho_pitch));
     let bz_l_sho_pitch_x = bz_l_hip_yaw_x
         .mul_add(c_l_sho_pitch, -(bz_l_hip_roll_y * s_l_sho_pitch));
     let bz_l_sho_pitch_y = bz_l_hip_roll_y
         .mul_add(c_l_sho_pitch, bz_l_hip_yaw_x * s_l_sho_pitch);
     // r_hip_yaw
-    let bz_r_hip_yaw_x = bz_l_hip_yaw_x.mul_add(c_r_hip_yaw, e8 * s_r_hip_yaw);
-    let bz_r_hip_yaw_y = bz_l_hip_yaw_x.mul_add(s_r_hip_yaw, -(e8 * c_r_hip_yaw));
+    let bx_r_hip_yaw_x = bx_l_hip_yaw_x.mul_add(c_r_hip_yaw, e5 * s_r_hip_yaw);
+    let bx_r_hip_yaw_y = bx_l_hip_yaw_x.mul_add(s_r_hip_yaw, -(e5 * c_r_hip_yaw));
+    let by_r_hip_yaw_x = by_l_hip_yaw_x.mul_add(c_r_hip_yaw, e6 * s_r_hip_yaw);
+    let by_r_hip_yaw_y = by_l_hip_yaw_x.mul_add(s_r_hip_yaw, -(e6 * c_r_hip_yaw));
+    let bz_r_hip_yaw_x = bz_l_hip_yaw_x.mul_add(c_r_hip_yaw, e7 * s_r_hip_yaw);
+    let bz_r_hip_yaw_y = bz_l_hip_yaw_x.mul_add(s_r_hip_yaw, -(e7 * c_r_hip_yaw));
     // r_hip_roll
+    let bx_r_hip_roll_x = bx_r_hip_yaw_y
+        .mul_add(c_r_hip_roll, -(bx_l_hip_roll_y * s_r_hip_roll));
+    let bx_r_hip_roll_y = bx_l_hip_roll_y
+        .mul_add(c_r_hip_roll, bx_r_hip_yaw_y * s_r_hip_roll);
+    let by_r_hip_roll_x = by_r_hip_yaw_y.mul_add(c_r_hip_roll, e4 * s_r_hip_roll);
+    let by_r_hip_roll_y = by_r_hip_yaw_y.mul_add(s_r_hip_roll, -(e4 * c_r_hip_roll));
     let bz_r_hip_roll_x = bz_r_hip_yaw_y
         .mul_add(c_r_hip_roll, -(bz_l_hip_roll_y * s_r_hip_roll));
     let bz_r_hip_roll_y = bz_l_hip_roll_y
         .mul_add(c_r_hip_roll, bz_r_hip_yaw_y * s_r_hip_roll);
     // r_hip_pitch
+    let bx_r_hip_pitch_x = bx_r_hip_yaw_x
+        .mul_add(c_r_hip_pitch, -(bx_r_hip_roll_y * s_r_hip_pitch));
+    let bx_r_hip_pitch_y = bx_r_hip_yaw_x
+        .mul_add(s_r_hip_pitch, bx_r_hip_roll_y * c_r_hip_pitch);
+    let by_r_hip_pitch_x = by_r_hip_yaw_x
+        .mul_add(c_r_hip_pitch, -(by_r_hip_roll_y * s_r_hip_pitch));
+    let by_r_hip_pitch_y = by_r_hip_yaw_x
+        .mul_add(s_r_hip_pitch, by_r_hip_roll_y * c_r_hip_pitch);
     let bz_r_hip_pitch_x = bz_r_hip_yaw_x
         .mul_add(c_r_hip_pitch, -(bz_r_hip_roll_y * s_r_hip_pitch));
     let bz_r_hip_pitch_y = bz_r_hip_yaw_x
         .mul_add(s_r_hip_pitch, bz_r_hip_roll_y * c_r_hip_pitch);
     // r_knee
+    let bx_r_knee_x = bx_r_hip_pitch_x.mul_add(c_r_knee, -(bx_r_hip_pitch_y * s_r_knee));
+    let bx_r_knee_y = bx_r_hip_pitch_y.mul_add(c_r_knee, bx_r_hip_pitch_x * s_r_knee);
+    let by_r_knee_x = by_r_hip_pitch_x.mul_add(c_r_knee, -(by_r_hip_pitch_y * s_r_knee));
+    let by_r_knee_y = by_r_hip_pitch_y.mul_add(c_r_knee, by_r_hip_pitch_x * s_r_knee);
     let bz_r_knee_x = bz_r_hip_pitch_x.mul_add(c_r_knee, -(bz_r_hip_pitch_y * s_r_knee));
     let bz_r_knee_y = bz_r_hip_pitch_y.mul_add(c_r_knee, bz_r_hip_pitch_x * s_r_knee);
     // r_ank_pitch
+    let bx_r_ank_pitch_y = bx_r_knee_y
+        .mul_add(c_r_ank_pitch, -(bx_r_knee_x * s_r_ank_pitch));
+    let by_r_ank_pitch_y = by_r_knee_y
+        .mul_add(c_r_ank_pitch, -(by_r_knee_x * s_r_ank_pitch));
     let bz_r_ank_pitch_y = bz_r_knee_y
         .mul_add(c_r_ank_pitch, -(bz_r_knee_x * s_r_ank_pitch));
     // r_sho_pitch
+    let bx_r_sho_pitch_x = bx_l_hip_yaw_x
+        .mul_add(c_r_sho_pitch, bx_l_hip_roll_y * s_r_sho_pitch);
+    let bx_r_sho_pitch_y = bx_l_hip_roll_y
+        .mul_add(c_r_sho_pitch, -(bx_l_hip_yaw_x * s_r_sho_pitch));
+    let by_r_sho_pitch_x = by_l_hip_yaw_x.mul_add(c_r_sho_pitch, -(e4 * s_r_sho_pitch));
+    let e8 = e4.mul_add(c_r_sho_pitch, by_l_hip_yaw_x * s_r_sho_pitch);
     let bz_r_sho_pitch_x = bz_l_hip_yaw_x
         .mul_add(c_r_sho_pitch, bz_l_hip_roll_y * s_r_sho_pitch);
     let bz_r_sho_pitch_y = bz_l_hip_roll_y
@@ -710,7 +697,7 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     let zero = T::from_f64(0.0);
     [
         [
-            -e4.mul_add(t_head_pan_x, bx_l_hip_yaw_x * t_head_pan_y),
+            -e5.mul_add(t_head_pan_x, bx_l_hip_yaw_x * t_head_pan_y),
             bx_l_hip_roll_y.mul_add(t_head_tilt_x, -(bx_head_pan_x * t_head_tilt_y)),
             -bx_l_hip_pitch_x.mul_add(t_l_hip_yaw_x, -(bx_l_hip_roll_x * t_l_hip_yaw_y)),
             bx_l_hip_pitch_y * t_l_hip_roll_y,
@@ -720,14 +707,14 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
             zero,
             -bx_l_hip_roll_y
                 .mul_add(t_l_sho_pitch_x, -(bx_l_hip_yaw_x * t_l_sho_pitch_y)),
-            -e4.mul_add(t_l_sho_roll_x, bx_l_sho_pitch_y * t_l_sho_roll_y),
+            -e5.mul_add(t_l_sho_roll_x, bx_l_sho_pitch_y * t_l_sho_roll_y),
             bx_l_sho_pitch_x
                 .mul_add(
                     t_l_el_x,
-                    e4.mul_add(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll))
+                    e5.mul_add(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll))
                         * t_l_el_y,
                 ),
-            e4.mul_add(t_r_hip_yaw_x, bx_l_hip_yaw_x * t_r_hip_yaw_y),
+            e5.mul_add(t_r_hip_yaw_x, bx_l_hip_yaw_x * t_r_hip_yaw_y),
             -bx_l_hip_roll_y.mul_add(t_r_hip_roll_x, -(bx_r_hip_yaw_y * t_r_hip_roll_y)),
             bx_r_hip_yaw_x
                 .mul_add(t_r_hip_pitch_x, -(bx_r_hip_roll_y * t_r_hip_pitch_y)),
@@ -737,23 +724,23 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
                 .mul_add(t_r_ank_roll_x, -(bx_r_ank_pitch_y * t_r_ank_roll_y)),
             bx_l_hip_roll_y
                 .mul_add(t_r_sho_pitch_x, -(bx_l_hip_yaw_x * t_r_sho_pitch_y)),
-            -e4.mul_add(t_r_sho_roll_x, bx_r_sho_pitch_y * t_r_sho_roll_y),
+            -e5.mul_add(t_r_sho_roll_x, bx_r_sho_pitch_y * t_r_sho_roll_y),
             -bx_r_sho_pitch_x
                 .mul_add(
                     t_r_el_x,
-                    -(e4.mul_add(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll)) * e1),
+                    -(e5.mul_add(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll)) * e1),
                 ),
         ],
         [
             -e6.mul_add(t_head_pan_x, by_l_hip_yaw_x * t_head_pan_y),
-            -e5.mul_add(t_head_tilt_x, by_head_pan_x * t_head_tilt_y),
+            -e4.mul_add(t_head_tilt_x, by_head_pan_x * t_head_tilt_y),
             -by_l_hip_pitch_x.mul_add(t_l_hip_yaw_x, -(by_l_hip_roll_x * t_l_hip_yaw_y)),
             -c_l_ank_roll.mul_add(t_l_hip_roll_x, -(by_l_hip_pitch_y * t_l_hip_roll_y)),
             -by_l_knee_y.mul_add(t_l_hip_pitch_x, -(by_l_knee_x * t_l_hip_pitch_y)),
             -by_l_ank_pitch_y.mul_add(t_l_knee_x, -(by_l_ank_pitch_x * t_l_knee_y)),
             s_l_ank_roll * t_l_ank_pitch_y,
             t_l_ank_roll_y,
-            e5.mul_add(t_l_sho_pitch_x, by_l_hip_yaw_x * t_l_sho_pitch_y),
+            e4.mul_add(t_l_sho_pitch_x, by_l_hip_yaw_x * t_l_sho_pitch_y),
             -e6.mul_add(t_l_sho_roll_x, by_l_sho_pitch_y * t_l_sho_roll_y),
             by_l_sho_pitch_x
                 .mul_add(
@@ -762,20 +749,20 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
                         * t_l_el_y,
                 ),
             e6.mul_add(t_r_hip_yaw_x, by_l_hip_yaw_x * t_r_hip_yaw_y),
-            e5.mul_add(t_r_hip_roll_x, by_r_hip_yaw_y * t_r_hip_roll_y),
+            e4.mul_add(t_r_hip_roll_x, by_r_hip_yaw_y * t_r_hip_roll_y),
             by_r_hip_yaw_x
                 .mul_add(t_r_hip_pitch_x, -(by_r_hip_roll_y * t_r_hip_pitch_y)),
             -by_r_hip_pitch_y.mul_add(t_r_knee_x, -(by_r_hip_pitch_x * t_r_knee_y)),
             by_r_knee_y.mul_add(t_r_ank_pitch_x, -(by_r_knee_x * t_r_ank_pitch_y)),
             -by_r_hip_roll_x
                 .mul_add(t_r_ank_roll_x, -(by_r_ank_pitch_y * t_r_ank_roll_y)),
-            -e5.mul_add(t_r_sho_pitch_x, by_l_hip_yaw_x * t_r_sho_pitch_y),
-            e7.mul_add(t_r_sho_roll_y, -(e6 * t_r_sho_roll_x)),
+            -e4.mul_add(t_r_sho_pitch_x, by_l_hip_yaw_x * t_r_sho_pitch_y),
+            e8.mul_add(t_r_sho_roll_y, -(e6 * t_r_sho_roll_x)),
             -by_r_sho_pitch_x
-                .mul_add(t_r_el_x, -(e6.mul_add(s_r_sho_roll, e7 * c_r_sho_roll) * e1)),
+                .mul_add(t_r_el_x, -(e6.mul_add(s_r_sho_roll, e8 * c_r_sho_roll) * e1)),
         ],
         [
-            -e8.mul_add(t_head_pan_x, bz_l_hip_yaw_x * t_head_pan_y),
+            -e7.mul_add(t_head_pan_x, bz_l_hip_yaw_x * t_head_pan_y),
             bz_l_hip_roll_y.mul_add(t_head_tilt_x, -(bz_head_pan_x * t_head_tilt_y)),
             -bz_l_hip_pitch_x.mul_add(t_l_hip_yaw_x, -(bz_l_hip_roll_x * t_l_hip_yaw_y)),
             s_l_ank_roll.mul_add(t_l_hip_roll_x, bz_l_hip_pitch_y * t_l_hip_roll_y),
@@ -785,14 +772,14 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
             -t_l_ank_roll_x,
             -bz_l_hip_roll_y
                 .mul_add(t_l_sho_pitch_x, -(bz_l_hip_yaw_x * t_l_sho_pitch_y)),
-            -e8.mul_add(t_l_sho_roll_x, bz_l_sho_pitch_y * t_l_sho_roll_y),
+            -e7.mul_add(t_l_sho_roll_x, bz_l_sho_pitch_y * t_l_sho_roll_y),
             bz_l_sho_pitch_x
                 .mul_add(
                     t_l_el_x,
-                    e8.mul_add(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll))
+                    e7.mul_add(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll))
                         * t_l_el_y,
                 ),
-            e8.mul_add(t_r_hip_yaw_x, bz_l_hip_yaw_x * t_r_hip_yaw_y),
+            e7.mul_add(t_r_hip_yaw_x, bz_l_hip_yaw_x * t_r_hip_yaw_y),
             -bz_l_hip_roll_y.mul_add(t_r_hip_roll_x, -(bz_r_hip_yaw_y * t_r_hip_roll_y)),
             bz_r_hip_yaw_x
                 .mul_add(t_r_hip_pitch_x, -(bz_r_hip_roll_y * t_r_hip_pitch_y)),
@@ -802,11 +789,11 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
                 .mul_add(t_r_ank_roll_x, -(bz_r_ank_pitch_y * t_r_ank_roll_y)),
             bz_l_hip_roll_y
                 .mul_add(t_r_sho_pitch_x, -(bz_l_hip_yaw_x * t_r_sho_pitch_y)),
-            -e8.mul_add(t_r_sho_roll_x, bz_r_sho_pitch_y * t_r_sho_roll_y),
+            -e7.mul_add(t_r_sho_roll_x, bz_r_sho_pitch_y * t_r_sho_roll_y),
             -bz_r_sho_pitch_x
                 .mul_add(
                     t_r_el_x,
-                    -(e8.mul_add(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll)) * e1),
+                    -(e7.mul_add(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll)) * e1),
                 ),
         ],
     ]
@@ -901,12 +888,12 @@ pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] 
     let t_head_pan_x = c_head_pan.mul_add(v_head_pan_x, -(s_head_pan * r[16]));
     let t_head_pan_y = s_head_pan.mul_add(v_head_pan_x, c_head_pan * r[16]);
     // l_hip_yaw
-    let v_l_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_hip_yaw_x
-        + t_r_sho_pitch_x;
-    let v_l_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_hip_yaw_y
-        + t_r_sho_roll_y;
-    let v_l_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_hip_roll_y
-        + t_r_sho_pitch_y;
+    let v_l_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_sho_pitch_x
+        + t_r_hip_yaw_x;
+    let v_l_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_sho_roll_y
+        + t_r_hip_yaw_y;
+    let v_l_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y
+        + t_r_hip_roll_y;
     let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
     let t_l_hip_yaw_x = s_l_hip_yaw.mul_add(v_l_hip_yaw_x, c_l_hip_yaw * v_l_hip_yaw_y);
     let t_l_hip_yaw_y = c_l_hip_yaw
@@ -1040,249 +1027,211 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     // l_ank_pitch
     let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
     let bx_l_ank_pitch_y = -s_l_ank_pitch;
+    let by_l_ank_pitch_x = s_l_ank_roll * s_l_ank_pitch;
+    let by_l_ank_pitch_y = s_l_ank_roll * c_l_ank_pitch;
+    let bz_l_ank_pitch_x = c_l_ank_roll * s_l_ank_pitch;
+    let bz_l_ank_pitch_y = c_l_ank_roll * c_l_ank_pitch;
     // l_knee
     let (s_l_knee, c_l_knee) = q[5].sin_cos();
     let bx_l_knee_x = c_l_ank_pitch.mul_add(c_l_knee, s_l_ank_pitch * s_l_knee);
     let bx_l_knee_y = c_l_ank_pitch.mul_add(s_l_knee, -(s_l_ank_pitch * c_l_knee));
+    let by_l_knee_x = by_l_ank_pitch_x.mul_add(c_l_knee, -(by_l_ank_pitch_y * s_l_knee));
+    let by_l_knee_y = by_l_ank_pitch_y.mul_add(c_l_knee, by_l_ank_pitch_x * s_l_knee);
+    let bz_l_knee_x = bz_l_ank_pitch_x.mul_add(c_l_knee, -(bz_l_ank_pitch_y * s_l_knee));
+    let bz_l_knee_y = bz_l_ank_pitch_y.mul_add(c_l_knee, bz_l_ank_pitch_x * s_l_knee);
     // l_hip_pitch
     let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
     let bx_l_hip_pitch_x = bx_l_knee_x
         .mul_add(c_l_hip_pitch, -(bx_l_knee_y * s_l_hip_pitch));
     let bx_l_hip_pitch_y = bx_l_knee_y
         .mul_add(c_l_hip_pitch, bx_l_knee_x * s_l_hip_pitch);
+    let by_l_hip_pitch_x = by_l_knee_x
+        .mul_add(c_l_hip_pitch, -(by_l_knee_y * s_l_hip_pitch));
+    let by_l_hip_pitch_y = by_l_knee_y
+        .mul_add(c_l_hip_pitch, by_l_knee_x * s_l_hip_pitch);
+    let bz_l_hip_pitch_x = bz_l_knee_x
+        .mul_add(c_l_hip_pitch, -(bz_l_knee_y * s_l_hip_pitch));
+    let bz_l_hip_pitch_y = bz_l_knee_y
+        .mul_add(c_l_hip_pitch, bz_l_knee_x * s_l_hip_pitch);
     // l_hip_roll
     let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
     let bx_l_hip_roll_x = bx_l_hip_pitch_y * s_l_hip_roll;
     let bx_l_hip_roll_y = bx_l_hip_pitch_y * c_l_hip_roll;
+    let by_l_hip_roll_x = by_l_hip_pitch_y
+        .mul_add(s_l_hip_roll, c_l_ank_roll * c_l_hip_roll);
+    let e1 = c_l_ank_roll.mul_add(s_l_hip_roll, -(by_l_hip_pitch_y * c_l_hip_roll));
+    let by_l_hip_roll_y = -e1;
+    let bz_l_hip_roll_x = bz_l_hip_pitch_y
+        .mul_add(s_l_hip_roll, -(s_l_ank_roll * c_l_hip_roll));
+    let bz_l_hip_roll_y = s_l_ank_roll
+        .mul_add(s_l_hip_roll, bz_l_hip_pitch_y * c_l_hip_roll);
     // l_hip_yaw
     let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
     let bx_l_hip_yaw_x = bx_l_hip_roll_x
         .mul_add(s_l_hip_yaw, bx_l_hip_pitch_x * c_l_hip_yaw);
-    let e1 = bx_l_hip_pitch_x.mul_add(s_l_hip_yaw, -(bx_l_hip_roll_x * c_l_hip_yaw));
-    let bx_l_hip_yaw_y = -e1;
+    let e2 = bx_l_hip_pitch_x.mul_add(s_l_hip_yaw, -(bx_l_hip_roll_x * c_l_hip_yaw));
+    let bx_l_hip_yaw_y = -e2;
+    let by_l_hip_yaw_x = by_l_hip_roll_x
+        .mul_add(s_l_hip_yaw, by_l_hip_pitch_x * c_l_hip_yaw);
+    let e3 = by_l_hip_pitch_x.mul_add(s_l_hip_yaw, -(by_l_hip_roll_x * c_l_hip_yaw));
+    let by_l_hip_yaw_y = -e3;
+    let bz_l_hip_yaw_x = bz_l_hip_roll_x
+        .mul_add(s_l_hip_yaw, bz_l_hip_pitch_x * c_l_hip_yaw);
+    let e4 = bz_l_hip_pitch_x.mul_add(s_l_hip_yaw, -(bz_l_hip_roll_x * c_l_hip_yaw));
+    let bz_l_hip_yaw_y = -e4;
     // head_pan
     let (s_head_pan, c_head_pan) = q[0].sin_cos();
-    let bx_head_pan_x = bx_l_hip_yaw_x.mul_add(c_head_pan, -(e1 * s_head_pan));
-    let bx_head_pan_y = -e1.mul_add(c_head_pan, bx_l_hip_yaw_x * s_head_pan);
+    let bx_head_pan_x = bx_l_hip_yaw_x.mul_add(c_head_pan, -(e2 * s_head_pan));
+    let bx_head_pan_y = -e2.mul_add(c_head_pan, bx_l_hip_yaw_x * s_head_pan);
+    let by_head_pan_x = by_l_hip_yaw_x.mul_add(c_head_pan, -(e3 * s_head_pan));
+    let by_head_pan_y = -e3.mul_add(c_head_pan, by_l_hip_yaw_x * s_head_pan);
+    let bz_head_pan_x = bz_l_hip_yaw_x.mul_add(c_head_pan, -(e4 * s_head_pan));
+    let bz_head_pan_y = -e4.mul_add(c_head_pan, bz_l_hip_yaw_x * s_head_pan);
     // head_tilt
     let (s_head_tilt, c_head_tilt) = q[1].sin_cos();
     let bx_head_tilt_x = bx_head_pan_x
         .mul_add(c_head_tilt, bx_l_hip_roll_y * s_head_tilt);
     let bx_head_tilt_y = -bx_l_hip_roll_y
         .mul_add(c_head_tilt, -(bx_head_pan_x * s_head_tilt));
+    let by_head_tilt_x = by_head_pan_x.mul_add(c_head_tilt, -(e1 * s_head_tilt));
+    let by_head_tilt_y = e1.mul_add(c_head_tilt, by_head_pan_x * s_head_tilt);
+    let bz_head_tilt_x = bz_head_pan_x
+        .mul_add(c_head_tilt, bz_l_hip_roll_y * s_head_tilt);
+    let bz_head_tilt_y = -bz_l_hip_roll_y
+        .mul_add(c_head_tilt, -(bz_head_pan_x * s_head_tilt));
     // l_sho_pitch
     let (s_l_sho_pitch, c_l_sho_pitch) = q[8].sin_cos();
     let bx_l_sho_pitch_x = bx_l_hip_yaw_x
         .mul_add(c_l_sho_pitch, -(bx_l_hip_roll_y * s_l_sho_pitch));
     let bx_l_sho_pitch_y = bx_l_hip_roll_y
         .mul_add(c_l_sho_pitch, bx_l_hip_yaw_x * s_l_sho_pitch);
+    let by_l_sho_pitch_x = by_l_hip_yaw_x.mul_add(c_l_sho_pitch, e1 * s_l_sho_pitch);
+    let by_l_sho_pitch_y = by_l_hip_yaw_x.mul_add(s_l_sho_pitch, -(e1 * c_l_sho_pitch));
+    let bz_l_sho_pitch_x = bz_l_hip_yaw_x
+        .mul_add(c_l_sho_pitch, -(bz_l_hip_roll_y * s_l_sho_pitch));
+    let bz_l_sho_pitch_y = bz_l_hip_roll_y
+        .mul_add(c_l_sho_pitch, bz_l_hip_yaw_x * s_l_sho_pitch);
     // l_sho_roll
-    let e2 = q[9] - T::from_f64(0.785398163);
-    let (s_l_sho_roll, c_l_sho_roll) = e2.sin_cos();
-    let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_add(s_l_sho_roll, e1 * c_l_sho_roll);
-    let e3 = e1.mul_add(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
-    let bx_l_sho_roll_y = -e3;
+    let e5 = q[9] - T::from_f64(0.785398163);
+    let (s_l_sho_roll, c_l_sho_roll) = e5.sin_cos();
+    let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_add(s_l_sho_roll, e2 * c_l_sho_roll);
+    let e6 = e2.mul_add(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
+    let bx_l_sho_roll_y = -e6;
+    let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_add(s_l_sho_roll, e3 * c_l_sho_roll);
+    let e7 = e3.mul_add(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
+    let by_l_sho_roll_y = -e7;
+    let bz_l_sho_roll_x = -bz_l_sho_pitch_y.mul_add(s_l_sho_roll, e4 * c_l_sho_roll);
+    let e8 = e4.mul_add(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
+    let bz_l_sho_roll_y = -e8;
     // l_el
     let (s_l_el, c_l_el) = q[10].sin_cos();
-    let bx_l_el_x = bx_l_sho_pitch_x.mul_add(s_l_el, -(e3 * c_l_el));
-    let bx_l_el_y = -bx_l_sho_pitch_x.mul_add(c_l_el, e3 * s_l_el);
+    let bx_l_el_x = bx_l_sho_pitch_x.mul_add(s_l_el, -(e6 * c_l_el));
+    let bx_l_el_y = -bx_l_sho_pitch_x.mul_add(c_l_el, e6 * s_l_el);
+    let by_l_el_x = by_l_sho_pitch_x.mul_add(s_l_el, -(e7 * c_l_el));
+    let by_l_el_y = -by_l_sho_pitch_x.mul_add(c_l_el, e7 * s_l_el);
+    let bz_l_el_x = bz_l_sho_pitch_x.mul_add(s_l_el, -(e8 * c_l_el));
+    let bz_l_el_y = -bz_l_sho_pitch_x.mul_add(c_l_el, e8 * s_l_el);
     // r_hip_yaw
     let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
-    let bx_r_hip_yaw_x = bx_l_hip_yaw_x.mul_add(c_r_hip_yaw, e1 * s_r_hip_yaw);
-    let bx_r_hip_yaw_y = bx_l_hip_yaw_x.mul_add(s_r_hip_yaw, -(e1 * c_r_hip_yaw));
+    let bx_r_hip_yaw_x = bx_l_hip_yaw_x.mul_add(c_r_hip_yaw, e2 * s_r_hip_yaw);
+    let bx_r_hip_yaw_y = bx_l_hip_yaw_x.mul_add(s_r_hip_yaw, -(e2 * c_r_hip_yaw));
+    let by_r_hip_yaw_x = by_l_hip_yaw_x.mul_add(c_r_hip_yaw, e3 * s_r_hip_yaw);
+    let by_r_hip_yaw_y = by_l_hip_yaw_x.mul_add(s_r_hip_yaw, -(e3 * c_r_hip_yaw));
+    let bz_r_hip_yaw_x = bz_l_hip_yaw_x.mul_add(c_r_hip_yaw, e4 * s_r_hip_yaw);
+    let bz_r_hip_yaw_y = bz_l_hip_yaw_x.mul_add(s_r_hip_yaw, -(e4 * c_r_hip_yaw));
     // r_hip_roll
     let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
     let bx_r_hip_roll_x = bx_r_hip_yaw_y
         .mul_add(c_r_hip_roll, -(bx_l_hip_roll_y * s_r_hip_roll));
     let bx_r_hip_roll_y = bx_l_hip_roll_y
         .mul_add(c_r_hip_roll, bx_r_hip_yaw_y * s_r_hip_roll);
+    let by_r_hip_roll_x = by_r_hip_yaw_y.mul_add(c_r_hip_roll, e1 * s_r_hip_roll);
+    let by_r_hip_roll_y = by_r_hip_yaw_y.mul_add(s_r_hip_roll, -(e1 * c_r_hip_roll));
+    let bz_r_hip_roll_x = bz_r_hip_yaw_y
+        .mul_add(c_r_hip_roll, -(bz_l_hip_roll_y * s_r_hip_roll));
+    let bz_r_hip_roll_y = bz_l_hip_roll_y
+        .mul_add(c_r_hip_roll, bz_r_hip_yaw_y * s_r_hip_roll);
     // r_hip_pitch
     let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
     let bx_r_hip_pitch_x = bx_r_hip_yaw_x
         .mul_add(c_r_hip_pitch, -(bx_r_hip_roll_y * s_r_hip_pitch));
     let bx_r_hip_pitch_y = bx_r_hip_yaw_x
         .mul_add(s_r_hip_pitch, bx_r_hip_roll_y * c_r_hip_pitch);
+    let by_r_hip_pitch_x = by_r_hip_yaw_x
+        .mul_add(c_r_hip_pitch, -(by_r_hip_roll_y * s_r_hip_pitch));
+    let by_r_hip_pitch_y = by_r_hip_yaw_x
+        .mul_add(s_r_hip_pitch, by_r_hip_roll_y * c_r_hip_pitch);
+    let bz_r_hip_pitch_x = bz_r_hip_yaw_x
+        .mul_add(c_r_hip_pitch, -(bz_r_hip_roll_y * s_r_hip_pitch));
+    let bz_r_hip_pitch_y = bz_r_hip_yaw_x
+        .mul_add(s_r_hip_pitch, bz_r_hip_roll_y * c_r_hip_pitch);
     // r_knee
     let (s_r_knee, c_r_knee) = q[14].sin_cos();
     let bx_r_knee_x = bx_r_hip_pitch_x.mul_add(c_r_knee, -(bx_r_hip_pitch_y * s_r_knee));
     let bx_r_knee_y = bx_r_hip_pitch_y.mul_add(c_r_knee, bx_r_hip_pitch_x * s_r_knee);
+    let by_r_knee_x = by_r_hip_pitch_x.mul_add(c_r_knee, -(by_r_hip_pitch_y * s_r_knee));
+    let by_r_knee_y = by_r_hip_pitch_y.mul_add(c_r_knee, by_r_hip_pitch_x * s_r_knee);
+    let bz_r_knee_x = bz_r_hip_pitch_x.mul_add(c_r_knee, -(bz_r_hip_pitch_y * s_r_knee));
+    let bz_r_knee_y = bz_r_hip_pitch_y.mul_add(c_r_knee, bz_r_hip_pitch_x * s_r_knee);
     // r_ank_pitch
     let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
     let bx_r_ank_pitch_x = bx_r_knee_x
         .mul_add(c_r_ank_pitch, bx_r_knee_y * s_r_ank_pitch);
     let bx_r_ank_pitch_y = bx_r_knee_y
         .mul_add(c_r_ank_pitch, -(bx_r_knee_x * s_r_ank_pitch));
+    let by_r_ank_pitch_x = by_r_knee_x
+        .mul_add(c_r_ank_pitch, by_r_knee_y * s_r_ank_pitch);
+    let by_r_ank_pitch_y = by_r_knee_y
+        .mul_add(c_r_ank_pitch, -(by_r_knee_x * s_r_ank_pitch));
+    let bz_r_ank_pitch_x = bz_r_knee_x
+        .mul_add(c_r_ank_pitch, bz_r_knee_y * s_r_ank_pitch);
+    let bz_r_ank_pitch_y = bz_r_knee_y
+        .mul_add(c_r_ank_pitch, -(bz_r_knee_x * s_r_ank_pitch));
     // r_ank_roll
     let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
     let bx_r_ank_roll_x = bx_r_ank_pitch_y
         .mul_add(s_r_ank_roll, bx_r_hip_roll_x * c_r_ank_roll);
     let bx_r_ank_roll_y = -bx_r_hip_roll_x
         .mul_add(s_r_ank_roll, -(bx_r_ank_pitch_y * c_r_ank_roll));
+    let by_r_ank_roll_x = by_r_ank_pitch_y
+        .mul_add(s_r_ank_roll, by_r_hip_roll_x * c_r_ank_roll);
+    let by_r_ank_roll_y = -by_r_hip_roll_x
+        .mul_add(s_r_ank_roll, -(by_r_ank_pitch_y * c_r_ank_roll));
+    let bz_r_ank_roll_x = bz_r_ank_pitch_y
+        .mul_add(s_r_ank_roll, bz_r_hip_roll_x * c_r_ank_roll);
+    let bz_r_ank_roll_y = -bz_r_hip_roll_x
+        .mul_add(s_r_ank_roll, -(bz_r_ank_pitch_y * c_r_ank_roll));
     // r_sho_pitch
     let (s_r_sho_pitch, c_r_sho_pitch) = q[17].sin_cos();
     let bx_r_sho_pitch_x = bx_l_hip_yaw_x
         .mul_add(c_r_sho_pitch, bx_l_hip_roll_y * s_r_sho_pitch);
     let bx_r_sho_pitch_y = bx_l_hip_roll_y
         .mul_add(c_r_sho_pitch, -(bx_l_hip_yaw_x * s_r_sho_pitch));
-    // r_sho_roll
-    let e4 = q[18] + T::from_f64(0.785398163);
-    let (s_r_sho_roll, c_r_sho_roll) = e4.sin_cos();
-    let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_add(s_r_sho_roll, e1 * c_r_sho_roll);
-    let e5 = e1.mul_add(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
-    let bx_r_sho_roll_y = -e5;
-    // r_el
-    let (s_r_el, c_r_el) = q[19].sin_cos();
-    let bx_r_el_x = -e5.mul_add(c_r_el, bx_r_sho_pitch_x * s_r_el);
-    let bx_r_el_y = -bx_r_sho_pitch_x.mul_add(c_r_el, -(e5 * s_r_el));
-    // l_ank_pitch
-    let by_l_ank_pitch_x = s_l_ank_roll * s_l_ank_pitch;
-    let by_l_ank_pitch_y = s_l_ank_roll * c_l_ank_pitch;
-    // l_knee
-    let by_l_knee_x = by_l_ank_pitch_x.mul_add(c_l_knee, -(by_l_ank_pitch_y * s_l_knee));
-    let by_l_knee_y = by_l_ank_pitch_y.mul_add(c_l_knee, by_l_ank_pitch_x * s_l_knee);
-    // l_hip_pitch
-    let by_l_hip_pitch_x = by_l_knee_x
-        .mul_add(c_l_hip_pitch, -(by_l_knee_y * s_l_hip_pitch));
-    let by_l_hip_pitch_y = by_l_knee_y
-        .mul_add(c_l_hip_pitch, by_l_knee_x * s_l_hip_pitch);
-    // l_hip_roll
-    let by_l_hip_roll_x = by_l_hip_pitch_y
-        .mul_add(s_l_hip_roll, c_l_ank_roll * c_l_hip_roll);
-    let e6 = c_l_ank_roll.mul_add(s_l_hip_roll, -(by_l_hip_pitch_y * c_l_hip_roll));
-    let by_l_hip_roll_y = -e6;
-    // l_hip_yaw
-    let by_l_hip_yaw_x = by_l_hip_roll_x
-        .mul_add(s_l_hip_yaw, by_l_hip_pitch_x * c_l_hip_yaw);
-    let e7 = by_l_hip_pitch_x.mul_add(s_l_hip_yaw, -(by_l_hip_roll_x * c_l_hip_yaw));
-    let by_l_hip_yaw_y = -e7;
-    // head_pan
-    let by_head_pan_x = by_l_hip_yaw_x.mul_add(c_head_pan, -(e7 * s_head_pan));
-    let by_head_pan_y = -e7.mul_add(c_head_pan, by_l_hip_yaw_x * s_head_pan);
-    // head_tilt
-    let by_head_tilt_x = by_head_pan_x.mul_add(c_head_tilt, -(e6 * s_head_tilt));
-    let by_head_tilt_y = e6.mul_add(c_head_tilt, by_head_pan_x * s_head_tilt);
-    // l_sho_pitch
-    let by_l_sho_pitch_x = by_l_hip_yaw_x.mul_add(c_l_sho_pitch, e6 * s_l_sho_pitch);
-    let by_l_sho_pitch_y = by_l_hip_yaw_x.mul_add(s_l_sho_pitch, -(e6 * c_l_sho_pitch));
-    // l_sho_roll
-    let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_add(s_l_sho_roll, e7 * c_l_sho_roll);
-    let e8 = e7.mul_add(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
-    let by_l_sho_roll_y = -e8;
-    // l_el
-    let by_l_el_x = by_l_sho_pitch_x.mul_add(s_l_el, -(e8 * c_l_el));
-    let by_l_el_y = -by_l_sho_pitch_x.mul_add(c_l_el, e8 * s_l_el);
-    // r_hip_yaw
-    let by_r_hip_yaw_x = by_l_hip_yaw_x.mul_add(c_r_hip_yaw, e7 * s_r_hip_yaw);
-    let by_r_hip_yaw_y = by_l_hip_yaw_x.mul_add(s_r_hip_yaw, -(e7 * c_r_hip_yaw));
-    // r_hip_roll
-    let by_r_hip_roll_x = by_r_hip_yaw_y.mul_add(c_r_hip_roll, e6 * s_r_hip_roll);
-    let by_r_hip_roll_y = by_r_hip_yaw_y.mul_add(s_r_hip_roll, -(e6 * c_r_hip_roll));
-    // r_hip_pitch
-    let by_r_hip_pitch_x = by_r_hip_yaw_x
-        .mul_add(c_r_hip_pitch, -(by_r_hip_roll_y * s_r_hip_pitch));
-    let by_r_hip_pitch_y = by_r_hip_yaw_x
-        .mul_add(s_r_hip_pitch, by_r_hip_roll_y * c_r_hip_pitch);
-    // r_knee
-    let by_r_knee_x = by_r_hip_pitch_x.mul_add(c_r_knee, -(by_r_hip_pitch_y * s_r_knee));
-    let by_r_knee_y = by_r_hip_pitch_y.mul_add(c_r_knee, by_r_hip_pitch_x * s_r_knee);
-    // r_ank_pitch
-    let by_r_ank_pitch_x = by_r_knee_x
-        .mul_add(c_r_ank_pitch, by_r_knee_y * s_r_ank_pitch);
-    let by_r_ank_pitch_y = by_r_knee_y
-        .mul_add(c_r_ank_pitch, -(by_r_knee_x * s_r_ank_pitch));
-    // r_ank_roll
-    let by_r_ank_roll_x = by_r_ank_pitch_y
-        .mul_add(s_r_ank_roll, by_r_hip_roll_x * c_r_ank_roll);
-    let by_r_ank_roll_y = -by_r_hip_roll_x
-        .mul_add(s_r_ank_roll, -(by_r_ank_pitch_y * c_r_ank_roll));
-    // r_sho_pitch
-    let by_r_sho_pitch_x = by_l_hip_yaw_x.mul_add(c_r_sho_pitch, -(e6 * s_r_sho_pitch));
-    let e9 = e6.mul_add(c_r_sho_pitch, by_l_hip_yaw_x * s_r_sho_pitch);
+    let by_r_sho_pitch_x = by_l_hip_yaw_x.mul_add(c_r_sho_pitch, -(e1 * s_r_sho_pitch));
+    let e9 = e1.mul_add(c_r_sho_pitch, by_l_hip_yaw_x * s_r_sho_pitch);
     let by_r_sho_pitch_y = -e9;
-    // r_sho_roll
-    let by_r_sho_roll_x = e9.mul_add(s_r_sho_roll, -(e7 * c_r_sho_roll));
-    let e10 = e7.mul_add(s_r_sho_roll, e9 * c_r_sho_roll);
-    let by_r_sho_roll_y = -e10;
-    // r_el
-    let by_r_el_x = -e10.mul_add(c_r_el, by_r_sho_pitch_x * s_r_el);
-    let by_r_el_y = -by_r_sho_pitch_x.mul_add(c_r_el, -(e10 * s_r_el));
-    // l_ank_pitch
-    let bz_l_ank_pitch_x = c_l_ank_roll * s_l_ank_pitch;
-    let bz_l_ank_pitch_y = c_l_ank_roll * c_l_ank_pitch;
-    // l_knee
-    let bz_l_knee_x = bz_l_ank_pitch_x.mul_add(c_l_knee, -(bz_l_ank_pitch_y * s_l_knee));
-    let bz_l_knee_y = bz_l_ank_pitch_y.mul_add(c_l_knee, bz_l_ank_pitch_x * s_l_knee);
-    // l_hip_pitch
-    let bz_l_hip_pitch_x = bz_l_knee_x
-        .mul_add(c_l_hip_pitch, -(bz_l_knee_y * s_l_hip_pitch));
-    let bz_l_hip_pitch_y = bz_l_knee_y
-        .mul_add(c_l_hip_pitch, bz_l_knee_x * s_l_hip_pitch);
-    // l_hip_roll
-    let bz_l_hip_roll_x = bz_l_hip_pitch_y
-        .mul_add(s_l_hip_roll, -(s_l_ank_roll * c_l_hip_roll));
-    let bz_l_hip_roll_y = s_l_ank_roll
-        .mul_add(s_l_hip_roll, bz_l_hip_pitch_y * c_l_hip_roll);
-    // l_hip_yaw
-    let bz_l_hip_yaw_x = bz_l_hip_roll_x
-        .mul_add(s_l_hip_yaw, bz_l_hip_pitch_x * c_l_hip_yaw);
-    let e11 = bz_l_hip_pitch_x.mul_add(s_l_hip_yaw, -(bz_l_hip_roll_x * c_l_hip_yaw));
-    let bz_l_hip_yaw_y = -e11;
-    // head_pan
-    let bz_head_pan_x = bz_l_hip_yaw_x.mul_add(c_head_pan, -(e11 * s_head_pan));
-    let bz_head_pan_y = -e11.mul_add(c_head_pan, bz_l_hip_yaw_x * s_head_pan);
-    // head_tilt
-    let bz_head_tilt_x = bz_head_pan_x
-        .mul_add(c_head_tilt, bz_l_hip_roll_y * s_head_tilt);
-    let bz_head_tilt_y = -bz_l_hip_roll_y
-        .mul_add(c_head_tilt, -(bz_head_pan_x * s_head_tilt));
-    // l_sho_pitch
-    let bz_l_sho_pitch_x = bz_l_hip_yaw_x
-        .mul_add(c_l_sho_pitch, -(bz_l_hip_roll_y * s_l_sho_pitch));
-    let bz_l_sho_pitch_y = bz_l_hip_roll_y
-        .mul_add(c_l_sho_pitch, bz_l_hip_yaw_x * s_l_sho_pitch);
-    // l_sho_roll
-    let bz_l_sho_roll_x = -bz_l_sho_pitch_y.mul_add(s_l_sho_roll, e11 * c_l_sho_roll);
-    let e12 = e11.mul_add(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
-    let bz_l_sho_roll_y = -e12;
-    // l_el
-    let bz_l_el_x = bz_l_sho_pitch_x.mul_add(s_l_el, -(e12 * c_l_el));
-    let bz_l_el_y = -bz_l_sho_pitch_x.mul_add(c_l_el, e12 * s_l_el);
-    // r_hip_yaw
-    let bz_r_hip_yaw_x = bz_l_hip_yaw_x.mul_add(c_r_hip_yaw, e11 * s_r_hip_yaw);
-    let bz_r_hip_yaw_y = bz_l_hip_yaw_x.mul_add(s_r_hip_yaw, -(e11 * c_r_hip_yaw));
-    // r_hip_roll
-    let bz_r_hip_roll_x = bz_r_hip_yaw_y
-        .mul_add(c_r_hip_roll, -(bz_l_hip_roll_y * s_r_hip_roll));
-    let bz_r_hip_roll_y = bz_l_hip_roll_y
-        .mul_add(c_r_hip_roll, bz_r_hip_yaw_y * s_r_hip_roll);
-    // r_hip_pitch
-    let bz_r_hip_pitch_x = bz_r_hip_yaw_x
-        .mul_add(c_r_hip_pitch, -(bz_r_hip_roll_y * s_r_hip_pitch));
-    let bz_r_hip_pitch_y = bz_r_hip_yaw_x
-        .mul_add(s_r_hip_pitch, bz_r_hip_roll_y * c_r_hip_pitch);
-    // r_knee
-    let bz_r_knee_x = bz_r_hip_pitch_x.mul_add(c_r_knee, -(bz_r_hip_pitch_y * s_r_knee));
-    let bz_r_knee_y = bz_r_hip_pitch_y.mul_add(c_r_knee, bz_r_hip_pitch_x * s_r_knee);
-    // r_ank_pitch
-    let bz_r_ank_pitch_x = bz_r_knee_x
-        .mul_add(c_r_ank_pitch, bz_r_knee_y * s_r_ank_pitch);
-    let bz_r_ank_pitch_y = bz_r_knee_y
-        .mul_add(c_r_ank_pitch, -(bz_r_knee_x * s_r_ank_pitch));
-    // r_ank_roll
-    let bz_r_ank_roll_x = bz_r_ank_pitch_y
-        .mul_add(s_r_ank_roll, bz_r_hip_roll_x * c_r_ank_roll);
-    let bz_r_ank_roll_y = -bz_r_hip_roll_x
-        .mul_add(s_r_ank_roll, -(bz_r_ank_pitch_y * c_r_ank_roll));
-    // r_sho_pitch
     let bz_r_sho_pitch_x = bz_l_hip_yaw_x
         .mul_add(c_r_sho_pitch, bz_l_hip_roll_y * s_r_sho_pitch);
     let bz_r_sho_pitch_y = bz_l_hip_roll_y
         .mul_add(c_r_sho_pitch, -(bz_l_hip_yaw_x * s_r_sho_pitch));
     // r_sho_roll
-    let bz_r_sho_roll_x = -bz_r_sho_pitch_y.mul_add(s_r_sho_roll, e11 * c_r_sho_roll);
-    let e13 = e11.mul_add(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
+    let e10 = q[18] + T::from_f64(0.785398163);
+    let (s_r_sho_roll, c_r_sho_roll) = e10.sin_cos();
+    let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_add(s_r_sho_roll, e2 * c_r_sho_roll);
+    let e11 = e2.mul_add(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
+    let bx_r_sho_roll_y = -e11;
+    let by_r_sho_roll_x = e9.mul_add(s_r_sho_roll, -(e3 * c_r_sho_roll));
+    let e12 = e3.mul_add(s_r_sho_roll, e9 * c_r_sho_roll);
+    let by_r_sho_roll_y = -e12;
+    let bz_r_sho_roll_x = -bz_r_sho_pitch_y.mul_add(s_r_sho_roll, e4 * c_r_sho_roll);
+    let e13 = e4.mul_add(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
     let bz_r_sho_roll_y = -e13;
     // r_el
+    let (s_r_el, c_r_el) = q[19].sin_cos();
+    let bx_r_el_x = -e11.mul_add(c_r_el, bx_r_sho_pitch_x * s_r_el);
+    let bx_r_el_y = -bx_r_sho_pitch_x.mul_add(c_r_el, -(e11 * s_r_el));
+    let by_r_el_x = -e12.mul_add(c_r_el, by_r_sho_pitch_x * s_r_el);
+    let by_r_el_y = -by_r_sho_pitch_x.mul_add(c_r_el, -(e12 * s_r_el));
     let bz_r_el_x = -e13.mul_add(c_r_el, bz_r_sho_pitch_x * s_r_el);
     let bz_r_el_y = -bz_r_sho_pitch_x.mul_add(c_r_el, -(e13 * s_r_el));
     let zero = T::from_f64(0.0);
@@ -1435,170 +1384,151 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
     // l_ank_pitch
     let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
     let bx_l_ank_pitch_y = -s_l_ank_pitch;
+    let by_l_ank_pitch_x = s_l_ank_roll * s_l_ank_pitch;
+    let by_l_ank_pitch_y = s_l_ank_roll * c_l_ank_pitch;
     // l_knee
     let (s_l_knee, c_l_knee) = q[5].sin_cos();
     let bx_l_knee_x = c_l_ank_pitch.mul_add(c_l_knee, s_l_ank_pitch * s_l_knee);
     let bx_l_knee_y = c_l_ank_pitch.mul_add(s_l_knee, -(s_l_ank_pitch * c_l_knee));
+    let by_l_knee_x = by_l_ank_pitch_x.mul_add(c_l_knee, -(by_l_ank_pitch_y * s_l_knee));
+    let by_l_knee_y = by_l_ank_pitch_y.mul_add(c_l_knee, by_l_ank_pitch_x * s_l_knee);
     // l_hip_pitch
     let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
     let bx_l_hip_pitch_x = bx_l_knee_x
         .mul_add(c_l_hip_pitch, -(bx_l_knee_y * s_l_hip_pitch));
     let bx_l_hip_pitch_y = bx_l_knee_y
         .mul_add(c_l_hip_pitch, bx_l_knee_x * s_l_hip_pitch);
+    let by_l_hip_pitch_x = by_l_knee_x
+        .mul_add(c_l_hip_pitch, -(by_l_knee_y * s_l_hip_pitch));
+    let by_l_hip_pitch_y = by_l_knee_y
+        .mul_add(c_l_hip_pitch, by_l_knee_x * s_l_hip_pitch);
     // l_hip_roll
     let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
     let bx_l_hip_roll_x = bx_l_hip_pitch_y * s_l_hip_roll;
     let bx_l_hip_roll_y = bx_l_hip_pitch_y * c_l_hip_roll;
+    let by_l_hip_roll_x = by_l_hip_pitch_y
+        .mul_add(s_l_hip_roll, c_l_ank_roll * c_l_hip_roll);
+    let e1 = c_l_ank_roll.mul_add(s_l_hip_roll, -(by_l_hip_pitch_y * c_l_hip_roll));
+    let by_l_hip_roll_y = -e1;
     // l_hip_yaw
     let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
     let bx_l_hip_yaw_x = bx_l_hip_roll_x
         .mul_add(s_l_hip_yaw, bx_l_hip_pitch_x * c_l_hip_yaw);
-    let e1 = bx_l_hip_pitch_x.mul_add(s_l_hip_yaw, -(bx_l_hip_roll_x * c_l_hip_yaw));
-    let bx_l_hip_yaw_y = -e1;
+    let e2 = bx_l_hip_pitch_x.mul_add(s_l_hip_yaw, -(bx_l_hip_roll_x * c_l_hip_yaw));
+    let bx_l_hip_yaw_y = -e2;
+    let by_l_hip_yaw_x = by_l_hip_roll_x
+        .mul_add(s_l_hip_yaw, by_l_hip_pitch_x * c_l_hip_yaw);
+    let e3 = by_l_hip_pitch_x.mul_add(s_l_hip_yaw, -(by_l_hip_roll_x * c_l_hip_yaw));
+    let by_l_hip_yaw_y = -e3;
     // head_pan
     let (s_head_pan, c_head_pan) = q[0].sin_cos();
-    let bx_head_pan_x = bx_l_hip_yaw_x.mul_add(c_head_pan, -(e1 * s_head_pan));
-    let bx_head_pan_y = -e1.mul_add(c_head_pan, bx_l_hip_yaw_x * s_head_pan);
+    let bx_head_pan_x = bx_l_hip_yaw_x.mul_add(c_head_pan, -(e2 * s_head_pan));
+    let bx_head_pan_y = -e2.mul_add(c_head_pan, bx_l_hip_yaw_x * s_head_pan);
+    let by_head_pan_x = by_l_hip_yaw_x.mul_add(c_head_pan, -(e3 * s_head_pan));
+    let by_head_pan_y = -e3.mul_add(c_head_pan, by_l_hip_yaw_x * s_head_pan);
     // head_tilt
     let (s_head_tilt, c_head_tilt) = q[1].sin_cos();
     let bx_head_tilt_x = bx_head_pan_x
         .mul_add(c_head_tilt, bx_l_hip_roll_y * s_head_tilt);
     let bx_head_tilt_y = -bx_l_hip_roll_y
         .mul_add(c_head_tilt, -(bx_head_pan_x * s_head_tilt));
+    let by_head_tilt_x = by_head_pan_x.mul_add(c_head_tilt, -(e1 * s_head_tilt));
+    let by_head_tilt_y = e1.mul_add(c_head_tilt, by_head_pan_x * s_head_tilt);
     // l_sho_pitch
     let (s_l_sho_pitch, c_l_sho_pitch) = q[8].sin_cos();
     let bx_l_sho_pitch_x = bx_l_hip_yaw_x
         .mul_add(c_l_sho_pitch, -(bx_l_hip_roll_y * s_l_sho_pitch));
     let bx_l_sho_pitch_y = bx_l_hip_roll_y
         .mul_add(c_l_sho_pitch, bx_l_hip_yaw_x * s_l_sho_pitch);
+    let by_l_sho_pitch_x = by_l_hip_yaw_x.mul_add(c_l_sho_pitch, e1 * s_l_sho_pitch);
+    let by_l_sho_pitch_y = by_l_hip_yaw_x.mul_add(s_l_sho_pitch, -(e1 * c_l_sho_pitch));
     // l_sho_roll
-    let e2 = q[9] - T::from_f64(0.785398163);
-    let (s_l_sho_roll, c_l_sho_roll) = e2.sin_cos();
-    let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_add(s_l_sho_roll, e1 * c_l_sho_roll);
-    let e3 = e1.mul_add(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
-    let bx_l_sho_roll_y = -e3;
+    let e4 = q[9] - T::from_f64(0.785398163);
+    let (s_l_sho_roll, c_l_sho_roll) = e4.sin_cos();
+    let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_add(s_l_sho_roll, e2 * c_l_sho_roll);
+    let e5 = e2.mul_add(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
+    let bx_l_sho_roll_y = -e5;
+    let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_add(s_l_sho_roll, e3 * c_l_sho_roll);
+    let e6 = e3.mul_add(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
+    let by_l_sho_roll_y = -e6;
     // l_el
     let (s_l_el, c_l_el) = q[10].sin_cos();
-    let bx_l_el_x = bx_l_sho_pitch_x.mul_add(s_l_el, -(e3 * c_l_el));
-    let bx_l_el_y = -bx_l_sho_pitch_x.mul_add(c_l_el, e3 * s_l_el);
+    let bx_l_el_x = bx_l_sho_pitch_x.mul_add(s_l_el, -(e5 * c_l_el));
+    let bx_l_el_y = -bx_l_sho_pitch_x.mul_add(c_l_el, e5 * s_l_el);
+    let by_l_el_x = by_l_sho_pitch_x.mul_add(s_l_el, -(e6 * c_l_el));
+    let by_l_el_y = -by_l_sho_pitch_x.mul_add(c_l_el, e6 * s_l_el);
     // r_hip_yaw
     let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
-    let bx_r_hip_yaw_x = bx_l_hip_yaw_x.mul_add(c_r_hip_yaw, e1 * s_r_hip_yaw);
-    let bx_r_hip_yaw_y = bx_l_hip_yaw_x.mul_add(s_r_hip_yaw, -(e1 * c_r_hip_yaw));
+    let bx_r_hip_yaw_x = bx_l_hip_yaw_x.mul_add(c_r_hip_yaw, e2 * s_r_hip_yaw);
+    let bx_r_hip_yaw_y = bx_l_hip_yaw_x.mul_add(s_r_hip_yaw, -(e2 * c_r_hip_yaw));
+    let by_r_hip_yaw_x = by_l_hip_yaw_x.mul_add(c_r_hip_yaw, e3 * s_r_hip_yaw);
+    let by_r_hip_yaw_y = by_l_hip_yaw_x.mul_add(s_r_hip_yaw, -(e3 * c_r_hip_yaw));
     // r_hip_roll
     let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
     let bx_r_hip_roll_x = bx_r_hip_yaw_y
         .mul_add(c_r_hip_roll, -(bx_l_hip_roll_y * s_r_hip_roll));
     let bx_r_hip_roll_y = bx_l_hip_roll_y
         .mul_add(c_r_hip_roll, bx_r_hip_yaw_y * s_r_hip_roll);
+    let by_r_hip_roll_x = by_r_hip_yaw_y.mul_add(c_r_hip_roll, e1 * s_r_hip_roll);
+    let by_r_hip_roll_y = by_r_hip_yaw_y.mul_add(s_r_hip_roll, -(e1 * c_r_hip_roll));
     // r_hip_pitch
     let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
     let bx_r_hip_pitch_x = bx_r_hip_yaw_x
         .mul_add(c_r_hip_pitch, -(bx_r_hip_roll_y * s_r_hip_pitch));
     let bx_r_hip_pitch_y = bx_r_hip_yaw_x
         .mul_add(s_r_hip_pitch, bx_r_hip_roll_y * c_r_hip_pitch);
+    let by_r_hip_pitch_x = by_r_hip_yaw_x
+        .mul_add(c_r_hip_pitch, -(by_r_hip_roll_y * s_r_hip_pitch));
+    let by_r_hip_pitch_y = by_r_hip_yaw_x
+        .mul_add(s_r_hip_pitch, by_r_hip_roll_y * c_r_hip_pitch);
     // r_knee
     let (s_r_knee, c_r_knee) = q[14].sin_cos();
     let bx_r_knee_x = bx_r_hip_pitch_x.mul_add(c_r_knee, -(bx_r_hip_pitch_y * s_r_knee));
     let bx_r_knee_y = bx_r_hip_pitch_y.mul_add(c_r_knee, bx_r_hip_pitch_x * s_r_knee);
+    let by_r_knee_x = by_r_hip_pitch_x.mul_add(c_r_knee, -(by_r_hip_pitch_y * s_r_knee));
+    let by_r_knee_y = by_r_hip_pitch_y.mul_add(c_r_knee, by_r_hip_pitch_x * s_r_knee);
     // r_ank_pitch
     let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
     let bx_r_ank_pitch_x = bx_r_knee_x
         .mul_add(c_r_ank_pitch, bx_r_knee_y * s_r_ank_pitch);
     let bx_r_ank_pitch_y = bx_r_knee_y
         .mul_add(c_r_ank_pitch, -(bx_r_knee_x * s_r_ank_pitch));
+    let by_r_ank_pitch_x = by_r_knee_x
+        .mul_add(c_r_ank_pitch, by_r_knee_y * s_r_ank_pitch);
+    let by_r_ank_pitch_y = by_r_knee_y
+        .mul_add(c_r_ank_pitch, -(by_r_knee_x * s_r_ank_pitch));
     // r_ank_roll
     let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
     let bx_r_ank_roll_x = bx_r_ank_pitch_y
         .mul_add(s_r_ank_roll, bx_r_hip_roll_x * c_r_ank_roll);
     let bx_r_ank_roll_y = -bx_r_hip_roll_x
         .mul_add(s_r_ank_roll, -(bx_r_ank_pitch_y * c_r_ank_roll));
+    let by_r_ank_roll_x = by_r_ank_pitch_y
+        .mul_add(s_r_ank_roll, by_r_hip_roll_x * c_r_ank_roll);
+    let by_r_ank_roll_y = -by_r_hip_roll_x
+        .mul_add(s_r_ank_roll, -(by_r_ank_pitch_y * c_r_ank_roll));
     // r_sho_pitch
     let (s_r_sho_pitch, c_r_sho_pitch) = q[17].sin_cos();
     let bx_r_sho_pitch_x = bx_l_hip_yaw_x
         .mul_add(c_r_sho_pitch, bx_l_hip_roll_y * s_r_sho_pitch);
     let bx_r_sho_pitch_y = bx_l_hip_roll_y
         .mul_add(c_r_sho_pitch, -(bx_l_hip_yaw_x * s_r_sho_pitch));
+    let by_r_sho_pitch_x = by_l_hip_yaw_x.mul_add(c_r_sho_pitch, -(e1 * s_r_sho_pitch));
+    let e7 = e1.mul_add(c_r_sho_pitch, by_l_hip_yaw_x * s_r_sho_pitch);
+    let by_r_sho_pitch_y = -e7;
     // r_sho_roll
-    let e4 = q[18] + T::from_f64(0.785398163);
-    let (s_r_sho_roll, c_r_sho_roll) = e4.sin_cos();
-    let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_add(s_r_sho_roll, e1 * c_r_sho_roll);
-    let e5 = e1.mul_add(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
-    let bx_r_sho_roll_y = -e5;
-    // r_el
-    let (s_r_el, c_r_el) = q[19].sin_cos();
-    let bx_r_el_x = -e5.mul_add(c_r_el, bx_r_sho_pitch_x * s_r_el);
-    let bx_r_el_y = -bx_r_sho_pitch_x.mul_add(c_r_el, -(e5 * s_r_el));
-    // l_ank_pitch
-    let by_l_ank_pitch_x = s_l_ank_roll * s_l_ank_pitch;
-    let by_l_ank_pitch_y = s_l_ank_roll * c_l_ank_pitch;
-    // l_knee
-    let by_l_knee_x = by_l_ank_pitch_x.mul_add(c_l_knee, -(by_l_ank_pitch_y * s_l_knee));
-    let by_l_knee_y = by_l_ank_pitch_y.mul_add(c_l_knee, by_l_ank_pitch_x * s_l_knee);
-    // l_hip_pitch
-    let by_l_hip_pitch_x = by_l_knee_x
-        .mul_add(c_l_hip_pitch, -(by_l_knee_y * s_l_hip_pitch));
-    let by_l_hip_pitch_y = by_l_knee_y
-        .mul_add(c_l_hip_pitch, by_l_knee_x * s_l_hip_pitch);
-    // l_hip_roll
-    let by_l_hip_roll_x = by_l_hip_pitch_y
-        .mul_add(s_l_hip_roll, c_l_ank_roll * c_l_hip_roll);
-    let e6 = c_l_ank_roll.mul_add(s_l_hip_roll, -(by_l_hip_pitch_y * c_l_hip_roll));
-    let by_l_hip_roll_y = -e6;
-    // l_hip_yaw
-    let by_l_hip_yaw_x = by_l_hip_roll_x
-        .mul_add(s_l_hip_yaw, by_l_hip_pitch_x * c_l_hip_yaw);
-    let e7 = by_l_hip_pitch_x.mul_add(s_l_hip_yaw, -(by_l_hip_roll_x * c_l_hip_yaw));
-    let by_l_hip_yaw_y = -e7;
-    // head_pan
-    let by_head_pan_x = by_l_hip_yaw_x.mul_add(c_head_pan, -(e7 * s_head_pan));
-    let by_head_pan_y = -e7.mul_add(c_head_pan, by_l_hip_yaw_x * s_head_pan);
-    // head_tilt
-    let by_head_tilt_x = by_head_pan_x.mul_add(c_head_tilt, -(e6 * s_head_tilt));
-    let by_head_tilt_y = e6.mul_add(c_head_tilt, by_head_pan_x * s_head_tilt);
-    // l_sho_pitch
-    let by_l_sho_pitch_x = by_l_hip_yaw_x.mul_add(c_l_sho_pitch, e6 * s_l_sho_pitch);
-    let by_l_sho_pitch_y = by_l_hip_yaw_x.mul_add(s_l_sho_pitch, -(e6 * c_l_sho_pitch));
-    // l_sho_roll
-    let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_add(s_l_sho_roll, e7 * c_l_sho_roll);
-    let e8 = e7.mul_add(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
-    let by_l_sho_roll_y = -e8;
-    // l_el
-    let by_l_el_x = by_l_sho_pitch_x.mul_add(s_l_el, -(e8 * c_l_el));
-    let by_l_el_y = -by_l_sho_pitch_x.mul_add(c_l_el, e8 * s_l_el);
-    // r_hip_yaw
-    let by_r_hip_yaw_x = by_l_hip_yaw_x.mul_add(c_r_hip_yaw, e7 * s_r_hip_yaw);
-    let by_r_hip_yaw_y = by_l_hip_yaw_x.mul_add(s_r_hip_yaw, -(e7 * c_r_hip_yaw));
-    // r_hip_roll
-    let by_r_hip_roll_x = by_r_hip_yaw_y.mul_add(c_r_hip_roll, e6 * s_r_hip_roll);
-    let by_r_hip_roll_y = by_r_hip_yaw_y.mul_add(s_r_hip_roll, -(e6 * c_r_hip_roll));
-    // r_hip_pitch
-    let by_r_hip_pitch_x = by_r_hip_yaw_x
-        .mul_add(c_r_hip_pitch, -(by_r_hip_roll_y * s_r_hip_pitch));
-    let by_r_hip_pitch_y = by_r_hip_yaw_x
-        .mul_add(s_r_hip_pitch, by_r_hip_roll_y * c_r_hip_pitch);
-    // r_knee
-    let by_r_knee_x = by_r_hip_pitch_x.mul_add(c_r_knee, -(by_r_hip_pitch_y * s_r_knee));
-    let by_r_knee_y = by_r_hip_pitch_y.mul_add(c_r_knee, by_r_hip_pitch_x * s_r_knee);
-    // r_ank_pitch
-    let by_r_ank_pitch_x = by_r_knee_x
-        .mul_add(c_r_ank_pitch, by_r_knee_y * s_r_ank_pitch);
-    let by_r_ank_pitch_y = by_r_knee_y
-        .mul_add(c_r_ank_pitch, -(by_r_knee_x * s_r_ank_pitch));
-    // r_ank_roll
-    let by_r_ank_roll_x = by_r_ank_pitch_y
-        .mul_add(s_r_ank_roll, by_r_hip_roll_x * c_r_ank_roll);
-    let by_r_ank_roll_y = -by_r_hip_roll_x
-        .mul_add(s_r_ank_roll, -(by_r_ank_pitch_y * c_r_ank_roll));
-    // r_sho_pitch
-    let by_r_sho_pitch_x = by_l_hip_yaw_x.mul_add(c_r_sho_pitch, -(e6 * s_r_sho_pitch));
-    let e9 = e6.mul_add(c_r_sho_pitch, by_l_hip_yaw_x * s_r_sho_pitch);
-    let by_r_sho_pitch_y = -e9;
-    // r_sho_roll
-    let by_r_sho_roll_x = e9.mul_add(s_r_sho_roll, -(e7 * c_r_sho_roll));
-    let e10 = e7.mul_add(s_r_sho_roll, e9 * c_r_sho_roll);
+    let e8 = q[18] + T::from_f64(0.785398163);
+    let (s_r_sho_roll, c_r_sho_roll) = e8.sin_cos();
+    let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_add(s_r_sho_roll, e2 * c_r_sho_roll);
+    let e9 = e2.mul_add(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
+    let bx_r_sho_roll_y = -e9;
+    let by_r_sho_roll_x = e7.mul_add(s_r_sho_roll, -(e3 * c_r_sho_roll));
+    let e10 = e3.mul_add(s_r_sho_roll, e7 * c_r_sho_roll);
     let by_r_sho_roll_y = -e10;
     // r_el
+    let (s_r_el, c_r_el) = q[19].sin_cos();
+    let bx_r_el_x = -e9.mul_add(c_r_el, bx_r_sho_pitch_x * s_r_el);
+    let bx_r_el_y = -bx_r_sho_pitch_x.mul_add(c_r_el, -(e9 * s_r_el));
     let by_r_el_x = -e10.mul_add(c_r_el, by_r_sho_pitch_x * s_r_el);
     let by_r_el_y = -by_r_sho_pitch_x.mul_add(c_r_el, -(e10 * s_r_el));
     let zero = T::from_f64(0.0);
@@ -1707,247 +1637,209 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     // l_ank_pitch
     let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
     let bx_l_ank_pitch_y = -s_l_ank_pitch;
+    let by_l_ank_pitch_x = s_l_ank_roll * s_l_ank_pitch;
+    let by_l_ank_pitch_y = s_l_ank_roll * c_l_ank_pitch;
+    let bz_l_ank_pitch_x = c_l_ank_roll * s_l_ank_pitch;
+    let bz_l_ank_pitch_y = c_l_ank_roll * c_l_ank_pitch;
     // l_knee
     let (s_l_knee, c_l_knee) = q[5].sin_cos();
     let bx_l_knee_x = c_l_ank_pitch.mul_add(c_l_knee, s_l_ank_pitch * s_l_knee);
     let bx_l_knee_y = c_l_ank_pitch.mul_add(s_l_knee, -(s_l_ank_pitch * c_l_knee));
+    let by_l_knee_x = by_l_ank_pitch_x.mul_add(c_l_knee, -(by_l_ank_pitch_y * s_l_knee));
+    let by_l_knee_y = by_l_ank_pitch_y.mul_add(c_l_knee, by_l_ank_pitch_x * s_l_knee);
+    let bz_l_knee_x = bz_l_ank_pitch_x.mul_add(c_l_knee, -(bz_l_ank_pitch_y * s_l_knee));
+    let bz_l_knee_y = bz_l_ank_pitch_y.mul_add(c_l_knee, bz_l_ank_pitch_x * s_l_knee);
     // l_hip_pitch
     let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
     let bx_l_hip_pitch_x = bx_l_knee_x
         .mul_add(c_l_hip_pitch, -(bx_l_knee_y * s_l_hip_pitch));
     let bx_l_hip_pitch_y = bx_l_knee_y
         .mul_add(c_l_hip_pitch, bx_l_knee_x * s_l_hip_pitch);
+    let by_l_hip_pitch_x = by_l_knee_x
+        .mul_add(c_l_hip_pitch, -(by_l_knee_y * s_l_hip_pitch));
+    let by_l_hip_pitch_y = by_l_knee_y
+        .mul_add(c_l_hip_pitch, by_l_knee_x * s_l_hip_pitch);
+    let bz_l_hip_pitch_x = bz_l_knee_x
+        .mul_add(c_l_hip_pitch, -(bz_l_knee_y * s_l_hip_pitch));
+    let bz_l_hip_pitch_y = bz_l_knee_y
+        .mul_add(c_l_hip_pitch, bz_l_knee_x * s_l_hip_pitch);
     // l_hip_roll
     let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
     let bx_l_hip_roll_x = bx_l_hip_pitch_y * s_l_hip_roll;
     let bx_l_hip_roll_y = bx_l_hip_pitch_y * c_l_hip_roll;
+    let by_l_hip_roll_x = by_l_hip_pitch_y
+        .mul_add(s_l_hip_roll, c_l_ank_roll * c_l_hip_roll);
+    let e1 = c_l_ank_roll.mul_add(s_l_hip_roll, -(by_l_hip_pitch_y * c_l_hip_roll));
+    let by_l_hip_roll_y = -e1;
+    let bz_l_hip_roll_x = bz_l_hip_pitch_y
+        .mul_add(s_l_hip_roll, -(s_l_ank_roll * c_l_hip_roll));
+    let bz_l_hip_roll_y = s_l_ank_roll
+        .mul_add(s_l_hip_roll, bz_l_hip_pitch_y * c_l_hip_roll);
     // l_hip_yaw
     let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
     let bx_l_hip_yaw_x = bx_l_hip_roll_x
         .mul_add(s_l_hip_yaw, bx_l_hip_pitch_x * c_l_hip_yaw);
-    let e1 = bx_l_hip_pitch_x.mul_add(s_l_hip_yaw, -(bx_l_hip_roll_x * c_l_hip_yaw));
-    let bx_l_hip_yaw_y = -e1;
+    let e2 = bx_l_hip_pitch_x.mul_add(s_l_hip_yaw, -(bx_l_hip_roll_x * c_l_hip_yaw));
+    let bx_l_hip_yaw_y = -e2;
+    let by_l_hip_yaw_x = by_l_hip_roll_x
+        .mul_add(s_l_hip_yaw, by_l_hip_pitch_x * c_l_hip_yaw);
+    let e3 = by_l_hip_pitch_x.mul_add(s_l_hip_yaw, -(by_l_hip_roll_x * c_l_hip_yaw));
+    let by_l_hip_yaw_y = -e3;
+    let bz_l_hip_yaw_x = bz_l_hip_roll_x
+        .mul_add(s_l_hip_yaw, bz_l_hip_pitch_x * c_l_hip_yaw);
+    let e4 = bz_l_hip_pitch_x.mul_add(s_l_hip_yaw, -(bz_l_hip_roll_x * c_l_hip_yaw));
+    let bz_l_hip_yaw_y = -e4;
     // head_pan
     let (s_head_pan, c_head_pan) = q[0].sin_cos();
-    let bx_head_pan_x = bx_l_hip_yaw_x.mul_add(c_head_pan, -(e1 * s_head_pan));
-    let bx_head_pan_y = -e1.mul_add(c_head_pan, bx_l_hip_yaw_x * s_head_pan);
+    let bx_head_pan_x = bx_l_hip_yaw_x.mul_add(c_head_pan, -(e2 * s_head_pan));
+    let bx_head_pan_y = -e2.mul_add(c_head_pan, bx_l_hip_yaw_x * s_head_pan);
+    let by_head_pan_x = by_l_hip_yaw_x.mul_add(c_head_pan, -(e3 * s_head_pan));
+    let by_head_pan_y = -e3.mul_add(c_head_pan, by_l_hip_yaw_x * s_head_pan);
+    let bz_head_pan_x = bz_l_hip_yaw_x.mul_add(c_head_pan, -(e4 * s_head_pan));
+    let bz_head_pan_y = -e4.mul_add(c_head_pan, bz_l_hip_yaw_x * s_head_pan);
     // head_tilt
     let (s_head_tilt, c_head_tilt) = q[1].sin_cos();
     let bx_head_tilt_x = bx_head_pan_x
         .mul_add(c_head_tilt, bx_l_hip_roll_y * s_head_tilt);
-    let e2 = bx_l_hip_roll_y.mul_add(c_head_tilt, -(bx_head_pan_x * s_head_tilt));
+    let e5 = bx_l_hip_roll_y.mul_add(c_head_tilt, -(bx_head_pan_x * s_head_tilt));
+    let by_head_tilt_x = by_head_pan_x.mul_add(c_head_tilt, -(e1 * s_head_tilt));
+    let by_head_tilt_y = e1.mul_add(c_head_tilt, by_head_pan_x * s_head_tilt);
+    let bz_head_tilt_x = bz_head_pan_x
+        .mul_add(c_head_tilt, bz_l_hip_roll_y * s_head_tilt);
+    let e6 = bz_l_hip_roll_y.mul_add(c_head_tilt, -(bz_head_pan_x * s_head_tilt));
     // l_sho_pitch
     let (s_l_sho_pitch, c_l_sho_pitch) = q[8].sin_cos();
     let bx_l_sho_pitch_x = bx_l_hip_yaw_x
         .mul_add(c_l_sho_pitch, -(bx_l_hip_roll_y * s_l_sho_pitch));
     let bx_l_sho_pitch_y = bx_l_hip_roll_y
         .mul_add(c_l_sho_pitch, bx_l_hip_yaw_x * s_l_sho_pitch);
+    let by_l_sho_pitch_x = by_l_hip_yaw_x.mul_add(c_l_sho_pitch, e1 * s_l_sho_pitch);
+    let by_l_sho_pitch_y = by_l_hip_yaw_x.mul_add(s_l_sho_pitch, -(e1 * c_l_sho_pitch));
+    let bz_l_sho_pitch_x = bz_l_hip_yaw_x
+        .mul_add(c_l_sho_pitch, -(bz_l_hip_roll_y * s_l_sho_pitch));
+    let bz_l_sho_pitch_y = bz_l_hip_roll_y
+        .mul_add(c_l_sho_pitch, bz_l_hip_yaw_x * s_l_sho_pitch);
     // l_sho_roll
-    let e3 = q[9] - T::from_f64(0.785398163);
-    let (s_l_sho_roll, c_l_sho_roll) = e3.sin_cos();
-    let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_add(s_l_sho_roll, e1 * c_l_sho_roll);
-    let e4 = e1.mul_add(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
-    let bx_l_sho_roll_y = -e4;
+    let e7 = q[9] - T::from_f64(0.785398163);
+    let (s_l_sho_roll, c_l_sho_roll) = e7.sin_cos();
+    let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_add(s_l_sho_roll, e2 * c_l_sho_roll);
+    let e8 = e2.mul_add(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
+    let bx_l_sho_roll_y = -e8;
+    let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_add(s_l_sho_roll, e3 * c_l_sho_roll);
+    let e9 = e3.mul_add(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
+    let by_l_sho_roll_y = -e9;
+    let bz_l_sho_roll_x = -bz_l_sho_pitch_y.mul_add(s_l_sho_roll, e4 * c_l_sho_roll);
+    let e10 = e4.mul_add(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
+    let bz_l_sho_roll_y = -e10;
     // l_el
     let (s_l_el, c_l_el) = q[10].sin_cos();
-    let bx_l_el_x = bx_l_sho_pitch_x.mul_add(s_l_el, -(e4 * c_l_el));
-    let bx_l_el_y = -bx_l_sho_pitch_x.mul_add(c_l_el, e4 * s_l_el);
+    let bx_l_el_x = bx_l_sho_pitch_x.mul_add(s_l_el, -(e8 * c_l_el));
+    let bx_l_el_y = -bx_l_sho_pitch_x.mul_add(c_l_el, e8 * s_l_el);
+    let by_l_el_x = by_l_sho_pitch_x.mul_add(s_l_el, -(e9 * c_l_el));
+    let by_l_el_y = -by_l_sho_pitch_x.mul_add(c_l_el, e9 * s_l_el);
+    let bz_l_el_x = bz_l_sho_pitch_x.mul_add(s_l_el, -(e10 * c_l_el));
+    let bz_l_el_y = -bz_l_sho_pitch_x.mul_add(c_l_el, e10 * s_l_el);
     // r_hip_yaw
     let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
-    let bx_r_hip_yaw_x = bx_l_hip_yaw_x.mul_add(c_r_hip_yaw, e1 * s_r_hip_yaw);
-    let bx_r_hip_yaw_y = bx_l_hip_yaw_x.mul_add(s_r_hip_yaw, -(e1 * c_r_hip_yaw));
+    let bx_r_hip_yaw_x = bx_l_hip_yaw_x.mul_add(c_r_hip_yaw, e2 * s_r_hip_yaw);
+    let bx_r_hip_yaw_y = bx_l_hip_yaw_x.mul_add(s_r_hip_yaw, -(e2 * c_r_hip_yaw));
+    let by_r_hip_yaw_x = by_l_hip_yaw_x.mul_add(c_r_hip_yaw, e3 * s_r_hip_yaw);
+    let by_r_hip_yaw_y = by_l_hip_yaw_x.mul_add(s_r_hip_yaw, -(e3 * c_r_hip_yaw));
+    let bz_r_hip_yaw_x = bz_l_hip_yaw_x.mul_add(c_r_hip_yaw, e4 * s_r_hip_yaw);
+    let bz_r_hip_yaw_y = bz_l_hip_yaw_x.mul_add(s_r_hip_yaw, -(e4 * c_r_hip_yaw));
     // r_hip_roll
     let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
     let bx_r_hip_roll_x = bx_r_hip_yaw_y
         .mul_add(c_r_hip_roll, -(bx_l_hip_roll_y * s_r_hip_roll));
     let bx_r_hip_roll_y = bx_l_hip_roll_y
         .mul_add(c_r_hip_roll, bx_r_hip_yaw_y * s_r_hip_roll);
+    let by_r_hip_roll_x = by_r_hip_yaw_y.mul_add(c_r_hip_roll, e1 * s_r_hip_roll);
+    let by_r_hip_roll_y = by_r_hip_yaw_y.mul_add(s_r_hip_roll, -(e1 * c_r_hip_roll));
+    let bz_r_hip_roll_x = bz_r_hip_yaw_y
+        .mul_add(c_r_hip_roll, -(bz_l_hip_roll_y * s_r_hip_roll));
+    let bz_r_hip_roll_y = bz_l_hip_roll_y
+        .mul_add(c_r_hip_roll, bz_r_hip_yaw_y * s_r_hip_roll);
     // r_hip_pitch
     let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
     let bx_r_hip_pitch_x = bx_r_hip_yaw_x
         .mul_add(c_r_hip_pitch, -(bx_r_hip_roll_y * s_r_hip_pitch));
     let bx_r_hip_pitch_y = bx_r_hip_yaw_x
         .mul_add(s_r_hip_pitch, bx_r_hip_roll_y * c_r_hip_pitch);
+    let by_r_hip_pitch_x = by_r_hip_yaw_x
+        .mul_add(c_r_hip_pitch, -(by_r_hip_roll_y * s_r_hip_pitch));
+    let by_r_hip_pitch_y = by_r_hip_yaw_x
+        .mul_add(s_r_hip_pitch, by_r_hip_roll_y * c_r_hip_pitch);
+    let bz_r_hip_pitch_x = bz_r_hip_yaw_x
+        .mul_add(c_r_hip_pitch, -(bz_r_hip_roll_y * s_r_hip_pitch));
+    let bz_r_hip_pitch_y = bz_r_hip_yaw_x
+        .mul_add(s_r_hip_pitch, bz_r_hip_roll_y * c_r_hip_pitch);
     // r_knee
     let (s_r_knee, c_r_knee) = q[14].sin_cos();
     let bx_r_knee_x = bx_r_hip_pitch_x.mul_add(c_r_knee, -(bx_r_hip_pitch_y * s_r_knee));
     let bx_r_knee_y = bx_r_hip_pitch_y.mul_add(c_r_knee, bx_r_hip_pitch_x * s_r_knee);
+    let by_r_knee_x = by_r_hip_pitch_x.mul_add(c_r_knee, -(by_r_hip_pitch_y * s_r_knee));
+    let by_r_knee_y = by_r_hip_pitch_y.mul_add(c_r_knee, by_r_hip_pitch_x * s_r_knee);
+    let bz_r_knee_x = bz_r_hip_pitch_x.mul_add(c_r_knee, -(bz_r_hip_pitch_y * s_r_knee));
+    let bz_r_knee_y = bz_r_hip_pitch_y.mul_add(c_r_knee, bz_r_hip_pitch_x * s_r_knee);
     // r_ank_pitch
     let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
     let bx_r_ank_pitch_x = bx_r_knee_x
         .mul_add(c_r_ank_pitch, bx_r_knee_y * s_r_ank_pitch);
     let bx_r_ank_pitch_y = bx_r_knee_y
         .mul_add(c_r_ank_pitch, -(bx_r_knee_x * s_r_ank_pitch));
+    let by_r_ank_pitch_x = by_r_knee_x
+        .mul_add(c_r_ank_pitch, by_r_knee_y * s_r_ank_pitch);
+    let by_r_ank_pitch_y = by_r_knee_y
+        .mul_add(c_r_ank_pitch, -(by_r_knee_x * s_r_ank_pitch));
+    let bz_r_ank_pitch_x = bz_r_knee_x
+        .mul_add(c_r_ank_pitch, bz_r_knee_y * s_r_ank_pitch);
+    let bz_r_ank_pitch_y = bz_r_knee_y
+        .mul_add(c_r_ank_pitch, -(bz_r_knee_x * s_r_ank_pitch));
     // r_ank_roll
     let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
     let bx_r_ank_roll_x = bx_r_ank_pitch_y
         .mul_add(s_r_ank_roll, bx_r_hip_roll_x * c_r_ank_roll);
     let bx_r_ank_roll_y = -bx_r_hip_roll_x
         .mul_add(s_r_ank_roll, -(bx_r_ank_pitch_y * c_r_ank_roll));
+    let by_r_ank_roll_x = by_r_ank_pitch_y
+        .mul_add(s_r_ank_roll, by_r_hip_roll_x * c_r_ank_roll);
+    let by_r_ank_roll_y = -by_r_hip_roll_x
+        .mul_add(s_r_ank_roll, -(by_r_ank_pitch_y * c_r_ank_roll));
+    let bz_r_ank_roll_x = bz_r_ank_pitch_y
+        .mul_add(s_r_ank_roll, bz_r_hip_roll_x * c_r_ank_roll);
+    let bz_r_ank_roll_y = -bz_r_hip_roll_x
+        .mul_add(s_r_ank_roll, -(bz_r_ank_pitch_y * c_r_ank_roll));
     // r_sho_pitch
     let (s_r_sho_pitch, c_r_sho_pitch) = q[17].sin_cos();
     let bx_r_sho_pitch_x = bx_l_hip_yaw_x
         .mul_add(c_r_sho_pitch, bx_l_hip_roll_y * s_r_sho_pitch);
     let bx_r_sho_pitch_y = bx_l_hip_roll_y
         .mul_add(c_r_sho_pitch, -(bx_l_hip_yaw_x * s_r_sho_pitch));
-    // r_sho_roll
-    let e5 = q[18] + T::from_f64(0.785398163);
-    let (s_r_sho_roll, c_r_sho_roll) = e5.sin_cos();
-    let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_add(s_r_sho_roll, e1 * c_r_sho_roll);
-    let e6 = e1.mul_add(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
-    let bx_r_sho_roll_y = -e6;
-    // r_el
-    let (s_r_el, c_r_el) = q[19].sin_cos();
-    let bx_r_el_x = -e6.mul_add(c_r_el, bx_r_sho_pitch_x * s_r_el);
-    let bx_r_el_y = -bx_r_sho_pitch_x.mul_add(c_r_el, -(e6 * s_r_el));
-    // l_ank_pitch
-    let by_l_ank_pitch_x = s_l_ank_roll * s_l_ank_pitch;
-    let by_l_ank_pitch_y = s_l_ank_roll * c_l_ank_pitch;
-    // l_knee
-    let by_l_knee_x = by_l_ank_pitch_x.mul_add(c_l_knee, -(by_l_ank_pitch_y * s_l_knee));
-    let by_l_knee_y = by_l_ank_pitch_y.mul_add(c_l_knee, by_l_ank_pitch_x * s_l_knee);
-    // l_hip_pitch
-    let by_l_hip_pitch_x = by_l_knee_x
-        .mul_add(c_l_hip_pitch, -(by_l_knee_y * s_l_hip_pitch));
-    let by_l_hip_pitch_y = by_l_knee_y
-        .mul_add(c_l_hip_pitch, by_l_knee_x * s_l_hip_pitch);
-    // l_hip_roll
-    let by_l_hip_roll_x = by_l_hip_pitch_y
-        .mul_add(s_l_hip_roll, c_l_ank_roll * c_l_hip_roll);
-    let e7 = c_l_ank_roll.mul_add(s_l_hip_roll, -(by_l_hip_pitch_y * c_l_hip_roll));
-    let by_l_hip_roll_y = -e7;
-    // l_hip_yaw
-    let by_l_hip_yaw_x = by_l_hip_roll_x
-        .mul_add(s_l_hip_yaw, by_l_hip_pitch_x * c_l_hip_yaw);
-    let e8 = by_l_hip_pitch_x.mul_add(s_l_hip_yaw, -(by_l_hip_roll_x * c_l_hip_yaw));
-    let by_l_hip_yaw_y = -e8;
-    // head_pan
-    let by_head_pan_x = by_l_hip_yaw_x.mul_add(c_head_pan, -(e8 * s_head_pan));
-    let by_head_pan_y = -e8.mul_add(c_head_pan, by_l_hip_yaw_x * s_head_pan);
-    // head_tilt
-    let by_head_tilt_x = by_head_pan_x.mul_add(c_head_tilt, -(e7 * s_head_tilt));
-    let by_head_tilt_y = e7.mul_add(c_head_tilt, by_head_pan_x * s_head_tilt);
-    // l_sho_pitch
-    let by_l_sho_pitch_x = by_l_hip_yaw_x.mul_add(c_l_sho_pitch, e7 * s_l_sho_pitch);
-    let by_l_sho_pitch_y = by_l_hip_yaw_x.mul_add(s_l_sho_pitch, -(e7 * c_l_sho_pitch));
-    // l_sho_roll
-    let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_add(s_l_sho_roll, e8 * c_l_sho_roll);
-    let e9 = e8.mul_add(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
-    let by_l_sho_roll_y = -e9;
-    // l_el
-    let by_l_el_x = by_l_sho_pitch_x.mul_add(s_l_el, -(e9 * c_l_el));
-    let by_l_el_y = -by_l_sho_pitch_x.mul_add(c_l_el, e9 * s_l_el);
-    // r_hip_yaw
-    let by_r_hip_yaw_x = by_l_hip_yaw_x.mul_add(c_r_hip_yaw, e8 * s_r_hip_yaw);
-    let by_r_hip_yaw_y = by_l_hip_yaw_x.mul_add(s_r_hip_yaw, -(e8 * c_r_hip_yaw));
-    // r_hip_roll
-    let by_r_hip_roll_x = by_r_hip_yaw_y.mul_add(c_r_hip_roll, e7 * s_r_hip_roll);
-    let by_r_hip_roll_y = by_r_hip_yaw_y.mul_add(s_r_hip_roll, -(e7 * c_r_hip_roll));
-    // r_hip_pitch
-    let by_r_hip_pitch_x = by_r_hip_yaw_x
-        .mul_add(c_r_hip_pitch, -(by_r_hip_roll_y * s_r_hip_pitch));
-    let by_r_hip_pitch_y = by_r_hip_yaw_x
-        .mul_add(s_r_hip_pitch, by_r_hip_roll_y * c_r_hip_pitch);
-    // r_knee
-    let by_r_knee_x = by_r_hip_pitch_x.mul_add(c_r_knee, -(by_r_hip_pitch_y * s_r_knee));
-    let by_r_knee_y = by_r_hip_pitch_y.mul_add(c_r_knee, by_r_hip_pitch_x * s_r_knee);
-    // r_ank_pitch
-    let by_r_ank_pitch_x = by_r_knee_x
-        .mul_add(c_r_ank_pitch, by_r_knee_y * s_r_ank_pitch);
-    let by_r_ank_pitch_y = by_r_knee_y
-        .mul_add(c_r_ank_pitch, -(by_r_knee_x * s_r_ank_pitch));
-    // r_ank_roll
-    let by_r_ank_roll_x = by_r_ank_pitch_y
-        .mul_add(s_r_ank_roll, by_r_hip_roll_x * c_r_ank_roll);
-    let by_r_ank_roll_y = -by_r_hip_roll_x
-        .mul_add(s_r_ank_roll, -(by_r_ank_pitch_y * c_r_ank_roll));
-    // r_sho_pitch
-    let by_r_sho_pitch_x = by_l_hip_yaw_x.mul_add(c_r_sho_pitch, -(e7 * s_r_sho_pitch));
-    let e10 = e7.mul_add(c_r_sho_pitch, by_l_hip_yaw_x * s_r_sho_pitch);
-    let by_r_sho_pitch_y = -e10;
-    // r_sho_roll
-    let by_r_sho_roll_x = e10.mul_add(s_r_sho_roll, -(e8 * c_r_sho_roll));
-    let e11 = e8.mul_add(s_r_sho_roll, e10 * c_r_sho_roll);
-    let by_r_sho_roll_y = -e11;
-    // r_el
-    let by_r_el_x = -e11.mul_add(c_r_el, by_r_sho_pitch_x * s_r_el);
-    let by_r_el_y = -by_r_sho_pitch_x.mul_add(c_r_el, -(e11 * s_r_el));
-    // l_ank_pitch
-    let bz_l_ank_pitch_x = c_l_ank_roll * s_l_ank_pitch;
-    let bz_l_ank_pitch_y = c_l_ank_roll * c_l_ank_pitch;
-    // l_knee
-    let bz_l_knee_x = bz_l_ank_pitch_x.mul_add(c_l_knee, -(bz_l_ank_pitch_y * s_l_knee));
-    let bz_l_knee_y = bz_l_ank_pitch_y.mul_add(c_l_knee, bz_l_ank_pitch_x * s_l_knee);
-    // l_hip_pitch
-    let bz_l_hip_pitch_x = bz_l_knee_x
-        .mul_add(c_l_hip_pitch, -(bz_l_knee_y * s_l_hip_pitch));
-    let bz_l_hip_pitch_y = bz_l_knee_y
-        .mul_add(c_l_hip_pitch, bz_l_knee_x * s_l_hip_pitch);
-    // l_hip_roll
-    let bz_l_hip_roll_x = bz_l_hip_pitch_y
-        .mul_add(s_l_hip_roll, -(s_l_ank_roll * c_l_hip_roll));
-    let bz_l_hip_roll_y = s_l_ank_roll
-        .mul_add(s_l_hip_roll, bz_l_hip_pitch_y * c_l_hip_roll);
-    // l_hip_yaw
-    let bz_l_hip_yaw_x = bz_l_hip_roll_x
-        .mul_add(s_l_hip_yaw, bz_l_hip_pitch_x * c_l_hip_yaw);
-    let e12 = bz_l_hip_pitch_x.mul_add(s_l_hip_yaw, -(bz_l_hip_roll_x * c_l_hip_yaw));
-    let bz_l_hip_yaw_y = -e12;
-    // head_pan
-    let bz_head_pan_x = bz_l_hip_yaw_x.mul_add(c_head_pan, -(e12 * s_head_pan));
-    let bz_head_pan_y = -e12.mul_add(c_head_pan, bz_l_hip_yaw_x * s_head_pan);
-    // head_tilt
-    let bz_head_tilt_x = bz_head_pan_x
-        .mul_add(c_head_tilt, bz_l_hip_roll_y * s_head_tilt);
-    let e13 = bz_l_hip_roll_y.mul_add(c_head_tilt, -(bz_head_pan_x * s_head_tilt));
-    // l_sho_pitch
-    let bz_l_sho_pitch_x = bz_l_hip_yaw_x
-        .mul_add(c_l_sho_pitch, -(bz_l_hip_roll_y * s_l_sho_pitch));
-    let bz_l_sho_pitch_y = bz_l_hip_roll_y
-        .mul_add(c_l_sho_pitch, bz_l_hip_yaw_x * s_l_sho_pitch);
-    // l_sho_roll
-    let bz_l_sho_roll_x = -bz_l_sho_pitch_y.mul_add(s_l_sho_roll, e12 * c_l_sho_roll);
-    let e14 = e12.mul_add(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
-    let bz_l_sho_roll_y = -e14;
-    // l_el
-    let bz_l_el_x = bz_l_sho_pitch_x.mul_add(s_l_el, -(e14 * c_l_el));
-    let bz_l_el_y = -bz_l_sho_pitch_x.mul_add(c_l_el, e14 * s_l_el);
-    // r_hip_yaw
-    let bz_r_hip_yaw_x = bz_l_hip_yaw_x.mul_add(c_r_hip_yaw, e12 * s_r_hip_yaw);
-    let bz_r_hip_yaw_y = bz_l_hip_yaw_x.mul_add(s_r_hip_yaw, -(e12 * c_r_hip_yaw));
-    // r_hip_roll
-    let bz_r_hip_roll_x = bz_r_hip_yaw_y
-        .mul_add(c_r_hip_roll, -(bz_l_hip_roll_y * s_r_hip_roll));
-    let bz_r_hip_roll_y = bz_l_hip_roll_y
-        .mul_add(c_r_hip_roll, bz_r_hip_yaw_y * s_r_hip_roll);
-    // r_hip_pitch
-    let bz_r_hip_pitch_x = bz_r_hip_yaw_x
-        .mul_add(c_r_hip_pitch, -(bz_r_hip_roll_y * s_r_hip_pitch));
-    let bz_r_hip_pitch_y = bz_r_hip_yaw_x
-        .mul_add(s_r_hip_pitch, bz_r_hip_roll_y * c_r_hip_pitch);
-    // r_knee
-    let bz_r_knee_x = bz_r_hip_pitch_x.mul_add(c_r_knee, -(bz_r_hip_pitch_y * s_r_knee));
-    let bz_r_knee_y = bz_r_hip_pitch_y.mul_add(c_r_knee, bz_r_hip_pitch_x * s_r_knee);
-    // r_ank_pitch
-    let bz_r_ank_pitch_x = bz_r_knee_x
-        .mul_add(c_r_ank_pitch, bz_r_knee_y * s_r_ank_pitch);
-    let bz_r_ank_pitch_y = bz_r_knee_y
-        .mul_add(c_r_ank_pitch, -(bz_r_knee_x * s_r_ank_pitch));
-    // r_ank_roll
-    let bz_r_ank_roll_x = bz_r_ank_pitch_y
-        .mul_add(s_r_ank_roll, bz_r_hip_roll_x * c_r_ank_roll);
-    let bz_r_ank_roll_y = -bz_r_hip_roll_x
-        .mul_add(s_r_ank_roll, -(bz_r_ank_pitch_y * c_r_ank_roll));
-    // r_sho_pitch
+    let by_r_sho_pitch_x = by_l_hip_yaw_x.mul_add(c_r_sho_pitch, -(e1 * s_r_sho_pitch));
+    let e11 = e1.mul_add(c_r_sho_pitch, by_l_hip_yaw_x * s_r_sho_pitch);
+    let by_r_sho_pitch_y = -e11;
     let bz_r_sho_pitch_x = bz_l_hip_yaw_x
         .mul_add(c_r_sho_pitch, bz_l_hip_roll_y * s_r_sho_pitch);
     let bz_r_sho_pitch_y = bz_l_hip_roll_y
         .mul_add(c_r_sho_pitch, -(bz_l_hip_yaw_x * s_r_sho_pitch));
     // r_sho_roll
-    let bz_r_sho_roll_x = -bz_r_sho_pitch_y.mul_add(s_r_sho_roll, e12 * c_r_sho_roll);
-    let e15 = e12.mul_add(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
+    let e12 = q[18] + T::from_f64(0.785398163);
+    let (s_r_sho_roll, c_r_sho_roll) = e12.sin_cos();
+    let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_add(s_r_sho_roll, e2 * c_r_sho_roll);
+    let e13 = e2.mul_add(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
+    let bx_r_sho_roll_y = -e13;
+    let by_r_sho_roll_x = e11.mul_add(s_r_sho_roll, -(e3 * c_r_sho_roll));
+    let e14 = e3.mul_add(s_r_sho_roll, e11 * c_r_sho_roll);
+    let by_r_sho_roll_y = -e14;
+    let bz_r_sho_roll_x = -bz_r_sho_pitch_y.mul_add(s_r_sho_roll, e4 * c_r_sho_roll);
+    let e15 = e4.mul_add(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
     let bz_r_sho_roll_y = -e15;
     // r_el
+    let (s_r_el, c_r_el) = q[19].sin_cos();
+    let bx_r_el_x = -e13.mul_add(c_r_el, bx_r_sho_pitch_x * s_r_el);
+    let bx_r_el_y = -bx_r_sho_pitch_x.mul_add(c_r_el, -(e13 * s_r_el));
+    let by_r_el_x = -e14.mul_add(c_r_el, by_r_sho_pitch_x * s_r_el);
+    let by_r_el_y = -by_r_sho_pitch_x.mul_add(c_r_el, -(e14 * s_r_el));
     let bz_r_el_x = -e15.mul_add(c_r_el, bz_r_sho_pitch_x * s_r_el);
     let bz_r_el_y = -bz_r_sho_pitch_x.mul_add(c_r_el, -(e15 * s_r_el));
     let zero = T::from_f64(0.0);
@@ -1981,13 +1873,13 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             bx_head_tilt_x
                 .mul_add(
                     T::from_f64(0.8386705680315472),
-                    -(T::from_f64(0.5446390348824093) * e2),
+                    -(T::from_f64(0.5446390348824093) * e5),
                 ),
             bx_head_pan_y,
             bx_head_tilt_x
                 .mul_add(
                     T::from_f64(0.5446390348824093),
-                    T::from_f64(0.8386705680315472) * e2,
+                    T::from_f64(0.8386705680315472) * e5,
                 ),
             bx_l_sho_pitch_x,
             bx_l_hip_yaw_y,
@@ -2127,13 +2019,13 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             bz_head_tilt_x
                 .mul_add(
                     T::from_f64(0.8386705680315472),
-                    -(T::from_f64(0.5446390348824093) * e13),
+                    -(T::from_f64(0.5446390348824093) * e6),
                 ),
             bz_head_pan_y,
             bz_head_tilt_x
                 .mul_add(
                     T::from_f64(0.5446390348824093),
-                    T::from_f64(0.8386705680315472) * e13,
+                    T::from_f64(0.8386705680315472) * e6,
                 ),
             bz_l_sho_pitch_x,
             bz_l_hip_yaw_y,
@@ -2181,137 +2073,150 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
 pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
     // r_el
     let (s_r_el, c_r_el) = q[19].sin_cos();
-    let t_r_el_x = c_r_el.mul_add(r[41], -(s_r_el * r[42]));
     // r_sho_roll
-    let v_r_sho_roll_y = r[40] + t_r_el_x;
+    let v_r_sho_roll_y = (-s_r_el).mul_add(r[42], c_r_el.mul_add(r[41], r[40]));
     let e1 = q[18] + T::from_f64(0.785398163);
     let (s_r_sho_roll, c_r_sho_roll) = e1.sin_cos();
-    let t_r_sho_roll_x = c_r_sho_roll.mul_add(v_r_sho_roll_y, -(s_r_sho_roll * r[39]));
-    let t_r_sho_roll_y = c_r_sho_roll.mul_add(r[39], s_r_sho_roll * v_r_sho_roll_y);
     // r_sho_pitch
     let v_r_sho_pitch_x = r[37] - s_r_el.mul_add(r[41], c_r_el * r[42]);
-    let v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
+    let v_r_sho_pitch_y = c_r_sho_roll
+        .mul_add(v_r_sho_roll_y, (-s_r_sho_roll).mul_add(r[39], r[38]));
+    let v_r_sho_pitch_z = c_r_sho_roll.mul_add(r[39], s_r_sho_roll * v_r_sho_roll_y);
     let (s_r_sho_pitch, c_r_sho_pitch) = q[17].sin_cos();
-    let t_r_sho_pitch_x = c_r_sho_pitch
-        .mul_add(v_r_sho_pitch_x, -(s_r_sho_pitch * v_r_sho_pitch_y));
-    let t_r_sho_pitch_y = s_r_sho_pitch
-        .mul_add(v_r_sho_pitch_x, c_r_sho_pitch * v_r_sho_pitch_y);
     // r_ank_roll
     let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
-    let t_r_ank_roll_x = s_r_ank_roll.mul_add(r[35], c_r_ank_roll * r[36]);
-    let t_r_ank_roll_y = c_r_ank_roll.mul_add(r[35], -(s_r_ank_roll * r[36]));
     // r_ank_pitch
-    let v_r_ank_pitch_y = r[34] + t_r_ank_roll_x;
+    let v_r_ank_pitch_y = c_r_ank_roll
+        .mul_add(r[36], s_r_ank_roll.mul_add(r[35], r[34]));
+    let v_r_ank_pitch_z = c_r_ank_roll.mul_add(r[35], -(s_r_ank_roll * r[36]));
     let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
-    let t_r_ank_pitch_x = c_r_ank_pitch
-        .mul_add(r[33], -(s_r_ank_pitch * v_r_ank_pitch_y));
-    let t_r_ank_pitch_y = s_r_ank_pitch.mul_add(r[33], c_r_ank_pitch * v_r_ank_pitch_y);
     // r_knee
-    let v_r_knee_x = r[31] + t_r_ank_pitch_x;
-    let v_r_knee_y = r[32] + t_r_ank_pitch_y;
+    let v_r_knee_x = (-s_r_ank_pitch)
+        .mul_add(v_r_ank_pitch_y, c_r_ank_pitch.mul_add(r[33], r[31]));
+    let v_r_knee_y = c_r_ank_pitch
+        .mul_add(v_r_ank_pitch_y, s_r_ank_pitch.mul_add(r[33], r[32]));
     let (s_r_knee, c_r_knee) = q[14].sin_cos();
-    let t_r_knee_x = c_r_knee.mul_add(v_r_knee_x, s_r_knee * v_r_knee_y);
-    let t_r_knee_y = c_r_knee.mul_add(v_r_knee_y, -(s_r_knee * v_r_knee_x));
     // r_hip_pitch
-    let v_r_hip_pitch_x = r[29] + t_r_knee_x;
-    let v_r_hip_pitch_y = r[30] + t_r_knee_y;
+    let v_r_hip_pitch_x = s_r_knee
+        .mul_add(v_r_knee_y, c_r_knee.mul_add(v_r_knee_x, r[29]));
+    let v_r_hip_pitch_y = c_r_knee
+        .mul_add(v_r_knee_y, (-s_r_knee).mul_add(v_r_knee_x, r[30]));
     let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
-    let t_r_hip_pitch_x = c_r_hip_pitch
-        .mul_add(v_r_hip_pitch_y, -(s_r_hip_pitch * v_r_hip_pitch_x));
-    let t_r_hip_pitch_y = c_r_hip_pitch
-        .mul_add(v_r_hip_pitch_x, s_r_hip_pitch * v_r_hip_pitch_y);
     // r_hip_roll
-    let v_r_hip_roll_x = r[27] + t_r_ank_roll_y;
-    let v_r_hip_roll_y = r[28] + t_r_hip_pitch_x;
+    let v_r_hip_roll_x = r[27] + v_r_ank_pitch_z;
+    let v_r_hip_roll_y = c_r_hip_pitch
+        .mul_add(v_r_hip_pitch_y, (-s_r_hip_pitch).mul_add(v_r_hip_pitch_x, r[28]));
+    let v_r_hip_roll_z = c_r_hip_pitch
+        .mul_add(v_r_hip_pitch_x, s_r_hip_pitch * v_r_hip_pitch_y);
     let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
-    let t_r_hip_roll_x = c_r_hip_roll
-        .mul_add(v_r_hip_roll_x, s_r_hip_roll * v_r_hip_roll_y);
-    let t_r_hip_roll_y = c_r_hip_roll
-        .mul_add(v_r_hip_roll_y, -(s_r_hip_roll * v_r_hip_roll_x));
     // r_hip_yaw
-    let v_r_hip_yaw_x = r[25] + t_r_hip_pitch_y;
-    let v_r_hip_yaw_y = r[26] + t_r_hip_roll_x;
+    let v_r_hip_yaw_x = r[25] + v_r_hip_roll_z;
+    let v_r_hip_yaw_y = s_r_hip_roll
+        .mul_add(v_r_hip_roll_y, c_r_hip_roll.mul_add(v_r_hip_roll_x, r[26]));
+    let v_r_hip_yaw_z = c_r_hip_roll
+        .mul_add(v_r_hip_roll_y, -(s_r_hip_roll * v_r_hip_roll_x));
     let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
-    let t_r_hip_yaw_x = c_r_hip_yaw.mul_add(v_r_hip_yaw_x, s_r_hip_yaw * v_r_hip_yaw_y);
-    let t_r_hip_yaw_y = c_r_hip_yaw
-        .mul_add(v_r_hip_yaw_y, -(s_r_hip_yaw * v_r_hip_yaw_x));
     // l_el
     let (s_l_el, c_l_el) = q[10].sin_cos();
-    let t_l_el_x = c_l_el.mul_add(r[23], s_l_el * r[24]);
-    let t_l_el_y = s_l_el.mul_add(r[23], -(c_l_el * r[24]));
     // l_sho_roll
-    let v_l_sho_roll_y = r[22] + t_l_el_x;
+    let v_l_sho_roll_y = s_l_el.mul_add(r[24], c_l_el.mul_add(r[23], r[22]));
+    let v_l_sho_roll_z = s_l_el.mul_add(r[23], -(c_l_el * r[24]));
     let e2 = q[9] - T::from_f64(0.785398163);
     let (s_l_sho_roll, c_l_sho_roll) = e2.sin_cos();
-    let t_l_sho_roll_x = c_l_sho_roll.mul_add(v_l_sho_roll_y, -(s_l_sho_roll * r[21]));
-    let t_l_sho_roll_y = c_l_sho_roll.mul_add(r[21], s_l_sho_roll * v_l_sho_roll_y);
     // l_sho_pitch
-    let v_l_sho_pitch_x = r[19] + t_l_el_y;
-    let v_l_sho_pitch_y = r[20] + t_l_sho_roll_x;
+    let v_l_sho_pitch_x = r[19] + v_l_sho_roll_z;
+    let v_l_sho_pitch_y = c_l_sho_roll
+        .mul_add(v_l_sho_roll_y, (-s_l_sho_roll).mul_add(r[21], r[20]));
+    let v_l_sho_pitch_z = c_l_sho_roll.mul_add(r[21], s_l_sho_roll * v_l_sho_roll_y);
     let (s_l_sho_pitch, c_l_sho_pitch) = q[8].sin_cos();
-    let t_l_sho_pitch_x = c_l_sho_pitch
-        .mul_add(v_l_sho_pitch_x, s_l_sho_pitch * v_l_sho_pitch_y);
-    let t_l_sho_pitch_y = c_l_sho_pitch
-        .mul_add(v_l_sho_pitch_y, -(s_l_sho_pitch * v_l_sho_pitch_x));
     // head_tilt
     let (s_head_tilt, c_head_tilt) = q[1].sin_cos();
-    let t_head_tilt_x = c_head_tilt.mul_add(r[17], s_head_tilt * r[18]);
-    let t_head_tilt_y = s_head_tilt.mul_add(r[17], -(c_head_tilt * r[18]));
     // head_pan
-    let v_head_pan_x = r[15] + t_head_tilt_x;
+    let v_head_pan_x = s_head_tilt.mul_add(r[18], c_head_tilt.mul_add(r[17], r[15]));
+    let v_head_pan_z = s_head_tilt.mul_add(r[17], -(c_head_tilt * r[18]));
     let (s_head_pan, c_head_pan) = q[0].sin_cos();
-    let t_head_pan_x = c_head_pan.mul_add(v_head_pan_x, -(s_head_pan * r[16]));
-    let t_head_pan_y = s_head_pan.mul_add(v_head_pan_x, c_head_pan * r[16]);
     // l_hip_yaw
-    let v_l_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_hip_yaw_x
-        + t_r_sho_pitch_x;
-    let v_l_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_hip_yaw_y
-        + t_r_sho_roll_y;
-    let v_l_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_hip_roll_y
-        + t_r_sho_pitch_y;
+    let e3 = (-s_r_sho_pitch)
+        .mul_add(
+            v_r_sho_pitch_y,
+            c_r_sho_pitch
+                .mul_add(
+                    v_r_sho_pitch_x,
+                    s_l_sho_pitch
+                        .mul_add(
+                            v_l_sho_pitch_y,
+                            c_l_sho_pitch
+                                .mul_add(
+                                    v_l_sho_pitch_x,
+                                    (-s_head_pan)
+                                        .mul_add(r[16], c_head_pan.mul_add(v_head_pan_x, r[13])),
+                                ),
+                        ),
+                ),
+        );
+    let v_l_hip_yaw_x = s_r_hip_yaw
+        .mul_add(v_r_hip_yaw_y, c_r_hip_yaw.mul_add(v_r_hip_yaw_x, e3));
+    let v_l_hip_yaw_y = c_r_hip_yaw
+        .mul_add(
+            v_r_hip_yaw_y,
+            (-s_r_hip_yaw)
+                .mul_add(
+                    v_r_hip_yaw_x,
+                    c_head_pan.mul_add(r[16], s_head_pan.mul_add(v_head_pan_x, r[14]))
+                        + v_l_sho_pitch_z + v_r_sho_pitch_z,
+                ),
+        );
+    let v_l_hip_yaw_z = c_r_sho_pitch
+        .mul_add(
+            v_r_sho_pitch_y,
+            s_r_sho_pitch
+                .mul_add(
+                    v_r_sho_pitch_x,
+                    c_l_sho_pitch
+                        .mul_add(
+                            v_l_sho_pitch_y,
+                            (-s_l_sho_pitch).mul_add(v_l_sho_pitch_x, v_head_pan_z),
+                        ),
+                ),
+        ) + v_r_hip_yaw_z;
     let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
-    let t_l_hip_yaw_x = s_l_hip_yaw.mul_add(v_l_hip_yaw_x, c_l_hip_yaw * v_l_hip_yaw_y);
-    let t_l_hip_yaw_y = c_l_hip_yaw
-        .mul_add(v_l_hip_yaw_x, -(s_l_hip_yaw * v_l_hip_yaw_y));
     // l_hip_roll
-    let v_l_hip_roll_x = r[11] + t_l_hip_yaw_x;
+    let v_l_hip_roll_x = c_l_hip_yaw
+        .mul_add(v_l_hip_yaw_y, s_l_hip_yaw.mul_add(v_l_hip_yaw_x, r[11]));
     let v_l_hip_roll_y = r[12] + v_l_hip_yaw_z;
+    let v_l_hip_roll_z = c_l_hip_yaw
+        .mul_add(v_l_hip_yaw_x, -(s_l_hip_yaw * v_l_hip_yaw_y));
     let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
-    let t_l_hip_roll_x = s_l_hip_roll
-        .mul_add(v_l_hip_roll_x, c_l_hip_roll * v_l_hip_roll_y);
-    let t_l_hip_roll_y = c_l_hip_roll
-        .mul_add(v_l_hip_roll_x, -(s_l_hip_roll * v_l_hip_roll_y));
     // l_hip_pitch
-    let v_l_hip_pitch_x = r[9] + t_l_hip_yaw_y;
-    let v_l_hip_pitch_y = r[10] + t_l_hip_roll_x;
+    let v_l_hip_pitch_x = r[9] + v_l_hip_roll_z;
+    let v_l_hip_pitch_y = c_l_hip_roll
+        .mul_add(v_l_hip_roll_y, s_l_hip_roll.mul_add(v_l_hip_roll_x, r[10]));
+    let v_l_hip_pitch_z = c_l_hip_roll
+        .mul_add(v_l_hip_roll_x, -(s_l_hip_roll * v_l_hip_roll_y));
     let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
-    let t_l_hip_pitch_x = c_l_hip_pitch
-        .mul_add(v_l_hip_pitch_x, s_l_hip_pitch * v_l_hip_pitch_y);
-    let t_l_hip_pitch_y = c_l_hip_pitch
-        .mul_add(v_l_hip_pitch_y, -(s_l_hip_pitch * v_l_hip_pitch_x));
     // l_knee
-    let v_l_knee_x = r[7] + t_l_hip_pitch_x;
-    let v_l_knee_y = r[8] + t_l_hip_pitch_y;
+    let v_l_knee_x = s_l_hip_pitch
+        .mul_add(v_l_hip_pitch_y, c_l_hip_pitch.mul_add(v_l_hip_pitch_x, r[7]));
+    let v_l_knee_y = c_l_hip_pitch
+        .mul_add(v_l_hip_pitch_y, (-s_l_hip_pitch).mul_add(v_l_hip_pitch_x, r[8]));
     let (s_l_knee, c_l_knee) = q[5].sin_cos();
-    let t_l_knee_x = c_l_knee.mul_add(v_l_knee_x, s_l_knee * v_l_knee_y);
-    let t_l_knee_y = c_l_knee.mul_add(v_l_knee_y, -(s_l_knee * v_l_knee_x));
     // l_ank_pitch
-    let v_l_ank_pitch_x = r[5] + t_l_knee_x;
-    let v_l_ank_pitch_y = r[6] + t_l_knee_y;
+    let v_l_ank_pitch_x = s_l_knee
+        .mul_add(v_l_knee_y, c_l_knee.mul_add(v_l_knee_x, r[5]));
+    let v_l_ank_pitch_y = c_l_knee
+        .mul_add(v_l_knee_y, (-s_l_knee).mul_add(v_l_knee_x, r[6]));
     let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
-    let t_l_ank_pitch_x = s_l_ank_pitch
-        .mul_add(v_l_ank_pitch_x, c_l_ank_pitch * v_l_ank_pitch_y);
-    let t_l_ank_pitch_y = c_l_ank_pitch
-        .mul_add(v_l_ank_pitch_x, -(s_l_ank_pitch * v_l_ank_pitch_y));
     // l_ank_roll
-    let v_l_ank_roll_x = r[3] + t_l_hip_roll_y;
-    let v_l_ank_roll_y = r[4] + t_l_ank_pitch_x;
+    let v_l_ank_roll_x = r[3] + v_l_hip_pitch_z;
+    let v_l_ank_roll_y = c_l_ank_pitch
+        .mul_add(v_l_ank_pitch_y, s_l_ank_pitch.mul_add(v_l_ank_pitch_x, r[4]));
+    let v_l_ank_roll_z = c_l_ank_pitch
+        .mul_add(v_l_ank_pitch_x, -(s_l_ank_pitch * v_l_ank_pitch_y));
     let (s_l_ank_roll, c_l_ank_roll) = q[7].sin_cos();
-    let t_l_ank_roll_x = c_l_ank_roll
-        .mul_add(v_l_ank_roll_x, s_l_ank_roll * v_l_ank_roll_y);
     // l_sole
-    let v_l_sole_x = r[0] + t_l_ank_pitch_y;
-    let v_l_sole_y = r[1] + t_l_ank_roll_x;
+    let v_l_sole_x = r[0] + v_l_ank_roll_z;
+    let v_l_sole_y = s_l_ank_roll
+        .mul_add(v_l_ank_roll_y, c_l_ank_roll.mul_add(v_l_ank_roll_x, r[1]));
     [v_l_sole_x, v_l_sole_y]
 }
 
@@ -2321,10 +2226,8 @@ pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 #[inline(always)]
 pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
-    // r_el
-    let t_r_el_x = cos[19].mul_add(r[41], -(sin[19] * r[42]));
     // r_sho_roll
-    let v_r_sho_roll_y = r[40] + t_r_el_x;
+    let v_r_sho_roll_y = (-sin[19]).mul_add(r[42], cos[19].mul_add(r[41], r[40]));
     let s_r_sho_roll = sin[18]
         .mul_add(
             T::from_f64(0.707106781467586),
@@ -2335,45 +2238,35 @@ pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
             T::from_f64(0.707106781467586),
             -(T::from_f64(0.7071067809055092) * sin[18]),
         );
-    let t_r_sho_roll_x = c_r_sho_roll.mul_add(v_r_sho_roll_y, -(s_r_sho_roll * r[39]));
-    let t_r_sho_roll_y = c_r_sho_roll.mul_add(r[39], s_r_sho_roll * v_r_sho_roll_y);
     // r_sho_pitch
     let v_r_sho_pitch_x = r[37] - sin[19].mul_add(r[41], cos[19] * r[42]);
-    let v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
-    let t_r_sho_pitch_x = cos[17].mul_add(v_r_sho_pitch_x, -(sin[17] * v_r_sho_pitch_y));
-    let t_r_sho_pitch_y = sin[17].mul_add(v_r_sho_pitch_x, cos[17] * v_r_sho_pitch_y);
-    // r_ank_roll
-    let t_r_ank_roll_x = sin[16].mul_add(r[35], cos[16] * r[36]);
-    let t_r_ank_roll_y = cos[16].mul_add(r[35], -(sin[16] * r[36]));
+    let v_r_sho_pitch_y = c_r_sho_roll
+        .mul_add(v_r_sho_roll_y, (-s_r_sho_roll).mul_add(r[39], r[38]));
+    let v_r_sho_pitch_z = c_r_sho_roll.mul_add(r[39], s_r_sho_roll * v_r_sho_roll_y);
     // r_ank_pitch
-    let v_r_ank_pitch_y = r[34] + t_r_ank_roll_x;
-    let t_r_ank_pitch_x = cos[15].mul_add(r[33], -(sin[15] * v_r_ank_pitch_y));
-    let t_r_ank_pitch_y = sin[15].mul_add(r[33], cos[15] * v_r_ank_pitch_y);
+    let v_r_ank_pitch_y = cos[16].mul_add(r[36], sin[16].mul_add(r[35], r[34]));
+    let v_r_ank_pitch_z = cos[16].mul_add(r[35], -(sin[16] * r[36]));
     // r_knee
-    let v_r_knee_x = r[31] + t_r_ank_pitch_x;
-    let v_r_knee_y = r[32] + t_r_ank_pitch_y;
-    let t_r_knee_x = cos[14].mul_add(v_r_knee_x, sin[14] * v_r_knee_y);
-    let t_r_knee_y = cos[14].mul_add(v_r_knee_y, -(sin[14] * v_r_knee_x));
+    let v_r_knee_x = (-sin[15]).mul_add(v_r_ank_pitch_y, cos[15].mul_add(r[33], r[31]));
+    let v_r_knee_y = cos[15].mul_add(v_r_ank_pitch_y, sin[15].mul_add(r[33], r[32]));
     // r_hip_pitch
-    let v_r_hip_pitch_x = r[29] + t_r_knee_x;
-    let v_r_hip_pitch_y = r[30] + t_r_knee_y;
-    let t_r_hip_pitch_x = cos[13].mul_add(v_r_hip_pitch_y, -(sin[13] * v_r_hip_pitch_x));
-    let t_r_hip_pitch_y = cos[13].mul_add(v_r_hip_pitch_x, sin[13] * v_r_hip_pitch_y);
+    let v_r_hip_pitch_x = sin[14]
+        .mul_add(v_r_knee_y, cos[14].mul_add(v_r_knee_x, r[29]));
+    let v_r_hip_pitch_y = cos[14]
+        .mul_add(v_r_knee_y, (-sin[14]).mul_add(v_r_knee_x, r[30]));
     // r_hip_roll
-    let v_r_hip_roll_x = r[27] + t_r_ank_roll_y;
-    let v_r_hip_roll_y = r[28] + t_r_hip_pitch_x;
-    let t_r_hip_roll_x = cos[12].mul_add(v_r_hip_roll_x, sin[12] * v_r_hip_roll_y);
-    let t_r_hip_roll_y = cos[12].mul_add(v_r_hip_roll_y, -(sin[12] * v_r_hip_roll_x));
+    let v_r_hip_roll_x = r[27] + v_r_ank_pitch_z;
+    let v_r_hip_roll_y = cos[13]
+        .mul_add(v_r_hip_pitch_y, (-sin[13]).mul_add(v_r_hip_pitch_x, r[28]));
+    let v_r_hip_roll_z = cos[13].mul_add(v_r_hip_pitch_x, sin[13] * v_r_hip_pitch_y);
     // r_hip_yaw
-    let v_r_hip_yaw_x = r[25] + t_r_hip_pitch_y;
-    let v_r_hip_yaw_y = r[26] + t_r_hip_roll_x;
-    let t_r_hip_yaw_x = cos[11].mul_add(v_r_hip_yaw_x, sin[11] * v_r_hip_yaw_y);
-    let t_r_hip_yaw_y = cos[11].mul_add(v_r_hip_yaw_y, -(sin[11] * v_r_hip_yaw_x));
-    // l_el
-    let t_l_el_x = cos[10].mul_add(r[23], sin[10] * r[24]);
-    let t_l_el_y = sin[10].mul_add(r[23], -(cos[10] * r[24]));
+    let v_r_hip_yaw_x = r[25] + v_r_hip_roll_z;
+    let v_r_hip_yaw_y = sin[12]
+        .mul_add(v_r_hip_roll_y, cos[12].mul_add(v_r_hip_roll_x, r[26]));
+    let v_r_hip_yaw_z = cos[12].mul_add(v_r_hip_roll_y, -(sin[12] * v_r_hip_roll_x));
     // l_sho_roll
-    let v_l_sho_roll_y = r[22] + t_l_el_x;
+    let v_l_sho_roll_y = sin[10].mul_add(r[24], cos[10].mul_add(r[23], r[22]));
+    let v_l_sho_roll_z = sin[10].mul_add(r[23], -(cos[10] * r[24]));
     let s_l_sho_roll = sin[9]
         .mul_add(
             T::from_f64(0.707106781467586),
@@ -2384,58 +2277,83 @@ pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
             T::from_f64(0.707106781467586),
             T::from_f64(0.7071067809055092) * sin[9],
         );
-    let t_l_sho_roll_x = c_l_sho_roll.mul_add(v_l_sho_roll_y, -(s_l_sho_roll * r[21]));
-    let t_l_sho_roll_y = c_l_sho_roll.mul_add(r[21], s_l_sho_roll * v_l_sho_roll_y);
     // l_sho_pitch
-    let v_l_sho_pitch_x = r[19] + t_l_el_y;
-    let v_l_sho_pitch_y = r[20] + t_l_sho_roll_x;
-    let t_l_sho_pitch_x = cos[8].mul_add(v_l_sho_pitch_x, sin[8] * v_l_sho_pitch_y);
-    let t_l_sho_pitch_y = cos[8].mul_add(v_l_sho_pitch_y, -(sin[8] * v_l_sho_pitch_x));
-    // head_tilt
-    let t_head_tilt_x = cos[1].mul_add(r[17], sin[1] * r[18]);
-    let t_head_tilt_y = sin[1].mul_add(r[17], -(cos[1] * r[18]));
+    let v_l_sho_pitch_x = r[19] + v_l_sho_roll_z;
+    let v_l_sho_pitch_y = c_l_sho_roll
+        .mul_add(v_l_sho_roll_y, (-s_l_sho_roll).mul_add(r[21], r[20]));
+    let v_l_sho_pitch_z = c_l_sho_roll.mul_add(r[21], s_l_sho_roll * v_l_sho_roll_y);
     // head_pan
-    let v_head_pan_x = r[15] + t_head_tilt_x;
-    let t_head_pan_x = cos[0].mul_add(v_head_pan_x, -(sin[0] * r[16]));
-    let t_head_pan_y = sin[0].mul_add(v_head_pan_x, cos[0] * r[16]);
+    let v_head_pan_x = sin[1].mul_add(r[18], cos[1].mul_add(r[17], r[15]));
+    let v_head_pan_z = sin[1].mul_add(r[17], -(cos[1] * r[18]));
     // l_hip_yaw
-    let v_l_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_hip_yaw_x
-        + t_r_sho_pitch_x;
-    let v_l_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_hip_yaw_y
-        + t_r_sho_roll_y;
-    let v_l_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_hip_roll_y
-        + t_r_sho_pitch_y;
-    let t_l_hip_yaw_x = sin[2].mul_add(v_l_hip_yaw_x, cos[2] * v_l_hip_yaw_y);
-    let t_l_hip_yaw_y = cos[2].mul_add(v_l_hip_yaw_x, -(sin[2] * v_l_hip_yaw_y));
+    let e1 = cos[17]
+        .mul_add(
+            v_r_sho_pitch_x,
+            sin[8]
+                .mul_add(
+                    v_l_sho_pitch_y,
+                    cos[8]
+                        .mul_add(
+                            v_l_sho_pitch_x,
+                            (-sin[0]).mul_add(r[16], cos[0].mul_add(v_head_pan_x, r[13])),
+                        ),
+                ),
+        );
+    let v_l_hip_yaw_x = sin[11]
+        .mul_add(
+            v_r_hip_yaw_y,
+            cos[11].mul_add(v_r_hip_yaw_x, (-sin[17]).mul_add(v_r_sho_pitch_y, e1)),
+        );
+    let e2 = (-sin[11])
+        .mul_add(
+            v_r_hip_yaw_x,
+            cos[0].mul_add(r[16], sin[0].mul_add(v_head_pan_x, r[14])) + v_l_sho_pitch_z
+                + v_r_sho_pitch_z,
+        );
+    let v_l_hip_yaw_y = cos[11].mul_add(v_r_hip_yaw_y, e2);
+    let v_l_hip_yaw_z = cos[17]
+        .mul_add(
+            v_r_sho_pitch_y,
+            sin[17]
+                .mul_add(
+                    v_r_sho_pitch_x,
+                    cos[8]
+                        .mul_add(
+                            v_l_sho_pitch_y,
+                            (-sin[8]).mul_add(v_l_sho_pitch_x, v_head_pan_z),
+                        ),
+                ),
+        ) + v_r_hip_yaw_z;
     // l_hip_roll
-    let v_l_hip_roll_x = r[11] + t_l_hip_yaw_x;
+    let v_l_hip_roll_x = cos[2]
+        .mul_add(v_l_hip_yaw_y, sin[2].mul_add(v_l_hip_yaw_x, r[11]));
     let v_l_hip_roll_y = r[12] + v_l_hip_yaw_z;
-    let t_l_hip_roll_x = sin[3].mul_add(v_l_hip_roll_x, cos[3] * v_l_hip_roll_y);
-    let t_l_hip_roll_y = cos[3].mul_add(v_l_hip_roll_x, -(sin[3] * v_l_hip_roll_y));
+    let v_l_hip_roll_z = cos[2].mul_add(v_l_hip_yaw_x, -(sin[2] * v_l_hip_yaw_y));
     // l_hip_pitch
-    let v_l_hip_pitch_x = r[9] + t_l_hip_yaw_y;
-    let v_l_hip_pitch_y = r[10] + t_l_hip_roll_x;
-    let t_l_hip_pitch_x = cos[4].mul_add(v_l_hip_pitch_x, sin[4] * v_l_hip_pitch_y);
-    let t_l_hip_pitch_y = cos[4].mul_add(v_l_hip_pitch_y, -(sin[4] * v_l_hip_pitch_x));
+    let v_l_hip_pitch_x = r[9] + v_l_hip_roll_z;
+    let v_l_hip_pitch_y = cos[3]
+        .mul_add(v_l_hip_roll_y, sin[3].mul_add(v_l_hip_roll_x, r[10]));
+    let v_l_hip_pitch_z = cos[3].mul_add(v_l_hip_roll_x, -(sin[3] * v_l_hip_roll_y));
     // l_knee
-    let v_l_knee_x = r[7] + t_l_hip_pitch_x;
-    let v_l_knee_y = r[8] + t_l_hip_pitch_y;
-    let t_l_knee_x = cos[5].mul_add(v_l_knee_x, sin[5] * v_l_knee_y);
-    let t_l_knee_y = cos[5].mul_add(v_l_knee_y, -(sin[5] * v_l_knee_x));
+    let v_l_knee_x = sin[4]
+        .mul_add(v_l_hip_pitch_y, cos[4].mul_add(v_l_hip_pitch_x, r[7]));
+    let v_l_knee_y = cos[4]
+        .mul_add(v_l_hip_pitch_y, (-sin[4]).mul_add(v_l_hip_pitch_x, r[8]));
     // l_ank_pitch
-    let v_l_ank_pitch_x = r[5] + t_l_knee_x;
-    let v_l_ank_pitch_y = r[6] + t_l_knee_y;
-    let t_l_ank_pitch_x = sin[6].mul_add(v_l_ank_pitch_x, cos[6] * v_l_ank_pitch_y);
-    let t_l_ank_pitch_y = cos[6].mul_add(v_l_ank_pitch_x, -(sin[6] * v_l_ank_pitch_y));
+    let v_l_ank_pitch_x = sin[5].mul_add(v_l_knee_y, cos[5].mul_add(v_l_knee_x, r[5]));
+    let v_l_ank_pitch_y = cos[5]
+        .mul_add(v_l_knee_y, (-sin[5]).mul_add(v_l_knee_x, r[6]));
     // l_ank_roll
-    let v_l_ank_roll_x = r[3] + t_l_hip_roll_y;
-    let v_l_ank_roll_y = r[4] + t_l_ank_pitch_x;
-    let t_l_ank_roll_x = cos[7].mul_add(v_l_ank_roll_x, sin[7] * v_l_ank_roll_y);
-    let t_l_ank_roll_y = cos[7].mul_add(v_l_ank_roll_y, -(sin[7] * v_l_ank_roll_x));
+    let v_l_ank_roll_x = r[3] + v_l_hip_pitch_z;
+    let v_l_ank_roll_y = cos[6]
+        .mul_add(v_l_ank_pitch_y, sin[6].mul_add(v_l_ank_pitch_x, r[4]));
+    let v_l_ank_roll_z = cos[6].mul_add(v_l_ank_pitch_x, -(sin[6] * v_l_ank_pitch_y));
     // l_sole
-    let v_l_sole_x = r[0] + t_l_ank_pitch_y;
-    let v_l_sole_y = r[1] + t_l_ank_roll_x;
-    let v_l_sole_z = r[2] + t_l_ank_roll_y;
+    let v_l_sole_x = r[0] + v_l_ank_roll_z;
+    let v_l_sole_y = sin[7]
+        .mul_add(v_l_ank_roll_y, cos[7].mul_add(v_l_ank_roll_x, r[1]));
+    let v_l_sole_z = cos[7]
+        .mul_add(v_l_ank_roll_y, (-sin[7]).mul_add(v_l_ank_roll_x, r[2]));
     [v_l_sole_x, v_l_sole_y, v_l_sole_z]
 }
 
@@ -2528,12 +2446,12 @@ pub fn com_jacobian_sc<T: Real>(
     let t_head_pan_x = cos[0].mul_add(v_head_pan_x, -(sin[0] * r[16]));
     let t_head_pan_y = sin[0].mul_add(v_head_pan_x, cos[0] * r[16]);
     // l_hip_yaw
-    let v_l_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_hip_yaw_x
-        + t_r_sho_pitch_x;
-    let v_l_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_hip_yaw_y
-        + t_r_sho_roll_y;
-    let v_l_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_hip_roll_y
-        + t_r_sho_pitch_y;
+    let v_l_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_sho_pitch_x
+        + t_r_hip_yaw_x;
+    let v_l_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_sho_roll_y
+        + t_r_hip_yaw_y;
+    let v_l_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y
+        + t_r_hip_roll_y;
     let t_l_hip_yaw_x = sin[2].mul_add(v_l_hip_yaw_x, cos[2] * v_l_hip_yaw_y);
     let t_l_hip_yaw_y = cos[2].mul_add(v_l_hip_yaw_x, -(sin[2] * v_l_hip_yaw_y));
     // l_hip_roll
@@ -2561,118 +2479,93 @@ pub fn com_jacobian_sc<T: Real>(
     let v_l_ank_roll_y = r[4] + t_l_ank_pitch_x;
     let t_l_ank_roll_x = cos[7].mul_add(v_l_ank_roll_x, sin[7] * v_l_ank_roll_y);
     let t_l_ank_roll_y = cos[7].mul_add(v_l_ank_roll_y, -(sin[7] * v_l_ank_roll_x));
-    // l_knee
-    let bx_l_knee_x = cos[6].mul_add(cos[5], sin[6] * sin[5]);
-    let bx_l_knee_y = cos[6].mul_add(sin[5], -(sin[6] * cos[5]));
-    // l_hip_pitch
-    let bx_l_hip_pitch_x = bx_l_knee_x.mul_add(cos[4], -(bx_l_knee_y * sin[4]));
-    let bx_l_hip_pitch_y = bx_l_knee_y.mul_add(cos[4], bx_l_knee_x * sin[4]);
-    // l_hip_roll
-    let bx_l_hip_roll_x = bx_l_hip_pitch_y * sin[3];
-    let bx_l_hip_roll_y = bx_l_hip_pitch_y * cos[3];
-    // l_hip_yaw
-    let bx_l_hip_yaw_x = bx_l_hip_roll_x.mul_add(sin[2], bx_l_hip_pitch_x * cos[2]);
-    let e2 = bx_l_hip_pitch_x.mul_add(sin[2], -(bx_l_hip_roll_x * cos[2]));
-    // head_pan
-    let bx_head_pan_x = bx_l_hip_yaw_x.mul_add(cos[0], -(e2 * sin[0]));
-    // l_sho_pitch
-    let bx_l_sho_pitch_x = bx_l_hip_yaw_x.mul_add(cos[8], -(bx_l_hip_roll_y * sin[8]));
-    let bx_l_sho_pitch_y = bx_l_hip_roll_y.mul_add(cos[8], bx_l_hip_yaw_x * sin[8]);
-    // r_hip_yaw
-    let bx_r_hip_yaw_x = bx_l_hip_yaw_x.mul_add(cos[11], e2 * sin[11]);
-    let bx_r_hip_yaw_y = bx_l_hip_yaw_x.mul_add(sin[11], -(e2 * cos[11]));
-    // r_hip_roll
-    let bx_r_hip_roll_x = bx_r_hip_yaw_y.mul_add(cos[12], -(bx_l_hip_roll_y * sin[12]));
-    let bx_r_hip_roll_y = bx_l_hip_roll_y.mul_add(cos[12], bx_r_hip_yaw_y * sin[12]);
-    // r_hip_pitch
-    let bx_r_hip_pitch_x = bx_r_hip_yaw_x.mul_add(cos[13], -(bx_r_hip_roll_y * sin[13]));
-    let bx_r_hip_pitch_y = bx_r_hip_yaw_x.mul_add(sin[13], bx_r_hip_roll_y * cos[13]);
-    // r_knee
-    let bx_r_knee_x = bx_r_hip_pitch_x.mul_add(cos[14], -(bx_r_hip_pitch_y * sin[14]));
-    let bx_r_knee_y = bx_r_hip_pitch_y.mul_add(cos[14], bx_r_hip_pitch_x * sin[14]);
-    // r_ank_pitch
-    let bx_r_ank_pitch_y = bx_r_knee_y.mul_add(cos[15], -(bx_r_knee_x * sin[15]));
-    // r_sho_pitch
-    let bx_r_sho_pitch_x = bx_l_hip_yaw_x.mul_add(cos[17], bx_l_hip_roll_y * sin[17]);
-    let bx_r_sho_pitch_y = bx_l_hip_roll_y.mul_add(cos[17], -(bx_l_hip_yaw_x * sin[17]));
     // l_ank_pitch
     let by_l_ank_pitch_x = sin[7] * sin[6];
     let by_l_ank_pitch_y = sin[7] * cos[6];
-    // l_knee
-    let by_l_knee_x = by_l_ank_pitch_x.mul_add(cos[5], -(by_l_ank_pitch_y * sin[5]));
-    let by_l_knee_y = by_l_ank_pitch_y.mul_add(cos[5], by_l_ank_pitch_x * sin[5]);
-    // l_hip_pitch
-    let by_l_hip_pitch_x = by_l_knee_x.mul_add(cos[4], -(by_l_knee_y * sin[4]));
-    let by_l_hip_pitch_y = by_l_knee_y.mul_add(cos[4], by_l_knee_x * sin[4]);
-    // l_hip_roll
-    let by_l_hip_roll_x = by_l_hip_pitch_y.mul_add(sin[3], cos[7] * cos[3]);
-    let e3 = cos[7].mul_add(sin[3], -(by_l_hip_pitch_y * cos[3]));
-    // l_hip_yaw
-    let by_l_hip_yaw_x = by_l_hip_roll_x.mul_add(sin[2], by_l_hip_pitch_x * cos[2]);
-    let e4 = by_l_hip_pitch_x.mul_add(sin[2], -(by_l_hip_roll_x * cos[2]));
-    // head_pan
-    let by_head_pan_x = by_l_hip_yaw_x.mul_add(cos[0], -(e4 * sin[0]));
-    // l_sho_pitch
-    let by_l_sho_pitch_x = by_l_hip_yaw_x.mul_add(cos[8], e3 * sin[8]);
-    let by_l_sho_pitch_y = by_l_hip_yaw_x.mul_add(sin[8], -(e3 * cos[8]));
-    // r_hip_yaw
-    let by_r_hip_yaw_x = by_l_hip_yaw_x.mul_add(cos[11], e4 * sin[11]);
-    let by_r_hip_yaw_y = by_l_hip_yaw_x.mul_add(sin[11], -(e4 * cos[11]));
-    // r_hip_roll
-    let by_r_hip_roll_x = by_r_hip_yaw_y.mul_add(cos[12], e3 * sin[12]);
-    let by_r_hip_roll_y = by_r_hip_yaw_y.mul_add(sin[12], -(e3 * cos[12]));
-    // r_hip_pitch
-    let by_r_hip_pitch_x = by_r_hip_yaw_x.mul_add(cos[13], -(by_r_hip_roll_y * sin[13]));
-    let by_r_hip_pitch_y = by_r_hip_yaw_x.mul_add(sin[13], by_r_hip_roll_y * cos[13]);
-    // r_knee
-    let by_r_knee_x = by_r_hip_pitch_x.mul_add(cos[14], -(by_r_hip_pitch_y * sin[14]));
-    let by_r_knee_y = by_r_hip_pitch_y.mul_add(cos[14], by_r_hip_pitch_x * sin[14]);
-    // r_ank_pitch
-    let by_r_ank_pitch_y = by_r_knee_y.mul_add(cos[15], -(by_r_knee_x * sin[15]));
-    // r_sho_pitch
-    let by_r_sho_pitch_x = by_l_hip_yaw_x.mul_add(cos[17], -(e3 * sin[17]));
-    let e5 = e3.mul_add(cos[17], by_l_hip_yaw_x * sin[17]);
-    // l_ank_pitch
     let bz_l_ank_pitch_x = cos[7] * sin[6];
     let bz_l_ank_pitch_y = cos[7] * cos[6];
     // l_knee
+    let bx_l_knee_x = cos[6].mul_add(cos[5], sin[6] * sin[5]);
+    let bx_l_knee_y = cos[6].mul_add(sin[5], -(sin[6] * cos[5]));
+    let by_l_knee_x = by_l_ank_pitch_x.mul_add(cos[5], -(by_l_ank_pitch_y * sin[5]));
+    let by_l_knee_y = by_l_ank_pitch_y.mul_add(cos[5], by_l_ank_pitch_x * sin[5]);
     let bz_l_knee_x = bz_l_ank_pitch_x.mul_add(cos[5], -(bz_l_ank_pitch_y * sin[5]));
     let bz_l_knee_y = bz_l_ank_pitch_y.mul_add(cos[5], bz_l_ank_pitch_x * sin[5]);
     // l_hip_pitch
+    let bx_l_hip_pitch_x = bx_l_knee_x.mul_add(cos[4], -(bx_l_knee_y * sin[4]));
+    let bx_l_hip_pitch_y = bx_l_knee_y.mul_add(cos[4], bx_l_knee_x * sin[4]);
+    let by_l_hip_pitch_x = by_l_knee_x.mul_add(cos[4], -(by_l_knee_y * sin[4]));
+    let by_l_hip_pitch_y = by_l_knee_y.mul_add(cos[4], by_l_knee_x * sin[4]);
     let bz_l_hip_pitch_x = bz_l_knee_x.mul_add(cos[4], -(bz_l_knee_y * sin[4]));
     let bz_l_hip_pitch_y = bz_l_knee_y.mul_add(cos[4], bz_l_knee_x * sin[4]);
     // l_hip_roll
+    let bx_l_hip_roll_x = bx_l_hip_pitch_y * sin[3];
+    let bx_l_hip_roll_y = bx_l_hip_pitch_y * cos[3];
+    let by_l_hip_roll_x = by_l_hip_pitch_y.mul_add(sin[3], cos[7] * cos[3]);
+    let e2 = cos[7].mul_add(sin[3], -(by_l_hip_pitch_y * cos[3]));
     let bz_l_hip_roll_x = bz_l_hip_pitch_y.mul_add(sin[3], -(sin[7] * cos[3]));
     let bz_l_hip_roll_y = sin[7].mul_add(sin[3], bz_l_hip_pitch_y * cos[3]);
     // l_hip_yaw
+    let bx_l_hip_yaw_x = bx_l_hip_roll_x.mul_add(sin[2], bx_l_hip_pitch_x * cos[2]);
+    let e3 = bx_l_hip_pitch_x.mul_add(sin[2], -(bx_l_hip_roll_x * cos[2]));
+    let by_l_hip_yaw_x = by_l_hip_roll_x.mul_add(sin[2], by_l_hip_pitch_x * cos[2]);
+    let e4 = by_l_hip_pitch_x.mul_add(sin[2], -(by_l_hip_roll_x * cos[2]));
     let bz_l_hip_yaw_x = bz_l_hip_roll_x.mul_add(sin[2], bz_l_hip_pitch_x * cos[2]);
-    let e6 = bz_l_hip_pitch_x.mul_add(sin[2], -(bz_l_hip_roll_x * cos[2]));
+    let e5 = bz_l_hip_pitch_x.mul_add(sin[2], -(bz_l_hip_roll_x * cos[2]));
     // head_pan
-    let bz_head_pan_x = bz_l_hip_yaw_x.mul_add(cos[0], -(e6 * sin[0]));
+    let bx_head_pan_x = bx_l_hip_yaw_x.mul_add(cos[0], -(e3 * sin[0]));
+    let by_head_pan_x = by_l_hip_yaw_x.mul_add(cos[0], -(e4 * sin[0]));
+    let bz_head_pan_x = bz_l_hip_yaw_x.mul_add(cos[0], -(e5 * sin[0]));
     // l_sho_pitch
+    let bx_l_sho_pitch_x = bx_l_hip_yaw_x.mul_add(cos[8], -(bx_l_hip_roll_y * sin[8]));
+    let bx_l_sho_pitch_y = bx_l_hip_roll_y.mul_add(cos[8], bx_l_hip_yaw_x * sin[8]);
+    let by_l_sho_pitch_x = by_l_hip_yaw_x.mul_add(cos[8], e2 * sin[8]);
+    let by_l_sho_pitch_y = by_l_hip_yaw_x.mul_add(sin[8], -(e2 * cos[8]));
     let bz_l_sho_pitch_x = bz_l_hip_yaw_x.mul_add(cos[8], -(bz_l_hip_roll_y * sin[8]));
     let bz_l_sho_pitch_y = bz_l_hip_roll_y.mul_add(cos[8], bz_l_hip_yaw_x * sin[8]);
     // r_hip_yaw
-    let bz_r_hip_yaw_x = bz_l_hip_yaw_x.mul_add(cos[11], e6 * sin[11]);
-    let bz_r_hip_yaw_y = bz_l_hip_yaw_x.mul_add(sin[11], -(e6 * cos[11]));
+    let bx_r_hip_yaw_x = bx_l_hip_yaw_x.mul_add(cos[11], e3 * sin[11]);
+    let bx_r_hip_yaw_y = bx_l_hip_yaw_x.mul_add(sin[11], -(e3 * cos[11]));
+    let by_r_hip_yaw_x = by_l_hip_yaw_x.mul_add(cos[11], e4 * sin[11]);
+    let by_r_hip_yaw_y = by_l_hip_yaw_x.mul_add(sin[11], -(e4 * cos[11]));
+    let bz_r_hip_yaw_x = bz_l_hip_yaw_x.mul_add(cos[11], e5 * sin[11]);
+    let bz_r_hip_yaw_y = bz_l_hip_yaw_x.mul_add(sin[11], -(e5 * cos[11]));
     // r_hip_roll
+    let bx_r_hip_roll_x = bx_r_hip_yaw_y.mul_add(cos[12], -(bx_l_hip_roll_y * sin[12]));
+    let bx_r_hip_roll_y = bx_l_hip_roll_y.mul_add(cos[12], bx_r_hip_yaw_y * sin[12]);
+    let by_r_hip_roll_x = by_r_hip_yaw_y.mul_add(cos[12], e2 * sin[12]);
+    let by_r_hip_roll_y = by_r_hip_yaw_y.mul_add(sin[12], -(e2 * cos[12]));
     let bz_r_hip_roll_x = bz_r_hip_yaw_y.mul_add(cos[12], -(bz_l_hip_roll_y * sin[12]));
     let bz_r_hip_roll_y = bz_l_hip_roll_y.mul_add(cos[12], bz_r_hip_yaw_y * sin[12]);
     // r_hip_pitch
+    let bx_r_hip_pitch_x = bx_r_hip_yaw_x.mul_add(cos[13], -(bx_r_hip_roll_y * sin[13]));
+    let bx_r_hip_pitch_y = bx_r_hip_yaw_x.mul_add(sin[13], bx_r_hip_roll_y * cos[13]);
+    let by_r_hip_pitch_x = by_r_hip_yaw_x.mul_add(cos[13], -(by_r_hip_roll_y * sin[13]));
+    let by_r_hip_pitch_y = by_r_hip_yaw_x.mul_add(sin[13], by_r_hip_roll_y * cos[13]);
     let bz_r_hip_pitch_x = bz_r_hip_yaw_x.mul_add(cos[13], -(bz_r_hip_roll_y * sin[13]));
     let bz_r_hip_pitch_y = bz_r_hip_yaw_x.mul_add(sin[13], bz_r_hip_roll_y * cos[13]);
     // r_knee
+    let bx_r_knee_x = bx_r_hip_pitch_x.mul_add(cos[14], -(bx_r_hip_pitch_y * sin[14]));
+    let bx_r_knee_y = bx_r_hip_pitch_y.mul_add(cos[14], bx_r_hip_pitch_x * sin[14]);
+    let by_r_knee_x = by_r_hip_pitch_x.mul_add(cos[14], -(by_r_hip_pitch_y * sin[14]));
+    let by_r_knee_y = by_r_hip_pitch_y.mul_add(cos[14], by_r_hip_pitch_x * sin[14]);
     let bz_r_knee_x = bz_r_hip_pitch_x.mul_add(cos[14], -(bz_r_hip_pitch_y * sin[14]));
     let bz_r_knee_y = bz_r_hip_pitch_y.mul_add(cos[14], bz_r_hip_pitch_x * sin[14]);
     // r_ank_pitch
+    let bx_r_ank_pitch_y = bx_r_knee_y.mul_add(cos[15], -(bx_r_knee_x * sin[15]));
+    let by_r_ank_pitch_y = by_r_knee_y.mul_add(cos[15], -(by_r_knee_x * sin[15]));
     let bz_r_ank_pitch_y = bz_r_knee_y.mul_add(cos[15], -(bz_r_knee_x * sin[15]));
     // r_sho_pitch
+    let bx_r_sho_pitch_x = bx_l_hip_yaw_x.mul_add(cos[17], bx_l_hip_roll_y * sin[17]);
+    let bx_r_sho_pitch_y = bx_l_hip_roll_y.mul_add(cos[17], -(bx_l_hip_yaw_x * sin[17]));
+    let by_r_sho_pitch_x = by_l_hip_yaw_x.mul_add(cos[17], -(e2 * sin[17]));
+    let e6 = e2.mul_add(cos[17], by_l_hip_yaw_x * sin[17]);
     let bz_r_sho_pitch_x = bz_l_hip_yaw_x.mul_add(cos[17], bz_l_hip_roll_y * sin[17]);
     let bz_r_sho_pitch_y = bz_l_hip_roll_y.mul_add(cos[17], -(bz_l_hip_yaw_x * sin[17]));
     let zero = T::from_f64(0.0);
     [
         [
-            -e2.mul_add(t_head_pan_x, bx_l_hip_yaw_x * t_head_pan_y),
+            -e3.mul_add(t_head_pan_x, bx_l_hip_yaw_x * t_head_pan_y),
             bx_l_hip_roll_y.mul_add(t_head_tilt_x, -(bx_head_pan_x * t_head_tilt_y)),
             -bx_l_hip_pitch_x.mul_add(t_l_hip_yaw_x, -(bx_l_hip_roll_x * t_l_hip_yaw_y)),
             bx_l_hip_pitch_y * t_l_hip_roll_y,
@@ -2682,14 +2575,14 @@ pub fn com_jacobian_sc<T: Real>(
             zero,
             -bx_l_hip_roll_y
                 .mul_add(t_l_sho_pitch_x, -(bx_l_hip_yaw_x * t_l_sho_pitch_y)),
-            -e2.mul_add(t_l_sho_roll_x, bx_l_sho_pitch_y * t_l_sho_roll_y),
+            -e3.mul_add(t_l_sho_roll_x, bx_l_sho_pitch_y * t_l_sho_roll_y),
             bx_l_sho_pitch_x
                 .mul_add(
                     t_l_el_x,
-                    e2.mul_add(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll))
+                    e3.mul_add(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll))
                         * t_l_el_y,
                 ),
-            e2.mul_add(t_r_hip_yaw_x, bx_l_hip_yaw_x * t_r_hip_yaw_y),
+            e3.mul_add(t_r_hip_yaw_x, bx_l_hip_yaw_x * t_r_hip_yaw_y),
             -bx_l_hip_roll_y.mul_add(t_r_hip_roll_x, -(bx_r_hip_yaw_y * t_r_hip_roll_y)),
             bx_r_hip_yaw_x
                 .mul_add(t_r_hip_pitch_x, -(bx_r_hip_roll_y * t_r_hip_pitch_y)),
@@ -2699,23 +2592,23 @@ pub fn com_jacobian_sc<T: Real>(
                 .mul_add(t_r_ank_roll_x, -(bx_r_ank_pitch_y * t_r_ank_roll_y)),
             bx_l_hip_roll_y
                 .mul_add(t_r_sho_pitch_x, -(bx_l_hip_yaw_x * t_r_sho_pitch_y)),
-            -e2.mul_add(t_r_sho_roll_x, bx_r_sho_pitch_y * t_r_sho_roll_y),
+            -e3.mul_add(t_r_sho_roll_x, bx_r_sho_pitch_y * t_r_sho_roll_y),
             -bx_r_sho_pitch_x
                 .mul_add(
                     t_r_el_x,
-                    -(e2.mul_add(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll)) * e1),
+                    -(e3.mul_add(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll)) * e1),
                 ),
         ],
         [
             -e4.mul_add(t_head_pan_x, by_l_hip_yaw_x * t_head_pan_y),
-            -e3.mul_add(t_head_tilt_x, by_head_pan_x * t_head_tilt_y),
+            -e2.mul_add(t_head_tilt_x, by_head_pan_x * t_head_tilt_y),
             -by_l_hip_pitch_x.mul_add(t_l_hip_yaw_x, -(by_l_hip_roll_x * t_l_hip_yaw_y)),
             -cos[7].mul_add(t_l_hip_roll_x, -(by_l_hip_pitch_y * t_l_hip_roll_y)),
             -by_l_knee_y.mul_add(t_l_hip_pitch_x, -(by_l_knee_x * t_l_hip_pitch_y)),
             -by_l_ank_pitch_y.mul_add(t_l_knee_x, -(by_l_ank_pitch_x * t_l_knee_y)),
             sin[7] * t_l_ank_pitch_y,
             t_l_ank_roll_y,
-            e3.mul_add(t_l_sho_pitch_x, by_l_hip_yaw_x * t_l_sho_pitch_y),
+            e2.mul_add(t_l_sho_pitch_x, by_l_hip_yaw_x * t_l_sho_pitch_y),
             -e4.mul_add(t_l_sho_roll_x, by_l_sho_pitch_y * t_l_sho_roll_y),
             by_l_sho_pitch_x
                 .mul_add(
@@ -2724,20 +2617,20 @@ pub fn com_jacobian_sc<T: Real>(
                         * t_l_el_y,
                 ),
             e4.mul_add(t_r_hip_yaw_x, by_l_hip_yaw_x * t_r_hip_yaw_y),
-            e3.mul_add(t_r_hip_roll_x, by_r_hip_yaw_y * t_r_hip_roll_y),
+            e2.mul_add(t_r_hip_roll_x, by_r_hip_yaw_y * t_r_hip_roll_y),
             by_r_hip_yaw_x
                 .mul_add(t_r_hip_pitch_x, -(by_r_hip_roll_y * t_r_hip_pitch_y)),
             -by_r_hip_pitch_y.mul_add(t_r_knee_x, -(by_r_hip_pitch_x * t_r_knee_y)),
             by_r_knee_y.mul_add(t_r_ank_pitch_x, -(by_r_knee_x * t_r_ank_pitch_y)),
             -by_r_hip_roll_x
                 .mul_add(t_r_ank_roll_x, -(by_r_ank_pitch_y * t_r_ank_roll_y)),
-            -e3.mul_add(t_r_sho_pitch_x, by_l_hip_yaw_x * t_r_sho_pitch_y),
-            e5.mul_add(t_r_sho_roll_y, -(e4 * t_r_sho_roll_x)),
+            -e2.mul_add(t_r_sho_pitch_x, by_l_hip_yaw_x * t_r_sho_pitch_y),
+            e6.mul_add(t_r_sho_roll_y, -(e4 * t_r_sho_roll_x)),
             -by_r_sho_pitch_x
-                .mul_add(t_r_el_x, -(e4.mul_add(s_r_sho_roll, e5 * c_r_sho_roll) * e1)),
+                .mul_add(t_r_el_x, -(e4.mul_add(s_r_sho_roll, e6 * c_r_sho_roll) * e1)),
         ],
         [
-            -e6.mul_add(t_head_pan_x, bz_l_hip_yaw_x * t_head_pan_y),
+            -e5.mul_add(t_head_pan_x, bz_l_hip_yaw_x * t_head_pan_y),
             bz_l_hip_roll_y.mul_add(t_head_tilt_x, -(bz_head_pan_x * t_head_tilt_y)),
             -bz_l_hip_pitch_x.mul_add(t_l_hip_yaw_x, -(bz_l_hip_roll_x * t_l_hip_yaw_y)),
             sin[7].mul_add(t_l_hip_roll_x, bz_l_hip_pitch_y * t_l_hip_roll_y),
@@ -2747,14 +2640,14 @@ pub fn com_jacobian_sc<T: Real>(
             -t_l_ank_roll_x,
             -bz_l_hip_roll_y
                 .mul_add(t_l_sho_pitch_x, -(bz_l_hip_yaw_x * t_l_sho_pitch_y)),
-            -e6.mul_add(t_l_sho_roll_x, bz_l_sho_pitch_y * t_l_sho_roll_y),
+            -e5.mul_add(t_l_sho_roll_x, bz_l_sho_pitch_y * t_l_sho_roll_y),
             bz_l_sho_pitch_x
                 .mul_add(
                     t_l_el_x,
-                    e6.mul_add(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll))
+                    e5.mul_add(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll))
                         * t_l_el_y,
                 ),
-            e6.mul_add(t_r_hip_yaw_x, bz_l_hip_yaw_x * t_r_hip_yaw_y),
+            e5.mul_add(t_r_hip_yaw_x, bz_l_hip_yaw_x * t_r_hip_yaw_y),
             -bz_l_hip_roll_y.mul_add(t_r_hip_roll_x, -(bz_r_hip_yaw_y * t_r_hip_roll_y)),
             bz_r_hip_yaw_x
                 .mul_add(t_r_hip_pitch_x, -(bz_r_hip_roll_y * t_r_hip_pitch_y)),
@@ -2764,11 +2657,11 @@ pub fn com_jacobian_sc<T: Real>(
                 .mul_add(t_r_ank_roll_x, -(bz_r_ank_pitch_y * t_r_ank_roll_y)),
             bz_l_hip_roll_y
                 .mul_add(t_r_sho_pitch_x, -(bz_l_hip_yaw_x * t_r_sho_pitch_y)),
-            -e6.mul_add(t_r_sho_roll_x, bz_r_sho_pitch_y * t_r_sho_roll_y),
+            -e5.mul_add(t_r_sho_roll_x, bz_r_sho_pitch_y * t_r_sho_roll_y),
             -bz_r_sho_pitch_x
                 .mul_add(
                     t_r_el_x,
-                    -(e6.mul_add(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll)) * e1),
+                    -(e5.mul_add(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll)) * e1),
                 ),
         ],
     ]
@@ -2863,12 +2756,12 @@ pub fn gravity_moments_sc<T: Real>(
     let t_head_pan_x = cos[0].mul_add(v_head_pan_x, -(sin[0] * r[16]));
     let t_head_pan_y = sin[0].mul_add(v_head_pan_x, cos[0] * r[16]);
     // l_hip_yaw
-    let v_l_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_hip_yaw_x
-        + t_r_sho_pitch_x;
-    let v_l_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_hip_yaw_y
-        + t_r_sho_roll_y;
-    let v_l_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_hip_roll_y
-        + t_r_sho_pitch_y;
+    let v_l_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_sho_pitch_x
+        + t_r_hip_yaw_x;
+    let v_l_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_sho_roll_y
+        + t_r_hip_yaw_y;
+    let v_l_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y
+        + t_r_hip_roll_y;
     let t_l_hip_yaw_x = sin[2].mul_add(v_l_hip_yaw_x, cos[2] * v_l_hip_yaw_y);
     let t_l_hip_yaw_y = cos[2].mul_add(v_l_hip_yaw_x, -(sin[2] * v_l_hip_yaw_y));
     // l_hip_roll
@@ -2974,28 +2867,63 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
     let bz_l_ank_roll_x = -sin[7];
     // l_ank_pitch
     let bx_l_ank_pitch_y = -sin[6];
+    let by_l_ank_pitch_x = sin[7] * sin[6];
+    let by_l_ank_pitch_y = sin[7] * cos[6];
+    let bz_l_ank_pitch_x = cos[7] * sin[6];
+    let bz_l_ank_pitch_y = cos[7] * cos[6];
     // l_knee
     let bx_l_knee_x = cos[6].mul_add(cos[5], sin[6] * sin[5]);
     let bx_l_knee_y = cos[6].mul_add(sin[5], -(sin[6] * cos[5]));
+    let by_l_knee_x = by_l_ank_pitch_x.mul_add(cos[5], -(by_l_ank_pitch_y * sin[5]));
+    let by_l_knee_y = by_l_ank_pitch_y.mul_add(cos[5], by_l_ank_pitch_x * sin[5]);
+    let bz_l_knee_x = bz_l_ank_pitch_x.mul_add(cos[5], -(bz_l_ank_pitch_y * sin[5]));
+    let bz_l_knee_y = bz_l_ank_pitch_y.mul_add(cos[5], bz_l_ank_pitch_x * sin[5]);
     // l_hip_pitch
     let bx_l_hip_pitch_x = bx_l_knee_x.mul_add(cos[4], -(bx_l_knee_y * sin[4]));
     let bx_l_hip_pitch_y = bx_l_knee_y.mul_add(cos[4], bx_l_knee_x * sin[4]);
+    let by_l_hip_pitch_x = by_l_knee_x.mul_add(cos[4], -(by_l_knee_y * sin[4]));
+    let by_l_hip_pitch_y = by_l_knee_y.mul_add(cos[4], by_l_knee_x * sin[4]);
+    let bz_l_hip_pitch_x = bz_l_knee_x.mul_add(cos[4], -(bz_l_knee_y * sin[4]));
+    let bz_l_hip_pitch_y = bz_l_knee_y.mul_add(cos[4], bz_l_knee_x * sin[4]);
     // l_hip_roll
     let bx_l_hip_roll_x = bx_l_hip_pitch_y * sin[3];
     let bx_l_hip_roll_y = bx_l_hip_pitch_y * cos[3];
+    let by_l_hip_roll_x = by_l_hip_pitch_y.mul_add(sin[3], cos[7] * cos[3]);
+    let e1 = cos[7].mul_add(sin[3], -(by_l_hip_pitch_y * cos[3]));
+    let by_l_hip_roll_y = -e1;
+    let bz_l_hip_roll_x = bz_l_hip_pitch_y.mul_add(sin[3], -(sin[7] * cos[3]));
+    let bz_l_hip_roll_y = sin[7].mul_add(sin[3], bz_l_hip_pitch_y * cos[3]);
     // l_hip_yaw
     let bx_l_hip_yaw_x = bx_l_hip_roll_x.mul_add(sin[2], bx_l_hip_pitch_x * cos[2]);
-    let e1 = bx_l_hip_pitch_x.mul_add(sin[2], -(bx_l_hip_roll_x * cos[2]));
-    let bx_l_hip_yaw_y = -e1;
+    let e2 = bx_l_hip_pitch_x.mul_add(sin[2], -(bx_l_hip_roll_x * cos[2]));
+    let bx_l_hip_yaw_y = -e2;
+    let by_l_hip_yaw_x = by_l_hip_roll_x.mul_add(sin[2], by_l_hip_pitch_x * cos[2]);
+    let e3 = by_l_hip_pitch_x.mul_add(sin[2], -(by_l_hip_roll_x * cos[2]));
+    let by_l_hip_yaw_y = -e3;
+    let bz_l_hip_yaw_x = bz_l_hip_roll_x.mul_add(sin[2], bz_l_hip_pitch_x * cos[2]);
+    let e4 = bz_l_hip_pitch_x.mul_add(sin[2], -(bz_l_hip_roll_x * cos[2]));
+    let bz_l_hip_yaw_y = -e4;
     // head_pan
-    let bx_head_pan_x = bx_l_hip_yaw_x.mul_add(cos[0], -(e1 * sin[0]));
-    let bx_head_pan_y = -e1.mul_add(cos[0], bx_l_hip_yaw_x * sin[0]);
+    let bx_head_pan_x = bx_l_hip_yaw_x.mul_add(cos[0], -(e2 * sin[0]));
+    let bx_head_pan_y = -e2.mul_add(cos[0], bx_l_hip_yaw_x * sin[0]);
+    let by_head_pan_x = by_l_hip_yaw_x.mul_add(cos[0], -(e3 * sin[0]));
+    let by_head_pan_y = -e3.mul_add(cos[0], by_l_hip_yaw_x * sin[0]);
+    let bz_head_pan_x = bz_l_hip_yaw_x.mul_add(cos[0], -(e4 * sin[0]));
+    let bz_head_pan_y = -e4.mul_add(cos[0], bz_l_hip_yaw_x * sin[0]);
     // head_tilt
     let bx_head_tilt_x = bx_head_pan_x.mul_add(cos[1], bx_l_hip_roll_y * sin[1]);
     let bx_head_tilt_y = -bx_l_hip_roll_y.mul_add(cos[1], -(bx_head_pan_x * sin[1]));
+    let by_head_tilt_x = by_head_pan_x.mul_add(cos[1], -(e1 * sin[1]));
+    let by_head_tilt_y = e1.mul_add(cos[1], by_head_pan_x * sin[1]);
+    let bz_head_tilt_x = bz_head_pan_x.mul_add(cos[1], bz_l_hip_roll_y * sin[1]);
+    let bz_head_tilt_y = -bz_l_hip_roll_y.mul_add(cos[1], -(bz_head_pan_x * sin[1]));
     // l_sho_pitch
     let bx_l_sho_pitch_x = bx_l_hip_yaw_x.mul_add(cos[8], -(bx_l_hip_roll_y * sin[8]));
     let bx_l_sho_pitch_y = bx_l_hip_roll_y.mul_add(cos[8], bx_l_hip_yaw_x * sin[8]);
+    let by_l_sho_pitch_x = by_l_hip_yaw_x.mul_add(cos[8], e1 * sin[8]);
+    let by_l_sho_pitch_y = by_l_hip_yaw_x.mul_add(sin[8], -(e1 * cos[8]));
+    let bz_l_sho_pitch_x = bz_l_hip_yaw_x.mul_add(cos[8], -(bz_l_hip_roll_y * sin[8]));
+    let bz_l_sho_pitch_y = bz_l_hip_roll_y.mul_add(cos[8], bz_l_hip_yaw_x * sin[8]);
     // l_sho_roll
     let s_l_sho_roll = sin[9]
         .mul_add(
@@ -3007,34 +2935,75 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
             T::from_f64(0.707106781467586),
             T::from_f64(0.7071067809055092) * sin[9],
         );
-    let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_add(s_l_sho_roll, e1 * c_l_sho_roll);
-    let e2 = e1.mul_add(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
-    let bx_l_sho_roll_y = -e2;
+    let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_add(s_l_sho_roll, e2 * c_l_sho_roll);
+    let e5 = e2.mul_add(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
+    let bx_l_sho_roll_y = -e5;
+    let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_add(s_l_sho_roll, e3 * c_l_sho_roll);
+    let e6 = e3.mul_add(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
+    let by_l_sho_roll_y = -e6;
+    let bz_l_sho_roll_x = -bz_l_sho_pitch_y.mul_add(s_l_sho_roll, e4 * c_l_sho_roll);
+    let e7 = e4.mul_add(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
+    let bz_l_sho_roll_y = -e7;
     // l_el
-    let bx_l_el_x = bx_l_sho_pitch_x.mul_add(sin[10], -(e2 * cos[10]));
-    let bx_l_el_y = -bx_l_sho_pitch_x.mul_add(cos[10], e2 * sin[10]);
+    let bx_l_el_x = bx_l_sho_pitch_x.mul_add(sin[10], -(e5 * cos[10]));
+    let bx_l_el_y = -bx_l_sho_pitch_x.mul_add(cos[10], e5 * sin[10]);
+    let by_l_el_x = by_l_sho_pitch_x.mul_add(sin[10], -(e6 * cos[10]));
+    let by_l_el_y = -by_l_sho_pitch_x.mul_add(cos[10], e6 * sin[10]);
+    let bz_l_el_x = bz_l_sho_pitch_x.mul_add(sin[10], -(e7 * cos[10]));
+    let bz_l_el_y = -bz_l_sho_pitch_x.mul_add(cos[10], e7 * sin[10]);
     // r_hip_yaw
-    let bx_r_hip_yaw_x = bx_l_hip_yaw_x.mul_add(cos[11], e1 * sin[11]);
-    let bx_r_hip_yaw_y = bx_l_hip_yaw_x.mul_add(sin[11], -(e1 * cos[11]));
+    let bx_r_hip_yaw_x = bx_l_hip_yaw_x.mul_add(cos[11], e2 * sin[11]);
+    let bx_r_hip_yaw_y = bx_l_hip_yaw_x.mul_add(sin[11], -(e2 * cos[11]));
+    let by_r_hip_yaw_x = by_l_hip_yaw_x.mul_add(cos[11], e3 * sin[11]);
+    let by_r_hip_yaw_y = by_l_hip_yaw_x.mul_add(sin[11], -(e3 * cos[11]));
+    let bz_r_hip_yaw_x = bz_l_hip_yaw_x.mul_add(cos[11], e4 * sin[11]);
+    let bz_r_hip_yaw_y = bz_l_hip_yaw_x.mul_add(sin[11], -(e4 * cos[11]));
     // r_hip_roll
     let bx_r_hip_roll_x = bx_r_hip_yaw_y.mul_add(cos[12], -(bx_l_hip_roll_y * sin[12]));
     let bx_r_hip_roll_y = bx_l_hip_roll_y.mul_add(cos[12], bx_r_hip_yaw_y * sin[12]);
+    let by_r_hip_roll_x = by_r_hip_yaw_y.mul_add(cos[12], e1 * sin[12]);
+    let by_r_hip_roll_y = by_r_hip_yaw_y.mul_add(sin[12], -(e1 * cos[12]));
+    let bz_r_hip_roll_x = bz_r_hip_yaw_y.mul_add(cos[12], -(bz_l_hip_roll_y * sin[12]));
+    let bz_r_hip_roll_y = bz_l_hip_roll_y.mul_add(cos[12], bz_r_hip_yaw_y * sin[12]);
     // r_hip_pitch
     let bx_r_hip_pitch_x = bx_r_hip_yaw_x.mul_add(cos[13], -(bx_r_hip_roll_y * sin[13]));
     let bx_r_hip_pitch_y = bx_r_hip_yaw_x.mul_add(sin[13], bx_r_hip_roll_y * cos[13]);
+    let by_r_hip_pitch_x = by_r_hip_yaw_x.mul_add(cos[13], -(by_r_hip_roll_y * sin[13]));
+    let by_r_hip_pitch_y = by_r_hip_yaw_x.mul_add(sin[13], by_r_hip_roll_y * cos[13]);
+    let bz_r_hip_pitch_x = bz_r_hip_yaw_x.mul_add(cos[13], -(bz_r_hip_roll_y * sin[13]));
+    let bz_r_hip_pitch_y = bz_r_hip_yaw_x.mul_add(sin[13], bz_r_hip_roll_y * cos[13]);
     // r_knee
     let bx_r_knee_x = bx_r_hip_pitch_x.mul_add(cos[14], -(bx_r_hip_pitch_y * sin[14]));
     let bx_r_knee_y = bx_r_hip_pitch_y.mul_add(cos[14], bx_r_hip_pitch_x * sin[14]);
+    let by_r_knee_x = by_r_hip_pitch_x.mul_add(cos[14], -(by_r_hip_pitch_y * sin[14]));
+    let by_r_knee_y = by_r_hip_pitch_y.mul_add(cos[14], by_r_hip_pitch_x * sin[14]);
+    let bz_r_knee_x = bz_r_hip_pitch_x.mul_add(cos[14], -(bz_r_hip_pitch_y * sin[14]));
+    let bz_r_knee_y = bz_r_hip_pitch_y.mul_add(cos[14], bz_r_hip_pitch_x * sin[14]);
     // r_ank_pitch
     let bx_r_ank_pitch_x = bx_r_knee_x.mul_add(cos[15], bx_r_knee_y * sin[15]);
     let bx_r_ank_pitch_y = bx_r_knee_y.mul_add(cos[15], -(bx_r_knee_x * sin[15]));
+    let by_r_ank_pitch_x = by_r_knee_x.mul_add(cos[15], by_r_knee_y * sin[15]);
+    let by_r_ank_pitch_y = by_r_knee_y.mul_add(cos[15], -(by_r_knee_x * sin[15]));
+    let bz_r_ank_pitch_x = bz_r_knee_x.mul_add(cos[15], bz_r_knee_y * sin[15]);
+    let bz_r_ank_pitch_y = bz_r_knee_y.mul_add(cos[15], -(bz_r_knee_x * sin[15]));
     // r_ank_roll
     let bx_r_ank_roll_x = bx_r_ank_pitch_y.mul_add(sin[16], bx_r_hip_roll_x * cos[16]);
     let bx_r_ank_roll_y = -bx_r_hip_roll_x
         .mul_add(sin[16], -(bx_r_ank_pitch_y * cos[16]));
+    let by_r_ank_roll_x = by_r_ank_pitch_y.mul_add(sin[16], by_r_hip_roll_x * cos[16]);
+    let by_r_ank_roll_y = -by_r_hip_roll_x
+        .mul_add(sin[16], -(by_r_ank_pitch_y * cos[16]));
+    let bz_r_ank_roll_x = bz_r_ank_pitch_y.mul_add(sin[16], bz_r_hip_roll_x * cos[16]);
+    let bz_r_ank_roll_y = -bz_r_hip_roll_x
+        .mul_add(sin[16], -(bz_r_ank_pitch_y * cos[16]));
     // r_sho_pitch
     let bx_r_sho_pitch_x = bx_l_hip_yaw_x.mul_add(cos[17], bx_l_hip_roll_y * sin[17]);
     let bx_r_sho_pitch_y = bx_l_hip_roll_y.mul_add(cos[17], -(bx_l_hip_yaw_x * sin[17]));
+    let by_r_sho_pitch_x = by_l_hip_yaw_x.mul_add(cos[17], -(e1 * sin[17]));
+    let e8 = e1.mul_add(cos[17], by_l_hip_yaw_x * sin[17]);
+    let by_r_sho_pitch_y = -e8;
+    let bz_r_sho_pitch_x = bz_l_hip_yaw_x.mul_add(cos[17], bz_l_hip_roll_y * sin[17]);
+    let bz_r_sho_pitch_y = bz_l_hip_roll_y.mul_add(cos[17], -(bz_l_hip_yaw_x * sin[17]));
     // r_sho_roll
     let s_r_sho_roll = sin[18]
         .mul_add(
@@ -3046,134 +3015,20 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
             T::from_f64(0.707106781467586),
             -(T::from_f64(0.7071067809055092) * sin[18]),
         );
-    let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_add(s_r_sho_roll, e1 * c_r_sho_roll);
-    let e3 = e1.mul_add(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
-    let bx_r_sho_roll_y = -e3;
-    // r_el
-    let bx_r_el_x = -e3.mul_add(cos[19], bx_r_sho_pitch_x * sin[19]);
-    let bx_r_el_y = -bx_r_sho_pitch_x.mul_add(cos[19], -(e3 * sin[19]));
-    // l_ank_pitch
-    let by_l_ank_pitch_x = sin[7] * sin[6];
-    let by_l_ank_pitch_y = sin[7] * cos[6];
-    // l_knee
-    let by_l_knee_x = by_l_ank_pitch_x.mul_add(cos[5], -(by_l_ank_pitch_y * sin[5]));
-    let by_l_knee_y = by_l_ank_pitch_y.mul_add(cos[5], by_l_ank_pitch_x * sin[5]);
-    // l_hip_pitch
-    let by_l_hip_pitch_x = by_l_knee_x.mul_add(cos[4], -(by_l_knee_y * sin[4]));
-    let by_l_hip_pitch_y = by_l_knee_y.mul_add(cos[4], by_l_knee_x * sin[4]);
-    // l_hip_roll
-    let by_l_hip_roll_x = by_l_hip_pitch_y.mul_add(sin[3], cos[7] * cos[3]);
-    let e4 = cos[7].mul_add(sin[3], -(by_l_hip_pitch_y * cos[3]));
-    let by_l_hip_roll_y = -e4;
-    // l_hip_yaw
-    let by_l_hip_yaw_x = by_l_hip_roll_x.mul_add(sin[2], by_l_hip_pitch_x * cos[2]);
-    let e5 = by_l_hip_pitch_x.mul_add(sin[2], -(by_l_hip_roll_x * cos[2]));
-    let by_l_hip_yaw_y = -e5;
-    // head_pan
-    let by_head_pan_x = by_l_hip_yaw_x.mul_add(cos[0], -(e5 * sin[0]));
-    let by_head_pan_y = -e5.mul_add(cos[0], by_l_hip_yaw_x * sin[0]);
-    // head_tilt
-    let by_head_tilt_x = by_head_pan_x.mul_add(cos[1], -(e4 * sin[1]));
-    let by_head_tilt_y = e4.mul_add(cos[1], by_head_pan_x * sin[1]);
-    // l_sho_pitch
-    let by_l_sho_pitch_x = by_l_hip_yaw_x.mul_add(cos[8], e4 * sin[8]);
-    let by_l_sho_pitch_y = by_l_hip_yaw_x.mul_add(sin[8], -(e4 * cos[8]));
-    // l_sho_roll
-    let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_add(s_l_sho_roll, e5 * c_l_sho_roll);
-    let e6 = e5.mul_add(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
-    let by_l_sho_roll_y = -e6;
-    // l_el
-    let by_l_el_x = by_l_sho_pitch_x.mul_add(sin[10], -(e6 * cos[10]));
-    let by_l_el_y = -by_l_sho_pitch_x.mul_add(cos[10], e6 * sin[10]);
-    // r_hip_yaw
-    let by_r_hip_yaw_x = by_l_hip_yaw_x.mul_add(cos[11], e5 * sin[11]);
-    let by_r_hip_yaw_y = by_l_hip_yaw_x.mul_add(sin[11], -(e5 * cos[11]));
-    // r_hip_roll
-    let by_r_hip_roll_x = by_r_hip_yaw_y.mul_add(cos[12], e4 * sin[12]);
-    let by_r_hip_roll_y = by_r_hip_yaw_y.mul_add(sin[12], -(e4 * cos[12]));
-    // r_hip_pitch
-    let by_r_hip_pitch_x = by_r_hip_yaw_x.mul_add(cos[13], -(by_r_hip_roll_y * sin[13]));
-    let by_r_hip_pitch_y = by_r_hip_yaw_x.mul_add(sin[13], by_r_hip_roll_y * cos[13]);
-    // r_knee
-    let by_r_knee_x = by_r_hip_pitch_x.mul_add(cos[14], -(by_r_hip_pitch_y * sin[14]));
-    let by_r_knee_y = by_r_hip_pitch_y.mul_add(cos[14], by_r_hip_pitch_x * sin[14]);
-    // r_ank_pitch
-    let by_r_ank_pitch_x = by_r_knee_x.mul_add(cos[15], by_r_knee_y * sin[15]);
-    let by_r_ank_pitch_y = by_r_knee_y.mul_add(cos[15], -(by_r_knee_x * sin[15]));
-    // r_ank_roll
-    let by_r_ank_roll_x = by_r_ank_pitch_y.mul_add(sin[16], by_r_hip_roll_x * cos[16]);
-    let by_r_ank_roll_y = -by_r_hip_roll_x
-        .mul_add(sin[16], -(by_r_ank_pitch_y * cos[16]));
-    // r_sho_pitch
-    let by_r_sho_pitch_x = by_l_hip_yaw_x.mul_add(cos[17], -(e4 * sin[17]));
-    let e7 = e4.mul_add(cos[17], by_l_hip_yaw_x * sin[17]);
-    let by_r_sho_pitch_y = -e7;
-    // r_sho_roll
-    let by_r_sho_roll_x = e7.mul_add(s_r_sho_roll, -(e5 * c_r_sho_roll));
-    let e8 = e5.mul_add(s_r_sho_roll, e7 * c_r_sho_roll);
-    let by_r_sho_roll_y = -e8;
-    // r_el
-    let by_r_el_x = -e8.mul_add(cos[19], by_r_sho_pitch_x * sin[19]);
-    let by_r_el_y = -by_r_sho_pitch_x.mul_add(cos[19], -(e8 * sin[19]));
-    // l_ank_pitch
-    let bz_l_ank_pitch_x = cos[7] * sin[6];
-    let bz_l_ank_pitch_y = cos[7] * cos[6];
-    // l_knee
-    let bz_l_knee_x = bz_l_ank_pitch_x.mul_add(cos[5], -(bz_l_ank_pitch_y * sin[5]));
-    let bz_l_knee_y = bz_l_ank_pitch_y.mul_add(cos[5], bz_l_ank_pitch_x * sin[5]);
-    // l_hip_pitch
-    let bz_l_hip_pitch_x = bz_l_knee_x.mul_add(cos[4], -(bz_l_knee_y * sin[4]));
-    let bz_l_hip_pitch_y = bz_l_knee_y.mul_add(cos[4], bz_l_knee_x * sin[4]);
-    // l_hip_roll
-    let bz_l_hip_roll_x = bz_l_hip_pitch_y.mul_add(sin[3], -(sin[7] * cos[3]));
-    let bz_l_hip_roll_y = sin[7].mul_add(sin[3], bz_l_hip_pitch_y * cos[3]);
-    // l_hip_yaw
-    let bz_l_hip_yaw_x = bz_l_hip_roll_x.mul_add(sin[2], bz_l_hip_pitch_x * cos[2]);
-    let e9 = bz_l_hip_pitch_x.mul_add(sin[2], -(bz_l_hip_roll_x * cos[2]));
-    let bz_l_hip_yaw_y = -e9;
-    // head_pan
-    let bz_head_pan_x = bz_l_hip_yaw_x.mul_add(cos[0], -(e9 * sin[0]));
-    let bz_head_pan_y = -e9.mul_add(cos[0], bz_l_hip_yaw_x * sin[0]);
-    // head_tilt
-    let bz_head_tilt_x = bz_head_pan_x.mul_add(cos[1], bz_l_hip_roll_y * sin[1]);
-    let bz_head_tilt_y = -bz_l_hip_roll_y.mul_add(cos[1], -(bz_head_pan_x * sin[1]));
-    // l_sho_pitch
-    let bz_l_sho_pitch_x = bz_l_hip_yaw_x.mul_add(cos[8], -(bz_l_hip_roll_y * sin[8]));
-    let bz_l_sho_pitch_y = bz_l_hip_roll_y.mul_add(cos[8], bz_l_hip_yaw_x * sin[8]);
-    // l_sho_roll
-    let bz_l_sho_roll_x = -bz_l_sho_pitch_y.mul_add(s_l_sho_roll, e9 * c_l_sho_roll);
-    let e10 = e9.mul_add(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
-    let bz_l_sho_roll_y = -e10;
-    // l_el
-    let bz_l_el_x = bz_l_sho_pitch_x.mul_add(sin[10], -(e10 * cos[10]));
-    let bz_l_el_y = -bz_l_sho_pitch_x.mul_add(cos[10], e10 * sin[10]);
-    // r_hip_yaw
-    let bz_r_hip_yaw_x = bz_l_hip_yaw_x.mul_add(cos[11], e9 * sin[11]);
-    let bz_r_hip_yaw_y = bz_l_hip_yaw_x.mul_add(sin[11], -(e9 * cos[11]));
-    // r_hip_roll
-    let bz_r_hip_roll_x = bz_r_hip_yaw_y.mul_add(cos[12], -(bz_l_hip_roll_y * sin[12]));
-    let bz_r_hip_roll_y = bz_l_hip_roll_y.mul_add(cos[12], bz_r_hip_yaw_y * sin[12]);
-    // r_hip_pitch
-    let bz_r_hip_pitch_x = bz_r_hip_yaw_x.mul_add(cos[13], -(bz_r_hip_roll_y * sin[13]));
-    let bz_r_hip_pitch_y = bz_r_hip_yaw_x.mul_add(sin[13], bz_r_hip_roll_y * cos[13]);
-    // r_knee
-    let bz_r_knee_x = bz_r_hip_pitch_x.mul_add(cos[14], -(bz_r_hip_pitch_y * sin[14]));
-    let bz_r_knee_y = bz_r_hip_pitch_y.mul_add(cos[14], bz_r_hip_pitch_x * sin[14]);
-    // r_ank_pitch
-    let bz_r_ank_pitch_x = bz_r_knee_x.mul_add(cos[15], bz_r_knee_y * sin[15]);
-    let bz_r_ank_pitch_y = bz_r_knee_y.mul_add(cos[15], -(bz_r_knee_x * sin[15]));
-    // r_ank_roll
-    let bz_r_ank_roll_x = bz_r_ank_pitch_y.mul_add(sin[16], bz_r_hip_roll_x * cos[16]);
-    let bz_r_ank_roll_y = -bz_r_hip_roll_x
-        .mul_add(sin[16], -(bz_r_ank_pitch_y * cos[16]));
-    // r_sho_pitch
-    let bz_r_sho_pitch_x = bz_l_hip_yaw_x.mul_add(cos[17], bz_l_hip_roll_y * sin[17]);
-    let bz_r_sho_pitch_y = bz_l_hip_roll_y.mul_add(cos[17], -(bz_l_hip_yaw_x * sin[17]));
-    // r_sho_roll
-    let bz_r_sho_roll_x = -bz_r_sho_pitch_y.mul_add(s_r_sho_roll, e9 * c_r_sho_roll);
-    let e11 = e9.mul_add(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
+    let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_add(s_r_sho_roll, e2 * c_r_sho_roll);
+    let e9 = e2.mul_add(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
+    let bx_r_sho_roll_y = -e9;
+    let by_r_sho_roll_x = e8.mul_add(s_r_sho_roll, -(e3 * c_r_sho_roll));
+    let e10 = e3.mul_add(s_r_sho_roll, e8 * c_r_sho_roll);
+    let by_r_sho_roll_y = -e10;
+    let bz_r_sho_roll_x = -bz_r_sho_pitch_y.mul_add(s_r_sho_roll, e4 * c_r_sho_roll);
+    let e11 = e4.mul_add(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
     let bz_r_sho_roll_y = -e11;
     // r_el
+    let bx_r_el_x = -e9.mul_add(cos[19], bx_r_sho_pitch_x * sin[19]);
+    let bx_r_el_y = -bx_r_sho_pitch_x.mul_add(cos[19], -(e9 * sin[19]));
+    let by_r_el_x = -e10.mul_add(cos[19], by_r_sho_pitch_x * sin[19]);
+    let by_r_el_y = -by_r_sho_pitch_x.mul_add(cos[19], -(e10 * sin[19]));
     let bz_r_el_x = -e11.mul_add(cos[19], bz_r_sho_pitch_x * sin[19]);
     let bz_r_el_y = -bz_r_sho_pitch_x.mul_add(cos[19], -(e11 * sin[19]));
     let zero = T::from_f64(0.0);
@@ -3328,28 +3183,46 @@ pub fn regressor_cop_sc<T: Real>(
 ) -> [[T; BASE_PARAMS]; 2] {
     // l_ank_pitch
     let bx_l_ank_pitch_y = -sin[6];
+    let by_l_ank_pitch_x = sin[7] * sin[6];
+    let by_l_ank_pitch_y = sin[7] * cos[6];
     // l_knee
     let bx_l_knee_x = cos[6].mul_add(cos[5], sin[6] * sin[5]);
     let bx_l_knee_y = cos[6].mul_add(sin[5], -(sin[6] * cos[5]));
+    let by_l_knee_x = by_l_ank_pitch_x.mul_add(cos[5], -(by_l_ank_pitch_y * sin[5]));
+    let by_l_knee_y = by_l_ank_pitch_y.mul_add(cos[5], by_l_ank_pitch_x * sin[5]);
     // l_hip_pitch
     let bx_l_hip_pitch_x = bx_l_knee_x.mul_add(cos[4], -(bx_l_knee_y * sin[4]));
     let bx_l_hip_pitch_y = bx_l_knee_y.mul_add(cos[4], bx_l_knee_x * sin[4]);
+    let by_l_hip_pitch_x = by_l_knee_x.mul_add(cos[4], -(by_l_knee_y * sin[4]));
+    let by_l_hip_pitch_y = by_l_knee_y.mul_add(cos[4], by_l_knee_x * sin[4]);
     // l_hip_roll
     let bx_l_hip_roll_x = bx_l_hip_pitch_y * sin[3];
     let bx_l_hip_roll_y = bx_l_hip_pitch_y * cos[3];
+    let by_l_hip_roll_x = by_l_hip_pitch_y.mul_add(sin[3], cos[7] * cos[3]);
+    let e1 = cos[7].mul_add(sin[3], -(by_l_hip_pitch_y * cos[3]));
+    let by_l_hip_roll_y = -e1;
     // l_hip_yaw
     let bx_l_hip_yaw_x = bx_l_hip_roll_x.mul_add(sin[2], bx_l_hip_pitch_x * cos[2]);
-    let e1 = bx_l_hip_pitch_x.mul_add(sin[2], -(bx_l_hip_roll_x * cos[2]));
-    let bx_l_hip_yaw_y = -e1;
+    let e2 = bx_l_hip_pitch_x.mul_add(sin[2], -(bx_l_hip_roll_x * cos[2]));
+    let bx_l_hip_yaw_y = -e2;
+    let by_l_hip_yaw_x = by_l_hip_roll_x.mul_add(sin[2], by_l_hip_pitch_x * cos[2]);
+    let e3 = by_l_hip_pitch_x.mul_add(sin[2], -(by_l_hip_roll_x * cos[2]));
+    let by_l_hip_yaw_y = -e3;
     // head_pan
-    let bx_head_pan_x = bx_l_hip_yaw_x.mul_add(cos[0], -(e1 * sin[0]));
-    let bx_head_pan_y = -e1.mul_add(cos[0], bx_l_hip_yaw_x * sin[0]);
+    let bx_head_pan_x = bx_l_hip_yaw_x.mul_add(cos[0], -(e2 * sin[0]));
+    let bx_head_pan_y = -e2.mul_add(cos[0], bx_l_hip_yaw_x * sin[0]);
+    let by_head_pan_x = by_l_hip_yaw_x.mul_add(cos[0], -(e3 * sin[0]));
+    let by_head_pan_y = -e3.mul_add(cos[0], by_l_hip_yaw_x * sin[0]);
     // head_tilt
     let bx_head_tilt_x = bx_head_pan_x.mul_add(cos[1], bx_l_hip_roll_y * sin[1]);
     let bx_head_tilt_y = -bx_l_hip_roll_y.mul_add(cos[1], -(bx_head_pan_x * sin[1]));
+    let by_head_tilt_x = by_head_pan_x.mul_add(cos[1], -(e1 * sin[1]));
+    let by_head_tilt_y = e1.mul_add(cos[1], by_head_pan_x * sin[1]);
     // l_sho_pitch
     let bx_l_sho_pitch_x = bx_l_hip_yaw_x.mul_add(cos[8], -(bx_l_hip_roll_y * sin[8]));
     let bx_l_sho_pitch_y = bx_l_hip_roll_y.mul_add(cos[8], bx_l_hip_yaw_x * sin[8]);
+    let by_l_sho_pitch_x = by_l_hip_yaw_x.mul_add(cos[8], e1 * sin[8]);
+    let by_l_sho_pitch_y = by_l_hip_yaw_x.mul_add(sin[8], -(e1 * cos[8]));
     // l_sho_roll
     let s_l_sho_roll = sin[9]
         .mul_add(
@@ -3361,34 +3234,55 @@ pub fn regressor_cop_sc<T: Real>(
             T::from_f64(0.707106781467586),
             T::from_f64(0.7071067809055092) * sin[9],
         );
-    let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_add(s_l_sho_roll, e1 * c_l_sho_roll);
-    let e2 = e1.mul_add(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
-    let bx_l_sho_roll_y = -e2;
+    let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_add(s_l_sho_roll, e2 * c_l_sho_roll);
+    let e4 = e2.mul_add(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
+    let bx_l_sho_roll_y = -e4;
+    let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_add(s_l_sho_roll, e3 * c_l_sho_roll);
+    let e5 = e3.mul_add(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
+    let by_l_sho_roll_y = -e5;
     // l_el
-    let bx_l_el_x = bx_l_sho_pitch_x.mul_add(sin[10], -(e2 * cos[10]));
-    let bx_l_el_y = -bx_l_sho_pitch_x.mul_add(cos[10], e2 * sin[10]);
+    let bx_l_el_x = bx_l_sho_pitch_x.mul_add(sin[10], -(e4 * cos[10]));
+    let bx_l_el_y = -bx_l_sho_pitch_x.mul_add(cos[10], e4 * sin[10]);
+    let by_l_el_x = by_l_sho_pitch_x.mul_add(sin[10], -(e5 * cos[10]));
+    let by_l_el_y = -by_l_sho_pitch_x.mul_add(cos[10], e5 * sin[10]);
     // r_hip_yaw
-    let bx_r_hip_yaw_x = bx_l_hip_yaw_x.mul_add(cos[11], e1 * sin[11]);
-    let bx_r_hip_yaw_y = bx_l_hip_yaw_x.mul_add(sin[11], -(e1 * cos[11]));
+    let bx_r_hip_yaw_x = bx_l_hip_yaw_x.mul_add(cos[11], e2 * sin[11]);
+    let bx_r_hip_yaw_y = bx_l_hip_yaw_x.mul_add(sin[11], -(e2 * cos[11]));
+    let by_r_hip_yaw_x = by_l_hip_yaw_x.mul_add(cos[11], e3 * sin[11]);
+    let by_r_hip_yaw_y = by_l_hip_yaw_x.mul_add(sin[11], -(e3 * cos[11]));
     // r_hip_roll
     let bx_r_hip_roll_x = bx_r_hip_yaw_y.mul_add(cos[12], -(bx_l_hip_roll_y * sin[12]));
     let bx_r_hip_roll_y = bx_l_hip_roll_y.mul_add(cos[12], bx_r_hip_yaw_y * sin[12]);
+    let by_r_hip_roll_x = by_r_hip_yaw_y.mul_add(cos[12], e1 * sin[12]);
+    let by_r_hip_roll_y = by_r_hip_yaw_y.mul_add(sin[12], -(e1 * cos[12]));
     // r_hip_pitch
     let bx_r_hip_pitch_x = bx_r_hip_yaw_x.mul_add(cos[13], -(bx_r_hip_roll_y * sin[13]));
     let bx_r_hip_pitch_y = bx_r_hip_yaw_x.mul_add(sin[13], bx_r_hip_roll_y * cos[13]);
+    let by_r_hip_pitch_x = by_r_hip_yaw_x.mul_add(cos[13], -(by_r_hip_roll_y * sin[13]));
+    let by_r_hip_pitch_y = by_r_hip_yaw_x.mul_add(sin[13], by_r_hip_roll_y * cos[13]);
     // r_knee
     let bx_r_knee_x = bx_r_hip_pitch_x.mul_add(cos[14], -(bx_r_hip_pitch_y * sin[14]));
     let bx_r_knee_y = bx_r_hip_pitch_y.mul_add(cos[14], bx_r_hip_pitch_x * sin[14]);
+    let by_r_knee_x = by_r_hip_pitch_x.mul_add(cos[14], -(by_r_hip_pitch_y * sin[14]));
+    let by_r_knee_y = by_r_hip_pitch_y.mul_add(cos[14], by_r_hip_pitch_x * sin[14]);
     // r_ank_pitch
     let bx_r_ank_pitch_x = bx_r_knee_x.mul_add(cos[15], bx_r_knee_y * sin[15]);
     let bx_r_ank_pitch_y = bx_r_knee_y.mul_add(cos[15], -(bx_r_knee_x * sin[15]));
+    let by_r_ank_pitch_x = by_r_knee_x.mul_add(cos[15], by_r_knee_y * sin[15]);
+    let by_r_ank_pitch_y = by_r_knee_y.mul_add(cos[15], -(by_r_knee_x * sin[15]));
     // r_ank_roll
     let bx_r_ank_roll_x = bx_r_ank_pitch_y.mul_add(sin[16], bx_r_hip_roll_x * cos[16]);
     let bx_r_ank_roll_y = -bx_r_hip_roll_x
         .mul_add(sin[16], -(bx_r_ank_pitch_y * cos[16]));
+    let by_r_ank_roll_x = by_r_ank_pitch_y.mul_add(sin[16], by_r_hip_roll_x * cos[16]);
+    let by_r_ank_roll_y = -by_r_hip_roll_x
+        .mul_add(sin[16], -(by_r_ank_pitch_y * cos[16]));
     // r_sho_pitch
     let bx_r_sho_pitch_x = bx_l_hip_yaw_x.mul_add(cos[17], bx_l_hip_roll_y * sin[17]);
     let bx_r_sho_pitch_y = bx_l_hip_roll_y.mul_add(cos[17], -(bx_l_hip_yaw_x * sin[17]));
+    let by_r_sho_pitch_x = by_l_hip_yaw_x.mul_add(cos[17], -(e1 * sin[17]));
+    let e6 = e1.mul_add(cos[17], by_l_hip_yaw_x * sin[17]);
+    let by_r_sho_pitch_y = -e6;
     // r_sho_roll
     let s_r_sho_roll = sin[18]
         .mul_add(
@@ -3400,73 +3294,15 @@ pub fn regressor_cop_sc<T: Real>(
             T::from_f64(0.707106781467586),
             -(T::from_f64(0.7071067809055092) * sin[18]),
         );
-    let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_add(s_r_sho_roll, e1 * c_r_sho_roll);
-    let e3 = e1.mul_add(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
-    let bx_r_sho_roll_y = -e3;
-    // r_el
-    let bx_r_el_x = -e3.mul_add(cos[19], bx_r_sho_pitch_x * sin[19]);
-    let bx_r_el_y = -bx_r_sho_pitch_x.mul_add(cos[19], -(e3 * sin[19]));
-    // l_ank_pitch
-    let by_l_ank_pitch_x = sin[7] * sin[6];
-    let by_l_ank_pitch_y = sin[7] * cos[6];
-    // l_knee
-    let by_l_knee_x = by_l_ank_pitch_x.mul_add(cos[5], -(by_l_ank_pitch_y * sin[5]));
-    let by_l_knee_y = by_l_ank_pitch_y.mul_add(cos[5], by_l_ank_pitch_x * sin[5]);
-    // l_hip_pitch
-    let by_l_hip_pitch_x = by_l_knee_x.mul_add(cos[4], -(by_l_knee_y * sin[4]));
-    let by_l_hip_pitch_y = by_l_knee_y.mul_add(cos[4], by_l_knee_x * sin[4]);
-    // l_hip_roll
-    let by_l_hip_roll_x = by_l_hip_pitch_y.mul_add(sin[3], cos[7] * cos[3]);
-    let e4 = cos[7].mul_add(sin[3], -(by_l_hip_pitch_y * cos[3]));
-    let by_l_hip_roll_y = -e4;
-    // l_hip_yaw
-    let by_l_hip_yaw_x = by_l_hip_roll_x.mul_add(sin[2], by_l_hip_pitch_x * cos[2]);
-    let e5 = by_l_hip_pitch_x.mul_add(sin[2], -(by_l_hip_roll_x * cos[2]));
-    let by_l_hip_yaw_y = -e5;
-    // head_pan
-    let by_head_pan_x = by_l_hip_yaw_x.mul_add(cos[0], -(e5 * sin[0]));
-    let by_head_pan_y = -e5.mul_add(cos[0], by_l_hip_yaw_x * sin[0]);
-    // head_tilt
-    let by_head_tilt_x = by_head_pan_x.mul_add(cos[1], -(e4 * sin[1]));
-    let by_head_tilt_y = e4.mul_add(cos[1], by_head_pan_x * sin[1]);
-    // l_sho_pitch
-    let by_l_sho_pitch_x = by_l_hip_yaw_x.mul_add(cos[8], e4 * sin[8]);
-    let by_l_sho_pitch_y = by_l_hip_yaw_x.mul_add(sin[8], -(e4 * cos[8]));
-    // l_sho_roll
-    let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_add(s_l_sho_roll, e5 * c_l_sho_roll);
-    let e6 = e5.mul_add(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
-    let by_l_sho_roll_y = -e6;
-    // l_el
-    let by_l_el_x = by_l_sho_pitch_x.mul_add(sin[10], -(e6 * cos[10]));
-    let by_l_el_y = -by_l_sho_pitch_x.mul_add(cos[10], e6 * sin[10]);
-    // r_hip_yaw
-    let by_r_hip_yaw_x = by_l_hip_yaw_x.mul_add(cos[11], e5 * sin[11]);
-    let by_r_hip_yaw_y = by_l_hip_yaw_x.mul_add(sin[11], -(e5 * cos[11]));
-    // r_hip_roll
-    let by_r_hip_roll_x = by_r_hip_yaw_y.mul_add(cos[12], e4 * sin[12]);
-    let by_r_hip_roll_y = by_r_hip_yaw_y.mul_add(sin[12], -(e4 * cos[12]));
-    // r_hip_pitch
-    let by_r_hip_pitch_x = by_r_hip_yaw_x.mul_add(cos[13], -(by_r_hip_roll_y * sin[13]));
-    let by_r_hip_pitch_y = by_r_hip_yaw_x.mul_add(sin[13], by_r_hip_roll_y * cos[13]);
-    // r_knee
-    let by_r_knee_x = by_r_hip_pitch_x.mul_add(cos[14], -(by_r_hip_pitch_y * sin[14]));
-    let by_r_knee_y = by_r_hip_pitch_y.mul_add(cos[14], by_r_hip_pitch_x * sin[14]);
-    // r_ank_pitch
-    let by_r_ank_pitch_x = by_r_knee_x.mul_add(cos[15], by_r_knee_y * sin[15]);
-    let by_r_ank_pitch_y = by_r_knee_y.mul_add(cos[15], -(by_r_knee_x * sin[15]));
-    // r_ank_roll
-    let by_r_ank_roll_x = by_r_ank_pitch_y.mul_add(sin[16], by_r_hip_roll_x * cos[16]);
-    let by_r_ank_roll_y = -by_r_hip_roll_x
-        .mul_add(sin[16], -(by_r_ank_pitch_y * cos[16]));
-    // r_sho_pitch
-    let by_r_sho_pitch_x = by_l_hip_yaw_x.mul_add(cos[17], -(e4 * sin[17]));
-    let e7 = e4.mul_add(cos[17], by_l_hip_yaw_x * sin[17]);
-    let by_r_sho_pitch_y = -e7;
-    // r_sho_roll
-    let by_r_sho_roll_x = e7.mul_add(s_r_sho_roll, -(e5 * c_r_sho_roll));
-    let e8 = e5.mul_add(s_r_sho_roll, e7 * c_r_sho_roll);
+    let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_add(s_r_sho_roll, e2 * c_r_sho_roll);
+    let e7 = e2.mul_add(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
+    let bx_r_sho_roll_y = -e7;
+    let by_r_sho_roll_x = e6.mul_add(s_r_sho_roll, -(e3 * c_r_sho_roll));
+    let e8 = e3.mul_add(s_r_sho_roll, e6 * c_r_sho_roll);
     let by_r_sho_roll_y = -e8;
     // r_el
+    let bx_r_el_x = -e7.mul_add(cos[19], bx_r_sho_pitch_x * sin[19]);
+    let bx_r_el_y = -bx_r_sho_pitch_x.mul_add(cos[19], -(e7 * sin[19]));
     let by_r_el_x = -e8.mul_add(cos[19], by_r_sho_pitch_x * sin[19]);
     let by_r_el_y = -by_r_sho_pitch_x.mul_add(cos[19], -(e8 * sin[19]));
     let zero = T::from_f64(0.0);
@@ -3578,28 +3414,63 @@ pub fn regressor_full_sc<T: Real>(
     let bz_l_ank_roll_x = -sin[7];
     // l_ank_pitch
     let bx_l_ank_pitch_y = -sin[6];
+    let by_l_ank_pitch_x = sin[7] * sin[6];
+    let by_l_ank_pitch_y = sin[7] * cos[6];
+    let bz_l_ank_pitch_x = cos[7] * sin[6];
+    let bz_l_ank_pitch_y = cos[7] * cos[6];
     // l_knee
     let bx_l_knee_x = cos[6].mul_add(cos[5], sin[6] * sin[5]);
     let bx_l_knee_y = cos[6].mul_add(sin[5], -(sin[6] * cos[5]));
+    let by_l_knee_x = by_l_ank_pitch_x.mul_add(cos[5], -(by_l_ank_pitch_y * sin[5]));
+    let by_l_knee_y = by_l_ank_pitch_y.mul_add(cos[5], by_l_ank_pitch_x * sin[5]);
+    let bz_l_knee_x = bz_l_ank_pitch_x.mul_add(cos[5], -(bz_l_ank_pitch_y * sin[5]));
+    let bz_l_knee_y = bz_l_ank_pitch_y.mul_add(cos[5], bz_l_ank_pitch_x * sin[5]);
     // l_hip_pitch
     let bx_l_hip_pitch_x = bx_l_knee_x.mul_add(cos[4], -(bx_l_knee_y * sin[4]));
     let bx_l_hip_pitch_y = bx_l_knee_y.mul_add(cos[4], bx_l_knee_x * sin[4]);
+    let by_l_hip_pitch_x = by_l_knee_x.mul_add(cos[4], -(by_l_knee_y * sin[4]));
+    let by_l_hip_pitch_y = by_l_knee_y.mul_add(cos[4], by_l_knee_x * sin[4]);
+    let bz_l_hip_pitch_x = bz_l_knee_x.mul_add(cos[4], -(bz_l_knee_y * sin[4]));
+    let bz_l_hip_pitch_y = bz_l_knee_y.mul_add(cos[4], bz_l_knee_x * sin[4]);
     // l_hip_roll
     let bx_l_hip_roll_x = bx_l_hip_pitch_y * sin[3];
     let bx_l_hip_roll_y = bx_l_hip_pitch_y * cos[3];
+    let by_l_hip_roll_x = by_l_hip_pitch_y.mul_add(sin[3], cos[7] * cos[3]);
+    let e1 = cos[7].mul_add(sin[3], -(by_l_hip_pitch_y * cos[3]));
+    let by_l_hip_roll_y = -e1;
+    let bz_l_hip_roll_x = bz_l_hip_pitch_y.mul_add(sin[3], -(sin[7] * cos[3]));
+    let bz_l_hip_roll_y = sin[7].mul_add(sin[3], bz_l_hip_pitch_y * cos[3]);
     // l_hip_yaw
     let bx_l_hip_yaw_x = bx_l_hip_roll_x.mul_add(sin[2], bx_l_hip_pitch_x * cos[2]);
-    let e1 = bx_l_hip_pitch_x.mul_add(sin[2], -(bx_l_hip_roll_x * cos[2]));
-    let bx_l_hip_yaw_y = -e1;
+    let e2 = bx_l_hip_pitch_x.mul_add(sin[2], -(bx_l_hip_roll_x * cos[2]));
+    let bx_l_hip_yaw_y = -e2;
+    let by_l_hip_yaw_x = by_l_hip_roll_x.mul_add(sin[2], by_l_hip_pitch_x * cos[2]);
+    let e3 = by_l_hip_pitch_x.mul_add(sin[2], -(by_l_hip_roll_x * cos[2]));
+    let by_l_hip_yaw_y = -e3;
+    let bz_l_hip_yaw_x = bz_l_hip_roll_x.mul_add(sin[2], bz_l_hip_pitch_x * cos[2]);
+    let e4 = bz_l_hip_pitch_x.mul_add(sin[2], -(bz_l_hip_roll_x * cos[2]));
+    let bz_l_hip_yaw_y = -e4;
     // head_pan
-    let bx_head_pan_x = bx_l_hip_yaw_x.mul_add(cos[0], -(e1 * sin[0]));
-    let bx_head_pan_y = -e1.mul_add(cos[0], bx_l_hip_yaw_x * sin[0]);
+    let bx_head_pan_x = bx_l_hip_yaw_x.mul_add(cos[0], -(e2 * sin[0]));
+    let bx_head_pan_y = -e2.mul_add(cos[0], bx_l_hip_yaw_x * sin[0]);
+    let by_head_pan_x = by_l_hip_yaw_x.mul_add(cos[0], -(e3 * sin[0]));
+    let by_head_pan_y = -e3.mul_add(cos[0], by_l_hip_yaw_x * sin[0]);
+    let bz_head_pan_x = bz_l_hip_yaw_x.mul_add(cos[0], -(e4 * sin[0]));
+    let bz_head_pan_y = -e4.mul_add(cos[0], bz_l_hip_yaw_x * sin[0]);
     // head_tilt
     let bx_head_tilt_x = bx_head_pan_x.mul_add(cos[1], bx_l_hip_roll_y * sin[1]);
-    let e2 = bx_l_hip_roll_y.mul_add(cos[1], -(bx_head_pan_x * sin[1]));
+    let e5 = bx_l_hip_roll_y.mul_add(cos[1], -(bx_head_pan_x * sin[1]));
+    let by_head_tilt_x = by_head_pan_x.mul_add(cos[1], -(e1 * sin[1]));
+    let by_head_tilt_y = e1.mul_add(cos[1], by_head_pan_x * sin[1]);
+    let bz_head_tilt_x = bz_head_pan_x.mul_add(cos[1], bz_l_hip_roll_y * sin[1]);
+    let e6 = bz_l_hip_roll_y.mul_add(cos[1], -(bz_head_pan_x * sin[1]));
     // l_sho_pitch
     let bx_l_sho_pitch_x = bx_l_hip_yaw_x.mul_add(cos[8], -(bx_l_hip_roll_y * sin[8]));
     let bx_l_sho_pitch_y = bx_l_hip_roll_y.mul_add(cos[8], bx_l_hip_yaw_x * sin[8]);
+    let by_l_sho_pitch_x = by_l_hip_yaw_x.mul_add(cos[8], e1 * sin[8]);
+    let by_l_sho_pitch_y = by_l_hip_yaw_x.mul_add(sin[8], -(e1 * cos[8]));
+    let bz_l_sho_pitch_x = bz_l_hip_yaw_x.mul_add(cos[8], -(bz_l_hip_roll_y * sin[8]));
+    let bz_l_sho_pitch_y = bz_l_hip_roll_y.mul_add(cos[8], bz_l_hip_yaw_x * sin[8]);
     // l_sho_roll
     let s_l_sho_roll = sin[9]
         .mul_add(
@@ -3611,34 +3482,75 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.707106781467586),
             T::from_f64(0.7071067809055092) * sin[9],
         );
-    let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_add(s_l_sho_roll, e1 * c_l_sho_roll);
-    let e3 = e1.mul_add(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
-    let bx_l_sho_roll_y = -e3;
+    let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_add(s_l_sho_roll, e2 * c_l_sho_roll);
+    let e7 = e2.mul_add(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
+    let bx_l_sho_roll_y = -e7;
+    let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_add(s_l_sho_roll, e3 * c_l_sho_roll);
+    let e8 = e3.mul_add(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
+    let by_l_sho_roll_y = -e8;
+    let bz_l_sho_roll_x = -bz_l_sho_pitch_y.mul_add(s_l_sho_roll, e4 * c_l_sho_roll);
+    let e9 = e4.mul_add(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
+    let bz_l_sho_roll_y = -e9;
     // l_el
-    let bx_l_el_x = bx_l_sho_pitch_x.mul_add(sin[10], -(e3 * cos[10]));
-    let bx_l_el_y = -bx_l_sho_pitch_x.mul_add(cos[10], e3 * sin[10]);
+    let bx_l_el_x = bx_l_sho_pitch_x.mul_add(sin[10], -(e7 * cos[10]));
+    let bx_l_el_y = -bx_l_sho_pitch_x.mul_add(cos[10], e7 * sin[10]);
+    let by_l_el_x = by_l_sho_pitch_x.mul_add(sin[10], -(e8 * cos[10]));
+    let by_l_el_y = -by_l_sho_pitch_x.mul_add(cos[10], e8 * sin[10]);
+    let bz_l_el_x = bz_l_sho_pitch_x.mul_add(sin[10], -(e9 * cos[10]));
+    let bz_l_el_y = -bz_l_sho_pitch_x.mul_add(cos[10], e9 * sin[10]);
     // r_hip_yaw
-    let bx_r_hip_yaw_x = bx_l_hip_yaw_x.mul_add(cos[11], e1 * sin[11]);
-    let bx_r_hip_yaw_y = bx_l_hip_yaw_x.mul_add(sin[11], -(e1 * cos[11]));
+    let bx_r_hip_yaw_x = bx_l_hip_yaw_x.mul_add(cos[11], e2 * sin[11]);
+    let bx_r_hip_yaw_y = bx_l_hip_yaw_x.mul_add(sin[11], -(e2 * cos[11]));
+    let by_r_hip_yaw_x = by_l_hip_yaw_x.mul_add(cos[11], e3 * sin[11]);
+    let by_r_hip_yaw_y = by_l_hip_yaw_x.mul_add(sin[11], -(e3 * cos[11]));
+    let bz_r_hip_yaw_x = bz_l_hip_yaw_x.mul_add(cos[11], e4 * sin[11]);
+    let bz_r_hip_yaw_y = bz_l_hip_yaw_x.mul_add(sin[11], -(e4 * cos[11]));
     // r_hip_roll
     let bx_r_hip_roll_x = bx_r_hip_yaw_y.mul_add(cos[12], -(bx_l_hip_roll_y * sin[12]));
     let bx_r_hip_roll_y = bx_l_hip_roll_y.mul_add(cos[12], bx_r_hip_yaw_y * sin[12]);
+    let by_r_hip_roll_x = by_r_hip_yaw_y.mul_add(cos[12], e1 * sin[12]);
+    let by_r_hip_roll_y = by_r_hip_yaw_y.mul_add(sin[12], -(e1 * cos[12]));
+    let bz_r_hip_roll_x = bz_r_hip_yaw_y.mul_add(cos[12], -(bz_l_hip_roll_y * sin[12]));
+    let bz_r_hip_roll_y = bz_l_hip_roll_y.mul_add(cos[12], bz_r_hip_yaw_y * sin[12]);
     // r_hip_pitch
     let bx_r_hip_pitch_x = bx_r_hip_yaw_x.mul_add(cos[13], -(bx_r_hip_roll_y * sin[13]));
     let bx_r_hip_pitch_y = bx_r_hip_yaw_x.mul_add(sin[13], bx_r_hip_roll_y * cos[13]);
+    let by_r_hip_pitch_x = by_r_hip_yaw_x.mul_add(cos[13], -(by_r_hip_roll_y * sin[13]));
+    let by_r_hip_pitch_y = by_r_hip_yaw_x.mul_add(sin[13], by_r_hip_roll_y * cos[13]);
+    let bz_r_hip_pitch_x = bz_r_hip_yaw_x.mul_add(cos[13], -(bz_r_hip_roll_y * sin[13]));
+    let bz_r_hip_pitch_y = bz_r_hip_yaw_x.mul_add(sin[13], bz_r_hip_roll_y * cos[13]);
     // r_knee
     let bx_r_knee_x = bx_r_hip_pitch_x.mul_add(cos[14], -(bx_r_hip_pitch_y * sin[14]));
     let bx_r_knee_y = bx_r_hip_pitch_y.mul_add(cos[14], bx_r_hip_pitch_x * sin[14]);
+    let by_r_knee_x = by_r_hip_pitch_x.mul_add(cos[14], -(by_r_hip_pitch_y * sin[14]));
+    let by_r_knee_y = by_r_hip_pitch_y.mul_add(cos[14], by_r_hip_pitch_x * sin[14]);
+    let bz_r_knee_x = bz_r_hip_pitch_x.mul_add(cos[14], -(bz_r_hip_pitch_y * sin[14]));
+    let bz_r_knee_y = bz_r_hip_pitch_y.mul_add(cos[14], bz_r_hip_pitch_x * sin[14]);
     // r_ank_pitch
     let bx_r_ank_pitch_x = bx_r_knee_x.mul_add(cos[15], bx_r_knee_y * sin[15]);
     let bx_r_ank_pitch_y = bx_r_knee_y.mul_add(cos[15], -(bx_r_knee_x * sin[15]));
+    let by_r_ank_pitch_x = by_r_knee_x.mul_add(cos[15], by_r_knee_y * sin[15]);
+    let by_r_ank_pitch_y = by_r_knee_y.mul_add(cos[15], -(by_r_knee_x * sin[15]));
+    let bz_r_ank_pitch_x = bz_r_knee_x.mul_add(cos[15], bz_r_knee_y * sin[15]);
+    let bz_r_ank_pitch_y = bz_r_knee_y.mul_add(cos[15], -(bz_r_knee_x * sin[15]));
     // r_ank_roll
     let bx_r_ank_roll_x = bx_r_ank_pitch_y.mul_add(sin[16], bx_r_hip_roll_x * cos[16]);
     let bx_r_ank_roll_y = -bx_r_hip_roll_x
         .mul_add(sin[16], -(bx_r_ank_pitch_y * cos[16]));
+    let by_r_ank_roll_x = by_r_ank_pitch_y.mul_add(sin[16], by_r_hip_roll_x * cos[16]);
+    let by_r_ank_roll_y = -by_r_hip_roll_x
+        .mul_add(sin[16], -(by_r_ank_pitch_y * cos[16]));
+    let bz_r_ank_roll_x = bz_r_ank_pitch_y.mul_add(sin[16], bz_r_hip_roll_x * cos[16]);
+    let bz_r_ank_roll_y = -bz_r_hip_roll_x
+        .mul_add(sin[16], -(bz_r_ank_pitch_y * cos[16]));
     // r_sho_pitch
     let bx_r_sho_pitch_x = bx_l_hip_yaw_x.mul_add(cos[17], bx_l_hip_roll_y * sin[17]);
     let bx_r_sho_pitch_y = bx_l_hip_roll_y.mul_add(cos[17], -(bx_l_hip_yaw_x * sin[17]));
+    let by_r_sho_pitch_x = by_l_hip_yaw_x.mul_add(cos[17], -(e1 * sin[17]));
+    let e10 = e1.mul_add(cos[17], by_l_hip_yaw_x * sin[17]);
+    let by_r_sho_pitch_y = -e10;
+    let bz_r_sho_pitch_x = bz_l_hip_yaw_x.mul_add(cos[17], bz_l_hip_roll_y * sin[17]);
+    let bz_r_sho_pitch_y = bz_l_hip_roll_y.mul_add(cos[17], -(bz_l_hip_yaw_x * sin[17]));
     // r_sho_roll
     let s_r_sho_roll = sin[18]
         .mul_add(
@@ -3650,134 +3562,20 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.707106781467586),
             -(T::from_f64(0.7071067809055092) * sin[18]),
         );
-    let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_add(s_r_sho_roll, e1 * c_r_sho_roll);
-    let e4 = e1.mul_add(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
-    let bx_r_sho_roll_y = -e4;
-    // r_el
-    let bx_r_el_x = -e4.mul_add(cos[19], bx_r_sho_pitch_x * sin[19]);
-    let bx_r_el_y = -bx_r_sho_pitch_x.mul_add(cos[19], -(e4 * sin[19]));
-    // l_ank_pitch
-    let by_l_ank_pitch_x = sin[7] * sin[6];
-    let by_l_ank_pitch_y = sin[7] * cos[6];
-    // l_knee
-    let by_l_knee_x = by_l_ank_pitch_x.mul_add(cos[5], -(by_l_ank_pitch_y * sin[5]));
-    let by_l_knee_y = by_l_ank_pitch_y.mul_add(cos[5], by_l_ank_pitch_x * sin[5]);
-    // l_hip_pitch
-    let by_l_hip_pitch_x = by_l_knee_x.mul_add(cos[4], -(by_l_knee_y * sin[4]));
-    let by_l_hip_pitch_y = by_l_knee_y.mul_add(cos[4], by_l_knee_x * sin[4]);
-    // l_hip_roll
-    let by_l_hip_roll_x = by_l_hip_pitch_y.mul_add(sin[3], cos[7] * cos[3]);
-    let e5 = cos[7].mul_add(sin[3], -(by_l_hip_pitch_y * cos[3]));
-    let by_l_hip_roll_y = -e5;
-    // l_hip_yaw
-    let by_l_hip_yaw_x = by_l_hip_roll_x.mul_add(sin[2], by_l_hip_pitch_x * cos[2]);
-    let e6 = by_l_hip_pitch_x.mul_add(sin[2], -(by_l_hip_roll_x * cos[2]));
-    let by_l_hip_yaw_y = -e6;
-    // head_pan
-    let by_head_pan_x = by_l_hip_yaw_x.mul_add(cos[0], -(e6 * sin[0]));
-    let by_head_pan_y = -e6.mul_add(cos[0], by_l_hip_yaw_x * sin[0]);
-    // head_tilt
-    let by_head_tilt_x = by_head_pan_x.mul_add(cos[1], -(e5 * sin[1]));
-    let by_head_tilt_y = e5.mul_add(cos[1], by_head_pan_x * sin[1]);
-    // l_sho_pitch
-    let by_l_sho_pitch_x = by_l_hip_yaw_x.mul_add(cos[8], e5 * sin[8]);
-    let by_l_sho_pitch_y = by_l_hip_yaw_x.mul_add(sin[8], -(e5 * cos[8]));
-    // l_sho_roll
-    let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_add(s_l_sho_roll, e6 * c_l_sho_roll);
-    let e7 = e6.mul_add(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
-    let by_l_sho_roll_y = -e7;
-    // l_el
-    let by_l_el_x = by_l_sho_pitch_x.mul_add(sin[10], -(e7 * cos[10]));
-    let by_l_el_y = -by_l_sho_pitch_x.mul_add(cos[10], e7 * sin[10]);
-    // r_hip_yaw
-    let by_r_hip_yaw_x = by_l_hip_yaw_x.mul_add(cos[11], e6 * sin[11]);
-    let by_r_hip_yaw_y = by_l_hip_yaw_x.mul_add(sin[11], -(e6 * cos[11]));
-    // r_hip_roll
-    let by_r_hip_roll_x = by_r_hip_yaw_y.mul_add(cos[12], e5 * sin[12]);
-    let by_r_hip_roll_y = by_r_hip_yaw_y.mul_add(sin[12], -(e5 * cos[12]));
-    // r_hip_pitch
-    let by_r_hip_pitch_x = by_r_hip_yaw_x.mul_add(cos[13], -(by_r_hip_roll_y * sin[13]));
-    let by_r_hip_pitch_y = by_r_hip_yaw_x.mul_add(sin[13], by_r_hip_roll_y * cos[13]);
-    // r_knee
-    let by_r_knee_x = by_r_hip_pitch_x.mul_add(cos[14], -(by_r_hip_pitch_y * sin[14]));
-    let by_r_knee_y = by_r_hip_pitch_y.mul_add(cos[14], by_r_hip_pitch_x * sin[14]);
-    // r_ank_pitch
-    let by_r_ank_pitch_x = by_r_knee_x.mul_add(cos[15], by_r_knee_y * sin[15]);
-    let by_r_ank_pitch_y = by_r_knee_y.mul_add(cos[15], -(by_r_knee_x * sin[15]));
-    // r_ank_roll
-    let by_r_ank_roll_x = by_r_ank_pitch_y.mul_add(sin[16], by_r_hip_roll_x * cos[16]);
-    let by_r_ank_roll_y = -by_r_hip_roll_x
-        .mul_add(sin[16], -(by_r_ank_pitch_y * cos[16]));
-    // r_sho_pitch
-    let by_r_sho_pitch_x = by_l_hip_yaw_x.mul_add(cos[17], -(e5 * sin[17]));
-    let e8 = e5.mul_add(cos[17], by_l_hip_yaw_x * sin[17]);
-    let by_r_sho_pitch_y = -e8;
-    // r_sho_roll
-    let by_r_sho_roll_x = e8.mul_add(s_r_sho_roll, -(e6 * c_r_sho_roll));
-    let e9 = e6.mul_add(s_r_sho_roll, e8 * c_r_sho_roll);
-    let by_r_sho_roll_y = -e9;
-    // r_el
-    let by_r_el_x = -e9.mul_add(cos[19], by_r_sho_pitch_x * sin[19]);
-    let by_r_el_y = -by_r_sho_pitch_x.mul_add(cos[19], -(e9 * sin[19]));
-    // l_ank_pitch
-    let bz_l_ank_pitch_x = cos[7] * sin[6];
-    let bz_l_ank_pitch_y = cos[7] * cos[6];
-    // l_knee
-    let bz_l_knee_x = bz_l_ank_pitch_x.mul_add(cos[5], -(bz_l_ank_pitch_y * sin[5]));
-    let bz_l_knee_y = bz_l_ank_pitch_y.mul_add(cos[5], bz_l_ank_pitch_x * sin[5]);
-    // l_hip_pitch
-    let bz_l_hip_pitch_x = bz_l_knee_x.mul_add(cos[4], -(bz_l_knee_y * sin[4]));
-    let bz_l_hip_pitch_y = bz_l_knee_y.mul_add(cos[4], bz_l_knee_x * sin[4]);
-    // l_hip_roll
-    let bz_l_hip_roll_x = bz_l_hip_pitch_y.mul_add(sin[3], -(sin[7] * cos[3]));
-    let bz_l_hip_roll_y = sin[7].mul_add(sin[3], bz_l_hip_pitch_y * cos[3]);
-    // l_hip_yaw
-    let bz_l_hip_yaw_x = bz_l_hip_roll_x.mul_add(sin[2], bz_l_hip_pitch_x * cos[2]);
-    let e10 = bz_l_hip_pitch_x.mul_add(sin[2], -(bz_l_hip_roll_x * cos[2]));
-    let bz_l_hip_yaw_y = -e10;
-    // head_pan
-    let bz_head_pan_x = bz_l_hip_yaw_x.mul_add(cos[0], -(e10 * sin[0]));
-    let bz_head_pan_y = -e10.mul_add(cos[0], bz_l_hip_yaw_x * sin[0]);
-    // head_tilt
-    let bz_head_tilt_x = bz_head_pan_x.mul_add(cos[1], bz_l_hip_roll_y * sin[1]);
-    let e11 = bz_l_hip_roll_y.mul_add(cos[1], -(bz_head_pan_x * sin[1]));
-    // l_sho_pitch
-    let bz_l_sho_pitch_x = bz_l_hip_yaw_x.mul_add(cos[8], -(bz_l_hip_roll_y * sin[8]));
-    let bz_l_sho_pitch_y = bz_l_hip_roll_y.mul_add(cos[8], bz_l_hip_yaw_x * sin[8]);
-    // l_sho_roll
-    let bz_l_sho_roll_x = -bz_l_sho_pitch_y.mul_add(s_l_sho_roll, e10 * c_l_sho_roll);
-    let e12 = e10.mul_add(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
-    let bz_l_sho_roll_y = -e12;
-    // l_el
-    let bz_l_el_x = bz_l_sho_pitch_x.mul_add(sin[10], -(e12 * cos[10]));
-    let bz_l_el_y = -bz_l_sho_pitch_x.mul_add(cos[10], e12 * sin[10]);
-    // r_hip_yaw
-    let bz_r_hip_yaw_x = bz_l_hip_yaw_x.mul_add(cos[11], e10 * sin[11]);
-    let bz_r_hip_yaw_y = bz_l_hip_yaw_x.mul_add(sin[11], -(e10 * cos[11]));
-    // r_hip_roll
-    let bz_r_hip_roll_x = bz_r_hip_yaw_y.mul_add(cos[12], -(bz_l_hip_roll_y * sin[12]));
-    let bz_r_hip_roll_y = bz_l_hip_roll_y.mul_add(cos[12], bz_r_hip_yaw_y * sin[12]);
-    // r_hip_pitch
-    let bz_r_hip_pitch_x = bz_r_hip_yaw_x.mul_add(cos[13], -(bz_r_hip_roll_y * sin[13]));
-    let bz_r_hip_pitch_y = bz_r_hip_yaw_x.mul_add(sin[13], bz_r_hip_roll_y * cos[13]);
-    // r_knee
-    let bz_r_knee_x = bz_r_hip_pitch_x.mul_add(cos[14], -(bz_r_hip_pitch_y * sin[14]));
-    let bz_r_knee_y = bz_r_hip_pitch_y.mul_add(cos[14], bz_r_hip_pitch_x * sin[14]);
-    // r_ank_pitch
-    let bz_r_ank_pitch_x = bz_r_knee_x.mul_add(cos[15], bz_r_knee_y * sin[15]);
-    let bz_r_ank_pitch_y = bz_r_knee_y.mul_add(cos[15], -(bz_r_knee_x * sin[15]));
-    // r_ank_roll
-    let bz_r_ank_roll_x = bz_r_ank_pitch_y.mul_add(sin[16], bz_r_hip_roll_x * cos[16]);
-    let bz_r_ank_roll_y = -bz_r_hip_roll_x
-        .mul_add(sin[16], -(bz_r_ank_pitch_y * cos[16]));
-    // r_sho_pitch
-    let bz_r_sho_pitch_x = bz_l_hip_yaw_x.mul_add(cos[17], bz_l_hip_roll_y * sin[17]);
-    let bz_r_sho_pitch_y = bz_l_hip_roll_y.mul_add(cos[17], -(bz_l_hip_yaw_x * sin[17]));
-    // r_sho_roll
-    let bz_r_sho_roll_x = -bz_r_sho_pitch_y.mul_add(s_r_sho_roll, e10 * c_r_sho_roll);
-    let e13 = e10.mul_add(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
+    let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_add(s_r_sho_roll, e2 * c_r_sho_roll);
+    let e11 = e2.mul_add(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
+    let bx_r_sho_roll_y = -e11;
+    let by_r_sho_roll_x = e10.mul_add(s_r_sho_roll, -(e3 * c_r_sho_roll));
+    let e12 = e3.mul_add(s_r_sho_roll, e10 * c_r_sho_roll);
+    let by_r_sho_roll_y = -e12;
+    let bz_r_sho_roll_x = -bz_r_sho_pitch_y.mul_add(s_r_sho_roll, e4 * c_r_sho_roll);
+    let e13 = e4.mul_add(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
     let bz_r_sho_roll_y = -e13;
     // r_el
+    let bx_r_el_x = -e11.mul_add(cos[19], bx_r_sho_pitch_x * sin[19]);
+    let bx_r_el_y = -bx_r_sho_pitch_x.mul_add(cos[19], -(e11 * sin[19]));
+    let by_r_el_x = -e12.mul_add(cos[19], by_r_sho_pitch_x * sin[19]);
+    let by_r_el_y = -by_r_sho_pitch_x.mul_add(cos[19], -(e12 * sin[19]));
     let bz_r_el_x = -e13.mul_add(cos[19], bz_r_sho_pitch_x * sin[19]);
     let bz_r_el_y = -bz_r_sho_pitch_x.mul_add(cos[19], -(e13 * sin[19]));
     let zero = T::from_f64(0.0);
@@ -3811,13 +3609,13 @@ pub fn regressor_full_sc<T: Real>(
             bx_head_tilt_x
                 .mul_add(
                     T::from_f64(0.8386705680315472),
-                    -(T::from_f64(0.5446390348824093) * e2),
+                    -(T::from_f64(0.5446390348824093) * e5),
                 ),
             bx_head_pan_y,
             bx_head_tilt_x
                 .mul_add(
                     T::from_f64(0.5446390348824093),
-                    T::from_f64(0.8386705680315472) * e2,
+                    T::from_f64(0.8386705680315472) * e5,
                 ),
             bx_l_sho_pitch_x,
             bx_l_hip_yaw_y,
@@ -3957,13 +3755,13 @@ pub fn regressor_full_sc<T: Real>(
             bz_head_tilt_x
                 .mul_add(
                     T::from_f64(0.8386705680315472),
-                    -(T::from_f64(0.5446390348824093) * e11),
+                    -(T::from_f64(0.5446390348824093) * e6),
                 ),
             bz_head_pan_y,
             bz_head_tilt_x
                 .mul_add(
                     T::from_f64(0.5446390348824093),
-                    T::from_f64(0.8386705680315472) * e11,
+                    T::from_f64(0.8386705680315472) * e6,
                 ),
             bz_l_sho_pitch_x,
             bz_l_hip_yaw_y,
@@ -4011,10 +3809,8 @@ pub fn regressor_full_sc<T: Real>(
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 #[inline(always)]
 pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
-    // r_el
-    let t_r_el_x = cos[19].mul_add(r[41], -(sin[19] * r[42]));
     // r_sho_roll
-    let v_r_sho_roll_y = r[40] + t_r_el_x;
+    let v_r_sho_roll_y = (-sin[19]).mul_add(r[42], cos[19].mul_add(r[41], r[40]));
     let s_r_sho_roll = sin[18]
         .mul_add(
             T::from_f64(0.707106781467586),
@@ -4025,45 +3821,35 @@ pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
             T::from_f64(0.707106781467586),
             -(T::from_f64(0.7071067809055092) * sin[18]),
         );
-    let t_r_sho_roll_x = c_r_sho_roll.mul_add(v_r_sho_roll_y, -(s_r_sho_roll * r[39]));
-    let t_r_sho_roll_y = c_r_sho_roll.mul_add(r[39], s_r_sho_roll * v_r_sho_roll_y);
     // r_sho_pitch
     let v_r_sho_pitch_x = r[37] - sin[19].mul_add(r[41], cos[19] * r[42]);
-    let v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
-    let t_r_sho_pitch_x = cos[17].mul_add(v_r_sho_pitch_x, -(sin[17] * v_r_sho_pitch_y));
-    let t_r_sho_pitch_y = sin[17].mul_add(v_r_sho_pitch_x, cos[17] * v_r_sho_pitch_y);
-    // r_ank_roll
-    let t_r_ank_roll_x = sin[16].mul_add(r[35], cos[16] * r[36]);
-    let t_r_ank_roll_y = cos[16].mul_add(r[35], -(sin[16] * r[36]));
+    let v_r_sho_pitch_y = c_r_sho_roll
+        .mul_add(v_r_sho_roll_y, (-s_r_sho_roll).mul_add(r[39], r[38]));
+    let v_r_sho_pitch_z = c_r_sho_roll.mul_add(r[39], s_r_sho_roll * v_r_sho_roll_y);
     // r_ank_pitch
-    let v_r_ank_pitch_y = r[34] + t_r_ank_roll_x;
-    let t_r_ank_pitch_x = cos[15].mul_add(r[33], -(sin[15] * v_r_ank_pitch_y));
-    let t_r_ank_pitch_y = sin[15].mul_add(r[33], cos[15] * v_r_ank_pitch_y);
+    let v_r_ank_pitch_y = cos[16].mul_add(r[36], sin[16].mul_add(r[35], r[34]));
+    let v_r_ank_pitch_z = cos[16].mul_add(r[35], -(sin[16] * r[36]));
     // r_knee
-    let v_r_knee_x = r[31] + t_r_ank_pitch_x;
-    let v_r_knee_y = r[32] + t_r_ank_pitch_y;
-    let t_r_knee_x = cos[14].mul_add(v_r_knee_x, sin[14] * v_r_knee_y);
-    let t_r_knee_y = cos[14].mul_add(v_r_knee_y, -(sin[14] * v_r_knee_x));
+    let v_r_knee_x = (-sin[15]).mul_add(v_r_ank_pitch_y, cos[15].mul_add(r[33], r[31]));
+    let v_r_knee_y = cos[15].mul_add(v_r_ank_pitch_y, sin[15].mul_add(r[33], r[32]));
     // r_hip_pitch
-    let v_r_hip_pitch_x = r[29] + t_r_knee_x;
-    let v_r_hip_pitch_y = r[30] + t_r_knee_y;
-    let t_r_hip_pitch_x = cos[13].mul_add(v_r_hip_pitch_y, -(sin[13] * v_r_hip_pitch_x));
-    let t_r_hip_pitch_y = cos[13].mul_add(v_r_hip_pitch_x, sin[13] * v_r_hip_pitch_y);
+    let v_r_hip_pitch_x = sin[14]
+        .mul_add(v_r_knee_y, cos[14].mul_add(v_r_knee_x, r[29]));
+    let v_r_hip_pitch_y = cos[14]
+        .mul_add(v_r_knee_y, (-sin[14]).mul_add(v_r_knee_x, r[30]));
     // r_hip_roll
-    let v_r_hip_roll_x = r[27] + t_r_ank_roll_y;
-    let v_r_hip_roll_y = r[28] + t_r_hip_pitch_x;
-    let t_r_hip_roll_x = cos[12].mul_add(v_r_hip_roll_x, sin[12] * v_r_hip_roll_y);
-    let t_r_hip_roll_y = cos[12].mul_add(v_r_hip_roll_y, -(sin[12] * v_r_hip_roll_x));
+    let v_r_hip_roll_x = r[27] + v_r_ank_pitch_z;
+    let v_r_hip_roll_y = cos[13]
+        .mul_add(v_r_hip_pitch_y, (-sin[13]).mul_add(v_r_hip_pitch_x, r[28]));
+    let v_r_hip_roll_z = cos[13].mul_add(v_r_hip_pitch_x, sin[13] * v_r_hip_pitch_y);
     // r_hip_yaw
-    let v_r_hip_yaw_x = r[25] + t_r_hip_pitch_y;
-    let v_r_hip_yaw_y = r[26] + t_r_hip_roll_x;
-    let t_r_hip_yaw_x = cos[11].mul_add(v_r_hip_yaw_x, sin[11] * v_r_hip_yaw_y);
-    let t_r_hip_yaw_y = cos[11].mul_add(v_r_hip_yaw_y, -(sin[11] * v_r_hip_yaw_x));
-    // l_el
-    let t_l_el_x = cos[10].mul_add(r[23], sin[10] * r[24]);
-    let t_l_el_y = sin[10].mul_add(r[23], -(cos[10] * r[24]));
+    let v_r_hip_yaw_x = r[25] + v_r_hip_roll_z;
+    let v_r_hip_yaw_y = sin[12]
+        .mul_add(v_r_hip_roll_y, cos[12].mul_add(v_r_hip_roll_x, r[26]));
+    let v_r_hip_yaw_z = cos[12].mul_add(v_r_hip_roll_y, -(sin[12] * v_r_hip_roll_x));
     // l_sho_roll
-    let v_l_sho_roll_y = r[22] + t_l_el_x;
+    let v_l_sho_roll_y = sin[10].mul_add(r[24], cos[10].mul_add(r[23], r[22]));
+    let v_l_sho_roll_z = sin[10].mul_add(r[23], -(cos[10] * r[24]));
     let s_l_sho_roll = sin[9]
         .mul_add(
             T::from_f64(0.707106781467586),
@@ -4074,55 +3860,80 @@ pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
             T::from_f64(0.707106781467586),
             T::from_f64(0.7071067809055092) * sin[9],
         );
-    let t_l_sho_roll_x = c_l_sho_roll.mul_add(v_l_sho_roll_y, -(s_l_sho_roll * r[21]));
-    let t_l_sho_roll_y = c_l_sho_roll.mul_add(r[21], s_l_sho_roll * v_l_sho_roll_y);
     // l_sho_pitch
-    let v_l_sho_pitch_x = r[19] + t_l_el_y;
-    let v_l_sho_pitch_y = r[20] + t_l_sho_roll_x;
-    let t_l_sho_pitch_x = cos[8].mul_add(v_l_sho_pitch_x, sin[8] * v_l_sho_pitch_y);
-    let t_l_sho_pitch_y = cos[8].mul_add(v_l_sho_pitch_y, -(sin[8] * v_l_sho_pitch_x));
-    // head_tilt
-    let t_head_tilt_x = cos[1].mul_add(r[17], sin[1] * r[18]);
-    let t_head_tilt_y = sin[1].mul_add(r[17], -(cos[1] * r[18]));
+    let v_l_sho_pitch_x = r[19] + v_l_sho_roll_z;
+    let v_l_sho_pitch_y = c_l_sho_roll
+        .mul_add(v_l_sho_roll_y, (-s_l_sho_roll).mul_add(r[21], r[20]));
+    let v_l_sho_pitch_z = c_l_sho_roll.mul_add(r[21], s_l_sho_roll * v_l_sho_roll_y);
     // head_pan
-    let v_head_pan_x = r[15] + t_head_tilt_x;
-    let t_head_pan_x = cos[0].mul_add(v_head_pan_x, -(sin[0] * r[16]));
-    let t_head_pan_y = sin[0].mul_add(v_head_pan_x, cos[0] * r[16]);
+    let v_head_pan_x = sin[1].mul_add(r[18], cos[1].mul_add(r[17], r[15]));
+    let v_head_pan_z = sin[1].mul_add(r[17], -(cos[1] * r[18]));
     // l_hip_yaw
-    let v_l_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_hip_yaw_x
-        + t_r_sho_pitch_x;
-    let v_l_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_hip_yaw_y
-        + t_r_sho_roll_y;
-    let v_l_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_hip_roll_y
-        + t_r_sho_pitch_y;
-    let t_l_hip_yaw_x = sin[2].mul_add(v_l_hip_yaw_x, cos[2] * v_l_hip_yaw_y);
-    let t_l_hip_yaw_y = cos[2].mul_add(v_l_hip_yaw_x, -(sin[2] * v_l_hip_yaw_y));
+    let e1 = cos[17]
+        .mul_add(
+            v_r_sho_pitch_x,
+            sin[8]
+                .mul_add(
+                    v_l_sho_pitch_y,
+                    cos[8]
+                        .mul_add(
+                            v_l_sho_pitch_x,
+                            (-sin[0]).mul_add(r[16], cos[0].mul_add(v_head_pan_x, r[13])),
+                        ),
+                ),
+        );
+    let v_l_hip_yaw_x = sin[11]
+        .mul_add(
+            v_r_hip_yaw_y,
+            cos[11].mul_add(v_r_hip_yaw_x, (-sin[17]).mul_add(v_r_sho_pitch_y, e1)),
+        );
+    let e2 = (-sin[11])
+        .mul_add(
+            v_r_hip_yaw_x,
+            cos[0].mul_add(r[16], sin[0].mul_add(v_head_pan_x, r[14])) + v_l_sho_pitch_z
+                + v_r_sho_pitch_z,
+        );
+    let v_l_hip_yaw_y = cos[11].mul_add(v_r_hip_yaw_y, e2);
+    let v_l_hip_yaw_z = cos[17]
+        .mul_add(
+            v_r_sho_pitch_y,
+            sin[17]
+                .mul_add(
+                    v_r_sho_pitch_x,
+                    cos[8]
+                        .mul_add(
+                            v_l_sho_pitch_y,
+                            (-sin[8]).mul_add(v_l_sho_pitch_x, v_head_pan_z),
+                        ),
+                ),
+        ) + v_r_hip_yaw_z;
     // l_hip_roll
-    let v_l_hip_roll_x = r[11] + t_l_hip_yaw_x;
+    let v_l_hip_roll_x = cos[2]
+        .mul_add(v_l_hip_yaw_y, sin[2].mul_add(v_l_hip_yaw_x, r[11]));
     let v_l_hip_roll_y = r[12] + v_l_hip_yaw_z;
-    let t_l_hip_roll_x = sin[3].mul_add(v_l_hip_roll_x, cos[3] * v_l_hip_roll_y);
-    let t_l_hip_roll_y = cos[3].mul_add(v_l_hip_roll_x, -(sin[3] * v_l_hip_roll_y));
+    let v_l_hip_roll_z = cos[2].mul_add(v_l_hip_yaw_x, -(sin[2] * v_l_hip_yaw_y));
     // l_hip_pitch
-    let v_l_hip_pitch_x = r[9] + t_l_hip_yaw_y;
-    let v_l_hip_pitch_y = r[10] + t_l_hip_roll_x;
-    let t_l_hip_pitch_x = cos[4].mul_add(v_l_hip_pitch_x, sin[4] * v_l_hip_pitch_y);
-    let t_l_hip_pitch_y = cos[4].mul_add(v_l_hip_pitch_y, -(sin[4] * v_l_hip_pitch_x));
+    let v_l_hip_pitch_x = r[9] + v_l_hip_roll_z;
+    let v_l_hip_pitch_y = cos[3]
+        .mul_add(v_l_hip_roll_y, sin[3].mul_add(v_l_hip_roll_x, r[10]));
+    let v_l_hip_pitch_z = cos[3].mul_add(v_l_hip_roll_x, -(sin[3] * v_l_hip_roll_y));
     // l_knee
-    let v_l_knee_x = r[7] + t_l_hip_pitch_x;
-    let v_l_knee_y = r[8] + t_l_hip_pitch_y;
-    let t_l_knee_x = cos[5].mul_add(v_l_knee_x, sin[5] * v_l_knee_y);
-    let t_l_knee_y = cos[5].mul_add(v_l_knee_y, -(sin[5] * v_l_knee_x));
+    let v_l_knee_x = sin[4]
+        .mul_add(v_l_hip_pitch_y, cos[4].mul_add(v_l_hip_pitch_x, r[7]));
+    let v_l_knee_y = cos[4]
+        .mul_add(v_l_hip_pitch_y, (-sin[4]).mul_add(v_l_hip_pitch_x, r[8]));
     // l_ank_pitch
-    let v_l_ank_pitch_x = r[5] + t_l_knee_x;
-    let v_l_ank_pitch_y = r[6] + t_l_knee_y;
-    let t_l_ank_pitch_x = sin[6].mul_add(v_l_ank_pitch_x, cos[6] * v_l_ank_pitch_y);
-    let t_l_ank_pitch_y = cos[6].mul_add(v_l_ank_pitch_x, -(sin[6] * v_l_ank_pitch_y));
+    let v_l_ank_pitch_x = sin[5].mul_add(v_l_knee_y, cos[5].mul_add(v_l_knee_x, r[5]));
+    let v_l_ank_pitch_y = cos[5]
+        .mul_add(v_l_knee_y, (-sin[5]).mul_add(v_l_knee_x, r[6]));
     // l_ank_roll
-    let v_l_ank_roll_x = r[3] + t_l_hip_roll_y;
-    let v_l_ank_roll_y = r[4] + t_l_ank_pitch_x;
-    let t_l_ank_roll_x = cos[7].mul_add(v_l_ank_roll_x, sin[7] * v_l_ank_roll_y);
+    let v_l_ank_roll_x = r[3] + v_l_hip_pitch_z;
+    let v_l_ank_roll_y = cos[6]
+        .mul_add(v_l_ank_pitch_y, sin[6].mul_add(v_l_ank_pitch_x, r[4]));
+    let v_l_ank_roll_z = cos[6].mul_add(v_l_ank_pitch_x, -(sin[6] * v_l_ank_pitch_y));
     // l_sole
-    let v_l_sole_x = r[0] + t_l_ank_pitch_y;
-    let v_l_sole_y = r[1] + t_l_ank_roll_x;
+    let v_l_sole_x = r[0] + v_l_ank_roll_z;
+    let v_l_sole_y = sin[7]
+        .mul_add(v_l_ank_roll_y, cos[7].mul_add(v_l_ank_roll_x, r[1]));
     [v_l_sole_x, v_l_sole_y]
 }

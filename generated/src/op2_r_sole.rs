@@ -7,20 +7,20 @@
 // snapped        r_el: 3.2e-9 rad to a right angle, CoM moves by at most 3.2e-12 m
 //
 // function                 mul     add   sin_cos   proven |rounding error|, m
-// com                       80      80        20   3.7e-15 (f64)  1.7e-6 (f32)
+// com                       80      80        20   3.9e-15 (f64)  1.8e-6 (f32)
 // com_jacobian             335     200        20   3.6e-15 (f64)  1.6e-6 (f32)
-// gravity_moments          165     118        20   3.5e-15 (f64)  1.6e-6 (f32)
+// gravity_moments          165     118        20   3.5e-15 (f64)  1.5e-6 (f32)
 // regressor                218     106        20   2.5e-14 (f64)  7.5e-6 (f32)
 // regressor_cop            144      70        20   2.5e-14 (f64)  7.5e-6 (f32)
 // regressor_full           230     112        20   2.5e-14 (f64)  7.5e-6 (f32)
-// cop                       78      78        20   3.6e-15 (f64)  1.6e-6 (f32)
-// com_sc                    88      84         0   3.6e-15 (f64)  1.4e-6 (f32)
+// cop                       78      78        20   3.8e-15 (f64)  1.7e-6 (f32)
+// com_sc                    88      84         0   3.8e-15 (f64)  1.5e-6 (f32)
 // com_jacobian_sc          343     204         0   3.5e-15 (f64)  1.4e-6 (f32)
 // gravity_moments_sc       173     122         0   3.4e-15 (f64)  1.3e-6 (f32)
 // regressor_sc             226     110         0   3.5e-14 (f64)  5.8e-6 (f32)
 // regressor_cop_sc         152      74         0   3.5e-14 (f64)  5.8e-6 (f32)
 // regressor_full_sc        238     116         0   3.5e-14 (f64)  5.8e-6 (f32)
-// cop_sc                    86      82         0   3.5e-15 (f64)  1.3e-6 (f32)
+// cop_sc                    86      82         0   3.6e-15 (f64)  1.4e-6 (f32)
 // Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
 // parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
 // against exact evaluation with the same parameters.
@@ -292,140 +292,152 @@ impl sesc_runtime::SescFromSinCos<DOF, BASE_PARAMS, FULL_PARAMS> for Op2RSole {
 pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
     // r_el
     let (s_r_el, c_r_el) = q[19].sin_cos();
-    let t_r_el_x = c_r_el.mul_add(r[41], -(s_r_el * r[42]));
     // r_sho_roll
-    let v_r_sho_roll_y = r[40] + t_r_el_x;
+    let v_r_sho_roll_y = (-s_r_el).mul_add(r[42], c_r_el.mul_add(r[41], r[40]));
     let e1 = q[18] + T::from_f64(0.785398163);
     let (s_r_sho_roll, c_r_sho_roll) = e1.sin_cos();
-    let t_r_sho_roll_x = c_r_sho_roll.mul_add(v_r_sho_roll_y, -(s_r_sho_roll * r[39]));
-    let t_r_sho_roll_y = c_r_sho_roll.mul_add(r[39], s_r_sho_roll * v_r_sho_roll_y);
     // r_sho_pitch
     let v_r_sho_pitch_x = r[37] - s_r_el.mul_add(r[41], c_r_el * r[42]);
-    let v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
+    let v_r_sho_pitch_y = c_r_sho_roll
+        .mul_add(v_r_sho_roll_y, (-s_r_sho_roll).mul_add(r[39], r[38]));
+    let v_r_sho_pitch_z = c_r_sho_roll.mul_add(r[39], s_r_sho_roll * v_r_sho_roll_y);
     let (s_r_sho_pitch, c_r_sho_pitch) = q[17].sin_cos();
-    let t_r_sho_pitch_x = c_r_sho_pitch
-        .mul_add(v_r_sho_pitch_x, -(s_r_sho_pitch * v_r_sho_pitch_y));
-    let t_r_sho_pitch_y = s_r_sho_pitch
-        .mul_add(v_r_sho_pitch_x, c_r_sho_pitch * v_r_sho_pitch_y);
     // l_el
     let (s_l_el, c_l_el) = q[10].sin_cos();
-    let t_l_el_x = c_l_el.mul_add(r[35], s_l_el * r[36]);
-    let t_l_el_y = s_l_el.mul_add(r[35], -(c_l_el * r[36]));
     // l_sho_roll
-    let v_l_sho_roll_y = r[34] + t_l_el_x;
+    let v_l_sho_roll_y = s_l_el.mul_add(r[36], c_l_el.mul_add(r[35], r[34]));
+    let v_l_sho_roll_z = s_l_el.mul_add(r[35], -(c_l_el * r[36]));
     let e2 = q[9] - T::from_f64(0.785398163);
     let (s_l_sho_roll, c_l_sho_roll) = e2.sin_cos();
-    let t_l_sho_roll_x = c_l_sho_roll.mul_add(v_l_sho_roll_y, -(s_l_sho_roll * r[33]));
-    let t_l_sho_roll_y = c_l_sho_roll.mul_add(r[33], s_l_sho_roll * v_l_sho_roll_y);
     // l_sho_pitch
-    let v_l_sho_pitch_x = r[31] + t_l_el_y;
-    let v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
+    let v_l_sho_pitch_x = r[31] + v_l_sho_roll_z;
+    let v_l_sho_pitch_y = c_l_sho_roll
+        .mul_add(v_l_sho_roll_y, (-s_l_sho_roll).mul_add(r[33], r[32]));
+    let v_l_sho_pitch_z = c_l_sho_roll.mul_add(r[33], s_l_sho_roll * v_l_sho_roll_y);
     let (s_l_sho_pitch, c_l_sho_pitch) = q[8].sin_cos();
-    let t_l_sho_pitch_x = c_l_sho_pitch
-        .mul_add(v_l_sho_pitch_x, s_l_sho_pitch * v_l_sho_pitch_y);
-    let t_l_sho_pitch_y = c_l_sho_pitch
-        .mul_add(v_l_sho_pitch_y, -(s_l_sho_pitch * v_l_sho_pitch_x));
     // l_ank_roll
     let (s_l_ank_roll, c_l_ank_roll) = q[7].sin_cos();
-    let t_l_ank_roll_x = s_l_ank_roll.mul_add(r[29], c_l_ank_roll * r[30]);
-    let t_l_ank_roll_y = c_l_ank_roll.mul_add(r[29], -(s_l_ank_roll * r[30]));
     // l_ank_pitch
-    let v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
+    let v_l_ank_pitch_y = c_l_ank_roll
+        .mul_add(r[30], s_l_ank_roll.mul_add(r[29], r[28]));
+    let v_l_ank_pitch_z = c_l_ank_roll.mul_add(r[29], -(s_l_ank_roll * r[30]));
     let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
-    let t_l_ank_pitch_x = c_l_ank_pitch.mul_add(r[27], s_l_ank_pitch * v_l_ank_pitch_y);
-    let t_l_ank_pitch_y = c_l_ank_pitch
-        .mul_add(v_l_ank_pitch_y, -(s_l_ank_pitch * r[27]));
     // l_knee
-    let v_l_knee_x = r[25] + t_l_ank_pitch_x;
-    let v_l_knee_y = r[26] + t_l_ank_pitch_y;
+    let v_l_knee_x = s_l_ank_pitch
+        .mul_add(v_l_ank_pitch_y, c_l_ank_pitch.mul_add(r[27], r[25]));
+    let v_l_knee_y = c_l_ank_pitch
+        .mul_add(v_l_ank_pitch_y, (-s_l_ank_pitch).mul_add(r[27], r[26]));
     let (s_l_knee, c_l_knee) = q[5].sin_cos();
-    let t_l_knee_x = c_l_knee.mul_add(v_l_knee_x, -(s_l_knee * v_l_knee_y));
-    let t_l_knee_y = s_l_knee.mul_add(v_l_knee_x, c_l_knee * v_l_knee_y);
     // l_hip_pitch
-    let v_l_hip_pitch_x = r[23] + t_l_knee_x;
-    let v_l_hip_pitch_y = r[24] + t_l_knee_y;
+    let v_l_hip_pitch_x = (-s_l_knee)
+        .mul_add(v_l_knee_y, c_l_knee.mul_add(v_l_knee_x, r[23]));
+    let v_l_hip_pitch_y = c_l_knee
+        .mul_add(v_l_knee_y, s_l_knee.mul_add(v_l_knee_x, r[24]));
     let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
-    let t_l_hip_pitch_x = s_l_hip_pitch
-        .mul_add(v_l_hip_pitch_x, c_l_hip_pitch * v_l_hip_pitch_y);
-    let t_l_hip_pitch_y = c_l_hip_pitch
-        .mul_add(v_l_hip_pitch_x, -(s_l_hip_pitch * v_l_hip_pitch_y));
     // l_hip_roll
-    let v_l_hip_roll_x = r[21] + t_l_ank_roll_y;
-    let v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
+    let v_l_hip_roll_x = r[21] + v_l_ank_pitch_z;
+    let v_l_hip_roll_y = c_l_hip_pitch
+        .mul_add(v_l_hip_pitch_y, s_l_hip_pitch.mul_add(v_l_hip_pitch_x, r[22]));
+    let v_l_hip_roll_z = c_l_hip_pitch
+        .mul_add(v_l_hip_pitch_x, -(s_l_hip_pitch * v_l_hip_pitch_y));
     let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
-    let t_l_hip_roll_x = c_l_hip_roll
-        .mul_add(v_l_hip_roll_x, s_l_hip_roll * v_l_hip_roll_y);
-    let t_l_hip_roll_y = c_l_hip_roll
-        .mul_add(v_l_hip_roll_y, -(s_l_hip_roll * v_l_hip_roll_x));
     // l_hip_yaw
-    let v_l_hip_yaw_x = r[19] + t_l_hip_pitch_y;
-    let v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
+    let v_l_hip_yaw_x = r[19] + v_l_hip_roll_z;
+    let v_l_hip_yaw_y = s_l_hip_roll
+        .mul_add(v_l_hip_roll_y, c_l_hip_roll.mul_add(v_l_hip_roll_x, r[20]));
+    let v_l_hip_yaw_z = c_l_hip_roll
+        .mul_add(v_l_hip_roll_y, -(s_l_hip_roll * v_l_hip_roll_x));
     let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
-    let t_l_hip_yaw_x = c_l_hip_yaw.mul_add(v_l_hip_yaw_x, s_l_hip_yaw * v_l_hip_yaw_y);
-    let t_l_hip_yaw_y = c_l_hip_yaw
-        .mul_add(v_l_hip_yaw_y, -(s_l_hip_yaw * v_l_hip_yaw_x));
     // head_tilt
     let (s_head_tilt, c_head_tilt) = q[1].sin_cos();
-    let t_head_tilt_x = c_head_tilt.mul_add(r[17], s_head_tilt * r[18]);
-    let t_head_tilt_y = s_head_tilt.mul_add(r[17], -(c_head_tilt * r[18]));
     // head_pan
-    let v_head_pan_x = r[15] + t_head_tilt_x;
+    let v_head_pan_x = s_head_tilt.mul_add(r[18], c_head_tilt.mul_add(r[17], r[15]));
+    let v_head_pan_z = s_head_tilt.mul_add(r[17], -(c_head_tilt * r[18]));
     let (s_head_pan, c_head_pan) = q[0].sin_cos();
-    let t_head_pan_x = c_head_pan.mul_add(v_head_pan_x, -(s_head_pan * r[16]));
-    let t_head_pan_y = s_head_pan.mul_add(v_head_pan_x, c_head_pan * r[16]);
     // r_hip_yaw
-    let v_r_hip_yaw_x = r[13] + t_head_pan_x + t_l_hip_yaw_x + t_l_sho_pitch_x
-        + t_r_sho_pitch_x;
-    let v_r_hip_yaw_y = r[14] + t_head_pan_y + t_l_hip_yaw_y + t_l_sho_roll_y
-        + t_r_sho_roll_y;
-    let v_r_hip_yaw_z = t_head_tilt_y + t_l_hip_roll_y + t_l_sho_pitch_y
-        + t_r_sho_pitch_y;
+    let e3 = (-s_r_sho_pitch)
+        .mul_add(
+            v_r_sho_pitch_y,
+            c_r_sho_pitch
+                .mul_add(
+                    v_r_sho_pitch_x,
+                    s_l_sho_pitch
+                        .mul_add(
+                            v_l_sho_pitch_y,
+                            c_l_sho_pitch
+                                .mul_add(
+                                    v_l_sho_pitch_x,
+                                    (-s_head_pan)
+                                        .mul_add(r[16], c_head_pan.mul_add(v_head_pan_x, r[13])),
+                                ),
+                        ),
+                ),
+        );
+    let v_r_hip_yaw_x = s_l_hip_yaw
+        .mul_add(v_l_hip_yaw_y, c_l_hip_yaw.mul_add(v_l_hip_yaw_x, e3));
+    let v_r_hip_yaw_y = c_l_hip_yaw
+        .mul_add(
+            v_l_hip_yaw_y,
+            (-s_l_hip_yaw)
+                .mul_add(
+                    v_l_hip_yaw_x,
+                    c_head_pan.mul_add(r[16], s_head_pan.mul_add(v_head_pan_x, r[14]))
+                        + v_l_sho_pitch_z + v_r_sho_pitch_z,
+                ),
+        );
+    let v_r_hip_yaw_z = c_r_sho_pitch
+        .mul_add(
+            v_r_sho_pitch_y,
+            s_r_sho_pitch
+                .mul_add(
+                    v_r_sho_pitch_x,
+                    c_l_sho_pitch
+                        .mul_add(
+                            v_l_sho_pitch_y,
+                            (-s_l_sho_pitch).mul_add(v_l_sho_pitch_x, v_head_pan_z),
+                        ),
+                ),
+        ) + v_l_hip_yaw_z;
     let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
-    let t_r_hip_yaw_x = s_r_hip_yaw.mul_add(v_r_hip_yaw_x, c_r_hip_yaw * v_r_hip_yaw_y);
-    let t_r_hip_yaw_y = c_r_hip_yaw
-        .mul_add(v_r_hip_yaw_x, -(s_r_hip_yaw * v_r_hip_yaw_y));
     // r_hip_roll
-    let v_r_hip_roll_x = r[11] + t_r_hip_yaw_x;
+    let v_r_hip_roll_x = c_r_hip_yaw
+        .mul_add(v_r_hip_yaw_y, s_r_hip_yaw.mul_add(v_r_hip_yaw_x, r[11]));
     let v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
+    let v_r_hip_roll_z = c_r_hip_yaw
+        .mul_add(v_r_hip_yaw_x, -(s_r_hip_yaw * v_r_hip_yaw_y));
     let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
-    let t_r_hip_roll_x = s_r_hip_roll
-        .mul_add(v_r_hip_roll_x, c_r_hip_roll * v_r_hip_roll_y);
-    let t_r_hip_roll_y = c_r_hip_roll
-        .mul_add(v_r_hip_roll_x, -(s_r_hip_roll * v_r_hip_roll_y));
     // r_hip_pitch
-    let v_r_hip_pitch_x = r[9] + t_r_hip_yaw_y;
-    let v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
+    let v_r_hip_pitch_x = r[9] + v_r_hip_roll_z;
+    let v_r_hip_pitch_y = c_r_hip_roll
+        .mul_add(v_r_hip_roll_y, s_r_hip_roll.mul_add(v_r_hip_roll_x, r[10]));
+    let v_r_hip_pitch_z = c_r_hip_roll
+        .mul_add(v_r_hip_roll_x, -(s_r_hip_roll * v_r_hip_roll_y));
     let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
-    let t_r_hip_pitch_x = c_r_hip_pitch
-        .mul_add(v_r_hip_pitch_x, -(s_r_hip_pitch * v_r_hip_pitch_y));
-    let t_r_hip_pitch_y = s_r_hip_pitch
-        .mul_add(v_r_hip_pitch_x, c_r_hip_pitch * v_r_hip_pitch_y);
     // r_knee
-    let v_r_knee_x = r[7] + t_r_hip_pitch_x;
-    let v_r_knee_y = r[8] + t_r_hip_pitch_y;
+    let v_r_knee_x = (-s_r_hip_pitch)
+        .mul_add(v_r_hip_pitch_y, c_r_hip_pitch.mul_add(v_r_hip_pitch_x, r[7]));
+    let v_r_knee_y = c_r_hip_pitch
+        .mul_add(v_r_hip_pitch_y, s_r_hip_pitch.mul_add(v_r_hip_pitch_x, r[8]));
     let (s_r_knee, c_r_knee) = q[14].sin_cos();
-    let t_r_knee_x = c_r_knee.mul_add(v_r_knee_x, -(s_r_knee * v_r_knee_y));
-    let t_r_knee_y = s_r_knee.mul_add(v_r_knee_x, c_r_knee * v_r_knee_y);
     // r_ank_pitch
-    let v_r_ank_pitch_x = r[5] + t_r_knee_x;
-    let v_r_ank_pitch_y = r[6] + t_r_knee_y;
+    let v_r_ank_pitch_x = (-s_r_knee)
+        .mul_add(v_r_knee_y, c_r_knee.mul_add(v_r_knee_x, r[5]));
+    let v_r_ank_pitch_y = c_r_knee
+        .mul_add(v_r_knee_y, s_r_knee.mul_add(v_r_knee_x, r[6]));
     let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
-    let t_r_ank_pitch_x = c_r_ank_pitch
-        .mul_add(v_r_ank_pitch_y, -(s_r_ank_pitch * v_r_ank_pitch_x));
-    let t_r_ank_pitch_y = c_r_ank_pitch
-        .mul_add(v_r_ank_pitch_x, s_r_ank_pitch * v_r_ank_pitch_y);
     // r_ank_roll
-    let v_r_ank_roll_x = r[3] + t_r_hip_roll_y;
-    let v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
+    let v_r_ank_roll_x = r[3] + v_r_hip_pitch_z;
+    let v_r_ank_roll_y = c_r_ank_pitch
+        .mul_add(v_r_ank_pitch_y, (-s_r_ank_pitch).mul_add(v_r_ank_pitch_x, r[4]));
+    let v_r_ank_roll_z = c_r_ank_pitch
+        .mul_add(v_r_ank_pitch_x, s_r_ank_pitch * v_r_ank_pitch_y);
     let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
-    let t_r_ank_roll_x = c_r_ank_roll
-        .mul_add(v_r_ank_roll_x, s_r_ank_roll * v_r_ank_roll_y);
-    let t_r_ank_roll_y = c_r_ank_roll
-        .mul_add(v_r_ank_roll_y, -(s_r_ank_roll * v_r_ank_roll_x));
     // r_sole
-    let v_r_sole_x = r[0] + t_r_ank_pitch_y;
-    let v_r_sole_y = r[1] + t_r_ank_roll_x;
-    let v_r_sole_z = r[2] + t_r_ank_roll_y;
+    let v_r_sole_x = r[0] + v_r_ank_roll_z;
+    let v_r_sole_y = s_r_ank_roll
+        .mul_add(v_r_ank_roll_y, c_r_ank_roll.mul_add(v_r_ank_roll_x, r[1]));
+    let v_r_sole_z = c_r_ank_roll
+        .mul_add(v_r_ank_roll_y, (-s_r_ank_roll).mul_add(v_r_ank_roll_x, r[2]));
     [v_r_sole_x, v_r_sole_y, v_r_sole_z]
 }
 
@@ -518,12 +530,12 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     let t_head_pan_x = c_head_pan.mul_add(v_head_pan_x, -(s_head_pan * r[16]));
     let t_head_pan_y = s_head_pan.mul_add(v_head_pan_x, c_head_pan * r[16]);
     // r_hip_yaw
-    let v_r_hip_yaw_x = r[13] + t_head_pan_x + t_l_hip_yaw_x + t_l_sho_pitch_x
-        + t_r_sho_pitch_x;
-    let v_r_hip_yaw_y = r[14] + t_head_pan_y + t_l_hip_yaw_y + t_l_sho_roll_y
-        + t_r_sho_roll_y;
-    let v_r_hip_yaw_z = t_head_tilt_y + t_l_hip_roll_y + t_l_sho_pitch_y
-        + t_r_sho_pitch_y;
+    let v_r_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_sho_pitch_x
+        + t_l_hip_yaw_x;
+    let v_r_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_sho_roll_y
+        + t_l_hip_yaw_y;
+    let v_r_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y
+        + t_l_hip_roll_y;
     let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
     let t_r_hip_yaw_x = s_r_hip_yaw.mul_add(v_r_hip_yaw_x, c_r_hip_yaw * v_r_hip_yaw_y);
     let t_r_hip_yaw_y = c_r_hip_yaw
@@ -566,137 +578,112 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
         .mul_add(v_r_ank_roll_x, s_r_ank_roll * v_r_ank_roll_y);
     let t_r_ank_roll_y = c_r_ank_roll
         .mul_add(v_r_ank_roll_y, -(s_r_ank_roll * v_r_ank_roll_x));
+    // r_ank_pitch
+    let e4 = s_r_ank_roll * s_r_ank_pitch;
+    let by_r_ank_pitch_y = s_r_ank_roll * c_r_ank_pitch;
+    let e5 = c_r_ank_roll * s_r_ank_pitch;
+    let bz_r_ank_pitch_y = c_r_ank_roll * c_r_ank_pitch;
     // r_knee
     let bx_r_knee_x = c_r_ank_pitch.mul_add(c_r_knee, s_r_ank_pitch * s_r_knee);
     let bx_r_knee_y = s_r_ank_pitch.mul_add(c_r_knee, -(c_r_ank_pitch * s_r_knee));
+    let by_r_knee_x = by_r_ank_pitch_y.mul_add(s_r_knee, -(e4 * c_r_knee));
+    let by_r_knee_y = by_r_ank_pitch_y.mul_add(c_r_knee, e4 * s_r_knee);
+    let bz_r_knee_x = bz_r_ank_pitch_y.mul_add(s_r_knee, -(e5 * c_r_knee));
+    let bz_r_knee_y = bz_r_ank_pitch_y.mul_add(c_r_knee, e5 * s_r_knee);
     // r_hip_pitch
     let bx_r_hip_pitch_x = bx_r_knee_x
         .mul_add(c_r_hip_pitch, bx_r_knee_y * s_r_hip_pitch);
     let bx_r_hip_pitch_y = bx_r_knee_y
         .mul_add(c_r_hip_pitch, -(bx_r_knee_x * s_r_hip_pitch));
-    // r_hip_roll
-    let bx_r_hip_roll_x = bx_r_hip_pitch_y * s_r_hip_roll;
-    let bx_r_hip_roll_y = bx_r_hip_pitch_y * c_r_hip_roll;
-    // r_hip_yaw
-    let bx_r_hip_yaw_x = bx_r_hip_roll_x
-        .mul_add(s_r_hip_yaw, bx_r_hip_pitch_x * c_r_hip_yaw);
-    let e4 = bx_r_hip_pitch_x.mul_add(s_r_hip_yaw, -(bx_r_hip_roll_x * c_r_hip_yaw));
-    // head_pan
-    let bx_head_pan_x = bx_r_hip_yaw_x.mul_add(c_head_pan, -(e4 * s_head_pan));
-    // l_hip_yaw
-    let bx_l_hip_yaw_x = bx_r_hip_yaw_x.mul_add(c_l_hip_yaw, e4 * s_l_hip_yaw);
-    let bx_l_hip_yaw_y = bx_r_hip_yaw_x.mul_add(s_l_hip_yaw, -(e4 * c_l_hip_yaw));
-    // l_hip_roll
-    let bx_l_hip_roll_x = bx_l_hip_yaw_y
-        .mul_add(c_l_hip_roll, -(bx_r_hip_roll_y * s_l_hip_roll));
-    let bx_l_hip_roll_y = bx_r_hip_roll_y
-        .mul_add(c_l_hip_roll, bx_l_hip_yaw_y * s_l_hip_roll);
-    // l_hip_pitch
-    let bx_l_hip_pitch_x = bx_l_hip_roll_y
-        .mul_add(s_l_hip_pitch, bx_l_hip_yaw_x * c_l_hip_pitch);
-    let e5 = bx_l_hip_yaw_x.mul_add(s_l_hip_pitch, -(bx_l_hip_roll_y * c_l_hip_pitch));
-    // l_knee
-    let bx_l_knee_x = bx_l_hip_pitch_x.mul_add(c_l_knee, -(e5 * s_l_knee));
-    let e6 = e5.mul_add(c_l_knee, bx_l_hip_pitch_x * s_l_knee);
-    // l_ank_pitch
-    let bx_l_ank_pitch_y = bx_l_knee_x.mul_add(s_l_ank_pitch, -(e6 * c_l_ank_pitch));
-    // l_sho_pitch
-    let bx_l_sho_pitch_x = bx_r_hip_yaw_x
-        .mul_add(c_l_sho_pitch, -(bx_r_hip_roll_y * s_l_sho_pitch));
-    let bx_l_sho_pitch_y = bx_r_hip_roll_y
-        .mul_add(c_l_sho_pitch, bx_r_hip_yaw_x * s_l_sho_pitch);
-    // r_sho_pitch
-    let bx_r_sho_pitch_x = bx_r_hip_yaw_x
-        .mul_add(c_r_sho_pitch, bx_r_hip_roll_y * s_r_sho_pitch);
-    let bx_r_sho_pitch_y = bx_r_hip_roll_y
-        .mul_add(c_r_sho_pitch, -(bx_r_hip_yaw_x * s_r_sho_pitch));
-    // r_ank_pitch
-    let e7 = s_r_ank_roll * s_r_ank_pitch;
-    let by_r_ank_pitch_y = s_r_ank_roll * c_r_ank_pitch;
-    // r_knee
-    let by_r_knee_x = by_r_ank_pitch_y.mul_add(s_r_knee, -(e7 * c_r_knee));
-    let by_r_knee_y = by_r_ank_pitch_y.mul_add(c_r_knee, e7 * s_r_knee);
-    // r_hip_pitch
     let by_r_hip_pitch_x = by_r_knee_x
         .mul_add(c_r_hip_pitch, by_r_knee_y * s_r_hip_pitch);
     let by_r_hip_pitch_y = by_r_knee_y
         .mul_add(c_r_hip_pitch, -(by_r_knee_x * s_r_hip_pitch));
-    // r_hip_roll
-    let by_r_hip_roll_x = by_r_hip_pitch_y
-        .mul_add(s_r_hip_roll, c_r_ank_roll * c_r_hip_roll);
-    let e8 = c_r_ank_roll.mul_add(s_r_hip_roll, -(by_r_hip_pitch_y * c_r_hip_roll));
-    // r_hip_yaw
-    let by_r_hip_yaw_x = by_r_hip_roll_x
-        .mul_add(s_r_hip_yaw, by_r_hip_pitch_x * c_r_hip_yaw);
-    let e9 = by_r_hip_pitch_x.mul_add(s_r_hip_yaw, -(by_r_hip_roll_x * c_r_hip_yaw));
-    // head_pan
-    let by_head_pan_x = by_r_hip_yaw_x.mul_add(c_head_pan, -(e9 * s_head_pan));
-    // l_hip_yaw
-    let by_l_hip_yaw_x = by_r_hip_yaw_x.mul_add(c_l_hip_yaw, e9 * s_l_hip_yaw);
-    let by_l_hip_yaw_y = by_r_hip_yaw_x.mul_add(s_l_hip_yaw, -(e9 * c_l_hip_yaw));
-    // l_hip_roll
-    let by_l_hip_roll_x = by_l_hip_yaw_y.mul_add(c_l_hip_roll, e8 * s_l_hip_roll);
-    let by_l_hip_roll_y = by_l_hip_yaw_y.mul_add(s_l_hip_roll, -(e8 * c_l_hip_roll));
-    // l_hip_pitch
-    let by_l_hip_pitch_x = by_l_hip_roll_y
-        .mul_add(s_l_hip_pitch, by_l_hip_yaw_x * c_l_hip_pitch);
-    let e10 = by_l_hip_yaw_x.mul_add(s_l_hip_pitch, -(by_l_hip_roll_y * c_l_hip_pitch));
-    // l_knee
-    let by_l_knee_x = by_l_hip_pitch_x.mul_add(c_l_knee, -(e10 * s_l_knee));
-    let e11 = e10.mul_add(c_l_knee, by_l_hip_pitch_x * s_l_knee);
-    // l_ank_pitch
-    let by_l_ank_pitch_y = by_l_knee_x.mul_add(s_l_ank_pitch, -(e11 * c_l_ank_pitch));
-    // l_sho_pitch
-    let by_l_sho_pitch_x = by_r_hip_yaw_x.mul_add(c_l_sho_pitch, e8 * s_l_sho_pitch);
-    let by_l_sho_pitch_y = by_r_hip_yaw_x.mul_add(s_l_sho_pitch, -(e8 * c_l_sho_pitch));
-    // r_sho_pitch
-    let by_r_sho_pitch_x = by_r_hip_yaw_x.mul_add(c_r_sho_pitch, -(e8 * s_r_sho_pitch));
-    let e12 = e8.mul_add(c_r_sho_pitch, by_r_hip_yaw_x * s_r_sho_pitch);
-    // r_ank_pitch
-    let e13 = c_r_ank_roll * s_r_ank_pitch;
-    let bz_r_ank_pitch_y = c_r_ank_roll * c_r_ank_pitch;
-    // r_knee
-    let bz_r_knee_x = bz_r_ank_pitch_y.mul_add(s_r_knee, -(e13 * c_r_knee));
-    let bz_r_knee_y = bz_r_ank_pitch_y.mul_add(c_r_knee, e13 * s_r_knee);
-    // r_hip_pitch
     let bz_r_hip_pitch_x = bz_r_knee_x
         .mul_add(c_r_hip_pitch, bz_r_knee_y * s_r_hip_pitch);
     let bz_r_hip_pitch_y = bz_r_knee_y
         .mul_add(c_r_hip_pitch, -(bz_r_knee_x * s_r_hip_pitch));
     // r_hip_roll
+    let bx_r_hip_roll_x = bx_r_hip_pitch_y * s_r_hip_roll;
+    let bx_r_hip_roll_y = bx_r_hip_pitch_y * c_r_hip_roll;
+    let by_r_hip_roll_x = by_r_hip_pitch_y
+        .mul_add(s_r_hip_roll, c_r_ank_roll * c_r_hip_roll);
+    let e6 = c_r_ank_roll.mul_add(s_r_hip_roll, -(by_r_hip_pitch_y * c_r_hip_roll));
     let bz_r_hip_roll_x = bz_r_hip_pitch_y
         .mul_add(s_r_hip_roll, -(s_r_ank_roll * c_r_hip_roll));
     let bz_r_hip_roll_y = s_r_ank_roll
         .mul_add(s_r_hip_roll, bz_r_hip_pitch_y * c_r_hip_roll);
     // r_hip_yaw
+    let bx_r_hip_yaw_x = bx_r_hip_roll_x
+        .mul_add(s_r_hip_yaw, bx_r_hip_pitch_x * c_r_hip_yaw);
+    let e7 = bx_r_hip_pitch_x.mul_add(s_r_hip_yaw, -(bx_r_hip_roll_x * c_r_hip_yaw));
+    let by_r_hip_yaw_x = by_r_hip_roll_x
+        .mul_add(s_r_hip_yaw, by_r_hip_pitch_x * c_r_hip_yaw);
+    let e8 = by_r_hip_pitch_x.mul_add(s_r_hip_yaw, -(by_r_hip_roll_x * c_r_hip_yaw));
     let bz_r_hip_yaw_x = bz_r_hip_roll_x
         .mul_add(s_r_hip_yaw, bz_r_hip_pitch_x * c_r_hip_yaw);
-    let e14 = bz_r_hip_pitch_x.mul_add(s_r_hip_yaw, -(bz_r_hip_roll_x * c_r_hip_yaw));
+    let e9 = bz_r_hip_pitch_x.mul_add(s_r_hip_yaw, -(bz_r_hip_roll_x * c_r_hip_yaw));
     // head_pan
-    let bz_head_pan_x = bz_r_hip_yaw_x.mul_add(c_head_pan, -(e14 * s_head_pan));
+    let bx_head_pan_x = bx_r_hip_yaw_x.mul_add(c_head_pan, -(e7 * s_head_pan));
+    let by_head_pan_x = by_r_hip_yaw_x.mul_add(c_head_pan, -(e8 * s_head_pan));
+    let bz_head_pan_x = bz_r_hip_yaw_x.mul_add(c_head_pan, -(e9 * s_head_pan));
     // l_hip_yaw
-    let bz_l_hip_yaw_x = bz_r_hip_yaw_x.mul_add(c_l_hip_yaw, e14 * s_l_hip_yaw);
-    let bz_l_hip_yaw_y = bz_r_hip_yaw_x.mul_add(s_l_hip_yaw, -(e14 * c_l_hip_yaw));
+    let bx_l_hip_yaw_x = bx_r_hip_yaw_x.mul_add(c_l_hip_yaw, e7 * s_l_hip_yaw);
+    let bx_l_hip_yaw_y = bx_r_hip_yaw_x.mul_add(s_l_hip_yaw, -(e7 * c_l_hip_yaw));
+    let by_l_hip_yaw_x = by_r_hip_yaw_x.mul_add(c_l_hip_yaw, e8 * s_l_hip_yaw);
+    let by_l_hip_yaw_y = by_r_hip_yaw_x.mul_add(s_l_hip_yaw, -(e8 * c_l_hip_yaw));
+    let bz_l_hip_yaw_x = bz_r_hip_yaw_x.mul_add(c_l_hip_yaw, e9 * s_l_hip_yaw);
+    let bz_l_hip_yaw_y = bz_r_hip_yaw_x.mul_add(s_l_hip_yaw, -(e9 * c_l_hip_yaw));
     // l_hip_roll
+    let bx_l_hip_roll_x = bx_l_hip_yaw_y
+        .mul_add(c_l_hip_roll, -(bx_r_hip_roll_y * s_l_hip_roll));
+    let bx_l_hip_roll_y = bx_r_hip_roll_y
+        .mul_add(c_l_hip_roll, bx_l_hip_yaw_y * s_l_hip_roll);
+    let by_l_hip_roll_x = by_l_hip_yaw_y.mul_add(c_l_hip_roll, e6 * s_l_hip_roll);
+    let by_l_hip_roll_y = by_l_hip_yaw_y.mul_add(s_l_hip_roll, -(e6 * c_l_hip_roll));
     let bz_l_hip_roll_x = bz_l_hip_yaw_y
         .mul_add(c_l_hip_roll, -(bz_r_hip_roll_y * s_l_hip_roll));
     let bz_l_hip_roll_y = bz_r_hip_roll_y
         .mul_add(c_l_hip_roll, bz_l_hip_yaw_y * s_l_hip_roll);
     // l_hip_pitch
+    let bx_l_hip_pitch_x = bx_l_hip_roll_y
+        .mul_add(s_l_hip_pitch, bx_l_hip_yaw_x * c_l_hip_pitch);
+    let e10 = bx_l_hip_yaw_x.mul_add(s_l_hip_pitch, -(bx_l_hip_roll_y * c_l_hip_pitch));
+    let by_l_hip_pitch_x = by_l_hip_roll_y
+        .mul_add(s_l_hip_pitch, by_l_hip_yaw_x * c_l_hip_pitch);
+    let e11 = by_l_hip_yaw_x.mul_add(s_l_hip_pitch, -(by_l_hip_roll_y * c_l_hip_pitch));
     let bz_l_hip_pitch_x = bz_l_hip_roll_y
         .mul_add(s_l_hip_pitch, bz_l_hip_yaw_x * c_l_hip_pitch);
-    let e15 = bz_l_hip_yaw_x.mul_add(s_l_hip_pitch, -(bz_l_hip_roll_y * c_l_hip_pitch));
+    let e12 = bz_l_hip_yaw_x.mul_add(s_l_hip_pitch, -(bz_l_hip_roll_y * c_l_hip_pitch));
     // l_knee
-    let bz_l_knee_x = bz_l_hip_pitch_x.mul_add(c_l_knee, -(e15 * s_l_knee));
-    let e16 = e15.mul_add(c_l_knee, bz_l_hip_pitch_x * s_l_knee);
+    let bx_l_knee_x = bx_l_hip_pitch_x.mul_add(c_l_knee, -(e10 * s_l_knee));
+    let e13 = e10.mul_add(c_l_knee, bx_l_hip_pitch_x * s_l_knee);
+    let by_l_knee_x = by_l_hip_pitch_x.mul_add(c_l_knee, -(e11 * s_l_knee));
+    let e14 = e11.mul_add(c_l_knee, by_l_hip_pitch_x * s_l_knee);
+    let bz_l_knee_x = bz_l_hip_pitch_x.mul_add(c_l_knee, -(e12 * s_l_knee));
+    let e15 = e12.mul_add(c_l_knee, bz_l_hip_pitch_x * s_l_knee);
     // l_ank_pitch
-    let bz_l_ank_pitch_y = bz_l_knee_x.mul_add(s_l_ank_pitch, -(e16 * c_l_ank_pitch));
+    let bx_l_ank_pitch_y = bx_l_knee_x.mul_add(s_l_ank_pitch, -(e13 * c_l_ank_pitch));
+    let by_l_ank_pitch_y = by_l_knee_x.mul_add(s_l_ank_pitch, -(e14 * c_l_ank_pitch));
+    let bz_l_ank_pitch_y = bz_l_knee_x.mul_add(s_l_ank_pitch, -(e15 * c_l_ank_pitch));
     // l_sho_pitch
+    let bx_l_sho_pitch_x = bx_r_hip_yaw_x
+        .mul_add(c_l_sho_pitch, -(bx_r_hip_roll_y * s_l_sho_pitch));
+    let bx_l_sho_pitch_y = bx_r_hip_roll_y
+        .mul_add(c_l_sho_pitch, bx_r_hip_yaw_x * s_l_sho_pitch);
+    let by_l_sho_pitch_x = by_r_hip_yaw_x.mul_add(c_l_sho_pitch, e6 * s_l_sho_pitch);
+    let by_l_sho_pitch_y = by_r_hip_yaw_x.mul_add(s_l_sho_pitch, -(e6 * c_l_sho_pitch));
     let bz_l_sho_pitch_x = bz_r_hip_yaw_x
         .mul_add(c_l_sho_pitch, -(bz_r_hip_roll_y * s_l_sho_pitch));
     let bz_l_sho_pitch_y = bz_r_hip_roll_y
         .mul_add(c_l_sho_pitch, bz_r_hip_yaw_x * s_l_sho_pitch);
     // r_sho_pitch
+    let bx_r_sho_pitch_x = bx_r_hip_yaw_x
+        .mul_add(c_r_sho_pitch, bx_r_hip_roll_y * s_r_sho_pitch);
+    let bx_r_sho_pitch_y = bx_r_hip_roll_y
+        .mul_add(c_r_sho_pitch, -(bx_r_hip_yaw_x * s_r_sho_pitch));
+    let by_r_sho_pitch_x = by_r_hip_yaw_x.mul_add(c_r_sho_pitch, -(e6 * s_r_sho_pitch));
+    let e16 = e6.mul_add(c_r_sho_pitch, by_r_hip_yaw_x * s_r_sho_pitch);
     let bz_r_sho_pitch_x = bz_r_hip_yaw_x
         .mul_add(c_r_sho_pitch, bz_r_hip_roll_y * s_r_sho_pitch);
     let bz_r_sho_pitch_y = bz_r_hip_roll_y
@@ -704,23 +691,23 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     let zero = T::from_f64(0.0);
     [
         [
-            -e4.mul_add(t_head_pan_x, bx_r_hip_yaw_x * t_head_pan_y),
+            -e7.mul_add(t_head_pan_x, bx_r_hip_yaw_x * t_head_pan_y),
             bx_r_hip_roll_y.mul_add(t_head_tilt_x, -(bx_head_pan_x * t_head_tilt_y)),
-            e4.mul_add(t_l_hip_yaw_x, bx_r_hip_yaw_x * t_l_hip_yaw_y),
+            e7.mul_add(t_l_hip_yaw_x, bx_r_hip_yaw_x * t_l_hip_yaw_y),
             -bx_r_hip_roll_y.mul_add(t_l_hip_roll_x, -(bx_l_hip_yaw_y * t_l_hip_roll_y)),
             -bx_l_hip_yaw_x
                 .mul_add(t_l_hip_pitch_x, -(bx_l_hip_roll_y * t_l_hip_pitch_y)),
-            -e5.mul_add(t_l_knee_x, bx_l_hip_pitch_x * t_l_knee_y),
-            e6.mul_add(t_l_ank_pitch_x, bx_l_knee_x * t_l_ank_pitch_y),
+            -e10.mul_add(t_l_knee_x, bx_l_hip_pitch_x * t_l_knee_y),
+            e13.mul_add(t_l_ank_pitch_x, bx_l_knee_x * t_l_ank_pitch_y),
             -bx_l_hip_roll_x
                 .mul_add(t_l_ank_roll_x, -(bx_l_ank_pitch_y * t_l_ank_roll_y)),
             -bx_r_hip_roll_y
                 .mul_add(t_l_sho_pitch_x, -(bx_r_hip_yaw_x * t_l_sho_pitch_y)),
-            -e4.mul_add(t_l_sho_roll_x, bx_l_sho_pitch_y * t_l_sho_roll_y),
+            -e7.mul_add(t_l_sho_roll_x, bx_l_sho_pitch_y * t_l_sho_roll_y),
             bx_l_sho_pitch_x
                 .mul_add(
                     t_l_el_x,
-                    e4.mul_add(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll))
+                    e7.mul_add(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll))
                         * t_l_el_y,
                 ),
             -bx_r_hip_pitch_x.mul_add(t_r_hip_yaw_x, -(bx_r_hip_roll_x * t_r_hip_yaw_y)),
@@ -731,76 +718,76 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
             zero,
             bx_r_hip_roll_y
                 .mul_add(t_r_sho_pitch_x, -(bx_r_hip_yaw_x * t_r_sho_pitch_y)),
-            -e4.mul_add(t_r_sho_roll_x, bx_r_sho_pitch_y * t_r_sho_roll_y),
+            -e7.mul_add(t_r_sho_roll_x, bx_r_sho_pitch_y * t_r_sho_roll_y),
             -bx_r_sho_pitch_x
                 .mul_add(
                     t_r_el_x,
-                    -(e4.mul_add(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll)) * e1),
+                    -(e7.mul_add(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll)) * e1),
                 ),
         ],
         [
-            -e9.mul_add(t_head_pan_x, by_r_hip_yaw_x * t_head_pan_y),
-            -e8.mul_add(t_head_tilt_x, by_head_pan_x * t_head_tilt_y),
-            e9.mul_add(t_l_hip_yaw_x, by_r_hip_yaw_x * t_l_hip_yaw_y),
-            e8.mul_add(t_l_hip_roll_x, by_l_hip_yaw_y * t_l_hip_roll_y),
+            -e8.mul_add(t_head_pan_x, by_r_hip_yaw_x * t_head_pan_y),
+            -e6.mul_add(t_head_tilt_x, by_head_pan_x * t_head_tilt_y),
+            e8.mul_add(t_l_hip_yaw_x, by_r_hip_yaw_x * t_l_hip_yaw_y),
+            e6.mul_add(t_l_hip_roll_x, by_l_hip_yaw_y * t_l_hip_roll_y),
             -by_l_hip_yaw_x
                 .mul_add(t_l_hip_pitch_x, -(by_l_hip_roll_y * t_l_hip_pitch_y)),
-            -e10.mul_add(t_l_knee_x, by_l_hip_pitch_x * t_l_knee_y),
-            e11.mul_add(t_l_ank_pitch_x, by_l_knee_x * t_l_ank_pitch_y),
+            -e11.mul_add(t_l_knee_x, by_l_hip_pitch_x * t_l_knee_y),
+            e14.mul_add(t_l_ank_pitch_x, by_l_knee_x * t_l_ank_pitch_y),
             -by_l_hip_roll_x
                 .mul_add(t_l_ank_roll_x, -(by_l_ank_pitch_y * t_l_ank_roll_y)),
-            e8.mul_add(t_l_sho_pitch_x, by_r_hip_yaw_x * t_l_sho_pitch_y),
-            -e9.mul_add(t_l_sho_roll_x, by_l_sho_pitch_y * t_l_sho_roll_y),
+            e6.mul_add(t_l_sho_pitch_x, by_r_hip_yaw_x * t_l_sho_pitch_y),
+            -e8.mul_add(t_l_sho_roll_x, by_l_sho_pitch_y * t_l_sho_roll_y),
             by_l_sho_pitch_x
                 .mul_add(
                     t_l_el_x,
-                    e9.mul_add(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll))
+                    e8.mul_add(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll))
                         * t_l_el_y,
                 ),
             -by_r_hip_pitch_x.mul_add(t_r_hip_yaw_x, -(by_r_hip_roll_x * t_r_hip_yaw_y)),
             -c_r_ank_roll.mul_add(t_r_hip_roll_x, -(by_r_hip_pitch_y * t_r_hip_roll_y)),
             by_r_knee_y.mul_add(t_r_hip_pitch_x, -(by_r_knee_x * t_r_hip_pitch_y)),
-            by_r_ank_pitch_y.mul_add(t_r_knee_x, e7 * t_r_knee_y),
+            by_r_ank_pitch_y.mul_add(t_r_knee_x, e4 * t_r_knee_y),
             -(s_r_ank_roll * t_r_ank_pitch_y),
             t_r_ank_roll_y,
-            -e8.mul_add(t_r_sho_pitch_x, by_r_hip_yaw_x * t_r_sho_pitch_y),
-            e12.mul_add(t_r_sho_roll_y, -(e9 * t_r_sho_roll_x)),
+            -e6.mul_add(t_r_sho_pitch_x, by_r_hip_yaw_x * t_r_sho_pitch_y),
+            e16.mul_add(t_r_sho_roll_y, -(e8 * t_r_sho_roll_x)),
             -by_r_sho_pitch_x
-                .mul_add(t_r_el_x, -(e9.mul_add(s_r_sho_roll, e12 * c_r_sho_roll) * e1)),
+                .mul_add(t_r_el_x, -(e8.mul_add(s_r_sho_roll, e16 * c_r_sho_roll) * e1)),
         ],
         [
-            -e14.mul_add(t_head_pan_x, bz_r_hip_yaw_x * t_head_pan_y),
+            -e9.mul_add(t_head_pan_x, bz_r_hip_yaw_x * t_head_pan_y),
             bz_r_hip_roll_y.mul_add(t_head_tilt_x, -(bz_head_pan_x * t_head_tilt_y)),
-            e14.mul_add(t_l_hip_yaw_x, bz_r_hip_yaw_x * t_l_hip_yaw_y),
+            e9.mul_add(t_l_hip_yaw_x, bz_r_hip_yaw_x * t_l_hip_yaw_y),
             -bz_r_hip_roll_y.mul_add(t_l_hip_roll_x, -(bz_l_hip_yaw_y * t_l_hip_roll_y)),
             -bz_l_hip_yaw_x
                 .mul_add(t_l_hip_pitch_x, -(bz_l_hip_roll_y * t_l_hip_pitch_y)),
-            -e15.mul_add(t_l_knee_x, bz_l_hip_pitch_x * t_l_knee_y),
-            e16.mul_add(t_l_ank_pitch_x, bz_l_knee_x * t_l_ank_pitch_y),
+            -e12.mul_add(t_l_knee_x, bz_l_hip_pitch_x * t_l_knee_y),
+            e15.mul_add(t_l_ank_pitch_x, bz_l_knee_x * t_l_ank_pitch_y),
             -bz_l_hip_roll_x
                 .mul_add(t_l_ank_roll_x, -(bz_l_ank_pitch_y * t_l_ank_roll_y)),
             -bz_r_hip_roll_y
                 .mul_add(t_l_sho_pitch_x, -(bz_r_hip_yaw_x * t_l_sho_pitch_y)),
-            -e14.mul_add(t_l_sho_roll_x, bz_l_sho_pitch_y * t_l_sho_roll_y),
+            -e9.mul_add(t_l_sho_roll_x, bz_l_sho_pitch_y * t_l_sho_roll_y),
             bz_l_sho_pitch_x
                 .mul_add(
                     t_l_el_x,
-                    e14.mul_add(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll))
+                    e9.mul_add(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll))
                         * t_l_el_y,
                 ),
             -bz_r_hip_pitch_x.mul_add(t_r_hip_yaw_x, -(bz_r_hip_roll_x * t_r_hip_yaw_y)),
             s_r_ank_roll.mul_add(t_r_hip_roll_x, bz_r_hip_pitch_y * t_r_hip_roll_y),
             bz_r_knee_y.mul_add(t_r_hip_pitch_x, -(bz_r_knee_x * t_r_hip_pitch_y)),
-            bz_r_ank_pitch_y.mul_add(t_r_knee_x, e13 * t_r_knee_y),
+            bz_r_ank_pitch_y.mul_add(t_r_knee_x, e5 * t_r_knee_y),
             -(c_r_ank_roll * t_r_ank_pitch_y),
             -t_r_ank_roll_x,
             bz_r_hip_roll_y
                 .mul_add(t_r_sho_pitch_x, -(bz_r_hip_yaw_x * t_r_sho_pitch_y)),
-            -e14.mul_add(t_r_sho_roll_x, bz_r_sho_pitch_y * t_r_sho_roll_y),
+            -e9.mul_add(t_r_sho_roll_x, bz_r_sho_pitch_y * t_r_sho_roll_y),
             -bz_r_sho_pitch_x
                 .mul_add(
                     t_r_el_x,
-                    -(e14.mul_add(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll)) * e1),
+                    -(e9.mul_add(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll)) * e1),
                 ),
         ],
     ]
@@ -895,12 +882,12 @@ pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] 
     let t_head_pan_x = c_head_pan.mul_add(v_head_pan_x, -(s_head_pan * r[16]));
     let t_head_pan_y = s_head_pan.mul_add(v_head_pan_x, c_head_pan * r[16]);
     // r_hip_yaw
-    let v_r_hip_yaw_x = r[13] + t_head_pan_x + t_l_hip_yaw_x + t_l_sho_pitch_x
-        + t_r_sho_pitch_x;
-    let v_r_hip_yaw_y = r[14] + t_head_pan_y + t_l_hip_yaw_y + t_l_sho_roll_y
-        + t_r_sho_roll_y;
-    let v_r_hip_yaw_z = t_head_tilt_y + t_l_hip_roll_y + t_l_sho_pitch_y
-        + t_r_sho_pitch_y;
+    let v_r_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_sho_pitch_x
+        + t_l_hip_yaw_x;
+    let v_r_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_sho_roll_y
+        + t_l_hip_yaw_y;
+    let v_r_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y
+        + t_l_hip_roll_y;
     let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
     let t_r_hip_yaw_x = s_r_hip_yaw.mul_add(v_r_hip_yaw_x, c_r_hip_yaw * v_r_hip_yaw_y);
     let t_r_hip_yaw_y = c_r_hip_yaw
@@ -1031,248 +1018,210 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     let bz_r_ank_roll_x = -s_r_ank_roll;
     // r_ank_pitch
     let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
+    let e1 = s_r_ank_roll * s_r_ank_pitch;
+    let by_r_ank_pitch_x = -e1;
+    let by_r_ank_pitch_y = s_r_ank_roll * c_r_ank_pitch;
+    let e2 = c_r_ank_roll * s_r_ank_pitch;
+    let bz_r_ank_pitch_x = -e2;
+    let bz_r_ank_pitch_y = c_r_ank_roll * c_r_ank_pitch;
     // r_knee
     let (s_r_knee, c_r_knee) = q[14].sin_cos();
     let bx_r_knee_x = c_r_ank_pitch.mul_add(c_r_knee, s_r_ank_pitch * s_r_knee);
     let bx_r_knee_y = s_r_ank_pitch.mul_add(c_r_knee, -(c_r_ank_pitch * s_r_knee));
+    let by_r_knee_x = by_r_ank_pitch_y.mul_add(s_r_knee, -(e1 * c_r_knee));
+    let by_r_knee_y = by_r_ank_pitch_y.mul_add(c_r_knee, e1 * s_r_knee);
+    let bz_r_knee_x = bz_r_ank_pitch_y.mul_add(s_r_knee, -(e2 * c_r_knee));
+    let bz_r_knee_y = bz_r_ank_pitch_y.mul_add(c_r_knee, e2 * s_r_knee);
     // r_hip_pitch
     let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
     let bx_r_hip_pitch_x = bx_r_knee_x
         .mul_add(c_r_hip_pitch, bx_r_knee_y * s_r_hip_pitch);
     let bx_r_hip_pitch_y = bx_r_knee_y
         .mul_add(c_r_hip_pitch, -(bx_r_knee_x * s_r_hip_pitch));
+    let by_r_hip_pitch_x = by_r_knee_x
+        .mul_add(c_r_hip_pitch, by_r_knee_y * s_r_hip_pitch);
+    let by_r_hip_pitch_y = by_r_knee_y
+        .mul_add(c_r_hip_pitch, -(by_r_knee_x * s_r_hip_pitch));
+    let bz_r_hip_pitch_x = bz_r_knee_x
+        .mul_add(c_r_hip_pitch, bz_r_knee_y * s_r_hip_pitch);
+    let bz_r_hip_pitch_y = bz_r_knee_y
+        .mul_add(c_r_hip_pitch, -(bz_r_knee_x * s_r_hip_pitch));
     // r_hip_roll
     let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
     let bx_r_hip_roll_x = bx_r_hip_pitch_y * s_r_hip_roll;
     let bx_r_hip_roll_y = bx_r_hip_pitch_y * c_r_hip_roll;
+    let by_r_hip_roll_x = by_r_hip_pitch_y
+        .mul_add(s_r_hip_roll, c_r_ank_roll * c_r_hip_roll);
+    let e3 = c_r_ank_roll.mul_add(s_r_hip_roll, -(by_r_hip_pitch_y * c_r_hip_roll));
+    let by_r_hip_roll_y = -e3;
+    let bz_r_hip_roll_x = bz_r_hip_pitch_y
+        .mul_add(s_r_hip_roll, -(s_r_ank_roll * c_r_hip_roll));
+    let bz_r_hip_roll_y = s_r_ank_roll
+        .mul_add(s_r_hip_roll, bz_r_hip_pitch_y * c_r_hip_roll);
     // r_hip_yaw
     let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
     let bx_r_hip_yaw_x = bx_r_hip_roll_x
         .mul_add(s_r_hip_yaw, bx_r_hip_pitch_x * c_r_hip_yaw);
-    let e1 = bx_r_hip_pitch_x.mul_add(s_r_hip_yaw, -(bx_r_hip_roll_x * c_r_hip_yaw));
-    let bx_r_hip_yaw_y = -e1;
+    let e4 = bx_r_hip_pitch_x.mul_add(s_r_hip_yaw, -(bx_r_hip_roll_x * c_r_hip_yaw));
+    let bx_r_hip_yaw_y = -e4;
+    let by_r_hip_yaw_x = by_r_hip_roll_x
+        .mul_add(s_r_hip_yaw, by_r_hip_pitch_x * c_r_hip_yaw);
+    let e5 = by_r_hip_pitch_x.mul_add(s_r_hip_yaw, -(by_r_hip_roll_x * c_r_hip_yaw));
+    let by_r_hip_yaw_y = -e5;
+    let bz_r_hip_yaw_x = bz_r_hip_roll_x
+        .mul_add(s_r_hip_yaw, bz_r_hip_pitch_x * c_r_hip_yaw);
+    let e6 = bz_r_hip_pitch_x.mul_add(s_r_hip_yaw, -(bz_r_hip_roll_x * c_r_hip_yaw));
+    let bz_r_hip_yaw_y = -e6;
     // head_pan
     let (s_head_pan, c_head_pan) = q[0].sin_cos();
-    let bx_head_pan_x = bx_r_hip_yaw_x.mul_add(c_head_pan, -(e1 * s_head_pan));
-    let bx_head_pan_y = -e1.mul_add(c_head_pan, bx_r_hip_yaw_x * s_head_pan);
+    let bx_head_pan_x = bx_r_hip_yaw_x.mul_add(c_head_pan, -(e4 * s_head_pan));
+    let bx_head_pan_y = -e4.mul_add(c_head_pan, bx_r_hip_yaw_x * s_head_pan);
+    let by_head_pan_x = by_r_hip_yaw_x.mul_add(c_head_pan, -(e5 * s_head_pan));
+    let by_head_pan_y = -e5.mul_add(c_head_pan, by_r_hip_yaw_x * s_head_pan);
+    let bz_head_pan_x = bz_r_hip_yaw_x.mul_add(c_head_pan, -(e6 * s_head_pan));
+    let bz_head_pan_y = -e6.mul_add(c_head_pan, bz_r_hip_yaw_x * s_head_pan);
     // head_tilt
     let (s_head_tilt, c_head_tilt) = q[1].sin_cos();
     let bx_head_tilt_x = bx_head_pan_x
         .mul_add(c_head_tilt, bx_r_hip_roll_y * s_head_tilt);
     let bx_head_tilt_y = -bx_r_hip_roll_y
         .mul_add(c_head_tilt, -(bx_head_pan_x * s_head_tilt));
+    let by_head_tilt_x = by_head_pan_x.mul_add(c_head_tilt, -(e3 * s_head_tilt));
+    let by_head_tilt_y = e3.mul_add(c_head_tilt, by_head_pan_x * s_head_tilt);
+    let bz_head_tilt_x = bz_head_pan_x
+        .mul_add(c_head_tilt, bz_r_hip_roll_y * s_head_tilt);
+    let bz_head_tilt_y = -bz_r_hip_roll_y
+        .mul_add(c_head_tilt, -(bz_head_pan_x * s_head_tilt));
     // l_hip_yaw
     let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
-    let bx_l_hip_yaw_x = bx_r_hip_yaw_x.mul_add(c_l_hip_yaw, e1 * s_l_hip_yaw);
-    let bx_l_hip_yaw_y = bx_r_hip_yaw_x.mul_add(s_l_hip_yaw, -(e1 * c_l_hip_yaw));
+    let bx_l_hip_yaw_x = bx_r_hip_yaw_x.mul_add(c_l_hip_yaw, e4 * s_l_hip_yaw);
+    let bx_l_hip_yaw_y = bx_r_hip_yaw_x.mul_add(s_l_hip_yaw, -(e4 * c_l_hip_yaw));
+    let by_l_hip_yaw_x = by_r_hip_yaw_x.mul_add(c_l_hip_yaw, e5 * s_l_hip_yaw);
+    let by_l_hip_yaw_y = by_r_hip_yaw_x.mul_add(s_l_hip_yaw, -(e5 * c_l_hip_yaw));
+    let bz_l_hip_yaw_x = bz_r_hip_yaw_x.mul_add(c_l_hip_yaw, e6 * s_l_hip_yaw);
+    let bz_l_hip_yaw_y = bz_r_hip_yaw_x.mul_add(s_l_hip_yaw, -(e6 * c_l_hip_yaw));
     // l_hip_roll
     let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
     let bx_l_hip_roll_x = bx_l_hip_yaw_y
         .mul_add(c_l_hip_roll, -(bx_r_hip_roll_y * s_l_hip_roll));
     let bx_l_hip_roll_y = bx_r_hip_roll_y
         .mul_add(c_l_hip_roll, bx_l_hip_yaw_y * s_l_hip_roll);
+    let by_l_hip_roll_x = by_l_hip_yaw_y.mul_add(c_l_hip_roll, e3 * s_l_hip_roll);
+    let by_l_hip_roll_y = by_l_hip_yaw_y.mul_add(s_l_hip_roll, -(e3 * c_l_hip_roll));
+    let bz_l_hip_roll_x = bz_l_hip_yaw_y
+        .mul_add(c_l_hip_roll, -(bz_r_hip_roll_y * s_l_hip_roll));
+    let bz_l_hip_roll_y = bz_r_hip_roll_y
+        .mul_add(c_l_hip_roll, bz_l_hip_yaw_y * s_l_hip_roll);
     // l_hip_pitch
     let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
     let bx_l_hip_pitch_x = bx_l_hip_roll_y
         .mul_add(s_l_hip_pitch, bx_l_hip_yaw_x * c_l_hip_pitch);
-    let e2 = bx_l_hip_yaw_x.mul_add(s_l_hip_pitch, -(bx_l_hip_roll_y * c_l_hip_pitch));
-    let bx_l_hip_pitch_y = -e2;
+    let e7 = bx_l_hip_yaw_x.mul_add(s_l_hip_pitch, -(bx_l_hip_roll_y * c_l_hip_pitch));
+    let bx_l_hip_pitch_y = -e7;
+    let by_l_hip_pitch_x = by_l_hip_roll_y
+        .mul_add(s_l_hip_pitch, by_l_hip_yaw_x * c_l_hip_pitch);
+    let e8 = by_l_hip_yaw_x.mul_add(s_l_hip_pitch, -(by_l_hip_roll_y * c_l_hip_pitch));
+    let by_l_hip_pitch_y = -e8;
+    let bz_l_hip_pitch_x = bz_l_hip_roll_y
+        .mul_add(s_l_hip_pitch, bz_l_hip_yaw_x * c_l_hip_pitch);
+    let e9 = bz_l_hip_yaw_x.mul_add(s_l_hip_pitch, -(bz_l_hip_roll_y * c_l_hip_pitch));
+    let bz_l_hip_pitch_y = -e9;
     // l_knee
     let (s_l_knee, c_l_knee) = q[5].sin_cos();
-    let bx_l_knee_x = bx_l_hip_pitch_x.mul_add(c_l_knee, -(e2 * s_l_knee));
-    let e3 = e2.mul_add(c_l_knee, bx_l_hip_pitch_x * s_l_knee);
-    let bx_l_knee_y = -e3;
+    let bx_l_knee_x = bx_l_hip_pitch_x.mul_add(c_l_knee, -(e7 * s_l_knee));
+    let e10 = e7.mul_add(c_l_knee, bx_l_hip_pitch_x * s_l_knee);
+    let bx_l_knee_y = -e10;
+    let by_l_knee_x = by_l_hip_pitch_x.mul_add(c_l_knee, -(e8 * s_l_knee));
+    let e11 = e8.mul_add(c_l_knee, by_l_hip_pitch_x * s_l_knee);
+    let by_l_knee_y = -e11;
+    let bz_l_knee_x = bz_l_hip_pitch_x.mul_add(c_l_knee, -(e9 * s_l_knee));
+    let e12 = e9.mul_add(c_l_knee, bz_l_hip_pitch_x * s_l_knee);
+    let bz_l_knee_y = -e12;
     // l_ank_pitch
     let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
-    let bx_l_ank_pitch_x = bx_l_knee_x.mul_add(c_l_ank_pitch, e3 * s_l_ank_pitch);
-    let bx_l_ank_pitch_y = bx_l_knee_x.mul_add(s_l_ank_pitch, -(e3 * c_l_ank_pitch));
+    let bx_l_ank_pitch_x = bx_l_knee_x.mul_add(c_l_ank_pitch, e10 * s_l_ank_pitch);
+    let bx_l_ank_pitch_y = bx_l_knee_x.mul_add(s_l_ank_pitch, -(e10 * c_l_ank_pitch));
+    let by_l_ank_pitch_x = by_l_knee_x.mul_add(c_l_ank_pitch, e11 * s_l_ank_pitch);
+    let by_l_ank_pitch_y = by_l_knee_x.mul_add(s_l_ank_pitch, -(e11 * c_l_ank_pitch));
+    let bz_l_ank_pitch_x = bz_l_knee_x.mul_add(c_l_ank_pitch, e12 * s_l_ank_pitch);
+    let bz_l_ank_pitch_y = bz_l_knee_x.mul_add(s_l_ank_pitch, -(e12 * c_l_ank_pitch));
     // l_ank_roll
     let (s_l_ank_roll, c_l_ank_roll) = q[7].sin_cos();
     let bx_l_ank_roll_x = bx_l_ank_pitch_y
         .mul_add(s_l_ank_roll, bx_l_hip_roll_x * c_l_ank_roll);
     let bx_l_ank_roll_y = -bx_l_hip_roll_x
         .mul_add(s_l_ank_roll, -(bx_l_ank_pitch_y * c_l_ank_roll));
+    let by_l_ank_roll_x = by_l_ank_pitch_y
+        .mul_add(s_l_ank_roll, by_l_hip_roll_x * c_l_ank_roll);
+    let by_l_ank_roll_y = -by_l_hip_roll_x
+        .mul_add(s_l_ank_roll, -(by_l_ank_pitch_y * c_l_ank_roll));
+    let bz_l_ank_roll_x = bz_l_ank_pitch_y
+        .mul_add(s_l_ank_roll, bz_l_hip_roll_x * c_l_ank_roll);
+    let bz_l_ank_roll_y = -bz_l_hip_roll_x
+        .mul_add(s_l_ank_roll, -(bz_l_ank_pitch_y * c_l_ank_roll));
     // l_sho_pitch
     let (s_l_sho_pitch, c_l_sho_pitch) = q[8].sin_cos();
     let bx_l_sho_pitch_x = bx_r_hip_yaw_x
         .mul_add(c_l_sho_pitch, -(bx_r_hip_roll_y * s_l_sho_pitch));
     let bx_l_sho_pitch_y = bx_r_hip_roll_y
         .mul_add(c_l_sho_pitch, bx_r_hip_yaw_x * s_l_sho_pitch);
+    let by_l_sho_pitch_x = by_r_hip_yaw_x.mul_add(c_l_sho_pitch, e3 * s_l_sho_pitch);
+    let by_l_sho_pitch_y = by_r_hip_yaw_x.mul_add(s_l_sho_pitch, -(e3 * c_l_sho_pitch));
+    let bz_l_sho_pitch_x = bz_r_hip_yaw_x
+        .mul_add(c_l_sho_pitch, -(bz_r_hip_roll_y * s_l_sho_pitch));
+    let bz_l_sho_pitch_y = bz_r_hip_roll_y
+        .mul_add(c_l_sho_pitch, bz_r_hip_yaw_x * s_l_sho_pitch);
     // l_sho_roll
-    let e4 = q[9] - T::from_f64(0.785398163);
-    let (s_l_sho_roll, c_l_sho_roll) = e4.sin_cos();
-    let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_add(s_l_sho_roll, e1 * c_l_sho_roll);
-    let e5 = e1.mul_add(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
-    let bx_l_sho_roll_y = -e5;
+    let e13 = q[9] - T::from_f64(0.785398163);
+    let (s_l_sho_roll, c_l_sho_roll) = e13.sin_cos();
+    let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_add(s_l_sho_roll, e4 * c_l_sho_roll);
+    let e14 = e4.mul_add(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
+    let bx_l_sho_roll_y = -e14;
+    let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_add(s_l_sho_roll, e5 * c_l_sho_roll);
+    let e15 = e5.mul_add(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
+    let by_l_sho_roll_y = -e15;
+    let bz_l_sho_roll_x = -bz_l_sho_pitch_y.mul_add(s_l_sho_roll, e6 * c_l_sho_roll);
+    let e16 = e6.mul_add(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
+    let bz_l_sho_roll_y = -e16;
     // l_el
     let (s_l_el, c_l_el) = q[10].sin_cos();
-    let bx_l_el_x = bx_l_sho_pitch_x.mul_add(s_l_el, -(e5 * c_l_el));
-    let bx_l_el_y = -bx_l_sho_pitch_x.mul_add(c_l_el, e5 * s_l_el);
+    let bx_l_el_x = bx_l_sho_pitch_x.mul_add(s_l_el, -(e14 * c_l_el));
+    let bx_l_el_y = -bx_l_sho_pitch_x.mul_add(c_l_el, e14 * s_l_el);
+    let by_l_el_x = by_l_sho_pitch_x.mul_add(s_l_el, -(e15 * c_l_el));
+    let by_l_el_y = -by_l_sho_pitch_x.mul_add(c_l_el, e15 * s_l_el);
+    let bz_l_el_x = bz_l_sho_pitch_x.mul_add(s_l_el, -(e16 * c_l_el));
+    let bz_l_el_y = -bz_l_sho_pitch_x.mul_add(c_l_el, e16 * s_l_el);
     // r_sho_pitch
     let (s_r_sho_pitch, c_r_sho_pitch) = q[17].sin_cos();
     let bx_r_sho_pitch_x = bx_r_hip_yaw_x
         .mul_add(c_r_sho_pitch, bx_r_hip_roll_y * s_r_sho_pitch);
     let bx_r_sho_pitch_y = bx_r_hip_roll_y
         .mul_add(c_r_sho_pitch, -(bx_r_hip_yaw_x * s_r_sho_pitch));
-    // r_sho_roll
-    let e6 = q[18] + T::from_f64(0.785398163);
-    let (s_r_sho_roll, c_r_sho_roll) = e6.sin_cos();
-    let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_add(s_r_sho_roll, e1 * c_r_sho_roll);
-    let e7 = e1.mul_add(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
-    let bx_r_sho_roll_y = -e7;
-    // r_el
-    let (s_r_el, c_r_el) = q[19].sin_cos();
-    let bx_r_el_x = -e7.mul_add(c_r_el, bx_r_sho_pitch_x * s_r_el);
-    let bx_r_el_y = -bx_r_sho_pitch_x.mul_add(c_r_el, -(e7 * s_r_el));
-    // r_ank_pitch
-    let e8 = s_r_ank_roll * s_r_ank_pitch;
-    let by_r_ank_pitch_x = -e8;
-    let by_r_ank_pitch_y = s_r_ank_roll * c_r_ank_pitch;
-    // r_knee
-    let by_r_knee_x = by_r_ank_pitch_y.mul_add(s_r_knee, -(e8 * c_r_knee));
-    let by_r_knee_y = by_r_ank_pitch_y.mul_add(c_r_knee, e8 * s_r_knee);
-    // r_hip_pitch
-    let by_r_hip_pitch_x = by_r_knee_x
-        .mul_add(c_r_hip_pitch, by_r_knee_y * s_r_hip_pitch);
-    let by_r_hip_pitch_y = by_r_knee_y
-        .mul_add(c_r_hip_pitch, -(by_r_knee_x * s_r_hip_pitch));
-    // r_hip_roll
-    let by_r_hip_roll_x = by_r_hip_pitch_y
-        .mul_add(s_r_hip_roll, c_r_ank_roll * c_r_hip_roll);
-    let e9 = c_r_ank_roll.mul_add(s_r_hip_roll, -(by_r_hip_pitch_y * c_r_hip_roll));
-    let by_r_hip_roll_y = -e9;
-    // r_hip_yaw
-    let by_r_hip_yaw_x = by_r_hip_roll_x
-        .mul_add(s_r_hip_yaw, by_r_hip_pitch_x * c_r_hip_yaw);
-    let e10 = by_r_hip_pitch_x.mul_add(s_r_hip_yaw, -(by_r_hip_roll_x * c_r_hip_yaw));
-    let by_r_hip_yaw_y = -e10;
-    // head_pan
-    let by_head_pan_x = by_r_hip_yaw_x.mul_add(c_head_pan, -(e10 * s_head_pan));
-    let by_head_pan_y = -e10.mul_add(c_head_pan, by_r_hip_yaw_x * s_head_pan);
-    // head_tilt
-    let by_head_tilt_x = by_head_pan_x.mul_add(c_head_tilt, -(e9 * s_head_tilt));
-    let by_head_tilt_y = e9.mul_add(c_head_tilt, by_head_pan_x * s_head_tilt);
-    // l_hip_yaw
-    let by_l_hip_yaw_x = by_r_hip_yaw_x.mul_add(c_l_hip_yaw, e10 * s_l_hip_yaw);
-    let by_l_hip_yaw_y = by_r_hip_yaw_x.mul_add(s_l_hip_yaw, -(e10 * c_l_hip_yaw));
-    // l_hip_roll
-    let by_l_hip_roll_x = by_l_hip_yaw_y.mul_add(c_l_hip_roll, e9 * s_l_hip_roll);
-    let by_l_hip_roll_y = by_l_hip_yaw_y.mul_add(s_l_hip_roll, -(e9 * c_l_hip_roll));
-    // l_hip_pitch
-    let by_l_hip_pitch_x = by_l_hip_roll_y
-        .mul_add(s_l_hip_pitch, by_l_hip_yaw_x * c_l_hip_pitch);
-    let e11 = by_l_hip_yaw_x.mul_add(s_l_hip_pitch, -(by_l_hip_roll_y * c_l_hip_pitch));
-    let by_l_hip_pitch_y = -e11;
-    // l_knee
-    let by_l_knee_x = by_l_hip_pitch_x.mul_add(c_l_knee, -(e11 * s_l_knee));
-    let e12 = e11.mul_add(c_l_knee, by_l_hip_pitch_x * s_l_knee);
-    let by_l_knee_y = -e12;
-    // l_ank_pitch
-    let by_l_ank_pitch_x = by_l_knee_x.mul_add(c_l_ank_pitch, e12 * s_l_ank_pitch);
-    let by_l_ank_pitch_y = by_l_knee_x.mul_add(s_l_ank_pitch, -(e12 * c_l_ank_pitch));
-    // l_ank_roll
-    let by_l_ank_roll_x = by_l_ank_pitch_y
-        .mul_add(s_l_ank_roll, by_l_hip_roll_x * c_l_ank_roll);
-    let by_l_ank_roll_y = -by_l_hip_roll_x
-        .mul_add(s_l_ank_roll, -(by_l_ank_pitch_y * c_l_ank_roll));
-    // l_sho_pitch
-    let by_l_sho_pitch_x = by_r_hip_yaw_x.mul_add(c_l_sho_pitch, e9 * s_l_sho_pitch);
-    let by_l_sho_pitch_y = by_r_hip_yaw_x.mul_add(s_l_sho_pitch, -(e9 * c_l_sho_pitch));
-    // l_sho_roll
-    let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_add(s_l_sho_roll, e10 * c_l_sho_roll);
-    let e13 = e10.mul_add(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
-    let by_l_sho_roll_y = -e13;
-    // l_el
-    let by_l_el_x = by_l_sho_pitch_x.mul_add(s_l_el, -(e13 * c_l_el));
-    let by_l_el_y = -by_l_sho_pitch_x.mul_add(c_l_el, e13 * s_l_el);
-    // r_sho_pitch
-    let by_r_sho_pitch_x = by_r_hip_yaw_x.mul_add(c_r_sho_pitch, -(e9 * s_r_sho_pitch));
-    let e14 = e9.mul_add(c_r_sho_pitch, by_r_hip_yaw_x * s_r_sho_pitch);
-    let by_r_sho_pitch_y = -e14;
-    // r_sho_roll
-    let by_r_sho_roll_x = e14.mul_add(s_r_sho_roll, -(e10 * c_r_sho_roll));
-    let e15 = e10.mul_add(s_r_sho_roll, e14 * c_r_sho_roll);
-    let by_r_sho_roll_y = -e15;
-    // r_el
-    let by_r_el_x = -e15.mul_add(c_r_el, by_r_sho_pitch_x * s_r_el);
-    let by_r_el_y = -by_r_sho_pitch_x.mul_add(c_r_el, -(e15 * s_r_el));
-    // r_ank_pitch
-    let e16 = c_r_ank_roll * s_r_ank_pitch;
-    let bz_r_ank_pitch_x = -e16;
-    let bz_r_ank_pitch_y = c_r_ank_roll * c_r_ank_pitch;
-    // r_knee
-    let bz_r_knee_x = bz_r_ank_pitch_y.mul_add(s_r_knee, -(e16 * c_r_knee));
-    let bz_r_knee_y = bz_r_ank_pitch_y.mul_add(c_r_knee, e16 * s_r_knee);
-    // r_hip_pitch
-    let bz_r_hip_pitch_x = bz_r_knee_x
-        .mul_add(c_r_hip_pitch, bz_r_knee_y * s_r_hip_pitch);
-    let bz_r_hip_pitch_y = bz_r_knee_y
-        .mul_add(c_r_hip_pitch, -(bz_r_knee_x * s_r_hip_pitch));
-    // r_hip_roll
-    let bz_r_hip_roll_x = bz_r_hip_pitch_y
-        .mul_add(s_r_hip_roll, -(s_r_ank_roll * c_r_hip_roll));
-    let bz_r_hip_roll_y = s_r_ank_roll
-        .mul_add(s_r_hip_roll, bz_r_hip_pitch_y * c_r_hip_roll);
-    // r_hip_yaw
-    let bz_r_hip_yaw_x = bz_r_hip_roll_x
-        .mul_add(s_r_hip_yaw, bz_r_hip_pitch_x * c_r_hip_yaw);
-    let e17 = bz_r_hip_pitch_x.mul_add(s_r_hip_yaw, -(bz_r_hip_roll_x * c_r_hip_yaw));
-    let bz_r_hip_yaw_y = -e17;
-    // head_pan
-    let bz_head_pan_x = bz_r_hip_yaw_x.mul_add(c_head_pan, -(e17 * s_head_pan));
-    let bz_head_pan_y = -e17.mul_add(c_head_pan, bz_r_hip_yaw_x * s_head_pan);
-    // head_tilt
-    let bz_head_tilt_x = bz_head_pan_x
-        .mul_add(c_head_tilt, bz_r_hip_roll_y * s_head_tilt);
-    let bz_head_tilt_y = -bz_r_hip_roll_y
-        .mul_add(c_head_tilt, -(bz_head_pan_x * s_head_tilt));
-    // l_hip_yaw
-    let bz_l_hip_yaw_x = bz_r_hip_yaw_x.mul_add(c_l_hip_yaw, e17 * s_l_hip_yaw);
-    let bz_l_hip_yaw_y = bz_r_hip_yaw_x.mul_add(s_l_hip_yaw, -(e17 * c_l_hip_yaw));
-    // l_hip_roll
-    let bz_l_hip_roll_x = bz_l_hip_yaw_y
-        .mul_add(c_l_hip_roll, -(bz_r_hip_roll_y * s_l_hip_roll));
-    let bz_l_hip_roll_y = bz_r_hip_roll_y
-        .mul_add(c_l_hip_roll, bz_l_hip_yaw_y * s_l_hip_roll);
-    // l_hip_pitch
-    let bz_l_hip_pitch_x = bz_l_hip_roll_y
-        .mul_add(s_l_hip_pitch, bz_l_hip_yaw_x * c_l_hip_pitch);
-    let e18 = bz_l_hip_yaw_x.mul_add(s_l_hip_pitch, -(bz_l_hip_roll_y * c_l_hip_pitch));
-    let bz_l_hip_pitch_y = -e18;
-    // l_knee
-    let bz_l_knee_x = bz_l_hip_pitch_x.mul_add(c_l_knee, -(e18 * s_l_knee));
-    let e19 = e18.mul_add(c_l_knee, bz_l_hip_pitch_x * s_l_knee);
-    let bz_l_knee_y = -e19;
-    // l_ank_pitch
-    let bz_l_ank_pitch_x = bz_l_knee_x.mul_add(c_l_ank_pitch, e19 * s_l_ank_pitch);
-    let bz_l_ank_pitch_y = bz_l_knee_x.mul_add(s_l_ank_pitch, -(e19 * c_l_ank_pitch));
-    // l_ank_roll
-    let bz_l_ank_roll_x = bz_l_ank_pitch_y
-        .mul_add(s_l_ank_roll, bz_l_hip_roll_x * c_l_ank_roll);
-    let bz_l_ank_roll_y = -bz_l_hip_roll_x
-        .mul_add(s_l_ank_roll, -(bz_l_ank_pitch_y * c_l_ank_roll));
-    // l_sho_pitch
-    let bz_l_sho_pitch_x = bz_r_hip_yaw_x
-        .mul_add(c_l_sho_pitch, -(bz_r_hip_roll_y * s_l_sho_pitch));
-    let bz_l_sho_pitch_y = bz_r_hip_roll_y
-        .mul_add(c_l_sho_pitch, bz_r_hip_yaw_x * s_l_sho_pitch);
-    // l_sho_roll
-    let bz_l_sho_roll_x = -bz_l_sho_pitch_y.mul_add(s_l_sho_roll, e17 * c_l_sho_roll);
-    let e20 = e17.mul_add(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
-    let bz_l_sho_roll_y = -e20;
-    // l_el
-    let bz_l_el_x = bz_l_sho_pitch_x.mul_add(s_l_el, -(e20 * c_l_el));
-    let bz_l_el_y = -bz_l_sho_pitch_x.mul_add(c_l_el, e20 * s_l_el);
-    // r_sho_pitch
+    let by_r_sho_pitch_x = by_r_hip_yaw_x.mul_add(c_r_sho_pitch, -(e3 * s_r_sho_pitch));
+    let e17 = e3.mul_add(c_r_sho_pitch, by_r_hip_yaw_x * s_r_sho_pitch);
+    let by_r_sho_pitch_y = -e17;
     let bz_r_sho_pitch_x = bz_r_hip_yaw_x
         .mul_add(c_r_sho_pitch, bz_r_hip_roll_y * s_r_sho_pitch);
     let bz_r_sho_pitch_y = bz_r_hip_roll_y
         .mul_add(c_r_sho_pitch, -(bz_r_hip_yaw_x * s_r_sho_pitch));
     // r_sho_roll
-    let bz_r_sho_roll_x = -bz_r_sho_pitch_y.mul_add(s_r_sho_roll, e17 * c_r_sho_roll);
-    let e21 = e17.mul_add(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
+    let e18 = q[18] + T::from_f64(0.785398163);
+    let (s_r_sho_roll, c_r_sho_roll) = e18.sin_cos();
+    let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_add(s_r_sho_roll, e4 * c_r_sho_roll);
+    let e19 = e4.mul_add(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
+    let bx_r_sho_roll_y = -e19;
+    let by_r_sho_roll_x = e17.mul_add(s_r_sho_roll, -(e5 * c_r_sho_roll));
+    let e20 = e5.mul_add(s_r_sho_roll, e17 * c_r_sho_roll);
+    let by_r_sho_roll_y = -e20;
+    let bz_r_sho_roll_x = -bz_r_sho_pitch_y.mul_add(s_r_sho_roll, e6 * c_r_sho_roll);
+    let e21 = e6.mul_add(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
     let bz_r_sho_roll_y = -e21;
     // r_el
+    let (s_r_el, c_r_el) = q[19].sin_cos();
+    let bx_r_el_x = -e19.mul_add(c_r_el, bx_r_sho_pitch_x * s_r_el);
+    let bx_r_el_y = -bx_r_sho_pitch_x.mul_add(c_r_el, -(e19 * s_r_el));
+    let by_r_el_x = -e20.mul_add(c_r_el, by_r_sho_pitch_x * s_r_el);
+    let by_r_el_y = -by_r_sho_pitch_x.mul_add(c_r_el, -(e20 * s_r_el));
     let bz_r_el_x = -e21.mul_add(c_r_el, bz_r_sho_pitch_x * s_r_el);
     let bz_r_el_y = -bz_r_sho_pitch_x.mul_add(c_r_el, -(e21 * s_r_el));
     let zero = T::from_f64(0.0);
@@ -1424,169 +1373,150 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
     let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
     // r_ank_pitch
     let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
+    let e1 = s_r_ank_roll * s_r_ank_pitch;
+    let by_r_ank_pitch_x = -e1;
+    let by_r_ank_pitch_y = s_r_ank_roll * c_r_ank_pitch;
     // r_knee
     let (s_r_knee, c_r_knee) = q[14].sin_cos();
     let bx_r_knee_x = c_r_ank_pitch.mul_add(c_r_knee, s_r_ank_pitch * s_r_knee);
     let bx_r_knee_y = s_r_ank_pitch.mul_add(c_r_knee, -(c_r_ank_pitch * s_r_knee));
+    let by_r_knee_x = by_r_ank_pitch_y.mul_add(s_r_knee, -(e1 * c_r_knee));
+    let by_r_knee_y = by_r_ank_pitch_y.mul_add(c_r_knee, e1 * s_r_knee);
     // r_hip_pitch
     let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
     let bx_r_hip_pitch_x = bx_r_knee_x
         .mul_add(c_r_hip_pitch, bx_r_knee_y * s_r_hip_pitch);
     let bx_r_hip_pitch_y = bx_r_knee_y
         .mul_add(c_r_hip_pitch, -(bx_r_knee_x * s_r_hip_pitch));
+    let by_r_hip_pitch_x = by_r_knee_x
+        .mul_add(c_r_hip_pitch, by_r_knee_y * s_r_hip_pitch);
+    let by_r_hip_pitch_y = by_r_knee_y
+        .mul_add(c_r_hip_pitch, -(by_r_knee_x * s_r_hip_pitch));
     // r_hip_roll
     let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
     let bx_r_hip_roll_x = bx_r_hip_pitch_y * s_r_hip_roll;
     let bx_r_hip_roll_y = bx_r_hip_pitch_y * c_r_hip_roll;
+    let by_r_hip_roll_x = by_r_hip_pitch_y
+        .mul_add(s_r_hip_roll, c_r_ank_roll * c_r_hip_roll);
+    let e2 = c_r_ank_roll.mul_add(s_r_hip_roll, -(by_r_hip_pitch_y * c_r_hip_roll));
+    let by_r_hip_roll_y = -e2;
     // r_hip_yaw
     let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
     let bx_r_hip_yaw_x = bx_r_hip_roll_x
         .mul_add(s_r_hip_yaw, bx_r_hip_pitch_x * c_r_hip_yaw);
-    let e1 = bx_r_hip_pitch_x.mul_add(s_r_hip_yaw, -(bx_r_hip_roll_x * c_r_hip_yaw));
-    let bx_r_hip_yaw_y = -e1;
+    let e3 = bx_r_hip_pitch_x.mul_add(s_r_hip_yaw, -(bx_r_hip_roll_x * c_r_hip_yaw));
+    let bx_r_hip_yaw_y = -e3;
+    let by_r_hip_yaw_x = by_r_hip_roll_x
+        .mul_add(s_r_hip_yaw, by_r_hip_pitch_x * c_r_hip_yaw);
+    let e4 = by_r_hip_pitch_x.mul_add(s_r_hip_yaw, -(by_r_hip_roll_x * c_r_hip_yaw));
+    let by_r_hip_yaw_y = -e4;
     // head_pan
     let (s_head_pan, c_head_pan) = q[0].sin_cos();
-    let bx_head_pan_x = bx_r_hip_yaw_x.mul_add(c_head_pan, -(e1 * s_head_pan));
-    let bx_head_pan_y = -e1.mul_add(c_head_pan, bx_r_hip_yaw_x * s_head_pan);
+    let bx_head_pan_x = bx_r_hip_yaw_x.mul_add(c_head_pan, -(e3 * s_head_pan));
+    let bx_head_pan_y = -e3.mul_add(c_head_pan, bx_r_hip_yaw_x * s_head_pan);
+    let by_head_pan_x = by_r_hip_yaw_x.mul_add(c_head_pan, -(e4 * s_head_pan));
+    let by_head_pan_y = -e4.mul_add(c_head_pan, by_r_hip_yaw_x * s_head_pan);
     // head_tilt
     let (s_head_tilt, c_head_tilt) = q[1].sin_cos();
     let bx_head_tilt_x = bx_head_pan_x
         .mul_add(c_head_tilt, bx_r_hip_roll_y * s_head_tilt);
     let bx_head_tilt_y = -bx_r_hip_roll_y
         .mul_add(c_head_tilt, -(bx_head_pan_x * s_head_tilt));
+    let by_head_tilt_x = by_head_pan_x.mul_add(c_head_tilt, -(e2 * s_head_tilt));
+    let by_head_tilt_y = e2.mul_add(c_head_tilt, by_head_pan_x * s_head_tilt);
     // l_hip_yaw
     let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
-    let bx_l_hip_yaw_x = bx_r_hip_yaw_x.mul_add(c_l_hip_yaw, e1 * s_l_hip_yaw);
-    let bx_l_hip_yaw_y = bx_r_hip_yaw_x.mul_add(s_l_hip_yaw, -(e1 * c_l_hip_yaw));
+    let bx_l_hip_yaw_x = bx_r_hip_yaw_x.mul_add(c_l_hip_yaw, e3 * s_l_hip_yaw);
+    let bx_l_hip_yaw_y = bx_r_hip_yaw_x.mul_add(s_l_hip_yaw, -(e3 * c_l_hip_yaw));
+    let by_l_hip_yaw_x = by_r_hip_yaw_x.mul_add(c_l_hip_yaw, e4 * s_l_hip_yaw);
+    let by_l_hip_yaw_y = by_r_hip_yaw_x.mul_add(s_l_hip_yaw, -(e4 * c_l_hip_yaw));
     // l_hip_roll
     let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
     let bx_l_hip_roll_x = bx_l_hip_yaw_y
         .mul_add(c_l_hip_roll, -(bx_r_hip_roll_y * s_l_hip_roll));
     let bx_l_hip_roll_y = bx_r_hip_roll_y
         .mul_add(c_l_hip_roll, bx_l_hip_yaw_y * s_l_hip_roll);
+    let by_l_hip_roll_x = by_l_hip_yaw_y.mul_add(c_l_hip_roll, e2 * s_l_hip_roll);
+    let by_l_hip_roll_y = by_l_hip_yaw_y.mul_add(s_l_hip_roll, -(e2 * c_l_hip_roll));
     // l_hip_pitch
     let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
     let bx_l_hip_pitch_x = bx_l_hip_roll_y
         .mul_add(s_l_hip_pitch, bx_l_hip_yaw_x * c_l_hip_pitch);
-    let e2 = bx_l_hip_yaw_x.mul_add(s_l_hip_pitch, -(bx_l_hip_roll_y * c_l_hip_pitch));
-    let bx_l_hip_pitch_y = -e2;
+    let e5 = bx_l_hip_yaw_x.mul_add(s_l_hip_pitch, -(bx_l_hip_roll_y * c_l_hip_pitch));
+    let bx_l_hip_pitch_y = -e5;
+    let by_l_hip_pitch_x = by_l_hip_roll_y
+        .mul_add(s_l_hip_pitch, by_l_hip_yaw_x * c_l_hip_pitch);
+    let e6 = by_l_hip_yaw_x.mul_add(s_l_hip_pitch, -(by_l_hip_roll_y * c_l_hip_pitch));
+    let by_l_hip_pitch_y = -e6;
     // l_knee
     let (s_l_knee, c_l_knee) = q[5].sin_cos();
-    let bx_l_knee_x = bx_l_hip_pitch_x.mul_add(c_l_knee, -(e2 * s_l_knee));
-    let e3 = e2.mul_add(c_l_knee, bx_l_hip_pitch_x * s_l_knee);
-    let bx_l_knee_y = -e3;
+    let bx_l_knee_x = bx_l_hip_pitch_x.mul_add(c_l_knee, -(e5 * s_l_knee));
+    let e7 = e5.mul_add(c_l_knee, bx_l_hip_pitch_x * s_l_knee);
+    let bx_l_knee_y = -e7;
+    let by_l_knee_x = by_l_hip_pitch_x.mul_add(c_l_knee, -(e6 * s_l_knee));
+    let e8 = e6.mul_add(c_l_knee, by_l_hip_pitch_x * s_l_knee);
+    let by_l_knee_y = -e8;
     // l_ank_pitch
     let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
-    let bx_l_ank_pitch_x = bx_l_knee_x.mul_add(c_l_ank_pitch, e3 * s_l_ank_pitch);
-    let bx_l_ank_pitch_y = bx_l_knee_x.mul_add(s_l_ank_pitch, -(e3 * c_l_ank_pitch));
+    let bx_l_ank_pitch_x = bx_l_knee_x.mul_add(c_l_ank_pitch, e7 * s_l_ank_pitch);
+    let bx_l_ank_pitch_y = bx_l_knee_x.mul_add(s_l_ank_pitch, -(e7 * c_l_ank_pitch));
+    let by_l_ank_pitch_x = by_l_knee_x.mul_add(c_l_ank_pitch, e8 * s_l_ank_pitch);
+    let by_l_ank_pitch_y = by_l_knee_x.mul_add(s_l_ank_pitch, -(e8 * c_l_ank_pitch));
     // l_ank_roll
     let (s_l_ank_roll, c_l_ank_roll) = q[7].sin_cos();
     let bx_l_ank_roll_x = bx_l_ank_pitch_y
         .mul_add(s_l_ank_roll, bx_l_hip_roll_x * c_l_ank_roll);
     let bx_l_ank_roll_y = -bx_l_hip_roll_x
         .mul_add(s_l_ank_roll, -(bx_l_ank_pitch_y * c_l_ank_roll));
+    let by_l_ank_roll_x = by_l_ank_pitch_y
+        .mul_add(s_l_ank_roll, by_l_hip_roll_x * c_l_ank_roll);
+    let by_l_ank_roll_y = -by_l_hip_roll_x
+        .mul_add(s_l_ank_roll, -(by_l_ank_pitch_y * c_l_ank_roll));
     // l_sho_pitch
     let (s_l_sho_pitch, c_l_sho_pitch) = q[8].sin_cos();
     let bx_l_sho_pitch_x = bx_r_hip_yaw_x
         .mul_add(c_l_sho_pitch, -(bx_r_hip_roll_y * s_l_sho_pitch));
     let bx_l_sho_pitch_y = bx_r_hip_roll_y
         .mul_add(c_l_sho_pitch, bx_r_hip_yaw_x * s_l_sho_pitch);
+    let by_l_sho_pitch_x = by_r_hip_yaw_x.mul_add(c_l_sho_pitch, e2 * s_l_sho_pitch);
+    let by_l_sho_pitch_y = by_r_hip_yaw_x.mul_add(s_l_sho_pitch, -(e2 * c_l_sho_pitch));
     // l_sho_roll
-    let e4 = q[9] - T::from_f64(0.785398163);
-    let (s_l_sho_roll, c_l_sho_roll) = e4.sin_cos();
-    let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_add(s_l_sho_roll, e1 * c_l_sho_roll);
-    let e5 = e1.mul_add(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
-    let bx_l_sho_roll_y = -e5;
+    let e9 = q[9] - T::from_f64(0.785398163);
+    let (s_l_sho_roll, c_l_sho_roll) = e9.sin_cos();
+    let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_add(s_l_sho_roll, e3 * c_l_sho_roll);
+    let e10 = e3.mul_add(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
+    let bx_l_sho_roll_y = -e10;
+    let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_add(s_l_sho_roll, e4 * c_l_sho_roll);
+    let e11 = e4.mul_add(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
+    let by_l_sho_roll_y = -e11;
     // l_el
     let (s_l_el, c_l_el) = q[10].sin_cos();
-    let bx_l_el_x = bx_l_sho_pitch_x.mul_add(s_l_el, -(e5 * c_l_el));
-    let bx_l_el_y = -bx_l_sho_pitch_x.mul_add(c_l_el, e5 * s_l_el);
+    let bx_l_el_x = bx_l_sho_pitch_x.mul_add(s_l_el, -(e10 * c_l_el));
+    let bx_l_el_y = -bx_l_sho_pitch_x.mul_add(c_l_el, e10 * s_l_el);
+    let by_l_el_x = by_l_sho_pitch_x.mul_add(s_l_el, -(e11 * c_l_el));
+    let by_l_el_y = -by_l_sho_pitch_x.mul_add(c_l_el, e11 * s_l_el);
     // r_sho_pitch
     let (s_r_sho_pitch, c_r_sho_pitch) = q[17].sin_cos();
     let bx_r_sho_pitch_x = bx_r_hip_yaw_x
         .mul_add(c_r_sho_pitch, bx_r_hip_roll_y * s_r_sho_pitch);
     let bx_r_sho_pitch_y = bx_r_hip_roll_y
         .mul_add(c_r_sho_pitch, -(bx_r_hip_yaw_x * s_r_sho_pitch));
+    let by_r_sho_pitch_x = by_r_hip_yaw_x.mul_add(c_r_sho_pitch, -(e2 * s_r_sho_pitch));
+    let e12 = e2.mul_add(c_r_sho_pitch, by_r_hip_yaw_x * s_r_sho_pitch);
+    let by_r_sho_pitch_y = -e12;
     // r_sho_roll
-    let e6 = q[18] + T::from_f64(0.785398163);
-    let (s_r_sho_roll, c_r_sho_roll) = e6.sin_cos();
-    let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_add(s_r_sho_roll, e1 * c_r_sho_roll);
-    let e7 = e1.mul_add(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
-    let bx_r_sho_roll_y = -e7;
-    // r_el
-    let (s_r_el, c_r_el) = q[19].sin_cos();
-    let bx_r_el_x = -e7.mul_add(c_r_el, bx_r_sho_pitch_x * s_r_el);
-    let bx_r_el_y = -bx_r_sho_pitch_x.mul_add(c_r_el, -(e7 * s_r_el));
-    // r_ank_pitch
-    let e8 = s_r_ank_roll * s_r_ank_pitch;
-    let by_r_ank_pitch_x = -e8;
-    let by_r_ank_pitch_y = s_r_ank_roll * c_r_ank_pitch;
-    // r_knee
-    let by_r_knee_x = by_r_ank_pitch_y.mul_add(s_r_knee, -(e8 * c_r_knee));
-    let by_r_knee_y = by_r_ank_pitch_y.mul_add(c_r_knee, e8 * s_r_knee);
-    // r_hip_pitch
-    let by_r_hip_pitch_x = by_r_knee_x
-        .mul_add(c_r_hip_pitch, by_r_knee_y * s_r_hip_pitch);
-    let by_r_hip_pitch_y = by_r_knee_y
-        .mul_add(c_r_hip_pitch, -(by_r_knee_x * s_r_hip_pitch));
-    // r_hip_roll
-    let by_r_hip_roll_x = by_r_hip_pitch_y
-        .mul_add(s_r_hip_roll, c_r_ank_roll * c_r_hip_roll);
-    let e9 = c_r_ank_roll.mul_add(s_r_hip_roll, -(by_r_hip_pitch_y * c_r_hip_roll));
-    let by_r_hip_roll_y = -e9;
-    // r_hip_yaw
-    let by_r_hip_yaw_x = by_r_hip_roll_x
-        .mul_add(s_r_hip_yaw, by_r_hip_pitch_x * c_r_hip_yaw);
-    let e10 = by_r_hip_pitch_x.mul_add(s_r_hip_yaw, -(by_r_hip_roll_x * c_r_hip_yaw));
-    let by_r_hip_yaw_y = -e10;
-    // head_pan
-    let by_head_pan_x = by_r_hip_yaw_x.mul_add(c_head_pan, -(e10 * s_head_pan));
-    let by_head_pan_y = -e10.mul_add(c_head_pan, by_r_hip_yaw_x * s_head_pan);
-    // head_tilt
-    let by_head_tilt_x = by_head_pan_x.mul_add(c_head_tilt, -(e9 * s_head_tilt));
-    let by_head_tilt_y = e9.mul_add(c_head_tilt, by_head_pan_x * s_head_tilt);
-    // l_hip_yaw
-    let by_l_hip_yaw_x = by_r_hip_yaw_x.mul_add(c_l_hip_yaw, e10 * s_l_hip_yaw);
-    let by_l_hip_yaw_y = by_r_hip_yaw_x.mul_add(s_l_hip_yaw, -(e10 * c_l_hip_yaw));
-    // l_hip_roll
-    let by_l_hip_roll_x = by_l_hip_yaw_y.mul_add(c_l_hip_roll, e9 * s_l_hip_roll);
-    let by_l_hip_roll_y = by_l_hip_yaw_y.mul_add(s_l_hip_roll, -(e9 * c_l_hip_roll));
-    // l_hip_pitch
-    let by_l_hip_pitch_x = by_l_hip_roll_y
-        .mul_add(s_l_hip_pitch, by_l_hip_yaw_x * c_l_hip_pitch);
-    let e11 = by_l_hip_yaw_x.mul_add(s_l_hip_pitch, -(by_l_hip_roll_y * c_l_hip_pitch));
-    let by_l_hip_pitch_y = -e11;
-    // l_knee
-    let by_l_knee_x = by_l_hip_pitch_x.mul_add(c_l_knee, -(e11 * s_l_knee));
-    let e12 = e11.mul_add(c_l_knee, by_l_hip_pitch_x * s_l_knee);
-    let by_l_knee_y = -e12;
-    // l_ank_pitch
-    let by_l_ank_pitch_x = by_l_knee_x.mul_add(c_l_ank_pitch, e12 * s_l_ank_pitch);
-    let by_l_ank_pitch_y = by_l_knee_x.mul_add(s_l_ank_pitch, -(e12 * c_l_ank_pitch));
-    // l_ank_roll
-    let by_l_ank_roll_x = by_l_ank_pitch_y
-        .mul_add(s_l_ank_roll, by_l_hip_roll_x * c_l_ank_roll);
-    let by_l_ank_roll_y = -by_l_hip_roll_x
-        .mul_add(s_l_ank_roll, -(by_l_ank_pitch_y * c_l_ank_roll));
-    // l_sho_pitch
-    let by_l_sho_pitch_x = by_r_hip_yaw_x.mul_add(c_l_sho_pitch, e9 * s_l_sho_pitch);
-    let by_l_sho_pitch_y = by_r_hip_yaw_x.mul_add(s_l_sho_pitch, -(e9 * c_l_sho_pitch));
-    // l_sho_roll
-    let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_add(s_l_sho_roll, e10 * c_l_sho_roll);
-    let e13 = e10.mul_add(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
-    let by_l_sho_roll_y = -e13;
-    // l_el
-    let by_l_el_x = by_l_sho_pitch_x.mul_add(s_l_el, -(e13 * c_l_el));
-    let by_l_el_y = -by_l_sho_pitch_x.mul_add(c_l_el, e13 * s_l_el);
-    // r_sho_pitch
-    let by_r_sho_pitch_x = by_r_hip_yaw_x.mul_add(c_r_sho_pitch, -(e9 * s_r_sho_pitch));
-    let e14 = e9.mul_add(c_r_sho_pitch, by_r_hip_yaw_x * s_r_sho_pitch);
-    let by_r_sho_pitch_y = -e14;
-    // r_sho_roll
-    let by_r_sho_roll_x = e14.mul_add(s_r_sho_roll, -(e10 * c_r_sho_roll));
-    let e15 = e10.mul_add(s_r_sho_roll, e14 * c_r_sho_roll);
+    let e13 = q[18] + T::from_f64(0.785398163);
+    let (s_r_sho_roll, c_r_sho_roll) = e13.sin_cos();
+    let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_add(s_r_sho_roll, e3 * c_r_sho_roll);
+    let e14 = e3.mul_add(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
+    let bx_r_sho_roll_y = -e14;
+    let by_r_sho_roll_x = e12.mul_add(s_r_sho_roll, -(e4 * c_r_sho_roll));
+    let e15 = e4.mul_add(s_r_sho_roll, e12 * c_r_sho_roll);
     let by_r_sho_roll_y = -e15;
     // r_el
+    let (s_r_el, c_r_el) = q[19].sin_cos();
+    let bx_r_el_x = -e14.mul_add(c_r_el, bx_r_sho_pitch_x * s_r_el);
+    let bx_r_el_y = -bx_r_sho_pitch_x.mul_add(c_r_el, -(e14 * s_r_el));
     let by_r_el_x = -e15.mul_add(c_r_el, by_r_sho_pitch_x * s_r_el);
     let by_r_el_y = -by_r_sho_pitch_x.mul_add(c_r_el, -(e15 * s_r_el));
     let zero = T::from_f64(0.0);
@@ -1694,246 +1624,208 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     let bz_r_ank_roll_x = -s_r_ank_roll;
     // r_ank_pitch
     let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
+    let e1 = s_r_ank_roll * s_r_ank_pitch;
+    let by_r_ank_pitch_x = -e1;
+    let by_r_ank_pitch_y = s_r_ank_roll * c_r_ank_pitch;
+    let e2 = c_r_ank_roll * s_r_ank_pitch;
+    let bz_r_ank_pitch_x = -e2;
+    let bz_r_ank_pitch_y = c_r_ank_roll * c_r_ank_pitch;
     // r_knee
     let (s_r_knee, c_r_knee) = q[14].sin_cos();
     let bx_r_knee_x = c_r_ank_pitch.mul_add(c_r_knee, s_r_ank_pitch * s_r_knee);
     let bx_r_knee_y = s_r_ank_pitch.mul_add(c_r_knee, -(c_r_ank_pitch * s_r_knee));
+    let by_r_knee_x = by_r_ank_pitch_y.mul_add(s_r_knee, -(e1 * c_r_knee));
+    let by_r_knee_y = by_r_ank_pitch_y.mul_add(c_r_knee, e1 * s_r_knee);
+    let bz_r_knee_x = bz_r_ank_pitch_y.mul_add(s_r_knee, -(e2 * c_r_knee));
+    let bz_r_knee_y = bz_r_ank_pitch_y.mul_add(c_r_knee, e2 * s_r_knee);
     // r_hip_pitch
     let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
     let bx_r_hip_pitch_x = bx_r_knee_x
         .mul_add(c_r_hip_pitch, bx_r_knee_y * s_r_hip_pitch);
     let bx_r_hip_pitch_y = bx_r_knee_y
         .mul_add(c_r_hip_pitch, -(bx_r_knee_x * s_r_hip_pitch));
+    let by_r_hip_pitch_x = by_r_knee_x
+        .mul_add(c_r_hip_pitch, by_r_knee_y * s_r_hip_pitch);
+    let by_r_hip_pitch_y = by_r_knee_y
+        .mul_add(c_r_hip_pitch, -(by_r_knee_x * s_r_hip_pitch));
+    let bz_r_hip_pitch_x = bz_r_knee_x
+        .mul_add(c_r_hip_pitch, bz_r_knee_y * s_r_hip_pitch);
+    let bz_r_hip_pitch_y = bz_r_knee_y
+        .mul_add(c_r_hip_pitch, -(bz_r_knee_x * s_r_hip_pitch));
     // r_hip_roll
     let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
     let bx_r_hip_roll_x = bx_r_hip_pitch_y * s_r_hip_roll;
     let bx_r_hip_roll_y = bx_r_hip_pitch_y * c_r_hip_roll;
+    let by_r_hip_roll_x = by_r_hip_pitch_y
+        .mul_add(s_r_hip_roll, c_r_ank_roll * c_r_hip_roll);
+    let e3 = c_r_ank_roll.mul_add(s_r_hip_roll, -(by_r_hip_pitch_y * c_r_hip_roll));
+    let by_r_hip_roll_y = -e3;
+    let bz_r_hip_roll_x = bz_r_hip_pitch_y
+        .mul_add(s_r_hip_roll, -(s_r_ank_roll * c_r_hip_roll));
+    let bz_r_hip_roll_y = s_r_ank_roll
+        .mul_add(s_r_hip_roll, bz_r_hip_pitch_y * c_r_hip_roll);
     // r_hip_yaw
     let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
     let bx_r_hip_yaw_x = bx_r_hip_roll_x
         .mul_add(s_r_hip_yaw, bx_r_hip_pitch_x * c_r_hip_yaw);
-    let e1 = bx_r_hip_pitch_x.mul_add(s_r_hip_yaw, -(bx_r_hip_roll_x * c_r_hip_yaw));
-    let bx_r_hip_yaw_y = -e1;
+    let e4 = bx_r_hip_pitch_x.mul_add(s_r_hip_yaw, -(bx_r_hip_roll_x * c_r_hip_yaw));
+    let bx_r_hip_yaw_y = -e4;
+    let by_r_hip_yaw_x = by_r_hip_roll_x
+        .mul_add(s_r_hip_yaw, by_r_hip_pitch_x * c_r_hip_yaw);
+    let e5 = by_r_hip_pitch_x.mul_add(s_r_hip_yaw, -(by_r_hip_roll_x * c_r_hip_yaw));
+    let by_r_hip_yaw_y = -e5;
+    let bz_r_hip_yaw_x = bz_r_hip_roll_x
+        .mul_add(s_r_hip_yaw, bz_r_hip_pitch_x * c_r_hip_yaw);
+    let e6 = bz_r_hip_pitch_x.mul_add(s_r_hip_yaw, -(bz_r_hip_roll_x * c_r_hip_yaw));
+    let bz_r_hip_yaw_y = -e6;
     // head_pan
     let (s_head_pan, c_head_pan) = q[0].sin_cos();
-    let bx_head_pan_x = bx_r_hip_yaw_x.mul_add(c_head_pan, -(e1 * s_head_pan));
-    let bx_head_pan_y = -e1.mul_add(c_head_pan, bx_r_hip_yaw_x * s_head_pan);
+    let bx_head_pan_x = bx_r_hip_yaw_x.mul_add(c_head_pan, -(e4 * s_head_pan));
+    let bx_head_pan_y = -e4.mul_add(c_head_pan, bx_r_hip_yaw_x * s_head_pan);
+    let by_head_pan_x = by_r_hip_yaw_x.mul_add(c_head_pan, -(e5 * s_head_pan));
+    let by_head_pan_y = -e5.mul_add(c_head_pan, by_r_hip_yaw_x * s_head_pan);
+    let bz_head_pan_x = bz_r_hip_yaw_x.mul_add(c_head_pan, -(e6 * s_head_pan));
+    let bz_head_pan_y = -e6.mul_add(c_head_pan, bz_r_hip_yaw_x * s_head_pan);
     // head_tilt
     let (s_head_tilt, c_head_tilt) = q[1].sin_cos();
     let bx_head_tilt_x = bx_head_pan_x
         .mul_add(c_head_tilt, bx_r_hip_roll_y * s_head_tilt);
-    let e2 = bx_r_hip_roll_y.mul_add(c_head_tilt, -(bx_head_pan_x * s_head_tilt));
+    let e7 = bx_r_hip_roll_y.mul_add(c_head_tilt, -(bx_head_pan_x * s_head_tilt));
+    let by_head_tilt_x = by_head_pan_x.mul_add(c_head_tilt, -(e3 * s_head_tilt));
+    let by_head_tilt_y = e3.mul_add(c_head_tilt, by_head_pan_x * s_head_tilt);
+    let bz_head_tilt_x = bz_head_pan_x
+        .mul_add(c_head_tilt, bz_r_hip_roll_y * s_head_tilt);
+    let e8 = bz_r_hip_roll_y.mul_add(c_head_tilt, -(bz_head_pan_x * s_head_tilt));
     // l_hip_yaw
     let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
-    let bx_l_hip_yaw_x = bx_r_hip_yaw_x.mul_add(c_l_hip_yaw, e1 * s_l_hip_yaw);
-    let bx_l_hip_yaw_y = bx_r_hip_yaw_x.mul_add(s_l_hip_yaw, -(e1 * c_l_hip_yaw));
+    let bx_l_hip_yaw_x = bx_r_hip_yaw_x.mul_add(c_l_hip_yaw, e4 * s_l_hip_yaw);
+    let bx_l_hip_yaw_y = bx_r_hip_yaw_x.mul_add(s_l_hip_yaw, -(e4 * c_l_hip_yaw));
+    let by_l_hip_yaw_x = by_r_hip_yaw_x.mul_add(c_l_hip_yaw, e5 * s_l_hip_yaw);
+    let by_l_hip_yaw_y = by_r_hip_yaw_x.mul_add(s_l_hip_yaw, -(e5 * c_l_hip_yaw));
+    let bz_l_hip_yaw_x = bz_r_hip_yaw_x.mul_add(c_l_hip_yaw, e6 * s_l_hip_yaw);
+    let bz_l_hip_yaw_y = bz_r_hip_yaw_x.mul_add(s_l_hip_yaw, -(e6 * c_l_hip_yaw));
     // l_hip_roll
     let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
     let bx_l_hip_roll_x = bx_l_hip_yaw_y
         .mul_add(c_l_hip_roll, -(bx_r_hip_roll_y * s_l_hip_roll));
     let bx_l_hip_roll_y = bx_r_hip_roll_y
         .mul_add(c_l_hip_roll, bx_l_hip_yaw_y * s_l_hip_roll);
+    let by_l_hip_roll_x = by_l_hip_yaw_y.mul_add(c_l_hip_roll, e3 * s_l_hip_roll);
+    let by_l_hip_roll_y = by_l_hip_yaw_y.mul_add(s_l_hip_roll, -(e3 * c_l_hip_roll));
+    let bz_l_hip_roll_x = bz_l_hip_yaw_y
+        .mul_add(c_l_hip_roll, -(bz_r_hip_roll_y * s_l_hip_roll));
+    let bz_l_hip_roll_y = bz_r_hip_roll_y
+        .mul_add(c_l_hip_roll, bz_l_hip_yaw_y * s_l_hip_roll);
     // l_hip_pitch
     let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
     let bx_l_hip_pitch_x = bx_l_hip_roll_y
         .mul_add(s_l_hip_pitch, bx_l_hip_yaw_x * c_l_hip_pitch);
-    let e3 = bx_l_hip_yaw_x.mul_add(s_l_hip_pitch, -(bx_l_hip_roll_y * c_l_hip_pitch));
-    let bx_l_hip_pitch_y = -e3;
+    let e9 = bx_l_hip_yaw_x.mul_add(s_l_hip_pitch, -(bx_l_hip_roll_y * c_l_hip_pitch));
+    let bx_l_hip_pitch_y = -e9;
+    let by_l_hip_pitch_x = by_l_hip_roll_y
+        .mul_add(s_l_hip_pitch, by_l_hip_yaw_x * c_l_hip_pitch);
+    let e10 = by_l_hip_yaw_x.mul_add(s_l_hip_pitch, -(by_l_hip_roll_y * c_l_hip_pitch));
+    let by_l_hip_pitch_y = -e10;
+    let bz_l_hip_pitch_x = bz_l_hip_roll_y
+        .mul_add(s_l_hip_pitch, bz_l_hip_yaw_x * c_l_hip_pitch);
+    let e11 = bz_l_hip_yaw_x.mul_add(s_l_hip_pitch, -(bz_l_hip_roll_y * c_l_hip_pitch));
+    let bz_l_hip_pitch_y = -e11;
     // l_knee
     let (s_l_knee, c_l_knee) = q[5].sin_cos();
-    let bx_l_knee_x = bx_l_hip_pitch_x.mul_add(c_l_knee, -(e3 * s_l_knee));
-    let e4 = e3.mul_add(c_l_knee, bx_l_hip_pitch_x * s_l_knee);
-    let bx_l_knee_y = -e4;
+    let bx_l_knee_x = bx_l_hip_pitch_x.mul_add(c_l_knee, -(e9 * s_l_knee));
+    let e12 = e9.mul_add(c_l_knee, bx_l_hip_pitch_x * s_l_knee);
+    let bx_l_knee_y = -e12;
+    let by_l_knee_x = by_l_hip_pitch_x.mul_add(c_l_knee, -(e10 * s_l_knee));
+    let e13 = e10.mul_add(c_l_knee, by_l_hip_pitch_x * s_l_knee);
+    let by_l_knee_y = -e13;
+    let bz_l_knee_x = bz_l_hip_pitch_x.mul_add(c_l_knee, -(e11 * s_l_knee));
+    let e14 = e11.mul_add(c_l_knee, bz_l_hip_pitch_x * s_l_knee);
+    let bz_l_knee_y = -e14;
     // l_ank_pitch
     let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
-    let bx_l_ank_pitch_x = bx_l_knee_x.mul_add(c_l_ank_pitch, e4 * s_l_ank_pitch);
-    let bx_l_ank_pitch_y = bx_l_knee_x.mul_add(s_l_ank_pitch, -(e4 * c_l_ank_pitch));
+    let bx_l_ank_pitch_x = bx_l_knee_x.mul_add(c_l_ank_pitch, e12 * s_l_ank_pitch);
+    let bx_l_ank_pitch_y = bx_l_knee_x.mul_add(s_l_ank_pitch, -(e12 * c_l_ank_pitch));
+    let by_l_ank_pitch_x = by_l_knee_x.mul_add(c_l_ank_pitch, e13 * s_l_ank_pitch);
+    let by_l_ank_pitch_y = by_l_knee_x.mul_add(s_l_ank_pitch, -(e13 * c_l_ank_pitch));
+    let bz_l_ank_pitch_x = bz_l_knee_x.mul_add(c_l_ank_pitch, e14 * s_l_ank_pitch);
+    let bz_l_ank_pitch_y = bz_l_knee_x.mul_add(s_l_ank_pitch, -(e14 * c_l_ank_pitch));
     // l_ank_roll
     let (s_l_ank_roll, c_l_ank_roll) = q[7].sin_cos();
     let bx_l_ank_roll_x = bx_l_ank_pitch_y
         .mul_add(s_l_ank_roll, bx_l_hip_roll_x * c_l_ank_roll);
     let bx_l_ank_roll_y = -bx_l_hip_roll_x
         .mul_add(s_l_ank_roll, -(bx_l_ank_pitch_y * c_l_ank_roll));
+    let by_l_ank_roll_x = by_l_ank_pitch_y
+        .mul_add(s_l_ank_roll, by_l_hip_roll_x * c_l_ank_roll);
+    let by_l_ank_roll_y = -by_l_hip_roll_x
+        .mul_add(s_l_ank_roll, -(by_l_ank_pitch_y * c_l_ank_roll));
+    let bz_l_ank_roll_x = bz_l_ank_pitch_y
+        .mul_add(s_l_ank_roll, bz_l_hip_roll_x * c_l_ank_roll);
+    let bz_l_ank_roll_y = -bz_l_hip_roll_x
+        .mul_add(s_l_ank_roll, -(bz_l_ank_pitch_y * c_l_ank_roll));
     // l_sho_pitch
     let (s_l_sho_pitch, c_l_sho_pitch) = q[8].sin_cos();
     let bx_l_sho_pitch_x = bx_r_hip_yaw_x
         .mul_add(c_l_sho_pitch, -(bx_r_hip_roll_y * s_l_sho_pitch));
     let bx_l_sho_pitch_y = bx_r_hip_roll_y
         .mul_add(c_l_sho_pitch, bx_r_hip_yaw_x * s_l_sho_pitch);
+    let by_l_sho_pitch_x = by_r_hip_yaw_x.mul_add(c_l_sho_pitch, e3 * s_l_sho_pitch);
+    let by_l_sho_pitch_y = by_r_hip_yaw_x.mul_add(s_l_sho_pitch, -(e3 * c_l_sho_pitch));
+    let bz_l_sho_pitch_x = bz_r_hip_yaw_x
+        .mul_add(c_l_sho_pitch, -(bz_r_hip_roll_y * s_l_sho_pitch));
+    let bz_l_sho_pitch_y = bz_r_hip_roll_y
+        .mul_add(c_l_sho_pitch, bz_r_hip_yaw_x * s_l_sho_pitch);
     // l_sho_roll
-    let e5 = q[9] - T::from_f64(0.785398163);
-    let (s_l_sho_roll, c_l_sho_roll) = e5.sin_cos();
-    let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_add(s_l_sho_roll, e1 * c_l_sho_roll);
-    let e6 = e1.mul_add(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
-    let bx_l_sho_roll_y = -e6;
+    let e15 = q[9] - T::from_f64(0.785398163);
+    let (s_l_sho_roll, c_l_sho_roll) = e15.sin_cos();
+    let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_add(s_l_sho_roll, e4 * c_l_sho_roll);
+    let e16 = e4.mul_add(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
+    let bx_l_sho_roll_y = -e16;
+    let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_add(s_l_sho_roll, e5 * c_l_sho_roll);
+    let e17 = e5.mul_add(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
+    let by_l_sho_roll_y = -e17;
+    let bz_l_sho_roll_x = -bz_l_sho_pitch_y.mul_add(s_l_sho_roll, e6 * c_l_sho_roll);
+    let e18 = e6.mul_add(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
+    let bz_l_sho_roll_y = -e18;
     // l_el
     let (s_l_el, c_l_el) = q[10].sin_cos();
-    let bx_l_el_x = bx_l_sho_pitch_x.mul_add(s_l_el, -(e6 * c_l_el));
-    let bx_l_el_y = -bx_l_sho_pitch_x.mul_add(c_l_el, e6 * s_l_el);
+    let bx_l_el_x = bx_l_sho_pitch_x.mul_add(s_l_el, -(e16 * c_l_el));
+    let bx_l_el_y = -bx_l_sho_pitch_x.mul_add(c_l_el, e16 * s_l_el);
+    let by_l_el_x = by_l_sho_pitch_x.mul_add(s_l_el, -(e17 * c_l_el));
+    let by_l_el_y = -by_l_sho_pitch_x.mul_add(c_l_el, e17 * s_l_el);
+    let bz_l_el_x = bz_l_sho_pitch_x.mul_add(s_l_el, -(e18 * c_l_el));
+    let bz_l_el_y = -bz_l_sho_pitch_x.mul_add(c_l_el, e18 * s_l_el);
     // r_sho_pitch
     let (s_r_sho_pitch, c_r_sho_pitch) = q[17].sin_cos();
     let bx_r_sho_pitch_x = bx_r_hip_yaw_x
         .mul_add(c_r_sho_pitch, bx_r_hip_roll_y * s_r_sho_pitch);
     let bx_r_sho_pitch_y = bx_r_hip_roll_y
         .mul_add(c_r_sho_pitch, -(bx_r_hip_yaw_x * s_r_sho_pitch));
-    // r_sho_roll
-    let e7 = q[18] + T::from_f64(0.785398163);
-    let (s_r_sho_roll, c_r_sho_roll) = e7.sin_cos();
-    let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_add(s_r_sho_roll, e1 * c_r_sho_roll);
-    let e8 = e1.mul_add(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
-    let bx_r_sho_roll_y = -e8;
-    // r_el
-    let (s_r_el, c_r_el) = q[19].sin_cos();
-    let bx_r_el_x = -e8.mul_add(c_r_el, bx_r_sho_pitch_x * s_r_el);
-    let bx_r_el_y = -bx_r_sho_pitch_x.mul_add(c_r_el, -(e8 * s_r_el));
-    // r_ank_pitch
-    let e9 = s_r_ank_roll * s_r_ank_pitch;
-    let by_r_ank_pitch_x = -e9;
-    let by_r_ank_pitch_y = s_r_ank_roll * c_r_ank_pitch;
-    // r_knee
-    let by_r_knee_x = by_r_ank_pitch_y.mul_add(s_r_knee, -(e9 * c_r_knee));
-    let by_r_knee_y = by_r_ank_pitch_y.mul_add(c_r_knee, e9 * s_r_knee);
-    // r_hip_pitch
-    let by_r_hip_pitch_x = by_r_knee_x
-        .mul_add(c_r_hip_pitch, by_r_knee_y * s_r_hip_pitch);
-    let by_r_hip_pitch_y = by_r_knee_y
-        .mul_add(c_r_hip_pitch, -(by_r_knee_x * s_r_hip_pitch));
-    // r_hip_roll
-    let by_r_hip_roll_x = by_r_hip_pitch_y
-        .mul_add(s_r_hip_roll, c_r_ank_roll * c_r_hip_roll);
-    let e10 = c_r_ank_roll.mul_add(s_r_hip_roll, -(by_r_hip_pitch_y * c_r_hip_roll));
-    let by_r_hip_roll_y = -e10;
-    // r_hip_yaw
-    let by_r_hip_yaw_x = by_r_hip_roll_x
-        .mul_add(s_r_hip_yaw, by_r_hip_pitch_x * c_r_hip_yaw);
-    let e11 = by_r_hip_pitch_x.mul_add(s_r_hip_yaw, -(by_r_hip_roll_x * c_r_hip_yaw));
-    let by_r_hip_yaw_y = -e11;
-    // head_pan
-    let by_head_pan_x = by_r_hip_yaw_x.mul_add(c_head_pan, -(e11 * s_head_pan));
-    let by_head_pan_y = -e11.mul_add(c_head_pan, by_r_hip_yaw_x * s_head_pan);
-    // head_tilt
-    let by_head_tilt_x = by_head_pan_x.mul_add(c_head_tilt, -(e10 * s_head_tilt));
-    let by_head_tilt_y = e10.mul_add(c_head_tilt, by_head_pan_x * s_head_tilt);
-    // l_hip_yaw
-    let by_l_hip_yaw_x = by_r_hip_yaw_x.mul_add(c_l_hip_yaw, e11 * s_l_hip_yaw);
-    let by_l_hip_yaw_y = by_r_hip_yaw_x.mul_add(s_l_hip_yaw, -(e11 * c_l_hip_yaw));
-    // l_hip_roll
-    let by_l_hip_roll_x = by_l_hip_yaw_y.mul_add(c_l_hip_roll, e10 * s_l_hip_roll);
-    let by_l_hip_roll_y = by_l_hip_yaw_y.mul_add(s_l_hip_roll, -(e10 * c_l_hip_roll));
-    // l_hip_pitch
-    let by_l_hip_pitch_x = by_l_hip_roll_y
-        .mul_add(s_l_hip_pitch, by_l_hip_yaw_x * c_l_hip_pitch);
-    let e12 = by_l_hip_yaw_x.mul_add(s_l_hip_pitch, -(by_l_hip_roll_y * c_l_hip_pitch));
-    let by_l_hip_pitch_y = -e12;
-    // l_knee
-    let by_l_knee_x = by_l_hip_pitch_x.mul_add(c_l_knee, -(e12 * s_l_knee));
-    let e13 = e12.mul_add(c_l_knee, by_l_hip_pitch_x * s_l_knee);
-    let by_l_knee_y = -e13;
-    // l_ank_pitch
-    let by_l_ank_pitch_x = by_l_knee_x.mul_add(c_l_ank_pitch, e13 * s_l_ank_pitch);
-    let by_l_ank_pitch_y = by_l_knee_x.mul_add(s_l_ank_pitch, -(e13 * c_l_ank_pitch));
-    // l_ank_roll
-    let by_l_ank_roll_x = by_l_ank_pitch_y
-        .mul_add(s_l_ank_roll, by_l_hip_roll_x * c_l_ank_roll);
-    let by_l_ank_roll_y = -by_l_hip_roll_x
-        .mul_add(s_l_ank_roll, -(by_l_ank_pitch_y * c_l_ank_roll));
-    // l_sho_pitch
-    let by_l_sho_pitch_x = by_r_hip_yaw_x.mul_add(c_l_sho_pitch, e10 * s_l_sho_pitch);
-    let by_l_sho_pitch_y = by_r_hip_yaw_x.mul_add(s_l_sho_pitch, -(e10 * c_l_sho_pitch));
-    // l_sho_roll
-    let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_add(s_l_sho_roll, e11 * c_l_sho_roll);
-    let e14 = e11.mul_add(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
-    let by_l_sho_roll_y = -e14;
-    // l_el
-    let by_l_el_x = by_l_sho_pitch_x.mul_add(s_l_el, -(e14 * c_l_el));
-    let by_l_el_y = -by_l_sho_pitch_x.mul_add(c_l_el, e14 * s_l_el);
-    // r_sho_pitch
-    let by_r_sho_pitch_x = by_r_hip_yaw_x.mul_add(c_r_sho_pitch, -(e10 * s_r_sho_pitch));
-    let e15 = e10.mul_add(c_r_sho_pitch, by_r_hip_yaw_x * s_r_sho_pitch);
-    let by_r_sho_pitch_y = -e15;
-    // r_sho_roll
-    let by_r_sho_roll_x = e15.mul_add(s_r_sho_roll, -(e11 * c_r_sho_roll));
-    let e16 = e11.mul_add(s_r_sho_roll, e15 * c_r_sho_roll);
-    let by_r_sho_roll_y = -e16;
-    // r_el
-    let by_r_el_x = -e16.mul_add(c_r_el, by_r_sho_pitch_x * s_r_el);
-    let by_r_el_y = -by_r_sho_pitch_x.mul_add(c_r_el, -(e16 * s_r_el));
-    // r_ank_pitch
-    let e17 = c_r_ank_roll * s_r_ank_pitch;
-    let bz_r_ank_pitch_x = -e17;
-    let bz_r_ank_pitch_y = c_r_ank_roll * c_r_ank_pitch;
-    // r_knee
-    let bz_r_knee_x = bz_r_ank_pitch_y.mul_add(s_r_knee, -(e17 * c_r_knee));
-    let bz_r_knee_y = bz_r_ank_pitch_y.mul_add(c_r_knee, e17 * s_r_knee);
-    // r_hip_pitch
-    let bz_r_hip_pitch_x = bz_r_knee_x
-        .mul_add(c_r_hip_pitch, bz_r_knee_y * s_r_hip_pitch);
-    let bz_r_hip_pitch_y = bz_r_knee_y
-        .mul_add(c_r_hip_pitch, -(bz_r_knee_x * s_r_hip_pitch));
-    // r_hip_roll
-    let bz_r_hip_roll_x = bz_r_hip_pitch_y
-        .mul_add(s_r_hip_roll, -(s_r_ank_roll * c_r_hip_roll));
-    let bz_r_hip_roll_y = s_r_ank_roll
-        .mul_add(s_r_hip_roll, bz_r_hip_pitch_y * c_r_hip_roll);
-    // r_hip_yaw
-    let bz_r_hip_yaw_x = bz_r_hip_roll_x
-        .mul_add(s_r_hip_yaw, bz_r_hip_pitch_x * c_r_hip_yaw);
-    let e18 = bz_r_hip_pitch_x.mul_add(s_r_hip_yaw, -(bz_r_hip_roll_x * c_r_hip_yaw));
-    let bz_r_hip_yaw_y = -e18;
-    // head_pan
-    let bz_head_pan_x = bz_r_hip_yaw_x.mul_add(c_head_pan, -(e18 * s_head_pan));
-    let bz_head_pan_y = -e18.mul_add(c_head_pan, bz_r_hip_yaw_x * s_head_pan);
-    // head_tilt
-    let bz_head_tilt_x = bz_head_pan_x
-        .mul_add(c_head_tilt, bz_r_hip_roll_y * s_head_tilt);
-    let e19 = bz_r_hip_roll_y.mul_add(c_head_tilt, -(bz_head_pan_x * s_head_tilt));
-    // l_hip_yaw
-    let bz_l_hip_yaw_x = bz_r_hip_yaw_x.mul_add(c_l_hip_yaw, e18 * s_l_hip_yaw);
-    let bz_l_hip_yaw_y = bz_r_hip_yaw_x.mul_add(s_l_hip_yaw, -(e18 * c_l_hip_yaw));
-    // l_hip_roll
-    let bz_l_hip_roll_x = bz_l_hip_yaw_y
-        .mul_add(c_l_hip_roll, -(bz_r_hip_roll_y * s_l_hip_roll));
-    let bz_l_hip_roll_y = bz_r_hip_roll_y
-        .mul_add(c_l_hip_roll, bz_l_hip_yaw_y * s_l_hip_roll);
-    // l_hip_pitch
-    let bz_l_hip_pitch_x = bz_l_hip_roll_y
-        .mul_add(s_l_hip_pitch, bz_l_hip_yaw_x * c_l_hip_pitch);
-    let e20 = bz_l_hip_yaw_x.mul_add(s_l_hip_pitch, -(bz_l_hip_roll_y * c_l_hip_pitch));
-    let bz_l_hip_pitch_y = -e20;
-    // l_knee
-    let bz_l_knee_x = bz_l_hip_pitch_x.mul_add(c_l_knee, -(e20 * s_l_knee));
-    let e21 = e20.mul_add(c_l_knee, bz_l_hip_pitch_x * s_l_knee);
-    let bz_l_knee_y = -e21;
-    // l_ank_pitch
-    let bz_l_ank_pitch_x = bz_l_knee_x.mul_add(c_l_ank_pitch, e21 * s_l_ank_pitch);
-    let bz_l_ank_pitch_y = bz_l_knee_x.mul_add(s_l_ank_pitch, -(e21 * c_l_ank_pitch));
-    // l_ank_roll
-    let bz_l_ank_roll_x = bz_l_ank_pitch_y
-        .mul_add(s_l_ank_roll, bz_l_hip_roll_x * c_l_ank_roll);
-    let bz_l_ank_roll_y = -bz_l_hip_roll_x
-        .mul_add(s_l_ank_roll, -(bz_l_ank_pitch_y * c_l_ank_roll));
-    // l_sho_pitch
-    let bz_l_sho_pitch_x = bz_r_hip_yaw_x
-        .mul_add(c_l_sho_pitch, -(bz_r_hip_roll_y * s_l_sho_pitch));
-    let bz_l_sho_pitch_y = bz_r_hip_roll_y
-        .mul_add(c_l_sho_pitch, bz_r_hip_yaw_x * s_l_sho_pitch);
-    // l_sho_roll
-    let bz_l_sho_roll_x = -bz_l_sho_pitch_y.mul_add(s_l_sho_roll, e18 * c_l_sho_roll);
-    let e22 = e18.mul_add(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
-    let bz_l_sho_roll_y = -e22;
-    // l_el
-    let bz_l_el_x = bz_l_sho_pitch_x.mul_add(s_l_el, -(e22 * c_l_el));
-    let bz_l_el_y = -bz_l_sho_pitch_x.mul_add(c_l_el, e22 * s_l_el);
-    // r_sho_pitch
+    let by_r_sho_pitch_x = by_r_hip_yaw_x.mul_add(c_r_sho_pitch, -(e3 * s_r_sho_pitch));
+    let e19 = e3.mul_add(c_r_sho_pitch, by_r_hip_yaw_x * s_r_sho_pitch);
+    let by_r_sho_pitch_y = -e19;
     let bz_r_sho_pitch_x = bz_r_hip_yaw_x
         .mul_add(c_r_sho_pitch, bz_r_hip_roll_y * s_r_sho_pitch);
     let bz_r_sho_pitch_y = bz_r_hip_roll_y
         .mul_add(c_r_sho_pitch, -(bz_r_hip_yaw_x * s_r_sho_pitch));
     // r_sho_roll
-    let bz_r_sho_roll_x = -bz_r_sho_pitch_y.mul_add(s_r_sho_roll, e18 * c_r_sho_roll);
-    let e23 = e18.mul_add(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
+    let e20 = q[18] + T::from_f64(0.785398163);
+    let (s_r_sho_roll, c_r_sho_roll) = e20.sin_cos();
+    let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_add(s_r_sho_roll, e4 * c_r_sho_roll);
+    let e21 = e4.mul_add(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
+    let bx_r_sho_roll_y = -e21;
+    let by_r_sho_roll_x = e19.mul_add(s_r_sho_roll, -(e5 * c_r_sho_roll));
+    let e22 = e5.mul_add(s_r_sho_roll, e19 * c_r_sho_roll);
+    let by_r_sho_roll_y = -e22;
+    let bz_r_sho_roll_x = -bz_r_sho_pitch_y.mul_add(s_r_sho_roll, e6 * c_r_sho_roll);
+    let e23 = e6.mul_add(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
     let bz_r_sho_roll_y = -e23;
     // r_el
+    let (s_r_el, c_r_el) = q[19].sin_cos();
+    let bx_r_el_x = -e21.mul_add(c_r_el, bx_r_sho_pitch_x * s_r_el);
+    let bx_r_el_y = -bx_r_sho_pitch_x.mul_add(c_r_el, -(e21 * s_r_el));
+    let by_r_el_x = -e22.mul_add(c_r_el, by_r_sho_pitch_x * s_r_el);
+    let by_r_el_y = -by_r_sho_pitch_x.mul_add(c_r_el, -(e22 * s_r_el));
     let bz_r_el_x = -e23.mul_add(c_r_el, bz_r_sho_pitch_x * s_r_el);
     let bz_r_el_y = -bz_r_sho_pitch_x.mul_add(c_r_el, -(e23 * s_r_el));
     let zero = T::from_f64(0.0);
@@ -1967,13 +1859,13 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             bx_head_tilt_x
                 .mul_add(
                     T::from_f64(0.8386705680315472),
-                    -(T::from_f64(0.5446390348824093) * e2),
+                    -(T::from_f64(0.5446390348824093) * e7),
                 ),
             bx_head_pan_y,
             bx_head_tilt_x
                 .mul_add(
                     T::from_f64(0.5446390348824093),
-                    T::from_f64(0.8386705680315472) * e2,
+                    T::from_f64(0.8386705680315472) * e7,
                 ),
             bx_l_hip_yaw_x,
             bx_l_hip_yaw_y,
@@ -2113,13 +2005,13 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             bz_head_tilt_x
                 .mul_add(
                     T::from_f64(0.8386705680315472),
-                    -(T::from_f64(0.5446390348824093) * e19),
+                    -(T::from_f64(0.5446390348824093) * e8),
                 ),
             bz_head_pan_y,
             bz_head_tilt_x
                 .mul_add(
                     T::from_f64(0.5446390348824093),
-                    T::from_f64(0.8386705680315472) * e19,
+                    T::from_f64(0.8386705680315472) * e8,
                 ),
             bz_l_hip_yaw_x,
             bz_l_hip_yaw_y,
@@ -2167,137 +2059,150 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
 pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
     // r_el
     let (s_r_el, c_r_el) = q[19].sin_cos();
-    let t_r_el_x = c_r_el.mul_add(r[41], -(s_r_el * r[42]));
     // r_sho_roll
-    let v_r_sho_roll_y = r[40] + t_r_el_x;
+    let v_r_sho_roll_y = (-s_r_el).mul_add(r[42], c_r_el.mul_add(r[41], r[40]));
     let e1 = q[18] + T::from_f64(0.785398163);
     let (s_r_sho_roll, c_r_sho_roll) = e1.sin_cos();
-    let t_r_sho_roll_x = c_r_sho_roll.mul_add(v_r_sho_roll_y, -(s_r_sho_roll * r[39]));
-    let t_r_sho_roll_y = c_r_sho_roll.mul_add(r[39], s_r_sho_roll * v_r_sho_roll_y);
     // r_sho_pitch
     let v_r_sho_pitch_x = r[37] - s_r_el.mul_add(r[41], c_r_el * r[42]);
-    let v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
+    let v_r_sho_pitch_y = c_r_sho_roll
+        .mul_add(v_r_sho_roll_y, (-s_r_sho_roll).mul_add(r[39], r[38]));
+    let v_r_sho_pitch_z = c_r_sho_roll.mul_add(r[39], s_r_sho_roll * v_r_sho_roll_y);
     let (s_r_sho_pitch, c_r_sho_pitch) = q[17].sin_cos();
-    let t_r_sho_pitch_x = c_r_sho_pitch
-        .mul_add(v_r_sho_pitch_x, -(s_r_sho_pitch * v_r_sho_pitch_y));
-    let t_r_sho_pitch_y = s_r_sho_pitch
-        .mul_add(v_r_sho_pitch_x, c_r_sho_pitch * v_r_sho_pitch_y);
     // l_el
     let (s_l_el, c_l_el) = q[10].sin_cos();
-    let t_l_el_x = c_l_el.mul_add(r[35], s_l_el * r[36]);
-    let t_l_el_y = s_l_el.mul_add(r[35], -(c_l_el * r[36]));
     // l_sho_roll
-    let v_l_sho_roll_y = r[34] + t_l_el_x;
+    let v_l_sho_roll_y = s_l_el.mul_add(r[36], c_l_el.mul_add(r[35], r[34]));
+    let v_l_sho_roll_z = s_l_el.mul_add(r[35], -(c_l_el * r[36]));
     let e2 = q[9] - T::from_f64(0.785398163);
     let (s_l_sho_roll, c_l_sho_roll) = e2.sin_cos();
-    let t_l_sho_roll_x = c_l_sho_roll.mul_add(v_l_sho_roll_y, -(s_l_sho_roll * r[33]));
-    let t_l_sho_roll_y = c_l_sho_roll.mul_add(r[33], s_l_sho_roll * v_l_sho_roll_y);
     // l_sho_pitch
-    let v_l_sho_pitch_x = r[31] + t_l_el_y;
-    let v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
+    let v_l_sho_pitch_x = r[31] + v_l_sho_roll_z;
+    let v_l_sho_pitch_y = c_l_sho_roll
+        .mul_add(v_l_sho_roll_y, (-s_l_sho_roll).mul_add(r[33], r[32]));
+    let v_l_sho_pitch_z = c_l_sho_roll.mul_add(r[33], s_l_sho_roll * v_l_sho_roll_y);
     let (s_l_sho_pitch, c_l_sho_pitch) = q[8].sin_cos();
-    let t_l_sho_pitch_x = c_l_sho_pitch
-        .mul_add(v_l_sho_pitch_x, s_l_sho_pitch * v_l_sho_pitch_y);
-    let t_l_sho_pitch_y = c_l_sho_pitch
-        .mul_add(v_l_sho_pitch_y, -(s_l_sho_pitch * v_l_sho_pitch_x));
     // l_ank_roll
     let (s_l_ank_roll, c_l_ank_roll) = q[7].sin_cos();
-    let t_l_ank_roll_x = s_l_ank_roll.mul_add(r[29], c_l_ank_roll * r[30]);
-    let t_l_ank_roll_y = c_l_ank_roll.mul_add(r[29], -(s_l_ank_roll * r[30]));
     // l_ank_pitch
-    let v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
+    let v_l_ank_pitch_y = c_l_ank_roll
+        .mul_add(r[30], s_l_ank_roll.mul_add(r[29], r[28]));
+    let v_l_ank_pitch_z = c_l_ank_roll.mul_add(r[29], -(s_l_ank_roll * r[30]));
     let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
-    let t_l_ank_pitch_x = c_l_ank_pitch.mul_add(r[27], s_l_ank_pitch * v_l_ank_pitch_y);
-    let t_l_ank_pitch_y = c_l_ank_pitch
-        .mul_add(v_l_ank_pitch_y, -(s_l_ank_pitch * r[27]));
     // l_knee
-    let v_l_knee_x = r[25] + t_l_ank_pitch_x;
-    let v_l_knee_y = r[26] + t_l_ank_pitch_y;
+    let v_l_knee_x = s_l_ank_pitch
+        .mul_add(v_l_ank_pitch_y, c_l_ank_pitch.mul_add(r[27], r[25]));
+    let v_l_knee_y = c_l_ank_pitch
+        .mul_add(v_l_ank_pitch_y, (-s_l_ank_pitch).mul_add(r[27], r[26]));
     let (s_l_knee, c_l_knee) = q[5].sin_cos();
-    let t_l_knee_x = c_l_knee.mul_add(v_l_knee_x, -(s_l_knee * v_l_knee_y));
-    let t_l_knee_y = s_l_knee.mul_add(v_l_knee_x, c_l_knee * v_l_knee_y);
     // l_hip_pitch
-    let v_l_hip_pitch_x = r[23] + t_l_knee_x;
-    let v_l_hip_pitch_y = r[24] + t_l_knee_y;
+    let v_l_hip_pitch_x = (-s_l_knee)
+        .mul_add(v_l_knee_y, c_l_knee.mul_add(v_l_knee_x, r[23]));
+    let v_l_hip_pitch_y = c_l_knee
+        .mul_add(v_l_knee_y, s_l_knee.mul_add(v_l_knee_x, r[24]));
     let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
-    let t_l_hip_pitch_x = s_l_hip_pitch
-        .mul_add(v_l_hip_pitch_x, c_l_hip_pitch * v_l_hip_pitch_y);
-    let t_l_hip_pitch_y = c_l_hip_pitch
-        .mul_add(v_l_hip_pitch_x, -(s_l_hip_pitch * v_l_hip_pitch_y));
     // l_hip_roll
-    let v_l_hip_roll_x = r[21] + t_l_ank_roll_y;
-    let v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
+    let v_l_hip_roll_x = r[21] + v_l_ank_pitch_z;
+    let v_l_hip_roll_y = c_l_hip_pitch
+        .mul_add(v_l_hip_pitch_y, s_l_hip_pitch.mul_add(v_l_hip_pitch_x, r[22]));
+    let v_l_hip_roll_z = c_l_hip_pitch
+        .mul_add(v_l_hip_pitch_x, -(s_l_hip_pitch * v_l_hip_pitch_y));
     let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
-    let t_l_hip_roll_x = c_l_hip_roll
-        .mul_add(v_l_hip_roll_x, s_l_hip_roll * v_l_hip_roll_y);
-    let t_l_hip_roll_y = c_l_hip_roll
-        .mul_add(v_l_hip_roll_y, -(s_l_hip_roll * v_l_hip_roll_x));
     // l_hip_yaw
-    let v_l_hip_yaw_x = r[19] + t_l_hip_pitch_y;
-    let v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
+    let v_l_hip_yaw_x = r[19] + v_l_hip_roll_z;
+    let v_l_hip_yaw_y = s_l_hip_roll
+        .mul_add(v_l_hip_roll_y, c_l_hip_roll.mul_add(v_l_hip_roll_x, r[20]));
+    let v_l_hip_yaw_z = c_l_hip_roll
+        .mul_add(v_l_hip_roll_y, -(s_l_hip_roll * v_l_hip_roll_x));
     let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
-    let t_l_hip_yaw_x = c_l_hip_yaw.mul_add(v_l_hip_yaw_x, s_l_hip_yaw * v_l_hip_yaw_y);
-    let t_l_hip_yaw_y = c_l_hip_yaw
-        .mul_add(v_l_hip_yaw_y, -(s_l_hip_yaw * v_l_hip_yaw_x));
     // head_tilt
     let (s_head_tilt, c_head_tilt) = q[1].sin_cos();
-    let t_head_tilt_x = c_head_tilt.mul_add(r[17], s_head_tilt * r[18]);
-    let t_head_tilt_y = s_head_tilt.mul_add(r[17], -(c_head_tilt * r[18]));
     // head_pan
-    let v_head_pan_x = r[15] + t_head_tilt_x;
+    let v_head_pan_x = s_head_tilt.mul_add(r[18], c_head_tilt.mul_add(r[17], r[15]));
+    let v_head_pan_z = s_head_tilt.mul_add(r[17], -(c_head_tilt * r[18]));
     let (s_head_pan, c_head_pan) = q[0].sin_cos();
-    let t_head_pan_x = c_head_pan.mul_add(v_head_pan_x, -(s_head_pan * r[16]));
-    let t_head_pan_y = s_head_pan.mul_add(v_head_pan_x, c_head_pan * r[16]);
     // r_hip_yaw
-    let v_r_hip_yaw_x = r[13] + t_head_pan_x + t_l_hip_yaw_x + t_l_sho_pitch_x
-        + t_r_sho_pitch_x;
-    let v_r_hip_yaw_y = r[14] + t_head_pan_y + t_l_hip_yaw_y + t_l_sho_roll_y
-        + t_r_sho_roll_y;
-    let v_r_hip_yaw_z = t_head_tilt_y + t_l_hip_roll_y + t_l_sho_pitch_y
-        + t_r_sho_pitch_y;
+    let e3 = (-s_r_sho_pitch)
+        .mul_add(
+            v_r_sho_pitch_y,
+            c_r_sho_pitch
+                .mul_add(
+                    v_r_sho_pitch_x,
+                    s_l_sho_pitch
+                        .mul_add(
+                            v_l_sho_pitch_y,
+                            c_l_sho_pitch
+                                .mul_add(
+                                    v_l_sho_pitch_x,
+                                    (-s_head_pan)
+                                        .mul_add(r[16], c_head_pan.mul_add(v_head_pan_x, r[13])),
+                                ),
+                        ),
+                ),
+        );
+    let v_r_hip_yaw_x = s_l_hip_yaw
+        .mul_add(v_l_hip_yaw_y, c_l_hip_yaw.mul_add(v_l_hip_yaw_x, e3));
+    let v_r_hip_yaw_y = c_l_hip_yaw
+        .mul_add(
+            v_l_hip_yaw_y,
+            (-s_l_hip_yaw)
+                .mul_add(
+                    v_l_hip_yaw_x,
+                    c_head_pan.mul_add(r[16], s_head_pan.mul_add(v_head_pan_x, r[14]))
+                        + v_l_sho_pitch_z + v_r_sho_pitch_z,
+                ),
+        );
+    let v_r_hip_yaw_z = c_r_sho_pitch
+        .mul_add(
+            v_r_sho_pitch_y,
+            s_r_sho_pitch
+                .mul_add(
+                    v_r_sho_pitch_x,
+                    c_l_sho_pitch
+                        .mul_add(
+                            v_l_sho_pitch_y,
+                            (-s_l_sho_pitch).mul_add(v_l_sho_pitch_x, v_head_pan_z),
+                        ),
+                ),
+        ) + v_l_hip_yaw_z;
     let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
-    let t_r_hip_yaw_x = s_r_hip_yaw.mul_add(v_r_hip_yaw_x, c_r_hip_yaw * v_r_hip_yaw_y);
-    let t_r_hip_yaw_y = c_r_hip_yaw
-        .mul_add(v_r_hip_yaw_x, -(s_r_hip_yaw * v_r_hip_yaw_y));
     // r_hip_roll
-    let v_r_hip_roll_x = r[11] + t_r_hip_yaw_x;
+    let v_r_hip_roll_x = c_r_hip_yaw
+        .mul_add(v_r_hip_yaw_y, s_r_hip_yaw.mul_add(v_r_hip_yaw_x, r[11]));
     let v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
+    let v_r_hip_roll_z = c_r_hip_yaw
+        .mul_add(v_r_hip_yaw_x, -(s_r_hip_yaw * v_r_hip_yaw_y));
     let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
-    let t_r_hip_roll_x = s_r_hip_roll
-        .mul_add(v_r_hip_roll_x, c_r_hip_roll * v_r_hip_roll_y);
-    let t_r_hip_roll_y = c_r_hip_roll
-        .mul_add(v_r_hip_roll_x, -(s_r_hip_roll * v_r_hip_roll_y));
     // r_hip_pitch
-    let v_r_hip_pitch_x = r[9] + t_r_hip_yaw_y;
-    let v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
+    let v_r_hip_pitch_x = r[9] + v_r_hip_roll_z;
+    let v_r_hip_pitch_y = c_r_hip_roll
+        .mul_add(v_r_hip_roll_y, s_r_hip_roll.mul_add(v_r_hip_roll_x, r[10]));
+    let v_r_hip_pitch_z = c_r_hip_roll
+        .mul_add(v_r_hip_roll_x, -(s_r_hip_roll * v_r_hip_roll_y));
     let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
-    let t_r_hip_pitch_x = c_r_hip_pitch
-        .mul_add(v_r_hip_pitch_x, -(s_r_hip_pitch * v_r_hip_pitch_y));
-    let t_r_hip_pitch_y = s_r_hip_pitch
-        .mul_add(v_r_hip_pitch_x, c_r_hip_pitch * v_r_hip_pitch_y);
     // r_knee
-    let v_r_knee_x = r[7] + t_r_hip_pitch_x;
-    let v_r_knee_y = r[8] + t_r_hip_pitch_y;
+    let v_r_knee_x = (-s_r_hip_pitch)
+        .mul_add(v_r_hip_pitch_y, c_r_hip_pitch.mul_add(v_r_hip_pitch_x, r[7]));
+    let v_r_knee_y = c_r_hip_pitch
+        .mul_add(v_r_hip_pitch_y, s_r_hip_pitch.mul_add(v_r_hip_pitch_x, r[8]));
     let (s_r_knee, c_r_knee) = q[14].sin_cos();
-    let t_r_knee_x = c_r_knee.mul_add(v_r_knee_x, -(s_r_knee * v_r_knee_y));
-    let t_r_knee_y = s_r_knee.mul_add(v_r_knee_x, c_r_knee * v_r_knee_y);
     // r_ank_pitch
-    let v_r_ank_pitch_x = r[5] + t_r_knee_x;
-    let v_r_ank_pitch_y = r[6] + t_r_knee_y;
+    let v_r_ank_pitch_x = (-s_r_knee)
+        .mul_add(v_r_knee_y, c_r_knee.mul_add(v_r_knee_x, r[5]));
+    let v_r_ank_pitch_y = c_r_knee
+        .mul_add(v_r_knee_y, s_r_knee.mul_add(v_r_knee_x, r[6]));
     let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
-    let t_r_ank_pitch_x = c_r_ank_pitch
-        .mul_add(v_r_ank_pitch_y, -(s_r_ank_pitch * v_r_ank_pitch_x));
-    let t_r_ank_pitch_y = c_r_ank_pitch
-        .mul_add(v_r_ank_pitch_x, s_r_ank_pitch * v_r_ank_pitch_y);
     // r_ank_roll
-    let v_r_ank_roll_x = r[3] + t_r_hip_roll_y;
-    let v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
+    let v_r_ank_roll_x = r[3] + v_r_hip_pitch_z;
+    let v_r_ank_roll_y = c_r_ank_pitch
+        .mul_add(v_r_ank_pitch_y, (-s_r_ank_pitch).mul_add(v_r_ank_pitch_x, r[4]));
+    let v_r_ank_roll_z = c_r_ank_pitch
+        .mul_add(v_r_ank_pitch_x, s_r_ank_pitch * v_r_ank_pitch_y);
     let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
-    let t_r_ank_roll_x = c_r_ank_roll
-        .mul_add(v_r_ank_roll_x, s_r_ank_roll * v_r_ank_roll_y);
     // r_sole
-    let v_r_sole_x = r[0] + t_r_ank_pitch_y;
-    let v_r_sole_y = r[1] + t_r_ank_roll_x;
+    let v_r_sole_x = r[0] + v_r_ank_roll_z;
+    let v_r_sole_y = s_r_ank_roll
+        .mul_add(v_r_ank_roll_y, c_r_ank_roll.mul_add(v_r_ank_roll_x, r[1]));
     [v_r_sole_x, v_r_sole_y]
 }
 
@@ -2307,10 +2212,8 @@ pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 #[inline(always)]
 pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
-    // r_el
-    let t_r_el_x = cos[19].mul_add(r[41], -(sin[19] * r[42]));
     // r_sho_roll
-    let v_r_sho_roll_y = r[40] + t_r_el_x;
+    let v_r_sho_roll_y = (-sin[19]).mul_add(r[42], cos[19].mul_add(r[41], r[40]));
     let s_r_sho_roll = sin[18]
         .mul_add(
             T::from_f64(0.707106781467586),
@@ -2321,18 +2224,14 @@ pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
             T::from_f64(0.707106781467586),
             -(T::from_f64(0.7071067809055092) * sin[18]),
         );
-    let t_r_sho_roll_x = c_r_sho_roll.mul_add(v_r_sho_roll_y, -(s_r_sho_roll * r[39]));
-    let t_r_sho_roll_y = c_r_sho_roll.mul_add(r[39], s_r_sho_roll * v_r_sho_roll_y);
     // r_sho_pitch
     let v_r_sho_pitch_x = r[37] - sin[19].mul_add(r[41], cos[19] * r[42]);
-    let v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
-    let t_r_sho_pitch_x = cos[17].mul_add(v_r_sho_pitch_x, -(sin[17] * v_r_sho_pitch_y));
-    let t_r_sho_pitch_y = sin[17].mul_add(v_r_sho_pitch_x, cos[17] * v_r_sho_pitch_y);
-    // l_el
-    let t_l_el_x = cos[10].mul_add(r[35], sin[10] * r[36]);
-    let t_l_el_y = sin[10].mul_add(r[35], -(cos[10] * r[36]));
+    let v_r_sho_pitch_y = c_r_sho_roll
+        .mul_add(v_r_sho_roll_y, (-s_r_sho_roll).mul_add(r[39], r[38]));
+    let v_r_sho_pitch_z = c_r_sho_roll.mul_add(r[39], s_r_sho_roll * v_r_sho_roll_y);
     // l_sho_roll
-    let v_l_sho_roll_y = r[34] + t_l_el_x;
+    let v_l_sho_roll_y = sin[10].mul_add(r[36], cos[10].mul_add(r[35], r[34]));
+    let v_l_sho_roll_z = sin[10].mul_add(r[35], -(cos[10] * r[36]));
     let s_l_sho_roll = sin[9]
         .mul_add(
             T::from_f64(0.707106781467586),
@@ -2343,85 +2242,103 @@ pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
             T::from_f64(0.707106781467586),
             T::from_f64(0.7071067809055092) * sin[9],
         );
-    let t_l_sho_roll_x = c_l_sho_roll.mul_add(v_l_sho_roll_y, -(s_l_sho_roll * r[33]));
-    let t_l_sho_roll_y = c_l_sho_roll.mul_add(r[33], s_l_sho_roll * v_l_sho_roll_y);
     // l_sho_pitch
-    let v_l_sho_pitch_x = r[31] + t_l_el_y;
-    let v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
-    let t_l_sho_pitch_x = cos[8].mul_add(v_l_sho_pitch_x, sin[8] * v_l_sho_pitch_y);
-    let t_l_sho_pitch_y = cos[8].mul_add(v_l_sho_pitch_y, -(sin[8] * v_l_sho_pitch_x));
-    // l_ank_roll
-    let t_l_ank_roll_x = sin[7].mul_add(r[29], cos[7] * r[30]);
-    let t_l_ank_roll_y = cos[7].mul_add(r[29], -(sin[7] * r[30]));
+    let v_l_sho_pitch_x = r[31] + v_l_sho_roll_z;
+    let v_l_sho_pitch_y = c_l_sho_roll
+        .mul_add(v_l_sho_roll_y, (-s_l_sho_roll).mul_add(r[33], r[32]));
+    let v_l_sho_pitch_z = c_l_sho_roll.mul_add(r[33], s_l_sho_roll * v_l_sho_roll_y);
     // l_ank_pitch
-    let v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
-    let t_l_ank_pitch_x = cos[6].mul_add(r[27], sin[6] * v_l_ank_pitch_y);
-    let t_l_ank_pitch_y = cos[6].mul_add(v_l_ank_pitch_y, -(sin[6] * r[27]));
+    let v_l_ank_pitch_y = cos[7].mul_add(r[30], sin[7].mul_add(r[29], r[28]));
+    let v_l_ank_pitch_z = cos[7].mul_add(r[29], -(sin[7] * r[30]));
     // l_knee
-    let v_l_knee_x = r[25] + t_l_ank_pitch_x;
-    let v_l_knee_y = r[26] + t_l_ank_pitch_y;
-    let t_l_knee_x = cos[5].mul_add(v_l_knee_x, -(sin[5] * v_l_knee_y));
-    let t_l_knee_y = sin[5].mul_add(v_l_knee_x, cos[5] * v_l_knee_y);
+    let v_l_knee_x = sin[6].mul_add(v_l_ank_pitch_y, cos[6].mul_add(r[27], r[25]));
+    let v_l_knee_y = cos[6].mul_add(v_l_ank_pitch_y, (-sin[6]).mul_add(r[27], r[26]));
     // l_hip_pitch
-    let v_l_hip_pitch_x = r[23] + t_l_knee_x;
-    let v_l_hip_pitch_y = r[24] + t_l_knee_y;
-    let t_l_hip_pitch_x = sin[4].mul_add(v_l_hip_pitch_x, cos[4] * v_l_hip_pitch_y);
-    let t_l_hip_pitch_y = cos[4].mul_add(v_l_hip_pitch_x, -(sin[4] * v_l_hip_pitch_y));
+    let v_l_hip_pitch_x = (-sin[5])
+        .mul_add(v_l_knee_y, cos[5].mul_add(v_l_knee_x, r[23]));
+    let v_l_hip_pitch_y = cos[5].mul_add(v_l_knee_y, sin[5].mul_add(v_l_knee_x, r[24]));
     // l_hip_roll
-    let v_l_hip_roll_x = r[21] + t_l_ank_roll_y;
-    let v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
-    let t_l_hip_roll_x = cos[3].mul_add(v_l_hip_roll_x, sin[3] * v_l_hip_roll_y);
-    let t_l_hip_roll_y = cos[3].mul_add(v_l_hip_roll_y, -(sin[3] * v_l_hip_roll_x));
+    let v_l_hip_roll_x = r[21] + v_l_ank_pitch_z;
+    let v_l_hip_roll_y = cos[4]
+        .mul_add(v_l_hip_pitch_y, sin[4].mul_add(v_l_hip_pitch_x, r[22]));
+    let v_l_hip_roll_z = cos[4].mul_add(v_l_hip_pitch_x, -(sin[4] * v_l_hip_pitch_y));
     // l_hip_yaw
-    let v_l_hip_yaw_x = r[19] + t_l_hip_pitch_y;
-    let v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
-    let t_l_hip_yaw_x = cos[2].mul_add(v_l_hip_yaw_x, sin[2] * v_l_hip_yaw_y);
-    let t_l_hip_yaw_y = cos[2].mul_add(v_l_hip_yaw_y, -(sin[2] * v_l_hip_yaw_x));
-    // head_tilt
-    let t_head_tilt_x = cos[1].mul_add(r[17], sin[1] * r[18]);
-    let t_head_tilt_y = sin[1].mul_add(r[17], -(cos[1] * r[18]));
+    let v_l_hip_yaw_x = r[19] + v_l_hip_roll_z;
+    let v_l_hip_yaw_y = sin[3]
+        .mul_add(v_l_hip_roll_y, cos[3].mul_add(v_l_hip_roll_x, r[20]));
+    let v_l_hip_yaw_z = cos[3].mul_add(v_l_hip_roll_y, -(sin[3] * v_l_hip_roll_x));
     // head_pan
-    let v_head_pan_x = r[15] + t_head_tilt_x;
-    let t_head_pan_x = cos[0].mul_add(v_head_pan_x, -(sin[0] * r[16]));
-    let t_head_pan_y = sin[0].mul_add(v_head_pan_x, cos[0] * r[16]);
+    let v_head_pan_x = sin[1].mul_add(r[18], cos[1].mul_add(r[17], r[15]));
+    let v_head_pan_z = sin[1].mul_add(r[17], -(cos[1] * r[18]));
     // r_hip_yaw
-    let v_r_hip_yaw_x = r[13] + t_head_pan_x + t_l_hip_yaw_x + t_l_sho_pitch_x
-        + t_r_sho_pitch_x;
-    let v_r_hip_yaw_y = r[14] + t_head_pan_y + t_l_hip_yaw_y + t_l_sho_roll_y
-        + t_r_sho_roll_y;
-    let v_r_hip_yaw_z = t_head_tilt_y + t_l_hip_roll_y + t_l_sho_pitch_y
-        + t_r_sho_pitch_y;
-    let t_r_hip_yaw_x = sin[11].mul_add(v_r_hip_yaw_x, cos[11] * v_r_hip_yaw_y);
-    let t_r_hip_yaw_y = cos[11].mul_add(v_r_hip_yaw_x, -(sin[11] * v_r_hip_yaw_y));
+    let e1 = cos[17]
+        .mul_add(
+            v_r_sho_pitch_x,
+            sin[8]
+                .mul_add(
+                    v_l_sho_pitch_y,
+                    cos[8]
+                        .mul_add(
+                            v_l_sho_pitch_x,
+                            (-sin[0]).mul_add(r[16], cos[0].mul_add(v_head_pan_x, r[13])),
+                        ),
+                ),
+        );
+    let v_r_hip_yaw_x = sin[2]
+        .mul_add(
+            v_l_hip_yaw_y,
+            cos[2].mul_add(v_l_hip_yaw_x, (-sin[17]).mul_add(v_r_sho_pitch_y, e1)),
+        );
+    let e2 = (-sin[2])
+        .mul_add(
+            v_l_hip_yaw_x,
+            cos[0].mul_add(r[16], sin[0].mul_add(v_head_pan_x, r[14])) + v_l_sho_pitch_z
+                + v_r_sho_pitch_z,
+        );
+    let v_r_hip_yaw_y = cos[2].mul_add(v_l_hip_yaw_y, e2);
+    let v_r_hip_yaw_z = cos[17]
+        .mul_add(
+            v_r_sho_pitch_y,
+            sin[17]
+                .mul_add(
+                    v_r_sho_pitch_x,
+                    cos[8]
+                        .mul_add(
+                            v_l_sho_pitch_y,
+                            (-sin[8]).mul_add(v_l_sho_pitch_x, v_head_pan_z),
+                        ),
+                ),
+        ) + v_l_hip_yaw_z;
     // r_hip_roll
-    let v_r_hip_roll_x = r[11] + t_r_hip_yaw_x;
+    let v_r_hip_roll_x = cos[11]
+        .mul_add(v_r_hip_yaw_y, sin[11].mul_add(v_r_hip_yaw_x, r[11]));
     let v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
-    let t_r_hip_roll_x = sin[12].mul_add(v_r_hip_roll_x, cos[12] * v_r_hip_roll_y);
-    let t_r_hip_roll_y = cos[12].mul_add(v_r_hip_roll_x, -(sin[12] * v_r_hip_roll_y));
+    let v_r_hip_roll_z = cos[11].mul_add(v_r_hip_yaw_x, -(sin[11] * v_r_hip_yaw_y));
     // r_hip_pitch
-    let v_r_hip_pitch_x = r[9] + t_r_hip_yaw_y;
-    let v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
-    let t_r_hip_pitch_x = cos[13].mul_add(v_r_hip_pitch_x, -(sin[13] * v_r_hip_pitch_y));
-    let t_r_hip_pitch_y = sin[13].mul_add(v_r_hip_pitch_x, cos[13] * v_r_hip_pitch_y);
+    let v_r_hip_pitch_x = r[9] + v_r_hip_roll_z;
+    let v_r_hip_pitch_y = cos[12]
+        .mul_add(v_r_hip_roll_y, sin[12].mul_add(v_r_hip_roll_x, r[10]));
+    let v_r_hip_pitch_z = cos[12].mul_add(v_r_hip_roll_x, -(sin[12] * v_r_hip_roll_y));
     // r_knee
-    let v_r_knee_x = r[7] + t_r_hip_pitch_x;
-    let v_r_knee_y = r[8] + t_r_hip_pitch_y;
-    let t_r_knee_x = cos[14].mul_add(v_r_knee_x, -(sin[14] * v_r_knee_y));
-    let t_r_knee_y = sin[14].mul_add(v_r_knee_x, cos[14] * v_r_knee_y);
+    let v_r_knee_x = (-sin[13])
+        .mul_add(v_r_hip_pitch_y, cos[13].mul_add(v_r_hip_pitch_x, r[7]));
+    let v_r_knee_y = cos[13]
+        .mul_add(v_r_hip_pitch_y, sin[13].mul_add(v_r_hip_pitch_x, r[8]));
     // r_ank_pitch
-    let v_r_ank_pitch_x = r[5] + t_r_knee_x;
-    let v_r_ank_pitch_y = r[6] + t_r_knee_y;
-    let t_r_ank_pitch_x = cos[15].mul_add(v_r_ank_pitch_y, -(sin[15] * v_r_ank_pitch_x));
-    let t_r_ank_pitch_y = cos[15].mul_add(v_r_ank_pitch_x, sin[15] * v_r_ank_pitch_y);
+    let v_r_ank_pitch_x = (-sin[14])
+        .mul_add(v_r_knee_y, cos[14].mul_add(v_r_knee_x, r[5]));
+    let v_r_ank_pitch_y = cos[14].mul_add(v_r_knee_y, sin[14].mul_add(v_r_knee_x, r[6]));
     // r_ank_roll
-    let v_r_ank_roll_x = r[3] + t_r_hip_roll_y;
-    let v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
-    let t_r_ank_roll_x = cos[16].mul_add(v_r_ank_roll_x, sin[16] * v_r_ank_roll_y);
-    let t_r_ank_roll_y = cos[16].mul_add(v_r_ank_roll_y, -(sin[16] * v_r_ank_roll_x));
+    let v_r_ank_roll_x = r[3] + v_r_hip_pitch_z;
+    let v_r_ank_roll_y = cos[15]
+        .mul_add(v_r_ank_pitch_y, (-sin[15]).mul_add(v_r_ank_pitch_x, r[4]));
+    let v_r_ank_roll_z = cos[15].mul_add(v_r_ank_pitch_x, sin[15] * v_r_ank_pitch_y);
     // r_sole
-    let v_r_sole_x = r[0] + t_r_ank_pitch_y;
-    let v_r_sole_y = r[1] + t_r_ank_roll_x;
-    let v_r_sole_z = r[2] + t_r_ank_roll_y;
+    let v_r_sole_x = r[0] + v_r_ank_roll_z;
+    let v_r_sole_y = sin[16]
+        .mul_add(v_r_ank_roll_y, cos[16].mul_add(v_r_ank_roll_x, r[1]));
+    let v_r_sole_z = cos[16]
+        .mul_add(v_r_ank_roll_y, (-sin[16]).mul_add(v_r_ank_roll_x, r[2]));
     [v_r_sole_x, v_r_sole_y, v_r_sole_z]
 }
 
@@ -2514,12 +2431,12 @@ pub fn com_jacobian_sc<T: Real>(
     let t_head_pan_x = cos[0].mul_add(v_head_pan_x, -(sin[0] * r[16]));
     let t_head_pan_y = sin[0].mul_add(v_head_pan_x, cos[0] * r[16]);
     // r_hip_yaw
-    let v_r_hip_yaw_x = r[13] + t_head_pan_x + t_l_hip_yaw_x + t_l_sho_pitch_x
-        + t_r_sho_pitch_x;
-    let v_r_hip_yaw_y = r[14] + t_head_pan_y + t_l_hip_yaw_y + t_l_sho_roll_y
-        + t_r_sho_roll_y;
-    let v_r_hip_yaw_z = t_head_tilt_y + t_l_hip_roll_y + t_l_sho_pitch_y
-        + t_r_sho_pitch_y;
+    let v_r_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_sho_pitch_x
+        + t_l_hip_yaw_x;
+    let v_r_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_sho_roll_y
+        + t_l_hip_yaw_y;
+    let v_r_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y
+        + t_l_hip_roll_y;
     let t_r_hip_yaw_x = sin[11].mul_add(v_r_hip_yaw_x, cos[11] * v_r_hip_yaw_y);
     let t_r_hip_yaw_y = cos[11].mul_add(v_r_hip_yaw_x, -(sin[11] * v_r_hip_yaw_y));
     // r_hip_roll
@@ -2547,134 +2464,109 @@ pub fn com_jacobian_sc<T: Real>(
     let v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
     let t_r_ank_roll_x = cos[16].mul_add(v_r_ank_roll_x, sin[16] * v_r_ank_roll_y);
     let t_r_ank_roll_y = cos[16].mul_add(v_r_ank_roll_y, -(sin[16] * v_r_ank_roll_x));
+    // r_ank_pitch
+    let e2 = sin[16] * sin[15];
+    let by_r_ank_pitch_y = sin[16] * cos[15];
+    let e3 = cos[16] * sin[15];
+    let bz_r_ank_pitch_y = cos[16] * cos[15];
     // r_knee
     let bx_r_knee_x = cos[15].mul_add(cos[14], sin[15] * sin[14]);
     let bx_r_knee_y = sin[15].mul_add(cos[14], -(cos[15] * sin[14]));
+    let by_r_knee_x = by_r_ank_pitch_y.mul_add(sin[14], -(e2 * cos[14]));
+    let by_r_knee_y = by_r_ank_pitch_y.mul_add(cos[14], e2 * sin[14]);
+    let bz_r_knee_x = bz_r_ank_pitch_y.mul_add(sin[14], -(e3 * cos[14]));
+    let bz_r_knee_y = bz_r_ank_pitch_y.mul_add(cos[14], e3 * sin[14]);
     // r_hip_pitch
     let bx_r_hip_pitch_x = bx_r_knee_x.mul_add(cos[13], bx_r_knee_y * sin[13]);
     let bx_r_hip_pitch_y = bx_r_knee_y.mul_add(cos[13], -(bx_r_knee_x * sin[13]));
-    // r_hip_roll
-    let bx_r_hip_roll_x = bx_r_hip_pitch_y * sin[12];
-    let bx_r_hip_roll_y = bx_r_hip_pitch_y * cos[12];
-    // r_hip_yaw
-    let bx_r_hip_yaw_x = bx_r_hip_roll_x.mul_add(sin[11], bx_r_hip_pitch_x * cos[11]);
-    let e2 = bx_r_hip_pitch_x.mul_add(sin[11], -(bx_r_hip_roll_x * cos[11]));
-    // head_pan
-    let bx_head_pan_x = bx_r_hip_yaw_x.mul_add(cos[0], -(e2 * sin[0]));
-    // l_hip_yaw
-    let bx_l_hip_yaw_x = bx_r_hip_yaw_x.mul_add(cos[2], e2 * sin[2]);
-    let bx_l_hip_yaw_y = bx_r_hip_yaw_x.mul_add(sin[2], -(e2 * cos[2]));
-    // l_hip_roll
-    let bx_l_hip_roll_x = bx_l_hip_yaw_y.mul_add(cos[3], -(bx_r_hip_roll_y * sin[3]));
-    let bx_l_hip_roll_y = bx_r_hip_roll_y.mul_add(cos[3], bx_l_hip_yaw_y * sin[3]);
-    // l_hip_pitch
-    let bx_l_hip_pitch_x = bx_l_hip_roll_y.mul_add(sin[4], bx_l_hip_yaw_x * cos[4]);
-    let e3 = bx_l_hip_yaw_x.mul_add(sin[4], -(bx_l_hip_roll_y * cos[4]));
-    // l_knee
-    let bx_l_knee_x = bx_l_hip_pitch_x.mul_add(cos[5], -(e3 * sin[5]));
-    let e4 = e3.mul_add(cos[5], bx_l_hip_pitch_x * sin[5]);
-    // l_ank_pitch
-    let bx_l_ank_pitch_y = bx_l_knee_x.mul_add(sin[6], -(e4 * cos[6]));
-    // l_sho_pitch
-    let bx_l_sho_pitch_x = bx_r_hip_yaw_x.mul_add(cos[8], -(bx_r_hip_roll_y * sin[8]));
-    let bx_l_sho_pitch_y = bx_r_hip_roll_y.mul_add(cos[8], bx_r_hip_yaw_x * sin[8]);
-    // r_sho_pitch
-    let bx_r_sho_pitch_x = bx_r_hip_yaw_x.mul_add(cos[17], bx_r_hip_roll_y * sin[17]);
-    let bx_r_sho_pitch_y = bx_r_hip_roll_y.mul_add(cos[17], -(bx_r_hip_yaw_x * sin[17]));
-    // r_ank_pitch
-    let e5 = sin[16] * sin[15];
-    let by_r_ank_pitch_y = sin[16] * cos[15];
-    // r_knee
-    let by_r_knee_x = by_r_ank_pitch_y.mul_add(sin[14], -(e5 * cos[14]));
-    let by_r_knee_y = by_r_ank_pitch_y.mul_add(cos[14], e5 * sin[14]);
-    // r_hip_pitch
     let by_r_hip_pitch_x = by_r_knee_x.mul_add(cos[13], by_r_knee_y * sin[13]);
     let by_r_hip_pitch_y = by_r_knee_y.mul_add(cos[13], -(by_r_knee_x * sin[13]));
-    // r_hip_roll
-    let by_r_hip_roll_x = by_r_hip_pitch_y.mul_add(sin[12], cos[16] * cos[12]);
-    let e6 = cos[16].mul_add(sin[12], -(by_r_hip_pitch_y * cos[12]));
-    // r_hip_yaw
-    let by_r_hip_yaw_x = by_r_hip_roll_x.mul_add(sin[11], by_r_hip_pitch_x * cos[11]);
-    let e7 = by_r_hip_pitch_x.mul_add(sin[11], -(by_r_hip_roll_x * cos[11]));
-    // head_pan
-    let by_head_pan_x = by_r_hip_yaw_x.mul_add(cos[0], -(e7 * sin[0]));
-    // l_hip_yaw
-    let by_l_hip_yaw_x = by_r_hip_yaw_x.mul_add(cos[2], e7 * sin[2]);
-    let by_l_hip_yaw_y = by_r_hip_yaw_x.mul_add(sin[2], -(e7 * cos[2]));
-    // l_hip_roll
-    let by_l_hip_roll_x = by_l_hip_yaw_y.mul_add(cos[3], e6 * sin[3]);
-    let by_l_hip_roll_y = by_l_hip_yaw_y.mul_add(sin[3], -(e6 * cos[3]));
-    // l_hip_pitch
-    let by_l_hip_pitch_x = by_l_hip_roll_y.mul_add(sin[4], by_l_hip_yaw_x * cos[4]);
-    let e8 = by_l_hip_yaw_x.mul_add(sin[4], -(by_l_hip_roll_y * cos[4]));
-    // l_knee
-    let by_l_knee_x = by_l_hip_pitch_x.mul_add(cos[5], -(e8 * sin[5]));
-    let e9 = e8.mul_add(cos[5], by_l_hip_pitch_x * sin[5]);
-    // l_ank_pitch
-    let by_l_ank_pitch_y = by_l_knee_x.mul_add(sin[6], -(e9 * cos[6]));
-    // l_sho_pitch
-    let by_l_sho_pitch_x = by_r_hip_yaw_x.mul_add(cos[8], e6 * sin[8]);
-    let by_l_sho_pitch_y = by_r_hip_yaw_x.mul_add(sin[8], -(e6 * cos[8]));
-    // r_sho_pitch
-    let by_r_sho_pitch_x = by_r_hip_yaw_x.mul_add(cos[17], -(e6 * sin[17]));
-    let e10 = e6.mul_add(cos[17], by_r_hip_yaw_x * sin[17]);
-    // r_ank_pitch
-    let e11 = cos[16] * sin[15];
-    let bz_r_ank_pitch_y = cos[16] * cos[15];
-    // r_knee
-    let bz_r_knee_x = bz_r_ank_pitch_y.mul_add(sin[14], -(e11 * cos[14]));
-    let bz_r_knee_y = bz_r_ank_pitch_y.mul_add(cos[14], e11 * sin[14]);
-    // r_hip_pitch
     let bz_r_hip_pitch_x = bz_r_knee_x.mul_add(cos[13], bz_r_knee_y * sin[13]);
     let bz_r_hip_pitch_y = bz_r_knee_y.mul_add(cos[13], -(bz_r_knee_x * sin[13]));
     // r_hip_roll
+    let bx_r_hip_roll_x = bx_r_hip_pitch_y * sin[12];
+    let bx_r_hip_roll_y = bx_r_hip_pitch_y * cos[12];
+    let by_r_hip_roll_x = by_r_hip_pitch_y.mul_add(sin[12], cos[16] * cos[12]);
+    let e4 = cos[16].mul_add(sin[12], -(by_r_hip_pitch_y * cos[12]));
     let bz_r_hip_roll_x = bz_r_hip_pitch_y.mul_add(sin[12], -(sin[16] * cos[12]));
     let bz_r_hip_roll_y = sin[16].mul_add(sin[12], bz_r_hip_pitch_y * cos[12]);
     // r_hip_yaw
+    let bx_r_hip_yaw_x = bx_r_hip_roll_x.mul_add(sin[11], bx_r_hip_pitch_x * cos[11]);
+    let e5 = bx_r_hip_pitch_x.mul_add(sin[11], -(bx_r_hip_roll_x * cos[11]));
+    let by_r_hip_yaw_x = by_r_hip_roll_x.mul_add(sin[11], by_r_hip_pitch_x * cos[11]);
+    let e6 = by_r_hip_pitch_x.mul_add(sin[11], -(by_r_hip_roll_x * cos[11]));
     let bz_r_hip_yaw_x = bz_r_hip_roll_x.mul_add(sin[11], bz_r_hip_pitch_x * cos[11]);
-    let e12 = bz_r_hip_pitch_x.mul_add(sin[11], -(bz_r_hip_roll_x * cos[11]));
+    let e7 = bz_r_hip_pitch_x.mul_add(sin[11], -(bz_r_hip_roll_x * cos[11]));
     // head_pan
-    let bz_head_pan_x = bz_r_hip_yaw_x.mul_add(cos[0], -(e12 * sin[0]));
+    let bx_head_pan_x = bx_r_hip_yaw_x.mul_add(cos[0], -(e5 * sin[0]));
+    let by_head_pan_x = by_r_hip_yaw_x.mul_add(cos[0], -(e6 * sin[0]));
+    let bz_head_pan_x = bz_r_hip_yaw_x.mul_add(cos[0], -(e7 * sin[0]));
     // l_hip_yaw
-    let bz_l_hip_yaw_x = bz_r_hip_yaw_x.mul_add(cos[2], e12 * sin[2]);
-    let bz_l_hip_yaw_y = bz_r_hip_yaw_x.mul_add(sin[2], -(e12 * cos[2]));
+    let bx_l_hip_yaw_x = bx_r_hip_yaw_x.mul_add(cos[2], e5 * sin[2]);
+    let bx_l_hip_yaw_y = bx_r_hip_yaw_x.mul_add(sin[2], -(e5 * cos[2]));
+    let by_l_hip_yaw_x = by_r_hip_yaw_x.mul_add(cos[2], e6 * sin[2]);
+    let by_l_hip_yaw_y = by_r_hip_yaw_x.mul_add(sin[2], -(e6 * cos[2]));
+    let bz_l_hip_yaw_x = bz_r_hip_yaw_x.mul_add(cos[2], e7 * sin[2]);
+    let bz_l_hip_yaw_y = bz_r_hip_yaw_x.mul_add(sin[2], -(e7 * cos[2]));
     // l_hip_roll
+    let bx_l_hip_roll_x = bx_l_hip_yaw_y.mul_add(cos[3], -(bx_r_hip_roll_y * sin[3]));
+    let bx_l_hip_roll_y = bx_r_hip_roll_y.mul_add(cos[3], bx_l_hip_yaw_y * sin[3]);
+    let by_l_hip_roll_x = by_l_hip_yaw_y.mul_add(cos[3], e4 * sin[3]);
+    let by_l_hip_roll_y = by_l_hip_yaw_y.mul_add(sin[3], -(e4 * cos[3]));
     let bz_l_hip_roll_x = bz_l_hip_yaw_y.mul_add(cos[3], -(bz_r_hip_roll_y * sin[3]));
     let bz_l_hip_roll_y = bz_r_hip_roll_y.mul_add(cos[3], bz_l_hip_yaw_y * sin[3]);
     // l_hip_pitch
+    let bx_l_hip_pitch_x = bx_l_hip_roll_y.mul_add(sin[4], bx_l_hip_yaw_x * cos[4]);
+    let e8 = bx_l_hip_yaw_x.mul_add(sin[4], -(bx_l_hip_roll_y * cos[4]));
+    let by_l_hip_pitch_x = by_l_hip_roll_y.mul_add(sin[4], by_l_hip_yaw_x * cos[4]);
+    let e9 = by_l_hip_yaw_x.mul_add(sin[4], -(by_l_hip_roll_y * cos[4]));
     let bz_l_hip_pitch_x = bz_l_hip_roll_y.mul_add(sin[4], bz_l_hip_yaw_x * cos[4]);
-    let e13 = bz_l_hip_yaw_x.mul_add(sin[4], -(bz_l_hip_roll_y * cos[4]));
+    let e10 = bz_l_hip_yaw_x.mul_add(sin[4], -(bz_l_hip_roll_y * cos[4]));
     // l_knee
-    let bz_l_knee_x = bz_l_hip_pitch_x.mul_add(cos[5], -(e13 * sin[5]));
-    let e14 = e13.mul_add(cos[5], bz_l_hip_pitch_x * sin[5]);
+    let bx_l_knee_x = bx_l_hip_pitch_x.mul_add(cos[5], -(e8 * sin[5]));
+    let e11 = e8.mul_add(cos[5], bx_l_hip_pitch_x * sin[5]);
+    let by_l_knee_x = by_l_hip_pitch_x.mul_add(cos[5], -(e9 * sin[5]));
+    let e12 = e9.mul_add(cos[5], by_l_hip_pitch_x * sin[5]);
+    let bz_l_knee_x = bz_l_hip_pitch_x.mul_add(cos[5], -(e10 * sin[5]));
+    let e13 = e10.mul_add(cos[5], bz_l_hip_pitch_x * sin[5]);
     // l_ank_pitch
-    let bz_l_ank_pitch_y = bz_l_knee_x.mul_add(sin[6], -(e14 * cos[6]));
+    let bx_l_ank_pitch_y = bx_l_knee_x.mul_add(sin[6], -(e11 * cos[6]));
+    let by_l_ank_pitch_y = by_l_knee_x.mul_add(sin[6], -(e12 * cos[6]));
+    let bz_l_ank_pitch_y = bz_l_knee_x.mul_add(sin[6], -(e13 * cos[6]));
     // l_sho_pitch
+    let bx_l_sho_pitch_x = bx_r_hip_yaw_x.mul_add(cos[8], -(bx_r_hip_roll_y * sin[8]));
+    let bx_l_sho_pitch_y = bx_r_hip_roll_y.mul_add(cos[8], bx_r_hip_yaw_x * sin[8]);
+    let by_l_sho_pitch_x = by_r_hip_yaw_x.mul_add(cos[8], e4 * sin[8]);
+    let by_l_sho_pitch_y = by_r_hip_yaw_x.mul_add(sin[8], -(e4 * cos[8]));
     let bz_l_sho_pitch_x = bz_r_hip_yaw_x.mul_add(cos[8], -(bz_r_hip_roll_y * sin[8]));
     let bz_l_sho_pitch_y = bz_r_hip_roll_y.mul_add(cos[8], bz_r_hip_yaw_x * sin[8]);
     // r_sho_pitch
+    let bx_r_sho_pitch_x = bx_r_hip_yaw_x.mul_add(cos[17], bx_r_hip_roll_y * sin[17]);
+    let bx_r_sho_pitch_y = bx_r_hip_roll_y.mul_add(cos[17], -(bx_r_hip_yaw_x * sin[17]));
+    let by_r_sho_pitch_x = by_r_hip_yaw_x.mul_add(cos[17], -(e4 * sin[17]));
+    let e14 = e4.mul_add(cos[17], by_r_hip_yaw_x * sin[17]);
     let bz_r_sho_pitch_x = bz_r_hip_yaw_x.mul_add(cos[17], bz_r_hip_roll_y * sin[17]);
     let bz_r_sho_pitch_y = bz_r_hip_roll_y.mul_add(cos[17], -(bz_r_hip_yaw_x * sin[17]));
     let zero = T::from_f64(0.0);
     [
         [
-            -e2.mul_add(t_head_pan_x, bx_r_hip_yaw_x * t_head_pan_y),
+            -e5.mul_add(t_head_pan_x, bx_r_hip_yaw_x * t_head_pan_y),
             bx_r_hip_roll_y.mul_add(t_head_tilt_x, -(bx_head_pan_x * t_head_tilt_y)),
-            e2.mul_add(t_l_hip_yaw_x, bx_r_hip_yaw_x * t_l_hip_yaw_y),
+            e5.mul_add(t_l_hip_yaw_x, bx_r_hip_yaw_x * t_l_hip_yaw_y),
             -bx_r_hip_roll_y.mul_add(t_l_hip_roll_x, -(bx_l_hip_yaw_y * t_l_hip_roll_y)),
             -bx_l_hip_yaw_x
                 .mul_add(t_l_hip_pitch_x, -(bx_l_hip_roll_y * t_l_hip_pitch_y)),
-            -e3.mul_add(t_l_knee_x, bx_l_hip_pitch_x * t_l_knee_y),
-            e4.mul_add(t_l_ank_pitch_x, bx_l_knee_x * t_l_ank_pitch_y),
+            -e8.mul_add(t_l_knee_x, bx_l_hip_pitch_x * t_l_knee_y),
+            e11.mul_add(t_l_ank_pitch_x, bx_l_knee_x * t_l_ank_pitch_y),
             -bx_l_hip_roll_x
                 .mul_add(t_l_ank_roll_x, -(bx_l_ank_pitch_y * t_l_ank_roll_y)),
             -bx_r_hip_roll_y
                 .mul_add(t_l_sho_pitch_x, -(bx_r_hip_yaw_x * t_l_sho_pitch_y)),
-            -e2.mul_add(t_l_sho_roll_x, bx_l_sho_pitch_y * t_l_sho_roll_y),
+            -e5.mul_add(t_l_sho_roll_x, bx_l_sho_pitch_y * t_l_sho_roll_y),
             bx_l_sho_pitch_x
                 .mul_add(
                     t_l_el_x,
-                    e2.mul_add(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll))
+                    e5.mul_add(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll))
                         * t_l_el_y,
                 ),
             -bx_r_hip_pitch_x.mul_add(t_r_hip_yaw_x, -(bx_r_hip_roll_x * t_r_hip_yaw_y)),
@@ -2685,76 +2577,76 @@ pub fn com_jacobian_sc<T: Real>(
             zero,
             bx_r_hip_roll_y
                 .mul_add(t_r_sho_pitch_x, -(bx_r_hip_yaw_x * t_r_sho_pitch_y)),
-            -e2.mul_add(t_r_sho_roll_x, bx_r_sho_pitch_y * t_r_sho_roll_y),
+            -e5.mul_add(t_r_sho_roll_x, bx_r_sho_pitch_y * t_r_sho_roll_y),
             -bx_r_sho_pitch_x
                 .mul_add(
                     t_r_el_x,
-                    -(e2.mul_add(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll)) * e1),
+                    -(e5.mul_add(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll)) * e1),
                 ),
         ],
         [
-            -e7.mul_add(t_head_pan_x, by_r_hip_yaw_x * t_head_pan_y),
-            -e6.mul_add(t_head_tilt_x, by_head_pan_x * t_head_tilt_y),
-            e7.mul_add(t_l_hip_yaw_x, by_r_hip_yaw_x * t_l_hip_yaw_y),
-            e6.mul_add(t_l_hip_roll_x, by_l_hip_yaw_y * t_l_hip_roll_y),
+            -e6.mul_add(t_head_pan_x, by_r_hip_yaw_x * t_head_pan_y),
+            -e4.mul_add(t_head_tilt_x, by_head_pan_x * t_head_tilt_y),
+            e6.mul_add(t_l_hip_yaw_x, by_r_hip_yaw_x * t_l_hip_yaw_y),
+            e4.mul_add(t_l_hip_roll_x, by_l_hip_yaw_y * t_l_hip_roll_y),
             -by_l_hip_yaw_x
                 .mul_add(t_l_hip_pitch_x, -(by_l_hip_roll_y * t_l_hip_pitch_y)),
-            -e8.mul_add(t_l_knee_x, by_l_hip_pitch_x * t_l_knee_y),
-            e9.mul_add(t_l_ank_pitch_x, by_l_knee_x * t_l_ank_pitch_y),
+            -e9.mul_add(t_l_knee_x, by_l_hip_pitch_x * t_l_knee_y),
+            e12.mul_add(t_l_ank_pitch_x, by_l_knee_x * t_l_ank_pitch_y),
             -by_l_hip_roll_x
                 .mul_add(t_l_ank_roll_x, -(by_l_ank_pitch_y * t_l_ank_roll_y)),
-            e6.mul_add(t_l_sho_pitch_x, by_r_hip_yaw_x * t_l_sho_pitch_y),
-            -e7.mul_add(t_l_sho_roll_x, by_l_sho_pitch_y * t_l_sho_roll_y),
+            e4.mul_add(t_l_sho_pitch_x, by_r_hip_yaw_x * t_l_sho_pitch_y),
+            -e6.mul_add(t_l_sho_roll_x, by_l_sho_pitch_y * t_l_sho_roll_y),
             by_l_sho_pitch_x
                 .mul_add(
                     t_l_el_x,
-                    e7.mul_add(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll))
+                    e6.mul_add(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll))
                         * t_l_el_y,
                 ),
             -by_r_hip_pitch_x.mul_add(t_r_hip_yaw_x, -(by_r_hip_roll_x * t_r_hip_yaw_y)),
             -cos[16].mul_add(t_r_hip_roll_x, -(by_r_hip_pitch_y * t_r_hip_roll_y)),
             by_r_knee_y.mul_add(t_r_hip_pitch_x, -(by_r_knee_x * t_r_hip_pitch_y)),
-            by_r_ank_pitch_y.mul_add(t_r_knee_x, e5 * t_r_knee_y),
+            by_r_ank_pitch_y.mul_add(t_r_knee_x, e2 * t_r_knee_y),
             -(sin[16] * t_r_ank_pitch_y),
             t_r_ank_roll_y,
-            -e6.mul_add(t_r_sho_pitch_x, by_r_hip_yaw_x * t_r_sho_pitch_y),
-            e10.mul_add(t_r_sho_roll_y, -(e7 * t_r_sho_roll_x)),
+            -e4.mul_add(t_r_sho_pitch_x, by_r_hip_yaw_x * t_r_sho_pitch_y),
+            e14.mul_add(t_r_sho_roll_y, -(e6 * t_r_sho_roll_x)),
             -by_r_sho_pitch_x
-                .mul_add(t_r_el_x, -(e7.mul_add(s_r_sho_roll, e10 * c_r_sho_roll) * e1)),
+                .mul_add(t_r_el_x, -(e6.mul_add(s_r_sho_roll, e14 * c_r_sho_roll) * e1)),
         ],
         [
-            -e12.mul_add(t_head_pan_x, bz_r_hip_yaw_x * t_head_pan_y),
+            -e7.mul_add(t_head_pan_x, bz_r_hip_yaw_x * t_head_pan_y),
             bz_r_hip_roll_y.mul_add(t_head_tilt_x, -(bz_head_pan_x * t_head_tilt_y)),
-            e12.mul_add(t_l_hip_yaw_x, bz_r_hip_yaw_x * t_l_hip_yaw_y),
+            e7.mul_add(t_l_hip_yaw_x, bz_r_hip_yaw_x * t_l_hip_yaw_y),
             -bz_r_hip_roll_y.mul_add(t_l_hip_roll_x, -(bz_l_hip_yaw_y * t_l_hip_roll_y)),
             -bz_l_hip_yaw_x
                 .mul_add(t_l_hip_pitch_x, -(bz_l_hip_roll_y * t_l_hip_pitch_y)),
-            -e13.mul_add(t_l_knee_x, bz_l_hip_pitch_x * t_l_knee_y),
-            e14.mul_add(t_l_ank_pitch_x, bz_l_knee_x * t_l_ank_pitch_y),
+            -e10.mul_add(t_l_knee_x, bz_l_hip_pitch_x * t_l_knee_y),
+            e13.mul_add(t_l_ank_pitch_x, bz_l_knee_x * t_l_ank_pitch_y),
             -bz_l_hip_roll_x
                 .mul_add(t_l_ank_roll_x, -(bz_l_ank_pitch_y * t_l_ank_roll_y)),
             -bz_r_hip_roll_y
                 .mul_add(t_l_sho_pitch_x, -(bz_r_hip_yaw_x * t_l_sho_pitch_y)),
-            -e12.mul_add(t_l_sho_roll_x, bz_l_sho_pitch_y * t_l_sho_roll_y),
+            -e7.mul_add(t_l_sho_roll_x, bz_l_sho_pitch_y * t_l_sho_roll_y),
             bz_l_sho_pitch_x
                 .mul_add(
                     t_l_el_x,
-                    e12.mul_add(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll))
+                    e7.mul_add(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll))
                         * t_l_el_y,
                 ),
             -bz_r_hip_pitch_x.mul_add(t_r_hip_yaw_x, -(bz_r_hip_roll_x * t_r_hip_yaw_y)),
             sin[16].mul_add(t_r_hip_roll_x, bz_r_hip_pitch_y * t_r_hip_roll_y),
             bz_r_knee_y.mul_add(t_r_hip_pitch_x, -(bz_r_knee_x * t_r_hip_pitch_y)),
-            bz_r_ank_pitch_y.mul_add(t_r_knee_x, e11 * t_r_knee_y),
+            bz_r_ank_pitch_y.mul_add(t_r_knee_x, e3 * t_r_knee_y),
             -(cos[16] * t_r_ank_pitch_y),
             -t_r_ank_roll_x,
             bz_r_hip_roll_y
                 .mul_add(t_r_sho_pitch_x, -(bz_r_hip_yaw_x * t_r_sho_pitch_y)),
-            -e12.mul_add(t_r_sho_roll_x, bz_r_sho_pitch_y * t_r_sho_roll_y),
+            -e7.mul_add(t_r_sho_roll_x, bz_r_sho_pitch_y * t_r_sho_roll_y),
             -bz_r_sho_pitch_x
                 .mul_add(
                     t_r_el_x,
-                    -(e12.mul_add(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll)) * e1),
+                    -(e7.mul_add(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll)) * e1),
                 ),
         ],
     ]
@@ -2849,12 +2741,12 @@ pub fn gravity_moments_sc<T: Real>(
     let t_head_pan_x = cos[0].mul_add(v_head_pan_x, -(sin[0] * r[16]));
     let t_head_pan_y = sin[0].mul_add(v_head_pan_x, cos[0] * r[16]);
     // r_hip_yaw
-    let v_r_hip_yaw_x = r[13] + t_head_pan_x + t_l_hip_yaw_x + t_l_sho_pitch_x
-        + t_r_sho_pitch_x;
-    let v_r_hip_yaw_y = r[14] + t_head_pan_y + t_l_hip_yaw_y + t_l_sho_roll_y
-        + t_r_sho_roll_y;
-    let v_r_hip_yaw_z = t_head_tilt_y + t_l_hip_roll_y + t_l_sho_pitch_y
-        + t_r_sho_pitch_y;
+    let v_r_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_sho_pitch_x
+        + t_l_hip_yaw_x;
+    let v_r_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_sho_roll_y
+        + t_l_hip_yaw_y;
+    let v_r_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y
+        + t_l_hip_roll_y;
     let t_r_hip_yaw_x = sin[11].mul_add(v_r_hip_yaw_x, cos[11] * v_r_hip_yaw_y);
     let t_r_hip_yaw_y = cos[11].mul_add(v_r_hip_yaw_x, -(sin[11] * v_r_hip_yaw_y));
     // r_hip_roll
@@ -2958,48 +2850,114 @@ pub fn gravity_moments_sc<T: Real>(
 pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     // r_ank_roll
     let bz_r_ank_roll_x = -sin[16];
+    // r_ank_pitch
+    let e1 = sin[16] * sin[15];
+    let by_r_ank_pitch_x = -e1;
+    let by_r_ank_pitch_y = sin[16] * cos[15];
+    let e2 = cos[16] * sin[15];
+    let bz_r_ank_pitch_x = -e2;
+    let bz_r_ank_pitch_y = cos[16] * cos[15];
     // r_knee
     let bx_r_knee_x = cos[15].mul_add(cos[14], sin[15] * sin[14]);
     let bx_r_knee_y = sin[15].mul_add(cos[14], -(cos[15] * sin[14]));
+    let by_r_knee_x = by_r_ank_pitch_y.mul_add(sin[14], -(e1 * cos[14]));
+    let by_r_knee_y = by_r_ank_pitch_y.mul_add(cos[14], e1 * sin[14]);
+    let bz_r_knee_x = bz_r_ank_pitch_y.mul_add(sin[14], -(e2 * cos[14]));
+    let bz_r_knee_y = bz_r_ank_pitch_y.mul_add(cos[14], e2 * sin[14]);
     // r_hip_pitch
     let bx_r_hip_pitch_x = bx_r_knee_x.mul_add(cos[13], bx_r_knee_y * sin[13]);
     let bx_r_hip_pitch_y = bx_r_knee_y.mul_add(cos[13], -(bx_r_knee_x * sin[13]));
+    let by_r_hip_pitch_x = by_r_knee_x.mul_add(cos[13], by_r_knee_y * sin[13]);
+    let by_r_hip_pitch_y = by_r_knee_y.mul_add(cos[13], -(by_r_knee_x * sin[13]));
+    let bz_r_hip_pitch_x = bz_r_knee_x.mul_add(cos[13], bz_r_knee_y * sin[13]);
+    let bz_r_hip_pitch_y = bz_r_knee_y.mul_add(cos[13], -(bz_r_knee_x * sin[13]));
     // r_hip_roll
     let bx_r_hip_roll_x = bx_r_hip_pitch_y * sin[12];
     let bx_r_hip_roll_y = bx_r_hip_pitch_y * cos[12];
+    let by_r_hip_roll_x = by_r_hip_pitch_y.mul_add(sin[12], cos[16] * cos[12]);
+    let e3 = cos[16].mul_add(sin[12], -(by_r_hip_pitch_y * cos[12]));
+    let by_r_hip_roll_y = -e3;
+    let bz_r_hip_roll_x = bz_r_hip_pitch_y.mul_add(sin[12], -(sin[16] * cos[12]));
+    let bz_r_hip_roll_y = sin[16].mul_add(sin[12], bz_r_hip_pitch_y * cos[12]);
     // r_hip_yaw
     let bx_r_hip_yaw_x = bx_r_hip_roll_x.mul_add(sin[11], bx_r_hip_pitch_x * cos[11]);
-    let e1 = bx_r_hip_pitch_x.mul_add(sin[11], -(bx_r_hip_roll_x * cos[11]));
-    let bx_r_hip_yaw_y = -e1;
+    let e4 = bx_r_hip_pitch_x.mul_add(sin[11], -(bx_r_hip_roll_x * cos[11]));
+    let bx_r_hip_yaw_y = -e4;
+    let by_r_hip_yaw_x = by_r_hip_roll_x.mul_add(sin[11], by_r_hip_pitch_x * cos[11]);
+    let e5 = by_r_hip_pitch_x.mul_add(sin[11], -(by_r_hip_roll_x * cos[11]));
+    let by_r_hip_yaw_y = -e5;
+    let bz_r_hip_yaw_x = bz_r_hip_roll_x.mul_add(sin[11], bz_r_hip_pitch_x * cos[11]);
+    let e6 = bz_r_hip_pitch_x.mul_add(sin[11], -(bz_r_hip_roll_x * cos[11]));
+    let bz_r_hip_yaw_y = -e6;
     // head_pan
-    let bx_head_pan_x = bx_r_hip_yaw_x.mul_add(cos[0], -(e1 * sin[0]));
-    let bx_head_pan_y = -e1.mul_add(cos[0], bx_r_hip_yaw_x * sin[0]);
+    let bx_head_pan_x = bx_r_hip_yaw_x.mul_add(cos[0], -(e4 * sin[0]));
+    let bx_head_pan_y = -e4.mul_add(cos[0], bx_r_hip_yaw_x * sin[0]);
+    let by_head_pan_x = by_r_hip_yaw_x.mul_add(cos[0], -(e5 * sin[0]));
+    let by_head_pan_y = -e5.mul_add(cos[0], by_r_hip_yaw_x * sin[0]);
+    let bz_head_pan_x = bz_r_hip_yaw_x.mul_add(cos[0], -(e6 * sin[0]));
+    let bz_head_pan_y = -e6.mul_add(cos[0], bz_r_hip_yaw_x * sin[0]);
     // head_tilt
     let bx_head_tilt_x = bx_head_pan_x.mul_add(cos[1], bx_r_hip_roll_y * sin[1]);
     let bx_head_tilt_y = -bx_r_hip_roll_y.mul_add(cos[1], -(bx_head_pan_x * sin[1]));
+    let by_head_tilt_x = by_head_pan_x.mul_add(cos[1], -(e3 * sin[1]));
+    let by_head_tilt_y = e3.mul_add(cos[1], by_head_pan_x * sin[1]);
+    let bz_head_tilt_x = bz_head_pan_x.mul_add(cos[1], bz_r_hip_roll_y * sin[1]);
+    let bz_head_tilt_y = -bz_r_hip_roll_y.mul_add(cos[1], -(bz_head_pan_x * sin[1]));
     // l_hip_yaw
-    let bx_l_hip_yaw_x = bx_r_hip_yaw_x.mul_add(cos[2], e1 * sin[2]);
-    let bx_l_hip_yaw_y = bx_r_hip_yaw_x.mul_add(sin[2], -(e1 * cos[2]));
+    let bx_l_hip_yaw_x = bx_r_hip_yaw_x.mul_add(cos[2], e4 * sin[2]);
+    let bx_l_hip_yaw_y = bx_r_hip_yaw_x.mul_add(sin[2], -(e4 * cos[2]));
+    let by_l_hip_yaw_x = by_r_hip_yaw_x.mul_add(cos[2], e5 * sin[2]);
+    let by_l_hip_yaw_y = by_r_hip_yaw_x.mul_add(sin[2], -(e5 * cos[2]));
+    let bz_l_hip_yaw_x = bz_r_hip_yaw_x.mul_add(cos[2], e6 * sin[2]);
+    let bz_l_hip_yaw_y = bz_r_hip_yaw_x.mul_add(sin[2], -(e6 * cos[2]));
     // l_hip_roll
     let bx_l_hip_roll_x = bx_l_hip_yaw_y.mul_add(cos[3], -(bx_r_hip_roll_y * sin[3]));
     let bx_l_hip_roll_y = bx_r_hip_roll_y.mul_add(cos[3], bx_l_hip_yaw_y * sin[3]);
+    let by_l_hip_roll_x = by_l_hip_yaw_y.mul_add(cos[3], e3 * sin[3]);
+    let by_l_hip_roll_y = by_l_hip_yaw_y.mul_add(sin[3], -(e3 * cos[3]));
+    let bz_l_hip_roll_x = bz_l_hip_yaw_y.mul_add(cos[3], -(bz_r_hip_roll_y * sin[3]));
+    let bz_l_hip_roll_y = bz_r_hip_roll_y.mul_add(cos[3], bz_l_hip_yaw_y * sin[3]);
     // l_hip_pitch
     let bx_l_hip_pitch_x = bx_l_hip_roll_y.mul_add(sin[4], bx_l_hip_yaw_x * cos[4]);
-    let e2 = bx_l_hip_yaw_x.mul_add(sin[4], -(bx_l_hip_roll_y * cos[4]));
-    let bx_l_hip_pitch_y = -e2;
+    let e7 = bx_l_hip_yaw_x.mul_add(sin[4], -(bx_l_hip_roll_y * cos[4]));
+    let bx_l_hip_pitch_y = -e7;
+    let by_l_hip_pitch_x = by_l_hip_roll_y.mul_add(sin[4], by_l_hip_yaw_x * cos[4]);
+    let e8 = by_l_hip_yaw_x.mul_add(sin[4], -(by_l_hip_roll_y * cos[4]));
+    let by_l_hip_pitch_y = -e8;
+    let bz_l_hip_pitch_x = bz_l_hip_roll_y.mul_add(sin[4], bz_l_hip_yaw_x * cos[4]);
+    let e9 = bz_l_hip_yaw_x.mul_add(sin[4], -(bz_l_hip_roll_y * cos[4]));
+    let bz_l_hip_pitch_y = -e9;
     // l_knee
-    let bx_l_knee_x = bx_l_hip_pitch_x.mul_add(cos[5], -(e2 * sin[5]));
-    let e3 = e2.mul_add(cos[5], bx_l_hip_pitch_x * sin[5]);
-    let bx_l_knee_y = -e3;
+    let bx_l_knee_x = bx_l_hip_pitch_x.mul_add(cos[5], -(e7 * sin[5]));
+    let e10 = e7.mul_add(cos[5], bx_l_hip_pitch_x * sin[5]);
+    let bx_l_knee_y = -e10;
+    let by_l_knee_x = by_l_hip_pitch_x.mul_add(cos[5], -(e8 * sin[5]));
+    let e11 = e8.mul_add(cos[5], by_l_hip_pitch_x * sin[5]);
+    let by_l_knee_y = -e11;
+    let bz_l_knee_x = bz_l_hip_pitch_x.mul_add(cos[5], -(e9 * sin[5]));
+    let e12 = e9.mul_add(cos[5], bz_l_hip_pitch_x * sin[5]);
+    let bz_l_knee_y = -e12;
     // l_ank_pitch
-    let bx_l_ank_pitch_x = bx_l_knee_x.mul_add(cos[6], e3 * sin[6]);
-    let bx_l_ank_pitch_y = bx_l_knee_x.mul_add(sin[6], -(e3 * cos[6]));
+    let bx_l_ank_pitch_x = bx_l_knee_x.mul_add(cos[6], e10 * sin[6]);
+    let bx_l_ank_pitch_y = bx_l_knee_x.mul_add(sin[6], -(e10 * cos[6]));
+    let by_l_ank_pitch_x = by_l_knee_x.mul_add(cos[6], e11 * sin[6]);
+    let by_l_ank_pitch_y = by_l_knee_x.mul_add(sin[6], -(e11 * cos[6]));
+    let bz_l_ank_pitch_x = bz_l_knee_x.mul_add(cos[6], e12 * sin[6]);
+    let bz_l_ank_pitch_y = bz_l_knee_x.mul_add(sin[6], -(e12 * cos[6]));
     // l_ank_roll
     let bx_l_ank_roll_x = bx_l_ank_pitch_y.mul_add(sin[7], bx_l_hip_roll_x * cos[7]);
     let bx_l_ank_roll_y = -bx_l_hip_roll_x.mul_add(sin[7], -(bx_l_ank_pitch_y * cos[7]));
+    let by_l_ank_roll_x = by_l_ank_pitch_y.mul_add(sin[7], by_l_hip_roll_x * cos[7]);
+    let by_l_ank_roll_y = -by_l_hip_roll_x.mul_add(sin[7], -(by_l_ank_pitch_y * cos[7]));
+    let bz_l_ank_roll_x = bz_l_ank_pitch_y.mul_add(sin[7], bz_l_hip_roll_x * cos[7]);
+    let bz_l_ank_roll_y = -bz_l_hip_roll_x.mul_add(sin[7], -(bz_l_ank_pitch_y * cos[7]));
     // l_sho_pitch
     let bx_l_sho_pitch_x = bx_r_hip_yaw_x.mul_add(cos[8], -(bx_r_hip_roll_y * sin[8]));
     let bx_l_sho_pitch_y = bx_r_hip_roll_y.mul_add(cos[8], bx_r_hip_yaw_x * sin[8]);
+    let by_l_sho_pitch_x = by_r_hip_yaw_x.mul_add(cos[8], e3 * sin[8]);
+    let by_l_sho_pitch_y = by_r_hip_yaw_x.mul_add(sin[8], -(e3 * cos[8]));
+    let bz_l_sho_pitch_x = bz_r_hip_yaw_x.mul_add(cos[8], -(bz_r_hip_roll_y * sin[8]));
+    let bz_l_sho_pitch_y = bz_r_hip_roll_y.mul_add(cos[8], bz_r_hip_yaw_x * sin[8]);
     // l_sho_roll
     let s_l_sho_roll = sin[9]
         .mul_add(
@@ -3011,15 +2969,30 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
             T::from_f64(0.707106781467586),
             T::from_f64(0.7071067809055092) * sin[9],
         );
-    let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_add(s_l_sho_roll, e1 * c_l_sho_roll);
-    let e4 = e1.mul_add(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
-    let bx_l_sho_roll_y = -e4;
+    let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_add(s_l_sho_roll, e4 * c_l_sho_roll);
+    let e13 = e4.mul_add(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
+    let bx_l_sho_roll_y = -e13;
+    let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_add(s_l_sho_roll, e5 * c_l_sho_roll);
+    let e14 = e5.mul_add(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
+    let by_l_sho_roll_y = -e14;
+    let bz_l_sho_roll_x = -bz_l_sho_pitch_y.mul_add(s_l_sho_roll, e6 * c_l_sho_roll);
+    let e15 = e6.mul_add(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
+    let bz_l_sho_roll_y = -e15;
     // l_el
-    let bx_l_el_x = bx_l_sho_pitch_x.mul_add(sin[10], -(e4 * cos[10]));
-    let bx_l_el_y = -bx_l_sho_pitch_x.mul_add(cos[10], e4 * sin[10]);
+    let bx_l_el_x = bx_l_sho_pitch_x.mul_add(sin[10], -(e13 * cos[10]));
+    let bx_l_el_y = -bx_l_sho_pitch_x.mul_add(cos[10], e13 * sin[10]);
+    let by_l_el_x = by_l_sho_pitch_x.mul_add(sin[10], -(e14 * cos[10]));
+    let by_l_el_y = -by_l_sho_pitch_x.mul_add(cos[10], e14 * sin[10]);
+    let bz_l_el_x = bz_l_sho_pitch_x.mul_add(sin[10], -(e15 * cos[10]));
+    let bz_l_el_y = -bz_l_sho_pitch_x.mul_add(cos[10], e15 * sin[10]);
     // r_sho_pitch
     let bx_r_sho_pitch_x = bx_r_hip_yaw_x.mul_add(cos[17], bx_r_hip_roll_y * sin[17]);
     let bx_r_sho_pitch_y = bx_r_hip_roll_y.mul_add(cos[17], -(bx_r_hip_yaw_x * sin[17]));
+    let by_r_sho_pitch_x = by_r_hip_yaw_x.mul_add(cos[17], -(e3 * sin[17]));
+    let e16 = e3.mul_add(cos[17], by_r_hip_yaw_x * sin[17]);
+    let by_r_sho_pitch_y = -e16;
+    let bz_r_sho_pitch_x = bz_r_hip_yaw_x.mul_add(cos[17], bz_r_hip_roll_y * sin[17]);
+    let bz_r_sho_pitch_y = bz_r_hip_roll_y.mul_add(cos[17], -(bz_r_hip_yaw_x * sin[17]));
     // r_sho_roll
     let s_r_sho_roll = sin[18]
         .mul_add(
@@ -3031,138 +3004,20 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
             T::from_f64(0.707106781467586),
             -(T::from_f64(0.7071067809055092) * sin[18]),
         );
-    let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_add(s_r_sho_roll, e1 * c_r_sho_roll);
-    let e5 = e1.mul_add(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
-    let bx_r_sho_roll_y = -e5;
-    // r_el
-    let bx_r_el_x = -e5.mul_add(cos[19], bx_r_sho_pitch_x * sin[19]);
-    let bx_r_el_y = -bx_r_sho_pitch_x.mul_add(cos[19], -(e5 * sin[19]));
-    // r_ank_pitch
-    let e6 = sin[16] * sin[15];
-    let by_r_ank_pitch_x = -e6;
-    let by_r_ank_pitch_y = sin[16] * cos[15];
-    // r_knee
-    let by_r_knee_x = by_r_ank_pitch_y.mul_add(sin[14], -(e6 * cos[14]));
-    let by_r_knee_y = by_r_ank_pitch_y.mul_add(cos[14], e6 * sin[14]);
-    // r_hip_pitch
-    let by_r_hip_pitch_x = by_r_knee_x.mul_add(cos[13], by_r_knee_y * sin[13]);
-    let by_r_hip_pitch_y = by_r_knee_y.mul_add(cos[13], -(by_r_knee_x * sin[13]));
-    // r_hip_roll
-    let by_r_hip_roll_x = by_r_hip_pitch_y.mul_add(sin[12], cos[16] * cos[12]);
-    let e7 = cos[16].mul_add(sin[12], -(by_r_hip_pitch_y * cos[12]));
-    let by_r_hip_roll_y = -e7;
-    // r_hip_yaw
-    let by_r_hip_yaw_x = by_r_hip_roll_x.mul_add(sin[11], by_r_hip_pitch_x * cos[11]);
-    let e8 = by_r_hip_pitch_x.mul_add(sin[11], -(by_r_hip_roll_x * cos[11]));
-    let by_r_hip_yaw_y = -e8;
-    // head_pan
-    let by_head_pan_x = by_r_hip_yaw_x.mul_add(cos[0], -(e8 * sin[0]));
-    let by_head_pan_y = -e8.mul_add(cos[0], by_r_hip_yaw_x * sin[0]);
-    // head_tilt
-    let by_head_tilt_x = by_head_pan_x.mul_add(cos[1], -(e7 * sin[1]));
-    let by_head_tilt_y = e7.mul_add(cos[1], by_head_pan_x * sin[1]);
-    // l_hip_yaw
-    let by_l_hip_yaw_x = by_r_hip_yaw_x.mul_add(cos[2], e8 * sin[2]);
-    let by_l_hip_yaw_y = by_r_hip_yaw_x.mul_add(sin[2], -(e8 * cos[2]));
-    // l_hip_roll
-    let by_l_hip_roll_x = by_l_hip_yaw_y.mul_add(cos[3], e7 * sin[3]);
-    let by_l_hip_roll_y = by_l_hip_yaw_y.mul_add(sin[3], -(e7 * cos[3]));
-    // l_hip_pitch
-    let by_l_hip_pitch_x = by_l_hip_roll_y.mul_add(sin[4], by_l_hip_yaw_x * cos[4]);
-    let e9 = by_l_hip_yaw_x.mul_add(sin[4], -(by_l_hip_roll_y * cos[4]));
-    let by_l_hip_pitch_y = -e9;
-    // l_knee
-    let by_l_knee_x = by_l_hip_pitch_x.mul_add(cos[5], -(e9 * sin[5]));
-    let e10 = e9.mul_add(cos[5], by_l_hip_pitch_x * sin[5]);
-    let by_l_knee_y = -e10;
-    // l_ank_pitch
-    let by_l_ank_pitch_x = by_l_knee_x.mul_add(cos[6], e10 * sin[6]);
-    let by_l_ank_pitch_y = by_l_knee_x.mul_add(sin[6], -(e10 * cos[6]));
-    // l_ank_roll
-    let by_l_ank_roll_x = by_l_ank_pitch_y.mul_add(sin[7], by_l_hip_roll_x * cos[7]);
-    let by_l_ank_roll_y = -by_l_hip_roll_x.mul_add(sin[7], -(by_l_ank_pitch_y * cos[7]));
-    // l_sho_pitch
-    let by_l_sho_pitch_x = by_r_hip_yaw_x.mul_add(cos[8], e7 * sin[8]);
-    let by_l_sho_pitch_y = by_r_hip_yaw_x.mul_add(sin[8], -(e7 * cos[8]));
-    // l_sho_roll
-    let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_add(s_l_sho_roll, e8 * c_l_sho_roll);
-    let e11 = e8.mul_add(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
-    let by_l_sho_roll_y = -e11;
-    // l_el
-    let by_l_el_x = by_l_sho_pitch_x.mul_add(sin[10], -(e11 * cos[10]));
-    let by_l_el_y = -by_l_sho_pitch_x.mul_add(cos[10], e11 * sin[10]);
-    // r_sho_pitch
-    let by_r_sho_pitch_x = by_r_hip_yaw_x.mul_add(cos[17], -(e7 * sin[17]));
-    let e12 = e7.mul_add(cos[17], by_r_hip_yaw_x * sin[17]);
-    let by_r_sho_pitch_y = -e12;
-    // r_sho_roll
-    let by_r_sho_roll_x = e12.mul_add(s_r_sho_roll, -(e8 * c_r_sho_roll));
-    let e13 = e8.mul_add(s_r_sho_roll, e12 * c_r_sho_roll);
-    let by_r_sho_roll_y = -e13;
-    // r_el
-    let by_r_el_x = -e13.mul_add(cos[19], by_r_sho_pitch_x * sin[19]);
-    let by_r_el_y = -by_r_sho_pitch_x.mul_add(cos[19], -(e13 * sin[19]));
-    // r_ank_pitch
-    let e14 = cos[16] * sin[15];
-    let bz_r_ank_pitch_x = -e14;
-    let bz_r_ank_pitch_y = cos[16] * cos[15];
-    // r_knee
-    let bz_r_knee_x = bz_r_ank_pitch_y.mul_add(sin[14], -(e14 * cos[14]));
-    let bz_r_knee_y = bz_r_ank_pitch_y.mul_add(cos[14], e14 * sin[14]);
-    // r_hip_pitch
-    let bz_r_hip_pitch_x = bz_r_knee_x.mul_add(cos[13], bz_r_knee_y * sin[13]);
-    let bz_r_hip_pitch_y = bz_r_knee_y.mul_add(cos[13], -(bz_r_knee_x * sin[13]));
-    // r_hip_roll
-    let bz_r_hip_roll_x = bz_r_hip_pitch_y.mul_add(sin[12], -(sin[16] * cos[12]));
-    let bz_r_hip_roll_y = sin[16].mul_add(sin[12], bz_r_hip_pitch_y * cos[12]);
-    // r_hip_yaw
-    let bz_r_hip_yaw_x = bz_r_hip_roll_x.mul_add(sin[11], bz_r_hip_pitch_x * cos[11]);
-    let e15 = bz_r_hip_pitch_x.mul_add(sin[11], -(bz_r_hip_roll_x * cos[11]));
-    let bz_r_hip_yaw_y = -e15;
-    // head_pan
-    let bz_head_pan_x = bz_r_hip_yaw_x.mul_add(cos[0], -(e15 * sin[0]));
-    let bz_head_pan_y = -e15.mul_add(cos[0], bz_r_hip_yaw_x * sin[0]);
-    // head_tilt
-    let bz_head_tilt_x = bz_head_pan_x.mul_add(cos[1], bz_r_hip_roll_y * sin[1]);
-    let bz_head_tilt_y = -bz_r_hip_roll_y.mul_add(cos[1], -(bz_head_pan_x * sin[1]));
-    // l_hip_yaw
-    let bz_l_hip_yaw_x = bz_r_hip_yaw_x.mul_add(cos[2], e15 * sin[2]);
-    let bz_l_hip_yaw_y = bz_r_hip_yaw_x.mul_add(sin[2], -(e15 * cos[2]));
-    // l_hip_roll
-    let bz_l_hip_roll_x = bz_l_hip_yaw_y.mul_add(cos[3], -(bz_r_hip_roll_y * sin[3]));
-    let bz_l_hip_roll_y = bz_r_hip_roll_y.mul_add(cos[3], bz_l_hip_yaw_y * sin[3]);
-    // l_hip_pitch
-    let bz_l_hip_pitch_x = bz_l_hip_roll_y.mul_add(sin[4], bz_l_hip_yaw_x * cos[4]);
-    let e16 = bz_l_hip_yaw_x.mul_add(sin[4], -(bz_l_hip_roll_y * cos[4]));
-    let bz_l_hip_pitch_y = -e16;
-    // l_knee
-    let bz_l_knee_x = bz_l_hip_pitch_x.mul_add(cos[5], -(e16 * sin[5]));
-    let e17 = e16.mul_add(cos[5], bz_l_hip_pitch_x * sin[5]);
-    let bz_l_knee_y = -e17;
-    // l_ank_pitch
-    let bz_l_ank_pitch_x = bz_l_knee_x.mul_add(cos[6], e17 * sin[6]);
-    let bz_l_ank_pitch_y = bz_l_knee_x.mul_add(sin[6], -(e17 * cos[6]));
-    // l_ank_roll
-    let bz_l_ank_roll_x = bz_l_ank_pitch_y.mul_add(sin[7], bz_l_hip_roll_x * cos[7]);
-    let bz_l_ank_roll_y = -bz_l_hip_roll_x.mul_add(sin[7], -(bz_l_ank_pitch_y * cos[7]));
-    // l_sho_pitch
-    let bz_l_sho_pitch_x = bz_r_hip_yaw_x.mul_add(cos[8], -(bz_r_hip_roll_y * sin[8]));
-    let bz_l_sho_pitch_y = bz_r_hip_roll_y.mul_add(cos[8], bz_r_hip_yaw_x * sin[8]);
-    // l_sho_roll
-    let bz_l_sho_roll_x = -bz_l_sho_pitch_y.mul_add(s_l_sho_roll, e15 * c_l_sho_roll);
-    let e18 = e15.mul_add(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
-    let bz_l_sho_roll_y = -e18;
-    // l_el
-    let bz_l_el_x = bz_l_sho_pitch_x.mul_add(sin[10], -(e18 * cos[10]));
-    let bz_l_el_y = -bz_l_sho_pitch_x.mul_add(cos[10], e18 * sin[10]);
-    // r_sho_pitch
-    let bz_r_sho_pitch_x = bz_r_hip_yaw_x.mul_add(cos[17], bz_r_hip_roll_y * sin[17]);
-    let bz_r_sho_pitch_y = bz_r_hip_roll_y.mul_add(cos[17], -(bz_r_hip_yaw_x * sin[17]));
-    // r_sho_roll
-    let bz_r_sho_roll_x = -bz_r_sho_pitch_y.mul_add(s_r_sho_roll, e15 * c_r_sho_roll);
-    let e19 = e15.mul_add(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
+    let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_add(s_r_sho_roll, e4 * c_r_sho_roll);
+    let e17 = e4.mul_add(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
+    let bx_r_sho_roll_y = -e17;
+    let by_r_sho_roll_x = e16.mul_add(s_r_sho_roll, -(e5 * c_r_sho_roll));
+    let e18 = e5.mul_add(s_r_sho_roll, e16 * c_r_sho_roll);
+    let by_r_sho_roll_y = -e18;
+    let bz_r_sho_roll_x = -bz_r_sho_pitch_y.mul_add(s_r_sho_roll, e6 * c_r_sho_roll);
+    let e19 = e6.mul_add(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
     let bz_r_sho_roll_y = -e19;
     // r_el
+    let bx_r_el_x = -e17.mul_add(cos[19], bx_r_sho_pitch_x * sin[19]);
+    let bx_r_el_y = -bx_r_sho_pitch_x.mul_add(cos[19], -(e17 * sin[19]));
+    let by_r_el_x = -e18.mul_add(cos[19], by_r_sho_pitch_x * sin[19]);
+    let by_r_el_y = -by_r_sho_pitch_x.mul_add(cos[19], -(e18 * sin[19]));
     let bz_r_el_x = -e19.mul_add(cos[19], bz_r_sho_pitch_x * sin[19]);
     let bz_r_el_y = -bz_r_sho_pitch_x.mul_add(cos[19], -(e19 * sin[19]));
     let zero = T::from_f64(0.0);
@@ -3315,48 +3170,82 @@ pub fn regressor_cop_sc<T: Real>(
     sin: &[T; DOF],
     cos: &[T; DOF],
 ) -> [[T; BASE_PARAMS]; 2] {
+    // r_ank_pitch
+    let e1 = sin[16] * sin[15];
+    let by_r_ank_pitch_x = -e1;
+    let by_r_ank_pitch_y = sin[16] * cos[15];
     // r_knee
     let bx_r_knee_x = cos[15].mul_add(cos[14], sin[15] * sin[14]);
     let bx_r_knee_y = sin[15].mul_add(cos[14], -(cos[15] * sin[14]));
+    let by_r_knee_x = by_r_ank_pitch_y.mul_add(sin[14], -(e1 * cos[14]));
+    let by_r_knee_y = by_r_ank_pitch_y.mul_add(cos[14], e1 * sin[14]);
     // r_hip_pitch
     let bx_r_hip_pitch_x = bx_r_knee_x.mul_add(cos[13], bx_r_knee_y * sin[13]);
     let bx_r_hip_pitch_y = bx_r_knee_y.mul_add(cos[13], -(bx_r_knee_x * sin[13]));
+    let by_r_hip_pitch_x = by_r_knee_x.mul_add(cos[13], by_r_knee_y * sin[13]);
+    let by_r_hip_pitch_y = by_r_knee_y.mul_add(cos[13], -(by_r_knee_x * sin[13]));
     // r_hip_roll
     let bx_r_hip_roll_x = bx_r_hip_pitch_y * sin[12];
     let bx_r_hip_roll_y = bx_r_hip_pitch_y * cos[12];
+    let by_r_hip_roll_x = by_r_hip_pitch_y.mul_add(sin[12], cos[16] * cos[12]);
+    let e2 = cos[16].mul_add(sin[12], -(by_r_hip_pitch_y * cos[12]));
+    let by_r_hip_roll_y = -e2;
     // r_hip_yaw
     let bx_r_hip_yaw_x = bx_r_hip_roll_x.mul_add(sin[11], bx_r_hip_pitch_x * cos[11]);
-    let e1 = bx_r_hip_pitch_x.mul_add(sin[11], -(bx_r_hip_roll_x * cos[11]));
-    let bx_r_hip_yaw_y = -e1;
+    let e3 = bx_r_hip_pitch_x.mul_add(sin[11], -(bx_r_hip_roll_x * cos[11]));
+    let bx_r_hip_yaw_y = -e3;
+    let by_r_hip_yaw_x = by_r_hip_roll_x.mul_add(sin[11], by_r_hip_pitch_x * cos[11]);
+    let e4 = by_r_hip_pitch_x.mul_add(sin[11], -(by_r_hip_roll_x * cos[11]));
+    let by_r_hip_yaw_y = -e4;
     // head_pan
-    let bx_head_pan_x = bx_r_hip_yaw_x.mul_add(cos[0], -(e1 * sin[0]));
-    let bx_head_pan_y = -e1.mul_add(cos[0], bx_r_hip_yaw_x * sin[0]);
+    let bx_head_pan_x = bx_r_hip_yaw_x.mul_add(cos[0], -(e3 * sin[0]));
+    let bx_head_pan_y = -e3.mul_add(cos[0], bx_r_hip_yaw_x * sin[0]);
+    let by_head_pan_x = by_r_hip_yaw_x.mul_add(cos[0], -(e4 * sin[0]));
+    let by_head_pan_y = -e4.mul_add(cos[0], by_r_hip_yaw_x * sin[0]);
     // head_tilt
     let bx_head_tilt_x = bx_head_pan_x.mul_add(cos[1], bx_r_hip_roll_y * sin[1]);
     let bx_head_tilt_y = -bx_r_hip_roll_y.mul_add(cos[1], -(bx_head_pan_x * sin[1]));
+    let by_head_tilt_x = by_head_pan_x.mul_add(cos[1], -(e2 * sin[1]));
+    let by_head_tilt_y = e2.mul_add(cos[1], by_head_pan_x * sin[1]);
     // l_hip_yaw
-    let bx_l_hip_yaw_x = bx_r_hip_yaw_x.mul_add(cos[2], e1 * sin[2]);
-    let bx_l_hip_yaw_y = bx_r_hip_yaw_x.mul_add(sin[2], -(e1 * cos[2]));
+    let bx_l_hip_yaw_x = bx_r_hip_yaw_x.mul_add(cos[2], e3 * sin[2]);
+    let bx_l_hip_yaw_y = bx_r_hip_yaw_x.mul_add(sin[2], -(e3 * cos[2]));
+    let by_l_hip_yaw_x = by_r_hip_yaw_x.mul_add(cos[2], e4 * sin[2]);
+    let by_l_hip_yaw_y = by_r_hip_yaw_x.mul_add(sin[2], -(e4 * cos[2]));
     // l_hip_roll
     let bx_l_hip_roll_x = bx_l_hip_yaw_y.mul_add(cos[3], -(bx_r_hip_roll_y * sin[3]));
     let bx_l_hip_roll_y = bx_r_hip_roll_y.mul_add(cos[3], bx_l_hip_yaw_y * sin[3]);
+    let by_l_hip_roll_x = by_l_hip_yaw_y.mul_add(cos[3], e2 * sin[3]);
+    let by_l_hip_roll_y = by_l_hip_yaw_y.mul_add(sin[3], -(e2 * cos[3]));
     // l_hip_pitch
     let bx_l_hip_pitch_x = bx_l_hip_roll_y.mul_add(sin[4], bx_l_hip_yaw_x * cos[4]);
-    let e2 = bx_l_hip_yaw_x.mul_add(sin[4], -(bx_l_hip_roll_y * cos[4]));
-    let bx_l_hip_pitch_y = -e2;
+    let e5 = bx_l_hip_yaw_x.mul_add(sin[4], -(bx_l_hip_roll_y * cos[4]));
+    let bx_l_hip_pitch_y = -e5;
+    let by_l_hip_pitch_x = by_l_hip_roll_y.mul_add(sin[4], by_l_hip_yaw_x * cos[4]);
+    let e6 = by_l_hip_yaw_x.mul_add(sin[4], -(by_l_hip_roll_y * cos[4]));
+    let by_l_hip_pitch_y = -e6;
     // l_knee
-    let bx_l_knee_x = bx_l_hip_pitch_x.mul_add(cos[5], -(e2 * sin[5]));
-    let e3 = e2.mul_add(cos[5], bx_l_hip_pitch_x * sin[5]);
-    let bx_l_knee_y = -e3;
+    let bx_l_knee_x = bx_l_hip_pitch_x.mul_add(cos[5], -(e5 * sin[5]));
+    let e7 = e5.mul_add(cos[5], bx_l_hip_pitch_x * sin[5]);
+    let bx_l_knee_y = -e7;
+    let by_l_knee_x = by_l_hip_pitch_x.mul_add(cos[5], -(e6 * sin[5]));
+    let e8 = e6.mul_add(cos[5], by_l_hip_pitch_x * sin[5]);
+    let by_l_knee_y = -e8;
     // l_ank_pitch
-    let bx_l_ank_pitch_x = bx_l_knee_x.mul_add(cos[6], e3 * sin[6]);
-    let bx_l_ank_pitch_y = bx_l_knee_x.mul_add(sin[6], -(e3 * cos[6]));
+    let bx_l_ank_pitch_x = bx_l_knee_x.mul_add(cos[6], e7 * sin[6]);
+    let bx_l_ank_pitch_y = bx_l_knee_x.mul_add(sin[6], -(e7 * cos[6]));
+    let by_l_ank_pitch_x = by_l_knee_x.mul_add(cos[6], e8 * sin[6]);
+    let by_l_ank_pitch_y = by_l_knee_x.mul_add(sin[6], -(e8 * cos[6]));
     // l_ank_roll
     let bx_l_ank_roll_x = bx_l_ank_pitch_y.mul_add(sin[7], bx_l_hip_roll_x * cos[7]);
     let bx_l_ank_roll_y = -bx_l_hip_roll_x.mul_add(sin[7], -(bx_l_ank_pitch_y * cos[7]));
+    let by_l_ank_roll_x = by_l_ank_pitch_y.mul_add(sin[7], by_l_hip_roll_x * cos[7]);
+    let by_l_ank_roll_y = -by_l_hip_roll_x.mul_add(sin[7], -(by_l_ank_pitch_y * cos[7]));
     // l_sho_pitch
     let bx_l_sho_pitch_x = bx_r_hip_yaw_x.mul_add(cos[8], -(bx_r_hip_roll_y * sin[8]));
     let bx_l_sho_pitch_y = bx_r_hip_roll_y.mul_add(cos[8], bx_r_hip_yaw_x * sin[8]);
+    let by_l_sho_pitch_x = by_r_hip_yaw_x.mul_add(cos[8], e2 * sin[8]);
+    let by_l_sho_pitch_y = by_r_hip_yaw_x.mul_add(sin[8], -(e2 * cos[8]));
     // l_sho_roll
     let s_l_sho_roll = sin[9]
         .mul_add(
@@ -3368,15 +3257,23 @@ pub fn regressor_cop_sc<T: Real>(
             T::from_f64(0.707106781467586),
             T::from_f64(0.7071067809055092) * sin[9],
         );
-    let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_add(s_l_sho_roll, e1 * c_l_sho_roll);
-    let e4 = e1.mul_add(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
-    let bx_l_sho_roll_y = -e4;
+    let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_add(s_l_sho_roll, e3 * c_l_sho_roll);
+    let e9 = e3.mul_add(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
+    let bx_l_sho_roll_y = -e9;
+    let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_add(s_l_sho_roll, e4 * c_l_sho_roll);
+    let e10 = e4.mul_add(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
+    let by_l_sho_roll_y = -e10;
     // l_el
-    let bx_l_el_x = bx_l_sho_pitch_x.mul_add(sin[10], -(e4 * cos[10]));
-    let bx_l_el_y = -bx_l_sho_pitch_x.mul_add(cos[10], e4 * sin[10]);
+    let bx_l_el_x = bx_l_sho_pitch_x.mul_add(sin[10], -(e9 * cos[10]));
+    let bx_l_el_y = -bx_l_sho_pitch_x.mul_add(cos[10], e9 * sin[10]);
+    let by_l_el_x = by_l_sho_pitch_x.mul_add(sin[10], -(e10 * cos[10]));
+    let by_l_el_y = -by_l_sho_pitch_x.mul_add(cos[10], e10 * sin[10]);
     // r_sho_pitch
     let bx_r_sho_pitch_x = bx_r_hip_yaw_x.mul_add(cos[17], bx_r_hip_roll_y * sin[17]);
     let bx_r_sho_pitch_y = bx_r_hip_roll_y.mul_add(cos[17], -(bx_r_hip_yaw_x * sin[17]));
+    let by_r_sho_pitch_x = by_r_hip_yaw_x.mul_add(cos[17], -(e2 * sin[17]));
+    let e11 = e2.mul_add(cos[17], by_r_hip_yaw_x * sin[17]);
+    let by_r_sho_pitch_y = -e11;
     // r_sho_roll
     let s_r_sho_roll = sin[18]
         .mul_add(
@@ -3388,75 +3285,15 @@ pub fn regressor_cop_sc<T: Real>(
             T::from_f64(0.707106781467586),
             -(T::from_f64(0.7071067809055092) * sin[18]),
         );
-    let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_add(s_r_sho_roll, e1 * c_r_sho_roll);
-    let e5 = e1.mul_add(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
-    let bx_r_sho_roll_y = -e5;
-    // r_el
-    let bx_r_el_x = -e5.mul_add(cos[19], bx_r_sho_pitch_x * sin[19]);
-    let bx_r_el_y = -bx_r_sho_pitch_x.mul_add(cos[19], -(e5 * sin[19]));
-    // r_ank_pitch
-    let e6 = sin[16] * sin[15];
-    let by_r_ank_pitch_x = -e6;
-    let by_r_ank_pitch_y = sin[16] * cos[15];
-    // r_knee
-    let by_r_knee_x = by_r_ank_pitch_y.mul_add(sin[14], -(e6 * cos[14]));
-    let by_r_knee_y = by_r_ank_pitch_y.mul_add(cos[14], e6 * sin[14]);
-    // r_hip_pitch
-    let by_r_hip_pitch_x = by_r_knee_x.mul_add(cos[13], by_r_knee_y * sin[13]);
-    let by_r_hip_pitch_y = by_r_knee_y.mul_add(cos[13], -(by_r_knee_x * sin[13]));
-    // r_hip_roll
-    let by_r_hip_roll_x = by_r_hip_pitch_y.mul_add(sin[12], cos[16] * cos[12]);
-    let e7 = cos[16].mul_add(sin[12], -(by_r_hip_pitch_y * cos[12]));
-    let by_r_hip_roll_y = -e7;
-    // r_hip_yaw
-    let by_r_hip_yaw_x = by_r_hip_roll_x.mul_add(sin[11], by_r_hip_pitch_x * cos[11]);
-    let e8 = by_r_hip_pitch_x.mul_add(sin[11], -(by_r_hip_roll_x * cos[11]));
-    let by_r_hip_yaw_y = -e8;
-    // head_pan
-    let by_head_pan_x = by_r_hip_yaw_x.mul_add(cos[0], -(e8 * sin[0]));
-    let by_head_pan_y = -e8.mul_add(cos[0], by_r_hip_yaw_x * sin[0]);
-    // head_tilt
-    let by_head_tilt_x = by_head_pan_x.mul_add(cos[1], -(e7 * sin[1]));
-    let by_head_tilt_y = e7.mul_add(cos[1], by_head_pan_x * sin[1]);
-    // l_hip_yaw
-    let by_l_hip_yaw_x = by_r_hip_yaw_x.mul_add(cos[2], e8 * sin[2]);
-    let by_l_hip_yaw_y = by_r_hip_yaw_x.mul_add(sin[2], -(e8 * cos[2]));
-    // l_hip_roll
-    let by_l_hip_roll_x = by_l_hip_yaw_y.mul_add(cos[3], e7 * sin[3]);
-    let by_l_hip_roll_y = by_l_hip_yaw_y.mul_add(sin[3], -(e7 * cos[3]));
-    // l_hip_pitch
-    let by_l_hip_pitch_x = by_l_hip_roll_y.mul_add(sin[4], by_l_hip_yaw_x * cos[4]);
-    let e9 = by_l_hip_yaw_x.mul_add(sin[4], -(by_l_hip_roll_y * cos[4]));
-    let by_l_hip_pitch_y = -e9;
-    // l_knee
-    let by_l_knee_x = by_l_hip_pitch_x.mul_add(cos[5], -(e9 * sin[5]));
-    let e10 = e9.mul_add(cos[5], by_l_hip_pitch_x * sin[5]);
-    let by_l_knee_y = -e10;
-    // l_ank_pitch
-    let by_l_ank_pitch_x = by_l_knee_x.mul_add(cos[6], e10 * sin[6]);
-    let by_l_ank_pitch_y = by_l_knee_x.mul_add(sin[6], -(e10 * cos[6]));
-    // l_ank_roll
-    let by_l_ank_roll_x = by_l_ank_pitch_y.mul_add(sin[7], by_l_hip_roll_x * cos[7]);
-    let by_l_ank_roll_y = -by_l_hip_roll_x.mul_add(sin[7], -(by_l_ank_pitch_y * cos[7]));
-    // l_sho_pitch
-    let by_l_sho_pitch_x = by_r_hip_yaw_x.mul_add(cos[8], e7 * sin[8]);
-    let by_l_sho_pitch_y = by_r_hip_yaw_x.mul_add(sin[8], -(e7 * cos[8]));
-    // l_sho_roll
-    let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_add(s_l_sho_roll, e8 * c_l_sho_roll);
-    let e11 = e8.mul_add(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
-    let by_l_sho_roll_y = -e11;
-    // l_el
-    let by_l_el_x = by_l_sho_pitch_x.mul_add(sin[10], -(e11 * cos[10]));
-    let by_l_el_y = -by_l_sho_pitch_x.mul_add(cos[10], e11 * sin[10]);
-    // r_sho_pitch
-    let by_r_sho_pitch_x = by_r_hip_yaw_x.mul_add(cos[17], -(e7 * sin[17]));
-    let e12 = e7.mul_add(cos[17], by_r_hip_yaw_x * sin[17]);
-    let by_r_sho_pitch_y = -e12;
-    // r_sho_roll
-    let by_r_sho_roll_x = e12.mul_add(s_r_sho_roll, -(e8 * c_r_sho_roll));
-    let e13 = e8.mul_add(s_r_sho_roll, e12 * c_r_sho_roll);
+    let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_add(s_r_sho_roll, e3 * c_r_sho_roll);
+    let e12 = e3.mul_add(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
+    let bx_r_sho_roll_y = -e12;
+    let by_r_sho_roll_x = e11.mul_add(s_r_sho_roll, -(e4 * c_r_sho_roll));
+    let e13 = e4.mul_add(s_r_sho_roll, e11 * c_r_sho_roll);
     let by_r_sho_roll_y = -e13;
     // r_el
+    let bx_r_el_x = -e12.mul_add(cos[19], bx_r_sho_pitch_x * sin[19]);
+    let bx_r_el_y = -bx_r_sho_pitch_x.mul_add(cos[19], -(e12 * sin[19]));
     let by_r_el_x = -e13.mul_add(cos[19], by_r_sho_pitch_x * sin[19]);
     let by_r_el_y = -by_r_sho_pitch_x.mul_add(cos[19], -(e13 * sin[19]));
     let zero = T::from_f64(0.0);
@@ -3566,48 +3403,114 @@ pub fn regressor_full_sc<T: Real>(
 ) -> [[T; FULL_PARAMS]; 3] {
     // r_ank_roll
     let bz_r_ank_roll_x = -sin[16];
+    // r_ank_pitch
+    let e1 = sin[16] * sin[15];
+    let by_r_ank_pitch_x = -e1;
+    let by_r_ank_pitch_y = sin[16] * cos[15];
+    let e2 = cos[16] * sin[15];
+    let bz_r_ank_pitch_x = -e2;
+    let bz_r_ank_pitch_y = cos[16] * cos[15];
     // r_knee
     let bx_r_knee_x = cos[15].mul_add(cos[14], sin[15] * sin[14]);
     let bx_r_knee_y = sin[15].mul_add(cos[14], -(cos[15] * sin[14]));
+    let by_r_knee_x = by_r_ank_pitch_y.mul_add(sin[14], -(e1 * cos[14]));
+    let by_r_knee_y = by_r_ank_pitch_y.mul_add(cos[14], e1 * sin[14]);
+    let bz_r_knee_x = bz_r_ank_pitch_y.mul_add(sin[14], -(e2 * cos[14]));
+    let bz_r_knee_y = bz_r_ank_pitch_y.mul_add(cos[14], e2 * sin[14]);
     // r_hip_pitch
     let bx_r_hip_pitch_x = bx_r_knee_x.mul_add(cos[13], bx_r_knee_y * sin[13]);
     let bx_r_hip_pitch_y = bx_r_knee_y.mul_add(cos[13], -(bx_r_knee_x * sin[13]));
+    let by_r_hip_pitch_x = by_r_knee_x.mul_add(cos[13], by_r_knee_y * sin[13]);
+    let by_r_hip_pitch_y = by_r_knee_y.mul_add(cos[13], -(by_r_knee_x * sin[13]));
+    let bz_r_hip_pitch_x = bz_r_knee_x.mul_add(cos[13], bz_r_knee_y * sin[13]);
+    let bz_r_hip_pitch_y = bz_r_knee_y.mul_add(cos[13], -(bz_r_knee_x * sin[13]));
     // r_hip_roll
     let bx_r_hip_roll_x = bx_r_hip_pitch_y * sin[12];
     let bx_r_hip_roll_y = bx_r_hip_pitch_y * cos[12];
+    let by_r_hip_roll_x = by_r_hip_pitch_y.mul_add(sin[12], cos[16] * cos[12]);
+    let e3 = cos[16].mul_add(sin[12], -(by_r_hip_pitch_y * cos[12]));
+    let by_r_hip_roll_y = -e3;
+    let bz_r_hip_roll_x = bz_r_hip_pitch_y.mul_add(sin[12], -(sin[16] * cos[12]));
+    let bz_r_hip_roll_y = sin[16].mul_add(sin[12], bz_r_hip_pitch_y * cos[12]);
     // r_hip_yaw
     let bx_r_hip_yaw_x = bx_r_hip_roll_x.mul_add(sin[11], bx_r_hip_pitch_x * cos[11]);
-    let e1 = bx_r_hip_pitch_x.mul_add(sin[11], -(bx_r_hip_roll_x * cos[11]));
-    let bx_r_hip_yaw_y = -e1;
+    let e4 = bx_r_hip_pitch_x.mul_add(sin[11], -(bx_r_hip_roll_x * cos[11]));
+    let bx_r_hip_yaw_y = -e4;
+    let by_r_hip_yaw_x = by_r_hip_roll_x.mul_add(sin[11], by_r_hip_pitch_x * cos[11]);
+    let e5 = by_r_hip_pitch_x.mul_add(sin[11], -(by_r_hip_roll_x * cos[11]));
+    let by_r_hip_yaw_y = -e5;
+    let bz_r_hip_yaw_x = bz_r_hip_roll_x.mul_add(sin[11], bz_r_hip_pitch_x * cos[11]);
+    let e6 = bz_r_hip_pitch_x.mul_add(sin[11], -(bz_r_hip_roll_x * cos[11]));
+    let bz_r_hip_yaw_y = -e6;
     // head_pan
-    let bx_head_pan_x = bx_r_hip_yaw_x.mul_add(cos[0], -(e1 * sin[0]));
-    let bx_head_pan_y = -e1.mul_add(cos[0], bx_r_hip_yaw_x * sin[0]);
+    let bx_head_pan_x = bx_r_hip_yaw_x.mul_add(cos[0], -(e4 * sin[0]));
+    let bx_head_pan_y = -e4.mul_add(cos[0], bx_r_hip_yaw_x * sin[0]);
+    let by_head_pan_x = by_r_hip_yaw_x.mul_add(cos[0], -(e5 * sin[0]));
+    let by_head_pan_y = -e5.mul_add(cos[0], by_r_hip_yaw_x * sin[0]);
+    let bz_head_pan_x = bz_r_hip_yaw_x.mul_add(cos[0], -(e6 * sin[0]));
+    let bz_head_pan_y = -e6.mul_add(cos[0], bz_r_hip_yaw_x * sin[0]);
     // head_tilt
     let bx_head_tilt_x = bx_head_pan_x.mul_add(cos[1], bx_r_hip_roll_y * sin[1]);
-    let e2 = bx_r_hip_roll_y.mul_add(cos[1], -(bx_head_pan_x * sin[1]));
+    let e7 = bx_r_hip_roll_y.mul_add(cos[1], -(bx_head_pan_x * sin[1]));
+    let by_head_tilt_x = by_head_pan_x.mul_add(cos[1], -(e3 * sin[1]));
+    let by_head_tilt_y = e3.mul_add(cos[1], by_head_pan_x * sin[1]);
+    let bz_head_tilt_x = bz_head_pan_x.mul_add(cos[1], bz_r_hip_roll_y * sin[1]);
+    let e8 = bz_r_hip_roll_y.mul_add(cos[1], -(bz_head_pan_x * sin[1]));
     // l_hip_yaw
-    let bx_l_hip_yaw_x = bx_r_hip_yaw_x.mul_add(cos[2], e1 * sin[2]);
-    let bx_l_hip_yaw_y = bx_r_hip_yaw_x.mul_add(sin[2], -(e1 * cos[2]));
+    let bx_l_hip_yaw_x = bx_r_hip_yaw_x.mul_add(cos[2], e4 * sin[2]);
+    let bx_l_hip_yaw_y = bx_r_hip_yaw_x.mul_add(sin[2], -(e4 * cos[2]));
+    let by_l_hip_yaw_x = by_r_hip_yaw_x.mul_add(cos[2], e5 * sin[2]);
+    let by_l_hip_yaw_y = by_r_hip_yaw_x.mul_add(sin[2], -(e5 * cos[2]));
+    let bz_l_hip_yaw_x = bz_r_hip_yaw_x.mul_add(cos[2], e6 * sin[2]);
+    let bz_l_hip_yaw_y = bz_r_hip_yaw_x.mul_add(sin[2], -(e6 * cos[2]));
     // l_hip_roll
     let bx_l_hip_roll_x = bx_l_hip_yaw_y.mul_add(cos[3], -(bx_r_hip_roll_y * sin[3]));
     let bx_l_hip_roll_y = bx_r_hip_roll_y.mul_add(cos[3], bx_l_hip_yaw_y * sin[3]);
+    let by_l_hip_roll_x = by_l_hip_yaw_y.mul_add(cos[3], e3 * sin[3]);
+    let by_l_hip_roll_y = by_l_hip_yaw_y.mul_add(sin[3], -(e3 * cos[3]));
+    let bz_l_hip_roll_x = bz_l_hip_yaw_y.mul_add(cos[3], -(bz_r_hip_roll_y * sin[3]));
+    let bz_l_hip_roll_y = bz_r_hip_roll_y.mul_add(cos[3], bz_l_hip_yaw_y * sin[3]);
     // l_hip_pitch
     let bx_l_hip_pitch_x = bx_l_hip_roll_y.mul_add(sin[4], bx_l_hip_yaw_x * cos[4]);
-    let e3 = bx_l_hip_yaw_x.mul_add(sin[4], -(bx_l_hip_roll_y * cos[4]));
-    let bx_l_hip_pitch_y = -e3;
+    let e9 = bx_l_hip_yaw_x.mul_add(sin[4], -(bx_l_hip_roll_y * cos[4]));
+    let bx_l_hip_pitch_y = -e9;
+    let by_l_hip_pitch_x = by_l_hip_roll_y.mul_add(sin[4], by_l_hip_yaw_x * cos[4]);
+    let e10 = by_l_hip_yaw_x.mul_add(sin[4], -(by_l_hip_roll_y * cos[4]));
+    let by_l_hip_pitch_y = -e10;
+    let bz_l_hip_pitch_x = bz_l_hip_roll_y.mul_add(sin[4], bz_l_hip_yaw_x * cos[4]);
+    let e11 = bz_l_hip_yaw_x.mul_add(sin[4], -(bz_l_hip_roll_y * cos[4]));
+    let bz_l_hip_pitch_y = -e11;
     // l_knee
-    let bx_l_knee_x = bx_l_hip_pitch_x.mul_add(cos[5], -(e3 * sin[5]));
-    let e4 = e3.mul_add(cos[5], bx_l_hip_pitch_x * sin[5]);
-    let bx_l_knee_y = -e4;
+    let bx_l_knee_x = bx_l_hip_pitch_x.mul_add(cos[5], -(e9 * sin[5]));
+    let e12 = e9.mul_add(cos[5], bx_l_hip_pitch_x * sin[5]);
+    let bx_l_knee_y = -e12;
+    let by_l_knee_x = by_l_hip_pitch_x.mul_add(cos[5], -(e10 * sin[5]));
+    let e13 = e10.mul_add(cos[5], by_l_hip_pitch_x * sin[5]);
+    let by_l_knee_y = -e13;
+    let bz_l_knee_x = bz_l_hip_pitch_x.mul_add(cos[5], -(e11 * sin[5]));
+    let e14 = e11.mul_add(cos[5], bz_l_hip_pitch_x * sin[5]);
+    let bz_l_knee_y = -e14;
     // l_ank_pitch
-    let bx_l_ank_pitch_x = bx_l_knee_x.mul_add(cos[6], e4 * sin[6]);
-    let bx_l_ank_pitch_y = bx_l_knee_x.mul_add(sin[6], -(e4 * cos[6]));
+    let bx_l_ank_pitch_x = bx_l_knee_x.mul_add(cos[6], e12 * sin[6]);
+    let bx_l_ank_pitch_y = bx_l_knee_x.mul_add(sin[6], -(e12 * cos[6]));
+    let by_l_ank_pitch_x = by_l_knee_x.mul_add(cos[6], e13 * sin[6]);
+    let by_l_ank_pitch_y = by_l_knee_x.mul_add(sin[6], -(e13 * cos[6]));
+    let bz_l_ank_pitch_x = bz_l_knee_x.mul_add(cos[6], e14 * sin[6]);
+    let bz_l_ank_pitch_y = bz_l_knee_x.mul_add(sin[6], -(e14 * cos[6]));
     // l_ank_roll
     let bx_l_ank_roll_x = bx_l_ank_pitch_y.mul_add(sin[7], bx_l_hip_roll_x * cos[7]);
     let bx_l_ank_roll_y = -bx_l_hip_roll_x.mul_add(sin[7], -(bx_l_ank_pitch_y * cos[7]));
+    let by_l_ank_roll_x = by_l_ank_pitch_y.mul_add(sin[7], by_l_hip_roll_x * cos[7]);
+    let by_l_ank_roll_y = -by_l_hip_roll_x.mul_add(sin[7], -(by_l_ank_pitch_y * cos[7]));
+    let bz_l_ank_roll_x = bz_l_ank_pitch_y.mul_add(sin[7], bz_l_hip_roll_x * cos[7]);
+    let bz_l_ank_roll_y = -bz_l_hip_roll_x.mul_add(sin[7], -(bz_l_ank_pitch_y * cos[7]));
     // l_sho_pitch
     let bx_l_sho_pitch_x = bx_r_hip_yaw_x.mul_add(cos[8], -(bx_r_hip_roll_y * sin[8]));
     let bx_l_sho_pitch_y = bx_r_hip_roll_y.mul_add(cos[8], bx_r_hip_yaw_x * sin[8]);
+    let by_l_sho_pitch_x = by_r_hip_yaw_x.mul_add(cos[8], e3 * sin[8]);
+    let by_l_sho_pitch_y = by_r_hip_yaw_x.mul_add(sin[8], -(e3 * cos[8]));
+    let bz_l_sho_pitch_x = bz_r_hip_yaw_x.mul_add(cos[8], -(bz_r_hip_roll_y * sin[8]));
+    let bz_l_sho_pitch_y = bz_r_hip_roll_y.mul_add(cos[8], bz_r_hip_yaw_x * sin[8]);
     // l_sho_roll
     let s_l_sho_roll = sin[9]
         .mul_add(
@@ -3619,15 +3522,30 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.707106781467586),
             T::from_f64(0.7071067809055092) * sin[9],
         );
-    let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_add(s_l_sho_roll, e1 * c_l_sho_roll);
-    let e5 = e1.mul_add(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
-    let bx_l_sho_roll_y = -e5;
+    let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_add(s_l_sho_roll, e4 * c_l_sho_roll);
+    let e15 = e4.mul_add(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
+    let bx_l_sho_roll_y = -e15;
+    let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_add(s_l_sho_roll, e5 * c_l_sho_roll);
+    let e16 = e5.mul_add(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
+    let by_l_sho_roll_y = -e16;
+    let bz_l_sho_roll_x = -bz_l_sho_pitch_y.mul_add(s_l_sho_roll, e6 * c_l_sho_roll);
+    let e17 = e6.mul_add(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
+    let bz_l_sho_roll_y = -e17;
     // l_el
-    let bx_l_el_x = bx_l_sho_pitch_x.mul_add(sin[10], -(e5 * cos[10]));
-    let bx_l_el_y = -bx_l_sho_pitch_x.mul_add(cos[10], e5 * sin[10]);
+    let bx_l_el_x = bx_l_sho_pitch_x.mul_add(sin[10], -(e15 * cos[10]));
+    let bx_l_el_y = -bx_l_sho_pitch_x.mul_add(cos[10], e15 * sin[10]);
+    let by_l_el_x = by_l_sho_pitch_x.mul_add(sin[10], -(e16 * cos[10]));
+    let by_l_el_y = -by_l_sho_pitch_x.mul_add(cos[10], e16 * sin[10]);
+    let bz_l_el_x = bz_l_sho_pitch_x.mul_add(sin[10], -(e17 * cos[10]));
+    let bz_l_el_y = -bz_l_sho_pitch_x.mul_add(cos[10], e17 * sin[10]);
     // r_sho_pitch
     let bx_r_sho_pitch_x = bx_r_hip_yaw_x.mul_add(cos[17], bx_r_hip_roll_y * sin[17]);
     let bx_r_sho_pitch_y = bx_r_hip_roll_y.mul_add(cos[17], -(bx_r_hip_yaw_x * sin[17]));
+    let by_r_sho_pitch_x = by_r_hip_yaw_x.mul_add(cos[17], -(e3 * sin[17]));
+    let e18 = e3.mul_add(cos[17], by_r_hip_yaw_x * sin[17]);
+    let by_r_sho_pitch_y = -e18;
+    let bz_r_sho_pitch_x = bz_r_hip_yaw_x.mul_add(cos[17], bz_r_hip_roll_y * sin[17]);
+    let bz_r_sho_pitch_y = bz_r_hip_roll_y.mul_add(cos[17], -(bz_r_hip_yaw_x * sin[17]));
     // r_sho_roll
     let s_r_sho_roll = sin[18]
         .mul_add(
@@ -3639,138 +3557,20 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.707106781467586),
             -(T::from_f64(0.7071067809055092) * sin[18]),
         );
-    let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_add(s_r_sho_roll, e1 * c_r_sho_roll);
-    let e6 = e1.mul_add(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
-    let bx_r_sho_roll_y = -e6;
-    // r_el
-    let bx_r_el_x = -e6.mul_add(cos[19], bx_r_sho_pitch_x * sin[19]);
-    let bx_r_el_y = -bx_r_sho_pitch_x.mul_add(cos[19], -(e6 * sin[19]));
-    // r_ank_pitch
-    let e7 = sin[16] * sin[15];
-    let by_r_ank_pitch_x = -e7;
-    let by_r_ank_pitch_y = sin[16] * cos[15];
-    // r_knee
-    let by_r_knee_x = by_r_ank_pitch_y.mul_add(sin[14], -(e7 * cos[14]));
-    let by_r_knee_y = by_r_ank_pitch_y.mul_add(cos[14], e7 * sin[14]);
-    // r_hip_pitch
-    let by_r_hip_pitch_x = by_r_knee_x.mul_add(cos[13], by_r_knee_y * sin[13]);
-    let by_r_hip_pitch_y = by_r_knee_y.mul_add(cos[13], -(by_r_knee_x * sin[13]));
-    // r_hip_roll
-    let by_r_hip_roll_x = by_r_hip_pitch_y.mul_add(sin[12], cos[16] * cos[12]);
-    let e8 = cos[16].mul_add(sin[12], -(by_r_hip_pitch_y * cos[12]));
-    let by_r_hip_roll_y = -e8;
-    // r_hip_yaw
-    let by_r_hip_yaw_x = by_r_hip_roll_x.mul_add(sin[11], by_r_hip_pitch_x * cos[11]);
-    let e9 = by_r_hip_pitch_x.mul_add(sin[11], -(by_r_hip_roll_x * cos[11]));
-    let by_r_hip_yaw_y = -e9;
-    // head_pan
-    let by_head_pan_x = by_r_hip_yaw_x.mul_add(cos[0], -(e9 * sin[0]));
-    let by_head_pan_y = -e9.mul_add(cos[0], by_r_hip_yaw_x * sin[0]);
-    // head_tilt
-    let by_head_tilt_x = by_head_pan_x.mul_add(cos[1], -(e8 * sin[1]));
-    let by_head_tilt_y = e8.mul_add(cos[1], by_head_pan_x * sin[1]);
-    // l_hip_yaw
-    let by_l_hip_yaw_x = by_r_hip_yaw_x.mul_add(cos[2], e9 * sin[2]);
-    let by_l_hip_yaw_y = by_r_hip_yaw_x.mul_add(sin[2], -(e9 * cos[2]));
-    // l_hip_roll
-    let by_l_hip_roll_x = by_l_hip_yaw_y.mul_add(cos[3], e8 * sin[3]);
-    let by_l_hip_roll_y = by_l_hip_yaw_y.mul_add(sin[3], -(e8 * cos[3]));
-    // l_hip_pitch
-    let by_l_hip_pitch_x = by_l_hip_roll_y.mul_add(sin[4], by_l_hip_yaw_x * cos[4]);
-    let e10 = by_l_hip_yaw_x.mul_add(sin[4], -(by_l_hip_roll_y * cos[4]));
-    let by_l_hip_pitch_y = -e10;
-    // l_knee
-    let by_l_knee_x = by_l_hip_pitch_x.mul_add(cos[5], -(e10 * sin[5]));
-    let e11 = e10.mul_add(cos[5], by_l_hip_pitch_x * sin[5]);
-    let by_l_knee_y = -e11;
-    // l_ank_pitch
-    let by_l_ank_pitch_x = by_l_knee_x.mul_add(cos[6], e11 * sin[6]);
-    let by_l_ank_pitch_y = by_l_knee_x.mul_add(sin[6], -(e11 * cos[6]));
-    // l_ank_roll
-    let by_l_ank_roll_x = by_l_ank_pitch_y.mul_add(sin[7], by_l_hip_roll_x * cos[7]);
-    let by_l_ank_roll_y = -by_l_hip_roll_x.mul_add(sin[7], -(by_l_ank_pitch_y * cos[7]));
-    // l_sho_pitch
-    let by_l_sho_pitch_x = by_r_hip_yaw_x.mul_add(cos[8], e8 * sin[8]);
-    let by_l_sho_pitch_y = by_r_hip_yaw_x.mul_add(sin[8], -(e8 * cos[8]));
-    // l_sho_roll
-    let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_add(s_l_sho_roll, e9 * c_l_sho_roll);
-    let e12 = e9.mul_add(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
-    let by_l_sho_roll_y = -e12;
-    // l_el
-    let by_l_el_x = by_l_sho_pitch_x.mul_add(sin[10], -(e12 * cos[10]));
-    let by_l_el_y = -by_l_sho_pitch_x.mul_add(cos[10], e12 * sin[10]);
-    // r_sho_pitch
-    let by_r_sho_pitch_x = by_r_hip_yaw_x.mul_add(cos[17], -(e8 * sin[17]));
-    let e13 = e8.mul_add(cos[17], by_r_hip_yaw_x * sin[17]);
-    let by_r_sho_pitch_y = -e13;
-    // r_sho_roll
-    let by_r_sho_roll_x = e13.mul_add(s_r_sho_roll, -(e9 * c_r_sho_roll));
-    let e14 = e9.mul_add(s_r_sho_roll, e13 * c_r_sho_roll);
-    let by_r_sho_roll_y = -e14;
-    // r_el
-    let by_r_el_x = -e14.mul_add(cos[19], by_r_sho_pitch_x * sin[19]);
-    let by_r_el_y = -by_r_sho_pitch_x.mul_add(cos[19], -(e14 * sin[19]));
-    // r_ank_pitch
-    let e15 = cos[16] * sin[15];
-    let bz_r_ank_pitch_x = -e15;
-    let bz_r_ank_pitch_y = cos[16] * cos[15];
-    // r_knee
-    let bz_r_knee_x = bz_r_ank_pitch_y.mul_add(sin[14], -(e15 * cos[14]));
-    let bz_r_knee_y = bz_r_ank_pitch_y.mul_add(cos[14], e15 * sin[14]);
-    // r_hip_pitch
-    let bz_r_hip_pitch_x = bz_r_knee_x.mul_add(cos[13], bz_r_knee_y * sin[13]);
-    let bz_r_hip_pitch_y = bz_r_knee_y.mul_add(cos[13], -(bz_r_knee_x * sin[13]));
-    // r_hip_roll
-    let bz_r_hip_roll_x = bz_r_hip_pitch_y.mul_add(sin[12], -(sin[16] * cos[12]));
-    let bz_r_hip_roll_y = sin[16].mul_add(sin[12], bz_r_hip_pitch_y * cos[12]);
-    // r_hip_yaw
-    let bz_r_hip_yaw_x = bz_r_hip_roll_x.mul_add(sin[11], bz_r_hip_pitch_x * cos[11]);
-    let e16 = bz_r_hip_pitch_x.mul_add(sin[11], -(bz_r_hip_roll_x * cos[11]));
-    let bz_r_hip_yaw_y = -e16;
-    // head_pan
-    let bz_head_pan_x = bz_r_hip_yaw_x.mul_add(cos[0], -(e16 * sin[0]));
-    let bz_head_pan_y = -e16.mul_add(cos[0], bz_r_hip_yaw_x * sin[0]);
-    // head_tilt
-    let bz_head_tilt_x = bz_head_pan_x.mul_add(cos[1], bz_r_hip_roll_y * sin[1]);
-    let e17 = bz_r_hip_roll_y.mul_add(cos[1], -(bz_head_pan_x * sin[1]));
-    // l_hip_yaw
-    let bz_l_hip_yaw_x = bz_r_hip_yaw_x.mul_add(cos[2], e16 * sin[2]);
-    let bz_l_hip_yaw_y = bz_r_hip_yaw_x.mul_add(sin[2], -(e16 * cos[2]));
-    // l_hip_roll
-    let bz_l_hip_roll_x = bz_l_hip_yaw_y.mul_add(cos[3], -(bz_r_hip_roll_y * sin[3]));
-    let bz_l_hip_roll_y = bz_r_hip_roll_y.mul_add(cos[3], bz_l_hip_yaw_y * sin[3]);
-    // l_hip_pitch
-    let bz_l_hip_pitch_x = bz_l_hip_roll_y.mul_add(sin[4], bz_l_hip_yaw_x * cos[4]);
-    let e18 = bz_l_hip_yaw_x.mul_add(sin[4], -(bz_l_hip_roll_y * cos[4]));
-    let bz_l_hip_pitch_y = -e18;
-    // l_knee
-    let bz_l_knee_x = bz_l_hip_pitch_x.mul_add(cos[5], -(e18 * sin[5]));
-    let e19 = e18.mul_add(cos[5], bz_l_hip_pitch_x * sin[5]);
-    let bz_l_knee_y = -e19;
-    // l_ank_pitch
-    let bz_l_ank_pitch_x = bz_l_knee_x.mul_add(cos[6], e19 * sin[6]);
-    let bz_l_ank_pitch_y = bz_l_knee_x.mul_add(sin[6], -(e19 * cos[6]));
-    // l_ank_roll
-    let bz_l_ank_roll_x = bz_l_ank_pitch_y.mul_add(sin[7], bz_l_hip_roll_x * cos[7]);
-    let bz_l_ank_roll_y = -bz_l_hip_roll_x.mul_add(sin[7], -(bz_l_ank_pitch_y * cos[7]));
-    // l_sho_pitch
-    let bz_l_sho_pitch_x = bz_r_hip_yaw_x.mul_add(cos[8], -(bz_r_hip_roll_y * sin[8]));
-    let bz_l_sho_pitch_y = bz_r_hip_roll_y.mul_add(cos[8], bz_r_hip_yaw_x * sin[8]);
-    // l_sho_roll
-    let bz_l_sho_roll_x = -bz_l_sho_pitch_y.mul_add(s_l_sho_roll, e16 * c_l_sho_roll);
-    let e20 = e16.mul_add(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
-    let bz_l_sho_roll_y = -e20;
-    // l_el
-    let bz_l_el_x = bz_l_sho_pitch_x.mul_add(sin[10], -(e20 * cos[10]));
-    let bz_l_el_y = -bz_l_sho_pitch_x.mul_add(cos[10], e20 * sin[10]);
-    // r_sho_pitch
-    let bz_r_sho_pitch_x = bz_r_hip_yaw_x.mul_add(cos[17], bz_r_hip_roll_y * sin[17]);
-    let bz_r_sho_pitch_y = bz_r_hip_roll_y.mul_add(cos[17], -(bz_r_hip_yaw_x * sin[17]));
-    // r_sho_roll
-    let bz_r_sho_roll_x = -bz_r_sho_pitch_y.mul_add(s_r_sho_roll, e16 * c_r_sho_roll);
-    let e21 = e16.mul_add(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
+    let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_add(s_r_sho_roll, e4 * c_r_sho_roll);
+    let e19 = e4.mul_add(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
+    let bx_r_sho_roll_y = -e19;
+    let by_r_sho_roll_x = e18.mul_add(s_r_sho_roll, -(e5 * c_r_sho_roll));
+    let e20 = e5.mul_add(s_r_sho_roll, e18 * c_r_sho_roll);
+    let by_r_sho_roll_y = -e20;
+    let bz_r_sho_roll_x = -bz_r_sho_pitch_y.mul_add(s_r_sho_roll, e6 * c_r_sho_roll);
+    let e21 = e6.mul_add(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
     let bz_r_sho_roll_y = -e21;
     // r_el
+    let bx_r_el_x = -e19.mul_add(cos[19], bx_r_sho_pitch_x * sin[19]);
+    let bx_r_el_y = -bx_r_sho_pitch_x.mul_add(cos[19], -(e19 * sin[19]));
+    let by_r_el_x = -e20.mul_add(cos[19], by_r_sho_pitch_x * sin[19]);
+    let by_r_el_y = -by_r_sho_pitch_x.mul_add(cos[19], -(e20 * sin[19]));
     let bz_r_el_x = -e21.mul_add(cos[19], bz_r_sho_pitch_x * sin[19]);
     let bz_r_el_y = -bz_r_sho_pitch_x.mul_add(cos[19], -(e21 * sin[19]));
     let zero = T::from_f64(0.0);
@@ -3804,13 +3604,13 @@ pub fn regressor_full_sc<T: Real>(
             bx_head_tilt_x
                 .mul_add(
                     T::from_f64(0.8386705680315472),
-                    -(T::from_f64(0.5446390348824093) * e2),
+                    -(T::from_f64(0.5446390348824093) * e7),
                 ),
             bx_head_pan_y,
             bx_head_tilt_x
                 .mul_add(
                     T::from_f64(0.5446390348824093),
-                    T::from_f64(0.8386705680315472) * e2,
+                    T::from_f64(0.8386705680315472) * e7,
                 ),
             bx_l_hip_yaw_x,
             bx_l_hip_yaw_y,
@@ -3950,13 +3750,13 @@ pub fn regressor_full_sc<T: Real>(
             bz_head_tilt_x
                 .mul_add(
                     T::from_f64(0.8386705680315472),
-                    -(T::from_f64(0.5446390348824093) * e17),
+                    -(T::from_f64(0.5446390348824093) * e8),
                 ),
             bz_head_pan_y,
             bz_head_tilt_x
                 .mul_add(
                     T::from_f64(0.5446390348824093),
-                    T::from_f64(0.8386705680315472) * e17,
+                    T::from_f64(0.8386705680315472) * e8,
                 ),
             bz_l_hip_yaw_x,
             bz_l_hip_yaw_y,
@@ -4004,10 +3804,8 @@ pub fn regressor_full_sc<T: Real>(
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 #[inline(always)]
 pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
-    // r_el
-    let t_r_el_x = cos[19].mul_add(r[41], -(sin[19] * r[42]));
     // r_sho_roll
-    let v_r_sho_roll_y = r[40] + t_r_el_x;
+    let v_r_sho_roll_y = (-sin[19]).mul_add(r[42], cos[19].mul_add(r[41], r[40]));
     let s_r_sho_roll = sin[18]
         .mul_add(
             T::from_f64(0.707106781467586),
@@ -4018,18 +3816,14 @@ pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
             T::from_f64(0.707106781467586),
             -(T::from_f64(0.7071067809055092) * sin[18]),
         );
-    let t_r_sho_roll_x = c_r_sho_roll.mul_add(v_r_sho_roll_y, -(s_r_sho_roll * r[39]));
-    let t_r_sho_roll_y = c_r_sho_roll.mul_add(r[39], s_r_sho_roll * v_r_sho_roll_y);
     // r_sho_pitch
     let v_r_sho_pitch_x = r[37] - sin[19].mul_add(r[41], cos[19] * r[42]);
-    let v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
-    let t_r_sho_pitch_x = cos[17].mul_add(v_r_sho_pitch_x, -(sin[17] * v_r_sho_pitch_y));
-    let t_r_sho_pitch_y = sin[17].mul_add(v_r_sho_pitch_x, cos[17] * v_r_sho_pitch_y);
-    // l_el
-    let t_l_el_x = cos[10].mul_add(r[35], sin[10] * r[36]);
-    let t_l_el_y = sin[10].mul_add(r[35], -(cos[10] * r[36]));
+    let v_r_sho_pitch_y = c_r_sho_roll
+        .mul_add(v_r_sho_roll_y, (-s_r_sho_roll).mul_add(r[39], r[38]));
+    let v_r_sho_pitch_z = c_r_sho_roll.mul_add(r[39], s_r_sho_roll * v_r_sho_roll_y);
     // l_sho_roll
-    let v_l_sho_roll_y = r[34] + t_l_el_x;
+    let v_l_sho_roll_y = sin[10].mul_add(r[36], cos[10].mul_add(r[35], r[34]));
+    let v_l_sho_roll_z = sin[10].mul_add(r[35], -(cos[10] * r[36]));
     let s_l_sho_roll = sin[9]
         .mul_add(
             T::from_f64(0.707106781467586),
@@ -4040,82 +3834,100 @@ pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
             T::from_f64(0.707106781467586),
             T::from_f64(0.7071067809055092) * sin[9],
         );
-    let t_l_sho_roll_x = c_l_sho_roll.mul_add(v_l_sho_roll_y, -(s_l_sho_roll * r[33]));
-    let t_l_sho_roll_y = c_l_sho_roll.mul_add(r[33], s_l_sho_roll * v_l_sho_roll_y);
     // l_sho_pitch
-    let v_l_sho_pitch_x = r[31] + t_l_el_y;
-    let v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
-    let t_l_sho_pitch_x = cos[8].mul_add(v_l_sho_pitch_x, sin[8] * v_l_sho_pitch_y);
-    let t_l_sho_pitch_y = cos[8].mul_add(v_l_sho_pitch_y, -(sin[8] * v_l_sho_pitch_x));
-    // l_ank_roll
-    let t_l_ank_roll_x = sin[7].mul_add(r[29], cos[7] * r[30]);
-    let t_l_ank_roll_y = cos[7].mul_add(r[29], -(sin[7] * r[30]));
+    let v_l_sho_pitch_x = r[31] + v_l_sho_roll_z;
+    let v_l_sho_pitch_y = c_l_sho_roll
+        .mul_add(v_l_sho_roll_y, (-s_l_sho_roll).mul_add(r[33], r[32]));
+    let v_l_sho_pitch_z = c_l_sho_roll.mul_add(r[33], s_l_sho_roll * v_l_sho_roll_y);
     // l_ank_pitch
-    let v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
-    let t_l_ank_pitch_x = cos[6].mul_add(r[27], sin[6] * v_l_ank_pitch_y);
-    let t_l_ank_pitch_y = cos[6].mul_add(v_l_ank_pitch_y, -(sin[6] * r[27]));
+    let v_l_ank_pitch_y = cos[7].mul_add(r[30], sin[7].mul_add(r[29], r[28]));
+    let v_l_ank_pitch_z = cos[7].mul_add(r[29], -(sin[7] * r[30]));
     // l_knee
-    let v_l_knee_x = r[25] + t_l_ank_pitch_x;
-    let v_l_knee_y = r[26] + t_l_ank_pitch_y;
-    let t_l_knee_x = cos[5].mul_add(v_l_knee_x, -(sin[5] * v_l_knee_y));
-    let t_l_knee_y = sin[5].mul_add(v_l_knee_x, cos[5] * v_l_knee_y);
+    let v_l_knee_x = sin[6].mul_add(v_l_ank_pitch_y, cos[6].mul_add(r[27], r[25]));
+    let v_l_knee_y = cos[6].mul_add(v_l_ank_pitch_y, (-sin[6]).mul_add(r[27], r[26]));
     // l_hip_pitch
-    let v_l_hip_pitch_x = r[23] + t_l_knee_x;
-    let v_l_hip_pitch_y = r[24] + t_l_knee_y;
-    let t_l_hip_pitch_x = sin[4].mul_add(v_l_hip_pitch_x, cos[4] * v_l_hip_pitch_y);
-    let t_l_hip_pitch_y = cos[4].mul_add(v_l_hip_pitch_x, -(sin[4] * v_l_hip_pitch_y));
+    let v_l_hip_pitch_x = (-sin[5])
+        .mul_add(v_l_knee_y, cos[5].mul_add(v_l_knee_x, r[23]));
+    let v_l_hip_pitch_y = cos[5].mul_add(v_l_knee_y, sin[5].mul_add(v_l_knee_x, r[24]));
     // l_hip_roll
-    let v_l_hip_roll_x = r[21] + t_l_ank_roll_y;
-    let v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
-    let t_l_hip_roll_x = cos[3].mul_add(v_l_hip_roll_x, sin[3] * v_l_hip_roll_y);
-    let t_l_hip_roll_y = cos[3].mul_add(v_l_hip_roll_y, -(sin[3] * v_l_hip_roll_x));
+    let v_l_hip_roll_x = r[21] + v_l_ank_pitch_z;
+    let v_l_hip_roll_y = cos[4]
+        .mul_add(v_l_hip_pitch_y, sin[4].mul_add(v_l_hip_pitch_x, r[22]));
+    let v_l_hip_roll_z = cos[4].mul_add(v_l_hip_pitch_x, -(sin[4] * v_l_hip_pitch_y));
     // l_hip_yaw
-    let v_l_hip_yaw_x = r[19] + t_l_hip_pitch_y;
-    let v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
-    let t_l_hip_yaw_x = cos[2].mul_add(v_l_hip_yaw_x, sin[2] * v_l_hip_yaw_y);
-    let t_l_hip_yaw_y = cos[2].mul_add(v_l_hip_yaw_y, -(sin[2] * v_l_hip_yaw_x));
-    // head_tilt
-    let t_head_tilt_x = cos[1].mul_add(r[17], sin[1] * r[18]);
-    let t_head_tilt_y = sin[1].mul_add(r[17], -(cos[1] * r[18]));
+    let v_l_hip_yaw_x = r[19] + v_l_hip_roll_z;
+    let v_l_hip_yaw_y = sin[3]
+        .mul_add(v_l_hip_roll_y, cos[3].mul_add(v_l_hip_roll_x, r[20]));
+    let v_l_hip_yaw_z = cos[3].mul_add(v_l_hip_roll_y, -(sin[3] * v_l_hip_roll_x));
     // head_pan
-    let v_head_pan_x = r[15] + t_head_tilt_x;
-    let t_head_pan_x = cos[0].mul_add(v_head_pan_x, -(sin[0] * r[16]));
-    let t_head_pan_y = sin[0].mul_add(v_head_pan_x, cos[0] * r[16]);
+    let v_head_pan_x = sin[1].mul_add(r[18], cos[1].mul_add(r[17], r[15]));
+    let v_head_pan_z = sin[1].mul_add(r[17], -(cos[1] * r[18]));
     // r_hip_yaw
-    let v_r_hip_yaw_x = r[13] + t_head_pan_x + t_l_hip_yaw_x + t_l_sho_pitch_x
-        + t_r_sho_pitch_x;
-    let v_r_hip_yaw_y = r[14] + t_head_pan_y + t_l_hip_yaw_y + t_l_sho_roll_y
-        + t_r_sho_roll_y;
-    let v_r_hip_yaw_z = t_head_tilt_y + t_l_hip_roll_y + t_l_sho_pitch_y
-        + t_r_sho_pitch_y;
-    let t_r_hip_yaw_x = sin[11].mul_add(v_r_hip_yaw_x, cos[11] * v_r_hip_yaw_y);
-    let t_r_hip_yaw_y = cos[11].mul_add(v_r_hip_yaw_x, -(sin[11] * v_r_hip_yaw_y));
+    let e1 = cos[17]
+        .mul_add(
+            v_r_sho_pitch_x,
+            sin[8]
+                .mul_add(
+                    v_l_sho_pitch_y,
+                    cos[8]
+                        .mul_add(
+                            v_l_sho_pitch_x,
+                            (-sin[0]).mul_add(r[16], cos[0].mul_add(v_head_pan_x, r[13])),
+                        ),
+                ),
+        );
+    let v_r_hip_yaw_x = sin[2]
+        .mul_add(
+            v_l_hip_yaw_y,
+            cos[2].mul_add(v_l_hip_yaw_x, (-sin[17]).mul_add(v_r_sho_pitch_y, e1)),
+        );
+    let e2 = (-sin[2])
+        .mul_add(
+            v_l_hip_yaw_x,
+            cos[0].mul_add(r[16], sin[0].mul_add(v_head_pan_x, r[14])) + v_l_sho_pitch_z
+                + v_r_sho_pitch_z,
+        );
+    let v_r_hip_yaw_y = cos[2].mul_add(v_l_hip_yaw_y, e2);
+    let v_r_hip_yaw_z = cos[17]
+        .mul_add(
+            v_r_sho_pitch_y,
+            sin[17]
+                .mul_add(
+                    v_r_sho_pitch_x,
+                    cos[8]
+                        .mul_add(
+                            v_l_sho_pitch_y,
+                            (-sin[8]).mul_add(v_l_sho_pitch_x, v_head_pan_z),
+                        ),
+                ),
+        ) + v_l_hip_yaw_z;
     // r_hip_roll
-    let v_r_hip_roll_x = r[11] + t_r_hip_yaw_x;
+    let v_r_hip_roll_x = cos[11]
+        .mul_add(v_r_hip_yaw_y, sin[11].mul_add(v_r_hip_yaw_x, r[11]));
     let v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
-    let t_r_hip_roll_x = sin[12].mul_add(v_r_hip_roll_x, cos[12] * v_r_hip_roll_y);
-    let t_r_hip_roll_y = cos[12].mul_add(v_r_hip_roll_x, -(sin[12] * v_r_hip_roll_y));
+    let v_r_hip_roll_z = cos[11].mul_add(v_r_hip_yaw_x, -(sin[11] * v_r_hip_yaw_y));
     // r_hip_pitch
-    let v_r_hip_pitch_x = r[9] + t_r_hip_yaw_y;
-    let v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
-    let t_r_hip_pitch_x = cos[13].mul_add(v_r_hip_pitch_x, -(sin[13] * v_r_hip_pitch_y));
-    let t_r_hip_pitch_y = sin[13].mul_add(v_r_hip_pitch_x, cos[13] * v_r_hip_pitch_y);
+    let v_r_hip_pitch_x = r[9] + v_r_hip_roll_z;
+    let v_r_hip_pitch_y = cos[12]
+        .mul_add(v_r_hip_roll_y, sin[12].mul_add(v_r_hip_roll_x, r[10]));
+    let v_r_hip_pitch_z = cos[12].mul_add(v_r_hip_roll_x, -(sin[12] * v_r_hip_roll_y));
     // r_knee
-    let v_r_knee_x = r[7] + t_r_hip_pitch_x;
-    let v_r_knee_y = r[8] + t_r_hip_pitch_y;
-    let t_r_knee_x = cos[14].mul_add(v_r_knee_x, -(sin[14] * v_r_knee_y));
-    let t_r_knee_y = sin[14].mul_add(v_r_knee_x, cos[14] * v_r_knee_y);
+    let v_r_knee_x = (-sin[13])
+        .mul_add(v_r_hip_pitch_y, cos[13].mul_add(v_r_hip_pitch_x, r[7]));
+    let v_r_knee_y = cos[13]
+        .mul_add(v_r_hip_pitch_y, sin[13].mul_add(v_r_hip_pitch_x, r[8]));
     // r_ank_pitch
-    let v_r_ank_pitch_x = r[5] + t_r_knee_x;
-    let v_r_ank_pitch_y = r[6] + t_r_knee_y;
-    let t_r_ank_pitch_x = cos[15].mul_add(v_r_ank_pitch_y, -(sin[15] * v_r_ank_pitch_x));
-    let t_r_ank_pitch_y = cos[15].mul_add(v_r_ank_pitch_x, sin[15] * v_r_ank_pitch_y);
+    let v_r_ank_pitch_x = (-sin[14])
+        .mul_add(v_r_knee_y, cos[14].mul_add(v_r_knee_x, r[5]));
+    let v_r_ank_pitch_y = cos[14].mul_add(v_r_knee_y, sin[14].mul_add(v_r_knee_x, r[6]));
     // r_ank_roll
-    let v_r_ank_roll_x = r[3] + t_r_hip_roll_y;
-    let v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
-    let t_r_ank_roll_x = cos[16].mul_add(v_r_ank_roll_x, sin[16] * v_r_ank_roll_y);
+    let v_r_ank_roll_x = r[3] + v_r_hip_pitch_z;
+    let v_r_ank_roll_y = cos[15]
+        .mul_add(v_r_ank_pitch_y, (-sin[15]).mul_add(v_r_ank_pitch_x, r[4]));
+    let v_r_ank_roll_z = cos[15].mul_add(v_r_ank_pitch_x, sin[15] * v_r_ank_pitch_y);
     // r_sole
-    let v_r_sole_x = r[0] + t_r_ank_pitch_y;
-    let v_r_sole_y = r[1] + t_r_ank_roll_x;
+    let v_r_sole_x = r[0] + v_r_ank_roll_z;
+    let v_r_sole_y = sin[16]
+        .mul_add(v_r_ank_roll_y, cos[16].mul_add(v_r_ank_roll_x, r[1]));
     [v_r_sole_x, v_r_sole_y]
 }

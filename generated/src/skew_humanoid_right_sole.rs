@@ -1404,6 +1404,26 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
             T::from_f64(0.1111747801713847),
             -(T::from_f64(0.16554475198250462) * c_right_ankle_roll),
         );
+    let by_right_ankle_roll_x = s_right_ankle_roll
+        .mul_add(
+            T::from_f64(0.11117478017138471),
+            T::from_f64(0.9851881430723574) * c_right_ankle_roll,
+        );
+    let e52 = c_right_ankle_roll
+        .mul_add(
+            T::from_f64(0.11117478017138471),
+            -(T::from_f64(0.9851881430723574) * s_right_ankle_roll),
+        );
+    let bz_right_ankle_roll_x = s_right_ankle_roll
+        .mul_add(
+            T::from_f64(0.9799158654419752),
+            -(T::from_f64(0.13055455182981807) * c_right_ankle_roll),
+        );
+    let e53 = s_right_ankle_roll
+        .mul_add(
+            T::from_f64(0.13055455182981807),
+            T::from_f64(0.9799158654419752) * c_right_ankle_roll,
+        );
     // right_ankle_pitch
     let kx_right_ankle_pitch_y = e50
         .mul_add(T::from_f64(0.0524083921121999), T::from_f64(0.9785692022639542));
@@ -1411,8 +1431,24 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
         .mul_add(T::from_f64(0.9986257359172223), T::from_f64(0.05135581491304875));
     let bx_right_ankle_pitch_x = kx_right_ankle_pitch_y
         .mul_add(s_right_ankle_pitch, -(e51 * c_right_ankle_pitch));
-    let e52 = kx_right_ankle_pitch_y
+    let e54 = kx_right_ankle_pitch_y
         .mul_add(c_right_ankle_pitch, e51 * s_right_ankle_pitch);
+    let ky_right_ankle_pitch_y = (-by_right_ankle_roll_x)
+        .mul_add(T::from_f64(0.0524083921121999), T::from_f64(0.1303751353983952));
+    let ky_right_ankle_pitch_z = by_right_ankle_roll_x
+        .mul_add(T::from_f64(0.9986257359172223), T::from_f64(0.00684215414432963));
+    let by_right_ankle_pitch_x = ky_right_ankle_pitch_y
+        .mul_add(s_right_ankle_pitch, -(e52 * c_right_ankle_pitch));
+    let e55 = ky_right_ankle_pitch_y
+        .mul_add(c_right_ankle_pitch, e52 * s_right_ankle_pitch);
+    let kz_right_ankle_pitch_y = (-bz_right_ankle_roll_x)
+        .mul_add(T::from_f64(0.0524083921121999), T::from_f64(0.15052574825109485));
+    let kz_right_ankle_pitch_z = bz_right_ankle_roll_x
+        .mul_add(T::from_f64(0.9986257359172223), T::from_f64(0.007899668668242278));
+    let bz_right_ankle_pitch_x = kz_right_ankle_pitch_y
+        .mul_add(s_right_ankle_pitch, -(e53 * c_right_ankle_pitch));
+    let e56 = kz_right_ankle_pitch_y
+        .mul_add(c_right_ankle_pitch, e53 * s_right_ankle_pitch);
     // right_knee
     let kx_right_knee_y = bx_right_ankle_pitch_x
         .mul_add(
@@ -1424,8 +1460,32 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
             T::from_f64(0.2585724811294071),
             T::from_f64(0.9659918591802843) * kx_right_ankle_pitch_z,
         );
-    let bx_right_knee_x = e52.mul_add(s_right_knee, kx_right_knee_y * c_right_knee);
-    let e53 = e52.mul_add(c_right_knee, -(kx_right_knee_y * s_right_knee));
+    let bx_right_knee_x = e54.mul_add(s_right_knee, kx_right_knee_y * c_right_knee);
+    let e57 = e54.mul_add(c_right_knee, -(kx_right_knee_y * s_right_knee));
+    let ky_right_knee_y = by_right_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.9659918591802843),
+            -(T::from_f64(0.2585724811294071) * ky_right_ankle_pitch_z),
+        );
+    let ky_right_knee_z = by_right_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.2585724811294071),
+            T::from_f64(0.9659918591802843) * ky_right_ankle_pitch_z,
+        );
+    let by_right_knee_x = e55.mul_add(s_right_knee, ky_right_knee_y * c_right_knee);
+    let e58 = e55.mul_add(c_right_knee, -(ky_right_knee_y * s_right_knee));
+    let kz_right_knee_y = bz_right_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.9659918591802843),
+            -(T::from_f64(0.2585724811294071) * kz_right_ankle_pitch_z),
+        );
+    let kz_right_knee_z = bz_right_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.2585724811294071),
+            T::from_f64(0.9659918591802843) * kz_right_ankle_pitch_z,
+        );
+    let bz_right_knee_x = e56.mul_add(s_right_knee, kz_right_knee_y * c_right_knee);
+    let e59 = e56.mul_add(c_right_knee, -(kz_right_knee_y * s_right_knee));
     // right_hip_pitch
     let kx_right_hip_pitch_y = bx_right_knee_x
         .mul_add(
@@ -1438,8 +1498,34 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
             T::from_f64(0.9973888291864124) * kx_right_knee_z,
         );
     let bx_right_hip_pitch_x = kx_right_hip_pitch_y
-        .mul_add(s_right_hip_pitch, -(e53 * c_right_hip_pitch));
-    let e54 = kx_right_hip_pitch_y.mul_add(c_right_hip_pitch, e53 * s_right_hip_pitch);
+        .mul_add(s_right_hip_pitch, -(e57 * c_right_hip_pitch));
+    let e60 = kx_right_hip_pitch_y.mul_add(c_right_hip_pitch, e57 * s_right_hip_pitch);
+    let ky_right_hip_pitch_y = by_right_knee_x
+        .mul_add(
+            T::from_f64(0.9973888291864124),
+            -(T::from_f64(0.0722185808096314) * ky_right_knee_z),
+        );
+    let ky_right_hip_pitch_z = by_right_knee_x
+        .mul_add(
+            T::from_f64(0.0722185808096314),
+            T::from_f64(0.9973888291864124) * ky_right_knee_z,
+        );
+    let by_right_hip_pitch_x = ky_right_hip_pitch_y
+        .mul_add(s_right_hip_pitch, -(e58 * c_right_hip_pitch));
+    let e61 = ky_right_hip_pitch_y.mul_add(c_right_hip_pitch, e58 * s_right_hip_pitch);
+    let kz_right_hip_pitch_y = bz_right_knee_x
+        .mul_add(
+            T::from_f64(0.9973888291864124),
+            -(T::from_f64(0.0722185808096314) * kz_right_knee_z),
+        );
+    let kz_right_hip_pitch_z = bz_right_knee_x
+        .mul_add(
+            T::from_f64(0.0722185808096314),
+            T::from_f64(0.9973888291864124) * kz_right_knee_z,
+        );
+    let bz_right_hip_pitch_x = kz_right_hip_pitch_y
+        .mul_add(s_right_hip_pitch, -(e59 * c_right_hip_pitch));
+    let e62 = kz_right_hip_pitch_y.mul_add(c_right_hip_pitch, e59 * s_right_hip_pitch);
     // right_hip_roll
     let kx_right_hip_roll_y = bx_right_hip_pitch_x
         .mul_add(
@@ -1451,10 +1537,38 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
             T::from_f64(0.9981717798828138),
             T::from_f64(0.06044086238279244) * kx_right_hip_pitch_z,
         );
-    let bx_right_hip_roll_x = e54
+    let bx_right_hip_roll_x = e60
         .mul_add(c_right_hip_roll, -(kx_right_hip_roll_y * s_right_hip_roll));
     let bx_right_hip_roll_y = kx_right_hip_roll_y
-        .mul_add(c_right_hip_roll, e54 * s_right_hip_roll);
+        .mul_add(c_right_hip_roll, e60 * s_right_hip_roll);
+    let ky_right_hip_roll_y = by_right_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.06044086238279244),
+            -(T::from_f64(0.9981717798828138) * ky_right_hip_pitch_z),
+        );
+    let ky_right_hip_roll_z = by_right_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.9981717798828138),
+            T::from_f64(0.06044086238279244) * ky_right_hip_pitch_z,
+        );
+    let by_right_hip_roll_x = e61
+        .mul_add(c_right_hip_roll, -(ky_right_hip_roll_y * s_right_hip_roll));
+    let by_right_hip_roll_y = ky_right_hip_roll_y
+        .mul_add(c_right_hip_roll, e61 * s_right_hip_roll);
+    let kz_right_hip_roll_y = bz_right_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.06044086238279244),
+            -(T::from_f64(0.9981717798828138) * kz_right_hip_pitch_z),
+        );
+    let kz_right_hip_roll_z = bz_right_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.9981717798828138),
+            T::from_f64(0.06044086238279244) * kz_right_hip_pitch_z,
+        );
+    let bz_right_hip_roll_x = e62
+        .mul_add(c_right_hip_roll, -(kz_right_hip_roll_y * s_right_hip_roll));
+    let bz_right_hip_roll_y = kz_right_hip_roll_y
+        .mul_add(c_right_hip_roll, e62 * s_right_hip_roll);
     // right_hip_yaw
     let kx_right_hip_yaw_y = bx_right_hip_roll_x
         .mul_add(
@@ -1468,10 +1582,38 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
         );
     let bx_right_hip_yaw_x = bx_right_hip_roll_y
         .mul_add(c_right_hip_yaw, kx_right_hip_yaw_y * s_right_hip_yaw);
-    let e55 = kx_right_hip_yaw_y
+    let e63 = kx_right_hip_yaw_y
         .mul_add(c_right_hip_yaw, -(bx_right_hip_roll_y * s_right_hip_yaw));
+    let ky_right_hip_yaw_y = by_right_hip_roll_x
+        .mul_add(
+            T::from_f64(0.08292767473984558),
+            -(T::from_f64(0.9965555683263441) * ky_right_hip_roll_z),
+        );
+    let ky_right_hip_yaw_z = by_right_hip_roll_x
+        .mul_add(
+            T::from_f64(0.9965555683263441),
+            T::from_f64(0.08292767473984558) * ky_right_hip_roll_z,
+        );
+    let by_right_hip_yaw_x = by_right_hip_roll_y
+        .mul_add(c_right_hip_yaw, ky_right_hip_yaw_y * s_right_hip_yaw);
+    let e64 = ky_right_hip_yaw_y
+        .mul_add(c_right_hip_yaw, -(by_right_hip_roll_y * s_right_hip_yaw));
+    let kz_right_hip_yaw_y = bz_right_hip_roll_x
+        .mul_add(
+            T::from_f64(0.08292767473984558),
+            -(T::from_f64(0.9965555683263441) * kz_right_hip_roll_z),
+        );
+    let kz_right_hip_yaw_z = bz_right_hip_roll_x
+        .mul_add(
+            T::from_f64(0.9965555683263441),
+            T::from_f64(0.08292767473984558) * kz_right_hip_roll_z,
+        );
+    let bz_right_hip_yaw_x = bz_right_hip_roll_y
+        .mul_add(c_right_hip_yaw, kz_right_hip_yaw_y * s_right_hip_yaw);
+    let e65 = kz_right_hip_yaw_y
+        .mul_add(c_right_hip_yaw, -(bz_right_hip_roll_y * s_right_hip_yaw));
     // left_hip_yaw
-    let e56 = bx_right_hip_yaw_x
+    let e66 = bx_right_hip_yaw_x
         .mul_add(
             T::from_f64(0.538107754426925),
             T::from_f64(0.8428760553163273) * kx_right_hip_yaw_z,
@@ -1481,8 +1623,32 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
             T::from_f64(0.8428760553163273),
             -(T::from_f64(0.538107754426925) * kx_right_hip_yaw_z),
         );
-    let bx_left_hip_yaw_x = e55.mul_add(c_left_hip_yaw, -(e56 * s_left_hip_yaw));
-    let e57 = e56.mul_add(c_left_hip_yaw, e55 * s_left_hip_yaw);
+    let bx_left_hip_yaw_x = e63.mul_add(c_left_hip_yaw, -(e66 * s_left_hip_yaw));
+    let e67 = e66.mul_add(c_left_hip_yaw, e63 * s_left_hip_yaw);
+    let e68 = by_right_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.538107754426925),
+            T::from_f64(0.8428760553163273) * ky_right_hip_yaw_z,
+        );
+    let ky_left_hip_yaw_z = by_right_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.8428760553163273),
+            -(T::from_f64(0.538107754426925) * ky_right_hip_yaw_z),
+        );
+    let by_left_hip_yaw_x = e64.mul_add(c_left_hip_yaw, -(e68 * s_left_hip_yaw));
+    let e69 = e68.mul_add(c_left_hip_yaw, e64 * s_left_hip_yaw);
+    let e70 = bz_right_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.538107754426925),
+            T::from_f64(0.8428760553163273) * kz_right_hip_yaw_z,
+        );
+    let kz_left_hip_yaw_z = bz_right_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.8428760553163273),
+            -(T::from_f64(0.538107754426925) * kz_right_hip_yaw_z),
+        );
+    let bz_left_hip_yaw_x = e65.mul_add(c_left_hip_yaw, -(e70 * s_left_hip_yaw));
+    let e71 = e70.mul_add(c_left_hip_yaw, e65 * s_left_hip_yaw);
     // left_hip_roll
     let kx_left_hip_roll_y = bx_left_hip_yaw_x
         .mul_add(
@@ -1494,10 +1660,34 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
             T::from_f64(0.9965555683263441),
             T::from_f64(0.08292767473984561) * kx_left_hip_yaw_z,
         );
-    let e58 = e57.mul_add(c_left_hip_roll, kx_left_hip_roll_y * s_left_hip_roll);
-    let e59 = kx_left_hip_roll_y.mul_add(c_left_hip_roll, -(e57 * s_left_hip_roll));
+    let e72 = e67.mul_add(c_left_hip_roll, kx_left_hip_roll_y * s_left_hip_roll);
+    let e73 = kx_left_hip_roll_y.mul_add(c_left_hip_roll, -(e67 * s_left_hip_roll));
+    let ky_left_hip_roll_y = by_left_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.08292767473984561),
+            -(T::from_f64(0.9965555683263441) * ky_left_hip_yaw_z),
+        );
+    let ky_left_hip_roll_z = by_left_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.9965555683263441),
+            T::from_f64(0.08292767473984561) * ky_left_hip_yaw_z,
+        );
+    let e74 = e69.mul_add(c_left_hip_roll, ky_left_hip_roll_y * s_left_hip_roll);
+    let e75 = ky_left_hip_roll_y.mul_add(c_left_hip_roll, -(e69 * s_left_hip_roll));
+    let kz_left_hip_roll_y = bz_left_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.08292767473984561),
+            -(T::from_f64(0.9965555683263441) * kz_left_hip_yaw_z),
+        );
+    let kz_left_hip_roll_z = bz_left_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.9965555683263441),
+            T::from_f64(0.08292767473984561) * kz_left_hip_yaw_z,
+        );
+    let e76 = e71.mul_add(c_left_hip_roll, kz_left_hip_roll_y * s_left_hip_roll);
+    let e77 = kz_left_hip_roll_y.mul_add(c_left_hip_roll, -(e71 * s_left_hip_roll));
     // left_hip_pitch
-    let e60 = e58
+    let e78 = e72
         .mul_add(
             T::from_f64(0.06044086238279245),
             T::from_f64(0.9981717798828137) * kx_left_hip_roll_z,
@@ -1505,10 +1695,34 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     let kx_left_hip_pitch_z = kx_left_hip_roll_z
         .mul_add(
             T::from_f64(0.06044086238279245),
-            -(T::from_f64(0.9981717798828137) * e58),
+            -(T::from_f64(0.9981717798828137) * e72),
         );
-    let bx_left_hip_pitch_x = e59.mul_add(c_left_hip_pitch, -(e60 * s_left_hip_pitch));
-    let e61 = e60.mul_add(c_left_hip_pitch, e59 * s_left_hip_pitch);
+    let bx_left_hip_pitch_x = e73.mul_add(c_left_hip_pitch, -(e78 * s_left_hip_pitch));
+    let e79 = e78.mul_add(c_left_hip_pitch, e73 * s_left_hip_pitch);
+    let e80 = e74
+        .mul_add(
+            T::from_f64(0.06044086238279245),
+            T::from_f64(0.9981717798828137) * ky_left_hip_roll_z,
+        );
+    let ky_left_hip_pitch_z = ky_left_hip_roll_z
+        .mul_add(
+            T::from_f64(0.06044086238279245),
+            -(T::from_f64(0.9981717798828137) * e74),
+        );
+    let by_left_hip_pitch_x = e75.mul_add(c_left_hip_pitch, -(e80 * s_left_hip_pitch));
+    let e81 = e80.mul_add(c_left_hip_pitch, e75 * s_left_hip_pitch);
+    let e82 = e76
+        .mul_add(
+            T::from_f64(0.06044086238279245),
+            T::from_f64(0.9981717798828137) * kz_left_hip_roll_z,
+        );
+    let kz_left_hip_pitch_z = kz_left_hip_roll_z
+        .mul_add(
+            T::from_f64(0.06044086238279245),
+            -(T::from_f64(0.9981717798828137) * e76),
+        );
+    let bz_left_hip_pitch_x = e77.mul_add(c_left_hip_pitch, -(e82 * s_left_hip_pitch));
+    let e83 = e82.mul_add(c_left_hip_pitch, e77 * s_left_hip_pitch);
     // left_knee
     let kx_left_knee_y = bx_left_hip_pitch_x
         .mul_add(
@@ -1520,8 +1734,32 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
             T::from_f64(0.0722185808096314),
             T::from_f64(0.9973888291864126) * kx_left_hip_pitch_z,
         );
-    let bx_left_knee_x = kx_left_knee_y.mul_add(c_left_knee, -(e61 * s_left_knee));
-    let e62 = kx_left_knee_y.mul_add(s_left_knee, e61 * c_left_knee);
+    let bx_left_knee_x = kx_left_knee_y.mul_add(c_left_knee, -(e79 * s_left_knee));
+    let e84 = kx_left_knee_y.mul_add(s_left_knee, e79 * c_left_knee);
+    let ky_left_knee_y = by_left_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.9973888291864126),
+            -(T::from_f64(0.0722185808096314) * ky_left_hip_pitch_z),
+        );
+    let ky_left_knee_z = by_left_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.0722185808096314),
+            T::from_f64(0.9973888291864126) * ky_left_hip_pitch_z,
+        );
+    let by_left_knee_x = ky_left_knee_y.mul_add(c_left_knee, -(e81 * s_left_knee));
+    let e85 = ky_left_knee_y.mul_add(s_left_knee, e81 * c_left_knee);
+    let kz_left_knee_y = bz_left_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.9973888291864126),
+            -(T::from_f64(0.0722185808096314) * kz_left_hip_pitch_z),
+        );
+    let kz_left_knee_z = bz_left_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.0722185808096314),
+            T::from_f64(0.9973888291864126) * kz_left_hip_pitch_z,
+        );
+    let bz_left_knee_x = kz_left_knee_y.mul_add(c_left_knee, -(e83 * s_left_knee));
+    let e86 = kz_left_knee_y.mul_add(s_left_knee, e83 * c_left_knee);
     // left_ankle_pitch
     let kx_left_ankle_pitch_y = bx_left_knee_x
         .mul_add(
@@ -1533,23 +1771,75 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
             T::from_f64(0.2585724811294071),
             T::from_f64(0.9659918591802845) * kx_left_knee_z,
         );
-    let bx_left_ankle_pitch_x = e62
+    let bx_left_ankle_pitch_x = e84
         .mul_add(c_left_ankle_pitch, kx_left_ankle_pitch_y * s_left_ankle_pitch);
+    let ky_left_ankle_pitch_y = by_left_knee_x
+        .mul_add(
+            T::from_f64(0.9659918591802845),
+            -(T::from_f64(0.2585724811294071) * ky_left_knee_z),
+        );
+    let ky_left_ankle_pitch_z = by_left_knee_x
+        .mul_add(
+            T::from_f64(0.2585724811294071),
+            T::from_f64(0.9659918591802845) * ky_left_knee_z,
+        );
+    let by_left_ankle_pitch_x = e85
+        .mul_add(c_left_ankle_pitch, ky_left_ankle_pitch_y * s_left_ankle_pitch);
+    let kz_left_ankle_pitch_y = bz_left_knee_x
+        .mul_add(
+            T::from_f64(0.9659918591802845),
+            -(T::from_f64(0.2585724811294071) * kz_left_knee_z),
+        );
+    let kz_left_ankle_pitch_z = bz_left_knee_x
+        .mul_add(
+            T::from_f64(0.2585724811294071),
+            T::from_f64(0.9659918591802845) * kz_left_knee_z,
+        );
+    let bz_left_ankle_pitch_x = e86
+        .mul_add(c_left_ankle_pitch, kz_left_ankle_pitch_y * s_left_ankle_pitch);
     // waist_yaw
-    let e63 = e55
+    let e87 = e63
         .mul_add(
             T::from_f64(0.11944678826051937),
             -(T::from_f64(0.19252104104496945) * bx_right_hip_yaw_x),
         ) + kx_right_hip_yaw_z;
-    let kx_waist_yaw_x = e63
+    let kx_waist_yaw_x = e87
         .mul_add(T::from_f64(0.3662421800811956), bx_right_hip_yaw_x);
-    let kx_waist_yaw_y = e63.mul_add(T::from_f64(0.22722945969324562), -e55);
-    let kx_waist_yaw_z = (-e63)
+    let kx_waist_yaw_y = e87.mul_add(T::from_f64(0.22722945969324562), -e63);
+    let kx_waist_yaw_z = (-e87)
         .mul_add(T::from_f64(1.9023488450576578), kx_right_hip_yaw_z);
     let bx_waist_yaw_x = kx_waist_yaw_y
         .mul_add(s_waist_yaw, -(kx_waist_yaw_x * c_waist_yaw));
     let bx_waist_yaw_y = kx_waist_yaw_y
         .mul_add(c_waist_yaw, kx_waist_yaw_x * s_waist_yaw);
+    let e88 = e64
+        .mul_add(
+            T::from_f64(0.11944678826051937),
+            -(T::from_f64(0.19252104104496945) * by_right_hip_yaw_x),
+        ) + ky_right_hip_yaw_z;
+    let ky_waist_yaw_x = e88
+        .mul_add(T::from_f64(0.3662421800811956), by_right_hip_yaw_x);
+    let ky_waist_yaw_y = e88.mul_add(T::from_f64(0.22722945969324562), -e64);
+    let ky_waist_yaw_z = (-e88)
+        .mul_add(T::from_f64(1.9023488450576578), ky_right_hip_yaw_z);
+    let by_waist_yaw_x = ky_waist_yaw_y
+        .mul_add(s_waist_yaw, -(ky_waist_yaw_x * c_waist_yaw));
+    let by_waist_yaw_y = ky_waist_yaw_y
+        .mul_add(c_waist_yaw, ky_waist_yaw_x * s_waist_yaw);
+    let e89 = e65
+        .mul_add(
+            T::from_f64(0.11944678826051937),
+            -(T::from_f64(0.19252104104496945) * bz_right_hip_yaw_x),
+        ) + kz_right_hip_yaw_z;
+    let kz_waist_yaw_x = e89
+        .mul_add(T::from_f64(0.3662421800811956), bz_right_hip_yaw_x);
+    let kz_waist_yaw_y = e89.mul_add(T::from_f64(0.22722945969324562), -e65);
+    let kz_waist_yaw_z = (-e89)
+        .mul_add(T::from_f64(1.9023488450576578), kz_right_hip_yaw_z);
+    let bz_waist_yaw_x = kz_waist_yaw_y
+        .mul_add(s_waist_yaw, -(kz_waist_yaw_x * c_waist_yaw));
+    let bz_waist_yaw_y = kz_waist_yaw_y
+        .mul_add(c_waist_yaw, kz_waist_yaw_x * s_waist_yaw);
     // waist_pitch
     let kx_waist_pitch_y = bx_waist_yaw_x
         .mul_add(
@@ -1561,10 +1851,34 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
             T::from_f64(0.980519334682424),
             T::from_f64(0.19642259114963537) * kx_waist_yaw_z,
         );
-    let e64 = bx_waist_yaw_y.mul_add(s_waist_pitch, kx_waist_pitch_y * c_waist_pitch);
-    let e65 = bx_waist_yaw_y.mul_add(c_waist_pitch, -(kx_waist_pitch_y * s_waist_pitch));
+    let e90 = bx_waist_yaw_y.mul_add(s_waist_pitch, kx_waist_pitch_y * c_waist_pitch);
+    let e91 = bx_waist_yaw_y.mul_add(c_waist_pitch, -(kx_waist_pitch_y * s_waist_pitch));
+    let ky_waist_pitch_y = by_waist_yaw_x
+        .mul_add(
+            T::from_f64(0.19642259114963537),
+            -(T::from_f64(0.980519334682424) * ky_waist_yaw_z),
+        );
+    let ky_waist_pitch_z = by_waist_yaw_x
+        .mul_add(
+            T::from_f64(0.980519334682424),
+            T::from_f64(0.19642259114963537) * ky_waist_yaw_z,
+        );
+    let e92 = by_waist_yaw_y.mul_add(s_waist_pitch, ky_waist_pitch_y * c_waist_pitch);
+    let e93 = by_waist_yaw_y.mul_add(c_waist_pitch, -(ky_waist_pitch_y * s_waist_pitch));
+    let kz_waist_pitch_y = bz_waist_yaw_x
+        .mul_add(
+            T::from_f64(0.19642259114963537),
+            -(T::from_f64(0.980519334682424) * kz_waist_yaw_z),
+        );
+    let kz_waist_pitch_z = bz_waist_yaw_x
+        .mul_add(
+            T::from_f64(0.980519334682424),
+            T::from_f64(0.19642259114963537) * kz_waist_yaw_z,
+        );
+    let e94 = bz_waist_yaw_y.mul_add(s_waist_pitch, kz_waist_pitch_y * c_waist_pitch);
+    let e95 = bz_waist_yaw_y.mul_add(c_waist_pitch, -(kz_waist_pitch_y * s_waist_pitch));
     // neck_yaw
-    let e66 = e64
+    let e96 = e90
         .mul_add(
             T::from_f64(0.11686854868553807),
             T::from_f64(0.9931473920461839) * kx_waist_pitch_z,
@@ -1572,26 +1886,80 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     let kx_neck_yaw_z = kx_waist_pitch_z
         .mul_add(
             T::from_f64(0.11686854868553807),
-            -(T::from_f64(0.9931473920461839) * e64),
+            -(T::from_f64(0.9931473920461839) * e90),
         );
-    let bx_neck_yaw_x = e65.mul_add(s_neck_yaw, e66 * c_neck_yaw);
+    let bx_neck_yaw_x = e91.mul_add(s_neck_yaw, e96 * c_neck_yaw);
+    let e97 = e92
+        .mul_add(
+            T::from_f64(0.11686854868553807),
+            T::from_f64(0.9931473920461839) * ky_waist_pitch_z,
+        );
+    let ky_neck_yaw_z = ky_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.11686854868553807),
+            -(T::from_f64(0.9931473920461839) * e92),
+        );
+    let by_neck_yaw_x = e93.mul_add(s_neck_yaw, e97 * c_neck_yaw);
+    let e98 = e94
+        .mul_add(
+            T::from_f64(0.11686854868553807),
+            T::from_f64(0.9931473920461839) * kz_waist_pitch_z,
+        );
+    let kz_neck_yaw_z = kz_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.11686854868553807),
+            -(T::from_f64(0.9931473920461839) * e94),
+        );
+    let bz_neck_yaw_x = e95.mul_add(s_neck_yaw, e98 * c_neck_yaw);
     // right_shoulder_pitch
-    let e67 = kx_waist_pitch_z
+    let e99 = kx_waist_pitch_z
         .mul_add(
             T::from_f64(0.10644334192309902),
-            e65.mul_add(T::from_f64(0.07159388452594458), -e64),
+            e91.mul_add(T::from_f64(0.07159388452594458), -e90),
         );
-    let e68 = e67.mul_add(T::from_f64(1.9676210845200064), e64);
-    let kx_right_shoulder_pitch_y = e67.mul_add(T::from_f64(0.14086963671593916), -e65);
-    let kx_right_shoulder_pitch_z = (-e67)
+    let e100 = e99.mul_add(T::from_f64(1.9676210845200064), e90);
+    let kx_right_shoulder_pitch_y = e99.mul_add(T::from_f64(0.14086963671593916), -e91);
+    let kx_right_shoulder_pitch_z = (-e99)
         .mul_add(T::from_f64(0.20944016387466197), kx_waist_pitch_z);
-    let bx_right_shoulder_pitch_x = e68
+    let bx_right_shoulder_pitch_x = e100
         .mul_add(
             s_right_shoulder_pitch,
             -(kx_right_shoulder_pitch_y * c_right_shoulder_pitch),
         );
     let bx_right_shoulder_pitch_y = kx_right_shoulder_pitch_y
-        .mul_add(s_right_shoulder_pitch, e68 * c_right_shoulder_pitch);
+        .mul_add(s_right_shoulder_pitch, e100 * c_right_shoulder_pitch);
+    let e101 = ky_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.10644334192309902),
+            e93.mul_add(T::from_f64(0.07159388452594458), -e92),
+        );
+    let e102 = e101.mul_add(T::from_f64(1.9676210845200064), e92);
+    let ky_right_shoulder_pitch_y = e101.mul_add(T::from_f64(0.14086963671593916), -e93);
+    let ky_right_shoulder_pitch_z = (-e101)
+        .mul_add(T::from_f64(0.20944016387466197), ky_waist_pitch_z);
+    let by_right_shoulder_pitch_x = e102
+        .mul_add(
+            s_right_shoulder_pitch,
+            -(ky_right_shoulder_pitch_y * c_right_shoulder_pitch),
+        );
+    let by_right_shoulder_pitch_y = ky_right_shoulder_pitch_y
+        .mul_add(s_right_shoulder_pitch, e102 * c_right_shoulder_pitch);
+    let e103 = kz_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.10644334192309902),
+            e95.mul_add(T::from_f64(0.07159388452594458), -e94),
+        );
+    let e104 = e103.mul_add(T::from_f64(1.9676210845200064), e94);
+    let kz_right_shoulder_pitch_y = e103.mul_add(T::from_f64(0.14086963671593916), -e95);
+    let kz_right_shoulder_pitch_z = (-e103)
+        .mul_add(T::from_f64(0.20944016387466197), kz_waist_pitch_z);
+    let bz_right_shoulder_pitch_x = e104
+        .mul_add(
+            s_right_shoulder_pitch,
+            -(kz_right_shoulder_pitch_y * c_right_shoulder_pitch),
+        );
+    let bz_right_shoulder_pitch_y = kz_right_shoulder_pitch_y
+        .mul_add(s_right_shoulder_pitch, e104 * c_right_shoulder_pitch);
     // right_shoulder_roll
     let kx_right_shoulder_roll_y = bx_right_shoulder_pitch_x
         .mul_add(
@@ -1613,361 +1981,6 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
             c_right_shoulder_roll,
             bx_right_shoulder_pitch_y * s_right_shoulder_roll,
         );
-    // right_shoulder_yaw
-    let e69 = bx_right_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.3848026949004402),
-            T::from_f64(0.9229988548190939) * kx_right_shoulder_roll_z,
-        );
-    let kx_right_shoulder_yaw_z = bx_right_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.9229988548190939),
-            -(T::from_f64(0.3848026949004402) * kx_right_shoulder_roll_z),
-        );
-    let e70 = bx_right_shoulder_roll_y
-        .mul_add(c_right_shoulder_yaw, e69 * s_right_shoulder_yaw);
-    let e71 = e69
-        .mul_add(
-            c_right_shoulder_yaw,
-            -(bx_right_shoulder_roll_y * s_right_shoulder_yaw),
-        );
-    // right_elbow
-    let e72 = e70
-        .mul_add(
-            T::from_f64(0.12242921843048289),
-            T::from_f64(0.9924772473334093) * kx_right_shoulder_yaw_z,
-        );
-    let kx_right_elbow_z = kx_right_shoulder_yaw_z
-        .mul_add(
-            T::from_f64(0.12242921843048289),
-            -(T::from_f64(0.9924772473334093) * e70),
-        );
-    let bx_right_elbow_x = e71.mul_add(s_right_elbow, e72 * c_right_elbow);
-    let e73 = e72.mul_add(s_right_elbow, -(e71 * c_right_elbow));
-    // right_wrist_yaw
-    let e74 = bx_right_elbow_x
-        .mul_add(
-            T::from_f64(0.15904161977640188),
-            T::from_f64(0.9872718790580934) * kx_right_elbow_z,
-        );
-    let kx_right_wrist_yaw_z = bx_right_elbow_x
-        .mul_add(
-            T::from_f64(0.9872718790580934),
-            -(T::from_f64(0.15904161977640188) * kx_right_elbow_z),
-        );
-    let bx_right_wrist_yaw_x = e74
-        .mul_add(s_right_wrist_yaw, -(e73 * c_right_wrist_yaw));
-    let bx_right_wrist_yaw_y = e74.mul_add(c_right_wrist_yaw, e73 * s_right_wrist_yaw);
-    // right_wrist_roll
-    let kx_right_wrist_roll_y = bx_right_wrist_yaw_x
-        .mul_add(
-            T::from_f64(0.06712447922871664),
-            -(T::from_f64(0.9977446087492899) * kx_right_wrist_yaw_z),
-        );
-    let kx_right_wrist_roll_z = bx_right_wrist_yaw_x
-        .mul_add(
-            T::from_f64(0.9977446087492899),
-            T::from_f64(0.06712447922871664) * kx_right_wrist_yaw_z,
-        );
-    let bx_right_wrist_roll_x = bx_right_wrist_yaw_y
-        .mul_add(c_right_wrist_roll, -(kx_right_wrist_roll_y * s_right_wrist_roll));
-    // left_shoulder_pitch
-    let e75 = (-kx_waist_pitch_z)
-        .mul_add(
-            T::from_f64(0.09248191489966293),
-            e64.mul_add(T::from_f64(0.11783871458722316), -e65),
-        );
-    let kx_left_shoulder_pitch_x = e75.mul_add(T::from_f64(0.2305051546121806), -e64);
-    let e76 = e75.mul_add(T::from_f64(1.956107170887058), e65);
-    let kx_left_shoulder_pitch_z = e75
-        .mul_add(T::from_f64(0.1809045369125973), kx_waist_pitch_z);
-    let bx_left_shoulder_pitch_x = e76
-        .mul_add(
-            c_left_shoulder_pitch,
-            -(kx_left_shoulder_pitch_x * s_left_shoulder_pitch),
-        );
-    let e77 = e76
-        .mul_add(
-            s_left_shoulder_pitch,
-            kx_left_shoulder_pitch_x * c_left_shoulder_pitch,
-        );
-    // left_shoulder_roll
-    let kx_left_shoulder_roll_y = bx_left_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.2834710957352705),
-            -(T::from_f64(0.9589807807681263) * kx_left_shoulder_pitch_z),
-        );
-    let kx_left_shoulder_roll_z = bx_left_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.9589807807681263),
-            T::from_f64(0.2834710957352705) * kx_left_shoulder_pitch_z,
-        );
-    let bx_left_shoulder_roll_x = e77
-        .mul_add(c_left_shoulder_roll, kx_left_shoulder_roll_y * s_left_shoulder_roll);
-    let e78 = e77
-        .mul_add(
-            s_left_shoulder_roll,
-            -(kx_left_shoulder_roll_y * c_left_shoulder_roll),
-        );
-    // left_shoulder_yaw
-    let e79 = bx_left_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.3848026949004402),
-            T::from_f64(0.9229988548190939) * kx_left_shoulder_roll_z,
-        );
-    let kx_left_shoulder_yaw_z = bx_left_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.9229988548190939),
-            -(T::from_f64(0.3848026949004402) * kx_left_shoulder_roll_z),
-        );
-    let bx_left_shoulder_yaw_x = e78
-        .mul_add(c_left_shoulder_yaw, -(e79 * s_left_shoulder_yaw));
-    let e80 = e79.mul_add(c_left_shoulder_yaw, e78 * s_left_shoulder_yaw);
-    // left_elbow
-    let kx_left_elbow_y = bx_left_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.12242921843048289),
-            -(T::from_f64(0.9924772473334093) * kx_left_shoulder_yaw_z),
-        );
-    let kx_left_elbow_z = bx_left_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.9924772473334093),
-            T::from_f64(0.12242921843048289) * kx_left_shoulder_yaw_z,
-        );
-    let bx_left_elbow_x = e80.mul_add(s_left_elbow, -(kx_left_elbow_y * c_left_elbow));
-    let bx_left_elbow_y = kx_left_elbow_y.mul_add(s_left_elbow, e80 * c_left_elbow);
-    // left_wrist_yaw
-    let e81 = bx_left_elbow_x
-        .mul_add(
-            T::from_f64(0.15904161977640188),
-            T::from_f64(0.9872718790580934) * kx_left_elbow_z,
-        );
-    let kx_left_wrist_yaw_z = bx_left_elbow_x
-        .mul_add(
-            T::from_f64(0.9872718790580934),
-            -(T::from_f64(0.15904161977640188) * kx_left_elbow_z),
-        );
-    let bx_left_wrist_yaw_x = bx_left_elbow_y
-        .mul_add(c_left_wrist_yaw, e81 * s_left_wrist_yaw);
-    let e82 = bx_left_elbow_y.mul_add(s_left_wrist_yaw, -(e81 * c_left_wrist_yaw));
-    // left_wrist_roll
-    let kx_left_wrist_roll_y = bx_left_wrist_yaw_x
-        .mul_add(
-            T::from_f64(0.06712447922871664),
-            -(T::from_f64(0.9977446087492899) * kx_left_wrist_yaw_z),
-        );
-    let kx_left_wrist_roll_z = bx_left_wrist_yaw_x
-        .mul_add(
-            T::from_f64(0.9977446087492899),
-            T::from_f64(0.06712447922871664) * kx_left_wrist_yaw_z,
-        );
-    // left_wrist_pitch
-    let kx_left_wrist_pitch_y = e82
-        .mul_add(c_left_wrist_roll, kx_left_wrist_roll_y * s_left_wrist_roll)
-        .mul_add(
-            T::from_f64(0.042799828876225604),
-            -(T::from_f64(0.99908366749145) * kx_left_wrist_roll_z),
-        );
-    // right_ankle_roll
-    let by_right_ankle_roll_x = s_right_ankle_roll
-        .mul_add(
-            T::from_f64(0.11117478017138471),
-            T::from_f64(0.9851881430723574) * c_right_ankle_roll,
-        );
-    let e83 = c_right_ankle_roll
-        .mul_add(
-            T::from_f64(0.11117478017138471),
-            -(T::from_f64(0.9851881430723574) * s_right_ankle_roll),
-        );
-    // right_ankle_pitch
-    let ky_right_ankle_pitch_y = (-by_right_ankle_roll_x)
-        .mul_add(T::from_f64(0.0524083921121999), T::from_f64(0.1303751353983952));
-    let ky_right_ankle_pitch_z = by_right_ankle_roll_x
-        .mul_add(T::from_f64(0.9986257359172223), T::from_f64(0.00684215414432963));
-    let by_right_ankle_pitch_x = ky_right_ankle_pitch_y
-        .mul_add(s_right_ankle_pitch, -(e83 * c_right_ankle_pitch));
-    let e84 = ky_right_ankle_pitch_y
-        .mul_add(c_right_ankle_pitch, e83 * s_right_ankle_pitch);
-    // right_knee
-    let ky_right_knee_y = by_right_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.9659918591802843),
-            -(T::from_f64(0.2585724811294071) * ky_right_ankle_pitch_z),
-        );
-    let ky_right_knee_z = by_right_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.2585724811294071),
-            T::from_f64(0.9659918591802843) * ky_right_ankle_pitch_z,
-        );
-    let by_right_knee_x = e84.mul_add(s_right_knee, ky_right_knee_y * c_right_knee);
-    let e85 = e84.mul_add(c_right_knee, -(ky_right_knee_y * s_right_knee));
-    // right_hip_pitch
-    let ky_right_hip_pitch_y = by_right_knee_x
-        .mul_add(
-            T::from_f64(0.9973888291864124),
-            -(T::from_f64(0.0722185808096314) * ky_right_knee_z),
-        );
-    let ky_right_hip_pitch_z = by_right_knee_x
-        .mul_add(
-            T::from_f64(0.0722185808096314),
-            T::from_f64(0.9973888291864124) * ky_right_knee_z,
-        );
-    let by_right_hip_pitch_x = ky_right_hip_pitch_y
-        .mul_add(s_right_hip_pitch, -(e85 * c_right_hip_pitch));
-    let e86 = ky_right_hip_pitch_y.mul_add(c_right_hip_pitch, e85 * s_right_hip_pitch);
-    // right_hip_roll
-    let ky_right_hip_roll_y = by_right_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.06044086238279244),
-            -(T::from_f64(0.9981717798828138) * ky_right_hip_pitch_z),
-        );
-    let ky_right_hip_roll_z = by_right_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.9981717798828138),
-            T::from_f64(0.06044086238279244) * ky_right_hip_pitch_z,
-        );
-    let by_right_hip_roll_x = e86
-        .mul_add(c_right_hip_roll, -(ky_right_hip_roll_y * s_right_hip_roll));
-    let by_right_hip_roll_y = ky_right_hip_roll_y
-        .mul_add(c_right_hip_roll, e86 * s_right_hip_roll);
-    // right_hip_yaw
-    let ky_right_hip_yaw_y = by_right_hip_roll_x
-        .mul_add(
-            T::from_f64(0.08292767473984558),
-            -(T::from_f64(0.9965555683263441) * ky_right_hip_roll_z),
-        );
-    let ky_right_hip_yaw_z = by_right_hip_roll_x
-        .mul_add(
-            T::from_f64(0.9965555683263441),
-            T::from_f64(0.08292767473984558) * ky_right_hip_roll_z,
-        );
-    let by_right_hip_yaw_x = by_right_hip_roll_y
-        .mul_add(c_right_hip_yaw, ky_right_hip_yaw_y * s_right_hip_yaw);
-    let e87 = ky_right_hip_yaw_y
-        .mul_add(c_right_hip_yaw, -(by_right_hip_roll_y * s_right_hip_yaw));
-    // left_hip_yaw
-    let e88 = by_right_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.538107754426925),
-            T::from_f64(0.8428760553163273) * ky_right_hip_yaw_z,
-        );
-    let ky_left_hip_yaw_z = by_right_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.8428760553163273),
-            -(T::from_f64(0.538107754426925) * ky_right_hip_yaw_z),
-        );
-    let by_left_hip_yaw_x = e87.mul_add(c_left_hip_yaw, -(e88 * s_left_hip_yaw));
-    let e89 = e88.mul_add(c_left_hip_yaw, e87 * s_left_hip_yaw);
-    // left_hip_roll
-    let ky_left_hip_roll_y = by_left_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.08292767473984561),
-            -(T::from_f64(0.9965555683263441) * ky_left_hip_yaw_z),
-        );
-    let ky_left_hip_roll_z = by_left_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.9965555683263441),
-            T::from_f64(0.08292767473984561) * ky_left_hip_yaw_z,
-        );
-    let e90 = e89.mul_add(c_left_hip_roll, ky_left_hip_roll_y * s_left_hip_roll);
-    let e91 = ky_left_hip_roll_y.mul_add(c_left_hip_roll, -(e89 * s_left_hip_roll));
-    // left_hip_pitch
-    let e92 = e90
-        .mul_add(
-            T::from_f64(0.06044086238279245),
-            T::from_f64(0.9981717798828137) * ky_left_hip_roll_z,
-        );
-    let ky_left_hip_pitch_z = ky_left_hip_roll_z
-        .mul_add(
-            T::from_f64(0.06044086238279245),
-            -(T::from_f64(0.9981717798828137) * e90),
-        );
-    let by_left_hip_pitch_x = e91.mul_add(c_left_hip_pitch, -(e92 * s_left_hip_pitch));
-    let e93 = e92.mul_add(c_left_hip_pitch, e91 * s_left_hip_pitch);
-    // left_knee
-    let ky_left_knee_y = by_left_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.9973888291864126),
-            -(T::from_f64(0.0722185808096314) * ky_left_hip_pitch_z),
-        );
-    let ky_left_knee_z = by_left_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.0722185808096314),
-            T::from_f64(0.9973888291864126) * ky_left_hip_pitch_z,
-        );
-    let by_left_knee_x = ky_left_knee_y.mul_add(c_left_knee, -(e93 * s_left_knee));
-    let e94 = ky_left_knee_y.mul_add(s_left_knee, e93 * c_left_knee);
-    // left_ankle_pitch
-    let ky_left_ankle_pitch_y = by_left_knee_x
-        .mul_add(
-            T::from_f64(0.9659918591802845),
-            -(T::from_f64(0.2585724811294071) * ky_left_knee_z),
-        );
-    let ky_left_ankle_pitch_z = by_left_knee_x
-        .mul_add(
-            T::from_f64(0.2585724811294071),
-            T::from_f64(0.9659918591802845) * ky_left_knee_z,
-        );
-    let by_left_ankle_pitch_x = e94
-        .mul_add(c_left_ankle_pitch, ky_left_ankle_pitch_y * s_left_ankle_pitch);
-    // waist_yaw
-    let e95 = e87
-        .mul_add(
-            T::from_f64(0.11944678826051937),
-            -(T::from_f64(0.19252104104496945) * by_right_hip_yaw_x),
-        ) + ky_right_hip_yaw_z;
-    let ky_waist_yaw_x = e95
-        .mul_add(T::from_f64(0.3662421800811956), by_right_hip_yaw_x);
-    let ky_waist_yaw_y = e95.mul_add(T::from_f64(0.22722945969324562), -e87);
-    let ky_waist_yaw_z = (-e95)
-        .mul_add(T::from_f64(1.9023488450576578), ky_right_hip_yaw_z);
-    let by_waist_yaw_x = ky_waist_yaw_y
-        .mul_add(s_waist_yaw, -(ky_waist_yaw_x * c_waist_yaw));
-    let by_waist_yaw_y = ky_waist_yaw_y
-        .mul_add(c_waist_yaw, ky_waist_yaw_x * s_waist_yaw);
-    // waist_pitch
-    let ky_waist_pitch_y = by_waist_yaw_x
-        .mul_add(
-            T::from_f64(0.19642259114963537),
-            -(T::from_f64(0.980519334682424) * ky_waist_yaw_z),
-        );
-    let ky_waist_pitch_z = by_waist_yaw_x
-        .mul_add(
-            T::from_f64(0.980519334682424),
-            T::from_f64(0.19642259114963537) * ky_waist_yaw_z,
-        );
-    let e96 = by_waist_yaw_y.mul_add(s_waist_pitch, ky_waist_pitch_y * c_waist_pitch);
-    let e97 = by_waist_yaw_y.mul_add(c_waist_pitch, -(ky_waist_pitch_y * s_waist_pitch));
-    // neck_yaw
-    let e98 = e96
-        .mul_add(
-            T::from_f64(0.11686854868553807),
-            T::from_f64(0.9931473920461839) * ky_waist_pitch_z,
-        );
-    let ky_neck_yaw_z = ky_waist_pitch_z
-        .mul_add(
-            T::from_f64(0.11686854868553807),
-            -(T::from_f64(0.9931473920461839) * e96),
-        );
-    let by_neck_yaw_x = e97.mul_add(s_neck_yaw, e98 * c_neck_yaw);
-    // right_shoulder_pitch
-    let e99 = ky_waist_pitch_z
-        .mul_add(
-            T::from_f64(0.10644334192309902),
-            e97.mul_add(T::from_f64(0.07159388452594458), -e96),
-        );
-    let e100 = e99.mul_add(T::from_f64(1.9676210845200064), e96);
-    let ky_right_shoulder_pitch_y = e99.mul_add(T::from_f64(0.14086963671593916), -e97);
-    let ky_right_shoulder_pitch_z = (-e99)
-        .mul_add(T::from_f64(0.20944016387466197), ky_waist_pitch_z);
-    let by_right_shoulder_pitch_x = e100
-        .mul_add(
-            s_right_shoulder_pitch,
-            -(ky_right_shoulder_pitch_y * c_right_shoulder_pitch),
-        );
-    let by_right_shoulder_pitch_y = ky_right_shoulder_pitch_y
-        .mul_add(s_right_shoulder_pitch, e100 * c_right_shoulder_pitch);
-    // right_shoulder_roll
     let ky_right_shoulder_roll_y = by_right_shoulder_pitch_x
         .mul_add(
             T::from_f64(0.2834710957352705),
@@ -1988,363 +2001,6 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
             c_right_shoulder_roll,
             by_right_shoulder_pitch_y * s_right_shoulder_roll,
         );
-    // right_shoulder_yaw
-    let e101 = by_right_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.3848026949004402),
-            T::from_f64(0.9229988548190939) * ky_right_shoulder_roll_z,
-        );
-    let ky_right_shoulder_yaw_z = by_right_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.9229988548190939),
-            -(T::from_f64(0.3848026949004402) * ky_right_shoulder_roll_z),
-        );
-    let e102 = by_right_shoulder_roll_y
-        .mul_add(c_right_shoulder_yaw, e101 * s_right_shoulder_yaw);
-    let e103 = e101
-        .mul_add(
-            c_right_shoulder_yaw,
-            -(by_right_shoulder_roll_y * s_right_shoulder_yaw),
-        );
-    // right_elbow
-    let e104 = e102
-        .mul_add(
-            T::from_f64(0.12242921843048289),
-            T::from_f64(0.9924772473334093) * ky_right_shoulder_yaw_z,
-        );
-    let ky_right_elbow_z = ky_right_shoulder_yaw_z
-        .mul_add(
-            T::from_f64(0.12242921843048289),
-            -(T::from_f64(0.9924772473334093) * e102),
-        );
-    let by_right_elbow_x = e103.mul_add(s_right_elbow, e104 * c_right_elbow);
-    let e105 = e104.mul_add(s_right_elbow, -(e103 * c_right_elbow));
-    // right_wrist_yaw
-    let e106 = by_right_elbow_x
-        .mul_add(
-            T::from_f64(0.15904161977640188),
-            T::from_f64(0.9872718790580934) * ky_right_elbow_z,
-        );
-    let ky_right_wrist_yaw_z = by_right_elbow_x
-        .mul_add(
-            T::from_f64(0.9872718790580934),
-            -(T::from_f64(0.15904161977640188) * ky_right_elbow_z),
-        );
-    let by_right_wrist_yaw_x = e106
-        .mul_add(s_right_wrist_yaw, -(e105 * c_right_wrist_yaw));
-    let by_right_wrist_yaw_y = e106.mul_add(c_right_wrist_yaw, e105 * s_right_wrist_yaw);
-    // right_wrist_roll
-    let ky_right_wrist_roll_y = by_right_wrist_yaw_x
-        .mul_add(
-            T::from_f64(0.06712447922871664),
-            -(T::from_f64(0.9977446087492899) * ky_right_wrist_yaw_z),
-        );
-    let ky_right_wrist_roll_z = by_right_wrist_yaw_x
-        .mul_add(
-            T::from_f64(0.9977446087492899),
-            T::from_f64(0.06712447922871664) * ky_right_wrist_yaw_z,
-        );
-    let by_right_wrist_roll_x = by_right_wrist_yaw_y
-        .mul_add(c_right_wrist_roll, -(ky_right_wrist_roll_y * s_right_wrist_roll));
-    // left_shoulder_pitch
-    let e107 = (-ky_waist_pitch_z)
-        .mul_add(
-            T::from_f64(0.09248191489966293),
-            e96.mul_add(T::from_f64(0.11783871458722316), -e97),
-        );
-    let ky_left_shoulder_pitch_x = e107.mul_add(T::from_f64(0.2305051546121806), -e96);
-    let e108 = e107.mul_add(T::from_f64(1.956107170887058), e97);
-    let ky_left_shoulder_pitch_z = e107
-        .mul_add(T::from_f64(0.1809045369125973), ky_waist_pitch_z);
-    let by_left_shoulder_pitch_x = e108
-        .mul_add(
-            c_left_shoulder_pitch,
-            -(ky_left_shoulder_pitch_x * s_left_shoulder_pitch),
-        );
-    let e109 = e108
-        .mul_add(
-            s_left_shoulder_pitch,
-            ky_left_shoulder_pitch_x * c_left_shoulder_pitch,
-        );
-    // left_shoulder_roll
-    let ky_left_shoulder_roll_y = by_left_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.2834710957352705),
-            -(T::from_f64(0.9589807807681263) * ky_left_shoulder_pitch_z),
-        );
-    let ky_left_shoulder_roll_z = by_left_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.9589807807681263),
-            T::from_f64(0.2834710957352705) * ky_left_shoulder_pitch_z,
-        );
-    let by_left_shoulder_roll_x = e109
-        .mul_add(c_left_shoulder_roll, ky_left_shoulder_roll_y * s_left_shoulder_roll);
-    let e110 = e109
-        .mul_add(
-            s_left_shoulder_roll,
-            -(ky_left_shoulder_roll_y * c_left_shoulder_roll),
-        );
-    // left_shoulder_yaw
-    let e111 = by_left_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.3848026949004402),
-            T::from_f64(0.9229988548190939) * ky_left_shoulder_roll_z,
-        );
-    let ky_left_shoulder_yaw_z = by_left_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.9229988548190939),
-            -(T::from_f64(0.3848026949004402) * ky_left_shoulder_roll_z),
-        );
-    let by_left_shoulder_yaw_x = e110
-        .mul_add(c_left_shoulder_yaw, -(e111 * s_left_shoulder_yaw));
-    let e112 = e111.mul_add(c_left_shoulder_yaw, e110 * s_left_shoulder_yaw);
-    // left_elbow
-    let ky_left_elbow_y = by_left_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.12242921843048289),
-            -(T::from_f64(0.9924772473334093) * ky_left_shoulder_yaw_z),
-        );
-    let ky_left_elbow_z = by_left_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.9924772473334093),
-            T::from_f64(0.12242921843048289) * ky_left_shoulder_yaw_z,
-        );
-    let by_left_elbow_x = e112.mul_add(s_left_elbow, -(ky_left_elbow_y * c_left_elbow));
-    let by_left_elbow_y = ky_left_elbow_y.mul_add(s_left_elbow, e112 * c_left_elbow);
-    // left_wrist_yaw
-    let e113 = by_left_elbow_x
-        .mul_add(
-            T::from_f64(0.15904161977640188),
-            T::from_f64(0.9872718790580934) * ky_left_elbow_z,
-        );
-    let ky_left_wrist_yaw_z = by_left_elbow_x
-        .mul_add(
-            T::from_f64(0.9872718790580934),
-            -(T::from_f64(0.15904161977640188) * ky_left_elbow_z),
-        );
-    let by_left_wrist_yaw_x = by_left_elbow_y
-        .mul_add(c_left_wrist_yaw, e113 * s_left_wrist_yaw);
-    let e114 = by_left_elbow_y.mul_add(s_left_wrist_yaw, -(e113 * c_left_wrist_yaw));
-    // left_wrist_roll
-    let ky_left_wrist_roll_y = by_left_wrist_yaw_x
-        .mul_add(
-            T::from_f64(0.06712447922871664),
-            -(T::from_f64(0.9977446087492899) * ky_left_wrist_yaw_z),
-        );
-    let ky_left_wrist_roll_z = by_left_wrist_yaw_x
-        .mul_add(
-            T::from_f64(0.9977446087492899),
-            T::from_f64(0.06712447922871664) * ky_left_wrist_yaw_z,
-        );
-    // left_wrist_pitch
-    let ky_left_wrist_pitch_y = e114
-        .mul_add(c_left_wrist_roll, ky_left_wrist_roll_y * s_left_wrist_roll)
-        .mul_add(
-            T::from_f64(0.042799828876225604),
-            -(T::from_f64(0.99908366749145) * ky_left_wrist_roll_z),
-        );
-    // right_ankle_roll
-    let bz_right_ankle_roll_x = s_right_ankle_roll
-        .mul_add(
-            T::from_f64(0.9799158654419752),
-            -(T::from_f64(0.13055455182981807) * c_right_ankle_roll),
-        );
-    let e115 = s_right_ankle_roll
-        .mul_add(
-            T::from_f64(0.13055455182981807),
-            T::from_f64(0.9799158654419752) * c_right_ankle_roll,
-        );
-    // right_ankle_pitch
-    let kz_right_ankle_pitch_y = (-bz_right_ankle_roll_x)
-        .mul_add(T::from_f64(0.0524083921121999), T::from_f64(0.15052574825109485));
-    let kz_right_ankle_pitch_z = bz_right_ankle_roll_x
-        .mul_add(T::from_f64(0.9986257359172223), T::from_f64(0.007899668668242278));
-    let bz_right_ankle_pitch_x = kz_right_ankle_pitch_y
-        .mul_add(s_right_ankle_pitch, -(e115 * c_right_ankle_pitch));
-    let e116 = kz_right_ankle_pitch_y
-        .mul_add(c_right_ankle_pitch, e115 * s_right_ankle_pitch);
-    // right_knee
-    let kz_right_knee_y = bz_right_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.9659918591802843),
-            -(T::from_f64(0.2585724811294071) * kz_right_ankle_pitch_z),
-        );
-    let kz_right_knee_z = bz_right_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.2585724811294071),
-            T::from_f64(0.9659918591802843) * kz_right_ankle_pitch_z,
-        );
-    let bz_right_knee_x = e116.mul_add(s_right_knee, kz_right_knee_y * c_right_knee);
-    let e117 = e116.mul_add(c_right_knee, -(kz_right_knee_y * s_right_knee));
-    // right_hip_pitch
-    let kz_right_hip_pitch_y = bz_right_knee_x
-        .mul_add(
-            T::from_f64(0.9973888291864124),
-            -(T::from_f64(0.0722185808096314) * kz_right_knee_z),
-        );
-    let kz_right_hip_pitch_z = bz_right_knee_x
-        .mul_add(
-            T::from_f64(0.0722185808096314),
-            T::from_f64(0.9973888291864124) * kz_right_knee_z,
-        );
-    let bz_right_hip_pitch_x = kz_right_hip_pitch_y
-        .mul_add(s_right_hip_pitch, -(e117 * c_right_hip_pitch));
-    let e118 = kz_right_hip_pitch_y.mul_add(c_right_hip_pitch, e117 * s_right_hip_pitch);
-    // right_hip_roll
-    let kz_right_hip_roll_y = bz_right_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.06044086238279244),
-            -(T::from_f64(0.9981717798828138) * kz_right_hip_pitch_z),
-        );
-    let kz_right_hip_roll_z = bz_right_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.9981717798828138),
-            T::from_f64(0.06044086238279244) * kz_right_hip_pitch_z,
-        );
-    let bz_right_hip_roll_x = e118
-        .mul_add(c_right_hip_roll, -(kz_right_hip_roll_y * s_right_hip_roll));
-    let bz_right_hip_roll_y = kz_right_hip_roll_y
-        .mul_add(c_right_hip_roll, e118 * s_right_hip_roll);
-    // right_hip_yaw
-    let kz_right_hip_yaw_y = bz_right_hip_roll_x
-        .mul_add(
-            T::from_f64(0.08292767473984558),
-            -(T::from_f64(0.9965555683263441) * kz_right_hip_roll_z),
-        );
-    let kz_right_hip_yaw_z = bz_right_hip_roll_x
-        .mul_add(
-            T::from_f64(0.9965555683263441),
-            T::from_f64(0.08292767473984558) * kz_right_hip_roll_z,
-        );
-    let bz_right_hip_yaw_x = bz_right_hip_roll_y
-        .mul_add(c_right_hip_yaw, kz_right_hip_yaw_y * s_right_hip_yaw);
-    let e119 = kz_right_hip_yaw_y
-        .mul_add(c_right_hip_yaw, -(bz_right_hip_roll_y * s_right_hip_yaw));
-    // left_hip_yaw
-    let e120 = bz_right_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.538107754426925),
-            T::from_f64(0.8428760553163273) * kz_right_hip_yaw_z,
-        );
-    let kz_left_hip_yaw_z = bz_right_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.8428760553163273),
-            -(T::from_f64(0.538107754426925) * kz_right_hip_yaw_z),
-        );
-    let bz_left_hip_yaw_x = e119.mul_add(c_left_hip_yaw, -(e120 * s_left_hip_yaw));
-    let e121 = e120.mul_add(c_left_hip_yaw, e119 * s_left_hip_yaw);
-    // left_hip_roll
-    let kz_left_hip_roll_y = bz_left_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.08292767473984561),
-            -(T::from_f64(0.9965555683263441) * kz_left_hip_yaw_z),
-        );
-    let kz_left_hip_roll_z = bz_left_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.9965555683263441),
-            T::from_f64(0.08292767473984561) * kz_left_hip_yaw_z,
-        );
-    let e122 = e121.mul_add(c_left_hip_roll, kz_left_hip_roll_y * s_left_hip_roll);
-    let e123 = kz_left_hip_roll_y.mul_add(c_left_hip_roll, -(e121 * s_left_hip_roll));
-    // left_hip_pitch
-    let e124 = e122
-        .mul_add(
-            T::from_f64(0.06044086238279245),
-            T::from_f64(0.9981717798828137) * kz_left_hip_roll_z,
-        );
-    let kz_left_hip_pitch_z = kz_left_hip_roll_z
-        .mul_add(
-            T::from_f64(0.06044086238279245),
-            -(T::from_f64(0.9981717798828137) * e122),
-        );
-    let bz_left_hip_pitch_x = e123.mul_add(c_left_hip_pitch, -(e124 * s_left_hip_pitch));
-    let e125 = e124.mul_add(c_left_hip_pitch, e123 * s_left_hip_pitch);
-    // left_knee
-    let kz_left_knee_y = bz_left_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.9973888291864126),
-            -(T::from_f64(0.0722185808096314) * kz_left_hip_pitch_z),
-        );
-    let kz_left_knee_z = bz_left_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.0722185808096314),
-            T::from_f64(0.9973888291864126) * kz_left_hip_pitch_z,
-        );
-    let bz_left_knee_x = kz_left_knee_y.mul_add(c_left_knee, -(e125 * s_left_knee));
-    let e126 = kz_left_knee_y.mul_add(s_left_knee, e125 * c_left_knee);
-    // left_ankle_pitch
-    let kz_left_ankle_pitch_y = bz_left_knee_x
-        .mul_add(
-            T::from_f64(0.9659918591802845),
-            -(T::from_f64(0.2585724811294071) * kz_left_knee_z),
-        );
-    let kz_left_ankle_pitch_z = bz_left_knee_x
-        .mul_add(
-            T::from_f64(0.2585724811294071),
-            T::from_f64(0.9659918591802845) * kz_left_knee_z,
-        );
-    let bz_left_ankle_pitch_x = e126
-        .mul_add(c_left_ankle_pitch, kz_left_ankle_pitch_y * s_left_ankle_pitch);
-    // waist_yaw
-    let e127 = e119
-        .mul_add(
-            T::from_f64(0.11944678826051937),
-            -(T::from_f64(0.19252104104496945) * bz_right_hip_yaw_x),
-        ) + kz_right_hip_yaw_z;
-    let kz_waist_yaw_x = e127
-        .mul_add(T::from_f64(0.3662421800811956), bz_right_hip_yaw_x);
-    let kz_waist_yaw_y = e127.mul_add(T::from_f64(0.22722945969324562), -e119);
-    let kz_waist_yaw_z = (-e127)
-        .mul_add(T::from_f64(1.9023488450576578), kz_right_hip_yaw_z);
-    let bz_waist_yaw_x = kz_waist_yaw_y
-        .mul_add(s_waist_yaw, -(kz_waist_yaw_x * c_waist_yaw));
-    let bz_waist_yaw_y = kz_waist_yaw_y
-        .mul_add(c_waist_yaw, kz_waist_yaw_x * s_waist_yaw);
-    // waist_pitch
-    let kz_waist_pitch_y = bz_waist_yaw_x
-        .mul_add(
-            T::from_f64(0.19642259114963537),
-            -(T::from_f64(0.980519334682424) * kz_waist_yaw_z),
-        );
-    let kz_waist_pitch_z = bz_waist_yaw_x
-        .mul_add(
-            T::from_f64(0.980519334682424),
-            T::from_f64(0.19642259114963537) * kz_waist_yaw_z,
-        );
-    let e128 = bz_waist_yaw_y.mul_add(s_waist_pitch, kz_waist_pitch_y * c_waist_pitch);
-    let e129 = bz_waist_yaw_y
-        .mul_add(c_waist_pitch, -(kz_waist_pitch_y * s_waist_pitch));
-    // neck_yaw
-    let e130 = e128
-        .mul_add(
-            T::from_f64(0.11686854868553807),
-            T::from_f64(0.9931473920461839) * kz_waist_pitch_z,
-        );
-    let kz_neck_yaw_z = kz_waist_pitch_z
-        .mul_add(
-            T::from_f64(0.11686854868553807),
-            -(T::from_f64(0.9931473920461839) * e128),
-        );
-    let bz_neck_yaw_x = e129.mul_add(s_neck_yaw, e130 * c_neck_yaw);
-    // right_shoulder_pitch
-    let e131 = kz_waist_pitch_z
-        .mul_add(
-            T::from_f64(0.10644334192309902),
-            e129.mul_add(T::from_f64(0.07159388452594458), -e128),
-        );
-    let e132 = e131.mul_add(T::from_f64(1.9676210845200064), e128);
-    let kz_right_shoulder_pitch_y = e131
-        .mul_add(T::from_f64(0.14086963671593916), -e129);
-    let kz_right_shoulder_pitch_z = (-e131)
-        .mul_add(T::from_f64(0.20944016387466197), kz_waist_pitch_z);
-    let bz_right_shoulder_pitch_x = e132
-        .mul_add(
-            s_right_shoulder_pitch,
-            -(kz_right_shoulder_pitch_y * c_right_shoulder_pitch),
-        );
-    let bz_right_shoulder_pitch_y = kz_right_shoulder_pitch_y
-        .mul_add(s_right_shoulder_pitch, e132 * c_right_shoulder_pitch);
-    // right_shoulder_roll
     let kz_right_shoulder_roll_y = bz_right_shoulder_pitch_x
         .mul_add(
             T::from_f64(0.2834710957352705),
@@ -2366,7 +2022,41 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
             bz_right_shoulder_pitch_y * s_right_shoulder_roll,
         );
     // right_shoulder_yaw
-    let e133 = bz_right_shoulder_roll_x
+    let e105 = bx_right_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.3848026949004402),
+            T::from_f64(0.9229988548190939) * kx_right_shoulder_roll_z,
+        );
+    let kx_right_shoulder_yaw_z = bx_right_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.9229988548190939),
+            -(T::from_f64(0.3848026949004402) * kx_right_shoulder_roll_z),
+        );
+    let e106 = bx_right_shoulder_roll_y
+        .mul_add(c_right_shoulder_yaw, e105 * s_right_shoulder_yaw);
+    let e107 = e105
+        .mul_add(
+            c_right_shoulder_yaw,
+            -(bx_right_shoulder_roll_y * s_right_shoulder_yaw),
+        );
+    let e108 = by_right_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.3848026949004402),
+            T::from_f64(0.9229988548190939) * ky_right_shoulder_roll_z,
+        );
+    let ky_right_shoulder_yaw_z = by_right_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.9229988548190939),
+            -(T::from_f64(0.3848026949004402) * ky_right_shoulder_roll_z),
+        );
+    let e109 = by_right_shoulder_roll_y
+        .mul_add(c_right_shoulder_yaw, e108 * s_right_shoulder_yaw);
+    let e110 = e108
+        .mul_add(
+            c_right_shoulder_yaw,
+            -(by_right_shoulder_roll_y * s_right_shoulder_yaw),
+        );
+    let e111 = bz_right_shoulder_roll_x
         .mul_add(
             T::from_f64(0.3848026949004402),
             T::from_f64(0.9229988548190939) * kz_right_shoulder_roll_z,
@@ -2376,15 +2066,39 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
             T::from_f64(0.9229988548190939),
             -(T::from_f64(0.3848026949004402) * kz_right_shoulder_roll_z),
         );
-    let e134 = bz_right_shoulder_roll_y
-        .mul_add(c_right_shoulder_yaw, e133 * s_right_shoulder_yaw);
-    let e135 = e133
+    let e112 = bz_right_shoulder_roll_y
+        .mul_add(c_right_shoulder_yaw, e111 * s_right_shoulder_yaw);
+    let e113 = e111
         .mul_add(
             c_right_shoulder_yaw,
             -(bz_right_shoulder_roll_y * s_right_shoulder_yaw),
         );
     // right_elbow
-    let e136 = e134
+    let e114 = e106
+        .mul_add(
+            T::from_f64(0.12242921843048289),
+            T::from_f64(0.9924772473334093) * kx_right_shoulder_yaw_z,
+        );
+    let kx_right_elbow_z = kx_right_shoulder_yaw_z
+        .mul_add(
+            T::from_f64(0.12242921843048289),
+            -(T::from_f64(0.9924772473334093) * e106),
+        );
+    let bx_right_elbow_x = e107.mul_add(s_right_elbow, e114 * c_right_elbow);
+    let e115 = e114.mul_add(s_right_elbow, -(e107 * c_right_elbow));
+    let e116 = e109
+        .mul_add(
+            T::from_f64(0.12242921843048289),
+            T::from_f64(0.9924772473334093) * ky_right_shoulder_yaw_z,
+        );
+    let ky_right_elbow_z = ky_right_shoulder_yaw_z
+        .mul_add(
+            T::from_f64(0.12242921843048289),
+            -(T::from_f64(0.9924772473334093) * e109),
+        );
+    let by_right_elbow_x = e110.mul_add(s_right_elbow, e116 * c_right_elbow);
+    let e117 = e116.mul_add(s_right_elbow, -(e110 * c_right_elbow));
+    let e118 = e112
         .mul_add(
             T::from_f64(0.12242921843048289),
             T::from_f64(0.9924772473334093) * kz_right_shoulder_yaw_z,
@@ -2392,12 +2106,38 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     let kz_right_elbow_z = kz_right_shoulder_yaw_z
         .mul_add(
             T::from_f64(0.12242921843048289),
-            -(T::from_f64(0.9924772473334093) * e134),
+            -(T::from_f64(0.9924772473334093) * e112),
         );
-    let bz_right_elbow_x = e135.mul_add(s_right_elbow, e136 * c_right_elbow);
-    let e137 = e136.mul_add(s_right_elbow, -(e135 * c_right_elbow));
+    let bz_right_elbow_x = e113.mul_add(s_right_elbow, e118 * c_right_elbow);
+    let e119 = e118.mul_add(s_right_elbow, -(e113 * c_right_elbow));
     // right_wrist_yaw
-    let e138 = bz_right_elbow_x
+    let e120 = bx_right_elbow_x
+        .mul_add(
+            T::from_f64(0.15904161977640188),
+            T::from_f64(0.9872718790580934) * kx_right_elbow_z,
+        );
+    let kx_right_wrist_yaw_z = bx_right_elbow_x
+        .mul_add(
+            T::from_f64(0.9872718790580934),
+            -(T::from_f64(0.15904161977640188) * kx_right_elbow_z),
+        );
+    let bx_right_wrist_yaw_x = e120
+        .mul_add(s_right_wrist_yaw, -(e115 * c_right_wrist_yaw));
+    let bx_right_wrist_yaw_y = e120.mul_add(c_right_wrist_yaw, e115 * s_right_wrist_yaw);
+    let e121 = by_right_elbow_x
+        .mul_add(
+            T::from_f64(0.15904161977640188),
+            T::from_f64(0.9872718790580934) * ky_right_elbow_z,
+        );
+    let ky_right_wrist_yaw_z = by_right_elbow_x
+        .mul_add(
+            T::from_f64(0.9872718790580934),
+            -(T::from_f64(0.15904161977640188) * ky_right_elbow_z),
+        );
+    let by_right_wrist_yaw_x = e121
+        .mul_add(s_right_wrist_yaw, -(e117 * c_right_wrist_yaw));
+    let by_right_wrist_yaw_y = e121.mul_add(c_right_wrist_yaw, e117 * s_right_wrist_yaw);
+    let e122 = bz_right_elbow_x
         .mul_add(
             T::from_f64(0.15904161977640188),
             T::from_f64(0.9872718790580934) * kz_right_elbow_z,
@@ -2407,10 +2147,34 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
             T::from_f64(0.9872718790580934),
             -(T::from_f64(0.15904161977640188) * kz_right_elbow_z),
         );
-    let bz_right_wrist_yaw_x = e138
-        .mul_add(s_right_wrist_yaw, -(e137 * c_right_wrist_yaw));
-    let bz_right_wrist_yaw_y = e138.mul_add(c_right_wrist_yaw, e137 * s_right_wrist_yaw);
+    let bz_right_wrist_yaw_x = e122
+        .mul_add(s_right_wrist_yaw, -(e119 * c_right_wrist_yaw));
+    let bz_right_wrist_yaw_y = e122.mul_add(c_right_wrist_yaw, e119 * s_right_wrist_yaw);
     // right_wrist_roll
+    let kx_right_wrist_roll_y = bx_right_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.06712447922871664),
+            -(T::from_f64(0.9977446087492899) * kx_right_wrist_yaw_z),
+        );
+    let kx_right_wrist_roll_z = bx_right_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.9977446087492899),
+            T::from_f64(0.06712447922871664) * kx_right_wrist_yaw_z,
+        );
+    let bx_right_wrist_roll_x = bx_right_wrist_yaw_y
+        .mul_add(c_right_wrist_roll, -(kx_right_wrist_roll_y * s_right_wrist_roll));
+    let ky_right_wrist_roll_y = by_right_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.06712447922871664),
+            -(T::from_f64(0.9977446087492899) * ky_right_wrist_yaw_z),
+        );
+    let ky_right_wrist_roll_z = by_right_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.9977446087492899),
+            T::from_f64(0.06712447922871664) * ky_right_wrist_yaw_z,
+        );
+    let by_right_wrist_roll_x = by_right_wrist_yaw_y
+        .mul_add(c_right_wrist_roll, -(ky_right_wrist_roll_y * s_right_wrist_roll));
     let kz_right_wrist_roll_y = bz_right_wrist_yaw_x
         .mul_add(
             T::from_f64(0.06712447922871664),
@@ -2424,26 +2188,98 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     let bz_right_wrist_roll_x = bz_right_wrist_yaw_y
         .mul_add(c_right_wrist_roll, -(kz_right_wrist_roll_y * s_right_wrist_roll));
     // left_shoulder_pitch
-    let e139 = (-kz_waist_pitch_z)
+    let e123 = (-kx_waist_pitch_z)
         .mul_add(
             T::from_f64(0.09248191489966293),
-            e128.mul_add(T::from_f64(0.11783871458722316), -e129),
+            e90.mul_add(T::from_f64(0.11783871458722316), -e91),
         );
-    let kz_left_shoulder_pitch_x = e139.mul_add(T::from_f64(0.2305051546121806), -e128);
-    let e140 = e139.mul_add(T::from_f64(1.956107170887058), e129);
-    let kz_left_shoulder_pitch_z = e139
+    let kx_left_shoulder_pitch_x = e123.mul_add(T::from_f64(0.2305051546121806), -e90);
+    let e124 = e123.mul_add(T::from_f64(1.956107170887058), e91);
+    let kx_left_shoulder_pitch_z = e123
+        .mul_add(T::from_f64(0.1809045369125973), kx_waist_pitch_z);
+    let bx_left_shoulder_pitch_x = e124
+        .mul_add(
+            c_left_shoulder_pitch,
+            -(kx_left_shoulder_pitch_x * s_left_shoulder_pitch),
+        );
+    let e125 = e124
+        .mul_add(
+            s_left_shoulder_pitch,
+            kx_left_shoulder_pitch_x * c_left_shoulder_pitch,
+        );
+    let e126 = (-ky_waist_pitch_z)
+        .mul_add(
+            T::from_f64(0.09248191489966293),
+            e92.mul_add(T::from_f64(0.11783871458722316), -e93),
+        );
+    let ky_left_shoulder_pitch_x = e126.mul_add(T::from_f64(0.2305051546121806), -e92);
+    let e127 = e126.mul_add(T::from_f64(1.956107170887058), e93);
+    let ky_left_shoulder_pitch_z = e126
+        .mul_add(T::from_f64(0.1809045369125973), ky_waist_pitch_z);
+    let by_left_shoulder_pitch_x = e127
+        .mul_add(
+            c_left_shoulder_pitch,
+            -(ky_left_shoulder_pitch_x * s_left_shoulder_pitch),
+        );
+    let e128 = e127
+        .mul_add(
+            s_left_shoulder_pitch,
+            ky_left_shoulder_pitch_x * c_left_shoulder_pitch,
+        );
+    let e129 = (-kz_waist_pitch_z)
+        .mul_add(
+            T::from_f64(0.09248191489966293),
+            e94.mul_add(T::from_f64(0.11783871458722316), -e95),
+        );
+    let kz_left_shoulder_pitch_x = e129.mul_add(T::from_f64(0.2305051546121806), -e94);
+    let e130 = e129.mul_add(T::from_f64(1.956107170887058), e95);
+    let kz_left_shoulder_pitch_z = e129
         .mul_add(T::from_f64(0.1809045369125973), kz_waist_pitch_z);
-    let bz_left_shoulder_pitch_x = e140
+    let bz_left_shoulder_pitch_x = e130
         .mul_add(
             c_left_shoulder_pitch,
             -(kz_left_shoulder_pitch_x * s_left_shoulder_pitch),
         );
-    let e141 = e140
+    let e131 = e130
         .mul_add(
             s_left_shoulder_pitch,
             kz_left_shoulder_pitch_x * c_left_shoulder_pitch,
         );
     // left_shoulder_roll
+    let kx_left_shoulder_roll_y = bx_left_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.2834710957352705),
+            -(T::from_f64(0.9589807807681263) * kx_left_shoulder_pitch_z),
+        );
+    let kx_left_shoulder_roll_z = bx_left_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.9589807807681263),
+            T::from_f64(0.2834710957352705) * kx_left_shoulder_pitch_z,
+        );
+    let bx_left_shoulder_roll_x = e125
+        .mul_add(c_left_shoulder_roll, kx_left_shoulder_roll_y * s_left_shoulder_roll);
+    let e132 = e125
+        .mul_add(
+            s_left_shoulder_roll,
+            -(kx_left_shoulder_roll_y * c_left_shoulder_roll),
+        );
+    let ky_left_shoulder_roll_y = by_left_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.2834710957352705),
+            -(T::from_f64(0.9589807807681263) * ky_left_shoulder_pitch_z),
+        );
+    let ky_left_shoulder_roll_z = by_left_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.9589807807681263),
+            T::from_f64(0.2834710957352705) * ky_left_shoulder_pitch_z,
+        );
+    let by_left_shoulder_roll_x = e128
+        .mul_add(c_left_shoulder_roll, ky_left_shoulder_roll_y * s_left_shoulder_roll);
+    let e133 = e128
+        .mul_add(
+            s_left_shoulder_roll,
+            -(ky_left_shoulder_roll_y * c_left_shoulder_roll),
+        );
     let kz_left_shoulder_roll_y = bz_left_shoulder_pitch_x
         .mul_add(
             T::from_f64(0.2834710957352705),
@@ -2454,15 +2290,41 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
             T::from_f64(0.9589807807681263),
             T::from_f64(0.2834710957352705) * kz_left_shoulder_pitch_z,
         );
-    let bz_left_shoulder_roll_x = e141
+    let bz_left_shoulder_roll_x = e131
         .mul_add(c_left_shoulder_roll, kz_left_shoulder_roll_y * s_left_shoulder_roll);
-    let e142 = e141
+    let e134 = e131
         .mul_add(
             s_left_shoulder_roll,
             -(kz_left_shoulder_roll_y * c_left_shoulder_roll),
         );
     // left_shoulder_yaw
-    let e143 = bz_left_shoulder_roll_x
+    let e135 = bx_left_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.3848026949004402),
+            T::from_f64(0.9229988548190939) * kx_left_shoulder_roll_z,
+        );
+    let kx_left_shoulder_yaw_z = bx_left_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.9229988548190939),
+            -(T::from_f64(0.3848026949004402) * kx_left_shoulder_roll_z),
+        );
+    let bx_left_shoulder_yaw_x = e132
+        .mul_add(c_left_shoulder_yaw, -(e135 * s_left_shoulder_yaw));
+    let e136 = e135.mul_add(c_left_shoulder_yaw, e132 * s_left_shoulder_yaw);
+    let e137 = by_left_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.3848026949004402),
+            T::from_f64(0.9229988548190939) * ky_left_shoulder_roll_z,
+        );
+    let ky_left_shoulder_yaw_z = by_left_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.9229988548190939),
+            -(T::from_f64(0.3848026949004402) * ky_left_shoulder_roll_z),
+        );
+    let by_left_shoulder_yaw_x = e133
+        .mul_add(c_left_shoulder_yaw, -(e137 * s_left_shoulder_yaw));
+    let e138 = e137.mul_add(c_left_shoulder_yaw, e133 * s_left_shoulder_yaw);
+    let e139 = bz_left_shoulder_roll_x
         .mul_add(
             T::from_f64(0.3848026949004402),
             T::from_f64(0.9229988548190939) * kz_left_shoulder_roll_z,
@@ -2472,10 +2334,34 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
             T::from_f64(0.9229988548190939),
             -(T::from_f64(0.3848026949004402) * kz_left_shoulder_roll_z),
         );
-    let bz_left_shoulder_yaw_x = e142
-        .mul_add(c_left_shoulder_yaw, -(e143 * s_left_shoulder_yaw));
-    let e144 = e143.mul_add(c_left_shoulder_yaw, e142 * s_left_shoulder_yaw);
+    let bz_left_shoulder_yaw_x = e134
+        .mul_add(c_left_shoulder_yaw, -(e139 * s_left_shoulder_yaw));
+    let e140 = e139.mul_add(c_left_shoulder_yaw, e134 * s_left_shoulder_yaw);
     // left_elbow
+    let kx_left_elbow_y = bx_left_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.12242921843048289),
+            -(T::from_f64(0.9924772473334093) * kx_left_shoulder_yaw_z),
+        );
+    let kx_left_elbow_z = bx_left_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.9924772473334093),
+            T::from_f64(0.12242921843048289) * kx_left_shoulder_yaw_z,
+        );
+    let bx_left_elbow_x = e136.mul_add(s_left_elbow, -(kx_left_elbow_y * c_left_elbow));
+    let bx_left_elbow_y = kx_left_elbow_y.mul_add(s_left_elbow, e136 * c_left_elbow);
+    let ky_left_elbow_y = by_left_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.12242921843048289),
+            -(T::from_f64(0.9924772473334093) * ky_left_shoulder_yaw_z),
+        );
+    let ky_left_elbow_z = by_left_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.9924772473334093),
+            T::from_f64(0.12242921843048289) * ky_left_shoulder_yaw_z,
+        );
+    let by_left_elbow_x = e138.mul_add(s_left_elbow, -(ky_left_elbow_y * c_left_elbow));
+    let by_left_elbow_y = ky_left_elbow_y.mul_add(s_left_elbow, e138 * c_left_elbow);
     let kz_left_elbow_y = bz_left_shoulder_yaw_x
         .mul_add(
             T::from_f64(0.12242921843048289),
@@ -2486,9 +2372,35 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
             T::from_f64(0.9924772473334093),
             T::from_f64(0.12242921843048289) * kz_left_shoulder_yaw_z,
         );
-    let bz_left_elbow_x = e144.mul_add(s_left_elbow, -(kz_left_elbow_y * c_left_elbow));
-    let bz_left_elbow_y = kz_left_elbow_y.mul_add(s_left_elbow, e144 * c_left_elbow);
+    let bz_left_elbow_x = e140.mul_add(s_left_elbow, -(kz_left_elbow_y * c_left_elbow));
+    let bz_left_elbow_y = kz_left_elbow_y.mul_add(s_left_elbow, e140 * c_left_elbow);
     // left_wrist_yaw
+    let e141 = bx_left_elbow_x
+        .mul_add(
+            T::from_f64(0.15904161977640188),
+            T::from_f64(0.9872718790580934) * kx_left_elbow_z,
+        );
+    let kx_left_wrist_yaw_z = bx_left_elbow_x
+        .mul_add(
+            T::from_f64(0.9872718790580934),
+            -(T::from_f64(0.15904161977640188) * kx_left_elbow_z),
+        );
+    let bx_left_wrist_yaw_x = bx_left_elbow_y
+        .mul_add(c_left_wrist_yaw, e141 * s_left_wrist_yaw);
+    let e142 = bx_left_elbow_y.mul_add(s_left_wrist_yaw, -(e141 * c_left_wrist_yaw));
+    let e143 = by_left_elbow_x
+        .mul_add(
+            T::from_f64(0.15904161977640188),
+            T::from_f64(0.9872718790580934) * ky_left_elbow_z,
+        );
+    let ky_left_wrist_yaw_z = by_left_elbow_x
+        .mul_add(
+            T::from_f64(0.9872718790580934),
+            -(T::from_f64(0.15904161977640188) * ky_left_elbow_z),
+        );
+    let by_left_wrist_yaw_x = by_left_elbow_y
+        .mul_add(c_left_wrist_yaw, e143 * s_left_wrist_yaw);
+    let e144 = by_left_elbow_y.mul_add(s_left_wrist_yaw, -(e143 * c_left_wrist_yaw));
     let e145 = bz_left_elbow_x
         .mul_add(
             T::from_f64(0.15904161977640188),
@@ -2503,6 +2415,26 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
         .mul_add(c_left_wrist_yaw, e145 * s_left_wrist_yaw);
     let e146 = bz_left_elbow_y.mul_add(s_left_wrist_yaw, -(e145 * c_left_wrist_yaw));
     // left_wrist_roll
+    let kx_left_wrist_roll_y = bx_left_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.06712447922871664),
+            -(T::from_f64(0.9977446087492899) * kx_left_wrist_yaw_z),
+        );
+    let kx_left_wrist_roll_z = bx_left_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.9977446087492899),
+            T::from_f64(0.06712447922871664) * kx_left_wrist_yaw_z,
+        );
+    let ky_left_wrist_roll_y = by_left_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.06712447922871664),
+            -(T::from_f64(0.9977446087492899) * ky_left_wrist_yaw_z),
+        );
+    let ky_left_wrist_roll_z = by_left_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.9977446087492899),
+            T::from_f64(0.06712447922871664) * ky_left_wrist_yaw_z,
+        );
     let kz_left_wrist_roll_y = bz_left_wrist_yaw_x
         .mul_add(
             T::from_f64(0.06712447922871664),
@@ -2514,6 +2446,18 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
             T::from_f64(0.06712447922871664) * kz_left_wrist_yaw_z,
         );
     // left_wrist_pitch
+    let kx_left_wrist_pitch_y = e142
+        .mul_add(c_left_wrist_roll, kx_left_wrist_roll_y * s_left_wrist_roll)
+        .mul_add(
+            T::from_f64(0.042799828876225604),
+            -(T::from_f64(0.99908366749145) * kx_left_wrist_roll_z),
+        );
+    let ky_left_wrist_pitch_y = e144
+        .mul_add(c_left_wrist_roll, ky_left_wrist_roll_y * s_left_wrist_roll)
+        .mul_add(
+            T::from_f64(0.042799828876225604),
+            -(T::from_f64(0.99908366749145) * ky_left_wrist_roll_z),
+        );
     let kz_left_wrist_pitch_y = e146
         .mul_add(c_left_wrist_roll, kz_left_wrist_roll_y * s_left_wrist_roll)
         .mul_add(
@@ -2524,9 +2468,9 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
         [
             kx_right_hip_yaw_y
                 .mul_add(t_right_hip_yaw_x, -(bx_right_hip_roll_y * t_right_hip_yaw_y)),
-            e54.mul_add(t_right_hip_roll_y, -(kx_right_hip_roll_y * e45)),
-            kx_right_hip_pitch_y.mul_add(t_right_hip_pitch_x, e53 * t_right_hip_pitch_y),
-            kx_right_knee_y.mul_add(t_right_knee_x, e52 * t_right_knee_y),
+            e60.mul_add(t_right_hip_roll_y, -(kx_right_hip_roll_y * e45)),
+            kx_right_hip_pitch_y.mul_add(t_right_hip_pitch_x, e57 * t_right_hip_pitch_y),
+            kx_right_knee_y.mul_add(t_right_knee_x, e54 * t_right_knee_y),
             kx_right_ankle_pitch_y
                 .mul_add(t_right_ankle_pitch_x, e51 * t_right_ankle_pitch_y),
             -t_right_ankle_roll_x
@@ -2534,12 +2478,12 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
                     T::from_f64(0.1111747801713847),
                     T::from_f64(0.16554475198250462) * t_right_ankle_roll_y,
                 ),
-            -e55.mul_add(t_left_hip_yaw_y, -(e56 * t_left_hip_yaw_x)),
-            -kx_left_hip_roll_y.mul_add(t_left_hip_roll_x, -(e57 * e40)),
-            -e59.mul_add(t_left_hip_pitch_y, -(e60 * t_left_hip_pitch_x)),
-            -kx_left_knee_y.mul_add(t_left_knee_x, e61 * t_left_knee_y),
+            -e63.mul_add(t_left_hip_yaw_y, -(e66 * t_left_hip_yaw_x)),
+            -kx_left_hip_roll_y.mul_add(t_left_hip_roll_x, -(e67 * e40)),
+            -e73.mul_add(t_left_hip_pitch_y, -(e78 * t_left_hip_pitch_x)),
+            -kx_left_knee_y.mul_add(t_left_knee_x, e79 * t_left_knee_y),
             -kx_left_ankle_pitch_y
-                .mul_add(t_left_ankle_pitch_x, e62 * t_left_ankle_pitch_y),
+                .mul_add(t_left_ankle_pitch_x, e84 * t_left_ankle_pitch_y),
             bx_left_ankle_pitch_x
                 .mul_add(
                     T::from_f64(0.052408392112199914),
@@ -2547,7 +2491,7 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
                 )
                 .mul_add(
                     t_left_ankle_roll_x,
-                    e62
+                    e84
                         .mul_add(
                             s_left_ankle_pitch,
                             -(kx_left_ankle_pitch_y * c_left_ankle_pitch),
@@ -2555,7 +2499,7 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
                 ),
             -kx_waist_yaw_y.mul_add(t_waist_yaw_x, -(kx_waist_yaw_x * t_waist_yaw_y)),
             kx_waist_pitch_y.mul_add(e33, bx_waist_yaw_y * t_waist_pitch_y),
-            -e66.mul_add(e29, e65 * t_neck_yaw_y),
+            -e96.mul_add(e29, e91 * t_neck_yaw_y),
             bx_neck_yaw_x
                 .mul_add(
                     T::from_f64(0.040883888851400166),
@@ -2563,21 +2507,21 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
                 )
                 .mul_add(
                     t_neck_pitch_x,
-                    e66.mul_add(s_neck_yaw, -(e65 * c_neck_yaw)) * e27,
+                    e96.mul_add(s_neck_yaw, -(e91 * c_neck_yaw)) * e27,
                 ),
-            -e68.mul_add(t_right_shoulder_pitch_y, -(kx_right_shoulder_pitch_y * e26)),
+            -e100.mul_add(t_right_shoulder_pitch_y, -(kx_right_shoulder_pitch_y * e26)),
             -kx_right_shoulder_roll_y
                 .mul_add(
                     t_right_shoulder_roll_x,
                     -(bx_right_shoulder_pitch_y * t_right_shoulder_roll_y),
                 ),
-            e69
+            e105
                 .mul_add(
                     t_right_shoulder_yaw_x,
                     bx_right_shoulder_roll_y * t_right_shoulder_yaw_y,
                 ),
-            -e72.mul_add(e20, e71 * t_right_elbow_y),
-            e74.mul_add(t_right_wrist_yaw_x, e73 * e18),
+            -e114.mul_add(e20, e107 * t_right_elbow_y),
+            e120.mul_add(t_right_wrist_yaw_x, e115 * e18),
             -kx_right_wrist_roll_y
                 .mul_add(t_right_wrist_roll_x, bx_right_wrist_yaw_y * e16),
             bx_right_wrist_roll_x
@@ -2593,39 +2537,39 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
                             bx_right_wrist_yaw_y * s_right_wrist_roll,
                         ) * e14,
                 ),
-            -e76.mul_add(e13, -(kx_left_shoulder_pitch_x * t_left_shoulder_pitch_y)),
+            -e124.mul_add(e13, -(kx_left_shoulder_pitch_x * t_left_shoulder_pitch_y)),
             -kx_left_shoulder_roll_y
-                .mul_add(t_left_shoulder_roll_x, e77 * t_left_shoulder_roll_y),
-            -e78.mul_add(t_left_shoulder_yaw_y, -(e79 * t_left_shoulder_yaw_x)),
-            -e80.mul_add(t_left_elbow_y, -(kx_left_elbow_y * e7)),
-            -bx_left_elbow_y.mul_add(e5, -(e81 * t_left_wrist_yaw_x)),
-            -kx_left_wrist_roll_y.mul_add(t_left_wrist_roll_x, -(e82 * e3)),
+                .mul_add(t_left_shoulder_roll_x, e125 * t_left_shoulder_roll_y),
+            -e132.mul_add(t_left_shoulder_yaw_y, -(e135 * t_left_shoulder_yaw_x)),
+            -e136.mul_add(t_left_elbow_y, -(kx_left_elbow_y * e7)),
+            -bx_left_elbow_y.mul_add(e5, -(e141 * t_left_wrist_yaw_x)),
+            -kx_left_wrist_roll_y.mul_add(t_left_wrist_roll_x, -(e142 * e3)),
             -kx_left_wrist_pitch_y
                 .mul_add(
                     t_left_wrist_pitch_x,
                     -(kx_left_wrist_roll_y
-                        .mul_add(c_left_wrist_roll, -(e82 * s_left_wrist_roll)) * e1),
+                        .mul_add(c_left_wrist_roll, -(e142 * s_left_wrist_roll)) * e1),
                 ),
         ],
         [
             ky_right_hip_yaw_y
                 .mul_add(t_right_hip_yaw_x, -(by_right_hip_roll_y * t_right_hip_yaw_y)),
-            e86.mul_add(t_right_hip_roll_y, -(ky_right_hip_roll_y * e45)),
-            ky_right_hip_pitch_y.mul_add(t_right_hip_pitch_x, e85 * t_right_hip_pitch_y),
-            ky_right_knee_y.mul_add(t_right_knee_x, e84 * t_right_knee_y),
+            e61.mul_add(t_right_hip_roll_y, -(ky_right_hip_roll_y * e45)),
+            ky_right_hip_pitch_y.mul_add(t_right_hip_pitch_x, e58 * t_right_hip_pitch_y),
+            ky_right_knee_y.mul_add(t_right_knee_x, e55 * t_right_knee_y),
             ky_right_ankle_pitch_y
-                .mul_add(t_right_ankle_pitch_x, e83 * t_right_ankle_pitch_y),
+                .mul_add(t_right_ankle_pitch_x, e52 * t_right_ankle_pitch_y),
             t_right_ankle_roll_x
                 .mul_add(
                     T::from_f64(0.9851881430723574),
                     T::from_f64(0.11117478017138471) * t_right_ankle_roll_y,
                 ),
-            -e87.mul_add(t_left_hip_yaw_y, -(e88 * t_left_hip_yaw_x)),
-            -ky_left_hip_roll_y.mul_add(t_left_hip_roll_x, -(e89 * e40)),
-            -e91.mul_add(t_left_hip_pitch_y, -(e92 * t_left_hip_pitch_x)),
-            -ky_left_knee_y.mul_add(t_left_knee_x, e93 * t_left_knee_y),
+            -e64.mul_add(t_left_hip_yaw_y, -(e68 * t_left_hip_yaw_x)),
+            -ky_left_hip_roll_y.mul_add(t_left_hip_roll_x, -(e69 * e40)),
+            -e75.mul_add(t_left_hip_pitch_y, -(e80 * t_left_hip_pitch_x)),
+            -ky_left_knee_y.mul_add(t_left_knee_x, e81 * t_left_knee_y),
             -ky_left_ankle_pitch_y
-                .mul_add(t_left_ankle_pitch_x, e94 * t_left_ankle_pitch_y),
+                .mul_add(t_left_ankle_pitch_x, e85 * t_left_ankle_pitch_y),
             by_left_ankle_pitch_x
                 .mul_add(
                     T::from_f64(0.052408392112199914),
@@ -2633,7 +2577,7 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
                 )
                 .mul_add(
                     t_left_ankle_roll_x,
-                    e94
+                    e85
                         .mul_add(
                             s_left_ankle_pitch,
                             -(ky_left_ankle_pitch_y * c_left_ankle_pitch),
@@ -2641,7 +2585,7 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
                 ),
             -ky_waist_yaw_y.mul_add(t_waist_yaw_x, -(ky_waist_yaw_x * t_waist_yaw_y)),
             ky_waist_pitch_y.mul_add(e33, by_waist_yaw_y * t_waist_pitch_y),
-            -e98.mul_add(e29, e97 * t_neck_yaw_y),
+            -e97.mul_add(e29, e93 * t_neck_yaw_y),
             by_neck_yaw_x
                 .mul_add(
                     T::from_f64(0.040883888851400166),
@@ -2649,21 +2593,21 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
                 )
                 .mul_add(
                     t_neck_pitch_x,
-                    e98.mul_add(s_neck_yaw, -(e97 * c_neck_yaw)) * e27,
+                    e97.mul_add(s_neck_yaw, -(e93 * c_neck_yaw)) * e27,
                 ),
-            -e100.mul_add(t_right_shoulder_pitch_y, -(ky_right_shoulder_pitch_y * e26)),
+            -e102.mul_add(t_right_shoulder_pitch_y, -(ky_right_shoulder_pitch_y * e26)),
             -ky_right_shoulder_roll_y
                 .mul_add(
                     t_right_shoulder_roll_x,
                     -(by_right_shoulder_pitch_y * t_right_shoulder_roll_y),
                 ),
-            e101
+            e108
                 .mul_add(
                     t_right_shoulder_yaw_x,
                     by_right_shoulder_roll_y * t_right_shoulder_yaw_y,
                 ),
-            -e104.mul_add(e20, e103 * t_right_elbow_y),
-            e106.mul_add(t_right_wrist_yaw_x, e105 * e18),
+            -e116.mul_add(e20, e110 * t_right_elbow_y),
+            e121.mul_add(t_right_wrist_yaw_x, e117 * e18),
             -ky_right_wrist_roll_y
                 .mul_add(t_right_wrist_roll_x, by_right_wrist_yaw_y * e16),
             by_right_wrist_roll_x
@@ -2679,40 +2623,39 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
                             by_right_wrist_yaw_y * s_right_wrist_roll,
                         ) * e14,
                 ),
-            -e108.mul_add(e13, -(ky_left_shoulder_pitch_x * t_left_shoulder_pitch_y)),
+            -e127.mul_add(e13, -(ky_left_shoulder_pitch_x * t_left_shoulder_pitch_y)),
             -ky_left_shoulder_roll_y
-                .mul_add(t_left_shoulder_roll_x, e109 * t_left_shoulder_roll_y),
-            -e110.mul_add(t_left_shoulder_yaw_y, -(e111 * t_left_shoulder_yaw_x)),
-            -e112.mul_add(t_left_elbow_y, -(ky_left_elbow_y * e7)),
-            -by_left_elbow_y.mul_add(e5, -(e113 * t_left_wrist_yaw_x)),
-            -ky_left_wrist_roll_y.mul_add(t_left_wrist_roll_x, -(e114 * e3)),
+                .mul_add(t_left_shoulder_roll_x, e128 * t_left_shoulder_roll_y),
+            -e133.mul_add(t_left_shoulder_yaw_y, -(e137 * t_left_shoulder_yaw_x)),
+            -e138.mul_add(t_left_elbow_y, -(ky_left_elbow_y * e7)),
+            -by_left_elbow_y.mul_add(e5, -(e143 * t_left_wrist_yaw_x)),
+            -ky_left_wrist_roll_y.mul_add(t_left_wrist_roll_x, -(e144 * e3)),
             -ky_left_wrist_pitch_y
                 .mul_add(
                     t_left_wrist_pitch_x,
                     -(ky_left_wrist_roll_y
-                        .mul_add(c_left_wrist_roll, -(e114 * s_left_wrist_roll)) * e1),
+                        .mul_add(c_left_wrist_roll, -(e144 * s_left_wrist_roll)) * e1),
                 ),
         ],
         [
             kz_right_hip_yaw_y
                 .mul_add(t_right_hip_yaw_x, -(bz_right_hip_roll_y * t_right_hip_yaw_y)),
-            e118.mul_add(t_right_hip_roll_y, -(kz_right_hip_roll_y * e45)),
-            kz_right_hip_pitch_y
-                .mul_add(t_right_hip_pitch_x, e117 * t_right_hip_pitch_y),
-            kz_right_knee_y.mul_add(t_right_knee_x, e116 * t_right_knee_y),
+            e62.mul_add(t_right_hip_roll_y, -(kz_right_hip_roll_y * e45)),
+            kz_right_hip_pitch_y.mul_add(t_right_hip_pitch_x, e59 * t_right_hip_pitch_y),
+            kz_right_knee_y.mul_add(t_right_knee_x, e56 * t_right_knee_y),
             kz_right_ankle_pitch_y
-                .mul_add(t_right_ankle_pitch_x, e115 * t_right_ankle_pitch_y),
+                .mul_add(t_right_ankle_pitch_x, e53 * t_right_ankle_pitch_y),
             t_right_ankle_roll_y
                 .mul_add(
                     T::from_f64(0.9799158654419752),
                     -(T::from_f64(0.13055455182981807) * t_right_ankle_roll_x),
                 ),
-            -e119.mul_add(t_left_hip_yaw_y, -(e120 * t_left_hip_yaw_x)),
-            -kz_left_hip_roll_y.mul_add(t_left_hip_roll_x, -(e121 * e40)),
-            -e123.mul_add(t_left_hip_pitch_y, -(e124 * t_left_hip_pitch_x)),
-            -kz_left_knee_y.mul_add(t_left_knee_x, e125 * t_left_knee_y),
+            -e65.mul_add(t_left_hip_yaw_y, -(e70 * t_left_hip_yaw_x)),
+            -kz_left_hip_roll_y.mul_add(t_left_hip_roll_x, -(e71 * e40)),
+            -e77.mul_add(t_left_hip_pitch_y, -(e82 * t_left_hip_pitch_x)),
+            -kz_left_knee_y.mul_add(t_left_knee_x, e83 * t_left_knee_y),
             -kz_left_ankle_pitch_y
-                .mul_add(t_left_ankle_pitch_x, e126 * t_left_ankle_pitch_y),
+                .mul_add(t_left_ankle_pitch_x, e86 * t_left_ankle_pitch_y),
             bz_left_ankle_pitch_x
                 .mul_add(
                     T::from_f64(0.052408392112199914),
@@ -2720,7 +2663,7 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
                 )
                 .mul_add(
                     t_left_ankle_roll_x,
-                    e126
+                    e86
                         .mul_add(
                             s_left_ankle_pitch,
                             -(kz_left_ankle_pitch_y * c_left_ankle_pitch),
@@ -2728,7 +2671,7 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
                 ),
             -kz_waist_yaw_y.mul_add(t_waist_yaw_x, -(kz_waist_yaw_x * t_waist_yaw_y)),
             kz_waist_pitch_y.mul_add(e33, bz_waist_yaw_y * t_waist_pitch_y),
-            -e130.mul_add(e29, e129 * t_neck_yaw_y),
+            -e98.mul_add(e29, e95 * t_neck_yaw_y),
             bz_neck_yaw_x
                 .mul_add(
                     T::from_f64(0.040883888851400166),
@@ -2736,21 +2679,21 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
                 )
                 .mul_add(
                     t_neck_pitch_x,
-                    e130.mul_add(s_neck_yaw, -(e129 * c_neck_yaw)) * e27,
+                    e98.mul_add(s_neck_yaw, -(e95 * c_neck_yaw)) * e27,
                 ),
-            -e132.mul_add(t_right_shoulder_pitch_y, -(kz_right_shoulder_pitch_y * e26)),
+            -e104.mul_add(t_right_shoulder_pitch_y, -(kz_right_shoulder_pitch_y * e26)),
             -kz_right_shoulder_roll_y
                 .mul_add(
                     t_right_shoulder_roll_x,
                     -(bz_right_shoulder_pitch_y * t_right_shoulder_roll_y),
                 ),
-            e133
+            e111
                 .mul_add(
                     t_right_shoulder_yaw_x,
                     bz_right_shoulder_roll_y * t_right_shoulder_yaw_y,
                 ),
-            -e136.mul_add(e20, e135 * t_right_elbow_y),
-            e138.mul_add(t_right_wrist_yaw_x, e137 * e18),
+            -e118.mul_add(e20, e113 * t_right_elbow_y),
+            e122.mul_add(t_right_wrist_yaw_x, e119 * e18),
             -kz_right_wrist_roll_y
                 .mul_add(t_right_wrist_roll_x, bz_right_wrist_yaw_y * e16),
             bz_right_wrist_roll_x
@@ -2766,11 +2709,11 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
                             bz_right_wrist_yaw_y * s_right_wrist_roll,
                         ) * e14,
                 ),
-            -e140.mul_add(e13, -(kz_left_shoulder_pitch_x * t_left_shoulder_pitch_y)),
+            -e130.mul_add(e13, -(kz_left_shoulder_pitch_x * t_left_shoulder_pitch_y)),
             -kz_left_shoulder_roll_y
-                .mul_add(t_left_shoulder_roll_x, e141 * t_left_shoulder_roll_y),
-            -e142.mul_add(t_left_shoulder_yaw_y, -(e143 * t_left_shoulder_yaw_x)),
-            -e144.mul_add(t_left_elbow_y, -(kz_left_elbow_y * e7)),
+                .mul_add(t_left_shoulder_roll_x, e131 * t_left_shoulder_roll_y),
+            -e134.mul_add(t_left_shoulder_yaw_y, -(e139 * t_left_shoulder_yaw_x)),
+            -e140.mul_add(t_left_elbow_y, -(kz_left_elbow_y * e7)),
             -bz_left_elbow_y.mul_add(e5, -(e145 * t_left_wrist_yaw_x)),
             -kz_left_wrist_roll_y.mul_add(t_left_wrist_roll_x, -(e146 * e3)),
             -kz_left_wrist_pitch_y
@@ -3773,21 +3716,61 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             -(T::from_f64(0.16554475198250462) * c_right_ankle_roll),
         );
     let bx_right_ankle_roll_y = -e3;
+    let by_right_ankle_roll_x = s_right_ankle_roll
+        .mul_add(
+            T::from_f64(0.11117478017138471),
+            T::from_f64(0.9851881430723574) * c_right_ankle_roll,
+        );
+    let e4 = c_right_ankle_roll
+        .mul_add(
+            T::from_f64(0.11117478017138471),
+            -(T::from_f64(0.9851881430723574) * s_right_ankle_roll),
+        );
+    let by_right_ankle_roll_y = -e4;
+    let bz_right_ankle_roll_x = s_right_ankle_roll
+        .mul_add(
+            T::from_f64(0.9799158654419752),
+            -(T::from_f64(0.13055455182981807) * c_right_ankle_roll),
+        );
+    let e5 = s_right_ankle_roll
+        .mul_add(
+            T::from_f64(0.13055455182981807),
+            T::from_f64(0.9799158654419752) * c_right_ankle_roll,
+        );
+    let bz_right_ankle_roll_y = -e5;
     // right_ankle_pitch
-    let e4 = q[4] + T::from_f64(0.17565669109302123);
-    let (s_right_ankle_pitch, c_right_ankle_pitch) = e4.sin_cos();
+    let e6 = q[4] + T::from_f64(0.17565669109302123);
+    let (s_right_ankle_pitch, c_right_ankle_pitch) = e6.sin_cos();
     let kx_right_ankle_pitch_y = e2
         .mul_add(T::from_f64(0.0524083921121999), T::from_f64(0.9785692022639542));
     let kx_right_ankle_pitch_z = (-e2)
         .mul_add(T::from_f64(0.9986257359172223), T::from_f64(0.05135581491304875));
     let bx_right_ankle_pitch_x = kx_right_ankle_pitch_y
         .mul_add(s_right_ankle_pitch, -(e3 * c_right_ankle_pitch));
-    let e5 = kx_right_ankle_pitch_y
+    let e7 = kx_right_ankle_pitch_y
         .mul_add(c_right_ankle_pitch, e3 * s_right_ankle_pitch);
-    let bx_right_ankle_pitch_y = -e5;
+    let bx_right_ankle_pitch_y = -e7;
+    let ky_right_ankle_pitch_y = (-by_right_ankle_roll_x)
+        .mul_add(T::from_f64(0.0524083921121999), T::from_f64(0.1303751353983952));
+    let ky_right_ankle_pitch_z = by_right_ankle_roll_x
+        .mul_add(T::from_f64(0.9986257359172223), T::from_f64(0.00684215414432963));
+    let by_right_ankle_pitch_x = ky_right_ankle_pitch_y
+        .mul_add(s_right_ankle_pitch, -(e4 * c_right_ankle_pitch));
+    let e8 = ky_right_ankle_pitch_y
+        .mul_add(c_right_ankle_pitch, e4 * s_right_ankle_pitch);
+    let by_right_ankle_pitch_y = -e8;
+    let kz_right_ankle_pitch_y = (-bz_right_ankle_roll_x)
+        .mul_add(T::from_f64(0.0524083921121999), T::from_f64(0.15052574825109485));
+    let kz_right_ankle_pitch_z = bz_right_ankle_roll_x
+        .mul_add(T::from_f64(0.9986257359172223), T::from_f64(0.007899668668242278));
+    let bz_right_ankle_pitch_x = kz_right_ankle_pitch_y
+        .mul_add(s_right_ankle_pitch, -(e5 * c_right_ankle_pitch));
+    let e9 = kz_right_ankle_pitch_y
+        .mul_add(c_right_ankle_pitch, e5 * s_right_ankle_pitch);
+    let bz_right_ankle_pitch_y = -e9;
     // right_knee
-    let e6 = q[3] - T::from_f64(0.7020104799569636);
-    let (s_right_knee, c_right_knee) = e6.sin_cos();
+    let e10 = q[3] - T::from_f64(0.7020104799569636);
+    let (s_right_knee, c_right_knee) = e10.sin_cos();
     let kx_right_knee_y = bx_right_ankle_pitch_x
         .mul_add(
             T::from_f64(0.9659918591802843),
@@ -3798,12 +3781,38 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             T::from_f64(0.2585724811294071),
             T::from_f64(0.9659918591802843) * kx_right_ankle_pitch_z,
         );
-    let bx_right_knee_x = e5.mul_add(s_right_knee, kx_right_knee_y * c_right_knee);
-    let e7 = e5.mul_add(c_right_knee, -(kx_right_knee_y * s_right_knee));
-    let bx_right_knee_y = -e7;
+    let bx_right_knee_x = e7.mul_add(s_right_knee, kx_right_knee_y * c_right_knee);
+    let e11 = e7.mul_add(c_right_knee, -(kx_right_knee_y * s_right_knee));
+    let bx_right_knee_y = -e11;
+    let ky_right_knee_y = by_right_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.9659918591802843),
+            -(T::from_f64(0.2585724811294071) * ky_right_ankle_pitch_z),
+        );
+    let ky_right_knee_z = by_right_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.2585724811294071),
+            T::from_f64(0.9659918591802843) * ky_right_ankle_pitch_z,
+        );
+    let by_right_knee_x = e8.mul_add(s_right_knee, ky_right_knee_y * c_right_knee);
+    let e12 = e8.mul_add(c_right_knee, -(ky_right_knee_y * s_right_knee));
+    let by_right_knee_y = -e12;
+    let kz_right_knee_y = bz_right_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.9659918591802843),
+            -(T::from_f64(0.2585724811294071) * kz_right_ankle_pitch_z),
+        );
+    let kz_right_knee_z = bz_right_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.2585724811294071),
+            T::from_f64(0.9659918591802843) * kz_right_ankle_pitch_z,
+        );
+    let bz_right_knee_x = e9.mul_add(s_right_knee, kz_right_knee_y * c_right_knee);
+    let e13 = e9.mul_add(c_right_knee, -(kz_right_knee_y * s_right_knee));
+    let bz_right_knee_y = -e13;
     // right_hip_pitch
-    let e8 = q[2] + T::from_f64(0.15721584383712192);
-    let (s_right_hip_pitch, c_right_hip_pitch) = e8.sin_cos();
+    let e14 = q[2] + T::from_f64(0.15721584383712192);
+    let (s_right_hip_pitch, c_right_hip_pitch) = e14.sin_cos();
     let kx_right_hip_pitch_y = bx_right_knee_x
         .mul_add(
             T::from_f64(0.9973888291864124),
@@ -3815,12 +3824,40 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             T::from_f64(0.9973888291864124) * kx_right_knee_z,
         );
     let bx_right_hip_pitch_x = kx_right_hip_pitch_y
-        .mul_add(s_right_hip_pitch, -(e7 * c_right_hip_pitch));
-    let e9 = kx_right_hip_pitch_y.mul_add(c_right_hip_pitch, e7 * s_right_hip_pitch);
-    let bx_right_hip_pitch_y = -e9;
+        .mul_add(s_right_hip_pitch, -(e11 * c_right_hip_pitch));
+    let e15 = kx_right_hip_pitch_y.mul_add(c_right_hip_pitch, e11 * s_right_hip_pitch);
+    let bx_right_hip_pitch_y = -e15;
+    let ky_right_hip_pitch_y = by_right_knee_x
+        .mul_add(
+            T::from_f64(0.9973888291864124),
+            -(T::from_f64(0.0722185808096314) * ky_right_knee_z),
+        );
+    let ky_right_hip_pitch_z = by_right_knee_x
+        .mul_add(
+            T::from_f64(0.0722185808096314),
+            T::from_f64(0.9973888291864124) * ky_right_knee_z,
+        );
+    let by_right_hip_pitch_x = ky_right_hip_pitch_y
+        .mul_add(s_right_hip_pitch, -(e12 * c_right_hip_pitch));
+    let e16 = ky_right_hip_pitch_y.mul_add(c_right_hip_pitch, e12 * s_right_hip_pitch);
+    let by_right_hip_pitch_y = -e16;
+    let kz_right_hip_pitch_y = bz_right_knee_x
+        .mul_add(
+            T::from_f64(0.9973888291864124),
+            -(T::from_f64(0.0722185808096314) * kz_right_knee_z),
+        );
+    let kz_right_hip_pitch_z = bz_right_knee_x
+        .mul_add(
+            T::from_f64(0.0722185808096314),
+            T::from_f64(0.9973888291864124) * kz_right_knee_z,
+        );
+    let bz_right_hip_pitch_x = kz_right_hip_pitch_y
+        .mul_add(s_right_hip_pitch, -(e13 * c_right_hip_pitch));
+    let e17 = kz_right_hip_pitch_y.mul_add(c_right_hip_pitch, e13 * s_right_hip_pitch);
+    let bz_right_hip_pitch_y = -e17;
     // right_hip_roll
-    let e10 = q[1] - T::from_f64(0.3432638106572563);
-    let (s_right_hip_roll, c_right_hip_roll) = e10.sin_cos();
+    let e18 = q[1] - T::from_f64(0.3432638106572563);
+    let (s_right_hip_roll, c_right_hip_roll) = e18.sin_cos();
     let kx_right_hip_roll_y = bx_right_hip_pitch_x
         .mul_add(
             T::from_f64(0.06044086238279244),
@@ -3831,13 +3868,41 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             T::from_f64(0.9981717798828138),
             T::from_f64(0.06044086238279244) * kx_right_hip_pitch_z,
         );
-    let bx_right_hip_roll_x = e9
+    let bx_right_hip_roll_x = e15
         .mul_add(c_right_hip_roll, -(kx_right_hip_roll_y * s_right_hip_roll));
     let bx_right_hip_roll_y = kx_right_hip_roll_y
-        .mul_add(c_right_hip_roll, e9 * s_right_hip_roll);
+        .mul_add(c_right_hip_roll, e15 * s_right_hip_roll);
+    let ky_right_hip_roll_y = by_right_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.06044086238279244),
+            -(T::from_f64(0.9981717798828138) * ky_right_hip_pitch_z),
+        );
+    let ky_right_hip_roll_z = by_right_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.9981717798828138),
+            T::from_f64(0.06044086238279244) * ky_right_hip_pitch_z,
+        );
+    let by_right_hip_roll_x = e16
+        .mul_add(c_right_hip_roll, -(ky_right_hip_roll_y * s_right_hip_roll));
+    let by_right_hip_roll_y = ky_right_hip_roll_y
+        .mul_add(c_right_hip_roll, e16 * s_right_hip_roll);
+    let kz_right_hip_roll_y = bz_right_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.06044086238279244),
+            -(T::from_f64(0.9981717798828138) * kz_right_hip_pitch_z),
+        );
+    let kz_right_hip_roll_z = bz_right_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.9981717798828138),
+            T::from_f64(0.06044086238279244) * kz_right_hip_pitch_z,
+        );
+    let bz_right_hip_roll_x = e17
+        .mul_add(c_right_hip_roll, -(kz_right_hip_roll_y * s_right_hip_roll));
+    let bz_right_hip_roll_y = kz_right_hip_roll_y
+        .mul_add(c_right_hip_roll, e17 * s_right_hip_roll);
     // right_hip_yaw
-    let e11 = q[0] + T::from_f64(0.10119271700368025);
-    let (s_right_hip_yaw, c_right_hip_yaw) = e11.sin_cos();
+    let e19 = q[0] + T::from_f64(0.10119271700368025);
+    let (s_right_hip_yaw, c_right_hip_yaw) = e19.sin_cos();
     let kx_right_hip_yaw_y = bx_right_hip_roll_x
         .mul_add(
             T::from_f64(0.08292767473984558),
@@ -3850,13 +3915,43 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let bx_right_hip_yaw_x = bx_right_hip_roll_y
         .mul_add(c_right_hip_yaw, kx_right_hip_yaw_y * s_right_hip_yaw);
-    let e12 = kx_right_hip_yaw_y
+    let e20 = kx_right_hip_yaw_y
         .mul_add(c_right_hip_yaw, -(bx_right_hip_roll_y * s_right_hip_yaw));
-    let bx_right_hip_yaw_y = -e12;
+    let bx_right_hip_yaw_y = -e20;
+    let ky_right_hip_yaw_y = by_right_hip_roll_x
+        .mul_add(
+            T::from_f64(0.08292767473984558),
+            -(T::from_f64(0.9965555683263441) * ky_right_hip_roll_z),
+        );
+    let ky_right_hip_yaw_z = by_right_hip_roll_x
+        .mul_add(
+            T::from_f64(0.9965555683263441),
+            T::from_f64(0.08292767473984558) * ky_right_hip_roll_z,
+        );
+    let by_right_hip_yaw_x = by_right_hip_roll_y
+        .mul_add(c_right_hip_yaw, ky_right_hip_yaw_y * s_right_hip_yaw);
+    let e21 = ky_right_hip_yaw_y
+        .mul_add(c_right_hip_yaw, -(by_right_hip_roll_y * s_right_hip_yaw));
+    let by_right_hip_yaw_y = -e21;
+    let kz_right_hip_yaw_y = bz_right_hip_roll_x
+        .mul_add(
+            T::from_f64(0.08292767473984558),
+            -(T::from_f64(0.9965555683263441) * kz_right_hip_roll_z),
+        );
+    let kz_right_hip_yaw_z = bz_right_hip_roll_x
+        .mul_add(
+            T::from_f64(0.9965555683263441),
+            T::from_f64(0.08292767473984558) * kz_right_hip_roll_z,
+        );
+    let bz_right_hip_yaw_x = bz_right_hip_roll_y
+        .mul_add(c_right_hip_yaw, kz_right_hip_yaw_y * s_right_hip_yaw);
+    let e22 = kz_right_hip_yaw_y
+        .mul_add(c_right_hip_yaw, -(bz_right_hip_roll_y * s_right_hip_yaw));
+    let bz_right_hip_yaw_y = -e22;
     // left_hip_yaw
-    let e13 = q[6] + T::from_f64(0.10119271700368015);
-    let (s_left_hip_yaw, c_left_hip_yaw) = e13.sin_cos();
-    let e14 = bx_right_hip_yaw_x
+    let e23 = q[6] + T::from_f64(0.10119271700368015);
+    let (s_left_hip_yaw, c_left_hip_yaw) = e23.sin_cos();
+    let e24 = bx_right_hip_yaw_x
         .mul_add(
             T::from_f64(0.538107754426925),
             T::from_f64(0.8428760553163273) * kx_right_hip_yaw_z,
@@ -3866,12 +3961,38 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             T::from_f64(0.8428760553163273),
             -(T::from_f64(0.538107754426925) * kx_right_hip_yaw_z),
         );
-    let bx_left_hip_yaw_x = e12.mul_add(c_left_hip_yaw, -(e14 * s_left_hip_yaw));
-    let e15 = e14.mul_add(c_left_hip_yaw, e12 * s_left_hip_yaw);
-    let bx_left_hip_yaw_y = -e15;
+    let bx_left_hip_yaw_x = e20.mul_add(c_left_hip_yaw, -(e24 * s_left_hip_yaw));
+    let e25 = e24.mul_add(c_left_hip_yaw, e20 * s_left_hip_yaw);
+    let bx_left_hip_yaw_y = -e25;
+    let e26 = by_right_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.538107754426925),
+            T::from_f64(0.8428760553163273) * ky_right_hip_yaw_z,
+        );
+    let ky_left_hip_yaw_z = by_right_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.8428760553163273),
+            -(T::from_f64(0.538107754426925) * ky_right_hip_yaw_z),
+        );
+    let by_left_hip_yaw_x = e21.mul_add(c_left_hip_yaw, -(e26 * s_left_hip_yaw));
+    let e27 = e26.mul_add(c_left_hip_yaw, e21 * s_left_hip_yaw);
+    let by_left_hip_yaw_y = -e27;
+    let e28 = bz_right_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.538107754426925),
+            T::from_f64(0.8428760553163273) * kz_right_hip_yaw_z,
+        );
+    let kz_left_hip_yaw_z = bz_right_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.8428760553163273),
+            -(T::from_f64(0.538107754426925) * kz_right_hip_yaw_z),
+        );
+    let bz_left_hip_yaw_x = e22.mul_add(c_left_hip_yaw, -(e28 * s_left_hip_yaw));
+    let e29 = e28.mul_add(c_left_hip_yaw, e22 * s_left_hip_yaw);
+    let bz_left_hip_yaw_y = -e29;
     // left_hip_roll
-    let e16 = q[7] - T::from_f64(0.34326381065725625);
-    let (s_left_hip_roll, c_left_hip_roll) = e16.sin_cos();
+    let e30 = q[7] - T::from_f64(0.34326381065725625);
+    let (s_left_hip_roll, c_left_hip_roll) = e30.sin_cos();
     let kx_left_hip_roll_y = bx_left_hip_yaw_x
         .mul_add(
             T::from_f64(0.08292767473984561),
@@ -3882,14 +4003,42 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             T::from_f64(0.9965555683263441),
             T::from_f64(0.08292767473984561) * kx_left_hip_yaw_z,
         );
-    let e17 = e15.mul_add(c_left_hip_roll, kx_left_hip_roll_y * s_left_hip_roll);
-    let bx_left_hip_roll_x = -e17;
-    let e18 = kx_left_hip_roll_y.mul_add(c_left_hip_roll, -(e15 * s_left_hip_roll));
-    let bx_left_hip_roll_y = -e18;
+    let e31 = e25.mul_add(c_left_hip_roll, kx_left_hip_roll_y * s_left_hip_roll);
+    let bx_left_hip_roll_x = -e31;
+    let e32 = kx_left_hip_roll_y.mul_add(c_left_hip_roll, -(e25 * s_left_hip_roll));
+    let bx_left_hip_roll_y = -e32;
+    let ky_left_hip_roll_y = by_left_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.08292767473984561),
+            -(T::from_f64(0.9965555683263441) * ky_left_hip_yaw_z),
+        );
+    let ky_left_hip_roll_z = by_left_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.9965555683263441),
+            T::from_f64(0.08292767473984561) * ky_left_hip_yaw_z,
+        );
+    let e33 = e27.mul_add(c_left_hip_roll, ky_left_hip_roll_y * s_left_hip_roll);
+    let by_left_hip_roll_x = -e33;
+    let e34 = ky_left_hip_roll_y.mul_add(c_left_hip_roll, -(e27 * s_left_hip_roll));
+    let by_left_hip_roll_y = -e34;
+    let kz_left_hip_roll_y = bz_left_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.08292767473984561),
+            -(T::from_f64(0.9965555683263441) * kz_left_hip_yaw_z),
+        );
+    let kz_left_hip_roll_z = bz_left_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.9965555683263441),
+            T::from_f64(0.08292767473984561) * kz_left_hip_yaw_z,
+        );
+    let e35 = e29.mul_add(c_left_hip_roll, kz_left_hip_roll_y * s_left_hip_roll);
+    let bz_left_hip_roll_x = -e35;
+    let e36 = kz_left_hip_roll_y.mul_add(c_left_hip_roll, -(e29 * s_left_hip_roll));
+    let bz_left_hip_roll_y = -e36;
     // left_hip_pitch
-    let e19 = q[8] + T::from_f64(0.15721584383712184);
-    let (s_left_hip_pitch, c_left_hip_pitch) = e19.sin_cos();
-    let e20 = e17
+    let e37 = q[8] + T::from_f64(0.15721584383712184);
+    let (s_left_hip_pitch, c_left_hip_pitch) = e37.sin_cos();
+    let e38 = e31
         .mul_add(
             T::from_f64(0.06044086238279245),
             T::from_f64(0.9981717798828137) * kx_left_hip_roll_z,
@@ -3897,14 +4046,40 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     let kx_left_hip_pitch_z = kx_left_hip_roll_z
         .mul_add(
             T::from_f64(0.06044086238279245),
-            -(T::from_f64(0.9981717798828137) * e17),
+            -(T::from_f64(0.9981717798828137) * e31),
         );
-    let bx_left_hip_pitch_x = e18.mul_add(c_left_hip_pitch, -(e20 * s_left_hip_pitch));
-    let e21 = e20.mul_add(c_left_hip_pitch, e18 * s_left_hip_pitch);
-    let bx_left_hip_pitch_y = -e21;
+    let bx_left_hip_pitch_x = e32.mul_add(c_left_hip_pitch, -(e38 * s_left_hip_pitch));
+    let e39 = e38.mul_add(c_left_hip_pitch, e32 * s_left_hip_pitch);
+    let bx_left_hip_pitch_y = -e39;
+    let e40 = e33
+        .mul_add(
+            T::from_f64(0.06044086238279245),
+            T::from_f64(0.9981717798828137) * ky_left_hip_roll_z,
+        );
+    let ky_left_hip_pitch_z = ky_left_hip_roll_z
+        .mul_add(
+            T::from_f64(0.06044086238279245),
+            -(T::from_f64(0.9981717798828137) * e33),
+        );
+    let by_left_hip_pitch_x = e34.mul_add(c_left_hip_pitch, -(e40 * s_left_hip_pitch));
+    let e41 = e40.mul_add(c_left_hip_pitch, e34 * s_left_hip_pitch);
+    let by_left_hip_pitch_y = -e41;
+    let e42 = e35
+        .mul_add(
+            T::from_f64(0.06044086238279245),
+            T::from_f64(0.9981717798828137) * kz_left_hip_roll_z,
+        );
+    let kz_left_hip_pitch_z = kz_left_hip_roll_z
+        .mul_add(
+            T::from_f64(0.06044086238279245),
+            -(T::from_f64(0.9981717798828137) * e35),
+        );
+    let bz_left_hip_pitch_x = e36.mul_add(c_left_hip_pitch, -(e42 * s_left_hip_pitch));
+    let e43 = e42.mul_add(c_left_hip_pitch, e36 * s_left_hip_pitch);
+    let bz_left_hip_pitch_y = -e43;
     // left_knee
-    let e22 = q[9] - T::from_f64(0.7020104799569635);
-    let (s_left_knee, c_left_knee) = e22.sin_cos();
+    let e44 = q[9] - T::from_f64(0.7020104799569635);
+    let (s_left_knee, c_left_knee) = e44.sin_cos();
     let kx_left_knee_y = bx_left_hip_pitch_x
         .mul_add(
             T::from_f64(0.9973888291864126),
@@ -3915,12 +4090,38 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             T::from_f64(0.0722185808096314),
             T::from_f64(0.9973888291864126) * kx_left_hip_pitch_z,
         );
-    let bx_left_knee_x = kx_left_knee_y.mul_add(c_left_knee, -(e21 * s_left_knee));
-    let e23 = kx_left_knee_y.mul_add(s_left_knee, e21 * c_left_knee);
-    let bx_left_knee_y = -e23;
+    let bx_left_knee_x = kx_left_knee_y.mul_add(c_left_knee, -(e39 * s_left_knee));
+    let e45 = kx_left_knee_y.mul_add(s_left_knee, e39 * c_left_knee);
+    let bx_left_knee_y = -e45;
+    let ky_left_knee_y = by_left_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.9973888291864126),
+            -(T::from_f64(0.0722185808096314) * ky_left_hip_pitch_z),
+        );
+    let ky_left_knee_z = by_left_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.0722185808096314),
+            T::from_f64(0.9973888291864126) * ky_left_hip_pitch_z,
+        );
+    let by_left_knee_x = ky_left_knee_y.mul_add(c_left_knee, -(e41 * s_left_knee));
+    let e46 = ky_left_knee_y.mul_add(s_left_knee, e41 * c_left_knee);
+    let by_left_knee_y = -e46;
+    let kz_left_knee_y = bz_left_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.9973888291864126),
+            -(T::from_f64(0.0722185808096314) * kz_left_hip_pitch_z),
+        );
+    let kz_left_knee_z = bz_left_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.0722185808096314),
+            T::from_f64(0.9973888291864126) * kz_left_hip_pitch_z,
+        );
+    let bz_left_knee_x = kz_left_knee_y.mul_add(c_left_knee, -(e43 * s_left_knee));
+    let e47 = kz_left_knee_y.mul_add(s_left_knee, e43 * c_left_knee);
+    let bz_left_knee_y = -e47;
     // left_ankle_pitch
-    let e24 = q[10] + T::from_f64(0.1756566910930215);
-    let (s_left_ankle_pitch, c_left_ankle_pitch) = e24.sin_cos();
+    let e48 = q[10] + T::from_f64(0.1756566910930215);
+    let (s_left_ankle_pitch, c_left_ankle_pitch) = e48.sin_cos();
     let kx_left_ankle_pitch_y = bx_left_knee_x
         .mul_add(
             T::from_f64(0.9659918591802845),
@@ -3931,41 +4132,115 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             T::from_f64(0.2585724811294071),
             T::from_f64(0.9659918591802845) * kx_left_knee_z,
         );
-    let bx_left_ankle_pitch_x = e23
+    let bx_left_ankle_pitch_x = e45
         .mul_add(c_left_ankle_pitch, kx_left_ankle_pitch_y * s_left_ankle_pitch);
-    let e25 = e23
+    let e49 = e45
         .mul_add(s_left_ankle_pitch, -(kx_left_ankle_pitch_y * c_left_ankle_pitch));
-    let bx_left_ankle_pitch_y = -e25;
+    let bx_left_ankle_pitch_y = -e49;
+    let ky_left_ankle_pitch_y = by_left_knee_x
+        .mul_add(
+            T::from_f64(0.9659918591802845),
+            -(T::from_f64(0.2585724811294071) * ky_left_knee_z),
+        );
+    let ky_left_ankle_pitch_z = by_left_knee_x
+        .mul_add(
+            T::from_f64(0.2585724811294071),
+            T::from_f64(0.9659918591802845) * ky_left_knee_z,
+        );
+    let by_left_ankle_pitch_x = e46
+        .mul_add(c_left_ankle_pitch, ky_left_ankle_pitch_y * s_left_ankle_pitch);
+    let e50 = e46
+        .mul_add(s_left_ankle_pitch, -(ky_left_ankle_pitch_y * c_left_ankle_pitch));
+    let by_left_ankle_pitch_y = -e50;
+    let kz_left_ankle_pitch_y = bz_left_knee_x
+        .mul_add(
+            T::from_f64(0.9659918591802845),
+            -(T::from_f64(0.2585724811294071) * kz_left_knee_z),
+        );
+    let kz_left_ankle_pitch_z = bz_left_knee_x
+        .mul_add(
+            T::from_f64(0.2585724811294071),
+            T::from_f64(0.9659918591802845) * kz_left_knee_z,
+        );
+    let bz_left_ankle_pitch_x = e47
+        .mul_add(c_left_ankle_pitch, kz_left_ankle_pitch_y * s_left_ankle_pitch);
+    let e51 = e47
+        .mul_add(s_left_ankle_pitch, -(kz_left_ankle_pitch_y * c_left_ankle_pitch));
+    let bz_left_ankle_pitch_y = -e51;
     // left_ankle_roll
     let (s_left_ankle_roll, c_left_ankle_roll) = q[11].sin_cos();
-    let e26 = bx_left_ankle_pitch_x
+    let e52 = bx_left_ankle_pitch_x
         .mul_add(
             T::from_f64(0.052408392112199914),
             T::from_f64(0.9986257359172225) * kx_left_ankle_pitch_z,
         );
-    let bx_left_ankle_roll_x = e26
-        .mul_add(s_left_ankle_roll, -(e25 * c_left_ankle_roll));
-    let bx_left_ankle_roll_y = e26.mul_add(c_left_ankle_roll, e25 * s_left_ankle_roll);
+    let bx_left_ankle_roll_x = e52
+        .mul_add(s_left_ankle_roll, -(e49 * c_left_ankle_roll));
+    let bx_left_ankle_roll_y = e52.mul_add(c_left_ankle_roll, e49 * s_left_ankle_roll);
+    let e53 = by_left_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.052408392112199914),
+            T::from_f64(0.9986257359172225) * ky_left_ankle_pitch_z,
+        );
+    let by_left_ankle_roll_x = e53
+        .mul_add(s_left_ankle_roll, -(e50 * c_left_ankle_roll));
+    let by_left_ankle_roll_y = e53.mul_add(c_left_ankle_roll, e50 * s_left_ankle_roll);
+    let e54 = bz_left_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.052408392112199914),
+            T::from_f64(0.9986257359172225) * kz_left_ankle_pitch_z,
+        );
+    let bz_left_ankle_roll_x = e54
+        .mul_add(s_left_ankle_roll, -(e51 * c_left_ankle_roll));
+    let bz_left_ankle_roll_y = e54.mul_add(c_left_ankle_roll, e51 * s_left_ankle_roll);
     // waist_yaw
-    let e27 = q[12] + T::from_f64(0.05803686797214569);
-    let (s_waist_yaw, c_waist_yaw) = e27.sin_cos();
-    let e28 = e12
+    let e55 = q[12] + T::from_f64(0.05803686797214569);
+    let (s_waist_yaw, c_waist_yaw) = e55.sin_cos();
+    let e56 = e20
         .mul_add(
             T::from_f64(0.11944678826051937),
             -(T::from_f64(0.19252104104496945) * bx_right_hip_yaw_x),
         ) + kx_right_hip_yaw_z;
-    let kx_waist_yaw_x = e28
+    let kx_waist_yaw_x = e56
         .mul_add(T::from_f64(0.3662421800811956), bx_right_hip_yaw_x);
-    let kx_waist_yaw_y = e28.mul_add(T::from_f64(0.22722945969324562), -e12);
-    let kx_waist_yaw_z = (-e28)
+    let kx_waist_yaw_y = e56.mul_add(T::from_f64(0.22722945969324562), -e20);
+    let kx_waist_yaw_z = (-e56)
         .mul_add(T::from_f64(1.9023488450576578), kx_right_hip_yaw_z);
     let bx_waist_yaw_x = kx_waist_yaw_y
         .mul_add(s_waist_yaw, -(kx_waist_yaw_x * c_waist_yaw));
     let bx_waist_yaw_y = kx_waist_yaw_y
         .mul_add(c_waist_yaw, kx_waist_yaw_x * s_waist_yaw);
+    let e57 = e21
+        .mul_add(
+            T::from_f64(0.11944678826051937),
+            -(T::from_f64(0.19252104104496945) * by_right_hip_yaw_x),
+        ) + ky_right_hip_yaw_z;
+    let ky_waist_yaw_x = e57
+        .mul_add(T::from_f64(0.3662421800811956), by_right_hip_yaw_x);
+    let ky_waist_yaw_y = e57.mul_add(T::from_f64(0.22722945969324562), -e21);
+    let ky_waist_yaw_z = (-e57)
+        .mul_add(T::from_f64(1.9023488450576578), ky_right_hip_yaw_z);
+    let by_waist_yaw_x = ky_waist_yaw_y
+        .mul_add(s_waist_yaw, -(ky_waist_yaw_x * c_waist_yaw));
+    let by_waist_yaw_y = ky_waist_yaw_y
+        .mul_add(c_waist_yaw, ky_waist_yaw_x * s_waist_yaw);
+    let e58 = e22
+        .mul_add(
+            T::from_f64(0.11944678826051937),
+            -(T::from_f64(0.19252104104496945) * bz_right_hip_yaw_x),
+        ) + kz_right_hip_yaw_z;
+    let kz_waist_yaw_x = e58
+        .mul_add(T::from_f64(0.3662421800811956), bz_right_hip_yaw_x);
+    let kz_waist_yaw_y = e58.mul_add(T::from_f64(0.22722945969324562), -e22);
+    let kz_waist_yaw_z = (-e58)
+        .mul_add(T::from_f64(1.9023488450576578), kz_right_hip_yaw_z);
+    let bz_waist_yaw_x = kz_waist_yaw_y
+        .mul_add(s_waist_yaw, -(kz_waist_yaw_x * c_waist_yaw));
+    let bz_waist_yaw_y = kz_waist_yaw_y
+        .mul_add(c_waist_yaw, kz_waist_yaw_x * s_waist_yaw);
     // waist_pitch
-    let e29 = q[13] + T::from_f64(0.0003778747045624087);
-    let (s_waist_pitch, c_waist_pitch) = e29.sin_cos();
+    let e59 = q[13] + T::from_f64(0.0003778747045624087);
+    let (s_waist_pitch, c_waist_pitch) = e59.sin_cos();
     let kx_waist_pitch_y = bx_waist_yaw_x
         .mul_add(
             T::from_f64(0.19642259114963537),
@@ -3976,14 +4251,42 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             T::from_f64(0.980519334682424),
             T::from_f64(0.19642259114963537) * kx_waist_yaw_z,
         );
-    let e30 = bx_waist_yaw_y.mul_add(s_waist_pitch, kx_waist_pitch_y * c_waist_pitch);
-    let bx_waist_pitch_x = -e30;
-    let e31 = bx_waist_yaw_y.mul_add(c_waist_pitch, -(kx_waist_pitch_y * s_waist_pitch));
-    let bx_waist_pitch_y = -e31;
+    let e60 = bx_waist_yaw_y.mul_add(s_waist_pitch, kx_waist_pitch_y * c_waist_pitch);
+    let bx_waist_pitch_x = -e60;
+    let e61 = bx_waist_yaw_y.mul_add(c_waist_pitch, -(kx_waist_pitch_y * s_waist_pitch));
+    let bx_waist_pitch_y = -e61;
+    let ky_waist_pitch_y = by_waist_yaw_x
+        .mul_add(
+            T::from_f64(0.19642259114963537),
+            -(T::from_f64(0.980519334682424) * ky_waist_yaw_z),
+        );
+    let ky_waist_pitch_z = by_waist_yaw_x
+        .mul_add(
+            T::from_f64(0.980519334682424),
+            T::from_f64(0.19642259114963537) * ky_waist_yaw_z,
+        );
+    let e62 = by_waist_yaw_y.mul_add(s_waist_pitch, ky_waist_pitch_y * c_waist_pitch);
+    let by_waist_pitch_x = -e62;
+    let e63 = by_waist_yaw_y.mul_add(c_waist_pitch, -(ky_waist_pitch_y * s_waist_pitch));
+    let by_waist_pitch_y = -e63;
+    let kz_waist_pitch_y = bz_waist_yaw_x
+        .mul_add(
+            T::from_f64(0.19642259114963537),
+            -(T::from_f64(0.980519334682424) * kz_waist_yaw_z),
+        );
+    let kz_waist_pitch_z = bz_waist_yaw_x
+        .mul_add(
+            T::from_f64(0.980519334682424),
+            T::from_f64(0.19642259114963537) * kz_waist_yaw_z,
+        );
+    let e64 = bz_waist_yaw_y.mul_add(s_waist_pitch, kz_waist_pitch_y * c_waist_pitch);
+    let bz_waist_pitch_x = -e64;
+    let e65 = bz_waist_yaw_y.mul_add(c_waist_pitch, -(kz_waist_pitch_y * s_waist_pitch));
+    let bz_waist_pitch_y = -e65;
     // neck_yaw
-    let e32 = q[14] - T::from_f64(0.14527074161092735);
-    let (s_neck_yaw, c_neck_yaw) = e32.sin_cos();
-    let e33 = e30
+    let e66 = q[14] - T::from_f64(0.14527074161092735);
+    let (s_neck_yaw, c_neck_yaw) = e66.sin_cos();
+    let e67 = e60
         .mul_add(
             T::from_f64(0.11686854868553807),
             T::from_f64(0.9931473920461839) * kx_waist_pitch_z,
@@ -3991,42 +4294,114 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     let kx_neck_yaw_z = kx_waist_pitch_z
         .mul_add(
             T::from_f64(0.11686854868553807),
-            -(T::from_f64(0.9931473920461839) * e30),
+            -(T::from_f64(0.9931473920461839) * e60),
         );
-    let bx_neck_yaw_x = e31.mul_add(s_neck_yaw, e33 * c_neck_yaw);
-    let e34 = e33.mul_add(s_neck_yaw, -(e31 * c_neck_yaw));
-    let bx_neck_yaw_y = -e34;
+    let bx_neck_yaw_x = e61.mul_add(s_neck_yaw, e67 * c_neck_yaw);
+    let e68 = e67.mul_add(s_neck_yaw, -(e61 * c_neck_yaw));
+    let bx_neck_yaw_y = -e68;
+    let e69 = e62
+        .mul_add(
+            T::from_f64(0.11686854868553807),
+            T::from_f64(0.9931473920461839) * ky_waist_pitch_z,
+        );
+    let ky_neck_yaw_z = ky_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.11686854868553807),
+            -(T::from_f64(0.9931473920461839) * e62),
+        );
+    let by_neck_yaw_x = e63.mul_add(s_neck_yaw, e69 * c_neck_yaw);
+    let e70 = e69.mul_add(s_neck_yaw, -(e63 * c_neck_yaw));
+    let by_neck_yaw_y = -e70;
+    let e71 = e64
+        .mul_add(
+            T::from_f64(0.11686854868553807),
+            T::from_f64(0.9931473920461839) * kz_waist_pitch_z,
+        );
+    let kz_neck_yaw_z = kz_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.11686854868553807),
+            -(T::from_f64(0.9931473920461839) * e64),
+        );
+    let bz_neck_yaw_x = e65.mul_add(s_neck_yaw, e71 * c_neck_yaw);
+    let e72 = e71.mul_add(s_neck_yaw, -(e65 * c_neck_yaw));
+    let bz_neck_yaw_y = -e72;
     // neck_pitch
     let (s_neck_pitch, c_neck_pitch) = q[15].sin_cos();
-    let e35 = bx_neck_yaw_x
+    let e73 = bx_neck_yaw_x
         .mul_add(
             T::from_f64(0.040883888851400166),
             T::from_f64(0.9991639042881736) * kx_neck_yaw_z,
         );
-    let bx_neck_pitch_x = e35.mul_add(s_neck_pitch, -(e34 * c_neck_pitch));
-    let bx_neck_pitch_y = e35.mul_add(c_neck_pitch, e34 * s_neck_pitch);
+    let bx_neck_pitch_x = e73.mul_add(s_neck_pitch, -(e68 * c_neck_pitch));
+    let bx_neck_pitch_y = e73.mul_add(c_neck_pitch, e68 * s_neck_pitch);
+    let e74 = by_neck_yaw_x
+        .mul_add(
+            T::from_f64(0.040883888851400166),
+            T::from_f64(0.9991639042881736) * ky_neck_yaw_z,
+        );
+    let by_neck_pitch_x = e74.mul_add(s_neck_pitch, -(e70 * c_neck_pitch));
+    let by_neck_pitch_y = e74.mul_add(c_neck_pitch, e70 * s_neck_pitch);
+    let e75 = bz_neck_yaw_x
+        .mul_add(
+            T::from_f64(0.040883888851400166),
+            T::from_f64(0.9991639042881736) * kz_neck_yaw_z,
+        );
+    let bz_neck_pitch_x = e75.mul_add(s_neck_pitch, -(e72 * c_neck_pitch));
+    let bz_neck_pitch_y = e75.mul_add(c_neck_pitch, e72 * s_neck_pitch);
     // right_shoulder_pitch
-    let e36 = q[16] + T::from_f64(0.41156836050531465);
-    let (s_right_shoulder_pitch, c_right_shoulder_pitch) = e36.sin_cos();
-    let e37 = kx_waist_pitch_z
+    let e76 = q[16] + T::from_f64(0.41156836050531465);
+    let (s_right_shoulder_pitch, c_right_shoulder_pitch) = e76.sin_cos();
+    let e77 = kx_waist_pitch_z
         .mul_add(
             T::from_f64(0.10644334192309902),
-            e31.mul_add(T::from_f64(0.07159388452594458), -e30),
+            e61.mul_add(T::from_f64(0.07159388452594458), -e60),
         );
-    let e38 = e37.mul_add(T::from_f64(1.9676210845200064), e30);
-    let kx_right_shoulder_pitch_y = e37.mul_add(T::from_f64(0.14086963671593916), -e31);
-    let kx_right_shoulder_pitch_z = (-e37)
+    let e78 = e77.mul_add(T::from_f64(1.9676210845200064), e60);
+    let kx_right_shoulder_pitch_y = e77.mul_add(T::from_f64(0.14086963671593916), -e61);
+    let kx_right_shoulder_pitch_z = (-e77)
         .mul_add(T::from_f64(0.20944016387466197), kx_waist_pitch_z);
-    let bx_right_shoulder_pitch_x = e38
+    let bx_right_shoulder_pitch_x = e78
         .mul_add(
             s_right_shoulder_pitch,
             -(kx_right_shoulder_pitch_y * c_right_shoulder_pitch),
         );
     let bx_right_shoulder_pitch_y = kx_right_shoulder_pitch_y
-        .mul_add(s_right_shoulder_pitch, e38 * c_right_shoulder_pitch);
+        .mul_add(s_right_shoulder_pitch, e78 * c_right_shoulder_pitch);
+    let e79 = ky_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.10644334192309902),
+            e63.mul_add(T::from_f64(0.07159388452594458), -e62),
+        );
+    let e80 = e79.mul_add(T::from_f64(1.9676210845200064), e62);
+    let ky_right_shoulder_pitch_y = e79.mul_add(T::from_f64(0.14086963671593916), -e63);
+    let ky_right_shoulder_pitch_z = (-e79)
+        .mul_add(T::from_f64(0.20944016387466197), ky_waist_pitch_z);
+    let by_right_shoulder_pitch_x = e80
+        .mul_add(
+            s_right_shoulder_pitch,
+            -(ky_right_shoulder_pitch_y * c_right_shoulder_pitch),
+        );
+    let by_right_shoulder_pitch_y = ky_right_shoulder_pitch_y
+        .mul_add(s_right_shoulder_pitch, e80 * c_right_shoulder_pitch);
+    let e81 = kz_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.10644334192309902),
+            e65.mul_add(T::from_f64(0.07159388452594458), -e64),
+        );
+    let e82 = e81.mul_add(T::from_f64(1.9676210845200064), e64);
+    let kz_right_shoulder_pitch_y = e81.mul_add(T::from_f64(0.14086963671593916), -e65);
+    let kz_right_shoulder_pitch_z = (-e81)
+        .mul_add(T::from_f64(0.20944016387466197), kz_waist_pitch_z);
+    let bz_right_shoulder_pitch_x = e82
+        .mul_add(
+            s_right_shoulder_pitch,
+            -(kz_right_shoulder_pitch_y * c_right_shoulder_pitch),
+        );
+    let bz_right_shoulder_pitch_y = kz_right_shoulder_pitch_y
+        .mul_add(s_right_shoulder_pitch, e82 * c_right_shoulder_pitch);
     // right_shoulder_roll
-    let e39 = q[17] - T::from_f64(0.29227270605474676);
-    let (s_right_shoulder_roll, c_right_shoulder_roll) = e39.sin_cos();
+    let e83 = q[17] - T::from_f64(0.29227270605474676);
+    let (s_right_shoulder_roll, c_right_shoulder_roll) = e83.sin_cos();
     let kx_right_shoulder_roll_y = bx_right_shoulder_pitch_x
         .mul_add(
             T::from_f64(0.2834710957352705),
@@ -4047,445 +4422,6 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             c_right_shoulder_roll,
             bx_right_shoulder_pitch_y * s_right_shoulder_roll,
         );
-    // right_shoulder_yaw
-    let e40 = q[18] - T::from_f64(0.12871645458236847);
-    let (s_right_shoulder_yaw, c_right_shoulder_yaw) = e40.sin_cos();
-    let e41 = bx_right_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.3848026949004402),
-            T::from_f64(0.9229988548190939) * kx_right_shoulder_roll_z,
-        );
-    let kx_right_shoulder_yaw_z = bx_right_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.9229988548190939),
-            -(T::from_f64(0.3848026949004402) * kx_right_shoulder_roll_z),
-        );
-    let e42 = bx_right_shoulder_roll_y
-        .mul_add(c_right_shoulder_yaw, e41 * s_right_shoulder_yaw);
-    let bx_right_shoulder_yaw_x = -e42;
-    let e43 = e41
-        .mul_add(
-            c_right_shoulder_yaw,
-            -(bx_right_shoulder_roll_y * s_right_shoulder_yaw),
-        );
-    let bx_right_shoulder_yaw_y = -e43;
-    // right_elbow
-    let e44 = q[19] - T::from_f64(0.07968980871027065);
-    let (s_right_elbow, c_right_elbow) = e44.sin_cos();
-    let e45 = e42
-        .mul_add(
-            T::from_f64(0.12242921843048289),
-            T::from_f64(0.9924772473334093) * kx_right_shoulder_yaw_z,
-        );
-    let kx_right_elbow_z = kx_right_shoulder_yaw_z
-        .mul_add(
-            T::from_f64(0.12242921843048289),
-            -(T::from_f64(0.9924772473334093) * e42),
-        );
-    let bx_right_elbow_x = e43.mul_add(s_right_elbow, e45 * c_right_elbow);
-    let e46 = e45.mul_add(s_right_elbow, -(e43 * c_right_elbow));
-    let bx_right_elbow_y = -e46;
-    // right_wrist_yaw
-    let e47 = q[20] + T::from_f64(0.07984195204795129);
-    let (s_right_wrist_yaw, c_right_wrist_yaw) = e47.sin_cos();
-    let e48 = bx_right_elbow_x
-        .mul_add(
-            T::from_f64(0.15904161977640188),
-            T::from_f64(0.9872718790580934) * kx_right_elbow_z,
-        );
-    let kx_right_wrist_yaw_z = bx_right_elbow_x
-        .mul_add(
-            T::from_f64(0.9872718790580934),
-            -(T::from_f64(0.15904161977640188) * kx_right_elbow_z),
-        );
-    let bx_right_wrist_yaw_x = e48
-        .mul_add(s_right_wrist_yaw, -(e46 * c_right_wrist_yaw));
-    let bx_right_wrist_yaw_y = e48.mul_add(c_right_wrist_yaw, e46 * s_right_wrist_yaw);
-    // right_wrist_roll
-    let e49 = q[21] - T::from_f64(0.05544050383462643);
-    let (s_right_wrist_roll, c_right_wrist_roll) = e49.sin_cos();
-    let kx_right_wrist_roll_y = bx_right_wrist_yaw_x
-        .mul_add(
-            T::from_f64(0.06712447922871664),
-            -(T::from_f64(0.9977446087492899) * kx_right_wrist_yaw_z),
-        );
-    let kx_right_wrist_roll_z = bx_right_wrist_yaw_x
-        .mul_add(
-            T::from_f64(0.9977446087492899),
-            T::from_f64(0.06712447922871664) * kx_right_wrist_yaw_z,
-        );
-    let bx_right_wrist_roll_x = bx_right_wrist_yaw_y
-        .mul_add(c_right_wrist_roll, -(kx_right_wrist_roll_y * s_right_wrist_roll));
-    let e50 = kx_right_wrist_roll_y
-        .mul_add(c_right_wrist_roll, bx_right_wrist_yaw_y * s_right_wrist_roll);
-    let bx_right_wrist_roll_y = -e50;
-    // right_wrist_pitch
-    let (s_right_wrist_pitch, c_right_wrist_pitch) = q[22].sin_cos();
-    let e51 = bx_right_wrist_roll_x
-        .mul_add(
-            T::from_f64(0.042799828876225604),
-            T::from_f64(0.99908366749145) * kx_right_wrist_roll_z,
-        );
-    let bx_right_wrist_pitch_x = e51
-        .mul_add(s_right_wrist_pitch, -(e50 * c_right_wrist_pitch));
-    let bx_right_wrist_pitch_y = e51
-        .mul_add(c_right_wrist_pitch, e50 * s_right_wrist_pitch);
-    // left_shoulder_pitch
-    let e52 = q[23] + T::from_f64(0.014907991996345737);
-    let (s_left_shoulder_pitch, c_left_shoulder_pitch) = e52.sin_cos();
-    let e53 = (-kx_waist_pitch_z)
-        .mul_add(
-            T::from_f64(0.09248191489966293),
-            e30.mul_add(T::from_f64(0.11783871458722316), -e31),
-        );
-    let kx_left_shoulder_pitch_x = e53.mul_add(T::from_f64(0.2305051546121806), -e30);
-    let e54 = e53.mul_add(T::from_f64(1.956107170887058), e31);
-    let kx_left_shoulder_pitch_z = e53
-        .mul_add(T::from_f64(0.1809045369125973), kx_waist_pitch_z);
-    let bx_left_shoulder_pitch_x = e54
-        .mul_add(
-            c_left_shoulder_pitch,
-            -(kx_left_shoulder_pitch_x * s_left_shoulder_pitch),
-        );
-    let e55 = e54
-        .mul_add(
-            s_left_shoulder_pitch,
-            kx_left_shoulder_pitch_x * c_left_shoulder_pitch,
-        );
-    let bx_left_shoulder_pitch_y = -e55;
-    // left_shoulder_roll
-    let e56 = q[24] - T::from_f64(0.29227270605474676);
-    let (s_left_shoulder_roll, c_left_shoulder_roll) = e56.sin_cos();
-    let kx_left_shoulder_roll_y = bx_left_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.2834710957352705),
-            -(T::from_f64(0.9589807807681263) * kx_left_shoulder_pitch_z),
-        );
-    let kx_left_shoulder_roll_z = bx_left_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.9589807807681263),
-            T::from_f64(0.2834710957352705) * kx_left_shoulder_pitch_z,
-        );
-    let bx_left_shoulder_roll_x = e55
-        .mul_add(c_left_shoulder_roll, kx_left_shoulder_roll_y * s_left_shoulder_roll);
-    let e57 = e55
-        .mul_add(
-            s_left_shoulder_roll,
-            -(kx_left_shoulder_roll_y * c_left_shoulder_roll),
-        );
-    let bx_left_shoulder_roll_y = -e57;
-    // left_shoulder_yaw
-    let e58 = q[25] - T::from_f64(0.12871645458236847);
-    let (s_left_shoulder_yaw, c_left_shoulder_yaw) = e58.sin_cos();
-    let e59 = bx_left_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.3848026949004402),
-            T::from_f64(0.9229988548190939) * kx_left_shoulder_roll_z,
-        );
-    let kx_left_shoulder_yaw_z = bx_left_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.9229988548190939),
-            -(T::from_f64(0.3848026949004402) * kx_left_shoulder_roll_z),
-        );
-    let bx_left_shoulder_yaw_x = e57
-        .mul_add(c_left_shoulder_yaw, -(e59 * s_left_shoulder_yaw));
-    let e60 = e59.mul_add(c_left_shoulder_yaw, e57 * s_left_shoulder_yaw);
-    let bx_left_shoulder_yaw_y = -e60;
-    // left_elbow
-    let e61 = q[26] - T::from_f64(0.07968980871027065);
-    let (s_left_elbow, c_left_elbow) = e61.sin_cos();
-    let kx_left_elbow_y = bx_left_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.12242921843048289),
-            -(T::from_f64(0.9924772473334093) * kx_left_shoulder_yaw_z),
-        );
-    let kx_left_elbow_z = bx_left_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.9924772473334093),
-            T::from_f64(0.12242921843048289) * kx_left_shoulder_yaw_z,
-        );
-    let bx_left_elbow_x = e60.mul_add(s_left_elbow, -(kx_left_elbow_y * c_left_elbow));
-    let bx_left_elbow_y = kx_left_elbow_y.mul_add(s_left_elbow, e60 * c_left_elbow);
-    // left_wrist_yaw
-    let e62 = q[27] + T::from_f64(0.07984195204795129);
-    let (s_left_wrist_yaw, c_left_wrist_yaw) = e62.sin_cos();
-    let e63 = bx_left_elbow_x
-        .mul_add(
-            T::from_f64(0.15904161977640188),
-            T::from_f64(0.9872718790580934) * kx_left_elbow_z,
-        );
-    let kx_left_wrist_yaw_z = bx_left_elbow_x
-        .mul_add(
-            T::from_f64(0.9872718790580934),
-            -(T::from_f64(0.15904161977640188) * kx_left_elbow_z),
-        );
-    let bx_left_wrist_yaw_x = bx_left_elbow_y
-        .mul_add(c_left_wrist_yaw, e63 * s_left_wrist_yaw);
-    let e64 = bx_left_elbow_y.mul_add(s_left_wrist_yaw, -(e63 * c_left_wrist_yaw));
-    let bx_left_wrist_yaw_y = -e64;
-    // left_wrist_roll
-    let e65 = q[28] - T::from_f64(0.05544050383462643);
-    let (s_left_wrist_roll, c_left_wrist_roll) = e65.sin_cos();
-    let kx_left_wrist_roll_y = bx_left_wrist_yaw_x
-        .mul_add(
-            T::from_f64(0.06712447922871664),
-            -(T::from_f64(0.9977446087492899) * kx_left_wrist_yaw_z),
-        );
-    let kx_left_wrist_roll_z = bx_left_wrist_yaw_x
-        .mul_add(
-            T::from_f64(0.9977446087492899),
-            T::from_f64(0.06712447922871664) * kx_left_wrist_yaw_z,
-        );
-    let e66 = e64.mul_add(c_left_wrist_roll, kx_left_wrist_roll_y * s_left_wrist_roll);
-    let bx_left_wrist_roll_x = -e66;
-    let e67 = kx_left_wrist_roll_y
-        .mul_add(c_left_wrist_roll, -(e64 * s_left_wrist_roll));
-    let bx_left_wrist_roll_y = -e67;
-    // left_wrist_pitch
-    let (s_left_wrist_pitch, c_left_wrist_pitch) = q[29].sin_cos();
-    let kx_left_wrist_pitch_y = e66
-        .mul_add(
-            T::from_f64(0.042799828876225604),
-            -(T::from_f64(0.99908366749145) * kx_left_wrist_roll_z),
-        );
-    let bx_left_wrist_pitch_x = -e67
-        .mul_add(c_left_wrist_pitch, kx_left_wrist_pitch_y * s_left_wrist_pitch);
-    let bx_left_wrist_pitch_y = -kx_left_wrist_pitch_y
-        .mul_add(c_left_wrist_pitch, -(e67 * s_left_wrist_pitch));
-    // right_ankle_roll
-    let by_right_ankle_roll_x = s_right_ankle_roll
-        .mul_add(
-            T::from_f64(0.11117478017138471),
-            T::from_f64(0.9851881430723574) * c_right_ankle_roll,
-        );
-    let e68 = c_right_ankle_roll
-        .mul_add(
-            T::from_f64(0.11117478017138471),
-            -(T::from_f64(0.9851881430723574) * s_right_ankle_roll),
-        );
-    let by_right_ankle_roll_y = -e68;
-    // right_ankle_pitch
-    let ky_right_ankle_pitch_y = (-by_right_ankle_roll_x)
-        .mul_add(T::from_f64(0.0524083921121999), T::from_f64(0.1303751353983952));
-    let ky_right_ankle_pitch_z = by_right_ankle_roll_x
-        .mul_add(T::from_f64(0.9986257359172223), T::from_f64(0.00684215414432963));
-    let by_right_ankle_pitch_x = ky_right_ankle_pitch_y
-        .mul_add(s_right_ankle_pitch, -(e68 * c_right_ankle_pitch));
-    let e69 = ky_right_ankle_pitch_y
-        .mul_add(c_right_ankle_pitch, e68 * s_right_ankle_pitch);
-    let by_right_ankle_pitch_y = -e69;
-    // right_knee
-    let ky_right_knee_y = by_right_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.9659918591802843),
-            -(T::from_f64(0.2585724811294071) * ky_right_ankle_pitch_z),
-        );
-    let ky_right_knee_z = by_right_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.2585724811294071),
-            T::from_f64(0.9659918591802843) * ky_right_ankle_pitch_z,
-        );
-    let by_right_knee_x = e69.mul_add(s_right_knee, ky_right_knee_y * c_right_knee);
-    let e70 = e69.mul_add(c_right_knee, -(ky_right_knee_y * s_right_knee));
-    let by_right_knee_y = -e70;
-    // right_hip_pitch
-    let ky_right_hip_pitch_y = by_right_knee_x
-        .mul_add(
-            T::from_f64(0.9973888291864124),
-            -(T::from_f64(0.0722185808096314) * ky_right_knee_z),
-        );
-    let ky_right_hip_pitch_z = by_right_knee_x
-        .mul_add(
-            T::from_f64(0.0722185808096314),
-            T::from_f64(0.9973888291864124) * ky_right_knee_z,
-        );
-    let by_right_hip_pitch_x = ky_right_hip_pitch_y
-        .mul_add(s_right_hip_pitch, -(e70 * c_right_hip_pitch));
-    let e71 = ky_right_hip_pitch_y.mul_add(c_right_hip_pitch, e70 * s_right_hip_pitch);
-    let by_right_hip_pitch_y = -e71;
-    // right_hip_roll
-    let ky_right_hip_roll_y = by_right_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.06044086238279244),
-            -(T::from_f64(0.9981717798828138) * ky_right_hip_pitch_z),
-        );
-    let ky_right_hip_roll_z = by_right_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.9981717798828138),
-            T::from_f64(0.06044086238279244) * ky_right_hip_pitch_z,
-        );
-    let by_right_hip_roll_x = e71
-        .mul_add(c_right_hip_roll, -(ky_right_hip_roll_y * s_right_hip_roll));
-    let by_right_hip_roll_y = ky_right_hip_roll_y
-        .mul_add(c_right_hip_roll, e71 * s_right_hip_roll);
-    // right_hip_yaw
-    let ky_right_hip_yaw_y = by_right_hip_roll_x
-        .mul_add(
-            T::from_f64(0.08292767473984558),
-            -(T::from_f64(0.9965555683263441) * ky_right_hip_roll_z),
-        );
-    let ky_right_hip_yaw_z = by_right_hip_roll_x
-        .mul_add(
-            T::from_f64(0.9965555683263441),
-            T::from_f64(0.08292767473984558) * ky_right_hip_roll_z,
-        );
-    let by_right_hip_yaw_x = by_right_hip_roll_y
-        .mul_add(c_right_hip_yaw, ky_right_hip_yaw_y * s_right_hip_yaw);
-    let e72 = ky_right_hip_yaw_y
-        .mul_add(c_right_hip_yaw, -(by_right_hip_roll_y * s_right_hip_yaw));
-    let by_right_hip_yaw_y = -e72;
-    // left_hip_yaw
-    let e73 = by_right_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.538107754426925),
-            T::from_f64(0.8428760553163273) * ky_right_hip_yaw_z,
-        );
-    let ky_left_hip_yaw_z = by_right_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.8428760553163273),
-            -(T::from_f64(0.538107754426925) * ky_right_hip_yaw_z),
-        );
-    let by_left_hip_yaw_x = e72.mul_add(c_left_hip_yaw, -(e73 * s_left_hip_yaw));
-    let e74 = e73.mul_add(c_left_hip_yaw, e72 * s_left_hip_yaw);
-    let by_left_hip_yaw_y = -e74;
-    // left_hip_roll
-    let ky_left_hip_roll_y = by_left_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.08292767473984561),
-            -(T::from_f64(0.9965555683263441) * ky_left_hip_yaw_z),
-        );
-    let ky_left_hip_roll_z = by_left_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.9965555683263441),
-            T::from_f64(0.08292767473984561) * ky_left_hip_yaw_z,
-        );
-    let e75 = e74.mul_add(c_left_hip_roll, ky_left_hip_roll_y * s_left_hip_roll);
-    let by_left_hip_roll_x = -e75;
-    let e76 = ky_left_hip_roll_y.mul_add(c_left_hip_roll, -(e74 * s_left_hip_roll));
-    let by_left_hip_roll_y = -e76;
-    // left_hip_pitch
-    let e77 = e75
-        .mul_add(
-            T::from_f64(0.06044086238279245),
-            T::from_f64(0.9981717798828137) * ky_left_hip_roll_z,
-        );
-    let ky_left_hip_pitch_z = ky_left_hip_roll_z
-        .mul_add(
-            T::from_f64(0.06044086238279245),
-            -(T::from_f64(0.9981717798828137) * e75),
-        );
-    let by_left_hip_pitch_x = e76.mul_add(c_left_hip_pitch, -(e77 * s_left_hip_pitch));
-    let e78 = e77.mul_add(c_left_hip_pitch, e76 * s_left_hip_pitch);
-    let by_left_hip_pitch_y = -e78;
-    // left_knee
-    let ky_left_knee_y = by_left_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.9973888291864126),
-            -(T::from_f64(0.0722185808096314) * ky_left_hip_pitch_z),
-        );
-    let ky_left_knee_z = by_left_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.0722185808096314),
-            T::from_f64(0.9973888291864126) * ky_left_hip_pitch_z,
-        );
-    let by_left_knee_x = ky_left_knee_y.mul_add(c_left_knee, -(e78 * s_left_knee));
-    let e79 = ky_left_knee_y.mul_add(s_left_knee, e78 * c_left_knee);
-    let by_left_knee_y = -e79;
-    // left_ankle_pitch
-    let ky_left_ankle_pitch_y = by_left_knee_x
-        .mul_add(
-            T::from_f64(0.9659918591802845),
-            -(T::from_f64(0.2585724811294071) * ky_left_knee_z),
-        );
-    let ky_left_ankle_pitch_z = by_left_knee_x
-        .mul_add(
-            T::from_f64(0.2585724811294071),
-            T::from_f64(0.9659918591802845) * ky_left_knee_z,
-        );
-    let by_left_ankle_pitch_x = e79
-        .mul_add(c_left_ankle_pitch, ky_left_ankle_pitch_y * s_left_ankle_pitch);
-    let e80 = e79
-        .mul_add(s_left_ankle_pitch, -(ky_left_ankle_pitch_y * c_left_ankle_pitch));
-    let by_left_ankle_pitch_y = -e80;
-    // left_ankle_roll
-    let e81 = by_left_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.052408392112199914),
-            T::from_f64(0.9986257359172225) * ky_left_ankle_pitch_z,
-        );
-    let by_left_ankle_roll_x = e81
-        .mul_add(s_left_ankle_roll, -(e80 * c_left_ankle_roll));
-    let by_left_ankle_roll_y = e81.mul_add(c_left_ankle_roll, e80 * s_left_ankle_roll);
-    // waist_yaw
-    let e82 = e72
-        .mul_add(
-            T::from_f64(0.11944678826051937),
-            -(T::from_f64(0.19252104104496945) * by_right_hip_yaw_x),
-        ) + ky_right_hip_yaw_z;
-    let ky_waist_yaw_x = e82
-        .mul_add(T::from_f64(0.3662421800811956), by_right_hip_yaw_x);
-    let ky_waist_yaw_y = e82.mul_add(T::from_f64(0.22722945969324562), -e72);
-    let ky_waist_yaw_z = (-e82)
-        .mul_add(T::from_f64(1.9023488450576578), ky_right_hip_yaw_z);
-    let by_waist_yaw_x = ky_waist_yaw_y
-        .mul_add(s_waist_yaw, -(ky_waist_yaw_x * c_waist_yaw));
-    let by_waist_yaw_y = ky_waist_yaw_y
-        .mul_add(c_waist_yaw, ky_waist_yaw_x * s_waist_yaw);
-    // waist_pitch
-    let ky_waist_pitch_y = by_waist_yaw_x
-        .mul_add(
-            T::from_f64(0.19642259114963537),
-            -(T::from_f64(0.980519334682424) * ky_waist_yaw_z),
-        );
-    let ky_waist_pitch_z = by_waist_yaw_x
-        .mul_add(
-            T::from_f64(0.980519334682424),
-            T::from_f64(0.19642259114963537) * ky_waist_yaw_z,
-        );
-    let e83 = by_waist_yaw_y.mul_add(s_waist_pitch, ky_waist_pitch_y * c_waist_pitch);
-    let by_waist_pitch_x = -e83;
-    let e84 = by_waist_yaw_y.mul_add(c_waist_pitch, -(ky_waist_pitch_y * s_waist_pitch));
-    let by_waist_pitch_y = -e84;
-    // neck_yaw
-    let e85 = e83
-        .mul_add(
-            T::from_f64(0.11686854868553807),
-            T::from_f64(0.9931473920461839) * ky_waist_pitch_z,
-        );
-    let ky_neck_yaw_z = ky_waist_pitch_z
-        .mul_add(
-            T::from_f64(0.11686854868553807),
-            -(T::from_f64(0.9931473920461839) * e83),
-        );
-    let by_neck_yaw_x = e84.mul_add(s_neck_yaw, e85 * c_neck_yaw);
-    let e86 = e85.mul_add(s_neck_yaw, -(e84 * c_neck_yaw));
-    let by_neck_yaw_y = -e86;
-    // neck_pitch
-    let e87 = by_neck_yaw_x
-        .mul_add(
-            T::from_f64(0.040883888851400166),
-            T::from_f64(0.9991639042881736) * ky_neck_yaw_z,
-        );
-    let by_neck_pitch_x = e87.mul_add(s_neck_pitch, -(e86 * c_neck_pitch));
-    let by_neck_pitch_y = e87.mul_add(c_neck_pitch, e86 * s_neck_pitch);
-    // right_shoulder_pitch
-    let e88 = ky_waist_pitch_z
-        .mul_add(
-            T::from_f64(0.10644334192309902),
-            e84.mul_add(T::from_f64(0.07159388452594458), -e83),
-        );
-    let e89 = e88.mul_add(T::from_f64(1.9676210845200064), e83);
-    let ky_right_shoulder_pitch_y = e88.mul_add(T::from_f64(0.14086963671593916), -e84);
-    let ky_right_shoulder_pitch_z = (-e88)
-        .mul_add(T::from_f64(0.20944016387466197), ky_waist_pitch_z);
-    let by_right_shoulder_pitch_x = e89
-        .mul_add(
-            s_right_shoulder_pitch,
-            -(ky_right_shoulder_pitch_y * c_right_shoulder_pitch),
-        );
-    let by_right_shoulder_pitch_y = ky_right_shoulder_pitch_y
-        .mul_add(s_right_shoulder_pitch, e89 * c_right_shoulder_pitch);
-    // right_shoulder_roll
     let ky_right_shoulder_roll_y = by_right_shoulder_pitch_x
         .mul_add(
             T::from_f64(0.2834710957352705),
@@ -4506,425 +4442,6 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             c_right_shoulder_roll,
             by_right_shoulder_pitch_y * s_right_shoulder_roll,
         );
-    // right_shoulder_yaw
-    let e90 = by_right_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.3848026949004402),
-            T::from_f64(0.9229988548190939) * ky_right_shoulder_roll_z,
-        );
-    let ky_right_shoulder_yaw_z = by_right_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.9229988548190939),
-            -(T::from_f64(0.3848026949004402) * ky_right_shoulder_roll_z),
-        );
-    let e91 = by_right_shoulder_roll_y
-        .mul_add(c_right_shoulder_yaw, e90 * s_right_shoulder_yaw);
-    let by_right_shoulder_yaw_x = -e91;
-    let e92 = e90
-        .mul_add(
-            c_right_shoulder_yaw,
-            -(by_right_shoulder_roll_y * s_right_shoulder_yaw),
-        );
-    let by_right_shoulder_yaw_y = -e92;
-    // right_elbow
-    let e93 = e91
-        .mul_add(
-            T::from_f64(0.12242921843048289),
-            T::from_f64(0.9924772473334093) * ky_right_shoulder_yaw_z,
-        );
-    let ky_right_elbow_z = ky_right_shoulder_yaw_z
-        .mul_add(
-            T::from_f64(0.12242921843048289),
-            -(T::from_f64(0.9924772473334093) * e91),
-        );
-    let by_right_elbow_x = e92.mul_add(s_right_elbow, e93 * c_right_elbow);
-    let e94 = e93.mul_add(s_right_elbow, -(e92 * c_right_elbow));
-    let by_right_elbow_y = -e94;
-    // right_wrist_yaw
-    let e95 = by_right_elbow_x
-        .mul_add(
-            T::from_f64(0.15904161977640188),
-            T::from_f64(0.9872718790580934) * ky_right_elbow_z,
-        );
-    let ky_right_wrist_yaw_z = by_right_elbow_x
-        .mul_add(
-            T::from_f64(0.9872718790580934),
-            -(T::from_f64(0.15904161977640188) * ky_right_elbow_z),
-        );
-    let by_right_wrist_yaw_x = e95
-        .mul_add(s_right_wrist_yaw, -(e94 * c_right_wrist_yaw));
-    let by_right_wrist_yaw_y = e95.mul_add(c_right_wrist_yaw, e94 * s_right_wrist_yaw);
-    // right_wrist_roll
-    let ky_right_wrist_roll_y = by_right_wrist_yaw_x
-        .mul_add(
-            T::from_f64(0.06712447922871664),
-            -(T::from_f64(0.9977446087492899) * ky_right_wrist_yaw_z),
-        );
-    let ky_right_wrist_roll_z = by_right_wrist_yaw_x
-        .mul_add(
-            T::from_f64(0.9977446087492899),
-            T::from_f64(0.06712447922871664) * ky_right_wrist_yaw_z,
-        );
-    let by_right_wrist_roll_x = by_right_wrist_yaw_y
-        .mul_add(c_right_wrist_roll, -(ky_right_wrist_roll_y * s_right_wrist_roll));
-    let e96 = ky_right_wrist_roll_y
-        .mul_add(c_right_wrist_roll, by_right_wrist_yaw_y * s_right_wrist_roll);
-    let by_right_wrist_roll_y = -e96;
-    // right_wrist_pitch
-    let e97 = by_right_wrist_roll_x
-        .mul_add(
-            T::from_f64(0.042799828876225604),
-            T::from_f64(0.99908366749145) * ky_right_wrist_roll_z,
-        );
-    let by_right_wrist_pitch_x = e97
-        .mul_add(s_right_wrist_pitch, -(e96 * c_right_wrist_pitch));
-    let by_right_wrist_pitch_y = e97
-        .mul_add(c_right_wrist_pitch, e96 * s_right_wrist_pitch);
-    // left_shoulder_pitch
-    let e98 = (-ky_waist_pitch_z)
-        .mul_add(
-            T::from_f64(0.09248191489966293),
-            e83.mul_add(T::from_f64(0.11783871458722316), -e84),
-        );
-    let ky_left_shoulder_pitch_x = e98.mul_add(T::from_f64(0.2305051546121806), -e83);
-    let e99 = e98.mul_add(T::from_f64(1.956107170887058), e84);
-    let ky_left_shoulder_pitch_z = e98
-        .mul_add(T::from_f64(0.1809045369125973), ky_waist_pitch_z);
-    let by_left_shoulder_pitch_x = e99
-        .mul_add(
-            c_left_shoulder_pitch,
-            -(ky_left_shoulder_pitch_x * s_left_shoulder_pitch),
-        );
-    let e100 = e99
-        .mul_add(
-            s_left_shoulder_pitch,
-            ky_left_shoulder_pitch_x * c_left_shoulder_pitch,
-        );
-    let by_left_shoulder_pitch_y = -e100;
-    // left_shoulder_roll
-    let ky_left_shoulder_roll_y = by_left_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.2834710957352705),
-            -(T::from_f64(0.9589807807681263) * ky_left_shoulder_pitch_z),
-        );
-    let ky_left_shoulder_roll_z = by_left_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.9589807807681263),
-            T::from_f64(0.2834710957352705) * ky_left_shoulder_pitch_z,
-        );
-    let by_left_shoulder_roll_x = e100
-        .mul_add(c_left_shoulder_roll, ky_left_shoulder_roll_y * s_left_shoulder_roll);
-    let e101 = e100
-        .mul_add(
-            s_left_shoulder_roll,
-            -(ky_left_shoulder_roll_y * c_left_shoulder_roll),
-        );
-    let by_left_shoulder_roll_y = -e101;
-    // left_shoulder_yaw
-    let e102 = by_left_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.3848026949004402),
-            T::from_f64(0.9229988548190939) * ky_left_shoulder_roll_z,
-        );
-    let ky_left_shoulder_yaw_z = by_left_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.9229988548190939),
-            -(T::from_f64(0.3848026949004402) * ky_left_shoulder_roll_z),
-        );
-    let by_left_shoulder_yaw_x = e101
-        .mul_add(c_left_shoulder_yaw, -(e102 * s_left_shoulder_yaw));
-    let e103 = e102.mul_add(c_left_shoulder_yaw, e101 * s_left_shoulder_yaw);
-    let by_left_shoulder_yaw_y = -e103;
-    // left_elbow
-    let ky_left_elbow_y = by_left_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.12242921843048289),
-            -(T::from_f64(0.9924772473334093) * ky_left_shoulder_yaw_z),
-        );
-    let ky_left_elbow_z = by_left_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.9924772473334093),
-            T::from_f64(0.12242921843048289) * ky_left_shoulder_yaw_z,
-        );
-    let by_left_elbow_x = e103.mul_add(s_left_elbow, -(ky_left_elbow_y * c_left_elbow));
-    let by_left_elbow_y = ky_left_elbow_y.mul_add(s_left_elbow, e103 * c_left_elbow);
-    // left_wrist_yaw
-    let e104 = by_left_elbow_x
-        .mul_add(
-            T::from_f64(0.15904161977640188),
-            T::from_f64(0.9872718790580934) * ky_left_elbow_z,
-        );
-    let ky_left_wrist_yaw_z = by_left_elbow_x
-        .mul_add(
-            T::from_f64(0.9872718790580934),
-            -(T::from_f64(0.15904161977640188) * ky_left_elbow_z),
-        );
-    let by_left_wrist_yaw_x = by_left_elbow_y
-        .mul_add(c_left_wrist_yaw, e104 * s_left_wrist_yaw);
-    let e105 = by_left_elbow_y.mul_add(s_left_wrist_yaw, -(e104 * c_left_wrist_yaw));
-    let by_left_wrist_yaw_y = -e105;
-    // left_wrist_roll
-    let ky_left_wrist_roll_y = by_left_wrist_yaw_x
-        .mul_add(
-            T::from_f64(0.06712447922871664),
-            -(T::from_f64(0.9977446087492899) * ky_left_wrist_yaw_z),
-        );
-    let ky_left_wrist_roll_z = by_left_wrist_yaw_x
-        .mul_add(
-            T::from_f64(0.9977446087492899),
-            T::from_f64(0.06712447922871664) * ky_left_wrist_yaw_z,
-        );
-    let e106 = e105.mul_add(c_left_wrist_roll, ky_left_wrist_roll_y * s_left_wrist_roll);
-    let by_left_wrist_roll_x = -e106;
-    let e107 = ky_left_wrist_roll_y
-        .mul_add(c_left_wrist_roll, -(e105 * s_left_wrist_roll));
-    let by_left_wrist_roll_y = -e107;
-    // left_wrist_pitch
-    let ky_left_wrist_pitch_y = e106
-        .mul_add(
-            T::from_f64(0.042799828876225604),
-            -(T::from_f64(0.99908366749145) * ky_left_wrist_roll_z),
-        );
-    let by_left_wrist_pitch_x = -e107
-        .mul_add(c_left_wrist_pitch, ky_left_wrist_pitch_y * s_left_wrist_pitch);
-    let by_left_wrist_pitch_y = -ky_left_wrist_pitch_y
-        .mul_add(c_left_wrist_pitch, -(e107 * s_left_wrist_pitch));
-    // right_ankle_roll
-    let bz_right_ankle_roll_x = s_right_ankle_roll
-        .mul_add(
-            T::from_f64(0.9799158654419752),
-            -(T::from_f64(0.13055455182981807) * c_right_ankle_roll),
-        );
-    let e108 = s_right_ankle_roll
-        .mul_add(
-            T::from_f64(0.13055455182981807),
-            T::from_f64(0.9799158654419752) * c_right_ankle_roll,
-        );
-    let bz_right_ankle_roll_y = -e108;
-    // right_ankle_pitch
-    let kz_right_ankle_pitch_y = (-bz_right_ankle_roll_x)
-        .mul_add(T::from_f64(0.0524083921121999), T::from_f64(0.15052574825109485));
-    let kz_right_ankle_pitch_z = bz_right_ankle_roll_x
-        .mul_add(T::from_f64(0.9986257359172223), T::from_f64(0.007899668668242278));
-    let bz_right_ankle_pitch_x = kz_right_ankle_pitch_y
-        .mul_add(s_right_ankle_pitch, -(e108 * c_right_ankle_pitch));
-    let e109 = kz_right_ankle_pitch_y
-        .mul_add(c_right_ankle_pitch, e108 * s_right_ankle_pitch);
-    let bz_right_ankle_pitch_y = -e109;
-    // right_knee
-    let kz_right_knee_y = bz_right_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.9659918591802843),
-            -(T::from_f64(0.2585724811294071) * kz_right_ankle_pitch_z),
-        );
-    let kz_right_knee_z = bz_right_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.2585724811294071),
-            T::from_f64(0.9659918591802843) * kz_right_ankle_pitch_z,
-        );
-    let bz_right_knee_x = e109.mul_add(s_right_knee, kz_right_knee_y * c_right_knee);
-    let e110 = e109.mul_add(c_right_knee, -(kz_right_knee_y * s_right_knee));
-    let bz_right_knee_y = -e110;
-    // right_hip_pitch
-    let kz_right_hip_pitch_y = bz_right_knee_x
-        .mul_add(
-            T::from_f64(0.9973888291864124),
-            -(T::from_f64(0.0722185808096314) * kz_right_knee_z),
-        );
-    let kz_right_hip_pitch_z = bz_right_knee_x
-        .mul_add(
-            T::from_f64(0.0722185808096314),
-            T::from_f64(0.9973888291864124) * kz_right_knee_z,
-        );
-    let bz_right_hip_pitch_x = kz_right_hip_pitch_y
-        .mul_add(s_right_hip_pitch, -(e110 * c_right_hip_pitch));
-    let e111 = kz_right_hip_pitch_y.mul_add(c_right_hip_pitch, e110 * s_right_hip_pitch);
-    let bz_right_hip_pitch_y = -e111;
-    // right_hip_roll
-    let kz_right_hip_roll_y = bz_right_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.06044086238279244),
-            -(T::from_f64(0.9981717798828138) * kz_right_hip_pitch_z),
-        );
-    let kz_right_hip_roll_z = bz_right_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.9981717798828138),
-            T::from_f64(0.06044086238279244) * kz_right_hip_pitch_z,
-        );
-    let bz_right_hip_roll_x = e111
-        .mul_add(c_right_hip_roll, -(kz_right_hip_roll_y * s_right_hip_roll));
-    let bz_right_hip_roll_y = kz_right_hip_roll_y
-        .mul_add(c_right_hip_roll, e111 * s_right_hip_roll);
-    // right_hip_yaw
-    let kz_right_hip_yaw_y = bz_right_hip_roll_x
-        .mul_add(
-            T::from_f64(0.08292767473984558),
-            -(T::from_f64(0.9965555683263441) * kz_right_hip_roll_z),
-        );
-    let kz_right_hip_yaw_z = bz_right_hip_roll_x
-        .mul_add(
-            T::from_f64(0.9965555683263441),
-            T::from_f64(0.08292767473984558) * kz_right_hip_roll_z,
-        );
-    let bz_right_hip_yaw_x = bz_right_hip_roll_y
-        .mul_add(c_right_hip_yaw, kz_right_hip_yaw_y * s_right_hip_yaw);
-    let e112 = kz_right_hip_yaw_y
-        .mul_add(c_right_hip_yaw, -(bz_right_hip_roll_y * s_right_hip_yaw));
-    let bz_right_hip_yaw_y = -e112;
-    // left_hip_yaw
-    let e113 = bz_right_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.538107754426925),
-            T::from_f64(0.8428760553163273) * kz_right_hip_yaw_z,
-        );
-    let kz_left_hip_yaw_z = bz_right_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.8428760553163273),
-            -(T::from_f64(0.538107754426925) * kz_right_hip_yaw_z),
-        );
-    let bz_left_hip_yaw_x = e112.mul_add(c_left_hip_yaw, -(e113 * s_left_hip_yaw));
-    let e114 = e113.mul_add(c_left_hip_yaw, e112 * s_left_hip_yaw);
-    let bz_left_hip_yaw_y = -e114;
-    // left_hip_roll
-    let kz_left_hip_roll_y = bz_left_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.08292767473984561),
-            -(T::from_f64(0.9965555683263441) * kz_left_hip_yaw_z),
-        );
-    let kz_left_hip_roll_z = bz_left_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.9965555683263441),
-            T::from_f64(0.08292767473984561) * kz_left_hip_yaw_z,
-        );
-    let e115 = e114.mul_add(c_left_hip_roll, kz_left_hip_roll_y * s_left_hip_roll);
-    let bz_left_hip_roll_x = -e115;
-    let e116 = kz_left_hip_roll_y.mul_add(c_left_hip_roll, -(e114 * s_left_hip_roll));
-    let bz_left_hip_roll_y = -e116;
-    // left_hip_pitch
-    let e117 = e115
-        .mul_add(
-            T::from_f64(0.06044086238279245),
-            T::from_f64(0.9981717798828137) * kz_left_hip_roll_z,
-        );
-    let kz_left_hip_pitch_z = kz_left_hip_roll_z
-        .mul_add(
-            T::from_f64(0.06044086238279245),
-            -(T::from_f64(0.9981717798828137) * e115),
-        );
-    let bz_left_hip_pitch_x = e116.mul_add(c_left_hip_pitch, -(e117 * s_left_hip_pitch));
-    let e118 = e117.mul_add(c_left_hip_pitch, e116 * s_left_hip_pitch);
-    let bz_left_hip_pitch_y = -e118;
-    // left_knee
-    let kz_left_knee_y = bz_left_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.9973888291864126),
-            -(T::from_f64(0.0722185808096314) * kz_left_hip_pitch_z),
-        );
-    let kz_left_knee_z = bz_left_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.0722185808096314),
-            T::from_f64(0.9973888291864126) * kz_left_hip_pitch_z,
-        );
-    let bz_left_knee_x = kz_left_knee_y.mul_add(c_left_knee, -(e118 * s_left_knee));
-    let e119 = kz_left_knee_y.mul_add(s_left_knee, e118 * c_left_knee);
-    let bz_left_knee_y = -e119;
-    // left_ankle_pitch
-    let kz_left_ankle_pitch_y = bz_left_knee_x
-        .mul_add(
-            T::from_f64(0.9659918591802845),
-            -(T::from_f64(0.2585724811294071) * kz_left_knee_z),
-        );
-    let kz_left_ankle_pitch_z = bz_left_knee_x
-        .mul_add(
-            T::from_f64(0.2585724811294071),
-            T::from_f64(0.9659918591802845) * kz_left_knee_z,
-        );
-    let bz_left_ankle_pitch_x = e119
-        .mul_add(c_left_ankle_pitch, kz_left_ankle_pitch_y * s_left_ankle_pitch);
-    let e120 = e119
-        .mul_add(s_left_ankle_pitch, -(kz_left_ankle_pitch_y * c_left_ankle_pitch));
-    let bz_left_ankle_pitch_y = -e120;
-    // left_ankle_roll
-    let e121 = bz_left_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.052408392112199914),
-            T::from_f64(0.9986257359172225) * kz_left_ankle_pitch_z,
-        );
-    let bz_left_ankle_roll_x = e121
-        .mul_add(s_left_ankle_roll, -(e120 * c_left_ankle_roll));
-    let bz_left_ankle_roll_y = e121.mul_add(c_left_ankle_roll, e120 * s_left_ankle_roll);
-    // waist_yaw
-    let e122 = e112
-        .mul_add(
-            T::from_f64(0.11944678826051937),
-            -(T::from_f64(0.19252104104496945) * bz_right_hip_yaw_x),
-        ) + kz_right_hip_yaw_z;
-    let kz_waist_yaw_x = e122
-        .mul_add(T::from_f64(0.3662421800811956), bz_right_hip_yaw_x);
-    let kz_waist_yaw_y = e122.mul_add(T::from_f64(0.22722945969324562), -e112);
-    let kz_waist_yaw_z = (-e122)
-        .mul_add(T::from_f64(1.9023488450576578), kz_right_hip_yaw_z);
-    let bz_waist_yaw_x = kz_waist_yaw_y
-        .mul_add(s_waist_yaw, -(kz_waist_yaw_x * c_waist_yaw));
-    let bz_waist_yaw_y = kz_waist_yaw_y
-        .mul_add(c_waist_yaw, kz_waist_yaw_x * s_waist_yaw);
-    // waist_pitch
-    let kz_waist_pitch_y = bz_waist_yaw_x
-        .mul_add(
-            T::from_f64(0.19642259114963537),
-            -(T::from_f64(0.980519334682424) * kz_waist_yaw_z),
-        );
-    let kz_waist_pitch_z = bz_waist_yaw_x
-        .mul_add(
-            T::from_f64(0.980519334682424),
-            T::from_f64(0.19642259114963537) * kz_waist_yaw_z,
-        );
-    let e123 = bz_waist_yaw_y.mul_add(s_waist_pitch, kz_waist_pitch_y * c_waist_pitch);
-    let bz_waist_pitch_x = -e123;
-    let e124 = bz_waist_yaw_y
-        .mul_add(c_waist_pitch, -(kz_waist_pitch_y * s_waist_pitch));
-    let bz_waist_pitch_y = -e124;
-    // neck_yaw
-    let e125 = e123
-        .mul_add(
-            T::from_f64(0.11686854868553807),
-            T::from_f64(0.9931473920461839) * kz_waist_pitch_z,
-        );
-    let kz_neck_yaw_z = kz_waist_pitch_z
-        .mul_add(
-            T::from_f64(0.11686854868553807),
-            -(T::from_f64(0.9931473920461839) * e123),
-        );
-    let bz_neck_yaw_x = e124.mul_add(s_neck_yaw, e125 * c_neck_yaw);
-    let e126 = e125.mul_add(s_neck_yaw, -(e124 * c_neck_yaw));
-    let bz_neck_yaw_y = -e126;
-    // neck_pitch
-    let e127 = bz_neck_yaw_x
-        .mul_add(
-            T::from_f64(0.040883888851400166),
-            T::from_f64(0.9991639042881736) * kz_neck_yaw_z,
-        );
-    let bz_neck_pitch_x = e127.mul_add(s_neck_pitch, -(e126 * c_neck_pitch));
-    let bz_neck_pitch_y = e127.mul_add(c_neck_pitch, e126 * s_neck_pitch);
-    // right_shoulder_pitch
-    let e128 = kz_waist_pitch_z
-        .mul_add(
-            T::from_f64(0.10644334192309902),
-            e124.mul_add(T::from_f64(0.07159388452594458), -e123),
-        );
-    let e129 = e128.mul_add(T::from_f64(1.9676210845200064), e123);
-    let kz_right_shoulder_pitch_y = e128
-        .mul_add(T::from_f64(0.14086963671593916), -e124);
-    let kz_right_shoulder_pitch_z = (-e128)
-        .mul_add(T::from_f64(0.20944016387466197), kz_waist_pitch_z);
-    let bz_right_shoulder_pitch_x = e129
-        .mul_add(
-            s_right_shoulder_pitch,
-            -(kz_right_shoulder_pitch_y * c_right_shoulder_pitch),
-        );
-    let bz_right_shoulder_pitch_y = kz_right_shoulder_pitch_y
-        .mul_add(s_right_shoulder_pitch, e129 * c_right_shoulder_pitch);
-    // right_shoulder_roll
     let kz_right_shoulder_roll_y = bz_right_shoulder_pitch_x
         .mul_add(
             T::from_f64(0.2834710957352705),
@@ -4946,7 +4463,47 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             bz_right_shoulder_pitch_y * s_right_shoulder_roll,
         );
     // right_shoulder_yaw
-    let e130 = bz_right_shoulder_roll_x
+    let e84 = q[18] - T::from_f64(0.12871645458236847);
+    let (s_right_shoulder_yaw, c_right_shoulder_yaw) = e84.sin_cos();
+    let e85 = bx_right_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.3848026949004402),
+            T::from_f64(0.9229988548190939) * kx_right_shoulder_roll_z,
+        );
+    let kx_right_shoulder_yaw_z = bx_right_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.9229988548190939),
+            -(T::from_f64(0.3848026949004402) * kx_right_shoulder_roll_z),
+        );
+    let e86 = bx_right_shoulder_roll_y
+        .mul_add(c_right_shoulder_yaw, e85 * s_right_shoulder_yaw);
+    let bx_right_shoulder_yaw_x = -e86;
+    let e87 = e85
+        .mul_add(
+            c_right_shoulder_yaw,
+            -(bx_right_shoulder_roll_y * s_right_shoulder_yaw),
+        );
+    let bx_right_shoulder_yaw_y = -e87;
+    let e88 = by_right_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.3848026949004402),
+            T::from_f64(0.9229988548190939) * ky_right_shoulder_roll_z,
+        );
+    let ky_right_shoulder_yaw_z = by_right_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.9229988548190939),
+            -(T::from_f64(0.3848026949004402) * ky_right_shoulder_roll_z),
+        );
+    let e89 = by_right_shoulder_roll_y
+        .mul_add(c_right_shoulder_yaw, e88 * s_right_shoulder_yaw);
+    let by_right_shoulder_yaw_x = -e89;
+    let e90 = e88
+        .mul_add(
+            c_right_shoulder_yaw,
+            -(by_right_shoulder_roll_y * s_right_shoulder_yaw),
+        );
+    let by_right_shoulder_yaw_y = -e90;
+    let e91 = bz_right_shoulder_roll_x
         .mul_add(
             T::from_f64(0.3848026949004402),
             T::from_f64(0.9229988548190939) * kz_right_shoulder_roll_z,
@@ -4956,17 +4513,45 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             T::from_f64(0.9229988548190939),
             -(T::from_f64(0.3848026949004402) * kz_right_shoulder_roll_z),
         );
-    let e131 = bz_right_shoulder_roll_y
-        .mul_add(c_right_shoulder_yaw, e130 * s_right_shoulder_yaw);
-    let bz_right_shoulder_yaw_x = -e131;
-    let e132 = e130
+    let e92 = bz_right_shoulder_roll_y
+        .mul_add(c_right_shoulder_yaw, e91 * s_right_shoulder_yaw);
+    let bz_right_shoulder_yaw_x = -e92;
+    let e93 = e91
         .mul_add(
             c_right_shoulder_yaw,
             -(bz_right_shoulder_roll_y * s_right_shoulder_yaw),
         );
-    let bz_right_shoulder_yaw_y = -e132;
+    let bz_right_shoulder_yaw_y = -e93;
     // right_elbow
-    let e133 = e131
+    let e94 = q[19] - T::from_f64(0.07968980871027065);
+    let (s_right_elbow, c_right_elbow) = e94.sin_cos();
+    let e95 = e86
+        .mul_add(
+            T::from_f64(0.12242921843048289),
+            T::from_f64(0.9924772473334093) * kx_right_shoulder_yaw_z,
+        );
+    let kx_right_elbow_z = kx_right_shoulder_yaw_z
+        .mul_add(
+            T::from_f64(0.12242921843048289),
+            -(T::from_f64(0.9924772473334093) * e86),
+        );
+    let bx_right_elbow_x = e87.mul_add(s_right_elbow, e95 * c_right_elbow);
+    let e96 = e95.mul_add(s_right_elbow, -(e87 * c_right_elbow));
+    let bx_right_elbow_y = -e96;
+    let e97 = e89
+        .mul_add(
+            T::from_f64(0.12242921843048289),
+            T::from_f64(0.9924772473334093) * ky_right_shoulder_yaw_z,
+        );
+    let ky_right_elbow_z = ky_right_shoulder_yaw_z
+        .mul_add(
+            T::from_f64(0.12242921843048289),
+            -(T::from_f64(0.9924772473334093) * e89),
+        );
+    let by_right_elbow_x = e90.mul_add(s_right_elbow, e97 * c_right_elbow);
+    let e98 = e97.mul_add(s_right_elbow, -(e90 * c_right_elbow));
+    let by_right_elbow_y = -e98;
+    let e99 = e92
         .mul_add(
             T::from_f64(0.12242921843048289),
             T::from_f64(0.9924772473334093) * kz_right_shoulder_yaw_z,
@@ -4974,13 +4559,41 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     let kz_right_elbow_z = kz_right_shoulder_yaw_z
         .mul_add(
             T::from_f64(0.12242921843048289),
-            -(T::from_f64(0.9924772473334093) * e131),
+            -(T::from_f64(0.9924772473334093) * e92),
         );
-    let bz_right_elbow_x = e132.mul_add(s_right_elbow, e133 * c_right_elbow);
-    let e134 = e133.mul_add(s_right_elbow, -(e132 * c_right_elbow));
-    let bz_right_elbow_y = -e134;
+    let bz_right_elbow_x = e93.mul_add(s_right_elbow, e99 * c_right_elbow);
+    let e100 = e99.mul_add(s_right_elbow, -(e93 * c_right_elbow));
+    let bz_right_elbow_y = -e100;
     // right_wrist_yaw
-    let e135 = bz_right_elbow_x
+    let e101 = q[20] + T::from_f64(0.07984195204795129);
+    let (s_right_wrist_yaw, c_right_wrist_yaw) = e101.sin_cos();
+    let e102 = bx_right_elbow_x
+        .mul_add(
+            T::from_f64(0.15904161977640188),
+            T::from_f64(0.9872718790580934) * kx_right_elbow_z,
+        );
+    let kx_right_wrist_yaw_z = bx_right_elbow_x
+        .mul_add(
+            T::from_f64(0.9872718790580934),
+            -(T::from_f64(0.15904161977640188) * kx_right_elbow_z),
+        );
+    let bx_right_wrist_yaw_x = e102
+        .mul_add(s_right_wrist_yaw, -(e96 * c_right_wrist_yaw));
+    let bx_right_wrist_yaw_y = e102.mul_add(c_right_wrist_yaw, e96 * s_right_wrist_yaw);
+    let e103 = by_right_elbow_x
+        .mul_add(
+            T::from_f64(0.15904161977640188),
+            T::from_f64(0.9872718790580934) * ky_right_elbow_z,
+        );
+    let ky_right_wrist_yaw_z = by_right_elbow_x
+        .mul_add(
+            T::from_f64(0.9872718790580934),
+            -(T::from_f64(0.15904161977640188) * ky_right_elbow_z),
+        );
+    let by_right_wrist_yaw_x = e103
+        .mul_add(s_right_wrist_yaw, -(e98 * c_right_wrist_yaw));
+    let by_right_wrist_yaw_y = e103.mul_add(c_right_wrist_yaw, e98 * s_right_wrist_yaw);
+    let e104 = bz_right_elbow_x
         .mul_add(
             T::from_f64(0.15904161977640188),
             T::from_f64(0.9872718790580934) * kz_right_elbow_z,
@@ -4990,10 +4603,42 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             T::from_f64(0.9872718790580934),
             -(T::from_f64(0.15904161977640188) * kz_right_elbow_z),
         );
-    let bz_right_wrist_yaw_x = e135
-        .mul_add(s_right_wrist_yaw, -(e134 * c_right_wrist_yaw));
-    let bz_right_wrist_yaw_y = e135.mul_add(c_right_wrist_yaw, e134 * s_right_wrist_yaw);
+    let bz_right_wrist_yaw_x = e104
+        .mul_add(s_right_wrist_yaw, -(e100 * c_right_wrist_yaw));
+    let bz_right_wrist_yaw_y = e104.mul_add(c_right_wrist_yaw, e100 * s_right_wrist_yaw);
     // right_wrist_roll
+    let e105 = q[21] - T::from_f64(0.05544050383462643);
+    let (s_right_wrist_roll, c_right_wrist_roll) = e105.sin_cos();
+    let kx_right_wrist_roll_y = bx_right_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.06712447922871664),
+            -(T::from_f64(0.9977446087492899) * kx_right_wrist_yaw_z),
+        );
+    let kx_right_wrist_roll_z = bx_right_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.9977446087492899),
+            T::from_f64(0.06712447922871664) * kx_right_wrist_yaw_z,
+        );
+    let bx_right_wrist_roll_x = bx_right_wrist_yaw_y
+        .mul_add(c_right_wrist_roll, -(kx_right_wrist_roll_y * s_right_wrist_roll));
+    let e106 = kx_right_wrist_roll_y
+        .mul_add(c_right_wrist_roll, bx_right_wrist_yaw_y * s_right_wrist_roll);
+    let bx_right_wrist_roll_y = -e106;
+    let ky_right_wrist_roll_y = by_right_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.06712447922871664),
+            -(T::from_f64(0.9977446087492899) * ky_right_wrist_yaw_z),
+        );
+    let ky_right_wrist_roll_z = by_right_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.9977446087492899),
+            T::from_f64(0.06712447922871664) * ky_right_wrist_yaw_z,
+        );
+    let by_right_wrist_roll_x = by_right_wrist_yaw_y
+        .mul_add(c_right_wrist_roll, -(ky_right_wrist_roll_y * s_right_wrist_roll));
+    let e107 = ky_right_wrist_roll_y
+        .mul_add(c_right_wrist_roll, by_right_wrist_yaw_y * s_right_wrist_roll);
+    let by_right_wrist_roll_y = -e107;
     let kz_right_wrist_roll_y = bz_right_wrist_yaw_x
         .mul_add(
             T::from_f64(0.06712447922871664),
@@ -5006,41 +4651,140 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let bz_right_wrist_roll_x = bz_right_wrist_yaw_y
         .mul_add(c_right_wrist_roll, -(kz_right_wrist_roll_y * s_right_wrist_roll));
-    let e136 = kz_right_wrist_roll_y
+    let e108 = kz_right_wrist_roll_y
         .mul_add(c_right_wrist_roll, bz_right_wrist_yaw_y * s_right_wrist_roll);
-    let bz_right_wrist_roll_y = -e136;
+    let bz_right_wrist_roll_y = -e108;
     // right_wrist_pitch
-    let e137 = bz_right_wrist_roll_x
+    let (s_right_wrist_pitch, c_right_wrist_pitch) = q[22].sin_cos();
+    let e109 = bx_right_wrist_roll_x
+        .mul_add(
+            T::from_f64(0.042799828876225604),
+            T::from_f64(0.99908366749145) * kx_right_wrist_roll_z,
+        );
+    let bx_right_wrist_pitch_x = e109
+        .mul_add(s_right_wrist_pitch, -(e106 * c_right_wrist_pitch));
+    let bx_right_wrist_pitch_y = e109
+        .mul_add(c_right_wrist_pitch, e106 * s_right_wrist_pitch);
+    let e110 = by_right_wrist_roll_x
+        .mul_add(
+            T::from_f64(0.042799828876225604),
+            T::from_f64(0.99908366749145) * ky_right_wrist_roll_z,
+        );
+    let by_right_wrist_pitch_x = e110
+        .mul_add(s_right_wrist_pitch, -(e107 * c_right_wrist_pitch));
+    let by_right_wrist_pitch_y = e110
+        .mul_add(c_right_wrist_pitch, e107 * s_right_wrist_pitch);
+    let e111 = bz_right_wrist_roll_x
         .mul_add(
             T::from_f64(0.042799828876225604),
             T::from_f64(0.99908366749145) * kz_right_wrist_roll_z,
         );
-    let bz_right_wrist_pitch_x = e137
-        .mul_add(s_right_wrist_pitch, -(e136 * c_right_wrist_pitch));
-    let bz_right_wrist_pitch_y = e137
-        .mul_add(c_right_wrist_pitch, e136 * s_right_wrist_pitch);
+    let bz_right_wrist_pitch_x = e111
+        .mul_add(s_right_wrist_pitch, -(e108 * c_right_wrist_pitch));
+    let bz_right_wrist_pitch_y = e111
+        .mul_add(c_right_wrist_pitch, e108 * s_right_wrist_pitch);
     // left_shoulder_pitch
-    let e138 = (-kz_waist_pitch_z)
+    let e112 = q[23] + T::from_f64(0.014907991996345737);
+    let (s_left_shoulder_pitch, c_left_shoulder_pitch) = e112.sin_cos();
+    let e113 = (-kx_waist_pitch_z)
         .mul_add(
             T::from_f64(0.09248191489966293),
-            e123.mul_add(T::from_f64(0.11783871458722316), -e124),
+            e60.mul_add(T::from_f64(0.11783871458722316), -e61),
         );
-    let kz_left_shoulder_pitch_x = e138.mul_add(T::from_f64(0.2305051546121806), -e123);
-    let e139 = e138.mul_add(T::from_f64(1.956107170887058), e124);
-    let kz_left_shoulder_pitch_z = e138
+    let kx_left_shoulder_pitch_x = e113.mul_add(T::from_f64(0.2305051546121806), -e60);
+    let e114 = e113.mul_add(T::from_f64(1.956107170887058), e61);
+    let kx_left_shoulder_pitch_z = e113
+        .mul_add(T::from_f64(0.1809045369125973), kx_waist_pitch_z);
+    let bx_left_shoulder_pitch_x = e114
+        .mul_add(
+            c_left_shoulder_pitch,
+            -(kx_left_shoulder_pitch_x * s_left_shoulder_pitch),
+        );
+    let e115 = e114
+        .mul_add(
+            s_left_shoulder_pitch,
+            kx_left_shoulder_pitch_x * c_left_shoulder_pitch,
+        );
+    let bx_left_shoulder_pitch_y = -e115;
+    let e116 = (-ky_waist_pitch_z)
+        .mul_add(
+            T::from_f64(0.09248191489966293),
+            e62.mul_add(T::from_f64(0.11783871458722316), -e63),
+        );
+    let ky_left_shoulder_pitch_x = e116.mul_add(T::from_f64(0.2305051546121806), -e62);
+    let e117 = e116.mul_add(T::from_f64(1.956107170887058), e63);
+    let ky_left_shoulder_pitch_z = e116
+        .mul_add(T::from_f64(0.1809045369125973), ky_waist_pitch_z);
+    let by_left_shoulder_pitch_x = e117
+        .mul_add(
+            c_left_shoulder_pitch,
+            -(ky_left_shoulder_pitch_x * s_left_shoulder_pitch),
+        );
+    let e118 = e117
+        .mul_add(
+            s_left_shoulder_pitch,
+            ky_left_shoulder_pitch_x * c_left_shoulder_pitch,
+        );
+    let by_left_shoulder_pitch_y = -e118;
+    let e119 = (-kz_waist_pitch_z)
+        .mul_add(
+            T::from_f64(0.09248191489966293),
+            e64.mul_add(T::from_f64(0.11783871458722316), -e65),
+        );
+    let kz_left_shoulder_pitch_x = e119.mul_add(T::from_f64(0.2305051546121806), -e64);
+    let e120 = e119.mul_add(T::from_f64(1.956107170887058), e65);
+    let kz_left_shoulder_pitch_z = e119
         .mul_add(T::from_f64(0.1809045369125973), kz_waist_pitch_z);
-    let bz_left_shoulder_pitch_x = e139
+    let bz_left_shoulder_pitch_x = e120
         .mul_add(
             c_left_shoulder_pitch,
             -(kz_left_shoulder_pitch_x * s_left_shoulder_pitch),
         );
-    let e140 = e139
+    let e121 = e120
         .mul_add(
             s_left_shoulder_pitch,
             kz_left_shoulder_pitch_x * c_left_shoulder_pitch,
         );
-    let bz_left_shoulder_pitch_y = -e140;
+    let bz_left_shoulder_pitch_y = -e121;
     // left_shoulder_roll
+    let e122 = q[24] - T::from_f64(0.29227270605474676);
+    let (s_left_shoulder_roll, c_left_shoulder_roll) = e122.sin_cos();
+    let kx_left_shoulder_roll_y = bx_left_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.2834710957352705),
+            -(T::from_f64(0.9589807807681263) * kx_left_shoulder_pitch_z),
+        );
+    let kx_left_shoulder_roll_z = bx_left_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.9589807807681263),
+            T::from_f64(0.2834710957352705) * kx_left_shoulder_pitch_z,
+        );
+    let bx_left_shoulder_roll_x = e115
+        .mul_add(c_left_shoulder_roll, kx_left_shoulder_roll_y * s_left_shoulder_roll);
+    let e123 = e115
+        .mul_add(
+            s_left_shoulder_roll,
+            -(kx_left_shoulder_roll_y * c_left_shoulder_roll),
+        );
+    let bx_left_shoulder_roll_y = -e123;
+    let ky_left_shoulder_roll_y = by_left_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.2834710957352705),
+            -(T::from_f64(0.9589807807681263) * ky_left_shoulder_pitch_z),
+        );
+    let ky_left_shoulder_roll_z = by_left_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.9589807807681263),
+            T::from_f64(0.2834710957352705) * ky_left_shoulder_pitch_z,
+        );
+    let by_left_shoulder_roll_x = e118
+        .mul_add(c_left_shoulder_roll, ky_left_shoulder_roll_y * s_left_shoulder_roll);
+    let e124 = e118
+        .mul_add(
+            s_left_shoulder_roll,
+            -(ky_left_shoulder_roll_y * c_left_shoulder_roll),
+        );
+    let by_left_shoulder_roll_y = -e124;
     let kz_left_shoulder_roll_y = bz_left_shoulder_pitch_x
         .mul_add(
             T::from_f64(0.2834710957352705),
@@ -5051,16 +4795,46 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             T::from_f64(0.9589807807681263),
             T::from_f64(0.2834710957352705) * kz_left_shoulder_pitch_z,
         );
-    let bz_left_shoulder_roll_x = e140
+    let bz_left_shoulder_roll_x = e121
         .mul_add(c_left_shoulder_roll, kz_left_shoulder_roll_y * s_left_shoulder_roll);
-    let e141 = e140
+    let e125 = e121
         .mul_add(
             s_left_shoulder_roll,
             -(kz_left_shoulder_roll_y * c_left_shoulder_roll),
         );
-    let bz_left_shoulder_roll_y = -e141;
+    let bz_left_shoulder_roll_y = -e125;
     // left_shoulder_yaw
-    let e142 = bz_left_shoulder_roll_x
+    let e126 = q[25] - T::from_f64(0.12871645458236847);
+    let (s_left_shoulder_yaw, c_left_shoulder_yaw) = e126.sin_cos();
+    let e127 = bx_left_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.3848026949004402),
+            T::from_f64(0.9229988548190939) * kx_left_shoulder_roll_z,
+        );
+    let kx_left_shoulder_yaw_z = bx_left_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.9229988548190939),
+            -(T::from_f64(0.3848026949004402) * kx_left_shoulder_roll_z),
+        );
+    let bx_left_shoulder_yaw_x = e123
+        .mul_add(c_left_shoulder_yaw, -(e127 * s_left_shoulder_yaw));
+    let e128 = e127.mul_add(c_left_shoulder_yaw, e123 * s_left_shoulder_yaw);
+    let bx_left_shoulder_yaw_y = -e128;
+    let e129 = by_left_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.3848026949004402),
+            T::from_f64(0.9229988548190939) * ky_left_shoulder_roll_z,
+        );
+    let ky_left_shoulder_yaw_z = by_left_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.9229988548190939),
+            -(T::from_f64(0.3848026949004402) * ky_left_shoulder_roll_z),
+        );
+    let by_left_shoulder_yaw_x = e124
+        .mul_add(c_left_shoulder_yaw, -(e129 * s_left_shoulder_yaw));
+    let e130 = e129.mul_add(c_left_shoulder_yaw, e124 * s_left_shoulder_yaw);
+    let by_left_shoulder_yaw_y = -e130;
+    let e131 = bz_left_shoulder_roll_x
         .mul_add(
             T::from_f64(0.3848026949004402),
             T::from_f64(0.9229988548190939) * kz_left_shoulder_roll_z,
@@ -5070,11 +4844,37 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             T::from_f64(0.9229988548190939),
             -(T::from_f64(0.3848026949004402) * kz_left_shoulder_roll_z),
         );
-    let bz_left_shoulder_yaw_x = e141
-        .mul_add(c_left_shoulder_yaw, -(e142 * s_left_shoulder_yaw));
-    let e143 = e142.mul_add(c_left_shoulder_yaw, e141 * s_left_shoulder_yaw);
-    let bz_left_shoulder_yaw_y = -e143;
+    let bz_left_shoulder_yaw_x = e125
+        .mul_add(c_left_shoulder_yaw, -(e131 * s_left_shoulder_yaw));
+    let e132 = e131.mul_add(c_left_shoulder_yaw, e125 * s_left_shoulder_yaw);
+    let bz_left_shoulder_yaw_y = -e132;
     // left_elbow
+    let e133 = q[26] - T::from_f64(0.07968980871027065);
+    let (s_left_elbow, c_left_elbow) = e133.sin_cos();
+    let kx_left_elbow_y = bx_left_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.12242921843048289),
+            -(T::from_f64(0.9924772473334093) * kx_left_shoulder_yaw_z),
+        );
+    let kx_left_elbow_z = bx_left_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.9924772473334093),
+            T::from_f64(0.12242921843048289) * kx_left_shoulder_yaw_z,
+        );
+    let bx_left_elbow_x = e128.mul_add(s_left_elbow, -(kx_left_elbow_y * c_left_elbow));
+    let bx_left_elbow_y = kx_left_elbow_y.mul_add(s_left_elbow, e128 * c_left_elbow);
+    let ky_left_elbow_y = by_left_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.12242921843048289),
+            -(T::from_f64(0.9924772473334093) * ky_left_shoulder_yaw_z),
+        );
+    let ky_left_elbow_z = by_left_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.9924772473334093),
+            T::from_f64(0.12242921843048289) * ky_left_shoulder_yaw_z,
+        );
+    let by_left_elbow_x = e130.mul_add(s_left_elbow, -(ky_left_elbow_y * c_left_elbow));
+    let by_left_elbow_y = ky_left_elbow_y.mul_add(s_left_elbow, e130 * c_left_elbow);
     let kz_left_elbow_y = bz_left_shoulder_yaw_x
         .mul_add(
             T::from_f64(0.12242921843048289),
@@ -5085,10 +4885,40 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             T::from_f64(0.9924772473334093),
             T::from_f64(0.12242921843048289) * kz_left_shoulder_yaw_z,
         );
-    let bz_left_elbow_x = e143.mul_add(s_left_elbow, -(kz_left_elbow_y * c_left_elbow));
-    let bz_left_elbow_y = kz_left_elbow_y.mul_add(s_left_elbow, e143 * c_left_elbow);
+    let bz_left_elbow_x = e132.mul_add(s_left_elbow, -(kz_left_elbow_y * c_left_elbow));
+    let bz_left_elbow_y = kz_left_elbow_y.mul_add(s_left_elbow, e132 * c_left_elbow);
     // left_wrist_yaw
-    let e144 = bz_left_elbow_x
+    let e134 = q[27] + T::from_f64(0.07984195204795129);
+    let (s_left_wrist_yaw, c_left_wrist_yaw) = e134.sin_cos();
+    let e135 = bx_left_elbow_x
+        .mul_add(
+            T::from_f64(0.15904161977640188),
+            T::from_f64(0.9872718790580934) * kx_left_elbow_z,
+        );
+    let kx_left_wrist_yaw_z = bx_left_elbow_x
+        .mul_add(
+            T::from_f64(0.9872718790580934),
+            -(T::from_f64(0.15904161977640188) * kx_left_elbow_z),
+        );
+    let bx_left_wrist_yaw_x = bx_left_elbow_y
+        .mul_add(c_left_wrist_yaw, e135 * s_left_wrist_yaw);
+    let e136 = bx_left_elbow_y.mul_add(s_left_wrist_yaw, -(e135 * c_left_wrist_yaw));
+    let bx_left_wrist_yaw_y = -e136;
+    let e137 = by_left_elbow_x
+        .mul_add(
+            T::from_f64(0.15904161977640188),
+            T::from_f64(0.9872718790580934) * ky_left_elbow_z,
+        );
+    let ky_left_wrist_yaw_z = by_left_elbow_x
+        .mul_add(
+            T::from_f64(0.9872718790580934),
+            -(T::from_f64(0.15904161977640188) * ky_left_elbow_z),
+        );
+    let by_left_wrist_yaw_x = by_left_elbow_y
+        .mul_add(c_left_wrist_yaw, e137 * s_left_wrist_yaw);
+    let e138 = by_left_elbow_y.mul_add(s_left_wrist_yaw, -(e137 * c_left_wrist_yaw));
+    let by_left_wrist_yaw_y = -e138;
+    let e139 = bz_left_elbow_x
         .mul_add(
             T::from_f64(0.15904161977640188),
             T::from_f64(0.9872718790580934) * kz_left_elbow_z,
@@ -5099,10 +4929,42 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             -(T::from_f64(0.15904161977640188) * kz_left_elbow_z),
         );
     let bz_left_wrist_yaw_x = bz_left_elbow_y
-        .mul_add(c_left_wrist_yaw, e144 * s_left_wrist_yaw);
-    let e145 = bz_left_elbow_y.mul_add(s_left_wrist_yaw, -(e144 * c_left_wrist_yaw));
-    let bz_left_wrist_yaw_y = -e145;
+        .mul_add(c_left_wrist_yaw, e139 * s_left_wrist_yaw);
+    let e140 = bz_left_elbow_y.mul_add(s_left_wrist_yaw, -(e139 * c_left_wrist_yaw));
+    let bz_left_wrist_yaw_y = -e140;
     // left_wrist_roll
+    let e141 = q[28] - T::from_f64(0.05544050383462643);
+    let (s_left_wrist_roll, c_left_wrist_roll) = e141.sin_cos();
+    let kx_left_wrist_roll_y = bx_left_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.06712447922871664),
+            -(T::from_f64(0.9977446087492899) * kx_left_wrist_yaw_z),
+        );
+    let kx_left_wrist_roll_z = bx_left_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.9977446087492899),
+            T::from_f64(0.06712447922871664) * kx_left_wrist_yaw_z,
+        );
+    let e142 = e136.mul_add(c_left_wrist_roll, kx_left_wrist_roll_y * s_left_wrist_roll);
+    let bx_left_wrist_roll_x = -e142;
+    let e143 = kx_left_wrist_roll_y
+        .mul_add(c_left_wrist_roll, -(e136 * s_left_wrist_roll));
+    let bx_left_wrist_roll_y = -e143;
+    let ky_left_wrist_roll_y = by_left_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.06712447922871664),
+            -(T::from_f64(0.9977446087492899) * ky_left_wrist_yaw_z),
+        );
+    let ky_left_wrist_roll_z = by_left_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.9977446087492899),
+            T::from_f64(0.06712447922871664) * ky_left_wrist_yaw_z,
+        );
+    let e144 = e138.mul_add(c_left_wrist_roll, ky_left_wrist_roll_y * s_left_wrist_roll);
+    let by_left_wrist_roll_x = -e144;
+    let e145 = ky_left_wrist_roll_y
+        .mul_add(c_left_wrist_roll, -(e138 * s_left_wrist_roll));
+    let by_left_wrist_roll_y = -e145;
     let kz_left_wrist_roll_y = bz_left_wrist_yaw_x
         .mul_add(
             T::from_f64(0.06712447922871664),
@@ -5113,12 +4975,31 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             T::from_f64(0.9977446087492899),
             T::from_f64(0.06712447922871664) * kz_left_wrist_yaw_z,
         );
-    let e146 = e145.mul_add(c_left_wrist_roll, kz_left_wrist_roll_y * s_left_wrist_roll);
+    let e146 = e140.mul_add(c_left_wrist_roll, kz_left_wrist_roll_y * s_left_wrist_roll);
     let bz_left_wrist_roll_x = -e146;
     let e147 = kz_left_wrist_roll_y
-        .mul_add(c_left_wrist_roll, -(e145 * s_left_wrist_roll));
+        .mul_add(c_left_wrist_roll, -(e140 * s_left_wrist_roll));
     let bz_left_wrist_roll_y = -e147;
     // left_wrist_pitch
+    let (s_left_wrist_pitch, c_left_wrist_pitch) = q[29].sin_cos();
+    let kx_left_wrist_pitch_y = e142
+        .mul_add(
+            T::from_f64(0.042799828876225604),
+            -(T::from_f64(0.99908366749145) * kx_left_wrist_roll_z),
+        );
+    let bx_left_wrist_pitch_x = -e143
+        .mul_add(c_left_wrist_pitch, kx_left_wrist_pitch_y * s_left_wrist_pitch);
+    let bx_left_wrist_pitch_y = -kx_left_wrist_pitch_y
+        .mul_add(c_left_wrist_pitch, -(e143 * s_left_wrist_pitch));
+    let ky_left_wrist_pitch_y = e144
+        .mul_add(
+            T::from_f64(0.042799828876225604),
+            -(T::from_f64(0.99908366749145) * ky_left_wrist_roll_z),
+        );
+    let by_left_wrist_pitch_x = -e145
+        .mul_add(c_left_wrist_pitch, ky_left_wrist_pitch_y * s_left_wrist_pitch);
+    let by_left_wrist_pitch_y = -ky_left_wrist_pitch_y
+        .mul_add(c_left_wrist_pitch, -(e145 * s_left_wrist_pitch));
     let kz_left_wrist_pitch_y = e146
         .mul_add(
             T::from_f64(0.042799828876225604),
@@ -5348,21 +5229,41 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
             -(T::from_f64(0.16554475198250462) * c_right_ankle_roll),
         );
     let bx_right_ankle_roll_y = -e3;
+    let by_right_ankle_roll_x = s_right_ankle_roll
+        .mul_add(
+            T::from_f64(0.11117478017138471),
+            T::from_f64(0.9851881430723574) * c_right_ankle_roll,
+        );
+    let e4 = c_right_ankle_roll
+        .mul_add(
+            T::from_f64(0.11117478017138471),
+            -(T::from_f64(0.9851881430723574) * s_right_ankle_roll),
+        );
+    let by_right_ankle_roll_y = -e4;
     // right_ankle_pitch
-    let e4 = q[4] + T::from_f64(0.17565669109302123);
-    let (s_right_ankle_pitch, c_right_ankle_pitch) = e4.sin_cos();
+    let e5 = q[4] + T::from_f64(0.17565669109302123);
+    let (s_right_ankle_pitch, c_right_ankle_pitch) = e5.sin_cos();
     let kx_right_ankle_pitch_y = e2
         .mul_add(T::from_f64(0.0524083921121999), T::from_f64(0.9785692022639542));
     let kx_right_ankle_pitch_z = (-e2)
         .mul_add(T::from_f64(0.9986257359172223), T::from_f64(0.05135581491304875));
     let bx_right_ankle_pitch_x = kx_right_ankle_pitch_y
         .mul_add(s_right_ankle_pitch, -(e3 * c_right_ankle_pitch));
-    let e5 = kx_right_ankle_pitch_y
+    let e6 = kx_right_ankle_pitch_y
         .mul_add(c_right_ankle_pitch, e3 * s_right_ankle_pitch);
-    let bx_right_ankle_pitch_y = -e5;
+    let bx_right_ankle_pitch_y = -e6;
+    let ky_right_ankle_pitch_y = (-by_right_ankle_roll_x)
+        .mul_add(T::from_f64(0.0524083921121999), T::from_f64(0.1303751353983952));
+    let ky_right_ankle_pitch_z = by_right_ankle_roll_x
+        .mul_add(T::from_f64(0.9986257359172223), T::from_f64(0.00684215414432963));
+    let by_right_ankle_pitch_x = ky_right_ankle_pitch_y
+        .mul_add(s_right_ankle_pitch, -(e4 * c_right_ankle_pitch));
+    let e7 = ky_right_ankle_pitch_y
+        .mul_add(c_right_ankle_pitch, e4 * s_right_ankle_pitch);
+    let by_right_ankle_pitch_y = -e7;
     // right_knee
-    let e6 = q[3] - T::from_f64(0.7020104799569636);
-    let (s_right_knee, c_right_knee) = e6.sin_cos();
+    let e8 = q[3] - T::from_f64(0.7020104799569636);
+    let (s_right_knee, c_right_knee) = e8.sin_cos();
     let kx_right_knee_y = bx_right_ankle_pitch_x
         .mul_add(
             T::from_f64(0.9659918591802843),
@@ -5373,12 +5274,25 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
             T::from_f64(0.2585724811294071),
             T::from_f64(0.9659918591802843) * kx_right_ankle_pitch_z,
         );
-    let bx_right_knee_x = e5.mul_add(s_right_knee, kx_right_knee_y * c_right_knee);
-    let e7 = e5.mul_add(c_right_knee, -(kx_right_knee_y * s_right_knee));
-    let bx_right_knee_y = -e7;
+    let bx_right_knee_x = e6.mul_add(s_right_knee, kx_right_knee_y * c_right_knee);
+    let e9 = e6.mul_add(c_right_knee, -(kx_right_knee_y * s_right_knee));
+    let bx_right_knee_y = -e9;
+    let ky_right_knee_y = by_right_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.9659918591802843),
+            -(T::from_f64(0.2585724811294071) * ky_right_ankle_pitch_z),
+        );
+    let ky_right_knee_z = by_right_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.2585724811294071),
+            T::from_f64(0.9659918591802843) * ky_right_ankle_pitch_z,
+        );
+    let by_right_knee_x = e7.mul_add(s_right_knee, ky_right_knee_y * c_right_knee);
+    let e10 = e7.mul_add(c_right_knee, -(ky_right_knee_y * s_right_knee));
+    let by_right_knee_y = -e10;
     // right_hip_pitch
-    let e8 = q[2] + T::from_f64(0.15721584383712192);
-    let (s_right_hip_pitch, c_right_hip_pitch) = e8.sin_cos();
+    let e11 = q[2] + T::from_f64(0.15721584383712192);
+    let (s_right_hip_pitch, c_right_hip_pitch) = e11.sin_cos();
     let kx_right_hip_pitch_y = bx_right_knee_x
         .mul_add(
             T::from_f64(0.9973888291864124),
@@ -5390,12 +5304,26 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
             T::from_f64(0.9973888291864124) * kx_right_knee_z,
         );
     let bx_right_hip_pitch_x = kx_right_hip_pitch_y
-        .mul_add(s_right_hip_pitch, -(e7 * c_right_hip_pitch));
-    let e9 = kx_right_hip_pitch_y.mul_add(c_right_hip_pitch, e7 * s_right_hip_pitch);
-    let bx_right_hip_pitch_y = -e9;
+        .mul_add(s_right_hip_pitch, -(e9 * c_right_hip_pitch));
+    let e12 = kx_right_hip_pitch_y.mul_add(c_right_hip_pitch, e9 * s_right_hip_pitch);
+    let bx_right_hip_pitch_y = -e12;
+    let ky_right_hip_pitch_y = by_right_knee_x
+        .mul_add(
+            T::from_f64(0.9973888291864124),
+            -(T::from_f64(0.0722185808096314) * ky_right_knee_z),
+        );
+    let ky_right_hip_pitch_z = by_right_knee_x
+        .mul_add(
+            T::from_f64(0.0722185808096314),
+            T::from_f64(0.9973888291864124) * ky_right_knee_z,
+        );
+    let by_right_hip_pitch_x = ky_right_hip_pitch_y
+        .mul_add(s_right_hip_pitch, -(e10 * c_right_hip_pitch));
+    let e13 = ky_right_hip_pitch_y.mul_add(c_right_hip_pitch, e10 * s_right_hip_pitch);
+    let by_right_hip_pitch_y = -e13;
     // right_hip_roll
-    let e10 = q[1] - T::from_f64(0.3432638106572563);
-    let (s_right_hip_roll, c_right_hip_roll) = e10.sin_cos();
+    let e14 = q[1] - T::from_f64(0.3432638106572563);
+    let (s_right_hip_roll, c_right_hip_roll) = e14.sin_cos();
     let kx_right_hip_roll_y = bx_right_hip_pitch_x
         .mul_add(
             T::from_f64(0.06044086238279244),
@@ -5406,13 +5334,27 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
             T::from_f64(0.9981717798828138),
             T::from_f64(0.06044086238279244) * kx_right_hip_pitch_z,
         );
-    let bx_right_hip_roll_x = e9
+    let bx_right_hip_roll_x = e12
         .mul_add(c_right_hip_roll, -(kx_right_hip_roll_y * s_right_hip_roll));
     let bx_right_hip_roll_y = kx_right_hip_roll_y
-        .mul_add(c_right_hip_roll, e9 * s_right_hip_roll);
+        .mul_add(c_right_hip_roll, e12 * s_right_hip_roll);
+    let ky_right_hip_roll_y = by_right_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.06044086238279244),
+            -(T::from_f64(0.9981717798828138) * ky_right_hip_pitch_z),
+        );
+    let ky_right_hip_roll_z = by_right_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.9981717798828138),
+            T::from_f64(0.06044086238279244) * ky_right_hip_pitch_z,
+        );
+    let by_right_hip_roll_x = e13
+        .mul_add(c_right_hip_roll, -(ky_right_hip_roll_y * s_right_hip_roll));
+    let by_right_hip_roll_y = ky_right_hip_roll_y
+        .mul_add(c_right_hip_roll, e13 * s_right_hip_roll);
     // right_hip_yaw
-    let e11 = q[0] + T::from_f64(0.10119271700368025);
-    let (s_right_hip_yaw, c_right_hip_yaw) = e11.sin_cos();
+    let e15 = q[0] + T::from_f64(0.10119271700368025);
+    let (s_right_hip_yaw, c_right_hip_yaw) = e15.sin_cos();
     let kx_right_hip_yaw_y = bx_right_hip_roll_x
         .mul_add(
             T::from_f64(0.08292767473984558),
@@ -5425,13 +5367,28 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         );
     let bx_right_hip_yaw_x = bx_right_hip_roll_y
         .mul_add(c_right_hip_yaw, kx_right_hip_yaw_y * s_right_hip_yaw);
-    let e12 = kx_right_hip_yaw_y
+    let e16 = kx_right_hip_yaw_y
         .mul_add(c_right_hip_yaw, -(bx_right_hip_roll_y * s_right_hip_yaw));
-    let bx_right_hip_yaw_y = -e12;
+    let bx_right_hip_yaw_y = -e16;
+    let ky_right_hip_yaw_y = by_right_hip_roll_x
+        .mul_add(
+            T::from_f64(0.08292767473984558),
+            -(T::from_f64(0.9965555683263441) * ky_right_hip_roll_z),
+        );
+    let ky_right_hip_yaw_z = by_right_hip_roll_x
+        .mul_add(
+            T::from_f64(0.9965555683263441),
+            T::from_f64(0.08292767473984558) * ky_right_hip_roll_z,
+        );
+    let by_right_hip_yaw_x = by_right_hip_roll_y
+        .mul_add(c_right_hip_yaw, ky_right_hip_yaw_y * s_right_hip_yaw);
+    let e17 = ky_right_hip_yaw_y
+        .mul_add(c_right_hip_yaw, -(by_right_hip_roll_y * s_right_hip_yaw));
+    let by_right_hip_yaw_y = -e17;
     // left_hip_yaw
-    let e13 = q[6] + T::from_f64(0.10119271700368015);
-    let (s_left_hip_yaw, c_left_hip_yaw) = e13.sin_cos();
-    let e14 = bx_right_hip_yaw_x
+    let e18 = q[6] + T::from_f64(0.10119271700368015);
+    let (s_left_hip_yaw, c_left_hip_yaw) = e18.sin_cos();
+    let e19 = bx_right_hip_yaw_x
         .mul_add(
             T::from_f64(0.538107754426925),
             T::from_f64(0.8428760553163273) * kx_right_hip_yaw_z,
@@ -5441,12 +5398,25 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
             T::from_f64(0.8428760553163273),
             -(T::from_f64(0.538107754426925) * kx_right_hip_yaw_z),
         );
-    let bx_left_hip_yaw_x = e12.mul_add(c_left_hip_yaw, -(e14 * s_left_hip_yaw));
-    let e15 = e14.mul_add(c_left_hip_yaw, e12 * s_left_hip_yaw);
-    let bx_left_hip_yaw_y = -e15;
+    let bx_left_hip_yaw_x = e16.mul_add(c_left_hip_yaw, -(e19 * s_left_hip_yaw));
+    let e20 = e19.mul_add(c_left_hip_yaw, e16 * s_left_hip_yaw);
+    let bx_left_hip_yaw_y = -e20;
+    let e21 = by_right_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.538107754426925),
+            T::from_f64(0.8428760553163273) * ky_right_hip_yaw_z,
+        );
+    let ky_left_hip_yaw_z = by_right_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.8428760553163273),
+            -(T::from_f64(0.538107754426925) * ky_right_hip_yaw_z),
+        );
+    let by_left_hip_yaw_x = e17.mul_add(c_left_hip_yaw, -(e21 * s_left_hip_yaw));
+    let e22 = e21.mul_add(c_left_hip_yaw, e17 * s_left_hip_yaw);
+    let by_left_hip_yaw_y = -e22;
     // left_hip_roll
-    let e16 = q[7] - T::from_f64(0.34326381065725625);
-    let (s_left_hip_roll, c_left_hip_roll) = e16.sin_cos();
+    let e23 = q[7] - T::from_f64(0.34326381065725625);
+    let (s_left_hip_roll, c_left_hip_roll) = e23.sin_cos();
     let kx_left_hip_roll_y = bx_left_hip_yaw_x
         .mul_add(
             T::from_f64(0.08292767473984561),
@@ -5457,14 +5427,28 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
             T::from_f64(0.9965555683263441),
             T::from_f64(0.08292767473984561) * kx_left_hip_yaw_z,
         );
-    let e17 = e15.mul_add(c_left_hip_roll, kx_left_hip_roll_y * s_left_hip_roll);
-    let bx_left_hip_roll_x = -e17;
-    let e18 = kx_left_hip_roll_y.mul_add(c_left_hip_roll, -(e15 * s_left_hip_roll));
-    let bx_left_hip_roll_y = -e18;
+    let e24 = e20.mul_add(c_left_hip_roll, kx_left_hip_roll_y * s_left_hip_roll);
+    let bx_left_hip_roll_x = -e24;
+    let e25 = kx_left_hip_roll_y.mul_add(c_left_hip_roll, -(e20 * s_left_hip_roll));
+    let bx_left_hip_roll_y = -e25;
+    let ky_left_hip_roll_y = by_left_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.08292767473984561),
+            -(T::from_f64(0.9965555683263441) * ky_left_hip_yaw_z),
+        );
+    let ky_left_hip_roll_z = by_left_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.9965555683263441),
+            T::from_f64(0.08292767473984561) * ky_left_hip_yaw_z,
+        );
+    let e26 = e22.mul_add(c_left_hip_roll, ky_left_hip_roll_y * s_left_hip_roll);
+    let by_left_hip_roll_x = -e26;
+    let e27 = ky_left_hip_roll_y.mul_add(c_left_hip_roll, -(e22 * s_left_hip_roll));
+    let by_left_hip_roll_y = -e27;
     // left_hip_pitch
-    let e19 = q[8] + T::from_f64(0.15721584383712184);
-    let (s_left_hip_pitch, c_left_hip_pitch) = e19.sin_cos();
-    let e20 = e17
+    let e28 = q[8] + T::from_f64(0.15721584383712184);
+    let (s_left_hip_pitch, c_left_hip_pitch) = e28.sin_cos();
+    let e29 = e24
         .mul_add(
             T::from_f64(0.06044086238279245),
             T::from_f64(0.9981717798828137) * kx_left_hip_roll_z,
@@ -5472,14 +5456,27 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
     let kx_left_hip_pitch_z = kx_left_hip_roll_z
         .mul_add(
             T::from_f64(0.06044086238279245),
-            -(T::from_f64(0.9981717798828137) * e17),
+            -(T::from_f64(0.9981717798828137) * e24),
         );
-    let bx_left_hip_pitch_x = e18.mul_add(c_left_hip_pitch, -(e20 * s_left_hip_pitch));
-    let e21 = e20.mul_add(c_left_hip_pitch, e18 * s_left_hip_pitch);
-    let bx_left_hip_pitch_y = -e21;
+    let bx_left_hip_pitch_x = e25.mul_add(c_left_hip_pitch, -(e29 * s_left_hip_pitch));
+    let e30 = e29.mul_add(c_left_hip_pitch, e25 * s_left_hip_pitch);
+    let bx_left_hip_pitch_y = -e30;
+    let e31 = e26
+        .mul_add(
+            T::from_f64(0.06044086238279245),
+            T::from_f64(0.9981717798828137) * ky_left_hip_roll_z,
+        );
+    let ky_left_hip_pitch_z = ky_left_hip_roll_z
+        .mul_add(
+            T::from_f64(0.06044086238279245),
+            -(T::from_f64(0.9981717798828137) * e26),
+        );
+    let by_left_hip_pitch_x = e27.mul_add(c_left_hip_pitch, -(e31 * s_left_hip_pitch));
+    let e32 = e31.mul_add(c_left_hip_pitch, e27 * s_left_hip_pitch);
+    let by_left_hip_pitch_y = -e32;
     // left_knee
-    let e22 = q[9] - T::from_f64(0.7020104799569635);
-    let (s_left_knee, c_left_knee) = e22.sin_cos();
+    let e33 = q[9] - T::from_f64(0.7020104799569635);
+    let (s_left_knee, c_left_knee) = e33.sin_cos();
     let kx_left_knee_y = bx_left_hip_pitch_x
         .mul_add(
             T::from_f64(0.9973888291864126),
@@ -5490,12 +5487,25 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
             T::from_f64(0.0722185808096314),
             T::from_f64(0.9973888291864126) * kx_left_hip_pitch_z,
         );
-    let bx_left_knee_x = kx_left_knee_y.mul_add(c_left_knee, -(e21 * s_left_knee));
-    let e23 = kx_left_knee_y.mul_add(s_left_knee, e21 * c_left_knee);
-    let bx_left_knee_y = -e23;
+    let bx_left_knee_x = kx_left_knee_y.mul_add(c_left_knee, -(e30 * s_left_knee));
+    let e34 = kx_left_knee_y.mul_add(s_left_knee, e30 * c_left_knee);
+    let bx_left_knee_y = -e34;
+    let ky_left_knee_y = by_left_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.9973888291864126),
+            -(T::from_f64(0.0722185808096314) * ky_left_hip_pitch_z),
+        );
+    let ky_left_knee_z = by_left_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.0722185808096314),
+            T::from_f64(0.9973888291864126) * ky_left_hip_pitch_z,
+        );
+    let by_left_knee_x = ky_left_knee_y.mul_add(c_left_knee, -(e32 * s_left_knee));
+    let e35 = ky_left_knee_y.mul_add(s_left_knee, e32 * c_left_knee);
+    let by_left_knee_y = -e35;
     // left_ankle_pitch
-    let e24 = q[10] + T::from_f64(0.1756566910930215);
-    let (s_left_ankle_pitch, c_left_ankle_pitch) = e24.sin_cos();
+    let e36 = q[10] + T::from_f64(0.1756566910930215);
+    let (s_left_ankle_pitch, c_left_ankle_pitch) = e36.sin_cos();
     let kx_left_ankle_pitch_y = bx_left_knee_x
         .mul_add(
             T::from_f64(0.9659918591802845),
@@ -5506,41 +5516,78 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
             T::from_f64(0.2585724811294071),
             T::from_f64(0.9659918591802845) * kx_left_knee_z,
         );
-    let bx_left_ankle_pitch_x = e23
+    let bx_left_ankle_pitch_x = e34
         .mul_add(c_left_ankle_pitch, kx_left_ankle_pitch_y * s_left_ankle_pitch);
-    let e25 = e23
+    let e37 = e34
         .mul_add(s_left_ankle_pitch, -(kx_left_ankle_pitch_y * c_left_ankle_pitch));
-    let bx_left_ankle_pitch_y = -e25;
+    let bx_left_ankle_pitch_y = -e37;
+    let ky_left_ankle_pitch_y = by_left_knee_x
+        .mul_add(
+            T::from_f64(0.9659918591802845),
+            -(T::from_f64(0.2585724811294071) * ky_left_knee_z),
+        );
+    let ky_left_ankle_pitch_z = by_left_knee_x
+        .mul_add(
+            T::from_f64(0.2585724811294071),
+            T::from_f64(0.9659918591802845) * ky_left_knee_z,
+        );
+    let by_left_ankle_pitch_x = e35
+        .mul_add(c_left_ankle_pitch, ky_left_ankle_pitch_y * s_left_ankle_pitch);
+    let e38 = e35
+        .mul_add(s_left_ankle_pitch, -(ky_left_ankle_pitch_y * c_left_ankle_pitch));
+    let by_left_ankle_pitch_y = -e38;
     // left_ankle_roll
     let (s_left_ankle_roll, c_left_ankle_roll) = q[11].sin_cos();
-    let e26 = bx_left_ankle_pitch_x
+    let e39 = bx_left_ankle_pitch_x
         .mul_add(
             T::from_f64(0.052408392112199914),
             T::from_f64(0.9986257359172225) * kx_left_ankle_pitch_z,
         );
-    let bx_left_ankle_roll_x = e26
-        .mul_add(s_left_ankle_roll, -(e25 * c_left_ankle_roll));
-    let bx_left_ankle_roll_y = e26.mul_add(c_left_ankle_roll, e25 * s_left_ankle_roll);
+    let bx_left_ankle_roll_x = e39
+        .mul_add(s_left_ankle_roll, -(e37 * c_left_ankle_roll));
+    let bx_left_ankle_roll_y = e39.mul_add(c_left_ankle_roll, e37 * s_left_ankle_roll);
+    let e40 = by_left_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.052408392112199914),
+            T::from_f64(0.9986257359172225) * ky_left_ankle_pitch_z,
+        );
+    let by_left_ankle_roll_x = e40
+        .mul_add(s_left_ankle_roll, -(e38 * c_left_ankle_roll));
+    let by_left_ankle_roll_y = e40.mul_add(c_left_ankle_roll, e38 * s_left_ankle_roll);
     // waist_yaw
-    let e27 = q[12] + T::from_f64(0.05803686797214569);
-    let (s_waist_yaw, c_waist_yaw) = e27.sin_cos();
-    let e28 = e12
+    let e41 = q[12] + T::from_f64(0.05803686797214569);
+    let (s_waist_yaw, c_waist_yaw) = e41.sin_cos();
+    let e42 = e16
         .mul_add(
             T::from_f64(0.11944678826051937),
             -(T::from_f64(0.19252104104496945) * bx_right_hip_yaw_x),
         ) + kx_right_hip_yaw_z;
-    let kx_waist_yaw_x = e28
+    let kx_waist_yaw_x = e42
         .mul_add(T::from_f64(0.3662421800811956), bx_right_hip_yaw_x);
-    let kx_waist_yaw_y = e28.mul_add(T::from_f64(0.22722945969324562), -e12);
-    let kx_waist_yaw_z = (-e28)
+    let kx_waist_yaw_y = e42.mul_add(T::from_f64(0.22722945969324562), -e16);
+    let kx_waist_yaw_z = (-e42)
         .mul_add(T::from_f64(1.9023488450576578), kx_right_hip_yaw_z);
     let bx_waist_yaw_x = kx_waist_yaw_y
         .mul_add(s_waist_yaw, -(kx_waist_yaw_x * c_waist_yaw));
     let bx_waist_yaw_y = kx_waist_yaw_y
         .mul_add(c_waist_yaw, kx_waist_yaw_x * s_waist_yaw);
+    let e43 = e17
+        .mul_add(
+            T::from_f64(0.11944678826051937),
+            -(T::from_f64(0.19252104104496945) * by_right_hip_yaw_x),
+        ) + ky_right_hip_yaw_z;
+    let ky_waist_yaw_x = e43
+        .mul_add(T::from_f64(0.3662421800811956), by_right_hip_yaw_x);
+    let ky_waist_yaw_y = e43.mul_add(T::from_f64(0.22722945969324562), -e17);
+    let ky_waist_yaw_z = (-e43)
+        .mul_add(T::from_f64(1.9023488450576578), ky_right_hip_yaw_z);
+    let by_waist_yaw_x = ky_waist_yaw_y
+        .mul_add(s_waist_yaw, -(ky_waist_yaw_x * c_waist_yaw));
+    let by_waist_yaw_y = ky_waist_yaw_y
+        .mul_add(c_waist_yaw, ky_waist_yaw_x * s_waist_yaw);
     // waist_pitch
-    let e29 = q[13] + T::from_f64(0.0003778747045624087);
-    let (s_waist_pitch, c_waist_pitch) = e29.sin_cos();
+    let e44 = q[13] + T::from_f64(0.0003778747045624087);
+    let (s_waist_pitch, c_waist_pitch) = e44.sin_cos();
     let kx_waist_pitch_y = bx_waist_yaw_x
         .mul_add(
             T::from_f64(0.19642259114963537),
@@ -5551,14 +5598,28 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
             T::from_f64(0.980519334682424),
             T::from_f64(0.19642259114963537) * kx_waist_yaw_z,
         );
-    let e30 = bx_waist_yaw_y.mul_add(s_waist_pitch, kx_waist_pitch_y * c_waist_pitch);
-    let bx_waist_pitch_x = -e30;
-    let e31 = bx_waist_yaw_y.mul_add(c_waist_pitch, -(kx_waist_pitch_y * s_waist_pitch));
-    let bx_waist_pitch_y = -e31;
+    let e45 = bx_waist_yaw_y.mul_add(s_waist_pitch, kx_waist_pitch_y * c_waist_pitch);
+    let bx_waist_pitch_x = -e45;
+    let e46 = bx_waist_yaw_y.mul_add(c_waist_pitch, -(kx_waist_pitch_y * s_waist_pitch));
+    let bx_waist_pitch_y = -e46;
+    let ky_waist_pitch_y = by_waist_yaw_x
+        .mul_add(
+            T::from_f64(0.19642259114963537),
+            -(T::from_f64(0.980519334682424) * ky_waist_yaw_z),
+        );
+    let ky_waist_pitch_z = by_waist_yaw_x
+        .mul_add(
+            T::from_f64(0.980519334682424),
+            T::from_f64(0.19642259114963537) * ky_waist_yaw_z,
+        );
+    let e47 = by_waist_yaw_y.mul_add(s_waist_pitch, ky_waist_pitch_y * c_waist_pitch);
+    let by_waist_pitch_x = -e47;
+    let e48 = by_waist_yaw_y.mul_add(c_waist_pitch, -(ky_waist_pitch_y * s_waist_pitch));
+    let by_waist_pitch_y = -e48;
     // neck_yaw
-    let e32 = q[14] - T::from_f64(0.14527074161092735);
-    let (s_neck_yaw, c_neck_yaw) = e32.sin_cos();
-    let e33 = e30
+    let e49 = q[14] - T::from_f64(0.14527074161092735);
+    let (s_neck_yaw, c_neck_yaw) = e49.sin_cos();
+    let e50 = e45
         .mul_add(
             T::from_f64(0.11686854868553807),
             T::from_f64(0.9931473920461839) * kx_waist_pitch_z,
@@ -5566,42 +5627,78 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
     let kx_neck_yaw_z = kx_waist_pitch_z
         .mul_add(
             T::from_f64(0.11686854868553807),
-            -(T::from_f64(0.9931473920461839) * e30),
+            -(T::from_f64(0.9931473920461839) * e45),
         );
-    let bx_neck_yaw_x = e31.mul_add(s_neck_yaw, e33 * c_neck_yaw);
-    let e34 = e33.mul_add(s_neck_yaw, -(e31 * c_neck_yaw));
-    let bx_neck_yaw_y = -e34;
+    let bx_neck_yaw_x = e46.mul_add(s_neck_yaw, e50 * c_neck_yaw);
+    let e51 = e50.mul_add(s_neck_yaw, -(e46 * c_neck_yaw));
+    let bx_neck_yaw_y = -e51;
+    let e52 = e47
+        .mul_add(
+            T::from_f64(0.11686854868553807),
+            T::from_f64(0.9931473920461839) * ky_waist_pitch_z,
+        );
+    let ky_neck_yaw_z = ky_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.11686854868553807),
+            -(T::from_f64(0.9931473920461839) * e47),
+        );
+    let by_neck_yaw_x = e48.mul_add(s_neck_yaw, e52 * c_neck_yaw);
+    let e53 = e52.mul_add(s_neck_yaw, -(e48 * c_neck_yaw));
+    let by_neck_yaw_y = -e53;
     // neck_pitch
     let (s_neck_pitch, c_neck_pitch) = q[15].sin_cos();
-    let e35 = bx_neck_yaw_x
+    let e54 = bx_neck_yaw_x
         .mul_add(
             T::from_f64(0.040883888851400166),
             T::from_f64(0.9991639042881736) * kx_neck_yaw_z,
         );
-    let bx_neck_pitch_x = e35.mul_add(s_neck_pitch, -(e34 * c_neck_pitch));
-    let bx_neck_pitch_y = e35.mul_add(c_neck_pitch, e34 * s_neck_pitch);
+    let bx_neck_pitch_x = e54.mul_add(s_neck_pitch, -(e51 * c_neck_pitch));
+    let bx_neck_pitch_y = e54.mul_add(c_neck_pitch, e51 * s_neck_pitch);
+    let e55 = by_neck_yaw_x
+        .mul_add(
+            T::from_f64(0.040883888851400166),
+            T::from_f64(0.9991639042881736) * ky_neck_yaw_z,
+        );
+    let by_neck_pitch_x = e55.mul_add(s_neck_pitch, -(e53 * c_neck_pitch));
+    let by_neck_pitch_y = e55.mul_add(c_neck_pitch, e53 * s_neck_pitch);
     // right_shoulder_pitch
-    let e36 = q[16] + T::from_f64(0.41156836050531465);
-    let (s_right_shoulder_pitch, c_right_shoulder_pitch) = e36.sin_cos();
-    let e37 = kx_waist_pitch_z
+    let e56 = q[16] + T::from_f64(0.41156836050531465);
+    let (s_right_shoulder_pitch, c_right_shoulder_pitch) = e56.sin_cos();
+    let e57 = kx_waist_pitch_z
         .mul_add(
             T::from_f64(0.10644334192309902),
-            e31.mul_add(T::from_f64(0.07159388452594458), -e30),
+            e46.mul_add(T::from_f64(0.07159388452594458), -e45),
         );
-    let e38 = e37.mul_add(T::from_f64(1.9676210845200064), e30);
-    let kx_right_shoulder_pitch_y = e37.mul_add(T::from_f64(0.14086963671593916), -e31);
-    let kx_right_shoulder_pitch_z = (-e37)
+    let e58 = e57.mul_add(T::from_f64(1.9676210845200064), e45);
+    let kx_right_shoulder_pitch_y = e57.mul_add(T::from_f64(0.14086963671593916), -e46);
+    let kx_right_shoulder_pitch_z = (-e57)
         .mul_add(T::from_f64(0.20944016387466197), kx_waist_pitch_z);
-    let bx_right_shoulder_pitch_x = e38
+    let bx_right_shoulder_pitch_x = e58
         .mul_add(
             s_right_shoulder_pitch,
             -(kx_right_shoulder_pitch_y * c_right_shoulder_pitch),
         );
     let bx_right_shoulder_pitch_y = kx_right_shoulder_pitch_y
-        .mul_add(s_right_shoulder_pitch, e38 * c_right_shoulder_pitch);
+        .mul_add(s_right_shoulder_pitch, e58 * c_right_shoulder_pitch);
+    let e59 = ky_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.10644334192309902),
+            e48.mul_add(T::from_f64(0.07159388452594458), -e47),
+        );
+    let e60 = e59.mul_add(T::from_f64(1.9676210845200064), e47);
+    let ky_right_shoulder_pitch_y = e59.mul_add(T::from_f64(0.14086963671593916), -e48);
+    let ky_right_shoulder_pitch_z = (-e59)
+        .mul_add(T::from_f64(0.20944016387466197), ky_waist_pitch_z);
+    let by_right_shoulder_pitch_x = e60
+        .mul_add(
+            s_right_shoulder_pitch,
+            -(ky_right_shoulder_pitch_y * c_right_shoulder_pitch),
+        );
+    let by_right_shoulder_pitch_y = ky_right_shoulder_pitch_y
+        .mul_add(s_right_shoulder_pitch, e60 * c_right_shoulder_pitch);
     // right_shoulder_roll
-    let e39 = q[17] - T::from_f64(0.29227270605474676);
-    let (s_right_shoulder_roll, c_right_shoulder_roll) = e39.sin_cos();
+    let e61 = q[17] - T::from_f64(0.29227270605474676);
+    let (s_right_shoulder_roll, c_right_shoulder_roll) = e61.sin_cos();
     let kx_right_shoulder_roll_y = bx_right_shoulder_pitch_x
         .mul_add(
             T::from_f64(0.2834710957352705),
@@ -5622,445 +5719,6 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
             c_right_shoulder_roll,
             bx_right_shoulder_pitch_y * s_right_shoulder_roll,
         );
-    // right_shoulder_yaw
-    let e40 = q[18] - T::from_f64(0.12871645458236847);
-    let (s_right_shoulder_yaw, c_right_shoulder_yaw) = e40.sin_cos();
-    let e41 = bx_right_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.3848026949004402),
-            T::from_f64(0.9229988548190939) * kx_right_shoulder_roll_z,
-        );
-    let kx_right_shoulder_yaw_z = bx_right_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.9229988548190939),
-            -(T::from_f64(0.3848026949004402) * kx_right_shoulder_roll_z),
-        );
-    let e42 = bx_right_shoulder_roll_y
-        .mul_add(c_right_shoulder_yaw, e41 * s_right_shoulder_yaw);
-    let bx_right_shoulder_yaw_x = -e42;
-    let e43 = e41
-        .mul_add(
-            c_right_shoulder_yaw,
-            -(bx_right_shoulder_roll_y * s_right_shoulder_yaw),
-        );
-    let bx_right_shoulder_yaw_y = -e43;
-    // right_elbow
-    let e44 = q[19] - T::from_f64(0.07968980871027065);
-    let (s_right_elbow, c_right_elbow) = e44.sin_cos();
-    let e45 = e42
-        .mul_add(
-            T::from_f64(0.12242921843048289),
-            T::from_f64(0.9924772473334093) * kx_right_shoulder_yaw_z,
-        );
-    let kx_right_elbow_z = kx_right_shoulder_yaw_z
-        .mul_add(
-            T::from_f64(0.12242921843048289),
-            -(T::from_f64(0.9924772473334093) * e42),
-        );
-    let bx_right_elbow_x = e43.mul_add(s_right_elbow, e45 * c_right_elbow);
-    let e46 = e45.mul_add(s_right_elbow, -(e43 * c_right_elbow));
-    let bx_right_elbow_y = -e46;
-    // right_wrist_yaw
-    let e47 = q[20] + T::from_f64(0.07984195204795129);
-    let (s_right_wrist_yaw, c_right_wrist_yaw) = e47.sin_cos();
-    let e48 = bx_right_elbow_x
-        .mul_add(
-            T::from_f64(0.15904161977640188),
-            T::from_f64(0.9872718790580934) * kx_right_elbow_z,
-        );
-    let kx_right_wrist_yaw_z = bx_right_elbow_x
-        .mul_add(
-            T::from_f64(0.9872718790580934),
-            -(T::from_f64(0.15904161977640188) * kx_right_elbow_z),
-        );
-    let bx_right_wrist_yaw_x = e48
-        .mul_add(s_right_wrist_yaw, -(e46 * c_right_wrist_yaw));
-    let bx_right_wrist_yaw_y = e48.mul_add(c_right_wrist_yaw, e46 * s_right_wrist_yaw);
-    // right_wrist_roll
-    let e49 = q[21] - T::from_f64(0.05544050383462643);
-    let (s_right_wrist_roll, c_right_wrist_roll) = e49.sin_cos();
-    let kx_right_wrist_roll_y = bx_right_wrist_yaw_x
-        .mul_add(
-            T::from_f64(0.06712447922871664),
-            -(T::from_f64(0.9977446087492899) * kx_right_wrist_yaw_z),
-        );
-    let kx_right_wrist_roll_z = bx_right_wrist_yaw_x
-        .mul_add(
-            T::from_f64(0.9977446087492899),
-            T::from_f64(0.06712447922871664) * kx_right_wrist_yaw_z,
-        );
-    let bx_right_wrist_roll_x = bx_right_wrist_yaw_y
-        .mul_add(c_right_wrist_roll, -(kx_right_wrist_roll_y * s_right_wrist_roll));
-    let e50 = kx_right_wrist_roll_y
-        .mul_add(c_right_wrist_roll, bx_right_wrist_yaw_y * s_right_wrist_roll);
-    let bx_right_wrist_roll_y = -e50;
-    // right_wrist_pitch
-    let (s_right_wrist_pitch, c_right_wrist_pitch) = q[22].sin_cos();
-    let e51 = bx_right_wrist_roll_x
-        .mul_add(
-            T::from_f64(0.042799828876225604),
-            T::from_f64(0.99908366749145) * kx_right_wrist_roll_z,
-        );
-    let bx_right_wrist_pitch_x = e51
-        .mul_add(s_right_wrist_pitch, -(e50 * c_right_wrist_pitch));
-    let bx_right_wrist_pitch_y = e51
-        .mul_add(c_right_wrist_pitch, e50 * s_right_wrist_pitch);
-    // left_shoulder_pitch
-    let e52 = q[23] + T::from_f64(0.014907991996345737);
-    let (s_left_shoulder_pitch, c_left_shoulder_pitch) = e52.sin_cos();
-    let e53 = (-kx_waist_pitch_z)
-        .mul_add(
-            T::from_f64(0.09248191489966293),
-            e30.mul_add(T::from_f64(0.11783871458722316), -e31),
-        );
-    let kx_left_shoulder_pitch_x = e53.mul_add(T::from_f64(0.2305051546121806), -e30);
-    let e54 = e53.mul_add(T::from_f64(1.956107170887058), e31);
-    let kx_left_shoulder_pitch_z = e53
-        .mul_add(T::from_f64(0.1809045369125973), kx_waist_pitch_z);
-    let bx_left_shoulder_pitch_x = e54
-        .mul_add(
-            c_left_shoulder_pitch,
-            -(kx_left_shoulder_pitch_x * s_left_shoulder_pitch),
-        );
-    let e55 = e54
-        .mul_add(
-            s_left_shoulder_pitch,
-            kx_left_shoulder_pitch_x * c_left_shoulder_pitch,
-        );
-    let bx_left_shoulder_pitch_y = -e55;
-    // left_shoulder_roll
-    let e56 = q[24] - T::from_f64(0.29227270605474676);
-    let (s_left_shoulder_roll, c_left_shoulder_roll) = e56.sin_cos();
-    let kx_left_shoulder_roll_y = bx_left_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.2834710957352705),
-            -(T::from_f64(0.9589807807681263) * kx_left_shoulder_pitch_z),
-        );
-    let kx_left_shoulder_roll_z = bx_left_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.9589807807681263),
-            T::from_f64(0.2834710957352705) * kx_left_shoulder_pitch_z,
-        );
-    let bx_left_shoulder_roll_x = e55
-        .mul_add(c_left_shoulder_roll, kx_left_shoulder_roll_y * s_left_shoulder_roll);
-    let e57 = e55
-        .mul_add(
-            s_left_shoulder_roll,
-            -(kx_left_shoulder_roll_y * c_left_shoulder_roll),
-        );
-    let bx_left_shoulder_roll_y = -e57;
-    // left_shoulder_yaw
-    let e58 = q[25] - T::from_f64(0.12871645458236847);
-    let (s_left_shoulder_yaw, c_left_shoulder_yaw) = e58.sin_cos();
-    let e59 = bx_left_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.3848026949004402),
-            T::from_f64(0.9229988548190939) * kx_left_shoulder_roll_z,
-        );
-    let kx_left_shoulder_yaw_z = bx_left_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.9229988548190939),
-            -(T::from_f64(0.3848026949004402) * kx_left_shoulder_roll_z),
-        );
-    let bx_left_shoulder_yaw_x = e57
-        .mul_add(c_left_shoulder_yaw, -(e59 * s_left_shoulder_yaw));
-    let e60 = e59.mul_add(c_left_shoulder_yaw, e57 * s_left_shoulder_yaw);
-    let bx_left_shoulder_yaw_y = -e60;
-    // left_elbow
-    let e61 = q[26] - T::from_f64(0.07968980871027065);
-    let (s_left_elbow, c_left_elbow) = e61.sin_cos();
-    let kx_left_elbow_y = bx_left_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.12242921843048289),
-            -(T::from_f64(0.9924772473334093) * kx_left_shoulder_yaw_z),
-        );
-    let kx_left_elbow_z = bx_left_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.9924772473334093),
-            T::from_f64(0.12242921843048289) * kx_left_shoulder_yaw_z,
-        );
-    let bx_left_elbow_x = e60.mul_add(s_left_elbow, -(kx_left_elbow_y * c_left_elbow));
-    let bx_left_elbow_y = kx_left_elbow_y.mul_add(s_left_elbow, e60 * c_left_elbow);
-    // left_wrist_yaw
-    let e62 = q[27] + T::from_f64(0.07984195204795129);
-    let (s_left_wrist_yaw, c_left_wrist_yaw) = e62.sin_cos();
-    let e63 = bx_left_elbow_x
-        .mul_add(
-            T::from_f64(0.15904161977640188),
-            T::from_f64(0.9872718790580934) * kx_left_elbow_z,
-        );
-    let kx_left_wrist_yaw_z = bx_left_elbow_x
-        .mul_add(
-            T::from_f64(0.9872718790580934),
-            -(T::from_f64(0.15904161977640188) * kx_left_elbow_z),
-        );
-    let bx_left_wrist_yaw_x = bx_left_elbow_y
-        .mul_add(c_left_wrist_yaw, e63 * s_left_wrist_yaw);
-    let e64 = bx_left_elbow_y.mul_add(s_left_wrist_yaw, -(e63 * c_left_wrist_yaw));
-    let bx_left_wrist_yaw_y = -e64;
-    // left_wrist_roll
-    let e65 = q[28] - T::from_f64(0.05544050383462643);
-    let (s_left_wrist_roll, c_left_wrist_roll) = e65.sin_cos();
-    let kx_left_wrist_roll_y = bx_left_wrist_yaw_x
-        .mul_add(
-            T::from_f64(0.06712447922871664),
-            -(T::from_f64(0.9977446087492899) * kx_left_wrist_yaw_z),
-        );
-    let kx_left_wrist_roll_z = bx_left_wrist_yaw_x
-        .mul_add(
-            T::from_f64(0.9977446087492899),
-            T::from_f64(0.06712447922871664) * kx_left_wrist_yaw_z,
-        );
-    let e66 = e64.mul_add(c_left_wrist_roll, kx_left_wrist_roll_y * s_left_wrist_roll);
-    let bx_left_wrist_roll_x = -e66;
-    let e67 = kx_left_wrist_roll_y
-        .mul_add(c_left_wrist_roll, -(e64 * s_left_wrist_roll));
-    let bx_left_wrist_roll_y = -e67;
-    // left_wrist_pitch
-    let (s_left_wrist_pitch, c_left_wrist_pitch) = q[29].sin_cos();
-    let kx_left_wrist_pitch_y = e66
-        .mul_add(
-            T::from_f64(0.042799828876225604),
-            -(T::from_f64(0.99908366749145) * kx_left_wrist_roll_z),
-        );
-    let bx_left_wrist_pitch_x = -e67
-        .mul_add(c_left_wrist_pitch, kx_left_wrist_pitch_y * s_left_wrist_pitch);
-    let bx_left_wrist_pitch_y = -kx_left_wrist_pitch_y
-        .mul_add(c_left_wrist_pitch, -(e67 * s_left_wrist_pitch));
-    // right_ankle_roll
-    let by_right_ankle_roll_x = s_right_ankle_roll
-        .mul_add(
-            T::from_f64(0.11117478017138471),
-            T::from_f64(0.9851881430723574) * c_right_ankle_roll,
-        );
-    let e68 = c_right_ankle_roll
-        .mul_add(
-            T::from_f64(0.11117478017138471),
-            -(T::from_f64(0.9851881430723574) * s_right_ankle_roll),
-        );
-    let by_right_ankle_roll_y = -e68;
-    // right_ankle_pitch
-    let ky_right_ankle_pitch_y = (-by_right_ankle_roll_x)
-        .mul_add(T::from_f64(0.0524083921121999), T::from_f64(0.1303751353983952));
-    let ky_right_ankle_pitch_z = by_right_ankle_roll_x
-        .mul_add(T::from_f64(0.9986257359172223), T::from_f64(0.00684215414432963));
-    let by_right_ankle_pitch_x = ky_right_ankle_pitch_y
-        .mul_add(s_right_ankle_pitch, -(e68 * c_right_ankle_pitch));
-    let e69 = ky_right_ankle_pitch_y
-        .mul_add(c_right_ankle_pitch, e68 * s_right_ankle_pitch);
-    let by_right_ankle_pitch_y = -e69;
-    // right_knee
-    let ky_right_knee_y = by_right_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.9659918591802843),
-            -(T::from_f64(0.2585724811294071) * ky_right_ankle_pitch_z),
-        );
-    let ky_right_knee_z = by_right_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.2585724811294071),
-            T::from_f64(0.9659918591802843) * ky_right_ankle_pitch_z,
-        );
-    let by_right_knee_x = e69.mul_add(s_right_knee, ky_right_knee_y * c_right_knee);
-    let e70 = e69.mul_add(c_right_knee, -(ky_right_knee_y * s_right_knee));
-    let by_right_knee_y = -e70;
-    // right_hip_pitch
-    let ky_right_hip_pitch_y = by_right_knee_x
-        .mul_add(
-            T::from_f64(0.9973888291864124),
-            -(T::from_f64(0.0722185808096314) * ky_right_knee_z),
-        );
-    let ky_right_hip_pitch_z = by_right_knee_x
-        .mul_add(
-            T::from_f64(0.0722185808096314),
-            T::from_f64(0.9973888291864124) * ky_right_knee_z,
-        );
-    let by_right_hip_pitch_x = ky_right_hip_pitch_y
-        .mul_add(s_right_hip_pitch, -(e70 * c_right_hip_pitch));
-    let e71 = ky_right_hip_pitch_y.mul_add(c_right_hip_pitch, e70 * s_right_hip_pitch);
-    let by_right_hip_pitch_y = -e71;
-    // right_hip_roll
-    let ky_right_hip_roll_y = by_right_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.06044086238279244),
-            -(T::from_f64(0.9981717798828138) * ky_right_hip_pitch_z),
-        );
-    let ky_right_hip_roll_z = by_right_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.9981717798828138),
-            T::from_f64(0.06044086238279244) * ky_right_hip_pitch_z,
-        );
-    let by_right_hip_roll_x = e71
-        .mul_add(c_right_hip_roll, -(ky_right_hip_roll_y * s_right_hip_roll));
-    let by_right_hip_roll_y = ky_right_hip_roll_y
-        .mul_add(c_right_hip_roll, e71 * s_right_hip_roll);
-    // right_hip_yaw
-    let ky_right_hip_yaw_y = by_right_hip_roll_x
-        .mul_add(
-            T::from_f64(0.08292767473984558),
-            -(T::from_f64(0.9965555683263441) * ky_right_hip_roll_z),
-        );
-    let ky_right_hip_yaw_z = by_right_hip_roll_x
-        .mul_add(
-            T::from_f64(0.9965555683263441),
-            T::from_f64(0.08292767473984558) * ky_right_hip_roll_z,
-        );
-    let by_right_hip_yaw_x = by_right_hip_roll_y
-        .mul_add(c_right_hip_yaw, ky_right_hip_yaw_y * s_right_hip_yaw);
-    let e72 = ky_right_hip_yaw_y
-        .mul_add(c_right_hip_yaw, -(by_right_hip_roll_y * s_right_hip_yaw));
-    let by_right_hip_yaw_y = -e72;
-    // left_hip_yaw
-    let e73 = by_right_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.538107754426925),
-            T::from_f64(0.8428760553163273) * ky_right_hip_yaw_z,
-        );
-    let ky_left_hip_yaw_z = by_right_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.8428760553163273),
-            -(T::from_f64(0.538107754426925) * ky_right_hip_yaw_z),
-        );
-    let by_left_hip_yaw_x = e72.mul_add(c_left_hip_yaw, -(e73 * s_left_hip_yaw));
-    let e74 = e73.mul_add(c_left_hip_yaw, e72 * s_left_hip_yaw);
-    let by_left_hip_yaw_y = -e74;
-    // left_hip_roll
-    let ky_left_hip_roll_y = by_left_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.08292767473984561),
-            -(T::from_f64(0.9965555683263441) * ky_left_hip_yaw_z),
-        );
-    let ky_left_hip_roll_z = by_left_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.9965555683263441),
-            T::from_f64(0.08292767473984561) * ky_left_hip_yaw_z,
-        );
-    let e75 = e74.mul_add(c_left_hip_roll, ky_left_hip_roll_y * s_left_hip_roll);
-    let by_left_hip_roll_x = -e75;
-    let e76 = ky_left_hip_roll_y.mul_add(c_left_hip_roll, -(e74 * s_left_hip_roll));
-    let by_left_hip_roll_y = -e76;
-    // left_hip_pitch
-    let e77 = e75
-        .mul_add(
-            T::from_f64(0.06044086238279245),
-            T::from_f64(0.9981717798828137) * ky_left_hip_roll_z,
-        );
-    let ky_left_hip_pitch_z = ky_left_hip_roll_z
-        .mul_add(
-            T::from_f64(0.06044086238279245),
-            -(T::from_f64(0.9981717798828137) * e75),
-        );
-    let by_left_hip_pitch_x = e76.mul_add(c_left_hip_pitch, -(e77 * s_left_hip_pitch));
-    let e78 = e77.mul_add(c_left_hip_pitch, e76 * s_left_hip_pitch);
-    let by_left_hip_pitch_y = -e78;
-    // left_knee
-    let ky_left_knee_y = by_left_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.9973888291864126),
-            -(T::from_f64(0.0722185808096314) * ky_left_hip_pitch_z),
-        );
-    let ky_left_knee_z = by_left_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.0722185808096314),
-            T::from_f64(0.9973888291864126) * ky_left_hip_pitch_z,
-        );
-    let by_left_knee_x = ky_left_knee_y.mul_add(c_left_knee, -(e78 * s_left_knee));
-    let e79 = ky_left_knee_y.mul_add(s_left_knee, e78 * c_left_knee);
-    let by_left_knee_y = -e79;
-    // left_ankle_pitch
-    let ky_left_ankle_pitch_y = by_left_knee_x
-        .mul_add(
-            T::from_f64(0.9659918591802845),
-            -(T::from_f64(0.2585724811294071) * ky_left_knee_z),
-        );
-    let ky_left_ankle_pitch_z = by_left_knee_x
-        .mul_add(
-            T::from_f64(0.2585724811294071),
-            T::from_f64(0.9659918591802845) * ky_left_knee_z,
-        );
-    let by_left_ankle_pitch_x = e79
-        .mul_add(c_left_ankle_pitch, ky_left_ankle_pitch_y * s_left_ankle_pitch);
-    let e80 = e79
-        .mul_add(s_left_ankle_pitch, -(ky_left_ankle_pitch_y * c_left_ankle_pitch));
-    let by_left_ankle_pitch_y = -e80;
-    // left_ankle_roll
-    let e81 = by_left_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.052408392112199914),
-            T::from_f64(0.9986257359172225) * ky_left_ankle_pitch_z,
-        );
-    let by_left_ankle_roll_x = e81
-        .mul_add(s_left_ankle_roll, -(e80 * c_left_ankle_roll));
-    let by_left_ankle_roll_y = e81.mul_add(c_left_ankle_roll, e80 * s_left_ankle_roll);
-    // waist_yaw
-    let e82 = e72
-        .mul_add(
-            T::from_f64(0.11944678826051937),
-            -(T::from_f64(0.19252104104496945) * by_right_hip_yaw_x),
-        ) + ky_right_hip_yaw_z;
-    let ky_waist_yaw_x = e82
-        .mul_add(T::from_f64(0.3662421800811956), by_right_hip_yaw_x);
-    let ky_waist_yaw_y = e82.mul_add(T::from_f64(0.22722945969324562), -e72);
-    let ky_waist_yaw_z = (-e82)
-        .mul_add(T::from_f64(1.9023488450576578), ky_right_hip_yaw_z);
-    let by_waist_yaw_x = ky_waist_yaw_y
-        .mul_add(s_waist_yaw, -(ky_waist_yaw_x * c_waist_yaw));
-    let by_waist_yaw_y = ky_waist_yaw_y
-        .mul_add(c_waist_yaw, ky_waist_yaw_x * s_waist_yaw);
-    // waist_pitch
-    let ky_waist_pitch_y = by_waist_yaw_x
-        .mul_add(
-            T::from_f64(0.19642259114963537),
-            -(T::from_f64(0.980519334682424) * ky_waist_yaw_z),
-        );
-    let ky_waist_pitch_z = by_waist_yaw_x
-        .mul_add(
-            T::from_f64(0.980519334682424),
-            T::from_f64(0.19642259114963537) * ky_waist_yaw_z,
-        );
-    let e83 = by_waist_yaw_y.mul_add(s_waist_pitch, ky_waist_pitch_y * c_waist_pitch);
-    let by_waist_pitch_x = -e83;
-    let e84 = by_waist_yaw_y.mul_add(c_waist_pitch, -(ky_waist_pitch_y * s_waist_pitch));
-    let by_waist_pitch_y = -e84;
-    // neck_yaw
-    let e85 = e83
-        .mul_add(
-            T::from_f64(0.11686854868553807),
-            T::from_f64(0.9931473920461839) * ky_waist_pitch_z,
-        );
-    let ky_neck_yaw_z = ky_waist_pitch_z
-        .mul_add(
-            T::from_f64(0.11686854868553807),
-            -(T::from_f64(0.9931473920461839) * e83),
-        );
-    let by_neck_yaw_x = e84.mul_add(s_neck_yaw, e85 * c_neck_yaw);
-    let e86 = e85.mul_add(s_neck_yaw, -(e84 * c_neck_yaw));
-    let by_neck_yaw_y = -e86;
-    // neck_pitch
-    let e87 = by_neck_yaw_x
-        .mul_add(
-            T::from_f64(0.040883888851400166),
-            T::from_f64(0.9991639042881736) * ky_neck_yaw_z,
-        );
-    let by_neck_pitch_x = e87.mul_add(s_neck_pitch, -(e86 * c_neck_pitch));
-    let by_neck_pitch_y = e87.mul_add(c_neck_pitch, e86 * s_neck_pitch);
-    // right_shoulder_pitch
-    let e88 = ky_waist_pitch_z
-        .mul_add(
-            T::from_f64(0.10644334192309902),
-            e84.mul_add(T::from_f64(0.07159388452594458), -e83),
-        );
-    let e89 = e88.mul_add(T::from_f64(1.9676210845200064), e83);
-    let ky_right_shoulder_pitch_y = e88.mul_add(T::from_f64(0.14086963671593916), -e84);
-    let ky_right_shoulder_pitch_z = (-e88)
-        .mul_add(T::from_f64(0.20944016387466197), ky_waist_pitch_z);
-    let by_right_shoulder_pitch_x = e89
-        .mul_add(
-            s_right_shoulder_pitch,
-            -(ky_right_shoulder_pitch_y * c_right_shoulder_pitch),
-        );
-    let by_right_shoulder_pitch_y = ky_right_shoulder_pitch_y
-        .mul_add(s_right_shoulder_pitch, e89 * c_right_shoulder_pitch);
-    // right_shoulder_roll
     let ky_right_shoulder_roll_y = by_right_shoulder_pitch_x
         .mul_add(
             T::from_f64(0.2834710957352705),
@@ -6082,7 +5740,28 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
             by_right_shoulder_pitch_y * s_right_shoulder_roll,
         );
     // right_shoulder_yaw
-    let e90 = by_right_shoulder_roll_x
+    let e62 = q[18] - T::from_f64(0.12871645458236847);
+    let (s_right_shoulder_yaw, c_right_shoulder_yaw) = e62.sin_cos();
+    let e63 = bx_right_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.3848026949004402),
+            T::from_f64(0.9229988548190939) * kx_right_shoulder_roll_z,
+        );
+    let kx_right_shoulder_yaw_z = bx_right_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.9229988548190939),
+            -(T::from_f64(0.3848026949004402) * kx_right_shoulder_roll_z),
+        );
+    let e64 = bx_right_shoulder_roll_y
+        .mul_add(c_right_shoulder_yaw, e63 * s_right_shoulder_yaw);
+    let bx_right_shoulder_yaw_x = -e64;
+    let e65 = e63
+        .mul_add(
+            c_right_shoulder_yaw,
+            -(bx_right_shoulder_roll_y * s_right_shoulder_yaw),
+        );
+    let bx_right_shoulder_yaw_y = -e65;
+    let e66 = by_right_shoulder_roll_x
         .mul_add(
             T::from_f64(0.3848026949004402),
             T::from_f64(0.9229988548190939) * ky_right_shoulder_roll_z,
@@ -6092,17 +5771,32 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
             T::from_f64(0.9229988548190939),
             -(T::from_f64(0.3848026949004402) * ky_right_shoulder_roll_z),
         );
-    let e91 = by_right_shoulder_roll_y
-        .mul_add(c_right_shoulder_yaw, e90 * s_right_shoulder_yaw);
-    let by_right_shoulder_yaw_x = -e91;
-    let e92 = e90
+    let e67 = by_right_shoulder_roll_y
+        .mul_add(c_right_shoulder_yaw, e66 * s_right_shoulder_yaw);
+    let by_right_shoulder_yaw_x = -e67;
+    let e68 = e66
         .mul_add(
             c_right_shoulder_yaw,
             -(by_right_shoulder_roll_y * s_right_shoulder_yaw),
         );
-    let by_right_shoulder_yaw_y = -e92;
+    let by_right_shoulder_yaw_y = -e68;
     // right_elbow
-    let e93 = e91
+    let e69 = q[19] - T::from_f64(0.07968980871027065);
+    let (s_right_elbow, c_right_elbow) = e69.sin_cos();
+    let e70 = e64
+        .mul_add(
+            T::from_f64(0.12242921843048289),
+            T::from_f64(0.9924772473334093) * kx_right_shoulder_yaw_z,
+        );
+    let kx_right_elbow_z = kx_right_shoulder_yaw_z
+        .mul_add(
+            T::from_f64(0.12242921843048289),
+            -(T::from_f64(0.9924772473334093) * e64),
+        );
+    let bx_right_elbow_x = e65.mul_add(s_right_elbow, e70 * c_right_elbow);
+    let e71 = e70.mul_add(s_right_elbow, -(e65 * c_right_elbow));
+    let bx_right_elbow_y = -e71;
+    let e72 = e67
         .mul_add(
             T::from_f64(0.12242921843048289),
             T::from_f64(0.9924772473334093) * ky_right_shoulder_yaw_z,
@@ -6110,13 +5804,28 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
     let ky_right_elbow_z = ky_right_shoulder_yaw_z
         .mul_add(
             T::from_f64(0.12242921843048289),
-            -(T::from_f64(0.9924772473334093) * e91),
+            -(T::from_f64(0.9924772473334093) * e67),
         );
-    let by_right_elbow_x = e92.mul_add(s_right_elbow, e93 * c_right_elbow);
-    let e94 = e93.mul_add(s_right_elbow, -(e92 * c_right_elbow));
-    let by_right_elbow_y = -e94;
+    let by_right_elbow_x = e68.mul_add(s_right_elbow, e72 * c_right_elbow);
+    let e73 = e72.mul_add(s_right_elbow, -(e68 * c_right_elbow));
+    let by_right_elbow_y = -e73;
     // right_wrist_yaw
-    let e95 = by_right_elbow_x
+    let e74 = q[20] + T::from_f64(0.07984195204795129);
+    let (s_right_wrist_yaw, c_right_wrist_yaw) = e74.sin_cos();
+    let e75 = bx_right_elbow_x
+        .mul_add(
+            T::from_f64(0.15904161977640188),
+            T::from_f64(0.9872718790580934) * kx_right_elbow_z,
+        );
+    let kx_right_wrist_yaw_z = bx_right_elbow_x
+        .mul_add(
+            T::from_f64(0.9872718790580934),
+            -(T::from_f64(0.15904161977640188) * kx_right_elbow_z),
+        );
+    let bx_right_wrist_yaw_x = e75
+        .mul_add(s_right_wrist_yaw, -(e71 * c_right_wrist_yaw));
+    let bx_right_wrist_yaw_y = e75.mul_add(c_right_wrist_yaw, e71 * s_right_wrist_yaw);
+    let e76 = by_right_elbow_x
         .mul_add(
             T::from_f64(0.15904161977640188),
             T::from_f64(0.9872718790580934) * ky_right_elbow_z,
@@ -6126,10 +5835,27 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
             T::from_f64(0.9872718790580934),
             -(T::from_f64(0.15904161977640188) * ky_right_elbow_z),
         );
-    let by_right_wrist_yaw_x = e95
-        .mul_add(s_right_wrist_yaw, -(e94 * c_right_wrist_yaw));
-    let by_right_wrist_yaw_y = e95.mul_add(c_right_wrist_yaw, e94 * s_right_wrist_yaw);
+    let by_right_wrist_yaw_x = e76
+        .mul_add(s_right_wrist_yaw, -(e73 * c_right_wrist_yaw));
+    let by_right_wrist_yaw_y = e76.mul_add(c_right_wrist_yaw, e73 * s_right_wrist_yaw);
     // right_wrist_roll
+    let e77 = q[21] - T::from_f64(0.05544050383462643);
+    let (s_right_wrist_roll, c_right_wrist_roll) = e77.sin_cos();
+    let kx_right_wrist_roll_y = bx_right_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.06712447922871664),
+            -(T::from_f64(0.9977446087492899) * kx_right_wrist_yaw_z),
+        );
+    let kx_right_wrist_roll_z = bx_right_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.9977446087492899),
+            T::from_f64(0.06712447922871664) * kx_right_wrist_yaw_z,
+        );
+    let bx_right_wrist_roll_x = bx_right_wrist_yaw_y
+        .mul_add(c_right_wrist_roll, -(kx_right_wrist_roll_y * s_right_wrist_roll));
+    let e78 = kx_right_wrist_roll_y
+        .mul_add(c_right_wrist_roll, bx_right_wrist_yaw_y * s_right_wrist_roll);
+    let bx_right_wrist_roll_y = -e78;
     let ky_right_wrist_roll_y = by_right_wrist_yaw_x
         .mul_add(
             T::from_f64(0.06712447922871664),
@@ -6142,41 +5868,93 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         );
     let by_right_wrist_roll_x = by_right_wrist_yaw_y
         .mul_add(c_right_wrist_roll, -(ky_right_wrist_roll_y * s_right_wrist_roll));
-    let e96 = ky_right_wrist_roll_y
+    let e79 = ky_right_wrist_roll_y
         .mul_add(c_right_wrist_roll, by_right_wrist_yaw_y * s_right_wrist_roll);
-    let by_right_wrist_roll_y = -e96;
+    let by_right_wrist_roll_y = -e79;
     // right_wrist_pitch
-    let e97 = by_right_wrist_roll_x
+    let (s_right_wrist_pitch, c_right_wrist_pitch) = q[22].sin_cos();
+    let e80 = bx_right_wrist_roll_x
+        .mul_add(
+            T::from_f64(0.042799828876225604),
+            T::from_f64(0.99908366749145) * kx_right_wrist_roll_z,
+        );
+    let bx_right_wrist_pitch_x = e80
+        .mul_add(s_right_wrist_pitch, -(e78 * c_right_wrist_pitch));
+    let bx_right_wrist_pitch_y = e80
+        .mul_add(c_right_wrist_pitch, e78 * s_right_wrist_pitch);
+    let e81 = by_right_wrist_roll_x
         .mul_add(
             T::from_f64(0.042799828876225604),
             T::from_f64(0.99908366749145) * ky_right_wrist_roll_z,
         );
-    let by_right_wrist_pitch_x = e97
-        .mul_add(s_right_wrist_pitch, -(e96 * c_right_wrist_pitch));
-    let by_right_wrist_pitch_y = e97
-        .mul_add(c_right_wrist_pitch, e96 * s_right_wrist_pitch);
+    let by_right_wrist_pitch_x = e81
+        .mul_add(s_right_wrist_pitch, -(e79 * c_right_wrist_pitch));
+    let by_right_wrist_pitch_y = e81
+        .mul_add(c_right_wrist_pitch, e79 * s_right_wrist_pitch);
     // left_shoulder_pitch
-    let e98 = (-ky_waist_pitch_z)
+    let e82 = q[23] + T::from_f64(0.014907991996345737);
+    let (s_left_shoulder_pitch, c_left_shoulder_pitch) = e82.sin_cos();
+    let e83 = (-kx_waist_pitch_z)
         .mul_add(
             T::from_f64(0.09248191489966293),
-            e83.mul_add(T::from_f64(0.11783871458722316), -e84),
+            e45.mul_add(T::from_f64(0.11783871458722316), -e46),
         );
-    let ky_left_shoulder_pitch_x = e98.mul_add(T::from_f64(0.2305051546121806), -e83);
-    let e99 = e98.mul_add(T::from_f64(1.956107170887058), e84);
-    let ky_left_shoulder_pitch_z = e98
+    let kx_left_shoulder_pitch_x = e83.mul_add(T::from_f64(0.2305051546121806), -e45);
+    let e84 = e83.mul_add(T::from_f64(1.956107170887058), e46);
+    let kx_left_shoulder_pitch_z = e83
+        .mul_add(T::from_f64(0.1809045369125973), kx_waist_pitch_z);
+    let bx_left_shoulder_pitch_x = e84
+        .mul_add(
+            c_left_shoulder_pitch,
+            -(kx_left_shoulder_pitch_x * s_left_shoulder_pitch),
+        );
+    let e85 = e84
+        .mul_add(
+            s_left_shoulder_pitch,
+            kx_left_shoulder_pitch_x * c_left_shoulder_pitch,
+        );
+    let bx_left_shoulder_pitch_y = -e85;
+    let e86 = (-ky_waist_pitch_z)
+        .mul_add(
+            T::from_f64(0.09248191489966293),
+            e47.mul_add(T::from_f64(0.11783871458722316), -e48),
+        );
+    let ky_left_shoulder_pitch_x = e86.mul_add(T::from_f64(0.2305051546121806), -e47);
+    let e87 = e86.mul_add(T::from_f64(1.956107170887058), e48);
+    let ky_left_shoulder_pitch_z = e86
         .mul_add(T::from_f64(0.1809045369125973), ky_waist_pitch_z);
-    let by_left_shoulder_pitch_x = e99
+    let by_left_shoulder_pitch_x = e87
         .mul_add(
             c_left_shoulder_pitch,
             -(ky_left_shoulder_pitch_x * s_left_shoulder_pitch),
         );
-    let e100 = e99
+    let e88 = e87
         .mul_add(
             s_left_shoulder_pitch,
             ky_left_shoulder_pitch_x * c_left_shoulder_pitch,
         );
-    let by_left_shoulder_pitch_y = -e100;
+    let by_left_shoulder_pitch_y = -e88;
     // left_shoulder_roll
+    let e89 = q[24] - T::from_f64(0.29227270605474676);
+    let (s_left_shoulder_roll, c_left_shoulder_roll) = e89.sin_cos();
+    let kx_left_shoulder_roll_y = bx_left_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.2834710957352705),
+            -(T::from_f64(0.9589807807681263) * kx_left_shoulder_pitch_z),
+        );
+    let kx_left_shoulder_roll_z = bx_left_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.9589807807681263),
+            T::from_f64(0.2834710957352705) * kx_left_shoulder_pitch_z,
+        );
+    let bx_left_shoulder_roll_x = e85
+        .mul_add(c_left_shoulder_roll, kx_left_shoulder_roll_y * s_left_shoulder_roll);
+    let e90 = e85
+        .mul_add(
+            s_left_shoulder_roll,
+            -(kx_left_shoulder_roll_y * c_left_shoulder_roll),
+        );
+    let bx_left_shoulder_roll_y = -e90;
     let ky_left_shoulder_roll_y = by_left_shoulder_pitch_x
         .mul_add(
             T::from_f64(0.2834710957352705),
@@ -6187,16 +5965,32 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
             T::from_f64(0.9589807807681263),
             T::from_f64(0.2834710957352705) * ky_left_shoulder_pitch_z,
         );
-    let by_left_shoulder_roll_x = e100
+    let by_left_shoulder_roll_x = e88
         .mul_add(c_left_shoulder_roll, ky_left_shoulder_roll_y * s_left_shoulder_roll);
-    let e101 = e100
+    let e91 = e88
         .mul_add(
             s_left_shoulder_roll,
             -(ky_left_shoulder_roll_y * c_left_shoulder_roll),
         );
-    let by_left_shoulder_roll_y = -e101;
+    let by_left_shoulder_roll_y = -e91;
     // left_shoulder_yaw
-    let e102 = by_left_shoulder_roll_x
+    let e92 = q[25] - T::from_f64(0.12871645458236847);
+    let (s_left_shoulder_yaw, c_left_shoulder_yaw) = e92.sin_cos();
+    let e93 = bx_left_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.3848026949004402),
+            T::from_f64(0.9229988548190939) * kx_left_shoulder_roll_z,
+        );
+    let kx_left_shoulder_yaw_z = bx_left_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.9229988548190939),
+            -(T::from_f64(0.3848026949004402) * kx_left_shoulder_roll_z),
+        );
+    let bx_left_shoulder_yaw_x = e90
+        .mul_add(c_left_shoulder_yaw, -(e93 * s_left_shoulder_yaw));
+    let e94 = e93.mul_add(c_left_shoulder_yaw, e90 * s_left_shoulder_yaw);
+    let bx_left_shoulder_yaw_y = -e94;
+    let e95 = by_left_shoulder_roll_x
         .mul_add(
             T::from_f64(0.3848026949004402),
             T::from_f64(0.9229988548190939) * ky_left_shoulder_roll_z,
@@ -6206,11 +6000,25 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
             T::from_f64(0.9229988548190939),
             -(T::from_f64(0.3848026949004402) * ky_left_shoulder_roll_z),
         );
-    let by_left_shoulder_yaw_x = e101
-        .mul_add(c_left_shoulder_yaw, -(e102 * s_left_shoulder_yaw));
-    let e103 = e102.mul_add(c_left_shoulder_yaw, e101 * s_left_shoulder_yaw);
-    let by_left_shoulder_yaw_y = -e103;
+    let by_left_shoulder_yaw_x = e91
+        .mul_add(c_left_shoulder_yaw, -(e95 * s_left_shoulder_yaw));
+    let e96 = e95.mul_add(c_left_shoulder_yaw, e91 * s_left_shoulder_yaw);
+    let by_left_shoulder_yaw_y = -e96;
     // left_elbow
+    let e97 = q[26] - T::from_f64(0.07968980871027065);
+    let (s_left_elbow, c_left_elbow) = e97.sin_cos();
+    let kx_left_elbow_y = bx_left_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.12242921843048289),
+            -(T::from_f64(0.9924772473334093) * kx_left_shoulder_yaw_z),
+        );
+    let kx_left_elbow_z = bx_left_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.9924772473334093),
+            T::from_f64(0.12242921843048289) * kx_left_shoulder_yaw_z,
+        );
+    let bx_left_elbow_x = e94.mul_add(s_left_elbow, -(kx_left_elbow_y * c_left_elbow));
+    let bx_left_elbow_y = kx_left_elbow_y.mul_add(s_left_elbow, e94 * c_left_elbow);
     let ky_left_elbow_y = by_left_shoulder_yaw_x
         .mul_add(
             T::from_f64(0.12242921843048289),
@@ -6221,10 +6029,26 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
             T::from_f64(0.9924772473334093),
             T::from_f64(0.12242921843048289) * ky_left_shoulder_yaw_z,
         );
-    let by_left_elbow_x = e103.mul_add(s_left_elbow, -(ky_left_elbow_y * c_left_elbow));
-    let by_left_elbow_y = ky_left_elbow_y.mul_add(s_left_elbow, e103 * c_left_elbow);
+    let by_left_elbow_x = e96.mul_add(s_left_elbow, -(ky_left_elbow_y * c_left_elbow));
+    let by_left_elbow_y = ky_left_elbow_y.mul_add(s_left_elbow, e96 * c_left_elbow);
     // left_wrist_yaw
-    let e104 = by_left_elbow_x
+    let e98 = q[27] + T::from_f64(0.07984195204795129);
+    let (s_left_wrist_yaw, c_left_wrist_yaw) = e98.sin_cos();
+    let e99 = bx_left_elbow_x
+        .mul_add(
+            T::from_f64(0.15904161977640188),
+            T::from_f64(0.9872718790580934) * kx_left_elbow_z,
+        );
+    let kx_left_wrist_yaw_z = bx_left_elbow_x
+        .mul_add(
+            T::from_f64(0.9872718790580934),
+            -(T::from_f64(0.15904161977640188) * kx_left_elbow_z),
+        );
+    let bx_left_wrist_yaw_x = bx_left_elbow_y
+        .mul_add(c_left_wrist_yaw, e99 * s_left_wrist_yaw);
+    let e100 = bx_left_elbow_y.mul_add(s_left_wrist_yaw, -(e99 * c_left_wrist_yaw));
+    let bx_left_wrist_yaw_y = -e100;
+    let e101 = by_left_elbow_x
         .mul_add(
             T::from_f64(0.15904161977640188),
             T::from_f64(0.9872718790580934) * ky_left_elbow_z,
@@ -6235,10 +6059,27 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
             -(T::from_f64(0.15904161977640188) * ky_left_elbow_z),
         );
     let by_left_wrist_yaw_x = by_left_elbow_y
-        .mul_add(c_left_wrist_yaw, e104 * s_left_wrist_yaw);
-    let e105 = by_left_elbow_y.mul_add(s_left_wrist_yaw, -(e104 * c_left_wrist_yaw));
-    let by_left_wrist_yaw_y = -e105;
+        .mul_add(c_left_wrist_yaw, e101 * s_left_wrist_yaw);
+    let e102 = by_left_elbow_y.mul_add(s_left_wrist_yaw, -(e101 * c_left_wrist_yaw));
+    let by_left_wrist_yaw_y = -e102;
     // left_wrist_roll
+    let e103 = q[28] - T::from_f64(0.05544050383462643);
+    let (s_left_wrist_roll, c_left_wrist_roll) = e103.sin_cos();
+    let kx_left_wrist_roll_y = bx_left_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.06712447922871664),
+            -(T::from_f64(0.9977446087492899) * kx_left_wrist_yaw_z),
+        );
+    let kx_left_wrist_roll_z = bx_left_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.9977446087492899),
+            T::from_f64(0.06712447922871664) * kx_left_wrist_yaw_z,
+        );
+    let e104 = e100.mul_add(c_left_wrist_roll, kx_left_wrist_roll_y * s_left_wrist_roll);
+    let bx_left_wrist_roll_x = -e104;
+    let e105 = kx_left_wrist_roll_y
+        .mul_add(c_left_wrist_roll, -(e100 * s_left_wrist_roll));
+    let bx_left_wrist_roll_y = -e105;
     let ky_left_wrist_roll_y = by_left_wrist_yaw_x
         .mul_add(
             T::from_f64(0.06712447922871664),
@@ -6249,12 +6090,22 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
             T::from_f64(0.9977446087492899),
             T::from_f64(0.06712447922871664) * ky_left_wrist_yaw_z,
         );
-    let e106 = e105.mul_add(c_left_wrist_roll, ky_left_wrist_roll_y * s_left_wrist_roll);
+    let e106 = e102.mul_add(c_left_wrist_roll, ky_left_wrist_roll_y * s_left_wrist_roll);
     let by_left_wrist_roll_x = -e106;
     let e107 = ky_left_wrist_roll_y
-        .mul_add(c_left_wrist_roll, -(e105 * s_left_wrist_roll));
+        .mul_add(c_left_wrist_roll, -(e102 * s_left_wrist_roll));
     let by_left_wrist_roll_y = -e107;
     // left_wrist_pitch
+    let (s_left_wrist_pitch, c_left_wrist_pitch) = q[29].sin_cos();
+    let kx_left_wrist_pitch_y = e104
+        .mul_add(
+            T::from_f64(0.042799828876225604),
+            -(T::from_f64(0.99908366749145) * kx_left_wrist_roll_z),
+        );
+    let bx_left_wrist_pitch_x = -e105
+        .mul_add(c_left_wrist_pitch, kx_left_wrist_pitch_y * s_left_wrist_pitch);
+    let bx_left_wrist_pitch_y = -kx_left_wrist_pitch_y
+        .mul_add(c_left_wrist_pitch, -(e105 * s_left_wrist_pitch));
     let ky_left_wrist_pitch_y = e106
         .mul_add(
             T::from_f64(0.042799828876225604),
@@ -6417,20 +6268,56 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.1111747801713847),
             -(T::from_f64(0.16554475198250462) * c_right_ankle_roll),
         );
+    let by_right_ankle_roll_x = s_right_ankle_roll
+        .mul_add(
+            T::from_f64(0.11117478017138471),
+            T::from_f64(0.9851881430723574) * c_right_ankle_roll,
+        );
+    let e4 = c_right_ankle_roll
+        .mul_add(
+            T::from_f64(0.11117478017138471),
+            -(T::from_f64(0.9851881430723574) * s_right_ankle_roll),
+        );
+    let bz_right_ankle_roll_x = s_right_ankle_roll
+        .mul_add(
+            T::from_f64(0.9799158654419752),
+            -(T::from_f64(0.13055455182981807) * c_right_ankle_roll),
+        );
+    let e5 = s_right_ankle_roll
+        .mul_add(
+            T::from_f64(0.13055455182981807),
+            T::from_f64(0.9799158654419752) * c_right_ankle_roll,
+        );
     // right_ankle_pitch
-    let e4 = q[4] + T::from_f64(0.17565669109302123);
-    let (s_right_ankle_pitch, c_right_ankle_pitch) = e4.sin_cos();
+    let e6 = q[4] + T::from_f64(0.17565669109302123);
+    let (s_right_ankle_pitch, c_right_ankle_pitch) = e6.sin_cos();
     let kx_right_ankle_pitch_y = e2
         .mul_add(T::from_f64(0.0524083921121999), T::from_f64(0.9785692022639542));
     let kx_right_ankle_pitch_z = (-e2)
         .mul_add(T::from_f64(0.9986257359172223), T::from_f64(0.05135581491304875));
     let bx_right_ankle_pitch_x = kx_right_ankle_pitch_y
         .mul_add(s_right_ankle_pitch, -(e3 * c_right_ankle_pitch));
-    let e5 = kx_right_ankle_pitch_y
+    let e7 = kx_right_ankle_pitch_y
         .mul_add(c_right_ankle_pitch, e3 * s_right_ankle_pitch);
+    let ky_right_ankle_pitch_y = (-by_right_ankle_roll_x)
+        .mul_add(T::from_f64(0.0524083921121999), T::from_f64(0.1303751353983952));
+    let ky_right_ankle_pitch_z = by_right_ankle_roll_x
+        .mul_add(T::from_f64(0.9986257359172223), T::from_f64(0.00684215414432963));
+    let by_right_ankle_pitch_x = ky_right_ankle_pitch_y
+        .mul_add(s_right_ankle_pitch, -(e4 * c_right_ankle_pitch));
+    let e8 = ky_right_ankle_pitch_y
+        .mul_add(c_right_ankle_pitch, e4 * s_right_ankle_pitch);
+    let kz_right_ankle_pitch_y = (-bz_right_ankle_roll_x)
+        .mul_add(T::from_f64(0.0524083921121999), T::from_f64(0.15052574825109485));
+    let kz_right_ankle_pitch_z = bz_right_ankle_roll_x
+        .mul_add(T::from_f64(0.9986257359172223), T::from_f64(0.007899668668242278));
+    let bz_right_ankle_pitch_x = kz_right_ankle_pitch_y
+        .mul_add(s_right_ankle_pitch, -(e5 * c_right_ankle_pitch));
+    let e9 = kz_right_ankle_pitch_y
+        .mul_add(c_right_ankle_pitch, e5 * s_right_ankle_pitch);
     // right_knee
-    let e6 = q[3] - T::from_f64(0.7020104799569636);
-    let (s_right_knee, c_right_knee) = e6.sin_cos();
+    let e10 = q[3] - T::from_f64(0.7020104799569636);
+    let (s_right_knee, c_right_knee) = e10.sin_cos();
     let kx_right_knee_y = bx_right_ankle_pitch_x
         .mul_add(
             T::from_f64(0.9659918591802843),
@@ -6441,11 +6328,35 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.2585724811294071),
             T::from_f64(0.9659918591802843) * kx_right_ankle_pitch_z,
         );
-    let bx_right_knee_x = e5.mul_add(s_right_knee, kx_right_knee_y * c_right_knee);
-    let e7 = e5.mul_add(c_right_knee, -(kx_right_knee_y * s_right_knee));
+    let bx_right_knee_x = e7.mul_add(s_right_knee, kx_right_knee_y * c_right_knee);
+    let e11 = e7.mul_add(c_right_knee, -(kx_right_knee_y * s_right_knee));
+    let ky_right_knee_y = by_right_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.9659918591802843),
+            -(T::from_f64(0.2585724811294071) * ky_right_ankle_pitch_z),
+        );
+    let ky_right_knee_z = by_right_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.2585724811294071),
+            T::from_f64(0.9659918591802843) * ky_right_ankle_pitch_z,
+        );
+    let by_right_knee_x = e8.mul_add(s_right_knee, ky_right_knee_y * c_right_knee);
+    let e12 = e8.mul_add(c_right_knee, -(ky_right_knee_y * s_right_knee));
+    let kz_right_knee_y = bz_right_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.9659918591802843),
+            -(T::from_f64(0.2585724811294071) * kz_right_ankle_pitch_z),
+        );
+    let kz_right_knee_z = bz_right_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.2585724811294071),
+            T::from_f64(0.9659918591802843) * kz_right_ankle_pitch_z,
+        );
+    let bz_right_knee_x = e9.mul_add(s_right_knee, kz_right_knee_y * c_right_knee);
+    let e13 = e9.mul_add(c_right_knee, -(kz_right_knee_y * s_right_knee));
     // right_hip_pitch
-    let e8 = q[2] + T::from_f64(0.15721584383712192);
-    let (s_right_hip_pitch, c_right_hip_pitch) = e8.sin_cos();
+    let e14 = q[2] + T::from_f64(0.15721584383712192);
+    let (s_right_hip_pitch, c_right_hip_pitch) = e14.sin_cos();
     let kx_right_hip_pitch_y = bx_right_knee_x
         .mul_add(
             T::from_f64(0.9973888291864124),
@@ -6457,11 +6368,37 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.9973888291864124) * kx_right_knee_z,
         );
     let bx_right_hip_pitch_x = kx_right_hip_pitch_y
-        .mul_add(s_right_hip_pitch, -(e7 * c_right_hip_pitch));
-    let e9 = kx_right_hip_pitch_y.mul_add(c_right_hip_pitch, e7 * s_right_hip_pitch);
+        .mul_add(s_right_hip_pitch, -(e11 * c_right_hip_pitch));
+    let e15 = kx_right_hip_pitch_y.mul_add(c_right_hip_pitch, e11 * s_right_hip_pitch);
+    let ky_right_hip_pitch_y = by_right_knee_x
+        .mul_add(
+            T::from_f64(0.9973888291864124),
+            -(T::from_f64(0.0722185808096314) * ky_right_knee_z),
+        );
+    let ky_right_hip_pitch_z = by_right_knee_x
+        .mul_add(
+            T::from_f64(0.0722185808096314),
+            T::from_f64(0.9973888291864124) * ky_right_knee_z,
+        );
+    let by_right_hip_pitch_x = ky_right_hip_pitch_y
+        .mul_add(s_right_hip_pitch, -(e12 * c_right_hip_pitch));
+    let e16 = ky_right_hip_pitch_y.mul_add(c_right_hip_pitch, e12 * s_right_hip_pitch);
+    let kz_right_hip_pitch_y = bz_right_knee_x
+        .mul_add(
+            T::from_f64(0.9973888291864124),
+            -(T::from_f64(0.0722185808096314) * kz_right_knee_z),
+        );
+    let kz_right_hip_pitch_z = bz_right_knee_x
+        .mul_add(
+            T::from_f64(0.0722185808096314),
+            T::from_f64(0.9973888291864124) * kz_right_knee_z,
+        );
+    let bz_right_hip_pitch_x = kz_right_hip_pitch_y
+        .mul_add(s_right_hip_pitch, -(e13 * c_right_hip_pitch));
+    let e17 = kz_right_hip_pitch_y.mul_add(c_right_hip_pitch, e13 * s_right_hip_pitch);
     // right_hip_roll
-    let e10 = q[1] - T::from_f64(0.3432638106572563);
-    let (s_right_hip_roll, c_right_hip_roll) = e10.sin_cos();
+    let e18 = q[1] - T::from_f64(0.3432638106572563);
+    let (s_right_hip_roll, c_right_hip_roll) = e18.sin_cos();
     let kx_right_hip_roll_y = bx_right_hip_pitch_x
         .mul_add(
             T::from_f64(0.06044086238279244),
@@ -6472,13 +6409,41 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.9981717798828138),
             T::from_f64(0.06044086238279244) * kx_right_hip_pitch_z,
         );
-    let bx_right_hip_roll_x = e9
+    let bx_right_hip_roll_x = e15
         .mul_add(c_right_hip_roll, -(kx_right_hip_roll_y * s_right_hip_roll));
     let bx_right_hip_roll_y = kx_right_hip_roll_y
-        .mul_add(c_right_hip_roll, e9 * s_right_hip_roll);
+        .mul_add(c_right_hip_roll, e15 * s_right_hip_roll);
+    let ky_right_hip_roll_y = by_right_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.06044086238279244),
+            -(T::from_f64(0.9981717798828138) * ky_right_hip_pitch_z),
+        );
+    let ky_right_hip_roll_z = by_right_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.9981717798828138),
+            T::from_f64(0.06044086238279244) * ky_right_hip_pitch_z,
+        );
+    let by_right_hip_roll_x = e16
+        .mul_add(c_right_hip_roll, -(ky_right_hip_roll_y * s_right_hip_roll));
+    let by_right_hip_roll_y = ky_right_hip_roll_y
+        .mul_add(c_right_hip_roll, e16 * s_right_hip_roll);
+    let kz_right_hip_roll_y = bz_right_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.06044086238279244),
+            -(T::from_f64(0.9981717798828138) * kz_right_hip_pitch_z),
+        );
+    let kz_right_hip_roll_z = bz_right_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.9981717798828138),
+            T::from_f64(0.06044086238279244) * kz_right_hip_pitch_z,
+        );
+    let bz_right_hip_roll_x = e17
+        .mul_add(c_right_hip_roll, -(kz_right_hip_roll_y * s_right_hip_roll));
+    let bz_right_hip_roll_y = kz_right_hip_roll_y
+        .mul_add(c_right_hip_roll, e17 * s_right_hip_roll);
     // right_hip_yaw
-    let e11 = q[0] + T::from_f64(0.10119271700368025);
-    let (s_right_hip_yaw, c_right_hip_yaw) = e11.sin_cos();
+    let e19 = q[0] + T::from_f64(0.10119271700368025);
+    let (s_right_hip_yaw, c_right_hip_yaw) = e19.sin_cos();
     let kx_right_hip_yaw_y = bx_right_hip_roll_x
         .mul_add(
             T::from_f64(0.08292767473984558),
@@ -6491,12 +6456,40 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
         );
     let bx_right_hip_yaw_x = bx_right_hip_roll_y
         .mul_add(c_right_hip_yaw, kx_right_hip_yaw_y * s_right_hip_yaw);
-    let e12 = kx_right_hip_yaw_y
+    let e20 = kx_right_hip_yaw_y
         .mul_add(c_right_hip_yaw, -(bx_right_hip_roll_y * s_right_hip_yaw));
+    let ky_right_hip_yaw_y = by_right_hip_roll_x
+        .mul_add(
+            T::from_f64(0.08292767473984558),
+            -(T::from_f64(0.9965555683263441) * ky_right_hip_roll_z),
+        );
+    let ky_right_hip_yaw_z = by_right_hip_roll_x
+        .mul_add(
+            T::from_f64(0.9965555683263441),
+            T::from_f64(0.08292767473984558) * ky_right_hip_roll_z,
+        );
+    let by_right_hip_yaw_x = by_right_hip_roll_y
+        .mul_add(c_right_hip_yaw, ky_right_hip_yaw_y * s_right_hip_yaw);
+    let e21 = ky_right_hip_yaw_y
+        .mul_add(c_right_hip_yaw, -(by_right_hip_roll_y * s_right_hip_yaw));
+    let kz_right_hip_yaw_y = bz_right_hip_roll_x
+        .mul_add(
+            T::from_f64(0.08292767473984558),
+            -(T::from_f64(0.9965555683263441) * kz_right_hip_roll_z),
+        );
+    let kz_right_hip_yaw_z = bz_right_hip_roll_x
+        .mul_add(
+            T::from_f64(0.9965555683263441),
+            T::from_f64(0.08292767473984558) * kz_right_hip_roll_z,
+        );
+    let bz_right_hip_yaw_x = bz_right_hip_roll_y
+        .mul_add(c_right_hip_yaw, kz_right_hip_yaw_y * s_right_hip_yaw);
+    let e22 = kz_right_hip_yaw_y
+        .mul_add(c_right_hip_yaw, -(bz_right_hip_roll_y * s_right_hip_yaw));
     // left_hip_yaw
-    let e13 = q[6] + T::from_f64(0.10119271700368015);
-    let (s_left_hip_yaw, c_left_hip_yaw) = e13.sin_cos();
-    let e14 = bx_right_hip_yaw_x
+    let e23 = q[6] + T::from_f64(0.10119271700368015);
+    let (s_left_hip_yaw, c_left_hip_yaw) = e23.sin_cos();
+    let e24 = bx_right_hip_yaw_x
         .mul_add(
             T::from_f64(0.538107754426925),
             T::from_f64(0.8428760553163273) * kx_right_hip_yaw_z,
@@ -6506,11 +6499,35 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.8428760553163273),
             -(T::from_f64(0.538107754426925) * kx_right_hip_yaw_z),
         );
-    let bx_left_hip_yaw_x = e12.mul_add(c_left_hip_yaw, -(e14 * s_left_hip_yaw));
-    let e15 = e14.mul_add(c_left_hip_yaw, e12 * s_left_hip_yaw);
+    let bx_left_hip_yaw_x = e20.mul_add(c_left_hip_yaw, -(e24 * s_left_hip_yaw));
+    let e25 = e24.mul_add(c_left_hip_yaw, e20 * s_left_hip_yaw);
+    let e26 = by_right_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.538107754426925),
+            T::from_f64(0.8428760553163273) * ky_right_hip_yaw_z,
+        );
+    let ky_left_hip_yaw_z = by_right_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.8428760553163273),
+            -(T::from_f64(0.538107754426925) * ky_right_hip_yaw_z),
+        );
+    let by_left_hip_yaw_x = e21.mul_add(c_left_hip_yaw, -(e26 * s_left_hip_yaw));
+    let e27 = e26.mul_add(c_left_hip_yaw, e21 * s_left_hip_yaw);
+    let e28 = bz_right_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.538107754426925),
+            T::from_f64(0.8428760553163273) * kz_right_hip_yaw_z,
+        );
+    let kz_left_hip_yaw_z = bz_right_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.8428760553163273),
+            -(T::from_f64(0.538107754426925) * kz_right_hip_yaw_z),
+        );
+    let bz_left_hip_yaw_x = e22.mul_add(c_left_hip_yaw, -(e28 * s_left_hip_yaw));
+    let e29 = e28.mul_add(c_left_hip_yaw, e22 * s_left_hip_yaw);
     // left_hip_roll
-    let e16 = q[7] - T::from_f64(0.34326381065725625);
-    let (s_left_hip_roll, c_left_hip_roll) = e16.sin_cos();
+    let e30 = q[7] - T::from_f64(0.34326381065725625);
+    let (s_left_hip_roll, c_left_hip_roll) = e30.sin_cos();
     let kx_left_hip_roll_y = bx_left_hip_yaw_x
         .mul_add(
             T::from_f64(0.08292767473984561),
@@ -6521,12 +6538,36 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.9965555683263441),
             T::from_f64(0.08292767473984561) * kx_left_hip_yaw_z,
         );
-    let e17 = e15.mul_add(c_left_hip_roll, kx_left_hip_roll_y * s_left_hip_roll);
-    let e18 = kx_left_hip_roll_y.mul_add(c_left_hip_roll, -(e15 * s_left_hip_roll));
+    let e31 = e25.mul_add(c_left_hip_roll, kx_left_hip_roll_y * s_left_hip_roll);
+    let e32 = kx_left_hip_roll_y.mul_add(c_left_hip_roll, -(e25 * s_left_hip_roll));
+    let ky_left_hip_roll_y = by_left_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.08292767473984561),
+            -(T::from_f64(0.9965555683263441) * ky_left_hip_yaw_z),
+        );
+    let ky_left_hip_roll_z = by_left_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.9965555683263441),
+            T::from_f64(0.08292767473984561) * ky_left_hip_yaw_z,
+        );
+    let e33 = e27.mul_add(c_left_hip_roll, ky_left_hip_roll_y * s_left_hip_roll);
+    let e34 = ky_left_hip_roll_y.mul_add(c_left_hip_roll, -(e27 * s_left_hip_roll));
+    let kz_left_hip_roll_y = bz_left_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.08292767473984561),
+            -(T::from_f64(0.9965555683263441) * kz_left_hip_yaw_z),
+        );
+    let kz_left_hip_roll_z = bz_left_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.9965555683263441),
+            T::from_f64(0.08292767473984561) * kz_left_hip_yaw_z,
+        );
+    let e35 = e29.mul_add(c_left_hip_roll, kz_left_hip_roll_y * s_left_hip_roll);
+    let e36 = kz_left_hip_roll_y.mul_add(c_left_hip_roll, -(e29 * s_left_hip_roll));
     // left_hip_pitch
-    let e19 = q[8] + T::from_f64(0.15721584383712184);
-    let (s_left_hip_pitch, c_left_hip_pitch) = e19.sin_cos();
-    let e20 = e17
+    let e37 = q[8] + T::from_f64(0.15721584383712184);
+    let (s_left_hip_pitch, c_left_hip_pitch) = e37.sin_cos();
+    let e38 = e31
         .mul_add(
             T::from_f64(0.06044086238279245),
             T::from_f64(0.9981717798828137) * kx_left_hip_roll_z,
@@ -6534,13 +6575,37 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     let kx_left_hip_pitch_z = kx_left_hip_roll_z
         .mul_add(
             T::from_f64(0.06044086238279245),
-            -(T::from_f64(0.9981717798828137) * e17),
+            -(T::from_f64(0.9981717798828137) * e31),
         );
-    let bx_left_hip_pitch_x = e18.mul_add(c_left_hip_pitch, -(e20 * s_left_hip_pitch));
-    let e21 = e20.mul_add(c_left_hip_pitch, e18 * s_left_hip_pitch);
+    let bx_left_hip_pitch_x = e32.mul_add(c_left_hip_pitch, -(e38 * s_left_hip_pitch));
+    let e39 = e38.mul_add(c_left_hip_pitch, e32 * s_left_hip_pitch);
+    let e40 = e33
+        .mul_add(
+            T::from_f64(0.06044086238279245),
+            T::from_f64(0.9981717798828137) * ky_left_hip_roll_z,
+        );
+    let ky_left_hip_pitch_z = ky_left_hip_roll_z
+        .mul_add(
+            T::from_f64(0.06044086238279245),
+            -(T::from_f64(0.9981717798828137) * e33),
+        );
+    let by_left_hip_pitch_x = e34.mul_add(c_left_hip_pitch, -(e40 * s_left_hip_pitch));
+    let e41 = e40.mul_add(c_left_hip_pitch, e34 * s_left_hip_pitch);
+    let e42 = e35
+        .mul_add(
+            T::from_f64(0.06044086238279245),
+            T::from_f64(0.9981717798828137) * kz_left_hip_roll_z,
+        );
+    let kz_left_hip_pitch_z = kz_left_hip_roll_z
+        .mul_add(
+            T::from_f64(0.06044086238279245),
+            -(T::from_f64(0.9981717798828137) * e35),
+        );
+    let bz_left_hip_pitch_x = e36.mul_add(c_left_hip_pitch, -(e42 * s_left_hip_pitch));
+    let e43 = e42.mul_add(c_left_hip_pitch, e36 * s_left_hip_pitch);
     // left_knee
-    let e22 = q[9] - T::from_f64(0.7020104799569635);
-    let (s_left_knee, c_left_knee) = e22.sin_cos();
+    let e44 = q[9] - T::from_f64(0.7020104799569635);
+    let (s_left_knee, c_left_knee) = e44.sin_cos();
     let kx_left_knee_y = bx_left_hip_pitch_x
         .mul_add(
             T::from_f64(0.9973888291864126),
@@ -6551,11 +6616,35 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.0722185808096314),
             T::from_f64(0.9973888291864126) * kx_left_hip_pitch_z,
         );
-    let bx_left_knee_x = kx_left_knee_y.mul_add(c_left_knee, -(e21 * s_left_knee));
-    let e23 = kx_left_knee_y.mul_add(s_left_knee, e21 * c_left_knee);
+    let bx_left_knee_x = kx_left_knee_y.mul_add(c_left_knee, -(e39 * s_left_knee));
+    let e45 = kx_left_knee_y.mul_add(s_left_knee, e39 * c_left_knee);
+    let ky_left_knee_y = by_left_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.9973888291864126),
+            -(T::from_f64(0.0722185808096314) * ky_left_hip_pitch_z),
+        );
+    let ky_left_knee_z = by_left_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.0722185808096314),
+            T::from_f64(0.9973888291864126) * ky_left_hip_pitch_z,
+        );
+    let by_left_knee_x = ky_left_knee_y.mul_add(c_left_knee, -(e41 * s_left_knee));
+    let e46 = ky_left_knee_y.mul_add(s_left_knee, e41 * c_left_knee);
+    let kz_left_knee_y = bz_left_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.9973888291864126),
+            -(T::from_f64(0.0722185808096314) * kz_left_hip_pitch_z),
+        );
+    let kz_left_knee_z = bz_left_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.0722185808096314),
+            T::from_f64(0.9973888291864126) * kz_left_hip_pitch_z,
+        );
+    let bz_left_knee_x = kz_left_knee_y.mul_add(c_left_knee, -(e43 * s_left_knee));
+    let e47 = kz_left_knee_y.mul_add(s_left_knee, e43 * c_left_knee);
     // left_ankle_pitch
-    let e24 = q[10] + T::from_f64(0.1756566910930215);
-    let (s_left_ankle_pitch, c_left_ankle_pitch) = e24.sin_cos();
+    let e48 = q[10] + T::from_f64(0.1756566910930215);
+    let (s_left_ankle_pitch, c_left_ankle_pitch) = e48.sin_cos();
     let kx_left_ankle_pitch_y = bx_left_knee_x
         .mul_add(
             T::from_f64(0.9659918591802845),
@@ -6566,13 +6655,41 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.2585724811294071),
             T::from_f64(0.9659918591802845) * kx_left_knee_z,
         );
-    let bx_left_ankle_pitch_x = e23
+    let bx_left_ankle_pitch_x = e45
         .mul_add(c_left_ankle_pitch, kx_left_ankle_pitch_y * s_left_ankle_pitch);
-    let e25 = e23
+    let e49 = e45
         .mul_add(s_left_ankle_pitch, -(kx_left_ankle_pitch_y * c_left_ankle_pitch));
+    let ky_left_ankle_pitch_y = by_left_knee_x
+        .mul_add(
+            T::from_f64(0.9659918591802845),
+            -(T::from_f64(0.2585724811294071) * ky_left_knee_z),
+        );
+    let ky_left_ankle_pitch_z = by_left_knee_x
+        .mul_add(
+            T::from_f64(0.2585724811294071),
+            T::from_f64(0.9659918591802845) * ky_left_knee_z,
+        );
+    let by_left_ankle_pitch_x = e46
+        .mul_add(c_left_ankle_pitch, ky_left_ankle_pitch_y * s_left_ankle_pitch);
+    let e50 = e46
+        .mul_add(s_left_ankle_pitch, -(ky_left_ankle_pitch_y * c_left_ankle_pitch));
+    let kz_left_ankle_pitch_y = bz_left_knee_x
+        .mul_add(
+            T::from_f64(0.9659918591802845),
+            -(T::from_f64(0.2585724811294071) * kz_left_knee_z),
+        );
+    let kz_left_ankle_pitch_z = bz_left_knee_x
+        .mul_add(
+            T::from_f64(0.2585724811294071),
+            T::from_f64(0.9659918591802845) * kz_left_knee_z,
+        );
+    let bz_left_ankle_pitch_x = e47
+        .mul_add(c_left_ankle_pitch, kz_left_ankle_pitch_y * s_left_ankle_pitch);
+    let e51 = e47
+        .mul_add(s_left_ankle_pitch, -(kz_left_ankle_pitch_y * c_left_ankle_pitch));
     // left_ankle_roll
     let (s_left_ankle_roll, c_left_ankle_roll) = q[11].sin_cos();
-    let e26 = bx_left_ankle_pitch_x
+    let e52 = bx_left_ankle_pitch_x
         .mul_add(
             T::from_f64(0.052408392112199914),
             T::from_f64(0.9986257359172225) * kx_left_ankle_pitch_z,
@@ -6582,29 +6699,83 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.9986257359172225),
             -(T::from_f64(0.052408392112199914) * kx_left_ankle_pitch_z),
         );
-    let bx_left_ankle_roll_x = e26
-        .mul_add(s_left_ankle_roll, -(e25 * c_left_ankle_roll));
-    let bx_left_ankle_roll_y = e26.mul_add(c_left_ankle_roll, e25 * s_left_ankle_roll);
+    let bx_left_ankle_roll_x = e52
+        .mul_add(s_left_ankle_roll, -(e49 * c_left_ankle_roll));
+    let bx_left_ankle_roll_y = e52.mul_add(c_left_ankle_roll, e49 * s_left_ankle_roll);
+    let e53 = by_left_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.052408392112199914),
+            T::from_f64(0.9986257359172225) * ky_left_ankle_pitch_z,
+        );
+    let ky_left_ankle_roll_z = by_left_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.9986257359172225),
+            -(T::from_f64(0.052408392112199914) * ky_left_ankle_pitch_z),
+        );
+    let by_left_ankle_roll_x = e53
+        .mul_add(s_left_ankle_roll, -(e50 * c_left_ankle_roll));
+    let by_left_ankle_roll_y = e53.mul_add(c_left_ankle_roll, e50 * s_left_ankle_roll);
+    let e54 = bz_left_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.052408392112199914),
+            T::from_f64(0.9986257359172225) * kz_left_ankle_pitch_z,
+        );
+    let kz_left_ankle_roll_z = bz_left_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.9986257359172225),
+            -(T::from_f64(0.052408392112199914) * kz_left_ankle_pitch_z),
+        );
+    let bz_left_ankle_roll_x = e54
+        .mul_add(s_left_ankle_roll, -(e51 * c_left_ankle_roll));
+    let bz_left_ankle_roll_y = e54.mul_add(c_left_ankle_roll, e51 * s_left_ankle_roll);
     // waist_yaw
-    let e27 = q[12] + T::from_f64(0.05803686797214569);
-    let (s_waist_yaw, c_waist_yaw) = e27.sin_cos();
-    let e28 = e12
+    let e55 = q[12] + T::from_f64(0.05803686797214569);
+    let (s_waist_yaw, c_waist_yaw) = e55.sin_cos();
+    let e56 = e20
         .mul_add(
             T::from_f64(0.11944678826051937),
             -(T::from_f64(0.19252104104496945) * bx_right_hip_yaw_x),
         ) + kx_right_hip_yaw_z;
-    let kx_waist_yaw_x = e28
+    let kx_waist_yaw_x = e56
         .mul_add(T::from_f64(0.3662421800811956), bx_right_hip_yaw_x);
-    let kx_waist_yaw_y = e28.mul_add(T::from_f64(0.22722945969324562), -e12);
-    let kx_waist_yaw_z = (-e28)
+    let kx_waist_yaw_y = e56.mul_add(T::from_f64(0.22722945969324562), -e20);
+    let kx_waist_yaw_z = (-e56)
         .mul_add(T::from_f64(1.9023488450576578), kx_right_hip_yaw_z);
     let bx_waist_yaw_x = kx_waist_yaw_y
         .mul_add(s_waist_yaw, -(kx_waist_yaw_x * c_waist_yaw));
     let bx_waist_yaw_y = kx_waist_yaw_y
         .mul_add(c_waist_yaw, kx_waist_yaw_x * s_waist_yaw);
+    let e57 = e21
+        .mul_add(
+            T::from_f64(0.11944678826051937),
+            -(T::from_f64(0.19252104104496945) * by_right_hip_yaw_x),
+        ) + ky_right_hip_yaw_z;
+    let ky_waist_yaw_x = e57
+        .mul_add(T::from_f64(0.3662421800811956), by_right_hip_yaw_x);
+    let ky_waist_yaw_y = e57.mul_add(T::from_f64(0.22722945969324562), -e21);
+    let ky_waist_yaw_z = (-e57)
+        .mul_add(T::from_f64(1.9023488450576578), ky_right_hip_yaw_z);
+    let by_waist_yaw_x = ky_waist_yaw_y
+        .mul_add(s_waist_yaw, -(ky_waist_yaw_x * c_waist_yaw));
+    let by_waist_yaw_y = ky_waist_yaw_y
+        .mul_add(c_waist_yaw, ky_waist_yaw_x * s_waist_yaw);
+    let e58 = e22
+        .mul_add(
+            T::from_f64(0.11944678826051937),
+            -(T::from_f64(0.19252104104496945) * bz_right_hip_yaw_x),
+        ) + kz_right_hip_yaw_z;
+    let kz_waist_yaw_x = e58
+        .mul_add(T::from_f64(0.3662421800811956), bz_right_hip_yaw_x);
+    let kz_waist_yaw_y = e58.mul_add(T::from_f64(0.22722945969324562), -e22);
+    let kz_waist_yaw_z = (-e58)
+        .mul_add(T::from_f64(1.9023488450576578), kz_right_hip_yaw_z);
+    let bz_waist_yaw_x = kz_waist_yaw_y
+        .mul_add(s_waist_yaw, -(kz_waist_yaw_x * c_waist_yaw));
+    let bz_waist_yaw_y = kz_waist_yaw_y
+        .mul_add(c_waist_yaw, kz_waist_yaw_x * s_waist_yaw);
     // waist_pitch
-    let e29 = q[13] + T::from_f64(0.0003778747045624087);
-    let (s_waist_pitch, c_waist_pitch) = e29.sin_cos();
+    let e59 = q[13] + T::from_f64(0.0003778747045624087);
+    let (s_waist_pitch, c_waist_pitch) = e59.sin_cos();
     let kx_waist_pitch_y = bx_waist_yaw_x
         .mul_add(
             T::from_f64(0.19642259114963537),
@@ -6615,12 +6786,36 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.980519334682424),
             T::from_f64(0.19642259114963537) * kx_waist_yaw_z,
         );
-    let e30 = bx_waist_yaw_y.mul_add(s_waist_pitch, kx_waist_pitch_y * c_waist_pitch);
-    let e31 = bx_waist_yaw_y.mul_add(c_waist_pitch, -(kx_waist_pitch_y * s_waist_pitch));
+    let e60 = bx_waist_yaw_y.mul_add(s_waist_pitch, kx_waist_pitch_y * c_waist_pitch);
+    let e61 = bx_waist_yaw_y.mul_add(c_waist_pitch, -(kx_waist_pitch_y * s_waist_pitch));
+    let ky_waist_pitch_y = by_waist_yaw_x
+        .mul_add(
+            T::from_f64(0.19642259114963537),
+            -(T::from_f64(0.980519334682424) * ky_waist_yaw_z),
+        );
+    let ky_waist_pitch_z = by_waist_yaw_x
+        .mul_add(
+            T::from_f64(0.980519334682424),
+            T::from_f64(0.19642259114963537) * ky_waist_yaw_z,
+        );
+    let e62 = by_waist_yaw_y.mul_add(s_waist_pitch, ky_waist_pitch_y * c_waist_pitch);
+    let e63 = by_waist_yaw_y.mul_add(c_waist_pitch, -(ky_waist_pitch_y * s_waist_pitch));
+    let kz_waist_pitch_y = bz_waist_yaw_x
+        .mul_add(
+            T::from_f64(0.19642259114963537),
+            -(T::from_f64(0.980519334682424) * kz_waist_yaw_z),
+        );
+    let kz_waist_pitch_z = bz_waist_yaw_x
+        .mul_add(
+            T::from_f64(0.980519334682424),
+            T::from_f64(0.19642259114963537) * kz_waist_yaw_z,
+        );
+    let e64 = bz_waist_yaw_y.mul_add(s_waist_pitch, kz_waist_pitch_y * c_waist_pitch);
+    let e65 = bz_waist_yaw_y.mul_add(c_waist_pitch, -(kz_waist_pitch_y * s_waist_pitch));
     // neck_yaw
-    let e32 = q[14] - T::from_f64(0.14527074161092735);
-    let (s_neck_yaw, c_neck_yaw) = e32.sin_cos();
-    let e33 = e30
+    let e66 = q[14] - T::from_f64(0.14527074161092735);
+    let (s_neck_yaw, c_neck_yaw) = e66.sin_cos();
+    let e67 = e60
         .mul_add(
             T::from_f64(0.11686854868553807),
             T::from_f64(0.9931473920461839) * kx_waist_pitch_z,
@@ -6628,13 +6823,37 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     let kx_neck_yaw_z = kx_waist_pitch_z
         .mul_add(
             T::from_f64(0.11686854868553807),
-            -(T::from_f64(0.9931473920461839) * e30),
+            -(T::from_f64(0.9931473920461839) * e60),
         );
-    let bx_neck_yaw_x = e31.mul_add(s_neck_yaw, e33 * c_neck_yaw);
-    let e34 = e33.mul_add(s_neck_yaw, -(e31 * c_neck_yaw));
+    let bx_neck_yaw_x = e61.mul_add(s_neck_yaw, e67 * c_neck_yaw);
+    let e68 = e67.mul_add(s_neck_yaw, -(e61 * c_neck_yaw));
+    let e69 = e62
+        .mul_add(
+            T::from_f64(0.11686854868553807),
+            T::from_f64(0.9931473920461839) * ky_waist_pitch_z,
+        );
+    let ky_neck_yaw_z = ky_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.11686854868553807),
+            -(T::from_f64(0.9931473920461839) * e62),
+        );
+    let by_neck_yaw_x = e63.mul_add(s_neck_yaw, e69 * c_neck_yaw);
+    let e70 = e69.mul_add(s_neck_yaw, -(e63 * c_neck_yaw));
+    let e71 = e64
+        .mul_add(
+            T::from_f64(0.11686854868553807),
+            T::from_f64(0.9931473920461839) * kz_waist_pitch_z,
+        );
+    let kz_neck_yaw_z = kz_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.11686854868553807),
+            -(T::from_f64(0.9931473920461839) * e64),
+        );
+    let bz_neck_yaw_x = e65.mul_add(s_neck_yaw, e71 * c_neck_yaw);
+    let e72 = e71.mul_add(s_neck_yaw, -(e65 * c_neck_yaw));
     // neck_pitch
     let (s_neck_pitch, c_neck_pitch) = q[15].sin_cos();
-    let e35 = bx_neck_yaw_x
+    let e73 = bx_neck_yaw_x
         .mul_add(
             T::from_f64(0.040883888851400166),
             T::from_f64(0.9991639042881736) * kx_neck_yaw_z,
@@ -6644,30 +6863,86 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.9991639042881736),
             -(T::from_f64(0.040883888851400166) * kx_neck_yaw_z),
         );
-    let bx_neck_pitch_x = e35.mul_add(s_neck_pitch, -(e34 * c_neck_pitch));
-    let bx_neck_pitch_y = e35.mul_add(c_neck_pitch, e34 * s_neck_pitch);
+    let bx_neck_pitch_x = e73.mul_add(s_neck_pitch, -(e68 * c_neck_pitch));
+    let bx_neck_pitch_y = e73.mul_add(c_neck_pitch, e68 * s_neck_pitch);
+    let e74 = by_neck_yaw_x
+        .mul_add(
+            T::from_f64(0.040883888851400166),
+            T::from_f64(0.9991639042881736) * ky_neck_yaw_z,
+        );
+    let ky_neck_pitch_z = by_neck_yaw_x
+        .mul_add(
+            T::from_f64(0.9991639042881736),
+            -(T::from_f64(0.040883888851400166) * ky_neck_yaw_z),
+        );
+    let by_neck_pitch_x = e74.mul_add(s_neck_pitch, -(e70 * c_neck_pitch));
+    let by_neck_pitch_y = e74.mul_add(c_neck_pitch, e70 * s_neck_pitch);
+    let e75 = bz_neck_yaw_x
+        .mul_add(
+            T::from_f64(0.040883888851400166),
+            T::from_f64(0.9991639042881736) * kz_neck_yaw_z,
+        );
+    let kz_neck_pitch_z = bz_neck_yaw_x
+        .mul_add(
+            T::from_f64(0.9991639042881736),
+            -(T::from_f64(0.040883888851400166) * kz_neck_yaw_z),
+        );
+    let bz_neck_pitch_x = e75.mul_add(s_neck_pitch, -(e72 * c_neck_pitch));
+    let bz_neck_pitch_y = e75.mul_add(c_neck_pitch, e72 * s_neck_pitch);
     // right_shoulder_pitch
-    let e36 = q[16] + T::from_f64(0.41156836050531465);
-    let (s_right_shoulder_pitch, c_right_shoulder_pitch) = e36.sin_cos();
-    let e37 = kx_waist_pitch_z
+    let e76 = q[16] + T::from_f64(0.41156836050531465);
+    let (s_right_shoulder_pitch, c_right_shoulder_pitch) = e76.sin_cos();
+    let e77 = kx_waist_pitch_z
         .mul_add(
             T::from_f64(0.10644334192309902),
-            e31.mul_add(T::from_f64(0.07159388452594458), -e30),
+            e61.mul_add(T::from_f64(0.07159388452594458), -e60),
         );
-    let e38 = e37.mul_add(T::from_f64(1.9676210845200064), e30);
-    let kx_right_shoulder_pitch_y = e37.mul_add(T::from_f64(0.14086963671593916), -e31);
-    let kx_right_shoulder_pitch_z = (-e37)
+    let e78 = e77.mul_add(T::from_f64(1.9676210845200064), e60);
+    let kx_right_shoulder_pitch_y = e77.mul_add(T::from_f64(0.14086963671593916), -e61);
+    let kx_right_shoulder_pitch_z = (-e77)
         .mul_add(T::from_f64(0.20944016387466197), kx_waist_pitch_z);
-    let bx_right_shoulder_pitch_x = e38
+    let bx_right_shoulder_pitch_x = e78
         .mul_add(
             s_right_shoulder_pitch,
             -(kx_right_shoulder_pitch_y * c_right_shoulder_pitch),
         );
     let bx_right_shoulder_pitch_y = kx_right_shoulder_pitch_y
-        .mul_add(s_right_shoulder_pitch, e38 * c_right_shoulder_pitch);
+        .mul_add(s_right_shoulder_pitch, e78 * c_right_shoulder_pitch);
+    let e79 = ky_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.10644334192309902),
+            e63.mul_add(T::from_f64(0.07159388452594458), -e62),
+        );
+    let e80 = e79.mul_add(T::from_f64(1.9676210845200064), e62);
+    let ky_right_shoulder_pitch_y = e79.mul_add(T::from_f64(0.14086963671593916), -e63);
+    let ky_right_shoulder_pitch_z = (-e79)
+        .mul_add(T::from_f64(0.20944016387466197), ky_waist_pitch_z);
+    let by_right_shoulder_pitch_x = e80
+        .mul_add(
+            s_right_shoulder_pitch,
+            -(ky_right_shoulder_pitch_y * c_right_shoulder_pitch),
+        );
+    let by_right_shoulder_pitch_y = ky_right_shoulder_pitch_y
+        .mul_add(s_right_shoulder_pitch, e80 * c_right_shoulder_pitch);
+    let e81 = kz_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.10644334192309902),
+            e65.mul_add(T::from_f64(0.07159388452594458), -e64),
+        );
+    let e82 = e81.mul_add(T::from_f64(1.9676210845200064), e64);
+    let kz_right_shoulder_pitch_y = e81.mul_add(T::from_f64(0.14086963671593916), -e65);
+    let kz_right_shoulder_pitch_z = (-e81)
+        .mul_add(T::from_f64(0.20944016387466197), kz_waist_pitch_z);
+    let bz_right_shoulder_pitch_x = e82
+        .mul_add(
+            s_right_shoulder_pitch,
+            -(kz_right_shoulder_pitch_y * c_right_shoulder_pitch),
+        );
+    let bz_right_shoulder_pitch_y = kz_right_shoulder_pitch_y
+        .mul_add(s_right_shoulder_pitch, e82 * c_right_shoulder_pitch);
     // right_shoulder_roll
-    let e39 = q[17] - T::from_f64(0.29227270605474676);
-    let (s_right_shoulder_roll, c_right_shoulder_roll) = e39.sin_cos();
+    let e83 = q[17] - T::from_f64(0.29227270605474676);
+    let (s_right_shoulder_roll, c_right_shoulder_roll) = e83.sin_cos();
     let kx_right_shoulder_roll_y = bx_right_shoulder_pitch_x
         .mul_add(
             T::from_f64(0.2834710957352705),
@@ -6688,441 +6963,6 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             c_right_shoulder_roll,
             bx_right_shoulder_pitch_y * s_right_shoulder_roll,
         );
-    // right_shoulder_yaw
-    let e40 = q[18] - T::from_f64(0.12871645458236847);
-    let (s_right_shoulder_yaw, c_right_shoulder_yaw) = e40.sin_cos();
-    let e41 = bx_right_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.3848026949004402),
-            T::from_f64(0.9229988548190939) * kx_right_shoulder_roll_z,
-        );
-    let kx_right_shoulder_yaw_z = bx_right_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.9229988548190939),
-            -(T::from_f64(0.3848026949004402) * kx_right_shoulder_roll_z),
-        );
-    let e42 = bx_right_shoulder_roll_y
-        .mul_add(c_right_shoulder_yaw, e41 * s_right_shoulder_yaw);
-    let e43 = e41
-        .mul_add(
-            c_right_shoulder_yaw,
-            -(bx_right_shoulder_roll_y * s_right_shoulder_yaw),
-        );
-    // right_elbow
-    let e44 = q[19] - T::from_f64(0.07968980871027065);
-    let (s_right_elbow, c_right_elbow) = e44.sin_cos();
-    let e45 = e42
-        .mul_add(
-            T::from_f64(0.12242921843048289),
-            T::from_f64(0.9924772473334093) * kx_right_shoulder_yaw_z,
-        );
-    let kx_right_elbow_z = kx_right_shoulder_yaw_z
-        .mul_add(
-            T::from_f64(0.12242921843048289),
-            -(T::from_f64(0.9924772473334093) * e42),
-        );
-    let bx_right_elbow_x = e43.mul_add(s_right_elbow, e45 * c_right_elbow);
-    let e46 = e45.mul_add(s_right_elbow, -(e43 * c_right_elbow));
-    // right_wrist_yaw
-    let e47 = q[20] + T::from_f64(0.07984195204795129);
-    let (s_right_wrist_yaw, c_right_wrist_yaw) = e47.sin_cos();
-    let e48 = bx_right_elbow_x
-        .mul_add(
-            T::from_f64(0.15904161977640188),
-            T::from_f64(0.9872718790580934) * kx_right_elbow_z,
-        );
-    let kx_right_wrist_yaw_z = bx_right_elbow_x
-        .mul_add(
-            T::from_f64(0.9872718790580934),
-            -(T::from_f64(0.15904161977640188) * kx_right_elbow_z),
-        );
-    let bx_right_wrist_yaw_x = e48
-        .mul_add(s_right_wrist_yaw, -(e46 * c_right_wrist_yaw));
-    let bx_right_wrist_yaw_y = e48.mul_add(c_right_wrist_yaw, e46 * s_right_wrist_yaw);
-    // right_wrist_roll
-    let e49 = q[21] - T::from_f64(0.05544050383462643);
-    let (s_right_wrist_roll, c_right_wrist_roll) = e49.sin_cos();
-    let kx_right_wrist_roll_y = bx_right_wrist_yaw_x
-        .mul_add(
-            T::from_f64(0.06712447922871664),
-            -(T::from_f64(0.9977446087492899) * kx_right_wrist_yaw_z),
-        );
-    let kx_right_wrist_roll_z = bx_right_wrist_yaw_x
-        .mul_add(
-            T::from_f64(0.9977446087492899),
-            T::from_f64(0.06712447922871664) * kx_right_wrist_yaw_z,
-        );
-    let bx_right_wrist_roll_x = bx_right_wrist_yaw_y
-        .mul_add(c_right_wrist_roll, -(kx_right_wrist_roll_y * s_right_wrist_roll));
-    let e50 = kx_right_wrist_roll_y
-        .mul_add(c_right_wrist_roll, bx_right_wrist_yaw_y * s_right_wrist_roll);
-    // right_wrist_pitch
-    let (s_right_wrist_pitch, c_right_wrist_pitch) = q[22].sin_cos();
-    let e51 = bx_right_wrist_roll_x
-        .mul_add(
-            T::from_f64(0.042799828876225604),
-            T::from_f64(0.99908366749145) * kx_right_wrist_roll_z,
-        );
-    let kx_right_wrist_pitch_z = bx_right_wrist_roll_x
-        .mul_add(
-            T::from_f64(0.99908366749145),
-            -(T::from_f64(0.042799828876225604) * kx_right_wrist_roll_z),
-        );
-    let bx_right_wrist_pitch_x = e51
-        .mul_add(s_right_wrist_pitch, -(e50 * c_right_wrist_pitch));
-    let bx_right_wrist_pitch_y = e51
-        .mul_add(c_right_wrist_pitch, e50 * s_right_wrist_pitch);
-    // left_shoulder_pitch
-    let e52 = q[23] + T::from_f64(0.014907991996345737);
-    let (s_left_shoulder_pitch, c_left_shoulder_pitch) = e52.sin_cos();
-    let e53 = (-kx_waist_pitch_z)
-        .mul_add(
-            T::from_f64(0.09248191489966293),
-            e30.mul_add(T::from_f64(0.11783871458722316), -e31),
-        );
-    let kx_left_shoulder_pitch_x = e53.mul_add(T::from_f64(0.2305051546121806), -e30);
-    let e54 = e53.mul_add(T::from_f64(1.956107170887058), e31);
-    let kx_left_shoulder_pitch_z = e53
-        .mul_add(T::from_f64(0.1809045369125973), kx_waist_pitch_z);
-    let bx_left_shoulder_pitch_x = e54
-        .mul_add(
-            c_left_shoulder_pitch,
-            -(kx_left_shoulder_pitch_x * s_left_shoulder_pitch),
-        );
-    let e55 = e54
-        .mul_add(
-            s_left_shoulder_pitch,
-            kx_left_shoulder_pitch_x * c_left_shoulder_pitch,
-        );
-    // left_shoulder_roll
-    let e56 = q[24] - T::from_f64(0.29227270605474676);
-    let (s_left_shoulder_roll, c_left_shoulder_roll) = e56.sin_cos();
-    let kx_left_shoulder_roll_y = bx_left_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.2834710957352705),
-            -(T::from_f64(0.9589807807681263) * kx_left_shoulder_pitch_z),
-        );
-    let kx_left_shoulder_roll_z = bx_left_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.9589807807681263),
-            T::from_f64(0.2834710957352705) * kx_left_shoulder_pitch_z,
-        );
-    let bx_left_shoulder_roll_x = e55
-        .mul_add(c_left_shoulder_roll, kx_left_shoulder_roll_y * s_left_shoulder_roll);
-    let e57 = e55
-        .mul_add(
-            s_left_shoulder_roll,
-            -(kx_left_shoulder_roll_y * c_left_shoulder_roll),
-        );
-    // left_shoulder_yaw
-    let e58 = q[25] - T::from_f64(0.12871645458236847);
-    let (s_left_shoulder_yaw, c_left_shoulder_yaw) = e58.sin_cos();
-    let e59 = bx_left_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.3848026949004402),
-            T::from_f64(0.9229988548190939) * kx_left_shoulder_roll_z,
-        );
-    let kx_left_shoulder_yaw_z = bx_left_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.9229988548190939),
-            -(T::from_f64(0.3848026949004402) * kx_left_shoulder_roll_z),
-        );
-    let bx_left_shoulder_yaw_x = e57
-        .mul_add(c_left_shoulder_yaw, -(e59 * s_left_shoulder_yaw));
-    let e60 = e59.mul_add(c_left_shoulder_yaw, e57 * s_left_shoulder_yaw);
-    // left_elbow
-    let e61 = q[26] - T::from_f64(0.07968980871027065);
-    let (s_left_elbow, c_left_elbow) = e61.sin_cos();
-    let kx_left_elbow_y = bx_left_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.12242921843048289),
-            -(T::from_f64(0.9924772473334093) * kx_left_shoulder_yaw_z),
-        );
-    let kx_left_elbow_z = bx_left_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.9924772473334093),
-            T::from_f64(0.12242921843048289) * kx_left_shoulder_yaw_z,
-        );
-    let bx_left_elbow_x = e60.mul_add(s_left_elbow, -(kx_left_elbow_y * c_left_elbow));
-    let bx_left_elbow_y = kx_left_elbow_y.mul_add(s_left_elbow, e60 * c_left_elbow);
-    // left_wrist_yaw
-    let e62 = q[27] + T::from_f64(0.07984195204795129);
-    let (s_left_wrist_yaw, c_left_wrist_yaw) = e62.sin_cos();
-    let e63 = bx_left_elbow_x
-        .mul_add(
-            T::from_f64(0.15904161977640188),
-            T::from_f64(0.9872718790580934) * kx_left_elbow_z,
-        );
-    let kx_left_wrist_yaw_z = bx_left_elbow_x
-        .mul_add(
-            T::from_f64(0.9872718790580934),
-            -(T::from_f64(0.15904161977640188) * kx_left_elbow_z),
-        );
-    let bx_left_wrist_yaw_x = bx_left_elbow_y
-        .mul_add(c_left_wrist_yaw, e63 * s_left_wrist_yaw);
-    let e64 = bx_left_elbow_y.mul_add(s_left_wrist_yaw, -(e63 * c_left_wrist_yaw));
-    // left_wrist_roll
-    let e65 = q[28] - T::from_f64(0.05544050383462643);
-    let (s_left_wrist_roll, c_left_wrist_roll) = e65.sin_cos();
-    let kx_left_wrist_roll_y = bx_left_wrist_yaw_x
-        .mul_add(
-            T::from_f64(0.06712447922871664),
-            -(T::from_f64(0.9977446087492899) * kx_left_wrist_yaw_z),
-        );
-    let kx_left_wrist_roll_z = bx_left_wrist_yaw_x
-        .mul_add(
-            T::from_f64(0.9977446087492899),
-            T::from_f64(0.06712447922871664) * kx_left_wrist_yaw_z,
-        );
-    let e66 = e64.mul_add(c_left_wrist_roll, kx_left_wrist_roll_y * s_left_wrist_roll);
-    let e67 = kx_left_wrist_roll_y
-        .mul_add(c_left_wrist_roll, -(e64 * s_left_wrist_roll));
-    // left_wrist_pitch
-    let (s_left_wrist_pitch, c_left_wrist_pitch) = q[29].sin_cos();
-    let kx_left_wrist_pitch_y = e66
-        .mul_add(
-            T::from_f64(0.042799828876225604),
-            -(T::from_f64(0.99908366749145) * kx_left_wrist_roll_z),
-        );
-    let e68 = e66
-        .mul_add(
-            T::from_f64(0.99908366749145),
-            T::from_f64(0.042799828876225604) * kx_left_wrist_roll_z,
-        );
-    let e69 = e67
-        .mul_add(c_left_wrist_pitch, kx_left_wrist_pitch_y * s_left_wrist_pitch);
-    let e70 = kx_left_wrist_pitch_y
-        .mul_add(c_left_wrist_pitch, -(e67 * s_left_wrist_pitch));
-    // right_ankle_roll
-    let by_right_ankle_roll_x = s_right_ankle_roll
-        .mul_add(
-            T::from_f64(0.11117478017138471),
-            T::from_f64(0.9851881430723574) * c_right_ankle_roll,
-        );
-    let e71 = c_right_ankle_roll
-        .mul_add(
-            T::from_f64(0.11117478017138471),
-            -(T::from_f64(0.9851881430723574) * s_right_ankle_roll),
-        );
-    // right_ankle_pitch
-    let ky_right_ankle_pitch_y = (-by_right_ankle_roll_x)
-        .mul_add(T::from_f64(0.0524083921121999), T::from_f64(0.1303751353983952));
-    let ky_right_ankle_pitch_z = by_right_ankle_roll_x
-        .mul_add(T::from_f64(0.9986257359172223), T::from_f64(0.00684215414432963));
-    let by_right_ankle_pitch_x = ky_right_ankle_pitch_y
-        .mul_add(s_right_ankle_pitch, -(e71 * c_right_ankle_pitch));
-    let e72 = ky_right_ankle_pitch_y
-        .mul_add(c_right_ankle_pitch, e71 * s_right_ankle_pitch);
-    // right_knee
-    let ky_right_knee_y = by_right_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.9659918591802843),
-            -(T::from_f64(0.2585724811294071) * ky_right_ankle_pitch_z),
-        );
-    let ky_right_knee_z = by_right_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.2585724811294071),
-            T::from_f64(0.9659918591802843) * ky_right_ankle_pitch_z,
-        );
-    let by_right_knee_x = e72.mul_add(s_right_knee, ky_right_knee_y * c_right_knee);
-    let e73 = e72.mul_add(c_right_knee, -(ky_right_knee_y * s_right_knee));
-    // right_hip_pitch
-    let ky_right_hip_pitch_y = by_right_knee_x
-        .mul_add(
-            T::from_f64(0.9973888291864124),
-            -(T::from_f64(0.0722185808096314) * ky_right_knee_z),
-        );
-    let ky_right_hip_pitch_z = by_right_knee_x
-        .mul_add(
-            T::from_f64(0.0722185808096314),
-            T::from_f64(0.9973888291864124) * ky_right_knee_z,
-        );
-    let by_right_hip_pitch_x = ky_right_hip_pitch_y
-        .mul_add(s_right_hip_pitch, -(e73 * c_right_hip_pitch));
-    let e74 = ky_right_hip_pitch_y.mul_add(c_right_hip_pitch, e73 * s_right_hip_pitch);
-    // right_hip_roll
-    let ky_right_hip_roll_y = by_right_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.06044086238279244),
-            -(T::from_f64(0.9981717798828138) * ky_right_hip_pitch_z),
-        );
-    let ky_right_hip_roll_z = by_right_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.9981717798828138),
-            T::from_f64(0.06044086238279244) * ky_right_hip_pitch_z,
-        );
-    let by_right_hip_roll_x = e74
-        .mul_add(c_right_hip_roll, -(ky_right_hip_roll_y * s_right_hip_roll));
-    let by_right_hip_roll_y = ky_right_hip_roll_y
-        .mul_add(c_right_hip_roll, e74 * s_right_hip_roll);
-    // right_hip_yaw
-    let ky_right_hip_yaw_y = by_right_hip_roll_x
-        .mul_add(
-            T::from_f64(0.08292767473984558),
-            -(T::from_f64(0.9965555683263441) * ky_right_hip_roll_z),
-        );
-    let ky_right_hip_yaw_z = by_right_hip_roll_x
-        .mul_add(
-            T::from_f64(0.9965555683263441),
-            T::from_f64(0.08292767473984558) * ky_right_hip_roll_z,
-        );
-    let by_right_hip_yaw_x = by_right_hip_roll_y
-        .mul_add(c_right_hip_yaw, ky_right_hip_yaw_y * s_right_hip_yaw);
-    let e75 = ky_right_hip_yaw_y
-        .mul_add(c_right_hip_yaw, -(by_right_hip_roll_y * s_right_hip_yaw));
-    // left_hip_yaw
-    let e76 = by_right_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.538107754426925),
-            T::from_f64(0.8428760553163273) * ky_right_hip_yaw_z,
-        );
-    let ky_left_hip_yaw_z = by_right_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.8428760553163273),
-            -(T::from_f64(0.538107754426925) * ky_right_hip_yaw_z),
-        );
-    let by_left_hip_yaw_x = e75.mul_add(c_left_hip_yaw, -(e76 * s_left_hip_yaw));
-    let e77 = e76.mul_add(c_left_hip_yaw, e75 * s_left_hip_yaw);
-    // left_hip_roll
-    let ky_left_hip_roll_y = by_left_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.08292767473984561),
-            -(T::from_f64(0.9965555683263441) * ky_left_hip_yaw_z),
-        );
-    let ky_left_hip_roll_z = by_left_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.9965555683263441),
-            T::from_f64(0.08292767473984561) * ky_left_hip_yaw_z,
-        );
-    let e78 = e77.mul_add(c_left_hip_roll, ky_left_hip_roll_y * s_left_hip_roll);
-    let e79 = ky_left_hip_roll_y.mul_add(c_left_hip_roll, -(e77 * s_left_hip_roll));
-    // left_hip_pitch
-    let e80 = e78
-        .mul_add(
-            T::from_f64(0.06044086238279245),
-            T::from_f64(0.9981717798828137) * ky_left_hip_roll_z,
-        );
-    let ky_left_hip_pitch_z = ky_left_hip_roll_z
-        .mul_add(
-            T::from_f64(0.06044086238279245),
-            -(T::from_f64(0.9981717798828137) * e78),
-        );
-    let by_left_hip_pitch_x = e79.mul_add(c_left_hip_pitch, -(e80 * s_left_hip_pitch));
-    let e81 = e80.mul_add(c_left_hip_pitch, e79 * s_left_hip_pitch);
-    // left_knee
-    let ky_left_knee_y = by_left_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.9973888291864126),
-            -(T::from_f64(0.0722185808096314) * ky_left_hip_pitch_z),
-        );
-    let ky_left_knee_z = by_left_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.0722185808096314),
-            T::from_f64(0.9973888291864126) * ky_left_hip_pitch_z,
-        );
-    let by_left_knee_x = ky_left_knee_y.mul_add(c_left_knee, -(e81 * s_left_knee));
-    let e82 = ky_left_knee_y.mul_add(s_left_knee, e81 * c_left_knee);
-    // left_ankle_pitch
-    let ky_left_ankle_pitch_y = by_left_knee_x
-        .mul_add(
-            T::from_f64(0.9659918591802845),
-            -(T::from_f64(0.2585724811294071) * ky_left_knee_z),
-        );
-    let ky_left_ankle_pitch_z = by_left_knee_x
-        .mul_add(
-            T::from_f64(0.2585724811294071),
-            T::from_f64(0.9659918591802845) * ky_left_knee_z,
-        );
-    let by_left_ankle_pitch_x = e82
-        .mul_add(c_left_ankle_pitch, ky_left_ankle_pitch_y * s_left_ankle_pitch);
-    let e83 = e82
-        .mul_add(s_left_ankle_pitch, -(ky_left_ankle_pitch_y * c_left_ankle_pitch));
-    // left_ankle_roll
-    let e84 = by_left_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.052408392112199914),
-            T::from_f64(0.9986257359172225) * ky_left_ankle_pitch_z,
-        );
-    let ky_left_ankle_roll_z = by_left_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.9986257359172225),
-            -(T::from_f64(0.052408392112199914) * ky_left_ankle_pitch_z),
-        );
-    let by_left_ankle_roll_x = e84
-        .mul_add(s_left_ankle_roll, -(e83 * c_left_ankle_roll));
-    let by_left_ankle_roll_y = e84.mul_add(c_left_ankle_roll, e83 * s_left_ankle_roll);
-    // waist_yaw
-    let e85 = e75
-        .mul_add(
-            T::from_f64(0.11944678826051937),
-            -(T::from_f64(0.19252104104496945) * by_right_hip_yaw_x),
-        ) + ky_right_hip_yaw_z;
-    let ky_waist_yaw_x = e85
-        .mul_add(T::from_f64(0.3662421800811956), by_right_hip_yaw_x);
-    let ky_waist_yaw_y = e85.mul_add(T::from_f64(0.22722945969324562), -e75);
-    let ky_waist_yaw_z = (-e85)
-        .mul_add(T::from_f64(1.9023488450576578), ky_right_hip_yaw_z);
-    let by_waist_yaw_x = ky_waist_yaw_y
-        .mul_add(s_waist_yaw, -(ky_waist_yaw_x * c_waist_yaw));
-    let by_waist_yaw_y = ky_waist_yaw_y
-        .mul_add(c_waist_yaw, ky_waist_yaw_x * s_waist_yaw);
-    // waist_pitch
-    let ky_waist_pitch_y = by_waist_yaw_x
-        .mul_add(
-            T::from_f64(0.19642259114963537),
-            -(T::from_f64(0.980519334682424) * ky_waist_yaw_z),
-        );
-    let ky_waist_pitch_z = by_waist_yaw_x
-        .mul_add(
-            T::from_f64(0.980519334682424),
-            T::from_f64(0.19642259114963537) * ky_waist_yaw_z,
-        );
-    let e86 = by_waist_yaw_y.mul_add(s_waist_pitch, ky_waist_pitch_y * c_waist_pitch);
-    let e87 = by_waist_yaw_y.mul_add(c_waist_pitch, -(ky_waist_pitch_y * s_waist_pitch));
-    // neck_yaw
-    let e88 = e86
-        .mul_add(
-            T::from_f64(0.11686854868553807),
-            T::from_f64(0.9931473920461839) * ky_waist_pitch_z,
-        );
-    let ky_neck_yaw_z = ky_waist_pitch_z
-        .mul_add(
-            T::from_f64(0.11686854868553807),
-            -(T::from_f64(0.9931473920461839) * e86),
-        );
-    let by_neck_yaw_x = e87.mul_add(s_neck_yaw, e88 * c_neck_yaw);
-    let e89 = e88.mul_add(s_neck_yaw, -(e87 * c_neck_yaw));
-    // neck_pitch
-    let e90 = by_neck_yaw_x
-        .mul_add(
-            T::from_f64(0.040883888851400166),
-            T::from_f64(0.9991639042881736) * ky_neck_yaw_z,
-        );
-    let ky_neck_pitch_z = by_neck_yaw_x
-        .mul_add(
-            T::from_f64(0.9991639042881736),
-            -(T::from_f64(0.040883888851400166) * ky_neck_yaw_z),
-        );
-    let by_neck_pitch_x = e90.mul_add(s_neck_pitch, -(e89 * c_neck_pitch));
-    let by_neck_pitch_y = e90.mul_add(c_neck_pitch, e89 * s_neck_pitch);
-    // right_shoulder_pitch
-    let e91 = ky_waist_pitch_z
-        .mul_add(
-            T::from_f64(0.10644334192309902),
-            e87.mul_add(T::from_f64(0.07159388452594458), -e86),
-        );
-    let e92 = e91.mul_add(T::from_f64(1.9676210845200064), e86);
-    let ky_right_shoulder_pitch_y = e91.mul_add(T::from_f64(0.14086963671593916), -e87);
-    let ky_right_shoulder_pitch_z = (-e91)
-        .mul_add(T::from_f64(0.20944016387466197), ky_waist_pitch_z);
-    let by_right_shoulder_pitch_x = e92
-        .mul_add(
-            s_right_shoulder_pitch,
-            -(ky_right_shoulder_pitch_y * c_right_shoulder_pitch),
-        );
-    let by_right_shoulder_pitch_y = ky_right_shoulder_pitch_y
-        .mul_add(s_right_shoulder_pitch, e92 * c_right_shoulder_pitch);
-    // right_shoulder_roll
     let ky_right_shoulder_roll_y = by_right_shoulder_pitch_x
         .mul_add(
             T::from_f64(0.2834710957352705),
@@ -7143,421 +6983,6 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             c_right_shoulder_roll,
             by_right_shoulder_pitch_y * s_right_shoulder_roll,
         );
-    // right_shoulder_yaw
-    let e93 = by_right_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.3848026949004402),
-            T::from_f64(0.9229988548190939) * ky_right_shoulder_roll_z,
-        );
-    let ky_right_shoulder_yaw_z = by_right_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.9229988548190939),
-            -(T::from_f64(0.3848026949004402) * ky_right_shoulder_roll_z),
-        );
-    let e94 = by_right_shoulder_roll_y
-        .mul_add(c_right_shoulder_yaw, e93 * s_right_shoulder_yaw);
-    let e95 = e93
-        .mul_add(
-            c_right_shoulder_yaw,
-            -(by_right_shoulder_roll_y * s_right_shoulder_yaw),
-        );
-    // right_elbow
-    let e96 = e94
-        .mul_add(
-            T::from_f64(0.12242921843048289),
-            T::from_f64(0.9924772473334093) * ky_right_shoulder_yaw_z,
-        );
-    let ky_right_elbow_z = ky_right_shoulder_yaw_z
-        .mul_add(
-            T::from_f64(0.12242921843048289),
-            -(T::from_f64(0.9924772473334093) * e94),
-        );
-    let by_right_elbow_x = e95.mul_add(s_right_elbow, e96 * c_right_elbow);
-    let e97 = e96.mul_add(s_right_elbow, -(e95 * c_right_elbow));
-    // right_wrist_yaw
-    let e98 = by_right_elbow_x
-        .mul_add(
-            T::from_f64(0.15904161977640188),
-            T::from_f64(0.9872718790580934) * ky_right_elbow_z,
-        );
-    let ky_right_wrist_yaw_z = by_right_elbow_x
-        .mul_add(
-            T::from_f64(0.9872718790580934),
-            -(T::from_f64(0.15904161977640188) * ky_right_elbow_z),
-        );
-    let by_right_wrist_yaw_x = e98
-        .mul_add(s_right_wrist_yaw, -(e97 * c_right_wrist_yaw));
-    let by_right_wrist_yaw_y = e98.mul_add(c_right_wrist_yaw, e97 * s_right_wrist_yaw);
-    // right_wrist_roll
-    let ky_right_wrist_roll_y = by_right_wrist_yaw_x
-        .mul_add(
-            T::from_f64(0.06712447922871664),
-            -(T::from_f64(0.9977446087492899) * ky_right_wrist_yaw_z),
-        );
-    let ky_right_wrist_roll_z = by_right_wrist_yaw_x
-        .mul_add(
-            T::from_f64(0.9977446087492899),
-            T::from_f64(0.06712447922871664) * ky_right_wrist_yaw_z,
-        );
-    let by_right_wrist_roll_x = by_right_wrist_yaw_y
-        .mul_add(c_right_wrist_roll, -(ky_right_wrist_roll_y * s_right_wrist_roll));
-    let e99 = ky_right_wrist_roll_y
-        .mul_add(c_right_wrist_roll, by_right_wrist_yaw_y * s_right_wrist_roll);
-    // right_wrist_pitch
-    let e100 = by_right_wrist_roll_x
-        .mul_add(
-            T::from_f64(0.042799828876225604),
-            T::from_f64(0.99908366749145) * ky_right_wrist_roll_z,
-        );
-    let ky_right_wrist_pitch_z = by_right_wrist_roll_x
-        .mul_add(
-            T::from_f64(0.99908366749145),
-            -(T::from_f64(0.042799828876225604) * ky_right_wrist_roll_z),
-        );
-    let by_right_wrist_pitch_x = e100
-        .mul_add(s_right_wrist_pitch, -(e99 * c_right_wrist_pitch));
-    let by_right_wrist_pitch_y = e100
-        .mul_add(c_right_wrist_pitch, e99 * s_right_wrist_pitch);
-    // left_shoulder_pitch
-    let e101 = (-ky_waist_pitch_z)
-        .mul_add(
-            T::from_f64(0.09248191489966293),
-            e86.mul_add(T::from_f64(0.11783871458722316), -e87),
-        );
-    let ky_left_shoulder_pitch_x = e101.mul_add(T::from_f64(0.2305051546121806), -e86);
-    let e102 = e101.mul_add(T::from_f64(1.956107170887058), e87);
-    let ky_left_shoulder_pitch_z = e101
-        .mul_add(T::from_f64(0.1809045369125973), ky_waist_pitch_z);
-    let by_left_shoulder_pitch_x = e102
-        .mul_add(
-            c_left_shoulder_pitch,
-            -(ky_left_shoulder_pitch_x * s_left_shoulder_pitch),
-        );
-    let e103 = e102
-        .mul_add(
-            s_left_shoulder_pitch,
-            ky_left_shoulder_pitch_x * c_left_shoulder_pitch,
-        );
-    // left_shoulder_roll
-    let ky_left_shoulder_roll_y = by_left_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.2834710957352705),
-            -(T::from_f64(0.9589807807681263) * ky_left_shoulder_pitch_z),
-        );
-    let ky_left_shoulder_roll_z = by_left_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.9589807807681263),
-            T::from_f64(0.2834710957352705) * ky_left_shoulder_pitch_z,
-        );
-    let by_left_shoulder_roll_x = e103
-        .mul_add(c_left_shoulder_roll, ky_left_shoulder_roll_y * s_left_shoulder_roll);
-    let e104 = e103
-        .mul_add(
-            s_left_shoulder_roll,
-            -(ky_left_shoulder_roll_y * c_left_shoulder_roll),
-        );
-    // left_shoulder_yaw
-    let e105 = by_left_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.3848026949004402),
-            T::from_f64(0.9229988548190939) * ky_left_shoulder_roll_z,
-        );
-    let ky_left_shoulder_yaw_z = by_left_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.9229988548190939),
-            -(T::from_f64(0.3848026949004402) * ky_left_shoulder_roll_z),
-        );
-    let by_left_shoulder_yaw_x = e104
-        .mul_add(c_left_shoulder_yaw, -(e105 * s_left_shoulder_yaw));
-    let e106 = e105.mul_add(c_left_shoulder_yaw, e104 * s_left_shoulder_yaw);
-    // left_elbow
-    let ky_left_elbow_y = by_left_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.12242921843048289),
-            -(T::from_f64(0.9924772473334093) * ky_left_shoulder_yaw_z),
-        );
-    let ky_left_elbow_z = by_left_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.9924772473334093),
-            T::from_f64(0.12242921843048289) * ky_left_shoulder_yaw_z,
-        );
-    let by_left_elbow_x = e106.mul_add(s_left_elbow, -(ky_left_elbow_y * c_left_elbow));
-    let by_left_elbow_y = ky_left_elbow_y.mul_add(s_left_elbow, e106 * c_left_elbow);
-    // left_wrist_yaw
-    let e107 = by_left_elbow_x
-        .mul_add(
-            T::from_f64(0.15904161977640188),
-            T::from_f64(0.9872718790580934) * ky_left_elbow_z,
-        );
-    let ky_left_wrist_yaw_z = by_left_elbow_x
-        .mul_add(
-            T::from_f64(0.9872718790580934),
-            -(T::from_f64(0.15904161977640188) * ky_left_elbow_z),
-        );
-    let by_left_wrist_yaw_x = by_left_elbow_y
-        .mul_add(c_left_wrist_yaw, e107 * s_left_wrist_yaw);
-    let e108 = by_left_elbow_y.mul_add(s_left_wrist_yaw, -(e107 * c_left_wrist_yaw));
-    // left_wrist_roll
-    let ky_left_wrist_roll_y = by_left_wrist_yaw_x
-        .mul_add(
-            T::from_f64(0.06712447922871664),
-            -(T::from_f64(0.9977446087492899) * ky_left_wrist_yaw_z),
-        );
-    let ky_left_wrist_roll_z = by_left_wrist_yaw_x
-        .mul_add(
-            T::from_f64(0.9977446087492899),
-            T::from_f64(0.06712447922871664) * ky_left_wrist_yaw_z,
-        );
-    let e109 = e108.mul_add(c_left_wrist_roll, ky_left_wrist_roll_y * s_left_wrist_roll);
-    let e110 = ky_left_wrist_roll_y
-        .mul_add(c_left_wrist_roll, -(e108 * s_left_wrist_roll));
-    // left_wrist_pitch
-    let ky_left_wrist_pitch_y = e109
-        .mul_add(
-            T::from_f64(0.042799828876225604),
-            -(T::from_f64(0.99908366749145) * ky_left_wrist_roll_z),
-        );
-    let e111 = e109
-        .mul_add(
-            T::from_f64(0.99908366749145),
-            T::from_f64(0.042799828876225604) * ky_left_wrist_roll_z,
-        );
-    let e112 = e110
-        .mul_add(c_left_wrist_pitch, ky_left_wrist_pitch_y * s_left_wrist_pitch);
-    let e113 = ky_left_wrist_pitch_y
-        .mul_add(c_left_wrist_pitch, -(e110 * s_left_wrist_pitch));
-    // right_ankle_roll
-    let bz_right_ankle_roll_x = s_right_ankle_roll
-        .mul_add(
-            T::from_f64(0.9799158654419752),
-            -(T::from_f64(0.13055455182981807) * c_right_ankle_roll),
-        );
-    let e114 = s_right_ankle_roll
-        .mul_add(
-            T::from_f64(0.13055455182981807),
-            T::from_f64(0.9799158654419752) * c_right_ankle_roll,
-        );
-    // right_ankle_pitch
-    let kz_right_ankle_pitch_y = (-bz_right_ankle_roll_x)
-        .mul_add(T::from_f64(0.0524083921121999), T::from_f64(0.15052574825109485));
-    let kz_right_ankle_pitch_z = bz_right_ankle_roll_x
-        .mul_add(T::from_f64(0.9986257359172223), T::from_f64(0.007899668668242278));
-    let bz_right_ankle_pitch_x = kz_right_ankle_pitch_y
-        .mul_add(s_right_ankle_pitch, -(e114 * c_right_ankle_pitch));
-    let e115 = kz_right_ankle_pitch_y
-        .mul_add(c_right_ankle_pitch, e114 * s_right_ankle_pitch);
-    // right_knee
-    let kz_right_knee_y = bz_right_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.9659918591802843),
-            -(T::from_f64(0.2585724811294071) * kz_right_ankle_pitch_z),
-        );
-    let kz_right_knee_z = bz_right_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.2585724811294071),
-            T::from_f64(0.9659918591802843) * kz_right_ankle_pitch_z,
-        );
-    let bz_right_knee_x = e115.mul_add(s_right_knee, kz_right_knee_y * c_right_knee);
-    let e116 = e115.mul_add(c_right_knee, -(kz_right_knee_y * s_right_knee));
-    // right_hip_pitch
-    let kz_right_hip_pitch_y = bz_right_knee_x
-        .mul_add(
-            T::from_f64(0.9973888291864124),
-            -(T::from_f64(0.0722185808096314) * kz_right_knee_z),
-        );
-    let kz_right_hip_pitch_z = bz_right_knee_x
-        .mul_add(
-            T::from_f64(0.0722185808096314),
-            T::from_f64(0.9973888291864124) * kz_right_knee_z,
-        );
-    let bz_right_hip_pitch_x = kz_right_hip_pitch_y
-        .mul_add(s_right_hip_pitch, -(e116 * c_right_hip_pitch));
-    let e117 = kz_right_hip_pitch_y.mul_add(c_right_hip_pitch, e116 * s_right_hip_pitch);
-    // right_hip_roll
-    let kz_right_hip_roll_y = bz_right_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.06044086238279244),
-            -(T::from_f64(0.9981717798828138) * kz_right_hip_pitch_z),
-        );
-    let kz_right_hip_roll_z = bz_right_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.9981717798828138),
-            T::from_f64(0.06044086238279244) * kz_right_hip_pitch_z,
-        );
-    let bz_right_hip_roll_x = e117
-        .mul_add(c_right_hip_roll, -(kz_right_hip_roll_y * s_right_hip_roll));
-    let bz_right_hip_roll_y = kz_right_hip_roll_y
-        .mul_add(c_right_hip_roll, e117 * s_right_hip_roll);
-    // right_hip_yaw
-    let kz_right_hip_yaw_y = bz_right_hip_roll_x
-        .mul_add(
-            T::from_f64(0.08292767473984558),
-            -(T::from_f64(0.9965555683263441) * kz_right_hip_roll_z),
-        );
-    let kz_right_hip_yaw_z = bz_right_hip_roll_x
-        .mul_add(
-            T::from_f64(0.9965555683263441),
-            T::from_f64(0.08292767473984558) * kz_right_hip_roll_z,
-        );
-    let bz_right_hip_yaw_x = bz_right_hip_roll_y
-        .mul_add(c_right_hip_yaw, kz_right_hip_yaw_y * s_right_hip_yaw);
-    let e118 = kz_right_hip_yaw_y
-        .mul_add(c_right_hip_yaw, -(bz_right_hip_roll_y * s_right_hip_yaw));
-    // left_hip_yaw
-    let e119 = bz_right_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.538107754426925),
-            T::from_f64(0.8428760553163273) * kz_right_hip_yaw_z,
-        );
-    let kz_left_hip_yaw_z = bz_right_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.8428760553163273),
-            -(T::from_f64(0.538107754426925) * kz_right_hip_yaw_z),
-        );
-    let bz_left_hip_yaw_x = e118.mul_add(c_left_hip_yaw, -(e119 * s_left_hip_yaw));
-    let e120 = e119.mul_add(c_left_hip_yaw, e118 * s_left_hip_yaw);
-    // left_hip_roll
-    let kz_left_hip_roll_y = bz_left_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.08292767473984561),
-            -(T::from_f64(0.9965555683263441) * kz_left_hip_yaw_z),
-        );
-    let kz_left_hip_roll_z = bz_left_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.9965555683263441),
-            T::from_f64(0.08292767473984561) * kz_left_hip_yaw_z,
-        );
-    let e121 = e120.mul_add(c_left_hip_roll, kz_left_hip_roll_y * s_left_hip_roll);
-    let e122 = kz_left_hip_roll_y.mul_add(c_left_hip_roll, -(e120 * s_left_hip_roll));
-    // left_hip_pitch
-    let e123 = e121
-        .mul_add(
-            T::from_f64(0.06044086238279245),
-            T::from_f64(0.9981717798828137) * kz_left_hip_roll_z,
-        );
-    let kz_left_hip_pitch_z = kz_left_hip_roll_z
-        .mul_add(
-            T::from_f64(0.06044086238279245),
-            -(T::from_f64(0.9981717798828137) * e121),
-        );
-    let bz_left_hip_pitch_x = e122.mul_add(c_left_hip_pitch, -(e123 * s_left_hip_pitch));
-    let e124 = e123.mul_add(c_left_hip_pitch, e122 * s_left_hip_pitch);
-    // left_knee
-    let kz_left_knee_y = bz_left_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.9973888291864126),
-            -(T::from_f64(0.0722185808096314) * kz_left_hip_pitch_z),
-        );
-    let kz_left_knee_z = bz_left_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.0722185808096314),
-            T::from_f64(0.9973888291864126) * kz_left_hip_pitch_z,
-        );
-    let bz_left_knee_x = kz_left_knee_y.mul_add(c_left_knee, -(e124 * s_left_knee));
-    let e125 = kz_left_knee_y.mul_add(s_left_knee, e124 * c_left_knee);
-    // left_ankle_pitch
-    let kz_left_ankle_pitch_y = bz_left_knee_x
-        .mul_add(
-            T::from_f64(0.9659918591802845),
-            -(T::from_f64(0.2585724811294071) * kz_left_knee_z),
-        );
-    let kz_left_ankle_pitch_z = bz_left_knee_x
-        .mul_add(
-            T::from_f64(0.2585724811294071),
-            T::from_f64(0.9659918591802845) * kz_left_knee_z,
-        );
-    let bz_left_ankle_pitch_x = e125
-        .mul_add(c_left_ankle_pitch, kz_left_ankle_pitch_y * s_left_ankle_pitch);
-    let e126 = e125
-        .mul_add(s_left_ankle_pitch, -(kz_left_ankle_pitch_y * c_left_ankle_pitch));
-    // left_ankle_roll
-    let e127 = bz_left_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.052408392112199914),
-            T::from_f64(0.9986257359172225) * kz_left_ankle_pitch_z,
-        );
-    let kz_left_ankle_roll_z = bz_left_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.9986257359172225),
-            -(T::from_f64(0.052408392112199914) * kz_left_ankle_pitch_z),
-        );
-    let bz_left_ankle_roll_x = e127
-        .mul_add(s_left_ankle_roll, -(e126 * c_left_ankle_roll));
-    let bz_left_ankle_roll_y = e127.mul_add(c_left_ankle_roll, e126 * s_left_ankle_roll);
-    // waist_yaw
-    let e128 = e118
-        .mul_add(
-            T::from_f64(0.11944678826051937),
-            -(T::from_f64(0.19252104104496945) * bz_right_hip_yaw_x),
-        ) + kz_right_hip_yaw_z;
-    let kz_waist_yaw_x = e128
-        .mul_add(T::from_f64(0.3662421800811956), bz_right_hip_yaw_x);
-    let kz_waist_yaw_y = e128.mul_add(T::from_f64(0.22722945969324562), -e118);
-    let kz_waist_yaw_z = (-e128)
-        .mul_add(T::from_f64(1.9023488450576578), kz_right_hip_yaw_z);
-    let bz_waist_yaw_x = kz_waist_yaw_y
-        .mul_add(s_waist_yaw, -(kz_waist_yaw_x * c_waist_yaw));
-    let bz_waist_yaw_y = kz_waist_yaw_y
-        .mul_add(c_waist_yaw, kz_waist_yaw_x * s_waist_yaw);
-    // waist_pitch
-    let kz_waist_pitch_y = bz_waist_yaw_x
-        .mul_add(
-            T::from_f64(0.19642259114963537),
-            -(T::from_f64(0.980519334682424) * kz_waist_yaw_z),
-        );
-    let kz_waist_pitch_z = bz_waist_yaw_x
-        .mul_add(
-            T::from_f64(0.980519334682424),
-            T::from_f64(0.19642259114963537) * kz_waist_yaw_z,
-        );
-    let e129 = bz_waist_yaw_y.mul_add(s_waist_pitch, kz_waist_pitch_y * c_waist_pitch);
-    let e130 = bz_waist_yaw_y
-        .mul_add(c_waist_pitch, -(kz_waist_pitch_y * s_waist_pitch));
-    // neck_yaw
-    let e131 = e129
-        .mul_add(
-            T::from_f64(0.11686854868553807),
-            T::from_f64(0.9931473920461839) * kz_waist_pitch_z,
-        );
-    let kz_neck_yaw_z = kz_waist_pitch_z
-        .mul_add(
-            T::from_f64(0.11686854868553807),
-            -(T::from_f64(0.9931473920461839) * e129),
-        );
-    let bz_neck_yaw_x = e130.mul_add(s_neck_yaw, e131 * c_neck_yaw);
-    let e132 = e131.mul_add(s_neck_yaw, -(e130 * c_neck_yaw));
-    // neck_pitch
-    let e133 = bz_neck_yaw_x
-        .mul_add(
-            T::from_f64(0.040883888851400166),
-            T::from_f64(0.9991639042881736) * kz_neck_yaw_z,
-        );
-    let kz_neck_pitch_z = bz_neck_yaw_x
-        .mul_add(
-            T::from_f64(0.9991639042881736),
-            -(T::from_f64(0.040883888851400166) * kz_neck_yaw_z),
-        );
-    let bz_neck_pitch_x = e133.mul_add(s_neck_pitch, -(e132 * c_neck_pitch));
-    let bz_neck_pitch_y = e133.mul_add(c_neck_pitch, e132 * s_neck_pitch);
-    // right_shoulder_pitch
-    let e134 = kz_waist_pitch_z
-        .mul_add(
-            T::from_f64(0.10644334192309902),
-            e130.mul_add(T::from_f64(0.07159388452594458), -e129),
-        );
-    let e135 = e134.mul_add(T::from_f64(1.9676210845200064), e129);
-    let kz_right_shoulder_pitch_y = e134
-        .mul_add(T::from_f64(0.14086963671593916), -e130);
-    let kz_right_shoulder_pitch_z = (-e134)
-        .mul_add(T::from_f64(0.20944016387466197), kz_waist_pitch_z);
-    let bz_right_shoulder_pitch_x = e135
-        .mul_add(
-            s_right_shoulder_pitch,
-            -(kz_right_shoulder_pitch_y * c_right_shoulder_pitch),
-        );
-    let bz_right_shoulder_pitch_y = kz_right_shoulder_pitch_y
-        .mul_add(s_right_shoulder_pitch, e135 * c_right_shoulder_pitch);
-    // right_shoulder_roll
     let kz_right_shoulder_roll_y = bz_right_shoulder_pitch_x
         .mul_add(
             T::from_f64(0.2834710957352705),
@@ -7579,7 +7004,43 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             bz_right_shoulder_pitch_y * s_right_shoulder_roll,
         );
     // right_shoulder_yaw
-    let e136 = bz_right_shoulder_roll_x
+    let e84 = q[18] - T::from_f64(0.12871645458236847);
+    let (s_right_shoulder_yaw, c_right_shoulder_yaw) = e84.sin_cos();
+    let e85 = bx_right_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.3848026949004402),
+            T::from_f64(0.9229988548190939) * kx_right_shoulder_roll_z,
+        );
+    let kx_right_shoulder_yaw_z = bx_right_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.9229988548190939),
+            -(T::from_f64(0.3848026949004402) * kx_right_shoulder_roll_z),
+        );
+    let e86 = bx_right_shoulder_roll_y
+        .mul_add(c_right_shoulder_yaw, e85 * s_right_shoulder_yaw);
+    let e87 = e85
+        .mul_add(
+            c_right_shoulder_yaw,
+            -(bx_right_shoulder_roll_y * s_right_shoulder_yaw),
+        );
+    let e88 = by_right_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.3848026949004402),
+            T::from_f64(0.9229988548190939) * ky_right_shoulder_roll_z,
+        );
+    let ky_right_shoulder_yaw_z = by_right_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.9229988548190939),
+            -(T::from_f64(0.3848026949004402) * ky_right_shoulder_roll_z),
+        );
+    let e89 = by_right_shoulder_roll_y
+        .mul_add(c_right_shoulder_yaw, e88 * s_right_shoulder_yaw);
+    let e90 = e88
+        .mul_add(
+            c_right_shoulder_yaw,
+            -(by_right_shoulder_roll_y * s_right_shoulder_yaw),
+        );
+    let e91 = bz_right_shoulder_roll_x
         .mul_add(
             T::from_f64(0.3848026949004402),
             T::from_f64(0.9229988548190939) * kz_right_shoulder_roll_z,
@@ -7589,15 +7050,41 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.9229988548190939),
             -(T::from_f64(0.3848026949004402) * kz_right_shoulder_roll_z),
         );
-    let e137 = bz_right_shoulder_roll_y
-        .mul_add(c_right_shoulder_yaw, e136 * s_right_shoulder_yaw);
-    let e138 = e136
+    let e92 = bz_right_shoulder_roll_y
+        .mul_add(c_right_shoulder_yaw, e91 * s_right_shoulder_yaw);
+    let e93 = e91
         .mul_add(
             c_right_shoulder_yaw,
             -(bz_right_shoulder_roll_y * s_right_shoulder_yaw),
         );
     // right_elbow
-    let e139 = e137
+    let e94 = q[19] - T::from_f64(0.07968980871027065);
+    let (s_right_elbow, c_right_elbow) = e94.sin_cos();
+    let e95 = e86
+        .mul_add(
+            T::from_f64(0.12242921843048289),
+            T::from_f64(0.9924772473334093) * kx_right_shoulder_yaw_z,
+        );
+    let kx_right_elbow_z = kx_right_shoulder_yaw_z
+        .mul_add(
+            T::from_f64(0.12242921843048289),
+            -(T::from_f64(0.9924772473334093) * e86),
+        );
+    let bx_right_elbow_x = e87.mul_add(s_right_elbow, e95 * c_right_elbow);
+    let e96 = e95.mul_add(s_right_elbow, -(e87 * c_right_elbow));
+    let e97 = e89
+        .mul_add(
+            T::from_f64(0.12242921843048289),
+            T::from_f64(0.9924772473334093) * ky_right_shoulder_yaw_z,
+        );
+    let ky_right_elbow_z = ky_right_shoulder_yaw_z
+        .mul_add(
+            T::from_f64(0.12242921843048289),
+            -(T::from_f64(0.9924772473334093) * e89),
+        );
+    let by_right_elbow_x = e90.mul_add(s_right_elbow, e97 * c_right_elbow);
+    let e98 = e97.mul_add(s_right_elbow, -(e90 * c_right_elbow));
+    let e99 = e92
         .mul_add(
             T::from_f64(0.12242921843048289),
             T::from_f64(0.9924772473334093) * kz_right_shoulder_yaw_z,
@@ -7605,12 +7092,40 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     let kz_right_elbow_z = kz_right_shoulder_yaw_z
         .mul_add(
             T::from_f64(0.12242921843048289),
-            -(T::from_f64(0.9924772473334093) * e137),
+            -(T::from_f64(0.9924772473334093) * e92),
         );
-    let bz_right_elbow_x = e138.mul_add(s_right_elbow, e139 * c_right_elbow);
-    let e140 = e139.mul_add(s_right_elbow, -(e138 * c_right_elbow));
+    let bz_right_elbow_x = e93.mul_add(s_right_elbow, e99 * c_right_elbow);
+    let e100 = e99.mul_add(s_right_elbow, -(e93 * c_right_elbow));
     // right_wrist_yaw
-    let e141 = bz_right_elbow_x
+    let e101 = q[20] + T::from_f64(0.07984195204795129);
+    let (s_right_wrist_yaw, c_right_wrist_yaw) = e101.sin_cos();
+    let e102 = bx_right_elbow_x
+        .mul_add(
+            T::from_f64(0.15904161977640188),
+            T::from_f64(0.9872718790580934) * kx_right_elbow_z,
+        );
+    let kx_right_wrist_yaw_z = bx_right_elbow_x
+        .mul_add(
+            T::from_f64(0.9872718790580934),
+            -(T::from_f64(0.15904161977640188) * kx_right_elbow_z),
+        );
+    let bx_right_wrist_yaw_x = e102
+        .mul_add(s_right_wrist_yaw, -(e96 * c_right_wrist_yaw));
+    let bx_right_wrist_yaw_y = e102.mul_add(c_right_wrist_yaw, e96 * s_right_wrist_yaw);
+    let e103 = by_right_elbow_x
+        .mul_add(
+            T::from_f64(0.15904161977640188),
+            T::from_f64(0.9872718790580934) * ky_right_elbow_z,
+        );
+    let ky_right_wrist_yaw_z = by_right_elbow_x
+        .mul_add(
+            T::from_f64(0.9872718790580934),
+            -(T::from_f64(0.15904161977640188) * ky_right_elbow_z),
+        );
+    let by_right_wrist_yaw_x = e103
+        .mul_add(s_right_wrist_yaw, -(e98 * c_right_wrist_yaw));
+    let by_right_wrist_yaw_y = e103.mul_add(c_right_wrist_yaw, e98 * s_right_wrist_yaw);
+    let e104 = bz_right_elbow_x
         .mul_add(
             T::from_f64(0.15904161977640188),
             T::from_f64(0.9872718790580934) * kz_right_elbow_z,
@@ -7620,10 +7135,40 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.9872718790580934),
             -(T::from_f64(0.15904161977640188) * kz_right_elbow_z),
         );
-    let bz_right_wrist_yaw_x = e141
-        .mul_add(s_right_wrist_yaw, -(e140 * c_right_wrist_yaw));
-    let bz_right_wrist_yaw_y = e141.mul_add(c_right_wrist_yaw, e140 * s_right_wrist_yaw);
+    let bz_right_wrist_yaw_x = e104
+        .mul_add(s_right_wrist_yaw, -(e100 * c_right_wrist_yaw));
+    let bz_right_wrist_yaw_y = e104.mul_add(c_right_wrist_yaw, e100 * s_right_wrist_yaw);
     // right_wrist_roll
+    let e105 = q[21] - T::from_f64(0.05544050383462643);
+    let (s_right_wrist_roll, c_right_wrist_roll) = e105.sin_cos();
+    let kx_right_wrist_roll_y = bx_right_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.06712447922871664),
+            -(T::from_f64(0.9977446087492899) * kx_right_wrist_yaw_z),
+        );
+    let kx_right_wrist_roll_z = bx_right_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.9977446087492899),
+            T::from_f64(0.06712447922871664) * kx_right_wrist_yaw_z,
+        );
+    let bx_right_wrist_roll_x = bx_right_wrist_yaw_y
+        .mul_add(c_right_wrist_roll, -(kx_right_wrist_roll_y * s_right_wrist_roll));
+    let e106 = kx_right_wrist_roll_y
+        .mul_add(c_right_wrist_roll, bx_right_wrist_yaw_y * s_right_wrist_roll);
+    let ky_right_wrist_roll_y = by_right_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.06712447922871664),
+            -(T::from_f64(0.9977446087492899) * ky_right_wrist_yaw_z),
+        );
+    let ky_right_wrist_roll_z = by_right_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.9977446087492899),
+            T::from_f64(0.06712447922871664) * ky_right_wrist_yaw_z,
+        );
+    let by_right_wrist_roll_x = by_right_wrist_yaw_y
+        .mul_add(c_right_wrist_roll, -(ky_right_wrist_roll_y * s_right_wrist_roll));
+    let e107 = ky_right_wrist_roll_y
+        .mul_add(c_right_wrist_roll, by_right_wrist_yaw_y * s_right_wrist_roll);
     let kz_right_wrist_roll_y = bz_right_wrist_yaw_x
         .mul_add(
             T::from_f64(0.06712447922871664),
@@ -7636,10 +7181,39 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
         );
     let bz_right_wrist_roll_x = bz_right_wrist_yaw_y
         .mul_add(c_right_wrist_roll, -(kz_right_wrist_roll_y * s_right_wrist_roll));
-    let e142 = kz_right_wrist_roll_y
+    let e108 = kz_right_wrist_roll_y
         .mul_add(c_right_wrist_roll, bz_right_wrist_yaw_y * s_right_wrist_roll);
     // right_wrist_pitch
-    let e143 = bz_right_wrist_roll_x
+    let (s_right_wrist_pitch, c_right_wrist_pitch) = q[22].sin_cos();
+    let e109 = bx_right_wrist_roll_x
+        .mul_add(
+            T::from_f64(0.042799828876225604),
+            T::from_f64(0.99908366749145) * kx_right_wrist_roll_z,
+        );
+    let kx_right_wrist_pitch_z = bx_right_wrist_roll_x
+        .mul_add(
+            T::from_f64(0.99908366749145),
+            -(T::from_f64(0.042799828876225604) * kx_right_wrist_roll_z),
+        );
+    let bx_right_wrist_pitch_x = e109
+        .mul_add(s_right_wrist_pitch, -(e106 * c_right_wrist_pitch));
+    let bx_right_wrist_pitch_y = e109
+        .mul_add(c_right_wrist_pitch, e106 * s_right_wrist_pitch);
+    let e110 = by_right_wrist_roll_x
+        .mul_add(
+            T::from_f64(0.042799828876225604),
+            T::from_f64(0.99908366749145) * ky_right_wrist_roll_z,
+        );
+    let ky_right_wrist_pitch_z = by_right_wrist_roll_x
+        .mul_add(
+            T::from_f64(0.99908366749145),
+            -(T::from_f64(0.042799828876225604) * ky_right_wrist_roll_z),
+        );
+    let by_right_wrist_pitch_x = e110
+        .mul_add(s_right_wrist_pitch, -(e107 * c_right_wrist_pitch));
+    let by_right_wrist_pitch_y = e110
+        .mul_add(c_right_wrist_pitch, e107 * s_right_wrist_pitch);
+    let e111 = bz_right_wrist_roll_x
         .mul_add(
             T::from_f64(0.042799828876225604),
             T::from_f64(0.99908366749145) * kz_right_wrist_roll_z,
@@ -7649,31 +7223,107 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.99908366749145),
             -(T::from_f64(0.042799828876225604) * kz_right_wrist_roll_z),
         );
-    let bz_right_wrist_pitch_x = e143
-        .mul_add(s_right_wrist_pitch, -(e142 * c_right_wrist_pitch));
-    let bz_right_wrist_pitch_y = e143
-        .mul_add(c_right_wrist_pitch, e142 * s_right_wrist_pitch);
+    let bz_right_wrist_pitch_x = e111
+        .mul_add(s_right_wrist_pitch, -(e108 * c_right_wrist_pitch));
+    let bz_right_wrist_pitch_y = e111
+        .mul_add(c_right_wrist_pitch, e108 * s_right_wrist_pitch);
     // left_shoulder_pitch
-    let e144 = (-kz_waist_pitch_z)
+    let e112 = q[23] + T::from_f64(0.014907991996345737);
+    let (s_left_shoulder_pitch, c_left_shoulder_pitch) = e112.sin_cos();
+    let e113 = (-kx_waist_pitch_z)
         .mul_add(
             T::from_f64(0.09248191489966293),
-            e129.mul_add(T::from_f64(0.11783871458722316), -e130),
+            e60.mul_add(T::from_f64(0.11783871458722316), -e61),
         );
-    let kz_left_shoulder_pitch_x = e144.mul_add(T::from_f64(0.2305051546121806), -e129);
-    let e145 = e144.mul_add(T::from_f64(1.956107170887058), e130);
-    let kz_left_shoulder_pitch_z = e144
+    let kx_left_shoulder_pitch_x = e113.mul_add(T::from_f64(0.2305051546121806), -e60);
+    let e114 = e113.mul_add(T::from_f64(1.956107170887058), e61);
+    let kx_left_shoulder_pitch_z = e113
+        .mul_add(T::from_f64(0.1809045369125973), kx_waist_pitch_z);
+    let bx_left_shoulder_pitch_x = e114
+        .mul_add(
+            c_left_shoulder_pitch,
+            -(kx_left_shoulder_pitch_x * s_left_shoulder_pitch),
+        );
+    let e115 = e114
+        .mul_add(
+            s_left_shoulder_pitch,
+            kx_left_shoulder_pitch_x * c_left_shoulder_pitch,
+        );
+    let e116 = (-ky_waist_pitch_z)
+        .mul_add(
+            T::from_f64(0.09248191489966293),
+            e62.mul_add(T::from_f64(0.11783871458722316), -e63),
+        );
+    let ky_left_shoulder_pitch_x = e116.mul_add(T::from_f64(0.2305051546121806), -e62);
+    let e117 = e116.mul_add(T::from_f64(1.956107170887058), e63);
+    let ky_left_shoulder_pitch_z = e116
+        .mul_add(T::from_f64(0.1809045369125973), ky_waist_pitch_z);
+    let by_left_shoulder_pitch_x = e117
+        .mul_add(
+            c_left_shoulder_pitch,
+            -(ky_left_shoulder_pitch_x * s_left_shoulder_pitch),
+        );
+    let e118 = e117
+        .mul_add(
+            s_left_shoulder_pitch,
+            ky_left_shoulder_pitch_x * c_left_shoulder_pitch,
+        );
+    let e119 = (-kz_waist_pitch_z)
+        .mul_add(
+            T::from_f64(0.09248191489966293),
+            e64.mul_add(T::from_f64(0.11783871458722316), -e65),
+        );
+    let kz_left_shoulder_pitch_x = e119.mul_add(T::from_f64(0.2305051546121806), -e64);
+    let e120 = e119.mul_add(T::from_f64(1.956107170887058), e65);
+    let kz_left_shoulder_pitch_z = e119
         .mul_add(T::from_f64(0.1809045369125973), kz_waist_pitch_z);
-    let bz_left_shoulder_pitch_x = e145
+    let bz_left_shoulder_pitch_x = e120
         .mul_add(
             c_left_shoulder_pitch,
             -(kz_left_shoulder_pitch_x * s_left_shoulder_pitch),
         );
-    let e146 = e145
+    let e121 = e120
         .mul_add(
             s_left_shoulder_pitch,
             kz_left_shoulder_pitch_x * c_left_shoulder_pitch,
         );
     // left_shoulder_roll
+    let e122 = q[24] - T::from_f64(0.29227270605474676);
+    let (s_left_shoulder_roll, c_left_shoulder_roll) = e122.sin_cos();
+    let kx_left_shoulder_roll_y = bx_left_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.2834710957352705),
+            -(T::from_f64(0.9589807807681263) * kx_left_shoulder_pitch_z),
+        );
+    let kx_left_shoulder_roll_z = bx_left_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.9589807807681263),
+            T::from_f64(0.2834710957352705) * kx_left_shoulder_pitch_z,
+        );
+    let bx_left_shoulder_roll_x = e115
+        .mul_add(c_left_shoulder_roll, kx_left_shoulder_roll_y * s_left_shoulder_roll);
+    let e123 = e115
+        .mul_add(
+            s_left_shoulder_roll,
+            -(kx_left_shoulder_roll_y * c_left_shoulder_roll),
+        );
+    let ky_left_shoulder_roll_y = by_left_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.2834710957352705),
+            -(T::from_f64(0.9589807807681263) * ky_left_shoulder_pitch_z),
+        );
+    let ky_left_shoulder_roll_z = by_left_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.9589807807681263),
+            T::from_f64(0.2834710957352705) * ky_left_shoulder_pitch_z,
+        );
+    let by_left_shoulder_roll_x = e118
+        .mul_add(c_left_shoulder_roll, ky_left_shoulder_roll_y * s_left_shoulder_roll);
+    let e124 = e118
+        .mul_add(
+            s_left_shoulder_roll,
+            -(ky_left_shoulder_roll_y * c_left_shoulder_roll),
+        );
     let kz_left_shoulder_roll_y = bz_left_shoulder_pitch_x
         .mul_add(
             T::from_f64(0.2834710957352705),
@@ -7684,15 +7334,43 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.9589807807681263),
             T::from_f64(0.2834710957352705) * kz_left_shoulder_pitch_z,
         );
-    let bz_left_shoulder_roll_x = e146
+    let bz_left_shoulder_roll_x = e121
         .mul_add(c_left_shoulder_roll, kz_left_shoulder_roll_y * s_left_shoulder_roll);
-    let e147 = e146
+    let e125 = e121
         .mul_add(
             s_left_shoulder_roll,
             -(kz_left_shoulder_roll_y * c_left_shoulder_roll),
         );
     // left_shoulder_yaw
-    let e148 = bz_left_shoulder_roll_x
+    let e126 = q[25] - T::from_f64(0.12871645458236847);
+    let (s_left_shoulder_yaw, c_left_shoulder_yaw) = e126.sin_cos();
+    let e127 = bx_left_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.3848026949004402),
+            T::from_f64(0.9229988548190939) * kx_left_shoulder_roll_z,
+        );
+    let kx_left_shoulder_yaw_z = bx_left_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.9229988548190939),
+            -(T::from_f64(0.3848026949004402) * kx_left_shoulder_roll_z),
+        );
+    let bx_left_shoulder_yaw_x = e123
+        .mul_add(c_left_shoulder_yaw, -(e127 * s_left_shoulder_yaw));
+    let e128 = e127.mul_add(c_left_shoulder_yaw, e123 * s_left_shoulder_yaw);
+    let e129 = by_left_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.3848026949004402),
+            T::from_f64(0.9229988548190939) * ky_left_shoulder_roll_z,
+        );
+    let ky_left_shoulder_yaw_z = by_left_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.9229988548190939),
+            -(T::from_f64(0.3848026949004402) * ky_left_shoulder_roll_z),
+        );
+    let by_left_shoulder_yaw_x = e124
+        .mul_add(c_left_shoulder_yaw, -(e129 * s_left_shoulder_yaw));
+    let e130 = e129.mul_add(c_left_shoulder_yaw, e124 * s_left_shoulder_yaw);
+    let e131 = bz_left_shoulder_roll_x
         .mul_add(
             T::from_f64(0.3848026949004402),
             T::from_f64(0.9229988548190939) * kz_left_shoulder_roll_z,
@@ -7702,10 +7380,36 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.9229988548190939),
             -(T::from_f64(0.3848026949004402) * kz_left_shoulder_roll_z),
         );
-    let bz_left_shoulder_yaw_x = e147
-        .mul_add(c_left_shoulder_yaw, -(e148 * s_left_shoulder_yaw));
-    let e149 = e148.mul_add(c_left_shoulder_yaw, e147 * s_left_shoulder_yaw);
+    let bz_left_shoulder_yaw_x = e125
+        .mul_add(c_left_shoulder_yaw, -(e131 * s_left_shoulder_yaw));
+    let e132 = e131.mul_add(c_left_shoulder_yaw, e125 * s_left_shoulder_yaw);
     // left_elbow
+    let e133 = q[26] - T::from_f64(0.07968980871027065);
+    let (s_left_elbow, c_left_elbow) = e133.sin_cos();
+    let kx_left_elbow_y = bx_left_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.12242921843048289),
+            -(T::from_f64(0.9924772473334093) * kx_left_shoulder_yaw_z),
+        );
+    let kx_left_elbow_z = bx_left_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.9924772473334093),
+            T::from_f64(0.12242921843048289) * kx_left_shoulder_yaw_z,
+        );
+    let bx_left_elbow_x = e128.mul_add(s_left_elbow, -(kx_left_elbow_y * c_left_elbow));
+    let bx_left_elbow_y = kx_left_elbow_y.mul_add(s_left_elbow, e128 * c_left_elbow);
+    let ky_left_elbow_y = by_left_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.12242921843048289),
+            -(T::from_f64(0.9924772473334093) * ky_left_shoulder_yaw_z),
+        );
+    let ky_left_elbow_z = by_left_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.9924772473334093),
+            T::from_f64(0.12242921843048289) * ky_left_shoulder_yaw_z,
+        );
+    let by_left_elbow_x = e130.mul_add(s_left_elbow, -(ky_left_elbow_y * c_left_elbow));
+    let by_left_elbow_y = ky_left_elbow_y.mul_add(s_left_elbow, e130 * c_left_elbow);
     let kz_left_elbow_y = bz_left_shoulder_yaw_x
         .mul_add(
             T::from_f64(0.12242921843048289),
@@ -7716,10 +7420,38 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.9924772473334093),
             T::from_f64(0.12242921843048289) * kz_left_shoulder_yaw_z,
         );
-    let bz_left_elbow_x = e149.mul_add(s_left_elbow, -(kz_left_elbow_y * c_left_elbow));
-    let bz_left_elbow_y = kz_left_elbow_y.mul_add(s_left_elbow, e149 * c_left_elbow);
+    let bz_left_elbow_x = e132.mul_add(s_left_elbow, -(kz_left_elbow_y * c_left_elbow));
+    let bz_left_elbow_y = kz_left_elbow_y.mul_add(s_left_elbow, e132 * c_left_elbow);
     // left_wrist_yaw
-    let e150 = bz_left_elbow_x
+    let e134 = q[27] + T::from_f64(0.07984195204795129);
+    let (s_left_wrist_yaw, c_left_wrist_yaw) = e134.sin_cos();
+    let e135 = bx_left_elbow_x
+        .mul_add(
+            T::from_f64(0.15904161977640188),
+            T::from_f64(0.9872718790580934) * kx_left_elbow_z,
+        );
+    let kx_left_wrist_yaw_z = bx_left_elbow_x
+        .mul_add(
+            T::from_f64(0.9872718790580934),
+            -(T::from_f64(0.15904161977640188) * kx_left_elbow_z),
+        );
+    let bx_left_wrist_yaw_x = bx_left_elbow_y
+        .mul_add(c_left_wrist_yaw, e135 * s_left_wrist_yaw);
+    let e136 = bx_left_elbow_y.mul_add(s_left_wrist_yaw, -(e135 * c_left_wrist_yaw));
+    let e137 = by_left_elbow_x
+        .mul_add(
+            T::from_f64(0.15904161977640188),
+            T::from_f64(0.9872718790580934) * ky_left_elbow_z,
+        );
+    let ky_left_wrist_yaw_z = by_left_elbow_x
+        .mul_add(
+            T::from_f64(0.9872718790580934),
+            -(T::from_f64(0.15904161977640188) * ky_left_elbow_z),
+        );
+    let by_left_wrist_yaw_x = by_left_elbow_y
+        .mul_add(c_left_wrist_yaw, e137 * s_left_wrist_yaw);
+    let e138 = by_left_elbow_y.mul_add(s_left_wrist_yaw, -(e137 * c_left_wrist_yaw));
+    let e139 = bz_left_elbow_x
         .mul_add(
             T::from_f64(0.15904161977640188),
             T::from_f64(0.9872718790580934) * kz_left_elbow_z,
@@ -7730,9 +7462,37 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             -(T::from_f64(0.15904161977640188) * kz_left_elbow_z),
         );
     let bz_left_wrist_yaw_x = bz_left_elbow_y
-        .mul_add(c_left_wrist_yaw, e150 * s_left_wrist_yaw);
-    let e151 = bz_left_elbow_y.mul_add(s_left_wrist_yaw, -(e150 * c_left_wrist_yaw));
+        .mul_add(c_left_wrist_yaw, e139 * s_left_wrist_yaw);
+    let e140 = bz_left_elbow_y.mul_add(s_left_wrist_yaw, -(e139 * c_left_wrist_yaw));
     // left_wrist_roll
+    let e141 = q[28] - T::from_f64(0.05544050383462643);
+    let (s_left_wrist_roll, c_left_wrist_roll) = e141.sin_cos();
+    let kx_left_wrist_roll_y = bx_left_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.06712447922871664),
+            -(T::from_f64(0.9977446087492899) * kx_left_wrist_yaw_z),
+        );
+    let kx_left_wrist_roll_z = bx_left_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.9977446087492899),
+            T::from_f64(0.06712447922871664) * kx_left_wrist_yaw_z,
+        );
+    let e142 = e136.mul_add(c_left_wrist_roll, kx_left_wrist_roll_y * s_left_wrist_roll);
+    let e143 = kx_left_wrist_roll_y
+        .mul_add(c_left_wrist_roll, -(e136 * s_left_wrist_roll));
+    let ky_left_wrist_roll_y = by_left_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.06712447922871664),
+            -(T::from_f64(0.9977446087492899) * ky_left_wrist_yaw_z),
+        );
+    let ky_left_wrist_roll_z = by_left_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.9977446087492899),
+            T::from_f64(0.06712447922871664) * ky_left_wrist_yaw_z,
+        );
+    let e144 = e138.mul_add(c_left_wrist_roll, ky_left_wrist_roll_y * s_left_wrist_roll);
+    let e145 = ky_left_wrist_roll_y
+        .mul_add(c_left_wrist_roll, -(e138 * s_left_wrist_roll));
     let kz_left_wrist_roll_y = bz_left_wrist_yaw_x
         .mul_add(
             T::from_f64(0.06712447922871664),
@@ -7743,24 +7503,53 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.9977446087492899),
             T::from_f64(0.06712447922871664) * kz_left_wrist_yaw_z,
         );
-    let e152 = e151.mul_add(c_left_wrist_roll, kz_left_wrist_roll_y * s_left_wrist_roll);
-    let e153 = kz_left_wrist_roll_y
-        .mul_add(c_left_wrist_roll, -(e151 * s_left_wrist_roll));
+    let e146 = e140.mul_add(c_left_wrist_roll, kz_left_wrist_roll_y * s_left_wrist_roll);
+    let e147 = kz_left_wrist_roll_y
+        .mul_add(c_left_wrist_roll, -(e140 * s_left_wrist_roll));
     // left_wrist_pitch
-    let kz_left_wrist_pitch_y = e152
+    let (s_left_wrist_pitch, c_left_wrist_pitch) = q[29].sin_cos();
+    let kx_left_wrist_pitch_y = e142
+        .mul_add(
+            T::from_f64(0.042799828876225604),
+            -(T::from_f64(0.99908366749145) * kx_left_wrist_roll_z),
+        );
+    let e148 = e142
+        .mul_add(
+            T::from_f64(0.99908366749145),
+            T::from_f64(0.042799828876225604) * kx_left_wrist_roll_z,
+        );
+    let e149 = e143
+        .mul_add(c_left_wrist_pitch, kx_left_wrist_pitch_y * s_left_wrist_pitch);
+    let e150 = kx_left_wrist_pitch_y
+        .mul_add(c_left_wrist_pitch, -(e143 * s_left_wrist_pitch));
+    let ky_left_wrist_pitch_y = e144
+        .mul_add(
+            T::from_f64(0.042799828876225604),
+            -(T::from_f64(0.99908366749145) * ky_left_wrist_roll_z),
+        );
+    let e151 = e144
+        .mul_add(
+            T::from_f64(0.99908366749145),
+            T::from_f64(0.042799828876225604) * ky_left_wrist_roll_z,
+        );
+    let e152 = e145
+        .mul_add(c_left_wrist_pitch, ky_left_wrist_pitch_y * s_left_wrist_pitch);
+    let e153 = ky_left_wrist_pitch_y
+        .mul_add(c_left_wrist_pitch, -(e145 * s_left_wrist_pitch));
+    let kz_left_wrist_pitch_y = e146
         .mul_add(
             T::from_f64(0.042799828876225604),
             -(T::from_f64(0.99908366749145) * kz_left_wrist_roll_z),
         );
-    let e154 = e152
+    let e154 = e146
         .mul_add(
             T::from_f64(0.99908366749145),
             T::from_f64(0.042799828876225604) * kz_left_wrist_roll_z,
         );
-    let e155 = e153
+    let e155 = e147
         .mul_add(c_left_wrist_pitch, kz_left_wrist_pitch_y * s_left_wrist_pitch);
     let e156 = kz_left_wrist_pitch_y
-        .mul_add(c_left_wrist_pitch, -(e153 * s_left_wrist_pitch));
+        .mul_add(c_left_wrist_pitch, -(e147 * s_left_wrist_pitch));
     let zero = T::from_f64(0.0);
     let one = T::from_f64(1.0);
     [
@@ -7790,7 +7579,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bx_right_ankle_pitch_x
                         .mul_add(
                             T::from_f64(0.5863673657787142),
-                            T::from_f64(0.8037588635830045) * e5,
+                            T::from_f64(0.8037588635830045) * e7,
                         ),
                 ),
             kx_right_ankle_pitch_z
@@ -7799,13 +7588,13 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bx_right_ankle_pitch_x
                         .mul_add(
                             T::from_f64(0.17005552884933375),
-                            -(T::from_f64(0.0005719435102985865) * e5),
+                            -(T::from_f64(0.0005719435102985865) * e7),
                         ),
                 ),
             kx_right_ankle_pitch_z
                 .mul_add(
                     T::from_f64(0.1370190076234553),
-                    e5
+                    e7
                         .mul_add(
                             T::from_f64(0.5949549244206476),
                             -(T::from_f64(0.7919939579678025) * bx_right_ankle_pitch_x),
@@ -7814,7 +7603,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             (-kx_right_knee_z)
                 .mul_add(
                     T::from_f64(0.05491857598002902),
-                    e7
+                    e11
                         .mul_add(
                             T::from_f64(0.7773178779650478),
                             -(T::from_f64(0.6267063639442644) * bx_right_knee_x),
@@ -7826,7 +7615,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     -bx_right_knee_x
                         .mul_add(
                             T::from_f64(0.12374470904356641),
-                            T::from_f64(0.029691225369481516) * e7,
+                            T::from_f64(0.029691225369481516) * e11,
                         ),
                 ),
             -kx_right_knee_z
@@ -7835,7 +7624,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bx_right_knee_x
                         .mul_add(
                             T::from_f64(0.7693675197039984),
-                            T::from_f64(0.628406992109392) * e7,
+                            T::from_f64(0.628406992109392) * e11,
                         ),
                 ),
             -kx_right_hip_pitch_z
@@ -7844,7 +7633,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bx_right_hip_pitch_x
                         .mul_add(
                             T::from_f64(0.9827666448575718),
-                            T::from_f64(0.17950183453219504) * e9,
+                            T::from_f64(0.17950183453219504) * e15,
                         ),
                 ),
             kx_right_hip_pitch_z
@@ -7853,7 +7642,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     -bx_right_hip_pitch_x
                         .mul_add(
                             T::from_f64(0.011249506186826184),
-                            T::from_f64(0.18029592085523008) * e9,
+                            T::from_f64(0.18029592085523008) * e15,
                         ),
                 ),
             (-kx_right_hip_pitch_z)
@@ -7862,7 +7651,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bx_right_hip_pitch_x
                         .mul_add(
                             T::from_f64(0.1845079141011138),
-                            -(T::from_f64(0.9670948621115415) * e9),
+                            -(T::from_f64(0.9670948621115415) * e15),
                         ),
                 ),
             -kx_right_hip_roll_z
@@ -7898,7 +7687,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bx_right_hip_yaw_x
                         .mul_add(
                             T::from_f64(0.15979020363924512),
-                            T::from_f64(0.9431024014938241) * e12,
+                            T::from_f64(0.9431024014938241) * e20,
                         ),
                 ),
             -bx_right_hip_yaw_x
@@ -7912,7 +7701,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bx_right_hip_yaw_x
                         .mul_add(
                             T::from_f64(0.4532253452836305),
-                            -(T::from_f64(0.3325024214898031) * e12),
+                            -(T::from_f64(0.3325024214898031) * e20),
                         ),
                 ),
             kx_left_hip_yaw_z
@@ -7921,7 +7710,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bx_left_hip_yaw_x
                         .mul_add(
                             T::from_f64(0.9920190772526525),
-                            T::from_f64(0.03382383783872412) * e15,
+                            T::from_f64(0.03382383783872412) * e25,
                         ),
                 ),
             (-kx_left_hip_yaw_z)
@@ -7930,7 +7719,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bx_left_hip_yaw_x
                         .mul_add(
                             T::from_f64(0.05811909856572281),
-                            -(T::from_f64(0.9775676773628161) * e15),
+                            -(T::from_f64(0.9775676773628161) * e25),
                         ),
                 ),
             kx_left_hip_yaw_z
@@ -7939,40 +7728,40 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     -bx_left_hip_yaw_x
                         .mul_add(
                             T::from_f64(0.11189423912205596),
-                            T::from_f64(0.20788791251376057) * e15,
+                            T::from_f64(0.20788791251376057) * e25,
                         ),
                 ),
             kx_left_hip_roll_z
                 .mul_add(
                     T::from_f64(0.9836381149720178),
-                    e17
+                    e31
                         .mul_add(
                             T::from_f64(0.01533460706611091),
-                            -(T::from_f64(0.17950183453219504) * e18),
+                            -(T::from_f64(0.17950183453219504) * e32),
                         ),
                 ),
             kx_left_hip_roll_z
                 .mul_add(
                     T::from_f64(0.04821755465549107),
-                    e18
+                    e32
                         .mul_add(
                             T::from_f64(0.18029592085523005),
-                            -(T::from_f64(0.9824298694288612) * e17),
+                            -(T::from_f64(0.9824298694288612) * e31),
                         ),
                 ),
             -kx_left_hip_roll_z
                 .mul_add(
                     T::from_f64(0.17358319675976783),
-                    e17
+                    e31
                         .mul_add(
                             T::from_f64(0.18600107924449963),
-                            T::from_f64(0.9670948621115414) * e18,
+                            T::from_f64(0.9670948621115414) * e32,
                         ),
                 ),
             kx_left_hip_pitch_z
                 .mul_add(
                     T::from_f64(0.10003501838572533),
-                    e21
+                    e39
                         .mul_add(
                             T::from_f64(0.7773178779650479),
                             -(T::from_f64(0.6211037849606799) * bx_left_hip_pitch_x),
@@ -7984,7 +7773,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bx_left_hip_pitch_x
                         .mul_add(
                             T::from_f64(0.19505301897281854),
-                            T::from_f64(0.029691225369481503) * e21,
+                            T::from_f64(0.029691225369481503) * e39,
                         ),
                 ),
             kx_left_hip_pitch_z
@@ -7993,7 +7782,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     -bx_left_hip_pitch_x
                         .mul_add(
                             T::from_f64(0.7590681182193775),
-                            T::from_f64(0.6284069921093921) * e21,
+                            T::from_f64(0.6284069921093921) * e39,
                         ),
                 ),
             (-kx_left_knee_z)
@@ -8002,7 +7791,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bx_left_knee_x
                         .mul_add(
                             T::from_f64(0.5924701423191099),
-                            T::from_f64(0.8037588635830043) * e23,
+                            T::from_f64(0.8037588635830043) * e45,
                         ),
                 ),
             kx_left_knee_z
@@ -8011,13 +7800,13 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bx_left_knee_x
                         .mul_add(
                             T::from_f64(0.09053393944867547),
-                            T::from_f64(0.0005719435102985865) * e23,
+                            T::from_f64(0.0005719435102985865) * e45,
                         ),
                 ),
             kx_left_knee_z
                 .mul_add(
                     T::from_f64(0.07242859683401481),
-                    e23
+                    e45
                         .mul_add(
                             T::from_f64(0.5949549244206475),
                             -(T::from_f64(0.8004890606799554) * bx_left_knee_x),
@@ -8029,13 +7818,13 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bx_left_ankle_pitch_x
                         .mul_add(
                             T::from_f64(0.9854246040522064),
-                            -(T::from_f64(0.1529122762239553) * e25),
+                            -(T::from_f64(0.1529122762239553) * e49),
                         ),
                 ),
             kx_left_ankle_pitch_z
                 .mul_add(
                     T::from_f64(0.9903148176370599),
-                    e25
+                    e49
                         .mul_add(
                             T::from_f64(0.12742238056085947),
                             -(T::from_f64(0.05513709187725314) * bx_left_ankle_pitch_x),
@@ -8047,7 +7836,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bx_left_ankle_pitch_x
                         .mul_add(
                             T::from_f64(0.16092933488917305),
-                            T::from_f64(0.9799904962356587) * e25,
+                            T::from_f64(0.9799904962356587) * e49,
                         ),
                 ),
             kx_left_ankle_roll_z
@@ -8107,39 +7896,39 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             -kx_waist_pitch_z
                 .mul_add(
                     T::from_f64(0.07686740279497044),
-                    e30
+                    e60
                         .mul_add(
                             T::from_f64(0.17939505485262935),
-                            T::from_f64(0.9807695023204881) * e31,
+                            T::from_f64(0.9807695023204881) * e61,
                         ),
                 ),
             kx_waist_pitch_z
                 .mul_add(
                     T::from_f64(0.9882951787924771),
-                    e30
+                    e60
                         .mul_add(
                             T::from_f64(0.11629756483619717),
-                            -(T::from_f64(0.09872950920933495) * e31),
+                            -(T::from_f64(0.09872950920933495) * e61),
                         ),
                 ),
             kx_waist_pitch_z
                 .mul_add(
                     T::from_f64(0.1317726905056636),
-                    e31
+                    e61
                         .mul_add(
                             T::from_f64(0.1683557760497274),
-                            -(T::from_f64(0.9768788516021794) * e30),
+                            -(T::from_f64(0.9768788516021794) * e60),
                         ),
                 ),
             bx_neck_yaw_x
                 .mul_add(
                     T::from_f64(0.0463635037734159),
-                    T::from_f64(0.9989246345535044) * e34,
+                    T::from_f64(0.9989246345535044) * e68,
                 ),
             bx_neck_yaw_x
                 .mul_add(
                     T::from_f64(0.9989246345535044),
-                    -(T::from_f64(0.0463635037734159) * e34),
+                    -(T::from_f64(0.0463635037734159) * e68),
                 ),
             kx_neck_yaw_z,
             kx_neck_pitch_z
@@ -8227,23 +8016,23 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             kx_right_shoulder_yaw_z
                 .mul_add(
                     T::from_f64(0.08475868968264198),
-                    e42
+                    e86
                         .mul_add(
                             T::from_f64(0.01045559498811533),
-                            -(T::from_f64(0.9963466490417511) * e43),
+                            -(T::from_f64(0.9963466490417511) * e87),
                         ),
                 ),
             kx_right_elbow_z,
             -kx_right_shoulder_yaw_z
                 .mul_add(
                     T::from_f64(0.9888513796308234),
-                    e42
+                    e86
                         .mul_add(
                             T::from_f64(0.12198194152801221),
-                            T::from_f64(0.08540114134643578) * e43,
+                            T::from_f64(0.08540114134643578) * e87,
                         ),
                 ),
-            e46
+            e96
                 .mul_add(
                     T::from_f64(0.9829721203303413),
                     -(T::from_f64(0.18375475681808387) * bx_right_elbow_x),
@@ -8252,7 +8041,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             -bx_right_elbow_x
                 .mul_add(
                     T::from_f64(0.9829721203303413),
-                    T::from_f64(0.18375475681808387) * e46,
+                    T::from_f64(0.18375475681808387) * e96,
                 ),
             (-kx_right_wrist_yaw_z)
                 .mul_add(
@@ -8287,7 +8076,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bx_right_wrist_roll_x
                         .mul_add(
                             T::from_f64(0.13744769651506267),
-                            -(T::from_f64(0.0765329641546823) * e50),
+                            -(T::from_f64(0.0765329641546823) * e106),
                         ),
                 ),
             kx_right_wrist_roll_z
@@ -8296,13 +8085,13 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bx_right_wrist_roll_x
                         .mul_add(
                             T::from_f64(0.9848605837142257),
-                            T::from_f64(0.11688315011092955) * e50,
+                            T::from_f64(0.11688315011092955) * e106,
                         ),
                 ),
             (-kx_right_wrist_roll_z)
                 .mul_add(
                     T::from_f64(0.09143961949493187),
-                    e50
+                    e106
                         .mul_add(
                             T::from_f64(0.9901924230258703),
                             -(T::from_f64(0.10563030516276119) * bx_right_wrist_roll_x),
@@ -8341,13 +8130,13 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bx_left_shoulder_pitch_x
                         .mul_add(
                             T::from_f64(0.9702869074347845),
-                            T::from_f64(0.22816877903507443) * e55,
+                            T::from_f64(0.22816877903507443) * e115,
                         ),
                 ),
             kx_left_shoulder_pitch_z
                 .mul_add(
                     T::from_f64(0.9762187971333224),
-                    e55
+                    e115
                         .mul_add(
                             T::from_f64(0.17852511201860666),
                             -(T::from_f64(0.12298635900909212)
@@ -8357,7 +8146,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             (-kx_left_shoulder_pitch_z)
                 .mul_add(
                     T::from_f64(0.20128222621305616),
-                    e55
+                    e115
                         .mul_add(
                             T::from_f64(0.957114304904272),
                             -(T::from_f64(0.20836907822018302)
@@ -8370,7 +8159,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bx_left_shoulder_roll_x
                         .mul_add(
                             T::from_f64(0.09084250712834728),
-                            -(T::from_f64(0.17842238701201812) * e57),
+                            -(T::from_f64(0.17842238701201812) * e123),
                         ),
                 ),
             kx_left_shoulder_roll_z
@@ -8379,7 +8168,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bx_left_shoulder_roll_x
                         .mul_add(
                             T::from_f64(0.20957168772714235),
-                            T::from_f64(0.9652131735177485) * e57,
+                            T::from_f64(0.9652131735177485) * e123,
                         ),
                 ),
             (-kx_left_shoulder_roll_z)
@@ -8388,7 +8177,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bx_left_shoulder_roll_x
                         .mul_add(
                             T::from_f64(0.9735642488309816),
-                            -(T::from_f64(0.19112556469695652) * e57),
+                            -(T::from_f64(0.19112556469695652) * e123),
                         ),
                 ),
             (-kx_left_shoulder_yaw_z)
@@ -8397,14 +8186,14 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bx_left_shoulder_yaw_x
                         .mul_add(
                             T::from_f64(0.01045559498811533),
-                            T::from_f64(0.9963466490417511) * e60,
+                            T::from_f64(0.9963466490417511) * e128,
                         ),
                 ),
             kx_left_elbow_z,
             kx_left_shoulder_yaw_z
                 .mul_add(
                     T::from_f64(0.9888513796308234),
-                    e60
+                    e128
                         .mul_add(
                             T::from_f64(0.08540114134643578),
                             -(T::from_f64(0.12198194152801221) * bx_left_shoulder_yaw_x),
@@ -8427,7 +8216,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bx_left_wrist_yaw_x
                         .mul_add(
                             T::from_f64(0.9762349902740747),
-                            T::from_f64(0.17981670296897617) * e64,
+                            T::from_f64(0.17981670296897617) * e136,
                         ),
                 ),
             (-kx_left_wrist_yaw_z)
@@ -8436,7 +8225,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bx_left_wrist_yaw_x
                         .mul_add(
                             T::from_f64(0.189825799816729),
-                            -(T::from_f64(0.9787957578035333) * e64),
+                            -(T::from_f64(0.9787957578035333) * e136),
                         ),
                 ),
             kx_left_wrist_yaw_z
@@ -8445,61 +8234,61 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     -bx_left_wrist_yaw_x
                         .mul_add(
                             T::from_f64(0.10455338104775241),
-                            T::from_f64(0.09810615596981634) * e64,
+                            T::from_f64(0.09810615596981634) * e136,
                         ),
                 ),
             kx_left_wrist_roll_z
                 .mul_add(
                     T::from_f64(0.9875478905452643),
-                    e66
+                    e142
                         .mul_add(
                             T::from_f64(0.13744769651506267),
-                            T::from_f64(0.0765329641546823) * e67,
+                            T::from_f64(0.0765329641546823) * e143,
                         ),
                 ),
             kx_left_wrist_roll_z
                 .mul_add(
                     T::from_f64(0.1280154672929046),
-                    e67
+                    e143
                         .mul_add(
                             T::from_f64(0.11688315011092955),
-                            -(T::from_f64(0.9848605837142257) * e66),
+                            -(T::from_f64(0.9848605837142257) * e142),
                         ),
                 ),
             kx_left_wrist_roll_z
                 .mul_add(
                     T::from_f64(0.09143961949493187),
-                    -e66
+                    -e142
                         .mul_add(
                             T::from_f64(0.10563030516276119),
-                            T::from_f64(0.9901924230258703) * e67,
+                            T::from_f64(0.9901924230258703) * e143,
                         ),
                 ),
-            e68
+            e148
                 .mul_add(
                     T::from_f64(0.13926262418314853),
-                    -e69
+                    -e149
                         .mul_add(
                             T::from_f64(0.019249486508246386),
-                            T::from_f64(0.9900683707576927) * e70,
+                            T::from_f64(0.9900683707576927) * e150,
                         ),
                 ),
-            (-e68)
+            (-e148)
                 .mul_add(
                     T::from_f64(0.9855508788345896),
-                    e69
+                    e149
                         .mul_add(
                             T::from_f64(0.09464867601187527),
-                            -(T::from_f64(0.14046741030419552) * e70),
+                            -(T::from_f64(0.14046741030419552) * e150),
                         ),
                 ),
-            (-e68)
+            (-e148)
                 .mul_add(
                     T::from_f64(0.09641258597294897),
-                    e70
+                    e150
                         .mul_add(
                             T::from_f64(0.005790325348442432),
-                            -(T::from_f64(0.9953246130777477) * e69),
+                            -(T::from_f64(0.9953246130777477) * e149),
                         ),
                 ),
         ],
@@ -8511,17 +8300,17 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                 - by_right_ankle_roll_x
                     .mul_add(
                         T::from_f64(0.1260819066254007),
-                        T::from_f64(0.1529122762239553) * e71,
+                        T::from_f64(0.1529122762239553) * e4,
                     ),
             by_right_ankle_roll_x
                 .mul_add(
                     T::from_f64(0.9860642172215092),
-                    -(T::from_f64(0.12742238056085944) * e71),
+                    -(T::from_f64(0.12742238056085944) * e4),
                 ) + T::from_f64(0.013964392452657086),
             by_right_ankle_roll_x
                 .mul_add(
                     T::from_f64(0.10853898993926647),
-                    T::from_f64(0.9799904962356587) * e71,
+                    T::from_f64(0.9799904962356587) * e4,
                 ) + T::from_f64(0.021782632782422214),
             (-ky_right_ankle_pitch_z)
                 .mul_add(
@@ -8529,7 +8318,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     by_right_ankle_pitch_x
                         .mul_add(
                             T::from_f64(0.5863673657787142),
-                            T::from_f64(0.8037588635830045) * e72,
+                            T::from_f64(0.8037588635830045) * e8,
                         ),
                 ),
             ky_right_ankle_pitch_z
@@ -8538,13 +8327,13 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     by_right_ankle_pitch_x
                         .mul_add(
                             T::from_f64(0.17005552884933375),
-                            -(T::from_f64(0.0005719435102985865) * e72),
+                            -(T::from_f64(0.0005719435102985865) * e8),
                         ),
                 ),
             ky_right_ankle_pitch_z
                 .mul_add(
                     T::from_f64(0.1370190076234553),
-                    e72
+                    e8
                         .mul_add(
                             T::from_f64(0.5949549244206476),
                             -(T::from_f64(0.7919939579678025) * by_right_ankle_pitch_x),
@@ -8553,7 +8342,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             (-ky_right_knee_z)
                 .mul_add(
                     T::from_f64(0.05491857598002902),
-                    e73
+                    e12
                         .mul_add(
                             T::from_f64(0.7773178779650478),
                             -(T::from_f64(0.6267063639442644) * by_right_knee_x),
@@ -8565,7 +8354,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     -by_right_knee_x
                         .mul_add(
                             T::from_f64(0.12374470904356641),
-                            T::from_f64(0.029691225369481516) * e73,
+                            T::from_f64(0.029691225369481516) * e12,
                         ),
                 ),
             -ky_right_knee_z
@@ -8574,7 +8363,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     by_right_knee_x
                         .mul_add(
                             T::from_f64(0.7693675197039984),
-                            T::from_f64(0.628406992109392) * e73,
+                            T::from_f64(0.628406992109392) * e12,
                         ),
                 ),
             -ky_right_hip_pitch_z
@@ -8583,7 +8372,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     by_right_hip_pitch_x
                         .mul_add(
                             T::from_f64(0.9827666448575718),
-                            T::from_f64(0.17950183453219504) * e74,
+                            T::from_f64(0.17950183453219504) * e16,
                         ),
                 ),
             ky_right_hip_pitch_z
@@ -8592,7 +8381,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     -by_right_hip_pitch_x
                         .mul_add(
                             T::from_f64(0.011249506186826184),
-                            T::from_f64(0.18029592085523008) * e74,
+                            T::from_f64(0.18029592085523008) * e16,
                         ),
                 ),
             (-ky_right_hip_pitch_z)
@@ -8601,7 +8390,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     by_right_hip_pitch_x
                         .mul_add(
                             T::from_f64(0.1845079141011138),
-                            -(T::from_f64(0.9670948621115415) * e74),
+                            -(T::from_f64(0.9670948621115415) * e16),
                         ),
                 ),
             -ky_right_hip_roll_z
@@ -8637,7 +8426,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     by_right_hip_yaw_x
                         .mul_add(
                             T::from_f64(0.15979020363924512),
-                            T::from_f64(0.9431024014938241) * e75,
+                            T::from_f64(0.9431024014938241) * e21,
                         ),
                 ),
             -by_right_hip_yaw_x
@@ -8651,7 +8440,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     by_right_hip_yaw_x
                         .mul_add(
                             T::from_f64(0.4532253452836305),
-                            -(T::from_f64(0.3325024214898031) * e75),
+                            -(T::from_f64(0.3325024214898031) * e21),
                         ),
                 ),
             ky_left_hip_yaw_z
@@ -8660,7 +8449,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     by_left_hip_yaw_x
                         .mul_add(
                             T::from_f64(0.9920190772526525),
-                            T::from_f64(0.03382383783872412) * e77,
+                            T::from_f64(0.03382383783872412) * e27,
                         ),
                 ),
             (-ky_left_hip_yaw_z)
@@ -8669,7 +8458,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     by_left_hip_yaw_x
                         .mul_add(
                             T::from_f64(0.05811909856572281),
-                            -(T::from_f64(0.9775676773628161) * e77),
+                            -(T::from_f64(0.9775676773628161) * e27),
                         ),
                 ),
             ky_left_hip_yaw_z
@@ -8678,40 +8467,40 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     -by_left_hip_yaw_x
                         .mul_add(
                             T::from_f64(0.11189423912205596),
-                            T::from_f64(0.20788791251376057) * e77,
+                            T::from_f64(0.20788791251376057) * e27,
                         ),
                 ),
             ky_left_hip_roll_z
                 .mul_add(
                     T::from_f64(0.9836381149720178),
-                    e78
+                    e33
                         .mul_add(
                             T::from_f64(0.01533460706611091),
-                            -(T::from_f64(0.17950183453219504) * e79),
+                            -(T::from_f64(0.17950183453219504) * e34),
                         ),
                 ),
             ky_left_hip_roll_z
                 .mul_add(
                     T::from_f64(0.04821755465549107),
-                    e79
+                    e34
                         .mul_add(
                             T::from_f64(0.18029592085523005),
-                            -(T::from_f64(0.9824298694288612) * e78),
+                            -(T::from_f64(0.9824298694288612) * e33),
                         ),
                 ),
             -ky_left_hip_roll_z
                 .mul_add(
                     T::from_f64(0.17358319675976783),
-                    e78
+                    e33
                         .mul_add(
                             T::from_f64(0.18600107924449963),
-                            T::from_f64(0.9670948621115414) * e79,
+                            T::from_f64(0.9670948621115414) * e34,
                         ),
                 ),
             ky_left_hip_pitch_z
                 .mul_add(
                     T::from_f64(0.10003501838572533),
-                    e81
+                    e41
                         .mul_add(
                             T::from_f64(0.7773178779650479),
                             -(T::from_f64(0.6211037849606799) * by_left_hip_pitch_x),
@@ -8723,7 +8512,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     by_left_hip_pitch_x
                         .mul_add(
                             T::from_f64(0.19505301897281854),
-                            T::from_f64(0.029691225369481503) * e81,
+                            T::from_f64(0.029691225369481503) * e41,
                         ),
                 ),
             ky_left_hip_pitch_z
@@ -8732,7 +8521,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     -by_left_hip_pitch_x
                         .mul_add(
                             T::from_f64(0.7590681182193775),
-                            T::from_f64(0.6284069921093921) * e81,
+                            T::from_f64(0.6284069921093921) * e41,
                         ),
                 ),
             (-ky_left_knee_z)
@@ -8741,7 +8530,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     by_left_knee_x
                         .mul_add(
                             T::from_f64(0.5924701423191099),
-                            T::from_f64(0.8037588635830043) * e82,
+                            T::from_f64(0.8037588635830043) * e46,
                         ),
                 ),
             ky_left_knee_z
@@ -8750,13 +8539,13 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     by_left_knee_x
                         .mul_add(
                             T::from_f64(0.09053393944867547),
-                            T::from_f64(0.0005719435102985865) * e82,
+                            T::from_f64(0.0005719435102985865) * e46,
                         ),
                 ),
             ky_left_knee_z
                 .mul_add(
                     T::from_f64(0.07242859683401481),
-                    e82
+                    e46
                         .mul_add(
                             T::from_f64(0.5949549244206475),
                             -(T::from_f64(0.8004890606799554) * by_left_knee_x),
@@ -8768,13 +8557,13 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     by_left_ankle_pitch_x
                         .mul_add(
                             T::from_f64(0.9854246040522064),
-                            -(T::from_f64(0.1529122762239553) * e83),
+                            -(T::from_f64(0.1529122762239553) * e50),
                         ),
                 ),
             ky_left_ankle_pitch_z
                 .mul_add(
                     T::from_f64(0.9903148176370599),
-                    e83
+                    e50
                         .mul_add(
                             T::from_f64(0.12742238056085947),
                             -(T::from_f64(0.05513709187725314) * by_left_ankle_pitch_x),
@@ -8786,7 +8575,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     by_left_ankle_pitch_x
                         .mul_add(
                             T::from_f64(0.16092933488917305),
-                            T::from_f64(0.9799904962356587) * e83,
+                            T::from_f64(0.9799904962356587) * e50,
                         ),
                 ),
             ky_left_ankle_roll_z
@@ -8846,39 +8635,39 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             -ky_waist_pitch_z
                 .mul_add(
                     T::from_f64(0.07686740279497044),
-                    e86
+                    e62
                         .mul_add(
                             T::from_f64(0.17939505485262935),
-                            T::from_f64(0.9807695023204881) * e87,
+                            T::from_f64(0.9807695023204881) * e63,
                         ),
                 ),
             ky_waist_pitch_z
                 .mul_add(
                     T::from_f64(0.9882951787924771),
-                    e86
+                    e62
                         .mul_add(
                             T::from_f64(0.11629756483619717),
-                            -(T::from_f64(0.09872950920933495) * e87),
+                            -(T::from_f64(0.09872950920933495) * e63),
                         ),
                 ),
             ky_waist_pitch_z
                 .mul_add(
                     T::from_f64(0.1317726905056636),
-                    e87
+                    e63
                         .mul_add(
                             T::from_f64(0.1683557760497274),
-                            -(T::from_f64(0.9768788516021794) * e86),
+                            -(T::from_f64(0.9768788516021794) * e62),
                         ),
                 ),
             by_neck_yaw_x
                 .mul_add(
                     T::from_f64(0.0463635037734159),
-                    T::from_f64(0.9989246345535044) * e89,
+                    T::from_f64(0.9989246345535044) * e70,
                 ),
             by_neck_yaw_x
                 .mul_add(
                     T::from_f64(0.9989246345535044),
-                    -(T::from_f64(0.0463635037734159) * e89),
+                    -(T::from_f64(0.0463635037734159) * e70),
                 ),
             ky_neck_yaw_z,
             ky_neck_pitch_z
@@ -8966,23 +8755,23 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             ky_right_shoulder_yaw_z
                 .mul_add(
                     T::from_f64(0.08475868968264198),
-                    e94
+                    e89
                         .mul_add(
                             T::from_f64(0.01045559498811533),
-                            -(T::from_f64(0.9963466490417511) * e95),
+                            -(T::from_f64(0.9963466490417511) * e90),
                         ),
                 ),
             ky_right_elbow_z,
             -ky_right_shoulder_yaw_z
                 .mul_add(
                     T::from_f64(0.9888513796308234),
-                    e94
+                    e89
                         .mul_add(
                             T::from_f64(0.12198194152801221),
-                            T::from_f64(0.08540114134643578) * e95,
+                            T::from_f64(0.08540114134643578) * e90,
                         ),
                 ),
-            e97
+            e98
                 .mul_add(
                     T::from_f64(0.9829721203303413),
                     -(T::from_f64(0.18375475681808387) * by_right_elbow_x),
@@ -8991,7 +8780,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             -by_right_elbow_x
                 .mul_add(
                     T::from_f64(0.9829721203303413),
-                    T::from_f64(0.18375475681808387) * e97,
+                    T::from_f64(0.18375475681808387) * e98,
                 ),
             (-ky_right_wrist_yaw_z)
                 .mul_add(
@@ -9026,7 +8815,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     by_right_wrist_roll_x
                         .mul_add(
                             T::from_f64(0.13744769651506267),
-                            -(T::from_f64(0.0765329641546823) * e99),
+                            -(T::from_f64(0.0765329641546823) * e107),
                         ),
                 ),
             ky_right_wrist_roll_z
@@ -9035,13 +8824,13 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     by_right_wrist_roll_x
                         .mul_add(
                             T::from_f64(0.9848605837142257),
-                            T::from_f64(0.11688315011092955) * e99,
+                            T::from_f64(0.11688315011092955) * e107,
                         ),
                 ),
             (-ky_right_wrist_roll_z)
                 .mul_add(
                     T::from_f64(0.09143961949493187),
-                    e99
+                    e107
                         .mul_add(
                             T::from_f64(0.9901924230258703),
                             -(T::from_f64(0.10563030516276119) * by_right_wrist_roll_x),
@@ -9080,13 +8869,13 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     by_left_shoulder_pitch_x
                         .mul_add(
                             T::from_f64(0.9702869074347845),
-                            T::from_f64(0.22816877903507443) * e103,
+                            T::from_f64(0.22816877903507443) * e118,
                         ),
                 ),
             ky_left_shoulder_pitch_z
                 .mul_add(
                     T::from_f64(0.9762187971333224),
-                    e103
+                    e118
                         .mul_add(
                             T::from_f64(0.17852511201860666),
                             -(T::from_f64(0.12298635900909212)
@@ -9096,7 +8885,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             (-ky_left_shoulder_pitch_z)
                 .mul_add(
                     T::from_f64(0.20128222621305616),
-                    e103
+                    e118
                         .mul_add(
                             T::from_f64(0.957114304904272),
                             -(T::from_f64(0.20836907822018302)
@@ -9109,7 +8898,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     by_left_shoulder_roll_x
                         .mul_add(
                             T::from_f64(0.09084250712834728),
-                            -(T::from_f64(0.17842238701201812) * e104),
+                            -(T::from_f64(0.17842238701201812) * e124),
                         ),
                 ),
             ky_left_shoulder_roll_z
@@ -9118,7 +8907,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     by_left_shoulder_roll_x
                         .mul_add(
                             T::from_f64(0.20957168772714235),
-                            T::from_f64(0.9652131735177485) * e104,
+                            T::from_f64(0.9652131735177485) * e124,
                         ),
                 ),
             (-ky_left_shoulder_roll_z)
@@ -9127,7 +8916,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     by_left_shoulder_roll_x
                         .mul_add(
                             T::from_f64(0.9735642488309816),
-                            -(T::from_f64(0.19112556469695652) * e104),
+                            -(T::from_f64(0.19112556469695652) * e124),
                         ),
                 ),
             (-ky_left_shoulder_yaw_z)
@@ -9136,14 +8925,14 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     by_left_shoulder_yaw_x
                         .mul_add(
                             T::from_f64(0.01045559498811533),
-                            T::from_f64(0.9963466490417511) * e106,
+                            T::from_f64(0.9963466490417511) * e130,
                         ),
                 ),
             ky_left_elbow_z,
             ky_left_shoulder_yaw_z
                 .mul_add(
                     T::from_f64(0.9888513796308234),
-                    e106
+                    e130
                         .mul_add(
                             T::from_f64(0.08540114134643578),
                             -(T::from_f64(0.12198194152801221) * by_left_shoulder_yaw_x),
@@ -9166,7 +8955,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     by_left_wrist_yaw_x
                         .mul_add(
                             T::from_f64(0.9762349902740747),
-                            T::from_f64(0.17981670296897617) * e108,
+                            T::from_f64(0.17981670296897617) * e138,
                         ),
                 ),
             (-ky_left_wrist_yaw_z)
@@ -9175,7 +8964,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     by_left_wrist_yaw_x
                         .mul_add(
                             T::from_f64(0.189825799816729),
-                            -(T::from_f64(0.9787957578035333) * e108),
+                            -(T::from_f64(0.9787957578035333) * e138),
                         ),
                 ),
             ky_left_wrist_yaw_z
@@ -9184,61 +8973,61 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     -by_left_wrist_yaw_x
                         .mul_add(
                             T::from_f64(0.10455338104775241),
-                            T::from_f64(0.09810615596981634) * e108,
+                            T::from_f64(0.09810615596981634) * e138,
                         ),
                 ),
             ky_left_wrist_roll_z
                 .mul_add(
                     T::from_f64(0.9875478905452643),
-                    e109
+                    e144
                         .mul_add(
                             T::from_f64(0.13744769651506267),
-                            T::from_f64(0.0765329641546823) * e110,
+                            T::from_f64(0.0765329641546823) * e145,
                         ),
                 ),
             ky_left_wrist_roll_z
                 .mul_add(
                     T::from_f64(0.1280154672929046),
-                    e110
+                    e145
                         .mul_add(
                             T::from_f64(0.11688315011092955),
-                            -(T::from_f64(0.9848605837142257) * e109),
+                            -(T::from_f64(0.9848605837142257) * e144),
                         ),
                 ),
             ky_left_wrist_roll_z
                 .mul_add(
                     T::from_f64(0.09143961949493187),
-                    -e109
+                    -e144
                         .mul_add(
                             T::from_f64(0.10563030516276119),
-                            T::from_f64(0.9901924230258703) * e110,
+                            T::from_f64(0.9901924230258703) * e145,
                         ),
                 ),
-            e111
+            e151
                 .mul_add(
                     T::from_f64(0.13926262418314853),
-                    -e112
+                    -e152
                         .mul_add(
                             T::from_f64(0.019249486508246386),
-                            T::from_f64(0.9900683707576927) * e113,
+                            T::from_f64(0.9900683707576927) * e153,
                         ),
                 ),
-            (-e111)
+            (-e151)
                 .mul_add(
                     T::from_f64(0.9855508788345896),
-                    e112
+                    e152
                         .mul_add(
                             T::from_f64(0.09464867601187527),
-                            -(T::from_f64(0.14046741030419552) * e113),
+                            -(T::from_f64(0.14046741030419552) * e153),
                         ),
                 ),
-            (-e111)
+            (-e151)
                 .mul_add(
                     T::from_f64(0.09641258597294897),
-                    e113
+                    e153
                         .mul_add(
                             T::from_f64(0.005790325348442432),
-                            -(T::from_f64(0.9953246130777477) * e112),
+                            -(T::from_f64(0.9953246130777477) * e152),
                         ),
                 ),
         ],
@@ -9250,17 +9039,17 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                 - bz_right_ankle_roll_x
                     .mul_add(
                         T::from_f64(0.1260819066254007),
-                        T::from_f64(0.1529122762239553) * e114,
+                        T::from_f64(0.1529122762239553) * e5,
                     ),
             bz_right_ankle_roll_x
                 .mul_add(
                     T::from_f64(0.9860642172215092),
-                    -(T::from_f64(0.12742238056085944) * e114),
+                    -(T::from_f64(0.12742238056085944) * e5),
                 ) + T::from_f64(0.01612271094779644),
             bz_right_ankle_roll_x
                 .mul_add(
                     T::from_f64(0.10853898993926647),
-                    T::from_f64(0.9799904962356587) * e114,
+                    T::from_f64(0.9799904962356587) * e5,
                 ) + T::from_f64(0.025149328423963363),
             (-kz_right_ankle_pitch_z)
                 .mul_add(
@@ -9268,7 +9057,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bz_right_ankle_pitch_x
                         .mul_add(
                             T::from_f64(0.5863673657787142),
-                            T::from_f64(0.8037588635830045) * e115,
+                            T::from_f64(0.8037588635830045) * e9,
                         ),
                 ),
             kz_right_ankle_pitch_z
@@ -9277,13 +9066,13 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bz_right_ankle_pitch_x
                         .mul_add(
                             T::from_f64(0.17005552884933375),
-                            -(T::from_f64(0.0005719435102985865) * e115),
+                            -(T::from_f64(0.0005719435102985865) * e9),
                         ),
                 ),
             kz_right_ankle_pitch_z
                 .mul_add(
                     T::from_f64(0.1370190076234553),
-                    e115
+                    e9
                         .mul_add(
                             T::from_f64(0.5949549244206476),
                             -(T::from_f64(0.7919939579678025) * bz_right_ankle_pitch_x),
@@ -9292,7 +9081,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             (-kz_right_knee_z)
                 .mul_add(
                     T::from_f64(0.05491857598002902),
-                    e116
+                    e13
                         .mul_add(
                             T::from_f64(0.7773178779650478),
                             -(T::from_f64(0.6267063639442644) * bz_right_knee_x),
@@ -9304,7 +9093,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     -bz_right_knee_x
                         .mul_add(
                             T::from_f64(0.12374470904356641),
-                            T::from_f64(0.029691225369481516) * e116,
+                            T::from_f64(0.029691225369481516) * e13,
                         ),
                 ),
             -kz_right_knee_z
@@ -9313,7 +9102,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bz_right_knee_x
                         .mul_add(
                             T::from_f64(0.7693675197039984),
-                            T::from_f64(0.628406992109392) * e116,
+                            T::from_f64(0.628406992109392) * e13,
                         ),
                 ),
             -kz_right_hip_pitch_z
@@ -9322,7 +9111,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bz_right_hip_pitch_x
                         .mul_add(
                             T::from_f64(0.9827666448575718),
-                            T::from_f64(0.17950183453219504) * e117,
+                            T::from_f64(0.17950183453219504) * e17,
                         ),
                 ),
             kz_right_hip_pitch_z
@@ -9331,7 +9120,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     -bz_right_hip_pitch_x
                         .mul_add(
                             T::from_f64(0.011249506186826184),
-                            T::from_f64(0.18029592085523008) * e117,
+                            T::from_f64(0.18029592085523008) * e17,
                         ),
                 ),
             (-kz_right_hip_pitch_z)
@@ -9340,7 +9129,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bz_right_hip_pitch_x
                         .mul_add(
                             T::from_f64(0.1845079141011138),
-                            -(T::from_f64(0.9670948621115415) * e117),
+                            -(T::from_f64(0.9670948621115415) * e17),
                         ),
                 ),
             -kz_right_hip_roll_z
@@ -9376,7 +9165,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bz_right_hip_yaw_x
                         .mul_add(
                             T::from_f64(0.15979020363924512),
-                            T::from_f64(0.9431024014938241) * e118,
+                            T::from_f64(0.9431024014938241) * e22,
                         ),
                 ),
             -bz_right_hip_yaw_x
@@ -9390,7 +9179,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bz_right_hip_yaw_x
                         .mul_add(
                             T::from_f64(0.4532253452836305),
-                            -(T::from_f64(0.3325024214898031) * e118),
+                            -(T::from_f64(0.3325024214898031) * e22),
                         ),
                 ),
             kz_left_hip_yaw_z
@@ -9399,7 +9188,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bz_left_hip_yaw_x
                         .mul_add(
                             T::from_f64(0.9920190772526525),
-                            T::from_f64(0.03382383783872412) * e120,
+                            T::from_f64(0.03382383783872412) * e29,
                         ),
                 ),
             (-kz_left_hip_yaw_z)
@@ -9408,7 +9197,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bz_left_hip_yaw_x
                         .mul_add(
                             T::from_f64(0.05811909856572281),
-                            -(T::from_f64(0.9775676773628161) * e120),
+                            -(T::from_f64(0.9775676773628161) * e29),
                         ),
                 ),
             kz_left_hip_yaw_z
@@ -9417,40 +9206,40 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     -bz_left_hip_yaw_x
                         .mul_add(
                             T::from_f64(0.11189423912205596),
-                            T::from_f64(0.20788791251376057) * e120,
+                            T::from_f64(0.20788791251376057) * e29,
                         ),
                 ),
             kz_left_hip_roll_z
                 .mul_add(
                     T::from_f64(0.9836381149720178),
-                    e121
+                    e35
                         .mul_add(
                             T::from_f64(0.01533460706611091),
-                            -(T::from_f64(0.17950183453219504) * e122),
+                            -(T::from_f64(0.17950183453219504) * e36),
                         ),
                 ),
             kz_left_hip_roll_z
                 .mul_add(
                     T::from_f64(0.04821755465549107),
-                    e122
+                    e36
                         .mul_add(
                             T::from_f64(0.18029592085523005),
-                            -(T::from_f64(0.9824298694288612) * e121),
+                            -(T::from_f64(0.9824298694288612) * e35),
                         ),
                 ),
             -kz_left_hip_roll_z
                 .mul_add(
                     T::from_f64(0.17358319675976783),
-                    e121
+                    e35
                         .mul_add(
                             T::from_f64(0.18600107924449963),
-                            T::from_f64(0.9670948621115414) * e122,
+                            T::from_f64(0.9670948621115414) * e36,
                         ),
                 ),
             kz_left_hip_pitch_z
                 .mul_add(
                     T::from_f64(0.10003501838572533),
-                    e124
+                    e43
                         .mul_add(
                             T::from_f64(0.7773178779650479),
                             -(T::from_f64(0.6211037849606799) * bz_left_hip_pitch_x),
@@ -9462,7 +9251,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bz_left_hip_pitch_x
                         .mul_add(
                             T::from_f64(0.19505301897281854),
-                            T::from_f64(0.029691225369481503) * e124,
+                            T::from_f64(0.029691225369481503) * e43,
                         ),
                 ),
             kz_left_hip_pitch_z
@@ -9471,7 +9260,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     -bz_left_hip_pitch_x
                         .mul_add(
                             T::from_f64(0.7590681182193775),
-                            T::from_f64(0.6284069921093921) * e124,
+                            T::from_f64(0.6284069921093921) * e43,
                         ),
                 ),
             (-kz_left_knee_z)
@@ -9480,7 +9269,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bz_left_knee_x
                         .mul_add(
                             T::from_f64(0.5924701423191099),
-                            T::from_f64(0.8037588635830043) * e125,
+                            T::from_f64(0.8037588635830043) * e47,
                         ),
                 ),
             kz_left_knee_z
@@ -9489,13 +9278,13 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bz_left_knee_x
                         .mul_add(
                             T::from_f64(0.09053393944867547),
-                            T::from_f64(0.0005719435102985865) * e125,
+                            T::from_f64(0.0005719435102985865) * e47,
                         ),
                 ),
             kz_left_knee_z
                 .mul_add(
                     T::from_f64(0.07242859683401481),
-                    e125
+                    e47
                         .mul_add(
                             T::from_f64(0.5949549244206475),
                             -(T::from_f64(0.8004890606799554) * bz_left_knee_x),
@@ -9507,13 +9296,13 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bz_left_ankle_pitch_x
                         .mul_add(
                             T::from_f64(0.9854246040522064),
-                            -(T::from_f64(0.1529122762239553) * e126),
+                            -(T::from_f64(0.1529122762239553) * e51),
                         ),
                 ),
             kz_left_ankle_pitch_z
                 .mul_add(
                     T::from_f64(0.9903148176370599),
-                    e126
+                    e51
                         .mul_add(
                             T::from_f64(0.12742238056085947),
                             -(T::from_f64(0.05513709187725314) * bz_left_ankle_pitch_x),
@@ -9525,7 +9314,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bz_left_ankle_pitch_x
                         .mul_add(
                             T::from_f64(0.16092933488917305),
-                            T::from_f64(0.9799904962356587) * e126,
+                            T::from_f64(0.9799904962356587) * e51,
                         ),
                 ),
             kz_left_ankle_roll_z
@@ -9585,39 +9374,39 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             -kz_waist_pitch_z
                 .mul_add(
                     T::from_f64(0.07686740279497044),
-                    e129
+                    e64
                         .mul_add(
                             T::from_f64(0.17939505485262935),
-                            T::from_f64(0.9807695023204881) * e130,
+                            T::from_f64(0.9807695023204881) * e65,
                         ),
                 ),
             kz_waist_pitch_z
                 .mul_add(
                     T::from_f64(0.9882951787924771),
-                    e129
+                    e64
                         .mul_add(
                             T::from_f64(0.11629756483619717),
-                            -(T::from_f64(0.09872950920933495) * e130),
+                            -(T::from_f64(0.09872950920933495) * e65),
                         ),
                 ),
             kz_waist_pitch_z
                 .mul_add(
                     T::from_f64(0.1317726905056636),
-                    e130
+                    e65
                         .mul_add(
                             T::from_f64(0.1683557760497274),
-                            -(T::from_f64(0.9768788516021794) * e129),
+                            -(T::from_f64(0.9768788516021794) * e64),
                         ),
                 ),
             bz_neck_yaw_x
                 .mul_add(
                     T::from_f64(0.0463635037734159),
-                    T::from_f64(0.9989246345535044) * e132,
+                    T::from_f64(0.9989246345535044) * e72,
                 ),
             bz_neck_yaw_x
                 .mul_add(
                     T::from_f64(0.9989246345535044),
-                    -(T::from_f64(0.0463635037734159) * e132),
+                    -(T::from_f64(0.0463635037734159) * e72),
                 ),
             kz_neck_yaw_z,
             kz_neck_pitch_z
@@ -9705,23 +9494,23 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             kz_right_shoulder_yaw_z
                 .mul_add(
                     T::from_f64(0.08475868968264198),
-                    e137
+                    e92
                         .mul_add(
                             T::from_f64(0.01045559498811533),
-                            -(T::from_f64(0.9963466490417511) * e138),
+                            -(T::from_f64(0.9963466490417511) * e93),
                         ),
                 ),
             kz_right_elbow_z,
             -kz_right_shoulder_yaw_z
                 .mul_add(
                     T::from_f64(0.9888513796308234),
-                    e137
+                    e92
                         .mul_add(
                             T::from_f64(0.12198194152801221),
-                            T::from_f64(0.08540114134643578) * e138,
+                            T::from_f64(0.08540114134643578) * e93,
                         ),
                 ),
-            e140
+            e100
                 .mul_add(
                     T::from_f64(0.9829721203303413),
                     -(T::from_f64(0.18375475681808387) * bz_right_elbow_x),
@@ -9730,7 +9519,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             -bz_right_elbow_x
                 .mul_add(
                     T::from_f64(0.9829721203303413),
-                    T::from_f64(0.18375475681808387) * e140,
+                    T::from_f64(0.18375475681808387) * e100,
                 ),
             (-kz_right_wrist_yaw_z)
                 .mul_add(
@@ -9765,7 +9554,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bz_right_wrist_roll_x
                         .mul_add(
                             T::from_f64(0.13744769651506267),
-                            -(T::from_f64(0.0765329641546823) * e142),
+                            -(T::from_f64(0.0765329641546823) * e108),
                         ),
                 ),
             kz_right_wrist_roll_z
@@ -9774,13 +9563,13 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bz_right_wrist_roll_x
                         .mul_add(
                             T::from_f64(0.9848605837142257),
-                            T::from_f64(0.11688315011092955) * e142,
+                            T::from_f64(0.11688315011092955) * e108,
                         ),
                 ),
             (-kz_right_wrist_roll_z)
                 .mul_add(
                     T::from_f64(0.09143961949493187),
-                    e142
+                    e108
                         .mul_add(
                             T::from_f64(0.9901924230258703),
                             -(T::from_f64(0.10563030516276119) * bz_right_wrist_roll_x),
@@ -9819,13 +9608,13 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bz_left_shoulder_pitch_x
                         .mul_add(
                             T::from_f64(0.9702869074347845),
-                            T::from_f64(0.22816877903507443) * e146,
+                            T::from_f64(0.22816877903507443) * e121,
                         ),
                 ),
             kz_left_shoulder_pitch_z
                 .mul_add(
                     T::from_f64(0.9762187971333224),
-                    e146
+                    e121
                         .mul_add(
                             T::from_f64(0.17852511201860666),
                             -(T::from_f64(0.12298635900909212)
@@ -9835,7 +9624,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             (-kz_left_shoulder_pitch_z)
                 .mul_add(
                     T::from_f64(0.20128222621305616),
-                    e146
+                    e121
                         .mul_add(
                             T::from_f64(0.957114304904272),
                             -(T::from_f64(0.20836907822018302)
@@ -9848,7 +9637,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bz_left_shoulder_roll_x
                         .mul_add(
                             T::from_f64(0.09084250712834728),
-                            -(T::from_f64(0.17842238701201812) * e147),
+                            -(T::from_f64(0.17842238701201812) * e125),
                         ),
                 ),
             kz_left_shoulder_roll_z
@@ -9857,7 +9646,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bz_left_shoulder_roll_x
                         .mul_add(
                             T::from_f64(0.20957168772714235),
-                            T::from_f64(0.9652131735177485) * e147,
+                            T::from_f64(0.9652131735177485) * e125,
                         ),
                 ),
             (-kz_left_shoulder_roll_z)
@@ -9866,7 +9655,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bz_left_shoulder_roll_x
                         .mul_add(
                             T::from_f64(0.9735642488309816),
-                            -(T::from_f64(0.19112556469695652) * e147),
+                            -(T::from_f64(0.19112556469695652) * e125),
                         ),
                 ),
             (-kz_left_shoulder_yaw_z)
@@ -9875,14 +9664,14 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bz_left_shoulder_yaw_x
                         .mul_add(
                             T::from_f64(0.01045559498811533),
-                            T::from_f64(0.9963466490417511) * e149,
+                            T::from_f64(0.9963466490417511) * e132,
                         ),
                 ),
             kz_left_elbow_z,
             kz_left_shoulder_yaw_z
                 .mul_add(
                     T::from_f64(0.9888513796308234),
-                    e149
+                    e132
                         .mul_add(
                             T::from_f64(0.08540114134643578),
                             -(T::from_f64(0.12198194152801221) * bz_left_shoulder_yaw_x),
@@ -9905,7 +9694,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bz_left_wrist_yaw_x
                         .mul_add(
                             T::from_f64(0.9762349902740747),
-                            T::from_f64(0.17981670296897617) * e151,
+                            T::from_f64(0.17981670296897617) * e140,
                         ),
                 ),
             (-kz_left_wrist_yaw_z)
@@ -9914,7 +9703,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     bz_left_wrist_yaw_x
                         .mul_add(
                             T::from_f64(0.189825799816729),
-                            -(T::from_f64(0.9787957578035333) * e151),
+                            -(T::from_f64(0.9787957578035333) * e140),
                         ),
                 ),
             kz_left_wrist_yaw_z
@@ -9923,34 +9712,34 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
                     -bz_left_wrist_yaw_x
                         .mul_add(
                             T::from_f64(0.10455338104775241),
-                            T::from_f64(0.09810615596981634) * e151,
+                            T::from_f64(0.09810615596981634) * e140,
                         ),
                 ),
             kz_left_wrist_roll_z
                 .mul_add(
                     T::from_f64(0.9875478905452643),
-                    e152
+                    e146
                         .mul_add(
                             T::from_f64(0.13744769651506267),
-                            T::from_f64(0.0765329641546823) * e153,
+                            T::from_f64(0.0765329641546823) * e147,
                         ),
                 ),
             kz_left_wrist_roll_z
                 .mul_add(
                     T::from_f64(0.1280154672929046),
-                    e153
+                    e147
                         .mul_add(
                             T::from_f64(0.11688315011092955),
-                            -(T::from_f64(0.9848605837142257) * e152),
+                            -(T::from_f64(0.9848605837142257) * e146),
                         ),
                 ),
             kz_left_wrist_roll_z
                 .mul_add(
                     T::from_f64(0.09143961949493187),
-                    -e152
+                    -e146
                         .mul_add(
                             T::from_f64(0.10563030516276119),
-                            T::from_f64(0.9901924230258703) * e153,
+                            T::from_f64(0.9901924230258703) * e147,
                         ),
                 ),
             e154
@@ -11982,6 +11771,26 @@ pub fn com_jacobian_sc<T: Real>(
             T::from_f64(0.1111747801713847),
             -(T::from_f64(0.16554475198250462) * c_right_ankle_roll),
         );
+    let by_right_ankle_roll_x = s_right_ankle_roll
+        .mul_add(
+            T::from_f64(0.11117478017138471),
+            T::from_f64(0.9851881430723574) * c_right_ankle_roll,
+        );
+    let e36 = c_right_ankle_roll
+        .mul_add(
+            T::from_f64(0.11117478017138471),
+            -(T::from_f64(0.9851881430723574) * s_right_ankle_roll),
+        );
+    let bz_right_ankle_roll_x = s_right_ankle_roll
+        .mul_add(
+            T::from_f64(0.9799158654419752),
+            -(T::from_f64(0.13055455182981807) * c_right_ankle_roll),
+        );
+    let e37 = s_right_ankle_roll
+        .mul_add(
+            T::from_f64(0.13055455182981807),
+            T::from_f64(0.9799158654419752) * c_right_ankle_roll,
+        );
     // right_ankle_pitch
     let kx_right_ankle_pitch_y = e34
         .mul_add(T::from_f64(0.0524083921121999), T::from_f64(0.9785692022639542));
@@ -11989,8 +11798,24 @@ pub fn com_jacobian_sc<T: Real>(
         .mul_add(T::from_f64(0.9986257359172223), T::from_f64(0.05135581491304875));
     let bx_right_ankle_pitch_x = kx_right_ankle_pitch_y
         .mul_add(s_right_ankle_pitch, -(e35 * c_right_ankle_pitch));
-    let e36 = kx_right_ankle_pitch_y
+    let e38 = kx_right_ankle_pitch_y
         .mul_add(c_right_ankle_pitch, e35 * s_right_ankle_pitch);
+    let ky_right_ankle_pitch_y = (-by_right_ankle_roll_x)
+        .mul_add(T::from_f64(0.0524083921121999), T::from_f64(0.1303751353983952));
+    let ky_right_ankle_pitch_z = by_right_ankle_roll_x
+        .mul_add(T::from_f64(0.9986257359172223), T::from_f64(0.00684215414432963));
+    let by_right_ankle_pitch_x = ky_right_ankle_pitch_y
+        .mul_add(s_right_ankle_pitch, -(e36 * c_right_ankle_pitch));
+    let e39 = ky_right_ankle_pitch_y
+        .mul_add(c_right_ankle_pitch, e36 * s_right_ankle_pitch);
+    let kz_right_ankle_pitch_y = (-bz_right_ankle_roll_x)
+        .mul_add(T::from_f64(0.0524083921121999), T::from_f64(0.15052574825109485));
+    let kz_right_ankle_pitch_z = bz_right_ankle_roll_x
+        .mul_add(T::from_f64(0.9986257359172223), T::from_f64(0.007899668668242278));
+    let bz_right_ankle_pitch_x = kz_right_ankle_pitch_y
+        .mul_add(s_right_ankle_pitch, -(e37 * c_right_ankle_pitch));
+    let e40 = kz_right_ankle_pitch_y
+        .mul_add(c_right_ankle_pitch, e37 * s_right_ankle_pitch);
     // right_knee
     let kx_right_knee_y = bx_right_ankle_pitch_x
         .mul_add(
@@ -12002,8 +11827,32 @@ pub fn com_jacobian_sc<T: Real>(
             T::from_f64(0.2585724811294071),
             T::from_f64(0.9659918591802843) * kx_right_ankle_pitch_z,
         );
-    let bx_right_knee_x = e36.mul_add(s_right_knee, kx_right_knee_y * c_right_knee);
-    let e37 = e36.mul_add(c_right_knee, -(kx_right_knee_y * s_right_knee));
+    let bx_right_knee_x = e38.mul_add(s_right_knee, kx_right_knee_y * c_right_knee);
+    let e41 = e38.mul_add(c_right_knee, -(kx_right_knee_y * s_right_knee));
+    let ky_right_knee_y = by_right_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.9659918591802843),
+            -(T::from_f64(0.2585724811294071) * ky_right_ankle_pitch_z),
+        );
+    let ky_right_knee_z = by_right_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.2585724811294071),
+            T::from_f64(0.9659918591802843) * ky_right_ankle_pitch_z,
+        );
+    let by_right_knee_x = e39.mul_add(s_right_knee, ky_right_knee_y * c_right_knee);
+    let e42 = e39.mul_add(c_right_knee, -(ky_right_knee_y * s_right_knee));
+    let kz_right_knee_y = bz_right_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.9659918591802843),
+            -(T::from_f64(0.2585724811294071) * kz_right_ankle_pitch_z),
+        );
+    let kz_right_knee_z = bz_right_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.2585724811294071),
+            T::from_f64(0.9659918591802843) * kz_right_ankle_pitch_z,
+        );
+    let bz_right_knee_x = e40.mul_add(s_right_knee, kz_right_knee_y * c_right_knee);
+    let e43 = e40.mul_add(c_right_knee, -(kz_right_knee_y * s_right_knee));
     // right_hip_pitch
     let kx_right_hip_pitch_y = bx_right_knee_x
         .mul_add(
@@ -12016,8 +11865,34 @@ pub fn com_jacobian_sc<T: Real>(
             T::from_f64(0.9973888291864124) * kx_right_knee_z,
         );
     let bx_right_hip_pitch_x = kx_right_hip_pitch_y
-        .mul_add(s_right_hip_pitch, -(e37 * c_right_hip_pitch));
-    let e38 = kx_right_hip_pitch_y.mul_add(c_right_hip_pitch, e37 * s_right_hip_pitch);
+        .mul_add(s_right_hip_pitch, -(e41 * c_right_hip_pitch));
+    let e44 = kx_right_hip_pitch_y.mul_add(c_right_hip_pitch, e41 * s_right_hip_pitch);
+    let ky_right_hip_pitch_y = by_right_knee_x
+        .mul_add(
+            T::from_f64(0.9973888291864124),
+            -(T::from_f64(0.0722185808096314) * ky_right_knee_z),
+        );
+    let ky_right_hip_pitch_z = by_right_knee_x
+        .mul_add(
+            T::from_f64(0.0722185808096314),
+            T::from_f64(0.9973888291864124) * ky_right_knee_z,
+        );
+    let by_right_hip_pitch_x = ky_right_hip_pitch_y
+        .mul_add(s_right_hip_pitch, -(e42 * c_right_hip_pitch));
+    let e45 = ky_right_hip_pitch_y.mul_add(c_right_hip_pitch, e42 * s_right_hip_pitch);
+    let kz_right_hip_pitch_y = bz_right_knee_x
+        .mul_add(
+            T::from_f64(0.9973888291864124),
+            -(T::from_f64(0.0722185808096314) * kz_right_knee_z),
+        );
+    let kz_right_hip_pitch_z = bz_right_knee_x
+        .mul_add(
+            T::from_f64(0.0722185808096314),
+            T::from_f64(0.9973888291864124) * kz_right_knee_z,
+        );
+    let bz_right_hip_pitch_x = kz_right_hip_pitch_y
+        .mul_add(s_right_hip_pitch, -(e43 * c_right_hip_pitch));
+    let e46 = kz_right_hip_pitch_y.mul_add(c_right_hip_pitch, e43 * s_right_hip_pitch);
     // right_hip_roll
     let kx_right_hip_roll_y = bx_right_hip_pitch_x
         .mul_add(
@@ -12029,10 +11904,38 @@ pub fn com_jacobian_sc<T: Real>(
             T::from_f64(0.9981717798828138),
             T::from_f64(0.06044086238279244) * kx_right_hip_pitch_z,
         );
-    let bx_right_hip_roll_x = e38
+    let bx_right_hip_roll_x = e44
         .mul_add(c_right_hip_roll, -(kx_right_hip_roll_y * s_right_hip_roll));
     let bx_right_hip_roll_y = kx_right_hip_roll_y
-        .mul_add(c_right_hip_roll, e38 * s_right_hip_roll);
+        .mul_add(c_right_hip_roll, e44 * s_right_hip_roll);
+    let ky_right_hip_roll_y = by_right_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.06044086238279244),
+            -(T::from_f64(0.9981717798828138) * ky_right_hip_pitch_z),
+        );
+    let ky_right_hip_roll_z = by_right_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.9981717798828138),
+            T::from_f64(0.06044086238279244) * ky_right_hip_pitch_z,
+        );
+    let by_right_hip_roll_x = e45
+        .mul_add(c_right_hip_roll, -(ky_right_hip_roll_y * s_right_hip_roll));
+    let by_right_hip_roll_y = ky_right_hip_roll_y
+        .mul_add(c_right_hip_roll, e45 * s_right_hip_roll);
+    let kz_right_hip_roll_y = bz_right_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.06044086238279244),
+            -(T::from_f64(0.9981717798828138) * kz_right_hip_pitch_z),
+        );
+    let kz_right_hip_roll_z = bz_right_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.9981717798828138),
+            T::from_f64(0.06044086238279244) * kz_right_hip_pitch_z,
+        );
+    let bz_right_hip_roll_x = e46
+        .mul_add(c_right_hip_roll, -(kz_right_hip_roll_y * s_right_hip_roll));
+    let bz_right_hip_roll_y = kz_right_hip_roll_y
+        .mul_add(c_right_hip_roll, e46 * s_right_hip_roll);
     // right_hip_yaw
     let kx_right_hip_yaw_y = bx_right_hip_roll_x
         .mul_add(
@@ -12046,10 +11949,38 @@ pub fn com_jacobian_sc<T: Real>(
         );
     let bx_right_hip_yaw_x = bx_right_hip_roll_y
         .mul_add(c_right_hip_yaw, kx_right_hip_yaw_y * s_right_hip_yaw);
-    let e39 = kx_right_hip_yaw_y
+    let e47 = kx_right_hip_yaw_y
         .mul_add(c_right_hip_yaw, -(bx_right_hip_roll_y * s_right_hip_yaw));
+    let ky_right_hip_yaw_y = by_right_hip_roll_x
+        .mul_add(
+            T::from_f64(0.08292767473984558),
+            -(T::from_f64(0.9965555683263441) * ky_right_hip_roll_z),
+        );
+    let ky_right_hip_yaw_z = by_right_hip_roll_x
+        .mul_add(
+            T::from_f64(0.9965555683263441),
+            T::from_f64(0.08292767473984558) * ky_right_hip_roll_z,
+        );
+    let by_right_hip_yaw_x = by_right_hip_roll_y
+        .mul_add(c_right_hip_yaw, ky_right_hip_yaw_y * s_right_hip_yaw);
+    let e48 = ky_right_hip_yaw_y
+        .mul_add(c_right_hip_yaw, -(by_right_hip_roll_y * s_right_hip_yaw));
+    let kz_right_hip_yaw_y = bz_right_hip_roll_x
+        .mul_add(
+            T::from_f64(0.08292767473984558),
+            -(T::from_f64(0.9965555683263441) * kz_right_hip_roll_z),
+        );
+    let kz_right_hip_yaw_z = bz_right_hip_roll_x
+        .mul_add(
+            T::from_f64(0.9965555683263441),
+            T::from_f64(0.08292767473984558) * kz_right_hip_roll_z,
+        );
+    let bz_right_hip_yaw_x = bz_right_hip_roll_y
+        .mul_add(c_right_hip_yaw, kz_right_hip_yaw_y * s_right_hip_yaw);
+    let e49 = kz_right_hip_yaw_y
+        .mul_add(c_right_hip_yaw, -(bz_right_hip_roll_y * s_right_hip_yaw));
     // left_hip_yaw
-    let e40 = bx_right_hip_yaw_x
+    let e50 = bx_right_hip_yaw_x
         .mul_add(
             T::from_f64(0.538107754426925),
             T::from_f64(0.8428760553163273) * kx_right_hip_yaw_z,
@@ -12059,8 +11990,32 @@ pub fn com_jacobian_sc<T: Real>(
             T::from_f64(0.8428760553163273),
             -(T::from_f64(0.538107754426925) * kx_right_hip_yaw_z),
         );
-    let bx_left_hip_yaw_x = e39.mul_add(c_left_hip_yaw, -(e40 * e31));
-    let e41 = e40.mul_add(c_left_hip_yaw, e39 * e31);
+    let bx_left_hip_yaw_x = e47.mul_add(c_left_hip_yaw, -(e50 * e31));
+    let e51 = e50.mul_add(c_left_hip_yaw, e47 * e31);
+    let e52 = by_right_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.538107754426925),
+            T::from_f64(0.8428760553163273) * ky_right_hip_yaw_z,
+        );
+    let ky_left_hip_yaw_z = by_right_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.8428760553163273),
+            -(T::from_f64(0.538107754426925) * ky_right_hip_yaw_z),
+        );
+    let by_left_hip_yaw_x = e48.mul_add(c_left_hip_yaw, -(e52 * e31));
+    let e53 = e52.mul_add(c_left_hip_yaw, e48 * e31);
+    let e54 = bz_right_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.538107754426925),
+            T::from_f64(0.8428760553163273) * kz_right_hip_yaw_z,
+        );
+    let kz_left_hip_yaw_z = bz_right_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.8428760553163273),
+            -(T::from_f64(0.538107754426925) * kz_right_hip_yaw_z),
+        );
+    let bz_left_hip_yaw_x = e49.mul_add(c_left_hip_yaw, -(e54 * e31));
+    let e55 = e54.mul_add(c_left_hip_yaw, e49 * e31);
     // left_hip_roll
     let kx_left_hip_roll_y = bx_left_hip_yaw_x
         .mul_add(
@@ -12073,8 +12028,34 @@ pub fn com_jacobian_sc<T: Real>(
             T::from_f64(0.08292767473984561) * kx_left_hip_yaw_z,
         );
     let bx_left_hip_roll_x = kx_left_hip_roll_y
-        .mul_add(s_left_hip_roll, -(e41 * c_left_hip_roll));
-    let e42 = kx_left_hip_roll_y.mul_add(c_left_hip_roll, e41 * s_left_hip_roll);
+        .mul_add(s_left_hip_roll, -(e51 * c_left_hip_roll));
+    let e56 = kx_left_hip_roll_y.mul_add(c_left_hip_roll, e51 * s_left_hip_roll);
+    let ky_left_hip_roll_y = by_left_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.08292767473984561),
+            -(T::from_f64(0.9965555683263441) * ky_left_hip_yaw_z),
+        );
+    let ky_left_hip_roll_z = by_left_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.9965555683263441),
+            T::from_f64(0.08292767473984561) * ky_left_hip_yaw_z,
+        );
+    let by_left_hip_roll_x = ky_left_hip_roll_y
+        .mul_add(s_left_hip_roll, -(e53 * c_left_hip_roll));
+    let e57 = ky_left_hip_roll_y.mul_add(c_left_hip_roll, e53 * s_left_hip_roll);
+    let kz_left_hip_roll_y = bz_left_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.08292767473984561),
+            -(T::from_f64(0.9965555683263441) * kz_left_hip_yaw_z),
+        );
+    let kz_left_hip_roll_z = bz_left_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.9965555683263441),
+            T::from_f64(0.08292767473984561) * kz_left_hip_yaw_z,
+        );
+    let bz_left_hip_roll_x = kz_left_hip_roll_y
+        .mul_add(s_left_hip_roll, -(e55 * c_left_hip_roll));
+    let e58 = kz_left_hip_roll_y.mul_add(c_left_hip_roll, e55 * s_left_hip_roll);
     // left_hip_pitch
     let kx_left_hip_pitch_y = bx_left_hip_roll_x
         .mul_add(
@@ -12086,8 +12067,32 @@ pub fn com_jacobian_sc<T: Real>(
             T::from_f64(0.9981717798828137),
             T::from_f64(0.06044086238279245) * kx_left_hip_roll_z,
         );
-    let bx_left_hip_pitch_x = e42.mul_add(c_left_hip_pitch, kx_left_hip_pitch_y * e30);
-    let e43 = e42.mul_add(e30, -(kx_left_hip_pitch_y * c_left_hip_pitch));
+    let bx_left_hip_pitch_x = e56.mul_add(c_left_hip_pitch, kx_left_hip_pitch_y * e30);
+    let e59 = e56.mul_add(e30, -(kx_left_hip_pitch_y * c_left_hip_pitch));
+    let ky_left_hip_pitch_y = by_left_hip_roll_x
+        .mul_add(
+            T::from_f64(0.06044086238279245),
+            -(T::from_f64(0.9981717798828137) * ky_left_hip_roll_z),
+        );
+    let ky_left_hip_pitch_z = by_left_hip_roll_x
+        .mul_add(
+            T::from_f64(0.9981717798828137),
+            T::from_f64(0.06044086238279245) * ky_left_hip_roll_z,
+        );
+    let by_left_hip_pitch_x = e57.mul_add(c_left_hip_pitch, ky_left_hip_pitch_y * e30);
+    let e60 = e57.mul_add(e30, -(ky_left_hip_pitch_y * c_left_hip_pitch));
+    let kz_left_hip_pitch_y = bz_left_hip_roll_x
+        .mul_add(
+            T::from_f64(0.06044086238279245),
+            -(T::from_f64(0.9981717798828137) * kz_left_hip_roll_z),
+        );
+    let kz_left_hip_pitch_z = bz_left_hip_roll_x
+        .mul_add(
+            T::from_f64(0.9981717798828137),
+            T::from_f64(0.06044086238279245) * kz_left_hip_roll_z,
+        );
+    let bz_left_hip_pitch_x = e58.mul_add(c_left_hip_pitch, kz_left_hip_pitch_y * e30);
+    let e61 = e58.mul_add(e30, -(kz_left_hip_pitch_y * c_left_hip_pitch));
     // left_knee
     let kx_left_knee_y = bx_left_hip_pitch_x
         .mul_add(
@@ -12099,8 +12104,32 @@ pub fn com_jacobian_sc<T: Real>(
             T::from_f64(0.0722185808096314),
             T::from_f64(0.9973888291864126) * kx_left_hip_pitch_z,
         );
-    let bx_left_knee_x = e43.mul_add(s_left_knee, kx_left_knee_y * c_left_knee);
-    let e44 = e43.mul_add(c_left_knee, -(kx_left_knee_y * s_left_knee));
+    let bx_left_knee_x = e59.mul_add(s_left_knee, kx_left_knee_y * c_left_knee);
+    let e62 = e59.mul_add(c_left_knee, -(kx_left_knee_y * s_left_knee));
+    let ky_left_knee_y = by_left_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.9973888291864126),
+            -(T::from_f64(0.0722185808096314) * ky_left_hip_pitch_z),
+        );
+    let ky_left_knee_z = by_left_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.0722185808096314),
+            T::from_f64(0.9973888291864126) * ky_left_hip_pitch_z,
+        );
+    let by_left_knee_x = e60.mul_add(s_left_knee, ky_left_knee_y * c_left_knee);
+    let e63 = e60.mul_add(c_left_knee, -(ky_left_knee_y * s_left_knee));
+    let kz_left_knee_y = bz_left_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.9973888291864126),
+            -(T::from_f64(0.0722185808096314) * kz_left_hip_pitch_z),
+        );
+    let kz_left_knee_z = bz_left_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.0722185808096314),
+            T::from_f64(0.9973888291864126) * kz_left_hip_pitch_z,
+        );
+    let bz_left_knee_x = e61.mul_add(s_left_knee, kz_left_knee_y * c_left_knee);
+    let e64 = e61.mul_add(c_left_knee, -(kz_left_knee_y * s_left_knee));
     // left_ankle_pitch
     let kx_left_ankle_pitch_y = bx_left_knee_x
         .mul_add(
@@ -12112,21 +12141,69 @@ pub fn com_jacobian_sc<T: Real>(
             T::from_f64(0.2585724811294071),
             T::from_f64(0.9659918591802845) * kx_left_knee_z,
         );
-    let bx_left_ankle_pitch_x = e44
+    let bx_left_ankle_pitch_x = e62
         .mul_add(c_left_ankle_pitch, kx_left_ankle_pitch_y * e29);
+    let ky_left_ankle_pitch_y = by_left_knee_x
+        .mul_add(
+            T::from_f64(0.9659918591802845),
+            -(T::from_f64(0.2585724811294071) * ky_left_knee_z),
+        );
+    let ky_left_ankle_pitch_z = by_left_knee_x
+        .mul_add(
+            T::from_f64(0.2585724811294071),
+            T::from_f64(0.9659918591802845) * ky_left_knee_z,
+        );
+    let by_left_ankle_pitch_x = e63
+        .mul_add(c_left_ankle_pitch, ky_left_ankle_pitch_y * e29);
+    let kz_left_ankle_pitch_y = bz_left_knee_x
+        .mul_add(
+            T::from_f64(0.9659918591802845),
+            -(T::from_f64(0.2585724811294071) * kz_left_knee_z),
+        );
+    let kz_left_ankle_pitch_z = bz_left_knee_x
+        .mul_add(
+            T::from_f64(0.2585724811294071),
+            T::from_f64(0.9659918591802845) * kz_left_knee_z,
+        );
+    let bz_left_ankle_pitch_x = e64
+        .mul_add(c_left_ankle_pitch, kz_left_ankle_pitch_y * e29);
     // waist_yaw
-    let e45 = e39
+    let e65 = e47
         .mul_add(
             T::from_f64(0.11944678826051937),
             -(T::from_f64(0.19252104104496945) * bx_right_hip_yaw_x),
         ) + kx_right_hip_yaw_z;
-    let kx_waist_yaw_x = e45
+    let kx_waist_yaw_x = e65
         .mul_add(T::from_f64(0.3662421800811956), bx_right_hip_yaw_x);
-    let kx_waist_yaw_y = e45.mul_add(T::from_f64(0.22722945969324562), -e39);
-    let kx_waist_yaw_z = (-e45)
+    let kx_waist_yaw_y = e65.mul_add(T::from_f64(0.22722945969324562), -e47);
+    let kx_waist_yaw_z = (-e65)
         .mul_add(T::from_f64(1.9023488450576578), kx_right_hip_yaw_z);
     let bx_waist_yaw_x = kx_waist_yaw_y.mul_add(e27, -(kx_waist_yaw_x * c_waist_yaw));
     let bx_waist_yaw_y = kx_waist_yaw_y.mul_add(c_waist_yaw, kx_waist_yaw_x * e27);
+    let e66 = e48
+        .mul_add(
+            T::from_f64(0.11944678826051937),
+            -(T::from_f64(0.19252104104496945) * by_right_hip_yaw_x),
+        ) + ky_right_hip_yaw_z;
+    let ky_waist_yaw_x = e66
+        .mul_add(T::from_f64(0.3662421800811956), by_right_hip_yaw_x);
+    let ky_waist_yaw_y = e66.mul_add(T::from_f64(0.22722945969324562), -e48);
+    let ky_waist_yaw_z = (-e66)
+        .mul_add(T::from_f64(1.9023488450576578), ky_right_hip_yaw_z);
+    let by_waist_yaw_x = ky_waist_yaw_y.mul_add(e27, -(ky_waist_yaw_x * c_waist_yaw));
+    let by_waist_yaw_y = ky_waist_yaw_y.mul_add(c_waist_yaw, ky_waist_yaw_x * e27);
+    let e67 = e49
+        .mul_add(
+            T::from_f64(0.11944678826051937),
+            -(T::from_f64(0.19252104104496945) * bz_right_hip_yaw_x),
+        ) + kz_right_hip_yaw_z;
+    let kz_waist_yaw_x = e67
+        .mul_add(T::from_f64(0.3662421800811956), bz_right_hip_yaw_x);
+    let kz_waist_yaw_y = e67.mul_add(T::from_f64(0.22722945969324562), -e49);
+    let kz_waist_yaw_z = (-e67)
+        .mul_add(T::from_f64(1.9023488450576578), kz_right_hip_yaw_z);
+    let bz_waist_yaw_x = kz_waist_yaw_y.mul_add(e27, -(kz_waist_yaw_x * c_waist_yaw));
+    let bz_waist_yaw_y = kz_waist_yaw_y.mul_add(c_waist_yaw, kz_waist_yaw_x * e27);
     // waist_pitch
     let kx_waist_pitch_y = bx_waist_yaw_x
         .mul_add(
@@ -12138,10 +12215,34 @@ pub fn com_jacobian_sc<T: Real>(
             T::from_f64(0.980519334682424),
             T::from_f64(0.19642259114963537) * kx_waist_yaw_z,
         );
-    let e46 = bx_waist_yaw_y.mul_add(e25, kx_waist_pitch_y * c_waist_pitch);
-    let e47 = bx_waist_yaw_y.mul_add(c_waist_pitch, -(kx_waist_pitch_y * e25));
+    let e68 = bx_waist_yaw_y.mul_add(e25, kx_waist_pitch_y * c_waist_pitch);
+    let e69 = bx_waist_yaw_y.mul_add(c_waist_pitch, -(kx_waist_pitch_y * e25));
+    let ky_waist_pitch_y = by_waist_yaw_x
+        .mul_add(
+            T::from_f64(0.19642259114963537),
+            -(T::from_f64(0.980519334682424) * ky_waist_yaw_z),
+        );
+    let ky_waist_pitch_z = by_waist_yaw_x
+        .mul_add(
+            T::from_f64(0.980519334682424),
+            T::from_f64(0.19642259114963537) * ky_waist_yaw_z,
+        );
+    let e70 = by_waist_yaw_y.mul_add(e25, ky_waist_pitch_y * c_waist_pitch);
+    let e71 = by_waist_yaw_y.mul_add(c_waist_pitch, -(ky_waist_pitch_y * e25));
+    let kz_waist_pitch_y = bz_waist_yaw_x
+        .mul_add(
+            T::from_f64(0.19642259114963537),
+            -(T::from_f64(0.980519334682424) * kz_waist_yaw_z),
+        );
+    let kz_waist_pitch_z = bz_waist_yaw_x
+        .mul_add(
+            T::from_f64(0.980519334682424),
+            T::from_f64(0.19642259114963537) * kz_waist_yaw_z,
+        );
+    let e72 = bz_waist_yaw_y.mul_add(e25, kz_waist_pitch_y * c_waist_pitch);
+    let e73 = bz_waist_yaw_y.mul_add(c_waist_pitch, -(kz_waist_pitch_y * e25));
     // neck_yaw
-    let e48 = e46
+    let e74 = e68
         .mul_add(
             T::from_f64(0.11686854868553807),
             T::from_f64(0.9931473920461839) * kx_waist_pitch_z,
@@ -12149,24 +12250,74 @@ pub fn com_jacobian_sc<T: Real>(
     let kx_neck_yaw_z = kx_waist_pitch_z
         .mul_add(
             T::from_f64(0.11686854868553807),
-            -(T::from_f64(0.9931473920461839) * e46),
+            -(T::from_f64(0.9931473920461839) * e68),
         );
-    let bx_neck_yaw_x = e48.mul_add(c_neck_yaw, -(e47 * s_neck_yaw));
-    let bx_neck_yaw_y = e48.mul_add(s_neck_yaw, e47 * c_neck_yaw);
+    let bx_neck_yaw_x = e74.mul_add(c_neck_yaw, -(e69 * s_neck_yaw));
+    let bx_neck_yaw_y = e74.mul_add(s_neck_yaw, e69 * c_neck_yaw);
+    let e75 = e70
+        .mul_add(
+            T::from_f64(0.11686854868553807),
+            T::from_f64(0.9931473920461839) * ky_waist_pitch_z,
+        );
+    let ky_neck_yaw_z = ky_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.11686854868553807),
+            -(T::from_f64(0.9931473920461839) * e70),
+        );
+    let by_neck_yaw_x = e75.mul_add(c_neck_yaw, -(e71 * s_neck_yaw));
+    let by_neck_yaw_y = e75.mul_add(s_neck_yaw, e71 * c_neck_yaw);
+    let e76 = e72
+        .mul_add(
+            T::from_f64(0.11686854868553807),
+            T::from_f64(0.9931473920461839) * kz_waist_pitch_z,
+        );
+    let kz_neck_yaw_z = kz_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.11686854868553807),
+            -(T::from_f64(0.9931473920461839) * e72),
+        );
+    let bz_neck_yaw_x = e76.mul_add(c_neck_yaw, -(e73 * s_neck_yaw));
+    let bz_neck_yaw_y = e76.mul_add(s_neck_yaw, e73 * c_neck_yaw);
     // right_shoulder_pitch
-    let e49 = kx_waist_pitch_z
+    let e77 = kx_waist_pitch_z
         .mul_add(
             T::from_f64(0.10644334192309902),
-            e47.mul_add(T::from_f64(0.07159388452594458), -e46),
+            e69.mul_add(T::from_f64(0.07159388452594458), -e68),
         );
-    let e50 = e49.mul_add(T::from_f64(1.9676210845200064), e46);
-    let kx_right_shoulder_pitch_y = e49.mul_add(T::from_f64(0.14086963671593916), -e47);
-    let kx_right_shoulder_pitch_z = (-e49)
+    let e78 = e77.mul_add(T::from_f64(1.9676210845200064), e68);
+    let kx_right_shoulder_pitch_y = e77.mul_add(T::from_f64(0.14086963671593916), -e69);
+    let kx_right_shoulder_pitch_z = (-e77)
         .mul_add(T::from_f64(0.20944016387466197), kx_waist_pitch_z);
-    let bx_right_shoulder_pitch_x = e50
+    let bx_right_shoulder_pitch_x = e78
         .mul_add(e19, -(kx_right_shoulder_pitch_y * c_right_shoulder_pitch));
     let bx_right_shoulder_pitch_y = kx_right_shoulder_pitch_y
-        .mul_add(e19, e50 * c_right_shoulder_pitch);
+        .mul_add(e19, e78 * c_right_shoulder_pitch);
+    let e79 = ky_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.10644334192309902),
+            e71.mul_add(T::from_f64(0.07159388452594458), -e70),
+        );
+    let e80 = e79.mul_add(T::from_f64(1.9676210845200064), e70);
+    let ky_right_shoulder_pitch_y = e79.mul_add(T::from_f64(0.14086963671593916), -e71);
+    let ky_right_shoulder_pitch_z = (-e79)
+        .mul_add(T::from_f64(0.20944016387466197), ky_waist_pitch_z);
+    let by_right_shoulder_pitch_x = e80
+        .mul_add(e19, -(ky_right_shoulder_pitch_y * c_right_shoulder_pitch));
+    let by_right_shoulder_pitch_y = ky_right_shoulder_pitch_y
+        .mul_add(e19, e80 * c_right_shoulder_pitch);
+    let e81 = kz_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.10644334192309902),
+            e73.mul_add(T::from_f64(0.07159388452594458), -e72),
+        );
+    let e82 = e81.mul_add(T::from_f64(1.9676210845200064), e72);
+    let kz_right_shoulder_pitch_y = e81.mul_add(T::from_f64(0.14086963671593916), -e73);
+    let kz_right_shoulder_pitch_z = (-e81)
+        .mul_add(T::from_f64(0.20944016387466197), kz_waist_pitch_z);
+    let bz_right_shoulder_pitch_x = e82
+        .mul_add(e19, -(kz_right_shoulder_pitch_y * c_right_shoulder_pitch));
+    let bz_right_shoulder_pitch_y = kz_right_shoulder_pitch_y
+        .mul_add(e19, e82 * c_right_shoulder_pitch);
     // right_shoulder_roll
     let kx_right_shoulder_roll_y = bx_right_shoulder_pitch_x
         .mul_add(
@@ -12178,51 +12329,153 @@ pub fn com_jacobian_sc<T: Real>(
             T::from_f64(0.9589807807681263),
             T::from_f64(0.2834710957352705) * kx_right_shoulder_pitch_z,
         );
-    let e51 = bx_right_shoulder_pitch_y
+    let e83 = bx_right_shoulder_pitch_y
         .mul_add(
             c_right_shoulder_roll,
             kx_right_shoulder_roll_y * s_right_shoulder_roll,
         );
-    let e52 = bx_right_shoulder_pitch_y
+    let e84 = bx_right_shoulder_pitch_y
         .mul_add(
             s_right_shoulder_roll,
             -(kx_right_shoulder_roll_y * c_right_shoulder_roll),
         );
+    let ky_right_shoulder_roll_y = by_right_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.2834710957352705),
+            -(T::from_f64(0.9589807807681263) * ky_right_shoulder_pitch_z),
+        );
+    let ky_right_shoulder_roll_z = by_right_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.9589807807681263),
+            T::from_f64(0.2834710957352705) * ky_right_shoulder_pitch_z,
+        );
+    let e85 = by_right_shoulder_pitch_y
+        .mul_add(
+            c_right_shoulder_roll,
+            ky_right_shoulder_roll_y * s_right_shoulder_roll,
+        );
+    let e86 = by_right_shoulder_pitch_y
+        .mul_add(
+            s_right_shoulder_roll,
+            -(ky_right_shoulder_roll_y * c_right_shoulder_roll),
+        );
+    let kz_right_shoulder_roll_y = bz_right_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.2834710957352705),
+            -(T::from_f64(0.9589807807681263) * kz_right_shoulder_pitch_z),
+        );
+    let kz_right_shoulder_roll_z = bz_right_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.9589807807681263),
+            T::from_f64(0.2834710957352705) * kz_right_shoulder_pitch_z,
+        );
+    let e87 = bz_right_shoulder_pitch_y
+        .mul_add(
+            c_right_shoulder_roll,
+            kz_right_shoulder_roll_y * s_right_shoulder_roll,
+        );
+    let e88 = bz_right_shoulder_pitch_y
+        .mul_add(
+            s_right_shoulder_roll,
+            -(kz_right_shoulder_roll_y * c_right_shoulder_roll),
+        );
     // right_shoulder_yaw
-    let kx_right_shoulder_yaw_y = e51
+    let kx_right_shoulder_yaw_y = e83
         .mul_add(
             T::from_f64(0.3848026949004402),
             -(T::from_f64(0.9229988548190939) * kx_right_shoulder_roll_z),
         );
-    let e53 = e51
+    let e89 = e83
         .mul_add(
             T::from_f64(0.9229988548190939),
             T::from_f64(0.3848026949004402) * kx_right_shoulder_roll_z,
         );
-    let bx_right_shoulder_yaw_x = e52
+    let bx_right_shoulder_yaw_x = e84
         .mul_add(
             c_right_shoulder_yaw,
             -(kx_right_shoulder_yaw_y * s_right_shoulder_yaw),
         );
     let bx_right_shoulder_yaw_y = kx_right_shoulder_yaw_y
-        .mul_add(c_right_shoulder_yaw, e52 * s_right_shoulder_yaw);
+        .mul_add(c_right_shoulder_yaw, e84 * s_right_shoulder_yaw);
+    let ky_right_shoulder_yaw_y = e85
+        .mul_add(
+            T::from_f64(0.3848026949004402),
+            -(T::from_f64(0.9229988548190939) * ky_right_shoulder_roll_z),
+        );
+    let e90 = e85
+        .mul_add(
+            T::from_f64(0.9229988548190939),
+            T::from_f64(0.3848026949004402) * ky_right_shoulder_roll_z,
+        );
+    let by_right_shoulder_yaw_x = e86
+        .mul_add(
+            c_right_shoulder_yaw,
+            -(ky_right_shoulder_yaw_y * s_right_shoulder_yaw),
+        );
+    let by_right_shoulder_yaw_y = ky_right_shoulder_yaw_y
+        .mul_add(c_right_shoulder_yaw, e86 * s_right_shoulder_yaw);
+    let kz_right_shoulder_yaw_y = e87
+        .mul_add(
+            T::from_f64(0.3848026949004402),
+            -(T::from_f64(0.9229988548190939) * kz_right_shoulder_roll_z),
+        );
+    let e91 = e87
+        .mul_add(
+            T::from_f64(0.9229988548190939),
+            T::from_f64(0.3848026949004402) * kz_right_shoulder_roll_z,
+        );
+    let bz_right_shoulder_yaw_x = e88
+        .mul_add(
+            c_right_shoulder_yaw,
+            -(kz_right_shoulder_yaw_y * s_right_shoulder_yaw),
+        );
+    let bz_right_shoulder_yaw_y = kz_right_shoulder_yaw_y
+        .mul_add(c_right_shoulder_yaw, e88 * s_right_shoulder_yaw);
     // right_elbow
     let kx_right_elbow_y = bx_right_shoulder_yaw_x
         .mul_add(
             T::from_f64(0.12242921843048289),
-            T::from_f64(0.9924772473334093) * e53,
+            T::from_f64(0.9924772473334093) * e89,
         );
     let kx_right_elbow_z = bx_right_shoulder_yaw_x
         .mul_add(
             T::from_f64(0.9924772473334093),
-            -(T::from_f64(0.12242921843048289) * e53),
+            -(T::from_f64(0.12242921843048289) * e89),
         );
     let bx_right_elbow_x = bx_right_shoulder_yaw_y
         .mul_add(s_right_elbow, -(kx_right_elbow_y * c_right_elbow));
-    let e54 = kx_right_elbow_y
+    let e92 = kx_right_elbow_y
         .mul_add(s_right_elbow, bx_right_shoulder_yaw_y * c_right_elbow);
+    let ky_right_elbow_y = by_right_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.12242921843048289),
+            T::from_f64(0.9924772473334093) * e90,
+        );
+    let ky_right_elbow_z = by_right_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.9924772473334093),
+            -(T::from_f64(0.12242921843048289) * e90),
+        );
+    let by_right_elbow_x = by_right_shoulder_yaw_y
+        .mul_add(s_right_elbow, -(ky_right_elbow_y * c_right_elbow));
+    let e93 = ky_right_elbow_y
+        .mul_add(s_right_elbow, by_right_shoulder_yaw_y * c_right_elbow);
+    let kz_right_elbow_y = bz_right_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.12242921843048289),
+            T::from_f64(0.9924772473334093) * e91,
+        );
+    let kz_right_elbow_z = bz_right_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.9924772473334093),
+            -(T::from_f64(0.12242921843048289) * e91),
+        );
+    let bz_right_elbow_x = bz_right_shoulder_yaw_y
+        .mul_add(s_right_elbow, -(kz_right_elbow_y * c_right_elbow));
+    let e94 = kz_right_elbow_y
+        .mul_add(s_right_elbow, bz_right_shoulder_yaw_y * c_right_elbow);
     // right_wrist_yaw
-    let e55 = bx_right_elbow_x
+    let e95 = bx_right_elbow_x
         .mul_add(
             T::from_f64(0.15904161977640188),
             T::from_f64(0.9872718790580934) * kx_right_elbow_z,
@@ -12232,8 +12485,32 @@ pub fn com_jacobian_sc<T: Real>(
             T::from_f64(0.9872718790580934),
             -(T::from_f64(0.15904161977640188) * kx_right_elbow_z),
         );
-    let bx_right_wrist_yaw_x = e55.mul_add(e12, -(e54 * c_right_wrist_yaw));
-    let bx_right_wrist_yaw_y = e55.mul_add(c_right_wrist_yaw, e54 * e12);
+    let bx_right_wrist_yaw_x = e95.mul_add(e12, -(e92 * c_right_wrist_yaw));
+    let bx_right_wrist_yaw_y = e95.mul_add(c_right_wrist_yaw, e92 * e12);
+    let e96 = by_right_elbow_x
+        .mul_add(
+            T::from_f64(0.15904161977640188),
+            T::from_f64(0.9872718790580934) * ky_right_elbow_z,
+        );
+    let ky_right_wrist_yaw_z = by_right_elbow_x
+        .mul_add(
+            T::from_f64(0.9872718790580934),
+            -(T::from_f64(0.15904161977640188) * ky_right_elbow_z),
+        );
+    let by_right_wrist_yaw_x = e96.mul_add(e12, -(e93 * c_right_wrist_yaw));
+    let by_right_wrist_yaw_y = e96.mul_add(c_right_wrist_yaw, e93 * e12);
+    let e97 = bz_right_elbow_x
+        .mul_add(
+            T::from_f64(0.15904161977640188),
+            T::from_f64(0.9872718790580934) * kz_right_elbow_z,
+        );
+    let kz_right_wrist_yaw_z = bz_right_elbow_x
+        .mul_add(
+            T::from_f64(0.9872718790580934),
+            -(T::from_f64(0.15904161977640188) * kz_right_elbow_z),
+        );
+    let bz_right_wrist_yaw_x = e97.mul_add(e12, -(e94 * c_right_wrist_yaw));
+    let bz_right_wrist_yaw_y = e97.mul_add(c_right_wrist_yaw, e94 * e12);
     // right_wrist_roll
     let kx_right_wrist_roll_y = bx_right_wrist_yaw_x
         .mul_add(
@@ -12247,357 +12524,6 @@ pub fn com_jacobian_sc<T: Real>(
         );
     let bx_right_wrist_roll_x = bx_right_wrist_yaw_y
         .mul_add(c_right_wrist_roll, kx_right_wrist_roll_y * s_right_wrist_roll);
-    // left_shoulder_pitch
-    let e56 = (-kx_waist_pitch_z)
-        .mul_add(
-            T::from_f64(0.09248191489966293),
-            e46.mul_add(T::from_f64(0.11783871458722316), -e47),
-        );
-    let kx_left_shoulder_pitch_x = e56.mul_add(T::from_f64(0.2305051546121806), -e46);
-    let e57 = e56.mul_add(T::from_f64(1.956107170887058), e47);
-    let kx_left_shoulder_pitch_z = e56
-        .mul_add(T::from_f64(0.1809045369125973), kx_waist_pitch_z);
-    let bx_left_shoulder_pitch_x = e57
-        .mul_add(c_left_shoulder_pitch, -(kx_left_shoulder_pitch_x * e9));
-    let e58 = e57.mul_add(e9, kx_left_shoulder_pitch_x * c_left_shoulder_pitch);
-    // left_shoulder_roll
-    let kx_left_shoulder_roll_y = bx_left_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.2834710957352705),
-            -(T::from_f64(0.9589807807681263) * kx_left_shoulder_pitch_z),
-        );
-    let kx_left_shoulder_roll_z = bx_left_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.9589807807681263),
-            T::from_f64(0.2834710957352705) * kx_left_shoulder_pitch_z,
-        );
-    let bx_left_shoulder_roll_x = e58
-        .mul_add(
-            c_left_shoulder_roll,
-            -(kx_left_shoulder_roll_y * s_left_shoulder_roll),
-        );
-    let bx_left_shoulder_roll_y = kx_left_shoulder_roll_y
-        .mul_add(c_left_shoulder_roll, e58 * s_left_shoulder_roll);
-    // left_shoulder_yaw
-    let e59 = bx_left_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.3848026949004402),
-            T::from_f64(0.9229988548190939) * kx_left_shoulder_roll_z,
-        );
-    let kx_left_shoulder_yaw_z = bx_left_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.9229988548190939),
-            -(T::from_f64(0.3848026949004402) * kx_left_shoulder_roll_z),
-        );
-    let bx_left_shoulder_yaw_x = e59
-        .mul_add(s_left_shoulder_yaw, -(bx_left_shoulder_roll_y * c_left_shoulder_yaw));
-    let e60 = e59
-        .mul_add(c_left_shoulder_yaw, bx_left_shoulder_roll_y * s_left_shoulder_yaw);
-    // left_elbow
-    let kx_left_elbow_y = bx_left_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.12242921843048289),
-            -(T::from_f64(0.9924772473334093) * kx_left_shoulder_yaw_z),
-        );
-    let kx_left_elbow_z = bx_left_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.9924772473334093),
-            T::from_f64(0.12242921843048289) * kx_left_shoulder_yaw_z,
-        );
-    let e61 = e60.mul_add(s_left_elbow, kx_left_elbow_y * c_left_elbow);
-    let e62 = kx_left_elbow_y.mul_add(s_left_elbow, -(e60 * c_left_elbow));
-    // left_wrist_yaw
-    let kx_left_wrist_yaw_y = e61
-        .mul_add(
-            T::from_f64(0.15904161977640188),
-            -(T::from_f64(0.9872718790580934) * kx_left_elbow_z),
-        );
-    let e63 = e61
-        .mul_add(
-            T::from_f64(0.9872718790580934),
-            T::from_f64(0.15904161977640188) * kx_left_elbow_z,
-        );
-    let e64 = e62.mul_add(c_left_wrist_yaw, kx_left_wrist_yaw_y * e2);
-    let e65 = kx_left_wrist_yaw_y.mul_add(c_left_wrist_yaw, -(e62 * e2));
-    // left_wrist_roll
-    let kx_left_wrist_roll_y = e63
-        .mul_add(
-            T::from_f64(0.9977446087492899),
-            -(T::from_f64(0.06712447922871664) * e64),
-        );
-    let bx_left_wrist_roll_x = kx_left_wrist_roll_y
-        .mul_add(s_left_wrist_roll, -(e65 * c_left_wrist_roll));
-    // left_wrist_pitch
-    let kx_left_wrist_pitch_y = e64
-        .mul_add(T::from_f64(0.9977446087492899), T::from_f64(0.06712447922871664) * e63)
-        .mul_add(
-            T::from_f64(0.99908366749145),
-            -(T::from_f64(0.042799828876225604) * bx_left_wrist_roll_x),
-        );
-    // right_ankle_roll
-    let by_right_ankle_roll_x = s_right_ankle_roll
-        .mul_add(
-            T::from_f64(0.11117478017138471),
-            T::from_f64(0.9851881430723574) * c_right_ankle_roll,
-        );
-    let e66 = c_right_ankle_roll
-        .mul_add(
-            T::from_f64(0.11117478017138471),
-            -(T::from_f64(0.9851881430723574) * s_right_ankle_roll),
-        );
-    // right_ankle_pitch
-    let ky_right_ankle_pitch_y = (-by_right_ankle_roll_x)
-        .mul_add(T::from_f64(0.0524083921121999), T::from_f64(0.1303751353983952));
-    let ky_right_ankle_pitch_z = by_right_ankle_roll_x
-        .mul_add(T::from_f64(0.9986257359172223), T::from_f64(0.00684215414432963));
-    let by_right_ankle_pitch_x = ky_right_ankle_pitch_y
-        .mul_add(s_right_ankle_pitch, -(e66 * c_right_ankle_pitch));
-    let e67 = ky_right_ankle_pitch_y
-        .mul_add(c_right_ankle_pitch, e66 * s_right_ankle_pitch);
-    // right_knee
-    let ky_right_knee_y = by_right_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.9659918591802843),
-            -(T::from_f64(0.2585724811294071) * ky_right_ankle_pitch_z),
-        );
-    let ky_right_knee_z = by_right_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.2585724811294071),
-            T::from_f64(0.9659918591802843) * ky_right_ankle_pitch_z,
-        );
-    let by_right_knee_x = e67.mul_add(s_right_knee, ky_right_knee_y * c_right_knee);
-    let e68 = e67.mul_add(c_right_knee, -(ky_right_knee_y * s_right_knee));
-    // right_hip_pitch
-    let ky_right_hip_pitch_y = by_right_knee_x
-        .mul_add(
-            T::from_f64(0.9973888291864124),
-            -(T::from_f64(0.0722185808096314) * ky_right_knee_z),
-        );
-    let ky_right_hip_pitch_z = by_right_knee_x
-        .mul_add(
-            T::from_f64(0.0722185808096314),
-            T::from_f64(0.9973888291864124) * ky_right_knee_z,
-        );
-    let by_right_hip_pitch_x = ky_right_hip_pitch_y
-        .mul_add(s_right_hip_pitch, -(e68 * c_right_hip_pitch));
-    let e69 = ky_right_hip_pitch_y.mul_add(c_right_hip_pitch, e68 * s_right_hip_pitch);
-    // right_hip_roll
-    let ky_right_hip_roll_y = by_right_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.06044086238279244),
-            -(T::from_f64(0.9981717798828138) * ky_right_hip_pitch_z),
-        );
-    let ky_right_hip_roll_z = by_right_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.9981717798828138),
-            T::from_f64(0.06044086238279244) * ky_right_hip_pitch_z,
-        );
-    let by_right_hip_roll_x = e69
-        .mul_add(c_right_hip_roll, -(ky_right_hip_roll_y * s_right_hip_roll));
-    let by_right_hip_roll_y = ky_right_hip_roll_y
-        .mul_add(c_right_hip_roll, e69 * s_right_hip_roll);
-    // right_hip_yaw
-    let ky_right_hip_yaw_y = by_right_hip_roll_x
-        .mul_add(
-            T::from_f64(0.08292767473984558),
-            -(T::from_f64(0.9965555683263441) * ky_right_hip_roll_z),
-        );
-    let ky_right_hip_yaw_z = by_right_hip_roll_x
-        .mul_add(
-            T::from_f64(0.9965555683263441),
-            T::from_f64(0.08292767473984558) * ky_right_hip_roll_z,
-        );
-    let by_right_hip_yaw_x = by_right_hip_roll_y
-        .mul_add(c_right_hip_yaw, ky_right_hip_yaw_y * s_right_hip_yaw);
-    let e70 = ky_right_hip_yaw_y
-        .mul_add(c_right_hip_yaw, -(by_right_hip_roll_y * s_right_hip_yaw));
-    // left_hip_yaw
-    let e71 = by_right_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.538107754426925),
-            T::from_f64(0.8428760553163273) * ky_right_hip_yaw_z,
-        );
-    let ky_left_hip_yaw_z = by_right_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.8428760553163273),
-            -(T::from_f64(0.538107754426925) * ky_right_hip_yaw_z),
-        );
-    let by_left_hip_yaw_x = e70.mul_add(c_left_hip_yaw, -(e71 * e31));
-    let e72 = e71.mul_add(c_left_hip_yaw, e70 * e31);
-    // left_hip_roll
-    let ky_left_hip_roll_y = by_left_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.08292767473984561),
-            -(T::from_f64(0.9965555683263441) * ky_left_hip_yaw_z),
-        );
-    let ky_left_hip_roll_z = by_left_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.9965555683263441),
-            T::from_f64(0.08292767473984561) * ky_left_hip_yaw_z,
-        );
-    let by_left_hip_roll_x = ky_left_hip_roll_y
-        .mul_add(s_left_hip_roll, -(e72 * c_left_hip_roll));
-    let e73 = ky_left_hip_roll_y.mul_add(c_left_hip_roll, e72 * s_left_hip_roll);
-    // left_hip_pitch
-    let ky_left_hip_pitch_y = by_left_hip_roll_x
-        .mul_add(
-            T::from_f64(0.06044086238279245),
-            -(T::from_f64(0.9981717798828137) * ky_left_hip_roll_z),
-        );
-    let ky_left_hip_pitch_z = by_left_hip_roll_x
-        .mul_add(
-            T::from_f64(0.9981717798828137),
-            T::from_f64(0.06044086238279245) * ky_left_hip_roll_z,
-        );
-    let by_left_hip_pitch_x = e73.mul_add(c_left_hip_pitch, ky_left_hip_pitch_y * e30);
-    let e74 = e73.mul_add(e30, -(ky_left_hip_pitch_y * c_left_hip_pitch));
-    // left_knee
-    let ky_left_knee_y = by_left_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.9973888291864126),
-            -(T::from_f64(0.0722185808096314) * ky_left_hip_pitch_z),
-        );
-    let ky_left_knee_z = by_left_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.0722185808096314),
-            T::from_f64(0.9973888291864126) * ky_left_hip_pitch_z,
-        );
-    let by_left_knee_x = e74.mul_add(s_left_knee, ky_left_knee_y * c_left_knee);
-    let e75 = e74.mul_add(c_left_knee, -(ky_left_knee_y * s_left_knee));
-    // left_ankle_pitch
-    let ky_left_ankle_pitch_y = by_left_knee_x
-        .mul_add(
-            T::from_f64(0.9659918591802845),
-            -(T::from_f64(0.2585724811294071) * ky_left_knee_z),
-        );
-    let ky_left_ankle_pitch_z = by_left_knee_x
-        .mul_add(
-            T::from_f64(0.2585724811294071),
-            T::from_f64(0.9659918591802845) * ky_left_knee_z,
-        );
-    let by_left_ankle_pitch_x = e75
-        .mul_add(c_left_ankle_pitch, ky_left_ankle_pitch_y * e29);
-    // waist_yaw
-    let e76 = e70
-        .mul_add(
-            T::from_f64(0.11944678826051937),
-            -(T::from_f64(0.19252104104496945) * by_right_hip_yaw_x),
-        ) + ky_right_hip_yaw_z;
-    let ky_waist_yaw_x = e76
-        .mul_add(T::from_f64(0.3662421800811956), by_right_hip_yaw_x);
-    let ky_waist_yaw_y = e76.mul_add(T::from_f64(0.22722945969324562), -e70);
-    let ky_waist_yaw_z = (-e76)
-        .mul_add(T::from_f64(1.9023488450576578), ky_right_hip_yaw_z);
-    let by_waist_yaw_x = ky_waist_yaw_y.mul_add(e27, -(ky_waist_yaw_x * c_waist_yaw));
-    let by_waist_yaw_y = ky_waist_yaw_y.mul_add(c_waist_yaw, ky_waist_yaw_x * e27);
-    // waist_pitch
-    let ky_waist_pitch_y = by_waist_yaw_x
-        .mul_add(
-            T::from_f64(0.19642259114963537),
-            -(T::from_f64(0.980519334682424) * ky_waist_yaw_z),
-        );
-    let ky_waist_pitch_z = by_waist_yaw_x
-        .mul_add(
-            T::from_f64(0.980519334682424),
-            T::from_f64(0.19642259114963537) * ky_waist_yaw_z,
-        );
-    let e77 = by_waist_yaw_y.mul_add(e25, ky_waist_pitch_y * c_waist_pitch);
-    let e78 = by_waist_yaw_y.mul_add(c_waist_pitch, -(ky_waist_pitch_y * e25));
-    // neck_yaw
-    let e79 = e77
-        .mul_add(
-            T::from_f64(0.11686854868553807),
-            T::from_f64(0.9931473920461839) * ky_waist_pitch_z,
-        );
-    let ky_neck_yaw_z = ky_waist_pitch_z
-        .mul_add(
-            T::from_f64(0.11686854868553807),
-            -(T::from_f64(0.9931473920461839) * e77),
-        );
-    let by_neck_yaw_x = e79.mul_add(c_neck_yaw, -(e78 * s_neck_yaw));
-    let by_neck_yaw_y = e79.mul_add(s_neck_yaw, e78 * c_neck_yaw);
-    // right_shoulder_pitch
-    let e80 = ky_waist_pitch_z
-        .mul_add(
-            T::from_f64(0.10644334192309902),
-            e78.mul_add(T::from_f64(0.07159388452594458), -e77),
-        );
-    let e81 = e80.mul_add(T::from_f64(1.9676210845200064), e77);
-    let ky_right_shoulder_pitch_y = e80.mul_add(T::from_f64(0.14086963671593916), -e78);
-    let ky_right_shoulder_pitch_z = (-e80)
-        .mul_add(T::from_f64(0.20944016387466197), ky_waist_pitch_z);
-    let by_right_shoulder_pitch_x = e81
-        .mul_add(e19, -(ky_right_shoulder_pitch_y * c_right_shoulder_pitch));
-    let by_right_shoulder_pitch_y = ky_right_shoulder_pitch_y
-        .mul_add(e19, e81 * c_right_shoulder_pitch);
-    // right_shoulder_roll
-    let ky_right_shoulder_roll_y = by_right_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.2834710957352705),
-            -(T::from_f64(0.9589807807681263) * ky_right_shoulder_pitch_z),
-        );
-    let ky_right_shoulder_roll_z = by_right_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.9589807807681263),
-            T::from_f64(0.2834710957352705) * ky_right_shoulder_pitch_z,
-        );
-    let e82 = by_right_shoulder_pitch_y
-        .mul_add(
-            c_right_shoulder_roll,
-            ky_right_shoulder_roll_y * s_right_shoulder_roll,
-        );
-    let e83 = by_right_shoulder_pitch_y
-        .mul_add(
-            s_right_shoulder_roll,
-            -(ky_right_shoulder_roll_y * c_right_shoulder_roll),
-        );
-    // right_shoulder_yaw
-    let ky_right_shoulder_yaw_y = e82
-        .mul_add(
-            T::from_f64(0.3848026949004402),
-            -(T::from_f64(0.9229988548190939) * ky_right_shoulder_roll_z),
-        );
-    let e84 = e82
-        .mul_add(
-            T::from_f64(0.9229988548190939),
-            T::from_f64(0.3848026949004402) * ky_right_shoulder_roll_z,
-        );
-    let by_right_shoulder_yaw_x = e83
-        .mul_add(
-            c_right_shoulder_yaw,
-            -(ky_right_shoulder_yaw_y * s_right_shoulder_yaw),
-        );
-    let by_right_shoulder_yaw_y = ky_right_shoulder_yaw_y
-        .mul_add(c_right_shoulder_yaw, e83 * s_right_shoulder_yaw);
-    // right_elbow
-    let ky_right_elbow_y = by_right_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.12242921843048289),
-            T::from_f64(0.9924772473334093) * e84,
-        );
-    let ky_right_elbow_z = by_right_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.9924772473334093),
-            -(T::from_f64(0.12242921843048289) * e84),
-        );
-    let by_right_elbow_x = by_right_shoulder_yaw_y
-        .mul_add(s_right_elbow, -(ky_right_elbow_y * c_right_elbow));
-    let e85 = ky_right_elbow_y
-        .mul_add(s_right_elbow, by_right_shoulder_yaw_y * c_right_elbow);
-    // right_wrist_yaw
-    let e86 = by_right_elbow_x
-        .mul_add(
-            T::from_f64(0.15904161977640188),
-            T::from_f64(0.9872718790580934) * ky_right_elbow_z,
-        );
-    let ky_right_wrist_yaw_z = by_right_elbow_x
-        .mul_add(
-            T::from_f64(0.9872718790580934),
-            -(T::from_f64(0.15904161977640188) * ky_right_elbow_z),
-        );
-    let by_right_wrist_yaw_x = e86.mul_add(e12, -(e85 * c_right_wrist_yaw));
-    let by_right_wrist_yaw_y = e86.mul_add(c_right_wrist_yaw, e85 * e12);
-    // right_wrist_roll
     let ky_right_wrist_roll_y = by_right_wrist_yaw_x
         .mul_add(
             T::from_f64(0.06712447922871664),
@@ -12610,358 +12536,6 @@ pub fn com_jacobian_sc<T: Real>(
         );
     let by_right_wrist_roll_x = by_right_wrist_yaw_y
         .mul_add(c_right_wrist_roll, ky_right_wrist_roll_y * s_right_wrist_roll);
-    // left_shoulder_pitch
-    let e87 = (-ky_waist_pitch_z)
-        .mul_add(
-            T::from_f64(0.09248191489966293),
-            e77.mul_add(T::from_f64(0.11783871458722316), -e78),
-        );
-    let ky_left_shoulder_pitch_x = e87.mul_add(T::from_f64(0.2305051546121806), -e77);
-    let e88 = e87.mul_add(T::from_f64(1.956107170887058), e78);
-    let ky_left_shoulder_pitch_z = e87
-        .mul_add(T::from_f64(0.1809045369125973), ky_waist_pitch_z);
-    let by_left_shoulder_pitch_x = e88
-        .mul_add(c_left_shoulder_pitch, -(ky_left_shoulder_pitch_x * e9));
-    let e89 = e88.mul_add(e9, ky_left_shoulder_pitch_x * c_left_shoulder_pitch);
-    // left_shoulder_roll
-    let ky_left_shoulder_roll_y = by_left_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.2834710957352705),
-            -(T::from_f64(0.9589807807681263) * ky_left_shoulder_pitch_z),
-        );
-    let ky_left_shoulder_roll_z = by_left_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.9589807807681263),
-            T::from_f64(0.2834710957352705) * ky_left_shoulder_pitch_z,
-        );
-    let by_left_shoulder_roll_x = e89
-        .mul_add(
-            c_left_shoulder_roll,
-            -(ky_left_shoulder_roll_y * s_left_shoulder_roll),
-        );
-    let by_left_shoulder_roll_y = ky_left_shoulder_roll_y
-        .mul_add(c_left_shoulder_roll, e89 * s_left_shoulder_roll);
-    // left_shoulder_yaw
-    let e90 = by_left_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.3848026949004402),
-            T::from_f64(0.9229988548190939) * ky_left_shoulder_roll_z,
-        );
-    let ky_left_shoulder_yaw_z = by_left_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.9229988548190939),
-            -(T::from_f64(0.3848026949004402) * ky_left_shoulder_roll_z),
-        );
-    let by_left_shoulder_yaw_x = e90
-        .mul_add(s_left_shoulder_yaw, -(by_left_shoulder_roll_y * c_left_shoulder_yaw));
-    let e91 = e90
-        .mul_add(c_left_shoulder_yaw, by_left_shoulder_roll_y * s_left_shoulder_yaw);
-    // left_elbow
-    let ky_left_elbow_y = by_left_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.12242921843048289),
-            -(T::from_f64(0.9924772473334093) * ky_left_shoulder_yaw_z),
-        );
-    let ky_left_elbow_z = by_left_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.9924772473334093),
-            T::from_f64(0.12242921843048289) * ky_left_shoulder_yaw_z,
-        );
-    let e92 = e91.mul_add(s_left_elbow, ky_left_elbow_y * c_left_elbow);
-    let e93 = ky_left_elbow_y.mul_add(s_left_elbow, -(e91 * c_left_elbow));
-    // left_wrist_yaw
-    let ky_left_wrist_yaw_y = e92
-        .mul_add(
-            T::from_f64(0.15904161977640188),
-            -(T::from_f64(0.9872718790580934) * ky_left_elbow_z),
-        );
-    let e94 = e92
-        .mul_add(
-            T::from_f64(0.9872718790580934),
-            T::from_f64(0.15904161977640188) * ky_left_elbow_z,
-        );
-    let e95 = e93.mul_add(c_left_wrist_yaw, ky_left_wrist_yaw_y * e2);
-    let e96 = ky_left_wrist_yaw_y.mul_add(c_left_wrist_yaw, -(e93 * e2));
-    // left_wrist_roll
-    let ky_left_wrist_roll_y = e94
-        .mul_add(
-            T::from_f64(0.9977446087492899),
-            -(T::from_f64(0.06712447922871664) * e95),
-        );
-    let by_left_wrist_roll_x = ky_left_wrist_roll_y
-        .mul_add(s_left_wrist_roll, -(e96 * c_left_wrist_roll));
-    // left_wrist_pitch
-    let ky_left_wrist_pitch_y = e95
-        .mul_add(T::from_f64(0.9977446087492899), T::from_f64(0.06712447922871664) * e94)
-        .mul_add(
-            T::from_f64(0.99908366749145),
-            -(T::from_f64(0.042799828876225604) * by_left_wrist_roll_x),
-        );
-    // right_ankle_roll
-    let bz_right_ankle_roll_x = s_right_ankle_roll
-        .mul_add(
-            T::from_f64(0.9799158654419752),
-            -(T::from_f64(0.13055455182981807) * c_right_ankle_roll),
-        );
-    let e97 = s_right_ankle_roll
-        .mul_add(
-            T::from_f64(0.13055455182981807),
-            T::from_f64(0.9799158654419752) * c_right_ankle_roll,
-        );
-    // right_ankle_pitch
-    let kz_right_ankle_pitch_y = (-bz_right_ankle_roll_x)
-        .mul_add(T::from_f64(0.0524083921121999), T::from_f64(0.15052574825109485));
-    let kz_right_ankle_pitch_z = bz_right_ankle_roll_x
-        .mul_add(T::from_f64(0.9986257359172223), T::from_f64(0.007899668668242278));
-    let bz_right_ankle_pitch_x = kz_right_ankle_pitch_y
-        .mul_add(s_right_ankle_pitch, -(e97 * c_right_ankle_pitch));
-    let e98 = kz_right_ankle_pitch_y
-        .mul_add(c_right_ankle_pitch, e97 * s_right_ankle_pitch);
-    // right_knee
-    let kz_right_knee_y = bz_right_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.9659918591802843),
-            -(T::from_f64(0.2585724811294071) * kz_right_ankle_pitch_z),
-        );
-    let kz_right_knee_z = bz_right_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.2585724811294071),
-            T::from_f64(0.9659918591802843) * kz_right_ankle_pitch_z,
-        );
-    let bz_right_knee_x = e98.mul_add(s_right_knee, kz_right_knee_y * c_right_knee);
-    let e99 = e98.mul_add(c_right_knee, -(kz_right_knee_y * s_right_knee));
-    // right_hip_pitch
-    let kz_right_hip_pitch_y = bz_right_knee_x
-        .mul_add(
-            T::from_f64(0.9973888291864124),
-            -(T::from_f64(0.0722185808096314) * kz_right_knee_z),
-        );
-    let kz_right_hip_pitch_z = bz_right_knee_x
-        .mul_add(
-            T::from_f64(0.0722185808096314),
-            T::from_f64(0.9973888291864124) * kz_right_knee_z,
-        );
-    let bz_right_hip_pitch_x = kz_right_hip_pitch_y
-        .mul_add(s_right_hip_pitch, -(e99 * c_right_hip_pitch));
-    let e100 = kz_right_hip_pitch_y.mul_add(c_right_hip_pitch, e99 * s_right_hip_pitch);
-    // right_hip_roll
-    let kz_right_hip_roll_y = bz_right_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.06044086238279244),
-            -(T::from_f64(0.9981717798828138) * kz_right_hip_pitch_z),
-        );
-    let kz_right_hip_roll_z = bz_right_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.9981717798828138),
-            T::from_f64(0.06044086238279244) * kz_right_hip_pitch_z,
-        );
-    let bz_right_hip_roll_x = e100
-        .mul_add(c_right_hip_roll, -(kz_right_hip_roll_y * s_right_hip_roll));
-    let bz_right_hip_roll_y = kz_right_hip_roll_y
-        .mul_add(c_right_hip_roll, e100 * s_right_hip_roll);
-    // right_hip_yaw
-    let kz_right_hip_yaw_y = bz_right_hip_roll_x
-        .mul_add(
-            T::from_f64(0.08292767473984558),
-            -(T::from_f64(0.9965555683263441) * kz_right_hip_roll_z),
-        );
-    let kz_right_hip_yaw_z = bz_right_hip_roll_x
-        .mul_add(
-            T::from_f64(0.9965555683263441),
-            T::from_f64(0.08292767473984558) * kz_right_hip_roll_z,
-        );
-    let bz_right_hip_yaw_x = bz_right_hip_roll_y
-        .mul_add(c_right_hip_yaw, kz_right_hip_yaw_y * s_right_hip_yaw);
-    let e101 = kz_right_hip_yaw_y
-        .mul_add(c_right_hip_yaw, -(bz_right_hip_roll_y * s_right_hip_yaw));
-    // left_hip_yaw
-    let e102 = bz_right_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.538107754426925),
-            T::from_f64(0.8428760553163273) * kz_right_hip_yaw_z,
-        );
-    let kz_left_hip_yaw_z = bz_right_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.8428760553163273),
-            -(T::from_f64(0.538107754426925) * kz_right_hip_yaw_z),
-        );
-    let bz_left_hip_yaw_x = e101.mul_add(c_left_hip_yaw, -(e102 * e31));
-    let e103 = e102.mul_add(c_left_hip_yaw, e101 * e31);
-    // left_hip_roll
-    let kz_left_hip_roll_y = bz_left_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.08292767473984561),
-            -(T::from_f64(0.9965555683263441) * kz_left_hip_yaw_z),
-        );
-    let kz_left_hip_roll_z = bz_left_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.9965555683263441),
-            T::from_f64(0.08292767473984561) * kz_left_hip_yaw_z,
-        );
-    let bz_left_hip_roll_x = kz_left_hip_roll_y
-        .mul_add(s_left_hip_roll, -(e103 * c_left_hip_roll));
-    let e104 = kz_left_hip_roll_y.mul_add(c_left_hip_roll, e103 * s_left_hip_roll);
-    // left_hip_pitch
-    let kz_left_hip_pitch_y = bz_left_hip_roll_x
-        .mul_add(
-            T::from_f64(0.06044086238279245),
-            -(T::from_f64(0.9981717798828137) * kz_left_hip_roll_z),
-        );
-    let kz_left_hip_pitch_z = bz_left_hip_roll_x
-        .mul_add(
-            T::from_f64(0.9981717798828137),
-            T::from_f64(0.06044086238279245) * kz_left_hip_roll_z,
-        );
-    let bz_left_hip_pitch_x = e104.mul_add(c_left_hip_pitch, kz_left_hip_pitch_y * e30);
-    let e105 = e104.mul_add(e30, -(kz_left_hip_pitch_y * c_left_hip_pitch));
-    // left_knee
-    let kz_left_knee_y = bz_left_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.9973888291864126),
-            -(T::from_f64(0.0722185808096314) * kz_left_hip_pitch_z),
-        );
-    let kz_left_knee_z = bz_left_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.0722185808096314),
-            T::from_f64(0.9973888291864126) * kz_left_hip_pitch_z,
-        );
-    let bz_left_knee_x = e105.mul_add(s_left_knee, kz_left_knee_y * c_left_knee);
-    let e106 = e105.mul_add(c_left_knee, -(kz_left_knee_y * s_left_knee));
-    // left_ankle_pitch
-    let kz_left_ankle_pitch_y = bz_left_knee_x
-        .mul_add(
-            T::from_f64(0.9659918591802845),
-            -(T::from_f64(0.2585724811294071) * kz_left_knee_z),
-        );
-    let kz_left_ankle_pitch_z = bz_left_knee_x
-        .mul_add(
-            T::from_f64(0.2585724811294071),
-            T::from_f64(0.9659918591802845) * kz_left_knee_z,
-        );
-    let bz_left_ankle_pitch_x = e106
-        .mul_add(c_left_ankle_pitch, kz_left_ankle_pitch_y * e29);
-    // waist_yaw
-    let e107 = e101
-        .mul_add(
-            T::from_f64(0.11944678826051937),
-            -(T::from_f64(0.19252104104496945) * bz_right_hip_yaw_x),
-        ) + kz_right_hip_yaw_z;
-    let kz_waist_yaw_x = e107
-        .mul_add(T::from_f64(0.3662421800811956), bz_right_hip_yaw_x);
-    let kz_waist_yaw_y = e107.mul_add(T::from_f64(0.22722945969324562), -e101);
-    let kz_waist_yaw_z = (-e107)
-        .mul_add(T::from_f64(1.9023488450576578), kz_right_hip_yaw_z);
-    let bz_waist_yaw_x = kz_waist_yaw_y.mul_add(e27, -(kz_waist_yaw_x * c_waist_yaw));
-    let bz_waist_yaw_y = kz_waist_yaw_y.mul_add(c_waist_yaw, kz_waist_yaw_x * e27);
-    // waist_pitch
-    let kz_waist_pitch_y = bz_waist_yaw_x
-        .mul_add(
-            T::from_f64(0.19642259114963537),
-            -(T::from_f64(0.980519334682424) * kz_waist_yaw_z),
-        );
-    let kz_waist_pitch_z = bz_waist_yaw_x
-        .mul_add(
-            T::from_f64(0.980519334682424),
-            T::from_f64(0.19642259114963537) * kz_waist_yaw_z,
-        );
-    let e108 = bz_waist_yaw_y.mul_add(e25, kz_waist_pitch_y * c_waist_pitch);
-    let e109 = bz_waist_yaw_y.mul_add(c_waist_pitch, -(kz_waist_pitch_y * e25));
-    // neck_yaw
-    let e110 = e108
-        .mul_add(
-            T::from_f64(0.11686854868553807),
-            T::from_f64(0.9931473920461839) * kz_waist_pitch_z,
-        );
-    let kz_neck_yaw_z = kz_waist_pitch_z
-        .mul_add(
-            T::from_f64(0.11686854868553807),
-            -(T::from_f64(0.9931473920461839) * e108),
-        );
-    let bz_neck_yaw_x = e110.mul_add(c_neck_yaw, -(e109 * s_neck_yaw));
-    let bz_neck_yaw_y = e110.mul_add(s_neck_yaw, e109 * c_neck_yaw);
-    // right_shoulder_pitch
-    let e111 = kz_waist_pitch_z
-        .mul_add(
-            T::from_f64(0.10644334192309902),
-            e109.mul_add(T::from_f64(0.07159388452594458), -e108),
-        );
-    let e112 = e111.mul_add(T::from_f64(1.9676210845200064), e108);
-    let kz_right_shoulder_pitch_y = e111
-        .mul_add(T::from_f64(0.14086963671593916), -e109);
-    let kz_right_shoulder_pitch_z = (-e111)
-        .mul_add(T::from_f64(0.20944016387466197), kz_waist_pitch_z);
-    let bz_right_shoulder_pitch_x = e112
-        .mul_add(e19, -(kz_right_shoulder_pitch_y * c_right_shoulder_pitch));
-    let bz_right_shoulder_pitch_y = kz_right_shoulder_pitch_y
-        .mul_add(e19, e112 * c_right_shoulder_pitch);
-    // right_shoulder_roll
-    let kz_right_shoulder_roll_y = bz_right_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.2834710957352705),
-            -(T::from_f64(0.9589807807681263) * kz_right_shoulder_pitch_z),
-        );
-    let kz_right_shoulder_roll_z = bz_right_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.9589807807681263),
-            T::from_f64(0.2834710957352705) * kz_right_shoulder_pitch_z,
-        );
-    let e113 = bz_right_shoulder_pitch_y
-        .mul_add(
-            c_right_shoulder_roll,
-            kz_right_shoulder_roll_y * s_right_shoulder_roll,
-        );
-    let e114 = bz_right_shoulder_pitch_y
-        .mul_add(
-            s_right_shoulder_roll,
-            -(kz_right_shoulder_roll_y * c_right_shoulder_roll),
-        );
-    // right_shoulder_yaw
-    let kz_right_shoulder_yaw_y = e113
-        .mul_add(
-            T::from_f64(0.3848026949004402),
-            -(T::from_f64(0.9229988548190939) * kz_right_shoulder_roll_z),
-        );
-    let e115 = e113
-        .mul_add(
-            T::from_f64(0.9229988548190939),
-            T::from_f64(0.3848026949004402) * kz_right_shoulder_roll_z,
-        );
-    let bz_right_shoulder_yaw_x = e114
-        .mul_add(
-            c_right_shoulder_yaw,
-            -(kz_right_shoulder_yaw_y * s_right_shoulder_yaw),
-        );
-    let bz_right_shoulder_yaw_y = kz_right_shoulder_yaw_y
-        .mul_add(c_right_shoulder_yaw, e114 * s_right_shoulder_yaw);
-    // right_elbow
-    let kz_right_elbow_y = bz_right_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.12242921843048289),
-            T::from_f64(0.9924772473334093) * e115,
-        );
-    let kz_right_elbow_z = bz_right_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.9924772473334093),
-            -(T::from_f64(0.12242921843048289) * e115),
-        );
-    let bz_right_elbow_x = bz_right_shoulder_yaw_y
-        .mul_add(s_right_elbow, -(kz_right_elbow_y * c_right_elbow));
-    let e116 = kz_right_elbow_y
-        .mul_add(s_right_elbow, bz_right_shoulder_yaw_y * c_right_elbow);
-    // right_wrist_yaw
-    let e117 = bz_right_elbow_x
-        .mul_add(
-            T::from_f64(0.15904161977640188),
-            T::from_f64(0.9872718790580934) * kz_right_elbow_z,
-        );
-    let kz_right_wrist_yaw_z = bz_right_elbow_x
-        .mul_add(
-            T::from_f64(0.9872718790580934),
-            -(T::from_f64(0.15904161977640188) * kz_right_elbow_z),
-        );
-    let bz_right_wrist_yaw_x = e117.mul_add(e12, -(e116 * c_right_wrist_yaw));
-    let bz_right_wrist_yaw_y = e117.mul_add(c_right_wrist_yaw, e116 * e12);
-    // right_wrist_roll
     let kz_right_wrist_roll_y = bz_right_wrist_yaw_x
         .mul_add(
             T::from_f64(0.06712447922871664),
@@ -12975,19 +12549,77 @@ pub fn com_jacobian_sc<T: Real>(
     let bz_right_wrist_roll_x = bz_right_wrist_yaw_y
         .mul_add(c_right_wrist_roll, kz_right_wrist_roll_y * s_right_wrist_roll);
     // left_shoulder_pitch
-    let e118 = (-kz_waist_pitch_z)
+    let e98 = (-kx_waist_pitch_z)
         .mul_add(
             T::from_f64(0.09248191489966293),
-            e108.mul_add(T::from_f64(0.11783871458722316), -e109),
+            e68.mul_add(T::from_f64(0.11783871458722316), -e69),
         );
-    let kz_left_shoulder_pitch_x = e118.mul_add(T::from_f64(0.2305051546121806), -e108);
-    let e119 = e118.mul_add(T::from_f64(1.956107170887058), e109);
-    let kz_left_shoulder_pitch_z = e118
+    let kx_left_shoulder_pitch_x = e98.mul_add(T::from_f64(0.2305051546121806), -e68);
+    let e99 = e98.mul_add(T::from_f64(1.956107170887058), e69);
+    let kx_left_shoulder_pitch_z = e98
+        .mul_add(T::from_f64(0.1809045369125973), kx_waist_pitch_z);
+    let bx_left_shoulder_pitch_x = e99
+        .mul_add(c_left_shoulder_pitch, -(kx_left_shoulder_pitch_x * e9));
+    let e100 = e99.mul_add(e9, kx_left_shoulder_pitch_x * c_left_shoulder_pitch);
+    let e101 = (-ky_waist_pitch_z)
+        .mul_add(
+            T::from_f64(0.09248191489966293),
+            e70.mul_add(T::from_f64(0.11783871458722316), -e71),
+        );
+    let ky_left_shoulder_pitch_x = e101.mul_add(T::from_f64(0.2305051546121806), -e70);
+    let e102 = e101.mul_add(T::from_f64(1.956107170887058), e71);
+    let ky_left_shoulder_pitch_z = e101
+        .mul_add(T::from_f64(0.1809045369125973), ky_waist_pitch_z);
+    let by_left_shoulder_pitch_x = e102
+        .mul_add(c_left_shoulder_pitch, -(ky_left_shoulder_pitch_x * e9));
+    let e103 = e102.mul_add(e9, ky_left_shoulder_pitch_x * c_left_shoulder_pitch);
+    let e104 = (-kz_waist_pitch_z)
+        .mul_add(
+            T::from_f64(0.09248191489966293),
+            e72.mul_add(T::from_f64(0.11783871458722316), -e73),
+        );
+    let kz_left_shoulder_pitch_x = e104.mul_add(T::from_f64(0.2305051546121806), -e72);
+    let e105 = e104.mul_add(T::from_f64(1.956107170887058), e73);
+    let kz_left_shoulder_pitch_z = e104
         .mul_add(T::from_f64(0.1809045369125973), kz_waist_pitch_z);
-    let bz_left_shoulder_pitch_x = e119
+    let bz_left_shoulder_pitch_x = e105
         .mul_add(c_left_shoulder_pitch, -(kz_left_shoulder_pitch_x * e9));
-    let e120 = e119.mul_add(e9, kz_left_shoulder_pitch_x * c_left_shoulder_pitch);
+    let e106 = e105.mul_add(e9, kz_left_shoulder_pitch_x * c_left_shoulder_pitch);
     // left_shoulder_roll
+    let kx_left_shoulder_roll_y = bx_left_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.2834710957352705),
+            -(T::from_f64(0.9589807807681263) * kx_left_shoulder_pitch_z),
+        );
+    let kx_left_shoulder_roll_z = bx_left_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.9589807807681263),
+            T::from_f64(0.2834710957352705) * kx_left_shoulder_pitch_z,
+        );
+    let bx_left_shoulder_roll_x = e100
+        .mul_add(
+            c_left_shoulder_roll,
+            -(kx_left_shoulder_roll_y * s_left_shoulder_roll),
+        );
+    let bx_left_shoulder_roll_y = kx_left_shoulder_roll_y
+        .mul_add(c_left_shoulder_roll, e100 * s_left_shoulder_roll);
+    let ky_left_shoulder_roll_y = by_left_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.2834710957352705),
+            -(T::from_f64(0.9589807807681263) * ky_left_shoulder_pitch_z),
+        );
+    let ky_left_shoulder_roll_z = by_left_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.9589807807681263),
+            T::from_f64(0.2834710957352705) * ky_left_shoulder_pitch_z,
+        );
+    let by_left_shoulder_roll_x = e103
+        .mul_add(
+            c_left_shoulder_roll,
+            -(ky_left_shoulder_roll_y * s_left_shoulder_roll),
+        );
+    let by_left_shoulder_roll_y = ky_left_shoulder_roll_y
+        .mul_add(c_left_shoulder_roll, e103 * s_left_shoulder_roll);
     let kz_left_shoulder_roll_y = bz_left_shoulder_pitch_x
         .mul_add(
             T::from_f64(0.2834710957352705),
@@ -12998,15 +12630,43 @@ pub fn com_jacobian_sc<T: Real>(
             T::from_f64(0.9589807807681263),
             T::from_f64(0.2834710957352705) * kz_left_shoulder_pitch_z,
         );
-    let bz_left_shoulder_roll_x = e120
+    let bz_left_shoulder_roll_x = e106
         .mul_add(
             c_left_shoulder_roll,
             -(kz_left_shoulder_roll_y * s_left_shoulder_roll),
         );
     let bz_left_shoulder_roll_y = kz_left_shoulder_roll_y
-        .mul_add(c_left_shoulder_roll, e120 * s_left_shoulder_roll);
+        .mul_add(c_left_shoulder_roll, e106 * s_left_shoulder_roll);
     // left_shoulder_yaw
-    let e121 = bz_left_shoulder_roll_x
+    let e107 = bx_left_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.3848026949004402),
+            T::from_f64(0.9229988548190939) * kx_left_shoulder_roll_z,
+        );
+    let kx_left_shoulder_yaw_z = bx_left_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.9229988548190939),
+            -(T::from_f64(0.3848026949004402) * kx_left_shoulder_roll_z),
+        );
+    let bx_left_shoulder_yaw_x = e107
+        .mul_add(s_left_shoulder_yaw, -(bx_left_shoulder_roll_y * c_left_shoulder_yaw));
+    let e108 = e107
+        .mul_add(c_left_shoulder_yaw, bx_left_shoulder_roll_y * s_left_shoulder_yaw);
+    let e109 = by_left_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.3848026949004402),
+            T::from_f64(0.9229988548190939) * ky_left_shoulder_roll_z,
+        );
+    let ky_left_shoulder_yaw_z = by_left_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.9229988548190939),
+            -(T::from_f64(0.3848026949004402) * ky_left_shoulder_roll_z),
+        );
+    let by_left_shoulder_yaw_x = e109
+        .mul_add(s_left_shoulder_yaw, -(by_left_shoulder_roll_y * c_left_shoulder_yaw));
+    let e110 = e109
+        .mul_add(c_left_shoulder_yaw, by_left_shoulder_roll_y * s_left_shoulder_yaw);
+    let e111 = bz_left_shoulder_roll_x
         .mul_add(
             T::from_f64(0.3848026949004402),
             T::from_f64(0.9229988548190939) * kz_left_shoulder_roll_z,
@@ -13016,11 +12676,35 @@ pub fn com_jacobian_sc<T: Real>(
             T::from_f64(0.9229988548190939),
             -(T::from_f64(0.3848026949004402) * kz_left_shoulder_roll_z),
         );
-    let bz_left_shoulder_yaw_x = e121
+    let bz_left_shoulder_yaw_x = e111
         .mul_add(s_left_shoulder_yaw, -(bz_left_shoulder_roll_y * c_left_shoulder_yaw));
-    let e122 = e121
+    let e112 = e111
         .mul_add(c_left_shoulder_yaw, bz_left_shoulder_roll_y * s_left_shoulder_yaw);
     // left_elbow
+    let kx_left_elbow_y = bx_left_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.12242921843048289),
+            -(T::from_f64(0.9924772473334093) * kx_left_shoulder_yaw_z),
+        );
+    let kx_left_elbow_z = bx_left_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.9924772473334093),
+            T::from_f64(0.12242921843048289) * kx_left_shoulder_yaw_z,
+        );
+    let e113 = e108.mul_add(s_left_elbow, kx_left_elbow_y * c_left_elbow);
+    let e114 = kx_left_elbow_y.mul_add(s_left_elbow, -(e108 * c_left_elbow));
+    let ky_left_elbow_y = by_left_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.12242921843048289),
+            -(T::from_f64(0.9924772473334093) * ky_left_shoulder_yaw_z),
+        );
+    let ky_left_elbow_z = by_left_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.9924772473334093),
+            T::from_f64(0.12242921843048289) * ky_left_shoulder_yaw_z,
+        );
+    let e115 = e110.mul_add(s_left_elbow, ky_left_elbow_y * c_left_elbow);
+    let e116 = ky_left_elbow_y.mul_add(s_left_elbow, -(e110 * c_left_elbow));
     let kz_left_elbow_y = bz_left_shoulder_yaw_x
         .mul_add(
             T::from_f64(0.12242921843048289),
@@ -13031,22 +12715,60 @@ pub fn com_jacobian_sc<T: Real>(
             T::from_f64(0.9924772473334093),
             T::from_f64(0.12242921843048289) * kz_left_shoulder_yaw_z,
         );
-    let e123 = e122.mul_add(s_left_elbow, kz_left_elbow_y * c_left_elbow);
-    let e124 = kz_left_elbow_y.mul_add(s_left_elbow, -(e122 * c_left_elbow));
+    let e117 = e112.mul_add(s_left_elbow, kz_left_elbow_y * c_left_elbow);
+    let e118 = kz_left_elbow_y.mul_add(s_left_elbow, -(e112 * c_left_elbow));
     // left_wrist_yaw
-    let kz_left_wrist_yaw_y = e123
+    let kx_left_wrist_yaw_y = e113
+        .mul_add(
+            T::from_f64(0.15904161977640188),
+            -(T::from_f64(0.9872718790580934) * kx_left_elbow_z),
+        );
+    let e119 = e113
+        .mul_add(
+            T::from_f64(0.9872718790580934),
+            T::from_f64(0.15904161977640188) * kx_left_elbow_z,
+        );
+    let e120 = e114.mul_add(c_left_wrist_yaw, kx_left_wrist_yaw_y * e2);
+    let e121 = kx_left_wrist_yaw_y.mul_add(c_left_wrist_yaw, -(e114 * e2));
+    let ky_left_wrist_yaw_y = e115
+        .mul_add(
+            T::from_f64(0.15904161977640188),
+            -(T::from_f64(0.9872718790580934) * ky_left_elbow_z),
+        );
+    let e122 = e115
+        .mul_add(
+            T::from_f64(0.9872718790580934),
+            T::from_f64(0.15904161977640188) * ky_left_elbow_z,
+        );
+    let e123 = e116.mul_add(c_left_wrist_yaw, ky_left_wrist_yaw_y * e2);
+    let e124 = ky_left_wrist_yaw_y.mul_add(c_left_wrist_yaw, -(e116 * e2));
+    let kz_left_wrist_yaw_y = e117
         .mul_add(
             T::from_f64(0.15904161977640188),
             -(T::from_f64(0.9872718790580934) * kz_left_elbow_z),
         );
-    let e125 = e123
+    let e125 = e117
         .mul_add(
             T::from_f64(0.9872718790580934),
             T::from_f64(0.15904161977640188) * kz_left_elbow_z,
         );
-    let e126 = e124.mul_add(c_left_wrist_yaw, kz_left_wrist_yaw_y * e2);
-    let e127 = kz_left_wrist_yaw_y.mul_add(c_left_wrist_yaw, -(e124 * e2));
+    let e126 = e118.mul_add(c_left_wrist_yaw, kz_left_wrist_yaw_y * e2);
+    let e127 = kz_left_wrist_yaw_y.mul_add(c_left_wrist_yaw, -(e118 * e2));
     // left_wrist_roll
+    let kx_left_wrist_roll_y = e119
+        .mul_add(
+            T::from_f64(0.9977446087492899),
+            -(T::from_f64(0.06712447922871664) * e120),
+        );
+    let bx_left_wrist_roll_x = kx_left_wrist_roll_y
+        .mul_add(s_left_wrist_roll, -(e121 * c_left_wrist_roll));
+    let ky_left_wrist_roll_y = e122
+        .mul_add(
+            T::from_f64(0.9977446087492899),
+            -(T::from_f64(0.06712447922871664) * e123),
+        );
+    let by_left_wrist_roll_x = ky_left_wrist_roll_y
+        .mul_add(s_left_wrist_roll, -(e124 * c_left_wrist_roll));
     let kz_left_wrist_roll_y = e125
         .mul_add(
             T::from_f64(0.9977446087492899),
@@ -13055,6 +12777,24 @@ pub fn com_jacobian_sc<T: Real>(
     let bz_left_wrist_roll_x = kz_left_wrist_roll_y
         .mul_add(s_left_wrist_roll, -(e127 * c_left_wrist_roll));
     // left_wrist_pitch
+    let kx_left_wrist_pitch_y = e120
+        .mul_add(
+            T::from_f64(0.9977446087492899),
+            T::from_f64(0.06712447922871664) * e119,
+        )
+        .mul_add(
+            T::from_f64(0.99908366749145),
+            -(T::from_f64(0.042799828876225604) * bx_left_wrist_roll_x),
+        );
+    let ky_left_wrist_pitch_y = e123
+        .mul_add(
+            T::from_f64(0.9977446087492899),
+            T::from_f64(0.06712447922871664) * e122,
+        )
+        .mul_add(
+            T::from_f64(0.99908366749145),
+            -(T::from_f64(0.042799828876225604) * by_left_wrist_roll_x),
+        );
     let kz_left_wrist_pitch_y = e126
         .mul_add(
             T::from_f64(0.9977446087492899),
@@ -13068,9 +12808,9 @@ pub fn com_jacobian_sc<T: Real>(
         [
             kx_right_hip_yaw_y
                 .mul_add(t_right_hip_yaw_x, -(bx_right_hip_roll_y * t_right_hip_yaw_y)),
-            e38.mul_add(t_right_hip_roll_y, -(kx_right_hip_roll_y * e33)),
-            kx_right_hip_pitch_y.mul_add(t_right_hip_pitch_x, e37 * t_right_hip_pitch_y),
-            kx_right_knee_y.mul_add(t_right_knee_x, e36 * t_right_knee_y),
+            e44.mul_add(t_right_hip_roll_y, -(kx_right_hip_roll_y * e33)),
+            kx_right_hip_pitch_y.mul_add(t_right_hip_pitch_x, e41 * t_right_hip_pitch_y),
+            kx_right_knee_y.mul_add(t_right_knee_x, e38 * t_right_knee_y),
             kx_right_ankle_pitch_y
                 .mul_add(t_right_ankle_pitch_x, e35 * t_right_ankle_pitch_y),
             -t_right_ankle_roll_x
@@ -13078,12 +12818,12 @@ pub fn com_jacobian_sc<T: Real>(
                     T::from_f64(0.1111747801713847),
                     T::from_f64(0.16554475198250462) * t_right_ankle_roll_y,
                 ),
-            -e39.mul_add(t_left_hip_yaw_y, -(e40 * t_left_hip_yaw_x)),
-            -kx_left_hip_roll_y.mul_add(t_left_hip_roll_x, e41 * t_left_hip_roll_y),
-            -kx_left_hip_pitch_y.mul_add(t_left_hip_pitch_x, e42 * t_left_hip_pitch_y),
-            -kx_left_knee_y.mul_add(t_left_knee_x, e43 * t_left_knee_y),
+            -e47.mul_add(t_left_hip_yaw_y, -(e50 * t_left_hip_yaw_x)),
+            -kx_left_hip_roll_y.mul_add(t_left_hip_roll_x, e51 * t_left_hip_roll_y),
+            -kx_left_hip_pitch_y.mul_add(t_left_hip_pitch_x, e56 * t_left_hip_pitch_y),
+            -kx_left_knee_y.mul_add(t_left_knee_x, e59 * t_left_knee_y),
             -kx_left_ankle_pitch_y
-                .mul_add(t_left_ankle_pitch_x, e44 * t_left_ankle_pitch_y),
+                .mul_add(t_left_ankle_pitch_x, e62 * t_left_ankle_pitch_y),
             bx_left_ankle_pitch_x
                 .mul_add(
                     T::from_f64(0.052408392112199914),
@@ -13091,11 +12831,11 @@ pub fn com_jacobian_sc<T: Real>(
                 )
                 .mul_add(
                     t_left_ankle_roll_x,
-                    e44.mul_add(e29, -(kx_left_ankle_pitch_y * c_left_ankle_pitch)) * e28,
+                    e62.mul_add(e29, -(kx_left_ankle_pitch_y * c_left_ankle_pitch)) * e28,
                 ),
             -kx_waist_yaw_y.mul_add(t_waist_yaw_x, -(kx_waist_yaw_x * t_waist_yaw_y)),
             kx_waist_pitch_y.mul_add(e26, bx_waist_yaw_y * t_waist_pitch_y),
-            e48.mul_add(t_neck_yaw_x, e47 * e22),
+            e74.mul_add(t_neck_yaw_x, e69 * e22),
             -bx_neck_yaw_y
                 .mul_add(
                     e21,
@@ -13105,12 +12845,12 @@ pub fn com_jacobian_sc<T: Real>(
                             T::from_f64(0.9991639042881736) * kx_neck_yaw_z,
                         ) * t_neck_pitch_x),
                 ),
-            -e50.mul_add(t_right_shoulder_pitch_y, -(kx_right_shoulder_pitch_y * e20)),
+            -e78.mul_add(t_right_shoulder_pitch_y, -(kx_right_shoulder_pitch_y * e20)),
             kx_right_shoulder_roll_y
                 .mul_add(e17, bx_right_shoulder_pitch_y * t_right_shoulder_roll_y),
-            -e52.mul_add(t_right_shoulder_yaw_y, -(kx_right_shoulder_yaw_y * e15)),
+            -e84.mul_add(t_right_shoulder_yaw_y, -(kx_right_shoulder_yaw_y * e15)),
             -kx_right_elbow_y.mul_add(t_right_elbow_x, bx_right_shoulder_yaw_y * e14),
-            e55.mul_add(t_right_wrist_yaw_x, e54 * e13),
+            e95.mul_add(t_right_wrist_yaw_x, e92 * e13),
             -kx_right_wrist_roll_y
                 .mul_add(
                     t_right_wrist_roll_x,
@@ -13129,39 +12869,39 @@ pub fn com_jacobian_sc<T: Real>(
                             -(bx_right_wrist_yaw_y * s_right_wrist_roll),
                         ) * e11,
                 ),
-            -e57.mul_add(e10, -(kx_left_shoulder_pitch_x * t_left_shoulder_pitch_y)),
-            -e58.mul_add(t_left_shoulder_roll_y, -(kx_left_shoulder_roll_y * e7)),
-            -e59.mul_add(e5, -(bx_left_shoulder_roll_y * t_left_shoulder_yaw_y)),
-            -kx_left_elbow_y.mul_add(t_left_elbow_x, -(e60 * e4)),
-            -kx_left_wrist_yaw_y.mul_add(t_left_wrist_yaw_x, -(e62 * e3)),
+            -e99.mul_add(e10, -(kx_left_shoulder_pitch_x * t_left_shoulder_pitch_y)),
+            -e100.mul_add(t_left_shoulder_roll_y, -(kx_left_shoulder_roll_y * e7)),
+            -e107.mul_add(e5, -(bx_left_shoulder_roll_y * t_left_shoulder_yaw_y)),
+            -kx_left_elbow_y.mul_add(t_left_elbow_x, -(e108 * e4)),
+            -kx_left_wrist_yaw_y.mul_add(t_left_wrist_yaw_x, -(e114 * e3)),
             -kx_left_wrist_roll_y
-                .mul_add(t_left_wrist_roll_x, e65 * t_left_wrist_roll_y),
+                .mul_add(t_left_wrist_roll_x, e121 * t_left_wrist_roll_y),
             -kx_left_wrist_pitch_y
                 .mul_add(
                     t_left_wrist_pitch_x,
                     -(kx_left_wrist_roll_y
-                        .mul_add(c_left_wrist_roll, e65 * s_left_wrist_roll) * e1),
+                        .mul_add(c_left_wrist_roll, e121 * s_left_wrist_roll) * e1),
                 ),
         ],
         [
             ky_right_hip_yaw_y
                 .mul_add(t_right_hip_yaw_x, -(by_right_hip_roll_y * t_right_hip_yaw_y)),
-            e69.mul_add(t_right_hip_roll_y, -(ky_right_hip_roll_y * e33)),
-            ky_right_hip_pitch_y.mul_add(t_right_hip_pitch_x, e68 * t_right_hip_pitch_y),
-            ky_right_knee_y.mul_add(t_right_knee_x, e67 * t_right_knee_y),
+            e45.mul_add(t_right_hip_roll_y, -(ky_right_hip_roll_y * e33)),
+            ky_right_hip_pitch_y.mul_add(t_right_hip_pitch_x, e42 * t_right_hip_pitch_y),
+            ky_right_knee_y.mul_add(t_right_knee_x, e39 * t_right_knee_y),
             ky_right_ankle_pitch_y
-                .mul_add(t_right_ankle_pitch_x, e66 * t_right_ankle_pitch_y),
+                .mul_add(t_right_ankle_pitch_x, e36 * t_right_ankle_pitch_y),
             t_right_ankle_roll_x
                 .mul_add(
                     T::from_f64(0.9851881430723574),
                     T::from_f64(0.11117478017138471) * t_right_ankle_roll_y,
                 ),
-            -e70.mul_add(t_left_hip_yaw_y, -(e71 * t_left_hip_yaw_x)),
-            -ky_left_hip_roll_y.mul_add(t_left_hip_roll_x, e72 * t_left_hip_roll_y),
-            -ky_left_hip_pitch_y.mul_add(t_left_hip_pitch_x, e73 * t_left_hip_pitch_y),
-            -ky_left_knee_y.mul_add(t_left_knee_x, e74 * t_left_knee_y),
+            -e48.mul_add(t_left_hip_yaw_y, -(e52 * t_left_hip_yaw_x)),
+            -ky_left_hip_roll_y.mul_add(t_left_hip_roll_x, e53 * t_left_hip_roll_y),
+            -ky_left_hip_pitch_y.mul_add(t_left_hip_pitch_x, e57 * t_left_hip_pitch_y),
+            -ky_left_knee_y.mul_add(t_left_knee_x, e60 * t_left_knee_y),
             -ky_left_ankle_pitch_y
-                .mul_add(t_left_ankle_pitch_x, e75 * t_left_ankle_pitch_y),
+                .mul_add(t_left_ankle_pitch_x, e63 * t_left_ankle_pitch_y),
             by_left_ankle_pitch_x
                 .mul_add(
                     T::from_f64(0.052408392112199914),
@@ -13169,11 +12909,11 @@ pub fn com_jacobian_sc<T: Real>(
                 )
                 .mul_add(
                     t_left_ankle_roll_x,
-                    e75.mul_add(e29, -(ky_left_ankle_pitch_y * c_left_ankle_pitch)) * e28,
+                    e63.mul_add(e29, -(ky_left_ankle_pitch_y * c_left_ankle_pitch)) * e28,
                 ),
             -ky_waist_yaw_y.mul_add(t_waist_yaw_x, -(ky_waist_yaw_x * t_waist_yaw_y)),
             ky_waist_pitch_y.mul_add(e26, by_waist_yaw_y * t_waist_pitch_y),
-            e79.mul_add(t_neck_yaw_x, e78 * e22),
+            e75.mul_add(t_neck_yaw_x, e71 * e22),
             -by_neck_yaw_y
                 .mul_add(
                     e21,
@@ -13183,12 +12923,12 @@ pub fn com_jacobian_sc<T: Real>(
                             T::from_f64(0.9991639042881736) * ky_neck_yaw_z,
                         ) * t_neck_pitch_x),
                 ),
-            -e81.mul_add(t_right_shoulder_pitch_y, -(ky_right_shoulder_pitch_y * e20)),
+            -e80.mul_add(t_right_shoulder_pitch_y, -(ky_right_shoulder_pitch_y * e20)),
             ky_right_shoulder_roll_y
                 .mul_add(e17, by_right_shoulder_pitch_y * t_right_shoulder_roll_y),
-            -e83.mul_add(t_right_shoulder_yaw_y, -(ky_right_shoulder_yaw_y * e15)),
+            -e86.mul_add(t_right_shoulder_yaw_y, -(ky_right_shoulder_yaw_y * e15)),
             -ky_right_elbow_y.mul_add(t_right_elbow_x, by_right_shoulder_yaw_y * e14),
-            e86.mul_add(t_right_wrist_yaw_x, e85 * e13),
+            e96.mul_add(t_right_wrist_yaw_x, e93 * e13),
             -ky_right_wrist_roll_y
                 .mul_add(
                     t_right_wrist_roll_x,
@@ -13207,39 +12947,39 @@ pub fn com_jacobian_sc<T: Real>(
                             -(by_right_wrist_yaw_y * s_right_wrist_roll),
                         ) * e11,
                 ),
-            -e88.mul_add(e10, -(ky_left_shoulder_pitch_x * t_left_shoulder_pitch_y)),
-            -e89.mul_add(t_left_shoulder_roll_y, -(ky_left_shoulder_roll_y * e7)),
-            -e90.mul_add(e5, -(by_left_shoulder_roll_y * t_left_shoulder_yaw_y)),
-            -ky_left_elbow_y.mul_add(t_left_elbow_x, -(e91 * e4)),
-            -ky_left_wrist_yaw_y.mul_add(t_left_wrist_yaw_x, -(e93 * e3)),
+            -e102.mul_add(e10, -(ky_left_shoulder_pitch_x * t_left_shoulder_pitch_y)),
+            -e103.mul_add(t_left_shoulder_roll_y, -(ky_left_shoulder_roll_y * e7)),
+            -e109.mul_add(e5, -(by_left_shoulder_roll_y * t_left_shoulder_yaw_y)),
+            -ky_left_elbow_y.mul_add(t_left_elbow_x, -(e110 * e4)),
+            -ky_left_wrist_yaw_y.mul_add(t_left_wrist_yaw_x, -(e116 * e3)),
             -ky_left_wrist_roll_y
-                .mul_add(t_left_wrist_roll_x, e96 * t_left_wrist_roll_y),
+                .mul_add(t_left_wrist_roll_x, e124 * t_left_wrist_roll_y),
             -ky_left_wrist_pitch_y
                 .mul_add(
                     t_left_wrist_pitch_x,
                     -(ky_left_wrist_roll_y
-                        .mul_add(c_left_wrist_roll, e96 * s_left_wrist_roll) * e1),
+                        .mul_add(c_left_wrist_roll, e124 * s_left_wrist_roll) * e1),
                 ),
         ],
         [
             kz_right_hip_yaw_y
                 .mul_add(t_right_hip_yaw_x, -(bz_right_hip_roll_y * t_right_hip_yaw_y)),
-            e100.mul_add(t_right_hip_roll_y, -(kz_right_hip_roll_y * e33)),
-            kz_right_hip_pitch_y.mul_add(t_right_hip_pitch_x, e99 * t_right_hip_pitch_y),
-            kz_right_knee_y.mul_add(t_right_knee_x, e98 * t_right_knee_y),
+            e46.mul_add(t_right_hip_roll_y, -(kz_right_hip_roll_y * e33)),
+            kz_right_hip_pitch_y.mul_add(t_right_hip_pitch_x, e43 * t_right_hip_pitch_y),
+            kz_right_knee_y.mul_add(t_right_knee_x, e40 * t_right_knee_y),
             kz_right_ankle_pitch_y
-                .mul_add(t_right_ankle_pitch_x, e97 * t_right_ankle_pitch_y),
+                .mul_add(t_right_ankle_pitch_x, e37 * t_right_ankle_pitch_y),
             t_right_ankle_roll_y
                 .mul_add(
                     T::from_f64(0.9799158654419752),
                     -(T::from_f64(0.13055455182981807) * t_right_ankle_roll_x),
                 ),
-            -e101.mul_add(t_left_hip_yaw_y, -(e102 * t_left_hip_yaw_x)),
-            -kz_left_hip_roll_y.mul_add(t_left_hip_roll_x, e103 * t_left_hip_roll_y),
-            -kz_left_hip_pitch_y.mul_add(t_left_hip_pitch_x, e104 * t_left_hip_pitch_y),
-            -kz_left_knee_y.mul_add(t_left_knee_x, e105 * t_left_knee_y),
+            -e49.mul_add(t_left_hip_yaw_y, -(e54 * t_left_hip_yaw_x)),
+            -kz_left_hip_roll_y.mul_add(t_left_hip_roll_x, e55 * t_left_hip_roll_y),
+            -kz_left_hip_pitch_y.mul_add(t_left_hip_pitch_x, e58 * t_left_hip_pitch_y),
+            -kz_left_knee_y.mul_add(t_left_knee_x, e61 * t_left_knee_y),
             -kz_left_ankle_pitch_y
-                .mul_add(t_left_ankle_pitch_x, e106 * t_left_ankle_pitch_y),
+                .mul_add(t_left_ankle_pitch_x, e64 * t_left_ankle_pitch_y),
             bz_left_ankle_pitch_x
                 .mul_add(
                     T::from_f64(0.052408392112199914),
@@ -13247,12 +12987,11 @@ pub fn com_jacobian_sc<T: Real>(
                 )
                 .mul_add(
                     t_left_ankle_roll_x,
-                    e106.mul_add(e29, -(kz_left_ankle_pitch_y * c_left_ankle_pitch))
-                        * e28,
+                    e64.mul_add(e29, -(kz_left_ankle_pitch_y * c_left_ankle_pitch)) * e28,
                 ),
             -kz_waist_yaw_y.mul_add(t_waist_yaw_x, -(kz_waist_yaw_x * t_waist_yaw_y)),
             kz_waist_pitch_y.mul_add(e26, bz_waist_yaw_y * t_waist_pitch_y),
-            e110.mul_add(t_neck_yaw_x, e109 * e22),
+            e76.mul_add(t_neck_yaw_x, e73 * e22),
             -bz_neck_yaw_y
                 .mul_add(
                     e21,
@@ -13262,12 +13001,12 @@ pub fn com_jacobian_sc<T: Real>(
                             T::from_f64(0.9991639042881736) * kz_neck_yaw_z,
                         ) * t_neck_pitch_x),
                 ),
-            -e112.mul_add(t_right_shoulder_pitch_y, -(kz_right_shoulder_pitch_y * e20)),
+            -e82.mul_add(t_right_shoulder_pitch_y, -(kz_right_shoulder_pitch_y * e20)),
             kz_right_shoulder_roll_y
                 .mul_add(e17, bz_right_shoulder_pitch_y * t_right_shoulder_roll_y),
-            -e114.mul_add(t_right_shoulder_yaw_y, -(kz_right_shoulder_yaw_y * e15)),
+            -e88.mul_add(t_right_shoulder_yaw_y, -(kz_right_shoulder_yaw_y * e15)),
             -kz_right_elbow_y.mul_add(t_right_elbow_x, bz_right_shoulder_yaw_y * e14),
-            e117.mul_add(t_right_wrist_yaw_x, e116 * e13),
+            e97.mul_add(t_right_wrist_yaw_x, e94 * e13),
             -kz_right_wrist_roll_y
                 .mul_add(
                     t_right_wrist_roll_x,
@@ -13286,11 +13025,11 @@ pub fn com_jacobian_sc<T: Real>(
                             -(bz_right_wrist_yaw_y * s_right_wrist_roll),
                         ) * e11,
                 ),
-            -e119.mul_add(e10, -(kz_left_shoulder_pitch_x * t_left_shoulder_pitch_y)),
-            -e120.mul_add(t_left_shoulder_roll_y, -(kz_left_shoulder_roll_y * e7)),
-            -e121.mul_add(e5, -(bz_left_shoulder_roll_y * t_left_shoulder_yaw_y)),
-            -kz_left_elbow_y.mul_add(t_left_elbow_x, -(e122 * e4)),
-            -kz_left_wrist_yaw_y.mul_add(t_left_wrist_yaw_x, -(e124 * e3)),
+            -e105.mul_add(e10, -(kz_left_shoulder_pitch_x * t_left_shoulder_pitch_y)),
+            -e106.mul_add(t_left_shoulder_roll_y, -(kz_left_shoulder_roll_y * e7)),
+            -e111.mul_add(e5, -(bz_left_shoulder_roll_y * t_left_shoulder_yaw_y)),
+            -kz_left_elbow_y.mul_add(t_left_elbow_x, -(e112 * e4)),
+            -kz_left_wrist_yaw_y.mul_add(t_left_wrist_yaw_x, -(e118 * e3)),
             -kz_left_wrist_roll_y
                 .mul_add(t_left_wrist_roll_x, e127 * t_left_wrist_roll_y),
             -kz_left_wrist_pitch_y
@@ -14490,6 +14229,28 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
             -(T::from_f64(0.16554475198250462) * c_right_ankle_roll),
         );
     let bx_right_ankle_roll_y = -e2;
+    let by_right_ankle_roll_x = s_right_ankle_roll
+        .mul_add(
+            T::from_f64(0.11117478017138471),
+            T::from_f64(0.9851881430723574) * c_right_ankle_roll,
+        );
+    let e3 = c_right_ankle_roll
+        .mul_add(
+            T::from_f64(0.11117478017138471),
+            -(T::from_f64(0.9851881430723574) * s_right_ankle_roll),
+        );
+    let by_right_ankle_roll_y = -e3;
+    let bz_right_ankle_roll_x = s_right_ankle_roll
+        .mul_add(
+            T::from_f64(0.9799158654419752),
+            -(T::from_f64(0.13055455182981807) * c_right_ankle_roll),
+        );
+    let e4 = s_right_ankle_roll
+        .mul_add(
+            T::from_f64(0.13055455182981807),
+            T::from_f64(0.9799158654419752) * c_right_ankle_roll,
+        );
+    let bz_right_ankle_roll_y = -e4;
     // right_ankle_pitch
     let s_right_ankle_pitch = sin[4]
         .mul_add(
@@ -14507,9 +14268,27 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
         .mul_add(T::from_f64(0.9986257359172223), T::from_f64(0.05135581491304875));
     let bx_right_ankle_pitch_x = kx_right_ankle_pitch_y
         .mul_add(s_right_ankle_pitch, -(e2 * c_right_ankle_pitch));
-    let e3 = kx_right_ankle_pitch_y
+    let e5 = kx_right_ankle_pitch_y
         .mul_add(c_right_ankle_pitch, e2 * s_right_ankle_pitch);
-    let bx_right_ankle_pitch_y = -e3;
+    let bx_right_ankle_pitch_y = -e5;
+    let ky_right_ankle_pitch_y = (-by_right_ankle_roll_x)
+        .mul_add(T::from_f64(0.0524083921121999), T::from_f64(0.1303751353983952));
+    let ky_right_ankle_pitch_z = by_right_ankle_roll_x
+        .mul_add(T::from_f64(0.9986257359172223), T::from_f64(0.00684215414432963));
+    let by_right_ankle_pitch_x = ky_right_ankle_pitch_y
+        .mul_add(s_right_ankle_pitch, -(e3 * c_right_ankle_pitch));
+    let e6 = ky_right_ankle_pitch_y
+        .mul_add(c_right_ankle_pitch, e3 * s_right_ankle_pitch);
+    let by_right_ankle_pitch_y = -e6;
+    let kz_right_ankle_pitch_y = (-bz_right_ankle_roll_x)
+        .mul_add(T::from_f64(0.0524083921121999), T::from_f64(0.15052574825109485));
+    let kz_right_ankle_pitch_z = bz_right_ankle_roll_x
+        .mul_add(T::from_f64(0.9986257359172223), T::from_f64(0.007899668668242278));
+    let bz_right_ankle_pitch_x = kz_right_ankle_pitch_y
+        .mul_add(s_right_ankle_pitch, -(e4 * c_right_ankle_pitch));
+    let e7 = kz_right_ankle_pitch_y
+        .mul_add(c_right_ankle_pitch, e4 * s_right_ankle_pitch);
+    let bz_right_ankle_pitch_y = -e7;
     // right_knee
     let s_right_knee = sin[3]
         .mul_add(
@@ -14531,9 +14310,35 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
             T::from_f64(0.2585724811294071),
             T::from_f64(0.9659918591802843) * kx_right_ankle_pitch_z,
         );
-    let bx_right_knee_x = e3.mul_add(s_right_knee, kx_right_knee_y * c_right_knee);
-    let e4 = e3.mul_add(c_right_knee, -(kx_right_knee_y * s_right_knee));
-    let bx_right_knee_y = -e4;
+    let bx_right_knee_x = e5.mul_add(s_right_knee, kx_right_knee_y * c_right_knee);
+    let e8 = e5.mul_add(c_right_knee, -(kx_right_knee_y * s_right_knee));
+    let bx_right_knee_y = -e8;
+    let ky_right_knee_y = by_right_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.9659918591802843),
+            -(T::from_f64(0.2585724811294071) * ky_right_ankle_pitch_z),
+        );
+    let ky_right_knee_z = by_right_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.2585724811294071),
+            T::from_f64(0.9659918591802843) * ky_right_ankle_pitch_z,
+        );
+    let by_right_knee_x = e6.mul_add(s_right_knee, ky_right_knee_y * c_right_knee);
+    let e9 = e6.mul_add(c_right_knee, -(ky_right_knee_y * s_right_knee));
+    let by_right_knee_y = -e9;
+    let kz_right_knee_y = bz_right_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.9659918591802843),
+            -(T::from_f64(0.2585724811294071) * kz_right_ankle_pitch_z),
+        );
+    let kz_right_knee_z = bz_right_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.2585724811294071),
+            T::from_f64(0.9659918591802843) * kz_right_ankle_pitch_z,
+        );
+    let bz_right_knee_x = e7.mul_add(s_right_knee, kz_right_knee_y * c_right_knee);
+    let e10 = e7.mul_add(c_right_knee, -(kz_right_knee_y * s_right_knee));
+    let bz_right_knee_y = -e10;
     // right_hip_pitch
     let s_right_hip_pitch = sin[2]
         .mul_add(
@@ -14556,9 +14361,37 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
             T::from_f64(0.9973888291864124) * kx_right_knee_z,
         );
     let bx_right_hip_pitch_x = kx_right_hip_pitch_y
-        .mul_add(s_right_hip_pitch, -(e4 * c_right_hip_pitch));
-    let e5 = kx_right_hip_pitch_y.mul_add(c_right_hip_pitch, e4 * s_right_hip_pitch);
-    let bx_right_hip_pitch_y = -e5;
+        .mul_add(s_right_hip_pitch, -(e8 * c_right_hip_pitch));
+    let e11 = kx_right_hip_pitch_y.mul_add(c_right_hip_pitch, e8 * s_right_hip_pitch);
+    let bx_right_hip_pitch_y = -e11;
+    let ky_right_hip_pitch_y = by_right_knee_x
+        .mul_add(
+            T::from_f64(0.9973888291864124),
+            -(T::from_f64(0.0722185808096314) * ky_right_knee_z),
+        );
+    let ky_right_hip_pitch_z = by_right_knee_x
+        .mul_add(
+            T::from_f64(0.0722185808096314),
+            T::from_f64(0.9973888291864124) * ky_right_knee_z,
+        );
+    let by_right_hip_pitch_x = ky_right_hip_pitch_y
+        .mul_add(s_right_hip_pitch, -(e9 * c_right_hip_pitch));
+    let e12 = ky_right_hip_pitch_y.mul_add(c_right_hip_pitch, e9 * s_right_hip_pitch);
+    let by_right_hip_pitch_y = -e12;
+    let kz_right_hip_pitch_y = bz_right_knee_x
+        .mul_add(
+            T::from_f64(0.9973888291864124),
+            -(T::from_f64(0.0722185808096314) * kz_right_knee_z),
+        );
+    let kz_right_hip_pitch_z = bz_right_knee_x
+        .mul_add(
+            T::from_f64(0.0722185808096314),
+            T::from_f64(0.9973888291864124) * kz_right_knee_z,
+        );
+    let bz_right_hip_pitch_x = kz_right_hip_pitch_y
+        .mul_add(s_right_hip_pitch, -(e10 * c_right_hip_pitch));
+    let e13 = kz_right_hip_pitch_y.mul_add(c_right_hip_pitch, e10 * s_right_hip_pitch);
+    let bz_right_hip_pitch_y = -e13;
     // right_hip_roll
     let s_right_hip_roll = sin[1]
         .mul_add(
@@ -14580,10 +14413,38 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
             T::from_f64(0.9981717798828138),
             T::from_f64(0.06044086238279244) * kx_right_hip_pitch_z,
         );
-    let bx_right_hip_roll_x = e5
+    let bx_right_hip_roll_x = e11
         .mul_add(c_right_hip_roll, -(kx_right_hip_roll_y * s_right_hip_roll));
     let bx_right_hip_roll_y = kx_right_hip_roll_y
-        .mul_add(c_right_hip_roll, e5 * s_right_hip_roll);
+        .mul_add(c_right_hip_roll, e11 * s_right_hip_roll);
+    let ky_right_hip_roll_y = by_right_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.06044086238279244),
+            -(T::from_f64(0.9981717798828138) * ky_right_hip_pitch_z),
+        );
+    let ky_right_hip_roll_z = by_right_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.9981717798828138),
+            T::from_f64(0.06044086238279244) * ky_right_hip_pitch_z,
+        );
+    let by_right_hip_roll_x = e12
+        .mul_add(c_right_hip_roll, -(ky_right_hip_roll_y * s_right_hip_roll));
+    let by_right_hip_roll_y = ky_right_hip_roll_y
+        .mul_add(c_right_hip_roll, e12 * s_right_hip_roll);
+    let kz_right_hip_roll_y = bz_right_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.06044086238279244),
+            -(T::from_f64(0.9981717798828138) * kz_right_hip_pitch_z),
+        );
+    let kz_right_hip_roll_z = bz_right_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.9981717798828138),
+            T::from_f64(0.06044086238279244) * kz_right_hip_pitch_z,
+        );
+    let bz_right_hip_roll_x = e13
+        .mul_add(c_right_hip_roll, -(kz_right_hip_roll_y * s_right_hip_roll));
+    let bz_right_hip_roll_y = kz_right_hip_roll_y
+        .mul_add(c_right_hip_roll, e13 * s_right_hip_roll);
     // right_hip_yaw
     let s_right_hip_yaw = sin[0]
         .mul_add(
@@ -14607,11 +14468,41 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
         );
     let bx_right_hip_yaw_x = bx_right_hip_roll_y
         .mul_add(c_right_hip_yaw, kx_right_hip_yaw_y * s_right_hip_yaw);
-    let e6 = kx_right_hip_yaw_y
+    let e14 = kx_right_hip_yaw_y
         .mul_add(c_right_hip_yaw, -(bx_right_hip_roll_y * s_right_hip_yaw));
-    let bx_right_hip_yaw_y = -e6;
+    let bx_right_hip_yaw_y = -e14;
+    let ky_right_hip_yaw_y = by_right_hip_roll_x
+        .mul_add(
+            T::from_f64(0.08292767473984558),
+            -(T::from_f64(0.9965555683263441) * ky_right_hip_roll_z),
+        );
+    let ky_right_hip_yaw_z = by_right_hip_roll_x
+        .mul_add(
+            T::from_f64(0.9965555683263441),
+            T::from_f64(0.08292767473984558) * ky_right_hip_roll_z,
+        );
+    let by_right_hip_yaw_x = by_right_hip_roll_y
+        .mul_add(c_right_hip_yaw, ky_right_hip_yaw_y * s_right_hip_yaw);
+    let e15 = ky_right_hip_yaw_y
+        .mul_add(c_right_hip_yaw, -(by_right_hip_roll_y * s_right_hip_yaw));
+    let by_right_hip_yaw_y = -e15;
+    let kz_right_hip_yaw_y = bz_right_hip_roll_x
+        .mul_add(
+            T::from_f64(0.08292767473984558),
+            -(T::from_f64(0.9965555683263441) * kz_right_hip_roll_z),
+        );
+    let kz_right_hip_yaw_z = bz_right_hip_roll_x
+        .mul_add(
+            T::from_f64(0.9965555683263441),
+            T::from_f64(0.08292767473984558) * kz_right_hip_roll_z,
+        );
+    let bz_right_hip_yaw_x = bz_right_hip_roll_y
+        .mul_add(c_right_hip_yaw, kz_right_hip_yaw_y * s_right_hip_yaw);
+    let e16 = kz_right_hip_yaw_y
+        .mul_add(c_right_hip_yaw, -(bz_right_hip_roll_y * s_right_hip_yaw));
+    let bz_right_hip_yaw_y = -e16;
     // left_hip_yaw
-    let e7 = sin[6]
+    let e17 = sin[6]
         .mul_add(
             T::from_f64(0.9948843845593177),
             T::from_f64(0.10102010374191704) * cos[6],
@@ -14621,7 +14512,7 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
             T::from_f64(0.9948843845593177),
             -(T::from_f64(0.10102010374191704) * sin[6]),
         );
-    let e8 = bx_right_hip_yaw_x
+    let e18 = bx_right_hip_yaw_x
         .mul_add(
             T::from_f64(0.538107754426925),
             T::from_f64(0.8428760553163273) * kx_right_hip_yaw_z,
@@ -14631,9 +14522,35 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
             T::from_f64(0.8428760553163273),
             -(T::from_f64(0.538107754426925) * kx_right_hip_yaw_z),
         );
-    let bx_left_hip_yaw_x = e6.mul_add(c_left_hip_yaw, -(e8 * e7));
-    let e9 = e8.mul_add(c_left_hip_yaw, e6 * e7);
-    let bx_left_hip_yaw_y = -e9;
+    let bx_left_hip_yaw_x = e14.mul_add(c_left_hip_yaw, -(e18 * e17));
+    let e19 = e18.mul_add(c_left_hip_yaw, e14 * e17);
+    let bx_left_hip_yaw_y = -e19;
+    let e20 = by_right_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.538107754426925),
+            T::from_f64(0.8428760553163273) * ky_right_hip_yaw_z,
+        );
+    let ky_left_hip_yaw_z = by_right_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.8428760553163273),
+            -(T::from_f64(0.538107754426925) * ky_right_hip_yaw_z),
+        );
+    let by_left_hip_yaw_x = e15.mul_add(c_left_hip_yaw, -(e20 * e17));
+    let e21 = e20.mul_add(c_left_hip_yaw, e15 * e17);
+    let by_left_hip_yaw_y = -e21;
+    let e22 = bz_right_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.538107754426925),
+            T::from_f64(0.8428760553163273) * kz_right_hip_yaw_z,
+        );
+    let kz_left_hip_yaw_z = bz_right_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.8428760553163273),
+            -(T::from_f64(0.538107754426925) * kz_right_hip_yaw_z),
+        );
+    let bz_left_hip_yaw_x = e16.mul_add(c_left_hip_yaw, -(e22 * e17));
+    let e23 = e22.mul_add(c_left_hip_yaw, e16 * e17);
+    let bz_left_hip_yaw_y = -e23;
     // left_hip_roll
     let s_left_hip_roll = cos[7]
         .mul_add(
@@ -14656,11 +14573,39 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
             T::from_f64(0.08292767473984561) * kx_left_hip_yaw_z,
         );
     let bx_left_hip_roll_x = kx_left_hip_roll_y
-        .mul_add(s_left_hip_roll, -(e9 * c_left_hip_roll));
-    let e10 = kx_left_hip_roll_y.mul_add(c_left_hip_roll, e9 * s_left_hip_roll);
-    let bx_left_hip_roll_y = -e10;
+        .mul_add(s_left_hip_roll, -(e19 * c_left_hip_roll));
+    let e24 = kx_left_hip_roll_y.mul_add(c_left_hip_roll, e19 * s_left_hip_roll);
+    let bx_left_hip_roll_y = -e24;
+    let ky_left_hip_roll_y = by_left_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.08292767473984561),
+            -(T::from_f64(0.9965555683263441) * ky_left_hip_yaw_z),
+        );
+    let ky_left_hip_roll_z = by_left_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.9965555683263441),
+            T::from_f64(0.08292767473984561) * ky_left_hip_yaw_z,
+        );
+    let by_left_hip_roll_x = ky_left_hip_roll_y
+        .mul_add(s_left_hip_roll, -(e21 * c_left_hip_roll));
+    let e25 = ky_left_hip_roll_y.mul_add(c_left_hip_roll, e21 * s_left_hip_roll);
+    let by_left_hip_roll_y = -e25;
+    let kz_left_hip_roll_y = bz_left_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.08292767473984561),
+            -(T::from_f64(0.9965555683263441) * kz_left_hip_yaw_z),
+        );
+    let kz_left_hip_roll_z = bz_left_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.9965555683263441),
+            T::from_f64(0.08292767473984561) * kz_left_hip_yaw_z,
+        );
+    let bz_left_hip_roll_x = kz_left_hip_roll_y
+        .mul_add(s_left_hip_roll, -(e23 * c_left_hip_roll));
+    let e26 = kz_left_hip_roll_y.mul_add(c_left_hip_roll, e23 * s_left_hip_roll);
+    let bz_left_hip_roll_y = -e26;
     // left_hip_pitch
-    let e11 = sin[8]
+    let e27 = sin[8]
         .mul_add(
             T::from_f64(0.9876670233130993),
             T::from_f64(0.1565689977608653) * cos[8],
@@ -14680,9 +14625,35 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
             T::from_f64(0.9981717798828137),
             T::from_f64(0.06044086238279245) * kx_left_hip_roll_z,
         );
-    let bx_left_hip_pitch_x = e10.mul_add(c_left_hip_pitch, kx_left_hip_pitch_y * e11);
-    let e12 = e10.mul_add(e11, -(kx_left_hip_pitch_y * c_left_hip_pitch));
-    let bx_left_hip_pitch_y = -e12;
+    let bx_left_hip_pitch_x = e24.mul_add(c_left_hip_pitch, kx_left_hip_pitch_y * e27);
+    let e28 = e24.mul_add(e27, -(kx_left_hip_pitch_y * c_left_hip_pitch));
+    let bx_left_hip_pitch_y = -e28;
+    let ky_left_hip_pitch_y = by_left_hip_roll_x
+        .mul_add(
+            T::from_f64(0.06044086238279245),
+            -(T::from_f64(0.9981717798828137) * ky_left_hip_roll_z),
+        );
+    let ky_left_hip_pitch_z = by_left_hip_roll_x
+        .mul_add(
+            T::from_f64(0.9981717798828137),
+            T::from_f64(0.06044086238279245) * ky_left_hip_roll_z,
+        );
+    let by_left_hip_pitch_x = e25.mul_add(c_left_hip_pitch, ky_left_hip_pitch_y * e27);
+    let e29 = e25.mul_add(e27, -(ky_left_hip_pitch_y * c_left_hip_pitch));
+    let by_left_hip_pitch_y = -e29;
+    let kz_left_hip_pitch_y = bz_left_hip_roll_x
+        .mul_add(
+            T::from_f64(0.06044086238279245),
+            -(T::from_f64(0.9981717798828137) * kz_left_hip_roll_z),
+        );
+    let kz_left_hip_pitch_z = bz_left_hip_roll_x
+        .mul_add(
+            T::from_f64(0.9981717798828137),
+            T::from_f64(0.06044086238279245) * kz_left_hip_roll_z,
+        );
+    let bz_left_hip_pitch_x = e26.mul_add(c_left_hip_pitch, kz_left_hip_pitch_y * e27);
+    let e30 = e26.mul_add(e27, -(kz_left_hip_pitch_y * c_left_hip_pitch));
+    let bz_left_hip_pitch_y = -e30;
     // left_knee
     let s_left_knee = cos[9]
         .mul_add(
@@ -14704,11 +14675,37 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
             T::from_f64(0.0722185808096314),
             T::from_f64(0.9973888291864126) * kx_left_hip_pitch_z,
         );
-    let bx_left_knee_x = e12.mul_add(s_left_knee, kx_left_knee_y * c_left_knee);
-    let e13 = e12.mul_add(c_left_knee, -(kx_left_knee_y * s_left_knee));
-    let bx_left_knee_y = -e13;
+    let bx_left_knee_x = e28.mul_add(s_left_knee, kx_left_knee_y * c_left_knee);
+    let e31 = e28.mul_add(c_left_knee, -(kx_left_knee_y * s_left_knee));
+    let bx_left_knee_y = -e31;
+    let ky_left_knee_y = by_left_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.9973888291864126),
+            -(T::from_f64(0.0722185808096314) * ky_left_hip_pitch_z),
+        );
+    let ky_left_knee_z = by_left_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.0722185808096314),
+            T::from_f64(0.9973888291864126) * ky_left_hip_pitch_z,
+        );
+    let by_left_knee_x = e29.mul_add(s_left_knee, ky_left_knee_y * c_left_knee);
+    let e32 = e29.mul_add(c_left_knee, -(ky_left_knee_y * s_left_knee));
+    let by_left_knee_y = -e32;
+    let kz_left_knee_y = bz_left_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.9973888291864126),
+            -(T::from_f64(0.0722185808096314) * kz_left_hip_pitch_z),
+        );
+    let kz_left_knee_z = bz_left_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.0722185808096314),
+            T::from_f64(0.9973888291864126) * kz_left_hip_pitch_z,
+        );
+    let bz_left_knee_x = e30.mul_add(s_left_knee, kz_left_knee_y * c_left_knee);
+    let e33 = e30.mul_add(c_left_knee, -(kz_left_knee_y * s_left_knee));
+    let bz_left_knee_y = -e33;
     // left_ankle_pitch
-    let e14 = sin[10]
+    let e34 = sin[10]
         .mul_add(
             T::from_f64(0.9846119913216708),
             T::from_f64(0.17475476115280555) * cos[10],
@@ -14728,20 +14725,62 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
             T::from_f64(0.2585724811294071),
             T::from_f64(0.9659918591802845) * kx_left_knee_z,
         );
-    let bx_left_ankle_pitch_x = e13
-        .mul_add(c_left_ankle_pitch, kx_left_ankle_pitch_y * e14);
-    let e15 = e13.mul_add(e14, -(kx_left_ankle_pitch_y * c_left_ankle_pitch));
-    let bx_left_ankle_pitch_y = -e15;
+    let bx_left_ankle_pitch_x = e31
+        .mul_add(c_left_ankle_pitch, kx_left_ankle_pitch_y * e34);
+    let e35 = e31.mul_add(e34, -(kx_left_ankle_pitch_y * c_left_ankle_pitch));
+    let bx_left_ankle_pitch_y = -e35;
+    let ky_left_ankle_pitch_y = by_left_knee_x
+        .mul_add(
+            T::from_f64(0.9659918591802845),
+            -(T::from_f64(0.2585724811294071) * ky_left_knee_z),
+        );
+    let ky_left_ankle_pitch_z = by_left_knee_x
+        .mul_add(
+            T::from_f64(0.2585724811294071),
+            T::from_f64(0.9659918591802845) * ky_left_knee_z,
+        );
+    let by_left_ankle_pitch_x = e32
+        .mul_add(c_left_ankle_pitch, ky_left_ankle_pitch_y * e34);
+    let e36 = e32.mul_add(e34, -(ky_left_ankle_pitch_y * c_left_ankle_pitch));
+    let by_left_ankle_pitch_y = -e36;
+    let kz_left_ankle_pitch_y = bz_left_knee_x
+        .mul_add(
+            T::from_f64(0.9659918591802845),
+            -(T::from_f64(0.2585724811294071) * kz_left_knee_z),
+        );
+    let kz_left_ankle_pitch_z = bz_left_knee_x
+        .mul_add(
+            T::from_f64(0.2585724811294071),
+            T::from_f64(0.9659918591802845) * kz_left_knee_z,
+        );
+    let bz_left_ankle_pitch_x = e33
+        .mul_add(c_left_ankle_pitch, kz_left_ankle_pitch_y * e34);
+    let e37 = e33.mul_add(e34, -(kz_left_ankle_pitch_y * c_left_ankle_pitch));
+    let bz_left_ankle_pitch_y = -e37;
     // left_ankle_roll
-    let e16 = bx_left_ankle_pitch_x
+    let e38 = bx_left_ankle_pitch_x
         .mul_add(
             T::from_f64(0.052408392112199914),
             T::from_f64(0.9986257359172225) * kx_left_ankle_pitch_z,
         );
-    let bx_left_ankle_roll_x = e16.mul_add(sin[11], -(e15 * cos[11]));
-    let bx_left_ankle_roll_y = e16.mul_add(cos[11], e15 * sin[11]);
+    let bx_left_ankle_roll_x = e38.mul_add(sin[11], -(e35 * cos[11]));
+    let bx_left_ankle_roll_y = e38.mul_add(cos[11], e35 * sin[11]);
+    let e39 = by_left_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.052408392112199914),
+            T::from_f64(0.9986257359172225) * ky_left_ankle_pitch_z,
+        );
+    let by_left_ankle_roll_x = e39.mul_add(sin[11], -(e36 * cos[11]));
+    let by_left_ankle_roll_y = e39.mul_add(cos[11], e36 * sin[11]);
+    let e40 = bz_left_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.052408392112199914),
+            T::from_f64(0.9986257359172225) * kz_left_ankle_pitch_z,
+        );
+    let bz_left_ankle_roll_x = e40.mul_add(sin[11], -(e37 * cos[11]));
+    let bz_left_ankle_roll_y = e40.mul_add(cos[11], e37 * sin[11]);
     // waist_yaw
-    let e17 = sin[12]
+    let e41 = sin[12]
         .mul_add(
             T::from_f64(0.9983163336456274),
             T::from_f64(0.058004292740729185) * cos[12],
@@ -14751,20 +14790,44 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
             T::from_f64(0.9983163336456274),
             -(T::from_f64(0.058004292740729185) * sin[12]),
         );
-    let e18 = e6
+    let e42 = e14
         .mul_add(
             T::from_f64(0.11944678826051937),
             -(T::from_f64(0.19252104104496945) * bx_right_hip_yaw_x),
         ) + kx_right_hip_yaw_z;
-    let kx_waist_yaw_x = e18
+    let kx_waist_yaw_x = e42
         .mul_add(T::from_f64(0.3662421800811956), bx_right_hip_yaw_x);
-    let kx_waist_yaw_y = e18.mul_add(T::from_f64(0.22722945969324562), -e6);
-    let kx_waist_yaw_z = (-e18)
+    let kx_waist_yaw_y = e42.mul_add(T::from_f64(0.22722945969324562), -e14);
+    let kx_waist_yaw_z = (-e42)
         .mul_add(T::from_f64(1.9023488450576578), kx_right_hip_yaw_z);
-    let bx_waist_yaw_x = kx_waist_yaw_y.mul_add(e17, -(kx_waist_yaw_x * c_waist_yaw));
-    let bx_waist_yaw_y = kx_waist_yaw_y.mul_add(c_waist_yaw, kx_waist_yaw_x * e17);
+    let bx_waist_yaw_x = kx_waist_yaw_y.mul_add(e41, -(kx_waist_yaw_x * c_waist_yaw));
+    let bx_waist_yaw_y = kx_waist_yaw_y.mul_add(c_waist_yaw, kx_waist_yaw_x * e41);
+    let e43 = e15
+        .mul_add(
+            T::from_f64(0.11944678826051937),
+            -(T::from_f64(0.19252104104496945) * by_right_hip_yaw_x),
+        ) + ky_right_hip_yaw_z;
+    let ky_waist_yaw_x = e43
+        .mul_add(T::from_f64(0.3662421800811956), by_right_hip_yaw_x);
+    let ky_waist_yaw_y = e43.mul_add(T::from_f64(0.22722945969324562), -e15);
+    let ky_waist_yaw_z = (-e43)
+        .mul_add(T::from_f64(1.9023488450576578), ky_right_hip_yaw_z);
+    let by_waist_yaw_x = ky_waist_yaw_y.mul_add(e41, -(ky_waist_yaw_x * c_waist_yaw));
+    let by_waist_yaw_y = ky_waist_yaw_y.mul_add(c_waist_yaw, ky_waist_yaw_x * e41);
+    let e44 = e16
+        .mul_add(
+            T::from_f64(0.11944678826051937),
+            -(T::from_f64(0.19252104104496945) * bz_right_hip_yaw_x),
+        ) + kz_right_hip_yaw_z;
+    let kz_waist_yaw_x = e44
+        .mul_add(T::from_f64(0.3662421800811956), bz_right_hip_yaw_x);
+    let kz_waist_yaw_y = e44.mul_add(T::from_f64(0.22722945969324562), -e16);
+    let kz_waist_yaw_z = (-e44)
+        .mul_add(T::from_f64(1.9023488450576578), kz_right_hip_yaw_z);
+    let bz_waist_yaw_x = kz_waist_yaw_y.mul_add(e41, -(kz_waist_yaw_x * c_waist_yaw));
+    let bz_waist_yaw_y = kz_waist_yaw_y.mul_add(c_waist_yaw, kz_waist_yaw_x * e41);
     // waist_pitch
-    let e19 = sin[13]
+    let e45 = sin[13]
         .mul_add(
             T::from_f64(0.9999999286053547),
             T::from_f64(0.0003778746955696651) * cos[13],
@@ -14784,10 +14847,38 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
             T::from_f64(0.980519334682424),
             T::from_f64(0.19642259114963537) * kx_waist_yaw_z,
         );
-    let e20 = bx_waist_yaw_y.mul_add(e19, kx_waist_pitch_y * c_waist_pitch);
-    let bx_waist_pitch_x = -e20;
-    let e21 = bx_waist_yaw_y.mul_add(c_waist_pitch, -(kx_waist_pitch_y * e19));
-    let bx_waist_pitch_y = -e21;
+    let e46 = bx_waist_yaw_y.mul_add(e45, kx_waist_pitch_y * c_waist_pitch);
+    let bx_waist_pitch_x = -e46;
+    let e47 = bx_waist_yaw_y.mul_add(c_waist_pitch, -(kx_waist_pitch_y * e45));
+    let bx_waist_pitch_y = -e47;
+    let ky_waist_pitch_y = by_waist_yaw_x
+        .mul_add(
+            T::from_f64(0.19642259114963537),
+            -(T::from_f64(0.980519334682424) * ky_waist_yaw_z),
+        );
+    let ky_waist_pitch_z = by_waist_yaw_x
+        .mul_add(
+            T::from_f64(0.980519334682424),
+            T::from_f64(0.19642259114963537) * ky_waist_yaw_z,
+        );
+    let e48 = by_waist_yaw_y.mul_add(e45, ky_waist_pitch_y * c_waist_pitch);
+    let by_waist_pitch_x = -e48;
+    let e49 = by_waist_yaw_y.mul_add(c_waist_pitch, -(ky_waist_pitch_y * e45));
+    let by_waist_pitch_y = -e49;
+    let kz_waist_pitch_y = bz_waist_yaw_x
+        .mul_add(
+            T::from_f64(0.19642259114963537),
+            -(T::from_f64(0.980519334682424) * kz_waist_yaw_z),
+        );
+    let kz_waist_pitch_z = bz_waist_yaw_x
+        .mul_add(
+            T::from_f64(0.980519334682424),
+            T::from_f64(0.19642259114963537) * kz_waist_yaw_z,
+        );
+    let e50 = bz_waist_yaw_y.mul_add(e45, kz_waist_pitch_y * c_waist_pitch);
+    let bz_waist_pitch_x = -e50;
+    let e51 = bz_waist_yaw_y.mul_add(c_waist_pitch, -(kz_waist_pitch_y * e45));
+    let bz_waist_pitch_y = -e51;
     // neck_yaw
     let s_neck_yaw = cos[14]
         .mul_add(
@@ -14799,7 +14890,7 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
             T::from_f64(0.9894667494937902),
             T::from_f64(0.14476032483451035) * sin[14],
         );
-    let e22 = e20
+    let e52 = e46
         .mul_add(
             T::from_f64(0.11686854868553807),
             T::from_f64(0.9931473920461839) * kx_waist_pitch_z,
@@ -14807,20 +14898,58 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
     let kx_neck_yaw_z = kx_waist_pitch_z
         .mul_add(
             T::from_f64(0.11686854868553807),
-            -(T::from_f64(0.9931473920461839) * e20),
+            -(T::from_f64(0.9931473920461839) * e46),
         );
-    let bx_neck_yaw_x = e22.mul_add(c_neck_yaw, -(e21 * s_neck_yaw));
-    let bx_neck_yaw_y = e22.mul_add(s_neck_yaw, e21 * c_neck_yaw);
+    let bx_neck_yaw_x = e52.mul_add(c_neck_yaw, -(e47 * s_neck_yaw));
+    let bx_neck_yaw_y = e52.mul_add(s_neck_yaw, e47 * c_neck_yaw);
+    let e53 = e48
+        .mul_add(
+            T::from_f64(0.11686854868553807),
+            T::from_f64(0.9931473920461839) * ky_waist_pitch_z,
+        );
+    let ky_neck_yaw_z = ky_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.11686854868553807),
+            -(T::from_f64(0.9931473920461839) * e48),
+        );
+    let by_neck_yaw_x = e53.mul_add(c_neck_yaw, -(e49 * s_neck_yaw));
+    let by_neck_yaw_y = e53.mul_add(s_neck_yaw, e49 * c_neck_yaw);
+    let e54 = e50
+        .mul_add(
+            T::from_f64(0.11686854868553807),
+            T::from_f64(0.9931473920461839) * kz_waist_pitch_z,
+        );
+    let kz_neck_yaw_z = kz_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.11686854868553807),
+            -(T::from_f64(0.9931473920461839) * e50),
+        );
+    let bz_neck_yaw_x = e54.mul_add(c_neck_yaw, -(e51 * s_neck_yaw));
+    let bz_neck_yaw_y = e54.mul_add(s_neck_yaw, e51 * c_neck_yaw);
     // neck_pitch
-    let e23 = bx_neck_yaw_x
+    let e55 = bx_neck_yaw_x
         .mul_add(
             T::from_f64(0.040883888851400166),
             T::from_f64(0.9991639042881736) * kx_neck_yaw_z,
         );
-    let bx_neck_pitch_x = bx_neck_yaw_y.mul_add(cos[15], e23 * sin[15]);
-    let bx_neck_pitch_y = -bx_neck_yaw_y.mul_add(sin[15], -(e23 * cos[15]));
+    let bx_neck_pitch_x = bx_neck_yaw_y.mul_add(cos[15], e55 * sin[15]);
+    let bx_neck_pitch_y = -bx_neck_yaw_y.mul_add(sin[15], -(e55 * cos[15]));
+    let e56 = by_neck_yaw_x
+        .mul_add(
+            T::from_f64(0.040883888851400166),
+            T::from_f64(0.9991639042881736) * ky_neck_yaw_z,
+        );
+    let by_neck_pitch_x = by_neck_yaw_y.mul_add(cos[15], e56 * sin[15]);
+    let by_neck_pitch_y = -by_neck_yaw_y.mul_add(sin[15], -(e56 * cos[15]));
+    let e57 = bz_neck_yaw_x
+        .mul_add(
+            T::from_f64(0.040883888851400166),
+            T::from_f64(0.9991639042881736) * kz_neck_yaw_z,
+        );
+    let bz_neck_pitch_x = bz_neck_yaw_y.mul_add(cos[15], e57 * sin[15]);
+    let bz_neck_pitch_y = -bz_neck_yaw_y.mul_add(sin[15], -(e57 * cos[15]));
     // right_shoulder_pitch
-    let e24 = sin[16]
+    let e58 = sin[16]
         .mul_add(
             T::from_f64(0.9164945319999512),
             T::from_f64(0.4000472132313764) * cos[16],
@@ -14830,19 +14959,45 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
             T::from_f64(0.9164945319999512),
             -(T::from_f64(0.4000472132313764) * sin[16]),
         );
-    let e25 = kx_waist_pitch_z
+    let e59 = kx_waist_pitch_z
         .mul_add(
             T::from_f64(0.10644334192309902),
-            e21.mul_add(T::from_f64(0.07159388452594458), -e20),
+            e47.mul_add(T::from_f64(0.07159388452594458), -e46),
         );
-    let e26 = e25.mul_add(T::from_f64(1.9676210845200064), e20);
-    let kx_right_shoulder_pitch_y = e25.mul_add(T::from_f64(0.14086963671593916), -e21);
-    let kx_right_shoulder_pitch_z = (-e25)
+    let e60 = e59.mul_add(T::from_f64(1.9676210845200064), e46);
+    let kx_right_shoulder_pitch_y = e59.mul_add(T::from_f64(0.14086963671593916), -e47);
+    let kx_right_shoulder_pitch_z = (-e59)
         .mul_add(T::from_f64(0.20944016387466197), kx_waist_pitch_z);
-    let bx_right_shoulder_pitch_x = e26
-        .mul_add(e24, -(kx_right_shoulder_pitch_y * c_right_shoulder_pitch));
+    let bx_right_shoulder_pitch_x = e60
+        .mul_add(e58, -(kx_right_shoulder_pitch_y * c_right_shoulder_pitch));
     let bx_right_shoulder_pitch_y = kx_right_shoulder_pitch_y
-        .mul_add(e24, e26 * c_right_shoulder_pitch);
+        .mul_add(e58, e60 * c_right_shoulder_pitch);
+    let e61 = ky_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.10644334192309902),
+            e49.mul_add(T::from_f64(0.07159388452594458), -e48),
+        );
+    let e62 = e61.mul_add(T::from_f64(1.9676210845200064), e48);
+    let ky_right_shoulder_pitch_y = e61.mul_add(T::from_f64(0.14086963671593916), -e49);
+    let ky_right_shoulder_pitch_z = (-e61)
+        .mul_add(T::from_f64(0.20944016387466197), ky_waist_pitch_z);
+    let by_right_shoulder_pitch_x = e62
+        .mul_add(e58, -(ky_right_shoulder_pitch_y * c_right_shoulder_pitch));
+    let by_right_shoulder_pitch_y = ky_right_shoulder_pitch_y
+        .mul_add(e58, e62 * c_right_shoulder_pitch);
+    let e63 = kz_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.10644334192309902),
+            e51.mul_add(T::from_f64(0.07159388452594458), -e50),
+        );
+    let e64 = e63.mul_add(T::from_f64(1.9676210845200064), e50);
+    let kz_right_shoulder_pitch_y = e63.mul_add(T::from_f64(0.14086963671593916), -e51);
+    let kz_right_shoulder_pitch_z = (-e63)
+        .mul_add(T::from_f64(0.20944016387466197), kz_waist_pitch_z);
+    let bz_right_shoulder_pitch_x = e64
+        .mul_add(e58, -(kz_right_shoulder_pitch_y * c_right_shoulder_pitch));
+    let bz_right_shoulder_pitch_y = kz_right_shoulder_pitch_y
+        .mul_add(e58, e64 * c_right_shoulder_pitch);
     // right_shoulder_roll
     let s_right_shoulder_roll = cos[17]
         .mul_add(
@@ -14864,18 +15019,62 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
             T::from_f64(0.9589807807681263),
             T::from_f64(0.2834710957352705) * kx_right_shoulder_pitch_z,
         );
-    let e27 = bx_right_shoulder_pitch_y
+    let e65 = bx_right_shoulder_pitch_y
         .mul_add(
             c_right_shoulder_roll,
             kx_right_shoulder_roll_y * s_right_shoulder_roll,
         );
-    let bx_right_shoulder_roll_x = -e27;
-    let e28 = bx_right_shoulder_pitch_y
+    let bx_right_shoulder_roll_x = -e65;
+    let e66 = bx_right_shoulder_pitch_y
         .mul_add(
             s_right_shoulder_roll,
             -(kx_right_shoulder_roll_y * c_right_shoulder_roll),
         );
-    let bx_right_shoulder_roll_y = -e28;
+    let bx_right_shoulder_roll_y = -e66;
+    let ky_right_shoulder_roll_y = by_right_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.2834710957352705),
+            -(T::from_f64(0.9589807807681263) * ky_right_shoulder_pitch_z),
+        );
+    let ky_right_shoulder_roll_z = by_right_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.9589807807681263),
+            T::from_f64(0.2834710957352705) * ky_right_shoulder_pitch_z,
+        );
+    let e67 = by_right_shoulder_pitch_y
+        .mul_add(
+            c_right_shoulder_roll,
+            ky_right_shoulder_roll_y * s_right_shoulder_roll,
+        );
+    let by_right_shoulder_roll_x = -e67;
+    let e68 = by_right_shoulder_pitch_y
+        .mul_add(
+            s_right_shoulder_roll,
+            -(ky_right_shoulder_roll_y * c_right_shoulder_roll),
+        );
+    let by_right_shoulder_roll_y = -e68;
+    let kz_right_shoulder_roll_y = bz_right_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.2834710957352705),
+            -(T::from_f64(0.9589807807681263) * kz_right_shoulder_pitch_z),
+        );
+    let kz_right_shoulder_roll_z = bz_right_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.9589807807681263),
+            T::from_f64(0.2834710957352705) * kz_right_shoulder_pitch_z,
+        );
+    let e69 = bz_right_shoulder_pitch_y
+        .mul_add(
+            c_right_shoulder_roll,
+            kz_right_shoulder_roll_y * s_right_shoulder_roll,
+        );
+    let bz_right_shoulder_roll_x = -e69;
+    let e70 = bz_right_shoulder_pitch_y
+        .mul_add(
+            s_right_shoulder_roll,
+            -(kz_right_shoulder_roll_y * c_right_shoulder_roll),
+        );
+    let bz_right_shoulder_roll_y = -e70;
     // right_shoulder_yaw
     let s_right_shoulder_yaw = cos[18]
         .mul_add(
@@ -14887,23 +15086,57 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
             T::from_f64(0.9917274681853637),
             T::from_f64(0.12836132145879614) * sin[18],
         );
-    let kx_right_shoulder_yaw_y = e27
+    let kx_right_shoulder_yaw_y = e65
         .mul_add(
             T::from_f64(0.3848026949004402),
             -(T::from_f64(0.9229988548190939) * kx_right_shoulder_roll_z),
         );
-    let e29 = e27
+    let e71 = e65
         .mul_add(
             T::from_f64(0.9229988548190939),
             T::from_f64(0.3848026949004402) * kx_right_shoulder_roll_z,
         );
-    let bx_right_shoulder_yaw_x = e28
+    let bx_right_shoulder_yaw_x = e66
         .mul_add(
             c_right_shoulder_yaw,
             -(kx_right_shoulder_yaw_y * s_right_shoulder_yaw),
         );
     let bx_right_shoulder_yaw_y = kx_right_shoulder_yaw_y
-        .mul_add(c_right_shoulder_yaw, e28 * s_right_shoulder_yaw);
+        .mul_add(c_right_shoulder_yaw, e66 * s_right_shoulder_yaw);
+    let ky_right_shoulder_yaw_y = e67
+        .mul_add(
+            T::from_f64(0.3848026949004402),
+            -(T::from_f64(0.9229988548190939) * ky_right_shoulder_roll_z),
+        );
+    let e72 = e67
+        .mul_add(
+            T::from_f64(0.9229988548190939),
+            T::from_f64(0.3848026949004402) * ky_right_shoulder_roll_z,
+        );
+    let by_right_shoulder_yaw_x = e68
+        .mul_add(
+            c_right_shoulder_yaw,
+            -(ky_right_shoulder_yaw_y * s_right_shoulder_yaw),
+        );
+    let by_right_shoulder_yaw_y = ky_right_shoulder_yaw_y
+        .mul_add(c_right_shoulder_yaw, e68 * s_right_shoulder_yaw);
+    let kz_right_shoulder_yaw_y = e69
+        .mul_add(
+            T::from_f64(0.3848026949004402),
+            -(T::from_f64(0.9229988548190939) * kz_right_shoulder_roll_z),
+        );
+    let e73 = e69
+        .mul_add(
+            T::from_f64(0.9229988548190939),
+            T::from_f64(0.3848026949004402) * kz_right_shoulder_roll_z,
+        );
+    let bz_right_shoulder_yaw_x = e70
+        .mul_add(
+            c_right_shoulder_yaw,
+            -(kz_right_shoulder_yaw_y * s_right_shoulder_yaw),
+        );
+    let bz_right_shoulder_yaw_y = kz_right_shoulder_yaw_y
+        .mul_add(c_right_shoulder_yaw, e70 * s_right_shoulder_yaw);
     // right_elbow
     let s_right_elbow = cos[19]
         .mul_add(
@@ -14918,20 +15151,50 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
     let kx_right_elbow_y = bx_right_shoulder_yaw_x
         .mul_add(
             T::from_f64(0.12242921843048289),
-            T::from_f64(0.9924772473334093) * e29,
+            T::from_f64(0.9924772473334093) * e71,
         );
     let kx_right_elbow_z = bx_right_shoulder_yaw_x
         .mul_add(
             T::from_f64(0.9924772473334093),
-            -(T::from_f64(0.12242921843048289) * e29),
+            -(T::from_f64(0.12242921843048289) * e71),
         );
     let bx_right_elbow_x = bx_right_shoulder_yaw_y
         .mul_add(s_right_elbow, -(kx_right_elbow_y * c_right_elbow));
-    let e30 = kx_right_elbow_y
+    let e74 = kx_right_elbow_y
         .mul_add(s_right_elbow, bx_right_shoulder_yaw_y * c_right_elbow);
-    let bx_right_elbow_y = -e30;
+    let bx_right_elbow_y = -e74;
+    let ky_right_elbow_y = by_right_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.12242921843048289),
+            T::from_f64(0.9924772473334093) * e72,
+        );
+    let ky_right_elbow_z = by_right_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.9924772473334093),
+            -(T::from_f64(0.12242921843048289) * e72),
+        );
+    let by_right_elbow_x = by_right_shoulder_yaw_y
+        .mul_add(s_right_elbow, -(ky_right_elbow_y * c_right_elbow));
+    let e75 = ky_right_elbow_y
+        .mul_add(s_right_elbow, by_right_shoulder_yaw_y * c_right_elbow);
+    let by_right_elbow_y = -e75;
+    let kz_right_elbow_y = bz_right_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.12242921843048289),
+            T::from_f64(0.9924772473334093) * e73,
+        );
+    let kz_right_elbow_z = bz_right_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.9924772473334093),
+            -(T::from_f64(0.12242921843048289) * e73),
+        );
+    let bz_right_elbow_x = bz_right_shoulder_yaw_y
+        .mul_add(s_right_elbow, -(kz_right_elbow_y * c_right_elbow));
+    let e76 = kz_right_elbow_y
+        .mul_add(s_right_elbow, bz_right_shoulder_yaw_y * c_right_elbow);
+    let bz_right_elbow_y = -e76;
     // right_wrist_yaw
-    let e31 = sin[20]
+    let e77 = sin[20]
         .mul_add(
             T::from_f64(0.9968143242066551),
             T::from_f64(0.079757150503448) * cos[20],
@@ -14941,7 +15204,7 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
             T::from_f64(0.9968143242066551),
             -(T::from_f64(0.079757150503448) * sin[20]),
         );
-    let e32 = bx_right_elbow_x
+    let e78 = bx_right_elbow_x
         .mul_add(
             T::from_f64(0.15904161977640188),
             T::from_f64(0.9872718790580934) * kx_right_elbow_z,
@@ -14951,8 +15214,32 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
             T::from_f64(0.9872718790580934),
             -(T::from_f64(0.15904161977640188) * kx_right_elbow_z),
         );
-    let bx_right_wrist_yaw_x = e32.mul_add(e31, -(e30 * c_right_wrist_yaw));
-    let bx_right_wrist_yaw_y = e32.mul_add(c_right_wrist_yaw, e30 * e31);
+    let bx_right_wrist_yaw_x = e78.mul_add(e77, -(e74 * c_right_wrist_yaw));
+    let bx_right_wrist_yaw_y = e78.mul_add(c_right_wrist_yaw, e74 * e77);
+    let e79 = by_right_elbow_x
+        .mul_add(
+            T::from_f64(0.15904161977640188),
+            T::from_f64(0.9872718790580934) * ky_right_elbow_z,
+        );
+    let ky_right_wrist_yaw_z = by_right_elbow_x
+        .mul_add(
+            T::from_f64(0.9872718790580934),
+            -(T::from_f64(0.15904161977640188) * ky_right_elbow_z),
+        );
+    let by_right_wrist_yaw_x = e79.mul_add(e77, -(e75 * c_right_wrist_yaw));
+    let by_right_wrist_yaw_y = e79.mul_add(c_right_wrist_yaw, e75 * e77);
+    let e80 = bz_right_elbow_x
+        .mul_add(
+            T::from_f64(0.15904161977640188),
+            T::from_f64(0.9872718790580934) * kz_right_elbow_z,
+        );
+    let kz_right_wrist_yaw_z = bz_right_elbow_x
+        .mul_add(
+            T::from_f64(0.9872718790580934),
+            -(T::from_f64(0.15904161977640188) * kz_right_elbow_z),
+        );
+    let bz_right_wrist_yaw_x = e80.mul_add(e77, -(e76 * c_right_wrist_yaw));
+    let bz_right_wrist_yaw_y = e80.mul_add(c_right_wrist_yaw, e76 * e77);
     // right_wrist_roll
     let s_right_wrist_roll = cos[21]
         .mul_add(
@@ -14976,19 +15263,63 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
         );
     let bx_right_wrist_roll_x = bx_right_wrist_yaw_y
         .mul_add(c_right_wrist_roll, kx_right_wrist_roll_y * s_right_wrist_roll);
-    let e33 = kx_right_wrist_roll_y
+    let e81 = kx_right_wrist_roll_y
         .mul_add(c_right_wrist_roll, -(bx_right_wrist_yaw_y * s_right_wrist_roll));
-    let bx_right_wrist_roll_y = -e33;
+    let bx_right_wrist_roll_y = -e81;
+    let ky_right_wrist_roll_y = by_right_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.06712447922871664),
+            -(T::from_f64(0.9977446087492899) * ky_right_wrist_yaw_z),
+        );
+    let ky_right_wrist_roll_z = by_right_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.9977446087492899),
+            T::from_f64(0.06712447922871664) * ky_right_wrist_yaw_z,
+        );
+    let by_right_wrist_roll_x = by_right_wrist_yaw_y
+        .mul_add(c_right_wrist_roll, ky_right_wrist_roll_y * s_right_wrist_roll);
+    let e82 = ky_right_wrist_roll_y
+        .mul_add(c_right_wrist_roll, -(by_right_wrist_yaw_y * s_right_wrist_roll));
+    let by_right_wrist_roll_y = -e82;
+    let kz_right_wrist_roll_y = bz_right_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.06712447922871664),
+            -(T::from_f64(0.9977446087492899) * kz_right_wrist_yaw_z),
+        );
+    let kz_right_wrist_roll_z = bz_right_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.9977446087492899),
+            T::from_f64(0.06712447922871664) * kz_right_wrist_yaw_z,
+        );
+    let bz_right_wrist_roll_x = bz_right_wrist_yaw_y
+        .mul_add(c_right_wrist_roll, kz_right_wrist_roll_y * s_right_wrist_roll);
+    let e83 = kz_right_wrist_roll_y
+        .mul_add(c_right_wrist_roll, -(bz_right_wrist_yaw_y * s_right_wrist_roll));
+    let bz_right_wrist_roll_y = -e83;
     // right_wrist_pitch
-    let e34 = bx_right_wrist_roll_x
+    let e84 = bx_right_wrist_roll_x
         .mul_add(
             T::from_f64(0.042799828876225604),
             T::from_f64(0.99908366749145) * kx_right_wrist_roll_z,
         );
-    let bx_right_wrist_pitch_x = e34.mul_add(sin[22], -(e33 * cos[22]));
-    let bx_right_wrist_pitch_y = e34.mul_add(cos[22], e33 * sin[22]);
+    let bx_right_wrist_pitch_x = e84.mul_add(sin[22], -(e81 * cos[22]));
+    let bx_right_wrist_pitch_y = e84.mul_add(cos[22], e81 * sin[22]);
+    let e85 = by_right_wrist_roll_x
+        .mul_add(
+            T::from_f64(0.042799828876225604),
+            T::from_f64(0.99908366749145) * ky_right_wrist_roll_z,
+        );
+    let by_right_wrist_pitch_x = e85.mul_add(sin[22], -(e82 * cos[22]));
+    let by_right_wrist_pitch_y = e85.mul_add(cos[22], e82 * sin[22]);
+    let e86 = bz_right_wrist_roll_x
+        .mul_add(
+            T::from_f64(0.042799828876225604),
+            T::from_f64(0.99908366749145) * kz_right_wrist_roll_z,
+        );
+    let bz_right_wrist_pitch_x = e86.mul_add(sin[22], -(e83 * cos[22]));
+    let bz_right_wrist_pitch_y = e86.mul_add(cos[22], e83 * sin[22]);
     // left_shoulder_pitch
-    let e35 = sin[23]
+    let e87 = sin[23]
         .mul_add(
             T::from_f64(0.9998888779453979),
             T::from_f64(0.014907439790021298) * cos[23],
@@ -14998,19 +15329,45 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
             T::from_f64(0.9998888779453979),
             -(T::from_f64(0.014907439790021298) * sin[23]),
         );
-    let e36 = (-kx_waist_pitch_z)
+    let e88 = (-kx_waist_pitch_z)
         .mul_add(
             T::from_f64(0.09248191489966293),
-            e20.mul_add(T::from_f64(0.11783871458722316), -e21),
+            e46.mul_add(T::from_f64(0.11783871458722316), -e47),
         );
-    let kx_left_shoulder_pitch_x = e36.mul_add(T::from_f64(0.2305051546121806), -e20);
-    let e37 = e36.mul_add(T::from_f64(1.956107170887058), e21);
-    let kx_left_shoulder_pitch_z = e36
+    let kx_left_shoulder_pitch_x = e88.mul_add(T::from_f64(0.2305051546121806), -e46);
+    let e89 = e88.mul_add(T::from_f64(1.956107170887058), e47);
+    let kx_left_shoulder_pitch_z = e88
         .mul_add(T::from_f64(0.1809045369125973), kx_waist_pitch_z);
-    let bx_left_shoulder_pitch_x = e37
-        .mul_add(c_left_shoulder_pitch, -(kx_left_shoulder_pitch_x * e35));
-    let e38 = e37.mul_add(e35, kx_left_shoulder_pitch_x * c_left_shoulder_pitch);
-    let bx_left_shoulder_pitch_y = -e38;
+    let bx_left_shoulder_pitch_x = e89
+        .mul_add(c_left_shoulder_pitch, -(kx_left_shoulder_pitch_x * e87));
+    let e90 = e89.mul_add(e87, kx_left_shoulder_pitch_x * c_left_shoulder_pitch);
+    let bx_left_shoulder_pitch_y = -e90;
+    let e91 = (-ky_waist_pitch_z)
+        .mul_add(
+            T::from_f64(0.09248191489966293),
+            e48.mul_add(T::from_f64(0.11783871458722316), -e49),
+        );
+    let ky_left_shoulder_pitch_x = e91.mul_add(T::from_f64(0.2305051546121806), -e48);
+    let e92 = e91.mul_add(T::from_f64(1.956107170887058), e49);
+    let ky_left_shoulder_pitch_z = e91
+        .mul_add(T::from_f64(0.1809045369125973), ky_waist_pitch_z);
+    let by_left_shoulder_pitch_x = e92
+        .mul_add(c_left_shoulder_pitch, -(ky_left_shoulder_pitch_x * e87));
+    let e93 = e92.mul_add(e87, ky_left_shoulder_pitch_x * c_left_shoulder_pitch);
+    let by_left_shoulder_pitch_y = -e93;
+    let e94 = (-kz_waist_pitch_z)
+        .mul_add(
+            T::from_f64(0.09248191489966293),
+            e50.mul_add(T::from_f64(0.11783871458722316), -e51),
+        );
+    let kz_left_shoulder_pitch_x = e94.mul_add(T::from_f64(0.2305051546121806), -e50);
+    let e95 = e94.mul_add(T::from_f64(1.956107170887058), e51);
+    let kz_left_shoulder_pitch_z = e94
+        .mul_add(T::from_f64(0.1809045369125973), kz_waist_pitch_z);
+    let bz_left_shoulder_pitch_x = e95
+        .mul_add(c_left_shoulder_pitch, -(kz_left_shoulder_pitch_x * e87));
+    let e96 = e95.mul_add(e87, kz_left_shoulder_pitch_x * c_left_shoulder_pitch);
+    let bz_left_shoulder_pitch_y = -e96;
     // left_shoulder_roll
     let s_left_shoulder_roll = cos[24]
         .mul_add(
@@ -15032,13 +15389,47 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
             T::from_f64(0.9589807807681263),
             T::from_f64(0.2834710957352705) * kx_left_shoulder_pitch_z,
         );
-    let bx_left_shoulder_roll_x = e38
+    let bx_left_shoulder_roll_x = e90
         .mul_add(
             c_left_shoulder_roll,
             -(kx_left_shoulder_roll_y * s_left_shoulder_roll),
         );
     let bx_left_shoulder_roll_y = kx_left_shoulder_roll_y
-        .mul_add(c_left_shoulder_roll, e38 * s_left_shoulder_roll);
+        .mul_add(c_left_shoulder_roll, e90 * s_left_shoulder_roll);
+    let ky_left_shoulder_roll_y = by_left_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.2834710957352705),
+            -(T::from_f64(0.9589807807681263) * ky_left_shoulder_pitch_z),
+        );
+    let ky_left_shoulder_roll_z = by_left_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.9589807807681263),
+            T::from_f64(0.2834710957352705) * ky_left_shoulder_pitch_z,
+        );
+    let by_left_shoulder_roll_x = e93
+        .mul_add(
+            c_left_shoulder_roll,
+            -(ky_left_shoulder_roll_y * s_left_shoulder_roll),
+        );
+    let by_left_shoulder_roll_y = ky_left_shoulder_roll_y
+        .mul_add(c_left_shoulder_roll, e93 * s_left_shoulder_roll);
+    let kz_left_shoulder_roll_y = bz_left_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.2834710957352705),
+            -(T::from_f64(0.9589807807681263) * kz_left_shoulder_pitch_z),
+        );
+    let kz_left_shoulder_roll_z = bz_left_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.9589807807681263),
+            T::from_f64(0.2834710957352705) * kz_left_shoulder_pitch_z,
+        );
+    let bz_left_shoulder_roll_x = e96
+        .mul_add(
+            c_left_shoulder_roll,
+            -(kz_left_shoulder_roll_y * s_left_shoulder_roll),
+        );
+    let bz_left_shoulder_roll_y = kz_left_shoulder_roll_y
+        .mul_add(c_left_shoulder_roll, e96 * s_left_shoulder_roll);
     // left_shoulder_yaw
     let s_left_shoulder_yaw = cos[25]
         .mul_add(
@@ -15050,7 +15441,7 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
             T::from_f64(0.9917274681853637),
             T::from_f64(0.12836132145879614) * sin[25],
         );
-    let e39 = bx_left_shoulder_roll_x
+    let e97 = bx_left_shoulder_roll_x
         .mul_add(
             T::from_f64(0.3848026949004402),
             T::from_f64(0.9229988548190939) * kx_left_shoulder_roll_z,
@@ -15060,11 +15451,41 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
             T::from_f64(0.9229988548190939),
             -(T::from_f64(0.3848026949004402) * kx_left_shoulder_roll_z),
         );
-    let bx_left_shoulder_yaw_x = e39
+    let bx_left_shoulder_yaw_x = e97
         .mul_add(s_left_shoulder_yaw, -(bx_left_shoulder_roll_y * c_left_shoulder_yaw));
-    let e40 = e39
+    let e98 = e97
         .mul_add(c_left_shoulder_yaw, bx_left_shoulder_roll_y * s_left_shoulder_yaw);
-    let bx_left_shoulder_yaw_y = -e40;
+    let bx_left_shoulder_yaw_y = -e98;
+    let e99 = by_left_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.3848026949004402),
+            T::from_f64(0.9229988548190939) * ky_left_shoulder_roll_z,
+        );
+    let ky_left_shoulder_yaw_z = by_left_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.9229988548190939),
+            -(T::from_f64(0.3848026949004402) * ky_left_shoulder_roll_z),
+        );
+    let by_left_shoulder_yaw_x = e99
+        .mul_add(s_left_shoulder_yaw, -(by_left_shoulder_roll_y * c_left_shoulder_yaw));
+    let e100 = e99
+        .mul_add(c_left_shoulder_yaw, by_left_shoulder_roll_y * s_left_shoulder_yaw);
+    let by_left_shoulder_yaw_y = -e100;
+    let e101 = bz_left_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.3848026949004402),
+            T::from_f64(0.9229988548190939) * kz_left_shoulder_roll_z,
+        );
+    let kz_left_shoulder_yaw_z = bz_left_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.9229988548190939),
+            -(T::from_f64(0.3848026949004402) * kz_left_shoulder_roll_z),
+        );
+    let bz_left_shoulder_yaw_x = e101
+        .mul_add(s_left_shoulder_yaw, -(bz_left_shoulder_roll_y * c_left_shoulder_yaw));
+    let e102 = e101
+        .mul_add(c_left_shoulder_yaw, bz_left_shoulder_roll_y * s_left_shoulder_yaw);
+    let bz_left_shoulder_yaw_y = -e102;
     // left_elbow
     let s_left_elbow = cos[26]
         .mul_add(
@@ -15086,12 +15507,40 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
             T::from_f64(0.9924772473334093),
             T::from_f64(0.12242921843048289) * kx_left_shoulder_yaw_z,
         );
-    let e41 = e40.mul_add(s_left_elbow, kx_left_elbow_y * c_left_elbow);
-    let bx_left_elbow_x = -e41;
-    let e42 = kx_left_elbow_y.mul_add(s_left_elbow, -(e40 * c_left_elbow));
-    let bx_left_elbow_y = -e42;
+    let e103 = e98.mul_add(s_left_elbow, kx_left_elbow_y * c_left_elbow);
+    let bx_left_elbow_x = -e103;
+    let e104 = kx_left_elbow_y.mul_add(s_left_elbow, -(e98 * c_left_elbow));
+    let bx_left_elbow_y = -e104;
+    let ky_left_elbow_y = by_left_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.12242921843048289),
+            -(T::from_f64(0.9924772473334093) * ky_left_shoulder_yaw_z),
+        );
+    let ky_left_elbow_z = by_left_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.9924772473334093),
+            T::from_f64(0.12242921843048289) * ky_left_shoulder_yaw_z,
+        );
+    let e105 = e100.mul_add(s_left_elbow, ky_left_elbow_y * c_left_elbow);
+    let by_left_elbow_x = -e105;
+    let e106 = ky_left_elbow_y.mul_add(s_left_elbow, -(e100 * c_left_elbow));
+    let by_left_elbow_y = -e106;
+    let kz_left_elbow_y = bz_left_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.12242921843048289),
+            -(T::from_f64(0.9924772473334093) * kz_left_shoulder_yaw_z),
+        );
+    let kz_left_elbow_z = bz_left_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.9924772473334093),
+            T::from_f64(0.12242921843048289) * kz_left_shoulder_yaw_z,
+        );
+    let e107 = e102.mul_add(s_left_elbow, kz_left_elbow_y * c_left_elbow);
+    let bz_left_elbow_x = -e107;
+    let e108 = kz_left_elbow_y.mul_add(s_left_elbow, -(e102 * c_left_elbow));
+    let bz_left_elbow_y = -e108;
     // left_wrist_yaw
-    let e43 = sin[27]
+    let e109 = sin[27]
         .mul_add(
             T::from_f64(0.9968143242066551),
             T::from_f64(0.079757150503448) * cos[27],
@@ -15101,20 +15550,48 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
             T::from_f64(0.9968143242066551),
             -(T::from_f64(0.079757150503448) * sin[27]),
         );
-    let kx_left_wrist_yaw_y = e41
+    let kx_left_wrist_yaw_y = e103
         .mul_add(
             T::from_f64(0.15904161977640188),
             -(T::from_f64(0.9872718790580934) * kx_left_elbow_z),
         );
-    let e44 = e41
+    let e110 = e103
         .mul_add(
             T::from_f64(0.9872718790580934),
             T::from_f64(0.15904161977640188) * kx_left_elbow_z,
         );
-    let e45 = e42.mul_add(c_left_wrist_yaw, kx_left_wrist_yaw_y * e43);
-    let bx_left_wrist_yaw_x = -e45;
-    let e46 = kx_left_wrist_yaw_y.mul_add(c_left_wrist_yaw, -(e42 * e43));
-    let bx_left_wrist_yaw_y = -e46;
+    let e111 = e104.mul_add(c_left_wrist_yaw, kx_left_wrist_yaw_y * e109);
+    let bx_left_wrist_yaw_x = -e111;
+    let e112 = kx_left_wrist_yaw_y.mul_add(c_left_wrist_yaw, -(e104 * e109));
+    let bx_left_wrist_yaw_y = -e112;
+    let ky_left_wrist_yaw_y = e105
+        .mul_add(
+            T::from_f64(0.15904161977640188),
+            -(T::from_f64(0.9872718790580934) * ky_left_elbow_z),
+        );
+    let e113 = e105
+        .mul_add(
+            T::from_f64(0.9872718790580934),
+            T::from_f64(0.15904161977640188) * ky_left_elbow_z,
+        );
+    let e114 = e106.mul_add(c_left_wrist_yaw, ky_left_wrist_yaw_y * e109);
+    let by_left_wrist_yaw_x = -e114;
+    let e115 = ky_left_wrist_yaw_y.mul_add(c_left_wrist_yaw, -(e106 * e109));
+    let by_left_wrist_yaw_y = -e115;
+    let kz_left_wrist_yaw_y = e107
+        .mul_add(
+            T::from_f64(0.15904161977640188),
+            -(T::from_f64(0.9872718790580934) * kz_left_elbow_z),
+        );
+    let e116 = e107
+        .mul_add(
+            T::from_f64(0.9872718790580934),
+            T::from_f64(0.15904161977640188) * kz_left_elbow_z,
+        );
+    let e117 = e108.mul_add(c_left_wrist_yaw, kz_left_wrist_yaw_y * e109);
+    let bz_left_wrist_yaw_x = -e117;
+    let e118 = kz_left_wrist_yaw_y.mul_add(c_left_wrist_yaw, -(e108 * e109));
+    let bz_left_wrist_yaw_y = -e118;
     // left_wrist_roll
     let s_left_wrist_roll = cos[28]
         .mul_add(
@@ -15126,854 +15603,62 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
             T::from_f64(0.9984635688653299),
             T::from_f64(0.055412107419846535) * sin[28],
         );
-    let kx_left_wrist_roll_y = e44
+    let kx_left_wrist_roll_y = e110
         .mul_add(
             T::from_f64(0.9977446087492899),
-            -(T::from_f64(0.06712447922871664) * e45),
+            -(T::from_f64(0.06712447922871664) * e111),
         );
     let bx_left_wrist_roll_x = kx_left_wrist_roll_y
-        .mul_add(s_left_wrist_roll, -(e46 * c_left_wrist_roll));
-    let e47 = kx_left_wrist_roll_y.mul_add(c_left_wrist_roll, e46 * s_left_wrist_roll);
-    let bx_left_wrist_roll_y = -e47;
+        .mul_add(s_left_wrist_roll, -(e112 * c_left_wrist_roll));
+    let e119 = kx_left_wrist_roll_y.mul_add(c_left_wrist_roll, e112 * s_left_wrist_roll);
+    let bx_left_wrist_roll_y = -e119;
+    let ky_left_wrist_roll_y = e113
+        .mul_add(
+            T::from_f64(0.9977446087492899),
+            -(T::from_f64(0.06712447922871664) * e114),
+        );
+    let by_left_wrist_roll_x = ky_left_wrist_roll_y
+        .mul_add(s_left_wrist_roll, -(e115 * c_left_wrist_roll));
+    let e120 = ky_left_wrist_roll_y.mul_add(c_left_wrist_roll, e115 * s_left_wrist_roll);
+    let by_left_wrist_roll_y = -e120;
+    let kz_left_wrist_roll_y = e116
+        .mul_add(
+            T::from_f64(0.9977446087492899),
+            -(T::from_f64(0.06712447922871664) * e117),
+        );
+    let bz_left_wrist_roll_x = kz_left_wrist_roll_y
+        .mul_add(s_left_wrist_roll, -(e118 * c_left_wrist_roll));
+    let e121 = kz_left_wrist_roll_y.mul_add(c_left_wrist_roll, e118 * s_left_wrist_roll);
+    let bz_left_wrist_roll_y = -e121;
     // left_wrist_pitch
-    let kx_left_wrist_pitch_y = e45
-        .mul_add(T::from_f64(0.9977446087492899), T::from_f64(0.06712447922871664) * e44)
+    let kx_left_wrist_pitch_y = e111
+        .mul_add(
+            T::from_f64(0.9977446087492899),
+            T::from_f64(0.06712447922871664) * e110,
+        )
         .mul_add(
             T::from_f64(0.99908366749145),
             -(T::from_f64(0.042799828876225604) * bx_left_wrist_roll_x),
         );
-    let bx_left_wrist_pitch_x = -e47.mul_add(cos[29], kx_left_wrist_pitch_y * sin[29]);
+    let bx_left_wrist_pitch_x = -e119.mul_add(cos[29], kx_left_wrist_pitch_y * sin[29]);
     let bx_left_wrist_pitch_y = -kx_left_wrist_pitch_y
-        .mul_add(cos[29], -(e47 * sin[29]));
-    // right_ankle_roll
-    let by_right_ankle_roll_x = s_right_ankle_roll
-        .mul_add(
-            T::from_f64(0.11117478017138471),
-            T::from_f64(0.9851881430723574) * c_right_ankle_roll,
-        );
-    let e48 = c_right_ankle_roll
-        .mul_add(
-            T::from_f64(0.11117478017138471),
-            -(T::from_f64(0.9851881430723574) * s_right_ankle_roll),
-        );
-    let by_right_ankle_roll_y = -e48;
-    // right_ankle_pitch
-    let ky_right_ankle_pitch_y = (-by_right_ankle_roll_x)
-        .mul_add(T::from_f64(0.0524083921121999), T::from_f64(0.1303751353983952));
-    let ky_right_ankle_pitch_z = by_right_ankle_roll_x
-        .mul_add(T::from_f64(0.9986257359172223), T::from_f64(0.00684215414432963));
-    let by_right_ankle_pitch_x = ky_right_ankle_pitch_y
-        .mul_add(s_right_ankle_pitch, -(e48 * c_right_ankle_pitch));
-    let e49 = ky_right_ankle_pitch_y
-        .mul_add(c_right_ankle_pitch, e48 * s_right_ankle_pitch);
-    let by_right_ankle_pitch_y = -e49;
-    // right_knee
-    let ky_right_knee_y = by_right_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.9659918591802843),
-            -(T::from_f64(0.2585724811294071) * ky_right_ankle_pitch_z),
-        );
-    let ky_right_knee_z = by_right_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.2585724811294071),
-            T::from_f64(0.9659918591802843) * ky_right_ankle_pitch_z,
-        );
-    let by_right_knee_x = e49.mul_add(s_right_knee, ky_right_knee_y * c_right_knee);
-    let e50 = e49.mul_add(c_right_knee, -(ky_right_knee_y * s_right_knee));
-    let by_right_knee_y = -e50;
-    // right_hip_pitch
-    let ky_right_hip_pitch_y = by_right_knee_x
-        .mul_add(
-            T::from_f64(0.9973888291864124),
-            -(T::from_f64(0.0722185808096314) * ky_right_knee_z),
-        );
-    let ky_right_hip_pitch_z = by_right_knee_x
-        .mul_add(
-            T::from_f64(0.0722185808096314),
-            T::from_f64(0.9973888291864124) * ky_right_knee_z,
-        );
-    let by_right_hip_pitch_x = ky_right_hip_pitch_y
-        .mul_add(s_right_hip_pitch, -(e50 * c_right_hip_pitch));
-    let e51 = ky_right_hip_pitch_y.mul_add(c_right_hip_pitch, e50 * s_right_hip_pitch);
-    let by_right_hip_pitch_y = -e51;
-    // right_hip_roll
-    let ky_right_hip_roll_y = by_right_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.06044086238279244),
-            -(T::from_f64(0.9981717798828138) * ky_right_hip_pitch_z),
-        );
-    let ky_right_hip_roll_z = by_right_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.9981717798828138),
-            T::from_f64(0.06044086238279244) * ky_right_hip_pitch_z,
-        );
-    let by_right_hip_roll_x = e51
-        .mul_add(c_right_hip_roll, -(ky_right_hip_roll_y * s_right_hip_roll));
-    let by_right_hip_roll_y = ky_right_hip_roll_y
-        .mul_add(c_right_hip_roll, e51 * s_right_hip_roll);
-    // right_hip_yaw
-    let ky_right_hip_yaw_y = by_right_hip_roll_x
-        .mul_add(
-            T::from_f64(0.08292767473984558),
-            -(T::from_f64(0.9965555683263441) * ky_right_hip_roll_z),
-        );
-    let ky_right_hip_yaw_z = by_right_hip_roll_x
-        .mul_add(
-            T::from_f64(0.9965555683263441),
-            T::from_f64(0.08292767473984558) * ky_right_hip_roll_z,
-        );
-    let by_right_hip_yaw_x = by_right_hip_roll_y
-        .mul_add(c_right_hip_yaw, ky_right_hip_yaw_y * s_right_hip_yaw);
-    let e52 = ky_right_hip_yaw_y
-        .mul_add(c_right_hip_yaw, -(by_right_hip_roll_y * s_right_hip_yaw));
-    let by_right_hip_yaw_y = -e52;
-    // left_hip_yaw
-    let e53 = by_right_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.538107754426925),
-            T::from_f64(0.8428760553163273) * ky_right_hip_yaw_z,
-        );
-    let ky_left_hip_yaw_z = by_right_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.8428760553163273),
-            -(T::from_f64(0.538107754426925) * ky_right_hip_yaw_z),
-        );
-    let by_left_hip_yaw_x = e52.mul_add(c_left_hip_yaw, -(e53 * e7));
-    let e54 = e53.mul_add(c_left_hip_yaw, e52 * e7);
-    let by_left_hip_yaw_y = -e54;
-    // left_hip_roll
-    let ky_left_hip_roll_y = by_left_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.08292767473984561),
-            -(T::from_f64(0.9965555683263441) * ky_left_hip_yaw_z),
-        );
-    let ky_left_hip_roll_z = by_left_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.9965555683263441),
-            T::from_f64(0.08292767473984561) * ky_left_hip_yaw_z,
-        );
-    let by_left_hip_roll_x = ky_left_hip_roll_y
-        .mul_add(s_left_hip_roll, -(e54 * c_left_hip_roll));
-    let e55 = ky_left_hip_roll_y.mul_add(c_left_hip_roll, e54 * s_left_hip_roll);
-    let by_left_hip_roll_y = -e55;
-    // left_hip_pitch
-    let ky_left_hip_pitch_y = by_left_hip_roll_x
-        .mul_add(
-            T::from_f64(0.06044086238279245),
-            -(T::from_f64(0.9981717798828137) * ky_left_hip_roll_z),
-        );
-    let ky_left_hip_pitch_z = by_left_hip_roll_x
-        .mul_add(
-            T::from_f64(0.9981717798828137),
-            T::from_f64(0.06044086238279245) * ky_left_hip_roll_z,
-        );
-    let by_left_hip_pitch_x = e55.mul_add(c_left_hip_pitch, ky_left_hip_pitch_y * e11);
-    let e56 = e55.mul_add(e11, -(ky_left_hip_pitch_y * c_left_hip_pitch));
-    let by_left_hip_pitch_y = -e56;
-    // left_knee
-    let ky_left_knee_y = by_left_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.9973888291864126),
-            -(T::from_f64(0.0722185808096314) * ky_left_hip_pitch_z),
-        );
-    let ky_left_knee_z = by_left_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.0722185808096314),
-            T::from_f64(0.9973888291864126) * ky_left_hip_pitch_z,
-        );
-    let by_left_knee_x = e56.mul_add(s_left_knee, ky_left_knee_y * c_left_knee);
-    let e57 = e56.mul_add(c_left_knee, -(ky_left_knee_y * s_left_knee));
-    let by_left_knee_y = -e57;
-    // left_ankle_pitch
-    let ky_left_ankle_pitch_y = by_left_knee_x
-        .mul_add(
-            T::from_f64(0.9659918591802845),
-            -(T::from_f64(0.2585724811294071) * ky_left_knee_z),
-        );
-    let ky_left_ankle_pitch_z = by_left_knee_x
-        .mul_add(
-            T::from_f64(0.2585724811294071),
-            T::from_f64(0.9659918591802845) * ky_left_knee_z,
-        );
-    let by_left_ankle_pitch_x = e57
-        .mul_add(c_left_ankle_pitch, ky_left_ankle_pitch_y * e14);
-    let e58 = e57.mul_add(e14, -(ky_left_ankle_pitch_y * c_left_ankle_pitch));
-    let by_left_ankle_pitch_y = -e58;
-    // left_ankle_roll
-    let e59 = by_left_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.052408392112199914),
-            T::from_f64(0.9986257359172225) * ky_left_ankle_pitch_z,
-        );
-    let by_left_ankle_roll_x = e59.mul_add(sin[11], -(e58 * cos[11]));
-    let by_left_ankle_roll_y = e59.mul_add(cos[11], e58 * sin[11]);
-    // waist_yaw
-    let e60 = e52
-        .mul_add(
-            T::from_f64(0.11944678826051937),
-            -(T::from_f64(0.19252104104496945) * by_right_hip_yaw_x),
-        ) + ky_right_hip_yaw_z;
-    let ky_waist_yaw_x = e60
-        .mul_add(T::from_f64(0.3662421800811956), by_right_hip_yaw_x);
-    let ky_waist_yaw_y = e60.mul_add(T::from_f64(0.22722945969324562), -e52);
-    let ky_waist_yaw_z = (-e60)
-        .mul_add(T::from_f64(1.9023488450576578), ky_right_hip_yaw_z);
-    let by_waist_yaw_x = ky_waist_yaw_y.mul_add(e17, -(ky_waist_yaw_x * c_waist_yaw));
-    let by_waist_yaw_y = ky_waist_yaw_y.mul_add(c_waist_yaw, ky_waist_yaw_x * e17);
-    // waist_pitch
-    let ky_waist_pitch_y = by_waist_yaw_x
-        .mul_add(
-            T::from_f64(0.19642259114963537),
-            -(T::from_f64(0.980519334682424) * ky_waist_yaw_z),
-        );
-    let ky_waist_pitch_z = by_waist_yaw_x
-        .mul_add(
-            T::from_f64(0.980519334682424),
-            T::from_f64(0.19642259114963537) * ky_waist_yaw_z,
-        );
-    let e61 = by_waist_yaw_y.mul_add(e19, ky_waist_pitch_y * c_waist_pitch);
-    let by_waist_pitch_x = -e61;
-    let e62 = by_waist_yaw_y.mul_add(c_waist_pitch, -(ky_waist_pitch_y * e19));
-    let by_waist_pitch_y = -e62;
-    // neck_yaw
-    let e63 = e61
-        .mul_add(
-            T::from_f64(0.11686854868553807),
-            T::from_f64(0.9931473920461839) * ky_waist_pitch_z,
-        );
-    let ky_neck_yaw_z = ky_waist_pitch_z
-        .mul_add(
-            T::from_f64(0.11686854868553807),
-            -(T::from_f64(0.9931473920461839) * e61),
-        );
-    let by_neck_yaw_x = e63.mul_add(c_neck_yaw, -(e62 * s_neck_yaw));
-    let by_neck_yaw_y = e63.mul_add(s_neck_yaw, e62 * c_neck_yaw);
-    // neck_pitch
-    let e64 = by_neck_yaw_x
-        .mul_add(
-            T::from_f64(0.040883888851400166),
-            T::from_f64(0.9991639042881736) * ky_neck_yaw_z,
-        );
-    let by_neck_pitch_x = by_neck_yaw_y.mul_add(cos[15], e64 * sin[15]);
-    let by_neck_pitch_y = -by_neck_yaw_y.mul_add(sin[15], -(e64 * cos[15]));
-    // right_shoulder_pitch
-    let e65 = ky_waist_pitch_z
-        .mul_add(
-            T::from_f64(0.10644334192309902),
-            e62.mul_add(T::from_f64(0.07159388452594458), -e61),
-        );
-    let e66 = e65.mul_add(T::from_f64(1.9676210845200064), e61);
-    let ky_right_shoulder_pitch_y = e65.mul_add(T::from_f64(0.14086963671593916), -e62);
-    let ky_right_shoulder_pitch_z = (-e65)
-        .mul_add(T::from_f64(0.20944016387466197), ky_waist_pitch_z);
-    let by_right_shoulder_pitch_x = e66
-        .mul_add(e24, -(ky_right_shoulder_pitch_y * c_right_shoulder_pitch));
-    let by_right_shoulder_pitch_y = ky_right_shoulder_pitch_y
-        .mul_add(e24, e66 * c_right_shoulder_pitch);
-    // right_shoulder_roll
-    let ky_right_shoulder_roll_y = by_right_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.2834710957352705),
-            -(T::from_f64(0.9589807807681263) * ky_right_shoulder_pitch_z),
-        );
-    let ky_right_shoulder_roll_z = by_right_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.9589807807681263),
-            T::from_f64(0.2834710957352705) * ky_right_shoulder_pitch_z,
-        );
-    let e67 = by_right_shoulder_pitch_y
-        .mul_add(
-            c_right_shoulder_roll,
-            ky_right_shoulder_roll_y * s_right_shoulder_roll,
-        );
-    let by_right_shoulder_roll_x = -e67;
-    let e68 = by_right_shoulder_pitch_y
-        .mul_add(
-            s_right_shoulder_roll,
-            -(ky_right_shoulder_roll_y * c_right_shoulder_roll),
-        );
-    let by_right_shoulder_roll_y = -e68;
-    // right_shoulder_yaw
-    let ky_right_shoulder_yaw_y = e67
-        .mul_add(
-            T::from_f64(0.3848026949004402),
-            -(T::from_f64(0.9229988548190939) * ky_right_shoulder_roll_z),
-        );
-    let e69 = e67
-        .mul_add(
-            T::from_f64(0.9229988548190939),
-            T::from_f64(0.3848026949004402) * ky_right_shoulder_roll_z,
-        );
-    let by_right_shoulder_yaw_x = e68
-        .mul_add(
-            c_right_shoulder_yaw,
-            -(ky_right_shoulder_yaw_y * s_right_shoulder_yaw),
-        );
-    let by_right_shoulder_yaw_y = ky_right_shoulder_yaw_y
-        .mul_add(c_right_shoulder_yaw, e68 * s_right_shoulder_yaw);
-    // right_elbow
-    let ky_right_elbow_y = by_right_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.12242921843048289),
-            T::from_f64(0.9924772473334093) * e69,
-        );
-    let ky_right_elbow_z = by_right_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.9924772473334093),
-            -(T::from_f64(0.12242921843048289) * e69),
-        );
-    let by_right_elbow_x = by_right_shoulder_yaw_y
-        .mul_add(s_right_elbow, -(ky_right_elbow_y * c_right_elbow));
-    let e70 = ky_right_elbow_y
-        .mul_add(s_right_elbow, by_right_shoulder_yaw_y * c_right_elbow);
-    let by_right_elbow_y = -e70;
-    // right_wrist_yaw
-    let e71 = by_right_elbow_x
-        .mul_add(
-            T::from_f64(0.15904161977640188),
-            T::from_f64(0.9872718790580934) * ky_right_elbow_z,
-        );
-    let ky_right_wrist_yaw_z = by_right_elbow_x
-        .mul_add(
-            T::from_f64(0.9872718790580934),
-            -(T::from_f64(0.15904161977640188) * ky_right_elbow_z),
-        );
-    let by_right_wrist_yaw_x = e71.mul_add(e31, -(e70 * c_right_wrist_yaw));
-    let by_right_wrist_yaw_y = e71.mul_add(c_right_wrist_yaw, e70 * e31);
-    // right_wrist_roll
-    let ky_right_wrist_roll_y = by_right_wrist_yaw_x
-        .mul_add(
-            T::from_f64(0.06712447922871664),
-            -(T::from_f64(0.9977446087492899) * ky_right_wrist_yaw_z),
-        );
-    let ky_right_wrist_roll_z = by_right_wrist_yaw_x
+        .mul_add(cos[29], -(e119 * sin[29]));
+    let ky_left_wrist_pitch_y = e114
         .mul_add(
             T::from_f64(0.9977446087492899),
-            T::from_f64(0.06712447922871664) * ky_right_wrist_yaw_z,
-        );
-    let by_right_wrist_roll_x = by_right_wrist_yaw_y
-        .mul_add(c_right_wrist_roll, ky_right_wrist_roll_y * s_right_wrist_roll);
-    let e72 = ky_right_wrist_roll_y
-        .mul_add(c_right_wrist_roll, -(by_right_wrist_yaw_y * s_right_wrist_roll));
-    let by_right_wrist_roll_y = -e72;
-    // right_wrist_pitch
-    let e73 = by_right_wrist_roll_x
-        .mul_add(
-            T::from_f64(0.042799828876225604),
-            T::from_f64(0.99908366749145) * ky_right_wrist_roll_z,
-        );
-    let by_right_wrist_pitch_x = e73.mul_add(sin[22], -(e72 * cos[22]));
-    let by_right_wrist_pitch_y = e73.mul_add(cos[22], e72 * sin[22]);
-    // left_shoulder_pitch
-    let e74 = (-ky_waist_pitch_z)
-        .mul_add(
-            T::from_f64(0.09248191489966293),
-            e61.mul_add(T::from_f64(0.11783871458722316), -e62),
-        );
-    let ky_left_shoulder_pitch_x = e74.mul_add(T::from_f64(0.2305051546121806), -e61);
-    let e75 = e74.mul_add(T::from_f64(1.956107170887058), e62);
-    let ky_left_shoulder_pitch_z = e74
-        .mul_add(T::from_f64(0.1809045369125973), ky_waist_pitch_z);
-    let by_left_shoulder_pitch_x = e75
-        .mul_add(c_left_shoulder_pitch, -(ky_left_shoulder_pitch_x * e35));
-    let e76 = e75.mul_add(e35, ky_left_shoulder_pitch_x * c_left_shoulder_pitch);
-    let by_left_shoulder_pitch_y = -e76;
-    // left_shoulder_roll
-    let ky_left_shoulder_roll_y = by_left_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.2834710957352705),
-            -(T::from_f64(0.9589807807681263) * ky_left_shoulder_pitch_z),
-        );
-    let ky_left_shoulder_roll_z = by_left_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.9589807807681263),
-            T::from_f64(0.2834710957352705) * ky_left_shoulder_pitch_z,
-        );
-    let by_left_shoulder_roll_x = e76
-        .mul_add(
-            c_left_shoulder_roll,
-            -(ky_left_shoulder_roll_y * s_left_shoulder_roll),
-        );
-    let by_left_shoulder_roll_y = ky_left_shoulder_roll_y
-        .mul_add(c_left_shoulder_roll, e76 * s_left_shoulder_roll);
-    // left_shoulder_yaw
-    let e77 = by_left_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.3848026949004402),
-            T::from_f64(0.9229988548190939) * ky_left_shoulder_roll_z,
-        );
-    let ky_left_shoulder_yaw_z = by_left_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.9229988548190939),
-            -(T::from_f64(0.3848026949004402) * ky_left_shoulder_roll_z),
-        );
-    let by_left_shoulder_yaw_x = e77
-        .mul_add(s_left_shoulder_yaw, -(by_left_shoulder_roll_y * c_left_shoulder_yaw));
-    let e78 = e77
-        .mul_add(c_left_shoulder_yaw, by_left_shoulder_roll_y * s_left_shoulder_yaw);
-    let by_left_shoulder_yaw_y = -e78;
-    // left_elbow
-    let ky_left_elbow_y = by_left_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.12242921843048289),
-            -(T::from_f64(0.9924772473334093) * ky_left_shoulder_yaw_z),
-        );
-    let ky_left_elbow_z = by_left_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.9924772473334093),
-            T::from_f64(0.12242921843048289) * ky_left_shoulder_yaw_z,
-        );
-    let e79 = e78.mul_add(s_left_elbow, ky_left_elbow_y * c_left_elbow);
-    let by_left_elbow_x = -e79;
-    let e80 = ky_left_elbow_y.mul_add(s_left_elbow, -(e78 * c_left_elbow));
-    let by_left_elbow_y = -e80;
-    // left_wrist_yaw
-    let ky_left_wrist_yaw_y = e79
-        .mul_add(
-            T::from_f64(0.15904161977640188),
-            -(T::from_f64(0.9872718790580934) * ky_left_elbow_z),
-        );
-    let e81 = e79
-        .mul_add(
-            T::from_f64(0.9872718790580934),
-            T::from_f64(0.15904161977640188) * ky_left_elbow_z,
-        );
-    let e82 = e80.mul_add(c_left_wrist_yaw, ky_left_wrist_yaw_y * e43);
-    let by_left_wrist_yaw_x = -e82;
-    let e83 = ky_left_wrist_yaw_y.mul_add(c_left_wrist_yaw, -(e80 * e43));
-    let by_left_wrist_yaw_y = -e83;
-    // left_wrist_roll
-    let ky_left_wrist_roll_y = e81
-        .mul_add(
-            T::from_f64(0.9977446087492899),
-            -(T::from_f64(0.06712447922871664) * e82),
-        );
-    let by_left_wrist_roll_x = ky_left_wrist_roll_y
-        .mul_add(s_left_wrist_roll, -(e83 * c_left_wrist_roll));
-    let e84 = ky_left_wrist_roll_y.mul_add(c_left_wrist_roll, e83 * s_left_wrist_roll);
-    let by_left_wrist_roll_y = -e84;
-    // left_wrist_pitch
-    let ky_left_wrist_pitch_y = e82
-        .mul_add(T::from_f64(0.9977446087492899), T::from_f64(0.06712447922871664) * e81)
+            T::from_f64(0.06712447922871664) * e113,
+        )
         .mul_add(
             T::from_f64(0.99908366749145),
             -(T::from_f64(0.042799828876225604) * by_left_wrist_roll_x),
         );
-    let by_left_wrist_pitch_x = -e84.mul_add(cos[29], ky_left_wrist_pitch_y * sin[29]);
+    let by_left_wrist_pitch_x = -e120.mul_add(cos[29], ky_left_wrist_pitch_y * sin[29]);
     let by_left_wrist_pitch_y = -ky_left_wrist_pitch_y
-        .mul_add(cos[29], -(e84 * sin[29]));
-    // right_ankle_roll
-    let bz_right_ankle_roll_x = s_right_ankle_roll
-        .mul_add(
-            T::from_f64(0.9799158654419752),
-            -(T::from_f64(0.13055455182981807) * c_right_ankle_roll),
-        );
-    let e85 = s_right_ankle_roll
-        .mul_add(
-            T::from_f64(0.13055455182981807),
-            T::from_f64(0.9799158654419752) * c_right_ankle_roll,
-        );
-    let bz_right_ankle_roll_y = -e85;
-    // right_ankle_pitch
-    let kz_right_ankle_pitch_y = (-bz_right_ankle_roll_x)
-        .mul_add(T::from_f64(0.0524083921121999), T::from_f64(0.15052574825109485));
-    let kz_right_ankle_pitch_z = bz_right_ankle_roll_x
-        .mul_add(T::from_f64(0.9986257359172223), T::from_f64(0.007899668668242278));
-    let bz_right_ankle_pitch_x = kz_right_ankle_pitch_y
-        .mul_add(s_right_ankle_pitch, -(e85 * c_right_ankle_pitch));
-    let e86 = kz_right_ankle_pitch_y
-        .mul_add(c_right_ankle_pitch, e85 * s_right_ankle_pitch);
-    let bz_right_ankle_pitch_y = -e86;
-    // right_knee
-    let kz_right_knee_y = bz_right_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.9659918591802843),
-            -(T::from_f64(0.2585724811294071) * kz_right_ankle_pitch_z),
-        );
-    let kz_right_knee_z = bz_right_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.2585724811294071),
-            T::from_f64(0.9659918591802843) * kz_right_ankle_pitch_z,
-        );
-    let bz_right_knee_x = e86.mul_add(s_right_knee, kz_right_knee_y * c_right_knee);
-    let e87 = e86.mul_add(c_right_knee, -(kz_right_knee_y * s_right_knee));
-    let bz_right_knee_y = -e87;
-    // right_hip_pitch
-    let kz_right_hip_pitch_y = bz_right_knee_x
-        .mul_add(
-            T::from_f64(0.9973888291864124),
-            -(T::from_f64(0.0722185808096314) * kz_right_knee_z),
-        );
-    let kz_right_hip_pitch_z = bz_right_knee_x
-        .mul_add(
-            T::from_f64(0.0722185808096314),
-            T::from_f64(0.9973888291864124) * kz_right_knee_z,
-        );
-    let bz_right_hip_pitch_x = kz_right_hip_pitch_y
-        .mul_add(s_right_hip_pitch, -(e87 * c_right_hip_pitch));
-    let e88 = kz_right_hip_pitch_y.mul_add(c_right_hip_pitch, e87 * s_right_hip_pitch);
-    let bz_right_hip_pitch_y = -e88;
-    // right_hip_roll
-    let kz_right_hip_roll_y = bz_right_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.06044086238279244),
-            -(T::from_f64(0.9981717798828138) * kz_right_hip_pitch_z),
-        );
-    let kz_right_hip_roll_z = bz_right_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.9981717798828138),
-            T::from_f64(0.06044086238279244) * kz_right_hip_pitch_z,
-        );
-    let bz_right_hip_roll_x = e88
-        .mul_add(c_right_hip_roll, -(kz_right_hip_roll_y * s_right_hip_roll));
-    let bz_right_hip_roll_y = kz_right_hip_roll_y
-        .mul_add(c_right_hip_roll, e88 * s_right_hip_roll);
-    // right_hip_yaw
-    let kz_right_hip_yaw_y = bz_right_hip_roll_x
-        .mul_add(
-            T::from_f64(0.08292767473984558),
-            -(T::from_f64(0.9965555683263441) * kz_right_hip_roll_z),
-        );
-    let kz_right_hip_yaw_z = bz_right_hip_roll_x
-        .mul_add(
-            T::from_f64(0.9965555683263441),
-            T::from_f64(0.08292767473984558) * kz_right_hip_roll_z,
-        );
-    let bz_right_hip_yaw_x = bz_right_hip_roll_y
-        .mul_add(c_right_hip_yaw, kz_right_hip_yaw_y * s_right_hip_yaw);
-    let e89 = kz_right_hip_yaw_y
-        .mul_add(c_right_hip_yaw, -(bz_right_hip_roll_y * s_right_hip_yaw));
-    let bz_right_hip_yaw_y = -e89;
-    // left_hip_yaw
-    let e90 = bz_right_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.538107754426925),
-            T::from_f64(0.8428760553163273) * kz_right_hip_yaw_z,
-        );
-    let kz_left_hip_yaw_z = bz_right_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.8428760553163273),
-            -(T::from_f64(0.538107754426925) * kz_right_hip_yaw_z),
-        );
-    let bz_left_hip_yaw_x = e89.mul_add(c_left_hip_yaw, -(e90 * e7));
-    let e91 = e90.mul_add(c_left_hip_yaw, e89 * e7);
-    let bz_left_hip_yaw_y = -e91;
-    // left_hip_roll
-    let kz_left_hip_roll_y = bz_left_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.08292767473984561),
-            -(T::from_f64(0.9965555683263441) * kz_left_hip_yaw_z),
-        );
-    let kz_left_hip_roll_z = bz_left_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.9965555683263441),
-            T::from_f64(0.08292767473984561) * kz_left_hip_yaw_z,
-        );
-    let bz_left_hip_roll_x = kz_left_hip_roll_y
-        .mul_add(s_left_hip_roll, -(e91 * c_left_hip_roll));
-    let e92 = kz_left_hip_roll_y.mul_add(c_left_hip_roll, e91 * s_left_hip_roll);
-    let bz_left_hip_roll_y = -e92;
-    // left_hip_pitch
-    let kz_left_hip_pitch_y = bz_left_hip_roll_x
-        .mul_add(
-            T::from_f64(0.06044086238279245),
-            -(T::from_f64(0.9981717798828137) * kz_left_hip_roll_z),
-        );
-    let kz_left_hip_pitch_z = bz_left_hip_roll_x
-        .mul_add(
-            T::from_f64(0.9981717798828137),
-            T::from_f64(0.06044086238279245) * kz_left_hip_roll_z,
-        );
-    let bz_left_hip_pitch_x = e92.mul_add(c_left_hip_pitch, kz_left_hip_pitch_y * e11);
-    let e93 = e92.mul_add(e11, -(kz_left_hip_pitch_y * c_left_hip_pitch));
-    let bz_left_hip_pitch_y = -e93;
-    // left_knee
-    let kz_left_knee_y = bz_left_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.9973888291864126),
-            -(T::from_f64(0.0722185808096314) * kz_left_hip_pitch_z),
-        );
-    let kz_left_knee_z = bz_left_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.0722185808096314),
-            T::from_f64(0.9973888291864126) * kz_left_hip_pitch_z,
-        );
-    let bz_left_knee_x = e93.mul_add(s_left_knee, kz_left_knee_y * c_left_knee);
-    let e94 = e93.mul_add(c_left_knee, -(kz_left_knee_y * s_left_knee));
-    let bz_left_knee_y = -e94;
-    // left_ankle_pitch
-    let kz_left_ankle_pitch_y = bz_left_knee_x
-        .mul_add(
-            T::from_f64(0.9659918591802845),
-            -(T::from_f64(0.2585724811294071) * kz_left_knee_z),
-        );
-    let kz_left_ankle_pitch_z = bz_left_knee_x
-        .mul_add(
-            T::from_f64(0.2585724811294071),
-            T::from_f64(0.9659918591802845) * kz_left_knee_z,
-        );
-    let bz_left_ankle_pitch_x = e94
-        .mul_add(c_left_ankle_pitch, kz_left_ankle_pitch_y * e14);
-    let e95 = e94.mul_add(e14, -(kz_left_ankle_pitch_y * c_left_ankle_pitch));
-    let bz_left_ankle_pitch_y = -e95;
-    // left_ankle_roll
-    let e96 = bz_left_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.052408392112199914),
-            T::from_f64(0.9986257359172225) * kz_left_ankle_pitch_z,
-        );
-    let bz_left_ankle_roll_x = e96.mul_add(sin[11], -(e95 * cos[11]));
-    let bz_left_ankle_roll_y = e96.mul_add(cos[11], e95 * sin[11]);
-    // waist_yaw
-    let e97 = e89
-        .mul_add(
-            T::from_f64(0.11944678826051937),
-            -(T::from_f64(0.19252104104496945) * bz_right_hip_yaw_x),
-        ) + kz_right_hip_yaw_z;
-    let kz_waist_yaw_x = e97
-        .mul_add(T::from_f64(0.3662421800811956), bz_right_hip_yaw_x);
-    let kz_waist_yaw_y = e97.mul_add(T::from_f64(0.22722945969324562), -e89);
-    let kz_waist_yaw_z = (-e97)
-        .mul_add(T::from_f64(1.9023488450576578), kz_right_hip_yaw_z);
-    let bz_waist_yaw_x = kz_waist_yaw_y.mul_add(e17, -(kz_waist_yaw_x * c_waist_yaw));
-    let bz_waist_yaw_y = kz_waist_yaw_y.mul_add(c_waist_yaw, kz_waist_yaw_x * e17);
-    // waist_pitch
-    let kz_waist_pitch_y = bz_waist_yaw_x
-        .mul_add(
-            T::from_f64(0.19642259114963537),
-            -(T::from_f64(0.980519334682424) * kz_waist_yaw_z),
-        );
-    let kz_waist_pitch_z = bz_waist_yaw_x
-        .mul_add(
-            T::from_f64(0.980519334682424),
-            T::from_f64(0.19642259114963537) * kz_waist_yaw_z,
-        );
-    let e98 = bz_waist_yaw_y.mul_add(e19, kz_waist_pitch_y * c_waist_pitch);
-    let bz_waist_pitch_x = -e98;
-    let e99 = bz_waist_yaw_y.mul_add(c_waist_pitch, -(kz_waist_pitch_y * e19));
-    let bz_waist_pitch_y = -e99;
-    // neck_yaw
-    let e100 = e98
-        .mul_add(
-            T::from_f64(0.11686854868553807),
-            T::from_f64(0.9931473920461839) * kz_waist_pitch_z,
-        );
-    let kz_neck_yaw_z = kz_waist_pitch_z
-        .mul_add(
-            T::from_f64(0.11686854868553807),
-            -(T::from_f64(0.9931473920461839) * e98),
-        );
-    let bz_neck_yaw_x = e100.mul_add(c_neck_yaw, -(e99 * s_neck_yaw));
-    let bz_neck_yaw_y = e100.mul_add(s_neck_yaw, e99 * c_neck_yaw);
-    // neck_pitch
-    let e101 = bz_neck_yaw_x
-        .mul_add(
-            T::from_f64(0.040883888851400166),
-            T::from_f64(0.9991639042881736) * kz_neck_yaw_z,
-        );
-    let bz_neck_pitch_x = bz_neck_yaw_y.mul_add(cos[15], e101 * sin[15]);
-    let bz_neck_pitch_y = -bz_neck_yaw_y.mul_add(sin[15], -(e101 * cos[15]));
-    // right_shoulder_pitch
-    let e102 = kz_waist_pitch_z
-        .mul_add(
-            T::from_f64(0.10644334192309902),
-            e99.mul_add(T::from_f64(0.07159388452594458), -e98),
-        );
-    let e103 = e102.mul_add(T::from_f64(1.9676210845200064), e98);
-    let kz_right_shoulder_pitch_y = e102.mul_add(T::from_f64(0.14086963671593916), -e99);
-    let kz_right_shoulder_pitch_z = (-e102)
-        .mul_add(T::from_f64(0.20944016387466197), kz_waist_pitch_z);
-    let bz_right_shoulder_pitch_x = e103
-        .mul_add(e24, -(kz_right_shoulder_pitch_y * c_right_shoulder_pitch));
-    let bz_right_shoulder_pitch_y = kz_right_shoulder_pitch_y
-        .mul_add(e24, e103 * c_right_shoulder_pitch);
-    // right_shoulder_roll
-    let kz_right_shoulder_roll_y = bz_right_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.2834710957352705),
-            -(T::from_f64(0.9589807807681263) * kz_right_shoulder_pitch_z),
-        );
-    let kz_right_shoulder_roll_z = bz_right_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.9589807807681263),
-            T::from_f64(0.2834710957352705) * kz_right_shoulder_pitch_z,
-        );
-    let e104 = bz_right_shoulder_pitch_y
-        .mul_add(
-            c_right_shoulder_roll,
-            kz_right_shoulder_roll_y * s_right_shoulder_roll,
-        );
-    let bz_right_shoulder_roll_x = -e104;
-    let e105 = bz_right_shoulder_pitch_y
-        .mul_add(
-            s_right_shoulder_roll,
-            -(kz_right_shoulder_roll_y * c_right_shoulder_roll),
-        );
-    let bz_right_shoulder_roll_y = -e105;
-    // right_shoulder_yaw
-    let kz_right_shoulder_yaw_y = e104
-        .mul_add(
-            T::from_f64(0.3848026949004402),
-            -(T::from_f64(0.9229988548190939) * kz_right_shoulder_roll_z),
-        );
-    let e106 = e104
-        .mul_add(
-            T::from_f64(0.9229988548190939),
-            T::from_f64(0.3848026949004402) * kz_right_shoulder_roll_z,
-        );
-    let bz_right_shoulder_yaw_x = e105
-        .mul_add(
-            c_right_shoulder_yaw,
-            -(kz_right_shoulder_yaw_y * s_right_shoulder_yaw),
-        );
-    let bz_right_shoulder_yaw_y = kz_right_shoulder_yaw_y
-        .mul_add(c_right_shoulder_yaw, e105 * s_right_shoulder_yaw);
-    // right_elbow
-    let kz_right_elbow_y = bz_right_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.12242921843048289),
-            T::from_f64(0.9924772473334093) * e106,
-        );
-    let kz_right_elbow_z = bz_right_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.9924772473334093),
-            -(T::from_f64(0.12242921843048289) * e106),
-        );
-    let bz_right_elbow_x = bz_right_shoulder_yaw_y
-        .mul_add(s_right_elbow, -(kz_right_elbow_y * c_right_elbow));
-    let e107 = kz_right_elbow_y
-        .mul_add(s_right_elbow, bz_right_shoulder_yaw_y * c_right_elbow);
-    let bz_right_elbow_y = -e107;
-    // right_wrist_yaw
-    let e108 = bz_right_elbow_x
-        .mul_add(
-            T::from_f64(0.15904161977640188),
-            T::from_f64(0.9872718790580934) * kz_right_elbow_z,
-        );
-    let kz_right_wrist_yaw_z = bz_right_elbow_x
-        .mul_add(
-            T::from_f64(0.9872718790580934),
-            -(T::from_f64(0.15904161977640188) * kz_right_elbow_z),
-        );
-    let bz_right_wrist_yaw_x = e108.mul_add(e31, -(e107 * c_right_wrist_yaw));
-    let bz_right_wrist_yaw_y = e108.mul_add(c_right_wrist_yaw, e107 * e31);
-    // right_wrist_roll
-    let kz_right_wrist_roll_y = bz_right_wrist_yaw_x
-        .mul_add(
-            T::from_f64(0.06712447922871664),
-            -(T::from_f64(0.9977446087492899) * kz_right_wrist_yaw_z),
-        );
-    let kz_right_wrist_roll_z = bz_right_wrist_yaw_x
+        .mul_add(cos[29], -(e120 * sin[29]));
+    let kz_left_wrist_pitch_y = e117
         .mul_add(
             T::from_f64(0.9977446087492899),
-            T::from_f64(0.06712447922871664) * kz_right_wrist_yaw_z,
-        );
-    let bz_right_wrist_roll_x = bz_right_wrist_yaw_y
-        .mul_add(c_right_wrist_roll, kz_right_wrist_roll_y * s_right_wrist_roll);
-    let e109 = kz_right_wrist_roll_y
-        .mul_add(c_right_wrist_roll, -(bz_right_wrist_yaw_y * s_right_wrist_roll));
-    let bz_right_wrist_roll_y = -e109;
-    // right_wrist_pitch
-    let e110 = bz_right_wrist_roll_x
-        .mul_add(
-            T::from_f64(0.042799828876225604),
-            T::from_f64(0.99908366749145) * kz_right_wrist_roll_z,
-        );
-    let bz_right_wrist_pitch_x = e110.mul_add(sin[22], -(e109 * cos[22]));
-    let bz_right_wrist_pitch_y = e110.mul_add(cos[22], e109 * sin[22]);
-    // left_shoulder_pitch
-    let e111 = (-kz_waist_pitch_z)
-        .mul_add(
-            T::from_f64(0.09248191489966293),
-            e98.mul_add(T::from_f64(0.11783871458722316), -e99),
-        );
-    let kz_left_shoulder_pitch_x = e111.mul_add(T::from_f64(0.2305051546121806), -e98);
-    let e112 = e111.mul_add(T::from_f64(1.956107170887058), e99);
-    let kz_left_shoulder_pitch_z = e111
-        .mul_add(T::from_f64(0.1809045369125973), kz_waist_pitch_z);
-    let bz_left_shoulder_pitch_x = e112
-        .mul_add(c_left_shoulder_pitch, -(kz_left_shoulder_pitch_x * e35));
-    let e113 = e112.mul_add(e35, kz_left_shoulder_pitch_x * c_left_shoulder_pitch);
-    let bz_left_shoulder_pitch_y = -e113;
-    // left_shoulder_roll
-    let kz_left_shoulder_roll_y = bz_left_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.2834710957352705),
-            -(T::from_f64(0.9589807807681263) * kz_left_shoulder_pitch_z),
-        );
-    let kz_left_shoulder_roll_z = bz_left_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.9589807807681263),
-            T::from_f64(0.2834710957352705) * kz_left_shoulder_pitch_z,
-        );
-    let bz_left_shoulder_roll_x = e113
-        .mul_add(
-            c_left_shoulder_roll,
-            -(kz_left_shoulder_roll_y * s_left_shoulder_roll),
-        );
-    let bz_left_shoulder_roll_y = kz_left_shoulder_roll_y
-        .mul_add(c_left_shoulder_roll, e113 * s_left_shoulder_roll);
-    // left_shoulder_yaw
-    let e114 = bz_left_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.3848026949004402),
-            T::from_f64(0.9229988548190939) * kz_left_shoulder_roll_z,
-        );
-    let kz_left_shoulder_yaw_z = bz_left_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.9229988548190939),
-            -(T::from_f64(0.3848026949004402) * kz_left_shoulder_roll_z),
-        );
-    let bz_left_shoulder_yaw_x = e114
-        .mul_add(s_left_shoulder_yaw, -(bz_left_shoulder_roll_y * c_left_shoulder_yaw));
-    let e115 = e114
-        .mul_add(c_left_shoulder_yaw, bz_left_shoulder_roll_y * s_left_shoulder_yaw);
-    let bz_left_shoulder_yaw_y = -e115;
-    // left_elbow
-    let kz_left_elbow_y = bz_left_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.12242921843048289),
-            -(T::from_f64(0.9924772473334093) * kz_left_shoulder_yaw_z),
-        );
-    let kz_left_elbow_z = bz_left_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.9924772473334093),
-            T::from_f64(0.12242921843048289) * kz_left_shoulder_yaw_z,
-        );
-    let e116 = e115.mul_add(s_left_elbow, kz_left_elbow_y * c_left_elbow);
-    let bz_left_elbow_x = -e116;
-    let e117 = kz_left_elbow_y.mul_add(s_left_elbow, -(e115 * c_left_elbow));
-    let bz_left_elbow_y = -e117;
-    // left_wrist_yaw
-    let kz_left_wrist_yaw_y = e116
-        .mul_add(
-            T::from_f64(0.15904161977640188),
-            -(T::from_f64(0.9872718790580934) * kz_left_elbow_z),
-        );
-    let e118 = e116
-        .mul_add(
-            T::from_f64(0.9872718790580934),
-            T::from_f64(0.15904161977640188) * kz_left_elbow_z,
-        );
-    let e119 = e117.mul_add(c_left_wrist_yaw, kz_left_wrist_yaw_y * e43);
-    let bz_left_wrist_yaw_x = -e119;
-    let e120 = kz_left_wrist_yaw_y.mul_add(c_left_wrist_yaw, -(e117 * e43));
-    let bz_left_wrist_yaw_y = -e120;
-    // left_wrist_roll
-    let kz_left_wrist_roll_y = e118
-        .mul_add(
-            T::from_f64(0.9977446087492899),
-            -(T::from_f64(0.06712447922871664) * e119),
-        );
-    let bz_left_wrist_roll_x = kz_left_wrist_roll_y
-        .mul_add(s_left_wrist_roll, -(e120 * c_left_wrist_roll));
-    let e121 = kz_left_wrist_roll_y.mul_add(c_left_wrist_roll, e120 * s_left_wrist_roll);
-    let bz_left_wrist_roll_y = -e121;
-    // left_wrist_pitch
-    let kz_left_wrist_pitch_y = e119
-        .mul_add(
-            T::from_f64(0.9977446087492899),
-            T::from_f64(0.06712447922871664) * e118,
+            T::from_f64(0.06712447922871664) * e116,
         )
         .mul_add(
             T::from_f64(0.99908366749145),
@@ -16215,6 +15900,17 @@ pub fn regressor_cop_sc<T: Real>(
             -(T::from_f64(0.16554475198250462) * c_right_ankle_roll),
         );
     let bx_right_ankle_roll_y = -e2;
+    let by_right_ankle_roll_x = s_right_ankle_roll
+        .mul_add(
+            T::from_f64(0.11117478017138471),
+            T::from_f64(0.9851881430723574) * c_right_ankle_roll,
+        );
+    let e3 = c_right_ankle_roll
+        .mul_add(
+            T::from_f64(0.11117478017138471),
+            -(T::from_f64(0.9851881430723574) * s_right_ankle_roll),
+        );
+    let by_right_ankle_roll_y = -e3;
     // right_ankle_pitch
     let s_right_ankle_pitch = sin[4]
         .mul_add(
@@ -16232,9 +15928,18 @@ pub fn regressor_cop_sc<T: Real>(
         .mul_add(T::from_f64(0.9986257359172223), T::from_f64(0.05135581491304875));
     let bx_right_ankle_pitch_x = kx_right_ankle_pitch_y
         .mul_add(s_right_ankle_pitch, -(e2 * c_right_ankle_pitch));
-    let e3 = kx_right_ankle_pitch_y
+    let e4 = kx_right_ankle_pitch_y
         .mul_add(c_right_ankle_pitch, e2 * s_right_ankle_pitch);
-    let bx_right_ankle_pitch_y = -e3;
+    let bx_right_ankle_pitch_y = -e4;
+    let ky_right_ankle_pitch_y = (-by_right_ankle_roll_x)
+        .mul_add(T::from_f64(0.0524083921121999), T::from_f64(0.1303751353983952));
+    let ky_right_ankle_pitch_z = by_right_ankle_roll_x
+        .mul_add(T::from_f64(0.9986257359172223), T::from_f64(0.00684215414432963));
+    let by_right_ankle_pitch_x = ky_right_ankle_pitch_y
+        .mul_add(s_right_ankle_pitch, -(e3 * c_right_ankle_pitch));
+    let e5 = ky_right_ankle_pitch_y
+        .mul_add(c_right_ankle_pitch, e3 * s_right_ankle_pitch);
+    let by_right_ankle_pitch_y = -e5;
     // right_knee
     let s_right_knee = sin[3]
         .mul_add(
@@ -16256,9 +15961,22 @@ pub fn regressor_cop_sc<T: Real>(
             T::from_f64(0.2585724811294071),
             T::from_f64(0.9659918591802843) * kx_right_ankle_pitch_z,
         );
-    let bx_right_knee_x = e3.mul_add(s_right_knee, kx_right_knee_y * c_right_knee);
-    let e4 = e3.mul_add(c_right_knee, -(kx_right_knee_y * s_right_knee));
-    let bx_right_knee_y = -e4;
+    let bx_right_knee_x = e4.mul_add(s_right_knee, kx_right_knee_y * c_right_knee);
+    let e6 = e4.mul_add(c_right_knee, -(kx_right_knee_y * s_right_knee));
+    let bx_right_knee_y = -e6;
+    let ky_right_knee_y = by_right_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.9659918591802843),
+            -(T::from_f64(0.2585724811294071) * ky_right_ankle_pitch_z),
+        );
+    let ky_right_knee_z = by_right_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.2585724811294071),
+            T::from_f64(0.9659918591802843) * ky_right_ankle_pitch_z,
+        );
+    let by_right_knee_x = e5.mul_add(s_right_knee, ky_right_knee_y * c_right_knee);
+    let e7 = e5.mul_add(c_right_knee, -(ky_right_knee_y * s_right_knee));
+    let by_right_knee_y = -e7;
     // right_hip_pitch
     let s_right_hip_pitch = sin[2]
         .mul_add(
@@ -16281,9 +15999,23 @@ pub fn regressor_cop_sc<T: Real>(
             T::from_f64(0.9973888291864124) * kx_right_knee_z,
         );
     let bx_right_hip_pitch_x = kx_right_hip_pitch_y
-        .mul_add(s_right_hip_pitch, -(e4 * c_right_hip_pitch));
-    let e5 = kx_right_hip_pitch_y.mul_add(c_right_hip_pitch, e4 * s_right_hip_pitch);
-    let bx_right_hip_pitch_y = -e5;
+        .mul_add(s_right_hip_pitch, -(e6 * c_right_hip_pitch));
+    let e8 = kx_right_hip_pitch_y.mul_add(c_right_hip_pitch, e6 * s_right_hip_pitch);
+    let bx_right_hip_pitch_y = -e8;
+    let ky_right_hip_pitch_y = by_right_knee_x
+        .mul_add(
+            T::from_f64(0.9973888291864124),
+            -(T::from_f64(0.0722185808096314) * ky_right_knee_z),
+        );
+    let ky_right_hip_pitch_z = by_right_knee_x
+        .mul_add(
+            T::from_f64(0.0722185808096314),
+            T::from_f64(0.9973888291864124) * ky_right_knee_z,
+        );
+    let by_right_hip_pitch_x = ky_right_hip_pitch_y
+        .mul_add(s_right_hip_pitch, -(e7 * c_right_hip_pitch));
+    let e9 = ky_right_hip_pitch_y.mul_add(c_right_hip_pitch, e7 * s_right_hip_pitch);
+    let by_right_hip_pitch_y = -e9;
     // right_hip_roll
     let s_right_hip_roll = sin[1]
         .mul_add(
@@ -16305,10 +16037,24 @@ pub fn regressor_cop_sc<T: Real>(
             T::from_f64(0.9981717798828138),
             T::from_f64(0.06044086238279244) * kx_right_hip_pitch_z,
         );
-    let bx_right_hip_roll_x = e5
+    let bx_right_hip_roll_x = e8
         .mul_add(c_right_hip_roll, -(kx_right_hip_roll_y * s_right_hip_roll));
     let bx_right_hip_roll_y = kx_right_hip_roll_y
-        .mul_add(c_right_hip_roll, e5 * s_right_hip_roll);
+        .mul_add(c_right_hip_roll, e8 * s_right_hip_roll);
+    let ky_right_hip_roll_y = by_right_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.06044086238279244),
+            -(T::from_f64(0.9981717798828138) * ky_right_hip_pitch_z),
+        );
+    let ky_right_hip_roll_z = by_right_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.9981717798828138),
+            T::from_f64(0.06044086238279244) * ky_right_hip_pitch_z,
+        );
+    let by_right_hip_roll_x = e9
+        .mul_add(c_right_hip_roll, -(ky_right_hip_roll_y * s_right_hip_roll));
+    let by_right_hip_roll_y = ky_right_hip_roll_y
+        .mul_add(c_right_hip_roll, e9 * s_right_hip_roll);
     // right_hip_yaw
     let s_right_hip_yaw = sin[0]
         .mul_add(
@@ -16332,11 +16078,26 @@ pub fn regressor_cop_sc<T: Real>(
         );
     let bx_right_hip_yaw_x = bx_right_hip_roll_y
         .mul_add(c_right_hip_yaw, kx_right_hip_yaw_y * s_right_hip_yaw);
-    let e6 = kx_right_hip_yaw_y
+    let e10 = kx_right_hip_yaw_y
         .mul_add(c_right_hip_yaw, -(bx_right_hip_roll_y * s_right_hip_yaw));
-    let bx_right_hip_yaw_y = -e6;
+    let bx_right_hip_yaw_y = -e10;
+    let ky_right_hip_yaw_y = by_right_hip_roll_x
+        .mul_add(
+            T::from_f64(0.08292767473984558),
+            -(T::from_f64(0.9965555683263441) * ky_right_hip_roll_z),
+        );
+    let ky_right_hip_yaw_z = by_right_hip_roll_x
+        .mul_add(
+            T::from_f64(0.9965555683263441),
+            T::from_f64(0.08292767473984558) * ky_right_hip_roll_z,
+        );
+    let by_right_hip_yaw_x = by_right_hip_roll_y
+        .mul_add(c_right_hip_yaw, ky_right_hip_yaw_y * s_right_hip_yaw);
+    let e11 = ky_right_hip_yaw_y
+        .mul_add(c_right_hip_yaw, -(by_right_hip_roll_y * s_right_hip_yaw));
+    let by_right_hip_yaw_y = -e11;
     // left_hip_yaw
-    let e7 = sin[6]
+    let e12 = sin[6]
         .mul_add(
             T::from_f64(0.9948843845593177),
             T::from_f64(0.10102010374191704) * cos[6],
@@ -16346,7 +16107,7 @@ pub fn regressor_cop_sc<T: Real>(
             T::from_f64(0.9948843845593177),
             -(T::from_f64(0.10102010374191704) * sin[6]),
         );
-    let e8 = bx_right_hip_yaw_x
+    let e13 = bx_right_hip_yaw_x
         .mul_add(
             T::from_f64(0.538107754426925),
             T::from_f64(0.8428760553163273) * kx_right_hip_yaw_z,
@@ -16356,9 +16117,22 @@ pub fn regressor_cop_sc<T: Real>(
             T::from_f64(0.8428760553163273),
             -(T::from_f64(0.538107754426925) * kx_right_hip_yaw_z),
         );
-    let bx_left_hip_yaw_x = e6.mul_add(c_left_hip_yaw, -(e8 * e7));
-    let e9 = e8.mul_add(c_left_hip_yaw, e6 * e7);
-    let bx_left_hip_yaw_y = -e9;
+    let bx_left_hip_yaw_x = e10.mul_add(c_left_hip_yaw, -(e13 * e12));
+    let e14 = e13.mul_add(c_left_hip_yaw, e10 * e12);
+    let bx_left_hip_yaw_y = -e14;
+    let e15 = by_right_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.538107754426925),
+            T::from_f64(0.8428760553163273) * ky_right_hip_yaw_z,
+        );
+    let ky_left_hip_yaw_z = by_right_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.8428760553163273),
+            -(T::from_f64(0.538107754426925) * ky_right_hip_yaw_z),
+        );
+    let by_left_hip_yaw_x = e11.mul_add(c_left_hip_yaw, -(e15 * e12));
+    let e16 = e15.mul_add(c_left_hip_yaw, e11 * e12);
+    let by_left_hip_yaw_y = -e16;
     // left_hip_roll
     let s_left_hip_roll = cos[7]
         .mul_add(
@@ -16381,11 +16155,25 @@ pub fn regressor_cop_sc<T: Real>(
             T::from_f64(0.08292767473984561) * kx_left_hip_yaw_z,
         );
     let bx_left_hip_roll_x = kx_left_hip_roll_y
-        .mul_add(s_left_hip_roll, -(e9 * c_left_hip_roll));
-    let e10 = kx_left_hip_roll_y.mul_add(c_left_hip_roll, e9 * s_left_hip_roll);
-    let bx_left_hip_roll_y = -e10;
+        .mul_add(s_left_hip_roll, -(e14 * c_left_hip_roll));
+    let e17 = kx_left_hip_roll_y.mul_add(c_left_hip_roll, e14 * s_left_hip_roll);
+    let bx_left_hip_roll_y = -e17;
+    let ky_left_hip_roll_y = by_left_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.08292767473984561),
+            -(T::from_f64(0.9965555683263441) * ky_left_hip_yaw_z),
+        );
+    let ky_left_hip_roll_z = by_left_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.9965555683263441),
+            T::from_f64(0.08292767473984561) * ky_left_hip_yaw_z,
+        );
+    let by_left_hip_roll_x = ky_left_hip_roll_y
+        .mul_add(s_left_hip_roll, -(e16 * c_left_hip_roll));
+    let e18 = ky_left_hip_roll_y.mul_add(c_left_hip_roll, e16 * s_left_hip_roll);
+    let by_left_hip_roll_y = -e18;
     // left_hip_pitch
-    let e11 = sin[8]
+    let e19 = sin[8]
         .mul_add(
             T::from_f64(0.9876670233130993),
             T::from_f64(0.1565689977608653) * cos[8],
@@ -16405,9 +16193,22 @@ pub fn regressor_cop_sc<T: Real>(
             T::from_f64(0.9981717798828137),
             T::from_f64(0.06044086238279245) * kx_left_hip_roll_z,
         );
-    let bx_left_hip_pitch_x = e10.mul_add(c_left_hip_pitch, kx_left_hip_pitch_y * e11);
-    let e12 = e10.mul_add(e11, -(kx_left_hip_pitch_y * c_left_hip_pitch));
-    let bx_left_hip_pitch_y = -e12;
+    let bx_left_hip_pitch_x = e17.mul_add(c_left_hip_pitch, kx_left_hip_pitch_y * e19);
+    let e20 = e17.mul_add(e19, -(kx_left_hip_pitch_y * c_left_hip_pitch));
+    let bx_left_hip_pitch_y = -e20;
+    let ky_left_hip_pitch_y = by_left_hip_roll_x
+        .mul_add(
+            T::from_f64(0.06044086238279245),
+            -(T::from_f64(0.9981717798828137) * ky_left_hip_roll_z),
+        );
+    let ky_left_hip_pitch_z = by_left_hip_roll_x
+        .mul_add(
+            T::from_f64(0.9981717798828137),
+            T::from_f64(0.06044086238279245) * ky_left_hip_roll_z,
+        );
+    let by_left_hip_pitch_x = e18.mul_add(c_left_hip_pitch, ky_left_hip_pitch_y * e19);
+    let e21 = e18.mul_add(e19, -(ky_left_hip_pitch_y * c_left_hip_pitch));
+    let by_left_hip_pitch_y = -e21;
     // left_knee
     let s_left_knee = cos[9]
         .mul_add(
@@ -16429,11 +16230,24 @@ pub fn regressor_cop_sc<T: Real>(
             T::from_f64(0.0722185808096314),
             T::from_f64(0.9973888291864126) * kx_left_hip_pitch_z,
         );
-    let bx_left_knee_x = e12.mul_add(s_left_knee, kx_left_knee_y * c_left_knee);
-    let e13 = e12.mul_add(c_left_knee, -(kx_left_knee_y * s_left_knee));
-    let bx_left_knee_y = -e13;
+    let bx_left_knee_x = e20.mul_add(s_left_knee, kx_left_knee_y * c_left_knee);
+    let e22 = e20.mul_add(c_left_knee, -(kx_left_knee_y * s_left_knee));
+    let bx_left_knee_y = -e22;
+    let ky_left_knee_y = by_left_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.9973888291864126),
+            -(T::from_f64(0.0722185808096314) * ky_left_hip_pitch_z),
+        );
+    let ky_left_knee_z = by_left_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.0722185808096314),
+            T::from_f64(0.9973888291864126) * ky_left_hip_pitch_z,
+        );
+    let by_left_knee_x = e21.mul_add(s_left_knee, ky_left_knee_y * c_left_knee);
+    let e23 = e21.mul_add(c_left_knee, -(ky_left_knee_y * s_left_knee));
+    let by_left_knee_y = -e23;
     // left_ankle_pitch
-    let e14 = sin[10]
+    let e24 = sin[10]
         .mul_add(
             T::from_f64(0.9846119913216708),
             T::from_f64(0.17475476115280555) * cos[10],
@@ -16453,20 +16267,41 @@ pub fn regressor_cop_sc<T: Real>(
             T::from_f64(0.2585724811294071),
             T::from_f64(0.9659918591802845) * kx_left_knee_z,
         );
-    let bx_left_ankle_pitch_x = e13
-        .mul_add(c_left_ankle_pitch, kx_left_ankle_pitch_y * e14);
-    let e15 = e13.mul_add(e14, -(kx_left_ankle_pitch_y * c_left_ankle_pitch));
-    let bx_left_ankle_pitch_y = -e15;
+    let bx_left_ankle_pitch_x = e22
+        .mul_add(c_left_ankle_pitch, kx_left_ankle_pitch_y * e24);
+    let e25 = e22.mul_add(e24, -(kx_left_ankle_pitch_y * c_left_ankle_pitch));
+    let bx_left_ankle_pitch_y = -e25;
+    let ky_left_ankle_pitch_y = by_left_knee_x
+        .mul_add(
+            T::from_f64(0.9659918591802845),
+            -(T::from_f64(0.2585724811294071) * ky_left_knee_z),
+        );
+    let ky_left_ankle_pitch_z = by_left_knee_x
+        .mul_add(
+            T::from_f64(0.2585724811294071),
+            T::from_f64(0.9659918591802845) * ky_left_knee_z,
+        );
+    let by_left_ankle_pitch_x = e23
+        .mul_add(c_left_ankle_pitch, ky_left_ankle_pitch_y * e24);
+    let e26 = e23.mul_add(e24, -(ky_left_ankle_pitch_y * c_left_ankle_pitch));
+    let by_left_ankle_pitch_y = -e26;
     // left_ankle_roll
-    let e16 = bx_left_ankle_pitch_x
+    let e27 = bx_left_ankle_pitch_x
         .mul_add(
             T::from_f64(0.052408392112199914),
             T::from_f64(0.9986257359172225) * kx_left_ankle_pitch_z,
         );
-    let bx_left_ankle_roll_x = e16.mul_add(sin[11], -(e15 * cos[11]));
-    let bx_left_ankle_roll_y = e16.mul_add(cos[11], e15 * sin[11]);
+    let bx_left_ankle_roll_x = e27.mul_add(sin[11], -(e25 * cos[11]));
+    let bx_left_ankle_roll_y = e27.mul_add(cos[11], e25 * sin[11]);
+    let e28 = by_left_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.052408392112199914),
+            T::from_f64(0.9986257359172225) * ky_left_ankle_pitch_z,
+        );
+    let by_left_ankle_roll_x = e28.mul_add(sin[11], -(e26 * cos[11]));
+    let by_left_ankle_roll_y = e28.mul_add(cos[11], e26 * sin[11]);
     // waist_yaw
-    let e17 = sin[12]
+    let e29 = sin[12]
         .mul_add(
             T::from_f64(0.9983163336456274),
             T::from_f64(0.058004292740729185) * cos[12],
@@ -16476,20 +16311,32 @@ pub fn regressor_cop_sc<T: Real>(
             T::from_f64(0.9983163336456274),
             -(T::from_f64(0.058004292740729185) * sin[12]),
         );
-    let e18 = e6
+    let e30 = e10
         .mul_add(
             T::from_f64(0.11944678826051937),
             -(T::from_f64(0.19252104104496945) * bx_right_hip_yaw_x),
         ) + kx_right_hip_yaw_z;
-    let kx_waist_yaw_x = e18
+    let kx_waist_yaw_x = e30
         .mul_add(T::from_f64(0.3662421800811956), bx_right_hip_yaw_x);
-    let kx_waist_yaw_y = e18.mul_add(T::from_f64(0.22722945969324562), -e6);
-    let kx_waist_yaw_z = (-e18)
+    let kx_waist_yaw_y = e30.mul_add(T::from_f64(0.22722945969324562), -e10);
+    let kx_waist_yaw_z = (-e30)
         .mul_add(T::from_f64(1.9023488450576578), kx_right_hip_yaw_z);
-    let bx_waist_yaw_x = kx_waist_yaw_y.mul_add(e17, -(kx_waist_yaw_x * c_waist_yaw));
-    let bx_waist_yaw_y = kx_waist_yaw_y.mul_add(c_waist_yaw, kx_waist_yaw_x * e17);
+    let bx_waist_yaw_x = kx_waist_yaw_y.mul_add(e29, -(kx_waist_yaw_x * c_waist_yaw));
+    let bx_waist_yaw_y = kx_waist_yaw_y.mul_add(c_waist_yaw, kx_waist_yaw_x * e29);
+    let e31 = e11
+        .mul_add(
+            T::from_f64(0.11944678826051937),
+            -(T::from_f64(0.19252104104496945) * by_right_hip_yaw_x),
+        ) + ky_right_hip_yaw_z;
+    let ky_waist_yaw_x = e31
+        .mul_add(T::from_f64(0.3662421800811956), by_right_hip_yaw_x);
+    let ky_waist_yaw_y = e31.mul_add(T::from_f64(0.22722945969324562), -e11);
+    let ky_waist_yaw_z = (-e31)
+        .mul_add(T::from_f64(1.9023488450576578), ky_right_hip_yaw_z);
+    let by_waist_yaw_x = ky_waist_yaw_y.mul_add(e29, -(ky_waist_yaw_x * c_waist_yaw));
+    let by_waist_yaw_y = ky_waist_yaw_y.mul_add(c_waist_yaw, ky_waist_yaw_x * e29);
     // waist_pitch
-    let e19 = sin[13]
+    let e32 = sin[13]
         .mul_add(
             T::from_f64(0.9999999286053547),
             T::from_f64(0.0003778746955696651) * cos[13],
@@ -16509,10 +16356,24 @@ pub fn regressor_cop_sc<T: Real>(
             T::from_f64(0.980519334682424),
             T::from_f64(0.19642259114963537) * kx_waist_yaw_z,
         );
-    let e20 = bx_waist_yaw_y.mul_add(e19, kx_waist_pitch_y * c_waist_pitch);
-    let bx_waist_pitch_x = -e20;
-    let e21 = bx_waist_yaw_y.mul_add(c_waist_pitch, -(kx_waist_pitch_y * e19));
-    let bx_waist_pitch_y = -e21;
+    let e33 = bx_waist_yaw_y.mul_add(e32, kx_waist_pitch_y * c_waist_pitch);
+    let bx_waist_pitch_x = -e33;
+    let e34 = bx_waist_yaw_y.mul_add(c_waist_pitch, -(kx_waist_pitch_y * e32));
+    let bx_waist_pitch_y = -e34;
+    let ky_waist_pitch_y = by_waist_yaw_x
+        .mul_add(
+            T::from_f64(0.19642259114963537),
+            -(T::from_f64(0.980519334682424) * ky_waist_yaw_z),
+        );
+    let ky_waist_pitch_z = by_waist_yaw_x
+        .mul_add(
+            T::from_f64(0.980519334682424),
+            T::from_f64(0.19642259114963537) * ky_waist_yaw_z,
+        );
+    let e35 = by_waist_yaw_y.mul_add(e32, ky_waist_pitch_y * c_waist_pitch);
+    let by_waist_pitch_x = -e35;
+    let e36 = by_waist_yaw_y.mul_add(c_waist_pitch, -(ky_waist_pitch_y * e32));
+    let by_waist_pitch_y = -e36;
     // neck_yaw
     let s_neck_yaw = cos[14]
         .mul_add(
@@ -16524,7 +16385,7 @@ pub fn regressor_cop_sc<T: Real>(
             T::from_f64(0.9894667494937902),
             T::from_f64(0.14476032483451035) * sin[14],
         );
-    let e22 = e20
+    let e37 = e33
         .mul_add(
             T::from_f64(0.11686854868553807),
             T::from_f64(0.9931473920461839) * kx_waist_pitch_z,
@@ -16532,20 +16393,39 @@ pub fn regressor_cop_sc<T: Real>(
     let kx_neck_yaw_z = kx_waist_pitch_z
         .mul_add(
             T::from_f64(0.11686854868553807),
-            -(T::from_f64(0.9931473920461839) * e20),
+            -(T::from_f64(0.9931473920461839) * e33),
         );
-    let bx_neck_yaw_x = e22.mul_add(c_neck_yaw, -(e21 * s_neck_yaw));
-    let bx_neck_yaw_y = e22.mul_add(s_neck_yaw, e21 * c_neck_yaw);
+    let bx_neck_yaw_x = e37.mul_add(c_neck_yaw, -(e34 * s_neck_yaw));
+    let bx_neck_yaw_y = e37.mul_add(s_neck_yaw, e34 * c_neck_yaw);
+    let e38 = e35
+        .mul_add(
+            T::from_f64(0.11686854868553807),
+            T::from_f64(0.9931473920461839) * ky_waist_pitch_z,
+        );
+    let ky_neck_yaw_z = ky_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.11686854868553807),
+            -(T::from_f64(0.9931473920461839) * e35),
+        );
+    let by_neck_yaw_x = e38.mul_add(c_neck_yaw, -(e36 * s_neck_yaw));
+    let by_neck_yaw_y = e38.mul_add(s_neck_yaw, e36 * c_neck_yaw);
     // neck_pitch
-    let e23 = bx_neck_yaw_x
+    let e39 = bx_neck_yaw_x
         .mul_add(
             T::from_f64(0.040883888851400166),
             T::from_f64(0.9991639042881736) * kx_neck_yaw_z,
         );
-    let bx_neck_pitch_x = bx_neck_yaw_y.mul_add(cos[15], e23 * sin[15]);
-    let bx_neck_pitch_y = -bx_neck_yaw_y.mul_add(sin[15], -(e23 * cos[15]));
+    let bx_neck_pitch_x = bx_neck_yaw_y.mul_add(cos[15], e39 * sin[15]);
+    let bx_neck_pitch_y = -bx_neck_yaw_y.mul_add(sin[15], -(e39 * cos[15]));
+    let e40 = by_neck_yaw_x
+        .mul_add(
+            T::from_f64(0.040883888851400166),
+            T::from_f64(0.9991639042881736) * ky_neck_yaw_z,
+        );
+    let by_neck_pitch_x = by_neck_yaw_y.mul_add(cos[15], e40 * sin[15]);
+    let by_neck_pitch_y = -by_neck_yaw_y.mul_add(sin[15], -(e40 * cos[15]));
     // right_shoulder_pitch
-    let e24 = sin[16]
+    let e41 = sin[16]
         .mul_add(
             T::from_f64(0.9164945319999512),
             T::from_f64(0.4000472132313764) * cos[16],
@@ -16555,19 +16435,32 @@ pub fn regressor_cop_sc<T: Real>(
             T::from_f64(0.9164945319999512),
             -(T::from_f64(0.4000472132313764) * sin[16]),
         );
-    let e25 = kx_waist_pitch_z
+    let e42 = kx_waist_pitch_z
         .mul_add(
             T::from_f64(0.10644334192309902),
-            e21.mul_add(T::from_f64(0.07159388452594458), -e20),
+            e34.mul_add(T::from_f64(0.07159388452594458), -e33),
         );
-    let e26 = e25.mul_add(T::from_f64(1.9676210845200064), e20);
-    let kx_right_shoulder_pitch_y = e25.mul_add(T::from_f64(0.14086963671593916), -e21);
-    let kx_right_shoulder_pitch_z = (-e25)
+    let e43 = e42.mul_add(T::from_f64(1.9676210845200064), e33);
+    let kx_right_shoulder_pitch_y = e42.mul_add(T::from_f64(0.14086963671593916), -e34);
+    let kx_right_shoulder_pitch_z = (-e42)
         .mul_add(T::from_f64(0.20944016387466197), kx_waist_pitch_z);
-    let bx_right_shoulder_pitch_x = e26
-        .mul_add(e24, -(kx_right_shoulder_pitch_y * c_right_shoulder_pitch));
+    let bx_right_shoulder_pitch_x = e43
+        .mul_add(e41, -(kx_right_shoulder_pitch_y * c_right_shoulder_pitch));
     let bx_right_shoulder_pitch_y = kx_right_shoulder_pitch_y
-        .mul_add(e24, e26 * c_right_shoulder_pitch);
+        .mul_add(e41, e43 * c_right_shoulder_pitch);
+    let e44 = ky_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.10644334192309902),
+            e36.mul_add(T::from_f64(0.07159388452594458), -e35),
+        );
+    let e45 = e44.mul_add(T::from_f64(1.9676210845200064), e35);
+    let ky_right_shoulder_pitch_y = e44.mul_add(T::from_f64(0.14086963671593916), -e36);
+    let ky_right_shoulder_pitch_z = (-e44)
+        .mul_add(T::from_f64(0.20944016387466197), ky_waist_pitch_z);
+    let by_right_shoulder_pitch_x = e45
+        .mul_add(e41, -(ky_right_shoulder_pitch_y * c_right_shoulder_pitch));
+    let by_right_shoulder_pitch_y = ky_right_shoulder_pitch_y
+        .mul_add(e41, e45 * c_right_shoulder_pitch);
     // right_shoulder_roll
     let s_right_shoulder_roll = cos[17]
         .mul_add(
@@ -16589,18 +16482,40 @@ pub fn regressor_cop_sc<T: Real>(
             T::from_f64(0.9589807807681263),
             T::from_f64(0.2834710957352705) * kx_right_shoulder_pitch_z,
         );
-    let e27 = bx_right_shoulder_pitch_y
+    let e46 = bx_right_shoulder_pitch_y
         .mul_add(
             c_right_shoulder_roll,
             kx_right_shoulder_roll_y * s_right_shoulder_roll,
         );
-    let bx_right_shoulder_roll_x = -e27;
-    let e28 = bx_right_shoulder_pitch_y
+    let bx_right_shoulder_roll_x = -e46;
+    let e47 = bx_right_shoulder_pitch_y
         .mul_add(
             s_right_shoulder_roll,
             -(kx_right_shoulder_roll_y * c_right_shoulder_roll),
         );
-    let bx_right_shoulder_roll_y = -e28;
+    let bx_right_shoulder_roll_y = -e47;
+    let ky_right_shoulder_roll_y = by_right_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.2834710957352705),
+            -(T::from_f64(0.9589807807681263) * ky_right_shoulder_pitch_z),
+        );
+    let ky_right_shoulder_roll_z = by_right_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.9589807807681263),
+            T::from_f64(0.2834710957352705) * ky_right_shoulder_pitch_z,
+        );
+    let e48 = by_right_shoulder_pitch_y
+        .mul_add(
+            c_right_shoulder_roll,
+            ky_right_shoulder_roll_y * s_right_shoulder_roll,
+        );
+    let by_right_shoulder_roll_x = -e48;
+    let e49 = by_right_shoulder_pitch_y
+        .mul_add(
+            s_right_shoulder_roll,
+            -(ky_right_shoulder_roll_y * c_right_shoulder_roll),
+        );
+    let by_right_shoulder_roll_y = -e49;
     // right_shoulder_yaw
     let s_right_shoulder_yaw = cos[18]
         .mul_add(
@@ -16612,23 +16527,40 @@ pub fn regressor_cop_sc<T: Real>(
             T::from_f64(0.9917274681853637),
             T::from_f64(0.12836132145879614) * sin[18],
         );
-    let kx_right_shoulder_yaw_y = e27
+    let kx_right_shoulder_yaw_y = e46
         .mul_add(
             T::from_f64(0.3848026949004402),
             -(T::from_f64(0.9229988548190939) * kx_right_shoulder_roll_z),
         );
-    let e29 = e27
+    let e50 = e46
         .mul_add(
             T::from_f64(0.9229988548190939),
             T::from_f64(0.3848026949004402) * kx_right_shoulder_roll_z,
         );
-    let bx_right_shoulder_yaw_x = e28
+    let bx_right_shoulder_yaw_x = e47
         .mul_add(
             c_right_shoulder_yaw,
             -(kx_right_shoulder_yaw_y * s_right_shoulder_yaw),
         );
     let bx_right_shoulder_yaw_y = kx_right_shoulder_yaw_y
-        .mul_add(c_right_shoulder_yaw, e28 * s_right_shoulder_yaw);
+        .mul_add(c_right_shoulder_yaw, e47 * s_right_shoulder_yaw);
+    let ky_right_shoulder_yaw_y = e48
+        .mul_add(
+            T::from_f64(0.3848026949004402),
+            -(T::from_f64(0.9229988548190939) * ky_right_shoulder_roll_z),
+        );
+    let e51 = e48
+        .mul_add(
+            T::from_f64(0.9229988548190939),
+            T::from_f64(0.3848026949004402) * ky_right_shoulder_roll_z,
+        );
+    let by_right_shoulder_yaw_x = e49
+        .mul_add(
+            c_right_shoulder_yaw,
+            -(ky_right_shoulder_yaw_y * s_right_shoulder_yaw),
+        );
+    let by_right_shoulder_yaw_y = ky_right_shoulder_yaw_y
+        .mul_add(c_right_shoulder_yaw, e49 * s_right_shoulder_yaw);
     // right_elbow
     let s_right_elbow = cos[19]
         .mul_add(
@@ -16643,20 +16575,35 @@ pub fn regressor_cop_sc<T: Real>(
     let kx_right_elbow_y = bx_right_shoulder_yaw_x
         .mul_add(
             T::from_f64(0.12242921843048289),
-            T::from_f64(0.9924772473334093) * e29,
+            T::from_f64(0.9924772473334093) * e50,
         );
     let kx_right_elbow_z = bx_right_shoulder_yaw_x
         .mul_add(
             T::from_f64(0.9924772473334093),
-            -(T::from_f64(0.12242921843048289) * e29),
+            -(T::from_f64(0.12242921843048289) * e50),
         );
     let bx_right_elbow_x = bx_right_shoulder_yaw_y
         .mul_add(s_right_elbow, -(kx_right_elbow_y * c_right_elbow));
-    let e30 = kx_right_elbow_y
+    let e52 = kx_right_elbow_y
         .mul_add(s_right_elbow, bx_right_shoulder_yaw_y * c_right_elbow);
-    let bx_right_elbow_y = -e30;
+    let bx_right_elbow_y = -e52;
+    let ky_right_elbow_y = by_right_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.12242921843048289),
+            T::from_f64(0.9924772473334093) * e51,
+        );
+    let ky_right_elbow_z = by_right_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.9924772473334093),
+            -(T::from_f64(0.12242921843048289) * e51),
+        );
+    let by_right_elbow_x = by_right_shoulder_yaw_y
+        .mul_add(s_right_elbow, -(ky_right_elbow_y * c_right_elbow));
+    let e53 = ky_right_elbow_y
+        .mul_add(s_right_elbow, by_right_shoulder_yaw_y * c_right_elbow);
+    let by_right_elbow_y = -e53;
     // right_wrist_yaw
-    let e31 = sin[20]
+    let e54 = sin[20]
         .mul_add(
             T::from_f64(0.9968143242066551),
             T::from_f64(0.079757150503448) * cos[20],
@@ -16666,7 +16613,7 @@ pub fn regressor_cop_sc<T: Real>(
             T::from_f64(0.9968143242066551),
             -(T::from_f64(0.079757150503448) * sin[20]),
         );
-    let e32 = bx_right_elbow_x
+    let e55 = bx_right_elbow_x
         .mul_add(
             T::from_f64(0.15904161977640188),
             T::from_f64(0.9872718790580934) * kx_right_elbow_z,
@@ -16676,8 +16623,20 @@ pub fn regressor_cop_sc<T: Real>(
             T::from_f64(0.9872718790580934),
             -(T::from_f64(0.15904161977640188) * kx_right_elbow_z),
         );
-    let bx_right_wrist_yaw_x = e32.mul_add(e31, -(e30 * c_right_wrist_yaw));
-    let bx_right_wrist_yaw_y = e32.mul_add(c_right_wrist_yaw, e30 * e31);
+    let bx_right_wrist_yaw_x = e55.mul_add(e54, -(e52 * c_right_wrist_yaw));
+    let bx_right_wrist_yaw_y = e55.mul_add(c_right_wrist_yaw, e52 * e54);
+    let e56 = by_right_elbow_x
+        .mul_add(
+            T::from_f64(0.15904161977640188),
+            T::from_f64(0.9872718790580934) * ky_right_elbow_z,
+        );
+    let ky_right_wrist_yaw_z = by_right_elbow_x
+        .mul_add(
+            T::from_f64(0.9872718790580934),
+            -(T::from_f64(0.15904161977640188) * ky_right_elbow_z),
+        );
+    let by_right_wrist_yaw_x = e56.mul_add(e54, -(e53 * c_right_wrist_yaw));
+    let by_right_wrist_yaw_y = e56.mul_add(c_right_wrist_yaw, e53 * e54);
     // right_wrist_roll
     let s_right_wrist_roll = cos[21]
         .mul_add(
@@ -16701,19 +16660,41 @@ pub fn regressor_cop_sc<T: Real>(
         );
     let bx_right_wrist_roll_x = bx_right_wrist_yaw_y
         .mul_add(c_right_wrist_roll, kx_right_wrist_roll_y * s_right_wrist_roll);
-    let e33 = kx_right_wrist_roll_y
+    let e57 = kx_right_wrist_roll_y
         .mul_add(c_right_wrist_roll, -(bx_right_wrist_yaw_y * s_right_wrist_roll));
-    let bx_right_wrist_roll_y = -e33;
+    let bx_right_wrist_roll_y = -e57;
+    let ky_right_wrist_roll_y = by_right_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.06712447922871664),
+            -(T::from_f64(0.9977446087492899) * ky_right_wrist_yaw_z),
+        );
+    let ky_right_wrist_roll_z = by_right_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.9977446087492899),
+            T::from_f64(0.06712447922871664) * ky_right_wrist_yaw_z,
+        );
+    let by_right_wrist_roll_x = by_right_wrist_yaw_y
+        .mul_add(c_right_wrist_roll, ky_right_wrist_roll_y * s_right_wrist_roll);
+    let e58 = ky_right_wrist_roll_y
+        .mul_add(c_right_wrist_roll, -(by_right_wrist_yaw_y * s_right_wrist_roll));
+    let by_right_wrist_roll_y = -e58;
     // right_wrist_pitch
-    let e34 = bx_right_wrist_roll_x
+    let e59 = bx_right_wrist_roll_x
         .mul_add(
             T::from_f64(0.042799828876225604),
             T::from_f64(0.99908366749145) * kx_right_wrist_roll_z,
         );
-    let bx_right_wrist_pitch_x = e34.mul_add(sin[22], -(e33 * cos[22]));
-    let bx_right_wrist_pitch_y = e34.mul_add(cos[22], e33 * sin[22]);
+    let bx_right_wrist_pitch_x = e59.mul_add(sin[22], -(e57 * cos[22]));
+    let bx_right_wrist_pitch_y = e59.mul_add(cos[22], e57 * sin[22]);
+    let e60 = by_right_wrist_roll_x
+        .mul_add(
+            T::from_f64(0.042799828876225604),
+            T::from_f64(0.99908366749145) * ky_right_wrist_roll_z,
+        );
+    let by_right_wrist_pitch_x = e60.mul_add(sin[22], -(e58 * cos[22]));
+    let by_right_wrist_pitch_y = e60.mul_add(cos[22], e58 * sin[22]);
     // left_shoulder_pitch
-    let e35 = sin[23]
+    let e61 = sin[23]
         .mul_add(
             T::from_f64(0.9998888779453979),
             T::from_f64(0.014907439790021298) * cos[23],
@@ -16723,19 +16704,32 @@ pub fn regressor_cop_sc<T: Real>(
             T::from_f64(0.9998888779453979),
             -(T::from_f64(0.014907439790021298) * sin[23]),
         );
-    let e36 = (-kx_waist_pitch_z)
+    let e62 = (-kx_waist_pitch_z)
         .mul_add(
             T::from_f64(0.09248191489966293),
-            e20.mul_add(T::from_f64(0.11783871458722316), -e21),
+            e33.mul_add(T::from_f64(0.11783871458722316), -e34),
         );
-    let kx_left_shoulder_pitch_x = e36.mul_add(T::from_f64(0.2305051546121806), -e20);
-    let e37 = e36.mul_add(T::from_f64(1.956107170887058), e21);
-    let kx_left_shoulder_pitch_z = e36
+    let kx_left_shoulder_pitch_x = e62.mul_add(T::from_f64(0.2305051546121806), -e33);
+    let e63 = e62.mul_add(T::from_f64(1.956107170887058), e34);
+    let kx_left_shoulder_pitch_z = e62
         .mul_add(T::from_f64(0.1809045369125973), kx_waist_pitch_z);
-    let bx_left_shoulder_pitch_x = e37
-        .mul_add(c_left_shoulder_pitch, -(kx_left_shoulder_pitch_x * e35));
-    let e38 = e37.mul_add(e35, kx_left_shoulder_pitch_x * c_left_shoulder_pitch);
-    let bx_left_shoulder_pitch_y = -e38;
+    let bx_left_shoulder_pitch_x = e63
+        .mul_add(c_left_shoulder_pitch, -(kx_left_shoulder_pitch_x * e61));
+    let e64 = e63.mul_add(e61, kx_left_shoulder_pitch_x * c_left_shoulder_pitch);
+    let bx_left_shoulder_pitch_y = -e64;
+    let e65 = (-ky_waist_pitch_z)
+        .mul_add(
+            T::from_f64(0.09248191489966293),
+            e35.mul_add(T::from_f64(0.11783871458722316), -e36),
+        );
+    let ky_left_shoulder_pitch_x = e65.mul_add(T::from_f64(0.2305051546121806), -e35);
+    let e66 = e65.mul_add(T::from_f64(1.956107170887058), e36);
+    let ky_left_shoulder_pitch_z = e65
+        .mul_add(T::from_f64(0.1809045369125973), ky_waist_pitch_z);
+    let by_left_shoulder_pitch_x = e66
+        .mul_add(c_left_shoulder_pitch, -(ky_left_shoulder_pitch_x * e61));
+    let e67 = e66.mul_add(e61, ky_left_shoulder_pitch_x * c_left_shoulder_pitch);
+    let by_left_shoulder_pitch_y = -e67;
     // left_shoulder_roll
     let s_left_shoulder_roll = cos[24]
         .mul_add(
@@ -16757,13 +16751,30 @@ pub fn regressor_cop_sc<T: Real>(
             T::from_f64(0.9589807807681263),
             T::from_f64(0.2834710957352705) * kx_left_shoulder_pitch_z,
         );
-    let bx_left_shoulder_roll_x = e38
+    let bx_left_shoulder_roll_x = e64
         .mul_add(
             c_left_shoulder_roll,
             -(kx_left_shoulder_roll_y * s_left_shoulder_roll),
         );
     let bx_left_shoulder_roll_y = kx_left_shoulder_roll_y
-        .mul_add(c_left_shoulder_roll, e38 * s_left_shoulder_roll);
+        .mul_add(c_left_shoulder_roll, e64 * s_left_shoulder_roll);
+    let ky_left_shoulder_roll_y = by_left_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.2834710957352705),
+            -(T::from_f64(0.9589807807681263) * ky_left_shoulder_pitch_z),
+        );
+    let ky_left_shoulder_roll_z = by_left_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.9589807807681263),
+            T::from_f64(0.2834710957352705) * ky_left_shoulder_pitch_z,
+        );
+    let by_left_shoulder_roll_x = e67
+        .mul_add(
+            c_left_shoulder_roll,
+            -(ky_left_shoulder_roll_y * s_left_shoulder_roll),
+        );
+    let by_left_shoulder_roll_y = ky_left_shoulder_roll_y
+        .mul_add(c_left_shoulder_roll, e67 * s_left_shoulder_roll);
     // left_shoulder_yaw
     let s_left_shoulder_yaw = cos[25]
         .mul_add(
@@ -16775,7 +16786,7 @@ pub fn regressor_cop_sc<T: Real>(
             T::from_f64(0.9917274681853637),
             T::from_f64(0.12836132145879614) * sin[25],
         );
-    let e39 = bx_left_shoulder_roll_x
+    let e68 = bx_left_shoulder_roll_x
         .mul_add(
             T::from_f64(0.3848026949004402),
             T::from_f64(0.9229988548190939) * kx_left_shoulder_roll_z,
@@ -16785,11 +16796,26 @@ pub fn regressor_cop_sc<T: Real>(
             T::from_f64(0.9229988548190939),
             -(T::from_f64(0.3848026949004402) * kx_left_shoulder_roll_z),
         );
-    let bx_left_shoulder_yaw_x = e39
+    let bx_left_shoulder_yaw_x = e68
         .mul_add(s_left_shoulder_yaw, -(bx_left_shoulder_roll_y * c_left_shoulder_yaw));
-    let e40 = e39
+    let e69 = e68
         .mul_add(c_left_shoulder_yaw, bx_left_shoulder_roll_y * s_left_shoulder_yaw);
-    let bx_left_shoulder_yaw_y = -e40;
+    let bx_left_shoulder_yaw_y = -e69;
+    let e70 = by_left_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.3848026949004402),
+            T::from_f64(0.9229988548190939) * ky_left_shoulder_roll_z,
+        );
+    let ky_left_shoulder_yaw_z = by_left_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.9229988548190939),
+            -(T::from_f64(0.3848026949004402) * ky_left_shoulder_roll_z),
+        );
+    let by_left_shoulder_yaw_x = e70
+        .mul_add(s_left_shoulder_yaw, -(by_left_shoulder_roll_y * c_left_shoulder_yaw));
+    let e71 = e70
+        .mul_add(c_left_shoulder_yaw, by_left_shoulder_roll_y * s_left_shoulder_yaw);
+    let by_left_shoulder_yaw_y = -e71;
     // left_elbow
     let s_left_elbow = cos[26]
         .mul_add(
@@ -16811,12 +16837,26 @@ pub fn regressor_cop_sc<T: Real>(
             T::from_f64(0.9924772473334093),
             T::from_f64(0.12242921843048289) * kx_left_shoulder_yaw_z,
         );
-    let e41 = e40.mul_add(s_left_elbow, kx_left_elbow_y * c_left_elbow);
-    let bx_left_elbow_x = -e41;
-    let e42 = kx_left_elbow_y.mul_add(s_left_elbow, -(e40 * c_left_elbow));
-    let bx_left_elbow_y = -e42;
+    let e72 = e69.mul_add(s_left_elbow, kx_left_elbow_y * c_left_elbow);
+    let bx_left_elbow_x = -e72;
+    let e73 = kx_left_elbow_y.mul_add(s_left_elbow, -(e69 * c_left_elbow));
+    let bx_left_elbow_y = -e73;
+    let ky_left_elbow_y = by_left_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.12242921843048289),
+            -(T::from_f64(0.9924772473334093) * ky_left_shoulder_yaw_z),
+        );
+    let ky_left_elbow_z = by_left_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.9924772473334093),
+            T::from_f64(0.12242921843048289) * ky_left_shoulder_yaw_z,
+        );
+    let e74 = e71.mul_add(s_left_elbow, ky_left_elbow_y * c_left_elbow);
+    let by_left_elbow_x = -e74;
+    let e75 = ky_left_elbow_y.mul_add(s_left_elbow, -(e71 * c_left_elbow));
+    let by_left_elbow_y = -e75;
     // left_wrist_yaw
-    let e43 = sin[27]
+    let e76 = sin[27]
         .mul_add(
             T::from_f64(0.9968143242066551),
             T::from_f64(0.079757150503448) * cos[27],
@@ -16826,20 +16866,34 @@ pub fn regressor_cop_sc<T: Real>(
             T::from_f64(0.9968143242066551),
             -(T::from_f64(0.079757150503448) * sin[27]),
         );
-    let kx_left_wrist_yaw_y = e41
+    let kx_left_wrist_yaw_y = e72
         .mul_add(
             T::from_f64(0.15904161977640188),
             -(T::from_f64(0.9872718790580934) * kx_left_elbow_z),
         );
-    let e44 = e41
+    let e77 = e72
         .mul_add(
             T::from_f64(0.9872718790580934),
             T::from_f64(0.15904161977640188) * kx_left_elbow_z,
         );
-    let e45 = e42.mul_add(c_left_wrist_yaw, kx_left_wrist_yaw_y * e43);
-    let bx_left_wrist_yaw_x = -e45;
-    let e46 = kx_left_wrist_yaw_y.mul_add(c_left_wrist_yaw, -(e42 * e43));
-    let bx_left_wrist_yaw_y = -e46;
+    let e78 = e73.mul_add(c_left_wrist_yaw, kx_left_wrist_yaw_y * e76);
+    let bx_left_wrist_yaw_x = -e78;
+    let e79 = kx_left_wrist_yaw_y.mul_add(c_left_wrist_yaw, -(e73 * e76));
+    let bx_left_wrist_yaw_y = -e79;
+    let ky_left_wrist_yaw_y = e74
+        .mul_add(
+            T::from_f64(0.15904161977640188),
+            -(T::from_f64(0.9872718790580934) * ky_left_elbow_z),
+        );
+    let e80 = e74
+        .mul_add(
+            T::from_f64(0.9872718790580934),
+            T::from_f64(0.15904161977640188) * ky_left_elbow_z,
+        );
+    let e81 = e75.mul_add(c_left_wrist_yaw, ky_left_wrist_yaw_y * e76);
+    let by_left_wrist_yaw_x = -e81;
+    let e82 = ky_left_wrist_yaw_y.mul_add(c_left_wrist_yaw, -(e75 * e76));
+    let by_left_wrist_yaw_y = -e82;
     // left_wrist_roll
     let s_left_wrist_roll = cos[28]
         .mul_add(
@@ -16851,435 +16905,36 @@ pub fn regressor_cop_sc<T: Real>(
             T::from_f64(0.9984635688653299),
             T::from_f64(0.055412107419846535) * sin[28],
         );
-    let kx_left_wrist_roll_y = e44
+    let kx_left_wrist_roll_y = e77
         .mul_add(
             T::from_f64(0.9977446087492899),
-            -(T::from_f64(0.06712447922871664) * e45),
+            -(T::from_f64(0.06712447922871664) * e78),
         );
     let bx_left_wrist_roll_x = kx_left_wrist_roll_y
-        .mul_add(s_left_wrist_roll, -(e46 * c_left_wrist_roll));
-    let e47 = kx_left_wrist_roll_y.mul_add(c_left_wrist_roll, e46 * s_left_wrist_roll);
-    let bx_left_wrist_roll_y = -e47;
+        .mul_add(s_left_wrist_roll, -(e79 * c_left_wrist_roll));
+    let e83 = kx_left_wrist_roll_y.mul_add(c_left_wrist_roll, e79 * s_left_wrist_roll);
+    let bx_left_wrist_roll_y = -e83;
+    let ky_left_wrist_roll_y = e80
+        .mul_add(
+            T::from_f64(0.9977446087492899),
+            -(T::from_f64(0.06712447922871664) * e81),
+        );
+    let by_left_wrist_roll_x = ky_left_wrist_roll_y
+        .mul_add(s_left_wrist_roll, -(e82 * c_left_wrist_roll));
+    let e84 = ky_left_wrist_roll_y.mul_add(c_left_wrist_roll, e82 * s_left_wrist_roll);
+    let by_left_wrist_roll_y = -e84;
     // left_wrist_pitch
-    let kx_left_wrist_pitch_y = e45
-        .mul_add(T::from_f64(0.9977446087492899), T::from_f64(0.06712447922871664) * e44)
+    let kx_left_wrist_pitch_y = e78
+        .mul_add(T::from_f64(0.9977446087492899), T::from_f64(0.06712447922871664) * e77)
         .mul_add(
             T::from_f64(0.99908366749145),
             -(T::from_f64(0.042799828876225604) * bx_left_wrist_roll_x),
         );
-    let bx_left_wrist_pitch_x = -e47.mul_add(cos[29], kx_left_wrist_pitch_y * sin[29]);
+    let bx_left_wrist_pitch_x = -e83.mul_add(cos[29], kx_left_wrist_pitch_y * sin[29]);
     let bx_left_wrist_pitch_y = -kx_left_wrist_pitch_y
-        .mul_add(cos[29], -(e47 * sin[29]));
-    // right_ankle_roll
-    let by_right_ankle_roll_x = s_right_ankle_roll
-        .mul_add(
-            T::from_f64(0.11117478017138471),
-            T::from_f64(0.9851881430723574) * c_right_ankle_roll,
-        );
-    let e48 = c_right_ankle_roll
-        .mul_add(
-            T::from_f64(0.11117478017138471),
-            -(T::from_f64(0.9851881430723574) * s_right_ankle_roll),
-        );
-    let by_right_ankle_roll_y = -e48;
-    // right_ankle_pitch
-    let ky_right_ankle_pitch_y = (-by_right_ankle_roll_x)
-        .mul_add(T::from_f64(0.0524083921121999), T::from_f64(0.1303751353983952));
-    let ky_right_ankle_pitch_z = by_right_ankle_roll_x
-        .mul_add(T::from_f64(0.9986257359172223), T::from_f64(0.00684215414432963));
-    let by_right_ankle_pitch_x = ky_right_ankle_pitch_y
-        .mul_add(s_right_ankle_pitch, -(e48 * c_right_ankle_pitch));
-    let e49 = ky_right_ankle_pitch_y
-        .mul_add(c_right_ankle_pitch, e48 * s_right_ankle_pitch);
-    let by_right_ankle_pitch_y = -e49;
-    // right_knee
-    let ky_right_knee_y = by_right_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.9659918591802843),
-            -(T::from_f64(0.2585724811294071) * ky_right_ankle_pitch_z),
-        );
-    let ky_right_knee_z = by_right_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.2585724811294071),
-            T::from_f64(0.9659918591802843) * ky_right_ankle_pitch_z,
-        );
-    let by_right_knee_x = e49.mul_add(s_right_knee, ky_right_knee_y * c_right_knee);
-    let e50 = e49.mul_add(c_right_knee, -(ky_right_knee_y * s_right_knee));
-    let by_right_knee_y = -e50;
-    // right_hip_pitch
-    let ky_right_hip_pitch_y = by_right_knee_x
-        .mul_add(
-            T::from_f64(0.9973888291864124),
-            -(T::from_f64(0.0722185808096314) * ky_right_knee_z),
-        );
-    let ky_right_hip_pitch_z = by_right_knee_x
-        .mul_add(
-            T::from_f64(0.0722185808096314),
-            T::from_f64(0.9973888291864124) * ky_right_knee_z,
-        );
-    let by_right_hip_pitch_x = ky_right_hip_pitch_y
-        .mul_add(s_right_hip_pitch, -(e50 * c_right_hip_pitch));
-    let e51 = ky_right_hip_pitch_y.mul_add(c_right_hip_pitch, e50 * s_right_hip_pitch);
-    let by_right_hip_pitch_y = -e51;
-    // right_hip_roll
-    let ky_right_hip_roll_y = by_right_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.06044086238279244),
-            -(T::from_f64(0.9981717798828138) * ky_right_hip_pitch_z),
-        );
-    let ky_right_hip_roll_z = by_right_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.9981717798828138),
-            T::from_f64(0.06044086238279244) * ky_right_hip_pitch_z,
-        );
-    let by_right_hip_roll_x = e51
-        .mul_add(c_right_hip_roll, -(ky_right_hip_roll_y * s_right_hip_roll));
-    let by_right_hip_roll_y = ky_right_hip_roll_y
-        .mul_add(c_right_hip_roll, e51 * s_right_hip_roll);
-    // right_hip_yaw
-    let ky_right_hip_yaw_y = by_right_hip_roll_x
-        .mul_add(
-            T::from_f64(0.08292767473984558),
-            -(T::from_f64(0.9965555683263441) * ky_right_hip_roll_z),
-        );
-    let ky_right_hip_yaw_z = by_right_hip_roll_x
-        .mul_add(
-            T::from_f64(0.9965555683263441),
-            T::from_f64(0.08292767473984558) * ky_right_hip_roll_z,
-        );
-    let by_right_hip_yaw_x = by_right_hip_roll_y
-        .mul_add(c_right_hip_yaw, ky_right_hip_yaw_y * s_right_hip_yaw);
-    let e52 = ky_right_hip_yaw_y
-        .mul_add(c_right_hip_yaw, -(by_right_hip_roll_y * s_right_hip_yaw));
-    let by_right_hip_yaw_y = -e52;
-    // left_hip_yaw
-    let e53 = by_right_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.538107754426925),
-            T::from_f64(0.8428760553163273) * ky_right_hip_yaw_z,
-        );
-    let ky_left_hip_yaw_z = by_right_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.8428760553163273),
-            -(T::from_f64(0.538107754426925) * ky_right_hip_yaw_z),
-        );
-    let by_left_hip_yaw_x = e52.mul_add(c_left_hip_yaw, -(e53 * e7));
-    let e54 = e53.mul_add(c_left_hip_yaw, e52 * e7);
-    let by_left_hip_yaw_y = -e54;
-    // left_hip_roll
-    let ky_left_hip_roll_y = by_left_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.08292767473984561),
-            -(T::from_f64(0.9965555683263441) * ky_left_hip_yaw_z),
-        );
-    let ky_left_hip_roll_z = by_left_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.9965555683263441),
-            T::from_f64(0.08292767473984561) * ky_left_hip_yaw_z,
-        );
-    let by_left_hip_roll_x = ky_left_hip_roll_y
-        .mul_add(s_left_hip_roll, -(e54 * c_left_hip_roll));
-    let e55 = ky_left_hip_roll_y.mul_add(c_left_hip_roll, e54 * s_left_hip_roll);
-    let by_left_hip_roll_y = -e55;
-    // left_hip_pitch
-    let ky_left_hip_pitch_y = by_left_hip_roll_x
-        .mul_add(
-            T::from_f64(0.06044086238279245),
-            -(T::from_f64(0.9981717798828137) * ky_left_hip_roll_z),
-        );
-    let ky_left_hip_pitch_z = by_left_hip_roll_x
-        .mul_add(
-            T::from_f64(0.9981717798828137),
-            T::from_f64(0.06044086238279245) * ky_left_hip_roll_z,
-        );
-    let by_left_hip_pitch_x = e55.mul_add(c_left_hip_pitch, ky_left_hip_pitch_y * e11);
-    let e56 = e55.mul_add(e11, -(ky_left_hip_pitch_y * c_left_hip_pitch));
-    let by_left_hip_pitch_y = -e56;
-    // left_knee
-    let ky_left_knee_y = by_left_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.9973888291864126),
-            -(T::from_f64(0.0722185808096314) * ky_left_hip_pitch_z),
-        );
-    let ky_left_knee_z = by_left_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.0722185808096314),
-            T::from_f64(0.9973888291864126) * ky_left_hip_pitch_z,
-        );
-    let by_left_knee_x = e56.mul_add(s_left_knee, ky_left_knee_y * c_left_knee);
-    let e57 = e56.mul_add(c_left_knee, -(ky_left_knee_y * s_left_knee));
-    let by_left_knee_y = -e57;
-    // left_ankle_pitch
-    let ky_left_ankle_pitch_y = by_left_knee_x
-        .mul_add(
-            T::from_f64(0.9659918591802845),
-            -(T::from_f64(0.2585724811294071) * ky_left_knee_z),
-        );
-    let ky_left_ankle_pitch_z = by_left_knee_x
-        .mul_add(
-            T::from_f64(0.2585724811294071),
-            T::from_f64(0.9659918591802845) * ky_left_knee_z,
-        );
-    let by_left_ankle_pitch_x = e57
-        .mul_add(c_left_ankle_pitch, ky_left_ankle_pitch_y * e14);
-    let e58 = e57.mul_add(e14, -(ky_left_ankle_pitch_y * c_left_ankle_pitch));
-    let by_left_ankle_pitch_y = -e58;
-    // left_ankle_roll
-    let e59 = by_left_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.052408392112199914),
-            T::from_f64(0.9986257359172225) * ky_left_ankle_pitch_z,
-        );
-    let by_left_ankle_roll_x = e59.mul_add(sin[11], -(e58 * cos[11]));
-    let by_left_ankle_roll_y = e59.mul_add(cos[11], e58 * sin[11]);
-    // waist_yaw
-    let e60 = e52
-        .mul_add(
-            T::from_f64(0.11944678826051937),
-            -(T::from_f64(0.19252104104496945) * by_right_hip_yaw_x),
-        ) + ky_right_hip_yaw_z;
-    let ky_waist_yaw_x = e60
-        .mul_add(T::from_f64(0.3662421800811956), by_right_hip_yaw_x);
-    let ky_waist_yaw_y = e60.mul_add(T::from_f64(0.22722945969324562), -e52);
-    let ky_waist_yaw_z = (-e60)
-        .mul_add(T::from_f64(1.9023488450576578), ky_right_hip_yaw_z);
-    let by_waist_yaw_x = ky_waist_yaw_y.mul_add(e17, -(ky_waist_yaw_x * c_waist_yaw));
-    let by_waist_yaw_y = ky_waist_yaw_y.mul_add(c_waist_yaw, ky_waist_yaw_x * e17);
-    // waist_pitch
-    let ky_waist_pitch_y = by_waist_yaw_x
-        .mul_add(
-            T::from_f64(0.19642259114963537),
-            -(T::from_f64(0.980519334682424) * ky_waist_yaw_z),
-        );
-    let ky_waist_pitch_z = by_waist_yaw_x
-        .mul_add(
-            T::from_f64(0.980519334682424),
-            T::from_f64(0.19642259114963537) * ky_waist_yaw_z,
-        );
-    let e61 = by_waist_yaw_y.mul_add(e19, ky_waist_pitch_y * c_waist_pitch);
-    let by_waist_pitch_x = -e61;
-    let e62 = by_waist_yaw_y.mul_add(c_waist_pitch, -(ky_waist_pitch_y * e19));
-    let by_waist_pitch_y = -e62;
-    // neck_yaw
-    let e63 = e61
-        .mul_add(
-            T::from_f64(0.11686854868553807),
-            T::from_f64(0.9931473920461839) * ky_waist_pitch_z,
-        );
-    let ky_neck_yaw_z = ky_waist_pitch_z
-        .mul_add(
-            T::from_f64(0.11686854868553807),
-            -(T::from_f64(0.9931473920461839) * e61),
-        );
-    let by_neck_yaw_x = e63.mul_add(c_neck_yaw, -(e62 * s_neck_yaw));
-    let by_neck_yaw_y = e63.mul_add(s_neck_yaw, e62 * c_neck_yaw);
-    // neck_pitch
-    let e64 = by_neck_yaw_x
-        .mul_add(
-            T::from_f64(0.040883888851400166),
-            T::from_f64(0.9991639042881736) * ky_neck_yaw_z,
-        );
-    let by_neck_pitch_x = by_neck_yaw_y.mul_add(cos[15], e64 * sin[15]);
-    let by_neck_pitch_y = -by_neck_yaw_y.mul_add(sin[15], -(e64 * cos[15]));
-    // right_shoulder_pitch
-    let e65 = ky_waist_pitch_z
-        .mul_add(
-            T::from_f64(0.10644334192309902),
-            e62.mul_add(T::from_f64(0.07159388452594458), -e61),
-        );
-    let e66 = e65.mul_add(T::from_f64(1.9676210845200064), e61);
-    let ky_right_shoulder_pitch_y = e65.mul_add(T::from_f64(0.14086963671593916), -e62);
-    let ky_right_shoulder_pitch_z = (-e65)
-        .mul_add(T::from_f64(0.20944016387466197), ky_waist_pitch_z);
-    let by_right_shoulder_pitch_x = e66
-        .mul_add(e24, -(ky_right_shoulder_pitch_y * c_right_shoulder_pitch));
-    let by_right_shoulder_pitch_y = ky_right_shoulder_pitch_y
-        .mul_add(e24, e66 * c_right_shoulder_pitch);
-    // right_shoulder_roll
-    let ky_right_shoulder_roll_y = by_right_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.2834710957352705),
-            -(T::from_f64(0.9589807807681263) * ky_right_shoulder_pitch_z),
-        );
-    let ky_right_shoulder_roll_z = by_right_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.9589807807681263),
-            T::from_f64(0.2834710957352705) * ky_right_shoulder_pitch_z,
-        );
-    let e67 = by_right_shoulder_pitch_y
-        .mul_add(
-            c_right_shoulder_roll,
-            ky_right_shoulder_roll_y * s_right_shoulder_roll,
-        );
-    let by_right_shoulder_roll_x = -e67;
-    let e68 = by_right_shoulder_pitch_y
-        .mul_add(
-            s_right_shoulder_roll,
-            -(ky_right_shoulder_roll_y * c_right_shoulder_roll),
-        );
-    let by_right_shoulder_roll_y = -e68;
-    // right_shoulder_yaw
-    let ky_right_shoulder_yaw_y = e67
-        .mul_add(
-            T::from_f64(0.3848026949004402),
-            -(T::from_f64(0.9229988548190939) * ky_right_shoulder_roll_z),
-        );
-    let e69 = e67
-        .mul_add(
-            T::from_f64(0.9229988548190939),
-            T::from_f64(0.3848026949004402) * ky_right_shoulder_roll_z,
-        );
-    let by_right_shoulder_yaw_x = e68
-        .mul_add(
-            c_right_shoulder_yaw,
-            -(ky_right_shoulder_yaw_y * s_right_shoulder_yaw),
-        );
-    let by_right_shoulder_yaw_y = ky_right_shoulder_yaw_y
-        .mul_add(c_right_shoulder_yaw, e68 * s_right_shoulder_yaw);
-    // right_elbow
-    let ky_right_elbow_y = by_right_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.12242921843048289),
-            T::from_f64(0.9924772473334093) * e69,
-        );
-    let ky_right_elbow_z = by_right_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.9924772473334093),
-            -(T::from_f64(0.12242921843048289) * e69),
-        );
-    let by_right_elbow_x = by_right_shoulder_yaw_y
-        .mul_add(s_right_elbow, -(ky_right_elbow_y * c_right_elbow));
-    let e70 = ky_right_elbow_y
-        .mul_add(s_right_elbow, by_right_shoulder_yaw_y * c_right_elbow);
-    let by_right_elbow_y = -e70;
-    // right_wrist_yaw
-    let e71 = by_right_elbow_x
-        .mul_add(
-            T::from_f64(0.15904161977640188),
-            T::from_f64(0.9872718790580934) * ky_right_elbow_z,
-        );
-    let ky_right_wrist_yaw_z = by_right_elbow_x
-        .mul_add(
-            T::from_f64(0.9872718790580934),
-            -(T::from_f64(0.15904161977640188) * ky_right_elbow_z),
-        );
-    let by_right_wrist_yaw_x = e71.mul_add(e31, -(e70 * c_right_wrist_yaw));
-    let by_right_wrist_yaw_y = e71.mul_add(c_right_wrist_yaw, e70 * e31);
-    // right_wrist_roll
-    let ky_right_wrist_roll_y = by_right_wrist_yaw_x
-        .mul_add(
-            T::from_f64(0.06712447922871664),
-            -(T::from_f64(0.9977446087492899) * ky_right_wrist_yaw_z),
-        );
-    let ky_right_wrist_roll_z = by_right_wrist_yaw_x
-        .mul_add(
-            T::from_f64(0.9977446087492899),
-            T::from_f64(0.06712447922871664) * ky_right_wrist_yaw_z,
-        );
-    let by_right_wrist_roll_x = by_right_wrist_yaw_y
-        .mul_add(c_right_wrist_roll, ky_right_wrist_roll_y * s_right_wrist_roll);
-    let e72 = ky_right_wrist_roll_y
-        .mul_add(c_right_wrist_roll, -(by_right_wrist_yaw_y * s_right_wrist_roll));
-    let by_right_wrist_roll_y = -e72;
-    // right_wrist_pitch
-    let e73 = by_right_wrist_roll_x
-        .mul_add(
-            T::from_f64(0.042799828876225604),
-            T::from_f64(0.99908366749145) * ky_right_wrist_roll_z,
-        );
-    let by_right_wrist_pitch_x = e73.mul_add(sin[22], -(e72 * cos[22]));
-    let by_right_wrist_pitch_y = e73.mul_add(cos[22], e72 * sin[22]);
-    // left_shoulder_pitch
-    let e74 = (-ky_waist_pitch_z)
-        .mul_add(
-            T::from_f64(0.09248191489966293),
-            e61.mul_add(T::from_f64(0.11783871458722316), -e62),
-        );
-    let ky_left_shoulder_pitch_x = e74.mul_add(T::from_f64(0.2305051546121806), -e61);
-    let e75 = e74.mul_add(T::from_f64(1.956107170887058), e62);
-    let ky_left_shoulder_pitch_z = e74
-        .mul_add(T::from_f64(0.1809045369125973), ky_waist_pitch_z);
-    let by_left_shoulder_pitch_x = e75
-        .mul_add(c_left_shoulder_pitch, -(ky_left_shoulder_pitch_x * e35));
-    let e76 = e75.mul_add(e35, ky_left_shoulder_pitch_x * c_left_shoulder_pitch);
-    let by_left_shoulder_pitch_y = -e76;
-    // left_shoulder_roll
-    let ky_left_shoulder_roll_y = by_left_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.2834710957352705),
-            -(T::from_f64(0.9589807807681263) * ky_left_shoulder_pitch_z),
-        );
-    let ky_left_shoulder_roll_z = by_left_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.9589807807681263),
-            T::from_f64(0.2834710957352705) * ky_left_shoulder_pitch_z,
-        );
-    let by_left_shoulder_roll_x = e76
-        .mul_add(
-            c_left_shoulder_roll,
-            -(ky_left_shoulder_roll_y * s_left_shoulder_roll),
-        );
-    let by_left_shoulder_roll_y = ky_left_shoulder_roll_y
-        .mul_add(c_left_shoulder_roll, e76 * s_left_shoulder_roll);
-    // left_shoulder_yaw
-    let e77 = by_left_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.3848026949004402),
-            T::from_f64(0.9229988548190939) * ky_left_shoulder_roll_z,
-        );
-    let ky_left_shoulder_yaw_z = by_left_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.9229988548190939),
-            -(T::from_f64(0.3848026949004402) * ky_left_shoulder_roll_z),
-        );
-    let by_left_shoulder_yaw_x = e77
-        .mul_add(s_left_shoulder_yaw, -(by_left_shoulder_roll_y * c_left_shoulder_yaw));
-    let e78 = e77
-        .mul_add(c_left_shoulder_yaw, by_left_shoulder_roll_y * s_left_shoulder_yaw);
-    let by_left_shoulder_yaw_y = -e78;
-    // left_elbow
-    let ky_left_elbow_y = by_left_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.12242921843048289),
-            -(T::from_f64(0.9924772473334093) * ky_left_shoulder_yaw_z),
-        );
-    let ky_left_elbow_z = by_left_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.9924772473334093),
-            T::from_f64(0.12242921843048289) * ky_left_shoulder_yaw_z,
-        );
-    let e79 = e78.mul_add(s_left_elbow, ky_left_elbow_y * c_left_elbow);
-    let by_left_elbow_x = -e79;
-    let e80 = ky_left_elbow_y.mul_add(s_left_elbow, -(e78 * c_left_elbow));
-    let by_left_elbow_y = -e80;
-    // left_wrist_yaw
-    let ky_left_wrist_yaw_y = e79
-        .mul_add(
-            T::from_f64(0.15904161977640188),
-            -(T::from_f64(0.9872718790580934) * ky_left_elbow_z),
-        );
-    let e81 = e79
-        .mul_add(
-            T::from_f64(0.9872718790580934),
-            T::from_f64(0.15904161977640188) * ky_left_elbow_z,
-        );
-    let e82 = e80.mul_add(c_left_wrist_yaw, ky_left_wrist_yaw_y * e43);
-    let by_left_wrist_yaw_x = -e82;
-    let e83 = ky_left_wrist_yaw_y.mul_add(c_left_wrist_yaw, -(e80 * e43));
-    let by_left_wrist_yaw_y = -e83;
-    // left_wrist_roll
-    let ky_left_wrist_roll_y = e81
-        .mul_add(
-            T::from_f64(0.9977446087492899),
-            -(T::from_f64(0.06712447922871664) * e82),
-        );
-    let by_left_wrist_roll_x = ky_left_wrist_roll_y
-        .mul_add(s_left_wrist_roll, -(e83 * c_left_wrist_roll));
-    let e84 = ky_left_wrist_roll_y.mul_add(c_left_wrist_roll, e83 * s_left_wrist_roll);
-    let by_left_wrist_roll_y = -e84;
-    // left_wrist_pitch
-    let ky_left_wrist_pitch_y = e82
-        .mul_add(T::from_f64(0.9977446087492899), T::from_f64(0.06712447922871664) * e81)
+        .mul_add(cos[29], -(e83 * sin[29]));
+    let ky_left_wrist_pitch_y = e81
+        .mul_add(T::from_f64(0.9977446087492899), T::from_f64(0.06712447922871664) * e80)
         .mul_add(
             T::from_f64(0.99908366749145),
             -(T::from_f64(0.042799828876225604) * by_left_wrist_roll_x),
@@ -17453,6 +17108,26 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.1111747801713847),
             -(T::from_f64(0.16554475198250462) * c_right_ankle_roll),
         );
+    let by_right_ankle_roll_x = s_right_ankle_roll
+        .mul_add(
+            T::from_f64(0.11117478017138471),
+            T::from_f64(0.9851881430723574) * c_right_ankle_roll,
+        );
+    let e3 = c_right_ankle_roll
+        .mul_add(
+            T::from_f64(0.11117478017138471),
+            -(T::from_f64(0.9851881430723574) * s_right_ankle_roll),
+        );
+    let bz_right_ankle_roll_x = s_right_ankle_roll
+        .mul_add(
+            T::from_f64(0.9799158654419752),
+            -(T::from_f64(0.13055455182981807) * c_right_ankle_roll),
+        );
+    let e4 = s_right_ankle_roll
+        .mul_add(
+            T::from_f64(0.13055455182981807),
+            T::from_f64(0.9799158654419752) * c_right_ankle_roll,
+        );
     // right_ankle_pitch
     let s_right_ankle_pitch = sin[4]
         .mul_add(
@@ -17470,8 +17145,24 @@ pub fn regressor_full_sc<T: Real>(
         .mul_add(T::from_f64(0.9986257359172223), T::from_f64(0.05135581491304875));
     let bx_right_ankle_pitch_x = kx_right_ankle_pitch_y
         .mul_add(s_right_ankle_pitch, -(e2 * c_right_ankle_pitch));
-    let e3 = kx_right_ankle_pitch_y
+    let e5 = kx_right_ankle_pitch_y
         .mul_add(c_right_ankle_pitch, e2 * s_right_ankle_pitch);
+    let ky_right_ankle_pitch_y = (-by_right_ankle_roll_x)
+        .mul_add(T::from_f64(0.0524083921121999), T::from_f64(0.1303751353983952));
+    let ky_right_ankle_pitch_z = by_right_ankle_roll_x
+        .mul_add(T::from_f64(0.9986257359172223), T::from_f64(0.00684215414432963));
+    let by_right_ankle_pitch_x = ky_right_ankle_pitch_y
+        .mul_add(s_right_ankle_pitch, -(e3 * c_right_ankle_pitch));
+    let e6 = ky_right_ankle_pitch_y
+        .mul_add(c_right_ankle_pitch, e3 * s_right_ankle_pitch);
+    let kz_right_ankle_pitch_y = (-bz_right_ankle_roll_x)
+        .mul_add(T::from_f64(0.0524083921121999), T::from_f64(0.15052574825109485));
+    let kz_right_ankle_pitch_z = bz_right_ankle_roll_x
+        .mul_add(T::from_f64(0.9986257359172223), T::from_f64(0.007899668668242278));
+    let bz_right_ankle_pitch_x = kz_right_ankle_pitch_y
+        .mul_add(s_right_ankle_pitch, -(e4 * c_right_ankle_pitch));
+    let e7 = kz_right_ankle_pitch_y
+        .mul_add(c_right_ankle_pitch, e4 * s_right_ankle_pitch);
     // right_knee
     let s_right_knee = sin[3]
         .mul_add(
@@ -17493,8 +17184,32 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.2585724811294071),
             T::from_f64(0.9659918591802843) * kx_right_ankle_pitch_z,
         );
-    let bx_right_knee_x = e3.mul_add(s_right_knee, kx_right_knee_y * c_right_knee);
-    let e4 = e3.mul_add(c_right_knee, -(kx_right_knee_y * s_right_knee));
+    let bx_right_knee_x = e5.mul_add(s_right_knee, kx_right_knee_y * c_right_knee);
+    let e8 = e5.mul_add(c_right_knee, -(kx_right_knee_y * s_right_knee));
+    let ky_right_knee_y = by_right_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.9659918591802843),
+            -(T::from_f64(0.2585724811294071) * ky_right_ankle_pitch_z),
+        );
+    let ky_right_knee_z = by_right_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.2585724811294071),
+            T::from_f64(0.9659918591802843) * ky_right_ankle_pitch_z,
+        );
+    let by_right_knee_x = e6.mul_add(s_right_knee, ky_right_knee_y * c_right_knee);
+    let e9 = e6.mul_add(c_right_knee, -(ky_right_knee_y * s_right_knee));
+    let kz_right_knee_y = bz_right_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.9659918591802843),
+            -(T::from_f64(0.2585724811294071) * kz_right_ankle_pitch_z),
+        );
+    let kz_right_knee_z = bz_right_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.2585724811294071),
+            T::from_f64(0.9659918591802843) * kz_right_ankle_pitch_z,
+        );
+    let bz_right_knee_x = e7.mul_add(s_right_knee, kz_right_knee_y * c_right_knee);
+    let e10 = e7.mul_add(c_right_knee, -(kz_right_knee_y * s_right_knee));
     // right_hip_pitch
     let s_right_hip_pitch = sin[2]
         .mul_add(
@@ -17517,8 +17232,34 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.9973888291864124) * kx_right_knee_z,
         );
     let bx_right_hip_pitch_x = kx_right_hip_pitch_y
-        .mul_add(s_right_hip_pitch, -(e4 * c_right_hip_pitch));
-    let e5 = kx_right_hip_pitch_y.mul_add(c_right_hip_pitch, e4 * s_right_hip_pitch);
+        .mul_add(s_right_hip_pitch, -(e8 * c_right_hip_pitch));
+    let e11 = kx_right_hip_pitch_y.mul_add(c_right_hip_pitch, e8 * s_right_hip_pitch);
+    let ky_right_hip_pitch_y = by_right_knee_x
+        .mul_add(
+            T::from_f64(0.9973888291864124),
+            -(T::from_f64(0.0722185808096314) * ky_right_knee_z),
+        );
+    let ky_right_hip_pitch_z = by_right_knee_x
+        .mul_add(
+            T::from_f64(0.0722185808096314),
+            T::from_f64(0.9973888291864124) * ky_right_knee_z,
+        );
+    let by_right_hip_pitch_x = ky_right_hip_pitch_y
+        .mul_add(s_right_hip_pitch, -(e9 * c_right_hip_pitch));
+    let e12 = ky_right_hip_pitch_y.mul_add(c_right_hip_pitch, e9 * s_right_hip_pitch);
+    let kz_right_hip_pitch_y = bz_right_knee_x
+        .mul_add(
+            T::from_f64(0.9973888291864124),
+            -(T::from_f64(0.0722185808096314) * kz_right_knee_z),
+        );
+    let kz_right_hip_pitch_z = bz_right_knee_x
+        .mul_add(
+            T::from_f64(0.0722185808096314),
+            T::from_f64(0.9973888291864124) * kz_right_knee_z,
+        );
+    let bz_right_hip_pitch_x = kz_right_hip_pitch_y
+        .mul_add(s_right_hip_pitch, -(e10 * c_right_hip_pitch));
+    let e13 = kz_right_hip_pitch_y.mul_add(c_right_hip_pitch, e10 * s_right_hip_pitch);
     // right_hip_roll
     let s_right_hip_roll = sin[1]
         .mul_add(
@@ -17540,10 +17281,38 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.9981717798828138),
             T::from_f64(0.06044086238279244) * kx_right_hip_pitch_z,
         );
-    let bx_right_hip_roll_x = e5
+    let bx_right_hip_roll_x = e11
         .mul_add(c_right_hip_roll, -(kx_right_hip_roll_y * s_right_hip_roll));
     let bx_right_hip_roll_y = kx_right_hip_roll_y
-        .mul_add(c_right_hip_roll, e5 * s_right_hip_roll);
+        .mul_add(c_right_hip_roll, e11 * s_right_hip_roll);
+    let ky_right_hip_roll_y = by_right_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.06044086238279244),
+            -(T::from_f64(0.9981717798828138) * ky_right_hip_pitch_z),
+        );
+    let ky_right_hip_roll_z = by_right_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.9981717798828138),
+            T::from_f64(0.06044086238279244) * ky_right_hip_pitch_z,
+        );
+    let by_right_hip_roll_x = e12
+        .mul_add(c_right_hip_roll, -(ky_right_hip_roll_y * s_right_hip_roll));
+    let by_right_hip_roll_y = ky_right_hip_roll_y
+        .mul_add(c_right_hip_roll, e12 * s_right_hip_roll);
+    let kz_right_hip_roll_y = bz_right_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.06044086238279244),
+            -(T::from_f64(0.9981717798828138) * kz_right_hip_pitch_z),
+        );
+    let kz_right_hip_roll_z = bz_right_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.9981717798828138),
+            T::from_f64(0.06044086238279244) * kz_right_hip_pitch_z,
+        );
+    let bz_right_hip_roll_x = e13
+        .mul_add(c_right_hip_roll, -(kz_right_hip_roll_y * s_right_hip_roll));
+    let bz_right_hip_roll_y = kz_right_hip_roll_y
+        .mul_add(c_right_hip_roll, e13 * s_right_hip_roll);
     // right_hip_yaw
     let s_right_hip_yaw = sin[0]
         .mul_add(
@@ -17567,10 +17336,38 @@ pub fn regressor_full_sc<T: Real>(
         );
     let bx_right_hip_yaw_x = bx_right_hip_roll_y
         .mul_add(c_right_hip_yaw, kx_right_hip_yaw_y * s_right_hip_yaw);
-    let e6 = kx_right_hip_yaw_y
+    let e14 = kx_right_hip_yaw_y
         .mul_add(c_right_hip_yaw, -(bx_right_hip_roll_y * s_right_hip_yaw));
+    let ky_right_hip_yaw_y = by_right_hip_roll_x
+        .mul_add(
+            T::from_f64(0.08292767473984558),
+            -(T::from_f64(0.9965555683263441) * ky_right_hip_roll_z),
+        );
+    let ky_right_hip_yaw_z = by_right_hip_roll_x
+        .mul_add(
+            T::from_f64(0.9965555683263441),
+            T::from_f64(0.08292767473984558) * ky_right_hip_roll_z,
+        );
+    let by_right_hip_yaw_x = by_right_hip_roll_y
+        .mul_add(c_right_hip_yaw, ky_right_hip_yaw_y * s_right_hip_yaw);
+    let e15 = ky_right_hip_yaw_y
+        .mul_add(c_right_hip_yaw, -(by_right_hip_roll_y * s_right_hip_yaw));
+    let kz_right_hip_yaw_y = bz_right_hip_roll_x
+        .mul_add(
+            T::from_f64(0.08292767473984558),
+            -(T::from_f64(0.9965555683263441) * kz_right_hip_roll_z),
+        );
+    let kz_right_hip_yaw_z = bz_right_hip_roll_x
+        .mul_add(
+            T::from_f64(0.9965555683263441),
+            T::from_f64(0.08292767473984558) * kz_right_hip_roll_z,
+        );
+    let bz_right_hip_yaw_x = bz_right_hip_roll_y
+        .mul_add(c_right_hip_yaw, kz_right_hip_yaw_y * s_right_hip_yaw);
+    let e16 = kz_right_hip_yaw_y
+        .mul_add(c_right_hip_yaw, -(bz_right_hip_roll_y * s_right_hip_yaw));
     // left_hip_yaw
-    let e7 = sin[6]
+    let e17 = sin[6]
         .mul_add(
             T::from_f64(0.9948843845593177),
             T::from_f64(0.10102010374191704) * cos[6],
@@ -17580,7 +17377,7 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.9948843845593177),
             -(T::from_f64(0.10102010374191704) * sin[6]),
         );
-    let e8 = bx_right_hip_yaw_x
+    let e18 = bx_right_hip_yaw_x
         .mul_add(
             T::from_f64(0.538107754426925),
             T::from_f64(0.8428760553163273) * kx_right_hip_yaw_z,
@@ -17590,8 +17387,32 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.8428760553163273),
             -(T::from_f64(0.538107754426925) * kx_right_hip_yaw_z),
         );
-    let bx_left_hip_yaw_x = e6.mul_add(c_left_hip_yaw, -(e8 * e7));
-    let e9 = e8.mul_add(c_left_hip_yaw, e6 * e7);
+    let bx_left_hip_yaw_x = e14.mul_add(c_left_hip_yaw, -(e18 * e17));
+    let e19 = e18.mul_add(c_left_hip_yaw, e14 * e17);
+    let e20 = by_right_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.538107754426925),
+            T::from_f64(0.8428760553163273) * ky_right_hip_yaw_z,
+        );
+    let ky_left_hip_yaw_z = by_right_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.8428760553163273),
+            -(T::from_f64(0.538107754426925) * ky_right_hip_yaw_z),
+        );
+    let by_left_hip_yaw_x = e15.mul_add(c_left_hip_yaw, -(e20 * e17));
+    let e21 = e20.mul_add(c_left_hip_yaw, e15 * e17);
+    let e22 = bz_right_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.538107754426925),
+            T::from_f64(0.8428760553163273) * kz_right_hip_yaw_z,
+        );
+    let kz_left_hip_yaw_z = bz_right_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.8428760553163273),
+            -(T::from_f64(0.538107754426925) * kz_right_hip_yaw_z),
+        );
+    let bz_left_hip_yaw_x = e16.mul_add(c_left_hip_yaw, -(e22 * e17));
+    let e23 = e22.mul_add(c_left_hip_yaw, e16 * e17);
     // left_hip_roll
     let s_left_hip_roll = cos[7]
         .mul_add(
@@ -17614,10 +17435,36 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.08292767473984561) * kx_left_hip_yaw_z,
         );
     let bx_left_hip_roll_x = kx_left_hip_roll_y
-        .mul_add(s_left_hip_roll, -(e9 * c_left_hip_roll));
-    let e10 = kx_left_hip_roll_y.mul_add(c_left_hip_roll, e9 * s_left_hip_roll);
+        .mul_add(s_left_hip_roll, -(e19 * c_left_hip_roll));
+    let e24 = kx_left_hip_roll_y.mul_add(c_left_hip_roll, e19 * s_left_hip_roll);
+    let ky_left_hip_roll_y = by_left_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.08292767473984561),
+            -(T::from_f64(0.9965555683263441) * ky_left_hip_yaw_z),
+        );
+    let ky_left_hip_roll_z = by_left_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.9965555683263441),
+            T::from_f64(0.08292767473984561) * ky_left_hip_yaw_z,
+        );
+    let by_left_hip_roll_x = ky_left_hip_roll_y
+        .mul_add(s_left_hip_roll, -(e21 * c_left_hip_roll));
+    let e25 = ky_left_hip_roll_y.mul_add(c_left_hip_roll, e21 * s_left_hip_roll);
+    let kz_left_hip_roll_y = bz_left_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.08292767473984561),
+            -(T::from_f64(0.9965555683263441) * kz_left_hip_yaw_z),
+        );
+    let kz_left_hip_roll_z = bz_left_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.9965555683263441),
+            T::from_f64(0.08292767473984561) * kz_left_hip_yaw_z,
+        );
+    let bz_left_hip_roll_x = kz_left_hip_roll_y
+        .mul_add(s_left_hip_roll, -(e23 * c_left_hip_roll));
+    let e26 = kz_left_hip_roll_y.mul_add(c_left_hip_roll, e23 * s_left_hip_roll);
     // left_hip_pitch
-    let e11 = sin[8]
+    let e27 = sin[8]
         .mul_add(
             T::from_f64(0.9876670233130993),
             T::from_f64(0.1565689977608653) * cos[8],
@@ -17637,8 +17484,32 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.9981717798828137),
             T::from_f64(0.06044086238279245) * kx_left_hip_roll_z,
         );
-    let bx_left_hip_pitch_x = e10.mul_add(c_left_hip_pitch, kx_left_hip_pitch_y * e11);
-    let e12 = e10.mul_add(e11, -(kx_left_hip_pitch_y * c_left_hip_pitch));
+    let bx_left_hip_pitch_x = e24.mul_add(c_left_hip_pitch, kx_left_hip_pitch_y * e27);
+    let e28 = e24.mul_add(e27, -(kx_left_hip_pitch_y * c_left_hip_pitch));
+    let ky_left_hip_pitch_y = by_left_hip_roll_x
+        .mul_add(
+            T::from_f64(0.06044086238279245),
+            -(T::from_f64(0.9981717798828137) * ky_left_hip_roll_z),
+        );
+    let ky_left_hip_pitch_z = by_left_hip_roll_x
+        .mul_add(
+            T::from_f64(0.9981717798828137),
+            T::from_f64(0.06044086238279245) * ky_left_hip_roll_z,
+        );
+    let by_left_hip_pitch_x = e25.mul_add(c_left_hip_pitch, ky_left_hip_pitch_y * e27);
+    let e29 = e25.mul_add(e27, -(ky_left_hip_pitch_y * c_left_hip_pitch));
+    let kz_left_hip_pitch_y = bz_left_hip_roll_x
+        .mul_add(
+            T::from_f64(0.06044086238279245),
+            -(T::from_f64(0.9981717798828137) * kz_left_hip_roll_z),
+        );
+    let kz_left_hip_pitch_z = bz_left_hip_roll_x
+        .mul_add(
+            T::from_f64(0.9981717798828137),
+            T::from_f64(0.06044086238279245) * kz_left_hip_roll_z,
+        );
+    let bz_left_hip_pitch_x = e26.mul_add(c_left_hip_pitch, kz_left_hip_pitch_y * e27);
+    let e30 = e26.mul_add(e27, -(kz_left_hip_pitch_y * c_left_hip_pitch));
     // left_knee
     let s_left_knee = cos[9]
         .mul_add(
@@ -17660,10 +17531,34 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.0722185808096314),
             T::from_f64(0.9973888291864126) * kx_left_hip_pitch_z,
         );
-    let bx_left_knee_x = e12.mul_add(s_left_knee, kx_left_knee_y * c_left_knee);
-    let e13 = e12.mul_add(c_left_knee, -(kx_left_knee_y * s_left_knee));
+    let bx_left_knee_x = e28.mul_add(s_left_knee, kx_left_knee_y * c_left_knee);
+    let e31 = e28.mul_add(c_left_knee, -(kx_left_knee_y * s_left_knee));
+    let ky_left_knee_y = by_left_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.9973888291864126),
+            -(T::from_f64(0.0722185808096314) * ky_left_hip_pitch_z),
+        );
+    let ky_left_knee_z = by_left_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.0722185808096314),
+            T::from_f64(0.9973888291864126) * ky_left_hip_pitch_z,
+        );
+    let by_left_knee_x = e29.mul_add(s_left_knee, ky_left_knee_y * c_left_knee);
+    let e32 = e29.mul_add(c_left_knee, -(ky_left_knee_y * s_left_knee));
+    let kz_left_knee_y = bz_left_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.9973888291864126),
+            -(T::from_f64(0.0722185808096314) * kz_left_hip_pitch_z),
+        );
+    let kz_left_knee_z = bz_left_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.0722185808096314),
+            T::from_f64(0.9973888291864126) * kz_left_hip_pitch_z,
+        );
+    let bz_left_knee_x = e30.mul_add(s_left_knee, kz_left_knee_y * c_left_knee);
+    let e33 = e30.mul_add(c_left_knee, -(kz_left_knee_y * s_left_knee));
     // left_ankle_pitch
-    let e14 = sin[10]
+    let e34 = sin[10]
         .mul_add(
             T::from_f64(0.9846119913216708),
             T::from_f64(0.17475476115280555) * cos[10],
@@ -17683,11 +17578,37 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.2585724811294071),
             T::from_f64(0.9659918591802845) * kx_left_knee_z,
         );
-    let bx_left_ankle_pitch_x = e13
-        .mul_add(c_left_ankle_pitch, kx_left_ankle_pitch_y * e14);
-    let e15 = e13.mul_add(e14, -(kx_left_ankle_pitch_y * c_left_ankle_pitch));
+    let bx_left_ankle_pitch_x = e31
+        .mul_add(c_left_ankle_pitch, kx_left_ankle_pitch_y * e34);
+    let e35 = e31.mul_add(e34, -(kx_left_ankle_pitch_y * c_left_ankle_pitch));
+    let ky_left_ankle_pitch_y = by_left_knee_x
+        .mul_add(
+            T::from_f64(0.9659918591802845),
+            -(T::from_f64(0.2585724811294071) * ky_left_knee_z),
+        );
+    let ky_left_ankle_pitch_z = by_left_knee_x
+        .mul_add(
+            T::from_f64(0.2585724811294071),
+            T::from_f64(0.9659918591802845) * ky_left_knee_z,
+        );
+    let by_left_ankle_pitch_x = e32
+        .mul_add(c_left_ankle_pitch, ky_left_ankle_pitch_y * e34);
+    let e36 = e32.mul_add(e34, -(ky_left_ankle_pitch_y * c_left_ankle_pitch));
+    let kz_left_ankle_pitch_y = bz_left_knee_x
+        .mul_add(
+            T::from_f64(0.9659918591802845),
+            -(T::from_f64(0.2585724811294071) * kz_left_knee_z),
+        );
+    let kz_left_ankle_pitch_z = bz_left_knee_x
+        .mul_add(
+            T::from_f64(0.2585724811294071),
+            T::from_f64(0.9659918591802845) * kz_left_knee_z,
+        );
+    let bz_left_ankle_pitch_x = e33
+        .mul_add(c_left_ankle_pitch, kz_left_ankle_pitch_y * e34);
+    let e37 = e33.mul_add(e34, -(kz_left_ankle_pitch_y * c_left_ankle_pitch));
     // left_ankle_roll
-    let e16 = bx_left_ankle_pitch_x
+    let e38 = bx_left_ankle_pitch_x
         .mul_add(
             T::from_f64(0.052408392112199914),
             T::from_f64(0.9986257359172225) * kx_left_ankle_pitch_z,
@@ -17697,10 +17618,34 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.9986257359172225),
             -(T::from_f64(0.052408392112199914) * kx_left_ankle_pitch_z),
         );
-    let bx_left_ankle_roll_x = e16.mul_add(sin[11], -(e15 * cos[11]));
-    let bx_left_ankle_roll_y = e16.mul_add(cos[11], e15 * sin[11]);
+    let bx_left_ankle_roll_x = e38.mul_add(sin[11], -(e35 * cos[11]));
+    let bx_left_ankle_roll_y = e38.mul_add(cos[11], e35 * sin[11]);
+    let e39 = by_left_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.052408392112199914),
+            T::from_f64(0.9986257359172225) * ky_left_ankle_pitch_z,
+        );
+    let ky_left_ankle_roll_z = by_left_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.9986257359172225),
+            -(T::from_f64(0.052408392112199914) * ky_left_ankle_pitch_z),
+        );
+    let by_left_ankle_roll_x = e39.mul_add(sin[11], -(e36 * cos[11]));
+    let by_left_ankle_roll_y = e39.mul_add(cos[11], e36 * sin[11]);
+    let e40 = bz_left_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.052408392112199914),
+            T::from_f64(0.9986257359172225) * kz_left_ankle_pitch_z,
+        );
+    let kz_left_ankle_roll_z = bz_left_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.9986257359172225),
+            -(T::from_f64(0.052408392112199914) * kz_left_ankle_pitch_z),
+        );
+    let bz_left_ankle_roll_x = e40.mul_add(sin[11], -(e37 * cos[11]));
+    let bz_left_ankle_roll_y = e40.mul_add(cos[11], e37 * sin[11]);
     // waist_yaw
-    let e17 = sin[12]
+    let e41 = sin[12]
         .mul_add(
             T::from_f64(0.9983163336456274),
             T::from_f64(0.058004292740729185) * cos[12],
@@ -17710,20 +17655,44 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.9983163336456274),
             -(T::from_f64(0.058004292740729185) * sin[12]),
         );
-    let e18 = e6
+    let e42 = e14
         .mul_add(
             T::from_f64(0.11944678826051937),
             -(T::from_f64(0.19252104104496945) * bx_right_hip_yaw_x),
         ) + kx_right_hip_yaw_z;
-    let kx_waist_yaw_x = e18
+    let kx_waist_yaw_x = e42
         .mul_add(T::from_f64(0.3662421800811956), bx_right_hip_yaw_x);
-    let kx_waist_yaw_y = e18.mul_add(T::from_f64(0.22722945969324562), -e6);
-    let kx_waist_yaw_z = (-e18)
+    let kx_waist_yaw_y = e42.mul_add(T::from_f64(0.22722945969324562), -e14);
+    let kx_waist_yaw_z = (-e42)
         .mul_add(T::from_f64(1.9023488450576578), kx_right_hip_yaw_z);
-    let bx_waist_yaw_x = kx_waist_yaw_y.mul_add(e17, -(kx_waist_yaw_x * c_waist_yaw));
-    let bx_waist_yaw_y = kx_waist_yaw_y.mul_add(c_waist_yaw, kx_waist_yaw_x * e17);
+    let bx_waist_yaw_x = kx_waist_yaw_y.mul_add(e41, -(kx_waist_yaw_x * c_waist_yaw));
+    let bx_waist_yaw_y = kx_waist_yaw_y.mul_add(c_waist_yaw, kx_waist_yaw_x * e41);
+    let e43 = e15
+        .mul_add(
+            T::from_f64(0.11944678826051937),
+            -(T::from_f64(0.19252104104496945) * by_right_hip_yaw_x),
+        ) + ky_right_hip_yaw_z;
+    let ky_waist_yaw_x = e43
+        .mul_add(T::from_f64(0.3662421800811956), by_right_hip_yaw_x);
+    let ky_waist_yaw_y = e43.mul_add(T::from_f64(0.22722945969324562), -e15);
+    let ky_waist_yaw_z = (-e43)
+        .mul_add(T::from_f64(1.9023488450576578), ky_right_hip_yaw_z);
+    let by_waist_yaw_x = ky_waist_yaw_y.mul_add(e41, -(ky_waist_yaw_x * c_waist_yaw));
+    let by_waist_yaw_y = ky_waist_yaw_y.mul_add(c_waist_yaw, ky_waist_yaw_x * e41);
+    let e44 = e16
+        .mul_add(
+            T::from_f64(0.11944678826051937),
+            -(T::from_f64(0.19252104104496945) * bz_right_hip_yaw_x),
+        ) + kz_right_hip_yaw_z;
+    let kz_waist_yaw_x = e44
+        .mul_add(T::from_f64(0.3662421800811956), bz_right_hip_yaw_x);
+    let kz_waist_yaw_y = e44.mul_add(T::from_f64(0.22722945969324562), -e16);
+    let kz_waist_yaw_z = (-e44)
+        .mul_add(T::from_f64(1.9023488450576578), kz_right_hip_yaw_z);
+    let bz_waist_yaw_x = kz_waist_yaw_y.mul_add(e41, -(kz_waist_yaw_x * c_waist_yaw));
+    let bz_waist_yaw_y = kz_waist_yaw_y.mul_add(c_waist_yaw, kz_waist_yaw_x * e41);
     // waist_pitch
-    let e19 = sin[13]
+    let e45 = sin[13]
         .mul_add(
             T::from_f64(0.9999999286053547),
             T::from_f64(0.0003778746955696651) * cos[13],
@@ -17743,8 +17712,32 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.980519334682424),
             T::from_f64(0.19642259114963537) * kx_waist_yaw_z,
         );
-    let e20 = bx_waist_yaw_y.mul_add(e19, kx_waist_pitch_y * c_waist_pitch);
-    let e21 = bx_waist_yaw_y.mul_add(c_waist_pitch, -(kx_waist_pitch_y * e19));
+    let e46 = bx_waist_yaw_y.mul_add(e45, kx_waist_pitch_y * c_waist_pitch);
+    let e47 = bx_waist_yaw_y.mul_add(c_waist_pitch, -(kx_waist_pitch_y * e45));
+    let ky_waist_pitch_y = by_waist_yaw_x
+        .mul_add(
+            T::from_f64(0.19642259114963537),
+            -(T::from_f64(0.980519334682424) * ky_waist_yaw_z),
+        );
+    let ky_waist_pitch_z = by_waist_yaw_x
+        .mul_add(
+            T::from_f64(0.980519334682424),
+            T::from_f64(0.19642259114963537) * ky_waist_yaw_z,
+        );
+    let e48 = by_waist_yaw_y.mul_add(e45, ky_waist_pitch_y * c_waist_pitch);
+    let e49 = by_waist_yaw_y.mul_add(c_waist_pitch, -(ky_waist_pitch_y * e45));
+    let kz_waist_pitch_y = bz_waist_yaw_x
+        .mul_add(
+            T::from_f64(0.19642259114963537),
+            -(T::from_f64(0.980519334682424) * kz_waist_yaw_z),
+        );
+    let kz_waist_pitch_z = bz_waist_yaw_x
+        .mul_add(
+            T::from_f64(0.980519334682424),
+            T::from_f64(0.19642259114963537) * kz_waist_yaw_z,
+        );
+    let e50 = bz_waist_yaw_y.mul_add(e45, kz_waist_pitch_y * c_waist_pitch);
+    let e51 = bz_waist_yaw_y.mul_add(c_waist_pitch, -(kz_waist_pitch_y * e45));
     // neck_yaw
     let s_neck_yaw = cos[14]
         .mul_add(
@@ -17756,7 +17749,7 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.9894667494937902),
             T::from_f64(0.14476032483451035) * sin[14],
         );
-    let e22 = e20
+    let e52 = e46
         .mul_add(
             T::from_f64(0.11686854868553807),
             T::from_f64(0.9931473920461839) * kx_waist_pitch_z,
@@ -17764,12 +17757,36 @@ pub fn regressor_full_sc<T: Real>(
     let kx_neck_yaw_z = kx_waist_pitch_z
         .mul_add(
             T::from_f64(0.11686854868553807),
-            -(T::from_f64(0.9931473920461839) * e20),
+            -(T::from_f64(0.9931473920461839) * e46),
         );
-    let bx_neck_yaw_x = e22.mul_add(c_neck_yaw, -(e21 * s_neck_yaw));
-    let bx_neck_yaw_y = e22.mul_add(s_neck_yaw, e21 * c_neck_yaw);
+    let bx_neck_yaw_x = e52.mul_add(c_neck_yaw, -(e47 * s_neck_yaw));
+    let bx_neck_yaw_y = e52.mul_add(s_neck_yaw, e47 * c_neck_yaw);
+    let e53 = e48
+        .mul_add(
+            T::from_f64(0.11686854868553807),
+            T::from_f64(0.9931473920461839) * ky_waist_pitch_z,
+        );
+    let ky_neck_yaw_z = ky_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.11686854868553807),
+            -(T::from_f64(0.9931473920461839) * e48),
+        );
+    let by_neck_yaw_x = e53.mul_add(c_neck_yaw, -(e49 * s_neck_yaw));
+    let by_neck_yaw_y = e53.mul_add(s_neck_yaw, e49 * c_neck_yaw);
+    let e54 = e50
+        .mul_add(
+            T::from_f64(0.11686854868553807),
+            T::from_f64(0.9931473920461839) * kz_waist_pitch_z,
+        );
+    let kz_neck_yaw_z = kz_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.11686854868553807),
+            -(T::from_f64(0.9931473920461839) * e50),
+        );
+    let bz_neck_yaw_x = e54.mul_add(c_neck_yaw, -(e51 * s_neck_yaw));
+    let bz_neck_yaw_y = e54.mul_add(s_neck_yaw, e51 * c_neck_yaw);
     // neck_pitch
-    let e23 = bx_neck_yaw_x
+    let e55 = bx_neck_yaw_x
         .mul_add(
             T::from_f64(0.040883888851400166),
             T::from_f64(0.9991639042881736) * kx_neck_yaw_z,
@@ -17779,10 +17796,34 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.9991639042881736),
             -(T::from_f64(0.040883888851400166) * kx_neck_yaw_z),
         );
-    let bx_neck_pitch_x = bx_neck_yaw_y.mul_add(cos[15], e23 * sin[15]);
-    let e24 = bx_neck_yaw_y.mul_add(sin[15], -(e23 * cos[15]));
+    let bx_neck_pitch_x = bx_neck_yaw_y.mul_add(cos[15], e55 * sin[15]);
+    let e56 = bx_neck_yaw_y.mul_add(sin[15], -(e55 * cos[15]));
+    let e57 = by_neck_yaw_x
+        .mul_add(
+            T::from_f64(0.040883888851400166),
+            T::from_f64(0.9991639042881736) * ky_neck_yaw_z,
+        );
+    let ky_neck_pitch_z = by_neck_yaw_x
+        .mul_add(
+            T::from_f64(0.9991639042881736),
+            -(T::from_f64(0.040883888851400166) * ky_neck_yaw_z),
+        );
+    let by_neck_pitch_x = by_neck_yaw_y.mul_add(cos[15], e57 * sin[15]);
+    let e58 = by_neck_yaw_y.mul_add(sin[15], -(e57 * cos[15]));
+    let e59 = bz_neck_yaw_x
+        .mul_add(
+            T::from_f64(0.040883888851400166),
+            T::from_f64(0.9991639042881736) * kz_neck_yaw_z,
+        );
+    let kz_neck_pitch_z = bz_neck_yaw_x
+        .mul_add(
+            T::from_f64(0.9991639042881736),
+            -(T::from_f64(0.040883888851400166) * kz_neck_yaw_z),
+        );
+    let bz_neck_pitch_x = bz_neck_yaw_y.mul_add(cos[15], e59 * sin[15]);
+    let e60 = bz_neck_yaw_y.mul_add(sin[15], -(e59 * cos[15]));
     // right_shoulder_pitch
-    let e25 = sin[16]
+    let e61 = sin[16]
         .mul_add(
             T::from_f64(0.9164945319999512),
             T::from_f64(0.4000472132313764) * cos[16],
@@ -17792,19 +17833,45 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.9164945319999512),
             -(T::from_f64(0.4000472132313764) * sin[16]),
         );
-    let e26 = kx_waist_pitch_z
+    let e62 = kx_waist_pitch_z
         .mul_add(
             T::from_f64(0.10644334192309902),
-            e21.mul_add(T::from_f64(0.07159388452594458), -e20),
+            e47.mul_add(T::from_f64(0.07159388452594458), -e46),
         );
-    let e27 = e26.mul_add(T::from_f64(1.9676210845200064), e20);
-    let kx_right_shoulder_pitch_y = e26.mul_add(T::from_f64(0.14086963671593916), -e21);
-    let kx_right_shoulder_pitch_z = (-e26)
+    let e63 = e62.mul_add(T::from_f64(1.9676210845200064), e46);
+    let kx_right_shoulder_pitch_y = e62.mul_add(T::from_f64(0.14086963671593916), -e47);
+    let kx_right_shoulder_pitch_z = (-e62)
         .mul_add(T::from_f64(0.20944016387466197), kx_waist_pitch_z);
-    let bx_right_shoulder_pitch_x = e27
-        .mul_add(e25, -(kx_right_shoulder_pitch_y * c_right_shoulder_pitch));
+    let bx_right_shoulder_pitch_x = e63
+        .mul_add(e61, -(kx_right_shoulder_pitch_y * c_right_shoulder_pitch));
     let bx_right_shoulder_pitch_y = kx_right_shoulder_pitch_y
-        .mul_add(e25, e27 * c_right_shoulder_pitch);
+        .mul_add(e61, e63 * c_right_shoulder_pitch);
+    let e64 = ky_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.10644334192309902),
+            e49.mul_add(T::from_f64(0.07159388452594458), -e48),
+        );
+    let e65 = e64.mul_add(T::from_f64(1.9676210845200064), e48);
+    let ky_right_shoulder_pitch_y = e64.mul_add(T::from_f64(0.14086963671593916), -e49);
+    let ky_right_shoulder_pitch_z = (-e64)
+        .mul_add(T::from_f64(0.20944016387466197), ky_waist_pitch_z);
+    let by_right_shoulder_pitch_x = e65
+        .mul_add(e61, -(ky_right_shoulder_pitch_y * c_right_shoulder_pitch));
+    let by_right_shoulder_pitch_y = ky_right_shoulder_pitch_y
+        .mul_add(e61, e65 * c_right_shoulder_pitch);
+    let e66 = kz_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.10644334192309902),
+            e51.mul_add(T::from_f64(0.07159388452594458), -e50),
+        );
+    let e67 = e66.mul_add(T::from_f64(1.9676210845200064), e50);
+    let kz_right_shoulder_pitch_y = e66.mul_add(T::from_f64(0.14086963671593916), -e51);
+    let kz_right_shoulder_pitch_z = (-e66)
+        .mul_add(T::from_f64(0.20944016387466197), kz_waist_pitch_z);
+    let bz_right_shoulder_pitch_x = e67
+        .mul_add(e61, -(kz_right_shoulder_pitch_y * c_right_shoulder_pitch));
+    let bz_right_shoulder_pitch_y = kz_right_shoulder_pitch_y
+        .mul_add(e61, e67 * c_right_shoulder_pitch);
     // right_shoulder_roll
     let s_right_shoulder_roll = cos[17]
         .mul_add(
@@ -17826,15 +17893,55 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.9589807807681263),
             T::from_f64(0.2834710957352705) * kx_right_shoulder_pitch_z,
         );
-    let e28 = bx_right_shoulder_pitch_y
+    let e68 = bx_right_shoulder_pitch_y
         .mul_add(
             c_right_shoulder_roll,
             kx_right_shoulder_roll_y * s_right_shoulder_roll,
         );
-    let e29 = bx_right_shoulder_pitch_y
+    let e69 = bx_right_shoulder_pitch_y
         .mul_add(
             s_right_shoulder_roll,
             -(kx_right_shoulder_roll_y * c_right_shoulder_roll),
+        );
+    let ky_right_shoulder_roll_y = by_right_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.2834710957352705),
+            -(T::from_f64(0.9589807807681263) * ky_right_shoulder_pitch_z),
+        );
+    let ky_right_shoulder_roll_z = by_right_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.9589807807681263),
+            T::from_f64(0.2834710957352705) * ky_right_shoulder_pitch_z,
+        );
+    let e70 = by_right_shoulder_pitch_y
+        .mul_add(
+            c_right_shoulder_roll,
+            ky_right_shoulder_roll_y * s_right_shoulder_roll,
+        );
+    let e71 = by_right_shoulder_pitch_y
+        .mul_add(
+            s_right_shoulder_roll,
+            -(ky_right_shoulder_roll_y * c_right_shoulder_roll),
+        );
+    let kz_right_shoulder_roll_y = bz_right_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.2834710957352705),
+            -(T::from_f64(0.9589807807681263) * kz_right_shoulder_pitch_z),
+        );
+    let kz_right_shoulder_roll_z = bz_right_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.9589807807681263),
+            T::from_f64(0.2834710957352705) * kz_right_shoulder_pitch_z,
+        );
+    let e72 = bz_right_shoulder_pitch_y
+        .mul_add(
+            c_right_shoulder_roll,
+            kz_right_shoulder_roll_y * s_right_shoulder_roll,
+        );
+    let e73 = bz_right_shoulder_pitch_y
+        .mul_add(
+            s_right_shoulder_roll,
+            -(kz_right_shoulder_roll_y * c_right_shoulder_roll),
         );
     // right_shoulder_yaw
     let s_right_shoulder_yaw = cos[18]
@@ -17847,23 +17954,57 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.9917274681853637),
             T::from_f64(0.12836132145879614) * sin[18],
         );
-    let kx_right_shoulder_yaw_y = e28
+    let kx_right_shoulder_yaw_y = e68
         .mul_add(
             T::from_f64(0.3848026949004402),
             -(T::from_f64(0.9229988548190939) * kx_right_shoulder_roll_z),
         );
-    let e30 = e28
+    let e74 = e68
         .mul_add(
             T::from_f64(0.9229988548190939),
             T::from_f64(0.3848026949004402) * kx_right_shoulder_roll_z,
         );
-    let bx_right_shoulder_yaw_x = e29
+    let bx_right_shoulder_yaw_x = e69
         .mul_add(
             c_right_shoulder_yaw,
             -(kx_right_shoulder_yaw_y * s_right_shoulder_yaw),
         );
     let bx_right_shoulder_yaw_y = kx_right_shoulder_yaw_y
-        .mul_add(c_right_shoulder_yaw, e29 * s_right_shoulder_yaw);
+        .mul_add(c_right_shoulder_yaw, e69 * s_right_shoulder_yaw);
+    let ky_right_shoulder_yaw_y = e70
+        .mul_add(
+            T::from_f64(0.3848026949004402),
+            -(T::from_f64(0.9229988548190939) * ky_right_shoulder_roll_z),
+        );
+    let e75 = e70
+        .mul_add(
+            T::from_f64(0.9229988548190939),
+            T::from_f64(0.3848026949004402) * ky_right_shoulder_roll_z,
+        );
+    let by_right_shoulder_yaw_x = e71
+        .mul_add(
+            c_right_shoulder_yaw,
+            -(ky_right_shoulder_yaw_y * s_right_shoulder_yaw),
+        );
+    let by_right_shoulder_yaw_y = ky_right_shoulder_yaw_y
+        .mul_add(c_right_shoulder_yaw, e71 * s_right_shoulder_yaw);
+    let kz_right_shoulder_yaw_y = e72
+        .mul_add(
+            T::from_f64(0.3848026949004402),
+            -(T::from_f64(0.9229988548190939) * kz_right_shoulder_roll_z),
+        );
+    let e76 = e72
+        .mul_add(
+            T::from_f64(0.9229988548190939),
+            T::from_f64(0.3848026949004402) * kz_right_shoulder_roll_z,
+        );
+    let bz_right_shoulder_yaw_x = e73
+        .mul_add(
+            c_right_shoulder_yaw,
+            -(kz_right_shoulder_yaw_y * s_right_shoulder_yaw),
+        );
+    let bz_right_shoulder_yaw_y = kz_right_shoulder_yaw_y
+        .mul_add(c_right_shoulder_yaw, e73 * s_right_shoulder_yaw);
     // right_elbow
     let s_right_elbow = cos[19]
         .mul_add(
@@ -17878,19 +18019,47 @@ pub fn regressor_full_sc<T: Real>(
     let kx_right_elbow_y = bx_right_shoulder_yaw_x
         .mul_add(
             T::from_f64(0.12242921843048289),
-            T::from_f64(0.9924772473334093) * e30,
+            T::from_f64(0.9924772473334093) * e74,
         );
     let kx_right_elbow_z = bx_right_shoulder_yaw_x
         .mul_add(
             T::from_f64(0.9924772473334093),
-            -(T::from_f64(0.12242921843048289) * e30),
+            -(T::from_f64(0.12242921843048289) * e74),
         );
     let bx_right_elbow_x = bx_right_shoulder_yaw_y
         .mul_add(s_right_elbow, -(kx_right_elbow_y * c_right_elbow));
-    let e31 = kx_right_elbow_y
+    let e77 = kx_right_elbow_y
         .mul_add(s_right_elbow, bx_right_shoulder_yaw_y * c_right_elbow);
+    let ky_right_elbow_y = by_right_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.12242921843048289),
+            T::from_f64(0.9924772473334093) * e75,
+        );
+    let ky_right_elbow_z = by_right_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.9924772473334093),
+            -(T::from_f64(0.12242921843048289) * e75),
+        );
+    let by_right_elbow_x = by_right_shoulder_yaw_y
+        .mul_add(s_right_elbow, -(ky_right_elbow_y * c_right_elbow));
+    let e78 = ky_right_elbow_y
+        .mul_add(s_right_elbow, by_right_shoulder_yaw_y * c_right_elbow);
+    let kz_right_elbow_y = bz_right_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.12242921843048289),
+            T::from_f64(0.9924772473334093) * e76,
+        );
+    let kz_right_elbow_z = bz_right_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.9924772473334093),
+            -(T::from_f64(0.12242921843048289) * e76),
+        );
+    let bz_right_elbow_x = bz_right_shoulder_yaw_y
+        .mul_add(s_right_elbow, -(kz_right_elbow_y * c_right_elbow));
+    let e79 = kz_right_elbow_y
+        .mul_add(s_right_elbow, bz_right_shoulder_yaw_y * c_right_elbow);
     // right_wrist_yaw
-    let e32 = sin[20]
+    let e80 = sin[20]
         .mul_add(
             T::from_f64(0.9968143242066551),
             T::from_f64(0.079757150503448) * cos[20],
@@ -17900,7 +18069,7 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.9968143242066551),
             -(T::from_f64(0.079757150503448) * sin[20]),
         );
-    let e33 = bx_right_elbow_x
+    let e81 = bx_right_elbow_x
         .mul_add(
             T::from_f64(0.15904161977640188),
             T::from_f64(0.9872718790580934) * kx_right_elbow_z,
@@ -17910,8 +18079,32 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.9872718790580934),
             -(T::from_f64(0.15904161977640188) * kx_right_elbow_z),
         );
-    let bx_right_wrist_yaw_x = e33.mul_add(e32, -(e31 * c_right_wrist_yaw));
-    let bx_right_wrist_yaw_y = e33.mul_add(c_right_wrist_yaw, e31 * e32);
+    let bx_right_wrist_yaw_x = e81.mul_add(e80, -(e77 * c_right_wrist_yaw));
+    let bx_right_wrist_yaw_y = e81.mul_add(c_right_wrist_yaw, e77 * e80);
+    let e82 = by_right_elbow_x
+        .mul_add(
+            T::from_f64(0.15904161977640188),
+            T::from_f64(0.9872718790580934) * ky_right_elbow_z,
+        );
+    let ky_right_wrist_yaw_z = by_right_elbow_x
+        .mul_add(
+            T::from_f64(0.9872718790580934),
+            -(T::from_f64(0.15904161977640188) * ky_right_elbow_z),
+        );
+    let by_right_wrist_yaw_x = e82.mul_add(e80, -(e78 * c_right_wrist_yaw));
+    let by_right_wrist_yaw_y = e82.mul_add(c_right_wrist_yaw, e78 * e80);
+    let e83 = bz_right_elbow_x
+        .mul_add(
+            T::from_f64(0.15904161977640188),
+            T::from_f64(0.9872718790580934) * kz_right_elbow_z,
+        );
+    let kz_right_wrist_yaw_z = bz_right_elbow_x
+        .mul_add(
+            T::from_f64(0.9872718790580934),
+            -(T::from_f64(0.15904161977640188) * kz_right_elbow_z),
+        );
+    let bz_right_wrist_yaw_x = e83.mul_add(e80, -(e79 * c_right_wrist_yaw));
+    let bz_right_wrist_yaw_y = e83.mul_add(c_right_wrist_yaw, e79 * e80);
     // right_wrist_roll
     let s_right_wrist_roll = cos[21]
         .mul_add(
@@ -17935,10 +18128,38 @@ pub fn regressor_full_sc<T: Real>(
         );
     let bx_right_wrist_roll_x = bx_right_wrist_yaw_y
         .mul_add(c_right_wrist_roll, kx_right_wrist_roll_y * s_right_wrist_roll);
-    let e34 = kx_right_wrist_roll_y
+    let e84 = kx_right_wrist_roll_y
         .mul_add(c_right_wrist_roll, -(bx_right_wrist_yaw_y * s_right_wrist_roll));
+    let ky_right_wrist_roll_y = by_right_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.06712447922871664),
+            -(T::from_f64(0.9977446087492899) * ky_right_wrist_yaw_z),
+        );
+    let ky_right_wrist_roll_z = by_right_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.9977446087492899),
+            T::from_f64(0.06712447922871664) * ky_right_wrist_yaw_z,
+        );
+    let by_right_wrist_roll_x = by_right_wrist_yaw_y
+        .mul_add(c_right_wrist_roll, ky_right_wrist_roll_y * s_right_wrist_roll);
+    let e85 = ky_right_wrist_roll_y
+        .mul_add(c_right_wrist_roll, -(by_right_wrist_yaw_y * s_right_wrist_roll));
+    let kz_right_wrist_roll_y = bz_right_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.06712447922871664),
+            -(T::from_f64(0.9977446087492899) * kz_right_wrist_yaw_z),
+        );
+    let kz_right_wrist_roll_z = bz_right_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.9977446087492899),
+            T::from_f64(0.06712447922871664) * kz_right_wrist_yaw_z,
+        );
+    let bz_right_wrist_roll_x = bz_right_wrist_yaw_y
+        .mul_add(c_right_wrist_roll, kz_right_wrist_roll_y * s_right_wrist_roll);
+    let e86 = kz_right_wrist_roll_y
+        .mul_add(c_right_wrist_roll, -(bz_right_wrist_yaw_y * s_right_wrist_roll));
     // right_wrist_pitch
-    let e35 = bx_right_wrist_roll_x
+    let e87 = bx_right_wrist_roll_x
         .mul_add(
             T::from_f64(0.042799828876225604),
             T::from_f64(0.99908366749145) * kx_right_wrist_roll_z,
@@ -17948,10 +18169,34 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.99908366749145),
             -(T::from_f64(0.042799828876225604) * kx_right_wrist_roll_z),
         );
-    let bx_right_wrist_pitch_x = e35.mul_add(sin[22], -(e34 * cos[22]));
-    let bx_right_wrist_pitch_y = e35.mul_add(cos[22], e34 * sin[22]);
+    let bx_right_wrist_pitch_x = e87.mul_add(sin[22], -(e84 * cos[22]));
+    let bx_right_wrist_pitch_y = e87.mul_add(cos[22], e84 * sin[22]);
+    let e88 = by_right_wrist_roll_x
+        .mul_add(
+            T::from_f64(0.042799828876225604),
+            T::from_f64(0.99908366749145) * ky_right_wrist_roll_z,
+        );
+    let ky_right_wrist_pitch_z = by_right_wrist_roll_x
+        .mul_add(
+            T::from_f64(0.99908366749145),
+            -(T::from_f64(0.042799828876225604) * ky_right_wrist_roll_z),
+        );
+    let by_right_wrist_pitch_x = e88.mul_add(sin[22], -(e85 * cos[22]));
+    let by_right_wrist_pitch_y = e88.mul_add(cos[22], e85 * sin[22]);
+    let e89 = bz_right_wrist_roll_x
+        .mul_add(
+            T::from_f64(0.042799828876225604),
+            T::from_f64(0.99908366749145) * kz_right_wrist_roll_z,
+        );
+    let kz_right_wrist_pitch_z = bz_right_wrist_roll_x
+        .mul_add(
+            T::from_f64(0.99908366749145),
+            -(T::from_f64(0.042799828876225604) * kz_right_wrist_roll_z),
+        );
+    let bz_right_wrist_pitch_x = e89.mul_add(sin[22], -(e86 * cos[22]));
+    let bz_right_wrist_pitch_y = e89.mul_add(cos[22], e86 * sin[22]);
     // left_shoulder_pitch
-    let e36 = sin[23]
+    let e90 = sin[23]
         .mul_add(
             T::from_f64(0.9998888779453979),
             T::from_f64(0.014907439790021298) * cos[23],
@@ -17961,18 +18206,42 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.9998888779453979),
             -(T::from_f64(0.014907439790021298) * sin[23]),
         );
-    let e37 = (-kx_waist_pitch_z)
+    let e91 = (-kx_waist_pitch_z)
         .mul_add(
             T::from_f64(0.09248191489966293),
-            e20.mul_add(T::from_f64(0.11783871458722316), -e21),
+            e46.mul_add(T::from_f64(0.11783871458722316), -e47),
         );
-    let kx_left_shoulder_pitch_x = e37.mul_add(T::from_f64(0.2305051546121806), -e20);
-    let e38 = e37.mul_add(T::from_f64(1.956107170887058), e21);
-    let kx_left_shoulder_pitch_z = e37
+    let kx_left_shoulder_pitch_x = e91.mul_add(T::from_f64(0.2305051546121806), -e46);
+    let e92 = e91.mul_add(T::from_f64(1.956107170887058), e47);
+    let kx_left_shoulder_pitch_z = e91
         .mul_add(T::from_f64(0.1809045369125973), kx_waist_pitch_z);
-    let bx_left_shoulder_pitch_x = e38
-        .mul_add(c_left_shoulder_pitch, -(kx_left_shoulder_pitch_x * e36));
-    let e39 = e38.mul_add(e36, kx_left_shoulder_pitch_x * c_left_shoulder_pitch);
+    let bx_left_shoulder_pitch_x = e92
+        .mul_add(c_left_shoulder_pitch, -(kx_left_shoulder_pitch_x * e90));
+    let e93 = e92.mul_add(e90, kx_left_shoulder_pitch_x * c_left_shoulder_pitch);
+    let e94 = (-ky_waist_pitch_z)
+        .mul_add(
+            T::from_f64(0.09248191489966293),
+            e48.mul_add(T::from_f64(0.11783871458722316), -e49),
+        );
+    let ky_left_shoulder_pitch_x = e94.mul_add(T::from_f64(0.2305051546121806), -e48);
+    let e95 = e94.mul_add(T::from_f64(1.956107170887058), e49);
+    let ky_left_shoulder_pitch_z = e94
+        .mul_add(T::from_f64(0.1809045369125973), ky_waist_pitch_z);
+    let by_left_shoulder_pitch_x = e95
+        .mul_add(c_left_shoulder_pitch, -(ky_left_shoulder_pitch_x * e90));
+    let e96 = e95.mul_add(e90, ky_left_shoulder_pitch_x * c_left_shoulder_pitch);
+    let e97 = (-kz_waist_pitch_z)
+        .mul_add(
+            T::from_f64(0.09248191489966293),
+            e50.mul_add(T::from_f64(0.11783871458722316), -e51),
+        );
+    let kz_left_shoulder_pitch_x = e97.mul_add(T::from_f64(0.2305051546121806), -e50);
+    let e98 = e97.mul_add(T::from_f64(1.956107170887058), e51);
+    let kz_left_shoulder_pitch_z = e97
+        .mul_add(T::from_f64(0.1809045369125973), kz_waist_pitch_z);
+    let bz_left_shoulder_pitch_x = e98
+        .mul_add(c_left_shoulder_pitch, -(kz_left_shoulder_pitch_x * e90));
+    let e99 = e98.mul_add(e90, kz_left_shoulder_pitch_x * c_left_shoulder_pitch);
     // left_shoulder_roll
     let s_left_shoulder_roll = cos[24]
         .mul_add(
@@ -17994,13 +18263,47 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.9589807807681263),
             T::from_f64(0.2834710957352705) * kx_left_shoulder_pitch_z,
         );
-    let bx_left_shoulder_roll_x = e39
+    let bx_left_shoulder_roll_x = e93
         .mul_add(
             c_left_shoulder_roll,
             -(kx_left_shoulder_roll_y * s_left_shoulder_roll),
         );
     let bx_left_shoulder_roll_y = kx_left_shoulder_roll_y
-        .mul_add(c_left_shoulder_roll, e39 * s_left_shoulder_roll);
+        .mul_add(c_left_shoulder_roll, e93 * s_left_shoulder_roll);
+    let ky_left_shoulder_roll_y = by_left_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.2834710957352705),
+            -(T::from_f64(0.9589807807681263) * ky_left_shoulder_pitch_z),
+        );
+    let ky_left_shoulder_roll_z = by_left_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.9589807807681263),
+            T::from_f64(0.2834710957352705) * ky_left_shoulder_pitch_z,
+        );
+    let by_left_shoulder_roll_x = e96
+        .mul_add(
+            c_left_shoulder_roll,
+            -(ky_left_shoulder_roll_y * s_left_shoulder_roll),
+        );
+    let by_left_shoulder_roll_y = ky_left_shoulder_roll_y
+        .mul_add(c_left_shoulder_roll, e96 * s_left_shoulder_roll);
+    let kz_left_shoulder_roll_y = bz_left_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.2834710957352705),
+            -(T::from_f64(0.9589807807681263) * kz_left_shoulder_pitch_z),
+        );
+    let kz_left_shoulder_roll_z = bz_left_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.9589807807681263),
+            T::from_f64(0.2834710957352705) * kz_left_shoulder_pitch_z,
+        );
+    let bz_left_shoulder_roll_x = e99
+        .mul_add(
+            c_left_shoulder_roll,
+            -(kz_left_shoulder_roll_y * s_left_shoulder_roll),
+        );
+    let bz_left_shoulder_roll_y = kz_left_shoulder_roll_y
+        .mul_add(c_left_shoulder_roll, e99 * s_left_shoulder_roll);
     // left_shoulder_yaw
     let s_left_shoulder_yaw = cos[25]
         .mul_add(
@@ -18012,7 +18315,7 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.9917274681853637),
             T::from_f64(0.12836132145879614) * sin[25],
         );
-    let e40 = bx_left_shoulder_roll_x
+    let e100 = bx_left_shoulder_roll_x
         .mul_add(
             T::from_f64(0.3848026949004402),
             T::from_f64(0.9229988548190939) * kx_left_shoulder_roll_z,
@@ -18022,10 +18325,38 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.9229988548190939),
             -(T::from_f64(0.3848026949004402) * kx_left_shoulder_roll_z),
         );
-    let bx_left_shoulder_yaw_x = e40
+    let bx_left_shoulder_yaw_x = e100
         .mul_add(s_left_shoulder_yaw, -(bx_left_shoulder_roll_y * c_left_shoulder_yaw));
-    let e41 = e40
+    let e101 = e100
         .mul_add(c_left_shoulder_yaw, bx_left_shoulder_roll_y * s_left_shoulder_yaw);
+    let e102 = by_left_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.3848026949004402),
+            T::from_f64(0.9229988548190939) * ky_left_shoulder_roll_z,
+        );
+    let ky_left_shoulder_yaw_z = by_left_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.9229988548190939),
+            -(T::from_f64(0.3848026949004402) * ky_left_shoulder_roll_z),
+        );
+    let by_left_shoulder_yaw_x = e102
+        .mul_add(s_left_shoulder_yaw, -(by_left_shoulder_roll_y * c_left_shoulder_yaw));
+    let e103 = e102
+        .mul_add(c_left_shoulder_yaw, by_left_shoulder_roll_y * s_left_shoulder_yaw);
+    let e104 = bz_left_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.3848026949004402),
+            T::from_f64(0.9229988548190939) * kz_left_shoulder_roll_z,
+        );
+    let kz_left_shoulder_yaw_z = bz_left_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.9229988548190939),
+            -(T::from_f64(0.3848026949004402) * kz_left_shoulder_roll_z),
+        );
+    let bz_left_shoulder_yaw_x = e104
+        .mul_add(s_left_shoulder_yaw, -(bz_left_shoulder_roll_y * c_left_shoulder_yaw));
+    let e105 = e104
+        .mul_add(c_left_shoulder_yaw, bz_left_shoulder_roll_y * s_left_shoulder_yaw);
     // left_elbow
     let s_left_elbow = cos[26]
         .mul_add(
@@ -18047,10 +18378,34 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.9924772473334093),
             T::from_f64(0.12242921843048289) * kx_left_shoulder_yaw_z,
         );
-    let e42 = e41.mul_add(s_left_elbow, kx_left_elbow_y * c_left_elbow);
-    let e43 = kx_left_elbow_y.mul_add(s_left_elbow, -(e41 * c_left_elbow));
+    let e106 = e101.mul_add(s_left_elbow, kx_left_elbow_y * c_left_elbow);
+    let e107 = kx_left_elbow_y.mul_add(s_left_elbow, -(e101 * c_left_elbow));
+    let ky_left_elbow_y = by_left_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.12242921843048289),
+            -(T::from_f64(0.9924772473334093) * ky_left_shoulder_yaw_z),
+        );
+    let ky_left_elbow_z = by_left_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.9924772473334093),
+            T::from_f64(0.12242921843048289) * ky_left_shoulder_yaw_z,
+        );
+    let e108 = e103.mul_add(s_left_elbow, ky_left_elbow_y * c_left_elbow);
+    let e109 = ky_left_elbow_y.mul_add(s_left_elbow, -(e103 * c_left_elbow));
+    let kz_left_elbow_y = bz_left_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.12242921843048289),
+            -(T::from_f64(0.9924772473334093) * kz_left_shoulder_yaw_z),
+        );
+    let kz_left_elbow_z = bz_left_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.9924772473334093),
+            T::from_f64(0.12242921843048289) * kz_left_shoulder_yaw_z,
+        );
+    let e110 = e105.mul_add(s_left_elbow, kz_left_elbow_y * c_left_elbow);
+    let e111 = kz_left_elbow_y.mul_add(s_left_elbow, -(e105 * c_left_elbow));
     // left_wrist_yaw
-    let e44 = sin[27]
+    let e112 = sin[27]
         .mul_add(
             T::from_f64(0.9968143242066551),
             T::from_f64(0.079757150503448) * cos[27],
@@ -18060,18 +18415,42 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.9968143242066551),
             -(T::from_f64(0.079757150503448) * sin[27]),
         );
-    let kx_left_wrist_yaw_y = e42
+    let kx_left_wrist_yaw_y = e106
         .mul_add(
             T::from_f64(0.15904161977640188),
             -(T::from_f64(0.9872718790580934) * kx_left_elbow_z),
         );
-    let e45 = e42
+    let e113 = e106
         .mul_add(
             T::from_f64(0.9872718790580934),
             T::from_f64(0.15904161977640188) * kx_left_elbow_z,
         );
-    let e46 = e43.mul_add(c_left_wrist_yaw, kx_left_wrist_yaw_y * e44);
-    let e47 = kx_left_wrist_yaw_y.mul_add(c_left_wrist_yaw, -(e43 * e44));
+    let e114 = e107.mul_add(c_left_wrist_yaw, kx_left_wrist_yaw_y * e112);
+    let e115 = kx_left_wrist_yaw_y.mul_add(c_left_wrist_yaw, -(e107 * e112));
+    let ky_left_wrist_yaw_y = e108
+        .mul_add(
+            T::from_f64(0.15904161977640188),
+            -(T::from_f64(0.9872718790580934) * ky_left_elbow_z),
+        );
+    let e116 = e108
+        .mul_add(
+            T::from_f64(0.9872718790580934),
+            T::from_f64(0.15904161977640188) * ky_left_elbow_z,
+        );
+    let e117 = e109.mul_add(c_left_wrist_yaw, ky_left_wrist_yaw_y * e112);
+    let e118 = ky_left_wrist_yaw_y.mul_add(c_left_wrist_yaw, -(e109 * e112));
+    let kz_left_wrist_yaw_y = e110
+        .mul_add(
+            T::from_f64(0.15904161977640188),
+            -(T::from_f64(0.9872718790580934) * kz_left_elbow_z),
+        );
+    let e119 = e110
+        .mul_add(
+            T::from_f64(0.9872718790580934),
+            T::from_f64(0.15904161977640188) * kz_left_elbow_z,
+        );
+    let e120 = e111.mul_add(c_left_wrist_yaw, kz_left_wrist_yaw_y * e112);
+    let e121 = kz_left_wrist_yaw_y.mul_add(c_left_wrist_yaw, -(e111 * e112));
     // left_wrist_roll
     let s_left_wrist_roll = cos[28]
         .mul_add(
@@ -18083,850 +18462,71 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.9984635688653299),
             T::from_f64(0.055412107419846535) * sin[28],
         );
-    let kx_left_wrist_roll_y = e45
+    let kx_left_wrist_roll_y = e113
         .mul_add(
             T::from_f64(0.9977446087492899),
-            -(T::from_f64(0.06712447922871664) * e46),
+            -(T::from_f64(0.06712447922871664) * e114),
         );
-    let e48 = e46
+    let e122 = e114
         .mul_add(
             T::from_f64(0.9977446087492899),
-            T::from_f64(0.06712447922871664) * e45,
+            T::from_f64(0.06712447922871664) * e113,
         );
     let bx_left_wrist_roll_x = kx_left_wrist_roll_y
-        .mul_add(s_left_wrist_roll, -(e47 * c_left_wrist_roll));
-    let e49 = kx_left_wrist_roll_y.mul_add(c_left_wrist_roll, e47 * s_left_wrist_roll);
+        .mul_add(s_left_wrist_roll, -(e115 * c_left_wrist_roll));
+    let e123 = kx_left_wrist_roll_y.mul_add(c_left_wrist_roll, e115 * s_left_wrist_roll);
+    let ky_left_wrist_roll_y = e116
+        .mul_add(
+            T::from_f64(0.9977446087492899),
+            -(T::from_f64(0.06712447922871664) * e117),
+        );
+    let e124 = e117
+        .mul_add(
+            T::from_f64(0.9977446087492899),
+            T::from_f64(0.06712447922871664) * e116,
+        );
+    let by_left_wrist_roll_x = ky_left_wrist_roll_y
+        .mul_add(s_left_wrist_roll, -(e118 * c_left_wrist_roll));
+    let e125 = ky_left_wrist_roll_y.mul_add(c_left_wrist_roll, e118 * s_left_wrist_roll);
+    let kz_left_wrist_roll_y = e119
+        .mul_add(
+            T::from_f64(0.9977446087492899),
+            -(T::from_f64(0.06712447922871664) * e120),
+        );
+    let e126 = e120
+        .mul_add(
+            T::from_f64(0.9977446087492899),
+            T::from_f64(0.06712447922871664) * e119,
+        );
+    let bz_left_wrist_roll_x = kz_left_wrist_roll_y
+        .mul_add(s_left_wrist_roll, -(e121 * c_left_wrist_roll));
+    let e127 = kz_left_wrist_roll_y.mul_add(c_left_wrist_roll, e121 * s_left_wrist_roll);
     // left_wrist_pitch
-    let kx_left_wrist_pitch_y = e48
+    let kx_left_wrist_pitch_y = e122
         .mul_add(
             T::from_f64(0.99908366749145),
             -(T::from_f64(0.042799828876225604) * bx_left_wrist_roll_x),
         );
     let kx_left_wrist_pitch_z = bx_left_wrist_roll_x
-        .mul_add(T::from_f64(0.99908366749145), T::from_f64(0.042799828876225604) * e48);
-    let e50 = e49.mul_add(cos[29], kx_left_wrist_pitch_y * sin[29]);
-    let e51 = kx_left_wrist_pitch_y.mul_add(cos[29], -(e49 * sin[29]));
-    // right_ankle_roll
-    let by_right_ankle_roll_x = s_right_ankle_roll
-        .mul_add(
-            T::from_f64(0.11117478017138471),
-            T::from_f64(0.9851881430723574) * c_right_ankle_roll,
-        );
-    let e52 = c_right_ankle_roll
-        .mul_add(
-            T::from_f64(0.11117478017138471),
-            -(T::from_f64(0.9851881430723574) * s_right_ankle_roll),
-        );
-    // right_ankle_pitch
-    let ky_right_ankle_pitch_y = (-by_right_ankle_roll_x)
-        .mul_add(T::from_f64(0.0524083921121999), T::from_f64(0.1303751353983952));
-    let ky_right_ankle_pitch_z = by_right_ankle_roll_x
-        .mul_add(T::from_f64(0.9986257359172223), T::from_f64(0.00684215414432963));
-    let by_right_ankle_pitch_x = ky_right_ankle_pitch_y
-        .mul_add(s_right_ankle_pitch, -(e52 * c_right_ankle_pitch));
-    let e53 = ky_right_ankle_pitch_y
-        .mul_add(c_right_ankle_pitch, e52 * s_right_ankle_pitch);
-    // right_knee
-    let ky_right_knee_y = by_right_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.9659918591802843),
-            -(T::from_f64(0.2585724811294071) * ky_right_ankle_pitch_z),
-        );
-    let ky_right_knee_z = by_right_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.2585724811294071),
-            T::from_f64(0.9659918591802843) * ky_right_ankle_pitch_z,
-        );
-    let by_right_knee_x = e53.mul_add(s_right_knee, ky_right_knee_y * c_right_knee);
-    let e54 = e53.mul_add(c_right_knee, -(ky_right_knee_y * s_right_knee));
-    // right_hip_pitch
-    let ky_right_hip_pitch_y = by_right_knee_x
-        .mul_add(
-            T::from_f64(0.9973888291864124),
-            -(T::from_f64(0.0722185808096314) * ky_right_knee_z),
-        );
-    let ky_right_hip_pitch_z = by_right_knee_x
-        .mul_add(
-            T::from_f64(0.0722185808096314),
-            T::from_f64(0.9973888291864124) * ky_right_knee_z,
-        );
-    let by_right_hip_pitch_x = ky_right_hip_pitch_y
-        .mul_add(s_right_hip_pitch, -(e54 * c_right_hip_pitch));
-    let e55 = ky_right_hip_pitch_y.mul_add(c_right_hip_pitch, e54 * s_right_hip_pitch);
-    // right_hip_roll
-    let ky_right_hip_roll_y = by_right_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.06044086238279244),
-            -(T::from_f64(0.9981717798828138) * ky_right_hip_pitch_z),
-        );
-    let ky_right_hip_roll_z = by_right_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.9981717798828138),
-            T::from_f64(0.06044086238279244) * ky_right_hip_pitch_z,
-        );
-    let by_right_hip_roll_x = e55
-        .mul_add(c_right_hip_roll, -(ky_right_hip_roll_y * s_right_hip_roll));
-    let by_right_hip_roll_y = ky_right_hip_roll_y
-        .mul_add(c_right_hip_roll, e55 * s_right_hip_roll);
-    // right_hip_yaw
-    let ky_right_hip_yaw_y = by_right_hip_roll_x
-        .mul_add(
-            T::from_f64(0.08292767473984558),
-            -(T::from_f64(0.9965555683263441) * ky_right_hip_roll_z),
-        );
-    let ky_right_hip_yaw_z = by_right_hip_roll_x
-        .mul_add(
-            T::from_f64(0.9965555683263441),
-            T::from_f64(0.08292767473984558) * ky_right_hip_roll_z,
-        );
-    let by_right_hip_yaw_x = by_right_hip_roll_y
-        .mul_add(c_right_hip_yaw, ky_right_hip_yaw_y * s_right_hip_yaw);
-    let e56 = ky_right_hip_yaw_y
-        .mul_add(c_right_hip_yaw, -(by_right_hip_roll_y * s_right_hip_yaw));
-    // left_hip_yaw
-    let e57 = by_right_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.538107754426925),
-            T::from_f64(0.8428760553163273) * ky_right_hip_yaw_z,
-        );
-    let ky_left_hip_yaw_z = by_right_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.8428760553163273),
-            -(T::from_f64(0.538107754426925) * ky_right_hip_yaw_z),
-        );
-    let by_left_hip_yaw_x = e56.mul_add(c_left_hip_yaw, -(e57 * e7));
-    let e58 = e57.mul_add(c_left_hip_yaw, e56 * e7);
-    // left_hip_roll
-    let ky_left_hip_roll_y = by_left_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.08292767473984561),
-            -(T::from_f64(0.9965555683263441) * ky_left_hip_yaw_z),
-        );
-    let ky_left_hip_roll_z = by_left_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.9965555683263441),
-            T::from_f64(0.08292767473984561) * ky_left_hip_yaw_z,
-        );
-    let by_left_hip_roll_x = ky_left_hip_roll_y
-        .mul_add(s_left_hip_roll, -(e58 * c_left_hip_roll));
-    let e59 = ky_left_hip_roll_y.mul_add(c_left_hip_roll, e58 * s_left_hip_roll);
-    // left_hip_pitch
-    let ky_left_hip_pitch_y = by_left_hip_roll_x
-        .mul_add(
-            T::from_f64(0.06044086238279245),
-            -(T::from_f64(0.9981717798828137) * ky_left_hip_roll_z),
-        );
-    let ky_left_hip_pitch_z = by_left_hip_roll_x
-        .mul_add(
-            T::from_f64(0.9981717798828137),
-            T::from_f64(0.06044086238279245) * ky_left_hip_roll_z,
-        );
-    let by_left_hip_pitch_x = e59.mul_add(c_left_hip_pitch, ky_left_hip_pitch_y * e11);
-    let e60 = e59.mul_add(e11, -(ky_left_hip_pitch_y * c_left_hip_pitch));
-    // left_knee
-    let ky_left_knee_y = by_left_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.9973888291864126),
-            -(T::from_f64(0.0722185808096314) * ky_left_hip_pitch_z),
-        );
-    let ky_left_knee_z = by_left_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.0722185808096314),
-            T::from_f64(0.9973888291864126) * ky_left_hip_pitch_z,
-        );
-    let by_left_knee_x = e60.mul_add(s_left_knee, ky_left_knee_y * c_left_knee);
-    let e61 = e60.mul_add(c_left_knee, -(ky_left_knee_y * s_left_knee));
-    // left_ankle_pitch
-    let ky_left_ankle_pitch_y = by_left_knee_x
-        .mul_add(
-            T::from_f64(0.9659918591802845),
-            -(T::from_f64(0.2585724811294071) * ky_left_knee_z),
-        );
-    let ky_left_ankle_pitch_z = by_left_knee_x
-        .mul_add(
-            T::from_f64(0.2585724811294071),
-            T::from_f64(0.9659918591802845) * ky_left_knee_z,
-        );
-    let by_left_ankle_pitch_x = e61
-        .mul_add(c_left_ankle_pitch, ky_left_ankle_pitch_y * e14);
-    let e62 = e61.mul_add(e14, -(ky_left_ankle_pitch_y * c_left_ankle_pitch));
-    // left_ankle_roll
-    let e63 = by_left_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.052408392112199914),
-            T::from_f64(0.9986257359172225) * ky_left_ankle_pitch_z,
-        );
-    let ky_left_ankle_roll_z = by_left_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.9986257359172225),
-            -(T::from_f64(0.052408392112199914) * ky_left_ankle_pitch_z),
-        );
-    let by_left_ankle_roll_x = e63.mul_add(sin[11], -(e62 * cos[11]));
-    let by_left_ankle_roll_y = e63.mul_add(cos[11], e62 * sin[11]);
-    // waist_yaw
-    let e64 = e56
-        .mul_add(
-            T::from_f64(0.11944678826051937),
-            -(T::from_f64(0.19252104104496945) * by_right_hip_yaw_x),
-        ) + ky_right_hip_yaw_z;
-    let ky_waist_yaw_x = e64
-        .mul_add(T::from_f64(0.3662421800811956), by_right_hip_yaw_x);
-    let ky_waist_yaw_y = e64.mul_add(T::from_f64(0.22722945969324562), -e56);
-    let ky_waist_yaw_z = (-e64)
-        .mul_add(T::from_f64(1.9023488450576578), ky_right_hip_yaw_z);
-    let by_waist_yaw_x = ky_waist_yaw_y.mul_add(e17, -(ky_waist_yaw_x * c_waist_yaw));
-    let by_waist_yaw_y = ky_waist_yaw_y.mul_add(c_waist_yaw, ky_waist_yaw_x * e17);
-    // waist_pitch
-    let ky_waist_pitch_y = by_waist_yaw_x
-        .mul_add(
-            T::from_f64(0.19642259114963537),
-            -(T::from_f64(0.980519334682424) * ky_waist_yaw_z),
-        );
-    let ky_waist_pitch_z = by_waist_yaw_x
-        .mul_add(
-            T::from_f64(0.980519334682424),
-            T::from_f64(0.19642259114963537) * ky_waist_yaw_z,
-        );
-    let e65 = by_waist_yaw_y.mul_add(e19, ky_waist_pitch_y * c_waist_pitch);
-    let e66 = by_waist_yaw_y.mul_add(c_waist_pitch, -(ky_waist_pitch_y * e19));
-    // neck_yaw
-    let e67 = e65
-        .mul_add(
-            T::from_f64(0.11686854868553807),
-            T::from_f64(0.9931473920461839) * ky_waist_pitch_z,
-        );
-    let ky_neck_yaw_z = ky_waist_pitch_z
-        .mul_add(
-            T::from_f64(0.11686854868553807),
-            -(T::from_f64(0.9931473920461839) * e65),
-        );
-    let by_neck_yaw_x = e67.mul_add(c_neck_yaw, -(e66 * s_neck_yaw));
-    let by_neck_yaw_y = e67.mul_add(s_neck_yaw, e66 * c_neck_yaw);
-    // neck_pitch
-    let e68 = by_neck_yaw_x
-        .mul_add(
-            T::from_f64(0.040883888851400166),
-            T::from_f64(0.9991639042881736) * ky_neck_yaw_z,
-        );
-    let ky_neck_pitch_z = by_neck_yaw_x
-        .mul_add(
-            T::from_f64(0.9991639042881736),
-            -(T::from_f64(0.040883888851400166) * ky_neck_yaw_z),
-        );
-    let by_neck_pitch_x = by_neck_yaw_y.mul_add(cos[15], e68 * sin[15]);
-    let e69 = by_neck_yaw_y.mul_add(sin[15], -(e68 * cos[15]));
-    // right_shoulder_pitch
-    let e70 = ky_waist_pitch_z
-        .mul_add(
-            T::from_f64(0.10644334192309902),
-            e66.mul_add(T::from_f64(0.07159388452594458), -e65),
-        );
-    let e71 = e70.mul_add(T::from_f64(1.9676210845200064), e65);
-    let ky_right_shoulder_pitch_y = e70.mul_add(T::from_f64(0.14086963671593916), -e66);
-    let ky_right_shoulder_pitch_z = (-e70)
-        .mul_add(T::from_f64(0.20944016387466197), ky_waist_pitch_z);
-    let by_right_shoulder_pitch_x = e71
-        .mul_add(e25, -(ky_right_shoulder_pitch_y * c_right_shoulder_pitch));
-    let by_right_shoulder_pitch_y = ky_right_shoulder_pitch_y
-        .mul_add(e25, e71 * c_right_shoulder_pitch);
-    // right_shoulder_roll
-    let ky_right_shoulder_roll_y = by_right_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.2834710957352705),
-            -(T::from_f64(0.9589807807681263) * ky_right_shoulder_pitch_z),
-        );
-    let ky_right_shoulder_roll_z = by_right_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.9589807807681263),
-            T::from_f64(0.2834710957352705) * ky_right_shoulder_pitch_z,
-        );
-    let e72 = by_right_shoulder_pitch_y
-        .mul_add(
-            c_right_shoulder_roll,
-            ky_right_shoulder_roll_y * s_right_shoulder_roll,
-        );
-    let e73 = by_right_shoulder_pitch_y
-        .mul_add(
-            s_right_shoulder_roll,
-            -(ky_right_shoulder_roll_y * c_right_shoulder_roll),
-        );
-    // right_shoulder_yaw
-    let ky_right_shoulder_yaw_y = e72
-        .mul_add(
-            T::from_f64(0.3848026949004402),
-            -(T::from_f64(0.9229988548190939) * ky_right_shoulder_roll_z),
-        );
-    let e74 = e72
-        .mul_add(
-            T::from_f64(0.9229988548190939),
-            T::from_f64(0.3848026949004402) * ky_right_shoulder_roll_z,
-        );
-    let by_right_shoulder_yaw_x = e73
-        .mul_add(
-            c_right_shoulder_yaw,
-            -(ky_right_shoulder_yaw_y * s_right_shoulder_yaw),
-        );
-    let by_right_shoulder_yaw_y = ky_right_shoulder_yaw_y
-        .mul_add(c_right_shoulder_yaw, e73 * s_right_shoulder_yaw);
-    // right_elbow
-    let ky_right_elbow_y = by_right_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.12242921843048289),
-            T::from_f64(0.9924772473334093) * e74,
-        );
-    let ky_right_elbow_z = by_right_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.9924772473334093),
-            -(T::from_f64(0.12242921843048289) * e74),
-        );
-    let by_right_elbow_x = by_right_shoulder_yaw_y
-        .mul_add(s_right_elbow, -(ky_right_elbow_y * c_right_elbow));
-    let e75 = ky_right_elbow_y
-        .mul_add(s_right_elbow, by_right_shoulder_yaw_y * c_right_elbow);
-    // right_wrist_yaw
-    let e76 = by_right_elbow_x
-        .mul_add(
-            T::from_f64(0.15904161977640188),
-            T::from_f64(0.9872718790580934) * ky_right_elbow_z,
-        );
-    let ky_right_wrist_yaw_z = by_right_elbow_x
-        .mul_add(
-            T::from_f64(0.9872718790580934),
-            -(T::from_f64(0.15904161977640188) * ky_right_elbow_z),
-        );
-    let by_right_wrist_yaw_x = e76.mul_add(e32, -(e75 * c_right_wrist_yaw));
-    let by_right_wrist_yaw_y = e76.mul_add(c_right_wrist_yaw, e75 * e32);
-    // right_wrist_roll
-    let ky_right_wrist_roll_y = by_right_wrist_yaw_x
-        .mul_add(
-            T::from_f64(0.06712447922871664),
-            -(T::from_f64(0.9977446087492899) * ky_right_wrist_yaw_z),
-        );
-    let ky_right_wrist_roll_z = by_right_wrist_yaw_x
-        .mul_add(
-            T::from_f64(0.9977446087492899),
-            T::from_f64(0.06712447922871664) * ky_right_wrist_yaw_z,
-        );
-    let by_right_wrist_roll_x = by_right_wrist_yaw_y
-        .mul_add(c_right_wrist_roll, ky_right_wrist_roll_y * s_right_wrist_roll);
-    let e77 = ky_right_wrist_roll_y
-        .mul_add(c_right_wrist_roll, -(by_right_wrist_yaw_y * s_right_wrist_roll));
-    // right_wrist_pitch
-    let e78 = by_right_wrist_roll_x
-        .mul_add(
-            T::from_f64(0.042799828876225604),
-            T::from_f64(0.99908366749145) * ky_right_wrist_roll_z,
-        );
-    let ky_right_wrist_pitch_z = by_right_wrist_roll_x
         .mul_add(
             T::from_f64(0.99908366749145),
-            -(T::from_f64(0.042799828876225604) * ky_right_wrist_roll_z),
+            T::from_f64(0.042799828876225604) * e122,
         );
-    let by_right_wrist_pitch_x = e78.mul_add(sin[22], -(e77 * cos[22]));
-    let by_right_wrist_pitch_y = e78.mul_add(cos[22], e77 * sin[22]);
-    // left_shoulder_pitch
-    let e79 = (-ky_waist_pitch_z)
-        .mul_add(
-            T::from_f64(0.09248191489966293),
-            e65.mul_add(T::from_f64(0.11783871458722316), -e66),
-        );
-    let ky_left_shoulder_pitch_x = e79.mul_add(T::from_f64(0.2305051546121806), -e65);
-    let e80 = e79.mul_add(T::from_f64(1.956107170887058), e66);
-    let ky_left_shoulder_pitch_z = e79
-        .mul_add(T::from_f64(0.1809045369125973), ky_waist_pitch_z);
-    let by_left_shoulder_pitch_x = e80
-        .mul_add(c_left_shoulder_pitch, -(ky_left_shoulder_pitch_x * e36));
-    let e81 = e80.mul_add(e36, ky_left_shoulder_pitch_x * c_left_shoulder_pitch);
-    // left_shoulder_roll
-    let ky_left_shoulder_roll_y = by_left_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.2834710957352705),
-            -(T::from_f64(0.9589807807681263) * ky_left_shoulder_pitch_z),
-        );
-    let ky_left_shoulder_roll_z = by_left_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.9589807807681263),
-            T::from_f64(0.2834710957352705) * ky_left_shoulder_pitch_z,
-        );
-    let by_left_shoulder_roll_x = e81
-        .mul_add(
-            c_left_shoulder_roll,
-            -(ky_left_shoulder_roll_y * s_left_shoulder_roll),
-        );
-    let by_left_shoulder_roll_y = ky_left_shoulder_roll_y
-        .mul_add(c_left_shoulder_roll, e81 * s_left_shoulder_roll);
-    // left_shoulder_yaw
-    let e82 = by_left_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.3848026949004402),
-            T::from_f64(0.9229988548190939) * ky_left_shoulder_roll_z,
-        );
-    let ky_left_shoulder_yaw_z = by_left_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.9229988548190939),
-            -(T::from_f64(0.3848026949004402) * ky_left_shoulder_roll_z),
-        );
-    let by_left_shoulder_yaw_x = e82
-        .mul_add(s_left_shoulder_yaw, -(by_left_shoulder_roll_y * c_left_shoulder_yaw));
-    let e83 = e82
-        .mul_add(c_left_shoulder_yaw, by_left_shoulder_roll_y * s_left_shoulder_yaw);
-    // left_elbow
-    let ky_left_elbow_y = by_left_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.12242921843048289),
-            -(T::from_f64(0.9924772473334093) * ky_left_shoulder_yaw_z),
-        );
-    let ky_left_elbow_z = by_left_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.9924772473334093),
-            T::from_f64(0.12242921843048289) * ky_left_shoulder_yaw_z,
-        );
-    let e84 = e83.mul_add(s_left_elbow, ky_left_elbow_y * c_left_elbow);
-    let e85 = ky_left_elbow_y.mul_add(s_left_elbow, -(e83 * c_left_elbow));
-    // left_wrist_yaw
-    let ky_left_wrist_yaw_y = e84
-        .mul_add(
-            T::from_f64(0.15904161977640188),
-            -(T::from_f64(0.9872718790580934) * ky_left_elbow_z),
-        );
-    let e86 = e84
-        .mul_add(
-            T::from_f64(0.9872718790580934),
-            T::from_f64(0.15904161977640188) * ky_left_elbow_z,
-        );
-    let e87 = e85.mul_add(c_left_wrist_yaw, ky_left_wrist_yaw_y * e44);
-    let e88 = ky_left_wrist_yaw_y.mul_add(c_left_wrist_yaw, -(e85 * e44));
-    // left_wrist_roll
-    let ky_left_wrist_roll_y = e86
-        .mul_add(
-            T::from_f64(0.9977446087492899),
-            -(T::from_f64(0.06712447922871664) * e87),
-        );
-    let e89 = e87
-        .mul_add(
-            T::from_f64(0.9977446087492899),
-            T::from_f64(0.06712447922871664) * e86,
-        );
-    let by_left_wrist_roll_x = ky_left_wrist_roll_y
-        .mul_add(s_left_wrist_roll, -(e88 * c_left_wrist_roll));
-    let e90 = ky_left_wrist_roll_y.mul_add(c_left_wrist_roll, e88 * s_left_wrist_roll);
-    // left_wrist_pitch
-    let ky_left_wrist_pitch_y = e89
+    let e128 = e123.mul_add(cos[29], kx_left_wrist_pitch_y * sin[29]);
+    let e129 = kx_left_wrist_pitch_y.mul_add(cos[29], -(e123 * sin[29]));
+    let ky_left_wrist_pitch_y = e124
         .mul_add(
             T::from_f64(0.99908366749145),
             -(T::from_f64(0.042799828876225604) * by_left_wrist_roll_x),
         );
     let ky_left_wrist_pitch_z = by_left_wrist_roll_x
-        .mul_add(T::from_f64(0.99908366749145), T::from_f64(0.042799828876225604) * e89);
-    let e91 = e90.mul_add(cos[29], ky_left_wrist_pitch_y * sin[29]);
-    let e92 = ky_left_wrist_pitch_y.mul_add(cos[29], -(e90 * sin[29]));
-    // right_ankle_roll
-    let bz_right_ankle_roll_x = s_right_ankle_roll
-        .mul_add(
-            T::from_f64(0.9799158654419752),
-            -(T::from_f64(0.13055455182981807) * c_right_ankle_roll),
-        );
-    let e93 = s_right_ankle_roll
-        .mul_add(
-            T::from_f64(0.13055455182981807),
-            T::from_f64(0.9799158654419752) * c_right_ankle_roll,
-        );
-    // right_ankle_pitch
-    let kz_right_ankle_pitch_y = (-bz_right_ankle_roll_x)
-        .mul_add(T::from_f64(0.0524083921121999), T::from_f64(0.15052574825109485));
-    let kz_right_ankle_pitch_z = bz_right_ankle_roll_x
-        .mul_add(T::from_f64(0.9986257359172223), T::from_f64(0.007899668668242278));
-    let bz_right_ankle_pitch_x = kz_right_ankle_pitch_y
-        .mul_add(s_right_ankle_pitch, -(e93 * c_right_ankle_pitch));
-    let e94 = kz_right_ankle_pitch_y
-        .mul_add(c_right_ankle_pitch, e93 * s_right_ankle_pitch);
-    // right_knee
-    let kz_right_knee_y = bz_right_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.9659918591802843),
-            -(T::from_f64(0.2585724811294071) * kz_right_ankle_pitch_z),
-        );
-    let kz_right_knee_z = bz_right_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.2585724811294071),
-            T::from_f64(0.9659918591802843) * kz_right_ankle_pitch_z,
-        );
-    let bz_right_knee_x = e94.mul_add(s_right_knee, kz_right_knee_y * c_right_knee);
-    let e95 = e94.mul_add(c_right_knee, -(kz_right_knee_y * s_right_knee));
-    // right_hip_pitch
-    let kz_right_hip_pitch_y = bz_right_knee_x
-        .mul_add(
-            T::from_f64(0.9973888291864124),
-            -(T::from_f64(0.0722185808096314) * kz_right_knee_z),
-        );
-    let kz_right_hip_pitch_z = bz_right_knee_x
-        .mul_add(
-            T::from_f64(0.0722185808096314),
-            T::from_f64(0.9973888291864124) * kz_right_knee_z,
-        );
-    let bz_right_hip_pitch_x = kz_right_hip_pitch_y
-        .mul_add(s_right_hip_pitch, -(e95 * c_right_hip_pitch));
-    let e96 = kz_right_hip_pitch_y.mul_add(c_right_hip_pitch, e95 * s_right_hip_pitch);
-    // right_hip_roll
-    let kz_right_hip_roll_y = bz_right_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.06044086238279244),
-            -(T::from_f64(0.9981717798828138) * kz_right_hip_pitch_z),
-        );
-    let kz_right_hip_roll_z = bz_right_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.9981717798828138),
-            T::from_f64(0.06044086238279244) * kz_right_hip_pitch_z,
-        );
-    let bz_right_hip_roll_x = e96
-        .mul_add(c_right_hip_roll, -(kz_right_hip_roll_y * s_right_hip_roll));
-    let bz_right_hip_roll_y = kz_right_hip_roll_y
-        .mul_add(c_right_hip_roll, e96 * s_right_hip_roll);
-    // right_hip_yaw
-    let kz_right_hip_yaw_y = bz_right_hip_roll_x
-        .mul_add(
-            T::from_f64(0.08292767473984558),
-            -(T::from_f64(0.9965555683263441) * kz_right_hip_roll_z),
-        );
-    let kz_right_hip_yaw_z = bz_right_hip_roll_x
-        .mul_add(
-            T::from_f64(0.9965555683263441),
-            T::from_f64(0.08292767473984558) * kz_right_hip_roll_z,
-        );
-    let bz_right_hip_yaw_x = bz_right_hip_roll_y
-        .mul_add(c_right_hip_yaw, kz_right_hip_yaw_y * s_right_hip_yaw);
-    let e97 = kz_right_hip_yaw_y
-        .mul_add(c_right_hip_yaw, -(bz_right_hip_roll_y * s_right_hip_yaw));
-    // left_hip_yaw
-    let e98 = bz_right_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.538107754426925),
-            T::from_f64(0.8428760553163273) * kz_right_hip_yaw_z,
-        );
-    let kz_left_hip_yaw_z = bz_right_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.8428760553163273),
-            -(T::from_f64(0.538107754426925) * kz_right_hip_yaw_z),
-        );
-    let bz_left_hip_yaw_x = e97.mul_add(c_left_hip_yaw, -(e98 * e7));
-    let e99 = e98.mul_add(c_left_hip_yaw, e97 * e7);
-    // left_hip_roll
-    let kz_left_hip_roll_y = bz_left_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.08292767473984561),
-            -(T::from_f64(0.9965555683263441) * kz_left_hip_yaw_z),
-        );
-    let kz_left_hip_roll_z = bz_left_hip_yaw_x
-        .mul_add(
-            T::from_f64(0.9965555683263441),
-            T::from_f64(0.08292767473984561) * kz_left_hip_yaw_z,
-        );
-    let bz_left_hip_roll_x = kz_left_hip_roll_y
-        .mul_add(s_left_hip_roll, -(e99 * c_left_hip_roll));
-    let e100 = kz_left_hip_roll_y.mul_add(c_left_hip_roll, e99 * s_left_hip_roll);
-    // left_hip_pitch
-    let kz_left_hip_pitch_y = bz_left_hip_roll_x
-        .mul_add(
-            T::from_f64(0.06044086238279245),
-            -(T::from_f64(0.9981717798828137) * kz_left_hip_roll_z),
-        );
-    let kz_left_hip_pitch_z = bz_left_hip_roll_x
-        .mul_add(
-            T::from_f64(0.9981717798828137),
-            T::from_f64(0.06044086238279245) * kz_left_hip_roll_z,
-        );
-    let bz_left_hip_pitch_x = e100.mul_add(c_left_hip_pitch, kz_left_hip_pitch_y * e11);
-    let e101 = e100.mul_add(e11, -(kz_left_hip_pitch_y * c_left_hip_pitch));
-    // left_knee
-    let kz_left_knee_y = bz_left_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.9973888291864126),
-            -(T::from_f64(0.0722185808096314) * kz_left_hip_pitch_z),
-        );
-    let kz_left_knee_z = bz_left_hip_pitch_x
-        .mul_add(
-            T::from_f64(0.0722185808096314),
-            T::from_f64(0.9973888291864126) * kz_left_hip_pitch_z,
-        );
-    let bz_left_knee_x = e101.mul_add(s_left_knee, kz_left_knee_y * c_left_knee);
-    let e102 = e101.mul_add(c_left_knee, -(kz_left_knee_y * s_left_knee));
-    // left_ankle_pitch
-    let kz_left_ankle_pitch_y = bz_left_knee_x
-        .mul_add(
-            T::from_f64(0.9659918591802845),
-            -(T::from_f64(0.2585724811294071) * kz_left_knee_z),
-        );
-    let kz_left_ankle_pitch_z = bz_left_knee_x
-        .mul_add(
-            T::from_f64(0.2585724811294071),
-            T::from_f64(0.9659918591802845) * kz_left_knee_z,
-        );
-    let bz_left_ankle_pitch_x = e102
-        .mul_add(c_left_ankle_pitch, kz_left_ankle_pitch_y * e14);
-    let e103 = e102.mul_add(e14, -(kz_left_ankle_pitch_y * c_left_ankle_pitch));
-    // left_ankle_roll
-    let e104 = bz_left_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.052408392112199914),
-            T::from_f64(0.9986257359172225) * kz_left_ankle_pitch_z,
-        );
-    let kz_left_ankle_roll_z = bz_left_ankle_pitch_x
-        .mul_add(
-            T::from_f64(0.9986257359172225),
-            -(T::from_f64(0.052408392112199914) * kz_left_ankle_pitch_z),
-        );
-    let bz_left_ankle_roll_x = e104.mul_add(sin[11], -(e103 * cos[11]));
-    let bz_left_ankle_roll_y = e104.mul_add(cos[11], e103 * sin[11]);
-    // waist_yaw
-    let e105 = e97
-        .mul_add(
-            T::from_f64(0.11944678826051937),
-            -(T::from_f64(0.19252104104496945) * bz_right_hip_yaw_x),
-        ) + kz_right_hip_yaw_z;
-    let kz_waist_yaw_x = e105
-        .mul_add(T::from_f64(0.3662421800811956), bz_right_hip_yaw_x);
-    let kz_waist_yaw_y = e105.mul_add(T::from_f64(0.22722945969324562), -e97);
-    let kz_waist_yaw_z = (-e105)
-        .mul_add(T::from_f64(1.9023488450576578), kz_right_hip_yaw_z);
-    let bz_waist_yaw_x = kz_waist_yaw_y.mul_add(e17, -(kz_waist_yaw_x * c_waist_yaw));
-    let bz_waist_yaw_y = kz_waist_yaw_y.mul_add(c_waist_yaw, kz_waist_yaw_x * e17);
-    // waist_pitch
-    let kz_waist_pitch_y = bz_waist_yaw_x
-        .mul_add(
-            T::from_f64(0.19642259114963537),
-            -(T::from_f64(0.980519334682424) * kz_waist_yaw_z),
-        );
-    let kz_waist_pitch_z = bz_waist_yaw_x
-        .mul_add(
-            T::from_f64(0.980519334682424),
-            T::from_f64(0.19642259114963537) * kz_waist_yaw_z,
-        );
-    let e106 = bz_waist_yaw_y.mul_add(e19, kz_waist_pitch_y * c_waist_pitch);
-    let e107 = bz_waist_yaw_y.mul_add(c_waist_pitch, -(kz_waist_pitch_y * e19));
-    // neck_yaw
-    let e108 = e106
-        .mul_add(
-            T::from_f64(0.11686854868553807),
-            T::from_f64(0.9931473920461839) * kz_waist_pitch_z,
-        );
-    let kz_neck_yaw_z = kz_waist_pitch_z
-        .mul_add(
-            T::from_f64(0.11686854868553807),
-            -(T::from_f64(0.9931473920461839) * e106),
-        );
-    let bz_neck_yaw_x = e108.mul_add(c_neck_yaw, -(e107 * s_neck_yaw));
-    let bz_neck_yaw_y = e108.mul_add(s_neck_yaw, e107 * c_neck_yaw);
-    // neck_pitch
-    let e109 = bz_neck_yaw_x
-        .mul_add(
-            T::from_f64(0.040883888851400166),
-            T::from_f64(0.9991639042881736) * kz_neck_yaw_z,
-        );
-    let kz_neck_pitch_z = bz_neck_yaw_x
-        .mul_add(
-            T::from_f64(0.9991639042881736),
-            -(T::from_f64(0.040883888851400166) * kz_neck_yaw_z),
-        );
-    let bz_neck_pitch_x = bz_neck_yaw_y.mul_add(cos[15], e109 * sin[15]);
-    let e110 = bz_neck_yaw_y.mul_add(sin[15], -(e109 * cos[15]));
-    // right_shoulder_pitch
-    let e111 = kz_waist_pitch_z
-        .mul_add(
-            T::from_f64(0.10644334192309902),
-            e107.mul_add(T::from_f64(0.07159388452594458), -e106),
-        );
-    let e112 = e111.mul_add(T::from_f64(1.9676210845200064), e106);
-    let kz_right_shoulder_pitch_y = e111
-        .mul_add(T::from_f64(0.14086963671593916), -e107);
-    let kz_right_shoulder_pitch_z = (-e111)
-        .mul_add(T::from_f64(0.20944016387466197), kz_waist_pitch_z);
-    let bz_right_shoulder_pitch_x = e112
-        .mul_add(e25, -(kz_right_shoulder_pitch_y * c_right_shoulder_pitch));
-    let bz_right_shoulder_pitch_y = kz_right_shoulder_pitch_y
-        .mul_add(e25, e112 * c_right_shoulder_pitch);
-    // right_shoulder_roll
-    let kz_right_shoulder_roll_y = bz_right_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.2834710957352705),
-            -(T::from_f64(0.9589807807681263) * kz_right_shoulder_pitch_z),
-        );
-    let kz_right_shoulder_roll_z = bz_right_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.9589807807681263),
-            T::from_f64(0.2834710957352705) * kz_right_shoulder_pitch_z,
-        );
-    let e113 = bz_right_shoulder_pitch_y
-        .mul_add(
-            c_right_shoulder_roll,
-            kz_right_shoulder_roll_y * s_right_shoulder_roll,
-        );
-    let e114 = bz_right_shoulder_pitch_y
-        .mul_add(
-            s_right_shoulder_roll,
-            -(kz_right_shoulder_roll_y * c_right_shoulder_roll),
-        );
-    // right_shoulder_yaw
-    let kz_right_shoulder_yaw_y = e113
-        .mul_add(
-            T::from_f64(0.3848026949004402),
-            -(T::from_f64(0.9229988548190939) * kz_right_shoulder_roll_z),
-        );
-    let e115 = e113
-        .mul_add(
-            T::from_f64(0.9229988548190939),
-            T::from_f64(0.3848026949004402) * kz_right_shoulder_roll_z,
-        );
-    let bz_right_shoulder_yaw_x = e114
-        .mul_add(
-            c_right_shoulder_yaw,
-            -(kz_right_shoulder_yaw_y * s_right_shoulder_yaw),
-        );
-    let bz_right_shoulder_yaw_y = kz_right_shoulder_yaw_y
-        .mul_add(c_right_shoulder_yaw, e114 * s_right_shoulder_yaw);
-    // right_elbow
-    let kz_right_elbow_y = bz_right_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.12242921843048289),
-            T::from_f64(0.9924772473334093) * e115,
-        );
-    let kz_right_elbow_z = bz_right_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.9924772473334093),
-            -(T::from_f64(0.12242921843048289) * e115),
-        );
-    let bz_right_elbow_x = bz_right_shoulder_yaw_y
-        .mul_add(s_right_elbow, -(kz_right_elbow_y * c_right_elbow));
-    let e116 = kz_right_elbow_y
-        .mul_add(s_right_elbow, bz_right_shoulder_yaw_y * c_right_elbow);
-    // right_wrist_yaw
-    let e117 = bz_right_elbow_x
-        .mul_add(
-            T::from_f64(0.15904161977640188),
-            T::from_f64(0.9872718790580934) * kz_right_elbow_z,
-        );
-    let kz_right_wrist_yaw_z = bz_right_elbow_x
-        .mul_add(
-            T::from_f64(0.9872718790580934),
-            -(T::from_f64(0.15904161977640188) * kz_right_elbow_z),
-        );
-    let bz_right_wrist_yaw_x = e117.mul_add(e32, -(e116 * c_right_wrist_yaw));
-    let bz_right_wrist_yaw_y = e117.mul_add(c_right_wrist_yaw, e116 * e32);
-    // right_wrist_roll
-    let kz_right_wrist_roll_y = bz_right_wrist_yaw_x
-        .mul_add(
-            T::from_f64(0.06712447922871664),
-            -(T::from_f64(0.9977446087492899) * kz_right_wrist_yaw_z),
-        );
-    let kz_right_wrist_roll_z = bz_right_wrist_yaw_x
-        .mul_add(
-            T::from_f64(0.9977446087492899),
-            T::from_f64(0.06712447922871664) * kz_right_wrist_yaw_z,
-        );
-    let bz_right_wrist_roll_x = bz_right_wrist_yaw_y
-        .mul_add(c_right_wrist_roll, kz_right_wrist_roll_y * s_right_wrist_roll);
-    let e118 = kz_right_wrist_roll_y
-        .mul_add(c_right_wrist_roll, -(bz_right_wrist_yaw_y * s_right_wrist_roll));
-    // right_wrist_pitch
-    let e119 = bz_right_wrist_roll_x
-        .mul_add(
-            T::from_f64(0.042799828876225604),
-            T::from_f64(0.99908366749145) * kz_right_wrist_roll_z,
-        );
-    let kz_right_wrist_pitch_z = bz_right_wrist_roll_x
         .mul_add(
             T::from_f64(0.99908366749145),
-            -(T::from_f64(0.042799828876225604) * kz_right_wrist_roll_z),
+            T::from_f64(0.042799828876225604) * e124,
         );
-    let bz_right_wrist_pitch_x = e119.mul_add(sin[22], -(e118 * cos[22]));
-    let bz_right_wrist_pitch_y = e119.mul_add(cos[22], e118 * sin[22]);
-    // left_shoulder_pitch
-    let e120 = (-kz_waist_pitch_z)
-        .mul_add(
-            T::from_f64(0.09248191489966293),
-            e106.mul_add(T::from_f64(0.11783871458722316), -e107),
-        );
-    let kz_left_shoulder_pitch_x = e120.mul_add(T::from_f64(0.2305051546121806), -e106);
-    let e121 = e120.mul_add(T::from_f64(1.956107170887058), e107);
-    let kz_left_shoulder_pitch_z = e120
-        .mul_add(T::from_f64(0.1809045369125973), kz_waist_pitch_z);
-    let bz_left_shoulder_pitch_x = e121
-        .mul_add(c_left_shoulder_pitch, -(kz_left_shoulder_pitch_x * e36));
-    let e122 = e121.mul_add(e36, kz_left_shoulder_pitch_x * c_left_shoulder_pitch);
-    // left_shoulder_roll
-    let kz_left_shoulder_roll_y = bz_left_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.2834710957352705),
-            -(T::from_f64(0.9589807807681263) * kz_left_shoulder_pitch_z),
-        );
-    let kz_left_shoulder_roll_z = bz_left_shoulder_pitch_x
-        .mul_add(
-            T::from_f64(0.9589807807681263),
-            T::from_f64(0.2834710957352705) * kz_left_shoulder_pitch_z,
-        );
-    let bz_left_shoulder_roll_x = e122
-        .mul_add(
-            c_left_shoulder_roll,
-            -(kz_left_shoulder_roll_y * s_left_shoulder_roll),
-        );
-    let bz_left_shoulder_roll_y = kz_left_shoulder_roll_y
-        .mul_add(c_left_shoulder_roll, e122 * s_left_shoulder_roll);
-    // left_shoulder_yaw
-    let e123 = bz_left_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.3848026949004402),
-            T::from_f64(0.9229988548190939) * kz_left_shoulder_roll_z,
-        );
-    let kz_left_shoulder_yaw_z = bz_left_shoulder_roll_x
-        .mul_add(
-            T::from_f64(0.9229988548190939),
-            -(T::from_f64(0.3848026949004402) * kz_left_shoulder_roll_z),
-        );
-    let bz_left_shoulder_yaw_x = e123
-        .mul_add(s_left_shoulder_yaw, -(bz_left_shoulder_roll_y * c_left_shoulder_yaw));
-    let e124 = e123
-        .mul_add(c_left_shoulder_yaw, bz_left_shoulder_roll_y * s_left_shoulder_yaw);
-    // left_elbow
-    let kz_left_elbow_y = bz_left_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.12242921843048289),
-            -(T::from_f64(0.9924772473334093) * kz_left_shoulder_yaw_z),
-        );
-    let kz_left_elbow_z = bz_left_shoulder_yaw_x
-        .mul_add(
-            T::from_f64(0.9924772473334093),
-            T::from_f64(0.12242921843048289) * kz_left_shoulder_yaw_z,
-        );
-    let e125 = e124.mul_add(s_left_elbow, kz_left_elbow_y * c_left_elbow);
-    let e126 = kz_left_elbow_y.mul_add(s_left_elbow, -(e124 * c_left_elbow));
-    // left_wrist_yaw
-    let kz_left_wrist_yaw_y = e125
-        .mul_add(
-            T::from_f64(0.15904161977640188),
-            -(T::from_f64(0.9872718790580934) * kz_left_elbow_z),
-        );
-    let e127 = e125
-        .mul_add(
-            T::from_f64(0.9872718790580934),
-            T::from_f64(0.15904161977640188) * kz_left_elbow_z,
-        );
-    let e128 = e126.mul_add(c_left_wrist_yaw, kz_left_wrist_yaw_y * e44);
-    let e129 = kz_left_wrist_yaw_y.mul_add(c_left_wrist_yaw, -(e126 * e44));
-    // left_wrist_roll
-    let kz_left_wrist_roll_y = e127
-        .mul_add(
-            T::from_f64(0.9977446087492899),
-            -(T::from_f64(0.06712447922871664) * e128),
-        );
-    let e130 = e128
-        .mul_add(
-            T::from_f64(0.9977446087492899),
-            T::from_f64(0.06712447922871664) * e127,
-        );
-    let bz_left_wrist_roll_x = kz_left_wrist_roll_y
-        .mul_add(s_left_wrist_roll, -(e129 * c_left_wrist_roll));
-    let e131 = kz_left_wrist_roll_y.mul_add(c_left_wrist_roll, e129 * s_left_wrist_roll);
-    // left_wrist_pitch
-    let kz_left_wrist_pitch_y = e130
+    let e130 = e125.mul_add(cos[29], ky_left_wrist_pitch_y * sin[29]);
+    let e131 = ky_left_wrist_pitch_y.mul_add(cos[29], -(e125 * sin[29]));
+    let kz_left_wrist_pitch_y = e126
         .mul_add(
             T::from_f64(0.99908366749145),
             -(T::from_f64(0.042799828876225604) * bz_left_wrist_roll_x),
@@ -18934,10 +18534,10 @@ pub fn regressor_full_sc<T: Real>(
     let kz_left_wrist_pitch_z = bz_left_wrist_roll_x
         .mul_add(
             T::from_f64(0.99908366749145),
-            T::from_f64(0.042799828876225604) * e130,
+            T::from_f64(0.042799828876225604) * e126,
         );
-    let e132 = e131.mul_add(cos[29], kz_left_wrist_pitch_y * sin[29]);
-    let e133 = kz_left_wrist_pitch_y.mul_add(cos[29], -(e131 * sin[29]));
+    let e132 = e127.mul_add(cos[29], kz_left_wrist_pitch_y * sin[29]);
+    let e133 = kz_left_wrist_pitch_y.mul_add(cos[29], -(e127 * sin[29]));
     let zero = T::from_f64(0.0);
     let one = T::from_f64(1.0);
     [
@@ -18967,7 +18567,7 @@ pub fn regressor_full_sc<T: Real>(
                     bx_right_ankle_pitch_x
                         .mul_add(
                             T::from_f64(0.5863673657787142),
-                            T::from_f64(0.8037588635830045) * e3,
+                            T::from_f64(0.8037588635830045) * e5,
                         ),
                 ),
             kx_right_ankle_pitch_z
@@ -18976,13 +18576,13 @@ pub fn regressor_full_sc<T: Real>(
                     bx_right_ankle_pitch_x
                         .mul_add(
                             T::from_f64(0.17005552884933375),
-                            -(T::from_f64(0.0005719435102985865) * e3),
+                            -(T::from_f64(0.0005719435102985865) * e5),
                         ),
                 ),
             kx_right_ankle_pitch_z
                 .mul_add(
                     T::from_f64(0.1370190076234553),
-                    e3
+                    e5
                         .mul_add(
                             T::from_f64(0.5949549244206476),
                             -(T::from_f64(0.7919939579678025) * bx_right_ankle_pitch_x),
@@ -18991,7 +18591,7 @@ pub fn regressor_full_sc<T: Real>(
             (-kx_right_knee_z)
                 .mul_add(
                     T::from_f64(0.05491857598002902),
-                    e4
+                    e8
                         .mul_add(
                             T::from_f64(0.7773178779650478),
                             -(T::from_f64(0.6267063639442644) * bx_right_knee_x),
@@ -19003,7 +18603,7 @@ pub fn regressor_full_sc<T: Real>(
                     -bx_right_knee_x
                         .mul_add(
                             T::from_f64(0.12374470904356641),
-                            T::from_f64(0.029691225369481516) * e4,
+                            T::from_f64(0.029691225369481516) * e8,
                         ),
                 ),
             -kx_right_knee_z
@@ -19012,7 +18612,7 @@ pub fn regressor_full_sc<T: Real>(
                     bx_right_knee_x
                         .mul_add(
                             T::from_f64(0.7693675197039984),
-                            T::from_f64(0.628406992109392) * e4,
+                            T::from_f64(0.628406992109392) * e8,
                         ),
                 ),
             -kx_right_hip_pitch_z
@@ -19021,7 +18621,7 @@ pub fn regressor_full_sc<T: Real>(
                     bx_right_hip_pitch_x
                         .mul_add(
                             T::from_f64(0.9827666448575718),
-                            T::from_f64(0.17950183453219504) * e5,
+                            T::from_f64(0.17950183453219504) * e11,
                         ),
                 ),
             kx_right_hip_pitch_z
@@ -19030,7 +18630,7 @@ pub fn regressor_full_sc<T: Real>(
                     -bx_right_hip_pitch_x
                         .mul_add(
                             T::from_f64(0.011249506186826184),
-                            T::from_f64(0.18029592085523008) * e5,
+                            T::from_f64(0.18029592085523008) * e11,
                         ),
                 ),
             (-kx_right_hip_pitch_z)
@@ -19039,7 +18639,7 @@ pub fn regressor_full_sc<T: Real>(
                     bx_right_hip_pitch_x
                         .mul_add(
                             T::from_f64(0.1845079141011138),
-                            -(T::from_f64(0.9670948621115415) * e5),
+                            -(T::from_f64(0.9670948621115415) * e11),
                         ),
                 ),
             -kx_right_hip_roll_z
@@ -19075,7 +18675,7 @@ pub fn regressor_full_sc<T: Real>(
                     bx_right_hip_yaw_x
                         .mul_add(
                             T::from_f64(0.15979020363924512),
-                            T::from_f64(0.9431024014938241) * e6,
+                            T::from_f64(0.9431024014938241) * e14,
                         ),
                 ),
             -bx_right_hip_yaw_x
@@ -19089,7 +18689,7 @@ pub fn regressor_full_sc<T: Real>(
                     bx_right_hip_yaw_x
                         .mul_add(
                             T::from_f64(0.4532253452836305),
-                            -(T::from_f64(0.3325024214898031) * e6),
+                            -(T::from_f64(0.3325024214898031) * e14),
                         ),
                 ),
             kx_left_hip_yaw_z
@@ -19098,7 +18698,7 @@ pub fn regressor_full_sc<T: Real>(
                     bx_left_hip_yaw_x
                         .mul_add(
                             T::from_f64(0.9920190772526525),
-                            T::from_f64(0.03382383783872412) * e9,
+                            T::from_f64(0.03382383783872412) * e19,
                         ),
                 ),
             (-kx_left_hip_yaw_z)
@@ -19107,7 +18707,7 @@ pub fn regressor_full_sc<T: Real>(
                     bx_left_hip_yaw_x
                         .mul_add(
                             T::from_f64(0.05811909856572281),
-                            -(T::from_f64(0.9775676773628161) * e9),
+                            -(T::from_f64(0.9775676773628161) * e19),
                         ),
                 ),
             kx_left_hip_yaw_z
@@ -19116,7 +18716,7 @@ pub fn regressor_full_sc<T: Real>(
                     -bx_left_hip_yaw_x
                         .mul_add(
                             T::from_f64(0.11189423912205596),
-                            T::from_f64(0.20788791251376057) * e9,
+                            T::from_f64(0.20788791251376057) * e19,
                         ),
                 ),
             kx_left_hip_roll_z
@@ -19125,7 +18725,7 @@ pub fn regressor_full_sc<T: Real>(
                     -bx_left_hip_roll_x
                         .mul_add(
                             T::from_f64(0.01533460706611091),
-                            T::from_f64(0.17950183453219504) * e10,
+                            T::from_f64(0.17950183453219504) * e24,
                         ),
                 ),
             kx_left_hip_roll_z
@@ -19134,7 +18734,7 @@ pub fn regressor_full_sc<T: Real>(
                     bx_left_hip_roll_x
                         .mul_add(
                             T::from_f64(0.9824298694288612),
-                            T::from_f64(0.18029592085523005) * e10,
+                            T::from_f64(0.18029592085523005) * e24,
                         ),
                 ),
             (-kx_left_hip_roll_z)
@@ -19143,13 +18743,13 @@ pub fn regressor_full_sc<T: Real>(
                     bx_left_hip_roll_x
                         .mul_add(
                             T::from_f64(0.18600107924449963),
-                            -(T::from_f64(0.9670948621115414) * e10),
+                            -(T::from_f64(0.9670948621115414) * e24),
                         ),
                 ),
             kx_left_hip_pitch_z
                 .mul_add(
                     T::from_f64(0.10003501838572533),
-                    e12
+                    e28
                         .mul_add(
                             T::from_f64(0.7773178779650479),
                             -(T::from_f64(0.6211037849606799) * bx_left_hip_pitch_x),
@@ -19161,7 +18761,7 @@ pub fn regressor_full_sc<T: Real>(
                     bx_left_hip_pitch_x
                         .mul_add(
                             T::from_f64(0.19505301897281854),
-                            T::from_f64(0.029691225369481503) * e12,
+                            T::from_f64(0.029691225369481503) * e28,
                         ),
                 ),
             kx_left_hip_pitch_z
@@ -19170,7 +18770,7 @@ pub fn regressor_full_sc<T: Real>(
                     -bx_left_hip_pitch_x
                         .mul_add(
                             T::from_f64(0.7590681182193775),
-                            T::from_f64(0.6284069921093921) * e12,
+                            T::from_f64(0.6284069921093921) * e28,
                         ),
                 ),
             (-kx_left_knee_z)
@@ -19179,7 +18779,7 @@ pub fn regressor_full_sc<T: Real>(
                     bx_left_knee_x
                         .mul_add(
                             T::from_f64(0.5924701423191099),
-                            T::from_f64(0.8037588635830043) * e13,
+                            T::from_f64(0.8037588635830043) * e31,
                         ),
                 ),
             kx_left_knee_z
@@ -19188,13 +18788,13 @@ pub fn regressor_full_sc<T: Real>(
                     bx_left_knee_x
                         .mul_add(
                             T::from_f64(0.09053393944867547),
-                            T::from_f64(0.0005719435102985865) * e13,
+                            T::from_f64(0.0005719435102985865) * e31,
                         ),
                 ),
             kx_left_knee_z
                 .mul_add(
                     T::from_f64(0.07242859683401481),
-                    e13
+                    e31
                         .mul_add(
                             T::from_f64(0.5949549244206475),
                             -(T::from_f64(0.8004890606799554) * bx_left_knee_x),
@@ -19206,13 +18806,13 @@ pub fn regressor_full_sc<T: Real>(
                     bx_left_ankle_pitch_x
                         .mul_add(
                             T::from_f64(0.9854246040522064),
-                            -(T::from_f64(0.1529122762239553) * e15),
+                            -(T::from_f64(0.1529122762239553) * e35),
                         ),
                 ),
             kx_left_ankle_pitch_z
                 .mul_add(
                     T::from_f64(0.9903148176370599),
-                    e15
+                    e35
                         .mul_add(
                             T::from_f64(0.12742238056085947),
                             -(T::from_f64(0.05513709187725314) * bx_left_ankle_pitch_x),
@@ -19224,7 +18824,7 @@ pub fn regressor_full_sc<T: Real>(
                     bx_left_ankle_pitch_x
                         .mul_add(
                             T::from_f64(0.16092933488917305),
-                            T::from_f64(0.9799904962356587) * e15,
+                            T::from_f64(0.9799904962356587) * e35,
                         ),
                 ),
             kx_left_ankle_roll_z
@@ -19284,28 +18884,28 @@ pub fn regressor_full_sc<T: Real>(
             -kx_waist_pitch_z
                 .mul_add(
                     T::from_f64(0.07686740279497044),
-                    e20
+                    e46
                         .mul_add(
                             T::from_f64(0.17939505485262935),
-                            T::from_f64(0.9807695023204881) * e21,
+                            T::from_f64(0.9807695023204881) * e47,
                         ),
                 ),
             kx_waist_pitch_z
                 .mul_add(
                     T::from_f64(0.9882951787924771),
-                    e20
+                    e46
                         .mul_add(
                             T::from_f64(0.11629756483619717),
-                            -(T::from_f64(0.09872950920933495) * e21),
+                            -(T::from_f64(0.09872950920933495) * e47),
                         ),
                 ),
             kx_waist_pitch_z
                 .mul_add(
                     T::from_f64(0.1317726905056636),
-                    e21
+                    e47
                         .mul_add(
                             T::from_f64(0.1683557760497274),
-                            -(T::from_f64(0.9768788516021794) * e20),
+                            -(T::from_f64(0.9768788516021794) * e46),
                         ),
                 ),
             bx_neck_yaw_x
@@ -19325,7 +18925,7 @@ pub fn regressor_full_sc<T: Real>(
                     -bx_neck_pitch_x
                         .mul_add(
                             T::from_f64(0.9845249031066339),
-                            T::from_f64(0.17090909239800103) * e24,
+                            T::from_f64(0.17090909239800103) * e56,
                         ),
                 ),
             kx_neck_pitch_z
@@ -19334,7 +18934,7 @@ pub fn regressor_full_sc<T: Real>(
                     bx_neck_pitch_x
                         .mul_add(
                             T::from_f64(0.048051161613096624),
-                            -(T::from_f64(0.05068211802961547) * e24),
+                            -(T::from_f64(0.05068211802961547) * e56),
                         ),
                 ),
             (-kx_neck_pitch_z)
@@ -19343,7 +18943,7 @@ pub fn regressor_full_sc<T: Real>(
                     bx_neck_pitch_x
                         .mul_add(
                             T::from_f64(0.16852833895373615),
-                            -(T::from_f64(0.9839824211070662) * e24),
+                            -(T::from_f64(0.9839824211070662) * e56),
                         ),
                 ),
             (-kx_right_shoulder_pitch_z)
@@ -19377,31 +18977,31 @@ pub fn regressor_full_sc<T: Real>(
             (-kx_right_shoulder_roll_z)
                 .mul_add(
                     T::from_f64(0.9797515453989188),
-                    e28
+                    e68
                         .mul_add(
                             T::from_f64(0.09084250712834728),
-                            T::from_f64(0.17842238701201812) * e29,
+                            T::from_f64(0.17842238701201812) * e69,
                         ),
                 ),
             kx_right_shoulder_roll_z
                 .mul_add(
                     T::from_f64(0.15634333171259343),
-                    e29
+                    e69
                         .mul_add(
                             T::from_f64(0.9652131735177485),
-                            -(T::from_f64(0.20957168772714235) * e28),
+                            -(T::from_f64(0.20957168772714235) * e68),
                         ),
                 ),
             kx_right_shoulder_roll_z
                 .mul_add(
                     T::from_f64(0.12507466537007475),
-                    e28
+                    e68
                         .mul_add(
                             T::from_f64(0.9735642488309816),
-                            T::from_f64(0.19112556469695652) * e29,
+                            T::from_f64(0.19112556469695652) * e69,
                         ),
                 ),
-            (-e30)
+            (-e74)
                 .mul_add(
                     T::from_f64(0.08475868968264198),
                     bx_right_shoulder_yaw_y
@@ -19411,7 +19011,7 @@ pub fn regressor_full_sc<T: Real>(
                         ),
                 ),
             kx_right_elbow_z,
-            e30
+            e74
                 .mul_add(
                     T::from_f64(0.9888513796308234),
                     bx_right_shoulder_yaw_x
@@ -19420,7 +19020,7 @@ pub fn regressor_full_sc<T: Real>(
                             T::from_f64(0.08540114134643578) * bx_right_shoulder_yaw_y,
                         ),
                 ),
-            e31
+            e77
                 .mul_add(
                     T::from_f64(0.9829721203303413),
                     -(T::from_f64(0.18375475681808387) * bx_right_elbow_x),
@@ -19429,7 +19029,7 @@ pub fn regressor_full_sc<T: Real>(
             -bx_right_elbow_x
                 .mul_add(
                     T::from_f64(0.9829721203303413),
-                    T::from_f64(0.18375475681808387) * e31,
+                    T::from_f64(0.18375475681808387) * e77,
                 ),
             (-kx_right_wrist_yaw_z)
                 .mul_add(
@@ -19464,7 +19064,7 @@ pub fn regressor_full_sc<T: Real>(
                     bx_right_wrist_roll_x
                         .mul_add(
                             T::from_f64(0.13744769651506267),
-                            -(T::from_f64(0.0765329641546823) * e34),
+                            -(T::from_f64(0.0765329641546823) * e84),
                         ),
                 ),
             kx_right_wrist_roll_z
@@ -19473,13 +19073,13 @@ pub fn regressor_full_sc<T: Real>(
                     bx_right_wrist_roll_x
                         .mul_add(
                             T::from_f64(0.9848605837142257),
-                            T::from_f64(0.11688315011092955) * e34,
+                            T::from_f64(0.11688315011092955) * e84,
                         ),
                 ),
             (-kx_right_wrist_roll_z)
                 .mul_add(
                     T::from_f64(0.09143961949493187),
-                    e34
+                    e84
                         .mul_add(
                             T::from_f64(0.9901924230258703),
                             -(T::from_f64(0.10563030516276119) * bx_right_wrist_roll_x),
@@ -19518,13 +19118,13 @@ pub fn regressor_full_sc<T: Real>(
                     bx_left_shoulder_pitch_x
                         .mul_add(
                             T::from_f64(0.9702869074347845),
-                            T::from_f64(0.22816877903507443) * e39,
+                            T::from_f64(0.22816877903507443) * e93,
                         ),
                 ),
             kx_left_shoulder_pitch_z
                 .mul_add(
                     T::from_f64(0.9762187971333224),
-                    e39
+                    e93
                         .mul_add(
                             T::from_f64(0.17852511201860666),
                             -(T::from_f64(0.12298635900909212)
@@ -19534,7 +19134,7 @@ pub fn regressor_full_sc<T: Real>(
             (-kx_left_shoulder_pitch_z)
                 .mul_add(
                     T::from_f64(0.20128222621305616),
-                    e39
+                    e93
                         .mul_add(
                             T::from_f64(0.957114304904272),
                             -(T::from_f64(0.20836907822018302)
@@ -19574,109 +19174,109 @@ pub fn regressor_full_sc<T: Real>(
                     bx_left_shoulder_yaw_x
                         .mul_add(
                             T::from_f64(0.01045559498811533),
-                            T::from_f64(0.9963466490417511) * e41,
+                            T::from_f64(0.9963466490417511) * e101,
                         ),
                 ),
             kx_left_elbow_z,
             kx_left_shoulder_yaw_z
                 .mul_add(
                     T::from_f64(0.9888513796308234),
-                    e41
+                    e101
                         .mul_add(
                             T::from_f64(0.08540114134643578),
                             -(T::from_f64(0.12198194152801221) * bx_left_shoulder_yaw_x),
                         ),
                 ),
-            -e42
+            -e106
                 .mul_add(
                     T::from_f64(0.18375475681808387),
-                    T::from_f64(0.9829721203303413) * e43,
+                    T::from_f64(0.9829721203303413) * e107,
                 ),
             kx_left_elbow_z,
-            e43
+            e107
                 .mul_add(
                     T::from_f64(0.18375475681808387),
-                    -(T::from_f64(0.9829721203303413) * e42),
+                    -(T::from_f64(0.9829721203303413) * e106),
                 ),
-            (-e45)
+            (-e113)
                 .mul_add(
                     T::from_f64(0.12095948535747154),
-                    e47
+                    e115
                         .mul_add(
                             T::from_f64(0.17981670296897617),
-                            -(T::from_f64(0.9762349902740747) * e46),
+                            -(T::from_f64(0.9762349902740747) * e114),
                         ),
                 ),
-            e45
+            e113
                 .mul_add(
                     T::from_f64(0.07697421795475462),
-                    -e46
+                    -e114
                         .mul_add(
                             T::from_f64(0.189825799816729),
-                            T::from_f64(0.9787957578035333) * e47,
+                            T::from_f64(0.9787957578035333) * e115,
                         ),
                 ),
-            (-e45)
+            (-e113)
                 .mul_add(
                     T::from_f64(0.9896685165611309),
-                    e46
+                    e114
                         .mul_add(
                             T::from_f64(0.10455338104775241),
-                            -(T::from_f64(0.09810615596981634) * e47),
+                            -(T::from_f64(0.09810615596981634) * e115),
                         ),
                 ),
-            (-e48)
+            (-e122)
                 .mul_add(
                     T::from_f64(0.9875478905452643),
-                    e49
+                    e123
                         .mul_add(
                             T::from_f64(0.0765329641546823),
                             -(T::from_f64(0.13744769651506267) * bx_left_wrist_roll_x),
                         ),
                 ),
-            (-e48)
+            (-e122)
                 .mul_add(
                     T::from_f64(0.1280154672929046),
                     bx_left_wrist_roll_x
                         .mul_add(
                             T::from_f64(0.9848605837142257),
-                            T::from_f64(0.11688315011092955) * e49,
+                            T::from_f64(0.11688315011092955) * e123,
                         ),
                 ),
-            (-e48)
+            (-e122)
                 .mul_add(
                     T::from_f64(0.09143961949493187),
                     bx_left_wrist_roll_x
                         .mul_add(
                             T::from_f64(0.10563030516276119),
-                            -(T::from_f64(0.9901924230258703) * e49),
+                            -(T::from_f64(0.9901924230258703) * e123),
                         ),
                 ),
             -kx_left_wrist_pitch_z
                 .mul_add(
                     T::from_f64(0.13926262418314853),
-                    e50
+                    e128
                         .mul_add(
                             T::from_f64(0.019249486508246386),
-                            T::from_f64(0.9900683707576927) * e51,
+                            T::from_f64(0.9900683707576927) * e129,
                         ),
                 ),
             kx_left_wrist_pitch_z
                 .mul_add(
                     T::from_f64(0.9855508788345896),
-                    e50
+                    e128
                         .mul_add(
                             T::from_f64(0.09464867601187527),
-                            -(T::from_f64(0.14046741030419552) * e51),
+                            -(T::from_f64(0.14046741030419552) * e129),
                         ),
                 ),
             kx_left_wrist_pitch_z
                 .mul_add(
                     T::from_f64(0.09641258597294897),
-                    e51
+                    e129
                         .mul_add(
                             T::from_f64(0.005790325348442432),
-                            -(T::from_f64(0.9953246130777477) * e50),
+                            -(T::from_f64(0.9953246130777477) * e128),
                         ),
                 ),
         ],
@@ -19688,17 +19288,17 @@ pub fn regressor_full_sc<T: Real>(
                 - by_right_ankle_roll_x
                     .mul_add(
                         T::from_f64(0.1260819066254007),
-                        T::from_f64(0.1529122762239553) * e52,
+                        T::from_f64(0.1529122762239553) * e3,
                     ),
             by_right_ankle_roll_x
                 .mul_add(
                     T::from_f64(0.9860642172215092),
-                    -(T::from_f64(0.12742238056085944) * e52),
+                    -(T::from_f64(0.12742238056085944) * e3),
                 ) + T::from_f64(0.013964392452657086),
             by_right_ankle_roll_x
                 .mul_add(
                     T::from_f64(0.10853898993926647),
-                    T::from_f64(0.9799904962356587) * e52,
+                    T::from_f64(0.9799904962356587) * e3,
                 ) + T::from_f64(0.021782632782422214),
             (-ky_right_ankle_pitch_z)
                 .mul_add(
@@ -19706,7 +19306,7 @@ pub fn regressor_full_sc<T: Real>(
                     by_right_ankle_pitch_x
                         .mul_add(
                             T::from_f64(0.5863673657787142),
-                            T::from_f64(0.8037588635830045) * e53,
+                            T::from_f64(0.8037588635830045) * e6,
                         ),
                 ),
             ky_right_ankle_pitch_z
@@ -19715,13 +19315,13 @@ pub fn regressor_full_sc<T: Real>(
                     by_right_ankle_pitch_x
                         .mul_add(
                             T::from_f64(0.17005552884933375),
-                            -(T::from_f64(0.0005719435102985865) * e53),
+                            -(T::from_f64(0.0005719435102985865) * e6),
                         ),
                 ),
             ky_right_ankle_pitch_z
                 .mul_add(
                     T::from_f64(0.1370190076234553),
-                    e53
+                    e6
                         .mul_add(
                             T::from_f64(0.5949549244206476),
                             -(T::from_f64(0.7919939579678025) * by_right_ankle_pitch_x),
@@ -19730,7 +19330,7 @@ pub fn regressor_full_sc<T: Real>(
             (-ky_right_knee_z)
                 .mul_add(
                     T::from_f64(0.05491857598002902),
-                    e54
+                    e9
                         .mul_add(
                             T::from_f64(0.7773178779650478),
                             -(T::from_f64(0.6267063639442644) * by_right_knee_x),
@@ -19742,7 +19342,7 @@ pub fn regressor_full_sc<T: Real>(
                     -by_right_knee_x
                         .mul_add(
                             T::from_f64(0.12374470904356641),
-                            T::from_f64(0.029691225369481516) * e54,
+                            T::from_f64(0.029691225369481516) * e9,
                         ),
                 ),
             -ky_right_knee_z
@@ -19751,7 +19351,7 @@ pub fn regressor_full_sc<T: Real>(
                     by_right_knee_x
                         .mul_add(
                             T::from_f64(0.7693675197039984),
-                            T::from_f64(0.628406992109392) * e54,
+                            T::from_f64(0.628406992109392) * e9,
                         ),
                 ),
             -ky_right_hip_pitch_z
@@ -19760,7 +19360,7 @@ pub fn regressor_full_sc<T: Real>(
                     by_right_hip_pitch_x
                         .mul_add(
                             T::from_f64(0.9827666448575718),
-                            T::from_f64(0.17950183453219504) * e55,
+                            T::from_f64(0.17950183453219504) * e12,
                         ),
                 ),
             ky_right_hip_pitch_z
@@ -19769,7 +19369,7 @@ pub fn regressor_full_sc<T: Real>(
                     -by_right_hip_pitch_x
                         .mul_add(
                             T::from_f64(0.011249506186826184),
-                            T::from_f64(0.18029592085523008) * e55,
+                            T::from_f64(0.18029592085523008) * e12,
                         ),
                 ),
             (-ky_right_hip_pitch_z)
@@ -19778,7 +19378,7 @@ pub fn regressor_full_sc<T: Real>(
                     by_right_hip_pitch_x
                         .mul_add(
                             T::from_f64(0.1845079141011138),
-                            -(T::from_f64(0.9670948621115415) * e55),
+                            -(T::from_f64(0.9670948621115415) * e12),
                         ),
                 ),
             -ky_right_hip_roll_z
@@ -19814,7 +19414,7 @@ pub fn regressor_full_sc<T: Real>(
                     by_right_hip_yaw_x
                         .mul_add(
                             T::from_f64(0.15979020363924512),
-                            T::from_f64(0.9431024014938241) * e56,
+                            T::from_f64(0.9431024014938241) * e15,
                         ),
                 ),
             -by_right_hip_yaw_x
@@ -19828,7 +19428,7 @@ pub fn regressor_full_sc<T: Real>(
                     by_right_hip_yaw_x
                         .mul_add(
                             T::from_f64(0.4532253452836305),
-                            -(T::from_f64(0.3325024214898031) * e56),
+                            -(T::from_f64(0.3325024214898031) * e15),
                         ),
                 ),
             ky_left_hip_yaw_z
@@ -19837,7 +19437,7 @@ pub fn regressor_full_sc<T: Real>(
                     by_left_hip_yaw_x
                         .mul_add(
                             T::from_f64(0.9920190772526525),
-                            T::from_f64(0.03382383783872412) * e58,
+                            T::from_f64(0.03382383783872412) * e21,
                         ),
                 ),
             (-ky_left_hip_yaw_z)
@@ -19846,7 +19446,7 @@ pub fn regressor_full_sc<T: Real>(
                     by_left_hip_yaw_x
                         .mul_add(
                             T::from_f64(0.05811909856572281),
-                            -(T::from_f64(0.9775676773628161) * e58),
+                            -(T::from_f64(0.9775676773628161) * e21),
                         ),
                 ),
             ky_left_hip_yaw_z
@@ -19855,7 +19455,7 @@ pub fn regressor_full_sc<T: Real>(
                     -by_left_hip_yaw_x
                         .mul_add(
                             T::from_f64(0.11189423912205596),
-                            T::from_f64(0.20788791251376057) * e58,
+                            T::from_f64(0.20788791251376057) * e21,
                         ),
                 ),
             ky_left_hip_roll_z
@@ -19864,7 +19464,7 @@ pub fn regressor_full_sc<T: Real>(
                     -by_left_hip_roll_x
                         .mul_add(
                             T::from_f64(0.01533460706611091),
-                            T::from_f64(0.17950183453219504) * e59,
+                            T::from_f64(0.17950183453219504) * e25,
                         ),
                 ),
             ky_left_hip_roll_z
@@ -19873,7 +19473,7 @@ pub fn regressor_full_sc<T: Real>(
                     by_left_hip_roll_x
                         .mul_add(
                             T::from_f64(0.9824298694288612),
-                            T::from_f64(0.18029592085523005) * e59,
+                            T::from_f64(0.18029592085523005) * e25,
                         ),
                 ),
             (-ky_left_hip_roll_z)
@@ -19882,13 +19482,13 @@ pub fn regressor_full_sc<T: Real>(
                     by_left_hip_roll_x
                         .mul_add(
                             T::from_f64(0.18600107924449963),
-                            -(T::from_f64(0.9670948621115414) * e59),
+                            -(T::from_f64(0.9670948621115414) * e25),
                         ),
                 ),
             ky_left_hip_pitch_z
                 .mul_add(
                     T::from_f64(0.10003501838572533),
-                    e60
+                    e29
                         .mul_add(
                             T::from_f64(0.7773178779650479),
                             -(T::from_f64(0.6211037849606799) * by_left_hip_pitch_x),
@@ -19900,7 +19500,7 @@ pub fn regressor_full_sc<T: Real>(
                     by_left_hip_pitch_x
                         .mul_add(
                             T::from_f64(0.19505301897281854),
-                            T::from_f64(0.029691225369481503) * e60,
+                            T::from_f64(0.029691225369481503) * e29,
                         ),
                 ),
             ky_left_hip_pitch_z
@@ -19909,7 +19509,7 @@ pub fn regressor_full_sc<T: Real>(
                     -by_left_hip_pitch_x
                         .mul_add(
                             T::from_f64(0.7590681182193775),
-                            T::from_f64(0.6284069921093921) * e60,
+                            T::from_f64(0.6284069921093921) * e29,
                         ),
                 ),
             (-ky_left_knee_z)
@@ -19918,7 +19518,7 @@ pub fn regressor_full_sc<T: Real>(
                     by_left_knee_x
                         .mul_add(
                             T::from_f64(0.5924701423191099),
-                            T::from_f64(0.8037588635830043) * e61,
+                            T::from_f64(0.8037588635830043) * e32,
                         ),
                 ),
             ky_left_knee_z
@@ -19927,13 +19527,13 @@ pub fn regressor_full_sc<T: Real>(
                     by_left_knee_x
                         .mul_add(
                             T::from_f64(0.09053393944867547),
-                            T::from_f64(0.0005719435102985865) * e61,
+                            T::from_f64(0.0005719435102985865) * e32,
                         ),
                 ),
             ky_left_knee_z
                 .mul_add(
                     T::from_f64(0.07242859683401481),
-                    e61
+                    e32
                         .mul_add(
                             T::from_f64(0.5949549244206475),
                             -(T::from_f64(0.8004890606799554) * by_left_knee_x),
@@ -19945,13 +19545,13 @@ pub fn regressor_full_sc<T: Real>(
                     by_left_ankle_pitch_x
                         .mul_add(
                             T::from_f64(0.9854246040522064),
-                            -(T::from_f64(0.1529122762239553) * e62),
+                            -(T::from_f64(0.1529122762239553) * e36),
                         ),
                 ),
             ky_left_ankle_pitch_z
                 .mul_add(
                     T::from_f64(0.9903148176370599),
-                    e62
+                    e36
                         .mul_add(
                             T::from_f64(0.12742238056085947),
                             -(T::from_f64(0.05513709187725314) * by_left_ankle_pitch_x),
@@ -19963,7 +19563,7 @@ pub fn regressor_full_sc<T: Real>(
                     by_left_ankle_pitch_x
                         .mul_add(
                             T::from_f64(0.16092933488917305),
-                            T::from_f64(0.9799904962356587) * e62,
+                            T::from_f64(0.9799904962356587) * e36,
                         ),
                 ),
             ky_left_ankle_roll_z
@@ -20023,28 +19623,28 @@ pub fn regressor_full_sc<T: Real>(
             -ky_waist_pitch_z
                 .mul_add(
                     T::from_f64(0.07686740279497044),
-                    e65
+                    e48
                         .mul_add(
                             T::from_f64(0.17939505485262935),
-                            T::from_f64(0.9807695023204881) * e66,
+                            T::from_f64(0.9807695023204881) * e49,
                         ),
                 ),
             ky_waist_pitch_z
                 .mul_add(
                     T::from_f64(0.9882951787924771),
-                    e65
+                    e48
                         .mul_add(
                             T::from_f64(0.11629756483619717),
-                            -(T::from_f64(0.09872950920933495) * e66),
+                            -(T::from_f64(0.09872950920933495) * e49),
                         ),
                 ),
             ky_waist_pitch_z
                 .mul_add(
                     T::from_f64(0.1317726905056636),
-                    e66
+                    e49
                         .mul_add(
                             T::from_f64(0.1683557760497274),
-                            -(T::from_f64(0.9768788516021794) * e65),
+                            -(T::from_f64(0.9768788516021794) * e48),
                         ),
                 ),
             by_neck_yaw_x
@@ -20064,7 +19664,7 @@ pub fn regressor_full_sc<T: Real>(
                     -by_neck_pitch_x
                         .mul_add(
                             T::from_f64(0.9845249031066339),
-                            T::from_f64(0.17090909239800103) * e69,
+                            T::from_f64(0.17090909239800103) * e58,
                         ),
                 ),
             ky_neck_pitch_z
@@ -20073,7 +19673,7 @@ pub fn regressor_full_sc<T: Real>(
                     by_neck_pitch_x
                         .mul_add(
                             T::from_f64(0.048051161613096624),
-                            -(T::from_f64(0.05068211802961547) * e69),
+                            -(T::from_f64(0.05068211802961547) * e58),
                         ),
                 ),
             (-ky_neck_pitch_z)
@@ -20082,7 +19682,7 @@ pub fn regressor_full_sc<T: Real>(
                     by_neck_pitch_x
                         .mul_add(
                             T::from_f64(0.16852833895373615),
-                            -(T::from_f64(0.9839824211070662) * e69),
+                            -(T::from_f64(0.9839824211070662) * e58),
                         ),
                 ),
             (-ky_right_shoulder_pitch_z)
@@ -20116,31 +19716,31 @@ pub fn regressor_full_sc<T: Real>(
             (-ky_right_shoulder_roll_z)
                 .mul_add(
                     T::from_f64(0.9797515453989188),
-                    e72
+                    e70
                         .mul_add(
                             T::from_f64(0.09084250712834728),
-                            T::from_f64(0.17842238701201812) * e73,
+                            T::from_f64(0.17842238701201812) * e71,
                         ),
                 ),
             ky_right_shoulder_roll_z
                 .mul_add(
                     T::from_f64(0.15634333171259343),
-                    e73
+                    e71
                         .mul_add(
                             T::from_f64(0.9652131735177485),
-                            -(T::from_f64(0.20957168772714235) * e72),
+                            -(T::from_f64(0.20957168772714235) * e70),
                         ),
                 ),
             ky_right_shoulder_roll_z
                 .mul_add(
                     T::from_f64(0.12507466537007475),
-                    e72
+                    e70
                         .mul_add(
                             T::from_f64(0.9735642488309816),
-                            T::from_f64(0.19112556469695652) * e73,
+                            T::from_f64(0.19112556469695652) * e71,
                         ),
                 ),
-            (-e74)
+            (-e75)
                 .mul_add(
                     T::from_f64(0.08475868968264198),
                     by_right_shoulder_yaw_y
@@ -20150,7 +19750,7 @@ pub fn regressor_full_sc<T: Real>(
                         ),
                 ),
             ky_right_elbow_z,
-            e74
+            e75
                 .mul_add(
                     T::from_f64(0.9888513796308234),
                     by_right_shoulder_yaw_x
@@ -20159,7 +19759,7 @@ pub fn regressor_full_sc<T: Real>(
                             T::from_f64(0.08540114134643578) * by_right_shoulder_yaw_y,
                         ),
                 ),
-            e75
+            e78
                 .mul_add(
                     T::from_f64(0.9829721203303413),
                     -(T::from_f64(0.18375475681808387) * by_right_elbow_x),
@@ -20168,7 +19768,7 @@ pub fn regressor_full_sc<T: Real>(
             -by_right_elbow_x
                 .mul_add(
                     T::from_f64(0.9829721203303413),
-                    T::from_f64(0.18375475681808387) * e75,
+                    T::from_f64(0.18375475681808387) * e78,
                 ),
             (-ky_right_wrist_yaw_z)
                 .mul_add(
@@ -20203,7 +19803,7 @@ pub fn regressor_full_sc<T: Real>(
                     by_right_wrist_roll_x
                         .mul_add(
                             T::from_f64(0.13744769651506267),
-                            -(T::from_f64(0.0765329641546823) * e77),
+                            -(T::from_f64(0.0765329641546823) * e85),
                         ),
                 ),
             ky_right_wrist_roll_z
@@ -20212,13 +19812,13 @@ pub fn regressor_full_sc<T: Real>(
                     by_right_wrist_roll_x
                         .mul_add(
                             T::from_f64(0.9848605837142257),
-                            T::from_f64(0.11688315011092955) * e77,
+                            T::from_f64(0.11688315011092955) * e85,
                         ),
                 ),
             (-ky_right_wrist_roll_z)
                 .mul_add(
                     T::from_f64(0.09143961949493187),
-                    e77
+                    e85
                         .mul_add(
                             T::from_f64(0.9901924230258703),
                             -(T::from_f64(0.10563030516276119) * by_right_wrist_roll_x),
@@ -20257,13 +19857,13 @@ pub fn regressor_full_sc<T: Real>(
                     by_left_shoulder_pitch_x
                         .mul_add(
                             T::from_f64(0.9702869074347845),
-                            T::from_f64(0.22816877903507443) * e81,
+                            T::from_f64(0.22816877903507443) * e96,
                         ),
                 ),
             ky_left_shoulder_pitch_z
                 .mul_add(
                     T::from_f64(0.9762187971333224),
-                    e81
+                    e96
                         .mul_add(
                             T::from_f64(0.17852511201860666),
                             -(T::from_f64(0.12298635900909212)
@@ -20273,7 +19873,7 @@ pub fn regressor_full_sc<T: Real>(
             (-ky_left_shoulder_pitch_z)
                 .mul_add(
                     T::from_f64(0.20128222621305616),
-                    e81
+                    e96
                         .mul_add(
                             T::from_f64(0.957114304904272),
                             -(T::from_f64(0.20836907822018302)
@@ -20313,109 +19913,109 @@ pub fn regressor_full_sc<T: Real>(
                     by_left_shoulder_yaw_x
                         .mul_add(
                             T::from_f64(0.01045559498811533),
-                            T::from_f64(0.9963466490417511) * e83,
+                            T::from_f64(0.9963466490417511) * e103,
                         ),
                 ),
             ky_left_elbow_z,
             ky_left_shoulder_yaw_z
                 .mul_add(
                     T::from_f64(0.9888513796308234),
-                    e83
+                    e103
                         .mul_add(
                             T::from_f64(0.08540114134643578),
                             -(T::from_f64(0.12198194152801221) * by_left_shoulder_yaw_x),
                         ),
                 ),
-            -e84
+            -e108
                 .mul_add(
                     T::from_f64(0.18375475681808387),
-                    T::from_f64(0.9829721203303413) * e85,
+                    T::from_f64(0.9829721203303413) * e109,
                 ),
             ky_left_elbow_z,
-            e85
+            e109
                 .mul_add(
                     T::from_f64(0.18375475681808387),
-                    -(T::from_f64(0.9829721203303413) * e84),
+                    -(T::from_f64(0.9829721203303413) * e108),
                 ),
-            (-e86)
+            (-e116)
                 .mul_add(
                     T::from_f64(0.12095948535747154),
-                    e88
+                    e118
                         .mul_add(
                             T::from_f64(0.17981670296897617),
-                            -(T::from_f64(0.9762349902740747) * e87),
+                            -(T::from_f64(0.9762349902740747) * e117),
                         ),
                 ),
-            e86
+            e116
                 .mul_add(
                     T::from_f64(0.07697421795475462),
-                    -e87
+                    -e117
                         .mul_add(
                             T::from_f64(0.189825799816729),
-                            T::from_f64(0.9787957578035333) * e88,
+                            T::from_f64(0.9787957578035333) * e118,
                         ),
                 ),
-            (-e86)
+            (-e116)
                 .mul_add(
                     T::from_f64(0.9896685165611309),
-                    e87
+                    e117
                         .mul_add(
                             T::from_f64(0.10455338104775241),
-                            -(T::from_f64(0.09810615596981634) * e88),
+                            -(T::from_f64(0.09810615596981634) * e118),
                         ),
                 ),
-            (-e89)
+            (-e124)
                 .mul_add(
                     T::from_f64(0.9875478905452643),
-                    e90
+                    e125
                         .mul_add(
                             T::from_f64(0.0765329641546823),
                             -(T::from_f64(0.13744769651506267) * by_left_wrist_roll_x),
                         ),
                 ),
-            (-e89)
+            (-e124)
                 .mul_add(
                     T::from_f64(0.1280154672929046),
                     by_left_wrist_roll_x
                         .mul_add(
                             T::from_f64(0.9848605837142257),
-                            T::from_f64(0.11688315011092955) * e90,
+                            T::from_f64(0.11688315011092955) * e125,
                         ),
                 ),
-            (-e89)
+            (-e124)
                 .mul_add(
                     T::from_f64(0.09143961949493187),
                     by_left_wrist_roll_x
                         .mul_add(
                             T::from_f64(0.10563030516276119),
-                            -(T::from_f64(0.9901924230258703) * e90),
+                            -(T::from_f64(0.9901924230258703) * e125),
                         ),
                 ),
             -ky_left_wrist_pitch_z
                 .mul_add(
                     T::from_f64(0.13926262418314853),
-                    e91
+                    e130
                         .mul_add(
                             T::from_f64(0.019249486508246386),
-                            T::from_f64(0.9900683707576927) * e92,
+                            T::from_f64(0.9900683707576927) * e131,
                         ),
                 ),
             ky_left_wrist_pitch_z
                 .mul_add(
                     T::from_f64(0.9855508788345896),
-                    e91
+                    e130
                         .mul_add(
                             T::from_f64(0.09464867601187527),
-                            -(T::from_f64(0.14046741030419552) * e92),
+                            -(T::from_f64(0.14046741030419552) * e131),
                         ),
                 ),
             ky_left_wrist_pitch_z
                 .mul_add(
                     T::from_f64(0.09641258597294897),
-                    e92
+                    e131
                         .mul_add(
                             T::from_f64(0.005790325348442432),
-                            -(T::from_f64(0.9953246130777477) * e91),
+                            -(T::from_f64(0.9953246130777477) * e130),
                         ),
                 ),
         ],
@@ -20427,17 +20027,17 @@ pub fn regressor_full_sc<T: Real>(
                 - bz_right_ankle_roll_x
                     .mul_add(
                         T::from_f64(0.1260819066254007),
-                        T::from_f64(0.1529122762239553) * e93,
+                        T::from_f64(0.1529122762239553) * e4,
                     ),
             bz_right_ankle_roll_x
                 .mul_add(
                     T::from_f64(0.9860642172215092),
-                    -(T::from_f64(0.12742238056085944) * e93),
+                    -(T::from_f64(0.12742238056085944) * e4),
                 ) + T::from_f64(0.01612271094779644),
             bz_right_ankle_roll_x
                 .mul_add(
                     T::from_f64(0.10853898993926647),
-                    T::from_f64(0.9799904962356587) * e93,
+                    T::from_f64(0.9799904962356587) * e4,
                 ) + T::from_f64(0.025149328423963363),
             (-kz_right_ankle_pitch_z)
                 .mul_add(
@@ -20445,7 +20045,7 @@ pub fn regressor_full_sc<T: Real>(
                     bz_right_ankle_pitch_x
                         .mul_add(
                             T::from_f64(0.5863673657787142),
-                            T::from_f64(0.8037588635830045) * e94,
+                            T::from_f64(0.8037588635830045) * e7,
                         ),
                 ),
             kz_right_ankle_pitch_z
@@ -20454,13 +20054,13 @@ pub fn regressor_full_sc<T: Real>(
                     bz_right_ankle_pitch_x
                         .mul_add(
                             T::from_f64(0.17005552884933375),
-                            -(T::from_f64(0.0005719435102985865) * e94),
+                            -(T::from_f64(0.0005719435102985865) * e7),
                         ),
                 ),
             kz_right_ankle_pitch_z
                 .mul_add(
                     T::from_f64(0.1370190076234553),
-                    e94
+                    e7
                         .mul_add(
                             T::from_f64(0.5949549244206476),
                             -(T::from_f64(0.7919939579678025) * bz_right_ankle_pitch_x),
@@ -20469,7 +20069,7 @@ pub fn regressor_full_sc<T: Real>(
             (-kz_right_knee_z)
                 .mul_add(
                     T::from_f64(0.05491857598002902),
-                    e95
+                    e10
                         .mul_add(
                             T::from_f64(0.7773178779650478),
                             -(T::from_f64(0.6267063639442644) * bz_right_knee_x),
@@ -20481,7 +20081,7 @@ pub fn regressor_full_sc<T: Real>(
                     -bz_right_knee_x
                         .mul_add(
                             T::from_f64(0.12374470904356641),
-                            T::from_f64(0.029691225369481516) * e95,
+                            T::from_f64(0.029691225369481516) * e10,
                         ),
                 ),
             -kz_right_knee_z
@@ -20490,7 +20090,7 @@ pub fn regressor_full_sc<T: Real>(
                     bz_right_knee_x
                         .mul_add(
                             T::from_f64(0.7693675197039984),
-                            T::from_f64(0.628406992109392) * e95,
+                            T::from_f64(0.628406992109392) * e10,
                         ),
                 ),
             -kz_right_hip_pitch_z
@@ -20499,7 +20099,7 @@ pub fn regressor_full_sc<T: Real>(
                     bz_right_hip_pitch_x
                         .mul_add(
                             T::from_f64(0.9827666448575718),
-                            T::from_f64(0.17950183453219504) * e96,
+                            T::from_f64(0.17950183453219504) * e13,
                         ),
                 ),
             kz_right_hip_pitch_z
@@ -20508,7 +20108,7 @@ pub fn regressor_full_sc<T: Real>(
                     -bz_right_hip_pitch_x
                         .mul_add(
                             T::from_f64(0.011249506186826184),
-                            T::from_f64(0.18029592085523008) * e96,
+                            T::from_f64(0.18029592085523008) * e13,
                         ),
                 ),
             (-kz_right_hip_pitch_z)
@@ -20517,7 +20117,7 @@ pub fn regressor_full_sc<T: Real>(
                     bz_right_hip_pitch_x
                         .mul_add(
                             T::from_f64(0.1845079141011138),
-                            -(T::from_f64(0.9670948621115415) * e96),
+                            -(T::from_f64(0.9670948621115415) * e13),
                         ),
                 ),
             -kz_right_hip_roll_z
@@ -20553,7 +20153,7 @@ pub fn regressor_full_sc<T: Real>(
                     bz_right_hip_yaw_x
                         .mul_add(
                             T::from_f64(0.15979020363924512),
-                            T::from_f64(0.9431024014938241) * e97,
+                            T::from_f64(0.9431024014938241) * e16,
                         ),
                 ),
             -bz_right_hip_yaw_x
@@ -20567,7 +20167,7 @@ pub fn regressor_full_sc<T: Real>(
                     bz_right_hip_yaw_x
                         .mul_add(
                             T::from_f64(0.4532253452836305),
-                            -(T::from_f64(0.3325024214898031) * e97),
+                            -(T::from_f64(0.3325024214898031) * e16),
                         ),
                 ),
             kz_left_hip_yaw_z
@@ -20576,7 +20176,7 @@ pub fn regressor_full_sc<T: Real>(
                     bz_left_hip_yaw_x
                         .mul_add(
                             T::from_f64(0.9920190772526525),
-                            T::from_f64(0.03382383783872412) * e99,
+                            T::from_f64(0.03382383783872412) * e23,
                         ),
                 ),
             (-kz_left_hip_yaw_z)
@@ -20585,7 +20185,7 @@ pub fn regressor_full_sc<T: Real>(
                     bz_left_hip_yaw_x
                         .mul_add(
                             T::from_f64(0.05811909856572281),
-                            -(T::from_f64(0.9775676773628161) * e99),
+                            -(T::from_f64(0.9775676773628161) * e23),
                         ),
                 ),
             kz_left_hip_yaw_z
@@ -20594,7 +20194,7 @@ pub fn regressor_full_sc<T: Real>(
                     -bz_left_hip_yaw_x
                         .mul_add(
                             T::from_f64(0.11189423912205596),
-                            T::from_f64(0.20788791251376057) * e99,
+                            T::from_f64(0.20788791251376057) * e23,
                         ),
                 ),
             kz_left_hip_roll_z
@@ -20603,7 +20203,7 @@ pub fn regressor_full_sc<T: Real>(
                     -bz_left_hip_roll_x
                         .mul_add(
                             T::from_f64(0.01533460706611091),
-                            T::from_f64(0.17950183453219504) * e100,
+                            T::from_f64(0.17950183453219504) * e26,
                         ),
                 ),
             kz_left_hip_roll_z
@@ -20612,7 +20212,7 @@ pub fn regressor_full_sc<T: Real>(
                     bz_left_hip_roll_x
                         .mul_add(
                             T::from_f64(0.9824298694288612),
-                            T::from_f64(0.18029592085523005) * e100,
+                            T::from_f64(0.18029592085523005) * e26,
                         ),
                 ),
             (-kz_left_hip_roll_z)
@@ -20621,13 +20221,13 @@ pub fn regressor_full_sc<T: Real>(
                     bz_left_hip_roll_x
                         .mul_add(
                             T::from_f64(0.18600107924449963),
-                            -(T::from_f64(0.9670948621115414) * e100),
+                            -(T::from_f64(0.9670948621115414) * e26),
                         ),
                 ),
             kz_left_hip_pitch_z
                 .mul_add(
                     T::from_f64(0.10003501838572533),
-                    e101
+                    e30
                         .mul_add(
                             T::from_f64(0.7773178779650479),
                             -(T::from_f64(0.6211037849606799) * bz_left_hip_pitch_x),
@@ -20639,7 +20239,7 @@ pub fn regressor_full_sc<T: Real>(
                     bz_left_hip_pitch_x
                         .mul_add(
                             T::from_f64(0.19505301897281854),
-                            T::from_f64(0.029691225369481503) * e101,
+                            T::from_f64(0.029691225369481503) * e30,
                         ),
                 ),
             kz_left_hip_pitch_z
@@ -20648,7 +20248,7 @@ pub fn regressor_full_sc<T: Real>(
                     -bz_left_hip_pitch_x
                         .mul_add(
                             T::from_f64(0.7590681182193775),
-                            T::from_f64(0.6284069921093921) * e101,
+                            T::from_f64(0.6284069921093921) * e30,
                         ),
                 ),
             (-kz_left_knee_z)
@@ -20657,7 +20257,7 @@ pub fn regressor_full_sc<T: Real>(
                     bz_left_knee_x
                         .mul_add(
                             T::from_f64(0.5924701423191099),
-                            T::from_f64(0.8037588635830043) * e102,
+                            T::from_f64(0.8037588635830043) * e33,
                         ),
                 ),
             kz_left_knee_z
@@ -20666,13 +20266,13 @@ pub fn regressor_full_sc<T: Real>(
                     bz_left_knee_x
                         .mul_add(
                             T::from_f64(0.09053393944867547),
-                            T::from_f64(0.0005719435102985865) * e102,
+                            T::from_f64(0.0005719435102985865) * e33,
                         ),
                 ),
             kz_left_knee_z
                 .mul_add(
                     T::from_f64(0.07242859683401481),
-                    e102
+                    e33
                         .mul_add(
                             T::from_f64(0.5949549244206475),
                             -(T::from_f64(0.8004890606799554) * bz_left_knee_x),
@@ -20684,13 +20284,13 @@ pub fn regressor_full_sc<T: Real>(
                     bz_left_ankle_pitch_x
                         .mul_add(
                             T::from_f64(0.9854246040522064),
-                            -(T::from_f64(0.1529122762239553) * e103),
+                            -(T::from_f64(0.1529122762239553) * e37),
                         ),
                 ),
             kz_left_ankle_pitch_z
                 .mul_add(
                     T::from_f64(0.9903148176370599),
-                    e103
+                    e37
                         .mul_add(
                             T::from_f64(0.12742238056085947),
                             -(T::from_f64(0.05513709187725314) * bz_left_ankle_pitch_x),
@@ -20702,7 +20302,7 @@ pub fn regressor_full_sc<T: Real>(
                     bz_left_ankle_pitch_x
                         .mul_add(
                             T::from_f64(0.16092933488917305),
-                            T::from_f64(0.9799904962356587) * e103,
+                            T::from_f64(0.9799904962356587) * e37,
                         ),
                 ),
             kz_left_ankle_roll_z
@@ -20762,28 +20362,28 @@ pub fn regressor_full_sc<T: Real>(
             -kz_waist_pitch_z
                 .mul_add(
                     T::from_f64(0.07686740279497044),
-                    e106
+                    e50
                         .mul_add(
                             T::from_f64(0.17939505485262935),
-                            T::from_f64(0.9807695023204881) * e107,
+                            T::from_f64(0.9807695023204881) * e51,
                         ),
                 ),
             kz_waist_pitch_z
                 .mul_add(
                     T::from_f64(0.9882951787924771),
-                    e106
+                    e50
                         .mul_add(
                             T::from_f64(0.11629756483619717),
-                            -(T::from_f64(0.09872950920933495) * e107),
+                            -(T::from_f64(0.09872950920933495) * e51),
                         ),
                 ),
             kz_waist_pitch_z
                 .mul_add(
                     T::from_f64(0.1317726905056636),
-                    e107
+                    e51
                         .mul_add(
                             T::from_f64(0.1683557760497274),
-                            -(T::from_f64(0.9768788516021794) * e106),
+                            -(T::from_f64(0.9768788516021794) * e50),
                         ),
                 ),
             bz_neck_yaw_x
@@ -20803,7 +20403,7 @@ pub fn regressor_full_sc<T: Real>(
                     -bz_neck_pitch_x
                         .mul_add(
                             T::from_f64(0.9845249031066339),
-                            T::from_f64(0.17090909239800103) * e110,
+                            T::from_f64(0.17090909239800103) * e60,
                         ),
                 ),
             kz_neck_pitch_z
@@ -20812,7 +20412,7 @@ pub fn regressor_full_sc<T: Real>(
                     bz_neck_pitch_x
                         .mul_add(
                             T::from_f64(0.048051161613096624),
-                            -(T::from_f64(0.05068211802961547) * e110),
+                            -(T::from_f64(0.05068211802961547) * e60),
                         ),
                 ),
             (-kz_neck_pitch_z)
@@ -20821,7 +20421,7 @@ pub fn regressor_full_sc<T: Real>(
                     bz_neck_pitch_x
                         .mul_add(
                             T::from_f64(0.16852833895373615),
-                            -(T::from_f64(0.9839824211070662) * e110),
+                            -(T::from_f64(0.9839824211070662) * e60),
                         ),
                 ),
             (-kz_right_shoulder_pitch_z)
@@ -20855,31 +20455,31 @@ pub fn regressor_full_sc<T: Real>(
             (-kz_right_shoulder_roll_z)
                 .mul_add(
                     T::from_f64(0.9797515453989188),
-                    e113
+                    e72
                         .mul_add(
                             T::from_f64(0.09084250712834728),
-                            T::from_f64(0.17842238701201812) * e114,
+                            T::from_f64(0.17842238701201812) * e73,
                         ),
                 ),
             kz_right_shoulder_roll_z
                 .mul_add(
                     T::from_f64(0.15634333171259343),
-                    e114
+                    e73
                         .mul_add(
                             T::from_f64(0.9652131735177485),
-                            -(T::from_f64(0.20957168772714235) * e113),
+                            -(T::from_f64(0.20957168772714235) * e72),
                         ),
                 ),
             kz_right_shoulder_roll_z
                 .mul_add(
                     T::from_f64(0.12507466537007475),
-                    e113
+                    e72
                         .mul_add(
                             T::from_f64(0.9735642488309816),
-                            T::from_f64(0.19112556469695652) * e114,
+                            T::from_f64(0.19112556469695652) * e73,
                         ),
                 ),
-            (-e115)
+            (-e76)
                 .mul_add(
                     T::from_f64(0.08475868968264198),
                     bz_right_shoulder_yaw_y
@@ -20889,7 +20489,7 @@ pub fn regressor_full_sc<T: Real>(
                         ),
                 ),
             kz_right_elbow_z,
-            e115
+            e76
                 .mul_add(
                     T::from_f64(0.9888513796308234),
                     bz_right_shoulder_yaw_x
@@ -20898,7 +20498,7 @@ pub fn regressor_full_sc<T: Real>(
                             T::from_f64(0.08540114134643578) * bz_right_shoulder_yaw_y,
                         ),
                 ),
-            e116
+            e79
                 .mul_add(
                     T::from_f64(0.9829721203303413),
                     -(T::from_f64(0.18375475681808387) * bz_right_elbow_x),
@@ -20907,7 +20507,7 @@ pub fn regressor_full_sc<T: Real>(
             -bz_right_elbow_x
                 .mul_add(
                     T::from_f64(0.9829721203303413),
-                    T::from_f64(0.18375475681808387) * e116,
+                    T::from_f64(0.18375475681808387) * e79,
                 ),
             (-kz_right_wrist_yaw_z)
                 .mul_add(
@@ -20942,7 +20542,7 @@ pub fn regressor_full_sc<T: Real>(
                     bz_right_wrist_roll_x
                         .mul_add(
                             T::from_f64(0.13744769651506267),
-                            -(T::from_f64(0.0765329641546823) * e118),
+                            -(T::from_f64(0.0765329641546823) * e86),
                         ),
                 ),
             kz_right_wrist_roll_z
@@ -20951,13 +20551,13 @@ pub fn regressor_full_sc<T: Real>(
                     bz_right_wrist_roll_x
                         .mul_add(
                             T::from_f64(0.9848605837142257),
-                            T::from_f64(0.11688315011092955) * e118,
+                            T::from_f64(0.11688315011092955) * e86,
                         ),
                 ),
             (-kz_right_wrist_roll_z)
                 .mul_add(
                     T::from_f64(0.09143961949493187),
-                    e118
+                    e86
                         .mul_add(
                             T::from_f64(0.9901924230258703),
                             -(T::from_f64(0.10563030516276119) * bz_right_wrist_roll_x),
@@ -20996,13 +20596,13 @@ pub fn regressor_full_sc<T: Real>(
                     bz_left_shoulder_pitch_x
                         .mul_add(
                             T::from_f64(0.9702869074347845),
-                            T::from_f64(0.22816877903507443) * e122,
+                            T::from_f64(0.22816877903507443) * e99,
                         ),
                 ),
             kz_left_shoulder_pitch_z
                 .mul_add(
                     T::from_f64(0.9762187971333224),
-                    e122
+                    e99
                         .mul_add(
                             T::from_f64(0.17852511201860666),
                             -(T::from_f64(0.12298635900909212)
@@ -21012,7 +20612,7 @@ pub fn regressor_full_sc<T: Real>(
             (-kz_left_shoulder_pitch_z)
                 .mul_add(
                     T::from_f64(0.20128222621305616),
-                    e122
+                    e99
                         .mul_add(
                             T::from_f64(0.957114304904272),
                             -(T::from_f64(0.20836907822018302)
@@ -21052,82 +20652,82 @@ pub fn regressor_full_sc<T: Real>(
                     bz_left_shoulder_yaw_x
                         .mul_add(
                             T::from_f64(0.01045559498811533),
-                            T::from_f64(0.9963466490417511) * e124,
+                            T::from_f64(0.9963466490417511) * e105,
                         ),
                 ),
             kz_left_elbow_z,
             kz_left_shoulder_yaw_z
                 .mul_add(
                     T::from_f64(0.9888513796308234),
-                    e124
+                    e105
                         .mul_add(
                             T::from_f64(0.08540114134643578),
                             -(T::from_f64(0.12198194152801221) * bz_left_shoulder_yaw_x),
                         ),
                 ),
-            -e125
+            -e110
                 .mul_add(
                     T::from_f64(0.18375475681808387),
-                    T::from_f64(0.9829721203303413) * e126,
+                    T::from_f64(0.9829721203303413) * e111,
                 ),
             kz_left_elbow_z,
-            e126
+            e111
                 .mul_add(
                     T::from_f64(0.18375475681808387),
-                    -(T::from_f64(0.9829721203303413) * e125),
+                    -(T::from_f64(0.9829721203303413) * e110),
                 ),
-            (-e127)
+            (-e119)
                 .mul_add(
                     T::from_f64(0.12095948535747154),
-                    e129
+                    e121
                         .mul_add(
                             T::from_f64(0.17981670296897617),
-                            -(T::from_f64(0.9762349902740747) * e128),
+                            -(T::from_f64(0.9762349902740747) * e120),
                         ),
                 ),
-            e127
+            e119
                 .mul_add(
                     T::from_f64(0.07697421795475462),
-                    -e128
+                    -e120
                         .mul_add(
                             T::from_f64(0.189825799816729),
-                            T::from_f64(0.9787957578035333) * e129,
+                            T::from_f64(0.9787957578035333) * e121,
                         ),
                 ),
-            (-e127)
+            (-e119)
                 .mul_add(
                     T::from_f64(0.9896685165611309),
-                    e128
+                    e120
                         .mul_add(
                             T::from_f64(0.10455338104775241),
-                            -(T::from_f64(0.09810615596981634) * e129),
+                            -(T::from_f64(0.09810615596981634) * e121),
                         ),
                 ),
-            (-e130)
+            (-e126)
                 .mul_add(
                     T::from_f64(0.9875478905452643),
-                    e131
+                    e127
                         .mul_add(
                             T::from_f64(0.0765329641546823),
                             -(T::from_f64(0.13744769651506267) * bz_left_wrist_roll_x),
                         ),
                 ),
-            (-e130)
+            (-e126)
                 .mul_add(
                     T::from_f64(0.1280154672929046),
                     bz_left_wrist_roll_x
                         .mul_add(
                             T::from_f64(0.9848605837142257),
-                            T::from_f64(0.11688315011092955) * e131,
+                            T::from_f64(0.11688315011092955) * e127,
                         ),
                 ),
-            (-e130)
+            (-e126)
                 .mul_add(
                     T::from_f64(0.09143961949493187),
                     bz_left_wrist_roll_x
                         .mul_add(
                             T::from_f64(0.10563030516276119),
-                            -(T::from_f64(0.9901924230258703) * e131),
+                            -(T::from_f64(0.9901924230258703) * e127),
                         ),
                 ),
             -kz_left_wrist_pitch_z

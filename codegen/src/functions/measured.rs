@@ -14,6 +14,8 @@
 
 use super::Scratch;
 use super::circumstances::{Circumstances, Source};
+use super::rows::Direction;
+use super::subtrees::Wanted;
 use crate::effects::Target;
 use crate::expr::{Graph, Id};
 use crate::model::{Given, Model};
@@ -308,7 +310,7 @@ impl<'m> Measured<'m> {
     /// `τ_j = d·∂c/∂φ_j + Σ b·∂p/∂φ_j` with `d` gravity's direction.
     pub(crate) fn moments(&mut self, pass: &str) -> Vec<Id> {
         self.enter(pass);
-        let subtrees = self.scratch.subtrees();
+        let subtrees = self.scratch.subtrees(Wanted::Turned);
         let down = self.constant(-1.0);
         let gravity = [self.tilt[0], self.tilt[1], down];
         let steepness = self.tilt.map(|t| self.scratch.g.value(t));
@@ -316,15 +318,22 @@ impl<'m> Measured<'m> {
             [Some(x), Some(y)] => libm::sqrt(1.0 + x * x + y * y),
             _ => f64::INFINITY,
         };
-        let orientations = self.scratch.directions(gravity, norm, "g");
-        let mut moments = self.scratch.turned(&subtrees, &[orientations], false);
+        let gravity = Direction {
+            entries: gravity,
+            norm,
+            tag: "g",
+        };
+        let mut moments = self.scratch.slopes_along(&[gravity], &subtrees, false);
         let zero = self.constant(0.0);
         for k in 0..self.pulls.len() {
             let force = self.sideways(k);
             let subtrees = self.at_point(k, &format!("{pass}p{k}"));
-            let direction = [force[0], force[1], zero];
-            let rows = self.scratch.directions(direction, f64::INFINITY, "f");
-            let more = self.scratch.turned(&subtrees, &[rows], false);
+            let pull = Direction {
+                entries: [force[0], force[1], zero],
+                norm: f64::INFINITY,
+                tag: "f",
+            };
+            let more = self.scratch.slopes_along(&[pull], &subtrees, false);
             for (moment, more) in moments.iter_mut().zip(more) {
                 *moment = self.scratch.g.add(*moment, more);
             }
@@ -335,9 +344,9 @@ impl<'m> Measured<'m> {
     /// How far a perfect sensor's reading moves with each joint, x row then y row.
     pub(crate) fn slopes(&mut self) -> Vec<Id> {
         self.enter("m");
-        let subtrees = self.scratch.subtrees();
-        let rows: Vec<_> = (0..3).map(|k| self.scratch.orientations(k)).collect();
-        let jacobian = self.scratch.turned(&subtrees, &rows, false);
+        let subtrees = self.scratch.subtrees(Wanted::Turned);
+        let rows = self.scratch.axes_of_support(&[0, 1, 2]);
+        let jacobian = self.scratch.slopes_along(&rows, &subtrees, false);
         let dof = self.model().dof();
         let mut slopes = Vec::with_capacity(2 * dof);
         for axis in 0..2 {
@@ -353,7 +362,7 @@ impl<'m> Measured<'m> {
     /// The CoP becomes the reading, the sensor still perfect.
     pub(crate) fn stand(&mut self) {
         self.enter("");
-        let com = self.scratch.subtrees()[0].v.entries;
+        let com = self.scratch.subtrees(Wanted::Sums)[0].v.entries;
         for axis in 0..2 {
             let g = &mut self.scratch.g;
             let leaning = g.mul(self.tilt[axis], com[2]);
@@ -383,7 +392,7 @@ impl<'m> Measured<'m> {
         let point = point.into_iter().map(of).collect();
         let masses = self.scratch.masses.replace(point);
         let before = std::mem::replace(&mut self.scratch.pass, pass.to_string());
-        let subtrees = self.scratch.subtrees();
+        let subtrees = self.scratch.subtrees(Wanted::Turned);
         self.scratch.pass = before;
         self.scratch.masses = masses;
         subtrees

@@ -13,7 +13,8 @@
 //! b_i = b_p K_i Rz(θ_i)
 //! ```
 //!
-//! 4 per joint and row. They meet in the Jacobian: `J_j = B_p K_j (e_z × t_j)`.
+//! 4 per joint and row. They meet in the Jacobian: `J_j = B_p K_j (e_z × t_j)`, which
+//! is `B_j (e_z × v_j)`.
 
 pub(crate) mod circumstances;
 pub(crate) mod correction;
@@ -28,6 +29,7 @@ use crate::expr::{Graph, Id, VectorId};
 use crate::model::{Function, Given, Model};
 use crate::program::{Array, Program, Shape};
 use crate::tree::Coordinate;
+use subtrees::Wanted;
 use turns::sines_suffice;
 
 /// A vector of expressions with what is known of it.
@@ -70,8 +72,8 @@ pub(crate) fn build(
     }
     let (rows, cols) = (rows_of(function), columns_of(model, function));
     let outputs = match function {
-        Function::Com => scratch.subtrees()[0].v.entries.to_vec(),
-        Function::Cop => scratch.subtrees()[0].v.entries[..2].to_vec(),
+        Function::Com => scratch.subtrees(Wanted::Sums)[0].v.entries.to_vec(),
+        Function::Cop => scratch.subtrees(Wanted::Sums)[0].v.entries[..2].to_vec(),
         Function::ComJacobian => scratch.jacobian(&[0, 1, 2], false),
         Function::GravityMoments => scratch.jacobian(&[2], true),
         Function::Regressor => scratch.regressor(&[0, 1, 2]),
@@ -118,7 +120,7 @@ fn arrays(model: &Model, function: Function, given: Given) -> Vec<Array> {
 /// geometry; it is there to check it.
 pub fn differentiate_com(model: &Model) -> Program {
     let mut scratch = Scratch::new(model, Given::Positions);
-    let com = scratch.subtrees()[0].v.entries;
+    let com = scratch.subtrees(Wanted::Sums)[0].v.entries;
     let inputs: Vec<Id> = (0..model.dof()).map(|j| scratch.g.input(0, j)).collect();
     let columns: Vec<Vec<Id>> = inputs
         .iter()
@@ -164,9 +166,22 @@ struct Scratch<'m> {
     masses: Option<Vec<(Id, f64)>>,
     /// Stands behind the prefix of names: which of several passes over the chain.
     pass: String,
+    /// Of each body, those that carry the longest chain last.
     children: Vec<Vec<usize>>,
     /// Sine and cosine per body, once asked for.
     turns: Vec<Option<(Id, Id)>>,
+}
+
+/// Children in the order of the joints above them, the shortest first.
+fn longest_last(mut children: Vec<Vec<usize>>) -> Vec<Vec<usize>> {
+    let mut length = vec![0_usize; children.len()];
+    // Parents stand before their children.
+    for i in (0..children.len()).rev() {
+        children[i].sort_by_key(|&c| length[c]);
+        let longest = children[i].last();
+        length[i] = longest.map_or(0, |&c| length[c] + 1);
+    }
+    children
 }
 
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -181,7 +196,7 @@ impl<'m> Scratch<'m> {
             positions: None,
             masses: None,
             pass: String::new(),
-            children: m.chain.children(),
+            children: longest_last(m.chain.children()),
             turns: vec![None; m.chain.bodies.len()],
         }
     }

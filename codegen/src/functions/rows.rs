@@ -1,39 +1,83 @@
 //! Root to leaf: rows of orientations `b_i = b_p K_i Rz(θ_i)`, and what is made of
 //! them: Jacobian, gravity moments, regressor rows.
+//!
+//! All rows of a body stand together, and beside what needs them: sines and
+//! orientations are used up while they are still in registers.
 
-use super::subtrees::Subtree;
+use super::subtrees::{Subtree, Wanted};
 use super::{AXES, Known, Scratch};
 use crate::base::Column;
 use crate::expr::Id;
 use crate::snap::tidy;
 use crate::tree::Motion;
 
+/// A direction `d` of the support frame.
+pub(super) struct Direction {
+    pub(super) entries: [Id; 3],
+    /// Bound on its length.
+    pub(super) norm: f64,
+    /// What names of its images hold.
+    pub(super) tag: &'static str,
+}
+
+/// A direction as a body sees it, in canonical axes.
+#[derive(Clone, Copy)]
+pub(super) struct Seen {
+    /// `dᵀ B_p K_i`: before its joint turns.
+    before: Known,
+    /// `dᵀ B_i`.
+    after: Known,
+}
+
 impl Scratch<'_> {
-    /// Row `row` of `B_p K_i` and of `B_i`, in canonical axes, for every body.
-    pub(super) fn orientations(&mut self, row: usize) -> Vec<(Known, Known)> {
-        let unit = [0, 1, 2].map(|k| self.g.constant(if k == row { 1.0 } else { 0.0 }));
-        self.directions(unit, 1.0, AXES[row])
+    /// Rows of orientations as directions: the axes of the support frame.
+    pub(super) fn axes_of_support(&mut self, rows: &[usize]) -> Vec<Direction> {
+        let unit = |row: &usize| Direction {
+            entries: [0, 1, 2].map(|k| self.g.constant(if k == *row { 1.0 } else { 0.0 })),
+            norm: 1.0,
+            tag: AXES[*row],
+        };
+        rows.iter().map(unit).collect()
     }
 
-    /// `dᵀ B_p K_i` and `dᵀ B_i` for every body: a direction `d` of the support
-    /// frame (of length `norm` at most) seen from the bodies.
-    pub(super) fn directions(&mut self, d: [Id; 3], norm: f64, tag: &str) -> Vec<(Known, Known)> {
+    /// The directions as every body sees them.
+    fn seen(&mut self, directions: &[Direction]) -> Vec<Vec<Seen>> {
+        let mut seen = Vec::with_capacity(self.m.chain.bodies.len());
+        for i in 0..self.m.chain.bodies.len() {
+            let here = self.seen_from(i, &seen, directions);
+            seen.push(here);
+        }
+        seen
+    }
+
+    /// The directions as body `i` sees them, from what those before it do.
+    fn seen_from(&mut self, i: usize, seen: &[Vec<Seen>], directions: &[Direction]) -> Vec<Seen> {
         let m = self.m;
-        let mut rows: Vec<(Known, Known)> = Vec::with_capacity(m.chain.bodies.len());
-        for (i, body) in m.chain.bodies.iter().enumerate() {
-            let Some(parent) = body.parent else {
-                let entries = d;
-                let fact = self.g.know(&entries, norm, &[]);
-                rows.push((Known { entries, fact }, Known { entries, fact }));
-                continue;
+        let Some(parent) = m.chain.bodies[i].parent else {
+            let own = |direction: &Direction| {
+                let entries = direction.entries;
+                let fact = self.g.know(&entries, direction.norm, &[]);
+                let known = Known { entries, fact };
+                Seen {
+                    before: known,
+                    after: known,
+                }
             };
-            let near = rows[parent].1;
-            let Some(turn) = &m.frames[i].turn else {
-                rows.push((near, near));
-                continue;
-            };
-            self.section(i);
-            let (s, c) = self.turn(i);
+            return directions.iter().map(own).collect();
+        };
+        let still = |seen: &Seen| Seen {
+            before: seen.after,
+            after: seen.after,
+        };
+        let Some(turn) = &m.frames[i].turn else {
+            return seen[parent].iter().map(still).collect();
+        };
+        self.section(i);
+        let (s, c) = self.turn(i);
+        let mut here = Vec::with_capacity(directions.len());
+        for (direction, near) in directions.iter().zip(&seen[parent]) {
+            let Direction { norm, tag, .. } = *direction;
+            let near = near.after;
             let [x, y, z] = self.twist(&turn.twist, near.entries, true);
             let before = Known {
                 entries: [x, y, z],
@@ -52,47 +96,51 @@ impl Scratch<'_> {
                 entries,
                 fact: self.g.know(&entries, norm, &[before.fact]),
             };
-            rows.push((before, after));
+            here.push(Seen { before, after });
         }
-        rows
+        here
     }
 
     /// Rows of ∂CoM/∂q, row-major; negated for gravity moments.
     pub(super) fn jacobian(&mut self, rows: &[usize], negated: bool) -> Vec<Id> {
-        let subtrees = self.subtrees();
-        let orientations: Vec<_> = rows.iter().map(|&row| self.orientations(row)).collect();
-        self.turned(&subtrees, &orientations, negated)
+        let subtrees = self.subtrees(Wanted::Turned);
+        let directions = self.axes_of_support(rows);
+        self.slopes_along(&directions, &subtrees, negated)
     }
 
-    /// `dᵀ ∂CoM/∂q` for each of the directions that `orientations` come from.
-    pub(super) fn turned(
+    /// `dᵀ ∂CoM/∂q` for each direction, row-major.
+    pub(super) fn slopes_along(
         &mut self,
+        directions: &[Direction],
         subtrees: &[Subtree],
-        orientations: &[Vec<(Known, Known)>],
         negated: bool,
     ) -> Vec<Id> {
         let m = self.m;
         let zero = self.g.constant(0.0);
-        let mut jacobian = vec![zero; orientations.len() * m.dof()];
+        let mut jacobian = vec![zero; directions.len() * m.dof()];
+        let mut seen: Vec<Vec<Seen>> = Vec::with_capacity(m.chain.bodies.len());
         for (i, body) in m.chain.bodies.iter().enumerate() {
+            let here = self.seen_from(i, &seen, directions);
+            seen.push(here);
             let (Some(parent), Motion::Turn { by, .. } | Motion::Slide { by, .. }) =
                 (body.parent, body.motion)
             else {
                 continue;
             };
             self.section(i);
-            for (k, row) in orientations.iter().enumerate() {
+            for k in 0..directions.len() {
                 let mut term = match (&m.frames[i].turn, body.motion) {
                     (Some(turn), _) => {
-                        let ([x, y, _], t) = (row[i].0.entries, subtrees[i].t);
-                        let (up, down) = (self.g.mul(y, t.entries[0]), self.g.mul(x, t.entries[1]));
+                        let (row, t) = (seen[i][k].before, subtrees[i].turned());
+                        let ([x, y, _], [tx, ty, _]) = (row.entries, t.entries);
+                        let (up, down) = (self.g.mul(y, tx), self.g.mul(x, ty));
                         let arm = self.g.sub(up, down);
-                        self.g.know_product(arm, [row[i].0.fact, t.fact]);
+                        self.g.know_product(arm, [row.fact, t.fact]);
                         let factor = self.g.constant(turn.angle.factor);
                         self.g.mul(factor, arm)
                     }
                     (None, Motion::Slide { axis, .. }) => {
-                        let along = self.along(&row[parent].1, parent, &axis);
+                        let along = self.along(&seen[parent][k], parent, &axis);
                         let mass = self.parameter(m.slide_param(i));
                         let factor = self.g.constant(by.factor);
                         let scaled = self.g.mul(factor, mass);
@@ -111,26 +159,27 @@ impl Scratch<'_> {
     }
 
     /// One row of `B_p a` for a slide on body `parent`.
-    fn along(&mut self, row: &Known, parent: usize, axis: &nalgebra::Vector3<f64>) -> Id {
+    fn along(&mut self, row: &Seen, parent: usize, axis: &nalgebra::Vector3<f64>) -> Id {
         let axis = (self.m.axes(parent).transpose() * axis).map(tidy);
         let weights = [0, 1, 2].map(|k| self.g.constant(axis[k]));
-        let along = self.g.dot(&weights, &row.entries);
+        let along = self.g.dot(&weights, &row.after.entries);
         // A unit vector's image: no longer than the direction itself.
-        let norm = self.norm(row.fact);
-        self.g.know(&[along], norm, &[row.fact]);
+        let norm = self.norm(row.after.fact);
+        self.g.know(&[along], norm, &[row.after.fact]);
         along
     }
 
     /// Rows of the base regressor, row-major.
     pub(super) fn regressor(&mut self, rows: &[usize]) -> Vec<Id> {
         let m = self.m;
+        let directions = self.axes_of_support(rows);
+        let seen = self.seen(&directions);
         let mut regressor = Vec::with_capacity(rows.len() * m.base.params.len());
-        for &row in rows {
-            let b = self.orientations(row);
+        for row in 0..rows.len() {
             for param in &m.base.params {
                 let entry = match param.column {
-                    Column::Axis { body, axis } => b[body].1.entries[axis],
-                    Column::Slide { body } => self.slide_column(&b, body),
+                    Column::Axis { body, axis } => seen[body][row].after.entries[axis],
+                    Column::Slide { body } => self.slide_column(&seen, row, body),
                 };
                 regressor.push(entry);
             }
@@ -138,14 +187,14 @@ impl Scratch<'_> {
         regressor
     }
 
-    pub(super) fn slide_column(&mut self, b: &[(Known, Known)], body: usize) -> Id {
+    fn slide_column(&mut self, seen: &[Vec<Seen>], row: usize, body: usize) -> Id {
         let (Motion::Slide { axis, by }, Some(parent)) = (
             self.m.chain.bodies[body].motion,
             self.m.chain.bodies[body].parent,
         ) else {
             return self.g.constant(0.0);
         };
-        let along = self.along(&b[parent].1, parent, &axis);
+        let along = self.along(&seen[parent][row], parent, &axis);
         let position = self.position(&by);
         self.g.mul(along, position)
     }
@@ -153,18 +202,20 @@ impl Scratch<'_> {
     /// Three rows of the full regressor: orientations of the link frames themselves.
     pub(super) fn regressor_full(&mut self) -> Vec<Id> {
         let m = self.m;
+        let directions = self.axes_of_support(&[0, 1, 2]);
+        let seen = self.seen(&directions);
         let mut regressor = Vec::with_capacity(3 * m.chain.full_params);
         for row in 0..3 {
-            let b = self.orientations(row);
             for (i, body) in m.chain.bodies.iter().enumerate() {
+                let b = seen[i][row].after;
                 let entries = [0, 1, 2].map(|k| {
                     let weights = [0, 1, 2].map(|n| self.g.constant(m.axes(i)[(k, n)]));
-                    self.g.dot(&weights, &b[i].1.entries)
+                    self.g.dot(&weights, &b.entries)
                 });
-                self.g.know(&entries, 1.0, &[b[i].1.fact]);
+                self.g.know(&entries, 1.0, &[b.fact]);
                 regressor.extend(entries);
                 if body.s.is_some() {
-                    regressor.push(self.slide_column(&b, i));
+                    regressor.push(self.slide_column(&seen, row, i));
                 }
             }
         }

@@ -1,18 +1,35 @@
 //! Leaf to root: what each body carries, `v_i = r_i + Σ K_k t_k`, `t_k = Rz(θ_k) v_k`.
 
 use super::{Known, Scratch};
-use crate::expr::Id;
-use crate::frames::Twist;
+use crate::expr::{Id, VectorId};
+use crate::frames::{Turn, Twist};
 use crate::snap::tidy;
 use crate::tree::Motion;
 
-/// A body's subtree: what it carries, in three frames.
+/// What of the subtrees is asked for.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Wanted {
+    /// The sums `v_i` alone.
+    Sums,
+    /// The turned vectors `t_i` too.
+    Turned,
+}
+
+/// A body's subtree.
 pub(super) struct Subtree {
     /// In its own canonical axes.
     pub(super) v: Known,
-    /// Turned by its joint.
-    pub(super) t: Known,
+    /// Turned by its joint, where that is wanted.
+    t: Option<Known>,
 }
+
+impl Subtree {
+    /// `t_i` of [`Wanted::Turned`].
+    pub(super) fn turned(&self) -> Known {
+        self.t.expect("whoever needs it asks for it")
+    }
+}
+
 impl Scratch<'_> {
     /// `K x`, or with `transposed` the row `xᵀ K` (a reflection is symmetric).
     pub(super) fn twist(&mut self, twist: &Twist, x: [Id; 3], transposed: bool) -> [Id; 3] {
@@ -41,77 +58,121 @@ impl Scratch<'_> {
         }
     }
 
-    /// `v_i` and `t_i` of every body, leaf to root.
-    pub(super) fn subtrees(&mut self) -> Vec<Subtree> {
+    /// What every body carries, leaf to root.
+    pub(super) fn subtrees(&mut self, wanted: Wanted) -> Vec<Subtree> {
         let bodies = &self.m.chain.bodies;
         let mut built: Vec<Option<Subtree>> = bodies.iter().map(|_| None).collect();
         for i in (0..bodies.len()).rev() {
             self.section(i);
             let v = self.carried(i, &built);
+            if self.m.frames[i].turn.is_some() {
+                self.turn(i); // its sine and cosine belong under its own title
+            }
             let t = match &self.m.frames[i].turn {
-                None => v,
-                Some(turn) => {
-                    let (s, c) = self.turn(i);
-                    let [x, y, z] = v.entries;
-                    let y = if turn.mirrored { self.g.neg(y) } else { y };
-                    let (cx, sy) = (self.g.mul(c, x), self.g.mul(s, y));
-                    let (sx, cy) = (self.g.mul(s, x), self.g.mul(c, y));
-                    let entries = [self.g.sub(cx, sy), self.g.add(sx, cy), z];
+                None => Some(v),
+                Some(turn) if wanted == Wanted::Turned || !turn.twist.is_permutation() => {
+                    let [cx, sy, sx, cy] = self.turned_products(i, turn, &v);
+                    let entries = [self.g.sub(cx, sy), self.g.add(sx, cy), v.entries[2]];
                     self.name(&entries, "t", i);
                     let norm = self.norm(v.fact);
-                    Known {
+                    Some(Known {
                         entries,
                         fact: self.g.know(&entries, norm, &[v.fact]),
-                    }
+                    })
                 }
+                Some(_) => None,
             };
             built[i] = Some(Subtree { v, t });
         }
         built.into_iter().flatten().collect()
     }
 
+    /// `c x, s y, s x, c y` of a subtree on a turning joint.
+    fn turned_products(&mut self, body: usize, turn: &Turn, v: &Known) -> [Id; 4] {
+        let (s, c) = self.turn(body);
+        let [x, y, _] = v.entries;
+        let y = if turn.mirrored { self.g.neg(y) } else { y };
+        [(c, x), (s, y), (s, x), (c, y)].map(|(a, b)| self.g.mul(a, b))
+    }
+
     /// `v_i = r_i + Σ_children`, in the canonical axes of body `i`.
-    pub(super) fn carried(&mut self, i: usize, built: &[Option<Subtree>]) -> Known {
+    ///
+    /// Where nothing else wants the turned vector, its products join the sum one by one:
+    /// `(r + c x) − s y` is two fused operations from child to parent. The child that
+    /// carries the longest chain comes last, after those that did not have to wait.
+    fn carried(&mut self, i: usize, built: &[Option<Subtree>]) -> Known {
         let m = self.m;
         let own = [0, 1, 2].map(|k| m.axis_param(i, k));
         let mut sum = own.map(|index| self.parameter(index));
         let squares = own.map(|k| self.parameter_limit(k) * self.parameter_limit(k));
         let mut norm = libm::sqrt(squares.iter().sum());
-        let mut from = Vec::new();
+        let mut fact = self.g.know(&[], norm, &[]);
         for c in self.children[i].clone() {
             let child = built[c]
                 .as_ref()
                 .expect("children are built before parents");
-            let (t, v) = (child.t, child.v);
-            let mut entries = t.entries;
-            let mut extent = self.norm(v.fact);
-            if let Some(turn) = &m.frames[c].turn {
-                entries = self.twist(&turn.twist, entries, false);
-                self.name(&entries, "w", c);
-            }
-            if let Motion::Slide { axis, by } = m.chain.bodies[c].motion {
-                let s = m.slide_param(c);
-                let position = self.position(&by);
-                let mass = self.parameter(s);
-                let moved = self.g.mul(position, mass);
-                let axis = (m.axes(i).transpose() * axis).map(tidy);
-                for k in 0..3 {
-                    let weight = self.g.constant(axis[k]);
-                    let step = self.g.mul(weight, moved);
-                    entries[k] = self.g.add(entries[k], step);
-                }
-                extent += m.tree.stroke(&by) * self.parameter_limit(s);
-            }
-            from.push(self.g.know(&entries, extent, &[t.fact]));
+            let (extent, from) = match child.t {
+                Some(t) => self.join_turned(i, c, t, &mut sum),
+                None => (
+                    self.norm(child.v.fact),
+                    self.join_products(c, child.v, &mut sum),
+                ),
+            };
             norm += extent;
-            for k in 0..3 {
-                sum[k] = self.g.add(sum[k], entries[k]);
-            }
+            fact = self.g.know(&sum, norm, &[fact, from]);
         }
         self.name(&sum, "v", i);
-        Known {
-            entries: sum,
-            fact: self.g.know(&sum, norm, &from),
+        Known { entries: sum, fact }
+    }
+
+    /// `sum += K t` (and what slides); how long it may be.
+    fn join_turned(&mut self, i: usize, c: usize, t: Known, sum: &mut [Id; 3]) -> (f64, VectorId) {
+        let m = self.m;
+        let mut entries = t.entries;
+        let mut extent = self.norm(t.fact);
+        if let Some(turn) = &m.frames[c].turn {
+            entries = self.twist(&turn.twist, entries, false);
+            self.name(&entries, "w", c);
         }
+        if let Motion::Slide { axis, by } = m.chain.bodies[c].motion {
+            let s = m.slide_param(c);
+            let position = self.position(&by);
+            let mass = self.parameter(s);
+            let moved = self.g.mul(position, mass);
+            let axis = (m.axes(i).transpose() * axis).map(tidy);
+            for k in 0..3 {
+                let weight = self.g.constant(axis[k]);
+                let step = self.g.mul(weight, moved);
+                entries[k] = self.g.add(entries[k], step);
+            }
+            extent += m.tree.stroke(&by) * self.parameter_limit(s);
+        }
+        let fact = self.g.know(&entries, extent, &[t.fact]);
+        for k in 0..3 {
+            sum[k] = self.g.add(sum[k], entries[k]);
+        }
+        (extent, fact)
+    }
+
+    /// `sum += K Rz(θ) v` product by product, for a twist that only permutes.
+    fn join_products(&mut self, c: usize, v: Known, sum: &mut [Id; 3]) -> VectorId {
+        let m = self.m;
+        let turn = m.frames[c].turn.as_ref().expect("asked of turning bodies");
+        let Twist::Sparse(k) = &turn.twist else {
+            unreachable!("asked of permutations")
+        };
+        let [cx, sy, sx, cy] = self.turned_products(c, turn, &v);
+        let less_sy = self.g.neg(sy);
+        let terms = [vec![cx, less_sy], vec![sx, cy], vec![v.entries[2]]];
+        for (row, sum) in sum.iter_mut().enumerate() {
+            for (column, terms) in terms.iter().enumerate() {
+                let sign = self.g.constant(k[(row, column)]);
+                for &term in terms {
+                    let term = self.g.mul(sign, term);
+                    *sum = self.g.add(*sum, term);
+                }
+            }
+        }
+        v.fact
     }
 }

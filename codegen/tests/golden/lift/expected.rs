@@ -7,15 +7,15 @@
 //
 // function                 mul     add   sin_cos   proven |rounding error|, m
 // com                       16      15         2   2.5e-15 (f64)  1.6e-7 (f32)
-// com_jacobian              32      24         2   2.4e-15 (f64)  1.2e-7 (f32)
-// gravity_moments           18      12         2   2.1e-15 (f64)  9.5e-8 (f32)
+// com_jacobian              32      24         2   2.3e-15 (f64)  1.2e-7 (f32)
+// gravity_moments           18      12         2   2.0e-15 (f64)  9.5e-8 (f32)
 // regressor                 23      15         2   4.6e-14 (f64)  1.8e-6 (f32)
 // regressor_cop             16      10         2   4.6e-14 (f64)  1.8e-6 (f32)
 // regressor_full            38      30         2   4.6e-14 (f64)  1.8e-6 (f32)
 // cop                       13      12         2   2.3e-15 (f64)  1.3e-7 (f32)
 // com_sc                    24      19         0   3.3e-15 (f64)  1.9e-7 (f32)
 // com_jacobian_sc           40      28         0   3.6e-15 (f64)  1.5e-7 (f32)
-// gravity_moments_sc        26      16         0   3.1e-15 (f64)  1.4e-7 (f32)
+// gravity_moments_sc        26      16         0   3.1e-15 (f64)  1.3e-7 (f32)
 // regressor_sc              31      19         0   7.8e-14 (f64)  2.6e-6 (f32)
 // regressor_cop_sc          24      14         0   7.6e-14 (f64)  2.6e-6 (f32)
 // regressor_full_sc         46      34         0   8.2e-14 (f64)  2.7e-6 (f32)
@@ -227,10 +227,8 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     let bx_wrist_x = e4 + e5;
     let e6 = T::from_f64(0.6666666666666666) * c_wrist;
     let e7 = T::from_f64(0.6666666666666667) * s_wrist;
-    // wrist
     let by_wrist_x = s_wrist.mul_add(T::from_f64(0.33333333333333326), -e6);
     let by_wrist_y = c_wrist.mul_add(T::from_f64(0.33333333333333326), e5);
-    // wrist
     let bz_wrist_x = c_wrist.mul_add(T::from_f64(0.33333333333333337), -e7);
     let zero = T::from_f64(0.0);
     [
@@ -345,30 +343,26 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     let e5 = T::from_f64(0.6666666666666667) * s_wrist;
     let e6 = e5 - e4;
     let bx_wrist_y = -e6;
-    // thumb
-    let e7 = q[1] - T::from_f64(0.5636476090008061);
-    let (s_thumb, c_thumb) = e7.sin_cos();
-    let e8 = bx_wrist_x
-        .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
-    let bx_thumb_x = -e6.mul_add(c_thumb, e8 * s_thumb);
-    let bx_thumb_y = -e6.mul_add(s_thumb, -(e8 * c_thumb));
-    // wrist
     let by_wrist_x = s_wrist.mul_add(T::from_f64(0.33333333333333326), -e4);
     let by_wrist_y = c_wrist.mul_add(T::from_f64(0.33333333333333326), e3);
-    // thumb
-    let e9 = by_wrist_x
-        .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.4969039949999533));
-    let by_thumb_x = by_wrist_y.mul_add(c_thumb, -(e9 * s_thumb));
-    let by_thumb_y = e9.mul_add(c_thumb, by_wrist_y * s_thumb);
-    // wrist
     let bz_wrist_x = c_wrist.mul_add(T::from_f64(0.33333333333333337), -e5);
-    let e10 = s_wrist.mul_add(T::from_f64(0.33333333333333337), e2);
-    let bz_wrist_y = -e10;
+    let e7 = s_wrist.mul_add(T::from_f64(0.33333333333333337), e2);
+    let bz_wrist_y = -e7;
     // thumb
+    let e8 = q[1] - T::from_f64(0.5636476090008061);
+    let (s_thumb, c_thumb) = e8.sin_cos();
+    let e9 = bx_wrist_x
+        .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
+    let bx_thumb_x = -e6.mul_add(c_thumb, e9 * s_thumb);
+    let bx_thumb_y = -e6.mul_add(s_thumb, -(e9 * c_thumb));
+    let e10 = by_wrist_x
+        .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.4969039949999533));
+    let by_thumb_x = by_wrist_y.mul_add(c_thumb, -(e10 * s_thumb));
+    let by_thumb_y = e10.mul_add(c_thumb, by_wrist_y * s_thumb);
     let e11 = bz_wrist_x
         .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
-    let bz_thumb_x = -e10.mul_add(c_thumb, e11 * s_thumb);
-    let bz_thumb_y = -e10.mul_add(s_thumb, -(e11 * c_thumb));
+    let bz_thumb_x = -e7.mul_add(c_thumb, e11 * s_thumb);
+    let bz_thumb_y = -e7.mul_add(s_thumb, -(e11 * c_thumb));
     let zero = T::from_f64(0.0);
     let one = T::from_f64(1.0);
     [
@@ -390,6 +384,8 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
     let e3 = T::from_f64(0.6666666666666666) * c_wrist;
     let e4 = s_wrist.mul_add(T::from_f64(0.6666666666666667), -e3);
     let bx_wrist_y = -e4;
+    let by_wrist_x = s_wrist.mul_add(T::from_f64(0.33333333333333326), -e3);
+    let by_wrist_y = c_wrist.mul_add(T::from_f64(0.33333333333333326), e2);
     // thumb
     let e5 = q[1] - T::from_f64(0.5636476090008061);
     let (s_thumb, c_thumb) = e5.sin_cos();
@@ -397,10 +393,6 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
     let bx_thumb_x = -e4.mul_add(c_thumb, e6 * s_thumb);
     let bx_thumb_y = -e4.mul_add(s_thumb, -(e6 * c_thumb));
-    // wrist
-    let by_wrist_x = s_wrist.mul_add(T::from_f64(0.33333333333333326), -e3);
-    let by_wrist_y = c_wrist.mul_add(T::from_f64(0.33333333333333326), e2);
-    // thumb
     let e7 = by_wrist_x
         .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.4969039949999533));
     let by_thumb_x = by_wrist_y.mul_add(c_thumb, -(e7 * s_thumb));
@@ -426,35 +418,31 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     let e4 = T::from_f64(0.6666666666666666) * c_wrist;
     let e5 = T::from_f64(0.6666666666666667) * s_wrist;
     let e6 = e5 - e4;
+    let by_wrist_x = s_wrist.mul_add(T::from_f64(0.33333333333333326), -e4);
+    let by_wrist_y = c_wrist.mul_add(T::from_f64(0.33333333333333326), e3);
+    let bz_wrist_x = c_wrist.mul_add(T::from_f64(0.33333333333333337), -e5);
+    let e7 = s_wrist.mul_add(T::from_f64(0.33333333333333337), e2);
     // thumb
-    let e7 = q[1] - T::from_f64(0.5636476090008061);
-    let (s_thumb, c_thumb) = e7.sin_cos();
-    let e8 = bx_wrist_x
+    let e8 = q[1] - T::from_f64(0.5636476090008061);
+    let (s_thumb, c_thumb) = e8.sin_cos();
+    let e9 = bx_wrist_x
         .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
     let kx_thumb_z = bx_wrist_x
         .mul_add(T::from_f64(0.7453559924999299), -T::from_f64(0.22222222222222224));
-    let bx_thumb_x = -e6.mul_add(c_thumb, e8 * s_thumb);
-    let bx_thumb_y = -e6.mul_add(s_thumb, -(e8 * c_thumb));
-    // wrist
-    let by_wrist_x = s_wrist.mul_add(T::from_f64(0.33333333333333326), -e4);
-    let by_wrist_y = c_wrist.mul_add(T::from_f64(0.33333333333333326), e3);
-    // thumb
-    let e9 = by_wrist_x
+    let bx_thumb_x = -e6.mul_add(c_thumb, e9 * s_thumb);
+    let bx_thumb_y = -e6.mul_add(s_thumb, -(e9 * c_thumb));
+    let e10 = by_wrist_x
         .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.4969039949999533));
     let ky_thumb_z = by_wrist_x
         .mul_add(T::from_f64(0.7453559924999299), -T::from_f64(0.4444444444444445));
-    let by_thumb_x = by_wrist_y.mul_add(c_thumb, -(e9 * s_thumb));
-    let by_thumb_y = e9.mul_add(c_thumb, by_wrist_y * s_thumb);
-    // wrist
-    let bz_wrist_x = c_wrist.mul_add(T::from_f64(0.33333333333333337), -e5);
-    let e10 = s_wrist.mul_add(T::from_f64(0.33333333333333337), e2);
-    // thumb
+    let by_thumb_x = by_wrist_y.mul_add(c_thumb, -(e10 * s_thumb));
+    let by_thumb_y = e10.mul_add(c_thumb, by_wrist_y * s_thumb);
     let e11 = bz_wrist_x
         .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
     let kz_thumb_z = bz_wrist_x
         .mul_add(T::from_f64(0.7453559924999299), -T::from_f64(0.4444444444444443));
-    let bz_thumb_x = -e10.mul_add(c_thumb, e11 * s_thumb);
-    let bz_thumb_y = -e10.mul_add(s_thumb, -(e11 * c_thumb));
+    let bz_thumb_x = -e7.mul_add(c_thumb, e11 * s_thumb);
+    let bz_thumb_y = -e7.mul_add(s_thumb, -(e11 * c_thumb));
     let zero = T::from_f64(0.0);
     let one = T::from_f64(1.0);
     [
@@ -515,13 +503,13 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             bz_wrist_x
                 .mul_add(
                     T::from_f64(0.29814239699997197),
-                    -(T::from_f64(0.8944271909999159) * e10),
+                    -(T::from_f64(0.8944271909999159) * e7),
                 ) + T::from_f64(0.22222222222222215),
             -kz_thumb_z,
             bz_wrist_x
                 .mul_add(
                     T::from_f64(0.5962847939999439),
-                    T::from_f64(0.4472135954999579) * e10,
+                    T::from_f64(0.4472135954999579) * e7,
                 ) + T::from_f64(0.4444444444444443),
             bz_thumb_x,
             bz_thumb_y,
@@ -658,12 +646,11 @@ pub fn com_jacobian_sc<T: Real>(
     let e3 = T::from_f64(0.6666666666666666) * c_wrist;
     let e4 = T::from_f64(0.6666666666666667) * s_wrist;
     let bx_wrist_y = e3 + e4;
+    let bz_wrist_x = c_wrist.mul_add(T::from_f64(0.33333333333333337), e4);
     // thumb
     let ky_thumb_y = s_wrist
         .mul_add(T::from_f64(0.33333333333333326), e3)
         .mul_add(T::from_f64(0.6666666666666666), -T::from_f64(0.4969039949999533));
-    // wrist
-    let bz_wrist_x = c_wrist.mul_add(T::from_f64(0.33333333333333337), e4);
     let zero = T::from_f64(0.0);
     [
         [
@@ -804,6 +791,13 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
     let e3 = T::from_f64(0.6666666666666666) * c_wrist;
     let e4 = T::from_f64(0.6666666666666667) * s_wrist;
     let bx_wrist_y = e3 + e4;
+    let e5 = s_wrist.mul_add(T::from_f64(0.33333333333333326), e3);
+    let by_wrist_x = -e5;
+    let e6 = (-c_wrist).mul_add(T::from_f64(0.33333333333333326), e2);
+    let by_wrist_y = -e6;
+    let bz_wrist_x = c_wrist.mul_add(T::from_f64(0.33333333333333337), e4);
+    let e7 = (-s_wrist).mul_add(T::from_f64(0.33333333333333337), e1);
+    let bz_wrist_y = -e7;
     // thumb
     let s_thumb = sin[1]
         .mul_add(
@@ -815,29 +809,18 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
             T::from_f64(0.8453119193731673),
             T::from_f64(0.534273112710767) * sin[1],
         );
-    let e5 = bx_wrist_x
+    let e8 = bx_wrist_x
         .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
-    let bx_thumb_x = bx_wrist_y.mul_add(c_thumb, -(e5 * s_thumb));
-    let bx_thumb_y = e5.mul_add(c_thumb, bx_wrist_y * s_thumb);
-    // wrist
-    let e6 = s_wrist.mul_add(T::from_f64(0.33333333333333326), e3);
-    let by_wrist_x = -e6;
-    let e7 = (-c_wrist).mul_add(T::from_f64(0.33333333333333326), e2);
-    let by_wrist_y = -e7;
-    // thumb
-    let ky_thumb_y = e6
+    let bx_thumb_x = bx_wrist_y.mul_add(c_thumb, -(e8 * s_thumb));
+    let bx_thumb_y = e8.mul_add(c_thumb, bx_wrist_y * s_thumb);
+    let ky_thumb_y = e5
         .mul_add(T::from_f64(0.6666666666666666), -T::from_f64(0.4969039949999533));
-    let by_thumb_x = ky_thumb_y.mul_add(s_thumb, -(e7 * c_thumb));
-    let by_thumb_y = -ky_thumb_y.mul_add(c_thumb, e7 * s_thumb);
-    // wrist
-    let bz_wrist_x = c_wrist.mul_add(T::from_f64(0.33333333333333337), e4);
-    let e8 = (-s_wrist).mul_add(T::from_f64(0.33333333333333337), e1);
-    let bz_wrist_y = -e8;
-    // thumb
+    let by_thumb_x = ky_thumb_y.mul_add(s_thumb, -(e6 * c_thumb));
+    let by_thumb_y = -ky_thumb_y.mul_add(c_thumb, e6 * s_thumb);
     let e9 = bz_wrist_x
         .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
-    let bz_thumb_x = -e8.mul_add(c_thumb, e9 * s_thumb);
-    let bz_thumb_y = -e8.mul_add(s_thumb, -(e9 * c_thumb));
+    let bz_thumb_x = -e7.mul_add(c_thumb, e9 * s_thumb);
+    let bz_thumb_y = -e7.mul_add(s_thumb, -(e9 * c_thumb));
     let zero = T::from_f64(0.0);
     let one = T::from_f64(1.0);
     [
@@ -871,6 +854,10 @@ pub fn regressor_cop_sc<T: Real>(
     let bx_wrist_x = c_wrist.mul_add(T::from_f64(0.6666666666666667), -e1);
     let e2 = T::from_f64(0.6666666666666666) * c_wrist;
     let bx_wrist_y = s_wrist.mul_add(T::from_f64(0.6666666666666667), e2);
+    let e3 = s_wrist.mul_add(T::from_f64(0.33333333333333326), e2);
+    let by_wrist_x = -e3;
+    let e4 = (-c_wrist).mul_add(T::from_f64(0.33333333333333326), e1);
+    let by_wrist_y = -e4;
     // thumb
     let s_thumb = sin[1]
         .mul_add(
@@ -882,20 +869,14 @@ pub fn regressor_cop_sc<T: Real>(
             T::from_f64(0.8453119193731673),
             T::from_f64(0.534273112710767) * sin[1],
         );
-    let e3 = bx_wrist_x
+    let e5 = bx_wrist_x
         .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
-    let bx_thumb_x = bx_wrist_y.mul_add(c_thumb, -(e3 * s_thumb));
-    let bx_thumb_y = e3.mul_add(c_thumb, bx_wrist_y * s_thumb);
-    // wrist
-    let e4 = s_wrist.mul_add(T::from_f64(0.33333333333333326), e2);
-    let by_wrist_x = -e4;
-    let e5 = (-c_wrist).mul_add(T::from_f64(0.33333333333333326), e1);
-    let by_wrist_y = -e5;
-    // thumb
-    let ky_thumb_y = e4
+    let bx_thumb_x = bx_wrist_y.mul_add(c_thumb, -(e5 * s_thumb));
+    let bx_thumb_y = e5.mul_add(c_thumb, bx_wrist_y * s_thumb);
+    let ky_thumb_y = e3
         .mul_add(T::from_f64(0.6666666666666666), -T::from_f64(0.4969039949999533));
-    let by_thumb_x = ky_thumb_y.mul_add(s_thumb, -(e5 * c_thumb));
-    let by_thumb_y = -ky_thumb_y.mul_add(c_thumb, e5 * s_thumb);
+    let by_thumb_x = ky_thumb_y.mul_add(s_thumb, -(e4 * c_thumb));
+    let by_thumb_y = -ky_thumb_y.mul_add(c_thumb, e4 * s_thumb);
     let zero = T::from_f64(0.0);
     let one = T::from_f64(1.0);
     [
@@ -930,6 +911,10 @@ pub fn regressor_full_sc<T: Real>(
     let e3 = T::from_f64(0.6666666666666666) * c_wrist;
     let e4 = T::from_f64(0.6666666666666667) * s_wrist;
     let bx_wrist_y = e3 + e4;
+    let e5 = s_wrist.mul_add(T::from_f64(0.33333333333333326), e3);
+    let e6 = (-c_wrist).mul_add(T::from_f64(0.33333333333333326), e2);
+    let bz_wrist_x = c_wrist.mul_add(T::from_f64(0.33333333333333337), e4);
+    let e7 = (-s_wrist).mul_add(T::from_f64(0.33333333333333337), e1);
     // thumb
     let s_thumb = sin[1]
         .mul_add(
@@ -941,33 +926,25 @@ pub fn regressor_full_sc<T: Real>(
             T::from_f64(0.8453119193731673),
             T::from_f64(0.534273112710767) * sin[1],
         );
-    let e5 = bx_wrist_x
+    let e8 = bx_wrist_x
         .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
     let kx_thumb_z = bx_wrist_x
         .mul_add(T::from_f64(0.7453559924999299), -T::from_f64(0.22222222222222224));
-    let bx_thumb_x = bx_wrist_y.mul_add(c_thumb, -(e5 * s_thumb));
-    let bx_thumb_y = e5.mul_add(c_thumb, bx_wrist_y * s_thumb);
-    // wrist
-    let e6 = s_wrist.mul_add(T::from_f64(0.33333333333333326), e3);
-    let e7 = (-c_wrist).mul_add(T::from_f64(0.33333333333333326), e2);
-    // thumb
-    let ky_thumb_y = e6
+    let bx_thumb_x = bx_wrist_y.mul_add(c_thumb, -(e8 * s_thumb));
+    let bx_thumb_y = e8.mul_add(c_thumb, bx_wrist_y * s_thumb);
+    let ky_thumb_y = e5
         .mul_add(T::from_f64(0.6666666666666666), -T::from_f64(0.4969039949999533));
-    let e8 = e6
+    let e9 = e5
         .mul_add(T::from_f64(0.7453559924999299), T::from_f64(0.4444444444444445));
-    let ky_thumb_z = -e8;
-    let by_thumb_x = ky_thumb_y.mul_add(s_thumb, -(e7 * c_thumb));
-    let by_thumb_y = -ky_thumb_y.mul_add(c_thumb, e7 * s_thumb);
-    // wrist
-    let bz_wrist_x = c_wrist.mul_add(T::from_f64(0.33333333333333337), e4);
-    let e9 = (-s_wrist).mul_add(T::from_f64(0.33333333333333337), e1);
-    // thumb
+    let ky_thumb_z = -e9;
+    let by_thumb_x = ky_thumb_y.mul_add(s_thumb, -(e6 * c_thumb));
+    let by_thumb_y = -ky_thumb_y.mul_add(c_thumb, e6 * s_thumb);
     let e10 = bz_wrist_x
         .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
     let kz_thumb_z = bz_wrist_x
         .mul_add(T::from_f64(0.7453559924999299), -T::from_f64(0.4444444444444443));
-    let bz_thumb_x = -e9.mul_add(c_thumb, e10 * s_thumb);
-    let bz_thumb_y = -e9.mul_add(s_thumb, -(e10 * c_thumb));
+    let bz_thumb_x = -e7.mul_add(c_thumb, e10 * s_thumb);
+    let bz_thumb_y = -e7.mul_add(s_thumb, -(e10 * c_thumb));
     let zero = T::from_f64(0.0);
     let one = T::from_f64(1.0);
     [
@@ -1003,16 +980,16 @@ pub fn regressor_full_sc<T: Real>(
             zero,
             zero,
             T::from_f64(0.22222222222222224)
-                - e6
+                - e5
                     .mul_add(
                         T::from_f64(0.29814239699997197),
-                        T::from_f64(0.8944271909999159) * e7,
+                        T::from_f64(0.8944271909999159) * e6,
                     ),
-            e8,
-            e7
+            e9,
+            e6
                 .mul_add(
                     T::from_f64(0.4472135954999579),
-                    -(T::from_f64(0.5962847939999439) * e6),
+                    -(T::from_f64(0.5962847939999439) * e5),
                 ) + T::from_f64(0.4444444444444445),
             by_thumb_x,
             by_thumb_y,
@@ -1029,13 +1006,13 @@ pub fn regressor_full_sc<T: Real>(
             bz_wrist_x
                 .mul_add(
                     T::from_f64(0.29814239699997197),
-                    -(T::from_f64(0.8944271909999159) * e9),
+                    -(T::from_f64(0.8944271909999159) * e7),
                 ) + T::from_f64(0.22222222222222215),
             -kz_thumb_z,
             bz_wrist_x
                 .mul_add(
                     T::from_f64(0.5962847939999439),
-                    T::from_f64(0.4472135954999579) * e9,
+                    T::from_f64(0.4472135954999579) * e7,
                 ) + T::from_f64(0.4444444444444443),
             bz_thumb_x,
             bz_thumb_y,

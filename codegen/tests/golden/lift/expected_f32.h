@@ -17,7 +17,7 @@
  * cop                         13      12         2   1.3e-7
  * com_sc                      24      19         0   1.9e-7
  * com_jacobian_sc             40      28         0   1.5e-7
- * gravity_moments_sc          26      16         0   1.4e-7
+ * gravity_moments_sc          26      16         0   1.3e-7
  * regressor_sc                31      19         0   2.6e-6
  * regressor_cop_sc            24      14         0   2.6e-6
  * regressor_full_sc           46      34         0   2.7e-6
@@ -146,7 +146,7 @@ void lift_com_jacobian_sc(
 /**
  * @brief Moment of gravity about each joint, per kg of total mass times g, m: -d CoM_z / d q.
  * From sines and cosines; a sliding joint passes its position in sin_q.
- * Proven rounding error below 1.4e-7 m; arrays must not overlap.
+ * Proven rounding error below 1.3e-7 m; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [lift_DOF]
  * @param[in] cos_q cosines of the joint angles, [lift_DOF]
  * @param[in] r base parameters, m, [lift_BASE_PARAMS]

@@ -5,20 +5,20 @@
 // parameters     9 SESC (r), 7 base; rank 7 from CoM rows, 6 from flat CoP rows
 //
 // function                 mul     add   sin_cos   proven |rounding error|, m
-// com                        8       8         2   1.2e-15 (f64)  3.0e-7 (f32)
-// com_jacobian              12       8         2   1.1e-15 (f64)  2.6e-7 (f32)
-// gravity_moments            8       6         2   1.1e-15 (f64)  2.4e-7 (f32)
+// com                        8       8         2   1.1e-15 (f64)  3.0e-7 (f32)
+// com_jacobian              12       8         2   9.7e-16 (f64)  2.6e-7 (f32)
+// gravity_moments            8       6         2   8.8e-16 (f64)  2.3e-7 (f32)
 // regressor                  4       2         2   1.3e-15 (f64)  6.6e-7 (f32)
 // regressor_cop              4       2         2   1.3e-15 (f64)  6.6e-7 (f32)
 // regressor_full             4       2         2   1.3e-15 (f64)  6.6e-7 (f32)
-// cop                        6       6         2   1.1e-15 (f64)  2.7e-7 (f32)
-// com_sc                     8       8         0   1.1e-15 (f64)  2.6e-7 (f32)
-// com_jacobian_sc           12       8         0   9.4e-16 (f64)  2.3e-7 (f32)
-// gravity_moments_sc         8       6         0   9.4e-16 (f64)  2.1e-7 (f32)
+// cop                        6       6         2   8.8e-16 (f64)  2.5e-7 (f32)
+// com_sc                     8       8         0   9.9e-16 (f64)  2.6e-7 (f32)
+// com_jacobian_sc           12       8         0   8.9e-16 (f64)  2.3e-7 (f32)
+// gravity_moments_sc         8       6         0   8.1e-16 (f64)  2.0e-7 (f32)
 // regressor_sc               4       2         0   8.9e-16 (f64)  4.8e-7 (f32)
 // regressor_cop_sc           4       2         0   8.9e-16 (f64)  4.8e-7 (f32)
 // regressor_full_sc          4       2         0   8.9e-16 (f64)  4.8e-7 (f32)
-// cop_sc                     6       6         0   1.0e-15 (f64)  2.3e-7 (f32)
+// cop_sc                     6       6         0   8.1e-16 (f64)  2.1e-7 (f32)
 // Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
 // parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
 // against exact evaluation with the same parameters.
@@ -169,17 +169,13 @@ impl sesc_runtime::SescFromSinCos<DOF, BASE_PARAMS, FULL_PARAMS> for TwoLink {
 pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
     // knee
     let (s_knee, c_knee) = q[1].sin_cos();
-    let t_knee_x = c_knee.mul_add(r[5], s_knee * r[6]);
-    let t_knee_y = c_knee.mul_add(r[6], -(s_knee * r[5]));
     // ankle
-    let v_ankle_x = r[3] + t_knee_x;
-    let v_ankle_y = r[4] + t_knee_y;
+    let v_ankle_x = s_knee.mul_add(r[6], c_knee.mul_add(r[5], r[3]));
+    let v_ankle_y = c_knee.mul_add(r[6], (-s_knee).mul_add(r[5], r[4]));
     let (s_ankle, c_ankle) = q[0].sin_cos();
-    let t_ankle_x = c_ankle.mul_add(v_ankle_x, s_ankle * v_ankle_y);
-    let t_ankle_y = c_ankle.mul_add(v_ankle_y, -(s_ankle * v_ankle_x));
     // foot
-    let v_foot_x = r[0] + t_ankle_x;
-    let v_foot_z = r[2] + t_ankle_y;
+    let v_foot_x = s_ankle.mul_add(v_ankle_y, c_ankle.mul_add(v_ankle_x, r[0]));
+    let v_foot_z = c_ankle.mul_add(v_ankle_y, (-s_ankle).mul_add(v_ankle_x, r[2]));
     [v_foot_x, r[1], v_foot_z]
 }
 
@@ -232,7 +228,6 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     let (s_knee, c_knee) = q[1].sin_cos();
     let bx_knee_x = c_ankle.mul_add(c_knee, -(s_ankle * s_knee));
     let bx_knee_y = s_ankle.mul_add(c_knee, c_ankle * s_knee);
-    // knee
     let bz_knee_x = -bx_knee_y;
     let zero = T::from_f64(0.0);
     let one = T::from_f64(1.0);
@@ -272,7 +267,6 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
     let (s_knee, c_knee) = q[1].sin_cos();
     let bx_knee_x = c_ankle.mul_add(c_knee, -(s_ankle * s_knee));
     let bx_knee_y = s_ankle.mul_add(c_knee, c_ankle * s_knee);
-    // knee
     let bz_knee_x = -bx_knee_y;
     let zero = T::from_f64(0.0);
     let one = T::from_f64(1.0);
@@ -289,15 +283,12 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
 pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
     // knee
     let (s_knee, c_knee) = q[1].sin_cos();
-    let t_knee_x = c_knee.mul_add(r[5], s_knee * r[6]);
-    let t_knee_y = c_knee.mul_add(r[6], -(s_knee * r[5]));
     // ankle
-    let v_ankle_x = r[3] + t_knee_x;
-    let v_ankle_y = r[4] + t_knee_y;
+    let v_ankle_x = s_knee.mul_add(r[6], c_knee.mul_add(r[5], r[3]));
+    let v_ankle_y = c_knee.mul_add(r[6], (-s_knee).mul_add(r[5], r[4]));
     let (s_ankle, c_ankle) = q[0].sin_cos();
-    let t_ankle_x = c_ankle.mul_add(v_ankle_x, s_ankle * v_ankle_y);
     // foot
-    let v_foot_x = r[0] + t_ankle_x;
+    let v_foot_x = s_ankle.mul_add(v_ankle_y, c_ankle.mul_add(v_ankle_x, r[0]));
     [v_foot_x, r[1]]
 }
 
@@ -307,17 +298,12 @@ pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 #[inline(always)]
 pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
-    // knee
-    let t_knee_x = cos[1].mul_add(r[5], sin[1] * r[6]);
-    let t_knee_y = cos[1].mul_add(r[6], -(sin[1] * r[5]));
     // ankle
-    let v_ankle_x = r[3] + t_knee_x;
-    let v_ankle_y = r[4] + t_knee_y;
-    let t_ankle_x = cos[0].mul_add(v_ankle_x, sin[0] * v_ankle_y);
-    let t_ankle_y = cos[0].mul_add(v_ankle_y, -(sin[0] * v_ankle_x));
+    let v_ankle_x = sin[1].mul_add(r[6], cos[1].mul_add(r[5], r[3]));
+    let v_ankle_y = cos[1].mul_add(r[6], (-sin[1]).mul_add(r[5], r[4]));
     // foot
-    let v_foot_x = r[0] + t_ankle_x;
-    let v_foot_z = r[2] + t_ankle_y;
+    let v_foot_x = sin[0].mul_add(v_ankle_y, cos[0].mul_add(v_ankle_x, r[0]));
+    let v_foot_z = cos[0].mul_add(v_ankle_y, (-sin[0]).mul_add(v_ankle_x, r[2]));
     [v_foot_x, r[1], v_foot_z]
 }
 
@@ -378,7 +364,6 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
     // knee
     let bx_knee_x = cos[0].mul_add(cos[1], -(sin[0] * sin[1]));
     let bx_knee_y = sin[0].mul_add(cos[1], cos[0] * sin[1]);
-    // knee
     let bz_knee_x = -bx_knee_y;
     let zero = T::from_f64(0.0);
     let one = T::from_f64(1.0);
@@ -423,7 +408,6 @@ pub fn regressor_full_sc<T: Real>(
     // knee
     let bx_knee_x = cos[0].mul_add(cos[1], -(sin[0] * sin[1]));
     let bx_knee_y = sin[0].mul_add(cos[1], cos[0] * sin[1]);
-    // knee
     let bz_knee_x = -bx_knee_y;
     let zero = T::from_f64(0.0);
     let one = T::from_f64(1.0);
@@ -440,14 +424,10 @@ pub fn regressor_full_sc<T: Real>(
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 #[inline(always)]
 pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
-    // knee
-    let t_knee_x = cos[1].mul_add(r[5], sin[1] * r[6]);
-    let t_knee_y = cos[1].mul_add(r[6], -(sin[1] * r[5]));
     // ankle
-    let v_ankle_x = r[3] + t_knee_x;
-    let v_ankle_y = r[4] + t_knee_y;
-    let t_ankle_x = cos[0].mul_add(v_ankle_x, sin[0] * v_ankle_y);
+    let v_ankle_x = sin[1].mul_add(r[6], cos[1].mul_add(r[5], r[3]));
+    let v_ankle_y = cos[1].mul_add(r[6], (-sin[1]).mul_add(r[5], r[4]));
     // foot
-    let v_foot_x = r[0] + t_ankle_x;
+    let v_foot_x = sin[0].mul_add(v_ankle_y, cos[0].mul_add(v_ankle_x, r[0]));
     [v_foot_x, r[1]]
 }

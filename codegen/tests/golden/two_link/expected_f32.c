@@ -9,25 +9,25 @@
  * function                   mul     add   sin_cos   proven |rounding error|, m
  * com                          8       8         2   3.0e-7
  * com_jacobian                12       8         2   2.6e-7
- * gravity_moments              8       6         2   2.4e-7
+ * gravity_moments              8       6         2   2.3e-7
  * regressor                    4       2         2   6.6e-7
  * regressor_cop                4       2         2   6.6e-7
  * regressor_full               4       2         2   6.6e-7
- * cop                          6       6         2   2.7e-7
+ * cop                          6       6         2   2.5e-7
  * com_sc                       8       8         0   2.6e-7
  * com_jacobian_sc             12       8         0   2.3e-7
- * gravity_moments_sc           8       6         0   2.1e-7
+ * gravity_moments_sc           8       6         0   2.0e-7
  * regressor_sc                 4       2         0   4.8e-7
  * regressor_cop_sc             4       2         0   4.8e-7
  * regressor_full_sc            4       2         0   4.8e-7
- * cop_sc                       6       6         0   2.3e-7
+ * cop_sc                       6       6         0   2.1e-7
  * com_ticks                    8       8         0   2.6e-7
  * com_jacobian_ticks          12       8         0   2.3e-7
- * gravity_moments_ticks        8       6         0   2.1e-7
+ * gravity_moments_ticks        8       6         0   2.0e-7
  * regressor_ticks              4       2         0   4.8e-7
  * regressor_cop_ticks          4       2         0   4.8e-7
  * regressor_full_ticks         4       2         0   4.8e-7
- * cop_ticks                    6       6         0   2.3e-7
+ * cop_ticks                    6       6         0   2.1e-7
  * Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
  * parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
  * against exact evaluation with the same parameters.
@@ -305,19 +305,15 @@ void two_link_com(const two_link_real q[], const two_link_real r[], two_link_rea
     float s_knee;
     float c_knee;
     two_link_sincos(q[1], &s_knee, &c_knee);
-    const float t_knee_x = (c_knee * r[5]) + (s_knee * r[6]);
-    const float t_knee_y = (c_knee * r[6]) - (s_knee * r[5]);
     /* ankle */
-    const float v_ankle_x = r[3] + t_knee_x;
-    const float v_ankle_y = r[4] + t_knee_y;
+    const float v_ankle_x = r[3] + (c_knee * r[5]) + (s_knee * r[6]);
+    const float v_ankle_y = r[4] - (s_knee * r[5]) + (c_knee * r[6]);
     float s_ankle;
     float c_ankle;
     two_link_sincos(q[0], &s_ankle, &c_ankle);
-    const float t_ankle_x = (c_ankle * v_ankle_x) + (s_ankle * v_ankle_y);
-    const float t_ankle_y = (c_ankle * v_ankle_y) - (s_ankle * v_ankle_x);
     /* foot */
-    const float v_foot_x = r[0] + t_ankle_x;
-    const float v_foot_z = r[2] + t_ankle_y;
+    const float v_foot_x = r[0] + (c_ankle * v_ankle_x) + (s_ankle * v_ankle_y);
+    const float v_foot_z = r[2] - (s_ankle * v_ankle_x) + (c_ankle * v_ankle_y);
     com[0] = v_foot_x;
     com[1] = r[1];
     com[2] = v_foot_z;
@@ -385,7 +381,6 @@ void two_link_regressor(const two_link_real q[], two_link_real rows[3 * two_link
     two_link_sincos(q[1], &s_knee, &c_knee);
     const float bx_knee_x = (c_ankle * c_knee) - (s_ankle * s_knee);
     const float bx_knee_y = (s_ankle * c_knee) + (c_ankle * s_knee);
-    /* knee */
     const float bz_knee_x = -bx_knee_y;
     rows[0] = 1.0f;
     rows[1] = 0.0f;
@@ -451,7 +446,6 @@ void two_link_regressor_full(const two_link_real q[], two_link_real rows[3 * two
     two_link_sincos(q[1], &s_knee, &c_knee);
     const float bx_knee_x = (c_ankle * c_knee) - (s_ankle * s_knee);
     const float bx_knee_y = (s_ankle * c_knee) + (c_ankle * s_knee);
-    /* knee */
     const float bz_knee_x = -bx_knee_y;
     rows[0] = 1.0f;
     rows[1] = 0.0f;
@@ -488,17 +482,14 @@ void two_link_cop(const two_link_real q[], const two_link_real r[], two_link_rea
     float s_knee;
     float c_knee;
     two_link_sincos(q[1], &s_knee, &c_knee);
-    const float t_knee_x = (c_knee * r[5]) + (s_knee * r[6]);
-    const float t_knee_y = (c_knee * r[6]) - (s_knee * r[5]);
     /* ankle */
-    const float v_ankle_x = r[3] + t_knee_x;
-    const float v_ankle_y = r[4] + t_knee_y;
+    const float v_ankle_x = r[3] + (c_knee * r[5]) + (s_knee * r[6]);
+    const float v_ankle_y = r[4] - (s_knee * r[5]) + (c_knee * r[6]);
     float s_ankle;
     float c_ankle;
     two_link_sincos(q[0], &s_ankle, &c_ankle);
-    const float t_ankle_x = (c_ankle * v_ankle_x) + (s_ankle * v_ankle_y);
     /* foot */
-    const float v_foot_x = r[0] + t_ankle_x;
+    const float v_foot_x = r[0] + (c_ankle * v_ankle_x) + (s_ankle * v_ankle_y);
     cop[0] = v_foot_x;
     cop[1] = r[1];
 }
@@ -509,17 +500,12 @@ void two_link_com_sc(
     const two_link_real r[],
     two_link_real com[3])
 {
-    /* knee */
-    const float t_knee_x = (cos_q[1] * r[5]) + (sin_q[1] * r[6]);
-    const float t_knee_y = (cos_q[1] * r[6]) - (sin_q[1] * r[5]);
     /* ankle */
-    const float v_ankle_x = r[3] + t_knee_x;
-    const float v_ankle_y = r[4] + t_knee_y;
-    const float t_ankle_x = (cos_q[0] * v_ankle_x) + (sin_q[0] * v_ankle_y);
-    const float t_ankle_y = (cos_q[0] * v_ankle_y) - (sin_q[0] * v_ankle_x);
+    const float v_ankle_x = r[3] + (cos_q[1] * r[5]) + (sin_q[1] * r[6]);
+    const float v_ankle_y = r[4] - (sin_q[1] * r[5]) + (cos_q[1] * r[6]);
     /* foot */
-    const float v_foot_x = r[0] + t_ankle_x;
-    const float v_foot_z = r[2] + t_ankle_y;
+    const float v_foot_x = r[0] + (cos_q[0] * v_ankle_x) + (sin_q[0] * v_ankle_y);
+    const float v_foot_z = r[2] - (sin_q[0] * v_ankle_x) + (cos_q[0] * v_ankle_y);
     com[0] = v_foot_x;
     com[1] = r[1];
     com[2] = v_foot_z;
@@ -574,7 +560,6 @@ void two_link_regressor_sc(
     /* knee */
     const float bx_knee_x = (cos_q[0] * cos_q[1]) - (sin_q[0] * sin_q[1]);
     const float bx_knee_y = (sin_q[0] * cos_q[1]) + (cos_q[0] * sin_q[1]);
-    /* knee */
     const float bz_knee_x = -bx_knee_y;
     rows[0] = 1.0f;
     rows[1] = 0.0f;
@@ -633,7 +618,6 @@ void two_link_regressor_full_sc(
     /* knee */
     const float bx_knee_x = (cos_q[0] * cos_q[1]) - (sin_q[0] * sin_q[1]);
     const float bx_knee_y = (sin_q[0] * cos_q[1]) + (cos_q[0] * sin_q[1]);
-    /* knee */
     const float bz_knee_x = -bx_knee_y;
     rows[0] = 1.0f;
     rows[1] = 0.0f;
@@ -670,15 +654,11 @@ void two_link_cop_sc(
     const two_link_real r[],
     two_link_real cop[2])
 {
-    /* knee */
-    const float t_knee_x = (cos_q[1] * r[5]) + (sin_q[1] * r[6]);
-    const float t_knee_y = (cos_q[1] * r[6]) - (sin_q[1] * r[5]);
     /* ankle */
-    const float v_ankle_x = r[3] + t_knee_x;
-    const float v_ankle_y = r[4] + t_knee_y;
-    const float t_ankle_x = (cos_q[0] * v_ankle_x) + (sin_q[0] * v_ankle_y);
+    const float v_ankle_x = r[3] + (cos_q[1] * r[5]) + (sin_q[1] * r[6]);
+    const float v_ankle_y = r[4] - (sin_q[1] * r[5]) + (cos_q[1] * r[6]);
     /* foot */
-    const float v_foot_x = r[0] + t_ankle_x;
+    const float v_foot_x = r[0] + (cos_q[0] * v_ankle_x) + (sin_q[0] * v_ankle_y);
     cop[0] = v_foot_x;
     cop[1] = r[1];
 }
@@ -800,22 +780,22 @@ int two_link_selftest(void)
     int failed = 0;
 
     two_link_com(q, two_link_cad_params, com);
-    if (two_link_differs(com, expected_com, 3u, 3.2709113e-7f) != 0) {
+    if (two_link_differs(com, expected_com, 3u, 3.2338153e-7f) != 0) {
         failed += 1;
     }
 
     two_link_cop(q, two_link_cad_params, cop);
-    if (two_link_differs(cop, expected_cop, 2u, 2.7933555e-7f) != 0) {
+    if (two_link_differs(cop, expected_cop, 2u, 2.6107946e-7f) != 0) {
         failed += 2;
     }
 
     two_link_gravity_moments(q, two_link_cad_params, moments);
-    if (two_link_differs(moments, expected_gravity_moments, 2u, 2.548394e-7f) != 0) {
+    if (two_link_differs(moments, expected_gravity_moments, 2u, 2.4676564e-7f) != 0) {
         failed += 4;
     }
 
     two_link_com_ticks(ticks, two_link_cad_params, com);
-    if (two_link_differs(com, expected_com_ticks, 3u, 2.8885697e-7f) != 0) {
+    if (two_link_differs(com, expected_com_ticks, 3u, 2.845246e-7f) != 0) {
         failed += 8;
     }
     return failed;
