@@ -30,13 +30,17 @@ impl Evaluator {
             .expect("every function can be had from joint positions")
     }
 
-    /// Prepare the variant of `function` from what is `given`, where there is one.
+    /// Prepare the variant of `function` from what is `given`, where there is one that a
+    /// posture alone determines.
     pub fn variant(
         model: &Model,
         function: Function,
         given: Given,
         params: Vec<f64>,
     ) -> Option<Evaluator> {
+        if given == Given::Direction {
+            return None;
+        }
         let program = model.program(function, given)?;
         let params = function.takes_parameters().then_some(params);
         Some(Evaluator::of(model, &program, given, params))
@@ -86,11 +90,13 @@ impl Evaluator {
         let q = &q[..postures * self.slides.len()];
         let (sin, cos) = match self.given {
             Given::Positions => (Vec::new(), Vec::new()),
-            Given::SinesCosines => self.sines(q),
+            Given::SinesCosines | Given::Direction => self.sines(q),
         };
         let mut arguments = match self.given {
             Given::Positions => vec![Argument::PerPosture(q)],
-            Given::SinesCosines => vec![Argument::PerPosture(&sin), Argument::PerPosture(&cos)],
+            Given::SinesCosines | Given::Direction => {
+                vec![Argument::PerPosture(&sin), Argument::PerPosture(&cos)]
+            }
         };
         arguments.extend(self.params.as_deref().map(Argument::Shared));
         self.tape.run(&arguments, postures, out, self.kernels);

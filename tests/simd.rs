@@ -53,6 +53,16 @@ impl Truth {
     }
 }
 
+/// Proven bound of the rows of one posture, which are taken along the axes side by side.
+fn along(model: &Model, function: Function, precision: Precision) -> Option<f64> {
+    let rows = match function {
+        Function::RegressorCop => Function::Regressor,
+        function => function,
+    };
+    let program = model.program(rows, Given::Direction)?;
+    Some(model.rounding(&program, precision).worst)
+}
+
 /// Lane `lane` of flat blocks.
 macro_rules! lane {
     ($blocks:expr, $lane:expr) => {
@@ -87,7 +97,11 @@ macro_rules! functions {
         macro_rules! one {
             ($function:ident, $batch:ident($r_or_not:tt), $single:ident, $start:expr, $flat:expr) => {{
                 let truth = |given| Truth::new(model, Function::$function, given, $precision, &widened);
-                let (batch, single) = (truth(Given::Positions), truth(Given::SinesCosines));
+                let batch = truth(Given::Positions);
+                let mut single = truth(Given::SinesCosines);
+                if let Some(bound) = along(model, Function::$function, $precision) {
+                    single.bound = bound;
+                }
                 for simd in Simd::available() {
                     let what = format!("{} {} on {}", stringify!($module), stringify!($batch), simd.name());
                     let mut out = vec![$start; BLOCKS];

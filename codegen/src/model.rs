@@ -65,6 +65,21 @@ impl Function {
         }
     }
 
+    /// Axes of the support frame that its rows belong to; none where it gives a vector.
+    pub(crate) fn axes(self) -> &'static [usize] {
+        match self {
+            Function::ComJacobian | Function::Regressor | Function::RegressorFull => &[0, 1, 2],
+            Function::RegressorCop => &[0, 1],
+            Function::GravityMoments => &[2],
+            Function::Com | Function::Cop | Function::CorrectCop => &[],
+        }
+    }
+
+    /// How many rows its result has; none where that is a vector.
+    pub(crate) fn rows(self) -> Option<usize> {
+        Some(self.axes().len()).filter(|rows| *rows > 1)
+    }
+
     /// Whether it takes the base parameters r.
     pub fn takes_parameters(self) -> bool {
         !matches!(
@@ -84,6 +99,9 @@ pub enum Given {
     Positions,
     /// Sines and cosines of the joint angles (`_sc`).
     SinesCosines,
+    /// The same and a direction of the support frame, whose row alone is wanted
+    /// (`_along`): several directions side by side are the rows of one posture.
+    Direction,
 }
 
 /// A robot on its support link, ready to be turned into functions.
@@ -257,6 +275,8 @@ impl Model {
                         ..bounds::Input::exact(-most, most)
                     })
                     .to_vec(),
+                // No longer than one.
+                "along" => vec![bounds::Input::exact(-1.0, 1.0); 3],
                 // A slide passes its position where a turn passes its sine.
                 _ => self
                     .tree

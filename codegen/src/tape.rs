@@ -14,8 +14,13 @@ pub const BLOCK: usize = 64;
 /// Numbers in a line of the cache.
 const LINE: usize = 8;
 
-/// One register: the value of a node for every posture of a block.
+/// The value of a node for every posture of a block.
 pub type Lane = [f64; BLOCK];
+
+/// Where one is kept: no load of eight numbers straddles two lines of the cache.
+#[derive(Clone, Copy)]
+#[repr(C, align(64))]
+struct Register(Lane);
 
 /// Sines and cosines of a block of angles.
 pub type SinCos = fn(&Lane, &mut Lane, &mut Lane);
@@ -215,9 +220,9 @@ impl Tape {
             },
         };
         let uniform: Vec<Option<f64>> = self.sources.iter().map(uniform).collect();
-        let mut registers = vec![[0.0; BLOCK]; self.registers];
+        let mut registers = vec![Register([0.0; BLOCK]); self.registers];
         for (register, value) in registers.iter_mut().zip(&uniform) {
-            register.fill(value.unwrap_or(0.0));
+            register.0.fill(value.unwrap_or(0.0));
         }
         for start in (0..postures).step_by(BLOCK) {
             let n = BLOCK.min(postures - start);
@@ -226,9 +231,9 @@ impl Tape {
                     && let Argument::PerPosture(values) = arguments[array]
                 {
                     let len = self.lens[array];
-                    let column = values[start * len + index..].iter().step_by(len);
-                    for (lane, value) in register[..n].iter_mut().zip(column) {
-                        *lane = *value;
+                    let rows = values[start * len..].chunks_exact(len);
+                    for (lane, row) in register.0[..n].iter_mut().zip(rows) {
+                        *lane = row[index];
                     }
                 }
             }
@@ -242,13 +247,13 @@ impl Tape {
                 let rows = out[k * LINE..].chunks_mut(width);
                 for (lane, row) in rows.take(n).enumerate() {
                     if let Some(row) = row.first_chunk_mut::<LINE>() {
-                        *row = columns.map(|column| column[lane % BLOCK]);
+                        *row = columns.map(|column| column.0[lane % BLOCK]);
                     }
                 }
             }
             for (k, register) in (lines.len() * LINE..).zip(rest) {
                 let column = out[k..].iter_mut().step_by(width);
-                for (to, value) in column.zip(&registers[*register][..n]) {
+                for (to, value) in column.zip(&registers[*register].0[..n]) {
                     *to = *value;
                 }
             }
@@ -261,18 +266,18 @@ impl Tape {
 #[allow(unsafe_code)]
 fn widest(
     steps: &[Instruction],
-    registers: &mut [Lane],
+    registers: &mut [Register],
     uniform: &[Option<f64>],
     kernels: Kernels,
 ) {
     #[cfg(target_arch = "x86_64")]
     {
         #[target_feature(enable = "avx512f,avx512vl,avx512dq")]
-        fn avx512(s: &[Instruction], registers: &mut [Lane], u: &[Option<f64>], k: Kernels) {
+        fn avx512(s: &[Instruction], registers: &mut [Register], u: &[Option<f64>], k: Kernels) {
             run(s, registers, u, k);
         }
         #[target_feature(enable = "avx2")]
-        fn avx2(s: &[Instruction], registers: &mut [Lane], u: &[Option<f64>], k: Kernels) {
+        fn avx2(s: &[Instruction], registers: &mut [Register], u: &[Option<f64>], k: Kernels) {
             run(s, registers, u, k);
         }
         use std::arch::is_x86_feature_detected as has;
@@ -289,7 +294,12 @@ fn widest(
 }
 
 #[inline(always)]
-fn run(steps: &[Instruction], registers: &mut [Lane], uniform: &[Option<f64>], kernels: Kernels) {
+fn run(
+    steps: &[Instruction],
+    registers: &mut [Register],
+    uniform: &[Option<f64>],
+    kernels: Kernels,
+) {
     for instruction in steps {
         let to = instruction.to;
         match instruction.step {
@@ -303,12 +313,12 @@ fn run(steps: &[Instruction], registers: &mut [Lane], uniform: &[Option<f64>], k
             }
             Step::Pow(a, b) => {
                 let (base, exponent) = (registers[a], registers[b]);
-                (kernels.power)(&base, &exponent, &mut registers[to]);
+                (kernels.power)(&base.0, &exponent.0, &mut registers[to].0);
             }
             Step::SinCos(a) => {
                 let registers = registers.get_disjoint_mut([a, to, instruction.also]);
                 let [angle, sin, cos] = registers.expect("destinations of their own");
-                (kernels.sin_cos)(angle, sin, cos);
+                (kernels.sin_cos)(&angle.0, &mut sin.0, &mut cos.0);
             }
         }
     }
@@ -317,7 +327,7 @@ fn run(steps: &[Instruction], registers: &mut [Lane], uniform: &[Option<f64>], k
 /// What all postures share stays in a register of the processor.
 #[inline(always)]
 fn binary(
-    registers: &mut [Lane],
+    registers: &mut [Register],
     uniform: &[Option<f64>],
     to: usize,
     a: usize,
@@ -327,28 +337,28 @@ fn binary(
     const APART: &str = "a destination of its own";
     let shared = |k: usize| uniform.get(k).copied().flatten();
     match (shared(a), shared(b)) {
-        (Some(x), Some(y)) => registers[to].fill(f(x, y)),
+        (Some(x), Some(y)) => registers[to].0.fill(f(x, y)),
         (Some(x), None) => {
             let [to, y] = registers.get_disjoint_mut([to, b]).expect(APART);
-            for (z, y) in to.iter_mut().zip(&*y) {
+            for (z, y) in to.0.iter_mut().zip(&y.0) {
                 *z = f(x, *y);
             }
         }
         (None, Some(y)) => {
             let [to, x] = registers.get_disjoint_mut([to, a]).expect(APART);
-            for (z, x) in to.iter_mut().zip(&*x) {
+            for (z, x) in to.0.iter_mut().zip(&x.0) {
                 *z = f(*x, y);
             }
         }
         (None, None) if a == b => {
             let [to, x] = registers.get_disjoint_mut([to, a]).expect(APART);
-            for (z, x) in to.iter_mut().zip(&*x) {
+            for (z, x) in to.0.iter_mut().zip(&x.0) {
                 *z = f(*x, *x);
             }
         }
         (None, None) => {
             let [to, x, y] = registers.get_disjoint_mut([to, a, b]).expect(APART);
-            for ((z, x), y) in to.iter_mut().zip(&*x).zip(&*y) {
+            for ((z, x), y) in to.0.iter_mut().zip(&x.0).zip(&y.0) {
                 *z = f(*x, *y);
             }
         }

@@ -19,6 +19,9 @@
 // regressor_cop_sc         562     298         0   5.9e-13 (f64)  2.1e-5 (f32)
 // regressor_full_sc       1550     922         0   6.2e-13 (f64)  2.2e-5 (f32)
 // cop_sc                   335     238         0   5.0e-13 (f64)  2.0e-5 (f32)
+// com_jacobian_along       609     381         0   5.1e-13 (f64)  2.1e-5 (f32)
+// regressor_along          340     180         0   6.3e-13 (f64)  2.4e-5 (f32)
+// regressor_full_along     596     347         0   6.5e-13 (f64)  2.4e-5 (f32)
 // Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
 // parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
 // against exact evaluation with the same parameters.
@@ -278,6 +281,14 @@ impl Sesc<DOF, BASE_PARAMS, FULL_PARAMS> for SkewHumanoidRightSole {
         com_jacobian(q, r)
     }
     #[inline(always)]
+    fn com_jacobian_into<T: Real>(
+        q: &[T; DOF],
+        r: &[T; BASE_PARAMS],
+        jacobian: &mut [[T; DOF]; 3],
+    ) {
+        com_jacobian_into(q, r, jacobian)
+    }
+    #[inline(always)]
     fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] {
         gravity_moments(q, r)
     }
@@ -286,12 +297,24 @@ impl Sesc<DOF, BASE_PARAMS, FULL_PARAMS> for SkewHumanoidRightSole {
         regressor(q)
     }
     #[inline(always)]
+    fn regressor_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE_PARAMS]; 3]) {
+        regressor_into(q, rows)
+    }
+    #[inline(always)]
     fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         regressor_cop(q)
     }
     #[inline(always)]
+    fn regressor_cop_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE_PARAMS]; 2]) {
+        regressor_cop_into(q, rows)
+    }
+    #[inline(always)]
     fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
         regressor_full(q)
+    }
+    #[inline(always)]
+    fn regressor_full_into<T: Real>(q: &[T; DOF], rows: &mut [[T; FULL_PARAMS]; 3]) {
+        regressor_full_into(q, rows)
     }
     #[inline(always)]
     fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
@@ -343,6 +366,31 @@ for SkewHumanoidRightSole {
     #[inline(always)]
     fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
         cop_sc(sin, cos, r)
+    }
+    #[inline(always)]
+    fn com_jacobian_along<T: Real>(
+        sin: &[T; DOF],
+        cos: &[T; DOF],
+        r: &[T; BASE_PARAMS],
+        along: &[T; 3],
+    ) -> [T; DOF] {
+        com_jacobian_along(sin, cos, r, along)
+    }
+    #[inline(always)]
+    fn regressor_along<T: Real>(
+        sin: &[T; DOF],
+        cos: &[T; DOF],
+        along: &[T; 3],
+    ) -> [T; BASE_PARAMS] {
+        regressor_along(sin, cos, along)
+    }
+    #[inline(always)]
+    fn regressor_full_along<T: Real>(
+        sin: &[T; DOF],
+        cos: &[T; DOF],
+        along: &[T; 3],
+    ) -> [T; FULL_PARAMS] {
+        regressor_full_along(sin, cos, along)
     }
 }
 
@@ -884,6 +932,19 @@ pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 #[inline(always)]
 pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3] {
+    let mut jacobian = [[T::from_f64(0.0); DOF]; 3];
+    com_jacobian_into(q, r, &mut jacobian);
+    jacobian
+}
+
+/// [`com_jacobian`], each number written as soon as it is there.
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
+pub fn com_jacobian_into<T: Real>(
+    q: &[T; DOF],
+    r: &[T; BASE_PARAMS],
+    jacobian: &mut [[T; DOF]; 3],
+) {
     // left_wrist_pitch
     let (s_left_wrist_pitch, c_left_wrist_pitch) = q[29].sin_cos();
     let t_left_wrist_pitch_x = c_left_wrist_pitch
@@ -1424,6 +1485,22 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
             T::from_f64(0.13055455182981807),
             T::from_f64(0.9799158654419752) * c_right_ankle_roll,
         );
+    // right_ankle_roll
+    jacobian[0][5] = -t_right_ankle_roll_x
+        .mul_add(
+            T::from_f64(0.1111747801713847),
+            T::from_f64(0.16554475198250462) * t_right_ankle_roll_y,
+        );
+    jacobian[1][5] = t_right_ankle_roll_x
+        .mul_add(
+            T::from_f64(0.9851881430723574),
+            T::from_f64(0.11117478017138471) * t_right_ankle_roll_y,
+        );
+    jacobian[2][5] = t_right_ankle_roll_y
+        .mul_add(
+            T::from_f64(0.9799158654419752),
+            -(T::from_f64(0.13055455182981807) * t_right_ankle_roll_x),
+        );
     // right_ankle_pitch
     let kx_right_ankle_pitch_y = e50
         .mul_add(T::from_f64(0.0524083921121999), T::from_f64(0.9785692022639542));
@@ -1449,6 +1526,13 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
         .mul_add(s_right_ankle_pitch, -(e53 * c_right_ankle_pitch));
     let e56 = kz_right_ankle_pitch_y
         .mul_add(c_right_ankle_pitch, e53 * s_right_ankle_pitch);
+    // right_ankle_pitch
+    jacobian[0][4] = kx_right_ankle_pitch_y
+        .mul_add(t_right_ankle_pitch_x, e51 * t_right_ankle_pitch_y);
+    jacobian[1][4] = ky_right_ankle_pitch_y
+        .mul_add(t_right_ankle_pitch_x, e52 * t_right_ankle_pitch_y);
+    jacobian[2][4] = kz_right_ankle_pitch_y
+        .mul_add(t_right_ankle_pitch_x, e53 * t_right_ankle_pitch_y);
     // right_knee
     let kx_right_knee_y = bx_right_ankle_pitch_x
         .mul_add(
@@ -1486,6 +1570,10 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
         );
     let bz_right_knee_x = e56.mul_add(s_right_knee, kz_right_knee_y * c_right_knee);
     let e59 = e56.mul_add(c_right_knee, -(kz_right_knee_y * s_right_knee));
+    // right_knee
+    jacobian[0][3] = kx_right_knee_y.mul_add(t_right_knee_x, e54 * t_right_knee_y);
+    jacobian[1][3] = ky_right_knee_y.mul_add(t_right_knee_x, e55 * t_right_knee_y);
+    jacobian[2][3] = kz_right_knee_y.mul_add(t_right_knee_x, e56 * t_right_knee_y);
     // right_hip_pitch
     let kx_right_hip_pitch_y = bx_right_knee_x
         .mul_add(
@@ -1526,6 +1614,13 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     let bz_right_hip_pitch_x = kz_right_hip_pitch_y
         .mul_add(s_right_hip_pitch, -(e59 * c_right_hip_pitch));
     let e62 = kz_right_hip_pitch_y.mul_add(c_right_hip_pitch, e59 * s_right_hip_pitch);
+    // right_hip_pitch
+    jacobian[0][2] = kx_right_hip_pitch_y
+        .mul_add(t_right_hip_pitch_x, e57 * t_right_hip_pitch_y);
+    jacobian[1][2] = ky_right_hip_pitch_y
+        .mul_add(t_right_hip_pitch_x, e58 * t_right_hip_pitch_y);
+    jacobian[2][2] = kz_right_hip_pitch_y
+        .mul_add(t_right_hip_pitch_x, e59 * t_right_hip_pitch_y);
     // right_hip_roll
     let kx_right_hip_roll_y = bx_right_hip_pitch_x
         .mul_add(
@@ -1569,6 +1664,10 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
         .mul_add(c_right_hip_roll, -(kz_right_hip_roll_y * s_right_hip_roll));
     let bz_right_hip_roll_y = kz_right_hip_roll_y
         .mul_add(c_right_hip_roll, e62 * s_right_hip_roll);
+    // right_hip_roll
+    jacobian[0][1] = e60.mul_add(t_right_hip_roll_y, -(kx_right_hip_roll_y * e45));
+    jacobian[1][1] = e61.mul_add(t_right_hip_roll_y, -(ky_right_hip_roll_y * e45));
+    jacobian[2][1] = e62.mul_add(t_right_hip_roll_y, -(kz_right_hip_roll_y * e45));
     // right_hip_yaw
     let kx_right_hip_yaw_y = bx_right_hip_roll_x
         .mul_add(
@@ -1612,6 +1711,13 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
         .mul_add(c_right_hip_yaw, kz_right_hip_yaw_y * s_right_hip_yaw);
     let e65 = kz_right_hip_yaw_y
         .mul_add(c_right_hip_yaw, -(bz_right_hip_roll_y * s_right_hip_yaw));
+    // right_hip_yaw
+    jacobian[0][0] = kx_right_hip_yaw_y
+        .mul_add(t_right_hip_yaw_x, -(bx_right_hip_roll_y * t_right_hip_yaw_y));
+    jacobian[1][0] = ky_right_hip_yaw_y
+        .mul_add(t_right_hip_yaw_x, -(by_right_hip_roll_y * t_right_hip_yaw_y));
+    jacobian[2][0] = kz_right_hip_yaw_y
+        .mul_add(t_right_hip_yaw_x, -(bz_right_hip_roll_y * t_right_hip_yaw_y));
     // left_hip_yaw
     let e66 = bx_right_hip_yaw_x
         .mul_add(
@@ -1649,6 +1755,10 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
         );
     let bz_left_hip_yaw_x = e65.mul_add(c_left_hip_yaw, -(e70 * s_left_hip_yaw));
     let e71 = e70.mul_add(c_left_hip_yaw, e65 * s_left_hip_yaw);
+    // left_hip_yaw
+    jacobian[0][6] = -e63.mul_add(t_left_hip_yaw_y, -(e66 * t_left_hip_yaw_x));
+    jacobian[1][6] = -e64.mul_add(t_left_hip_yaw_y, -(e68 * t_left_hip_yaw_x));
+    jacobian[2][6] = -e65.mul_add(t_left_hip_yaw_y, -(e70 * t_left_hip_yaw_x));
     // left_hip_roll
     let kx_left_hip_roll_y = bx_left_hip_yaw_x
         .mul_add(
@@ -1686,6 +1796,10 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
         );
     let e76 = e71.mul_add(c_left_hip_roll, kz_left_hip_roll_y * s_left_hip_roll);
     let e77 = kz_left_hip_roll_y.mul_add(c_left_hip_roll, -(e71 * s_left_hip_roll));
+    // left_hip_roll
+    jacobian[0][7] = -kx_left_hip_roll_y.mul_add(t_left_hip_roll_x, -(e67 * e40));
+    jacobian[1][7] = -ky_left_hip_roll_y.mul_add(t_left_hip_roll_x, -(e69 * e40));
+    jacobian[2][7] = -kz_left_hip_roll_y.mul_add(t_left_hip_roll_x, -(e71 * e40));
     // left_hip_pitch
     let e78 = e72
         .mul_add(
@@ -1723,6 +1837,10 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
         );
     let bz_left_hip_pitch_x = e77.mul_add(c_left_hip_pitch, -(e82 * s_left_hip_pitch));
     let e83 = e82.mul_add(c_left_hip_pitch, e77 * s_left_hip_pitch);
+    // left_hip_pitch
+    jacobian[0][8] = -e73.mul_add(t_left_hip_pitch_y, -(e78 * t_left_hip_pitch_x));
+    jacobian[1][8] = -e75.mul_add(t_left_hip_pitch_y, -(e80 * t_left_hip_pitch_x));
+    jacobian[2][8] = -e77.mul_add(t_left_hip_pitch_y, -(e82 * t_left_hip_pitch_x));
     // left_knee
     let kx_left_knee_y = bx_left_hip_pitch_x
         .mul_add(
@@ -1760,6 +1878,10 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
         );
     let bz_left_knee_x = kz_left_knee_y.mul_add(c_left_knee, -(e83 * s_left_knee));
     let e86 = kz_left_knee_y.mul_add(s_left_knee, e83 * c_left_knee);
+    // left_knee
+    jacobian[0][9] = -kx_left_knee_y.mul_add(t_left_knee_x, e79 * t_left_knee_y);
+    jacobian[1][9] = -ky_left_knee_y.mul_add(t_left_knee_x, e81 * t_left_knee_y);
+    jacobian[2][9] = -kz_left_knee_y.mul_add(t_left_knee_x, e83 * t_left_knee_y);
     // left_ankle_pitch
     let kx_left_ankle_pitch_y = bx_left_knee_x
         .mul_add(
@@ -1797,6 +1919,53 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
         );
     let bz_left_ankle_pitch_x = e86
         .mul_add(c_left_ankle_pitch, kz_left_ankle_pitch_y * s_left_ankle_pitch);
+    // left_ankle_pitch
+    jacobian[0][10] = -kx_left_ankle_pitch_y
+        .mul_add(t_left_ankle_pitch_x, e84 * t_left_ankle_pitch_y);
+    jacobian[1][10] = -ky_left_ankle_pitch_y
+        .mul_add(t_left_ankle_pitch_x, e85 * t_left_ankle_pitch_y);
+    jacobian[2][10] = -kz_left_ankle_pitch_y
+        .mul_add(t_left_ankle_pitch_x, e86 * t_left_ankle_pitch_y);
+    // left_ankle_roll
+    jacobian[0][11] = bx_left_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.052408392112199914),
+            T::from_f64(0.9986257359172225) * kx_left_ankle_pitch_z,
+        )
+        .mul_add(
+            t_left_ankle_roll_x,
+            e84
+                .mul_add(
+                    s_left_ankle_pitch,
+                    -(kx_left_ankle_pitch_y * c_left_ankle_pitch),
+                ) * e35,
+        );
+    jacobian[1][11] = by_left_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.052408392112199914),
+            T::from_f64(0.9986257359172225) * ky_left_ankle_pitch_z,
+        )
+        .mul_add(
+            t_left_ankle_roll_x,
+            e85
+                .mul_add(
+                    s_left_ankle_pitch,
+                    -(ky_left_ankle_pitch_y * c_left_ankle_pitch),
+                ) * e35,
+        );
+    jacobian[2][11] = bz_left_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.052408392112199914),
+            T::from_f64(0.9986257359172225) * kz_left_ankle_pitch_z,
+        )
+        .mul_add(
+            t_left_ankle_roll_x,
+            e86
+                .mul_add(
+                    s_left_ankle_pitch,
+                    -(kz_left_ankle_pitch_y * c_left_ankle_pitch),
+                ) * e35,
+        );
     // waist_yaw
     let e87 = e63
         .mul_add(
@@ -1840,6 +2009,13 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
         .mul_add(s_waist_yaw, -(kz_waist_yaw_x * c_waist_yaw));
     let bz_waist_yaw_y = kz_waist_yaw_y
         .mul_add(c_waist_yaw, kz_waist_yaw_x * s_waist_yaw);
+    // waist_yaw
+    jacobian[0][12] = -kx_waist_yaw_y
+        .mul_add(t_waist_yaw_x, -(kx_waist_yaw_x * t_waist_yaw_y));
+    jacobian[1][12] = -ky_waist_yaw_y
+        .mul_add(t_waist_yaw_x, -(ky_waist_yaw_x * t_waist_yaw_y));
+    jacobian[2][12] = -kz_waist_yaw_y
+        .mul_add(t_waist_yaw_x, -(kz_waist_yaw_x * t_waist_yaw_y));
     // waist_pitch
     let kx_waist_pitch_y = bx_waist_yaw_x
         .mul_add(
@@ -1877,6 +2053,10 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
         );
     let e94 = bz_waist_yaw_y.mul_add(s_waist_pitch, kz_waist_pitch_y * c_waist_pitch);
     let e95 = bz_waist_yaw_y.mul_add(c_waist_pitch, -(kz_waist_pitch_y * s_waist_pitch));
+    // waist_pitch
+    jacobian[0][13] = kx_waist_pitch_y.mul_add(e33, bx_waist_yaw_y * t_waist_pitch_y);
+    jacobian[1][13] = ky_waist_pitch_y.mul_add(e33, by_waist_yaw_y * t_waist_pitch_y);
+    jacobian[2][13] = kz_waist_pitch_y.mul_add(e33, bz_waist_yaw_y * t_waist_pitch_y);
     // neck_yaw
     let e96 = e90
         .mul_add(
@@ -1911,6 +2091,29 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
             -(T::from_f64(0.9931473920461839) * e94),
         );
     let bz_neck_yaw_x = e95.mul_add(s_neck_yaw, e98 * c_neck_yaw);
+    // neck_yaw
+    jacobian[0][14] = -e96.mul_add(e29, e91 * t_neck_yaw_y);
+    jacobian[1][14] = -e97.mul_add(e29, e93 * t_neck_yaw_y);
+    jacobian[2][14] = -e98.mul_add(e29, e95 * t_neck_yaw_y);
+    // neck_pitch
+    jacobian[0][15] = bx_neck_yaw_x
+        .mul_add(
+            T::from_f64(0.040883888851400166),
+            T::from_f64(0.9991639042881736) * kx_neck_yaw_z,
+        )
+        .mul_add(t_neck_pitch_x, e96.mul_add(s_neck_yaw, -(e91 * c_neck_yaw)) * e27);
+    jacobian[1][15] = by_neck_yaw_x
+        .mul_add(
+            T::from_f64(0.040883888851400166),
+            T::from_f64(0.9991639042881736) * ky_neck_yaw_z,
+        )
+        .mul_add(t_neck_pitch_x, e97.mul_add(s_neck_yaw, -(e93 * c_neck_yaw)) * e27);
+    jacobian[2][15] = bz_neck_yaw_x
+        .mul_add(
+            T::from_f64(0.040883888851400166),
+            T::from_f64(0.9991639042881736) * kz_neck_yaw_z,
+        )
+        .mul_add(t_neck_pitch_x, e98.mul_add(s_neck_yaw, -(e95 * c_neck_yaw)) * e27);
     // right_shoulder_pitch
     let e99 = kx_waist_pitch_z
         .mul_add(
@@ -1960,6 +2163,13 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
         );
     let bz_right_shoulder_pitch_y = kz_right_shoulder_pitch_y
         .mul_add(s_right_shoulder_pitch, e104 * c_right_shoulder_pitch);
+    // right_shoulder_pitch
+    jacobian[0][16] = -e100
+        .mul_add(t_right_shoulder_pitch_y, -(kx_right_shoulder_pitch_y * e26));
+    jacobian[1][16] = -e102
+        .mul_add(t_right_shoulder_pitch_y, -(ky_right_shoulder_pitch_y * e26));
+    jacobian[2][16] = -e104
+        .mul_add(t_right_shoulder_pitch_y, -(kz_right_shoulder_pitch_y * e26));
     // right_shoulder_roll
     let kx_right_shoulder_roll_y = bx_right_shoulder_pitch_x
         .mul_add(
@@ -2021,6 +2231,22 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
             c_right_shoulder_roll,
             bz_right_shoulder_pitch_y * s_right_shoulder_roll,
         );
+    // right_shoulder_roll
+    jacobian[0][17] = -kx_right_shoulder_roll_y
+        .mul_add(
+            t_right_shoulder_roll_x,
+            -(bx_right_shoulder_pitch_y * t_right_shoulder_roll_y),
+        );
+    jacobian[1][17] = -ky_right_shoulder_roll_y
+        .mul_add(
+            t_right_shoulder_roll_x,
+            -(by_right_shoulder_pitch_y * t_right_shoulder_roll_y),
+        );
+    jacobian[2][17] = -kz_right_shoulder_roll_y
+        .mul_add(
+            t_right_shoulder_roll_x,
+            -(bz_right_shoulder_pitch_y * t_right_shoulder_roll_y),
+        );
     // right_shoulder_yaw
     let e105 = bx_right_shoulder_roll_x
         .mul_add(
@@ -2073,6 +2299,22 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
             c_right_shoulder_yaw,
             -(bz_right_shoulder_roll_y * s_right_shoulder_yaw),
         );
+    // right_shoulder_yaw
+    jacobian[0][18] = e105
+        .mul_add(
+            t_right_shoulder_yaw_x,
+            bx_right_shoulder_roll_y * t_right_shoulder_yaw_y,
+        );
+    jacobian[1][18] = e108
+        .mul_add(
+            t_right_shoulder_yaw_x,
+            by_right_shoulder_roll_y * t_right_shoulder_yaw_y,
+        );
+    jacobian[2][18] = e111
+        .mul_add(
+            t_right_shoulder_yaw_x,
+            bz_right_shoulder_roll_y * t_right_shoulder_yaw_y,
+        );
     // right_elbow
     let e114 = e106
         .mul_add(
@@ -2110,6 +2352,10 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
         );
     let bz_right_elbow_x = e113.mul_add(s_right_elbow, e118 * c_right_elbow);
     let e119 = e118.mul_add(s_right_elbow, -(e113 * c_right_elbow));
+    // right_elbow
+    jacobian[0][19] = -e114.mul_add(e20, e107 * t_right_elbow_y);
+    jacobian[1][19] = -e116.mul_add(e20, e110 * t_right_elbow_y);
+    jacobian[2][19] = -e118.mul_add(e20, e113 * t_right_elbow_y);
     // right_wrist_yaw
     let e120 = bx_right_elbow_x
         .mul_add(
@@ -2150,6 +2396,10 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     let bz_right_wrist_yaw_x = e122
         .mul_add(s_right_wrist_yaw, -(e119 * c_right_wrist_yaw));
     let bz_right_wrist_yaw_y = e122.mul_add(c_right_wrist_yaw, e119 * s_right_wrist_yaw);
+    // right_wrist_yaw
+    jacobian[0][20] = e120.mul_add(t_right_wrist_yaw_x, e115 * e18);
+    jacobian[1][20] = e121.mul_add(t_right_wrist_yaw_x, e117 * e18);
+    jacobian[2][20] = e122.mul_add(t_right_wrist_yaw_x, e119 * e18);
     // right_wrist_roll
     let kx_right_wrist_roll_y = bx_right_wrist_yaw_x
         .mul_add(
@@ -2187,6 +2437,47 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
         );
     let bz_right_wrist_roll_x = bz_right_wrist_yaw_y
         .mul_add(c_right_wrist_roll, -(kz_right_wrist_roll_y * s_right_wrist_roll));
+    // right_wrist_roll
+    jacobian[0][21] = -kx_right_wrist_roll_y
+        .mul_add(t_right_wrist_roll_x, bx_right_wrist_yaw_y * e16);
+    jacobian[1][21] = -ky_right_wrist_roll_y
+        .mul_add(t_right_wrist_roll_x, by_right_wrist_yaw_y * e16);
+    jacobian[2][21] = -kz_right_wrist_roll_y
+        .mul_add(t_right_wrist_roll_x, bz_right_wrist_yaw_y * e16);
+    // right_wrist_pitch
+    jacobian[0][22] = bx_right_wrist_roll_x
+        .mul_add(
+            T::from_f64(0.042799828876225604),
+            T::from_f64(0.99908366749145) * kx_right_wrist_roll_z,
+        )
+        .mul_add(
+            t_right_wrist_pitch_x,
+            kx_right_wrist_roll_y
+                .mul_add(c_right_wrist_roll, bx_right_wrist_yaw_y * s_right_wrist_roll)
+                * e14,
+        );
+    jacobian[1][22] = by_right_wrist_roll_x
+        .mul_add(
+            T::from_f64(0.042799828876225604),
+            T::from_f64(0.99908366749145) * ky_right_wrist_roll_z,
+        )
+        .mul_add(
+            t_right_wrist_pitch_x,
+            ky_right_wrist_roll_y
+                .mul_add(c_right_wrist_roll, by_right_wrist_yaw_y * s_right_wrist_roll)
+                * e14,
+        );
+    jacobian[2][22] = bz_right_wrist_roll_x
+        .mul_add(
+            T::from_f64(0.042799828876225604),
+            T::from_f64(0.99908366749145) * kz_right_wrist_roll_z,
+        )
+        .mul_add(
+            t_right_wrist_pitch_x,
+            kz_right_wrist_roll_y
+                .mul_add(c_right_wrist_roll, bz_right_wrist_yaw_y * s_right_wrist_roll)
+                * e14,
+        );
     // left_shoulder_pitch
     let e123 = (-kx_waist_pitch_z)
         .mul_add(
@@ -2245,6 +2536,13 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
             s_left_shoulder_pitch,
             kz_left_shoulder_pitch_x * c_left_shoulder_pitch,
         );
+    // left_shoulder_pitch
+    jacobian[0][23] = -e124
+        .mul_add(e13, -(kx_left_shoulder_pitch_x * t_left_shoulder_pitch_y));
+    jacobian[1][23] = -e127
+        .mul_add(e13, -(ky_left_shoulder_pitch_x * t_left_shoulder_pitch_y));
+    jacobian[2][23] = -e130
+        .mul_add(e13, -(kz_left_shoulder_pitch_x * t_left_shoulder_pitch_y));
     // left_shoulder_roll
     let kx_left_shoulder_roll_y = bx_left_shoulder_pitch_x
         .mul_add(
@@ -2297,6 +2595,13 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
             s_left_shoulder_roll,
             -(kz_left_shoulder_roll_y * c_left_shoulder_roll),
         );
+    // left_shoulder_roll
+    jacobian[0][24] = -kx_left_shoulder_roll_y
+        .mul_add(t_left_shoulder_roll_x, e125 * t_left_shoulder_roll_y);
+    jacobian[1][24] = -ky_left_shoulder_roll_y
+        .mul_add(t_left_shoulder_roll_x, e128 * t_left_shoulder_roll_y);
+    jacobian[2][24] = -kz_left_shoulder_roll_y
+        .mul_add(t_left_shoulder_roll_x, e131 * t_left_shoulder_roll_y);
     // left_shoulder_yaw
     let e135 = bx_left_shoulder_roll_x
         .mul_add(
@@ -2337,6 +2642,13 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     let bz_left_shoulder_yaw_x = e134
         .mul_add(c_left_shoulder_yaw, -(e139 * s_left_shoulder_yaw));
     let e140 = e139.mul_add(c_left_shoulder_yaw, e134 * s_left_shoulder_yaw);
+    // left_shoulder_yaw
+    jacobian[0][25] = -e132
+        .mul_add(t_left_shoulder_yaw_y, -(e135 * t_left_shoulder_yaw_x));
+    jacobian[1][25] = -e133
+        .mul_add(t_left_shoulder_yaw_y, -(e137 * t_left_shoulder_yaw_x));
+    jacobian[2][25] = -e134
+        .mul_add(t_left_shoulder_yaw_y, -(e139 * t_left_shoulder_yaw_x));
     // left_elbow
     let kx_left_elbow_y = bx_left_shoulder_yaw_x
         .mul_add(
@@ -2374,6 +2686,10 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
         );
     let bz_left_elbow_x = e140.mul_add(s_left_elbow, -(kz_left_elbow_y * c_left_elbow));
     let bz_left_elbow_y = kz_left_elbow_y.mul_add(s_left_elbow, e140 * c_left_elbow);
+    // left_elbow
+    jacobian[0][26] = -e136.mul_add(t_left_elbow_y, -(kx_left_elbow_y * e7));
+    jacobian[1][26] = -e138.mul_add(t_left_elbow_y, -(ky_left_elbow_y * e7));
+    jacobian[2][26] = -e140.mul_add(t_left_elbow_y, -(kz_left_elbow_y * e7));
     // left_wrist_yaw
     let e141 = bx_left_elbow_x
         .mul_add(
@@ -2414,6 +2730,10 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     let bz_left_wrist_yaw_x = bz_left_elbow_y
         .mul_add(c_left_wrist_yaw, e145 * s_left_wrist_yaw);
     let e146 = bz_left_elbow_y.mul_add(s_left_wrist_yaw, -(e145 * c_left_wrist_yaw));
+    // left_wrist_yaw
+    jacobian[0][27] = -bx_left_elbow_y.mul_add(e5, -(e141 * t_left_wrist_yaw_x));
+    jacobian[1][27] = -by_left_elbow_y.mul_add(e5, -(e143 * t_left_wrist_yaw_x));
+    jacobian[2][27] = -bz_left_elbow_y.mul_add(e5, -(e145 * t_left_wrist_yaw_x));
     // left_wrist_roll
     let kx_left_wrist_roll_y = bx_left_wrist_yaw_x
         .mul_add(
@@ -2445,6 +2765,10 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
             T::from_f64(0.9977446087492899),
             T::from_f64(0.06712447922871664) * kz_left_wrist_yaw_z,
         );
+    // left_wrist_roll
+    jacobian[0][28] = -kx_left_wrist_roll_y.mul_add(t_left_wrist_roll_x, -(e142 * e3));
+    jacobian[1][28] = -ky_left_wrist_roll_y.mul_add(t_left_wrist_roll_x, -(e144 * e3));
+    jacobian[2][28] = -kz_left_wrist_roll_y.mul_add(t_left_wrist_roll_x, -(e146 * e3));
     // left_wrist_pitch
     let kx_left_wrist_pitch_y = e142
         .mul_add(c_left_wrist_roll, kx_left_wrist_roll_y * s_left_wrist_roll)
@@ -2464,266 +2788,25 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
             T::from_f64(0.042799828876225604),
             -(T::from_f64(0.99908366749145) * kz_left_wrist_roll_z),
         );
-    [
-        [
-            kx_right_hip_yaw_y
-                .mul_add(t_right_hip_yaw_x, -(bx_right_hip_roll_y * t_right_hip_yaw_y)),
-            e60.mul_add(t_right_hip_roll_y, -(kx_right_hip_roll_y * e45)),
-            kx_right_hip_pitch_y.mul_add(t_right_hip_pitch_x, e57 * t_right_hip_pitch_y),
-            kx_right_knee_y.mul_add(t_right_knee_x, e54 * t_right_knee_y),
-            kx_right_ankle_pitch_y
-                .mul_add(t_right_ankle_pitch_x, e51 * t_right_ankle_pitch_y),
-            -t_right_ankle_roll_x
-                .mul_add(
-                    T::from_f64(0.1111747801713847),
-                    T::from_f64(0.16554475198250462) * t_right_ankle_roll_y,
-                ),
-            -e63.mul_add(t_left_hip_yaw_y, -(e66 * t_left_hip_yaw_x)),
-            -kx_left_hip_roll_y.mul_add(t_left_hip_roll_x, -(e67 * e40)),
-            -e73.mul_add(t_left_hip_pitch_y, -(e78 * t_left_hip_pitch_x)),
-            -kx_left_knee_y.mul_add(t_left_knee_x, e79 * t_left_knee_y),
-            -kx_left_ankle_pitch_y
-                .mul_add(t_left_ankle_pitch_x, e84 * t_left_ankle_pitch_y),
-            bx_left_ankle_pitch_x
-                .mul_add(
-                    T::from_f64(0.052408392112199914),
-                    T::from_f64(0.9986257359172225) * kx_left_ankle_pitch_z,
-                )
-                .mul_add(
-                    t_left_ankle_roll_x,
-                    e84
-                        .mul_add(
-                            s_left_ankle_pitch,
-                            -(kx_left_ankle_pitch_y * c_left_ankle_pitch),
-                        ) * e35,
-                ),
-            -kx_waist_yaw_y.mul_add(t_waist_yaw_x, -(kx_waist_yaw_x * t_waist_yaw_y)),
-            kx_waist_pitch_y.mul_add(e33, bx_waist_yaw_y * t_waist_pitch_y),
-            -e96.mul_add(e29, e91 * t_neck_yaw_y),
-            bx_neck_yaw_x
-                .mul_add(
-                    T::from_f64(0.040883888851400166),
-                    T::from_f64(0.9991639042881736) * kx_neck_yaw_z,
-                )
-                .mul_add(
-                    t_neck_pitch_x,
-                    e96.mul_add(s_neck_yaw, -(e91 * c_neck_yaw)) * e27,
-                ),
-            -e100.mul_add(t_right_shoulder_pitch_y, -(kx_right_shoulder_pitch_y * e26)),
-            -kx_right_shoulder_roll_y
-                .mul_add(
-                    t_right_shoulder_roll_x,
-                    -(bx_right_shoulder_pitch_y * t_right_shoulder_roll_y),
-                ),
-            e105
-                .mul_add(
-                    t_right_shoulder_yaw_x,
-                    bx_right_shoulder_roll_y * t_right_shoulder_yaw_y,
-                ),
-            -e114.mul_add(e20, e107 * t_right_elbow_y),
-            e120.mul_add(t_right_wrist_yaw_x, e115 * e18),
-            -kx_right_wrist_roll_y
-                .mul_add(t_right_wrist_roll_x, bx_right_wrist_yaw_y * e16),
-            bx_right_wrist_roll_x
-                .mul_add(
-                    T::from_f64(0.042799828876225604),
-                    T::from_f64(0.99908366749145) * kx_right_wrist_roll_z,
-                )
-                .mul_add(
-                    t_right_wrist_pitch_x,
-                    kx_right_wrist_roll_y
-                        .mul_add(
-                            c_right_wrist_roll,
-                            bx_right_wrist_yaw_y * s_right_wrist_roll,
-                        ) * e14,
-                ),
-            -e124.mul_add(e13, -(kx_left_shoulder_pitch_x * t_left_shoulder_pitch_y)),
-            -kx_left_shoulder_roll_y
-                .mul_add(t_left_shoulder_roll_x, e125 * t_left_shoulder_roll_y),
-            -e132.mul_add(t_left_shoulder_yaw_y, -(e135 * t_left_shoulder_yaw_x)),
-            -e136.mul_add(t_left_elbow_y, -(kx_left_elbow_y * e7)),
-            -bx_left_elbow_y.mul_add(e5, -(e141 * t_left_wrist_yaw_x)),
-            -kx_left_wrist_roll_y.mul_add(t_left_wrist_roll_x, -(e142 * e3)),
-            -kx_left_wrist_pitch_y
-                .mul_add(
-                    t_left_wrist_pitch_x,
-                    -(kx_left_wrist_roll_y
-                        .mul_add(c_left_wrist_roll, -(e142 * s_left_wrist_roll)) * e1),
-                ),
-        ],
-        [
-            ky_right_hip_yaw_y
-                .mul_add(t_right_hip_yaw_x, -(by_right_hip_roll_y * t_right_hip_yaw_y)),
-            e61.mul_add(t_right_hip_roll_y, -(ky_right_hip_roll_y * e45)),
-            ky_right_hip_pitch_y.mul_add(t_right_hip_pitch_x, e58 * t_right_hip_pitch_y),
-            ky_right_knee_y.mul_add(t_right_knee_x, e55 * t_right_knee_y),
-            ky_right_ankle_pitch_y
-                .mul_add(t_right_ankle_pitch_x, e52 * t_right_ankle_pitch_y),
-            t_right_ankle_roll_x
-                .mul_add(
-                    T::from_f64(0.9851881430723574),
-                    T::from_f64(0.11117478017138471) * t_right_ankle_roll_y,
-                ),
-            -e64.mul_add(t_left_hip_yaw_y, -(e68 * t_left_hip_yaw_x)),
-            -ky_left_hip_roll_y.mul_add(t_left_hip_roll_x, -(e69 * e40)),
-            -e75.mul_add(t_left_hip_pitch_y, -(e80 * t_left_hip_pitch_x)),
-            -ky_left_knee_y.mul_add(t_left_knee_x, e81 * t_left_knee_y),
-            -ky_left_ankle_pitch_y
-                .mul_add(t_left_ankle_pitch_x, e85 * t_left_ankle_pitch_y),
-            by_left_ankle_pitch_x
-                .mul_add(
-                    T::from_f64(0.052408392112199914),
-                    T::from_f64(0.9986257359172225) * ky_left_ankle_pitch_z,
-                )
-                .mul_add(
-                    t_left_ankle_roll_x,
-                    e85
-                        .mul_add(
-                            s_left_ankle_pitch,
-                            -(ky_left_ankle_pitch_y * c_left_ankle_pitch),
-                        ) * e35,
-                ),
-            -ky_waist_yaw_y.mul_add(t_waist_yaw_x, -(ky_waist_yaw_x * t_waist_yaw_y)),
-            ky_waist_pitch_y.mul_add(e33, by_waist_yaw_y * t_waist_pitch_y),
-            -e97.mul_add(e29, e93 * t_neck_yaw_y),
-            by_neck_yaw_x
-                .mul_add(
-                    T::from_f64(0.040883888851400166),
-                    T::from_f64(0.9991639042881736) * ky_neck_yaw_z,
-                )
-                .mul_add(
-                    t_neck_pitch_x,
-                    e97.mul_add(s_neck_yaw, -(e93 * c_neck_yaw)) * e27,
-                ),
-            -e102.mul_add(t_right_shoulder_pitch_y, -(ky_right_shoulder_pitch_y * e26)),
-            -ky_right_shoulder_roll_y
-                .mul_add(
-                    t_right_shoulder_roll_x,
-                    -(by_right_shoulder_pitch_y * t_right_shoulder_roll_y),
-                ),
-            e108
-                .mul_add(
-                    t_right_shoulder_yaw_x,
-                    by_right_shoulder_roll_y * t_right_shoulder_yaw_y,
-                ),
-            -e116.mul_add(e20, e110 * t_right_elbow_y),
-            e121.mul_add(t_right_wrist_yaw_x, e117 * e18),
-            -ky_right_wrist_roll_y
-                .mul_add(t_right_wrist_roll_x, by_right_wrist_yaw_y * e16),
-            by_right_wrist_roll_x
-                .mul_add(
-                    T::from_f64(0.042799828876225604),
-                    T::from_f64(0.99908366749145) * ky_right_wrist_roll_z,
-                )
-                .mul_add(
-                    t_right_wrist_pitch_x,
-                    ky_right_wrist_roll_y
-                        .mul_add(
-                            c_right_wrist_roll,
-                            by_right_wrist_yaw_y * s_right_wrist_roll,
-                        ) * e14,
-                ),
-            -e127.mul_add(e13, -(ky_left_shoulder_pitch_x * t_left_shoulder_pitch_y)),
-            -ky_left_shoulder_roll_y
-                .mul_add(t_left_shoulder_roll_x, e128 * t_left_shoulder_roll_y),
-            -e133.mul_add(t_left_shoulder_yaw_y, -(e137 * t_left_shoulder_yaw_x)),
-            -e138.mul_add(t_left_elbow_y, -(ky_left_elbow_y * e7)),
-            -by_left_elbow_y.mul_add(e5, -(e143 * t_left_wrist_yaw_x)),
-            -ky_left_wrist_roll_y.mul_add(t_left_wrist_roll_x, -(e144 * e3)),
-            -ky_left_wrist_pitch_y
-                .mul_add(
-                    t_left_wrist_pitch_x,
-                    -(ky_left_wrist_roll_y
-                        .mul_add(c_left_wrist_roll, -(e144 * s_left_wrist_roll)) * e1),
-                ),
-        ],
-        [
-            kz_right_hip_yaw_y
-                .mul_add(t_right_hip_yaw_x, -(bz_right_hip_roll_y * t_right_hip_yaw_y)),
-            e62.mul_add(t_right_hip_roll_y, -(kz_right_hip_roll_y * e45)),
-            kz_right_hip_pitch_y.mul_add(t_right_hip_pitch_x, e59 * t_right_hip_pitch_y),
-            kz_right_knee_y.mul_add(t_right_knee_x, e56 * t_right_knee_y),
-            kz_right_ankle_pitch_y
-                .mul_add(t_right_ankle_pitch_x, e53 * t_right_ankle_pitch_y),
-            t_right_ankle_roll_y
-                .mul_add(
-                    T::from_f64(0.9799158654419752),
-                    -(T::from_f64(0.13055455182981807) * t_right_ankle_roll_x),
-                ),
-            -e65.mul_add(t_left_hip_yaw_y, -(e70 * t_left_hip_yaw_x)),
-            -kz_left_hip_roll_y.mul_add(t_left_hip_roll_x, -(e71 * e40)),
-            -e77.mul_add(t_left_hip_pitch_y, -(e82 * t_left_hip_pitch_x)),
-            -kz_left_knee_y.mul_add(t_left_knee_x, e83 * t_left_knee_y),
-            -kz_left_ankle_pitch_y
-                .mul_add(t_left_ankle_pitch_x, e86 * t_left_ankle_pitch_y),
-            bz_left_ankle_pitch_x
-                .mul_add(
-                    T::from_f64(0.052408392112199914),
-                    T::from_f64(0.9986257359172225) * kz_left_ankle_pitch_z,
-                )
-                .mul_add(
-                    t_left_ankle_roll_x,
-                    e86
-                        .mul_add(
-                            s_left_ankle_pitch,
-                            -(kz_left_ankle_pitch_y * c_left_ankle_pitch),
-                        ) * e35,
-                ),
-            -kz_waist_yaw_y.mul_add(t_waist_yaw_x, -(kz_waist_yaw_x * t_waist_yaw_y)),
-            kz_waist_pitch_y.mul_add(e33, bz_waist_yaw_y * t_waist_pitch_y),
-            -e98.mul_add(e29, e95 * t_neck_yaw_y),
-            bz_neck_yaw_x
-                .mul_add(
-                    T::from_f64(0.040883888851400166),
-                    T::from_f64(0.9991639042881736) * kz_neck_yaw_z,
-                )
-                .mul_add(
-                    t_neck_pitch_x,
-                    e98.mul_add(s_neck_yaw, -(e95 * c_neck_yaw)) * e27,
-                ),
-            -e104.mul_add(t_right_shoulder_pitch_y, -(kz_right_shoulder_pitch_y * e26)),
-            -kz_right_shoulder_roll_y
-                .mul_add(
-                    t_right_shoulder_roll_x,
-                    -(bz_right_shoulder_pitch_y * t_right_shoulder_roll_y),
-                ),
-            e111
-                .mul_add(
-                    t_right_shoulder_yaw_x,
-                    bz_right_shoulder_roll_y * t_right_shoulder_yaw_y,
-                ),
-            -e118.mul_add(e20, e113 * t_right_elbow_y),
-            e122.mul_add(t_right_wrist_yaw_x, e119 * e18),
-            -kz_right_wrist_roll_y
-                .mul_add(t_right_wrist_roll_x, bz_right_wrist_yaw_y * e16),
-            bz_right_wrist_roll_x
-                .mul_add(
-                    T::from_f64(0.042799828876225604),
-                    T::from_f64(0.99908366749145) * kz_right_wrist_roll_z,
-                )
-                .mul_add(
-                    t_right_wrist_pitch_x,
-                    kz_right_wrist_roll_y
-                        .mul_add(
-                            c_right_wrist_roll,
-                            bz_right_wrist_yaw_y * s_right_wrist_roll,
-                        ) * e14,
-                ),
-            -e130.mul_add(e13, -(kz_left_shoulder_pitch_x * t_left_shoulder_pitch_y)),
-            -kz_left_shoulder_roll_y
-                .mul_add(t_left_shoulder_roll_x, e131 * t_left_shoulder_roll_y),
-            -e134.mul_add(t_left_shoulder_yaw_y, -(e139 * t_left_shoulder_yaw_x)),
-            -e140.mul_add(t_left_elbow_y, -(kz_left_elbow_y * e7)),
-            -bz_left_elbow_y.mul_add(e5, -(e145 * t_left_wrist_yaw_x)),
-            -kz_left_wrist_roll_y.mul_add(t_left_wrist_roll_x, -(e146 * e3)),
-            -kz_left_wrist_pitch_y
-                .mul_add(
-                    t_left_wrist_pitch_x,
-                    -(kz_left_wrist_roll_y
-                        .mul_add(c_left_wrist_roll, -(e146 * s_left_wrist_roll)) * e1),
-                ),
-        ],
-    ]
+    // left_wrist_pitch
+    jacobian[0][29] = -kx_left_wrist_pitch_y
+        .mul_add(
+            t_left_wrist_pitch_x,
+            -(kx_left_wrist_roll_y
+                .mul_add(c_left_wrist_roll, -(e142 * s_left_wrist_roll)) * e1),
+        );
+    jacobian[1][29] = -ky_left_wrist_pitch_y
+        .mul_add(
+            t_left_wrist_pitch_x,
+            -(ky_left_wrist_roll_y
+                .mul_add(c_left_wrist_roll, -(e144 * s_left_wrist_roll)) * e1),
+        );
+    jacobian[2][29] = -kz_left_wrist_pitch_y
+        .mul_add(
+            t_left_wrist_pitch_x,
+            -(kz_left_wrist_roll_y
+                .mul_add(c_left_wrist_roll, -(e146 * s_left_wrist_roll)) * e1),
+        );
 }
 
 /// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
@@ -3701,6 +3784,26 @@ pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] 
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 #[inline(always)]
 pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
+    let mut rows = [[T::from_f64(0.0); BASE_PARAMS]; 3];
+    regressor_into(q, &mut rows);
+    rows
+}
+
+/// [`regressor`], each number written as soon as it is there.
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
+pub fn regressor_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE_PARAMS]; 3]) {
+    let zero = T::from_f64(0.0);
+    let one = T::from_f64(1.0);
+    rows[0][0] = one;
+    rows[1][1] = one;
+    rows[2][2] = one;
+    rows[0][1] = zero;
+    rows[0][2] = zero;
+    rows[1][0] = zero;
+    rows[1][2] = zero;
+    rows[2][0] = zero;
+    rows[2][1] = zero;
     // right_ankle_roll
     let e1 = q[5] + T::from_f64(0.2836386864034435);
     let (s_right_ankle_roll, c_right_ankle_roll) = e1.sin_cos();
@@ -3710,34 +3813,40 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             T::from_f64(0.1111747801713847) * c_right_ankle_roll,
         );
     let bx_right_ankle_roll_x = -e2;
+    rows[0][3] = bx_right_ankle_roll_x;
     let e3 = s_right_ankle_roll
         .mul_add(
             T::from_f64(0.1111747801713847),
             -(T::from_f64(0.16554475198250462) * c_right_ankle_roll),
         );
     let bx_right_ankle_roll_y = -e3;
+    rows[0][4] = bx_right_ankle_roll_y;
     let by_right_ankle_roll_x = s_right_ankle_roll
         .mul_add(
             T::from_f64(0.11117478017138471),
             T::from_f64(0.9851881430723574) * c_right_ankle_roll,
         );
+    rows[1][3] = by_right_ankle_roll_x;
     let e4 = c_right_ankle_roll
         .mul_add(
             T::from_f64(0.11117478017138471),
             -(T::from_f64(0.9851881430723574) * s_right_ankle_roll),
         );
     let by_right_ankle_roll_y = -e4;
+    rows[1][4] = by_right_ankle_roll_y;
     let bz_right_ankle_roll_x = s_right_ankle_roll
         .mul_add(
             T::from_f64(0.9799158654419752),
             -(T::from_f64(0.13055455182981807) * c_right_ankle_roll),
         );
+    rows[2][3] = bz_right_ankle_roll_x;
     let e5 = s_right_ankle_roll
         .mul_add(
             T::from_f64(0.13055455182981807),
             T::from_f64(0.9799158654419752) * c_right_ankle_roll,
         );
     let bz_right_ankle_roll_y = -e5;
+    rows[2][4] = bz_right_ankle_roll_y;
     // right_ankle_pitch
     let e6 = q[4] + T::from_f64(0.17565669109302123);
     let (s_right_ankle_pitch, c_right_ankle_pitch) = e6.sin_cos();
@@ -3747,27 +3856,33 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         .mul_add(T::from_f64(0.9986257359172223), T::from_f64(0.05135581491304875));
     let bx_right_ankle_pitch_x = kx_right_ankle_pitch_y
         .mul_add(s_right_ankle_pitch, -(e3 * c_right_ankle_pitch));
+    rows[0][5] = bx_right_ankle_pitch_x;
     let e7 = kx_right_ankle_pitch_y
         .mul_add(c_right_ankle_pitch, e3 * s_right_ankle_pitch);
     let bx_right_ankle_pitch_y = -e7;
+    rows[0][6] = bx_right_ankle_pitch_y;
     let ky_right_ankle_pitch_y = (-by_right_ankle_roll_x)
         .mul_add(T::from_f64(0.0524083921121999), T::from_f64(0.1303751353983952));
     let ky_right_ankle_pitch_z = by_right_ankle_roll_x
         .mul_add(T::from_f64(0.9986257359172223), T::from_f64(0.00684215414432963));
     let by_right_ankle_pitch_x = ky_right_ankle_pitch_y
         .mul_add(s_right_ankle_pitch, -(e4 * c_right_ankle_pitch));
+    rows[1][5] = by_right_ankle_pitch_x;
     let e8 = ky_right_ankle_pitch_y
         .mul_add(c_right_ankle_pitch, e4 * s_right_ankle_pitch);
     let by_right_ankle_pitch_y = -e8;
+    rows[1][6] = by_right_ankle_pitch_y;
     let kz_right_ankle_pitch_y = (-bz_right_ankle_roll_x)
         .mul_add(T::from_f64(0.0524083921121999), T::from_f64(0.15052574825109485));
     let kz_right_ankle_pitch_z = bz_right_ankle_roll_x
         .mul_add(T::from_f64(0.9986257359172223), T::from_f64(0.007899668668242278));
     let bz_right_ankle_pitch_x = kz_right_ankle_pitch_y
         .mul_add(s_right_ankle_pitch, -(e5 * c_right_ankle_pitch));
+    rows[2][5] = bz_right_ankle_pitch_x;
     let e9 = kz_right_ankle_pitch_y
         .mul_add(c_right_ankle_pitch, e5 * s_right_ankle_pitch);
     let bz_right_ankle_pitch_y = -e9;
+    rows[2][6] = bz_right_ankle_pitch_y;
     // right_knee
     let e10 = q[3] - T::from_f64(0.7020104799569636);
     let (s_right_knee, c_right_knee) = e10.sin_cos();
@@ -3782,8 +3897,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             T::from_f64(0.9659918591802843) * kx_right_ankle_pitch_z,
         );
     let bx_right_knee_x = e7.mul_add(s_right_knee, kx_right_knee_y * c_right_knee);
+    rows[0][7] = bx_right_knee_x;
     let e11 = e7.mul_add(c_right_knee, -(kx_right_knee_y * s_right_knee));
     let bx_right_knee_y = -e11;
+    rows[0][8] = bx_right_knee_y;
     let ky_right_knee_y = by_right_ankle_pitch_x
         .mul_add(
             T::from_f64(0.9659918591802843),
@@ -3795,8 +3912,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             T::from_f64(0.9659918591802843) * ky_right_ankle_pitch_z,
         );
     let by_right_knee_x = e8.mul_add(s_right_knee, ky_right_knee_y * c_right_knee);
+    rows[1][7] = by_right_knee_x;
     let e12 = e8.mul_add(c_right_knee, -(ky_right_knee_y * s_right_knee));
     let by_right_knee_y = -e12;
+    rows[1][8] = by_right_knee_y;
     let kz_right_knee_y = bz_right_ankle_pitch_x
         .mul_add(
             T::from_f64(0.9659918591802843),
@@ -3808,8 +3927,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             T::from_f64(0.9659918591802843) * kz_right_ankle_pitch_z,
         );
     let bz_right_knee_x = e9.mul_add(s_right_knee, kz_right_knee_y * c_right_knee);
+    rows[2][7] = bz_right_knee_x;
     let e13 = e9.mul_add(c_right_knee, -(kz_right_knee_y * s_right_knee));
     let bz_right_knee_y = -e13;
+    rows[2][8] = bz_right_knee_y;
     // right_hip_pitch
     let e14 = q[2] + T::from_f64(0.15721584383712192);
     let (s_right_hip_pitch, c_right_hip_pitch) = e14.sin_cos();
@@ -3825,8 +3946,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let bx_right_hip_pitch_x = kx_right_hip_pitch_y
         .mul_add(s_right_hip_pitch, -(e11 * c_right_hip_pitch));
+    rows[0][9] = bx_right_hip_pitch_x;
     let e15 = kx_right_hip_pitch_y.mul_add(c_right_hip_pitch, e11 * s_right_hip_pitch);
     let bx_right_hip_pitch_y = -e15;
+    rows[0][10] = bx_right_hip_pitch_y;
     let ky_right_hip_pitch_y = by_right_knee_x
         .mul_add(
             T::from_f64(0.9973888291864124),
@@ -3839,8 +3962,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let by_right_hip_pitch_x = ky_right_hip_pitch_y
         .mul_add(s_right_hip_pitch, -(e12 * c_right_hip_pitch));
+    rows[1][9] = by_right_hip_pitch_x;
     let e16 = ky_right_hip_pitch_y.mul_add(c_right_hip_pitch, e12 * s_right_hip_pitch);
     let by_right_hip_pitch_y = -e16;
+    rows[1][10] = by_right_hip_pitch_y;
     let kz_right_hip_pitch_y = bz_right_knee_x
         .mul_add(
             T::from_f64(0.9973888291864124),
@@ -3853,8 +3978,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let bz_right_hip_pitch_x = kz_right_hip_pitch_y
         .mul_add(s_right_hip_pitch, -(e13 * c_right_hip_pitch));
+    rows[2][9] = bz_right_hip_pitch_x;
     let e17 = kz_right_hip_pitch_y.mul_add(c_right_hip_pitch, e13 * s_right_hip_pitch);
     let bz_right_hip_pitch_y = -e17;
+    rows[2][10] = bz_right_hip_pitch_y;
     // right_hip_roll
     let e18 = q[1] - T::from_f64(0.3432638106572563);
     let (s_right_hip_roll, c_right_hip_roll) = e18.sin_cos();
@@ -3870,8 +3997,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let bx_right_hip_roll_x = e15
         .mul_add(c_right_hip_roll, -(kx_right_hip_roll_y * s_right_hip_roll));
+    rows[0][11] = bx_right_hip_roll_x;
     let bx_right_hip_roll_y = kx_right_hip_roll_y
         .mul_add(c_right_hip_roll, e15 * s_right_hip_roll);
+    rows[0][12] = bx_right_hip_roll_y;
     let ky_right_hip_roll_y = by_right_hip_pitch_x
         .mul_add(
             T::from_f64(0.06044086238279244),
@@ -3884,8 +4013,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let by_right_hip_roll_x = e16
         .mul_add(c_right_hip_roll, -(ky_right_hip_roll_y * s_right_hip_roll));
+    rows[1][11] = by_right_hip_roll_x;
     let by_right_hip_roll_y = ky_right_hip_roll_y
         .mul_add(c_right_hip_roll, e16 * s_right_hip_roll);
+    rows[1][12] = by_right_hip_roll_y;
     let kz_right_hip_roll_y = bz_right_hip_pitch_x
         .mul_add(
             T::from_f64(0.06044086238279244),
@@ -3898,8 +4029,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let bz_right_hip_roll_x = e17
         .mul_add(c_right_hip_roll, -(kz_right_hip_roll_y * s_right_hip_roll));
+    rows[2][11] = bz_right_hip_roll_x;
     let bz_right_hip_roll_y = kz_right_hip_roll_y
         .mul_add(c_right_hip_roll, e17 * s_right_hip_roll);
+    rows[2][12] = bz_right_hip_roll_y;
     // right_hip_yaw
     let e19 = q[0] + T::from_f64(0.10119271700368025);
     let (s_right_hip_yaw, c_right_hip_yaw) = e19.sin_cos();
@@ -3915,9 +4048,11 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let bx_right_hip_yaw_x = bx_right_hip_roll_y
         .mul_add(c_right_hip_yaw, kx_right_hip_yaw_y * s_right_hip_yaw);
+    rows[0][13] = bx_right_hip_yaw_x;
     let e20 = kx_right_hip_yaw_y
         .mul_add(c_right_hip_yaw, -(bx_right_hip_roll_y * s_right_hip_yaw));
     let bx_right_hip_yaw_y = -e20;
+    rows[0][14] = bx_right_hip_yaw_y;
     let ky_right_hip_yaw_y = by_right_hip_roll_x
         .mul_add(
             T::from_f64(0.08292767473984558),
@@ -3930,9 +4065,11 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let by_right_hip_yaw_x = by_right_hip_roll_y
         .mul_add(c_right_hip_yaw, ky_right_hip_yaw_y * s_right_hip_yaw);
+    rows[1][13] = by_right_hip_yaw_x;
     let e21 = ky_right_hip_yaw_y
         .mul_add(c_right_hip_yaw, -(by_right_hip_roll_y * s_right_hip_yaw));
     let by_right_hip_yaw_y = -e21;
+    rows[1][14] = by_right_hip_yaw_y;
     let kz_right_hip_yaw_y = bz_right_hip_roll_x
         .mul_add(
             T::from_f64(0.08292767473984558),
@@ -3945,9 +4082,11 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let bz_right_hip_yaw_x = bz_right_hip_roll_y
         .mul_add(c_right_hip_yaw, kz_right_hip_yaw_y * s_right_hip_yaw);
+    rows[2][13] = bz_right_hip_yaw_x;
     let e22 = kz_right_hip_yaw_y
         .mul_add(c_right_hip_yaw, -(bz_right_hip_roll_y * s_right_hip_yaw));
     let bz_right_hip_yaw_y = -e22;
+    rows[2][14] = bz_right_hip_yaw_y;
     // left_hip_yaw
     let e23 = q[6] + T::from_f64(0.10119271700368015);
     let (s_left_hip_yaw, c_left_hip_yaw) = e23.sin_cos();
@@ -3962,8 +4101,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             -(T::from_f64(0.538107754426925) * kx_right_hip_yaw_z),
         );
     let bx_left_hip_yaw_x = e20.mul_add(c_left_hip_yaw, -(e24 * s_left_hip_yaw));
+    rows[0][15] = bx_left_hip_yaw_x;
     let e25 = e24.mul_add(c_left_hip_yaw, e20 * s_left_hip_yaw);
     let bx_left_hip_yaw_y = -e25;
+    rows[0][16] = bx_left_hip_yaw_y;
     let e26 = by_right_hip_yaw_x
         .mul_add(
             T::from_f64(0.538107754426925),
@@ -3975,8 +4116,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             -(T::from_f64(0.538107754426925) * ky_right_hip_yaw_z),
         );
     let by_left_hip_yaw_x = e21.mul_add(c_left_hip_yaw, -(e26 * s_left_hip_yaw));
+    rows[1][15] = by_left_hip_yaw_x;
     let e27 = e26.mul_add(c_left_hip_yaw, e21 * s_left_hip_yaw);
     let by_left_hip_yaw_y = -e27;
+    rows[1][16] = by_left_hip_yaw_y;
     let e28 = bz_right_hip_yaw_x
         .mul_add(
             T::from_f64(0.538107754426925),
@@ -3988,8 +4131,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             -(T::from_f64(0.538107754426925) * kz_right_hip_yaw_z),
         );
     let bz_left_hip_yaw_x = e22.mul_add(c_left_hip_yaw, -(e28 * s_left_hip_yaw));
+    rows[2][15] = bz_left_hip_yaw_x;
     let e29 = e28.mul_add(c_left_hip_yaw, e22 * s_left_hip_yaw);
     let bz_left_hip_yaw_y = -e29;
+    rows[2][16] = bz_left_hip_yaw_y;
     // left_hip_roll
     let e30 = q[7] - T::from_f64(0.34326381065725625);
     let (s_left_hip_roll, c_left_hip_roll) = e30.sin_cos();
@@ -4005,8 +4150,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let e31 = e25.mul_add(c_left_hip_roll, kx_left_hip_roll_y * s_left_hip_roll);
     let bx_left_hip_roll_x = -e31;
+    rows[0][17] = bx_left_hip_roll_x;
     let e32 = kx_left_hip_roll_y.mul_add(c_left_hip_roll, -(e25 * s_left_hip_roll));
     let bx_left_hip_roll_y = -e32;
+    rows[0][18] = bx_left_hip_roll_y;
     let ky_left_hip_roll_y = by_left_hip_yaw_x
         .mul_add(
             T::from_f64(0.08292767473984561),
@@ -4019,8 +4166,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let e33 = e27.mul_add(c_left_hip_roll, ky_left_hip_roll_y * s_left_hip_roll);
     let by_left_hip_roll_x = -e33;
+    rows[1][17] = by_left_hip_roll_x;
     let e34 = ky_left_hip_roll_y.mul_add(c_left_hip_roll, -(e27 * s_left_hip_roll));
     let by_left_hip_roll_y = -e34;
+    rows[1][18] = by_left_hip_roll_y;
     let kz_left_hip_roll_y = bz_left_hip_yaw_x
         .mul_add(
             T::from_f64(0.08292767473984561),
@@ -4033,8 +4182,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let e35 = e29.mul_add(c_left_hip_roll, kz_left_hip_roll_y * s_left_hip_roll);
     let bz_left_hip_roll_x = -e35;
+    rows[2][17] = bz_left_hip_roll_x;
     let e36 = kz_left_hip_roll_y.mul_add(c_left_hip_roll, -(e29 * s_left_hip_roll));
     let bz_left_hip_roll_y = -e36;
+    rows[2][18] = bz_left_hip_roll_y;
     // left_hip_pitch
     let e37 = q[8] + T::from_f64(0.15721584383712184);
     let (s_left_hip_pitch, c_left_hip_pitch) = e37.sin_cos();
@@ -4049,8 +4200,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             -(T::from_f64(0.9981717798828137) * e31),
         );
     let bx_left_hip_pitch_x = e32.mul_add(c_left_hip_pitch, -(e38 * s_left_hip_pitch));
+    rows[0][19] = bx_left_hip_pitch_x;
     let e39 = e38.mul_add(c_left_hip_pitch, e32 * s_left_hip_pitch);
     let bx_left_hip_pitch_y = -e39;
+    rows[0][20] = bx_left_hip_pitch_y;
     let e40 = e33
         .mul_add(
             T::from_f64(0.06044086238279245),
@@ -4062,8 +4215,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             -(T::from_f64(0.9981717798828137) * e33),
         );
     let by_left_hip_pitch_x = e34.mul_add(c_left_hip_pitch, -(e40 * s_left_hip_pitch));
+    rows[1][19] = by_left_hip_pitch_x;
     let e41 = e40.mul_add(c_left_hip_pitch, e34 * s_left_hip_pitch);
     let by_left_hip_pitch_y = -e41;
+    rows[1][20] = by_left_hip_pitch_y;
     let e42 = e35
         .mul_add(
             T::from_f64(0.06044086238279245),
@@ -4075,8 +4230,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             -(T::from_f64(0.9981717798828137) * e35),
         );
     let bz_left_hip_pitch_x = e36.mul_add(c_left_hip_pitch, -(e42 * s_left_hip_pitch));
+    rows[2][19] = bz_left_hip_pitch_x;
     let e43 = e42.mul_add(c_left_hip_pitch, e36 * s_left_hip_pitch);
     let bz_left_hip_pitch_y = -e43;
+    rows[2][20] = bz_left_hip_pitch_y;
     // left_knee
     let e44 = q[9] - T::from_f64(0.7020104799569635);
     let (s_left_knee, c_left_knee) = e44.sin_cos();
@@ -4091,8 +4248,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             T::from_f64(0.9973888291864126) * kx_left_hip_pitch_z,
         );
     let bx_left_knee_x = kx_left_knee_y.mul_add(c_left_knee, -(e39 * s_left_knee));
+    rows[0][21] = bx_left_knee_x;
     let e45 = kx_left_knee_y.mul_add(s_left_knee, e39 * c_left_knee);
     let bx_left_knee_y = -e45;
+    rows[0][22] = bx_left_knee_y;
     let ky_left_knee_y = by_left_hip_pitch_x
         .mul_add(
             T::from_f64(0.9973888291864126),
@@ -4104,8 +4263,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             T::from_f64(0.9973888291864126) * ky_left_hip_pitch_z,
         );
     let by_left_knee_x = ky_left_knee_y.mul_add(c_left_knee, -(e41 * s_left_knee));
+    rows[1][21] = by_left_knee_x;
     let e46 = ky_left_knee_y.mul_add(s_left_knee, e41 * c_left_knee);
     let by_left_knee_y = -e46;
+    rows[1][22] = by_left_knee_y;
     let kz_left_knee_y = bz_left_hip_pitch_x
         .mul_add(
             T::from_f64(0.9973888291864126),
@@ -4117,8 +4278,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             T::from_f64(0.9973888291864126) * kz_left_hip_pitch_z,
         );
     let bz_left_knee_x = kz_left_knee_y.mul_add(c_left_knee, -(e43 * s_left_knee));
+    rows[2][21] = bz_left_knee_x;
     let e47 = kz_left_knee_y.mul_add(s_left_knee, e43 * c_left_knee);
     let bz_left_knee_y = -e47;
+    rows[2][22] = bz_left_knee_y;
     // left_ankle_pitch
     let e48 = q[10] + T::from_f64(0.1756566910930215);
     let (s_left_ankle_pitch, c_left_ankle_pitch) = e48.sin_cos();
@@ -4134,9 +4297,11 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let bx_left_ankle_pitch_x = e45
         .mul_add(c_left_ankle_pitch, kx_left_ankle_pitch_y * s_left_ankle_pitch);
+    rows[0][23] = bx_left_ankle_pitch_x;
     let e49 = e45
         .mul_add(s_left_ankle_pitch, -(kx_left_ankle_pitch_y * c_left_ankle_pitch));
     let bx_left_ankle_pitch_y = -e49;
+    rows[0][24] = bx_left_ankle_pitch_y;
     let ky_left_ankle_pitch_y = by_left_knee_x
         .mul_add(
             T::from_f64(0.9659918591802845),
@@ -4149,9 +4314,11 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let by_left_ankle_pitch_x = e46
         .mul_add(c_left_ankle_pitch, ky_left_ankle_pitch_y * s_left_ankle_pitch);
+    rows[1][23] = by_left_ankle_pitch_x;
     let e50 = e46
         .mul_add(s_left_ankle_pitch, -(ky_left_ankle_pitch_y * c_left_ankle_pitch));
     let by_left_ankle_pitch_y = -e50;
+    rows[1][24] = by_left_ankle_pitch_y;
     let kz_left_ankle_pitch_y = bz_left_knee_x
         .mul_add(
             T::from_f64(0.9659918591802845),
@@ -4164,9 +4331,11 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let bz_left_ankle_pitch_x = e47
         .mul_add(c_left_ankle_pitch, kz_left_ankle_pitch_y * s_left_ankle_pitch);
+    rows[2][23] = bz_left_ankle_pitch_x;
     let e51 = e47
         .mul_add(s_left_ankle_pitch, -(kz_left_ankle_pitch_y * c_left_ankle_pitch));
     let bz_left_ankle_pitch_y = -e51;
+    rows[2][24] = bz_left_ankle_pitch_y;
     // left_ankle_roll
     let (s_left_ankle_roll, c_left_ankle_roll) = q[11].sin_cos();
     let e52 = bx_left_ankle_pitch_x
@@ -4176,7 +4345,9 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let bx_left_ankle_roll_x = e52
         .mul_add(s_left_ankle_roll, -(e49 * c_left_ankle_roll));
+    rows[0][25] = bx_left_ankle_roll_x;
     let bx_left_ankle_roll_y = e52.mul_add(c_left_ankle_roll, e49 * s_left_ankle_roll);
+    rows[0][26] = bx_left_ankle_roll_y;
     let e53 = by_left_ankle_pitch_x
         .mul_add(
             T::from_f64(0.052408392112199914),
@@ -4184,7 +4355,9 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let by_left_ankle_roll_x = e53
         .mul_add(s_left_ankle_roll, -(e50 * c_left_ankle_roll));
+    rows[1][25] = by_left_ankle_roll_x;
     let by_left_ankle_roll_y = e53.mul_add(c_left_ankle_roll, e50 * s_left_ankle_roll);
+    rows[1][26] = by_left_ankle_roll_y;
     let e54 = bz_left_ankle_pitch_x
         .mul_add(
             T::from_f64(0.052408392112199914),
@@ -4192,7 +4365,9 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let bz_left_ankle_roll_x = e54
         .mul_add(s_left_ankle_roll, -(e51 * c_left_ankle_roll));
+    rows[2][25] = bz_left_ankle_roll_x;
     let bz_left_ankle_roll_y = e54.mul_add(c_left_ankle_roll, e51 * s_left_ankle_roll);
+    rows[2][26] = bz_left_ankle_roll_y;
     // waist_yaw
     let e55 = q[12] + T::from_f64(0.05803686797214569);
     let (s_waist_yaw, c_waist_yaw) = e55.sin_cos();
@@ -4208,8 +4383,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         .mul_add(T::from_f64(1.9023488450576578), kx_right_hip_yaw_z);
     let bx_waist_yaw_x = kx_waist_yaw_y
         .mul_add(s_waist_yaw, -(kx_waist_yaw_x * c_waist_yaw));
+    rows[0][27] = bx_waist_yaw_x;
     let bx_waist_yaw_y = kx_waist_yaw_y
         .mul_add(c_waist_yaw, kx_waist_yaw_x * s_waist_yaw);
+    rows[0][28] = bx_waist_yaw_y;
     let e57 = e21
         .mul_add(
             T::from_f64(0.11944678826051937),
@@ -4222,8 +4399,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         .mul_add(T::from_f64(1.9023488450576578), ky_right_hip_yaw_z);
     let by_waist_yaw_x = ky_waist_yaw_y
         .mul_add(s_waist_yaw, -(ky_waist_yaw_x * c_waist_yaw));
+    rows[1][27] = by_waist_yaw_x;
     let by_waist_yaw_y = ky_waist_yaw_y
         .mul_add(c_waist_yaw, ky_waist_yaw_x * s_waist_yaw);
+    rows[1][28] = by_waist_yaw_y;
     let e58 = e22
         .mul_add(
             T::from_f64(0.11944678826051937),
@@ -4236,8 +4415,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         .mul_add(T::from_f64(1.9023488450576578), kz_right_hip_yaw_z);
     let bz_waist_yaw_x = kz_waist_yaw_y
         .mul_add(s_waist_yaw, -(kz_waist_yaw_x * c_waist_yaw));
+    rows[2][27] = bz_waist_yaw_x;
     let bz_waist_yaw_y = kz_waist_yaw_y
         .mul_add(c_waist_yaw, kz_waist_yaw_x * s_waist_yaw);
+    rows[2][28] = bz_waist_yaw_y;
     // waist_pitch
     let e59 = q[13] + T::from_f64(0.0003778747045624087);
     let (s_waist_pitch, c_waist_pitch) = e59.sin_cos();
@@ -4253,8 +4434,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let e60 = bx_waist_yaw_y.mul_add(s_waist_pitch, kx_waist_pitch_y * c_waist_pitch);
     let bx_waist_pitch_x = -e60;
+    rows[0][29] = bx_waist_pitch_x;
     let e61 = bx_waist_yaw_y.mul_add(c_waist_pitch, -(kx_waist_pitch_y * s_waist_pitch));
     let bx_waist_pitch_y = -e61;
+    rows[0][30] = bx_waist_pitch_y;
     let ky_waist_pitch_y = by_waist_yaw_x
         .mul_add(
             T::from_f64(0.19642259114963537),
@@ -4267,8 +4450,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let e62 = by_waist_yaw_y.mul_add(s_waist_pitch, ky_waist_pitch_y * c_waist_pitch);
     let by_waist_pitch_x = -e62;
+    rows[1][29] = by_waist_pitch_x;
     let e63 = by_waist_yaw_y.mul_add(c_waist_pitch, -(ky_waist_pitch_y * s_waist_pitch));
     let by_waist_pitch_y = -e63;
+    rows[1][30] = by_waist_pitch_y;
     let kz_waist_pitch_y = bz_waist_yaw_x
         .mul_add(
             T::from_f64(0.19642259114963537),
@@ -4281,8 +4466,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let e64 = bz_waist_yaw_y.mul_add(s_waist_pitch, kz_waist_pitch_y * c_waist_pitch);
     let bz_waist_pitch_x = -e64;
+    rows[2][29] = bz_waist_pitch_x;
     let e65 = bz_waist_yaw_y.mul_add(c_waist_pitch, -(kz_waist_pitch_y * s_waist_pitch));
     let bz_waist_pitch_y = -e65;
+    rows[2][30] = bz_waist_pitch_y;
     // neck_yaw
     let e66 = q[14] - T::from_f64(0.14527074161092735);
     let (s_neck_yaw, c_neck_yaw) = e66.sin_cos();
@@ -4297,8 +4484,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             -(T::from_f64(0.9931473920461839) * e60),
         );
     let bx_neck_yaw_x = e61.mul_add(s_neck_yaw, e67 * c_neck_yaw);
+    rows[0][31] = bx_neck_yaw_x;
     let e68 = e67.mul_add(s_neck_yaw, -(e61 * c_neck_yaw));
     let bx_neck_yaw_y = -e68;
+    rows[0][32] = bx_neck_yaw_y;
     let e69 = e62
         .mul_add(
             T::from_f64(0.11686854868553807),
@@ -4310,8 +4499,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             -(T::from_f64(0.9931473920461839) * e62),
         );
     let by_neck_yaw_x = e63.mul_add(s_neck_yaw, e69 * c_neck_yaw);
+    rows[1][31] = by_neck_yaw_x;
     let e70 = e69.mul_add(s_neck_yaw, -(e63 * c_neck_yaw));
     let by_neck_yaw_y = -e70;
+    rows[1][32] = by_neck_yaw_y;
     let e71 = e64
         .mul_add(
             T::from_f64(0.11686854868553807),
@@ -4323,8 +4514,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             -(T::from_f64(0.9931473920461839) * e64),
         );
     let bz_neck_yaw_x = e65.mul_add(s_neck_yaw, e71 * c_neck_yaw);
+    rows[2][31] = bz_neck_yaw_x;
     let e72 = e71.mul_add(s_neck_yaw, -(e65 * c_neck_yaw));
     let bz_neck_yaw_y = -e72;
+    rows[2][32] = bz_neck_yaw_y;
     // neck_pitch
     let (s_neck_pitch, c_neck_pitch) = q[15].sin_cos();
     let e73 = bx_neck_yaw_x
@@ -4333,21 +4526,27 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             T::from_f64(0.9991639042881736) * kx_neck_yaw_z,
         );
     let bx_neck_pitch_x = e73.mul_add(s_neck_pitch, -(e68 * c_neck_pitch));
+    rows[0][33] = bx_neck_pitch_x;
     let bx_neck_pitch_y = e73.mul_add(c_neck_pitch, e68 * s_neck_pitch);
+    rows[0][34] = bx_neck_pitch_y;
     let e74 = by_neck_yaw_x
         .mul_add(
             T::from_f64(0.040883888851400166),
             T::from_f64(0.9991639042881736) * ky_neck_yaw_z,
         );
     let by_neck_pitch_x = e74.mul_add(s_neck_pitch, -(e70 * c_neck_pitch));
+    rows[1][33] = by_neck_pitch_x;
     let by_neck_pitch_y = e74.mul_add(c_neck_pitch, e70 * s_neck_pitch);
+    rows[1][34] = by_neck_pitch_y;
     let e75 = bz_neck_yaw_x
         .mul_add(
             T::from_f64(0.040883888851400166),
             T::from_f64(0.9991639042881736) * kz_neck_yaw_z,
         );
     let bz_neck_pitch_x = e75.mul_add(s_neck_pitch, -(e72 * c_neck_pitch));
+    rows[2][33] = bz_neck_pitch_x;
     let bz_neck_pitch_y = e75.mul_add(c_neck_pitch, e72 * s_neck_pitch);
+    rows[2][34] = bz_neck_pitch_y;
     // right_shoulder_pitch
     let e76 = q[16] + T::from_f64(0.41156836050531465);
     let (s_right_shoulder_pitch, c_right_shoulder_pitch) = e76.sin_cos();
@@ -4365,8 +4564,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             s_right_shoulder_pitch,
             -(kx_right_shoulder_pitch_y * c_right_shoulder_pitch),
         );
+    rows[0][35] = bx_right_shoulder_pitch_x;
     let bx_right_shoulder_pitch_y = kx_right_shoulder_pitch_y
         .mul_add(s_right_shoulder_pitch, e78 * c_right_shoulder_pitch);
+    rows[0][36] = bx_right_shoulder_pitch_y;
     let e79 = ky_waist_pitch_z
         .mul_add(
             T::from_f64(0.10644334192309902),
@@ -4381,8 +4582,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             s_right_shoulder_pitch,
             -(ky_right_shoulder_pitch_y * c_right_shoulder_pitch),
         );
+    rows[1][35] = by_right_shoulder_pitch_x;
     let by_right_shoulder_pitch_y = ky_right_shoulder_pitch_y
         .mul_add(s_right_shoulder_pitch, e80 * c_right_shoulder_pitch);
+    rows[1][36] = by_right_shoulder_pitch_y;
     let e81 = kz_waist_pitch_z
         .mul_add(
             T::from_f64(0.10644334192309902),
@@ -4397,8 +4600,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             s_right_shoulder_pitch,
             -(kz_right_shoulder_pitch_y * c_right_shoulder_pitch),
         );
+    rows[2][35] = bz_right_shoulder_pitch_x;
     let bz_right_shoulder_pitch_y = kz_right_shoulder_pitch_y
         .mul_add(s_right_shoulder_pitch, e82 * c_right_shoulder_pitch);
+    rows[2][36] = bz_right_shoulder_pitch_y;
     // right_shoulder_roll
     let e83 = q[17] - T::from_f64(0.29227270605474676);
     let (s_right_shoulder_roll, c_right_shoulder_roll) = e83.sin_cos();
@@ -4417,11 +4622,13 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             s_right_shoulder_roll,
             -(bx_right_shoulder_pitch_y * c_right_shoulder_roll),
         );
+    rows[0][37] = bx_right_shoulder_roll_x;
     let bx_right_shoulder_roll_y = kx_right_shoulder_roll_y
         .mul_add(
             c_right_shoulder_roll,
             bx_right_shoulder_pitch_y * s_right_shoulder_roll,
         );
+    rows[0][38] = bx_right_shoulder_roll_y;
     let ky_right_shoulder_roll_y = by_right_shoulder_pitch_x
         .mul_add(
             T::from_f64(0.2834710957352705),
@@ -4437,11 +4644,13 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             s_right_shoulder_roll,
             -(by_right_shoulder_pitch_y * c_right_shoulder_roll),
         );
+    rows[1][37] = by_right_shoulder_roll_x;
     let by_right_shoulder_roll_y = ky_right_shoulder_roll_y
         .mul_add(
             c_right_shoulder_roll,
             by_right_shoulder_pitch_y * s_right_shoulder_roll,
         );
+    rows[1][38] = by_right_shoulder_roll_y;
     let kz_right_shoulder_roll_y = bz_right_shoulder_pitch_x
         .mul_add(
             T::from_f64(0.2834710957352705),
@@ -4457,11 +4666,13 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             s_right_shoulder_roll,
             -(bz_right_shoulder_pitch_y * c_right_shoulder_roll),
         );
+    rows[2][37] = bz_right_shoulder_roll_x;
     let bz_right_shoulder_roll_y = kz_right_shoulder_roll_y
         .mul_add(
             c_right_shoulder_roll,
             bz_right_shoulder_pitch_y * s_right_shoulder_roll,
         );
+    rows[2][38] = bz_right_shoulder_roll_y;
     // right_shoulder_yaw
     let e84 = q[18] - T::from_f64(0.12871645458236847);
     let (s_right_shoulder_yaw, c_right_shoulder_yaw) = e84.sin_cos();
@@ -4478,12 +4689,14 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     let e86 = bx_right_shoulder_roll_y
         .mul_add(c_right_shoulder_yaw, e85 * s_right_shoulder_yaw);
     let bx_right_shoulder_yaw_x = -e86;
+    rows[0][39] = bx_right_shoulder_yaw_x;
     let e87 = e85
         .mul_add(
             c_right_shoulder_yaw,
             -(bx_right_shoulder_roll_y * s_right_shoulder_yaw),
         );
     let bx_right_shoulder_yaw_y = -e87;
+    rows[0][40] = bx_right_shoulder_yaw_y;
     let e88 = by_right_shoulder_roll_x
         .mul_add(
             T::from_f64(0.3848026949004402),
@@ -4497,12 +4710,14 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     let e89 = by_right_shoulder_roll_y
         .mul_add(c_right_shoulder_yaw, e88 * s_right_shoulder_yaw);
     let by_right_shoulder_yaw_x = -e89;
+    rows[1][39] = by_right_shoulder_yaw_x;
     let e90 = e88
         .mul_add(
             c_right_shoulder_yaw,
             -(by_right_shoulder_roll_y * s_right_shoulder_yaw),
         );
     let by_right_shoulder_yaw_y = -e90;
+    rows[1][40] = by_right_shoulder_yaw_y;
     let e91 = bz_right_shoulder_roll_x
         .mul_add(
             T::from_f64(0.3848026949004402),
@@ -4516,12 +4731,14 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
     let e92 = bz_right_shoulder_roll_y
         .mul_add(c_right_shoulder_yaw, e91 * s_right_shoulder_yaw);
     let bz_right_shoulder_yaw_x = -e92;
+    rows[2][39] = bz_right_shoulder_yaw_x;
     let e93 = e91
         .mul_add(
             c_right_shoulder_yaw,
             -(bz_right_shoulder_roll_y * s_right_shoulder_yaw),
         );
     let bz_right_shoulder_yaw_y = -e93;
+    rows[2][40] = bz_right_shoulder_yaw_y;
     // right_elbow
     let e94 = q[19] - T::from_f64(0.07968980871027065);
     let (s_right_elbow, c_right_elbow) = e94.sin_cos();
@@ -4536,8 +4753,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             -(T::from_f64(0.9924772473334093) * e86),
         );
     let bx_right_elbow_x = e87.mul_add(s_right_elbow, e95 * c_right_elbow);
+    rows[0][41] = bx_right_elbow_x;
     let e96 = e95.mul_add(s_right_elbow, -(e87 * c_right_elbow));
     let bx_right_elbow_y = -e96;
+    rows[0][42] = bx_right_elbow_y;
     let e97 = e89
         .mul_add(
             T::from_f64(0.12242921843048289),
@@ -4549,8 +4768,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             -(T::from_f64(0.9924772473334093) * e89),
         );
     let by_right_elbow_x = e90.mul_add(s_right_elbow, e97 * c_right_elbow);
+    rows[1][41] = by_right_elbow_x;
     let e98 = e97.mul_add(s_right_elbow, -(e90 * c_right_elbow));
     let by_right_elbow_y = -e98;
+    rows[1][42] = by_right_elbow_y;
     let e99 = e92
         .mul_add(
             T::from_f64(0.12242921843048289),
@@ -4562,8 +4783,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             -(T::from_f64(0.9924772473334093) * e92),
         );
     let bz_right_elbow_x = e93.mul_add(s_right_elbow, e99 * c_right_elbow);
+    rows[2][41] = bz_right_elbow_x;
     let e100 = e99.mul_add(s_right_elbow, -(e93 * c_right_elbow));
     let bz_right_elbow_y = -e100;
+    rows[2][42] = bz_right_elbow_y;
     // right_wrist_yaw
     let e101 = q[20] + T::from_f64(0.07984195204795129);
     let (s_right_wrist_yaw, c_right_wrist_yaw) = e101.sin_cos();
@@ -4579,7 +4802,9 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let bx_right_wrist_yaw_x = e102
         .mul_add(s_right_wrist_yaw, -(e96 * c_right_wrist_yaw));
+    rows[0][43] = bx_right_wrist_yaw_x;
     let bx_right_wrist_yaw_y = e102.mul_add(c_right_wrist_yaw, e96 * s_right_wrist_yaw);
+    rows[0][44] = bx_right_wrist_yaw_y;
     let e103 = by_right_elbow_x
         .mul_add(
             T::from_f64(0.15904161977640188),
@@ -4592,7 +4817,9 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let by_right_wrist_yaw_x = e103
         .mul_add(s_right_wrist_yaw, -(e98 * c_right_wrist_yaw));
+    rows[1][43] = by_right_wrist_yaw_x;
     let by_right_wrist_yaw_y = e103.mul_add(c_right_wrist_yaw, e98 * s_right_wrist_yaw);
+    rows[1][44] = by_right_wrist_yaw_y;
     let e104 = bz_right_elbow_x
         .mul_add(
             T::from_f64(0.15904161977640188),
@@ -4605,7 +4832,9 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let bz_right_wrist_yaw_x = e104
         .mul_add(s_right_wrist_yaw, -(e100 * c_right_wrist_yaw));
+    rows[2][43] = bz_right_wrist_yaw_x;
     let bz_right_wrist_yaw_y = e104.mul_add(c_right_wrist_yaw, e100 * s_right_wrist_yaw);
+    rows[2][44] = bz_right_wrist_yaw_y;
     // right_wrist_roll
     let e105 = q[21] - T::from_f64(0.05544050383462643);
     let (s_right_wrist_roll, c_right_wrist_roll) = e105.sin_cos();
@@ -4621,9 +4850,11 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let bx_right_wrist_roll_x = bx_right_wrist_yaw_y
         .mul_add(c_right_wrist_roll, -(kx_right_wrist_roll_y * s_right_wrist_roll));
+    rows[0][45] = bx_right_wrist_roll_x;
     let e106 = kx_right_wrist_roll_y
         .mul_add(c_right_wrist_roll, bx_right_wrist_yaw_y * s_right_wrist_roll);
     let bx_right_wrist_roll_y = -e106;
+    rows[0][46] = bx_right_wrist_roll_y;
     let ky_right_wrist_roll_y = by_right_wrist_yaw_x
         .mul_add(
             T::from_f64(0.06712447922871664),
@@ -4636,9 +4867,11 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let by_right_wrist_roll_x = by_right_wrist_yaw_y
         .mul_add(c_right_wrist_roll, -(ky_right_wrist_roll_y * s_right_wrist_roll));
+    rows[1][45] = by_right_wrist_roll_x;
     let e107 = ky_right_wrist_roll_y
         .mul_add(c_right_wrist_roll, by_right_wrist_yaw_y * s_right_wrist_roll);
     let by_right_wrist_roll_y = -e107;
+    rows[1][46] = by_right_wrist_roll_y;
     let kz_right_wrist_roll_y = bz_right_wrist_yaw_x
         .mul_add(
             T::from_f64(0.06712447922871664),
@@ -4651,9 +4884,11 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let bz_right_wrist_roll_x = bz_right_wrist_yaw_y
         .mul_add(c_right_wrist_roll, -(kz_right_wrist_roll_y * s_right_wrist_roll));
+    rows[2][45] = bz_right_wrist_roll_x;
     let e108 = kz_right_wrist_roll_y
         .mul_add(c_right_wrist_roll, bz_right_wrist_yaw_y * s_right_wrist_roll);
     let bz_right_wrist_roll_y = -e108;
+    rows[2][46] = bz_right_wrist_roll_y;
     // right_wrist_pitch
     let (s_right_wrist_pitch, c_right_wrist_pitch) = q[22].sin_cos();
     let e109 = bx_right_wrist_roll_x
@@ -4663,8 +4898,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let bx_right_wrist_pitch_x = e109
         .mul_add(s_right_wrist_pitch, -(e106 * c_right_wrist_pitch));
+    rows[0][47] = bx_right_wrist_pitch_x;
     let bx_right_wrist_pitch_y = e109
         .mul_add(c_right_wrist_pitch, e106 * s_right_wrist_pitch);
+    rows[0][48] = bx_right_wrist_pitch_y;
     let e110 = by_right_wrist_roll_x
         .mul_add(
             T::from_f64(0.042799828876225604),
@@ -4672,8 +4909,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let by_right_wrist_pitch_x = e110
         .mul_add(s_right_wrist_pitch, -(e107 * c_right_wrist_pitch));
+    rows[1][47] = by_right_wrist_pitch_x;
     let by_right_wrist_pitch_y = e110
         .mul_add(c_right_wrist_pitch, e107 * s_right_wrist_pitch);
+    rows[1][48] = by_right_wrist_pitch_y;
     let e111 = bz_right_wrist_roll_x
         .mul_add(
             T::from_f64(0.042799828876225604),
@@ -4681,8 +4920,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let bz_right_wrist_pitch_x = e111
         .mul_add(s_right_wrist_pitch, -(e108 * c_right_wrist_pitch));
+    rows[2][47] = bz_right_wrist_pitch_x;
     let bz_right_wrist_pitch_y = e111
         .mul_add(c_right_wrist_pitch, e108 * s_right_wrist_pitch);
+    rows[2][48] = bz_right_wrist_pitch_y;
     // left_shoulder_pitch
     let e112 = q[23] + T::from_f64(0.014907991996345737);
     let (s_left_shoulder_pitch, c_left_shoulder_pitch) = e112.sin_cos();
@@ -4700,12 +4941,14 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             c_left_shoulder_pitch,
             -(kx_left_shoulder_pitch_x * s_left_shoulder_pitch),
         );
+    rows[0][49] = bx_left_shoulder_pitch_x;
     let e115 = e114
         .mul_add(
             s_left_shoulder_pitch,
             kx_left_shoulder_pitch_x * c_left_shoulder_pitch,
         );
     let bx_left_shoulder_pitch_y = -e115;
+    rows[0][50] = bx_left_shoulder_pitch_y;
     let e116 = (-ky_waist_pitch_z)
         .mul_add(
             T::from_f64(0.09248191489966293),
@@ -4720,12 +4963,14 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             c_left_shoulder_pitch,
             -(ky_left_shoulder_pitch_x * s_left_shoulder_pitch),
         );
+    rows[1][49] = by_left_shoulder_pitch_x;
     let e118 = e117
         .mul_add(
             s_left_shoulder_pitch,
             ky_left_shoulder_pitch_x * c_left_shoulder_pitch,
         );
     let by_left_shoulder_pitch_y = -e118;
+    rows[1][50] = by_left_shoulder_pitch_y;
     let e119 = (-kz_waist_pitch_z)
         .mul_add(
             T::from_f64(0.09248191489966293),
@@ -4740,12 +4985,14 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             c_left_shoulder_pitch,
             -(kz_left_shoulder_pitch_x * s_left_shoulder_pitch),
         );
+    rows[2][49] = bz_left_shoulder_pitch_x;
     let e121 = e120
         .mul_add(
             s_left_shoulder_pitch,
             kz_left_shoulder_pitch_x * c_left_shoulder_pitch,
         );
     let bz_left_shoulder_pitch_y = -e121;
+    rows[2][50] = bz_left_shoulder_pitch_y;
     // left_shoulder_roll
     let e122 = q[24] - T::from_f64(0.29227270605474676);
     let (s_left_shoulder_roll, c_left_shoulder_roll) = e122.sin_cos();
@@ -4761,12 +5008,14 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let bx_left_shoulder_roll_x = e115
         .mul_add(c_left_shoulder_roll, kx_left_shoulder_roll_y * s_left_shoulder_roll);
+    rows[0][51] = bx_left_shoulder_roll_x;
     let e123 = e115
         .mul_add(
             s_left_shoulder_roll,
             -(kx_left_shoulder_roll_y * c_left_shoulder_roll),
         );
     let bx_left_shoulder_roll_y = -e123;
+    rows[0][52] = bx_left_shoulder_roll_y;
     let ky_left_shoulder_roll_y = by_left_shoulder_pitch_x
         .mul_add(
             T::from_f64(0.2834710957352705),
@@ -4779,12 +5028,14 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let by_left_shoulder_roll_x = e118
         .mul_add(c_left_shoulder_roll, ky_left_shoulder_roll_y * s_left_shoulder_roll);
+    rows[1][51] = by_left_shoulder_roll_x;
     let e124 = e118
         .mul_add(
             s_left_shoulder_roll,
             -(ky_left_shoulder_roll_y * c_left_shoulder_roll),
         );
     let by_left_shoulder_roll_y = -e124;
+    rows[1][52] = by_left_shoulder_roll_y;
     let kz_left_shoulder_roll_y = bz_left_shoulder_pitch_x
         .mul_add(
             T::from_f64(0.2834710957352705),
@@ -4797,12 +5048,14 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let bz_left_shoulder_roll_x = e121
         .mul_add(c_left_shoulder_roll, kz_left_shoulder_roll_y * s_left_shoulder_roll);
+    rows[2][51] = bz_left_shoulder_roll_x;
     let e125 = e121
         .mul_add(
             s_left_shoulder_roll,
             -(kz_left_shoulder_roll_y * c_left_shoulder_roll),
         );
     let bz_left_shoulder_roll_y = -e125;
+    rows[2][52] = bz_left_shoulder_roll_y;
     // left_shoulder_yaw
     let e126 = q[25] - T::from_f64(0.12871645458236847);
     let (s_left_shoulder_yaw, c_left_shoulder_yaw) = e126.sin_cos();
@@ -4818,8 +5071,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let bx_left_shoulder_yaw_x = e123
         .mul_add(c_left_shoulder_yaw, -(e127 * s_left_shoulder_yaw));
+    rows[0][53] = bx_left_shoulder_yaw_x;
     let e128 = e127.mul_add(c_left_shoulder_yaw, e123 * s_left_shoulder_yaw);
     let bx_left_shoulder_yaw_y = -e128;
+    rows[0][54] = bx_left_shoulder_yaw_y;
     let e129 = by_left_shoulder_roll_x
         .mul_add(
             T::from_f64(0.3848026949004402),
@@ -4832,8 +5087,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let by_left_shoulder_yaw_x = e124
         .mul_add(c_left_shoulder_yaw, -(e129 * s_left_shoulder_yaw));
+    rows[1][53] = by_left_shoulder_yaw_x;
     let e130 = e129.mul_add(c_left_shoulder_yaw, e124 * s_left_shoulder_yaw);
     let by_left_shoulder_yaw_y = -e130;
+    rows[1][54] = by_left_shoulder_yaw_y;
     let e131 = bz_left_shoulder_roll_x
         .mul_add(
             T::from_f64(0.3848026949004402),
@@ -4846,8 +5103,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let bz_left_shoulder_yaw_x = e125
         .mul_add(c_left_shoulder_yaw, -(e131 * s_left_shoulder_yaw));
+    rows[2][53] = bz_left_shoulder_yaw_x;
     let e132 = e131.mul_add(c_left_shoulder_yaw, e125 * s_left_shoulder_yaw);
     let bz_left_shoulder_yaw_y = -e132;
+    rows[2][54] = bz_left_shoulder_yaw_y;
     // left_elbow
     let e133 = q[26] - T::from_f64(0.07968980871027065);
     let (s_left_elbow, c_left_elbow) = e133.sin_cos();
@@ -4862,7 +5121,9 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             T::from_f64(0.12242921843048289) * kx_left_shoulder_yaw_z,
         );
     let bx_left_elbow_x = e128.mul_add(s_left_elbow, -(kx_left_elbow_y * c_left_elbow));
+    rows[0][55] = bx_left_elbow_x;
     let bx_left_elbow_y = kx_left_elbow_y.mul_add(s_left_elbow, e128 * c_left_elbow);
+    rows[0][56] = bx_left_elbow_y;
     let ky_left_elbow_y = by_left_shoulder_yaw_x
         .mul_add(
             T::from_f64(0.12242921843048289),
@@ -4874,7 +5135,9 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             T::from_f64(0.12242921843048289) * ky_left_shoulder_yaw_z,
         );
     let by_left_elbow_x = e130.mul_add(s_left_elbow, -(ky_left_elbow_y * c_left_elbow));
+    rows[1][55] = by_left_elbow_x;
     let by_left_elbow_y = ky_left_elbow_y.mul_add(s_left_elbow, e130 * c_left_elbow);
+    rows[1][56] = by_left_elbow_y;
     let kz_left_elbow_y = bz_left_shoulder_yaw_x
         .mul_add(
             T::from_f64(0.12242921843048289),
@@ -4886,7 +5149,9 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
             T::from_f64(0.12242921843048289) * kz_left_shoulder_yaw_z,
         );
     let bz_left_elbow_x = e132.mul_add(s_left_elbow, -(kz_left_elbow_y * c_left_elbow));
+    rows[2][55] = bz_left_elbow_x;
     let bz_left_elbow_y = kz_left_elbow_y.mul_add(s_left_elbow, e132 * c_left_elbow);
+    rows[2][56] = bz_left_elbow_y;
     // left_wrist_yaw
     let e134 = q[27] + T::from_f64(0.07984195204795129);
     let (s_left_wrist_yaw, c_left_wrist_yaw) = e134.sin_cos();
@@ -4902,8 +5167,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let bx_left_wrist_yaw_x = bx_left_elbow_y
         .mul_add(c_left_wrist_yaw, e135 * s_left_wrist_yaw);
+    rows[0][57] = bx_left_wrist_yaw_x;
     let e136 = bx_left_elbow_y.mul_add(s_left_wrist_yaw, -(e135 * c_left_wrist_yaw));
     let bx_left_wrist_yaw_y = -e136;
+    rows[0][58] = bx_left_wrist_yaw_y;
     let e137 = by_left_elbow_x
         .mul_add(
             T::from_f64(0.15904161977640188),
@@ -4916,8 +5183,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let by_left_wrist_yaw_x = by_left_elbow_y
         .mul_add(c_left_wrist_yaw, e137 * s_left_wrist_yaw);
+    rows[1][57] = by_left_wrist_yaw_x;
     let e138 = by_left_elbow_y.mul_add(s_left_wrist_yaw, -(e137 * c_left_wrist_yaw));
     let by_left_wrist_yaw_y = -e138;
+    rows[1][58] = by_left_wrist_yaw_y;
     let e139 = bz_left_elbow_x
         .mul_add(
             T::from_f64(0.15904161977640188),
@@ -4930,8 +5199,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let bz_left_wrist_yaw_x = bz_left_elbow_y
         .mul_add(c_left_wrist_yaw, e139 * s_left_wrist_yaw);
+    rows[2][57] = bz_left_wrist_yaw_x;
     let e140 = bz_left_elbow_y.mul_add(s_left_wrist_yaw, -(e139 * c_left_wrist_yaw));
     let bz_left_wrist_yaw_y = -e140;
+    rows[2][58] = bz_left_wrist_yaw_y;
     // left_wrist_roll
     let e141 = q[28] - T::from_f64(0.05544050383462643);
     let (s_left_wrist_roll, c_left_wrist_roll) = e141.sin_cos();
@@ -4947,9 +5218,11 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let e142 = e136.mul_add(c_left_wrist_roll, kx_left_wrist_roll_y * s_left_wrist_roll);
     let bx_left_wrist_roll_x = -e142;
+    rows[0][59] = bx_left_wrist_roll_x;
     let e143 = kx_left_wrist_roll_y
         .mul_add(c_left_wrist_roll, -(e136 * s_left_wrist_roll));
     let bx_left_wrist_roll_y = -e143;
+    rows[0][60] = bx_left_wrist_roll_y;
     let ky_left_wrist_roll_y = by_left_wrist_yaw_x
         .mul_add(
             T::from_f64(0.06712447922871664),
@@ -4962,9 +5235,11 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let e144 = e138.mul_add(c_left_wrist_roll, ky_left_wrist_roll_y * s_left_wrist_roll);
     let by_left_wrist_roll_x = -e144;
+    rows[1][59] = by_left_wrist_roll_x;
     let e145 = ky_left_wrist_roll_y
         .mul_add(c_left_wrist_roll, -(e138 * s_left_wrist_roll));
     let by_left_wrist_roll_y = -e145;
+    rows[1][60] = by_left_wrist_roll_y;
     let kz_left_wrist_roll_y = bz_left_wrist_yaw_x
         .mul_add(
             T::from_f64(0.06712447922871664),
@@ -4977,9 +5252,11 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let e146 = e140.mul_add(c_left_wrist_roll, kz_left_wrist_roll_y * s_left_wrist_roll);
     let bz_left_wrist_roll_x = -e146;
+    rows[2][59] = bz_left_wrist_roll_x;
     let e147 = kz_left_wrist_roll_y
         .mul_add(c_left_wrist_roll, -(e140 * s_left_wrist_roll));
     let bz_left_wrist_roll_y = -e147;
+    rows[2][60] = bz_left_wrist_roll_y;
     // left_wrist_pitch
     let (s_left_wrist_pitch, c_left_wrist_pitch) = q[29].sin_cos();
     let kx_left_wrist_pitch_y = e142
@@ -4989,8 +5266,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let bx_left_wrist_pitch_x = -e143
         .mul_add(c_left_wrist_pitch, kx_left_wrist_pitch_y * s_left_wrist_pitch);
+    rows[0][61] = bx_left_wrist_pitch_x;
     let bx_left_wrist_pitch_y = -kx_left_wrist_pitch_y
         .mul_add(c_left_wrist_pitch, -(e143 * s_left_wrist_pitch));
+    rows[0][62] = bx_left_wrist_pitch_y;
     let ky_left_wrist_pitch_y = e144
         .mul_add(
             T::from_f64(0.042799828876225604),
@@ -4998,8 +5277,10 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let by_left_wrist_pitch_x = -e145
         .mul_add(c_left_wrist_pitch, ky_left_wrist_pitch_y * s_left_wrist_pitch);
+    rows[1][61] = by_left_wrist_pitch_x;
     let by_left_wrist_pitch_y = -ky_left_wrist_pitch_y
         .mul_add(c_left_wrist_pitch, -(e145 * s_left_wrist_pitch));
+    rows[1][62] = by_left_wrist_pitch_y;
     let kz_left_wrist_pitch_y = e146
         .mul_add(
             T::from_f64(0.042799828876225604),
@@ -5007,213 +5288,33 @@ pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
         );
     let bz_left_wrist_pitch_x = -e147
         .mul_add(c_left_wrist_pitch, kz_left_wrist_pitch_y * s_left_wrist_pitch);
+    rows[2][61] = bz_left_wrist_pitch_x;
     let bz_left_wrist_pitch_y = -kz_left_wrist_pitch_y
         .mul_add(c_left_wrist_pitch, -(e147 * s_left_wrist_pitch));
-    let zero = T::from_f64(0.0);
-    let one = T::from_f64(1.0);
-    [
-        [
-            one,
-            zero,
-            zero,
-            bx_right_ankle_roll_x,
-            bx_right_ankle_roll_y,
-            bx_right_ankle_pitch_x,
-            bx_right_ankle_pitch_y,
-            bx_right_knee_x,
-            bx_right_knee_y,
-            bx_right_hip_pitch_x,
-            bx_right_hip_pitch_y,
-            bx_right_hip_roll_x,
-            bx_right_hip_roll_y,
-            bx_right_hip_yaw_x,
-            bx_right_hip_yaw_y,
-            bx_left_hip_yaw_x,
-            bx_left_hip_yaw_y,
-            bx_left_hip_roll_x,
-            bx_left_hip_roll_y,
-            bx_left_hip_pitch_x,
-            bx_left_hip_pitch_y,
-            bx_left_knee_x,
-            bx_left_knee_y,
-            bx_left_ankle_pitch_x,
-            bx_left_ankle_pitch_y,
-            bx_left_ankle_roll_x,
-            bx_left_ankle_roll_y,
-            bx_waist_yaw_x,
-            bx_waist_yaw_y,
-            bx_waist_pitch_x,
-            bx_waist_pitch_y,
-            bx_neck_yaw_x,
-            bx_neck_yaw_y,
-            bx_neck_pitch_x,
-            bx_neck_pitch_y,
-            bx_right_shoulder_pitch_x,
-            bx_right_shoulder_pitch_y,
-            bx_right_shoulder_roll_x,
-            bx_right_shoulder_roll_y,
-            bx_right_shoulder_yaw_x,
-            bx_right_shoulder_yaw_y,
-            bx_right_elbow_x,
-            bx_right_elbow_y,
-            bx_right_wrist_yaw_x,
-            bx_right_wrist_yaw_y,
-            bx_right_wrist_roll_x,
-            bx_right_wrist_roll_y,
-            bx_right_wrist_pitch_x,
-            bx_right_wrist_pitch_y,
-            bx_left_shoulder_pitch_x,
-            bx_left_shoulder_pitch_y,
-            bx_left_shoulder_roll_x,
-            bx_left_shoulder_roll_y,
-            bx_left_shoulder_yaw_x,
-            bx_left_shoulder_yaw_y,
-            bx_left_elbow_x,
-            bx_left_elbow_y,
-            bx_left_wrist_yaw_x,
-            bx_left_wrist_yaw_y,
-            bx_left_wrist_roll_x,
-            bx_left_wrist_roll_y,
-            bx_left_wrist_pitch_x,
-            bx_left_wrist_pitch_y,
-        ],
-        [
-            zero,
-            one,
-            zero,
-            by_right_ankle_roll_x,
-            by_right_ankle_roll_y,
-            by_right_ankle_pitch_x,
-            by_right_ankle_pitch_y,
-            by_right_knee_x,
-            by_right_knee_y,
-            by_right_hip_pitch_x,
-            by_right_hip_pitch_y,
-            by_right_hip_roll_x,
-            by_right_hip_roll_y,
-            by_right_hip_yaw_x,
-            by_right_hip_yaw_y,
-            by_left_hip_yaw_x,
-            by_left_hip_yaw_y,
-            by_left_hip_roll_x,
-            by_left_hip_roll_y,
-            by_left_hip_pitch_x,
-            by_left_hip_pitch_y,
-            by_left_knee_x,
-            by_left_knee_y,
-            by_left_ankle_pitch_x,
-            by_left_ankle_pitch_y,
-            by_left_ankle_roll_x,
-            by_left_ankle_roll_y,
-            by_waist_yaw_x,
-            by_waist_yaw_y,
-            by_waist_pitch_x,
-            by_waist_pitch_y,
-            by_neck_yaw_x,
-            by_neck_yaw_y,
-            by_neck_pitch_x,
-            by_neck_pitch_y,
-            by_right_shoulder_pitch_x,
-            by_right_shoulder_pitch_y,
-            by_right_shoulder_roll_x,
-            by_right_shoulder_roll_y,
-            by_right_shoulder_yaw_x,
-            by_right_shoulder_yaw_y,
-            by_right_elbow_x,
-            by_right_elbow_y,
-            by_right_wrist_yaw_x,
-            by_right_wrist_yaw_y,
-            by_right_wrist_roll_x,
-            by_right_wrist_roll_y,
-            by_right_wrist_pitch_x,
-            by_right_wrist_pitch_y,
-            by_left_shoulder_pitch_x,
-            by_left_shoulder_pitch_y,
-            by_left_shoulder_roll_x,
-            by_left_shoulder_roll_y,
-            by_left_shoulder_yaw_x,
-            by_left_shoulder_yaw_y,
-            by_left_elbow_x,
-            by_left_elbow_y,
-            by_left_wrist_yaw_x,
-            by_left_wrist_yaw_y,
-            by_left_wrist_roll_x,
-            by_left_wrist_roll_y,
-            by_left_wrist_pitch_x,
-            by_left_wrist_pitch_y,
-        ],
-        [
-            zero,
-            zero,
-            one,
-            bz_right_ankle_roll_x,
-            bz_right_ankle_roll_y,
-            bz_right_ankle_pitch_x,
-            bz_right_ankle_pitch_y,
-            bz_right_knee_x,
-            bz_right_knee_y,
-            bz_right_hip_pitch_x,
-            bz_right_hip_pitch_y,
-            bz_right_hip_roll_x,
-            bz_right_hip_roll_y,
-            bz_right_hip_yaw_x,
-            bz_right_hip_yaw_y,
-            bz_left_hip_yaw_x,
-            bz_left_hip_yaw_y,
-            bz_left_hip_roll_x,
-            bz_left_hip_roll_y,
-            bz_left_hip_pitch_x,
-            bz_left_hip_pitch_y,
-            bz_left_knee_x,
-            bz_left_knee_y,
-            bz_left_ankle_pitch_x,
-            bz_left_ankle_pitch_y,
-            bz_left_ankle_roll_x,
-            bz_left_ankle_roll_y,
-            bz_waist_yaw_x,
-            bz_waist_yaw_y,
-            bz_waist_pitch_x,
-            bz_waist_pitch_y,
-            bz_neck_yaw_x,
-            bz_neck_yaw_y,
-            bz_neck_pitch_x,
-            bz_neck_pitch_y,
-            bz_right_shoulder_pitch_x,
-            bz_right_shoulder_pitch_y,
-            bz_right_shoulder_roll_x,
-            bz_right_shoulder_roll_y,
-            bz_right_shoulder_yaw_x,
-            bz_right_shoulder_yaw_y,
-            bz_right_elbow_x,
-            bz_right_elbow_y,
-            bz_right_wrist_yaw_x,
-            bz_right_wrist_yaw_y,
-            bz_right_wrist_roll_x,
-            bz_right_wrist_roll_y,
-            bz_right_wrist_pitch_x,
-            bz_right_wrist_pitch_y,
-            bz_left_shoulder_pitch_x,
-            bz_left_shoulder_pitch_y,
-            bz_left_shoulder_roll_x,
-            bz_left_shoulder_roll_y,
-            bz_left_shoulder_yaw_x,
-            bz_left_shoulder_yaw_y,
-            bz_left_elbow_x,
-            bz_left_elbow_y,
-            bz_left_wrist_yaw_x,
-            bz_left_wrist_yaw_y,
-            bz_left_wrist_roll_x,
-            bz_left_wrist_roll_y,
-            bz_left_wrist_pitch_x,
-            bz_left_wrist_pitch_y,
-        ],
-    ]
+    rows[2][62] = bz_left_wrist_pitch_y;
 }
 
 /// The x and y rows of the base regressor: CoP = rows · r.
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 #[inline(always)]
 pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
+    let mut rows = [[T::from_f64(0.0); BASE_PARAMS]; 2];
+    regressor_cop_into(q, &mut rows);
+    rows
+}
+
+/// [`regressor_cop`], each number written as soon as it is there.
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
+pub fn regressor_cop_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE_PARAMS]; 2]) {
+    let zero = T::from_f64(0.0);
+    let one = T::from_f64(1.0);
+    rows[0][0] = one;
+    rows[1][1] = one;
+    rows[0][1] = zero;
+    rows[0][2] = zero;
+    rows[1][0] = zero;
+    rows[1][2] = zero;
     // right_ankle_roll
     let e1 = q[5] + T::from_f64(0.2836386864034435);
     let (s_right_ankle_roll, c_right_ankle_roll) = e1.sin_cos();
@@ -5223,23 +5324,27 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
             T::from_f64(0.1111747801713847) * c_right_ankle_roll,
         );
     let bx_right_ankle_roll_x = -e2;
+    rows[0][3] = bx_right_ankle_roll_x;
     let e3 = s_right_ankle_roll
         .mul_add(
             T::from_f64(0.1111747801713847),
             -(T::from_f64(0.16554475198250462) * c_right_ankle_roll),
         );
     let bx_right_ankle_roll_y = -e3;
+    rows[0][4] = bx_right_ankle_roll_y;
     let by_right_ankle_roll_x = s_right_ankle_roll
         .mul_add(
             T::from_f64(0.11117478017138471),
             T::from_f64(0.9851881430723574) * c_right_ankle_roll,
         );
+    rows[1][3] = by_right_ankle_roll_x;
     let e4 = c_right_ankle_roll
         .mul_add(
             T::from_f64(0.11117478017138471),
             -(T::from_f64(0.9851881430723574) * s_right_ankle_roll),
         );
     let by_right_ankle_roll_y = -e4;
+    rows[1][4] = by_right_ankle_roll_y;
     // right_ankle_pitch
     let e5 = q[4] + T::from_f64(0.17565669109302123);
     let (s_right_ankle_pitch, c_right_ankle_pitch) = e5.sin_cos();
@@ -5249,18 +5354,22 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         .mul_add(T::from_f64(0.9986257359172223), T::from_f64(0.05135581491304875));
     let bx_right_ankle_pitch_x = kx_right_ankle_pitch_y
         .mul_add(s_right_ankle_pitch, -(e3 * c_right_ankle_pitch));
+    rows[0][5] = bx_right_ankle_pitch_x;
     let e6 = kx_right_ankle_pitch_y
         .mul_add(c_right_ankle_pitch, e3 * s_right_ankle_pitch);
     let bx_right_ankle_pitch_y = -e6;
+    rows[0][6] = bx_right_ankle_pitch_y;
     let ky_right_ankle_pitch_y = (-by_right_ankle_roll_x)
         .mul_add(T::from_f64(0.0524083921121999), T::from_f64(0.1303751353983952));
     let ky_right_ankle_pitch_z = by_right_ankle_roll_x
         .mul_add(T::from_f64(0.9986257359172223), T::from_f64(0.00684215414432963));
     let by_right_ankle_pitch_x = ky_right_ankle_pitch_y
         .mul_add(s_right_ankle_pitch, -(e4 * c_right_ankle_pitch));
+    rows[1][5] = by_right_ankle_pitch_x;
     let e7 = ky_right_ankle_pitch_y
         .mul_add(c_right_ankle_pitch, e4 * s_right_ankle_pitch);
     let by_right_ankle_pitch_y = -e7;
+    rows[1][6] = by_right_ankle_pitch_y;
     // right_knee
     let e8 = q[3] - T::from_f64(0.7020104799569636);
     let (s_right_knee, c_right_knee) = e8.sin_cos();
@@ -5275,8 +5384,10 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
             T::from_f64(0.9659918591802843) * kx_right_ankle_pitch_z,
         );
     let bx_right_knee_x = e6.mul_add(s_right_knee, kx_right_knee_y * c_right_knee);
+    rows[0][7] = bx_right_knee_x;
     let e9 = e6.mul_add(c_right_knee, -(kx_right_knee_y * s_right_knee));
     let bx_right_knee_y = -e9;
+    rows[0][8] = bx_right_knee_y;
     let ky_right_knee_y = by_right_ankle_pitch_x
         .mul_add(
             T::from_f64(0.9659918591802843),
@@ -5288,8 +5399,10 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
             T::from_f64(0.9659918591802843) * ky_right_ankle_pitch_z,
         );
     let by_right_knee_x = e7.mul_add(s_right_knee, ky_right_knee_y * c_right_knee);
+    rows[1][7] = by_right_knee_x;
     let e10 = e7.mul_add(c_right_knee, -(ky_right_knee_y * s_right_knee));
     let by_right_knee_y = -e10;
+    rows[1][8] = by_right_knee_y;
     // right_hip_pitch
     let e11 = q[2] + T::from_f64(0.15721584383712192);
     let (s_right_hip_pitch, c_right_hip_pitch) = e11.sin_cos();
@@ -5305,8 +5418,10 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         );
     let bx_right_hip_pitch_x = kx_right_hip_pitch_y
         .mul_add(s_right_hip_pitch, -(e9 * c_right_hip_pitch));
+    rows[0][9] = bx_right_hip_pitch_x;
     let e12 = kx_right_hip_pitch_y.mul_add(c_right_hip_pitch, e9 * s_right_hip_pitch);
     let bx_right_hip_pitch_y = -e12;
+    rows[0][10] = bx_right_hip_pitch_y;
     let ky_right_hip_pitch_y = by_right_knee_x
         .mul_add(
             T::from_f64(0.9973888291864124),
@@ -5319,8 +5434,10 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         );
     let by_right_hip_pitch_x = ky_right_hip_pitch_y
         .mul_add(s_right_hip_pitch, -(e10 * c_right_hip_pitch));
+    rows[1][9] = by_right_hip_pitch_x;
     let e13 = ky_right_hip_pitch_y.mul_add(c_right_hip_pitch, e10 * s_right_hip_pitch);
     let by_right_hip_pitch_y = -e13;
+    rows[1][10] = by_right_hip_pitch_y;
     // right_hip_roll
     let e14 = q[1] - T::from_f64(0.3432638106572563);
     let (s_right_hip_roll, c_right_hip_roll) = e14.sin_cos();
@@ -5336,8 +5453,10 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         );
     let bx_right_hip_roll_x = e12
         .mul_add(c_right_hip_roll, -(kx_right_hip_roll_y * s_right_hip_roll));
+    rows[0][11] = bx_right_hip_roll_x;
     let bx_right_hip_roll_y = kx_right_hip_roll_y
         .mul_add(c_right_hip_roll, e12 * s_right_hip_roll);
+    rows[0][12] = bx_right_hip_roll_y;
     let ky_right_hip_roll_y = by_right_hip_pitch_x
         .mul_add(
             T::from_f64(0.06044086238279244),
@@ -5350,8 +5469,10 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         );
     let by_right_hip_roll_x = e13
         .mul_add(c_right_hip_roll, -(ky_right_hip_roll_y * s_right_hip_roll));
+    rows[1][11] = by_right_hip_roll_x;
     let by_right_hip_roll_y = ky_right_hip_roll_y
         .mul_add(c_right_hip_roll, e13 * s_right_hip_roll);
+    rows[1][12] = by_right_hip_roll_y;
     // right_hip_yaw
     let e15 = q[0] + T::from_f64(0.10119271700368025);
     let (s_right_hip_yaw, c_right_hip_yaw) = e15.sin_cos();
@@ -5367,9 +5488,11 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         );
     let bx_right_hip_yaw_x = bx_right_hip_roll_y
         .mul_add(c_right_hip_yaw, kx_right_hip_yaw_y * s_right_hip_yaw);
+    rows[0][13] = bx_right_hip_yaw_x;
     let e16 = kx_right_hip_yaw_y
         .mul_add(c_right_hip_yaw, -(bx_right_hip_roll_y * s_right_hip_yaw));
     let bx_right_hip_yaw_y = -e16;
+    rows[0][14] = bx_right_hip_yaw_y;
     let ky_right_hip_yaw_y = by_right_hip_roll_x
         .mul_add(
             T::from_f64(0.08292767473984558),
@@ -5382,9 +5505,11 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         );
     let by_right_hip_yaw_x = by_right_hip_roll_y
         .mul_add(c_right_hip_yaw, ky_right_hip_yaw_y * s_right_hip_yaw);
+    rows[1][13] = by_right_hip_yaw_x;
     let e17 = ky_right_hip_yaw_y
         .mul_add(c_right_hip_yaw, -(by_right_hip_roll_y * s_right_hip_yaw));
     let by_right_hip_yaw_y = -e17;
+    rows[1][14] = by_right_hip_yaw_y;
     // left_hip_yaw
     let e18 = q[6] + T::from_f64(0.10119271700368015);
     let (s_left_hip_yaw, c_left_hip_yaw) = e18.sin_cos();
@@ -5399,8 +5524,10 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
             -(T::from_f64(0.538107754426925) * kx_right_hip_yaw_z),
         );
     let bx_left_hip_yaw_x = e16.mul_add(c_left_hip_yaw, -(e19 * s_left_hip_yaw));
+    rows[0][15] = bx_left_hip_yaw_x;
     let e20 = e19.mul_add(c_left_hip_yaw, e16 * s_left_hip_yaw);
     let bx_left_hip_yaw_y = -e20;
+    rows[0][16] = bx_left_hip_yaw_y;
     let e21 = by_right_hip_yaw_x
         .mul_add(
             T::from_f64(0.538107754426925),
@@ -5412,8 +5539,10 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
             -(T::from_f64(0.538107754426925) * ky_right_hip_yaw_z),
         );
     let by_left_hip_yaw_x = e17.mul_add(c_left_hip_yaw, -(e21 * s_left_hip_yaw));
+    rows[1][15] = by_left_hip_yaw_x;
     let e22 = e21.mul_add(c_left_hip_yaw, e17 * s_left_hip_yaw);
     let by_left_hip_yaw_y = -e22;
+    rows[1][16] = by_left_hip_yaw_y;
     // left_hip_roll
     let e23 = q[7] - T::from_f64(0.34326381065725625);
     let (s_left_hip_roll, c_left_hip_roll) = e23.sin_cos();
@@ -5429,8 +5558,10 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         );
     let e24 = e20.mul_add(c_left_hip_roll, kx_left_hip_roll_y * s_left_hip_roll);
     let bx_left_hip_roll_x = -e24;
+    rows[0][17] = bx_left_hip_roll_x;
     let e25 = kx_left_hip_roll_y.mul_add(c_left_hip_roll, -(e20 * s_left_hip_roll));
     let bx_left_hip_roll_y = -e25;
+    rows[0][18] = bx_left_hip_roll_y;
     let ky_left_hip_roll_y = by_left_hip_yaw_x
         .mul_add(
             T::from_f64(0.08292767473984561),
@@ -5443,8 +5574,10 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         );
     let e26 = e22.mul_add(c_left_hip_roll, ky_left_hip_roll_y * s_left_hip_roll);
     let by_left_hip_roll_x = -e26;
+    rows[1][17] = by_left_hip_roll_x;
     let e27 = ky_left_hip_roll_y.mul_add(c_left_hip_roll, -(e22 * s_left_hip_roll));
     let by_left_hip_roll_y = -e27;
+    rows[1][18] = by_left_hip_roll_y;
     // left_hip_pitch
     let e28 = q[8] + T::from_f64(0.15721584383712184);
     let (s_left_hip_pitch, c_left_hip_pitch) = e28.sin_cos();
@@ -5459,8 +5592,10 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
             -(T::from_f64(0.9981717798828137) * e24),
         );
     let bx_left_hip_pitch_x = e25.mul_add(c_left_hip_pitch, -(e29 * s_left_hip_pitch));
+    rows[0][19] = bx_left_hip_pitch_x;
     let e30 = e29.mul_add(c_left_hip_pitch, e25 * s_left_hip_pitch);
     let bx_left_hip_pitch_y = -e30;
+    rows[0][20] = bx_left_hip_pitch_y;
     let e31 = e26
         .mul_add(
             T::from_f64(0.06044086238279245),
@@ -5472,8 +5607,10 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
             -(T::from_f64(0.9981717798828137) * e26),
         );
     let by_left_hip_pitch_x = e27.mul_add(c_left_hip_pitch, -(e31 * s_left_hip_pitch));
+    rows[1][19] = by_left_hip_pitch_x;
     let e32 = e31.mul_add(c_left_hip_pitch, e27 * s_left_hip_pitch);
     let by_left_hip_pitch_y = -e32;
+    rows[1][20] = by_left_hip_pitch_y;
     // left_knee
     let e33 = q[9] - T::from_f64(0.7020104799569635);
     let (s_left_knee, c_left_knee) = e33.sin_cos();
@@ -5488,8 +5625,10 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
             T::from_f64(0.9973888291864126) * kx_left_hip_pitch_z,
         );
     let bx_left_knee_x = kx_left_knee_y.mul_add(c_left_knee, -(e30 * s_left_knee));
+    rows[0][21] = bx_left_knee_x;
     let e34 = kx_left_knee_y.mul_add(s_left_knee, e30 * c_left_knee);
     let bx_left_knee_y = -e34;
+    rows[0][22] = bx_left_knee_y;
     let ky_left_knee_y = by_left_hip_pitch_x
         .mul_add(
             T::from_f64(0.9973888291864126),
@@ -5501,8 +5640,10 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
             T::from_f64(0.9973888291864126) * ky_left_hip_pitch_z,
         );
     let by_left_knee_x = ky_left_knee_y.mul_add(c_left_knee, -(e32 * s_left_knee));
+    rows[1][21] = by_left_knee_x;
     let e35 = ky_left_knee_y.mul_add(s_left_knee, e32 * c_left_knee);
     let by_left_knee_y = -e35;
+    rows[1][22] = by_left_knee_y;
     // left_ankle_pitch
     let e36 = q[10] + T::from_f64(0.1756566910930215);
     let (s_left_ankle_pitch, c_left_ankle_pitch) = e36.sin_cos();
@@ -5518,9 +5659,11 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         );
     let bx_left_ankle_pitch_x = e34
         .mul_add(c_left_ankle_pitch, kx_left_ankle_pitch_y * s_left_ankle_pitch);
+    rows[0][23] = bx_left_ankle_pitch_x;
     let e37 = e34
         .mul_add(s_left_ankle_pitch, -(kx_left_ankle_pitch_y * c_left_ankle_pitch));
     let bx_left_ankle_pitch_y = -e37;
+    rows[0][24] = bx_left_ankle_pitch_y;
     let ky_left_ankle_pitch_y = by_left_knee_x
         .mul_add(
             T::from_f64(0.9659918591802845),
@@ -5533,9 +5676,11 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         );
     let by_left_ankle_pitch_x = e35
         .mul_add(c_left_ankle_pitch, ky_left_ankle_pitch_y * s_left_ankle_pitch);
+    rows[1][23] = by_left_ankle_pitch_x;
     let e38 = e35
         .mul_add(s_left_ankle_pitch, -(ky_left_ankle_pitch_y * c_left_ankle_pitch));
     let by_left_ankle_pitch_y = -e38;
+    rows[1][24] = by_left_ankle_pitch_y;
     // left_ankle_roll
     let (s_left_ankle_roll, c_left_ankle_roll) = q[11].sin_cos();
     let e39 = bx_left_ankle_pitch_x
@@ -5545,7 +5690,9 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         );
     let bx_left_ankle_roll_x = e39
         .mul_add(s_left_ankle_roll, -(e37 * c_left_ankle_roll));
+    rows[0][25] = bx_left_ankle_roll_x;
     let bx_left_ankle_roll_y = e39.mul_add(c_left_ankle_roll, e37 * s_left_ankle_roll);
+    rows[0][26] = bx_left_ankle_roll_y;
     let e40 = by_left_ankle_pitch_x
         .mul_add(
             T::from_f64(0.052408392112199914),
@@ -5553,7 +5700,9 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         );
     let by_left_ankle_roll_x = e40
         .mul_add(s_left_ankle_roll, -(e38 * c_left_ankle_roll));
+    rows[1][25] = by_left_ankle_roll_x;
     let by_left_ankle_roll_y = e40.mul_add(c_left_ankle_roll, e38 * s_left_ankle_roll);
+    rows[1][26] = by_left_ankle_roll_y;
     // waist_yaw
     let e41 = q[12] + T::from_f64(0.05803686797214569);
     let (s_waist_yaw, c_waist_yaw) = e41.sin_cos();
@@ -5569,8 +5718,10 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         .mul_add(T::from_f64(1.9023488450576578), kx_right_hip_yaw_z);
     let bx_waist_yaw_x = kx_waist_yaw_y
         .mul_add(s_waist_yaw, -(kx_waist_yaw_x * c_waist_yaw));
+    rows[0][27] = bx_waist_yaw_x;
     let bx_waist_yaw_y = kx_waist_yaw_y
         .mul_add(c_waist_yaw, kx_waist_yaw_x * s_waist_yaw);
+    rows[0][28] = bx_waist_yaw_y;
     let e43 = e17
         .mul_add(
             T::from_f64(0.11944678826051937),
@@ -5583,8 +5734,10 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         .mul_add(T::from_f64(1.9023488450576578), ky_right_hip_yaw_z);
     let by_waist_yaw_x = ky_waist_yaw_y
         .mul_add(s_waist_yaw, -(ky_waist_yaw_x * c_waist_yaw));
+    rows[1][27] = by_waist_yaw_x;
     let by_waist_yaw_y = ky_waist_yaw_y
         .mul_add(c_waist_yaw, ky_waist_yaw_x * s_waist_yaw);
+    rows[1][28] = by_waist_yaw_y;
     // waist_pitch
     let e44 = q[13] + T::from_f64(0.0003778747045624087);
     let (s_waist_pitch, c_waist_pitch) = e44.sin_cos();
@@ -5600,8 +5753,10 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         );
     let e45 = bx_waist_yaw_y.mul_add(s_waist_pitch, kx_waist_pitch_y * c_waist_pitch);
     let bx_waist_pitch_x = -e45;
+    rows[0][29] = bx_waist_pitch_x;
     let e46 = bx_waist_yaw_y.mul_add(c_waist_pitch, -(kx_waist_pitch_y * s_waist_pitch));
     let bx_waist_pitch_y = -e46;
+    rows[0][30] = bx_waist_pitch_y;
     let ky_waist_pitch_y = by_waist_yaw_x
         .mul_add(
             T::from_f64(0.19642259114963537),
@@ -5614,8 +5769,10 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         );
     let e47 = by_waist_yaw_y.mul_add(s_waist_pitch, ky_waist_pitch_y * c_waist_pitch);
     let by_waist_pitch_x = -e47;
+    rows[1][29] = by_waist_pitch_x;
     let e48 = by_waist_yaw_y.mul_add(c_waist_pitch, -(ky_waist_pitch_y * s_waist_pitch));
     let by_waist_pitch_y = -e48;
+    rows[1][30] = by_waist_pitch_y;
     // neck_yaw
     let e49 = q[14] - T::from_f64(0.14527074161092735);
     let (s_neck_yaw, c_neck_yaw) = e49.sin_cos();
@@ -5630,8 +5787,10 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
             -(T::from_f64(0.9931473920461839) * e45),
         );
     let bx_neck_yaw_x = e46.mul_add(s_neck_yaw, e50 * c_neck_yaw);
+    rows[0][31] = bx_neck_yaw_x;
     let e51 = e50.mul_add(s_neck_yaw, -(e46 * c_neck_yaw));
     let bx_neck_yaw_y = -e51;
+    rows[0][32] = bx_neck_yaw_y;
     let e52 = e47
         .mul_add(
             T::from_f64(0.11686854868553807),
@@ -5643,8 +5802,10 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
             -(T::from_f64(0.9931473920461839) * e47),
         );
     let by_neck_yaw_x = e48.mul_add(s_neck_yaw, e52 * c_neck_yaw);
+    rows[1][31] = by_neck_yaw_x;
     let e53 = e52.mul_add(s_neck_yaw, -(e48 * c_neck_yaw));
     let by_neck_yaw_y = -e53;
+    rows[1][32] = by_neck_yaw_y;
     // neck_pitch
     let (s_neck_pitch, c_neck_pitch) = q[15].sin_cos();
     let e54 = bx_neck_yaw_x
@@ -5653,14 +5814,18 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
             T::from_f64(0.9991639042881736) * kx_neck_yaw_z,
         );
     let bx_neck_pitch_x = e54.mul_add(s_neck_pitch, -(e51 * c_neck_pitch));
+    rows[0][33] = bx_neck_pitch_x;
     let bx_neck_pitch_y = e54.mul_add(c_neck_pitch, e51 * s_neck_pitch);
+    rows[0][34] = bx_neck_pitch_y;
     let e55 = by_neck_yaw_x
         .mul_add(
             T::from_f64(0.040883888851400166),
             T::from_f64(0.9991639042881736) * ky_neck_yaw_z,
         );
     let by_neck_pitch_x = e55.mul_add(s_neck_pitch, -(e53 * c_neck_pitch));
+    rows[1][33] = by_neck_pitch_x;
     let by_neck_pitch_y = e55.mul_add(c_neck_pitch, e53 * s_neck_pitch);
+    rows[1][34] = by_neck_pitch_y;
     // right_shoulder_pitch
     let e56 = q[16] + T::from_f64(0.41156836050531465);
     let (s_right_shoulder_pitch, c_right_shoulder_pitch) = e56.sin_cos();
@@ -5678,8 +5843,10 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
             s_right_shoulder_pitch,
             -(kx_right_shoulder_pitch_y * c_right_shoulder_pitch),
         );
+    rows[0][35] = bx_right_shoulder_pitch_x;
     let bx_right_shoulder_pitch_y = kx_right_shoulder_pitch_y
         .mul_add(s_right_shoulder_pitch, e58 * c_right_shoulder_pitch);
+    rows[0][36] = bx_right_shoulder_pitch_y;
     let e59 = ky_waist_pitch_z
         .mul_add(
             T::from_f64(0.10644334192309902),
@@ -5694,8 +5861,10 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
             s_right_shoulder_pitch,
             -(ky_right_shoulder_pitch_y * c_right_shoulder_pitch),
         );
+    rows[1][35] = by_right_shoulder_pitch_x;
     let by_right_shoulder_pitch_y = ky_right_shoulder_pitch_y
         .mul_add(s_right_shoulder_pitch, e60 * c_right_shoulder_pitch);
+    rows[1][36] = by_right_shoulder_pitch_y;
     // right_shoulder_roll
     let e61 = q[17] - T::from_f64(0.29227270605474676);
     let (s_right_shoulder_roll, c_right_shoulder_roll) = e61.sin_cos();
@@ -5714,11 +5883,13 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
             s_right_shoulder_roll,
             -(bx_right_shoulder_pitch_y * c_right_shoulder_roll),
         );
+    rows[0][37] = bx_right_shoulder_roll_x;
     let bx_right_shoulder_roll_y = kx_right_shoulder_roll_y
         .mul_add(
             c_right_shoulder_roll,
             bx_right_shoulder_pitch_y * s_right_shoulder_roll,
         );
+    rows[0][38] = bx_right_shoulder_roll_y;
     let ky_right_shoulder_roll_y = by_right_shoulder_pitch_x
         .mul_add(
             T::from_f64(0.2834710957352705),
@@ -5734,11 +5905,13 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
             s_right_shoulder_roll,
             -(by_right_shoulder_pitch_y * c_right_shoulder_roll),
         );
+    rows[1][37] = by_right_shoulder_roll_x;
     let by_right_shoulder_roll_y = ky_right_shoulder_roll_y
         .mul_add(
             c_right_shoulder_roll,
             by_right_shoulder_pitch_y * s_right_shoulder_roll,
         );
+    rows[1][38] = by_right_shoulder_roll_y;
     // right_shoulder_yaw
     let e62 = q[18] - T::from_f64(0.12871645458236847);
     let (s_right_shoulder_yaw, c_right_shoulder_yaw) = e62.sin_cos();
@@ -5755,12 +5928,14 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
     let e64 = bx_right_shoulder_roll_y
         .mul_add(c_right_shoulder_yaw, e63 * s_right_shoulder_yaw);
     let bx_right_shoulder_yaw_x = -e64;
+    rows[0][39] = bx_right_shoulder_yaw_x;
     let e65 = e63
         .mul_add(
             c_right_shoulder_yaw,
             -(bx_right_shoulder_roll_y * s_right_shoulder_yaw),
         );
     let bx_right_shoulder_yaw_y = -e65;
+    rows[0][40] = bx_right_shoulder_yaw_y;
     let e66 = by_right_shoulder_roll_x
         .mul_add(
             T::from_f64(0.3848026949004402),
@@ -5774,12 +5949,14 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
     let e67 = by_right_shoulder_roll_y
         .mul_add(c_right_shoulder_yaw, e66 * s_right_shoulder_yaw);
     let by_right_shoulder_yaw_x = -e67;
+    rows[1][39] = by_right_shoulder_yaw_x;
     let e68 = e66
         .mul_add(
             c_right_shoulder_yaw,
             -(by_right_shoulder_roll_y * s_right_shoulder_yaw),
         );
     let by_right_shoulder_yaw_y = -e68;
+    rows[1][40] = by_right_shoulder_yaw_y;
     // right_elbow
     let e69 = q[19] - T::from_f64(0.07968980871027065);
     let (s_right_elbow, c_right_elbow) = e69.sin_cos();
@@ -5794,8 +5971,10 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
             -(T::from_f64(0.9924772473334093) * e64),
         );
     let bx_right_elbow_x = e65.mul_add(s_right_elbow, e70 * c_right_elbow);
+    rows[0][41] = bx_right_elbow_x;
     let e71 = e70.mul_add(s_right_elbow, -(e65 * c_right_elbow));
     let bx_right_elbow_y = -e71;
+    rows[0][42] = bx_right_elbow_y;
     let e72 = e67
         .mul_add(
             T::from_f64(0.12242921843048289),
@@ -5807,8 +5986,10 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
             -(T::from_f64(0.9924772473334093) * e67),
         );
     let by_right_elbow_x = e68.mul_add(s_right_elbow, e72 * c_right_elbow);
+    rows[1][41] = by_right_elbow_x;
     let e73 = e72.mul_add(s_right_elbow, -(e68 * c_right_elbow));
     let by_right_elbow_y = -e73;
+    rows[1][42] = by_right_elbow_y;
     // right_wrist_yaw
     let e74 = q[20] + T::from_f64(0.07984195204795129);
     let (s_right_wrist_yaw, c_right_wrist_yaw) = e74.sin_cos();
@@ -5824,7 +6005,9 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         );
     let bx_right_wrist_yaw_x = e75
         .mul_add(s_right_wrist_yaw, -(e71 * c_right_wrist_yaw));
+    rows[0][43] = bx_right_wrist_yaw_x;
     let bx_right_wrist_yaw_y = e75.mul_add(c_right_wrist_yaw, e71 * s_right_wrist_yaw);
+    rows[0][44] = bx_right_wrist_yaw_y;
     let e76 = by_right_elbow_x
         .mul_add(
             T::from_f64(0.15904161977640188),
@@ -5837,7 +6020,9 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         );
     let by_right_wrist_yaw_x = e76
         .mul_add(s_right_wrist_yaw, -(e73 * c_right_wrist_yaw));
+    rows[1][43] = by_right_wrist_yaw_x;
     let by_right_wrist_yaw_y = e76.mul_add(c_right_wrist_yaw, e73 * s_right_wrist_yaw);
+    rows[1][44] = by_right_wrist_yaw_y;
     // right_wrist_roll
     let e77 = q[21] - T::from_f64(0.05544050383462643);
     let (s_right_wrist_roll, c_right_wrist_roll) = e77.sin_cos();
@@ -5853,9 +6038,11 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         );
     let bx_right_wrist_roll_x = bx_right_wrist_yaw_y
         .mul_add(c_right_wrist_roll, -(kx_right_wrist_roll_y * s_right_wrist_roll));
+    rows[0][45] = bx_right_wrist_roll_x;
     let e78 = kx_right_wrist_roll_y
         .mul_add(c_right_wrist_roll, bx_right_wrist_yaw_y * s_right_wrist_roll);
     let bx_right_wrist_roll_y = -e78;
+    rows[0][46] = bx_right_wrist_roll_y;
     let ky_right_wrist_roll_y = by_right_wrist_yaw_x
         .mul_add(
             T::from_f64(0.06712447922871664),
@@ -5868,9 +6055,11 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         );
     let by_right_wrist_roll_x = by_right_wrist_yaw_y
         .mul_add(c_right_wrist_roll, -(ky_right_wrist_roll_y * s_right_wrist_roll));
+    rows[1][45] = by_right_wrist_roll_x;
     let e79 = ky_right_wrist_roll_y
         .mul_add(c_right_wrist_roll, by_right_wrist_yaw_y * s_right_wrist_roll);
     let by_right_wrist_roll_y = -e79;
+    rows[1][46] = by_right_wrist_roll_y;
     // right_wrist_pitch
     let (s_right_wrist_pitch, c_right_wrist_pitch) = q[22].sin_cos();
     let e80 = bx_right_wrist_roll_x
@@ -5880,8 +6069,10 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         );
     let bx_right_wrist_pitch_x = e80
         .mul_add(s_right_wrist_pitch, -(e78 * c_right_wrist_pitch));
+    rows[0][47] = bx_right_wrist_pitch_x;
     let bx_right_wrist_pitch_y = e80
         .mul_add(c_right_wrist_pitch, e78 * s_right_wrist_pitch);
+    rows[0][48] = bx_right_wrist_pitch_y;
     let e81 = by_right_wrist_roll_x
         .mul_add(
             T::from_f64(0.042799828876225604),
@@ -5889,8 +6080,10 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         );
     let by_right_wrist_pitch_x = e81
         .mul_add(s_right_wrist_pitch, -(e79 * c_right_wrist_pitch));
+    rows[1][47] = by_right_wrist_pitch_x;
     let by_right_wrist_pitch_y = e81
         .mul_add(c_right_wrist_pitch, e79 * s_right_wrist_pitch);
+    rows[1][48] = by_right_wrist_pitch_y;
     // left_shoulder_pitch
     let e82 = q[23] + T::from_f64(0.014907991996345737);
     let (s_left_shoulder_pitch, c_left_shoulder_pitch) = e82.sin_cos();
@@ -5908,12 +6101,14 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
             c_left_shoulder_pitch,
             -(kx_left_shoulder_pitch_x * s_left_shoulder_pitch),
         );
+    rows[0][49] = bx_left_shoulder_pitch_x;
     let e85 = e84
         .mul_add(
             s_left_shoulder_pitch,
             kx_left_shoulder_pitch_x * c_left_shoulder_pitch,
         );
     let bx_left_shoulder_pitch_y = -e85;
+    rows[0][50] = bx_left_shoulder_pitch_y;
     let e86 = (-ky_waist_pitch_z)
         .mul_add(
             T::from_f64(0.09248191489966293),
@@ -5928,12 +6123,14 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
             c_left_shoulder_pitch,
             -(ky_left_shoulder_pitch_x * s_left_shoulder_pitch),
         );
+    rows[1][49] = by_left_shoulder_pitch_x;
     let e88 = e87
         .mul_add(
             s_left_shoulder_pitch,
             ky_left_shoulder_pitch_x * c_left_shoulder_pitch,
         );
     let by_left_shoulder_pitch_y = -e88;
+    rows[1][50] = by_left_shoulder_pitch_y;
     // left_shoulder_roll
     let e89 = q[24] - T::from_f64(0.29227270605474676);
     let (s_left_shoulder_roll, c_left_shoulder_roll) = e89.sin_cos();
@@ -5949,12 +6146,14 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         );
     let bx_left_shoulder_roll_x = e85
         .mul_add(c_left_shoulder_roll, kx_left_shoulder_roll_y * s_left_shoulder_roll);
+    rows[0][51] = bx_left_shoulder_roll_x;
     let e90 = e85
         .mul_add(
             s_left_shoulder_roll,
             -(kx_left_shoulder_roll_y * c_left_shoulder_roll),
         );
     let bx_left_shoulder_roll_y = -e90;
+    rows[0][52] = bx_left_shoulder_roll_y;
     let ky_left_shoulder_roll_y = by_left_shoulder_pitch_x
         .mul_add(
             T::from_f64(0.2834710957352705),
@@ -5967,12 +6166,14 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         );
     let by_left_shoulder_roll_x = e88
         .mul_add(c_left_shoulder_roll, ky_left_shoulder_roll_y * s_left_shoulder_roll);
+    rows[1][51] = by_left_shoulder_roll_x;
     let e91 = e88
         .mul_add(
             s_left_shoulder_roll,
             -(ky_left_shoulder_roll_y * c_left_shoulder_roll),
         );
     let by_left_shoulder_roll_y = -e91;
+    rows[1][52] = by_left_shoulder_roll_y;
     // left_shoulder_yaw
     let e92 = q[25] - T::from_f64(0.12871645458236847);
     let (s_left_shoulder_yaw, c_left_shoulder_yaw) = e92.sin_cos();
@@ -5988,8 +6189,10 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         );
     let bx_left_shoulder_yaw_x = e90
         .mul_add(c_left_shoulder_yaw, -(e93 * s_left_shoulder_yaw));
+    rows[0][53] = bx_left_shoulder_yaw_x;
     let e94 = e93.mul_add(c_left_shoulder_yaw, e90 * s_left_shoulder_yaw);
     let bx_left_shoulder_yaw_y = -e94;
+    rows[0][54] = bx_left_shoulder_yaw_y;
     let e95 = by_left_shoulder_roll_x
         .mul_add(
             T::from_f64(0.3848026949004402),
@@ -6002,8 +6205,10 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         );
     let by_left_shoulder_yaw_x = e91
         .mul_add(c_left_shoulder_yaw, -(e95 * s_left_shoulder_yaw));
+    rows[1][53] = by_left_shoulder_yaw_x;
     let e96 = e95.mul_add(c_left_shoulder_yaw, e91 * s_left_shoulder_yaw);
     let by_left_shoulder_yaw_y = -e96;
+    rows[1][54] = by_left_shoulder_yaw_y;
     // left_elbow
     let e97 = q[26] - T::from_f64(0.07968980871027065);
     let (s_left_elbow, c_left_elbow) = e97.sin_cos();
@@ -6018,7 +6223,9 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
             T::from_f64(0.12242921843048289) * kx_left_shoulder_yaw_z,
         );
     let bx_left_elbow_x = e94.mul_add(s_left_elbow, -(kx_left_elbow_y * c_left_elbow));
+    rows[0][55] = bx_left_elbow_x;
     let bx_left_elbow_y = kx_left_elbow_y.mul_add(s_left_elbow, e94 * c_left_elbow);
+    rows[0][56] = bx_left_elbow_y;
     let ky_left_elbow_y = by_left_shoulder_yaw_x
         .mul_add(
             T::from_f64(0.12242921843048289),
@@ -6030,7 +6237,9 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
             T::from_f64(0.12242921843048289) * ky_left_shoulder_yaw_z,
         );
     let by_left_elbow_x = e96.mul_add(s_left_elbow, -(ky_left_elbow_y * c_left_elbow));
+    rows[1][55] = by_left_elbow_x;
     let by_left_elbow_y = ky_left_elbow_y.mul_add(s_left_elbow, e96 * c_left_elbow);
+    rows[1][56] = by_left_elbow_y;
     // left_wrist_yaw
     let e98 = q[27] + T::from_f64(0.07984195204795129);
     let (s_left_wrist_yaw, c_left_wrist_yaw) = e98.sin_cos();
@@ -6046,8 +6255,10 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         );
     let bx_left_wrist_yaw_x = bx_left_elbow_y
         .mul_add(c_left_wrist_yaw, e99 * s_left_wrist_yaw);
+    rows[0][57] = bx_left_wrist_yaw_x;
     let e100 = bx_left_elbow_y.mul_add(s_left_wrist_yaw, -(e99 * c_left_wrist_yaw));
     let bx_left_wrist_yaw_y = -e100;
+    rows[0][58] = bx_left_wrist_yaw_y;
     let e101 = by_left_elbow_x
         .mul_add(
             T::from_f64(0.15904161977640188),
@@ -6060,8 +6271,10 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         );
     let by_left_wrist_yaw_x = by_left_elbow_y
         .mul_add(c_left_wrist_yaw, e101 * s_left_wrist_yaw);
+    rows[1][57] = by_left_wrist_yaw_x;
     let e102 = by_left_elbow_y.mul_add(s_left_wrist_yaw, -(e101 * c_left_wrist_yaw));
     let by_left_wrist_yaw_y = -e102;
+    rows[1][58] = by_left_wrist_yaw_y;
     // left_wrist_roll
     let e103 = q[28] - T::from_f64(0.05544050383462643);
     let (s_left_wrist_roll, c_left_wrist_roll) = e103.sin_cos();
@@ -6077,9 +6290,11 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         );
     let e104 = e100.mul_add(c_left_wrist_roll, kx_left_wrist_roll_y * s_left_wrist_roll);
     let bx_left_wrist_roll_x = -e104;
+    rows[0][59] = bx_left_wrist_roll_x;
     let e105 = kx_left_wrist_roll_y
         .mul_add(c_left_wrist_roll, -(e100 * s_left_wrist_roll));
     let bx_left_wrist_roll_y = -e105;
+    rows[0][60] = bx_left_wrist_roll_y;
     let ky_left_wrist_roll_y = by_left_wrist_yaw_x
         .mul_add(
             T::from_f64(0.06712447922871664),
@@ -6092,9 +6307,11 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         );
     let e106 = e102.mul_add(c_left_wrist_roll, ky_left_wrist_roll_y * s_left_wrist_roll);
     let by_left_wrist_roll_x = -e106;
+    rows[1][59] = by_left_wrist_roll_x;
     let e107 = ky_left_wrist_roll_y
         .mul_add(c_left_wrist_roll, -(e102 * s_left_wrist_roll));
     let by_left_wrist_roll_y = -e107;
+    rows[1][60] = by_left_wrist_roll_y;
     // left_wrist_pitch
     let (s_left_wrist_pitch, c_left_wrist_pitch) = q[29].sin_cos();
     let kx_left_wrist_pitch_y = e104
@@ -6104,8 +6321,10 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         );
     let bx_left_wrist_pitch_x = -e105
         .mul_add(c_left_wrist_pitch, kx_left_wrist_pitch_y * s_left_wrist_pitch);
+    rows[0][61] = bx_left_wrist_pitch_x;
     let bx_left_wrist_pitch_y = -kx_left_wrist_pitch_y
         .mul_add(c_left_wrist_pitch, -(e105 * s_left_wrist_pitch));
+    rows[0][62] = bx_left_wrist_pitch_y;
     let ky_left_wrist_pitch_y = e106
         .mul_add(
             T::from_f64(0.042799828876225604),
@@ -6113,148 +6332,36 @@ pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         );
     let by_left_wrist_pitch_x = -e107
         .mul_add(c_left_wrist_pitch, ky_left_wrist_pitch_y * s_left_wrist_pitch);
+    rows[1][61] = by_left_wrist_pitch_x;
     let by_left_wrist_pitch_y = -ky_left_wrist_pitch_y
         .mul_add(c_left_wrist_pitch, -(e107 * s_left_wrist_pitch));
-    let zero = T::from_f64(0.0);
-    let one = T::from_f64(1.0);
-    [
-        [
-            one,
-            zero,
-            zero,
-            bx_right_ankle_roll_x,
-            bx_right_ankle_roll_y,
-            bx_right_ankle_pitch_x,
-            bx_right_ankle_pitch_y,
-            bx_right_knee_x,
-            bx_right_knee_y,
-            bx_right_hip_pitch_x,
-            bx_right_hip_pitch_y,
-            bx_right_hip_roll_x,
-            bx_right_hip_roll_y,
-            bx_right_hip_yaw_x,
-            bx_right_hip_yaw_y,
-            bx_left_hip_yaw_x,
-            bx_left_hip_yaw_y,
-            bx_left_hip_roll_x,
-            bx_left_hip_roll_y,
-            bx_left_hip_pitch_x,
-            bx_left_hip_pitch_y,
-            bx_left_knee_x,
-            bx_left_knee_y,
-            bx_left_ankle_pitch_x,
-            bx_left_ankle_pitch_y,
-            bx_left_ankle_roll_x,
-            bx_left_ankle_roll_y,
-            bx_waist_yaw_x,
-            bx_waist_yaw_y,
-            bx_waist_pitch_x,
-            bx_waist_pitch_y,
-            bx_neck_yaw_x,
-            bx_neck_yaw_y,
-            bx_neck_pitch_x,
-            bx_neck_pitch_y,
-            bx_right_shoulder_pitch_x,
-            bx_right_shoulder_pitch_y,
-            bx_right_shoulder_roll_x,
-            bx_right_shoulder_roll_y,
-            bx_right_shoulder_yaw_x,
-            bx_right_shoulder_yaw_y,
-            bx_right_elbow_x,
-            bx_right_elbow_y,
-            bx_right_wrist_yaw_x,
-            bx_right_wrist_yaw_y,
-            bx_right_wrist_roll_x,
-            bx_right_wrist_roll_y,
-            bx_right_wrist_pitch_x,
-            bx_right_wrist_pitch_y,
-            bx_left_shoulder_pitch_x,
-            bx_left_shoulder_pitch_y,
-            bx_left_shoulder_roll_x,
-            bx_left_shoulder_roll_y,
-            bx_left_shoulder_yaw_x,
-            bx_left_shoulder_yaw_y,
-            bx_left_elbow_x,
-            bx_left_elbow_y,
-            bx_left_wrist_yaw_x,
-            bx_left_wrist_yaw_y,
-            bx_left_wrist_roll_x,
-            bx_left_wrist_roll_y,
-            bx_left_wrist_pitch_x,
-            bx_left_wrist_pitch_y,
-        ],
-        [
-            zero,
-            one,
-            zero,
-            by_right_ankle_roll_x,
-            by_right_ankle_roll_y,
-            by_right_ankle_pitch_x,
-            by_right_ankle_pitch_y,
-            by_right_knee_x,
-            by_right_knee_y,
-            by_right_hip_pitch_x,
-            by_right_hip_pitch_y,
-            by_right_hip_roll_x,
-            by_right_hip_roll_y,
-            by_right_hip_yaw_x,
-            by_right_hip_yaw_y,
-            by_left_hip_yaw_x,
-            by_left_hip_yaw_y,
-            by_left_hip_roll_x,
-            by_left_hip_roll_y,
-            by_left_hip_pitch_x,
-            by_left_hip_pitch_y,
-            by_left_knee_x,
-            by_left_knee_y,
-            by_left_ankle_pitch_x,
-            by_left_ankle_pitch_y,
-            by_left_ankle_roll_x,
-            by_left_ankle_roll_y,
-            by_waist_yaw_x,
-            by_waist_yaw_y,
-            by_waist_pitch_x,
-            by_waist_pitch_y,
-            by_neck_yaw_x,
-            by_neck_yaw_y,
-            by_neck_pitch_x,
-            by_neck_pitch_y,
-            by_right_shoulder_pitch_x,
-            by_right_shoulder_pitch_y,
-            by_right_shoulder_roll_x,
-            by_right_shoulder_roll_y,
-            by_right_shoulder_yaw_x,
-            by_right_shoulder_yaw_y,
-            by_right_elbow_x,
-            by_right_elbow_y,
-            by_right_wrist_yaw_x,
-            by_right_wrist_yaw_y,
-            by_right_wrist_roll_x,
-            by_right_wrist_roll_y,
-            by_right_wrist_pitch_x,
-            by_right_wrist_pitch_y,
-            by_left_shoulder_pitch_x,
-            by_left_shoulder_pitch_y,
-            by_left_shoulder_roll_x,
-            by_left_shoulder_roll_y,
-            by_left_shoulder_yaw_x,
-            by_left_shoulder_yaw_y,
-            by_left_elbow_x,
-            by_left_elbow_y,
-            by_left_wrist_yaw_x,
-            by_left_wrist_yaw_y,
-            by_left_wrist_roll_x,
-            by_left_wrist_roll_y,
-            by_left_wrist_pitch_x,
-            by_left_wrist_pitch_y,
-        ],
-    ]
+    rows[1][62] = by_left_wrist_pitch_y;
 }
 
 /// Rows [B_0 B_1 …] of the full regressor, seed paper Eq. (5), in link frames.
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 #[inline(always)]
 pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
+    let mut rows = [[T::from_f64(0.0); FULL_PARAMS]; 3];
+    regressor_full_into(q, &mut rows);
+    rows
+}
+
+/// [`regressor_full`], each number written as soon as it is there.
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
+pub fn regressor_full_into<T: Real>(q: &[T; DOF], rows: &mut [[T; FULL_PARAMS]; 3]) {
+    let zero = T::from_f64(0.0);
+    let one = T::from_f64(1.0);
+    rows[0][0] = one;
+    rows[1][1] = one;
+    rows[2][2] = one;
+    rows[0][1] = zero;
+    rows[0][2] = zero;
+    rows[1][0] = zero;
+    rows[1][2] = zero;
+    rows[2][0] = zero;
+    rows[2][1] = zero;
     // right_ankle_roll
     let e1 = q[5] + T::from_f64(0.2836386864034435);
     let (s_right_ankle_roll, c_right_ankle_roll) = e1.sin_cos();
@@ -6825,6 +6932,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.11686854868553807),
             -(T::from_f64(0.9931473920461839) * e60),
         );
+    rows[0][47] = kx_neck_yaw_z;
     let bx_neck_yaw_x = e61.mul_add(s_neck_yaw, e67 * c_neck_yaw);
     let e68 = e67.mul_add(s_neck_yaw, -(e61 * c_neck_yaw));
     let e69 = e62
@@ -6837,6 +6945,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.11686854868553807),
             -(T::from_f64(0.9931473920461839) * e62),
         );
+    rows[1][47] = ky_neck_yaw_z;
     let by_neck_yaw_x = e63.mul_add(s_neck_yaw, e69 * c_neck_yaw);
     let e70 = e69.mul_add(s_neck_yaw, -(e63 * c_neck_yaw));
     let e71 = e64
@@ -6849,6 +6958,7 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.11686854868553807),
             -(T::from_f64(0.9931473920461839) * e64),
         );
+    rows[2][47] = kz_neck_yaw_z;
     let bz_neck_yaw_x = e65.mul_add(s_neck_yaw, e71 * c_neck_yaw);
     let e72 = e71.mul_add(s_neck_yaw, -(e65 * c_neck_yaw));
     // neck_pitch
@@ -7070,6 +7180,8 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.12242921843048289),
             -(T::from_f64(0.9924772473334093) * e86),
         );
+    rows[0][58] = kx_right_elbow_z;
+    rows[0][61] = kx_right_elbow_z;
     let bx_right_elbow_x = e87.mul_add(s_right_elbow, e95 * c_right_elbow);
     let e96 = e95.mul_add(s_right_elbow, -(e87 * c_right_elbow));
     let e97 = e89
@@ -7082,6 +7194,8 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.12242921843048289),
             -(T::from_f64(0.9924772473334093) * e89),
         );
+    rows[1][58] = ky_right_elbow_z;
+    rows[1][61] = ky_right_elbow_z;
     let by_right_elbow_x = e90.mul_add(s_right_elbow, e97 * c_right_elbow);
     let e98 = e97.mul_add(s_right_elbow, -(e90 * c_right_elbow));
     let e99 = e92
@@ -7094,6 +7208,8 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.12242921843048289),
             -(T::from_f64(0.9924772473334093) * e92),
         );
+    rows[2][58] = kz_right_elbow_z;
+    rows[2][61] = kz_right_elbow_z;
     let bz_right_elbow_x = e93.mul_add(s_right_elbow, e99 * c_right_elbow);
     let e100 = e99.mul_add(s_right_elbow, -(e93 * c_right_elbow));
     // right_wrist_yaw
@@ -7396,6 +7512,8 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.9924772473334093),
             T::from_f64(0.12242921843048289) * kx_left_shoulder_yaw_z,
         );
+    rows[0][79] = kx_left_elbow_z;
+    rows[0][82] = kx_left_elbow_z;
     let bx_left_elbow_x = e128.mul_add(s_left_elbow, -(kx_left_elbow_y * c_left_elbow));
     let bx_left_elbow_y = kx_left_elbow_y.mul_add(s_left_elbow, e128 * c_left_elbow);
     let ky_left_elbow_y = by_left_shoulder_yaw_x
@@ -7408,6 +7526,8 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.9924772473334093),
             T::from_f64(0.12242921843048289) * ky_left_shoulder_yaw_z,
         );
+    rows[1][79] = ky_left_elbow_z;
+    rows[1][82] = ky_left_elbow_z;
     let by_left_elbow_x = e130.mul_add(s_left_elbow, -(ky_left_elbow_y * c_left_elbow));
     let by_left_elbow_y = ky_left_elbow_y.mul_add(s_left_elbow, e130 * c_left_elbow);
     let kz_left_elbow_y = bz_left_shoulder_yaw_x
@@ -7420,6 +7540,8 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
             T::from_f64(0.9924772473334093),
             T::from_f64(0.12242921843048289) * kz_left_shoulder_yaw_z,
         );
+    rows[2][79] = kz_left_elbow_z;
+    rows[2][82] = kz_left_elbow_z;
     let bz_left_elbow_x = e132.mul_add(s_left_elbow, -(kz_left_elbow_y * c_left_elbow));
     let bz_left_elbow_y = kz_left_elbow_y.mul_add(s_left_elbow, e132 * c_left_elbow);
     // left_wrist_yaw
@@ -7550,2227 +7672,2171 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
         .mul_add(c_left_wrist_pitch, kz_left_wrist_pitch_y * s_left_wrist_pitch);
     let e156 = kz_left_wrist_pitch_y
         .mul_add(c_left_wrist_pitch, -(e147 * s_left_wrist_pitch));
-    let zero = T::from_f64(0.0);
-    let one = T::from_f64(1.0);
-    [
-        [
-            one,
-            zero,
-            zero,
-            e2
-                .mul_add(
-                    T::from_f64(0.1260819066254007),
-                    -(T::from_f64(0.1529122762239553) * e3),
-                ) + T::from_f64(0.9604781152231404),
-            T::from_f64(0.10481388449369643)
-                - e2
-                    .mul_add(
-                        T::from_f64(0.9860642172215092),
-                        T::from_f64(0.12742238056085944) * e3,
-                    ),
-            e3
-                .mul_add(
-                    T::from_f64(0.9799904962356587),
-                    -(T::from_f64(0.10853898993926647) * e2),
-                ) + T::from_f64(0.1634960034362959),
-            (-kx_right_ankle_pitch_z)
-                .mul_add(
-                    T::from_f64(0.10072239850941322),
-                    bx_right_ankle_pitch_x
-                        .mul_add(
-                            T::from_f64(0.5863673657787142),
-                            T::from_f64(0.8037588635830045) * e7,
-                        ),
-                ),
-            kx_right_ankle_pitch_z
-                .mul_add(
-                    T::from_f64(0.9854343154104156),
-                    bx_right_ankle_pitch_x
-                        .mul_add(
-                            T::from_f64(0.17005552884933375),
-                            -(T::from_f64(0.0005719435102985865) * e7),
-                        ),
-                ),
-            kx_right_ankle_pitch_z
-                .mul_add(
-                    T::from_f64(0.1370190076234553),
-                    e7
-                        .mul_add(
-                            T::from_f64(0.5949549244206476),
-                            -(T::from_f64(0.7919939579678025) * bx_right_ankle_pitch_x),
-                        ),
-                ),
-            (-kx_right_knee_z)
-                .mul_add(
-                    T::from_f64(0.05491857598002902),
-                    e11
-                        .mul_add(
-                            T::from_f64(0.7773178779650478),
-                            -(T::from_f64(0.6267063639442644) * bx_right_knee_x),
-                        ),
-                ),
-            kx_right_knee_z
-                .mul_add(
-                    T::from_f64(0.9918697888935732),
-                    -bx_right_knee_x
-                        .mul_add(
-                            T::from_f64(0.12374470904356641),
-                            T::from_f64(0.029691225369481516) * e11,
-                        ),
-                ),
-            -kx_right_knee_z
-                .mul_add(
-                    T::from_f64(0.11479665453550475),
-                    bx_right_knee_x
-                        .mul_add(
-                            T::from_f64(0.7693675197039984),
-                            T::from_f64(0.628406992109392) * e11,
-                        ),
-                ),
-            -kx_right_hip_pitch_z
-                .mul_add(
-                    T::from_f64(0.044145363912509596),
-                    bx_right_hip_pitch_x
-                        .mul_add(
-                            T::from_f64(0.9827666448575718),
-                            T::from_f64(0.17950183453219504) * e15,
-                        ),
-                ),
-            kx_right_hip_pitch_z
-                .mul_add(
-                    T::from_f64(0.9835480819632141),
-                    -bx_right_hip_pitch_x
-                        .mul_add(
-                            T::from_f64(0.011249506186826184),
-                            T::from_f64(0.18029592085523008) * e15,
-                        ),
-                ),
-            (-kx_right_hip_pitch_z)
-                .mul_add(
-                    T::from_f64(0.17516951022228416),
-                    bx_right_hip_pitch_x
-                        .mul_add(
-                            T::from_f64(0.1845079141011138),
-                            -(T::from_f64(0.9670948621115415) * e15),
-                        ),
-                ),
-            -kx_right_hip_roll_z
-                .mul_add(
-                    T::from_f64(0.9986750655402579),
-                    bx_right_hip_roll_x
-                        .mul_add(
-                            T::from_f64(0.038782231266670894),
-                            T::from_f64(0.03382383783872411) * bx_right_hip_roll_y,
-                        ),
-                ),
-            kx_right_hip_roll_z
-                .mul_add(
-                    T::from_f64(0.041130694271502954),
-                    -bx_right_hip_roll_x
-                        .mul_add(
-                            T::from_f64(0.20656645943669896),
-                            T::from_f64(0.9775676773628162) * bx_right_hip_roll_y,
-                        ),
-                ),
-            kx_right_hip_roll_z
-                .mul_add(
-                    T::from_f64(0.03092538531540076),
-                    bx_right_hip_roll_y
-                        .mul_add(
-                            T::from_f64(0.20788791251376051),
-                            -(T::from_f64(0.9776636621935814) * bx_right_hip_roll_x),
-                        ),
-                ),
-            (-kx_right_hip_yaw_z)
-                .mul_add(
-                    T::from_f64(0.29159038241600355),
-                    bx_right_hip_yaw_x
-                        .mul_add(
-                            T::from_f64(0.15979020363924512),
-                            T::from_f64(0.9431024014938241) * e20,
-                        ),
-                ),
-            -bx_right_hip_yaw_x
-                .mul_add(
-                    T::from_f64(0.8769571695433379),
-                    T::from_f64(0.48056854119525716) * kx_right_hip_yaw_z,
-                ),
-            (-kx_right_hip_yaw_z)
-                .mul_add(
-                    T::from_f64(0.8270604126035483),
-                    bx_right_hip_yaw_x
-                        .mul_add(
-                            T::from_f64(0.4532253452836305),
-                            -(T::from_f64(0.3325024214898031) * e20),
-                        ),
-                ),
-            kx_left_hip_yaw_z
-                .mul_add(
-                    T::from_f64(0.12146644952683741),
-                    bx_left_hip_yaw_x
-                        .mul_add(
-                            T::from_f64(0.9920190772526525),
-                            T::from_f64(0.03382383783872412) * e25,
-                        ),
-                ),
-            (-kx_left_hip_yaw_z)
-                .mul_add(
-                    T::from_f64(0.20244408254472904),
-                    bx_left_hip_yaw_x
-                        .mul_add(
-                            T::from_f64(0.05811909856572281),
-                            -(T::from_f64(0.9775676773628161) * e25),
-                        ),
-                ),
-            kx_left_hip_yaw_z
-                .mul_add(
-                    T::from_f64(0.9717315962146993),
-                    -bx_left_hip_yaw_x
-                        .mul_add(
-                            T::from_f64(0.11189423912205596),
-                            T::from_f64(0.20788791251376057) * e25,
-                        ),
-                ),
-            kx_left_hip_roll_z
-                .mul_add(
-                    T::from_f64(0.9836381149720178),
-                    e31
-                        .mul_add(
-                            T::from_f64(0.01533460706611091),
-                            -(T::from_f64(0.17950183453219504) * e32),
-                        ),
-                ),
-            kx_left_hip_roll_z
-                .mul_add(
-                    T::from_f64(0.04821755465549107),
-                    e32
-                        .mul_add(
-                            T::from_f64(0.18029592085523005),
-                            -(T::from_f64(0.9824298694288612) * e31),
-                        ),
-                ),
-            -kx_left_hip_roll_z
-                .mul_add(
-                    T::from_f64(0.17358319675976783),
-                    e31
-                        .mul_add(
-                            T::from_f64(0.18600107924449963),
-                            T::from_f64(0.9670948621115414) * e32,
-                        ),
-                ),
-            kx_left_hip_pitch_z
-                .mul_add(
-                    T::from_f64(0.10003501838572533),
-                    e39
-                        .mul_add(
-                            T::from_f64(0.7773178779650479),
-                            -(T::from_f64(0.6211037849606799) * bx_left_hip_pitch_x),
-                        ),
-                ),
-            kx_left_hip_pitch_z
-                .mul_add(
-                    T::from_f64(0.9803431801801081),
-                    bx_left_hip_pitch_x
-                        .mul_add(
-                            T::from_f64(0.19505301897281854),
-                            T::from_f64(0.029691225369481503) * e39,
-                        ),
-                ),
-            kx_left_hip_pitch_z
-                .mul_add(
-                    T::from_f64(0.1700595312557331),
-                    -bx_left_hip_pitch_x
-                        .mul_add(
-                            T::from_f64(0.7590681182193775),
-                            T::from_f64(0.6284069921093921) * e39,
-                        ),
-                ),
-            (-kx_left_knee_z)
-                .mul_add(
-                    T::from_f64(0.0543214476255111),
-                    bx_left_knee_x
-                        .mul_add(
-                            T::from_f64(0.5924701423191099),
-                            T::from_f64(0.8037588635830043) * e45,
-                        ),
-                ),
-            kx_left_knee_z
-                .mul_add(
-                    T::from_f64(0.9958932064677037),
-                    bx_left_knee_x
-                        .mul_add(
-                            T::from_f64(0.09053393944867547),
-                            T::from_f64(0.0005719435102985865) * e45,
-                        ),
-                ),
-            kx_left_knee_z
-                .mul_add(
-                    T::from_f64(0.07242859683401481),
-                    e45
-                        .mul_add(
-                            T::from_f64(0.5949549244206475),
-                            -(T::from_f64(0.8004890606799554) * bx_left_knee_x),
-                        ),
-                ),
-            kx_left_ankle_pitch_z
-                .mul_add(
-                    T::from_f64(0.07453982498343462),
-                    bx_left_ankle_pitch_x
-                        .mul_add(
-                            T::from_f64(0.9854246040522064),
-                            -(T::from_f64(0.1529122762239553) * e49),
-                        ),
-                ),
-            kx_left_ankle_pitch_z
-                .mul_add(
-                    T::from_f64(0.9903148176370599),
-                    e49
-                        .mul_add(
-                            T::from_f64(0.12742238056085947),
-                            -(T::from_f64(0.05513709187725314) * bx_left_ankle_pitch_x),
-                        ),
-                ),
-            (-kx_left_ankle_pitch_z)
-                .mul_add(
-                    T::from_f64(0.11713401068825438),
-                    bx_left_ankle_pitch_x
-                        .mul_add(
-                            T::from_f64(0.16092933488917305),
-                            T::from_f64(0.9799904962356587) * e49,
-                        ),
-                ),
-            kx_left_ankle_roll_z
-                .mul_add(
-                    T::from_f64(0.9733639183217578),
-                    bx_left_ankle_roll_x
-                        .mul_add(
-                            T::from_f64(0.20544888863102057),
-                            T::from_f64(0.10175183865460506) * bx_left_ankle_roll_y,
-                        ),
-                ),
-            (-kx_left_ankle_roll_z)
-                .mul_add(
-                    T::from_f64(0.0903121161329466),
-                    bx_left_ankle_roll_y
-                        .mul_add(
-                            T::from_f64(0.9938332711736169),
-                            -(T::from_f64(0.06433623231070597) * bx_left_ankle_roll_x),
-                        ),
-                ),
-            kx_left_ankle_roll_z
-                .mul_add(
-                    T::from_f64(0.2107282709768754),
-                    -bx_left_ankle_roll_x
-                        .mul_add(
-                            T::from_f64(0.9765508708573974),
-                            T::from_f64(0.04406804328257811) * bx_left_ankle_roll_y,
-                        ),
-                ),
-            kx_waist_yaw_z
-                .mul_add(
-                    T::from_f64(0.05013302902454261),
-                    -bx_waist_yaw_x
-                        .mul_add(
-                            T::from_f64(0.11455324933025107),
-                            T::from_f64(0.9921513153086609) * bx_waist_yaw_y,
-                        ),
-                ),
-            kx_waist_yaw_z
-                .mul_add(
-                    T::from_f64(0.11029266385399372),
-                    bx_waist_yaw_x
-                        .mul_add(
-                            T::from_f64(0.9879595626153338),
-                            -(T::from_f64(0.10849622545005164) * bx_waist_yaw_y),
-                        ),
-                ),
-            kx_waist_yaw_z
-                .mul_add(
-                    T::from_f64(0.9926339746859435),
-                    bx_waist_yaw_y
-                        .mul_add(
-                            T::from_f64(0.06216378844943306),
-                            -(T::from_f64(0.10398776709209512) * bx_waist_yaw_x),
-                        ),
-                ),
-            -kx_waist_pitch_z
-                .mul_add(
-                    T::from_f64(0.07686740279497044),
-                    e60
-                        .mul_add(
-                            T::from_f64(0.17939505485262935),
-                            T::from_f64(0.9807695023204881) * e61,
-                        ),
-                ),
-            kx_waist_pitch_z
-                .mul_add(
-                    T::from_f64(0.9882951787924771),
-                    e60
-                        .mul_add(
-                            T::from_f64(0.11629756483619717),
-                            -(T::from_f64(0.09872950920933495) * e61),
-                        ),
-                ),
-            kx_waist_pitch_z
-                .mul_add(
-                    T::from_f64(0.1317726905056636),
-                    e61
-                        .mul_add(
-                            T::from_f64(0.1683557760497274),
-                            -(T::from_f64(0.9768788516021794) * e60),
-                        ),
-                ),
-            bx_neck_yaw_x
-                .mul_add(
-                    T::from_f64(0.0463635037734159),
-                    T::from_f64(0.9989246345535044) * e68,
-                ),
-            bx_neck_yaw_x
-                .mul_add(
-                    T::from_f64(0.9989246345535044),
-                    -(T::from_f64(0.0463635037734159) * e68),
-                ),
-            kx_neck_yaw_z,
-            kx_neck_pitch_z
-                .mul_add(
-                    T::from_f64(0.038740125174873435),
-                    bx_neck_pitch_y
-                        .mul_add(
-                            T::from_f64(0.17090909239800103),
-                            -(T::from_f64(0.9845249031066339) * bx_neck_pitch_x),
-                        ),
-                ),
-            kx_neck_pitch_z
-                .mul_add(
-                    T::from_f64(0.997558223252991),
-                    bx_neck_pitch_x
-                        .mul_add(
-                            T::from_f64(0.048051161613096624),
-                            T::from_f64(0.05068211802961547) * bx_neck_pitch_y,
-                        ),
-                ),
-            (-kx_neck_pitch_z)
-                .mul_add(
-                    T::from_f64(0.05811018776231015),
-                    bx_neck_pitch_x
-                        .mul_add(
-                            T::from_f64(0.16852833895373615),
-                            T::from_f64(0.9839824211070662) * bx_neck_pitch_y,
-                        ),
-                ),
-            (-kx_right_shoulder_pitch_z)
-                .mul_add(
-                    T::from_f64(0.08051289048522246),
-                    bx_right_shoulder_pitch_y
-                        .mul_add(
-                            T::from_f64(0.22816877903507443),
-                            -(T::from_f64(0.9702869074347845)
-                                * bx_right_shoulder_pitch_x),
-                        ),
-                ),
-            kx_right_shoulder_pitch_z
-                .mul_add(
-                    T::from_f64(0.9762187971333224),
-                    -bx_right_shoulder_pitch_x
-                        .mul_add(
-                            T::from_f64(0.12298635900909212),
-                            T::from_f64(0.17852511201860666) * bx_right_shoulder_pitch_y,
-                        ),
-                ),
-            kx_right_shoulder_pitch_z
-                .mul_add(
-                    T::from_f64(0.20128222621305616),
-                    bx_right_shoulder_pitch_x
-                        .mul_add(
-                            T::from_f64(0.20836907822018302),
-                            T::from_f64(0.957114304904272) * bx_right_shoulder_pitch_y,
-                        ),
-                ),
-            -kx_right_shoulder_roll_z
-                .mul_add(
-                    T::from_f64(0.9797515453989188),
-                    bx_right_shoulder_roll_x
-                        .mul_add(
-                            T::from_f64(0.09084250712834728),
-                            T::from_f64(0.17842238701201812) * bx_right_shoulder_roll_y,
-                        ),
-                ),
-            kx_right_shoulder_roll_z
-                .mul_add(
-                    T::from_f64(0.15634333171259343),
-                    bx_right_shoulder_roll_x
-                        .mul_add(
-                            T::from_f64(0.20957168772714235),
-                            -(T::from_f64(0.9652131735177485) * bx_right_shoulder_roll_y),
-                        ),
-                ),
-            kx_right_shoulder_roll_z
-                .mul_add(
-                    T::from_f64(0.12507466537007475),
-                    -bx_right_shoulder_roll_x
-                        .mul_add(
-                            T::from_f64(0.9735642488309816),
-                            T::from_f64(0.19112556469695652) * bx_right_shoulder_roll_y,
-                        ),
-                ),
-            kx_right_shoulder_yaw_z
-                .mul_add(
-                    T::from_f64(0.08475868968264198),
-                    e86
-                        .mul_add(
-                            T::from_f64(0.01045559498811533),
-                            -(T::from_f64(0.9963466490417511) * e87),
-                        ),
-                ),
-            kx_right_elbow_z,
-            -kx_right_shoulder_yaw_z
-                .mul_add(
-                    T::from_f64(0.9888513796308234),
-                    e86
-                        .mul_add(
-                            T::from_f64(0.12198194152801221),
-                            T::from_f64(0.08540114134643578) * e87,
-                        ),
-                ),
-            e96
-                .mul_add(
-                    T::from_f64(0.9829721203303413),
-                    -(T::from_f64(0.18375475681808387) * bx_right_elbow_x),
-                ),
-            kx_right_elbow_z,
-            -bx_right_elbow_x
-                .mul_add(
-                    T::from_f64(0.9829721203303413),
-                    T::from_f64(0.18375475681808387) * e96,
-                ),
-            (-kx_right_wrist_yaw_z)
-                .mul_add(
-                    T::from_f64(0.12095948535747154),
-                    bx_right_wrist_yaw_y
-                        .mul_add(
-                            T::from_f64(0.17981670296897617),
-                            -(T::from_f64(0.9762349902740747) * bx_right_wrist_yaw_x),
-                        ),
-                ),
-            (-kx_right_wrist_yaw_z)
-                .mul_add(
-                    T::from_f64(0.07697421795475462),
-                    bx_right_wrist_yaw_x
-                        .mul_add(
-                            T::from_f64(0.189825799816729),
-                            T::from_f64(0.9787957578035333) * bx_right_wrist_yaw_y,
-                        ),
-                ),
-            (-kx_right_wrist_yaw_z)
-                .mul_add(
-                    T::from_f64(0.9896685165611309),
-                    bx_right_wrist_yaw_x
-                        .mul_add(
-                            T::from_f64(0.10455338104775241),
-                            -(T::from_f64(0.09810615596981634) * bx_right_wrist_yaw_y),
-                        ),
-                ),
-            (-kx_right_wrist_roll_z)
-                .mul_add(
-                    T::from_f64(0.9875478905452643),
-                    bx_right_wrist_roll_x
-                        .mul_add(
-                            T::from_f64(0.13744769651506267),
-                            -(T::from_f64(0.0765329641546823) * e106),
-                        ),
-                ),
-            kx_right_wrist_roll_z
-                .mul_add(
-                    T::from_f64(0.1280154672929046),
-                    bx_right_wrist_roll_x
-                        .mul_add(
-                            T::from_f64(0.9848605837142257),
-                            T::from_f64(0.11688315011092955) * e106,
-                        ),
-                ),
-            (-kx_right_wrist_roll_z)
-                .mul_add(
-                    T::from_f64(0.09143961949493187),
-                    e106
-                        .mul_add(
-                            T::from_f64(0.9901924230258703),
-                            -(T::from_f64(0.10563030516276119) * bx_right_wrist_roll_x),
-                        ),
-                ),
-            kx_right_wrist_pitch_z
-                .mul_add(
-                    T::from_f64(0.13926262418314853),
-                    -bx_right_wrist_pitch_x
-                        .mul_add(
-                            T::from_f64(0.019249486508246386),
-                            T::from_f64(0.9900683707576927) * bx_right_wrist_pitch_y,
-                        ),
-                ),
-            kx_right_wrist_pitch_z
-                .mul_add(
-                    T::from_f64(0.9855508788345896),
-                    bx_right_wrist_pitch_y
-                        .mul_add(
-                            T::from_f64(0.14046741030419552),
-                            -(T::from_f64(0.09464867601187527) * bx_right_wrist_pitch_x),
-                        ),
-                ),
-            (-kx_right_wrist_pitch_z)
-                .mul_add(
-                    T::from_f64(0.09641258597294897),
-                    bx_right_wrist_pitch_y
-                        .mul_add(
-                            T::from_f64(0.005790325348442432),
-                            -(T::from_f64(0.9953246130777477) * bx_right_wrist_pitch_x),
-                        ),
-                ),
-            kx_left_shoulder_pitch_z
-                .mul_add(
-                    T::from_f64(0.08051289048522246),
-                    bx_left_shoulder_pitch_x
-                        .mul_add(
-                            T::from_f64(0.9702869074347845),
-                            T::from_f64(0.22816877903507443) * e115,
-                        ),
-                ),
-            kx_left_shoulder_pitch_z
-                .mul_add(
-                    T::from_f64(0.9762187971333224),
-                    e115
-                        .mul_add(
-                            T::from_f64(0.17852511201860666),
-                            -(T::from_f64(0.12298635900909212)
-                                * bx_left_shoulder_pitch_x),
-                        ),
-                ),
-            (-kx_left_shoulder_pitch_z)
-                .mul_add(
-                    T::from_f64(0.20128222621305616),
-                    e115
-                        .mul_add(
-                            T::from_f64(0.957114304904272),
-                            -(T::from_f64(0.20836907822018302)
-                                * bx_left_shoulder_pitch_x),
-                        ),
-                ),
-            kx_left_shoulder_roll_z
-                .mul_add(
-                    T::from_f64(0.9797515453989188),
-                    bx_left_shoulder_roll_x
-                        .mul_add(
-                            T::from_f64(0.09084250712834728),
-                            -(T::from_f64(0.17842238701201812) * e123),
-                        ),
-                ),
-            kx_left_shoulder_roll_z
-                .mul_add(
-                    T::from_f64(0.15634333171259343),
-                    bx_left_shoulder_roll_x
-                        .mul_add(
-                            T::from_f64(0.20957168772714235),
-                            T::from_f64(0.9652131735177485) * e123,
-                        ),
-                ),
-            (-kx_left_shoulder_roll_z)
-                .mul_add(
-                    T::from_f64(0.12507466537007475),
-                    bx_left_shoulder_roll_x
-                        .mul_add(
-                            T::from_f64(0.9735642488309816),
-                            -(T::from_f64(0.19112556469695652) * e123),
-                        ),
-                ),
-            (-kx_left_shoulder_yaw_z)
-                .mul_add(
-                    T::from_f64(0.08475868968264198),
-                    bx_left_shoulder_yaw_x
-                        .mul_add(
-                            T::from_f64(0.01045559498811533),
-                            T::from_f64(0.9963466490417511) * e128,
-                        ),
-                ),
-            kx_left_elbow_z,
-            kx_left_shoulder_yaw_z
-                .mul_add(
-                    T::from_f64(0.9888513796308234),
-                    e128
-                        .mul_add(
-                            T::from_f64(0.08540114134643578),
-                            -(T::from_f64(0.12198194152801221) * bx_left_shoulder_yaw_x),
-                        ),
-                ),
-            bx_left_elbow_x
-                .mul_add(
-                    T::from_f64(0.18375475681808387),
-                    T::from_f64(0.9829721203303413) * bx_left_elbow_y,
-                ),
-            kx_left_elbow_z,
-            bx_left_elbow_x
-                .mul_add(
-                    T::from_f64(0.9829721203303413),
-                    -(T::from_f64(0.18375475681808387) * bx_left_elbow_y),
-                ),
-            kx_left_wrist_yaw_z
-                .mul_add(
-                    T::from_f64(0.12095948535747154),
-                    bx_left_wrist_yaw_x
-                        .mul_add(
-                            T::from_f64(0.9762349902740747),
-                            T::from_f64(0.17981670296897617) * e136,
-                        ),
-                ),
-            (-kx_left_wrist_yaw_z)
-                .mul_add(
-                    T::from_f64(0.07697421795475462),
-                    bx_left_wrist_yaw_x
-                        .mul_add(
-                            T::from_f64(0.189825799816729),
-                            -(T::from_f64(0.9787957578035333) * e136),
-                        ),
-                ),
-            kx_left_wrist_yaw_z
-                .mul_add(
-                    T::from_f64(0.9896685165611309),
-                    -bx_left_wrist_yaw_x
-                        .mul_add(
-                            T::from_f64(0.10455338104775241),
-                            T::from_f64(0.09810615596981634) * e136,
-                        ),
-                ),
-            kx_left_wrist_roll_z
-                .mul_add(
-                    T::from_f64(0.9875478905452643),
-                    e142
-                        .mul_add(
-                            T::from_f64(0.13744769651506267),
-                            T::from_f64(0.0765329641546823) * e143,
-                        ),
-                ),
-            kx_left_wrist_roll_z
-                .mul_add(
-                    T::from_f64(0.1280154672929046),
-                    e143
-                        .mul_add(
-                            T::from_f64(0.11688315011092955),
-                            -(T::from_f64(0.9848605837142257) * e142),
-                        ),
-                ),
-            kx_left_wrist_roll_z
-                .mul_add(
-                    T::from_f64(0.09143961949493187),
-                    -e142
-                        .mul_add(
-                            T::from_f64(0.10563030516276119),
-                            T::from_f64(0.9901924230258703) * e143,
-                        ),
-                ),
-            e148
-                .mul_add(
-                    T::from_f64(0.13926262418314853),
-                    -e149
-                        .mul_add(
-                            T::from_f64(0.019249486508246386),
-                            T::from_f64(0.9900683707576927) * e150,
-                        ),
-                ),
-            (-e148)
-                .mul_add(
-                    T::from_f64(0.9855508788345896),
-                    e149
-                        .mul_add(
-                            T::from_f64(0.09464867601187527),
-                            -(T::from_f64(0.14046741030419552) * e150),
-                        ),
-                ),
-            (-e148)
-                .mul_add(
-                    T::from_f64(0.09641258597294897),
-                    e150
-                        .mul_add(
-                            T::from_f64(0.005790325348442432),
-                            -(T::from_f64(0.9953246130777477) * e149),
-                        ),
-                ),
-        ],
-        [
-            zero,
-            one,
-            zero,
-            T::from_f64(0.1279648532057884)
-                - by_right_ankle_roll_x
-                    .mul_add(
-                        T::from_f64(0.1260819066254007),
-                        T::from_f64(0.1529122762239553) * e4,
-                    ),
-            by_right_ankle_roll_x
-                .mul_add(
-                    T::from_f64(0.9860642172215092),
-                    -(T::from_f64(0.12742238056085944) * e4),
-                ) + T::from_f64(0.013964392452657086),
-            by_right_ankle_roll_x
-                .mul_add(
-                    T::from_f64(0.10853898993926647),
-                    T::from_f64(0.9799904962356587) * e4,
-                ) + T::from_f64(0.021782632782422214),
-            (-ky_right_ankle_pitch_z)
-                .mul_add(
-                    T::from_f64(0.10072239850941322),
-                    by_right_ankle_pitch_x
-                        .mul_add(
-                            T::from_f64(0.5863673657787142),
-                            T::from_f64(0.8037588635830045) * e8,
-                        ),
-                ),
-            ky_right_ankle_pitch_z
-                .mul_add(
-                    T::from_f64(0.9854343154104156),
-                    by_right_ankle_pitch_x
-                        .mul_add(
-                            T::from_f64(0.17005552884933375),
-                            -(T::from_f64(0.0005719435102985865) * e8),
-                        ),
-                ),
-            ky_right_ankle_pitch_z
-                .mul_add(
-                    T::from_f64(0.1370190076234553),
-                    e8
-                        .mul_add(
-                            T::from_f64(0.5949549244206476),
-                            -(T::from_f64(0.7919939579678025) * by_right_ankle_pitch_x),
-                        ),
-                ),
-            (-ky_right_knee_z)
-                .mul_add(
-                    T::from_f64(0.05491857598002902),
-                    e12
-                        .mul_add(
-                            T::from_f64(0.7773178779650478),
-                            -(T::from_f64(0.6267063639442644) * by_right_knee_x),
-                        ),
-                ),
-            ky_right_knee_z
-                .mul_add(
-                    T::from_f64(0.9918697888935732),
-                    -by_right_knee_x
-                        .mul_add(
-                            T::from_f64(0.12374470904356641),
-                            T::from_f64(0.029691225369481516) * e12,
-                        ),
-                ),
-            -ky_right_knee_z
-                .mul_add(
-                    T::from_f64(0.11479665453550475),
-                    by_right_knee_x
-                        .mul_add(
-                            T::from_f64(0.7693675197039984),
-                            T::from_f64(0.628406992109392) * e12,
-                        ),
-                ),
-            -ky_right_hip_pitch_z
-                .mul_add(
-                    T::from_f64(0.044145363912509596),
-                    by_right_hip_pitch_x
-                        .mul_add(
-                            T::from_f64(0.9827666448575718),
-                            T::from_f64(0.17950183453219504) * e16,
-                        ),
-                ),
-            ky_right_hip_pitch_z
-                .mul_add(
-                    T::from_f64(0.9835480819632141),
-                    -by_right_hip_pitch_x
-                        .mul_add(
-                            T::from_f64(0.011249506186826184),
-                            T::from_f64(0.18029592085523008) * e16,
-                        ),
-                ),
-            (-ky_right_hip_pitch_z)
-                .mul_add(
-                    T::from_f64(0.17516951022228416),
-                    by_right_hip_pitch_x
-                        .mul_add(
-                            T::from_f64(0.1845079141011138),
-                            -(T::from_f64(0.9670948621115415) * e16),
-                        ),
-                ),
-            -ky_right_hip_roll_z
-                .mul_add(
-                    T::from_f64(0.9986750655402579),
-                    by_right_hip_roll_x
-                        .mul_add(
-                            T::from_f64(0.038782231266670894),
-                            T::from_f64(0.03382383783872411) * by_right_hip_roll_y,
-                        ),
-                ),
-            ky_right_hip_roll_z
-                .mul_add(
-                    T::from_f64(0.041130694271502954),
-                    -by_right_hip_roll_x
-                        .mul_add(
-                            T::from_f64(0.20656645943669896),
-                            T::from_f64(0.9775676773628162) * by_right_hip_roll_y,
-                        ),
-                ),
-            ky_right_hip_roll_z
-                .mul_add(
-                    T::from_f64(0.03092538531540076),
-                    by_right_hip_roll_y
-                        .mul_add(
-                            T::from_f64(0.20788791251376051),
-                            -(T::from_f64(0.9776636621935814) * by_right_hip_roll_x),
-                        ),
-                ),
-            (-ky_right_hip_yaw_z)
-                .mul_add(
-                    T::from_f64(0.29159038241600355),
-                    by_right_hip_yaw_x
-                        .mul_add(
-                            T::from_f64(0.15979020363924512),
-                            T::from_f64(0.9431024014938241) * e21,
-                        ),
-                ),
-            -by_right_hip_yaw_x
-                .mul_add(
-                    T::from_f64(0.8769571695433379),
-                    T::from_f64(0.48056854119525716) * ky_right_hip_yaw_z,
-                ),
-            (-ky_right_hip_yaw_z)
-                .mul_add(
-                    T::from_f64(0.8270604126035483),
-                    by_right_hip_yaw_x
-                        .mul_add(
-                            T::from_f64(0.4532253452836305),
-                            -(T::from_f64(0.3325024214898031) * e21),
-                        ),
-                ),
-            ky_left_hip_yaw_z
-                .mul_add(
-                    T::from_f64(0.12146644952683741),
-                    by_left_hip_yaw_x
-                        .mul_add(
-                            T::from_f64(0.9920190772526525),
-                            T::from_f64(0.03382383783872412) * e27,
-                        ),
-                ),
-            (-ky_left_hip_yaw_z)
-                .mul_add(
-                    T::from_f64(0.20244408254472904),
-                    by_left_hip_yaw_x
-                        .mul_add(
-                            T::from_f64(0.05811909856572281),
-                            -(T::from_f64(0.9775676773628161) * e27),
-                        ),
-                ),
-            ky_left_hip_yaw_z
-                .mul_add(
-                    T::from_f64(0.9717315962146993),
-                    -by_left_hip_yaw_x
-                        .mul_add(
-                            T::from_f64(0.11189423912205596),
-                            T::from_f64(0.20788791251376057) * e27,
-                        ),
-                ),
-            ky_left_hip_roll_z
-                .mul_add(
-                    T::from_f64(0.9836381149720178),
-                    e33
-                        .mul_add(
-                            T::from_f64(0.01533460706611091),
-                            -(T::from_f64(0.17950183453219504) * e34),
-                        ),
-                ),
-            ky_left_hip_roll_z
-                .mul_add(
-                    T::from_f64(0.04821755465549107),
-                    e34
-                        .mul_add(
-                            T::from_f64(0.18029592085523005),
-                            -(T::from_f64(0.9824298694288612) * e33),
-                        ),
-                ),
-            -ky_left_hip_roll_z
-                .mul_add(
-                    T::from_f64(0.17358319675976783),
-                    e33
-                        .mul_add(
-                            T::from_f64(0.18600107924449963),
-                            T::from_f64(0.9670948621115414) * e34,
-                        ),
-                ),
-            ky_left_hip_pitch_z
-                .mul_add(
-                    T::from_f64(0.10003501838572533),
-                    e41
-                        .mul_add(
-                            T::from_f64(0.7773178779650479),
-                            -(T::from_f64(0.6211037849606799) * by_left_hip_pitch_x),
-                        ),
-                ),
-            ky_left_hip_pitch_z
-                .mul_add(
-                    T::from_f64(0.9803431801801081),
-                    by_left_hip_pitch_x
-                        .mul_add(
-                            T::from_f64(0.19505301897281854),
-                            T::from_f64(0.029691225369481503) * e41,
-                        ),
-                ),
-            ky_left_hip_pitch_z
-                .mul_add(
-                    T::from_f64(0.1700595312557331),
-                    -by_left_hip_pitch_x
-                        .mul_add(
-                            T::from_f64(0.7590681182193775),
-                            T::from_f64(0.6284069921093921) * e41,
-                        ),
-                ),
-            (-ky_left_knee_z)
-                .mul_add(
-                    T::from_f64(0.0543214476255111),
-                    by_left_knee_x
-                        .mul_add(
-                            T::from_f64(0.5924701423191099),
-                            T::from_f64(0.8037588635830043) * e46,
-                        ),
-                ),
-            ky_left_knee_z
-                .mul_add(
-                    T::from_f64(0.9958932064677037),
-                    by_left_knee_x
-                        .mul_add(
-                            T::from_f64(0.09053393944867547),
-                            T::from_f64(0.0005719435102985865) * e46,
-                        ),
-                ),
-            ky_left_knee_z
-                .mul_add(
-                    T::from_f64(0.07242859683401481),
-                    e46
-                        .mul_add(
-                            T::from_f64(0.5949549244206475),
-                            -(T::from_f64(0.8004890606799554) * by_left_knee_x),
-                        ),
-                ),
-            ky_left_ankle_pitch_z
-                .mul_add(
-                    T::from_f64(0.07453982498343462),
-                    by_left_ankle_pitch_x
-                        .mul_add(
-                            T::from_f64(0.9854246040522064),
-                            -(T::from_f64(0.1529122762239553) * e50),
-                        ),
-                ),
-            ky_left_ankle_pitch_z
-                .mul_add(
-                    T::from_f64(0.9903148176370599),
-                    e50
-                        .mul_add(
-                            T::from_f64(0.12742238056085947),
-                            -(T::from_f64(0.05513709187725314) * by_left_ankle_pitch_x),
-                        ),
-                ),
-            (-ky_left_ankle_pitch_z)
-                .mul_add(
-                    T::from_f64(0.11713401068825438),
-                    by_left_ankle_pitch_x
-                        .mul_add(
-                            T::from_f64(0.16092933488917305),
-                            T::from_f64(0.9799904962356587) * e50,
-                        ),
-                ),
-            ky_left_ankle_roll_z
-                .mul_add(
-                    T::from_f64(0.9733639183217578),
-                    by_left_ankle_roll_x
-                        .mul_add(
-                            T::from_f64(0.20544888863102057),
-                            T::from_f64(0.10175183865460506) * by_left_ankle_roll_y,
-                        ),
-                ),
-            (-ky_left_ankle_roll_z)
-                .mul_add(
-                    T::from_f64(0.0903121161329466),
-                    by_left_ankle_roll_y
-                        .mul_add(
-                            T::from_f64(0.9938332711736169),
-                            -(T::from_f64(0.06433623231070597) * by_left_ankle_roll_x),
-                        ),
-                ),
-            ky_left_ankle_roll_z
-                .mul_add(
-                    T::from_f64(0.2107282709768754),
-                    -by_left_ankle_roll_x
-                        .mul_add(
-                            T::from_f64(0.9765508708573974),
-                            T::from_f64(0.04406804328257811) * by_left_ankle_roll_y,
-                        ),
-                ),
-            ky_waist_yaw_z
-                .mul_add(
-                    T::from_f64(0.05013302902454261),
-                    -by_waist_yaw_x
-                        .mul_add(
-                            T::from_f64(0.11455324933025107),
-                            T::from_f64(0.9921513153086609) * by_waist_yaw_y,
-                        ),
-                ),
-            ky_waist_yaw_z
-                .mul_add(
-                    T::from_f64(0.11029266385399372),
-                    by_waist_yaw_x
-                        .mul_add(
-                            T::from_f64(0.9879595626153338),
-                            -(T::from_f64(0.10849622545005164) * by_waist_yaw_y),
-                        ),
-                ),
-            ky_waist_yaw_z
-                .mul_add(
-                    T::from_f64(0.9926339746859435),
-                    by_waist_yaw_y
-                        .mul_add(
-                            T::from_f64(0.06216378844943306),
-                            -(T::from_f64(0.10398776709209512) * by_waist_yaw_x),
-                        ),
-                ),
-            -ky_waist_pitch_z
-                .mul_add(
-                    T::from_f64(0.07686740279497044),
-                    e62
-                        .mul_add(
-                            T::from_f64(0.17939505485262935),
-                            T::from_f64(0.9807695023204881) * e63,
-                        ),
-                ),
-            ky_waist_pitch_z
-                .mul_add(
-                    T::from_f64(0.9882951787924771),
-                    e62
-                        .mul_add(
-                            T::from_f64(0.11629756483619717),
-                            -(T::from_f64(0.09872950920933495) * e63),
-                        ),
-                ),
-            ky_waist_pitch_z
-                .mul_add(
-                    T::from_f64(0.1317726905056636),
-                    e63
-                        .mul_add(
-                            T::from_f64(0.1683557760497274),
-                            -(T::from_f64(0.9768788516021794) * e62),
-                        ),
-                ),
-            by_neck_yaw_x
-                .mul_add(
-                    T::from_f64(0.0463635037734159),
-                    T::from_f64(0.9989246345535044) * e70,
-                ),
-            by_neck_yaw_x
-                .mul_add(
-                    T::from_f64(0.9989246345535044),
-                    -(T::from_f64(0.0463635037734159) * e70),
-                ),
-            ky_neck_yaw_z,
-            ky_neck_pitch_z
-                .mul_add(
-                    T::from_f64(0.038740125174873435),
-                    by_neck_pitch_y
-                        .mul_add(
-                            T::from_f64(0.17090909239800103),
-                            -(T::from_f64(0.9845249031066339) * by_neck_pitch_x),
-                        ),
-                ),
-            ky_neck_pitch_z
-                .mul_add(
-                    T::from_f64(0.997558223252991),
-                    by_neck_pitch_x
-                        .mul_add(
-                            T::from_f64(0.048051161613096624),
-                            T::from_f64(0.05068211802961547) * by_neck_pitch_y,
-                        ),
-                ),
-            (-ky_neck_pitch_z)
-                .mul_add(
-                    T::from_f64(0.05811018776231015),
-                    by_neck_pitch_x
-                        .mul_add(
-                            T::from_f64(0.16852833895373615),
-                            T::from_f64(0.9839824211070662) * by_neck_pitch_y,
-                        ),
-                ),
-            (-ky_right_shoulder_pitch_z)
-                .mul_add(
-                    T::from_f64(0.08051289048522246),
-                    by_right_shoulder_pitch_y
-                        .mul_add(
-                            T::from_f64(0.22816877903507443),
-                            -(T::from_f64(0.9702869074347845)
-                                * by_right_shoulder_pitch_x),
-                        ),
-                ),
-            ky_right_shoulder_pitch_z
-                .mul_add(
-                    T::from_f64(0.9762187971333224),
-                    -by_right_shoulder_pitch_x
-                        .mul_add(
-                            T::from_f64(0.12298635900909212),
-                            T::from_f64(0.17852511201860666) * by_right_shoulder_pitch_y,
-                        ),
-                ),
-            ky_right_shoulder_pitch_z
-                .mul_add(
-                    T::from_f64(0.20128222621305616),
-                    by_right_shoulder_pitch_x
-                        .mul_add(
-                            T::from_f64(0.20836907822018302),
-                            T::from_f64(0.957114304904272) * by_right_shoulder_pitch_y,
-                        ),
-                ),
-            -ky_right_shoulder_roll_z
-                .mul_add(
-                    T::from_f64(0.9797515453989188),
-                    by_right_shoulder_roll_x
-                        .mul_add(
-                            T::from_f64(0.09084250712834728),
-                            T::from_f64(0.17842238701201812) * by_right_shoulder_roll_y,
-                        ),
-                ),
-            ky_right_shoulder_roll_z
-                .mul_add(
-                    T::from_f64(0.15634333171259343),
-                    by_right_shoulder_roll_x
-                        .mul_add(
-                            T::from_f64(0.20957168772714235),
-                            -(T::from_f64(0.9652131735177485) * by_right_shoulder_roll_y),
-                        ),
-                ),
-            ky_right_shoulder_roll_z
-                .mul_add(
-                    T::from_f64(0.12507466537007475),
-                    -by_right_shoulder_roll_x
-                        .mul_add(
-                            T::from_f64(0.9735642488309816),
-                            T::from_f64(0.19112556469695652) * by_right_shoulder_roll_y,
-                        ),
-                ),
-            ky_right_shoulder_yaw_z
-                .mul_add(
-                    T::from_f64(0.08475868968264198),
-                    e89
-                        .mul_add(
-                            T::from_f64(0.01045559498811533),
-                            -(T::from_f64(0.9963466490417511) * e90),
-                        ),
-                ),
-            ky_right_elbow_z,
-            -ky_right_shoulder_yaw_z
-                .mul_add(
-                    T::from_f64(0.9888513796308234),
-                    e89
-                        .mul_add(
-                            T::from_f64(0.12198194152801221),
-                            T::from_f64(0.08540114134643578) * e90,
-                        ),
-                ),
-            e98
-                .mul_add(
-                    T::from_f64(0.9829721203303413),
-                    -(T::from_f64(0.18375475681808387) * by_right_elbow_x),
-                ),
-            ky_right_elbow_z,
-            -by_right_elbow_x
-                .mul_add(
-                    T::from_f64(0.9829721203303413),
-                    T::from_f64(0.18375475681808387) * e98,
-                ),
-            (-ky_right_wrist_yaw_z)
-                .mul_add(
-                    T::from_f64(0.12095948535747154),
-                    by_right_wrist_yaw_y
-                        .mul_add(
-                            T::from_f64(0.17981670296897617),
-                            -(T::from_f64(0.9762349902740747) * by_right_wrist_yaw_x),
-                        ),
-                ),
-            (-ky_right_wrist_yaw_z)
-                .mul_add(
-                    T::from_f64(0.07697421795475462),
-                    by_right_wrist_yaw_x
-                        .mul_add(
-                            T::from_f64(0.189825799816729),
-                            T::from_f64(0.9787957578035333) * by_right_wrist_yaw_y,
-                        ),
-                ),
-            (-ky_right_wrist_yaw_z)
-                .mul_add(
-                    T::from_f64(0.9896685165611309),
-                    by_right_wrist_yaw_x
-                        .mul_add(
-                            T::from_f64(0.10455338104775241),
-                            -(T::from_f64(0.09810615596981634) * by_right_wrist_yaw_y),
-                        ),
-                ),
-            (-ky_right_wrist_roll_z)
-                .mul_add(
-                    T::from_f64(0.9875478905452643),
-                    by_right_wrist_roll_x
-                        .mul_add(
-                            T::from_f64(0.13744769651506267),
-                            -(T::from_f64(0.0765329641546823) * e107),
-                        ),
-                ),
-            ky_right_wrist_roll_z
-                .mul_add(
-                    T::from_f64(0.1280154672929046),
-                    by_right_wrist_roll_x
-                        .mul_add(
-                            T::from_f64(0.9848605837142257),
-                            T::from_f64(0.11688315011092955) * e107,
-                        ),
-                ),
-            (-ky_right_wrist_roll_z)
-                .mul_add(
-                    T::from_f64(0.09143961949493187),
-                    e107
-                        .mul_add(
-                            T::from_f64(0.9901924230258703),
-                            -(T::from_f64(0.10563030516276119) * by_right_wrist_roll_x),
-                        ),
-                ),
-            ky_right_wrist_pitch_z
-                .mul_add(
-                    T::from_f64(0.13926262418314853),
-                    -by_right_wrist_pitch_x
-                        .mul_add(
-                            T::from_f64(0.019249486508246386),
-                            T::from_f64(0.9900683707576927) * by_right_wrist_pitch_y,
-                        ),
-                ),
-            ky_right_wrist_pitch_z
-                .mul_add(
-                    T::from_f64(0.9855508788345896),
-                    by_right_wrist_pitch_y
-                        .mul_add(
-                            T::from_f64(0.14046741030419552),
-                            -(T::from_f64(0.09464867601187527) * by_right_wrist_pitch_x),
-                        ),
-                ),
-            (-ky_right_wrist_pitch_z)
-                .mul_add(
-                    T::from_f64(0.09641258597294897),
-                    by_right_wrist_pitch_y
-                        .mul_add(
-                            T::from_f64(0.005790325348442432),
-                            -(T::from_f64(0.9953246130777477) * by_right_wrist_pitch_x),
-                        ),
-                ),
-            ky_left_shoulder_pitch_z
-                .mul_add(
-                    T::from_f64(0.08051289048522246),
-                    by_left_shoulder_pitch_x
-                        .mul_add(
-                            T::from_f64(0.9702869074347845),
-                            T::from_f64(0.22816877903507443) * e118,
-                        ),
-                ),
-            ky_left_shoulder_pitch_z
-                .mul_add(
-                    T::from_f64(0.9762187971333224),
-                    e118
-                        .mul_add(
-                            T::from_f64(0.17852511201860666),
-                            -(T::from_f64(0.12298635900909212)
-                                * by_left_shoulder_pitch_x),
-                        ),
-                ),
-            (-ky_left_shoulder_pitch_z)
-                .mul_add(
-                    T::from_f64(0.20128222621305616),
-                    e118
-                        .mul_add(
-                            T::from_f64(0.957114304904272),
-                            -(T::from_f64(0.20836907822018302)
-                                * by_left_shoulder_pitch_x),
-                        ),
-                ),
-            ky_left_shoulder_roll_z
-                .mul_add(
-                    T::from_f64(0.9797515453989188),
-                    by_left_shoulder_roll_x
-                        .mul_add(
-                            T::from_f64(0.09084250712834728),
-                            -(T::from_f64(0.17842238701201812) * e124),
-                        ),
-                ),
-            ky_left_shoulder_roll_z
-                .mul_add(
-                    T::from_f64(0.15634333171259343),
-                    by_left_shoulder_roll_x
-                        .mul_add(
-                            T::from_f64(0.20957168772714235),
-                            T::from_f64(0.9652131735177485) * e124,
-                        ),
-                ),
-            (-ky_left_shoulder_roll_z)
-                .mul_add(
-                    T::from_f64(0.12507466537007475),
-                    by_left_shoulder_roll_x
-                        .mul_add(
-                            T::from_f64(0.9735642488309816),
-                            -(T::from_f64(0.19112556469695652) * e124),
-                        ),
-                ),
-            (-ky_left_shoulder_yaw_z)
-                .mul_add(
-                    T::from_f64(0.08475868968264198),
-                    by_left_shoulder_yaw_x
-                        .mul_add(
-                            T::from_f64(0.01045559498811533),
-                            T::from_f64(0.9963466490417511) * e130,
-                        ),
-                ),
-            ky_left_elbow_z,
-            ky_left_shoulder_yaw_z
-                .mul_add(
-                    T::from_f64(0.9888513796308234),
-                    e130
-                        .mul_add(
-                            T::from_f64(0.08540114134643578),
-                            -(T::from_f64(0.12198194152801221) * by_left_shoulder_yaw_x),
-                        ),
-                ),
-            by_left_elbow_x
-                .mul_add(
-                    T::from_f64(0.18375475681808387),
-                    T::from_f64(0.9829721203303413) * by_left_elbow_y,
-                ),
-            ky_left_elbow_z,
-            by_left_elbow_x
-                .mul_add(
-                    T::from_f64(0.9829721203303413),
-                    -(T::from_f64(0.18375475681808387) * by_left_elbow_y),
-                ),
-            ky_left_wrist_yaw_z
-                .mul_add(
-                    T::from_f64(0.12095948535747154),
-                    by_left_wrist_yaw_x
-                        .mul_add(
-                            T::from_f64(0.9762349902740747),
-                            T::from_f64(0.17981670296897617) * e138,
-                        ),
-                ),
-            (-ky_left_wrist_yaw_z)
-                .mul_add(
-                    T::from_f64(0.07697421795475462),
-                    by_left_wrist_yaw_x
-                        .mul_add(
-                            T::from_f64(0.189825799816729),
-                            -(T::from_f64(0.9787957578035333) * e138),
-                        ),
-                ),
-            ky_left_wrist_yaw_z
-                .mul_add(
-                    T::from_f64(0.9896685165611309),
-                    -by_left_wrist_yaw_x
-                        .mul_add(
-                            T::from_f64(0.10455338104775241),
-                            T::from_f64(0.09810615596981634) * e138,
-                        ),
-                ),
-            ky_left_wrist_roll_z
-                .mul_add(
-                    T::from_f64(0.9875478905452643),
-                    e144
-                        .mul_add(
-                            T::from_f64(0.13744769651506267),
-                            T::from_f64(0.0765329641546823) * e145,
-                        ),
-                ),
-            ky_left_wrist_roll_z
-                .mul_add(
-                    T::from_f64(0.1280154672929046),
-                    e145
-                        .mul_add(
-                            T::from_f64(0.11688315011092955),
-                            -(T::from_f64(0.9848605837142257) * e144),
-                        ),
-                ),
-            ky_left_wrist_roll_z
-                .mul_add(
-                    T::from_f64(0.09143961949493187),
-                    -e144
-                        .mul_add(
-                            T::from_f64(0.10563030516276119),
-                            T::from_f64(0.9901924230258703) * e145,
-                        ),
-                ),
-            e151
-                .mul_add(
-                    T::from_f64(0.13926262418314853),
-                    -e152
-                        .mul_add(
-                            T::from_f64(0.019249486508246386),
-                            T::from_f64(0.9900683707576927) * e153,
-                        ),
-                ),
-            (-e151)
-                .mul_add(
-                    T::from_f64(0.9855508788345896),
-                    e152
-                        .mul_add(
-                            T::from_f64(0.09464867601187527),
-                            -(T::from_f64(0.14046741030419552) * e153),
-                        ),
-                ),
-            (-e151)
-                .mul_add(
-                    T::from_f64(0.09641258597294897),
-                    e153
-                        .mul_add(
-                            T::from_f64(0.005790325348442432),
-                            -(T::from_f64(0.9953246130777477) * e152),
-                        ),
-                ),
-        ],
-        [
-            zero,
-            zero,
-            one,
-            T::from_f64(0.14774293595003937)
-                - bz_right_ankle_roll_x
-                    .mul_add(
-                        T::from_f64(0.1260819066254007),
-                        T::from_f64(0.1529122762239553) * e5,
-                    ),
-            bz_right_ankle_roll_x
-                .mul_add(
-                    T::from_f64(0.9860642172215092),
-                    -(T::from_f64(0.12742238056085944) * e5),
-                ) + T::from_f64(0.01612271094779644),
-            bz_right_ankle_roll_x
-                .mul_add(
-                    T::from_f64(0.10853898993926647),
-                    T::from_f64(0.9799904962356587) * e5,
-                ) + T::from_f64(0.025149328423963363),
-            (-kz_right_ankle_pitch_z)
-                .mul_add(
-                    T::from_f64(0.10072239850941322),
-                    bz_right_ankle_pitch_x
-                        .mul_add(
-                            T::from_f64(0.5863673657787142),
-                            T::from_f64(0.8037588635830045) * e9,
-                        ),
-                ),
-            kz_right_ankle_pitch_z
-                .mul_add(
-                    T::from_f64(0.9854343154104156),
-                    bz_right_ankle_pitch_x
-                        .mul_add(
-                            T::from_f64(0.17005552884933375),
-                            -(T::from_f64(0.0005719435102985865) * e9),
-                        ),
-                ),
-            kz_right_ankle_pitch_z
-                .mul_add(
-                    T::from_f64(0.1370190076234553),
-                    e9
-                        .mul_add(
-                            T::from_f64(0.5949549244206476),
-                            -(T::from_f64(0.7919939579678025) * bz_right_ankle_pitch_x),
-                        ),
-                ),
-            (-kz_right_knee_z)
-                .mul_add(
-                    T::from_f64(0.05491857598002902),
-                    e13
-                        .mul_add(
-                            T::from_f64(0.7773178779650478),
-                            -(T::from_f64(0.6267063639442644) * bz_right_knee_x),
-                        ),
-                ),
-            kz_right_knee_z
-                .mul_add(
-                    T::from_f64(0.9918697888935732),
-                    -bz_right_knee_x
-                        .mul_add(
-                            T::from_f64(0.12374470904356641),
-                            T::from_f64(0.029691225369481516) * e13,
-                        ),
-                ),
-            -kz_right_knee_z
-                .mul_add(
-                    T::from_f64(0.11479665453550475),
-                    bz_right_knee_x
-                        .mul_add(
-                            T::from_f64(0.7693675197039984),
-                            T::from_f64(0.628406992109392) * e13,
-                        ),
-                ),
-            -kz_right_hip_pitch_z
-                .mul_add(
-                    T::from_f64(0.044145363912509596),
-                    bz_right_hip_pitch_x
-                        .mul_add(
-                            T::from_f64(0.9827666448575718),
-                            T::from_f64(0.17950183453219504) * e17,
-                        ),
-                ),
-            kz_right_hip_pitch_z
-                .mul_add(
-                    T::from_f64(0.9835480819632141),
-                    -bz_right_hip_pitch_x
-                        .mul_add(
-                            T::from_f64(0.011249506186826184),
-                            T::from_f64(0.18029592085523008) * e17,
-                        ),
-                ),
-            (-kz_right_hip_pitch_z)
-                .mul_add(
-                    T::from_f64(0.17516951022228416),
-                    bz_right_hip_pitch_x
-                        .mul_add(
-                            T::from_f64(0.1845079141011138),
-                            -(T::from_f64(0.9670948621115415) * e17),
-                        ),
-                ),
-            -kz_right_hip_roll_z
-                .mul_add(
-                    T::from_f64(0.9986750655402579),
-                    bz_right_hip_roll_x
-                        .mul_add(
-                            T::from_f64(0.038782231266670894),
-                            T::from_f64(0.03382383783872411) * bz_right_hip_roll_y,
-                        ),
-                ),
-            kz_right_hip_roll_z
-                .mul_add(
-                    T::from_f64(0.041130694271502954),
-                    -bz_right_hip_roll_x
-                        .mul_add(
-                            T::from_f64(0.20656645943669896),
-                            T::from_f64(0.9775676773628162) * bz_right_hip_roll_y,
-                        ),
-                ),
-            kz_right_hip_roll_z
-                .mul_add(
-                    T::from_f64(0.03092538531540076),
-                    bz_right_hip_roll_y
-                        .mul_add(
-                            T::from_f64(0.20788791251376051),
-                            -(T::from_f64(0.9776636621935814) * bz_right_hip_roll_x),
-                        ),
-                ),
-            (-kz_right_hip_yaw_z)
-                .mul_add(
-                    T::from_f64(0.29159038241600355),
-                    bz_right_hip_yaw_x
-                        .mul_add(
-                            T::from_f64(0.15979020363924512),
-                            T::from_f64(0.9431024014938241) * e22,
-                        ),
-                ),
-            -bz_right_hip_yaw_x
-                .mul_add(
-                    T::from_f64(0.8769571695433379),
-                    T::from_f64(0.48056854119525716) * kz_right_hip_yaw_z,
-                ),
-            (-kz_right_hip_yaw_z)
-                .mul_add(
-                    T::from_f64(0.8270604126035483),
-                    bz_right_hip_yaw_x
-                        .mul_add(
-                            T::from_f64(0.4532253452836305),
-                            -(T::from_f64(0.3325024214898031) * e22),
-                        ),
-                ),
-            kz_left_hip_yaw_z
-                .mul_add(
-                    T::from_f64(0.12146644952683741),
-                    bz_left_hip_yaw_x
-                        .mul_add(
-                            T::from_f64(0.9920190772526525),
-                            T::from_f64(0.03382383783872412) * e29,
-                        ),
-                ),
-            (-kz_left_hip_yaw_z)
-                .mul_add(
-                    T::from_f64(0.20244408254472904),
-                    bz_left_hip_yaw_x
-                        .mul_add(
-                            T::from_f64(0.05811909856572281),
-                            -(T::from_f64(0.9775676773628161) * e29),
-                        ),
-                ),
-            kz_left_hip_yaw_z
-                .mul_add(
-                    T::from_f64(0.9717315962146993),
-                    -bz_left_hip_yaw_x
-                        .mul_add(
-                            T::from_f64(0.11189423912205596),
-                            T::from_f64(0.20788791251376057) * e29,
-                        ),
-                ),
-            kz_left_hip_roll_z
-                .mul_add(
-                    T::from_f64(0.9836381149720178),
-                    e35
-                        .mul_add(
-                            T::from_f64(0.01533460706611091),
-                            -(T::from_f64(0.17950183453219504) * e36),
-                        ),
-                ),
-            kz_left_hip_roll_z
-                .mul_add(
-                    T::from_f64(0.04821755465549107),
-                    e36
-                        .mul_add(
-                            T::from_f64(0.18029592085523005),
-                            -(T::from_f64(0.9824298694288612) * e35),
-                        ),
-                ),
-            -kz_left_hip_roll_z
-                .mul_add(
-                    T::from_f64(0.17358319675976783),
-                    e35
-                        .mul_add(
-                            T::from_f64(0.18600107924449963),
-                            T::from_f64(0.9670948621115414) * e36,
-                        ),
-                ),
-            kz_left_hip_pitch_z
-                .mul_add(
-                    T::from_f64(0.10003501838572533),
-                    e43
-                        .mul_add(
-                            T::from_f64(0.7773178779650479),
-                            -(T::from_f64(0.6211037849606799) * bz_left_hip_pitch_x),
-                        ),
-                ),
-            kz_left_hip_pitch_z
-                .mul_add(
-                    T::from_f64(0.9803431801801081),
-                    bz_left_hip_pitch_x
-                        .mul_add(
-                            T::from_f64(0.19505301897281854),
-                            T::from_f64(0.029691225369481503) * e43,
-                        ),
-                ),
-            kz_left_hip_pitch_z
-                .mul_add(
-                    T::from_f64(0.1700595312557331),
-                    -bz_left_hip_pitch_x
-                        .mul_add(
-                            T::from_f64(0.7590681182193775),
-                            T::from_f64(0.6284069921093921) * e43,
-                        ),
-                ),
-            (-kz_left_knee_z)
-                .mul_add(
-                    T::from_f64(0.0543214476255111),
-                    bz_left_knee_x
-                        .mul_add(
-                            T::from_f64(0.5924701423191099),
-                            T::from_f64(0.8037588635830043) * e47,
-                        ),
-                ),
-            kz_left_knee_z
-                .mul_add(
-                    T::from_f64(0.9958932064677037),
-                    bz_left_knee_x
-                        .mul_add(
-                            T::from_f64(0.09053393944867547),
-                            T::from_f64(0.0005719435102985865) * e47,
-                        ),
-                ),
-            kz_left_knee_z
-                .mul_add(
-                    T::from_f64(0.07242859683401481),
-                    e47
-                        .mul_add(
-                            T::from_f64(0.5949549244206475),
-                            -(T::from_f64(0.8004890606799554) * bz_left_knee_x),
-                        ),
-                ),
-            kz_left_ankle_pitch_z
-                .mul_add(
-                    T::from_f64(0.07453982498343462),
-                    bz_left_ankle_pitch_x
-                        .mul_add(
-                            T::from_f64(0.9854246040522064),
-                            -(T::from_f64(0.1529122762239553) * e51),
-                        ),
-                ),
-            kz_left_ankle_pitch_z
-                .mul_add(
-                    T::from_f64(0.9903148176370599),
-                    e51
-                        .mul_add(
-                            T::from_f64(0.12742238056085947),
-                            -(T::from_f64(0.05513709187725314) * bz_left_ankle_pitch_x),
-                        ),
-                ),
-            (-kz_left_ankle_pitch_z)
-                .mul_add(
-                    T::from_f64(0.11713401068825438),
-                    bz_left_ankle_pitch_x
-                        .mul_add(
-                            T::from_f64(0.16092933488917305),
-                            T::from_f64(0.9799904962356587) * e51,
-                        ),
-                ),
-            kz_left_ankle_roll_z
-                .mul_add(
-                    T::from_f64(0.9733639183217578),
-                    bz_left_ankle_roll_x
-                        .mul_add(
-                            T::from_f64(0.20544888863102057),
-                            T::from_f64(0.10175183865460506) * bz_left_ankle_roll_y,
-                        ),
-                ),
-            (-kz_left_ankle_roll_z)
-                .mul_add(
-                    T::from_f64(0.0903121161329466),
-                    bz_left_ankle_roll_y
-                        .mul_add(
-                            T::from_f64(0.9938332711736169),
-                            -(T::from_f64(0.06433623231070597) * bz_left_ankle_roll_x),
-                        ),
-                ),
-            kz_left_ankle_roll_z
-                .mul_add(
-                    T::from_f64(0.2107282709768754),
-                    -bz_left_ankle_roll_x
-                        .mul_add(
-                            T::from_f64(0.9765508708573974),
-                            T::from_f64(0.04406804328257811) * bz_left_ankle_roll_y,
-                        ),
-                ),
-            kz_waist_yaw_z
-                .mul_add(
-                    T::from_f64(0.05013302902454261),
-                    -bz_waist_yaw_x
-                        .mul_add(
-                            T::from_f64(0.11455324933025107),
-                            T::from_f64(0.9921513153086609) * bz_waist_yaw_y,
-                        ),
-                ),
-            kz_waist_yaw_z
-                .mul_add(
-                    T::from_f64(0.11029266385399372),
-                    bz_waist_yaw_x
-                        .mul_add(
-                            T::from_f64(0.9879595626153338),
-                            -(T::from_f64(0.10849622545005164) * bz_waist_yaw_y),
-                        ),
-                ),
-            kz_waist_yaw_z
-                .mul_add(
-                    T::from_f64(0.9926339746859435),
-                    bz_waist_yaw_y
-                        .mul_add(
-                            T::from_f64(0.06216378844943306),
-                            -(T::from_f64(0.10398776709209512) * bz_waist_yaw_x),
-                        ),
-                ),
-            -kz_waist_pitch_z
-                .mul_add(
-                    T::from_f64(0.07686740279497044),
-                    e64
-                        .mul_add(
-                            T::from_f64(0.17939505485262935),
-                            T::from_f64(0.9807695023204881) * e65,
-                        ),
-                ),
-            kz_waist_pitch_z
-                .mul_add(
-                    T::from_f64(0.9882951787924771),
-                    e64
-                        .mul_add(
-                            T::from_f64(0.11629756483619717),
-                            -(T::from_f64(0.09872950920933495) * e65),
-                        ),
-                ),
-            kz_waist_pitch_z
-                .mul_add(
-                    T::from_f64(0.1317726905056636),
-                    e65
-                        .mul_add(
-                            T::from_f64(0.1683557760497274),
-                            -(T::from_f64(0.9768788516021794) * e64),
-                        ),
-                ),
-            bz_neck_yaw_x
-                .mul_add(
-                    T::from_f64(0.0463635037734159),
-                    T::from_f64(0.9989246345535044) * e72,
-                ),
-            bz_neck_yaw_x
-                .mul_add(
-                    T::from_f64(0.9989246345535044),
-                    -(T::from_f64(0.0463635037734159) * e72),
-                ),
-            kz_neck_yaw_z,
-            kz_neck_pitch_z
-                .mul_add(
-                    T::from_f64(0.038740125174873435),
-                    bz_neck_pitch_y
-                        .mul_add(
-                            T::from_f64(0.17090909239800103),
-                            -(T::from_f64(0.9845249031066339) * bz_neck_pitch_x),
-                        ),
-                ),
-            kz_neck_pitch_z
-                .mul_add(
-                    T::from_f64(0.997558223252991),
-                    bz_neck_pitch_x
-                        .mul_add(
-                            T::from_f64(0.048051161613096624),
-                            T::from_f64(0.05068211802961547) * bz_neck_pitch_y,
-                        ),
-                ),
-            (-kz_neck_pitch_z)
-                .mul_add(
-                    T::from_f64(0.05811018776231015),
-                    bz_neck_pitch_x
-                        .mul_add(
-                            T::from_f64(0.16852833895373615),
-                            T::from_f64(0.9839824211070662) * bz_neck_pitch_y,
-                        ),
-                ),
-            (-kz_right_shoulder_pitch_z)
-                .mul_add(
-                    T::from_f64(0.08051289048522246),
-                    bz_right_shoulder_pitch_y
-                        .mul_add(
-                            T::from_f64(0.22816877903507443),
-                            -(T::from_f64(0.9702869074347845)
-                                * bz_right_shoulder_pitch_x),
-                        ),
-                ),
-            kz_right_shoulder_pitch_z
-                .mul_add(
-                    T::from_f64(0.9762187971333224),
-                    -bz_right_shoulder_pitch_x
-                        .mul_add(
-                            T::from_f64(0.12298635900909212),
-                            T::from_f64(0.17852511201860666) * bz_right_shoulder_pitch_y,
-                        ),
-                ),
-            kz_right_shoulder_pitch_z
-                .mul_add(
-                    T::from_f64(0.20128222621305616),
-                    bz_right_shoulder_pitch_x
-                        .mul_add(
-                            T::from_f64(0.20836907822018302),
-                            T::from_f64(0.957114304904272) * bz_right_shoulder_pitch_y,
-                        ),
-                ),
-            -kz_right_shoulder_roll_z
-                .mul_add(
-                    T::from_f64(0.9797515453989188),
-                    bz_right_shoulder_roll_x
-                        .mul_add(
-                            T::from_f64(0.09084250712834728),
-                            T::from_f64(0.17842238701201812) * bz_right_shoulder_roll_y,
-                        ),
-                ),
-            kz_right_shoulder_roll_z
-                .mul_add(
-                    T::from_f64(0.15634333171259343),
-                    bz_right_shoulder_roll_x
-                        .mul_add(
-                            T::from_f64(0.20957168772714235),
-                            -(T::from_f64(0.9652131735177485) * bz_right_shoulder_roll_y),
-                        ),
-                ),
-            kz_right_shoulder_roll_z
-                .mul_add(
-                    T::from_f64(0.12507466537007475),
-                    -bz_right_shoulder_roll_x
-                        .mul_add(
-                            T::from_f64(0.9735642488309816),
-                            T::from_f64(0.19112556469695652) * bz_right_shoulder_roll_y,
-                        ),
-                ),
-            kz_right_shoulder_yaw_z
-                .mul_add(
-                    T::from_f64(0.08475868968264198),
-                    e92
-                        .mul_add(
-                            T::from_f64(0.01045559498811533),
-                            -(T::from_f64(0.9963466490417511) * e93),
-                        ),
-                ),
-            kz_right_elbow_z,
-            -kz_right_shoulder_yaw_z
-                .mul_add(
-                    T::from_f64(0.9888513796308234),
-                    e92
-                        .mul_add(
-                            T::from_f64(0.12198194152801221),
-                            T::from_f64(0.08540114134643578) * e93,
-                        ),
-                ),
-            e100
-                .mul_add(
-                    T::from_f64(0.9829721203303413),
-                    -(T::from_f64(0.18375475681808387) * bz_right_elbow_x),
-                ),
-            kz_right_elbow_z,
-            -bz_right_elbow_x
-                .mul_add(
-                    T::from_f64(0.9829721203303413),
-                    T::from_f64(0.18375475681808387) * e100,
-                ),
-            (-kz_right_wrist_yaw_z)
-                .mul_add(
-                    T::from_f64(0.12095948535747154),
-                    bz_right_wrist_yaw_y
-                        .mul_add(
-                            T::from_f64(0.17981670296897617),
-                            -(T::from_f64(0.9762349902740747) * bz_right_wrist_yaw_x),
-                        ),
-                ),
-            (-kz_right_wrist_yaw_z)
-                .mul_add(
-                    T::from_f64(0.07697421795475462),
-                    bz_right_wrist_yaw_x
-                        .mul_add(
-                            T::from_f64(0.189825799816729),
-                            T::from_f64(0.9787957578035333) * bz_right_wrist_yaw_y,
-                        ),
-                ),
-            (-kz_right_wrist_yaw_z)
-                .mul_add(
-                    T::from_f64(0.9896685165611309),
-                    bz_right_wrist_yaw_x
-                        .mul_add(
-                            T::from_f64(0.10455338104775241),
-                            -(T::from_f64(0.09810615596981634) * bz_right_wrist_yaw_y),
-                        ),
-                ),
-            (-kz_right_wrist_roll_z)
-                .mul_add(
-                    T::from_f64(0.9875478905452643),
-                    bz_right_wrist_roll_x
-                        .mul_add(
-                            T::from_f64(0.13744769651506267),
-                            -(T::from_f64(0.0765329641546823) * e108),
-                        ),
-                ),
-            kz_right_wrist_roll_z
-                .mul_add(
-                    T::from_f64(0.1280154672929046),
-                    bz_right_wrist_roll_x
-                        .mul_add(
-                            T::from_f64(0.9848605837142257),
-                            T::from_f64(0.11688315011092955) * e108,
-                        ),
-                ),
-            (-kz_right_wrist_roll_z)
-                .mul_add(
-                    T::from_f64(0.09143961949493187),
-                    e108
-                        .mul_add(
-                            T::from_f64(0.9901924230258703),
-                            -(T::from_f64(0.10563030516276119) * bz_right_wrist_roll_x),
-                        ),
-                ),
-            kz_right_wrist_pitch_z
-                .mul_add(
-                    T::from_f64(0.13926262418314853),
-                    -bz_right_wrist_pitch_x
-                        .mul_add(
-                            T::from_f64(0.019249486508246386),
-                            T::from_f64(0.9900683707576927) * bz_right_wrist_pitch_y,
-                        ),
-                ),
-            kz_right_wrist_pitch_z
-                .mul_add(
-                    T::from_f64(0.9855508788345896),
-                    bz_right_wrist_pitch_y
-                        .mul_add(
-                            T::from_f64(0.14046741030419552),
-                            -(T::from_f64(0.09464867601187527) * bz_right_wrist_pitch_x),
-                        ),
-                ),
-            (-kz_right_wrist_pitch_z)
-                .mul_add(
-                    T::from_f64(0.09641258597294897),
-                    bz_right_wrist_pitch_y
-                        .mul_add(
-                            T::from_f64(0.005790325348442432),
-                            -(T::from_f64(0.9953246130777477) * bz_right_wrist_pitch_x),
-                        ),
-                ),
-            kz_left_shoulder_pitch_z
-                .mul_add(
-                    T::from_f64(0.08051289048522246),
-                    bz_left_shoulder_pitch_x
-                        .mul_add(
-                            T::from_f64(0.9702869074347845),
-                            T::from_f64(0.22816877903507443) * e121,
-                        ),
-                ),
-            kz_left_shoulder_pitch_z
-                .mul_add(
-                    T::from_f64(0.9762187971333224),
-                    e121
-                        .mul_add(
-                            T::from_f64(0.17852511201860666),
-                            -(T::from_f64(0.12298635900909212)
-                                * bz_left_shoulder_pitch_x),
-                        ),
-                ),
-            (-kz_left_shoulder_pitch_z)
-                .mul_add(
-                    T::from_f64(0.20128222621305616),
-                    e121
-                        .mul_add(
-                            T::from_f64(0.957114304904272),
-                            -(T::from_f64(0.20836907822018302)
-                                * bz_left_shoulder_pitch_x),
-                        ),
-                ),
-            kz_left_shoulder_roll_z
-                .mul_add(
-                    T::from_f64(0.9797515453989188),
-                    bz_left_shoulder_roll_x
-                        .mul_add(
-                            T::from_f64(0.09084250712834728),
-                            -(T::from_f64(0.17842238701201812) * e125),
-                        ),
-                ),
-            kz_left_shoulder_roll_z
-                .mul_add(
-                    T::from_f64(0.15634333171259343),
-                    bz_left_shoulder_roll_x
-                        .mul_add(
-                            T::from_f64(0.20957168772714235),
-                            T::from_f64(0.9652131735177485) * e125,
-                        ),
-                ),
-            (-kz_left_shoulder_roll_z)
-                .mul_add(
-                    T::from_f64(0.12507466537007475),
-                    bz_left_shoulder_roll_x
-                        .mul_add(
-                            T::from_f64(0.9735642488309816),
-                            -(T::from_f64(0.19112556469695652) * e125),
-                        ),
-                ),
-            (-kz_left_shoulder_yaw_z)
-                .mul_add(
-                    T::from_f64(0.08475868968264198),
-                    bz_left_shoulder_yaw_x
-                        .mul_add(
-                            T::from_f64(0.01045559498811533),
-                            T::from_f64(0.9963466490417511) * e132,
-                        ),
-                ),
-            kz_left_elbow_z,
-            kz_left_shoulder_yaw_z
-                .mul_add(
-                    T::from_f64(0.9888513796308234),
-                    e132
-                        .mul_add(
-                            T::from_f64(0.08540114134643578),
-                            -(T::from_f64(0.12198194152801221) * bz_left_shoulder_yaw_x),
-                        ),
-                ),
-            bz_left_elbow_x
-                .mul_add(
-                    T::from_f64(0.18375475681808387),
-                    T::from_f64(0.9829721203303413) * bz_left_elbow_y,
-                ),
-            kz_left_elbow_z,
-            bz_left_elbow_x
-                .mul_add(
-                    T::from_f64(0.9829721203303413),
-                    -(T::from_f64(0.18375475681808387) * bz_left_elbow_y),
-                ),
-            kz_left_wrist_yaw_z
-                .mul_add(
-                    T::from_f64(0.12095948535747154),
-                    bz_left_wrist_yaw_x
-                        .mul_add(
-                            T::from_f64(0.9762349902740747),
-                            T::from_f64(0.17981670296897617) * e140,
-                        ),
-                ),
-            (-kz_left_wrist_yaw_z)
-                .mul_add(
-                    T::from_f64(0.07697421795475462),
-                    bz_left_wrist_yaw_x
-                        .mul_add(
-                            T::from_f64(0.189825799816729),
-                            -(T::from_f64(0.9787957578035333) * e140),
-                        ),
-                ),
-            kz_left_wrist_yaw_z
-                .mul_add(
-                    T::from_f64(0.9896685165611309),
-                    -bz_left_wrist_yaw_x
-                        .mul_add(
-                            T::from_f64(0.10455338104775241),
-                            T::from_f64(0.09810615596981634) * e140,
-                        ),
-                ),
-            kz_left_wrist_roll_z
-                .mul_add(
-                    T::from_f64(0.9875478905452643),
-                    e146
-                        .mul_add(
-                            T::from_f64(0.13744769651506267),
-                            T::from_f64(0.0765329641546823) * e147,
-                        ),
-                ),
-            kz_left_wrist_roll_z
-                .mul_add(
-                    T::from_f64(0.1280154672929046),
-                    e147
-                        .mul_add(
-                            T::from_f64(0.11688315011092955),
-                            -(T::from_f64(0.9848605837142257) * e146),
-                        ),
-                ),
-            kz_left_wrist_roll_z
-                .mul_add(
-                    T::from_f64(0.09143961949493187),
-                    -e146
-                        .mul_add(
-                            T::from_f64(0.10563030516276119),
-                            T::from_f64(0.9901924230258703) * e147,
-                        ),
-                ),
-            e154
-                .mul_add(
-                    T::from_f64(0.13926262418314853),
-                    -e155
-                        .mul_add(
-                            T::from_f64(0.019249486508246386),
-                            T::from_f64(0.9900683707576927) * e156,
-                        ),
-                ),
-            (-e154)
-                .mul_add(
-                    T::from_f64(0.9855508788345896),
-                    e155
-                        .mul_add(
-                            T::from_f64(0.09464867601187527),
-                            -(T::from_f64(0.14046741030419552) * e156),
-                        ),
-                ),
-            (-e154)
-                .mul_add(
-                    T::from_f64(0.09641258597294897),
-                    e156
-                        .mul_add(
-                            T::from_f64(0.005790325348442432),
-                            -(T::from_f64(0.9953246130777477) * e155),
-                        ),
-                ),
-        ],
-    ]
+    rows[0][3] = e2
+        .mul_add(
+            T::from_f64(0.1260819066254007),
+            -(T::from_f64(0.1529122762239553) * e3),
+        ) + T::from_f64(0.9604781152231404);
+    rows[0][4] = T::from_f64(0.10481388449369643)
+        - e2
+            .mul_add(
+                T::from_f64(0.9860642172215092),
+                T::from_f64(0.12742238056085944) * e3,
+            );
+    rows[0][5] = e3
+        .mul_add(
+            T::from_f64(0.9799904962356587),
+            -(T::from_f64(0.10853898993926647) * e2),
+        ) + T::from_f64(0.1634960034362959);
+    rows[0][6] = (-kx_right_ankle_pitch_z)
+        .mul_add(
+            T::from_f64(0.10072239850941322),
+            bx_right_ankle_pitch_x
+                .mul_add(
+                    T::from_f64(0.5863673657787142),
+                    T::from_f64(0.8037588635830045) * e7,
+                ),
+        );
+    rows[0][7] = kx_right_ankle_pitch_z
+        .mul_add(
+            T::from_f64(0.9854343154104156),
+            bx_right_ankle_pitch_x
+                .mul_add(
+                    T::from_f64(0.17005552884933375),
+                    -(T::from_f64(0.0005719435102985865) * e7),
+                ),
+        );
+    rows[0][8] = kx_right_ankle_pitch_z
+        .mul_add(
+            T::from_f64(0.1370190076234553),
+            e7
+                .mul_add(
+                    T::from_f64(0.5949549244206476),
+                    -(T::from_f64(0.7919939579678025) * bx_right_ankle_pitch_x),
+                ),
+        );
+    rows[0][9] = (-kx_right_knee_z)
+        .mul_add(
+            T::from_f64(0.05491857598002902),
+            e11
+                .mul_add(
+                    T::from_f64(0.7773178779650478),
+                    -(T::from_f64(0.6267063639442644) * bx_right_knee_x),
+                ),
+        );
+    rows[0][10] = kx_right_knee_z
+        .mul_add(
+            T::from_f64(0.9918697888935732),
+            -bx_right_knee_x
+                .mul_add(
+                    T::from_f64(0.12374470904356641),
+                    T::from_f64(0.029691225369481516) * e11,
+                ),
+        );
+    rows[0][11] = -kx_right_knee_z
+        .mul_add(
+            T::from_f64(0.11479665453550475),
+            bx_right_knee_x
+                .mul_add(
+                    T::from_f64(0.7693675197039984),
+                    T::from_f64(0.628406992109392) * e11,
+                ),
+        );
+    rows[0][12] = -kx_right_hip_pitch_z
+        .mul_add(
+            T::from_f64(0.044145363912509596),
+            bx_right_hip_pitch_x
+                .mul_add(
+                    T::from_f64(0.9827666448575718),
+                    T::from_f64(0.17950183453219504) * e15,
+                ),
+        );
+    rows[0][13] = kx_right_hip_pitch_z
+        .mul_add(
+            T::from_f64(0.9835480819632141),
+            -bx_right_hip_pitch_x
+                .mul_add(
+                    T::from_f64(0.011249506186826184),
+                    T::from_f64(0.18029592085523008) * e15,
+                ),
+        );
+    rows[0][14] = (-kx_right_hip_pitch_z)
+        .mul_add(
+            T::from_f64(0.17516951022228416),
+            bx_right_hip_pitch_x
+                .mul_add(
+                    T::from_f64(0.1845079141011138),
+                    -(T::from_f64(0.9670948621115415) * e15),
+                ),
+        );
+    rows[0][15] = -kx_right_hip_roll_z
+        .mul_add(
+            T::from_f64(0.9986750655402579),
+            bx_right_hip_roll_x
+                .mul_add(
+                    T::from_f64(0.038782231266670894),
+                    T::from_f64(0.03382383783872411) * bx_right_hip_roll_y,
+                ),
+        );
+    rows[0][16] = kx_right_hip_roll_z
+        .mul_add(
+            T::from_f64(0.041130694271502954),
+            -bx_right_hip_roll_x
+                .mul_add(
+                    T::from_f64(0.20656645943669896),
+                    T::from_f64(0.9775676773628162) * bx_right_hip_roll_y,
+                ),
+        );
+    rows[0][17] = kx_right_hip_roll_z
+        .mul_add(
+            T::from_f64(0.03092538531540076),
+            bx_right_hip_roll_y
+                .mul_add(
+                    T::from_f64(0.20788791251376051),
+                    -(T::from_f64(0.9776636621935814) * bx_right_hip_roll_x),
+                ),
+        );
+    rows[0][18] = (-kx_right_hip_yaw_z)
+        .mul_add(
+            T::from_f64(0.29159038241600355),
+            bx_right_hip_yaw_x
+                .mul_add(
+                    T::from_f64(0.15979020363924512),
+                    T::from_f64(0.9431024014938241) * e20,
+                ),
+        );
+    rows[0][19] = -bx_right_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.8769571695433379),
+            T::from_f64(0.48056854119525716) * kx_right_hip_yaw_z,
+        );
+    rows[0][20] = (-kx_right_hip_yaw_z)
+        .mul_add(
+            T::from_f64(0.8270604126035483),
+            bx_right_hip_yaw_x
+                .mul_add(
+                    T::from_f64(0.4532253452836305),
+                    -(T::from_f64(0.3325024214898031) * e20),
+                ),
+        );
+    rows[0][21] = kx_left_hip_yaw_z
+        .mul_add(
+            T::from_f64(0.12146644952683741),
+            bx_left_hip_yaw_x
+                .mul_add(
+                    T::from_f64(0.9920190772526525),
+                    T::from_f64(0.03382383783872412) * e25,
+                ),
+        );
+    rows[0][22] = (-kx_left_hip_yaw_z)
+        .mul_add(
+            T::from_f64(0.20244408254472904),
+            bx_left_hip_yaw_x
+                .mul_add(
+                    T::from_f64(0.05811909856572281),
+                    -(T::from_f64(0.9775676773628161) * e25),
+                ),
+        );
+    rows[0][23] = kx_left_hip_yaw_z
+        .mul_add(
+            T::from_f64(0.9717315962146993),
+            -bx_left_hip_yaw_x
+                .mul_add(
+                    T::from_f64(0.11189423912205596),
+                    T::from_f64(0.20788791251376057) * e25,
+                ),
+        );
+    rows[0][24] = kx_left_hip_roll_z
+        .mul_add(
+            T::from_f64(0.9836381149720178),
+            e31
+                .mul_add(
+                    T::from_f64(0.01533460706611091),
+                    -(T::from_f64(0.17950183453219504) * e32),
+                ),
+        );
+    rows[0][25] = kx_left_hip_roll_z
+        .mul_add(
+            T::from_f64(0.04821755465549107),
+            e32
+                .mul_add(
+                    T::from_f64(0.18029592085523005),
+                    -(T::from_f64(0.9824298694288612) * e31),
+                ),
+        );
+    rows[0][26] = -kx_left_hip_roll_z
+        .mul_add(
+            T::from_f64(0.17358319675976783),
+            e31
+                .mul_add(
+                    T::from_f64(0.18600107924449963),
+                    T::from_f64(0.9670948621115414) * e32,
+                ),
+        );
+    rows[0][27] = kx_left_hip_pitch_z
+        .mul_add(
+            T::from_f64(0.10003501838572533),
+            e39
+                .mul_add(
+                    T::from_f64(0.7773178779650479),
+                    -(T::from_f64(0.6211037849606799) * bx_left_hip_pitch_x),
+                ),
+        );
+    rows[0][28] = kx_left_hip_pitch_z
+        .mul_add(
+            T::from_f64(0.9803431801801081),
+            bx_left_hip_pitch_x
+                .mul_add(
+                    T::from_f64(0.19505301897281854),
+                    T::from_f64(0.029691225369481503) * e39,
+                ),
+        );
+    rows[0][29] = kx_left_hip_pitch_z
+        .mul_add(
+            T::from_f64(0.1700595312557331),
+            -bx_left_hip_pitch_x
+                .mul_add(
+                    T::from_f64(0.7590681182193775),
+                    T::from_f64(0.6284069921093921) * e39,
+                ),
+        );
+    rows[0][30] = (-kx_left_knee_z)
+        .mul_add(
+            T::from_f64(0.0543214476255111),
+            bx_left_knee_x
+                .mul_add(
+                    T::from_f64(0.5924701423191099),
+                    T::from_f64(0.8037588635830043) * e45,
+                ),
+        );
+    rows[0][31] = kx_left_knee_z
+        .mul_add(
+            T::from_f64(0.9958932064677037),
+            bx_left_knee_x
+                .mul_add(
+                    T::from_f64(0.09053393944867547),
+                    T::from_f64(0.0005719435102985865) * e45,
+                ),
+        );
+    rows[0][32] = kx_left_knee_z
+        .mul_add(
+            T::from_f64(0.07242859683401481),
+            e45
+                .mul_add(
+                    T::from_f64(0.5949549244206475),
+                    -(T::from_f64(0.8004890606799554) * bx_left_knee_x),
+                ),
+        );
+    rows[0][33] = kx_left_ankle_pitch_z
+        .mul_add(
+            T::from_f64(0.07453982498343462),
+            bx_left_ankle_pitch_x
+                .mul_add(
+                    T::from_f64(0.9854246040522064),
+                    -(T::from_f64(0.1529122762239553) * e49),
+                ),
+        );
+    rows[0][34] = kx_left_ankle_pitch_z
+        .mul_add(
+            T::from_f64(0.9903148176370599),
+            e49
+                .mul_add(
+                    T::from_f64(0.12742238056085947),
+                    -(T::from_f64(0.05513709187725314) * bx_left_ankle_pitch_x),
+                ),
+        );
+    rows[0][35] = (-kx_left_ankle_pitch_z)
+        .mul_add(
+            T::from_f64(0.11713401068825438),
+            bx_left_ankle_pitch_x
+                .mul_add(
+                    T::from_f64(0.16092933488917305),
+                    T::from_f64(0.9799904962356587) * e49,
+                ),
+        );
+    rows[0][36] = kx_left_ankle_roll_z
+        .mul_add(
+            T::from_f64(0.9733639183217578),
+            bx_left_ankle_roll_x
+                .mul_add(
+                    T::from_f64(0.20544888863102057),
+                    T::from_f64(0.10175183865460506) * bx_left_ankle_roll_y,
+                ),
+        );
+    rows[0][37] = (-kx_left_ankle_roll_z)
+        .mul_add(
+            T::from_f64(0.0903121161329466),
+            bx_left_ankle_roll_y
+                .mul_add(
+                    T::from_f64(0.9938332711736169),
+                    -(T::from_f64(0.06433623231070597) * bx_left_ankle_roll_x),
+                ),
+        );
+    rows[0][38] = kx_left_ankle_roll_z
+        .mul_add(
+            T::from_f64(0.2107282709768754),
+            -bx_left_ankle_roll_x
+                .mul_add(
+                    T::from_f64(0.9765508708573974),
+                    T::from_f64(0.04406804328257811) * bx_left_ankle_roll_y,
+                ),
+        );
+    rows[0][39] = kx_waist_yaw_z
+        .mul_add(
+            T::from_f64(0.05013302902454261),
+            -bx_waist_yaw_x
+                .mul_add(
+                    T::from_f64(0.11455324933025107),
+                    T::from_f64(0.9921513153086609) * bx_waist_yaw_y,
+                ),
+        );
+    rows[0][40] = kx_waist_yaw_z
+        .mul_add(
+            T::from_f64(0.11029266385399372),
+            bx_waist_yaw_x
+                .mul_add(
+                    T::from_f64(0.9879595626153338),
+                    -(T::from_f64(0.10849622545005164) * bx_waist_yaw_y),
+                ),
+        );
+    rows[0][41] = kx_waist_yaw_z
+        .mul_add(
+            T::from_f64(0.9926339746859435),
+            bx_waist_yaw_y
+                .mul_add(
+                    T::from_f64(0.06216378844943306),
+                    -(T::from_f64(0.10398776709209512) * bx_waist_yaw_x),
+                ),
+        );
+    rows[0][42] = -kx_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.07686740279497044),
+            e60
+                .mul_add(
+                    T::from_f64(0.17939505485262935),
+                    T::from_f64(0.9807695023204881) * e61,
+                ),
+        );
+    rows[0][43] = kx_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.9882951787924771),
+            e60
+                .mul_add(
+                    T::from_f64(0.11629756483619717),
+                    -(T::from_f64(0.09872950920933495) * e61),
+                ),
+        );
+    rows[0][44] = kx_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.1317726905056636),
+            e61
+                .mul_add(
+                    T::from_f64(0.1683557760497274),
+                    -(T::from_f64(0.9768788516021794) * e60),
+                ),
+        );
+    rows[0][45] = bx_neck_yaw_x
+        .mul_add(T::from_f64(0.0463635037734159), T::from_f64(0.9989246345535044) * e68);
+    rows[0][46] = bx_neck_yaw_x
+        .mul_add(
+            T::from_f64(0.9989246345535044),
+            -(T::from_f64(0.0463635037734159) * e68),
+        );
+    rows[0][48] = kx_neck_pitch_z
+        .mul_add(
+            T::from_f64(0.038740125174873435),
+            bx_neck_pitch_y
+                .mul_add(
+                    T::from_f64(0.17090909239800103),
+                    -(T::from_f64(0.9845249031066339) * bx_neck_pitch_x),
+                ),
+        );
+    rows[0][49] = kx_neck_pitch_z
+        .mul_add(
+            T::from_f64(0.997558223252991),
+            bx_neck_pitch_x
+                .mul_add(
+                    T::from_f64(0.048051161613096624),
+                    T::from_f64(0.05068211802961547) * bx_neck_pitch_y,
+                ),
+        );
+    rows[0][50] = (-kx_neck_pitch_z)
+        .mul_add(
+            T::from_f64(0.05811018776231015),
+            bx_neck_pitch_x
+                .mul_add(
+                    T::from_f64(0.16852833895373615),
+                    T::from_f64(0.9839824211070662) * bx_neck_pitch_y,
+                ),
+        );
+    rows[0][51] = (-kx_right_shoulder_pitch_z)
+        .mul_add(
+            T::from_f64(0.08051289048522246),
+            bx_right_shoulder_pitch_y
+                .mul_add(
+                    T::from_f64(0.22816877903507443),
+                    -(T::from_f64(0.9702869074347845) * bx_right_shoulder_pitch_x),
+                ),
+        );
+    rows[0][52] = kx_right_shoulder_pitch_z
+        .mul_add(
+            T::from_f64(0.9762187971333224),
+            -bx_right_shoulder_pitch_x
+                .mul_add(
+                    T::from_f64(0.12298635900909212),
+                    T::from_f64(0.17852511201860666) * bx_right_shoulder_pitch_y,
+                ),
+        );
+    rows[0][53] = kx_right_shoulder_pitch_z
+        .mul_add(
+            T::from_f64(0.20128222621305616),
+            bx_right_shoulder_pitch_x
+                .mul_add(
+                    T::from_f64(0.20836907822018302),
+                    T::from_f64(0.957114304904272) * bx_right_shoulder_pitch_y,
+                ),
+        );
+    rows[0][54] = -kx_right_shoulder_roll_z
+        .mul_add(
+            T::from_f64(0.9797515453989188),
+            bx_right_shoulder_roll_x
+                .mul_add(
+                    T::from_f64(0.09084250712834728),
+                    T::from_f64(0.17842238701201812) * bx_right_shoulder_roll_y,
+                ),
+        );
+    rows[0][55] = kx_right_shoulder_roll_z
+        .mul_add(
+            T::from_f64(0.15634333171259343),
+            bx_right_shoulder_roll_x
+                .mul_add(
+                    T::from_f64(0.20957168772714235),
+                    -(T::from_f64(0.9652131735177485) * bx_right_shoulder_roll_y),
+                ),
+        );
+    rows[0][56] = kx_right_shoulder_roll_z
+        .mul_add(
+            T::from_f64(0.12507466537007475),
+            -bx_right_shoulder_roll_x
+                .mul_add(
+                    T::from_f64(0.9735642488309816),
+                    T::from_f64(0.19112556469695652) * bx_right_shoulder_roll_y,
+                ),
+        );
+    rows[0][57] = kx_right_shoulder_yaw_z
+        .mul_add(
+            T::from_f64(0.08475868968264198),
+            e86
+                .mul_add(
+                    T::from_f64(0.01045559498811533),
+                    -(T::from_f64(0.9963466490417511) * e87),
+                ),
+        );
+    rows[0][59] = -kx_right_shoulder_yaw_z
+        .mul_add(
+            T::from_f64(0.9888513796308234),
+            e86
+                .mul_add(
+                    T::from_f64(0.12198194152801221),
+                    T::from_f64(0.08540114134643578) * e87,
+                ),
+        );
+    rows[0][60] = e96
+        .mul_add(
+            T::from_f64(0.9829721203303413),
+            -(T::from_f64(0.18375475681808387) * bx_right_elbow_x),
+        );
+    rows[0][62] = -bx_right_elbow_x
+        .mul_add(
+            T::from_f64(0.9829721203303413),
+            T::from_f64(0.18375475681808387) * e96,
+        );
+    rows[0][63] = (-kx_right_wrist_yaw_z)
+        .mul_add(
+            T::from_f64(0.12095948535747154),
+            bx_right_wrist_yaw_y
+                .mul_add(
+                    T::from_f64(0.17981670296897617),
+                    -(T::from_f64(0.9762349902740747) * bx_right_wrist_yaw_x),
+                ),
+        );
+    rows[0][64] = (-kx_right_wrist_yaw_z)
+        .mul_add(
+            T::from_f64(0.07697421795475462),
+            bx_right_wrist_yaw_x
+                .mul_add(
+                    T::from_f64(0.189825799816729),
+                    T::from_f64(0.9787957578035333) * bx_right_wrist_yaw_y,
+                ),
+        );
+    rows[0][65] = (-kx_right_wrist_yaw_z)
+        .mul_add(
+            T::from_f64(0.9896685165611309),
+            bx_right_wrist_yaw_x
+                .mul_add(
+                    T::from_f64(0.10455338104775241),
+                    -(T::from_f64(0.09810615596981634) * bx_right_wrist_yaw_y),
+                ),
+        );
+    rows[0][66] = (-kx_right_wrist_roll_z)
+        .mul_add(
+            T::from_f64(0.9875478905452643),
+            bx_right_wrist_roll_x
+                .mul_add(
+                    T::from_f64(0.13744769651506267),
+                    -(T::from_f64(0.0765329641546823) * e106),
+                ),
+        );
+    rows[0][67] = kx_right_wrist_roll_z
+        .mul_add(
+            T::from_f64(0.1280154672929046),
+            bx_right_wrist_roll_x
+                .mul_add(
+                    T::from_f64(0.9848605837142257),
+                    T::from_f64(0.11688315011092955) * e106,
+                ),
+        );
+    rows[0][68] = (-kx_right_wrist_roll_z)
+        .mul_add(
+            T::from_f64(0.09143961949493187),
+            e106
+                .mul_add(
+                    T::from_f64(0.9901924230258703),
+                    -(T::from_f64(0.10563030516276119) * bx_right_wrist_roll_x),
+                ),
+        );
+    rows[0][69] = kx_right_wrist_pitch_z
+        .mul_add(
+            T::from_f64(0.13926262418314853),
+            -bx_right_wrist_pitch_x
+                .mul_add(
+                    T::from_f64(0.019249486508246386),
+                    T::from_f64(0.9900683707576927) * bx_right_wrist_pitch_y,
+                ),
+        );
+    rows[0][70] = kx_right_wrist_pitch_z
+        .mul_add(
+            T::from_f64(0.9855508788345896),
+            bx_right_wrist_pitch_y
+                .mul_add(
+                    T::from_f64(0.14046741030419552),
+                    -(T::from_f64(0.09464867601187527) * bx_right_wrist_pitch_x),
+                ),
+        );
+    rows[0][71] = (-kx_right_wrist_pitch_z)
+        .mul_add(
+            T::from_f64(0.09641258597294897),
+            bx_right_wrist_pitch_y
+                .mul_add(
+                    T::from_f64(0.005790325348442432),
+                    -(T::from_f64(0.9953246130777477) * bx_right_wrist_pitch_x),
+                ),
+        );
+    rows[0][72] = kx_left_shoulder_pitch_z
+        .mul_add(
+            T::from_f64(0.08051289048522246),
+            bx_left_shoulder_pitch_x
+                .mul_add(
+                    T::from_f64(0.9702869074347845),
+                    T::from_f64(0.22816877903507443) * e115,
+                ),
+        );
+    rows[0][73] = kx_left_shoulder_pitch_z
+        .mul_add(
+            T::from_f64(0.9762187971333224),
+            e115
+                .mul_add(
+                    T::from_f64(0.17852511201860666),
+                    -(T::from_f64(0.12298635900909212) * bx_left_shoulder_pitch_x),
+                ),
+        );
+    rows[0][74] = (-kx_left_shoulder_pitch_z)
+        .mul_add(
+            T::from_f64(0.20128222621305616),
+            e115
+                .mul_add(
+                    T::from_f64(0.957114304904272),
+                    -(T::from_f64(0.20836907822018302) * bx_left_shoulder_pitch_x),
+                ),
+        );
+    rows[0][75] = kx_left_shoulder_roll_z
+        .mul_add(
+            T::from_f64(0.9797515453989188),
+            bx_left_shoulder_roll_x
+                .mul_add(
+                    T::from_f64(0.09084250712834728),
+                    -(T::from_f64(0.17842238701201812) * e123),
+                ),
+        );
+    rows[0][76] = kx_left_shoulder_roll_z
+        .mul_add(
+            T::from_f64(0.15634333171259343),
+            bx_left_shoulder_roll_x
+                .mul_add(
+                    T::from_f64(0.20957168772714235),
+                    T::from_f64(0.9652131735177485) * e123,
+                ),
+        );
+    rows[0][77] = (-kx_left_shoulder_roll_z)
+        .mul_add(
+            T::from_f64(0.12507466537007475),
+            bx_left_shoulder_roll_x
+                .mul_add(
+                    T::from_f64(0.9735642488309816),
+                    -(T::from_f64(0.19112556469695652) * e123),
+                ),
+        );
+    rows[0][78] = (-kx_left_shoulder_yaw_z)
+        .mul_add(
+            T::from_f64(0.08475868968264198),
+            bx_left_shoulder_yaw_x
+                .mul_add(
+                    T::from_f64(0.01045559498811533),
+                    T::from_f64(0.9963466490417511) * e128,
+                ),
+        );
+    rows[0][80] = kx_left_shoulder_yaw_z
+        .mul_add(
+            T::from_f64(0.9888513796308234),
+            e128
+                .mul_add(
+                    T::from_f64(0.08540114134643578),
+                    -(T::from_f64(0.12198194152801221) * bx_left_shoulder_yaw_x),
+                ),
+        );
+    rows[0][81] = bx_left_elbow_x
+        .mul_add(
+            T::from_f64(0.18375475681808387),
+            T::from_f64(0.9829721203303413) * bx_left_elbow_y,
+        );
+    rows[0][83] = bx_left_elbow_x
+        .mul_add(
+            T::from_f64(0.9829721203303413),
+            -(T::from_f64(0.18375475681808387) * bx_left_elbow_y),
+        );
+    rows[0][84] = kx_left_wrist_yaw_z
+        .mul_add(
+            T::from_f64(0.12095948535747154),
+            bx_left_wrist_yaw_x
+                .mul_add(
+                    T::from_f64(0.9762349902740747),
+                    T::from_f64(0.17981670296897617) * e136,
+                ),
+        );
+    rows[0][85] = (-kx_left_wrist_yaw_z)
+        .mul_add(
+            T::from_f64(0.07697421795475462),
+            bx_left_wrist_yaw_x
+                .mul_add(
+                    T::from_f64(0.189825799816729),
+                    -(T::from_f64(0.9787957578035333) * e136),
+                ),
+        );
+    rows[0][86] = kx_left_wrist_yaw_z
+        .mul_add(
+            T::from_f64(0.9896685165611309),
+            -bx_left_wrist_yaw_x
+                .mul_add(
+                    T::from_f64(0.10455338104775241),
+                    T::from_f64(0.09810615596981634) * e136,
+                ),
+        );
+    rows[0][87] = kx_left_wrist_roll_z
+        .mul_add(
+            T::from_f64(0.9875478905452643),
+            e142
+                .mul_add(
+                    T::from_f64(0.13744769651506267),
+                    T::from_f64(0.0765329641546823) * e143,
+                ),
+        );
+    rows[0][88] = kx_left_wrist_roll_z
+        .mul_add(
+            T::from_f64(0.1280154672929046),
+            e143
+                .mul_add(
+                    T::from_f64(0.11688315011092955),
+                    -(T::from_f64(0.9848605837142257) * e142),
+                ),
+        );
+    rows[0][89] = kx_left_wrist_roll_z
+        .mul_add(
+            T::from_f64(0.09143961949493187),
+            -e142
+                .mul_add(
+                    T::from_f64(0.10563030516276119),
+                    T::from_f64(0.9901924230258703) * e143,
+                ),
+        );
+    rows[0][90] = e148
+        .mul_add(
+            T::from_f64(0.13926262418314853),
+            -e149
+                .mul_add(
+                    T::from_f64(0.019249486508246386),
+                    T::from_f64(0.9900683707576927) * e150,
+                ),
+        );
+    rows[0][91] = (-e148)
+        .mul_add(
+            T::from_f64(0.9855508788345896),
+            e149
+                .mul_add(
+                    T::from_f64(0.09464867601187527),
+                    -(T::from_f64(0.14046741030419552) * e150),
+                ),
+        );
+    rows[0][92] = (-e148)
+        .mul_add(
+            T::from_f64(0.09641258597294897),
+            e150
+                .mul_add(
+                    T::from_f64(0.005790325348442432),
+                    -(T::from_f64(0.9953246130777477) * e149),
+                ),
+        );
+    rows[1][3] = T::from_f64(0.1279648532057884)
+        - by_right_ankle_roll_x
+            .mul_add(
+                T::from_f64(0.1260819066254007),
+                T::from_f64(0.1529122762239553) * e4,
+            );
+    rows[1][4] = by_right_ankle_roll_x
+        .mul_add(
+            T::from_f64(0.9860642172215092),
+            -(T::from_f64(0.12742238056085944) * e4),
+        ) + T::from_f64(0.013964392452657086);
+    rows[1][5] = by_right_ankle_roll_x
+        .mul_add(T::from_f64(0.10853898993926647), T::from_f64(0.9799904962356587) * e4)
+        + T::from_f64(0.021782632782422214);
+    rows[1][6] = (-ky_right_ankle_pitch_z)
+        .mul_add(
+            T::from_f64(0.10072239850941322),
+            by_right_ankle_pitch_x
+                .mul_add(
+                    T::from_f64(0.5863673657787142),
+                    T::from_f64(0.8037588635830045) * e8,
+                ),
+        );
+    rows[1][7] = ky_right_ankle_pitch_z
+        .mul_add(
+            T::from_f64(0.9854343154104156),
+            by_right_ankle_pitch_x
+                .mul_add(
+                    T::from_f64(0.17005552884933375),
+                    -(T::from_f64(0.0005719435102985865) * e8),
+                ),
+        );
+    rows[1][8] = ky_right_ankle_pitch_z
+        .mul_add(
+            T::from_f64(0.1370190076234553),
+            e8
+                .mul_add(
+                    T::from_f64(0.5949549244206476),
+                    -(T::from_f64(0.7919939579678025) * by_right_ankle_pitch_x),
+                ),
+        );
+    rows[1][9] = (-ky_right_knee_z)
+        .mul_add(
+            T::from_f64(0.05491857598002902),
+            e12
+                .mul_add(
+                    T::from_f64(0.7773178779650478),
+                    -(T::from_f64(0.6267063639442644) * by_right_knee_x),
+                ),
+        );
+    rows[1][10] = ky_right_knee_z
+        .mul_add(
+            T::from_f64(0.9918697888935732),
+            -by_right_knee_x
+                .mul_add(
+                    T::from_f64(0.12374470904356641),
+                    T::from_f64(0.029691225369481516) * e12,
+                ),
+        );
+    rows[1][11] = -ky_right_knee_z
+        .mul_add(
+            T::from_f64(0.11479665453550475),
+            by_right_knee_x
+                .mul_add(
+                    T::from_f64(0.7693675197039984),
+                    T::from_f64(0.628406992109392) * e12,
+                ),
+        );
+    rows[1][12] = -ky_right_hip_pitch_z
+        .mul_add(
+            T::from_f64(0.044145363912509596),
+            by_right_hip_pitch_x
+                .mul_add(
+                    T::from_f64(0.9827666448575718),
+                    T::from_f64(0.17950183453219504) * e16,
+                ),
+        );
+    rows[1][13] = ky_right_hip_pitch_z
+        .mul_add(
+            T::from_f64(0.9835480819632141),
+            -by_right_hip_pitch_x
+                .mul_add(
+                    T::from_f64(0.011249506186826184),
+                    T::from_f64(0.18029592085523008) * e16,
+                ),
+        );
+    rows[1][14] = (-ky_right_hip_pitch_z)
+        .mul_add(
+            T::from_f64(0.17516951022228416),
+            by_right_hip_pitch_x
+                .mul_add(
+                    T::from_f64(0.1845079141011138),
+                    -(T::from_f64(0.9670948621115415) * e16),
+                ),
+        );
+    rows[1][15] = -ky_right_hip_roll_z
+        .mul_add(
+            T::from_f64(0.9986750655402579),
+            by_right_hip_roll_x
+                .mul_add(
+                    T::from_f64(0.038782231266670894),
+                    T::from_f64(0.03382383783872411) * by_right_hip_roll_y,
+                ),
+        );
+    rows[1][16] = ky_right_hip_roll_z
+        .mul_add(
+            T::from_f64(0.041130694271502954),
+            -by_right_hip_roll_x
+                .mul_add(
+                    T::from_f64(0.20656645943669896),
+                    T::from_f64(0.9775676773628162) * by_right_hip_roll_y,
+                ),
+        );
+    rows[1][17] = ky_right_hip_roll_z
+        .mul_add(
+            T::from_f64(0.03092538531540076),
+            by_right_hip_roll_y
+                .mul_add(
+                    T::from_f64(0.20788791251376051),
+                    -(T::from_f64(0.9776636621935814) * by_right_hip_roll_x),
+                ),
+        );
+    rows[1][18] = (-ky_right_hip_yaw_z)
+        .mul_add(
+            T::from_f64(0.29159038241600355),
+            by_right_hip_yaw_x
+                .mul_add(
+                    T::from_f64(0.15979020363924512),
+                    T::from_f64(0.9431024014938241) * e21,
+                ),
+        );
+    rows[1][19] = -by_right_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.8769571695433379),
+            T::from_f64(0.48056854119525716) * ky_right_hip_yaw_z,
+        );
+    rows[1][20] = (-ky_right_hip_yaw_z)
+        .mul_add(
+            T::from_f64(0.8270604126035483),
+            by_right_hip_yaw_x
+                .mul_add(
+                    T::from_f64(0.4532253452836305),
+                    -(T::from_f64(0.3325024214898031) * e21),
+                ),
+        );
+    rows[1][21] = ky_left_hip_yaw_z
+        .mul_add(
+            T::from_f64(0.12146644952683741),
+            by_left_hip_yaw_x
+                .mul_add(
+                    T::from_f64(0.9920190772526525),
+                    T::from_f64(0.03382383783872412) * e27,
+                ),
+        );
+    rows[1][22] = (-ky_left_hip_yaw_z)
+        .mul_add(
+            T::from_f64(0.20244408254472904),
+            by_left_hip_yaw_x
+                .mul_add(
+                    T::from_f64(0.05811909856572281),
+                    -(T::from_f64(0.9775676773628161) * e27),
+                ),
+        );
+    rows[1][23] = ky_left_hip_yaw_z
+        .mul_add(
+            T::from_f64(0.9717315962146993),
+            -by_left_hip_yaw_x
+                .mul_add(
+                    T::from_f64(0.11189423912205596),
+                    T::from_f64(0.20788791251376057) * e27,
+                ),
+        );
+    rows[1][24] = ky_left_hip_roll_z
+        .mul_add(
+            T::from_f64(0.9836381149720178),
+            e33
+                .mul_add(
+                    T::from_f64(0.01533460706611091),
+                    -(T::from_f64(0.17950183453219504) * e34),
+                ),
+        );
+    rows[1][25] = ky_left_hip_roll_z
+        .mul_add(
+            T::from_f64(0.04821755465549107),
+            e34
+                .mul_add(
+                    T::from_f64(0.18029592085523005),
+                    -(T::from_f64(0.9824298694288612) * e33),
+                ),
+        );
+    rows[1][26] = -ky_left_hip_roll_z
+        .mul_add(
+            T::from_f64(0.17358319675976783),
+            e33
+                .mul_add(
+                    T::from_f64(0.18600107924449963),
+                    T::from_f64(0.9670948621115414) * e34,
+                ),
+        );
+    rows[1][27] = ky_left_hip_pitch_z
+        .mul_add(
+            T::from_f64(0.10003501838572533),
+            e41
+                .mul_add(
+                    T::from_f64(0.7773178779650479),
+                    -(T::from_f64(0.6211037849606799) * by_left_hip_pitch_x),
+                ),
+        );
+    rows[1][28] = ky_left_hip_pitch_z
+        .mul_add(
+            T::from_f64(0.9803431801801081),
+            by_left_hip_pitch_x
+                .mul_add(
+                    T::from_f64(0.19505301897281854),
+                    T::from_f64(0.029691225369481503) * e41,
+                ),
+        );
+    rows[1][29] = ky_left_hip_pitch_z
+        .mul_add(
+            T::from_f64(0.1700595312557331),
+            -by_left_hip_pitch_x
+                .mul_add(
+                    T::from_f64(0.7590681182193775),
+                    T::from_f64(0.6284069921093921) * e41,
+                ),
+        );
+    rows[1][30] = (-ky_left_knee_z)
+        .mul_add(
+            T::from_f64(0.0543214476255111),
+            by_left_knee_x
+                .mul_add(
+                    T::from_f64(0.5924701423191099),
+                    T::from_f64(0.8037588635830043) * e46,
+                ),
+        );
+    rows[1][31] = ky_left_knee_z
+        .mul_add(
+            T::from_f64(0.9958932064677037),
+            by_left_knee_x
+                .mul_add(
+                    T::from_f64(0.09053393944867547),
+                    T::from_f64(0.0005719435102985865) * e46,
+                ),
+        );
+    rows[1][32] = ky_left_knee_z
+        .mul_add(
+            T::from_f64(0.07242859683401481),
+            e46
+                .mul_add(
+                    T::from_f64(0.5949549244206475),
+                    -(T::from_f64(0.8004890606799554) * by_left_knee_x),
+                ),
+        );
+    rows[1][33] = ky_left_ankle_pitch_z
+        .mul_add(
+            T::from_f64(0.07453982498343462),
+            by_left_ankle_pitch_x
+                .mul_add(
+                    T::from_f64(0.9854246040522064),
+                    -(T::from_f64(0.1529122762239553) * e50),
+                ),
+        );
+    rows[1][34] = ky_left_ankle_pitch_z
+        .mul_add(
+            T::from_f64(0.9903148176370599),
+            e50
+                .mul_add(
+                    T::from_f64(0.12742238056085947),
+                    -(T::from_f64(0.05513709187725314) * by_left_ankle_pitch_x),
+                ),
+        );
+    rows[1][35] = (-ky_left_ankle_pitch_z)
+        .mul_add(
+            T::from_f64(0.11713401068825438),
+            by_left_ankle_pitch_x
+                .mul_add(
+                    T::from_f64(0.16092933488917305),
+                    T::from_f64(0.9799904962356587) * e50,
+                ),
+        );
+    rows[1][36] = ky_left_ankle_roll_z
+        .mul_add(
+            T::from_f64(0.9733639183217578),
+            by_left_ankle_roll_x
+                .mul_add(
+                    T::from_f64(0.20544888863102057),
+                    T::from_f64(0.10175183865460506) * by_left_ankle_roll_y,
+                ),
+        );
+    rows[1][37] = (-ky_left_ankle_roll_z)
+        .mul_add(
+            T::from_f64(0.0903121161329466),
+            by_left_ankle_roll_y
+                .mul_add(
+                    T::from_f64(0.9938332711736169),
+                    -(T::from_f64(0.06433623231070597) * by_left_ankle_roll_x),
+                ),
+        );
+    rows[1][38] = ky_left_ankle_roll_z
+        .mul_add(
+            T::from_f64(0.2107282709768754),
+            -by_left_ankle_roll_x
+                .mul_add(
+                    T::from_f64(0.9765508708573974),
+                    T::from_f64(0.04406804328257811) * by_left_ankle_roll_y,
+                ),
+        );
+    rows[1][39] = ky_waist_yaw_z
+        .mul_add(
+            T::from_f64(0.05013302902454261),
+            -by_waist_yaw_x
+                .mul_add(
+                    T::from_f64(0.11455324933025107),
+                    T::from_f64(0.9921513153086609) * by_waist_yaw_y,
+                ),
+        );
+    rows[1][40] = ky_waist_yaw_z
+        .mul_add(
+            T::from_f64(0.11029266385399372),
+            by_waist_yaw_x
+                .mul_add(
+                    T::from_f64(0.9879595626153338),
+                    -(T::from_f64(0.10849622545005164) * by_waist_yaw_y),
+                ),
+        );
+    rows[1][41] = ky_waist_yaw_z
+        .mul_add(
+            T::from_f64(0.9926339746859435),
+            by_waist_yaw_y
+                .mul_add(
+                    T::from_f64(0.06216378844943306),
+                    -(T::from_f64(0.10398776709209512) * by_waist_yaw_x),
+                ),
+        );
+    rows[1][42] = -ky_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.07686740279497044),
+            e62
+                .mul_add(
+                    T::from_f64(0.17939505485262935),
+                    T::from_f64(0.9807695023204881) * e63,
+                ),
+        );
+    rows[1][43] = ky_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.9882951787924771),
+            e62
+                .mul_add(
+                    T::from_f64(0.11629756483619717),
+                    -(T::from_f64(0.09872950920933495) * e63),
+                ),
+        );
+    rows[1][44] = ky_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.1317726905056636),
+            e63
+                .mul_add(
+                    T::from_f64(0.1683557760497274),
+                    -(T::from_f64(0.9768788516021794) * e62),
+                ),
+        );
+    rows[1][45] = by_neck_yaw_x
+        .mul_add(T::from_f64(0.0463635037734159), T::from_f64(0.9989246345535044) * e70);
+    rows[1][46] = by_neck_yaw_x
+        .mul_add(
+            T::from_f64(0.9989246345535044),
+            -(T::from_f64(0.0463635037734159) * e70),
+        );
+    rows[1][48] = ky_neck_pitch_z
+        .mul_add(
+            T::from_f64(0.038740125174873435),
+            by_neck_pitch_y
+                .mul_add(
+                    T::from_f64(0.17090909239800103),
+                    -(T::from_f64(0.9845249031066339) * by_neck_pitch_x),
+                ),
+        );
+    rows[1][49] = ky_neck_pitch_z
+        .mul_add(
+            T::from_f64(0.997558223252991),
+            by_neck_pitch_x
+                .mul_add(
+                    T::from_f64(0.048051161613096624),
+                    T::from_f64(0.05068211802961547) * by_neck_pitch_y,
+                ),
+        );
+    rows[1][50] = (-ky_neck_pitch_z)
+        .mul_add(
+            T::from_f64(0.05811018776231015),
+            by_neck_pitch_x
+                .mul_add(
+                    T::from_f64(0.16852833895373615),
+                    T::from_f64(0.9839824211070662) * by_neck_pitch_y,
+                ),
+        );
+    rows[1][51] = (-ky_right_shoulder_pitch_z)
+        .mul_add(
+            T::from_f64(0.08051289048522246),
+            by_right_shoulder_pitch_y
+                .mul_add(
+                    T::from_f64(0.22816877903507443),
+                    -(T::from_f64(0.9702869074347845) * by_right_shoulder_pitch_x),
+                ),
+        );
+    rows[1][52] = ky_right_shoulder_pitch_z
+        .mul_add(
+            T::from_f64(0.9762187971333224),
+            -by_right_shoulder_pitch_x
+                .mul_add(
+                    T::from_f64(0.12298635900909212),
+                    T::from_f64(0.17852511201860666) * by_right_shoulder_pitch_y,
+                ),
+        );
+    rows[1][53] = ky_right_shoulder_pitch_z
+        .mul_add(
+            T::from_f64(0.20128222621305616),
+            by_right_shoulder_pitch_x
+                .mul_add(
+                    T::from_f64(0.20836907822018302),
+                    T::from_f64(0.957114304904272) * by_right_shoulder_pitch_y,
+                ),
+        );
+    rows[1][54] = -ky_right_shoulder_roll_z
+        .mul_add(
+            T::from_f64(0.9797515453989188),
+            by_right_shoulder_roll_x
+                .mul_add(
+                    T::from_f64(0.09084250712834728),
+                    T::from_f64(0.17842238701201812) * by_right_shoulder_roll_y,
+                ),
+        );
+    rows[1][55] = ky_right_shoulder_roll_z
+        .mul_add(
+            T::from_f64(0.15634333171259343),
+            by_right_shoulder_roll_x
+                .mul_add(
+                    T::from_f64(0.20957168772714235),
+                    -(T::from_f64(0.9652131735177485) * by_right_shoulder_roll_y),
+                ),
+        );
+    rows[1][56] = ky_right_shoulder_roll_z
+        .mul_add(
+            T::from_f64(0.12507466537007475),
+            -by_right_shoulder_roll_x
+                .mul_add(
+                    T::from_f64(0.9735642488309816),
+                    T::from_f64(0.19112556469695652) * by_right_shoulder_roll_y,
+                ),
+        );
+    rows[1][57] = ky_right_shoulder_yaw_z
+        .mul_add(
+            T::from_f64(0.08475868968264198),
+            e89
+                .mul_add(
+                    T::from_f64(0.01045559498811533),
+                    -(T::from_f64(0.9963466490417511) * e90),
+                ),
+        );
+    rows[1][59] = -ky_right_shoulder_yaw_z
+        .mul_add(
+            T::from_f64(0.9888513796308234),
+            e89
+                .mul_add(
+                    T::from_f64(0.12198194152801221),
+                    T::from_f64(0.08540114134643578) * e90,
+                ),
+        );
+    rows[1][60] = e98
+        .mul_add(
+            T::from_f64(0.9829721203303413),
+            -(T::from_f64(0.18375475681808387) * by_right_elbow_x),
+        );
+    rows[1][62] = -by_right_elbow_x
+        .mul_add(
+            T::from_f64(0.9829721203303413),
+            T::from_f64(0.18375475681808387) * e98,
+        );
+    rows[1][63] = (-ky_right_wrist_yaw_z)
+        .mul_add(
+            T::from_f64(0.12095948535747154),
+            by_right_wrist_yaw_y
+                .mul_add(
+                    T::from_f64(0.17981670296897617),
+                    -(T::from_f64(0.9762349902740747) * by_right_wrist_yaw_x),
+                ),
+        );
+    rows[1][64] = (-ky_right_wrist_yaw_z)
+        .mul_add(
+            T::from_f64(0.07697421795475462),
+            by_right_wrist_yaw_x
+                .mul_add(
+                    T::from_f64(0.189825799816729),
+                    T::from_f64(0.9787957578035333) * by_right_wrist_yaw_y,
+                ),
+        );
+    rows[1][65] = (-ky_right_wrist_yaw_z)
+        .mul_add(
+            T::from_f64(0.9896685165611309),
+            by_right_wrist_yaw_x
+                .mul_add(
+                    T::from_f64(0.10455338104775241),
+                    -(T::from_f64(0.09810615596981634) * by_right_wrist_yaw_y),
+                ),
+        );
+    rows[1][66] = (-ky_right_wrist_roll_z)
+        .mul_add(
+            T::from_f64(0.9875478905452643),
+            by_right_wrist_roll_x
+                .mul_add(
+                    T::from_f64(0.13744769651506267),
+                    -(T::from_f64(0.0765329641546823) * e107),
+                ),
+        );
+    rows[1][67] = ky_right_wrist_roll_z
+        .mul_add(
+            T::from_f64(0.1280154672929046),
+            by_right_wrist_roll_x
+                .mul_add(
+                    T::from_f64(0.9848605837142257),
+                    T::from_f64(0.11688315011092955) * e107,
+                ),
+        );
+    rows[1][68] = (-ky_right_wrist_roll_z)
+        .mul_add(
+            T::from_f64(0.09143961949493187),
+            e107
+                .mul_add(
+                    T::from_f64(0.9901924230258703),
+                    -(T::from_f64(0.10563030516276119) * by_right_wrist_roll_x),
+                ),
+        );
+    rows[1][69] = ky_right_wrist_pitch_z
+        .mul_add(
+            T::from_f64(0.13926262418314853),
+            -by_right_wrist_pitch_x
+                .mul_add(
+                    T::from_f64(0.019249486508246386),
+                    T::from_f64(0.9900683707576927) * by_right_wrist_pitch_y,
+                ),
+        );
+    rows[1][70] = ky_right_wrist_pitch_z
+        .mul_add(
+            T::from_f64(0.9855508788345896),
+            by_right_wrist_pitch_y
+                .mul_add(
+                    T::from_f64(0.14046741030419552),
+                    -(T::from_f64(0.09464867601187527) * by_right_wrist_pitch_x),
+                ),
+        );
+    rows[1][71] = (-ky_right_wrist_pitch_z)
+        .mul_add(
+            T::from_f64(0.09641258597294897),
+            by_right_wrist_pitch_y
+                .mul_add(
+                    T::from_f64(0.005790325348442432),
+                    -(T::from_f64(0.9953246130777477) * by_right_wrist_pitch_x),
+                ),
+        );
+    rows[1][72] = ky_left_shoulder_pitch_z
+        .mul_add(
+            T::from_f64(0.08051289048522246),
+            by_left_shoulder_pitch_x
+                .mul_add(
+                    T::from_f64(0.9702869074347845),
+                    T::from_f64(0.22816877903507443) * e118,
+                ),
+        );
+    rows[1][73] = ky_left_shoulder_pitch_z
+        .mul_add(
+            T::from_f64(0.9762187971333224),
+            e118
+                .mul_add(
+                    T::from_f64(0.17852511201860666),
+                    -(T::from_f64(0.12298635900909212) * by_left_shoulder_pitch_x),
+                ),
+        );
+    rows[1][74] = (-ky_left_shoulder_pitch_z)
+        .mul_add(
+            T::from_f64(0.20128222621305616),
+            e118
+                .mul_add(
+                    T::from_f64(0.957114304904272),
+                    -(T::from_f64(0.20836907822018302) * by_left_shoulder_pitch_x),
+                ),
+        );
+    rows[1][75] = ky_left_shoulder_roll_z
+        .mul_add(
+            T::from_f64(0.9797515453989188),
+            by_left_shoulder_roll_x
+                .mul_add(
+                    T::from_f64(0.09084250712834728),
+                    -(T::from_f64(0.17842238701201812) * e124),
+                ),
+        );
+    rows[1][76] = ky_left_shoulder_roll_z
+        .mul_add(
+            T::from_f64(0.15634333171259343),
+            by_left_shoulder_roll_x
+                .mul_add(
+                    T::from_f64(0.20957168772714235),
+                    T::from_f64(0.9652131735177485) * e124,
+                ),
+        );
+    rows[1][77] = (-ky_left_shoulder_roll_z)
+        .mul_add(
+            T::from_f64(0.12507466537007475),
+            by_left_shoulder_roll_x
+                .mul_add(
+                    T::from_f64(0.9735642488309816),
+                    -(T::from_f64(0.19112556469695652) * e124),
+                ),
+        );
+    rows[1][78] = (-ky_left_shoulder_yaw_z)
+        .mul_add(
+            T::from_f64(0.08475868968264198),
+            by_left_shoulder_yaw_x
+                .mul_add(
+                    T::from_f64(0.01045559498811533),
+                    T::from_f64(0.9963466490417511) * e130,
+                ),
+        );
+    rows[1][80] = ky_left_shoulder_yaw_z
+        .mul_add(
+            T::from_f64(0.9888513796308234),
+            e130
+                .mul_add(
+                    T::from_f64(0.08540114134643578),
+                    -(T::from_f64(0.12198194152801221) * by_left_shoulder_yaw_x),
+                ),
+        );
+    rows[1][81] = by_left_elbow_x
+        .mul_add(
+            T::from_f64(0.18375475681808387),
+            T::from_f64(0.9829721203303413) * by_left_elbow_y,
+        );
+    rows[1][83] = by_left_elbow_x
+        .mul_add(
+            T::from_f64(0.9829721203303413),
+            -(T::from_f64(0.18375475681808387) * by_left_elbow_y),
+        );
+    rows[1][84] = ky_left_wrist_yaw_z
+        .mul_add(
+            T::from_f64(0.12095948535747154),
+            by_left_wrist_yaw_x
+                .mul_add(
+                    T::from_f64(0.9762349902740747),
+                    T::from_f64(0.17981670296897617) * e138,
+                ),
+        );
+    rows[1][85] = (-ky_left_wrist_yaw_z)
+        .mul_add(
+            T::from_f64(0.07697421795475462),
+            by_left_wrist_yaw_x
+                .mul_add(
+                    T::from_f64(0.189825799816729),
+                    -(T::from_f64(0.9787957578035333) * e138),
+                ),
+        );
+    rows[1][86] = ky_left_wrist_yaw_z
+        .mul_add(
+            T::from_f64(0.9896685165611309),
+            -by_left_wrist_yaw_x
+                .mul_add(
+                    T::from_f64(0.10455338104775241),
+                    T::from_f64(0.09810615596981634) * e138,
+                ),
+        );
+    rows[1][87] = ky_left_wrist_roll_z
+        .mul_add(
+            T::from_f64(0.9875478905452643),
+            e144
+                .mul_add(
+                    T::from_f64(0.13744769651506267),
+                    T::from_f64(0.0765329641546823) * e145,
+                ),
+        );
+    rows[1][88] = ky_left_wrist_roll_z
+        .mul_add(
+            T::from_f64(0.1280154672929046),
+            e145
+                .mul_add(
+                    T::from_f64(0.11688315011092955),
+                    -(T::from_f64(0.9848605837142257) * e144),
+                ),
+        );
+    rows[1][89] = ky_left_wrist_roll_z
+        .mul_add(
+            T::from_f64(0.09143961949493187),
+            -e144
+                .mul_add(
+                    T::from_f64(0.10563030516276119),
+                    T::from_f64(0.9901924230258703) * e145,
+                ),
+        );
+    rows[1][90] = e151
+        .mul_add(
+            T::from_f64(0.13926262418314853),
+            -e152
+                .mul_add(
+                    T::from_f64(0.019249486508246386),
+                    T::from_f64(0.9900683707576927) * e153,
+                ),
+        );
+    rows[1][91] = (-e151)
+        .mul_add(
+            T::from_f64(0.9855508788345896),
+            e152
+                .mul_add(
+                    T::from_f64(0.09464867601187527),
+                    -(T::from_f64(0.14046741030419552) * e153),
+                ),
+        );
+    rows[1][92] = (-e151)
+        .mul_add(
+            T::from_f64(0.09641258597294897),
+            e153
+                .mul_add(
+                    T::from_f64(0.005790325348442432),
+                    -(T::from_f64(0.9953246130777477) * e152),
+                ),
+        );
+    rows[2][3] = T::from_f64(0.14774293595003937)
+        - bz_right_ankle_roll_x
+            .mul_add(
+                T::from_f64(0.1260819066254007),
+                T::from_f64(0.1529122762239553) * e5,
+            );
+    rows[2][4] = bz_right_ankle_roll_x
+        .mul_add(
+            T::from_f64(0.9860642172215092),
+            -(T::from_f64(0.12742238056085944) * e5),
+        ) + T::from_f64(0.01612271094779644);
+    rows[2][5] = bz_right_ankle_roll_x
+        .mul_add(T::from_f64(0.10853898993926647), T::from_f64(0.9799904962356587) * e5)
+        + T::from_f64(0.025149328423963363);
+    rows[2][6] = (-kz_right_ankle_pitch_z)
+        .mul_add(
+            T::from_f64(0.10072239850941322),
+            bz_right_ankle_pitch_x
+                .mul_add(
+                    T::from_f64(0.5863673657787142),
+                    T::from_f64(0.8037588635830045) * e9,
+                ),
+        );
+    rows[2][7] = kz_right_ankle_pitch_z
+        .mul_add(
+            T::from_f64(0.9854343154104156),
+            bz_right_ankle_pitch_x
+                .mul_add(
+                    T::from_f64(0.17005552884933375),
+                    -(T::from_f64(0.0005719435102985865) * e9),
+                ),
+        );
+    rows[2][8] = kz_right_ankle_pitch_z
+        .mul_add(
+            T::from_f64(0.1370190076234553),
+            e9
+                .mul_add(
+                    T::from_f64(0.5949549244206476),
+                    -(T::from_f64(0.7919939579678025) * bz_right_ankle_pitch_x),
+                ),
+        );
+    rows[2][9] = (-kz_right_knee_z)
+        .mul_add(
+            T::from_f64(0.05491857598002902),
+            e13
+                .mul_add(
+                    T::from_f64(0.7773178779650478),
+                    -(T::from_f64(0.6267063639442644) * bz_right_knee_x),
+                ),
+        );
+    rows[2][10] = kz_right_knee_z
+        .mul_add(
+            T::from_f64(0.9918697888935732),
+            -bz_right_knee_x
+                .mul_add(
+                    T::from_f64(0.12374470904356641),
+                    T::from_f64(0.029691225369481516) * e13,
+                ),
+        );
+    rows[2][11] = -kz_right_knee_z
+        .mul_add(
+            T::from_f64(0.11479665453550475),
+            bz_right_knee_x
+                .mul_add(
+                    T::from_f64(0.7693675197039984),
+                    T::from_f64(0.628406992109392) * e13,
+                ),
+        );
+    rows[2][12] = -kz_right_hip_pitch_z
+        .mul_add(
+            T::from_f64(0.044145363912509596),
+            bz_right_hip_pitch_x
+                .mul_add(
+                    T::from_f64(0.9827666448575718),
+                    T::from_f64(0.17950183453219504) * e17,
+                ),
+        );
+    rows[2][13] = kz_right_hip_pitch_z
+        .mul_add(
+            T::from_f64(0.9835480819632141),
+            -bz_right_hip_pitch_x
+                .mul_add(
+                    T::from_f64(0.011249506186826184),
+                    T::from_f64(0.18029592085523008) * e17,
+                ),
+        );
+    rows[2][14] = (-kz_right_hip_pitch_z)
+        .mul_add(
+            T::from_f64(0.17516951022228416),
+            bz_right_hip_pitch_x
+                .mul_add(
+                    T::from_f64(0.1845079141011138),
+                    -(T::from_f64(0.9670948621115415) * e17),
+                ),
+        );
+    rows[2][15] = -kz_right_hip_roll_z
+        .mul_add(
+            T::from_f64(0.9986750655402579),
+            bz_right_hip_roll_x
+                .mul_add(
+                    T::from_f64(0.038782231266670894),
+                    T::from_f64(0.03382383783872411) * bz_right_hip_roll_y,
+                ),
+        );
+    rows[2][16] = kz_right_hip_roll_z
+        .mul_add(
+            T::from_f64(0.041130694271502954),
+            -bz_right_hip_roll_x
+                .mul_add(
+                    T::from_f64(0.20656645943669896),
+                    T::from_f64(0.9775676773628162) * bz_right_hip_roll_y,
+                ),
+        );
+    rows[2][17] = kz_right_hip_roll_z
+        .mul_add(
+            T::from_f64(0.03092538531540076),
+            bz_right_hip_roll_y
+                .mul_add(
+                    T::from_f64(0.20788791251376051),
+                    -(T::from_f64(0.9776636621935814) * bz_right_hip_roll_x),
+                ),
+        );
+    rows[2][18] = (-kz_right_hip_yaw_z)
+        .mul_add(
+            T::from_f64(0.29159038241600355),
+            bz_right_hip_yaw_x
+                .mul_add(
+                    T::from_f64(0.15979020363924512),
+                    T::from_f64(0.9431024014938241) * e22,
+                ),
+        );
+    rows[2][19] = -bz_right_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.8769571695433379),
+            T::from_f64(0.48056854119525716) * kz_right_hip_yaw_z,
+        );
+    rows[2][20] = (-kz_right_hip_yaw_z)
+        .mul_add(
+            T::from_f64(0.8270604126035483),
+            bz_right_hip_yaw_x
+                .mul_add(
+                    T::from_f64(0.4532253452836305),
+                    -(T::from_f64(0.3325024214898031) * e22),
+                ),
+        );
+    rows[2][21] = kz_left_hip_yaw_z
+        .mul_add(
+            T::from_f64(0.12146644952683741),
+            bz_left_hip_yaw_x
+                .mul_add(
+                    T::from_f64(0.9920190772526525),
+                    T::from_f64(0.03382383783872412) * e29,
+                ),
+        );
+    rows[2][22] = (-kz_left_hip_yaw_z)
+        .mul_add(
+            T::from_f64(0.20244408254472904),
+            bz_left_hip_yaw_x
+                .mul_add(
+                    T::from_f64(0.05811909856572281),
+                    -(T::from_f64(0.9775676773628161) * e29),
+                ),
+        );
+    rows[2][23] = kz_left_hip_yaw_z
+        .mul_add(
+            T::from_f64(0.9717315962146993),
+            -bz_left_hip_yaw_x
+                .mul_add(
+                    T::from_f64(0.11189423912205596),
+                    T::from_f64(0.20788791251376057) * e29,
+                ),
+        );
+    rows[2][24] = kz_left_hip_roll_z
+        .mul_add(
+            T::from_f64(0.9836381149720178),
+            e35
+                .mul_add(
+                    T::from_f64(0.01533460706611091),
+                    -(T::from_f64(0.17950183453219504) * e36),
+                ),
+        );
+    rows[2][25] = kz_left_hip_roll_z
+        .mul_add(
+            T::from_f64(0.04821755465549107),
+            e36
+                .mul_add(
+                    T::from_f64(0.18029592085523005),
+                    -(T::from_f64(0.9824298694288612) * e35),
+                ),
+        );
+    rows[2][26] = -kz_left_hip_roll_z
+        .mul_add(
+            T::from_f64(0.17358319675976783),
+            e35
+                .mul_add(
+                    T::from_f64(0.18600107924449963),
+                    T::from_f64(0.9670948621115414) * e36,
+                ),
+        );
+    rows[2][27] = kz_left_hip_pitch_z
+        .mul_add(
+            T::from_f64(0.10003501838572533),
+            e43
+                .mul_add(
+                    T::from_f64(0.7773178779650479),
+                    -(T::from_f64(0.6211037849606799) * bz_left_hip_pitch_x),
+                ),
+        );
+    rows[2][28] = kz_left_hip_pitch_z
+        .mul_add(
+            T::from_f64(0.9803431801801081),
+            bz_left_hip_pitch_x
+                .mul_add(
+                    T::from_f64(0.19505301897281854),
+                    T::from_f64(0.029691225369481503) * e43,
+                ),
+        );
+    rows[2][29] = kz_left_hip_pitch_z
+        .mul_add(
+            T::from_f64(0.1700595312557331),
+            -bz_left_hip_pitch_x
+                .mul_add(
+                    T::from_f64(0.7590681182193775),
+                    T::from_f64(0.6284069921093921) * e43,
+                ),
+        );
+    rows[2][30] = (-kz_left_knee_z)
+        .mul_add(
+            T::from_f64(0.0543214476255111),
+            bz_left_knee_x
+                .mul_add(
+                    T::from_f64(0.5924701423191099),
+                    T::from_f64(0.8037588635830043) * e47,
+                ),
+        );
+    rows[2][31] = kz_left_knee_z
+        .mul_add(
+            T::from_f64(0.9958932064677037),
+            bz_left_knee_x
+                .mul_add(
+                    T::from_f64(0.09053393944867547),
+                    T::from_f64(0.0005719435102985865) * e47,
+                ),
+        );
+    rows[2][32] = kz_left_knee_z
+        .mul_add(
+            T::from_f64(0.07242859683401481),
+            e47
+                .mul_add(
+                    T::from_f64(0.5949549244206475),
+                    -(T::from_f64(0.8004890606799554) * bz_left_knee_x),
+                ),
+        );
+    rows[2][33] = kz_left_ankle_pitch_z
+        .mul_add(
+            T::from_f64(0.07453982498343462),
+            bz_left_ankle_pitch_x
+                .mul_add(
+                    T::from_f64(0.9854246040522064),
+                    -(T::from_f64(0.1529122762239553) * e51),
+                ),
+        );
+    rows[2][34] = kz_left_ankle_pitch_z
+        .mul_add(
+            T::from_f64(0.9903148176370599),
+            e51
+                .mul_add(
+                    T::from_f64(0.12742238056085947),
+                    -(T::from_f64(0.05513709187725314) * bz_left_ankle_pitch_x),
+                ),
+        );
+    rows[2][35] = (-kz_left_ankle_pitch_z)
+        .mul_add(
+            T::from_f64(0.11713401068825438),
+            bz_left_ankle_pitch_x
+                .mul_add(
+                    T::from_f64(0.16092933488917305),
+                    T::from_f64(0.9799904962356587) * e51,
+                ),
+        );
+    rows[2][36] = kz_left_ankle_roll_z
+        .mul_add(
+            T::from_f64(0.9733639183217578),
+            bz_left_ankle_roll_x
+                .mul_add(
+                    T::from_f64(0.20544888863102057),
+                    T::from_f64(0.10175183865460506) * bz_left_ankle_roll_y,
+                ),
+        );
+    rows[2][37] = (-kz_left_ankle_roll_z)
+        .mul_add(
+            T::from_f64(0.0903121161329466),
+            bz_left_ankle_roll_y
+                .mul_add(
+                    T::from_f64(0.9938332711736169),
+                    -(T::from_f64(0.06433623231070597) * bz_left_ankle_roll_x),
+                ),
+        );
+    rows[2][38] = kz_left_ankle_roll_z
+        .mul_add(
+            T::from_f64(0.2107282709768754),
+            -bz_left_ankle_roll_x
+                .mul_add(
+                    T::from_f64(0.9765508708573974),
+                    T::from_f64(0.04406804328257811) * bz_left_ankle_roll_y,
+                ),
+        );
+    rows[2][39] = kz_waist_yaw_z
+        .mul_add(
+            T::from_f64(0.05013302902454261),
+            -bz_waist_yaw_x
+                .mul_add(
+                    T::from_f64(0.11455324933025107),
+                    T::from_f64(0.9921513153086609) * bz_waist_yaw_y,
+                ),
+        );
+    rows[2][40] = kz_waist_yaw_z
+        .mul_add(
+            T::from_f64(0.11029266385399372),
+            bz_waist_yaw_x
+                .mul_add(
+                    T::from_f64(0.9879595626153338),
+                    -(T::from_f64(0.10849622545005164) * bz_waist_yaw_y),
+                ),
+        );
+    rows[2][41] = kz_waist_yaw_z
+        .mul_add(
+            T::from_f64(0.9926339746859435),
+            bz_waist_yaw_y
+                .mul_add(
+                    T::from_f64(0.06216378844943306),
+                    -(T::from_f64(0.10398776709209512) * bz_waist_yaw_x),
+                ),
+        );
+    rows[2][42] = -kz_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.07686740279497044),
+            e64
+                .mul_add(
+                    T::from_f64(0.17939505485262935),
+                    T::from_f64(0.9807695023204881) * e65,
+                ),
+        );
+    rows[2][43] = kz_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.9882951787924771),
+            e64
+                .mul_add(
+                    T::from_f64(0.11629756483619717),
+                    -(T::from_f64(0.09872950920933495) * e65),
+                ),
+        );
+    rows[2][44] = kz_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.1317726905056636),
+            e65
+                .mul_add(
+                    T::from_f64(0.1683557760497274),
+                    -(T::from_f64(0.9768788516021794) * e64),
+                ),
+        );
+    rows[2][45] = bz_neck_yaw_x
+        .mul_add(T::from_f64(0.0463635037734159), T::from_f64(0.9989246345535044) * e72);
+    rows[2][46] = bz_neck_yaw_x
+        .mul_add(
+            T::from_f64(0.9989246345535044),
+            -(T::from_f64(0.0463635037734159) * e72),
+        );
+    rows[2][48] = kz_neck_pitch_z
+        .mul_add(
+            T::from_f64(0.038740125174873435),
+            bz_neck_pitch_y
+                .mul_add(
+                    T::from_f64(0.17090909239800103),
+                    -(T::from_f64(0.9845249031066339) * bz_neck_pitch_x),
+                ),
+        );
+    rows[2][49] = kz_neck_pitch_z
+        .mul_add(
+            T::from_f64(0.997558223252991),
+            bz_neck_pitch_x
+                .mul_add(
+                    T::from_f64(0.048051161613096624),
+                    T::from_f64(0.05068211802961547) * bz_neck_pitch_y,
+                ),
+        );
+    rows[2][50] = (-kz_neck_pitch_z)
+        .mul_add(
+            T::from_f64(0.05811018776231015),
+            bz_neck_pitch_x
+                .mul_add(
+                    T::from_f64(0.16852833895373615),
+                    T::from_f64(0.9839824211070662) * bz_neck_pitch_y,
+                ),
+        );
+    rows[2][51] = (-kz_right_shoulder_pitch_z)
+        .mul_add(
+            T::from_f64(0.08051289048522246),
+            bz_right_shoulder_pitch_y
+                .mul_add(
+                    T::from_f64(0.22816877903507443),
+                    -(T::from_f64(0.9702869074347845) * bz_right_shoulder_pitch_x),
+                ),
+        );
+    rows[2][52] = kz_right_shoulder_pitch_z
+        .mul_add(
+            T::from_f64(0.9762187971333224),
+            -bz_right_shoulder_pitch_x
+                .mul_add(
+                    T::from_f64(0.12298635900909212),
+                    T::from_f64(0.17852511201860666) * bz_right_shoulder_pitch_y,
+                ),
+        );
+    rows[2][53] = kz_right_shoulder_pitch_z
+        .mul_add(
+            T::from_f64(0.20128222621305616),
+            bz_right_shoulder_pitch_x
+                .mul_add(
+                    T::from_f64(0.20836907822018302),
+                    T::from_f64(0.957114304904272) * bz_right_shoulder_pitch_y,
+                ),
+        );
+    rows[2][54] = -kz_right_shoulder_roll_z
+        .mul_add(
+            T::from_f64(0.9797515453989188),
+            bz_right_shoulder_roll_x
+                .mul_add(
+                    T::from_f64(0.09084250712834728),
+                    T::from_f64(0.17842238701201812) * bz_right_shoulder_roll_y,
+                ),
+        );
+    rows[2][55] = kz_right_shoulder_roll_z
+        .mul_add(
+            T::from_f64(0.15634333171259343),
+            bz_right_shoulder_roll_x
+                .mul_add(
+                    T::from_f64(0.20957168772714235),
+                    -(T::from_f64(0.9652131735177485) * bz_right_shoulder_roll_y),
+                ),
+        );
+    rows[2][56] = kz_right_shoulder_roll_z
+        .mul_add(
+            T::from_f64(0.12507466537007475),
+            -bz_right_shoulder_roll_x
+                .mul_add(
+                    T::from_f64(0.9735642488309816),
+                    T::from_f64(0.19112556469695652) * bz_right_shoulder_roll_y,
+                ),
+        );
+    rows[2][57] = kz_right_shoulder_yaw_z
+        .mul_add(
+            T::from_f64(0.08475868968264198),
+            e92
+                .mul_add(
+                    T::from_f64(0.01045559498811533),
+                    -(T::from_f64(0.9963466490417511) * e93),
+                ),
+        );
+    rows[2][59] = -kz_right_shoulder_yaw_z
+        .mul_add(
+            T::from_f64(0.9888513796308234),
+            e92
+                .mul_add(
+                    T::from_f64(0.12198194152801221),
+                    T::from_f64(0.08540114134643578) * e93,
+                ),
+        );
+    rows[2][60] = e100
+        .mul_add(
+            T::from_f64(0.9829721203303413),
+            -(T::from_f64(0.18375475681808387) * bz_right_elbow_x),
+        );
+    rows[2][62] = -bz_right_elbow_x
+        .mul_add(
+            T::from_f64(0.9829721203303413),
+            T::from_f64(0.18375475681808387) * e100,
+        );
+    rows[2][63] = (-kz_right_wrist_yaw_z)
+        .mul_add(
+            T::from_f64(0.12095948535747154),
+            bz_right_wrist_yaw_y
+                .mul_add(
+                    T::from_f64(0.17981670296897617),
+                    -(T::from_f64(0.9762349902740747) * bz_right_wrist_yaw_x),
+                ),
+        );
+    rows[2][64] = (-kz_right_wrist_yaw_z)
+        .mul_add(
+            T::from_f64(0.07697421795475462),
+            bz_right_wrist_yaw_x
+                .mul_add(
+                    T::from_f64(0.189825799816729),
+                    T::from_f64(0.9787957578035333) * bz_right_wrist_yaw_y,
+                ),
+        );
+    rows[2][65] = (-kz_right_wrist_yaw_z)
+        .mul_add(
+            T::from_f64(0.9896685165611309),
+            bz_right_wrist_yaw_x
+                .mul_add(
+                    T::from_f64(0.10455338104775241),
+                    -(T::from_f64(0.09810615596981634) * bz_right_wrist_yaw_y),
+                ),
+        );
+    rows[2][66] = (-kz_right_wrist_roll_z)
+        .mul_add(
+            T::from_f64(0.9875478905452643),
+            bz_right_wrist_roll_x
+                .mul_add(
+                    T::from_f64(0.13744769651506267),
+                    -(T::from_f64(0.0765329641546823) * e108),
+                ),
+        );
+    rows[2][67] = kz_right_wrist_roll_z
+        .mul_add(
+            T::from_f64(0.1280154672929046),
+            bz_right_wrist_roll_x
+                .mul_add(
+                    T::from_f64(0.9848605837142257),
+                    T::from_f64(0.11688315011092955) * e108,
+                ),
+        );
+    rows[2][68] = (-kz_right_wrist_roll_z)
+        .mul_add(
+            T::from_f64(0.09143961949493187),
+            e108
+                .mul_add(
+                    T::from_f64(0.9901924230258703),
+                    -(T::from_f64(0.10563030516276119) * bz_right_wrist_roll_x),
+                ),
+        );
+    rows[2][69] = kz_right_wrist_pitch_z
+        .mul_add(
+            T::from_f64(0.13926262418314853),
+            -bz_right_wrist_pitch_x
+                .mul_add(
+                    T::from_f64(0.019249486508246386),
+                    T::from_f64(0.9900683707576927) * bz_right_wrist_pitch_y,
+                ),
+        );
+    rows[2][70] = kz_right_wrist_pitch_z
+        .mul_add(
+            T::from_f64(0.9855508788345896),
+            bz_right_wrist_pitch_y
+                .mul_add(
+                    T::from_f64(0.14046741030419552),
+                    -(T::from_f64(0.09464867601187527) * bz_right_wrist_pitch_x),
+                ),
+        );
+    rows[2][71] = (-kz_right_wrist_pitch_z)
+        .mul_add(
+            T::from_f64(0.09641258597294897),
+            bz_right_wrist_pitch_y
+                .mul_add(
+                    T::from_f64(0.005790325348442432),
+                    -(T::from_f64(0.9953246130777477) * bz_right_wrist_pitch_x),
+                ),
+        );
+    rows[2][72] = kz_left_shoulder_pitch_z
+        .mul_add(
+            T::from_f64(0.08051289048522246),
+            bz_left_shoulder_pitch_x
+                .mul_add(
+                    T::from_f64(0.9702869074347845),
+                    T::from_f64(0.22816877903507443) * e121,
+                ),
+        );
+    rows[2][73] = kz_left_shoulder_pitch_z
+        .mul_add(
+            T::from_f64(0.9762187971333224),
+            e121
+                .mul_add(
+                    T::from_f64(0.17852511201860666),
+                    -(T::from_f64(0.12298635900909212) * bz_left_shoulder_pitch_x),
+                ),
+        );
+    rows[2][74] = (-kz_left_shoulder_pitch_z)
+        .mul_add(
+            T::from_f64(0.20128222621305616),
+            e121
+                .mul_add(
+                    T::from_f64(0.957114304904272),
+                    -(T::from_f64(0.20836907822018302) * bz_left_shoulder_pitch_x),
+                ),
+        );
+    rows[2][75] = kz_left_shoulder_roll_z
+        .mul_add(
+            T::from_f64(0.9797515453989188),
+            bz_left_shoulder_roll_x
+                .mul_add(
+                    T::from_f64(0.09084250712834728),
+                    -(T::from_f64(0.17842238701201812) * e125),
+                ),
+        );
+    rows[2][76] = kz_left_shoulder_roll_z
+        .mul_add(
+            T::from_f64(0.15634333171259343),
+            bz_left_shoulder_roll_x
+                .mul_add(
+                    T::from_f64(0.20957168772714235),
+                    T::from_f64(0.9652131735177485) * e125,
+                ),
+        );
+    rows[2][77] = (-kz_left_shoulder_roll_z)
+        .mul_add(
+            T::from_f64(0.12507466537007475),
+            bz_left_shoulder_roll_x
+                .mul_add(
+                    T::from_f64(0.9735642488309816),
+                    -(T::from_f64(0.19112556469695652) * e125),
+                ),
+        );
+    rows[2][78] = (-kz_left_shoulder_yaw_z)
+        .mul_add(
+            T::from_f64(0.08475868968264198),
+            bz_left_shoulder_yaw_x
+                .mul_add(
+                    T::from_f64(0.01045559498811533),
+                    T::from_f64(0.9963466490417511) * e132,
+                ),
+        );
+    rows[2][80] = kz_left_shoulder_yaw_z
+        .mul_add(
+            T::from_f64(0.9888513796308234),
+            e132
+                .mul_add(
+                    T::from_f64(0.08540114134643578),
+                    -(T::from_f64(0.12198194152801221) * bz_left_shoulder_yaw_x),
+                ),
+        );
+    rows[2][81] = bz_left_elbow_x
+        .mul_add(
+            T::from_f64(0.18375475681808387),
+            T::from_f64(0.9829721203303413) * bz_left_elbow_y,
+        );
+    rows[2][83] = bz_left_elbow_x
+        .mul_add(
+            T::from_f64(0.9829721203303413),
+            -(T::from_f64(0.18375475681808387) * bz_left_elbow_y),
+        );
+    rows[2][84] = kz_left_wrist_yaw_z
+        .mul_add(
+            T::from_f64(0.12095948535747154),
+            bz_left_wrist_yaw_x
+                .mul_add(
+                    T::from_f64(0.9762349902740747),
+                    T::from_f64(0.17981670296897617) * e140,
+                ),
+        );
+    rows[2][85] = (-kz_left_wrist_yaw_z)
+        .mul_add(
+            T::from_f64(0.07697421795475462),
+            bz_left_wrist_yaw_x
+                .mul_add(
+                    T::from_f64(0.189825799816729),
+                    -(T::from_f64(0.9787957578035333) * e140),
+                ),
+        );
+    rows[2][86] = kz_left_wrist_yaw_z
+        .mul_add(
+            T::from_f64(0.9896685165611309),
+            -bz_left_wrist_yaw_x
+                .mul_add(
+                    T::from_f64(0.10455338104775241),
+                    T::from_f64(0.09810615596981634) * e140,
+                ),
+        );
+    rows[2][87] = kz_left_wrist_roll_z
+        .mul_add(
+            T::from_f64(0.9875478905452643),
+            e146
+                .mul_add(
+                    T::from_f64(0.13744769651506267),
+                    T::from_f64(0.0765329641546823) * e147,
+                ),
+        );
+    rows[2][88] = kz_left_wrist_roll_z
+        .mul_add(
+            T::from_f64(0.1280154672929046),
+            e147
+                .mul_add(
+                    T::from_f64(0.11688315011092955),
+                    -(T::from_f64(0.9848605837142257) * e146),
+                ),
+        );
+    rows[2][89] = kz_left_wrist_roll_z
+        .mul_add(
+            T::from_f64(0.09143961949493187),
+            -e146
+                .mul_add(
+                    T::from_f64(0.10563030516276119),
+                    T::from_f64(0.9901924230258703) * e147,
+                ),
+        );
+    rows[2][90] = e154
+        .mul_add(
+            T::from_f64(0.13926262418314853),
+            -e155
+                .mul_add(
+                    T::from_f64(0.019249486508246386),
+                    T::from_f64(0.9900683707576927) * e156,
+                ),
+        );
+    rows[2][91] = (-e154)
+        .mul_add(
+            T::from_f64(0.9855508788345896),
+            e155
+                .mul_add(
+                    T::from_f64(0.09464867601187527),
+                    -(T::from_f64(0.14046741030419552) * e156),
+                ),
+        );
+    rows[2][92] = (-e154)
+        .mul_add(
+            T::from_f64(0.09641258597294897),
+            e156
+                .mul_add(
+                    T::from_f64(0.005790325348442432),
+                    -(T::from_f64(0.9953246130777477) * e155),
+                ),
+        );
 }
 
 /// Centre of pressure that a static posture shows on a level sole, m.
@@ -14206,6 +14272,8 @@ pub fn gravity_moments_sc<T: Real>(
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 #[inline(always)]
 pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
+    let zero = T::from_f64(0.0);
+    let one = T::from_f64(1.0);
     // right_ankle_roll
     let s_right_ankle_roll = sin[5]
         .mul_add(
@@ -15667,8 +15735,6 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
     let bz_left_wrist_pitch_x = -e121.mul_add(cos[29], kz_left_wrist_pitch_y * sin[29]);
     let bz_left_wrist_pitch_y = -kz_left_wrist_pitch_y
         .mul_add(cos[29], -(e121 * sin[29]));
-    let zero = T::from_f64(0.0);
-    let one = T::from_f64(1.0);
     [
         [
             one,
@@ -15877,6 +15943,8 @@ pub fn regressor_cop_sc<T: Real>(
     sin: &[T; DOF],
     cos: &[T; DOF],
 ) -> [[T; BASE_PARAMS]; 2] {
+    let zero = T::from_f64(0.0);
+    let one = T::from_f64(1.0);
     // right_ankle_roll
     let s_right_ankle_roll = sin[5]
         .mul_add(
@@ -16942,8 +17010,6 @@ pub fn regressor_cop_sc<T: Real>(
     let by_left_wrist_pitch_x = -e84.mul_add(cos[29], ky_left_wrist_pitch_y * sin[29]);
     let by_left_wrist_pitch_y = -ky_left_wrist_pitch_y
         .mul_add(cos[29], -(e84 * sin[29]));
-    let zero = T::from_f64(0.0);
-    let one = T::from_f64(1.0);
     [
         [
             one,
@@ -17087,6 +17153,8 @@ pub fn regressor_full_sc<T: Real>(
     sin: &[T; DOF],
     cos: &[T; DOF],
 ) -> [[T; FULL_PARAMS]; 3] {
+    let zero = T::from_f64(0.0);
+    let one = T::from_f64(1.0);
     // right_ankle_roll
     let s_right_ankle_roll = sin[5]
         .mul_add(
@@ -18538,8 +18606,6 @@ pub fn regressor_full_sc<T: Real>(
         );
     let e132 = e127.mul_add(cos[29], kz_left_wrist_pitch_y * sin[29]);
     let e133 = kz_left_wrist_pitch_y.mul_add(cos[29], -(e127 * sin[29]));
-    let zero = T::from_f64(0.0);
-    let one = T::from_f64(1.0);
     [
         [
             one,
@@ -21495,4 +21561,3355 @@ pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
     let v_right_sole_x = r[0] + w_right_ankle_roll_x;
     let v_right_sole_y = r[1] + w_right_ankle_roll_y;
     [v_right_sole_x, v_right_sole_y]
+}
+
+/// ∂CoM/∂q, m/rad (m/m for sliding joints), one row per axis.
+///
+/// Their combination `along` a direction of the support frame, no longer than one, from sines and cosines as above.
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
+pub fn com_jacobian_along<T: Real>(
+    sin: &[T; DOF],
+    cos: &[T; DOF],
+    r: &[T; BASE_PARAMS],
+    along: &[T; 3],
+) -> [T; DOF] {
+    // left_wrist_pitch
+    let t_left_wrist_pitch_x = cos[29].mul_add(r[61], -(sin[29] * r[62]));
+    let e1 = sin[29].mul_add(r[61], cos[29] * r[62]);
+    // left_wrist_roll
+    let w_left_wrist_pitch_x = T::from_f64(0.042799828876225604) * e1;
+    let v_left_wrist_roll_x = r[59] + w_left_wrist_pitch_x;
+    let v_left_wrist_roll_y = r[60] + t_left_wrist_pitch_x;
+    let s_left_wrist_roll = cos[28]
+        .mul_add(
+            T::from_f64(0.055412107419846535),
+            -(T::from_f64(0.9984635688653299) * sin[28]),
+        );
+    let c_left_wrist_roll = cos[28]
+        .mul_add(
+            T::from_f64(0.9984635688653299),
+            T::from_f64(0.055412107419846535) * sin[28],
+        );
+    let t_left_wrist_roll_x = c_left_wrist_roll
+        .mul_add(v_left_wrist_roll_x, s_left_wrist_roll * v_left_wrist_roll_y);
+    let t_left_wrist_roll_y = s_left_wrist_roll
+        .mul_add(v_left_wrist_roll_x, -(c_left_wrist_roll * v_left_wrist_roll_y));
+    // left_wrist_yaw
+    let w_left_wrist_roll_x = t_left_wrist_roll_y
+        .mul_add(T::from_f64(0.06712447922871664), T::from_f64(0.9968303429290624) * e1);
+    let w_left_wrist_roll_z = e1
+        .mul_add(
+            T::from_f64(0.06706297088627988),
+            -(T::from_f64(0.9977446087492899) * t_left_wrist_roll_y),
+        );
+    let v_left_wrist_yaw_x = r[57] + w_left_wrist_roll_x;
+    let v_left_wrist_yaw_y = r[58] + t_left_wrist_roll_x;
+    let e2 = sin[27]
+        .mul_add(
+            T::from_f64(0.9968143242066551),
+            T::from_f64(0.079757150503448) * cos[27],
+        );
+    let c_left_wrist_yaw = cos[27]
+        .mul_add(
+            T::from_f64(0.9968143242066551),
+            -(T::from_f64(0.079757150503448) * sin[27]),
+        );
+    let t_left_wrist_yaw_x = c_left_wrist_yaw
+        .mul_add(v_left_wrist_yaw_x, -(e2 * v_left_wrist_yaw_y));
+    let e3 = e2.mul_add(v_left_wrist_yaw_x, c_left_wrist_yaw * v_left_wrist_yaw_y);
+    // left_elbow
+    let w_left_wrist_yaw_x = e3
+        .mul_add(
+            T::from_f64(0.15904161977640188),
+            T::from_f64(0.9872718790580934) * w_left_wrist_roll_z,
+        );
+    let w_left_wrist_yaw_z = e3
+        .mul_add(
+            T::from_f64(0.9872718790580934),
+            -(T::from_f64(0.15904161977640188) * w_left_wrist_roll_z),
+        );
+    let v_left_elbow_x = r[55] + w_left_wrist_yaw_x;
+    let v_left_elbow_y = r[56] + t_left_wrist_yaw_x;
+    let s_left_elbow = cos[26]
+        .mul_add(
+            T::from_f64(0.07960549092260731),
+            -(T::from_f64(0.9968264471887625) * sin[26]),
+        );
+    let c_left_elbow = cos[26]
+        .mul_add(
+            T::from_f64(0.9968264471887625),
+            T::from_f64(0.07960549092260731) * sin[26],
+        );
+    let t_left_elbow_x = s_left_elbow
+        .mul_add(v_left_elbow_x, -(c_left_elbow * v_left_elbow_y));
+    let e4 = c_left_elbow.mul_add(v_left_elbow_x, s_left_elbow * v_left_elbow_y);
+    // left_shoulder_yaw
+    let w_left_elbow_x = w_left_wrist_yaw_z
+        .mul_add(
+            T::from_f64(0.9924772473334093),
+            -(T::from_f64(0.12242921843048289) * e4),
+        );
+    let w_left_elbow_z = e4
+        .mul_add(
+            T::from_f64(0.9924772473334093),
+            T::from_f64(0.12242921843048289) * w_left_wrist_yaw_z,
+        );
+    let v_left_shoulder_yaw_x = r[53] + w_left_elbow_x;
+    let v_left_shoulder_yaw_y = r[54] + t_left_elbow_x;
+    let s_left_shoulder_yaw = cos[25]
+        .mul_add(
+            T::from_f64(0.12836132145879614),
+            -(T::from_f64(0.9917274681853637) * sin[25]),
+        );
+    let c_left_shoulder_yaw = cos[25]
+        .mul_add(
+            T::from_f64(0.9917274681853637),
+            T::from_f64(0.12836132145879614) * sin[25],
+        );
+    let e5 = c_left_shoulder_yaw
+        .mul_add(v_left_shoulder_yaw_x, s_left_shoulder_yaw * v_left_shoulder_yaw_y);
+    let t_left_shoulder_yaw_y = c_left_shoulder_yaw
+        .mul_add(v_left_shoulder_yaw_y, -(s_left_shoulder_yaw * v_left_shoulder_yaw_x));
+    // left_shoulder_roll
+    let w_left_shoulder_yaw_x = w_left_elbow_z
+        .mul_add(
+            T::from_f64(0.9229988548190939),
+            -(T::from_f64(0.3848026949004402) * t_left_shoulder_yaw_y),
+        );
+    let e6 = t_left_shoulder_yaw_y
+        .mul_add(
+            T::from_f64(0.9229988548190939),
+            T::from_f64(0.3848026949004402) * w_left_elbow_z,
+        );
+    let v_left_shoulder_roll_x = r[51] + w_left_shoulder_yaw_x;
+    let v_left_shoulder_roll_y = r[52] - e5;
+    let s_left_shoulder_roll = cos[24]
+        .mul_add(
+            T::from_f64(0.2881292913889683),
+            -(T::from_f64(0.9575915159626734) * sin[24]),
+        );
+    let c_left_shoulder_roll = cos[24]
+        .mul_add(
+            T::from_f64(0.9575915159626734),
+            T::from_f64(0.2881292913889683) * sin[24],
+        );
+    let e7 = c_left_shoulder_roll
+        .mul_add(v_left_shoulder_roll_x, s_left_shoulder_roll * v_left_shoulder_roll_y);
+    let t_left_shoulder_roll_y = c_left_shoulder_roll
+        .mul_add(
+            v_left_shoulder_roll_y,
+            -(s_left_shoulder_roll * v_left_shoulder_roll_x),
+        );
+    // left_shoulder_pitch
+    let w_left_shoulder_roll_x = t_left_shoulder_roll_y
+        .mul_add(
+            T::from_f64(0.2834710957352705),
+            -(T::from_f64(0.9589807807681263) * e6),
+        );
+    let e8 = t_left_shoulder_roll_y
+        .mul_add(T::from_f64(0.9589807807681263), T::from_f64(0.2834710957352705) * e6);
+    let v_left_shoulder_pitch_x = r[49] + w_left_shoulder_roll_x;
+    let v_left_shoulder_pitch_y = r[50] - e7;
+    let e9 = sin[23]
+        .mul_add(
+            T::from_f64(0.9998888779453979),
+            T::from_f64(0.014907439790021298) * cos[23],
+        );
+    let c_left_shoulder_pitch = cos[23]
+        .mul_add(
+            T::from_f64(0.9998888779453979),
+            -(T::from_f64(0.014907439790021298) * sin[23]),
+        );
+    let e10 = e9
+        .mul_add(
+            v_left_shoulder_pitch_x,
+            c_left_shoulder_pitch * v_left_shoulder_pitch_y,
+        );
+    let t_left_shoulder_pitch_y = e9
+        .mul_add(
+            v_left_shoulder_pitch_y,
+            -(c_left_shoulder_pitch * v_left_shoulder_pitch_x),
+        );
+    // right_wrist_pitch
+    let t_right_wrist_pitch_x = cos[22].mul_add(r[47], -(sin[22] * r[48]));
+    let e11 = sin[22].mul_add(r[47], cos[22] * r[48]);
+    // right_wrist_roll
+    let w_right_wrist_pitch_x = T::from_f64(0.042799828876225604) * e11;
+    let v_right_wrist_roll_x = r[45] + w_right_wrist_pitch_x;
+    let v_right_wrist_roll_y = r[46] + t_right_wrist_pitch_x;
+    let s_right_wrist_roll = cos[21]
+        .mul_add(
+            T::from_f64(0.055412107419846535),
+            -(T::from_f64(0.9984635688653299) * sin[21]),
+        );
+    let c_right_wrist_roll = cos[21]
+        .mul_add(
+            T::from_f64(0.9984635688653299),
+            T::from_f64(0.055412107419846535) * sin[21],
+        );
+    let t_right_wrist_roll_x = c_right_wrist_roll
+        .mul_add(v_right_wrist_roll_x, s_right_wrist_roll * v_right_wrist_roll_y);
+    let t_right_wrist_roll_y = s_right_wrist_roll
+        .mul_add(v_right_wrist_roll_x, -(c_right_wrist_roll * v_right_wrist_roll_y));
+    // right_wrist_yaw
+    let w_right_wrist_roll_x = t_right_wrist_roll_y
+        .mul_add(
+            T::from_f64(0.06712447922871664),
+            T::from_f64(0.9968303429290624) * e11,
+        );
+    let w_right_wrist_roll_z = e11
+        .mul_add(
+            T::from_f64(0.06706297088627988),
+            -(T::from_f64(0.9977446087492899) * t_right_wrist_roll_y),
+        );
+    let v_right_wrist_yaw_x = r[43] + w_right_wrist_roll_x;
+    let v_right_wrist_yaw_y = r[44] + t_right_wrist_roll_x;
+    let e12 = sin[20]
+        .mul_add(
+            T::from_f64(0.9968143242066551),
+            T::from_f64(0.079757150503448) * cos[20],
+        );
+    let c_right_wrist_yaw = cos[20]
+        .mul_add(
+            T::from_f64(0.9968143242066551),
+            -(T::from_f64(0.079757150503448) * sin[20]),
+        );
+    let t_right_wrist_yaw_x = c_right_wrist_yaw
+        .mul_add(v_right_wrist_yaw_x, -(e12 * v_right_wrist_yaw_y));
+    let e13 = e12.mul_add(v_right_wrist_yaw_x, c_right_wrist_yaw * v_right_wrist_yaw_y);
+    // right_elbow
+    let w_right_wrist_yaw_x = e13
+        .mul_add(
+            T::from_f64(0.15904161977640188),
+            T::from_f64(0.9872718790580934) * w_right_wrist_roll_z,
+        );
+    let w_right_wrist_yaw_z = e13
+        .mul_add(
+            T::from_f64(0.9872718790580934),
+            -(T::from_f64(0.15904161977640188) * w_right_wrist_roll_z),
+        );
+    let v_right_elbow_x = r[41] + w_right_wrist_yaw_x;
+    let v_right_elbow_y = r[42] + t_right_wrist_yaw_x;
+    let s_right_elbow = cos[19]
+        .mul_add(
+            T::from_f64(0.07960549092260731),
+            -(T::from_f64(0.9968264471887625) * sin[19]),
+        );
+    let c_right_elbow = cos[19]
+        .mul_add(
+            T::from_f64(0.9968264471887625),
+            T::from_f64(0.07960549092260731) * sin[19],
+        );
+    let t_right_elbow_x = s_right_elbow
+        .mul_add(v_right_elbow_x, -(c_right_elbow * v_right_elbow_y));
+    let e14 = c_right_elbow.mul_add(v_right_elbow_x, s_right_elbow * v_right_elbow_y);
+    // right_shoulder_yaw
+    let w_right_elbow_x = w_right_wrist_yaw_z
+        .mul_add(
+            T::from_f64(0.9924772473334093),
+            -(T::from_f64(0.12242921843048289) * e14),
+        );
+    let w_right_elbow_z = e14
+        .mul_add(
+            T::from_f64(0.9924772473334093),
+            T::from_f64(0.12242921843048289) * w_right_wrist_yaw_z,
+        );
+    let v_right_shoulder_yaw_x = r[39] + w_right_elbow_x;
+    let v_right_shoulder_yaw_y = r[40] + t_right_elbow_x;
+    let s_right_shoulder_yaw = cos[18]
+        .mul_add(
+            T::from_f64(0.12836132145879614),
+            -(T::from_f64(0.9917274681853637) * sin[18]),
+        );
+    let c_right_shoulder_yaw = cos[18]
+        .mul_add(
+            T::from_f64(0.9917274681853637),
+            T::from_f64(0.12836132145879614) * sin[18],
+        );
+    let e15 = c_right_shoulder_yaw
+        .mul_add(v_right_shoulder_yaw_x, s_right_shoulder_yaw * v_right_shoulder_yaw_y);
+    let t_right_shoulder_yaw_y = c_right_shoulder_yaw
+        .mul_add(
+            v_right_shoulder_yaw_y,
+            -(s_right_shoulder_yaw * v_right_shoulder_yaw_x),
+        );
+    // right_shoulder_roll
+    let w_right_shoulder_yaw_x = w_right_elbow_z
+        .mul_add(
+            T::from_f64(0.9229988548190939),
+            -(T::from_f64(0.3848026949004402) * t_right_shoulder_yaw_y),
+        );
+    let e16 = t_right_shoulder_yaw_y
+        .mul_add(
+            T::from_f64(0.9229988548190939),
+            T::from_f64(0.3848026949004402) * w_right_elbow_z,
+        );
+    let v_right_shoulder_roll_x = r[37] + w_right_shoulder_yaw_x;
+    let v_right_shoulder_roll_y = r[38] - e15;
+    let s_right_shoulder_roll = cos[17]
+        .mul_add(
+            T::from_f64(0.2881292913889683),
+            -(T::from_f64(0.9575915159626734) * sin[17]),
+        );
+    let c_right_shoulder_roll = cos[17]
+        .mul_add(
+            T::from_f64(0.9575915159626734),
+            T::from_f64(0.2881292913889683) * sin[17],
+        );
+    let e17 = c_right_shoulder_roll
+        .mul_add(
+            v_right_shoulder_roll_x,
+            s_right_shoulder_roll * v_right_shoulder_roll_y,
+        );
+    let t_right_shoulder_roll_y = c_right_shoulder_roll
+        .mul_add(
+            v_right_shoulder_roll_y,
+            -(s_right_shoulder_roll * v_right_shoulder_roll_x),
+        );
+    // right_shoulder_pitch
+    let w_right_shoulder_roll_x = t_right_shoulder_roll_y
+        .mul_add(
+            T::from_f64(0.2834710957352705),
+            -(T::from_f64(0.9589807807681263) * e16),
+        );
+    let e18 = t_right_shoulder_roll_y
+        .mul_add(T::from_f64(0.9589807807681263), T::from_f64(0.2834710957352705) * e16);
+    let v_right_shoulder_pitch_x = r[35] + w_right_shoulder_roll_x;
+    let v_right_shoulder_pitch_y = r[36] - e17;
+    let e19 = sin[16]
+        .mul_add(
+            T::from_f64(0.9164945319999512),
+            T::from_f64(0.4000472132313764) * cos[16],
+        );
+    let c_right_shoulder_pitch = cos[16]
+        .mul_add(
+            T::from_f64(0.9164945319999512),
+            -(T::from_f64(0.4000472132313764) * sin[16]),
+        );
+    let e20 = e19
+        .mul_add(
+            v_right_shoulder_pitch_x,
+            c_right_shoulder_pitch * v_right_shoulder_pitch_y,
+        );
+    let t_right_shoulder_pitch_y = e19
+        .mul_add(
+            v_right_shoulder_pitch_y,
+            -(c_right_shoulder_pitch * v_right_shoulder_pitch_x),
+        );
+    // neck_pitch
+    let t_neck_pitch_x = cos[15].mul_add(r[33], -(sin[15] * r[34]));
+    let e21 = sin[15].mul_add(r[33], cos[15] * r[34]);
+    // neck_yaw
+    let w_neck_pitch_x = T::from_f64(0.040883888851400166) * e21;
+    let v_neck_yaw_x = r[31] + w_neck_pitch_x;
+    let v_neck_yaw_y = r[32] + t_neck_pitch_x;
+    let s_neck_yaw = cos[14]
+        .mul_add(
+            T::from_f64(0.14476032483451035),
+            -(T::from_f64(0.9894667494937902) * sin[14]),
+        );
+    let c_neck_yaw = cos[14]
+        .mul_add(
+            T::from_f64(0.9894667494937902),
+            T::from_f64(0.14476032483451035) * sin[14],
+        );
+    let t_neck_yaw_x = s_neck_yaw.mul_add(v_neck_yaw_x, -(c_neck_yaw * v_neck_yaw_y));
+    let e22 = c_neck_yaw.mul_add(v_neck_yaw_x, s_neck_yaw * v_neck_yaw_y);
+    // waist_pitch
+    let w_neck_yaw_x = e21
+        .mul_add(
+            T::from_f64(0.9923170257704824),
+            -(T::from_f64(0.11686854868553807) * e22),
+        );
+    let w_neck_yaw_z = e22
+        .mul_add(
+            T::from_f64(0.9931473920461839),
+            T::from_f64(0.11677083539313472) * e21,
+        );
+    let e23 = e18
+        .mul_add(
+            T::from_f64(0.10644334192309902),
+            t_right_shoulder_pitch_y.mul_add(T::from_f64(0.07159388452594458), e20),
+        );
+    let w_right_shoulder_pitch_x = e23.mul_add(T::from_f64(1.9676210845200064), -e20);
+    let w_right_shoulder_pitch_y = (-e23)
+        .mul_add(T::from_f64(0.14086963671593916), t_right_shoulder_pitch_y);
+    let w_right_shoulder_pitch_z = e23.mul_add(T::from_f64(0.20944016387466197), -e18);
+    let e24 = e8
+        .mul_add(
+            T::from_f64(0.09248191489966293),
+            e10.mul_add(T::from_f64(0.11783871458722316), t_left_shoulder_pitch_y),
+        );
+    let w_left_shoulder_pitch_x = e24.mul_add(T::from_f64(0.2305051546121806), -e10);
+    let w_left_shoulder_pitch_y = (-e24)
+        .mul_add(T::from_f64(1.956107170887058), t_left_shoulder_pitch_y);
+    let w_left_shoulder_pitch_z = e24.mul_add(T::from_f64(0.1809045369125973), -e8);
+    let v_waist_pitch_x = r[29] + w_neck_yaw_x + w_right_shoulder_pitch_x
+        + w_left_shoulder_pitch_x;
+    let v_waist_pitch_y = r[30] + t_neck_yaw_x + w_right_shoulder_pitch_y
+        + w_left_shoulder_pitch_y;
+    let v_waist_pitch_z = w_neck_yaw_z + w_right_shoulder_pitch_z
+        + w_left_shoulder_pitch_z;
+    let e25 = sin[13]
+        .mul_add(
+            T::from_f64(0.9999999286053547),
+            T::from_f64(0.0003778746955696651) * cos[13],
+        );
+    let c_waist_pitch = cos[13]
+        .mul_add(
+            T::from_f64(0.9999999286053547),
+            -(T::from_f64(0.0003778746955696651) * sin[13]),
+        );
+    let e26 = e25.mul_add(v_waist_pitch_x, c_waist_pitch * v_waist_pitch_y);
+    let t_waist_pitch_y = e25
+        .mul_add(v_waist_pitch_y, -(c_waist_pitch * v_waist_pitch_x));
+    // waist_yaw
+    let w_waist_pitch_x = t_waist_pitch_y
+        .mul_add(
+            T::from_f64(0.19642259114963537),
+            T::from_f64(0.980519334682424) * v_waist_pitch_z,
+        );
+    let w_waist_pitch_z = v_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.19642259114963537),
+            -(T::from_f64(0.980519334682424) * t_waist_pitch_y),
+        );
+    let v_waist_yaw_x = r[27] + w_waist_pitch_x;
+    let v_waist_yaw_y = r[28] - e26;
+    let e27 = sin[12]
+        .mul_add(
+            T::from_f64(0.9983163336456274),
+            T::from_f64(0.058004292740729185) * cos[12],
+        );
+    let c_waist_yaw = cos[12]
+        .mul_add(
+            T::from_f64(0.9983163336456274),
+            -(T::from_f64(0.058004292740729185) * sin[12]),
+        );
+    let t_waist_yaw_x = e27.mul_add(v_waist_yaw_y, -(c_waist_yaw * v_waist_yaw_x));
+    let t_waist_yaw_y = e27.mul_add(v_waist_yaw_x, c_waist_yaw * v_waist_yaw_y);
+    // left_ankle_roll
+    let t_left_ankle_roll_x = cos[11].mul_add(r[25], -(sin[11] * r[26]));
+    let e28 = sin[11].mul_add(r[25], cos[11] * r[26]);
+    // left_ankle_pitch
+    let w_left_ankle_roll_x = T::from_f64(0.052408392112199914) * e28;
+    let v_left_ankle_pitch_x = r[23] + w_left_ankle_roll_x;
+    let v_left_ankle_pitch_y = r[24] + t_left_ankle_roll_x;
+    let e29 = sin[10]
+        .mul_add(
+            T::from_f64(0.9846119913216708),
+            T::from_f64(0.17475476115280555) * cos[10],
+        );
+    let c_left_ankle_pitch = cos[10]
+        .mul_add(
+            T::from_f64(0.9846119913216708),
+            -(T::from_f64(0.17475476115280555) * sin[10]),
+        );
+    let t_left_ankle_pitch_x = e29
+        .mul_add(v_left_ankle_pitch_y, -(c_left_ankle_pitch * v_left_ankle_pitch_x));
+    let t_left_ankle_pitch_y = e29
+        .mul_add(v_left_ankle_pitch_x, c_left_ankle_pitch * v_left_ankle_pitch_y);
+    // left_knee
+    let w_left_ankle_pitch_x = t_left_ankle_pitch_y
+        .mul_add(T::from_f64(0.9659918591802845), T::from_f64(0.2582171342557963) * e28);
+    let w_left_ankle_pitch_z = e28
+        .mul_add(
+            T::from_f64(0.9646643312639576),
+            -(T::from_f64(0.2585724811294071) * t_left_ankle_pitch_y),
+        );
+    let v_left_knee_x = r[21] + w_left_ankle_pitch_x;
+    let v_left_knee_y = r[22] + t_left_ankle_pitch_x;
+    let s_left_knee = cos[9]
+        .mul_add(
+            T::from_f64(0.6457540841165018),
+            -(T::from_f64(0.7635454556520246) * sin[9]),
+        );
+    let c_left_knee = cos[9]
+        .mul_add(
+            T::from_f64(0.7635454556520246),
+            T::from_f64(0.6457540841165018) * sin[9],
+        );
+    let t_left_knee_x = c_left_knee
+        .mul_add(v_left_knee_y, -(s_left_knee * v_left_knee_x));
+    let t_left_knee_y = c_left_knee.mul_add(v_left_knee_x, s_left_knee * v_left_knee_y);
+    // left_hip_pitch
+    let w_left_knee_x = t_left_knee_y
+        .mul_add(
+            T::from_f64(0.9973888291864126),
+            T::from_f64(0.0722185808096314) * w_left_ankle_pitch_z,
+        );
+    let w_left_knee_z = w_left_ankle_pitch_z
+        .mul_add(
+            T::from_f64(0.9973888291864126),
+            -(T::from_f64(0.0722185808096314) * t_left_knee_y),
+        );
+    let v_left_hip_pitch_x = r[19] + w_left_knee_x;
+    let v_left_hip_pitch_y = r[20] + t_left_knee_x;
+    let e30 = sin[8]
+        .mul_add(
+            T::from_f64(0.9876670233130993),
+            T::from_f64(0.1565689977608653) * cos[8],
+        );
+    let c_left_hip_pitch = cos[8]
+        .mul_add(
+            T::from_f64(0.9876670233130993),
+            -(T::from_f64(0.1565689977608653) * sin[8]),
+        );
+    let t_left_hip_pitch_x = e30
+        .mul_add(v_left_hip_pitch_y, -(c_left_hip_pitch * v_left_hip_pitch_x));
+    let t_left_hip_pitch_y = e30
+        .mul_add(v_left_hip_pitch_x, c_left_hip_pitch * v_left_hip_pitch_y);
+    // left_hip_roll
+    let w_left_hip_pitch_x = t_left_hip_pitch_y
+        .mul_add(
+            T::from_f64(0.06044086238279245),
+            T::from_f64(0.9981717798828137) * w_left_knee_z,
+        );
+    let w_left_hip_pitch_z = w_left_knee_z
+        .mul_add(
+            T::from_f64(0.06044086238279245),
+            -(T::from_f64(0.9981717798828137) * t_left_hip_pitch_y),
+        );
+    let v_left_hip_roll_x = r[17] + w_left_hip_pitch_x;
+    let v_left_hip_roll_y = r[18] + t_left_hip_pitch_x;
+    let s_left_hip_roll = cos[7]
+        .mul_add(
+            T::from_f64(0.3365622831750795),
+            -(T::from_f64(0.9416612074116558) * sin[7]),
+        );
+    let c_left_hip_roll = cos[7]
+        .mul_add(
+            T::from_f64(0.9416612074116558),
+            T::from_f64(0.3365622831750795) * sin[7],
+        );
+    let t_left_hip_roll_x = c_left_hip_roll
+        .mul_add(v_left_hip_roll_x, s_left_hip_roll * v_left_hip_roll_y);
+    let t_left_hip_roll_y = s_left_hip_roll
+        .mul_add(v_left_hip_roll_x, -(c_left_hip_roll * v_left_hip_roll_y));
+    // left_hip_yaw
+    let w_left_hip_roll_x = t_left_hip_roll_y
+        .mul_add(
+            T::from_f64(0.08292767473984561),
+            T::from_f64(0.9965555683263441) * w_left_hip_pitch_z,
+        );
+    let w_left_hip_roll_z = w_left_hip_pitch_z
+        .mul_add(
+            T::from_f64(0.08292767473984561),
+            -(T::from_f64(0.9965555683263441) * t_left_hip_roll_y),
+        );
+    let v_left_hip_yaw_x = r[15] + w_left_hip_roll_x;
+    let v_left_hip_yaw_y = r[16] + t_left_hip_roll_x;
+    let e31 = sin[6]
+        .mul_add(
+            T::from_f64(0.9948843845593177),
+            T::from_f64(0.10102010374191704) * cos[6],
+        );
+    let c_left_hip_yaw = cos[6]
+        .mul_add(
+            T::from_f64(0.9948843845593177),
+            -(T::from_f64(0.10102010374191704) * sin[6]),
+        );
+    let t_left_hip_yaw_x = e31
+        .mul_add(v_left_hip_yaw_y, -(c_left_hip_yaw * v_left_hip_yaw_x));
+    let t_left_hip_yaw_y = e31
+        .mul_add(v_left_hip_yaw_x, c_left_hip_yaw * v_left_hip_yaw_y);
+    // right_hip_yaw
+    let w_left_hip_yaw_x = w_left_hip_roll_z
+        .mul_add(
+            T::from_f64(0.8428760553163273),
+            -(T::from_f64(0.538107754426925) * t_left_hip_yaw_y),
+        );
+    let e32 = w_waist_pitch_z
+        - t_waist_yaw_x
+            .mul_add(
+                T::from_f64(0.19252104104496945),
+                T::from_f64(0.11944678826051937) * t_waist_yaw_y,
+            );
+    let w_waist_yaw_x = e32.mul_add(T::from_f64(0.3662421800811956), t_waist_yaw_x);
+    let w_waist_yaw_y = e32.mul_add(T::from_f64(0.22722945969324562), t_waist_yaw_y);
+    let w_waist_yaw_z = (-e32).mul_add(T::from_f64(1.9023488450576578), w_waist_pitch_z);
+    let v_right_hip_yaw_x = r[13] + w_left_hip_yaw_x + w_waist_yaw_x;
+    let v_right_hip_yaw_y = r[14] + t_left_hip_yaw_x + w_waist_yaw_y;
+    let v_right_hip_yaw_z = w_waist_yaw_z
+        - t_left_hip_yaw_y
+            .mul_add(
+                T::from_f64(0.8428760553163273),
+                T::from_f64(0.538107754426925) * w_left_hip_roll_z,
+            );
+    let s_right_hip_yaw = sin[0]
+        .mul_add(
+            T::from_f64(0.9948843845593177),
+            T::from_f64(0.10102010374191714) * cos[0],
+        );
+    let c_right_hip_yaw = cos[0]
+        .mul_add(
+            T::from_f64(0.9948843845593177),
+            -(T::from_f64(0.10102010374191714) * sin[0]),
+        );
+    let t_right_hip_yaw_x = c_right_hip_yaw
+        .mul_add(v_right_hip_yaw_x, s_right_hip_yaw * v_right_hip_yaw_y);
+    let t_right_hip_yaw_y = s_right_hip_yaw
+        .mul_add(v_right_hip_yaw_x, -(c_right_hip_yaw * v_right_hip_yaw_y));
+    // right_hip_roll
+    let w_right_hip_yaw_x = t_right_hip_yaw_y
+        .mul_add(
+            T::from_f64(0.08292767473984558),
+            T::from_f64(0.9965555683263441) * v_right_hip_yaw_z,
+        );
+    let w_right_hip_yaw_z = v_right_hip_yaw_z
+        .mul_add(
+            T::from_f64(0.08292767473984558),
+            -(T::from_f64(0.9965555683263441) * t_right_hip_yaw_y),
+        );
+    let v_right_hip_roll_x = r[11] + w_right_hip_yaw_x;
+    let v_right_hip_roll_y = r[12] + t_right_hip_yaw_x;
+    let s_right_hip_roll = sin[1]
+        .mul_add(
+            T::from_f64(0.9416612074116558),
+            -(T::from_f64(0.3365622831750796) * cos[1]),
+        );
+    let c_right_hip_roll = cos[1]
+        .mul_add(
+            T::from_f64(0.9416612074116558),
+            T::from_f64(0.3365622831750796) * sin[1],
+        );
+    let e33 = c_right_hip_roll
+        .mul_add(v_right_hip_roll_x, s_right_hip_roll * v_right_hip_roll_y);
+    let t_right_hip_roll_y = c_right_hip_roll
+        .mul_add(v_right_hip_roll_y, -(s_right_hip_roll * v_right_hip_roll_x));
+    // right_hip_pitch
+    let w_right_hip_roll_x = t_right_hip_roll_y
+        .mul_add(
+            T::from_f64(0.06044086238279244),
+            T::from_f64(0.9981717798828138) * w_right_hip_yaw_z,
+        );
+    let w_right_hip_roll_z = w_right_hip_yaw_z
+        .mul_add(
+            T::from_f64(0.06044086238279244),
+            -(T::from_f64(0.9981717798828138) * t_right_hip_roll_y),
+        );
+    let v_right_hip_pitch_x = r[9] + w_right_hip_roll_x;
+    let v_right_hip_pitch_y = r[10] - e33;
+    let s_right_hip_pitch = sin[2]
+        .mul_add(
+            T::from_f64(0.9876670233130992),
+            T::from_f64(0.15656899776086539) * cos[2],
+        );
+    let c_right_hip_pitch = cos[2]
+        .mul_add(
+            T::from_f64(0.9876670233130992),
+            -(T::from_f64(0.15656899776086539) * sin[2]),
+        );
+    let t_right_hip_pitch_x = c_right_hip_pitch
+        .mul_add(v_right_hip_pitch_x, s_right_hip_pitch * v_right_hip_pitch_y);
+    let t_right_hip_pitch_y = s_right_hip_pitch
+        .mul_add(v_right_hip_pitch_x, -(c_right_hip_pitch * v_right_hip_pitch_y));
+    // right_knee
+    let w_right_hip_pitch_x = t_right_hip_pitch_y
+        .mul_add(
+            T::from_f64(0.9973888291864124),
+            T::from_f64(0.0722185808096314) * w_right_hip_roll_z,
+        );
+    let w_right_hip_pitch_z = w_right_hip_roll_z
+        .mul_add(
+            T::from_f64(0.9973888291864124),
+            -(T::from_f64(0.0722185808096314) * t_right_hip_pitch_y),
+        );
+    let v_right_knee_x = r[7] + w_right_hip_pitch_x;
+    let v_right_knee_y = r[8] + t_right_hip_pitch_x;
+    let s_right_knee = sin[3]
+        .mul_add(
+            T::from_f64(0.7635454556520245),
+            -(T::from_f64(0.6457540841165019) * cos[3]),
+        );
+    let c_right_knee = cos[3]
+        .mul_add(
+            T::from_f64(0.7635454556520245),
+            T::from_f64(0.6457540841165019) * sin[3],
+        );
+    let t_right_knee_x = c_right_knee
+        .mul_add(v_right_knee_y, -(s_right_knee * v_right_knee_x));
+    let t_right_knee_y = c_right_knee
+        .mul_add(v_right_knee_x, s_right_knee * v_right_knee_y);
+    // right_ankle_pitch
+    let w_right_knee_x = t_right_knee_y
+        .mul_add(
+            T::from_f64(0.9659918591802843),
+            T::from_f64(0.2585724811294071) * w_right_hip_pitch_z,
+        );
+    let w_right_knee_z = w_right_hip_pitch_z
+        .mul_add(
+            T::from_f64(0.9659918591802843),
+            -(T::from_f64(0.2585724811294071) * t_right_knee_y),
+        );
+    let v_right_ankle_pitch_x = r[5] + w_right_knee_x;
+    let v_right_ankle_pitch_y = r[6] + t_right_knee_x;
+    let s_right_ankle_pitch = sin[4]
+        .mul_add(
+            T::from_f64(0.9846119913216709),
+            T::from_f64(0.17475476115280528) * cos[4],
+        );
+    let c_right_ankle_pitch = cos[4]
+        .mul_add(
+            T::from_f64(0.9846119913216709),
+            -(T::from_f64(0.17475476115280528) * sin[4]),
+        );
+    let t_right_ankle_pitch_x = c_right_ankle_pitch
+        .mul_add(v_right_ankle_pitch_x, s_right_ankle_pitch * v_right_ankle_pitch_y);
+    let t_right_ankle_pitch_y = s_right_ankle_pitch
+        .mul_add(v_right_ankle_pitch_x, -(c_right_ankle_pitch * v_right_ankle_pitch_y));
+    // right_ankle_roll
+    let w_right_ankle_pitch_x = w_right_knee_z
+        .mul_add(
+            T::from_f64(0.9986257359172223),
+            -(T::from_f64(0.0524083921121999) * t_right_ankle_pitch_y),
+        );
+    let v_right_ankle_roll_x = r[3] + w_right_ankle_pitch_x;
+    let v_right_ankle_roll_y = r[4] + t_right_ankle_pitch_x;
+    let s_right_ankle_roll = sin[5]
+        .mul_add(
+            T::from_f64(0.9600435067901932),
+            T::from_f64(0.27985079072603697) * cos[5],
+        );
+    let c_right_ankle_roll = cos[5]
+        .mul_add(
+            T::from_f64(0.9600435067901932),
+            -(T::from_f64(0.27985079072603697) * sin[5]),
+        );
+    let t_right_ankle_roll_x = c_right_ankle_roll
+        .mul_add(v_right_ankle_roll_y, -(s_right_ankle_roll * v_right_ankle_roll_x));
+    let t_right_ankle_roll_y = c_right_ankle_roll
+        .mul_add(v_right_ankle_roll_x, s_right_ankle_roll * v_right_ankle_roll_y);
+    // right_ankle_roll
+    let e34 = along[0]
+        .mul_add(
+            T::from_f64(0.8515580545694378),
+            T::from_f64(0.11345339339030001) * along[1],
+        ) + along[2];
+    let k_right_ankle_roll_x = (-e34).mul_add(T::from_f64(0.9799158654419752), along[0]);
+    let k_right_ankle_roll_y = (-e34)
+        .mul_add(T::from_f64(0.13055455182981807), along[1]);
+    let k_right_ankle_roll_z = (-e34).mul_add(T::from_f64(1.1507328950548619), along[2]);
+    let b_right_ankle_roll_x = k_right_ankle_roll_y
+        .mul_add(c_right_ankle_roll, -(k_right_ankle_roll_x * s_right_ankle_roll));
+    let b_right_ankle_roll_y = k_right_ankle_roll_y
+        .mul_add(s_right_ankle_roll, k_right_ankle_roll_x * c_right_ankle_roll);
+    // right_ankle_pitch
+    let e35 = b_right_ankle_roll_x
+        .mul_add(
+            T::from_f64(0.0524083921121999),
+            T::from_f64(0.9986257359172223) * k_right_ankle_roll_z,
+        );
+    let k_right_ankle_pitch_z = b_right_ankle_roll_x
+        .mul_add(
+            T::from_f64(0.9986257359172223),
+            -(T::from_f64(0.0524083921121999) * k_right_ankle_roll_z),
+        );
+    let b_right_ankle_pitch_x = b_right_ankle_roll_y
+        .mul_add(c_right_ankle_pitch, -(e35 * s_right_ankle_pitch));
+    let b_right_ankle_pitch_y = e35
+        .mul_add(c_right_ankle_pitch, b_right_ankle_roll_y * s_right_ankle_pitch);
+    // right_knee
+    let k_right_knee_y = b_right_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.9659918591802843),
+            -(T::from_f64(0.2585724811294071) * k_right_ankle_pitch_z),
+        );
+    let k_right_knee_z = b_right_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.2585724811294071),
+            T::from_f64(0.9659918591802843) * k_right_ankle_pitch_z,
+        );
+    let b_right_knee_x = k_right_knee_y
+        .mul_add(c_right_knee, -(b_right_ankle_pitch_y * s_right_knee));
+    let b_right_knee_y = k_right_knee_y
+        .mul_add(s_right_knee, b_right_ankle_pitch_y * c_right_knee);
+    // right_hip_pitch
+    let k_right_hip_pitch_y = b_right_knee_x
+        .mul_add(
+            T::from_f64(0.9973888291864124),
+            -(T::from_f64(0.0722185808096314) * k_right_knee_z),
+        );
+    let k_right_hip_pitch_z = b_right_knee_x
+        .mul_add(
+            T::from_f64(0.0722185808096314),
+            T::from_f64(0.9973888291864124) * k_right_knee_z,
+        );
+    let b_right_hip_pitch_x = b_right_knee_y
+        .mul_add(c_right_hip_pitch, k_right_hip_pitch_y * s_right_hip_pitch);
+    let e36 = k_right_hip_pitch_y
+        .mul_add(c_right_hip_pitch, -(b_right_knee_y * s_right_hip_pitch));
+    // right_hip_roll
+    let k_right_hip_roll_y = b_right_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.06044086238279244),
+            -(T::from_f64(0.9981717798828138) * k_right_hip_pitch_z),
+        );
+    let k_right_hip_roll_z = b_right_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.9981717798828138),
+            T::from_f64(0.06044086238279244) * k_right_hip_pitch_z,
+        );
+    let b_right_hip_roll_x = e36
+        .mul_add(c_right_hip_roll, -(k_right_hip_roll_y * s_right_hip_roll));
+    let b_right_hip_roll_y = k_right_hip_roll_y
+        .mul_add(c_right_hip_roll, e36 * s_right_hip_roll);
+    // right_hip_yaw
+    let k_right_hip_yaw_y = b_right_hip_roll_x
+        .mul_add(
+            T::from_f64(0.08292767473984558),
+            -(T::from_f64(0.9965555683263441) * k_right_hip_roll_z),
+        );
+    let k_right_hip_yaw_z = b_right_hip_roll_x
+        .mul_add(
+            T::from_f64(0.9965555683263441),
+            T::from_f64(0.08292767473984558) * k_right_hip_roll_z,
+        );
+    let b_right_hip_yaw_x = b_right_hip_roll_y
+        .mul_add(c_right_hip_yaw, k_right_hip_yaw_y * s_right_hip_yaw);
+    let e37 = k_right_hip_yaw_y
+        .mul_add(c_right_hip_yaw, -(b_right_hip_roll_y * s_right_hip_yaw));
+    // left_hip_yaw
+    let e38 = b_right_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.538107754426925),
+            T::from_f64(0.8428760553163273) * k_right_hip_yaw_z,
+        );
+    let k_left_hip_yaw_z = b_right_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.8428760553163273),
+            -(T::from_f64(0.538107754426925) * k_right_hip_yaw_z),
+        );
+    let b_left_hip_yaw_x = e37.mul_add(c_left_hip_yaw, -(e38 * e31));
+    let e39 = e38.mul_add(c_left_hip_yaw, e37 * e31);
+    // left_hip_roll
+    let k_left_hip_roll_y = b_left_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.08292767473984561),
+            -(T::from_f64(0.9965555683263441) * k_left_hip_yaw_z),
+        );
+    let k_left_hip_roll_z = b_left_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.9965555683263441),
+            T::from_f64(0.08292767473984561) * k_left_hip_yaw_z,
+        );
+    let b_left_hip_roll_x = k_left_hip_roll_y
+        .mul_add(s_left_hip_roll, -(e39 * c_left_hip_roll));
+    let e40 = k_left_hip_roll_y.mul_add(c_left_hip_roll, e39 * s_left_hip_roll);
+    // left_hip_pitch
+    let k_left_hip_pitch_y = b_left_hip_roll_x
+        .mul_add(
+            T::from_f64(0.06044086238279245),
+            -(T::from_f64(0.9981717798828137) * k_left_hip_roll_z),
+        );
+    let k_left_hip_pitch_z = b_left_hip_roll_x
+        .mul_add(
+            T::from_f64(0.9981717798828137),
+            T::from_f64(0.06044086238279245) * k_left_hip_roll_z,
+        );
+    let b_left_hip_pitch_x = e40.mul_add(c_left_hip_pitch, k_left_hip_pitch_y * e30);
+    let e41 = e40.mul_add(e30, -(k_left_hip_pitch_y * c_left_hip_pitch));
+    // left_knee
+    let k_left_knee_y = b_left_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.9973888291864126),
+            -(T::from_f64(0.0722185808096314) * k_left_hip_pitch_z),
+        );
+    let k_left_knee_z = b_left_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.0722185808096314),
+            T::from_f64(0.9973888291864126) * k_left_hip_pitch_z,
+        );
+    let b_left_knee_x = e41.mul_add(s_left_knee, k_left_knee_y * c_left_knee);
+    let e42 = e41.mul_add(c_left_knee, -(k_left_knee_y * s_left_knee));
+    // left_ankle_pitch
+    let k_left_ankle_pitch_y = b_left_knee_x
+        .mul_add(
+            T::from_f64(0.9659918591802845),
+            -(T::from_f64(0.2585724811294071) * k_left_knee_z),
+        );
+    let k_left_ankle_pitch_z = b_left_knee_x
+        .mul_add(
+            T::from_f64(0.2585724811294071),
+            T::from_f64(0.9659918591802845) * k_left_knee_z,
+        );
+    let b_left_ankle_pitch_x = e42
+        .mul_add(c_left_ankle_pitch, k_left_ankle_pitch_y * e29);
+    // waist_yaw
+    let e43 = e37
+        .mul_add(
+            T::from_f64(0.11944678826051937),
+            -(T::from_f64(0.19252104104496945) * b_right_hip_yaw_x),
+        ) + k_right_hip_yaw_z;
+    let k_waist_yaw_x = e43.mul_add(T::from_f64(0.3662421800811956), b_right_hip_yaw_x);
+    let k_waist_yaw_y = e43.mul_add(T::from_f64(0.22722945969324562), -e37);
+    let k_waist_yaw_z = (-e43)
+        .mul_add(T::from_f64(1.9023488450576578), k_right_hip_yaw_z);
+    let b_waist_yaw_x = k_waist_yaw_y.mul_add(e27, -(k_waist_yaw_x * c_waist_yaw));
+    let b_waist_yaw_y = k_waist_yaw_y.mul_add(c_waist_yaw, k_waist_yaw_x * e27);
+    // waist_pitch
+    let k_waist_pitch_y = b_waist_yaw_x
+        .mul_add(
+            T::from_f64(0.19642259114963537),
+            -(T::from_f64(0.980519334682424) * k_waist_yaw_z),
+        );
+    let k_waist_pitch_z = b_waist_yaw_x
+        .mul_add(
+            T::from_f64(0.980519334682424),
+            T::from_f64(0.19642259114963537) * k_waist_yaw_z,
+        );
+    let e44 = b_waist_yaw_y.mul_add(e25, k_waist_pitch_y * c_waist_pitch);
+    let e45 = b_waist_yaw_y.mul_add(c_waist_pitch, -(k_waist_pitch_y * e25));
+    // neck_yaw
+    let e46 = e44
+        .mul_add(
+            T::from_f64(0.11686854868553807),
+            T::from_f64(0.9931473920461839) * k_waist_pitch_z,
+        );
+    let k_neck_yaw_z = k_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.11686854868553807),
+            -(T::from_f64(0.9931473920461839) * e44),
+        );
+    let b_neck_yaw_x = e46.mul_add(c_neck_yaw, -(e45 * s_neck_yaw));
+    let b_neck_yaw_y = e46.mul_add(s_neck_yaw, e45 * c_neck_yaw);
+    // right_shoulder_pitch
+    let e47 = k_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.10644334192309902),
+            e45.mul_add(T::from_f64(0.07159388452594458), -e44),
+        );
+    let e48 = e47.mul_add(T::from_f64(1.9676210845200064), e44);
+    let k_right_shoulder_pitch_y = e47.mul_add(T::from_f64(0.14086963671593916), -e45);
+    let k_right_shoulder_pitch_z = (-e47)
+        .mul_add(T::from_f64(0.20944016387466197), k_waist_pitch_z);
+    let b_right_shoulder_pitch_x = e48
+        .mul_add(e19, -(k_right_shoulder_pitch_y * c_right_shoulder_pitch));
+    let b_right_shoulder_pitch_y = k_right_shoulder_pitch_y
+        .mul_add(e19, e48 * c_right_shoulder_pitch);
+    // right_shoulder_roll
+    let k_right_shoulder_roll_y = b_right_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.2834710957352705),
+            -(T::from_f64(0.9589807807681263) * k_right_shoulder_pitch_z),
+        );
+    let k_right_shoulder_roll_z = b_right_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.9589807807681263),
+            T::from_f64(0.2834710957352705) * k_right_shoulder_pitch_z,
+        );
+    let e49 = b_right_shoulder_pitch_y
+        .mul_add(c_right_shoulder_roll, k_right_shoulder_roll_y * s_right_shoulder_roll);
+    let e50 = b_right_shoulder_pitch_y
+        .mul_add(
+            s_right_shoulder_roll,
+            -(k_right_shoulder_roll_y * c_right_shoulder_roll),
+        );
+    // right_shoulder_yaw
+    let k_right_shoulder_yaw_y = e49
+        .mul_add(
+            T::from_f64(0.3848026949004402),
+            -(T::from_f64(0.9229988548190939) * k_right_shoulder_roll_z),
+        );
+    let e51 = e49
+        .mul_add(
+            T::from_f64(0.9229988548190939),
+            T::from_f64(0.3848026949004402) * k_right_shoulder_roll_z,
+        );
+    let b_right_shoulder_yaw_x = e50
+        .mul_add(c_right_shoulder_yaw, -(k_right_shoulder_yaw_y * s_right_shoulder_yaw));
+    let b_right_shoulder_yaw_y = k_right_shoulder_yaw_y
+        .mul_add(c_right_shoulder_yaw, e50 * s_right_shoulder_yaw);
+    // right_elbow
+    let k_right_elbow_y = b_right_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.12242921843048289),
+            T::from_f64(0.9924772473334093) * e51,
+        );
+    let k_right_elbow_z = b_right_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.9924772473334093),
+            -(T::from_f64(0.12242921843048289) * e51),
+        );
+    let b_right_elbow_x = b_right_shoulder_yaw_y
+        .mul_add(s_right_elbow, -(k_right_elbow_y * c_right_elbow));
+    let e52 = k_right_elbow_y
+        .mul_add(s_right_elbow, b_right_shoulder_yaw_y * c_right_elbow);
+    // right_wrist_yaw
+    let e53 = b_right_elbow_x
+        .mul_add(
+            T::from_f64(0.15904161977640188),
+            T::from_f64(0.9872718790580934) * k_right_elbow_z,
+        );
+    let k_right_wrist_yaw_z = b_right_elbow_x
+        .mul_add(
+            T::from_f64(0.9872718790580934),
+            -(T::from_f64(0.15904161977640188) * k_right_elbow_z),
+        );
+    let b_right_wrist_yaw_x = e53.mul_add(e12, -(e52 * c_right_wrist_yaw));
+    let b_right_wrist_yaw_y = e53.mul_add(c_right_wrist_yaw, e52 * e12);
+    // right_wrist_roll
+    let k_right_wrist_roll_y = b_right_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.06712447922871664),
+            -(T::from_f64(0.9977446087492899) * k_right_wrist_yaw_z),
+        );
+    let k_right_wrist_roll_z = b_right_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.9977446087492899),
+            T::from_f64(0.06712447922871664) * k_right_wrist_yaw_z,
+        );
+    let b_right_wrist_roll_x = b_right_wrist_yaw_y
+        .mul_add(c_right_wrist_roll, k_right_wrist_roll_y * s_right_wrist_roll);
+    // left_shoulder_pitch
+    let e54 = (-k_waist_pitch_z)
+        .mul_add(
+            T::from_f64(0.09248191489966293),
+            e44.mul_add(T::from_f64(0.11783871458722316), -e45),
+        );
+    let k_left_shoulder_pitch_x = e54.mul_add(T::from_f64(0.2305051546121806), -e44);
+    let e55 = e54.mul_add(T::from_f64(1.956107170887058), e45);
+    let k_left_shoulder_pitch_z = e54
+        .mul_add(T::from_f64(0.1809045369125973), k_waist_pitch_z);
+    let b_left_shoulder_pitch_x = e55
+        .mul_add(c_left_shoulder_pitch, -(k_left_shoulder_pitch_x * e9));
+    let e56 = e55.mul_add(e9, k_left_shoulder_pitch_x * c_left_shoulder_pitch);
+    // left_shoulder_roll
+    let k_left_shoulder_roll_y = b_left_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.2834710957352705),
+            -(T::from_f64(0.9589807807681263) * k_left_shoulder_pitch_z),
+        );
+    let k_left_shoulder_roll_z = b_left_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.9589807807681263),
+            T::from_f64(0.2834710957352705) * k_left_shoulder_pitch_z,
+        );
+    let b_left_shoulder_roll_x = e56
+        .mul_add(c_left_shoulder_roll, -(k_left_shoulder_roll_y * s_left_shoulder_roll));
+    let b_left_shoulder_roll_y = k_left_shoulder_roll_y
+        .mul_add(c_left_shoulder_roll, e56 * s_left_shoulder_roll);
+    // left_shoulder_yaw
+    let e57 = b_left_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.3848026949004402),
+            T::from_f64(0.9229988548190939) * k_left_shoulder_roll_z,
+        );
+    let k_left_shoulder_yaw_z = b_left_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.9229988548190939),
+            -(T::from_f64(0.3848026949004402) * k_left_shoulder_roll_z),
+        );
+    let b_left_shoulder_yaw_x = e57
+        .mul_add(s_left_shoulder_yaw, -(b_left_shoulder_roll_y * c_left_shoulder_yaw));
+    let e58 = e57
+        .mul_add(c_left_shoulder_yaw, b_left_shoulder_roll_y * s_left_shoulder_yaw);
+    // left_elbow
+    let k_left_elbow_y = b_left_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.12242921843048289),
+            -(T::from_f64(0.9924772473334093) * k_left_shoulder_yaw_z),
+        );
+    let k_left_elbow_z = b_left_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.9924772473334093),
+            T::from_f64(0.12242921843048289) * k_left_shoulder_yaw_z,
+        );
+    let e59 = e58.mul_add(s_left_elbow, k_left_elbow_y * c_left_elbow);
+    let e60 = k_left_elbow_y.mul_add(s_left_elbow, -(e58 * c_left_elbow));
+    // left_wrist_yaw
+    let k_left_wrist_yaw_y = e59
+        .mul_add(
+            T::from_f64(0.15904161977640188),
+            -(T::from_f64(0.9872718790580934) * k_left_elbow_z),
+        );
+    let e61 = e59
+        .mul_add(
+            T::from_f64(0.9872718790580934),
+            T::from_f64(0.15904161977640188) * k_left_elbow_z,
+        );
+    let e62 = e60.mul_add(c_left_wrist_yaw, k_left_wrist_yaw_y * e2);
+    let e63 = k_left_wrist_yaw_y.mul_add(c_left_wrist_yaw, -(e60 * e2));
+    // left_wrist_roll
+    let k_left_wrist_roll_y = e61
+        .mul_add(
+            T::from_f64(0.9977446087492899),
+            -(T::from_f64(0.06712447922871664) * e62),
+        );
+    let b_left_wrist_roll_x = k_left_wrist_roll_y
+        .mul_add(s_left_wrist_roll, -(e63 * c_left_wrist_roll));
+    // left_wrist_pitch
+    let k_left_wrist_pitch_y = e62
+        .mul_add(T::from_f64(0.9977446087492899), T::from_f64(0.06712447922871664) * e61)
+        .mul_add(
+            T::from_f64(0.99908366749145),
+            -(T::from_f64(0.042799828876225604) * b_left_wrist_roll_x),
+        );
+    [
+        k_right_hip_yaw_y
+            .mul_add(t_right_hip_yaw_x, -(b_right_hip_roll_y * t_right_hip_yaw_y)),
+        e36.mul_add(t_right_hip_roll_y, -(k_right_hip_roll_y * e33)),
+        k_right_hip_pitch_y
+            .mul_add(t_right_hip_pitch_x, -(b_right_knee_y * t_right_hip_pitch_y)),
+        k_right_knee_y
+            .mul_add(t_right_knee_x, -(b_right_ankle_pitch_y * t_right_knee_y)),
+        -e35
+            .mul_add(
+                t_right_ankle_pitch_x,
+                b_right_ankle_roll_y * t_right_ankle_pitch_y,
+            ),
+        k_right_ankle_roll_y
+            .mul_add(
+                t_right_ankle_roll_x,
+                -(k_right_ankle_roll_x * t_right_ankle_roll_y),
+            ),
+        -e37.mul_add(t_left_hip_yaw_y, -(e38 * t_left_hip_yaw_x)),
+        -k_left_hip_roll_y.mul_add(t_left_hip_roll_x, e39 * t_left_hip_roll_y),
+        -k_left_hip_pitch_y.mul_add(t_left_hip_pitch_x, e40 * t_left_hip_pitch_y),
+        -k_left_knee_y.mul_add(t_left_knee_x, e41 * t_left_knee_y),
+        -k_left_ankle_pitch_y.mul_add(t_left_ankle_pitch_x, e42 * t_left_ankle_pitch_y),
+        b_left_ankle_pitch_x
+            .mul_add(
+                T::from_f64(0.052408392112199914),
+                T::from_f64(0.9986257359172225) * k_left_ankle_pitch_z,
+            )
+            .mul_add(
+                t_left_ankle_roll_x,
+                e42.mul_add(e29, -(k_left_ankle_pitch_y * c_left_ankle_pitch)) * e28,
+            ),
+        -k_waist_yaw_y.mul_add(t_waist_yaw_x, -(k_waist_yaw_x * t_waist_yaw_y)),
+        k_waist_pitch_y.mul_add(e26, b_waist_yaw_y * t_waist_pitch_y),
+        e46.mul_add(t_neck_yaw_x, e45 * e22),
+        -b_neck_yaw_y
+            .mul_add(
+                e21,
+                -(b_neck_yaw_x
+                    .mul_add(
+                        T::from_f64(0.040883888851400166),
+                        T::from_f64(0.9991639042881736) * k_neck_yaw_z,
+                    ) * t_neck_pitch_x),
+            ),
+        -e48.mul_add(t_right_shoulder_pitch_y, -(k_right_shoulder_pitch_y * e20)),
+        k_right_shoulder_roll_y
+            .mul_add(e17, b_right_shoulder_pitch_y * t_right_shoulder_roll_y),
+        -e50.mul_add(t_right_shoulder_yaw_y, -(k_right_shoulder_yaw_y * e15)),
+        -k_right_elbow_y.mul_add(t_right_elbow_x, b_right_shoulder_yaw_y * e14),
+        e53.mul_add(t_right_wrist_yaw_x, e52 * e13),
+        -k_right_wrist_roll_y
+            .mul_add(
+                t_right_wrist_roll_x,
+                -(b_right_wrist_yaw_y * t_right_wrist_roll_y),
+            ),
+        b_right_wrist_roll_x
+            .mul_add(
+                T::from_f64(0.042799828876225604),
+                T::from_f64(0.99908366749145) * k_right_wrist_roll_z,
+            )
+            .mul_add(
+                t_right_wrist_pitch_x,
+                k_right_wrist_roll_y
+                    .mul_add(
+                        c_right_wrist_roll,
+                        -(b_right_wrist_yaw_y * s_right_wrist_roll),
+                    ) * e11,
+            ),
+        -e55.mul_add(e10, -(k_left_shoulder_pitch_x * t_left_shoulder_pitch_y)),
+        -e56.mul_add(t_left_shoulder_roll_y, -(k_left_shoulder_roll_y * e7)),
+        -e57.mul_add(e5, -(b_left_shoulder_roll_y * t_left_shoulder_yaw_y)),
+        -k_left_elbow_y.mul_add(t_left_elbow_x, -(e58 * e4)),
+        -k_left_wrist_yaw_y.mul_add(t_left_wrist_yaw_x, -(e60 * e3)),
+        -k_left_wrist_roll_y.mul_add(t_left_wrist_roll_x, e63 * t_left_wrist_roll_y),
+        -k_left_wrist_pitch_y
+            .mul_add(
+                t_left_wrist_pitch_x,
+                -(k_left_wrist_roll_y.mul_add(c_left_wrist_roll, e63 * s_left_wrist_roll)
+                    * e1),
+            ),
+    ]
+}
+
+/// Rows of the base regressor: CoM = rows · r.
+///
+/// Their combination `along` a direction of the support frame, no longer than one, from sines and cosines as above.
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
+pub fn regressor_along<T: Real>(
+    sin: &[T; DOF],
+    cos: &[T; DOF],
+    along: &[T; 3],
+) -> [T; BASE_PARAMS] {
+    // right_ankle_roll
+    let s_right_ankle_roll = sin[5]
+        .mul_add(
+            T::from_f64(0.9600435067901932),
+            T::from_f64(0.27985079072603697) * cos[5],
+        );
+    let c_right_ankle_roll = cos[5]
+        .mul_add(
+            T::from_f64(0.9600435067901932),
+            -(T::from_f64(0.27985079072603697) * sin[5]),
+        );
+    let e1 = along[0]
+        .mul_add(
+            T::from_f64(0.8515580545694378),
+            T::from_f64(0.11345339339030001) * along[1],
+        ) + along[2];
+    let k_right_ankle_roll_x = (-e1).mul_add(T::from_f64(0.9799158654419752), along[0]);
+    let k_right_ankle_roll_y = (-e1).mul_add(T::from_f64(0.13055455182981807), along[1]);
+    let k_right_ankle_roll_z = (-e1).mul_add(T::from_f64(1.1507328950548619), along[2]);
+    let b_right_ankle_roll_x = k_right_ankle_roll_y
+        .mul_add(c_right_ankle_roll, -(k_right_ankle_roll_x * s_right_ankle_roll));
+    let b_right_ankle_roll_y = k_right_ankle_roll_y
+        .mul_add(s_right_ankle_roll, k_right_ankle_roll_x * c_right_ankle_roll);
+    // right_ankle_pitch
+    let s_right_ankle_pitch = sin[4]
+        .mul_add(
+            T::from_f64(0.9846119913216709),
+            T::from_f64(0.17475476115280528) * cos[4],
+        );
+    let c_right_ankle_pitch = cos[4]
+        .mul_add(
+            T::from_f64(0.9846119913216709),
+            -(T::from_f64(0.17475476115280528) * sin[4]),
+        );
+    let e2 = b_right_ankle_roll_x
+        .mul_add(
+            T::from_f64(0.0524083921121999),
+            T::from_f64(0.9986257359172223) * k_right_ankle_roll_z,
+        );
+    let k_right_ankle_pitch_z = b_right_ankle_roll_x
+        .mul_add(
+            T::from_f64(0.9986257359172223),
+            -(T::from_f64(0.0524083921121999) * k_right_ankle_roll_z),
+        );
+    let b_right_ankle_pitch_x = b_right_ankle_roll_y
+        .mul_add(c_right_ankle_pitch, -(e2 * s_right_ankle_pitch));
+    let b_right_ankle_pitch_y = e2
+        .mul_add(c_right_ankle_pitch, b_right_ankle_roll_y * s_right_ankle_pitch);
+    // right_knee
+    let s_right_knee = sin[3]
+        .mul_add(
+            T::from_f64(0.7635454556520245),
+            -(T::from_f64(0.6457540841165019) * cos[3]),
+        );
+    let c_right_knee = cos[3]
+        .mul_add(
+            T::from_f64(0.7635454556520245),
+            T::from_f64(0.6457540841165019) * sin[3],
+        );
+    let k_right_knee_y = b_right_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.9659918591802843),
+            -(T::from_f64(0.2585724811294071) * k_right_ankle_pitch_z),
+        );
+    let k_right_knee_z = b_right_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.2585724811294071),
+            T::from_f64(0.9659918591802843) * k_right_ankle_pitch_z,
+        );
+    let b_right_knee_x = k_right_knee_y
+        .mul_add(c_right_knee, -(b_right_ankle_pitch_y * s_right_knee));
+    let b_right_knee_y = k_right_knee_y
+        .mul_add(s_right_knee, b_right_ankle_pitch_y * c_right_knee);
+    // right_hip_pitch
+    let s_right_hip_pitch = sin[2]
+        .mul_add(
+            T::from_f64(0.9876670233130992),
+            T::from_f64(0.15656899776086539) * cos[2],
+        );
+    let c_right_hip_pitch = cos[2]
+        .mul_add(
+            T::from_f64(0.9876670233130992),
+            -(T::from_f64(0.15656899776086539) * sin[2]),
+        );
+    let k_right_hip_pitch_y = b_right_knee_x
+        .mul_add(
+            T::from_f64(0.9973888291864124),
+            -(T::from_f64(0.0722185808096314) * k_right_knee_z),
+        );
+    let k_right_hip_pitch_z = b_right_knee_x
+        .mul_add(
+            T::from_f64(0.0722185808096314),
+            T::from_f64(0.9973888291864124) * k_right_knee_z,
+        );
+    let b_right_hip_pitch_x = b_right_knee_y
+        .mul_add(c_right_hip_pitch, k_right_hip_pitch_y * s_right_hip_pitch);
+    let e3 = k_right_hip_pitch_y
+        .mul_add(c_right_hip_pitch, -(b_right_knee_y * s_right_hip_pitch));
+    let b_right_hip_pitch_y = -e3;
+    // right_hip_roll
+    let s_right_hip_roll = sin[1]
+        .mul_add(
+            T::from_f64(0.9416612074116558),
+            -(T::from_f64(0.3365622831750796) * cos[1]),
+        );
+    let c_right_hip_roll = cos[1]
+        .mul_add(
+            T::from_f64(0.9416612074116558),
+            T::from_f64(0.3365622831750796) * sin[1],
+        );
+    let k_right_hip_roll_y = b_right_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.06044086238279244),
+            -(T::from_f64(0.9981717798828138) * k_right_hip_pitch_z),
+        );
+    let k_right_hip_roll_z = b_right_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.9981717798828138),
+            T::from_f64(0.06044086238279244) * k_right_hip_pitch_z,
+        );
+    let b_right_hip_roll_x = e3
+        .mul_add(c_right_hip_roll, -(k_right_hip_roll_y * s_right_hip_roll));
+    let b_right_hip_roll_y = k_right_hip_roll_y
+        .mul_add(c_right_hip_roll, e3 * s_right_hip_roll);
+    // right_hip_yaw
+    let s_right_hip_yaw = sin[0]
+        .mul_add(
+            T::from_f64(0.9948843845593177),
+            T::from_f64(0.10102010374191714) * cos[0],
+        );
+    let c_right_hip_yaw = cos[0]
+        .mul_add(
+            T::from_f64(0.9948843845593177),
+            -(T::from_f64(0.10102010374191714) * sin[0]),
+        );
+    let k_right_hip_yaw_y = b_right_hip_roll_x
+        .mul_add(
+            T::from_f64(0.08292767473984558),
+            -(T::from_f64(0.9965555683263441) * k_right_hip_roll_z),
+        );
+    let k_right_hip_yaw_z = b_right_hip_roll_x
+        .mul_add(
+            T::from_f64(0.9965555683263441),
+            T::from_f64(0.08292767473984558) * k_right_hip_roll_z,
+        );
+    let b_right_hip_yaw_x = b_right_hip_roll_y
+        .mul_add(c_right_hip_yaw, k_right_hip_yaw_y * s_right_hip_yaw);
+    let e4 = k_right_hip_yaw_y
+        .mul_add(c_right_hip_yaw, -(b_right_hip_roll_y * s_right_hip_yaw));
+    let b_right_hip_yaw_y = -e4;
+    // left_hip_yaw
+    let e5 = sin[6]
+        .mul_add(
+            T::from_f64(0.9948843845593177),
+            T::from_f64(0.10102010374191704) * cos[6],
+        );
+    let c_left_hip_yaw = cos[6]
+        .mul_add(
+            T::from_f64(0.9948843845593177),
+            -(T::from_f64(0.10102010374191704) * sin[6]),
+        );
+    let e6 = b_right_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.538107754426925),
+            T::from_f64(0.8428760553163273) * k_right_hip_yaw_z,
+        );
+    let k_left_hip_yaw_z = b_right_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.8428760553163273),
+            -(T::from_f64(0.538107754426925) * k_right_hip_yaw_z),
+        );
+    let b_left_hip_yaw_x = e4.mul_add(c_left_hip_yaw, -(e6 * e5));
+    let e7 = e6.mul_add(c_left_hip_yaw, e4 * e5);
+    let b_left_hip_yaw_y = -e7;
+    // left_hip_roll
+    let s_left_hip_roll = cos[7]
+        .mul_add(
+            T::from_f64(0.3365622831750795),
+            -(T::from_f64(0.9416612074116558) * sin[7]),
+        );
+    let c_left_hip_roll = cos[7]
+        .mul_add(
+            T::from_f64(0.9416612074116558),
+            T::from_f64(0.3365622831750795) * sin[7],
+        );
+    let k_left_hip_roll_y = b_left_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.08292767473984561),
+            -(T::from_f64(0.9965555683263441) * k_left_hip_yaw_z),
+        );
+    let k_left_hip_roll_z = b_left_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.9965555683263441),
+            T::from_f64(0.08292767473984561) * k_left_hip_yaw_z,
+        );
+    let b_left_hip_roll_x = k_left_hip_roll_y
+        .mul_add(s_left_hip_roll, -(e7 * c_left_hip_roll));
+    let e8 = k_left_hip_roll_y.mul_add(c_left_hip_roll, e7 * s_left_hip_roll);
+    let b_left_hip_roll_y = -e8;
+    // left_hip_pitch
+    let e9 = sin[8]
+        .mul_add(
+            T::from_f64(0.9876670233130993),
+            T::from_f64(0.1565689977608653) * cos[8],
+        );
+    let c_left_hip_pitch = cos[8]
+        .mul_add(
+            T::from_f64(0.9876670233130993),
+            -(T::from_f64(0.1565689977608653) * sin[8]),
+        );
+    let k_left_hip_pitch_y = b_left_hip_roll_x
+        .mul_add(
+            T::from_f64(0.06044086238279245),
+            -(T::from_f64(0.9981717798828137) * k_left_hip_roll_z),
+        );
+    let k_left_hip_pitch_z = b_left_hip_roll_x
+        .mul_add(
+            T::from_f64(0.9981717798828137),
+            T::from_f64(0.06044086238279245) * k_left_hip_roll_z,
+        );
+    let b_left_hip_pitch_x = e8.mul_add(c_left_hip_pitch, k_left_hip_pitch_y * e9);
+    let e10 = e8.mul_add(e9, -(k_left_hip_pitch_y * c_left_hip_pitch));
+    let b_left_hip_pitch_y = -e10;
+    // left_knee
+    let s_left_knee = cos[9]
+        .mul_add(
+            T::from_f64(0.6457540841165018),
+            -(T::from_f64(0.7635454556520246) * sin[9]),
+        );
+    let c_left_knee = cos[9]
+        .mul_add(
+            T::from_f64(0.7635454556520246),
+            T::from_f64(0.6457540841165018) * sin[9],
+        );
+    let k_left_knee_y = b_left_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.9973888291864126),
+            -(T::from_f64(0.0722185808096314) * k_left_hip_pitch_z),
+        );
+    let k_left_knee_z = b_left_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.0722185808096314),
+            T::from_f64(0.9973888291864126) * k_left_hip_pitch_z,
+        );
+    let b_left_knee_x = e10.mul_add(s_left_knee, k_left_knee_y * c_left_knee);
+    let e11 = e10.mul_add(c_left_knee, -(k_left_knee_y * s_left_knee));
+    let b_left_knee_y = -e11;
+    // left_ankle_pitch
+    let e12 = sin[10]
+        .mul_add(
+            T::from_f64(0.9846119913216708),
+            T::from_f64(0.17475476115280555) * cos[10],
+        );
+    let c_left_ankle_pitch = cos[10]
+        .mul_add(
+            T::from_f64(0.9846119913216708),
+            -(T::from_f64(0.17475476115280555) * sin[10]),
+        );
+    let k_left_ankle_pitch_y = b_left_knee_x
+        .mul_add(
+            T::from_f64(0.9659918591802845),
+            -(T::from_f64(0.2585724811294071) * k_left_knee_z),
+        );
+    let k_left_ankle_pitch_z = b_left_knee_x
+        .mul_add(
+            T::from_f64(0.2585724811294071),
+            T::from_f64(0.9659918591802845) * k_left_knee_z,
+        );
+    let b_left_ankle_pitch_x = e11
+        .mul_add(c_left_ankle_pitch, k_left_ankle_pitch_y * e12);
+    let e13 = e11.mul_add(e12, -(k_left_ankle_pitch_y * c_left_ankle_pitch));
+    let b_left_ankle_pitch_y = -e13;
+    // left_ankle_roll
+    let e14 = b_left_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.052408392112199914),
+            T::from_f64(0.9986257359172225) * k_left_ankle_pitch_z,
+        );
+    let b_left_ankle_roll_x = e14.mul_add(sin[11], -(e13 * cos[11]));
+    let b_left_ankle_roll_y = e14.mul_add(cos[11], e13 * sin[11]);
+    // waist_yaw
+    let e15 = sin[12]
+        .mul_add(
+            T::from_f64(0.9983163336456274),
+            T::from_f64(0.058004292740729185) * cos[12],
+        );
+    let c_waist_yaw = cos[12]
+        .mul_add(
+            T::from_f64(0.9983163336456274),
+            -(T::from_f64(0.058004292740729185) * sin[12]),
+        );
+    let e16 = e4
+        .mul_add(
+            T::from_f64(0.11944678826051937),
+            -(T::from_f64(0.19252104104496945) * b_right_hip_yaw_x),
+        ) + k_right_hip_yaw_z;
+    let k_waist_yaw_x = e16.mul_add(T::from_f64(0.3662421800811956), b_right_hip_yaw_x);
+    let k_waist_yaw_y = e16.mul_add(T::from_f64(0.22722945969324562), -e4);
+    let k_waist_yaw_z = (-e16)
+        .mul_add(T::from_f64(1.9023488450576578), k_right_hip_yaw_z);
+    let b_waist_yaw_x = k_waist_yaw_y.mul_add(e15, -(k_waist_yaw_x * c_waist_yaw));
+    let b_waist_yaw_y = k_waist_yaw_y.mul_add(c_waist_yaw, k_waist_yaw_x * e15);
+    // waist_pitch
+    let e17 = sin[13]
+        .mul_add(
+            T::from_f64(0.9999999286053547),
+            T::from_f64(0.0003778746955696651) * cos[13],
+        );
+    let c_waist_pitch = cos[13]
+        .mul_add(
+            T::from_f64(0.9999999286053547),
+            -(T::from_f64(0.0003778746955696651) * sin[13]),
+        );
+    let k_waist_pitch_y = b_waist_yaw_x
+        .mul_add(
+            T::from_f64(0.19642259114963537),
+            -(T::from_f64(0.980519334682424) * k_waist_yaw_z),
+        );
+    let k_waist_pitch_z = b_waist_yaw_x
+        .mul_add(
+            T::from_f64(0.980519334682424),
+            T::from_f64(0.19642259114963537) * k_waist_yaw_z,
+        );
+    let e18 = b_waist_yaw_y.mul_add(e17, k_waist_pitch_y * c_waist_pitch);
+    let b_waist_pitch_x = -e18;
+    let e19 = b_waist_yaw_y.mul_add(c_waist_pitch, -(k_waist_pitch_y * e17));
+    let b_waist_pitch_y = -e19;
+    // neck_yaw
+    let s_neck_yaw = cos[14]
+        .mul_add(
+            T::from_f64(0.14476032483451035),
+            -(T::from_f64(0.9894667494937902) * sin[14]),
+        );
+    let c_neck_yaw = cos[14]
+        .mul_add(
+            T::from_f64(0.9894667494937902),
+            T::from_f64(0.14476032483451035) * sin[14],
+        );
+    let e20 = e18
+        .mul_add(
+            T::from_f64(0.11686854868553807),
+            T::from_f64(0.9931473920461839) * k_waist_pitch_z,
+        );
+    let k_neck_yaw_z = k_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.11686854868553807),
+            -(T::from_f64(0.9931473920461839) * e18),
+        );
+    let b_neck_yaw_x = e20.mul_add(c_neck_yaw, -(e19 * s_neck_yaw));
+    let b_neck_yaw_y = e20.mul_add(s_neck_yaw, e19 * c_neck_yaw);
+    // neck_pitch
+    let e21 = b_neck_yaw_x
+        .mul_add(
+            T::from_f64(0.040883888851400166),
+            T::from_f64(0.9991639042881736) * k_neck_yaw_z,
+        );
+    let b_neck_pitch_x = b_neck_yaw_y.mul_add(cos[15], e21 * sin[15]);
+    let b_neck_pitch_y = -b_neck_yaw_y.mul_add(sin[15], -(e21 * cos[15]));
+    // right_shoulder_pitch
+    let e22 = sin[16]
+        .mul_add(
+            T::from_f64(0.9164945319999512),
+            T::from_f64(0.4000472132313764) * cos[16],
+        );
+    let c_right_shoulder_pitch = cos[16]
+        .mul_add(
+            T::from_f64(0.9164945319999512),
+            -(T::from_f64(0.4000472132313764) * sin[16]),
+        );
+    let e23 = k_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.10644334192309902),
+            e19.mul_add(T::from_f64(0.07159388452594458), -e18),
+        );
+    let e24 = e23.mul_add(T::from_f64(1.9676210845200064), e18);
+    let k_right_shoulder_pitch_y = e23.mul_add(T::from_f64(0.14086963671593916), -e19);
+    let k_right_shoulder_pitch_z = (-e23)
+        .mul_add(T::from_f64(0.20944016387466197), k_waist_pitch_z);
+    let b_right_shoulder_pitch_x = e24
+        .mul_add(e22, -(k_right_shoulder_pitch_y * c_right_shoulder_pitch));
+    let b_right_shoulder_pitch_y = k_right_shoulder_pitch_y
+        .mul_add(e22, e24 * c_right_shoulder_pitch);
+    // right_shoulder_roll
+    let s_right_shoulder_roll = cos[17]
+        .mul_add(
+            T::from_f64(0.2881292913889683),
+            -(T::from_f64(0.9575915159626734) * sin[17]),
+        );
+    let c_right_shoulder_roll = cos[17]
+        .mul_add(
+            T::from_f64(0.9575915159626734),
+            T::from_f64(0.2881292913889683) * sin[17],
+        );
+    let k_right_shoulder_roll_y = b_right_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.2834710957352705),
+            -(T::from_f64(0.9589807807681263) * k_right_shoulder_pitch_z),
+        );
+    let k_right_shoulder_roll_z = b_right_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.9589807807681263),
+            T::from_f64(0.2834710957352705) * k_right_shoulder_pitch_z,
+        );
+    let e25 = b_right_shoulder_pitch_y
+        .mul_add(c_right_shoulder_roll, k_right_shoulder_roll_y * s_right_shoulder_roll);
+    let b_right_shoulder_roll_x = -e25;
+    let e26 = b_right_shoulder_pitch_y
+        .mul_add(
+            s_right_shoulder_roll,
+            -(k_right_shoulder_roll_y * c_right_shoulder_roll),
+        );
+    let b_right_shoulder_roll_y = -e26;
+    // right_shoulder_yaw
+    let s_right_shoulder_yaw = cos[18]
+        .mul_add(
+            T::from_f64(0.12836132145879614),
+            -(T::from_f64(0.9917274681853637) * sin[18]),
+        );
+    let c_right_shoulder_yaw = cos[18]
+        .mul_add(
+            T::from_f64(0.9917274681853637),
+            T::from_f64(0.12836132145879614) * sin[18],
+        );
+    let k_right_shoulder_yaw_y = e25
+        .mul_add(
+            T::from_f64(0.3848026949004402),
+            -(T::from_f64(0.9229988548190939) * k_right_shoulder_roll_z),
+        );
+    let e27 = e25
+        .mul_add(
+            T::from_f64(0.9229988548190939),
+            T::from_f64(0.3848026949004402) * k_right_shoulder_roll_z,
+        );
+    let b_right_shoulder_yaw_x = e26
+        .mul_add(c_right_shoulder_yaw, -(k_right_shoulder_yaw_y * s_right_shoulder_yaw));
+    let b_right_shoulder_yaw_y = k_right_shoulder_yaw_y
+        .mul_add(c_right_shoulder_yaw, e26 * s_right_shoulder_yaw);
+    // right_elbow
+    let s_right_elbow = cos[19]
+        .mul_add(
+            T::from_f64(0.07960549092260731),
+            -(T::from_f64(0.9968264471887625) * sin[19]),
+        );
+    let c_right_elbow = cos[19]
+        .mul_add(
+            T::from_f64(0.9968264471887625),
+            T::from_f64(0.07960549092260731) * sin[19],
+        );
+    let k_right_elbow_y = b_right_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.12242921843048289),
+            T::from_f64(0.9924772473334093) * e27,
+        );
+    let k_right_elbow_z = b_right_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.9924772473334093),
+            -(T::from_f64(0.12242921843048289) * e27),
+        );
+    let b_right_elbow_x = b_right_shoulder_yaw_y
+        .mul_add(s_right_elbow, -(k_right_elbow_y * c_right_elbow));
+    let e28 = k_right_elbow_y
+        .mul_add(s_right_elbow, b_right_shoulder_yaw_y * c_right_elbow);
+    let b_right_elbow_y = -e28;
+    // right_wrist_yaw
+    let e29 = sin[20]
+        .mul_add(
+            T::from_f64(0.9968143242066551),
+            T::from_f64(0.079757150503448) * cos[20],
+        );
+    let c_right_wrist_yaw = cos[20]
+        .mul_add(
+            T::from_f64(0.9968143242066551),
+            -(T::from_f64(0.079757150503448) * sin[20]),
+        );
+    let e30 = b_right_elbow_x
+        .mul_add(
+            T::from_f64(0.15904161977640188),
+            T::from_f64(0.9872718790580934) * k_right_elbow_z,
+        );
+    let k_right_wrist_yaw_z = b_right_elbow_x
+        .mul_add(
+            T::from_f64(0.9872718790580934),
+            -(T::from_f64(0.15904161977640188) * k_right_elbow_z),
+        );
+    let b_right_wrist_yaw_x = e30.mul_add(e29, -(e28 * c_right_wrist_yaw));
+    let b_right_wrist_yaw_y = e30.mul_add(c_right_wrist_yaw, e28 * e29);
+    // right_wrist_roll
+    let s_right_wrist_roll = cos[21]
+        .mul_add(
+            T::from_f64(0.055412107419846535),
+            -(T::from_f64(0.9984635688653299) * sin[21]),
+        );
+    let c_right_wrist_roll = cos[21]
+        .mul_add(
+            T::from_f64(0.9984635688653299),
+            T::from_f64(0.055412107419846535) * sin[21],
+        );
+    let k_right_wrist_roll_y = b_right_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.06712447922871664),
+            -(T::from_f64(0.9977446087492899) * k_right_wrist_yaw_z),
+        );
+    let k_right_wrist_roll_z = b_right_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.9977446087492899),
+            T::from_f64(0.06712447922871664) * k_right_wrist_yaw_z,
+        );
+    let b_right_wrist_roll_x = b_right_wrist_yaw_y
+        .mul_add(c_right_wrist_roll, k_right_wrist_roll_y * s_right_wrist_roll);
+    let e31 = k_right_wrist_roll_y
+        .mul_add(c_right_wrist_roll, -(b_right_wrist_yaw_y * s_right_wrist_roll));
+    let b_right_wrist_roll_y = -e31;
+    // right_wrist_pitch
+    let e32 = b_right_wrist_roll_x
+        .mul_add(
+            T::from_f64(0.042799828876225604),
+            T::from_f64(0.99908366749145) * k_right_wrist_roll_z,
+        );
+    let b_right_wrist_pitch_x = e32.mul_add(sin[22], -(e31 * cos[22]));
+    let b_right_wrist_pitch_y = e32.mul_add(cos[22], e31 * sin[22]);
+    // left_shoulder_pitch
+    let e33 = sin[23]
+        .mul_add(
+            T::from_f64(0.9998888779453979),
+            T::from_f64(0.014907439790021298) * cos[23],
+        );
+    let c_left_shoulder_pitch = cos[23]
+        .mul_add(
+            T::from_f64(0.9998888779453979),
+            -(T::from_f64(0.014907439790021298) * sin[23]),
+        );
+    let e34 = (-k_waist_pitch_z)
+        .mul_add(
+            T::from_f64(0.09248191489966293),
+            e18.mul_add(T::from_f64(0.11783871458722316), -e19),
+        );
+    let k_left_shoulder_pitch_x = e34.mul_add(T::from_f64(0.2305051546121806), -e18);
+    let e35 = e34.mul_add(T::from_f64(1.956107170887058), e19);
+    let k_left_shoulder_pitch_z = e34
+        .mul_add(T::from_f64(0.1809045369125973), k_waist_pitch_z);
+    let b_left_shoulder_pitch_x = e35
+        .mul_add(c_left_shoulder_pitch, -(k_left_shoulder_pitch_x * e33));
+    let e36 = e35.mul_add(e33, k_left_shoulder_pitch_x * c_left_shoulder_pitch);
+    let b_left_shoulder_pitch_y = -e36;
+    // left_shoulder_roll
+    let s_left_shoulder_roll = cos[24]
+        .mul_add(
+            T::from_f64(0.2881292913889683),
+            -(T::from_f64(0.9575915159626734) * sin[24]),
+        );
+    let c_left_shoulder_roll = cos[24]
+        .mul_add(
+            T::from_f64(0.9575915159626734),
+            T::from_f64(0.2881292913889683) * sin[24],
+        );
+    let k_left_shoulder_roll_y = b_left_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.2834710957352705),
+            -(T::from_f64(0.9589807807681263) * k_left_shoulder_pitch_z),
+        );
+    let k_left_shoulder_roll_z = b_left_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.9589807807681263),
+            T::from_f64(0.2834710957352705) * k_left_shoulder_pitch_z,
+        );
+    let b_left_shoulder_roll_x = e36
+        .mul_add(c_left_shoulder_roll, -(k_left_shoulder_roll_y * s_left_shoulder_roll));
+    let b_left_shoulder_roll_y = k_left_shoulder_roll_y
+        .mul_add(c_left_shoulder_roll, e36 * s_left_shoulder_roll);
+    // left_shoulder_yaw
+    let s_left_shoulder_yaw = cos[25]
+        .mul_add(
+            T::from_f64(0.12836132145879614),
+            -(T::from_f64(0.9917274681853637) * sin[25]),
+        );
+    let c_left_shoulder_yaw = cos[25]
+        .mul_add(
+            T::from_f64(0.9917274681853637),
+            T::from_f64(0.12836132145879614) * sin[25],
+        );
+    let e37 = b_left_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.3848026949004402),
+            T::from_f64(0.9229988548190939) * k_left_shoulder_roll_z,
+        );
+    let k_left_shoulder_yaw_z = b_left_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.9229988548190939),
+            -(T::from_f64(0.3848026949004402) * k_left_shoulder_roll_z),
+        );
+    let b_left_shoulder_yaw_x = e37
+        .mul_add(s_left_shoulder_yaw, -(b_left_shoulder_roll_y * c_left_shoulder_yaw));
+    let e38 = e37
+        .mul_add(c_left_shoulder_yaw, b_left_shoulder_roll_y * s_left_shoulder_yaw);
+    let b_left_shoulder_yaw_y = -e38;
+    // left_elbow
+    let s_left_elbow = cos[26]
+        .mul_add(
+            T::from_f64(0.07960549092260731),
+            -(T::from_f64(0.9968264471887625) * sin[26]),
+        );
+    let c_left_elbow = cos[26]
+        .mul_add(
+            T::from_f64(0.9968264471887625),
+            T::from_f64(0.07960549092260731) * sin[26],
+        );
+    let k_left_elbow_y = b_left_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.12242921843048289),
+            -(T::from_f64(0.9924772473334093) * k_left_shoulder_yaw_z),
+        );
+    let k_left_elbow_z = b_left_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.9924772473334093),
+            T::from_f64(0.12242921843048289) * k_left_shoulder_yaw_z,
+        );
+    let e39 = e38.mul_add(s_left_elbow, k_left_elbow_y * c_left_elbow);
+    let b_left_elbow_x = -e39;
+    let e40 = k_left_elbow_y.mul_add(s_left_elbow, -(e38 * c_left_elbow));
+    let b_left_elbow_y = -e40;
+    // left_wrist_yaw
+    let e41 = sin[27]
+        .mul_add(
+            T::from_f64(0.9968143242066551),
+            T::from_f64(0.079757150503448) * cos[27],
+        );
+    let c_left_wrist_yaw = cos[27]
+        .mul_add(
+            T::from_f64(0.9968143242066551),
+            -(T::from_f64(0.079757150503448) * sin[27]),
+        );
+    let k_left_wrist_yaw_y = e39
+        .mul_add(
+            T::from_f64(0.15904161977640188),
+            -(T::from_f64(0.9872718790580934) * k_left_elbow_z),
+        );
+    let e42 = e39
+        .mul_add(
+            T::from_f64(0.9872718790580934),
+            T::from_f64(0.15904161977640188) * k_left_elbow_z,
+        );
+    let e43 = e40.mul_add(c_left_wrist_yaw, k_left_wrist_yaw_y * e41);
+    let b_left_wrist_yaw_x = -e43;
+    let e44 = k_left_wrist_yaw_y.mul_add(c_left_wrist_yaw, -(e40 * e41));
+    let b_left_wrist_yaw_y = -e44;
+    // left_wrist_roll
+    let s_left_wrist_roll = cos[28]
+        .mul_add(
+            T::from_f64(0.055412107419846535),
+            -(T::from_f64(0.9984635688653299) * sin[28]),
+        );
+    let c_left_wrist_roll = cos[28]
+        .mul_add(
+            T::from_f64(0.9984635688653299),
+            T::from_f64(0.055412107419846535) * sin[28],
+        );
+    let k_left_wrist_roll_y = e42
+        .mul_add(
+            T::from_f64(0.9977446087492899),
+            -(T::from_f64(0.06712447922871664) * e43),
+        );
+    let b_left_wrist_roll_x = k_left_wrist_roll_y
+        .mul_add(s_left_wrist_roll, -(e44 * c_left_wrist_roll));
+    let e45 = k_left_wrist_roll_y.mul_add(c_left_wrist_roll, e44 * s_left_wrist_roll);
+    let b_left_wrist_roll_y = -e45;
+    // left_wrist_pitch
+    let k_left_wrist_pitch_y = e43
+        .mul_add(T::from_f64(0.9977446087492899), T::from_f64(0.06712447922871664) * e42)
+        .mul_add(
+            T::from_f64(0.99908366749145),
+            -(T::from_f64(0.042799828876225604) * b_left_wrist_roll_x),
+        );
+    let b_left_wrist_pitch_x = -e45.mul_add(cos[29], k_left_wrist_pitch_y * sin[29]);
+    let b_left_wrist_pitch_y = -k_left_wrist_pitch_y.mul_add(cos[29], -(e45 * sin[29]));
+    [
+        along[0],
+        along[1],
+        along[2],
+        b_right_ankle_roll_x,
+        b_right_ankle_roll_y,
+        b_right_ankle_pitch_x,
+        b_right_ankle_pitch_y,
+        b_right_knee_x,
+        b_right_knee_y,
+        b_right_hip_pitch_x,
+        b_right_hip_pitch_y,
+        b_right_hip_roll_x,
+        b_right_hip_roll_y,
+        b_right_hip_yaw_x,
+        b_right_hip_yaw_y,
+        b_left_hip_yaw_x,
+        b_left_hip_yaw_y,
+        b_left_hip_roll_x,
+        b_left_hip_roll_y,
+        b_left_hip_pitch_x,
+        b_left_hip_pitch_y,
+        b_left_knee_x,
+        b_left_knee_y,
+        b_left_ankle_pitch_x,
+        b_left_ankle_pitch_y,
+        b_left_ankle_roll_x,
+        b_left_ankle_roll_y,
+        b_waist_yaw_x,
+        b_waist_yaw_y,
+        b_waist_pitch_x,
+        b_waist_pitch_y,
+        b_neck_yaw_x,
+        b_neck_yaw_y,
+        b_neck_pitch_x,
+        b_neck_pitch_y,
+        b_right_shoulder_pitch_x,
+        b_right_shoulder_pitch_y,
+        b_right_shoulder_roll_x,
+        b_right_shoulder_roll_y,
+        b_right_shoulder_yaw_x,
+        b_right_shoulder_yaw_y,
+        b_right_elbow_x,
+        b_right_elbow_y,
+        b_right_wrist_yaw_x,
+        b_right_wrist_yaw_y,
+        b_right_wrist_roll_x,
+        b_right_wrist_roll_y,
+        b_right_wrist_pitch_x,
+        b_right_wrist_pitch_y,
+        b_left_shoulder_pitch_x,
+        b_left_shoulder_pitch_y,
+        b_left_shoulder_roll_x,
+        b_left_shoulder_roll_y,
+        b_left_shoulder_yaw_x,
+        b_left_shoulder_yaw_y,
+        b_left_elbow_x,
+        b_left_elbow_y,
+        b_left_wrist_yaw_x,
+        b_left_wrist_yaw_y,
+        b_left_wrist_roll_x,
+        b_left_wrist_roll_y,
+        b_left_wrist_pitch_x,
+        b_left_wrist_pitch_y,
+    ]
+}
+
+/// Rows [B_0 B_1 …] of the full regressor, seed paper Eq. (5), in link frames.
+///
+/// Their combination `along` a direction of the support frame, no longer than one, from sines and cosines as above.
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
+pub fn regressor_full_along<T: Real>(
+    sin: &[T; DOF],
+    cos: &[T; DOF],
+    along: &[T; 3],
+) -> [T; FULL_PARAMS] {
+    // right_ankle_roll
+    let s_right_ankle_roll = sin[5]
+        .mul_add(
+            T::from_f64(0.9600435067901932),
+            T::from_f64(0.27985079072603697) * cos[5],
+        );
+    let c_right_ankle_roll = cos[5]
+        .mul_add(
+            T::from_f64(0.9600435067901932),
+            -(T::from_f64(0.27985079072603697) * sin[5]),
+        );
+    let e1 = along[0]
+        .mul_add(
+            T::from_f64(0.8515580545694378),
+            T::from_f64(0.11345339339030001) * along[1],
+        ) + along[2];
+    let k_right_ankle_roll_x = (-e1).mul_add(T::from_f64(0.9799158654419752), along[0]);
+    let k_right_ankle_roll_y = (-e1).mul_add(T::from_f64(0.13055455182981807), along[1]);
+    let k_right_ankle_roll_z = (-e1).mul_add(T::from_f64(1.1507328950548619), along[2]);
+    let b_right_ankle_roll_x = k_right_ankle_roll_y
+        .mul_add(c_right_ankle_roll, -(k_right_ankle_roll_x * s_right_ankle_roll));
+    let b_right_ankle_roll_y = k_right_ankle_roll_y
+        .mul_add(s_right_ankle_roll, k_right_ankle_roll_x * c_right_ankle_roll);
+    // right_ankle_pitch
+    let s_right_ankle_pitch = sin[4]
+        .mul_add(
+            T::from_f64(0.9846119913216709),
+            T::from_f64(0.17475476115280528) * cos[4],
+        );
+    let c_right_ankle_pitch = cos[4]
+        .mul_add(
+            T::from_f64(0.9846119913216709),
+            -(T::from_f64(0.17475476115280528) * sin[4]),
+        );
+    let e2 = b_right_ankle_roll_x
+        .mul_add(
+            T::from_f64(0.0524083921121999),
+            T::from_f64(0.9986257359172223) * k_right_ankle_roll_z,
+        );
+    let k_right_ankle_pitch_z = b_right_ankle_roll_x
+        .mul_add(
+            T::from_f64(0.9986257359172223),
+            -(T::from_f64(0.0524083921121999) * k_right_ankle_roll_z),
+        );
+    let b_right_ankle_pitch_x = b_right_ankle_roll_y
+        .mul_add(c_right_ankle_pitch, -(e2 * s_right_ankle_pitch));
+    let b_right_ankle_pitch_y = e2
+        .mul_add(c_right_ankle_pitch, b_right_ankle_roll_y * s_right_ankle_pitch);
+    // right_knee
+    let s_right_knee = sin[3]
+        .mul_add(
+            T::from_f64(0.7635454556520245),
+            -(T::from_f64(0.6457540841165019) * cos[3]),
+        );
+    let c_right_knee = cos[3]
+        .mul_add(
+            T::from_f64(0.7635454556520245),
+            T::from_f64(0.6457540841165019) * sin[3],
+        );
+    let k_right_knee_y = b_right_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.9659918591802843),
+            -(T::from_f64(0.2585724811294071) * k_right_ankle_pitch_z),
+        );
+    let k_right_knee_z = b_right_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.2585724811294071),
+            T::from_f64(0.9659918591802843) * k_right_ankle_pitch_z,
+        );
+    let b_right_knee_x = k_right_knee_y
+        .mul_add(c_right_knee, -(b_right_ankle_pitch_y * s_right_knee));
+    let b_right_knee_y = k_right_knee_y
+        .mul_add(s_right_knee, b_right_ankle_pitch_y * c_right_knee);
+    // right_hip_pitch
+    let s_right_hip_pitch = sin[2]
+        .mul_add(
+            T::from_f64(0.9876670233130992),
+            T::from_f64(0.15656899776086539) * cos[2],
+        );
+    let c_right_hip_pitch = cos[2]
+        .mul_add(
+            T::from_f64(0.9876670233130992),
+            -(T::from_f64(0.15656899776086539) * sin[2]),
+        );
+    let k_right_hip_pitch_y = b_right_knee_x
+        .mul_add(
+            T::from_f64(0.9973888291864124),
+            -(T::from_f64(0.0722185808096314) * k_right_knee_z),
+        );
+    let k_right_hip_pitch_z = b_right_knee_x
+        .mul_add(
+            T::from_f64(0.0722185808096314),
+            T::from_f64(0.9973888291864124) * k_right_knee_z,
+        );
+    let b_right_hip_pitch_x = b_right_knee_y
+        .mul_add(c_right_hip_pitch, k_right_hip_pitch_y * s_right_hip_pitch);
+    let e3 = k_right_hip_pitch_y
+        .mul_add(c_right_hip_pitch, -(b_right_knee_y * s_right_hip_pitch));
+    // right_hip_roll
+    let s_right_hip_roll = sin[1]
+        .mul_add(
+            T::from_f64(0.9416612074116558),
+            -(T::from_f64(0.3365622831750796) * cos[1]),
+        );
+    let c_right_hip_roll = cos[1]
+        .mul_add(
+            T::from_f64(0.9416612074116558),
+            T::from_f64(0.3365622831750796) * sin[1],
+        );
+    let k_right_hip_roll_y = b_right_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.06044086238279244),
+            -(T::from_f64(0.9981717798828138) * k_right_hip_pitch_z),
+        );
+    let k_right_hip_roll_z = b_right_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.9981717798828138),
+            T::from_f64(0.06044086238279244) * k_right_hip_pitch_z,
+        );
+    let b_right_hip_roll_x = e3
+        .mul_add(c_right_hip_roll, -(k_right_hip_roll_y * s_right_hip_roll));
+    let b_right_hip_roll_y = k_right_hip_roll_y
+        .mul_add(c_right_hip_roll, e3 * s_right_hip_roll);
+    // right_hip_yaw
+    let s_right_hip_yaw = sin[0]
+        .mul_add(
+            T::from_f64(0.9948843845593177),
+            T::from_f64(0.10102010374191714) * cos[0],
+        );
+    let c_right_hip_yaw = cos[0]
+        .mul_add(
+            T::from_f64(0.9948843845593177),
+            -(T::from_f64(0.10102010374191714) * sin[0]),
+        );
+    let k_right_hip_yaw_y = b_right_hip_roll_x
+        .mul_add(
+            T::from_f64(0.08292767473984558),
+            -(T::from_f64(0.9965555683263441) * k_right_hip_roll_z),
+        );
+    let k_right_hip_yaw_z = b_right_hip_roll_x
+        .mul_add(
+            T::from_f64(0.9965555683263441),
+            T::from_f64(0.08292767473984558) * k_right_hip_roll_z,
+        );
+    let b_right_hip_yaw_x = b_right_hip_roll_y
+        .mul_add(c_right_hip_yaw, k_right_hip_yaw_y * s_right_hip_yaw);
+    let e4 = k_right_hip_yaw_y
+        .mul_add(c_right_hip_yaw, -(b_right_hip_roll_y * s_right_hip_yaw));
+    // left_hip_yaw
+    let e5 = sin[6]
+        .mul_add(
+            T::from_f64(0.9948843845593177),
+            T::from_f64(0.10102010374191704) * cos[6],
+        );
+    let c_left_hip_yaw = cos[6]
+        .mul_add(
+            T::from_f64(0.9948843845593177),
+            -(T::from_f64(0.10102010374191704) * sin[6]),
+        );
+    let e6 = b_right_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.538107754426925),
+            T::from_f64(0.8428760553163273) * k_right_hip_yaw_z,
+        );
+    let k_left_hip_yaw_z = b_right_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.8428760553163273),
+            -(T::from_f64(0.538107754426925) * k_right_hip_yaw_z),
+        );
+    let b_left_hip_yaw_x = e4.mul_add(c_left_hip_yaw, -(e6 * e5));
+    let e7 = e6.mul_add(c_left_hip_yaw, e4 * e5);
+    // left_hip_roll
+    let s_left_hip_roll = cos[7]
+        .mul_add(
+            T::from_f64(0.3365622831750795),
+            -(T::from_f64(0.9416612074116558) * sin[7]),
+        );
+    let c_left_hip_roll = cos[7]
+        .mul_add(
+            T::from_f64(0.9416612074116558),
+            T::from_f64(0.3365622831750795) * sin[7],
+        );
+    let k_left_hip_roll_y = b_left_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.08292767473984561),
+            -(T::from_f64(0.9965555683263441) * k_left_hip_yaw_z),
+        );
+    let k_left_hip_roll_z = b_left_hip_yaw_x
+        .mul_add(
+            T::from_f64(0.9965555683263441),
+            T::from_f64(0.08292767473984561) * k_left_hip_yaw_z,
+        );
+    let b_left_hip_roll_x = k_left_hip_roll_y
+        .mul_add(s_left_hip_roll, -(e7 * c_left_hip_roll));
+    let e8 = k_left_hip_roll_y.mul_add(c_left_hip_roll, e7 * s_left_hip_roll);
+    // left_hip_pitch
+    let e9 = sin[8]
+        .mul_add(
+            T::from_f64(0.9876670233130993),
+            T::from_f64(0.1565689977608653) * cos[8],
+        );
+    let c_left_hip_pitch = cos[8]
+        .mul_add(
+            T::from_f64(0.9876670233130993),
+            -(T::from_f64(0.1565689977608653) * sin[8]),
+        );
+    let k_left_hip_pitch_y = b_left_hip_roll_x
+        .mul_add(
+            T::from_f64(0.06044086238279245),
+            -(T::from_f64(0.9981717798828137) * k_left_hip_roll_z),
+        );
+    let k_left_hip_pitch_z = b_left_hip_roll_x
+        .mul_add(
+            T::from_f64(0.9981717798828137),
+            T::from_f64(0.06044086238279245) * k_left_hip_roll_z,
+        );
+    let b_left_hip_pitch_x = e8.mul_add(c_left_hip_pitch, k_left_hip_pitch_y * e9);
+    let e10 = e8.mul_add(e9, -(k_left_hip_pitch_y * c_left_hip_pitch));
+    // left_knee
+    let s_left_knee = cos[9]
+        .mul_add(
+            T::from_f64(0.6457540841165018),
+            -(T::from_f64(0.7635454556520246) * sin[9]),
+        );
+    let c_left_knee = cos[9]
+        .mul_add(
+            T::from_f64(0.7635454556520246),
+            T::from_f64(0.6457540841165018) * sin[9],
+        );
+    let k_left_knee_y = b_left_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.9973888291864126),
+            -(T::from_f64(0.0722185808096314) * k_left_hip_pitch_z),
+        );
+    let k_left_knee_z = b_left_hip_pitch_x
+        .mul_add(
+            T::from_f64(0.0722185808096314),
+            T::from_f64(0.9973888291864126) * k_left_hip_pitch_z,
+        );
+    let b_left_knee_x = e10.mul_add(s_left_knee, k_left_knee_y * c_left_knee);
+    let e11 = e10.mul_add(c_left_knee, -(k_left_knee_y * s_left_knee));
+    // left_ankle_pitch
+    let e12 = sin[10]
+        .mul_add(
+            T::from_f64(0.9846119913216708),
+            T::from_f64(0.17475476115280555) * cos[10],
+        );
+    let c_left_ankle_pitch = cos[10]
+        .mul_add(
+            T::from_f64(0.9846119913216708),
+            -(T::from_f64(0.17475476115280555) * sin[10]),
+        );
+    let k_left_ankle_pitch_y = b_left_knee_x
+        .mul_add(
+            T::from_f64(0.9659918591802845),
+            -(T::from_f64(0.2585724811294071) * k_left_knee_z),
+        );
+    let k_left_ankle_pitch_z = b_left_knee_x
+        .mul_add(
+            T::from_f64(0.2585724811294071),
+            T::from_f64(0.9659918591802845) * k_left_knee_z,
+        );
+    let b_left_ankle_pitch_x = e11
+        .mul_add(c_left_ankle_pitch, k_left_ankle_pitch_y * e12);
+    let e13 = e11.mul_add(e12, -(k_left_ankle_pitch_y * c_left_ankle_pitch));
+    // left_ankle_roll
+    let e14 = b_left_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.052408392112199914),
+            T::from_f64(0.9986257359172225) * k_left_ankle_pitch_z,
+        );
+    let k_left_ankle_roll_z = b_left_ankle_pitch_x
+        .mul_add(
+            T::from_f64(0.9986257359172225),
+            -(T::from_f64(0.052408392112199914) * k_left_ankle_pitch_z),
+        );
+    let b_left_ankle_roll_x = e14.mul_add(sin[11], -(e13 * cos[11]));
+    let b_left_ankle_roll_y = e14.mul_add(cos[11], e13 * sin[11]);
+    // waist_yaw
+    let e15 = sin[12]
+        .mul_add(
+            T::from_f64(0.9983163336456274),
+            T::from_f64(0.058004292740729185) * cos[12],
+        );
+    let c_waist_yaw = cos[12]
+        .mul_add(
+            T::from_f64(0.9983163336456274),
+            -(T::from_f64(0.058004292740729185) * sin[12]),
+        );
+    let e16 = e4
+        .mul_add(
+            T::from_f64(0.11944678826051937),
+            -(T::from_f64(0.19252104104496945) * b_right_hip_yaw_x),
+        ) + k_right_hip_yaw_z;
+    let k_waist_yaw_x = e16.mul_add(T::from_f64(0.3662421800811956), b_right_hip_yaw_x);
+    let k_waist_yaw_y = e16.mul_add(T::from_f64(0.22722945969324562), -e4);
+    let k_waist_yaw_z = (-e16)
+        .mul_add(T::from_f64(1.9023488450576578), k_right_hip_yaw_z);
+    let b_waist_yaw_x = k_waist_yaw_y.mul_add(e15, -(k_waist_yaw_x * c_waist_yaw));
+    let b_waist_yaw_y = k_waist_yaw_y.mul_add(c_waist_yaw, k_waist_yaw_x * e15);
+    // waist_pitch
+    let e17 = sin[13]
+        .mul_add(
+            T::from_f64(0.9999999286053547),
+            T::from_f64(0.0003778746955696651) * cos[13],
+        );
+    let c_waist_pitch = cos[13]
+        .mul_add(
+            T::from_f64(0.9999999286053547),
+            -(T::from_f64(0.0003778746955696651) * sin[13]),
+        );
+    let k_waist_pitch_y = b_waist_yaw_x
+        .mul_add(
+            T::from_f64(0.19642259114963537),
+            -(T::from_f64(0.980519334682424) * k_waist_yaw_z),
+        );
+    let k_waist_pitch_z = b_waist_yaw_x
+        .mul_add(
+            T::from_f64(0.980519334682424),
+            T::from_f64(0.19642259114963537) * k_waist_yaw_z,
+        );
+    let e18 = b_waist_yaw_y.mul_add(e17, k_waist_pitch_y * c_waist_pitch);
+    let e19 = b_waist_yaw_y.mul_add(c_waist_pitch, -(k_waist_pitch_y * e17));
+    // neck_yaw
+    let s_neck_yaw = cos[14]
+        .mul_add(
+            T::from_f64(0.14476032483451035),
+            -(T::from_f64(0.9894667494937902) * sin[14]),
+        );
+    let c_neck_yaw = cos[14]
+        .mul_add(
+            T::from_f64(0.9894667494937902),
+            T::from_f64(0.14476032483451035) * sin[14],
+        );
+    let e20 = e18
+        .mul_add(
+            T::from_f64(0.11686854868553807),
+            T::from_f64(0.9931473920461839) * k_waist_pitch_z,
+        );
+    let k_neck_yaw_z = k_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.11686854868553807),
+            -(T::from_f64(0.9931473920461839) * e18),
+        );
+    let b_neck_yaw_x = e20.mul_add(c_neck_yaw, -(e19 * s_neck_yaw));
+    let b_neck_yaw_y = e20.mul_add(s_neck_yaw, e19 * c_neck_yaw);
+    // neck_pitch
+    let e21 = b_neck_yaw_x
+        .mul_add(
+            T::from_f64(0.040883888851400166),
+            T::from_f64(0.9991639042881736) * k_neck_yaw_z,
+        );
+    let k_neck_pitch_z = b_neck_yaw_x
+        .mul_add(
+            T::from_f64(0.9991639042881736),
+            -(T::from_f64(0.040883888851400166) * k_neck_yaw_z),
+        );
+    let b_neck_pitch_x = b_neck_yaw_y.mul_add(cos[15], e21 * sin[15]);
+    let e22 = b_neck_yaw_y.mul_add(sin[15], -(e21 * cos[15]));
+    // right_shoulder_pitch
+    let e23 = sin[16]
+        .mul_add(
+            T::from_f64(0.9164945319999512),
+            T::from_f64(0.4000472132313764) * cos[16],
+        );
+    let c_right_shoulder_pitch = cos[16]
+        .mul_add(
+            T::from_f64(0.9164945319999512),
+            -(T::from_f64(0.4000472132313764) * sin[16]),
+        );
+    let e24 = k_waist_pitch_z
+        .mul_add(
+            T::from_f64(0.10644334192309902),
+            e19.mul_add(T::from_f64(0.07159388452594458), -e18),
+        );
+    let e25 = e24.mul_add(T::from_f64(1.9676210845200064), e18);
+    let k_right_shoulder_pitch_y = e24.mul_add(T::from_f64(0.14086963671593916), -e19);
+    let k_right_shoulder_pitch_z = (-e24)
+        .mul_add(T::from_f64(0.20944016387466197), k_waist_pitch_z);
+    let b_right_shoulder_pitch_x = e25
+        .mul_add(e23, -(k_right_shoulder_pitch_y * c_right_shoulder_pitch));
+    let b_right_shoulder_pitch_y = k_right_shoulder_pitch_y
+        .mul_add(e23, e25 * c_right_shoulder_pitch);
+    // right_shoulder_roll
+    let s_right_shoulder_roll = cos[17]
+        .mul_add(
+            T::from_f64(0.2881292913889683),
+            -(T::from_f64(0.9575915159626734) * sin[17]),
+        );
+    let c_right_shoulder_roll = cos[17]
+        .mul_add(
+            T::from_f64(0.9575915159626734),
+            T::from_f64(0.2881292913889683) * sin[17],
+        );
+    let k_right_shoulder_roll_y = b_right_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.2834710957352705),
+            -(T::from_f64(0.9589807807681263) * k_right_shoulder_pitch_z),
+        );
+    let k_right_shoulder_roll_z = b_right_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.9589807807681263),
+            T::from_f64(0.2834710957352705) * k_right_shoulder_pitch_z,
+        );
+    let e26 = b_right_shoulder_pitch_y
+        .mul_add(c_right_shoulder_roll, k_right_shoulder_roll_y * s_right_shoulder_roll);
+    let e27 = b_right_shoulder_pitch_y
+        .mul_add(
+            s_right_shoulder_roll,
+            -(k_right_shoulder_roll_y * c_right_shoulder_roll),
+        );
+    // right_shoulder_yaw
+    let s_right_shoulder_yaw = cos[18]
+        .mul_add(
+            T::from_f64(0.12836132145879614),
+            -(T::from_f64(0.9917274681853637) * sin[18]),
+        );
+    let c_right_shoulder_yaw = cos[18]
+        .mul_add(
+            T::from_f64(0.9917274681853637),
+            T::from_f64(0.12836132145879614) * sin[18],
+        );
+    let k_right_shoulder_yaw_y = e26
+        .mul_add(
+            T::from_f64(0.3848026949004402),
+            -(T::from_f64(0.9229988548190939) * k_right_shoulder_roll_z),
+        );
+    let e28 = e26
+        .mul_add(
+            T::from_f64(0.9229988548190939),
+            T::from_f64(0.3848026949004402) * k_right_shoulder_roll_z,
+        );
+    let b_right_shoulder_yaw_x = e27
+        .mul_add(c_right_shoulder_yaw, -(k_right_shoulder_yaw_y * s_right_shoulder_yaw));
+    let b_right_shoulder_yaw_y = k_right_shoulder_yaw_y
+        .mul_add(c_right_shoulder_yaw, e27 * s_right_shoulder_yaw);
+    // right_elbow
+    let s_right_elbow = cos[19]
+        .mul_add(
+            T::from_f64(0.07960549092260731),
+            -(T::from_f64(0.9968264471887625) * sin[19]),
+        );
+    let c_right_elbow = cos[19]
+        .mul_add(
+            T::from_f64(0.9968264471887625),
+            T::from_f64(0.07960549092260731) * sin[19],
+        );
+    let k_right_elbow_y = b_right_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.12242921843048289),
+            T::from_f64(0.9924772473334093) * e28,
+        );
+    let k_right_elbow_z = b_right_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.9924772473334093),
+            -(T::from_f64(0.12242921843048289) * e28),
+        );
+    let b_right_elbow_x = b_right_shoulder_yaw_y
+        .mul_add(s_right_elbow, -(k_right_elbow_y * c_right_elbow));
+    let e29 = k_right_elbow_y
+        .mul_add(s_right_elbow, b_right_shoulder_yaw_y * c_right_elbow);
+    // right_wrist_yaw
+    let e30 = sin[20]
+        .mul_add(
+            T::from_f64(0.9968143242066551),
+            T::from_f64(0.079757150503448) * cos[20],
+        );
+    let c_right_wrist_yaw = cos[20]
+        .mul_add(
+            T::from_f64(0.9968143242066551),
+            -(T::from_f64(0.079757150503448) * sin[20]),
+        );
+    let e31 = b_right_elbow_x
+        .mul_add(
+            T::from_f64(0.15904161977640188),
+            T::from_f64(0.9872718790580934) * k_right_elbow_z,
+        );
+    let k_right_wrist_yaw_z = b_right_elbow_x
+        .mul_add(
+            T::from_f64(0.9872718790580934),
+            -(T::from_f64(0.15904161977640188) * k_right_elbow_z),
+        );
+    let b_right_wrist_yaw_x = e31.mul_add(e30, -(e29 * c_right_wrist_yaw));
+    let b_right_wrist_yaw_y = e31.mul_add(c_right_wrist_yaw, e29 * e30);
+    // right_wrist_roll
+    let s_right_wrist_roll = cos[21]
+        .mul_add(
+            T::from_f64(0.055412107419846535),
+            -(T::from_f64(0.9984635688653299) * sin[21]),
+        );
+    let c_right_wrist_roll = cos[21]
+        .mul_add(
+            T::from_f64(0.9984635688653299),
+            T::from_f64(0.055412107419846535) * sin[21],
+        );
+    let k_right_wrist_roll_y = b_right_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.06712447922871664),
+            -(T::from_f64(0.9977446087492899) * k_right_wrist_yaw_z),
+        );
+    let k_right_wrist_roll_z = b_right_wrist_yaw_x
+        .mul_add(
+            T::from_f64(0.9977446087492899),
+            T::from_f64(0.06712447922871664) * k_right_wrist_yaw_z,
+        );
+    let b_right_wrist_roll_x = b_right_wrist_yaw_y
+        .mul_add(c_right_wrist_roll, k_right_wrist_roll_y * s_right_wrist_roll);
+    let e32 = k_right_wrist_roll_y
+        .mul_add(c_right_wrist_roll, -(b_right_wrist_yaw_y * s_right_wrist_roll));
+    // right_wrist_pitch
+    let e33 = b_right_wrist_roll_x
+        .mul_add(
+            T::from_f64(0.042799828876225604),
+            T::from_f64(0.99908366749145) * k_right_wrist_roll_z,
+        );
+    let k_right_wrist_pitch_z = b_right_wrist_roll_x
+        .mul_add(
+            T::from_f64(0.99908366749145),
+            -(T::from_f64(0.042799828876225604) * k_right_wrist_roll_z),
+        );
+    let b_right_wrist_pitch_x = e33.mul_add(sin[22], -(e32 * cos[22]));
+    let b_right_wrist_pitch_y = e33.mul_add(cos[22], e32 * sin[22]);
+    // left_shoulder_pitch
+    let e34 = sin[23]
+        .mul_add(
+            T::from_f64(0.9998888779453979),
+            T::from_f64(0.014907439790021298) * cos[23],
+        );
+    let c_left_shoulder_pitch = cos[23]
+        .mul_add(
+            T::from_f64(0.9998888779453979),
+            -(T::from_f64(0.014907439790021298) * sin[23]),
+        );
+    let e35 = (-k_waist_pitch_z)
+        .mul_add(
+            T::from_f64(0.09248191489966293),
+            e18.mul_add(T::from_f64(0.11783871458722316), -e19),
+        );
+    let k_left_shoulder_pitch_x = e35.mul_add(T::from_f64(0.2305051546121806), -e18);
+    let e36 = e35.mul_add(T::from_f64(1.956107170887058), e19);
+    let k_left_shoulder_pitch_z = e35
+        .mul_add(T::from_f64(0.1809045369125973), k_waist_pitch_z);
+    let b_left_shoulder_pitch_x = e36
+        .mul_add(c_left_shoulder_pitch, -(k_left_shoulder_pitch_x * e34));
+    let e37 = e36.mul_add(e34, k_left_shoulder_pitch_x * c_left_shoulder_pitch);
+    // left_shoulder_roll
+    let s_left_shoulder_roll = cos[24]
+        .mul_add(
+            T::from_f64(0.2881292913889683),
+            -(T::from_f64(0.9575915159626734) * sin[24]),
+        );
+    let c_left_shoulder_roll = cos[24]
+        .mul_add(
+            T::from_f64(0.9575915159626734),
+            T::from_f64(0.2881292913889683) * sin[24],
+        );
+    let k_left_shoulder_roll_y = b_left_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.2834710957352705),
+            -(T::from_f64(0.9589807807681263) * k_left_shoulder_pitch_z),
+        );
+    let k_left_shoulder_roll_z = b_left_shoulder_pitch_x
+        .mul_add(
+            T::from_f64(0.9589807807681263),
+            T::from_f64(0.2834710957352705) * k_left_shoulder_pitch_z,
+        );
+    let b_left_shoulder_roll_x = e37
+        .mul_add(c_left_shoulder_roll, -(k_left_shoulder_roll_y * s_left_shoulder_roll));
+    let b_left_shoulder_roll_y = k_left_shoulder_roll_y
+        .mul_add(c_left_shoulder_roll, e37 * s_left_shoulder_roll);
+    // left_shoulder_yaw
+    let s_left_shoulder_yaw = cos[25]
+        .mul_add(
+            T::from_f64(0.12836132145879614),
+            -(T::from_f64(0.9917274681853637) * sin[25]),
+        );
+    let c_left_shoulder_yaw = cos[25]
+        .mul_add(
+            T::from_f64(0.9917274681853637),
+            T::from_f64(0.12836132145879614) * sin[25],
+        );
+    let e38 = b_left_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.3848026949004402),
+            T::from_f64(0.9229988548190939) * k_left_shoulder_roll_z,
+        );
+    let k_left_shoulder_yaw_z = b_left_shoulder_roll_x
+        .mul_add(
+            T::from_f64(0.9229988548190939),
+            -(T::from_f64(0.3848026949004402) * k_left_shoulder_roll_z),
+        );
+    let b_left_shoulder_yaw_x = e38
+        .mul_add(s_left_shoulder_yaw, -(b_left_shoulder_roll_y * c_left_shoulder_yaw));
+    let e39 = e38
+        .mul_add(c_left_shoulder_yaw, b_left_shoulder_roll_y * s_left_shoulder_yaw);
+    // left_elbow
+    let s_left_elbow = cos[26]
+        .mul_add(
+            T::from_f64(0.07960549092260731),
+            -(T::from_f64(0.9968264471887625) * sin[26]),
+        );
+    let c_left_elbow = cos[26]
+        .mul_add(
+            T::from_f64(0.9968264471887625),
+            T::from_f64(0.07960549092260731) * sin[26],
+        );
+    let k_left_elbow_y = b_left_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.12242921843048289),
+            -(T::from_f64(0.9924772473334093) * k_left_shoulder_yaw_z),
+        );
+    let k_left_elbow_z = b_left_shoulder_yaw_x
+        .mul_add(
+            T::from_f64(0.9924772473334093),
+            T::from_f64(0.12242921843048289) * k_left_shoulder_yaw_z,
+        );
+    let e40 = e39.mul_add(s_left_elbow, k_left_elbow_y * c_left_elbow);
+    let e41 = k_left_elbow_y.mul_add(s_left_elbow, -(e39 * c_left_elbow));
+    // left_wrist_yaw
+    let e42 = sin[27]
+        .mul_add(
+            T::from_f64(0.9968143242066551),
+            T::from_f64(0.079757150503448) * cos[27],
+        );
+    let c_left_wrist_yaw = cos[27]
+        .mul_add(
+            T::from_f64(0.9968143242066551),
+            -(T::from_f64(0.079757150503448) * sin[27]),
+        );
+    let k_left_wrist_yaw_y = e40
+        .mul_add(
+            T::from_f64(0.15904161977640188),
+            -(T::from_f64(0.9872718790580934) * k_left_elbow_z),
+        );
+    let e43 = e40
+        .mul_add(
+            T::from_f64(0.9872718790580934),
+            T::from_f64(0.15904161977640188) * k_left_elbow_z,
+        );
+    let e44 = e41.mul_add(c_left_wrist_yaw, k_left_wrist_yaw_y * e42);
+    let e45 = k_left_wrist_yaw_y.mul_add(c_left_wrist_yaw, -(e41 * e42));
+    // left_wrist_roll
+    let s_left_wrist_roll = cos[28]
+        .mul_add(
+            T::from_f64(0.055412107419846535),
+            -(T::from_f64(0.9984635688653299) * sin[28]),
+        );
+    let c_left_wrist_roll = cos[28]
+        .mul_add(
+            T::from_f64(0.9984635688653299),
+            T::from_f64(0.055412107419846535) * sin[28],
+        );
+    let k_left_wrist_roll_y = e43
+        .mul_add(
+            T::from_f64(0.9977446087492899),
+            -(T::from_f64(0.06712447922871664) * e44),
+        );
+    let e46 = e44
+        .mul_add(
+            T::from_f64(0.9977446087492899),
+            T::from_f64(0.06712447922871664) * e43,
+        );
+    let b_left_wrist_roll_x = k_left_wrist_roll_y
+        .mul_add(s_left_wrist_roll, -(e45 * c_left_wrist_roll));
+    let e47 = k_left_wrist_roll_y.mul_add(c_left_wrist_roll, e45 * s_left_wrist_roll);
+    // left_wrist_pitch
+    let k_left_wrist_pitch_y = e46
+        .mul_add(
+            T::from_f64(0.99908366749145),
+            -(T::from_f64(0.042799828876225604) * b_left_wrist_roll_x),
+        );
+    let k_left_wrist_pitch_z = b_left_wrist_roll_x
+        .mul_add(T::from_f64(0.99908366749145), T::from_f64(0.042799828876225604) * e46);
+    let e48 = e47.mul_add(cos[29], k_left_wrist_pitch_y * sin[29]);
+    let e49 = k_left_wrist_pitch_y.mul_add(cos[29], -(e47 * sin[29]));
+    [
+        along[0],
+        along[1],
+        along[2],
+        (-k_right_ankle_roll_z)
+            .mul_add(
+                T::from_f64(0.9801638580368656),
+                b_right_ankle_roll_y
+                    .mul_add(
+                        T::from_f64(0.1529122762239553),
+                        -(T::from_f64(0.1260819066254007) * b_right_ankle_roll_x),
+                    ),
+            ),
+        (-k_right_ankle_roll_z)
+            .mul_add(
+                T::from_f64(0.10696212622950219),
+                b_right_ankle_roll_x
+                    .mul_add(
+                        T::from_f64(0.9860642172215092),
+                        T::from_f64(0.12742238056085944) * b_right_ankle_roll_y,
+                    ),
+            ),
+        (-k_right_ankle_roll_z)
+            .mul_add(
+                T::from_f64(0.16684698064619422),
+                b_right_ankle_roll_x
+                    .mul_add(
+                        T::from_f64(0.10853898993926647),
+                        -(T::from_f64(0.9799904962356587) * b_right_ankle_roll_y),
+                    ),
+            ),
+        (-k_right_ankle_pitch_z)
+            .mul_add(
+                T::from_f64(0.10072239850941322),
+                b_right_ankle_pitch_x
+                    .mul_add(
+                        T::from_f64(0.5863673657787142),
+                        -(T::from_f64(0.8037588635830045) * b_right_ankle_pitch_y),
+                    ),
+            ),
+        k_right_ankle_pitch_z
+            .mul_add(
+                T::from_f64(0.9854343154104156),
+                b_right_ankle_pitch_x
+                    .mul_add(
+                        T::from_f64(0.17005552884933375),
+                        T::from_f64(0.0005719435102985865) * b_right_ankle_pitch_y,
+                    ),
+            ),
+        k_right_ankle_pitch_z
+            .mul_add(
+                T::from_f64(0.1370190076234553),
+                -b_right_ankle_pitch_x
+                    .mul_add(
+                        T::from_f64(0.7919939579678025),
+                        T::from_f64(0.5949549244206476) * b_right_ankle_pitch_y,
+                    ),
+            ),
+        -k_right_knee_z
+            .mul_add(
+                T::from_f64(0.05491857598002902),
+                b_right_knee_x
+                    .mul_add(
+                        T::from_f64(0.6267063639442644),
+                        T::from_f64(0.7773178779650478) * b_right_knee_y,
+                    ),
+            ),
+        k_right_knee_z
+            .mul_add(
+                T::from_f64(0.9918697888935732),
+                b_right_knee_y
+                    .mul_add(
+                        T::from_f64(0.029691225369481516),
+                        -(T::from_f64(0.12374470904356641) * b_right_knee_x),
+                    ),
+            ),
+        (-k_right_knee_z)
+            .mul_add(
+                T::from_f64(0.11479665453550475),
+                b_right_knee_y
+                    .mul_add(
+                        T::from_f64(0.628406992109392),
+                        -(T::from_f64(0.7693675197039984) * b_right_knee_x),
+                    ),
+            ),
+        -k_right_hip_pitch_z
+            .mul_add(
+                T::from_f64(0.044145363912509596),
+                b_right_hip_pitch_x
+                    .mul_add(
+                        T::from_f64(0.9827666448575718),
+                        T::from_f64(0.17950183453219504) * e3,
+                    ),
+            ),
+        k_right_hip_pitch_z
+            .mul_add(
+                T::from_f64(0.9835480819632141),
+                -b_right_hip_pitch_x
+                    .mul_add(
+                        T::from_f64(0.011249506186826184),
+                        T::from_f64(0.18029592085523008) * e3,
+                    ),
+            ),
+        (-k_right_hip_pitch_z)
+            .mul_add(
+                T::from_f64(0.17516951022228416),
+                b_right_hip_pitch_x
+                    .mul_add(
+                        T::from_f64(0.1845079141011138),
+                        -(T::from_f64(0.9670948621115415) * e3),
+                    ),
+            ),
+        -k_right_hip_roll_z
+            .mul_add(
+                T::from_f64(0.9986750655402579),
+                b_right_hip_roll_x
+                    .mul_add(
+                        T::from_f64(0.038782231266670894),
+                        T::from_f64(0.03382383783872411) * b_right_hip_roll_y,
+                    ),
+            ),
+        k_right_hip_roll_z
+            .mul_add(
+                T::from_f64(0.041130694271502954),
+                -b_right_hip_roll_x
+                    .mul_add(
+                        T::from_f64(0.20656645943669896),
+                        T::from_f64(0.9775676773628162) * b_right_hip_roll_y,
+                    ),
+            ),
+        k_right_hip_roll_z
+            .mul_add(
+                T::from_f64(0.03092538531540076),
+                b_right_hip_roll_y
+                    .mul_add(
+                        T::from_f64(0.20788791251376051),
+                        -(T::from_f64(0.9776636621935814) * b_right_hip_roll_x),
+                    ),
+            ),
+        (-k_right_hip_yaw_z)
+            .mul_add(
+                T::from_f64(0.29159038241600355),
+                b_right_hip_yaw_x
+                    .mul_add(
+                        T::from_f64(0.15979020363924512),
+                        T::from_f64(0.9431024014938241) * e4,
+                    ),
+            ),
+        -b_right_hip_yaw_x
+            .mul_add(
+                T::from_f64(0.8769571695433379),
+                T::from_f64(0.48056854119525716) * k_right_hip_yaw_z,
+            ),
+        (-k_right_hip_yaw_z)
+            .mul_add(
+                T::from_f64(0.8270604126035483),
+                b_right_hip_yaw_x
+                    .mul_add(
+                        T::from_f64(0.4532253452836305),
+                        -(T::from_f64(0.3325024214898031) * e4),
+                    ),
+            ),
+        k_left_hip_yaw_z
+            .mul_add(
+                T::from_f64(0.12146644952683741),
+                b_left_hip_yaw_x
+                    .mul_add(
+                        T::from_f64(0.9920190772526525),
+                        T::from_f64(0.03382383783872412) * e7,
+                    ),
+            ),
+        (-k_left_hip_yaw_z)
+            .mul_add(
+                T::from_f64(0.20244408254472904),
+                b_left_hip_yaw_x
+                    .mul_add(
+                        T::from_f64(0.05811909856572281),
+                        -(T::from_f64(0.9775676773628161) * e7),
+                    ),
+            ),
+        k_left_hip_yaw_z
+            .mul_add(
+                T::from_f64(0.9717315962146993),
+                -b_left_hip_yaw_x
+                    .mul_add(
+                        T::from_f64(0.11189423912205596),
+                        T::from_f64(0.20788791251376057) * e7,
+                    ),
+            ),
+        k_left_hip_roll_z
+            .mul_add(
+                T::from_f64(0.9836381149720178),
+                -b_left_hip_roll_x
+                    .mul_add(
+                        T::from_f64(0.01533460706611091),
+                        T::from_f64(0.17950183453219504) * e8,
+                    ),
+            ),
+        k_left_hip_roll_z
+            .mul_add(
+                T::from_f64(0.04821755465549107),
+                b_left_hip_roll_x
+                    .mul_add(
+                        T::from_f64(0.9824298694288612),
+                        T::from_f64(0.18029592085523005) * e8,
+                    ),
+            ),
+        (-k_left_hip_roll_z)
+            .mul_add(
+                T::from_f64(0.17358319675976783),
+                b_left_hip_roll_x
+                    .mul_add(
+                        T::from_f64(0.18600107924449963),
+                        -(T::from_f64(0.9670948621115414) * e8),
+                    ),
+            ),
+        k_left_hip_pitch_z
+            .mul_add(
+                T::from_f64(0.10003501838572533),
+                e10
+                    .mul_add(
+                        T::from_f64(0.7773178779650479),
+                        -(T::from_f64(0.6211037849606799) * b_left_hip_pitch_x),
+                    ),
+            ),
+        k_left_hip_pitch_z
+            .mul_add(
+                T::from_f64(0.9803431801801081),
+                b_left_hip_pitch_x
+                    .mul_add(
+                        T::from_f64(0.19505301897281854),
+                        T::from_f64(0.029691225369481503) * e10,
+                    ),
+            ),
+        k_left_hip_pitch_z
+            .mul_add(
+                T::from_f64(0.1700595312557331),
+                -b_left_hip_pitch_x
+                    .mul_add(
+                        T::from_f64(0.7590681182193775),
+                        T::from_f64(0.6284069921093921) * e10,
+                    ),
+            ),
+        (-k_left_knee_z)
+            .mul_add(
+                T::from_f64(0.0543214476255111),
+                b_left_knee_x
+                    .mul_add(
+                        T::from_f64(0.5924701423191099),
+                        T::from_f64(0.8037588635830043) * e11,
+                    ),
+            ),
+        k_left_knee_z
+            .mul_add(
+                T::from_f64(0.9958932064677037),
+                b_left_knee_x
+                    .mul_add(
+                        T::from_f64(0.09053393944867547),
+                        T::from_f64(0.0005719435102985865) * e11,
+                    ),
+            ),
+        k_left_knee_z
+            .mul_add(
+                T::from_f64(0.07242859683401481),
+                e11
+                    .mul_add(
+                        T::from_f64(0.5949549244206475),
+                        -(T::from_f64(0.8004890606799554) * b_left_knee_x),
+                    ),
+            ),
+        k_left_ankle_pitch_z
+            .mul_add(
+                T::from_f64(0.07453982498343462),
+                b_left_ankle_pitch_x
+                    .mul_add(
+                        T::from_f64(0.9854246040522064),
+                        -(T::from_f64(0.1529122762239553) * e13),
+                    ),
+            ),
+        k_left_ankle_pitch_z
+            .mul_add(
+                T::from_f64(0.9903148176370599),
+                e13
+                    .mul_add(
+                        T::from_f64(0.12742238056085947),
+                        -(T::from_f64(0.05513709187725314) * b_left_ankle_pitch_x),
+                    ),
+            ),
+        (-k_left_ankle_pitch_z)
+            .mul_add(
+                T::from_f64(0.11713401068825438),
+                b_left_ankle_pitch_x
+                    .mul_add(
+                        T::from_f64(0.16092933488917305),
+                        T::from_f64(0.9799904962356587) * e13,
+                    ),
+            ),
+        k_left_ankle_roll_z
+            .mul_add(
+                T::from_f64(0.9733639183217578),
+                b_left_ankle_roll_x
+                    .mul_add(
+                        T::from_f64(0.20544888863102057),
+                        T::from_f64(0.10175183865460506) * b_left_ankle_roll_y,
+                    ),
+            ),
+        (-k_left_ankle_roll_z)
+            .mul_add(
+                T::from_f64(0.0903121161329466),
+                b_left_ankle_roll_y
+                    .mul_add(
+                        T::from_f64(0.9938332711736169),
+                        -(T::from_f64(0.06433623231070597) * b_left_ankle_roll_x),
+                    ),
+            ),
+        k_left_ankle_roll_z
+            .mul_add(
+                T::from_f64(0.2107282709768754),
+                -b_left_ankle_roll_x
+                    .mul_add(
+                        T::from_f64(0.9765508708573974),
+                        T::from_f64(0.04406804328257811) * b_left_ankle_roll_y,
+                    ),
+            ),
+        k_waist_yaw_z
+            .mul_add(
+                T::from_f64(0.05013302902454261),
+                -b_waist_yaw_x
+                    .mul_add(
+                        T::from_f64(0.11455324933025107),
+                        T::from_f64(0.9921513153086609) * b_waist_yaw_y,
+                    ),
+            ),
+        k_waist_yaw_z
+            .mul_add(
+                T::from_f64(0.11029266385399372),
+                b_waist_yaw_x
+                    .mul_add(
+                        T::from_f64(0.9879595626153338),
+                        -(T::from_f64(0.10849622545005164) * b_waist_yaw_y),
+                    ),
+            ),
+        k_waist_yaw_z
+            .mul_add(
+                T::from_f64(0.9926339746859435),
+                b_waist_yaw_y
+                    .mul_add(
+                        T::from_f64(0.06216378844943306),
+                        -(T::from_f64(0.10398776709209512) * b_waist_yaw_x),
+                    ),
+            ),
+        -k_waist_pitch_z
+            .mul_add(
+                T::from_f64(0.07686740279497044),
+                e18
+                    .mul_add(
+                        T::from_f64(0.17939505485262935),
+                        T::from_f64(0.9807695023204881) * e19,
+                    ),
+            ),
+        k_waist_pitch_z
+            .mul_add(
+                T::from_f64(0.9882951787924771),
+                e18
+                    .mul_add(
+                        T::from_f64(0.11629756483619717),
+                        -(T::from_f64(0.09872950920933495) * e19),
+                    ),
+            ),
+        k_waist_pitch_z
+            .mul_add(
+                T::from_f64(0.1317726905056636),
+                e19
+                    .mul_add(
+                        T::from_f64(0.1683557760497274),
+                        -(T::from_f64(0.9768788516021794) * e18),
+                    ),
+            ),
+        b_neck_yaw_x
+            .mul_add(
+                T::from_f64(0.0463635037734159),
+                -(T::from_f64(0.9989246345535044) * b_neck_yaw_y),
+            ),
+        b_neck_yaw_x
+            .mul_add(
+                T::from_f64(0.9989246345535044),
+                T::from_f64(0.0463635037734159) * b_neck_yaw_y,
+            ),
+        k_neck_yaw_z,
+        k_neck_pitch_z
+            .mul_add(
+                T::from_f64(0.038740125174873435),
+                -b_neck_pitch_x
+                    .mul_add(
+                        T::from_f64(0.9845249031066339),
+                        T::from_f64(0.17090909239800103) * e22,
+                    ),
+            ),
+        k_neck_pitch_z
+            .mul_add(
+                T::from_f64(0.997558223252991),
+                b_neck_pitch_x
+                    .mul_add(
+                        T::from_f64(0.048051161613096624),
+                        -(T::from_f64(0.05068211802961547) * e22),
+                    ),
+            ),
+        (-k_neck_pitch_z)
+            .mul_add(
+                T::from_f64(0.05811018776231015),
+                b_neck_pitch_x
+                    .mul_add(
+                        T::from_f64(0.16852833895373615),
+                        -(T::from_f64(0.9839824211070662) * e22),
+                    ),
+            ),
+        (-k_right_shoulder_pitch_z)
+            .mul_add(
+                T::from_f64(0.08051289048522246),
+                b_right_shoulder_pitch_y
+                    .mul_add(
+                        T::from_f64(0.22816877903507443),
+                        -(T::from_f64(0.9702869074347845) * b_right_shoulder_pitch_x),
+                    ),
+            ),
+        k_right_shoulder_pitch_z
+            .mul_add(
+                T::from_f64(0.9762187971333224),
+                -b_right_shoulder_pitch_x
+                    .mul_add(
+                        T::from_f64(0.12298635900909212),
+                        T::from_f64(0.17852511201860666) * b_right_shoulder_pitch_y,
+                    ),
+            ),
+        k_right_shoulder_pitch_z
+            .mul_add(
+                T::from_f64(0.20128222621305616),
+                b_right_shoulder_pitch_x
+                    .mul_add(
+                        T::from_f64(0.20836907822018302),
+                        T::from_f64(0.957114304904272) * b_right_shoulder_pitch_y,
+                    ),
+            ),
+        (-k_right_shoulder_roll_z)
+            .mul_add(
+                T::from_f64(0.9797515453989188),
+                e26
+                    .mul_add(
+                        T::from_f64(0.09084250712834728),
+                        T::from_f64(0.17842238701201812) * e27,
+                    ),
+            ),
+        k_right_shoulder_roll_z
+            .mul_add(
+                T::from_f64(0.15634333171259343),
+                e27
+                    .mul_add(
+                        T::from_f64(0.9652131735177485),
+                        -(T::from_f64(0.20957168772714235) * e26),
+                    ),
+            ),
+        k_right_shoulder_roll_z
+            .mul_add(
+                T::from_f64(0.12507466537007475),
+                e26
+                    .mul_add(
+                        T::from_f64(0.9735642488309816),
+                        T::from_f64(0.19112556469695652) * e27,
+                    ),
+            ),
+        (-e28)
+            .mul_add(
+                T::from_f64(0.08475868968264198),
+                b_right_shoulder_yaw_y
+                    .mul_add(
+                        T::from_f64(0.9963466490417511),
+                        -(T::from_f64(0.01045559498811533) * b_right_shoulder_yaw_x),
+                    ),
+            ),
+        k_right_elbow_z,
+        e28
+            .mul_add(
+                T::from_f64(0.9888513796308234),
+                b_right_shoulder_yaw_x
+                    .mul_add(
+                        T::from_f64(0.12198194152801221),
+                        T::from_f64(0.08540114134643578) * b_right_shoulder_yaw_y,
+                    ),
+            ),
+        e29
+            .mul_add(
+                T::from_f64(0.9829721203303413),
+                -(T::from_f64(0.18375475681808387) * b_right_elbow_x),
+            ),
+        k_right_elbow_z,
+        -b_right_elbow_x
+            .mul_add(
+                T::from_f64(0.9829721203303413),
+                T::from_f64(0.18375475681808387) * e29,
+            ),
+        (-k_right_wrist_yaw_z)
+            .mul_add(
+                T::from_f64(0.12095948535747154),
+                b_right_wrist_yaw_y
+                    .mul_add(
+                        T::from_f64(0.17981670296897617),
+                        -(T::from_f64(0.9762349902740747) * b_right_wrist_yaw_x),
+                    ),
+            ),
+        (-k_right_wrist_yaw_z)
+            .mul_add(
+                T::from_f64(0.07697421795475462),
+                b_right_wrist_yaw_x
+                    .mul_add(
+                        T::from_f64(0.189825799816729),
+                        T::from_f64(0.9787957578035333) * b_right_wrist_yaw_y,
+                    ),
+            ),
+        (-k_right_wrist_yaw_z)
+            .mul_add(
+                T::from_f64(0.9896685165611309),
+                b_right_wrist_yaw_x
+                    .mul_add(
+                        T::from_f64(0.10455338104775241),
+                        -(T::from_f64(0.09810615596981634) * b_right_wrist_yaw_y),
+                    ),
+            ),
+        (-k_right_wrist_roll_z)
+            .mul_add(
+                T::from_f64(0.9875478905452643),
+                b_right_wrist_roll_x
+                    .mul_add(
+                        T::from_f64(0.13744769651506267),
+                        -(T::from_f64(0.0765329641546823) * e32),
+                    ),
+            ),
+        k_right_wrist_roll_z
+            .mul_add(
+                T::from_f64(0.1280154672929046),
+                b_right_wrist_roll_x
+                    .mul_add(
+                        T::from_f64(0.9848605837142257),
+                        T::from_f64(0.11688315011092955) * e32,
+                    ),
+            ),
+        (-k_right_wrist_roll_z)
+            .mul_add(
+                T::from_f64(0.09143961949493187),
+                e32
+                    .mul_add(
+                        T::from_f64(0.9901924230258703),
+                        -(T::from_f64(0.10563030516276119) * b_right_wrist_roll_x),
+                    ),
+            ),
+        k_right_wrist_pitch_z
+            .mul_add(
+                T::from_f64(0.13926262418314853),
+                -b_right_wrist_pitch_x
+                    .mul_add(
+                        T::from_f64(0.019249486508246386),
+                        T::from_f64(0.9900683707576927) * b_right_wrist_pitch_y,
+                    ),
+            ),
+        k_right_wrist_pitch_z
+            .mul_add(
+                T::from_f64(0.9855508788345896),
+                b_right_wrist_pitch_y
+                    .mul_add(
+                        T::from_f64(0.14046741030419552),
+                        -(T::from_f64(0.09464867601187527) * b_right_wrist_pitch_x),
+                    ),
+            ),
+        (-k_right_wrist_pitch_z)
+            .mul_add(
+                T::from_f64(0.09641258597294897),
+                b_right_wrist_pitch_y
+                    .mul_add(
+                        T::from_f64(0.005790325348442432),
+                        -(T::from_f64(0.9953246130777477) * b_right_wrist_pitch_x),
+                    ),
+            ),
+        k_left_shoulder_pitch_z
+            .mul_add(
+                T::from_f64(0.08051289048522246),
+                b_left_shoulder_pitch_x
+                    .mul_add(
+                        T::from_f64(0.9702869074347845),
+                        T::from_f64(0.22816877903507443) * e37,
+                    ),
+            ),
+        k_left_shoulder_pitch_z
+            .mul_add(
+                T::from_f64(0.9762187971333224),
+                e37
+                    .mul_add(
+                        T::from_f64(0.17852511201860666),
+                        -(T::from_f64(0.12298635900909212) * b_left_shoulder_pitch_x),
+                    ),
+            ),
+        (-k_left_shoulder_pitch_z)
+            .mul_add(
+                T::from_f64(0.20128222621305616),
+                e37
+                    .mul_add(
+                        T::from_f64(0.957114304904272),
+                        -(T::from_f64(0.20836907822018302) * b_left_shoulder_pitch_x),
+                    ),
+            ),
+        k_left_shoulder_roll_z
+            .mul_add(
+                T::from_f64(0.9797515453989188),
+                b_left_shoulder_roll_x
+                    .mul_add(
+                        T::from_f64(0.09084250712834728),
+                        T::from_f64(0.17842238701201812) * b_left_shoulder_roll_y,
+                    ),
+            ),
+        k_left_shoulder_roll_z
+            .mul_add(
+                T::from_f64(0.15634333171259343),
+                b_left_shoulder_roll_x
+                    .mul_add(
+                        T::from_f64(0.20957168772714235),
+                        -(T::from_f64(0.9652131735177485) * b_left_shoulder_roll_y),
+                    ),
+            ),
+        (-k_left_shoulder_roll_z)
+            .mul_add(
+                T::from_f64(0.12507466537007475),
+                b_left_shoulder_roll_x
+                    .mul_add(
+                        T::from_f64(0.9735642488309816),
+                        T::from_f64(0.19112556469695652) * b_left_shoulder_roll_y,
+                    ),
+            ),
+        (-k_left_shoulder_yaw_z)
+            .mul_add(
+                T::from_f64(0.08475868968264198),
+                b_left_shoulder_yaw_x
+                    .mul_add(
+                        T::from_f64(0.01045559498811533),
+                        T::from_f64(0.9963466490417511) * e39,
+                    ),
+            ),
+        k_left_elbow_z,
+        k_left_shoulder_yaw_z
+            .mul_add(
+                T::from_f64(0.9888513796308234),
+                e39
+                    .mul_add(
+                        T::from_f64(0.08540114134643578),
+                        -(T::from_f64(0.12198194152801221) * b_left_shoulder_yaw_x),
+                    ),
+            ),
+        -e40
+            .mul_add(
+                T::from_f64(0.18375475681808387),
+                T::from_f64(0.9829721203303413) * e41,
+            ),
+        k_left_elbow_z,
+        e41
+            .mul_add(
+                T::from_f64(0.18375475681808387),
+                -(T::from_f64(0.9829721203303413) * e40),
+            ),
+        (-e43)
+            .mul_add(
+                T::from_f64(0.12095948535747154),
+                e45
+                    .mul_add(
+                        T::from_f64(0.17981670296897617),
+                        -(T::from_f64(0.9762349902740747) * e44),
+                    ),
+            ),
+        e43
+            .mul_add(
+                T::from_f64(0.07697421795475462),
+                -e44
+                    .mul_add(
+                        T::from_f64(0.189825799816729),
+                        T::from_f64(0.9787957578035333) * e45,
+                    ),
+            ),
+        (-e43)
+            .mul_add(
+                T::from_f64(0.9896685165611309),
+                e44
+                    .mul_add(
+                        T::from_f64(0.10455338104775241),
+                        -(T::from_f64(0.09810615596981634) * e45),
+                    ),
+            ),
+        (-e46)
+            .mul_add(
+                T::from_f64(0.9875478905452643),
+                e47
+                    .mul_add(
+                        T::from_f64(0.0765329641546823),
+                        -(T::from_f64(0.13744769651506267) * b_left_wrist_roll_x),
+                    ),
+            ),
+        (-e46)
+            .mul_add(
+                T::from_f64(0.1280154672929046),
+                b_left_wrist_roll_x
+                    .mul_add(
+                        T::from_f64(0.9848605837142257),
+                        T::from_f64(0.11688315011092955) * e47,
+                    ),
+            ),
+        (-e46)
+            .mul_add(
+                T::from_f64(0.09143961949493187),
+                b_left_wrist_roll_x
+                    .mul_add(
+                        T::from_f64(0.10563030516276119),
+                        -(T::from_f64(0.9901924230258703) * e47),
+                    ),
+            ),
+        -k_left_wrist_pitch_z
+            .mul_add(
+                T::from_f64(0.13926262418314853),
+                e48
+                    .mul_add(
+                        T::from_f64(0.019249486508246386),
+                        T::from_f64(0.9900683707576927) * e49,
+                    ),
+            ),
+        k_left_wrist_pitch_z
+            .mul_add(
+                T::from_f64(0.9855508788345896),
+                e48
+                    .mul_add(
+                        T::from_f64(0.09464867601187527),
+                        -(T::from_f64(0.14046741030419552) * e49),
+                    ),
+            ),
+        k_left_wrist_pitch_z
+            .mul_add(
+                T::from_f64(0.09641258597294897),
+                e49
+                    .mul_add(
+                        T::from_f64(0.005790325348442432),
+                        -(T::from_f64(0.9953246130777477) * e48),
+                    ),
+            ),
+    ]
 }

@@ -93,6 +93,27 @@ pub trait Sesc<const DOF: usize, const BASE: usize, const FULL: usize> {
     /// The predicted reading of the centre of pressure, metres, in the support frame,
     /// with the effects of the model if it has any.
     fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE]) -> [T; 2];
+
+    /// [`com_jacobian`](Self::com_jacobian) into a matrix that is there. Generated code
+    /// writes each number as soon as it has it, and keeps none for the end.
+    fn com_jacobian_into<T: Real>(q: &[T; DOF], r: &[T; BASE], jacobian: &mut [[T; DOF]; 3]) {
+        *jacobian = Self::com_jacobian(q, r);
+    }
+
+    /// [`regressor`](Self::regressor) likewise.
+    fn regressor_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE]; 3]) {
+        *rows = Self::regressor(q);
+    }
+
+    /// [`regressor_cop`](Self::regressor_cop) likewise.
+    fn regressor_cop_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE]; 2]) {
+        *rows = Self::regressor_cop(q);
+    }
+
+    /// [`regressor_full`](Self::regressor_full) likewise.
+    fn regressor_full_into<T: Real>(q: &[T; DOF], rows: &mut [[T; FULL]; 3]) {
+        *rows = Self::regressor_full(q);
+    }
 }
 
 /// The functions of [`Sesc`] from given sines and cosines.
@@ -124,6 +145,31 @@ pub trait SescFromSinCos<const DOF: usize, const BASE: usize, const FULL: usize>
 
     /// [`Sesc::cop`] from sines and cosines.
     fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE]) -> [T; 2];
+
+    /// `dᵀ J`: rows of [`Sesc::com_jacobian`] combined by a direction `d` of the support
+    /// frame, no longer than one. With three directions side by side in `T`, three rows.
+    fn com_jacobian_along<T: Real>(
+        sin: &[T; DOF],
+        cos: &[T; DOF],
+        r: &[T; BASE],
+        along: &[T; 3],
+    ) -> [T; DOF] {
+        combined(&Self::com_jacobian_sc(sin, cos, r), along)
+    }
+
+    /// `dᵀ Y`: rows of [`Sesc::regressor`] combined likewise.
+    fn regressor_along<T: Real>(sin: &[T; DOF], cos: &[T; DOF], along: &[T; 3]) -> [T; BASE] {
+        combined(&Self::regressor_sc(sin, cos), along)
+    }
+
+    /// Rows of [`Sesc::regressor_full`] combined likewise.
+    fn regressor_full_along<T: Real>(sin: &[T; DOF], cos: &[T; DOF], along: &[T; 3]) -> [T; FULL] {
+        combined(&Self::regressor_full_sc(sin, cos), along)
+    }
+}
+
+fn combined<T: Real, const N: usize>([x, y, z]: &[[T; N]; 3], d: &[T; 3]) -> [T; N] {
+    core::array::from_fn(|k| x[k] * d[0] + y[k] * d[1] + z[k] * d[2])
 }
 
 /// A robot whose model has effects of its CoP sensor.

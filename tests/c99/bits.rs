@@ -105,7 +105,7 @@ fn rust(case: &Case, scalar: Scalar, entry: &Entry, drawn: &Draw) -> Vec<f64> {
         .unzip();
     let mut inputs: Vec<(&[f64], usize)> = match given {
         Given::Positions => vec![(&drawn.q, dof)],
-        Given::SinesCosines => vec![(&sin, dof), (&cos, dof)],
+        Given::SinesCosines | Given::Direction => vec![(&sin, dof), (&cos, dof)],
     };
     if entry.takes_parameters() {
         inputs.push((&drawn.r, params));

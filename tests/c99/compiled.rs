@@ -276,7 +276,7 @@ fn driver(case: &Case) -> String {
         let inputs = match entry.given {
             None => "ticks",
             Some(sesc_codegen::Given::Positions) => "q",
-            Some(sesc_codegen::Given::SinesCosines) => "sines, cosines",
+            Some(_) => "sines, cosines",
         };
         let r = if entry.takes_parameters() { ", r" } else { "" };
         let _ = writeln!(

@@ -88,7 +88,7 @@ fn the_header_serves_cplusplus_and_stands_alone() {
             let inputs = match entry.given {
                 None => "ticks",
                 Some(sesc_codegen::Given::Positions) => "q",
-                Some(sesc_codegen::Given::SinesCosines) => "q, q",
+                Some(_) => "q, q",
             };
             let r = if entry.takes_parameters() {
                 format!(", {name}_cad_params")

@@ -32,6 +32,12 @@ fn checksum(values: &[f64]) -> f64 {
     (hash >> 12) as f64
 }
 
+/// Rows combined by a direction.
+#[allow(dead_code)]
+fn combined<const N: usize>(rows: &[[f64; N]; 3], along: [f64; 3]) -> [f64; N] {
+    core::array::from_fn(|k| (0..3).map(|row| rows[row][k] * along[row]).sum())
+}
+
 #[allow(unused_macros)]
 macro_rules! run {
     ($m:ident) => {{
@@ -105,6 +111,14 @@ macro_rules! run_sc {
             near(&$m::regressor_sc(&sin, &cos).concat(), &$m::regressor(&q).concat());
             near(&$m::regressor_cop_sc(&sin, &cos).concat(), &$m::regressor_cop(&q).concat());
             near(&$m::regressor_full_sc(&sin, &cos).concat(), &$m::regressor_full(&q).concat());
+            for along in [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.36, -0.48, 0.8]] {
+                let jacobian = combined(&$m::com_jacobian(&q, &r), along);
+                near(&$m::com_jacobian_along(&sin, &cos, &r, &along), &jacobian);
+                let row = combined(&$m::regressor(&q), along);
+                near(&$m::regressor_along(&sin, &cos, &along), &row);
+                let row = combined(&$m::regressor_full(&q), along);
+                near(&$m::regressor_full_along(&sin, &cos, &along), &row);
+            }
         }
     }};
 }

@@ -20,6 +20,7 @@ pub fn function_name(function: Function, given: Given) -> String {
     match given {
         Given::Positions => function.name().to_string(),
         Given::SinesCosines => format!("{}_sc", function.name()),
+        Given::Direction => format!("{}_along", function.name()),
     }
 }
 
@@ -187,7 +188,7 @@ pub fn others(counts: Counts) -> String {
 /// Rows for every function that can be had.
 pub fn rows(model: &Model) -> Vec<(Row, crate::program::Program)> {
     let mut rows = Vec::new();
-    for given in [Given::Positions, Given::SinesCosines] {
+    for given in [Given::Positions, Given::SinesCosines, Given::Direction] {
         let all = Function::ALL.into_iter().chain([Function::CorrectCop]);
         for function in all {
             let Some(program) = model.program(function, given) else {

@@ -24,6 +24,17 @@ pub enum Line<'p> {
     },
     /// A node that gets a name.
     Let(Id),
+    /// A result, by its place among them.
+    Result(usize),
+}
+
+/// When results leave a function.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Results {
+    /// All together, at its end.
+    AtTheEnd,
+    /// Each as soon as it is there: a wide matrix need not be kept until its last entry.
+    AsTheyCome,
 }
 
 /// The statements of a program, and the names they bind.
@@ -46,14 +57,14 @@ pub enum Strength {
 }
 
 impl<'p> Listing<'p> {
-    pub fn new(program: &'p Program) -> Listing<'p> {
+    pub fn new(program: &'p Program, results: Results) -> Listing<'p> {
         let mut listing = Listing {
             program,
             lines: Vec::new(),
             names: HashMap::new(),
             fresh: 0,
         };
-        listing.fill();
+        listing.fill(results);
         listing
     }
 
@@ -68,8 +79,14 @@ impl<'p> Listing<'p> {
         self.program.nodes.iter().any(|node| of(node.expr))
     }
 
-    fn fill(&mut self) {
+    fn fill(&mut self, results: Results) {
         let program = self.program;
+        let mut places: HashMap<Id, Vec<usize>> = HashMap::new();
+        if results == Results::AsTheyCome {
+            for (k, id) in program.outputs.iter().enumerate() {
+                places.entry(*id).or_default().push(k);
+            }
+        }
         let angles = program.angles();
         let mut depth = vec![0; program.nodes.len()];
         let mut sections = program.sections.iter().peekable();
@@ -84,24 +101,40 @@ impl<'p> Listing<'p> {
             let leaf = matches!(node.expr, Expr::Const(_) | Expr::Input { .. });
             let trig = matches!(node.expr, Expr::Sin(_) | Expr::Cos(_));
             let wants = trig || node.name.is_some() || node.uses > 1;
-            if leaf || named(id) || !(wants || depth[id.index()] > DEEPEST) {
+            let binds = !leaf && !named(id) && (wants || depth[id.index()] > DEEPEST);
+            let places = places.remove(&id).unwrap_or_default();
+            if !binds && places.is_empty() {
                 continue;
             }
-            if let Some(title) = title.take() {
-                self.lines.push(Line::Title(title));
+            // Constants and inputs need no section.
+            if let (Some(next), false) = (title, leaf) {
+                self.lines.push(Line::Title(next));
+                title = None;
             }
-            match node.expr {
-                Expr::Sin(angle) | Expr::Cos(angle) => {
-                    let (sin, cos) = angles[&angle];
-                    for id in [sin, cos].into_iter().flatten() {
-                        self.bind(id);
-                    }
-                    self.lines.push(Line::SinCos { angle, sin, cos });
-                }
-                _ => {
+            if binds {
+                self.define(id, &angles);
+            }
+            self.lines.extend(places.into_iter().map(Line::Result));
+        }
+        if results == Results::AtTheEnd {
+            self.lines
+                .extend((0..program.outputs.len()).map(Line::Result));
+        }
+    }
+
+    /// The statement that binds a node; a sine brings its cosine.
+    fn define(&mut self, id: Id, angles: &HashMap<Id, (Option<Id>, Option<Id>)>) {
+        match self.program.expr(id) {
+            Expr::Sin(angle) | Expr::Cos(angle) => {
+                let (sin, cos) = angles[&angle];
+                for id in [sin, cos].into_iter().flatten() {
                     self.bind(id);
-                    self.lines.push(Line::Let(id));
                 }
+                self.lines.push(Line::SinCos { angle, sin, cos });
+            }
+            _ => {
+                self.bind(id);
+                self.lines.push(Line::Let(id));
             }
         }
     }

@@ -11,11 +11,11 @@ use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{format_ident, quote};
 
 use super::header::{self, Row};
-use super::listing::Listing;
+use super::listing::{Listing, Results};
 use super::names;
 use crate::Error;
 use crate::model::{Function, Given, Model};
-use crate::program::Program;
+use crate::program::{Program, Shape};
 use body::Body;
 
 /// The module for `model`, named `name`.
@@ -174,15 +174,29 @@ fn unit_struct(model: &Model, name: &str, from_sines: bool, corrects: bool) -> T
         header::printable(&model.tree.links[model.tree.support].name)
     );
     let forward = |given: Given| -> Vec<TokenStream> {
+        let there = |function: &&Function| {
+            given != Given::Direction || model.program(**function, given).is_some()
+        };
         Function::ALL
             .iter()
+            .filter(there)
             .map(|&function| {
                 let name = format_ident!("{}", header::function_name(function, given));
                 let (parameters, arguments) = signature(function, given, |array| array.to_string());
-                let result = result(function);
+                let result = result(function, given);
+                let into = matrix(function, given).map(|matrix| {
+                    let into = format_ident!("{name}_into");
+                    quote! {
+                        #[inline(always)]
+                        fn #into<T: Real>(#parameters, #matrix: &mut #result) {
+                            #into(#(#arguments,)* #matrix)
+                        }
+                    }
+                });
                 quote! {
                     #[inline(always)]
                     fn #name<T: Real>(#parameters) -> #result { #name(#(#arguments),*) }
+                    #into
                 }
             })
             .collect()
@@ -190,7 +204,7 @@ fn unit_struct(model: &Model, name: &str, from_sines: bool, corrects: bool) -> T
     let methods = forward(Given::Positions);
     let (allow, names) = (allow(), allow_names());
     let sines = from_sines.then(|| {
-        let methods = forward(Given::SinesCosines);
+        let methods = [Given::SinesCosines, Given::Direction].map(forward).concat();
         quote! {
             #allow
             impl sesc_runtime::SescFromSinCos<DOF, BASE_PARAMS, FULL_PARAMS> for #unit { #(#methods)* }
@@ -231,10 +245,15 @@ fn signature(
     let mut arrays: Vec<(&str, TokenStream)> = match given {
         _ if function == Function::CorrectCop => vec![("reading", quote!(2))],
         Given::Positions => vec![("q", quote!(DOF))],
-        Given::SinesCosines => vec![("sin", quote!(DOF)), ("cos", quote!(DOF))],
+        Given::SinesCosines | Given::Direction => {
+            vec![("sin", quote!(DOF)), ("cos", quote!(DOF))]
+        }
     };
     if function.takes_parameters() {
         arrays.push(("r", quote!(BASE_PARAMS)));
+    }
+    if given == Given::Direction {
+        arrays.push(("along", quote!(3)));
     }
     let idents: Vec<Ident> = arrays
         .iter()
@@ -244,15 +263,25 @@ fn signature(
     (quote! { #(#idents: &[T; #lens]),* }, idents)
 }
 
-fn result(function: Function) -> TokenStream {
+fn result(function: Function, given: Given) -> TokenStream {
+    let columns = columns(function);
+    match (function.rows(), given) {
+        (None, _) | (_, Given::Direction) => quote!([T; #columns]),
+        (Some(rows), _) => {
+            let rows = Literal::usize_unsuffixed(rows);
+            quote!([[T; #columns]; #rows])
+        }
+    }
+}
+
+/// Length of a vector or of a row.
+fn columns(function: Function) -> TokenStream {
     match function {
-        Function::Com => quote!([T; 3]),
-        Function::Cop | Function::CorrectCop => quote!([T; 2]),
-        Function::ComJacobian => quote!([[T; DOF]; 3]),
-        Function::GravityMoments => quote!([T; DOF]),
-        Function::Regressor => quote!([[T; BASE_PARAMS]; 3]),
-        Function::RegressorCop => quote!([[T; BASE_PARAMS]; 2]),
-        Function::RegressorFull => quote!([[T; FULL_PARAMS]; 3]),
+        Function::Com => quote!(3),
+        Function::Cop | Function::CorrectCop => quote!(2),
+        Function::ComJacobian | Function::GravityMoments => quote!(DOF),
+        Function::Regressor | Function::RegressorCop => quote!(BASE_PARAMS),
+        Function::RegressorFull => quote!(FULL_PARAMS),
     }
 }
 
@@ -283,12 +312,19 @@ fn documentation(model: &Model, function: Function, given: Given) -> String {
         Given::SinesCosines => format!(
             " {what}\n\n From sines and cosines; a sliding joint passes its position in `sin`."
         ),
+        Given::Direction => format!(
+            " {what}\n\n Their combination `along` a direction of the support frame, no longer \
+             than one, from sines and cosines as above."
+        ),
     }
 }
 
 fn function(model: &Model, row: &Row, program: &Program, titles: &mut Vec<String>) -> TokenStream {
-    let name = format_ident!("{}", header::function_name(row.function, row.given));
-    let listing = Listing::new(program);
+    let matrix = matrix(row.function, row.given);
+    let listing = match matrix {
+        Some(_) => Listing::new(program, Results::AsTheyCome),
+        None => Listing::new(program, Results::AtTheEnd),
+    };
     let unused = |array: &str| {
         let k = program.inputs.iter().position(|input| input.name == array);
         k.is_none_or(|k| !listing.reads(k))
@@ -300,15 +336,55 @@ fn function(model: &Model, row: &Row, program: &Program, titles: &mut Vec<String
     let (parameters, _) = signature(row.function, row.given, rename);
     let doc = documentation(model, row.function, row.given);
     let doc = doc.lines();
-    let result = result(row.function);
-    let body = Body(listing).statements(titles);
+    let name = format_ident!("{}", header::function_name(row.function, row.given));
+    let result = result(row.function, row.given);
+    let body = Body::new(listing, matrix.clone()).statements(titles);
     let allow = allow_names();
+    let Some(matrix) = matrix else {
+        return quote! {
+            #(#[doc = #doc])*
+            #allow
+            #[inline(always)]
+            pub fn #name<T: Real>(#parameters) -> #result { #body }
+        };
+    };
+    let into = format_ident!("{name}_into");
+    let (given, arguments) = signature(row.function, row.given, |array| array.to_string());
+    let start = match program.shape {
+        Shape::Matrix { rows, .. } => {
+            let rows = Literal::usize_unsuffixed(rows);
+            let cols = columns(row.function);
+            quote!([[T::from_f64(0.0); #cols]; #rows])
+        }
+        Shape::Vector(_) => unreachable!("vectors are values"),
+    };
+    let into_doc = format!(" [`{name}`], each number written as soon as it is there.");
     quote! {
         #(#[doc = #doc])*
         #allow
         #[inline(always)]
-        pub fn #name<T: Real>(#parameters) -> #result { #body }
+        pub fn #name<T: Real>(#given) -> #result {
+            let mut #matrix = #start;
+            #into(#(#arguments,)* &mut #matrix);
+            #matrix
+        }
+        #[doc = #into_doc]
+        #allow
+        #[inline(always)]
+        pub fn #into<T: Real>(#parameters, #matrix: &mut #result) { #body }
     }
+}
+
+/// The name of a result that has rows, where it can be written in place: from joint
+/// positions, as batches come.
+fn matrix(function: Function, given: Given) -> Option<Ident> {
+    let name = match function {
+        _ if given != Given::Positions => return None,
+        Function::ComJacobian => "jacobian",
+        Function::Regressor | Function::RegressorCop | Function::RegressorFull => "rows",
+        _ => return None,
+    };
+    Some(Ident::new(name, Span::call_site()))
 }
 
 /// A float that reads back to the same bits.

@@ -54,13 +54,16 @@ pub(crate) fn build(
     given: Given,
     parameters: Parameters,
 ) -> Option<Program> {
-    if given == Given::SinesCosines && !sines_suffice(model) {
+    if given != Given::Positions && !sines_suffice(model) {
+        return None;
+    }
+    if given == Given::Direction && function.axes().len() < AXES.len() {
         return None;
     }
     if function == Function::CorrectCop {
         return match given {
             Given::Positions => correction::correct_cop(model),
-            Given::SinesCosines => None,
+            Given::SinesCosines | Given::Direction => None,
         };
     }
     if function == Function::Cop && model.foretold().next().is_some() {
@@ -70,15 +73,19 @@ pub(crate) fn build(
     if parameters == Parameters::Baked && function.takes_parameters() {
         scratch.baked = Some(model.params());
     }
-    let (rows, cols) = (rows_of(function), columns_of(model, function));
+    let cols = columns_of(model, function);
+    let rows = match given {
+        Given::Direction => 1,
+        _ => function.rows().unwrap_or(1),
+    };
+    let directions = scratch.directions(function);
     let outputs = match function {
         Function::Com => scratch.subtrees(Wanted::Sums)[0].v.entries.to_vec(),
         Function::Cop => scratch.subtrees(Wanted::Sums)[0].v.entries[..2].to_vec(),
-        Function::ComJacobian => scratch.jacobian(&[0, 1, 2], false),
-        Function::GravityMoments => scratch.jacobian(&[2], true),
-        Function::Regressor => scratch.regressor(&[0, 1, 2]),
-        Function::RegressorCop => scratch.regressor(&[0, 1]),
-        Function::RegressorFull => scratch.regressor_full(),
+        Function::ComJacobian => scratch.jacobian(&directions, false),
+        Function::GravityMoments => scratch.jacobian(&directions, true),
+        Function::Regressor | Function::RegressorCop => scratch.regressor(&directions),
+        Function::RegressorFull => scratch.regressor_full(&directions),
         Function::CorrectCop => unreachable!("a function of no posture"),
     };
     let shape = match (rows, cols) {
@@ -96,7 +103,7 @@ pub(crate) fn build(
 fn arrays(model: &Model, function: Function, given: Given) -> Vec<Array> {
     let names: &[&'static str] = match given {
         Given::Positions => &["q"],
-        Given::SinesCosines => &["sin", "cos"],
+        Given::SinesCosines | Given::Direction => &["sin", "cos"],
     };
     let mut arrays: Vec<Array> = names
         .iter()
@@ -109,6 +116,12 @@ fn arrays(model: &Model, function: Function, given: Given) -> Vec<Array> {
         arrays.push(Array {
             name: "r",
             len: model.base.params.len(),
+        });
+    }
+    if given == Given::Direction {
+        arrays.push(Array {
+            name: "along",
+            len: 3,
         });
     }
     arrays
@@ -134,14 +147,6 @@ pub fn differentiate_com(model: &Model) -> Program {
     };
     let inputs = arrays(model, Function::ComJacobian, Given::Positions);
     Program::new(scratch.g, inputs, shape, &outputs)
-}
-
-fn rows_of(function: Function) -> usize {
-    match function {
-        Function::ComJacobian | Function::Regressor | Function::RegressorFull => 3,
-        Function::RegressorCop => 2,
-        _ => 1,
-    }
 }
 
 fn columns_of(model: &Model, function: Function) -> usize {
@@ -208,7 +213,7 @@ impl<'m> Scratch<'m> {
         }
         let array = match self.given {
             Given::Positions => 1,
-            Given::SinesCosines => 2,
+            Given::SinesCosines | Given::Direction => 2,
         };
         match (index, &self.baked) {
             (Some(index), None) => self.g.input(array, index),

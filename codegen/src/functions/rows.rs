@@ -8,6 +8,7 @@ use super::subtrees::{Subtree, Wanted};
 use super::{AXES, Known, Scratch};
 use crate::base::Column;
 use crate::expr::Id;
+use crate::model::{Function, Given};
 use crate::snap::tidy;
 use crate::tree::Motion;
 
@@ -30,7 +31,22 @@ pub(super) struct Seen {
 }
 
 impl Scratch<'_> {
-    /// Rows of orientations as directions: the axes of the support frame.
+    /// Those that the rows of `function` belong to: axes of the support frame, or the one
+    /// that comes as an argument.
+    pub(super) fn directions(&mut self, function: Function) -> Vec<Direction> {
+        if self.given != Given::Direction {
+            return self.axes_of_support(function.axes());
+        }
+        let array = if function.takes_parameters() { 3 } else { 2 };
+        let entries = [0, 1, 2].map(|k| self.g.input(array, k));
+        vec![Direction {
+            entries,
+            norm: 1.0,
+            tag: "",
+        }]
+    }
+
+    /// The axes of the support frame.
     pub(super) fn axes_of_support(&mut self, rows: &[usize]) -> Vec<Direction> {
         let unit = |row: &usize| Direction {
             entries: [0, 1, 2].map(|k| self.g.constant(if k == *row { 1.0 } else { 0.0 })),
@@ -102,10 +118,15 @@ impl Scratch<'_> {
     }
 
     /// Rows of ∂CoM/∂q, row-major; negated for gravity moments.
-    pub(super) fn jacobian(&mut self, rows: &[usize], negated: bool) -> Vec<Id> {
-        let subtrees = self.subtrees(Wanted::Turned);
-        let directions = self.axes_of_support(rows);
-        self.slopes_along(&directions, &subtrees, negated)
+    pub(super) fn jacobian(&mut self, directions: &[Direction], negated: bool) -> Vec<Id> {
+        // Axes of the support frame have zeros and ones, and the rows of its neighbours
+        // still some: there the turned vectors, seen from before the turn, are cheaper.
+        let wanted = match self.given {
+            Given::Direction => Wanted::Sums,
+            _ => Wanted::Turned,
+        };
+        let subtrees = self.subtrees(wanted);
+        self.slopes_along(directions, &subtrees, negated)
     }
 
     /// `dᵀ ∂CoM/∂q` for each direction, row-major.
@@ -131,11 +152,7 @@ impl Scratch<'_> {
             for k in 0..directions.len() {
                 let mut term = match (&m.frames[i].turn, body.motion) {
                     (Some(turn), _) => {
-                        let (row, t) = (seen[i][k].before, subtrees[i].turned());
-                        let ([x, y, _], [tx, ty, _]) = (row.entries, t.entries);
-                        let (up, down) = (self.g.mul(y, tx), self.g.mul(x, ty));
-                        let arm = self.g.sub(up, down);
-                        self.g.know_product(arm, [row.fact, t.fact]);
+                        let arm = self.arm(&seen[i][k], &subtrees[i], turn.mirrored);
                         let factor = self.g.constant(turn.angle.factor);
                         self.g.mul(factor, arm)
                     }
@@ -158,6 +175,20 @@ impl Scratch<'_> {
         jacobian
     }
 
+    /// `dᵀ B_p K (e_z × t)`, or the same after the turn: `dᵀ B (e_z × v)`, where a mirrored
+    /// second coordinate changes the sign.
+    fn arm(&mut self, seen: &Seen, subtree: &Subtree, mirrored: bool) -> Id {
+        let (row, vector, opposite) = match subtree.t {
+            Some(t) => (seen.before, t, false),
+            None => (seen.after, subtree.v, mirrored),
+        };
+        let ([x, y, _], [vx, vy, _]) = (row.entries, vector.entries);
+        let (up, down) = (self.g.mul(y, vx), self.g.mul(x, vy));
+        let arm = self.g.sub(up, down);
+        self.g.know_product(arm, [row.fact, vector.fact]);
+        if opposite { self.g.neg(arm) } else { arm }
+    }
+
     /// One row of `B_p a` for a slide on body `parent`.
     fn along(&mut self, row: &Seen, parent: usize, axis: &nalgebra::Vector3<f64>) -> Id {
         let axis = (self.m.axes(parent).transpose() * axis).map(tidy);
@@ -170,12 +201,11 @@ impl Scratch<'_> {
     }
 
     /// Rows of the base regressor, row-major.
-    pub(super) fn regressor(&mut self, rows: &[usize]) -> Vec<Id> {
+    pub(super) fn regressor(&mut self, directions: &[Direction]) -> Vec<Id> {
         let m = self.m;
-        let directions = self.axes_of_support(rows);
-        let seen = self.seen(&directions);
-        let mut regressor = Vec::with_capacity(rows.len() * m.base.params.len());
-        for row in 0..rows.len() {
+        let seen = self.seen(directions);
+        let mut regressor = Vec::with_capacity(directions.len() * m.base.params.len());
+        for row in 0..directions.len() {
             for param in &m.base.params {
                 let entry = match param.column {
                     Column::Axis { body, axis } => seen[body][row].after.entries[axis],
@@ -199,13 +229,12 @@ impl Scratch<'_> {
         self.g.mul(along, position)
     }
 
-    /// Three rows of the full regressor: orientations of the link frames themselves.
-    pub(super) fn regressor_full(&mut self) -> Vec<Id> {
+    /// Rows of the full regressor: orientations of the link frames themselves.
+    pub(super) fn regressor_full(&mut self, directions: &[Direction]) -> Vec<Id> {
         let m = self.m;
-        let directions = self.axes_of_support(&[0, 1, 2]);
-        let seen = self.seen(&directions);
-        let mut regressor = Vec::with_capacity(3 * m.chain.full_params);
-        for row in 0..3 {
+        let seen = self.seen(directions);
+        let mut regressor = Vec::with_capacity(directions.len() * m.chain.full_params);
+        for row in 0..directions.len() {
             for (i, body) in m.chain.bodies.iter().enumerate() {
                 let b = seen[i][row].after;
                 let entries = [0, 1, 2].map(|k| {

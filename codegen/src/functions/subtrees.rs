@@ -20,14 +20,7 @@ pub(super) struct Subtree {
     /// In its own canonical axes.
     pub(super) v: Known,
     /// Turned by its joint, where that is wanted.
-    t: Option<Known>,
-}
-
-impl Subtree {
-    /// `t_i` of [`Wanted::Turned`].
-    pub(super) fn turned(&self) -> Known {
-        self.t.expect("whoever needs it asks for it")
-    }
+    pub(super) t: Option<Known>,
 }
 
 impl Scratch<'_> {

@@ -45,7 +45,7 @@ impl Scratch<'_> {
         let key = &self.m.keys[body];
         let pair = match self.given {
             Given::Positions => self.turn_from_position(&angle, key),
-            Given::SinesCosines => self.turn_from_sines(&angle, key),
+            Given::SinesCosines | Given::Direction => self.turn_from_sines(&angle, key),
         };
         self.g.know_weight(pair.0);
         self.g.know_weight(pair.1);

@@ -135,9 +135,13 @@ impl<M, const DOF: usize, const BASE: usize, const FULL: usize> Batch<DOF, BASE,
 {
 }
 
-/// A function over all blocks, as a task for any set of instructions.
+/// A function over all blocks, as a task for any set of instructions: `$result` of one
+/// part of a block, from joint positions `$q` and parameters `$r`.
 macro_rules! task {
-    ($name:ident, $method:ident($($r:ident)?) -> $shape:tt) => {
+    (
+        @task $name:ident, $out:ty, ($($r:ident)?), $room:ident = [$start:expr],
+        |$q:ident, $block:ident, $part:ident| $result:expr
+    ) => {
         struct $name<'a, M, S, const DOF: usize, const BASE: usize, const FULL: usize>
         where
             M: ?Sized,
@@ -145,7 +149,7 @@ macro_rules! task {
         {
             q: &'a [[S::Block; DOF]],
             $($r: &'a [S; BASE],)?
-            out: &'a mut [task!(@of S::Block, $shape)],
+            out: &'a mut [$out],
             model: PhantomData<M>,
         }
 
@@ -158,27 +162,36 @@ macro_rules! task {
             #[inline(always)]
             fn run<X: Machine<S>>(self) {
                 $(let $r: [X::Vector; BASE] = core::array::from_fn(|k| X::splat(self.$r[k]));)?
-                for (q, out) in self.q.iter().zip(self.out) {
-                    for part in 0..X::PARTS {
-                        let value = M::$method(&X::load(q, part), $(&$r)?);
-                        X::store(task!(@flat &value, $shape), task!(@flat_mut out, $shape), part);
+                #[allow(unused_mut, clippy::let_unit_value)] // vectors need no room
+                let mut $room = $start;
+                for (q, $block) in self.q.iter().zip(self.out) {
+                    for $part in 0..X::PARTS {
+                        let $q = &X::load(q, $part);
+                        $result;
                     }
                 }
             }
         }
     };
-    (@of $t:ty, [$n:tt]) => { [$t; $n] };
-    (@of $t:ty, [$n:ident; $m:literal]) => { [[$t; $n]; $m] };
-    (@flat $array:expr, [$n:tt]) => { $array };
-    (@flat $array:expr, [$n:ident; $m:literal]) => { ($array).as_flattened() };
-    (@flat_mut $array:ident, [$n:tt]) => { $array };
-    (@flat_mut $array:ident, [$n:ident; $m:literal]) => { $array.as_flattened_mut() };
+    ($name:ident, $method:ident($($r:ident)?) -> [$n:tt]) => {
+        task!(@task $name, [S::Block; $n], ($($r)?), _room = [()], |q, block, part| {
+            X::store(&M::$method(q, $(&$r)?), block, part)
+        });
+    };
+    ($name:ident, $method:ident($($r:ident)?) -> [$n:ident; $m:literal]) => {
+        task!(@task $name, [[S::Block; $n]; $m], ($($r)?), room = [
+            [[X::splat(S::default()); $n]; $m]
+        ], |q, block, part| {
+            M::$method(q, $(&$r,)? X::place(block, &mut room));
+            X::settle(&room, block, part);
+        });
+    };
 }
 
 task!(Com, com(r) -> [3]);
-task!(ComJacobian, com_jacobian(r) -> [DOF; 3]);
+task!(ComJacobian, com_jacobian_into(r) -> [DOF; 3]);
 task!(GravityMoments, gravity_moments(r) -> [DOF]);
-task!(Regressor, regressor() -> [BASE; 3]);
-task!(RegressorCop, regressor_cop() -> [BASE; 2]);
-task!(RegressorFull, regressor_full() -> [FULL; 3]);
+task!(Regressor, regressor_into() -> [BASE; 3]);
+task!(RegressorCop, regressor_cop_into() -> [BASE; 2]);
+task!(RegressorFull, regressor_full_into() -> [FULL; 3]);
 task!(Cop, cop(r) -> [2]);

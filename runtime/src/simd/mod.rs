@@ -21,7 +21,7 @@ mod tests;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
-use crate::lanes::{F32x16, F64x8, pack};
+use crate::lanes::{F32x16, F64x8, Lanes, pack};
 use crate::real::Real;
 use crate::trig;
 
@@ -122,6 +122,9 @@ pub(crate) mod sealed {
     use super::{Scalar, Simd};
     use crate::real::Real;
 
+    /// Rows side by side: three, and a lane to spare.
+    pub const ROWS: usize = 4;
+
     /// Registers of one set, and how they meet memory.
     pub trait Machine<S: Scalar> {
         /// Postures side by side.
@@ -130,6 +133,8 @@ pub(crate) mod sealed {
         const PARTS: usize;
         /// One number, its products fused with its sums.
         type One: Real;
+        /// Rows of one posture side by side, fused likewise.
+        type Rows: Real;
 
         /// The same number in every lane.
         fn splat(x: S) -> Self::Vector;
@@ -143,9 +148,32 @@ pub(crate) mod sealed {
         /// The inverse of `load`; of the longer slice the rest is left out.
         fn store(vectors: &[Self::Vector], blocks: &mut [S::Block], part: usize);
 
+        /// Where to write registers for the blocks: they themselves, where one register
+        /// fills a block, else `room`. Then `settle`.
+        fn place<'a, const N: usize, const M: usize>(
+            blocks: &'a mut [[S::Block; N]; M],
+            room: &'a mut [[Self::Vector; N]; M],
+        ) -> &'a mut [[Self::Vector; N]; M];
+
+        /// From `room` to the blocks, where `place` had to make do with it.
+        fn settle<const N: usize, const M: usize>(
+            room: &[[Self::Vector; N]; M],
+            blocks: &mut [[S::Block; N]; M],
+            part: usize,
+        );
+
         fn ones<const N: usize>(scalars: &[S; N]) -> &[Self::One; N];
 
         fn scalars(ones: &[Self::One]) -> &[S];
+
+        /// The same number in every row.
+        fn every_row(x: S) -> Self::Rows;
+
+        /// A number of each row.
+        fn rows(numbers: [S; ROWS]) -> Self::Rows;
+
+        /// The inverse of `rows`.
+        fn numbers(rows: Self::Rows) -> [S; ROWS];
 
         fn sin_cos<const N: usize>(angles: &[S; N], sin: &mut [S; N], cos: &mut [S; N]);
     }
@@ -194,6 +222,7 @@ macro_rules! portable {
             type Vector = $block;
             const PARTS: usize = 1;
             type One = $scalar;
+            type Rows = Lanes<$scalar, { sealed::ROWS }>;
 
             #[inline(always)]
             fn splat(x: $scalar) -> $block {
@@ -220,6 +249,22 @@ macro_rules! portable {
             }
 
             #[inline(always)]
+            fn place<'a, const N: usize, const M: usize>(
+                blocks: &'a mut [[$block; N]; M],
+                _: &'a mut [[$block; N]; M],
+            ) -> &'a mut [[$block; N]; M] {
+                blocks
+            }
+
+            #[inline(always)]
+            fn settle<const N: usize, const M: usize>(
+                _: &[[$block; N]; M],
+                _: &mut [[$block; N]; M],
+                _: usize,
+            ) {
+            }
+
+            #[inline(always)]
             fn ones<const N: usize>(scalars: &[$scalar; N]) -> &[$scalar; N] {
                 scalars
             }
@@ -227,6 +272,21 @@ macro_rules! portable {
             #[inline(always)]
             fn scalars(ones: &[$scalar]) -> &[$scalar] {
                 ones
+            }
+
+            #[inline(always)]
+            fn every_row(x: $scalar) -> Self::Rows {
+                Lanes::splat(x)
+            }
+
+            #[inline(always)]
+            fn rows(numbers: [$scalar; sealed::ROWS]) -> Self::Rows {
+                Lanes(numbers)
+            }
+
+            #[inline(always)]
+            fn numbers(rows: Self::Rows) -> [$scalar; sealed::ROWS] {
+                rows.0
             }
 
             #[inline(always)]

@@ -83,13 +83,14 @@ where
         let mut right = [zero; BASE];
         let mut panel = [[zero; BASE]; PANEL];
         let panel = panel.as_flattened_mut();
+        let mut rows = [[X::splat(0.0); BASE]; 2];
         let weight = self.data.weight.map(X::splat);
         let (q, _) = self.data.q.as_chunks::<LANES>();
         let (cop, _) = self.data.cop.as_chunks::<LANES>();
         for (q, cop) in q.chunks(PANEL / 2).zip(cop.chunks(PANEL / 2)) {
             for (block, (q, cop)) in q.iter().zip(cop).enumerate() {
                 for part in 0..X::PARTS {
-                    let rows = M::regressor_cop(&X::columns(q, part));
+                    M::regressor_cop_into(&X::columns(q, part), &mut rows);
                     let readings = X::columns(cop, part);
                     for axis in 0..2 {
                         let reading = readings[axis] * weight[axis];
@@ -143,15 +144,17 @@ where
     fn run<X: Machine<f64>>(self) {
         let zero = F64x8::splat(0.0);
         let (mut right, mut square) = ([zero; BASE], [zero]);
+        let mut rows = [[X::splat(0.0); BASE]; 2];
         let params: [X::Vector; BASE] = core::array::from_fn(|k| X::splat(self.params[k]));
         let weight = self.data.weight.map(X::splat);
         let (q, _) = self.data.q.as_chunks::<LANES>();
         let (cop, _) = self.data.cop.as_chunks::<LANES>();
         for (q, cop) in q.iter().zip(cop) {
             for part in 0..X::PARTS {
-                let rows = M::regressor_cop(&X::columns(q, part));
+                M::regressor_cop_into(&X::columns(q, part), &mut rows);
                 let readings = X::columns(cop, part);
                 let [mut squares] = X::load(&square, part);
+                let mut weighed = [X::splat(0.0); 2];
                 for axis in 0..2 {
                     // Four sums, of which none waits for another.
                     let mut foretold = [X::splat(0.0); 4];
@@ -160,13 +163,13 @@ where
                     }
                     let [a, b, c, d] = foretold;
                     let e = (readings[axis] - ((a + b) + (c + d))) * weight[axis];
-                    let weighed = e * weight[axis];
-                    for (right, y) in right.iter_mut().zip(&rows[axis]) {
-                        let [sum] = X::load(&[*right], part);
-                        let sum = y.mul_add(weighed, sum);
-                        X::store(&[sum], core::slice::from_mut(right), part);
-                    }
+                    weighed[axis] = e * weight[axis];
                     squares = e.mul_add(e, squares);
+                }
+                for ((right, x), y) in right.iter_mut().zip(&rows[0]).zip(&rows[1]) {
+                    let [sum] = X::load(core::array::from_ref(right), part);
+                    let sum = y.mul_add(weighed[1], x.mul_add(weighed[0], sum));
+                    X::store(&[sum], core::slice::from_mut(right), part);
                 }
                 X::store(&[squares], &mut square, part);
             }

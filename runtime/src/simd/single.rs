@@ -1,4 +1,4 @@
-//! One posture, its sines and cosines side by side.
+//! One posture: its sines and cosines side by side, then its rows side by side.
 
 use core::marker::PhantomData;
 
@@ -9,7 +9,8 @@ use crate::model::SescFromSinCos;
 /// The functions of [`Sesc`](crate::Sesc) for one posture.
 ///
 /// Sines and cosines are nine tenths of the work: here a register takes those of many
-/// joints at once, and products are fused with sums. For robots whose functions can be had
+/// joints at once, another the rows of a Jacobian or regressor, and products are fused
+/// with sums. For robots whose functions can be had
 /// from sines and cosines: all but those with joints tied to others by fractions, or with
 /// effects in their joints.
 ///
@@ -142,9 +143,50 @@ impl<M, const DOF: usize, const BASE: usize, const FULL: usize> Single<DOF, BASE
 {
 }
 
-/// A function of one posture, as a task for any set of instructions.
-macro_rules! task {
-    ($name:ident, $method:ident($($r:ident)?) -> $shape:tt) => {
+/// What the functions of [`SescFromSinCos`] take. Written in place: a copy would load
+/// across stores that have not left the core yet.
+#[inline(always)]
+fn sines<M, S, X, const DOF: usize, const BASE: usize, const FULL: usize>(
+    q: &[S; DOF],
+    sin: &mut [S; DOF],
+    cos: &mut [S; DOF],
+) where
+    M: SescFromSinCos<DOF, BASE, FULL> + ?Sized,
+    S: Scalar,
+    X: Machine<S>,
+{
+    X::sin_cos(q, sin, cos);
+    for ((sin, q), slides) in sin.iter_mut().zip(q).zip(M::SLIDING) {
+        if slides {
+            *sin = *q;
+        }
+    }
+}
+
+/// The same numbers in every row. (`map` of an array is compiled for itself, without the
+/// instructions of the set.)
+#[inline(always)]
+fn every_row<S: Scalar, X: Machine<S>, const N: usize>(numbers: &[S; N]) -> [X::Rows; N] {
+    let mut rows = [X::every_row(S::default()); N];
+    for (row, x) in rows.iter_mut().zip(numbers) {
+        *row = X::every_row(*x);
+    }
+    rows
+}
+
+/// The first rows of the unit matrix, each in its lane.
+#[inline(always)]
+fn axes<S: Scalar, X: Machine<S>>() -> [X::Rows; 3] {
+    core::array::from_fn(|axis| {
+        X::rows(core::array::from_fn(|row| {
+            S::from_f64(if row == axis { 1.0 } else { 0.0 })
+        }))
+    })
+}
+
+/// What tasks have in common.
+macro_rules! fields {
+    ($name:ident, $($r:ident)?, $out:ty) => {
         struct $name<'a, M, S, const DOF: usize, const BASE: usize, const FULL: usize>
         where
             M: ?Sized,
@@ -152,9 +194,16 @@ macro_rules! task {
         {
             q: &'a [S; DOF],
             $($r: &'a [S; BASE],)?
-            out: &'a mut task!(@of S, $shape),
+            out: &'a mut $out,
             model: PhantomData<M>,
         }
+    };
+}
+
+/// A vector of one posture, as a task for any set of instructions.
+macro_rules! vector {
+    ($name:ident, $method:ident -> $n:tt) => {
+        fields!($name, r, [S; $n]);
 
         impl<M, S, const DOF: usize, const BASE: usize, const FULL: usize> Task<S>
             for $name<'_, M, S, DOF, BASE, FULL>
@@ -165,29 +214,46 @@ macro_rules! task {
             #[inline(always)]
             fn run<X: Machine<S>>(self) {
                 let (mut sin, mut cos) = ([S::default(); DOF], [S::default(); DOF]);
-                X::sin_cos(self.q, &mut sin, &mut cos);
-                for ((sin, q), slides) in sin.iter_mut().zip(self.q).zip(M::SLIDING) {
-                    if slides {
-                        *sin = *q;
-                    }
-                }
-                let value = M::$method(X::ones(&sin), X::ones(&cos), $(X::ones(self.$r))?);
-                let value = X::scalars(task!(@flat &value, $shape));
-                task!(@flat self.out, $shape, mut).copy_from_slice(value);
+                sines::<M, S, X, DOF, BASE, FULL>(self.q, &mut sin, &mut cos);
+                let value = M::$method(X::ones(&sin), X::ones(&cos), X::ones(self.r));
+                self.out.copy_from_slice(X::scalars(&value));
             }
         }
     };
-    (@of $t:ty, [$n:tt]) => { [$t; $n] };
-    (@of $t:ty, [$n:ident; $m:literal]) => { [[$t; $n]; $m] };
-    (@flat $array:expr, [$n:tt]$(, mut)?) => { $array };
-    (@flat $array:expr, [$n:ident; $m:literal]) => { ($array).as_flattened() };
-    (@flat $array:expr, [$n:ident; $m:literal], mut) => { $array.as_flattened_mut() };
 }
 
-task!(Com, com_sc(r) -> [3]);
-task!(ComJacobian, com_jacobian_sc(r) -> [DOF; 3]);
-task!(GravityMoments, gravity_moments_sc(r) -> [DOF]);
-task!(Regressor, regressor_sc() -> [BASE; 3]);
-task!(RegressorCop, regressor_cop_sc() -> [BASE; 2]);
-task!(RegressorFull, regressor_full_sc() -> [FULL; 3]);
-task!(Cop, cop_sc(r) -> [2]);
+/// Rows of one posture side by side, as a task likewise.
+macro_rules! rows {
+    ($name:ident, $method:ident($($r:ident)?) -> [$n:tt; $m:literal]) => {
+        fields!($name, $($r)?, [[S; $n]; $m]);
+
+        impl<M, S, const DOF: usize, const BASE: usize, const FULL: usize> Task<S>
+            for $name<'_, M, S, DOF, BASE, FULL>
+        where
+            M: SescFromSinCos<DOF, BASE, FULL> + ?Sized,
+            S: Scalar,
+        {
+            #[inline(always)]
+            fn run<X: Machine<S>>(self) {
+                let (mut sin, mut cos) = ([S::default(); DOF], [S::default(); DOF]);
+                sines::<M, S, X, DOF, BASE, FULL>(self.q, &mut sin, &mut cos);
+                let (sin, cos) = (every_row::<S, X, DOF>(&sin), every_row::<S, X, DOF>(&cos));
+                $(let $r = every_row::<S, X, BASE>(self.$r);)?
+                let columns = M::$method(&sin, &cos, $(&$r,)? &axes::<S, X>());
+                for (row, out) in self.out.iter_mut().enumerate() {
+                    for (x, column) in out.iter_mut().zip(&columns) {
+                        *x = X::numbers(*column)[row];
+                    }
+                }
+            }
+        }
+    };
+}
+
+vector!(Com, com_sc -> 3);
+vector!(GravityMoments, gravity_moments_sc -> DOF);
+vector!(Cop, cop_sc -> 2);
+rows!(ComJacobian, com_jacobian_along(r) -> [DOF; 3]);
+rows!(Regressor, regressor_along() -> [BASE; 3]);
+rows!(RegressorCop, regressor_along() -> [BASE; 2]);
+rows!(RegressorFull, regressor_full_along() -> [FULL; 3]);

@@ -9,13 +9,13 @@
 
 use crate::bounds::Formats;
 use crate::emit::header::printable;
-use crate::emit::listing::{Line, Listing, Strength};
+use crate::emit::listing::{Line, Listing, Results, Strength};
 use crate::expr::{Expr, Id};
 use crate::program::Program;
 
 /// Lines of the body that computes `program` into array `output`.
 pub(super) fn body(program: &Program, formats: &Formats, name: &str, output: &str) -> Vec<String> {
-    let listing = Listing::new(program);
+    let listing = Listing::new(program, Results::AtTheEnd);
     let spelling = Spelling {
         listing: &listing,
         formats,
@@ -46,11 +46,11 @@ pub(super) fn body(program: &Program, formats: &Formats, name: &str, output: &st
                 let name = listing.name(id).expect("a statement binds a name");
                 lines.push(format!("const int32_t {name} = {};", spelling.value(id).0));
             }
+            Line::Result(k) => {
+                let (value, _) = spelling.in_format(program.outputs[k], formats.output);
+                lines.push(format!("{output}[{k}] = {value};"));
+            }
         }
-    }
-    for (k, id) in program.outputs.iter().enumerate() {
-        let (value, _) = spelling.in_format(*id, formats.output);
-        lines.push(format!("{output}[{k}] = {value};"));
     }
     lines
 }

@@ -2,13 +2,13 @@
 
 use super::Scalar;
 use crate::emit::header::printable;
-use crate::emit::listing::{Line, Listing, Strength};
+use crate::emit::listing::{Line, Listing, Results, Strength};
 use crate::expr::{Expr, Id};
 use crate::program::Program;
 
 /// Lines of the body that computes `program` into array `output`.
 pub(super) fn body(program: &Program, scalar: Scalar, name: &str, output: &str) -> Vec<String> {
-    let listing = Listing::new(program);
+    let listing = Listing::new(program, Results::AtTheEnd);
     let spelling = Spelling {
         listing: &listing,
         scalar,
@@ -39,10 +39,11 @@ pub(super) fn body(program: &Program, scalar: Scalar, name: &str, output: &str) 
                 let name = listing.name(id).expect("a statement binds a name");
                 lines.push(format!("const {real} {name} = {value};"));
             }
+            Line::Result(k) => {
+                let (value, _) = spelling.operand(program.outputs[k]);
+                lines.push(format!("{output}[{k}] = {value};"));
+            }
         }
-    }
-    for (k, id) in program.outputs.iter().enumerate() {
-        lines.push(format!("{output}[{k}] = {};", spelling.operand(*id).0));
     }
     lines
 }

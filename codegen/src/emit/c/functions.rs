@@ -38,6 +38,7 @@ impl Routine {
         let suffix = match (self.input, self.given) {
             (Input::Ticks, _) => "_ticks",
             (_, Given::SinesCosines) => "_sc",
+            (_, Given::Direction) => "_along",
             (_, Given::Positions) => "",
         };
         format!("{}{suffix}", self.stem())
@@ -396,7 +397,7 @@ fn parameters(routine: &Routine, name: &str) -> Vec<Parameter> {
             &real,
             format!("joint positions, rad (m for sliding joints), [{name}_DOF]"),
         )],
-        (_, Given::SinesCosines) => vec![
+        (_, Given::SinesCosines | Given::Direction) => vec![
             input(
                 "sin_q",
                 &real,
@@ -431,7 +432,7 @@ fn parameters(routine: &Routine, name: &str) -> Vec<Parameter> {
 fn ticks_body(routine: &Routine, name: &str) -> Vec<String> {
     let arrays: &[&str] = match routine.given {
         Given::Positions => &["q"],
-        Given::SinesCosines => &["sin_q", "cos_q"],
+        Given::SinesCosines | Given::Direction => &["sin_q", "cos_q"],
     };
     let mut lines: Vec<String> = arrays
         .iter()

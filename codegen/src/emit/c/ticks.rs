@@ -200,7 +200,7 @@ impl Ticks {
             }
         }
         let (brief, results) = match self.given {
-            Given::SinesCosines => (
+            Given::SinesCosines | Given::Direction => (
                 "Sines and cosines of the joint angles (positions of slides) from servo ticks.",
                 format!("{real} sin_q[], {real} cos_q[]"),
             ),

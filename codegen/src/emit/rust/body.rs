@@ -7,15 +7,23 @@ use super::number;
 use crate::emit::header;
 use crate::emit::listing::{Line, Listing, Strength};
 use crate::expr::{Expr, Id};
-use crate::program::Shape;
+use crate::program::{Program, Shape};
 
 /// A listing, spelled in Rust.
-pub(super) struct Body<'p>(pub Listing<'p>);
+pub(super) struct Body<'p> {
+    listing: Listing<'p>,
+    /// The matrix that results are written to; without one they are the value of the body.
+    matrix: Option<Ident>,
+}
 
-impl Body<'_> {
+impl<'p> Body<'p> {
+    pub(super) fn new(listing: Listing<'p>, matrix: Option<Ident>) -> Body<'p> {
+        Body { listing, matrix }
+    }
+
     pub(super) fn statements(&self, titles: &mut Vec<String>) -> TokenStream {
-        let mut statements: Vec<TokenStream> = Vec::new();
-        for line in &self.0.lines {
+        let mut statements: Vec<TokenStream> = self.constants();
+        for line in &self.listing.lines {
             statements.push(match *line {
                 Line::Title(title) => {
                     let number = Literal::usize_unsuffixed(titles.len());
@@ -24,18 +32,26 @@ impl Body<'_> {
                 }
                 Line::SinCos { angle, sin, cos } => self.sin_cos(angle, [sin, cos]),
                 Line::Let(id) => {
-                    let (value, _) = self.expression(self.0.program.expr(id));
+                    let (value, _) = self.expression(self.program().expr(id));
                     let name = self.name(id).expect("a statement binds a name");
                     quote! { let #name = #value; }
                 }
+                Line::Result(k) => match &self.matrix {
+                    Some(matrix) => self.entry(matrix, k),
+                    None => continue,
+                },
             });
         }
-        let result = self.result(&mut statements);
-        quote! { #(#statements)* #result }
+        let value = self.matrix.is_none().then(|| self.value());
+        quote! { #(#statements)* #value }
+    }
+
+    fn program(&self) -> &'p Program {
+        self.listing.program
     }
 
     fn name(&self, id: Id) -> Option<Ident> {
-        let name = self.0.name(id)?;
+        let name = self.listing.name(id)?;
         Some(Ident::new(name, Span::call_site()))
     }
 
@@ -54,7 +70,7 @@ impl Body<'_> {
     fn operand(&self, id: Id) -> (TokenStream, Strength) {
         match self.name(id) {
             Some(name) => (quote!(#name), Strength::Atom),
-            None => self.expression(self.0.program.expr(id)),
+            None => self.expression(self.program().expr(id)),
         }
     }
 
@@ -66,7 +82,7 @@ impl Body<'_> {
         match expr {
             Expr::Const(x) => (constant(x), Strength::Atom),
             Expr::Input { array, index } => {
-                let array = format_ident!("{}", self.0.program.inputs[array as usize].name);
+                let array = format_ident!("{}", self.program().inputs[array as usize].name);
                 let index = Literal::usize_unsuffixed(index as usize);
                 (quote!(#array[#index]), Strength::Atom)
             }
@@ -118,9 +134,9 @@ impl Body<'_> {
 
     /// The factors of a product that only the sum at hand uses, a constant last.
     fn factors(&self, id: Id) -> Option<[Id; 2]> {
-        match self.0.program.expr(id) {
-            Expr::Mul(a, b) if self.0.name(id).is_none() => {
-                let constant = |id| matches!(self.0.program.expr(id), Expr::Const(_));
+        match self.program().expr(id) {
+            Expr::Mul(a, b) if self.listing.name(id).is_none() => {
+                let constant = |id| matches!(self.program().expr(id), Expr::Const(_));
                 Some(if constant(a) { [b, a] } else { [a, b] })
             }
             _ => None,
@@ -151,24 +167,46 @@ impl Body<'_> {
         Some(quote!(#x.mul_add(#y, #term)))
     }
 
-    /// The array of results; repeated constants get a name first.
-    fn result(&self, statements: &mut Vec<TokenStream>) -> TokenStream {
-        let outputs = &self.0.program.outputs;
-        for (x, name) in [(0.0, "zero"), (1.0, "one")] {
-            if outputs
-                .iter()
-                .any(|id| self.0.program.expr(*id) == Expr::Const(x))
-            {
+    /// Names of the constants that results repeat.
+    fn constants(&self) -> Vec<TokenStream> {
+        let outputs = &self.program().outputs;
+        let there = |x: f64| {
+            let is = |id: &Id| self.program().expr(*id) == Expr::Const(x);
+            outputs.iter().any(is)
+        };
+        let named = [(0.0, "zero"), (1.0, "one")].into_iter();
+        named
+            .filter(|(x, _)| there(*x))
+            .map(|(x, name)| {
                 let (name, value) = (format_ident!("{name}"), constant(x));
-                statements.push(quote! { let #name = #value; });
-            }
-        }
-        let entry = |id: &Id| match self.0.program.expr(*id) {
+                quote! { let #name = #value; }
+            })
+            .collect()
+    }
+
+    /// Result `k`, written to its place.
+    fn entry(&self, matrix: &Ident, k: usize) -> TokenStream {
+        let value = self.output(self.program().outputs[k]);
+        let Shape::Matrix { cols, .. } = self.program().shape else {
+            unreachable!("vectors are values")
+        };
+        let [row, col] = [k / cols, k % cols].map(Literal::usize_unsuffixed);
+        quote! { #matrix[#row][#col] = #value; }
+    }
+
+    fn output(&self, id: Id) -> TokenStream {
+        match self.program().expr(id) {
             Expr::Const(0.0) => quote!(zero),
             Expr::Const(1.0) => quote!(one),
-            _ => self.operand(*id).0,
-        };
-        match self.0.program.shape {
+            _ => self.operand(id).0,
+        }
+    }
+
+    /// The array of results.
+    fn value(&self) -> TokenStream {
+        let outputs = &self.program().outputs;
+        let entry = |id: &Id| self.output(*id);
+        match self.program().shape {
             Shape::Vector(_) => {
                 let entries = outputs.iter().map(entry);
                 quote! { [#(#entries),*] }

@@ -5,7 +5,7 @@ use quote::quote;
 
 use super::{Body, allow_names, printed};
 use crate::Error;
-use crate::emit::listing::Listing;
+use crate::emit::listing::{Listing, Results};
 use crate::emit::{header, names};
 use crate::program::{Program, Shape};
 
@@ -20,7 +20,7 @@ pub fn function(program: &Program, name: &str) -> Result<String, Error> {
             suggestion: names::suggest(name),
         });
     }
-    let listing = Listing::new(program);
+    let listing = Listing::new(program, Results::AtTheEnd);
     let parameters = program.inputs.iter().enumerate().map(|(k, array)| {
         let array_name = match listing.reads(k) {
             true => array.name.to_string(),
@@ -42,7 +42,7 @@ pub fn function(program: &Program, name: &str) -> Result<String, Error> {
         }
     };
     let mut titles = Vec::new();
-    let body = Body(listing).statements(&mut titles);
+    let body = Body::new(listing, None).statements(&mut titles);
     let (ident, allow) = (Ident::new(name, Span::call_site()), allow_names());
     let items = quote! {
         use sesc_runtime::Real;

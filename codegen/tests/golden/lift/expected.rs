@@ -20,6 +20,9 @@
 // regressor_cop_sc          24      14         0   7.6e-14 (f64)  2.6e-6 (f32)
 // regressor_full_sc         46      34         0   8.2e-14 (f64)  2.7e-6 (f32)
 // cop_sc                    21      16         0   3.0e-15 (f64)  1.5e-7 (f32)
+// com_jacobian_along        33      21         0   4.9e-15 (f64)  2.4e-7 (f32)
+// regressor_along           24      14         0   9.7e-14 (f64)  4.2e-6 (f32)
+// regressor_full_along      31      19         0   1.1e-13 (f64)  4.3e-6 (f32)
 // Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
 // parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
 // against exact evaluation with the same parameters.
@@ -103,6 +106,14 @@ impl Sesc<DOF, BASE_PARAMS, FULL_PARAMS> for Lift {
         com_jacobian(q, r)
     }
     #[inline(always)]
+    fn com_jacobian_into<T: Real>(
+        q: &[T; DOF],
+        r: &[T; BASE_PARAMS],
+        jacobian: &mut [[T; DOF]; 3],
+    ) {
+        com_jacobian_into(q, r, jacobian)
+    }
+    #[inline(always)]
     fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] {
         gravity_moments(q, r)
     }
@@ -111,12 +122,24 @@ impl Sesc<DOF, BASE_PARAMS, FULL_PARAMS> for Lift {
         regressor(q)
     }
     #[inline(always)]
+    fn regressor_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE_PARAMS]; 3]) {
+        regressor_into(q, rows)
+    }
+    #[inline(always)]
     fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         regressor_cop(q)
     }
     #[inline(always)]
+    fn regressor_cop_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE_PARAMS]; 2]) {
+        regressor_cop_into(q, rows)
+    }
+    #[inline(always)]
     fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
         regressor_full(q)
+    }
+    #[inline(always)]
+    fn regressor_full_into<T: Real>(q: &[T; DOF], rows: &mut [[T; FULL_PARAMS]; 3]) {
+        regressor_full_into(q, rows)
     }
     #[inline(always)]
     fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
@@ -168,6 +191,31 @@ impl sesc_runtime::SescFromSinCos<DOF, BASE_PARAMS, FULL_PARAMS> for Lift {
     fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
         cop_sc(sin, cos, r)
     }
+    #[inline(always)]
+    fn com_jacobian_along<T: Real>(
+        sin: &[T; DOF],
+        cos: &[T; DOF],
+        r: &[T; BASE_PARAMS],
+        along: &[T; 3],
+    ) -> [T; DOF] {
+        com_jacobian_along(sin, cos, r, along)
+    }
+    #[inline(always)]
+    fn regressor_along<T: Real>(
+        sin: &[T; DOF],
+        cos: &[T; DOF],
+        along: &[T; 3],
+    ) -> [T; BASE_PARAMS] {
+        regressor_along(sin, cos, along)
+    }
+    #[inline(always)]
+    fn regressor_full_along<T: Real>(
+        sin: &[T; DOF],
+        cos: &[T; DOF],
+        along: &[T; 3],
+    ) -> [T; FULL_PARAMS] {
+        regressor_full_along(sin, cos, along)
+    }
 }
 
 /// Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i.
@@ -209,6 +257,22 @@ pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 #[inline(always)]
 pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3] {
+    let mut jacobian = [[T::from_f64(0.0); DOF]; 3];
+    com_jacobian_into(q, r, &mut jacobian);
+    jacobian
+}
+
+/// [`com_jacobian`], each number written as soon as it is there.
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
+pub fn com_jacobian_into<T: Real>(
+    q: &[T; DOF],
+    r: &[T; BASE_PARAMS],
+    jacobian: &mut [[T; DOF]; 3],
+) {
+    let zero = T::from_f64(0.0);
+    jacobian[0][0] = zero;
+    jacobian[1][0] = zero;
     // thumb
     let e1 = q[1] - T::from_f64(0.5636476090008061);
     let (s_thumb, c_thumb) = e1.sin_cos();
@@ -221,6 +285,7 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     let (s_wrist, c_wrist) = e2.sin_cos();
     let t_wrist_x = c_wrist.mul_add(v_wrist_x, -(s_wrist * v_wrist_y));
     let e3 = s_wrist.mul_add(v_wrist_x, c_wrist * v_wrist_y);
+    jacobian[2][0] = r[3];
     // wrist
     let e4 = T::from_f64(0.6666666666666667) * c_wrist;
     let e5 = T::from_f64(0.6666666666666666) * s_wrist;
@@ -230,58 +295,41 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     let by_wrist_x = s_wrist.mul_add(T::from_f64(0.33333333333333326), -e6);
     let by_wrist_y = c_wrist.mul_add(T::from_f64(0.33333333333333326), e5);
     let bz_wrist_x = c_wrist.mul_add(T::from_f64(0.33333333333333337), -e7);
-    let zero = T::from_f64(0.0);
-    [
-        [
-            zero,
-            (e7 - e6)
+    // thumb
+    jacobian[0][1] = (e7 - e6)
+        .mul_add(
+            t_thumb_y,
+            -(bx_wrist_x
                 .mul_add(
-                    t_thumb_y,
-                    -(bx_wrist_x
-                        .mul_add(
-                            T::from_f64(0.6666666666666666),
-                            T::from_f64(0.24845199749997665),
-                        ) * t_thumb_x),
-                )
-                - e3
-                    .mul_add(
-                        T::from_f64(0.6666666666666667),
-                        -(T::from_f64(0.6666666666666666) * t_wrist_x),
-                    ),
-        ],
-        [
-            zero,
-            t_wrist_x
+                    T::from_f64(0.6666666666666666),
+                    T::from_f64(0.24845199749997665),
+                ) * t_thumb_x),
+        )
+        - e3
+            .mul_add(
+                T::from_f64(0.6666666666666667),
+                -(T::from_f64(0.6666666666666666) * t_wrist_x),
+            );
+    jacobian[1][1] = t_wrist_x
+        .mul_add(T::from_f64(0.33333333333333326), T::from_f64(0.6666666666666666) * e3)
+        - by_wrist_x
+            .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.4969039949999533))
+            .mul_add(t_thumb_x, by_wrist_y * t_thumb_y);
+    jacobian[2][1] = s_wrist
+        .mul_add(T::from_f64(0.33333333333333337), e4)
+        .mul_add(
+            t_thumb_y,
+            -(bz_wrist_x
                 .mul_add(
-                    T::from_f64(0.33333333333333326),
-                    T::from_f64(0.6666666666666666) * e3,
-                )
-                - by_wrist_x
-                    .mul_add(
-                        T::from_f64(0.6666666666666666),
-                        T::from_f64(0.4969039949999533),
-                    )
-                    .mul_add(t_thumb_x, by_wrist_y * t_thumb_y),
-        ],
-        [
-            r[3],
-            s_wrist
-                .mul_add(T::from_f64(0.33333333333333337), e4)
-                .mul_add(
-                    t_thumb_y,
-                    -(bz_wrist_x
-                        .mul_add(
-                            T::from_f64(0.6666666666666666),
-                            T::from_f64(0.49690399499995314),
-                        ) * t_thumb_x),
-                )
-                - t_wrist_x
-                    .mul_add(
-                        T::from_f64(0.6666666666666667),
-                        T::from_f64(0.33333333333333337) * e3,
-                    ),
-        ],
-    ]
+                    T::from_f64(0.6666666666666666),
+                    T::from_f64(0.49690399499995314),
+                ) * t_thumb_x),
+        )
+        - t_wrist_x
+            .mul_add(
+                T::from_f64(0.6666666666666667),
+                T::from_f64(0.33333333333333337) * e3,
+            );
 }
 
 /// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
@@ -333,82 +381,162 @@ pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] 
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 #[inline(always)]
 pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
+    let mut rows = [[T::from_f64(0.0); BASE_PARAMS]; 3];
+    regressor_into(q, &mut rows);
+    rows
+}
+
+/// [`regressor`], each number written as soon as it is there.
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
+pub fn regressor_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE_PARAMS]; 3]) {
+    let zero = T::from_f64(0.0);
+    let one = T::from_f64(1.0);
+    rows[0][0] = one;
+    rows[1][1] = one;
+    rows[2][2] = one;
+    rows[0][1] = zero;
+    rows[0][2] = zero;
+    rows[0][3] = zero;
+    rows[1][0] = zero;
+    rows[1][2] = zero;
+    rows[1][3] = zero;
+    rows[2][0] = zero;
+    rows[2][1] = zero;
     // wrist
     let e1 = q[1] - T::from_f64(0.4636476090008061);
     let (s_wrist, c_wrist) = e1.sin_cos();
     let e2 = T::from_f64(0.6666666666666667) * c_wrist;
     let e3 = T::from_f64(0.6666666666666666) * s_wrist;
     let bx_wrist_x = e2 + e3;
+    rows[0][4] = bx_wrist_x;
     let e4 = T::from_f64(0.6666666666666666) * c_wrist;
     let e5 = T::from_f64(0.6666666666666667) * s_wrist;
     let e6 = e5 - e4;
     let bx_wrist_y = -e6;
+    rows[0][5] = bx_wrist_y;
     let by_wrist_x = s_wrist.mul_add(T::from_f64(0.33333333333333326), -e4);
+    rows[1][4] = by_wrist_x;
     let by_wrist_y = c_wrist.mul_add(T::from_f64(0.33333333333333326), e3);
+    rows[1][5] = by_wrist_y;
     let bz_wrist_x = c_wrist.mul_add(T::from_f64(0.33333333333333337), -e5);
+    rows[2][4] = bz_wrist_x;
     let e7 = s_wrist.mul_add(T::from_f64(0.33333333333333337), e2);
     let bz_wrist_y = -e7;
+    rows[2][5] = bz_wrist_y;
     // thumb
     let e8 = q[1] - T::from_f64(0.5636476090008061);
     let (s_thumb, c_thumb) = e8.sin_cos();
     let e9 = bx_wrist_x
         .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
     let bx_thumb_x = -e6.mul_add(c_thumb, e9 * s_thumb);
+    rows[0][6] = bx_thumb_x;
     let bx_thumb_y = -e6.mul_add(s_thumb, -(e9 * c_thumb));
+    rows[0][7] = bx_thumb_y;
     let e10 = by_wrist_x
         .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.4969039949999533));
     let by_thumb_x = by_wrist_y.mul_add(c_thumb, -(e10 * s_thumb));
+    rows[1][6] = by_thumb_x;
     let by_thumb_y = e10.mul_add(c_thumb, by_wrist_y * s_thumb);
+    rows[1][7] = by_thumb_y;
     let e11 = bz_wrist_x
         .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
     let bz_thumb_x = -e7.mul_add(c_thumb, e11 * s_thumb);
+    rows[2][6] = bz_thumb_x;
     let bz_thumb_y = -e7.mul_add(s_thumb, -(e11 * c_thumb));
-    let zero = T::from_f64(0.0);
-    let one = T::from_f64(1.0);
-    [
-        [one, zero, zero, zero, bx_wrist_x, bx_wrist_y, bx_thumb_x, bx_thumb_y],
-        [zero, one, zero, zero, by_wrist_x, by_wrist_y, by_thumb_x, by_thumb_y],
-        [zero, zero, one, q[0], bz_wrist_x, bz_wrist_y, bz_thumb_x, bz_thumb_y],
-    ]
+    rows[2][7] = bz_thumb_y;
+    rows[2][3] = q[0];
 }
 
 /// The x and y rows of the base regressor: CoP = rows · r.
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 #[inline(always)]
 pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
+    let mut rows = [[T::from_f64(0.0); BASE_PARAMS]; 2];
+    regressor_cop_into(q, &mut rows);
+    rows
+}
+
+/// [`regressor_cop`], each number written as soon as it is there.
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
+pub fn regressor_cop_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE_PARAMS]; 2]) {
+    let zero = T::from_f64(0.0);
+    let one = T::from_f64(1.0);
+    rows[0][0] = one;
+    rows[1][1] = one;
+    rows[0][1] = zero;
+    rows[0][2] = zero;
+    rows[0][3] = zero;
+    rows[1][0] = zero;
+    rows[1][2] = zero;
+    rows[1][3] = zero;
     // wrist
     let e1 = q[1] - T::from_f64(0.4636476090008061);
     let (s_wrist, c_wrist) = e1.sin_cos();
     let e2 = T::from_f64(0.6666666666666666) * s_wrist;
     let bx_wrist_x = c_wrist.mul_add(T::from_f64(0.6666666666666667), e2);
+    rows[0][4] = bx_wrist_x;
     let e3 = T::from_f64(0.6666666666666666) * c_wrist;
     let e4 = s_wrist.mul_add(T::from_f64(0.6666666666666667), -e3);
     let bx_wrist_y = -e4;
+    rows[0][5] = bx_wrist_y;
     let by_wrist_x = s_wrist.mul_add(T::from_f64(0.33333333333333326), -e3);
+    rows[1][4] = by_wrist_x;
     let by_wrist_y = c_wrist.mul_add(T::from_f64(0.33333333333333326), e2);
+    rows[1][5] = by_wrist_y;
     // thumb
     let e5 = q[1] - T::from_f64(0.5636476090008061);
     let (s_thumb, c_thumb) = e5.sin_cos();
     let e6 = bx_wrist_x
         .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
     let bx_thumb_x = -e4.mul_add(c_thumb, e6 * s_thumb);
+    rows[0][6] = bx_thumb_x;
     let bx_thumb_y = -e4.mul_add(s_thumb, -(e6 * c_thumb));
+    rows[0][7] = bx_thumb_y;
     let e7 = by_wrist_x
         .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.4969039949999533));
     let by_thumb_x = by_wrist_y.mul_add(c_thumb, -(e7 * s_thumb));
+    rows[1][6] = by_thumb_x;
     let by_thumb_y = e7.mul_add(c_thumb, by_wrist_y * s_thumb);
-    let zero = T::from_f64(0.0);
-    let one = T::from_f64(1.0);
-    [
-        [one, zero, zero, zero, bx_wrist_x, bx_wrist_y, bx_thumb_x, bx_thumb_y],
-        [zero, one, zero, zero, by_wrist_x, by_wrist_y, by_thumb_x, by_thumb_y],
-    ]
+    rows[1][7] = by_thumb_y;
 }
 
 /// Rows [B_0 B_1 …] of the full regressor, seed paper Eq. (5), in link frames.
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 #[inline(always)]
 pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
+    let mut rows = [[T::from_f64(0.0); FULL_PARAMS]; 3];
+    regressor_full_into(q, &mut rows);
+    rows
+}
+
+/// [`regressor_full`], each number written as soon as it is there.
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
+pub fn regressor_full_into<T: Real>(q: &[T; DOF], rows: &mut [[T; FULL_PARAMS]; 3]) {
+    let zero = T::from_f64(0.0);
+    let one = T::from_f64(1.0);
+    rows[0][0] = one;
+    rows[0][3] = one;
+    rows[1][1] = one;
+    rows[1][4] = one;
+    rows[2][2] = one;
+    rows[2][5] = one;
+    rows[0][1] = zero;
+    rows[0][2] = zero;
+    rows[0][4] = zero;
+    rows[0][5] = zero;
+    rows[0][6] = zero;
+    rows[1][0] = zero;
+    rows[1][2] = zero;
+    rows[1][3] = zero;
+    rows[1][5] = zero;
+    rows[1][6] = zero;
+    rows[2][0] = zero;
+    rows[2][1] = zero;
+    rows[2][3] = zero;
+    rows[2][4] = zero;
     // wrist
     let e1 = q[1] - T::from_f64(0.4636476090008061);
     let (s_wrist, c_wrist) = e1.sin_cos();
@@ -429,93 +557,59 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
         .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
     let kx_thumb_z = bx_wrist_x
         .mul_add(T::from_f64(0.7453559924999299), -T::from_f64(0.22222222222222224));
+    rows[0][12] = kx_thumb_z;
     let bx_thumb_x = -e6.mul_add(c_thumb, e9 * s_thumb);
+    rows[0][10] = bx_thumb_x;
     let bx_thumb_y = -e6.mul_add(s_thumb, -(e9 * c_thumb));
+    rows[0][11] = bx_thumb_y;
     let e10 = by_wrist_x
         .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.4969039949999533));
     let ky_thumb_z = by_wrist_x
         .mul_add(T::from_f64(0.7453559924999299), -T::from_f64(0.4444444444444445));
+    rows[1][12] = ky_thumb_z;
     let by_thumb_x = by_wrist_y.mul_add(c_thumb, -(e10 * s_thumb));
+    rows[1][10] = by_thumb_x;
     let by_thumb_y = e10.mul_add(c_thumb, by_wrist_y * s_thumb);
+    rows[1][11] = by_thumb_y;
     let e11 = bz_wrist_x
         .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
     let kz_thumb_z = bz_wrist_x
         .mul_add(T::from_f64(0.7453559924999299), -T::from_f64(0.4444444444444443));
+    rows[2][12] = kz_thumb_z;
     let bz_thumb_x = -e7.mul_add(c_thumb, e11 * s_thumb);
+    rows[2][10] = bz_thumb_x;
     let bz_thumb_y = -e7.mul_add(s_thumb, -(e11 * c_thumb));
-    let zero = T::from_f64(0.0);
-    let one = T::from_f64(1.0);
-    [
-        [
-            one,
-            zero,
-            zero,
-            one,
-            zero,
-            zero,
-            zero,
-            bx_wrist_x
-                .mul_add(
-                    T::from_f64(0.29814239699997197),
-                    -(T::from_f64(0.8944271909999159) * e6),
-                ) + T::from_f64(0.11111111111111112),
-            -kx_thumb_z,
-            bx_wrist_x
-                .mul_add(
-                    T::from_f64(0.5962847939999439),
-                    T::from_f64(0.4472135954999579) * e6,
-                ) + T::from_f64(0.22222222222222224),
-            bx_thumb_x,
-            bx_thumb_y,
-            kx_thumb_z,
-        ],
-        [
-            zero,
-            one,
-            zero,
-            zero,
-            one,
-            zero,
-            zero,
-            by_wrist_x
-                .mul_add(
-                    T::from_f64(0.29814239699997197),
-                    T::from_f64(0.8944271909999159) * by_wrist_y,
-                ) + T::from_f64(0.22222222222222224),
-            -ky_thumb_z,
-            by_wrist_x
-                .mul_add(
-                    T::from_f64(0.5962847939999439),
-                    -(T::from_f64(0.4472135954999579) * by_wrist_y),
-                ) + T::from_f64(0.4444444444444445),
-            by_thumb_x,
-            by_thumb_y,
-            ky_thumb_z,
-        ],
-        [
-            zero,
-            zero,
-            one,
-            zero,
-            zero,
-            one,
-            q[0],
-            bz_wrist_x
-                .mul_add(
-                    T::from_f64(0.29814239699997197),
-                    -(T::from_f64(0.8944271909999159) * e7),
-                ) + T::from_f64(0.22222222222222215),
-            -kz_thumb_z,
-            bz_wrist_x
-                .mul_add(
-                    T::from_f64(0.5962847939999439),
-                    T::from_f64(0.4472135954999579) * e7,
-                ) + T::from_f64(0.4444444444444443),
-            bz_thumb_x,
-            bz_thumb_y,
-            kz_thumb_z,
-        ],
-    ]
+    rows[2][11] = bz_thumb_y;
+    rows[2][6] = q[0];
+    rows[0][7] = bx_wrist_x
+        .mul_add(
+            T::from_f64(0.29814239699997197),
+            -(T::from_f64(0.8944271909999159) * e6),
+        ) + T::from_f64(0.11111111111111112);
+    rows[0][8] = -kx_thumb_z;
+    rows[0][9] = bx_wrist_x
+        .mul_add(T::from_f64(0.5962847939999439), T::from_f64(0.4472135954999579) * e6)
+        + T::from_f64(0.22222222222222224);
+    rows[1][7] = by_wrist_x
+        .mul_add(
+            T::from_f64(0.29814239699997197),
+            T::from_f64(0.8944271909999159) * by_wrist_y,
+        ) + T::from_f64(0.22222222222222224);
+    rows[1][8] = -ky_thumb_z;
+    rows[1][9] = by_wrist_x
+        .mul_add(
+            T::from_f64(0.5962847939999439),
+            -(T::from_f64(0.4472135954999579) * by_wrist_y),
+        ) + T::from_f64(0.4444444444444445);
+    rows[2][7] = bz_wrist_x
+        .mul_add(
+            T::from_f64(0.29814239699997197),
+            -(T::from_f64(0.8944271909999159) * e7),
+        ) + T::from_f64(0.22222222222222215);
+    rows[2][8] = -kz_thumb_z;
+    rows[2][9] = bz_wrist_x
+        .mul_add(T::from_f64(0.5962847939999439), T::from_f64(0.4472135954999579) * e7)
+        + T::from_f64(0.4444444444444443);
 }
 
 /// Centre of pressure that a static posture shows on a level sole, m.
@@ -611,6 +705,7 @@ pub fn com_jacobian_sc<T: Real>(
     cos: &[T; DOF],
     r: &[T; BASE_PARAMS],
 ) -> [[T; DOF]; 3] {
+    let zero = T::from_f64(0.0);
     // thumb
     let s_thumb = sin[1]
         .mul_add(
@@ -651,7 +746,6 @@ pub fn com_jacobian_sc<T: Real>(
     let ky_thumb_y = s_wrist
         .mul_add(T::from_f64(0.33333333333333326), e3)
         .mul_add(T::from_f64(0.6666666666666666), -T::from_f64(0.4969039949999533));
-    let zero = T::from_f64(0.0);
     [
         [
             zero,
@@ -774,6 +868,8 @@ pub fn gravity_moments_sc<T: Real>(
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 #[inline(always)]
 pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
+    let zero = T::from_f64(0.0);
+    let one = T::from_f64(1.0);
     // wrist
     let s_wrist = cos[1]
         .mul_add(
@@ -821,8 +917,6 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
         .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
     let bz_thumb_x = -e7.mul_add(c_thumb, e9 * s_thumb);
     let bz_thumb_y = -e7.mul_add(s_thumb, -(e9 * c_thumb));
-    let zero = T::from_f64(0.0);
-    let one = T::from_f64(1.0);
     [
         [one, zero, zero, zero, bx_wrist_x, bx_wrist_y, bx_thumb_x, bx_thumb_y],
         [zero, one, zero, zero, by_wrist_x, by_wrist_y, by_thumb_x, by_thumb_y],
@@ -839,6 +933,8 @@ pub fn regressor_cop_sc<T: Real>(
     sin: &[T; DOF],
     cos: &[T; DOF],
 ) -> [[T; BASE_PARAMS]; 2] {
+    let zero = T::from_f64(0.0);
+    let one = T::from_f64(1.0);
     // wrist
     let s_wrist = cos[1]
         .mul_add(
@@ -877,8 +973,6 @@ pub fn regressor_cop_sc<T: Real>(
         .mul_add(T::from_f64(0.6666666666666666), -T::from_f64(0.4969039949999533));
     let by_thumb_x = ky_thumb_y.mul_add(s_thumb, -(e4 * c_thumb));
     let by_thumb_y = -ky_thumb_y.mul_add(c_thumb, e4 * s_thumb);
-    let zero = T::from_f64(0.0);
-    let one = T::from_f64(1.0);
     [
         [one, zero, zero, zero, bx_wrist_x, bx_wrist_y, bx_thumb_x, bx_thumb_y],
         [zero, one, zero, zero, by_wrist_x, by_wrist_y, by_thumb_x, by_thumb_y],
@@ -894,6 +988,8 @@ pub fn regressor_full_sc<T: Real>(
     sin: &[T; DOF],
     cos: &[T; DOF],
 ) -> [[T; FULL_PARAMS]; 3] {
+    let zero = T::from_f64(0.0);
+    let one = T::from_f64(1.0);
     // wrist
     let s_wrist = cos[1]
         .mul_add(
@@ -945,8 +1041,6 @@ pub fn regressor_full_sc<T: Real>(
         .mul_add(T::from_f64(0.7453559924999299), -T::from_f64(0.4444444444444443));
     let bz_thumb_x = -e7.mul_add(c_thumb, e10 * s_thumb);
     let bz_thumb_y = -e7.mul_add(s_thumb, -(e10 * c_thumb));
-    let zero = T::from_f64(0.0);
-    let one = T::from_f64(1.0);
     [
         [
             one,
@@ -1067,4 +1161,210 @@ pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
     let v_base_x = r[0] + w_wrist_x;
     let v_base_y = r[1] + w_wrist_y;
     [v_base_x, v_base_y]
+}
+
+/// ∂CoM/∂q, m/rad (m/m for sliding joints), one row per axis.
+///
+/// Their combination `along` a direction of the support frame, no longer than one, from sines and cosines as above.
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
+pub fn com_jacobian_along<T: Real>(
+    sin: &[T; DOF],
+    cos: &[T; DOF],
+    r: &[T; BASE_PARAMS],
+    along: &[T; 3],
+) -> [T; DOF] {
+    // thumb
+    let s_thumb = sin[1]
+        .mul_add(
+            T::from_f64(0.8453119193731673),
+            -(T::from_f64(0.534273112710767) * cos[1]),
+        );
+    let c_thumb = cos[1]
+        .mul_add(
+            T::from_f64(0.8453119193731673),
+            T::from_f64(0.534273112710767) * sin[1],
+        );
+    let t_thumb_x = c_thumb.mul_add(r[6], s_thumb * r[7]);
+    let t_thumb_y = s_thumb.mul_add(r[6], -(c_thumb * r[7]));
+    // wrist
+    let v_wrist_x = (-t_thumb_y).mul_add(T::from_f64(0.6666666666666666), r[4]);
+    let v_wrist_y = r[5] + t_thumb_x;
+    let s_wrist = cos[1]
+        .mul_add(
+            T::from_f64(0.4472135954999579),
+            -(T::from_f64(0.8944271909999159) * sin[1]),
+        );
+    let c_wrist = cos[1]
+        .mul_add(
+            T::from_f64(0.8944271909999159),
+            T::from_f64(0.4472135954999579) * sin[1],
+        );
+    let t_wrist_x = c_wrist.mul_add(v_wrist_x, s_wrist * v_wrist_y);
+    let t_wrist_y = s_wrist.mul_add(v_wrist_x, -(c_wrist * v_wrist_y));
+    // wrist
+    let e1 = (-along[2])
+        .mul_add(
+            T::from_f64(0.5000000000000001),
+            along[0].mul_add(T::from_f64(0.5), along[1]),
+        );
+    let k_wrist_x = (-e1).mul_add(T::from_f64(0.6666666666666666), along[0]);
+    let k_wrist_y = (-e1).mul_add(T::from_f64(1.3333333333333333), along[1]);
+    let k_wrist_z = e1.mul_add(T::from_f64(0.6666666666666667), along[2]);
+    let b_wrist_x = k_wrist_x.mul_add(c_wrist, k_wrist_y * s_wrist);
+    [
+        along[2] * r[3],
+        k_wrist_y
+            .mul_add(c_wrist, -(k_wrist_x * s_wrist))
+            .mul_add(
+                t_thumb_y,
+                -(b_wrist_x
+                    .mul_add(
+                        T::from_f64(0.6666666666666666),
+                        T::from_f64(0.7453559924999299) * k_wrist_z,
+                    ) * t_thumb_x),
+            ) - k_wrist_y.mul_add(t_wrist_x, -(k_wrist_x * t_wrist_y)),
+    ]
+}
+
+/// Rows of the base regressor: CoM = rows · r.
+///
+/// Their combination `along` a direction of the support frame, no longer than one, from sines and cosines as above.
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
+pub fn regressor_along<T: Real>(
+    sin: &[T; DOF],
+    cos: &[T; DOF],
+    along: &[T; 3],
+) -> [T; BASE_PARAMS] {
+    // wrist
+    let s_wrist = cos[1]
+        .mul_add(
+            T::from_f64(0.4472135954999579),
+            -(T::from_f64(0.8944271909999159) * sin[1]),
+        );
+    let c_wrist = cos[1]
+        .mul_add(
+            T::from_f64(0.8944271909999159),
+            T::from_f64(0.4472135954999579) * sin[1],
+        );
+    let e1 = (-along[2])
+        .mul_add(
+            T::from_f64(0.5000000000000001),
+            along[0].mul_add(T::from_f64(0.5), along[1]),
+        );
+    let k_wrist_x = (-e1).mul_add(T::from_f64(0.6666666666666666), along[0]);
+    let k_wrist_y = (-e1).mul_add(T::from_f64(1.3333333333333333), along[1]);
+    let k_wrist_z = e1.mul_add(T::from_f64(0.6666666666666667), along[2]);
+    let b_wrist_x = k_wrist_x.mul_add(c_wrist, k_wrist_y * s_wrist);
+    let e2 = k_wrist_y.mul_add(c_wrist, -(k_wrist_x * s_wrist));
+    let b_wrist_y = -e2;
+    // thumb
+    let s_thumb = sin[1]
+        .mul_add(
+            T::from_f64(0.8453119193731673),
+            -(T::from_f64(0.534273112710767) * cos[1]),
+        );
+    let c_thumb = cos[1]
+        .mul_add(
+            T::from_f64(0.8453119193731673),
+            T::from_f64(0.534273112710767) * sin[1],
+        );
+    let e3 = b_wrist_x
+        .mul_add(
+            T::from_f64(0.6666666666666666),
+            T::from_f64(0.7453559924999299) * k_wrist_z,
+        );
+    let b_thumb_x = -e2.mul_add(c_thumb, e3 * s_thumb);
+    let b_thumb_y = -e2.mul_add(s_thumb, -(e3 * c_thumb));
+    [
+        along[0],
+        along[1],
+        along[2],
+        along[2] * sin[0],
+        b_wrist_x,
+        b_wrist_y,
+        b_thumb_x,
+        b_thumb_y,
+    ]
+}
+
+/// Rows [B_0 B_1 …] of the full regressor, seed paper Eq. (5), in link frames.
+///
+/// Their combination `along` a direction of the support frame, no longer than one, from sines and cosines as above.
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
+pub fn regressor_full_along<T: Real>(
+    sin: &[T; DOF],
+    cos: &[T; DOF],
+    along: &[T; 3],
+) -> [T; FULL_PARAMS] {
+    // wrist
+    let s_wrist = cos[1]
+        .mul_add(
+            T::from_f64(0.4472135954999579),
+            -(T::from_f64(0.8944271909999159) * sin[1]),
+        );
+    let c_wrist = cos[1]
+        .mul_add(
+            T::from_f64(0.8944271909999159),
+            T::from_f64(0.4472135954999579) * sin[1],
+        );
+    let e1 = (-along[2])
+        .mul_add(
+            T::from_f64(0.5000000000000001),
+            along[0].mul_add(T::from_f64(0.5), along[1]),
+        );
+    let k_wrist_x = (-e1).mul_add(T::from_f64(0.6666666666666666), along[0]);
+    let k_wrist_y = (-e1).mul_add(T::from_f64(1.3333333333333333), along[1]);
+    let k_wrist_z = e1.mul_add(T::from_f64(0.6666666666666667), along[2]);
+    let b_wrist_x = k_wrist_x.mul_add(c_wrist, k_wrist_y * s_wrist);
+    let e2 = k_wrist_y.mul_add(c_wrist, -(k_wrist_x * s_wrist));
+    // thumb
+    let s_thumb = sin[1]
+        .mul_add(
+            T::from_f64(0.8453119193731673),
+            -(T::from_f64(0.534273112710767) * cos[1]),
+        );
+    let c_thumb = cos[1]
+        .mul_add(
+            T::from_f64(0.8453119193731673),
+            T::from_f64(0.534273112710767) * sin[1],
+        );
+    let e3 = b_wrist_x
+        .mul_add(
+            T::from_f64(0.6666666666666666),
+            T::from_f64(0.7453559924999299) * k_wrist_z,
+        );
+    let e4 = T::from_f64(0.6666666666666666) * k_wrist_z;
+    let k_thumb_z = b_wrist_x.mul_add(T::from_f64(0.7453559924999299), -e4);
+    let b_thumb_x = -e2.mul_add(c_thumb, e3 * s_thumb);
+    let b_thumb_y = -e2.mul_add(s_thumb, -(e3 * c_thumb));
+    [
+        along[0],
+        along[1],
+        along[2],
+        along[0],
+        along[1],
+        along[2],
+        along[2] * sin[0],
+        k_wrist_z
+            .mul_add(
+                T::from_f64(0.3333333333333333),
+                b_wrist_x
+                    .mul_add(
+                        T::from_f64(0.29814239699997197),
+                        -(T::from_f64(0.8944271909999159) * e2),
+                    ),
+            ),
+        -k_thumb_z,
+        b_wrist_x
+            .mul_add(
+                T::from_f64(0.5962847939999439),
+                T::from_f64(0.4472135954999579) * e2,
+            ) + e4,
+        b_thumb_x,
+        b_thumb_y,
+        k_thumb_z,
+    ]
 }

@@ -19,6 +19,9 @@
 // regressor_cop_sc           4       2         0   8.9e-16 (f64)  4.8e-7 (f32)
 // regressor_full_sc          4       2         0   8.9e-16 (f64)  4.8e-7 (f32)
 // cop_sc                     6       6         0   8.1e-16 (f64)  2.1e-7 (f32)
+// com_jacobian_along        16      10         0   1.2e-15 (f64)  3.8e-7 (f32)
+// regressor_along            8       4         0   1.9e-15 (f64)  1.1e-6 (f32)
+// regressor_full_along       8       4         0   1.9e-15 (f64)  1.1e-6 (f32)
 // Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
 // parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
 // against exact evaluation with the same parameters.
@@ -96,6 +99,14 @@ impl Sesc<DOF, BASE_PARAMS, FULL_PARAMS> for TwoLink {
         com_jacobian(q, r)
     }
     #[inline(always)]
+    fn com_jacobian_into<T: Real>(
+        q: &[T; DOF],
+        r: &[T; BASE_PARAMS],
+        jacobian: &mut [[T; DOF]; 3],
+    ) {
+        com_jacobian_into(q, r, jacobian)
+    }
+    #[inline(always)]
     fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] {
         gravity_moments(q, r)
     }
@@ -104,12 +115,24 @@ impl Sesc<DOF, BASE_PARAMS, FULL_PARAMS> for TwoLink {
         regressor(q)
     }
     #[inline(always)]
+    fn regressor_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE_PARAMS]; 3]) {
+        regressor_into(q, rows)
+    }
+    #[inline(always)]
     fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
         regressor_cop(q)
     }
     #[inline(always)]
+    fn regressor_cop_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE_PARAMS]; 2]) {
+        regressor_cop_into(q, rows)
+    }
+    #[inline(always)]
     fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
         regressor_full(q)
+    }
+    #[inline(always)]
+    fn regressor_full_into<T: Real>(q: &[T; DOF], rows: &mut [[T; FULL_PARAMS]; 3]) {
+        regressor_full_into(q, rows)
     }
     #[inline(always)]
     fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
@@ -161,6 +184,31 @@ impl sesc_runtime::SescFromSinCos<DOF, BASE_PARAMS, FULL_PARAMS> for TwoLink {
     fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
         cop_sc(sin, cos, r)
     }
+    #[inline(always)]
+    fn com_jacobian_along<T: Real>(
+        sin: &[T; DOF],
+        cos: &[T; DOF],
+        r: &[T; BASE_PARAMS],
+        along: &[T; 3],
+    ) -> [T; DOF] {
+        com_jacobian_along(sin, cos, r, along)
+    }
+    #[inline(always)]
+    fn regressor_along<T: Real>(
+        sin: &[T; DOF],
+        cos: &[T; DOF],
+        along: &[T; 3],
+    ) -> [T; BASE_PARAMS] {
+        regressor_along(sin, cos, along)
+    }
+    #[inline(always)]
+    fn regressor_full_along<T: Real>(
+        sin: &[T; DOF],
+        cos: &[T; DOF],
+        along: &[T; 3],
+    ) -> [T; FULL_PARAMS] {
+        regressor_full_along(sin, cos, along)
+    }
 }
 
 /// Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i.
@@ -183,6 +231,22 @@ pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 #[inline(always)]
 pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3] {
+    let mut jacobian = [[T::from_f64(0.0); DOF]; 3];
+    com_jacobian_into(q, r, &mut jacobian);
+    jacobian
+}
+
+/// [`com_jacobian`], each number written as soon as it is there.
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
+pub fn com_jacobian_into<T: Real>(
+    q: &[T; DOF],
+    r: &[T; BASE_PARAMS],
+    jacobian: &mut [[T; DOF]; 3],
+) {
+    let zero = T::from_f64(0.0);
+    jacobian[1][0] = zero;
+    jacobian[1][1] = zero;
     // knee
     let (s_knee, c_knee) = q[1].sin_cos();
     let t_knee_x = c_knee.mul_add(r[5], s_knee * r[6]);
@@ -193,12 +257,12 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     let (s_ankle, c_ankle) = q[0].sin_cos();
     let t_ankle_x = c_ankle.mul_add(v_ankle_x, s_ankle * v_ankle_y);
     let t_ankle_y = c_ankle.mul_add(v_ankle_y, -(s_ankle * v_ankle_x));
-    let zero = T::from_f64(0.0);
-    [
-        [t_ankle_y, -s_ankle.mul_add(t_knee_x, -(c_ankle * t_knee_y))],
-        [zero, zero],
-        [-t_ankle_x, -c_ankle.mul_add(t_knee_x, s_ankle * t_knee_y)],
-    ]
+    jacobian[0][0] = t_ankle_y;
+    // ankle
+    jacobian[2][0] = -t_ankle_x;
+    // knee
+    jacobian[0][1] = -s_ankle.mul_add(t_knee_x, -(c_ankle * t_knee_y));
+    jacobian[2][1] = -c_ankle.mul_add(t_knee_x, s_ankle * t_knee_y);
 }
 
 /// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
@@ -221,60 +285,135 @@ pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] 
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 #[inline(always)]
 pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
+    let mut rows = [[T::from_f64(0.0); BASE_PARAMS]; 3];
+    regressor_into(q, &mut rows);
+    rows
+}
+
+/// [`regressor`], each number written as soon as it is there.
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
+pub fn regressor_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE_PARAMS]; 3]) {
+    let zero = T::from_f64(0.0);
+    let one = T::from_f64(1.0);
+    rows[0][0] = one;
+    rows[1][1] = one;
+    rows[2][2] = one;
+    rows[0][1] = zero;
+    rows[0][2] = zero;
+    rows[1][0] = zero;
+    rows[1][2] = zero;
+    rows[1][3] = zero;
+    rows[1][4] = zero;
+    rows[1][5] = zero;
+    rows[1][6] = zero;
+    rows[2][0] = zero;
+    rows[2][1] = zero;
     // ankle
     let (s_ankle, c_ankle) = q[0].sin_cos();
+    rows[0][4] = s_ankle;
+    rows[0][3] = c_ankle;
+    rows[2][4] = c_ankle;
     let bz_ankle_x = -s_ankle;
+    rows[2][3] = bz_ankle_x;
     // knee
     let (s_knee, c_knee) = q[1].sin_cos();
     let bx_knee_x = c_ankle.mul_add(c_knee, -(s_ankle * s_knee));
+    rows[0][5] = bx_knee_x;
+    rows[2][6] = bx_knee_x;
     let bx_knee_y = s_ankle.mul_add(c_knee, c_ankle * s_knee);
+    rows[0][6] = bx_knee_y;
     let bz_knee_x = -bx_knee_y;
-    let zero = T::from_f64(0.0);
-    let one = T::from_f64(1.0);
-    [
-        [one, zero, zero, c_ankle, s_ankle, bx_knee_x, bx_knee_y],
-        [zero, one, zero, zero, zero, zero, zero],
-        [zero, zero, one, bz_ankle_x, c_ankle, bz_knee_x, bx_knee_x],
-    ]
+    rows[2][5] = bz_knee_x;
 }
 
 /// The x and y rows of the base regressor: CoP = rows · r.
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 #[inline(always)]
 pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
+    let mut rows = [[T::from_f64(0.0); BASE_PARAMS]; 2];
+    regressor_cop_into(q, &mut rows);
+    rows
+}
+
+/// [`regressor_cop`], each number written as soon as it is there.
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
+pub fn regressor_cop_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE_PARAMS]; 2]) {
+    let zero = T::from_f64(0.0);
+    let one = T::from_f64(1.0);
+    rows[0][0] = one;
+    rows[1][1] = one;
+    rows[0][1] = zero;
+    rows[0][2] = zero;
+    rows[1][0] = zero;
+    rows[1][2] = zero;
+    rows[1][3] = zero;
+    rows[1][4] = zero;
+    rows[1][5] = zero;
+    rows[1][6] = zero;
     // ankle
     let (s_ankle, c_ankle) = q[0].sin_cos();
+    rows[0][4] = s_ankle;
+    rows[0][3] = c_ankle;
     // knee
     let (s_knee, c_knee) = q[1].sin_cos();
     let bx_knee_x = c_ankle.mul_add(c_knee, -(s_ankle * s_knee));
+    rows[0][5] = bx_knee_x;
     let bx_knee_y = s_ankle.mul_add(c_knee, c_ankle * s_knee);
-    let zero = T::from_f64(0.0);
-    let one = T::from_f64(1.0);
-    [
-        [one, zero, zero, c_ankle, s_ankle, bx_knee_x, bx_knee_y],
-        [zero, one, zero, zero, zero, zero, zero],
-    ]
+    rows[0][6] = bx_knee_y;
 }
 
 /// Rows [B_0 B_1 …] of the full regressor, seed paper Eq. (5), in link frames.
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 #[inline(always)]
 pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
+    let mut rows = [[T::from_f64(0.0); FULL_PARAMS]; 3];
+    regressor_full_into(q, &mut rows);
+    rows
+}
+
+/// [`regressor_full`], each number written as soon as it is there.
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
+pub fn regressor_full_into<T: Real>(q: &[T; DOF], rows: &mut [[T; FULL_PARAMS]; 3]) {
+    let zero = T::from_f64(0.0);
+    let one = T::from_f64(1.0);
+    rows[0][0] = one;
+    rows[1][1] = one;
+    rows[1][4] = one;
+    rows[1][7] = one;
+    rows[2][2] = one;
+    rows[0][1] = zero;
+    rows[0][2] = zero;
+    rows[0][4] = zero;
+    rows[0][7] = zero;
+    rows[1][0] = zero;
+    rows[1][2] = zero;
+    rows[1][3] = zero;
+    rows[1][5] = zero;
+    rows[1][6] = zero;
+    rows[1][8] = zero;
+    rows[2][0] = zero;
+    rows[2][1] = zero;
+    rows[2][4] = zero;
+    rows[2][7] = zero;
     // ankle
     let (s_ankle, c_ankle) = q[0].sin_cos();
+    rows[0][5] = s_ankle;
+    rows[0][3] = c_ankle;
+    rows[2][5] = c_ankle;
     let bz_ankle_x = -s_ankle;
+    rows[2][3] = bz_ankle_x;
     // knee
     let (s_knee, c_knee) = q[1].sin_cos();
     let bx_knee_x = c_ankle.mul_add(c_knee, -(s_ankle * s_knee));
+    rows[0][6] = bx_knee_x;
+    rows[2][8] = bx_knee_x;
     let bx_knee_y = s_ankle.mul_add(c_knee, c_ankle * s_knee);
+    rows[0][8] = bx_knee_y;
     let bz_knee_x = -bx_knee_y;
-    let zero = T::from_f64(0.0);
-    let one = T::from_f64(1.0);
-    [
-        [one, zero, zero, c_ankle, zero, s_ankle, bx_knee_x, zero, bx_knee_y],
-        [zero, one, zero, zero, one, zero, zero, one, zero],
-        [zero, zero, one, bz_ankle_x, zero, c_ankle, bz_knee_x, zero, bx_knee_x],
-    ]
+    rows[2][6] = bz_knee_x;
 }
 
 /// Centre of pressure that a static posture shows on a level sole, m.
@@ -317,6 +456,7 @@ pub fn com_jacobian_sc<T: Real>(
     cos: &[T; DOF],
     r: &[T; BASE_PARAMS],
 ) -> [[T; DOF]; 3] {
+    let zero = T::from_f64(0.0);
     // knee
     let t_knee_x = cos[1].mul_add(r[5], sin[1] * r[6]);
     let t_knee_y = cos[1].mul_add(r[6], -(sin[1] * r[5]));
@@ -325,7 +465,6 @@ pub fn com_jacobian_sc<T: Real>(
     let v_ankle_y = r[4] + t_knee_y;
     let t_ankle_x = cos[0].mul_add(v_ankle_x, sin[0] * v_ankle_y);
     let t_ankle_y = cos[0].mul_add(v_ankle_y, -(sin[0] * v_ankle_x));
-    let zero = T::from_f64(0.0);
     [
         [t_ankle_y, -sin[0].mul_add(t_knee_x, -(cos[0] * t_knee_y))],
         [zero, zero],
@@ -359,14 +498,14 @@ pub fn gravity_moments_sc<T: Real>(
 #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
 #[inline(always)]
 pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
+    let zero = T::from_f64(0.0);
+    let one = T::from_f64(1.0);
     // ankle
     let bz_ankle_x = -sin[0];
     // knee
     let bx_knee_x = cos[0].mul_add(cos[1], -(sin[0] * sin[1]));
     let bx_knee_y = sin[0].mul_add(cos[1], cos[0] * sin[1]);
     let bz_knee_x = -bx_knee_y;
-    let zero = T::from_f64(0.0);
-    let one = T::from_f64(1.0);
     [
         [one, zero, zero, cos[0], sin[0], bx_knee_x, bx_knee_y],
         [zero, one, zero, zero, zero, zero, zero],
@@ -383,11 +522,11 @@ pub fn regressor_cop_sc<T: Real>(
     sin: &[T; DOF],
     cos: &[T; DOF],
 ) -> [[T; BASE_PARAMS]; 2] {
+    let zero = T::from_f64(0.0);
+    let one = T::from_f64(1.0);
     // knee
     let bx_knee_x = cos[0].mul_add(cos[1], -(sin[0] * sin[1]));
     let bx_knee_y = sin[0].mul_add(cos[1], cos[0] * sin[1]);
-    let zero = T::from_f64(0.0);
-    let one = T::from_f64(1.0);
     [
         [one, zero, zero, cos[0], sin[0], bx_knee_x, bx_knee_y],
         [zero, one, zero, zero, zero, zero, zero],
@@ -403,14 +542,14 @@ pub fn regressor_full_sc<T: Real>(
     sin: &[T; DOF],
     cos: &[T; DOF],
 ) -> [[T; FULL_PARAMS]; 3] {
+    let zero = T::from_f64(0.0);
+    let one = T::from_f64(1.0);
     // ankle
     let bz_ankle_x = -sin[0];
     // knee
     let bx_knee_x = cos[0].mul_add(cos[1], -(sin[0] * sin[1]));
     let bx_knee_y = sin[0].mul_add(cos[1], cos[0] * sin[1]);
     let bz_knee_x = -bx_knee_y;
-    let zero = T::from_f64(0.0);
-    let one = T::from_f64(1.0);
     [
         [one, zero, zero, cos[0], zero, sin[0], bx_knee_x, zero, bx_knee_y],
         [zero, one, zero, zero, one, zero, zero, one, zero],
@@ -430,4 +569,78 @@ pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
     // foot
     let v_foot_x = sin[0].mul_add(v_ankle_y, cos[0].mul_add(v_ankle_x, r[0]));
     [v_foot_x, r[1]]
+}
+
+/// ∂CoM/∂q, m/rad (m/m for sliding joints), one row per axis.
+///
+/// Their combination `along` a direction of the support frame, no longer than one, from sines and cosines as above.
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
+pub fn com_jacobian_along<T: Real>(
+    sin: &[T; DOF],
+    cos: &[T; DOF],
+    r: &[T; BASE_PARAMS],
+    along: &[T; 3],
+) -> [T; DOF] {
+    // ankle
+    let v_ankle_x = sin[1].mul_add(r[6], cos[1].mul_add(r[5], r[3]));
+    let v_ankle_y = cos[1].mul_add(r[6], (-sin[1]).mul_add(r[5], r[4]));
+    // ankle
+    let b_ankle_x = along[0].mul_add(cos[0], -(along[2] * sin[0]));
+    let b_ankle_y = along[2].mul_add(cos[0], along[0] * sin[0]);
+    // knee
+    let b_knee_x = b_ankle_x.mul_add(cos[1], -(b_ankle_y * sin[1]));
+    let b_knee_y = b_ankle_y.mul_add(cos[1], b_ankle_x * sin[1]);
+    [
+        -b_ankle_y.mul_add(v_ankle_x, -(b_ankle_x * v_ankle_y)),
+        -b_knee_y.mul_add(r[5], -(b_knee_x * r[6])),
+    ]
+}
+
+/// Rows of the base regressor: CoM = rows · r.
+///
+/// Their combination `along` a direction of the support frame, no longer than one, from sines and cosines as above.
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
+pub fn regressor_along<T: Real>(
+    sin: &[T; DOF],
+    cos: &[T; DOF],
+    along: &[T; 3],
+) -> [T; BASE_PARAMS] {
+    // ankle
+    let b_ankle_x = along[0].mul_add(cos[0], -(along[2] * sin[0]));
+    let b_ankle_y = along[2].mul_add(cos[0], along[0] * sin[0]);
+    // knee
+    let b_knee_x = b_ankle_x.mul_add(cos[1], -(b_ankle_y * sin[1]));
+    let b_knee_y = b_ankle_y.mul_add(cos[1], b_ankle_x * sin[1]);
+    [along[0], along[1], along[2], b_ankle_x, b_ankle_y, b_knee_x, b_knee_y]
+}
+
+/// Rows [B_0 B_1 …] of the full regressor, seed paper Eq. (5), in link frames.
+///
+/// Their combination `along` a direction of the support frame, no longer than one, from sines and cosines as above.
+#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[inline(always)]
+pub fn regressor_full_along<T: Real>(
+    sin: &[T; DOF],
+    cos: &[T; DOF],
+    along: &[T; 3],
+) -> [T; FULL_PARAMS] {
+    // ankle
+    let b_ankle_x = along[0].mul_add(cos[0], -(along[2] * sin[0]));
+    let b_ankle_y = along[2].mul_add(cos[0], along[0] * sin[0]);
+    // knee
+    let b_knee_x = b_ankle_x.mul_add(cos[1], -(b_ankle_y * sin[1]));
+    let b_knee_y = b_ankle_y.mul_add(cos[1], b_ankle_x * sin[1]);
+    [
+        along[0],
+        along[1],
+        along[2],
+        b_ankle_x,
+        along[1],
+        b_ankle_y,
+        b_knee_x,
+        along[1],
+        b_knee_y,
+    ]
 }

@@ -4,7 +4,7 @@ use core::arch::x86_64::*;
 
 use super::fused::{FusedF32, FusedF64};
 use super::{align_stack, machine, register};
-use crate::simd::sealed::{Machine, Task};
+use crate::simd::sealed::{Machine, ROWS, Task};
 use crate::{pack, power, trig};
 
 /// The set.
@@ -60,6 +60,21 @@ register! {
     power power::power_f32;
 }
 
+register! {
+    /// Four singles.
+    F32x4(__m128): 4 of f32;
+    _mm_set1_ps _mm_loadu_ps _mm_storeu_ps
+    _mm_add_ps _mm_sub_ps _mm_mul_ps _mm_div_ps _mm_fmadd_ps
+    _mm_max_ps _mm_min_ps
+    negate |x| _mm_xor_ps(x, _mm_set1_ps(-0.0));
+    sin_cos |x: F32x4| {
+        let (mut sin, mut cos) = ([0.0; 4], [0.0; 4]);
+        sin_cos_f32(&x.array(), &mut sin, &mut cos);
+        (F32x4::of(&sin), F32x4::of(&cos))
+    };
+    power power::power_f32;
+}
+
 /// The kernel of [`trig`], as the compiler vectorises it inside the entries above.
 #[inline(always)]
 fn sin_cos_f64<const N: usize>(angles: &[f64; N], sin: &mut [f64; N], cos: &mut [f64; N]) {
@@ -87,12 +102,12 @@ fn columns_f32<const N: usize>(rows: &[[f32; N]; 16], part: usize) -> [F32x8; N]
 }
 
 machine! {
-    Avx2: F64x4, 4 of f64, 8 a block, FusedF64;
+    Avx2: F64x4, 4 of f64, 8 a block, FusedF64, F64x4;
     columns columns_f64;
     sin_cos sin_cos_f64;
 }
 machine! {
-    Avx2: F32x8, 8 of f32, 16 a block, FusedF32;
+    Avx2: F32x8, 8 of f32, 16 a block, FusedF32, F32x4;
     columns columns_f32;
     sin_cos sin_cos_f32;
 }

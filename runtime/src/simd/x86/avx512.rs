@@ -16,7 +16,7 @@ use core::arch::x86_64::*;
 
 use super::fused::{FusedF32, FusedF64};
 use super::{align_stack, machine, register};
-use crate::simd::sealed::{Machine, Task};
+use crate::simd::sealed::{Machine, ROWS, Task};
 use crate::{pack, power, trig};
 
 /// The set.
@@ -168,12 +168,12 @@ unsafe fn transposed(r: [__m512d; 8]) -> [__m512d; 8] {
 }
 
 machine! {
-    Avx512: F64x8, 8 of f64, 8 a block, FusedF64;
+    Avx512: F64x8, 8 of f64, 8 a block, FusedF64, F64x8;
     columns columns_f64;
     sin_cos each_f64;
 }
 machine! {
-    Avx512: F32x16, 16 of f32, 16 a block, FusedF32;
+    Avx512: F32x16, 16 of f32, 16 a block, FusedF32, F32x16;
     columns columns_f32;
     sin_cos each_f32;
 }

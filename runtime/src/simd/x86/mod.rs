@@ -85,13 +85,13 @@ macro_rules! register {
 
         impl $name {
             #[inline(always)]
-            fn splat(x: $scalar) -> Self {
+            pub(super) fn splat(x: $scalar) -> Self {
                 // SAFETY: see the head of this module.
                 Self(unsafe { $splat(x) })
             }
 
             #[inline(always)]
-            fn array(self) -> [$scalar; $lanes] {
+            pub(super) fn array(self) -> [$scalar; $lanes] {
                 let mut array = [0.0; $lanes];
                 // SAFETY: see the head of this module; the array has room for the register.
                 unsafe { $store(array.as_mut_ptr(), self.0) };
@@ -99,7 +99,7 @@ macro_rules! register {
             }
 
             #[inline(always)]
-            fn of(array: &[$scalar; $lanes]) -> Self {
+            pub(super) fn of(array: &[$scalar; $lanes]) -> Self {
                 // SAFETY: see the head of this module; the array fills the register.
                 Self(unsafe { $load(array.as_ptr()) })
             }
@@ -158,7 +158,7 @@ use register;
 macro_rules! machine {
     (
         $set:ident: $vector:ident, $lanes:literal of $scalar:ty, $count:literal a block,
-        $one:ty;
+        $one:ty, $rows:ident;
         columns $columns:path;
         sin_cos $sin_cos:path;
     ) => {
@@ -166,6 +166,7 @@ macro_rules! machine {
             type Vector = $vector;
             const PARTS: usize = $count / $lanes;
             type One = $one;
+            type Rows = $rows;
 
             #[inline(always)]
             fn splat(x: $scalar) -> $vector {
@@ -213,6 +214,31 @@ macro_rules! machine {
             }
 
             #[inline(always)]
+            fn place<'a, const N: usize, const M: usize>(
+                blocks: &'a mut [[crate::Lanes<$scalar, $count>; N]; M],
+                room: &'a mut [[$vector; N]; M],
+            ) -> &'a mut [[$vector; N]; M] {
+                match $lanes == $count {
+                    // SAFETY: a register and a block have the same size and alignment,
+                    // and any bits are numbers in both.
+                    true => unsafe { &mut *core::ptr::from_mut(blocks).cast() },
+                    false => room,
+                }
+            }
+
+            #[inline(always)]
+            fn settle<const N: usize, const M: usize>(
+                room: &[[$vector; N]; M],
+                blocks: &mut [[crate::Lanes<$scalar, $count>; N]; M],
+                part: usize,
+            ) {
+                if $lanes != $count {
+                    let (from, to) = (room.as_flattened(), blocks.as_flattened_mut());
+                    <Self as crate::simd::sealed::Machine<$scalar>>::store(from, to, part);
+                }
+            }
+
+            #[inline(always)]
             fn ones<const N: usize>(scalars: &[$scalar; N]) -> &[$one; N] {
                 // SAFETY: the one is a transparent wrapper of the other.
                 unsafe { &*core::ptr::from_ref(scalars).cast() }
@@ -222,6 +248,26 @@ macro_rules! machine {
             fn scalars(ones: &[$one]) -> &[$scalar] {
                 // SAFETY: the one is a transparent wrapper of the other.
                 unsafe { core::slice::from_raw_parts(ones.as_ptr().cast(), ones.len()) }
+            }
+
+            #[inline(always)]
+            fn every_row(x: $scalar) -> $rows {
+                $rows::splat(x)
+            }
+
+            #[inline(always)]
+            fn rows(numbers: [$scalar; ROWS]) -> $rows {
+                let mut lanes = $rows::splat(0.0).array();
+                for (lane, x) in lanes.iter_mut().zip(numbers) {
+                    *lane = x;
+                }
+                $rows::of(&lanes)
+            }
+
+            #[inline(always)]
+            fn numbers(rows: $rows) -> [$scalar; ROWS] {
+                let lanes = rows.array();
+                [lanes[0], lanes[1], lanes[2], lanes[3]]
             }
 
             #[inline(always)]
