@@ -6,6 +6,7 @@
 
 mod body;
 pub mod free;
+mod signature;
 
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{format_ident, quote};
@@ -15,8 +16,9 @@ use super::listing::{Listing, Results};
 use super::names;
 use crate::Error;
 use crate::model::{Function, Given, Model};
-use crate::program::{Program, Shape};
+use crate::program::Program;
 use body::Body;
+use signature::{documentation, matrix, result, signature, zeros};
 
 /// The module for `model`, named `name`.
 ///
@@ -236,89 +238,6 @@ fn unit_struct(model: &Model, name: &str, from_sines: bool, corrects: bool) -> T
     }
 }
 
-/// Parameters of a function and the names to pass on.
-fn signature(
-    function: Function,
-    given: Given,
-    rename: impl Fn(&str) -> String,
-) -> (TokenStream, Vec<Ident>) {
-    let mut arrays: Vec<(&str, TokenStream)> = match given {
-        _ if function == Function::CorrectCop => vec![("reading", quote!(2))],
-        Given::Positions => vec![("q", quote!(DOF))],
-        Given::SinesCosines | Given::Direction => {
-            vec![("sin", quote!(DOF)), ("cos", quote!(DOF))]
-        }
-    };
-    if function.takes_parameters() {
-        arrays.push(("r", quote!(BASE_PARAMS)));
-    }
-    if given == Given::Direction {
-        arrays.push(("along", quote!(3)));
-    }
-    let idents: Vec<Ident> = arrays
-        .iter()
-        .map(|(array, _)| Ident::new(&rename(array), Span::call_site()))
-        .collect();
-    let lens = arrays.iter().map(|(_, len)| len);
-    (quote! { #(#idents: &[T; #lens]),* }, idents)
-}
-
-fn result(function: Function, given: Given) -> TokenStream {
-    let columns = columns(function);
-    match (function.rows(), given) {
-        (None, _) | (_, Given::Direction) => quote!([T; #columns]),
-        (Some(rows), _) => {
-            let rows = Literal::usize_unsuffixed(rows);
-            quote!([[T; #columns]; #rows])
-        }
-    }
-}
-
-/// Length of a vector or of a row.
-fn columns(function: Function) -> TokenStream {
-    match function {
-        Function::Com => quote!(3),
-        Function::Cop | Function::CorrectCop => quote!(2),
-        Function::ComJacobian | Function::GravityMoments => quote!(DOF),
-        Function::Regressor | Function::RegressorCop => quote!(BASE_PARAMS),
-        Function::RegressorFull => quote!(FULL_PARAMS),
-    }
-}
-
-fn documentation(model: &Model, function: Function, given: Given) -> String {
-    let what = match function {
-        Function::Cop if model.foretold().next().is_some() => {
-            "Reading of the CoP that a static posture foretells, with the effects at the top of \
-             this file, m unless they change its unit."
-        }
-        Function::Com => "Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i.",
-        Function::ComJacobian => "∂CoM/∂q, m/rad (m/m for sliding joints), one row per axis.",
-        Function::GravityMoments => {
-            "Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m."
-        }
-        Function::Regressor => "Rows of the base regressor: CoM = rows · r.",
-        Function::RegressorCop => "The x and y rows of the base regressor: CoP = rows · r.",
-        Function::RegressorFull => {
-            "Rows [B_0 B_1 …] of the full regressor, seed paper Eq. (5), in link frames."
-        }
-        Function::Cop => "Centre of pressure that a static posture shows on a level sole, m.",
-        Function::CorrectCop => {
-            "The CoP, m, that a reading (as `cop` foretells it) was made of: the effects of the \
-             sensor taken back."
-        }
-    };
-    match given {
-        Given::Positions => format!(" {what}"),
-        Given::SinesCosines => format!(
-            " {what}\n\n From sines and cosines; a sliding joint passes its position in `sin`."
-        ),
-        Given::Direction => format!(
-            " {what}\n\n Their combination `along` a direction of the support frame, no longer \
-             than one, from sines and cosines as above."
-        ),
-    }
-}
-
 fn function(model: &Model, row: &Row, program: &Program, titles: &mut Vec<String>) -> TokenStream {
     let matrix = matrix(row.function, row.given);
     let listing = match matrix {
@@ -350,21 +269,14 @@ fn function(model: &Model, row: &Row, program: &Program, titles: &mut Vec<String
     };
     let into = format_ident!("{name}_into");
     let (given, arguments) = signature(row.function, row.given, |array| array.to_string());
-    let start = match program.shape {
-        Shape::Matrix { rows, .. } => {
-            let rows = Literal::usize_unsuffixed(rows);
-            let cols = columns(row.function);
-            quote!([[T::from_f64(0.0); #cols]; #rows])
-        }
-        Shape::Vector(_) => unreachable!("vectors are values"),
-    };
+    let zeros = zeros(row.function);
     let into_doc = format!(" [`{name}`], each number written as soon as it is there.");
     quote! {
         #(#[doc = #doc])*
         #allow
         #[inline(always)]
         pub fn #name<T: Real>(#given) -> #result {
-            let mut #matrix = #start;
+            let mut #matrix = #zeros;
             #into(#(#arguments,)* &mut #matrix);
             #matrix
         }
@@ -373,18 +285,6 @@ fn function(model: &Model, row: &Row, program: &Program, titles: &mut Vec<String
         #[inline(always)]
         pub fn #into<T: Real>(#parameters, #matrix: &mut #result) { #body }
     }
-}
-
-/// The name of a result that has rows, where it can be written in place: from joint
-/// positions, as batches come.
-fn matrix(function: Function, given: Given) -> Option<Ident> {
-    let name = match function {
-        _ if given != Given::Positions => return None,
-        Function::ComJacobian => "jacobian",
-        Function::Regressor | Function::RegressorCop | Function::RegressorFull => "rows",
-        _ => return None,
-    };
-    Some(Ident::new(name, Span::call_site()))
 }
 
 /// A float that reads back to the same bits.

@@ -118,26 +118,25 @@ pub fn full_params() -> Vec<f64> {
 }
 
 macro_rules! one_posture {
-    ($name:ident, $rows:ty, |$q:ident| $call:expr) => {
-        extern "C" fn $name(q: *const f64, out: *mut f64) {
+    ($name:ident, $rows:ty, |$q:ident, $out:ident| $call:expr) => {
+        extern "C" fn $name($q: *const f64, $out: *mut f64) {
             // SAFETY: `Peers` hands arrays of these sizes to every contestant.
-            let ($q, out) = unsafe { (&*q.cast::<[f64; DOF]>(), &mut *out.cast::<$rows>()) };
-            *out = $call;
+            let ($q, $out) = unsafe { (&*$q.cast::<[f64; DOF]>(), &mut *$out.cast::<$rows>()) };
+            $call;
         }
     };
 }
 
-one_posture!(com, [f64; 3], |q| Op2RSole::com_single(simd(), q, params()));
-one_posture!(
-    jacobian,
-    [[f64; DOF]; 3],
-    |q| Op2RSole::com_jacobian_single(simd(), q, params())
-);
-one_posture!(full, [[f64; op2::FULL_PARAMS]; 3], |q| {
-    Op2RSole::regressor_full_single(simd(), q)
+one_posture!(com, [f64; 3], |q, out| *out =
+    Op2RSole::com_single(simd(), q, params()));
+one_posture!(jacobian, [[f64; DOF]; 3], |q, out| {
+    Op2RSole::com_jacobian_single_into(simd(), q, params(), out)
 });
-one_posture!(cop, [[f64; op2::BASE_PARAMS]; 2], |q| {
-    Op2RSole::regressor_cop_single(simd(), q)
+one_posture!(full, [[f64; op2::FULL_PARAMS]; 3], |q, out| {
+    Op2RSole::regressor_full_single_into(simd(), q, out)
+});
+one_posture!(cop, [[f64; op2::BASE_PARAMS]; 2], |q, out| {
+    Op2RSole::regressor_cop_single_into(simd(), q, out)
 });
 
 /// Asked once, as a controller does.
