@@ -8,6 +8,9 @@ use sesc_codegen::tape::{Argument, Kernels, Tape};
 use sesc_codegen::{Function, Given, Model};
 use sesc_runtime::{Simd, power, trig};
 
+/// The support frame's.
+const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
 /// One function of a model, ready for batches of postures.
 pub struct Evaluator {
     tape: Tape,
@@ -30,17 +33,14 @@ impl Evaluator {
             .expect("every function can be had from joint positions")
     }
 
-    /// Prepare the variant of `function` from what is `given`, where there is one that a
-    /// posture alone determines.
+    /// Prepare the variant of `function` from what is `given`, where there is one; along
+    /// directions, for the axes of the support frame: the rows of the function.
     pub fn variant(
         model: &Model,
         function: Function,
         given: Given,
         params: Vec<f64>,
     ) -> Option<Evaluator> {
-        if given == Given::Direction {
-            return None;
-        }
         let program = model.program(function, given)?;
         let params = function.takes_parameters().then_some(params);
         Some(Evaluator::of(model, &program, given, params))
@@ -72,7 +72,10 @@ impl Evaluator {
 
     /// Values per posture.
     pub fn width(&self) -> usize {
-        self.tape.outputs()
+        match self.given {
+            Given::Positions | Given::SinesCosines => self.tape.outputs(),
+            Given::Direction => AXES.len() * self.tape.outputs(),
+        }
     }
 
     /// Evaluate `postures` postures, `q[posture * dof + joint]`, row by row.
@@ -99,7 +102,20 @@ impl Evaluator {
             }
         };
         arguments.extend(self.params.as_deref().map(Argument::Shared));
-        self.tape.run(&arguments, postures, out, self.kernels);
+        if self.given != Given::Direction {
+            return self.tape.run(&arguments, postures, out, self.kernels);
+        }
+        let columns = self.tape.outputs();
+        let mut row = vec![0.0; postures * columns];
+        for (k, along) in AXES.iter().enumerate() {
+            arguments.push(Argument::Shared(along));
+            self.tape.run(&arguments, postures, &mut row, self.kernels);
+            arguments.pop();
+            let places = out[k * columns..].chunks_mut(self.width().max(1));
+            for (place, row) in places.zip(row.chunks(columns.max(1))) {
+                place[..columns].copy_from_slice(row);
+            }
+        }
     }
 
     /// What `_sc` functions take: sines (positions of slides) and cosines.

@@ -53,7 +53,7 @@ pub fn verify(
     let mut worst: BTreeMap<String, f64> = BTreeMap::new();
     let mut bound: BTreeMap<String, f64> = BTreeMap::new();
     let mut evaluators = Vec::new();
-    for given in [Given::Positions, Given::SinesCosines] {
+    for given in [Given::Positions, Given::SinesCosines, Given::Direction] {
         for function in Function::ALL {
             let params = model.cad_params();
             if let Some(evaluator) = Evaluator::variant(model, function, given, params) {
@@ -170,7 +170,7 @@ fn largest(a: &[f64], b: &[f64]) -> f64 {
 /// How far generated code may be from the reference, m; infinite for a variant
 /// that cannot be had.
 pub fn allowed(model: &Model, function: Function, given: Given) -> f64 {
-    let rounding = |function: Function| {
+    let rounding = |function: Function, given: Given| {
         let program = model.program(function, given);
         program.map_or(f64::INFINITY, |program| {
             model.rounding(&program, Precision::F64).worst
@@ -184,11 +184,16 @@ pub fn allowed(model: &Model, function: Function, given: Given) -> f64 {
         .sum::<f64>()
         + model.base.regrouping_error;
     let tilted: f64 = model.tree.snaps.iter().map(|snap| snap.angle_error).sum();
-    let com = 2.0 * rounding(Function::Com) + snapped;
+    // The CoM that rows are compared by comes from no direction.
+    let com = match given {
+        Given::Direction => rounding(Function::Com, Given::SinesCosines),
+        given => rounding(Function::Com, given),
+    };
+    let com = 2.0 * com + snapped;
     // Rows times parameters: every entry's error, weighed, and a long sum's own.
     let weighed = |params: Vec<f64>| {
         let sum: f64 = params.iter().map(|x| x.abs()).sum();
-        sum * (rounding(function) + params.len() as f64 * f64::EPSILON)
+        sum * (rounding(function, given) + params.len() as f64 * f64::EPSILON)
     };
     match function {
         Function::Com | Function::Cop => com,
@@ -202,7 +207,8 @@ pub fn allowed(model: &Model, function: Function, given: Given) -> f64 {
             // direction of a slide turns as a whole.
             let slides = model.tree.dofs.iter().any(|dof| dof.prismatic);
             let turned = if slides { snapped + tilted } else { snapped };
-            2.0 * rounding(function) + model.largest_tie() * (DIFFERENCES * model.reach() + turned)
+            2.0 * rounding(function, given)
+                + model.largest_tie() * (DIFFERENCES * model.reach() + turned)
         }
     }
 }

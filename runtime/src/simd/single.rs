@@ -12,7 +12,8 @@ use crate::model::SescFromSinCos;
 /// joints at once, another the rows of a Jacobian or regressor, and products are fused
 /// with sums. For robots whose functions can be had
 /// from sines and cosines: all but those with joints tied to others by fractions, or with
-/// effects in their joints.
+/// effects in their joints. An angle out of the domain of the sine may make all of a
+/// Jacobian or regressor NaN, also what does not depend on it.
 ///
 /// ```
 /// use sesc_runtime::{Simd, Single, SescFromSinCos};
