@@ -8,6 +8,7 @@ use std::time::Duration;
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use sesc::evaluate::Evaluator;
+use sesc::plan::limits::Limits;
 use sesc::robot::Robot;
 use sesc::simulate::Simulator;
 use sesc_codegen::{Function, Model, Snapping};
@@ -26,13 +27,21 @@ struct Setup {
 }
 
 impl Setup {
-    fn new(name: &str, support: &str) -> Setup {
-        let path = format!("{}/robots/{name}/{name}.urdf", env!("CARGO_MANIFEST_DIR"));
-        let robot = Robot::read(path.as_ref()).unwrap();
+    /// Postures within the limits of the URDF, or of a file beside it.
+    fn new(name: &str, support: &str, limits: Option<&str>) -> Setup {
+        let folder = format!("{}/robots/{name}", env!("CARGO_MANIFEST_DIR"));
+        let robot = Robot::read(format!("{folder}/{name}.urdf").as_ref()).unwrap();
         let model = robot.model(support, Snapping::default(), None).unwrap();
+        let mut dofs = model.tree.dofs.clone();
+        if let Some(file) = limits {
+            let limits = Limits::read(format!("{folder}/{file}").as_ref(), &dofs).unwrap();
+            for (dof, (lower, upper)) in dofs.iter_mut().zip(limits.ranges) {
+                (dof.lower, dof.upper) = (lower, upper);
+            }
+        }
         Setup {
             reference: robot.reference(support).unwrap(),
-            q: Simulator::new(&model.tree.dofs, None, 1).batch(2 * BATCH),
+            q: Simulator::new(&dofs, None, 1).batch(2 * BATCH),
             model,
         }
     }
@@ -63,11 +72,14 @@ fn generic(group: &mut BenchmarkGroup<WallTime>, function: Function, setup: &Set
 
 /// Generated code of one robot; `r` marks functions that take parameters.
 macro_rules! robot {
-    ($name:ident, $folder:literal, $support:literal, $module:ident, $robot:ident: $($which:ident)+) => {
+    (
+        $name:ident, $title:literal, $folder:literal, $support:literal, $limits:expr, $module:ident,
+        $robot:ident: $($which:ident)+
+    ) => {
         fn $name(c: &mut Criterion) {
             #[allow(unused_imports)] // not every function is on every list
             use sesc_generated::$module::{self as module, BASE_PARAMS, CAD_PARAMS, DOF, FULL_PARAMS, $robot};
-            let setup = Setup::new($folder, $support);
+            let setup = Setup::new($folder, $support, $limits);
             let q: &[[f64; DOF]] = setup.q.as_chunks().0;
             let q32: Vec<[f32; DOF]> = q.iter().map(|q| q.map(|x| x as f32)).collect();
             let eight: Vec<[F64x8; DOF]> = q.as_chunks().0.iter().map(pack).collect();
@@ -88,7 +100,7 @@ macro_rules! robot {
                 };
                 ($function:ident, $scalar:ident($r:tt), $single:ident, $batch:ident, |$z:ident| $start:expr) => {{
                     let function = Function::$function;
-                    let mut group = c.benchmark_group(format!("{}/{}", $folder, function.name()));
+                    let mut group = c.benchmark_group(format!("{}/{}", $title, function.name()));
                     group
                         .throughput(Throughput::Elements(BATCH as u64))
                         .sample_size(20)
@@ -156,11 +168,18 @@ macro_rules! robot {
     };
 }
 
-robot!(op2, "op2", "r_sole", op2_r_sole, Op2RSole: Com ComJacobian RegressorCop RegressorFull);
 robot!(
-    humanoid, "skew_humanoid", "right_sole", skew_humanoid_right_sole, SkewHumanoidRightSole:
-    Com RegressorCop
+    op2, "op2", "op2", "r_sole", None, op2_r_sole, Op2RSole:
+    Com ComJacobian RegressorCop RegressorFull
+);
+robot!(
+    paper, "op2 in the paper's limits", "op2", "r_sole", Some("limits_paper.csv"), op2_r_sole,
+    Op2RSole: Com ComJacobian RegressorCop RegressorFull
+);
+robot!(
+    humanoid, "skew_humanoid", "skew_humanoid", "right_sole", None, skew_humanoid_right_sole,
+    SkewHumanoidRightSole: Com RegressorCop
 );
 
-criterion_group!(benches, op2, humanoid);
+criterion_group!(benches, op2, paper, humanoid);
 criterion_main!(benches);
