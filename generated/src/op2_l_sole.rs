@@ -649,7 +649,6 @@ pub fn com_jacobian_into<T: Real>(
     let by_l_ank_pitch_y = s_l_ank_roll * c_l_ank_pitch;
     let bz_l_ank_pitch_x = c_l_ank_roll * s_l_ank_pitch;
     let bz_l_ank_pitch_y = c_l_ank_roll * c_l_ank_pitch;
-    // l_ank_pitch
     jacobian[0][6] = -t_l_ank_pitch_x;
     jacobian[1][6] = s_l_ank_roll * t_l_ank_pitch_y;
     jacobian[2][6] = c_l_ank_roll * t_l_ank_pitch_y;
@@ -660,7 +659,6 @@ pub fn com_jacobian_into<T: Real>(
     let by_l_knee_y = by_l_ank_pitch_y.mul_add(c_l_knee, by_l_ank_pitch_x * s_l_knee);
     let bz_l_knee_x = bz_l_ank_pitch_x.mul_add(c_l_knee, -(bz_l_ank_pitch_y * s_l_knee));
     let bz_l_knee_y = bz_l_ank_pitch_y.mul_add(c_l_knee, bz_l_ank_pitch_x * s_l_knee);
-    // l_knee
     jacobian[0][5] = s_l_ank_pitch.mul_add(t_l_knee_x, c_l_ank_pitch * t_l_knee_y);
     jacobian[1][5] = -by_l_ank_pitch_y
         .mul_add(t_l_knee_x, -(by_l_ank_pitch_x * t_l_knee_y));
@@ -679,7 +677,6 @@ pub fn com_jacobian_into<T: Real>(
         .mul_add(c_l_hip_pitch, -(bz_l_knee_y * s_l_hip_pitch));
     let bz_l_hip_pitch_y = bz_l_knee_y
         .mul_add(c_l_hip_pitch, bz_l_knee_x * s_l_hip_pitch);
-    // l_hip_pitch
     jacobian[0][4] = -bx_l_knee_y
         .mul_add(t_l_hip_pitch_x, -(bx_l_knee_x * t_l_hip_pitch_y));
     jacobian[1][4] = -by_l_knee_y
@@ -696,7 +693,6 @@ pub fn com_jacobian_into<T: Real>(
         .mul_add(s_l_hip_roll, -(s_l_ank_roll * c_l_hip_roll));
     let bz_l_hip_roll_y = s_l_ank_roll
         .mul_add(s_l_hip_roll, bz_l_hip_pitch_y * c_l_hip_roll);
-    // l_hip_roll
     jacobian[0][3] = bx_l_hip_pitch_y * t_l_hip_roll_y;
     jacobian[1][3] = -c_l_ank_roll
         .mul_add(t_l_hip_roll_x, -(by_l_hip_pitch_y * t_l_hip_roll_y));
@@ -712,7 +708,6 @@ pub fn com_jacobian_into<T: Real>(
     let bz_l_hip_yaw_x = bz_l_hip_roll_x
         .mul_add(s_l_hip_yaw, bz_l_hip_pitch_x * c_l_hip_yaw);
     let e7 = bz_l_hip_pitch_x.mul_add(s_l_hip_yaw, -(bz_l_hip_roll_x * c_l_hip_yaw));
-    // l_hip_yaw
     jacobian[0][2] = -bx_l_hip_pitch_x
         .mul_add(t_l_hip_yaw_x, -(bx_l_hip_roll_x * t_l_hip_yaw_y));
     jacobian[1][2] = -by_l_hip_pitch_x
@@ -723,7 +718,6 @@ pub fn com_jacobian_into<T: Real>(
     let bx_head_pan_x = bx_l_hip_yaw_x.mul_add(c_head_pan, -(e5 * s_head_pan));
     let by_head_pan_x = by_l_hip_yaw_x.mul_add(c_head_pan, -(e6 * s_head_pan));
     let bz_head_pan_x = bz_l_hip_yaw_x.mul_add(c_head_pan, -(e7 * s_head_pan));
-    // head_pan
     jacobian[0][0] = -e5.mul_add(t_head_pan_x, bx_l_hip_yaw_x * t_head_pan_y);
     jacobian[1][0] = -e6.mul_add(t_head_pan_x, by_l_hip_yaw_x * t_head_pan_y);
     jacobian[2][0] = -e7.mul_add(t_head_pan_x, bz_l_hip_yaw_x * t_head_pan_y);
@@ -744,7 +738,6 @@ pub fn com_jacobian_into<T: Real>(
         .mul_add(c_l_sho_pitch, -(bz_l_hip_roll_y * s_l_sho_pitch));
     let bz_l_sho_pitch_y = bz_l_hip_roll_y
         .mul_add(c_l_sho_pitch, bz_l_hip_yaw_x * s_l_sho_pitch);
-    // l_sho_pitch
     jacobian[0][8] = -bx_l_hip_roll_y
         .mul_add(t_l_sho_pitch_x, -(bx_l_hip_yaw_x * t_l_sho_pitch_y));
     jacobian[1][8] = e4.mul_add(t_l_sho_pitch_x, by_l_hip_yaw_x * t_l_sho_pitch_y);
@@ -777,7 +770,6 @@ pub fn com_jacobian_into<T: Real>(
     let by_r_hip_yaw_y = by_l_hip_yaw_x.mul_add(s_r_hip_yaw, -(e6 * c_r_hip_yaw));
     let bz_r_hip_yaw_x = bz_l_hip_yaw_x.mul_add(c_r_hip_yaw, e7 * s_r_hip_yaw);
     let bz_r_hip_yaw_y = bz_l_hip_yaw_x.mul_add(s_r_hip_yaw, -(e7 * c_r_hip_yaw));
-    // r_hip_yaw
     jacobian[0][11] = e5.mul_add(t_r_hip_yaw_x, bx_l_hip_yaw_x * t_r_hip_yaw_y);
     jacobian[1][11] = e6.mul_add(t_r_hip_yaw_x, by_l_hip_yaw_x * t_r_hip_yaw_y);
     jacobian[2][11] = e7.mul_add(t_r_hip_yaw_x, bz_l_hip_yaw_x * t_r_hip_yaw_y);
@@ -792,7 +784,6 @@ pub fn com_jacobian_into<T: Real>(
         .mul_add(c_r_hip_roll, -(bz_l_hip_roll_y * s_r_hip_roll));
     let bz_r_hip_roll_y = bz_l_hip_roll_y
         .mul_add(c_r_hip_roll, bz_r_hip_yaw_y * s_r_hip_roll);
-    // r_hip_roll
     jacobian[0][12] = -bx_l_hip_roll_y
         .mul_add(t_r_hip_roll_x, -(bx_r_hip_yaw_y * t_r_hip_roll_y));
     jacobian[1][12] = e4.mul_add(t_r_hip_roll_x, by_r_hip_yaw_y * t_r_hip_roll_y);
@@ -811,7 +802,6 @@ pub fn com_jacobian_into<T: Real>(
         .mul_add(c_r_hip_pitch, -(bz_r_hip_roll_y * s_r_hip_pitch));
     let bz_r_hip_pitch_y = bz_r_hip_yaw_x
         .mul_add(s_r_hip_pitch, bz_r_hip_roll_y * c_r_hip_pitch);
-    // r_hip_pitch
     jacobian[0][13] = bx_r_hip_yaw_x
         .mul_add(t_r_hip_pitch_x, -(bx_r_hip_roll_y * t_r_hip_pitch_y));
     jacobian[1][13] = by_r_hip_yaw_x
@@ -825,7 +815,6 @@ pub fn com_jacobian_into<T: Real>(
     let by_r_knee_y = by_r_hip_pitch_y.mul_add(c_r_knee, by_r_hip_pitch_x * s_r_knee);
     let bz_r_knee_x = bz_r_hip_pitch_x.mul_add(c_r_knee, -(bz_r_hip_pitch_y * s_r_knee));
     let bz_r_knee_y = bz_r_hip_pitch_y.mul_add(c_r_knee, bz_r_hip_pitch_x * s_r_knee);
-    // r_knee
     jacobian[0][14] = -bx_r_hip_pitch_y
         .mul_add(t_r_knee_x, -(bx_r_hip_pitch_x * t_r_knee_y));
     jacobian[1][14] = -by_r_hip_pitch_y
@@ -839,7 +828,6 @@ pub fn com_jacobian_into<T: Real>(
         .mul_add(c_r_ank_pitch, -(by_r_knee_x * s_r_ank_pitch));
     let bz_r_ank_pitch_y = bz_r_knee_y
         .mul_add(c_r_ank_pitch, -(bz_r_knee_x * s_r_ank_pitch));
-    // r_ank_pitch
     jacobian[0][15] = bx_r_knee_y
         .mul_add(t_r_ank_pitch_x, -(bx_r_knee_x * t_r_ank_pitch_y));
     jacobian[1][15] = by_r_knee_y
@@ -864,7 +852,6 @@ pub fn com_jacobian_into<T: Real>(
         .mul_add(c_r_sho_pitch, bz_l_hip_roll_y * s_r_sho_pitch);
     let bz_r_sho_pitch_y = bz_l_hip_roll_y
         .mul_add(c_r_sho_pitch, -(bz_l_hip_yaw_x * s_r_sho_pitch));
-    // r_sho_pitch
     jacobian[0][17] = bx_l_hip_roll_y
         .mul_add(t_r_sho_pitch_x, -(bx_l_hip_yaw_x * t_r_sho_pitch_y));
     jacobian[1][17] = -e4.mul_add(t_r_sho_pitch_x, by_l_hip_yaw_x * t_r_sho_pitch_y);

@@ -650,7 +650,6 @@ pub fn com_jacobian_into<T: Real>(
     let by_r_ank_pitch_y = s_r_ank_roll * c_r_ank_pitch;
     let e5 = c_r_ank_roll * s_r_ank_pitch;
     let bz_r_ank_pitch_y = c_r_ank_roll * c_r_ank_pitch;
-    // r_ank_pitch
     jacobian[1][15] = -(s_r_ank_roll * t_r_ank_pitch_y);
     jacobian[2][15] = -(c_r_ank_roll * t_r_ank_pitch_y);
     // r_knee
@@ -660,7 +659,6 @@ pub fn com_jacobian_into<T: Real>(
     let by_r_knee_y = by_r_ank_pitch_y.mul_add(c_r_knee, e4 * s_r_knee);
     let bz_r_knee_x = bz_r_ank_pitch_y.mul_add(s_r_knee, -(e5 * c_r_knee));
     let bz_r_knee_y = bz_r_ank_pitch_y.mul_add(c_r_knee, e5 * s_r_knee);
-    // r_knee
     jacobian[0][14] = s_r_ank_pitch.mul_add(t_r_knee_x, -(c_r_ank_pitch * t_r_knee_y));
     jacobian[1][14] = by_r_ank_pitch_y.mul_add(t_r_knee_x, e4 * t_r_knee_y);
     jacobian[2][14] = bz_r_ank_pitch_y.mul_add(t_r_knee_x, e5 * t_r_knee_y);
@@ -677,7 +675,6 @@ pub fn com_jacobian_into<T: Real>(
         .mul_add(c_r_hip_pitch, bz_r_knee_y * s_r_hip_pitch);
     let bz_r_hip_pitch_y = bz_r_knee_y
         .mul_add(c_r_hip_pitch, -(bz_r_knee_x * s_r_hip_pitch));
-    // r_hip_pitch
     jacobian[0][13] = bx_r_knee_y
         .mul_add(t_r_hip_pitch_x, -(bx_r_knee_x * t_r_hip_pitch_y));
     jacobian[1][13] = by_r_knee_y
@@ -694,7 +691,6 @@ pub fn com_jacobian_into<T: Real>(
         .mul_add(s_r_hip_roll, -(s_r_ank_roll * c_r_hip_roll));
     let bz_r_hip_roll_y = s_r_ank_roll
         .mul_add(s_r_hip_roll, bz_r_hip_pitch_y * c_r_hip_roll);
-    // r_hip_roll
     jacobian[0][12] = bx_r_hip_pitch_y * t_r_hip_roll_y;
     jacobian[1][12] = -c_r_ank_roll
         .mul_add(t_r_hip_roll_x, -(by_r_hip_pitch_y * t_r_hip_roll_y));
@@ -710,7 +706,6 @@ pub fn com_jacobian_into<T: Real>(
     let bz_r_hip_yaw_x = bz_r_hip_roll_x
         .mul_add(s_r_hip_yaw, bz_r_hip_pitch_x * c_r_hip_yaw);
     let e9 = bz_r_hip_pitch_x.mul_add(s_r_hip_yaw, -(bz_r_hip_roll_x * c_r_hip_yaw));
-    // r_hip_yaw
     jacobian[0][11] = -bx_r_hip_pitch_x
         .mul_add(t_r_hip_yaw_x, -(bx_r_hip_roll_x * t_r_hip_yaw_y));
     jacobian[1][11] = -by_r_hip_pitch_x
@@ -721,7 +716,6 @@ pub fn com_jacobian_into<T: Real>(
     let bx_head_pan_x = bx_r_hip_yaw_x.mul_add(c_head_pan, -(e7 * s_head_pan));
     let by_head_pan_x = by_r_hip_yaw_x.mul_add(c_head_pan, -(e8 * s_head_pan));
     let bz_head_pan_x = bz_r_hip_yaw_x.mul_add(c_head_pan, -(e9 * s_head_pan));
-    // head_pan
     jacobian[0][0] = -e7.mul_add(t_head_pan_x, bx_r_hip_yaw_x * t_head_pan_y);
     jacobian[1][0] = -e8.mul_add(t_head_pan_x, by_r_hip_yaw_x * t_head_pan_y);
     jacobian[2][0] = -e9.mul_add(t_head_pan_x, bz_r_hip_yaw_x * t_head_pan_y);
@@ -738,7 +732,6 @@ pub fn com_jacobian_into<T: Real>(
     let by_l_hip_yaw_y = by_r_hip_yaw_x.mul_add(s_l_hip_yaw, -(e8 * c_l_hip_yaw));
     let bz_l_hip_yaw_x = bz_r_hip_yaw_x.mul_add(c_l_hip_yaw, e9 * s_l_hip_yaw);
     let bz_l_hip_yaw_y = bz_r_hip_yaw_x.mul_add(s_l_hip_yaw, -(e9 * c_l_hip_yaw));
-    // l_hip_yaw
     jacobian[0][2] = e7.mul_add(t_l_hip_yaw_x, bx_r_hip_yaw_x * t_l_hip_yaw_y);
     jacobian[1][2] = e8.mul_add(t_l_hip_yaw_x, by_r_hip_yaw_x * t_l_hip_yaw_y);
     jacobian[2][2] = e9.mul_add(t_l_hip_yaw_x, bz_r_hip_yaw_x * t_l_hip_yaw_y);
@@ -753,7 +746,6 @@ pub fn com_jacobian_into<T: Real>(
         .mul_add(c_l_hip_roll, -(bz_r_hip_roll_y * s_l_hip_roll));
     let bz_l_hip_roll_y = bz_r_hip_roll_y
         .mul_add(c_l_hip_roll, bz_l_hip_yaw_y * s_l_hip_roll);
-    // l_hip_roll
     jacobian[0][3] = -bx_r_hip_roll_y
         .mul_add(t_l_hip_roll_x, -(bx_l_hip_yaw_y * t_l_hip_roll_y));
     jacobian[1][3] = e6.mul_add(t_l_hip_roll_x, by_l_hip_yaw_y * t_l_hip_roll_y);
@@ -769,7 +761,6 @@ pub fn com_jacobian_into<T: Real>(
     let bz_l_hip_pitch_x = bz_l_hip_roll_y
         .mul_add(s_l_hip_pitch, bz_l_hip_yaw_x * c_l_hip_pitch);
     let e12 = bz_l_hip_yaw_x.mul_add(s_l_hip_pitch, -(bz_l_hip_roll_y * c_l_hip_pitch));
-    // l_hip_pitch
     jacobian[0][4] = -bx_l_hip_yaw_x
         .mul_add(t_l_hip_pitch_x, -(bx_l_hip_roll_y * t_l_hip_pitch_y));
     jacobian[1][4] = -by_l_hip_yaw_x
@@ -783,7 +774,6 @@ pub fn com_jacobian_into<T: Real>(
     let e14 = e11.mul_add(c_l_knee, by_l_hip_pitch_x * s_l_knee);
     let bz_l_knee_x = bz_l_hip_pitch_x.mul_add(c_l_knee, -(e12 * s_l_knee));
     let e15 = e12.mul_add(c_l_knee, bz_l_hip_pitch_x * s_l_knee);
-    // l_knee
     jacobian[0][5] = -e10.mul_add(t_l_knee_x, bx_l_hip_pitch_x * t_l_knee_y);
     jacobian[1][5] = -e11.mul_add(t_l_knee_x, by_l_hip_pitch_x * t_l_knee_y);
     jacobian[2][5] = -e12.mul_add(t_l_knee_x, bz_l_hip_pitch_x * t_l_knee_y);
@@ -791,7 +781,6 @@ pub fn com_jacobian_into<T: Real>(
     let bx_l_ank_pitch_y = bx_l_knee_x.mul_add(s_l_ank_pitch, -(e13 * c_l_ank_pitch));
     let by_l_ank_pitch_y = by_l_knee_x.mul_add(s_l_ank_pitch, -(e14 * c_l_ank_pitch));
     let bz_l_ank_pitch_y = bz_l_knee_x.mul_add(s_l_ank_pitch, -(e15 * c_l_ank_pitch));
-    // l_ank_pitch
     jacobian[0][6] = e13.mul_add(t_l_ank_pitch_x, bx_l_knee_x * t_l_ank_pitch_y);
     jacobian[1][6] = e14.mul_add(t_l_ank_pitch_x, by_l_knee_x * t_l_ank_pitch_y);
     jacobian[2][6] = e15.mul_add(t_l_ank_pitch_x, bz_l_knee_x * t_l_ank_pitch_y);
@@ -813,7 +802,6 @@ pub fn com_jacobian_into<T: Real>(
         .mul_add(c_l_sho_pitch, -(bz_r_hip_roll_y * s_l_sho_pitch));
     let bz_l_sho_pitch_y = bz_r_hip_roll_y
         .mul_add(c_l_sho_pitch, bz_r_hip_yaw_x * s_l_sho_pitch);
-    // l_sho_pitch
     jacobian[0][8] = -bx_r_hip_roll_y
         .mul_add(t_l_sho_pitch_x, -(bx_r_hip_yaw_x * t_l_sho_pitch_y));
     jacobian[1][8] = e6.mul_add(t_l_sho_pitch_x, by_r_hip_yaw_x * t_l_sho_pitch_y);
@@ -850,7 +838,6 @@ pub fn com_jacobian_into<T: Real>(
         .mul_add(c_r_sho_pitch, bz_r_hip_roll_y * s_r_sho_pitch);
     let bz_r_sho_pitch_y = bz_r_hip_roll_y
         .mul_add(c_r_sho_pitch, -(bz_r_hip_yaw_x * s_r_sho_pitch));
-    // r_sho_pitch
     jacobian[0][17] = bx_r_hip_roll_y
         .mul_add(t_r_sho_pitch_x, -(bx_r_hip_yaw_x * t_r_sho_pitch_y));
     jacobian[1][17] = -e6.mul_add(t_r_sho_pitch_x, by_r_hip_yaw_x * t_r_sho_pitch_y);

@@ -1485,7 +1485,6 @@ pub fn com_jacobian_into<T: Real>(
             T::from_f64(0.13055455182981807),
             T::from_f64(0.9799158654419752) * c_right_ankle_roll,
         );
-    // right_ankle_roll
     jacobian[0][5] = -t_right_ankle_roll_x
         .mul_add(
             T::from_f64(0.1111747801713847),
@@ -1526,7 +1525,6 @@ pub fn com_jacobian_into<T: Real>(
         .mul_add(s_right_ankle_pitch, -(e53 * c_right_ankle_pitch));
     let e56 = kz_right_ankle_pitch_y
         .mul_add(c_right_ankle_pitch, e53 * s_right_ankle_pitch);
-    // right_ankle_pitch
     jacobian[0][4] = kx_right_ankle_pitch_y
         .mul_add(t_right_ankle_pitch_x, e51 * t_right_ankle_pitch_y);
     jacobian[1][4] = ky_right_ankle_pitch_y
@@ -1570,7 +1568,6 @@ pub fn com_jacobian_into<T: Real>(
         );
     let bz_right_knee_x = e56.mul_add(s_right_knee, kz_right_knee_y * c_right_knee);
     let e59 = e56.mul_add(c_right_knee, -(kz_right_knee_y * s_right_knee));
-    // right_knee
     jacobian[0][3] = kx_right_knee_y.mul_add(t_right_knee_x, e54 * t_right_knee_y);
     jacobian[1][3] = ky_right_knee_y.mul_add(t_right_knee_x, e55 * t_right_knee_y);
     jacobian[2][3] = kz_right_knee_y.mul_add(t_right_knee_x, e56 * t_right_knee_y);
@@ -1614,7 +1611,6 @@ pub fn com_jacobian_into<T: Real>(
     let bz_right_hip_pitch_x = kz_right_hip_pitch_y
         .mul_add(s_right_hip_pitch, -(e59 * c_right_hip_pitch));
     let e62 = kz_right_hip_pitch_y.mul_add(c_right_hip_pitch, e59 * s_right_hip_pitch);
-    // right_hip_pitch
     jacobian[0][2] = kx_right_hip_pitch_y
         .mul_add(t_right_hip_pitch_x, e57 * t_right_hip_pitch_y);
     jacobian[1][2] = ky_right_hip_pitch_y
@@ -1664,7 +1660,6 @@ pub fn com_jacobian_into<T: Real>(
         .mul_add(c_right_hip_roll, -(kz_right_hip_roll_y * s_right_hip_roll));
     let bz_right_hip_roll_y = kz_right_hip_roll_y
         .mul_add(c_right_hip_roll, e62 * s_right_hip_roll);
-    // right_hip_roll
     jacobian[0][1] = e60.mul_add(t_right_hip_roll_y, -(kx_right_hip_roll_y * e45));
     jacobian[1][1] = e61.mul_add(t_right_hip_roll_y, -(ky_right_hip_roll_y * e45));
     jacobian[2][1] = e62.mul_add(t_right_hip_roll_y, -(kz_right_hip_roll_y * e45));
@@ -1711,7 +1706,6 @@ pub fn com_jacobian_into<T: Real>(
         .mul_add(c_right_hip_yaw, kz_right_hip_yaw_y * s_right_hip_yaw);
     let e65 = kz_right_hip_yaw_y
         .mul_add(c_right_hip_yaw, -(bz_right_hip_roll_y * s_right_hip_yaw));
-    // right_hip_yaw
     jacobian[0][0] = kx_right_hip_yaw_y
         .mul_add(t_right_hip_yaw_x, -(bx_right_hip_roll_y * t_right_hip_yaw_y));
     jacobian[1][0] = ky_right_hip_yaw_y
@@ -1755,7 +1749,6 @@ pub fn com_jacobian_into<T: Real>(
         );
     let bz_left_hip_yaw_x = e65.mul_add(c_left_hip_yaw, -(e70 * s_left_hip_yaw));
     let e71 = e70.mul_add(c_left_hip_yaw, e65 * s_left_hip_yaw);
-    // left_hip_yaw
     jacobian[0][6] = -e63.mul_add(t_left_hip_yaw_y, -(e66 * t_left_hip_yaw_x));
     jacobian[1][6] = -e64.mul_add(t_left_hip_yaw_y, -(e68 * t_left_hip_yaw_x));
     jacobian[2][6] = -e65.mul_add(t_left_hip_yaw_y, -(e70 * t_left_hip_yaw_x));
@@ -1796,7 +1789,6 @@ pub fn com_jacobian_into<T: Real>(
         );
     let e76 = e71.mul_add(c_left_hip_roll, kz_left_hip_roll_y * s_left_hip_roll);
     let e77 = kz_left_hip_roll_y.mul_add(c_left_hip_roll, -(e71 * s_left_hip_roll));
-    // left_hip_roll
     jacobian[0][7] = -kx_left_hip_roll_y.mul_add(t_left_hip_roll_x, -(e67 * e40));
     jacobian[1][7] = -ky_left_hip_roll_y.mul_add(t_left_hip_roll_x, -(e69 * e40));
     jacobian[2][7] = -kz_left_hip_roll_y.mul_add(t_left_hip_roll_x, -(e71 * e40));
@@ -1837,7 +1829,6 @@ pub fn com_jacobian_into<T: Real>(
         );
     let bz_left_hip_pitch_x = e77.mul_add(c_left_hip_pitch, -(e82 * s_left_hip_pitch));
     let e83 = e82.mul_add(c_left_hip_pitch, e77 * s_left_hip_pitch);
-    // left_hip_pitch
     jacobian[0][8] = -e73.mul_add(t_left_hip_pitch_y, -(e78 * t_left_hip_pitch_x));
     jacobian[1][8] = -e75.mul_add(t_left_hip_pitch_y, -(e80 * t_left_hip_pitch_x));
     jacobian[2][8] = -e77.mul_add(t_left_hip_pitch_y, -(e82 * t_left_hip_pitch_x));
@@ -1878,7 +1869,6 @@ pub fn com_jacobian_into<T: Real>(
         );
     let bz_left_knee_x = kz_left_knee_y.mul_add(c_left_knee, -(e83 * s_left_knee));
     let e86 = kz_left_knee_y.mul_add(s_left_knee, e83 * c_left_knee);
-    // left_knee
     jacobian[0][9] = -kx_left_knee_y.mul_add(t_left_knee_x, e79 * t_left_knee_y);
     jacobian[1][9] = -ky_left_knee_y.mul_add(t_left_knee_x, e81 * t_left_knee_y);
     jacobian[2][9] = -kz_left_knee_y.mul_add(t_left_knee_x, e83 * t_left_knee_y);
@@ -1919,7 +1909,6 @@ pub fn com_jacobian_into<T: Real>(
         );
     let bz_left_ankle_pitch_x = e86
         .mul_add(c_left_ankle_pitch, kz_left_ankle_pitch_y * s_left_ankle_pitch);
-    // left_ankle_pitch
     jacobian[0][10] = -kx_left_ankle_pitch_y
         .mul_add(t_left_ankle_pitch_x, e84 * t_left_ankle_pitch_y);
     jacobian[1][10] = -ky_left_ankle_pitch_y
@@ -2009,7 +1998,6 @@ pub fn com_jacobian_into<T: Real>(
         .mul_add(s_waist_yaw, -(kz_waist_yaw_x * c_waist_yaw));
     let bz_waist_yaw_y = kz_waist_yaw_y
         .mul_add(c_waist_yaw, kz_waist_yaw_x * s_waist_yaw);
-    // waist_yaw
     jacobian[0][12] = -kx_waist_yaw_y
         .mul_add(t_waist_yaw_x, -(kx_waist_yaw_x * t_waist_yaw_y));
     jacobian[1][12] = -ky_waist_yaw_y
@@ -2053,7 +2041,6 @@ pub fn com_jacobian_into<T: Real>(
         );
     let e94 = bz_waist_yaw_y.mul_add(s_waist_pitch, kz_waist_pitch_y * c_waist_pitch);
     let e95 = bz_waist_yaw_y.mul_add(c_waist_pitch, -(kz_waist_pitch_y * s_waist_pitch));
-    // waist_pitch
     jacobian[0][13] = kx_waist_pitch_y.mul_add(e33, bx_waist_yaw_y * t_waist_pitch_y);
     jacobian[1][13] = ky_waist_pitch_y.mul_add(e33, by_waist_yaw_y * t_waist_pitch_y);
     jacobian[2][13] = kz_waist_pitch_y.mul_add(e33, bz_waist_yaw_y * t_waist_pitch_y);
@@ -2091,7 +2078,6 @@ pub fn com_jacobian_into<T: Real>(
             -(T::from_f64(0.9931473920461839) * e94),
         );
     let bz_neck_yaw_x = e95.mul_add(s_neck_yaw, e98 * c_neck_yaw);
-    // neck_yaw
     jacobian[0][14] = -e96.mul_add(e29, e91 * t_neck_yaw_y);
     jacobian[1][14] = -e97.mul_add(e29, e93 * t_neck_yaw_y);
     jacobian[2][14] = -e98.mul_add(e29, e95 * t_neck_yaw_y);
@@ -2163,7 +2149,6 @@ pub fn com_jacobian_into<T: Real>(
         );
     let bz_right_shoulder_pitch_y = kz_right_shoulder_pitch_y
         .mul_add(s_right_shoulder_pitch, e104 * c_right_shoulder_pitch);
-    // right_shoulder_pitch
     jacobian[0][16] = -e100
         .mul_add(t_right_shoulder_pitch_y, -(kx_right_shoulder_pitch_y * e26));
     jacobian[1][16] = -e102
@@ -2231,7 +2216,6 @@ pub fn com_jacobian_into<T: Real>(
             c_right_shoulder_roll,
             bz_right_shoulder_pitch_y * s_right_shoulder_roll,
         );
-    // right_shoulder_roll
     jacobian[0][17] = -kx_right_shoulder_roll_y
         .mul_add(
             t_right_shoulder_roll_x,
@@ -2299,7 +2283,6 @@ pub fn com_jacobian_into<T: Real>(
             c_right_shoulder_yaw,
             -(bz_right_shoulder_roll_y * s_right_shoulder_yaw),
         );
-    // right_shoulder_yaw
     jacobian[0][18] = e105
         .mul_add(
             t_right_shoulder_yaw_x,
@@ -2352,7 +2335,6 @@ pub fn com_jacobian_into<T: Real>(
         );
     let bz_right_elbow_x = e113.mul_add(s_right_elbow, e118 * c_right_elbow);
     let e119 = e118.mul_add(s_right_elbow, -(e113 * c_right_elbow));
-    // right_elbow
     jacobian[0][19] = -e114.mul_add(e20, e107 * t_right_elbow_y);
     jacobian[1][19] = -e116.mul_add(e20, e110 * t_right_elbow_y);
     jacobian[2][19] = -e118.mul_add(e20, e113 * t_right_elbow_y);
@@ -2396,7 +2378,6 @@ pub fn com_jacobian_into<T: Real>(
     let bz_right_wrist_yaw_x = e122
         .mul_add(s_right_wrist_yaw, -(e119 * c_right_wrist_yaw));
     let bz_right_wrist_yaw_y = e122.mul_add(c_right_wrist_yaw, e119 * s_right_wrist_yaw);
-    // right_wrist_yaw
     jacobian[0][20] = e120.mul_add(t_right_wrist_yaw_x, e115 * e18);
     jacobian[1][20] = e121.mul_add(t_right_wrist_yaw_x, e117 * e18);
     jacobian[2][20] = e122.mul_add(t_right_wrist_yaw_x, e119 * e18);
@@ -2437,7 +2418,6 @@ pub fn com_jacobian_into<T: Real>(
         );
     let bz_right_wrist_roll_x = bz_right_wrist_yaw_y
         .mul_add(c_right_wrist_roll, -(kz_right_wrist_roll_y * s_right_wrist_roll));
-    // right_wrist_roll
     jacobian[0][21] = -kx_right_wrist_roll_y
         .mul_add(t_right_wrist_roll_x, bx_right_wrist_yaw_y * e16);
     jacobian[1][21] = -ky_right_wrist_roll_y
@@ -2536,7 +2516,6 @@ pub fn com_jacobian_into<T: Real>(
             s_left_shoulder_pitch,
             kz_left_shoulder_pitch_x * c_left_shoulder_pitch,
         );
-    // left_shoulder_pitch
     jacobian[0][23] = -e124
         .mul_add(e13, -(kx_left_shoulder_pitch_x * t_left_shoulder_pitch_y));
     jacobian[1][23] = -e127
@@ -2595,7 +2574,6 @@ pub fn com_jacobian_into<T: Real>(
             s_left_shoulder_roll,
             -(kz_left_shoulder_roll_y * c_left_shoulder_roll),
         );
-    // left_shoulder_roll
     jacobian[0][24] = -kx_left_shoulder_roll_y
         .mul_add(t_left_shoulder_roll_x, e125 * t_left_shoulder_roll_y);
     jacobian[1][24] = -ky_left_shoulder_roll_y
@@ -2642,7 +2620,6 @@ pub fn com_jacobian_into<T: Real>(
     let bz_left_shoulder_yaw_x = e134
         .mul_add(c_left_shoulder_yaw, -(e139 * s_left_shoulder_yaw));
     let e140 = e139.mul_add(c_left_shoulder_yaw, e134 * s_left_shoulder_yaw);
-    // left_shoulder_yaw
     jacobian[0][25] = -e132
         .mul_add(t_left_shoulder_yaw_y, -(e135 * t_left_shoulder_yaw_x));
     jacobian[1][25] = -e133
@@ -2686,7 +2663,6 @@ pub fn com_jacobian_into<T: Real>(
         );
     let bz_left_elbow_x = e140.mul_add(s_left_elbow, -(kz_left_elbow_y * c_left_elbow));
     let bz_left_elbow_y = kz_left_elbow_y.mul_add(s_left_elbow, e140 * c_left_elbow);
-    // left_elbow
     jacobian[0][26] = -e136.mul_add(t_left_elbow_y, -(kx_left_elbow_y * e7));
     jacobian[1][26] = -e138.mul_add(t_left_elbow_y, -(ky_left_elbow_y * e7));
     jacobian[2][26] = -e140.mul_add(t_left_elbow_y, -(kz_left_elbow_y * e7));
@@ -2730,7 +2706,6 @@ pub fn com_jacobian_into<T: Real>(
     let bz_left_wrist_yaw_x = bz_left_elbow_y
         .mul_add(c_left_wrist_yaw, e145 * s_left_wrist_yaw);
     let e146 = bz_left_elbow_y.mul_add(s_left_wrist_yaw, -(e145 * c_left_wrist_yaw));
-    // left_wrist_yaw
     jacobian[0][27] = -bx_left_elbow_y.mul_add(e5, -(e141 * t_left_wrist_yaw_x));
     jacobian[1][27] = -by_left_elbow_y.mul_add(e5, -(e143 * t_left_wrist_yaw_x));
     jacobian[2][27] = -bz_left_elbow_y.mul_add(e5, -(e145 * t_left_wrist_yaw_x));
@@ -2765,7 +2740,6 @@ pub fn com_jacobian_into<T: Real>(
             T::from_f64(0.9977446087492899),
             T::from_f64(0.06712447922871664) * kz_left_wrist_yaw_z,
         );
-    // left_wrist_roll
     jacobian[0][28] = -kx_left_wrist_roll_y.mul_add(t_left_wrist_roll_x, -(e142 * e3));
     jacobian[1][28] = -ky_left_wrist_roll_y.mul_add(t_left_wrist_roll_x, -(e144 * e3));
     jacobian[2][28] = -kz_left_wrist_roll_y.mul_add(t_left_wrist_roll_x, -(e146 * e3));
@@ -2788,7 +2762,6 @@ pub fn com_jacobian_into<T: Real>(
             T::from_f64(0.042799828876225604),
             -(T::from_f64(0.99908366749145) * kz_left_wrist_roll_z),
         );
-    // left_wrist_pitch
     jacobian[0][29] = -kx_left_wrist_pitch_y
         .mul_add(
             t_left_wrist_pitch_x,

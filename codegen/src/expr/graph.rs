@@ -106,9 +106,13 @@ impl Graph {
         }
     }
 
-    /// Start a section of generated code: nodes made from here on stand below it.
+    /// Start a section of generated code, or go on with the one of that title: nodes made
+    /// from here on stand below it.
     pub fn section(&mut self, title: impl Into<String>) {
-        self.sections.push((self.nodes.len(), title.into()));
+        let title = title.into();
+        if self.sections.last().is_none_or(|(_, last)| *last != title) {
+            self.sections.push((self.nodes.len(), title));
+        }
     }
 
     /// Record that `entries` have Euclidean norm at most `norm` and are a sum
