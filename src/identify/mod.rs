@@ -2,11 +2,12 @@
 //! cannot say.
 //!
 //! ```text
-//! posture_log → measurement → gather (factors) → solve (with prior) → identification
+//! posture_log → measurement → gather (factors) → solve (with prior) → fit → identification
 //! ```
 
 pub mod corrected;
 pub mod factor;
+mod fit;
 pub mod gather;
 pub mod identification;
 pub mod limits;
@@ -28,5 +29,7 @@ pub mod quadratic;
 pub mod residuals;
 pub mod robust;
 pub mod solve;
+mod statements;
 
-pub use identification::{Identification, Settings, identify, identify_within};
+pub use fit::{identify, identify_within};
+pub use identification::{Identification, Settings};
