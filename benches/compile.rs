@@ -13,9 +13,9 @@ use std::process::Command;
 use std::time::Instant;
 
 use common::{Kind, tree};
-use sesc::robot::Robot;
 use sesc_codegen::emit::rust;
-use sesc_codegen::{Model, Snapping};
+use sesc_identify::robot::Robot;
+use sesc_model::{Model, Snapping};
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 /// Functions whose size is told, as symbols of a library.

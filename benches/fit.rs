@@ -6,10 +6,11 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use sesc::robot::{OP2_URDF, Robot};
-use sesc::simulate::Simulator;
-use sesc_codegen::Snapping;
+use sesc::OP2_URDF;
 use sesc_generated::op2_r_sole::{self as op2, BASE_PARAMS as N, CAD_PARAMS, DOF};
+use sesc_identify::robot::Robot;
+use sesc_identify::simulate::Simulator;
+use sesc_model::Snapping;
 use sesc_runtime::Simd;
 use sesc_runtime::fit::{Estimator, Scalar};
 

@@ -7,11 +7,11 @@ use std::time::Duration;
 
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
-use sesc::evaluate::Evaluator;
-use sesc::plan::limits::Limits;
-use sesc::robot::Robot;
-use sesc::simulate::Simulator;
-use sesc_codegen::{Function, Model, Snapping};
+use sesc_identify::evaluate::Evaluator;
+use sesc_identify::plan::limits::Limits;
+use sesc_identify::robot::Robot;
+use sesc_identify::simulate::Simulator;
+use sesc_model::{Function, Model, Snapping};
 use sesc_reference::Reference;
 use sesc_runtime::{Batch, F32x16, F64x8, Simd, Single, pack};
 
@@ -40,7 +40,7 @@ impl Setup {
             }
         }
         Setup {
-            reference: robot.reference(support).unwrap(),
+            reference: sesc::verify::reference(&robot, support).unwrap(),
             q: Simulator::new(&dofs, None, 1).batch(2 * BATCH),
             model,
         }

@@ -12,9 +12,9 @@ use std::time::Duration;
 
 use common::{Kind, tree};
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use sesc::robot::Robot;
 use sesc_codegen::emit::rust;
-use sesc_codegen::{Function, Given, Model, Snapping};
+use sesc_identify::robot::Robot;
+use sesc_model::{Function, Given, Model, Snapping};
 
 fn everything(text: &str, support: &str) -> String {
     let robot = Robot::parse(text, "robot.urdf").unwrap();

@@ -9,18 +9,21 @@ use std::time::Duration;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use faer::linalg::solvers::SolveLstsqCore as _;
 use nalgebra::{DMatrix, DVector};
-use sesc::evaluate::Evaluator;
-use sesc::identify::factor::Factor;
-use sesc::identify::gather::Gathered;
-use sesc::identify::logs::{Logs, Watch};
-use sesc::identify::measurement::Measurement;
-use sesc::identify::prior::Prior;
-use sesc::identify::solve::solve;
-use sesc::identify::{Settings, identify};
-use sesc::posture_log::{Block, Options, PostureWriter, Progress, Readings, Row, Sidecar, Written};
-use sesc::robot::{OP2_URDF, Robot};
-use sesc::simulate::Simulator;
-use sesc_codegen::{Function, Model, Snapping};
+use sesc::OP2_URDF;
+use sesc_identify::evaluate::Evaluator;
+use sesc_identify::fit::factor::Factor;
+use sesc_identify::fit::gather::Gathered;
+use sesc_identify::fit::logs::{Logs, Watch};
+use sesc_identify::fit::measurement::Measurement;
+use sesc_identify::fit::prior::Prior;
+use sesc_identify::fit::solve::solve;
+use sesc_identify::fit::{Settings, identify};
+use sesc_identify::logs::{
+    Block, Options, PostureWriter, Progress, Readings, Row, Sidecar, Written,
+};
+use sesc_identify::robot::Robot;
+use sesc_identify::simulate::Simulator;
+use sesc_model::{Function, Model, Snapping};
 
 const SUPPORT: &str = "r_sole";
 const NOISE: f64 = 0.00493;

@@ -5,12 +5,12 @@ use std::collections::BTreeMap;
 
 use nalgebra::DMatrix;
 use serde::Serialize;
-use sesc_codegen::base::Column;
-use sesc_codegen::bounds::Precision;
-use sesc_codegen::program::Counts;
-use sesc_codegen::{Function, Given, Model, numeric};
+use sesc_model::base::Column;
+use sesc_model::bounds::Precision;
+use sesc_model::program::Counts;
+use sesc_model::{Function, Given, Model, numeric};
 
-use crate::evaluate::Evaluator;
+use sesc_identify::evaluate::Evaluator;
 
 /// Pivots below this, relative to the largest, count as dependent columns.
 const RANK_TOLERANCE: f64 = 1e-12;
@@ -200,7 +200,7 @@ pub fn inspect(model: &Model) -> Inspection {
 
 fn bodies(model: &Model) -> Vec<Body> {
     let chain = &model.chain;
-    let body = |(i, body): (usize, &sesc_codegen::chain::Body)| Body {
+    let body = |(i, body): (usize, &sesc_model::chain::Body)| Body {
         body: body.name.clone(),
         joint: body.joint.clone(),
         parent: body.parent.map(|p| chain.bodies[p].name.clone()),

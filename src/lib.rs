@@ -13,18 +13,13 @@
 
 pub mod cli;
 pub mod demo;
-pub mod diagnose;
 pub mod error;
-pub mod evaluate;
-pub mod identify;
 pub mod inspect;
-pub mod output;
-pub mod plan;
-pub mod posture_log;
 pub mod regenerate;
 pub mod report;
-pub mod robot;
-pub mod simulate;
 pub mod verify;
 
 pub use error::Error;
+
+/// The URDF of the OP2, embedded: `sesc demo` needs no files.
+pub const OP2_URDF: &str = include_str!("../robots/op2/op2.urdf");

@@ -4,12 +4,14 @@ use std::path::{Path, PathBuf};
 
 use sesc_codegen::emit::c::{self, Options, Scalar};
 use sesc_codegen::emit::rust;
-use sesc_codegen::{Snapping, write_if_changed};
+use sesc_codegen::write_if_changed;
+use sesc_model::Snapping;
 
 use crate::Error;
+use crate::OP2_URDF;
 use crate::demo::{self, hidden};
 use crate::report::figures::diagnose::course;
-use crate::robot::{OP2_URDF, Robot};
+use sesc_identify::robot::Robot;
 
 /// Robots with checked-in code: folder under `robots/`, support link, module.
 pub const TARGETS: [(&str, &str, &str); 4] = [

@@ -8,13 +8,15 @@ use std::collections::BTreeMap;
 
 use nalgebra::DVector;
 use serde::Serialize;
-use sesc_codegen::bounds::Precision;
 use sesc_codegen::emit::header::function_name;
-use sesc_codegen::{Function, Given, Model};
+use sesc_model::bounds::Precision;
+use sesc_model::{Function, Given, Model};
 use sesc_reference::Reference;
 
-use crate::evaluate::Evaluator;
-use crate::simulate::Simulator;
+use crate::Error;
+use sesc_identify::evaluate::Evaluator;
+use sesc_identify::robot::Robot;
+use sesc_identify::simulate::Simulator;
 
 /// Derivatives by differences are this exact, relative to the robot's size.
 const DIFFERENCES: f64 = 2e-10;
@@ -33,6 +35,15 @@ pub struct Verification {
     pub worst_error: BTreeMap<String, f64>,
     /// What rounding and snapping may explain, m.
     pub bound: BTreeMap<String, f64>,
+}
+
+/// The independent reference of `robot` on `support`; it reads the URDF by itself.
+///
+/// # Errors
+/// When the reference cannot read the URDF, or has no such link.
+pub fn reference(robot: &Robot, support: &str) -> Result<Reference, Error> {
+    let read = sesc_reference::Robot::from_urdf(robot.text())?;
+    Ok(Reference::new(&read, support)?)
 }
 
 /// Compare on `samples` random postures and as many corners as joints allow.

@@ -14,13 +14,13 @@ use std::process::Command;
 use common::{Kind, tree};
 use exact::Interpreter;
 use nalgebra::DVector;
-use sesc::evaluate::Evaluator;
-use sesc::robot::Robot;
-use sesc::simulate::Simulator;
 use sesc::verify::{allowed, corners, verify};
-use sesc_codegen::bounds::Precision;
 use sesc_codegen::emit::rust;
-use sesc_codegen::{Function, Given, Model, Snapping};
+use sesc_identify::evaluate::Evaluator;
+use sesc_identify::robot::Robot;
+use sesc_identify::simulate::Simulator;
+use sesc_model::bounds::Precision;
+use sesc_model::{Function, Given, Model, Snapping};
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 /// Random postures of each case, besides corners of the limits.
@@ -215,7 +215,7 @@ fn same_bits_in_single_precision(case: &Case, folder: &Path) {
 
 fn close_to_the_reference(case: &Case, folder: &Path) {
     let model = &case.model;
-    let reference = case.robot.reference(&case.support).unwrap();
+    let reference = sesc::verify::reference(&case.robot, &case.support).unwrap();
     let program = model.program(Function::Com, Given::Positions).unwrap();
     let snapped: f64 = model.tree.snaps.iter().map(|snap| snap.com_error).sum();
     let single_bound = model.rounding(&program, Precision::F32).worst + snapped;
@@ -257,7 +257,7 @@ fn close_to_the_reference(case: &Case, folder: &Path) {
 
 /// The tape stands for the compiled code, bit by bit; so all postures count.
 fn tape_agrees_with_the_reference(case: &Case) {
-    let reference = case.robot.reference(&case.support).unwrap();
+    let reference = sesc::verify::reference(&case.robot, &case.support).unwrap();
     let found = verify(&case.model, &reference, POSTURES, 11, |_, _| {});
     assert!(found.pass, "{}: {found:#?}", case.module);
 }

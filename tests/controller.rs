@@ -134,8 +134,8 @@ fn main() {
 
 #[test]
 fn a_controller_with_a_model_file_has_its_effects() {
-    use sesc::robot::Robot;
-    use sesc_codegen::{ModelFile, Snapping};
+    use sesc_identify::robot::Robot;
+    use sesc_model::{ModelFile, Snapping};
 
     let crate_ = Path::new(env!("CARGO_TARGET_TMPDIR")).join("controller_with_effects");
     let _ = fs::remove_dir_all(&crate_);

@@ -9,11 +9,12 @@ use std::collections::BTreeMap;
 use std::fs;
 
 use command::{folder, op2, refused, sesc, stdout};
-use sesc::diagnose::corrected_urdf::{CorrectedUrdf, of_model_file};
-use sesc::identify::prior::{Prior, Tolerances};
-use sesc::robot::{OP2_URDF, Robot};
-use sesc::simulate::Simulator;
-use sesc_codegen::{EffectRecord, ModelFile, Quantity, Snapping};
+use sesc::OP2_URDF;
+use sesc_identify::diagnose::corrected_urdf::{CorrectedUrdf, of_model_file};
+use sesc_identify::fit::prior::{Prior, Tolerances};
+use sesc_identify::robot::Robot;
+use sesc_identify::simulate::Simulator;
+use sesc_model::{EffectRecord, ModelFile, Quantity, Snapping};
 use sesc_reference::{Reference, World};
 
 const LIFT_BASE: &str = include_str!("../robots/lift_base/lift_base.urdf");
@@ -196,7 +197,7 @@ fn masses_come_along_and_what_no_urdf_holds_is_named() {
         .iter()
         .position(|l| l.name == "body_link");
     let link = &heavier.robot().links()[link.unwrap()];
-    let weight = sesc_codegen::urdf::Weight {
+    let weight = sesc_model::urdf::Weight {
         mass_kg: link.mass_kg,
         com_m: link.com_m.coords.into(),
     };
@@ -205,7 +206,7 @@ fn masses_come_along_and_what_no_urdf_holds_is_named() {
     let weights: Vec<_> = links
         .map(|l| (l.name == "body_link").then_some(weight))
         .collect();
-    let text = sesc_codegen::urdf::amend(OP2_URDF, "op2.urdf", &weights).unwrap();
+    let text = sesc_model::urdf::amend(OP2_URDF, "op2.urdf", &weights).unwrap();
     let params = Robot::parse(&text, "op2.urdf").unwrap();
     let params = params
         .model("r_sole", Snapping::Off, None)

@@ -7,16 +7,16 @@ use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, Normal};
-use sesc::identify::factor::Factor;
-use sesc::identify::gather::Gathered;
-use sesc::identify::measurement::Measurement;
-use sesc::identify::prior::Prior;
-use sesc::identify::solve::solve;
-use sesc::identify::{Identification, Settings, identify};
-use sesc::posture_log::Block;
-use sesc::robot::Robot;
-use sesc::simulate::Simulator;
-use sesc_codegen::{Model, Snapping};
+use sesc_identify::fit::factor::Factor;
+use sesc_identify::fit::gather::Gathered;
+use sesc_identify::fit::measurement::Measurement;
+use sesc_identify::fit::prior::Prior;
+use sesc_identify::fit::solve::solve;
+use sesc_identify::fit::{Identification, Settings, identify};
+use sesc_identify::logs::Block;
+use sesc_identify::robot::Robot;
+use sesc_identify::simulate::Simulator;
+use sesc_model::{Model, Snapping};
 use sesc_reference::Reference;
 
 /// CoP noise of the seed paper: one reading, and the mean of 100, m.
@@ -36,7 +36,7 @@ impl Op2 {
     fn new() -> Op2 {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/op2/op2.urdf");
         let robot = Robot::read(&path).unwrap();
-        let reference = robot.reference("r_sole").unwrap();
+        let reference = sesc::verify::reference(&robot, "r_sole").unwrap();
         Op2 {
             cad: reference.standard_parameters(),
             robot,
@@ -276,7 +276,7 @@ fn both_feet_tell_the_height() {
     let op2 = Op2::new();
     let mut rng = ChaCha8Rng::seed_from_u64(3);
     let theta = op2.truth(0.10, 0.005, &mut rng);
-    let left = op2.robot.reference("l_sole").unwrap();
+    let left = sesc::verify::reference(&op2.robot, "l_sole").unwrap();
     let q = op2.postures(1000, 3);
     let mut block = op2.log(&q, &theta, NOISE_OF_MEAN, &mut rng);
     let readings = block.reading.as_mut().unwrap();

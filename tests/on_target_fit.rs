@@ -1,12 +1,13 @@
 //! The estimator of the runtime against the batch fit, on the OP2 on its right sole.
 
 use nalgebra::{DMatrix, DVector};
-use sesc::identify::factor::Factor;
-use sesc::identify::solve::{Estimate, solve};
-use sesc::robot::{OP2_URDF, Robot};
-use sesc::simulate::Simulator;
-use sesc_codegen::Snapping;
+use sesc::OP2_URDF;
 use sesc_generated::op2_r_sole::{self as op2, BASE_PARAMS as N, CAD_PARAMS, DOF};
+use sesc_identify::fit::factor::Factor;
+use sesc_identify::fit::solve::{Estimate, solve};
+use sesc_identify::robot::Robot;
+use sesc_identify::simulate::Simulator;
+use sesc_model::Snapping;
 use sesc_runtime::fit::{Error, Estimator};
 
 /// Noise of the CoP, m.

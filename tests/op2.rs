@@ -1,12 +1,13 @@
 //! The OP2: facts about the robot, the paper and the cost of its code.
 
-use sesc::evaluate::Evaluator;
+use sesc::OP2_URDF;
 use sesc::inspect::{Rank, numeric_rank};
-use sesc::robot::{OP2_URDF, Robot};
-use sesc::simulate::Simulator;
-use sesc_codegen::bounds::Precision;
-use sesc_codegen::program::Counts;
-use sesc_codegen::{Function, Given, Model, Snapping, numeric};
+use sesc_identify::evaluate::Evaluator;
+use sesc_identify::robot::Robot;
+use sesc_identify::simulate::Simulator;
+use sesc_model::bounds::Precision;
+use sesc_model::program::Counts;
+use sesc_model::{Function, Given, Model, Snapping, numeric};
 
 fn op2(support: &str) -> Model {
     Robot::parse(OP2_URDF, "op2.urdf")
@@ -173,7 +174,7 @@ fn rounding_bounds_are_tight_enough_to_state() {
 fn the_jacobian_is_the_symbolic_derivative() {
     let model = op2("r_sole");
     let jacobian = Evaluator::new(&model, Function::ComJacobian);
-    let derivative = sesc_codegen::differentiate_com(&model);
+    let derivative = sesc_model::differentiate_com(&model);
     let q = Simulator::new(&model.tree.dofs, None, 5).batch(20);
     let (a, b) = (
         jacobian.run(&q, 20),

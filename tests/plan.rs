@@ -12,15 +12,16 @@ use rand::SeedableRng as _;
 use rand::seq::index;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
-use sesc::evaluate::Evaluator;
-use sesc::identify::factor::Factor;
-use sesc::identify::prior::Prior;
-use sesc::identify::solve::solve;
-use sesc::plan::balance::Region;
-use sesc::plan::limits::Limits;
-use sesc::plan::{Plan, Request, plan};
-use sesc::robot::{OP2_URDF, Robot};
-use sesc_codegen::{Function, Model, Snapping};
+use sesc::OP2_URDF;
+use sesc_identify::evaluate::Evaluator;
+use sesc_identify::fit::factor::Factor;
+use sesc_identify::fit::prior::Prior;
+use sesc_identify::fit::solve::solve;
+use sesc_identify::plan::balance::Region;
+use sesc_identify::plan::limits::Limits;
+use sesc_identify::plan::{Plan, Request, plan};
+use sesc_identify::robot::Robot;
+use sesc_model::{Function, Model, Snapping};
 use sesc_reference::{Reference, Robot as TrueRobot};
 
 /// The seed paper's: |CoP| < 23 mm, 38 postures, 100 readings of 4.93 mm each.
@@ -159,7 +160,7 @@ fn with_cad_as_prior_they_still_tell_more() {
 #[test]
 fn every_planned_posture_can_be_stood_in() {
     let (robot, model, found) = op2_plan("cad", 7, 400);
-    let reference = robot.reference("r_sole").unwrap();
+    let reference = sesc::verify::reference(&robot, "r_sole").unwrap();
     let text = std::fs::read_to_string(paper_limits()).unwrap();
     let support = reference.robot().link_index("r_sole").unwrap();
     let still: Vec<usize> = reference
@@ -345,7 +346,7 @@ fn planned_postures_do_not_collide() {
         folder: None,
     };
     let found = plan(&robot, &model, &request, &|_, _, _| ()).unwrap();
-    let reference = robot.reference("foot").unwrap();
+    let reference = sesc::verify::reference(&robot, "foot").unwrap();
     let hand = |side: &str| {
         reference
             .robot()

@@ -6,11 +6,11 @@ mod common;
 
 use common::{Kind, tree};
 use sesc::inspect::numeric_rank;
-use sesc::robot::Robot;
-use sesc::simulate::Simulator;
 use sesc::verify::verify;
-use sesc_codegen::tree::Motion;
-use sesc_codegen::{Function, Given, Model, Snapping};
+use sesc_identify::robot::Robot;
+use sesc_identify::simulate::Simulator;
+use sesc_model::tree::Motion;
+use sesc_model::{Function, Given, Model, Snapping};
 
 fn model(seed: u64, kind: Kind, snapping: Snapping) -> (Robot, Model, String) {
     let (text, links) = tree(seed, kind);
@@ -39,7 +39,7 @@ fn every_function_agrees_with_the_reference() {
             Snapping::default()
         };
         let (robot, model, support) = model(seed, mixed(seed), snapping);
-        let reference = robot.reference(&support).unwrap();
+        let reference = sesc::verify::reference(&robot, &support).unwrap();
         let found = verify(&model, &reference, 12, seed, |_, _| {});
         assert!(found.pass, "seed {seed} on {support}: {found:#?}");
     }
@@ -52,7 +52,7 @@ fn variants_from_sines_are_there_and_agree() {
     let mut there = 0;
     for seed in 0..320 {
         let (robot, model, support) = model(seed, mixed(seed), Snapping::default());
-        let reference = robot.reference(&support).unwrap();
+        let reference = sesc::verify::reference(&robot, &support).unwrap();
         let found = verify(&model, &reference, 3, seed, |_, _| {});
         assert!(found.pass, "seed {seed} on {support}: {found:#?}");
         there += usize::from(found.worst_error.contains_key("com_sc"));
@@ -65,7 +65,7 @@ fn variants_from_sines_are_there_and_agree() {
 fn without_snapping_com_agrees_to_a_picometre() {
     for seed in (0..320).step_by(2) {
         let (robot, model, support) = model(seed, mixed(seed), Snapping::Off);
-        let reference = robot.reference(&support).unwrap();
+        let reference = sesc::verify::reference(&robot, &support).unwrap();
         let found = verify(&model, &reference, 12, seed, |_, _| {});
         assert!(found.worst_error["com"] < 1e-12, "seed {seed}: {found:#?}");
     }
@@ -95,7 +95,7 @@ fn the_references_own_columns_have_the_same_ranks() {
             ..mixed(seed)
         };
         let (robot, model, support) = model(seed, kind, Snapping::default());
-        let reference = robot.reference(&support).unwrap();
+        let reference = sesc::verify::reference(&robot, &support).unwrap();
         let mut simulator = Simulator::new(&model.tree.dofs, None, seed + 1000);
         let postures: Vec<Vec<f64>> = (0..60).map(|_| simulator.posture()).collect();
         let rank = |axes: &[usize]| {
@@ -130,7 +130,7 @@ fn slow_followers_keep_their_parameters() {
     let model = robot.model("base", Snapping::default(), None).unwrap();
     // The motor's own two, base's three, and two for each angle 1 to 4 times 0.002 m.
     assert_eq!(model.base.params.len(), 3 + 2 + 2 * 4);
-    let reference = robot.reference("base").unwrap();
+    let reference = sesc::verify::reference(&robot, "base").unwrap();
     let found = verify(&model, &reference, 100, 1, |_, _| {});
     assert!(found.pass, "{found:#?}");
 }
@@ -252,7 +252,7 @@ fn a_chain_of_five_hundred_joints_agrees() {
         chained: 1.0,
     };
     let (robot, model, support) = model(3, kind, Snapping::Off);
-    let reference = robot.reference(&support).unwrap();
+    let reference = sesc::verify::reference(&robot, &support).unwrap();
     let found = verify(&model, &reference, 1, 3, |_, _| {});
     assert!(found.pass, "{found:#?}");
 }

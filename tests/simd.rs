@@ -5,10 +5,11 @@
 mod exact;
 
 use exact::{Double, Interpreter, Number as _};
-use sesc::robot::{OP2_URDF, Robot};
-use sesc::simulate::Simulator;
-use sesc_codegen::bounds::Precision;
-use sesc_codegen::{Function, Given, Model, Snapping};
+use sesc::OP2_URDF;
+use sesc_identify::robot::Robot;
+use sesc_identify::simulate::Simulator;
+use sesc_model::bounds::Precision;
+use sesc_model::{Function, Given, Model, Snapping};
 use sesc_runtime::{Batch, F32x16, F64x8, Sesc as _, Simd, Single, pack};
 
 /// Blocks of each function: 32 postures, whose exact values take a microsecond an operation.

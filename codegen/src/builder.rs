@@ -3,10 +3,12 @@
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
+use crate::Error;
 use crate::emit::c::layout::{self, Layout};
 use crate::emit::c::{self, Options, Scalar};
-use crate::emit::{names, rust};
-use crate::{Error, Model, ModelFile, Snapping, urdf};
+use crate::emit::names;
+use crate::emit::rust;
+use sesc_model::{Model, ModelFile, Snapping, urdf};
 
 /// Generates a module for a robot from a controller's `build.rs`.
 ///
@@ -115,7 +117,7 @@ impl Builder {
                     },
                 )?,
             };
-        let description = urdf::read(&self.urdf)?;
+        let description = urdf::read(&self.urdf).map_err(sesc_model::Error::from)?;
         let mut model = Model::new(&description, support, self.snapping)?;
         if let Some(file) = &self.model {
             model = model.with_file(ModelFile::read(file)?)?;

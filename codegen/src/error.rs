@@ -6,27 +6,9 @@ use std::{fmt, io};
 /// A complaint with its remedy.
 #[derive(thiserror::Error)]
 pub enum Error {
-    /// The robot description has faults.
+    /// The robot, its support or its model file.
     #[error(transparent)]
-    Urdf(#[from] crate::urdf::Error),
-    #[error("{file}: no link `{name}` to stand on; the robot has {links}")]
-    UnknownSupport {
-        file: String,
-        name: String,
-        links: String,
-    },
-    #[error(
-        "{kind} joint `{joint}` carries `{link}`, which has mass; a statically equivalent chain \
-         needs revolute, continuous, prismatic or fixed joints: fix the joint, or choose a \
-         support on the side of the mass"
-    )]
-    MassBeyondFreeJoint {
-        joint: String,
-        kind: &'static str,
-        link: String,
-    },
-    #[error("{file}: the robot has no mass; give at least one link an <inertial> with a <mass>")]
-    NoMass { file: String },
+    Model(#[from] sesc_model::Error),
     #[error("`{name}` is no name for a Rust module; `{suggestion}` would be")]
     BadName { name: String, suggestion: String },
     #[error("`{name}` is no prefix for C names; `{suggestion}` would be")]
@@ -68,8 +50,6 @@ pub enum Error {
         #[source]
         source: io::Error,
     },
-    #[error("{file}: {reason}")]
-    ModelFile { file: String, reason: String },
     #[error("no support link given; call .support(\"link\")")]
     NoSupport,
     #[error("{variable} is not set; call this from a build script, or use .out_dir(…)")]

@@ -15,38 +15,15 @@
 //! # Ok(()) }
 //! ```
 //!
-//! Data walks one way; each stage imports only from those before it:
-//!
-//! ```text
-//! urdf → tree → chain → frames → base → model → expr → program → emit | tape
-//! ```
+//! The model crate (`sesc-model`) reads the URDF and makes straight-line programs of
+//! it; here they become source text.
 
 #![deny(unsafe_code)]
 
-pub mod base;
-pub mod bounds;
 mod builder;
-pub mod chain;
-pub mod effects;
 pub mod emit;
 mod error;
-pub mod expr;
-pub mod frames;
-mod functions;
-mod model;
-mod model_file;
-pub mod numeric;
-pub mod program;
-pub mod snap;
-pub mod standard;
-pub mod tape;
-mod ties;
-pub mod tree;
-pub mod urdf;
 
 pub use builder::{Builder, write_all_if_changed, write_if_changed};
 pub use error::Error;
-pub use functions::differentiate_com;
-pub use model::{Function, Given, Model};
-pub use model_file::{DataUsed, EffectRecord, ModelFile, Parameter, Quantity};
-pub use snap::Snapping;
+pub use sesc_model::Snapping;

@@ -8,7 +8,7 @@ use std::path::Path;
 
 use sesc_codegen::emit::c::{self, Options, Scalar};
 use sesc_codegen::emit::rust;
-use sesc_codegen::{Model, Snapping, urdf};
+use sesc_model::{Model, Snapping, urdf};
 
 /// Folder under `golden/`, support link.
 const CASES: [(&str, &str); 2] = [("two_link", "foot"), ("lift", "base")];

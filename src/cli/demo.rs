@@ -8,9 +8,9 @@ use clap::Args;
 use super::{Outcome, message, print, progress};
 use crate::Error;
 use crate::demo::{self, Demo};
-use crate::output;
 use crate::report::html;
 use crate::report::table::{Table, wrapped};
+use sesc_identify::output;
 
 /// The seed paper's simulation end to end on the embedded OP2, with a report
 #[derive(Args)]

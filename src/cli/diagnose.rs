@@ -3,23 +3,23 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use sesc_codegen::{DataUsed, Model};
+use sesc_model::{DataUsed, Model};
 
 use super::{Outcome, RobotArguments, message, notes, print, print_json, progress};
 use crate::Error;
-use crate::diagnose::corrected_urdf::{self, CorrectedUrdf};
-use crate::diagnose::data::{Data, Taking};
-use crate::diagnose::experiment::Experiment;
-use crate::diagnose::further::Further;
-use crate::diagnose::model_file::model_file;
-use crate::diagnose::problem::Problem;
-use crate::diagnose::view::DiagnosisView;
-use crate::diagnose::{self, About, next_postures};
-use crate::identify::prior::Prior;
-use crate::output;
-use crate::posture_log::{Angles, Options, Readings, Sidecar};
 use crate::report::diagnose::{self as report, Asked};
-use crate::robot::Robot;
+use sesc_identify::diagnose::corrected_urdf::{self, CorrectedUrdf};
+use sesc_identify::diagnose::data::{Data, Taking};
+use sesc_identify::diagnose::experiment::Experiment;
+use sesc_identify::diagnose::further::Further;
+use sesc_identify::diagnose::model_file::model_file;
+use sesc_identify::diagnose::problem::Problem;
+use sesc_identify::diagnose::view::DiagnosisView;
+use sesc_identify::diagnose::{self, About, next_postures};
+use sesc_identify::fit::prior::Prior;
+use sesc_identify::logs::{Angles, Options, Readings, Sidecar};
+use sesc_identify::output;
+use sesc_identify::robot::Robot;
 
 /// Find where simulation and measurement disagree, and name the missing effect
 #[derive(Args)]
@@ -220,7 +220,7 @@ fn stand(
     let (sidecar, _) = Sidecar::of(log)?;
     let support = sidecar.support.as_deref().unwrap_or(first);
     let experiment = match &sidecar.experiment {
-        Some(name) => Experiment::of_log(name).ok_or_else(|| Error::Log {
+        Some(name) => Experiment::of_log(name).ok_or_else(|| sesc_identify::Error::Log {
             file: Sidecar::path(log).display().to_string(),
             line: None,
             message: format!(
@@ -232,7 +232,7 @@ fn stand(
         None => Experiment::Postures,
     };
     if (experiment == Experiment::OtherFoot) == (support == first) {
-        return Err(Error::Log {
+        return Err(sesc_identify::Error::Log {
             file: Sidecar::path(log).display().to_string(),
             line: None,
             message: format!(
@@ -240,7 +240,8 @@ fn stand(
                  `experiment` or `support`",
                 experiment.name()
             ),
-        });
+        }
+        .into());
     }
     let model = robot.model(support, arguments.robot.snapping(), None)?;
     Ok((experiment, model))

@@ -3,19 +3,19 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use sesc_codegen::Model;
+use sesc_model::Model;
 
 use super::fit_inputs::{gathered, residuals, snapping};
 use super::fit_outputs::Outputs;
 use super::{Outcome, message, print, print_json};
 use crate::Error;
-use crate::identify::prior::Prior;
-use crate::identify::{Identification, Settings, identify_within};
-use crate::output;
-use crate::posture_log::Sidecar;
 use crate::report;
 use crate::report::fit::FitReport;
-use crate::robot::Robot;
+use sesc_identify::fit::prior::Prior;
+use sesc_identify::fit::{Identification, Settings, identify_within};
+use sesc_identify::logs::Sidecar;
+use sesc_identify::output;
+use sesc_identify::robot::Robot;
 
 /// Identify the parameters of a robot from posture logs, with all that must be said of them
 #[derive(Args)]
@@ -185,5 +185,5 @@ fn check_files(arguments: &Arguments) -> Result<(), Error> {
     }
     let own = [&arguments.out, &arguments.partial].into_iter().flatten();
     let written: Vec<&PathBuf> = own.chain(arguments.outputs.files()).collect();
-    output::check(&read, &written)
+    Ok(output::check(&read, &written)?)
 }

@@ -3,21 +3,21 @@
 use std::path::{Path, PathBuf};
 
 use indicatif::ProgressBar;
-use sesc_codegen::Snapping;
+use sesc_model::Snapping;
 
 use super::fit::{Arguments, RobustLoss};
 use super::{message, notes, progress};
 use crate::Error;
-use crate::identify::Identification;
-use crate::identify::gather::Gathered;
-use crate::identify::logs::{Logs, Watch};
-use crate::identify::measurement::Measurement;
-use crate::identify::part::{About, Part};
-use crate::identify::prior::Prior;
-use crate::identify::residuals::{self, Residual};
-use crate::identify::robust::Loss;
-use crate::posture_log::{Angles, Options, Progress, Readings};
-use crate::robot::Robot;
+use sesc_identify::fit::Identification;
+use sesc_identify::fit::gather::Gathered;
+use sesc_identify::fit::logs::{Logs, Watch};
+use sesc_identify::fit::measurement::Measurement;
+use sesc_identify::fit::part::{About, Part};
+use sesc_identify::fit::prior::Prior;
+use sesc_identify::fit::residuals::{self, Residual};
+use sesc_identify::fit::robust::Loss;
+use sesc_identify::logs::{Angles, Options, Progress, Readings};
+use sesc_identify::robot::Robot;
 
 /// Folds of the cross-validation unless given.
 const FOLDS: usize = 10;
@@ -189,7 +189,7 @@ pub(super) fn residuals(
     let mut bar = Bar(progress("residuals"));
     let found = residuals::sample(&logs, &mut measurement, &found.estimate.params, &mut bar);
     bar.0.finish_and_clear();
-    found
+    Ok(found?)
 }
 
 /// Progress on the terminal.

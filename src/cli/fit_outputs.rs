@@ -4,17 +4,17 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use sesc_codegen::{Model, Snapping};
+use sesc_model::{Model, Snapping};
 
 use super::{command_line, message};
 use crate::Error;
-use crate::identify::corrected::{Corrected, correct};
-use crate::identify::limits::Limits;
-use crate::identify::prior::Prior;
-use crate::identify::{Identification, residuals::Residual};
-use crate::output;
 use crate::report::fit::{FitReport, Shown, page};
-use crate::robot::Robot;
+use sesc_identify::fit::corrected::{Corrected, correct};
+use sesc_identify::fit::limits::Limits;
+use sesc_identify::fit::prior::Prior;
+use sesc_identify::fit::{Identification, residuals::Residual};
+use sesc_identify::output;
+use sesc_identify::robot::Robot;
 
 #[derive(Args)]
 pub(super) struct Outputs {
@@ -52,7 +52,7 @@ impl Outputs {
 
     /// Bounds of physical masses, if they are asked for.
     pub(super) fn limits(&self, robot: &Robot) -> Result<Option<Limits>, Error> {
-        self.physical.then(|| Limits::of(robot)).transpose()
+        Ok(self.physical.then(|| Limits::of(robot)).transpose()?)
     }
 
     /// The corrected description, if it is asked for; before anything is written.
@@ -73,7 +73,14 @@ impl Outputs {
         if self.urdf.is_none() {
             return Ok(None);
         }
-        correct(robot, model, snapping, found, prior, self.total_mass).map(Some)
+        Ok(Some(correct(
+            robot,
+            model,
+            snapping,
+            found,
+            prior,
+            self.total_mass,
+        )?))
     }
 
     /// What the page shows besides the fit.

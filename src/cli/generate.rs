@@ -5,11 +5,12 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use sesc_codegen::emit::c::{self, Options, Servos, layout};
 use sesc_codegen::emit::{names, rust};
-use sesc_codegen::{Model, write_all_if_changed};
+use sesc_codegen::write_all_if_changed;
+use sesc_model::Model;
 
 use super::{Outcome, RobotArguments, message, print};
 use crate::Error;
-use crate::output;
+use sesc_identify::output;
 
 /// Write the functions of a robot as source code
 #[derive(Args)]

@@ -18,11 +18,11 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use sesc_codegen::{Model, ModelFile, Snapping};
+use sesc_model::{Model, ModelFile, Snapping};
 
 use crate::Error;
-use crate::output;
-use crate::robot::Robot;
+use sesc_identify::output;
+use sesc_identify::robot::Robot;
 
 /// Centre of mass by the statically equivalent serial chain: from a URDF to
 /// verified functions, and from posture logs to parameters.

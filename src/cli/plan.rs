@@ -3,17 +3,17 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use sesc_codegen::Model;
+use sesc_model::Model;
 
 use super::{Outcome, RobotArguments, command_line, message, print, print_json, progress};
 use crate::Error;
-use crate::identify::prior::Prior;
-use crate::output;
-use crate::plan::balance::Region;
-use crate::plan::limits::Limits;
-use crate::plan::{self, Plan, Request};
-use crate::posture_log::{PostureWriter, Row, Sidecar, Written};
 use crate::report;
+use sesc_identify::fit::prior::Prior;
+use sesc_identify::logs::{PostureWriter, Row, Sidecar, Written};
+use sesc_identify::output;
+use sesc_identify::plan::balance::Region;
+use sesc_identify::plan::limits::Limits;
+use sesc_identify::plan::{self, Plan, Request};
 
 /// |CoP| unless a sole is given: the seed paper's, m.
 const COP_BOX: f64 = 0.023;
@@ -170,7 +170,7 @@ fn check_files(arguments: &Arguments) -> Result<(), Error> {
     // A posture file that ends like one is refused when it is begun.
     written.extend(Some(&sidecar).filter(|path| **path != arguments.out));
     written.extend(&arguments.report);
-    output::check(&read, &written)
+    Ok(output::check(&read, &written)?)
 }
 
 fn write(mut log: PostureWriter, out: &Path, model: &Model, found: &Plan) -> Result<(), Error> {

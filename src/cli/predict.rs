@@ -5,13 +5,13 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
-use sesc_codegen::{Function, ModelFile};
+use sesc_model::{Function, ModelFile};
 
 use super::{Outcome, RobotArguments, left_out, message, notes, progress, read_model};
 use crate::Error;
-use crate::evaluate::{Evaluator, Foretelling};
-use crate::posture_log::{Angles, Block, Options, PostureReader, Readings};
-use crate::robot::Robot;
+use sesc_identify::evaluate::{Evaluator, Foretelling};
+use sesc_identify::logs::{Angles, Block, Options, PostureReader, Readings};
+use sesc_identify::robot::Robot;
 
 /// Rows read, evaluated and printed together.
 const BLOCK: usize = 4096;
@@ -79,13 +79,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         let rows = block.pose.iter().zip(&block.line);
         for ((pose, line), [x, y, z, cop_x, cop_y]) in rows.zip(predictions) {
             if !(x.is_finite() && y.is_finite() && z.is_finite()) {
-                return Err(Error::Log {
+                return Err(sesc_identify::Error::Log {
                     file: arguments.data.display().to_string(),
                     line: Some(*line),
                     message: "an angle is beyond 2^20 rad, where sines mean nothing; \
                               reduce it by whole turns"
                         .into(),
-                });
+                }
+                .into());
             }
             writeln!(out, "{pose},{x},{y},{z},{cop_x},{cop_y}").map_err(Error::Stdout)?;
         }

@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use sesc_codegen::{Function, Model};
+use sesc_model::{Function, Model};
 
 use super::{Outcome, RobotArguments, message, progress};
 use crate::Error;
-use crate::evaluate::Evaluator;
-use crate::posture_log::{PostureWriter, Row, Sidecar, Written};
-use crate::simulate::Simulator;
+use sesc_identify::evaluate::Evaluator;
+use sesc_identify::logs::{PostureWriter, Row, Sidecar, Written};
+use sesc_identify::simulate::Simulator;
 
 /// Rows written together.
 const BLOCK: usize = 4096;
@@ -96,9 +96,9 @@ fn write_log(arguments: &Arguments, model: &Model) -> Result<PathBuf, Error> {
         bar.inc(n as u64);
     }
     bar.finish_and_clear();
-    log.finish(&Sidecar {
+    Ok(log.finish(&Sidecar {
         robot: Some(model.tree.robot.clone()),
         support: Some(model.tree.links[model.tree.support].name.clone()),
         ..Sidecar::default()
-    })
+    })?)
 }

@@ -28,7 +28,7 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let (robot, model) = arguments.robot.load(None)?;
-    let reference = robot.reference(&model.tree.links[model.tree.support].name)?;
+    let reference = crate::verify::reference(&robot, &model.tree.links[model.tree.support].name)?;
     let bar = progress("comparing");
     let samples = usize::try_from(arguments.samples).unwrap_or(usize::MAX);
     let found = verify(&model, &reference, samples, arguments.seed, |done, all| {

@@ -6,25 +6,25 @@
 //! that nobody has seen.
 
 use sesc_codegen::emit::rust;
-use sesc_codegen::{Model, Snapping};
+use sesc_model::{Model, Snapping};
 use sesc_reference::World;
 
 use crate::Error;
-use crate::diagnose::data::{Data, rms};
-use crate::diagnose::model_file::model_file;
-use crate::diagnose::problem::Problem;
-use crate::diagnose::view::DiagnosisView;
-use crate::diagnose::{self, About, Diagnosis};
-use crate::evaluate::Foretelling;
-use crate::identify::prior::Prior;
-use crate::plan::balance::Region;
-use crate::plan::candidates::{Demands, Sampler};
-use crate::plan::clearance::Clearance;
-use crate::plan::geometry::Geometry;
-use crate::plan::limits::Limits;
 use crate::report::HiddenAct;
-use crate::robot::Robot;
-use crate::simulate::Simulator;
+use sesc_identify::diagnose::data::{Data, rms};
+use sesc_identify::diagnose::model_file::model_file;
+use sesc_identify::diagnose::problem::Problem;
+use sesc_identify::diagnose::view::DiagnosisView;
+use sesc_identify::diagnose::{self, About, Diagnosis};
+use sesc_identify::evaluate::Foretelling;
+use sesc_identify::fit::prior::Prior;
+use sesc_identify::plan::balance::Region;
+use sesc_identify::plan::candidates::{Demands, Sampler};
+use sesc_identify::plan::clearance::Clearance;
+use sesc_identify::plan::geometry::Geometry;
+use sesc_identify::plan::limits::Limits;
+use sesc_identify::robot::Robot;
+use sesc_identify::simulate::Simulator;
 
 /// Width of the hidden dead bands: 0.9°.
 pub const WIDTH_RAD: f64 = 0.9 * std::f64::consts::PI / 180.0;
@@ -105,7 +105,8 @@ fn balanced(robot: &Robot, model: &Model, count: usize, seed: u64) -> Result<Vec
     let clearance = Clearance::new(model, &geometry, 0.005);
     let uncertainty = nalgebra::DMatrix::zeros(model.base.params.len(), 0);
     #[cfg(feature = "collision")]
-    let collisions = crate::plan::collision::Collisions::new(model, &geometry, &limits.rest());
+    let collisions =
+        sesc_identify::plan::collision::Collisions::new(model, &geometry, &limits.rest());
     let demands = Demands {
         limits: &limits,
         region: &region,

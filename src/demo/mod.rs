@@ -10,17 +10,18 @@ pub mod hidden;
 
 use nalgebra::{DMatrix, DVector};
 use sesc_codegen::emit::rust;
-use sesc_codegen::{Function, Given, Model, Snapping};
+use sesc_model::{Function, Given, Model, Snapping};
 use sesc_reference::Reference;
 
 use crate::Error;
-use crate::evaluate::Evaluator;
-use crate::identify::factor::Factor;
-use crate::identify::solve::{self, Estimate};
+use crate::OP2_URDF;
 use crate::report::{CopRow, DemoReport, Errors, FunctionRow, HeightRow, LengthRow};
-use crate::robot::{OP2_URDF, Robot};
-use crate::simulate::Simulator;
 use crate::verify::{self, Verification};
+use sesc_identify::evaluate::Evaluator;
+use sesc_identify::fit::factor::Factor;
+use sesc_identify::fit::solve::{self, Estimate};
+use sesc_identify::robot::Robot;
+use sesc_identify::simulate::Simulator;
 
 /// CoP noise of the seed paper, m.
 pub const NOISE: f64 = 0.00493;
@@ -53,7 +54,7 @@ pub const SEED: u64 = 6;
 pub fn run(seed: u64, progress: impl Fn(usize, usize)) -> Result<Demo, Error> {
     let robot = Robot::parse(OP2_URDF, "op2.urdf")?;
     let model = robot.model("r_sole", Snapping::default(), None)?;
-    let reference = robot.reference("r_sole")?;
+    let reference = crate::verify::reference(&robot, "r_sole")?;
     let code = rust::module(&model, "op2_r_sole")?;
     let verification = verify::verify(&model, &reference, 5000, seed, progress);
 
@@ -263,7 +264,7 @@ fn functions(model: &Model, verification: &Verification) -> Vec<FunctionRow> {
 /// ‖r_i‖ from CAD and as identified, body by body (the paper's Fig. 3a).
 fn lengths(model: &Model, full: &Estimate, base: &Estimate) -> Vec<LengthRow> {
     let norm = |values: &mut dyn Iterator<Item = f64>| values.map(|x| x * x).sum::<f64>().sqrt();
-    let row = |body: &sesc_codegen::chain::Body| {
+    let row = |body: &sesc_model::chain::Body| {
         // Base parameters are named `link.axis`.
         let own = |k: &usize| {
             model.base.params[*k]

@@ -71,10 +71,10 @@ pub struct HiddenAct {
     pub after: f64,
     /// The course of the CoP over the postures read.
     #[serde(skip)]
-    pub course: Vec<crate::diagnose::view::Posture>,
+    pub course: Vec<sesc_identify::diagnose::view::Posture>,
     /// The held-out error on its way from CAD to the noise.
     #[serde(skip)]
-    pub stages: Vec<crate::diagnose::view::Stage>,
+    pub stages: Vec<sesc_identify::diagnose::view::Stage>,
 }
 
 /// A generated function: its cost, and its error against the reference.

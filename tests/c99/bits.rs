@@ -4,9 +4,9 @@
 //! Rust stands here as the tape (f64) and as programs run node by node in `f32`;
 //! `tests/compiled.rs` holds compiled Rust to both, bit by bit.
 
-use sesc_codegen::Given;
 use sesc_codegen::emit::c::Scalar;
-use sesc_codegen::tape::{Argument, Tape};
+use sesc_model::Given;
+use sesc_model::tape::{Argument, Tape};
 
 use crate::case::{Case, Draw, Entry, ROBOTS, SCALARS, draw};
 use crate::compiled::{Compiled, folder, parallel};
@@ -117,7 +117,12 @@ fn rust(case: &Case, scalar: Scalar, entry: &Entry, drawn: &Draw) -> Vec<f64> {
             .map(|(values, _)| Argument::PerPosture(values))
             .collect();
         let mut out = vec![0.0; count * entry.width];
-        Tape::new(&program).run(&arguments, count, &mut out, sesc::evaluate::PORTABLE);
+        Tape::new(&program).run(
+            &arguments,
+            count,
+            &mut out,
+            sesc_identify::evaluate::PORTABLE,
+        );
         return out;
     }
     let interpreter = Interpreter::new(&program);

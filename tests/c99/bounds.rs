@@ -7,9 +7,9 @@
 use std::fmt::Write as _;
 
 use astro_float::{BigFloat, Consts, RoundingMode};
-use sesc_codegen::bounds::Precision;
 use sesc_codegen::emit::c::Scalar;
-use sesc_codegen::{Function, Given};
+use sesc_model::bounds::Precision;
+use sesc_model::{Function, Given};
 
 use crate::case::{Case, Draw, Entry, ROBOTS, draw};
 use crate::compiled::{Compiled, folder, parallel};

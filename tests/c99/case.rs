@@ -4,11 +4,11 @@ use std::path::Path;
 
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use sesc::robot::Robot;
 use sesc_codegen::emit::c::{self, Options, Package, Scalar, Servos, Setting};
-use sesc_codegen::program::Program;
-use sesc_codegen::tape::{Argument, Tape};
-use sesc_codegen::{Function, Given, Model, Snapping};
+use sesc_identify::robot::Robot;
+use sesc_model::program::Program;
+use sesc_model::tape::{Argument, Tape};
+use sesc_model::{Function, Given, Model, Snapping};
 
 use crate::common::{Kind, tree};
 use crate::exact::{Double, Number as _};
@@ -186,7 +186,12 @@ impl Case {
         if function.takes_parameters() {
             arguments.push(Argument::PerPosture(r));
         }
-        tape.run(&arguments, count, &mut out, sesc::evaluate::PORTABLE);
+        tape.run(
+            &arguments,
+            count,
+            &mut out,
+            sesc_identify::evaluate::PORTABLE,
+        );
         out
     }
 }

@@ -275,7 +275,7 @@ fn driver(case: &Case) -> String {
     for (k, entry) in case.entries().iter().enumerate() {
         let inputs = match entry.given {
             None => "ticks",
-            Some(sesc_codegen::Given::Positions) => "q",
+            Some(sesc_model::Given::Positions) => "q",
             Some(_) => "sines, cosines",
         };
         let r = if entry.takes_parameters() { ", r" } else { "" };

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Command;
 
 use sesc_codegen::emit::c::{self, Options, Scalar, Servos};
-use sesc_codegen::{Function, Snapping};
+use sesc_model::{Function, Snapping};
 
 use crate::bounds::check;
 use crate::case::{Case, Entry, ROOT, draw};
@@ -314,7 +314,7 @@ fn servo_settings_come_from_a_file_as_from_code() {
     let text = "[default]\nzero = 512\nresolution = 1024\n[joints.r_knee]\nzero = -3\nsign = -1\n";
     fs::write(&file, text).unwrap();
     let path = Path::new(ROOT).join("robots/op2/op2.urdf");
-    let robot = sesc::robot::Robot::read(&path).unwrap();
+    let robot = sesc_identify::robot::Robot::read(&path).unwrap();
     let model = robot.model("r_sole", Snapping::default(), None).unwrap();
     let mut case = Case::new(model, "op2", Servos::read(&file).unwrap());
     let from_file = case.package(Scalar::Fixed32);

@@ -1,9 +1,9 @@
 //! Parameters of a model file as constants.
 
 use sesc_codegen::emit::c::Scalar;
-use sesc_codegen::expr::Expr;
-use sesc_codegen::program::{Counts, operands};
-use sesc_codegen::{Function, Given, ModelFile};
+use sesc_model::expr::Expr;
+use sesc_model::program::{Counts, operands};
+use sesc_model::{Function, Given, ModelFile};
 
 use crate::bounds::check;
 use crate::case::{Case, Entry, SCALARS, draw};
@@ -49,7 +49,7 @@ fn baked_functions_are_the_others_with_the_models_parameters() {
 #[test]
 fn constants_fold_and_operations_fall() {
     let case = baked("op2", "r_sole", |_, x| x);
-    let counts = |program: Option<sesc_codegen::program::Program>| program.unwrap().counts();
+    let counts = |program: Option<sesc_model::program::Program>| program.unwrap().counts();
     let of = |function| {
         let argument = case.model.program(function, Given::Positions);
         let constant = case.model.baked_program(function, Given::Positions);

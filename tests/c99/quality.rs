@@ -7,8 +7,8 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use sesc_codegen::ModelFile;
 use sesc_codegen::emit::c::Scalar;
+use sesc_model::ModelFile;
 
 use crate::case::{Case, ROBOTS, ROOT, SCALARS};
 use crate::compiled::{WARNINGS, folder, parallel, tool, write};
@@ -87,7 +87,7 @@ fn the_header_serves_cplusplus_and_stands_alone() {
         for entry in case.entries() {
             let inputs = match entry.given {
                 None => "ticks",
-                Some(sesc_codegen::Given::Positions) => "q",
+                Some(sesc_model::Given::Positions) => "q",
                 Some(_) => "q, q",
             };
             let r = if entry.takes_parameters() {

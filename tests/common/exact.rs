@@ -10,8 +10,8 @@
 use std::collections::HashMap;
 use std::sync::LazyLock;
 
-use sesc_codegen::expr::Expr;
-use sesc_codegen::program::Program;
+use sesc_model::expr::Expr;
+use sesc_model::program::Program;
 
 /// What a program can be run in.
 pub trait Number: Copy {

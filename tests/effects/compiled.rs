@@ -4,9 +4,9 @@
 use std::fmt::Write as _;
 use std::fs;
 
-use sesc_codegen::effects;
 use sesc_codegen::emit::c::{self, Options, Scalar};
-use sesc_codegen::{Function, Given};
+use sesc_model::effects;
+use sesc_model::{Function, Given};
 
 use crate::command::{sesc, stdout};
 use crate::correction::{file, with};

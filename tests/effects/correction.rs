@@ -1,8 +1,8 @@
 //! `correct_cop` takes back what the sensor did to a CoP.
 
-use sesc_codegen::effects::{self, Instance};
-use sesc_codegen::program::Program;
-use sesc_codegen::{Function, Given, Model, ModelFile};
+use sesc_model::effects::{self, Instance};
+use sesc_model::program::Program;
+use sesc_model::{Function, Given, Model, ModelFile};
 
 use crate::hidden::Hidden;
 use crate::robots::{Stand, distance, run};

@@ -5,8 +5,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use sesc_codegen::Builder;
 use sesc_codegen::emit::c::{Options, Package, Scalar};
-use sesc_codegen::{Builder, ModelFile, Snapping};
+use sesc_model::{ModelFile, Snapping};
 
 use crate::command::ROOT;
 use crate::robots::{Stand, urdf};

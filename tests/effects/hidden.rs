@@ -1,8 +1,8 @@
 //! What each effect is called, how large it may be, and how a virtual robot comes
 //! to have it.
 
-use sesc_codegen::effects::{Effect, Instance, Setting, Target};
-use sesc_codegen::{EffectRecord, Quantity};
+use sesc_model::effects::{Effect, Instance, Setting, Target};
+use sesc_model::{EffectRecord, Quantity};
 use sesc_reference::World;
 
 use crate::robots::Stand;
@@ -125,7 +125,7 @@ impl Hidden {
 
     /// By the name of its target.
     pub fn named(setting: &Setting, effect: &str, target: &str, values: &[f64]) -> Hidden {
-        let effect = sesc_codegen::effects::named(effect).unwrap();
+        let effect = sesc_model::effects::named(effect).unwrap();
         let target = setting.target_named(effect, target).unwrap();
         Hidden::new(setting, Instance { effect, target }, values.to_vec())
     }

@@ -2,8 +2,8 @@
 
 use std::fs;
 
-use sesc_codegen::effects::{self, Effect, Stage};
-use sesc_codegen::{EffectRecord, ModelFile, Quantity};
+use sesc_model::effects::{self, Effect, Stage};
+use sesc_model::{EffectRecord, ModelFile, Quantity};
 
 use crate::command::{folder, refused, sesc, stdout, write};
 use crate::correction::{file, with};

@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use sesc::evaluate::PORTABLE;
-use sesc::robot::Robot;
-use sesc::simulate::Simulator;
-use sesc_codegen::effects::{self, Circumstances, Instance, Setting};
-use sesc_codegen::program::Program;
-use sesc_codegen::tape::{Argument, Tape};
-use sesc_codegen::{Model, Snapping};
+use sesc_identify::evaluate::PORTABLE;
+use sesc_identify::robot::Robot;
+use sesc_identify::simulate::Simulator;
+use sesc_model::effects::{self, Circumstances, Instance, Setting};
+use sesc_model::program::Program;
+use sesc_model::tape::{Argument, Tape};
+use sesc_model::{Model, Snapping};
 use sesc_reference::World;
 
 use crate::command::ROOT;

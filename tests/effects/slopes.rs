@@ -1,6 +1,6 @@
 //! Derivatives of the reading in each unknown, against central differences.
 
-use sesc_codegen::effects;
+use sesc_model::effects;
 
 use crate::robots::{Stand, run};
 

@@ -7,7 +7,7 @@
 
 use std::collections::BTreeMap;
 
-use sesc_codegen::effects::{self, Effect};
+use sesc_model::effects::{self, Effect};
 use sesc_reference::Track;
 
 use crate::hidden::{Hidden, hide};
@@ -324,7 +324,7 @@ fn masses_are_the_parameters_themselves() {
 /// rest on either side, and such postures are not asked.
 #[test]
 fn loose_joints_fall_where_gravity_puts_them() {
-    use sesc_codegen::{Function, Given};
+    use sesc_model::{Function, Given};
 
     let stand = Stand::new("op2", "r_sole");
     let setting = stand.setting();

@@ -5,8 +5,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use sesc_codegen::bounds::Precision;
 use sesc_codegen::emit::{c, rust};
+use sesc_model::bounds::Precision;
 
 use crate::programs::Case;
 

@@ -11,10 +11,10 @@ use std::process::Command;
 use build::{ROOT, Rows, WARNINGS, folder, tool, write_c};
 use exact::{Double, Interpreter, Number};
 use programs::{Case, bare, cases, edges};
-use sesc::evaluate::PORTABLE;
-use sesc_codegen::bounds::{self, Precision};
-use sesc_codegen::program::Program;
-use sesc_codegen::tape::{Argument, Tape};
+use sesc_identify::evaluate::PORTABLE;
+use sesc_model::bounds::{self, Precision};
+use sesc_model::program::Program;
+use sesc_model::tape::{Argument, Tape};
 
 const ROWS: usize = 2_000;
 const PRECISIONS: [Precision; 2] = [Precision::F64, Precision::F32];

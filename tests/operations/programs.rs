@@ -2,9 +2,9 @@
 
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use sesc_codegen::bounds::Input;
-use sesc_codegen::expr::{Graph, Id};
-use sesc_codegen::program::{Array, Program, Shape};
+use sesc_model::bounds::Input;
+use sesc_model::expr::{Graph, Id};
+use sesc_model::program::{Array, Program, Shape};
 
 /// A program of the arrays `x` and `y`, with the ranges of what they hold.
 pub struct Case {

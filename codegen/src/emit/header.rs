@@ -1,9 +1,9 @@
 //! The comment at the top of a generated file: what it is, what it costs, how exact it is.
 
-use crate::bounds::Precision;
-use crate::effects::Stage;
-use crate::model::{Function, Given, Model};
-use crate::program::Counts;
+use sesc_model::bounds::Precision;
+use sesc_model::effects::Stage;
+use sesc_model::program::Counts;
+use sesc_model::{Function, Given, Model};
 
 /// What a header says about one function.
 #[derive(Debug, Clone)]
@@ -186,7 +186,7 @@ pub fn others(counts: Counts) -> String {
 }
 
 /// Rows for every function that can be had.
-pub fn rows(model: &Model) -> Vec<(Row, crate::program::Program)> {
+pub fn rows(model: &Model) -> Vec<(Row, sesc_model::program::Program)> {
     let mut rows = Vec::new();
     for given in [Given::Positions, Given::SinesCosines, Given::Direction] {
         let all = Function::ALL.into_iter().chain([Function::CorrectCop]);

@@ -5,8 +5,8 @@
 
 use std::collections::HashMap;
 
-use crate::expr::{Expr, Id};
-use crate::program::{Program, operands};
+use sesc_model::expr::{Expr, Id};
+use sesc_model::program::{Program, operands};
 
 /// Expressions nested deeper than this get a name of their own.
 const DEEPEST: usize = 6;

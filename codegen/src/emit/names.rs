@@ -6,64 +6,10 @@
 
 use std::collections::HashSet;
 
+use sesc_model::names::{cut, word};
+
 /// Characters in which C99 promises to tell external names apart; MISRA asks it of all.
 pub const SIGNIFICANT: usize = 31;
-
-/// Longest word for a link or joint: `kx_` before and `_x` behind it stay significant.
-const LONGEST: usize = SIGNIFICANT - 5;
-
-/// Legal words for `names`, unique among themselves, in the same order.
-pub fn unique<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {
-    let words: Vec<String> = names.map(word).map(|word| cut(&word, LONGEST)).collect();
-    let mut taken: HashSet<String> = HashSet::new();
-    let all: HashSet<&String> = words.iter().collect();
-    words
-        .iter()
-        .map(|word| {
-            if taken.insert(word.clone()) {
-                return word.clone();
-            }
-            let numbered = (2..)
-                .map(|n| {
-                    let number = format!("_{n}");
-                    cut(word, LONGEST - number.len()) + &number
-                })
-                .find(|candidate| !taken.contains(candidate) && !all.contains(candidate))
-                .expect("some number is free");
-            taken.insert(numbered.clone());
-            numbered
-        })
-        .collect()
-}
-
-/// The first `length` characters, without a `_` left hanging.
-fn cut(word: &str, length: usize) -> String {
-    match word.get(..length) {
-        Some(start) => start.trim_end_matches('_').to_string(),
-        None => word.to_string(),
-    }
-}
-
-/// `l-knee.1` → `l_knee_1`; a word never starts or ends with `_` by conversion.
-fn word(name: &str) -> String {
-    let mut word = String::new();
-    for c in name.chars() {
-        if c.is_ascii_alphanumeric() || c == '_' {
-            word.push(c);
-        } else if !c.is_ascii() && c.is_alphanumeric() {
-            // Letters outside ASCII keep their identity by code point.
-            word.push_str(&format!("u{:x}", c as u32));
-        } else if !word.ends_with('_') {
-            word.push('_');
-        }
-    }
-    let trimmed = word.trim_matches('_');
-    if trimmed.is_empty() {
-        "unnamed".to_string()
-    } else {
-        trimmed.to_string()
-    }
-}
 
 /// `op2_r_sole` for a module, from words of any kind.
 pub fn module(name: &str) -> String {
@@ -139,22 +85,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_become_words_and_stay_apart() {
-        let names = ["l-knee", "l.knee", "l knee", "l_knee_2", "κ", "!"];
-        assert_eq!(
-            unique(names.into_iter()),
-            [
-                "l_knee", "l_knee_3", "l_knee_4", "l_knee_2", "u3ba", "unnamed"
-            ]
-        );
-        let long = [
-            "right_shoulder_pitch_front_joint",
-            "right_shoulder_pitch_front_jaw",
-        ];
-        assert_eq!(
-            unique(long.into_iter()),
-            ["right_shoulder_pitch_front", "right_shoulder_pitch_fro_2"]
-        );
+    fn modules_and_types_have_legal_names() {
         let functions = ["regressor", "regressor_cop", "regressor_full"].map(str::to_string);
         assert_eq!(distinct("op2_r_sole", &functions), []);
         assert_eq!(

@@ -13,11 +13,11 @@ use quote::{format_ident, quote};
 
 use super::header::{self, Row};
 use super::listing::{Listing, Results};
-use super::names;
 use crate::Error;
-use crate::model::{Function, Given, Model};
-use crate::program::Program;
+use crate::emit::names;
 use body::Body;
+use sesc_model::program::Program;
+use sesc_model::{Function, Given, Model};
 use signature::{documentation, matrix, result, signature, zeros};
 
 /// The module for `model`, named `name`.

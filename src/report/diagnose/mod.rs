@@ -8,9 +8,9 @@ mod text;
 pub use page::page;
 pub use text::{Asked, text};
 
-use crate::diagnose::data::NoiseSource;
-use crate::diagnose::findings::Step;
-use crate::diagnose::words::{Found, named};
+use sesc_identify::diagnose::data::NoiseSource;
+use sesc_identify::diagnose::findings::Step;
+use sesc_identify::diagnose::words::{Found, named};
 
 /// `width 0.93° ± 0.04°`, one entry per parameter.
 fn parameters(step: &Step) -> Vec<String> {

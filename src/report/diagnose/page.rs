@@ -6,10 +6,10 @@ use minijinja::value::{Serde, Value};
 use minijinja::{Error, context};
 
 use super::{count, effect, noise_source, parameters};
-use crate::diagnose::findings::{Diagnosis, Verdict};
-use crate::diagnose::view::DiagnosisView;
 use crate::report::figures::diagnose as figures;
 use crate::report::html::{colors, environment};
+use sesc_identify::diagnose::findings::{Diagnosis, Verdict};
+use sesc_identify::diagnose::view::DiagnosisView;
 
 /// Poses and blind spots in a row, at most.
 const POSES: usize = 40;
@@ -97,7 +97,7 @@ fn verdict(verdict: Verdict) -> &'static str {
 }
 
 fn steps(found: &Diagnosis) -> Vec<Value> {
-    let row = |step: &crate::diagnose::findings::Step| {
+    let row = |step: &sesc_identify::diagnose::findings::Step| {
         context! {
             effect => effect(step),
             target => &step.target,
@@ -112,7 +112,7 @@ fn steps(found: &Diagnosis) -> Vec<Value> {
 
 /// Each explanation with the odds against it, the best one's being even.
 fn class(found: &Diagnosis) -> Vec<Value> {
-    let row = |member: &crate::diagnose::findings::Member| {
+    let row = |member: &sesc_identify::diagnose::findings::Member| {
         context! {
             effects => member.effects.join(" + "),
             sentence => &member.sentence,
@@ -126,7 +126,7 @@ fn class(found: &Diagnosis) -> Vec<Value> {
 /// What could be done to tell the class apart, the best first.
 fn experiments(found: &Diagnosis) -> Vec<Value> {
     let all = found.next_postures.experiments.iter();
-    let row = |experiment: &crate::diagnose::next_postures::Proposal| {
+    let row = |experiment: &sesc_identify::diagnose::next_postures::Proposal| {
         context! {
             what => &experiment.what,
             splits => experiment.splits,

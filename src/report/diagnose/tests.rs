@@ -2,20 +2,21 @@
 
 use std::fmt::Write as _;
 
-use sesc_codegen::{Function, Model, Snapping};
+use sesc_model::{Function, Model, Snapping};
 
 use super::{Asked, page, text};
-use crate::diagnose::data::{Data, Taking};
-use crate::diagnose::findings::{Diagnosis, Member, Verdict};
-use crate::diagnose::next_postures::Proposal;
-use crate::diagnose::problem::Problem;
-use crate::diagnose::view::DiagnosisView;
-use crate::diagnose::{About, diagnose};
-use crate::evaluate::Evaluator;
-use crate::identify::prior::Prior;
-use crate::posture_log::Options;
-use crate::robot::{OP2_URDF, Robot};
-use crate::simulate::Simulator;
+use crate::OP2_URDF;
+use sesc_identify::diagnose::data::{Data, Taking};
+use sesc_identify::diagnose::findings::{Diagnosis, Member, Verdict};
+use sesc_identify::diagnose::next_postures::Proposal;
+use sesc_identify::diagnose::problem::Problem;
+use sesc_identify::diagnose::view::DiagnosisView;
+use sesc_identify::diagnose::{About, diagnose};
+use sesc_identify::evaluate::Evaluator;
+use sesc_identify::fit::prior::Prior;
+use sesc_identify::logs::Options;
+use sesc_identify::robot::Robot;
+use sesc_identify::simulate::Simulator;
 
 const TWO_LINK: &str = include_str!("../../../robots/two_link/two_link.urdf");
 const NOISE: f64 = 2e-4;

@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 
 use super::{count, noise_source, parameters};
-use crate::diagnose::findings::{Diagnosis, Verdict};
 use crate::report::table::{Table, mm, wrapped};
+use sesc_identify::diagnose::findings::{Diagnosis, Verdict};
 
 /// Explanations and poses in a row, at most.
 const LISTED: usize = 8;

@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
-use crate::identify::corrected::Corrected;
 use crate::report::table::{Table, mm};
+use sesc_identify::fit::corrected::Corrected;
 
 /// Links that changed, by how much.
 pub fn corrections(corrected: &Corrected) -> String {

@@ -8,9 +8,9 @@ mod text;
 
 use serde::Serialize;
 
-use crate::identify::Identification;
-use crate::identify::corrected::Corrected;
-use crate::identify::residuals::Residual;
+use sesc_identify::fit::Identification;
+use sesc_identify::fit::corrected::Corrected;
+use sesc_identify::fit::residuals::Residual;
 
 pub use correction::corrections;
 pub use page::page;

@@ -1,17 +1,18 @@
 //! The page and the console's account of a small fit.
 
-use sesc_codegen::Snapping;
+use sesc_model::Snapping;
 
 use super::{FitReport, Shown, corrections, page, text};
-use crate::identify::corrected::correct;
-use crate::identify::gather::Gathered;
-use crate::identify::measurement::Measurement;
-use crate::identify::prior::Prior;
-use crate::identify::residuals::Residual;
-use crate::identify::{Identification, Settings, identify};
-use crate::posture_log::Block;
-use crate::robot::{OP2_URDF, Robot};
-use crate::simulate::Simulator;
+use crate::OP2_URDF;
+use sesc_identify::fit::corrected::correct;
+use sesc_identify::fit::gather::Gathered;
+use sesc_identify::fit::measurement::Measurement;
+use sesc_identify::fit::prior::Prior;
+use sesc_identify::fit::residuals::Residual;
+use sesc_identify::fit::{Identification, Settings, identify};
+use sesc_identify::logs::Block;
+use sesc_identify::robot::Robot;
+use sesc_identify::simulate::Simulator;
 
 /// Readings that CAD explains but for a few millimetres.
 fn fit(robot: &Robot) -> Identification {

@@ -2,9 +2,9 @@
 
 use std::fmt::Write as _;
 
-use crate::identify::Identification;
-use crate::identify::identification::NoiseSource;
 use crate::report::table::Table;
+use sesc_identify::fit::Identification;
+use sesc_identify::fit::identification::NoiseSource;
 
 /// Degrees of freedom that are worth a word.
 const FEW: f64 = 50.0;

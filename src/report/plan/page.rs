@@ -3,9 +3,9 @@
 use minijinja::value::{Serde, Value};
 use minijinja::{Error, context};
 
-use crate::plan::Plan;
 use crate::report::figures::plan as figures;
 use crate::report::html::{colors, environment};
+use sesc_identify::plan::Plan;
 
 /// The page of a plan, alone in one file; `command` makes it again, `file` holds the
 /// postures.

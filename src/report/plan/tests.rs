@@ -1,14 +1,15 @@
 //! The page of a small plan.
 
-use sesc_codegen::Snapping;
+use sesc_model::Snapping;
 
 use super::page;
-use crate::identify::prior::Prior;
-use crate::plan::balance::Region;
-use crate::plan::limits::Limits;
-use crate::plan::{Plan, Request, plan};
+use crate::OP2_URDF;
 use crate::report::table::mm;
-use crate::robot::{OP2_URDF, Robot};
+use sesc_identify::fit::prior::Prior;
+use sesc_identify::plan::balance::Region;
+use sesc_identify::plan::limits::Limits;
+use sesc_identify::plan::{Plan, Request, plan};
+use sesc_identify::robot::Robot;
 
 fn small(prior: &str, poses: usize) -> Plan {
     let robot = Robot::parse(OP2_URDF, "op2.urdf").unwrap();

@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
-use crate::plan::Plan;
 use crate::report::table::mm;
+use sesc_identify::plan::Plan;
 
 /// What was drawn, what was chosen, and what it will be good for.
 pub fn text(plan: &Plan) -> String {

@@ -7,11 +7,11 @@
 //! Products of a sum are added in 64 bits and rounded once; sums without
 //! products stay in 32 bits. Binary points come from [`Formats`].
 
-use crate::bounds::Formats;
 use crate::emit::header::printable;
 use crate::emit::listing::{Line, Listing, Results, Strength};
-use crate::expr::{Expr, Id};
-use crate::program::Program;
+use sesc_model::bounds::Formats;
+use sesc_model::expr::{Expr, Id};
+use sesc_model::program::Program;
 
 /// Lines of the body that computes `program` into array `output`.
 pub(super) fn body(program: &Program, formats: &Formats, name: &str, output: &str) -> Vec<String> {

@@ -3,8 +3,8 @@
 use super::Scalar;
 use crate::emit::header::printable;
 use crate::emit::listing::{Line, Listing, Results, Strength};
-use crate::expr::{Expr, Id};
-use crate::program::Program;
+use sesc_model::expr::{Expr, Id};
+use sesc_model::program::Program;
 
 /// Lines of the body that computes `program` into array `output`.
 pub(super) fn body(program: &Program, scalar: Scalar, name: &str, output: &str) -> Vec<String> {

@@ -6,9 +6,10 @@ use serde::Serialize;
 use super::{EFFECT_HELPERS, HELPERS, Needs, Package, Scalar, float, helpers, is_prefix, render};
 use super::{listed, suggest};
 use crate::Error;
-use crate::bounds::{self, Input, Precision};
-use crate::emit::{header, names};
-use crate::program::Program;
+use crate::emit::header;
+use crate::emit::names;
+use sesc_model::bounds::{self, Input, Precision};
+use sesc_model::program::Program;
 
 /// An input array, as the templates read it.
 #[derive(Serialize)]
@@ -41,7 +42,7 @@ pub fn function(
     let body = float::body(program, scalar, name, "out");
     let needs = Needs::of_lines(body.iter(), scalar, name);
     let outputs = program.outputs.len();
-    let inputs_of = |array: &crate::program::Array| {
+    let inputs_of = |array: &sesc_model::program::Array| {
         format!("const {name}_real {}[]", super::argument(array.name))
     };
     let mut declarations: Vec<String> = program.inputs.iter().map(inputs_of).collect();

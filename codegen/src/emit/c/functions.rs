@@ -5,10 +5,10 @@ use serde::Serialize;
 use super::ticks::Ticks;
 use super::{Scalar, fixed, float};
 use crate::Error;
-use crate::bounds::{Formats, Overflow, Unfit};
 use crate::emit::header;
-use crate::model::{Function, Given, Model};
-use crate::program::{Program, Shape};
+use sesc_model::bounds::{Formats, Overflow, Unfit};
+use sesc_model::program::{Program, Shape};
+use sesc_model::{Function, Given, Model};
 
 /// What a function takes.
 #[derive(Debug, Clone, Copy, PartialEq)]

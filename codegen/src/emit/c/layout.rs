@@ -10,7 +10,7 @@ use minijinja::{Environment, context};
 
 use super::{Options, Package, Scalar};
 use crate::Error;
-use crate::model::Model;
+use sesc_model::Model;
 
 /// What a package is made for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -22,11 +22,11 @@ use serde::Serialize;
 use super::listing::Listing;
 use super::{header, names};
 use crate::Error;
-use crate::bounds::Precision;
-use crate::expr::Id;
-use crate::model::Model;
 use functions::Routine;
 pub use servos::{Servos, Setting};
+use sesc_model::Model;
+use sesc_model::bounds::Precision;
+use sesc_model::expr::Id;
 
 /// Arithmetic of the generated C.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -6,9 +6,9 @@ use serde::Serialize;
 use super::functions::Routine;
 use super::ticks::Ticks;
 use super::{Scalar, number};
-use crate::effects::cells;
-use crate::model::{Function, Given, Model};
-use crate::tape::{Argument, Kernels, Tape};
+use sesc_model::effects::cells;
+use sesc_model::tape::{Argument, Kernels, Tape};
+use sesc_model::{Function, Given, Model};
 
 /// Error of moments by differences of the summed CoM, relative to the robot's reach.
 const DIFFERENCES: f64 = 1e-9;

@@ -22,7 +22,7 @@ use std::path::Path;
 use serde::Deserialize;
 
 use crate::Error;
-use crate::tree::Dof;
+use sesc_model::tree::Dof;
 
 /// What a servo file says of one joint, or of all.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]

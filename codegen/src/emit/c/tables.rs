@@ -2,7 +2,7 @@
 
 use super::functions::Routine;
 use super::{Array, Scalar, number};
-use crate::model::Model;
+use sesc_model::Model;
 
 /// Fraction bits of the parameters.
 pub(super) fn parameter_bits(routines: &[Routine]) -> i32 {

@@ -7,9 +7,9 @@ use super::functions::Routine;
 use super::servos::Servo;
 use super::{Options, Scalar, fixed, float};
 use crate::Error;
-use crate::bounds::{self, Input};
-use crate::model::{Function, Given, Model};
-use crate::tree::Dof;
+use sesc_model::bounds::{self, Input};
+use sesc_model::tree::Dof;
+use sesc_model::{Function, Given, Model};
 
 /// How ticks become what programs take.
 #[derive(Debug, Clone)]

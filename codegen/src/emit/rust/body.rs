@@ -6,8 +6,8 @@ use quote::{format_ident, quote};
 use super::number;
 use crate::emit::header;
 use crate::emit::listing::{Line, Listing, Strength};
-use crate::expr::{Expr, Id};
-use crate::program::{Program, Shape};
+use sesc_model::expr::{Expr, Id};
+use sesc_model::program::{Program, Shape};
 
 /// A listing, spelled in Rust.
 pub(super) struct Body<'p> {

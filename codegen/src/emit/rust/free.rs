@@ -5,9 +5,10 @@ use quote::quote;
 
 use super::{Body, allow_names, printed};
 use crate::Error;
+use crate::emit::header;
 use crate::emit::listing::{Listing, Results};
-use crate::emit::{header, names};
-use crate::program::{Program, Shape};
+use crate::emit::names;
+use sesc_model::program::{Program, Shape};
 
 /// `pub fn name<T: Real>(inputs…) -> …` for `program`, as the text of a module.
 ///

@@ -3,7 +3,7 @@
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::quote;
 
-use crate::model::{Function, Given, Model};
+use sesc_model::{Function, Given, Model};
 
 /// Parameters of a function and the names to pass on.
 pub(super) fn signature(

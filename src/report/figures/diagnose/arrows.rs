@@ -11,7 +11,7 @@ use super::super::super::table::mm;
 use super::super::cop::same_scale;
 use super::super::to_mm;
 use super::{boxed, dot};
-use crate::diagnose::view::{DiagnosisView, Posture};
+use sesc_identify::diagnose::view::{DiagnosisView, Posture};
 
 const EDGES: [f64; 4] = [48.0, 32.0, 472.0, 412.0];
 /// Length of an arrow's head, and half its width, pixels.

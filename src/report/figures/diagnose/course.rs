@@ -5,7 +5,7 @@ use super::super::super::svg::{
 };
 use super::super::to_mm;
 use super::{WIDE, boxed, dot};
-use crate::diagnose::view::{Posture, chosen};
+use sesc_identify::diagnose::view::{Posture, chosen};
 
 /// Postures that stay apart in one panel.
 const MOST: usize = 90;

@@ -8,7 +8,7 @@ use super::super::super::svg::{
 use super::super::cop::same_scale;
 use super::super::to_mm;
 use super::outline;
-use crate::diagnose::view::Regions;
+use sesc_identify::diagnose::view::Regions;
 
 const EDGES: [f64; 4] = [48.0, 32.0, 472.0, 412.0];
 /// Shade of what is many times the noise.

@@ -3,7 +3,7 @@
 use super::super::super::svg::{self, Area, BLUE, Drawn, Frame, HEADING, INK, Mark, ORANGE, key};
 use super::super::to_mm;
 use super::{WIDE, boxed, dot, room};
-use crate::diagnose::view::{DiagnosisView, Posture};
+use sesc_identify::diagnose::view::{DiagnosisView, Posture};
 
 const RIGHT: f64 = 972.0;
 

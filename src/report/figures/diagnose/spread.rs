@@ -4,7 +4,7 @@ use super::super::super::svg::{
     self, BLUE, Frame, HEADING, INK, MUTED, Mark, ORANGE, Side, fill, key, note, px,
 };
 use super::super::super::table::mm;
-use crate::diagnose::view::{EDGE, Spread};
+use sesc_identify::diagnose::view::{EDGE, Spread};
 
 const EDGES: [f64; 4] = [48.0, 32.0, 472.0, 246.0];
 /// Points of the curve.

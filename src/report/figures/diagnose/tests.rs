@@ -1,7 +1,7 @@
 //! Odd rows in: still trees of shapes.
 
 use super::{arrows, confusion, course, regions, rest, spread, trends, waterfall};
-use crate::diagnose::view::{
+use sesc_identify::diagnose::view::{
     DiagnosisView, Middle, Point, Posture, Region, Regions, Spread, Stage, StageKind, Trend,
 };
 

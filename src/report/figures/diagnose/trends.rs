@@ -6,7 +6,7 @@ use super::super::super::svg::{
 };
 use super::super::to_mm;
 use super::{boxed, dot, room, shortened};
-use crate::diagnose::view::Trend;
+use sesc_identify::diagnose::view::Trend;
 
 /// Panels side by side.
 const COLUMNS: usize = 2;
@@ -88,7 +88,7 @@ fn panel(area: &Area<'_>, row: &Trend, [left, top]: [f64; 2]) -> Drawn {
         }
     }
     for (pick, color) in [(0, ORANGE), (1, BLUE)] {
-        let mean = |m: &crate::diagnose::view::Middle| {
+        let mean = |m: &sesc_identify::diagnose::view::Middle| {
             (m.at, to_mm(if pick == 0 { m.before } else { m.after }))
         };
         plane.line(row.means.iter().map(mean), color, 1.75)?;

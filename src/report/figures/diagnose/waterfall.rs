@@ -5,7 +5,7 @@ use super::super::super::svg::{
 };
 use super::super::super::table::mm;
 use super::shortened;
-use crate::diagnose::view::{Stage, StageKind};
+use sesc_identify::diagnose::view::{Stage, StageKind};
 
 const LEFT: f64 = 236.0;
 const LONGEST: f64 = 280.0;

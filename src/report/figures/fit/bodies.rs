@@ -5,7 +5,7 @@ use super::super::super::svg::{
 };
 use super::super::to_mm;
 use super::shortened;
-use crate::identify::identification::BodyLength;
+use sesc_identify::fit::identification::BodyLength;
 
 /// Height of a body's row, pixels.
 const ROW: f64 = 18.0;

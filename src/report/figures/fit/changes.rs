@@ -4,7 +4,7 @@ use super::super::super::svg::{
     self, BAND, BLUE, Frame, GRID, HEADING, INK, Mark, Side, fill, key, note, px, span,
 };
 use super::shortened;
-use crate::identify::identification::ParameterFound;
+use sesc_identify::fit::identification::ParameterFound;
 
 const ROW: f64 = 15.0;
 const TOP: f64 = 32.0;

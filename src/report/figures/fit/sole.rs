@@ -4,7 +4,7 @@ use super::super::super::svg::{
     self, Area, BLUE, Drawn, Frame, HEADING, MUTED, Mark, Side, key, note, px, span,
 };
 use super::super::to_mm;
-use crate::identify::residuals::Residual;
+use sesc_identify::fit::residuals::Residual;
 
 /// Residuals that stay readable.
 const MOST: usize = 400;

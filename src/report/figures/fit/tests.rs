@@ -1,8 +1,8 @@
 //! Odd rows in: still trees of shapes.
 
 use super::{bodies, changes, correlation, sole};
-use crate::identify::identification::{BodyLength, ParameterFound};
-use crate::identify::residuals::Residual;
+use sesc_identify::fit::identification::{BodyLength, ParameterFound};
+use sesc_identify::fit::residuals::Residual;
 
 fn well_formed(svg: &str) -> roxmltree::Document<'_> {
     assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");

@@ -2,7 +2,7 @@
 
 use super::super::super::svg::{self, BLUE, INK, MUTED, ORANGE, Side, fill, line, note, px, title};
 use super::super::super::table::mm;
-use crate::identify::Identification;
+use sesc_identify::fit::Identification;
 
 const LEFT: f64 = 150.0;
 const LONGEST: f64 = 330.0;

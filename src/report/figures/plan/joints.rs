@@ -4,7 +4,7 @@ use super::super::super::svg::{
     self, BAND, BLUE, Frame, HEADING, INK, MUTED, Mark, Side, key, note, px,
 };
 use super::super::fit::shortened;
-use crate::plan::joint_use::JointUse;
+use sesc_identify::plan::joint_use::JointUse;
 
 const ROW: f64 = 20.0;
 const TOP: f64 = 32.0;

@@ -5,7 +5,7 @@ use super::super::super::svg::{
 };
 use super::super::cop::same_scale;
 use super::super::to_mm;
-use crate::plan::Plan;
+use sesc_identify::plan::Plan;
 
 const EDGES: [f64; 4] = [44.0, 32.0, 474.0, 366.0];
 

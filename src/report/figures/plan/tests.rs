@@ -1,8 +1,8 @@
 //! Odd plans in: still trees of shapes.
 
 use super::{joints, worth};
-use crate::plan::joint_use::JointUse;
-use crate::plan::worth::Worth;
+use sesc_identify::plan::joint_use::JointUse;
+use sesc_identify::plan::worth::Worth;
 
 fn well_formed(svg: &str) {
     assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");

@@ -5,7 +5,7 @@ use super::super::super::svg::{
 };
 use super::super::super::table::mm;
 use super::super::to_mm;
-use crate::plan::worth::Worth;
+use sesc_identify::plan::worth::Worth;
 
 const EDGES: [f64; 4] = [44.0, 32.0, 474.0, 366.0];
 /// Random postures that hardly tell all directions are off by anything: what is

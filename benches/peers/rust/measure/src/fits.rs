@@ -9,8 +9,8 @@ use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::time::Duration;
 
-use sesc::simulate::Simulator;
-use sesc_codegen::Function;
+use sesc_identify::simulate::Simulator;
+use sesc_model::Function;
 
 use crate::functions::largest;
 use crate::peers::{BASE, Fit, One, Peers, add_columns};

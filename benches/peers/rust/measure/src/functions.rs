@@ -3,8 +3,8 @@
 use std::hint::black_box;
 use std::time::Duration;
 
-use sesc::simulate::Simulator;
-use sesc_codegen::Function;
+use sesc_identify::simulate::Simulator;
+use sesc_model::Function;
 
 use crate::ours;
 use crate::peers::{Answer, Batch, One, Peers, contestants};

@@ -1,13 +1,13 @@
 //! Our fit from postures in memory: the library's present path, all that is
 //! measured of it.
 
-use sesc::identify::gather::Gathered;
-use sesc::identify::measurement::Measurement;
-use sesc::identify::prior::Prior;
-use sesc::identify::{Settings, identify};
-use sesc::posture_log::Block;
-use sesc::robot::Robot;
-use sesc_codegen::Snapping;
+use sesc_identify::fit::gather::Gathered;
+use sesc_identify::fit::measurement::Measurement;
+use sesc_identify::fit::prior::Prior;
+use sesc_identify::fit::{Settings, identify};
+use sesc_identify::logs::Block;
+use sesc_identify::robot::Robot;
+use sesc_model::Snapping;
 use sesc_generated::op2_r_sole::{CAD_PARAMS, Op2RSole};
 use sesc_runtime::fit::Estimator;
 

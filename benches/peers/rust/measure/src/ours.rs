@@ -5,9 +5,10 @@
 use std::hint::black_box;
 use std::sync::LazyLock;
 
-use sesc::evaluate::Evaluator;
-use sesc::robot::{OP2_URDF, Robot};
-use sesc_codegen::{Function, Model, Snapping};
+use sesc_identify::evaluate::Evaluator;
+use sesc::OP2_URDF;
+use sesc_identify::robot::Robot;
+use sesc_model::{Function, Model, Snapping};
 use sesc_generated::op2_r_sole::{self as op2, Op2RSole};
 use sesc_runtime::{Batch as _, F32x16, F64x8, Simd, Single as _, pack};
 

@@ -8,7 +8,7 @@ use std::ffi::{CStr, CString, c_char};
 use std::path::Path;
 
 use libloading::{Library, Symbol};
-use sesc_codegen::Function;
+use sesc_model::Function;
 
 use crate::ours;
 

@@ -1,9 +1,9 @@
 //! What a function with an effect is in fixed point: nothing.
 
 use super::*;
-use crate::expr::{Graph, Id};
-use crate::program::Array;
-use crate::{Snapping, urdf};
+use sesc_model::expr::{Graph, Id};
+use sesc_model::program::Array;
+use sesc_model::{Snapping, urdf};
 
 const LEG: &str = r#"<robot name="leg">
     <link name="foot"/>

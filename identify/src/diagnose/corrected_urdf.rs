@@ -1,0 +1,171 @@
+//! The URDF with what a diagnosis found, as far as a URDF can hold it.
+//!
+//! ```text
+//! base parameters → masses and CoMs of links       (the robot unbent and unloaded)
+//! payload         → a link of its own; below zero, out of the link that lacks it
+//! joint_offset    → the origin of the joint, and the offsets of its followers
+//! ```
+//!
+//! In this order each is exact: a payload's share is one of the robot's own mass, and
+//! offsets weigh nothing. Everything else is named and left to the model file.
+
+use sesc_model::effects::Stage;
+use sesc_model::urdf::{self, Load, Shift, Weight};
+use sesc_model::{EffectRecord, Model, ModelFile, Snapping};
+
+use super::findings::Found;
+use super::model_file::model_file;
+use super::problem::Problem;
+use crate::Error;
+use crate::fit::corrected::towards;
+use crate::fit::masses::FLOOR;
+use crate::fit::prior::{Prior, Tolerances};
+use crate::robot::Robot;
+
+/// Base parameters that move less leave the masses as they are written, m.
+const SETTLED: f64 = 1e-9;
+/// A CoM further from its link is what is left of two masses that cancel, m.
+const FAR: f64 = 10.0;
+
+/// A corrected description.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CorrectedUrdf {
+    pub text: String,
+    /// What the text does not hold, a sentence each.
+    pub left_out: Vec<String>,
+}
+
+/// The URDF of `robot` with what `found` says.
+///
+/// # Errors
+/// When a text cannot be read again.
+pub fn of(
+    problem: &Problem,
+    found: &Found,
+    robot: &Robot,
+    snapping: Snapping,
+    prior: &Prior,
+) -> Result<CorrectedUrdf, Error> {
+    let file = model_file(problem, found);
+    let wide = Prior::Cad(Tolerances::usual());
+    let prior = match found.best.has("mass_distribution") {
+        true => &wide,
+        false => prior,
+    };
+    let model = problem.setting.model;
+    let mut corrected = of_model_file(&file, robot, model, snapping, prior)?;
+    let rest = found.best.instances.iter().filter(|instance| {
+        instance.effect.stage() == Stage::Whole && instance.effect.name() != "mass_distribution"
+    });
+    corrected.left_out.extend(rest.map(|instance| {
+        format!(
+            "{} is left out: it says nothing of the robot",
+            instance.label(&problem.setting)
+        )
+    }));
+    Ok(corrected)
+}
+
+/// The URDF of `robot` with the parameters and effects of `file`, both of which
+/// belong to `model`; masses move within `prior`.
+///
+/// # Errors
+/// When a text cannot be read again.
+pub fn of_model_file(
+    file: &ModelFile,
+    robot: &Robot,
+    model: &Model,
+    snapping: Snapping,
+    prior: &Prior,
+) -> Result<CorrectedUrdf, Error> {
+    let name = &robot.description.file;
+    let mut left_out = Vec::new();
+    let mut text = robot.text().to_string();
+    let params = file.values();
+    let moved = params.iter().zip(model.cad_params());
+    if moved
+        .map(|(to, from)| (to - from).abs())
+        .fold(0.0, f64::max)
+        > SETTLED
+    {
+        match towards(robot, model, snapping, &params, None, prior, None)? {
+            Ok(corrected) => text = corrected.text,
+            Err(impossible) => left_out.push(format!(
+                "the identified masses stay in the model file: no URDF has them: {}",
+                impossible.reason
+            )),
+        }
+    }
+    let (mut shifts, mut loads) = (Vec::new(), Vec::new());
+    for record in &file.effects {
+        let value = |names: &[&str]| {
+            let found = names.iter().find_map(|name| record.parameters.get(*name));
+            found.map_or(0.0, |quantity| quantity.value)
+        };
+        match record.effect.as_str() {
+            "joint_offset" => shifts.push(Shift {
+                joint: record.target.clone(),
+                by: value(&["offset_rad", "offset_m"]),
+            }),
+            "payload" => {
+                let load = Load {
+                    link: record.target.clone(),
+                    mass_kg: value(&["mass_kg"]),
+                    at_m: [value(&["x_m"]), value(&["y_m"]), value(&["z_m"])],
+                };
+                if load.mass_kg > 0.0 {
+                    loads.push(load);
+                } else if let Err(why) = take_out(&mut text, name, &load)? {
+                    left_out.push(stays(record, &why));
+                }
+            }
+            _ => left_out.push(stays(record, "no URDF can hold it")),
+        }
+    }
+    let text = urdf::load(&text, name, &loads).map_err(sesc_model::Error::from)?;
+    let text = urdf::bend(&text, name, &shifts).map_err(sesc_model::Error::from)?;
+    // Nothing is handed out that this program would refuse.
+    Robot::parse(&text, name)?;
+    Ok(CorrectedUrdf { text, left_out })
+}
+
+fn stays(record: &EffectRecord, why: &str) -> String {
+    let label = match record.target.as_str() {
+        "-" => record.effect.clone(),
+        target => format!("{}:{target}", record.effect),
+    };
+    format!("{label} stays in the model file: {why}")
+}
+
+/// Take the mass that a link lacks out of it, its first moment kept right. The inner
+/// error says why the link cannot lack it.
+fn take_out(text: &mut String, file: &str, load: &Load) -> Result<Result<(), String>, Error> {
+    let description = urdf::parse(text, file).map_err(sesc_model::Error::from)?;
+    let weights = description.robot.links.iter().map(|link| {
+        (link.name == load.link).then(|| {
+            let (mass, com) = (link.inertial.mass.value, *link.inertial.origin.xyz);
+            let left = mass + load.mass_kg;
+            let moment = |k: usize| mass * com[k] + load.mass_kg * load.at_m[k];
+            let weight = Weight {
+                mass_kg: left,
+                com_m: [0, 1, 2].map(|k| moment(k) / left),
+            };
+            let there = weight.com_m.iter().all(|x| x.abs() <= FAR);
+            match left >= FLOOR * mass && left > 0.0 && there {
+                true => Ok(weight),
+                false => Err(format!(
+                    "{} weighs {mass} kg and cannot lack {} kg there",
+                    load.link, -load.mass_kg
+                )),
+            }
+        })
+    });
+    let weights: Result<Vec<Option<Weight>>, String> = weights.map(Option::transpose).collect();
+    match weights {
+        Ok(weights) => {
+            *text = urdf::amend(text, file, &weights).map_err(sesc_model::Error::from)?;
+            Ok(Ok(()))
+        }
+        Err(why) => Ok(Err(why)),
+    }
+}

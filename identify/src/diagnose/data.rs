@@ -1,0 +1,457 @@
+//! A posture log as the diagnosis sees it: one entry per posture, repeats
+//! averaged, noise known, and what each posture brings along.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use sesc_model::Model;
+use sesc_model::effects::Circumstances;
+
+use crate::Error;
+use crate::logs::{Options, PostureReader, Summary};
+
+/// Rows taken at once.
+const BLOCK: usize = 4096;
+/// Postures that a diagnosis looks at, up to twice this; evenly chosen of more.
+pub const MOST: usize = 2000;
+/// Stated deviations that scatter less than this are estimates of one number.
+const SCATTER: f64 = 0.15;
+
+/// Postures and readings in memory.
+#[derive(Debug, Clone)]
+pub struct Data {
+    pub pose: Vec<i64>,
+    /// Posture by posture, joint by joint, rad or m.
+    pub q: Vec<f64>,
+    /// Posture by posture, see [`Circumstances`].
+    pub circumstances: Vec<f64>,
+    /// x, y per posture, m.
+    pub reading: Vec<f64>,
+    /// Standard deviation of each entry of `reading`, the floor included, m.
+    pub std: Vec<f64>,
+    /// Time of each posture, s.
+    pub t: Option<Vec<f64>>,
+    /// Noise of a posture's reading on one axis without and with the floor, m.
+    pub noise: f64,
+    pub noise_floor: f64,
+    /// What was added to the noise in quadrature, m.
+    pub floor: f64,
+    /// Where the noise is known from.
+    pub noise_source: NoiseSource,
+    /// Foot cells, m.
+    pub cells: Vec<[f64; 2]>,
+    /// Raw loads were logged.
+    pub raw_cells: bool,
+    /// Postures of the log, of which these are an even choice.
+    pub postures: usize,
+    pub summary: Option<Summary>,
+    pub warnings: Vec<String>,
+}
+
+/// Where the size of the noise comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum NoiseSource {
+    /// Columns of standard deviations.
+    Stated,
+    /// Repeated readings of postures.
+    Repeats,
+    /// The command line.
+    Given,
+    /// Nowhere: what the best model with free masses leaves.
+    Residuals,
+}
+
+/// One posture while its rows are gathered.
+#[derive(Clone)]
+struct Posture {
+    pose: i64,
+    rows: f64,
+    q: Vec<f64>,
+    sum: [f64; 2],
+    squares: [f64; 2],
+    weight: [f64; 2],
+    t: f64,
+    tilt: [f64; 2],
+    /// Neighbours in the log: time and joints.
+    before: Option<(f64, Vec<f64>)>,
+    after: Option<(f64, Vec<f64>)>,
+}
+
+impl Posture {
+    fn mean(&self) -> Vec<f64> {
+        self.q.iter().map(|sum| sum / self.rows).collect()
+    }
+}
+
+/// Postures of a log of any length in bounded memory: every `stride`-th is kept,
+/// and `stride` doubles whenever they are too many. An even choice keeps the
+/// order, the times and the range.
+struct Gathering {
+    kept: Vec<Posture>,
+    /// Where a pose is kept: poses that come back are repeats.
+    places: BTreeMap<i64, usize>,
+    stride: usize,
+    /// Postures seen, and the one that rows belong to now.
+    seen: usize,
+    current: Option<Posture>,
+    last: Option<(f64, Vec<f64>)>,
+    first: Option<(i64, f64)>,
+    /// Whether pose numbers rise all along.
+    rising: bool,
+    end: (i64, f64),
+}
+
+impl Gathering {
+    fn new() -> Gathering {
+        Gathering {
+            kept: Vec::new(),
+            places: BTreeMap::new(),
+            stride: 1,
+            seen: 0,
+            current: None,
+            last: None,
+            first: None,
+            rising: true,
+            end: (0, 0.0),
+        }
+    }
+
+    fn push(&mut self, row: Posture) {
+        if let Some(current) = self.current.as_mut().filter(|c| c.pose == row.pose) {
+            join(current, &row);
+            return;
+        }
+        self.close();
+        match self.places.get(&row.pose) {
+            // Back at an old pose: more readings of it.
+            Some(&at) => join(&mut self.kept[at], &row),
+            None => self.current = Some(row),
+        }
+    }
+
+    /// The posture at hand is whole.
+    fn close(&mut self) {
+        let Some(mut posture) = self.current.take() else {
+            return;
+        };
+        let own = (posture.t, posture.mean());
+        if let Some(before) = self.kept.last_mut().filter(|p| p.after.is_none())
+            && self.last.as_ref().is_some_and(|last| last.0 == before.t)
+        {
+            before.after = Some(own.clone());
+        }
+        posture.before = self.last.replace(own);
+        self.rising &= self.seen == 0 || posture.pose > self.end.0;
+        self.first.get_or_insert((posture.pose, posture.t));
+        self.end = (posture.pose, posture.t);
+        if self.seen.is_multiple_of(self.stride) {
+            self.places.insert(posture.pose, self.kept.len());
+            self.kept.push(posture);
+            if self.kept.len() > 2 * MOST {
+                self.thin();
+            }
+        }
+        self.seen += 1;
+    }
+
+    fn thin(&mut self) {
+        self.stride *= 2;
+        let kept = std::mem::take(&mut self.kept);
+        self.kept = kept.into_iter().step_by(2).collect();
+        let places = self.kept.iter().enumerate();
+        self.places = places.map(|(k, p)| (p.pose, k)).collect();
+    }
+}
+
+fn join(posture: &mut Posture, row: &Posture) {
+    posture.rows += row.rows;
+    for (sum, q) in posture.q.iter_mut().zip(&row.q) {
+        *sum += q;
+    }
+    for axis in 0..2 {
+        posture.sum[axis] += row.sum[axis];
+        posture.squares[axis] += row.squares[axis];
+        posture.weight[axis] += row.weight[axis];
+    }
+}
+
+/// How a log is to be taken.
+#[derive(Debug, Clone)]
+pub struct Taking {
+    pub options: Options,
+    /// Noise of one posture's reading on one axis, m, where the user says.
+    pub noise: Option<f64>,
+    /// Added to the noise in quadrature, m: encoder ticks.
+    pub floor: f64,
+}
+
+impl Data {
+    /// Read a log of readings on the model's support.
+    ///
+    /// # Errors
+    /// As [`PostureReader`]; a log without a posture on that link.
+    pub fn read(path: &Path, model: &Model, taking: &Taking) -> Result<Data, Error> {
+        let dofs = &model.tree.dofs;
+        let mut reader = PostureReader::open(path, dofs, &taking.options)?;
+        let support = &model.tree.links[model.tree.support].name;
+        let mut gathering = Gathering::new();
+        let (mut stated, mut timed, mut raw) = (false, false, false);
+        let mut elsewhere = 0_u64;
+        let dof = dofs.len();
+        loop {
+            let block = reader.block(BLOCK)?;
+            if block.is_empty() {
+                break;
+            }
+            stated |= block.std.is_some();
+            timed |= block.t.is_some();
+            raw |= block.cells.is_some();
+            for k in 0..block.len() {
+                let on = block.support.as_ref().map_or("", |all| &all[k]);
+                if !on.is_empty() && on != support {
+                    elsewhere += 1;
+                    continue;
+                }
+                let reading = block.reading.as_ref().map_or([0.0; 2], |all| all[k]);
+                let std = block.std.as_ref().map_or([0.0; 2], |all| all[k]);
+                let gravity = block
+                    .gravity
+                    .as_ref()
+                    .map_or([0.0, 0.0, -1.0], |all| all[k]);
+                gathering.push(Posture {
+                    pose: block.pose[k],
+                    rows: 1.0,
+                    q: block.q[k * dof..(k + 1) * dof].to_vec(),
+                    sum: reading,
+                    squares: reading.map(|x| x * x),
+                    weight: std.map(|s| s * s),
+                    t: block.t.as_ref().map_or(0.0, |all| all[k]),
+                    tilt: [-gravity[0] / gravity[2], -gravity[1] / gravity[2]],
+                    before: None,
+                    after: None,
+                });
+            }
+        }
+        gathering.close();
+        if gathering.kept.is_empty() {
+            return Err(Error::Log {
+                file: path.display().to_string(),
+                line: None,
+                message: format!("no posture stands on `{support}`; give --support another link"),
+            });
+        }
+        let mut data = Data::of(dof, &gathering, stated, timed, taking);
+        data.cells = reader.sidecar.cells.clone().unwrap_or_default();
+        data.raw_cells = raw;
+        data.summary = reader.summary();
+        data.warnings = reader.warnings.clone();
+        if elsewhere > 0 {
+            data.warnings.push(format!(
+                "{}: {elsewhere} rows stand on another link and are left out; diagnose them with --support",
+                path.display()
+            ));
+        }
+        Ok(data)
+    }
+
+    /// Postures and readings of known noise (m, one axis), `floor` beside it.
+    pub fn given(dof: usize, q: &[f64], reading: &[f64], noise: f64, floor: f64) -> Data {
+        let mut gathering = Gathering::new();
+        for (k, (q, y)) in q.chunks_exact(dof).zip(reading.chunks_exact(2)).enumerate() {
+            gathering.push(Posture {
+                pose: k as i64,
+                rows: 1.0,
+                q: q.to_vec(),
+                sum: [y[0], y[1]],
+                squares: [y[0] * y[0], y[1] * y[1]],
+                weight: [0.0; 2],
+                t: 0.0,
+                tilt: [0.0; 2],
+                before: None,
+                after: None,
+            });
+        }
+        gathering.close();
+        let taking = Taking {
+            options: Options::default(),
+            noise: Some(noise),
+            floor,
+        };
+        Data::of(dof, &gathering, false, false, &taking)
+    }
+
+    fn of(dof: usize, gathering: &Gathering, stated: bool, timed: bool, taking: &Taking) -> Data {
+        let all = &gathering.kept;
+        let noise = Noise::of(all, stated, taking);
+        let layout = Circumstances::with_joints(dof);
+        let count = all.len();
+        let mut data = Data {
+            pose: all.iter().map(|p| p.pose).collect(),
+            q: Vec::with_capacity(count * dof),
+            circumstances: vec![0.0; count * layout.len()],
+            reading: Vec::with_capacity(2 * count),
+            std: Vec::with_capacity(2 * count),
+            t: timed.then(|| all.iter().map(|p| p.t).collect()),
+            noise: noise.overall,
+            noise_floor: noise.overall.hypot(taking.floor),
+            floor: taking.floor,
+            noise_source: noise.source,
+            cells: Vec::new(),
+            raw_cells: false,
+            postures: gathering.seen,
+            summary: None,
+            warnings: Vec::new(),
+        };
+        for (k, posture) in all.iter().enumerate() {
+            let q = posture.mean();
+            let u = &mut data.circumstances[k * layout.len()..(k + 1) * layout.len()];
+            u[layout.place()] = gathering.place(k, timed);
+            for axis in 0..2 {
+                u[layout.tilt(axis)] = posture.tilt[axis];
+                data.reading.push(posture.sum[axis] / posture.rows);
+                data.std.push(noise.per_entry[k][axis].hypot(taking.floor));
+            }
+            if timed {
+                for joint in 0..dof {
+                    let [rate, acceleration] = motion(posture, &q, joint);
+                    u[layout.rate(joint)] = rate;
+                    u[layout.acceleration(joint)] = acceleration;
+                }
+            }
+            data.q.extend(q);
+        }
+        data
+    }
+
+    /// Take the noise from what a fit left, m: by the median, so that a few odd
+    /// readings do not count.
+    pub fn take_noise(&mut self, left: &[f64]) {
+        let mut sizes: Vec<f64> = left.iter().map(|e| e.abs()).collect();
+        sizes.sort_by(f64::total_cmp);
+        // The median of |N(0, 1)|.
+        let noise = sizes
+            .get(sizes.len() / 2)
+            .map_or(0.0, |m| m / 0.674_489_750_196);
+        let floor = self.floor.max(1e-6);
+        self.noise = noise;
+        self.noise_floor = noise.hypot(floor);
+        self.std.fill(self.noise_floor);
+    }
+
+    /// Postures.
+    pub fn len(&self) -> usize {
+        self.pose.len()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.pose.is_empty()
+    }
+}
+
+/// Noise of the mean reading of each posture.
+struct Noise {
+    per_entry: Vec<[f64; 2]>,
+    overall: f64,
+    source: NoiseSource,
+}
+
+impl Noise {
+    fn of(all: &[Posture], stated: bool, taking: &Taking) -> Noise {
+        let constant = |std: f64, source| Noise {
+            per_entry: all.iter().map(|p| [std / p.rows.sqrt(); 2]).collect(),
+            overall: rms(all.iter().map(|p| std / p.rows.sqrt())),
+            source,
+        };
+        if let Some(noise) = taking.noise {
+            return Noise {
+                per_entry: vec![[noise; 2]; all.len()],
+                overall: noise,
+                source: NoiseSource::Given,
+            };
+        }
+        if stated {
+            return Noise::stated(all);
+        }
+        let mut pure = (0.0, 0.0);
+        for posture in all.iter().filter(|p| p.rows > 1.0) {
+            for axis in 0..2 {
+                let mean = posture.sum[axis] / posture.rows;
+                pure.0 += (posture.squares[axis] - posture.rows * mean * mean).max(0.0);
+                pure.1 += posture.rows - 1.0;
+            }
+        }
+        match pure.1 >= 10.0 {
+            true => constant((pure.0 / pure.1).sqrt(), NoiseSource::Repeats),
+            // Filled in later from what is left over.
+            false => constant(f64::NAN, NoiseSource::Residuals),
+        }
+    }
+
+    /// Deviations that are all about alike are estimates of the same number,
+    /// and their mean square is a better one than each.
+    fn stated(all: &[Posture]) -> Noise {
+        let own = |p: &Posture, axis: usize| (p.weight[axis]).sqrt() / p.rows;
+        let mut per_entry: Vec<[f64; 2]> = all.iter().map(|p| [own(p, 0), own(p, 1)]).collect();
+        for axis in 0..2 {
+            let together = rms(per_entry.iter().map(|s| s[axis]));
+            let away = rms(per_entry.iter().map(|s| s[axis] - together));
+            if away < SCATTER * together {
+                per_entry.iter_mut().for_each(|s| s[axis] = together);
+            }
+        }
+        Noise {
+            overall: rms(per_entry.iter().flatten().copied()),
+            per_entry,
+            source: NoiseSource::Stated,
+        }
+    }
+}
+
+/// Root of the mean square; zero of nothing.
+pub fn rms(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0.0), |(sum, n), x| (sum + x * x, n + 1.0));
+    if count > 0.0 {
+        f64::sqrt(sum / count)
+    } else {
+        0.0
+    }
+}
+
+impl Gathering {
+    /// Place of a posture in the log, 0 to 1: by time, by number where numbers
+    /// rise, else by order.
+    fn place(&self, k: usize, timed: bool) -> f64 {
+        let (first, end) = (self.first.unwrap_or_default(), self.end);
+        let posture = &self.kept[k];
+        let (from, to, at) = match (timed, self.rising) {
+            (true, _) => (first.1, end.1, posture.t),
+            (false, true) => (first.0 as f64, end.0 as f64, posture.pose as f64),
+            (false, false) => (0.0, self.seen as f64 - 1.0, (k * self.stride) as f64),
+        };
+        if to > from {
+            (at - from) / (to - from)
+        } else {
+            0.0
+        }
+    }
+}
+
+/// Velocity and acceleration of a joint, by the parabola through a posture and
+/// its neighbours in time; at the ends of a log by the line to the one there is.
+fn motion(posture: &Posture, q: &[f64], joint: usize) -> [f64; 2] {
+    let slope = |(t, other): &(f64, Vec<f64>)| {
+        let time = t - posture.t;
+        (time != 0.0).then(|| ((other[joint] - q[joint]) / time, time.abs()))
+    };
+    let left = posture.before.as_ref().and_then(slope);
+    let right = posture.after.as_ref().and_then(slope);
+    match (left, right) {
+        (Some((left, before)), Some((right, after))) => [
+            (left * after + right * before) / (before + after),
+            2.0 * (right - left) / (before + after),
+        ],
+        (Some((slope, _)), None) | (None, Some((slope, _))) => [slope, 0.0],
+        (None, None) => [0.0; 2],
+    }
+}

@@ -1,0 +1,411 @@
+//! The whole diagnosis: search, class, verdict, held-out errors, sentences.
+
+use sesc_model::effects::Instance;
+
+use super::data::NoiseSource;
+use super::findings::{
+    About, Blind, Diagnosis, Found, Gap, Last, Leftover, Member, NextPostures, Quantity, Step,
+    Verdict,
+};
+use super::further::{self, Further};
+use super::held_out::{self, HeldOut};
+use super::leftover::{self, Excess, Formula};
+use super::outliers::Outliers;
+use super::problem::{Fit, Problem};
+use super::search::{Search, Watch};
+use super::words;
+
+/// Scores that differ by less are not told apart: odds of 150 to 1. The truth lies
+/// within this of the best in 97 of 100 logs.
+pub const BRACKET: f64 = 10.0;
+/// By how much an explanation has to beat that nothing is missing: logs without
+/// any effect, 2 of 300 without this.
+const CLEAR: f64 = 4.0;
+/// More effects that are this little worse are as good.
+const EVEN: f64 = 3.0;
+/// So many effects at once are less likely than one that is not known here.
+const CROWD: usize = 4;
+/// Outliers are at most this part of the postures.
+const FEW: f64 = 0.2;
+/// Offsets that show only from here on, rad (m), are worth a warning.
+const BLIND_RAD: f64 = 0.1;
+/// Single effects that a formula is tried beside.
+const SINGLES: usize = 3;
+/// A formula has to be better than effects by this much: its library is larger
+/// than its price says.
+const MARGIN: f64 = 20.0;
+/// What is worse than the best by more is not brought back by further logs.
+const JUDGED: f64 = 2.0 * BRACKET;
+/// Explanations that are listed, at most.
+const LISTED: usize = 24;
+/// χ² at which an effect is reliably seen.
+const SEEN: f64 = 60.0;
+
+pub fn diagnose(problem: &mut Problem, about: &About, watch: Watch) -> Found {
+    diagnose_all(problem, &[], about, watch)
+}
+
+/// A log whose explanations are judged by further ones, too.
+pub fn diagnose_all(
+    problem: &mut Problem,
+    further: &[Further],
+    about: &About,
+    watch: Watch,
+) -> Found {
+    let mut search = Search::new(problem);
+    let blind = search.visible().to_vec();
+    let mut ranked = search.run(watch);
+    ranked.retain(|fit| !too_many_outliers(fit));
+    let mut ranked = judged(&search, ranked, further);
+    // Something is missing only if that is clearly better than nothing missing.
+    let nothing = further::together(search.problem(), search.fit(&[], None), further);
+    if nothing.score() < ranked[0].score() + CLEAR {
+        ranked = vec![nothing];
+    }
+    let best = ranked[0].clone();
+    ranked.retain(|fit| fit.score() <= best.score() + BRACKET);
+    let mut class = class(&best, ranked);
+    let problem = search.problem();
+    let excess = Excess::of(problem, &best);
+    let (best, formula) = with_formula(excess, best, &mut search, further);
+    // Noise that was taken from what is left over cannot say that too much is left.
+    let known = problem.data.noise_source != NoiseSource::Residuals;
+    let crowd = best.instances.len() >= CROWD;
+    let unexplained = known && excess.is_clear() || formula.is_some() || crowd;
+    let problem = search.problem();
+    if unexplained {
+        class = vec![best.clone()];
+    }
+    let baseline = held_out::of_cad(problem);
+    let steps = held_out::order(&best, &mut |instances| search.fit(instances, None));
+    let problem = search.problem();
+    let mut held: Vec<HeldOut> = Vec::new();
+    let null = search.fit(&[], None);
+    let start = held_out::cross_validate(problem, &null);
+    for step in &steps {
+        held.push(held_out::cross_validate(problem, step));
+    }
+    let evidence: Vec<f64> = best
+        .instances
+        .iter()
+        .map(|instance| {
+            let others: Vec<Instance> = best
+                .instances
+                .iter()
+                .filter(|i| *i != instance)
+                .cloned()
+                .collect();
+            let without = search.fit(&others, Some(&best));
+            further::together(search.problem(), without, further).score() - best.score()
+        })
+        .collect();
+    let problem = search.problem();
+    let expected = Excess::of(problem, &null);
+    let raw = raw_excess(problem);
+    let verdict = match (unexplained, best.instances.is_empty(), class.len()) {
+        (true, _, _) => Verdict::Unexplained,
+        (_, true, _) if raw.is_clear() && !expected.is_clear() => Verdict::Absorbed,
+        (_, true, _) => Verdict::None,
+        (_, _, 1) => Verdict::Named,
+        _ => Verdict::Class,
+    };
+    let diagnosis = Diagnosis {
+        verdict,
+        sentence: String::new(),
+        robot: about.robot.to_string(),
+        support: about.support.to_string(),
+        log: about.log.to_string(),
+        postures: problem.data.postures,
+        postures_used: problem.data.len(),
+        prior: about.prior.clone(),
+        noise: problem.data.noise,
+        noise_floor: problem.data.noise_floor,
+        noise_source: problem.data.noise_source,
+        baseline: Gap {
+            rmse: baseline.rmse,
+            rmse_x: baseline.rmse_x,
+            rmse_y: baseline.rmse_y,
+            bias: baseline.bias,
+        },
+        baseline_chi2: raw.chi2,
+        steps: told(problem, &best, &steps, &start, &held, &evidence),
+        last: last(held.last().unwrap_or(&start)),
+        indistinguishable: labels(problem, &class),
+        class: members(problem, &class),
+        absorbed_by_masses: absorbed(problem, &best),
+        unexplained,
+        leftover: rest(problem, &best, formula),
+        outliers: outliers(problem, &best),
+        blind: blind_spots(problem, &blind),
+        hypotheses_fitted: search.fitted,
+        next_postures: NextPostures::default(),
+    };
+    let mut found = Found {
+        diagnosis,
+        best,
+        class,
+        steps,
+        baseline,
+        held_out: held,
+    };
+    found.diagnosis.sentence = super::verdict::sentence(problem, &found);
+    found
+}
+
+/// What comes near the best of the first log, ranked by all logs.
+fn judged(search: &Search, mut ranked: Vec<Fit>, further: &[Further]) -> Vec<Fit> {
+    if further.is_empty() {
+        return ranked;
+    }
+    let best = ranked[0].score();
+    ranked.retain(|fit| fit.score() <= best + JUDGED);
+    ranked.truncate(LISTED);
+    let together = |fit| further::together(search.problem(), fit, further);
+    let mut ranked: Vec<Fit> = ranked.into_iter().map(together).collect();
+    ranked.sort_by(|a, b| a.score().total_cmp(&b.score()));
+    ranked
+}
+
+/// The best first, without those that only add to another.
+fn class(best: &Fit, near: Vec<Fit>) -> Vec<Fit> {
+    let mut class: Vec<Fit> = vec![best.clone()];
+    for fit in near {
+        let same = fit.instances == best.instances;
+        // More of the same is an answer of its own only if it is as good.
+        let adds = |other: &Fit| {
+            let all = other.instances.iter().all(|i| fit.instances.contains(i));
+            let behind = fit.score() - other.score();
+            all && other.instances.len() < fit.instances.len() && behind > EVEN
+        };
+        if !same
+            && !fit.instances.is_empty()
+            && !class.iter().any(adds)
+            && !best.instances.is_empty()
+        {
+            class.push(fit);
+        }
+    }
+    class.truncate(LISTED);
+    class
+}
+
+/// Outliers are a few: where more postures are odd, it is the rule that is odd.
+fn too_many_outliers(fit: &Fit) -> bool {
+    let share = |o: &Outliers| o.named().len() as f64 / o.chance.len() as f64;
+    fit.outliers.as_ref().is_some_and(|o| share(o) > FEW)
+}
+
+/// A short formula that explains the gap better than any effects do, with the
+/// plain hypothesis that it completes; looked for only where effects leave
+/// something over, or explain it by outliers or by a crowd of them.
+fn with_formula(
+    excess: Excess,
+    best: Fit,
+    search: &mut Search,
+    further: &[Further],
+) -> (Fit, Option<Formula>) {
+    let crowd = best.instances.len() > 2 || best.outliers.is_some();
+    if !(excess.is_clear() || crowd) {
+        return (best, None);
+    }
+    let null = search.fit(&[], None);
+    let ranked = search.ranked();
+    let singles = ranked
+        .iter()
+        .filter(|fit| fit.instances.len() == 1 && fit.outliers.is_none());
+    let singles: Vec<Fit> = singles.take(SINGLES).cloned().collect();
+    let problem = search.problem();
+    let alone = [null].into_iter().chain(singles);
+    let together = alone.map(|fit| further::together(problem, fit, further));
+    let tried = together.chain([best.clone()]);
+    let formulas = tried.map(|fit| {
+        let formula = leftover::formula(problem, &fit);
+        (fit, formula)
+    });
+    let found = formulas.min_by(|a, b| a.1.score.total_cmp(&b.1.score));
+    match found {
+        Some((fit, formula))
+            if formula.is_worth_telling() && formula.score < best.score() - MARGIN =>
+        {
+            (fit, Some(formula))
+        }
+        _ => (best, None),
+    }
+}
+
+/// χ² of the robot exactly as CAD has it.
+fn raw_excess(problem: &Problem) -> Excess {
+    let out = problem.evaluate(&[], &[], &problem.data.q, &problem.data.circumstances);
+    let entries = problem.data.reading.iter().zip(&out).zip(&problem.weight);
+    Excess {
+        chi2: entries.map(|((y, p), w)| ((y - p) * w).powi(2)).sum(),
+        expected: out.len() as f64,
+    }
+}
+
+fn absorbed(problem: &Problem, best: &Fit) -> f64 {
+    let masses = problem.masses(&best.instances);
+    let shift = masses.shift(&masses.expected(&best.residual));
+    super::data::rms(shift.iter().zip(&problem.weight).map(|(s, w)| s / w))
+}
+
+fn told(
+    problem: &Problem,
+    best: &Fit,
+    steps: &[Fit],
+    start: &HeldOut,
+    held: &[HeldOut],
+    evidence: &[f64],
+) -> Vec<Step> {
+    let values = words::values(problem, best);
+    let mut before: Vec<Instance> = Vec::new();
+    let mut told = Vec::new();
+    for (k, step) in steps.iter().enumerate() {
+        let Some(at) = best
+            .instances
+            .iter()
+            .position(|i| step.instances.contains(i) && !before.contains(i))
+        else {
+            continue;
+        };
+        let instance = &best.instances[at];
+        before.push(instance.clone());
+        let rmse_before = if k == 0 { start.rmse } else { held[k - 1].rmse };
+        told.push(Step {
+            effect: instance.effect.name(),
+            target: match problem.setting.name_of(&instance.target) {
+                way if matches!(instance.target, sesc_model::effects::Target::Way(_))
+                    && instance.effect.name() == "units" =>
+                {
+                    let _ = way;
+                    "-".to_string()
+                }
+                name => name,
+            },
+            parameters: values[at]
+                .iter()
+                .map(|v| {
+                    (
+                        v.name,
+                        Quantity {
+                            value: v.value,
+                            std: v.std,
+                        },
+                    )
+                })
+                .collect(),
+            rmse_before,
+            rmse_after: held[k].rmse,
+            evidence: evidence[at],
+            sentence: format!(
+                "{}: the held-out gap falls from {:.2} mm to {:.2} mm.",
+                capital(&words::clause(&problem.setting, instance, &values[at])),
+                1e3 * rmse_before,
+                1e3 * held[k].rmse
+            ),
+        });
+    }
+    told
+}
+
+pub(super) fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    match letters.next() {
+        Some(first) => first.to_uppercase().collect::<String>() + letters.as_str(),
+        None => String::new(),
+    }
+}
+
+fn last(held: &HeldOut) -> Last {
+    Last {
+        rmse: held.rmse,
+        rmse_x: held.rmse_x,
+        rmse_y: held.rmse_y,
+        left_out: held.left_out,
+    }
+}
+
+fn labels(problem: &Problem, class: &[Fit]) -> Vec<Vec<String>> {
+    let of = |fit: &Fit| {
+        fit.instances
+            .iter()
+            .map(|i| i.label(&problem.setting))
+            .collect()
+    };
+    class
+        .iter()
+        .filter(|f| !f.instances.is_empty())
+        .map(of)
+        .collect()
+}
+
+fn members(problem: &Problem, class: &[Fit]) -> Vec<Member> {
+    let first = class.first().map_or(0.0, Fit::score);
+    class
+        .iter()
+        .filter(|f| !f.instances.is_empty())
+        .map(|fit| {
+            let values = words::values(problem, fit);
+            let clauses = fit.instances.iter().zip(&values);
+            let clauses = clauses.map(|(i, v)| words::clause(&problem.setting, i, v));
+            Member {
+                effects: fit
+                    .instances
+                    .iter()
+                    .map(|i| i.label(&problem.setting))
+                    .collect(),
+                behind: fit.score() - first,
+                sentence: capital(&clauses.collect::<Vec<_>>().join(", with ")),
+            }
+        })
+        .collect()
+}
+
+fn rest(problem: &Problem, best: &Fit, formula: Option<Formula>) -> Leftover {
+    let now = Excess::of(problem, best);
+    let strongest = leftover::strongest(problem, best);
+    let clear = now.is_clear();
+    Leftover {
+        chi2: now.chi2,
+        expected: now.expected,
+        strongest: strongest.as_ref().filter(|_| clear).map(|s| s.0.clone()),
+        strongest_share: strongest.filter(|_| clear).map_or(0.0, |s| s.1),
+        formula_share: formula.as_ref().map(|f| f.share),
+        formula: formula.map(|f| f.text()),
+    }
+}
+
+fn outliers(problem: &Problem, best: &Fit) -> Vec<i64> {
+    let named = best.outliers.as_ref().map_or_else(Vec::new, |o| o.named());
+    named.into_iter().map(|k| problem.data.pose[k]).collect()
+}
+
+/// Joints whose offset this log hardly shows, with the size from which it would.
+fn blind_spots(problem: &Problem, visible: &[(Instance, f64)]) -> Vec<Blind> {
+    let setting = &problem.setting;
+    let mut spots = Vec::new();
+    for (instance, chi2) in visible {
+        if instance.effect.name() != "joint_offset" {
+            continue;
+        }
+        let scales = instance.effect.scales(setting, &instance.target);
+        let from = scales[0] * (SEEN / chi2.max(1e-9)).sqrt();
+        // What everybody would notice without a tool is no blind spot.
+        if from < BLIND_RAD {
+            continue;
+        }
+        let values = instance.effect.values(setting, &instance.target, &[from]);
+        let angle = values.iter().any(|v| v.name.ends_with("_rad"));
+        spots.push(Blind {
+            effect: instance.label(setting),
+            from,
+            size: match angle {
+                true if from > std::f64::consts::FRAC_PI_2 => "of any size".to_string(),
+                true => format!("below {:.0}°", from.to_degrees()),
+                false => format!("below {:.0} mm", 1e3 * from),
+            },
+        });
+    }
+    spots.sort_by(|a, b| b.from.total_cmp(&a.from));
+    spots
+}

@@ -1,0 +1,217 @@
+//! What every candidate would do to the readings, to first order.
+//!
+//! ```text
+//! Z_c = ∂y/∂e_c at no effect       G = Zᵀ S Z       gain_c = bᵀ A⁻¹ b
+//! ```
+//!
+//! with `A` and `b` what is left of `G_cc` and `Z_cᵀ S residual` once the unknowns
+//! of the current hypothesis take their part. S: no mass error, see `nuisance`.
+
+use nalgebra::{DMatrix, DVector};
+use sesc_model::effects::{self, Circumstances, Instance, Stage};
+
+use super::problem::{Fit, Problem};
+
+/// Columns that others copy to this share of their square are the others.
+const COPIED: f64 = 1e-5;
+
+pub struct Dictionary {
+    pub candidates: Vec<Candidate>,
+    /// Whitened slopes, all candidates side by side, and S times them.
+    slopes: DMatrix<f64>,
+    beyond: DMatrix<f64>,
+    gram: Option<DMatrix<f64>>,
+}
+
+pub struct Candidate {
+    pub instance: Instance,
+    /// Its column is what a start does, for effects that have no slope at none.
+    started: bool,
+    from: usize,
+    count: usize,
+}
+
+impl Dictionary {
+    /// Slopes at joint positions `q`.
+    pub fn new(problem: &Problem, q: &[f64]) -> Dictionary {
+        let setting = &problem.setting;
+        let circumstances = sides_at(problem, q);
+        let rows = 2 * problem.data.len();
+        let mut candidates = Vec::new();
+        let mut columns: Vec<Vec<f64>> = Vec::new();
+        for instance in effects::instances(setting) {
+            if matches!(instance.effect.stage(), Stage::Whole) || instance.unknowns(setting) == 0 {
+                continue;
+            }
+            let from = columns.len();
+            let own = std::slice::from_ref(&instance);
+            let starts = instance.effect.starts(setting, &instance.target);
+            if starts.len() == 1 {
+                let out = problem.evaluate(own, &starts[0], q, &circumstances);
+                let p = starts[0].len();
+                for k in 0..p {
+                    let column =
+                        (0..rows).map(|row| out[row * (p + 1) + 1 + k] * problem.weight[row]);
+                    columns.push(column.collect());
+                }
+            } else {
+                // No slope at none: what each start does, as one direction each,
+                // of which the strongest stands for it.
+                let none = problem.evaluate(&[], &[], q, &circumstances);
+                let middle = &starts[starts.len() / 3];
+                let out = problem.evaluate(own, middle, q, &circumstances);
+                let width = middle.len() + 1;
+                let column =
+                    (0..rows).map(|row| (out[row * width] - none[row]) * problem.weight[row]);
+                columns.push(column.collect());
+            }
+            candidates.push(Candidate {
+                started: starts.len() > 1,
+                instance,
+                from,
+                count: columns.len() - from,
+            });
+        }
+        let slopes = DMatrix::from_fn(rows, columns.len(), |row, k| columns[k][row]);
+        let beyond = problem.nuisance.beyond(&slopes);
+        Dictionary {
+            candidates,
+            slopes,
+            beyond,
+            gram: None,
+        }
+    }
+
+    /// χ² that each candidate of ordinary size would have in this log.
+    pub fn visible(&self, problem: &Problem) -> Vec<(Instance, f64)> {
+        let of = |c: &Candidate| {
+            let scales = c
+                .instance
+                .effect
+                .scales(&problem.setting, &c.instance.target);
+            let ordinary = match c.count == scales.len() && !c.started {
+                true => DVector::from_vec(scales),
+                false => DVector::from_element(c.count, 1.0),
+            };
+            let z = self.slopes.columns(c.from, c.count);
+            let sz = self.beyond.columns(c.from, c.count);
+            let chi2 = (sz * &ordinary).dot(&(z * &ordinary));
+            (c.instance.clone(), chi2.max(0.0))
+        };
+        self.candidates.iter().map(of).collect()
+    }
+
+    /// How far each candidate would lower the objective of `fit`, to first order.
+    pub fn gains(&self, fit: &Fit, problem: &Problem) -> Vec<f64> {
+        let masses = problem.masses(&fit.instances);
+        let mut residual = fit.residual.clone();
+        if let Some(outliers) = &fit.outliers {
+            let root = outliers.root_weights(None);
+            residual.iter_mut().zip(root).for_each(|(e, w)| *e *= w);
+        }
+        let left = masses.beyond_one(&residual);
+        let own = &fit.slopes;
+        let own_beyond = masses.beyond(own);
+        let mut normal = own.tr_mul(&own_beyond);
+        for k in 0..normal.nrows() {
+            normal[(k, k)] *= 1.0 + 1e-9;
+            normal[(k, k)] += 1e-12;
+        }
+        let factor = normal.cholesky();
+        let of_own = own.tr_mul(&left);
+        self.candidates
+            .iter()
+            .map(|c| {
+                let z = self.slopes.columns(c.from, c.count);
+                let sz = self.beyond.columns(c.from, c.count);
+                let mut a = z.tr_mul(&sz);
+                let mut b = z.tr_mul(&left);
+                let whole: Vec<f64> = (0..c.count).map(|k| a[(k, k)]).collect();
+                if let (Some(factor), true) = (&factor, own.ncols() > 0) {
+                    let cross = sz.tr_mul(own);
+                    a -= &cross * factor.solve(&cross.transpose());
+                    b -= &cross * factor.solve(&of_own);
+                }
+                gain(a, &b, &whole)
+            })
+            .collect()
+    }
+
+    /// Gains of one candidate with whitened residuals of another model of the same
+    /// slopes: for wiring faults, tried by the hundred.
+    pub fn gains_of(&self, residual: &DVector<f64>) -> Vec<f64> {
+        let b = self.beyond.tr_mul(residual);
+        self.candidates
+            .iter()
+            .map(|c| {
+                let z = self.slopes.columns(c.from, c.count);
+                let a = z.tr_mul(&self.beyond.columns(c.from, c.count));
+                let whole: Vec<f64> = (0..c.count).map(|k| a[(k, k)]).collect();
+                gain(a, &b.rows(c.from, c.count).into_owned(), &whole)
+            })
+            .collect()
+    }
+
+    /// Every pair's gain: (first, second, gain).
+    pub fn pairs(&mut self, residual: &DVector<f64>) -> Vec<(usize, usize, f64)> {
+        if self.gram.is_none() {
+            self.gram = Some(self.slopes.tr_mul(&self.beyond));
+        }
+        let gram = self.gram.as_ref().expect("made above");
+        let b = self.beyond.tr_mul(residual);
+        let mut pairs = Vec::new();
+        for (i, first) in self.candidates.iter().enumerate() {
+            let aa = gram
+                .view((first.from, first.from), (first.count, first.count))
+                .into_owned();
+            let mut safe = aa.clone();
+            for k in 0..first.count {
+                safe[(k, k)] = safe[(k, k)] * (1.0 + COPIED) + 1e-12;
+            }
+            let Some(factor) = safe.cholesky() else {
+                continue;
+            };
+            let ba = b.rows(first.from, first.count).into_owned();
+            let alone = ba.dot(&factor.solve(&ba));
+            let solved = factor.solve(&ba);
+            for (j, second) in self.candidates.iter().enumerate().skip(i + 1) {
+                let cross = gram.view((second.from, first.from), (second.count, first.count));
+                let mut a = gram
+                    .view((second.from, second.from), (second.count, second.count))
+                    .into_owned();
+                let whole: Vec<f64> = (0..second.count).map(|k| a[(k, k)]).collect();
+                a -= cross * factor.solve(&cross.transpose());
+                let bb = b.rows(second.from, second.count) - cross * &solved;
+                pairs.push((i, j, alone + gain(a, &bb, &whole)));
+            }
+        }
+        pairs
+    }
+}
+
+/// `bᵀ A⁻¹ b`, directions that others have copied (measured by `whole`) left out.
+fn gain(mut a: DMatrix<f64>, b: &DVector<f64>, whole: &[f64]) -> f64 {
+    for (k, whole) in whole.iter().enumerate() {
+        a[(k, k)] += COPIED * whole + 1e-12;
+    }
+    match a.cholesky() {
+        Some(factor) => b.dot(&factor.solve(b)).max(0.0),
+        None => 0.0,
+    }
+}
+
+/// Circumstances with every joint on the side where gravity puts it.
+fn sides_at(problem: &Problem, q: &[f64]) -> Vec<f64> {
+    let layout = Circumstances::of(problem.setting.model);
+    let dof = problem.setting.model.dof();
+    let mut circumstances = problem.data.circumstances.clone();
+    let moments = problem.moments_at(q);
+    for k in 0..problem.data.len() {
+        for joint in 0..dof {
+            let moment = moments[k * 3 * dof + joint];
+            circumstances[k * layout.len() + layout.side(joint)] =
+                if moment < 0.0 { -1.0 } else { 1.0 };
+        }
+    }
+    circumstances
+}

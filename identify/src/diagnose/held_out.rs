@@ -1,0 +1,127 @@
+//! Errors on postures that a fit did not see.
+
+use nalgebra::DVector;
+use sesc_model::effects::Instance;
+
+use super::data::rms;
+use super::problem::{Fit, Problem, Rows};
+
+/// Parts that a log is dealt into.
+const FOLDS: usize = 20;
+
+/// Errors of predicted readings, m; outliers, and postures that a dead band
+/// leaves on the side that gravity does not favour, are counted apart.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HeldOut {
+    pub rmse: f64,
+    pub rmse_x: f64,
+    pub rmse_y: f64,
+    /// Mean error by axis.
+    pub bias: [f64; 2],
+    /// reading − prediction per entry; NaN where left out.
+    pub errors: Vec<f64>,
+    pub left_out: usize,
+}
+
+/// Cross-validation of a hypothesis: each posture predicted without itself.
+pub fn cross_validate(problem: &Problem, whole: &Fit) -> HeldOut {
+    let n = problem.data.len();
+    let apart = apart(problem, whole);
+    if whole.instances.is_empty() && problem.nuisance.is_negligible() {
+        return of_errors(errors_of(problem, whole, None), &apart);
+    }
+    let folds = FOLDS.min(n);
+    let mut errors = vec![f64::NAN; 2 * n];
+    for fold in 0..folds {
+        // Neighbours in a log are alike: every `FOLDS`-th posture is left out.
+        let keep: Vec<bool> = (0..n).map(|k| k % folds != fold).collect();
+        let rows = Rows { keep: Some(&keep) };
+        let fit = problem.fit(&whole.instances, Some(&whole.unknowns), rows);
+        let own = errors_of(problem, &fit, Some(&keep));
+        for k in (fold..n).step_by(folds) {
+            errors[2 * k] = own[2 * k];
+            errors[2 * k + 1] = own[2 * k + 1];
+        }
+    }
+    of_errors(errors, &apart)
+}
+
+/// Errors of the robot as CAD has it.
+pub fn of_cad(problem: &Problem) -> HeldOut {
+    let n = problem.data.len();
+    let out = problem.evaluate(&[], &[], &problem.data.q, &problem.data.circumstances);
+    let errors = problem.data.reading.iter().zip(&out).map(|(y, p)| y - p);
+    of_errors(errors.collect(), &vec![false; n])
+}
+
+/// reading − prediction, masses as the kept postures suggest.
+pub(super) fn errors_of(problem: &Problem, fit: &Fit, keep: Option<&[bool]>) -> Vec<f64> {
+    let masses = problem.masses(&fit.instances);
+    let root: Vec<f64> = match (&fit.outliers, keep) {
+        (Some(outliers), keep) => outliers.root_weights(keep),
+        (None, Some(keep)) => keep
+            .iter()
+            .flat_map(|k| [f64::from(u8::from(*k)); 2])
+            .collect(),
+        (None, None) => vec![1.0; fit.residual.len()],
+    };
+    let weighted = DVector::from_fn(root.len(), |row, _| fit.residual[row] * root[row]);
+    let expected = masses.reweighted(&root).expected(&weighted);
+    let shift = masses.shift(&expected);
+    let left = fit.residual.iter().zip(shift.iter()).zip(&problem.weight);
+    left.map(|((e, s), w)| (e - s) / w).collect()
+}
+
+/// Postures that no prediction is to be judged by.
+pub fn apart(problem: &Problem, fit: &Fit) -> Vec<bool> {
+    let mut apart = vec![false; problem.data.len()];
+    if let Some(outliers) = &fit.outliers {
+        outliers.named().into_iter().for_each(|k| apart[k] = true);
+    }
+    fit.flipped.iter().for_each(|&k| apart[k] = true);
+    apart
+}
+
+fn of_errors(mut errors: Vec<f64>, apart: &[bool]) -> HeldOut {
+    for (k, apart) in apart.iter().enumerate() {
+        if *apart {
+            errors[2 * k] = f64::NAN;
+            errors[2 * k + 1] = f64::NAN;
+        }
+    }
+    let axis = |a: usize| {
+        let own = errors.iter().skip(a).step_by(2).copied();
+        own.filter(|e| !e.is_nan()).collect::<Vec<f64>>()
+    };
+    let (x, y) = (axis(0), axis(1));
+    let mean = |v: &[f64]| v.iter().sum::<f64>() / v.len().max(1) as f64;
+    HeldOut {
+        rmse: rms(x.iter().chain(&y).copied()),
+        rmse_x: rms(x.iter().copied()),
+        rmse_y: rms(y.iter().copied()),
+        bias: [mean(&x), mean(&y)],
+        left_out: apart.iter().filter(|a| **a).count(),
+        errors,
+    }
+}
+
+/// Effects in the order in which they close the gap: each next one the one that
+/// lowers the objective most beside those before.
+pub fn order(best: &Fit, fit: &mut dyn FnMut(&[Instance]) -> Fit) -> Vec<Fit> {
+    let mut left = best.instances.clone();
+    let mut taken: Vec<Instance> = Vec::new();
+    let mut steps = Vec::new();
+    while !left.is_empty() {
+        let tried = left.iter().enumerate().map(|(k, next)| {
+            let mut instances = taken.clone();
+            instances.push(next.clone());
+            (k, fit(&instances))
+        });
+        let (k, next) = tried
+            .min_by(|a, b| a.1.score().total_cmp(&b.1.score()))
+            .expect("something is left");
+        taken.push(left.remove(k));
+        steps.push(next);
+    }
+    steps
+}

@@ -1,0 +1,249 @@
+//! What no effect of the list explains: how much, where, and a short formula.
+//!
+//! ```text
+//! residual ≈ Σ_k (a_k, b_k) f_k(q, τ, u)        a few f from a library, by least
+//!                                               squares, each paid for
+//! ```
+//!
+//! Found, not physical: a formula says what the gap follows, not why.
+
+use nalgebra::{DMatrix, DVector};
+use sesc_model::effects::Circumstances;
+
+use super::held_out;
+use super::problem::{Fit, Problem};
+
+/// Beyond this many standard deviations of χ² noise does not explain the rest.
+const CLEARLY: f64 = 4.0;
+/// Nor does it if χ² is not larger than expected by this factor: noise is not
+/// known better.
+const RATIO: f64 = 1.15;
+/// Terms of a formula, at most.
+const TERMS: usize = 3;
+/// A formula is worth telling if it explains this much of the excess.
+const WORTH: f64 = 0.6;
+
+/// χ² of what is left against what noise leaves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Excess {
+    pub chi2: f64,
+    pub expected: f64,
+}
+
+impl Excess {
+    pub fn of(problem: &Problem, fit: &Fit) -> Excess {
+        let apart = held_out::apart(problem, fit);
+        let masses = problem.masses(&fit.instances);
+        let shift = masses.shift(&masses.expected(&fit.residual));
+        let mut chi2 = 0.0;
+        let mut rows = 0.0;
+        for (k, apart) in apart.iter().enumerate() {
+            if !apart {
+                for row in [2 * k, 2 * k + 1] {
+                    chi2 += (fit.residual[row] - shift[row]).powi(2);
+                    rows += 1.0;
+                }
+            }
+        }
+        Excess {
+            chi2,
+            expected: (rows - fit.unknowns.len() as f64 - masses.directions()).max(1.0),
+        }
+    }
+
+    /// Standard deviations beyond what noise leaves.
+    pub fn deviations(self) -> f64 {
+        (self.chi2 - self.expected) / (2.0 * self.expected).sqrt()
+    }
+
+    pub fn is_clear(self) -> bool {
+        self.deviations() > CLEARLY && self.chi2 > RATIO * self.expected
+    }
+}
+
+/// One function of a posture with its weight on each axis, m.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Term {
+    pub name: String,
+    pub weight: [f64; 2],
+}
+
+/// A short formula for the residual.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Formula {
+    pub terms: Vec<Term>,
+    /// Part of the excess that it explains.
+    pub share: f64,
+    /// Score of fit and formula together.
+    pub score: f64,
+}
+
+impl Formula {
+    pub fn is_worth_telling(&self) -> bool {
+        !self.terms.is_empty() && self.share > WORTH
+    }
+
+    /// `x: 2.98 mm sin(3 r_knee), y: …`
+    pub fn text(&self) -> String {
+        let axis = |a: usize| {
+            let terms = self
+                .terms
+                .iter()
+                .map(|t| format!("{:+.2} mm {}", 1e3 * t.weight[a], t.name));
+            terms.collect::<Vec<_>>().join(" ")
+        };
+        format!("x: {}; y: {}", axis(0), axis(1))
+    }
+}
+
+/// The formula that explains most of what `fit` leaves.
+pub fn formula(problem: &Problem, fit: &Fit) -> Formula {
+    let library = library(problem);
+    let n = problem.data.len();
+    let excess = Excess::of(problem, fit);
+    let mut target = fit.residual.clone();
+    let masses = problem.masses(&fit.instances);
+    target -= masses.shift(&masses.expected(&fit.residual));
+    for (k, apart) in held_out::apart(problem, fit).into_iter().enumerate() {
+        if apart {
+            target[2 * k] = 0.0;
+            target[2 * k + 1] = 0.0;
+        }
+    }
+    let price = 2.0 * (2.0 * n as f64).ln() + 2.0 * (library.len() as f64).ln();
+    let column = |f: &[f64], axis: usize| {
+        DVector::from_fn(2 * n, |row, _| match row % 2 == axis {
+            true => f[row / 2] * problem.weight[row],
+            false => 0.0,
+        })
+    };
+    let mut chosen: Vec<usize> = Vec::new();
+    let mut weights = DVector::zeros(0);
+    let mut left = target.clone();
+    while chosen.len() < TERMS {
+        // The function most like what is left, on both axes together.
+        let worth = |f: &[f64]| {
+            (0..2)
+                .map(|axis| {
+                    let c = column(f, axis);
+                    let square = c.norm_squared();
+                    if square > 1e-9 {
+                        c.dot(&left).powi(2) / square
+                    } else {
+                        0.0
+                    }
+                })
+                .sum::<f64>()
+        };
+        let best = (0..library.len())
+            .filter(|k| !chosen.contains(k))
+            .map(|k| (k, worth(&library[k].1)))
+            .max_by(|a, b| a.1.total_cmp(&b.1));
+        let Some((k, _)) = best else { break };
+        let mut tried = chosen.clone();
+        tried.push(k);
+        let columns: Vec<DVector<f64>> = tried
+            .iter()
+            .flat_map(|&k| [column(&library[k].1, 0), column(&library[k].1, 1)])
+            .collect();
+        let matrix = DMatrix::from_columns(&columns);
+        let mut normal = matrix.tr_mul(&matrix);
+        for d in 0..normal.nrows() {
+            normal[(d, d)] = normal[(d, d)] * (1.0 + 1e-9) + 1e-12;
+        }
+        let Some(factor) = normal.cholesky() else {
+            break;
+        };
+        let solution = factor.solve(&matrix.tr_mul(&target));
+        let rest = &target - &matrix * &solution;
+        if left.norm_squared() - rest.norm_squared() < price {
+            break;
+        }
+        (chosen, weights, left) = (tried, solution, rest);
+    }
+    let gained = target.norm_squared() - left.norm_squared();
+    Formula {
+        terms: chosen
+            .iter()
+            .enumerate()
+            .map(|(at, &k)| Term {
+                name: library[k].0.clone(),
+                weight: [weights[2 * at], weights[2 * at + 1]],
+            })
+            .collect(),
+        share: gained / (excess.chi2 - excess.expected).max(1.0),
+        score: fit.score() - gained + price * chosen.len() as f64,
+    }
+}
+
+/// Functions of a posture that a gap may follow.
+fn library(problem: &Problem) -> Vec<(String, Vec<f64>)> {
+    let (n, dof) = (problem.data.len(), problem.setting.model.dof());
+    let dofs = &problem.setting.model.tree.dofs;
+    let moments = problem.moments_at(&problem.data.q);
+    let layout = Circumstances::of(problem.setting.model);
+    let mut library: Vec<(String, Vec<f64>)> = Vec::new();
+    let mut add =
+        |name: String, f: &dyn Fn(usize) -> f64| library.push((name, (0..n).map(f).collect()));
+    add("1".to_string(), &|_| 1.0);
+    let place = |k: usize| problem.data.circumstances[k * layout.len() + layout.place()];
+    add("place in the log".to_string(), &place);
+    add("place in the log²".to_string(), &|k| place(k).powi(2));
+    for (j, joint) in dofs.iter().enumerate() {
+        let name = &joint.joint;
+        let q = |k: usize| problem.data.q[k * dof + j];
+        let moment = |k: usize| moments[k * 3 * dof + j];
+        add(name.clone(), &q);
+        add(format!("{name}²"), &|k| q(k).powi(2));
+        add(format!("{name}³"), &|k| q(k).powi(3));
+        add(format!("|{name}|"), &|k| q(k).abs());
+        if !joint.prismatic {
+            for times in 1..=4 {
+                let factor = f64::from(times);
+                let prefix = if times == 1 {
+                    String::new()
+                } else {
+                    format!("{times} ")
+                };
+                add(format!("sin({prefix}{name})"), &|k| (factor * q(k)).sin());
+                add(format!("cos({prefix}{name})"), &|k| (factor * q(k)).cos());
+            }
+        }
+        add(format!("moment of {name}"), &moment);
+        add(format!("|moment of {name}|"), &|k| moment(k).abs());
+        add(format!("moment of {name}²"), &|k| moment(k).powi(2));
+        add(format!("sign of the moment of {name}"), &|k| {
+            moment(k).signum()
+        });
+    }
+    library
+}
+
+/// Where the residual is strongest: which joint or moment it goes with.
+pub fn strongest(problem: &Problem, fit: &Fit) -> Option<(String, f64)> {
+    let n = problem.data.len();
+    let whole = fit.residual.norm_squared();
+    let share = |f: &[f64]| {
+        let mean = f.iter().sum::<f64>() / n as f64;
+        (0..2)
+            .map(|axis| {
+                let c: Vec<f64> = (0..n)
+                    .map(|k| (f[k] - mean) * problem.weight[2 * k + axis])
+                    .collect();
+                let square: f64 = c.iter().map(|x| x * x).sum();
+                let dot: f64 = (0..n).map(|k| c[k] * fit.residual[2 * k + axis]).sum();
+                if square > 1e-12 {
+                    dot * dot / square
+                } else {
+                    0.0
+                }
+            })
+            .sum::<f64>()
+            / whole
+    };
+    library(problem)
+        .iter()
+        .skip(1)
+        .map(|(name, f)| (name.clone(), share(f)))
+        .max_by(|a, b| a.1.total_cmp(&b.1))
+}

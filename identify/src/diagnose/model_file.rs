@@ -1,0 +1,74 @@
+//! The corrected model as a file: parameters, effects, what they were found in.
+
+use std::collections::BTreeMap;
+
+use nalgebra::DVector;
+use sesc_model::effects::Stage;
+use sesc_model::{DataUsed, EffectRecord, ModelFile, Quantity};
+
+use super::findings::Found;
+use super::problem::Problem;
+use super::words;
+
+/// Parameters as the masses' prior and the data have them, and every effect of
+/// the explanation that a model can hold.
+pub fn model_file(problem: &Problem, found: &Found) -> ModelFile {
+    let model = problem.setting.model;
+    let best = &found.best;
+    let masses = problem.masses(&best.instances);
+    let identified = best.has("mass_distribution");
+    let factor = if identified {
+        &problem.wide_prior
+    } else {
+        &problem.prior
+    };
+    let weights = match &best.outliers {
+        Some(outliers) => outliers.root_weights(None),
+        None => vec![1.0; best.residual.len()],
+    };
+    let weighted = DVector::from_fn(weights.len(), |row, _| best.residual[row] * weights[row]);
+    let masses = masses.reweighted(&weights);
+    let shift = factor * masses.expected(&weighted);
+    let values: Vec<f64> = problem
+        .params
+        .iter()
+        .zip(shift.iter())
+        .map(|(r, d)| r + d)
+        .collect();
+    let spread = factor * masses.covariance() * factor.transpose();
+    let std: Vec<f64> = (0..values.len())
+        .map(|k| spread[(k, k)].max(0.0).sqrt())
+        .collect();
+    let source = if identified { "data" } else { "prior" };
+    let mut file = ModelFile::from_values(model, &values, Some(&std), source);
+    file.noise_floor = Some(problem.data.noise_floor);
+    if let Some(summary) = &problem.data.summary {
+        file.data.push(DataUsed {
+            file: found.diagnosis.log.clone(),
+            hash: summary.hash.clone(),
+            rows: summary.rows,
+        });
+    }
+    let quantities = words::values(problem, best);
+    for (instance, values) in best.instances.iter().zip(&quantities) {
+        if instance.effect.stage() == Stage::Whole {
+            continue;
+        }
+        if instance.effect.stage() == Stage::Cells {
+            file.cells = problem.data.cells.clone();
+        }
+        let of = |v: &words::Found| {
+            let quantity = Quantity {
+                value: v.value,
+                std: v.std.is_finite().then_some(v.std),
+            };
+            (v.name.to_string(), quantity)
+        };
+        file.effects.push(EffectRecord {
+            effect: instance.effect.name().to_string(),
+            target: problem.setting.name_of(&instance.target),
+            parameters: values.iter().map(of).collect::<BTreeMap<_, _>>(),
+        });
+    }
+    file
+}

@@ -1,0 +1,390 @@
+//! Which experiment would tell the explanations of a class apart.
+
+use std::path::Path;
+
+use nalgebra::DMatrix;
+use serde::Serialize;
+use sesc_model::effects::{Circumstances, Setting};
+use sesc_model::{Model, Snapping};
+
+use super::experiment::{Experiment, Postures, Trial};
+use super::findings::Found;
+use super::problem::{Fit, Problem};
+use crate::Error;
+use crate::plan::balance::Region;
+use crate::plan::candidates::{Demands, Sampler};
+use crate::plan::clearance::Clearance;
+use crate::plan::geometry::Geometry;
+use crate::plan::limits::Limits;
+use crate::plan::order;
+use crate::robot::Robot;
+
+/// χ² from which two explanations are told apart in nine of ten logs: what noise
+/// leaves of it, `S − 1.28 · 2 √S`, is then beyond the bracket of a class.
+pub const TOLD: f64 = 22.0;
+/// Candidate postures, and how many an experiment asks for.
+const CANDIDATES: usize = 300;
+pub const POSTURES: usize = 40;
+/// Joints may go this much beyond what the log shows, as a part of it.
+const BEYOND: f64 = 0.5;
+/// Least half width of the box of CoP, m.
+const BOX: f64 = 0.02;
+/// Distance to the ground of everything but the foot, m.
+const CLEARANCE: f64 = 0.005;
+
+/// One experiment and what it would do to the class.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Proposal {
+    pub what: String,
+    /// Explanations other than the first that it would exclude.
+    pub splits: usize,
+    /// χ² against the nearest that it would exclude, and for each member of the class.
+    pub separations: Vec<f64>,
+}
+
+/// Experiments, the best first, and the postures of the best.
+pub struct Next {
+    pub proposals: Vec<Proposal>,
+    /// What the best is.
+    pub experiment: Option<Experiment>,
+    /// `q` row by row and the support to take them on.
+    pub postures: Option<OnFoot>,
+}
+
+/// Rank experiments by how many of the class they exclude.
+pub fn next(
+    problem: &Problem,
+    found: &Found,
+    robot: &Robot,
+    snapping: Snapping,
+    folder: Option<&Path>,
+) -> Next {
+    let mut next = Next {
+        proposals: Vec::new(),
+        experiment: None,
+        postures: None,
+    };
+    let truth = &found.best;
+    let others: Vec<&Fit> = found.class.iter().skip(1).collect();
+    if others.is_empty() {
+        return next;
+    }
+    let mut ranked: Vec<Ranked> = Vec::new();
+    let support = problem.setting.model.tree.links[problem.setting.model.tree.support]
+        .name
+        .clone();
+    let model = problem.setting.model;
+    let fresh = candidates(problem, model, robot, folder);
+    let mut all = vec![
+        Experiment::Untouched,
+        Experiment::KnownWeight,
+        Experiment::BothSides,
+        Experiment::RawCells,
+    ];
+    match fresh {
+        // Whoever turns the robot can as well take postures that tell more.
+        Some(q) => {
+            for experiment in [Experiment::Postures, Experiment::Turned] {
+                let q = q.clone();
+                ranked.push(with_postures(
+                    experiment, problem, problem, model, q, truth, &others,
+                ));
+            }
+        }
+        None => all.insert(0, Experiment::Turned),
+    }
+    for experiment in all {
+        if !makes_sense(&experiment, problem, found) {
+            continue;
+        }
+        let trial = Trial {
+            experiment,
+            here: problem,
+            there: problem,
+            postures: Postures {
+                model: problem.setting.model,
+                q: problem.data.q.clone(),
+                circumstances: problem.data.circumstances.clone(),
+            },
+        };
+        let (separations, _) = trial.separations(truth, &others);
+        ranked.push(Ranked {
+            proposal: proposal(&trial.experiment, &support, separations),
+            postures: (support.clone(), problem.data.q.clone()),
+            experiment: trial.experiment,
+        });
+    }
+    if let Some(other) = other_foot(robot, &support, snapping) {
+        let there = problem.on(&other);
+        if let Some(q) = candidates(problem, &other, robot, folder) {
+            // The other problem borrows the other model, so it is ranked in here.
+            let there = &there;
+            let found = with_other(problem, there, &other, q, truth, &others);
+            ranked.push(found);
+        }
+    }
+    ranked.sort_by(|a, b| {
+        let least = |p: &Proposal| {
+            p.separations
+                .iter()
+                .copied()
+                .filter(|s| *s > TOLD)
+                .fold(f64::INFINITY, f64::min)
+        };
+        let (a, b) = (&a.proposal, &b.proposal);
+        b.splits.cmp(&a.splits).then(least(b).total_cmp(&least(a)))
+    });
+    next.experiment = ranked.first().map(|best| best.experiment.clone());
+    next.postures = ranked.first().map(|best| best.postures.clone());
+    next.proposals = ranked.into_iter().map(|ranked| ranked.proposal).collect();
+    next
+}
+
+fn makes_sense(experiment: &Experiment, problem: &Problem, found: &Found) -> bool {
+    let any = |name: &str| found.class.iter().any(|fit| fit.has(name));
+    match experiment {
+        Experiment::RawCells => !problem.data.raw_cells && !problem.data.cells.is_empty(),
+        Experiment::BothSides => any("backlash"),
+        Experiment::Untouched => any("external_force"),
+        _ => true,
+    }
+}
+
+fn proposal(experiment: &Experiment, support: &str, separations: Vec<f64>) -> Proposal {
+    let what = match experiment {
+        Experiment::Postures => {
+            format!("{POSTURES} new postures on {support}, deeper and more varied")
+        }
+        Experiment::Turned => "postures after turning the robot by 180° on the floor".into(),
+        Experiment::OtherFoot => format!("{POSTURES} postures on the other foot, {support}"),
+        Experiment::KnownWeight => {
+            "the same postures with a known weight on the trunk, a tenth of the robot's".into()
+        }
+        Experiment::BothSides => "the same postures approached from the other side".into(),
+        Experiment::RawCells => "the same postures with raw loads of the foot cells".into(),
+        Experiment::Untouched => {
+            "the same postures with nothing touching the robot, cables unplugged".into()
+        }
+    };
+    Proposal {
+        what,
+        splits: separations.iter().filter(|s| **s > TOLD).count(),
+        separations,
+    }
+}
+
+/// A support and the postures to take on it.
+type OnFoot = (String, Vec<f64>);
+
+/// An experiment with what it would tell.
+struct Ranked {
+    experiment: Experiment,
+    proposal: Proposal,
+    postures: OnFoot,
+}
+
+fn with_other(
+    problem: &Problem,
+    there: &Problem,
+    other: &Model,
+    q: Vec<f64>,
+    truth: &Fit,
+    others: &[&Fit],
+) -> Ranked {
+    with_postures(
+        Experiment::OtherFoot,
+        problem,
+        there,
+        other,
+        q,
+        truth,
+        others,
+    )
+}
+
+/// Of many candidates the postures that tell most, in an order that moves little.
+fn with_postures(
+    experiment: Experiment,
+    here: &Problem,
+    there: &Problem,
+    model: &Model,
+    q: Vec<f64>,
+    truth: &Fit,
+    others: &[&Fit],
+) -> Ranked {
+    let dof = model.dof();
+    let layout = Circumstances::of(model);
+    let take = |q: &[f64]| Postures {
+        model,
+        q: q.to_vec(),
+        circumstances: vec![0.0; q.len() / dof * layout.len()],
+    };
+    let mut trial = Trial {
+        experiment,
+        here,
+        there,
+        postures: take(&q),
+    };
+    let (_, by_posture) = trial.separations(truth, others);
+    let mut best: Vec<usize> = (0..by_posture.len()).collect();
+    best.sort_by(|a, b| by_posture[*b].total_cmp(&by_posture[*a]));
+    best.truncate(POSTURES);
+    let chosen: Vec<f64> = best
+        .iter()
+        .flat_map(|&k| q[k * dof..(k + 1) * dof].iter().copied())
+        .collect();
+    let order = order::shorten(&chosen, dof);
+    let chosen: Vec<f64> = order
+        .iter()
+        .flat_map(|&k| chosen[k * dof..(k + 1) * dof].iter().copied())
+        .collect();
+    trial.postures = take(&chosen);
+    let (separations, _) = trial.separations(truth, others);
+    let support = model.tree.links[model.tree.support].name.clone();
+    Ranked {
+        proposal: proposal(&trial.experiment, &support, separations),
+        postures: (support, chosen),
+        experiment: trial.experiment,
+    }
+}
+
+/// Balanced postures within what the log's joints do, and somewhat more.
+fn candidates(
+    problem: &Problem,
+    model: &Model,
+    robot: &Robot,
+    folder: Option<&Path>,
+) -> Option<Vec<f64>> {
+    let dof = model.dof();
+    let mut limits = Limits::of_urdf(&model.tree.dofs);
+    for (joint, range) in limits.ranges.iter_mut().enumerate() {
+        let values = problem.data.q.iter().skip(joint).step_by(dof);
+        let low = values.clone().copied().fold(f64::INFINITY, f64::min);
+        let high = values.copied().fold(f64::NEG_INFINITY, f64::max);
+        let room = BEYOND * (high - low);
+        let narrowed = (range.0.max(low - room), range.1.min(high + room));
+        if narrowed.0 < narrowed.1 {
+            *range = narrowed;
+        }
+    }
+    let far = problem.data.reading.iter().map(|x| x.abs());
+    let half = far.fold(BOX, f64::max).min(0.1);
+    let region = Region::square(half, 0.0).ok()?;
+    let geometry = Geometry::read(robot.text(), folder);
+    let clearance = Clearance::new(model, &geometry, CLEARANCE);
+    let uncertainty = DMatrix::zeros(model.base.params.len(), 0);
+    #[cfg(feature = "collision")]
+    let collisions = crate::plan::collision::Collisions::new(model, &geometry, &limits.rest());
+    let demands = Demands {
+        limits: &limits,
+        region: &region,
+        sigmas: 2.0,
+        uncertainty: &uncertainty,
+        clearance: &clearance,
+        #[cfg(feature = "collision")]
+        collisions: &collisions,
+    };
+    let mut sampler = Sampler::new(model, demands, 1);
+    let q = sampler.sample(CANDIDATES, 20 * CANDIDATES, |_| ());
+    (q.len() >= POSTURES * dof).then_some(q)
+}
+
+/// The robot on its other foot: the link of the mirrored name.
+fn other_foot(robot: &Robot, support: &str, snapping: Snapping) -> Option<Model> {
+    let pairs = [
+        ("r_", "l_"),
+        ("right", "left"),
+        ("R_", "L_"),
+        ("_r", "_l"),
+        ("Right", "Left"),
+        ("RIGHT", "LEFT"),
+    ];
+    let names: Vec<&str> = robot
+        .description
+        .robot
+        .links
+        .iter()
+        .map(|l| l.name.as_str())
+        .collect();
+    let mirrored = pairs.iter().find_map(|(a, b)| {
+        let swapped = if support.contains(a) {
+            support.replacen(a, b, 1)
+        } else {
+            support.replacen(b, a, 1)
+        };
+        (swapped != support && names.contains(&swapped.as_str())).then_some(swapped)
+    })?;
+    robot.model(&mirrored, snapping, None).ok()
+}
+
+/// In a sentence or two, for the diagnosis.
+pub fn why(next: &Next, class: usize) -> String {
+    let Some(best) = next.proposals.first() else {
+        return match class {
+            0 | 1 => "Nothing is left to tell apart.".to_string(),
+            _ => "No experiment is known that would tell these apart.".to_string(),
+        };
+    };
+    let others = class - 1;
+    if best.splits == 0 {
+        return format!(
+            "No experiment that is known here would tell these apart; nearest is {} (χ² {:.0}).",
+            best.what,
+            best.separations.iter().copied().fold(0.0, f64::max)
+        );
+    }
+    let mut text = format!(
+        "Most would be told by {}: it would exclude {} of the {others} other explanations.",
+        best.what, best.splits
+    );
+    let more: Vec<String> = next
+        .proposals
+        .iter()
+        .skip(1)
+        .filter(|p| p.splits > 0)
+        .take(2)
+        .map(|p| format!("{} ({})", p.what, p.splits))
+        .collect();
+    if !more.is_empty() {
+        text.push_str(&format!(" Next best: {}.", more.join("; ")));
+    }
+    text
+}
+
+impl<'m> Problem<'m> {
+    /// The same beliefs about the robot on another support, without any data: only
+    /// to evaluate explanations there.
+    pub fn on<'o>(&self, model: &'o Model) -> Problem<'o>
+    where
+        'm: 'o,
+    {
+        let setting = Setting::new(model, &self.data.cells, self.data.t.is_some());
+        self.elsewhere(setting)
+    }
+}
+
+/// Write the postures of the best experiment.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write(next: &Next, model: &Model, robot: &str, path: &Path) -> Result<bool, Error> {
+    use crate::logs::{PostureWriter, Row, Sidecar, Written};
+    let Some((support, q)) = &next.postures else {
+        return Ok(false);
+    };
+    let mut log = PostureWriter::create(path, &model.tree.dofs, Written::default())?;
+    for (pose, q) in q.chunks_exact(model.dof()).enumerate() {
+        log.row(&Row {
+            pose: pose as i64,
+            q,
+            ..Row::default()
+        })?;
+    }
+    log.finish(&Sidecar {
+        robot: Some(robot.to_string()),
+        support: Some(support.clone()),
+        experiment: next.experiment.as_ref().map(|e| e.name().to_string()),
+        ..Sidecar::default()
+    })?;
+    Ok(true)
+}

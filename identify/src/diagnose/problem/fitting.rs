@@ -1,0 +1,313 @@
+//! Fitting a hypothesis.
+//!
+//! ```text
+//! objective(e) = −2 log p(y | e)      masses marginalised, physical bounds as walls
+//! ```
+//!
+//! Levenberg-Marquardt over the unknowns of all instances together, with the
+//! symbolic derivatives of the measurement.
+
+use nalgebra::{DMatrix, DVector};
+use sesc_model::effects::Instance;
+
+use super::{Fit, Problem, Rows};
+use crate::diagnose::nuisance::Nuisance;
+use crate::diagnose::outliers::Outliers;
+use crate::diagnose::sides;
+
+/// Steps of a fit, at most.
+const STEPS: usize = 25;
+/// An objective that falls by less is settled.
+const SETTLED: f64 = 1e-3;
+/// Rounds in which sides of dead bands and outliers are settled with the rest.
+const ROUNDS: usize = 4;
+
+impl Problem<'_> {
+    /// Fit a hypothesis from where its unknowns may start.
+    pub fn fit(&self, instances: &[Instance], start: Option<&[f64]>, rows: Rows) -> Fit {
+        let starts = match start {
+            Some(start) => vec![start.to_vec()],
+            None => self.starts(instances),
+        };
+        let fits = starts
+            .into_iter()
+            .map(|start| self.fit_from(instances, start, rows));
+        fits.min_by(|a, b| a.objective.total_cmp(&b.objective))
+            .expect("there is a start")
+    }
+
+    fn starts(&self, instances: &[Instance]) -> Vec<Vec<f64>> {
+        let mut starts = vec![Vec::new()];
+        for instance in instances {
+            let own = instance.effect.starts(&self.setting, &instance.target);
+            starts = starts
+                .iter()
+                .flat_map(|before| {
+                    own.iter().map(move |own| {
+                        let mut all: Vec<f64> = before.clone();
+                        all.extend(own);
+                        all
+                    })
+                })
+                .collect();
+        }
+        starts.truncate(12);
+        starts
+    }
+
+    fn fit_from(&self, instances: &[Instance], start: Vec<f64>, rows: Rows) -> Fit {
+        let slack = instances.iter().any(|i| i.effect.name() == "backlash");
+        let outlying = instances.iter().any(|i| i.effect.name() == "cop_outliers");
+        let mut unknowns = start;
+        let mut fit: Option<Fit> = None;
+        let mut sides = None;
+        let mut outliers: Option<Outliers> = None;
+        for round in 0..ROUNDS {
+            if slack {
+                if round == 0 {
+                    // A width to begin with, else no side matters.
+                    self.widen(instances, &mut unknowns);
+                }
+                sides = Some(sides::settle(self, instances, &unknowns, fit.as_ref()));
+            }
+            let next = self.descend(instances, unknowns.clone(), sides.as_ref(), &outliers, rows);
+            let done = match &fit {
+                Some(before) => (before.objective - next.objective).abs() < SETTLED,
+                None => false,
+            };
+            unknowns = next.unknowns.clone();
+            let better = fit.as_ref().is_none_or(|f| next.objective < f.objective);
+            if better || outlying {
+                fit = Some(next);
+            }
+            if done || !(slack || outlying) {
+                break;
+            }
+            if outlying {
+                let fit = fit.as_ref().expect("set above");
+                outliers = Some(Outliers::of(&fit.residual, rows.keep));
+            }
+        }
+        fit.expect("at least one round")
+    }
+
+    fn widen(&self, instances: &[Instance], unknowns: &mut [f64]) {
+        let mut at = 0;
+        for instance in instances {
+            if instance.effect.name() == "backlash" && unknowns[at] == 0.0 {
+                unknowns[at] = 0.01;
+            }
+            at += instance.unknowns(&self.setting);
+        }
+    }
+
+    /// Levenberg-Marquardt with sides and outliers held.
+    fn descend(
+        &self,
+        instances: &[Instance],
+        start: Vec<f64>,
+        sides: Option<&sides::Sides>,
+        outliers: &Option<Outliers>,
+        rows: Rows,
+    ) -> Fit {
+        let circumstances: &[f64] = match sides {
+            Some(sides) => &sides.circumstances,
+            None => &self.data.circumstances,
+        };
+        let masses = self.masses(instances);
+        let root = outliers.as_ref().map(|o| o.root_weights(rows.keep));
+        let root = match (root, rows.keep) {
+            (None, Some(keep)) => Some(
+                keep.iter()
+                    .flat_map(|k| [f64::from(u8::from(*k)); 2])
+                    .collect(),
+            ),
+            (root, _) => root,
+        };
+        let reweighted = root.as_ref().map(|root: &Vec<f64>| masses.reweighted(root));
+        let masses = reweighted.as_ref().unwrap_or(masses);
+        let scales = self.scales(instances);
+        let p = start.len();
+        let mut state = self.state(instances, start, circumstances, &root, masses);
+        let mut damping = 1e-3;
+        for _ in 0..STEPS {
+            if p == 0 {
+                break;
+            }
+            let (normal, gradient) = &state.normal;
+            let mut improved = None;
+            for _ in 0..8 {
+                let mut damped = normal.clone();
+                for k in 0..p {
+                    let own = normal[(k, k)].max(1e-12 / (scales[k] * scales[k]));
+                    damped[(k, k)] += damping * own + 1e-9 / (scales[k] * scales[k]);
+                }
+                let Some(factor) = damped.cholesky() else {
+                    damping *= 10.0;
+                    continue;
+                };
+                let step = factor.solve(gradient);
+                let moved: Vec<f64> = state
+                    .unknowns
+                    .iter()
+                    .zip(step.iter())
+                    .map(|(x, d)| x + d)
+                    .collect();
+                let next = self.state(instances, moved, circumstances, &root, masses);
+                if next.value < state.value {
+                    improved = Some(next);
+                    damping = (damping * 0.2).max(1e-9);
+                    break;
+                }
+                damping *= 10.0;
+            }
+            let Some(next) = improved else { break };
+            let gain = state.value - next.value;
+            state = next;
+            if gain < SETTLED {
+                break;
+            }
+        }
+        let mut normal = state.normal.0.clone();
+        for k in 0..p {
+            normal[(k, k)] += 1e-9 / (scales[k] * scales[k]);
+        }
+        let covariance = normal
+            .cholesky()
+            .map_or_else(|| DMatrix::zeros(p, p), |f| f.inverse());
+        let mut objective = state.value + masses.log_det - self.nuisance.log_det;
+        if let Some(sides) = sides {
+            objective += sides.price;
+        }
+        if let Some(outliers) = outliers {
+            objective = outliers.objective(&state.residual, rows.keep, objective);
+        }
+        Fit {
+            price: self.price(instances),
+            instances: instances.to_vec(),
+            unknowns: state.unknowns,
+            covariance,
+            objective,
+            predicted: state.predicted,
+            residual: state.residual,
+            slopes: state.slopes,
+            circumstances: sides.map(|sides| sides.circumstances.clone()),
+            outliers: outliers.clone(),
+            flipped: sides.map_or_else(Vec::new, |sides| sides.flipped.clone()),
+            strained: state.strained,
+        }
+    }
+
+    pub fn scales(&self, instances: &[Instance]) -> Vec<f64> {
+        let of = |i: &Instance| i.effect.scales(&self.setting, &i.target);
+        instances.iter().flat_map(of).collect()
+    }
+
+    pub(in crate::diagnose) fn state(
+        &self,
+        instances: &[Instance],
+        unknowns: Vec<f64>,
+        circumstances: &[f64],
+        root: &Option<Vec<f64>>,
+        masses: &Nuisance,
+    ) -> State {
+        let mut state = self.squares(instances, unknowns, circumstances, root, masses);
+        let (normal, gradient) = &mut state.normal;
+        self.walls(instances, &state.unknowns, |excess, slope| {
+            state.value += excess * excess;
+            state.strained += excess * excess;
+            for a in 0..slope.len() {
+                gradient[a] -= excess * slope[a];
+                for b in 0..slope.len() {
+                    normal[(a, b)] += slope[a] * slope[b];
+                }
+            }
+        });
+        if !state.value.is_finite() {
+            state.value = f64::INFINITY;
+        }
+        state
+    }
+
+    /// The same without walls.
+    pub(in crate::diagnose) fn squares(
+        &self,
+        instances: &[Instance],
+        unknowns: Vec<f64>,
+        circumstances: &[f64],
+        root: &Option<Vec<f64>>,
+        masses: &Nuisance,
+    ) -> State {
+        let (n, p) = (self.data.len(), unknowns.len());
+        let out = self.evaluate(instances, &unknowns, &self.data.q, circumstances);
+        let width = p + 1;
+        let mut predicted = Vec::with_capacity(2 * n);
+        let mut residual = DVector::zeros(2 * n);
+        let mut slopes = DMatrix::zeros(2 * n, p);
+        for row in 0..2 * n {
+            let values = &out[row * width..(row + 1) * width];
+            predicted.push(values[0]);
+            residual[row] = (self.data.reading[row] - values[0]) * self.weight[row];
+            for k in 0..p {
+                slopes[(row, k)] = values[1 + k] * self.weight[row];
+            }
+        }
+        let (mut e, mut j) = (residual.clone(), slopes.clone());
+        if let Some(root) = root {
+            for row in 0..2 * n {
+                e[row] *= root[row];
+                j.row_mut(row).scale_mut(root[row]);
+            }
+        }
+        let inner = masses.beyond_one(&e);
+        State {
+            value: e.dot(&inner),
+            normal: (j.tr_mul(&masses.beyond(&j)), j.tr_mul(&inner)),
+            strained: 0.0,
+            unknowns,
+            predicted,
+            residual,
+            slopes,
+        }
+    }
+
+    /// Each bound that is crossed, with its slope by the unknowns.
+    fn walls(&self, instances: &[Instance], unknowns: &[f64], mut each: impl FnMut(f64, &[f64])) {
+        let mut at = 0;
+        for instance in instances {
+            let count = instance.unknowns(&self.setting);
+            let own = &unknowns[at..at + count];
+            let excess = |x: &[f64]| instance.effect.excess(&self.setting, &instance.target, x);
+            let now = excess(own);
+            if now.iter().any(|x| *x > 0.0) {
+                let scales = instance.effect.scales(&self.setting, &instance.target);
+                let mut slopes = vec![vec![0.0; unknowns.len()]; now.len()];
+                for k in 0..count {
+                    let mut moved = own.to_vec();
+                    let step = 1e-6 * scales[k];
+                    moved[k] += step;
+                    for (wall, after) in excess(&moved).iter().enumerate() {
+                        slopes[wall][at + k] = (after - now[wall]) / step;
+                    }
+                }
+                for (wall, slope) in slopes.iter().enumerate() {
+                    if now[wall] > 0.0 {
+                        each(now[wall], slope);
+                    }
+                }
+            }
+            at += count;
+        }
+    }
+}
+
+/// A hypothesis at given unknowns.
+pub(in crate::diagnose) struct State {
+    pub unknowns: Vec<f64>,
+    pub predicted: Vec<f64>,
+    pub residual: DVector<f64>,
+    pub slopes: DMatrix<f64>,
+    pub value: f64,
+    pub normal: (DMatrix<f64>, DVector<f64>),
+    pub strained: f64,
+}

@@ -1,0 +1,191 @@
+//! On which side of its dead band each joint rests, posture by posture.
+//!
+//! Gravity decides: `sign τ_j` with every other joint where it rests. A joint
+//! that carries the robot is an inverted pendulum: near zero moment both sides
+//! hold, and the reading tells which, at a price.
+
+use std::rc::Rc;
+
+use nalgebra::DVector;
+use sesc_model::effects::{Circumstances, Instance, ROUNDS};
+
+use super::problem::{Fit, Problem};
+
+/// −2 log of the odds against resting on the side that gravity does not favour.
+const PRICE: f64 = 5.0;
+/// Joints of a posture that may be on either side, at most.
+const MOST: usize = 3;
+/// A side matters where it moves the reading by this many deviations.
+const MATTERS: f64 = 0.7;
+/// Moments are known to this, m: masses, noise of the encoders.
+const MOMENT: f64 = 0.0005;
+
+/// Sides, written into circumstances, and what the unlikely ones cost.
+pub struct Sides {
+    pub circumstances: Rc<Vec<f64>>,
+    pub price: f64,
+    /// Postures with a joint on its unlikely side.
+    pub flipped: Vec<usize>,
+}
+
+/// The side of every slack joint in every posture: gravity's, and where that is
+/// nearly even and `fit` is there to say what is left over, the reading's.
+pub fn settle(
+    problem: &Problem,
+    instances: &[Instance],
+    unknowns: &[f64],
+    fit: Option<&Fit>,
+) -> Sides {
+    let layout = Circumstances::of(problem.setting.model);
+    let (n, dof) = (problem.data.len(), problem.setting.model.dof());
+    let joints = problem.slack_joints(instances);
+    let mut circumstances = problem.data.circumstances.clone();
+    let mut out = Vec::new();
+    // From the middle of every band, all at once: as `Measured::bend` has it.
+    joints_at(problem, &joints, &mut circumstances, |_, _| 0.0);
+    for _ in 0..ROUNDS {
+        out = problem.evaluate_moments(instances, unknowns, &circumstances);
+        joints_at(problem, &joints, &mut circumstances, |before, at| {
+            let step = if out[at] < 0.0 { -1.0 } else { 1.0 };
+            before + step / ROUNDS as f64
+        });
+    }
+    let mut price = 0.0;
+    let mut flipped = Vec::new();
+    if fit.is_some() {
+        let residual = residual_now(problem, instances, unknowns, &circumstances);
+        let excess = problem.masses(instances).beyond_one(&residual);
+        for k in 0..n {
+            let near = bistable(
+                problem,
+                &out[k * 3 * dof..(k + 1) * 3 * dof],
+                unknowns,
+                &joints,
+                k,
+            );
+            if near.is_empty() {
+                continue;
+            }
+            let own = [excess[2 * k], excess[2 * k + 1]];
+            let (flips, cost) = best_flips(k, own, &near, &circumstances, &layout);
+            price += cost;
+            if !flips.is_empty() {
+                flipped.push(k);
+            }
+            for joint in flips {
+                circumstances[k * layout.len() + layout.side(joint)] *= -1.0;
+            }
+        }
+    }
+    Sides {
+        circumstances: Rc::new(circumstances),
+        price,
+        flipped,
+    }
+}
+
+/// Move every loose joint of every posture: from where it is and the place of its
+/// moment among the outputs.
+fn joints_at(
+    problem: &Problem,
+    joints: &[(usize, usize)],
+    circumstances: &mut [f64],
+    to: impl Fn(f64, usize) -> f64,
+) {
+    let layout = Circumstances::of(problem.setting.model);
+    let dof = problem.setting.model.dof();
+    for k in 0..problem.data.len() {
+        for &(joint, _) in joints {
+            let side = &mut circumstances[k * layout.len() + layout.side(joint)];
+            *side = to(*side, k * 3 * dof + joint);
+        }
+    }
+}
+
+fn residual_now(
+    problem: &Problem,
+    instances: &[Instance],
+    unknowns: &[f64],
+    circumstances: &[f64],
+) -> DVector<f64> {
+    let out = problem.evaluate(instances, unknowns, &problem.data.q, circumstances);
+    let width = unknowns.len() + 1;
+    let rows = 2 * problem.data.len();
+    DVector::from_fn(rows, |row, _| {
+        (problem.data.reading[row] - out[row * width]) * problem.weight[row]
+    })
+}
+
+/// A joint that may rest on either side: what moving there does to the reading.
+struct Near {
+    joint: usize,
+    /// Whitened change of the reading by half a width.
+    half: [f64; 2],
+    /// How far from even the odds are, 0 to 1.
+    certainty: f64,
+}
+
+fn bistable(
+    problem: &Problem,
+    moments: &[f64],
+    unknowns: &[f64],
+    joints: &[(usize, usize)],
+    k: usize,
+) -> Vec<Near> {
+    let dof = problem.setting.model.dof();
+    let mut near: Vec<Near> = Vec::new();
+    for &(joint, at) in joints {
+        let half = 0.5 * unknowns[at].abs();
+        let slope = [moments[dof + joint], moments[2 * dof + joint]];
+        let lever = slope[0].hypot(slope[1]);
+        let change = [0, 1].map(|axis| half * slope[axis] * problem.weight[2 * k + axis]);
+        let reach = half * lever + MOMENT;
+        let certainty = moments[joint].abs() / reach;
+        if 2.0 * change[0].hypot(change[1]) > MATTERS && certainty < 2.0 {
+            near.push(Near {
+                joint,
+                half: change,
+                certainty: certainty / 2.0,
+            });
+        }
+    }
+    near.sort_by(|a, b| {
+        b.half[0]
+            .hypot(b.half[1])
+            .total_cmp(&a.half[0].hypot(a.half[1]))
+    });
+    near.truncate(MOST);
+    near
+}
+
+/// The joints to put on their other side, and what that costs.
+fn best_flips(
+    k: usize,
+    residual: [f64; 2],
+    near: &[Near],
+    circumstances: &[f64],
+    layout: &Circumstances,
+) -> (Vec<usize>, f64) {
+    let mut best = (0, 0.0, residual[0].powi(2) + residual[1].powi(2));
+    for choice in 1..1_usize << near.len() {
+        let (mut left, mut cost) = (residual, 0.0);
+        for (bit, joint) in near.iter().enumerate() {
+            if choice >> bit & 1 == 1 {
+                let side = circumstances[k * layout.len() + layout.side(joint.joint)];
+                for (left, half) in left.iter_mut().zip(joint.half) {
+                    *left += 2.0 * side * half;
+                }
+                cost += PRICE * (0.4 + joint.certainty);
+            }
+        }
+        let total = left[0].powi(2) + left[1].powi(2) + cost;
+        if total < best.2 {
+            best = (choice, cost, total);
+        }
+    }
+    let flips = near
+        .iter()
+        .enumerate()
+        .filter(|(bit, _)| best.0 >> bit & 1 == 1);
+    (flips.map(|(_, joint)| joint.joint).collect(), best.1)
+}

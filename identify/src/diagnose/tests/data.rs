@@ -1,0 +1,269 @@
+//! Logs as the diagnosis takes them: means, noise, places, worked out by hand.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use super::{Bench, NOISE, diagnosed, gauss};
+use crate::diagnose::Verdict;
+use crate::diagnose::data::{Data, MOST, NoiseSource, Taking};
+use crate::logs::{Options, Readings};
+
+const HEADER: &str = "pose,hip,knee,cop_x,cop_y";
+
+/// The log as a file with its sidecar, read.
+fn read(log: &str, sidecar: &str, noise: Option<f64>) -> Result<Data, String> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("log.csv");
+    std::fs::write(&path, log).unwrap();
+    std::fs::write(folder.path().join("log.toml"), sidecar).unwrap();
+    of_file(&path, noise)
+}
+
+fn of_file(path: &Path, noise: Option<f64>) -> Result<Data, String> {
+    let taking = Taking {
+        options: Options {
+            readings: Readings::Required,
+            links: ["foot", "thigh", "shank"].map(String::from).to_vec(),
+            support: Some("foot".into()),
+            any_unit: true,
+            ..Options::default()
+        },
+        noise,
+        floor: 1e-4,
+    };
+    Data::read(path, &Bench::skew().model, &taking).map_err(|error| error.to_string())
+}
+
+fn near(a: f64, b: f64) {
+    assert!((a - b).abs() < 1e-14, "{a:e} is not {b:e}");
+}
+
+/// Three readings a pose, off their mean by −d, 0, d in x and twice that in y:
+/// 3 (2 d² + 8 d²) over 3 · 2 · 2 degrees of freedom.
+#[test]
+fn repeated_readings_are_pooled() {
+    let d = 1e-3;
+    let rows = [
+        (4, [-1.0, -2.0]),
+        (4, [0.0, 0.0]),
+        (9, [1.0, 2.0]),
+        (9, [0.0, 0.0]),
+        (9, [-1.0, -2.0]),
+        // Back at the first pose.
+        (4, [1.0, 2.0]),
+        (11, [0.0, 0.0]),
+        (11, [1.0, -2.0]),
+        (11, [-1.0, 2.0]),
+    ];
+    let mut log = format!("{HEADER}\n");
+    for (k, (pose, [x, y])) in rows.iter().enumerate() {
+        let q = 0.01 * *pose as f64;
+        // Encoders flicker, too.
+        let knee = q + if k == 2 { 0.03 } else { 0.0 };
+        let (x, y) = (0.02 + x * d, -0.01 + y * d);
+        let _ = writeln!(log, "{pose},{q},{knee},{x},{y}");
+    }
+    let data = read(&log, "", None).unwrap();
+    assert_eq!(data.pose, [4, 9, 11]);
+    assert_eq!(data.postures, 3);
+    assert_eq!(data.noise_source, NoiseSource::Repeats);
+    for k in 0..3 {
+        near(data.reading[2 * k], 0.02);
+        near(data.reading[2 * k + 1], -0.01);
+    }
+    near(data.q[3], 0.09 + 0.01);
+    let single = d * (30.0_f64 / 12.0).sqrt();
+    near(data.noise, single / 3.0_f64.sqrt());
+    let with_floor = (single * single / 3.0 + 1e-8).sqrt();
+    near(data.noise_floor, with_floor);
+    data.std.iter().for_each(|std| near(*std, with_floor));
+}
+
+/// Five degrees of freedom on each axis, or nothing is known of the noise.
+#[test]
+fn few_repeats_do_not_make_a_noise() {
+    let mut log = format!("{HEADER}\n");
+    for k in 0..8 {
+        let _ = writeln!(log, "{},0,0.1,{},0.01", k / 2, 0.01 + 1e-3 * (k % 2) as f64);
+    }
+    let data = read(&log, "", None).unwrap();
+    assert_eq!(data.noise_source, NoiseSource::Residuals);
+    let _ = writeln!(log, "4,0,0.1,0.01,0.01\n4,0,0.1,0.011,0.01");
+    let data = read(&log, "", None).unwrap();
+    assert_eq!(data.noise_source, NoiseSource::Repeats);
+    // Pairs 1 mm apart in x alone: 5 · 0.5 mm² over 10.
+    near(data.noise, (0.25e-6_f64 / 2.0).sqrt());
+}
+
+#[test]
+fn stated_deviations_are_of_single_readings() {
+    let header = format!("{HEADER},cop_x_std,cop_y_std");
+    let hundred = "readings_per_pose = 100\n";
+    // 4, 5 and 6 mm differ too much to be one number.
+    let log = format!(
+        "{header}\n1,0,0,0.01,0,0.004,0.002\n2,0,0.1,0.01,0,0.005,0.004\n3,0,0.2,0.01,0,0.006,0.009\n"
+    );
+    let data = read(&log, hundred, None).unwrap();
+    assert_eq!(data.noise_source, NoiseSource::Stated);
+    let floored = |x: f64| x.hypot(1e-4);
+    let expected = [4e-4, 2e-4, 5e-4, 4e-4, 6e-4, 9e-4];
+    for (std, expected) in data.std.iter().zip(expected) {
+        near(*std, floored(expected));
+    }
+    let squares: f64 = expected.iter().map(|s| s * s).sum();
+    near(data.noise, (squares / 6.0).sqrt());
+    // 4.9 and 5.1 mm are two estimates of one: their mean square holds.
+    let log = format!("{header}\n1,0,0,0.01,0,0.0049,0.003\n2,0,0.1,0.01,0,0.0051,0.003\n");
+    let data = read(&log, hundred, None).unwrap();
+    let alike = ((4.9e-4_f64.powi(2) + 5.1e-4_f64.powi(2)) / 2.0).sqrt();
+    near(data.std[0], floored(alike));
+    near(data.std[2], floored(alike));
+    // Four rows of one pose: σ/√4.
+    let rows = "\n1,0,0,0.01,0,0.004,0.004".repeat(4);
+    let data = read(
+        &format!("{header}{rows}\n2,0,0,0,0,0.004,0.004\n"),
+        "",
+        None,
+    )
+    .unwrap();
+    near(data.std[0], floored(0.002));
+    near(data.std[2], floored(0.004));
+    // What the user says is what counts.
+    let data = read(&log, hundred, Some(3e-3)).unwrap();
+    assert_eq!(data.noise_source, NoiseSource::Given);
+    data.std.iter().for_each(|std| near(*std, floored(3e-3)));
+}
+
+#[test]
+fn without_any_word_on_noise_free_masses_tell() {
+    let bench = Bench::skew();
+    let q = bench.postures(300, 1);
+    let mut gauss = gauss(1);
+    let mut log = format!("{HEADER}\n");
+    for (k, q) in q.chunks(2).enumerate() {
+        let [x, y] = bench.world().cop(q).map(|x| x + NOISE * gauss());
+        let _ = writeln!(log, "{k},{},{},{x},{y}", q[0], q[1]);
+    }
+    let data = read(&log, "", None).unwrap();
+    assert_eq!(data.noise_source, NoiseSource::Residuals);
+    let problem = bench.problem(data, "tight");
+    // A median of 600 sizes scatters by 4.8 %.
+    assert!((problem.data.noise / NOISE - 1.0).abs() < 0.2);
+    let floor = problem.data.noise.hypot(1e-4);
+    near(problem.data.noise_floor, floor);
+    assert!(
+        problem
+            .weight
+            .iter()
+            .all(|w| (w * floor - 1.0).abs() < 1e-12)
+    );
+}
+
+/// A log of any length: an even choice, the same every time, with its ends' places.
+#[test]
+fn long_logs_are_thinned_evenly() {
+    const ROWS: usize = 9_001;
+    let slope = 1e-6;
+    let mut log = format!("{HEADER}\n");
+    for k in 0..ROWS {
+        let x = slope * k as f64;
+        let _ = writeln!(log, "{},{},0.1,{x},0.01", 10 + k, 1e-5 * k as f64);
+    }
+    let data = read(&log, "", Some(NOISE)).unwrap();
+    assert_eq!(data.postures, ROWS);
+    assert!((MOST..=2 * MOST).contains(&data.len()), "{}", data.len());
+    let steps: Vec<i64> = data.pose.windows(2).map(|w| w[1] - w[0]).collect();
+    assert!(steps.iter().all(|s| *s == steps[0]));
+    assert_eq!(data.pose[0], 10);
+    let layout = sesc_model::effects::Circumstances::with_joints(2);
+    for (k, pose) in data.pose.iter().enumerate() {
+        near(data.reading[2 * k], slope * (pose - 10) as f64);
+        let place = data.circumstances[k * layout.len() + layout.place()];
+        near(place, (pose - 10) as f64 / (ROWS - 1) as f64);
+    }
+    let mean = data.reading.iter().step_by(2).sum::<f64>() / data.len() as f64;
+    let whole = slope * (ROWS - 1) as f64 / 2.0;
+    assert!((mean - whole).abs() <= slope * steps[0] as f64);
+    let again = read(&log, "", Some(NOISE)).unwrap();
+    assert_eq!((again.pose, again.q), (data.pose, data.q));
+    assert_eq!(again.reading, data.reading);
+}
+
+/// The parabola through three times is exact for a parabola.
+#[test]
+fn rates_and_accelerations_come_from_neighbours_in_time() {
+    let mut log = String::from("pose,t,hip,knee,cop_x,cop_y\n");
+    let times = [0.0, 0.3, 0.4, 0.9, 1.0];
+    for (k, t) in times.iter().enumerate() {
+        let hip = 0.1 + 0.2 * t - 0.15 * t * t;
+        let _ = writeln!(log, "{k},{t},{hip},0.1,0.01,0.02");
+    }
+    let data = read(&log, "", Some(NOISE)).unwrap();
+    assert_eq!(data.t.as_deref(), Some(&times[..]));
+    let layout = sesc_model::effects::Circumstances::with_joints(2);
+    for (k, t) in times.iter().enumerate().take(4).skip(1) {
+        let at = |entry: usize| data.circumstances[k * layout.len() + entry];
+        assert!((at(layout.rate(0)) - (0.2 - 0.3 * t)).abs() < 1e-12);
+        assert!((at(layout.acceleration(0)) + 0.3).abs() < 1e-12);
+        assert_eq!(at(layout.rate(1)), 0.0);
+        near(at(layout.place()), *t);
+    }
+    // At the ends the line to the one neighbour there is.
+    let rate = data.circumstances[layout.rate(0)];
+    assert!((rate - (0.2 - 0.15 * 0.3)).abs() < 1e-12);
+}
+
+#[test]
+fn one_and_two_postures_are_no_reason_to_fail() {
+    let bench = Bench::skew();
+    for count in [1, 2] {
+        let mut log = format!("{HEADER},cop_x_std,cop_y_std\n");
+        for k in 0..count {
+            let q = [0.1, 0.2 + 0.1 * k as f64];
+            let [x, y] = bench.world().cop(&q);
+            let _ = writeln!(log, "{k},{},{},{x},{y},0.001,0.001", q[0], q[1]);
+        }
+        let data = read(&log, "", None).unwrap();
+        assert_eq!(data.len(), count);
+        for prior in ["tight", "free"] {
+            let found = diagnosed(&mut bench.problem(data.clone(), prior)).diagnosis;
+            assert_eq!(found.verdict, Verdict::None, "{count} {prior}");
+            assert!(found.baseline.rmse < 1e-12 && found.last.rmse.is_finite());
+        }
+    }
+    // The same without a word on noise.
+    let log = format!("{HEADER}\n1,0.1,0.2,0.05,0.01\n");
+    let mut problem = bench.problem(read(&log, "", None).unwrap(), "tight");
+    let found = diagnosed(&mut problem).diagnosis;
+    assert!(found.steps.is_empty(), "{}", found.sentence);
+}
+
+#[test]
+fn rows_on_another_foot_are_left_out_and_counted() {
+    let log = "pose,support,hip,knee,cop_x,cop_y\n\
+               1,foot,0,0.1,0.01,0.02\n2,shank,0,0.2,0.3,0.4\n3,foot,0,0.3,0.05,0.06\n";
+    let data = read(log, "", Some(NOISE)).unwrap();
+    assert_eq!(data.pose, [1, 3]);
+    assert_eq!(data.reading, [0.01, 0.02, 0.05, 0.06]);
+    let said = data.warnings.join("\n");
+    assert!(said.contains("1 rows stand on another link"), "{said}");
+    let log = log.replace("foot", "thigh");
+    let refusal = read(&log, "", Some(NOISE)).unwrap_err();
+    assert!(refusal.contains("no posture stands on `foot`"), "{refusal}");
+    assert!(refusal.contains("--support"), "{refusal}");
+}
+
+#[test]
+fn numbers_that_are_none_are_refused_by_place() {
+    for (column, name) in ["hip", "knee", "cop_x", "cop_y"].iter().enumerate() {
+        for word in ["NaN", "inf"] {
+            let mut cells = ["0.1", "0.2", "0.01", "0.02"];
+            cells[column] = word;
+            let log = format!("{HEADER}\n1,0,0,0,0\n2,{}\n", cells.join(","));
+            let refusal = read(&log, "", None).unwrap_err();
+            for part in ["log.csv:3", name, "not finite", "mend"] {
+                assert!(refusal.contains(part), "{part}: {refusal}");
+            }
+        }
+    }
+}

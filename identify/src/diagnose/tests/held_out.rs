@@ -1,0 +1,126 @@
+//! Held-out errors by what they are for: each posture predicted without itself.
+
+use super::{Bench, NOISE, instance};
+use crate::diagnose::held_out::{cross_validate, of_cad};
+use crate::diagnose::problem::{ALL, Problem};
+
+/// Cross-validated errors with the effects named, none where there are none.
+fn errors(problem: &Problem, effects: &[(&str, &str)]) -> crate::diagnose::held_out::HeldOut {
+    let instances: Vec<_> = effects
+        .iter()
+        .map(|(effect, target)| instance(problem, effect, target))
+        .collect();
+    cross_validate(problem, &problem.fit(&instances, None, ALL))
+}
+
+/// Had a fold seen the posture it judges, its error would move by less.
+#[test]
+fn a_reading_has_no_say_in_its_own_prediction() {
+    let bench = Bench::skew();
+    let q = bench.postures(45, 1);
+    let moved = 4e-3;
+    for (prior, effects) in [
+        ("tight", &[("sensor_offset", "-")][..]),
+        ("tight", &[("ground_slope", "-"), ("joint_offset", "knee")]),
+        ("cad", &[]),
+        ("free", &[("sensor_rotation", "-")]),
+    ] {
+        let before = bench.log(&bench.world(), &q, 1);
+        let plain = errors(&bench.problem(before.clone(), prior), effects);
+        assert!(plain.errors.iter().all(|e| e.is_finite()));
+        for pose in [0, 13, 44] {
+            let mut data = before.clone();
+            data.reading[2 * pose + 1] += moved;
+            let after = errors(&bench.problem(data, prior), effects);
+            let own = after.errors[2 * pose + 1] - plain.errors[2 * pose + 1];
+            // The start of the fit has moved, its end only by what is settled.
+            assert!((own / moved - 1.0).abs() < 1e-3, "{prior} {pose}: {own:e}");
+        }
+    }
+}
+
+/// Readings of one pose are one posture, however they are spread over a log.
+#[test]
+fn folds_never_share_a_pose() {
+    let bench = Bench::skew();
+    let q = bench.postures(30, 2);
+    let data = bench.log(&bench.world(), &q, 2);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("log.csv");
+    let mut log = String::from("pose,hip,knee,cop_x,cop_y\n");
+    for repeat in 0..3 {
+        for k in 0..30 {
+            let off = (repeat as f64 - 1.0) * NOISE;
+            let (x, y) = (data.reading[2 * k] + off, data.reading[2 * k + 1]);
+            let (hip, knee) = (q[2 * k], q[2 * k + 1]);
+            log += &format!("{k},{hip},{knee},{x},{y}\n");
+        }
+    }
+    std::fs::write(&path, log).unwrap();
+    let taking = crate::diagnose::data::Taking {
+        options: crate::logs::Options::default(),
+        noise: Some(NOISE),
+        floor: 0.0,
+    };
+    let pooled = crate::diagnose::data::Data::read(&path, &bench.model, &taking).unwrap();
+    assert_eq!(pooled.len(), 30);
+    let once = errors(&bench.problem(data, "tight"), &[("sensor_offset", "-")]);
+    let thrice = errors(&bench.problem(pooled, "tight"), &[("sensor_offset", "-")]);
+    assert_eq!(once.errors.len(), thrice.errors.len());
+    for (a, b) in once.errors.iter().zip(&thrice.errors) {
+        assert!((a - b).abs() < 1e-9);
+    }
+}
+
+/// An offset taken from the other n' postures adds σ²/n' to the mean square:
+/// in the sample it would seem to take as much away.
+#[test]
+fn a_useless_effect_does_not_pay() {
+    const LOGS: usize = 60;
+    const POSTURES: usize = 40;
+    let bench = Bench::skew();
+    let mut more = 0.0;
+    for seed in 0..LOGS as u64 {
+        let q = bench.postures(POSTURES, seed);
+        let problem = bench.certain(bench.log(&bench.world(), &q, seed));
+        let with = errors(&problem, &[("sensor_offset", "-")]);
+        let without = errors(&problem, &[]);
+        assert!((without.rmse - of_cad(&problem).rmse).abs() < 1e-12);
+        more += (with.rmse.powi(2) - without.rmse.powi(2)) / (NOISE * NOISE);
+    }
+    // 20 folds of 2; by two axes and 60 logs known to 2/n'/√120.
+    let expected = 1.0 / (POSTURES as f64 - 2.0);
+    let more = more / LOGS as f64;
+    assert!(
+        (more - expected).abs() < 4.0 * 2.0 * expected / (2.0 * LOGS as f64).sqrt(),
+        "{more} is not {expected}"
+    );
+}
+
+#[test]
+fn the_numbers_are_those_of_the_errors_and_the_same_every_time() {
+    let bench = Bench::skew();
+    let q = bench.postures(30, 5);
+    let world = bench.world().sensor_offset([0.004, -0.002]);
+    let problem = bench.problem(bench.log(&world, &q, 5), "cad");
+    let raw = of_cad(&problem);
+    let by_hand: Vec<f64> = q
+        .chunks(2)
+        .flat_map(|q| bench.world().cop(q))
+        .zip(&problem.data.reading)
+        .map(|(cop, y)| y - cop)
+        .collect();
+    let mean = |axis: usize| by_hand.iter().skip(axis).step_by(2).sum::<f64>() / 30.0;
+    let square = |axis: usize| {
+        let own = by_hand.iter().skip(axis).step_by(2);
+        own.map(|e| e * e).sum::<f64>() / 30.0
+    };
+    for axis in 0..2 {
+        assert!((raw.bias[axis] - mean(axis)).abs() < 1e-12);
+        let rmse = [raw.rmse_x, raw.rmse_y][axis];
+        assert!((rmse - square(axis).sqrt()).abs() < 1e-12);
+    }
+    assert!((raw.rmse - ((square(0) + square(1)) / 2.0).sqrt()).abs() < 1e-12);
+    let effects = [("sensor_offset", "-")];
+    assert_eq!(errors(&problem, &effects), errors(&problem, &effects));
+}

@@ -1,0 +1,172 @@
+//! The diagnosis judged by closed forms, dense algebra and the virtual robot.
+
+mod data;
+mod held_out;
+mod leftover;
+mod next;
+mod nuisance;
+mod outliers;
+mod problem;
+mod sides;
+mod verdict;
+
+use rand::SeedableRng as _;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution as _, StandardNormal};
+use sesc_model::effects::{self, Instance};
+use sesc_model::{Model, Snapping};
+use sesc_reference::World;
+
+use super::data::Data;
+use super::problem::{Fit, Problem};
+use super::words;
+use super::{About, Found, diagnose};
+use crate::fit::prior::{Prior, Tolerance, Tolerances};
+use crate::robot::Robot;
+
+const OP2_URDF: &str = include_str!("../../../../robots/op2/op2.urdf");
+use crate::simulate::Simulator;
+
+/// Standard deviation of a reading, m.
+const NOISE: f64 = 5e-4;
+/// |CoP| of balanced postures, m.
+const BALANCED: f64 = 0.03;
+/// Within ±30° of zero.
+const RANGE: f64 = 0.52;
+
+/// Two skewed joints on a foot: every effect moves both axes.
+const SKEW: &str = "<robot name='skew'>\
+    <link name='foot'><inertial><origin xyz='0.01 0.02 0.05'/><mass value='2'/></inertial></link>\
+    <joint name='hip' type='revolute'><parent link='foot'/><child link='thigh'/>\
+    <origin xyz='0 0 0.1'/><axis xyz='0.3 0.8 0.2'/><limit lower='-0.6' upper='0.6'/></joint>\
+    <link name='thigh'><inertial><origin xyz='0.05 0.1 0.2'/><mass value='3'/></inertial></link>\
+    <joint name='knee' type='revolute'><parent link='thigh'/><child link='shank'/>\
+    <origin xyz='0.02 0.01 0.4'/><axis xyz='0.9 -0.2 0.3'/><limit lower='-1' upper='1'/></joint>\
+    <link name='shank'><inertial><origin xyz='0.1 -0.05 0.3'/><mass value='4'/></inertial></link>\
+    </robot>";
+
+/// A robot, its model and its virtual twin.
+struct Bench {
+    model: Model,
+    support: &'static str,
+    twin: sesc_reference::Robot,
+}
+
+impl Bench {
+    fn new(text: &str, support: &'static str) -> Bench {
+        let robot = Robot::parse(text, "robot.urdf").unwrap();
+        Bench {
+            model: robot.model(support, Snapping::default(), None).unwrap(),
+            support,
+            twin: sesc_reference::Robot::from_urdf(text).unwrap(),
+        }
+    }
+
+    fn op2() -> Bench {
+        Bench::new(OP2_URDF, "r_sole")
+    }
+
+    fn skew() -> Bench {
+        Bench::new(SKEW, "foot")
+    }
+
+    fn world(&self) -> World {
+        World::new(&self.twin, self.support).unwrap()
+    }
+
+    /// Place of a joint in a posture.
+    fn joint(&self, name: &str) -> usize {
+        let mut dofs = self.model.tree.dofs.iter();
+        dofs.position(|dof| dof.joint == name).unwrap()
+    }
+
+    fn postures(&self, count: usize, seed: u64) -> Vec<f64> {
+        Simulator::new(&self.model.tree.dofs, Some(RANGE), seed).batch(count)
+    }
+
+    /// Postures in which the robot of the URDF does not fall.
+    fn balanced(&self, count: usize, seed: u64) -> Vec<f64> {
+        let world = self.world();
+        let mut simulator = Simulator::new(&self.model.tree.dofs, Some(RANGE), seed);
+        let stands = |q: &Vec<f64>| world.cop(q).iter().all(|x| x.abs() < BALANCED);
+        std::iter::repeat_with(|| simulator.posture())
+            .filter(stands)
+            .take(count)
+            .flatten()
+            .collect()
+    }
+
+    /// What a world reads, with noise and, per posture, something else.
+    fn read(
+        &self,
+        world: &World,
+        q: &[f64],
+        seed: u64,
+        also: impl Fn(usize, &[f64]) -> [f64; 2],
+    ) -> Data {
+        let dof = self.model.dof();
+        let mut gauss = gauss(seed);
+        let reading = q.chunks_exact(dof).enumerate().flat_map(|(k, q)| {
+            let (cop, more) = (world.cop(q), also(k, q));
+            [0, 1].map(|axis| cop[axis] + more[axis] + NOISE * gauss())
+        });
+        Data::given(dof, q, &reading.collect::<Vec<_>>(), NOISE, 0.0)
+    }
+
+    fn log(&self, world: &World, q: &[f64], seed: u64) -> Data {
+        self.read(world, q, seed, |_, _| [0.0; 2])
+    }
+
+    /// CAD masses beyond doubt.
+    fn certain(&self, data: Data) -> Problem<'_> {
+        let nothing = Tolerance {
+            mass: Some(0.0),
+            com: Some(0.0),
+            mass_kg: None,
+        };
+        let certain = Tolerances {
+            default: nothing,
+            ..Tolerances::default()
+        };
+        Problem::new(&self.model, data, &Prior::Cad(certain)).unwrap()
+    }
+
+    fn problem(&self, data: Data, prior: &str) -> Problem<'_> {
+        let prior = Prior::named(prior, &self.model).unwrap();
+        Problem::new(&self.model, data, &prior).unwrap()
+    }
+
+    fn diagnose(&self, data: Data, prior: &str) -> Found {
+        diagnosed(&mut self.problem(data, prior))
+    }
+}
+
+fn about() -> About<'static> {
+    About {
+        robot: "robot",
+        support: "sole",
+        log: "log.csv",
+        prior: String::new(),
+    }
+}
+
+fn diagnosed(problem: &mut Problem) -> Found {
+    diagnose(problem, &about(), &mut |_| ())
+}
+
+fn gauss(seed: u64) -> impl FnMut() -> f64 {
+    let mut random = ChaCha8Rng::seed_from_u64(1000 + seed);
+    move || StandardNormal.sample(&mut random)
+}
+
+/// An effect at its target, both by name.
+fn instance(problem: &Problem, effect: &str, target: &str) -> Instance {
+    let effect = effects::named(effect).unwrap();
+    let target = problem.setting.target_named(effect, target).unwrap();
+    Instance { effect, target }
+}
+
+/// Values of the only effect of a fit with their stated deviations.
+fn values(problem: &Problem, fit: &Fit) -> Vec<words::Found> {
+    words::values(problem, fit).remove(0)
+}

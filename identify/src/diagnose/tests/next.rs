@@ -1,0 +1,181 @@
+//! The experiment that is proposed first, taken: the class falls apart, and the
+//! truth remains.
+
+use sesc_model::{Model, Snapping};
+use sesc_reference::World;
+
+use super::OP2_URDF;
+use super::{Bench, NOISE, about, diagnosed, gauss, instance};
+use crate::diagnose::data::Data;
+use crate::diagnose::diagnose_all;
+use crate::diagnose::experiment::Experiment;
+use crate::diagnose::further::{Further, together};
+use crate::diagnose::next_postures::next;
+use crate::diagnose::problem::{ALL, Problem};
+use crate::fit::prior::Prior;
+use crate::robot::Robot;
+
+/// Joint offsets (rad), and others with their sizes.
+const OFFSETS: [(&str, f64); 7] = [
+    ("r_ank_pitch", 0.008),
+    ("r_ank_pitch", -0.012),
+    ("r_ank_roll", 0.008),
+    ("r_ank_roll", -0.01),
+    ("r_knee", 0.012),
+    ("r_knee", -0.01),
+    ("r_hip_pitch", 0.03),
+];
+const OTHERS: [&str; 5] = [
+    "ground_slope",
+    "sensor_offset",
+    "payload:body_link",
+    "external_force:body_link",
+    "backlash:r_hip_roll",
+];
+
+/// The robot with this hidden, in an experiment.
+fn hide(world: World, label: &str, offset: f64, experiment: &Experiment) -> World {
+    // Ground and tether stay in the room while the robot turns.
+    let turned = if *experiment == Experiment::Turned {
+        -1.0
+    } else {
+        1.0
+    };
+    let (effect, target) = label.split_once(':').unwrap_or((label, ""));
+    match effect {
+        "joint_offset" => world.joint_offset(target, offset),
+        "ground_slope" => world.ground_slope([turned * 0.004, turned * -0.006]),
+        "payload" => world.payload(target, 0.1, [0.02, 0.0, 0.03]),
+        "backlash" => world.backlash(target, 0.04),
+        // Another foot has another sensor.
+        "sensor_offset" if *experiment == Experiment::OtherFoot => Ok(world),
+        "sensor_offset" => Ok(world.sensor_offset([0.0015, -0.001])),
+        _ if *experiment == Experiment::Untouched => Ok(world),
+        _ => world.external_force(target, [turned * 0.2, turned * 0.3, 0.0]),
+    }
+    .unwrap()
+}
+
+/// Readings of a world at postures `q`, as a log of `model`.
+fn taken<'m>(model: &'m Model, world: &World, q: &[f64], seed: u64) -> Problem<'m> {
+    let mut gauss = gauss(seed);
+    let cop = q.chunks_exact(model.dof()).flat_map(|q| world.cop(q));
+    let reading: Vec<f64> = cop.map(|x| x + NOISE * gauss()).collect();
+    let data = Data::given(model.dof(), q, &reading, NOISE, 0.0);
+    Problem::new(model, data, &Prior::named("tight", model).unwrap()).unwrap()
+}
+
+#[test]
+fn the_first_experiment_splits_the_class() {
+    let bench = Bench::op2();
+    let robot = Robot::parse(OP2_URDF, "op2.urdf").unwrap();
+    let offsets = OFFSETS.map(|(joint, by)| (format!("joint_offset:{joint}"), by));
+    let others = OTHERS.map(|label| (label.to_string(), 0.0));
+    let (mut asked, mut split, mut as_said) = (0, 0, 0);
+    let mut told = String::new();
+    for (label, offset) in offsets.into_iter().chain(others) {
+        for seed in 0..2 {
+            let q = bench.balanced(100, 100 + seed);
+            let world = hide(bench.world(), &label, offset, &Experiment::Postures);
+            let mut problem = bench.problem(bench.log(&world, &q, seed), "tight");
+            let found = diagnosed(&mut problem);
+            let before = found.diagnosis.indistinguishable.clone();
+            let truth = vec![label.clone()];
+            if before.len() < 2 || !before.contains(&truth) {
+                continue;
+            }
+            let next = next(&problem, &found, &robot, Snapping::default(), None);
+            let experiment = next.experiment.clone().unwrap();
+            let (support, q) = next.postures.as_ref().unwrap();
+            let model = robot.model(support, Snapping::default(), None).unwrap();
+            let world = World::new(&bench.twin, support).unwrap();
+            let world = hide(world, &label, offset, &experiment);
+            let further = Further {
+                problem: taken(&model, &world, q, 500 + seed),
+                experiment: experiment.clone(),
+            };
+            let after = diagnose_all(&mut problem, &[further], &about(), &mut |_| ()).diagnosis;
+            let after = after.indistinguishable;
+            let gone = before.iter().filter(|rival| !after.contains(rival)).count();
+            let remains = after.contains(&truth);
+            let said = next.proposals[0].splits;
+            asked += 1;
+            split += usize::from(remains && gone > 0);
+            as_said += usize::from(remains && gone >= said);
+            told += &format!("{label} {seed} {experiment:?} {said}: {before:?} → {after:?}\n");
+        }
+    }
+    assert!(asked >= 20, "{asked}\n{told}");
+    assert!(10 * split >= 9 * asked, "{split} of {asked}\n{told}");
+    // As many go as was promised.
+    assert!(10 * as_said >= 9 * asked, "{as_said} of {asked}\n{told}");
+}
+
+/// Two halves of a log are the whole: the same minimum, the same deviation.
+#[test]
+fn logs_together_are_one_log() {
+    let bench = Bench::op2();
+    let dof = bench.model.dof();
+    let q = bench.balanced(120, 3);
+    let both = bench.world().joint_offset("r_knee", 0.03);
+    let both = both.and_then(|world| world.payload("body_link", 0.3, [0.04, 0.02, 0.05]));
+    let both = both.unwrap();
+    let loose = bench.world().backlash("r_ank_pitch", 0.03).unwrap();
+    for (effect, target, world) in [
+        ("joint_offset", "r_knee", &both),
+        ("payload", "body_link", &both),
+        ("backlash", "r_ank_pitch", &loose),
+    ] {
+        let data = bench.log(world, &q, 4);
+        let of = |from: usize, to: usize| {
+            let (q, y) = (&q[from * dof..to * dof], &data.reading[2 * from..2 * to]);
+            bench.certain(Data::given(dof, q, y, NOISE, 0.0))
+        };
+        let (whole, first) = (of(0, 120), of(0, 50));
+        let second = Further {
+            experiment: Experiment::Postures,
+            problem: of(50, 120),
+        };
+        let own = [instance(&whole, effect, target)];
+        let at_once = whole.fit(&own, None, ALL);
+        let alone = first.fit(&own, None, ALL);
+        let both = together(&first, alone.clone(), &[second]);
+        let (ours, expected) = (both.score(), at_once.score());
+        assert!(
+            (ours - expected).abs() < 0.05,
+            "{effect}: {ours}, not {expected}"
+        );
+        for k in 0..both.unknowns.len() {
+            let std = at_once.covariance[(k, k)].sqrt();
+            let off = (both.unknowns[k] - at_once.unknowns[k]).abs();
+            assert!(off < 0.05 * std, "{effect} {k}: {off:e}");
+            assert!((both.covariance[(k, k)].sqrt() / std - 1.0).abs() < 0.02);
+        }
+        let same = together(&first, alone.clone(), &[]);
+        assert_eq!(same.unknowns, alone.unknowns);
+    }
+}
+
+/// A slope that stays in the room while the robot turns shows with the other sign.
+#[test]
+fn a_turned_robot_sees_the_slope_the_other_way() {
+    let bench = Bench::op2();
+    let q = bench.balanced(60, 5);
+    let slope = |x: f64| bench.world().ground_slope([x, -2.0 * x]).unwrap();
+    let first = bench.certain(bench.log(&slope(0.005), &q, 1));
+    let own = [instance(&first, "ground_slope", "-")];
+    let score = |there: f64, experiment: Experiment| {
+        let further = Further {
+            experiment,
+            problem: bench.certain(bench.log(&slope(there), &q, 2)),
+        };
+        together(&first, first.fit(&own, None, ALL), &[further])
+    };
+    let fit = score(-0.005, Experiment::Turned);
+    let expected = 240.0 - 2.0;
+    let rest = fit.objective - expected;
+    assert!(rest.abs() < 4.5 * (2.0 * expected).sqrt(), "{rest}");
+    assert!((fit.unknowns[0] - 0.005).abs() < 4.0 * fit.covariance[(0, 0)].sqrt());
+    assert!(score(0.005, Experiment::Turned).objective > 10.0 * expected);
+    assert!(score(-0.005, Experiment::Postures).objective > 10.0 * expected);
+}

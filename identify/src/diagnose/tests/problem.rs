@@ -1,0 +1,231 @@
+//! Fits of one hypothesis: slopes, minima, stated deviations, prices.
+
+use sesc_model::effects::{self, Circumstances, Instance};
+use sesc_reference::{Track, World};
+
+use super::{Bench, NOISE, gauss, instance, values};
+use crate::diagnose::problem::{ALL, Problem};
+use crate::diagnose::search::Search;
+
+const CELLS: [[f64; 2]; 4] = [[0.5, 0.4], [0.5, -0.4], [-0.5, -0.4], [-0.5, 0.4]];
+
+/// A log of everything: times, cells, tilted ground, moving joints, sides.
+fn everything(bench: &Bench) -> Problem<'_> {
+    let q = bench.postures(7, 3);
+    let mut data = bench.log(&bench.world(), &q, 1);
+    let mut gauss = gauss(2);
+    let layout = Circumstances::of(&bench.model);
+    data.cells = CELLS.to_vec();
+    data.t = Some((0..7).map(f64::from).collect());
+    data.circumstances
+        .iter_mut()
+        .for_each(|u| *u = 0.1 * gauss());
+    for k in 0..7 {
+        for joint in 0..bench.model.dof() {
+            let side = if (k + joint) % 2 == 0 { 1.0 } else { -1.0 };
+            data.circumstances[k * layout.len() + layout.side(joint)] = side;
+        }
+    }
+    bench.certain(data)
+}
+
+/// Central differences of the readings against the derivatives beside them, both
+/// for unknowns of ordinary size.
+fn differ(problem: &Problem, instances: &[Instance]) -> f64 {
+    let scales = problem.scales(instances);
+    let at: Vec<f64> = scales.iter().map(|scale| 0.3 * scale).collect();
+    let run = |x: &[f64]| {
+        let data = &problem.data;
+        problem.evaluate(instances, x, &data.q, &data.circumstances)
+    };
+    let (here, width) = (run(&at), scales.len() + 1);
+    let mut worst: f64 = 0.0;
+    for (k, scale) in scales.iter().enumerate() {
+        let moved = |by: f64| {
+            let mut x = at.clone();
+            x[k] += by * scale;
+            run(&x)
+        };
+        let (ahead, behind) = (moved(1e-4), moved(-1e-4));
+        let mut largest: f64 = 0.0;
+        let mut off: f64 = 0.0;
+        for row in (0..here.len()).step_by(width) {
+            let slope = here[row + 1 + k] * scale;
+            let numeric = (ahead[row] - behind[row]) / 2e-4;
+            largest = largest.max(slope.abs()).max(numeric.abs());
+            off = off.max((slope - numeric).abs());
+        }
+        // What pulls sideways at the ground does nothing.
+        worst = worst.max(if largest > 0.0 { off / largest } else { off });
+    }
+    worst
+}
+
+#[test]
+fn slopes_of_every_effect_are_central_differences() {
+    let bench = Bench::skew();
+    let problem = everything(&bench);
+    let mut seen = Vec::new();
+    for instance in effects::instances(&problem.setting) {
+        if instance.unknowns(&problem.setting) == 0 {
+            continue;
+        }
+        let off = differ(&problem, std::slice::from_ref(&instance));
+        assert!(off < 1e-5, "{instance:?}: {off:e}");
+        seen.push(instance.effect.name());
+    }
+    seen.dedup();
+    assert_eq!(seen.len(), 17, "{seen:?}");
+    let together = [
+        ("sensor_rotation", "-"),
+        ("sensor_gain", "-"),
+        ("ground_slope", "-"),
+        ("joint_offset", "hip"),
+        ("joint_compliance", "all"),
+        ("backlash", "knee"),
+        ("payload", "shank"),
+        ("external_force", "thigh"),
+    ];
+    let together = together.map(|(effect, target)| instance(&problem, effect, target));
+    let off = differ(&problem, &together);
+    assert!(off < 1e-5, "together: {off:e}");
+}
+
+/// An effect, its values in the order of [`effects::Effect::values`], and a robot
+/// that has it.
+type Planted = (&'static str, &'static str, Vec<f64>, World);
+
+fn planted(bench: &Bench) -> Vec<Planted> {
+    let world = || bench.world();
+    vec![
+        ("sensor_offset", "-", vec![0.003, -0.002], {
+            world().sensor_offset([0.003, -0.002])
+        }),
+        ("sensor_rotation", "-", vec![0.08], {
+            world().sensor_rotation(0.08)
+        }),
+        ("sensor_gain", "-", vec![1.06, 0.95], {
+            world().sensor_gain([1.06, 0.95])
+        }),
+        ("sensor_drift", "-", vec![0.003, 0.002], {
+            world().sensor_drift([0.003, 0.002])
+        }),
+        ("ground_slope", "-", vec![0.012, -0.02], {
+            world().ground_slope([0.012, -0.02]).unwrap()
+        }),
+        ("joint_offset", "r_knee", vec![-0.03], {
+            world().joint_offset("r_knee", -0.03).unwrap()
+        }),
+        ("joint_scale", "r_ank_roll", vec![1.07], {
+            world().joint_scale("r_ank_roll", 1.07).unwrap()
+        }),
+        ("joint_compliance", "r_ank_pitch", vec![60.0], {
+            world().joint_compliance("r_ank_pitch", 60.0).unwrap()
+        }),
+        ("payload", "body_link", vec![0.3, 0.05, -0.04, 0.06], {
+            let world = world().payload("body_link", 0.3, [0.05, -0.04, 0.06]);
+            world.unwrap()
+        }),
+        ("external_force", "body_link", vec![0.5, -0.4, 2.0], {
+            let world = world().external_force("body_link", [0.5, -0.4, 2.0]);
+            world.unwrap()
+        }),
+    ]
+}
+
+/// Values lie about the truth as far as stated: pulls have variance one, none is
+/// beyond 3.9 (one in ten thousand).
+#[test]
+fn values_are_found_and_their_deviations_are_honest() {
+    const SEEDS: u64 = 24;
+    let bench = Bench::op2();
+    let q = bench.balanced(60, 2);
+    let dof = bench.model.dof();
+    let track = Track::still(q.chunks(dof).map(<[f64]>::to_vec).collect());
+    let mut problem = bench.certain(bench.log(&bench.world(), &q, 1));
+    let (mut squares, mut count) = (0.0, 0.0);
+    for (effect, target, truth, world) in planted(&bench) {
+        let own = [instance(&problem, effect, target)];
+        let clean: Vec<f64> = world.readings(&track).iter().flat_map(|r| r.cop).collect();
+        let mut of_effect = 0.0;
+        for seed in 0..SEEDS {
+            let mut gauss = gauss(100 + seed);
+            problem.data.reading = clean.iter().map(|x| x + NOISE * gauss()).collect();
+            let fit = problem.fit(&own, None, ALL);
+            let found = values(&problem, &fit);
+            assert_eq!(found.len(), truth.len());
+            for (found, value) in found.iter().zip(&truth) {
+                let pull = (found.value - value) / found.std;
+                assert!(pull.abs() < 3.9, "{effect} {seed}: {found:?}, not {value}");
+                of_effect += pull * pull / truth.len() as f64;
+            }
+            // χ² of 120 readings, at its minimum.
+            let expected = 120.0 - truth.len() as f64;
+            let off = (fit.objective - expected) / (2.0 * expected).sqrt();
+            assert!(off.abs() < 4.5, "{effect} {seed}: {}", fit.objective);
+        }
+        // Several values of one fit go together: counted as one.
+        let spread = (2.0 / SEEDS as f64).sqrt();
+        let variance = of_effect / SEEDS as f64;
+        assert!(
+            (variance - 1.0).abs() < 4.0 * spread,
+            "{effect}: {variance}"
+        );
+        squares += of_effect;
+        count += SEEDS as f64;
+    }
+    let variance: f64 = squares / count;
+    assert!(
+        (variance - 1.0).abs() < 4.0 * (2.0 / count).sqrt(),
+        "{variance}"
+    );
+}
+
+/// `p ln 2N + 2 ln(kinds · targets)`: twenty joints cost 2 ln 20 more than one sensor.
+#[test]
+fn prices_grow_with_unknowns_and_targets() {
+    for (bench, joint, link) in [
+        (Bench::op2(), "r_knee", "body_link"),
+        (Bench::skew(), "knee", "shank"),
+    ] {
+        let q = bench.postures(30, 1);
+        let mut problem = bench.certain(bench.log(&bench.world(), &q, 1));
+        let (joints, links) = (
+            bench.model.dof() as f64,
+            problem.setting.links().len() as f64,
+        );
+        let price = |problem: &Problem, effect: &str, target: &str| {
+            problem.price(&[instance(problem, effect, target)])
+        };
+        let rotation = price(&problem, "sensor_rotation", "-");
+        let off = |price: f64, unknowns: f64, targets: f64| {
+            (price - rotation - (unknowns - 1.0) * 60.0_f64.ln() - 2.0 * targets.ln()).abs()
+        };
+        assert!(off(price(&problem, "joint_offset", joint), 1.0, joints) < 1e-9);
+        assert!(off(price(&problem, "backlash", "all"), 1.0, joints + 1.0) < 1e-9);
+        assert!(off(price(&problem, "sensor_gain", "-"), 2.0, 1.0) < 1e-9);
+        assert!(off(price(&problem, "payload", link), 4.0, links) < 1e-9);
+        let both = ["sensor_rotation", "sensor_gain"].map(|e| instance(&problem, e, "-"));
+        let sum = rotation + price(&problem, "sensor_gain", "-");
+        assert!((problem.price(&both) - sum).abs() < 1e-12);
+        // By how well targets are seen: the chance of an effect stays what it was.
+        let instances = effects::instances(&problem.setting);
+        let chance = |problem: &Problem, name: &str| {
+            let own = instances.iter().filter(|i| i.effect.name() == name);
+            let prices = own.map(|i| problem.price(std::slice::from_ref(i)));
+            prices.map(|price| (-0.5 * price).exp()).sum::<f64>()
+        };
+        let names = ["joint_offset", "payload", "joint_scale", "sensor_gain"];
+        let even = names.map(|name| chance(&problem, name));
+        Search::new(&mut problem);
+        for (name, even) in names.iter().zip(even) {
+            let weighted = chance(&problem, name);
+            assert!((weighted / even - 1.0).abs() < 1e-9, "{name}");
+        }
+        if joints > 2.0 {
+            let [ankle, elbow] = ["r_ank_roll", "l_el"];
+            let ankle = price(&problem, "joint_offset", ankle);
+            assert!(ankle + 4.0 < price(&problem, "joint_offset", elbow));
+        }
+    }
+}

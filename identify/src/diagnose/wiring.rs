@@ -1,0 +1,122 @@
+//! Wiring faults by full evaluation: signs, swaps, units, axes. None of them is
+//! near linear, so each is computed, alone and beside the best linear effect.
+
+use nalgebra::DVector;
+use sesc_model::effects::{self, Instance};
+
+use super::dictionary::Dictionary;
+use super::problem::{Fit, Problem};
+use super::search::Proposal;
+
+/// Faults that are fitted, alone and with an effect beside them.
+const ALONE: usize = 8;
+const BESIDE: usize = 8;
+/// Further faults that are fitted beside a hypothesis.
+const FURTHER: usize = 4;
+
+pub fn proposals(problem: &Problem, dictionary: &Dictionary) -> Vec<Proposal> {
+    let setting = &problem.setting;
+    let faults = effects::instances(setting)
+        .into_iter()
+        .filter(|i| i.unknowns(setting) == 0 && i.effect.stage() != effects::Stage::Whole);
+    let mut alone = Vec::new();
+    let mut beside = Vec::new();
+    for fault in faults {
+        let own = std::slice::from_ref(&fault);
+        let residual = residual(problem, &fault);
+        let left = problem.nuisance.beyond_one(&residual);
+        let price = problem.price(own);
+        let promise = residual.dot(&left) + price;
+        if !promise.is_finite() {
+            continue;
+        }
+        let gains = dictionary.gains_of(&residual);
+        let best = dictionary
+            .candidates
+            .iter()
+            .zip(gains)
+            .map(|(c, gain)| {
+                (
+                    promise - gain + problem.price(std::slice::from_ref(&c.instance)),
+                    &c.instance,
+                )
+            })
+            .min_by(|a, b| a.0.total_cmp(&b.0));
+        alone.push(Proposal {
+            instances: vec![fault.clone()],
+            promise,
+            parent: None,
+        });
+        if let Some((promise, more)) = best {
+            beside.push(Proposal {
+                instances: super::search::sorted(&[fault.clone(), more.clone()]),
+                promise,
+                parent: None,
+            });
+        }
+    }
+    for (list, most) in [(&mut alone, ALONE), (&mut beside, BESIDE)] {
+        list.sort_by(|a, b| a.promise.total_cmp(&b.promise));
+        list.truncate(most);
+    }
+    alone.extend(beside);
+    alone
+}
+
+/// Further faults beside a hypothesis that leaves a large gap: its unknowns stay,
+/// but for what a linear step of theirs takes.
+pub fn beside(problem: &Problem, parent: &Fit) -> Vec<Proposal> {
+    let setting = &problem.setting;
+    let data = &problem.data;
+    let circumstances = match &parent.circumstances {
+        Some(own) => own.as_slice(),
+        None => &data.circumstances,
+    };
+    let masses = problem.masses(&parent.instances);
+    let own = &parent.slopes;
+    let mut normal = own.tr_mul(&masses.beyond(own));
+    for k in 0..normal.nrows() {
+        normal[(k, k)] = normal[(k, k)] * (1.0 + 1e-9) + 1e-12;
+    }
+    let factor = normal.cholesky();
+    let width = parent.unknowns.len() + 1;
+    let mut proposals: Vec<Proposal> = effects::instances(setting)
+        .into_iter()
+        .filter(|i| i.unknowns(setting) == 0 && i.effect.stage() != effects::Stage::Whole)
+        .filter(|i| !parent.instances.contains(i))
+        .filter_map(|fault| {
+            let (q, map) = problem.rewired(&fault);
+            let out = problem.evaluate(&parent.instances, &parent.unknowns, &q, circumstances);
+            let residual = DVector::from_fn(2 * data.len(), |row, _| {
+                let first = row - row % 2;
+                let pair = [out[first * width], out[(first + 1) * width]];
+                (data.reading[row] - map(pair)[row % 2]) * problem.weight[row]
+            });
+            let left = masses.beyond_one(&residual);
+            let pull = own.tr_mul(&left);
+            let gain = factor.as_ref().map_or(0.0, |f| pull.dot(&f.solve(&pull)));
+            let price = problem.price(std::slice::from_ref(&fault));
+            let promise = residual.dot(&left) - gain + parent.price + price;
+            promise.is_finite().then(|| Proposal {
+                instances: super::search::sorted(&[parent.instances.as_slice(), &[fault]].concat()),
+                promise,
+                parent: Some(parent.clone()),
+            })
+        })
+        .collect();
+    proposals.sort_by(|a, b| a.promise.total_cmp(&b.promise));
+    proposals.truncate(FURTHER);
+    proposals
+}
+
+/// Whitened residuals under a fault.
+fn residual(problem: &Problem, fault: &Instance) -> DVector<f64> {
+    let data = &problem.data;
+    let rows = 2 * data.len();
+    let (q, map) = problem.rewired(fault);
+    let out = problem.evaluate(&[], &[], &q, &data.circumstances);
+    DVector::from_fn(rows, |row, _| {
+        let pair = [out[row - row % 2], out[row - row % 2 + 1]];
+        (data.reading[row] - map(pair)[row % 2]) * problem.weight[row]
+    })
+}

@@ -1,0 +1,184 @@
+//! Functions of any robot at near-native speed: programs on tape.
+
+use std::sync::LazyLock;
+
+use sesc_model::effects::{self, Circumstances};
+use sesc_model::program::Program;
+use sesc_model::tape::{Argument, Kernels, Tape};
+use sesc_model::{Function, Given, Model};
+use sesc_runtime::{Simd, power, trig};
+
+/// The support frame's.
+const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+/// One function of a model, ready for batches of postures.
+pub struct Evaluator {
+    tape: Tape,
+    given: Given,
+    /// Which joints slide: `_sc` functions take their positions as they are.
+    slides: Vec<bool>,
+    params: Option<Vec<f64>>,
+    kernels: Kernels,
+}
+
+impl Evaluator {
+    /// Prepare `function` of `model` with the model's parameters.
+    pub fn new(model: &Model, function: Function) -> Evaluator {
+        Evaluator::with_params(model, function, model.params())
+    }
+
+    /// Prepare `function` with parameters `params` (base parameters, m).
+    pub fn with_params(model: &Model, function: Function, params: Vec<f64>) -> Evaluator {
+        Evaluator::variant(model, function, Given::Positions, params)
+            .expect("every function can be had from joint positions")
+    }
+
+    /// Prepare the variant of `function` from what is `given`, where there is one; along
+    /// directions, for the axes of the support frame: the rows of the function.
+    pub fn variant(
+        model: &Model,
+        function: Function,
+        given: Given,
+        params: Vec<f64>,
+    ) -> Option<Evaluator> {
+        let program = model.program(function, given)?;
+        let params = function.takes_parameters().then_some(params);
+        Some(Evaluator::of(model, &program, given, params))
+    }
+
+    /// Prepare any program of what is `given`, and of `params` if it takes them.
+    pub fn of(
+        model: &Model,
+        program: &Program,
+        given: Given,
+        params: Option<Vec<f64>>,
+    ) -> Evaluator {
+        Evaluator {
+            tape: Tape::new(program),
+            given,
+            slides: model.tree.dofs.iter().map(|dof| dof.prismatic).collect(),
+            params,
+            kernels: PORTABLE,
+        }
+    }
+
+    /// By [`FASTEST`] kernels, where results are not written to files that are compared.
+    pub fn fastest(self) -> Evaluator {
+        Evaluator {
+            kernels: FASTEST,
+            ..self
+        }
+    }
+
+    /// Values per posture.
+    pub fn width(&self) -> usize {
+        match self.given {
+            Given::Positions | Given::SinesCosines => self.tape.outputs(),
+            Given::Direction => AXES.len() * self.tape.outputs(),
+        }
+    }
+
+    /// Evaluate `postures` postures, `q[posture * dof + joint]`, row by row.
+    pub fn run(&self, q: &[f64], postures: usize) -> Vec<f64> {
+        let mut out = vec![0.0; postures * self.width()];
+        self.run_into(q, postures, &mut out);
+        out
+    }
+
+    /// The same into memory that is there: new pages cost more than wide rows do.
+    ///
+    /// # Panics
+    /// Where `q` or `out` is too short.
+    pub fn run_into(&self, q: &[f64], postures: usize, out: &mut [f64]) {
+        let q = &q[..postures * self.slides.len()];
+        let (sin, cos) = match self.given {
+            Given::Positions => (Vec::new(), Vec::new()),
+            Given::SinesCosines | Given::Direction => self.sines(q),
+        };
+        let mut arguments = match self.given {
+            Given::Positions => vec![Argument::PerPosture(q)],
+            Given::SinesCosines | Given::Direction => {
+                vec![Argument::PerPosture(&sin), Argument::PerPosture(&cos)]
+            }
+        };
+        arguments.extend(self.params.as_deref().map(Argument::Shared));
+        if self.given != Given::Direction {
+            return self.tape.run(&arguments, postures, out, self.kernels);
+        }
+        let columns = self.tape.outputs();
+        let mut row = vec![0.0; postures * columns];
+        for (k, along) in AXES.iter().enumerate() {
+            arguments.push(Argument::Shared(along));
+            self.tape.run(&arguments, postures, &mut row, self.kernels);
+            arguments.pop();
+            let places = out[k * columns..].chunks_mut(self.width().max(1));
+            for (place, row) in places.zip(row.chunks(columns.max(1))) {
+                place[..columns].copy_from_slice(row);
+            }
+        }
+    }
+
+    /// What `_sc` functions take: sines (positions of slides) and cosines.
+    fn sines(&self, q: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let slides = self.slides.iter().cycle();
+        q.iter()
+            .zip(slides)
+            .map(|(&x, &slide)| match slide {
+                true => (x, 0.0),
+                false => trig::sin_cos(x),
+            })
+            .unzip()
+    }
+}
+
+/// The runtime's portable kernels: what generated code computes from scalars, the tape
+/// computes to the bit, on any machine.
+pub const PORTABLE: Kernels = Kernels {
+    sin_cos: |angle, sin, cos| Simd::PORTABLE.sin_cos(angle, sin, cos),
+    power: |base, exponent, out| power::power_block(base, exponent, out),
+};
+
+/// The runtime's kernels on the widest registers of this machine: within the same bounds.
+pub const FASTEST: Kernels = Kernels {
+    sin_cos: |angle, sin, cos| BEST.sin_cos(angle, sin, cos),
+    power: PORTABLE.power,
+};
+
+static BEST: LazyLock<Simd> = LazyLock::new(Simd::best);
+
+/// The reading that a model with effects foretells, under any gravity.
+pub struct Foretelling {
+    tape: Tape,
+    layout: Circumstances,
+    params: Vec<f64>,
+}
+
+impl Foretelling {
+    /// Prepare a model; `None` where it has no effects that a posture shows.
+    pub fn new(model: &Model) -> Option<Foretelling> {
+        let shown = model.foretold().next().is_some();
+        shown.then(|| Foretelling {
+            tape: Tape::new(&effects::foretelling(model)),
+            layout: Circumstances::of(model),
+            params: model.params(),
+        })
+    }
+
+    /// Readings (x, y) of `postures` postures, m, with gravity per posture.
+    pub fn run(&self, q: &[f64], postures: usize, gravity: Option<&[[f64; 3]]>) -> Vec<f64> {
+        let mut circumstances = vec![0.0; postures * self.layout.len()];
+        for (k, g) in gravity.into_iter().flatten().enumerate() {
+            for axis in 0..2 {
+                circumstances[k * self.layout.len() + self.layout.tilt(axis)] = -g[axis] / g[2];
+            }
+        }
+        let mut out = vec![0.0; 2 * postures];
+        let arguments = [
+            Argument::PerPosture(q),
+            Argument::Shared(&self.params),
+            Argument::PerPosture(&circumstances),
+        ];
+        self.tape.run(&arguments, postures, &mut out, PORTABLE);
+        out
+    }
+}

@@ -1,0 +1,143 @@
+//! The URDF whose masses and centres of mass give the identified parameters.
+//!
+//! Everything that data do not tell stays as CAD has it; the text changes in
+//! numbers of `<inertial>` alone ([`sesc_model::urdf::amend`]). Before it is
+//! handed out, the text is read again and must give the parameters it was made for.
+
+use nalgebra::DVector;
+use serde::Serialize;
+use sesc_model::{Model, Snapping, urdf};
+
+use super::Identification;
+use super::limits::Limits;
+use super::masses::{self, Impossible, Masses};
+use super::prior::{Prior, Tolerances};
+use crate::Error;
+use crate::robot::Robot;
+
+/// Base parameters of the corrected robot may be off by this, m.
+const EXACT: f64 = 1e-11;
+
+/// A corrected description.
+#[derive(Debug, Clone, Serialize)]
+pub struct Corrected {
+    /// kg
+    pub total_mass: f64,
+    /// Links that changed.
+    pub links: Vec<Change>,
+    /// Bounds on masses that shape the correction.
+    pub active_bounds: Vec<String>,
+    #[serde(skip)]
+    pub text: String,
+}
+
+/// What a link weighs and where, in CAD and as corrected.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Change {
+    pub link: String,
+    /// kg
+    pub mass: [f64; 2],
+    /// In the link frame, m.
+    pub com: [[f64; 3]; 2],
+}
+
+impl Change {
+    /// How far the CoM moved, m.
+    pub fn shift(&self) -> f64 {
+        let [from, to] = self.com;
+        (0..3)
+            .map(|a| (to[a] - from[a]).powi(2))
+            .sum::<f64>()
+            .sqrt()
+    }
+}
+
+/// Correct the text of `robot`, which weighs `total` kg (CAD's mass unless given).
+///
+/// # Errors
+/// When no masses give the identified parameters.
+pub fn correct(
+    robot: &Robot,
+    model: &Model,
+    snapping: Snapping,
+    found: &Identification,
+    prior: &Prior,
+    total: Option<f64>,
+) -> Result<Corrected, Error> {
+    let params: Vec<f64> = found.parameters.iter().map(|p| p.value).collect();
+    towards(
+        robot,
+        model,
+        snapping,
+        &params,
+        found.masses.as_ref(),
+        prior,
+        total,
+    )?
+    .map_err(|impossible| refused(&impossible))
+}
+
+/// Correct the text of `robot` so that it has these base parameters; by `masses` where
+/// they are known, else by the nearest to CAD. The inner error says why there are none.
+///
+/// # Errors
+/// When a text cannot be read.
+pub fn towards(
+    robot: &Robot,
+    model: &Model,
+    snapping: Snapping,
+    params: &[f64],
+    masses: Option<&Masses>,
+    prior: &Prior,
+    total: Option<f64>,
+) -> Result<Result<Corrected, Impossible>, Error> {
+    let params = DVector::from_column_slice(params);
+    let masses = match masses {
+        Some(masses) => masses.clone(),
+        None => {
+            let usual = Tolerances::usual();
+            let tolerances = match prior {
+                Prior::Cad(tolerances) => tolerances,
+                Prior::Free => &usual,
+            };
+            match masses::nearest(model, tolerances, &params, &Limits::generous(robot)) {
+                Ok(masses) => masses,
+                Err(impossible) => return Ok(Err(impossible)),
+            }
+        }
+    };
+    let total_mass = total.unwrap_or(model.tree.mass);
+    let weights = masses.weights(model, total_mass);
+    let file = &robot.description.file;
+    let text = urdf::amend(robot.text(), file, &weights).map_err(sesc_model::Error::from)?;
+    let support = &model.tree.links[model.tree.support].name;
+    let again = Robot::parse(&text, file)?.model(support, snapping, None)?;
+    let off = (DVector::from_vec(again.cad_params()) - &params).amax();
+    if off.is_nan() || off > EXACT {
+        return Ok(Err(Impossible {
+            reason: format!("the masses found give them only to {off:.1e} m"),
+        }));
+    }
+    let links = again.tree.links.iter().zip(&model.tree.links);
+    let links = links
+        .map(|(new, old)| Change {
+            link: new.name.clone(),
+            mass: [old.mass, new.mass],
+            com: [old.com.into(), new.com.into()],
+        })
+        .filter(|change| change.mass[0] != change.mass[1] || change.shift() > 0.0);
+    Ok(Ok(Corrected {
+        total_mass,
+        links: links.collect(),
+        active_bounds: masses.active,
+        text,
+    }))
+}
+
+fn refused(impossible: &Impossible) -> Error {
+    Error::Usage(format!(
+        "no URDF has the identified parameters: {}; trust CAD more (--prior cad) or fit \
+         physical masses only (--physical). Nothing was written",
+        impossible.reason
+    ))
+}

@@ -1,0 +1,178 @@
+//! From gathered logs to what must be said of a fit.
+
+use nalgebra::DVector;
+use sesc_model::Model;
+
+use super::gather::{Fold, Gathered};
+use super::identification::{Identification, NoiseSource, Settings};
+use super::limits::Limits;
+use super::noise_level::{Leftover, Noise, UNLIKELY, widening};
+use super::physical;
+use super::prior::{Prior, Tolerances};
+use super::statements::{
+    bodies, complete, correlations, deviations, height, held_out, oddities, parameters,
+    range_error, row_norms, unobservable,
+};
+
+/// Held-out errors beyond this many times the noise deserve a word.
+const FAR: f64 = 2.0;
+
+/// Fit `gathered` and say what was found.
+pub fn identify(
+    model: &Model,
+    supports: &[&str],
+    gathered: &Gathered,
+    settings: &Settings,
+) -> Identification {
+    identify_within(model, supports, gathered, settings, None)
+}
+
+/// The same, by masses within `limits` where those are given.
+pub fn identify_within(
+    model: &Model,
+    supports: &[&str],
+    gathered: &Gathered,
+    settings: &Settings,
+    limits: Option<&Limits>,
+) -> Identification {
+    let cad = DVector::from_vec(model.cad_params());
+    let together = gathered.together(None);
+    let (whole, plain) = (&together.weighted, together.plain());
+    let free = together.solve(1.0, &cad, None);
+    let rows = whole.rows() as f64;
+    let left = Leftover {
+        sum: whole.residual_sum(&free.params) / gathered.consistency,
+        // Rows that a robust fit trusts less count less.
+        df: 2.0 * gathered.trusted - free.rank as f64,
+        of_cad: (whole.residual_sum(&cad) / rows).sqrt(),
+    };
+    let mut warnings = Vec::new();
+    let noise = Noise::of(gathered, settings.noise, left);
+    if noise.understated > 1.0 {
+        warnings.push(format!(
+            "repeated readings scatter {:.1} times as much as is stated; the scatter is taken",
+            noise.understated
+        ));
+    }
+    warnings.extend(oddities(gathered));
+    let lack_of_fit = noise.lack_of_fit(gathered, left);
+    let misfit = lack_of_fit.filter(|test| test.p_value < UNLIKELY && test.ratio > 1.0);
+    // All that is left over counts as noise then.
+    let inflation = match misfit {
+        // Repeats of a posture are no evidence of their own about what is missing.
+        Some(test) if test.df_noise.is_some() => test.ratio.sqrt(),
+        Some(_) => (left.sum / left.df).sqrt() / noise.sigma,
+        None => 1.0,
+    };
+    let inflation = inflation.max(1.0);
+    if noise.source == NoiseSource::Unknown {
+        warnings.push(format!(
+            "{rows} rows for {} directions leave nothing to tell the noise from, and CAD's error \
+             is taken for it; give --noise, columns of deviations, repeated readings or more \
+             postures",
+            free.rank
+        ));
+    }
+    if misfit.is_some() {
+        warnings.push(format!(
+            "the model leaves {:.2} times the noise: something is missing in it; deviations of \
+             parameters are widened by that",
+            inflation
+        ));
+    }
+    let told_by = misfit.map_or(noise.df, |test| test.df);
+    let sigma = noise.sigma * inflation * widening(told_by);
+    let guessed = noise.source == NoiseSource::Unknown;
+    let prior = settings.prior.factor(model);
+    let mut failures = Vec::new();
+    let mut fit = |fold: &Fold| {
+        let mut estimate = fold.solve(sigma, &cad, prior.as_ref());
+        let bounded = limits.map(|limits| {
+            physical::constrain(
+                model,
+                &fold.weighted,
+                sigma,
+                &settings.prior,
+                limits,
+                &estimate.params,
+            )
+        });
+        match bounded {
+            None => (estimate, None),
+            Some(Ok(bounded)) => {
+                estimate.params = bounded.params;
+                (estimate, Some(bounded.masses))
+            }
+            Some(Err(failure)) => {
+                failures.push(failure.reason);
+                (estimate, None)
+            }
+        }
+    };
+    let (estimate, masses) = fit(&together);
+    let held_out = held_out(gathered, |others| fit(others).0);
+    if held_out.rmse > FAR * noise.floor && !guessed {
+        warnings.push(format!(
+            "postures the fit did not see are off by {:.1} times the noise: too few postures, or \
+             the model misses something",
+            held_out.rmse / noise.floor
+        ));
+    }
+    if let Some(reason) = failures.first() {
+        warnings.push(format!(
+            "{reason}: bounds were left aside in {} fits",
+            failures.len()
+        ));
+    }
+    let rms = |sum: f64, rows: u64| (sum / rows.max(1) as f64).sqrt();
+    // What data leave open is as uncertain as CAD usually is.
+    let usual = Prior::Cad(Tolerances::usual()).factor(model);
+    let covariance = complete(&estimate, prior.is_none().then_some(usual).flatten());
+    let mut std = deviations(&estimate, prior.is_none());
+    if guessed && prior.is_none() {
+        std.fill(None);
+    }
+    let prior_std = prior.as_ref().map(row_norms);
+    let parameters = parameters(model, &estimate, &std, prior_std.as_deref(), &cad);
+    let r = plain.r();
+    let data_error = (&r * &covariance * r.transpose()).trace();
+    Identification {
+        robot: model.tree.robot.clone(),
+        hash: model.tree.hash.clone(),
+        support: model.tree.links[model.tree.support].name.clone(),
+        supports: supports.iter().map(|s| s.to_string()).collect(),
+        data: gathered.logs.clone(),
+        postures: gathered.replicates.groups,
+        readings: gathered.readings,
+        base_params: cad.len(),
+        rank: free.rank,
+        condition_number: free.condition_number,
+        unobservable: unobservable(model, &estimate),
+        prior: settings.prior.sentence(),
+        noise_floor: noise.floor,
+        noise_source: noise.source,
+        noise_df: noise.df.is_finite().then_some(noise.df),
+        lack_of_fit,
+        inflation,
+        held_out_rmse: held_out.rmse,
+        held_out_error: held_out.error,
+        folds: held_out.folds,
+        in_sample_rmse: rms(plain.residual_sum(&estimate.params), plain.rows()),
+        cad_rmse: rms(plain.residual_sum(&cad), plain.rows()),
+        expected_error_data: rms(data_error, plain.rows()),
+        expected_error_range: range_error(model, &covariance, settings.range),
+        range: match settings.range {
+            Some(range) => format!("±{:.0}° within the joint limits", range.to_degrees()),
+            None => "the joint limits".to_string(),
+        },
+        com_height_constant: height(&parameters),
+        bodies: bodies(model, &estimate, &cad, &std),
+        correlations: correlations(model, &estimate.covariance),
+        parameters,
+        down_weighted: gathered.down_weighted.clone(),
+        warnings,
+        active_bounds: masses.as_ref().map(|masses| masses.active.clone()),
+        estimate,
+        masses,
+    }
+}

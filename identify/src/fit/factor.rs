@@ -1,0 +1,217 @@
+//! Least-squares problems as triangular factors that can be grown and merged.
+//!
+//! ```text
+//! [Φ y] = Q [R z]        ‖Φ r − y‖² = ‖R r − z‖² + ρ²
+//!           [0 ρ]
+//! ```
+//!
+//! Householder reflections fold new rows into the triangle, so memory does not
+//! depend on the number of rows, nothing is squared, and the factors of parts
+//! of the data fold into the factor of the whole.
+
+use nalgebra::DMatrix;
+use nalgebra::DVector;
+use serde::{Deserialize, Serialize};
+use sesc_model::standard::Shift;
+
+/// What is left of `rows` rows: everything that least squares needs of them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Factor {
+    /// Upper triangle of order p + 1; the last column belongs to the readings.
+    triangle: DMatrix<f64>,
+    rows: u64,
+}
+
+impl Factor {
+    /// No rows yet, `params` columns.
+    pub fn new(params: usize) -> Factor {
+        Factor {
+            triangle: DMatrix::zeros(params + 1, params + 1),
+            rows: 0,
+        }
+    }
+
+    /// Number of parameters.
+    pub fn params(&self) -> usize {
+        self.triangle.ncols() - 1
+    }
+
+    /// Number of rows folded in.
+    pub fn rows(&self) -> u64 {
+        self.rows
+    }
+
+    /// Fold in rows, each times its weight (1/standard deviation).
+    pub fn push(&mut self, matrix: &DMatrix<f64>, reading: &DVector<f64>, weight: &[f64]) {
+        let (n, p) = (matrix.nrows(), self.params());
+        let mut stacked = DMatrix::zeros(p + 1 + n, p + 1);
+        stacked.rows_mut(0, p + 1).copy_from(&self.triangle);
+        for column in 0..p {
+            for row in 0..n {
+                stacked[(p + 1 + row, column)] = weight[row] * matrix[(row, column)];
+            }
+        }
+        for row in 0..n {
+            stacked[(p + 1 + row, p)] = weight[row] * reading[row];
+        }
+        self.triangle = stacked.qr().r();
+        self.rows += n as u64;
+    }
+
+    /// Fold in the rows of another factor with the same parameters.
+    pub fn merge(&mut self, other: &Factor) {
+        let order = self.triangle.nrows();
+        let mut stacked = DMatrix::zeros(2 * order, order);
+        stacked.rows_mut(0, order).copy_from(&self.triangle);
+        stacked.rows_mut(order, order).copy_from(&other.triangle);
+        self.triangle = stacked.qr().r();
+        self.rows += other.rows;
+    }
+
+    /// The factor of several parts.
+    pub fn of(parts: &[&Factor], params: usize) -> Factor {
+        let mut whole = Factor::new(params);
+        for part in parts {
+            whole.merge(part);
+        }
+        whole
+    }
+
+    /// The same rows about parameters r' with r = matrix · r' + offset.
+    pub fn shifted(&self, shift: &Shift) -> Factor {
+        let p = self.params();
+        let mut triangle = self.triangle.clone();
+        triangle
+            .view_mut((0, 0), (p, p))
+            .copy_from(&(self.r() * &shift.matrix));
+        triangle
+            .view_mut((0, p), (p, 1))
+            .copy_from(&(self.z() - self.r() * &shift.offset));
+        Factor {
+            triangle: triangle.qr().r(),
+            rows: self.rows,
+        }
+    }
+
+    /// R, p × p.
+    pub fn r(&self) -> DMatrix<f64> {
+        let p = self.params();
+        self.triangle.view((0, 0), (p, p)).into_owned()
+    }
+
+    /// z: p.
+    pub fn z(&self) -> DVector<f64> {
+        let p = self.params();
+        self.triangle.view((0, p), (p, 1)).column(0).into_owned()
+    }
+
+    /// Σ of squared (weighted) residuals with parameters `params`.
+    pub fn residual_sum(&self, params: &DVector<f64>) -> f64 {
+        let p = self.params();
+        let rest = self.triangle[(p, p)];
+        (self.r() * params - self.z()).norm_squared() + rest * rest
+    }
+}
+
+/// Upper triangle, row by row.
+#[derive(Serialize, Deserialize)]
+struct Packed {
+    params: usize,
+    rows: u64,
+    triangle: Vec<f64>,
+}
+
+impl Serialize for Factor {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let order = self.triangle.nrows();
+        let entries = (0..order).flat_map(|row| (row..order).map(move |column| (row, column)));
+        Packed {
+            params: self.params(),
+            rows: self.rows,
+            triangle: entries.map(|at| self.triangle[at]).collect(),
+        }
+        .serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Factor {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Factor, D::Error> {
+        let packed = Packed::deserialize(deserializer)?;
+        let order = packed.params.saturating_add(1);
+        let expected = order.checked_mul(order + 1).map(|n| n / 2);
+        if expected != Some(packed.triangle.len()) {
+            return Err(serde::de::Error::custom(format!(
+                "a triangle of {} numbers for {} parameters",
+                packed.triangle.len(),
+                packed.params
+            )));
+        }
+        if packed.triangle.iter().any(|x| !x.is_finite()) {
+            return Err(serde::de::Error::custom(
+                "a triangle with entries not finite",
+            ));
+        }
+        let mut factor = Factor::new(packed.params);
+        factor.rows = packed.rows;
+        let mut entries = packed.triangle.into_iter();
+        for row in 0..order {
+            for column in row..order {
+                factor.triangle[(row, column)] = entries.next().unwrap_or(0.0);
+            }
+        }
+        Ok(factor)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn problem(n: usize) -> (DMatrix<f64>, DVector<f64>) {
+        let entry = |i: usize, j: usize| ((i * 7 + j * 13 + i * j) as f64 * 0.7).sin();
+        let matrix = DMatrix::from_fn(n, 4, entry);
+        let reading = DVector::from_fn(n, |i, _| ((i * i) as f64).cos());
+        (matrix, reading)
+    }
+
+    #[test]
+    fn parts_merge_into_the_whole() {
+        let (matrix, reading) = problem(60);
+        let weight: Vec<f64> = (0..60).map(|k| 1.0 + 0.1 * f64::from(k)).collect();
+        let mut whole = Factor::new(4);
+        whole.push(&matrix, &reading, &weight);
+        let mut parts = Vec::new();
+        for range in [0..7, 7..31, 31..60] {
+            let mut part = Factor::new(4);
+            let (at, len) = (range.start, range.len());
+            part.push(
+                &matrix.rows(at, len).into_owned(),
+                &reading.rows(at, len).into_owned(),
+                &weight[range],
+            );
+            parts.push(part);
+        }
+        let merged = Factor::of(&parts.iter().collect::<Vec<_>>(), 4);
+        assert_eq!(merged.rows(), 60);
+        let params = DVector::from_vec(vec![0.3, -0.2, 0.9, 0.1]);
+        let direct: f64 = (&matrix * &params - &reading)
+            .iter()
+            .zip(&weight)
+            .map(|(e, w)| (e * w).powi(2))
+            .sum();
+        for factor in [&whole, &merged] {
+            assert!((factor.residual_sum(&params) - direct).abs() < 1e-11 * direct);
+        }
+        let text = serde_json::to_string(&merged).unwrap();
+        let back: Factor = serde_json::from_str(&text).unwrap();
+        assert_eq!(back, merged_triangle(&merged));
+    }
+
+    /// What a file keeps: the upper triangle alone.
+    fn merged_triangle(factor: &Factor) -> Factor {
+        Factor {
+            triangle: factor.triangle.upper_triangle(),
+            rows: factor.rows,
+        }
+    }
+}

@@ -1,0 +1,363 @@
+//! One pass over posture logs: everything a fit needs, in memory that does not
+//! depend on the number of postures.
+//!
+//! Postures are dealt into folds by their `pose`, so that repeated readings
+//! stay together; each fold keeps its own factors, and cross-validation needs
+//! no second pass:
+//!
+//! ```text
+//! held-out error of fold k = ‖R_k r_(−k) − z_k‖² + ρ_k²        r_(−k) from the other folds
+//! ```
+
+use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
+
+use sesc_model::standard::Shift;
+
+use super::factor::Factor;
+use super::measurement::{Measurement, Rows};
+use super::noise::Replicates;
+use super::postures::{Postures, Visit};
+use super::robust::Robust;
+use super::solve::{self, Estimate};
+use crate::Error;
+use crate::logs::Block;
+
+/// Rows of one fold, or of several.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Fold {
+    /// Rows over their stated deviations.
+    pub weighted: Factor,
+    /// Rows as they are, where that differs.
+    pub plain: Option<Factor>,
+}
+
+impl Fold {
+    /// Rows as they are.
+    pub fn plain(&self) -> &Factor {
+        self.plain.as_ref().unwrap_or(&self.weighted)
+    }
+
+    /// Estimate from these rows, whose deviations are `sigma` times those stated (m
+    /// where none are), and a prior with factor S about `cad`.
+    pub fn solve(&self, sigma: f64, cad: &DVector<f64>, prior: Option<&DMatrix<f64>>) -> Estimate {
+        solve::solve_weighted(&self.weighted, self.plain(), sigma, cad, prior)
+    }
+}
+
+/// A log that was read.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LogUsed {
+    pub file: String,
+    /// Of its content.
+    pub hash: String,
+    /// Rows.
+    pub rows: u64,
+}
+
+/// A posture that a robust fit trusts less.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DownWeighted {
+    pub file: String,
+    /// Line or row of the log.
+    pub line: u64,
+    pub pose: i64,
+    /// 0 to 1.
+    pub weight: f64,
+    /// |measured − fitted|, m.
+    pub residual: f64,
+}
+
+/// What passes over the logs leave.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Gathered {
+    pub folds: Vec<Fold>,
+    pub replicates: Replicates,
+    /// Σ of stated variances over rows and axes, m²; 0 where none are stated.
+    pub stated: f64,
+    /// Rows of logs with both axes.
+    pub readings: u64,
+    pub logs: Vec<LogUsed>,
+    pub down_weighted: Vec<DownWeighted>,
+    /// Σ of robust weights over rows of logs: all of them in a plain fit.
+    pub trusted: f64,
+    /// What robust weights leave of the mean square of normal noise; 1 in a plain fit.
+    pub consistency: f64,
+    /// Rows that share a `pose` with an earlier row but not its joint positions.
+    pub moved: u64,
+    /// Logs with more postures than can be known: those that come back later count anew.
+    #[serde(default)]
+    pub overfull: u64,
+    /// Rows whose stated deviation no sensor has.
+    #[serde(default)]
+    pub tiny: u64,
+    #[serde(skip)]
+    pub(super) postures: Postures,
+}
+
+/// Stated deviations below this are taken for it, m: a row that weighs more would
+/// drown all others in rounding.
+pub const LEAST_STD: f64 = 1e-9;
+
+/// Down-weighted postures worth listing.
+const LISTED: usize = 1000;
+
+/// Fold of a pose: as good as drawn, the same on every machine.
+fn fold_of(pose: i64, folds: usize) -> usize {
+    let mut x = (pose as u64).wrapping_add(0x9e37_79b9_7f4a_7c15);
+    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    ((x ^ (x >> 31)) % folds as u64) as usize
+}
+
+/// x and y of gravity's direction.
+fn lean(gravity: [f64; 3]) -> [f64; 2] {
+    let length = gravity.iter().map(|g| g * g).sum::<f64>().sqrt();
+    [gravity[0] / length, gravity[1] / length]
+}
+
+impl Gathered {
+    pub fn new(params: usize, folds: usize) -> Gathered {
+        let fold = Fold {
+            weighted: Factor::new(params),
+            plain: None,
+        };
+        Gathered {
+            folds: vec![fold; folds.max(2)],
+            replicates: Replicates::default(),
+            stated: 0.0,
+            readings: 0,
+            logs: Vec::new(),
+            down_weighted: Vec::new(),
+            trusted: 0.0,
+            consistency: 1.0,
+            moved: 0,
+            overfull: 0,
+            tiny: 0,
+            postures: Postures::default(),
+        }
+    }
+
+    /// Number of parameters.
+    pub fn params(&self) -> usize {
+        self.folds[0].weighted.params()
+    }
+
+    /// Whether rows carry deviations of their own.
+    pub fn has_deviations(&self) -> bool {
+        self.stated > 0.0
+    }
+
+    /// Fold in a block of the log that was opened last.
+    ///
+    /// # Errors
+    /// When the block has no readings, or deviations where others had none.
+    pub fn push(
+        &mut self,
+        measurement: &mut Measurement,
+        block: &Block,
+        file: &str,
+        robust: Option<(&Robust, &DVector<f64>)>,
+    ) -> Result<(), Error> {
+        let Some(readings) = &block.reading else {
+            return Err(Error::Log {
+                file: file.to_string(),
+                line: None,
+                message: "no readings; give columns cop_x, cop_y or foot cells fsr_1, …".into(),
+            });
+        };
+        if self.readings > 0 && block.std.is_some() != self.has_deviations() {
+            return Err(Error::Log {
+                file: file.to_string(),
+                line: None,
+                message: "some logs state deviations (cop_x_std, …) and some do not; \
+                          add the columns or leave them out of all"
+                    .into(),
+            });
+        }
+        let rows = measurement.rows(block)?;
+        let std = self.deviations(block);
+        self.readings += block.len() as u64;
+        let trust = match robust {
+            None => vec![1.0; block.len()],
+            Some((robust, params)) => {
+                let weights = robust.weights(&rows, &std, params);
+                self.consistency = robust.consistency();
+                self.name_outliers(block, &rows, &weights, params, file);
+                weights
+            }
+        };
+        let dof = measurement.model().dof();
+        let mut keys = Vec::with_capacity(block.len());
+        for k in 0..block.len() {
+            let support = block.support.as_ref().map_or("", |all| &all[k]);
+            let gravity = block.gravity.as_ref().map_or([0.0; 2], |all| lean(all[k]));
+            let q = &block.q[k * dof..(k + 1) * dof];
+            let name = (block.pose[k], support);
+            let (posture, visit) = self.postures.of_row(name, q, gravity, self.moved);
+            keys.push(posture.key);
+            // A reading that a robust fit rejects is no repeat.
+            if trust[k] >= 0.5 {
+                self.replicates
+                    .push(&mut posture.group, readings[k], std[k]);
+            }
+            self.moved += u64::from(visit == Visit::Moved);
+            if block.std.is_some() {
+                self.stated += std[k][0] * std[k][0] + std[k][1] * std[k][1];
+            }
+        }
+        self.trusted += trust.iter().sum::<f64>();
+        self.deal(block.std.is_some(), &keys, &rows, &std, &trust);
+        Ok(())
+    }
+
+    /// Deviations of a block's rows, m; 1 where none are stated.
+    fn deviations(&mut self, block: &Block) -> Vec<[f64; 2]> {
+        let Some(stated) = &block.std else {
+            return vec![[1.0; 2]; block.len()];
+        };
+        let small = |std: &&[f64; 2]| std.iter().any(|s| *s < LEAST_STD);
+        self.tiny += stated.iter().filter(small).count() as u64;
+        let floored = stated.iter().map(|std| std.map(|s| s.max(LEAST_STD)));
+        floored.collect()
+    }
+
+    /// The log that was read has ended: poses of the next one are others.
+    pub fn end_log(&mut self) {
+        self.overfull += u64::from(self.postures.full());
+        self.postures.clear();
+    }
+
+    /// Rows to their folds.
+    fn deal(&mut self, stated: bool, keys: &[i64], rows: &Rows, std: &[[f64; 2]], trust: &[f64]) {
+        let count = self.folds.len();
+        for (index, fold) in self.folds.iter_mut().enumerate() {
+            let own: Vec<usize> = (0..keys.len())
+                .filter(|&k| fold_of(keys[k], count) == index)
+                .collect();
+            if own.is_empty() {
+                continue;
+            }
+            let both: Vec<usize> = own.iter().flat_map(|&k| [2 * k, 2 * k + 1]).collect();
+            let matrix = rows.matrix.select_rows(&both);
+            let reading = rows.reading.select_rows(&both);
+            let weight = |k: usize, axis: usize| trust[k].sqrt() / std[k][axis];
+            let weights: Vec<f64> = own
+                .iter()
+                .flat_map(|&k| [weight(k, 0), weight(k, 1)])
+                .collect();
+            let differs = stated || trust.iter().any(|w| *w < 1.0);
+            if differs && fold.plain.is_none() {
+                // Rows so far counted one each: both factors agree on them.
+                fold.plain = Some(fold.weighted.clone());
+            }
+            fold.weighted.push(&matrix, &reading, &weights);
+            if let Some(plain) = &mut fold.plain {
+                plain.push(&matrix, &reading, &vec![1.0; both.len()]);
+            }
+        }
+    }
+
+    fn name_outliers(
+        &mut self,
+        block: &Block,
+        rows: &Rows,
+        weights: &[f64],
+        params: &DVector<f64>,
+        file: &str,
+    ) {
+        let residual = &rows.reading - &rows.matrix * params;
+        for (k, &weight) in weights.iter().enumerate() {
+            if weight < 0.5 && self.down_weighted.len() < LISTED {
+                self.down_weighted.push(DownWeighted {
+                    file: file.to_string(),
+                    line: block.line[k],
+                    pose: block.pose[k],
+                    weight,
+                    residual: residual[2 * k].hypot(residual[2 * k + 1]),
+                });
+            }
+        }
+    }
+
+    /// Add what another machine or session of measurements gathered.
+    ///
+    /// # Errors
+    /// When the parts differ in parameters, folds or stated deviations.
+    pub fn merge(&mut self, other: Gathered) -> Result<(), String> {
+        if self.params() != other.params() {
+            return Err(format!(
+                "{} parameters here, {} there",
+                self.params(),
+                other.params()
+            ));
+        }
+        if self.folds.len() != other.folds.len() {
+            return Err(format!(
+                "{} folds here, {} there; use one --folds for all parts",
+                self.folds.len(),
+                other.folds.len()
+            ));
+        }
+        if self.readings > 0
+            && other.readings > 0
+            && self.has_deviations() != other.has_deviations()
+        {
+            return Err("one part states deviations of its readings, the other does not".into());
+        }
+        for log in &other.logs {
+            if self.logs.iter().any(|own| own.hash == log.hash) {
+                return Err(format!(
+                    "{} is in both: its postures would count twice",
+                    log.file
+                ));
+            }
+        }
+        for (fold, more) in self.folds.iter_mut().zip(&other.folds) {
+            fold.plain = match (fold.plain.take(), &more.plain) {
+                (None, None) => None,
+                (own, _) => {
+                    let mut plain = own.unwrap_or_else(|| fold.weighted.clone());
+                    plain.merge(more.plain());
+                    Some(plain)
+                }
+            };
+            fold.weighted.merge(&more.weighted);
+        }
+        self.replicates.merge(&other.replicates);
+        self.stated += other.stated;
+        self.readings += other.readings;
+        self.logs.extend(other.logs);
+        self.down_weighted.extend(other.down_weighted);
+        self.trusted += other.trusted;
+        self.consistency = self.consistency.min(other.consistency);
+        self.moved += other.moved;
+        self.overfull += other.overfull;
+        self.tiny += other.tiny;
+        Ok(())
+    }
+
+    /// Speak of other parameters: those of another support.
+    pub fn shift(&mut self, shift: &Shift) {
+        for fold in &mut self.folds {
+            fold.weighted = fold.weighted.shifted(shift);
+            fold.plain = fold.plain.as_ref().map(|plain| plain.shifted(shift));
+        }
+    }
+
+    /// All folds but `without` together.
+    pub fn together(&self, without: Option<usize>) -> Fold {
+        let folds = || {
+            let all = self.folds.iter().enumerate();
+            all.filter(move |(k, _)| Some(*k) != without)
+                .map(|(_, fold)| fold)
+        };
+        let of = |parts: Vec<&Factor>| Factor::of(&parts, self.params());
+        Fold {
+            weighted: of(folds().map(|fold| &fold.weighted).collect()),
+            plain: folds()
+                .any(|fold| fold.plain.is_some())
+                .then(|| of(folds().map(Fold::plain).collect())),
+        }
+    }
+}

@@ -1,0 +1,182 @@
+//! What a fit found: parameters and all that must be said with them.
+
+use serde::Serialize;
+use sesc_model::{Model, ModelFile};
+
+use super::gather::{DownWeighted, LogUsed};
+use super::masses::Masses;
+use super::noise::LackOfFit;
+use super::prior::Prior;
+use super::solve::Estimate;
+
+/// How to fit.
+#[derive(Debug, Clone)]
+pub struct Settings {
+    pub prior: Prior,
+    /// Standard deviation of a reading, m; from the data where not given.
+    pub noise: Option<f64>,
+    /// Range over which errors are expected: ±rad about zero within the limits.
+    pub range: Option<f64>,
+}
+
+/// Where the size of the noise comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum NoiseSource {
+    /// Given by the user.
+    Given,
+    /// Columns of standard deviations.
+    Stated,
+    /// Repeated readings, with what a fit leaves where that is of one size with them.
+    Replicates,
+    /// What a fit without prior leaves.
+    Residuals,
+    /// CAD's prediction is all there is: too few rows.
+    Unknown,
+}
+
+/// One base parameter.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ParameterFound {
+    pub name: String,
+    /// m
+    pub value: f64,
+    /// m, ± 1.96 of them hold 95 %; none where neither data nor prior say anything.
+    pub std: Option<f64>,
+    /// m
+    pub cad: f64,
+    /// `data` or `prior`, whichever tells more.
+    pub source: &'static str,
+}
+
+/// Two parameters that are known less well apart than together.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Correlation {
+    pub a: String,
+    pub b: String,
+    pub correlation: f64,
+}
+
+/// ‖base part of r_i‖ of one body.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BodyLength {
+    pub body: String,
+    pub joint: Option<String>,
+    /// m
+    pub cad: f64,
+    /// m
+    pub identified: f64,
+    /// Standard deviation of the identified length, m.
+    pub std: Option<f64>,
+}
+
+/// The constant that flat single-foot CoP never tells.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct HeightConstant {
+    pub name: String,
+    /// m
+    pub value: f64,
+    pub std: Option<f64>,
+    /// `data`, `prior` or `cad`.
+    pub source: &'static str,
+}
+
+/// A direction that cannot be seen.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Unseen {
+    pub name: String,
+    pub sentence: String,
+}
+
+/// Everything a fit found.
+#[derive(Debug, Clone, Serialize)]
+pub struct Identification {
+    pub robot: String,
+    pub hash: String,
+    /// The support whose parameters these are.
+    pub support: String,
+    /// All links that postures stood on.
+    pub supports: Vec<String>,
+    pub data: Vec<LogUsed>,
+    pub postures: u64,
+    pub readings: u64,
+    pub base_params: usize,
+    pub rank: usize,
+    pub condition_number: f64,
+    /// Never seen by such data, and not seen by these.
+    pub unobservable: Vec<Unseen>,
+    pub prior: String,
+    /// Noise of a reading on one axis, m.
+    pub noise_floor: f64,
+    pub noise_source: NoiseSource,
+    /// Degrees of freedom it was estimated with; none where it is stated or guessed.
+    pub noise_df: Option<f64>,
+    pub lack_of_fit: Option<LackOfFit>,
+    /// Deviations of parameters are larger by this, because the model leaves more than noise.
+    pub inflation: f64,
+    /// RMS per axis on postures that the fit did not see, m.
+    pub held_out_rmse: f64,
+    /// Standard error of that, m.
+    pub held_out_error: f64,
+    pub folds: usize,
+    /// RMS per axis on the postures fitted, m: never the accuracy.
+    pub in_sample_rmse: f64,
+    /// RMS per axis of CAD's prediction, m.
+    pub cad_rmse: f64,
+    /// Expected RMS error of the prediction per axis where data were taken, m.
+    pub expected_error_data: f64,
+    /// The same over the joint range, m.
+    pub expected_error_range: f64,
+    /// What that range is.
+    pub range: String,
+    pub com_height_constant: HeightConstant,
+    pub parameters: Vec<ParameterFound>,
+    pub bodies: Vec<BodyLength>,
+    /// The strongest, |correlation| > 0.9.
+    pub correlations: Vec<Correlation>,
+    pub down_weighted: Vec<DownWeighted>,
+    pub warnings: Vec<String>,
+    /// Bounds of physical masses that hold the fit back; none where it was not bounded.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub active_bounds: Option<Vec<String>>,
+    #[serde(skip)]
+    pub estimate: Estimate,
+    /// Masses of a bounded fit.
+    #[serde(skip)]
+    pub masses: Option<Masses>,
+}
+
+impl Identification {
+    /// Correlations of the parameters with each other; NaN where one has no deviation.
+    pub fn correlation_matrix(&self) -> Vec<Vec<f64>> {
+        let covariance = &self.estimate.covariance;
+        let of = |a: usize, b: usize| {
+            covariance[(a, b)] / (covariance[(a, a)] * covariance[(b, b)]).sqrt()
+        };
+        let all = 0..covariance.nrows();
+        all.clone()
+            .map(|a| all.clone().map(|b| of(a, b)).collect())
+            .collect()
+    }
+
+    /// The model file of what was found.
+    pub fn model_file(&self, model: &Model) -> ModelFile {
+        let values: Vec<f64> = self.parameters.iter().map(|p| p.value).collect();
+        let mut file = ModelFile::from_values(model, &values, None, "data");
+        for (parameter, found) in file.parameters.iter_mut().zip(&self.parameters) {
+            parameter.std = found.std;
+            parameter.source = Some(found.source.to_string());
+        }
+        file.noise_floor = Some(self.noise_floor);
+        file.data = self
+            .data
+            .iter()
+            .map(|log| sesc_model::DataUsed {
+                file: log.file.clone(),
+                hash: log.hash.clone(),
+                rows: log.rows,
+            })
+            .collect();
+        file
+    }
+}

@@ -1,0 +1,202 @@
+//! From log files to factors: block by block, once, or a few times over for a
+//! robust fit.
+
+use std::path::{Path, PathBuf};
+
+use nalgebra::DVector;
+use sesc_model::{Model, Snapping};
+
+use super::gather::{Gathered, LogUsed};
+use super::measurement::Measurement;
+use super::prior::Prior;
+use super::robust::{self, Loss, MEDIAN_OF_PAIRS, Robust};
+use crate::Error;
+use crate::logs::{Options, PostureReader, Progress};
+use crate::robot::Robot;
+
+/// Rows folded in together.
+pub(super) const BLOCK: usize = 4096;
+/// Residuals kept to take a median of.
+const SAMPLE: usize = 100_000;
+/// Rounds of reweighting, at most.
+const ROUNDS: usize = 20;
+/// Rows beyond the parameters without which no outlier can be told.
+const FEWEST: f64 = 10.0;
+/// Change of predicted readings at which reweighting ends, in units of their scale.
+const SETTLED: f64 = 1e-4;
+
+/// Logs of one robot.
+pub struct Logs<'r> {
+    pub robot: &'r Robot,
+    pub files: &'r [PathBuf],
+    /// How to read them; a support given here is that of rows without their own.
+    pub options: Options,
+    /// The support whose parameters are meant; that of the first row unless given.
+    pub support: Option<String>,
+    pub snapping: Snapping,
+    pub folds: usize,
+}
+
+/// What the caller shows while logs are read.
+pub trait Watch {
+    /// A part of a log was read.
+    fn progress(&mut self, what: &str, progress: Progress);
+    /// Something is odd.
+    fn warning(&mut self, text: &str);
+}
+
+impl<'r> Logs<'r> {
+    /// Read all logs into factors.
+    ///
+    /// # Errors
+    /// Whatever is wrong with a log, its sidecar or its support.
+    pub fn gather(
+        &self,
+        loss: Option<Loss>,
+        prior: &dyn Fn(&Model) -> Result<Prior, Error>,
+        watch: &mut dyn Watch,
+    ) -> Result<(Measurement<'r>, Gathered), Error> {
+        let mut measurement = Measurement::new(self.robot, &self.first_support()?, self.snapping)?;
+        let gathered = self.pass(&mut measurement, None, "reading", true, watch)?;
+        let Some(loss) = loss else {
+            return Ok((measurement, gathered));
+        };
+        let cad = DVector::from_vec(measurement.model().cad_params());
+        let prior = prior(measurement.model())?.factor(measurement.model());
+        let stated = gathered.has_deviations();
+        let whole = gathered.together(None);
+        let rows = whole.weighted.rows() as f64;
+        let free = whole.solve(1.0, &cad, None);
+        let mut params = free.params;
+        // What a fit takes up does not show in its residuals.
+        let mut taken = free.rank as f64;
+        let mut gathered = gathered;
+        for _ in 0..ROUNDS {
+            if rows - taken < FEWEST {
+                return Err(Error::Usage(format!(
+                    "--robust: {rows} rows for {taken:.0} parameters leave nothing to tell an \
+                     outlier by; add postures, or take --prior cad"
+                )));
+            }
+            let shrunk = (1.0 - taken / rows).sqrt();
+            let seen = self.scale(&mut measurement, &params)? / shrunk;
+            // Noise that is stated is no outlier.
+            let scale = if stated { seen.max(1.0) } else { seen };
+            let robust = Robust { loss, scale };
+            let weights = Some((&robust, &params));
+            gathered = self.pass(&mut measurement, weights, "reweighting", false, watch)?;
+            let whole = gathered.together(None);
+            let next = whole.solve(scale, &cad, prior.as_ref());
+            let r = whole.weighted.r();
+            taken = (&r * &next.covariance * r.transpose()).trace() / (scale * scale);
+            let rms = (&r * (&next.params - &params)).norm() / rows.sqrt();
+            params = next.params;
+            if rms <= SETTLED * scale {
+                break;
+            }
+        }
+        Ok((measurement, gathered))
+    }
+
+    fn first_support(&self) -> Result<String, Error> {
+        if let Some(support) = &self.support {
+            return Ok(support.clone());
+        }
+        let mut named = None;
+        if let Some(file) = self.files.first() {
+            let block = self.open(file)?.block(1)?;
+            named = block.support.as_ref().and_then(|all| all.first()).cloned();
+        }
+        match named.filter(|link| !link.is_empty()) {
+            Some(link) => Ok(link.to_string()),
+            None => Err(Error::Usage(
+                "no support link: add --support LINK, `support = \"LINK\"` to the log's sidecar \
+                 or a column `support`"
+                    .into(),
+            )),
+        }
+    }
+
+    /// Open one of the logs.
+    pub(super) fn open(&self, file: &Path) -> Result<PostureReader, Error> {
+        let links = &self.robot.description.robot.links;
+        let root = links.first().map_or("", |link| link.name.as_str());
+        // Joints are the same on every support: any model can match the columns.
+        let any = self.support.as_deref().unwrap_or(root);
+        let dofs = self.robot.model(any, self.snapping, None)?.tree.dofs;
+        PostureReader::open(file, &dofs, &self.options)
+    }
+
+    /// One pass over all logs.
+    fn pass(
+        &self,
+        measurement: &mut Measurement<'r>,
+        robust: Option<(&Robust, &DVector<f64>)>,
+        what: &str,
+        warn: bool,
+        watch: &mut dyn Watch,
+    ) -> Result<Gathered, Error> {
+        let params = measurement.model().base.params.len();
+        let mut gathered = Gathered::new(params, self.folds);
+        for file in self.files {
+            let name = file.display().to_string();
+            let mut reader = self.open(file)?;
+            loop {
+                let block = reader.block(BLOCK)?;
+                for warning in reader.warnings.drain(..) {
+                    if warn {
+                        watch.warning(&warning);
+                    }
+                }
+                if block.is_empty() {
+                    break;
+                }
+                gathered.push(measurement, &block, &name, robust)?;
+                watch.progress(what, reader.progress());
+            }
+            if let Some(summary) = reader.summary() {
+                let base = file
+                    .file_name()
+                    .map_or(name, |n| n.to_string_lossy().into_owned());
+                if gathered.logs.iter().any(|log| log.hash == summary.hash) {
+                    return Err(Error::Usage(format!(
+                        "{}: given twice, its postures would count twice",
+                        file.display()
+                    )));
+                }
+                gathered.logs.push(LogUsed {
+                    file: base,
+                    hash: summary.hash,
+                    rows: summary.rows,
+                });
+            }
+            gathered.end_log();
+        }
+        Ok(gathered)
+    }
+
+    /// Scale of the residuals by their median: outliers do not move it.
+    fn scale(
+        &self,
+        measurement: &mut Measurement<'r>,
+        params: &DVector<f64>,
+    ) -> Result<f64, Error> {
+        let mut lengths: Vec<f64> = Vec::new();
+        for file in self.files {
+            let mut reader = self.open(file)?;
+            while lengths.len() < SAMPLE {
+                let block = reader.block(BLOCK)?;
+                if block.is_empty() {
+                    break;
+                }
+                let rows = measurement.rows(&block)?;
+                let ones = vec![[1.0; 2]; block.len()];
+                let std = block.std.as_ref().unwrap_or(&ones);
+                lengths.extend(robust::lengths(&rows, std, params));
+            }
+        }
+        lengths.sort_by(f64::total_cmp);
+        let median = lengths.get(lengths.len() / 2).copied().unwrap_or(0.0);
+        Ok((median / MEDIAN_OF_PAIRS).max(f64::MIN_POSITIVE))
+    }
+}

@@ -1,0 +1,326 @@
+//! From base parameters back to the masses and centres of mass of links.
+//!
+//! ```text
+//! θ = θ_CAD + D S v        r = W θ        v ~ 1: one tolerance of CAD each
+//! min ‖v‖²                 W θ = r̂,  m_k ≥ floor,  m_k lo ≤ m_k c_k ≤ m_k hi
+//! ```
+//!
+//! θ are the parts of the whole of [`sesc_model::standard`], S the tolerances of
+//! [`super::prior`], D what keeps mass fractions summing to one. Without active
+//! inequalities the answer is the mean of θ given the data: what data do not tell
+//! stays at CAD.
+
+use nalgebra::{DMatrix, DVector};
+use sesc_model::Model;
+use sesc_model::standard::PER_LINK;
+use sesc_model::urdf::Weight;
+
+use super::limits::Limits;
+use super::prior::Tolerances;
+use super::quadratic::{NoAnswer, Problem, Rows};
+
+/// A link keeps at least this part of the mass CAD gives it.
+pub const FLOOR: f64 = 0.01;
+/// A link that must get mass though CAD gives it none may weigh this part of the mean link.
+const NEW_LINK: f64 = 0.1;
+/// Where its mass may be about its origin: one standard deviation, m.
+const NEW_SPREAD: f64 = 0.05;
+
+/// Masses and first moments of all links around CAD, in units of its tolerances.
+pub struct Space<'m> {
+    model: &'m Model,
+    cad: DVector<f64>,
+    /// D S: 4 per link × unknowns.
+    spread: DMatrix<f64>,
+    /// W: base parameters × 4 per link.
+    map: DMatrix<f64>,
+    /// Links that CAD gives no mass and that may get one.
+    new: Vec<usize>,
+}
+
+/// One bound: `row · θ ≤ right`.
+struct Bound {
+    row: Vec<(usize, f64)>,
+    right: f64,
+    name: String,
+}
+
+/// Masses that were found.
+#[derive(Debug, Clone)]
+pub struct Masses {
+    pub theta: DVector<f64>,
+    /// Bounds that hold them back, by name.
+    pub active: Vec<String>,
+}
+
+/// Why no masses give these base parameters.
+#[derive(Debug, Clone)]
+pub struct Impossible {
+    pub reason: String,
+}
+
+impl<'m> Space<'m> {
+    /// Masses of `model` within `tolerances` of CAD.
+    pub fn new(model: &'m Model, tolerances: &Tolerances) -> Space<'m> {
+        Space::of(model, tolerances.of_standard(model), Vec::new())
+    }
+
+    /// The same where bodies that CAD gives no mass may get one.
+    fn with_new_links(model: &'m Model, tolerances: &Tolerances) -> Space<'m> {
+        let mut of_standard = tolerances.of_standard(model);
+        let mut new = Vec::new();
+        let heavy = model.tree.links.iter().filter(|link| link.mass > 0.0);
+        let mass = NEW_LINK / heavy.count().max(1) as f64;
+        for body in model.chain.bodies.iter().filter(|body| body.mass == 0.0) {
+            let own = |k: &&usize| model.tree.links[**k].name == body.name;
+            if let Some(&k) = body.links.iter().find(own) {
+                for (at, size) in [
+                    mass,
+                    mass * NEW_SPREAD,
+                    mass * NEW_SPREAD,
+                    mass * NEW_SPREAD,
+                ]
+                .into_iter()
+                .enumerate()
+                {
+                    of_standard[(PER_LINK * k + at, PER_LINK * k + at)] = size;
+                }
+                new.push(k);
+            }
+        }
+        Space::of(model, of_standard, new)
+    }
+
+    fn of(model: &'m Model, mut of_standard: DMatrix<f64>, new: Vec<usize>) -> Space<'m> {
+        let cad = model.standard_cad();
+        // D: a heavier link makes every other one a smaller part of the whole.
+        for mut column in of_standard.column_iter_mut() {
+            let heavier: f64 = column.iter().step_by(PER_LINK).sum();
+            column.axpy(-heavier, &cad, 1.0);
+        }
+        let moving: Vec<usize> = (0..of_standard.ncols())
+            .filter(|&k| of_standard.column(k).amax() > 0.0)
+            .collect();
+        Space {
+            map: model.standard_map(),
+            spread: of_standard.select_columns(&moving),
+            model,
+            cad,
+            new,
+        }
+    }
+
+    /// W D S: what the unknowns do to the base parameters.
+    pub fn to_base(&self) -> DMatrix<f64> {
+        &self.map * &self.spread
+    }
+
+    /// Base parameters of θ.
+    pub fn base(&self, theta: &DVector<f64>) -> DVector<f64> {
+        &self.map * theta
+    }
+
+    /// Best `v` of ‖squares‖² + ‖v‖² under the bounds.
+    pub fn best(
+        &self,
+        data: Option<Rows>,
+        equal: Rows,
+        limits: &Limits,
+    ) -> Result<Masses, NoAnswer> {
+        let n = self.spread.ncols();
+        let data = data.unwrap_or_else(|| Rows::none(n));
+        let rows = data.right.len();
+        let mut squares = Rows {
+            matrix: DMatrix::zeros(rows + n, n),
+            right: DVector::zeros(rows + n),
+        };
+        squares.matrix.rows_mut(0, rows).copy_from(&data.matrix);
+        squares.matrix.rows_mut(rows, n).fill_with_identity();
+        squares.right.rows_mut(0, rows).copy_from(&data.right);
+        let bounds = self.bounds(limits);
+        let mut at_most = Rows {
+            matrix: DMatrix::zeros(bounds.len(), n),
+            right: DVector::zeros(bounds.len()),
+        };
+        for (k, bound) in bounds.iter().enumerate() {
+            at_most.right[k] = bound.right;
+            for &(entry, weight) in &bound.row {
+                at_most.right[k] -= weight * self.cad[entry];
+                let mut row = at_most.matrix.row_mut(k);
+                row += self.spread.row(entry) * weight;
+            }
+        }
+        let answer = Problem {
+            squares,
+            equal,
+            at_most,
+        }
+        .solve()?;
+        Ok(Masses {
+            theta: &self.cad + &self.spread * answer.v,
+            active: answer
+                .active
+                .iter()
+                .map(|&k| bounds[k].name.clone())
+                .collect(),
+        })
+    }
+
+    /// Masses nearest to CAD that give the base parameters `params`.
+    pub fn nearest(&self, params: &DVector<f64>, limits: &Limits) -> Result<Masses, NoAnswer> {
+        let equal = Rows {
+            matrix: self.to_base(),
+            right: params - self.base(&self.cad),
+        };
+        self.best(None, equal, limits)
+    }
+
+    /// Every bound on a link that tolerances let move.
+    fn bounds(&self, limits: &Limits) -> Vec<Bound> {
+        let mut bounds = Vec::new();
+        for (k, link) in self.model.tree.links.iter().enumerate() {
+            let at = PER_LINK * k;
+            let new = self.new.contains(&k);
+            if self.spread.rows(at, PER_LINK).amax() == 0.0 || (link.mass == 0.0 && !new) {
+                continue;
+            }
+            bounds.push(Bound {
+                row: vec![(at, -1.0)],
+                right: -FLOOR * self.cad[at],
+                name: format!("mass of `{}` at its least", link.name),
+            });
+            let Some(extent) = limits.extent(k) else {
+                continue;
+            };
+            let within = limits.reason(k);
+            for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+                for (end, sign, side) in [
+                    (extent.low[axis], 1.0, "least"),
+                    (extent.high[axis], -1.0, "largest"),
+                ] {
+                    bounds.push(Bound {
+                        row: vec![(at, sign * end), (at + 1 + axis, -sign)],
+                        right: 0.0,
+                        name: format!("CoM of `{}` at its {side} {name} {within}", link.name),
+                    });
+                }
+            }
+        }
+        bounds
+    }
+}
+
+/// Masses nearest to CAD, in units of `tolerances`, that give `params` and keep to
+/// `limits` where those are given; masses are never negative.
+///
+/// # Errors
+/// When there are none: with the link that would get a negative mass.
+pub fn nearest(
+    model: &Model,
+    tolerances: &Tolerances,
+    params: &DVector<f64>,
+    limits: &Limits,
+) -> Result<Masses, Impossible> {
+    let space = Space::new(model, tolerances);
+    let first = space.nearest(params, limits);
+    if !matches!(first, Err(NoAnswer::Contradiction)) {
+        return first.map_err(|no| space.explain(no, params, limits));
+    }
+    let wider = Space::with_new_links(model, tolerances);
+    wider
+        .nearest(params, limits)
+        .map_err(|no| wider.explain(no, params, limits))
+}
+
+impl Space<'_> {
+    fn explain(&self, no: NoAnswer, params: &DVector<f64>, limits: &Limits) -> Impossible {
+        let reason = match no {
+            NoAnswer::Infeasible => self.negative(params, limits),
+            NoAnswer::Contradiction => {
+                "no masses within the tolerances give them: a link of tolerance zero, or \
+                 without mass, would have to change"
+                    .to_string()
+            }
+            NoAnswer::Stuck => "the search for masses did not converge".to_string(),
+        };
+        Impossible { reason }
+    }
+
+    /// Which links the nearest answer without bounds makes lighter than nothing, or
+    /// carries off.
+    fn negative(&self, params: &DVector<f64>, limits: &Limits) -> String {
+        let svd = self.to_base().svd(true, true);
+        let limit = 1e-12 * svd.singular_values.max();
+        let away = params - self.base(&self.cad);
+        let Ok(v) = svd.solve(&away, limit) else {
+            return "no masses above zero give them".to_string();
+        };
+        let theta = &self.cad + &self.spread * v;
+        let mut light: Vec<(f64, &str)> = Vec::new();
+        let mut far: Vec<(f64, &str)> = Vec::new();
+        for (k, link) in self.model.tree.links.iter().enumerate() {
+            let share = theta[PER_LINK * k];
+            if share < 0.0 {
+                light.push((share * self.model.tree.mass, &link.name));
+            } else if let Some(extent) = limits.extent(k).filter(|_| share > 0.0) {
+                let com = [1, 2, 3].map(|m| theta[PER_LINK * k + m] / share);
+                if !extent.holds(com, 0.0) {
+                    let distance = com.iter().map(|x| x * x).sum::<f64>().sqrt();
+                    far.push((distance, &link.name));
+                }
+            }
+        }
+        light.sort_by(|a, b| a.0.total_cmp(&b.0));
+        far.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let some = |links: &[(f64, &str)], unit: &str| {
+            let shown = links.iter().take(3);
+            let shown: Vec<String> = shown
+                .map(|(x, name)| format!("`{name}` {x:.3} {unit}"))
+                .collect();
+            match links.len() - shown.len() {
+                0 => shown.join(", "),
+                n => format!("{} and {n} more", shown.join(", ")),
+            }
+        };
+        if !light.is_empty() {
+            let links = some(&light, "kg");
+            format!("masses nearest to CAD that give them are negative: {links}")
+        } else if !far.is_empty() {
+            let links = some(&far, "m from its frame");
+            format!("masses nearest to CAD that give them are outside their links: {links}")
+        } else {
+            "no masses above zero with centres inside the links give them".to_string()
+        }
+    }
+}
+
+impl Masses {
+    /// Mass and CoM of each link when the robot weighs `total` kg; `None` where a
+    /// link weighs nothing, and where no joint but a cut one leads to it.
+    pub fn weights(&self, model: &Model, total: f64) -> Vec<Option<Weight>> {
+        let links = model.tree.links.iter().enumerate();
+        links
+            .map(|(k, link)| {
+                let share = self.theta[PER_LINK * k];
+                let placed = model.chain.places[k].is_some();
+                (placed && share > 0.0).then(|| Weight {
+                    mass_kg: share * total,
+                    com_m: self.com(k, link.com.into()),
+                })
+            })
+            .collect()
+    }
+
+    /// CoM of link `k`; CAD's to the last bit where it moved by rounding alone.
+    fn com(&self, k: usize, cad: [f64; 3]) -> [f64; 3] {
+        let at = PER_LINK * k;
+        [0, 1, 2].map(|axis| {
+            let found = self.theta[at + 1 + axis] / self.theta[at];
+            let rounding = 8.0 * f64::EPSILON * (cad[axis].abs() + 0.01);
+            match (found - cad[axis]).abs() <= rounding {
+                true => cad[axis],
+                false => found,
+            }
+        })
+    }
+}

@@ -1,0 +1,311 @@
+//! Noise, repeats and what is seen, on a small robot, judged by closed forms.
+
+use std::collections::BTreeMap;
+
+use nalgebra::{DMatrix, DVector, Vector2};
+use rand::SeedableRng as _;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution as _, Normal};
+use sesc_model::Snapping;
+
+use super::gather::Gathered;
+use super::identification::NoiseSource;
+use super::measurement::Measurement;
+use super::postures::Postures;
+use super::prior::Prior;
+use super::solve::solve;
+use super::{Identification, Settings, identify};
+use crate::logs::Block;
+use crate::robot::Robot;
+
+/// Two skewed joints: flat CoP sees 6 directions, 2 per posture.
+const SKEW: &str = "<robot name='skew'>\
+    <link name='foot'><inertial><origin xyz='0.01 0.02 0.05'/><mass value='2'/></inertial></link>\
+    <joint name='hip' type='revolute'><parent link='foot'/><child link='thigh'/>\
+    <origin xyz='0 0 0.1'/><axis xyz='0.3 0.8 0.2'/><limit lower='-2' upper='2'/></joint>\
+    <link name='thigh'><inertial><origin xyz='0.05 0.1 0.2'/><mass value='3'/></inertial></link>\
+    <joint name='knee' type='revolute'><parent link='thigh'/><child link='shank'/>\
+    <origin xyz='0.02 0.01 0.4'/><axis xyz='0.9 -0.2 0.3'/><limit lower='-2' upper='2'/></joint>\
+    <link name='shank'><inertial><origin xyz='0.1 -0.05 0.3'/><mass value='4'/></inertial></link>\
+    </robot>";
+const RANK: usize = 6;
+
+/// Any numbers, the same every time.
+fn posture(k: usize) -> [f64; 2] {
+    [1.3, 2.1].map(|step| 1.5 * (step * k as f64 + 0.4).sin())
+}
+
+struct Skew {
+    robot: Robot,
+    /// Not CAD's, m.
+    truth: DVector<f64>,
+}
+
+impl Skew {
+    fn new() -> Skew {
+        let robot = Robot::parse(SKEW, "skew.urdf").unwrap();
+        let model = robot.model("foot", Snapping::default(), None).unwrap();
+        let truth = DVector::from_vec(model.cad_params());
+        let truth = truth.map_with_location(|k, _, cad| cad + 0.01 * (k as f64).cos());
+        Skew { robot, truth }
+    }
+
+    fn measurement(&self) -> Measurement<'_> {
+        Measurement::new(&self.robot, "foot", Snapping::default()).unwrap()
+    }
+
+    /// Readings of poses whose joints are `at`, each with its own deviation, m.
+    fn log(&self, poses: &[(i64, [f64; 2])], std: &[f64], rng: &mut ChaCha8Rng) -> Block {
+        let mut block = Block {
+            line: (2..).take(poses.len()).collect(),
+            pose: poses.iter().map(|(pose, _)| *pose).collect(),
+            q: poses.iter().flat_map(|(_, q)| *q).collect(),
+            ..Block::default()
+        };
+        let rows = self.measurement().rows(&block).unwrap();
+        let cop = rows.matrix * &self.truth;
+        let normal = Normal::new(0.0, 1.0).unwrap();
+        let mut noisy = |k: usize, axis: usize| cop[2 * k + axis] + std[k] * normal.sample(rng);
+        let reading = (0..poses.len()).map(|k| [noisy(k, 0), noisy(k, 1)]);
+        block.reading = Some(reading.collect());
+        block
+    }
+
+    fn gather(&self, blocks: &[&Block]) -> Gathered {
+        let mut measurement = self.measurement();
+        let mut gathered = Gathered::new(self.truth.len(), 4);
+        for block in blocks {
+            gathered
+                .push(&mut measurement, block, "log.csv", None)
+                .unwrap();
+        }
+        gathered
+    }
+
+    fn identify(&self, gathered: &Gathered) -> Identification {
+        let settings = Settings {
+            prior: Prior::Free,
+            noise: None,
+            range: None,
+        };
+        identify(self.measurement().model(), &["foot"], gathered, &settings)
+    }
+}
+
+/// Rows of a block, in another order.
+fn sorted(block: &Block) -> Block {
+    let mut order: Vec<usize> = (0..block.len()).collect();
+    order.sort_by_key(|&k| block.pose[k]);
+    let reading = block.reading.as_ref().unwrap();
+    Block {
+        line: order.iter().map(|&k| block.line[k]).collect(),
+        pose: order.iter().map(|&k| block.pose[k]).collect(),
+        q: order
+            .iter()
+            .flat_map(|&k| [block.q[2 * k], block.q[2 * k + 1]])
+            .collect(),
+        reading: Some(order.iter().map(|&k| reading[k]).collect()),
+        ..Block::default()
+    }
+}
+
+/// Three rounds through six postures: RSS = SS_pe + Σ n ‖ȳ − φ r̂‖², the fit being
+/// that of the means.
+#[test]
+fn poses_that_come_back_are_repeats() {
+    const POSES: usize = 6;
+    const ROUNDS: usize = 3;
+    let skew = Skew::new();
+    let visit = |k: usize| ((k % POSES) as i64, posture(k % POSES));
+    let poses: Vec<_> = (0..ROUNDS * POSES).map(visit).collect();
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let block = skew.log(&poses, &[0.002; ROUNDS * POSES], &mut rng);
+    let gathered = skew.gather(&[&block]);
+    let found = skew.identify(&gathered);
+
+    let mut groups: BTreeMap<i64, Vec<Vector2<f64>>> = BTreeMap::new();
+    for (pose, reading) in block.pose.iter().zip(block.reading.as_ref().unwrap()) {
+        groups.entry(*pose).or_default().push((*reading).into());
+    }
+    let means: Vec<Vector2<f64>> = groups
+        .values()
+        .map(|all| all.iter().sum::<Vector2<f64>>() / all.len() as f64)
+        .collect();
+    let pure: f64 = groups
+        .values()
+        .zip(&means)
+        .flat_map(|(all, mean)| all.iter().map(move |y| (y - mean).norm_squared()))
+        .sum();
+    let first = Block {
+        q: block.q[..2 * POSES].to_vec(),
+        pose: (0..POSES as i64).collect(),
+        line: vec![1; POSES],
+        ..Block::default()
+    };
+    let rows = skew.measurement().rows(&first).unwrap().matrix;
+    let means = DVector::from_iterator(2 * POSES, means.iter().flat_map(|m| [m.x, m.y]));
+    let fit = rows.clone().svd(true, true).solve(&means, 1e-9).unwrap();
+    let lack = ROUNDS as f64 * (rows * fit - means).norm_squared();
+
+    assert_eq!((found.rank, found.postures, found.readings), (RANK, 6, 18));
+    assert!((gathered.replicates.sum - pure).abs() < 1e-12 * pure);
+    let test = found.lack_of_fit.unwrap();
+    let [df, df_pure] = [2 * POSES - RANK, 2 * POSES * (ROUNDS - 1)].map(|df| df as f64);
+    assert_eq!((test.df, test.df_noise), (df, Some(df_pure)));
+    let ratio = (lack / df) / (pure / df_pure);
+    assert!((test.ratio - ratio).abs() < 1e-9 * ratio);
+    // They agree, so that all of it is noise.
+    assert_eq!(found.noise_source, NoiseSource::Replicates);
+    assert_eq!(found.noise_df, Some(df + df_pure));
+    let floor = ((lack + pure) / (df + df_pure)).sqrt();
+    assert!((found.noise_floor - floor).abs() < 1e-12);
+
+    // In the order of poses, or cut in two, they tell the same.
+    let of_sorted = skew.gather(&[&sorted(&block)]).replicates;
+    assert!((of_sorted.sum - pure).abs() < 1e-12 * pure);
+    assert_eq!((of_sorted.df, of_sorted.groups), (24, 6));
+    let [early, late] = [0..7, 7..18].map(|range| Block {
+        line: block.line[range.clone()].to_vec(),
+        pose: block.pose[range.clone()].to_vec(),
+        q: block.q[2 * range.start..2 * range.end].to_vec(),
+        reading: block
+            .reading
+            .as_ref()
+            .map(|all| all[range.clone()].to_vec()),
+        ..Block::default()
+    });
+    let cut = skew.gather(&[&early, &late]);
+    assert_eq!(cut.replicates, gathered.replicates);
+    // Repeats keep together in their fold.
+    let rows = |gathered: &Gathered| -> Vec<u64> {
+        let folds = gathered.folds.iter();
+        folds.map(|fold| fold.weighted.rows()).collect()
+    };
+    assert_eq!(rows(&cut), rows(&gathered));
+    assert!(rows(&gathered).iter().all(|rows| rows % 6 == 0));
+}
+
+/// Poses numbered anew for other postures are none that come back.
+#[test]
+fn other_postures_of_one_number_are_others() {
+    let skew = Skew::new();
+    let again = |k: usize| ((k % 10) as i64, posture(k));
+    let poses: Vec<_> = (0..20).map(again).collect();
+    let block = skew.log(&poses, &[0.002; 20], &mut ChaCha8Rng::seed_from_u64(2));
+    let gathered = skew.gather(&[&block]);
+    assert_eq!(
+        (gathered.replicates.df, gathered.replicates.groups),
+        (0, 20)
+    );
+    assert_eq!(gathered.moved, 10);
+    let found = skew.identify(&gathered);
+    let said = found.warnings.join("\n");
+    assert!(
+        said.contains("10 rows share the `pose` of an earlier row"),
+        "{said}"
+    );
+}
+
+#[test]
+fn more_postures_than_can_be_known_are_said() {
+    let skew = Skew::new();
+    let poses: Vec<_> = (0..12).map(|k| ((k % 6) as i64, posture(k % 6))).collect();
+    let block = skew.log(&poses, &[0.002; 12], &mut ChaCha8Rng::seed_from_u64(3));
+    let mut measurement = skew.measurement();
+    let mut gathered = Gathered::new(skew.truth.len(), 4);
+    gathered.postures = Postures::up_to(4);
+    gathered
+        .push(&mut measurement, &block, "log.csv", None)
+        .unwrap();
+    gathered.end_log();
+    // Four come back; two are met twice as if they were others.
+    assert_eq!((gathered.replicates.df, gathered.replicates.groups), (8, 8));
+    let said = skew.identify(&gathered).warnings.join("\n");
+    assert!(
+        said.contains("more than 200000 postures in a log"),
+        "{said}"
+    );
+}
+
+/// Share of 95 % intervals that hold the truth, of 500 logs.
+fn coverage(poses: &[(i64, [f64; 2])]) -> (f64, Identification) {
+    let skew = Skew::new();
+    let std = vec![0.002; poses.len()];
+    let (mut inside, mut all, mut last) = (0, 0, None);
+    for seed in 0..500 {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let found = skew.identify(&skew.gather(&[&skew.log(poses, &std, &mut rng)]));
+        for (parameter, truth) in found.parameters.iter().zip(&skew.truth) {
+            if let Some(std) = parameter.std {
+                all += 1;
+                inside += usize::from((parameter.value - truth).abs() < 1.96 * std);
+            }
+        }
+        last = Some(found);
+    }
+    assert_eq!(all, 500 * RANK);
+    (
+        f64::from(inside as u32) / f64::from(all as u32),
+        last.unwrap(),
+    )
+}
+
+/// Twelve degrees of freedom and no more: three postures, which settle six
+/// directions, three times each. Normal intervals of such a noise hold 92.6 %.
+#[test]
+fn intervals_are_honest_when_few_repeats_tell_the_noise() {
+    let poses: Vec<_> = (0..9).map(|k| ((k % 3) as i64, posture(k % 3))).collect();
+    let (share, found) = coverage(&poses);
+    println!("repeats alone: {share:.4} of the intervals hold the truth");
+    assert_eq!((found.rank, found.noise_df), (RANK, Some(12.0)));
+    assert_eq!(found.noise_source, NoiseSource::Replicates);
+    assert!((0.93..=0.97).contains(&share), "{share}");
+}
+
+/// Twelve of repeats, and more of residuals that are of one size with them.
+#[test]
+fn few_repeats_are_not_taken_alone() {
+    let poses: Vec<_> = (0..26)
+        .map(|k| ((k % 20) as i64, posture(k % 20)))
+        .collect();
+    let (share, found) = coverage(&poses);
+    println!("repeats and residuals: {share:.4} of the intervals hold the truth");
+    assert_eq!(found.lack_of_fit.unwrap().df_noise, Some(12.0));
+    assert_eq!(found.noise_df, Some((2 * 26 - RANK) as f64));
+    assert!((0.93..=0.97).contains(&share), "{share}");
+}
+
+/// A knee that hardly moves is seen at 1e-4 of the rest: a row that is said to be
+/// 1e7 times better than all others hides it only where rank is cut on weights.
+#[test]
+fn a_row_said_to_be_exact_hides_no_other() {
+    let skew = Skew::new();
+    let still = |k: usize| (k as i64, [posture(k)[0], 1e-4 * posture(k)[1]]);
+    let poses: Vec<_> = (0..30).map(still).collect();
+    let mut std = vec![0.01; 30];
+    std[11] = 1e-300;
+    let mut block = skew.log(&poses, &std, &mut ChaCha8Rng::seed_from_u64(4));
+    block.std = Some(std.iter().map(|s| [*s; 2]).collect());
+    let gathered = skew.gather(&[&block]);
+    let weighted = gathered.together(None).weighted;
+    assert!(solve(&weighted, 1.0, &skew.truth, None).rank < RANK);
+    let found = skew.identify(&gathered);
+    assert_eq!(found.rank, RANK);
+    let said = found.warnings.join("\n");
+    assert!(
+        said.contains("1 rows state deviations below 1e-9 m"),
+        "{said}"
+    );
+    for (parameter, truth) in found.parameters.iter().zip(&skew.truth) {
+        if let Some(std) = parameter.std {
+            assert!(std.is_finite() && (parameter.value - truth).abs() < 4.0 * std + 1e-6);
+        }
+    }
+    // Without that row it is what stated deviations of one size give.
+    block.std = None;
+    let plain = skew.identify(&skew.gather(&[&block]));
+    assert_eq!(plain.rank, RANK);
+    assert!((plain.condition_number / found.condition_number - 1.0).abs() < 1e-9);
+    let blind = |found: &Identification| -> DMatrix<f64> { found.estimate.unseen.clone() };
+    assert!((blind(&plain).tr_mul(&blind(&found))[(0, 0)].abs() - 1.0).abs() < 1e-9);
+}

@@ -1,0 +1,160 @@
+//! Factor files: what one log, or one machine, contributes to a fit.
+//!
+//! `sesc fit --partial` writes one; `sesc fit a.part b.part` combines them and
+//! gives the answer that all logs together would give. A file carries the robot
+//! it is about, so that nothing else is needed.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use sesc_model::Snapping;
+
+use super::gather::Gathered;
+use crate::Error;
+use crate::output;
+use crate::robot::Robot;
+
+/// First words of every file of this kind, with the version of its layout.
+const FORMAT: &str = "sesc factor 1";
+
+/// A contribution to a fit.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Part {
+    format: String,
+    /// Hash of the robot.
+    pub hash: String,
+    /// Name of the URDF file, for messages.
+    pub urdf_file: String,
+    /// Its text.
+    pub urdf: String,
+    /// The support whose parameters the factors are about.
+    pub support: String,
+    /// All links that postures stood on.
+    pub supports: Vec<String>,
+    /// Whether decimals of right angles were made exact.
+    pub snapped: bool,
+    pub gathered: Gathered,
+}
+
+/// The robot of a part, and where it stood.
+#[derive(Debug, Clone)]
+pub struct About {
+    pub hash: String,
+    pub urdf_file: String,
+    pub urdf: String,
+    pub support: String,
+    pub supports: Vec<String>,
+    pub snapped: bool,
+}
+
+impl Part {
+    pub fn new(about: About, gathered: Gathered) -> Part {
+        Part {
+            format: FORMAT.to_string(),
+            hash: about.hash,
+            urdf_file: about.urdf_file,
+            urdf: about.urdf,
+            support: about.support,
+            supports: about.supports,
+            snapped: about.snapped,
+            gathered,
+        }
+    }
+
+    /// Read and check a file.
+    ///
+    /// # Errors
+    /// When it cannot be read, is no factor file, or is damaged.
+    pub fn read(path: &Path) -> Result<Part, Error> {
+        let file = path.display().to_string();
+        let text = std::fs::read_to_string(path).map_err(|source| Error::Read {
+            file: file.clone(),
+            source,
+        })?;
+        let bad = |message: String| Error::Log {
+            file: file.clone(),
+            line: None,
+            message,
+        };
+        let part: Part = serde_json::from_str(&text)
+            .map_err(|error| bad(format!("no factor file of `sesc fit --partial`: {error}")))?;
+        if part.format != FORMAT {
+            return Err(bad(format!(
+                "written as `{}`, this version reads `{FORMAT}`; gather the log again",
+                part.format
+            )));
+        }
+        let params = part.gathered.params();
+        let agree = |fold: &super::gather::Fold| {
+            fold.weighted.params() == params
+                && fold
+                    .plain
+                    .as_ref()
+                    .is_none_or(|plain| plain.params() == params)
+        };
+        if part.gathered.folds.len() < 2 || !part.gathered.folds.iter().all(agree) {
+            return Err(bad(
+                "its folds do not belong together; gather the log again".into(),
+            ));
+        }
+        Ok(part)
+    }
+
+    /// Write to `path`, whole or not at all.
+    pub fn write(&self, path: &Path) -> Result<(), Error> {
+        let text =
+            serde_json::to_string(self).map_err(|error| Error::Serialise(Box::new(error)))?;
+        output::write(path, &text)
+    }
+
+    /// Speak of the parameters seen from `support`.
+    ///
+    /// # Errors
+    /// When the robot has no such link.
+    pub fn stand_on(&mut self, support: &str) -> Result<(), Error> {
+        if self.support == support {
+            return Ok(());
+        }
+        let robot = Robot::parse(&self.urdf, &self.urdf_file)?;
+        let snapping = match self.snapped {
+            true => Snapping::default(),
+            false => Snapping::Off,
+        };
+        let here = robot.model(&self.support, snapping, None)?;
+        let there = robot.model(support, snapping, None)?;
+        self.gathered.shift(&here.params_from(&there));
+        self.support = support.to_string();
+        Ok(())
+    }
+
+    /// Add another part.
+    ///
+    /// # Errors
+    /// When it is about another robot or reading of right angles.
+    pub fn merge(&mut self, mut other: Part, file: &Path) -> Result<(), Error> {
+        let bad = |message: String| Error::Log {
+            file: file.display().to_string(),
+            line: None,
+            message,
+        };
+        if self.hash != other.hash {
+            return Err(bad(format!(
+                "about another robot ({}, hash {}) than the first part ({}, hash {})",
+                other.urdf_file, other.hash, self.urdf_file, self.hash
+            )));
+        }
+        if self.snapped != other.snapped {
+            return Err(bad(
+                "one part was gathered with --no-snap, one without".into()
+            ));
+        }
+        other.stand_on(&self.support)?;
+        for support in other.supports {
+            if !self.supports.contains(&support) {
+                self.supports.push(support);
+            }
+        }
+        self.gathered.merge(other.gathered).map_err(bad)
+    }
+}

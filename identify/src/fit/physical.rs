@@ -1,0 +1,83 @@
+//! Fits that only real masses can give.
+//!
+//! ```text
+//! min ‖(R W θ − z) / σ‖² + ‖v‖²       θ = θ_CAD + D S v
+//! m_k ≥ floor,  m_k lo ≤ m_k c_k ≤ m_k hi
+//! ```
+//!
+//! [lo, hi] is the box of a link ([`super::limits`]). When the plain fit breaks no
+//! bound it is the answer. A free fit has a prior [`WEAK`] times wider than CAD
+//! usually is, and only where a bound is active: there it settles what data leave
+//! open. Standard deviations stay those of the plain fit: what bounds add is not
+//! counted.
+
+use nalgebra::DVector;
+use sesc_model::Model;
+
+use super::factor::Factor;
+use super::limits::Limits;
+use super::masses::{Impossible, Masses, Space};
+use super::prior::{Prior, Tolerances};
+use super::quadratic::{NoAnswer, Rows};
+
+/// Tolerances of a free fit, in units of the usual ones: masses to ten times their
+/// own, CoMs to half a metre.
+pub const WEAK: f64 = 100.0;
+
+/// A fit within bounds.
+#[derive(Debug, Clone)]
+pub struct Physical {
+    /// Base parameters, m.
+    pub params: DVector<f64>,
+    pub masses: Masses,
+}
+
+/// What bounds make of the `plain` fit to `factor` (σ = 1 where rows are weighted).
+///
+/// # Errors
+/// When the search does not converge.
+pub fn constrain(
+    model: &Model,
+    factor: &Factor,
+    sigma: f64,
+    prior: &Prior,
+    limits: &Limits,
+    plain: &DVector<f64>,
+) -> Result<Physical, Impossible> {
+    let (tolerances, width) = match prior {
+        Prior::Cad(tolerances) => (tolerances.clone(), 1.0),
+        Prior::Free => (Tolerances::usual(), WEAK),
+    };
+    let space = Space::new(model, &tolerances);
+    let free = matches!(prior, Prior::Free);
+    // No bound is felt when masses of the plain fit keep them all: for a prior, its
+    // own most likely ones; without, any.
+    if let Ok(mut masses) = space.nearest(plain, limits)
+        && (free || masses.active.is_empty())
+    {
+        masses.active.clear();
+        return Ok(Physical {
+            params: plain.clone(),
+            masses,
+        });
+    }
+    let cad = DVector::from_vec(model.cad_params());
+    let gain = width / sigma;
+    let data = Rows {
+        matrix: factor.r() * space.to_base() * gain,
+        right: (factor.z() - factor.r() * cad) * gain,
+    };
+    let none = Rows::none(data.matrix.ncols());
+    let masses = space
+        .best(Some(data), none, limits)
+        .map_err(|no| Impossible {
+            reason: match no {
+                NoAnswer::Stuck => "the search for physical masses did not converge".to_string(),
+                _ => "no physical masses are within the tolerances".to_string(),
+            },
+        })?;
+    Ok(Physical {
+        params: space.base(&masses.theta),
+        masses,
+    })
+}

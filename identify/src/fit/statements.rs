@@ -1,0 +1,257 @@
+//! What a fit can say: held-out errors, deviations, lengths of bodies, what is not seen.
+
+use nalgebra::{DMatrix, DVector};
+use sesc_model::Model;
+
+use super::factor::Factor;
+use super::gather::{self, Fold, Gathered};
+use super::identification::{BodyLength, Correlation, HeightConstant, ParameterFound, Unseen};
+use super::postures;
+use super::solve::Estimate;
+use crate::evaluate::Evaluator;
+use crate::simulate::Simulator;
+
+/// Correlations worth a line.
+const CORRELATED: f64 = 0.9;
+const CORRELATIONS: usize = 20;
+/// Postures over which errors are expected.
+const SAMPLES: usize = 2000;
+
+/// What is odd about the rows.
+pub(super) fn oddities(gathered: &Gathered) -> Vec<String> {
+    let mut said = Vec::new();
+    if gathered.moved > 0 {
+        said.push(format!(
+            "{} rows share the `pose` of an earlier row but not its joint positions: \
+             taken as postures of their own",
+            gathered.moved
+        ));
+    }
+    if gathered.tiny > 0 {
+        said.push(format!(
+            "{} rows state deviations below {:e} m, which no sensor has; that is taken for them: \
+             are they in metres?",
+            gathered.tiny,
+            gather::LEAST_STD
+        ));
+    }
+    if gathered.overfull > 0 {
+        said.push(format!(
+            "more than {} postures in a log: readings of the others are repeats only where \
+             their rows follow each other",
+            postures::MOST
+        ));
+    }
+    said
+}
+
+pub(super) struct HeldOut {
+    /// RMS per axis, m.
+    pub(super) rmse: f64,
+    /// Standard error of that, m.
+    pub(super) error: f64,
+    pub(super) folds: usize,
+}
+
+/// k-fold cross-validation on the folds' factors.
+pub(super) fn held_out(gathered: &Gathered, mut fit: impl FnMut(&Fold) -> Estimate) -> HeldOut {
+    let all: u64 = gathered.folds.iter().map(|fold| fold.plain().rows()).sum();
+    let mut folds: Vec<(f64, f64)> = Vec::new(); // mean square, rows
+    for (k, fold) in gathered.folds.iter().enumerate() {
+        let rows = fold.plain().rows();
+        if rows == 0 || rows == all {
+            continue;
+        }
+        let estimate = fit(&gathered.together(Some(k)));
+        let sum = fold.plain().residual_sum(&estimate.params);
+        folds.push((sum / rows as f64, rows as f64));
+    }
+    let rows: f64 = folds.iter().map(|fold| fold.1).sum();
+    if rows == 0.0 {
+        return HeldOut {
+            rmse: f64::NAN,
+            error: f64::NAN,
+            folds: 0,
+        };
+    }
+    let mean: f64 = folds.iter().map(|(square, n)| square * n).sum::<f64>() / rows;
+    let spread: f64 = folds
+        .iter()
+        .map(|(square, n)| (n / rows * (square - mean)).powi(2))
+        .sum();
+    let count = folds.len() as f64;
+    let of_mean = (spread * count / (count - 1.0).max(1.0)).sqrt();
+    HeldOut {
+        rmse: mean.sqrt(),
+        // d√x = dx / 2√x
+        error: of_mean / (2.0 * mean.sqrt()).max(f64::MIN_POSITIVE),
+        folds: folds.len(),
+    }
+}
+
+/// Standard deviations; none along directions that a free fit does not see.
+pub(super) fn deviations(estimate: &Estimate, free: bool) -> Vec<Option<f64>> {
+    let blind = |k: usize| free && estimate.unseen.row(k).norm() > 1e-6;
+    (0..estimate.params.len())
+        .map(|k| (!blind(k)).then(|| estimate.covariance[(k, k)].max(0.0).sqrt()))
+        .collect()
+}
+
+/// Covariance with what a free fit leaves open filled in by `usual`.
+pub(super) fn complete(estimate: &Estimate, usual: Option<DMatrix<f64>>) -> DMatrix<f64> {
+    let Some(usual) = usual else {
+        return estimate.covariance.clone();
+    };
+    let half = &estimate.unseen * (estimate.unseen.transpose() * usual);
+    &estimate.covariance + &half * half.transpose()
+}
+
+pub(super) fn row_norms(matrix: &DMatrix<f64>) -> Vec<f64> {
+    matrix.row_iter().map(|row| row.norm()).collect()
+}
+
+pub(super) fn parameters(
+    model: &Model,
+    estimate: &Estimate,
+    std: &[Option<f64>],
+    prior_std: Option<&[f64]>,
+    cad: &DVector<f64>,
+) -> Vec<ParameterFound> {
+    let found = |(k, param): (usize, &sesc_model::base::BaseParam)| ParameterFound {
+        name: param.name.clone(),
+        value: estimate.params[k],
+        std: std[k],
+        cad: cad[k],
+        source: match (std[k], prior_std.map(|prior| prior[k])) {
+            (None, _) => "cad",
+            // Data that leave more than 70 % of the prior's deviation told less than it.
+            (Some(std), Some(prior)) if std >= std::f64::consts::FRAC_1_SQRT_2 * prior => "prior",
+            _ => "data",
+        },
+    };
+    model.base.params.iter().enumerate().map(found).collect()
+}
+
+/// r_0 along z: the third parameter of body 0.
+pub(super) fn height(parameters: &[ParameterFound]) -> HeightConstant {
+    let found = &parameters[2.min(parameters.len() - 1)];
+    HeightConstant {
+        name: found.name.clone(),
+        value: found.value,
+        std: found.std,
+        source: found.source,
+    }
+}
+
+/// Directions never seen by such data, then those that these data miss.
+pub(super) fn unobservable(model: &Model, estimate: &Estimate) -> Vec<Unseen> {
+    let from_cop = estimate.rank <= model.base.rank_cop;
+    let by_structure = model.base.unobservable.iter();
+    let mut all: Vec<Unseen> = by_structure
+        .filter(|u| from_cop || !u.only_from_cop)
+        .map(|u| Unseen {
+            name: u.name.clone(),
+            sentence: u.sentence.clone(),
+        })
+        .collect();
+    let expected = model.base.params.len() - model.base.rank_cop;
+    let missed = estimate
+        .unseen
+        .ncols()
+        .saturating_sub(if from_cop { expected } else { 0 });
+    if missed > 0 {
+        // Parameters with the largest part in what is not seen.
+        let share = row_norms(&estimate.unseen);
+        let mut order: Vec<usize> = (0..share.len()).collect();
+        order.sort_by(|a, b| share[*b].total_cmp(&share[*a]));
+        let names: Vec<&str> = order
+            .iter()
+            .take(estimate.unseen.ncols() + 2)
+            .filter(|k| share[**k] > 0.1)
+            .map(|k| model.base.params[*k].name.as_str())
+            .collect();
+        all.push(Unseen {
+            name: "not excited".to_string(),
+            sentence: format!(
+                "these postures leave {missed} more direction{} open, among {}: move the joints \
+                 that carry them",
+                if missed == 1 { "" } else { "s" },
+                names.join(", ")
+            ),
+        });
+    }
+    all
+}
+
+pub(super) fn bodies(
+    model: &Model,
+    estimate: &Estimate,
+    cad: &DVector<f64>,
+    std: &[Option<f64>],
+) -> Vec<BodyLength> {
+    let of_body = |body: &sesc_model::chain::Body| {
+        let own = |k: &usize| {
+            let name = model.base.params[*k].name.rsplit_once('.');
+            name.is_some_and(|(link, _)| link == body.name)
+        };
+        let own: Vec<usize> = (0..cad.len()).filter(own).collect();
+        let norm =
+            |values: &DVector<f64>| own.iter().map(|&k| values[k].powi(2)).sum::<f64>().sqrt();
+        let length = norm(&estimate.params);
+        // First order: the deviation along the vector itself.
+        let variance: f64 = own
+            .iter()
+            .flat_map(|&a| own.iter().map(move |&b| (a, b)))
+            .map(|(a, b)| estimate.params[a] * estimate.covariance[(a, b)] * estimate.params[b])
+            .sum();
+        let seen = own.iter().all(|&k| std[k].is_some()) && length > 0.0;
+        BodyLength {
+            body: body.name.clone(),
+            joint: body.joint.clone(),
+            cad: norm(cad),
+            identified: length,
+            std: seen.then(|| variance.max(0.0).sqrt() / length),
+        }
+    };
+    model.chain.bodies.iter().map(of_body).collect()
+}
+
+pub(super) fn correlations(model: &Model, covariance: &DMatrix<f64>) -> Vec<Correlation> {
+    let std: Vec<f64> = covariance
+        .diagonal()
+        .iter()
+        .map(|v| v.max(0.0).sqrt())
+        .collect();
+    let mut all = Vec::new();
+    for a in 0..std.len() {
+        for b in a + 1..std.len() {
+            let correlation = covariance[(a, b)] / (std[a] * std[b]);
+            if correlation.is_finite() && correlation.abs() > CORRELATED {
+                all.push(Correlation {
+                    a: model.base.params[a].name.clone(),
+                    b: model.base.params[b].name.clone(),
+                    correlation,
+                });
+            }
+        }
+    }
+    all.sort_by(|x, y| y.correlation.abs().total_cmp(&x.correlation.abs()));
+    all.truncate(CORRELATIONS);
+    all
+}
+
+/// √ of the mean of tr(φ C φᵀ)/2 over postures drawn from the range, m.
+pub(super) fn range_error(model: &Model, covariance: &DMatrix<f64>, range: Option<f64>) -> f64 {
+    let mut simulator = Simulator::new(&model.tree.dofs, range, 1);
+    let q = simulator.batch(SAMPLES);
+    let rows = Evaluator::new(model, sesc_model::Function::RegressorCop).run(&q, SAMPLES);
+    let mut factor = Factor::new(covariance.nrows());
+    let matrix = DMatrix::from_row_slice(2 * SAMPLES, covariance.nrows(), &rows);
+    factor.push(
+        &matrix,
+        &DVector::zeros(2 * SAMPLES),
+        &vec![1.0; 2 * SAMPLES],
+    );
+    let r = factor.r();
+    ((&r * covariance * r.transpose()).trace() / (2 * SAMPLES) as f64).sqrt()
+}

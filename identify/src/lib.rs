@@ -1,0 +1,21 @@
+//! From posture logs to a robot's mass parameters, and to what its model misses.
+//!
+//! Data walks one way:
+//!
+//! ```text
+//! logs → fit → plan → diagnose
+//! ```
+
+#![forbid(unsafe_code)]
+
+pub mod diagnose;
+mod error;
+pub mod evaluate;
+pub mod fit;
+pub mod logs;
+pub mod output;
+pub mod plan;
+pub mod robot;
+pub mod simulate;
+
+pub use error::Error;

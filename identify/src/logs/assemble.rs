@@ -1,0 +1,352 @@
+//! Rows made into blocks of columns: SI units, everything finite, the CoP
+//! whatever it was measured with.
+//!
+//! Foot cells at `p_k` with forces `f_k` give
+//!
+//! ```text
+//! CoP = Σ f_k p_k / F        F = Σ f_k
+//! var CoP = Σ ((p_k − CoP) σ_k / F)²
+//! ```
+//!
+//! the variance to first order in the independent deviations `σ_k`, since
+//! `∂CoP/∂f_k = (p_k − CoP) / F`.
+//!
+//! A column of deviations is about a single reading. The sidecar's
+//! `readings_per_pose` readings of a pose are in its rows, evenly: a row alone
+//! in its pose is their mean and known to `std / √readings_per_pose`; in a log
+//! that lists every reading a row is known to `std`.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::sync::Arc;
+
+use sesc_model::tree::Dof;
+
+use super::block::{Block, Cells};
+use super::columns::Columns;
+use super::names::{nearest, short};
+use super::reader::Options;
+use super::sidecar::{Angles, Sidecar, check_gravity};
+use super::source::Raw;
+use crate::Error;
+
+/// A turning joint further out than this was hardly logged in radians.
+const FULL_TURN: f64 = 6.3;
+
+/// No sole is so large: a log whose typical CoP is further out is not in metres, m.
+const FAR: f64 = 2.0;
+
+/// Makes blocks of raw rows.
+pub(super) struct Assembler {
+    file: String,
+    columns: Columns,
+    joints: Vec<Joint>,
+    cells: Vec<[f64; 2]>,
+    support: Option<Arc<str>>,
+    gravity: Option<[f64; 3]>,
+    links: Vec<String>,
+    readings_per_pose: u64,
+    any_unit: bool,
+    /// 1/√readings of a row, once the first rows were seen.
+    shrink: f64,
+    next_pose: i64,
+}
+
+struct Joint {
+    /// To rad or m.
+    scale: f64,
+    /// Largest |value| that can be meant, rad; none of prismatic and endless joints.
+    reach: Option<f64>,
+}
+
+impl Assembler {
+    pub fn new(
+        file: &str,
+        columns: &Columns,
+        dofs: &[Dof],
+        angles: Angles,
+        sidecar: &Sidecar,
+        options: &Options,
+    ) -> Result<Assembler, Error> {
+        let joints = dofs.iter().map(|dof| Joint {
+            scale: match angles {
+                Angles::Deg if !dof.prismatic => std::f64::consts::PI / 180.0,
+                _ => 1.0,
+            },
+            reach: (!dof.prismatic && !dof.continuous && !options.any_unit)
+                .then(|| FULL_TURN.max(dof.lower.abs()).max(dof.upper.abs())),
+        });
+        let assembler = Assembler {
+            file: file.to_string(),
+            columns: columns.clone(),
+            joints: joints.collect(),
+            cells: sidecar.cells.clone().unwrap_or_default(),
+            support: options
+                .support
+                .as_deref()
+                .or(sidecar.support.as_deref())
+                .map(Arc::from),
+            gravity: sidecar.gravity,
+            links: options.links.clone(),
+            readings_per_pose: sidecar.readings_per_pose.unwrap_or(1),
+            any_unit: options.any_unit,
+            shrink: 1.0,
+            next_pose: 0,
+        };
+        if let Some(link) = &assembler.support {
+            let known = assembler.known_link(link);
+            known.map_err(|message| match options.support {
+                Some(_) => Error::Usage(message),
+                None => assembler.fault(None, format!("sidecar: {message}")),
+            })?;
+        }
+        let (found, placed) = (columns.cells.len(), assembler.cells.len());
+        if columns.cop.is_none() && found > 0 && found != placed {
+            let message = match sidecar.cells {
+                None => "foot cells without places; give `cells = [[x, y], …]` (m, support \
+                         frame) in the log's sidecar"
+                    .to_string(),
+                Some(_) => format!(
+                    "{found} columns `fsr_…`, but {placed} places under `cells` in the sidecar; \
+                     give one place for each"
+                ),
+            };
+            return Err(assembler.fault(None, message));
+        }
+        Ok(assembler)
+    }
+
+    /// A fault of the log, at a row of it.
+    pub fn fault(&self, line: Option<u64>, message: String) -> Error {
+        Error::Log {
+            file: self.file.clone(),
+            line,
+            message,
+        }
+    }
+
+    /// Look at the first rows for what holds for all: whether rows are means,
+    /// and whether the CoP is in metres.
+    pub fn look(&mut self, raw: &Raw) -> Result<(), Error> {
+        let rows = typical_run(&raw.pose).max(1) as f64;
+        self.shrink = (rows / self.readings_per_pose as f64).min(1.0).sqrt();
+        let Some(k) = self.columns.cop.filter(|_| !self.any_unit) else {
+            return Ok(());
+        };
+        let width = self.columns.numbers.len();
+        let mut far: Vec<f64> = raw
+            .numbers
+            .chunks_exact(width)
+            .map(|row| row[k].hypot(row[k + 1]))
+            .filter(|far| far.is_finite())
+            .collect();
+        far.sort_by(f64::total_cmp);
+        match far.get(far.len() / 2) {
+            Some(typical) if *typical > FAR => Err(self.fault(
+                raw.line.first().copied(),
+                format!(
+                    "columns `cop_x`, `cop_y`: the CoP is typically {typical} from the origin of \
+                     the sole; give metres, not millimetres"
+                ),
+            )),
+            _ => Ok(()),
+        }
+    }
+
+    /// An empty block with the columns that this log has.
+    pub fn start(&self) -> Block {
+        let columns = &self.columns;
+        let has_support = columns.support.is_some() || self.support.is_some();
+        let has_std = match columns.cop {
+            Some(_) => columns.cop_std.is_some(),
+            None => columns.cell_std.is_some(),
+        };
+        Block {
+            t: columns.t.map(|_| Vec::new()),
+            support: has_support.then(Vec::new),
+            reading: columns.readings().then(Vec::new),
+            std: has_std.then(Vec::new),
+            cells: (!columns.cells.is_empty()).then(|| Cells {
+                count: columns.cells.len(),
+                force: Vec::new(),
+                std: columns.cell_std.map(|_| Vec::new()),
+            }),
+            gravity: (columns.gravity.is_some() || self.gravity.is_some()).then(Vec::new),
+            ..Block::default()
+        }
+    }
+
+    /// Append rows of `raw` to `block`.
+    pub fn append(
+        &mut self,
+        raw: &Raw,
+        rows: Range<usize>,
+        block: &mut Block,
+    ) -> Result<(), Error> {
+        let width = self.columns.numbers.len();
+        for k in rows {
+            let line = raw.line[k];
+            let numbers = &raw.numbers[k * width..(k + 1) * width];
+            self.row(numbers, block)
+                .and_then(|()| self.support(raw.support.get(k), block))
+                .map_err(|message| self.fault(Some(line), message))?;
+            block.line.push(line);
+            let pose = raw.pose.get(k).copied().unwrap_or(self.next_pose);
+            block.pose.push(pose);
+            self.next_pose = pose.saturating_add(1);
+        }
+        Ok(())
+    }
+
+    fn row(&self, numbers: &[f64], block: &mut Block) -> Result<(), String> {
+        let columns = &self.columns;
+        if let Some(k) = numbers.iter().position(|x| !x.is_finite()) {
+            return Err(format!(
+                "column `{}`: {} is not finite; remove the row or mend the value",
+                columns.names[k], numbers[k]
+            ));
+        }
+        for (k, joint) in self.joints.iter().enumerate() {
+            let value = numbers[k] * joint.scale;
+            if joint.reach.is_some_and(|reach| value.abs() > reach) {
+                return Err(format!(
+                    "column `{}`: {value} rad is more than a full turn; if the log is in degrees, \
+                     pass --degrees or put `angles = \"deg\"` in its sidecar",
+                    columns.names[k]
+                ));
+            }
+            block.q.push(value);
+        }
+        if let (Some(k), Some(t)) = (columns.t, &mut block.t) {
+            t.push(numbers[k]);
+        }
+        if let Some(all) = &mut block.gravity {
+            let own = columns
+                .gravity
+                .map(|k| [numbers[k], numbers[k + 1], numbers[k + 2]]);
+            let gravity = own.or(self.gravity).unwrap_or([0.0, 0.0, -1.0]);
+            check_gravity(gravity)?;
+            all.push(gravity);
+        }
+        if let Some(k) = columns.cop_std {
+            self.positive(numbers, k..k + 2)?;
+        }
+        let force = &numbers[columns.cells.clone()];
+        let force_std = columns.cell_std.map(|k| k..k + force.len());
+        if let Some(range) = &force_std {
+            self.positive(numbers, range.clone())?;
+        }
+        let force_std = force_std.map(|range| numbers[range].iter().map(|s| s * self.shrink));
+        if let Some(cells) = &mut block.cells {
+            cells.force.extend(force);
+            if let (Some(all), Some(std)) = (&mut cells.std, force_std.clone()) {
+                all.extend(std);
+            }
+        }
+        if let Some(k) = columns.cop {
+            if let Some(reading) = &mut block.reading {
+                reading.push([numbers[k], numbers[k + 1]]);
+            }
+            if let (Some(std), Some(k)) = (&mut block.std, columns.cop_std) {
+                std.push([numbers[k] * self.shrink, numbers[k + 1] * self.shrink]);
+            }
+        } else if let Some(reading) = &mut block.reading {
+            let cop = centre(&self.cells, force)?;
+            reading.push(cop);
+            if let (Some(all), Some(std)) = (&mut block.std, force_std) {
+                all.push(deviation(&self.cells, force, std, cop));
+            }
+        }
+        Ok(())
+    }
+
+    fn positive(&self, numbers: &[f64], mut range: Range<usize>) -> Result<(), String> {
+        match range.find(|k| numbers[*k] <= 0.0) {
+            Some(k) => Err(format!(
+                "column `{}`: a standard deviation of {}; it must be positive, or leave out the \
+                 column",
+                self.columns.names[k], numbers[k]
+            )),
+            None => Ok(()),
+        }
+    }
+
+    fn support(&self, own: Option<&Arc<str>>, block: &mut Block) -> Result<(), String> {
+        let Some(all) = &mut block.support else {
+            return Ok(());
+        };
+        let own = own.filter(|link| !link.is_empty());
+        if let Some(link) = own {
+            // Mostly the same as in the row above.
+            if all.last().is_none_or(|last| !Arc::ptr_eq(last, link)) {
+                self.known_link(link)?;
+            }
+        }
+        let link = own.or(self.support.as_ref());
+        all.push(link.cloned().unwrap_or_default());
+        Ok(())
+    }
+
+    fn known_link(&self, link: &str) -> Result<(), String> {
+        if self.links.is_empty() || self.links.iter().any(|known| known == link) {
+            return Ok(());
+        }
+        let links: Vec<&str> = self.links.iter().map(String::as_str).collect();
+        let meant = match nearest(link, &links) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => format!("the robot has {}", super::names::list(&links)),
+        };
+        Err(format!("no link `{}` to stand on; {meant}", short(link)))
+    }
+}
+
+/// How many rows typically share a pose, in succession or sweep by sweep: the median over the
+/// poses, without the last, which may go on.
+fn typical_run(poses: &[i64]) -> usize {
+    let mut counts: BTreeMap<i64, usize> = BTreeMap::new();
+    for pose in poses {
+        *counts.entry(*pose).or_default() += 1;
+    }
+    // The last pose may go on behind these rows.
+    if counts.len() > 1
+        && let Some(last) = poses.last()
+    {
+        counts.remove(last);
+    }
+    let mut runs: Vec<usize> = counts.into_values().collect();
+    runs.sort_unstable();
+    runs.get(runs.len() / 2).copied().unwrap_or(1)
+}
+
+/// CoP of forces `f` at `places`.
+fn centre(places: &[[f64; 2]], f: &[f64]) -> Result<[f64; 2], String> {
+    let total: f64 = f.iter().sum();
+    let moment = |axis: usize| f.iter().zip(places).map(|(f, p)| f * p[axis]).sum::<f64>();
+    let cop = [moment(0) / total, moment(1) / total];
+    if total > 0.0 && total.is_finite() && cop.iter().all(|x| x.is_finite()) {
+        Ok(cop)
+    } else {
+        Err(format!(
+            "columns `fsr_1` … `fsr_{}`: {total} N in total, so nothing stands on the cells; \
+             remove the row or mend the sign",
+            f.len()
+        ))
+    }
+}
+
+/// Deviation of a CoP from those of its forces, to first order.
+fn deviation(
+    places: &[[f64; 2]],
+    f: &[f64],
+    std: impl Iterator<Item = f64>,
+    cop: [f64; 2],
+) -> [f64; 2] {
+    let total: f64 = f.iter().sum();
+    let mut variance = [0.0; 2];
+    for (place, std) in places.iter().zip(std) {
+        for axis in 0..2 {
+            variance[axis] += ((place[axis] - cop[axis]) * std / total).powi(2);
+        }
+    }
+    variance.map(f64::sqrt)
+}

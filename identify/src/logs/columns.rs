@@ -1,0 +1,300 @@
+//! The columns of a posture log: what their names mean, for readers and
+//! writers alike.
+//!
+//! ```text
+//! pose                     whole number; rows that share it are repeated readings
+//! t                        s
+//! support                  link on the ground
+//! (joints of the URDF)     rad, prismatic ones m
+//! cop_x cop_y              m, support frame          cop_x_std cop_y_std
+//! fsr_1 … fsr_n            N, foot cells             fsr_1_std … fsr_n_std
+//! gravity_x … gravity_z    m/s², support frame
+//! ```
+//!
+//! A standard deviation is that of a single reading. Blanks around a name do
+//! not count.
+
+use std::collections::HashMap;
+use std::ops::Range;
+
+use sesc_model::tree::Dof;
+
+use super::names::{list, suggestion};
+
+pub(super) const POSE: &str = "pose";
+pub(super) const T: &str = "t";
+pub(super) const SUPPORT: &str = "support";
+pub(super) const COP: [&str; 2] = ["cop_x", "cop_y"];
+pub(super) const COP_STD: [&str; 2] = ["cop_x_std", "cop_y_std"];
+const GRAVITY: [&str; 3] = ["gravity_x", "gravity_y", "gravity_z"];
+
+/// More columns than any robot has joints and readings.
+const MOST: usize = 20_000;
+
+/// Whether readings are wanted from a log.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Readings {
+    /// Not looked at, however wrong they are.
+    Ignored,
+    /// Read where the log has them.
+    #[default]
+    Optional,
+    /// A log without them is an error.
+    Required,
+}
+
+/// Where the wanted columns are: `numbers` lists columns of numbers in the
+/// order a source delivers them, the ranges are positions in that list.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct Columns {
+    pub pose: Option<usize>,
+    pub support: Option<usize>,
+    pub numbers: Vec<usize>,
+    /// Name of each number, for messages.
+    pub names: Vec<String>,
+    pub t: Option<usize>,
+    pub joints: Range<usize>,
+    pub cop: Option<usize>,
+    pub cop_std: Option<usize>,
+    pub cells: Range<usize>,
+    pub cell_std: Option<usize>,
+    pub gravity: Option<usize>,
+    /// Columns that mean nothing here.
+    pub ignored: Vec<String>,
+}
+
+impl Columns {
+    /// Match the names of a log with the robot's joints. The error is the
+    /// message without the file.
+    pub fn of(header: &[String], dofs: &[Dof], readings: Readings) -> Result<Columns, String> {
+        check_joints(dofs)?;
+        if header.len() > MOST {
+            return Err(format!(
+                "{} columns; a log has one per joint and reading, {MOST} at most",
+                header.len()
+            ));
+        }
+        let mut at: HashMap<&str, usize> = HashMap::new();
+        for (k, name) in header.iter().enumerate() {
+            // Tables often carry an unnamed index.
+            if !name.is_empty() && at.insert(name, k).is_some() {
+                return Err(format!("column `{name}` appears twice; remove one"));
+            }
+        }
+        let mut columns = Columns {
+            pose: at.remove(POSE),
+            support: at.remove(SUPPORT),
+            ..Columns::default()
+        };
+        columns.take_joints(&mut at, dofs)?;
+        columns.t = columns.take(&mut at, &[T], "")?;
+        columns.gravity = columns.take(&mut at, &GRAVITY, "gravity")?;
+        if readings == Readings::Ignored {
+            at.retain(|name, _| !is_reading(name));
+        } else {
+            columns.take_readings(&mut at)?;
+        }
+        if readings == Readings::Required && columns.cop.is_none() && columns.cells.is_empty() {
+            return Err(
+                "no readings; add the columns `cop_x` and `cop_y` (m, support frame), \
+                 or `fsr_1`, `fsr_2`, … (N)"
+                    .into(),
+            );
+        }
+        columns.ignored = header
+            .iter()
+            .filter(|name| at.contains_key(name.as_str()))
+            .cloned()
+            .collect();
+        Ok(columns)
+    }
+
+    fn take_joints(&mut self, at: &mut HashMap<&str, usize>, dofs: &[Dof]) -> Result<(), String> {
+        let mut missing = Vec::new();
+        for dof in dofs {
+            let joint = dof.joint.trim();
+            match at.remove(joint) {
+                Some(column) => self.push(column, joint),
+                None => missing.push(joint),
+            }
+        }
+        self.joints = 0..self.numbers.len();
+        if missing.is_empty() {
+            return Ok(());
+        }
+        let near = suggestion(&missing, at.keys().copied());
+        Err(format!(
+            "no column for joint {}; columns carry the URDF's joint names{near}",
+            list(&missing)
+        ))
+    }
+
+    fn take_readings(&mut self, at: &mut HashMap<&str, usize>) -> Result<(), String> {
+        self.cop = self.take(at, &COP, "the CoP")?;
+        self.cop_std = self.take(at, &COP_STD, "its deviation")?;
+        let cells = (1..).take_while(|k| at.contains_key(cell(*k).as_str()));
+        let count = cells.count();
+        let names: Vec<String> = (1..=count).map(cell).collect();
+        let stds: Vec<String> = names.iter().map(|name| format!("{name}_std")).collect();
+        let start = self.numbers.len();
+        for name in &names {
+            self.take(at, &[name], "")?;
+        }
+        self.cells = start..self.numbers.len();
+        if count > 0 {
+            let stds: Vec<&str> = stds.iter().map(String::as_str).collect();
+            self.cell_std = self.take(at, &stds, "the cells' deviation")?;
+        }
+        let beyond = at.keys().find(|name| cell_number(name).is_some());
+        match beyond {
+            Some(name) => Err(format!(
+                "column `{name}`, but no `{}`; cells count from `fsr_1` without a gap",
+                cell(count + 1)
+            )),
+            None => Ok(()),
+        }
+    }
+
+    /// Take all of `names` or none; some of them is an error about `what`.
+    fn take(
+        &mut self,
+        at: &mut HashMap<&str, usize>,
+        names: &[&str],
+        what: &str,
+    ) -> Result<Option<usize>, String> {
+        let start = self.numbers.len();
+        let missing: Vec<&str> = names
+            .iter()
+            .copied()
+            .filter(|name| !at.contains_key(*name))
+            .collect();
+        if missing.len() == names.len() {
+            return Ok(None);
+        }
+        if !missing.is_empty() {
+            return Err(format!(
+                "no column {}; {what} needs all of {}",
+                list(&missing),
+                list(names)
+            ));
+        }
+        for name in names {
+            if let Some(column) = at.remove(*name) {
+                self.push(column, name);
+            }
+        }
+        Ok(Some(start))
+    }
+
+    fn push(&mut self, column: usize, name: &str) {
+        self.numbers.push(column);
+        self.names.push(name.to_string());
+    }
+
+    /// Whether rows carry readings.
+    pub fn readings(&self) -> bool {
+        self.cop.is_some() || !self.cells.is_empty()
+    }
+}
+
+/// Joints that can have a column of their own. A joint must not be called like
+/// a column that has another meaning, nor like another joint.
+pub(super) fn check_joints(dofs: &[Dof]) -> Result<(), String> {
+    let mut seen = HashMap::new();
+    for dof in dofs {
+        let name = dof.joint.trim();
+        if is_reserved(name) {
+            return Err(format!(
+                "joint `{name}` is called like a column of posture logs that is no joint; \
+                 rename it in the URDF"
+            ));
+        }
+        if name.is_empty() || name.contains(['\n', '\r', '\0']) {
+            return Err(format!(
+                "joint {:?} cannot name a column; rename it in the URDF",
+                dof.joint
+            ));
+        }
+        if seen.insert(name, ()).is_some() {
+            return Err(format!(
+                "joint `{name}` differs from another only by blanks around its name; \
+                 rename it in the URDF"
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn is_reserved(name: &str) -> bool {
+    [POSE, T, SUPPORT].contains(&name) || GRAVITY.contains(&name) || is_reading(name)
+}
+
+fn is_reading(name: &str) -> bool {
+    COP.contains(&name) || COP_STD.contains(&name) || cell_number(name).is_some()
+}
+
+/// Name of foot cell `k`, from 1.
+fn cell(k: usize) -> String {
+    format!("fsr_{k}")
+}
+
+/// The `k` of `fsr_k` and `fsr_k_std`.
+fn cell_number(name: &str) -> Option<usize> {
+    let digits = name.strip_prefix("fsr_")?;
+    let digits = digits.strip_suffix("_std").unwrap_or(digits);
+    let plain = digits.bytes().all(|b| b.is_ascii_digit()) && !digits.starts_with('0');
+    digits.parse().ok().filter(|_| plain)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::logs::tests::dofs;
+
+    fn header(names: &str) -> Vec<String> {
+        names.split(',').map(str::to_string).collect()
+    }
+
+    #[test]
+    fn columns_are_found_by_name_in_any_order() {
+        let names = header("fsr_2,knee,,t,fsr_1,hip,note,fsr_1_std,fsr_2_std,pose");
+        let columns = Columns::of(&names, &dofs(&["hip", "knee"]), Readings::Required).unwrap();
+        assert_eq!(columns.numbers, [5, 1, 3, 4, 0, 7, 8]);
+        assert_eq!((columns.joints, columns.t), (0..2, Some(2)));
+        assert_eq!((columns.cells, columns.cell_std), (3..5, Some(5)));
+        assert_eq!((columns.pose, columns.cop), (Some(9), None));
+        assert_eq!(columns.ignored, ["note"]);
+    }
+
+    #[test]
+    fn halves_and_gaps_are_refused_by_name() {
+        for (names, words) in [
+            ("hip,cop_x", "no column `cop_y`"),
+            ("hip,cop_x,cop_y,cop_y_std", "no column `cop_x_std`"),
+            ("hip,fsr_1,fsr_3", "`fsr_3`, but no `fsr_2`"),
+            (
+                "hip,fsr_1,fsr_2,fsr_1_std",
+                "the cells' deviation needs all",
+            ),
+            ("hip,gravity_x,gravity_y", "no column `gravity_z`"),
+            ("hip", "no readings"),
+            ("hip,x,x", "`x` appears twice"),
+            ("hop,cop_x,cop_y", "did you mean `hop` for `hip`"),
+        ] {
+            let error = Columns::of(&header(names), &dofs(&["hip"]), Readings::Required);
+            let message = error.unwrap_err();
+            assert!(message.contains(words), "{names}: {message}");
+        }
+    }
+
+    #[test]
+    fn joints_called_like_other_columns_are_refused() {
+        for joint in [
+            "pose", "support", "t", "cop_x", "fsr_3", " pose ", "", "a\nb",
+        ] {
+            assert!(check_joints(&dofs(&[joint])).is_err(), "{joint:?}");
+        }
+        assert!(check_joints(&dofs(&["a", " a"])).is_err());
+        assert!(check_joints(&dofs(&["a", "fsr_x", "pose_2", "fsr_01"])).is_ok());
+    }
+}

@@ -1,0 +1,346 @@
+//! MCAP recordings of ROS 2: `sensor_msgs/msg/JointState`, and the CoP as
+//! `geometry_msgs/msg/WrenchStamped` or `PointStamped`.
+//!
+//! A wrench is measured at the origin of the support frame, on the sole plane,
+//! with axes along the frame's. A ground force `f` at `p` makes `τ = p × f`:
+//!
+//! ```text
+//! x = −τ_y / f_z        y = τ_x / f_z
+//! ```
+//!
+//! whichever of sole and ground is said to push, since both signs change. A
+//! point is the CoP itself. The message's `frame_id` is the support where it
+//! is a link of the robot.
+//!
+//! Stretches in which the robot holds still are postures, see [`Hold`]; each
+//! reading in one is a row, with the joints' means. A log without readings has
+//! one row per posture.
+
+mod cdr;
+mod hold;
+mod records;
+mod survey;
+#[cfg(test)]
+pub(super) mod tests;
+
+use std::collections::{HashMap, VecDeque};
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+use std::sync::Arc;
+
+use sesc_model::tree::Dof;
+
+use self::cdr::{Header, JointState};
+use self::hold::{Holds, Posture};
+use self::records::{Channel, Records};
+use self::survey::Survey;
+use super::columns::{COP, Columns, POSE, Readings, SUPPORT, T};
+use super::names::short;
+use super::reader::{Hold, Options};
+use super::source::{Interner, Meter, Metered, Progress, Raw, Source};
+use crate::Error;
+
+const STATE: &str = "sensor_msgs/msg/JointState";
+const WRENCH: &str = "geometry_msgs/msg/WrenchStamped";
+const POINT: &str = "geometry_msgs/msg/PointStamped";
+
+/// Less than this, N, and nothing stands on the sensor.
+const WEIGHT: f64 = 1.0;
+
+/// Columns before the joints; a recording without readings has three of them.
+const FIRST: [&str; 5] = [POSE, T, SUPPORT, COP[0], COP[1]];
+const T_PLACE: usize = 1;
+
+/// A reading of the CoP.
+struct Reading {
+    /// Which of the recording's, from 1.
+    number: u64,
+    t: f64,
+    frame: Arc<str>,
+    cop: [f64; 2],
+}
+
+/// A row that waits to be read.
+struct Ready {
+    pose: i64,
+    q: Arc<[f64]>,
+    reading: Reading,
+}
+
+/// A recording being read.
+pub(super) struct McapSource {
+    file: String,
+    records: Records<BufReader<Metered>>,
+    meter: Arc<Meter>,
+    header: Vec<String>,
+    /// Place of each joint among the joints of the header.
+    place: HashMap<String, usize>,
+    q: Vec<f64>,
+    /// Topic of the readings, if they are wanted.
+    topic: Option<String>,
+    /// The user named the topic.
+    chosen: bool,
+    links: Vec<String>,
+    hold: Hold,
+    holds: Holds<Reading>,
+    ready: VecDeque<Ready>,
+    frames: Interner,
+    readings: u64,
+    airborne: u64,
+    postures: u64,
+    ended: bool,
+    warnings: Vec<String>,
+}
+
+impl McapSource {
+    /// Look which joints and readings the recording has, then start over.
+    pub fn open(
+        path: &Path,
+        file: &str,
+        dofs: &[Dof],
+        options: &Options,
+        topic: Option<&str>,
+    ) -> Result<McapSource, Error> {
+        let bad = |message| Error::Log {
+            file: file.to_string(),
+            line: None,
+            message,
+        };
+        let start = || -> Result<(Records<_>, Arc<Meter>), Error> {
+            let input = File::open(path).map_err(|source| Error::Read {
+                file: file.to_string(),
+                source,
+            })?;
+            let input = Metered::new(input);
+            let meter = input.meter();
+            Ok((Records::new(BufReader::new(input)).map_err(bad)?, meter))
+        };
+        let wanted = options.readings != Readings::Ignored;
+        let survey = Survey::of(start()?.0, dofs, topic, wanted).map_err(bad)?;
+        let (records, meter) = start()?;
+        let skip = if survey.topic.is_some() { 5 } else { 3 };
+        let names = FIRST[..skip].iter().map(|name| name.to_string());
+        Ok(McapSource {
+            file: file.to_string(),
+            records,
+            meter,
+            header: names.chain(survey.joints.iter().cloned()).collect(),
+            q: vec![f64::NAN; survey.joints.len()],
+            place: survey.joints.into_iter().zip(0..).collect(),
+            topic: survey.topic,
+            chosen: topic.is_some(),
+            links: options.links.clone(),
+            hold: options.hold,
+            holds: Holds::new(options.hold),
+            ready: VecDeque::new(),
+            frames: Interner::default(),
+            readings: 0,
+            airborne: 0,
+            postures: 0,
+            ended: false,
+            warnings: Vec::new(),
+        })
+    }
+
+    /// Take one message.
+    fn advance(&mut self) -> Result<(), String> {
+        let Some(message) = self.records.next()? else {
+            self.ended = true;
+            let last = self.holds.end();
+            self.keep(last);
+            return self.conclude();
+        };
+        let Some(channel) = self.records.channel_of(&message) else {
+            return Ok(());
+        };
+        let data = self.records.data(&message);
+        let at = |message: String| format!("topic {}: {message}", short(&channel.topic));
+        match channel.schema.as_str() {
+            STATE => {
+                let state = check_encoding(&channel)
+                    .and_then(|()| JointState::decode(data))
+                    .map_err(at)?;
+                self.state(&state, message.log_time).map_err(at)
+            }
+            schema @ (WRENCH | POINT) => {
+                match &self.topic {
+                    Some(topic) if *topic == channel.topic => {}
+                    Some(topic) if !self.chosen => return Err(several(topic, &channel.topic)),
+                    _ => return Ok(()),
+                }
+                check_encoding(&channel).map_err(at)?;
+                let (header, cop) = match schema {
+                    POINT => cdr::point(data).map(|(header, [x, y, _])| (header, Some([x, y]))),
+                    _ => cdr::wrench(data).map(|(header, f, torque)| (header, centre(f, torque))),
+                }
+                .map_err(at)?;
+                self.reading(&header, message.log_time, cop);
+                Ok(())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn state(&mut self, state: &JointState, log_time: f64) -> Result<(), String> {
+        if state.position.len() != state.name.len() {
+            return Err(format!(
+                "{} positions for {} joints",
+                state.position.len(),
+                state.name.len()
+            ));
+        }
+        let mut speed = 0.0f64;
+        for (k, name) in state.name.iter().enumerate() {
+            let Some(place) = self.place.get(name.trim()) else {
+                continue;
+            };
+            self.q[*place] = state.position[k];
+            // Drivers that do not measure it send nothing or NaN.
+            let velocity = state.velocity.get(k).filter(|v| v.is_finite());
+            speed = speed.max(velocity.map_or(0.0, |v| v.abs()));
+        }
+        let t = state.header.stamp.unwrap_or(log_time);
+        let ended = self.holds.state(t, &self.q, speed);
+        self.keep(ended);
+        Ok(())
+    }
+
+    fn reading(&mut self, header: &Header, log_time: f64, cop: Option<[f64; 2]>) {
+        self.readings += 1;
+        let Some(cop) = cop.filter(|cop| cop.iter().all(|x| x.is_finite())) else {
+            self.airborne += 1;
+            return;
+        };
+        let frame = header.frame.trim_start_matches('/');
+        let known = self.links.iter().any(|link| link == frame);
+        let reading = Reading {
+            number: self.readings,
+            t: header.stamp.unwrap_or(log_time),
+            frame: self.frames.get(if known { frame } else { "" }),
+            cop,
+        };
+        let part = self.holds.reading(reading);
+        self.keep(part);
+    }
+
+    /// Rows of a posture.
+    fn keep(&mut self, posture: Option<Posture<Reading>>) {
+        let Some(posture) = posture else {
+            return;
+        };
+        self.postures += 1;
+        let Posture {
+            pose,
+            t,
+            q,
+            mut readings,
+        } = posture;
+        if self.topic.is_none() {
+            readings = vec![Reading {
+                number: self.postures,
+                t,
+                frame: self.frames.get(""),
+                cop: [f64::NAN; 2],
+            }];
+        }
+        let q: Arc<[f64]> = q.into();
+        let rows = readings.into_iter().map(|reading| Ready {
+            pose,
+            q: q.clone(),
+            reading,
+        });
+        self.ready.extend(rows);
+    }
+
+    /// What to say at the end of the recording.
+    fn conclude(&mut self) -> Result<(), String> {
+        let Hold { speed, duration } = self.hold;
+        if self.postures == 0 {
+            return Err(format!(
+                "no posture is held: no stretch of {duration} s in which every joint stays \
+                 below {speed} rad/s"
+            ));
+        }
+        if self.airborne > 0 {
+            self.warnings.push(format!(
+                "{}: {} of {} readings had less than {WEIGHT} N on the sole and are left out",
+                self.file, self.airborne, self.readings
+            ));
+        }
+        Ok(())
+    }
+}
+
+impl Source for McapSource {
+    fn header(&self) -> &[String] {
+        &self.header
+    }
+
+    fn fill(&mut self, columns: &Columns, count: usize, raw: &mut Raw) -> Result<(), Error> {
+        for _ in 0..count {
+            while self.ready.is_empty() && !self.ended {
+                let advanced = self.advance();
+                advanced.map_err(|message| Error::Log {
+                    file: self.file.clone(),
+                    line: None,
+                    message,
+                })?;
+            }
+            let Some(row) = self.ready.pop_front() else {
+                break;
+            };
+            raw.line.push(row.reading.number);
+            if columns.pose.is_some() {
+                raw.pose.push(row.pose);
+            }
+            if columns.support.is_some() {
+                raw.support.push(row.reading.frame.clone());
+            }
+            let first = self.header.len() - row.q.len();
+            raw.numbers.extend(columns.numbers.iter().map(|&k| match k {
+                T_PLACE => row.reading.t,
+                _ if k >= first => row.q[k - first],
+                _ => row.reading.cop[usize::from(k > FIRST.len() - 2)],
+            }));
+        }
+        Ok(())
+    }
+
+    fn progress(&self) -> Progress {
+        self.meter.progress()
+    }
+
+    fn warnings(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.warnings)
+    }
+
+    fn hash(&self) -> u64 {
+        self.meter.hash()
+    }
+}
+
+/// Messages must be written as ROS 2 does.
+fn check_encoding(channel: &Channel) -> Result<(), String> {
+    match channel.encoding.as_str() {
+        "cdr" => Ok(()),
+        other => Err(format!(
+            "messages written as `{}`; record with ROS 2, which writes `cdr`",
+            short(other)
+        )),
+    }
+}
+
+fn several(one: &str, other: &str) -> String {
+    format!(
+        "the CoP is on `{}` and on `{}`; choose one by `topic = \"…\"` in the sidecar",
+        short(one),
+        short(other)
+    )
+}
+
+/// CoP of a wrench in the support frame; nothing if nothing stands on it.
+fn centre(force: [f64; 3], torque: [f64; 3]) -> Option<[f64; 2]> {
+    let f = force[2];
+    (f.abs() >= WEIGHT).then(|| [-torque[1] / f, torque[0] / f])
+}

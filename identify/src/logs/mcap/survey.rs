@@ -1,0 +1,90 @@
+//! A first look at a recording: which joints and which CoP it has.
+
+use std::collections::HashSet;
+use std::io::Read;
+
+use sesc_model::tree::Dof;
+
+use super::cdr::JointState;
+use super::records::Records;
+use super::{FIRST, POINT, STATE, WRENCH, check_encoding};
+use crate::logs::names::list;
+
+/// Names kept for messages about joints that are missing.
+const MOST_JOINTS: usize = 10_000;
+
+/// What a recording has of what is wanted.
+pub(super) struct Survey {
+    /// The robot's joints that were seen; all joints if one is missing.
+    pub joints: Vec<String>,
+    /// Topic of the CoP, if it is wanted.
+    pub topic: Option<String>,
+}
+
+impl Survey {
+    /// Read until every joint and a reading were seen.
+    pub fn of<R: Read>(
+        mut records: Records<R>,
+        dofs: &[Dof],
+        topic: Option<&str>,
+        wanted: bool,
+    ) -> Result<Survey, String> {
+        let mut missing: HashSet<&str> = dofs.iter().map(|dof| dof.joint.trim()).collect();
+        let (mut seen, mut found) = (HashSet::new(), None);
+        while !missing.is_empty() || (wanted && found.is_none()) {
+            let Some(message) = records.next()? else {
+                break;
+            };
+            let Some(channel) = records.channel_of(&message) else {
+                continue;
+            };
+            match channel.schema.as_str() {
+                STATE => {
+                    check_encoding(&channel)?;
+                    for name in JointState::decode(records.data(&message))?.name {
+                        missing.remove(name.trim());
+                        if seen.len() < MOST_JOINTS {
+                            seen.insert(name.trim().to_string());
+                        }
+                    }
+                }
+                WRENCH | POINT if topic.is_none_or(|topic| topic == channel.topic) => {
+                    found.get_or_insert_with(|| channel.topic.clone());
+                }
+                _ => {}
+            }
+        }
+        let all = || {
+            let mut topics: Vec<String> = records
+                .channels()
+                .map(|channel| format!("{} ({})", channel.topic, channel.schema))
+                .collect();
+            topics.sort();
+            let topics: Vec<&str> = topics.iter().map(String::as_str).collect();
+            list(&topics)
+        };
+        if seen.is_empty() {
+            return Err(format!("no {STATE}; the topics are {}", all()));
+        }
+        if let (true, Some(topic), None) = (wanted, topic, &found) {
+            return Err(format!(
+                "no CoP on topic `{topic}`; the topics are {}",
+                all()
+            ));
+        }
+        let joints = if missing.is_empty() {
+            dofs.iter()
+                .map(|dof| dof.joint.trim().to_string())
+                .collect()
+        } else {
+            let mut seen: Vec<String> = seen.into_iter().collect();
+            seen.retain(|name| !FIRST.contains(&name.as_str()));
+            seen.sort();
+            seen
+        };
+        Ok(Survey {
+            joints,
+            topic: found.filter(|_| wanted),
+        })
+    }
+}

@@ -1,0 +1,265 @@
+//! Recordings put together byte by byte, as the standard says.
+
+use super::super::tests::{dofs, log, read_file};
+use super::*;
+
+/// A record: opcode, length, content.
+fn record(opcode: u8, content: &[u8]) -> Vec<u8> {
+    let mut bytes = vec![opcode];
+    bytes.extend((content.len() as u64).to_le_bytes());
+    bytes.extend(content);
+    bytes
+}
+
+fn string(text: &str) -> Vec<u8> {
+    let mut bytes = (text.len() as u32).to_le_bytes().to_vec();
+    bytes.extend(text.as_bytes());
+    bytes
+}
+
+fn schema(id: u16, name: &str) -> Vec<u8> {
+    let content = [
+        &id.to_le_bytes()[..],
+        &string(name),
+        &string("ros2msg"),
+        &string(""),
+    ];
+    record(0x03, &content.concat())
+}
+
+fn channel(id: u16, schema: u16, topic: &str, encoding: &str) -> Vec<u8> {
+    let content = [
+        &id.to_le_bytes()[..],
+        &schema.to_le_bytes(),
+        &string(topic),
+        &string(encoding),
+        &0u32.to_le_bytes(),
+    ];
+    record(0x04, &content.concat())
+}
+
+fn message(channel: u16, t: f64, data: &[u8]) -> Vec<u8> {
+    let time = ((t * 1e9) as u64).to_le_bytes();
+    record(
+        0x05,
+        &[&channel.to_le_bytes()[..], &[0; 4], &time, &time, data].concat(),
+    )
+}
+
+fn file(records: &[u8]) -> Vec<u8> {
+    let magic = &b"\x89MCAP0\r\n"[..];
+    let head = record(0x01, &[string("ros2"), string("test")].concat());
+    let end = record(0x0f, &[0; 4]);
+    let foot = record(0x02, &[0; 20]);
+    [magic, &head, records, &end, &foot, magic].concat()
+}
+
+fn chunk(records: &[u8], compression: &str) -> Vec<u8> {
+    use std::io::Write as _;
+    let packed = match compression {
+        "lz4" => {
+            let mut packed = lz4_flex::frame::FrameEncoder::new(Vec::new());
+            packed.write_all(records).unwrap();
+            packed.finish().unwrap()
+        }
+        "zstd" => {
+            ruzstd::encoding::compress_to_vec(records, ruzstd::encoding::CompressionLevel::Fastest)
+        }
+        _ => records.to_vec(),
+    };
+    let mut crc = flate2::Crc::new();
+    crc.update(records);
+    let content = [
+        &[0; 16][..],
+        &(records.len() as u64).to_le_bytes(),
+        &crc.sum().to_le_bytes(),
+        &string(compression),
+        &(packed.len() as u64).to_le_bytes(),
+        &packed,
+    ];
+    record(0x06, &content.concat())
+}
+
+/// Little-endian CDR, aligned from behind its first four bytes.
+#[derive(Default)]
+struct Body(Vec<u8>);
+
+impl Body {
+    fn word(mut self, x: u32) -> Body {
+        self.0.resize(self.0.len().next_multiple_of(4), 0);
+        self.0.extend(x.to_le_bytes());
+        self
+    }
+
+    fn text(self, text: &str) -> Body {
+        let mut body = self.word(text.len() as u32 + 1);
+        body.0.extend(text.bytes().chain([0]));
+        body
+    }
+
+    fn double(mut self, x: f64) -> Body {
+        self.0.resize(self.0.len().next_multiple_of(8), 0);
+        self.0.extend(x.to_le_bytes());
+        self
+    }
+
+    fn doubles(self, all: &[f64]) -> Body {
+        let body = self.word(all.len() as u32);
+        all.iter().fold(body, |body, x| body.double(*x))
+    }
+
+    fn header(t: f64, frame: &str) -> Body {
+        let nanoseconds = (t.fract() * 1e9).round() as u32;
+        Body::default().word(t as u32).word(nanoseconds).text(frame)
+    }
+
+    fn done(self) -> Vec<u8> {
+        [&[0, 1, 0, 0][..], &self.0].concat()
+    }
+}
+
+fn state(t: f64, names: &[&str], q: &[f64]) -> Vec<u8> {
+    let body = Body::header(t, "").word(names.len() as u32);
+    let body = names.iter().fold(body, |body, name| body.text(name));
+    body.doubles(q).doubles(&[]).doubles(&[]).done()
+}
+
+fn wrench(t: f64, force: [f64; 3], torque: [f64; 3]) -> Vec<u8> {
+    let body = Body::header(t, "sole");
+    let all = force.into_iter().chain(torque);
+    all.fold(body, Body::double).done()
+}
+
+/// Two postures of half a second, a motion between them, a foot in the air.
+fn records() -> Vec<u8> {
+    let mut records = [
+        schema(1, STATE),
+        schema(2, WRENCH),
+        channel(10, 1, "/joint_states", "cdr"),
+        channel(20, 2, "/sole/wrench", "cdr"),
+    ]
+    .concat();
+    for k in 0..60 {
+        let t = 10.0 + f64::from(k) * 0.025;
+        let knee = match k {
+            0..20 => 0.5,
+            20..40 => 0.5 - f64::from(k - 19) * 0.05,
+            _ => -0.5,
+        };
+        records.extend(message(
+            10,
+            t,
+            &state(t, &["knee", "wheel", "hip"], &[knee, t, 0.25]),
+        ));
+        if k & 1 == 0 {
+            let f = if k == 4 { 0.1 } else { 30.0 };
+            let reading = wrench(t + 0.001, [1.0, 2.0, f], [30.0 * 0.02, -30.0 * 0.01, 0.0]);
+            records.extend(message(20, t, &reading));
+        }
+    }
+    records
+}
+
+pub(in crate::logs) fn recording(compression: &str) -> Vec<u8> {
+    file(&chunk(&records(), compression))
+}
+
+fn read(bytes: &[u8], sidecar: &str) -> Result<(super::super::Block, Vec<String>), Error> {
+    let (_folder, path) = log("log.mcap", bytes, sidecar);
+    let options = Options {
+        links: vec!["sole".into()],
+        ..Options::default()
+    };
+    read_file(&path, &dofs(&["hip", "knee"]), &options)
+}
+
+#[test]
+fn stretches_of_rest_become_postures() {
+    let (expected, warnings) = read(&file(&records()), "").unwrap();
+    // 20 states of 25 ms: ten readings, the last not confirmed, one in the air.
+    assert!(warnings[0].contains("1 of 30 readings"), "{warnings:?}");
+    let (first, second): (Vec<i64>, Vec<i64>) = expected.pose.iter().partition(|p| **p == 0);
+    assert!((8..=9).contains(&first.len()), "{:?}", expected.pose);
+    assert!(second.len() >= 9 && second.iter().all(|pose| *pose == 1));
+    assert_eq!(expected.q[..2], [0.25, 0.5]);
+    assert!((expected.q[expected.q.len() - 1] + 0.5).abs() < 1e-9);
+    let [x, y] = expected.reading.as_ref().unwrap()[0];
+    assert!(
+        (x - 0.01).abs() < 1e-15 && (y - 0.02).abs() < 1e-15,
+        "{x} {y}"
+    );
+    assert_eq!(&*expected.support.as_ref().unwrap()[0], "sole");
+    assert!((expected.t.as_ref().unwrap()[0] - 10.001).abs() < 1e-9);
+    for compression in ["", "lz4", "zstd"] {
+        let (block, _) = read(&recording(compression), "").unwrap();
+        assert!(block == expected, "{compression}");
+    }
+}
+
+#[test]
+fn without_readings_a_posture_is_a_row() {
+    let (_folder, path) = log("log.mcap", &recording("lz4"), "");
+    let options = Options {
+        readings: Readings::Ignored,
+        ..Options::default()
+    };
+    let (block, _) = read_file(&path, &dofs(&["hip", "knee"]), &options).unwrap();
+    assert_eq!((block.pose.len(), block.reading), (2, None));
+}
+
+#[test]
+fn faults_say_what_to_do() {
+    let whole = recording("lz4");
+    let moving = |t: f64| state(t, &["hip", "knee"], &[t, 0.0]);
+    let states: Vec<u8> = (0..50)
+        .flat_map(|k| message(10, 0.0, &moving(1.0 + f64::from(k) * 0.1)))
+        .collect();
+    let head = [schema(1, STATE), channel(10, 1, "/js", "cdr")].concat();
+    let ros1 = [schema(1, STATE), channel(10, 1, "/js", "ros1")].concat();
+    let second = [
+        channel(21, 2, "/left", "cdr"),
+        message(21, 10.2, &wrench(10.2, [0.0; 3], [0.0; 3])),
+    ];
+    let both = [records(), second.concat()].concat();
+    let stray = [channel(30, 9, "/chatter", "cdr"), message(30, 1.0, &[])].concat();
+    for (bytes, sidecar, words) in [
+        (
+            whole[..whole.len() - 20].to_vec(),
+            "",
+            &["cut off", "mcap recover"][..],
+        ),
+        (whole[..200].to_vec(), "", &["cut off"]),
+        (
+            file(&stray),
+            "",
+            &["no sensor_msgs/msg/JointState", "/chatter"],
+        ),
+        (
+            file(&[head, states.clone()].concat()),
+            "",
+            &["no posture is held", "0.02 rad/s"],
+        ),
+        (file(&[ros1, states].concat()), "", &["`ros1`", "ROS 2"]),
+        (file(&both), "", &["`/sole/wrench` and on `/left`", "topic"]),
+        (
+            whole.clone(),
+            "topic = '/nowhere'",
+            &["`/nowhere`", "/sole/wrench"],
+        ),
+    ] {
+        let message = read(&bytes, sidecar).unwrap_err().to_string();
+        for word in words {
+            assert!(message.contains(word), "`{word}` not in: {message}");
+        }
+    }
+    assert!(read(&file(&both), "topic = '/sole/wrench'").is_ok());
+    let mut damaged = recording("");
+    let at = damaged.len() / 2;
+    damaged[at] ^= 1;
+    assert!(
+        read(&damaged, "")
+            .unwrap_err()
+            .to_string()
+            .contains("damaged")
+    );
+}

@@ -1,0 +1,305 @@
+//! Reading a log of any format in blocks.
+
+use std::fs::File;
+use std::io::Read as _;
+use std::path::Path;
+
+use sesc_model::tree::Dof;
+
+use super::assemble::Assembler;
+use super::block::Block;
+use super::columns::{Columns, Readings};
+use super::csv::CsvSource;
+use super::sidecar::{Angles, Sidecar};
+use super::source::{Metered, Progress, Raw, Source};
+use super::suspect::Suspicions;
+use crate::Error;
+
+/// Rows taken from the file at once, and looked at before the first is given out.
+const CHUNK: usize = 4096;
+
+/// How a log is to be read.
+#[derive(Debug, Clone, Default)]
+pub struct Options {
+    /// Unit of the turning joints; the sidecar's, else radians, unless given.
+    pub angles: Option<Angles>,
+    pub readings: Readings,
+    /// The robot's links; a support that is none of them is an error. Not
+    /// checked if empty.
+    pub links: Vec<String>,
+    /// Link on the ground in rows that do not say; the sidecar's unless given.
+    pub support: Option<String>,
+    /// Which stretches of an MCAP recording are postures.
+    pub hold: Hold,
+    /// Topic of the CoP in an MCAP recording that has several; the sidecar's
+    /// unless given.
+    pub topic: Option<String>,
+    /// Take angles and CoP of any size: which unit they are in is the question.
+    pub any_unit: bool,
+}
+
+/// When a robot that is being recorded holds still.
+///
+/// A posture is a stretch in which every joint is slower than `speed` for at
+/// least `duration`. Prismatic joints count m for rad.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hold {
+    /// rad/s
+    pub speed: f64,
+    /// s
+    pub duration: f64,
+}
+
+impl Default for Hold {
+    fn default() -> Hold {
+        Hold {
+            speed: 0.02,
+            duration: 0.3,
+        }
+    }
+}
+
+/// What was read, for the record.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Summary {
+    /// 16 hex digits: FNV-1a (64 bits) over the bytes of the file.
+    pub hash: String,
+    pub rows: u64,
+    /// Runs of rows that share a pose.
+    pub postures: u64,
+}
+
+/// A log being read.
+///
+/// Memory: one chunk of rows and the block that was asked for, however long
+/// the log is; each format adds a bounded buffer of its own.
+pub struct PostureReader {
+    source: Box<dyn Source>,
+    columns: Columns,
+    assembler: Assembler,
+    suspicions: Suspicions,
+    raw: Raw,
+    /// Rows of `raw` that were given out.
+    given: usize,
+    started: bool,
+    ended: bool,
+    last_pose: Option<i64>,
+    rows: u64,
+    postures: u64,
+    /// What the log's sidecar says.
+    pub sidecar: Sidecar,
+    /// What is odd about the log so far, complete after the last block.
+    pub warnings: Vec<String>,
+}
+
+impl PostureReader {
+    /// Open `path`, of a format told by its first bytes, and match its columns
+    /// with the robot's joints.
+    ///
+    /// # Errors
+    ///
+    /// Files that cannot be read or are no log, missing or doubled columns, a
+    /// sidecar with wrong values.
+    pub fn open(path: &Path, dofs: &[Dof], options: &Options) -> Result<PostureReader, Error> {
+        let (sidecar, mut warnings) = Sidecar::of(path)?;
+        let file = path.display().to_string();
+        let mut source = open_source(path, &file, dofs, options, &sidecar)?;
+        let bad = |message| Error::Log {
+            file: file.clone(),
+            line: Some(1),
+            message,
+        };
+        let columns = Columns::of(source.header(), dofs, options.readings).map_err(bad)?;
+        warnings.extend(source.warnings());
+        if !columns.ignored.is_empty() {
+            let names: Vec<&str> = columns.ignored.iter().map(String::as_str).collect();
+            let (noun, verb) = match names.len() {
+                1 => ("column", "is no joint and is"),
+                _ => ("columns", "are no joints and are"),
+            };
+            warnings.push(format!(
+                "{file}: {noun} {} {verb} ignored",
+                super::names::list(&names)
+            ));
+        }
+        let angles = options.angles.or(sidecar.angles).unwrap_or(Angles::Rad);
+        let assembler = Assembler::new(&file, &columns, dofs, angles, &sidecar, options)?;
+        Ok(PostureReader {
+            suspicions: Suspicions::new(&file, dofs, angles),
+            source,
+            columns,
+            assembler,
+            raw: Raw::default(),
+            given: 0,
+            started: false,
+            ended: false,
+            last_pose: None,
+            rows: 0,
+            postures: 0,
+            sidecar,
+            warnings,
+        })
+    }
+
+    /// The next rows, `count` at most; an empty block is the end of the log.
+    ///
+    /// # Errors
+    ///
+    /// The first faulty row, by its place in the file. A log without rows is
+    /// an error too.
+    pub fn block(&mut self, count: usize) -> Result<Block, Error> {
+        let mut block = self.assembler.start();
+        while block.len() < count {
+            if self.given == self.raw.line.len() && !self.refill()? {
+                break;
+            }
+            let end = (self.given + count - block.len()).min(self.raw.line.len());
+            self.assembler
+                .append(&self.raw, self.given..end, &mut block)?;
+            self.given = end;
+        }
+        for pose in &block.pose {
+            if self.last_pose != Some(*pose) {
+                self.postures += 1;
+            }
+            self.last_pose = Some(*pose);
+        }
+        self.rows += block.len() as u64;
+        self.suspicions.see(&block);
+        if self.rows > 0 && block.len() < count {
+            self.suspicions.judge(&mut self.warnings);
+        }
+        Ok(block)
+    }
+
+    /// Take the next chunk from the file; false at its end.
+    fn refill(&mut self) -> Result<bool, Error> {
+        let first = !std::mem::replace(&mut self.started, true);
+        self.raw.clear();
+        self.given = 0;
+        if !self.ended {
+            self.source.fill(&self.columns, CHUNK, &mut self.raw)?;
+            self.ended = self.raw.line.len() < CHUNK;
+            self.warnings.extend(self.source.warnings());
+        }
+        if first {
+            if self.raw.line.is_empty() {
+                return Err(self
+                    .assembler
+                    .fault(None, "no postures below the header".into()));
+            }
+            self.assembler.look(&self.raw)?;
+        }
+        Ok(!self.raw.line.is_empty())
+    }
+
+    /// Whether blocks carry readings.
+    pub fn has_readings(&self) -> bool {
+        self.columns.readings()
+    }
+
+    /// How much of the log was read.
+    pub fn progress(&self) -> Progress {
+        self.source.progress()
+    }
+
+    /// What was read; nothing before the end was reached.
+    pub fn summary(&self) -> Option<Summary> {
+        self.ended.then(|| Summary {
+            hash: format!("{:016x}", self.source.hash()),
+            rows: self.rows,
+            postures: self.postures,
+        })
+    }
+}
+
+/// The right source for what `path` holds.
+fn open_source(
+    path: &Path,
+    file: &str,
+    dofs: &[Dof],
+    options: &Options,
+    sidecar: &Sidecar,
+) -> Result<Box<dyn Source>, Error> {
+    let failed = |source| Error::Read {
+        file: file.to_string(),
+        source,
+    };
+    let mut input = Metered::new(File::open(path).map_err(failed)?);
+    let mut head = Vec::new();
+    (&mut input)
+        .take(8)
+        .read_to_end(&mut head)
+        .map_err(failed)?;
+    if head.starts_with(b"PAR1") {
+        return open_parquet(path, file);
+    }
+    if head.starts_with(b"\x89MCAP") {
+        return open_mcap(path, file, dofs, options, sidecar);
+    }
+    if let Some(message) = damaged_from_the_start(path, &head) {
+        return Err(Error::Log {
+            file: file.to_string(),
+            line: None,
+            message,
+        });
+    }
+    Ok(Box::new(CsvSource::open(file, head, input)?))
+}
+
+/// What is wrong with a file that by its name is no CSV, and by its first bytes no text.
+fn damaged_from_the_start(path: &Path, head: &[u8]) -> Option<String> {
+    let end = path.extension()?.to_str()?.to_ascii_lowercase();
+    let format = match end.as_str() {
+        "parquet" => "a Parquet file",
+        "mcap" => "an MCAP recording",
+        "gz" if !head.starts_with(b"\x1f\x8b") => "packed with gzip",
+        _ => return None,
+    };
+    // Text of any name is read as CSV.
+    let text = head.utf8_chunks().next().is_some_and(|chunk| {
+        // The last character may be cut by the eight bytes looked at.
+        !chunk.valid().is_empty() && !chunk.valid().contains('\0') && chunk.invalid().is_empty()
+    });
+    (!text).then(|| match head.is_empty() {
+        true => "empty; copy it again".to_string(),
+        false => format!(
+            "by its name {format}, but it does not start like one: damaged, or of another format; \
+             copy it again, or rename it"
+        ),
+    })
+}
+
+#[cfg(feature = "parquet")]
+fn open_parquet(path: &Path, file: &str) -> Result<Box<dyn Source>, Error> {
+    Ok(Box::new(super::parquet::ParquetSource::open(path, file)?))
+}
+
+#[cfg(not(feature = "parquet"))]
+fn open_parquet(_: &Path, file: &str) -> Result<Box<dyn Source>, Error> {
+    Err(Error::without("parquet", "Parquet", file))
+}
+
+#[cfg(feature = "mcap")]
+fn open_mcap(
+    path: &Path,
+    file: &str,
+    dofs: &[Dof],
+    options: &Options,
+    sidecar: &Sidecar,
+) -> Result<Box<dyn Source>, Error> {
+    let topic = options.topic.as_deref().or(sidecar.topic.as_deref());
+    let source = super::mcap::McapSource::open(path, file, dofs, options, topic)?;
+    Ok(Box::new(source))
+}
+
+#[cfg(not(feature = "mcap"))]
+fn open_mcap(
+    _: &Path,
+    file: &str,
+    _: &[Dof],
+    _: &Options,
+    _: &Sidecar,
+) -> Result<Box<dyn Source>, Error> {
+    Err(Error::without("mcap", "MCAP", file))
+}

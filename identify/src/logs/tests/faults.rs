@@ -1,0 +1,156 @@
+//! Logs that are refused, and how.
+
+use super::{dofs, gzip, log, read_file, refused};
+use crate::logs::Options;
+
+#[test]
+fn faults_name_row_column_and_remedy() {
+    for (text, words) in [
+        ("", &["log.csv", "empty", "header"][..]),
+        ("hip,knee\n", &["log.csv", "no postures"]),
+        (" , \n0,0\n", &[":1", "no header"]),
+        ("hip,nee\n0,0\n", &[":1", "`knee`", "mean `nee` for `knee`"]),
+        (
+            "hip,knee\n0,0\n0,x\n",
+            &[":3", "`knee`", "`x` is no number"],
+        ),
+        ("hip,knee\n0,\n", &[":2", "`knee`", "empty"]),
+        ("hip;knee\n0;0,5\n", &[":2", "`knee`", "decimal comma"]),
+        ("hip,knee\n0,inf\n", &[":2", "`knee`", "not finite"]),
+        ("hip,knee\n0,45\n", &[":2", "`knee`", "--degrees"]),
+        ("hip,knee\n0,0\n0\n", &[":3", "1 fields", "2"]),
+        ("hip,knee\n0,0,0\n", &[":2", "3 fields"]),
+        (
+            "hip,knee,pose\n0,0,1.5\n",
+            &[":2", "`pose`", "whole number"],
+        ),
+        ("hip,knee,t\n0,0,NaN\n", &[":2", "`t`", "not finite"]),
+        (
+            "hip,knee,support\n0,0,soel\n",
+            &[":2", "no link `soel`", "mean `sole`"],
+        ),
+        (
+            "hip,knee,cop_x,cop_y,cop_x_std,cop_y_std\n0,0,0,0,0.1,0\n",
+            &[":2", "`cop_y_std`", "positive"],
+        ),
+        (
+            "hip,knee,cop_x,cop_y\n0,0,12.5,-3.5\n",
+            &[":2", "`cop_x`", "millimetres"],
+        ),
+        (
+            "hip,knee,gravity_x,gravity_y,gravity_z\n0,0,0,0,9.8\n",
+            &[":2", "negative"],
+        ),
+        (
+            "hip,knee,fsr_1,fsr_2\n0,0,1,1\n",
+            &["log.csv", "cells = ", "sidecar"],
+        ),
+    ] {
+        let sidecar = if text.contains("soel") {
+            "support = 'sole'"
+        } else {
+            ""
+        };
+        refused(text, sidecar, words);
+    }
+    refused(
+        "hip,knee\n0,0\n",
+        "support = 'soles'",
+        &["sidecar", "`soles`", "`sole`"],
+    );
+    refused("hip,knee\n0,0\n", "cells = 3", &["log.toml", "cells"]);
+}
+
+#[test]
+fn what_is_no_table_is_told_by_its_bytes() {
+    for (bytes, word) in [
+        (&b"\xff\xfeh\0i\0p\0"[..], "UTF-16"),
+        (b"PK\x03\x04...", "export it as CSV"),
+        (b"\x7fELF\x02\x01\x01\0\0\0", "not text"),
+        (b"hip,\xe9\n0,0\n", "UTF-8"),
+        (b"\x1f\x8b\x08", "cut off"),
+        (b"\x1f\x8b\xff\xff\xff\xff\xff\xff\xff\xff\xff", "gzip"),
+    ] {
+        let (_folder, path) = log("log.csv", bytes, "");
+        let error = read_file(&path, &dofs(&["hip"]), &Options::default()).unwrap_err();
+        assert!(error.to_string().contains(word), "{error}");
+    }
+    let packed = gzip(b"hip\n0.5\n");
+    let (_folder, path) = log("log.csv.gz", &packed[..packed.len() - 6], "");
+    let error = read_file(&path, &dofs(&["hip"]), &Options::default()).unwrap_err();
+    assert!(error.to_string().contains("cut off"), "{error}");
+}
+
+/// Bytes of no format under the names of some, and text under a name that is not its own.
+#[test]
+fn damaged_files_are_told_by_their_names() {
+    let noise: Vec<u8> = (0..200u32).map(|k| (k * k * 37 + 129) as u8).collect();
+    for (name, format) in [
+        ("log.parquet", "a Parquet file"),
+        ("log.mcap", "an MCAP recording"),
+        ("log.csv.gz", "packed with gzip"),
+    ] {
+        let said = |bytes: &[u8]| {
+            let (_folder, path) = log(name, bytes, "");
+            let error = read_file(&path, &dofs(&["hip"]), &Options::default()).unwrap_err();
+            error.to_string()
+        };
+        for bytes in [&noise, &noise[..3], b"\x7fELF\x02\x01\0\0\0\0"] {
+            let message = said(bytes);
+            for word in [name, format, "copy it again, or rename it"] {
+                assert!(message.contains(word), "{word}: {message}");
+            }
+        }
+        assert!(said(b"").contains("empty; copy it again"));
+        let (_folder, path) = log(name, b"hip\n0.5\n", "");
+        assert!(read_file(&path, &dofs(&["hip"]), &Options::default()).is_ok());
+    }
+}
+
+/// Cut anywhere, a file of each format names itself and what helps.
+#[test]
+fn files_that_are_cut_off_say_so() {
+    for (bytes, name, remedy) in [
+        (&b"PAR1\x15\x04\x15"[..], "log.parquet", "copy it again"),
+        (b"\x89MCAP0\r\n", "log.mcap", "mcap recover"),
+        (
+            b"\x89MCAP0\r\n\x01\x40\0\0\0\0\0\0\0abc",
+            "log.mcap",
+            "mcap recover",
+        ),
+        (b"\x89MCAP", "log.mcap", "mcap recover"),
+    ] {
+        if !cfg!(feature = "parquet") && name.ends_with("parquet")
+            || !cfg!(feature = "mcap") && name.ends_with("mcap")
+        {
+            continue;
+        }
+        let (_folder, path) = log(name, bytes, "");
+        let error = read_file(&path, &dofs(&["hip"]), &Options::default()).unwrap_err();
+        let message = error.to_string();
+        for word in [name, "cut off", remedy] {
+            assert!(message.contains(word), "{word}: {message}");
+        }
+    }
+}
+
+#[test]
+fn absurd_sizes_end_in_words() {
+    let joints = dofs(&["hip"]);
+    let wide = "x,".repeat(100_000) + "hip\n";
+    let long = format!("hip\n{}\n", "1".repeat(9 << 20));
+    let quote = format!("hip\n\"{}\n", "1\n".repeat(5 << 20));
+    let many: String = (0..30_000).map(|k| format!("c{k},")).collect::<String>() + "hip\n0\n";
+    for (text, word) in [
+        (wide, "appears twice|columns"),
+        (long, "a row of more than"),
+        (quote, "a row of more than"),
+        (many, "30001 columns"),
+    ] {
+        let (_folder, path) = log("log.csv", text.as_bytes(), "");
+        let error = read_file(&path, &joints, &Options::default()).unwrap_err();
+        let message = error.to_string();
+        assert!(word.split('|').any(|w| message.contains(w)), "{message}");
+        assert!(message.len() < 500, "{}", message.len());
+    }
+}

@@ -1,0 +1,312 @@
+//! Postures that the robot can stand in, drawn by seed.
+//!
+//! ```text
+//! q = q_rest + s (u − q_rest)        u uniform within the limits, s in (0, 1]
+//! q ← q + W Jᵀ (J W Jᵀ)⁻¹ (t − CoP(q))        until CoP(q) = t, a point drawn on the sole
+//! ```
+//!
+//! Uniform postures hardly ever balance. Each draw is therefore moved, by
+//! Newton steps through the CoM Jacobian J, to a CoP drawn within the region;
+//! joints move in proportion to their squared ranges (W) and stop at their
+//! limits. Where what CAD does not know would still carry the CoP over the
+//! edge, the target goes half way to the middle. Then come the ground and the
+//! robot's own body. Every draw that fails is counted with its reason.
+
+use nalgebra::{DMatrix, Matrix2, Vector2};
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+use serde::Serialize;
+use sesc_model::{Function, Model};
+
+use super::balance::Region;
+use super::clearance::Clearance;
+#[cfg(feature = "collision")]
+use super::collision::Collisions;
+use super::limits::Limits;
+use super::poses::{self, Pose};
+use crate::evaluate::Evaluator;
+
+/// Draws worked on together.
+const BLOCK: usize = 256;
+/// Draws without any candidate after which there is none.
+const FUTILE: usize = 10_000;
+/// Newton steps per target, and targets per draw.
+const STEPS: usize = 10;
+const TARGETS: usize = 3;
+/// Close enough to the target, m.
+const NEAR: f64 = 1e-5;
+/// Farthest a joint moves in one step, as a part of its range.
+const STRIDE: f64 = 0.25;
+/// Draws reach at least so far from rest, as a part of the limits.
+const LEAST_SPREAD: f64 = 0.2;
+
+/// What was asked of candidates.
+pub struct Demands<'a> {
+    pub limits: &'a Limits,
+    pub region: &'a Region,
+    /// Standard deviations of the CoP kept from the edge.
+    pub sigmas: f64,
+    /// S of the parameters' covariance S Sᵀ.
+    pub uncertainty: &'a DMatrix<f64>,
+    pub clearance: &'a Clearance,
+    #[cfg(feature = "collision")]
+    pub collisions: &'a Collisions,
+}
+
+/// What became of the draws.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Counts {
+    pub drawn: usize,
+    pub balanced: usize,
+    /// Of these: nothing but the support body near the ground.
+    pub clear: usize,
+    /// Of these: no body runs into another.
+    pub collision_free: usize,
+    /// The best CoP among draws that do not balance: how far it is out, m.
+    #[serde(skip)]
+    pub nearest_miss: Option<f64>,
+    /// The CoP's mean standard deviation over the draws, m.
+    pub cop_std: f64,
+    /// How often each link was the one near the ground.
+    #[serde(skip)]
+    pub low: Vec<usize>,
+}
+
+/// Draws candidates until there are enough.
+pub struct Sampler<'a> {
+    model: &'a Model,
+    demands: Demands<'a>,
+    com: Evaluator,
+    jacobian: Evaluator,
+    regressor: Evaluator,
+    rng: ChaCha8Rng,
+    pub counts: Counts,
+}
+
+impl<'a> Sampler<'a> {
+    pub fn new(model: &'a Model, demands: Demands<'a>, seed: u64) -> Sampler<'a> {
+        Sampler {
+            com: Evaluator::new(model, Function::Cop),
+            jacobian: Evaluator::new(model, Function::ComJacobian),
+            regressor: Evaluator::new(model, Function::RegressorCop),
+            rng: ChaCha8Rng::seed_from_u64(seed),
+            counts: Counts {
+                low: vec![0; model.tree.links.len()],
+                ..Counts::default()
+            },
+            demands,
+            model,
+        }
+    }
+
+    /// Up to `wanted` candidates from at most `draws` draws, one after the other;
+    /// gives up where the first `FUTILE` bring none.
+    pub fn sample(&mut self, wanted: usize, draws: usize, progress: impl Fn(usize)) -> Vec<f64> {
+        let dof = self.model.dof();
+        let mut found = Vec::new();
+        let futile = |found: &Vec<f64>, drawn: usize| found.is_empty() && drawn >= FUTILE;
+        while !futile(&found, self.counts.drawn)
+            && found.len() < wanted * dof
+            && self.counts.drawn < draws
+        {
+            let n = BLOCK.min(draws - self.counts.drawn);
+            for q in self.block(n) {
+                // Counts stop with the last candidate taken.
+                if found.len() == wanted * dof {
+                    break;
+                }
+                self.counts.drawn += 1;
+                if self.stands(&q) {
+                    found.extend_from_slice(&q.q);
+                }
+            }
+            progress(found.len() / dof);
+        }
+        self.counts.cop_std /= self.counts.drawn.max(1) as f64;
+        found
+    }
+
+    /// Counts a draw; true for a candidate.
+    fn stands(&mut self, drawn: &Drawn) -> bool {
+        self.counts.cop_std += drawn.std;
+        if drawn.excess > 0.0 {
+            let nearest = self.counts.nearest_miss.get_or_insert(f64::INFINITY);
+            *nearest = nearest.min(drawn.excess);
+            return false;
+        }
+        self.counts.balanced += 1;
+        let mut bodies: Vec<Pose> = Vec::new();
+        poses::bodies(self.model, &drawn.q, &mut bodies);
+        match self.demands.clearance.lowest(&bodies) {
+            Some((height, link)) if height < self.demands.clearance.height => {
+                self.counts.low[link] += 1;
+                return false;
+            }
+            _ => self.counts.clear += 1,
+        }
+        #[cfg(feature = "collision")]
+        if self.demands.collisions.first(&bodies).is_some() {
+            return false;
+        }
+        self.counts.collision_free += 1;
+        true
+    }
+
+    /// `n` draws, moved towards balance.
+    fn block(&mut self, n: usize) -> Vec<Drawn> {
+        let mut draws: Vec<Drawn> = (0..n).map(|_| self.draw()).collect();
+        for _ in 0..TARGETS {
+            let mut open: Vec<usize> = (0..n).filter(|&k| draws[k].excess > 0.0).collect();
+            for _ in 0..STEPS {
+                open = self.step(&mut draws, open);
+            }
+            self.judge(&mut draws);
+            let centre = self.demands.region.centre();
+            for drawn in draws.iter_mut().filter(|drawn| drawn.excess > 0.0) {
+                drawn.target = (drawn.target + centre) / 2.0;
+            }
+        }
+        draws
+    }
+
+    fn draw(&mut self) -> Drawn {
+        let rest = self.demands.limits.rest();
+        let rng = &mut self.rng;
+        let spread = 1.0 - (1.0 - LEAST_SPREAD) * rng.random::<f64>();
+        let ranges = self.demands.limits.ranges.iter().zip(&rest);
+        let q = ranges
+            .map(|(&(lower, upper), rest)| {
+                let uniform = lower + (upper - lower) * rng.random::<f64>();
+                (rest + spread * (uniform - rest)).clamp(lower, upper)
+            })
+            .collect();
+        let region = self.demands.region;
+        let bounds = region.bounds();
+        let mut target = region.centre();
+        for _ in 0..100 {
+            let at = bounds.map(|(low, high)| low + (high - low) * rng.random::<f64>());
+            if region.excess(at.into(), &Matrix2::zeros(), 0.0) <= 0.0 {
+                target = at.into();
+                break;
+            }
+        }
+        Drawn {
+            q,
+            target,
+            excess: f64::INFINITY,
+            std: 0.0,
+        }
+    }
+
+    /// One Newton step of those not yet at their targets.
+    fn step(&self, draws: &mut [Drawn], open: Vec<usize>) -> Vec<usize> {
+        let dof = self.model.dof();
+        let q: Vec<f64> = open
+            .iter()
+            .flat_map(|&k| draws[k].q.iter().copied())
+            .collect();
+        let cop = self.com.run(&q, open.len());
+        let jacobian = self.jacobian.run(&q, open.len());
+        let mut still = Vec::with_capacity(open.len());
+        for (i, k) in open.into_iter().enumerate() {
+            let drawn = &mut draws[k];
+            let miss = drawn.target - Vector2::new(cop[2 * i], cop[2 * i + 1]);
+            if miss.norm() > NEAR {
+                let j = &jacobian[3 * dof * i..][..2 * dof];
+                drawn.move_by(miss, j, &self.demands.limits.ranges);
+                still.push(k);
+            }
+        }
+        still
+    }
+
+    /// How far each CoP is out, given what CAD does not know.
+    fn judge(&self, draws: &mut [Drawn]) {
+        let q: Vec<f64> = draws
+            .iter()
+            .flat_map(|drawn| drawn.q.iter().copied())
+            .collect();
+        let n = draws.len();
+        let cop = self.com.run(&q, n);
+        let p = self.demands.uncertainty.nrows();
+        // As columns, φᵀ of one posture after the other.
+        let rows = DMatrix::from_vec(p, 2 * n, self.regressor.run(&q, n));
+        let spread = self.demands.uncertainty.tr_mul(&rows);
+        for (k, drawn) in draws.iter_mut().enumerate() {
+            let (x, y) = (spread.column(2 * k), spread.column(2 * k + 1));
+            let covariance = Matrix2::new(x.dot(&x), x.dot(&y), x.dot(&y), y.dot(&y));
+            let cop = Vector2::new(cop[2 * k], cop[2 * k + 1]);
+            let excess = self
+                .demands
+                .region
+                .excess(cop, &covariance, self.demands.sigmas);
+            // What is not a number does not balance.
+            drawn.excess = if excess <= f64::MAX {
+                excess
+            } else {
+                f64::INFINITY
+            };
+            drawn.std = (covariance.trace() / 2.0).sqrt();
+        }
+    }
+}
+
+struct Drawn {
+    q: Vec<f64>,
+    /// Where its CoP is to be, m.
+    target: Vector2<f64>,
+    /// How far it is from balance, m; balanced at zero and below.
+    excess: f64,
+    /// Standard deviation of its CoP, m.
+    std: f64,
+}
+
+impl Drawn {
+    /// Least motion, in parts of the ranges, that moves the CoP by `miss`.
+    fn move_by(&mut self, miss: Vector2<f64>, jacobian: &[f64], ranges: &[(f64, f64)]) {
+        let dof = self.q.len();
+        let (x, y) = jacobian.split_at(dof);
+        let mut free: Vec<bool> = ranges.iter().map(|(lower, upper)| upper > lower).collect();
+        let mut steps = vec![0.0; dof];
+        // Joints at a limit that would go further stay; the others do their part.
+        for _ in 0..2 {
+            let mut gram = Matrix2::zeros();
+            for j in (0..dof).filter(|&j| free[j]) {
+                let weight = (ranges[j].1 - ranges[j].0).powi(2);
+                let column = Vector2::new(x[j], y[j]);
+                gram += column * column.transpose() * weight;
+            }
+            // A little damping where no joint moves the CoP.
+            let damping = 1e-6 * gram.trace() + f64::MIN_POSITIVE;
+            let Some(inverse) = (gram + Matrix2::identity() * damping).try_inverse() else {
+                return;
+            };
+            let pull = inverse * miss;
+            for j in 0..dof {
+                let (lower, upper) = ranges[j];
+                let step = (upper - lower).powi(2) * (x[j] * pull.x + y[j] * pull.y);
+                steps[j] = if free[j] && step.is_finite() {
+                    step
+                } else {
+                    0.0
+                };
+            }
+            for j in 0..dof {
+                let (lower, upper) = ranges[j];
+                let stuck = (self.q[j] <= lower && steps[j] < 0.0)
+                    || (self.q[j] >= upper && steps[j] > 0.0);
+                free[j] &= !stuck;
+            }
+        }
+        // All steps shrink together, so that the direction stays.
+        let longest = |(step, (lower, upper)): (&f64, &(f64, f64))| match upper > lower {
+            true => step.abs() / (upper - lower),
+            false => 0.0,
+        };
+        let worst = steps.iter().zip(ranges).map(longest).fold(0.0, f64::max);
+        let scale = if worst > STRIDE { STRIDE / worst } else { 1.0 };
+        for ((q, step), &(lower, upper)) in self.q.iter_mut().zip(steps).zip(ranges) {
+            *q = (*q + scale * step).clamp(lower, upper);
+        }
+    }
+}

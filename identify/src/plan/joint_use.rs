@@ -1,0 +1,40 @@
+//! What postures ask of the joints.
+
+use serde::Serialize;
+use sesc_model::Model;
+
+use super::limits::Limits;
+
+/// What postures ask of a joint, rad or m.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct JointUse {
+    pub joint: String,
+    pub sliding: bool,
+    /// What was allowed.
+    pub limits: [f64; 2],
+    /// Posture by posture, in their order.
+    #[serde(skip)]
+    pub values: Vec<f64>,
+    /// Least and largest of these.
+    pub used: [f64; 2],
+}
+
+/// What the chosen postures ask of every joint.
+pub(super) fn of_all(model: &Model, limits: &Limits, q: &[f64], chosen: &[usize]) -> Vec<JointUse> {
+    let dof = model.dof();
+    let of_joint = |j: usize| {
+        let values: Vec<f64> = chosen.iter().map(|k| q[k * dof + j]).collect();
+        let (lower, upper) = limits.ranges[j];
+        JointUse {
+            joint: model.tree.dofs[j].joint.clone(),
+            sliding: model.tree.dofs[j].prismatic,
+            limits: [lower, upper],
+            used: [
+                values.iter().copied().fold(f64::INFINITY, f64::min),
+                values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+            ],
+            values,
+        }
+    };
+    (0..dof).map(of_joint).collect()
+}

@@ -1,0 +1,122 @@
+//! Where every body is in the support frame.
+//!
+//! ```text
+//! T_i = T_parent(i) · (anchor_i + axis θ,  R_i Rot(axis, θ))        θ = factor q + offset
+//! ```
+
+use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
+use sesc_model::Model;
+use sesc_model::chain::Body;
+use sesc_model::tree::Motion;
+
+/// Orientation and origin of a frame in the support frame, m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pose {
+    pub rotation: Matrix3<f64>,
+    pub origin: Vector3<f64>,
+}
+
+impl Pose {
+    pub const IDENTITY: Pose = Pose {
+        rotation: Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
+        origin: Vector3::new(0.0, 0.0, 0.0),
+    };
+
+    /// `inner`, given in this frame, in the frame this one is given in.
+    pub fn then(&self, inner: &Pose) -> Pose {
+        Pose {
+            rotation: self.rotation * inner.rotation,
+            origin: self.point(&inner.origin),
+        }
+    }
+
+    pub fn point(&self, point: &Vector3<f64>) -> Vector3<f64> {
+        self.origin + self.rotation * point
+    }
+}
+
+/// Poses of all bodies of `model` in posture `q`, in the order of its chain.
+pub fn bodies(model: &Model, q: &[f64], poses: &mut Vec<Pose>) {
+    poses.clear();
+    for body in &model.chain.bodies {
+        let own = against_parent(body, q);
+        poses.push(match body.parent {
+            Some(parent) => poses[parent].then(&own),
+            None => own,
+        });
+    }
+}
+
+fn against_parent(body: &Body, q: &[f64]) -> Pose {
+    match body.motion {
+        Motion::Fixed => Pose::IDENTITY,
+        Motion::Turn { axis, by } => {
+            let angle = by.factor * q[by.dof] + by.offset;
+            let turn = Rotation3::from_axis_angle(&Unit::new_unchecked(axis), angle);
+            Pose {
+                rotation: body.rotation * turn.matrix(),
+                origin: body.anchor,
+            }
+        }
+        Motion::Slide { axis, by } => Pose {
+            rotation: body.rotation,
+            origin: body.anchor + axis * (by.factor * q[by.dof] + by.offset),
+        },
+    }
+}
+
+/// A frame or point of a link, seen from its body; `None` beyond a cut.
+pub fn of_link(model: &Model, link: usize) -> Option<(usize, Pose)> {
+    let place = model.chain.places[link]?;
+    let pose = Pose {
+        rotation: place.orientation,
+        origin: place.origin,
+    };
+    Some((place.body, pose))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::Robot;
+    use crate::simulate::Simulator;
+
+    /// Against the reference's link poses, on robots with slides, mimics and turned frames.
+    #[test]
+    fn links_stand_where_the_reference_has_them() {
+        let robots = [
+            (include_str!("../../../robots/op2/op2.urdf"), "r_sole"),
+            (
+                include_str!("../../../robots/lift_base/lift_base.urdf"),
+                "grasp_frame",
+            ),
+            (
+                include_str!("../../../robots/skew_humanoid/skew_humanoid.urdf"),
+                "right_sole",
+            ),
+        ];
+        for (text, support) in robots {
+            let robot = Robot::parse(text, "robot.urdf").unwrap();
+            let model = robot
+                .model(support, sesc_model::Snapping::Off, None)
+                .unwrap();
+            let reference = crate::robot::reference(&robot, support);
+            let mut simulator = Simulator::new(&model.tree.dofs, None, 3);
+            let mut poses = Vec::new();
+            for _ in 0..20 {
+                let q = simulator.posture();
+                bodies(&model, &q, &mut poses);
+                for (link, theirs) in reference.link_poses(&q).iter().enumerate() {
+                    let Some((body, place)) = of_link(&model, link) else {
+                        continue;
+                    };
+                    let own = poses[body].then(&place);
+                    let off = own.origin - theirs.translation.vector;
+                    assert!(off.norm() < 1e-12, "{}: {off}", model.tree.links[link].name);
+                    let turned = own.rotation - theirs.rotation.matrix();
+                    assert!(turned.norm() < 1e-12);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,298 @@
+//! One foot cell reads wrong.
+//!
+//! ```text
+//! f_k   = (1 ± x/a ± y/b) / 4 ± d         loads over the weight, cells at (±a, ±b)
+//! y     = Σ f'_k p_k / Σ f'_k             CoP of what the cells say
+//! f'_k  = g f_k | f_k + o | f_k^γ | s tanh(f_k / s)      gain, zero, exponent, saturation
+//! ```
+//!
+//! A rigid foot on four equal springs: a plane of loads; where a cell would have
+//! to pull it lifts off, and `d` (of alternating sign, the least that will do)
+//! gives its part to its neighbours without moving the CoP. Several faults share
+//! the true loads, whichever comes first. Nothing imitates a cell's gain (residual
+//! share 0.45); small faults of one cell are like an offset. Raw cells show each
+//! directly.
+
+use super::{Effect, Measured, Setting, Stage, Target, Value};
+use crate::expr::Id;
+use crate::functions::measured::Foot;
+
+/// Least load of a cell, over the weight, that a power is taken of: a root's slope
+/// at zero would have no bound.
+const LEAST: f64 = 1e-12;
+/// Least sum of the cells, over the weight, and more than any sum.
+const FAINT: f64 = 0.01;
+const MOST: f64 = 8.0;
+
+/// Half lengths of the rectangle that four cells form, and its middle, m.
+fn rectangle(cells: &[[f64; 2]]) -> Option<([f64; 2], [f64; 2])> {
+    let [a, b, c, d] = cells else { return None };
+    let cells = [a, b, c, d];
+    let extent = |axis: usize| {
+        let values = cells.map(|cell| cell[axis]);
+        let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        (0.5 * (high + low), 0.5 * (high - low))
+    };
+    let ((mx, hx), (my, hy)) = (extent(0), extent(1));
+    let corner = |cell: &[f64; 2]| {
+        let off = |x: f64, middle: f64, half: f64| libm::fabs(libm::fabs(x - middle) - half);
+        off(cell[0], mx, hx) < 1e-6 && off(cell[1], my, hy) < 1e-6
+    };
+    let all = hx > 0.0 && hy > 0.0 && cells.iter().all(|cell| corner(cell));
+    let side = |cell: &[f64; 2]| (cell[0] > mx, cell[1] > my);
+    let distinct = (0..4).all(|k| (0..k).all(|j| side(cells[j]) != side(cells[k])));
+    (all && distinct).then_some(([mx, my], [hx, hy]))
+}
+
+/// Whether loads of the cells follow from the CoP.
+pub(super) fn split_exists(cells: &[[f64; 2]]) -> bool {
+    rectangle(cells).is_some()
+}
+
+/// Middle and half lengths of the cells' rectangle, m: where a CoP can be.
+pub fn support(cells: &[[f64; 2]]) -> Option<([f64; 2], [f64; 2])> {
+    rectangle(cells)
+}
+
+/// Load of one cell over the weight, from the CoP: 0 to 1.
+fn load_of(faulty: usize, cop: [Id; 2], at: &mut Measured) -> Option<Id> {
+    let (middle, half) = rectangle(&at.cells)?;
+    let cells = at.cells.clone();
+    let (one, quarter) = (at.constant(1.0), at.constant(0.25));
+    let off = [0, 1].map(|axis| {
+        let middle = at.constant(-middle[axis]);
+        at.add(cop[axis], middle)
+    });
+    let mut plane = Vec::with_capacity(cells.len());
+    for cell in &cells {
+        let mut share = one;
+        for axis in 0..2 {
+            let slope = (cell[axis] - middle[axis]) / (half[axis] * half[axis]);
+            let slope = at.constant(slope);
+            let along = at.mul(slope, off[axis]);
+            share = at.add(share, along);
+        }
+        plane.push(at.mul(quarter, share));
+    }
+    // Opposite corners gain what the other two lose; at most one of two hangs.
+    let corner = |k: usize| (cells[k][0] > middle[0]) == (cells[k][1] > middle[1]);
+    let mut load = *plane.get(faulty)?;
+    for (k, other) in plane.iter().enumerate() {
+        let missing = at.neg(*other);
+        let missing = ramp(at, missing);
+        load = match corner(k) == corner(faulty) {
+            true => at.add(load, missing),
+            false => at.sub(load, missing),
+        };
+    }
+    Some(ramp(at, load))
+}
+
+/// `max(x, 0)` for x up to 1.
+fn ramp(at: &mut Measured, x: Id) -> Id {
+    let (two, half, one) = (at.constant(2.0), at.constant(0.5), at.constant(1.0));
+    let doubled = at.mul(two, x);
+    let centred = at.sub(doubled, one);
+    let inside = at.g().clamp(centred);
+    let lifted = at.add(inside, one);
+    at.mul(half, lifted)
+}
+
+/// CoP of what the cells say once cell `faulty` reads `wrong(its load)`, loads
+/// over the nominal weight:
+///
+/// ```text
+/// y = (p + Σ Δ_k p_k) / (1 + Σ Δ_k)        Δ_k = f'_k − f_k of the cells that are wrong
+/// ```
+fn read_with(target: &Target, at: &mut Measured, wrong: impl Fn(&mut Measured, Id) -> Id) {
+    let Target::Cell(faulty) = *target else {
+        return;
+    };
+    let mut foot = at.foot.take().unwrap_or(Foot {
+        cop: at.reading,
+        wrong: vec![None; at.cells.len()],
+    });
+    let before = match foot.wrong.get(faulty) {
+        Some(Some(already)) => Some(*already),
+        _ => load_of(faulty, foot.cop, at).map(|load| (load, load)),
+    };
+    if let Some((load, felt)) = before {
+        let felt = at.mul(at.weight, felt);
+        let said = wrong(at, felt);
+        let said = at.div(said, at.weight);
+        foot.wrong[faulty] = Some((load, said));
+        let changes = foot
+            .wrong
+            .iter()
+            .map(|cell| cell.map(|(f, s)| at.sub(s, f)));
+        let changes: Vec<Option<Id>> = changes.collect();
+        let zero = at.constant(0.0);
+        let change = changes
+            .iter()
+            .flatten()
+            .fold(zero, |sum, &c| at.add(sum, c));
+        let sum = whole(at, change);
+        for axis in 0..2 {
+            let mut moment = foot.cop[axis];
+            for (k, change) in changes.iter().enumerate() {
+                if let Some(change) = *change {
+                    let arm = at.constant(at.cells[k][axis]);
+                    let moved = at.mul(arm, change);
+                    moment = at.add(moment, moved);
+                }
+            }
+            at.reading[axis] = at.div(moment, sum);
+        }
+    }
+    at.foot = Some(foot);
+}
+
+/// `1 + change`, where cells say next to nothing no less than [`FAINT`]: a
+/// quotient that cannot run away.
+fn whole(at: &mut Measured, change: Id) -> Id {
+    let (most, faint) = (at.constant(MOST), at.constant(FAINT));
+    let (scale, rest) = (at.constant(1.0 / MOST), at.constant(1.0 - FAINT));
+    let above = at.add(change, rest);
+    let above = at.mul(scale, above);
+    let above = ramp(at, above);
+    let above = at.mul(most, above);
+    at.add(above, faint)
+}
+
+/// A load no smaller than [`LEAST`].
+fn positive(at: &mut Measured, load: Id) -> Id {
+    let least = at.constant(LEAST);
+    at.add(load, least)
+}
+
+macro_rules! cell_effect {
+    ($(#[$doc:meta])* $type:ident, $name:literal, $scale:expr, $value:literal,
+     $to:expr, $from:expr, $fault:expr, $starts:expr, $bound:expr, $wrong:expr) => {
+        $(#[$doc])*
+        pub(super) struct $type;
+
+        impl Effect for $type {
+            fn name(&self) -> &'static str {
+                $name
+            }
+
+            fn stage(&self) -> Stage {
+                Stage::Cells
+            }
+
+            fn targets(&self, setting: &Setting) -> Vec<Target> {
+                setting.cell_targets()
+            }
+
+            fn scales(&self, _: &Setting, _: &Target) -> Vec<f64> {
+                vec![$scale]
+            }
+
+            fn starts(&self, _: &Setting, _: &Target) -> Vec<Vec<f64>> {
+                let starts: &[f64] = &$starts;
+                starts.iter().map(|x| vec![*x]).collect()
+            }
+
+            fn rewrite(&self, target: &Target, at: &mut Measured, unknowns: &[Id]) {
+                let x = unknowns[0];
+                let wrong: fn(&mut Measured, Id, Id) -> Id = $wrong;
+                read_with(target, at, |at, load| wrong(at, load, x));
+            }
+
+            fn values(&self, setting: &Setting, _: &Target, unknowns: &[f64]) -> Vec<Value> {
+                let to: fn(&Setting, f64) -> f64 = $to;
+                super::plain(&[$value], &[to(setting, unknowns[0])])
+            }
+
+            fn unknowns(&self, setting: &Setting, _: &Target, values: &[f64]) -> Vec<f64> {
+                let from: fn(&Setting, f64) -> f64 = $from;
+                vec![from(setting, values[0])]
+            }
+
+            fn fault(&self, _: &Setting, _: &Target, values: &[f64]) -> Option<&'static str> {
+                let fault: fn(f64) -> Option<&'static str> = $fault;
+                fault(values[0])
+            }
+
+            fn excess(&self, _: &Setting, _: &Target, unknowns: &[f64]) -> Vec<f64> {
+                let bound: fn(f64) -> Vec<f64> = $bound;
+                bound(unknowns[0])
+            }
+        }
+    };
+}
+
+cell_effect!(
+    /// `f' = g f`
+    Gain,
+    "cell_gain",
+    0.1,
+    "gain",
+    |_, x| 1.0 + x,
+    |_, g| g - 1.0,
+    |g| (g < 0.0).then_some("cells do not pull; give a gain of 0 or more"),
+    [0.0],
+    |x| vec![(-0.95 - x).max(0.0) / 0.02, (x - 4.0).max(0.0) / 0.2],
+    |at, load, x| {
+        let one = at.constant(1.0);
+        let gain = at.add(one, x);
+        at.mul(gain, load)
+    }
+);
+
+cell_effect!(
+    /// `f' = f + o`, o in N.
+    Offset,
+    "cell_offset",
+    0.03,
+    "offset_n",
+    |setting, x| x * setting.weight(),
+    |setting, newton| newton / setting.weight(),
+    |_| None,
+    [0.0],
+    |x| super::beyond(x, 0.6, 0.05),
+    |at, load, x| at.add(load, x)
+);
+
+cell_effect!(
+    /// `f' = f^γ`, loads over the robot's weight.
+    Exponent,
+    "cell_exponent",
+    0.1,
+    "exponent",
+    |_, x| 1.0 + x,
+    |_, exponent| exponent - 1.0,
+    |e| (e <= 0.0).then_some("such a cell feels no load; give an exponent above 0"),
+    [0.0],
+    |x| vec![(-0.8 - x).max(0.0) / 0.05, (x - 3.0).max(0.0) / 0.2],
+    |at, load, x| {
+        let load = positive(at, load);
+        let one = at.constant(1.0);
+        let exponent = at.add(one, x);
+        at.g().pow(load, exponent)
+    }
+);
+
+cell_effect!(
+    /// `f' = s tanh(f / s)`, s in N: nearly true far below s, never above.
+    Saturation,
+    "cell_saturation",
+    0.05,
+    "level_n",
+    |setting, x| x * setting.weight(),
+    |setting, newton| newton / setting.weight(),
+    |s| (s <= 0.0).then_some("such a cell feels no load; give a level_n above 0"),
+    [0.15, 0.22, 0.3, 0.38, 0.46, 0.54],
+    |x| vec![(0.02 - x).max(0.0) / 0.01, (x - 1.0).max(0.0) / 0.01],
+    |at, load, x| {
+        // tanh u = (1 − w) / (1 + w), w = e^−2u: nothing grows with u.
+        let u = at.div(load, x);
+        let square = core::f64::consts::E * core::f64::consts::E;
+        let (base, one) = (at.constant(1.0 / square), at.constant(1.0));
+        let w = at.g().pow(base, u);
+        let (less, more) = (at.sub(one, w), at.add(one, w));
+        let filled = at.div(less, more);
+        at.mul(x, filled)
+    }
+);

@@ -1,0 +1,215 @@
+//! A hash-consed expression graph.
+//!
+//! Equal expressions share one node, so common subexpressions are found by
+//! construction. Nodes are numbered in the order of their making; an operand
+//! always has a smaller number than its user.
+//!
+//! Beside the nodes the graph records what is known of *vectors* of them: a
+//! bound on the Euclidean norm, and that a vector is a sum of orthogonal images
+//! of others. Scalar interval arithmetic loses this (each rotation widens a box
+//! by √2); the rounding analysis in `bounds` lives on it.
+
+use std::collections::{HashMap, HashSet};
+
+/// A node of one [`Graph`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Id(pub(crate) u32);
+
+impl Id {
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// What a node is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Expr {
+    Const(f64),
+    /// Element `index` of input array `array`.
+    Input {
+        array: u16,
+        index: u32,
+    },
+    Add(Id, Id),
+    Sub(Id, Id),
+    Mul(Id, Id),
+    Div(Id, Id),
+    Neg(Id),
+    Sin(Id),
+    Cos(Id),
+    /// The nearest number in [-1, 1].
+    Clamp(Id),
+    /// The first, not negative, to the power of the second.
+    Pow(Id, Id),
+}
+
+/// A node's identity for hash-consing: commutative operands sorted, floats by bits.
+#[derive(PartialEq, Eq, Hash)]
+enum Key {
+    Const(u64),
+    Input(u16, u32),
+    Add(Id, Id),
+    Sub(Id, Id),
+    Mul(Id, Id),
+    Div(Id, Id),
+    Neg(Id),
+    Sin(Id),
+    Cos(Id),
+    Clamp(Id),
+    Pow(Id, Id),
+}
+
+/// A vector of nodes, see [`Graph::know`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct VectorId(pub(crate) u32);
+
+/// What is known of a vector of nodes.
+#[derive(Debug, Clone)]
+pub struct Vector {
+    pub entries: Vec<Id>,
+    /// Bound on the Euclidean norm for every admissible input.
+    pub norm: f64,
+    /// In exact arithmetic the vector is a sum of orthogonal images of these,
+    /// plus terms that do not depend on them.
+    pub from: Vec<VectorId>,
+}
+
+/// `entry` is a scalar product of parts of two known vectors.
+#[derive(Debug, Clone, Copy)]
+pub struct Product {
+    pub entry: Id,
+    pub factors: [VectorId; 2],
+}
+
+/// Expressions under construction.
+#[derive(Default)]
+pub struct Graph {
+    pub(crate) nodes: Vec<Expr>,
+    pub(crate) names: HashMap<Id, String>,
+    pub(crate) sections: Vec<(usize, String)>,
+    pub(crate) vectors: Vec<Vector>,
+    pub(crate) products: Vec<Product>,
+    pub(crate) weights: HashSet<Id>,
+    index: HashMap<Key, Id>,
+}
+
+impl Graph {
+    /// What node `id` is.
+    pub fn expr(&self, id: Id) -> Expr {
+        self.nodes[id.index()]
+    }
+
+    /// Give a node the name it will carry in generated code; the first one stays.
+    pub fn name(&mut self, id: Id, name: impl FnOnce() -> String) {
+        if !matches!(self.expr(id), Expr::Const(_) | Expr::Input { .. }) {
+            self.names.entry(id).or_insert_with(name);
+        }
+    }
+
+    /// Start a section of generated code, or go on with the one of that title: nodes made
+    /// from here on stand below it.
+    pub fn section(&mut self, title: impl Into<String>) {
+        let title = title.into();
+        if self.sections.last().is_none_or(|(_, last)| *last != title) {
+            self.sections.push((self.nodes.len(), title));
+        }
+    }
+
+    /// Record that `entries` have Euclidean norm at most `norm` and are a sum
+    /// of orthogonal images of the vectors `from` (plus independent terms).
+    ///
+    /// Signs do not matter to any of this, so entries are kept without them: a
+    /// sign that the next operation absorbs never becomes a node of a program.
+    pub fn know(&mut self, entries: &[Id], norm: f64, from: &[VectorId]) -> VectorId {
+        self.vectors.push(Vector {
+            entries: entries.iter().map(|id| self.unsigned(*id)).collect(),
+            norm,
+            from: from.to_vec(),
+        });
+        VectorId(self.vectors.len() as u32 - 1)
+    }
+
+    /// Record that `entry` is a scalar product of parts of two known vectors.
+    pub fn know_product(&mut self, entry: Id, factors: [VectorId; 2]) {
+        let entry = self.unsigned(entry);
+        self.products.push(Product { entry, factors });
+    }
+
+    /// Record that `id` is a weight of orthogonal maps: a sine, a cosine. It may
+    /// be an entry of a vector too, but its own error then counts in both roles.
+    pub fn know_weight(&mut self, id: Id) {
+        self.weights.insert(self.unsigned(id));
+    }
+
+    /// The node without its sign.
+    fn unsigned(&self, id: Id) -> Id {
+        match self.expr(id) {
+            Expr::Neg(x) => x,
+            _ => id,
+        }
+    }
+
+    /// The node for `expr`, made if it is new. Rules have been applied already.
+    pub(crate) fn intern(&mut self, expr: Expr) -> Id {
+        let sorted = |a: Id, b: Id| if a <= b { (a, b) } else { (b, a) };
+        let key = match expr {
+            Expr::Const(x) => Key::Const(x.to_bits()),
+            Expr::Input { array, index } => Key::Input(array, index),
+            Expr::Add(a, b) => {
+                let (a, b) = sorted(a, b);
+                Key::Add(a, b)
+            }
+            Expr::Sub(a, b) => Key::Sub(a, b),
+            Expr::Mul(a, b) => {
+                let (a, b) = sorted(a, b);
+                Key::Mul(a, b)
+            }
+            Expr::Div(a, b) => Key::Div(a, b),
+            Expr::Neg(a) => Key::Neg(a),
+            Expr::Sin(a) => Key::Sin(a),
+            Expr::Cos(a) => Key::Cos(a),
+            Expr::Clamp(a) => Key::Clamp(a),
+            Expr::Pow(a, b) => Key::Pow(a, b),
+        };
+        let nodes = &mut self.nodes;
+        *self.index.entry(key).or_insert_with(|| {
+            let id = u32::try_from(nodes.len()).expect("a graph of 2^32 nodes does not fit memory");
+            nodes.push(expr);
+            Id(id)
+        })
+    }
+
+    /// Whether the node `a − b` exists.
+    pub(crate) fn has_difference(&self, a: Id, b: Id) -> bool {
+        self.index.contains_key(&Key::Sub(a, b))
+    }
+
+    pub fn constant(&mut self, x: f64) -> Id {
+        // One zero: -0.0 and 0.0 are the same expression.
+        self.intern(Expr::Const(if x == 0.0 { 0.0 } else { x }))
+    }
+
+    pub fn input(&mut self, array: u16, index: usize) -> Id {
+        self.intern(Expr::Input {
+            array,
+            index: index as u32,
+        })
+    }
+
+    pub(crate) fn value(&self, id: Id) -> Option<f64> {
+        match self.expr(id) {
+            Expr::Const(x) => Some(x),
+            _ => None,
+        }
+    }
+
+    /// Σ_k a_k b_k, left to right; vanishing terms cost nothing.
+    pub fn dot(&mut self, a: &[Id], b: &[Id]) -> Id {
+        let mut sum = self.constant(0.0);
+        for (&x, &y) in a.iter().zip(b) {
+            let term = self.mul(x, y);
+            sum = self.add(sum, term);
+        }
+        sum
+    }
+}

@@ -1,0 +1,73 @@
+//! The sensor by itself, forwards and backwards: readings freed from its effects.
+
+use super::circumstances::Source;
+use super::measured::Measured;
+use crate::effects::{self, Instance, Setting};
+use crate::expr::Id;
+use crate::model::Model;
+use crate::program::{Array, Program, Shape};
+use crate::tape::{Argument, Kernels, Tape};
+
+/// The CoP that a reading was made of: the sensor's effects of the model file taken
+/// back, last stage first. Input: `reading`, in the record's unit; `None` where
+/// there is no effect of the sensor.
+pub(super) fn correct_cop(model: &Model) -> Option<Program> {
+    sensor(model, effects::undo)
+}
+
+/// The reading of a CoP (m, the input): the sensor's effects of the model file.
+/// What [`Function::CorrectCop`](crate::Function::CorrectCop) is the inverse of.
+pub fn perceived(model: &Model) -> Option<Program> {
+    sensor(model, effects::sense)
+}
+
+type Way = fn(&mut Measured, &Setting, &[Instance], &[Id]);
+
+fn sensor(model: &Model, way: Way) -> Option<Program> {
+    let of_sensor = |(i, _): &&(Instance, Vec<f64>)| i.effect.of_sensor(&i.target);
+    let parts: Vec<_> = model.foretold().filter(of_sensor).collect();
+    if parts.is_empty() {
+        return None;
+    }
+    let cells = model.file.as_ref().map_or(&[][..], |file| &file.cells);
+    let setting = Setting::new(model, cells, false);
+    let baked = Some(model.params());
+    let mut measured = Measured::new(model, Source::Posture, 2, baked, cells);
+    measured.reading = [0, 1].map(|axis| measured.g().input(0, axis));
+    let instances: Vec<Instance> = parts.iter().map(|(i, _)| i.clone()).collect();
+    let values = parts.iter().flat_map(|(_, x)| x);
+    let unknowns: Vec<Id> = values.map(|x| measured.constant(*x)).collect();
+    way(&mut measured, &setting, &instances, &unknowns);
+    let outputs = measured.reading;
+    let inputs = vec![Array {
+        name: "reading",
+        len: 2,
+    }];
+    let shape = Shape::Vector(2);
+    Some(Program::new(measured.into_graph(), inputs, shape, &outputs))
+}
+
+impl Model {
+    /// The reading of a CoP, m to the record's unit.
+    pub fn reading_of(&self, cop: [f64; 2]) -> [f64; 2] {
+        let mut reading = cop;
+        if let Some(program) = perceived(self) {
+            let tape = Tape::new(&program);
+            tape.run(&[Argument::Shared(&cop)], 1, &mut reading, Kernels::LIBM);
+        }
+        reading
+    }
+
+    /// Largest reading on each axis of CoPs within the robot's reach, in the
+    /// record's unit: what corners show of an affine sensor.
+    pub(crate) fn largest_reading(&self) -> [f64; 2] {
+        let reach = self.reach();
+        let corners = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]];
+        let readings = corners.map(|corner| self.reading_of(corner.map(|x: f64| x * reach)));
+        [0, 1].map(|axis| {
+            readings
+                .iter()
+                .fold(0.0, |most: f64, y| most.max(libm::fabs(y[axis])))
+        })
+    }
+}

@@ -1,0 +1,46 @@
+//! From a URDF to the functions of its centre of mass as straight-line programs.
+//!
+//! ```text
+//! CoM(q) = r_0 + Σ B_i(q) r_i
+//! ```
+//!
+//! The CoM is linear in constants r that CAD or data provide; the orientations
+//! `B_i` come from the kinematics alone. This crate re-roots the tree at the
+//! support link, finds the base parameters (what data can determine), writes the
+//! functions of the CoM and of its measurement as hash-consed expressions, proves
+//! how exact they are, and evaluates them on a tape.
+//!
+//! Data walks one way; each stage imports only from those before it:
+//!
+//! ```text
+//! urdf → tree → chain → frames → base
+//!      → expr → functions → effects → model → program → bounds | tape
+//! ```
+
+#![deny(unsafe_code)]
+
+pub mod base;
+pub mod bounds;
+pub mod chain;
+pub mod effects;
+mod error;
+pub mod expr;
+pub mod frames;
+mod functions;
+mod model;
+mod model_file;
+pub mod names;
+pub mod numeric;
+pub mod program;
+pub mod snap;
+pub mod standard;
+pub mod tape;
+mod ties;
+pub mod tree;
+pub mod urdf;
+
+pub use error::Error;
+pub use functions::differentiate_com;
+pub use model::{Function, Given, Model};
+pub use model_file::{DataUsed, EffectRecord, ModelFile, Parameter, Quantity};
+pub use snap::Snapping;

@@ -1,0 +1,264 @@
+//! Straight-line programs: what is left of a graph once outputs are chosen.
+//!
+//! Dead nodes are dropped, the rest keeps the order in which it was made, so a
+//! program reads like the derivation and one new term is one new line. Rust,
+//! C and tape all come from this form; operation counts are counted on it.
+
+use std::collections::{HashMap, HashSet};
+
+use crate::expr::{Expr, Graph, Id, Product, Vector, VectorId};
+
+/// An input array.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Array {
+    pub name: &'static str,
+    pub len: usize,
+}
+
+/// Shape of the result.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Shape {
+    Vector(usize),
+    /// Row-major.
+    Matrix {
+        rows: usize,
+        cols: usize,
+    },
+}
+
+/// Exact operation counts.
+///
+/// Operations that only form the argument of a sine and cosine (a constant in
+/// the angle, a mimic's multiplier) belong to it and are counted as `angle`.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Counts {
+    pub mul: usize,
+    /// Additions and subtractions.
+    pub add: usize,
+    /// Sine-cosine pairs.
+    pub sin_cos: usize,
+    /// Operations on angles before their sine and cosine.
+    pub angle: usize,
+    /// Sign changes that no addition absorbs.
+    pub neg: usize,
+    /// Divisions, clamps and powers, which only effects need.
+    pub other: usize,
+}
+
+/// One node of a program.
+#[derive(Debug, Clone)]
+pub struct Node {
+    pub expr: Expr,
+    /// Name it was given in the graph.
+    pub name: Option<String>,
+    /// How often other nodes and outputs use it.
+    pub uses: usize,
+}
+
+/// Straight-line code for one function.
+#[derive(Debug, Clone)]
+pub struct Program {
+    pub inputs: Vec<Array>,
+    pub shape: Shape,
+    /// Operands stand before their users; ids index this list.
+    pub nodes: Vec<Node>,
+    /// In row-major order of `shape`.
+    pub outputs: Vec<Id>,
+    /// Titles, each with the node it stands before.
+    pub sections: Vec<(usize, String)>,
+    pub(crate) vectors: Vec<Vector>,
+    pub(crate) products: Vec<Product>,
+    pub(crate) weights: HashSet<Id>,
+}
+
+/// The nodes that `expr` reads.
+pub fn operands(expr: Expr) -> impl Iterator<Item = Id> {
+    let (a, b) = match expr {
+        Expr::Const(_) | Expr::Input { .. } => (None, None),
+        Expr::Neg(a) | Expr::Sin(a) | Expr::Cos(a) | Expr::Clamp(a) => (Some(a), None),
+        Expr::Add(a, b) | Expr::Sub(a, b) | Expr::Mul(a, b) | Expr::Div(a, b) | Expr::Pow(a, b) => {
+            (Some(a), Some(b))
+        }
+    };
+    a.into_iter().chain(b)
+}
+
+/// `expr` with its operands renamed.
+fn rename(expr: Expr, to: impl Fn(Id) -> Id) -> Expr {
+    match expr {
+        Expr::Const(_) | Expr::Input { .. } => expr,
+        Expr::Add(a, b) => Expr::Add(to(a), to(b)),
+        Expr::Sub(a, b) => Expr::Sub(to(a), to(b)),
+        Expr::Mul(a, b) => Expr::Mul(to(a), to(b)),
+        Expr::Div(a, b) => Expr::Div(to(a), to(b)),
+        Expr::Neg(a) => Expr::Neg(to(a)),
+        Expr::Sin(a) => Expr::Sin(to(a)),
+        Expr::Cos(a) => Expr::Cos(to(a)),
+        Expr::Clamp(a) => Expr::Clamp(to(a)),
+        Expr::Pow(a, b) => Expr::Pow(to(a), to(b)),
+    }
+}
+
+impl Program {
+    /// Keep what `outputs` need.
+    pub fn new(mut graph: Graph, inputs: Vec<Array>, shape: Shape, outputs: &[Id]) -> Program {
+        let mut live = vec![false; graph.nodes.len()];
+        for id in outputs {
+            live[id.index()] = true;
+        }
+        for k in (0..graph.nodes.len()).rev() {
+            if live[k] {
+                for operand in operands(graph.nodes[k]) {
+                    live[operand.index()] = true;
+                }
+            }
+        }
+        let mut new_id: HashMap<Id, Id> = HashMap::new();
+        let mut nodes: Vec<Node> = Vec::new();
+        let mut before = vec![0; graph.nodes.len() + 1];
+        for k in 0..graph.nodes.len() {
+            before[k] = nodes.len();
+            if !live[k] {
+                continue;
+            }
+            let old = Id(k as u32);
+            new_id.insert(old, Id(nodes.len() as u32));
+            let expr = rename(graph.nodes[k], |id| new_id[&id]);
+            for operand in operands(expr) {
+                nodes[operand.index()].uses += 1;
+            }
+            nodes.push(Node {
+                expr,
+                name: graph.names.remove(&old),
+                uses: 0,
+            });
+        }
+        before[graph.nodes.len()] = nodes.len();
+        let outputs: Vec<Id> = outputs.iter().map(|id| new_id[id]).collect();
+        for id in &outputs {
+            nodes[id.index()].uses += 1;
+        }
+        let vectors = graph
+            .vectors
+            .into_iter()
+            .map(|vector| Vector {
+                // A dead entry is as good as computed exactly.
+                entries: vector
+                    .entries
+                    .iter()
+                    .filter_map(|id| new_id.get(id).copied())
+                    .collect(),
+                ..vector
+            })
+            .collect();
+        let products = graph
+            .products
+            .iter()
+            .filter_map(|product| {
+                Some(Product {
+                    entry: *new_id.get(&product.entry)?,
+                    ..*product
+                })
+            })
+            .collect();
+        let weights = graph
+            .weights
+            .iter()
+            .filter_map(|id| new_id.get(id).copied())
+            .collect();
+        let sections = graph
+            .sections
+            .into_iter()
+            .map(|(at, title)| (before[at], title))
+            .collect();
+        Program {
+            inputs,
+            shape,
+            nodes,
+            outputs,
+            sections,
+            vectors,
+            products,
+            weights,
+        }
+    }
+
+    /// What node `id` is.
+    pub fn expr(&self, id: Id) -> Expr {
+        self.nodes[id.index()].expr
+    }
+
+    /// Nodes in order, with their ids.
+    pub fn iter(&self) -> impl Iterator<Item = (Id, &Node)> {
+        self.nodes
+            .iter()
+            .enumerate()
+            .map(|(k, node)| (Id(k as u32), node))
+    }
+
+    /// Sine and cosine nodes of each angle that has either.
+    pub fn angles(&self) -> HashMap<Id, (Option<Id>, Option<Id>)> {
+        let mut angles: HashMap<Id, (Option<Id>, Option<Id>)> = HashMap::new();
+        for (id, node) in self.iter() {
+            match node.expr {
+                Expr::Sin(a) => angles.entry(a).or_default().0 = Some(id),
+                Expr::Cos(a) => angles.entry(a).or_default().1 = Some(id),
+                _ => {}
+            }
+        }
+        angles
+    }
+
+    /// Operations of one call.
+    pub fn counts(&self) -> Counts {
+        let mut counts = Counts::default();
+        // Whether a node is made of sines and cosines: where effects bend joints, what
+        // forms their angles is a computation of its own.
+        let mut made = vec![false; self.nodes.len()];
+        for (k, node) in self.nodes.iter().enumerate() {
+            let trig = matches!(node.expr, Expr::Sin(_) | Expr::Cos(_));
+            made[k] = trig || operands(node.expr).any(|operand| made[operand.index()]);
+        }
+        // Whether a node feeds anything but sines and cosines.
+        let mut beyond = made;
+        for id in &self.outputs {
+            beyond[id.index()] = true;
+        }
+        for (k, node) in self.nodes.iter().enumerate().rev() {
+            let trig = matches!(node.expr, Expr::Sin(_) | Expr::Cos(_));
+            for operand in operands(node.expr) {
+                beyond[operand.index()] |= beyond[k] && !trig;
+            }
+            match node.expr {
+                Expr::Const(_) | Expr::Input { .. } | Expr::Sin(_) | Expr::Cos(_) => {}
+                _ if !beyond[k] => counts.angle += 1,
+                Expr::Add(..) | Expr::Sub(..) => counts.add += 1,
+                Expr::Mul(..) => counts.mul += 1,
+                Expr::Neg(_) => counts.neg += 1,
+                Expr::Div(..) | Expr::Clamp(_) | Expr::Pow(..) => counts.other += 1,
+            }
+        }
+        counts.sin_cos = self.angles().len();
+        counts
+    }
+
+    /// Known vectors, by number.
+    pub(crate) fn vector(&self, id: VectorId) -> &Vector {
+        &self.vectors[id.0 as usize]
+    }
+}
+
+impl Shape {
+    /// Number of outputs.
+    pub fn len(self) -> usize {
+        match self {
+            Shape::Vector(n) => n,
+            Shape::Matrix { rows, cols } => rows * cols,
+        }
+    }
+
+    /// Whether there is no output at all (a robot without joints has an empty Jacobian).
+    pub fn is_empty(self) -> bool {
+        self.len() == 0
+    }
+}
