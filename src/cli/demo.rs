@@ -150,7 +150,7 @@ fn second_act(demo: &Demo) -> String {
         out,
         "   on {} postures never seen the model misses the true CoP by {} mm, before {} mm;\n   \
          its {} lines of Rust carry the effect",
-        crate::demo::hidden::JUDGED,
+        demo::hidden::JUDGED,
         mm(hidden.after),
         mm(hidden.before),
         hidden.lines

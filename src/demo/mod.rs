@@ -54,7 +54,7 @@ pub const SEED: u64 = 6;
 pub fn run(seed: u64, progress: impl Fn(usize, usize)) -> Result<Demo, Error> {
     let robot = Robot::parse(OP2_URDF, "op2.urdf")?;
     let model = robot.model("r_sole", Snapping::default(), None)?;
-    let reference = crate::verify::reference(&robot, "r_sole")?;
+    let reference = verify::reference(&robot, "r_sole")?;
     let code = rust::module(&model, "op2_r_sole")?;
     let verification = verify::verify(&model, &reference, 5000, seed, progress);
 

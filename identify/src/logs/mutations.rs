@@ -115,10 +115,6 @@ fn parquet_survives() {
 #[test]
 fn mcap_survives() {
     for compression in ["", "lz4"] {
-        survive(
-            "log.mcap",
-            &super::mcap::tests::recording(compression),
-            TIMES / 2,
-        );
+        survive("log.mcap", &mcap::tests::recording(compression), TIMES / 2);
     }
 }

@@ -108,7 +108,7 @@ impl Rows {
             // Rounding of many updates does not add up.
             state.refresh(&chosen);
             let before = exchanges;
-            for slot in chosen.iter_mut() {
+            for slot in &mut chosen {
                 let old = *slot;
                 let (kept, values) = (state.inverse.clone(), state.gains.clone());
                 let lost = state.loss(old);

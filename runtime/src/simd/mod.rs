@@ -312,6 +312,7 @@ macro_rules! portable {
                     #[cfg(target_arch = "x86_64")]
                     Set::Avx2 => unsafe { $avx2(task) },
                     #[cfg(target_arch = "x86_64")]
+                    // SAFETY: likewise.
                     Set::Avx512 => unsafe { $avx512(task) },
                 }
             }

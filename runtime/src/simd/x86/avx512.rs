@@ -149,6 +149,7 @@ unsafe fn transposed(r: [__m512d; 8]) -> [__m512d; 8] {
     // Columns 0 and 4, 2 and 6 of four pairs of rows.
     #[inline(always)]
     unsafe fn four(pairs: [__m512d; 4]) -> [__m512d; 4] {
+        // SAFETY: as for `transposed`.
         unsafe {
             let even = |a, b| _mm512_shuffle_f64x2::<0x88>(a, b);
             let odd = |a, b| _mm512_shuffle_f64x2::<0xDD>(a, b);
@@ -158,6 +159,7 @@ unsafe fn transposed(r: [__m512d; 8]) -> [__m512d; 8] {
             [even(ab, cd), even(ba, dc), odd(ab, cd), odd(ba, dc)]
         }
     }
+    // SAFETY: the caller has seen that the processor has AVX-512 F.
     unsafe {
         let low = core::array::from_fn(|k| _mm512_unpacklo_pd(r[2 * k], r[2 * k + 1]));
         let high = core::array::from_fn(|k| _mm512_unpackhi_pd(r[2 * k], r[2 * k + 1]));
@@ -216,6 +218,7 @@ const COS: [f64; 4] = [
 /// The processor must have AVX-512 F and DQ.
 #[inline(always)]
 unsafe fn sin_cos_f64(x: __m512d) -> (__m512d, __m512d) {
+    // SAFETY: the caller has seen that the processor has AVX-512 F and DQ.
     unsafe {
         let all = |value: f64| _mm512_set1_pd(value);
         let known = _mm512_cmp_pd_mask::<_CMP_LE_OQ>(_mm512_abs_pd(x), all(trig::LIMIT_RAD));
@@ -292,6 +295,7 @@ const COS_F32: [f32; 2] = [f32::from_bits(0xBEFF_FFFE), f32::from_bits(0x3D2A_97
 /// The processor must have AVX-512 F and DQ.
 #[inline(always)]
 unsafe fn sin_cos_f32(x: __m512) -> (__m512, __m512) {
+    // SAFETY: the caller has seen that the processor has AVX-512 F and DQ.
     unsafe {
         let all = |value: f32| _mm512_set1_ps(value);
         let known = _mm512_cmp_ps_mask::<_CMP_LE_OQ>(_mm512_abs_ps(x), all(trig::LIMIT_RAD_F32));
