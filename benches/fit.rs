@@ -11,8 +11,8 @@ use sesc_generated::op2_r_sole::{self as op2, BASE_PARAMS as N, CAD_PARAMS, DOF}
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
 use sesc_model::Snapping;
-use sesc_runtime::Simd;
-use sesc_runtime::fit::{Estimator, Scalar};
+use sesc_runtime::fit::Estimator;
+use sesc_runtime::{Scalar, Simd};
 
 /// Postures fed in turn.
 const POSTURES: usize = 1024;
@@ -60,10 +60,10 @@ fn scalar<T: Scalar>(c: &mut Criterion, name: &str) {
     group.bench_function("covariance", |b| {
         b.iter(|| black_box(&estimator).covariance(black_box(&mut covariance)));
     });
-    group.bench_function("absorb", |b| {
+    group.bench_function("merge", |b| {
         b.iter_batched_ref(
             || estimator.clone(),
-            |other| other.absorb(black_box(&estimator)),
+            |other| other.merge(black_box(&estimator)),
             criterion::BatchSize::SmallInput,
         );
     });
@@ -87,7 +87,7 @@ fn many(c: &mut Criterion) {
         .iter()
         .map(|q| op2::cop(q, &CAD_PARAMS).map(&mut reading))
         .collect();
-    let start = Estimator::around(&CAD_PARAMS).unwrap();
+    let start = Estimator::with_nominal(&CAD_PARAMS).unwrap();
     let fit = |simd, q: &[[f64; DOF]], cop: &[[f64; 2]]| {
         start.batch(op2::Op2RSole, simd, black_box(q), cop, &[1e-3; 2])
     };
@@ -110,7 +110,7 @@ fn many(c: &mut Criterion) {
                     || fit(Simd::best(), &q[half..], &cop[half..]),
                 );
                 let mut whole = first.unwrap();
-                whole.absorb(&second.unwrap()).unwrap();
+                whole.merge(&second.unwrap()).unwrap();
                 whole.params()
             });
         });

@@ -72,7 +72,7 @@ fn householder((q, cop): &Postures) -> [f64; N] {
 
 #[test]
 fn it_is_what_postures_in_turn_give() {
-    let start = Estimator::around(&CAD_PARAMS).unwrap();
+    let start = Estimator::with_nominal(&CAD_PARAMS).unwrap();
     let believed = Estimator::with_prior(&CAD_PARAMS, &[0.01; N]).unwrap();
     // Not a multiple of a block, of a panel, nor of anything.
     for count in [3, 8, 43, 64, 1003] {
@@ -118,7 +118,7 @@ fn it_finds_the_truth_to_the_last_digits() {
     let mut expected = truth();
     expected[2] = CAD_PARAMS[2];
     for simd in Simd::available() {
-        let start = Estimator::around(&CAD_PARAMS).unwrap();
+        let start = Estimator::with_nominal(&CAD_PARAMS).unwrap();
         let found = start.batch(Op2RSole, simd, &data.0, &data.1, &STD).unwrap();
         let off = worst(&found.params(), &expected);
         println!("{}: {off:.1e} m", simd.name());
@@ -134,7 +134,7 @@ fn narrow_postures_cost_no_digits() {
         let data = data(4_000, 0.3, range, 1e-6);
         let exact = householder(&data);
         for simd in Simd::available() {
-            let start = Estimator::around(&CAD_PARAMS).unwrap();
+            let start = Estimator::with_nominal(&CAD_PARAMS).unwrap();
             let found = start.batch(Op2RSole, simd, &data.0, &data.1, &STD).unwrap();
             let off = worst(&found.params(), &exact);
             let turn = worst(&in_turn(&start, &data).params(), &exact);
@@ -148,9 +148,9 @@ fn narrow_postures_cost_no_digits() {
 }
 
 #[test]
-fn shares_absorb_each_other() {
+fn shares_merge_into_the_whole() {
     let (q, cop) = data(4_000, 0.0, 0.5, 1e-3);
-    let start = Estimator::around(&CAD_PARAMS).unwrap();
+    let start = Estimator::with_nominal(&CAD_PARAMS).unwrap();
     let whole = start.batch(Op2RSole, Simd::best(), &q, &cop, &STD).unwrap();
     let mut first = start
         .batch(Op2RSole, Simd::best(), &q[..1500], &cop, &STD)
@@ -158,7 +158,7 @@ fn shares_absorb_each_other() {
     let second = start
         .batch(Op2RSole, Simd::best(), &q[1500..], &cop[1500..], &STD)
         .unwrap();
-    first.absorb(&second).unwrap();
+    first.merge(&second).unwrap();
     assert_eq!(first.postures(), 4_000);
     assert!(worst(&first.params(), &whole.params()) < 1e-12);
     // What is known already counts.
@@ -172,7 +172,7 @@ fn shares_absorb_each_other() {
 #[test]
 fn forgetting_feeds_in_turn() {
     let data = data(300, 0.0, 0.5, 1e-3);
-    let start = Estimator::around(&CAD_PARAMS)
+    let start = Estimator::with_nominal(&CAD_PARAMS)
         .unwrap()
         .forgetting(0.99)
         .unwrap();
@@ -184,7 +184,7 @@ fn forgetting_feeds_in_turn() {
 
 #[test]
 fn what_is_no_number_is_refused() {
-    let start = Estimator::around(&CAD_PARAMS).unwrap();
+    let start = Estimator::with_nominal(&CAD_PARAMS).unwrap();
     let (q, cop) = data(100, 0.0, 0.5, 1e-3);
     let fit = |q: &[[f64; DOF]], cop: &[[f64; 2]], std: [f64; 2]| {
         start

@@ -91,7 +91,7 @@ fn without_a_prior_it_is_the_batch_fit() {
     let (rows, readings) = batch(&data, |_| STD);
     let fit = least_squares(&rows, &readings);
     assert_eq!((estimator.rank(), fit.rank), (42, 42));
-    let unseen: Vec<_> = (0..N).filter(|k| !estimator.seen()[*k]).collect();
+    let unseen: Vec<_> = (0..N).filter(|k| !estimator.observable()[*k]).collect();
     assert_eq!(unseen, [HEIGHT]);
     // Both leave the unseen column, which is zero, at zero.
     agree(&estimator.params(), &fit.params, 1e-9);
@@ -211,11 +211,11 @@ fn single_precision_is_far_below_the_noise() {
 fn merging_is_feeding_in_sequence() {
     let data = data(600, 6);
     let mut all = Estimator::with_prior(&CAD_PARAMS, &[0.02; N]).unwrap();
-    let (mut first, mut second) = (all.clone(), Estimator::around(&CAD_PARAMS).unwrap());
+    let (mut first, mut second) = (all.clone(), Estimator::with_nominal(&CAD_PARAMS).unwrap());
     feed(&mut all, &data);
     feed(&mut first, &data[..500]);
     feed(&mut second, &data[500..]);
-    first.absorb(&second).unwrap();
+    first.merge(&second).unwrap();
     agree(
         &first.params(),
         &DVector::from_row_slice(&all.params()),

@@ -93,7 +93,7 @@ macro_rules! functions {
             postures.iter().map(|q| q.iter().map(|x| f64::from(*x)).collect()).collect();
         let r = CAD_PARAMS.map(|x| x as $scalar);
         let zero = <$block>::splat(0.0);
-        assert_eq!($robot::SLIDING.to_vec(), model.tree.dofs.iter().map(|dof| dof.prismatic).collect::<Vec<_>>());
+        assert_eq!($robot::PRISMATIC.to_vec(), model.tree.dofs.iter().map(|dof| dof.prismatic).collect::<Vec<_>>());
 
         macro_rules! one {
             ($function:ident, $batch:ident($r_or_not:tt), $single:ident, $start:expr, $flat:expr) => {{

@@ -46,7 +46,7 @@ pub const JOINT_NAMES: [&str; DOF] = ["ankle", "knee"];
 
 /// Which joints slide: their `q` is in metres, the others' in radians.
 #[allow(dead_code, clippy::all)]
-pub const SLIDING: [bool; DOF] = [false, false];
+pub const PRISMATIC: [bool; DOF] = [false, false];
 
 /// Base parameters in the order of `r`: link and axis in its frame.
 #[allow(dead_code, clippy::all)]
@@ -80,7 +80,7 @@ pub struct TwoLinkFoot;
 #[allow(dead_code, clippy::all)]
 impl Sesc<DOF, BASE_PARAMS, FULL_PARAMS> for TwoLinkFoot {
     const JOINT_NAMES: [&'static str; DOF] = JOINT_NAMES;
-    const SLIDING: [bool; DOF] = SLIDING;
+    const PRISMATIC: [bool; DOF] = PRISMATIC;
     const CAD_PARAMS: [f64; BASE_PARAMS] = CAD_PARAMS;
     #[inline(always)]
     fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
@@ -210,12 +210,12 @@ pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
     // knee
     let (s_knee, c_knee) = q[1].sin_cos();
     // ankle
-    let v_ankle_x = s_knee.mul_add(r[6], c_knee.mul_add(r[5], r[3]));
-    let v_ankle_y = c_knee.mul_add(r[6], (-s_knee).mul_add(r[5], r[4]));
+    let v_ankle_x = s_knee.mul_plus(r[6], c_knee.mul_plus(r[5], r[3]));
+    let v_ankle_y = c_knee.mul_plus(r[6], (-s_knee).mul_plus(r[5], r[4]));
     let (s_ankle, c_ankle) = q[0].sin_cos();
     // foot
-    let v_foot_x = s_ankle.mul_add(v_ankle_y, c_ankle.mul_add(v_ankle_x, r[0]));
-    let v_foot_z = c_ankle.mul_add(v_ankle_y, (-s_ankle).mul_add(v_ankle_x, r[2]));
+    let v_foot_x = s_ankle.mul_plus(v_ankle_y, c_ankle.mul_plus(v_ankle_x, r[0]));
+    let v_foot_z = c_ankle.mul_plus(v_ankle_y, (-s_ankle).mul_plus(v_ankle_x, r[2]));
     [v_foot_x, r[1], v_foot_z]
 }
 
@@ -241,20 +241,20 @@ pub fn com_jacobian_into<T: Real>(
     jacobian[1][1] = zero;
     // knee
     let (s_knee, c_knee) = q[1].sin_cos();
-    let t_knee_x = c_knee.mul_add(r[5], s_knee * r[6]);
-    let t_knee_y = c_knee.mul_add(r[6], -(s_knee * r[5]));
+    let t_knee_x = c_knee.mul_plus(r[5], s_knee * r[6]);
+    let t_knee_y = c_knee.mul_plus(r[6], -(s_knee * r[5]));
     // ankle
     let v_ankle_x = r[3] + t_knee_x;
     let v_ankle_y = r[4] + t_knee_y;
     let (s_ankle, c_ankle) = q[0].sin_cos();
-    let t_ankle_x = c_ankle.mul_add(v_ankle_x, s_ankle * v_ankle_y);
-    let t_ankle_y = c_ankle.mul_add(v_ankle_y, -(s_ankle * v_ankle_x));
+    let t_ankle_x = c_ankle.mul_plus(v_ankle_x, s_ankle * v_ankle_y);
+    let t_ankle_y = c_ankle.mul_plus(v_ankle_y, -(s_ankle * v_ankle_x));
     jacobian[0][0] = t_ankle_y;
     // ankle
     jacobian[2][0] = -t_ankle_x;
     // knee
-    jacobian[0][1] = -s_ankle.mul_add(t_knee_x, -(c_ankle * t_knee_y));
-    jacobian[2][1] = -c_ankle.mul_add(t_knee_x, s_ankle * t_knee_y);
+    jacobian[0][1] = -s_ankle.mul_plus(t_knee_x, -(c_ankle * t_knee_y));
+    jacobian[2][1] = -c_ankle.mul_plus(t_knee_x, s_ankle * t_knee_y);
 }
 
 /// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
@@ -263,14 +263,14 @@ pub fn com_jacobian_into<T: Real>(
 pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] {
     // knee
     let (s_knee, c_knee) = q[1].sin_cos();
-    let t_knee_x = c_knee.mul_add(r[5], s_knee * r[6]);
-    let t_knee_y = c_knee.mul_add(r[6], -(s_knee * r[5]));
+    let t_knee_x = c_knee.mul_plus(r[5], s_knee * r[6]);
+    let t_knee_y = c_knee.mul_plus(r[6], -(s_knee * r[5]));
     // ankle
     let v_ankle_x = r[3] + t_knee_x;
     let v_ankle_y = r[4] + t_knee_y;
     let (s_ankle, c_ankle) = q[0].sin_cos();
-    let t_ankle_x = c_ankle.mul_add(v_ankle_x, s_ankle * v_ankle_y);
-    [t_ankle_x, c_ankle.mul_add(t_knee_x, s_ankle * t_knee_y)]
+    let t_ankle_x = c_ankle.mul_plus(v_ankle_x, s_ankle * v_ankle_y);
+    [t_ankle_x, c_ankle.mul_plus(t_knee_x, s_ankle * t_knee_y)]
 }
 
 /// Rows of the base regressor: CoM = rows · r.
@@ -310,10 +310,10 @@ pub fn regressor_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE_PARAMS]; 3]) {
     rows[2][3] = bz_ankle_x;
     // knee
     let (s_knee, c_knee) = q[1].sin_cos();
-    let bx_knee_x = c_ankle.mul_add(c_knee, -(s_ankle * s_knee));
+    let bx_knee_x = c_ankle.mul_plus(c_knee, -(s_ankle * s_knee));
     rows[0][5] = bx_knee_x;
     rows[2][6] = bx_knee_x;
-    let bx_knee_y = s_ankle.mul_add(c_knee, c_ankle * s_knee);
+    let bx_knee_y = s_ankle.mul_plus(c_knee, c_ankle * s_knee);
     rows[0][6] = bx_knee_y;
     let bz_knee_x = -bx_knee_y;
     rows[2][5] = bz_knee_x;
@@ -350,9 +350,9 @@ pub fn regressor_cop_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE_PARAMS]; 2
     rows[0][3] = c_ankle;
     // knee
     let (s_knee, c_knee) = q[1].sin_cos();
-    let bx_knee_x = c_ankle.mul_add(c_knee, -(s_ankle * s_knee));
+    let bx_knee_x = c_ankle.mul_plus(c_knee, -(s_ankle * s_knee));
     rows[0][5] = bx_knee_x;
-    let bx_knee_y = s_ankle.mul_add(c_knee, c_ankle * s_knee);
+    let bx_knee_y = s_ankle.mul_plus(c_knee, c_ankle * s_knee);
     rows[0][6] = bx_knee_y;
 }
 
@@ -399,10 +399,10 @@ pub fn regressor_full_into<T: Real>(q: &[T; DOF], rows: &mut [[T; FULL_PARAMS]; 
     rows[2][3] = bz_ankle_x;
     // knee
     let (s_knee, c_knee) = q[1].sin_cos();
-    let bx_knee_x = c_ankle.mul_add(c_knee, -(s_ankle * s_knee));
+    let bx_knee_x = c_ankle.mul_plus(c_knee, -(s_ankle * s_knee));
     rows[0][6] = bx_knee_x;
     rows[2][8] = bx_knee_x;
-    let bx_knee_y = s_ankle.mul_add(c_knee, c_ankle * s_knee);
+    let bx_knee_y = s_ankle.mul_plus(c_knee, c_ankle * s_knee);
     rows[0][8] = bx_knee_y;
     let bz_knee_x = -bx_knee_y;
     rows[2][6] = bz_knee_x;
@@ -415,11 +415,11 @@ pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
     // knee
     let (s_knee, c_knee) = q[1].sin_cos();
     // ankle
-    let v_ankle_x = s_knee.mul_add(r[6], c_knee.mul_add(r[5], r[3]));
-    let v_ankle_y = c_knee.mul_add(r[6], (-s_knee).mul_add(r[5], r[4]));
+    let v_ankle_x = s_knee.mul_plus(r[6], c_knee.mul_plus(r[5], r[3]));
+    let v_ankle_y = c_knee.mul_plus(r[6], (-s_knee).mul_plus(r[5], r[4]));
     let (s_ankle, c_ankle) = q[0].sin_cos();
     // foot
-    let v_foot_x = s_ankle.mul_add(v_ankle_y, c_ankle.mul_add(v_ankle_x, r[0]));
+    let v_foot_x = s_ankle.mul_plus(v_ankle_y, c_ankle.mul_plus(v_ankle_x, r[0]));
     [v_foot_x, r[1]]
 }
 
@@ -430,11 +430,11 @@ pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
 #[inline(always)]
 pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
     // ankle
-    let v_ankle_x = sin[1].mul_add(r[6], cos[1].mul_add(r[5], r[3]));
-    let v_ankle_y = cos[1].mul_add(r[6], (-sin[1]).mul_add(r[5], r[4]));
+    let v_ankle_x = sin[1].mul_plus(r[6], cos[1].mul_plus(r[5], r[3]));
+    let v_ankle_y = cos[1].mul_plus(r[6], (-sin[1]).mul_plus(r[5], r[4]));
     // foot
-    let v_foot_x = sin[0].mul_add(v_ankle_y, cos[0].mul_add(v_ankle_x, r[0]));
-    let v_foot_z = cos[0].mul_add(v_ankle_y, (-sin[0]).mul_add(v_ankle_x, r[2]));
+    let v_foot_x = sin[0].mul_plus(v_ankle_y, cos[0].mul_plus(v_ankle_x, r[0]));
+    let v_foot_z = cos[0].mul_plus(v_ankle_y, (-sin[0]).mul_plus(v_ankle_x, r[2]));
     [v_foot_x, r[1], v_foot_z]
 }
 
@@ -450,17 +450,17 @@ pub fn com_jacobian_sc<T: Real>(
 ) -> [[T; DOF]; 3] {
     let zero = T::from_f64(0.0);
     // knee
-    let t_knee_x = cos[1].mul_add(r[5], sin[1] * r[6]);
-    let t_knee_y = cos[1].mul_add(r[6], -(sin[1] * r[5]));
+    let t_knee_x = cos[1].mul_plus(r[5], sin[1] * r[6]);
+    let t_knee_y = cos[1].mul_plus(r[6], -(sin[1] * r[5]));
     // ankle
     let v_ankle_x = r[3] + t_knee_x;
     let v_ankle_y = r[4] + t_knee_y;
-    let t_ankle_x = cos[0].mul_add(v_ankle_x, sin[0] * v_ankle_y);
-    let t_ankle_y = cos[0].mul_add(v_ankle_y, -(sin[0] * v_ankle_x));
+    let t_ankle_x = cos[0].mul_plus(v_ankle_x, sin[0] * v_ankle_y);
+    let t_ankle_y = cos[0].mul_plus(v_ankle_y, -(sin[0] * v_ankle_x));
     [
-        [t_ankle_y, -sin[0].mul_add(t_knee_x, -(cos[0] * t_knee_y))],
+        [t_ankle_y, -sin[0].mul_plus(t_knee_x, -(cos[0] * t_knee_y))],
         [zero, zero],
-        [-t_ankle_x, -cos[0].mul_add(t_knee_x, sin[0] * t_knee_y)],
+        [-t_ankle_x, -cos[0].mul_plus(t_knee_x, sin[0] * t_knee_y)],
     ]
 }
 
@@ -475,13 +475,13 @@ pub fn gravity_moments_sc<T: Real>(
     r: &[T; BASE_PARAMS],
 ) -> [T; DOF] {
     // knee
-    let t_knee_x = cos[1].mul_add(r[5], sin[1] * r[6]);
-    let t_knee_y = cos[1].mul_add(r[6], -(sin[1] * r[5]));
+    let t_knee_x = cos[1].mul_plus(r[5], sin[1] * r[6]);
+    let t_knee_y = cos[1].mul_plus(r[6], -(sin[1] * r[5]));
     // ankle
     let v_ankle_x = r[3] + t_knee_x;
     let v_ankle_y = r[4] + t_knee_y;
-    let t_ankle_x = cos[0].mul_add(v_ankle_x, sin[0] * v_ankle_y);
-    [t_ankle_x, cos[0].mul_add(t_knee_x, sin[0] * t_knee_y)]
+    let t_ankle_x = cos[0].mul_plus(v_ankle_x, sin[0] * v_ankle_y);
+    [t_ankle_x, cos[0].mul_plus(t_knee_x, sin[0] * t_knee_y)]
 }
 
 /// Rows of the base regressor: CoM = rows · r.
@@ -495,8 +495,8 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
     // ankle
     let bz_ankle_x = -sin[0];
     // knee
-    let bx_knee_x = cos[0].mul_add(cos[1], -(sin[0] * sin[1]));
-    let bx_knee_y = sin[0].mul_add(cos[1], cos[0] * sin[1]);
+    let bx_knee_x = cos[0].mul_plus(cos[1], -(sin[0] * sin[1]));
+    let bx_knee_y = sin[0].mul_plus(cos[1], cos[0] * sin[1]);
     let bz_knee_x = -bx_knee_y;
     [
         [one, zero, zero, cos[0], sin[0], bx_knee_x, bx_knee_y],
@@ -517,8 +517,8 @@ pub fn regressor_cop_sc<T: Real>(
     let zero = T::from_f64(0.0);
     let one = T::from_f64(1.0);
     // knee
-    let bx_knee_x = cos[0].mul_add(cos[1], -(sin[0] * sin[1]));
-    let bx_knee_y = sin[0].mul_add(cos[1], cos[0] * sin[1]);
+    let bx_knee_x = cos[0].mul_plus(cos[1], -(sin[0] * sin[1]));
+    let bx_knee_y = sin[0].mul_plus(cos[1], cos[0] * sin[1]);
     [
         [one, zero, zero, cos[0], sin[0], bx_knee_x, bx_knee_y],
         [zero, one, zero, zero, zero, zero, zero],
@@ -539,8 +539,8 @@ pub fn regressor_full_sc<T: Real>(
     // ankle
     let bz_ankle_x = -sin[0];
     // knee
-    let bx_knee_x = cos[0].mul_add(cos[1], -(sin[0] * sin[1]));
-    let bx_knee_y = sin[0].mul_add(cos[1], cos[0] * sin[1]);
+    let bx_knee_x = cos[0].mul_plus(cos[1], -(sin[0] * sin[1]));
+    let bx_knee_y = sin[0].mul_plus(cos[1], cos[0] * sin[1]);
     let bz_knee_x = -bx_knee_y;
     [
         [one, zero, zero, cos[0], zero, sin[0], bx_knee_x, zero, bx_knee_y],
@@ -556,10 +556,10 @@ pub fn regressor_full_sc<T: Real>(
 #[inline(always)]
 pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
     // ankle
-    let v_ankle_x = sin[1].mul_add(r[6], cos[1].mul_add(r[5], r[3]));
-    let v_ankle_y = cos[1].mul_add(r[6], (-sin[1]).mul_add(r[5], r[4]));
+    let v_ankle_x = sin[1].mul_plus(r[6], cos[1].mul_plus(r[5], r[3]));
+    let v_ankle_y = cos[1].mul_plus(r[6], (-sin[1]).mul_plus(r[5], r[4]));
     // foot
-    let v_foot_x = sin[0].mul_add(v_ankle_y, cos[0].mul_add(v_ankle_x, r[0]));
+    let v_foot_x = sin[0].mul_plus(v_ankle_y, cos[0].mul_plus(v_ankle_x, r[0]));
     [v_foot_x, r[1]]
 }
 
@@ -575,17 +575,17 @@ pub fn com_jacobian_along<T: Real>(
     along: &[T; 3],
 ) -> [T; DOF] {
     // ankle
-    let v_ankle_x = sin[1].mul_add(r[6], cos[1].mul_add(r[5], r[3]));
-    let v_ankle_y = cos[1].mul_add(r[6], (-sin[1]).mul_add(r[5], r[4]));
+    let v_ankle_x = sin[1].mul_plus(r[6], cos[1].mul_plus(r[5], r[3]));
+    let v_ankle_y = cos[1].mul_plus(r[6], (-sin[1]).mul_plus(r[5], r[4]));
     // ankle
-    let b_ankle_x = along[0].mul_add(cos[0], -(along[2] * sin[0]));
-    let b_ankle_y = along[2].mul_add(cos[0], along[0] * sin[0]);
+    let b_ankle_x = along[0].mul_plus(cos[0], -(along[2] * sin[0]));
+    let b_ankle_y = along[2].mul_plus(cos[0], along[0] * sin[0]);
     // knee
-    let b_knee_x = b_ankle_x.mul_add(cos[1], -(b_ankle_y * sin[1]));
-    let b_knee_y = b_ankle_y.mul_add(cos[1], b_ankle_x * sin[1]);
+    let b_knee_x = b_ankle_x.mul_plus(cos[1], -(b_ankle_y * sin[1]));
+    let b_knee_y = b_ankle_y.mul_plus(cos[1], b_ankle_x * sin[1]);
     [
-        -b_ankle_y.mul_add(v_ankle_x, -(b_ankle_x * v_ankle_y)),
-        -b_knee_y.mul_add(r[5], -(b_knee_x * r[6])),
+        -b_ankle_y.mul_plus(v_ankle_x, -(b_ankle_x * v_ankle_y)),
+        -b_knee_y.mul_plus(r[5], -(b_knee_x * r[6])),
     ]
 }
 
@@ -600,11 +600,11 @@ pub fn regressor_along<T: Real>(
     along: &[T; 3],
 ) -> [T; BASE_PARAMS] {
     // ankle
-    let b_ankle_x = along[0].mul_add(cos[0], -(along[2] * sin[0]));
-    let b_ankle_y = along[2].mul_add(cos[0], along[0] * sin[0]);
+    let b_ankle_x = along[0].mul_plus(cos[0], -(along[2] * sin[0]));
+    let b_ankle_y = along[2].mul_plus(cos[0], along[0] * sin[0]);
     // knee
-    let b_knee_x = b_ankle_x.mul_add(cos[1], -(b_ankle_y * sin[1]));
-    let b_knee_y = b_ankle_y.mul_add(cos[1], b_ankle_x * sin[1]);
+    let b_knee_x = b_ankle_x.mul_plus(cos[1], -(b_ankle_y * sin[1]));
+    let b_knee_y = b_ankle_y.mul_plus(cos[1], b_ankle_x * sin[1]);
     [along[0], along[1], along[2], b_ankle_x, b_ankle_y, b_knee_x, b_knee_y]
 }
 
@@ -619,11 +619,11 @@ pub fn regressor_full_along<T: Real>(
     along: &[T; 3],
 ) -> [T; FULL_PARAMS] {
     // ankle
-    let b_ankle_x = along[0].mul_add(cos[0], -(along[2] * sin[0]));
-    let b_ankle_y = along[2].mul_add(cos[0], along[0] * sin[0]);
+    let b_ankle_x = along[0].mul_plus(cos[0], -(along[2] * sin[0]));
+    let b_ankle_y = along[2].mul_plus(cos[0], along[0] * sin[0]);
     // knee
-    let b_knee_x = b_ankle_x.mul_add(cos[1], -(b_ankle_y * sin[1]));
-    let b_knee_y = b_ankle_y.mul_add(cos[1], b_ankle_x * sin[1]);
+    let b_knee_x = b_ankle_x.mul_plus(cos[1], -(b_ankle_y * sin[1]));
+    let b_knee_y = b_ankle_y.mul_plus(cos[1], b_ankle_x * sin[1]);
     [
         along[0],
         along[1],

@@ -26,9 +26,9 @@
 //! themselves. Between these bounds no rotation overflows, and so a state that is
 //! finite stays finite, whatever is fed.
 //!
-//! **Unseen columns.** Column k holds d_k of information beyond the columns before
-//! it, of Σ_i d_i r̄_ik² in all. Where the ratio is not above [`Scalar::UNSEEN`]² the
-//! column is *unseen*: its parameter stays at the nominal (prior) value, and the
+//! **Unobservable columns.** Column k holds d_k of information beyond the columns before
+//! it, of Σ_i d_i r̄_ik² in all. Where the ratio is not above [`Scalar::INDEPENDENT`]² the
+//! column is *unobservable*: its parameter stays at the nominal (prior) value, and the
 //! others are what the data say given that. A flat single-foot CoP never sees the
 //! constant height of r_0.
 //!
@@ -66,17 +66,15 @@
 mod answers;
 mod batch;
 mod error;
-mod scalar;
 mod triangle;
 
 #[cfg(test)]
 mod tests;
 
 pub use answers::Prediction;
-pub use batch::WORST;
+pub use batch::MAX_CONDITION;
 pub use error::Error;
-pub use scalar::Scalar;
-
+use crate::scalar::Scalar;
 use triangle::Triangle;
 
 /// Estimates `N` base parameters from postures, one at a time.
@@ -107,7 +105,7 @@ impl<T: Scalar, const N: usize> Default for Estimator<T, N> {
 }
 
 impl<T: Scalar, const N: usize> Estimator<T, N> {
-    /// Knows nothing; unseen parameters are zero.
+    /// Knows nothing; unobservable parameters are zero.
     pub const fn new() -> Self {
         Self {
             triangle: Triangle::empty(),
@@ -122,12 +120,12 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
         }
     }
 
-    /// Knows nothing; unseen parameters are those of `nominal` (m), the CAD for example.
+    /// Knows nothing; unobservable parameters are those of `nominal` (m), the CAD for example.
     ///
     /// # Errors
     ///
     /// [`Error::NotFinite`].
-    pub fn around(nominal: &[T; N]) -> Result<Self, Error> {
+    pub fn with_nominal(nominal: &[T; N]) -> Result<Self, Error> {
         finite(nominal)?;
         let mut estimator = Self::new();
         estimator.nominal = *nominal;
@@ -146,7 +144,7 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
     /// [`Scalar::LIMIT`].
     pub fn with_prior(mean: &[T; N], std: &[T; N]) -> Result<Self, Error> {
         finite(std)?;
-        let mut estimator = Self::around(mean)?;
+        let mut estimator = Self::with_nominal(mean)?;
         for (prior, std) in estimator.prior.iter_mut().zip(std) {
             let weight = T::ONE / positive(*std)?;
             if weight > T::LIMIT {
@@ -221,12 +219,12 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
     ///
     /// That includes its prior, as if it were data: two estimators that start from
     /// one belief would count it twice, so give it to one of them and start the other
-    /// [`around`](Self::around) its mean. The forgetting factor stays.
+    /// [`with_nominal`](Self::with_nominal) its mean. The forgetting factor stays.
     ///
     /// # Errors
     ///
     /// [`Error::OutOfRange`] where both together exceed [`Scalar::MOST`].
-    pub fn absorb(&mut self, other: &Self) -> Result<(), Error> {
+    pub fn merge(&mut self, other: &Self) -> Result<(), Error> {
         let (mine, theirs) = (self.triangle.information(), other.triangle.information());
         if mine.iter().zip(&theirs).any(|(a, b)| *a + *b > T::MOST) {
             return Err(Error::OutOfRange);

@@ -42,7 +42,7 @@
 
 #![no_std]
 #![deny(unsafe_code)]
-#![warn(missing_docs)]
+#![deny(missing_docs)]
 
 #[cfg(any(test, feature = "std"))]
 extern crate std;
@@ -52,10 +52,12 @@ mod lanes;
 mod model;
 pub mod power;
 mod real;
+mod scalar;
 pub(crate) mod simd;
 pub mod trig;
 
 pub use lanes::{F32x16, F64x8, Lanes, pack, unpack};
 pub use model::{CorrectCop, Sesc, SescFromSinCos};
 pub use real::Real;
-pub use simd::{Batch, Block, Scalar, Simd, Single};
+pub use scalar::Scalar;
+pub use simd::{Batch, Block, Simd, Single};

@@ -62,7 +62,7 @@ pub trait Sesc<const DOF: usize, const BASE: usize, const FULL: usize> {
     const JOINT_NAMES: [&'static str; DOF];
 
     /// Which joints slide: their position is in metres.
-    const SLIDING: [bool; DOF];
+    const PRISMATIC: [bool; DOF];
 
     /// Base parameters from CAD, metres.
     const CAD_PARAMS: [f64; BASE];
@@ -193,7 +193,7 @@ mod tests {
 
     impl Sesc<1, 5, 6> for Leg {
         const JOINT_NAMES: [&'static str; 1] = ["ankle_pitch"];
-        const SLIDING: [bool; 1] = [false];
+        const PRISMATIC: [bool; 1] = [false];
         const CAD_PARAMS: [f64; 5] = [0.01, -0.005, 0.03, 0.02, 0.25];
 
         fn com<T: Real>(q: &[T; 1], r: &[T; 5]) -> [T; 3] {

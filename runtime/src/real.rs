@@ -53,7 +53,7 @@ pub trait Real:
     /// `self · factor + term`: by one rounding where the register fuses them, by two
     /// elsewhere.
     #[inline(always)]
-    fn mul_add(self, factor: Self, term: Self) -> Self {
+    fn mul_plus(self, factor: Self, term: Self) -> Self {
         self * factor + term
     }
 

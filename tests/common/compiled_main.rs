@@ -96,7 +96,7 @@ macro_rules! run_sc {
         for q in postures::<{ $m::DOF }>(name).into_iter().take(WRITTEN) {
             let pairs = q.map(|x| Real::sin_cos(x));
             // A sliding joint passes its position in `sin`.
-            let slides = $m::SLIDING;
+            let slides = $m::PRISMATIC;
             let sin = core::array::from_fn(|j| if slides[j] { q[j] } else { pairs[j].0 });
             let cos = pairs.map(|p| p.1);
             let near = |a: &[f64], b: &[f64]| {

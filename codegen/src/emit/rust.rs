@@ -140,7 +140,7 @@ fn constants(model: &Model) -> TokenStream {
         pub const JOINT_NAMES: [&str; DOF] = [#(#joints),*];
         /// Which joints slide: their `q` is in metres, the others' in radians.
         #allow
-        pub const SLIDING: [bool; DOF] = [#(#sliding),*];
+        pub const PRISMATIC: [bool; DOF] = [#(#sliding),*];
         /// Base parameters in the order of `r`: link and axis in its frame.
         #allow
         pub const PARAM_NAMES: [&str; BASE_PARAMS] = [#(#params),*];
@@ -229,7 +229,7 @@ fn unit_struct(model: &Model, name: &str, from_sines: bool, corrects: bool) -> T
         #allow
         impl Sesc<DOF, BASE_PARAMS, FULL_PARAMS> for #unit {
             const JOINT_NAMES: [&'static str; DOF] = JOINT_NAMES;
-            const SLIDING: [bool; DOF] = SLIDING;
+            const PRISMATIC: [bool; DOF] = PRISMATIC;
             const CAD_PARAMS: [f64; BASE_PARAMS] = CAD_PARAMS;
             #(#methods)*
         }

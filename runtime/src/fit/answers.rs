@@ -8,15 +8,15 @@ pub struct Prediction<T> {
     /// row · r, in the unit of the reading.
     pub value: T,
     /// Variance of `value` from that of the parameters, without the noise of a reading.
-    /// Infinite where the row looks into an unseen direction.
+    /// Infinite where the row looks into an unobservable direction.
     pub variance: T,
 }
 
 impl<T: Scalar, const N: usize> Estimator<T, N> {
-    /// The estimate, m; unseen parameters at their nominal (prior) value. About 2 N²
+    /// The estimate, m; unobservable parameters at their nominal (prior) value. About 2 N²
     /// operations.
     pub fn params(&self) -> [T; N] {
-        let mut params = self.triangle.solve(&self.triangle.seen());
+        let mut params = self.triangle.solve(&self.triangle.observable());
         for (param, nominal) in params.iter_mut().zip(&self.nominal) {
             *param = *nominal + *param;
         }
@@ -24,23 +24,23 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
     }
 
     /// Which columns data or prior have shown, in the sense of the module. Which of
-    /// several dependent columns is the unseen one depends on their order: the last.
-    pub fn seen(&self) -> [bool; N] {
-        self.triangle.seen()
+    /// several dependent columns is the unobservable one depends on their order: the last.
+    pub fn observable(&self) -> [bool; N] {
+        self.triangle.observable()
     }
 
-    /// Number of seen columns.
+    /// Number of observable columns.
     pub fn rank(&self) -> usize {
-        self.triangle.seen().iter().filter(|seen| **seen).count()
+        self.triangle.observable().iter().filter(|observable| **observable).count()
     }
 
-    /// The change of all parameters that the unseen column `k` stands for, with 1 at `k`:
+    /// The change of all parameters that the unobservable column `k` stands for, with 1 at `k`:
     /// any multiple of it can be added to the estimate and no reading tells. `None` where
-    /// `k` is seen, or no column.
-    pub fn unseen_direction(&self, k: usize) -> Option<[T; N]> {
-        let seen = self.triangle.seen();
-        match seen.get(k) {
-            Some(false) => Some(self.triangle.direction(k, &seen)),
+    /// `k` is observable, or no column.
+    pub fn unobservable_direction(&self, k: usize) -> Option<[T; N]> {
+        let observable = self.triangle.observable();
+        match observable.get(k) {
+            Some(false) => Some(self.triangle.direction(k, &observable)),
             _ => None,
         }
     }
@@ -55,42 +55,42 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
     /// [`Error::NotFinite`].
     pub fn predict(&self, row: &[T; N]) -> Result<Prediction<T>, Error> {
         finite(row)?;
-        let seen = self.triangle.seen();
-        let change = self.triangle.solve(&seen);
+        let observable = self.triangle.observable();
+        let change = self.triangle.solve(&observable);
         let mut value = T::ZERO;
         for ((x, nominal), change) in row.iter().zip(&self.nominal).zip(&change) {
             value = value + *x * (*nominal + *change);
         }
-        let variance = match self.triangle.variance(*row, &seen) {
+        let variance = match self.triangle.variance(*row, &observable) {
             (_, true) => T::INFINITY,
             (variance, false) => variance,
         };
         Ok(Prediction { value, variance })
     }
 
-    /// Variance of parameter `k`, m², given that the unseen parameters are nominal;
-    /// infinite where `k` is unseen, `None` where there is no such parameter.
+    /// Variance of parameter `k`, m², given that the unobservable parameters are nominal;
+    /// infinite where `k` is unobservable, `None` where there is no such parameter.
     ///
     /// It rests on the standard deviations fed, not on the residuals.
     pub fn variance(&self, k: usize) -> Option<T> {
         let mut row = [T::ZERO; N];
         *row.get_mut(k)? = T::ONE;
-        let seen = self.triangle.seen();
-        match seen.get(k) {
-            Some(true) => Some(self.triangle.variance(row, &seen).0),
+        let observable = self.triangle.observable();
+        match observable.get(k) {
+            Some(true) => Some(self.triangle.variance(row, &observable).0),
             _ => Some(T::INFINITY),
         }
     }
 
-    /// Covariance of the parameters, m², into `out`: (R̄ᵀ D R̄)⁻¹ on the seen columns,
-    /// given that the unseen ones are nominal; those have infinite variance and
+    /// Covariance of the parameters, m², into `out`: (R̄ᵀ D R̄)⁻¹ on the observable columns,
+    /// given that the unobservable ones are nominal; those have infinite variance and
     /// covariance zero. About 2 N³/3 operations.
     ///
     /// It rests on the standard deviations fed. If these were guesses, multiply by
     /// [`residual_sum_of_squares`](Self::residual_sum_of_squares) over
     /// [`degrees_of_freedom`](Self::degrees_of_freedom) (without forgetting).
     pub fn covariance(&self, out: &mut [[T; N]; N]) {
-        self.triangle.covariance(&self.triangle.seen(), out);
+        self.triangle.covariance(&self.triangle.observable(), out);
     }
 
     /// The minimum of the sum in the module: squared residuals of readings and prior, each
@@ -99,7 +99,7 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
         self.residual
     }
 
-    /// Readings and prior values, less the seen parameters: what
+    /// Readings and prior values, less the observable parameters: what
     /// [`residual_sum_of_squares`](Self::residual_sum_of_squares) is on average if the
     /// standard deviations are right and nothing is forgotten. Under forgetting readings
     /// fade, and this is less than that average: a fit with factor λ takes up about

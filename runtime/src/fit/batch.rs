@@ -8,7 +8,7 @@
 //! second pass over the postures mends that: with residuals taken anew at the estimate,
 //! `G Δ = Σ w² Yᵀ (cop − Y r)` leaves an error of order ε²κ⁴ + ε κ instead of ε κ²
 //! (iterative refinement; Björck, "Numerical Methods for Least Squares Problems", 1996,
-//! section 2.9). Postures whose rows are worse conditioned than [`WORST`] are rotated in
+//! section 2.9). Postures whose rows are worse conditioned than [`MAX_CONDITION`] are rotated in
 //! one by one.
 
 use core::marker::PhantomData;
@@ -23,9 +23,13 @@ use crate::simd::sealed::Dispatch;
 /// Postures whose products are summed before they enter the triangle.
 const CHUNK: usize = 1 << 16;
 
-/// Where a column keeps less than this share of its information beside the columns before
-/// it, products of rows cannot be trusted: κ ≈ 2¹⁶.
-pub const WORST: f64 = 1.0 / (1_u64 << 32) as f64;
+/// Largest condition number κ of rows that [`Estimator::batch`] sums as products; it
+/// rotates in, one by one, the postures of a worse one.
+pub const MAX_CONDITION: f64 = 65536.0;
+
+/// A column that keeps less than this share of its information beside the columns before
+/// it belongs to a larger condition number.
+const LEAST_SHARE: f64 = 1.0 / (MAX_CONDITION * MAX_CONDITION);
 
 impl<const N: usize> Estimator<f64, N> {
     /// The estimate from what this one knows and all of these postures: as
@@ -35,7 +39,7 @@ impl<const N: usize> Estimator<f64, N> {
     /// standard deviations of x and y (m), alike for all. Where the slices differ in
     /// length the shorter counts. Takes about 64 N (N + 48) bytes of stack beside its own
     /// size (N = 43: 250 kB);
-    /// several estimators, each with its share of the postures, [`absorb`](Self::absorb)
+    /// several estimators, each with its share of the postures, [`merge`](Self::merge)
     /// each other. With forgetting, postures are fed in turn.
     ///
     /// ```
@@ -50,7 +54,7 @@ impl<const N: usize> Estimator<f64, N> {
     /// where
     ///     M: Sesc<DOF, BASE, FULL>,
     /// {
-    ///     let cad = Estimator::around(&M::CAD_PARAMS)?;
+    ///     let cad = Estimator::with_nominal(&M::CAD_PARAMS)?;
     ///     Ok(cad.batch(robot, Simd::best(), q, cop, &[1e-3, 1e-3])?.params())
     /// }
     /// ```
@@ -171,8 +175,8 @@ impl<const N: usize> Estimator<f64, N> {
     ) where
         M: Sesc<DOF, N, FULL>,
     {
-        let seen = self.triangle.seen();
-        let change = self.triangle.solve(&seen);
+        let observable = self.triangle.observable();
+        let change = self.triangle.solve(&observable);
         let params: [f64; N] = core::array::from_fn(|k| self.nominal[k] + change[k]);
         let mut sums = Sums::zero();
         let whole = q.len() - q.len() % 8;
@@ -218,7 +222,7 @@ impl<const N: usize> Estimator<f64, N> {
         // R̄ᵀ D R̄ Δ = g
         let mut values = [0.0; N];
         for i in 0..N {
-            if seen[i] {
+            if observable[i] {
                 let value = sums.right[i];
                 for (k, r) in self.triangle.lines[i].iter().enumerate().skip(i + 1) {
                     sums.right[k] -= r * value;
@@ -228,7 +232,7 @@ impl<const N: usize> Estimator<f64, N> {
             }
         }
         for (i, value) in values.into_iter().enumerate() {
-            if seen[i] {
+            if observable[i] {
                 // At the estimate a line holds to rounding: no more of it need be kept.
                 self.triangle.values[i] += value;
             }
@@ -251,7 +255,7 @@ fn factorise<const N: usize>(sums: &Sums<N>) -> Option<Triangle<f64, N>> {
             pivot -= triangle.weights[k] * r * r;
             right -= triangle.weights[k] * r * triangle.values[k];
         }
-        if pivot <= WORST * column {
+        if pivot <= LEAST_SHARE * column {
             return None;
         }
         for j in i + 1..N {

@@ -12,9 +12,9 @@ pub enum Error {
     Std,
     /// A forgetting factor is outside (0, 1].
     Forgetting,
-    /// A row entry or a reading is more than [`LIMIT`](crate::fit::Scalar::LIMIT)
+    /// A row entry or a reading is more than [`LIMIT`](crate::Scalar::LIMIT)
     /// standard deviations large, or two estimators together hold more
-    /// information than [`MOST`](crate::fit::Scalar::MOST).
+    /// information than [`MOST`](crate::Scalar::MOST).
     OutOfRange,
 }
 

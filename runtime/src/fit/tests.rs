@@ -126,7 +126,7 @@ fn forgetting_weighs_by_age() {
 }
 
 #[test]
-fn what_is_forgotten_is_unseen_again_and_a_prior_is_not_forgotten() {
+fn what_is_forgotten_is_unobservable_again_and_a_prior_is_not_forgotten() {
     let (mean, std) = ([0.5, -0.25, 1.0], [0.1, 0.2, 0.4]);
     let mut bare = Estimator::<f64, 3>::new().forgetting(0.5).unwrap();
     let mut held = Estimator::with_prior(&mean, &std)
@@ -141,7 +141,7 @@ fn what_is_forgotten_is_unseen_again_and_a_prior_is_not_forgotten() {
         }
     }
     // 2⁻¹⁰⁰⁰ of the reading is left: less than what counts.
-    assert_eq!(bare.seen(), [true, false, false]);
+    assert_eq!(bare.observable(), [true, false, false]);
     assert_eq!(bare.params(), [2.0, 0.0, 0.0]);
     assert_eq!(held.rank(), 3);
     for k in 1..3 {
@@ -168,9 +168,9 @@ fn the_prior_is_never_more_than_itself() {
 }
 
 #[test]
-fn an_unseen_column_stays_nominal_and_has_a_name() {
-    // Column 2 = 2·column 0 - column 1; column 3 is never seen.
-    let mut estimator = Estimator::<f64, 4>::around(&[0.0, 0.0, 0.3, 0.7]).unwrap();
+fn an_unobservable_column_stays_nominal_and_has_a_name() {
+    // Column 2 = 2·column 0 - column 1; column 3 is never observable.
+    let mut estimator = Estimator::<f64, 4>::with_nominal(&[0.0, 0.0, 0.3, 0.7]).unwrap();
     let mut seed = 1;
     for _ in 0..200 {
         let (a, b) = (number(&mut seed), number(&mut seed));
@@ -178,21 +178,21 @@ fn an_unseen_column_stays_nominal_and_has_a_name() {
         let row = [a, b, 2.0 * a - b, 0.0];
         estimator.row(&row, value, 1e-3).unwrap();
     }
-    assert_eq!(estimator.seen(), [true, true, false, false]);
+    assert_eq!(estimator.observable(), [true, true, false, false]);
     assert_eq!(estimator.rank(), 2);
     assert_eq!(estimator.degrees_of_freedom(), 198.0);
     let params = estimator.params();
     for (found, exact) in params.iter().zip([0.9, -0.2, 0.3, 0.7]) {
         close(*found, exact, 1e-12);
     }
-    let direction = estimator.unseen_direction(2).unwrap();
+    let direction = estimator.unobservable_direction(2).unwrap();
     for (found, exact) in direction.iter().zip([-2.0, 1.0, 1.0, 0.0]) {
         assert!((found - exact).abs() < 1e-12);
     }
-    let alone = estimator.unseen_direction(3).unwrap();
+    let alone = estimator.unobservable_direction(3).unwrap();
     assert_eq!(alone, [0.0, 0.0, 0.0, 1.0]);
-    assert_eq!(estimator.unseen_direction(0), None);
-    assert_eq!(estimator.unseen_direction(4), None);
+    assert_eq!(estimator.unobservable_direction(0), None);
+    assert_eq!(estimator.unobservable_direction(4), None);
     assert_eq!(estimator.variance(2), Some(f64::INFINITY));
     let mut covariance = [[0.0; 4]; 4];
     estimator.covariance(&mut covariance);
@@ -210,7 +210,7 @@ fn an_unseen_column_stays_nominal_and_has_a_name() {
 }
 
 #[test]
-fn a_dependent_column_in_single_precision_is_unseen_too() {
+fn a_dependent_column_in_single_precision_is_unobservable_too() {
     let mut estimator = Estimator::<f32, 3>::new();
     let mut seed = 5;
     for _ in 0..5000 {
@@ -218,14 +218,14 @@ fn a_dependent_column_in_single_precision_is_unseen_too() {
         let row = [a, b, 0.3 * a - 0.7 * b];
         estimator.row(&row, a + b, 1e-3).unwrap();
     }
-    assert_eq!(estimator.seen(), [true, true, false]);
+    assert_eq!(estimator.observable(), [true, true, false]);
     for (found, exact) in estimator.params().into_iter().zip([1.0, 1.0, 0.0]) {
         assert!((found - exact).abs() < 1e-5, "{found}");
     }
 }
 
 #[test]
-fn absorbing_is_feeding() {
+fn merging_is_feeding() {
     let rows: Vec<([f64; 3], f64)> = {
         let mut seed = 3;
         let mut draw = || number(&mut seed);
@@ -242,8 +242,8 @@ fn absorbing_is_feeding() {
     let start = Estimator::with_prior(&[0.1, 0.2, 0.3], &[1.0; 3]).unwrap();
     let all = feed(start.clone(), &rows);
     let mut half = feed(start, &rows[..25]);
-    half.absorb(&feed(
-        Estimator::around(&[5.0, -4.0, 2.0]).unwrap(),
+    half.merge(&feed(
+        Estimator::with_nominal(&[5.0, -4.0, 2.0]).unwrap(),
         &rows[25..],
     ))
     .unwrap();
@@ -287,7 +287,7 @@ fn refused_input_changes_nothing() {
     }
     assert_eq!(estimator, before);
     type One = Estimator<f32, 1>;
-    assert_eq!(One::around(&[f32::NAN]), Err(Error::NotFinite));
+    assert_eq!(One::with_nominal(&[f32::NAN]), Err(Error::NotFinite));
     assert_eq!(One::with_prior(&[0.0], &[0.0]), Err(Error::Std));
     assert_eq!(One::with_prior(&[0.0], &[1e-7]), Err(Error::OutOfRange));
     assert!(Error::Std.to_string().contains("not positive"));
@@ -295,7 +295,7 @@ fn refused_input_changes_nothing() {
     // Doubling itself, an estimator comes to the end of the scalar, not past it.
     let mut full = One::new();
     full.row(&[1.0], 1.0, 1e-6).unwrap();
-    while full.absorb(&full.clone()).is_ok() {}
+    while full.merge(&full.clone()).is_ok() {}
     assert_eq!(full.params(), [1.0]);
 }
 

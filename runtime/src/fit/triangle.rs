@@ -18,7 +18,7 @@
 //! for large, sparse or weighted linear least squares problems", Algorithm AS 154,
 //! Applied Statistics 23 (1974) 448-454.
 
-use super::scalar::Scalar;
+use crate::scalar::Scalar;
 
 /// Lines r̄_i (right of the diagonal), their weights d_i and their values θ̄_i.
 #[derive(Debug, Clone, PartialEq)]
@@ -87,15 +87,15 @@ impl<T: Scalar, const N: usize> Triangle<T, N> {
 
     /// Whether the pivot of column `done.len()` is what cancellation leaves of larger
     /// terms: `done` are the pivots of the columns before it.
-    fn is_rounding(&self, done: &[T], pivot: T, seen: &[bool; N]) -> bool {
+    fn is_rounding(&self, done: &[T], pivot: T, observable: &[bool; N]) -> bool {
         let column = done.len();
         let mut terms = pivot.abs();
-        for ((x, line), seen) in done.iter().zip(&self.lines).zip(seen) {
-            if let (Some(r), true) = (line.get(column), seen) {
+        for ((x, line), observable) in done.iter().zip(&self.lines).zip(observable) {
+            if let (Some(r), true) = (line.get(column), observable) {
                 terms = terms + (*x * *r).abs();
             }
         }
-        pivot.abs() <= T::UNSEEN * terms
+        pivot.abs() <= T::INDEPENDENT * terms
     }
 
     /// Take line i out and rotate it in again without its pivot.
@@ -133,33 +133,33 @@ impl<T: Scalar, const N: usize> Triangle<T, N> {
     }
 
     /// Columns that hold more than rounding beyond the columns before them.
-    pub fn seen(&self) -> [bool; N] {
+    pub fn observable(&self) -> [bool; N] {
         let columns = self.information();
-        let mut seen = [false; N];
-        for ((seen, weight), column) in seen.iter_mut().zip(&self.weights).zip(&columns) {
-            *seen = *weight > T::UNSEEN * T::UNSEEN * *column;
+        let mut observable = [false; N];
+        for ((observable, weight), column) in observable.iter_mut().zip(&self.weights).zip(&columns) {
+            *observable = *weight > T::INDEPENDENT * T::INDEPENDENT * *column;
         }
-        seen
+        observable
     }
 
-    /// θ̂, zero in unseen columns.
-    pub fn solve(&self, seen: &[bool; N]) -> [T; N] {
+    /// θ̂, zero in unobservable columns.
+    pub fn solve(&self, observable: &[bool; N]) -> [T; N] {
         let mut params = [T::ZERO; N];
         for i in (0..N).rev() {
-            if seen[i] {
+            if observable[i] {
                 params[i] = self.values[i] - dot(&self.lines[i], &params, i + 1);
             }
         }
         params
     }
 
-    /// The change of the parameters that no reading shows, with 1 at the unseen column k.
-    pub fn direction(&self, k: usize, seen: &[bool; N]) -> [T; N] {
+    /// The change of the parameters that no reading shows, with 1 at the unobservable column k.
+    pub fn direction(&self, k: usize, observable: &[bool; N]) -> [T; N] {
         let mut direction = [T::ZERO; N];
         if k < N {
             direction[k] = T::ONE;
             for i in (0..k).rev() {
-                if seen[i] {
+                if observable[i] {
                     direction[i] = -dot(&self.lines[i], &direction, i + 1);
                 }
             }
@@ -167,36 +167,36 @@ impl<T: Scalar, const N: usize> Triangle<T, N> {
         direction
     }
 
-    /// Variance of `row`·θ̂ given the unseen parameters, Σ p_i²/d_i with p = row R̄⁻¹,
-    /// and whether the row asks for an unseen one.
-    pub fn variance(&self, mut row: [T; N], seen: &[bool; N]) -> (T, bool) {
-        let (mut variance, mut unseen) = (T::ZERO, false);
+    /// Variance of `row`·θ̂ given the unobservable parameters, Σ p_i²/d_i with p = row R̄⁻¹,
+    /// and whether the row asks for an unobservable one.
+    pub fn variance(&self, mut row: [T; N], observable: &[bool; N]) -> (T, bool) {
+        let (mut variance, mut unobservable) = (T::ZERO, false);
         for i in 0..N {
             let Some((done, [pivot, rest @ ..])) = row.split_at_mut_checked(i) else {
                 break;
             };
             let pivot = *pivot;
-            if seen[i] {
+            if observable[i] {
                 variance = variance + pivot * pivot / self.weights[i];
                 for (x, r) in rest.iter_mut().zip(self.lines[i].iter().skip(i + 1)) {
                     *x = *x - pivot * *r;
                 }
             } else {
-                unseen |= pivot != T::ZERO && !self.is_rounding(done, pivot, seen);
+                unobservable |= pivot != T::ZERO && !self.is_rounding(done, pivot, observable);
             }
         }
-        (variance, unseen)
+        (variance, unobservable)
     }
 
-    /// R̄⁻¹ D⁻¹ R̄⁻ᵀ of the seen columns, in place; infinite variances elsewhere.
-    pub fn covariance(&self, seen: &[bool; N], out: &mut [[T; N]; N]) {
+    /// R̄⁻¹ D⁻¹ R̄⁻ᵀ of the observable columns, in place; infinite variances elsewhere.
+    pub fn covariance(&self, observable: &[bool; N], out: &mut [[T; N]; N]) {
         // R̄⁻¹, line by line: v R̄ = e_a.
         for a in 0..N {
             let v = &mut out[a];
             *v = [T::ZERO; N];
             v[a] = T::ONE;
             for i in a..N {
-                if !seen[i] {
+                if !observable[i] {
                     v[i] = T::ZERO;
                     continue;
                 }
@@ -210,7 +210,7 @@ impl<T: Scalar, const N: usize> Triangle<T, N> {
         for a in 0..N {
             let mut v = out[a];
             for (i, x) in v.iter_mut().enumerate() {
-                if seen[i] {
+                if observable[i] {
                     *x = *x / self.weights[i];
                 }
             }
@@ -219,7 +219,7 @@ impl<T: Scalar, const N: usize> Triangle<T, N> {
                 *x = dot(&v, line, b);
             }
             out[a] = product;
-            if !seen[a] {
+            if !observable[a] {
                 out[a][a] = T::INFINITY;
             }
         }

@@ -3,8 +3,9 @@
 use core::marker::PhantomData;
 
 use super::sealed::{Dispatch, Machine, Task};
-use super::{Block, Scalar, Simd};
+use super::{Block, Simd};
 use crate::model::Sesc;
+use crate::scalar::Scalar;
 
 /// The functions of [`Sesc`] on blocks of postures.
 ///

@@ -23,6 +23,7 @@ mod x86;
 
 use crate::lanes::{F32x16, F64x8, Lanes, pack};
 use crate::real::Real;
+use crate::scalar::Scalar;
 use crate::trig;
 
 pub use batch::Batch;
@@ -106,12 +107,6 @@ impl Simd {
     }
 }
 
-/// A scalar that comes in blocks of a cache line.
-pub trait Scalar: Real + Default + sealed::Dispatch {
-    /// A number of each posture of a block.
-    type Block: Block<Scalar = Self>;
-}
-
 /// A number of each of several postures, together a cache line: [`F64x8`] or [`F32x16`].
 pub trait Block: Real {
     /// Its numbers.
@@ -119,8 +114,9 @@ pub trait Block: Real {
 }
 
 pub(crate) mod sealed {
-    use super::{Scalar, Simd};
+    use super::Simd;
     use crate::real::Real;
+    use crate::scalar::Scalar;
 
     /// Rows side by side: three, and a lane to spare.
     pub const ROWS: usize = 4;
@@ -210,10 +206,6 @@ struct Portable;
 
 macro_rules! portable {
     ($scalar:ty, $block:ty, $sin_cos:path, $avx2:path, $avx512:path) => {
-        impl Scalar for $scalar {
-            type Block = $block;
-        }
-
         impl Block for $block {
             type Scalar = $scalar;
         }

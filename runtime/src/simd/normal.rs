@@ -104,7 +104,7 @@ where
                                 X::store(&y, place, part);
                                 let mut sums = X::load(right, part);
                                 for (sum, y) in sums.iter_mut().zip(&y) {
-                                    *sum = y.mul_add(reading, *sum);
+                                    *sum = y.mul_plus(reading, *sum);
                                 }
                                 X::store(&sums, right, part);
                             }
@@ -116,7 +116,7 @@ where
                             let y = *y * weight[axis];
                             X::store(&[y], core::slice::from_mut(place), part);
                             let [sum] = X::load(&[*right], part);
-                            let sum = y.mul_add(reading, sum);
+                            let sum = y.mul_plus(reading, sum);
                             X::store(&[sum], core::slice::from_mut(right), part);
                         }
                     }
@@ -159,16 +159,16 @@ where
                     // Four sums, of which none waits for another.
                     let mut foretold = [X::splat(0.0); 4];
                     for (k, (y, r)) in rows[axis].iter().zip(&params).enumerate() {
-                        foretold[k % 4] = y.mul_add(*r, foretold[k % 4]);
+                        foretold[k % 4] = y.mul_plus(*r, foretold[k % 4]);
                     }
                     let [a, b, c, d] = foretold;
                     let e = (readings[axis] - ((a + b) + (c + d))) * weight[axis];
                     weighed[axis] = e * weight[axis];
-                    squares = e.mul_add(e, squares);
+                    squares = e.mul_plus(e, squares);
                 }
                 for ((right, x), y) in right.iter_mut().zip(&rows[0]).zip(&rows[1]) {
                     let [sum] = X::load(core::array::from_ref(right), part);
-                    let sum = y.mul_add(weighed[1], x.mul_add(weighed[0], sum));
+                    let sum = y.mul_plus(weighed[1], x.mul_plus(weighed[0], sum));
                     X::store(&[sum], core::slice::from_mut(right), part);
                 }
                 X::store(&[squares], &mut square, part);
@@ -240,7 +240,7 @@ fn tile<X: Machine<f64>, const N: usize, const A: usize, const B: usize>(
             let (a, b) = (X::load(a, part), X::load(b, part));
             for (sums, a) in sums.iter_mut().zip(&a) {
                 for (sum, b) in sums.iter_mut().zip(&b) {
-                    *sum = a.mul_add(*b, *sum);
+                    *sum = a.mul_plus(*b, *sum);
                 }
             }
         }

@@ -3,8 +3,9 @@
 use core::marker::PhantomData;
 
 use super::sealed::{Machine, Task};
-use super::{Scalar, Simd};
+use super::Simd;
 use crate::model::SescFromSinCos;
+use crate::scalar::Scalar;
 
 /// The functions of [`Sesc`](crate::Sesc) for one posture.
 ///
@@ -186,7 +187,7 @@ fn sines<M, S, X, const DOF: usize, const BASE: usize, const FULL: usize>(
     X: Machine<S>,
 {
     X::sin_cos(q, sin, cos);
-    for ((sin, q), slides) in sin.iter_mut().zip(q).zip(M::SLIDING) {
+    for ((sin, q), slides) in sin.iter_mut().zip(q).zip(M::PRISMATIC) {
         if slides {
             *sin = *q;
         }

@@ -14,7 +14,7 @@ struct Bench;
 
 impl Sesc<2, 2, 2> for Bench {
     const JOINT_NAMES: [&'static str; 2] = ["turn", "slide"];
-    const SLIDING: [bool; 2] = [false, true];
+    const PRISMATIC: [bool; 2] = [false, true];
     const CAD_PARAMS: [f64; 2] = [0.25, -3.0];
 
     fn com<T: Real>(q: &[T; 2], r: &[T; 2]) -> [T; 3] {
@@ -47,8 +47,8 @@ impl Sesc<2, 2, 2> for Bench {
 
 impl SescFromSinCos<2, 2, 2> for Bench {
     fn com_sc<T: Real>(sin: &[T; 2], cos: &[T; 2], r: &[T; 2]) -> [T; 3] {
-        let squares = sin[0].mul_add(sin[0], -(cos[0] * cos[0]));
-        [squares, sin[1].mul_add(r[0], r[1]), sin[0]]
+        let squares = sin[0].mul_plus(sin[0], -(cos[0] * cos[0]));
+        [squares, sin[1].mul_plus(r[0], r[1]), sin[0]]
     }
     fn com_jacobian_sc<T: Real>(sin: &[T; 2], cos: &[T; 2], r: &[T; 2]) -> [[T; 2]; 3] {
         let [x, y, z] = Self::com_sc(sin, cos, r);

@@ -164,7 +164,7 @@ impl<'p> Body<'p> {
             }
             false => self.operand(term).0,
         };
-        Some(quote!(#x.mul_add(#y, #term)))
+        Some(quote!(#x.mul_plus(#y, #term)))
     }
 
     /// Names of the constants that results repeat.

@@ -47,7 +47,7 @@ pub const JOINT_NAMES: [&str; DOF] = ["lift", "wrist"];
 
 /// Which joints slide: their `q` is in metres, the others' in radians.
 #[allow(dead_code, clippy::all)]
-pub const SLIDING: [bool; DOF] = [true, false];
+pub const PRISMATIC: [bool; DOF] = [true, false];
 
 /// Base parameters in the order of `r`: link and axis in its frame.
 #[allow(dead_code, clippy::all)]
@@ -95,7 +95,7 @@ pub struct Lift;
 #[allow(dead_code, clippy::all)]
 impl Sesc<DOF, BASE_PARAMS, FULL_PARAMS> for Lift {
     const JOINT_NAMES: [&'static str; DOF] = JOINT_NAMES;
-    const SLIDING: [bool; DOF] = SLIDING;
+    const PRISMATIC: [bool; DOF] = PRISMATIC;
     const CAD_PARAMS: [f64; BASE_PARAMS] = CAD_PARAMS;
     #[inline(always)]
     fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
@@ -225,31 +225,31 @@ pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
     // thumb
     let e1 = q[1] - T::from_f64(0.5636476090008061);
     let (s_thumb, c_thumb) = e1.sin_cos();
-    let t_thumb_x = c_thumb.mul_add(r[6], s_thumb * r[7]);
-    let t_thumb_y = s_thumb.mul_add(r[6], -(c_thumb * r[7]));
+    let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
+    let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
     // wrist
-    let v_wrist_x = (-t_thumb_y).mul_add(T::from_f64(0.6666666666666666), r[4]);
+    let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
     let v_wrist_y = r[5] + t_thumb_x;
     let e2 = q[1] - T::from_f64(0.4636476090008061);
     let (s_wrist, c_wrist) = e2.sin_cos();
-    let t_wrist_x = c_wrist.mul_add(v_wrist_x, -(s_wrist * v_wrist_y));
-    let e3 = s_wrist.mul_add(v_wrist_x, c_wrist * v_wrist_y);
+    let t_wrist_x = c_wrist.mul_plus(v_wrist_x, -(s_wrist * v_wrist_y));
+    let e3 = s_wrist.mul_plus(v_wrist_x, c_wrist * v_wrist_y);
     // lift
     let e4 = t_thumb_y
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.372677996249965),
-            t_wrist_x.mul_add(T::from_f64(0.5), -e3),
+            t_wrist_x.mul_plus(T::from_f64(0.5), -e3),
         );
-    let w_wrist_x = (-e4).mul_add(T::from_f64(0.6666666666666666), t_wrist_x);
+    let w_wrist_x = (-e4).mul_plus(T::from_f64(0.6666666666666666), t_wrist_x);
     let w_wrist_z = e4
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.6666666666666667),
             -(T::from_f64(0.7453559924999299) * t_thumb_y),
         );
     // base
     let v_base_x = r[0] + w_wrist_x;
-    let v_base_y = r[1] - e4.mul_add(T::from_f64(1.3333333333333333), e3);
-    let v_base_z = r[2] + q[0].mul_add(r[3], w_wrist_z);
+    let v_base_y = r[1] - e4.mul_plus(T::from_f64(1.3333333333333333), e3);
+    let v_base_z = r[2] + q[0].mul_plus(r[3], w_wrist_z);
     [v_base_x, v_base_y, v_base_z]
 }
 
@@ -276,15 +276,15 @@ pub fn com_jacobian_into<T: Real>(
     // thumb
     let e1 = q[1] - T::from_f64(0.5636476090008061);
     let (s_thumb, c_thumb) = e1.sin_cos();
-    let t_thumb_x = c_thumb.mul_add(r[6], s_thumb * r[7]);
-    let t_thumb_y = s_thumb.mul_add(r[6], -(c_thumb * r[7]));
+    let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
+    let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
     // wrist
-    let v_wrist_x = (-t_thumb_y).mul_add(T::from_f64(0.6666666666666666), r[4]);
+    let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
     let v_wrist_y = r[5] + t_thumb_x;
     let e2 = q[1] - T::from_f64(0.4636476090008061);
     let (s_wrist, c_wrist) = e2.sin_cos();
-    let t_wrist_x = c_wrist.mul_add(v_wrist_x, -(s_wrist * v_wrist_y));
-    let e3 = s_wrist.mul_add(v_wrist_x, c_wrist * v_wrist_y);
+    let t_wrist_x = c_wrist.mul_plus(v_wrist_x, -(s_wrist * v_wrist_y));
+    let e3 = s_wrist.mul_plus(v_wrist_x, c_wrist * v_wrist_y);
     jacobian[2][0] = r[3];
     // wrist
     let e4 = T::from_f64(0.6666666666666667) * c_wrist;
@@ -292,41 +292,41 @@ pub fn com_jacobian_into<T: Real>(
     let bx_wrist_x = e4 + e5;
     let e6 = T::from_f64(0.6666666666666666) * c_wrist;
     let e7 = T::from_f64(0.6666666666666667) * s_wrist;
-    let by_wrist_x = s_wrist.mul_add(T::from_f64(0.33333333333333326), -e6);
-    let by_wrist_y = c_wrist.mul_add(T::from_f64(0.33333333333333326), e5);
-    let bz_wrist_x = c_wrist.mul_add(T::from_f64(0.33333333333333337), -e7);
+    let by_wrist_x = s_wrist.mul_plus(T::from_f64(0.33333333333333326), -e6);
+    let by_wrist_y = c_wrist.mul_plus(T::from_f64(0.33333333333333326), e5);
+    let bz_wrist_x = c_wrist.mul_plus(T::from_f64(0.33333333333333337), -e7);
     // thumb
     jacobian[0][1] = (e7 - e6)
-        .mul_add(
+        .mul_plus(
             t_thumb_y,
             -(bx_wrist_x
-                .mul_add(
+                .mul_plus(
                     T::from_f64(0.6666666666666666),
                     T::from_f64(0.24845199749997665),
                 ) * t_thumb_x),
         )
         - e3
-            .mul_add(
+            .mul_plus(
                 T::from_f64(0.6666666666666667),
                 -(T::from_f64(0.6666666666666666) * t_wrist_x),
             );
     jacobian[1][1] = t_wrist_x
-        .mul_add(T::from_f64(0.33333333333333326), T::from_f64(0.6666666666666666) * e3)
+        .mul_plus(T::from_f64(0.33333333333333326), T::from_f64(0.6666666666666666) * e3)
         - by_wrist_x
-            .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.4969039949999533))
-            .mul_add(t_thumb_x, by_wrist_y * t_thumb_y);
+            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.4969039949999533))
+            .mul_plus(t_thumb_x, by_wrist_y * t_thumb_y);
     jacobian[2][1] = s_wrist
-        .mul_add(T::from_f64(0.33333333333333337), e4)
-        .mul_add(
+        .mul_plus(T::from_f64(0.33333333333333337), e4)
+        .mul_plus(
             t_thumb_y,
             -(bz_wrist_x
-                .mul_add(
+                .mul_plus(
                     T::from_f64(0.6666666666666666),
                     T::from_f64(0.49690399499995314),
                 ) * t_thumb_x),
         )
         - t_wrist_x
-            .mul_add(
+            .mul_plus(
                 T::from_f64(0.6666666666666667),
                 T::from_f64(0.33333333333333337) * e3,
             );
@@ -339,37 +339,37 @@ pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] 
     // thumb
     let e1 = q[1] - T::from_f64(0.5636476090008061);
     let (s_thumb, c_thumb) = e1.sin_cos();
-    let t_thumb_x = c_thumb.mul_add(r[6], s_thumb * r[7]);
-    let t_thumb_y = s_thumb.mul_add(r[6], -(c_thumb * r[7]));
+    let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
+    let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
     // wrist
-    let v_wrist_x = (-t_thumb_y).mul_add(T::from_f64(0.6666666666666666), r[4]);
+    let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
     let v_wrist_y = r[5] + t_thumb_x;
     let e2 = q[1] - T::from_f64(0.4636476090008061);
     let (s_wrist, c_wrist) = e2.sin_cos();
-    let t_wrist_x = c_wrist.mul_add(v_wrist_x, -(s_wrist * v_wrist_y));
+    let t_wrist_x = c_wrist.mul_plus(v_wrist_x, -(s_wrist * v_wrist_y));
     // wrist
     let bz_wrist_x = c_wrist
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.33333333333333337),
             -(T::from_f64(0.6666666666666667) * s_wrist),
         );
     [
         -r[3],
         t_wrist_x
-            .mul_add(
+            .mul_plus(
                 T::from_f64(0.6666666666666667),
                 T::from_f64(0.33333333333333337)
-                    * s_wrist.mul_add(v_wrist_x, c_wrist * v_wrist_y),
+                    * s_wrist.mul_plus(v_wrist_x, c_wrist * v_wrist_y),
             )
             - c_wrist
-                .mul_add(
+                .mul_plus(
                     T::from_f64(0.6666666666666667),
                     T::from_f64(0.33333333333333337) * s_wrist,
                 )
-                .mul_add(
+                .mul_plus(
                     t_thumb_y,
                     -(bz_wrist_x
-                        .mul_add(
+                        .mul_plus(
                             T::from_f64(0.6666666666666666),
                             T::from_f64(0.49690399499995314),
                         ) * t_thumb_x),
@@ -415,35 +415,35 @@ pub fn regressor_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE_PARAMS]; 3]) {
     let e6 = e5 - e4;
     let bx_wrist_y = -e6;
     rows[0][5] = bx_wrist_y;
-    let by_wrist_x = s_wrist.mul_add(T::from_f64(0.33333333333333326), -e4);
+    let by_wrist_x = s_wrist.mul_plus(T::from_f64(0.33333333333333326), -e4);
     rows[1][4] = by_wrist_x;
-    let by_wrist_y = c_wrist.mul_add(T::from_f64(0.33333333333333326), e3);
+    let by_wrist_y = c_wrist.mul_plus(T::from_f64(0.33333333333333326), e3);
     rows[1][5] = by_wrist_y;
-    let bz_wrist_x = c_wrist.mul_add(T::from_f64(0.33333333333333337), -e5);
+    let bz_wrist_x = c_wrist.mul_plus(T::from_f64(0.33333333333333337), -e5);
     rows[2][4] = bz_wrist_x;
-    let e7 = s_wrist.mul_add(T::from_f64(0.33333333333333337), e2);
+    let e7 = s_wrist.mul_plus(T::from_f64(0.33333333333333337), e2);
     let bz_wrist_y = -e7;
     rows[2][5] = bz_wrist_y;
     // thumb
     let e8 = q[1] - T::from_f64(0.5636476090008061);
     let (s_thumb, c_thumb) = e8.sin_cos();
     let e9 = bx_wrist_x
-        .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
-    let bx_thumb_x = -e6.mul_add(c_thumb, e9 * s_thumb);
+        .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
+    let bx_thumb_x = -e6.mul_plus(c_thumb, e9 * s_thumb);
     rows[0][6] = bx_thumb_x;
-    let bx_thumb_y = -e6.mul_add(s_thumb, -(e9 * c_thumb));
+    let bx_thumb_y = -e6.mul_plus(s_thumb, -(e9 * c_thumb));
     rows[0][7] = bx_thumb_y;
     let e10 = by_wrist_x
-        .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.4969039949999533));
-    let by_thumb_x = by_wrist_y.mul_add(c_thumb, -(e10 * s_thumb));
+        .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.4969039949999533));
+    let by_thumb_x = by_wrist_y.mul_plus(c_thumb, -(e10 * s_thumb));
     rows[1][6] = by_thumb_x;
-    let by_thumb_y = e10.mul_add(c_thumb, by_wrist_y * s_thumb);
+    let by_thumb_y = e10.mul_plus(c_thumb, by_wrist_y * s_thumb);
     rows[1][7] = by_thumb_y;
     let e11 = bz_wrist_x
-        .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
-    let bz_thumb_x = -e7.mul_add(c_thumb, e11 * s_thumb);
+        .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
+    let bz_thumb_x = -e7.mul_plus(c_thumb, e11 * s_thumb);
     rows[2][6] = bz_thumb_x;
-    let bz_thumb_y = -e7.mul_add(s_thumb, -(e11 * c_thumb));
+    let bz_thumb_y = -e7.mul_plus(s_thumb, -(e11 * c_thumb));
     rows[2][7] = bz_thumb_y;
     rows[2][3] = q[0];
 }
@@ -475,30 +475,30 @@ pub fn regressor_cop_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE_PARAMS]; 2
     let e1 = q[1] - T::from_f64(0.4636476090008061);
     let (s_wrist, c_wrist) = e1.sin_cos();
     let e2 = T::from_f64(0.6666666666666666) * s_wrist;
-    let bx_wrist_x = c_wrist.mul_add(T::from_f64(0.6666666666666667), e2);
+    let bx_wrist_x = c_wrist.mul_plus(T::from_f64(0.6666666666666667), e2);
     rows[0][4] = bx_wrist_x;
     let e3 = T::from_f64(0.6666666666666666) * c_wrist;
-    let e4 = s_wrist.mul_add(T::from_f64(0.6666666666666667), -e3);
+    let e4 = s_wrist.mul_plus(T::from_f64(0.6666666666666667), -e3);
     let bx_wrist_y = -e4;
     rows[0][5] = bx_wrist_y;
-    let by_wrist_x = s_wrist.mul_add(T::from_f64(0.33333333333333326), -e3);
+    let by_wrist_x = s_wrist.mul_plus(T::from_f64(0.33333333333333326), -e3);
     rows[1][4] = by_wrist_x;
-    let by_wrist_y = c_wrist.mul_add(T::from_f64(0.33333333333333326), e2);
+    let by_wrist_y = c_wrist.mul_plus(T::from_f64(0.33333333333333326), e2);
     rows[1][5] = by_wrist_y;
     // thumb
     let e5 = q[1] - T::from_f64(0.5636476090008061);
     let (s_thumb, c_thumb) = e5.sin_cos();
     let e6 = bx_wrist_x
-        .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
-    let bx_thumb_x = -e4.mul_add(c_thumb, e6 * s_thumb);
+        .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
+    let bx_thumb_x = -e4.mul_plus(c_thumb, e6 * s_thumb);
     rows[0][6] = bx_thumb_x;
-    let bx_thumb_y = -e4.mul_add(s_thumb, -(e6 * c_thumb));
+    let bx_thumb_y = -e4.mul_plus(s_thumb, -(e6 * c_thumb));
     rows[0][7] = bx_thumb_y;
     let e7 = by_wrist_x
-        .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.4969039949999533));
-    let by_thumb_x = by_wrist_y.mul_add(c_thumb, -(e7 * s_thumb));
+        .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.4969039949999533));
+    let by_thumb_x = by_wrist_y.mul_plus(c_thumb, -(e7 * s_thumb));
     rows[1][6] = by_thumb_x;
-    let by_thumb_y = e7.mul_add(c_thumb, by_wrist_y * s_thumb);
+    let by_thumb_y = e7.mul_plus(c_thumb, by_wrist_y * s_thumb);
     rows[1][7] = by_thumb_y;
 }
 
@@ -546,69 +546,69 @@ pub fn regressor_full_into<T: Real>(q: &[T; DOF], rows: &mut [[T; FULL_PARAMS]; 
     let e4 = T::from_f64(0.6666666666666666) * c_wrist;
     let e5 = T::from_f64(0.6666666666666667) * s_wrist;
     let e6 = e5 - e4;
-    let by_wrist_x = s_wrist.mul_add(T::from_f64(0.33333333333333326), -e4);
-    let by_wrist_y = c_wrist.mul_add(T::from_f64(0.33333333333333326), e3);
-    let bz_wrist_x = c_wrist.mul_add(T::from_f64(0.33333333333333337), -e5);
-    let e7 = s_wrist.mul_add(T::from_f64(0.33333333333333337), e2);
+    let by_wrist_x = s_wrist.mul_plus(T::from_f64(0.33333333333333326), -e4);
+    let by_wrist_y = c_wrist.mul_plus(T::from_f64(0.33333333333333326), e3);
+    let bz_wrist_x = c_wrist.mul_plus(T::from_f64(0.33333333333333337), -e5);
+    let e7 = s_wrist.mul_plus(T::from_f64(0.33333333333333337), e2);
     // thumb
     let e8 = q[1] - T::from_f64(0.5636476090008061);
     let (s_thumb, c_thumb) = e8.sin_cos();
     let e9 = bx_wrist_x
-        .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
+        .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
     let kx_thumb_z = bx_wrist_x
-        .mul_add(T::from_f64(0.7453559924999299), -T::from_f64(0.22222222222222224));
+        .mul_plus(T::from_f64(0.7453559924999299), -T::from_f64(0.22222222222222224));
     rows[0][12] = kx_thumb_z;
-    let bx_thumb_x = -e6.mul_add(c_thumb, e9 * s_thumb);
+    let bx_thumb_x = -e6.mul_plus(c_thumb, e9 * s_thumb);
     rows[0][10] = bx_thumb_x;
-    let bx_thumb_y = -e6.mul_add(s_thumb, -(e9 * c_thumb));
+    let bx_thumb_y = -e6.mul_plus(s_thumb, -(e9 * c_thumb));
     rows[0][11] = bx_thumb_y;
     let e10 = by_wrist_x
-        .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.4969039949999533));
+        .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.4969039949999533));
     let ky_thumb_z = by_wrist_x
-        .mul_add(T::from_f64(0.7453559924999299), -T::from_f64(0.4444444444444445));
+        .mul_plus(T::from_f64(0.7453559924999299), -T::from_f64(0.4444444444444445));
     rows[1][12] = ky_thumb_z;
-    let by_thumb_x = by_wrist_y.mul_add(c_thumb, -(e10 * s_thumb));
+    let by_thumb_x = by_wrist_y.mul_plus(c_thumb, -(e10 * s_thumb));
     rows[1][10] = by_thumb_x;
-    let by_thumb_y = e10.mul_add(c_thumb, by_wrist_y * s_thumb);
+    let by_thumb_y = e10.mul_plus(c_thumb, by_wrist_y * s_thumb);
     rows[1][11] = by_thumb_y;
     let e11 = bz_wrist_x
-        .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
+        .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
     let kz_thumb_z = bz_wrist_x
-        .mul_add(T::from_f64(0.7453559924999299), -T::from_f64(0.4444444444444443));
+        .mul_plus(T::from_f64(0.7453559924999299), -T::from_f64(0.4444444444444443));
     rows[2][12] = kz_thumb_z;
-    let bz_thumb_x = -e7.mul_add(c_thumb, e11 * s_thumb);
+    let bz_thumb_x = -e7.mul_plus(c_thumb, e11 * s_thumb);
     rows[2][10] = bz_thumb_x;
-    let bz_thumb_y = -e7.mul_add(s_thumb, -(e11 * c_thumb));
+    let bz_thumb_y = -e7.mul_plus(s_thumb, -(e11 * c_thumb));
     rows[2][11] = bz_thumb_y;
     rows[2][6] = q[0];
     rows[0][7] = bx_wrist_x
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.29814239699997197),
             -(T::from_f64(0.8944271909999159) * e6),
         ) + T::from_f64(0.11111111111111112);
     rows[0][8] = -kx_thumb_z;
     rows[0][9] = bx_wrist_x
-        .mul_add(T::from_f64(0.5962847939999439), T::from_f64(0.4472135954999579) * e6)
+        .mul_plus(T::from_f64(0.5962847939999439), T::from_f64(0.4472135954999579) * e6)
         + T::from_f64(0.22222222222222224);
     rows[1][7] = by_wrist_x
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.29814239699997197),
             T::from_f64(0.8944271909999159) * by_wrist_y,
         ) + T::from_f64(0.22222222222222224);
     rows[1][8] = -ky_thumb_z;
     rows[1][9] = by_wrist_x
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.5962847939999439),
             -(T::from_f64(0.4472135954999579) * by_wrist_y),
         ) + T::from_f64(0.4444444444444445);
     rows[2][7] = bz_wrist_x
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.29814239699997197),
             -(T::from_f64(0.8944271909999159) * e7),
         ) + T::from_f64(0.22222222222222215);
     rows[2][8] = -kz_thumb_z;
     rows[2][9] = bz_wrist_x
-        .mul_add(T::from_f64(0.5962847939999439), T::from_f64(0.4472135954999579) * e7)
+        .mul_plus(T::from_f64(0.5962847939999439), T::from_f64(0.4472135954999579) * e7)
         + T::from_f64(0.4444444444444443);
 }
 
@@ -619,25 +619,25 @@ pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
     // thumb
     let e1 = q[1] - T::from_f64(0.5636476090008061);
     let (s_thumb, c_thumb) = e1.sin_cos();
-    let t_thumb_x = c_thumb.mul_add(r[6], s_thumb * r[7]);
-    let t_thumb_y = s_thumb.mul_add(r[6], -(c_thumb * r[7]));
+    let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
+    let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
     // wrist
-    let v_wrist_x = (-t_thumb_y).mul_add(T::from_f64(0.6666666666666666), r[4]);
+    let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
     let v_wrist_y = r[5] + t_thumb_x;
     let e2 = q[1] - T::from_f64(0.4636476090008061);
     let (s_wrist, c_wrist) = e2.sin_cos();
-    let t_wrist_x = c_wrist.mul_add(v_wrist_x, -(s_wrist * v_wrist_y));
-    let e3 = s_wrist.mul_add(v_wrist_x, c_wrist * v_wrist_y);
+    let t_wrist_x = c_wrist.mul_plus(v_wrist_x, -(s_wrist * v_wrist_y));
+    let e3 = s_wrist.mul_plus(v_wrist_x, c_wrist * v_wrist_y);
     // lift
     let e4 = t_thumb_y
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.372677996249965),
-            t_wrist_x.mul_add(T::from_f64(0.5), -e3),
+            t_wrist_x.mul_plus(T::from_f64(0.5), -e3),
         );
-    let w_wrist_x = (-e4).mul_add(T::from_f64(0.6666666666666666), t_wrist_x);
+    let w_wrist_x = (-e4).mul_plus(T::from_f64(0.6666666666666666), t_wrist_x);
     // base
     let v_base_x = r[0] + w_wrist_x;
-    let v_base_y = r[1] - e4.mul_add(T::from_f64(1.3333333333333333), e3);
+    let v_base_y = r[1] - e4.mul_plus(T::from_f64(1.3333333333333333), e3);
     [v_base_x, v_base_y]
 }
 
@@ -649,49 +649,49 @@ pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
 pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
     // thumb
     let s_thumb = sin[1]
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.8453119193731673),
             -(T::from_f64(0.534273112710767) * cos[1]),
         );
     let c_thumb = cos[1]
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.8453119193731673),
             T::from_f64(0.534273112710767) * sin[1],
         );
-    let t_thumb_x = c_thumb.mul_add(r[6], s_thumb * r[7]);
-    let t_thumb_y = s_thumb.mul_add(r[6], -(c_thumb * r[7]));
+    let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
+    let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
     // wrist
-    let v_wrist_x = (-t_thumb_y).mul_add(T::from_f64(0.6666666666666666), r[4]);
+    let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
     let v_wrist_y = r[5] + t_thumb_x;
     let s_wrist = cos[1]
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.4472135954999579),
             -(T::from_f64(0.8944271909999159) * sin[1]),
         );
     let c_wrist = cos[1]
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.8944271909999159),
             T::from_f64(0.4472135954999579) * sin[1],
         );
-    let t_wrist_x = c_wrist.mul_add(v_wrist_x, s_wrist * v_wrist_y);
-    let t_wrist_y = s_wrist.mul_add(v_wrist_x, -(c_wrist * v_wrist_y));
+    let t_wrist_x = c_wrist.mul_plus(v_wrist_x, s_wrist * v_wrist_y);
+    let t_wrist_y = s_wrist.mul_plus(v_wrist_x, -(c_wrist * v_wrist_y));
     // lift
     let e1 = t_thumb_y
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.372677996249965),
-            t_wrist_x.mul_add(T::from_f64(0.5), t_wrist_y),
+            t_wrist_x.mul_plus(T::from_f64(0.5), t_wrist_y),
         );
-    let w_wrist_x = (-e1).mul_add(T::from_f64(0.6666666666666666), t_wrist_x);
-    let w_wrist_y = (-e1).mul_add(T::from_f64(1.3333333333333333), t_wrist_y);
+    let w_wrist_x = (-e1).mul_plus(T::from_f64(0.6666666666666666), t_wrist_x);
+    let w_wrist_y = (-e1).mul_plus(T::from_f64(1.3333333333333333), t_wrist_y);
     let w_wrist_z = e1
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.6666666666666667),
             -(T::from_f64(0.7453559924999299) * t_thumb_y),
         );
     // base
     let v_base_x = r[0] + w_wrist_x;
     let v_base_y = r[1] + w_wrist_y;
-    let v_base_z = r[2] + sin[0].mul_add(r[3], w_wrist_z);
+    let v_base_z = r[2] + sin[0].mul_plus(r[3], w_wrist_z);
     [v_base_x, v_base_y, v_base_z]
 }
 
@@ -708,32 +708,32 @@ pub fn com_jacobian_sc<T: Real>(
     let zero = T::from_f64(0.0);
     // thumb
     let s_thumb = sin[1]
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.8453119193731673),
             -(T::from_f64(0.534273112710767) * cos[1]),
         );
     let c_thumb = cos[1]
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.8453119193731673),
             T::from_f64(0.534273112710767) * sin[1],
         );
-    let t_thumb_x = c_thumb.mul_add(r[6], s_thumb * r[7]);
-    let t_thumb_y = s_thumb.mul_add(r[6], -(c_thumb * r[7]));
+    let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
+    let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
     // wrist
-    let v_wrist_x = (-t_thumb_y).mul_add(T::from_f64(0.6666666666666666), r[4]);
+    let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
     let v_wrist_y = r[5] + t_thumb_x;
     let s_wrist = cos[1]
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.4472135954999579),
             -(T::from_f64(0.8944271909999159) * sin[1]),
         );
     let c_wrist = cos[1]
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.8944271909999159),
             T::from_f64(0.4472135954999579) * sin[1],
         );
-    let t_wrist_x = c_wrist.mul_add(v_wrist_x, s_wrist * v_wrist_y);
-    let t_wrist_y = s_wrist.mul_add(v_wrist_x, -(c_wrist * v_wrist_y));
+    let t_wrist_x = c_wrist.mul_plus(v_wrist_x, s_wrist * v_wrist_y);
+    let t_wrist_y = s_wrist.mul_plus(v_wrist_x, -(c_wrist * v_wrist_y));
     // wrist
     let e1 = T::from_f64(0.6666666666666667) * c_wrist;
     let e2 = T::from_f64(0.6666666666666666) * s_wrist;
@@ -741,35 +741,35 @@ pub fn com_jacobian_sc<T: Real>(
     let e3 = T::from_f64(0.6666666666666666) * c_wrist;
     let e4 = T::from_f64(0.6666666666666667) * s_wrist;
     let bx_wrist_y = e3 + e4;
-    let bz_wrist_x = c_wrist.mul_add(T::from_f64(0.33333333333333337), e4);
+    let bz_wrist_x = c_wrist.mul_plus(T::from_f64(0.33333333333333337), e4);
     // thumb
     let ky_thumb_y = s_wrist
-        .mul_add(T::from_f64(0.33333333333333326), e3)
-        .mul_add(T::from_f64(0.6666666666666666), -T::from_f64(0.4969039949999533));
+        .mul_plus(T::from_f64(0.33333333333333326), e3)
+        .mul_plus(T::from_f64(0.6666666666666666), -T::from_f64(0.4969039949999533));
     [
         [
             zero,
             t_wrist_x
-                .mul_add(
+                .mul_plus(
                     T::from_f64(0.6666666666666666),
                     T::from_f64(0.6666666666666667) * t_wrist_y,
                 )
                 - bx_wrist_x
-                    .mul_add(
+                    .mul_plus(
                         T::from_f64(0.6666666666666666),
                         T::from_f64(0.24845199749997665),
                     )
-                    .mul_add(t_thumb_x, bx_wrist_y * t_thumb_y),
+                    .mul_plus(t_thumb_x, bx_wrist_y * t_thumb_y),
         ],
         [
             zero,
             ky_thumb_y
-                .mul_add(
+                .mul_plus(
                     t_thumb_x,
-                    (-c_wrist).mul_add(T::from_f64(0.33333333333333326), e2) * t_thumb_y,
+                    (-c_wrist).mul_plus(T::from_f64(0.33333333333333326), e2) * t_thumb_y,
                 )
                 - t_wrist_y
-                    .mul_add(
+                    .mul_plus(
                         T::from_f64(0.6666666666666666),
                         -(T::from_f64(0.33333333333333326) * t_wrist_x),
                     ),
@@ -777,17 +777,17 @@ pub fn com_jacobian_sc<T: Real>(
         [
             r[3],
             (-s_wrist)
-                .mul_add(T::from_f64(0.33333333333333337), e1)
-                .mul_add(
+                .mul_plus(T::from_f64(0.33333333333333337), e1)
+                .mul_plus(
                     t_thumb_y,
                     -(bz_wrist_x
-                        .mul_add(
+                        .mul_plus(
                             T::from_f64(0.6666666666666666),
                             T::from_f64(0.49690399499995314),
                         ) * t_thumb_x),
                 )
                 - t_wrist_x
-                    .mul_add(
+                    .mul_plus(
                         T::from_f64(0.6666666666666667),
                         -(T::from_f64(0.33333333333333337) * t_wrist_y),
                     ),
@@ -807,54 +807,54 @@ pub fn gravity_moments_sc<T: Real>(
 ) -> [T; DOF] {
     // thumb
     let s_thumb = sin[1]
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.8453119193731673),
             -(T::from_f64(0.534273112710767) * cos[1]),
         );
     let c_thumb = cos[1]
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.8453119193731673),
             T::from_f64(0.534273112710767) * sin[1],
         );
-    let t_thumb_x = c_thumb.mul_add(r[6], s_thumb * r[7]);
-    let t_thumb_y = s_thumb.mul_add(r[6], -(c_thumb * r[7]));
+    let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
+    let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
     // wrist
-    let v_wrist_x = (-t_thumb_y).mul_add(T::from_f64(0.6666666666666666), r[4]);
+    let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
     let v_wrist_y = r[5] + t_thumb_x;
     let s_wrist = cos[1]
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.4472135954999579),
             -(T::from_f64(0.8944271909999159) * sin[1]),
         );
     let c_wrist = cos[1]
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.8944271909999159),
             T::from_f64(0.4472135954999579) * sin[1],
         );
-    let t_wrist_x = c_wrist.mul_add(v_wrist_x, s_wrist * v_wrist_y);
-    let t_wrist_y = s_wrist.mul_add(v_wrist_x, -(c_wrist * v_wrist_y));
+    let t_wrist_x = c_wrist.mul_plus(v_wrist_x, s_wrist * v_wrist_y);
+    let t_wrist_y = s_wrist.mul_plus(v_wrist_x, -(c_wrist * v_wrist_y));
     // wrist
     let bz_wrist_x = c_wrist
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.33333333333333337),
             T::from_f64(0.6666666666666667) * s_wrist,
         );
     [
         -r[3],
         t_wrist_x
-            .mul_add(
+            .mul_plus(
                 T::from_f64(0.6666666666666667),
                 -(T::from_f64(0.33333333333333337) * t_wrist_y),
             )
             - c_wrist
-                .mul_add(
+                .mul_plus(
                     T::from_f64(0.6666666666666667),
                     -(T::from_f64(0.33333333333333337) * s_wrist),
                 )
-                .mul_add(
+                .mul_plus(
                     t_thumb_y,
                     -(bz_wrist_x
-                        .mul_add(
+                        .mul_plus(
                             T::from_f64(0.6666666666666666),
                             T::from_f64(0.49690399499995314),
                         ) * t_thumb_x),
@@ -872,12 +872,12 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
     let one = T::from_f64(1.0);
     // wrist
     let s_wrist = cos[1]
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.4472135954999579),
             -(T::from_f64(0.8944271909999159) * sin[1]),
         );
     let c_wrist = cos[1]
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.8944271909999159),
             T::from_f64(0.4472135954999579) * sin[1],
         );
@@ -887,36 +887,36 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
     let e3 = T::from_f64(0.6666666666666666) * c_wrist;
     let e4 = T::from_f64(0.6666666666666667) * s_wrist;
     let bx_wrist_y = e3 + e4;
-    let e5 = s_wrist.mul_add(T::from_f64(0.33333333333333326), e3);
+    let e5 = s_wrist.mul_plus(T::from_f64(0.33333333333333326), e3);
     let by_wrist_x = -e5;
-    let e6 = (-c_wrist).mul_add(T::from_f64(0.33333333333333326), e2);
+    let e6 = (-c_wrist).mul_plus(T::from_f64(0.33333333333333326), e2);
     let by_wrist_y = -e6;
-    let bz_wrist_x = c_wrist.mul_add(T::from_f64(0.33333333333333337), e4);
-    let e7 = (-s_wrist).mul_add(T::from_f64(0.33333333333333337), e1);
+    let bz_wrist_x = c_wrist.mul_plus(T::from_f64(0.33333333333333337), e4);
+    let e7 = (-s_wrist).mul_plus(T::from_f64(0.33333333333333337), e1);
     let bz_wrist_y = -e7;
     // thumb
     let s_thumb = sin[1]
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.8453119193731673),
             -(T::from_f64(0.534273112710767) * cos[1]),
         );
     let c_thumb = cos[1]
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.8453119193731673),
             T::from_f64(0.534273112710767) * sin[1],
         );
     let e8 = bx_wrist_x
-        .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
-    let bx_thumb_x = bx_wrist_y.mul_add(c_thumb, -(e8 * s_thumb));
-    let bx_thumb_y = e8.mul_add(c_thumb, bx_wrist_y * s_thumb);
+        .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
+    let bx_thumb_x = bx_wrist_y.mul_plus(c_thumb, -(e8 * s_thumb));
+    let bx_thumb_y = e8.mul_plus(c_thumb, bx_wrist_y * s_thumb);
     let ky_thumb_y = e5
-        .mul_add(T::from_f64(0.6666666666666666), -T::from_f64(0.4969039949999533));
-    let by_thumb_x = ky_thumb_y.mul_add(s_thumb, -(e6 * c_thumb));
-    let by_thumb_y = -ky_thumb_y.mul_add(c_thumb, e6 * s_thumb);
+        .mul_plus(T::from_f64(0.6666666666666666), -T::from_f64(0.4969039949999533));
+    let by_thumb_x = ky_thumb_y.mul_plus(s_thumb, -(e6 * c_thumb));
+    let by_thumb_y = -ky_thumb_y.mul_plus(c_thumb, e6 * s_thumb);
     let e9 = bz_wrist_x
-        .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
-    let bz_thumb_x = -e7.mul_add(c_thumb, e9 * s_thumb);
-    let bz_thumb_y = -e7.mul_add(s_thumb, -(e9 * c_thumb));
+        .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
+    let bz_thumb_x = -e7.mul_plus(c_thumb, e9 * s_thumb);
+    let bz_thumb_y = -e7.mul_plus(s_thumb, -(e9 * c_thumb));
     [
         [one, zero, zero, zero, bx_wrist_x, bx_wrist_y, bx_thumb_x, bx_thumb_y],
         [zero, one, zero, zero, by_wrist_x, by_wrist_y, by_thumb_x, by_thumb_y],
@@ -937,42 +937,42 @@ pub fn regressor_cop_sc<T: Real>(
     let one = T::from_f64(1.0);
     // wrist
     let s_wrist = cos[1]
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.4472135954999579),
             -(T::from_f64(0.8944271909999159) * sin[1]),
         );
     let c_wrist = cos[1]
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.8944271909999159),
             T::from_f64(0.4472135954999579) * sin[1],
         );
     let e1 = T::from_f64(0.6666666666666666) * s_wrist;
-    let bx_wrist_x = c_wrist.mul_add(T::from_f64(0.6666666666666667), -e1);
+    let bx_wrist_x = c_wrist.mul_plus(T::from_f64(0.6666666666666667), -e1);
     let e2 = T::from_f64(0.6666666666666666) * c_wrist;
-    let bx_wrist_y = s_wrist.mul_add(T::from_f64(0.6666666666666667), e2);
-    let e3 = s_wrist.mul_add(T::from_f64(0.33333333333333326), e2);
+    let bx_wrist_y = s_wrist.mul_plus(T::from_f64(0.6666666666666667), e2);
+    let e3 = s_wrist.mul_plus(T::from_f64(0.33333333333333326), e2);
     let by_wrist_x = -e3;
-    let e4 = (-c_wrist).mul_add(T::from_f64(0.33333333333333326), e1);
+    let e4 = (-c_wrist).mul_plus(T::from_f64(0.33333333333333326), e1);
     let by_wrist_y = -e4;
     // thumb
     let s_thumb = sin[1]
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.8453119193731673),
             -(T::from_f64(0.534273112710767) * cos[1]),
         );
     let c_thumb = cos[1]
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.8453119193731673),
             T::from_f64(0.534273112710767) * sin[1],
         );
     let e5 = bx_wrist_x
-        .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
-    let bx_thumb_x = bx_wrist_y.mul_add(c_thumb, -(e5 * s_thumb));
-    let bx_thumb_y = e5.mul_add(c_thumb, bx_wrist_y * s_thumb);
+        .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
+    let bx_thumb_x = bx_wrist_y.mul_plus(c_thumb, -(e5 * s_thumb));
+    let bx_thumb_y = e5.mul_plus(c_thumb, bx_wrist_y * s_thumb);
     let ky_thumb_y = e3
-        .mul_add(T::from_f64(0.6666666666666666), -T::from_f64(0.4969039949999533));
-    let by_thumb_x = ky_thumb_y.mul_add(s_thumb, -(e4 * c_thumb));
-    let by_thumb_y = -ky_thumb_y.mul_add(c_thumb, e4 * s_thumb);
+        .mul_plus(T::from_f64(0.6666666666666666), -T::from_f64(0.4969039949999533));
+    let by_thumb_x = ky_thumb_y.mul_plus(s_thumb, -(e4 * c_thumb));
+    let by_thumb_y = -ky_thumb_y.mul_plus(c_thumb, e4 * s_thumb);
     [
         [one, zero, zero, zero, bx_wrist_x, bx_wrist_y, bx_thumb_x, bx_thumb_y],
         [zero, one, zero, zero, by_wrist_x, by_wrist_y, by_thumb_x, by_thumb_y],
@@ -992,12 +992,12 @@ pub fn regressor_full_sc<T: Real>(
     let one = T::from_f64(1.0);
     // wrist
     let s_wrist = cos[1]
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.4472135954999579),
             -(T::from_f64(0.8944271909999159) * sin[1]),
         );
     let c_wrist = cos[1]
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.8944271909999159),
             T::from_f64(0.4472135954999579) * sin[1],
         );
@@ -1007,40 +1007,40 @@ pub fn regressor_full_sc<T: Real>(
     let e3 = T::from_f64(0.6666666666666666) * c_wrist;
     let e4 = T::from_f64(0.6666666666666667) * s_wrist;
     let bx_wrist_y = e3 + e4;
-    let e5 = s_wrist.mul_add(T::from_f64(0.33333333333333326), e3);
-    let e6 = (-c_wrist).mul_add(T::from_f64(0.33333333333333326), e2);
-    let bz_wrist_x = c_wrist.mul_add(T::from_f64(0.33333333333333337), e4);
-    let e7 = (-s_wrist).mul_add(T::from_f64(0.33333333333333337), e1);
+    let e5 = s_wrist.mul_plus(T::from_f64(0.33333333333333326), e3);
+    let e6 = (-c_wrist).mul_plus(T::from_f64(0.33333333333333326), e2);
+    let bz_wrist_x = c_wrist.mul_plus(T::from_f64(0.33333333333333337), e4);
+    let e7 = (-s_wrist).mul_plus(T::from_f64(0.33333333333333337), e1);
     // thumb
     let s_thumb = sin[1]
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.8453119193731673),
             -(T::from_f64(0.534273112710767) * cos[1]),
         );
     let c_thumb = cos[1]
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.8453119193731673),
             T::from_f64(0.534273112710767) * sin[1],
         );
     let e8 = bx_wrist_x
-        .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
+        .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
     let kx_thumb_z = bx_wrist_x
-        .mul_add(T::from_f64(0.7453559924999299), -T::from_f64(0.22222222222222224));
-    let bx_thumb_x = bx_wrist_y.mul_add(c_thumb, -(e8 * s_thumb));
-    let bx_thumb_y = e8.mul_add(c_thumb, bx_wrist_y * s_thumb);
+        .mul_plus(T::from_f64(0.7453559924999299), -T::from_f64(0.22222222222222224));
+    let bx_thumb_x = bx_wrist_y.mul_plus(c_thumb, -(e8 * s_thumb));
+    let bx_thumb_y = e8.mul_plus(c_thumb, bx_wrist_y * s_thumb);
     let ky_thumb_y = e5
-        .mul_add(T::from_f64(0.6666666666666666), -T::from_f64(0.4969039949999533));
+        .mul_plus(T::from_f64(0.6666666666666666), -T::from_f64(0.4969039949999533));
     let e9 = e5
-        .mul_add(T::from_f64(0.7453559924999299), T::from_f64(0.4444444444444445));
+        .mul_plus(T::from_f64(0.7453559924999299), T::from_f64(0.4444444444444445));
     let ky_thumb_z = -e9;
-    let by_thumb_x = ky_thumb_y.mul_add(s_thumb, -(e6 * c_thumb));
-    let by_thumb_y = -ky_thumb_y.mul_add(c_thumb, e6 * s_thumb);
+    let by_thumb_x = ky_thumb_y.mul_plus(s_thumb, -(e6 * c_thumb));
+    let by_thumb_y = -ky_thumb_y.mul_plus(c_thumb, e6 * s_thumb);
     let e10 = bz_wrist_x
-        .mul_add(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
+        .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
     let kz_thumb_z = bz_wrist_x
-        .mul_add(T::from_f64(0.7453559924999299), -T::from_f64(0.4444444444444443));
-    let bz_thumb_x = -e7.mul_add(c_thumb, e10 * s_thumb);
-    let bz_thumb_y = -e7.mul_add(s_thumb, -(e10 * c_thumb));
+        .mul_plus(T::from_f64(0.7453559924999299), -T::from_f64(0.4444444444444443));
+    let bz_thumb_x = -e7.mul_plus(c_thumb, e10 * s_thumb);
+    let bz_thumb_y = -e7.mul_plus(s_thumb, -(e10 * c_thumb));
     [
         [
             one,
@@ -1051,13 +1051,13 @@ pub fn regressor_full_sc<T: Real>(
             zero,
             zero,
             bx_wrist_x
-                .mul_add(
+                .mul_plus(
                     T::from_f64(0.29814239699997197),
                     T::from_f64(0.8944271909999159) * bx_wrist_y,
                 ) + T::from_f64(0.11111111111111112),
             -kx_thumb_z,
             bx_wrist_x
-                .mul_add(
+                .mul_plus(
                     T::from_f64(0.5962847939999439),
                     -(T::from_f64(0.4472135954999579) * bx_wrist_y),
                 ) + T::from_f64(0.22222222222222224),
@@ -1075,13 +1075,13 @@ pub fn regressor_full_sc<T: Real>(
             zero,
             T::from_f64(0.22222222222222224)
                 - e5
-                    .mul_add(
+                    .mul_plus(
                         T::from_f64(0.29814239699997197),
                         T::from_f64(0.8944271909999159) * e6,
                     ),
             e9,
             e6
-                .mul_add(
+                .mul_plus(
                     T::from_f64(0.4472135954999579),
                     -(T::from_f64(0.5962847939999439) * e5),
                 ) + T::from_f64(0.4444444444444445),
@@ -1098,13 +1098,13 @@ pub fn regressor_full_sc<T: Real>(
             one,
             sin[0],
             bz_wrist_x
-                .mul_add(
+                .mul_plus(
                     T::from_f64(0.29814239699997197),
                     -(T::from_f64(0.8944271909999159) * e7),
                 ) + T::from_f64(0.22222222222222215),
             -kz_thumb_z,
             bz_wrist_x
-                .mul_add(
+                .mul_plus(
                     T::from_f64(0.5962847939999439),
                     T::from_f64(0.4472135954999579) * e7,
                 ) + T::from_f64(0.4444444444444443),
@@ -1123,40 +1123,40 @@ pub fn regressor_full_sc<T: Real>(
 pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
     // thumb
     let s_thumb = sin[1]
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.8453119193731673),
             -(T::from_f64(0.534273112710767) * cos[1]),
         );
     let c_thumb = cos[1]
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.8453119193731673),
             T::from_f64(0.534273112710767) * sin[1],
         );
-    let t_thumb_x = c_thumb.mul_add(r[6], s_thumb * r[7]);
-    let t_thumb_y = s_thumb.mul_add(r[6], -(c_thumb * r[7]));
+    let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
+    let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
     // wrist
-    let v_wrist_x = (-t_thumb_y).mul_add(T::from_f64(0.6666666666666666), r[4]);
+    let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
     let v_wrist_y = r[5] + t_thumb_x;
     let s_wrist = cos[1]
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.4472135954999579),
             -(T::from_f64(0.8944271909999159) * sin[1]),
         );
     let c_wrist = cos[1]
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.8944271909999159),
             T::from_f64(0.4472135954999579) * sin[1],
         );
-    let t_wrist_x = c_wrist.mul_add(v_wrist_x, s_wrist * v_wrist_y);
-    let t_wrist_y = s_wrist.mul_add(v_wrist_x, -(c_wrist * v_wrist_y));
+    let t_wrist_x = c_wrist.mul_plus(v_wrist_x, s_wrist * v_wrist_y);
+    let t_wrist_y = s_wrist.mul_plus(v_wrist_x, -(c_wrist * v_wrist_y));
     // lift
     let e1 = t_thumb_y
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.372677996249965),
-            t_wrist_x.mul_add(T::from_f64(0.5), t_wrist_y),
+            t_wrist_x.mul_plus(T::from_f64(0.5), t_wrist_y),
         );
-    let w_wrist_x = (-e1).mul_add(T::from_f64(0.6666666666666666), t_wrist_x);
-    let w_wrist_y = (-e1).mul_add(T::from_f64(1.3333333333333333), t_wrist_y);
+    let w_wrist_x = (-e1).mul_plus(T::from_f64(0.6666666666666666), t_wrist_x);
+    let w_wrist_y = (-e1).mul_plus(T::from_f64(1.3333333333333333), t_wrist_y);
     // base
     let v_base_x = r[0] + w_wrist_x;
     let v_base_y = r[1] + w_wrist_y;
@@ -1176,54 +1176,54 @@ pub fn com_jacobian_along<T: Real>(
 ) -> [T; DOF] {
     // thumb
     let s_thumb = sin[1]
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.8453119193731673),
             -(T::from_f64(0.534273112710767) * cos[1]),
         );
     let c_thumb = cos[1]
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.8453119193731673),
             T::from_f64(0.534273112710767) * sin[1],
         );
-    let t_thumb_x = c_thumb.mul_add(r[6], s_thumb * r[7]);
-    let t_thumb_y = s_thumb.mul_add(r[6], -(c_thumb * r[7]));
+    let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
+    let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
     // wrist
-    let v_wrist_x = (-t_thumb_y).mul_add(T::from_f64(0.6666666666666666), r[4]);
+    let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
     let v_wrist_y = r[5] + t_thumb_x;
     let s_wrist = cos[1]
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.4472135954999579),
             -(T::from_f64(0.8944271909999159) * sin[1]),
         );
     let c_wrist = cos[1]
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.8944271909999159),
             T::from_f64(0.4472135954999579) * sin[1],
         );
-    let t_wrist_x = c_wrist.mul_add(v_wrist_x, s_wrist * v_wrist_y);
-    let t_wrist_y = s_wrist.mul_add(v_wrist_x, -(c_wrist * v_wrist_y));
+    let t_wrist_x = c_wrist.mul_plus(v_wrist_x, s_wrist * v_wrist_y);
+    let t_wrist_y = s_wrist.mul_plus(v_wrist_x, -(c_wrist * v_wrist_y));
     // wrist
     let e1 = (-along[2])
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.5000000000000001),
-            along[0].mul_add(T::from_f64(0.5), along[1]),
+            along[0].mul_plus(T::from_f64(0.5), along[1]),
         );
-    let k_wrist_x = (-e1).mul_add(T::from_f64(0.6666666666666666), along[0]);
-    let k_wrist_y = (-e1).mul_add(T::from_f64(1.3333333333333333), along[1]);
-    let k_wrist_z = e1.mul_add(T::from_f64(0.6666666666666667), along[2]);
-    let b_wrist_x = k_wrist_x.mul_add(c_wrist, k_wrist_y * s_wrist);
+    let k_wrist_x = (-e1).mul_plus(T::from_f64(0.6666666666666666), along[0]);
+    let k_wrist_y = (-e1).mul_plus(T::from_f64(1.3333333333333333), along[1]);
+    let k_wrist_z = e1.mul_plus(T::from_f64(0.6666666666666667), along[2]);
+    let b_wrist_x = k_wrist_x.mul_plus(c_wrist, k_wrist_y * s_wrist);
     [
         along[2] * r[3],
         k_wrist_y
-            .mul_add(c_wrist, -(k_wrist_x * s_wrist))
-            .mul_add(
+            .mul_plus(c_wrist, -(k_wrist_x * s_wrist))
+            .mul_plus(
                 t_thumb_y,
                 -(b_wrist_x
-                    .mul_add(
+                    .mul_plus(
                         T::from_f64(0.6666666666666666),
                         T::from_f64(0.7453559924999299) * k_wrist_z,
                     ) * t_thumb_x),
-            ) - k_wrist_y.mul_add(t_wrist_x, -(k_wrist_x * t_wrist_y)),
+            ) - k_wrist_y.mul_plus(t_wrist_x, -(k_wrist_x * t_wrist_y)),
     ]
 }
 
@@ -1239,44 +1239,44 @@ pub fn regressor_along<T: Real>(
 ) -> [T; BASE_PARAMS] {
     // wrist
     let s_wrist = cos[1]
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.4472135954999579),
             -(T::from_f64(0.8944271909999159) * sin[1]),
         );
     let c_wrist = cos[1]
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.8944271909999159),
             T::from_f64(0.4472135954999579) * sin[1],
         );
     let e1 = (-along[2])
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.5000000000000001),
-            along[0].mul_add(T::from_f64(0.5), along[1]),
+            along[0].mul_plus(T::from_f64(0.5), along[1]),
         );
-    let k_wrist_x = (-e1).mul_add(T::from_f64(0.6666666666666666), along[0]);
-    let k_wrist_y = (-e1).mul_add(T::from_f64(1.3333333333333333), along[1]);
-    let k_wrist_z = e1.mul_add(T::from_f64(0.6666666666666667), along[2]);
-    let b_wrist_x = k_wrist_x.mul_add(c_wrist, k_wrist_y * s_wrist);
-    let e2 = k_wrist_y.mul_add(c_wrist, -(k_wrist_x * s_wrist));
+    let k_wrist_x = (-e1).mul_plus(T::from_f64(0.6666666666666666), along[0]);
+    let k_wrist_y = (-e1).mul_plus(T::from_f64(1.3333333333333333), along[1]);
+    let k_wrist_z = e1.mul_plus(T::from_f64(0.6666666666666667), along[2]);
+    let b_wrist_x = k_wrist_x.mul_plus(c_wrist, k_wrist_y * s_wrist);
+    let e2 = k_wrist_y.mul_plus(c_wrist, -(k_wrist_x * s_wrist));
     let b_wrist_y = -e2;
     // thumb
     let s_thumb = sin[1]
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.8453119193731673),
             -(T::from_f64(0.534273112710767) * cos[1]),
         );
     let c_thumb = cos[1]
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.8453119193731673),
             T::from_f64(0.534273112710767) * sin[1],
         );
     let e3 = b_wrist_x
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.6666666666666666),
             T::from_f64(0.7453559924999299) * k_wrist_z,
         );
-    let b_thumb_x = -e2.mul_add(c_thumb, e3 * s_thumb);
-    let b_thumb_y = -e2.mul_add(s_thumb, -(e3 * c_thumb));
+    let b_thumb_x = -e2.mul_plus(c_thumb, e3 * s_thumb);
+    let b_thumb_y = -e2.mul_plus(s_thumb, -(e3 * c_thumb));
     [
         along[0],
         along[1],
@@ -1301,45 +1301,45 @@ pub fn regressor_full_along<T: Real>(
 ) -> [T; FULL_PARAMS] {
     // wrist
     let s_wrist = cos[1]
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.4472135954999579),
             -(T::from_f64(0.8944271909999159) * sin[1]),
         );
     let c_wrist = cos[1]
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.8944271909999159),
             T::from_f64(0.4472135954999579) * sin[1],
         );
     let e1 = (-along[2])
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.5000000000000001),
-            along[0].mul_add(T::from_f64(0.5), along[1]),
+            along[0].mul_plus(T::from_f64(0.5), along[1]),
         );
-    let k_wrist_x = (-e1).mul_add(T::from_f64(0.6666666666666666), along[0]);
-    let k_wrist_y = (-e1).mul_add(T::from_f64(1.3333333333333333), along[1]);
-    let k_wrist_z = e1.mul_add(T::from_f64(0.6666666666666667), along[2]);
-    let b_wrist_x = k_wrist_x.mul_add(c_wrist, k_wrist_y * s_wrist);
-    let e2 = k_wrist_y.mul_add(c_wrist, -(k_wrist_x * s_wrist));
+    let k_wrist_x = (-e1).mul_plus(T::from_f64(0.6666666666666666), along[0]);
+    let k_wrist_y = (-e1).mul_plus(T::from_f64(1.3333333333333333), along[1]);
+    let k_wrist_z = e1.mul_plus(T::from_f64(0.6666666666666667), along[2]);
+    let b_wrist_x = k_wrist_x.mul_plus(c_wrist, k_wrist_y * s_wrist);
+    let e2 = k_wrist_y.mul_plus(c_wrist, -(k_wrist_x * s_wrist));
     // thumb
     let s_thumb = sin[1]
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.8453119193731673),
             -(T::from_f64(0.534273112710767) * cos[1]),
         );
     let c_thumb = cos[1]
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.8453119193731673),
             T::from_f64(0.534273112710767) * sin[1],
         );
     let e3 = b_wrist_x
-        .mul_add(
+        .mul_plus(
             T::from_f64(0.6666666666666666),
             T::from_f64(0.7453559924999299) * k_wrist_z,
         );
     let e4 = T::from_f64(0.6666666666666666) * k_wrist_z;
-    let k_thumb_z = b_wrist_x.mul_add(T::from_f64(0.7453559924999299), -e4);
-    let b_thumb_x = -e2.mul_add(c_thumb, e3 * s_thumb);
-    let b_thumb_y = -e2.mul_add(s_thumb, -(e3 * c_thumb));
+    let k_thumb_z = b_wrist_x.mul_plus(T::from_f64(0.7453559924999299), -e4);
+    let b_thumb_x = -e2.mul_plus(c_thumb, e3 * s_thumb);
+    let b_thumb_y = -e2.mul_plus(s_thumb, -(e3 * c_thumb));
     [
         along[0],
         along[1],
@@ -1349,17 +1349,17 @@ pub fn regressor_full_along<T: Real>(
         along[2],
         along[2] * sin[0],
         k_wrist_z
-            .mul_add(
+            .mul_plus(
                 T::from_f64(0.3333333333333333),
                 b_wrist_x
-                    .mul_add(
+                    .mul_plus(
                         T::from_f64(0.29814239699997197),
                         -(T::from_f64(0.8944271909999159) * e2),
                     ),
             ),
         -k_thumb_z,
         b_wrist_x
-            .mul_add(
+            .mul_plus(
                 T::from_f64(0.5962847939999439),
                 T::from_f64(0.4472135954999579) * e2,
             ) + e4,

@@ -33,7 +33,7 @@ macro_rules! fused {
             }
 
             #[inline(always)]
-            fn mul_add(self, factor: Self, term: Self) -> Self {
+            fn mul_plus(self, factor: Self, term: Self) -> Self {
                 // SAFETY: only code that is compiled for FMA makes one, see `super`.
                 Self(unsafe { $get($fmadd($set(self.0), $set(factor.0), $set(term.0))) })
             }

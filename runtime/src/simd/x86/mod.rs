@@ -112,7 +112,7 @@ macro_rules! register {
             }
 
             #[inline(always)]
-            fn mul_add(self, factor: Self, term: Self) -> Self {
+            fn mul_plus(self, factor: Self, term: Self) -> Self {
                 // SAFETY: see the head of this module.
                 Self(unsafe { $fused(self.0, factor.0, term.0) })
             }

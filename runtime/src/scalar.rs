@@ -1,20 +1,34 @@
-//! What the estimator asks of a number beyond sums and products.
+//! The two plain scalars, and what an estimator and the registers ask of them.
 
-use core::ops::Div;
-
+use crate::lanes::{F32x16, F64x8};
 use crate::real::Real;
+use crate::simd::{Block, sealed::Dispatch};
 
-/// A scalar with division and order: `f64` and `f32`, and no other.
+/// A plain number, `f64` or `f32` and no other: with order, in blocks of a cache line.
 ///
-/// The constants bound what an estimator in this scalar takes in. They leave
-/// enough of the exponent that no product inside overflows (see
+/// The constants bound what an [`Estimator`](crate::fit::Estimator) in this scalar takes
+/// in. They leave enough of the exponent that no product inside overflows (see
 /// [`fit`](crate::fit)).
-pub trait Scalar: Real + Div<Output = Self> + PartialOrd + sealed::Sealed {
+///
+/// ```
+/// use sesc_runtime::Scalar;
+///
+/// /// Largest distance of a column from zero.
+/// fn largest<T: Scalar>(column: &[T]) -> T {
+///     column.iter().fold(T::ZERO, |most, x| if x.abs() > most { x.abs() } else { most })
+/// }
+///
+/// assert_eq!(largest(&[0.1, -0.3]), 0.3);
+/// assert_eq!(f64::LIMIT, 2_f64.powi(100));
+/// ```
+pub trait Scalar: Real + Default + PartialOrd + Dispatch {
+    /// A number of each posture of a block.
+    type Block: Block<Scalar = Self>;
     /// 0.
     const ZERO: Self;
     /// 1.
     const ONE: Self;
-    /// +∞: the variance of what no reading has shown.
+    /// +∞: the variance of a parameter that no reading has shown.
     const INFINITY: Self;
     /// Largest entry of a row, and largest distance of a reading from the nominal
     /// parameters' prediction, in standard deviations: 2¹⁰⁰ and 2²⁰.
@@ -25,9 +39,9 @@ pub trait Scalar: Real + Div<Output = Self> + PartialOrd + sealed::Sealed {
     /// Most information that a column can hold: `LIMIT²`, times the number of equal
     /// terms at which a sum stops growing.
     const MOST: Self;
-    /// A column is seen when more than this share of it, as a length, is
+    /// A column is observable when more than this share of it, as a length, is
     /// independent of the columns before it: 2⁻³⁶ ≈ 1.5e-11 and 2⁻¹⁷ ≈ 7.6e-6.
-    const UNSEEN: Self;
+    const INDEPENDENT: Self;
     /// Below this weight a row is rewritten with a larger one.
     #[doc(hidden)]
     const LIGHT: Self;
@@ -42,22 +56,20 @@ pub trait Scalar: Real + Div<Output = Self> + PartialOrd + sealed::Sealed {
     fn to_f64(self) -> f64;
 }
 
-mod sealed {
-    pub trait Sealed {}
-    impl Sealed for f64 {}
-    impl Sealed for f32 {}
-}
-
 macro_rules! scalar {
-    ($t:ident, limit: $limit:expr, least: $least:expr, most: $most:expr, unseen: $unseen:expr, light: $light:expr) => {
+    (
+        $t:ident in $block:ident, limit: $limit:expr, least: $least:expr, most: $most:expr,
+        independent: $independent:expr, light: $light:expr
+    ) => {
         impl Scalar for $t {
+            type Block = $block;
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
             const INFINITY: Self = $t::INFINITY;
             const LIMIT: Self = power($limit) as $t;
             const LEAST: Self = power($least) as $t;
             const MOST: Self = power($most) as $t;
-            const UNSEEN: Self = power($unseen) as $t;
+            const INDEPENDENT: Self = power($independent) as $t;
             const LIGHT: Self = power($light) as $t;
 
             #[inline(always)]
@@ -78,8 +90,8 @@ macro_rules! scalar {
     };
 }
 
-scalar!(f64, limit: 100, least: -200, most: 200 + 54, unseen: -36, light: -100);
-scalar!(f32, limit: 20, least: -40, most: 40 + 25, unseen: -17, light: -20);
+scalar!(f64 in F64x8, limit: 100, least: -200, most: 200 + 54, independent: -36, light: -100);
+scalar!(f32 in F32x16, limit: 20, least: -40, most: 40 + 25, independent: -17, light: -20);
 
 /// 2ⁿ for a normal number.
 const fn power(n: i64) -> f64 {
