@@ -71,10 +71,10 @@ mod triangle;
 #[cfg(test)]
 mod tests;
 
+use crate::scalar::Scalar;
 pub use answers::Prediction;
 pub use batch::MAX_CONDITION;
 pub use error::Error;
-use crate::scalar::Scalar;
 use triangle::Triangle;
 
 /// Estimates `N` base parameters from postures, one at a time.

@@ -31,7 +31,11 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
 
     /// Number of observable columns.
     pub fn rank(&self) -> usize {
-        self.triangle.observable().iter().filter(|observable| **observable).count()
+        self.triangle
+            .observable()
+            .iter()
+            .filter(|observable| **observable)
+            .count()
     }
 
     /// The change of all parameters that the unobservable column `k` stands for, with 1 at `k`:

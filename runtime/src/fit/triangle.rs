@@ -136,7 +136,8 @@ impl<T: Scalar, const N: usize> Triangle<T, N> {
     pub fn observable(&self) -> [bool; N] {
         let columns = self.information();
         let mut observable = [false; N];
-        for ((observable, weight), column) in observable.iter_mut().zip(&self.weights).zip(&columns) {
+        for ((observable, weight), column) in observable.iter_mut().zip(&self.weights).zip(&columns)
+        {
             *observable = *weight > T::INDEPENDENT * T::INDEPENDENT * *column;
         }
         observable

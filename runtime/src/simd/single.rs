@@ -2,8 +2,8 @@
 
 use core::marker::PhantomData;
 
-use super::sealed::{Machine, Task};
 use super::Simd;
+use super::sealed::{Machine, Task};
 use crate::model::SescFromSinCos;
 use crate::scalar::Scalar;
 
