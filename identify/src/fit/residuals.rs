@@ -26,6 +26,18 @@ pub struct Residual {
     pub fitted: [f64; 2],
 }
 
+/// RMS lengths of what CAD and the fit leave, m.
+pub fn rms_lengths(rows: &[Residual]) -> [f64; 2] {
+    let square = |row: &Residual, predicted: [f64; 2]| {
+        (predicted[0] - row.measured[0]).powi(2) + (predicted[1] - row.measured[1]).powi(2)
+    };
+    let mean = |sum: f64| (sum / rows.len().max(1) as f64).sqrt();
+    [
+        mean(rows.iter().map(|row| square(row, row.cad)).sum()),
+        mean(rows.iter().map(|row| square(row, row.fitted)).sum()),
+    ]
+}
+
 /// Residuals of rows of all logs, in their order.
 ///
 /// # Errors

@@ -57,6 +57,8 @@ pub struct DiagnosisView {
     pub postures: Vec<Posture>,
     /// `at` is a time.
     pub timed: bool,
+    /// RMS length of the gap before and after, m; outliers apart.
+    pub rms_lengths: [f64; 2],
     /// Corners of the smallest box around the foot's cells.
     pub foot: Option<[[f64; 2]; 2]>,
     /// Strongest first.
@@ -81,6 +83,16 @@ struct Residuals {
     outlier: Vec<bool>,
 }
 
+impl Residuals {
+    fn rms_lengths(&self) -> [f64; 2] {
+        [&self.before, &self.after].map(|errors| {
+            let own = errors.chunks(2).zip(&self.outlier);
+            let kept = own.filter(|(_, outlier)| !**outlier);
+            rms(kept.map(|(error, _)| error[0].hypot(error[1])))
+        })
+    }
+}
+
 impl DiagnosisView {
     pub fn of(problem: &Problem, found: &Found) -> DiagnosisView {
         let data = &problem.data;
@@ -98,6 +110,7 @@ impl DiagnosisView {
         DiagnosisView {
             postures: postures(problem, &residuals),
             timed: data.t.is_some(),
+            rms_lengths: residuals.rms_lengths(),
             foot: foot(&data.cells),
             by_position: trends::strongest(problem, &residuals, Quantity::Position, rest),
             by_moment: trends::strongest(problem, &residuals, Quantity::Moment, rest),
