@@ -34,7 +34,7 @@ fn figure() -> Result<String, Error> {
     let robot = Robot::parse(OP2_URDF, "op2.urdf")?;
     let model = robot.model("r_sole", Snapping::default(), None)?;
     let hidden = hidden::run(&robot, &model, demo::SEED)?;
-    Ok(course(&hidden.view.postures) + "\n")
+    Ok(course(&hidden.view.postures))
 }
 
 /// Every file that is written by `cargo regen`, relative to the project's root, with its text.

@@ -14,13 +14,9 @@ const OP2_SOLE_M: [f64; 2] = [0.105, 0.066];
 
 /// The page of `sesc demo`.
 pub fn demo(report: &DemoReport) -> Result<String, Error> {
-    let mut environment = environment()?;
-    environment.add_template("demo.html", include_str!("demo.html"))?;
-    let colors = colors();
     let figure = Value::from_safe_string;
-    let page = environment.get_template("demo.html")?.render(context! {
+    let context = context! {
         report => Serde(report),
-        colors,
         sole_mm => OP2_SOLE_M.map(|length| format!("{:.0}", 1e3 * length)).to_vec(),
         all_within => report.functions.iter().all(|row| row.worst_error_m <= row.bound_m),
         worst_error_m => report.functions.iter().map(|row| row.worst_error_m).fold(0.0, f64::max),
@@ -37,12 +33,12 @@ pub fn demo(report: &DemoReport) -> Result<String, Error> {
             course => figure(report.hidden.as_ref().map_or_else(String::new, |h| figures::diagnose::course(&h.course))),
             waterfall => figure(report.hidden.as_ref().map_or_else(String::new, |h| figures::diagnose::waterfall(&h.stages))),
         },
-    })?;
-    Ok(page)
+    };
+    render("demo.html", context)
 }
 
-/// What the pages share: filters, style, and no undefined names.
-pub(super) fn environment() -> Result<Environment<'static>, Error> {
+/// A page of this folder in the frame that all share.
+pub(super) fn render(page: &str, context: Value) -> Result<String, Error> {
     let mut environment = Environment::new();
     environment.set_undefined_behavior(UndefinedBehavior::Strict);
     environment.add_filter("mm", table::mm);
@@ -50,24 +46,32 @@ pub(super) fn environment() -> Result<Environment<'static>, Error> {
     environment.add_filter("code", code);
     // Columns of a table line up at the point.
     environment.add_filter("hundredths", |metres: f64| format!("{:.2}", 1e3 * metres));
+    environment.add_filter("digits", |value: f64, digits: usize| {
+        format!("{value:.digits$}")
+    });
+    environment.add_filter("signed", |value: f64| format!("{value:+.2}"));
+    environment.add_filter("degrees", |radians: f64| {
+        format!("{:.0}", radians.to_degrees())
+    });
     environment.add_filter("plain", |value: f64| value.to_string());
+    environment.add_global("colors", Serde(svg::PALETTE));
     // The ending of a page's name turns escaping on.
-    environment.add_template("page.css", include_str!("page.css"))?;
-    Ok(environment)
-}
-
-/// Names and values of the colours of the figures.
-pub(super) fn colors() -> Vec<Value> {
-    svg::PALETTE
-        .iter()
-        .map(|(name, color)| context! { name => *name, hex => svg::hex(*color) })
-        .collect()
+    for (name, source) in [
+        ("page.css", include_str!("page.css")),
+        ("page.html", include_str!("page.html")),
+        ("demo.html", include_str!("demo.html")),
+        ("diagnose.html", include_str!("diagnose.html")),
+        ("fit.html", include_str!("fit.html")),
+        ("plan.html", include_str!("plan.html")),
+    ] {
+        environment.add_template(name, source)?;
+    }
+    environment.get_template(page)?.render(context)
 }
 
 /// A sentence with its `names` set as code.
 fn code(sentence: &str) -> Value {
-    let mut html = String::new();
-    svg::escape(&mut html, sentence);
+    let mut html = svg::escaped(sentence);
     if html.matches('`').count().is_multiple_of(2) {
         for tag in ["<code>", "</code>"].into_iter().cycle() {
             let before = html.len();

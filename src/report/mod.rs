@@ -13,6 +13,7 @@ mod svg;
 pub mod table;
 #[cfg(test)]
 mod tests;
+mod text;
 
 use serde::Serialize;
 

@@ -7,7 +7,7 @@ use minijinja::{Error, context};
 
 use super::{count, effect, noise_source, parameters};
 use crate::report::figures::diagnose as figures;
-use crate::report::html::{colors, environment};
+use crate::report::html::render;
 use sesc_identify::diagnose::findings::{Diagnosis, Verdict};
 use sesc_identify::diagnose::view::DiagnosisView;
 
@@ -19,15 +19,10 @@ const MEMBERS: usize = 10;
 
 /// The page of a diagnosis, alone in one file.
 pub fn page(found: &Diagnosis, view: &DiagnosisView) -> Result<String, Error> {
-    let mut environment = environment()?;
-    environment.add_template("diagnose.html", include_str!("diagnose.html"))?;
-    environment.add_filter("digits", |value: f64, digits: usize| {
-        format!("{value:.digits$}")
-    });
     let figure = Value::from_safe_string;
     let apart = view.differences.len() > 1;
     let poses = found.outliers.iter().take(POSES);
-    environment.get_template("diagnose.html")?.render(context! {
+    let context = context! {
         found => Serde(found),
         last => Serde(&found.last),
         headline => headline(found, view),
@@ -46,12 +41,10 @@ pub fn page(found: &Diagnosis, view: &DiagnosisView) -> Result<String, Error> {
         rms => view.spread.rms.to_vec(),
         many => found.postures_used > view.postures.len(),
         shown => view.postures.len(),
-        colors => colors(),
         figures => context! {
             waterfall => figure(figures::waterfall(&view.stages)),
             course => figure(figures::course(&view.postures)),
-            arrows_before => figure(figures::arrows(view, false)),
-            arrows_after => figure(figures::arrows(view, true)),
+            arrows => figures::arrows(view).map(figure).to_vec(),
             by_position => figure(figures::trends(&view.by_position, "joint position")),
             by_moment => figure(figures::trends(&view.by_moment, "gravity moment")),
             rest => figure(figures::rest(view)),
@@ -63,7 +56,8 @@ pub fn page(found: &Diagnosis, view: &DiagnosisView) -> Result<String, Error> {
                 false => Value::from(()),
             },
         },
-    })
+    };
+    render("diagnose.html", context)
 }
 
 /// The finding in a line.

@@ -1,14 +1,14 @@
 //! CoP over postures and on the ground (the paper's Figs. 3b and 7).
 
 use super::super::CopRow;
-use super::super::svg::{
-    self, Area, BAND, BLUE, Drawn, Frame, HEADING, INK, MUTED, Mark, ORANGE, Side, key, note, px,
-    span,
-};
+use super::super::svg::{Anchor, Axes, BAND, BLUE, Figure, HEADING, INK, MUTED, Mark, ORANGE};
+use super::super::svg::{key, same_scale, span};
 use super::to_mm;
 
 /// CAD is drawn where it differs from the truth by more than this, mm.
 const VISIBLE_MM: f64 = 0.05;
+
+type Pick = fn(&CopRow) -> [f64; 2];
 
 /// One coordinate (0: x, 1: y) over postures, and its errors below.
 pub fn cop_over_postures(rows: &[CopRow], axis: usize) -> String {
@@ -17,85 +17,77 @@ pub fn cop_over_postures(rows: &[CopRow], axis: usize) -> String {
         "CoP {name} over {} held-out postures, mm: reading, truth, identified",
         rows.len()
     );
-    svg::figure([480, 380], &label, |area| {
-        curves(area, rows, axis, &format!("CoP {name}, mm"))?;
-        residuals(area, rows, axis, &format!("Error of CoP {name}, mm"))
-    })
+    let mut figure = Figure::new([480.0, 380.0], &label);
+    curves(&mut figure, rows, axis, &format!("CoP {name}, mm"));
+    residuals(&mut figure, rows, axis, &format!("Error of CoP {name}, mm"));
+    figure.finish()
 }
 
-fn curves(area: &Area<'_>, rows: &[CopRow], axis: usize, heading: &str) -> Drawn {
-    let of = |pick: fn(&CopRow) -> [f64; 2]| {
-        rows.iter()
-            .enumerate()
-            .map(move |(k, row)| ((k + 1) as f64, to_mm(pick(row)[axis])))
+fn curves(figure: &mut Figure, rows: &[CopRow], axis: usize, title: &str) {
+    let of = |pick: Pick| {
+        let rows = rows.iter().zip(1..);
+        rows.map(move |(row, k)| [f64::from(k), to_mm(pick(row)[axis])])
     };
-    let [measured, truth, cad, identified]: [fn(&CopRow) -> [f64; 2]; 4] = [
+    let [measured, truth, cad, identified]: [Pick; 4] = [
         |row| row.measured,
         |row| row.truth,
         |row| row.cad,
         |row| row.identified,
     ];
-    let all = [measured, truth, cad, identified];
-    let plane = Frame {
-        title: heading,
+    let all = [measured, truth, cad, identified].into_iter().flat_map(of);
+    let plane = Axes {
+        title,
         x: 0.0..(rows.len() + 1) as f64,
-        y: span(all.into_iter().flat_map(of).map(|(_, value)| value)),
+        y: span(all.map(|[_, value]| value)),
         x_name: "",
         ticks: [6, 6],
         edges: [44.0, 32.0, 474.0, 204.0],
     }
-    .draw(area)?;
-    let cad_differs = of(cad)
-        .zip(of(truth))
-        .any(|((_, cad), (_, truth))| (cad - truth).abs() > VISIBLE_MM);
+    .draw(figure);
+    let places = |pick| of(pick).map(|point| plane.at(point));
+    let mut both = of(cad).zip(of(truth));
+    let cad_differs = both.any(|([_, cad], [_, truth])| (cad - truth).abs() > VISIBLE_MM);
     let mut marks = vec![
         (Mark::Ring(MUTED), "reading"),
         (Mark::Line(BAND, 7.0), "truth"),
         (Mark::Line(BLUE, 1.75), "identified"),
     ];
-    plane.line(of(truth), BAND, 7.0)?;
+    figure.line(places(truth), BAND, 7.0);
     if cad_differs {
         marks.push((Mark::Line(ORANGE, 1.25), "CAD"));
-        plane.line(of(cad), ORANGE, 1.25)?;
+        figure.line(places(cad), ORANGE, 1.25);
     }
-    for (x, y) in of(measured) {
-        plane.mark(x, y, Mark::Ring(MUTED))?;
-    }
-    plane.line(of(identified), BLUE, 1.75)?;
-    key(area, 474.0, 32.0 - HEADING, &marks)
+    places(measured).for_each(|at| figure.mark(at, Mark::Ring(MUTED)));
+    figure.line(places(identified), BLUE, 1.75);
+    key(figure, 474.0, 32.0 - HEADING, &marks);
 }
 
-fn residuals(area: &Area<'_>, rows: &[CopRow], axis: usize, heading: &str) -> Drawn {
-    let of = |pick: fn(&CopRow) -> [f64; 2]| {
-        rows.iter()
-            .enumerate()
-            .map(move |(k, row)| ((k + 1) as f64, to_mm(pick(row)[axis] - row.truth[axis])))
+fn residuals(figure: &mut Figure, rows: &[CopRow], axis: usize, title: &str) {
+    let of = |pick: Pick| {
+        let rows = rows.iter().zip(1..);
+        rows.map(move |(row, k)| [f64::from(k), to_mm(pick(row)[axis] - row.truth[axis])])
     };
-    let values = of(|row| row.measured)
-        .chain(of(|row| row.identified))
-        .map(|(_, value)| value);
-    let extent = values.flat_map(|value| [value, -value]);
-    let plane = Frame {
-        title: heading,
-        x: 0.0..(rows.len() + 1) as f64,
-        y: span(extent),
+    let [measured, identified]: [Pick; 2] = [|row| row.measured, |row| row.identified];
+    let values = of(measured).chain(of(identified));
+    let end = (rows.len() + 1) as f64;
+    let plane = Axes {
+        title,
+        x: 0.0..end,
+        y: span(values.flat_map(|[_, value]| [value, -value])),
         x_name: "posture",
         ticks: [6, 4],
         edges: [44.0, 258.0, 474.0, 346.0],
     }
-    .draw(area)?;
-    plane.line([(0.0, 0.0), ((rows.len() + 1) as f64, 0.0)], INK, 1.0)?;
-    for (x, y) in of(|row| row.measured) {
-        plane.mark(x, y, Mark::Ring(MUTED))?;
-    }
-    for (x, y) in of(|row| row.identified) {
-        plane.mark(x, y, Mark::Dot(BLUE))?;
-    }
+    .draw(figure);
+    figure.line([[0.0, 0.0], [end, 0.0]].map(|at| plane.at(at)), INK, 1.0);
     let marks = [
         (Mark::Ring(MUTED), "reading"),
         (Mark::Dot(BLUE), "identified"),
     ];
-    key(area, 474.0, 258.0 - HEADING, &marks)
+    for ((mark, _), pick) in marks.iter().zip([measured, identified]) {
+        of(pick).for_each(|point| figure.mark(plane.at(point), *mark));
+    }
+    key(figure, 474.0, 258.0 - HEADING, &marks);
 }
 
 /// The CoP on the ground, seen from above, and the sole around the origin
@@ -106,75 +98,42 @@ pub fn cop_plane(rows: &[CopRow], sole_m: [f64; 2]) -> String {
         "CoP of {} held-out postures on the ground, mm, with the outline of the sole",
         rows.len()
     );
-    svg::figure([480, 400], &label, |area| {
-        let half = sole_m.map(|length| to_mm(length) / 2.0);
-        let coordinates = |axis: usize| {
-            let points = rows
-                .iter()
-                .flat_map(move |row| [row.truth[axis], row.measured[axis], row.identified[axis]]);
-            points.map(to_mm).chain([-half[axis], half[axis]])
-        };
-        let [x, y] = same_scale([span(coordinates(0)), span(coordinates(1))], EDGES);
-        let plane = Frame {
-            title: "CoP from above, mm",
-            x,
-            y,
-            x_name: "x, forward",
-            ticks: [7, 7],
-            edges: EDGES,
-        }
-        .draw(area)?;
-        note(
-            area,
-            "y, left",
-            (px(EDGES[0] + 6.0), px(EDGES[1] + 8.0)),
-            Side::Left,
-            MUTED,
-        )?;
-        let corners = [
-            [-1.0, -1.0],
-            [1.0, -1.0],
-            [1.0, 1.0],
-            [-1.0, 1.0],
-            [-1.0, -1.0],
-        ];
-        plane.line(corners.map(|[i, j]| (i * half[0], j * half[1])), INK, 1.5)?;
-        let at = |point: [f64; 2]| (to_mm(point[0]), to_mm(point[1]));
-        for row in rows {
-            plane.line([at(row.truth), at(row.measured)], BAND, 2.0)?;
-        }
-        for row in rows {
-            let (x, y) = at(row.measured);
-            plane.mark(x, y, Mark::Ring(MUTED))?;
-        }
-        for row in rows {
-            let (x, y) = at(row.truth);
-            plane.mark(x, y, Mark::Ring(INK))?;
-        }
-        for row in rows {
-            let (x, y) = at(row.identified);
-            plane.mark(x, y, Mark::Dot(BLUE))?;
-        }
-        let marks = [
-            (Mark::Ring(MUTED), "reading"),
-            (Mark::Ring(INK), "truth"),
-            (Mark::Dot(BLUE), "identified"),
-            (Mark::Box(INK), "sole"),
-        ];
-        key(area, EDGES[2], EDGES[1] - HEADING, &marks)
-    })
-}
-
-/// Widen one of two ranges so that a millimetre is as long on both axes.
-pub(super) fn same_scale(
-    [x, y]: [std::ops::Range<f64>; 2],
-    [left, top, right, bottom]: [f64; 4],
-) -> [std::ops::Range<f64>; 2] {
-    let sizes = [right - left, bottom - top];
-    let per_pixel = ((x.end - x.start) / sizes[0]).max((y.end - y.start) / sizes[1]);
-    let widen = |range: std::ops::Range<f64>, size: f64| {
-        let middle = (range.start + range.end) / 2.0;
-        middle - per_pixel * size / 2.0..middle + per_pixel * size / 2.0
+    let mut figure = Figure::new([480.0, 400.0], &label);
+    let half = sole_m.map(|length| to_mm(length) / 2.0);
+    let reach = |axis: usize| {
+        let points = rows
+            .iter()
+            .flat_map(move |row| [row.truth[axis], row.measured[axis], row.identified[axis]]);
+        span(points.map(to_mm).chain([-half[axis], half[axis]]))
     };
-    [widen(x, sizes[0]), widen(y, sizes[1])]
+    let [x, y] = same_scale([reach(0), reach(1)], EDGES);
+    let plane = Axes {
+        title: "CoP from above, mm",
+        x,
+        y,
+        x_name: "x, forward",
+        ticks: [7, 7],
+        edges: EDGES,
+    }
+    .draw(&mut figure);
+    let place = [EDGES[0] + 6.0, EDGES[1] + 8.0];
+    figure.note(place, Anchor::Start, MUTED, "y, left");
+    let corners = [half.map(|x| -x), half].map(|corner| plane.at(corner));
+    figure.outline(corners, INK);
+    let at = |point: [f64; 2]| plane.at(point.map(to_mm));
+    for row in rows {
+        figure.line([at(row.truth), at(row.measured)], BAND, 2.0);
+    }
+    let marks: [(Mark, &str, Pick); 3] = [
+        (Mark::Ring(MUTED), "reading", |row| row.measured),
+        (Mark::Ring(INK), "truth", |row| row.truth),
+        (Mark::Dot(BLUE), "identified", |row| row.identified),
+    ];
+    for (mark, _, pick) in marks {
+        rows.iter().for_each(|row| figure.mark(at(pick(row)), mark));
+    }
+    let mut names: Vec<(Mark, &str)> = marks.map(|(mark, name, _)| (mark, name)).into();
+    names.push((Mark::Box(INK), "sole"));
+    key(&mut figure, EDGES[2], EDGES[1] - HEADING, &names);
+    figure.finish()
 }

@@ -4,6 +4,8 @@
 //! or a pale band what is true, blue what was identified, orange what cannot
 //! be known. Lengths are drawn in millimetres.
 
+mod arrows;
+mod bars;
 mod cop;
 pub mod diagnose;
 mod errors;
@@ -24,4 +26,9 @@ pub use parameters::parameters;
 /// Metres to millimetres.
 fn to_mm(metres: f64) -> f64 {
     1e3 * metres
+}
+
+/// An opacity in twentieths, so that equal shades are equal bytes.
+fn shade(part: f64) -> f64 {
+    (part.clamp(0.0, 1.0) * 20.0).round() / 20.0
 }

@@ -1,5 +1,6 @@
 //! Made-up rows in; every figure must be a tree of shapes that says its numbers.
 
+use super::super::svg::tests::sound;
 use super::super::tests::report;
 use super::super::{CopRow, DemoReport, HeightRow, LengthRow};
 use super::*;
@@ -18,22 +19,10 @@ fn all(report: &DemoReport) -> Vec<String> {
     ]
 }
 
-fn texts(svg: &str) -> Vec<String> {
-    let tree = roxmltree::Document::parse(svg).expect("a figure is well-formed");
-    assert_eq!(tree.root_element().tag_name().name(), "svg");
-    tree.descendants()
-        .filter(|node| node.has_tag_name(("http://www.w3.org/2000/svg", "text")))
-        .map(|node| node.text().unwrap_or_default().trim().to_string())
-        .collect()
-}
-
 #[test]
-fn figures_are_well_formed_and_refer_to_nothing() {
+fn figures_are_sound_on_light_and_dark_pages() {
     for svg in all(&report()) {
-        assert!(!texts(&svg).is_empty());
-        let outside = svg.replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
-        assert!(!outside.contains("http") && !outside.contains("href"));
-        assert!(!svg.contains("NaN"));
+        assert!(!sound(&svg).is_empty());
     }
 }
 
@@ -44,7 +33,7 @@ fn equal_rows_give_equal_bytes() {
 
 #[test]
 fn errors_are_labelled_with_their_millimetres() {
-    let texts = texts(&errors(&report()));
+    let texts = sound(&errors(&report()));
     for label in [
         "4.00 mm",
         "3.85 mm",
@@ -62,14 +51,14 @@ fn errors_are_labelled_with_their_millimetres() {
 #[test]
 fn each_parameter_is_one_square() {
     let svg = parameters(&report());
-    // 42 seen, 1 height, 20 hollow ones of two squares each; the key has 1 + 1 + 2.
-    assert_eq!(svg.matches("<rect").count(), 42 + 1 + 2 * 20 + 4);
-    assert!(texts(&svg).iter().any(|text| text == "42 from flat CoP"));
+    // The paper, 42 seen, 1 height, 20 hollow ones of two squares each; the key has 1 + 1 + 2.
+    assert_eq!(svg.matches("<rect").count(), 1 + 42 + 1 + 2 * 20 + 4);
+    assert!(sound(&svg).iter().any(|text| text == "42 from flat CoP"));
 }
 
 #[test]
 fn names_are_escaped_and_long_ones_shortened() {
-    let texts = texts(&lengths_full(&report().lengths));
+    let texts = sound(&lengths_full(&report().lengths));
     assert!(texts.iter().any(|text| text == "<b>&\"foot\""));
     assert!(texts.iter().any(|text| text == "a_link_with_a_very…"));
 }
@@ -77,7 +66,11 @@ fn names_are_escaped_and_long_ones_shortened() {
 #[test]
 fn unseen_lengths_are_hollow() {
     let mut rows = report().lengths;
-    let rings = |rows: &[LengthRow]| lengths_full(rows).matches("stroke=\"#D55E00\"").count();
+    let rings = |rows: &[LengthRow]| {
+        lengths_full(rows)
+            .matches("class=\"orange hollow\"")
+            .count()
+    };
     assert!(rings(&rows) > 0);
     rows.iter_mut().for_each(|row| row.unseen.clear());
     assert_eq!(rings(&rows), 0);
@@ -86,7 +79,7 @@ fn unseen_lengths_are_hollow() {
 #[test]
 fn the_height_constant_is_written_where_it_fits() {
     let report = report();
-    let texts = texts(&height_level(&report.height, report.height_offset_m));
+    let texts = sound(&height_level(&report.height, report.height_offset_m));
     assert!(texts.iter().any(|text| text.contains("33.6 mm")));
 }
 
@@ -94,7 +87,7 @@ fn the_height_constant_is_written_where_it_fits() {
 fn cad_is_drawn_only_where_it_differs() {
     let mut rows = report().cop;
     let shows_cad =
-        |rows: &[CopRow]| texts(&cop_over_postures(rows, 0)).contains(&"CAD".to_string());
+        |rows: &[CopRow]| sound(&cop_over_postures(rows, 0)).contains(&"CAD".to_string());
     assert!(!shows_cad(&rows));
     rows[0].cad[0] += 0.01;
     assert!(shows_cad(&rows));
@@ -122,7 +115,6 @@ fn odd_rows_are_drawn_too() {
     empty.height.clear();
     empty.lengths.clear();
     for svg in all(&odd).into_iter().chain(all(&empty)) {
-        texts(&svg);
-        assert!(!svg.contains("NaN") && !svg.contains("inf"));
+        sound(&svg);
     }
 }

@@ -5,19 +5,13 @@ use minijinja::{Error, context};
 
 use super::{FitReport, Shown};
 use crate::report::figures::fit as figures;
-use crate::report::html::{colors, environment};
+use crate::report::html::render;
 
 /// Parameters whose correlations fit on a map.
 const MAPPED: usize = 150;
 
 /// The page of a fit, alone in one file.
 pub fn page(report: &FitReport<'_>) -> Result<String, Error> {
-    let mut environment = environment()?;
-    environment.add_template("fit.html", include_str!("../fit.html"))?;
-    environment.add_filter("signed", |value: f64| format!("{value:+.2}"));
-    environment.add_filter("digits", |value: f64, digits: usize| {
-        format!("{value:.digits$}")
-    });
     let nothing = Shown::default();
     let shown = report.shown.unwrap_or(&nothing);
     let found = report.found;
@@ -25,7 +19,7 @@ pub fn page(report: &FitReport<'_>) -> Result<String, Error> {
     let map = &shown.correlation_matrix;
     let map = (map.len() <= MAPPED && !map.is_empty()).then(|| figures::correlation(map));
     let map = map.map_or(Value::from(()), figure);
-    environment.get_template("fit.html")?.render(context! {
+    let context = context! {
         found => Serde(found),
         corrected => report.corrected.map(Serde),
         shifts => report.corrected.map(|corrected| {
@@ -38,14 +32,13 @@ pub fn page(report: &FitReport<'_>) -> Result<String, Error> {
         test => found.lack_of_fit.map(Serde),
         gain => found.cad_rmse / found.held_out_rmse,
         told => found.parameters.iter().filter(|p| p.source == "data").count(),
-        colors => colors(),
         figures => context! {
             waterfall => figure(figures::waterfall(found)),
             bodies => figure(figures::bodies(&found.bodies)),
             changes => figure(figures::changes(&found.parameters)),
-            sole_cad => figure(figures::sole(&shown.residuals, false)),
-            sole_fit => figure(figures::sole(&shown.residuals, true)),
+            sole => figures::sole(&shown.residuals).map(figure).to_vec(),
             correlation => map,
         },
-    })
+    };
+    render("fit.html", context)
 }

@@ -4,17 +4,12 @@ use minijinja::value::{Serde, Value};
 use minijinja::{Error, context};
 
 use crate::report::figures::plan as figures;
-use crate::report::html::{colors, environment};
+use crate::report::html::render;
 use sesc_identify::plan::Plan;
 
 /// The page of a plan, alone in one file; `command` makes it again, `file` holds the
 /// postures.
 pub fn page(plan: &Plan, file: &str, command: &str) -> Result<String, Error> {
-    let mut environment = environment()?;
-    environment.add_template("plan.html", include_str!("../plan.html"))?;
-    environment.add_filter("degrees", |radians: f64| {
-        format!("{:.0}", radians.to_degrees())
-    });
     let figure = Value::from_safe_string;
     let errors = plan.expected_error.zip(plan.expected_error_random);
     // Little of its range tells little of what a joint carries.
@@ -23,17 +18,17 @@ pub fn page(plan: &Plan, file: &str, command: &str) -> Result<String, Error> {
         used < 0.2 * allowed
     });
     let idle: Vec<String> = idle.map(|joint| joint.joint.clone()).collect();
-    environment.get_template("plan.html")?.render(context! {
+    let context = context! {
         plan => Serde(plan),
         less => errors.map(|(planned, random)| (100.0 * (1.0 - planned / random)).round()),
         idle,
         file,
         command,
-        colors => colors(),
         figures => context! {
             region => figure(figures::region(plan)),
             worth => figure(figures::worth(&plan.curve)),
             joints => figure(figures::joints(&plan.joints)),
         },
-    })
+    };
+    render("plan.html", context)
 }

@@ -51,9 +51,9 @@ fn the_page_stands_alone_says_the_numbers_and_escapes_names() {
         assert!(html.contains(words), "{words}");
     }
     assert_eq!(html.matches("<svg ").count(), 3);
-    // A dot per posture in the sole plane, and one at the end of the curve; and
-    // as many in the keys.
-    assert_eq!(html.matches("<circle").count(), 25 + 1 + 2 + 1);
+    // A dot per posture in the sole plane and one in its key, a ring and a dot at the
+    // ends of the curves.
+    assert_eq!(html.matches("<circle").count(), 25 + 1 + 2);
     assert!(!html.contains("NaN") && !html.contains("op<2>") && !html.contains("<hip>"));
     let outside = html.replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
     for reference in ["http", "src=", "href", "@import", "url(", "<script"] {

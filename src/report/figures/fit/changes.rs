@@ -1,9 +1,9 @@
 //! How far each parameter moved from CAD, in units of what it is known to.
 
-use super::super::super::svg::{
-    self, BAND, BLUE, Frame, GRID, HEADING, INK, Mark, Side, fill, key, note, px, span,
-};
-use super::shortened;
+use super::super::super::svg::{Anchor, Axes, BAND, BLUE, Figure, GRID, HEADING, INK, Mark};
+use super::super::super::svg::{key, span};
+use super::super::super::text::shortened;
+use super::NAME;
 use sesc_identify::fit::identification::ParameterFound;
 
 const ROW: f64 = 15.0;
@@ -24,39 +24,43 @@ pub fn changes(parameters: &[ParameterFound]) -> String {
         .collect();
     rows.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
     rows.truncate(MOST);
-    let bottom = TOP + ROW * rows.len().max(1) as f64;
-    let size = [480, (bottom + 24.0).ceil() as u32];
+    let count = rows.len().max(1) as f64;
+    let bottom = TOP + ROW * count;
     let label = format!(
         "Change from CAD of {} parameters in standard deviations",
         rows.len()
     );
-    svg::figure(size, &label, |area| {
-        let range = span(rows.iter().map(|row| row.1).chain([-2.2, 2.2]));
-        let plane = Frame {
-            title: "Change from CAD, std",
-            x: range.clone(),
-            y: -(rows.len().max(1) as f64)..0.0,
-            x_name: "",
-            ticks: [7, 0],
-            edges: [148.0, TOP, RIGHT, bottom],
-        }
-        .draw(area)?;
-        // Within two deviations a change may be chance.
-        let (corner, other) = (
-            plane.place(-2.0, 0.0),
-            plane.place(2.0, -(rows.len() as f64)),
-        );
-        fill(area, [corner, other], GRID)?;
-        plane.line([(0.0, 0.0), (0.0, -(rows.len() as f64))], BAND, 1.0)?;
-        for (k, (name, change)) in rows.iter().enumerate() {
-            let y = -(k as f64) - 0.5;
-            let (left, middle) = plane.place(range.start, y);
-            let place = (left - px(8.0), middle);
-            note(area, &shortened(name), place, Side::Right, INK)?;
-            plane.line([(0.0, y), (*change, y)], BLUE, 2.0)?;
-            plane.mark(*change, y, Mark::Dot(BLUE))?;
-        }
-        let marks = [(Mark::Square(GRID), "±2: may be chance")];
-        key(area, RIGHT, TOP - HEADING, &marks)
-    })
+    let mut figure = Figure::new([480.0, bottom + 24.0], &label);
+    let range = span(rows.iter().map(|row| row.1).chain([-2.2, 2.2]));
+    let plane = Axes {
+        title: "Change from CAD, std",
+        x: range.clone(),
+        y: -count..0.0,
+        x_name: "",
+        ticks: [7, 0],
+        edges: [158.0, TOP, RIGHT, bottom],
+    }
+    .draw(&mut figure);
+    // Within two deviations a change may be chance.
+    figure.fill(
+        [[-2.0, 0.0], [2.0, -count]].map(|at| plane.at(at)),
+        GRID,
+        1.0,
+    );
+    figure.line(
+        [[0.0, 0.0], [0.0, -count]].map(|at| plane.at(at)),
+        BAND,
+        1.0,
+    );
+    for (k, (name, change)) in rows.iter().enumerate() {
+        let at = |x: f64| plane.at([x, -(k as f64) - 0.5]);
+        let [left, middle] = at(range.start);
+        let name = shortened(name, NAME);
+        figure.note([left - 8.0, middle], Anchor::End, INK, &name);
+        figure.line([at(0.0), at(*change)], BLUE, 2.0);
+        figure.mark(at(*change), Mark::Dot(BLUE));
+    }
+    let marks = [(Mark::Square(GRID), "±2: may be chance")];
+    key(&mut figure, RIGHT, TOP - HEADING, &marks);
+    figure.finish()
 }

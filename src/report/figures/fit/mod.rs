@@ -3,24 +3,57 @@
 mod bodies;
 mod changes;
 mod correlation;
-mod sole;
 #[cfg(test)]
 mod tests;
-mod waterfall;
+
+use super::super::svg::{BLUE, INK, MUTED, ORANGE};
+use super::arrows::{Arrows, Gap};
+use super::bars::{self, Bar};
+use sesc_identify::fit::Identification;
+use sesc_identify::fit::residuals::{Residual, rms_lengths};
 
 pub use bodies::bodies;
 pub use changes::changes;
 pub use correlation::correlation;
-pub use sole::sole;
-pub use waterfall::waterfall;
 
-/// Longest name that fits beside a plane.
+/// Letters of a name that fit beside a plane.
 const NAME: usize = 21;
+/// Arrows that stay readable.
+const MOST: usize = 400;
 
-/// A name that fits beside a plane.
-pub(in crate::report::figures) fn shortened(name: &str) -> String {
-    if name.chars().count() <= NAME {
-        return name.to_string();
-    }
-    name.chars().take(NAME - 1).chain(['…']).collect()
+/// From CAD's error to the fit's to the noise: what was gained and what is left.
+pub fn waterfall(found: &Identification) -> String {
+    let bars = [
+        ("CAD", found.cad_rmse, MUTED),
+        ("unseen postures", found.held_out_rmse, BLUE),
+        ("fitted postures", found.in_sample_rmse, BLUE),
+        ("noise alone", found.noise_floor, INK),
+        ("model alone", found.expected_error_data, ORANGE),
+    ];
+    let bars = bars.map(|(name, length_m, color)| Bar {
+        name,
+        length_m,
+        color,
+        pale: false,
+    });
+    bars::waterfall("RMS error per axis", &bars, found.noise_floor)
+}
+
+/// Residuals where they were measured: CAD's and the fit's, at one scale.
+pub fn sole(rows: &[Residual]) -> [String; 2] {
+    let step = rows.len().div_ceil(MOST).max(1);
+    let gap = |row: &Residual| Gap {
+        measured: row.measured,
+        predicted: [row.cad, row.fitted],
+        outlier: false,
+    };
+    let arrows = Arrows {
+        gaps: rows.iter().step_by(step).map(gap).collect(),
+        rms: rms_lengths(rows),
+        foot: None,
+    };
+    [
+        arrows.draw(0, "CAD", MUTED),
+        arrows.draw(1, "The fit", BLUE),
+    ]
 }

@@ -1,66 +1,65 @@
 //! How much of its range every joint uses, each in units of that range.
 
-use super::super::super::svg::{
-    self, BAND, BLUE, Frame, HEADING, INK, MUTED, Mark, Side, key, note, px,
-};
-use super::super::fit::shortened;
+use super::super::super::svg::{Anchor, Axes, BAND, BLUE, Figure, HEADING, INK, MUTED, Mark, key};
+use super::super::super::text::shortened;
 use sesc_identify::plan::joint_use::JointUse;
 
 const ROW: f64 = 20.0;
 const TOP: f64 = 32.0;
 const LEFT: f64 = 236.0;
 const RIGHT: f64 = 910.0;
+/// Letters of a joint before its row.
+const NAME: usize = 23;
 /// Ticks that stay apart.
 const MOST: usize = 120;
 
 /// One row per joint: a band for what is allowed, a tick per posture.
 pub fn joints(rows: &[JointUse]) -> String {
-    let bottom = TOP + ROW * rows.len().max(1) as f64;
+    let count = rows.len().max(1) as f64;
+    let bottom = TOP + ROW * count;
     let label = format!("Ranges of {} joints: allowed and used", rows.len());
-    svg::figure([1000, (bottom + 10.0).ceil() as u32], &label, |area| {
-        let plane = Frame {
-            title: "Joint ranges",
-            x: 0.0..1.0,
-            y: -(rows.len().max(1) as f64)..0.0,
-            x_name: "",
-            ticks: [0, 0],
-            edges: [LEFT, TOP, RIGHT, bottom],
+    let mut figure = Figure::new([1000.0, bottom + 10.0], &label);
+    let plane = Axes {
+        title: "Joint ranges",
+        x: 0.0..1.0,
+        y: -count..0.0,
+        x_name: "",
+        ticks: [0, 0],
+        edges: [LEFT, TOP, RIGHT, bottom],
+    }
+    .draw(&mut figure);
+    for (k, row) in rows.iter().enumerate() {
+        let at = |x: f64| plane.at([x, -(k as f64) - 0.5]);
+        let [_, middle] = at(0.0);
+        let name = shortened(&row.joint, NAME);
+        figure.note([170.0, middle], Anchor::End, INK, &name);
+        let [low, high] = row.limits.map(|limit| number(limit, row.sliding));
+        figure.note([LEFT - 10.0, middle], Anchor::End, MUTED, &low);
+        figure.note([RIGHT + 10.0, middle], Anchor::Start, MUTED, &high);
+        let wide = row.limits[1] - row.limits[0];
+        let share = |value: f64| match wide > 0.0 {
+            true => ((value - row.limits[0]) / wide).clamp(0.0, 1.0),
+            false => 0.5,
+        };
+        figure.line([at(0.0), at(1.0)], BAND, 5.0);
+        figure.line(row.used.map(|value| at(share(value))), BLUE, 1.75);
+        let step = row.values.len().div_ceil(MOST).max(1);
+        for value in row.values.iter().step_by(step) {
+            let [x, y] = at(share(*value));
+            figure.line([[x, y - 4.5], [x, y + 4.5]], BLUE, 1.0);
         }
-        .draw(area)?;
-        for (k, row) in rows.iter().enumerate() {
-            let y = -(k as f64) - 0.5;
-            let (_, middle) = plane.place(0.0, y);
-            let name = shortened(&row.joint);
-            note(area, &name, (px(160.0), middle), Side::Right, INK)?;
-            let [low, high] = row.limits.map(|limit| number(limit, row.sliding));
-            note(area, &low, (px(LEFT - 10.0), middle), Side::Right, MUTED)?;
-            note(area, &high, (px(RIGHT + 10.0), middle), Side::Left, MUTED)?;
-            let wide = row.limits[1] - row.limits[0];
-            let share = |value: f64| match wide > 0.0 {
-                true => ((value - row.limits[0]) / wide).clamp(0.0, 1.0),
-                false => 0.5,
-            };
-            plane.line([(0.0, y), (1.0, y)], BAND, 5.0)?;
-            let used = row.used.map(share).map(|x| (x, y));
-            plane.line(used, BLUE, 1.75)?;
-            let step = row.values.len().div_ceil(MOST).max(1);
-            for value in row.values.iter().step_by(step).filter(|x| x.is_finite()) {
-                let (x, _) = plane.place(share(*value), y);
-                let ends = vec![(x, middle - px(4.5)), (x, middle + px(4.5))];
-                svg::line(area, ends, BLUE, 1.0)?;
-            }
-        }
-        let marks = [
-            (Mark::Line(BAND, 5.0), "allowed"),
-            (Mark::Stroke(BLUE), "posture"),
-        ];
-        key(area, RIGHT, TOP - HEADING, &marks)
-    })
+    }
+    let marks = [
+        (Mark::Line(BAND, 5.0), "allowed"),
+        (Mark::Stroke(BLUE), "posture"),
+    ];
+    key(&mut figure, RIGHT, TOP - HEADING, &marks);
+    figure.finish()
 }
 
-/// A limit with its unit: degrees, or mm of a sliding joint.
-fn number(limit: f64, sliding: bool) -> String {
-    let (value, unit) = match sliding {
+/// A limit with its unit: degrees, or mm of a prismatic joint.
+fn number(limit: f64, prismatic: bool) -> String {
+    let (value, unit) = match prismatic {
         true => (1e3 * limit, " mm"),
         false => (limit.to_degrees(), "°"),
     };

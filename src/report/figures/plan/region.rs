@@ -1,9 +1,7 @@
 //! Where the CoP of the planned postures is, and where it may be.
 
-use super::super::super::svg::{
-    self, BLUE, Frame, GRID, HEADING, INK, MUTED, Mark, Side, key, note, px, span,
-};
-use super::super::cop::same_scale;
+use super::super::super::svg::{Anchor, Axes, BLUE, Figure, GRID, HEADING, INK, MUTED, Mark};
+use super::super::super::svg::{key, same_scale, span};
 use super::super::to_mm;
 use sesc_identify::plan::Plan;
 
@@ -16,32 +14,31 @@ pub fn region(plan: &Plan) -> String {
         plan.cop.len(),
         plan.cop_region
     );
-    svg::figure([480, 400], &label, |area| {
-        let along = |axis: usize| {
-            let points = plan.corners.iter().chain(&plan.cop);
-            span(points.map(|point| to_mm(point[axis])))
-        };
-        let [x, y] = same_scale([along(0), along(1)], EDGES);
-        let plane = Frame {
-            title: "CoP from above, mm",
-            x,
-            y,
-            x_name: "x, forward",
-            ticks: [7, 7],
-            edges: EDGES,
-        }
-        .draw(area)?;
-        let place = (px(EDGES[0] + 6.0), px(EDGES[1] + 8.0));
-        note(area, "y, left", place, Side::Left, MUTED)?;
-        let at = |point: &[f64; 2]| (to_mm(point[0]), to_mm(point[1]));
-        plane.line(plan.cop.iter().map(at), GRID, 1.0)?;
-        let closed = plan.corners.iter().chain(plan.corners.first());
-        plane.line(closed.map(at), INK, 1.5)?;
-        for point in &plan.cop {
-            let (x, y) = at(point);
-            plane.mark(x, y, Mark::Dot(BLUE))?;
-        }
-        let marks = [(Mark::Dot(BLUE), "posture"), (Mark::Box(INK), "allowed")];
-        key(area, EDGES[2], EDGES[1] - HEADING, &marks)
-    })
+    let mut figure = Figure::new([480.0, 400.0], &label);
+    let reach = |axis: usize| {
+        let points = plan.corners.iter().chain(&plan.cop);
+        span(points.map(|point| to_mm(point[axis])))
+    };
+    let [x, y] = same_scale([reach(0), reach(1)], EDGES);
+    let plane = Axes {
+        title: "CoP from above, mm",
+        x,
+        y,
+        x_name: "x, forward",
+        ticks: [7, 7],
+        edges: EDGES,
+    }
+    .draw(&mut figure);
+    let place = [EDGES[0] + 6.0, EDGES[1] + 8.0];
+    figure.note(place, Anchor::Start, MUTED, "y, left");
+    let at = |point: &[f64; 2]| plane.at(point.map(to_mm));
+    figure.line(plan.cop.iter().map(at), GRID, 1.0);
+    let closed = plan.corners.iter().chain(plan.corners.first());
+    figure.line(closed.map(at), INK, 1.5);
+    for point in &plan.cop {
+        figure.mark(at(point), Mark::Dot(BLUE));
+    }
+    let marks = [(Mark::Dot(BLUE), "posture"), (Mark::Box(INK), "allowed")];
+    key(&mut figure, EDGES[2], EDGES[1] - HEADING, &marks);
+    figure.finish()
 }

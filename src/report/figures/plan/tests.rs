@@ -1,17 +1,13 @@
 //! Odd plans in: still trees of shapes.
 
 use super::{joints, worth};
+use crate::report::svg::tests::sound;
 use sesc_identify::plan::joint_use::JointUse;
 use sesc_identify::plan::worth::Worth;
 
-fn well_formed(svg: &str) {
-    assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
-    roxmltree::Document::parse(svg).expect("a figure is well-formed");
-}
-
 #[test]
 fn figures_of_nothing_and_of_odd_numbers() {
-    well_formed(&joints(&[]));
+    sound(&joints(&[]));
     let odd = JointUse {
         joint: "<joint> & a name that is too long".to_string(),
         sliding: true,
@@ -29,25 +25,25 @@ fn figures_of_nothing_and_of_odd_numbers() {
         },
         odd,
     ]);
-    well_formed(&drawn);
+    sound(&drawn);
     for text in ["500 mm", "−29°", "57°"] {
         assert!(drawn.contains(text), "{text}");
     }
-    assert!(drawn.matches("<polyline").count() < 200, "ticks stay apart");
+    assert!(drawn.matches("<path").count() < 200, "ticks stay apart");
 
-    well_formed(&worth(&[]));
+    sound(&worth(&[]));
     let point = |postures: usize, planned: f64, random: f64| Worth {
         postures,
         planned,
         random,
     };
-    well_formed(&worth(&[point(3, 0.001, 0.002)]));
+    sound(&worth(&[point(3, 0.001, 0.002)]));
     // What hardly tells all directions leaves the rest readable.
     let drawn = worth(&[
         point(3, 0.9, 1e9),
         point(4, 0.002, f64::INFINITY),
         point(5, 0.001, 0.002),
     ]);
-    well_formed(&drawn);
+    sound(&drawn);
     assert!(drawn.contains("1.00 mm") && drawn.contains("2.00 mm"));
 }

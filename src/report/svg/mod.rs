@@ -1,0 +1,319 @@
+//! Figures as SVG, written element by element.
+//!
+//! Places are pixels from the upper left corner of the figure, to tenths, so that
+//! equal rows give equal bytes. An element names its colour by a class, and the
+//! figure brings the values of the classes for light and for dark pages along.
+//! What has a coordinate that is no number is left out.
+
+mod axes;
+mod marks;
+#[cfg(test)]
+pub mod tests;
+
+use std::fmt::{self, Write as _};
+
+use serde::Serialize;
+
+pub use axes::{Axes, HEADING, same_scale, span};
+pub use marks::{Mark, key};
+
+/// A colour under its name on the page; the colours are few and can be told apart
+/// without telling red from green.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Color {
+    pub name: &'static str,
+    /// Value on a light page.
+    pub light: &'static str,
+    /// Value on a dark page.
+    pub dark: &'static str,
+}
+
+const fn color(name: &'static str, light: &'static str, dark: &'static str) -> Color {
+    Color { name, light, dark }
+}
+
+/// Text, and what is true.
+pub const INK: Color = color("ink", "#1f2933", "#e6eaf0");
+/// Axis labels and readings.
+pub const MUTED: Color = color("muted", "#6b7280", "#a0aab8");
+pub const GRID: Color = color("grid", "#e3e7ec", "#2b333e");
+/// A broad line that a thin one runs in.
+pub const BAND: Color = color("band", "#c3cad4", "#505c6c");
+/// What was identified.
+pub const BLUE: Color = color("blue", "#0072b2", "#56b4e9");
+/// What cannot be known.
+pub const ORANGE: Color = color("orange", "#d55e00", "#f0a04b");
+/// The card behind a figure, and the inside of hollow marks.
+pub const PAPER: Color = color("paper", "#ffffff", "#1a2028");
+
+pub const PALETTE: [Color; 7] = [INK, MUTED, GRID, BAND, BLUE, ORANGE, PAPER];
+
+/// x to the right and y down, pixels.
+pub type Place = [f64; 2];
+
+/// Which end of a text is at its place.
+#[derive(Clone, Copy)]
+pub enum Anchor {
+    Start,
+    Middle,
+    End,
+}
+
+/// Size (pixels) and weight of a text.
+#[derive(Clone, Copy)]
+pub struct Type {
+    size: f64,
+    bold: bool,
+}
+
+const fn plain(size: f64) -> Type {
+    Type { size, bold: false }
+}
+
+const fn bold(size: f64) -> Type {
+    Type { size, bold: true }
+}
+
+/// Numbers inside squares.
+pub const TINY: Type = plain(11.0);
+/// Labels, names, keys.
+pub const SMALL: Type = plain(12.0);
+/// The title of a small panel.
+pub const NAME: Type = bold(12.0);
+/// A number that a bar stands for.
+pub const NUMBER: Type = bold(13.0);
+const TITLE: Type = bold(13.5);
+
+/// A figure under construction.
+pub struct Figure {
+    size: [f64; 2],
+    svg: String,
+}
+
+impl Figure {
+    /// An empty figure of this width and height, pixels; `label` says in words what
+    /// it shows.
+    pub fn new(size: [f64; 2], label: &str) -> Figure {
+        let [width, height] = size.map(f64::ceil);
+        let mut svg = format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" \
+             width=\"{width}\" height=\"{height}\" font-family=\"sans-serif\" \
+             font-size=\"{}\" stroke-linejoin=\"round\" role=\"img\" aria-label=\"{}\">\n<style>",
+            SMALL.size,
+            escaped(label)
+        );
+        let rule = |svg: &mut String, name: &str, value: &str| {
+            let _ = write!(svg, "svg .{name}{{color:{value}}}");
+        };
+        PALETTE.iter().for_each(|c| rule(&mut svg, c.name, c.light));
+        let _ = write!(svg, "svg .hollow{{fill:{}}}", PAPER.light);
+        svg.push_str("@media screen and (prefers-color-scheme:dark){");
+        PALETTE.iter().for_each(|c| rule(&mut svg, c.name, c.dark));
+        let _ = writeln!(svg, "svg .hollow{{fill:{}}}}}</style>", PAPER.dark);
+        let mut figure = Figure { size, svg };
+        figure.fill([[0.0; 2], [width, height]], PAPER, 1.0);
+        figure
+    }
+
+    /// The text of the figure.
+    pub fn finish(self) -> String {
+        self.svg + "</svg>\n"
+    }
+
+    fn element(&mut self, places: &[Place], element: fmt::Arguments<'_>) {
+        if places.iter().flatten().all(|x| x.is_finite()) {
+            let _ = writeln!(self.svg, "{element}");
+        }
+    }
+
+    /// A line through places.
+    pub fn line(&mut self, places: impl IntoIterator<Item = Place>, color: Color, width: f64) {
+        let mut path = String::new();
+        let known = places.into_iter().filter(|[x, y]| (x + y).is_finite());
+        for (k, [x, y]) in known.enumerate() {
+            let _ = write!(
+                path,
+                "{}{} {}",
+                ["L", "M"][usize::from(k == 0)],
+                Px(x),
+                Px(y)
+            );
+        }
+        if !path.is_empty() {
+            self.element(
+                &[],
+                format_args!(
+                    "<path class=\"{}\" d=\"{path}\" fill=\"none\" stroke=\"currentColor\" \
+                     stroke-width=\"{width}\"/>",
+                    color.name
+                ),
+            );
+        }
+    }
+
+    /// A filled polygon.
+    pub fn polygon(&mut self, places: &[Place], color: Color) {
+        let points: Vec<String> = places
+            .iter()
+            .map(|[x, y]| format!("{},{}", Px(*x), Px(*y)))
+            .collect();
+        self.element(
+            places,
+            format_args!(
+                "<polygon class=\"{}\" points=\"{}\" fill=\"currentColor\"/>",
+                color.name,
+                points.join(" ")
+            ),
+        );
+    }
+
+    /// A filled box between two corners; `opacity` from 0 to 1.
+    pub fn fill(&mut self, corners: [Place; 2], color: Color, opacity: f64) {
+        let opacity = match opacity < 1.0 {
+            true => format!(" fill-opacity=\"{opacity}\""),
+            false => String::new(),
+        };
+        self.element(
+            &corners,
+            format_args!(
+                "<rect class=\"{}\"{} fill=\"currentColor\"{opacity}/>",
+                color.name,
+                Corners(corners)
+            ),
+        );
+    }
+
+    /// The edges of a box.
+    pub fn outline(&mut self, corners: [Place; 2], color: Color) {
+        self.element(
+            &corners,
+            format_args!(
+                "<rect class=\"{}\"{} fill=\"none\" stroke=\"currentColor\"/>",
+                color.name,
+                Corners(corners)
+            ),
+        );
+    }
+
+    /// A box around a place, which marks an outlier.
+    pub fn boxed(&mut self, [x, y]: Place, half: f64) {
+        self.outline([[x - half, y - half], [x + half, y + half]], INK);
+    }
+
+    /// A filled dot.
+    pub fn dot(&mut self, at: Place, radius: f64, color: Color) {
+        self.element(
+            &[at],
+            format_args!(
+                "<circle class=\"{}\" cx=\"{}\" cy=\"{}\" r=\"{radius}\" fill=\"currentColor\"/>",
+                color.name,
+                Px(at[0]),
+                Px(at[1])
+            ),
+        );
+    }
+
+    /// A hollow dot.
+    fn ring(&mut self, at: Place, color: Color) {
+        self.element(
+            &[at],
+            format_args!(
+                "<circle class=\"{} hollow\" cx=\"{}\" cy=\"{}\" r=\"3.75\" \
+                 stroke=\"currentColor\" stroke-width=\"1.25\"/>",
+                color.name,
+                Px(at[0]),
+                Px(at[1])
+            ),
+        );
+    }
+
+    /// One line of text, its middle at the height of the place.
+    pub fn text(&mut self, at: Place, anchor: Anchor, font: Type, color: Color, text: &str) {
+        let mut style = match anchor {
+            Anchor::Start => String::new(),
+            Anchor::Middle => " text-anchor=\"middle\"".to_string(),
+            Anchor::End => " text-anchor=\"end\"".to_string(),
+        };
+        if font.size != SMALL.size {
+            let _ = write!(style, " font-size=\"{}\"", font.size);
+        }
+        if font.bold {
+            style.push_str(" font-weight=\"bold\"");
+        }
+        self.element(
+            &[at],
+            format_args!(
+                "<text class=\"{}\" x=\"{}\" y=\"{}\" fill=\"currentColor\"{style}>{}</text>",
+                color.name,
+                Px(at[0]),
+                // Digits stand on the line and are 0.7 of the size high.
+                Px(at[1] + 0.35 * font.size),
+                escaped(text)
+            ),
+        );
+    }
+
+    /// A small line of text.
+    pub fn note(&mut self, at: Place, anchor: Anchor, color: Color, text: &str) {
+        self.text(at, anchor, SMALL, color, text);
+    }
+
+    /// The title of a figure or panel, at its left edge.
+    pub fn title(&mut self, middle: f64, text: &str) {
+        self.text([2.0, middle], Anchor::Start, TITLE, INK, text);
+    }
+}
+
+/// Pixels that a small text may take, in a broad font.
+pub fn text_width(text: &str) -> f64 {
+    let letters = text.chars().map(|c| match c {
+        'i' | 'j' | 'l' | 't' | 'f' | 'r' | 'I' | ' ' | '.' | ',' | ':' | '(' | ')' | '|' => 0.38,
+        'm' | 'w' | 'M' | 'W' | '%' | '…' => 0.95,
+        c if c.is_uppercase() => 0.72,
+        _ => 0.62,
+    });
+    SMALL.size * letters.sum::<f64>()
+}
+
+/// A coordinate: tenths of a pixel, whole ones without a point.
+struct Px(f64);
+
+impl fmt::Display for Px {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // Adding zero takes the sign from a negative zero.
+        write!(f, "{}", (10.0 * self.0).round() / 10.0 + 0.0)
+    }
+}
+
+/// Two opposite corners as the attributes of a rectangle.
+struct Corners([Place; 2]);
+
+impl fmt::Display for Corners {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [a, b] = self.0;
+        write!(
+            f,
+            " x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"",
+            Px(a[0].min(b[0])),
+            Px(a[1].min(b[1])),
+            Px((a[0] - b[0]).abs()),
+            Px((a[1] - b[1]).abs())
+        )
+    }
+}
+
+/// `text` so that markup reads it as text.
+pub fn escaped(text: &str) -> String {
+    let mut out = String::new();
+    for c in text.chars() {
+        match c {
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '&' => out.push_str("&amp;"),
+            '"' => out.push_str("&quot;"),
+            c if c.is_control() => out.push(' '),
+            c => out.push(c),
+        }
+    }
+    out
+}
