@@ -243,6 +243,13 @@ fn name_some<'a>(asked: &str, names: impl Iterator<Item = &'a str>) -> String {
     text
 }
 
+impl Description {
+    /// The independent joints in document order: the same on every support.
+    pub fn dofs(&self) -> Vec<Dof> {
+        coordinates(&self.robot).0
+    }
+}
+
 /// Independent joints, and every joint's position in terms of them.
 ///
 /// `None` for joints that do not move; a mimic of a fixed joint stands at its offset.

@@ -38,12 +38,7 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let robot = Robot::read(&arguments.robot.urdf)?;
     let file = read_model(&robot, arguments.model.as_deref())?;
-    // Joints are the same on every support: any model can match the header.
-    let first = first_support(arguments, &robot)?;
-    let dofs = robot
-        .model(&first, arguments.robot.snapping(), None)?
-        .tree
-        .dofs;
+    let dofs = robot.description.dofs();
     // With a support from the flag, what the log says about it is not looked at.
     let links = match arguments.robot.support {
         Some(_) => Vec::new(),
@@ -111,14 +106,6 @@ fn warn(reader: &mut PostureReader) {
     for warning in reader.warnings.drain(..) {
         message(&format!("warning: {warning}"));
     }
-}
-
-/// A support to match joints with: any link does, since the log may name its
-/// support row by row.
-fn first_support(arguments: &Arguments, robot: &Robot) -> Result<String, Error> {
-    let links = &robot.description.robot.links;
-    let first = links.first().map(|link| link.name.as_str());
-    arguments.robot.support(robot, first, None)
 }
 
 /// Predictions on whatever support a row stands on.

@@ -119,12 +119,7 @@ impl<'r> Logs<'r> {
 
     /// Open one of the logs.
     pub(super) fn open(&self, file: &Path) -> Result<PostureReader, Error> {
-        let links = &self.robot.description.robot.links;
-        let root = links.first().map_or("", |link| link.name.as_str());
-        // Joints are the same on every support: any model can match the columns.
-        let any = self.support.as_deref().unwrap_or(root);
-        let dofs = self.robot.model(any, self.snapping, None)?.tree.dofs;
-        PostureReader::open(file, &dofs, &self.options)
+        PostureReader::open(file, &self.robot.description.dofs(), &self.options)
     }
 
     /// One pass over all logs.

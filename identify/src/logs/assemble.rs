@@ -25,7 +25,7 @@ use sesc_model::tree::Dof;
 use super::block::{Block, Cells};
 use super::columns::Columns;
 use super::names::{nearest, short};
-use super::reader::Options;
+use super::options::Options;
 use super::sidecar::{Angles, Sidecar, check_gravity};
 use super::source::Raw;
 use crate::Error;

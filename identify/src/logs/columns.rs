@@ -20,6 +20,7 @@ use std::ops::Range;
 use sesc_model::tree::Dof;
 
 use super::names::{list, suggestion};
+use super::options::Readings;
 
 pub(super) const POSE: &str = "pose";
 pub(super) const T: &str = "t";
@@ -30,18 +31,6 @@ const GRAVITY: [&str; 3] = ["gravity_x", "gravity_y", "gravity_z"];
 
 /// More columns than any robot has joints and readings.
 const MOST: usize = 20_000;
-
-/// Whether readings are wanted from a log.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Readings {
-    /// Not looked at, however wrong they are.
-    Ignored,
-    /// Read where the log has them.
-    #[default]
-    Optional,
-    /// A log without them is an error.
-    Required,
-}
 
 /// Where the wanted columns are: `numbers` lists columns of numbers in the
 /// order a source delivers them, the ranges are positions in that list.

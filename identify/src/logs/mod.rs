@@ -1,11 +1,11 @@
 //! Posture logs: joint angles of many postures and what the foot measured.
 //!
 //! ```text
-//! CSV, gzip, Parquet, MCAP ──▶ rows ──▶ blocks      rows checked, units SI
-//!                  sidecar ──┘
+//! CSV, gzip, Parquet, MCAP, table ──▶ rows ──▶ blocks      rows checked, units SI
+//!                         sidecar ──┘
 //! ```
 //!
-//! [`PostureReader`] gives a log of any format in blocks of columns, so that a
+//! [`PostureReader`] gives a log of any [`LogSource`] in blocks of columns, so that a
 //! million postures need the memory of one block; [`PostureWriter`] writes one.
 //! The names of columns are in `columns`, the sidecar's keys in [`Sidecar`].
 //!
@@ -16,24 +16,29 @@ mod assemble;
 mod block;
 mod columns;
 mod csv;
+mod input;
 #[cfg(feature = "mcap")]
 mod mcap;
 #[cfg(test)]
 mod mutations;
 mod names;
+mod options;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod reader;
 mod sidecar;
 mod source;
 mod suspect;
+mod table;
 #[cfg(test)]
 mod tests;
 mod writer;
 
 pub use block::{Block, Cells};
-pub use columns::Readings;
-pub use reader::{Hold, Options, PostureReader, Summary};
+pub use input::LogSource;
+pub use options::{Hold, Options, Readings};
+pub use reader::{PostureReader, Summary};
 pub use sidecar::{Angles, Sidecar};
 pub use source::Progress;
+pub use table::Table;
 pub use writer::{PostureWriter, Row, Written};

@@ -1,6 +1,5 @@
 //! Reading a log of any format in blocks.
 
-use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
 
@@ -8,56 +7,18 @@ use sesc_model::tree::Dof;
 
 use super::assemble::Assembler;
 use super::block::Block;
-use super::columns::{Columns, Readings};
+use super::columns::Columns;
 use super::csv::CsvSource;
+use super::input::{Bytes, LogSource, Place};
+use super::options::Options;
 use super::sidecar::{Angles, Sidecar};
 use super::source::{Metered, Progress, Raw, Source};
 use super::suspect::Suspicions;
+use super::table::TableSource;
 use crate::Error;
 
 /// Rows taken from the file at once, and looked at before the first is given out.
 const CHUNK: usize = 4096;
-
-/// How a log is to be read.
-#[derive(Debug, Clone, Default)]
-pub struct Options {
-    /// Unit of the turning joints; the sidecar's, else radians, unless given.
-    pub angles: Option<Angles>,
-    pub readings: Readings,
-    /// The robot's links; a support that is none of them is an error. Not
-    /// checked if empty.
-    pub links: Vec<String>,
-    /// Link on the ground in rows that do not say; the sidecar's unless given.
-    pub support: Option<String>,
-    /// Which stretches of an MCAP recording are postures.
-    pub hold: Hold,
-    /// Topic of the CoP in an MCAP recording that has several; the sidecar's
-    /// unless given.
-    pub topic: Option<String>,
-    /// Take angles and CoP of any size: which unit they are in is the question.
-    pub any_unit: bool,
-}
-
-/// When a robot that is being recorded holds still.
-///
-/// A posture is a stretch in which every joint is slower than `speed` for at
-/// least `duration`. Prismatic joints count m for rad.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Hold {
-    /// rad/s
-    pub speed: f64,
-    /// s
-    pub duration: f64,
-}
-
-impl Default for Hold {
-    fn default() -> Hold {
-        Hold {
-            speed: 0.02,
-            duration: 0.3,
-        }
-    }
-}
 
 /// What was read, for the record.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -93,17 +54,22 @@ pub struct PostureReader {
 }
 
 impl PostureReader {
-    /// Open `path`, of a format told by its first bytes, and match its columns
+    /// Open a log, a file's format told by its first bytes, and match its columns
     /// with the robot's joints.
     ///
     /// # Errors
     ///
     /// Files that cannot be read or are no log, missing or doubled columns, a
     /// sidecar with wrong values.
-    pub fn open(path: &Path, dofs: &[Dof], options: &Options) -> Result<PostureReader, Error> {
-        let (sidecar, mut warnings) = Sidecar::of(path)?;
-        let file = path.display().to_string();
-        let mut source = open_source(path, &file, dofs, options, &sidecar)?;
+    pub fn open(
+        log: impl Into<LogSource>,
+        dofs: &[Dof],
+        options: &Options,
+    ) -> Result<PostureReader, Error> {
+        let log = log.into();
+        let (sidecar, mut warnings) = log.sidecar()?;
+        let file = log.name().to_string();
+        let mut source = open_source(&log, dofs, options, &sidecar)?;
         let bad = |message| Error::Log {
             file: file.clone(),
             line: Some(1),
@@ -193,11 +159,6 @@ impl PostureReader {
         Ok(!self.raw.line.is_empty())
     }
 
-    /// Whether blocks carry readings.
-    pub fn has_readings(&self) -> bool {
-        self.columns.readings()
-    }
-
     /// How much of the log was read.
     pub fn progress(&self) -> Progress {
         self.source.progress()
@@ -213,31 +174,35 @@ impl PostureReader {
     }
 }
 
-/// The right source for what `path` holds.
+/// The right source for what `log` holds.
 fn open_source(
-    path: &Path,
-    file: &str,
+    log: &LogSource,
     dofs: &[Dof],
     options: &Options,
     sidecar: &Sidecar,
 ) -> Result<Box<dyn Source>, Error> {
+    let file = log.name();
     let failed = |source| Error::Read {
         file: file.to_string(),
         source,
     };
-    let mut input = Metered::new(File::open(path).map_err(failed)?);
+    let place = &log.place;
+    if let Place::Table(table) = place {
+        return Ok(Box::new(TableSource::open(table)?));
+    }
+    let mut input = Metered::new(Bytes::open(place).map_err(failed)?);
     let mut head = Vec::new();
     (&mut input)
         .take(8)
         .read_to_end(&mut head)
         .map_err(failed)?;
     if head.starts_with(b"PAR1") {
-        return open_parquet(path, file);
+        return open_parquet(place, file);
     }
     if head.starts_with(b"\x89MCAP") {
-        return open_mcap(path, file, dofs, options, sidecar);
+        return open_mcap(place, file, dofs, options, sidecar);
     }
-    if let Some(message) = damaged_from_the_start(path, &head) {
+    if let Some(message) = damaged_from_the_start(Path::new(file), &head) {
         return Err(Error::Log {
             file: file.to_string(),
             line: None,
@@ -271,31 +236,31 @@ fn damaged_from_the_start(path: &Path, head: &[u8]) -> Option<String> {
 }
 
 #[cfg(feature = "parquet")]
-fn open_parquet(path: &Path, file: &str) -> Result<Box<dyn Source>, Error> {
-    Ok(Box::new(super::parquet::ParquetSource::open(path, file)?))
+fn open_parquet(place: &Place, file: &str) -> Result<Box<dyn Source>, Error> {
+    Ok(Box::new(super::parquet::ParquetSource::open(place, file)?))
 }
 
 #[cfg(not(feature = "parquet"))]
-fn open_parquet(_: &Path, file: &str) -> Result<Box<dyn Source>, Error> {
+fn open_parquet(_: &Place, file: &str) -> Result<Box<dyn Source>, Error> {
     Err(Error::without("parquet", "Parquet", file))
 }
 
 #[cfg(feature = "mcap")]
 fn open_mcap(
-    path: &Path,
+    place: &Place,
     file: &str,
     dofs: &[Dof],
     options: &Options,
     sidecar: &Sidecar,
 ) -> Result<Box<dyn Source>, Error> {
     let topic = options.topic.as_deref().or(sidecar.topic.as_deref());
-    let source = super::mcap::McapSource::open(path, file, dofs, options, topic)?;
+    let source = super::mcap::McapSource::open(place, file, dofs, options, topic)?;
     Ok(Box::new(source))
 }
 
 #[cfg(not(feature = "mcap"))]
 fn open_mcap(
-    _: &Path,
+    _: &Place,
     file: &str,
     _: &[Dof],
     _: &Options,

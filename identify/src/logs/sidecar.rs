@@ -132,7 +132,7 @@ impl Sidecar {
         Ok((sidecar, warnings))
     }
 
-    fn check(&self) -> Result<(), String> {
+    pub(super) fn check(&self) -> Result<(), String> {
         if let Some(gravity) = self.gravity {
             check_gravity(gravity)?;
         }

@@ -1,12 +1,12 @@
 //! What every format delivers: rows of numbers as they stand in the file.
 
 use std::collections::HashSet;
-use std::fs::File;
 use std::io::{self, Read};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::columns::Columns;
+use super::columns::{Columns, POSE};
+use super::input::Bytes;
 use crate::Error;
 
 /// Rows of a file before anything is made of them.
@@ -55,7 +55,7 @@ pub(super) trait Source: Send {
 /// How much of a log was read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Progress {
-    /// Bytes of the file, or rows of a Parquet file.
+    /// Bytes of the file, or rows of a Parquet file or a table.
     pub done: u64,
     /// Of how many; not known of a pipe.
     pub total: Option<u64>,
@@ -78,6 +78,17 @@ impl Interner {
             self.0.insert(new.clone());
         }
         new
+    }
+}
+
+/// A pose as a number; integers up to 2^53 come through floats unchanged.
+pub(super) fn whole(value: f64) -> Result<i64, String> {
+    if value.fract() == 0.0 && value.abs() <= 9_007_199_254_740_992.0 {
+        Ok(value as i64)
+    } else {
+        Err(format!(
+            "column `{POSE}`: {value} is no whole number below 2^53"
+        ))
     }
 }
 
@@ -114,14 +125,13 @@ impl Meter {
 
 /// A file that counts and hashes what is read from it.
 pub(super) struct Metered {
-    file: File,
+    file: Bytes,
     meter: Arc<Meter>,
 }
 
 impl Metered {
-    pub fn new(file: File) -> Metered {
-        let about = file.metadata().ok();
-        let total = about.filter(|a| a.is_file()).map(|a| a.len());
+    pub fn new(file: Bytes) -> Metered {
+        let total = file.count();
         let meter = Arc::new(Meter {
             done: AtomicU64::new(0),
             hash: AtomicU64::new(FNV_START),

@@ -5,7 +5,7 @@
 //! second is a difference over the shortest posture, not between neighbouring
 //! messages: there a single encoder tick would look like a leap.
 
-use super::super::reader::Hold;
+use crate::logs::options::Hold;
 
 /// Readings of one posture that are given out together; a longer posture is
 /// given out in parts, each with its own mean of the joints.

@@ -24,9 +24,7 @@ mod survey;
 pub(super) mod tests;
 
 use std::collections::{HashMap, VecDeque};
-use std::fs::File;
 use std::io::BufReader;
-use std::path::Path;
 use std::sync::Arc;
 
 use sesc_model::tree::Dof;
@@ -35,9 +33,10 @@ use self::cdr::{Header, JointState};
 use self::hold::{Holds, Posture};
 use self::records::{Channel, Records};
 use self::survey::Survey;
-use super::columns::{COP, Columns, POSE, Readings, SUPPORT, T};
+use super::columns::{COP, Columns, POSE, SUPPORT, T};
+use super::input::{Bytes, Place};
 use super::names::short;
-use super::reader::{Hold, Options};
+use super::options::{Hold, Options, Readings};
 use super::source::{Interner, Meter, Metered, Progress, Raw, Source};
 use crate::Error;
 
@@ -96,7 +95,7 @@ pub(super) struct McapSource {
 impl McapSource {
     /// Look which joints and readings the recording has, then start over.
     pub fn open(
-        path: &Path,
+        place: &Place,
         file: &str,
         dofs: &[Dof],
         options: &Options,
@@ -108,7 +107,7 @@ impl McapSource {
             message,
         };
         let start = || -> Result<(Records<_>, Arc<Meter>), Error> {
-            let input = File::open(path).map_err(|source| Error::Read {
+            let input = Bytes::open(place).map_err(|source| Error::Read {
                 file: file.to_string(),
                 source,
             })?;

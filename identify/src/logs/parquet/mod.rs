@@ -6,29 +6,28 @@
 mod sink;
 
 use std::cell::Cell;
-use std::fs::File;
 use std::io::Read as _;
 use std::panic::{self, AssertUnwindSafe};
-use std::path::Path;
 use std::sync::Once;
 
 use parquet::basic::{LogicalType, Type as Physical};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::{ByteArray, DataType};
 use parquet::errors::ParquetError;
-use parquet::file::reader::FileReader as _;
+use parquet::file::reader::FileReader;
 use parquet::file::serialized_reader::SerializedFileReader;
 use parquet::schema::types::ColumnDescriptor;
 
 pub(super) use self::sink::ParquetSink;
 use super::columns::{Columns, POSE, SUPPORT};
-use super::source::{FNV_START, Interner, Progress, Raw, Source, fnv1a};
+use super::input::{Bytes, Place};
+use super::source::{FNV_START, Interner, Progress, Raw, Source, fnv1a, whole};
 use crate::Error;
 
 /// A Parquet file being read.
 pub(super) struct ParquetSource {
     file: String,
-    reader: SerializedFileReader<File>,
+    reader: Box<dyn FileReader>,
     header: Vec<String>,
     /// Row groups that were opened.
     groups: usize,
@@ -44,15 +43,23 @@ pub(super) struct ParquetSource {
 
 impl ParquetSource {
     /// Read the columns' names; `file` names the log in messages.
-    pub fn open(path: &Path, file: &str) -> Result<ParquetSource, Error> {
+    pub fn open(place: &Place, file: &str) -> Result<ParquetSource, Error> {
         let failed = |source| Error::Read {
             file: file.to_string(),
             source,
         };
-        let mut input = File::open(path).map_err(failed)?;
+        let mut input = Bytes::open(place).map_err(failed)?;
         let hash = hash(&mut input).map_err(failed)?;
-        let reader = guarded(|| SerializedFileReader::new(input))
-            .map_err(|error| damaged(file, None, &error))?;
+        let reader = guarded(|| -> Result<Box<dyn FileReader>, _> {
+            Ok(match input {
+                Bytes::File(file) => Box::new(SerializedFileReader::new(file)?),
+                Bytes::Memory(bytes) => {
+                    let bytes = bytes::Bytes::from_owner(bytes.into_inner());
+                    Box::new(SerializedFileReader::new(bytes)?)
+                }
+            })
+        })
+        .map_err(|error| damaged(file, None, &error))?;
         let about = reader.metadata().file_metadata();
         let header: Vec<String> = about
             .schema_descr()
@@ -220,7 +227,7 @@ impl Source for ParquetSource {
     }
 }
 
-fn hash(file: &mut File) -> std::io::Result<u64> {
+fn hash(file: &mut Bytes) -> std::io::Result<u64> {
     let mut buffer = vec![0; 1 << 16];
     let mut hash = FNV_START;
     loop {
@@ -322,15 +329,4 @@ fn read<T: DataType>(
     Ok(given
         .map(|level| if *level > 0 { values.next() } else { None })
         .collect())
-}
-
-/// A pose as a number; integers up to 2^53 come through floats unchanged.
-fn whole(value: f64) -> Result<i64, String> {
-    if value.fract() == 0.0 && value.abs() <= 9_007_199_254_740_992.0 {
-        Ok(value as i64)
-    } else {
-        Err(format!(
-            "column `{POSE}`: {value} is no whole number below 2^53"
-        ))
-    }
 }

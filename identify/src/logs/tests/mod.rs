@@ -1,6 +1,7 @@
 //! Logs as people write them, and as they should not be.
 
 mod faults;
+mod memory;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -275,6 +276,10 @@ fn written_logs_are_read_back() {
         };
         writer.finish(&sidecar).unwrap();
         let (block, warnings) = read_file(&path, &joints, &Options::default()).unwrap();
+        let (sidecar, _) = Sidecar::of(&path).unwrap();
+        let bytes = LogSource::bytes(*name, fs::read(&path).unwrap()).with_sidecar(sidecar);
+        let mut reader = PostureReader::open(bytes, &joints, &Options::default()).unwrap();
+        assert_eq!(reader.block(100).unwrap(), block, "{name} in memory");
         assert!(warnings.is_empty(), "{warnings:?}");
         assert_eq!(block.pose, [-2, -1, 0, 1, 2]);
         assert_eq!(block.t.as_ref().unwrap()[1], 1.0 / 3.0);

@@ -1,0 +1,198 @@
+//! Where a log is: a file, the bytes of one, or a table in memory.
+
+use std::fmt;
+use std::fs::File;
+use std::io::{self, Cursor, Read};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::sidecar::Sidecar;
+use super::table::Table;
+use crate::Error;
+
+/// A posture log that can be opened, as often as needed.
+///
+/// A path, or a path-like value, is a log on disk; its sidecar is looked for
+/// beside it. A [`Table`] or the bytes of a file have the sidecar they are given.
+///
+/// ```
+/// use sesc_identify::logs::{LogSource, Sidecar, Table};
+///
+/// let on_disk = LogSource::from("run.csv");
+/// let table = Table::new("run")
+///     .integers("pose", vec![0, 1])
+///     .numbers("hip", vec![0.1, 0.2])
+///     .numbers("cop_x", vec![0.010, 0.012])
+///     .numbers("cop_y", vec![0.001, 0.002]);
+/// let in_memory = LogSource::from(table).with_sidecar(Sidecar {
+///     support: Some("r_sole".into()),
+///     ..Sidecar::default()
+/// });
+/// assert_eq!(in_memory.name(), "run");
+/// assert_eq!(on_disk.path(), Some("run.csv".as_ref()));
+/// ```
+#[derive(Debug, Clone)]
+pub struct LogSource {
+    name: String,
+    pub(super) place: Place,
+    sidecar: Option<Arc<Sidecar>>,
+}
+
+/// Where the rows are.
+#[derive(Debug, Clone)]
+pub(super) enum Place {
+    File(PathBuf),
+    Bytes(Shared<u8>),
+    Table(Arc<Table>),
+}
+
+impl LogSource {
+    /// The bytes of a log file of any format; `name` stands for the file in messages.
+    pub fn bytes(
+        name: impl Into<String>,
+        bytes: impl AsRef<[u8]> + Send + Sync + 'static,
+    ) -> LogSource {
+        LogSource {
+            name: name.into(),
+            place: Place::Bytes(Shared::new(bytes)),
+            sidecar: None,
+        }
+    }
+
+    /// The same log with this sidecar, instead of the one beside its file.
+    pub fn with_sidecar(self, sidecar: Sidecar) -> LogSource {
+        LogSource {
+            sidecar: Some(Arc::new(sidecar)),
+            ..self
+        }
+    }
+
+    /// What messages call the log.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The last part of the name, free of folders.
+    pub fn file_name(&self) -> &str {
+        let last = Path::new(&self.name).file_name();
+        last.and_then(|name| name.to_str()).unwrap_or(&self.name)
+    }
+
+    /// The file, if the log is one.
+    pub fn path(&self) -> Option<&Path> {
+        match &self.place {
+            Place::File(path) => Some(path),
+            Place::Bytes(_) | Place::Table(_) => None,
+        }
+    }
+
+    /// The log's sidecar, empty where there is none, and what is odd about it.
+    ///
+    /// # Errors
+    /// A sidecar that cannot be read or has wrong values.
+    pub fn sidecar(&self) -> Result<(Sidecar, Vec<String>), Error> {
+        match (&self.sidecar, &self.place) {
+            (Some(sidecar), _) => {
+                sidecar.check().map_err(|message| Error::Log {
+                    file: self.name.clone(),
+                    line: None,
+                    message: format!("sidecar: {message}"),
+                })?;
+                Ok((Sidecar::clone(sidecar), Vec::new()))
+            }
+            (None, Place::File(path)) => Sidecar::of(path),
+            (None, _) => Ok(Default::default()),
+        }
+    }
+}
+
+impl<P: AsRef<Path>> From<P> for LogSource {
+    fn from(path: P) -> LogSource {
+        let path = path.as_ref();
+        LogSource {
+            name: path.display().to_string(),
+            place: Place::File(path.to_path_buf()),
+            sidecar: None,
+        }
+    }
+}
+
+impl From<Table> for LogSource {
+    fn from(table: Table) -> LogSource {
+        LogSource {
+            name: table.name().to_string(),
+            place: Place::Table(Arc::new(table)),
+            sidecar: None,
+        }
+    }
+}
+
+impl From<&LogSource> for LogSource {
+    fn from(source: &LogSource) -> LogSource {
+        source.clone()
+    }
+}
+
+/// Values that somebody owns: a vector, an array of another language.
+pub(super) struct Shared<T>(Arc<dyn AsRef<[T]> + Send + Sync>);
+
+impl<T> Shared<T> {
+    pub fn new(values: impl AsRef<[T]> + Send + Sync + 'static) -> Shared<T> {
+        Shared(Arc::new(values))
+    }
+}
+
+impl<T> AsRef<[T]> for Shared<T> {
+    fn as_ref(&self) -> &[T] {
+        (*self.0).as_ref()
+    }
+}
+
+impl<T> Clone for Shared<T> {
+    fn clone(&self) -> Shared<T> {
+        Shared(self.0.clone())
+    }
+}
+
+impl<T> fmt::Debug for Shared<T> {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "{} values", self.as_ref().len())
+    }
+}
+
+/// Bytes of a log file, on disk or in memory.
+pub(super) enum Bytes {
+    File(File),
+    Memory(Cursor<Shared<u8>>),
+}
+
+impl Bytes {
+    /// Start at the first byte; nothing to read of a table.
+    pub fn open(place: &Place) -> io::Result<Bytes> {
+        match place {
+            Place::File(path) => Ok(Bytes::File(File::open(path)?)),
+            Place::Bytes(bytes) => Ok(Bytes::Memory(Cursor::new(bytes.clone()))),
+            Place::Table(_) => Err(io::ErrorKind::Unsupported.into()),
+        }
+    }
+
+    /// How many there are; not known of a pipe.
+    pub fn count(&self) -> Option<u64> {
+        match self {
+            Bytes::File(file) => {
+                let about = file.metadata().ok();
+                about.filter(|a| a.is_file()).map(|a| a.len())
+            }
+            Bytes::Memory(bytes) => u64::try_from(bytes.get_ref().as_ref().len()).ok(),
+        }
+    }
+}
+
+impl Read for Bytes {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        match self {
+            Bytes::File(file) => file.read(buffer),
+            Bytes::Memory(bytes) => bytes.read(buffer),
+        }
+    }
+}

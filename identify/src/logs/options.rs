@@ -1,0 +1,58 @@
+//! How a log is to be read.
+
+use super::sidecar::Angles;
+
+/// How a log is to be read.
+#[derive(Debug, Clone, Default)]
+pub struct Options {
+    /// Unit of the revolute joints; the sidecar's, else radians, unless given.
+    pub angles: Option<Angles>,
+    /// Whether the log must have readings.
+    pub readings: Readings,
+    /// The robot's links; a support that is none of them is an error. Not
+    /// checked if empty.
+    pub links: Vec<String>,
+    /// Link on the ground in rows that do not say; the sidecar's unless given.
+    pub support: Option<String>,
+    /// Which stretches of an MCAP recording are postures.
+    pub hold: Hold,
+    /// Topic of the CoP in an MCAP recording that has several; the sidecar's
+    /// unless given.
+    pub topic: Option<String>,
+    /// Take angles and CoP of any size: which unit they are in is the question.
+    pub any_unit: bool,
+}
+
+/// Whether readings are wanted from a log.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub enum Readings {
+    /// Not looked at, however wrong they are.
+    Ignored,
+    /// Read where the log has them.
+    #[default]
+    Optional,
+    /// A log without them is an error.
+    Required,
+}
+
+/// When a robot that is being recorded holds still.
+///
+/// A posture is a stretch in which every joint is slower than `speed` for at
+/// least `duration`. Prismatic joints count m for rad.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hold {
+    /// rad/s
+    pub speed: f64,
+    /// s
+    pub duration: f64,
+}
+
+impl Default for Hold {
+    fn default() -> Hold {
+        Hold {
+            speed: 0.02,
+            duration: 0.3,
+        }
+    }
+}

@@ -1,0 +1,225 @@
+//! Logs that are in memory already: one slice per column.
+
+use std::sync::{Arc, OnceLock};
+
+use super::columns::{Columns, SUPPORT};
+use super::input::Shared;
+use super::source::{FNV_START, Progress, Raw, Source, fnv1a, whole};
+use crate::Error;
+
+/// A posture log as columns in memory, named as those of a log file.
+///
+/// Whatever can be looked at as a slice is a column: a vector, or an array
+/// that another language owns; nothing is copied. A value that is missing is NaN.
+#[derive(Debug)]
+pub struct Table {
+    name: String,
+    header: Vec<String>,
+    columns: Vec<Column>,
+    hash: OnceLock<u64>,
+}
+
+#[derive(Debug)]
+enum Column {
+    Numbers(Shared<f64>),
+    Integers(Shared<i64>),
+    Texts(Shared<Arc<str>>),
+}
+
+impl Table {
+    /// A table without columns; `name` stands for a file in messages.
+    pub fn new(name: impl Into<String>) -> Table {
+        Table {
+            name: name.into(),
+            header: Vec::new(),
+            columns: Vec::new(),
+            hash: OnceLock::new(),
+        }
+    }
+
+    /// Add a column of numbers: joint positions (rad or m), `cop_x` (m), `t` (s)
+    /// and the like.
+    pub fn numbers(self, name: &str, values: impl AsRef<[f64]> + Send + Sync + 'static) -> Table {
+        self.with(name, Column::Numbers(Shared::new(values)))
+    }
+
+    /// Add a column of whole numbers, as `pose` is.
+    pub fn integers(self, name: &str, values: impl AsRef<[i64]> + Send + Sync + 'static) -> Table {
+        self.with(name, Column::Integers(Shared::new(values)))
+    }
+
+    /// Add a column of texts, as `support` is.
+    pub fn texts(
+        self,
+        name: &str,
+        values: impl AsRef<[Arc<str>]> + Send + Sync + 'static,
+    ) -> Table {
+        self.with(name, Column::Texts(Shared::new(values)))
+    }
+
+    fn with(mut self, name: &str, column: Column) -> Table {
+        self.header.push(name.trim().to_string());
+        self.columns.push(column);
+        self.hash = OnceLock::new();
+        self
+    }
+
+    /// What messages call the table.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// FNV-1a over names and values, column by column: the same columns have the
+    /// same hash wherever they are.
+    fn hash(&self) -> u64 {
+        *self.hash.get_or_init(|| {
+            let columns = self.header.iter().zip(&self.columns);
+            columns.fold(FNV_START, |hash, (name, column)| {
+                column.hash(fnv1a(fnv1a(hash, name.as_bytes()), &[0]))
+            })
+        })
+    }
+}
+
+impl Column {
+    fn len(&self) -> usize {
+        match self {
+            Column::Numbers(values) => values.as_ref().len(),
+            Column::Integers(values) => values.as_ref().len(),
+            Column::Texts(values) => values.as_ref().len(),
+        }
+    }
+
+    fn number(&self, row: usize) -> f64 {
+        match self {
+            Column::Numbers(values) => values.as_ref()[row],
+            Column::Integers(values) => values.as_ref()[row] as f64,
+            Column::Texts(_) => f64::NAN,
+        }
+    }
+
+    fn hash(&self, start: u64) -> u64 {
+        match self {
+            Column::Numbers(values) => {
+                let values = values.as_ref().iter();
+                values.fold(start, |hash, x| fnv1a(hash, &x.to_le_bytes()))
+            }
+            Column::Integers(values) => {
+                let values = values.as_ref().iter();
+                values.fold(start, |hash, x| fnv1a(hash, &x.to_le_bytes()))
+            }
+            Column::Texts(values) => {
+                let values = values.as_ref().iter();
+                values.fold(start, |hash, x| fnv1a(fnv1a(hash, x.as_bytes()), &[0]))
+            }
+        }
+    }
+}
+
+/// A table being read.
+pub(super) struct TableSource {
+    table: Arc<Table>,
+    rows: usize,
+    done: usize,
+}
+
+impl TableSource {
+    pub fn open(table: &Arc<Table>) -> Result<TableSource, Error> {
+        let rows = table.columns.first().map_or(0, Column::len);
+        let uneven = table.columns.iter().position(|c| c.len() != rows);
+        if let Some(k) = uneven {
+            return Err(fault(
+                table,
+                format!(
+                    "column `{}` has {} rows, `{}` has {rows}; a log has a value of each in \
+                     every row",
+                    table.header[k],
+                    table.columns[k].len(),
+                    table.header[0]
+                ),
+            ));
+        }
+        Ok(TableSource {
+            table: table.clone(),
+            rows,
+            done: 0,
+        })
+    }
+
+    /// Check that every wanted column holds what it should.
+    fn check_types(&self, columns: &Columns) -> Result<(), Error> {
+        let table = &self.table;
+        let is_text = |k: usize| matches!(table.columns[k], Column::Texts(_));
+        let numbers = columns.numbers.iter().copied().chain(columns.pose);
+        for k in numbers.filter(|k| is_text(*k)) {
+            let name = &table.header[k];
+            return Err(fault(table, format!("column `{name}` holds no numbers")));
+        }
+        if columns.support.is_some_and(|k| !is_text(k)) {
+            return Err(fault(table, format!("column `{SUPPORT}` holds no text")));
+        }
+        Ok(())
+    }
+}
+
+impl Source for TableSource {
+    fn header(&self) -> &[String] {
+        &self.table.header
+    }
+
+    fn fill(&mut self, columns: &Columns, count: usize, raw: &mut Raw) -> Result<(), Error> {
+        if self.done == 0 {
+            self.check_types(columns)?;
+        }
+        let table = &self.table;
+        let rows = self.done..self.rows.min(self.done + count);
+        let width = columns.numbers.len();
+        let start = raw.numbers.len();
+        raw.numbers.resize(start + rows.len() * width, f64::NAN);
+        for (k, column) in columns.numbers.iter().enumerate() {
+            let place = raw.numbers[start..].iter_mut().skip(k).step_by(width);
+            for (to, row) in place.zip(rows.clone()) {
+                *to = table.columns[*column].number(row);
+            }
+        }
+        for row in rows.clone() {
+            match columns.pose.map(|k| &table.columns[k]) {
+                Some(Column::Integers(poses)) => raw.pose.push(poses.as_ref()[row]),
+                Some(poses) => {
+                    let pose = whole(poses.number(row));
+                    raw.pose.push(pose.map_err(|message| Error::Log {
+                        file: table.name.clone(),
+                        line: Some(row as u64 + 1),
+                        message,
+                    })?);
+                }
+                None => {}
+            }
+            if let Some(Column::Texts(links)) = columns.support.map(|k| &table.columns[k]) {
+                raw.support.push(links.as_ref()[row].clone());
+            }
+            raw.line.push(row as u64 + 1);
+        }
+        self.done = rows.end;
+        Ok(())
+    }
+
+    fn progress(&self) -> Progress {
+        Progress {
+            done: self.done as u64,
+            total: Some(self.rows as u64),
+        }
+    }
+
+    fn hash(&self) -> u64 {
+        self.table.hash()
+    }
+}
+
+fn fault(table: &Table, message: String) -> Error {
+    Error::Log {
+        file: table.name.clone(),
+        line: None,
+        message,
+    }
+}
