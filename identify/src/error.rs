@@ -1,47 +1,230 @@
 //! What can go wrong from logs to findings, each with its remedy.
 
-use std::io;
+use std::{fmt, io};
 
-/// Bad input or usage (exit code 2).
-#[derive(Debug, thiserror::Error)]
-pub enum Error {
-    #[error(transparent)]
-    Model(#[from] sesc_model::Error),
-    #[error("cannot read {file}")]
-    Read {
-        file: String,
-        #[source]
-        source: io::Error,
-    },
-    #[error("cannot write {file}")]
-    Write {
-        file: String,
-        #[source]
-        source: io::Error,
-    },
-    /// A fault in a posture log or its sidecar.
-    #[error("{file}{}: {message}", .line.map(|line| format!(":{line}")).unwrap_or_default())]
-    Log {
-        file: String,
-        line: Option<u64>,
-        message: String,
-    },
+use crate::words::{Message, Setting};
+
+/// Bad input, or a call that makes no sense.
+///
+/// [`kind`](Error::kind) says what to tell apart, [`file`](Error::file) and
+/// [`line`](Error::line) where the fault is. `Display` gives the whole sentence,
+/// with settings by the names of their fields; [`worded`](Error::worded) names them
+/// otherwise.
+#[derive(Debug)]
+pub struct Error(Box<Cause>);
+
+/// What kind of thing went wrong.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum ErrorKind {
+    /// The URDF, its support link or the model file.
+    Model,
+    /// A file cannot be read.
+    Read,
+    /// A file cannot be written.
+    Write,
+    /// A fault in a posture log, its sidecar, or another file of data.
+    Log,
     /// A fault in a file of tolerances.
-    #[error("{reason}")]
-    Prior { reason: String },
-    #[error("{0}")]
-    Usage(String),
+    Prior,
+    /// What is asked for makes no sense, or cannot be had.
+    Request,
+    /// This build leaves the format out.
+    Unsupported,
+    /// The caller stopped the call.
+    Interrupted,
     /// A result cannot be written down.
-    #[error("cannot serialise the result")]
-    Serialise(#[source] Box<dyn std::error::Error + Send + Sync>),
+    Serialise,
+}
+
+impl ErrorKind {
+    /// One word, stable: for programs that read it.
+    pub fn name(self) -> &'static str {
+        match self {
+            ErrorKind::Model => "model",
+            ErrorKind::Read => "read",
+            ErrorKind::Write => "write",
+            ErrorKind::Log => "log",
+            ErrorKind::Prior => "prior",
+            ErrorKind::Request => "request",
+            ErrorKind::Unsupported => "unsupported",
+            ErrorKind::Interrupted => "interrupted",
+            ErrorKind::Serialise => "serialise",
+        }
+    }
+}
+
+type Inner = Box<dyn std::error::Error + Send + Sync>;
+
+#[derive(Debug)]
+enum Cause {
+    Model(sesc_model::Error),
+    Other {
+        kind: ErrorKind,
+        file: Option<String>,
+        line: Option<u64>,
+        message: Message,
+        source: Option<Inner>,
+    },
 }
 
 impl Error {
+    fn new(kind: ErrorKind, message: impl Into<Message>) -> Error {
+        Error(Box::new(Cause::Other {
+            kind,
+            file: None,
+            line: None,
+            message: message.into(),
+            source: None,
+        }))
+    }
+
+    fn at(mut self, place: impl Into<String>, at: Option<u64>) -> Error {
+        if let Cause::Other { file, line, .. } = &mut *self.0 {
+            (*file, *line) = (Some(place.into()), at);
+        }
+        self
+    }
+
+    fn because(mut self, cause: impl Into<Inner>) -> Error {
+        if let Cause::Other { source, .. } = &mut *self.0 {
+            *source = Some(cause.into());
+        }
+        self
+    }
+
+    /// The same error with a remedy, behind the name of a file that cannot be read.
+    pub(crate) fn saying(mut self, remedy: Message) -> Error {
+        if let Cause::Other { message, .. } = &mut *self.0 {
+            *message = remedy.after("; ");
+        }
+        self
+    }
+
+    /// What is asked for makes no sense.
+    pub fn request(message: impl Into<Message>) -> Error {
+        Error::new(ErrorKind::Request, message)
+    }
+
+    /// A fault in a log or another file of data.
+    pub fn log(file: impl Into<String>, line: Option<u64>, message: impl Into<Message>) -> Error {
+        Error::new(ErrorKind::Log, message).at(file, line)
+    }
+
+    /// A fault in a file of tolerances.
+    pub(crate) fn prior(file: impl Into<String>, message: impl Into<Message>) -> Error {
+        Error::new(ErrorKind::Prior, message).at(file, None)
+    }
+
+    /// `file` cannot be read.
+    pub(crate) fn read(file: impl Into<String>, source: io::Error) -> Error {
+        Error::new(ErrorKind::Read, "")
+            .at(file, None)
+            .because(source)
+    }
+
+    /// `file` cannot be written.
+    pub(crate) fn write(file: impl Into<String>, source: io::Error) -> Error {
+        Error::new(ErrorKind::Write, "")
+            .at(file, None)
+            .because(source)
+    }
+
+    /// A result cannot be written down.
+    pub(crate) fn serialise(source: impl Into<Inner>) -> Error {
+        Error::new(ErrorKind::Serialise, "cannot serialise the result").because(source)
+    }
+
+    /// The caller stopped the call.
+    pub(crate) fn interrupted() -> Error {
+        Error::new(ErrorKind::Interrupted, "stopped before the end")
+    }
+
     /// `file` is of a format that this build leaves out.
     #[cfg(not(all(feature = "parquet", feature = "mcap")))]
-    pub(crate) fn without(feature: &str, format: &str, file: &str) -> Error {
-        Error::Usage(format!(
-            "{file}: built without {format}; `cargo install --features {feature}` adds it"
-        ))
+    pub(crate) fn without(feature: &'static str, format: &str, file: &str) -> Error {
+        let message = crate::message![
+            format!("built without {format}; "),
+            Setting::Feature(feature),
+            " adds it"
+        ];
+        Error::new(ErrorKind::Unsupported, message).at(file, None)
+    }
+
+    /// What kind of thing went wrong.
+    pub fn kind(&self) -> ErrorKind {
+        match &*self.0 {
+            Cause::Model(_) => ErrorKind::Model,
+            Cause::Other { kind, .. } => *kind,
+        }
+    }
+
+    /// The file with the fault.
+    pub fn file(&self) -> Option<&str> {
+        match &*self.0 {
+            Cause::Model(_) => None,
+            Cause::Other { file, .. } => file.as_deref(),
+        }
+    }
+
+    /// The line or row with the fault, from 1.
+    pub fn line(&self) -> Option<u64> {
+        match &*self.0 {
+            Cause::Model(_) => None,
+            Cause::Other { line, .. } => *line,
+        }
+    }
+
+    /// What is wrong with the robot or its model file, if it is that.
+    pub fn model(&self) -> Option<&sesc_model::Error> {
+        match &*self.0 {
+            Cause::Model(error) => Some(error),
+            Cause::Other { .. } => None,
+        }
+    }
+
+    /// The whole sentence, with settings as the caller's users know them.
+    pub fn worded(&self, word: impl Fn(Setting) -> String) -> String {
+        let (kind, file, line, message) = match &*self.0 {
+            Cause::Model(error) => return error.to_string(),
+            Cause::Other {
+                kind,
+                file,
+                line,
+                message,
+                ..
+            } => (kind, file, line, message.worded(word)),
+        };
+        match (kind, file, line) {
+            (ErrorKind::Read, Some(file), _) => format!("cannot read {file}{message}"),
+            (ErrorKind::Write, Some(file), _) => format!("cannot write {file}{message}"),
+            (_, Some(file), Some(line)) => format!("{file}:{line}: {message}"),
+            (_, Some(file), None) => format!("{file}: {message}"),
+            (_, None, _) => message,
+        }
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(&self.worded(|setting| format!("`{}`", setting.name())))
+    }
+}
+
+impl std::error::Error for Error {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match &*self.0 {
+            Cause::Model(error) => error.source(),
+            Cause::Other { source, .. } => {
+                let source = source.as_deref();
+                source.map(|source| source as &(dyn std::error::Error + 'static))
+            }
+        }
+    }
+}
+
+impl From<sesc_model::Error> for Error {
+    fn from(error: sesc_model::Error) -> Error {
+        Error(Box::new(Cause::Model(error)))
     }
 }

@@ -17,5 +17,9 @@ pub mod output;
 pub mod plan;
 pub mod robot;
 pub mod simulate;
+mod watch;
+mod words;
 
-pub use error::Error;
+pub use error::{Error, ErrorKind};
+pub use watch::{Progress, Watch};
+pub use words::{Message, Piece, Setting};

@@ -27,7 +27,7 @@ impl NewFile {
         // Renaming would replace a link or a device itself, not what it stands for.
         let place = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
         if place.exists() && !place.is_file() {
-            return Err(Error::Usage(format!(
+            return Err(Error::request(format!(
                 "{} is no regular file; give the name of a file to write",
                 path.display()
             )));
@@ -75,13 +75,13 @@ pub fn check(read: &[PathBuf], written: &[&PathBuf]) -> Result<(), Error> {
             .iter()
             .any(|other| place(other) == here && other.exists())
         {
-            return Err(Error::Usage(format!(
+            return Err(Error::request(format!(
                 "{} is read here; give the output another name",
                 path.display()
             )));
         }
         if written[..k].iter().any(|other| place(other) == here) {
-            return Err(Error::Usage(format!(
+            return Err(Error::request(format!(
                 "{} is meant for two outputs; give each a name of its own",
                 path.display()
             )));
@@ -112,8 +112,5 @@ pub fn write(path: &Path, text: &str) -> Result<(), Error> {
 
 /// An error about writing `path`.
 pub fn failed(path: &Path, source: std::io::Error) -> Error {
-    Error::Write {
-        file: path.display().to_string(),
-        source,
-    }
+    Error::write(path.display().to_string(), source)
 }

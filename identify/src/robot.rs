@@ -17,10 +17,8 @@ impl Robot {
     /// Read a URDF file.
     pub fn read(path: &Path) -> Result<Robot, Error> {
         let description = urdf::read(path).map_err(ModelError::from)?;
-        let text = std::fs::read_to_string(path).map_err(|source| Error::Read {
-            file: path.display().to_string(),
-            source,
-        })?;
+        let text = std::fs::read_to_string(path)
+            .map_err(|source| Error::read(path.display().to_string(), source))?;
         Ok(Robot { description, text })
     }
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use sesc_model::{DataUsed, Model};
 
-use super::{Outcome, RobotArguments, message, notes, print, print_json, progress};
+use super::{Outcome, RobotArguments, message, notes, print, print_json, progress, words};
 use crate::Error;
 use crate::report::diagnose::{self as report, Asked};
 use sesc_identify::diagnose::corrected_urdf::{self, CorrectedUrdf};
@@ -204,9 +204,7 @@ fn take(arguments: &Arguments, robot: &Robot, model: &Model, log: &Path) -> Resu
         floor: arguments.floor,
     };
     let data = Data::read(log, model, &taking)?;
-    for warning in &data.warnings {
-        message(&format!("warning: {warning}"));
-    }
+    data.warnings.iter().for_each(words::warn);
     Ok(data)
 }
 
@@ -220,27 +218,29 @@ fn stand(
     let (sidecar, _) = Sidecar::of(log)?;
     let support = sidecar.support.as_deref().unwrap_or(first);
     let experiment = match &sidecar.experiment {
-        Some(name) => Experiment::of_log(name).ok_or_else(|| sesc_identify::Error::Log {
-            file: Sidecar::path(log).display().to_string(),
-            line: None,
-            message: format!(
-                "experiment `{name}` cannot be taken together with another log; known are \
+        Some(name) => Experiment::of_log(name).ok_or_else(|| {
+            sesc_identify::Error::log(
+                Sidecar::path(log).display().to_string(),
+                None,
+                format!(
+                    "experiment `{name}` cannot be taken together with another log; known are \
                  postures, turned, other_foot, raw_cells, untouched. Diagnose it alone with --data"
-            ),
+                ),
+            )
         })?,
         None if support != first => Experiment::OtherFoot,
         None => Experiment::Postures,
     };
     if (experiment == Experiment::OtherFoot) == (support == first) {
-        return Err(sesc_identify::Error::Log {
-            file: Sidecar::path(log).display().to_string(),
-            line: None,
-            message: format!(
+        return Err(sesc_identify::Error::log(
+            Sidecar::path(log).display().to_string(),
+            None,
+            format!(
                 "experiment `{}` on `{support}`, and the first log is on `{first}`; mend \
                  `experiment` or `support`",
                 experiment.name()
             ),
-        }
+        )
         .into());
     }
     let model = robot.model(support, arguments.robot.snapping(), None)?;

@@ -2,21 +2,20 @@
 
 use std::path::{Path, PathBuf};
 
-use indicatif::ProgressBar;
 use sesc_model::Snapping;
 
 use super::fit::{Arguments, RobustLoss};
-use super::{message, notes, progress};
+use super::{Bar, notes};
 use crate::Error;
 use sesc_identify::fit::Identification;
 use sesc_identify::fit::gather::Gathered;
-use sesc_identify::fit::logs::{Logs, Watch};
+use sesc_identify::fit::logs::Logs;
 use sesc_identify::fit::measurement::Measurement;
 use sesc_identify::fit::part::{About, Part};
 use sesc_identify::fit::prior::Prior;
 use sesc_identify::fit::residuals::{self, Residual};
 use sesc_identify::fit::robust::Loss;
-use sesc_identify::logs::{Angles, Options, Progress, Readings};
+use sesc_identify::logs::{Angles, Options, Readings};
 use sesc_identify::robot::Robot;
 
 /// Folds of the cross-validation unless given.
@@ -129,13 +128,13 @@ fn from_logs(
         RobustLoss::Huber => Loss::Huber,
         RobustLoss::Tukey => Loss::Tukey,
     });
-    let mut bar = Bar(progress("reading"));
+    let mut bar = Bar::new("reading");
     let (measurement, gathered): (_, Gathered) = logs.gather(
         loss,
         &|model| Prior::named(&arguments.prior, model),
         &mut bar,
     )?;
-    bar.0.finish_and_clear();
+    drop(bar);
     notes(measurement.model());
     let about = About {
         hash: robot.description.hash.clone(),
@@ -186,23 +185,8 @@ pub(super) fn residuals(
 ) -> Result<Vec<Residual>, Error> {
     let logs = logs(arguments, robot, Some(support.to_string()), None);
     let mut measurement = Measurement::new(robot, support, logs.snapping)?;
-    let mut bar = Bar(progress("residuals"));
+    let mut bar = Bar::new("residuals");
     let found = residuals::sample(&logs, &mut measurement, &found.estimate.params, &mut bar);
-    bar.0.finish_and_clear();
+    drop(bar);
     Ok(found?)
-}
-
-/// Progress on the terminal.
-struct Bar(ProgressBar);
-
-impl Watch for Bar {
-    fn progress(&mut self, what: &str, progress: Progress) {
-        self.0.set_message(what.to_string());
-        self.0.set_length(progress.total.unwrap_or(progress.done));
-        self.0.set_position(progress.done);
-    }
-
-    fn warning(&mut self, text: &str) {
-        self.0.suspend(|| message(&format!("warning: {text}")));
-    }
 }

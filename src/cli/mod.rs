@@ -11,8 +11,12 @@ mod plan;
 mod predict;
 mod simulate;
 mod verify;
+mod words;
+
+pub(crate) use words::option;
 
 use std::io::{IsTerminal as _, Write as _};
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -23,6 +27,7 @@ use sesc_model::{Model, ModelFile, Snapping};
 use crate::Error;
 use sesc_identify::output;
 use sesc_identify::robot::Robot;
+use sesc_identify::{Message, Progress, Watch};
 
 /// Centre of mass by the statically equivalent serial chain: from a URDF to
 /// verified functions, and from posture logs to parameters.
@@ -90,7 +95,11 @@ pub fn main() -> ExitCode {
 /// An error and what caused it, on stderr.
 fn complain(error: &Error) {
     let mut text = format!("error: {error}\n");
-    let mut cause = std::error::Error::source(error);
+    let mut cause = match error {
+        // Said already, in the words of this command line.
+        Error::Identify(inner) => std::error::Error::source(inner),
+        other => std::error::Error::source(other),
+    };
     while let Some(inner) = cause {
         text.push_str(&format!("  caused by: {inner}\n"));
         cause = inner.source();
@@ -223,6 +232,34 @@ fn progress(what: &'static str) -> ProgressBar {
     bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
     bar.set_message(what);
     bar
+}
+
+/// Progress on the terminal, and warnings on stderr.
+struct Bar(ProgressBar);
+
+impl Bar {
+    fn new(what: &'static str) -> Bar {
+        Bar(progress(what))
+    }
+}
+
+impl Drop for Bar {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
+    }
+}
+
+impl Watch for Bar {
+    fn progress(&mut self, progress: Progress) -> ControlFlow<()> {
+        self.0.set_message(progress.what);
+        self.0.set_length(progress.total.unwrap_or(progress.done));
+        self.0.set_position(progress.done);
+        ControlFlow::Continue(())
+    }
+
+    fn warning(&mut self, warning: &Message) {
+        self.0.suspend(|| words::warn(warning));
+    }
 }
 
 /// This command line, as a shell takes it.

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use clap::Args;
 use sesc_model::{Function, ModelFile};
 
-use super::{Outcome, RobotArguments, left_out, message, notes, progress, read_model};
+use super::{Outcome, RobotArguments, left_out, notes, progress, read_model, words};
 use crate::Error;
 use sesc_identify::evaluate::{Evaluator, Foretelling};
 use sesc_identify::logs::{Angles, Block, Options, PostureReader, Readings};
@@ -74,20 +74,20 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         let rows = block.pose.iter().zip(&block.line);
         for ((pose, line), [x, y, z, cop_x, cop_y]) in rows.zip(predictions) {
             if !(x.is_finite() && y.is_finite() && z.is_finite()) {
-                return Err(sesc_identify::Error::Log {
-                    file: arguments.data.display().to_string(),
-                    line: Some(*line),
-                    message: "an angle is beyond 2^20 rad, where sines mean nothing; \
+                return Err(sesc_identify::Error::log(
+                    arguments.data.display().to_string(),
+                    Some(*line),
+                    "an angle is beyond 2^20 rad, where sines mean nothing; \
                               reduce it by whole turns"
                         .into(),
-                }
+                )
                 .into());
             }
             writeln!(out, "{pose},{x},{y},{z},{cop_x},{cop_y}").map_err(Error::Stdout)?;
         }
-        let read = reader.progress();
-        bar.set_length(read.total.unwrap_or(read.done));
-        bar.set_position(read.done);
+        let (done, total) = reader.progress();
+        bar.set_length(total.unwrap_or(done));
+        bar.set_position(done);
     }
     bar.finish_and_clear();
     out.flush().map_err(Error::Stdout)?;
@@ -103,9 +103,10 @@ fn names(robot: &Robot) -> Vec<String> {
 
 /// What the reader noticed and has not yet been told, on stderr.
 fn warn(reader: &mut PostureReader) {
-    for warning in reader.warnings.drain(..) {
-        message(&format!("warning: {warning}"));
-    }
+    reader
+        .warnings
+        .drain(..)
+        .for_each(|warning| words::warn(&warning));
 }
 
 /// Predictions on whatever support a row stands on.

@@ -7,8 +7,8 @@ use std::path::Path;
 use sesc_model::Model;
 use sesc_model::effects::Circumstances;
 
-use crate::Error;
 use crate::logs::{Options, PostureReader, Summary};
+use crate::{Error, Message, Setting, message};
 
 /// Rows taken at once.
 const BLOCK: usize = 4096;
@@ -45,7 +45,7 @@ pub struct Data {
     /// Postures of the log, of which these are an even choice.
     pub postures: usize,
     pub summary: Option<Summary>,
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Message>,
 }
 
 /// Where the size of the noise comes from.
@@ -235,11 +235,11 @@ impl Data {
         }
         gathering.close();
         if gathering.kept.is_empty() {
-            return Err(Error::Log {
-                file: path.display().to_string(),
-                line: None,
-                message: format!("no posture stands on `{support}`; give --support another link"),
-            });
+            let message = message![
+                format!("no posture stands on `{support}`; name another link by "),
+                Setting::Support
+            ];
+            return Err(Error::log(path.display().to_string(), None, message));
         }
         let mut data = Data::of(dof, &gathering, stated, timed, taking);
         data.cells = reader.sidecar.cells.clone().unwrap_or_default();
@@ -247,10 +247,11 @@ impl Data {
         data.summary = reader.summary();
         data.warnings = reader.warnings.clone();
         if elsewhere > 0 {
-            data.warnings.push(format!(
-                "{}: {elsewhere} rows stand on another link and are left out; diagnose them with --support",
-                path.display()
-            ));
+            let left_out = "rows stand on another link and are left out; diagnose them with ";
+            data.warnings.push(message![
+                format!("{}: {elsewhere} {left_out}", path.display()),
+                Setting::Support
+            ]);
         }
         Ok(data)
     }

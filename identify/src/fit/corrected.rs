@@ -12,8 +12,8 @@ use super::Identification;
 use super::limits::Limits;
 use super::masses::{self, Impossible, Masses};
 use super::prior::{Prior, Tolerances};
-use crate::Error;
 use crate::robot::Robot;
+use crate::{Error, Setting, message};
 
 /// Base parameters of the corrected robot may be off by this, m.
 const EXACT: f64 = 1e-11;
@@ -135,9 +135,12 @@ pub fn towards(
 }
 
 fn refused(impossible: &Impossible) -> Error {
-    Error::Usage(format!(
-        "no URDF has the identified parameters: {}; trust CAD more (--prior cad) or fit \
-         physical masses only (--physical). Nothing was written",
-        impossible.reason
-    ))
+    let reason = &impossible.reason;
+    Error::request(message![
+        format!("no URDF has the identified parameters: {reason}; trust CAD more ("),
+        Setting::Prior,
+        " cad) or fit physical masses only (",
+        Setting::Physical,
+        "). Nothing was written"
+    ])
 }

@@ -160,20 +160,19 @@ impl Gathered {
         robust: Option<(&Robust, &DVector<f64>)>,
     ) -> Result<(), Error> {
         let Some(readings) = &block.reading else {
-            return Err(Error::Log {
-                file: file.to_string(),
-                line: None,
-                message: "no readings; give columns cop_x, cop_y or foot cells fsr_1, …".into(),
-            });
+            return Err(Error::log(
+                file.to_string(),
+                None,
+                "no readings; give columns cop_x, cop_y or foot cells fsr_1, …",
+            ));
         };
         if self.readings > 0 && block.std.is_some() != self.has_deviations() {
-            return Err(Error::Log {
-                file: file.to_string(),
-                line: None,
-                message: "some logs state deviations (cop_x_std, …) and some do not; \
-                          add the columns or leave them out of all"
-                    .into(),
-            });
+            return Err(Error::log(
+                file.to_string(),
+                None,
+                "some logs state deviations (cop_x_std, …) and some do not; \
+                          add the columns or leave them out of all",
+            ));
         }
         let rows = measurement.rows(block)?;
         let std = self.deviations(block);

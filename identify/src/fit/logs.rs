@@ -10,9 +10,10 @@ use super::gather::{Gathered, LogUsed};
 use super::measurement::Measurement;
 use super::prior::Prior;
 use super::robust::{self, Loss, MEDIAN_OF_PAIRS, Robust};
-use crate::Error;
-use crate::logs::{Options, PostureReader, Progress};
+use crate::logs::{Options, PostureReader};
 use crate::robot::Robot;
+use crate::watch::{Watch, tell};
+use crate::{Error, Setting, message};
 
 /// Rows folded in together.
 pub(super) const BLOCK: usize = 4096;
@@ -35,14 +36,6 @@ pub struct Logs<'r> {
     pub support: Option<String>,
     pub snapping: Snapping,
     pub folds: usize,
-}
-
-/// What the caller shows while logs are read.
-pub trait Watch {
-    /// A part of a log was read.
-    fn progress(&mut self, what: &str, progress: Progress);
-    /// Something is odd.
-    fn warning(&mut self, text: &str);
 }
 
 impl<'r> Logs<'r> {
@@ -73,10 +66,17 @@ impl<'r> Logs<'r> {
         let mut gathered = gathered;
         for _ in 0..ROUNDS {
             if rows - taken < FEWEST {
-                return Err(Error::Usage(format!(
-                    "--robust: {rows} rows for {taken:.0} parameters leave nothing to tell an \
-                     outlier by; add postures, or take --prior cad"
-                )));
+                let few = format!(
+                    ": {rows} rows for {taken:.0} parameters leave nothing to tell an outlier by; \
+                     add postures, or take "
+                );
+                let prior = Setting::Prior;
+                return Err(Error::request(message![
+                    Setting::Robust,
+                    few,
+                    prior,
+                    " cad"
+                ]));
             }
             let shrunk = (1.0 - taken / rows).sqrt();
             let seen = self.scale(&mut measurement, &params)? / shrunk;
@@ -109,11 +109,11 @@ impl<'r> Logs<'r> {
         }
         match named.filter(|link| !link.is_empty()) {
             Some(link) => Ok(link.to_string()),
-            None => Err(Error::Usage(
-                "no support link: add --support LINK, `support = \"LINK\"` to the log's sidecar \
-                 or a column `support`"
-                    .into(),
-            )),
+            None => Err(Error::request(message![
+                "no support link: add ",
+                Setting::Support,
+                ", `support = \"LINK\"` to the log's sidecar or a column `support`"
+            ])),
         }
     }
 
@@ -127,7 +127,7 @@ impl<'r> Logs<'r> {
         &self,
         measurement: &mut Measurement<'r>,
         robust: Option<(&Robust, &DVector<f64>)>,
-        what: &str,
+        what: &'static str,
         warn: bool,
         watch: &mut dyn Watch,
     ) -> Result<Gathered, Error> {
@@ -147,14 +147,15 @@ impl<'r> Logs<'r> {
                     break;
                 }
                 gathered.push(measurement, &block, &name, robust)?;
-                watch.progress(what, reader.progress());
+                let (done, total) = reader.progress();
+                tell(watch, what, done, total)?;
             }
             if let Some(summary) = reader.summary() {
                 let base = file
                     .file_name()
                     .map_or(name, |n| n.to_string_lossy().into_owned());
                 if gathered.logs.iter().any(|log| log.hash == summary.hash) {
-                    return Err(Error::Usage(format!(
+                    return Err(Error::request(format!(
                         "{}: given twice, its postures would count twice",
                         file.display()
                     )));

@@ -11,9 +11,9 @@ use serde::{Deserialize, Serialize};
 use sesc_model::Snapping;
 
 use super::gather::Gathered;
-use crate::Error;
 use crate::output;
 use crate::robot::Robot;
+use crate::{Error, Message, Setting, message};
 
 /// First words of every file of this kind, with the version of its layout.
 const FORMAT: &str = "sesc factor 1";
@@ -68,15 +68,9 @@ impl Part {
     /// When it cannot be read, is no factor file, or is damaged.
     pub fn read(path: &Path) -> Result<Part, Error> {
         let file = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|source| Error::Read {
-            file: file.clone(),
-            source,
-        })?;
-        let bad = |message: String| Error::Log {
-            file: file.clone(),
-            line: None,
-            message,
-        };
+        let text =
+            std::fs::read_to_string(path).map_err(|source| Error::read(file.clone(), source))?;
+        let bad = |message: String| Error::log(file.clone(), None, message);
         let part: Part = serde_json::from_str(&text)
             .map_err(|error| bad(format!("no factor file of `sesc fit --partial`: {error}")))?;
         if part.format != FORMAT {
@@ -103,8 +97,7 @@ impl Part {
 
     /// Write to `path`, whole or not at all.
     pub fn write(&self, path: &Path) -> Result<(), Error> {
-        let text =
-            serde_json::to_string(self).map_err(|error| Error::Serialise(Box::new(error)))?;
+        let text = serde_json::to_string(self).map_err(|error| Error::serialise(error))?;
         output::write(path, &text)
     }
 
@@ -133,21 +126,20 @@ impl Part {
     /// # Errors
     /// When it is about another robot or reading of right angles.
     pub fn merge(&mut self, mut other: Part, file: &Path) -> Result<(), Error> {
-        let bad = |message: String| Error::Log {
-            file: file.display().to_string(),
-            line: None,
-            message,
-        };
+        let bad = |message: Message| Error::log(file.display().to_string(), None, message);
         if self.hash != other.hash {
             return Err(bad(format!(
                 "about another robot ({}, hash {}) than the first part ({}, hash {})",
                 other.urdf_file, other.hash, self.urdf_file, self.hash
-            )));
+            )
+            .into()));
         }
         if self.snapped != other.snapped {
-            return Err(bad(
-                "one part was gathered with --no-snap, one without".into()
-            ));
+            return Err(bad(message![
+                "one part was gathered with ",
+                Setting::Snapping,
+                ", one without"
+            ]));
         }
         other.stand_on(&self.support)?;
         for support in other.supports {
@@ -155,6 +147,7 @@ impl Part {
                 self.supports.push(support);
             }
         }
-        self.gathered.merge(other.gathered).map_err(bad)
+        let merged = self.gathered.merge(other.gathered);
+        merged.map_err(|message| bad(message.into()))
     }
 }

@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use sesc_model::Model;
 use sesc_model::standard::PER_LINK;
 
-use crate::Error;
+use crate::{Error, Setting, message};
 
 /// How well CAD knows a link.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
@@ -117,12 +117,12 @@ impl Tolerances {
 
     fn read(path: &Path, model: &Model) -> Result<Tolerances, Error> {
         let file = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|source| Error::Prior {
-            reason: format!("{file}: {source}; --prior takes tight, cad, free or a file"),
+        let text = std::fs::read_to_string(path).map_err(|source| {
+            let source = format!("{source}; ");
+            let message = message![source, Setting::Prior, " takes tight, cad, free or a file"];
+            Error::prior(&file, message)
         })?;
-        let bad = |reason: String| Error::Prior {
-            reason: format!("{file}: {reason}"),
-        };
+        let bad = |reason: String| Error::prior(&file, reason);
         let tolerances: Tolerances =
             toml::from_str(&text).map_err(|error| bad(error.to_string()))?;
         let names = || model.tree.links.iter().map(|link| link.name.as_str());

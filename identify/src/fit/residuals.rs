@@ -8,9 +8,10 @@ use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
-use super::logs::{BLOCK, Logs, Watch};
+use super::logs::{BLOCK, Logs};
 use super::measurement::Measurement;
 use crate::Error;
+use crate::watch::{Watch, tell};
 
 /// Rows kept.
 pub const MOST: usize = 2000;
@@ -59,7 +60,8 @@ pub fn sample(
             if block.is_empty() {
                 break;
             }
-            watch.progress("residuals", reader.progress());
+            let (done, total) = reader.progress();
+            tell(watch, "residuals", done, total)?;
             let Some(readings) = &block.reading else {
                 break;
             };

@@ -26,11 +26,11 @@ use super::block::{Block, Cells};
 use super::columns::Columns;
 use super::names::{nearest, short};
 use super::options::Options;
-use super::sidecar::{Angles, Sidecar, check_gravity};
+use super::sidecar::{Angles, IN_DEGREES, OR_SIDECAR, Sidecar, check_gravity};
 use super::source::Raw;
-use crate::Error;
+use crate::{Error, Message, Setting, message};
 
-/// A turning joint further out than this was hardly logged in radians.
+/// A revolute joint further out than this was hardly logged in radians.
 const FULL_TURN: f64 = 6.3;
 
 /// No sole is so large: a log whose typical CoP is further out is not in metres, m.
@@ -96,7 +96,7 @@ impl Assembler {
         if let Some(link) = &assembler.support {
             let known = assembler.known_link(link);
             known.map_err(|message| match options.support {
-                Some(_) => Error::Usage(message),
+                Some(_) => Error::request(message),
                 None => assembler.fault(None, format!("sidecar: {message}")),
             })?;
         }
@@ -117,12 +117,8 @@ impl Assembler {
     }
 
     /// A fault of the log, at a row of it.
-    pub fn fault(&self, line: Option<u64>, message: String) -> Error {
-        Error::Log {
-            file: self.file.clone(),
-            line,
-            message,
-        }
+    pub fn fault(&self, line: Option<u64>, message: impl Into<Message>) -> Error {
+        Error::log(self.file.clone(), line, message)
     }
 
     /// Look at the first rows for what holds for all: whether rows are means,
@@ -188,7 +184,7 @@ impl Assembler {
             let line = raw.line[k];
             let numbers = &raw.numbers[k * width..(k + 1) * width];
             self.row(numbers, block)
-                .and_then(|()| self.support(raw.support.get(k), block))
+                .and_then(|()| Ok(self.support(raw.support.get(k), block)?))
                 .map_err(|message| self.fault(Some(line), message))?;
             block.line.push(line);
             let pose = raw.pose.get(k).copied().unwrap_or(self.next_pose);
@@ -198,22 +194,24 @@ impl Assembler {
         Ok(())
     }
 
-    fn row(&self, numbers: &[f64], block: &mut Block) -> Result<(), String> {
+    fn row(&self, numbers: &[f64], block: &mut Block) -> Result<(), Message> {
         let columns = &self.columns;
         if let Some(k) = numbers.iter().position(|x| !x.is_finite()) {
             return Err(format!(
                 "column `{}`: {} is not finite; remove the row or mend the value",
                 columns.names[k], numbers[k]
-            ));
+            )
+            .into());
         }
         for (k, joint) in self.joints.iter().enumerate() {
             let value = numbers[k] * joint.scale;
             if joint.reach.is_some_and(|reach| value.abs() > reach) {
-                return Err(format!(
-                    "column `{}`: {value} rad is more than a full turn; if the log is in degrees, \
-                     pass --degrees or put `angles = \"deg\"` in its sidecar",
-                    columns.names[k]
-                ));
+                let name = &columns.names[k];
+                return Err(message![
+                    format!("column `{name}`: {value} rad is more than a full turn; {IN_DEGREES}"),
+                    Setting::Angles,
+                    OR_SIDECAR
+                ]);
             }
             block.q.push(value);
         }

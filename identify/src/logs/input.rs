@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use super::sidecar::Sidecar;
 use super::table::Table;
-use crate::Error;
+use crate::{Error, Message};
 
 /// A posture log that can be opened, as often as needed.
 ///
@@ -90,13 +90,11 @@ impl LogSource {
     ///
     /// # Errors
     /// A sidecar that cannot be read or has wrong values.
-    pub fn sidecar(&self) -> Result<(Sidecar, Vec<String>), Error> {
+    pub fn sidecar(&self) -> Result<(Sidecar, Vec<Message>), Error> {
         match (&self.sidecar, &self.place) {
             (Some(sidecar), _) => {
-                sidecar.check().map_err(|message| Error::Log {
-                    file: self.name.clone(),
-                    line: None,
-                    message: format!("sidecar: {message}"),
+                sidecar.check().map_err(|message| {
+                    Error::log(self.name.clone(), None, format!("sidecar: {message}"))
                 })?;
                 Ok((Sidecar::clone(sidecar), Vec::new()))
             }

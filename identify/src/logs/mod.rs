@@ -39,6 +39,5 @@ pub use input::LogSource;
 pub use options::{Hold, Options, Readings};
 pub use reader::{PostureReader, Summary};
 pub use sidecar::{Angles, Sidecar};
-pub use source::Progress;
 pub use table::Table;
 pub use writer::{PostureWriter, Row, Written};

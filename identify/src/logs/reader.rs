@@ -12,10 +12,10 @@ use super::csv::CsvSource;
 use super::input::{Bytes, LogSource, Place};
 use super::options::Options;
 use super::sidecar::{Angles, Sidecar};
-use super::source::{Metered, Progress, Raw, Source};
+use super::source::{Metered, Raw, Source};
 use super::suspect::Suspicions;
 use super::table::TableSource;
-use crate::Error;
+use crate::{Error, Message};
 
 /// Rows taken from the file at once, and looked at before the first is given out.
 const CHUNK: usize = 4096;
@@ -50,7 +50,7 @@ pub struct PostureReader {
     /// What the log's sidecar says.
     pub sidecar: Sidecar,
     /// What is odd about the log so far, complete after the last block.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Message>,
 }
 
 impl PostureReader {
@@ -70,11 +70,7 @@ impl PostureReader {
         let (sidecar, mut warnings) = log.sidecar()?;
         let file = log.name().to_string();
         let mut source = open_source(&log, dofs, options, &sidecar)?;
-        let bad = |message| Error::Log {
-            file: file.clone(),
-            line: Some(1),
-            message,
-        };
+        let bad = |message: String| Error::log(&file, Some(1), message);
         let columns = Columns::of(source.header(), dofs, options.readings).map_err(bad)?;
         warnings.extend(source.warnings());
         if !columns.ignored.is_empty() {
@@ -83,10 +79,8 @@ impl PostureReader {
                 1 => ("column", "is no joint and is"),
                 _ => ("columns", "are no joints and are"),
             };
-            warnings.push(format!(
-                "{file}: {noun} {} {verb} ignored",
-                super::names::list(&names)
-            ));
+            let names = super::names::list(&names);
+            warnings.push(format!("{file}: {noun} {names} {verb} ignored").into());
         }
         let angles = options.angles.or(sidecar.angles).unwrap_or(Angles::Rad);
         let assembler = Assembler::new(&file, &columns, dofs, angles, &sidecar, options)?;
@@ -150,17 +144,16 @@ impl PostureReader {
         }
         if first {
             if self.raw.line.is_empty() {
-                return Err(self
-                    .assembler
-                    .fault(None, "no postures below the header".into()));
+                return Err(self.assembler.fault(None, "no postures below the header"));
             }
             self.assembler.look(&self.raw)?;
         }
         Ok(!self.raw.line.is_empty())
     }
 
-    /// How much of the log was read.
-    pub fn progress(&self) -> Progress {
+    /// How much of the log was read, and of how much, in bytes of the file or in rows of
+    /// a Parquet file or a table; the whole of a pipe is not known.
+    pub fn progress(&self) -> (u64, Option<u64>) {
         self.source.progress()
     }
 
@@ -182,10 +175,7 @@ fn open_source(
     sidecar: &Sidecar,
 ) -> Result<Box<dyn Source>, Error> {
     let file = log.name();
-    let failed = |source| Error::Read {
-        file: file.to_string(),
-        source,
-    };
+    let failed = |source| Error::read(file.to_string(), source);
     let place = &log.place;
     if let Place::Table(table) = place {
         return Ok(Box::new(TableSource::open(table)?));
@@ -203,11 +193,7 @@ fn open_source(
         return open_mcap(place, file, dofs, options, sidecar);
     }
     if let Some(message) = damaged_from_the_start(Path::new(file), &head) {
-        return Err(Error::Log {
-            file: file.to_string(),
-            line: None,
-            message,
-        });
+        return Err(Error::log(file.to_string(), None, message));
     }
     Ok(Box::new(CsvSource::open(file, head, input)?))
 }

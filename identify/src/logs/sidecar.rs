@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::names::{nearest, short};
-use crate::Error;
+use crate::{Error, Message};
 
 const KEYS: [&str; 8] = [
     "robot",
@@ -36,7 +36,7 @@ pub struct Sidecar {
     /// The link that stands on the ground.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub support: Option<String>,
-    /// `rad` (default) or `deg`, of the turning joints.
+    /// `rad` (default) or `deg`, of the revolute joints.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub angles: Option<Angles>,
     /// Readings taken at each pose: averaged into its one row, or its rows.
@@ -56,7 +56,11 @@ pub struct Sidecar {
     pub experiment: Option<String>,
 }
 
-/// Unit of the turning joints' columns.
+/// A remedy for angles of the wrong unit, around the name of the setting.
+pub(super) const IN_DEGREES: &str = "if the log is in degrees, give ";
+pub(super) const OR_SIDECAR: &str = " or put `angles = \"deg\"` in its sidecar";
+
+/// Unit of the revolute joints' columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Angles {
@@ -77,11 +81,11 @@ impl Sidecar {
 
     /// Read the sidecar of `log`, and what is odd about it; a log without one
     /// has an empty one.
-    pub fn of(log: &Path) -> Result<(Sidecar, Vec<String>), Error> {
+    pub fn of(log: &Path) -> Result<(Sidecar, Vec<Message>), Error> {
         let path = Sidecar::path(log);
         let file = path.display().to_string();
         if path == log {
-            return Err(Error::Usage(format!(
+            return Err(Error::request(format!(
                 "{file} ends like a sidecar; give the log itself"
             )));
         }
@@ -92,11 +96,9 @@ impl Sidecar {
             _ => std::fs::read_to_string(&path),
         };
         match read {
-            Ok(text) => Sidecar::parse(&text, &file).map_err(|message| Error::Log {
-                file,
-                line: None,
-                message,
-            }),
+            Ok(text) => {
+                Sidecar::parse(&text, &file).map_err(|message| Error::log(file, None, message))
+            }
             // `/dev/stdin` has no neighbours either.
             Err(error)
                 if matches!(
@@ -106,11 +108,11 @@ impl Sidecar {
             {
                 Ok(Default::default())
             }
-            Err(source) => Err(Error::Read { file, source }),
+            Err(source) => Err(Error::read(file, source)),
         }
     }
 
-    fn parse(text: &str, file: &str) -> Result<(Sidecar, Vec<String>), String> {
+    fn parse(text: &str, file: &str) -> Result<(Sidecar, Vec<Message>), String> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let mut table: toml::Table = toml::from_str(text).map_err(|error| error.to_string())?;
         let mut warnings = Vec::new();
@@ -121,7 +123,8 @@ impl Sidecar {
                     Some(near) => format!("; did you mean `{near}`?"),
                     None => format!("; known are {}", KEYS.join(", ")),
                 };
-                warnings.push(format!("{file}: unknown key `{}`{meant}", short(key)));
+                let warning = format!("{file}: unknown key `{}`{meant}", short(key));
+                warnings.push(warning.into());
             }
             known
         });
@@ -206,8 +209,16 @@ mod tests {
         let (sidecar, warnings) =
             Sidecar::parse("suport = 'a'\nrobot = 'b'\nnotes = 1", "s.toml").unwrap();
         assert_eq!(sidecar.robot.as_deref(), Some("b"));
-        assert!(warnings.iter().any(|w| w.contains("mean `support`")));
-        assert!(warnings.iter().any(|w| w.contains("`notes`; known are")));
+        assert!(
+            warnings
+                .iter()
+                .any(|w| w.to_string().contains("mean `support`"))
+        );
+        assert!(
+            warnings
+                .iter()
+                .any(|w| w.to_string().contains("`notes`; known are"))
+        );
         for (text, word) in [
             ("support = 3", "support"),
             ("readings_per_pose = -1", "readings_per_pose"),

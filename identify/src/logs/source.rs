@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::columns::{Columns, POSE};
 use super::input::Bytes;
-use crate::Error;
+use crate::{Error, Message};
 
 /// Rows of a file before anything is made of them.
 #[derive(Debug, Clone, Default)]
@@ -40,25 +40,16 @@ pub(super) trait Source: Send {
     /// Append up to `count` rows to `raw`; fewer only at the end of the file.
     fn fill(&mut self, columns: &Columns, count: usize, raw: &mut Raw) -> Result<(), Error>;
 
-    /// How far into the file.
-    fn progress(&self) -> Progress;
+    /// How much was read, and of how much if that is known: bytes or rows.
+    fn progress(&self) -> (u64, Option<u64>);
 
     /// What is odd so far; drained by the call.
-    fn warnings(&mut self) -> Vec<String> {
+    fn warnings(&mut self) -> Vec<Message> {
         Vec::new()
     }
 
     /// 64-bit hash of the file's bytes, once all of them were read.
     fn hash(&self) -> u64;
-}
-
-/// How much of a log was read.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Progress {
-    /// Bytes of the file, or rows of a Parquet file or a table.
-    pub done: u64,
-    /// Of how many; not known of a pipe.
-    pub total: Option<u64>,
 }
 
 /// Repeated texts, each kept once.
@@ -111,11 +102,8 @@ pub(super) struct Meter {
 }
 
 impl Meter {
-    pub fn progress(&self) -> Progress {
-        Progress {
-            done: self.done.load(Ordering::Relaxed),
-            total: self.total,
-        }
+    pub fn progress(&self) -> (u64, Option<u64>) {
+        (self.done.load(Ordering::Relaxed), self.total)
     }
 
     pub fn hash(&self) -> u64 {

@@ -7,7 +7,8 @@
 use sesc_model::tree::Dof;
 
 use super::block::Block;
-use super::sidecar::Angles;
+use super::sidecar::{Angles, IN_DEGREES, OR_SIDECAR};
+use crate::{Message, Setting, message};
 
 /// Fewer values say nothing about a log.
 const FEW: u64 = 20;
@@ -37,7 +38,7 @@ pub(super) struct Suspicions {
 /// What one joint did.
 struct Joint {
     name: String,
-    turns: bool,
+    revolute: bool,
     /// Limits that mean something, rad or m.
     limits: Option<(f64, f64)>,
     count: u64,
@@ -53,7 +54,7 @@ impl Joint {
     fn new(dof: &Dof) -> Joint {
         Joint {
             name: dof.joint.clone(),
-            turns: !dof.prismatic,
+            revolute: !dof.prismatic,
             limits: (!dof.continuous).then_some((dof.lower, dof.upper)),
             count: 0,
             least: f64::INFINITY,
@@ -77,7 +78,7 @@ impl Joint {
 
     /// Whether values from `least` to `most` respect the limits.
     fn allows(&self, least: f64, most: f64) -> bool {
-        let slack = if self.turns { SLACK } else { 0.0 };
+        let slack = if self.revolute { SLACK } else { 0.0 };
         self.limits
             .is_none_or(|(lower, upper)| least >= lower - slack && most <= upper + slack)
     }
@@ -128,63 +129,64 @@ impl Suspicions {
     }
 
     /// Say what was noticed and not yet said.
-    pub fn judge(&mut self, warnings: &mut Vec<String>) {
+    pub fn judge(&mut self, warnings: &mut Vec<Message>) {
         let found = [
             self.degrees(),
             self.radians(),
-            self.swapped(),
-            self.millimetres(),
+            self.swapped().map(Message::from),
+            self.millimetres().map(Message::from),
             self.backwards.map(|line| {
-                format!("row {line}: `t` runs backwards; sort the log by time if it is one motion")
+                let said = "`t` runs backwards; sort the log by time if it is one motion";
+                Message::from(format!("row {line}: {said}"))
             }),
         ];
         for (said, found) in self.said.iter_mut().zip(found) {
             if let (false, Some(found)) = (*said, found) {
                 *said = true;
-                warnings.push(format!("{}: {found}", self.file));
+                warnings.push(found.after(&format!("{}: ", self.file)));
             }
         }
     }
 
     /// Radians that look like degrees: whole numbers, or far beyond the limits
     /// of most joints.
-    fn degrees(&self) -> Option<String> {
-        let turning = || self.joints.iter().filter(|joint| joint.turns);
-        let sum = |of: fn(&Joint) -> u64| turning().map(of).sum::<u64>();
+    fn degrees(&self) -> Option<Message> {
+        let revolute = || self.joints.iter().filter(|joint| joint.revolute);
+        let sum = |of: fn(&Joint) -> u64| revolute().map(of).sum::<u64>();
         let (count, nonzero) = (sum(|j| j.count), sum(|j| j.nonzero));
-        let most = turning().map(|j| j.most.max(-j.least)).fold(0.0, f64::max);
+        let most = revolute().map(|j| j.most.max(-j.least)).fold(0.0, f64::max);
         let whole = nonzero >= FEW && 10 * sum(|j| j.whole) > 9 * nonzero && most >= 2.0;
-        let straying = turning().filter(|joint| joint.strays()).count();
-        let beyond = count >= FEW && straying > 2 && 2 * straying > turning().count();
+        let straying = revolute().filter(|joint| joint.strays()).count();
+        let beyond = count >= FEW && straying > 2 && 2 * straying > revolute().count();
         let why = match (whole, beyond) {
             _ if self.degrees => return None,
             (true, _) => "nearly all angles are whole numbers",
             (_, true) => "most joints are far beyond their limits",
             _ => return None,
         };
-        Some(format!(
-            "{why}; if the log is in degrees, pass --degrees or put `angles = \"deg\"` in its \
-             sidecar"
-        ))
+        let why = format!("{why}; {IN_DEGREES}");
+        Some(message![why, Setting::Angles, OR_SIDECAR])
     }
 
     /// Degrees that look like radians: nothing ever turns by more than π of them.
-    fn radians(&self) -> Option<String> {
-        let turning = || self.joints.iter().filter(|joint| joint.turns);
-        let most = turning().map(|j| j.most.max(-j.least)).fold(0.0, f64::max) * self.per_rad;
-        let nonzero: u64 = turning().map(|joint| joint.nonzero).sum();
+    fn radians(&self) -> Option<Message> {
+        let revolute = || self.joints.iter().filter(|joint| joint.revolute);
+        let most = revolute().map(|j| j.most.max(-j.least)).fold(0.0, f64::max) * self.per_rad;
+        let nonzero: u64 = revolute().map(|joint| joint.nonzero).sum();
         (self.degrees && nonzero >= FEW && most <= std::f64::consts::PI).then(|| {
-            format!(
-                "read in degrees, no joint ever turns beyond {most:.2}°; if the log is in \
-                 radians, leave out --degrees and `angles = \"deg\"`"
-            )
+            let said = format!("read in degrees, no joint ever turns beyond {most:.2}°");
+            message![
+                format!("{said}; if the log is in radians, leave out "),
+                Setting::Angles,
+                " and `angles = \"deg\"`"
+            ]
         })
     }
 
     /// Two joints, one or both beyond their limits, that would fit if exchanged.
     fn swapped(&self) -> Option<String> {
         let fits = |column: &Joint, joint: &Joint| {
-            column.turns == joint.turns
+            column.revolute == joint.revolute
                 && joint.limits.is_some()
                 && joint.allows(column.least, column.most)
         };
@@ -247,7 +249,8 @@ mod tests {
         let mut warnings = Vec::new();
         suspicions.judge(&mut warnings);
         suspicions.judge(&mut warnings);
-        warnings.join("\n")
+        let said: Vec<String> = warnings.iter().map(Message::to_string).collect();
+        said.join("\n")
     }
 
     #[test]
@@ -255,7 +258,7 @@ mod tests {
         let rows: Vec<Vec<f64>> = (0..30).map(|k| vec![f64::from(k % 6)]).collect();
         let said = warnings(&[(-6.0, 6.0)], Angles::Rad, &rows);
         assert!(
-            said.contains("whole numbers") && said.contains("--degrees"),
+            said.contains("whole numbers") && said.contains("give `angles` or"),
             "{said}"
         );
         let rows: Vec<Vec<f64>> = (0..30).map(|k| vec![f64::from(k) / 31.0]).collect();

@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::columns::{Columns, SUPPORT};
 use super::input::Shared;
-use super::source::{FNV_START, Progress, Raw, Source, fnv1a, whole};
+use super::source::{FNV_START, Raw, Source, fnv1a, whole};
 use crate::Error;
 
 /// A posture log as columns in memory, named as those of a log file.
@@ -187,10 +187,8 @@ impl Source for TableSource {
                 Some(Column::Integers(poses)) => raw.pose.push(poses.as_ref()[row]),
                 Some(poses) => {
                     let pose = whole(poses.number(row));
-                    raw.pose.push(pose.map_err(|message| Error::Log {
-                        file: table.name.clone(),
-                        line: Some(row as u64 + 1),
-                        message,
+                    raw.pose.push(pose.map_err(|message| {
+                        Error::log(table.name.clone(), Some(row as u64 + 1), message)
                     })?);
                 }
                 None => {}
@@ -204,11 +202,8 @@ impl Source for TableSource {
         Ok(())
     }
 
-    fn progress(&self) -> Progress {
-        Progress {
-            done: self.done as u64,
-            total: Some(self.rows as u64),
-        }
+    fn progress(&self) -> (u64, Option<u64>) {
+        (self.done as u64, Some(self.rows as u64))
     }
 
     fn hash(&self) -> u64 {
@@ -217,9 +212,5 @@ impl Source for TableSource {
 }
 
 fn fault(table: &Table, message: String) -> Error {
-    Error::Log {
-        file: table.name.clone(),
-        line: None,
-        message,
-    }
+    Error::log(table.name.clone(), None, message)
 }

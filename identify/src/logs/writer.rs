@@ -64,7 +64,7 @@ impl PostureWriter {
     /// Joints whose names a log cannot carry, ends of names that stand for
     /// something else, folders that cannot be written to.
     pub fn create(path: &Path, dofs: &[Dof], columns: Written) -> Result<PostureWriter, Error> {
-        check_joints(dofs).map_err(Error::Usage)?;
+        check_joints(dofs).map_err(Error::request)?;
         let end = path.extension().and_then(|end| end.to_str()).unwrap_or("");
         let header = header(dofs, columns);
         let mut text = Vec::new();
@@ -75,13 +75,13 @@ impl PostureWriter {
         text.push(b'\n');
         let mut sink = match end.to_ascii_lowercase().as_str() {
             "toml" => {
-                return Err(Error::Usage(format!(
+                return Err(Error::request(format!(
                     "{} ends in .toml, which is the sidecar's; use .csv",
                     path.display()
                 )));
             }
             "mcap" => {
-                return Err(Error::Usage(format!(
+                return Err(Error::request(format!(
                     "{}: MCAP is only read; write .csv, .csv.gz or .parquet",
                     path.display()
                 )));
@@ -130,7 +130,7 @@ impl PostureWriter {
 
     /// Complete the log and write its sidecar, whose path is given back.
     pub fn finish(self, sidecar: &Sidecar) -> Result<PathBuf, Error> {
-        let text = toml::to_string(sidecar).map_err(|error| Error::Serialise(Box::new(error)))?;
+        let text = toml::to_string(sidecar).map_err(|error| Error::serialise(error))?;
         match self.sink {
             Sink::Plain(file) => file.finish()?,
             Sink::Packed(file) => file

@@ -13,7 +13,7 @@ use std::path::Path;
 
 use nalgebra::{Matrix2, Vector2};
 
-use crate::Error;
+use crate::{Error, Setting, message};
 
 /// A convex region of the sole plane.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,9 +36,8 @@ impl Region {
     pub fn square(half: f64, margin: f64) -> Result<Region, Error> {
         let corners = [[half, half], [-half, half], [-half, -half], [half, -half]];
         Region::hull(corners.to_vec(), margin).ok_or_else(|| {
-            Error::Usage(format!(
-                "--cop-box {half}: too small for any foot; give metres, 0.0001 or more"
-            ))
+            let small = format!(" {half}: too small for any foot; give metres, 0.0001 or more");
+            Error::request(message![Setting::CopBox, small])
         })
     }
 
@@ -51,9 +50,9 @@ impl Region {
         let inline = given.contains(';');
         let text = match inline {
             true => given.replace(';', "\n"),
-            false => std::fs::read_to_string(path).map_err(|source| Error::Read {
-                file: format!("--sole {given} (a file of points, or \"x,y; x,y; …\")"),
-                source,
+            false => std::fs::read_to_string(path).map_err(|source| {
+                let takes = " takes a file of points, or \"x,y; x,y; …\"";
+                Error::read(given, source).saying(message![Setting::Sole, takes])
             })?,
         };
         let mut points = Vec::new();
@@ -69,18 +68,15 @@ impl Region {
                 .map(|cell| cell.parse().ok().filter(|x: &f64| x.abs() <= LARGEST))
                 .collect();
             let [Some(x), Some(y)] = numbers[..] else {
-                return Err(Error::Usage(format!(
-                    "--sole: point {} `{line}`: give x,y in metres in the support frame",
-                    k + 1
-                )));
+                let point = format!(": point {} `{line}`", k + 1);
+                let remedy = ": give x,y in metres in the support frame";
+                return Err(Error::request(message![Setting::Sole, point, remedy]));
             };
             points.push([x, y]);
         }
         Region::hull(points, margin).ok_or_else(|| {
-            Error::Usage(
-                "--sole: the points enclose nothing; give three or more corners, x,y in metres"
-                    .into(),
-            )
+            let flat = ": the points enclose nothing; give three or more corners, x,y in metres";
+            Error::request(message![Setting::Sole, flat])
         })
     }
 

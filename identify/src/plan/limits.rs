@@ -49,10 +49,7 @@ impl Limits {
     /// Names file, line, joint and remedy.
     pub fn read(path: &Path, dofs: &[Dof]) -> Result<Limits, Error> {
         let file = path.display().to_string();
-        let failed = |source| Error::Read {
-            file: file.clone(),
-            source,
-        };
+        let failed = |source| Error::read(file.clone(), source);
         let about = std::fs::metadata(path).map_err(failed)?;
         if about.len() > LONGEST {
             return Err(fault(
@@ -261,11 +258,7 @@ fn unknown(name: &str, dofs: &[Dof]) -> String {
 }
 
 fn fault(file: &str, line: Option<u64>, message: &str) -> Error {
-    Error::Log {
-        file: file.to_string(),
-        line,
-        message: message.to_string(),
-    }
+    Error::log(file.to_string(), line, message.to_string())
 }
 
 #[cfg(test)]

@@ -28,12 +28,12 @@ use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 use sesc_model::{Function, Model};
 
-use crate::Error;
 use crate::evaluate::Evaluator;
 use crate::fit::factor::Factor;
 use crate::fit::prior::{Prior, Tolerances};
 use crate::fit::solve::UNSEEN;
 use crate::robot::Robot;
+use crate::{Error, Message, Setting, message};
 use balance::Region;
 use candidates::{Counts, Demands, Sampler};
 use clearance::Clearance;
@@ -145,16 +145,16 @@ pub fn plan(
 ) -> Result<Plan, Error> {
     let dof = model.dof();
     if dof == 0 {
-        return Err(Error::Usage(
-            "no joint of this robot moves: there is only one posture".into(),
+        return Err(Error::request(
+            "no joint of this robot moves: there is only one posture",
         ));
     }
     let geometry = Geometry::read(robot.text(), request.folder);
     let clearance = Clearance::new(model, &geometry, request.clearance);
     let prior = request.prior.factor(model);
     if prior.as_ref().is_some_and(|s| s.ncols() == 0) {
-        return Err(Error::Usage(
-            "the prior leaves nothing to learn: its tolerances are zero".into(),
+        return Err(Error::request(
+            "the prior leaves nothing to learn: its tolerances are zero",
         ));
     }
     let usual = || Prior::Cad(Tolerances::usual()).factor(model);
@@ -180,7 +180,7 @@ pub fn plan(
     let counts = sampler.counts;
     let count = q.len() / dof;
     if count < request.poses {
-        return Err(Error::Usage(too_few(model, request, &clearance, &counts)));
+        return Err(Error::request(too_few(model, request, &clearance, &counts)));
     }
     let params = model.base.params.len();
     let regressor = Evaluator::new(model, Function::RegressorCop).run(&q, count);
@@ -322,7 +322,7 @@ fn watched(collisions: &collision::Collisions, geometry: &Geometry) -> String {
 }
 
 /// Why there are not enough candidates, with the numbers and what would help.
-fn too_few(model: &Model, request: &Request, clearance: &Clearance, counts: &Counts) -> String {
+fn too_few(model: &Model, request: &Request, clearance: &Clearance, counts: &Counts) -> Message {
     let Counts {
         drawn,
         balanced,
@@ -337,32 +337,55 @@ fn too_few(model: &Model, request: &Request, clearance: &Clearance, counts: &Cou
         request.poses
     );
     let remedy = if *balanced < request.poses.max(drawn / 1000) {
-        format!(
-            "the CoP must stay within {} by {} standard deviations ({:.1} mm each on average){}: \
-             give a larger --cop-box or the --sole, a --prior that knows more, or --limits that suit the support",
+        let miss = match counts.nearest_miss {
+            Some(miss) if miss.is_finite() && *balanced == 0 => {
+                format!(", the best one misses by {:.1} mm", 1e3 * miss)
+            }
+            _ => String::new(),
+        };
+        let strict = format!(
+            "the CoP must stay within {} by {} standard deviations ({:.1} mm each on average){miss}",
             request.region.sentence(),
             request.sigmas,
             1e3 * counts.cop_std,
-            match counts.nearest_miss {
-                Some(miss) if miss.is_finite() && *balanced == 0 =>
-                    format!(", the best one misses by {:.1} mm", 1e3 * miss),
-                _ => String::new(),
-            }
-        )
+        );
+        message![
+            strict,
+            ": give a larger ",
+            Setting::CopBox,
+            " or the ",
+            Setting::Sole,
+            ", a ",
+            Setting::Prior,
+            " that knows more, or ",
+            Setting::Limits,
+            " that suit the support"
+        ]
     } else if *clear < request.poses.max(balanced / 1000) {
         let worst = (0..counts.low.len())
             .max_by_key(|&link| counts.low[link])
             .unwrap_or(0);
-        format!(
-            "asked is {}; most often `{}` is too low: give a smaller --clearance, narrower --limits, or \
-             a support whose z = 0 is its sole",
+        let low = format!(
+            "asked is {}; most often `{}` is too low: give a smaller ",
             clearance.sentence(),
             model.tree.links[worst].name
-        )
+        );
+        message![
+            low,
+            Setting::Clearance,
+            ", narrower ",
+            Setting::Limits,
+            ", or a support whose z = 0 is its sole"
+        ]
     } else if *collision_free < *clear {
-        "give narrower --limits, or ask for fewer".to_string()
+        message!["give narrower ", Setting::Limits, ", or ask for fewer"]
     } else {
-        "ask for fewer --poses, or allow more with --candidates".to_string()
+        message![
+            "ask for fewer ",
+            Setting::Poses,
+            ", or allow more with ",
+            Setting::Candidates
+        ]
     };
-    format!("{numbers}\n  {remedy}")
+    remedy.after(&format!("{numbers}\n  "))
 }

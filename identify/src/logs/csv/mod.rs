@@ -15,7 +15,7 @@ use csv::StringRecord;
 use self::rows::Rows;
 use super::columns::{Columns, POSE};
 use super::names::short;
-use super::source::{Interner, Meter, Metered, Progress, Raw, Source};
+use super::source::{Interner, Meter, Metered, Raw, Source};
 use crate::Error;
 
 /// What is looked at to tell the kind of a file, bytes.
@@ -45,11 +45,7 @@ impl CsvSource {
         if packed {
             input = Box::new(flate2::read::MultiGzDecoder::new(input));
         }
-        let bad = |line, message| Error::Log {
-            file: file.to_string(),
-            line,
-            message,
-        };
+        let bad = |line, message| Error::log(file.to_string(), line, message);
         let mut head = Vec::new();
         (&mut input)
             .take(HEAD)
@@ -97,11 +93,11 @@ impl CsvSource {
                 Ok(false) => return Ok(false),
                 Err(error) => {
                     let line = error.position().map(csv::Position::line);
-                    return Err(Error::Log {
-                        file: self.file.clone(),
-                        line: Some(line.unwrap_or(self.line + 1)),
-                        message: fault(&error),
-                    });
+                    return Err(Error::log(
+                        self.file.clone(),
+                        Some(line.unwrap_or(self.line + 1)),
+                        fault(&error),
+                    ));
                 }
             }
             // A record's own position is before the blank lines above it; the
@@ -147,16 +143,12 @@ impl Source for CsvSource {
                 break;
             }
             let filled = self.row(columns, raw);
-            filled.map_err(|message| Error::Log {
-                file: self.file.clone(),
-                line: Some(self.line),
-                message,
-            })?;
+            filled.map_err(|message| Error::log(self.file.clone(), Some(self.line), message))?;
         }
         Ok(())
     }
 
-    fn progress(&self) -> Progress {
+    fn progress(&self) -> (u64, Option<u64>) {
         self.meter.progress()
     }
 

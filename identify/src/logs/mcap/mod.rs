@@ -37,8 +37,8 @@ use super::columns::{COP, Columns, POSE, SUPPORT, T};
 use super::input::{Bytes, Place};
 use super::names::short;
 use super::options::{Hold, Options, Readings};
-use super::source::{Interner, Meter, Metered, Progress, Raw, Source};
-use crate::Error;
+use super::source::{Interner, Meter, Metered, Raw, Source};
+use crate::{Error, Message};
 
 const STATE: &str = "sensor_msgs/msg/JointState";
 const WRENCH: &str = "geometry_msgs/msg/WrenchStamped";
@@ -89,7 +89,7 @@ pub(super) struct McapSource {
     airborne: u64,
     postures: u64,
     ended: bool,
-    warnings: Vec<String>,
+    warnings: Vec<Message>,
 }
 
 impl McapSource {
@@ -101,16 +101,10 @@ impl McapSource {
         options: &Options,
         topic: Option<&str>,
     ) -> Result<McapSource, Error> {
-        let bad = |message| Error::Log {
-            file: file.to_string(),
-            line: None,
-            message,
-        };
+        let bad = |message| Error::log(file.to_string(), None, message);
         let start = || -> Result<(Records<_>, Arc<Meter>), Error> {
-            let input = Bytes::open(place).map_err(|source| Error::Read {
-                file: file.to_string(),
-                source,
-            })?;
+            let input =
+                Bytes::open(place).map_err(|source| Error::read(file.to_string(), source))?;
             let input = Metered::new(input);
             let meter = input.meter();
             Ok((Records::new(BufReader::new(input)).map_err(bad)?, meter))
@@ -262,10 +256,11 @@ impl McapSource {
             ));
         }
         if self.airborne > 0 {
-            self.warnings.push(format!(
+            let warning = format!(
                 "{}: {} of {} readings had less than {WEIGHT} N on the sole and are left out",
                 self.file, self.airborne, self.readings
-            ));
+            );
+            self.warnings.push(warning.into());
         }
         Ok(())
     }
@@ -280,11 +275,7 @@ impl Source for McapSource {
         for _ in 0..count {
             while self.ready.is_empty() && !self.ended {
                 let advanced = self.advance();
-                advanced.map_err(|message| Error::Log {
-                    file: self.file.clone(),
-                    line: None,
-                    message,
-                })?;
+                advanced.map_err(|message| Error::log(self.file.clone(), None, message))?;
             }
             let Some(row) = self.ready.pop_front() else {
                 break;
@@ -306,11 +297,11 @@ impl Source for McapSource {
         Ok(())
     }
 
-    fn progress(&self) -> Progress {
+    fn progress(&self) -> (u64, Option<u64>) {
         self.meter.progress()
     }
 
-    fn warnings(&mut self) -> Vec<String> {
+    fn warnings(&mut self) -> Vec<Message> {
         std::mem::take(&mut self.warnings)
     }
 

@@ -164,7 +164,7 @@ pub(in crate::logs) fn recording(compression: &str) -> Vec<u8> {
     file(&chunk(&records(), compression))
 }
 
-fn read(bytes: &[u8], sidecar: &str) -> Result<(super::super::Block, Vec<String>), Error> {
+fn read(bytes: &[u8], sidecar: &str) -> Result<(super::super::Block, Vec<crate::Message>), Error> {
     let (_folder, path) = log("log.mcap", bytes, sidecar);
     let options = Options {
         links: vec!["sole".into()],
@@ -177,7 +177,10 @@ fn read(bytes: &[u8], sidecar: &str) -> Result<(super::super::Block, Vec<String>
 fn stretches_of_rest_become_postures() {
     let (expected, warnings) = read(&file(&records()), "").unwrap();
     // 20 states of 25 ms: ten readings, the last not confirmed, one in the air.
-    assert!(warnings[0].contains("1 of 30 readings"), "{warnings:?}");
+    assert!(
+        warnings[0].to_string().contains("1 of 30 readings"),
+        "{warnings:?}"
+    );
     let (first, second): (Vec<i64>, Vec<i64>) = expected.pose.iter().partition(|p| **p == 0);
     assert!((8..=9).contains(&first.len()), "{:?}", expected.pose);
     assert!(second.len() >= 9 && second.iter().all(|pose| *pose == 1));

@@ -21,7 +21,7 @@ use parquet::schema::types::ColumnDescriptor;
 pub(super) use self::sink::ParquetSink;
 use super::columns::{Columns, POSE, SUPPORT};
 use super::input::{Bytes, Place};
-use super::source::{FNV_START, Interner, Progress, Raw, Source, fnv1a, whole};
+use super::source::{FNV_START, Interner, Raw, Source, fnv1a, whole};
 use crate::Error;
 
 /// A Parquet file being read.
@@ -44,10 +44,7 @@ pub(super) struct ParquetSource {
 impl ParquetSource {
     /// Read the columns' names; `file` names the log in messages.
     pub fn open(place: &Place, file: &str) -> Result<ParquetSource, Error> {
-        let failed = |source| Error::Read {
-            file: file.to_string(),
-            source,
-        };
+        let failed = |source| Error::read(file.to_string(), source);
         let mut input = Bytes::open(place).map_err(failed)?;
         let hash = hash(&mut input).map_err(failed)?;
         let reader = guarded(|| -> Result<Box<dyn FileReader>, _> {
@@ -110,11 +107,7 @@ impl ParquetSource {
     }
 
     fn bad(&self, message: String) -> Error {
-        Error::Log {
-            file: self.file.clone(),
-            line: Some(self.done + 1),
-            message,
-        }
+        Error::log(self.file.clone(), Some(self.done + 1), message)
     }
 
     /// Check once that every wanted column holds what it should.
@@ -156,10 +149,8 @@ impl ParquetSource {
                 let values = read_numbers(reader, n).map_err(|e| self.broken(&e))?;
                 self.complete(values.len(), n)?;
                 for (at, value) in values.iter().enumerate() {
-                    raw.pose.push(whole(*value).map_err(|message| Error::Log {
-                        file: self.file.clone(),
-                        line: Some(self.done + 1 + at as u64),
-                        message,
+                    raw.pose.push(whole(*value).map_err(|message| {
+                        Error::log(self.file.clone(), Some(self.done + 1 + at as u64), message)
                     })?);
                 }
             } else if let ColumnReader::ByteArrayColumnReader(reader) = reader {
@@ -215,11 +206,8 @@ impl Source for ParquetSource {
         Ok(())
     }
 
-    fn progress(&self) -> Progress {
-        Progress {
-            done: self.done,
-            total: Some(self.total),
-        }
+    fn progress(&self) -> (u64, Option<u64>) {
+        (self.done, Some(self.total))
     }
 
     fn hash(&self) -> u64 {
@@ -247,11 +235,7 @@ fn damaged(file: &str, line: Option<u64>, error: &ParquetError) -> Error {
     } else {
         format!("the Parquet file is cut off or damaged ({said}); copy it again")
     };
-    Error::Log {
-        file: file.to_string(),
-        line,
-        message,
-    }
+    Error::log(file.to_string(), line, message)
 }
 
 thread_local! {

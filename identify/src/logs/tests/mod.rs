@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use sesc_model::tree::Dof;
 
 use super::*;
-use crate::Error;
+use crate::{Error, Message};
 
 /// Turning joints within ±3 rad.
 pub(in crate::logs) fn dofs(names: &[&str]) -> Vec<Dof> {
@@ -43,14 +43,14 @@ pub(in crate::logs) fn read_file(
     path: &Path,
     dofs: &[Dof],
     options: &Options,
-) -> Result<(Block, Vec<String>), Error> {
+) -> Result<(Block, Vec<Message>), Error> {
     let mut reader = PostureReader::open(path, dofs, options)?;
     let block = reader.block(1_000_000)?;
     assert_eq!(reader.summary().unwrap().rows, block.len() as u64);
     Ok((block, reader.warnings))
 }
 
-fn read(text: &str, sidecar: &str, options: &Options) -> Result<(Block, Vec<String>), Error> {
+fn read(text: &str, sidecar: &str, options: &Options) -> Result<(Block, Vec<Message>), Error> {
     let (_folder, path) = log("log.csv", text.as_bytes(), sidecar);
     read_file(&path, &dofs(&["hip", "knee"]), options)
 }
@@ -140,8 +140,8 @@ fn blocks_of_any_size_hold_the_same_rows() {
         assert!(q == whole.q && poses == whole.pose, "{count}");
         let summary = reader.summary().unwrap();
         assert_eq!((summary.rows, summary.postures), (10_000, 10_000));
-        let progress = reader.progress();
-        assert_eq!(Some(progress.done), progress.total);
+        let (done, total) = reader.progress();
+        assert_eq!(Some(done), total);
     }
 }
 
@@ -240,7 +240,7 @@ fn readings_are_required_or_ignored_on_demand() {
     let error = read("hip,knee\n0,0\n", "", &with(Readings::Required)).unwrap_err();
     assert!(error.to_string().contains("cop_x"), "{error}");
     let (_, warnings) = read("hip,knee,note\n0,0,a\n", "", &with(Readings::Optional)).unwrap();
-    assert!(warnings[0].contains("`note`"), "{warnings:?}");
+    assert!(warnings[0].to_string().contains("`note`"), "{warnings:?}");
 }
 
 /// What the writer writes the reader reads, bit by bit, in every format.

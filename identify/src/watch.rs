@@ -1,0 +1,59 @@
+//! Long calls: how far they are, and how they are stopped.
+
+use std::ops::ControlFlow;
+
+use crate::{Error, Message};
+
+/// How far a long call is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Progress {
+    /// What is being done.
+    pub what: &'static str,
+    /// How much of it is done: bytes, rows, postures.
+    pub done: u64,
+    /// Of how much; not known of a pipe.
+    pub total: Option<u64>,
+}
+
+/// Who waits for a long call.
+///
+/// A closure that hears of progress is one too; it does not hear of warnings.
+pub trait Watch {
+    /// Hear how far the call is; [`ControlFlow::Break`] stops it with an error of kind
+    /// [`Interrupted`](crate::ErrorKind::Interrupted), and nothing is written.
+    fn progress(&mut self, progress: Progress) -> ControlFlow<()>;
+
+    /// Hear what is odd about the input.
+    fn warning(&mut self, _: &Message) {}
+}
+
+impl<F: FnMut(Progress) -> ControlFlow<()>> Watch for F {
+    fn progress(&mut self, progress: Progress) -> ControlFlow<()> {
+        self(progress)
+    }
+}
+
+/// Nobody waits: for calls that are short.
+impl Watch for () {
+    fn progress(&mut self, _: Progress) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+}
+
+/// Tell `watch` how far the call is.
+///
+/// # Errors
+/// When it wants the call stopped.
+pub(crate) fn tell(
+    watch: &mut (impl Watch + ?Sized),
+    what: &'static str,
+    done: u64,
+    total: impl Into<Option<u64>>,
+) -> Result<(), Error> {
+    let total = total.into();
+    match watch.progress(Progress { what, done, total }) {
+        ControlFlow::Continue(()) => Ok(()),
+        ControlFlow::Break(()) => Err(Error::interrupted()),
+    }
+}

@@ -1,0 +1,177 @@
+//! Sentences for people, worded by whoever talks to them.
+//!
+//! A message of the library may name a [`Setting`] of the call that would help.
+//! A Rust caller knows it as a field, a shell as an option, Python as a keyword:
+//! each words it by [`Message::worded`].
+
+use std::fmt;
+
+/// Something that a caller can set, as messages name it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Setting {
+    /// Unit of the revolute joints in a log.
+    Angles,
+    /// Candidates of a plan.
+    Candidates,
+    /// Least height of links above the ground.
+    Clearance,
+    /// Half the side of a square for the CoP.
+    CopBox,
+    /// Logs.
+    Data,
+    /// A feature that this build leaves out.
+    Feature(&'static str),
+    /// Folds of the cross-validation.
+    Folds,
+    /// Narrower joint limits.
+    Limits,
+    /// Distance of the CoP from the edge.
+    Margin,
+    /// Standard deviation of a reading.
+    Noise,
+    /// Masses that a robot can have.
+    Physical,
+    /// Postures of a plan or a simulation.
+    Poses,
+    /// What CAD is worth.
+    Prior,
+    /// Range of the joints around zero.
+    Range,
+    /// Loss of a fit that trusts outliers less.
+    Robust,
+    /// Postures that are compared.
+    Samples,
+    /// Safety margin of the CoP in standard deviations.
+    Sigmas,
+    /// Whether decimals of right angles are made exact.
+    Snapping,
+    /// Corners of the sole.
+    Sole,
+    /// The link on the ground.
+    Support,
+    /// Weight of the whole robot.
+    TotalMass,
+}
+
+impl Setting {
+    /// The name of the field, which is the name of Python's keyword too.
+    pub fn name(self) -> &'static str {
+        match self {
+            Setting::Angles => "angles",
+            Setting::Candidates => "candidates",
+            Setting::Clearance => "clearance",
+            Setting::CopBox => "cop_box",
+            Setting::Data => "data",
+            Setting::Feature(name) => name,
+            Setting::Folds => "folds",
+            Setting::Limits => "limits",
+            Setting::Margin => "margin",
+            Setting::Noise => "noise",
+            Setting::Physical => "physical",
+            Setting::Poses => "poses",
+            Setting::Prior => "prior",
+            Setting::Range => "range",
+            Setting::Robust => "robust",
+            Setting::Samples => "samples",
+            Setting::Sigmas => "sigmas",
+            Setting::Snapping => "snapping",
+            Setting::Sole => "sole",
+            Setting::Support => "support",
+            Setting::TotalMass => "total_mass",
+        }
+    }
+}
+
+/// A sentence; [`Display`](fmt::Display) names settings by their fields.
+///
+/// ```
+/// use sesc_identify::{Setting, message};
+///
+/// let message = message!["3 candidates for 9 postures; raise ", Setting::Candidates];
+/// assert_eq!(message.to_string(), "3 candidates for 9 postures; raise `candidates`");
+/// let shell = message.worded(|setting| format!("--{}", setting.name()));
+/// assert_eq!(shell, "3 candidates for 9 postures; raise --candidates");
+/// ```
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Message(Vec<Piece>);
+
+/// A piece of a [`Message`].
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[doc(hidden)]
+pub enum Piece {
+    Text(String),
+    Setting(Setting),
+}
+
+impl Message {
+    /// The sentence with settings as the caller's users know them.
+    pub fn worded(&self, word: impl Fn(Setting) -> String) -> String {
+        let pieces = self.0.iter().map(|piece| match piece {
+            Piece::Text(text) => text.clone(),
+            Piece::Setting(setting) => word(*setting),
+        });
+        pieces.collect()
+    }
+
+    /// The sentence with `text` before it.
+    pub fn after(mut self, text: &str) -> Message {
+        self.0.insert(0, Piece::from(text));
+        self
+    }
+
+    #[doc(hidden)]
+    pub fn of(pieces: Vec<Piece>) -> Message {
+        Message(pieces)
+    }
+}
+
+impl fmt::Display for Message {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(&self.worded(|setting| format!("`{}`", setting.name())))
+    }
+}
+
+impl serde::Serialize for Message {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+impl From<String> for Message {
+    fn from(text: String) -> Message {
+        Message(vec![Piece::Text(text)])
+    }
+}
+
+impl From<&str> for Message {
+    fn from(text: &str) -> Message {
+        Message::from(text.to_string())
+    }
+}
+
+impl From<String> for Piece {
+    fn from(text: String) -> Piece {
+        Piece::Text(text)
+    }
+}
+
+impl From<&str> for Piece {
+    fn from(text: &str) -> Piece {
+        Piece::Text(text.to_string())
+    }
+}
+
+impl From<Setting> for Piece {
+    fn from(setting: Setting) -> Piece {
+        Piece::Setting(setting)
+    }
+}
+
+/// A [`Message`] of texts and [`Setting`]s.
+#[macro_export]
+macro_rules! message {
+    ($($piece:expr),+ $(,)?) => {
+        $crate::Message::of(vec![$($piece.into()),+])
+    };
+}
