@@ -78,8 +78,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
                     arguments.data.display().to_string(),
                     Some(*line),
                     "an angle is beyond 2^20 rad, where sines mean nothing; \
-                              reduce it by whole turns"
-                        .into(),
+                              reduce it by whole turns",
                 )
                 .into());
             }

@@ -97,7 +97,7 @@ impl Part {
 
     /// Write to `path`, whole or not at all.
     pub fn write(&self, path: &Path) -> Result<(), Error> {
-        let text = serde_json::to_string(self).map_err(|error| Error::serialise(error))?;
+        let text = serde_json::to_string(self).map_err(Error::serialise)?;
         output::write(path, &text)
     }
 

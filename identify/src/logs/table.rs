@@ -150,8 +150,8 @@ impl TableSource {
     fn check_types(&self, columns: &Columns) -> Result<(), Error> {
         let table = &self.table;
         let is_text = |k: usize| matches!(table.columns[k], Column::Texts(_));
-        let numbers = columns.numbers.iter().copied().chain(columns.pose);
-        for k in numbers.filter(|k| is_text(*k)) {
+        let mut numbers = columns.numbers.iter().copied().chain(columns.pose);
+        if let Some(k) = numbers.find(|k| is_text(*k)) {
             let name = &table.header[k];
             return Err(fault(table, format!("column `{name}` holds no numbers")));
         }

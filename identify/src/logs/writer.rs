@@ -130,7 +130,7 @@ impl PostureWriter {
 
     /// Complete the log and write its sidecar, whose path is given back.
     pub fn finish(self, sidecar: &Sidecar) -> Result<PathBuf, Error> {
-        let text = toml::to_string(sidecar).map_err(|error| Error::serialise(error))?;
+        let text = toml::to_string(sidecar).map_err(Error::serialise)?;
         match self.sink {
             Sink::Plain(file) => file.finish()?,
             Sink::Packed(file) => file
