@@ -17,7 +17,10 @@ fn faults_name_row_column_and_remedy() {
         ("hip,knee\n0,\n", &[":2", "`knee`", "empty"]),
         ("hip;knee\n0;0,5\n", &[":2", "`knee`", "decimal comma"]),
         ("hip,knee\n0,inf\n", &[":2", "`knee`", "not finite"]),
-        ("hip,knee\n0,45\n", &[":2", "`knee`", "give `angles`", "sidecar"]),
+        (
+            "hip,knee\n0,45\n",
+            &[":2", "`knee`", "give `angles`", "sidecar"],
+        ),
         ("hip,knee\n0,0\n0\n", &[":3", "1 fields", "2"]),
         ("hip,knee\n0,0,0\n", &[":2", "3 fields"]),
         (
