@@ -156,9 +156,9 @@ pub struct Foretelling {
 impl Foretelling {
     /// Prepare a model; `None` where it has no effects that a posture shows.
     pub fn new(model: &Model) -> Option<Foretelling> {
-        let shown = model.foretold().next().is_some();
+        let shown = model.static_effects().next().is_some();
         shown.then(|| Foretelling {
-            tape: Tape::new(&effects::foretelling(model)),
+            tape: Tape::new(&effects::tilted_cop(model)),
             layout: Circumstances::of(model),
             params: model.params(),
         })

@@ -11,7 +11,7 @@ use nalgebra::{DVector, Matrix3};
 use crate::base::{self, Base, Column};
 use crate::bounds::{self, Bound, Formats, Precision, Unfit};
 use crate::chain::{self, Chain};
-use crate::effects::{Instance, Stage};
+use crate::effects::Instance;
 use crate::frames::{self, Frame};
 use crate::functions::{self, Parameters};
 use crate::names;
@@ -178,20 +178,19 @@ impl Model {
         Ok(self)
     }
 
-    /// Effects that a posture foretells, with their unknowns: those of [`Function::Cop`].
-    pub fn foretold(&self) -> impl Iterator<Item = &(Instance, Vec<f64>)> {
-        let shown = |i: &Instance| i.effect.of_posture() && i.effect.stage() != Stage::Whole;
-        self.effects.iter().filter(move |(i, _)| shown(i))
+    /// Effects that one posture shows, with their unknowns: those of [`Function::Cop`].
+    pub fn static_effects(&self) -> impl Iterator<Item = &(Instance, Vec<f64>)> {
+        self.effects.iter().filter(|(i, _)| i.effect.is_static())
     }
 
     /// Effects of the model file that generated code leaves out, as sentences.
     pub fn left_out(&self) -> Vec<String> {
-        let of_log = self.effects.iter().filter(|(i, _)| !i.effect.of_posture());
+        let of_log = self.effects.iter().filter(|(i, _)| !i.effect.is_static());
         of_log
             .map(|(instance, _)| {
                 format!(
                     "effect `{}` belongs to the log it was found in and is left out here",
-                    instance.effect.name()
+                    instance.effect.id().name()
                 )
             })
             .collect()

@@ -25,7 +25,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
-use crate::effects::{self, Instance, Setting};
+use crate::effects::{self, EffectContext, Instance};
 use crate::model::Model;
 
 /// One base parameter as identified.
@@ -64,7 +64,7 @@ pub struct Quantity {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EffectRecord {
-    /// `joint_offset`, see [`crate::effects::LIST`].
+    /// `joint_offset`, see [`crate::effects::Catalog`].
     pub effect: String,
     /// Joint, link, cell (`fsr_1`), `all`; `-` for the whole robot.
     #[serde(default = "whole")]
@@ -104,22 +104,21 @@ pub struct ModelFile {
 
 impl EffectRecord {
     /// The effect at its target with its unknowns, or what is wrong and what to do.
-    fn instance(&self, setting: &Setting) -> Result<(Instance, Vec<f64>), String> {
+    fn instance(&self, context: &EffectContext) -> Result<(Instance, Vec<f64>), String> {
         let name = &self.effect;
-        let effect = effects::named(name).ok_or_else(|| {
-            let known: Vec<&str> = effects::LIST.iter().map(|e| e.name()).collect();
+        let effect = context.catalog.named(name).ok_or_else(|| {
+            let known: Vec<&str> = context.catalog.iter().map(|e| e.id().name()).collect();
             format!(
                 "effect `{name}` is not known; known are {}",
                 known.join(", ")
             )
         })?;
         let bad = |reason: String| format!("effect `{name}` of `{}`: {reason}", self.target);
-        let target = setting
+        let target = context
             .target_named(effect, &self.target)
-            .ok_or_else(|| bad(no_target(effect, setting)))?;
-        let scales = effect.scales(setting, &target);
-        let names = effect.values(setting, &target, &scales);
-        let names: Vec<&str> = names.iter().map(|value| value.name).collect();
+            .ok_or_else(|| bad(no_target(effect, context)))?;
+        let parameters = effect.parameters(context, &target);
+        let names: Vec<&str> = parameters.iter().map(|parameter| parameter.name).collect();
         let stray = |key: &&String| !names.contains(&key.as_str());
         if let Some(stray) = self.parameters.keys().find(stray) {
             return Err(bad(match names.is_empty() {
@@ -139,10 +138,10 @@ impl EffectRecord {
             }
             values.push(found.value);
         }
-        if let Some(fault) = effect.fault(setting, &target, &values) {
-            return Err(bad(fault.to_string()));
+        if let Some(reason) = effect.invalid_reason(context, &target, &values) {
+            return Err(bad(reason.to_string()));
         }
-        let unknowns = effect.unknowns(setting, &target, &values);
+        let unknowns = effect.unknowns(context, &target, &values);
         match unknowns.iter().all(|x| x.is_finite()) {
             true => Ok((Instance { effect, target }, unknowns)),
             false => Err(bad("values that no robot can have; give others".to_string())),
@@ -153,9 +152,9 @@ impl EffectRecord {
 /// Targets named in a message, at most.
 const NAMED: usize = 30;
 
-fn no_target(effect: &dyn effects::Effect, setting: &Setting) -> String {
-    let targets = effect.targets(setting);
-    let names = targets.iter().take(NAMED).map(|t| setting.name_of(t));
+fn no_target(effect: &dyn effects::Effect, context: &EffectContext) -> String {
+    let targets = effect.targets(context);
+    let names = targets.iter().take(NAMED).map(|t| context.name_of(t));
     let names: Vec<String> = names.collect();
     match names.is_empty() {
         true if effect.stage() == effects::Stage::Cells => {
@@ -227,12 +226,12 @@ impl ModelFile {
 
     /// The effects as instances with their unknowns, in the file's order.
     pub(crate) fn instances(&self, model: &Model) -> Result<Vec<(Instance, Vec<f64>)>, Error> {
-        let setting = Setting::new(model, &self.cells, true);
+        let context = EffectContext::new(model, &self.cells, true);
         let bad = |reason: String| Error::ModelFile {
             file: self.file.clone(),
             reason,
         };
-        let of = |record: &EffectRecord| record.instance(&setting).map_err(bad);
+        let of = |record: &EffectRecord| record.instance(&context).map_err(bad);
         self.effects.iter().map(of).collect()
     }
 

@@ -1,6 +1,6 @@
 //! The measurement with effects, against closed forms and against other URDFs.
 
-use sesc_model::effects::{self, Circumstances, Instance, Setting};
+use sesc_model::effects::{self, Catalog, Circumstances, EffectContext, Instance};
 use sesc_model::program::Program;
 use sesc_model::tape::{Argument, Kernels, Tape};
 use sesc_model::{Model, ModelFile, Snapping, urdf};
@@ -61,18 +61,23 @@ fn run(model: &Model, program: &Program, q: &[f64], unknowns: &[f64], tilt: [f64
 }
 
 /// An effect by name, with values as people know them.
-fn effect(setting: &Setting, name: &str, target: &str, values: &[f64]) -> (Instance, Vec<f64>) {
-    let effect = effects::named(name).unwrap();
-    let target = setting.target_named(effect, target).unwrap();
-    let unknowns = effect.unknowns(setting, &target, values);
+fn effect(
+    context: &EffectContext,
+    name: &str,
+    target: &str,
+    values: &[f64],
+) -> (Instance, Vec<f64>) {
+    let effect = Catalog::standard().named(name).unwrap();
+    let target = context.target_named(effect, target).unwrap();
+    let unknowns = effect.unknowns(context, &target, values);
     (Instance { effect, target }, unknowns)
 }
 
 fn reading(model: &Model, effects: &[(Instance, Vec<f64>)], q: &[f64], tilt: [f64; 2]) -> [f64; 2] {
-    let setting = Setting::new(model, &[], true);
+    let context = EffectContext::new(model, &[], true);
     let instances: Vec<Instance> = effects.iter().map(|(i, _)| i.clone()).collect();
     let unknowns: Vec<f64> = effects.iter().flat_map(|(_, x)| x.clone()).collect();
-    let program = effects::reading(&setting, &instances, &model.cad_params());
+    let program = effects::reading(&context, &instances, &model.cad_params());
     let out = run(model, &program, q, &unknowns, tilt);
     [out[0], out[out.len() / 2]]
 }
@@ -101,9 +106,9 @@ fn a_payload_is_a_heavier_link_of_the_urdf() {
         for support in ["base", "hand"] {
             let bare = model(&hand(mass, com), support);
             let heavy = model(&hand(both, joined), support);
-            let setting = Setting::new(&bare, &[], true);
+            let context = EffectContext::new(&bare, &[], true);
             let values = [load, at[0], at[1], at[2]];
-            let payload = effect(&setting, "payload", "hand", &values);
+            let payload = effect(&context, "payload", "hand", &values);
             for q in [[0.1, 0.5, -0.3], [0.3, -1.2, 0.9]] {
                 let expected = heavy.com_by_sum(&q);
                 let found = reading(&bare, std::slice::from_ref(&payload), &q, [0.0; 2]);
@@ -119,10 +124,10 @@ fn a_slope_is_gravity_that_leans() {
         .replace("MASS", "0.5")
         .replace("COM", "0.05 0.01 -0.02");
     let model = model(&robot, "base");
-    let setting = Setting::new(&model, &[], true);
-    let soft = effect(&setting, "joint_compliance", "all", &[200.0]);
+    let context = EffectContext::new(&model, &[], true);
+    let soft = effect(&context, "joint_compliance", "all", &[200.0]);
     for slope in [[0.02, -0.03], [-0.3, 0.1]] {
-        let leaning = effect(&setting, "ground_slope", "-", &slope);
+        let leaning = effect(&context, "ground_slope", "-", &slope);
         for q in [[0.1, 0.5, -0.3], [0.3, -1.2, 0.9]] {
             let [x, y, z] = model.com_by_sum(&q);
             let found = reading(&model, std::slice::from_ref(&leaning), &q, [0.0; 2]);
@@ -139,7 +144,7 @@ fn a_slope_is_gravity_that_leans() {
 #[test]
 fn a_pull_on_a_pendulum_is_a_sum_of_moments() {
     let model = model(PENDULUM, "foot");
-    let setting = Setting::new(&model, &[], true);
+    let context = EffectContext::new(&model, &[], true);
     for force in [
         [2.0, 0.0, 0.0],
         [0.0, -1.5, 0.0],
@@ -147,7 +152,7 @@ fn a_pull_on_a_pendulum_is_a_sum_of_moments() {
         [0.3, 0.2, -6.0],
     ] {
         // Any link of the body: the force is at that link's own origin.
-        let (instance, unknowns) = effect(&setting, "external_force", "tip", &force);
+        let (instance, unknowns) = effect(&context, "external_force", "tip", &force);
         for q in [-0.8, 0.0, 0.3_f64] {
             let (s, c) = q.sin_cos();
             let weight = MASS * GRAVITY;
@@ -162,7 +167,7 @@ fn a_pull_on_a_pendulum_is_a_sum_of_moments() {
                 (weight * com[axis] + lifted) / ground
             });
             let program = effects::reading(
-                &setting,
+                &context,
                 std::slice::from_ref(&instance),
                 &model.cad_params(),
             );
@@ -172,7 +177,7 @@ fn a_pull_on_a_pendulum_is_a_sum_of_moments() {
             let gravity = MASSES[1] * GRAVITY * HEAVY * s;
             let moment = gravity + TIP * (force[0] * c - force[2] * s);
             let moments = effects::moments(
-                &setting,
+                &context,
                 std::slice::from_ref(&instance),
                 &model.cad_params(),
             );
@@ -187,12 +192,12 @@ fn a_pull_on_a_pendulum_is_a_sum_of_moments() {
 #[test]
 fn a_spring_holds_a_pendulum_where_moments_balance() {
     let model = model(PENDULUM, "foot");
-    let setting = Setting::new(&model, &[], true);
+    let context = EffectContext::new(&model, &[], true);
     let gravity = MASSES[1] * GRAVITY * HEAVY;
     for softness in [0.2, 0.05, 0.01] {
         let stiffness = gravity / softness;
-        let (instance, unknowns) = effect(&setting, "joint_compliance", "ankle", &[stiffness]);
-        let program = effects::joints(&setting, &[instance], &model.cad_params());
+        let (instance, unknowns) = effect(&context, "joint_compliance", "ankle", &[stiffness]);
+        let program = effects::joints(&context, &[instance], &model.cad_params());
         for q in [-0.4, 0.2, 0.5_f64] {
             let mut rest = q;
             for _ in 0..200 {

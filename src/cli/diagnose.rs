@@ -10,7 +10,7 @@ use crate::Error;
 use crate::report::diagnose::{self as report, Asked};
 use sesc_identify::diagnose::corrected_urdf::{self, CorrectedUrdf};
 use sesc_identify::diagnose::data::{Data, Taking};
-use sesc_identify::diagnose::experiment::Experiment;
+use sesc_identify::diagnose::experiment;
 use sesc_identify::diagnose::further::Further;
 use sesc_identify::diagnose::model_file::model_file;
 use sesc_identify::diagnose::problem::Problem;
@@ -20,6 +20,7 @@ use sesc_identify::fit::prior::Prior;
 use sesc_identify::logs::{Angles, Options, Readings, Sidecar};
 use sesc_identify::output;
 use sesc_identify::robot::Robot;
+use sesc_model::effects::Experiment;
 
 /// Find where simulation and measurement disagree, and name the missing effect
 #[derive(Args)]
@@ -118,7 +119,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let further: Vec<Further> = logs
         .map(|(log, (experiment, model))| {
             Ok(Further {
-                experiment: experiment.clone(),
+                experiment: *experiment,
                 problem: Problem::new(model, take(arguments, &robot, model, log)?, &prior)?,
             })
         })
@@ -218,7 +219,7 @@ fn stand(
     let (sidecar, _) = Sidecar::of(log)?;
     let support = sidecar.support.as_deref().unwrap_or(first);
     let experiment = match &sidecar.experiment {
-        Some(name) => Experiment::of_log(name).ok_or_else(|| {
+        Some(name) => experiment::of_log(name).ok_or_else(|| {
             sesc_identify::Error::log(
                 Sidecar::path(log).display().to_string(),
                 None,

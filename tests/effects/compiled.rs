@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::fs;
 
 use sesc_codegen::emit::c::{self, Options, Scalar};
-use sesc_model::effects;
+use sesc_model::effects::Catalog;
 use sesc_model::{Function, Given};
 
 use crate::command::{sesc, stdout};
@@ -20,15 +20,15 @@ const SAME: f64 = 1e-12;
 
 /// Each effect by itself, then three at a time.
 fn all(stand: &Stand) -> Vec<(String, Vec<Hidden>)> {
-    let setting = stand.setting();
+    let context = stand.context();
     let named = |effect: &str, target: &str, values: &[f64]| {
-        Hidden::named(&setting, effect, target, values)
+        Hidden::named(&context, effect, target, values)
     };
     let mut cases: Vec<(String, Vec<Hidden>)> = Vec::new();
-    for effect in effects::LIST {
-        let all = Hidden::of(*effect, &setting, 3);
+    for effect in Catalog::standard().iter() {
+        let all = Hidden::of(effect, &context, 3);
         let chosen = all[all.len() / 2].clone();
-        cases.push((effect.name().to_string(), vec![chosen]));
+        cases.push((effect.id().name().to_string(), vec![chosen]));
     }
     cases.push((
         "three_of_the_robot".to_string(),
@@ -117,7 +117,7 @@ fn prediction_rust_and_c_say_the_same() {
             moved = moved.max(distance([bare[0], bare[1]], predicted[k]));
         }
         println!("{}: {off:.1e} m", case.module);
-        let shown = with(&stand, hidden).foretold().next().is_some();
+        let shown = with(&stand, hidden).static_effects().next().is_some();
         assert_eq!(moved > 1e-7, shown, "{}: {moved}", case.module);
         corrected(&stand, case, hidden, &postures, [rust, &c]);
     }
@@ -127,7 +127,7 @@ fn prediction_rust_and_c_say_the_same() {
 fn corrected(stand: &Stand, case: &Case, hidden: &[Hidden], q: &[Vec<f64>], ways: [&[Said]; 2]) {
     let of_robot = hidden
         .iter()
-        .filter(|h| !h.instance.effect.of_sensor(&h.instance.target));
+        .filter(|h| !h.instance.effect.is_sensor_effect(&h.instance.target));
     let of_robot: Vec<Hidden> = of_robot.cloned().collect();
     let model = with(stand, &of_robot);
     let program = model.program(Function::Cop, Given::Positions).unwrap();
@@ -167,28 +167,28 @@ fn cops(text: &str) -> Vec<[f64; 2]> {
 #[test]
 fn self_tests_know_effects_in_every_scalar() {
     let stand = Stand::new("two_link", "foot");
-    let setting = stand.setting();
+    let context = stand.context();
     let folder = generated::folder("scalars");
     let mut corrected = 0;
-    for effect in effects::LIST {
-        let all = Hidden::of(*effect, &setting, 3);
+    for effect in Catalog::standard().iter() {
+        let all = Hidden::of(effect, &context, 3);
         let hidden = &all[all.len() / 2..][..1];
         let model = with(&stand, hidden);
         let corrects = model.program(Function::CorrectCop, Given::Positions);
         for scalar in [Scalar::F64, Scalar::F32, Scalar::Fixed32] {
-            let package = match c::package(&model, effect.name(), &Options::of(scalar)) {
+            let package = match c::package(&model, effect.id().name(), &Options::of(scalar)) {
                 Ok(package) => package,
                 // Refused by name: see `records`.
                 Err(_) if scalar == Scalar::Fixed32 => continue,
-                Err(error) => panic!("{}: {error}", effect.name()),
+                Err(error) => panic!("{}: {error}", effect.id().name()),
             };
-            let shown = model.foretold().next().is_some();
+            let shown = model.static_effects().next().is_some();
             let note = package
                 .notes
                 .iter()
                 .any(|note| note.contains("cop_ticks is left out"));
             assert_eq!(note, shown && scalar != Scalar::F64, "{:?}", package.notes);
-            let name = effect.name();
+            let name = effect.id().name();
             let call = format!("{name}_correct_cop(reading, cop);");
             assert_eq!(package.source.contains(&call), corrects.is_some());
             corrected += usize::from(corrects.is_some());

@@ -1,6 +1,6 @@
 //! `correct_cop` takes back what the sensor did to a CoP.
 
-use sesc_model::effects::{self, Instance};
+use sesc_model::effects::{self, Catalog, Instance};
 use sesc_model::program::Program;
 use sesc_model::{Function, Given, Model, ModelFile};
 
@@ -16,10 +16,10 @@ pub fn with(stand: &Stand, hidden: &[Hidden]) -> Model {
 }
 
 pub fn file(stand: &Stand, hidden: &[Hidden]) -> ModelFile {
-    let setting = stand.setting();
+    let context = stand.context();
     let mut file = ModelFile::from_values(&stand.model, &stand.model.cad_params(), None, "data");
     file.cells = stand.cells.clone();
-    file.effects = hidden.iter().map(|h| h.record(&setting)).collect();
+    file.effects = hidden.iter().map(|h| h.record(&context)).collect();
     file
 }
 
@@ -44,25 +44,25 @@ fn pair(program: &Program, at: [f64; 2]) -> [f64; 2] {
 #[test]
 fn every_effect_of_the_sensor_is_taken_back() {
     let stand = Stand::new("op2", "r_sole");
-    let setting = stand.setting();
+    let context = stand.context();
     let mut of_sensor = 0;
     let mut bad: Vec<String> = Vec::new();
-    for effect in effects::LIST {
-        for hidden in Hidden::of(*effect, &setting, 5) {
+    for effect in Catalog::standard().iter() {
+        for hidden in Hidden::of(effect, &context, 5) {
             let model = with(&stand, std::slice::from_ref(&hidden));
             let correction = model.program(Function::CorrectCop, Given::Positions);
             let Instance { effect, target } = &hidden.instance;
-            let expected = effect.of_sensor(target) && effect.of_posture();
+            let expected = effect.is_sensor_effect(target) && effect.is_static();
             assert_eq!(correction.is_some(), expected, "{hidden:?}");
             let Some(correction) = correction else {
                 continue;
             };
             of_sensor += 1;
-            let forwards = effects::perceived(&model).unwrap();
+            let forwards = effects::sensor_reading(&model).unwrap();
             let mut off = 0.0_f64;
             let mut moved = 0.0_f64;
             // A dead cell tells nothing where only two others touch.
-            let dead = effect.name() == "cell_gain" && hidden.values[0] == 0.0;
+            let dead = effect.id().name() == "cell_gain" && hidden.values[0] == 0.0;
             let all = cops(&stand, if dead { 0.48 } else { 0.95 });
             for cop in all {
                 let reading = pair(&forwards, cop);
@@ -77,7 +77,7 @@ fn every_effect_of_the_sensor_is_taken_back() {
             let counts = correction.counts();
             println!(
                 "{:<16} {:?}: {off:.1e} m, {} mul {} add {} others",
-                hidden.instance.label(&setting),
+                hidden.instance.label(&context),
                 hidden.values,
                 counts.mul,
                 counts.add,
@@ -96,9 +96,9 @@ fn every_effect_of_the_sensor_is_taken_back() {
 #[test]
 fn stages_are_taken_back_in_reverse() {
     let stand = Stand::new("op2", "r_sole");
-    let setting = stand.setting();
+    let context = stand.context();
     let named = |effect: &str, target: &str, values: &[f64]| {
-        Hidden::named(&setting, effect, target, values)
+        Hidden::named(&context, effect, target, values)
     };
     let model = with(
         &stand,
@@ -115,7 +115,7 @@ fn stages_are_taken_back_in_reverse() {
             named("sensor_drift", "-", &[0.01, 0.0]),
         ],
     );
-    let forwards = effects::perceived(&model).unwrap();
+    let forwards = effects::sensor_reading(&model).unwrap();
     let backwards = model
         .program(Function::CorrectCop, Given::Positions)
         .unwrap();

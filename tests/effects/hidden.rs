@@ -1,7 +1,7 @@
 //! What each effect is called, how large it may be, and how a virtual robot comes
 //! to have it.
 
-use sesc_model::effects::{Effect, Instance, Setting, Target};
+use sesc_model::effects::{Catalog, Effect, EffectContext, Instance, Target};
 use sesc_model::{EffectRecord, Quantity};
 use sesc_reference::World;
 
@@ -15,16 +15,16 @@ pub struct Hidden {
     pub values: Vec<f64>,
 }
 
-/// Values of several sizes, in the order of [`Effect::values`].
+/// Values of several sizes, in the order of [`Effect::parameters`].
 ///
 /// # Panics
 /// For an effect that nobody has given any.
-pub fn sizes(effect: &dyn Effect, setting: &Setting, target: &Target) -> Vec<Vec<f64>> {
-    let stiff = setting.weight() * setting.height();
-    let heavy = setting.mass();
-    let weight = setting.weight();
-    let long = setting.height();
-    match effect.name() {
+pub fn sizes(effect: &dyn Effect, context: &EffectContext, target: &Target) -> Vec<Vec<f64>> {
+    let stiff = context.weight() * context.height();
+    let heavy = context.mass();
+    let weight = context.weight();
+    let long = context.height();
+    match effect.id().name() {
         "sensor_offset" => vec![vec![0.001, -0.002], vec![-0.02, 0.01]],
         "sensor_rotation" => vec![vec![0.03], vec![-0.5], vec![3.0]],
         "sensor_gain" => vec![vec![1.05, 0.9], vec![0.5, 2.0], vec![-1.0, 1.0]],
@@ -48,13 +48,12 @@ pub fn sizes(effect: &dyn Effect, setting: &Setting, target: &Target) -> Vec<Vec
         "cell_saturation" => vec![vec![0.5 * weight], vec![0.25 * weight]],
         "time_delay" => vec![vec![0.005], vec![-0.02], vec![0.04]],
         "unsettled_motion" => vec![vec![1.0]],
-        "joint_sign" | "joint_swap" | "sensor_axes" | "units" | "cop_outliers"
-        | "mass_distribution" => vec![vec![]],
+        "joint_sign" | "joint_swap" | "sensor_axes" | "units" => vec![vec![]],
         other => panic!("effect `{other}` at {target:?} has no test: add it to tests/effects"),
     }
 }
 
-/// A virtual robot with the effect; outliers and masses are not a robot's own.
+/// A virtual robot with the effect.
 ///
 /// # Panics
 /// For an effect that nobody has taught it.
@@ -69,7 +68,7 @@ pub fn hide(world: World, stand: &Stand, hidden: &Hidden) -> World {
         joint => vec![joint],
     };
     let cell = || target.trim_start_matches("fsr_").parse().unwrap();
-    let found = match hidden.instance.effect.name() {
+    let found = match hidden.instance.effect.id().name() {
         "sensor_offset" => Ok(world.sensor_offset([v[0], v[1]])),
         "sensor_rotation" => Ok(world.sensor_rotation(v[0])),
         "sensor_gain" => Ok(world.sensor_gain([v[0], v[1]])),
@@ -108,63 +107,62 @@ pub fn hide(world: World, stand: &Stand, hidden: &Hidden) -> World {
             "millimetres" => world.sensor_unit(1000.0),
             _ => world.sensor_unit(100.0),
         }),
-        "cop_outliers" | "mass_distribution" => Ok(world),
         other => panic!("no virtual robot has the effect `{other}`: add it to tests/effects"),
     };
     found.unwrap_or_else(|error| panic!("{hidden:?}: {error}"))
 }
 
 impl Hidden {
-    pub fn new(setting: &Setting, instance: Instance, values: Vec<f64>) -> Hidden {
+    pub fn new(context: &EffectContext, instance: Instance, values: Vec<f64>) -> Hidden {
         Hidden {
-            target: setting.name_of(&instance.target),
+            target: context.name_of(&instance.target),
             instance,
             values,
         }
     }
 
     /// By the name of its target.
-    pub fn named(setting: &Setting, effect: &str, target: &str, values: &[f64]) -> Hidden {
-        let effect = sesc_model::effects::named(effect).unwrap();
-        let target = setting.target_named(effect, target).unwrap();
-        Hidden::new(setting, Instance { effect, target }, values.to_vec())
+    pub fn named(context: &EffectContext, effect: &str, target: &str, values: &[f64]) -> Hidden {
+        let effect = Catalog::standard().named(effect).unwrap();
+        let target = context.target_named(effect, target).unwrap();
+        Hidden::new(context, Instance { effect, target }, values.to_vec())
     }
 
     /// Every size at up to `most` targets, first and last among them.
-    pub fn of(effect: &'static dyn Effect, setting: &Setting, most: usize) -> Vec<Hidden> {
-        let targets = effect.targets(setting);
-        assert!(!targets.is_empty(), "{} has no target", effect.name());
+    pub fn of(effect: &'static dyn Effect, context: &EffectContext, most: usize) -> Vec<Hidden> {
+        let targets = effect.targets(context);
+        assert!(!targets.is_empty(), "{} has no target", effect.id().name());
         let step = (targets.len() - 1).div_ceil(most - 1).max(1);
         let last = targets.len() - 1;
         let chosen = targets.into_iter().enumerate();
         let chosen = chosen.filter(|(k, _)| k % step == 0 || *k == last);
         chosen
             .flat_map(|(_, target)| {
-                let sizes = sizes(effect, setting, &target);
+                let sizes = sizes(effect, context, &target);
                 sizes
                     .into_iter()
                     .map(move |values| (target.clone(), values))
             })
-            .map(|(target, values)| Hidden::new(setting, Instance { effect, target }, values))
+            .map(|(target, values)| Hidden::new(context, Instance { effect, target }, values))
             .collect()
     }
 
-    pub fn unknowns(&self, setting: &Setting) -> Vec<f64> {
+    pub fn unknowns(&self, context: &EffectContext) -> Vec<f64> {
         let Instance { effect, target } = &self.instance;
-        effect.unknowns(setting, target, &self.values)
+        effect.unknowns(context, target, &self.values)
     }
 
     /// As a model file has it.
-    pub fn record(&self, setting: &Setting) -> EffectRecord {
+    pub fn record(&self, context: &EffectContext) -> EffectRecord {
         let Instance { effect, target } = &self.instance;
-        let names = effect.values(setting, target, &self.unknowns(setting));
-        let names = names.iter().map(|value| value.name.to_string());
+        let parameters = effect.parameters(context, target).iter();
+        let names = parameters.map(|parameter| parameter.name.to_string());
         let quantity = |value: &f64| Quantity {
             value: *value,
             std: Some(0.1 * value.abs()),
         };
         EffectRecord {
-            effect: effect.name().to_string(),
+            effect: effect.id().name().to_string(),
             target: self.target.clone(),
             parameters: names.zip(self.values.iter().map(quantity)).collect(),
         }

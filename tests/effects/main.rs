@@ -1,7 +1,7 @@
 //! Every effect of the library: what it computes, against a robot that is bent on
 //! purpose; its slopes; its records in model files; and the code made of it.
 //!
-//! All walk [`sesc_model::effects::LIST`]: an effect without an entry in
+//! All walk [`sesc_model::effects::Catalog`]: an effect without an entry in
 //! `hidden.rs` fails.
 
 #[path = "../common/command.rs"]

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use sesc_model::effects::{self, Effect, Stage};
+use sesc_model::effects::{self, Catalog, Effect, Stage};
 use sesc_model::{EffectRecord, ModelFile, Quantity};
 
 use crate::command::{folder, refused, sesc, stdout, write};
@@ -18,19 +18,17 @@ fn near(a: &[f64], b: &[f64]) -> bool {
 #[test]
 fn values_and_unknowns_are_inverse() {
     for stand in Stand::all() {
-        let setting = stand.setting();
-        for instance in effects::instances(&setting) {
+        let context = stand.context();
+        for instance in effects::instances(&context) {
             let (effect, target) = (instance.effect, &instance.target);
-            let scales = effect.scales(&setting, target);
+            let scales = instance.scales(&context);
             for size in [0.5, 3.0, -0.7] {
                 let unknowns: Vec<f64> = scales.iter().map(|scale| size * scale).collect();
-                let values = effect.values(&setting, target, &unknowns);
-                let values: Vec<f64> = values.iter().map(|value| value.value).collect();
-                let back = effect.unknowns(&setting, target, &values);
-                let label = instance.label(&setting);
+                let values = effect.values(&context, target, &unknowns);
+                let back = effect.unknowns(&context, target, &values);
+                let label = instance.label(&context);
                 assert!(near(&back, &unknowns), "{label}: {back:?} {unknowns:?}");
-                let again = effect.values(&setting, target, &back);
-                let again: Vec<f64> = again.iter().map(|value| value.value).collect();
+                let again = effect.values(&context, target, &back);
                 assert!(near(&again, &values), "{label}: {again:?} {values:?}");
             }
         }
@@ -40,9 +38,9 @@ fn values_and_unknowns_are_inverse() {
 #[test]
 fn model_files_give_back_what_was_written() {
     for stand in Stand::all() {
-        let setting = stand.setting();
-        for effect in effects::LIST {
-            for hidden in Hidden::of(*effect, &setting, 3) {
+        let context = stand.context();
+        for effect in Catalog::standard().iter() {
+            for hidden in Hidden::of(effect, &context, 3) {
                 let written = file(&stand, std::slice::from_ref(&hidden));
                 let text = toml::to_string(&written).unwrap();
                 let read = ModelFile::parse(&text, "model.toml").unwrap();
@@ -52,7 +50,7 @@ fn model_files_give_back_what_was_written() {
                     panic!("{text}");
                 };
                 assert_eq!(*instance, hidden.instance);
-                assert!(near(unknowns, &hidden.unknowns(&setting)), "{text}");
+                assert!(near(unknowns, &hidden.unknowns(&context)), "{text}");
             }
         }
     }
@@ -82,7 +80,7 @@ fn generate(stand: &Stand, record: EffectRecord, cells: bool, words: &[&str]) {
 #[test]
 fn faults_of_records_name_the_effect_and_the_remedy() {
     let stand = Stand::new("two_link", "foot");
-    let setting = stand.setting();
+    let context = stand.context();
     let unknown = EffectRecord {
         effect: "warp".into(),
         target: "-".into(),
@@ -94,14 +92,14 @@ fn faults_of_records_name_the_effect_and_the_remedy() {
         true,
         &["`warp`", "known are sensor_offset", "units"],
     );
-    for effect in effects::LIST {
-        let name = format!("`{}`", effect.name());
-        let good = Hidden::of(*effect, &setting, 2)[0].record(&setting);
+    for effect in Catalog::standard().iter() {
+        let name = format!("`{}`", effect.id().name());
+        let good = Hidden::of(effect, &context, 2)[0].record(&context);
         let nowhere = EffectRecord {
             target: "nowhere".into(),
             ..good.clone()
         };
-        let offered = setting.name_of(&effect.targets(&setting)[0]);
+        let offered = context.name_of(&effect.targets(&context)[0]);
         generate(
             &stand,
             nowhere,
@@ -142,8 +140,8 @@ fn faults_of_records_name_the_effect_and_the_remedy() {
 #[test]
 fn values_that_no_robot_has_are_refused() {
     let stand = Stand::new("two_link", "foot");
-    let setting = stand.setting();
-    let weight = setting.weight();
+    let context = stand.context();
+    let weight = context.weight();
     let cases: [(&str, &str, &[f64], &str); 9] = [
         ("sensor_gain", "-", &[1.0, 0.0], "gain of 0"),
         ("joint_compliance", "knee", &[0.0], "above 0"),
@@ -152,7 +150,7 @@ fn values_that_no_robot_has_are_refused() {
         (
             "payload",
             "shank",
-            &[-setting.mass(), 0.0, 0.0, 0.0],
+            &[-context.mass(), 0.0, 0.0, 0.0],
             "weighs",
         ),
         ("external_force", "shank", &[0.0, 0.0, weight], "lifts"),
@@ -161,7 +159,7 @@ fn values_that_no_robot_has_are_refused() {
         ("cell_saturation", "fsr_1", &[0.0], "above 0"),
     ];
     for (effect, target, values, words) in cases {
-        let record = Hidden::named(&setting, effect, target, values).record(&setting);
+        let record = Hidden::named(&context, effect, target, values).record(&context);
         generate(
             &stand,
             record,
@@ -174,15 +172,11 @@ fn values_that_no_robot_has_are_refused() {
 #[test]
 fn effects_of_a_log_are_left_out_with_a_note() {
     let stand = Stand::new("two_link", "foot");
-    let setting = stand.setting();
-    let of_log: Vec<&&dyn Effect> = effects::LIST.iter().filter(|e| !e.of_posture()).collect();
-    let names: Vec<&str> = of_log.iter().map(|effect| effect.name()).collect();
-    let expected = [
-        "sensor_drift",
-        "time_delay",
-        "unsettled_motion",
-        "cop_outliers",
-    ];
+    let context = stand.context();
+    let catalog = Catalog::standard();
+    let of_log: Vec<&dyn Effect> = catalog.iter().filter(|e| !e.is_static()).collect();
+    let names: Vec<&str> = of_log.iter().map(|effect| effect.id().name()).collect();
+    let expected = ["sensor_drift", "time_delay", "unsettled_motion"];
     assert_eq!(names, expected);
     let folder = folder();
     let out = folder.path().display().to_string();
@@ -213,31 +207,34 @@ fn effects_of_a_log_are_left_out_with_a_note() {
     let files = ["plain.rs", "plain.h", "plain.c"];
     let plain = files.map(code);
     for effect in of_log {
-        let hidden = &Hidden::of(*effect, &setting, 2)[..1];
+        let hidden = &Hidden::of(effect, &context, 2)[..1];
         for language in ["rust", "c"] {
             let said = run("plain", hidden, language);
-            let note = format!("note: effect `{}` belongs to the log", effect.name());
+            let note = format!("note: effect `{}` belongs to the log", effect.id().name());
             assert!(said.contains(&note), "{said}");
         }
         // Not a byte of code of it, and the header says so.
-        assert_eq!(files.map(code), plain, "{}", effect.name());
+        assert_eq!(files.map(code), plain, "{}", effect.id().name());
         for file in files {
             let text = fs::read_to_string(folder.path().join(file)).unwrap();
-            let line = format!("left out       {} (only a log shows it)", effect.name());
+            let line = format!(
+                "left out       {} (only a log shows it)",
+                effect.id().name()
+            );
             assert!(text.contains(&line), "{file}");
         }
-        assert!(with(&stand, hidden).foretold().next().is_none());
+        assert!(with(&stand, hidden).static_effects().next().is_none());
     }
 }
 
 #[test]
 fn what_fixed_point_cannot_have_is_refused_by_name() {
     let stand = Stand::new("two_link", "foot");
-    let setting = stand.setting();
+    let context = stand.context();
     let folder = folder();
     let out = folder.path().join("out");
-    for effect in effects::LIST {
-        let hidden = &Hidden::of(*effect, &setting, 2)[..1];
+    for effect in Catalog::standard().iter() {
+        let hidden = &Hidden::of(effect, &context, 2)[..1];
         let text = toml::to_string(&file(&stand, hidden)).unwrap();
         let model = write(folder.path(), "model.toml", text);
         let (urdf, out_text) = (urdf(stand.name), out.display().to_string());
@@ -256,11 +253,11 @@ fn what_fixed_point_cannot_have_is_refused_by_name() {
             "--out",
             &out_text,
         ]);
-        let divides = effect.stage() == Stage::Cells || effect.name() == "backlash";
+        let divides = effect.stage() == Stage::Cells || effect.id().name() == "backlash";
         match divides {
             true => {
                 refused(&output, &["fixed32", "cop", "divi", "f32 or f64"]);
-                assert!(!out.exists(), "{}", effect.name());
+                assert!(!out.exists(), "{}", effect.id().name());
             }
             false => {
                 stdout(&output);

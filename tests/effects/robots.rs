@@ -5,7 +5,7 @@ use std::path::Path;
 use sesc_identify::evaluate::PORTABLE;
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
-use sesc_model::effects::{self, Circumstances, Instance, Setting};
+use sesc_model::effects::{self, Circumstances, EffectContext, Instance};
 use sesc_model::program::Program;
 use sesc_model::tape::{Argument, Tape};
 use sesc_model::{Model, Snapping};
@@ -57,8 +57,8 @@ impl Stand {
             .into()
     }
 
-    pub fn setting(&self) -> Setting<'_> {
-        Setting::new(&self.model, &self.cells, true)
+    pub fn context(&self) -> EffectContext<'_> {
+        EffectContext::new(&self.model, &self.cells, true)
     }
 
     /// The robot as its URDF says.
@@ -85,7 +85,7 @@ impl Stand {
 
     /// The reading and its slopes in each unknown, rows x and y.
     pub fn reading(&self, instances: &[Instance], params: &[f64]) -> Program {
-        effects::reading(&self.setting(), instances, params)
+        effects::reading(&self.context(), instances, params)
     }
 
     pub fn circumstances(&self) -> Circumstances {

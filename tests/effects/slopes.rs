@@ -1,6 +1,6 @@
 //! Derivatives of the reading in each unknown, against central differences.
 
-use sesc_model::effects;
+use sesc_model::effects::{self, Catalog};
 
 use crate::robots::{Stand, run};
 
@@ -9,7 +9,7 @@ use crate::robots::{Stand, run};
 fn slopes_are_differences() {
     let mut count = 0;
     for stand in Stand::all() {
-        let setting = stand.setting();
+        let context = stand.context();
         let layout = stand.circumstances();
         let mut circumstances: Vec<f64> = (0..layout.len())
             .map(|k| 0.3 * (1.7 * k as f64 + 0.4).sin())
@@ -18,12 +18,12 @@ fn slopes_are_differences() {
             circumstances[layout.tilt(axis)] *= 0.1;
         }
         let q = stand.postures(1, 0.4, 23).remove(0);
-        for instance in effects::instances(&setting) {
-            let scales = instance.effect.scales(&setting, &instance.target);
+        for instance in effects::instances(&context) {
+            let scales = instance.scales(&context);
             if scales.is_empty() {
                 continue;
             }
-            let starts = instance.effect.starts(&setting, &instance.target);
+            let starts = instance.effect.starts(&context, &instance.target);
             let start = &starts[starts.len() / 2];
             // Some way off the start, where the unknowns interact.
             let unknowns: Vec<f64> = start
@@ -52,14 +52,18 @@ fn slopes_are_differences() {
                         (slope - expected).abs() < 1e-8 * size + 1e-6 * expected.abs(),
                         "{} {}: {slope} for {expected}",
                         stand.name,
-                        instance.label(&setting)
+                        instance.label(&context)
                     );
                     count += 1;
                 }
             }
         }
-        for effect in effects::LIST {
-            assert!(!effect.targets(&setting).is_empty(), "{}", effect.name());
+        for effect in Catalog::standard().iter() {
+            assert!(
+                !effect.targets(&context).is_empty(),
+                "{}",
+                effect.id().name()
+            );
         }
     }
     println!("{count} slopes");

@@ -89,13 +89,13 @@ const MEETINGS: [(Meeting, f64); 9] = [
 #[test]
 fn effects_act_on_what_the_others_left() {
     let stand = Stand::new("op2", "r_sole");
-    let setting = stand.setting();
+    let context = stand.context();
     for (meeting, allowed) in MEETINGS {
         let named = |(effect, target, values): &(&str, &str, &[f64])| {
-            Hidden::named(&setting, effect, target, values)
+            Hidden::named(&context, effect, target, values)
         };
         let hidden: Vec<Hidden> = meeting.iter().map(named).collect();
-        let labels: Vec<String> = hidden.iter().map(|h| h.instance.label(&setting)).collect();
+        let labels: Vec<String> = hidden.iter().map(|h| h.instance.label(&context)).collect();
         let found = compare_all(&stand, &hidden);
         println!("{labels:?}: {:.1e} of {allowed:.0e} m", found.off);
         assert!(found.off <= allowed, "{labels:?}: {:.1e}", found.off);

@@ -1,7 +1,6 @@
 //! The comment at the top of a generated file: what it is, what it costs, how exact it is.
 
 use sesc_model::bounds::Precision;
-use sesc_model::effects::Stage;
 use sesc_model::program::Counts;
 use sesc_model::{Function, Given, Model};
 
@@ -83,19 +82,18 @@ fn effects(model: &Model) -> Vec<String> {
     let mut lines = Vec::new();
     for (record, (instance, _)) in records.zip(&model.effects) {
         let effect = instance.effect;
-        let title = match () {
-            () if !effect.of_posture() => "left out",
-            () if effect.stage() == Stage::Whole => continue,
-            () => "effect in cop",
+        let title = match effect.is_static() {
+            true => "effect in cop",
+            false => "left out",
         };
-        let mut text = effect.name().to_string();
+        let mut text = effect.id().name().to_string();
         if record.target != "-" {
             text += &format!(" of {}", printable(&record.target));
         }
         let values = record.parameters.iter();
         let values = values.map(|(name, quantity)| format!("{name} = {}", quantity.value));
         let values: Vec<String> = values.collect();
-        if !effect.of_posture() {
+        if !effect.is_static() {
             text += " (only a log shows it)";
         } else if !values.is_empty() {
             text += &format!(": {}", values.join(", "));
@@ -108,7 +106,7 @@ fn effects(model: &Model) -> Vec<String> {
 /// What is to be said of bounds where there are effects.
 pub fn cautions(model: &Model, correction_is_proven: bool) -> Vec<String> {
     let mut texts: Vec<&str> = Vec::new();
-    for (instance, _) in model.foretold() {
+    for (instance, _) in model.static_effects() {
         let caution = instance.effect.caution();
         texts.extend(caution.filter(|text| !texts.contains(text)));
     }

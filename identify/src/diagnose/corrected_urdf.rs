@@ -9,11 +9,12 @@
 //! In this order each is exact: a payload's share is one of the robot's own mass, and
 //! offsets weigh nothing. Everything else is named and left to the model file.
 
-use sesc_model::effects::Stage;
-use sesc_model::urdf::{self, Load, Shift, Weight};
+use sesc_model::effects::{Catalog, UrdfEdit};
+use sesc_model::urdf::{self, Load, Weight};
 use sesc_model::{EffectRecord, Model, ModelFile, Snapping};
 
 use super::findings::Found;
+use super::hypothesis::Term;
 use super::model_file::model_file;
 use super::problem::Problem;
 use crate::Error;
@@ -48,19 +49,21 @@ pub fn of(
 ) -> Result<CorrectedUrdf, Error> {
     let file = model_file(problem, found);
     let wide = Prior::Cad(Tolerances::usual());
-    let prior = match found.best.has("mass_distribution") {
+    let prior = match found.best.frees_masses() {
         true => &wide,
         false => prior,
     };
-    let model = problem.setting.model;
+    let model = problem.context.model;
     let mut corrected = of_model_file(&file, robot, model, snapping, prior)?;
-    let rest = found.best.instances.iter().filter(|instance| {
-        instance.effect.stage() == Stage::Whole && instance.effect.name() != "mass_distribution"
-    });
-    corrected.left_out.extend(rest.map(|instance| {
+    let rest = found
+        .best
+        .terms
+        .iter()
+        .filter(|term| matches!(term, Term::Outliers));
+    corrected.left_out.extend(rest.map(|term| {
         format!(
             "{} is left out: it says nothing of the robot",
-            instance.label(&problem.setting)
+            term.label(&problem.context)
         )
     }));
     Ok(corrected)
@@ -97,25 +100,15 @@ pub fn of_model_file(
         }
     }
     let (mut shifts, mut loads) = (Vec::new(), Vec::new());
+    let catalog = Catalog::standard();
     for record in &file.effects {
-        let value = |names: &[&str]| {
-            let found = names.iter().find_map(|name| record.parameters.get(*name));
-            found.map_or(0.0, |quantity| quantity.value)
-        };
-        match record.effect.as_str() {
-            "joint_offset" => shifts.push(Shift {
-                joint: record.target.clone(),
-                by: value(&["offset_rad", "offset_m"]),
-            }),
-            "payload" => {
-                let load = Load {
-                    link: record.target.clone(),
-                    mass_kg: value(&["mass_kg"]),
-                    at_m: [value(&["x_m"]), value(&["y_m"]), value(&["z_m"])],
-                };
-                if load.mass_kg > 0.0 {
-                    loads.push(load);
-                } else if let Err(why) = take_out(&mut text, name, &load)? {
+        let value = |name: &str| record.parameters.get(name).map_or(0.0, |q| q.value);
+        let effect = catalog.named(&record.effect);
+        match effect.and_then(|effect| effect.urdf_edit(&record.target, &value)) {
+            Some(UrdfEdit::Joint(shift)) => shifts.push(shift),
+            Some(UrdfEdit::Mass(load)) if load.mass_kg > 0.0 => loads.push(load),
+            Some(UrdfEdit::Mass(load)) => {
+                if let Err(why) = take_out(&mut text, name, &load)? {
                     left_out.push(stays(record, &why));
                 }
             }

@@ -1,6 +1,6 @@
 //! The whole diagnosis: search, class, verdict, held-out errors, sentences.
 
-use sesc_model::effects::Instance;
+use super::hypothesis::Term;
 
 use super::data::NoiseSource;
 use super::findings::{
@@ -70,14 +70,14 @@ pub fn diagnose_all(
     let (best, formula) = with_formula(excess, best, &mut search, further);
     // Noise that was taken from what is left over cannot say that too much is left.
     let known = problem.data.noise_source != NoiseSource::Residuals;
-    let crowd = best.instances.len() >= CROWD;
+    let crowd = best.terms.len() >= CROWD;
     let unexplained = known && excess.is_clear() || formula.is_some() || crowd;
     let problem = search.problem();
     if unexplained {
         class = vec![best.clone()];
     }
     let baseline = held_out::of_cad(problem);
-    let steps = held_out::order(&best, &mut |instances| search.fit(instances, None));
+    let steps = held_out::order(&best, &mut |terms| search.fit(terms, None));
     let problem = search.problem();
     let mut held: Vec<HeldOut> = Vec::new();
     let null = search.fit(&[], None);
@@ -86,15 +86,10 @@ pub fn diagnose_all(
         held.push(held_out::cross_validate(problem, step));
     }
     let evidence: Vec<f64> = best
-        .instances
+        .terms
         .iter()
-        .map(|instance| {
-            let others: Vec<Instance> = best
-                .instances
-                .iter()
-                .filter(|i| *i != instance)
-                .cloned()
-                .collect();
+        .map(|term| {
+            let others: Vec<Term> = best.terms.iter().filter(|i| *i != term).cloned().collect();
             let without = search.fit(&others, Some(&best));
             further::together(search.problem(), without, further).score() - best.score()
         })
@@ -102,7 +97,7 @@ pub fn diagnose_all(
     let problem = search.problem();
     let expected = Excess::of(problem, &null);
     let raw = raw_excess(problem);
-    let verdict = match (unexplained, best.instances.is_empty(), class.len()) {
+    let verdict = match (unexplained, best.terms.is_empty(), class.len()) {
         (true, _, _) => Verdict::Unexplained,
         (_, true, _) if raw.is_clear() && !expected.is_clear() => Verdict::Absorbed,
         (_, true, _) => Verdict::None,
@@ -170,18 +165,14 @@ fn judged(search: &Search, mut ranked: Vec<Fit>, further: &[Further]) -> Vec<Fit
 fn class(best: &Fit, near: Vec<Fit>) -> Vec<Fit> {
     let mut class: Vec<Fit> = vec![best.clone()];
     for fit in near {
-        let same = fit.instances == best.instances;
+        let same = fit.terms == best.terms;
         // More of the same is an answer of its own only if it is as good.
         let adds = |other: &Fit| {
-            let all = other.instances.iter().all(|i| fit.instances.contains(i));
+            let all = other.terms.iter().all(|i| fit.terms.contains(i));
             let behind = fit.score() - other.score();
-            all && other.instances.len() < fit.instances.len() && behind > EVEN
+            all && other.terms.len() < fit.terms.len() && behind > EVEN
         };
-        if !same
-            && !fit.instances.is_empty()
-            && !class.iter().any(adds)
-            && !best.instances.is_empty()
-        {
+        if !same && !fit.terms.is_empty() && !class.iter().any(adds) && !best.terms.is_empty() {
             class.push(fit);
         }
     }
@@ -204,7 +195,7 @@ fn with_formula(
     search: &mut Search,
     further: &[Further],
 ) -> (Fit, Option<Formula>) {
-    let crowd = best.instances.len() > 2 || best.outliers.is_some();
+    let crowd = best.terms.len() > 2 || best.outliers.is_some();
     if !(excess.is_clear() || crowd) {
         return (best, None);
     }
@@ -212,7 +203,7 @@ fn with_formula(
     let ranked = search.ranked();
     let singles = ranked
         .iter()
-        .filter(|fit| fit.instances.len() == 1 && fit.outliers.is_none());
+        .filter(|fit| fit.terms.len() == 1 && fit.outliers.is_none());
     let singles: Vec<Fit> = singles.take(SINGLES).cloned().collect();
     let problem = search.problem();
     let alone = [null].into_iter().chain(singles);
@@ -244,7 +235,7 @@ fn raw_excess(problem: &Problem) -> Excess {
 }
 
 fn absorbed(problem: &Problem, best: &Fit) -> f64 {
-    let masses = problem.masses(&best.instances);
+    let masses = problem.masses(&best.terms);
     let shift = masses.shift(&masses.expected(&best.residual));
     super::data::rms(shift.iter().zip(&problem.weight).map(|(s, w)| s / w))
 }
@@ -258,30 +249,22 @@ fn told(
     evidence: &[f64],
 ) -> Vec<Step> {
     let values = words::values(problem, best);
-    let mut before: Vec<Instance> = Vec::new();
+    let mut before: Vec<Term> = Vec::new();
     let mut told = Vec::new();
     for (k, step) in steps.iter().enumerate() {
         let Some(at) = best
-            .instances
+            .terms
             .iter()
-            .position(|i| step.instances.contains(i) && !before.contains(i))
+            .position(|i| step.terms.contains(i) && !before.contains(i))
         else {
             continue;
         };
-        let instance = &best.instances[at];
-        before.push(instance.clone());
+        let term = &best.terms[at];
+        before.push(term.clone());
         let rmse_before = if k == 0 { start.rmse } else { held[k - 1].rmse };
         told.push(Step {
-            effect: instance.effect.name(),
-            target: match problem.setting.name_of(&instance.target) {
-                way if matches!(instance.target, sesc_model::effects::Target::Way(_))
-                    && instance.effect.name() == "units" =>
-                {
-                    let _ = way;
-                    "-".to_string()
-                }
-                name => name,
-            },
+            effect: term.name(),
+            target: term.target_name(&problem.context),
             parameters: values[at]
                 .iter()
                 .map(|v| {
@@ -299,7 +282,7 @@ fn told(
             evidence: evidence[at],
             sentence: format!(
                 "{}: the held-out gap falls from {:.2} mm to {:.2} mm.",
-                capital(&words::clause(&problem.setting, instance, &values[at])),
+                capital(&words::clause(&problem.context, term, &values[at])),
                 1e3 * rmse_before,
                 1e3 * held[k].rmse
             ),
@@ -327,14 +310,14 @@ fn last(held: &HeldOut) -> Last {
 
 fn labels(problem: &Problem, class: &[Fit]) -> Vec<Vec<String>> {
     let of = |fit: &Fit| {
-        fit.instances
+        fit.terms
             .iter()
-            .map(|i| i.label(&problem.setting))
+            .map(|i| i.label(&problem.context))
             .collect()
     };
     class
         .iter()
-        .filter(|f| !f.instances.is_empty())
+        .filter(|f| !f.terms.is_empty())
         .map(of)
         .collect()
 }
@@ -343,16 +326,16 @@ fn members(problem: &Problem, class: &[Fit]) -> Vec<Member> {
     let first = class.first().map_or(0.0, Fit::score);
     class
         .iter()
-        .filter(|f| !f.instances.is_empty())
+        .filter(|f| !f.terms.is_empty())
         .map(|fit| {
             let values = words::values(problem, fit);
-            let clauses = fit.instances.iter().zip(&values);
-            let clauses = clauses.map(|(i, v)| words::clause(&problem.setting, i, v));
+            let clauses = fit.terms.iter().zip(&values);
+            let clauses = clauses.map(|(i, v)| words::clause(&problem.context, i, v));
             Member {
                 effects: fit
-                    .instances
+                    .terms
                     .iter()
-                    .map(|i| i.label(&problem.setting))
+                    .map(|i| i.label(&problem.context))
                     .collect(),
                 behind: fit.score() - first,
                 sentence: capital(&clauses.collect::<Vec<_>>().join(", with ")),
@@ -381,23 +364,26 @@ fn outliers(problem: &Problem, best: &Fit) -> Vec<i64> {
 }
 
 /// Joints whose offset this log hardly shows, with the size from which it would.
-fn blind_spots(problem: &Problem, visible: &[(Instance, f64)]) -> Vec<Blind> {
-    let setting = &problem.setting;
+fn blind_spots(problem: &Problem, visible: &[(Term, f64)]) -> Vec<Blind> {
+    let context = &problem.context;
     let mut spots = Vec::new();
-    for (instance, chi2) in visible {
-        if instance.effect.name() != "joint_offset" {
+    for (term, chi2) in visible {
+        let Some(instance) = term.effect() else {
+            continue;
+        };
+        if !instance.effect.reports_smallest_detectable() {
             continue;
         }
-        let scales = instance.effect.scales(setting, &instance.target);
+        let scales = term.scales(context);
         let from = scales[0] * (SEEN / chi2.max(1e-9)).sqrt();
         // What everybody would notice without a tool is no blind spot.
         if from < BLIND_RAD {
             continue;
         }
-        let values = instance.effect.values(setting, &instance.target, &[from]);
+        let values = term.values(context, &[from]);
         let angle = values.iter().any(|v| v.name.ends_with("_rad"));
         spots.push(Blind {
-            effect: instance.label(setting),
+            effect: term.label(context),
             from,
             size: match angle {
                 true if from > std::f64::consts::FRAC_PI_2 => "of any size".to_string(),

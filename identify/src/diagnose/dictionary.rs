@@ -8,8 +8,9 @@
 //! of the current hypothesis take their part. S: no mass error, see `nuisance`.
 
 use nalgebra::{DMatrix, DVector};
-use sesc_model::effects::{self, Circumstances, Instance, Stage};
+use sesc_model::effects::Circumstances;
 
+use super::hypothesis::{Term, effect_terms};
 use super::problem::{Fit, Problem};
 
 /// Columns that others copy to this share of their square are the others.
@@ -24,7 +25,7 @@ pub struct Dictionary {
 }
 
 pub struct Candidate {
-    pub instance: Instance,
+    pub term: Term,
     /// Its column is what a start does, for effects that have no slope at none.
     started: bool,
     from: usize,
@@ -34,18 +35,18 @@ pub struct Candidate {
 impl Dictionary {
     /// Slopes at joint positions `q`.
     pub fn new(problem: &Problem, q: &[f64]) -> Dictionary {
-        let setting = &problem.setting;
+        let context = &problem.context;
         let circumstances = sides_at(problem, q);
         let rows = 2 * problem.data.len();
         let mut candidates = Vec::new();
         let mut columns: Vec<Vec<f64>> = Vec::new();
-        for instance in effects::instances(setting) {
-            if matches!(instance.effect.stage(), Stage::Whole) || instance.unknowns(setting) == 0 {
+        for term in effect_terms(context) {
+            if term.unknowns(context) == 0 {
                 continue;
             }
             let from = columns.len();
-            let own = std::slice::from_ref(&instance);
-            let starts = instance.effect.starts(setting, &instance.target);
+            let own = std::slice::from_ref(&term);
+            let starts = term.starts(context);
             if starts.len() == 1 {
                 let out = problem.evaluate(own, &starts[0], q, &circumstances);
                 let p = starts[0].len();
@@ -67,7 +68,7 @@ impl Dictionary {
             }
             candidates.push(Candidate {
                 started: starts.len() > 1,
-                instance,
+                term,
                 from,
                 count: columns.len() - from,
             });
@@ -83,12 +84,9 @@ impl Dictionary {
     }
 
     /// χ² that each candidate of ordinary size would have in this log.
-    pub fn visible(&self, problem: &Problem) -> Vec<(Instance, f64)> {
+    pub fn visible(&self, problem: &Problem) -> Vec<(Term, f64)> {
         let of = |c: &Candidate| {
-            let scales = c
-                .instance
-                .effect
-                .scales(&problem.setting, &c.instance.target);
+            let scales = c.term.scales(&problem.context);
             let ordinary = match c.count == scales.len() && !c.started {
                 true => DVector::from_vec(scales),
                 false => DVector::from_element(c.count, 1.0),
@@ -96,14 +94,14 @@ impl Dictionary {
             let z = self.slopes.columns(c.from, c.count);
             let sz = self.beyond.columns(c.from, c.count);
             let chi2 = (sz * &ordinary).dot(&(z * &ordinary));
-            (c.instance.clone(), chi2.max(0.0))
+            (c.term.clone(), chi2.max(0.0))
         };
         self.candidates.iter().map(of).collect()
     }
 
     /// How far each candidate would lower the objective of `fit`, to first order.
     pub fn gains(&self, fit: &Fit, problem: &Problem) -> Vec<f64> {
-        let masses = problem.masses(&fit.instances);
+        let masses = problem.masses(&fit.terms);
         let mut residual = fit.residual.clone();
         if let Some(outliers) = &fit.outliers {
             let root = outliers.root_weights(None);
@@ -202,8 +200,8 @@ fn gain(mut a: DMatrix<f64>, b: &DVector<f64>, whole: &[f64]) -> f64 {
 
 /// Circumstances with every joint on the side where gravity puts it.
 fn sides_at(problem: &Problem, q: &[f64]) -> Vec<f64> {
-    let layout = Circumstances::of(problem.setting.model);
-    let dof = problem.setting.model.dof();
+    let layout = Circumstances::of(problem.context.model);
+    let dof = problem.context.model.dof();
     let mut circumstances = problem.data.circumstances.clone();
     let moments = problem.moments_at(q);
     for k in 0..problem.data.len() {

@@ -7,8 +7,11 @@
 //! the χ² by which explanation j would fail, its unknowns fitted again, if i
 //! were true. Nine is enough to tell, as in the class itself.
 
+use super::hypothesis::Term;
 use nalgebra::{DMatrix, DVector};
-use sesc_model::effects::{Circumstances, Instance, Setting, Stage, Target};
+use sesc_model::effects::{
+    Carry, Circumstances, EffectContext, Experiment, Instance, known_weight,
+};
 use sesc_model::{Function, Model};
 
 use super::problem::{Fit, Problem};
@@ -17,66 +20,14 @@ use crate::evaluate::Evaluator;
 /// A known weight to carry, as a part of the robot's mass.
 const WEIGHT: f64 = 0.1;
 
-/// What one can do next.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Experiment {
-    /// New postures on the same foot.
-    Postures,
-    /// The same postures after a turn by 180° on the floor.
-    Turned,
-    /// Postures on the other foot.
-    OtherFoot,
-    /// The same postures with a known mass on a link.
-    KnownWeight,
-    /// The same postures, each approached from the other side.
-    BothSides,
-    /// The same postures with raw loads of the cells.
-    RawCells,
-    /// The same postures without whatever touches the robot.
-    Untouched,
-}
-
-impl Experiment {
-    /// As sidecars have it.
-    pub fn name(&self) -> &'static str {
-        match self {
-            Experiment::Postures => "postures",
-            Experiment::Turned => "turned",
-            Experiment::OtherFoot => "other_foot",
-            Experiment::KnownWeight => "known_weight",
-            Experiment::BothSides => "both_sides",
-            Experiment::RawCells => "raw_cells",
-            Experiment::Untouched => "untouched",
-        }
-    }
-
-    /// The experiment of this name whose log says all that there is to know of it: not
-    /// the size of a weight, nor from where a posture was approached.
-    pub fn of_log(name: &str) -> Option<Experiment> {
-        let all = [
-            Experiment::Postures,
-            Experiment::Turned,
-            Experiment::OtherFoot,
-            Experiment::RawCells,
-            Experiment::Untouched,
-        ];
-        all.into_iter().find(|experiment| experiment.name() == name)
-    }
-
-    /// What happens to an instance's unknowns in the experiment; `None`: it is gone.
-    fn signs(&self, instance: &Instance, count: usize) -> Option<Vec<f64>> {
-        let name = instance.effect.name();
-        match (self, name) {
-            // Ground and tether stay in the room while the robot turns.
-            (Experiment::Turned, "ground_slope") => Some(vec![-1.0; 2]),
-            (Experiment::Turned, "external_force") => Some(vec![-1.0, -1.0, 1.0]),
-            (Experiment::Untouched, "external_force") => None,
-            // Another foot has another sensor.
-            (Experiment::OtherFoot, _) if instance.effect.stage() >= Stage::Cells => None,
-            (_, "sensor_drift" | "cop_outliers" | "time_delay" | "unsettled_motion") => None,
-            _ => Some(vec![1.0; count]),
-        }
-    }
+/// The experiment of this name whose log says all that there is to know of it: not
+/// the size of a weight, nor from where a posture was approached.
+pub fn of_log(name: &str) -> Option<Experiment> {
+    let told = |experiment: &Experiment| {
+        !matches!(experiment, Experiment::KnownWeight | Experiment::BothSides)
+    };
+    let mut all = Experiment::ALL.into_iter().filter(told);
+    all.find(|experiment| experiment.name() == name)
 }
 
 /// Postures to be taken, and in what circumstances.
@@ -110,7 +61,7 @@ impl Rows {
 
 /// An explanation of a log as an experiment has it.
 pub(super) struct Carried {
-    pub instances: Vec<Instance>,
+    pub terms: Vec<Term>,
     /// Each of their unknowns: which one of the log's it is, and its sign.
     pub columns: Vec<(usize, f64)>,
 }
@@ -122,34 +73,43 @@ impl Carried {
     }
 }
 
-/// What becomes of `instances` of the robot `here`, if anything, in an experiment `there`.
+/// The same term on the robot `there`, if it has such a target.
+fn moved(term: &Term, here: &EffectContext, there: &EffectContext) -> Option<Term> {
+    let Some(instance) = term.effect() else {
+        return Some(term.clone());
+    };
+    let name = here.name_of(&instance.target);
+    let target = there.target_named(instance.effect, &name)?;
+    let effect = instance.effect;
+    Some(Term::Effect(Instance { effect, target }))
+}
+
+/// What becomes of `terms` of the robot `here`, if anything, in an experiment `there`.
 pub(super) fn carried(
-    experiment: &Experiment,
-    here: &Setting,
-    there: &Setting,
-    instances: &[Instance],
+    experiment: Experiment,
+    here: &EffectContext,
+    there: &EffectContext,
+    terms: &[Term],
 ) -> Carried {
     let mut carried = Carried {
-        instances: Vec::new(),
+        terms: Vec::new(),
         columns: Vec::new(),
     };
     let mut at = 0;
-    for instance in instances {
-        let count = instance.unknowns(here);
+    for term in terms {
+        let count = term.unknowns(here);
         let own = at..at + count;
         at += count;
-        let Some(signs) = experiment.signs(instance, count) else {
+        let factors = match term.in_experiment(experiment) {
+            Carry::Gone => continue,
+            Carry::Scaled(factors) => factors,
+            Carry::Same => vec![1.0; count],
+        };
+        let Some(there) = moved(term, here, there) else {
             continue;
         };
-        let name = here.name_of(&instance.target);
-        let Some(target) = there.target_named(instance.effect, &name) else {
-            continue;
-        };
-        carried.instances.push(Instance {
-            effect: instance.effect,
-            target,
-        });
-        carried.columns.extend(own.zip(signs));
+        carried.terms.push(there);
+        carried.columns.extend(own.zip(factors));
     }
     carried
 }
@@ -195,25 +155,22 @@ impl Trial<'_, '_> {
         if self.experiment != Experiment::RawCells {
             return 0.0;
         }
-        let setting = &self.here.setting;
+        let context = &self.here.context;
         let carried = |fit: &Fit| -> f64 {
             let mut at = 0;
             let mut mass = 0.0;
-            for instance in &fit.instances {
-                let count = instance.unknowns(setting);
-                let share = match instance.effect.name() {
-                    "payload" => fit.unknowns[at],
-                    "external_force" => fit.unknowns[at + 2],
-                    _ => 0.0,
-                };
-                mass += setting.mass() * share / (1.0 - share);
+            for term in &fit.terms {
+                let count = term.unknowns(context);
+                let own = &fit.unknowns[at..at + count];
+                let share = term.effect().map_or(0.0, |i| i.effect.load_share(own));
+                mass += context.mass() * share / (1.0 - share);
                 at += count;
             }
             mass
         };
         let arms = self.here.data.cells.iter().map(|c| c[0].abs());
         let arm = arms.fold(0.0, f64::max).max(0.01);
-        let noise = self.here.data.noise_floor * setting.mass() / arm;
+        let noise = self.here.data.noise_floor * context.mass() / arm;
         let postures = self.here.data.len() as f64;
         postures * ((carried(truth) - carried(other)) / noise).powi(2)
     }
@@ -231,22 +188,19 @@ impl Trial<'_, '_> {
     }
 
     fn new_rows(&self, fit: &Fit) -> Rows {
-        let (here, there) = (&self.here.setting, &self.there.setting);
-        let carried = carried(&self.experiment, here, there, &fit.instances);
+        let (here, there) = (&self.here.context, &self.there.context);
+        let carried = carried(self.experiment, here, there, &fit.terms);
         let mut unknowns = carried.unknowns(&fit.unknowns);
-        let Carried {
-            mut instances,
-            columns,
-        } = carried;
+        let Carried { mut terms, columns } = carried;
         if self.experiment == Experiment::KnownWeight {
-            self.carry(&mut instances, &mut unknowns);
+            self.carry(&mut terms, &mut unknowns);
         }
         // Their order is their own: programs sort by stage, not by place in the list.
         let mut circumstances = self.postures.circumstances.clone();
-        self.rest(&instances, &unknowns, &mut circumstances);
+        self.rest(&terms, &unknowns, &mut circumstances);
         let out = self
             .there
-            .evaluate(&instances, &unknowns, &self.postures.q, &circumstances);
+            .evaluate(&terms, &unknowns, &self.postures.q, &circumstances);
         let width = unknowns.len() + 1;
         let rows = out.len() / width;
         let weight = 1.0 / self.here.data.noise_floor;
@@ -262,30 +216,18 @@ impl Trial<'_, '_> {
         }
     }
 
-    fn carry(&self, instances: &mut Vec<Instance>, unknowns: &mut Vec<f64>) {
-        let Some(effect) = sesc_model::effects::named("payload") else {
-            return;
-        };
-        // On the heaviest link: the trunk carries a weight without bending an arm.
-        let links = self.there.setting.links();
-        let heaviest = links.into_iter().max_by(|a, b| {
-            let mass = |t: &Target| match t {
-                Target::Link(link) => self.there.setting.mass_of(*link),
-                _ => 0.0,
-            };
-            mass(a).total_cmp(&mass(b))
-        });
-        if let Some(target) = heaviest {
-            instances.push(Instance { effect, target });
-            let share = WEIGHT / (1.0 + WEIGHT);
-            let arm = 0.3 * self.there.setting.height();
-            unknowns.extend([share, share * arm, 0.0, 0.0]);
+    fn carry(&self, terms: &mut Vec<Term>, unknowns: &mut Vec<f64>) {
+        let context = &self.there.context;
+        let (mass, arm) = (WEIGHT * context.mass(), 0.3 * context.height());
+        if let Some((weight, own)) = known_weight(context, mass, arm) {
+            terms.push(Term::Effect(weight));
+            unknowns.extend(own);
         }
     }
 
     /// Sides of dead bands: gravity's, or in an approach from the other side, the other.
-    fn rest(&self, instances: &[Instance], unknowns: &[f64], circumstances: &mut [f64]) {
-        let joints = self.there.slack_joints(instances);
+    fn rest(&self, terms: &[Term], unknowns: &[f64], circumstances: &mut [f64]) {
+        let joints = self.there.slack_joints(terms);
         if joints.is_empty() {
             return;
         }
@@ -297,7 +239,7 @@ impl Trial<'_, '_> {
         };
         let moments =
             self.there
-                .evaluate_moments_at(instances, unknowns, &self.postures.q, circumstances);
+                .evaluate_moments_at(terms, unknowns, &self.postures.q, circumstances);
         for k in 0..circumstances.len() / layout.len() {
             for (joint, _) in &joints {
                 let side = if moments[k * 3 * dof + joint] < 0.0 {
@@ -328,7 +270,7 @@ impl Trial<'_, '_> {
         let rows = DMatrix::from_row_slice(2 * n, params, &flat.run(&self.postures.q, n));
         let map = match self.experiment {
             Experiment::OtherFoot => {
-                let shift = self.postures.model.params_from(here.setting.model);
+                let shift = self.postures.model.params_from(here.context.model);
                 &shift.matrix * &here.prior
             }
             _ => here.prior.clone(),

@@ -9,7 +9,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::experiment::{self, Carried, Experiment};
+use sesc_model::effects::Experiment;
+
+use super::experiment::{self, Carried};
 use super::problem::{Fit, Problem, State};
 use super::sides;
 
@@ -36,16 +38,16 @@ pub fn together(first: &Problem, fit: Fit, further: &[Further]) -> Fit {
     let root = fit.outliers.as_ref().map(|o| o.root_weights(None));
     let masses = root
         .as_ref()
-        .map(|r| first.masses(&fit.instances).reweighted(r));
+        .map(|r| first.masses(&fit.terms).reweighted(r));
     let own = |unknowns: Vec<f64>| {
-        let masses = masses.as_ref().unwrap_or(first.masses(&fit.instances));
+        let masses = masses.as_ref().unwrap_or(first.masses(&fit.terms));
         let circumstances = match &fit.circumstances {
             Some(sides) => sides.as_slice(),
             None => &first.data.circumstances,
         };
-        first.state(&fit.instances, unknowns, circumstances, &root, masses)
+        first.state(&fit.terms, unknowns, circumstances, &root, masses)
     };
-    let scales = first.scales(&fit.instances);
+    let scales = first.scales(&fit.terms);
     let before = own(fit.unknowns.clone());
     // Of the first log alone: what is no square, and stays.
     let rest = fit.objective - before.value;
@@ -115,13 +117,13 @@ struct Log<'f, 'm> {
 impl<'f, 'm> Log<'f, 'm> {
     fn new(first: &Problem, fit: &Fit, further: &'f Further<'m>) -> Log<'f, 'm> {
         let problem = &further.problem;
-        let (here, there) = (&first.setting, &problem.setting);
-        let carried = experiment::carried(&further.experiment, here, there, &fit.instances);
+        let (here, there) = (&first.context, &problem.context);
+        let carried = experiment::carried(further.experiment, here, there, &fit.terms);
         let mut circumstances = problem.data.circumstances.clone();
         let mut price = 0.0;
-        if !problem.slack_joints(&carried.instances).is_empty() {
+        if !problem.slack_joints(&carried.terms).is_empty() {
             let unknowns = carried.unknowns(&fit.unknowns);
-            let sides = sides::settle(problem, &carried.instances, &unknowns, Some(fit));
+            let sides = sides::settle(problem, &carried.terms, &unknowns, Some(fit));
             price = sides.price;
             circumstances.clone_from(&sides.circumstances);
         }
@@ -134,11 +136,11 @@ impl<'f, 'm> Log<'f, 'm> {
     }
 
     fn state(&self, unknowns: &[f64]) -> State {
-        let instances = &self.carried.instances;
+        let terms = &self.carried.terms;
         let unknowns = self.carried.unknowns(unknowns);
-        let masses = self.problem.masses(instances);
+        let masses = self.problem.masses(terms);
         self.problem
-            .squares(instances, unknowns, &self.circumstances, &None, masses)
+            .squares(terms, unknowns, &self.circumstances, &None, masses)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Errors on postures that a fit did not see.
 
+use super::hypothesis::Term;
 use nalgebra::DVector;
-use sesc_model::effects::Instance;
 
 use super::data::rms;
 use super::problem::{Fit, Problem, Rows};
@@ -27,7 +27,7 @@ pub struct HeldOut {
 pub fn cross_validate(problem: &Problem, whole: &Fit) -> HeldOut {
     let n = problem.data.len();
     let apart = apart(problem, whole);
-    if whole.instances.is_empty() && problem.nuisance.is_negligible() {
+    if whole.terms.is_empty() && problem.nuisance.is_negligible() {
         return of_errors(errors_of(problem, whole, None), &apart);
     }
     let folds = FOLDS.min(n);
@@ -36,7 +36,7 @@ pub fn cross_validate(problem: &Problem, whole: &Fit) -> HeldOut {
         // Neighbours in a log are alike: every `FOLDS`-th posture is left out.
         let keep: Vec<bool> = (0..n).map(|k| k % folds != fold).collect();
         let rows = Rows { keep: Some(&keep) };
-        let fit = problem.fit(&whole.instances, Some(&whole.unknowns), rows);
+        let fit = problem.fit(&whole.terms, Some(&whole.unknowns), rows);
         let own = errors_of(problem, &fit, Some(&keep));
         for k in (fold..n).step_by(folds) {
             errors[2 * k] = own[2 * k];
@@ -56,7 +56,7 @@ pub fn of_cad(problem: &Problem) -> HeldOut {
 
 /// reading − prediction, masses as the kept postures suggest.
 pub(super) fn errors_of(problem: &Problem, fit: &Fit, keep: Option<&[bool]>) -> Vec<f64> {
-    let masses = problem.masses(&fit.instances);
+    let masses = problem.masses(&fit.terms);
     let root: Vec<f64> = match (&fit.outliers, keep) {
         (Some(outliers), keep) => outliers.root_weights(keep),
         (None, Some(keep)) => keep
@@ -107,15 +107,15 @@ fn of_errors(mut errors: Vec<f64>, apart: &[bool]) -> HeldOut {
 
 /// Effects in the order in which they close the gap: each next one the one that
 /// lowers the objective most beside those before.
-pub fn order(best: &Fit, fit: &mut dyn FnMut(&[Instance]) -> Fit) -> Vec<Fit> {
-    let mut left = best.instances.clone();
-    let mut taken: Vec<Instance> = Vec::new();
+pub fn order(best: &Fit, fit: &mut dyn FnMut(&[Term]) -> Fit) -> Vec<Fit> {
+    let mut left = best.terms.clone();
+    let mut taken: Vec<Term> = Vec::new();
     let mut steps = Vec::new();
     while !left.is_empty() {
         let tried = left.iter().enumerate().map(|(k, next)| {
-            let mut instances = taken.clone();
-            instances.push(next.clone());
-            (k, fit(&instances))
+            let mut terms = taken.clone();
+            terms.push(next.clone());
+            (k, fit(&terms))
         });
         let (k, next) = tried
             .min_by(|a, b| a.1.score().total_cmp(&b.1.score()))

@@ -33,7 +33,7 @@ pub struct Excess {
 impl Excess {
     pub fn of(problem: &Problem, fit: &Fit) -> Excess {
         let apart = held_out::apart(problem, fit);
-        let masses = problem.masses(&fit.instances);
+        let masses = problem.masses(&fit.terms);
         let shift = masses.shift(&masses.expected(&fit.residual));
         let mut chi2 = 0.0;
         let mut rows = 0.0;
@@ -102,7 +102,7 @@ pub fn formula(problem: &Problem, fit: &Fit) -> Formula {
     let n = problem.data.len();
     let excess = Excess::of(problem, fit);
     let mut target = fit.residual.clone();
-    let masses = problem.masses(&fit.instances);
+    let masses = problem.masses(&fit.terms);
     target -= masses.shift(&masses.expected(&fit.residual));
     for (k, apart) in held_out::apart(problem, fit).into_iter().enumerate() {
         if apart {
@@ -178,10 +178,10 @@ pub fn formula(problem: &Problem, fit: &Fit) -> Formula {
 
 /// Functions of a posture that a gap may follow.
 fn library(problem: &Problem) -> Vec<(String, Vec<f64>)> {
-    let (n, dof) = (problem.data.len(), problem.setting.model.dof());
-    let dofs = &problem.setting.model.tree.dofs;
+    let (n, dof) = (problem.data.len(), problem.context.model.dof());
+    let dofs = &problem.context.model.tree.dofs;
     let moments = problem.moments_at(&problem.data.q);
-    let layout = Circumstances::of(problem.setting.model);
+    let layout = Circumstances::of(problem.context.model);
     let mut library: Vec<(String, Vec<f64>)> = Vec::new();
     let mut add =
         |name: String, f: &dyn Fn(usize) -> f64| library.push((name, (0..n).map(f).collect()));

@@ -12,6 +12,7 @@ pub mod experiment;
 pub mod findings;
 pub mod further;
 pub mod held_out;
+pub mod hypothesis;
 pub mod leftover;
 pub mod model_file;
 pub mod next_postures;

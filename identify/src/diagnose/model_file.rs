@@ -13,10 +13,10 @@ use super::words;
 /// Parameters as the masses' prior and the data have them, and every effect of
 /// the explanation that a model can hold.
 pub fn model_file(problem: &Problem, found: &Found) -> ModelFile {
-    let model = problem.setting.model;
+    let model = problem.context.model;
     let best = &found.best;
-    let masses = problem.masses(&best.instances);
-    let identified = best.has("mass_distribution");
+    let masses = problem.masses(&best.terms);
+    let identified = best.frees_masses();
     let factor = if identified {
         &problem.wide_prior
     } else {
@@ -50,10 +50,10 @@ pub fn model_file(problem: &Problem, found: &Found) -> ModelFile {
         });
     }
     let quantities = words::values(problem, best);
-    for (instance, values) in best.instances.iter().zip(&quantities) {
-        if instance.effect.stage() == Stage::Whole {
+    for (term, values) in best.terms.iter().zip(&quantities) {
+        let Some(instance) = term.effect() else {
             continue;
-        }
+        };
         if instance.effect.stage() == Stage::Cells {
             file.cells = problem.data.cells.clone();
         }
@@ -65,8 +65,8 @@ pub fn model_file(problem: &Problem, found: &Found) -> ModelFile {
             (v.name.to_string(), quantity)
         };
         file.effects.push(EffectRecord {
-            effect: instance.effect.name().to_string(),
-            target: problem.setting.name_of(&instance.target),
+            effect: term.name().to_string(),
+            target: problem.context.name_of(&instance.target),
             parameters: values.iter().map(of).collect::<BTreeMap<_, _>>(),
         });
     }

@@ -4,11 +4,12 @@ use std::path::Path;
 
 use nalgebra::DMatrix;
 use serde::Serialize;
-use sesc_model::effects::{Circumstances, Setting};
+use sesc_model::effects::{Carry, Circumstances, EffectContext, Experiment};
 use sesc_model::{Model, Snapping};
 
-use super::experiment::{Experiment, Postures, Trial};
+use super::experiment::{Postures, Trial};
 use super::findings::Found;
+use super::hypothesis::Term;
 use super::problem::{Fit, Problem};
 use crate::Error;
 use crate::plan::balance::Region;
@@ -70,10 +71,10 @@ pub fn next(
         return next;
     }
     let mut ranked: Vec<Ranked> = Vec::new();
-    let support = problem.setting.model.tree.links[problem.setting.model.tree.support]
+    let support = problem.context.model.tree.links[problem.context.model.tree.support]
         .name
         .clone();
-    let model = problem.setting.model;
+    let model = problem.context.model;
     let fresh = candidates(problem, model, robot, folder);
     let mut all = vec![
         Experiment::Untouched,
@@ -94,7 +95,7 @@ pub fn next(
         None => all.insert(0, Experiment::Turned),
     }
     for experiment in all {
-        if !makes_sense(&experiment, problem, found) {
+        if !makes_sense(experiment, problem, found) {
             continue;
         }
         let trial = Trial {
@@ -102,14 +103,14 @@ pub fn next(
             here: problem,
             there: problem,
             postures: Postures {
-                model: problem.setting.model,
+                model: problem.context.model,
                 q: problem.data.q.clone(),
                 circumstances: problem.data.circumstances.clone(),
             },
         };
         let (separations, _) = trial.separations(truth, &others);
         ranked.push(Ranked {
-            proposal: proposal(&trial.experiment, &support, separations),
+            proposal: proposal(trial.experiment, &support, separations),
             postures: (support.clone(), problem.data.q.clone()),
             experiment: trial.experiment,
         });
@@ -134,23 +135,26 @@ pub fn next(
         let (a, b) = (&a.proposal, &b.proposal);
         b.splits.cmp(&a.splits).then(least(b).total_cmp(&least(a)))
     });
-    next.experiment = ranked.first().map(|best| best.experiment.clone());
+    next.experiment = ranked.first().map(|best| best.experiment);
     next.postures = ranked.first().map(|best| best.postures.clone());
     next.proposals = ranked.into_iter().map(|ranked| ranked.proposal).collect();
     next
 }
 
-fn makes_sense(experiment: &Experiment, problem: &Problem, found: &Found) -> bool {
-    let any = |name: &str| found.class.iter().any(|fit| fit.has(name));
+fn makes_sense(experiment: Experiment, problem: &Problem, found: &Found) -> bool {
+    let any = |holds: fn(&Term) -> bool| found.class.iter().any(|f| f.terms.iter().any(holds));
     match experiment {
         Experiment::RawCells => !problem.data.raw_cells && !problem.data.cells.is_empty(),
-        Experiment::BothSides => any("backlash"),
-        Experiment::Untouched => any("external_force"),
+        Experiment::BothSides => any(|term| term.dead_band().is_some()),
+        Experiment::Untouched => any(|term| {
+            let gone = |experiment| term.in_experiment(experiment) == Carry::Gone;
+            gone(Experiment::Untouched) && !gone(Experiment::Postures)
+        }),
         _ => true,
     }
 }
 
-fn proposal(experiment: &Experiment, support: &str, separations: Vec<f64>) -> Proposal {
+fn proposal(experiment: Experiment, support: &str, separations: Vec<f64>) -> Proposal {
     let what = match experiment {
         Experiment::Postures => {
             format!("{POSTURES} new postures on {support}, deeper and more varied")
@@ -242,7 +246,7 @@ fn with_postures(
     let (separations, _) = trial.separations(truth, others);
     let support = model.tree.links[model.tree.support].name.clone();
     Ranked {
-        proposal: proposal(&trial.experiment, &support, separations),
+        proposal: proposal(trial.experiment, &support, separations),
         postures: (support, chosen),
         experiment: trial.experiment,
     }
@@ -358,8 +362,8 @@ impl<'m> Problem<'m> {
     where
         'm: 'o,
     {
-        let setting = Setting::new(model, &self.data.cells, self.data.t.is_some());
-        self.elsewhere(setting)
+        let context = EffectContext::new(model, &self.data.cells, self.data.t.is_some());
+        self.elsewhere(context)
     }
 }
 

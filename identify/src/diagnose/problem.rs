@@ -3,15 +3,16 @@
 mod fitting;
 
 use std::cell::RefCell;
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::rc::Rc;
 
 use nalgebra::{DMatrix, DVector};
-use sesc_model::effects::{self, Circumstances, Instance, Setting, Stage, Target};
+use sesc_model::effects::{self, Circumstances, EffectContext, EffectId, Instance, Stage};
 use sesc_model::tape::{Argument, Tape};
 use sesc_model::{Function, Model};
 
 use super::data::{Data, NoiseSource};
+use super::hypothesis::{self, Term, effects_of};
 use super::nuisance::Nuisance;
 use super::outliers::Outliers;
 use crate::Error;
@@ -25,7 +26,7 @@ const VISIBLE: f64 = 60.0;
 
 /// A log, the robot, and what is believed of its masses.
 pub struct Problem<'m> {
-    pub setting: Setting<'m>,
+    pub context: EffectContext<'m>,
     pub data: Data,
     pub params: Vec<f64>,
     /// 1/σ per reading.
@@ -39,12 +40,12 @@ pub struct Problem<'m> {
     pub wide_prior: DMatrix<f64>,
     /// Regressor rows of the unbent robot.
     pub rows: DMatrix<f64>,
-    tapes: RefCell<HashMap<String, Rc<Tapes>>>,
-    target_weights: HashMap<(&'static str, Target), f64>,
+    tapes: RefCell<HashMap<Vec<Instance>, Rc<Tapes>>>,
+    target_weights: HashMap<Term, f64>,
     kinds: usize,
 }
 
-/// What a set of instances runs on.
+/// What a set of terms runs on.
 pub(super) struct Tapes {
     pub reading: Tape,
     /// Made when a dead band asks for sides.
@@ -54,7 +55,7 @@ pub(super) struct Tapes {
 /// A hypothesis, fitted.
 #[derive(Debug, Clone)]
 pub struct Fit {
-    pub instances: Vec<Instance>,
+    pub terms: Vec<Term>,
     pub unknowns: Vec<f64>,
     /// Covariance of the unknowns.
     pub covariance: DMatrix<f64>,
@@ -84,13 +85,11 @@ impl Fit {
         self.objective + self.price
     }
 
-    pub fn has(&self, name: &str) -> bool {
-        self.instances.iter().any(|i| i.effect.name() == name)
+    /// Whether masses are identified within the usual tolerances of CAD.
+    pub fn frees_masses(&self) -> bool {
+        self.terms.contains(&Term::FreeMasses)
     }
 }
-
-/// What a fault makes of a reading.
-type Rewire = fn([f64; 2]) -> [f64; 2];
 
 /// How a set of readings counts in a fit.
 #[derive(Clone, Copy)]
@@ -103,7 +102,7 @@ pub const ALL: Rows = Rows { keep: None };
 
 impl<'m> Problem<'m> {
     pub fn new(model: &'m Model, mut data: Data, prior: &Prior) -> Result<Problem<'m>, Error> {
-        let setting = Setting::new(model, &data.cells, data.t.is_some());
+        let context = EffectContext::new(model, &data.cells, data.t.is_some());
         let n = data.len();
         let mut rows = Evaluator::new(model, Function::Regressor).run(&data.q, n);
         let p = model.base.params.len();
@@ -131,15 +130,12 @@ impl<'m> Problem<'m> {
         let weight: Vec<f64> = data.std.iter().map(|s| 1.0 / s).collect();
         let nuisance = Nuisance::new(&flat, &factor, &weight);
         let wide = Nuisance::new(&flat, &usual, &weight);
-        let mut names: Vec<&str> = effects::instances(&setting)
-            .iter()
-            .map(|i| i.effect.name())
-            .collect();
-        names.dedup();
+        let instances = effects::instances(&context);
+        let kinds: BTreeSet<EffectId> = instances.iter().map(|i| i.effect.id()).collect();
         Ok(Problem {
             params: model.cad_params(),
-            kinds: names.len(),
-            setting,
+            kinds: kinds.len() + hypothesis::MODELS,
+            context,
             data,
             weight,
             nuisance,
@@ -154,11 +150,11 @@ impl<'m> Problem<'m> {
 
     /// This problem's log, for a robot that stands elsewhere: nothing can be fitted
     /// there, explanations can be evaluated.
-    pub(super) fn elsewhere<'o>(&self, setting: Setting<'o>) -> Problem<'o> {
+    pub(super) fn elsewhere<'o>(&self, context: EffectContext<'o>) -> Problem<'o> {
         Problem {
-            params: setting.model.cad_params(),
+            params: context.model.cad_params(),
             kinds: self.kinds,
-            setting,
+            context,
             data: self.data.clone(),
             weight: self.weight.clone(),
             nuisance: self.nuisance.clone(),
@@ -173,21 +169,17 @@ impl<'m> Problem<'m> {
 
     /// What unknowns and the number of things that were looked at cost:
     /// `Σ p ln 2N + 2 ln(kinds / w_target)`, see [`Problem::weigh_targets`].
-    pub fn price(&self, instances: &[Instance]) -> f64 {
+    pub fn price(&self, terms: &[Term]) -> f64 {
         let readings = (2 * self.data.len()) as f64;
-        let of = |instance: &Instance| {
-            let own = (instance.effect.name(), instance.target.clone());
-            let weight = match self.target_weights.get(&own) {
+        let of = |term: &Term| {
+            let weight = match self.target_weights.get(term) {
                 Some(weight) => *weight,
-                None => 1.0 / instance.effect.targets(&self.setting).len().max(1) as f64,
+                None => 1.0 / term.targets(&self.context) as f64,
             };
-            let unknowns = match instance.effect.name() {
-                "cop_outliers" => 2,
-                _ => instance.unknowns(&self.setting),
-            };
+            let unknowns = term.penalised_unknowns(&self.context);
             unknowns as f64 * readings.ln() + 2.0 * (self.kinds as f64 / weight).ln()
         };
-        instances.iter().map(of).sum()
+        terms.iter().map(of).sum()
     }
 
     /// Share the chance of each effect among its targets by how well this log
@@ -196,27 +188,25 @@ impl<'m> Problem<'m> {
     /// A fault in an elbow that explains what an ankle's would has to be absurdly
     /// large. Weights of one effect sum to one, so false alarms stay as rare as
     /// with even weights.
-    pub fn weigh_targets(&mut self, visible: &[(Instance, f64)]) {
+    pub fn weigh_targets(&mut self, visible: &[(Term, f64)]) {
         let chance = |chi2: f64| 0.02 + (1.0 + chi2 / VISIBLE).ln();
         let mut sums: HashMap<&str, f64> = HashMap::new();
-        for (instance, chi2) in visible {
-            *sums.entry(instance.effect.name()).or_default() += chance(*chi2);
+        for (term, chi2) in visible {
+            *sums.entry(term.name()).or_default() += chance(*chi2);
         }
-        for (instance, chi2) in visible {
-            let name = instance.effect.name();
-            let weight = chance(*chi2) / sums[name];
-            self.target_weights
-                .insert((name, instance.target.clone()), weight);
+        for (term, chi2) in visible {
+            let weight = chance(*chi2) / sums[term.name()];
+            self.target_weights.insert(term.clone(), weight);
         }
     }
 
-    /// The programs of a set of instances, made once.
-    pub(super) fn tapes(&self, instances: &[Instance]) -> Rc<Tapes> {
-        let key = format!("{instances:?}");
+    /// The programs of a set of terms, made once.
+    pub(super) fn tapes(&self, terms: &[Term]) -> Rc<Tapes> {
+        let key = effects_of(terms);
         if let Some(tapes) = self.tapes.borrow().get(&key) {
             return tapes.clone();
         }
-        let program = effects::reading(&self.setting, instances, &self.params);
+        let program = effects::reading(&self.context, &key, &self.params);
         let tapes = Rc::new(Tapes {
             reading: Tape::new(&program),
             moments: RefCell::new(None),
@@ -225,11 +215,11 @@ impl<'m> Problem<'m> {
         tapes
     }
 
-    fn moments(&self, instances: &[Instance]) -> Rc<Tape> {
-        let tapes = self.tapes(instances);
+    fn moments(&self, terms: &[Term]) -> Rc<Tape> {
+        let tapes = self.tapes(terms);
         let mut made = tapes.moments.borrow_mut();
         made.get_or_insert_with(|| {
-            let program = effects::moments(&self.setting, instances, &self.params);
+            let program = effects::moments(&self.context, &effects_of(terms), &self.params);
             Rc::new(Tape::new(&program))
         })
         .clone()
@@ -238,13 +228,13 @@ impl<'m> Problem<'m> {
     /// Readings and derivatives of as many postures as have circumstances: per posture x then y, each value, ∂/∂e_1, ….
     pub fn evaluate(
         &self,
-        instances: &[Instance],
+        terms: &[Term],
         unknowns: &[f64],
         q: &[f64],
         circumstances: &[f64],
     ) -> Vec<f64> {
-        let tapes = self.tapes(instances);
-        let n = circumstances.len() / Circumstances::of(self.setting.model).len();
+        let tapes = self.tapes(terms);
+        let n = circumstances.len() / Circumstances::of(self.context.model).len();
         let mut out = vec![0.0; n * tapes.reading.outputs()];
         let arguments = [
             Argument::PerPosture(q),
@@ -258,23 +248,23 @@ impl<'m> Problem<'m> {
     /// Moments (m) and slopes of the reading by joint: 3 × dof per posture.
     pub(super) fn evaluate_moments(
         &self,
-        instances: &[Instance],
+        terms: &[Term],
         unknowns: &[f64],
         circumstances: &[f64],
     ) -> Vec<f64> {
-        self.evaluate_moments_at(instances, unknowns, &self.data.q, circumstances)
+        self.evaluate_moments_at(terms, unknowns, &self.data.q, circumstances)
     }
 
     /// The same at joint positions `q`.
     pub(super) fn evaluate_moments_at(
         &self,
-        instances: &[Instance],
+        terms: &[Term],
         unknowns: &[f64],
         q: &[f64],
         circumstances: &[f64],
     ) -> Vec<f64> {
-        let tape = self.moments(instances);
-        let n = circumstances.len() / Circumstances::of(self.setting.model).len();
+        let tape = self.moments(terms);
+        let n = circumstances.len() / Circumstances::of(self.context.model).len();
         let mut out = vec![0.0; n * tape.outputs()];
         let arguments = [
             Argument::PerPosture(q),
@@ -286,11 +276,8 @@ impl<'m> Problem<'m> {
     }
 
     /// The masses' directions under a hypothesis.
-    pub fn masses(&self, instances: &[Instance]) -> &Nuisance {
-        match instances
-            .iter()
-            .any(|i| i.effect.name() == "mass_distribution")
-        {
+    pub fn masses(&self, terms: &[Term]) -> &Nuisance {
+        match terms.contains(&Term::FreeMasses) {
             true => &self.wide,
             false => &self.nuisance,
         }
@@ -303,23 +290,26 @@ impl<'m> Problem<'m> {
 
     /// Readings that CAD foretells at joint positions `q`, on level ground.
     pub fn plain(&self, q: &[f64]) -> Vec<f64> {
-        let n = q.len() / self.setting.model.dof();
-        let model = self.setting.model;
+        let n = q.len() / self.context.model.dof();
+        let model = self.context.model;
         Evaluator::with_params(model, Function::Cop, self.params.clone()).run(q, n)
     }
 
     /// Joint positions of every posture as a hypothesis bends them.
     pub fn bent(&self, fit: &Fit) -> Vec<f64> {
-        let joints: Vec<(usize, &Instance)> = fit
-            .instances
+        let joints: Vec<(usize, &Term)> = fit
+            .terms
             .iter()
             .enumerate()
-            .filter(|(_, i)| i.effect.stage() <= Stage::Joints || i.effect.stage() == Stage::Bends)
+            .filter(|(_, term)| {
+                let moves = |stage| stage <= Stage::Joints || stage == Stage::Bends;
+                term.stage().is_some_and(moves)
+            })
             .collect();
         if joints.is_empty() {
             return self.data.q.clone();
         }
-        let program = effects::joints(&self.setting, &fit.instances, &self.params);
+        let program = effects::joints(&self.context, &effects_of(&fit.terms), &self.params);
         let tape = Tape::new(&program);
         let n = self.data.len();
         let mut out = vec![0.0; n * tape.outputs()];
@@ -336,19 +326,17 @@ impl<'m> Problem<'m> {
         out
     }
 
-    /// The turning joints that have a dead band under `instances`, with the
+    /// The turning joints that have a dead band under `terms`, with the
     /// place of its width among the unknowns.
-    pub(super) fn slack_joints(&self, instances: &[Instance]) -> Vec<(usize, usize)> {
+    pub(super) fn slack_joints(&self, terms: &[Term]) -> Vec<(usize, usize)> {
         let mut found = Vec::new();
         let mut at = 0;
-        for instance in instances {
-            if instance.effect.name() == "backlash" {
-                match instance.target {
-                    Target::Joint(j) => found.push((j, at)),
-                    _ => found.extend(self.setting.turning().into_iter().map(|j| (j, at))),
-                }
+        for term in terms {
+            if let (Some(_), Some(instance)) = (term.dead_band(), term.effect()) {
+                let joints = self.context.revolute_of(&instance.target);
+                found.extend(joints.into_iter().map(|j| (j, at)));
             }
-            at += instance.unknowns(&self.setting);
+            at += term.unknowns(&self.context);
         }
         found
     }
@@ -405,35 +393,29 @@ impl Problem<'_> {
         out
     }
 
-    /// What a wiring fault does, without a program of its own: the joint
-    /// positions it leaves, and what becomes of a reading.
-    pub(super) fn rewired(&self, fault: &Instance) -> (Vec<f64>, Rewire) {
-        let dof = self.setting.model.dof();
-        let mut q = self.data.q.clone();
-        let keep: Rewire = |y| y;
-        let map = match (fault.effect.name(), &fault.target) {
-            ("joint_sign", Target::Joint(j)) => {
-                q.iter_mut().skip(*j).step_by(dof).for_each(|x| *x = -*x);
-                keep
-            }
-            ("joint_swap", Target::Joints(a, b)) => {
-                q.chunks_exact_mut(dof).for_each(|row| row.swap(*a, *b));
-                keep
-            }
-            ("units", Target::Way("degrees")) => {
-                let turning = self.setting.turning();
-                for row in q.chunks_exact_mut(dof) {
-                    turning.iter().for_each(|&j| row[j] = row[j].to_radians());
-                }
-                keep
-            }
-            ("units", Target::Way("centimetres")) => |y: [f64; 2]| y.map(|x| 100.0 * x),
-            ("units", _) => |y: [f64; 2]| y.map(|x| 1000.0 * x),
-            ("sensor_axes", Target::Way("swapped")) => |[x, y]: [f64; 2]| [y, x],
-            ("sensor_axes", Target::Way("flip_x")) => |[x, y]: [f64; 2]| [-x, y],
-            ("sensor_axes", _) => |[x, y]: [f64; 2]| [x, -y],
-            _ => keep,
-        };
-        (q, map)
+    /// What a fault of wiring or of the record does: the joint positions that it
+    /// leaves, and what becomes of a reading (m, two per posture).
+    pub(super) fn rewired(&self, fault: &Term) -> (Vec<f64>, Rewire) {
+        let fault = effects_of(std::slice::from_ref(fault));
+        let n = self.data.len();
+        let joints = Tape::new(&effects::wired_joints(&self.context, &fault));
+        let mut q = vec![0.0; n * joints.outputs()];
+        joints.run(&[Argument::PerPosture(&self.data.q)], n, &mut q, FASTEST);
+        let rewire = Rewire(Tape::new(&effects::wired_reading(&self.context, &fault)));
+        (q, rewire)
+    }
+}
+
+/// What a fault of the record makes of readings.
+pub(super) struct Rewire(Tape);
+
+impl Rewire {
+    /// Readings under the fault, two per posture.
+    pub(super) fn readings(&self, readings: &[f64]) -> Vec<f64> {
+        let mut out = vec![0.0; readings.len()];
+        let arguments = [Argument::PerPosture(readings)];
+        self.0
+            .run(&arguments, readings.len() / 2, &mut out, FASTEST);
+        out
     }
 }

@@ -7,9 +7,10 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use sesc_model::effects::{self, Instance, LIST, Stage};
+use sesc_model::effects::{Stage, Target};
 
 use super::dictionary::Dictionary;
+use super::hypothesis::{Term, sorted};
 use super::outliers::Outliers;
 use super::problem::{ALL, Fit, Problem};
 use super::wiring;
@@ -45,9 +46,9 @@ enum Width {
 /// Fitted hypotheses.
 pub struct Search<'p, 'm> {
     problem: &'p Problem<'m>,
-    known: HashMap<String, Fit>,
+    known: HashMap<Vec<Term>, Fit>,
     base: Dictionary,
-    visible: Vec<(Instance, f64)>,
+    visible: Vec<(Term, f64)>,
     pub fitted: usize,
 }
 
@@ -73,12 +74,12 @@ impl<'p, 'm> Search<'p, 'm> {
     }
 
     /// χ² that each effect of ordinary size would have in this log.
-    pub fn visible(&self) -> &[(Instance, f64)] {
+    pub fn visible(&self) -> &[(Term, f64)] {
         &self.visible
     }
 
-    fn price(&self, instance: &Instance) -> f64 {
-        self.problem.price(std::slice::from_ref(instance))
+    fn price(&self, term: &Term) -> f64 {
+        self.problem.price(std::slice::from_ref(term))
     }
 
     /// All hypotheses that were fitted, the best first.
@@ -111,7 +112,7 @@ impl<'p, 'm> Search<'p, 'm> {
             self.refine(proposals, depth, watch);
             beam = self.beam(depth);
             let with = |count: usize| {
-                let fits = self.known.values().filter(|f| f.instances.len() == count);
+                let fits = self.known.values().filter(|f| f.terms.len() == count);
                 fits.map(Fit::score).fold(f64::INFINITY, f64::min)
             };
             if with(depth) >= with(depth - 1) && with(depth + 1) >= with(depth - 1) {
@@ -134,8 +135,8 @@ impl<'p, 'm> Search<'p, 'm> {
         all.sort_by(|a, b| {
             let score = a.score().total_cmp(&b.score());
             score
-                .then(a.instances.len().cmp(&b.instances.len()))
-                .then_with(|| key(self.problem, &a.instances).cmp(&key(self.problem, &b.instances)))
+                .then(a.terms.len().cmp(&b.terms.len()))
+                .then_with(|| ranks(self.problem, &a.terms).cmp(&ranks(self.problem, &b.terms)))
         });
         all
     }
@@ -147,35 +148,34 @@ impl<'p, 'm> Search<'p, 'm> {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// Fit a set of instances once.
-    pub fn fit(&mut self, instances: &[Instance], parent: Option<&Fit>) -> Fit {
-        let instances = sorted(instances);
-        let key = key(self.problem, &instances);
-        if let Some(fit) = self.known.get(&key) {
+    /// Fit a set of terms once.
+    pub fn fit(&mut self, terms: &[Term], parent: Option<&Fit>) -> Fit {
+        let terms = sorted(&self.problem.context, terms);
+        if let Some(fit) = self.known.get(&terms) {
             return fit.clone();
         }
         self.fitted += 1;
-        let starts = self.starts(&instances, parent);
+        let starts = self.starts(&terms, parent);
         let fits = starts
             .iter()
-            .map(|start| self.problem.fit(&instances, Some(start), ALL));
+            .map(|start| self.problem.fit(&terms, Some(start), ALL));
         let fit = fits
             .min_by(|a, b| a.objective.total_cmp(&b.objective))
             .expect("there is a start");
-        self.known.insert(key, fit.clone());
+        self.known.insert(terms, fit.clone());
         fit
     }
 
     /// A parent's unknowns, with every start of what is new beside them.
-    fn starts(&self, instances: &[Instance], parent: Option<&Fit>) -> Vec<Vec<f64>> {
-        let setting = &self.problem.setting;
+    fn starts(&self, terms: &[Term], parent: Option<&Fit>) -> Vec<Vec<f64>> {
+        let context = &self.problem.context;
         let mut starts = vec![Vec::new()];
-        for instance in instances {
+        for term in terms {
             let inherited = parent.and_then(|fit| {
                 let mut at = 0;
-                for own in &fit.instances {
-                    let count = own.unknowns(setting);
-                    if own == instance {
+                for own in &fit.terms {
+                    let count = own.unknowns(context);
+                    if own == term {
                         return Some(fit.unknowns[at..at + count].to_vec());
                     }
                     at += count;
@@ -184,7 +184,7 @@ impl<'p, 'm> Search<'p, 'm> {
             });
             let own = match inherited {
                 Some(own) => vec![own],
-                None => instance.effect.starts(setting, &instance.target),
+                None => term.starts(context),
             };
             let longer = |before: &Vec<f64>| -> Vec<Vec<f64>> {
                 own.iter()
@@ -201,9 +201,9 @@ impl<'p, 'm> Search<'p, 'm> {
     fn extensions(&self, parent: &Fit, width: Width) -> Vec<Proposal> {
         let own;
         let wired = parent
-            .instances
+            .terms
             .iter()
-            .any(|i| i.effect.stage() == Stage::Wiring);
+            .any(|term| term.stage() == Some(Stage::Wiring));
         let dictionary = match wired {
             true => {
                 own = Dictionary::new(self.problem, &self.problem.bent(parent));
@@ -216,10 +216,10 @@ impl<'p, 'm> Search<'p, 'm> {
             .candidates
             .iter()
             .zip(gains)
-            .filter(|(c, _)| compatible(&parent.instances, &c.instance))
+            .filter(|(c, _)| compatible(&parent.terms, &c.term))
             .map(|(c, gain)| Proposal {
-                instances: with(&parent.instances, &c.instance),
-                promise: parent.score() - gain + self.price(&c.instance),
+                terms: with(self.problem, &parent.terms, &c.term),
+                promise: parent.score() - gain + self.price(&c.term),
                 parent: Some(parent.clone()),
             })
             .collect();
@@ -231,35 +231,30 @@ impl<'p, 'm> Search<'p, 'm> {
         };
         let mut seen: BTreeMap<&str, usize> = BTreeMap::new();
         proposals.retain(|p| {
-            let added = p.instances.iter().find(|i| !parent.instances.contains(i));
-            let count = seen
-                .entry(added.map_or("", |i| i.effect.name()))
-                .or_default();
+            let added = p.terms.iter().find(|i| !parent.terms.contains(i));
+            let count = seen.entry(added.map_or("", Term::name)).or_default();
             *count += 1;
             *count <= per_kind
         });
         proposals.truncate(most);
-        for name in ["cop_outliers", "mass_distribution"] {
-            proposals.extend(self.whole(parent, name));
+        for term in [Term::Outliers, Term::FreeMasses] {
+            proposals.extend(self.with_model(parent, term));
         }
         proposals
     }
 
     /// Outliers or free masses beside a hypothesis.
-    fn whole(&self, parent: &Fit, name: &str) -> Option<Proposal> {
-        let effect = effects::named(name)?;
-        let target = effect.targets(&self.problem.setting).into_iter().next()?;
-        let instance = Instance { effect, target };
-        if !compatible(&parent.instances, &instance) {
+    fn with_model(&self, parent: &Fit, term: Term) -> Option<Proposal> {
+        if !compatible(&parent.terms, &term) {
             return None;
         }
         // Masses that are as free already are no effect.
-        if name == "mass_distribution" && !self.problem.is_wider() {
+        if term == Term::FreeMasses && !self.problem.is_wider() {
             return None;
         }
-        let price = self.problem.price(std::slice::from_ref(&instance));
-        let promise = match name {
-            "cop_outliers" => {
+        let price = self.problem.price(std::slice::from_ref(&term));
+        let promise = match term {
+            Term::Outliers => {
                 let outliers = Outliers::of(&parent.residual, None);
                 let root = outliers.root_weights(None);
                 let squares = parent
@@ -281,7 +276,7 @@ impl<'p, 'm> Search<'p, 'm> {
             }
         };
         Some(Proposal {
-            instances: with(&parent.instances, &instance),
+            terms: with(self.problem, &parent.terms, &term),
             promise,
             parent: Some(parent.clone()),
         })
@@ -295,17 +290,17 @@ impl<'p, 'm> Search<'p, 'm> {
         let mut proposals: Vec<Proposal> = pairs
             .into_iter()
             .map(|(i, j, gain)| (&candidates[i], &candidates[j], gain))
-            .filter(|(a, b, _)| compatible(std::slice::from_ref(&a.instance), &b.instance))
+            .filter(|(a, b, _)| compatible(std::slice::from_ref(&a.term), &b.term))
             .map(|(a, b, gain)| Proposal {
-                instances: vec![a.instance.clone(), b.instance.clone()],
-                promise: null.score() - gain + self.price(&a.instance) + self.price(&b.instance),
+                terms: vec![a.term.clone(), b.term.clone()],
+                promise: null.score() - gain + self.price(&a.term) + self.price(&b.term),
                 parent: None,
             })
             .collect();
         proposals.sort_by(|a, b| a.promise.total_cmp(&b.promise));
-        let mut per_kinds: BTreeMap<String, usize> = BTreeMap::new();
+        let mut per_kinds: BTreeMap<Vec<&str>, usize> = BTreeMap::new();
         proposals.retain(|p| {
-            let count = per_kinds.entry(kinds(&p.instances)).or_default();
+            let count = per_kinds.entry(kinds(&p.terms)).or_default();
             *count += 1;
             *count <= PER_KIND
         });
@@ -327,21 +322,18 @@ impl<'p, 'm> Search<'p, 'm> {
             if depth > 1 && proposal.promise > best + room {
                 continue;
             }
-            self.fit(&proposal.instances, proposal.parent.as_ref());
+            self.fit(&proposal.terms, proposal.parent.as_ref());
             watch(self.fitted);
         }
     }
 
     /// The best of a depth, one of each family before seconds.
     fn beam(&self, depth: usize) -> Vec<Fit> {
-        let of_depth = self
-            .ranked()
-            .into_iter()
-            .filter(|f| f.instances.len() == depth);
-        let mut seen: BTreeMap<String, usize> = BTreeMap::new();
+        let of_depth = self.ranked().into_iter().filter(|f| f.terms.len() == depth);
+        let mut seen: BTreeMap<Vec<&str>, usize> = BTreeMap::new();
         let mut beam = Vec::new();
         for fit in of_depth {
-            let count = seen.entry(kinds(&fit.instances)).or_default();
+            let count = seen.entry(kinds(&fit.terms)).or_default();
             *count += 1;
             if *count <= 2 && beam.len() < BEAM {
                 beam.push(fit);
@@ -358,8 +350,8 @@ impl<'p, 'm> Search<'p, 'm> {
         self.refine(alone, 2, watch);
         let best: Vec<Fit> = self.ranked().into_iter().take(3).collect();
         for (place, fit) in best.iter().enumerate() {
-            for k in 0..fit.instances.len() {
-                let mut fewer = fit.instances.clone();
+            for k in 0..fit.terms.len() {
+                let mut fewer = fit.terms.clone();
                 fewer.remove(k);
                 let parent = self.fit(&fewer, Some(fit));
                 let width = if place == 0 {
@@ -376,52 +368,34 @@ impl<'p, 'm> Search<'p, 'm> {
 
 /// A hypothesis to be fitted.
 pub struct Proposal {
-    pub instances: Vec<Instance>,
+    pub terms: Vec<Term>,
     /// Score to first order.
     pub promise: f64,
     pub parent: Option<Fit>,
 }
 
-fn with(instances: &[Instance], more: &Instance) -> Vec<Instance> {
-    let mut all = instances.to_vec();
-    all.push(more.clone());
-    sorted(&all)
+fn with(problem: &Problem, terms: &[Term], more: &Term) -> Vec<Term> {
+    sorted(
+        &problem.context,
+        &[terms, std::slice::from_ref(more)].concat(),
+    )
 }
 
-/// Whether an instance may stand beside others: not twice, and not one joint and
-/// all joints by the same effect.
-fn compatible(instances: &[Instance], more: &Instance) -> bool {
-    use effects::Target;
-    instances.iter().all(|i| {
-        let same = i.effect.name() == more.effect.name();
-        let all = i.target == Target::AllJoints || more.target == Target::AllJoints;
-        let cells = i.effect.stage() == Stage::Cells && more.effect.stage() == Stage::Cells;
-        !(same && (i.target == more.target || all)) && !cells
-    })
+/// Whether a term may stand beside others.
+fn compatible(terms: &[Term], more: &Term) -> bool {
+    terms.iter().all(|term| term.is_compatible(more))
 }
 
-fn kinds(instances: &[Instance]) -> String {
-    let mut names: Vec<&str> = instances.iter().map(|i| i.effect.name()).collect();
+fn kinds(terms: &[Term]) -> Vec<&'static str> {
+    let mut names: Vec<&str> = terms.iter().map(Term::name).collect();
     names.sort_unstable();
-    names.join("+")
+    names
 }
 
-fn rank(instance: &Instance) -> usize {
-    let name = instance.effect.name();
-    LIST.iter()
-        .position(|e| e.name() == name)
-        .unwrap_or(LIST.len())
-}
-
-pub fn sorted(instances: &[Instance]) -> Vec<Instance> {
-    let mut all = instances.to_vec();
-    all.sort_by(|a, b| rank(a).cmp(&rank(b)).then_with(|| a.target.cmp(&b.target)));
-    all
-}
-
-fn key(problem: &Problem, instances: &[Instance]) -> String {
-    let labels = instances
+/// The order of hypotheses that are equally good.
+fn ranks(problem: &Problem, terms: &[Term]) -> Vec<(usize, Target)> {
+    terms
         .iter()
-        .map(|i| format!("{:02}{}", rank(i), problem.setting.name_of(&i.target)));
-    labels.collect::<Vec<_>>().join(" + ")
+        .map(|term| term.rank(&problem.context))
+        .collect()
 }

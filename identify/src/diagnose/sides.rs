@@ -6,8 +6,9 @@
 
 use std::rc::Rc;
 
+use super::hypothesis::Term;
 use nalgebra::DVector;
-use sesc_model::effects::{Circumstances, Instance, ROUNDS};
+use sesc_model::effects::{Circumstances, ROUNDS};
 
 use super::problem::{Fit, Problem};
 
@@ -30,21 +31,16 @@ pub struct Sides {
 
 /// The side of every slack joint in every posture: gravity's, and where that is
 /// nearly even and `fit` is there to say what is left over, the reading's.
-pub fn settle(
-    problem: &Problem,
-    instances: &[Instance],
-    unknowns: &[f64],
-    fit: Option<&Fit>,
-) -> Sides {
-    let layout = Circumstances::of(problem.setting.model);
-    let (n, dof) = (problem.data.len(), problem.setting.model.dof());
-    let joints = problem.slack_joints(instances);
+pub fn settle(problem: &Problem, terms: &[Term], unknowns: &[f64], fit: Option<&Fit>) -> Sides {
+    let layout = Circumstances::of(problem.context.model);
+    let (n, dof) = (problem.data.len(), problem.context.model.dof());
+    let joints = problem.slack_joints(terms);
     let mut circumstances = problem.data.circumstances.clone();
     let mut out = Vec::new();
     // From the middle of every band, all at once: as `Measured::bend` has it.
     joints_at(problem, &joints, &mut circumstances, |_, _| 0.0);
     for _ in 0..ROUNDS {
-        out = problem.evaluate_moments(instances, unknowns, &circumstances);
+        out = problem.evaluate_moments(terms, unknowns, &circumstances);
         joints_at(problem, &joints, &mut circumstances, |before, at| {
             let step = if out[at] < 0.0 { -1.0 } else { 1.0 };
             before + step / ROUNDS as f64
@@ -53,8 +49,8 @@ pub fn settle(
     let mut price = 0.0;
     let mut flipped = Vec::new();
     if fit.is_some() {
-        let residual = residual_now(problem, instances, unknowns, &circumstances);
-        let excess = problem.masses(instances).beyond_one(&residual);
+        let residual = residual_now(problem, terms, unknowns, &circumstances);
+        let excess = problem.masses(terms).beyond_one(&residual);
         for k in 0..n {
             let near = bistable(
                 problem,
@@ -92,8 +88,8 @@ fn joints_at(
     circumstances: &mut [f64],
     to: impl Fn(f64, usize) -> f64,
 ) {
-    let layout = Circumstances::of(problem.setting.model);
-    let dof = problem.setting.model.dof();
+    let layout = Circumstances::of(problem.context.model);
+    let dof = problem.context.model.dof();
     for k in 0..problem.data.len() {
         for &(joint, _) in joints {
             let side = &mut circumstances[k * layout.len() + layout.side(joint)];
@@ -104,11 +100,11 @@ fn joints_at(
 
 fn residual_now(
     problem: &Problem,
-    instances: &[Instance],
+    terms: &[Term],
     unknowns: &[f64],
     circumstances: &[f64],
 ) -> DVector<f64> {
-    let out = problem.evaluate(instances, unknowns, &problem.data.q, circumstances);
+    let out = problem.evaluate(terms, unknowns, &problem.data.q, circumstances);
     let width = unknowns.len() + 1;
     let rows = 2 * problem.data.len();
     DVector::from_fn(rows, |row, _| {
@@ -132,7 +128,7 @@ fn bistable(
     joints: &[(usize, usize)],
     k: usize,
 ) -> Vec<Near> {
-    let dof = problem.setting.model.dof();
+    let dof = problem.context.model.dof();
     let mut near: Vec<Near> = Vec::new();
     for &(joint, at) in joints {
         let half = 0.5 * unknowns[at].abs();

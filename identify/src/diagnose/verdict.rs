@@ -20,10 +20,10 @@ pub(super) fn sentence(problem: &Problem, found: &Found) -> String {
     let values = words::values(problem, &found.best);
     let clauses: Vec<String> = found
         .best
-        .instances
+        .terms
         .iter()
         .zip(&values)
-        .map(|(i, v)| words::clause(&problem.setting, i, v))
+        .map(|(i, v)| words::clause(&problem.context, i, v))
         .collect();
     let others: Vec<String> = d
         .class
@@ -59,7 +59,7 @@ pub(super) fn sentence(problem: &Problem, found: &Found) -> String {
             ));
         }
         Verdict::Unexplained => {
-            said.push(match found.best.instances.len() {
+            said.push(match found.best.terms.len() {
                 0..4 => format!(
                     "No known effect explains it: χ² is {:.0} where noise leaves {:.0}.",
                     d.leftover.chi2, d.leftover.expected

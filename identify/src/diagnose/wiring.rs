@@ -2,9 +2,9 @@
 //! near linear, so each is computed, alone and beside the best linear effect.
 
 use nalgebra::DVector;
-use sesc_model::effects::{self, Instance};
 
 use super::dictionary::Dictionary;
+use super::hypothesis::{Term, effect_terms, sorted};
 use super::problem::{Fit, Problem};
 use super::search::Proposal;
 
@@ -15,10 +15,10 @@ const BESIDE: usize = 8;
 const FURTHER: usize = 4;
 
 pub fn proposals(problem: &Problem, dictionary: &Dictionary) -> Vec<Proposal> {
-    let setting = &problem.setting;
-    let faults = effects::instances(setting)
+    let context = &problem.context;
+    let faults = effect_terms(context)
         .into_iter()
-        .filter(|i| i.unknowns(setting) == 0 && i.effect.stage() != effects::Stage::Whole);
+        .filter(|term| term.unknowns(context) == 0);
     let mut alone = Vec::new();
     let mut beside = Vec::new();
     for fault in faults {
@@ -37,19 +37,19 @@ pub fn proposals(problem: &Problem, dictionary: &Dictionary) -> Vec<Proposal> {
             .zip(gains)
             .map(|(c, gain)| {
                 (
-                    promise - gain + problem.price(std::slice::from_ref(&c.instance)),
-                    &c.instance,
+                    promise - gain + problem.price(std::slice::from_ref(&c.term)),
+                    &c.term,
                 )
             })
             .min_by(|a, b| a.0.total_cmp(&b.0));
         alone.push(Proposal {
-            instances: vec![fault.clone()],
+            terms: vec![fault.clone()],
             promise,
             parent: None,
         });
         if let Some((promise, more)) = best {
             beside.push(Proposal {
-                instances: super::search::sorted(&[fault.clone(), more.clone()]),
+                terms: sorted(context, &[fault.clone(), more.clone()]),
                 promise,
                 parent: None,
             });
@@ -66,13 +66,13 @@ pub fn proposals(problem: &Problem, dictionary: &Dictionary) -> Vec<Proposal> {
 /// Further faults beside a hypothesis that leaves a large gap: its unknowns stay,
 /// but for what a linear step of theirs takes.
 pub fn beside(problem: &Problem, parent: &Fit) -> Vec<Proposal> {
-    let setting = &problem.setting;
+    let context = &problem.context;
     let data = &problem.data;
     let circumstances = match &parent.circumstances {
         Some(own) => own.as_slice(),
         None => &data.circumstances,
     };
-    let masses = problem.masses(&parent.instances);
+    let masses = problem.masses(&parent.terms);
     let own = &parent.slopes;
     let mut normal = own.tr_mul(&masses.beyond(own));
     for k in 0..normal.nrows() {
@@ -80,25 +80,22 @@ pub fn beside(problem: &Problem, parent: &Fit) -> Vec<Proposal> {
     }
     let factor = normal.cholesky();
     let width = parent.unknowns.len() + 1;
-    let mut proposals: Vec<Proposal> = effects::instances(setting)
+    let mut proposals: Vec<Proposal> = effect_terms(context)
         .into_iter()
-        .filter(|i| i.unknowns(setting) == 0 && i.effect.stage() != effects::Stage::Whole)
-        .filter(|i| !parent.instances.contains(i))
+        .filter(|term| term.unknowns(context) == 0)
+        .filter(|i| !parent.terms.contains(i))
         .filter_map(|fault| {
-            let (q, map) = problem.rewired(&fault);
-            let out = problem.evaluate(&parent.instances, &parent.unknowns, &q, circumstances);
-            let residual = DVector::from_fn(2 * data.len(), |row, _| {
-                let first = row - row % 2;
-                let pair = [out[first * width], out[(first + 1) * width]];
-                (data.reading[row] - map(pair)[row % 2]) * problem.weight[row]
-            });
+            let (q, rewire) = problem.rewired(&fault);
+            let out = problem.evaluate(&parent.terms, &parent.unknowns, &q, circumstances);
+            let values: Vec<f64> = out.iter().step_by(width).copied().collect();
+            let residual = whitened(problem, &rewire.readings(&values));
             let left = masses.beyond_one(&residual);
             let pull = own.tr_mul(&left);
             let gain = factor.as_ref().map_or(0.0, |f| pull.dot(&f.solve(&pull)));
             let price = problem.price(std::slice::from_ref(&fault));
             let promise = residual.dot(&left) - gain + parent.price + price;
             promise.is_finite().then(|| Proposal {
-                instances: super::search::sorted(&[parent.instances.as_slice(), &[fault]].concat()),
+                terms: sorted(context, &[parent.terms.as_slice(), &[fault]].concat()),
                 promise,
                 parent: Some(parent.clone()),
             })
@@ -110,13 +107,15 @@ pub fn beside(problem: &Problem, parent: &Fit) -> Vec<Proposal> {
 }
 
 /// Whitened residuals under a fault.
-fn residual(problem: &Problem, fault: &Instance) -> DVector<f64> {
-    let data = &problem.data;
-    let rows = 2 * data.len();
-    let (q, map) = problem.rewired(fault);
-    let out = problem.evaluate(&[], &[], &q, &data.circumstances);
-    DVector::from_fn(rows, |row, _| {
-        let pair = [out[row - row % 2], out[row - row % 2 + 1]];
-        (data.reading[row] - map(pair)[row % 2]) * problem.weight[row]
+fn residual(problem: &Problem, fault: &Term) -> DVector<f64> {
+    let (q, rewire) = problem.rewired(fault);
+    let out = problem.evaluate(&[], &[], &q, &problem.data.circumstances);
+    whitened(problem, &rewire.readings(&out))
+}
+
+/// (reading − predicted)/σ, two rows per posture.
+fn whitened(problem: &Problem, predicted: &[f64]) -> DVector<f64> {
+    DVector::from_fn(predicted.len(), |row, _| {
+        (problem.data.reading[row] - predicted[row]) * problem.weight[row]
     })
 }

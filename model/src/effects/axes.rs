@@ -7,26 +7,30 @@
 //! No unknown and far from linear: found by full evaluation. A turn by 90° is a
 //! swap with one flip; it is named `sensor_rotation`.
 
-use super::{Effect, Measured, Setting, Stage, Target, Value};
+use super::{Effect, EffectContext, EffectId, Measured, Stage, Target};
 use crate::expr::Id;
 
 pub(super) struct SensorAxes;
 
 impl Effect for SensorAxes {
-    fn name(&self) -> &'static str {
-        "sensor_axes"
+    fn id(&self) -> EffectId {
+        EffectId::new("sensor_axes")
     }
 
     fn stage(&self) -> Stage {
         Stage::Record
     }
 
-    fn targets(&self, _: &Setting) -> Vec<Target> {
+    fn targets(&self, _: &EffectContext) -> Vec<Target> {
         ["swapped", "flip_x", "flip_y"].map(Target::Way).to_vec()
     }
 
-    fn scales(&self, _: &Setting, _: &Target) -> Vec<f64> {
-        Vec::new()
+    fn phrase(&self, target: &Target, _: &str) -> String {
+        match target {
+            Target::Way("swapped") => "swapped axes of the sensor".to_string(),
+            Target::Way("flip_x") => "a flipped x axis of the sensor".to_string(),
+            _ => "a flipped y axis of the sensor".to_string(),
+        }
     }
 
     fn rewrite(&self, target: &Target, at: &mut Measured, _: &[Id]) {
@@ -36,14 +40,6 @@ impl Effect for SensorAxes {
             Target::Way("flip_x") => [at.neg(x), y],
             _ => [x, at.neg(y)],
         };
-    }
-
-    fn values(&self, _: &Setting, _: &Target, _: &[f64]) -> Vec<Value> {
-        Vec::new()
-    }
-
-    fn unknowns(&self, _: &Setting, _: &Target, _: &[f64]) -> Vec<f64> {
-        Vec::new()
     }
 
     fn undo(&self, target: &Target, at: &mut Measured, unknowns: &[Id]) {

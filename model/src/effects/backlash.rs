@@ -10,53 +10,59 @@
 //! moments of both signs, separate them. Near zero moment a joint that carries
 //! the robot can rest on either side: a fit takes the sides from the log.
 
-use super::{Effect, Measured, Setting, Stage, Target, Value};
+use super::{Effect, EffectContext, EffectId, Measured, Parameter, Stage, Target};
 use crate::expr::Id;
 
 pub(super) struct Backlash;
 
 impl Effect for Backlash {
-    fn name(&self) -> &'static str {
-        "backlash"
+    fn id(&self) -> EffectId {
+        EffectId::new("backlash")
     }
 
     fn stage(&self) -> Stage {
         Stage::Bends
     }
 
-    fn targets(&self, setting: &Setting) -> Vec<Target> {
+    fn targets(&self, context: &EffectContext) -> Vec<Target> {
         let mut targets = vec![Target::AllJoints];
-        targets.extend(setting.turning().into_iter().map(Target::Joint));
+        targets.extend(context.revolute().into_iter().map(Target::Joint));
         targets
     }
 
-    fn scales(&self, _: &Setting, _: &Target) -> Vec<f64> {
-        vec![0.02]
+    fn parameters(&self, _: &EffectContext, _: &Target) -> &'static [Parameter] {
+        const PARAMETERS: &[Parameter] = &[Parameter::new("width_rad", 0.02)];
+        PARAMETERS
+    }
+
+    fn phrase(&self, _: &Target, name: &str) -> String {
+        format!("backlash in {name}")
     }
 
     fn rewrite(&self, target: &Target, at: &mut Measured, unknowns: &[Id]) {
         let half = at.constant(0.5);
         let half = at.mul(half, unknowns[0]);
-        for joint in at.turning(target) {
+        for joint in at.revolute(target) {
             at.slack(joint, half);
         }
     }
 
-    fn values(&self, _: &Setting, _: &Target, unknowns: &[f64]) -> Vec<Value> {
-        super::plain(&["width_rad"], unknowns)
+    fn dead_band(&self) -> Option<f64> {
+        Some(0.01)
     }
 
-    fn unknowns(&self, _: &Setting, _: &Target, values: &[f64]) -> Vec<f64> {
-        values.to_vec()
+    fn bound_violation(&self, _: &EffectContext, _: &Target, unknowns: &[f64]) -> Vec<f64> {
+        let mut violation = vec![(-unknowns[0]).max(0.0) / 0.0005];
+        violation.extend(super::beyond(unknowns[0], 0.35, 0.05));
+        violation
     }
 
-    fn excess(&self, _: &Setting, _: &Target, unknowns: &[f64]) -> Vec<f64> {
-        let mut excess = vec![(-unknowns[0]).max(0.0) / 0.0005];
-        excess.extend(super::beyond(unknowns[0], 0.35, 0.05));
-        excess
-    }
-
-    fn fault(&self, _: &Setting, _: &Target, values: &[f64]) -> Option<&'static str> {
+    fn invalid_reason(
+        &self,
+        _: &EffectContext,
+        _: &Target,
+        values: &[f64],
+    ) -> Option<&'static str> {
         let negative = values[0] < 0.0;
         negative.then_some("a dead band is 0 or wider; give width_rad without its sign")
     }

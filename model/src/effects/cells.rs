@@ -13,7 +13,7 @@
 //! share 0.45); small faults of one cell are like an offset. Raw cells show each
 //! directly.
 
-use super::{Effect, Measured, Setting, Stage, Target, Value};
+use super::{Effect, EffectContext, EffectId, Measured, Parameter, Stage, Target};
 use crate::expr::Id;
 use crate::functions::measured::Foot;
 
@@ -167,29 +167,34 @@ fn positive(at: &mut Measured, load: Id) -> Id {
 }
 
 macro_rules! cell_effect {
-    ($(#[$doc:meta])* $type:ident, $name:literal, $scale:expr, $value:literal,
-     $to:expr, $from:expr, $fault:expr, $starts:expr, $bound:expr, $wrong:expr) => {
+    ($(#[$doc:meta])* $type:ident, $name:literal, $phrase:literal, $parameter:expr,
+     $to:expr, $from:expr, $invalid:expr, $starts:expr, $bound:expr, $wrong:expr) => {
         $(#[$doc])*
         pub(super) struct $type;
 
         impl Effect for $type {
-            fn name(&self) -> &'static str {
-                $name
+            fn id(&self) -> EffectId {
+                EffectId::new($name)
             }
 
             fn stage(&self) -> Stage {
                 Stage::Cells
             }
 
-            fn targets(&self, setting: &Setting) -> Vec<Target> {
-                setting.cell_targets()
+            fn targets(&self, context: &EffectContext) -> Vec<Target> {
+                context.cell_targets()
             }
 
-            fn scales(&self, _: &Setting, _: &Target) -> Vec<f64> {
-                vec![$scale]
+            fn parameters(&self, _: &EffectContext, _: &Target) -> &'static [Parameter] {
+                const PARAMETERS: &[Parameter] = &[$parameter];
+                PARAMETERS
             }
 
-            fn starts(&self, _: &Setting, _: &Target) -> Vec<Vec<f64>> {
+            fn phrase(&self, _: &Target, name: &str) -> String {
+                format!($phrase, name)
+            }
+
+            fn starts(&self, _: &EffectContext, _: &Target) -> Vec<Vec<f64>> {
                 let starts: &[f64] = &$starts;
                 starts.iter().map(|x| vec![*x]).collect()
             }
@@ -200,22 +205,32 @@ macro_rules! cell_effect {
                 read_with(target, at, |at, load| wrong(at, load, x));
             }
 
-            fn values(&self, setting: &Setting, _: &Target, unknowns: &[f64]) -> Vec<Value> {
-                let to: fn(&Setting, f64) -> f64 = $to;
-                super::plain(&[$value], &[to(setting, unknowns[0])])
+            fn values(&self, context: &EffectContext, _: &Target, unknowns: &[f64]) -> Vec<f64> {
+                let to: fn(&EffectContext, f64) -> f64 = $to;
+                vec![to(context, unknowns[0])]
             }
 
-            fn unknowns(&self, setting: &Setting, _: &Target, values: &[f64]) -> Vec<f64> {
-                let from: fn(&Setting, f64) -> f64 = $from;
-                vec![from(setting, values[0])]
+            fn unknowns(&self, context: &EffectContext, _: &Target, values: &[f64]) -> Vec<f64> {
+                let from: fn(&EffectContext, f64) -> f64 = $from;
+                vec![from(context, values[0])]
             }
 
-            fn fault(&self, _: &Setting, _: &Target, values: &[f64]) -> Option<&'static str> {
-                let fault: fn(f64) -> Option<&'static str> = $fault;
-                fault(values[0])
+            fn invalid_reason(
+                &self,
+                _: &EffectContext,
+                _: &Target,
+                values: &[f64],
+            ) -> Option<&'static str> {
+                let invalid: fn(f64) -> Option<&'static str> = $invalid;
+                invalid(values[0])
             }
 
-            fn excess(&self, _: &Setting, _: &Target, unknowns: &[f64]) -> Vec<f64> {
+            fn bound_violation(
+                &self,
+                _: &EffectContext,
+                _: &Target,
+                unknowns: &[f64],
+            ) -> Vec<f64> {
                 let bound: fn(f64) -> Vec<f64> = $bound;
                 bound(unknowns[0])
             }
@@ -227,8 +242,8 @@ cell_effect!(
     /// `f' = g f`
     Gain,
     "cell_gain",
-    0.1,
-    "gain",
+    "a gain of foot cell {}",
+    Parameter::new("gain", 0.1),
     |_, x| 1.0 + x,
     |_, g| g - 1.0,
     |g| (g < 0.0).then_some("cells do not pull; give a gain of 0 or more"),
@@ -245,10 +260,10 @@ cell_effect!(
     /// `f' = f + o`, o in N.
     Offset,
     "cell_offset",
-    0.03,
-    "offset_n",
-    |setting, x| x * setting.weight(),
-    |setting, newton| newton / setting.weight(),
+    "a zero offset of foot cell {}",
+    Parameter::new("offset_n", 0.03),
+    |context, x| x * context.weight(),
+    |context, newton| newton / context.weight(),
     |_| None,
     [0.0],
     |x| super::beyond(x, 0.6, 0.05),
@@ -259,8 +274,8 @@ cell_effect!(
     /// `f' = f^γ`, loads over the robot's weight.
     Exponent,
     "cell_exponent",
-    0.1,
-    "exponent",
+    "a bent characteristic of foot cell {}",
+    Parameter::new("exponent", 0.1),
     |_, x| 1.0 + x,
     |_, exponent| exponent - 1.0,
     |e| (e <= 0.0).then_some("such a cell feels no load; give an exponent above 0"),
@@ -278,10 +293,10 @@ cell_effect!(
     /// `f' = s tanh(f / s)`, s in N: nearly true far below s, never above.
     Saturation,
     "cell_saturation",
-    0.05,
-    "level_n",
-    |setting, x| x * setting.weight(),
-    |setting, newton| newton / setting.weight(),
+    "a saturated foot cell {}",
+    Parameter::new("level_n", 0.05),
+    |context, x| x * context.weight(),
+    |context, newton| newton / context.weight(),
     |s| (s <= 0.0).then_some("such a cell feels no load; give a level_n above 0"),
     [0.15, 0.22, 0.3, 0.38, 0.46, 0.54],
     |x| vec![(0.02 - x).max(0.0) / 0.01, (x - 1.0).max(0.0) / 0.01],

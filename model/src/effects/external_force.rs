@@ -9,27 +9,38 @@
 //! it: what pulls down is called a payload, a force pulls sideways or up. The horizontal part is imitated by a slope, an offset, an ankle: whatever
 //! shifts the CoP alike in all postures. Repeat the log without the tether.
 
-use super::setting::GRAVITY;
-use super::{Effect, Measured, Setting, Stage, Target, Value};
+use super::context::GRAVITY;
+use super::{
+    Carry, Effect, EffectContext, EffectId, Experiment, Measured, Parameter, Stage, Target,
+};
 use crate::expr::Id;
 
 pub(super) struct ExternalForce;
 
 impl Effect for ExternalForce {
-    fn name(&self) -> &'static str {
-        "external_force"
+    fn id(&self) -> EffectId {
+        EffectId::new("external_force")
     }
 
     fn stage(&self) -> Stage {
         Stage::Loads
     }
 
-    fn targets(&self, setting: &Setting) -> Vec<Target> {
-        setting.links()
+    fn targets(&self, context: &EffectContext) -> Vec<Target> {
+        context.links()
     }
 
-    fn scales(&self, _: &Setting, _: &Target) -> Vec<f64> {
-        vec![0.02; 3]
+    fn parameters(&self, _: &EffectContext, _: &Target) -> &'static [Parameter] {
+        const PARAMETERS: &[Parameter] = &[
+            Parameter::new("force_x_n", 0.02),
+            Parameter::new("force_y_n", 0.02),
+            Parameter::new("force_z_n", 0.02),
+        ];
+        PARAMETERS
+    }
+
+    fn phrase(&self, _: &Target, name: &str) -> String {
+        format!("a force that pulls at {name}")
     }
 
     fn rewrite(&self, target: &Target, at: &mut Measured, unknowns: &[Id]) {
@@ -38,29 +49,46 @@ impl Effect for ExternalForce {
         }
     }
 
-    fn values(&self, setting: &Setting, _: &Target, unknowns: &[f64]) -> Vec<Value> {
-        // Unknowns: F_xy / N, and the load's share μ = −F_z / N.
-        let share = unknowns[2];
-        let ground = setting.weight() / (1.0 - share);
-        let forces = [ground * unknowns[0], ground * unknowns[1], -ground * share];
-        super::plain(&["force_x_n", "force_y_n", "force_z_n"], &forces)
+    fn load_share(&self, unknowns: &[f64]) -> f64 {
+        unknowns[2]
     }
 
-    fn unknowns(&self, setting: &Setting, _: &Target, values: &[f64]) -> Vec<f64> {
-        let ground = setting.mass() * GRAVITY - values[2];
+    fn in_experiment(&self, experiment: Experiment, _: &Target) -> Carry {
+        match experiment {
+            // The tether stays in the room while the robot turns.
+            Experiment::Turned => Carry::Scaled(vec![-1.0, -1.0, 1.0]),
+            Experiment::Untouched => Carry::Gone,
+            _ => Carry::Same,
+        }
+    }
+
+    fn values(&self, context: &EffectContext, _: &Target, unknowns: &[f64]) -> Vec<f64> {
+        // Unknowns: F_xy / N, and the load's share μ = −F_z / N.
+        let share = unknowns[2];
+        let ground = context.weight() / (1.0 - share);
+        vec![ground * unknowns[0], ground * unknowns[1], -ground * share]
+    }
+
+    fn unknowns(&self, context: &EffectContext, _: &Target, values: &[f64]) -> Vec<f64> {
+        let ground = context.mass() * GRAVITY - values[2];
         vec![values[0] / ground, values[1] / ground, -values[2] / ground]
     }
 
-    fn excess(&self, _: &Setting, _: &Target, unknowns: &[f64]) -> Vec<f64> {
+    fn bound_violation(&self, _: &EffectContext, _: &Target, unknowns: &[f64]) -> Vec<f64> {
         let beyond = |x: &f64| (x.abs() - 0.5).max(0.0) / 0.02;
-        let mut excess: Vec<f64> = unknowns.iter().map(beyond).collect();
+        let mut violation: Vec<f64> = unknowns.iter().map(beyond).collect();
         // A pull straight down is a load in every reading, and is called one.
-        excess.push(unknowns[2].max(0.0) / 0.002);
-        excess
+        violation.push(unknowns[2].max(0.0) / 0.002);
+        violation
     }
 
-    fn fault(&self, setting: &Setting, _: &Target, values: &[f64]) -> Option<&'static str> {
-        let lifted = values[2] >= setting.weight();
+    fn invalid_reason(
+        &self,
+        context: &EffectContext,
+        _: &Target,
+        values: &[f64],
+    ) -> Option<&'static str> {
+        let lifted = values[2] >= context.weight();
         lifted.then_some("it lifts the robot off the ground; give force_z_n below its weight")
     }
 }

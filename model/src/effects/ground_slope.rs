@@ -8,26 +8,36 @@
 //! a sensor offset or a tether while the CoM keeps its height. The same postures
 //! after a turn by 180° on the floor separate it completely.
 
-use super::{Effect, Measured, Setting, Stage, Target, Value};
+use super::{
+    Carry, Effect, EffectContext, EffectId, Experiment, Measured, Parameter, Stage, Target,
+};
 use crate::expr::Id;
 
 pub(super) struct GroundSlope;
 
 impl Effect for GroundSlope {
-    fn name(&self) -> &'static str {
-        "ground_slope"
+    fn id(&self) -> EffectId {
+        EffectId::new("ground_slope")
     }
 
     fn stage(&self) -> Stage {
         Stage::Ground
     }
 
-    fn targets(&self, _: &Setting) -> Vec<Target> {
+    fn targets(&self, _: &EffectContext) -> Vec<Target> {
         vec![Target::Whole]
     }
 
-    fn scales(&self, _: &Setting, _: &Target) -> Vec<f64> {
-        vec![0.01; 2]
+    fn parameters(&self, _: &EffectContext, _: &Target) -> &'static [Parameter] {
+        const PARAMETERS: &[Parameter] = &[
+            Parameter::new("slope_x", 0.01),
+            Parameter::new("slope_y", 0.01),
+        ];
+        PARAMETERS
+    }
+
+    fn phrase(&self, _: &Target, _: &str) -> String {
+        "a slope of the ground".to_string()
     }
 
     fn rewrite(&self, _: &Target, at: &mut Measured, unknowns: &[Id]) {
@@ -36,11 +46,11 @@ impl Effect for GroundSlope {
         }
     }
 
-    fn values(&self, _: &Setting, _: &Target, unknowns: &[f64]) -> Vec<Value> {
-        super::plain(&["slope_x", "slope_y"], unknowns)
-    }
-
-    fn unknowns(&self, _: &Setting, _: &Target, values: &[f64]) -> Vec<f64> {
-        values.to_vec()
+    fn in_experiment(&self, experiment: Experiment, _: &Target) -> Carry {
+        match experiment {
+            // The ground stays as it is while the robot turns.
+            Experiment::Turned => Carry::Scaled(vec![-1.0; 2]),
+            _ => Carry::Same,
+        }
     }
 }

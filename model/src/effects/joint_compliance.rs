@@ -8,55 +8,65 @@
 //! support ankle by a sensor gain of that axis, a soft sole or soft ground: the
 //! moment is weight times CoP there. Squats of different depth separate them.
 
-use super::{Effect, Measured, Setting, Stage, Target, Value};
+use super::{Effect, EffectContext, EffectId, Measured, Parameter, Stage, Target};
 use crate::expr::Id;
 
 pub(super) struct JointCompliance;
 
 impl Effect for JointCompliance {
-    fn name(&self) -> &'static str {
-        "joint_compliance"
+    fn id(&self) -> EffectId {
+        EffectId::new("joint_compliance")
     }
 
     fn stage(&self) -> Stage {
         Stage::Bends
     }
 
-    fn targets(&self, setting: &Setting) -> Vec<Target> {
+    fn targets(&self, context: &EffectContext) -> Vec<Target> {
         let mut targets = vec![Target::AllJoints];
-        targets.extend(setting.turning().into_iter().map(Target::Joint));
+        targets.extend(context.revolute().into_iter().map(Target::Joint));
         targets
     }
 
-    fn scales(&self, _: &Setting, _: &Target) -> Vec<f64> {
-        vec![0.3]
+    fn parameters(&self, _: &EffectContext, _: &Target) -> &'static [Parameter] {
+        const PARAMETERS: &[Parameter] = &[Parameter::new("stiffness_nm_per_rad", 0.3)];
+        PARAMETERS
+    }
+
+    fn phrase(&self, _: &Target, name: &str) -> String {
+        format!("compliance of {name}")
     }
 
     fn rewrite(&self, target: &Target, at: &mut Measured, unknowns: &[Id]) {
-        for joint in at.turning(target) {
+        for joint in at.revolute(target) {
             at.spring(joint, unknowns[0]);
         }
     }
 
-    fn values(&self, setting: &Setting, _: &Target, unknowns: &[f64]) -> Vec<Value> {
+    fn values(&self, context: &EffectContext, _: &Target, unknowns: &[f64]) -> Vec<f64> {
         // Unknown: rad per metre of moment over weight.
-        super::plain(&["stiffness_nm_per_rad"], &[setting.weight() / unknowns[0]])
+        vec![context.weight() / unknowns[0]]
     }
 
-    fn unknowns(&self, setting: &Setting, _: &Target, values: &[f64]) -> Vec<f64> {
-        vec![setting.weight() / values[0]]
+    fn unknowns(&self, context: &EffectContext, _: &Target, values: &[f64]) -> Vec<f64> {
+        vec![context.weight() / values[0]]
     }
 
-    fn excess(&self, setting: &Setting, _: &Target, unknowns: &[f64]) -> Vec<f64> {
+    fn bound_violation(&self, context: &EffectContext, _: &Target, unknowns: &[f64]) -> Vec<f64> {
         // Springs push back; beyond half of what buckles under the robot's own
         // weight it could not have stood.
-        let most = 0.5 / setting.height();
-        let mut excess = vec![(-unknowns[0]).max(0.0) / 0.005];
-        excess.extend(super::beyond(unknowns[0], most, 0.1 * most));
-        excess
+        let most = 0.5 / context.height();
+        let mut violation = vec![(-unknowns[0]).max(0.0) / 0.005];
+        violation.extend(super::beyond(unknowns[0], most, 0.1 * most));
+        violation
     }
 
-    fn fault(&self, _: &Setting, _: &Target, values: &[f64]) -> Option<&'static str> {
+    fn invalid_reason(
+        &self,
+        _: &EffectContext,
+        _: &Target,
+        values: &[f64],
+    ) -> Option<&'static str> {
         let soft = values[0] <= 0.0;
         soft.then_some("a stiffness of 0 or less holds nothing; give Nm/rad above 0")
     }

@@ -7,26 +7,33 @@
 //! Imitated by the offset of a joint with a parallel axis (ankle pitch, knee, hip
 //! pitch) and at the ankles by a slope. Deep squats separate the parallel ones.
 
-use super::{Effect, Measured, Setting, Stage, Target, Value};
+use super::{Effect, EffectContext, EffectId, Measured, Parameter, Stage, Target, UrdfEdit};
 use crate::expr::Id;
+use crate::urdf::Shift;
 
 pub(super) struct JointOffset;
 
 impl Effect for JointOffset {
-    fn name(&self) -> &'static str {
-        "joint_offset"
+    fn id(&self) -> EffectId {
+        EffectId::new("joint_offset")
     }
 
     fn stage(&self) -> Stage {
         Stage::Joints
     }
 
-    fn targets(&self, setting: &Setting) -> Vec<Target> {
-        setting.joints()
+    fn targets(&self, context: &EffectContext) -> Vec<Target> {
+        context.joints()
     }
 
-    fn scales(&self, _: &Setting, _: &Target) -> Vec<f64> {
-        vec![0.02]
+    fn parameters(&self, context: &EffectContext, target: &Target) -> &'static [Parameter] {
+        const REVOLUTE: &[Parameter] = &[Parameter::new("offset_rad", 0.02)];
+        const PRISMATIC: &[Parameter] = &[Parameter::new("offset_m", 0.02)];
+        context.by_kind(target, REVOLUTE, PRISMATIC)
+    }
+
+    fn phrase(&self, _: &Target, name: &str) -> String {
+        format!("an offset of {name}")
     }
 
     fn rewrite(&self, target: &Target, at: &mut Measured, unknowns: &[Id]) {
@@ -35,16 +42,19 @@ impl Effect for JointOffset {
         }
     }
 
-    fn values(&self, setting: &Setting, target: &Target, unknowns: &[f64]) -> Vec<Value> {
-        let name = setting.by_kind(target, "offset_rad", "offset_m");
-        super::plain(&[name], unknowns)
+    fn reports_smallest_detectable(&self) -> bool {
+        true
     }
 
-    fn unknowns(&self, _: &Setting, _: &Target, values: &[f64]) -> Vec<f64> {
-        values.to_vec()
+    fn urdf_edit(&self, target: &str, value: &dyn Fn(&str) -> f64) -> Option<UrdfEdit> {
+        Some(UrdfEdit::Joint(Shift {
+            joint: target.to_string(),
+            // One of the two is there, the other 0.
+            by: value("offset_rad") + value("offset_m"),
+        }))
     }
 
-    fn excess(&self, _: &Setting, _: &Target, unknowns: &[f64]) -> Vec<f64> {
+    fn bound_violation(&self, _: &EffectContext, _: &Target, unknowns: &[f64]) -> Vec<f64> {
         super::beyond(unknowns[0], 0.7, 0.1)
     }
 }

@@ -7,26 +7,31 @@
 //! Imitated by the same joint's offset while the joint keeps to a narrow range
 //! away from zero; a wide range on both sides of zero separates the two.
 
-use super::{Effect, Measured, Setting, Stage, Target, Value};
+use super::{Effect, EffectContext, EffectId, Measured, Parameter, Stage, Target};
 use crate::expr::Id;
 
 pub(super) struct JointScale;
 
 impl Effect for JointScale {
-    fn name(&self) -> &'static str {
-        "joint_scale"
+    fn id(&self) -> EffectId {
+        EffectId::new("joint_scale")
     }
 
     fn stage(&self) -> Stage {
         Stage::Joints
     }
 
-    fn targets(&self, setting: &Setting) -> Vec<Target> {
-        setting.joints()
+    fn targets(&self, context: &EffectContext) -> Vec<Target> {
+        context.joints()
     }
 
-    fn scales(&self, _: &Setting, _: &Target) -> Vec<f64> {
-        vec![0.05]
+    fn parameters(&self, _: &EffectContext, _: &Target) -> &'static [Parameter] {
+        const PARAMETERS: &[Parameter] = &[Parameter::new("scale", 0.05)];
+        PARAMETERS
+    }
+
+    fn phrase(&self, _: &Target, name: &str) -> String {
+        format!("a wrong scale of {name}")
     }
 
     fn rewrite(&self, target: &Target, at: &mut Measured, unknowns: &[Id]) {
@@ -38,15 +43,15 @@ impl Effect for JointScale {
         }
     }
 
-    fn values(&self, _: &Setting, _: &Target, unknowns: &[f64]) -> Vec<Value> {
-        super::plain(&["scale"], &[1.0 + unknowns[0]])
+    fn values(&self, _: &EffectContext, _: &Target, unknowns: &[f64]) -> Vec<f64> {
+        vec![1.0 + unknowns[0]]
     }
 
-    fn unknowns(&self, _: &Setting, _: &Target, values: &[f64]) -> Vec<f64> {
+    fn unknowns(&self, _: &EffectContext, _: &Target, values: &[f64]) -> Vec<f64> {
         vec![values[0] - 1.0]
     }
 
-    fn excess(&self, _: &Setting, _: &Target, unknowns: &[f64]) -> Vec<f64> {
+    fn bound_violation(&self, _: &EffectContext, _: &Target, unknowns: &[f64]) -> Vec<f64> {
         super::beyond(unknowns[0], 0.9, 0.05)
     }
 }

@@ -6,26 +6,26 @@
 //!
 //! No unknown and far from linear: found by full evaluation.
 
-use super::{Effect, Measured, Setting, Stage, Target, Value};
+use super::{Effect, EffectContext, EffectId, Measured, Stage, Target};
 use crate::expr::Id;
 
 pub(super) struct JointSign;
 
 impl Effect for JointSign {
-    fn name(&self) -> &'static str {
-        "joint_sign"
+    fn id(&self) -> EffectId {
+        EffectId::new("joint_sign")
     }
 
     fn stage(&self) -> Stage {
         Stage::Wiring
     }
 
-    fn targets(&self, setting: &Setting) -> Vec<Target> {
-        setting.joints()
+    fn targets(&self, context: &EffectContext) -> Vec<Target> {
+        context.joints()
     }
 
-    fn scales(&self, _: &Setting, _: &Target) -> Vec<f64> {
-        Vec::new()
+    fn phrase(&self, _: &Target, name: &str) -> String {
+        format!("a reversed encoder of {name}")
     }
 
     fn rewrite(&self, target: &Target, at: &mut Measured, _: &[Id]) {
@@ -33,13 +33,5 @@ impl Effect for JointSign {
             at.joints[j] = at.neg(at.joints[j]);
             at.wired[j] = at.joints[j];
         }
-    }
-
-    fn values(&self, _: &Setting, _: &Target, _: &[f64]) -> Vec<Value> {
-        Vec::new()
-    }
-
-    fn unknowns(&self, _: &Setting, _: &Target, _: &[f64]) -> Vec<f64> {
-        Vec::new()
     }
 }

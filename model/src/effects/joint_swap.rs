@@ -6,30 +6,33 @@
 //!
 //! No unknown and far from linear: found by full evaluation of every pair.
 
-use super::{Effect, Measured, Setting, Stage, Target, Value};
+use super::{Effect, EffectContext, EffectId, Measured, Stage, Target};
 use crate::expr::Id;
 
 pub(super) struct JointSwap;
 
 impl Effect for JointSwap {
-    fn name(&self) -> &'static str {
-        "joint_swap"
+    fn id(&self) -> EffectId {
+        EffectId::new("joint_swap")
     }
 
     fn stage(&self) -> Stage {
         Stage::Wiring
     }
 
-    fn targets(&self, setting: &Setting) -> Vec<Target> {
-        let joints = setting.turning();
+    fn targets(&self, context: &EffectContext) -> Vec<Target> {
+        let joints = context.revolute();
         let pairs = joints.iter().enumerate();
         pairs
             .flat_map(|(k, &a)| joints[k + 1..].iter().map(move |&b| Target::Joints(a, b)))
             .collect()
     }
 
-    fn scales(&self, _: &Setting, _: &Target) -> Vec<f64> {
-        Vec::new()
+    fn phrase(&self, _: &Target, name: &str) -> String {
+        format!(
+            "encoders of {} plugged into each other's channel",
+            name.replace(',', " and ")
+        )
     }
 
     fn rewrite(&self, target: &Target, at: &mut Measured, _: &[Id]) {
@@ -37,13 +40,5 @@ impl Effect for JointSwap {
             at.joints.swap(a, b);
             at.wired.swap(a, b);
         }
-    }
-
-    fn values(&self, _: &Setting, _: &Target, _: &[f64]) -> Vec<Value> {
-        Vec::new()
-    }
-
-    fn unknowns(&self, _: &Setting, _: &Target, _: &[f64]) -> Vec<f64> {
-        Vec::new()
     }
 }

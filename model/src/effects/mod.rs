@@ -1,17 +1,24 @@
 //! Effects: what a real robot does that its URDF does not say.
 //!
-//! Each effect is a rewrite of the symbolic measurement ([`Measured`]), with
-//! its unknowns as expressions; derivatives, fits, Rust and C follow from that
-//! one text, and so does the way back from a reading. A new effect is one file and
-//! one line in [`LIST`].
+//! ```text
+//! y = h(q; e)        e = 0: the nominal measurement
+//! ```
 //!
-//! An *instance* is an effect at its target: `joint_offset` of `l_knee`.
+//! Each effect is a rewrite of the symbolic measurement ([`Measured`]) with its
+//! unknowns e as expressions; derivatives, fits, Rust and C follow from that one
+//! text, and so does the inverse of a sensor. Whatever else is known of an effect
+//! (its sentence, bounds, load, edit of a URDF, behaviour in an experiment) is a
+//! method of [`Effect`]: a new effect is one file and one line in the catalog.
 
 mod axes;
 mod backlash;
+mod catalog;
 pub mod cells;
+mod context;
+mod experiment;
 mod external_force;
 mod ground_slope;
+mod instance;
 mod joint_compliance;
 mod joint_offset;
 mod joint_scale;
@@ -22,21 +29,28 @@ mod sensor_drift;
 mod sensor_gain;
 mod sensor_offset;
 mod sensor_rotation;
-mod setting;
 mod time_delay;
 mod units;
 mod unsettled_motion;
-mod whole;
 
 use crate::expr::Id;
 pub use crate::functions::circumstances::{Circumstances, Source};
-pub use crate::functions::correction::perceived;
-pub use crate::functions::diagnosis::{foretelling, joints, moments, reading};
+pub use crate::functions::correction::sensor_reading;
+pub use crate::functions::diagnosis::{
+    joints, moments, reading, tilted_cop, wired_joints, wired_reading,
+};
 pub use crate::functions::measured::{Measured, ROUNDS};
-pub use setting::{Setting, Target};
+use crate::urdf::{Load, Shift};
+pub use catalog::{Catalog, EffectId};
+pub use context::{EffectContext, Target};
+pub use experiment::{Carry, Experiment};
+pub use instance::{Instance, instances};
+pub(crate) use instance::{apply, sense, undo};
+pub use payload::known_weight;
 
-/// When an effect comes in, first to last.
+/// When an effect acts, first to last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[non_exhaustive]
 pub enum Stage {
     /// Which channel is which joint, in what unit.
     Wiring,
@@ -58,54 +72,91 @@ pub enum Stage {
     Offset,
     /// The record: order and units of readings.
     Record,
-    /// No rewrite: noise, or the parameters themselves.
-    Whole,
 }
 
-/// A quantity as people know it.
+/// A parameter of an effect as people know it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parameter {
+    /// With its unit at the end: `offset_rad`, `mass_kg`.
+    pub name: &'static str,
+    /// An ordinary size of the unknown that it belongs to.
+    pub scale: f64,
+}
+
+impl Parameter {
+    /// A parameter and an ordinary size of its unknown.
+    pub const fn new(name: &'static str, scale: f64) -> Parameter {
+        Parameter { name, scale }
+    }
+}
+
+/// A parameter with its value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Value {
     /// With its unit: `offset_rad`, `mass_kg`.
     pub name: &'static str,
+    /// In that unit.
     pub value: f64,
+}
+
+/// What a URDF can hold of an effect.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum UrdfEdit {
+    /// The origin of a joint moves.
+    Joint(Shift),
+    /// A link carries a mass; below zero it lacks one.
+    Mass(Load),
 }
 
 /// One kind of imperfection.
 pub trait Effect: Sync {
-    /// As in reports and model files: `joint_offset`.
-    fn name(&self) -> &'static str;
+    /// Which one it is; its name is that of reports and model files.
+    fn id(&self) -> EffectId;
 
+    /// When it acts.
     fn stage(&self) -> Stage;
 
-    /// Everything it can be the matter with, on this robot and in this log.
-    fn targets(&self, setting: &Setting) -> Vec<Target>;
+    /// Joints, links or cells that it may act on, on this robot and in this log.
+    fn targets(&self, context: &EffectContext) -> Vec<Target>;
 
-    /// A size of each unknown that is ordinary; its count is the number of unknowns.
-    fn scales(&self, setting: &Setting, target: &Target) -> Vec<f64>;
+    /// Its parameters, one per unknown.
+    fn parameters(&self, _: &EffectContext, _: &Target) -> &'static [Parameter] {
+        &[]
+    }
+
+    /// The subject of a sentence about it: `an offset of l_knee`; `name` is that of
+    /// the target, `every joint` where it acts on all.
+    fn phrase(&self, target: &Target, name: &str) -> String;
 
     /// Where a fit may start; no effect at all unless that has no slope.
-    fn starts(&self, setting: &Setting, target: &Target) -> Vec<Vec<f64>> {
-        vec![vec![0.0; self.scales(setting, target).len()]]
+    fn starts(&self, context: &EffectContext, target: &Target) -> Vec<Vec<f64>> {
+        vec![vec![0.0; self.parameters(context, target).len()]]
     }
 
     /// Write the effect into the measurement; one expression per unknown.
     fn rewrite(&self, target: &Target, at: &mut Measured, unknowns: &[Id]);
 
-    /// What the unknowns mean.
-    fn values(&self, setting: &Setting, target: &Target, unknowns: &[f64]) -> Vec<Value>;
+    /// Values of the parameters that these unknowns mean: the same unless they
+    /// are fitted on another scale.
+    fn values(&self, _: &EffectContext, _: &Target, unknowns: &[f64]) -> Vec<f64> {
+        unknowns.to_vec()
+    }
 
-    /// The unknowns that have these values, in the order of [`Effect::values`].
-    fn unknowns(&self, setting: &Setting, target: &Target, values: &[f64]) -> Vec<f64>;
+    /// The unknowns that have these values: the inverse of [`Effect::values`].
+    fn unknowns(&self, _: &EffectContext, _: &Target, values: &[f64]) -> Vec<f64> {
+        values.to_vec()
+    }
 
     /// How far the unknowns are beyond what is physical, in units in which 1 is
     /// clearly too far; one entry per bound, zero within it.
-    fn excess(&self, _: &Setting, _: &Target, _: &[f64]) -> Vec<f64> {
+    fn bound_violation(&self, _: &EffectContext, _: &Target, _: &[f64]) -> Vec<f64> {
         Vec::new()
     }
 
-    /// What keeps a robot from having these values (in the order of
-    /// [`Effect::values`]), in words that name the remedy.
-    fn fault(&self, _: &Setting, _: &Target, _: &[f64]) -> Option<&'static str> {
+    /// Why no robot can have these values (in the order of the parameters), in
+    /// words that name the remedy.
+    fn invalid_reason(&self, _: &EffectContext, _: &Target, _: &[f64]) -> Option<&'static str> {
         None
     }
 
@@ -114,16 +165,52 @@ pub trait Effect: Sync {
         None
     }
 
-    /// Whether a posture alone, without the log around it, shows the effect, so
-    /// that it can be part of generated code.
-    fn of_posture(&self) -> bool {
+    /// Whether one posture shows the effect without the log around it, so that it
+    /// can be part of generated code.
+    fn is_static(&self) -> bool {
         true
     }
 
-    /// Whether it comes between the CoP and its reading, so that a reading can be
-    /// freed from it.
-    fn of_sensor(&self, _: &Target) -> bool {
+    /// Whether it comes between the CoP and its reading, so that `correct_cop` can
+    /// invert it.
+    fn is_sensor_effect(&self, _: &Target) -> bool {
         (Stage::Cells..=Stage::Record).contains(&self.stage())
+    }
+
+    /// Whether `units:degrees` (true) or `units` alone (false) is its label.
+    fn label_has_target(&self) -> bool {
+        true
+    }
+
+    /// Share of the weight on the ground that it adds; a sum of raw cells shows it.
+    fn load_share(&self, _unknowns: &[f64]) -> f64 {
+        0.0
+    }
+
+    /// The width that a fit begins with, where the first unknown is the width of a
+    /// dead band: on which side of it a joint rests is then fitted posture by posture.
+    fn dead_band(&self) -> Option<f64> {
+        None
+    }
+
+    /// Whether a diagnosis says how small an effect of this kind the log would show.
+    fn reports_smallest_detectable(&self) -> bool {
+        false
+    }
+
+    /// What becomes of it in a further experiment on the same robot.
+    fn in_experiment(&self, experiment: Experiment, _: &Target) -> Carry {
+        match experiment {
+            // Another foot has another sensor.
+            Experiment::OtherFoot if self.stage() >= Stage::Cells => Carry::Gone,
+            _ => Carry::Same,
+        }
+    }
+
+    /// What a URDF can hold of it: `target` as a model file names it, `value` of a
+    /// parameter by name (0 where there is none).
+    fn urdf_edit(&self, _target: &str, _value: &dyn Fn(&str) -> f64) -> Option<UrdfEdit> {
+        None
     }
 
     /// Take the effect back: the reading with it becomes the one without.
@@ -133,174 +220,6 @@ pub trait Effect: Sync {
     fn undo(&self, target: &Target, at: &mut Measured, unknowns: &[Id]) {
         at.solve(|at| self.rewrite(target, at, unknowns));
     }
-}
-
-/// All effects, in the order in which ties are broken: the plainest first.
-pub const LIST: &[&dyn Effect] = &[
-    &sensor_offset::SensorOffset,
-    &sensor_rotation::SensorRotation,
-    &sensor_gain::SensorGain,
-    &ground_slope::GroundSlope,
-    &joint_offset::JointOffset,
-    &joint_scale::JointScale,
-    &joint_compliance::JointCompliance,
-    &backlash::Backlash,
-    &payload::Payload,
-    &external_force::ExternalForce,
-    &sensor_drift::SensorDrift,
-    &cells::Gain,
-    &cells::Offset,
-    &cells::Exponent,
-    &cells::Saturation,
-    &time_delay::TimeDelay,
-    &unsettled_motion::UnsettledMotion,
-    &joint_sign::JointSign,
-    &joint_swap::JointSwap,
-    &axes::SensorAxes,
-    &units::Units,
-    &whole::CopOutliers,
-    &whole::MassDistribution,
-];
-
-/// The effect of this name.
-pub fn named(name: &str) -> Option<&'static dyn Effect> {
-    LIST.iter().copied().find(|effect| effect.name() == name)
-}
-
-/// An effect at its target.
-#[derive(Clone)]
-pub struct Instance {
-    pub effect: &'static dyn Effect,
-    pub target: Target,
-}
-
-impl PartialEq for Instance {
-    fn eq(&self, other: &Instance) -> bool {
-        self.effect.name() == other.effect.name() && self.target == other.target
-    }
-}
-
-impl std::fmt::Debug for Instance {
-    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-        write!(f, "{}:{:?}", self.effect.name(), self.target)
-    }
-}
-
-impl Instance {
-    /// Number of unknowns.
-    pub fn unknowns(&self, setting: &Setting) -> usize {
-        self.effect.scales(setting, &self.target).len()
-    }
-
-    /// `joint_offset:l_knee`; the name alone where there is no target.
-    pub fn label(&self, setting: &Setting) -> String {
-        match setting.name_of(&self.target) {
-            // Which unit it is belongs to the finding, not to its name.
-            target if target == "-" || self.effect.name() == "units" => {
-                self.effect.name().to_string()
-            }
-            target => format!("{}:{target}", self.effect.name()),
-        }
-    }
-}
-
-/// Every instance that can be the matter.
-pub fn instances(setting: &Setting) -> Vec<Instance> {
-    let of = |effect: &&'static dyn Effect| {
-        let effect = *effect;
-        let targets = effect.targets(setting).into_iter();
-        targets.map(move |target| Instance { effect, target })
-    };
-    LIST.iter().flat_map(of).collect()
-}
-
-/// Instances with their own unknowns in the order of their stages; those of one
-/// stage as they are given. Split at the CoP.
-#[allow(clippy::type_complexity)]
-fn by_stage<'i>(
-    setting: &Setting,
-    instances: &'i [Instance],
-    unknowns: &'i [Id],
-) -> [Vec<(&'i Instance, &'i [Id])>; 2] {
-    let mut parts = Vec::with_capacity(instances.len());
-    let mut rest = unknowns;
-    for instance in instances {
-        let (own, after) = rest.split_at(instance.unknowns(setting));
-        parts.push((instance, own));
-        rest = after;
-    }
-    parts.sort_by_key(|(instance, _)| instance.effect.stage());
-    let split = parts.partition_point(|(instance, _)| instance.effect.stage() <= Stage::Bends);
-    let after = parts.split_off(split);
-    [parts, after]
-}
-
-/// Write `instances` into the nominal measurement, stage by stage, with
-/// `unknowns` in the order of the instances.
-pub(crate) fn apply(
-    measured: &mut Measured,
-    setting: &Setting,
-    instances: &[Instance],
-    unknowns: &[Id],
-) {
-    let [before, after] = by_stage(setting, instances, unknowns);
-    for (instance, own) in before {
-        instance.effect.rewrite(&instance.target, measured, own);
-    }
-    measured.bend();
-    measured.stand();
-    for (instance, own) in after {
-        instance.effect.rewrite(&instance.target, measured, own);
-    }
-    measured.record();
-}
-
-/// The sensor's part of [`apply`], from a CoP in [`Measured::reading`].
-pub(crate) fn sense(
-    measured: &mut Measured,
-    setting: &Setting,
-    instances: &[Instance],
-    unknowns: &[Id],
-) {
-    let [before, after] = by_stage(setting, instances, unknowns);
-    for (instance, own) in before.into_iter().chain(after) {
-        instance.effect.rewrite(&instance.target, measured, own);
-    }
-    measured.record();
-}
-
-/// The inverse of [`sense`]: last stage first.
-pub(crate) fn undo(
-    measured: &mut Measured,
-    setting: &Setting,
-    instances: &[Instance],
-    unknowns: &[Id],
-) {
-    let [before, after] = by_stage(setting, instances, unknowns);
-    // The record's unit.
-    for (instance, own) in before {
-        instance.effect.rewrite(&instance.target, measured, own);
-    }
-    measured.unrecord();
-    let of_cells = |part: &&(&Instance, &[Id])| part.0.effect.stage() == Stage::Cells;
-    let cells: Vec<_> = after.iter().filter(of_cells).collect();
-    for (instance, own) in after.iter().rev().filter(|part| !of_cells(part)) {
-        instance.effect.undo(&instance.target, measured, own);
-    }
-    if !cells.is_empty() {
-        measured.solve(|at| {
-            at.foot = None;
-            for (instance, own) in &cells {
-                instance.effect.rewrite(&instance.target, at, own);
-            }
-        });
-    }
-}
-
-/// Values that are what their names say.
-fn plain(names: &[&'static str], values: &[f64]) -> Vec<Value> {
-    let pairs = names.iter().zip(values);
-    pairs.map(|(&name, &value)| Value { name, value }).collect()
 }
 
 /// How far |x| is beyond `most`, in units of `unit`.

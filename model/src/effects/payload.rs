@@ -9,26 +9,57 @@
 //! of raw cells shows the mass itself. Bounds: the arm stays within reach of the
 //! link, no more is missing than the link's body has.
 
-use super::{Effect, Measured, Setting, Stage, Target, Value};
+use super::{
+    Effect, EffectContext, EffectId, Instance, Measured, Parameter, Stage, Target, UrdfEdit,
+};
 use crate::expr::Id;
+use crate::urdf::Load;
+
+/// A known weight on the heaviest link, which carries it without bending an arm:
+/// `mass_kg` at `x_m` ahead of its origin, as an instance with its unknowns.
+pub fn known_weight(
+    context: &EffectContext,
+    mass_kg: f64,
+    x_m: f64,
+) -> Option<(Instance, Vec<f64>)> {
+    let mass_of = |target: &Target| match target {
+        Target::Link(link) => context.mass_of(*link),
+        _ => 0.0,
+    };
+    let links = context.links().into_iter();
+    let target = links.max_by(|a, b| mass_of(a).total_cmp(&mass_of(b)))?;
+    let unknowns = Payload.unknowns(context, &target, &[mass_kg, x_m, 0.0, 0.0]);
+    let effect: &'static dyn Effect = &Payload;
+    Some((Instance { effect, target }, unknowns))
+}
 
 pub(super) struct Payload;
 
 impl Effect for Payload {
-    fn name(&self) -> &'static str {
-        "payload"
+    fn id(&self) -> EffectId {
+        EffectId::new("payload")
     }
 
     fn stage(&self) -> Stage {
         Stage::Loads
     }
 
-    fn targets(&self, setting: &Setting) -> Vec<Target> {
-        setting.links()
+    fn targets(&self, context: &EffectContext) -> Vec<Target> {
+        context.links()
     }
 
-    fn scales(&self, _: &Setting, _: &Target) -> Vec<f64> {
-        vec![0.03, 0.002, 0.002, 0.002]
+    fn parameters(&self, _: &EffectContext, _: &Target) -> &'static [Parameter] {
+        const PARAMETERS: &[Parameter] = &[
+            Parameter::new("mass_kg", 0.03),
+            Parameter::new("x_m", 0.002),
+            Parameter::new("y_m", 0.002),
+            Parameter::new("z_m", 0.002),
+        ];
+        PARAMETERS
+    }
+
+    fn phrase(&self, _: &Target, name: &str) -> String {
+        format!("an unknown mass on {name}")
     }
 
     fn rewrite(&self, target: &Target, at: &mut Measured, unknowns: &[Id]) {
@@ -37,37 +68,58 @@ impl Effect for Payload {
         }
     }
 
-    fn values(&self, setting: &Setting, _: &Target, unknowns: &[f64]) -> Vec<Value> {
-        let share = unknowns[0];
-        let mass = setting.mass() * share / (1.0 - share);
-        let names = ["mass_kg", "x_m", "y_m", "z_m"];
-        let at = |k: usize| unknowns[k] / share;
-        super::plain(&names, &[mass, at(1), at(2), at(3)])
+    fn load_share(&self, unknowns: &[f64]) -> f64 {
+        unknowns[0]
     }
 
-    fn unknowns(&self, setting: &Setting, _: &Target, values: &[f64]) -> Vec<f64> {
-        let share = values[0] / (setting.mass() + values[0]);
+    fn urdf_edit(&self, target: &str, value: &dyn Fn(&str) -> f64) -> Option<UrdfEdit> {
+        Some(UrdfEdit::Mass(Load {
+            link: target.to_string(),
+            mass_kg: value("mass_kg"),
+            at_m: [value("x_m"), value("y_m"), value("z_m")],
+        }))
+    }
+
+    fn values(&self, context: &EffectContext, _: &Target, unknowns: &[f64]) -> Vec<f64> {
+        let share = unknowns[0];
+        let mass = context.mass() * share / (1.0 - share);
+        let at = |k: usize| unknowns[k] / share;
+        vec![mass, at(1), at(2), at(3)]
+    }
+
+    fn unknowns(&self, context: &EffectContext, _: &Target, values: &[f64]) -> Vec<f64> {
+        let share = values[0] / (context.mass() + values[0]);
         let moment = |k: usize| share * values[k];
         vec![share, moment(1), moment(2), moment(3)]
     }
 
-    fn excess(&self, setting: &Setting, target: &Target, unknowns: &[f64]) -> Vec<f64> {
+    fn bound_violation(
+        &self,
+        context: &EffectContext,
+        target: &Target,
+        unknowns: &[f64],
+    ) -> Vec<f64> {
         let Target::Link(link) = *target else {
             return Vec::new();
         };
         let share = unknowns[0];
         let moment = unknowns[1..4].iter().map(|x| x * x).sum::<f64>();
-        let lever = setting.lever_of(link);
+        let lever = context.lever_of(link);
         // |μ p| ≤ lever |μ|: an arm too long, in shares of a tenth of a percent.
         let long = (libm::sqrt(moment) - lever * libm::fabs(share)).max(0.0) / lever;
-        let missing = setting.mass_of(link) / setting.mass();
+        let missing = context.mass_of(link) / context.mass();
         let lacking = (-share - missing / (1.0 - missing).max(1e-3)).max(0.0);
         let heavy = (share - 0.5).max(0.0);
         vec![long / 1e-3, lacking / 1e-3, heavy / 0.02]
     }
 
-    fn fault(&self, setting: &Setting, _: &Target, values: &[f64]) -> Option<&'static str> {
-        let gone = values[0] <= -setting.mass();
+    fn invalid_reason(
+        &self,
+        context: &EffectContext,
+        _: &Target,
+        values: &[f64],
+    ) -> Option<&'static str> {
+        let gone = values[0] <= -context.mass();
         gone.then_some("more is missing than the robot weighs; give mass_kg above that")
     }
 }

@@ -8,26 +8,37 @@
 //! Imitated by nothing that belongs to postures if their order is random; sorted
 //! postures make it look like whatever they are sorted by.
 
-use super::{Circumstances, Effect, Measured, Setting, Stage, Target, Value};
+use super::{
+    Carry, Circumstances, Effect, EffectContext, EffectId, Experiment, Measured, Parameter, Stage,
+    Target,
+};
 use crate::expr::Id;
 
 pub(super) struct SensorDrift;
 
 impl Effect for SensorDrift {
-    fn name(&self) -> &'static str {
-        "sensor_drift"
+    fn id(&self) -> EffectId {
+        EffectId::new("sensor_drift")
     }
 
     fn stage(&self) -> Stage {
         Stage::Offset
     }
 
-    fn targets(&self, _: &Setting) -> Vec<Target> {
+    fn targets(&self, _: &EffectContext) -> Vec<Target> {
         vec![Target::Whole]
     }
 
-    fn scales(&self, _: &Setting, _: &Target) -> Vec<f64> {
-        vec![0.002; 2]
+    fn parameters(&self, _: &EffectContext, _: &Target) -> &'static [Parameter] {
+        const PARAMETERS: &[Parameter] = &[
+            Parameter::new("drift_x_m", 0.002),
+            Parameter::new("drift_y_m", 0.002),
+        ];
+        PARAMETERS
+    }
+
+    fn phrase(&self, _: &Target, _: &str) -> String {
+        "a drift of the sensor over the log".to_string()
     }
 
     fn rewrite(&self, _: &Target, at: &mut Measured, unknowns: &[Id]) {
@@ -39,15 +50,11 @@ impl Effect for SensorDrift {
         }
     }
 
-    fn values(&self, _: &Setting, _: &Target, unknowns: &[f64]) -> Vec<Value> {
-        super::plain(&["drift_x_m", "drift_y_m"], unknowns)
-    }
-
-    fn unknowns(&self, _: &Setting, _: &Target, values: &[f64]) -> Vec<f64> {
-        values.to_vec()
-    }
-
-    fn of_posture(&self) -> bool {
+    fn is_static(&self) -> bool {
         false
+    }
+
+    fn in_experiment(&self, _: Experiment, _: &Target) -> Carry {
+        Carry::Gone
     }
 }

@@ -8,26 +8,34 @@
 //! foot, by slow motion (which adds ω² h / g). A wide range of CoP and standing
 //! still separate it from noise; squats of different depth from the ankle.
 
-use super::{Effect, Measured, Setting, Stage, Target, Value};
+use super::{Effect, EffectContext, EffectId, Measured, Parameter, Stage, Target};
 use crate::expr::Id;
 
 pub(super) struct SensorGain;
 
 impl Effect for SensorGain {
-    fn name(&self) -> &'static str {
-        "sensor_gain"
+    fn id(&self) -> EffectId {
+        EffectId::new("sensor_gain")
     }
 
     fn stage(&self) -> Stage {
         Stage::Gain
     }
 
-    fn targets(&self, _: &Setting) -> Vec<Target> {
+    fn targets(&self, _: &EffectContext) -> Vec<Target> {
         vec![Target::Whole]
     }
 
-    fn scales(&self, _: &Setting, _: &Target) -> Vec<f64> {
-        vec![0.05; 2]
+    fn parameters(&self, _: &EffectContext, _: &Target) -> &'static [Parameter] {
+        const PARAMETERS: &[Parameter] = &[
+            Parameter::new("gain_x", 0.05),
+            Parameter::new("gain_y", 0.05),
+        ];
+        PARAMETERS
+    }
+
+    fn phrase(&self, _: &Target, _: &str) -> String {
+        "a gain of the sensor".to_string()
     }
 
     fn rewrite(&self, _: &Target, at: &mut Measured, unknowns: &[Id]) {
@@ -39,16 +47,15 @@ impl Effect for SensorGain {
         }
     }
 
-    fn values(&self, _: &Setting, _: &Target, unknowns: &[f64]) -> Vec<Value> {
-        let gains: Vec<f64> = unknowns.iter().map(|g| 1.0 + g).collect();
-        super::plain(&["gain_x", "gain_y"], &gains)
+    fn values(&self, _: &EffectContext, _: &Target, unknowns: &[f64]) -> Vec<f64> {
+        unknowns.iter().map(|g| 1.0 + g).collect()
     }
 
-    fn unknowns(&self, _: &Setting, _: &Target, values: &[f64]) -> Vec<f64> {
+    fn unknowns(&self, _: &EffectContext, _: &Target, values: &[f64]) -> Vec<f64> {
         values.iter().map(|g| g - 1.0).collect()
     }
 
-    fn excess(&self, _: &Setting, _: &Target, unknowns: &[f64]) -> Vec<f64> {
+    fn bound_violation(&self, _: &EffectContext, _: &Target, unknowns: &[f64]) -> Vec<f64> {
         // A gain near zero tells nothing of the robot; a negative one is wiring.
         unknowns
             .iter()
@@ -56,7 +63,12 @@ impl Effect for SensorGain {
             .collect()
     }
 
-    fn fault(&self, _: &Setting, _: &Target, values: &[f64]) -> Option<&'static str> {
+    fn invalid_reason(
+        &self,
+        _: &EffectContext,
+        _: &Target,
+        values: &[f64],
+    ) -> Option<&'static str> {
         let zero = values.contains(&0.0);
         zero.then_some("a gain of 0 shows no CoP; leave it out or give another")
     }

@@ -9,41 +9,40 @@
 //! the other foot, or squats of different depth separate it. Source: the facts
 //! of plate and insole sensors; `sensor_offset` of the study of discrepancies.
 
-use super::{Effect, Measured, Setting, Stage, Target, Value};
+use super::{Effect, EffectContext, EffectId, Measured, Parameter, Stage, Target};
 use crate::expr::Id;
 
 pub(super) struct SensorOffset;
 
 impl Effect for SensorOffset {
-    fn name(&self) -> &'static str {
-        "sensor_offset"
+    fn id(&self) -> EffectId {
+        EffectId::new("sensor_offset")
     }
 
     fn stage(&self) -> Stage {
         Stage::Offset
     }
 
-    fn targets(&self, _: &Setting) -> Vec<Target> {
+    fn targets(&self, _: &EffectContext) -> Vec<Target> {
         vec![Target::Whole]
     }
 
-    fn scales(&self, _: &Setting, _: &Target) -> Vec<f64> {
-        vec![0.002; 2]
+    fn parameters(&self, _: &EffectContext, _: &Target) -> &'static [Parameter] {
+        const PARAMETERS: &[Parameter] = &[
+            Parameter::new("offset_x_m", 0.002),
+            Parameter::new("offset_y_m", 0.002),
+        ];
+        PARAMETERS
+    }
+
+    fn phrase(&self, _: &Target, _: &str) -> String {
+        "an offset of the sensor".to_string()
     }
 
     fn rewrite(&self, _: &Target, at: &mut Measured, unknowns: &[Id]) {
         for (axis, &unknown) in unknowns.iter().enumerate() {
             at.reading[axis] = at.add(at.reading[axis], unknown);
         }
-    }
-
-    fn values(&self, _: &Setting, _: &Target, unknowns: &[f64]) -> Vec<Value> {
-        let names = ["offset_x_m", "offset_y_m"];
-        super::plain(&names, unknowns)
-    }
-
-    fn unknowns(&self, _: &Setting, _: &Target, values: &[f64]) -> Vec<f64> {
-        values.to_vec()
     }
 
     fn undo(&self, _: &Target, at: &mut Measured, unknowns: &[Id]) {

@@ -7,26 +7,31 @@
 //! Nothing imitates it (residual share 0.99 on bench postures). Linearised
 //! rotations are wrong by ψ²/2 of the CoP: sine and cosine are kept.
 
-use super::{Effect, Measured, Setting, Stage, Target, Value};
+use super::{Effect, EffectContext, EffectId, Measured, Parameter, Stage, Target};
 use crate::expr::Id;
 
 pub(super) struct SensorRotation;
 
 impl Effect for SensorRotation {
-    fn name(&self) -> &'static str {
-        "sensor_rotation"
+    fn id(&self) -> EffectId {
+        EffectId::new("sensor_rotation")
     }
 
     fn stage(&self) -> Stage {
         Stage::Rotation
     }
 
-    fn targets(&self, _: &Setting) -> Vec<Target> {
+    fn targets(&self, _: &EffectContext) -> Vec<Target> {
         vec![Target::Whole]
     }
 
-    fn scales(&self, _: &Setting, _: &Target) -> Vec<f64> {
-        vec![0.05]
+    fn parameters(&self, _: &EffectContext, _: &Target) -> &'static [Parameter] {
+        const PARAMETERS: &[Parameter] = &[Parameter::new("yaw_rad", 0.05)];
+        PARAMETERS
+    }
+
+    fn phrase(&self, _: &Target, _: &str) -> String {
+        "a sensor turned about the vertical".to_string()
     }
 
     fn rewrite(&self, _: &Target, at: &mut Measured, unknowns: &[Id]) {
@@ -36,14 +41,6 @@ impl Effect for SensorRotation {
         let (cx, sy) = (g.mul(c, x), g.mul(s, y));
         let (sx, cy) = (g.mul(s, x), g.mul(c, y));
         at.reading = [at.sub(cx, sy), at.add(sx, cy)];
-    }
-
-    fn values(&self, _: &Setting, _: &Target, unknowns: &[f64]) -> Vec<Value> {
-        super::plain(&["yaw_rad"], unknowns)
-    }
-
-    fn unknowns(&self, _: &Setting, _: &Target, values: &[f64]) -> Vec<f64> {
-        values.to_vec()
     }
 
     fn undo(&self, target: &Target, at: &mut Measured, unknowns: &[Id]) {

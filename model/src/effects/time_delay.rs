@@ -6,29 +6,37 @@
 //!
 //! Seen in motion only: logs with `t`. Nothing else follows the velocities.
 
-use super::{Circumstances, Effect, Measured, Setting, Stage, Target, Value};
+use super::{
+    Carry, Circumstances, Effect, EffectContext, EffectId, Experiment, Measured, Parameter, Stage,
+    Target,
+};
 use crate::expr::Id;
 
 pub(super) struct TimeDelay;
 
 impl Effect for TimeDelay {
-    fn name(&self) -> &'static str {
-        "time_delay"
+    fn id(&self) -> EffectId {
+        EffectId::new("time_delay")
     }
 
     fn stage(&self) -> Stage {
         Stage::Joints
     }
 
-    fn targets(&self, setting: &Setting) -> Vec<Target> {
-        match setting.times {
+    fn targets(&self, context: &EffectContext) -> Vec<Target> {
+        match context.times {
             true => vec![Target::Whole],
             false => Vec::new(),
         }
     }
 
-    fn scales(&self, _: &Setting, _: &Target) -> Vec<f64> {
-        vec![0.03]
+    fn parameters(&self, _: &EffectContext, _: &Target) -> &'static [Parameter] {
+        const PARAMETERS: &[Parameter] = &[Parameter::new("delay_s", 0.03)];
+        PARAMETERS
+    }
+
+    fn phrase(&self, _: &Target, _: &str) -> String {
+        "joint angles older than the readings".to_string()
     }
 
     fn rewrite(&self, _: &Target, at: &mut Measured, unknowns: &[Id]) {
@@ -47,15 +55,11 @@ impl Effect for TimeDelay {
         }
     }
 
-    fn values(&self, _: &Setting, _: &Target, unknowns: &[f64]) -> Vec<Value> {
-        super::plain(&["delay_s"], unknowns)
-    }
-
-    fn unknowns(&self, _: &Setting, _: &Target, values: &[f64]) -> Vec<f64> {
-        values.to_vec()
-    }
-
-    fn of_posture(&self) -> bool {
+    fn is_static(&self) -> bool {
         false
+    }
+
+    fn in_experiment(&self, _: Experiment, _: &Target) -> Carry {
+        Carry::Gone
     }
 }

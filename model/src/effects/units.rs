@@ -6,35 +6,39 @@
 //!
 //! No unknown and far from linear: found by full evaluation.
 
-use super::{Effect, Measured, Setting, Stage, Target, Value};
+use super::{Effect, EffectContext, EffectId, Measured, Stage, Target};
 use crate::expr::Id;
 
 pub(super) struct Units;
 
 impl Effect for Units {
-    fn name(&self) -> &'static str {
-        "units"
+    fn id(&self) -> EffectId {
+        EffectId::new("units")
     }
 
     fn stage(&self) -> Stage {
         Stage::Wiring
     }
 
-    fn targets(&self, _: &Setting) -> Vec<Target> {
+    fn targets(&self, _: &EffectContext) -> Vec<Target> {
         ["degrees", "millimetres", "centimetres"]
             .map(Target::Way)
             .to_vec()
     }
 
-    fn scales(&self, _: &Setting, _: &Target) -> Vec<f64> {
-        Vec::new()
+    fn phrase(&self, target: &Target, _: &str) -> String {
+        match target {
+            Target::Way("degrees") => "joint angles in degrees, not radians".to_string(),
+            Target::Way("millimetres") => "a CoP in millimetres, not metres".to_string(),
+            _ => "a CoP in centimetres, not metres".to_string(),
+        }
     }
 
     fn rewrite(&self, target: &Target, at: &mut Measured, _: &[Id]) {
         match target {
             Target::Way("degrees") => {
                 let radians = at.constant(core::f64::consts::PI / 180.0);
-                for joint in at.turning(&Target::AllJoints) {
+                for joint in at.revolute(&Target::AllJoints) {
                     at.joints[joint] = at.mul(radians, at.joints[joint]);
                     at.wired[joint] = at.joints[joint];
                 }
@@ -44,15 +48,12 @@ impl Effect for Units {
         }
     }
 
-    fn values(&self, _: &Setting, _: &Target, _: &[f64]) -> Vec<Value> {
-        Vec::new()
+    fn label_has_target(&self) -> bool {
+        // Which unit it is belongs to the finding, not to its name.
+        false
     }
 
-    fn unknowns(&self, _: &Setting, _: &Target, _: &[f64]) -> Vec<f64> {
-        Vec::new()
-    }
-
-    fn of_sensor(&self, target: &Target) -> bool {
+    fn is_sensor_effect(&self, target: &Target) -> bool {
         *target != Target::Way("degrees")
     }
 }

@@ -8,30 +8,38 @@
 //! to first order the CoM of joints that lag by `a (h/g) q''`. Imitated by a sensor gain in slow
 //! sinusoidal motion (gain 1 + ω² h / g). Logs with `t` only.
 
-use super::setting::GRAVITY;
-use super::{Circumstances, Effect, Measured, Setting, Stage, Target, Value};
+use super::context::GRAVITY;
+use super::{
+    Carry, Circumstances, Effect, EffectContext, EffectId, Experiment, Measured, Parameter, Stage,
+    Target,
+};
 use crate::expr::Id;
 
 pub(super) struct UnsettledMotion;
 
 impl Effect for UnsettledMotion {
-    fn name(&self) -> &'static str {
-        "unsettled_motion"
+    fn id(&self) -> EffectId {
+        EffectId::new("unsettled_motion")
     }
 
     fn stage(&self) -> Stage {
         Stage::Joints
     }
 
-    fn targets(&self, setting: &Setting) -> Vec<Target> {
-        match setting.times {
+    fn targets(&self, context: &EffectContext) -> Vec<Target> {
+        match context.times {
             true => vec![Target::Whole],
             false => Vec::new(),
         }
     }
 
-    fn scales(&self, _: &Setting, _: &Target) -> Vec<f64> {
-        vec![0.3]
+    fn parameters(&self, _: &EffectContext, _: &Target) -> &'static [Parameter] {
+        const PARAMETERS: &[Parameter] = &[Parameter::new("share", 0.3)];
+        PARAMETERS
+    }
+
+    fn phrase(&self, _: &Target, _: &str) -> String {
+        "readings taken while the robot still moved".to_string()
     }
 
     fn rewrite(&self, _: &Target, at: &mut Measured, unknowns: &[Id]) {
@@ -47,15 +55,11 @@ impl Effect for UnsettledMotion {
         }
     }
 
-    fn values(&self, _: &Setting, _: &Target, unknowns: &[f64]) -> Vec<Value> {
-        super::plain(&["share"], unknowns)
-    }
-
-    fn unknowns(&self, _: &Setting, _: &Target, values: &[f64]) -> Vec<f64> {
-        values.to_vec()
-    }
-
-    fn of_posture(&self) -> bool {
+    fn is_static(&self) -> bool {
         false
+    }
+
+    fn in_experiment(&self, _: Experiment, _: &Target) -> Carry {
+        Carry::Gone
     }
 }

@@ -2,7 +2,7 @@
 
 use super::circumstances::Source;
 use super::measured::Measured;
-use crate::effects::{self, Instance, Setting};
+use crate::effects::{self, EffectContext, Instance};
 use crate::expr::Id;
 use crate::model::Model;
 use crate::program::{Array, Program, Shape};
@@ -17,27 +17,27 @@ pub(super) fn correct_cop(model: &Model) -> Option<Program> {
 
 /// The reading of a CoP (m, the input): the sensor's effects of the model file.
 /// What [`Function::CorrectCop`](crate::Function::CorrectCop) is the inverse of.
-pub fn perceived(model: &Model) -> Option<Program> {
+pub fn sensor_reading(model: &Model) -> Option<Program> {
     sensor(model, effects::sense)
 }
 
-type Way = fn(&mut Measured, &Setting, &[Instance], &[Id]);
+type Way = fn(&mut Measured, &EffectContext, &[Instance], &[Id]);
 
 fn sensor(model: &Model, way: Way) -> Option<Program> {
-    let of_sensor = |(i, _): &&(Instance, Vec<f64>)| i.effect.of_sensor(&i.target);
-    let parts: Vec<_> = model.foretold().filter(of_sensor).collect();
+    let of_sensor = |(i, _): &&(Instance, Vec<f64>)| i.effect.is_sensor_effect(&i.target);
+    let parts: Vec<_> = model.static_effects().filter(of_sensor).collect();
     if parts.is_empty() {
         return None;
     }
     let cells = model.file.as_ref().map_or(&[][..], |file| &file.cells);
-    let setting = Setting::new(model, cells, false);
+    let context = EffectContext::new(model, cells, false);
     let baked = Some(model.params());
     let mut measured = Measured::new(model, Source::Posture, 2, baked, cells);
     measured.reading = [0, 1].map(|axis| measured.g().input(0, axis));
     let instances: Vec<Instance> = parts.iter().map(|(i, _)| i.clone()).collect();
     let values = parts.iter().flat_map(|(_, x)| x);
     let unknowns: Vec<Id> = values.map(|x| measured.constant(*x)).collect();
-    way(&mut measured, &setting, &instances, &unknowns);
+    way(&mut measured, &context, &instances, &unknowns);
     let outputs = measured.reading;
     let inputs = vec![Array {
         name: "reading",
@@ -51,7 +51,7 @@ impl Model {
     /// The reading of a CoP, m to the record's unit.
     pub fn reading_of(&self, cop: [f64; 2]) -> [f64; 2] {
         let mut reading = cop;
-        if let Some(program) = perceived(self) {
+        if let Some(program) = sensor_reading(self) {
             let tape = Tape::new(&program);
             tape.run(&[Argument::Shared(&cop)], 1, &mut reading, Kernels::LIBM);
         }

@@ -3,31 +3,31 @@
 use super::Parameters;
 use super::circumstances::{Circumstances, Source};
 use super::measured::Measured;
-use crate::effects::{self, Instance, Setting};
+use crate::effects::{self, EffectContext, Instance, Stage};
 use crate::expr::Id;
 use crate::model::{Given, Model};
 use crate::program::{Array, Program, Shape};
 
 /// Input arrays: q, then unknowns `e`, then circumstances `u`; r is constant.
-fn inputs(setting: &Setting, unknowns: usize) -> Vec<Array> {
+fn inputs(context: &EffectContext, unknowns: usize) -> Vec<Array> {
     let array = |name, len| Array { name, len };
     vec![
-        array("q", setting.model.dof()),
+        array("q", context.model.dof()),
         array("e", unknowns),
-        array("u", Circumstances::of(setting.model).len()),
+        array("u", Circumstances::of(context.model).len()),
     ]
 }
 
 fn written<'m>(
-    setting: &Setting<'m>,
+    context: &EffectContext<'m>,
     instances: &[Instance],
     params: &[f64],
 ) -> (Measured<'m>, Vec<Id>) {
     let baked = Some(params.to_vec());
-    let mut measured = Measured::new(setting.model, Source::Log, 2, baked, &setting.cells);
-    let count = instances.iter().map(|i| i.unknowns(setting)).sum();
+    let mut measured = Measured::new(context.model, Source::Log, 2, baked, &context.cells);
+    let count = instances.iter().map(|i| i.unknowns(context)).sum();
     let unknowns: Vec<Id> = (0..count).map(|k| measured.g().input(1, k)).collect();
-    effects::apply(&mut measured, setting, instances, &unknowns);
+    effects::apply(&mut measured, context, instances, &unknowns);
     (measured, unknowns)
 }
 
@@ -36,8 +36,8 @@ fn written<'m>(
 ///
 /// Inputs: `q`, `e` (unknowns in the order of the instances), `u`
 /// ([`Circumstances`]). Base parameters are the constants `params`.
-pub fn reading(setting: &Setting, instances: &[Instance], params: &[f64]) -> Program {
-    let (mut measured, unknowns) = written(setting, instances, params);
+pub fn reading(context: &EffectContext, instances: &[Instance], params: &[f64]) -> Program {
+    let (mut measured, unknowns) = written(context, instances, params);
     let reading = measured.reading;
     let mut columns = vec![reading.to_vec()];
     for &unknown in &unknowns {
@@ -50,7 +50,7 @@ pub fn reading(setting: &Setting, instances: &[Instance], params: &[f64]) -> Pro
         rows: 2,
         cols: columns.len(),
     };
-    let inputs = inputs(setting, unknowns.len());
+    let inputs = inputs(context, unknowns.len());
     Program::new(measured.into_graph(), inputs, shape, &outputs)
 }
 
@@ -59,14 +59,14 @@ pub fn reading(setting: &Setting, instances: &[Instance], params: &[f64]) -> Pro
 ///
 /// What decides on which side of its dead band a joint rests. Inputs as in
 /// [`reading`].
-pub fn moments(setting: &Setting, instances: &[Instance], params: &[f64]) -> Program {
-    let (mut measured, unknowns) = written(setting, instances, params);
-    let dof = setting.model.dof();
+pub fn moments(context: &EffectContext, instances: &[Instance], params: &[f64]) -> Program {
+    let (mut measured, unknowns) = written(context, instances, params);
+    let dof = context.model.dof();
     let moments = measured.moments("m");
     let slopes = measured.slopes();
     let outputs: Vec<Id> = moments.into_iter().chain(slopes).collect();
     let shape = Shape::Matrix { rows: 3, cols: dof };
-    let inputs = inputs(setting, unknowns.len());
+    let inputs = inputs(context, unknowns.len());
     Program::new(measured.into_graph(), inputs, shape, &outputs)
 }
 
@@ -88,7 +88,7 @@ pub(super) fn cop(model: &Model, given: Given, parameters: Parameters) -> Option
             len: model.base.params.len(),
         });
     }
-    let measured = foretold(model, Source::Posture, baked);
+    let measured = static_measurement(model, Source::Posture, baked);
     let outputs = measured.reading;
     Some(Program::new(
         measured.into_graph(),
@@ -100,8 +100,8 @@ pub(super) fn cop(model: &Model, given: Given, parameters: Parameters) -> Option
 
 /// The same for postures with their [`Circumstances`], of which only gravity's
 /// direction counts. Inputs: `q`, `r`, `u`.
-pub fn foretelling(model: &Model) -> Program {
-    let measured = foretold(model, Source::Tilted, None);
+pub fn tilted_cop(model: &Model) -> Program {
+    let measured = static_measurement(model, Source::Tilted, None);
     let outputs = measured.reading;
     let array = |name, len| Array { name, len };
     let inputs = vec![
@@ -112,23 +112,59 @@ pub fn foretelling(model: &Model) -> Program {
     Program::new(measured.into_graph(), inputs, Shape::Vector(2), &outputs)
 }
 
-fn foretold(model: &Model, source: Source, baked: Option<Vec<f64>>) -> Measured<'_> {
+fn static_measurement(model: &Model, source: Source, baked: Option<Vec<f64>>) -> Measured<'_> {
     let cells = model.file.as_ref().map_or(&[][..], |file| &file.cells);
-    let setting = Setting::new(model, cells, false);
+    let context = EffectContext::new(model, cells, false);
     let mut measured = Measured::new(model, source, 2, baked, cells);
-    let instances: Vec<Instance> = model.foretold().map(|(i, _)| i.clone()).collect();
-    let values = model.foretold().flat_map(|(_, x)| x.iter().copied());
+    let instances: Vec<Instance> = model.static_effects().map(|(i, _)| i.clone()).collect();
+    let values = model.static_effects().flat_map(|(_, x)| x.iter().copied());
     let values: Vec<f64> = values.collect();
     let unknowns: Vec<Id> = values.iter().map(|x| measured.constant(*x)).collect();
-    effects::apply(&mut measured, &setting, &instances, &unknowns);
+    effects::apply(&mut measured, &context, &instances, &unknowns);
     measured
 }
 
-/// Joint positions of a posture as effects bend them. Inputs as in [`reading`].
-pub fn joints(setting: &Setting, instances: &[Instance], params: &[f64]) -> Program {
-    let (measured, unknowns) = written(setting, instances, params);
+/// Joint positions of a posture after faults of wiring, which have no unknowns: of
+/// `q`, without the measurement behind them.
+pub fn wired_joints(context: &EffectContext, instances: &[Instance]) -> Program {
+    let params = Some(vec![0.0; context.model.base.params.len()]);
+    let mut measured = Measured::new(context.model, Source::Posture, 2, params, &context.cells);
+    for instance in instances {
+        if instance.effect.stage() == Stage::Wiring {
+            instance
+                .effect
+                .rewrite(&instance.target, &mut measured, &[]);
+        }
+    }
     let outputs = measured.joints.clone();
     let shape = Shape::Vector(outputs.len());
-    let inputs = inputs(setting, unknowns.len());
+    let inputs = vec![Array {
+        name: "q",
+        len: context.model.dof(),
+    }];
+    Program::new(measured.into_graph(), inputs, shape, &outputs)
+}
+
+/// What faults of wiring and of the record, which have no unknowns, make of a CoP
+/// (m, the input).
+pub fn wired_reading(context: &EffectContext, instances: &[Instance]) -> Program {
+    let params = Some(vec![0.0; context.model.base.params.len()]);
+    let mut measured = Measured::new(context.model, Source::Posture, 2, params, &context.cells);
+    measured.reading = [0, 1].map(|axis| measured.g().input(0, axis));
+    effects::sense(&mut measured, context, instances, &[]);
+    let outputs = measured.reading;
+    let inputs = vec![Array {
+        name: "reading",
+        len: 2,
+    }];
+    Program::new(measured.into_graph(), inputs, Shape::Vector(2), &outputs)
+}
+
+/// Joint positions of a posture as effects bend them. Inputs as in [`reading`].
+pub fn joints(context: &EffectContext, instances: &[Instance], params: &[f64]) -> Program {
+    let (measured, unknowns) = written(context, instances, params);
+    let outputs = measured.joints.clone();
+    let shape = Shape::Vector(outputs.len());
+    let inputs = inputs(context, unknowns.len());
     Program::new(measured.into_graph(), inputs, shape, &outputs)
 }

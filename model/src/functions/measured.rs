@@ -237,8 +237,8 @@ impl<'m> Measured<'m> {
         })
     }
 
-    /// The turning joints that a target means.
-    pub(crate) fn turning(&self, target: &Target) -> Vec<usize> {
+    /// The revolute joints that a target means.
+    pub(crate) fn revolute(&self, target: &Target) -> Vec<usize> {
         let dofs = &self.model().tree.dofs;
         match *target {
             Target::Joint(joint) => vec![joint],

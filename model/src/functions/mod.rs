@@ -66,7 +66,7 @@ pub(crate) fn build(
             Given::SinesCosines | Given::Direction => None,
         };
     }
-    if function == Function::Cop && model.foretold().next().is_some() {
+    if function == Function::Cop && model.static_effects().next().is_some() {
         return diagnosis::cop(model, given, parameters);
     }
     let mut scratch = Scratch::new(model, given);

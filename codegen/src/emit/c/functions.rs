@@ -334,7 +334,7 @@ fn output(function: Function) -> &'static str {
 
 fn brief(model: &Model, function: Function) -> &'static str {
     match function {
-        Function::Cop if model.foretold().next().is_some() => {
+        Function::Cop if model.static_effects().next().is_some() => {
             "Reading of the CoP that a static posture foretells, with the effects named above, m."
         }
         Function::CorrectCop => {

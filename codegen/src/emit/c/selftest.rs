@@ -110,7 +110,7 @@ pub(super) fn checks(
         });
     };
     push("com", &com, q.into_iter().collect(), 0.0);
-    let effects = model.foretold().next().is_some();
+    let effects = model.static_effects().next().is_some();
     match effects {
         false => push("cop", &com[..2], Vec::new(), 0.0),
         true => {

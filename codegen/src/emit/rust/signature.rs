@@ -68,7 +68,7 @@ fn columns(function: Function) -> TokenStream {
 
 pub(super) fn documentation(model: &Model, function: Function, given: Given) -> String {
     let what = match function {
-        Function::Cop if model.foretold().next().is_some() => {
+        Function::Cop if model.static_effects().next().is_some() => {
             "Reading of the CoP that a static posture foretells, with the effects at the top of \
              this file, m unless they change its unit."
         }

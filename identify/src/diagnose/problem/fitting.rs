@@ -4,13 +4,13 @@
 //! objective(e) = −2 log p(y | e)      masses marginalised, physical bounds as walls
 //! ```
 //!
-//! Levenberg-Marquardt over the unknowns of all instances together, with the
+//! Levenberg-Marquardt over the unknowns of all terms together, with the
 //! symbolic derivatives of the measurement.
 
 use nalgebra::{DMatrix, DVector};
-use sesc_model::effects::Instance;
 
 use super::{Fit, Problem, Rows};
+use crate::diagnose::hypothesis::Term;
 use crate::diagnose::nuisance::Nuisance;
 use crate::diagnose::outliers::Outliers;
 use crate::diagnose::sides;
@@ -24,22 +24,22 @@ const ROUNDS: usize = 4;
 
 impl Problem<'_> {
     /// Fit a hypothesis from where its unknowns may start.
-    pub fn fit(&self, instances: &[Instance], start: Option<&[f64]>, rows: Rows) -> Fit {
+    pub fn fit(&self, terms: &[Term], start: Option<&[f64]>, rows: Rows) -> Fit {
         let starts = match start {
             Some(start) => vec![start.to_vec()],
-            None => self.starts(instances),
+            None => self.starts(terms),
         };
         let fits = starts
             .into_iter()
-            .map(|start| self.fit_from(instances, start, rows));
+            .map(|start| self.fit_from(terms, start, rows));
         fits.min_by(|a, b| a.objective.total_cmp(&b.objective))
             .expect("there is a start")
     }
 
-    fn starts(&self, instances: &[Instance]) -> Vec<Vec<f64>> {
+    fn starts(&self, terms: &[Term]) -> Vec<Vec<f64>> {
         let mut starts = vec![Vec::new()];
-        for instance in instances {
-            let own = instance.effect.starts(&self.setting, &instance.target);
+        for term in terms {
+            let own = term.starts(&self.context);
             starts = starts
                 .iter()
                 .flat_map(|before| {
@@ -55,9 +55,9 @@ impl Problem<'_> {
         starts
     }
 
-    fn fit_from(&self, instances: &[Instance], start: Vec<f64>, rows: Rows) -> Fit {
-        let slack = instances.iter().any(|i| i.effect.name() == "backlash");
-        let outlying = instances.iter().any(|i| i.effect.name() == "cop_outliers");
+    fn fit_from(&self, terms: &[Term], start: Vec<f64>, rows: Rows) -> Fit {
+        let slack = terms.iter().any(|term| term.dead_band().is_some());
+        let outlying = terms.contains(&Term::Outliers);
         let mut unknowns = start;
         let mut fit: Option<Fit> = None;
         let mut sides = None;
@@ -66,11 +66,11 @@ impl Problem<'_> {
             if slack {
                 if round == 0 {
                     // A width to begin with, else no side matters.
-                    self.widen(instances, &mut unknowns);
+                    self.widen(terms, &mut unknowns);
                 }
-                sides = Some(sides::settle(self, instances, &unknowns, fit.as_ref()));
+                sides = Some(sides::settle(self, terms, &unknowns, fit.as_ref()));
             }
-            let next = self.descend(instances, unknowns.clone(), sides.as_ref(), &outliers, rows);
+            let next = self.descend(terms, unknowns.clone(), sides.as_ref(), &outliers, rows);
             let done = match &fit {
                 Some(before) => (before.objective - next.objective).abs() < SETTLED,
                 None => false,
@@ -91,20 +91,20 @@ impl Problem<'_> {
         fit.expect("at least one round")
     }
 
-    fn widen(&self, instances: &[Instance], unknowns: &mut [f64]) {
+    fn widen(&self, terms: &[Term], unknowns: &mut [f64]) {
         let mut at = 0;
-        for instance in instances {
-            if instance.effect.name() == "backlash" && unknowns[at] == 0.0 {
-                unknowns[at] = 0.01;
+        for term in terms {
+            if let (Some(width), true) = (term.dead_band(), unknowns.get(at) == Some(&0.0)) {
+                unknowns[at] = width;
             }
-            at += instance.unknowns(&self.setting);
+            at += term.unknowns(&self.context);
         }
     }
 
     /// Levenberg-Marquardt with sides and outliers held.
     fn descend(
         &self,
-        instances: &[Instance],
+        terms: &[Term],
         start: Vec<f64>,
         sides: Option<&sides::Sides>,
         outliers: &Option<Outliers>,
@@ -114,7 +114,7 @@ impl Problem<'_> {
             Some(sides) => &sides.circumstances,
             None => &self.data.circumstances,
         };
-        let masses = self.masses(instances);
+        let masses = self.masses(terms);
         let root = outliers.as_ref().map(|o| o.root_weights(rows.keep));
         let root = match (root, rows.keep) {
             (None, Some(keep)) => Some(
@@ -126,9 +126,9 @@ impl Problem<'_> {
         };
         let reweighted = root.as_ref().map(|root: &Vec<f64>| masses.reweighted(root));
         let masses = reweighted.as_ref().unwrap_or(masses);
-        let scales = self.scales(instances);
+        let scales = self.scales(terms);
         let p = start.len();
-        let mut state = self.state(instances, start, circumstances, &root, masses);
+        let mut state = self.state(terms, start, circumstances, &root, masses);
         let mut damping = 1e-3;
         for _ in 0..STEPS {
             if p == 0 {
@@ -153,7 +153,7 @@ impl Problem<'_> {
                     .zip(step.iter())
                     .map(|(x, d)| x + d)
                     .collect();
-                let next = self.state(instances, moved, circumstances, &root, masses);
+                let next = self.state(terms, moved, circumstances, &root, masses);
                 if next.value < state.value {
                     improved = Some(next);
                     damping = (damping * 0.2).max(1e-9);
@@ -183,8 +183,8 @@ impl Problem<'_> {
             objective = outliers.objective(&state.residual, rows.keep, objective);
         }
         Fit {
-            price: self.price(instances),
-            instances: instances.to_vec(),
+            price: self.price(terms),
+            terms: terms.to_vec(),
             unknowns: state.unknowns,
             covariance,
             objective,
@@ -198,22 +198,24 @@ impl Problem<'_> {
         }
     }
 
-    pub fn scales(&self, instances: &[Instance]) -> Vec<f64> {
-        let of = |i: &Instance| i.effect.scales(&self.setting, &i.target);
-        instances.iter().flat_map(of).collect()
+    pub fn scales(&self, terms: &[Term]) -> Vec<f64> {
+        terms
+            .iter()
+            .flat_map(|term| term.scales(&self.context))
+            .collect()
     }
 
     pub(in crate::diagnose) fn state(
         &self,
-        instances: &[Instance],
+        terms: &[Term],
         unknowns: Vec<f64>,
         circumstances: &[f64],
         root: &Option<Vec<f64>>,
         masses: &Nuisance,
     ) -> State {
-        let mut state = self.squares(instances, unknowns, circumstances, root, masses);
+        let mut state = self.squares(terms, unknowns, circumstances, root, masses);
         let (normal, gradient) = &mut state.normal;
-        self.walls(instances, &state.unknowns, |excess, slope| {
+        self.walls(terms, &state.unknowns, |excess, slope| {
             state.value += excess * excess;
             state.strained += excess * excess;
             for a in 0..slope.len() {
@@ -232,14 +234,14 @@ impl Problem<'_> {
     /// The same without walls.
     pub(in crate::diagnose) fn squares(
         &self,
-        instances: &[Instance],
+        terms: &[Term],
         unknowns: Vec<f64>,
         circumstances: &[f64],
         root: &Option<Vec<f64>>,
         masses: &Nuisance,
     ) -> State {
         let (n, p) = (self.data.len(), unknowns.len());
-        let out = self.evaluate(instances, &unknowns, &self.data.q, circumstances);
+        let out = self.evaluate(terms, &unknowns, &self.data.q, circumstances);
         let width = p + 1;
         let mut predicted = Vec::with_capacity(2 * n);
         let mut residual = DVector::zeros(2 * n);
@@ -272,15 +274,15 @@ impl Problem<'_> {
     }
 
     /// Each bound that is crossed, with its slope by the unknowns.
-    fn walls(&self, instances: &[Instance], unknowns: &[f64], mut each: impl FnMut(f64, &[f64])) {
+    fn walls(&self, terms: &[Term], unknowns: &[f64], mut each: impl FnMut(f64, &[f64])) {
         let mut at = 0;
-        for instance in instances {
-            let count = instance.unknowns(&self.setting);
+        for term in terms {
+            let count = term.unknowns(&self.context);
             let own = &unknowns[at..at + count];
-            let excess = |x: &[f64]| instance.effect.excess(&self.setting, &instance.target, x);
+            let excess = |x: &[f64]| term.bound_violation(&self.context, x);
             let now = excess(own);
             if now.iter().any(|x| *x > 0.0) {
-                let scales = instance.effect.scales(&self.setting, &instance.target);
+                let scales = term.scales(&self.context);
                 let mut slopes = vec![vec![0.0; unknowns.len()]; now.len()];
                 for k in 0..count {
                     let mut moved = own.to_vec();

@@ -1,16 +1,16 @@
 //! Held-out errors by what they are for: each posture predicted without itself.
 
-use super::{Bench, NOISE, instance};
+use super::{Bench, NOISE, term};
 use crate::diagnose::held_out::{cross_validate, of_cad};
 use crate::diagnose::problem::{ALL, Problem};
 
 /// Cross-validated errors with the effects named, none where there are none.
 fn errors(problem: &Problem, effects: &[(&str, &str)]) -> crate::diagnose::held_out::HeldOut {
-    let instances: Vec<_> = effects
+    let terms: Vec<_> = effects
         .iter()
-        .map(|(effect, target)| instance(problem, effect, target))
+        .map(|(effect, target)| term(problem, effect, target))
         .collect();
-    cross_validate(problem, &problem.fit(&instances, None, ALL))
+    cross_validate(problem, &problem.fit(&terms, None, ALL))
 }
 
 /// Had a fold seen the posture it judges, its error would move by less.

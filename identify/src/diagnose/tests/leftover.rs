@@ -1,6 +1,6 @@
 //! Formulas for what no effect explains, planted and found again.
 
-use super::{Bench, NOISE, instance};
+use super::{Bench, NOISE, term};
 use crate::diagnose::leftover::{Excess, formula, strongest};
 use crate::diagnose::problem::ALL;
 
@@ -63,7 +63,7 @@ fn what_grows_along_the_log_is_told_by_its_place() {
     assert!((found.terms[0].weight[1] - 5e-3).abs() < 3.5 * 0.09e-3);
     assert!(found.terms[0].weight[0].abs() < 3.5 * 0.09e-3);
     // What an effect has taken is not left over.
-    let drift = problem.fit(&[instance(&problem, "sensor_drift", "-")], None, ALL);
+    let drift = problem.fit(&[term(&problem, "sensor_drift", "-")], None, ALL);
     assert!(formula(&problem, &drift).terms.is_empty());
 }
 

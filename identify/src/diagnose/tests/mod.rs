@@ -13,11 +13,12 @@ mod verdict;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
-use sesc_model::effects::{self, Instance};
+use sesc_model::effects::Instance;
 use sesc_model::{Model, Snapping};
 use sesc_reference::World;
 
 use super::data::Data;
+use super::hypothesis::Term;
 use super::problem::{Fit, Problem};
 use super::words;
 use super::{About, Found, diagnose};
@@ -160,10 +161,10 @@ fn gauss(seed: u64) -> impl FnMut() -> f64 {
 }
 
 /// An effect at its target, both by name.
-fn instance(problem: &Problem, effect: &str, target: &str) -> Instance {
-    let effect = effects::named(effect).unwrap();
-    let target = problem.setting.target_named(effect, target).unwrap();
-    Instance { effect, target }
+fn term(problem: &Problem, effect: &str, target: &str) -> Term {
+    let effect = problem.context.catalog.named(effect).unwrap();
+    let target = problem.context.target_named(effect, target).unwrap();
+    Term::Effect(Instance { effect, target })
 }
 
 /// Values of the only effect of a fit with their stated deviations.

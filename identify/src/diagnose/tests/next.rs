@@ -5,15 +5,15 @@ use sesc_model::{Model, Snapping};
 use sesc_reference::World;
 
 use super::OP2_URDF;
-use super::{Bench, NOISE, about, diagnosed, gauss, instance};
+use super::{Bench, NOISE, about, diagnosed, gauss, term};
 use crate::diagnose::data::Data;
 use crate::diagnose::diagnose_all;
-use crate::diagnose::experiment::Experiment;
 use crate::diagnose::further::{Further, together};
 use crate::diagnose::next_postures::next;
 use crate::diagnose::problem::{ALL, Problem};
 use crate::fit::prior::Prior;
 use crate::robot::Robot;
+use sesc_model::effects::Experiment;
 
 /// Joint offsets (rad), and others with their sizes.
 const OFFSETS: [(&str, f64); 7] = [
@@ -85,14 +85,14 @@ fn the_first_experiment_splits_the_class() {
                 continue;
             }
             let next = next(&problem, &found, &robot, Snapping::default(), None);
-            let experiment = next.experiment.clone().unwrap();
+            let experiment = next.experiment.unwrap();
             let (support, q) = next.postures.as_ref().unwrap();
             let model = robot.model(support, Snapping::default(), None).unwrap();
             let world = World::new(&bench.twin, support).unwrap();
             let world = hide(world, &label, offset, &experiment);
             let further = Further {
                 problem: taken(&model, &world, q, 500 + seed),
-                experiment: experiment.clone(),
+                experiment,
             };
             let after = diagnose_all(&mut problem, &[further], &about(), &mut |_| ()).diagnosis;
             let after = after.indistinguishable;
@@ -136,7 +136,7 @@ fn logs_together_are_one_log() {
             experiment: Experiment::Postures,
             problem: of(50, 120),
         };
-        let own = [instance(&whole, effect, target)];
+        let own = [term(&whole, effect, target)];
         let at_once = whole.fit(&own, None, ALL);
         let alone = first.fit(&own, None, ALL);
         let both = together(&first, alone.clone(), &[second]);
@@ -163,7 +163,7 @@ fn a_turned_robot_sees_the_slope_the_other_way() {
     let q = bench.balanced(60, 5);
     let slope = |x: f64| bench.world().ground_slope([x, -2.0 * x]).unwrap();
     let first = bench.certain(bench.log(&slope(0.005), &q, 1));
-    let own = [instance(&first, "ground_slope", "-")];
+    let own = [term(&first, "ground_slope", "-")];
     let score = |there: f64, experiment: Experiment| {
         let further = Further {
             experiment,

@@ -2,7 +2,7 @@
 
 use nalgebra::DVector;
 
-use super::{Bench, gauss, instance};
+use super::{Bench, gauss, term};
 use crate::diagnose::outliers::Outliers;
 use crate::diagnose::problem::ALL;
 
@@ -114,8 +114,8 @@ fn slips_do_not_move_the_effect_beside_them() {
         false => [0.0; 2],
     });
     let problem = bench.certain(data);
-    let offset = instance(&problem, "joint_offset", "r_knee");
-    let outliers = instance(&problem, "cop_outliers", "-");
+    let offset = term(&problem, "joint_offset", "r_knee");
+    let outliers = term(&problem, "cop_outliers", "-");
     let fit = problem.fit(&[offset.clone(), outliers], None, ALL);
     assert_eq!(fit.outliers.as_ref().unwrap().named(), slips);
     let deviations = |fit: &crate::diagnose::problem::Fit| {

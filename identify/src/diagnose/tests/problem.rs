@@ -1,9 +1,10 @@
 //! Fits of one hypothesis: slopes, minima, stated deviations, prices.
 
-use sesc_model::effects::{self, Circumstances, Instance};
+use sesc_model::effects::Circumstances;
 use sesc_reference::{Track, World};
 
-use super::{Bench, NOISE, gauss, instance, values};
+use super::{Bench, NOISE, gauss, term, values};
+use crate::diagnose::hypothesis::{Term, effect_terms};
 use crate::diagnose::problem::{ALL, Problem};
 use crate::diagnose::search::Search;
 
@@ -31,12 +32,12 @@ fn everything(bench: &Bench) -> Problem<'_> {
 
 /// Central differences of the readings against the derivatives beside them, both
 /// for unknowns of ordinary size.
-fn differ(problem: &Problem, instances: &[Instance]) -> f64 {
-    let scales = problem.scales(instances);
+fn differ(problem: &Problem, terms: &[Term]) -> f64 {
+    let scales = problem.scales(terms);
     let at: Vec<f64> = scales.iter().map(|scale| 0.3 * scale).collect();
     let run = |x: &[f64]| {
         let data = &problem.data;
-        problem.evaluate(instances, x, &data.q, &data.circumstances)
+        problem.evaluate(terms, x, &data.q, &data.circumstances)
     };
     let (here, width) = (run(&at), scales.len() + 1);
     let mut worst: f64 = 0.0;
@@ -66,13 +67,13 @@ fn slopes_of_every_effect_are_central_differences() {
     let bench = Bench::skew();
     let problem = everything(&bench);
     let mut seen = Vec::new();
-    for instance in effects::instances(&problem.setting) {
-        if instance.unknowns(&problem.setting) == 0 {
+    for term in effect_terms(&problem.context) {
+        if term.unknowns(&problem.context) == 0 {
             continue;
         }
-        let off = differ(&problem, std::slice::from_ref(&instance));
-        assert!(off < 1e-5, "{instance:?}: {off:e}");
-        seen.push(instance.effect.name());
+        let off = differ(&problem, std::slice::from_ref(&term));
+        assert!(off < 1e-5, "{term:?}: {off:e}");
+        seen.push(term.name());
     }
     seen.dedup();
     assert_eq!(seen.len(), 17, "{seen:?}");
@@ -86,7 +87,7 @@ fn slopes_of_every_effect_are_central_differences() {
         ("payload", "shank"),
         ("external_force", "thigh"),
     ];
-    let together = together.map(|(effect, target)| instance(&problem, effect, target));
+    let together = together.map(|(effect, target)| term(&problem, effect, target));
     let off = differ(&problem, &together);
     assert!(off < 1e-5, "together: {off:e}");
 }
@@ -145,7 +146,7 @@ fn values_are_found_and_their_deviations_are_honest() {
     let mut problem = bench.certain(bench.log(&bench.world(), &q, 1));
     let (mut squares, mut count) = (0.0, 0.0);
     for (effect, target, truth, world) in planted(&bench) {
-        let own = [instance(&problem, effect, target)];
+        let own = [term(&problem, effect, target)];
         let clean: Vec<f64> = world.readings(&track).iter().flat_map(|r| r.cop).collect();
         let mut of_effect = 0.0;
         for seed in 0..SEEDS {
@@ -192,10 +193,10 @@ fn prices_grow_with_unknowns_and_targets() {
         let mut problem = bench.certain(bench.log(&bench.world(), &q, 1));
         let (joints, links) = (
             bench.model.dof() as f64,
-            problem.setting.links().len() as f64,
+            problem.context.links().len() as f64,
         );
         let price = |problem: &Problem, effect: &str, target: &str| {
-            problem.price(&[instance(problem, effect, target)])
+            problem.price(&[term(problem, effect, target)])
         };
         let rotation = price(&problem, "sensor_rotation", "-");
         let off = |price: f64, unknowns: f64, targets: f64| {
@@ -205,13 +206,13 @@ fn prices_grow_with_unknowns_and_targets() {
         assert!(off(price(&problem, "backlash", "all"), 1.0, joints + 1.0) < 1e-9);
         assert!(off(price(&problem, "sensor_gain", "-"), 2.0, 1.0) < 1e-9);
         assert!(off(price(&problem, "payload", link), 4.0, links) < 1e-9);
-        let both = ["sensor_rotation", "sensor_gain"].map(|e| instance(&problem, e, "-"));
+        let both = ["sensor_rotation", "sensor_gain"].map(|e| term(&problem, e, "-"));
         let sum = rotation + price(&problem, "sensor_gain", "-");
         assert!((problem.price(&both) - sum).abs() < 1e-12);
         // By how well targets are seen: the chance of an effect stays what it was.
-        let instances = effects::instances(&problem.setting);
+        let terms = effect_terms(&problem.context);
         let chance = |problem: &Problem, name: &str| {
-            let own = instances.iter().filter(|i| i.effect.name() == name);
+            let own = terms.iter().filter(|i| i.name() == name);
             let prices = own.map(|i| problem.price(std::slice::from_ref(i)));
             prices.map(|price| (-0.5 * price).exp()).sum::<f64>()
         };

@@ -2,7 +2,7 @@
 
 use sesc_model::effects::Circumstances;
 
-use super::{Bench, gauss, instance, values};
+use super::{Bench, gauss, term, values};
 use crate::diagnose::problem::ALL;
 use crate::diagnose::sides::settle;
 
@@ -16,7 +16,7 @@ fn gravity_puts_joints_where_they_slide_to() {
     let q = bench.balanced(60, 7);
     let problem = bench.certain(bench.log(&bench.world(), &q, 1));
     let world = bench.world().backlash_all(width).unwrap();
-    let all = [instance(&problem, "backlash", "all")];
+    let all = [term(&problem, "backlash", "all")];
     let sides = settle(&problem, &all, &[width], None);
     assert!(sides.flipped.is_empty());
     assert_eq!(sides.price, 0.0);
@@ -71,7 +71,7 @@ fn readings_tell_the_side_where_both_hold() {
             [bent[0] - cop[0], bent[1] - cop[1]]
         });
         let problem = bench.certain(data);
-        let own = [instance(&problem, "backlash", JOINT)];
+        let own = [term(&problem, "backlash", JOINT)];
         let fit = problem.fit(&own, None, ALL);
         let found = &values(&problem, &fit)[0];
         let pull = (found.value - width) / found.std;

@@ -15,7 +15,6 @@ use super::data::rms;
 use super::findings::Found;
 use super::held_out;
 use super::problem::{Fit, Problem};
-use super::words;
 
 /// Postures that a figure shows one by one; evenly chosen of more.
 pub const MOST: usize = 400;
@@ -106,7 +105,7 @@ impl DiagnosisView {
             outlier,
         };
         let rest = found.diagnosis.unexplained;
-        let setting = &problem.setting;
+        let context = &problem.context;
         DiagnosisView {
             postures: postures(problem, &residuals),
             timed: data.t.is_some(),
@@ -121,9 +120,9 @@ impl DiagnosisView {
             stages: stages(found),
             subjects: found
                 .best
-                .instances
+                .terms
                 .iter()
-                .map(|instance| words::subject(setting, instance))
+                .map(|term| term.phrase(context))
                 .collect(),
         }
     }
@@ -168,7 +167,7 @@ fn foot(cells: &[[f64; 2]]) -> Option<[[f64; 2]; 2]> {
 
 /// Each with each; postures that the best of them does not explain are left out.
 fn differences(problem: &Problem, class: &[Fit]) -> Vec<Vec<f64>> {
-    let class: Vec<&Fit> = class.iter().filter(|f| !f.instances.is_empty()).collect();
+    let class: Vec<&Fit> = class.iter().filter(|f| !f.terms.is_empty()).collect();
     let errors: Vec<Vec<f64>> = class
         .iter()
         .map(|fit| held_out::errors_of(problem, fit, None))

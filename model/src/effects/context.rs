@@ -1,6 +1,6 @@
 //! What effects need to know of the robot and the log.
 
-use super::Effect;
+use super::{Catalog, Effect};
 use crate::model::Model;
 
 /// Standard gravity, m/s².
@@ -9,14 +9,14 @@ pub const GRAVITY: f64 = 9.80665;
 /// robot's own reach.
 const ROOM: f64 = 0.25;
 
-/// What an effect is the matter with.
+/// The joint, link or foot cell that an effect acts on.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Target {
     /// The whole robot, or its sensor.
     Whole,
     /// Index among the independent joints.
     Joint(usize),
-    /// All turning joints alike.
+    /// All revolute joints alike.
     AllJoints,
     /// Two joints.
     Joints(usize, usize),
@@ -28,32 +28,35 @@ pub enum Target {
     Way(&'static str),
 }
 
-/// The robot, and what its log offers.
+/// The robot, what its log offers, and the effects that may act on them.
 #[derive(Debug, Clone)]
-pub struct Setting<'m> {
+pub struct EffectContext<'m> {
     pub model: &'m Model,
     /// Positions of the foot cells, m, support frame.
     pub cells: Vec<[f64; 2]>,
     /// Whether the log has times.
     pub times: bool,
+    /// The effects that are known.
+    pub catalog: Catalog,
     /// A link of each body, the heaviest: loads on others of the same body
     /// cannot be told from loads on it.
     links: Vec<usize>,
     reach: f64,
 }
 
-impl<'m> Setting<'m> {
-    pub fn new(model: &'m Model, cells: &[[f64; 2]], times: bool) -> Setting<'m> {
+impl<'m> EffectContext<'m> {
+    pub fn new(model: &'m Model, cells: &[[f64; 2]], times: bool) -> EffectContext<'m> {
         let tree = &model.tree;
         let heaviest = |body: &crate::chain::Body| {
             let mut links = body.links.clone();
             links.sort_by(|&a, &b| tree.links[b].mass.total_cmp(&tree.links[a].mass));
             links.first().copied()
         };
-        Setting {
+        EffectContext {
             model,
             cells: cells.to_vec(),
             times,
+            catalog: Catalog::standard(),
             links: model.chain.bodies.iter().filter_map(heaviest).collect(),
             reach: model.reach(),
         }
@@ -69,12 +72,21 @@ impl<'m> Setting<'m> {
         (0..self.model.dof()).map(Target::Joint).collect()
     }
 
-    /// Every independent joint that turns.
-    pub fn turning(&self) -> Vec<usize> {
+    /// Every independent revolute joint.
+    pub fn revolute(&self) -> Vec<usize> {
         let dofs = self.model.tree.dofs.iter().enumerate();
         dofs.filter(|(_, dof)| !dof.prismatic)
             .map(|(j, _)| j)
             .collect()
+    }
+
+    /// The revolute joints that a target means.
+    pub fn revolute_of(&self, target: &Target) -> Vec<usize> {
+        match *target {
+            Target::Joint(joint) => vec![joint],
+            Target::AllJoints => self.revolute(),
+            _ => Vec::new(),
+        }
     }
 
     /// Every cell whose place is known.
@@ -85,16 +97,11 @@ impl<'m> Setting<'m> {
         }
     }
 
-    /// One of two words: for a joint that turns, or for one that slides.
-    pub(super) fn by_kind(
-        &self,
-        target: &Target,
-        turning: &'static str,
-        sliding: &'static str,
-    ) -> &'static str {
+    /// The first for a revolute joint, the second for a prismatic one.
+    pub fn by_kind<T>(&self, target: &Target, revolute: T, prismatic: T) -> T {
         match target {
-            Target::Joint(j) if self.model.tree.dofs[*j].prismatic => sliding,
-            _ => turning,
+            Target::Joint(j) if self.model.tree.dofs[*j].prismatic => prismatic,
+            _ => revolute,
         }
     }
 

@@ -1,0 +1,171 @@
+//! What a hypothesis is made of: effects, a noise model, a prior model.
+//!
+//! ```text
+//! effect         a rewrite of the measurement at a target, with its unknowns
+//! outliers       some readings come from elsewhere: noise of two widths
+//! free masses    all base parameters are identified again, CAD within tolerances
+//! ```
+//!
+//! Outliers (a foot that slips, a hand on the robot) are named by posture; nothing
+//! that most postures share imitates them. Free masses imitate every load and, on
+//! one flat foot, offsets and gains too: they are the last resort.
+
+use sesc_model::effects::{self, Carry, EffectContext, Experiment, Instance, Stage, Target, Value};
+
+/// One term of a hypothesis.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub enum Term {
+    /// An effect at its target.
+    Effect(Instance),
+    /// Noise of two widths: a few readings come from elsewhere.
+    Outliers,
+    /// The masses within the usual tolerances of CAD, not within the given prior.
+    FreeMasses,
+}
+
+/// Unknowns of the noise of two widths: its share and its width.
+const OUTLIER_UNKNOWNS: usize = 2;
+/// Kinds of terms that are no effects.
+pub const MODELS: usize = 2;
+
+impl Term {
+    /// The effect, if it is one.
+    pub fn effect(&self) -> Option<&Instance> {
+        match self {
+            Term::Effect(instance) => Some(instance),
+            Term::Outliers | Term::FreeMasses => None,
+        }
+    }
+
+    /// When the effect acts, if it is one.
+    pub fn stage(&self) -> Option<Stage> {
+        self.effect().map(|instance| instance.effect.stage())
+    }
+
+    /// Number of unknowns that a fit descends in.
+    pub fn unknowns(&self, context: &EffectContext) -> usize {
+        self.effect().map_or(0, |i| i.unknowns(context))
+    }
+
+    /// Number of unknowns that the penalty counts.
+    pub fn penalised_unknowns(&self, context: &EffectContext) -> usize {
+        match self {
+            Term::Outliers => OUTLIER_UNKNOWNS,
+            _ => self.unknowns(context),
+        }
+    }
+
+    /// An ordinary size of each unknown.
+    pub fn scales(&self, context: &EffectContext) -> Vec<f64> {
+        self.effect().map_or_else(Vec::new, |i| i.scales(context))
+    }
+
+    /// Where a fit may start.
+    pub fn starts(&self, context: &EffectContext) -> Vec<Vec<f64>> {
+        self.effect()
+            .map_or_else(|| vec![Vec::new()], |i| i.effect.starts(context, &i.target))
+    }
+
+    /// How many targets its kind has.
+    pub fn targets(&self, context: &EffectContext) -> usize {
+        self.effect()
+            .map_or(1, |i| i.effect.targets(context).len().max(1))
+    }
+
+    /// The parameters with the values that these unknowns mean.
+    pub fn values(&self, context: &EffectContext, unknowns: &[f64]) -> Vec<Value> {
+        self.effect()
+            .map_or_else(Vec::new, |i| i.values(context, unknowns))
+    }
+
+    /// How far the unknowns are beyond what is physical, per bound.
+    pub fn bound_violation(&self, context: &EffectContext, unknowns: &[f64]) -> Vec<f64> {
+        self.effect().map_or_else(Vec::new, |i| {
+            i.effect.bound_violation(context, &i.target, unknowns)
+        })
+    }
+
+    /// The width that a fit begins with, where the first unknown is that of a dead band.
+    pub fn dead_band(&self) -> Option<f64> {
+        self.effect().and_then(|i| i.effect.dead_band())
+    }
+
+    /// What becomes of it in a further experiment.
+    pub fn in_experiment(&self, experiment: Experiment) -> Carry {
+        match self {
+            Term::Effect(i) => i.effect.in_experiment(experiment, &i.target),
+            Term::Outliers => Carry::Gone,
+            Term::FreeMasses => Carry::Same,
+        }
+    }
+
+    /// As reports name its kind: `joint_offset`.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Term::Effect(instance) => instance.effect.id().name(),
+            Term::Outliers => "cop_outliers",
+            Term::FreeMasses => "mass_distribution",
+        }
+    }
+
+    /// As reports name its target; `-` for the whole robot.
+    pub fn target_name(&self, context: &EffectContext) -> String {
+        self.effect()
+            .map_or_else(|| "-".to_string(), |i| i.target_name(context))
+    }
+
+    /// `joint_offset:l_knee`; the name alone where there is no target.
+    pub fn label(&self, context: &EffectContext) -> String {
+        self.effect()
+            .map_or_else(|| self.name().to_string(), |i| i.label(context))
+    }
+
+    /// The subject of a sentence about it: `an offset of l_knee`.
+    pub fn phrase(&self, context: &EffectContext) -> String {
+        match self {
+            Term::Effect(instance) => instance.phrase(context),
+            Term::Outliers => "a few readings that come from elsewhere".to_string(),
+            Term::FreeMasses => "masses that differ from CAD".to_string(),
+        }
+    }
+
+    /// Order among terms: that of the catalog, then the models, then targets.
+    pub fn rank(&self, context: &EffectContext) -> (usize, Target) {
+        let effects = context.catalog.iter().len();
+        match self {
+            Term::Effect(i) => (context.catalog.rank(i.effect.id()), i.target.clone()),
+            Term::Outliers => (effects, Target::Whole),
+            Term::FreeMasses => (effects + 1, Target::Whole),
+        }
+    }
+
+    /// Whether it may stand beside another: not twice, not one joint and all joints
+    /// by the same effect, not two foot cells.
+    pub fn is_compatible(&self, other: &Term) -> bool {
+        let (Some(a), Some(b)) = (self.effect(), other.effect()) else {
+            return self != other;
+        };
+        let same = a.effect.id() == b.effect.id();
+        let all = a.target == Target::AllJoints || b.target == Target::AllJoints;
+        let cells = a.effect.stage() == Stage::Cells && b.effect.stage() == Stage::Cells;
+        !(same && (a.target == b.target || all)) && !cells
+    }
+}
+
+/// The effects among terms, in their order.
+pub fn effects_of(terms: &[Term]) -> Vec<Instance> {
+    terms.iter().filter_map(Term::effect).cloned().collect()
+}
+
+/// Every effect that the robot and its log allow, as terms.
+pub fn effect_terms(context: &EffectContext) -> Vec<Term> {
+    let instances = effects::instances(context).into_iter();
+    instances.map(Term::Effect).collect()
+}
+
+/// Terms in the order of their ranks.
+pub fn sorted(context: &EffectContext, terms: &[Term]) -> Vec<Term> {
+    let mut all = terms.to_vec();
+    all.sort_by_cached_key(|term| term.rank(context));
+    all
+}

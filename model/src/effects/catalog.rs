@@ -1,0 +1,111 @@
+//! The effects that are known, and their identities.
+
+use std::fmt;
+
+use super::{
+    Effect, axes, backlash, cells, external_force, ground_slope, joint_compliance, joint_offset,
+    joint_scale, joint_sign, joint_swap, payload, sensor_drift, sensor_gain, sensor_offset,
+    sensor_rotation, time_delay, units, unsettled_motion,
+};
+
+/// Which effect it is.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct EffectId(&'static str);
+
+impl EffectId {
+    /// The identity of the effect that is called `name` in reports and model files.
+    pub const fn new(name: &'static str) -> EffectId {
+        EffectId(name)
+    }
+
+    /// As in reports and model files: `joint_offset`.
+    pub const fn name(self) -> &'static str {
+        self.0
+    }
+}
+
+impl fmt::Debug for EffectId {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(self.0)
+    }
+}
+
+/// All effects that this crate knows, in the order in which ties are broken: the
+/// plainest first.
+const STANDARD: &[&dyn Effect] = &[
+    &sensor_offset::SensorOffset,
+    &sensor_rotation::SensorRotation,
+    &sensor_gain::SensorGain,
+    &ground_slope::GroundSlope,
+    &joint_offset::JointOffset,
+    &joint_scale::JointScale,
+    &joint_compliance::JointCompliance,
+    &backlash::Backlash,
+    &payload::Payload,
+    &external_force::ExternalForce,
+    &sensor_drift::SensorDrift,
+    &cells::Gain,
+    &cells::Offset,
+    &cells::Exponent,
+    &cells::Saturation,
+    &time_delay::TimeDelay,
+    &unsettled_motion::UnsettledMotion,
+    &joint_sign::JointSign,
+    &joint_swap::JointSwap,
+    &axes::SensorAxes,
+    &units::Units,
+];
+
+/// A list of effects, the plainest first.
+///
+/// ```
+/// use sesc_model::effects::Catalog;
+///
+/// let catalog = Catalog::standard();
+/// let names: Vec<&str> = catalog.iter().map(|effect| effect.id().name()).collect();
+/// assert!(names.contains(&"joint_offset"));
+/// assert!(catalog.named("joint_ofset").is_none());
+/// ```
+#[derive(Clone)]
+pub struct Catalog {
+    effects: Vec<&'static dyn Effect>,
+}
+
+impl Catalog {
+    /// The effects of this crate.
+    pub fn standard() -> Catalog {
+        Catalog {
+            effects: STANDARD.to_vec(),
+        }
+    }
+
+    /// The same and one more, the least plain of them.
+    pub fn with(mut self, effect: &'static dyn Effect) -> Catalog {
+        self.effects.push(effect);
+        self
+    }
+
+    /// All of them, the plainest first.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = &'static dyn Effect> + '_ {
+        self.effects.iter().copied()
+    }
+
+    /// The effect of this name.
+    pub fn named(&self, name: &str) -> Option<&'static dyn Effect> {
+        self.iter().find(|effect| effect.id().name() == name)
+    }
+
+    /// The place of an effect in the list; behind its end if it is not there.
+    pub fn rank(&self, id: EffectId) -> usize {
+        let place = self.effects.iter().position(|effect| effect.id() == id);
+        place.unwrap_or(self.effects.len())
+    }
+}
+
+impl fmt::Debug for Catalog {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.debug_list()
+            .entries(self.iter().map(|effect| effect.id()))
+            .finish()
+    }
+}
