@@ -73,12 +73,12 @@ fn generic(group: &mut BenchmarkGroup<WallTime>, function: Function, setup: &Set
 /// Generated code of one robot; `r` marks functions that take parameters.
 macro_rules! robot {
     (
-        $name:ident, $title:literal, $folder:literal, $support:literal, $limits:expr, $module:ident,
-        $robot:ident: $($which:ident)+
+        $name:ident, $title:literal, $folder:literal, $support:literal, $limits:expr,
+        $home:ident::$module:ident, $robot:ident: $($which:ident)+
     ) => {
         fn $name(c: &mut Criterion) {
             #[allow(unused_imports)] // not every function is on every list
-            use sesc_generated::$module::{self as module, BASE_PARAMS, CAD_PARAMS, DOF, FULL_PARAMS, $robot};
+            use $home::$module::{self as module, BASE_PARAMS, CAD_PARAMS, DOF, FULL_PARAMS, $robot};
             let setup = Setup::new($folder, $support, $limits);
             let q: &[[f64; DOF]] = setup.q.as_chunks().0;
             let q32: Vec<[f32; DOF]> = q.iter().map(|q| q.map(|x| x as f32)).collect();
@@ -169,15 +169,15 @@ macro_rules! robot {
 }
 
 robot!(
-    op2, "op2", "op2", "r_sole", None, op2_r_sole, Op2RSole:
+    op2, "op2", "op2", "r_sole", None, sesc_generated::op2_r_sole, Op2RSole:
     Com ComJacobian RegressorCop RegressorFull
 );
 robot!(
-    paper, "op2 in the paper's limits", "op2", "r_sole", Some("limits_paper.csv"), op2_r_sole,
+    paper, "op2 in the paper's limits", "op2", "r_sole", Some("limits_paper.csv"), sesc_generated::op2_r_sole,
     Op2RSole: Com ComJacobian RegressorCop RegressorFull
 );
 robot!(
-    humanoid, "skew_humanoid", "skew_humanoid", "right_sole", None, skew_humanoid_right_sole,
+    humanoid, "skew_humanoid", "skew_humanoid", "right_sole", None, sesc_bench_robots::skew_humanoid_right_sole,
     SkewHumanoidRightSole: Com RegressorCop
 );
 

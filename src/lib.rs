@@ -15,7 +15,6 @@ pub mod cli;
 pub mod demo;
 pub mod error;
 pub mod inspect;
-pub mod regenerate;
 pub mod report;
 pub mod verify;
 

@@ -5,7 +5,7 @@ use std::path::Path;
 #[test]
 fn generated_code_is_fresh() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let stale: Vec<String> = sesc::regenerate::files(root)
+    let stale: Vec<String> = xtask::regen::files(root)
         .unwrap()
         .into_iter()
         .filter(|(path, text)| std::fs::read_to_string(root.join(path)).ok().as_ref() != Some(text))

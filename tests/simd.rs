@@ -75,9 +75,9 @@ macro_rules! lane {
 }
 
 macro_rules! functions {
-    ([$($which:ident)+], $module:ident, $robot:ident, $model:expr, $block:ty, $scalar:ty, $precision:expr) => {{
+    ([$($which:ident)+], $home:ident::$module:ident, $robot:ident, $model:expr, $block:ty, $scalar:ty, $precision:expr) => {{
         #[allow(unused_imports)] // not every function is on every list
-        use sesc_generated::$module::{BASE_PARAMS, CAD_PARAMS, DOF, FULL_PARAMS, $robot};
+        use $home::$module::{BASE_PARAMS, CAD_PARAMS, DOF, FULL_PARAMS, $robot};
         const LANES: usize = size_of::<$block>() / size_of::<$scalar>();
         let model: &Model = $model;
         let mut simulator = Simulator::new(&model.tree.dofs, None, 17);
@@ -156,7 +156,7 @@ fn model(urdf: &str, support: &str) -> Model {
 fn op2_in_doubles() {
     functions!(
         [Com ComJacobian GravityMoments Regressor RegressorCop RegressorFull Cop],
-        op2_r_sole,
+        sesc_generated::op2_r_sole,
         Op2RSole,
         &model(OP2_URDF, "r_sole"),
         F64x8,
@@ -169,7 +169,7 @@ fn op2_in_doubles() {
 fn op2_in_singles() {
     functions!(
         [Com ComJacobian GravityMoments Regressor RegressorCop RegressorFull Cop],
-        op2_l_sole,
+        sesc_generated::op2_l_sole,
         Op2LSole,
         &model(OP2_URDF, "l_sole"),
         F32x16,
@@ -184,6 +184,6 @@ fn a_skewed_humanoid() {
     let urdf = include_str!("../robots/skew_humanoid/skew_humanoid.urdf");
     let model = model(urdf, "right_sole");
     functions!(
-        [Com RegressorCop], skew_humanoid_right_sole, SkewHumanoidRightSole, &model, F64x8, f64, Precision::F64
+        [Com RegressorCop], sesc_bench_robots::skew_humanoid_right_sole, SkewHumanoidRightSole, &model, F64x8, f64, Precision::F64
     );
 }

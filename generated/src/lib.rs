@@ -8,6 +8,4 @@ pub mod op2_r_sole;
 #[rustfmt::skip]
 pub mod op2_l_sole;
 #[rustfmt::skip]
-pub mod skew_humanoid_right_sole;
-#[rustfmt::skip]
 pub mod two_link_foot;

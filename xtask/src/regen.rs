@@ -7,17 +7,15 @@ use sesc_codegen::emit::rust;
 use sesc_codegen::write_if_changed;
 use sesc_model::Snapping;
 
-use crate::Error;
-use crate::OP2_URDF;
-use crate::demo::{self, hidden};
-use crate::report::figures::diagnose::course;
+use sesc::demo::{self, hidden};
+use sesc::report::figures::diagnose::course;
+use sesc::{Error, OP2_URDF};
 use sesc_identify::robot::Robot;
 
 /// Robots with checked-in code: folder under `robots/`, support link, module.
-pub const TARGETS: [(&str, &str, &str); 4] = [
+pub const TARGETS: [(&str, &str, &str); 3] = [
     ("op2", "r_sole", "op2_r_sole"),
     ("op2", "l_sole", "op2_l_sole"),
-    ("skew_humanoid", "right_sole", "skew_humanoid_right_sole"),
     ("two_link", "foot", "two_link_foot"),
 ];
 

@@ -1,0 +1,10 @@
+//! Generated modules that are measured and tested, and too long to be read:
+//! `build.rs` writes them into `OUT_DIR`, as a controller's does.
+
+#![no_std]
+#![forbid(unsafe_code)]
+
+/// A humanoid with skewed axes: constants everywhere, the costly case.
+pub mod skew_humanoid_right_sole {
+    include!(concat!(env!("OUT_DIR"), "/skew_humanoid_right_sole.rs"));
+}

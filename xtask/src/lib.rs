@@ -1,0 +1,3 @@
+//! What is done to the project itself; a user of `sesc` needs none of it.
+
+pub mod regen;

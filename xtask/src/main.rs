@@ -1,0 +1,30 @@
+//! `cargo xtask TASK`.
+
+use std::error::Error;
+use std::path::Path;
+
+use clap::Parser;
+
+/// What is done to the project itself
+#[derive(Parser)]
+enum Task {
+    /// Rewrite `generated/` and the figure of README from `robots/`
+    Regen,
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent();
+    let root = root.ok_or("xtask stands in no folder")?;
+    match Task::parse() {
+        Task::Regen => {
+            let changed = xtask::regen::write(root)?;
+            for path in &changed {
+                eprintln!("rewrote {}", path.display());
+            }
+            if changed.is_empty() {
+                eprintln!("generated/ is up to date");
+            }
+        }
+    }
+    Ok(())
+}
