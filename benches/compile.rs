@@ -4,18 +4,15 @@
 //! `cargo bench --bench compile` takes minutes, most of them at 1000 joints;
 //! `-- --test` stops after the OP2.
 
-#[path = "../tests/common/mod.rs"]
-mod common;
-
 use std::fs;
 use std::path::Path;
 use std::process::Command;
 use std::time::Instant;
 
-use common::{Kind, tree};
 use sesc_codegen::emit::rust;
 use sesc_identify::robot::Robot;
 use sesc_model::{Model, Snapping};
+use sesc_test_support::trees::{Kind, tree};
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 /// Functions whose size is told, as symbols of a library.

@@ -4,17 +4,14 @@
 //! body's orientation is built from its parent's, so rows are linear too; only
 //! their products, as in a normal matrix, are quadratic by nature.)
 
-#[path = "../tests/common/mod.rs"]
-mod common;
-
 use std::hint::black_box;
 use std::time::Duration;
 
-use common::{Kind, tree};
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use sesc_codegen::emit::rust;
 use sesc_identify::robot::Robot;
 use sesc_model::{Function, Given, Model, Snapping};
+use sesc_test_support::trees::{Kind, tree};
 
 fn everything(text: &str, support: &str) -> String {
     let robot = Robot::parse(text, "robot.urdf").unwrap();

@@ -1,13 +1,10 @@
 //! Bad robots, logs and usage: exit code 2, the file, line and remedy named,
 //! nothing written.
 
-#[path = "common/command.rs"]
-mod command;
-
 use std::fs;
 
-use command::{ROOT, folder, op2, refused, sesc, stdout, write};
 use serde_json::Value;
+use sesc_test_support::command::{ROOT, folder, op2, refused, sesc, stdout, write};
 
 #[test]
 fn bad_logs_are_refused_by_line_and_column() {

@@ -2,17 +2,11 @@
 //! of the reference, for every robot and random trees; and no branch, no call
 //! in what the compiler makes of it.
 
-mod common;
-#[path = "common/exact.rs"]
-mod exact;
-
 use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use common::{Kind, tree};
-use exact::Interpreter;
 use nalgebra::DVector;
 use sesc::verify::{allowed, corners, verify};
 use sesc_codegen::emit::rust;
@@ -21,6 +15,8 @@ use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
 use sesc_model::bounds::Precision;
 use sesc_model::{Function, Given, Model, Snapping};
+use sesc_test_support::exact::Interpreter;
+use sesc_test_support::trees::{Kind, tree};
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 /// Random postures of each case, besides corners of the limits.

@@ -1,21 +1,16 @@
 //! `sesc diagnose` from outside: its JSON as the contract has it, and files that
 //! agree with what it says, judged by the virtual robot.
 
-#[path = "common/command.rs"]
-mod command;
-#[path = "hidden_effect/mod.rs"]
-mod study;
-
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use command::{folder, op2, refused, sesc, stdout, write};
 use serde_json::Value;
 use sesc_reference::{Reference, Robot, World};
-use study::hidden::{Effect, Hidden, NOWHERE};
-use study::stage::Platform;
-use study::trial::{Choice, Question, Trial};
+use sesc_test_support::command::{folder, op2, refused, sesc, stdout, write};
+use sesc_virtual::hidden::{Effect, Hidden, NOWHERE};
+use sesc_virtual::stage::Platform;
+use sesc_virtual::trial::{Choice, Question, Trial};
 
 fn only(effect: Option<Effect>) -> Choice {
     Choice {

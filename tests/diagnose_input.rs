@@ -1,18 +1,15 @@
 //! What `sesc diagnose` refuses, and how: exit code 2, what is wrong and what to do,
 //! nothing written. What is only odd is diagnosed.
 
-#[path = "common/command.rs"]
-mod command;
-
 use std::fmt::Write as _;
 use std::path::Path;
 use std::process::Output;
 
-use command::{folder, refused, sesc, stdout, write};
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 use sesc_reference::{Robot, World};
+use sesc_test_support::command::{folder, refused, sesc, stdout, write};
 use tempfile::TempDir;
 
 /// Two skewed joints on a foot.

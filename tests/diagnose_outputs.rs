@@ -1,14 +1,9 @@
 //! What `sesc diagnose` writes besides the model file: the corrected URDF, read back by
 //! the reference, against a virtual robot with the same imperfections.
 
-#[path = "common/command.rs"]
-mod command;
-mod common;
-
 use std::collections::BTreeMap;
 use std::fs;
 
-use command::{folder, op2, refused, sesc, stdout};
 use sesc::OP2_URDF;
 use sesc_identify::diagnose::corrected_urdf::{CorrectedUrdf, of_model_file};
 use sesc_identify::fit::prior::{Prior, Tolerances};
@@ -16,6 +11,7 @@ use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
 use sesc_model::{EffectRecord, ModelFile, Quantity, Snapping};
 use sesc_reference::{Reference, World};
+use sesc_test_support::command::{folder, op2, refused, sesc, stdout};
 
 const LIFT_BASE: &str = include_str!("../robots/lift_base/lift_base.urdf");
 /// Both sides sum the same masses in another order, m.
@@ -162,13 +158,13 @@ fn followers_and_slides_follow_in_lift_base() {
 #[test]
 fn random_robots_stand_as_they_really_do() {
     for seed in 0..40 {
-        let kind = common::Kind {
+        let kind = sesc_test_support::trees::Kind {
             joints: 3 + seed as usize % 9,
             canonical: seed % 3 == 0,
             revolute: false,
             chained: 0.6,
         };
-        let (text, _) = common::tree(seed, kind);
+        let (text, _) = sesc_test_support::trees::tree(seed, kind);
         let robot = sesc_reference::Robot::from_urdf(&text).unwrap();
         let mut effects: Vec<EffectRecord> = robot
             .movable_joints()

@@ -4,9 +4,6 @@
 //!
 //! `cargo test --test firmware -- --nocapture costs` prints what a call costs.
 
-#[path = "common/machine.rs"]
-mod machine;
-
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::fs::{self, File};
@@ -101,7 +98,7 @@ impl Config {
             .current_dir(ROOT);
         // The jobserver of an outer make is not for us.
         make.env_remove("MAKEFLAGS").env_remove("MAKELEVEL");
-        machine::printed(&mut make, "", LIMIT);
+        sesc_test_support::machine::printed(&mut make, "", LIMIT);
     }
 
     /// The folder with everything built, once in a run.
@@ -115,7 +112,7 @@ impl Config {
             .join("firmware")
             .join(self.name);
         if !built.contains(self.name) {
-            machine::need_tools();
+            sesc_test_support::machine::need_tools();
             let _ = fs::remove_dir_all(&out);
             fs::create_dir_all(&out).unwrap();
             fs::write(out.join("postures.h"), self.postures_h()).unwrap();
@@ -271,7 +268,7 @@ impl Config {
 
     /// What `agree` prints: of each line, the function and the bits it returned.
     fn results(self) -> Vec<(String, Vec<u32>)> {
-        let printed = machine::printed(&mut self.command("agree"), "", LIMIT);
+        let printed = sesc_test_support::machine::printed(&mut self.command("agree"), "", LIMIT);
         let line = |line: &str| {
             let mut words = line.split_whitespace();
             let name = words.next().unwrap().to_string();
@@ -432,7 +429,11 @@ fn calls_are_told_apart_in_a_trace() {
 
 /// The option that makes every instruction a block of its own.
 fn one_by_one() -> &'static [&'static str] {
-    let version = machine::printed(Command::new("qemu-system-arm").arg("--version"), "", LIMIT);
+    let version = sesc_test_support::machine::printed(
+        Command::new("qemu-system-arm").arg("--version"),
+        "",
+        LIMIT,
+    );
     let number = version.split_whitespace().nth(3).unwrap_or_default();
     let mut parts = number
         .split('.')
@@ -449,7 +450,7 @@ impl Config {
     fn symbols(self, file: &str) -> BTreeMap<String, Range<u32>> {
         let mut nm = Command::new("arm-none-eabi-nm");
         nm.arg("--print-size").arg(self.built().join(file));
-        let printed = machine::printed(&mut nm, "", LIMIT);
+        let printed = sesc_test_support::machine::printed(&mut nm, "", LIMIT);
         let symbol = |line: &str| {
             let words: Vec<&str> = line.split_whitespace().collect();
             let [address, size, _, name] = words[..] else {
@@ -482,7 +483,7 @@ impl Config {
         qemu.args(one_by_one())
             .args(["-d", "exec,nochain", "-D"])
             .arg(&trace);
-        machine::printed(&mut qemu, "", LIMIT);
+        sesc_test_support::machine::printed(&mut qemu, "", LIMIT);
         let calls = calls(
             BufReader::new(File::open(&trace).unwrap()),
             &symbols["measure"],
@@ -577,7 +578,11 @@ impl Config {
 
 /// Bytes of code and constants, of initialised and of zeroed variables.
 fn sizes(file: &Path) -> [u64; 3] {
-    let printed = machine::printed(Command::new("arm-none-eabi-size").arg(file), "", LIMIT);
+    let printed = sesc_test_support::machine::printed(
+        Command::new("arm-none-eabi-size").arg(file),
+        "",
+        LIMIT,
+    );
     let mut words = printed.lines().nth(1).unwrap().split_whitespace();
     std::array::from_fn(|_| words.next().unwrap().parse().unwrap())
 }
@@ -628,7 +633,7 @@ fn no_double_and_no_library_beyond_float_arithmetic() {
         let mut nm = Command::new("arm-none-eabi-nm");
         nm.args(["--undefined-only", "--format=just-symbols"]);
         nm.arg(config.built().join("robot.o"));
-        let printed = machine::printed(&mut nm, "", LIMIT);
+        let printed = sesc_test_support::machine::printed(&mut nm, "", LIMIT);
         let needed: Vec<&str> = printed.split_whitespace().collect();
         let single = [
             "__aeabi_fadd",
@@ -673,7 +678,7 @@ fn clang_has_nothing_to_warn_of() {
     // The target's own part, with the headers of the target's library.
     let mut where_is = Command::new("arm-none-eabi-gcc");
     where_is.args(["-E", "-x", "c", "-"]);
-    let text = machine::printed(&mut where_is, "#include <stdlib.h>\n", LIMIT);
+    let text = sesc_test_support::machine::printed(&mut where_is, "#include <stdlib.h>\n", LIMIT);
     let include = text
         .lines()
         .filter_map(|line| line.split('"').nth(1)?.strip_suffix("/stdlib.h"))
@@ -689,14 +694,14 @@ fn clang_has_nothing_to_warn_of() {
             .args(["-Wfloat-equal", "-Wshadow", "-Werror", "-isystem", include])
             .args(["-c", "-o", "/dev/null"])
             .arg(format!("{ROOT}/tests/firmware/startup.c"));
-        machine::printed(&mut clang, "", LIMIT);
+        sesc_test_support::machine::printed(&mut clang, "", LIMIT);
     }
 }
 
 #[test]
 #[should_panic(expected = "did not end within 100ms and was stopped")]
 fn a_program_that_hangs_is_stopped() {
-    machine::run(
+    sesc_test_support::machine::run(
         Command::new("sleep").arg("60"),
         "",
         Duration::from_millis(100),
@@ -721,7 +726,8 @@ fn read_example(printed: &str) -> Vec<[f64; 6]> {
 fn the_example_reads_ticks_and_tells_the_margin() {
     let input = fs::read_to_string(format!("{ROOT}/tests/firmware/postures.txt")).unwrap();
     for config in [M3_FIXED, M3_F32, M4F_F32, HOST_FIXED, HOST_F32] {
-        let printed = machine::printed(&mut config.command("main"), &input, LIMIT);
+        let printed =
+            sesc_test_support::machine::printed(&mut config.command("main"), &input, LIMIT);
         let rows = read_example(&printed);
         assert_eq!(
             rows.len(),
@@ -755,7 +761,7 @@ fn the_example_reads_ticks_and_tells_the_margin() {
         }
         assert!(rows[2][5] > 30.0, "leaning over the foot: {printed}");
 
-        let short = machine::run(&mut config.command("main"), "1 2 3\n", LIMIT);
+        let short = sesc_test_support::machine::run(&mut config.command("main"), "1 2 3\n", LIMIT);
         assert_eq!(short.status.code(), Some(2), "{}", config.name);
         let message = String::from_utf8_lossy(&short.stderr);
         assert!(

@@ -1,11 +1,8 @@
 //! What `sesc fit` writes besides the model file, from the command line.
 
-#[path = "common/command.rs"]
-mod command;
-
 use std::fs;
 
-use command::{folder, op2, refused, sesc, stdout};
+use sesc_test_support::command::{folder, op2, refused, sesc, stdout};
 
 /// A log of the OP2 as CAD has it, read with `noise` m; its path.
 fn log(folder: &std::path::Path, poses: &str, noise: &str) -> String {

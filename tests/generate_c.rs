@@ -1,14 +1,11 @@
 //! `sesc generate --lang c` as its users meet it: files for every scalar, and
 //! faults that exit with 2, name the remedy and leave nothing behind.
 
-#[path = "common/command.rs"]
-mod command;
-
 use std::fs;
 use std::path::Path;
 use std::process::Output;
 
-use command::{ROOT, folder, op2, refused, sesc, stdout, write};
+use sesc_test_support::command::{ROOT, folder, op2, refused, sesc, stdout, write};
 
 /// `sesc generate` of the OP2 in C with more arguments.
 fn generate(out: &Path, more: &[&str]) -> Output {

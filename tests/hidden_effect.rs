@@ -1,19 +1,16 @@
 //! Hide an effect, ask the diagnoser, and the truth must come out: a part of
-//! the study that the example `hidden_effects` makes at length.
-
-#[path = "hidden_effect/mod.rs"]
-mod study;
+//! the study that the command `cargo xtask study` makes at length.
 
 use serde_json::json;
-use study::diagnoser::Diagnoser;
-use study::hidden::{Effect, Hidden, NOWHERE, hide_all};
-use study::judge::{Answer, Judgement, names, truth};
-use study::refit::Refit;
-use study::sizes::VISIBLE;
-use study::stage::Platform;
-use study::survey::{Outcome, ask, everything, questions};
-use study::table::{Bound, Goal, goal_table, goals, mistakes};
-use study::trial::{Choice, Question, Trial};
+use sesc_virtual::diagnoser::Diagnoser;
+use sesc_virtual::hidden::{Effect, Hidden, NOWHERE, hide_all};
+use sesc_virtual::judge::{Answer, Judgement, names, truth};
+use sesc_virtual::refit::Refit;
+use sesc_virtual::sizes::VISIBLE;
+use sesc_virtual::stage::Platform;
+use sesc_virtual::survey::{Outcome, ask, everything, questions};
+use sesc_virtual::table::{Bound, Goal, goal_table, goals, mistakes};
+use sesc_virtual::trial::{Choice, Question, Trial};
 
 fn small() -> Choice {
     Choice {

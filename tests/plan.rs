@@ -1,12 +1,8 @@
 //! `sesc plan`: what planned postures are worth, that they can be stood in, and
 //! what is refused.
 
-#[path = "common/command.rs"]
-mod command;
-
 use std::path::Path;
 
-use command::{ROOT, folder, op2, refused, sesc, stdout, write};
 use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng as _;
 use rand::seq::index;
@@ -23,6 +19,7 @@ use sesc_identify::plan::{Plan, Request, plan};
 use sesc_identify::robot::Robot;
 use sesc_model::{Function, Model, Snapping};
 use sesc_reference::{Reference, Robot as TrueRobot};
+use sesc_test_support::command::{ROOT, folder, op2, refused, sesc, stdout, write};
 
 /// The seed paper's: |CoP| < 23 mm, 38 postures, 100 readings of 4.93 mm each.
 const COP_BOX: f64 = 0.023;

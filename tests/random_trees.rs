@@ -2,15 +2,13 @@
 //! links, deep chains, bushy hands, any support. The symbolic path against the
 //! reference, and the closed-form counts against what comes out.
 
-mod common;
-
-use common::{Kind, tree};
 use sesc::inspect::numeric_rank;
 use sesc::verify::verify;
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
 use sesc_model::tree::Motion;
 use sesc_model::{Function, Given, Model, Snapping};
+use sesc_test_support::trees::{Kind, tree};
 
 fn model(seed: u64, kind: Kind, snapping: Snapping) -> (Robot, Model, String) {
     let (text, links) = tree(seed, kind);

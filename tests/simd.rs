@@ -1,16 +1,13 @@
 //! Generated functions on every set of instructions that this machine has: within the
 //! bound that the head of the generated file states, one posture at a time and in batches.
 
-#[path = "common/exact.rs"]
-mod exact;
-
-use exact::{Double, Interpreter, Number as _};
 use sesc::OP2_URDF;
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
 use sesc_model::bounds::Precision;
 use sesc_model::{Function, Given, Model, Snapping};
 use sesc_runtime::{Batch, F32x16, F64x8, Sesc as _, Simd, Single, pack};
+use sesc_test_support::exact::{Double, Interpreter, Number as _};
 
 /// Blocks of each function: 32 postures, whose exact values take a microsecond an operation.
 const BLOCKS: usize = 4;

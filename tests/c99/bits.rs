@@ -10,7 +10,7 @@ use sesc_model::tape::{Argument, Tape};
 
 use crate::case::{Case, Draw, Entry, ROBOTS, SCALARS, draw};
 use crate::compiled::{Compiled, folder, parallel};
-use crate::exact::Interpreter;
+use sesc_test_support::exact::Interpreter;
 
 const POSTURES: usize = 200;
 

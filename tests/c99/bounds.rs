@@ -13,8 +13,8 @@ use sesc_model::{Function, Given};
 
 use crate::case::{Case, Draw, Entry, ROBOTS, draw};
 use crate::compiled::{Compiled, folder, parallel};
-use crate::exact::{Double, Interpreter, Number};
 use crate::fixed::trapping;
+use sesc_test_support::exact::{Double, Interpreter, Number};
 
 /// Postures of each robot for each function, corners among them.
 const POSTURES: usize = 1_000;

@@ -10,8 +10,8 @@ use sesc_model::program::Program;
 use sesc_model::tape::{Argument, Tape};
 use sesc_model::{Function, Given, Model, Snapping};
 
-use crate::common::{Kind, tree};
-use crate::exact::{Double, Number as _};
+use sesc_test_support::exact::{Double, Number as _};
+use sesc_test_support::trees::{Kind, tree};
 
 pub const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 

@@ -4,11 +4,7 @@
 mod bits;
 mod bounds;
 mod case;
-#[path = "../common/mod.rs"]
-mod common;
 mod compiled;
-#[path = "../common/exact.rs"]
-mod exact;
 mod fixed;
 mod model;
 mod quality;

@@ -7,8 +7,8 @@ use std::process::Command;
 
 use serde_json::Value;
 
-use crate::command::write;
 use crate::user::*;
+use sesc_test_support::command::write;
 
 /// Keys and forms of <https://docs.platformio.org/en/latest/manifests/library-json/>.
 #[test]

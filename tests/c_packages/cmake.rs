@@ -3,8 +3,8 @@
 use std::fs;
 use std::process::Command;
 
-use crate::command::write;
 use crate::user::*;
+use sesc_test_support::command::write;
 
 #[test]
 fn find_package_serves_c_and_cpp() {

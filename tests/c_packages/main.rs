@@ -1,8 +1,5 @@
 //! Generated C as its users take it in: CMake, pkg-config, PlatformIO, Arduino.
 
-#[path = "../common/command.rs"]
-mod command;
-
 mod boards;
 mod cmake;
 mod output;

@@ -8,8 +8,8 @@ use std::process::Command;
 use serde_json::Value;
 
 use crate::boards::properties;
-use crate::command::{ROOT, folder, refused, sesc, stdout, write};
 use crate::user::*;
+use sesc_test_support::command::{ROOT, folder, refused, sesc, stdout, write};
 
 /// Robots are named by people: every format quotes the name in its own way.
 #[test]

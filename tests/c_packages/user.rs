@@ -7,7 +7,7 @@ use std::sync::OnceLock;
 
 use sesc_reference::{Reference, Robot};
 
-use crate::command::{op2, sesc, stdout, write};
+use sesc_test_support::command::{op2, sesc, stdout, write};
 
 pub const NAME: &str = "op2_r_sole";
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");

@@ -4,7 +4,7 @@ use std::fs;
 
 use serde_json::Value;
 
-use super::command::{ROOT, folder, op2, refused, sesc, stdout, write};
+use sesc_test_support::command::{ROOT, folder, op2, refused, sesc, stdout, write};
 
 fn urdf() -> String {
     format!("{ROOT}/robots/two_link/two_link.urdf")

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use super::command::{ROOT, folder, op2, refused, sesc};
+use sesc_test_support::command::{ROOT, folder, op2, refused, sesc};
 
 fn names(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).unwrap();

@@ -8,11 +8,11 @@ use sesc_codegen::emit::c::{self, Options, Scalar};
 use sesc_model::effects::Catalog;
 use sesc_model::{Function, Given};
 
-use crate::command::{sesc, stdout};
 use crate::correction::{file, with};
 use crate::generated::{self, Case, Said};
 use crate::hidden::Hidden;
 use crate::robots::{Stand, distance, run, urdf};
+use sesc_test_support::command::{sesc, stdout};
 
 const POSTURES: usize = 60;
 /// Ways of one formula that round differently, m (or the record's unit).

@@ -9,8 +9,8 @@ use sesc_codegen::Builder;
 use sesc_codegen::emit::c::{Options, Package, Scalar};
 use sesc_model::{ModelFile, Snapping};
 
-use crate::command::ROOT;
 use crate::robots::{Stand, urdf};
+use sesc_test_support::command::ROOT;
 
 /// What generated code says of one posture.
 #[derive(Debug, Clone, PartialEq)]

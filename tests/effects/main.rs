@@ -4,8 +4,6 @@
 //! All walk [`sesc_model::effects::Catalog`]: an effect without an entry in
 //! `hidden.rs` fails.
 
-#[path = "../common/command.rs"]
-mod command;
 mod compiled;
 mod correction;
 mod generated;

@@ -5,10 +5,10 @@ use std::fs;
 use sesc_model::effects::{self, Catalog, Effect, Stage};
 use sesc_model::{EffectRecord, ModelFile, Quantity};
 
-use crate::command::{folder, refused, sesc, stdout, write};
 use crate::correction::{file, with};
 use crate::hidden::Hidden;
 use crate::robots::{Stand, urdf};
+use sesc_test_support::command::{folder, refused, sesc, stdout, write};
 
 fn near(a: &[f64], b: &[f64]) -> bool {
     let close = |(a, b): (&f64, &f64)| (a - b).abs() <= 1e-12 * (1.0 + a.abs().max(b.abs()));

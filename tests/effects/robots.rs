@@ -11,7 +11,7 @@ use sesc_model::tape::{Argument, Tape};
 use sesc_model::{Model, Snapping};
 use sesc_reference::World;
 
-use crate::command::ROOT;
+use sesc_test_support::command::ROOT;
 
 /// A robot on its support, and its bent twin's blueprint.
 pub struct Stand {

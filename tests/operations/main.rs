@@ -2,19 +2,17 @@
 //! compiled C give the same bits, inside proven bounds of exact arithmetic.
 
 mod build;
-#[path = "../common/exact.rs"]
-mod exact;
 mod programs;
 
 use std::process::Command;
 
 use build::{ROOT, Rows, WARNINGS, folder, tool, write_c};
-use exact::{Double, Interpreter, Number};
 use programs::{Case, bare, cases, edges};
 use sesc_identify::evaluate::PORTABLE;
 use sesc_model::bounds::{self, Precision};
 use sesc_model::program::Program;
 use sesc_model::tape::{Argument, Tape};
+use sesc_test_support::exact::{Double, Interpreter, Number};
 
 const ROWS: usize = 2_000;
 const PRECISIONS: [Precision; 2] = [Precision::F64, Precision::F32];

@@ -1,3 +1,4 @@
 //! What is done to the project itself; a user of `sesc` needs none of it.
 
 pub mod regen;
+pub mod study;

@@ -10,6 +10,8 @@ use clap::Parser;
 enum Task {
     /// Rewrite `generated/` and the figure of README from `robots/`
     Regen,
+    /// Hide effects in virtual robots, ask `sesc diagnose`, and count in docs/study.md
+    Study(xtask::study::Study),
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -25,6 +27,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 eprintln!("generated/ is up to date");
             }
         }
+        Task::Study(study) => study.run(root)?,
     }
     Ok(())
 }

@@ -1,24 +1,31 @@
 //! Running `sesc` and reading what it says.
 
-#![allow(dead_code)] // each test binary uses its own part
-
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-pub const ROOT: &str = env!("CARGO_MANIFEST_DIR");
+/// The project's root.
+pub const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 
-pub fn sesc(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_sesc"))
-        .args(arguments)
-        .output()
-        .unwrap()
+/// The `sesc` that cargo built beside the test: `target/debug/sesc` for
+/// `target/debug/deps/test`.
+pub fn program() -> PathBuf {
+    let test = std::env::current_exe().unwrap();
+    let program = test.parent().unwrap().with_file_name("sesc");
+    program.with_extension(std::env::consts::EXE_EXTENSION)
 }
 
+/// What `sesc` prints and returns with these arguments.
+pub fn sesc(arguments: &[&str]) -> Output {
+    Command::new(program()).args(arguments).output().unwrap()
+}
+
+/// The path of the OP2's URDF.
 pub fn op2() -> String {
     format!("{ROOT}/robots/op2/op2.urdf")
 }
 
+/// What a command that succeeded printed.
 pub fn stdout(output: &Output) -> String {
     assert!(
         output.status.success(),
@@ -43,10 +50,12 @@ pub fn refused(output: &Output, words: &[&str]) {
     assert!(!message.contains("panicked"), "{message}");
 }
 
+/// A folder that goes when the test ends.
 pub fn folder() -> tempfile::TempDir {
     tempfile::tempdir().unwrap()
 }
 
+/// Writes a file into a folder; its path.
 pub fn write(folder: &Path, name: &str, text: impl AsRef<[u8]>) -> String {
     let path = folder.join(name);
     fs::write(&path, text).unwrap();

@@ -1,18 +1,14 @@
 //! The command line as its users meet it: contracts of the JSON, files that
 //! appear whole or not at all, what the commands promise.
 
-#[path = "common/command.rs"]
-mod command;
-#[path = "cli/model_files.rs"]
 mod model_files;
-#[path = "cli/unfinished.rs"]
 mod unfinished;
 
 use std::fs;
 use std::path::PathBuf;
 
-use command::{ROOT, folder, op2, refused, sesc, stdout, write};
 use serde_json::Value;
+use sesc_test_support::command::{ROOT, folder, op2, refused, sesc, stdout, write};
 
 #[test]
 fn inspect_reports_what_the_contract_says() {

@@ -14,9 +14,9 @@ use std::collections::BTreeSet;
 
 use serde_json::Value;
 
-use super::hidden::{Effect, Hidden, NOWHERE};
-use super::refit::Refit;
-use super::trial::Trial;
+use crate::hidden::{Effect, Hidden, NOWHERE};
+use crate::refit::Refit;
+use crate::trial::Trial;
 
 /// Three standard deviations: what noise alone may cost.
 const NOISE_ALLOWS: f64 = 9.0;

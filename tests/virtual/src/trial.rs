@@ -6,11 +6,11 @@ use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use sesc_reference::Error;
 
-use super::hidden::{ALL, Effect, Hidden, hide_all};
-use super::log::{Log, READINGS, Style};
-use super::poses::Poses;
-use super::sizes::{self, INVISIBLE, VISIBLE};
-use super::stage::{Platform, Postures, Stage};
+use crate::hidden::{ALL, Effect, Hidden, hide_all};
+use crate::log::{Log, READINGS, Style};
+use crate::poses::Poses;
+use crate::sizes::{self, INVISIBLE, VISIBLE};
+use crate::stage::{Platform, Postures, Stage};
 
 /// What CAD masses are trusted to: 0.2 % of mass, as much of the CoM's distance.
 const TRUSTED: f64 = 0.002;

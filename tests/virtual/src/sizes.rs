@@ -11,8 +11,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, UnitSphere};
 use sesc_reference::{Robot, Track};
 
-use super::hidden::{ALL, Effect, Hidden, NOWHERE, hide_all};
-use super::stage::Stage;
+use crate::hidden::{ALL, Effect, Hidden, NOWHERE, hide_all};
+use crate::stage::Stage;
 
 /// What makes an effect visible: the goals count logs above it.
 pub const VISIBLE: f64 = 100.0;

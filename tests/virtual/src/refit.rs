@@ -12,10 +12,10 @@ use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use sesc_reference::Track;
 
-use super::hidden::{Effect, Hidden, hide_all};
-use super::log::Log;
-use super::sizes;
-use super::stage::Stage;
+use crate::hidden::{Effect, Hidden, hide_all};
+use crate::log::Log;
+use crate::sizes;
+use crate::stage::Stage;
 
 /// A posture cannot count more where outliers are about.
 const CAPPED: f64 = 20.0;

@@ -1,7 +1,5 @@
 //! Programs run with a limit on their time, and tools that must be there.
 
-#![allow(dead_code)] // each test binary uses its own part
-
 use std::io::{Read, Seek as _, Write as _};
 use std::process::{Command, Output, Stdio};
 use std::thread::{self, JoinHandle};
@@ -9,7 +7,7 @@ use std::time::{Duration, Instant};
 
 /// Fails, with the remedy, where a package that the tests need is missing.
 pub fn need_tools() {
-    let setup = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/setup");
+    let setup = concat!(env!("CARGO_MANIFEST_DIR"), "/../setup");
     let output = Command::new("bash").args([setup, "--missing"]).output();
     let output = output.expect("bash runs tests/setup");
     let missing = String::from_utf8_lossy(&output.stdout);

@@ -9,7 +9,7 @@ use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 use sesc_reference::{Track, World};
 
-use super::stage::{Postures, Stage};
+use crate::stage::{Postures, Stage};
 
 /// A log's postures in the order of their numbers.
 pub struct Poses {

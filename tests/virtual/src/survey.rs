@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use super::diagnoser::Diagnoser;
-use super::hidden::Effect;
-use super::judge::{Answer, Judgement};
-use super::stage::Platform;
-use super::trial::{Choice, Question, Trial};
+use crate::diagnoser::Diagnoser;
+use crate::hidden::Effect;
+use crate::judge::{Answer, Judgement};
+use crate::stage::Platform;
+use crate::trial::{Choice, Question, Trial};
 
 /// A trial and what became of it.
 #[derive(Debug, Clone)]

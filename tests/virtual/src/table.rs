@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use super::hidden::Effect;
-use super::survey::Outcome;
-use super::trial::Question;
+use crate::hidden::Effect;
+use crate::survey::Outcome;
+use crate::trial::Question;
 
 /// The share that is asked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -99,13 +99,13 @@ const GOALS: [(&str, Is, Bound, Is); 21] = [
         "one effect: postures put aside below 1.1 noises",
         one,
         Bound::Least(0.97),
-        foretold,
+        predicted_to_noise,
     ),
     (
         "two effects: postures put aside below 1.1 noises",
         two,
         Bound::Least(0.95),
-        foretold,
+        predicted_to_noise,
     ),
     (
         "one effect: held out below 1.1, as reported",
@@ -127,19 +127,19 @@ const GOALS: [(&str, Is, Bound, Is); 21] = [
     ),
     (
         "outside the library: unexplained",
-        strange,
+        outside,
         Bound::Least(1.0),
         |o| o.judgement.unexplained,
     ),
     (
         "... shown with chi2 above 4000: unexplained",
-        strong,
+        strongly_outside,
         Bound::Least(1.0),
         |o| o.judgement.unexplained,
     ),
     (
         "... unexplained, or imitated to within noise",
-        strange,
+        outside,
         Bound::Shown,
         |o| o.judgement.unexplained || o.judgement.imitates,
     ),
@@ -193,12 +193,12 @@ fn hanging(outcome: &Outcome) -> bool {
     outcome.question == Question::Outside && outcome.effects == [Effect::HangingLoad]
 }
 
-fn strange(outcome: &Outcome) -> bool {
+fn outside(outcome: &Outcome) -> bool {
     outcome.question == Question::Outside && !hanging(outcome)
 }
 
-fn strong(outcome: &Outcome) -> bool {
-    strange(outcome) && outcome.chi2 > STRONG
+fn strongly_outside(outcome: &Outcome) -> bool {
+    outside(outcome) && outcome.chi2 > STRONG
 }
 
 fn invisible(outcome: &Outcome) -> bool {
@@ -214,7 +214,7 @@ fn silent(outcome: &Outcome) -> bool {
 }
 
 /// By postures put aside; what depends on a log's own time by what is reported.
-fn foretold(outcome: &Outcome) -> bool {
+fn predicted_to_noise(outcome: &Outcome) -> bool {
     let judgement = &outcome.judgement;
     let aside = judgement.aside.filter(|_| !drifts(outcome));
     aside.unwrap_or(judgement.held_out) < 1.1
@@ -301,7 +301,7 @@ pub fn effect_table(outcomes: &[Outcome]) -> String {
             share(&|o| o.judgement.exact),
             share(&|o| o.judgement.in_group),
             share(&|o| o.judgement.class()),
-            share(&foretold),
+            share(&predicted_to_noise),
             share(&|o| o.judgement.unexplained),
             groups as f64 / outcomes.len() as f64,
             taken.join(", ")
@@ -317,7 +317,7 @@ pub fn mistakes(outcomes: &[Outcome]) -> String {
         let judgement = &outcome.judgement;
         let right = match outcome.question {
             Question::Library(_) => {
-                judgement.name_or_class() && !judgement.unexplained && foretold(outcome)
+                judgement.name_or_class() && !judgement.unexplained && predicted_to_noise(outcome)
             }
             Question::Outside => judgement.unexplained || judgement.class(),
             _ => judgement.none && !judgement.unexplained,

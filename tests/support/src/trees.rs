@@ -1,7 +1,5 @@
 //! Random robots as URDF text, one per seed.
 
-#![allow(dead_code)] // each test binary uses its own part
-
 use std::fmt::Write as _;
 
 use rand::{RngExt as _, SeedableRng as _};

@@ -88,7 +88,7 @@ impl Stage {
             Platform::Plain => ("plain_humanoid", "right_sole", 2.2),
         };
         let root = env!("CARGO_MANIFEST_DIR");
-        let urdf = PathBuf::from(format!("{root}/robots/{name}/{name}.urdf"));
+        let urdf = PathBuf::from(format!("{root}/../../robots/{name}/{name}.urdf"));
         let robot = Robot::from_file(&urdf).expect("the repository's robots are readable");
         let ranges = robot.movable_joints().map(|joint| {
             let given = OP2_RANGES.iter().find(|(name, ..)| *name == joint.name);

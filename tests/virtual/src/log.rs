@@ -12,8 +12,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 use sesc_reference::{Track, World};
 
-use super::poses::Poses;
-use super::stage::Stage;
+use crate::poses::Poses;
+use crate::stage::Stage;
 
 pub const READINGS: usize = 100;
 

@@ -5,8 +5,6 @@
 //! x = high + low      |low| <= ulp(high) / 2      relative error about 2^-104
 //! ```
 
-#![allow(dead_code)] // each test binary uses its own part
-
 use std::collections::HashMap;
 use std::sync::LazyLock;
 
