@@ -13,8 +13,9 @@
 //! Data walks one way; each stage imports only from those before it:
 //!
 //! ```text
-//! urdf → tree → chain → frames → base
-//!      → expr → functions → effects → model → program → bounds | tape
+//! urdf → tree → chain → frames → base → robot                      kinematics: no file, no effect
+//! expr → program → bounds | tape                                   straight-line code
+//! interface → functions → measurement → effects → model            what is computed
 //! ```
 
 #![deny(unsafe_code)]
@@ -27,11 +28,13 @@ mod error;
 pub mod expr;
 pub mod frames;
 mod functions;
+mod interface;
+mod measurement;
 mod model;
-mod model_file;
 pub mod names;
 pub mod numeric;
 pub mod program;
+mod robot;
 pub mod snap;
 pub mod standard;
 pub mod tape;
@@ -41,6 +44,9 @@ pub mod urdf;
 
 pub use error::Error;
 pub use functions::differentiate_com;
-pub use model::{Function, Given, Model};
-pub use model_file::{DataUsed, EffectRecord, ModelFile, Parameter, Quantity};
+pub use interface::{Function, Given};
+pub use model::{
+    DataUsed, EffectRecord, Model, ModelFile, Parameter, Quantity, sensor_reading, tilted_cop,
+};
+pub use robot::Robot;
 pub use snap::Snapping;

@@ -6,13 +6,22 @@
 
 use std::collections::{HashMap, HashSet};
 
-use crate::expr::{Expr, Graph, Id, Product, Vector, VectorId};
+use crate::expr::{Argument, Expr, Graph, Id, Product, Vector, VectorId};
 
 /// An input array.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Array {
-    pub name: &'static str,
+    /// What it is.
+    pub argument: Argument,
+    /// How many entries it has.
     pub len: usize,
+}
+
+impl Array {
+    /// An input array of `len` entries.
+    pub const fn new(argument: Argument, len: usize) -> Array {
+        Array { argument, len }
+    }
 }
 
 /// Shape of the result.
@@ -181,6 +190,18 @@ impl Program {
             products,
             weights,
         }
+    }
+
+    /// The place of an input array among [`Program::inputs`].
+    ///
+    /// # Panics
+    /// When the program has no such input: its expressions were made of others.
+    pub fn slot(&self, argument: Argument) -> usize {
+        let place = self
+            .inputs
+            .iter()
+            .position(|array| array.argument == argument);
+        place.expect("an expression reads an input that its program lacks")
     }
 
     /// What node `id` is.

@@ -10,12 +10,12 @@
 
 use nalgebra::{DMatrix, DMatrixViewMut, DVector};
 
-use crate::model::Model;
+use crate::robot::Robot;
 
 /// Entries of θ per link: mass fraction, then first moment x, y, z.
 pub const PER_LINK: usize = 4;
 
-impl Model {
+impl Robot {
     /// W: base parameters × 4 per link of [`crate::tree::Tree::links`].
     ///
     /// Columns of links beyond a cut are zero.
@@ -106,7 +106,7 @@ impl Model {
     ///
     /// Returns the largest entry that no such map explains besides: rounding,
     /// unless `other` is another robot.
-    pub fn params_from(&self, other: &Model) -> Shift {
+    pub fn params_from(&self, other: &Robot) -> Shift {
         let (own, theirs) = (self.standard_map(), other.standard_map());
         let (rows, columns) = (theirs.nrows() + 1, theirs.ncols());
         // [W_other; masses] θ = [r_other; 1], and every row of W_own is a sum of its rows.

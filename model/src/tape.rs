@@ -111,8 +111,8 @@ impl Tape {
         for (id, node) in program.iter() {
             let source = match node.expr {
                 Expr::Const(x) => Source::Const(x),
-                Expr::Input { array, index } => Source::Input {
-                    array: array as usize,
+                Expr::Input { argument, index } => Source::Input {
+                    array: program.slot(argument),
                     index: index as usize,
                 },
                 _ => continue,

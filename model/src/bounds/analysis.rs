@@ -115,8 +115,8 @@ impl<'p> Analysis<'p> {
         let above = |id: Id| self.not_negative[id.index()];
         let by_operation = match expr {
             Expr::Const(x) => x >= 0.0,
-            Expr::Input { array, index } => {
-                let input = self.inputs[array as usize][index as usize];
+            Expr::Input { argument, index } => {
+                let input = self.inputs[self.program.slot(argument)][index as usize];
                 input.lower >= 0.0 && input.ulps_of == 0.0 && input.absolute == 0.0
             }
             Expr::Add(a, b) => (above(a) && above(b)) || self.lifts(a, b) || self.lifts(b, a),
@@ -161,8 +161,8 @@ impl<'p> Analysis<'p> {
                     error: own + narrowed,
                 }
             }
-            Expr::Input { array, index } => {
-                let input = self.inputs[array as usize][index as usize];
+            Expr::Input { argument, index } => {
+                let input = self.inputs[self.program.slot(argument)][index as usize];
                 let size = libm::fabs(input.lower).max(libm::fabs(input.upper));
                 let narrowed = match self.arithmetic {
                     _ if !input.rounded => 0.0,

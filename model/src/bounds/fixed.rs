@@ -11,7 +11,7 @@
 
 use super::analysis::Analysis;
 use super::{Arithmetic, Input, Precision};
-use crate::expr::{Expr, Id};
+use crate::expr::{Argument, Expr, Id};
 use crate::program::{Program, operands};
 
 /// Most fraction bits: sines and cosines reach ±1, which 31 would not hold.
@@ -106,7 +106,7 @@ impl Formats {
             let size = |x: &Input| libm::fabs(x.lower).max(libm::fabs(x.upper));
             if let Some(k) = inputs.iter().position(|x| fitting(size(x)) < 0) {
                 let overflow = Overflow {
-                    quantity: format!("{}[{k}]", array.name),
+                    quantity: format!("{}[{k}]", array.argument.name()),
                     size: size(&inputs[k]),
                     angle: false,
                 };
@@ -116,7 +116,7 @@ impl Formats {
         for (id, node) in program.iter() {
             let bits = match node.expr {
                 Expr::Const(x) => fitting(libm::fabs(x)),
-                Expr::Input { array, .. } => formats.arrays[array as usize],
+                Expr::Input { argument, .. } => formats.arrays[program.slot(argument)],
                 Expr::Sin(_) | Expr::Cos(_) => MOST,
                 Expr::Neg(a) => formats.of(a),
                 // A product or sum may not have more bits than what it is made of.
@@ -157,8 +157,8 @@ impl Formats {
                     return Err(overflow(program, id, size(id)).into());
                 }
                 formats.nodes[id.index()] -= 1;
-                if let Expr::Input { array, .. } = program.expr(id) {
-                    let bits = &mut formats.arrays[usize::from(array)];
+                if let Expr::Input { argument, .. } = program.expr(id) {
+                    let bits = &mut formats.arrays[program.slot(argument)];
                     *bits = (*bits).min(formats.nodes[id.index()]);
                 }
             }
@@ -222,8 +222,11 @@ impl Formats {
 
     /// Sines and cosines are passed in one format, whatever slides put among the sines.
     fn join_sines(&mut self, program: &Program) {
-        let of = |name| program.inputs.iter().position(|array| array.name == name);
-        if let (Some(sin), Some(cos)) = (of("sin"), of("cos")) {
+        let of = |argument| {
+            let mut inputs = program.inputs.iter();
+            inputs.position(|array| array.argument == argument)
+        };
+        if let (Some(sin), Some(cos)) = (of(Argument::Sines), of(Argument::Cosines)) {
             let bits = self.arrays[sin].min(self.arrays[cos]);
             (self.arrays[sin], self.arrays[cos]) = (bits, bits);
         }
@@ -239,7 +242,7 @@ impl Formats {
         self.join_sines(program);
         for (id, node) in program.iter() {
             let most = match node.expr {
-                Expr::Input { array, .. } => self.arrays[usize::from(array)],
+                Expr::Input { argument, .. } => self.arrays[program.slot(argument)],
                 Expr::Neg(a) => self.of(a),
                 Expr::Mul(a, b) => self.of(a) + self.of(b),
                 Expr::Add(a, b) | Expr::Sub(a, b) => self.of(a).min(self.of(b)),
@@ -287,8 +290,8 @@ fn is_whole(x: f64, bits: i32) -> bool {
 
 fn overflow(program: &Program, id: Id, size: f64) -> Overflow {
     let quantity = match (program.expr(id), &program.nodes[id.index()].name) {
-        (Expr::Input { array, index }, _) => {
-            format!("{}[{index}]", program.inputs[array as usize].name)
+        (Expr::Input { argument, index }, _) => {
+            format!("{}[{index}]", argument.name())
         }
         (_, Some(name)) => format!("`{name}`"),
         _ => {

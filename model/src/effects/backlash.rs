@@ -42,7 +42,7 @@ impl Effect for Backlash {
     fn rewrite(&self, target: &Target, at: &mut Measured, unknowns: &[Id]) {
         let half = at.constant(0.5);
         let half = at.mul(half, unknowns[0]);
-        for joint in at.revolute(target) {
+        for joint in target.revolute(at.robot()) {
             at.slack(joint, half);
         }
     }

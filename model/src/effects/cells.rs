@@ -15,7 +15,7 @@
 
 use super::{Effect, EffectContext, EffectId, Measured, Parameter, Stage, Target};
 use crate::expr::Id;
-use crate::functions::measured::Foot;
+use crate::measurement::foot::{Foot, rectangle};
 
 /// Least load of a cell, over the weight, that a power is taken of: a root's slope
 /// at zero would have no bound.
@@ -23,37 +23,6 @@ const LEAST: f64 = 1e-12;
 /// Least sum of the cells, over the weight, and more than any sum.
 const FAINT: f64 = 0.01;
 const MOST: f64 = 8.0;
-
-/// Half lengths of the rectangle that four cells form, and its middle, m.
-fn rectangle(cells: &[[f64; 2]]) -> Option<([f64; 2], [f64; 2])> {
-    let [a, b, c, d] = cells else { return None };
-    let cells = [a, b, c, d];
-    let extent = |axis: usize| {
-        let values = cells.map(|cell| cell[axis]);
-        let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        (0.5 * (high + low), 0.5 * (high - low))
-    };
-    let ((mx, hx), (my, hy)) = (extent(0), extent(1));
-    let corner = |cell: &[f64; 2]| {
-        let off = |x: f64, middle: f64, half: f64| libm::fabs(libm::fabs(x - middle) - half);
-        off(cell[0], mx, hx) < 1e-6 && off(cell[1], my, hy) < 1e-6
-    };
-    let all = hx > 0.0 && hy > 0.0 && cells.iter().all(|cell| corner(cell));
-    let side = |cell: &[f64; 2]| (cell[0] > mx, cell[1] > my);
-    let distinct = (0..4).all(|k| (0..k).all(|j| side(cells[j]) != side(cells[k])));
-    (all && distinct).then_some(([mx, my], [hx, hy]))
-}
-
-/// Whether loads of the cells follow from the CoP.
-pub(super) fn split_exists(cells: &[[f64; 2]]) -> bool {
-    rectangle(cells).is_some()
-}
-
-/// Middle and half lengths of the cells' rectangle, m: where a CoP can be.
-pub fn support(cells: &[[f64; 2]]) -> Option<([f64; 2], [f64; 2])> {
-    rectangle(cells)
-}
 
 /// Load of one cell over the weight, from the CoP: 0 to 1.
 fn load_of(faulty: usize, cop: [Id; 2], at: &mut Measured) -> Option<Id> {

@@ -1,7 +1,8 @@
 //! What effects need to know of the robot and the log.
 
 use super::{Catalog, Effect};
-use crate::model::Model;
+use crate::measurement::foot;
+use crate::robot::Robot;
 
 /// Standard gravity, m/s².
 pub const GRAVITY: f64 = 9.80665;
@@ -28,10 +29,22 @@ pub enum Target {
     Way(&'static str),
 }
 
+impl Target {
+    /// The revolute joints that it means.
+    pub fn revolute(&self, robot: &Robot) -> Vec<usize> {
+        let dofs = &robot.tree.dofs;
+        match *self {
+            Target::Joint(joint) => vec![joint],
+            Target::AllJoints => (0..dofs.len()).filter(|&j| !dofs[j].prismatic).collect(),
+            _ => Vec::new(),
+        }
+    }
+}
+
 /// The robot, what its log offers, and the effects that may act on them.
 #[derive(Debug, Clone)]
 pub struct EffectContext<'m> {
-    pub model: &'m Model,
+    pub robot: &'m Robot,
     /// Positions of the foot cells, m, support frame.
     pub cells: Vec<[f64; 2]>,
     /// Whether the log has times.
@@ -45,20 +58,20 @@ pub struct EffectContext<'m> {
 }
 
 impl<'m> EffectContext<'m> {
-    pub fn new(model: &'m Model, cells: &[[f64; 2]], times: bool) -> EffectContext<'m> {
-        let tree = &model.tree;
+    pub fn new(robot: &'m Robot, cells: &[[f64; 2]], times: bool) -> EffectContext<'m> {
+        let tree = &robot.tree;
         let heaviest = |body: &crate::chain::Body| {
             let mut links = body.links.clone();
             links.sort_by(|&a, &b| tree.links[b].mass.total_cmp(&tree.links[a].mass));
             links.first().copied()
         };
         EffectContext {
-            model,
+            robot,
             cells: cells.to_vec(),
             times,
             catalog: Catalog::standard(),
-            links: model.chain.bodies.iter().filter_map(heaviest).collect(),
-            reach: model.reach(),
+            links: robot.chain.bodies.iter().filter_map(heaviest).collect(),
+            reach: robot.reach(),
         }
     }
 
@@ -69,29 +82,17 @@ impl<'m> EffectContext<'m> {
 
     /// Every independent joint.
     pub fn joints(&self) -> Vec<Target> {
-        (0..self.model.dof()).map(Target::Joint).collect()
+        (0..self.robot.dof()).map(Target::Joint).collect()
     }
 
     /// Every independent revolute joint.
     pub fn revolute(&self) -> Vec<usize> {
-        let dofs = self.model.tree.dofs.iter().enumerate();
-        dofs.filter(|(_, dof)| !dof.prismatic)
-            .map(|(j, _)| j)
-            .collect()
-    }
-
-    /// The revolute joints that a target means.
-    pub fn revolute_of(&self, target: &Target) -> Vec<usize> {
-        match *target {
-            Target::Joint(joint) => vec![joint],
-            Target::AllJoints => self.revolute(),
-            _ => Vec::new(),
-        }
+        Target::AllJoints.revolute(self.robot)
     }
 
     /// Every cell whose place is known.
     pub fn cell_targets(&self) -> Vec<Target> {
-        match crate::effects::cells::split_exists(&self.cells) {
+        match foot::rectangle(&self.cells).is_some() {
             true => (0..self.cells.len()).map(Target::Cell).collect(),
             false => Vec::new(),
         }
@@ -100,19 +101,19 @@ impl<'m> EffectContext<'m> {
     /// The first for a revolute joint, the second for a prismatic one.
     pub fn by_kind<T>(&self, target: &Target, revolute: T, prismatic: T) -> T {
         match target {
-            Target::Joint(j) if self.model.tree.dofs[*j].prismatic => prismatic,
+            Target::Joint(j) if self.robot.tree.dofs[*j].prismatic => prismatic,
             _ => revolute,
         }
     }
 
     /// Height of the CoM in the posture of zeros, at least a tenth of the reach, m.
     pub fn height(&self) -> f64 {
-        self.model.cad_height().max(0.1 * self.reach)
+        self.robot.cad_height().max(0.1 * self.reach)
     }
 
     /// Mass of the robot, kg.
     pub fn mass(&self) -> f64 {
-        self.model.tree.mass
+        self.robot.tree.mass
     }
 
     /// Its weight, N.
@@ -122,15 +123,15 @@ impl<'m> EffectContext<'m> {
 
     /// Mass of the body that `link` is part of, kg: what can be missing from it.
     pub fn mass_of(&self, link: usize) -> f64 {
-        match &self.model.chain.places[link] {
-            Some(place) => self.model.chain.bodies[place.body].mass,
+        match &self.robot.chain.places[link] {
+            Some(place) => self.robot.chain.bodies[place.body].mass,
             None => 0.0,
         }
     }
 
     /// How far from the link's origin a load can sit, m.
     pub fn lever_of(&self, link: usize) -> f64 {
-        let links = &self.model.tree.links;
+        let links = &self.robot.tree.links;
         links[link].com.norm() + ROOM * self.reach
     }
 
@@ -147,22 +148,22 @@ impl<'m> EffectContext<'m> {
         });
         let of_links = targets.iter().any(|t| matches!(t, Target::Link(_)));
         known.or_else(|| {
-            let mut links = self.model.tree.links.iter();
+            let mut links = self.robot.tree.links.iter();
             let link = links.position(|link| of_links && link.name == name)?;
-            self.model.chain.places[link].as_ref()?;
+            self.robot.chain.places[link].as_ref()?;
             Some(Target::Link(link))
         })
     }
 
     /// As reports and model files name a target.
     pub fn name_of(&self, target: &Target) -> String {
-        let joint = |j: &usize| self.model.tree.dofs[*j].joint.clone();
+        let joint = |j: &usize| self.robot.tree.dofs[*j].joint.clone();
         match target {
             Target::Whole => "-".to_string(),
             Target::Joint(j) => joint(j),
             Target::AllJoints => "all".to_string(),
             Target::Joints(a, b) => format!("{},{}", joint(a), joint(b)),
-            Target::Link(link) => self.model.tree.links[*link].name.clone(),
+            Target::Link(link) => self.robot.tree.links[*link].name.clone(),
             Target::Cell(k) => format!("fsr_{}", k + 1),
             Target::Way(way) => (*way).to_string(),
         }

@@ -38,7 +38,7 @@ impl Effect for JointCompliance {
     }
 
     fn rewrite(&self, target: &Target, at: &mut Measured, unknowns: &[Id]) {
-        for joint in at.revolute(target) {
+        for joint in target.revolute(at.robot()) {
             at.spring(joint, unknowns[0]);
         }
     }

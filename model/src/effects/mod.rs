@@ -13,7 +13,7 @@
 mod axes;
 mod backlash;
 mod catalog;
-pub mod cells;
+mod cells;
 mod context;
 mod experiment;
 mod external_force;
@@ -25,6 +25,7 @@ mod joint_scale;
 mod joint_sign;
 mod joint_swap;
 mod payload;
+mod programs;
 mod sensor_drift;
 mod sensor_gain;
 mod sensor_offset;
@@ -34,12 +35,7 @@ mod units;
 mod unsettled_motion;
 
 use crate::expr::Id;
-pub use crate::functions::circumstances::{Circumstances, Source};
-pub use crate::functions::correction::sensor_reading;
-pub use crate::functions::diagnosis::{
-    joints, moments, reading, tilted_cop, wired_joints, wired_reading,
-};
-pub use crate::functions::measured::{Measured, ROUNDS};
+pub use crate::measurement::{Circumstances, Measured, ROUNDS, Source};
 use crate::urdf::{Load, Shift};
 pub use catalog::{Catalog, EffectId};
 pub use context::{EffectContext, Target};
@@ -47,6 +43,7 @@ pub use experiment::{Carry, Experiment};
 pub use instance::{Instance, instances};
 pub(crate) use instance::{apply, sense, undo};
 pub use payload::known_weight;
+pub use programs::{joints, moments, reading, wired_joints, wired_reading};
 
 /// When an effect acts, first to last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]

@@ -42,7 +42,7 @@ impl Effect for SensorDrift {
     }
 
     fn rewrite(&self, _: &Target, at: &mut Measured, unknowns: &[Id]) {
-        let place = Circumstances::of(at.model()).place();
+        let place = Circumstances::of(at.robot()).place();
         let u = at.circumstance(place);
         for (axis, &unknown) in unknowns.iter().enumerate() {
             let moved = at.mul(u, unknown);

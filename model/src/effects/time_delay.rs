@@ -40,11 +40,11 @@ impl Effect for TimeDelay {
     }
 
     fn rewrite(&self, _: &Target, at: &mut Measured, unknowns: &[Id]) {
-        let circumstances = Circumstances::of(at.model());
+        let circumstances = Circumstances::of(at.robot());
         let d = unknowns[0];
         let half = at.constant(0.5);
         let half_d = at.mul(half, d);
-        for joint in 0..at.model().dof() {
+        for joint in 0..at.robot().dof() {
             let rate = at.circumstance(circumstances.rate(joint));
             let acceleration = at.circumstance(circumstances.acceleration(joint));
             let g = at.g();

@@ -38,7 +38,7 @@ impl Effect for Units {
         match target {
             Target::Way("degrees") => {
                 let radians = at.constant(core::f64::consts::PI / 180.0);
-                for joint in at.revolute(&Target::AllJoints) {
+                for joint in Target::AllJoints.revolute(at.robot()) {
                     at.joints[joint] = at.mul(radians, at.joints[joint]);
                     at.wired[joint] = at.joints[joint];
                 }

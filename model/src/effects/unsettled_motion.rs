@@ -44,10 +44,10 @@ impl Effect for UnsettledMotion {
 
     fn rewrite(&self, _: &Target, at: &mut Measured, unknowns: &[Id]) {
         // c(q) − a (z/g) c'' is c where joints lag by a (z/g) q'', to first order.
-        let circumstances = Circumstances::of(at.model());
-        let height = at.constant(at.model().cad_height() / GRAVITY);
+        let circumstances = Circumstances::of(at.robot());
+        let height = at.constant(at.robot().cad_height() / GRAVITY);
         let lag = at.mul(height, unknowns[0]);
-        for joint in 0..at.model().dof() {
+        for joint in 0..at.robot().dof() {
             let acceleration = at.circumstance(circumstances.acceleration(joint));
             let moved = at.mul(lag, acceleration);
             let back = at.neg(moved);

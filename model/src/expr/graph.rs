@@ -11,6 +11,8 @@
 
 use std::collections::{HashMap, HashSet};
 
+use super::argument::Argument;
+
 /// A node of one [`Graph`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Id(pub(crate) u32);
@@ -25,9 +27,9 @@ impl Id {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Expr {
     Const(f64),
-    /// Element `index` of input array `array`.
+    /// Element `index` of an input array.
     Input {
-        array: u16,
+        argument: Argument,
         index: u32,
     },
     Add(Id, Id),
@@ -47,7 +49,7 @@ pub enum Expr {
 #[derive(PartialEq, Eq, Hash)]
 enum Key {
     Const(u64),
-    Input(u16, u32),
+    Input(Argument, u32),
     Add(Id, Id),
     Sub(Id, Id),
     Mul(Id, Id),
@@ -154,7 +156,7 @@ impl Graph {
         let sorted = |a: Id, b: Id| if a <= b { (a, b) } else { (b, a) };
         let key = match expr {
             Expr::Const(x) => Key::Const(x.to_bits()),
-            Expr::Input { array, index } => Key::Input(array, index),
+            Expr::Input { argument, index } => Key::Input(argument, index),
             Expr::Add(a, b) => {
                 let (a, b) = sorted(a, b);
                 Key::Add(a, b)
@@ -189,9 +191,9 @@ impl Graph {
         self.intern(Expr::Const(if x == 0.0 { 0.0 } else { x }))
     }
 
-    pub fn input(&mut self, array: u16, index: usize) -> Id {
+    pub fn input(&mut self, argument: Argument, index: usize) -> Id {
         self.intern(Expr::Input {
-            array,
+            argument,
             index: index as u32,
         })
     }

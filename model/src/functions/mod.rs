@@ -16,68 +16,50 @@
 //! 4 per joint and row. They meet in the Jacobian: `J_j = B_p K_j (e_z × t_j)`, which
 //! is `B_j (e_z × v_j)`.
 
-pub(crate) mod circumstances;
-pub(crate) mod correction;
-pub(crate) mod diagnosis;
-mod inverse;
-pub(crate) mod measured;
 mod rows;
 mod subtrees;
 mod turns;
 
-use crate::expr::{Graph, Id, VectorId};
-use crate::model::{Function, Given, Model};
+use crate::expr::{Argument, Graph, Id, VectorId};
+use crate::interface::{Function, Given};
 use crate::program::{Array, Program, Shape};
+use crate::robot::Robot;
 use crate::tree::Coordinate;
-use subtrees::Wanted;
+pub(crate) use rows::Direction;
+pub(crate) use subtrees::{Subtree, Wanted};
 use turns::sines_suffice;
 
 /// A vector of expressions with what is known of it.
 #[derive(Clone, Copy)]
-struct Known {
-    entries: [Id; 3],
-    fact: VectorId,
+pub(crate) struct Known {
+    pub(crate) entries: [Id; 3],
+    pub(crate) fact: VectorId,
 }
 
 /// Where the parameters r come from.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone)]
 pub(crate) enum Parameters {
-    /// An input.
-    Argument,
-    /// Constants: those of the model file, else CAD's.
-    Baked,
+    /// An input, with the largest magnitude of each.
+    Argument(Vec<f64>),
+    /// Constants.
+    Baked(Vec<f64>),
 }
 
+/// The program of a function of the body; `None` where it cannot be had.
 pub(crate) fn build(
-    model: &Model,
+    robot: &Robot,
     function: Function,
     given: Given,
     parameters: Parameters,
 ) -> Option<Program> {
-    if given != Given::Positions && !sines_suffice(model) {
+    if given != Given::Positions && !sines_suffice(robot) {
         return None;
     }
     if given == Given::Direction && function.axes().len() < AXES.len() {
         return None;
     }
-    if function == Function::CorrectCop {
-        return match given {
-            Given::Positions => correction::correct_cop(model),
-            Given::SinesCosines | Given::Direction => None,
-        };
-    }
-    if function == Function::Cop && model.static_effects().next().is_some() {
-        return diagnosis::cop(model, given, parameters);
-    }
-    let mut scratch = Scratch::new(model, given);
-    if parameters == Parameters::Baked && function.takes_parameters() {
-        scratch.baked = Some(model.params());
-    }
-    let cols = columns_of(model, function);
-    let rows = match given {
-        Given::Direction => 1,
-        _ => function.rows().unwrap_or(1),
-    };
+    let baked = matches!(parameters, Parameters::Baked(_));
+    let mut scratch = Scratch::new(robot, given, parameters);
     let directions = scratch.directions(function);
     let outputs = match function {
         Function::Com => scratch.subtrees(Wanted::Sums)[0].v.entries.to_vec(),
@@ -86,43 +68,36 @@ pub(crate) fn build(
         Function::GravityMoments => scratch.jacobian(&directions, true),
         Function::Regressor | Function::RegressorCop => scratch.regressor(&directions),
         Function::RegressorFull => scratch.regressor_full(&directions),
-        Function::CorrectCop => unreachable!("a function of no posture"),
+        // A function of a reading, not of the body.
+        Function::CorrectCop => return None,
     };
-    let shape = match (rows, cols) {
+    let rows = match given {
+        Given::Direction => 1,
+        _ => function.rows().unwrap_or(1),
+    };
+    let shape = match (rows, function.columns(robot)) {
         (1, n) => Shape::Vector(n),
         (rows, cols) => Shape::Matrix { rows, cols },
     };
-    let mut inputs = arrays(model, function, given);
-    if scratch.baked.is_some() {
-        inputs.pop();
-    }
+    let inputs = arrays(robot, function, given, baked);
     Some(Program::new(scratch.g, inputs, shape, &outputs))
 }
 
 /// The input arrays of a function.
-fn arrays(model: &Model, function: Function, given: Given) -> Vec<Array> {
-    let names: &[&'static str] = match given {
-        Given::Positions => &["q"],
-        Given::SinesCosines | Given::Direction => &["sin", "cos"],
+fn arrays(robot: &Robot, function: Function, given: Given, baked: bool) -> Vec<Array> {
+    let positions: &[Argument] = match given {
+        Given::Positions => &[Argument::Positions],
+        Given::SinesCosines | Given::Direction => &[Argument::Sines, Argument::Cosines],
     };
-    let mut arrays: Vec<Array> = names
+    let mut arrays: Vec<Array> = positions
         .iter()
-        .map(|&name| Array {
-            name,
-            len: model.dof(),
-        })
+        .map(|&argument| Array::new(argument, robot.dof()))
         .collect();
-    if function.takes_parameters() {
-        arrays.push(Array {
-            name: "r",
-            len: model.base.params.len(),
-        });
+    if function.takes_parameters() && !baked {
+        arrays.push(Array::new(Argument::Parameters, robot.base.params.len()));
     }
     if given == Given::Direction {
-        arrays.push(Array {
-            name: "along",
-            len: 3,
-        });
+        arrays.push(Array::new(Argument::Direction, 3));
     }
     arrays
 }
@@ -131,10 +106,13 @@ fn arrays(model: &Model, function: Function, given: Given) -> Vec<Array> {
 ///
 /// Costs more operations than [`Function::ComJacobian`], which knows the
 /// geometry; it is there to check it.
-pub fn differentiate_com(model: &Model) -> Program {
-    let mut scratch = Scratch::new(model, Given::Positions);
+pub fn differentiate_com(robot: &Robot) -> Program {
+    let limits = vec![f64::INFINITY; robot.base.params.len()];
+    let mut scratch = Scratch::new(robot, Given::Positions, Parameters::Argument(limits));
     let com = scratch.subtrees(Wanted::Sums)[0].v.entries;
-    let inputs: Vec<Id> = (0..model.dof()).map(|j| scratch.g.input(0, j)).collect();
+    let inputs: Vec<Id> = (0..robot.dof())
+        .map(|j| scratch.g.input(Argument::Positions, j))
+        .collect();
     let columns: Vec<Vec<Id>> = inputs
         .iter()
         .map(|&q| scratch.g.derivative(&com, q))
@@ -143,38 +121,28 @@ pub fn differentiate_com(model: &Model) -> Program {
     let outputs: Vec<Id> = rows.collect();
     let shape = Shape::Matrix {
         rows: 3,
-        cols: model.dof(),
+        cols: robot.dof(),
     };
-    let inputs = arrays(model, Function::ComJacobian, Given::Positions);
+    let inputs = arrays(robot, Function::ComJacobian, Given::Positions, false);
     Program::new(scratch.g, inputs, shape, &outputs)
 }
 
-fn columns_of(model: &Model, function: Function) -> usize {
-    match function {
-        Function::Com => 3,
-        Function::Cop | Function::CorrectCop => 2,
-        Function::ComJacobian | Function::GravityMoments => model.dof(),
-        Function::Regressor | Function::RegressorCop => model.base.params.len(),
-        Function::RegressorFull => model.chain.full_params,
-    }
-}
-
-struct Scratch<'m> {
-    m: &'m Model,
-    g: Graph,
+/// The chain of a robot while functions of it are written down.
+pub(crate) struct Scratch<'m> {
+    pub(crate) m: &'m Robot,
+    pub(crate) g: Graph,
     given: Given,
-    /// Values of r, where they are constants.
-    baked: Option<Vec<f64>>,
+    parameters: Parameters,
     /// What takes the place of joint positions, where effects rewrote them.
-    positions: Option<Vec<Id>>,
+    pub(crate) positions: Option<Vec<Id>>,
     /// What takes the place of r, each with its largest magnitude.
-    masses: Option<Vec<(Id, f64)>>,
+    pub(crate) masses: Option<Vec<(Id, f64)>>,
     /// Stands behind the prefix of names: which of several passes over the chain.
-    pass: String,
+    pub(crate) pass: String,
     /// Of each body, those that carry the longest chain last.
     children: Vec<Vec<usize>>,
     /// Sine and cosine per body, once asked for.
-    turns: Vec<Option<(Id, Id)>>,
+    pub(crate) turns: Vec<Option<(Id, Id)>>,
 }
 
 /// Children in the order of the joints above them, the shortest first.
@@ -192,12 +160,12 @@ fn longest_last(mut children: Vec<Vec<usize>>) -> Vec<Vec<usize>> {
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 impl<'m> Scratch<'m> {
-    fn new(m: &'m Model, given: Given) -> Self {
+    pub(crate) fn new(m: &'m Robot, given: Given, parameters: Parameters) -> Self {
         Scratch {
             m,
             g: Graph::default(),
             given,
-            baked: None,
+            parameters,
             positions: None,
             masses: None,
             pass: String::new(),
@@ -207,29 +175,25 @@ impl<'m> Scratch<'m> {
     }
 
     /// Parameter `index` of r; zero where there is none.
-    fn parameter(&mut self, index: Option<usize>) -> Id {
+    pub(crate) fn parameter(&mut self, index: Option<usize>) -> Id {
         if let (Some(index), Some(masses)) = (index, &self.masses) {
             return masses[index].0;
         }
-        let array = match self.given {
-            Given::Positions => 1,
-            Given::SinesCosines | Given::Direction => 2,
-        };
-        match (index, &self.baked) {
-            (Some(index), None) => self.g.input(array, index),
-            (Some(index), Some(values)) => self.g.constant(values[index]),
+        match (index, &self.parameters) {
+            (Some(index), Parameters::Argument(_)) => self.g.input(Argument::Parameters, index),
+            (Some(index), Parameters::Baked(values)) => self.g.constant(values[index]),
             (None, _) => self.g.constant(0.0),
         }
     }
 
     /// Largest magnitude of a parameter.
-    fn parameter_limit(&self, index: Option<usize>) -> f64 {
+    pub(crate) fn parameter_limit(&self, index: Option<usize>) -> f64 {
         if let (Some(index), Some(masses)) = (index, &self.masses) {
             return masses[index].1;
         }
-        match (index, &self.baked) {
-            (Some(index), None) => self.m.param_limits[index],
-            (Some(index), Some(values)) => libm::fabs(values[index]),
+        match (index, &self.parameters) {
+            (Some(index), Parameters::Argument(limits)) => limits[index],
+            (Some(index), Parameters::Baked(values)) => libm::fabs(values[index]),
             (None, _) => 0.0,
         }
     }
@@ -238,7 +202,10 @@ impl<'m> Scratch<'m> {
     fn position(&mut self, by: &Coordinate) -> Id {
         let q = match &self.positions {
             Some(positions) => positions[by.dof],
-            None => self.g.input(0, by.dof),
+            None => match self.given {
+                Given::Positions => self.g.input(Argument::Positions, by.dof),
+                Given::SinesCosines | Given::Direction => self.g.input(Argument::Sines, by.dof),
+            },
         };
         let (factor, offset) = (self.g.constant(by.factor), self.g.constant(by.offset));
         let scaled = self.g.mul(factor, q);

@@ -7,18 +7,18 @@
 use super::subtrees::{Subtree, Wanted};
 use super::{AXES, Known, Scratch};
 use crate::base::Column;
-use crate::expr::Id;
-use crate::model::{Function, Given};
+use crate::expr::{Argument, Id};
+use crate::interface::{Function, Given};
 use crate::snap::tidy;
 use crate::tree::Motion;
 
 /// A direction `d` of the support frame.
-pub(super) struct Direction {
-    pub(super) entries: [Id; 3],
+pub(crate) struct Direction {
+    pub(crate) entries: [Id; 3],
     /// Bound on its length.
-    pub(super) norm: f64,
+    pub(crate) norm: f64,
     /// What names of its images hold.
-    pub(super) tag: &'static str,
+    pub(crate) tag: &'static str,
 }
 
 /// A direction as a body sees it, in canonical axes.
@@ -37,8 +37,7 @@ impl Scratch<'_> {
         if self.given != Given::Direction {
             return self.axes_of_support(function.axes());
         }
-        let array = if function.takes_parameters() { 3 } else { 2 };
-        let entries = [0, 1, 2].map(|k| self.g.input(array, k));
+        let entries = [0, 1, 2].map(|k| self.g.input(Argument::Direction, k));
         vec![Direction {
             entries,
             norm: 1.0,
@@ -47,7 +46,7 @@ impl Scratch<'_> {
     }
 
     /// The axes of the support frame.
-    pub(super) fn axes_of_support(&mut self, rows: &[usize]) -> Vec<Direction> {
+    pub(crate) fn axes_of_support(&mut self, rows: &[usize]) -> Vec<Direction> {
         let unit = |row: &usize| Direction {
             entries: [0, 1, 2].map(|k| self.g.constant(if k == *row { 1.0 } else { 0.0 })),
             norm: 1.0,
@@ -130,7 +129,7 @@ impl Scratch<'_> {
     }
 
     /// `dᵀ ∂CoM/∂q` for each direction, row-major.
-    pub(super) fn slopes_along(
+    pub(crate) fn slopes_along(
         &mut self,
         directions: &[Direction],
         subtrees: &[Subtree],

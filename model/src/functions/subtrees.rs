@@ -8,7 +8,7 @@ use crate::tree::Motion;
 
 /// What of the subtrees is asked for.
 #[derive(Clone, Copy, PartialEq)]
-pub(super) enum Wanted {
+pub(crate) enum Wanted {
     /// The sums `v_i` alone.
     Sums,
     /// The turned vectors `t_i` too.
@@ -16,11 +16,11 @@ pub(super) enum Wanted {
 }
 
 /// A body's subtree.
-pub(super) struct Subtree {
+pub(crate) struct Subtree {
     /// In its own canonical axes.
-    pub(super) v: Known,
+    pub(crate) v: Known,
     /// Turned by its joint, where that is wanted.
-    pub(super) t: Option<Known>,
+    pub(crate) t: Option<Known>,
 }
 
 impl Scratch<'_> {
@@ -52,7 +52,7 @@ impl Scratch<'_> {
     }
 
     /// What every body carries, leaf to root.
-    pub(super) fn subtrees(&mut self, wanted: Wanted) -> Vec<Subtree> {
+    pub(crate) fn subtrees(&mut self, wanted: Wanted) -> Vec<Subtree> {
         let bodies = &self.m.chain.bodies;
         let mut built: Vec<Option<Subtree>> = bodies.iter().map(|_| None).collect();
         for i in (0..bodies.len()).rev() {

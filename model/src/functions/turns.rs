@@ -8,8 +8,9 @@
 //! Quarter turns in θ swap the two for nothing.
 
 use super::Scratch;
-use crate::expr::Id;
-use crate::model::{Given, Model};
+use crate::expr::{Argument, Id};
+use crate::interface::Given;
+use crate::robot::Robot;
 use crate::snap::quarters;
 use crate::tree::{Coordinate, Motion};
 
@@ -19,9 +20,9 @@ const LARGEST_MULTIPLE: f64 = 8.0;
 /// Whether sines and cosines of the joints, and positions of the slides, tell
 /// everything: every angle must be a whole multiple of a turning joint's own,
 /// and every stroke follow a sliding joint (a mimic may tie one kind to the other).
-pub(super) fn sines_suffice(model: &Model) -> bool {
-    let prismatic = |by: &Coordinate| model.tree.dofs[by.dof].prismatic;
-    model.chain.bodies.iter().all(|body| match &body.motion {
+pub(super) fn sines_suffice(robot: &Robot) -> bool {
+    let prismatic = |by: &Coordinate| robot.tree.dofs[by.dof].prismatic;
+    robot.chain.bodies.iter().all(|body| match &body.motion {
         Motion::Fixed => true,
         Motion::Slide { by, .. } => prismatic(by),
         Motion::Turn { by, .. } => {
@@ -73,7 +74,10 @@ impl Scratch<'_> {
 
     pub(super) fn turn_from_sines(&mut self, angle: &Coordinate, key: &str) -> (Id, Id) {
         let (quarters, rest) = quarters(angle.offset);
-        let own = (self.g.input(0, angle.dof), self.g.input(1, angle.dof));
+        let own = (
+            self.g.input(Argument::Sines, angle.dof),
+            self.g.input(Argument::Cosines, angle.dof),
+        );
         let (mut s, mut c) = own;
         for _ in 1..libm::fabs(angle.factor) as usize {
             (s, c) = self.sum_of_angles((s, c), own);

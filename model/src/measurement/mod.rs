@@ -12,13 +12,16 @@
 //! presses on the ground is taken along the sole's normal as on level ground,
 //! which leaves out a part tilt²/2 of what forces and springs in N add.
 
-use super::Scratch;
-use super::circumstances::{Circumstances, Source};
-use super::rows::Direction;
-use super::subtrees::Wanted;
-use crate::effects::Target;
-use crate::expr::{Graph, Id};
-use crate::model::{Given, Model};
+mod context;
+pub(crate) mod foot;
+mod inverse;
+
+use crate::expr::{Argument, Graph, Id};
+use crate::functions::{Direction, Parameters, Scratch, Subtree, Wanted};
+use crate::interface::Given;
+use crate::robot::Robot;
+pub use context::{Circumstances, Source};
+pub(crate) use foot::Foot;
 
 /// Rounds of `φ' = φ + bend(τ(φ'))`: each adds a factor of (gravity stiffness /
 /// joint stiffness), 0.2 and less in joints that can carry the robot.
@@ -37,14 +40,6 @@ struct Pull {
     load: Id,
 }
 
-/// What the cells of the foot say, once one of them is wrong.
-pub(crate) struct Foot {
-    /// The true CoP, m.
-    pub(crate) cop: [Id; 2],
-    /// True and felt load of each cell that is wrong, over the weight on the ground.
-    pub(crate) wrong: Vec<Option<(Id, Id)>>,
-}
-
 /// A joint that gives way to its gravity moment.
 #[derive(Clone, Copy)]
 enum Bend {
@@ -58,43 +53,38 @@ enum Bend {
 pub struct Measured<'m> {
     scratch: Scratch<'m>,
     pub(crate) source: Source,
-    /// Input array of circumstances.
-    circumstances: u16,
     /// What each encoder says of its joint, rad or m.
-    pub(crate) wired: Vec<Id>,
+    pub wired: Vec<Id>,
     /// Joint positions as the robot has them, rad or m.
-    pub(crate) joints: Vec<Id>,
+    pub joints: Vec<Id>,
     /// Gravity's slope against the sole's normal.
-    pub(crate) tilt: [Id; 2],
+    pub tilt: [Id; 2],
     /// CoP reading, m; none before the sensor stage.
-    pub(crate) reading: [Id; 2],
+    pub reading: [Id; 2],
     /// Units of the record per metre.
-    pub(crate) record_scale: f64,
+    pub record_scale: f64,
     /// Foot cells, m, where the log says where they are.
-    pub(crate) cells: Vec<[f64; 2]>,
+    pub cells: Vec<[f64; 2]>,
     pub(crate) foot: Option<Foot>,
     /// Weight on the ground over the nominal weight.
-    pub(crate) weight: Id,
+    pub weight: Id,
     pulls: Vec<Pull>,
     bends: Vec<Bend>,
 }
 
 impl<'m> Measured<'m> {
     /// The nominal measurement: joints where the encoders say, CAD's loads.
-    ///
-    /// `circumstances` is the number of their input array; parameters are input
-    /// array 1 unless `baked`.
     pub(crate) fn new(
-        model: &'m Model,
+        robot: &'m Robot,
         source: Source,
-        circumstances: u16,
-        baked: Option<Vec<f64>>,
+        parameters: Parameters,
         cells: &[[f64; 2]],
     ) -> Self {
-        let mut scratch = Scratch::new(model, Given::Positions);
-        scratch.baked = baked;
-        let joints: Vec<Id> = (0..model.dof()).map(|j| scratch.g.input(0, j)).collect();
-        let masses = (0..model.base.params.len())
+        let mut scratch = Scratch::new(robot, Given::Positions, parameters);
+        let joints: Vec<Id> = (0..robot.dof())
+            .map(|j| scratch.g.input(Argument::Positions, j))
+            .collect();
+        let masses = (0..robot.base.params.len())
             .map(|k| {
                 let limit = scratch.parameter_limit(Some(k));
                 (scratch.parameter(Some(k)), limit)
@@ -105,7 +95,6 @@ impl<'m> Measured<'m> {
         let mut measured = Measured {
             scratch,
             source,
-            circumstances,
             wired: joints.clone(),
             joints,
             tilt: [zero; 2],
@@ -118,52 +107,53 @@ impl<'m> Measured<'m> {
             bends: Vec::new(),
         };
         if source != Source::Posture {
-            let at = Circumstances::of(model);
+            let at = Circumstances::of(robot);
             measured.tilt = [0, 1].map(|k| measured.circumstance(at.tilt(k)));
         }
         measured
     }
 
-    pub(crate) fn model(&self) -> &'m Model {
+    /// The robot that is measured.
+    pub fn robot(&self) -> &'m Robot {
         self.scratch.m
     }
 
     /// The graph that everything is written in.
-    pub(crate) fn g(&mut self) -> &mut Graph {
+    pub fn g(&mut self) -> &mut Graph {
         &mut self.scratch.g
     }
 
     /// Element `index` of the posture's [`Circumstances`].
-    pub(crate) fn circumstance(&mut self, index: usize) -> Id {
-        self.scratch.g.input(self.circumstances, index)
+    pub fn circumstance(&mut self, index: usize) -> Id {
+        self.scratch.g.input(Argument::Context, index)
     }
 
-    pub(crate) fn constant(&mut self, x: f64) -> Id {
+    pub fn constant(&mut self, x: f64) -> Id {
         self.scratch.g.constant(x)
     }
 
-    pub(crate) fn add(&mut self, a: Id, b: Id) -> Id {
+    pub fn add(&mut self, a: Id, b: Id) -> Id {
         self.scratch.g.add(a, b)
     }
 
-    pub(crate) fn sub(&mut self, a: Id, b: Id) -> Id {
+    pub fn sub(&mut self, a: Id, b: Id) -> Id {
         self.scratch.g.sub(a, b)
     }
 
-    pub(crate) fn mul(&mut self, a: Id, b: Id) -> Id {
+    pub fn mul(&mut self, a: Id, b: Id) -> Id {
         self.scratch.g.mul(a, b)
     }
 
-    pub(crate) fn div(&mut self, a: Id, b: Id) -> Id {
+    pub fn div(&mut self, a: Id, b: Id) -> Id {
         self.scratch.g.div(a, b)
     }
 
-    pub(crate) fn neg(&mut self, a: Id) -> Id {
+    pub fn neg(&mut self, a: Id) -> Id {
         self.scratch.g.neg(a)
     }
 
     /// `joint += by`
-    pub(crate) fn shift_joint(&mut self, joint: usize, by: Id) {
+    pub fn shift_joint(&mut self, joint: usize, by: Id) {
         self.joints[joint] = self.scratch.g.add(self.joints[joint], by);
     }
 
@@ -177,8 +167,8 @@ impl<'m> Measured<'m> {
     /// ```
     ///
     /// with `G` the weight on the ground over the nominal one; `c = 1` where `G` was.
-    pub(crate) fn load(&mut self, link: usize, share: Id, moment: [Id; 3]) -> Id {
-        let map = self.model().standard_map_of(link);
+    pub fn load(&mut self, link: usize, share: Id, moment: [Id; 3]) -> Id {
+        let map = self.robot().standard_map_of(link);
         let g = &mut self.scratch.g;
         let one = g.constant(1.0);
         let bare = g.sub(one, share);
@@ -217,10 +207,10 @@ impl<'m> Measured<'m> {
 
     /// A pull at the origin of `link`: horizontally `force` over the nominal
     /// weight less the pull, down `share` of that.
-    pub(crate) fn pull(&mut self, link: usize, force: [Id; 2], share: Id) {
+    pub fn pull(&mut self, link: usize, force: [Id; 2], share: Id) {
         let zero = self.constant(0.0);
         let factor = self.load(link, share, [zero; 3]);
-        let map = self.model().standard_map_of(link);
+        let map = self.robot().standard_map_of(link);
         let point = map.column(0).iter().copied().collect();
         let force = force.map(|force| self.mul(factor, force));
         let load = self.mul(factor, share);
@@ -237,23 +227,13 @@ impl<'m> Measured<'m> {
         })
     }
 
-    /// The revolute joints that a target means.
-    pub(crate) fn revolute(&self, target: &Target) -> Vec<usize> {
-        let dofs = &self.model().tree.dofs;
-        match *target {
-            Target::Joint(joint) => vec![joint],
-            Target::AllJoints => (0..dofs.len()).filter(|&j| !dofs[j].prismatic).collect(),
-            _ => Vec::new(),
-        }
-    }
-
     /// The joint yields by `compliance` times its gravity moment over the weight.
-    pub(crate) fn spring(&mut self, joint: usize, compliance: Id) {
+    pub fn spring(&mut self, joint: usize, compliance: Id) {
         self.bends.push(Bend::Spring(joint, compliance));
     }
 
     /// The joint falls to an end of its dead band of half width `half`, rad.
-    pub(crate) fn slack(&mut self, joint: usize, half: Id) {
+    pub fn slack(&mut self, joint: usize, half: Id) {
         self.bends.push(Bend::Slack(joint, half));
     }
 
@@ -296,7 +276,7 @@ impl<'m> Measured<'m> {
     /// How far into its band a loose joint is, −1 to 1, after one more round.
     fn slide(&mut self, before: Id, joint: usize, moment: Id) -> Id {
         if self.source == Source::Log {
-            let at = Circumstances::of(self.model()).side(joint);
+            let at = Circumstances::of(self.robot()).side(joint);
             return self.circumstance(at);
         }
         let (sharp, step) = (self.constant(SHARP), self.constant(1.0 / ROUNDS as f64));
@@ -347,7 +327,7 @@ impl<'m> Measured<'m> {
         let subtrees = self.scratch.subtrees(Wanted::Turned);
         let rows = self.scratch.axes_of_support(&[0, 1, 2]);
         let jacobian = self.scratch.slopes_along(&rows, &subtrees, false);
-        let dof = self.model().dof();
+        let dof = self.robot().dof();
         let mut slopes = Vec::with_capacity(2 * dof);
         for axis in 0..2 {
             for j in 0..dof {
@@ -386,7 +366,7 @@ impl<'m> Measured<'m> {
     }
 
     /// Subtree vectors of the point that pull `k` holds.
-    fn at_point(&mut self, k: usize, pass: &str) -> Vec<super::subtrees::Subtree> {
+    fn at_point(&mut self, k: usize, pass: &str) -> Vec<Subtree> {
         let point = self.pulls[k].point.clone();
         let of = |x: f64| (self.scratch.g.constant(x), libm::fabs(x));
         let point = point.into_iter().map(of).collect();

@@ -1,6 +1,6 @@
 //! What a posture brings along, and where the measurement takes it from.
 
-use crate::model::Model;
+use crate::robot::Robot;
 
 /// What a posture brings along beside its joint positions, in this order:
 /// place in the log, tilt (2), rates, accelerations, sides of dead bands.
@@ -10,8 +10,8 @@ pub struct Circumstances {
 }
 
 impl Circumstances {
-    pub fn of(model: &Model) -> Circumstances {
-        Circumstances { dof: model.dof() }
+    pub fn of(robot: &Robot) -> Circumstances {
+        Circumstances { dof: robot.dof() }
     }
 
     /// Of a robot with `dof` independent joints.

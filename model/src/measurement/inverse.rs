@@ -14,22 +14,19 @@
 //! weight; for a dead cell while all others touch. A reading that two CoPs have, or
 //! none, has no inverse: what comes out means nothing, and may be no number.
 
-use super::measured::Measured;
-use crate::effects::cells;
-use crate::expr::Id;
+use super::{Measured, foot};
+use crate::expr::{Argument, Id};
 
 /// Rounds of Newton's method, each with the part of the way from the middle of the
 /// cells to their edges that it stays within: all four touch up to a half. Roots of
 /// faint loads take the most of them.
 const ROUNDS: [f64; 8] = [0.5, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0];
-/// Number of the input array that holds a CoP while an effect is written down.
-const FREE: u16 = u16::MAX;
 
 impl Measured<'_> {
     /// The reading becomes the one that `rewrite` turns into it.
-    pub(crate) fn solve(&mut self, rewrite: impl FnOnce(&mut Self)) {
+    pub fn solve(&mut self, rewrite: impl FnOnce(&mut Self)) {
         let goal = self.reading;
-        let free = [0, 1].map(|axis| self.g().input(FREE, axis));
+        let free = [0, 1].map(|axis| self.g().input(Argument::Free, axis));
         self.reading = free;
         rewrite(self);
         let found = self.reading;
@@ -55,7 +52,7 @@ impl Measured<'_> {
 
     /// A CoP, no further out than this part of the way to the foot's cells.
     fn kept(&mut self, cop: [Id; 2], part: f64) -> [Id; 2] {
-        let Some((middle, half)) = cells::support(&self.cells) else {
+        let Some((middle, half)) = foot::rectangle(&self.cells) else {
             return cop;
         };
         [0, 1].map(|axis| {

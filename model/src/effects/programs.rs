@@ -1,20 +1,17 @@
 //! Programs of the measurement with effects, for fitting them.
 
-use super::Parameters;
-use super::circumstances::{Circumstances, Source};
-use super::measured::Measured;
-use crate::effects::{self, EffectContext, Instance, Stage};
-use crate::expr::Id;
-use crate::model::{Given, Model};
+use super::{EffectContext, Instance, Stage, apply, sense};
+use crate::expr::{Argument, Id};
+use crate::functions::Parameters;
+use crate::measurement::{Circumstances, Measured, Source};
 use crate::program::{Array, Program, Shape};
 
 /// Input arrays: q, then unknowns `e`, then circumstances `u`; r is constant.
 fn inputs(context: &EffectContext, unknowns: usize) -> Vec<Array> {
-    let array = |name, len| Array { name, len };
     vec![
-        array("q", context.model.dof()),
-        array("e", unknowns),
-        array("u", Circumstances::of(context.model).len()),
+        Array::new(Argument::Positions, context.robot.dof()),
+        Array::new(Argument::Unknowns, unknowns),
+        Array::new(Argument::Context, Circumstances::of(context.robot).len()),
     ]
 }
 
@@ -23,11 +20,13 @@ fn written<'m>(
     instances: &[Instance],
     params: &[f64],
 ) -> (Measured<'m>, Vec<Id>) {
-    let baked = Some(params.to_vec());
-    let mut measured = Measured::new(context.model, Source::Log, 2, baked, &context.cells);
+    let baked = Parameters::Baked(params.to_vec());
+    let mut measured = Measured::new(context.robot, Source::Log, baked, &context.cells);
     let count = instances.iter().map(|i| i.unknowns(context)).sum();
-    let unknowns: Vec<Id> = (0..count).map(|k| measured.g().input(1, k)).collect();
-    effects::apply(&mut measured, context, instances, &unknowns);
+    let unknowns: Vec<Id> = (0..count)
+        .map(|k| measured.g().input(Argument::Unknowns, k))
+        .collect();
+    apply(&mut measured, context, instances, &unknowns);
     (measured, unknowns)
 }
 
@@ -61,7 +60,7 @@ pub fn reading(context: &EffectContext, instances: &[Instance], params: &[f64]) 
 /// [`reading`].
 pub fn moments(context: &EffectContext, instances: &[Instance], params: &[f64]) -> Program {
     let (mut measured, unknowns) = written(context, instances, params);
-    let dof = context.model.dof();
+    let dof = context.robot.dof();
     let moments = measured.moments("m");
     let slopes = measured.slopes();
     let outputs: Vec<Id> = moments.into_iter().chain(slopes).collect();
@@ -70,65 +69,16 @@ pub fn moments(context: &EffectContext, instances: &[Instance], params: &[f64]) 
     Program::new(measured.into_graph(), inputs, shape, &outputs)
 }
 
-/// The reading that a posture alone foretells, with the effects of the model
-/// file as constants; effects that only a log can show are left out. `None` from
-/// sines and cosines: joints may be bent.
-pub(super) fn cop(model: &Model, given: Given, parameters: Parameters) -> Option<Program> {
-    if given != Given::Positions {
-        return None;
-    }
-    let baked = (parameters == Parameters::Baked).then(|| model.params());
-    let mut inputs = vec![Array {
-        name: "q",
-        len: model.dof(),
-    }];
-    if baked.is_none() {
-        inputs.push(Array {
-            name: "r",
-            len: model.base.params.len(),
-        });
-    }
-    let measured = static_measurement(model, Source::Posture, baked);
-    let outputs = measured.reading;
-    Some(Program::new(
-        measured.into_graph(),
-        inputs,
-        Shape::Vector(2),
-        &outputs,
-    ))
-}
-
-/// The same for postures with their [`Circumstances`], of which only gravity's
-/// direction counts. Inputs: `q`, `r`, `u`.
-pub fn tilted_cop(model: &Model) -> Program {
-    let measured = static_measurement(model, Source::Tilted, None);
-    let outputs = measured.reading;
-    let array = |name, len| Array { name, len };
-    let inputs = vec![
-        array("q", model.dof()),
-        array("r", model.base.params.len()),
-        array("u", Circumstances::of(model).len()),
-    ];
-    Program::new(measured.into_graph(), inputs, Shape::Vector(2), &outputs)
-}
-
-fn static_measurement(model: &Model, source: Source, baked: Option<Vec<f64>>) -> Measured<'_> {
-    let cells = model.file.as_ref().map_or(&[][..], |file| &file.cells);
-    let context = EffectContext::new(model, cells, false);
-    let mut measured = Measured::new(model, source, 2, baked, cells);
-    let instances: Vec<Instance> = model.static_effects().map(|(i, _)| i.clone()).collect();
-    let values = model.static_effects().flat_map(|(_, x)| x.iter().copied());
-    let values: Vec<f64> = values.collect();
-    let unknowns: Vec<Id> = values.iter().map(|x| measured.constant(*x)).collect();
-    effects::apply(&mut measured, &context, &instances, &unknowns);
-    measured
+/// A measurement of which only joints or the sensor are asked.
+fn without_masses<'m>(context: &EffectContext<'m>) -> Measured<'m> {
+    let params = Parameters::Baked(vec![0.0; context.robot.base.params.len()]);
+    Measured::new(context.robot, Source::Posture, params, &context.cells)
 }
 
 /// Joint positions of a posture after faults of wiring, which have no unknowns: of
 /// `q`, without the measurement behind them.
 pub fn wired_joints(context: &EffectContext, instances: &[Instance]) -> Program {
-    let params = Some(vec![0.0; context.model.base.params.len()]);
-    let mut measured = Measured::new(context.model, Source::Posture, 2, params, &context.cells);
+    let mut measured = without_masses(context);
     for instance in instances {
         if instance.effect.stage() == Stage::Wiring {
             instance
@@ -138,25 +88,18 @@ pub fn wired_joints(context: &EffectContext, instances: &[Instance]) -> Program 
     }
     let outputs = measured.joints.clone();
     let shape = Shape::Vector(outputs.len());
-    let inputs = vec![Array {
-        name: "q",
-        len: context.model.dof(),
-    }];
+    let inputs = vec![Array::new(Argument::Positions, context.robot.dof())];
     Program::new(measured.into_graph(), inputs, shape, &outputs)
 }
 
 /// What faults of wiring and of the record, which have no unknowns, make of a CoP
 /// (m, the input).
 pub fn wired_reading(context: &EffectContext, instances: &[Instance]) -> Program {
-    let params = Some(vec![0.0; context.model.base.params.len()]);
-    let mut measured = Measured::new(context.model, Source::Posture, 2, params, &context.cells);
-    measured.reading = [0, 1].map(|axis| measured.g().input(0, axis));
-    effects::sense(&mut measured, context, instances, &[]);
+    let mut measured = without_masses(context);
+    measured.reading = [0, 1].map(|axis| measured.g().input(Argument::Reading, axis));
+    sense(&mut measured, context, instances, &[]);
     let outputs = measured.reading;
-    let inputs = vec![Array {
-        name: "reading",
-        len: 2,
-    }];
+    let inputs = vec![Array::new(Argument::Reading, 2)];
     Program::new(measured.into_graph(), inputs, Shape::Vector(2), &outputs)
 }
 

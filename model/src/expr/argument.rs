@@ -1,0 +1,42 @@
+//! What the inputs of an expression are.
+
+/// An array of inputs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[non_exhaustive]
+pub enum Argument {
+    /// Joint positions q, rad or m.
+    Positions,
+    /// Sines of the joint angles; positions of prismatic joints.
+    Sines,
+    /// Cosines of the joint angles.
+    Cosines,
+    /// Base parameters r, m.
+    Parameters,
+    /// A direction d of the support frame, ‖d‖ ≤ 1.
+    Direction,
+    /// A CoP reading, in the record's unit.
+    Reading,
+    /// Unknowns of effects.
+    Unknowns,
+    /// What a posture of a log brings along beside its joint positions.
+    Context,
+    /// What an expression is solved for; never the input of a program.
+    Free,
+}
+
+impl Argument {
+    /// Its name in generated Rust.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Argument::Positions => "q",
+            Argument::Sines => "sin",
+            Argument::Cosines => "cos",
+            Argument::Parameters => "r",
+            Argument::Direction => "along",
+            Argument::Reading => "reading",
+            Argument::Unknowns => "e",
+            Argument::Context => "u",
+            Argument::Free => "x",
+        }
+    }
+}

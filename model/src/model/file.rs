@@ -1,0 +1,171 @@
+//! Model files: identified parameters, with where they came from.
+//!
+//! ```text
+//! robot = "op2"            # hash and support say which robot they belong to
+//! hash = "5be7…"
+//! support = "r_sole"
+//! [[parameters]]
+//! name = "r_knee_link.x"
+//! value = 0.0123           # m
+//! std = 0.0004             # m, optional
+//! source = "data"          # or "prior"
+//! [[effects]]
+//! effect = "joint_offset"
+//! target = "l_knee"
+//! parameters.offset_rad = { value = 0.031, std = 0.001 }
+//! ```
+//!
+//! Effects act stage by stage, whatever their order in the file; those of one
+//! stage (two of wiring, two ways of the sensor's axes, two faults of one cell) in
+//! the file's order.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::Error;
+
+/// One base parameter as identified.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Parameter {
+    pub name: String,
+    /// m (a mass fraction for the parameter of a sliding joint)
+    pub value: f64,
+    /// Standard deviation, in the unit of the value.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub std: Option<f64>,
+    /// `data`, `prior` or another word for where it came from.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub source: Option<String>,
+}
+
+/// Data that parameters were identified from.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DataUsed {
+    pub file: String,
+    /// Of its content.
+    pub hash: String,
+    /// Rows of the log.
+    pub rows: u64,
+}
+
+/// A number with its standard deviation.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Quantity {
+    pub value: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub std: Option<f64>,
+}
+
+/// One effect of a model file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EffectRecord {
+    /// `joint_offset`, see [`crate::effects::Catalog`].
+    pub effect: String,
+    /// Joint, link, cell (`fsr_1`), `all`; `-` for the whole robot.
+    #[serde(default = "whole")]
+    pub target: String,
+    /// By name with unit: `offset_rad`.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub parameters: BTreeMap<String, Quantity>,
+}
+
+fn whole() -> String {
+    "-".to_string()
+}
+
+/// What `model.toml` holds.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ModelFile {
+    pub robot: String,
+    pub hash: String,
+    pub support: String,
+    /// Noise of a reading on one axis, m.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub noise_floor: Option<f64>,
+    pub parameters: Vec<Parameter>,
+    /// What the parameters were identified from.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub data: Vec<DataUsed>,
+    /// Places of the foot cells, m, support frame; effects of cells need them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub cells: Vec<[f64; 2]>,
+    /// What the robot does that its URDF does not say.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub effects: Vec<EffectRecord>,
+    /// Where it was read from, for messages.
+    #[serde(skip)]
+    pub file: String,
+}
+
+impl ModelFile {
+    /// Read and parse `path`.
+    ///
+    /// # Errors
+    /// When it cannot be read, is no model file, or holds values that are not finite.
+    pub fn read(path: &Path) -> Result<ModelFile, Error> {
+        let file = path.display().to_string();
+        let text = std::fs::read_to_string(path).map_err(|source| Error::Read {
+            file: file.clone(),
+            source,
+        })?;
+        ModelFile::parse(&text, &file)
+    }
+
+    /// Parse the text of a model file; `file` names it in messages.
+    pub fn parse(text: &str, file: &str) -> Result<ModelFile, Error> {
+        let bad = |reason: String| Error::ModelFile {
+            file: file.to_string(),
+            reason,
+        };
+        let mut model: ModelFile = toml::from_str(text).map_err(|error| bad(error.to_string()))?;
+        model.file = file.to_string();
+        for parameter in &model.parameters {
+            if !parameter.value.is_finite() {
+                return Err(bad(format!("parameter `{}` is not finite", parameter.name)));
+            }
+        }
+        Ok(model)
+    }
+
+    /// Values in the order of the base parameters (a model that takes the file has made sure of it).
+    pub fn values(&self) -> Vec<f64> {
+        self.parameters.iter().map(|p| p.value).collect()
+    }
+
+    /// The distinct sources of the parameters.
+    pub fn source(&self) -> String {
+        let mut sources: Vec<&str> = self
+            .parameters
+            .iter()
+            .filter_map(|p| p.source.as_deref())
+            .collect();
+        sources.sort_unstable();
+        sources.dedup();
+        if sources.is_empty() {
+            "not given".to_string()
+        } else {
+            sources.join(", ")
+        }
+    }
+
+    /// Whether the file was made for the robot of this `hash`, read from `urdf`.
+    ///
+    /// # Errors
+    /// When it was made for another one.
+    pub fn check_robot(&self, hash: &str, urdf: &str) -> Result<(), Error> {
+        if self.hash == hash {
+            return Ok(());
+        }
+        Err(Error::ModelFile {
+            file: self.file.clone(),
+            reason: format!(
+                "made for robot hash {}, but {urdf} has {hash}; identify again or use the URDF it \
+                 was made with",
+                self.hash
+            ),
+        })
+    }
+}

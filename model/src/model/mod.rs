@@ -1,0 +1,228 @@
+//! The model of a robot: its kinematics, its parameters and its effects.
+//!
+//! ```text
+//! model = robot + parameters (CAD or identified) + effects
+//! ```
+//!
+//! Here functions become programs: those of the body from `functions`, the reading
+//! from the measurement with the effects of the model file.
+
+mod cop;
+mod file;
+mod records;
+
+use std::ops::Deref;
+
+use crate::Error;
+use crate::base::{self, Column};
+use crate::bounds::{self, Bound, Formats, Precision, Unfit};
+use crate::effects::Instance;
+use crate::expr::Argument;
+use crate::functions::{self, Parameters};
+use crate::interface::{Function, Given};
+use crate::program::Program;
+use crate::robot::Robot;
+use crate::snap::Snapping;
+use crate::tree;
+use crate::urdf::Description;
+pub use cop::{sensor_reading, tilted_cop};
+pub use file::{DataUsed, EffectRecord, ModelFile, Parameter, Quantity};
+
+/// How far beyond CAD and model file parameters may be, as a part of the robot's reach.
+const ROOM: f64 = 0.02;
+
+/// A robot with its parameters and effects, ready to be turned into functions.
+///
+/// It is a [`Robot`] (and dereferences to it) with what a model file adds.
+#[derive(Debug, Clone)]
+pub struct Model {
+    /// The robot as its URDF has it.
+    pub robot: Robot,
+    /// Identified parameters, if a model file was given.
+    pub file: Option<ModelFile>,
+    /// Effects of that file with their unknowns; part of [`Function::Cop`].
+    pub effects: Vec<(Instance, Vec<f64>)>,
+    /// Largest |r_k| that bounds hold for, m (a mass fraction for a prismatic joint's).
+    pub param_limits: Vec<f64>,
+}
+
+impl Deref for Model {
+    type Target = Robot;
+
+    fn deref(&self) -> &Robot {
+        &self.robot
+    }
+}
+
+impl Model {
+    /// The model of a robot as CAD has it.
+    ///
+    /// # Errors
+    /// As [`Robot::new`].
+    pub fn new(
+        description: &Description,
+        support: &str,
+        snapping: Snapping,
+    ) -> Result<Model, Error> {
+        Ok(Model::of(Robot::new(description, support, snapping)?))
+    }
+
+    /// The model of a robot that has been read already.
+    pub fn of(robot: Robot) -> Model {
+        let mut model = Model {
+            robot,
+            file: None,
+            effects: Vec::new(),
+            param_limits: Vec::new(),
+        };
+        model.param_limits = model.limits_of(&model.cad_params());
+        model
+    }
+
+    /// The parameters to compute with: identified ones where a model file gives them.
+    pub fn params(&self) -> Vec<f64> {
+        match &self.file {
+            Some(file) => file.values(),
+            None => self.cad_params(),
+        }
+    }
+
+    /// Take identified parameters from a model file.
+    pub fn with_file(mut self, file: ModelFile) -> Result<Model, Error> {
+        file.check(&self.robot)?;
+        self.param_limits = self.limits_of(&file.values());
+        self.effects = file.instances(&self.robot)?;
+        self.file = Some(file);
+        Ok(self)
+    }
+
+    /// Effects that one posture shows, with their unknowns: those of [`Function::Cop`].
+    pub fn static_effects(&self) -> impl Iterator<Item = &(Instance, Vec<f64>)> {
+        self.effects.iter().filter(|(i, _)| i.effect.is_static())
+    }
+
+    /// Effects of the model file that generated code leaves out, as sentences.
+    pub fn left_out(&self) -> Vec<String> {
+        let of_log = self.effects.iter().filter(|(i, _)| !i.effect.is_static());
+        of_log
+            .map(|(instance, _)| {
+                format!(
+                    "effect `{}` belongs to the log it was found in and is left out here",
+                    instance.effect.id().name()
+                )
+            })
+            .collect()
+    }
+
+    /// Bounds hold for CAD parameters, those of a model file, and all up to
+    /// [`ROOM`] of the robot's reach beyond: what is identified differs from CAD.
+    fn limits_of(&self, values: &[f64]) -> Vec<f64> {
+        let reach = self.reach();
+        let params = self.base.params.iter().zip(values);
+        let limit = |(param, value): (&base::BaseParam, &f64)| {
+            let room = match param.column {
+                Column::Slide { .. } => ROOM,
+                Column::Axis { .. } => ROOM * reach,
+            };
+            libm::fabs(param.cad).max(libm::fabs(*value)) + room
+        };
+        params.map(limit).collect()
+    }
+
+    /// Straight-line code of one function; `None` where it cannot be had (sines
+    /// and cosines of q do not give those of q/2, which a mimic may need).
+    pub fn program(&self, function: Function, given: Given) -> Option<Program> {
+        self.build(function, given, false)
+    }
+
+    /// The same with the parameters of the model file (CAD's without one) as
+    /// constants: zeros vanish, sums of constants fold.
+    pub fn baked_program(&self, function: Function, given: Given) -> Option<Program> {
+        self.build(function, given, true)
+    }
+
+    fn build(&self, function: Function, given: Given, baked: bool) -> Option<Program> {
+        let params = baked.then(|| self.params());
+        let has_effects = self.static_effects().next().is_some();
+        match function {
+            Function::CorrectCop => cop::correct_cop(self, given),
+            Function::Cop if has_effects => cop::cop(self, given, params),
+            _ => {
+                let parameters = match params {
+                    Some(values) => Parameters::Baked(values),
+                    None => Parameters::Argument(self.param_limits.clone()),
+                };
+                functions::build(&self.robot, function, given, parameters)
+            }
+        }
+    }
+
+    /// Binary points and the rounding bound of `program` in 32-bit fixed point.
+    ///
+    /// # Errors
+    /// When a quantity does not fit, or an operation of effects is asked for.
+    pub fn fixed_point(&self, program: &Program) -> Result<Formats, Unfit> {
+        Formats::choose(program, &self.input_ranges(program))
+    }
+
+    /// Proven bound on the rounding error in 32-bit fixed point.
+    pub fn rounding_fixed(&self, program: &Program, formats: &Formats) -> Bound {
+        bounds::prove_fixed(program, &self.input_ranges(program), formats)
+    }
+
+    /// Proven bound on the rounding error of each kind of output.
+    pub fn rounding(&self, program: &Program, precision: Precision) -> Bound {
+        bounds::prove(program, &self.input_ranges(program), precision)
+    }
+
+    /// What the inputs of `program` may be: joint limits, parameters within theirs.
+    pub fn input_ranges(&self, program: &Program) -> Vec<Vec<bounds::Input>> {
+        let joint = |dof: &tree::Dof| bounds::Input::exact(dof.lower, dof.upper);
+        let full = self.chain.full_cad();
+        let parameter = |(k, param): (usize, &base::BaseParam)| {
+            let size = self.param_limits[k];
+            // A parameter is itself a rounded sum of rounded products.
+            let sum: f64 = param
+                .terms
+                .iter()
+                .map(|(&k, w)| libm::fabs(w * full[k]))
+                .sum();
+            bounds::Input {
+                lower: -size,
+                upper: size,
+                ulps_of: sum * (8.0 + param.terms.len() as f64),
+                absolute: 0.0,
+                rounded: true,
+            }
+        };
+        // A prismatic joint passes its position where a revolute one passes its sine.
+        let sine = |dof: &tree::Dof| match dof.prismatic {
+            true => joint(dof),
+            false => bounds::Input {
+                rounded: true,
+                ..bounds::Input::exact(-1.0, 1.0)
+            },
+        };
+        let of = |argument: Argument| match argument {
+            Argument::Positions => self.tree.dofs.iter().map(joint).collect(),
+            Argument::Sines | Argument::Cosines => self.tree.dofs.iter().map(sine).collect(),
+            Argument::Parameters => self.base.params.iter().enumerate().map(parameter).collect(),
+            Argument::Reading => self
+                .largest_reading()
+                .map(|most| bounds::Input {
+                    rounded: true,
+                    ..bounds::Input::exact(-most, most)
+                })
+                .to_vec(),
+            // No longer than one.
+            Argument::Direction => vec![bounds::Input::exact(-1.0, 1.0); 3],
+            // Those of fits: no bound is proven for them.
+            Argument::Unknowns | Argument::Context | Argument::Free => Vec::new(),
+        };
+        program
+            .inputs
+            .iter()
+            .map(|array| of(array.argument))
+            .collect()
+    }
+}

@@ -1,0 +1,156 @@
+//! A model file against the robot that it is for: every record checked, every effect
+//! made an instance.
+
+use super::file::{EffectRecord, ModelFile, Parameter};
+use crate::Error;
+use crate::effects::{Effect, EffectContext, Instance, Stage};
+use crate::robot::Robot;
+
+impl EffectRecord {
+    /// The effect at its target with its unknowns, or what is wrong and what to do.
+    fn instance(&self, context: &EffectContext) -> Result<(Instance, Vec<f64>), String> {
+        let name = &self.effect;
+        let effect = context.catalog.named(name).ok_or_else(|| {
+            let known: Vec<&str> = context.catalog.iter().map(|e| e.id().name()).collect();
+            format!(
+                "effect `{name}` is not known; known are {}",
+                known.join(", ")
+            )
+        })?;
+        let bad = |reason: String| format!("effect `{name}` of `{}`: {reason}", self.target);
+        let target = context
+            .target_named(effect, &self.target)
+            .ok_or_else(|| bad(no_target(effect, context)))?;
+        let parameters = effect.parameters(context, &target);
+        let names: Vec<&str> = parameters.iter().map(|parameter| parameter.name).collect();
+        let stray = |key: &&String| !names.contains(&key.as_str());
+        if let Some(stray) = self.parameters.keys().find(stray) {
+            return Err(bad(match names.is_empty() {
+                true => format!("it has no parameters; remove `{stray}`"),
+                false => format!("no parameter `{stray}`; it has {}", names.join(", ")),
+            }));
+        }
+        let mut values = Vec::with_capacity(names.len());
+        for wanted in &names {
+            let found = self.parameters.get(*wanted).ok_or_else(|| {
+                bad(format!(
+                    "`{wanted}` is missing; add parameters.{wanted} = {{ value = … }}"
+                ))
+            })?;
+            if !found.value.is_finite() {
+                return Err(bad(format!("`{wanted}` is not finite; give a number")));
+            }
+            values.push(found.value);
+        }
+        if let Some(reason) = effect.invalid_reason(context, &target, &values) {
+            return Err(bad(reason.to_string()));
+        }
+        let unknowns = effect.unknowns(context, &target, &values);
+        match unknowns.iter().all(|x| x.is_finite()) {
+            true => Ok((Instance { effect, target }, unknowns)),
+            false => Err(bad("values that no robot can have; give others".to_string())),
+        }
+    }
+}
+
+/// Targets named in a message, at most.
+const NAMED: usize = 30;
+
+fn no_target(effect: &dyn Effect, context: &EffectContext) -> String {
+    let targets = effect.targets(context);
+    let names = targets.iter().take(NAMED).map(|t| context.name_of(t));
+    let names: Vec<String> = names.collect();
+    match names.is_empty() {
+        true if effect.stage() == Stage::Cells => {
+            "the places of the cells are missing; add cells = [[x, y], …], four corners of a \
+             rectangle, m"
+                .to_string()
+        }
+        true => "this robot has nothing that it can be the matter with; remove it".to_string(),
+        false => {
+            let more = if targets.len() > NAMED { ", …" } else { "" };
+            format!(
+                "no such target on this robot; it has {}{more}",
+                names.join(", ")
+            )
+        }
+    }
+}
+
+impl ModelFile {
+    /// The effects as instances with their unknowns, in the file's order.
+    pub(crate) fn instances(&self, robot: &Robot) -> Result<Vec<(Instance, Vec<f64>)>, Error> {
+        let context = EffectContext::new(robot, &self.cells, true);
+        let bad = |reason: String| Error::ModelFile {
+            file: self.file.clone(),
+            reason,
+        };
+        let of = |record: &EffectRecord| record.instance(&context).map_err(bad);
+        self.effects.iter().map(of).collect()
+    }
+
+    /// Whether the file belongs to this robot and support, parameter by parameter.
+    pub(crate) fn check(&self, robot: &Robot) -> Result<(), Error> {
+        let support = robot.support();
+        let bad = |reason: String| Error::ModelFile {
+            file: self.file.clone(),
+            reason,
+        };
+        self.check_robot(&robot.tree.hash, &robot.tree.file)?;
+        if self.support != support {
+            return Err(bad(format!(
+                "made for support `{}`, not `{support}`; fit with --support {support}, or use the \
+                 corrected robot of `sesc fit --urdf`, which serves every support",
+                self.support
+            )));
+        }
+        let expected = robot.base.params.iter().map(|p| p.name.as_str());
+        let found = self.parameters.iter().map(|p| p.name.as_str());
+        if let Some((want, have)) = expected.clone().zip(found.clone()).find(|(w, h)| w != h) {
+            return Err(bad(format!(
+                "parameter `{want}` expected where `{have}` stands"
+            )));
+        }
+        if self.parameters.len() != robot.base.params.len() {
+            return Err(bad(format!(
+                "{} parameters, the robot has {} base parameters",
+                self.parameters.len(),
+                robot.base.params.len()
+            )));
+        }
+        Ok(())
+    }
+
+    /// A model file with the given values for every base parameter of `model`.
+    pub fn from_values(
+        robot: &Robot,
+        values: &[f64],
+        std: Option<&[f64]>,
+        source: &str,
+    ) -> ModelFile {
+        let parameters = robot
+            .base
+            .params
+            .iter()
+            .zip(values)
+            .enumerate()
+            .map(|(k, (param, &value))| Parameter {
+                name: param.name.clone(),
+                value,
+                std: std.map(|std| std[k]),
+                source: Some(source.to_string()),
+            })
+            .collect();
+        ModelFile {
+            robot: robot.tree.robot.clone(),
+            hash: robot.tree.hash.clone(),
+            support: robot.support().to_string(),
+            noise_floor: None,
+            parameters,
+            data: Vec::new(),
+            cells: Vec::new(),
+            effects: Vec::new(),
+            file: String::new(),
+        }
+    }
+}
