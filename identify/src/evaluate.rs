@@ -2,9 +2,9 @@
 
 use std::sync::LazyLock;
 
-use sesc_model::effects::{self, Circumstances};
+use sesc_model::effects::Circumstances;
 use sesc_model::program::Program;
-use sesc_model::tape::{Argument, Kernels, Tape};
+use sesc_model::tape::{Kernels, Tape, Values};
 use sesc_model::{Function, Given, Model};
 use sesc_runtime::{Simd, power, trig};
 
@@ -96,19 +96,19 @@ impl Evaluator {
             Given::SinesCosines | Given::Direction => self.sines(q),
         };
         let mut arguments = match self.given {
-            Given::Positions => vec![Argument::PerPosture(q)],
+            Given::Positions => vec![Values::PerPosture(q)],
             Given::SinesCosines | Given::Direction => {
-                vec![Argument::PerPosture(&sin), Argument::PerPosture(&cos)]
+                vec![Values::PerPosture(&sin), Values::PerPosture(&cos)]
             }
         };
-        arguments.extend(self.params.as_deref().map(Argument::Shared));
+        arguments.extend(self.params.as_deref().map(Values::Shared));
         if self.given != Given::Direction {
             return self.tape.run(&arguments, postures, out, self.kernels);
         }
         let columns = self.tape.outputs();
         let mut row = vec![0.0; postures * columns];
         for (k, along) in AXES.iter().enumerate() {
-            arguments.push(Argument::Shared(along));
+            arguments.push(Values::Shared(along));
             self.tape.run(&arguments, postures, &mut row, self.kernels);
             arguments.pop();
             let places = out[k * columns..].chunks_mut(self.width().max(1));
@@ -158,7 +158,7 @@ impl Foretelling {
     pub fn new(model: &Model) -> Option<Foretelling> {
         let shown = model.static_effects().next().is_some();
         shown.then(|| Foretelling {
-            tape: Tape::new(&effects::tilted_cop(model)),
+            tape: Tape::new(&sesc_model::tilted_cop(model)),
             layout: Circumstances::of(model),
             params: model.params(),
         })
@@ -174,9 +174,9 @@ impl Foretelling {
         }
         let mut out = vec![0.0; 2 * postures];
         let arguments = [
-            Argument::PerPosture(q),
-            Argument::Shared(&self.params),
-            Argument::PerPosture(&circumstances),
+            Values::PerPosture(q),
+            Values::Shared(&self.params),
+            Values::PerPosture(&circumstances),
         ];
         self.tape.run(&arguments, postures, &mut out, PORTABLE);
         out

@@ -3,6 +3,7 @@
 //! Both languages, `sesc inspect`, `sesc verify` and the documentation print from
 //! [`Function::interface`].
 
+use crate::expr::Argument;
 use crate::robot::Robot;
 
 /// A function of the generated interface. Not all robots have the last one.
@@ -56,14 +57,32 @@ impl Function {
     }
 
     /// How many entries a row of its result has, or the whole where that is a vector.
-    pub fn columns(self, robot: &Robot) -> usize {
+    pub fn columns(self) -> Extent {
         match self {
-            Function::Com => 3,
-            Function::Cop | Function::CorrectCop => 2,
-            Function::ComJacobian | Function::GravityMoments => robot.dof(),
-            Function::Regressor | Function::RegressorCop => robot.base.params.len(),
-            Function::RegressorFull => robot.chain.full_params,
+            Function::Com => Extent::Fixed(3),
+            Function::Cop | Function::CorrectCop => Extent::Fixed(2),
+            Function::ComJacobian | Function::GravityMoments => Extent::Dof,
+            Function::Regressor | Function::RegressorCop => Extent::BaseParams,
+            Function::RegressorFull => Extent::FullParams,
         }
+    }
+
+    /// Its arguments, in order.
+    pub fn arguments(self, given: Given) -> Vec<Argument> {
+        if self == Function::CorrectCop {
+            return vec![Argument::Reading];
+        }
+        let mut arguments = match given {
+            Given::Positions => vec![Argument::Positions],
+            Given::SinesCosines | Given::Direction => vec![Argument::Sines, Argument::Cosines],
+        };
+        if self.takes_parameters() {
+            arguments.push(Argument::Parameters);
+        }
+        if given == Given::Direction {
+            arguments.push(Argument::Direction);
+        }
+        arguments
     }
 
     /// How many rows its result has; none where that is a vector.
@@ -93,4 +112,40 @@ pub enum Given {
     /// The same and a direction of the support frame, whose row alone is wanted
     /// (`_along`): several directions side by side are the rows of one posture.
     Direction,
+}
+
+/// A length that is a constant of every generated module.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Extent {
+    /// The same for every robot.
+    Fixed(usize),
+    /// Independent joints.
+    Dof,
+    /// Base parameters.
+    BaseParams,
+    /// Parameters of the full chain.
+    FullParams,
+}
+
+impl Extent {
+    /// The length of an input array of generated functions; none for those of fits.
+    pub fn of(argument: Argument) -> Extent {
+        match argument {
+            Argument::Positions | Argument::Sines | Argument::Cosines => Extent::Dof,
+            Argument::Parameters => Extent::BaseParams,
+            Argument::Direction => Extent::Fixed(3),
+            Argument::Reading | Argument::Free => Extent::Fixed(2),
+            Argument::Unknowns | Argument::Context => Extent::Fixed(0),
+        }
+    }
+
+    /// The length on a robot.
+    pub fn on(self, robot: &Robot) -> usize {
+        match self {
+            Extent::Fixed(n) => n,
+            Extent::Dof => robot.dof(),
+            Extent::BaseParams => robot.base.params.len(),
+            Extent::FullParams => robot.chain.full_params,
+        }
+    }
 }

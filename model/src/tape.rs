@@ -54,7 +54,7 @@ impl Kernels {
 
 /// One element of an input array, over a batch of postures.
 #[derive(Debug, Clone, Copy)]
-pub enum Argument<'a> {
+pub enum Values<'a> {
     /// `values[posture * len + index]`.
     PerPosture(&'a [f64]),
     /// `values[index]`, the same for every posture.
@@ -195,7 +195,7 @@ impl Tape {
     /// # Panics
     /// When an argument or `out` is shorter than the postures need: a mistake
     /// of the calling code, not of its input.
-    pub fn run(&self, arguments: &[Argument], postures: usize, out: &mut [f64], kernels: Kernels) {
+    pub fn run(&self, arguments: &[Values], postures: usize, out: &mut [f64], kernels: Kernels) {
         assert_eq!(
             arguments.len(),
             self.lens.len(),
@@ -203,8 +203,8 @@ impl Tape {
         );
         for (argument, &len) in arguments.iter().zip(&self.lens) {
             let (have, need) = match argument {
-                Argument::PerPosture(values) => (values.len(), len * postures),
-                Argument::Shared(values) => (values.len(), len),
+                Values::PerPosture(values) => (values.len(), len * postures),
+                Values::Shared(values) => (values.len(), len),
             };
             assert!(have >= need, "an input array holds {have} of {need} values");
         }
@@ -215,8 +215,8 @@ impl Tape {
         let uniform = |source: &Source| match *source {
             Source::Const(x) => Some(x),
             Source::Input { array, index } => match arguments[array] {
-                Argument::Shared(values) => Some(values[index]),
-                Argument::PerPosture(_) => None,
+                Values::Shared(values) => Some(values[index]),
+                Values::PerPosture(_) => None,
             },
         };
         let uniform: Vec<Option<f64>> = self.sources.iter().map(uniform).collect();
@@ -228,7 +228,7 @@ impl Tape {
             let n = BLOCK.min(postures - start);
             for (register, source) in registers.iter_mut().zip(&self.sources) {
                 if let Source::Input { array, index } = *source
-                    && let Argument::PerPosture(values) = arguments[array]
+                    && let Values::PerPosture(values) = arguments[array]
                 {
                     let len = self.lens[array];
                     let rows = values[start * len..].chunks_exact(len);

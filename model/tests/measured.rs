@@ -2,7 +2,7 @@
 
 use sesc_model::effects::{self, Catalog, Circumstances, EffectContext, Instance};
 use sesc_model::program::Program;
-use sesc_model::tape::{Argument, Kernels, Tape};
+use sesc_model::tape::{Kernels, Tape, Values};
 use sesc_model::{Model, ModelFile, Snapping, urdf};
 
 const GRAVITY: f64 = 9.80665;
@@ -55,7 +55,7 @@ fn run(model: &Model, program: &Program, q: &[f64], unknowns: &[f64], tilt: [f64
     }
     let tape = Tape::new(program);
     let mut out = vec![0.0; tape.outputs()];
-    let arguments = [q, unknowns, &circumstances].map(Argument::Shared);
+    let arguments = [q, unknowns, &circumstances].map(Values::Shared);
     tape.run(&arguments, 1, &mut out, Kernels::LIBM);
     out
 }

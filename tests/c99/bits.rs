@@ -6,7 +6,7 @@
 
 use sesc_codegen::emit::c::Scalar;
 use sesc_model::Given;
-use sesc_model::tape::{Argument, Tape};
+use sesc_model::tape::{Tape, Values};
 
 use crate::case::{Case, Draw, Entry, ROBOTS, SCALARS, draw};
 use crate::compiled::{Compiled, folder, parallel};
@@ -112,9 +112,9 @@ fn rust(case: &Case, scalar: Scalar, entry: &Entry, drawn: &Draw) -> Vec<f64> {
     }
     let count = drawn.q.len() / dof;
     if scalar == Scalar::F64 {
-        let arguments: Vec<Argument> = inputs
+        let arguments: Vec<Values> = inputs
             .iter()
-            .map(|(values, _)| Argument::PerPosture(values))
+            .map(|(values, _)| Values::PerPosture(values))
             .collect();
         let mut out = vec![0.0; count * entry.width];
         Tape::new(&program).run(

@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use sesc_codegen::emit::c::{self, Options, Package, Scalar, Servos, Setting};
 use sesc_identify::robot::Robot;
 use sesc_model::program::Program;
-use sesc_model::tape::{Argument, Tape};
+use sesc_model::tape::{Tape, Values};
 use sesc_model::{Function, Given, Model, Snapping};
 
 use sesc_test_support::exact::{Double, Number as _};
@@ -182,9 +182,9 @@ impl Case {
         let tape = Tape::new(&program);
         let count = q.len() / self.model.dof();
         let mut out = vec![0.0; count * tape.outputs()];
-        let mut arguments = vec![Argument::PerPosture(q)];
+        let mut arguments = vec![Values::PerPosture(q)];
         if function.takes_parameters() {
-            arguments.push(Argument::PerPosture(r));
+            arguments.push(Values::PerPosture(r));
         }
         tape.run(
             &arguments,

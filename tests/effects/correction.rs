@@ -1,6 +1,6 @@
 //! `correct_cop` takes back what the sensor did to a CoP.
 
-use sesc_model::effects::{self, Catalog, Instance};
+use sesc_model::effects::{Catalog, Instance};
 use sesc_model::program::Program;
 use sesc_model::{Function, Given, Model, ModelFile};
 
@@ -58,7 +58,7 @@ fn every_effect_of_the_sensor_is_taken_back() {
                 continue;
             };
             of_sensor += 1;
-            let forwards = effects::sensor_reading(&model).unwrap();
+            let forwards = sesc_model::sensor_reading(&model).unwrap();
             let mut off = 0.0_f64;
             let mut moved = 0.0_f64;
             // A dead cell tells nothing where only two others touch.
@@ -115,7 +115,7 @@ fn stages_are_taken_back_in_reverse() {
             named("sensor_drift", "-", &[0.01, 0.0]),
         ],
     );
-    let forwards = effects::sensor_reading(&model).unwrap();
+    let forwards = sesc_model::sensor_reading(&model).unwrap();
     let backwards = model
         .program(Function::CorrectCop, Given::Positions)
         .unwrap();

@@ -7,7 +7,7 @@ use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
 use sesc_model::effects::{self, Circumstances, EffectContext, Instance};
 use sesc_model::program::Program;
-use sesc_model::tape::{Argument, Tape};
+use sesc_model::tape::{Tape, Values};
 use sesc_model::{Model, Snapping};
 use sesc_reference::World;
 
@@ -97,7 +97,7 @@ impl Stand {
 pub fn run(program: &Program, arrays: &[&[f64]]) -> Vec<f64> {
     let tape = Tape::new(program);
     let mut out = vec![0.0; tape.outputs()];
-    let arguments: Vec<Argument> = arrays.iter().map(|x| Argument::Shared(x)).collect();
+    let arguments: Vec<Values> = arrays.iter().map(|x| Values::Shared(x)).collect();
     tape.run(&arguments, 1, &mut out, PORTABLE);
     out
 }

@@ -11,7 +11,7 @@ use programs::{Case, bare, cases, edges};
 use sesc_identify::evaluate::PORTABLE;
 use sesc_model::bounds::{self, Precision};
 use sesc_model::program::Program;
-use sesc_model::tape::{Argument, Tape};
+use sesc_model::tape::{Tape, Values};
 use sesc_test_support::exact::{Double, Interpreter, Number};
 
 const ROWS: usize = 2_000;
@@ -25,7 +25,7 @@ fn by_tape(program: &Program, rows: &Rows) -> Vec<f64> {
     });
     let tape = Tape::new(program);
     let mut out = vec![0.0; rows.len() * tape.outputs()];
-    let arguments = [Argument::PerPosture(&x), Argument::PerPosture(&y)];
+    let arguments = [Values::PerPosture(&x), Values::PerPosture(&y)];
     tape.run(&arguments, rows.len(), &mut out, PORTABLE);
     out
 }

@@ -3,10 +3,10 @@
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use sesc_model::bounds::Input;
-use sesc_model::expr::{Graph, Id};
+use sesc_model::expr::{Argument, Graph, Id};
 use sesc_model::program::{Array, Program, Shape};
 
-/// A program of the arrays `x` and `y`, with the ranges of what they hold.
+/// A program of the arrays x (`q`) and y (`r`), with the ranges of what they hold.
 pub struct Case {
     pub name: &'static str,
     pub program: Program,
@@ -31,17 +31,20 @@ impl Case {
     ) -> Case {
         let program = |of: Option<usize>| {
             let mut g = Graph::default();
-            let x: Vec<Id> = (0..ranges[0].len()).map(|k| g.input(0, k)).collect();
-            let y: Vec<Id> = (0..ranges[1].len()).map(|k| g.input(1, k)).collect();
+            let x: Vec<Id> = (0..ranges[0].len())
+                .map(|k| g.input(Argument::Positions, k))
+                .collect();
+            let y: Vec<Id> = (0..ranges[1].len())
+                .map(|k| g.input(Argument::Parameters, k))
+                .collect();
             let mut outputs = build(&mut g, &x, &y);
             if let Some(k) = of {
                 outputs = g.derivative(&outputs, x[k]);
             }
-            let array = |name, k: usize| Array {
-                name,
-                len: ranges[k].len(),
-            };
-            let inputs = vec![array("x", 0), array("y", 1)];
+            let inputs = vec![
+                Array::new(Argument::Positions, ranges[0].len()),
+                Array::new(Argument::Parameters, ranges[1].len()),
+            ];
             Program::new(g, inputs, Shape::Vector(outputs.len()), &outputs)
         };
         Case {

@@ -5,7 +5,7 @@
 
 use std::collections::HashMap;
 
-use sesc_model::expr::{Expr, Id};
+use sesc_model::expr::{Argument, Expr, Id};
 use sesc_model::program::{Program, operands};
 
 /// Expressions nested deeper than this get a name of their own.
@@ -73,9 +73,9 @@ impl<'p> Listing<'p> {
         self.names.get(&id).map(String::as_str)
     }
 
-    /// Whether any node reads input array `array`.
-    pub fn reads(&self, array: usize) -> bool {
-        let of = |expr| matches!(expr, Expr::Input { array: a, .. } if usize::from(a) == array);
+    /// Whether any node reads this input array.
+    pub fn reads(&self, array: Argument) -> bool {
+        let of = |expr| matches!(expr, Expr::Input { argument, .. } if argument == array);
         self.program.nodes.iter().any(|node| of(node.expr))
     }
 

@@ -16,6 +16,7 @@ use super::listing::{Listing, Results};
 use crate::Error;
 use crate::emit::names;
 use body::Body;
+use sesc_model::expr::Argument;
 use sesc_model::program::Program;
 use sesc_model::{Function, Given, Model};
 use signature::{documentation, matrix, result, signature, zeros};
@@ -184,7 +185,8 @@ fn unit_struct(model: &Model, name: &str, from_sines: bool, corrects: bool) -> T
             .filter(there)
             .map(|&function| {
                 let name = format_ident!("{}", header::function_name(function, given));
-                let (parameters, arguments) = signature(function, given, |array| array.to_string());
+                let (parameters, arguments) =
+                    signature(function, given, |argument| argument.name().to_string());
                 let result = result(function, given);
                 let into = matrix(function, given).map(|matrix| {
                     let into = format_ident!("{name}_into");
@@ -244,13 +246,9 @@ fn function(model: &Model, row: &Row, program: &Program, titles: &mut Vec<String
         Some(_) => Listing::new(program, Results::AsTheyCome),
         None => Listing::new(program, Results::AtTheEnd),
     };
-    let unused = |array: &str| {
-        let k = program.inputs.iter().position(|input| input.name == array);
-        k.is_none_or(|k| !listing.reads(k))
-    };
-    let rename = |array: &str| match unused(array) {
-        true => format!("_{array}"),
-        false => array.to_string(),
+    let rename = |argument: Argument| match listing.reads(argument) {
+        true => argument.name().to_string(),
+        false => format!("_{}", argument.name()),
     };
     let (parameters, _) = signature(row.function, row.given, rename);
     let doc = documentation(model, row.function, row.given);
@@ -268,7 +266,9 @@ fn function(model: &Model, row: &Row, program: &Program, titles: &mut Vec<String
         };
     };
     let into = format_ident!("{name}_into");
-    let (given, arguments) = signature(row.function, row.given, |array| array.to_string());
+    let (given, arguments) = signature(row.function, row.given, |argument| {
+        argument.name().to_string()
+    });
     let zeros = zeros(row.function);
     let into_doc = format!(" [`{name}`], each number written as soon as it is there.");
     quote! {

@@ -53,7 +53,7 @@ pub fn of(
         true => &wide,
         false => prior,
     };
-    let model = problem.context.model;
+    let model = problem.model;
     let mut corrected = of_model_file(&file, robot, model, snapping, prior)?;
     let rest = found
         .best

@@ -200,8 +200,8 @@ fn gain(mut a: DMatrix<f64>, b: &DVector<f64>, whole: &[f64]) -> f64 {
 
 /// Circumstances with every joint on the side where gravity puts it.
 fn sides_at(problem: &Problem, q: &[f64]) -> Vec<f64> {
-    let layout = Circumstances::of(problem.context.model);
-    let dof = problem.context.model.dof();
+    let layout = Circumstances::of(problem.context.robot);
+    let dof = problem.context.robot.dof();
     let mut circumstances = problem.data.circumstances.clone();
     let moments = problem.moments_at(q);
     for k in 0..problem.data.len() {

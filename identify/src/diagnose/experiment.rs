@@ -270,7 +270,7 @@ impl Trial<'_, '_> {
         let rows = DMatrix::from_row_slice(2 * n, params, &flat.run(&self.postures.q, n));
         let map = match self.experiment {
             Experiment::OtherFoot => {
-                let shift = self.postures.model.params_from(here.context.model);
+                let shift = self.postures.model.params_from(here.context.robot);
                 &shift.matrix * &here.prior
             }
             _ => here.prior.clone(),

@@ -178,10 +178,10 @@ pub fn formula(problem: &Problem, fit: &Fit) -> Formula {
 
 /// Functions of a posture that a gap may follow.
 fn library(problem: &Problem) -> Vec<(String, Vec<f64>)> {
-    let (n, dof) = (problem.data.len(), problem.context.model.dof());
-    let dofs = &problem.context.model.tree.dofs;
+    let (n, dof) = (problem.data.len(), problem.context.robot.dof());
+    let dofs = &problem.context.robot.tree.dofs;
     let moments = problem.moments_at(&problem.data.q);
-    let layout = Circumstances::of(problem.context.model);
+    let layout = Circumstances::of(problem.context.robot);
     let mut library: Vec<(String, Vec<f64>)> = Vec::new();
     let mut add =
         |name: String, f: &dyn Fn(usize) -> f64| library.push((name, (0..n).map(f).collect()));

@@ -13,7 +13,7 @@ use super::words;
 /// Parameters as the masses' prior and the data have them, and every effect of
 /// the explanation that a model can hold.
 pub fn model_file(problem: &Problem, found: &Found) -> ModelFile {
-    let model = problem.context.model;
+    let model = problem.context.robot;
     let best = &found.best;
     let masses = problem.masses(&best.terms);
     let identified = best.frees_masses();

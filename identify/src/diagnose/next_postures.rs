@@ -71,10 +71,10 @@ pub fn next(
         return next;
     }
     let mut ranked: Vec<Ranked> = Vec::new();
-    let support = problem.context.model.tree.links[problem.context.model.tree.support]
+    let support = problem.context.robot.tree.links[problem.context.robot.tree.support]
         .name
         .clone();
-    let model = problem.context.model;
+    let model = problem.model;
     let fresh = candidates(problem, model, robot, folder);
     let mut all = vec![
         Experiment::Untouched,
@@ -103,7 +103,7 @@ pub fn next(
             here: problem,
             there: problem,
             postures: Postures {
-                model: problem.context.model,
+                model: problem.model,
                 q: problem.data.q.clone(),
                 circumstances: problem.data.circumstances.clone(),
             },
@@ -363,7 +363,7 @@ impl<'m> Problem<'m> {
         'm: 'o,
     {
         let context = EffectContext::new(model, &self.data.cells, self.data.t.is_some());
-        self.elsewhere(context)
+        self.elsewhere(model, context)
     }
 }
 

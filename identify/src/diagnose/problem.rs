@@ -8,7 +8,7 @@ use std::rc::Rc;
 
 use nalgebra::{DMatrix, DVector};
 use sesc_model::effects::{self, Circumstances, EffectContext, EffectId, Instance, Stage};
-use sesc_model::tape::{Argument, Tape};
+use sesc_model::tape::{Tape, Values};
 use sesc_model::{Function, Model};
 
 use super::data::{Data, NoiseSource};
@@ -26,6 +26,8 @@ const VISIBLE: f64 = 60.0;
 
 /// A log, the robot, and what is believed of its masses.
 pub struct Problem<'m> {
+    /// The robot on its support, as CAD has it.
+    pub model: &'m Model,
     pub context: EffectContext<'m>,
     pub data: Data,
     pub params: Vec<f64>,
@@ -134,6 +136,7 @@ impl<'m> Problem<'m> {
         let kinds: BTreeSet<EffectId> = instances.iter().map(|i| i.effect.id()).collect();
         Ok(Problem {
             params: model.cad_params(),
+            model,
             kinds: kinds.len() + hypothesis::MODELS,
             context,
             data,
@@ -150,9 +153,14 @@ impl<'m> Problem<'m> {
 
     /// This problem's log, for a robot that stands elsewhere: nothing can be fitted
     /// there, explanations can be evaluated.
-    pub(super) fn elsewhere<'o>(&self, context: EffectContext<'o>) -> Problem<'o> {
+    pub(super) fn elsewhere<'o>(
+        &self,
+        model: &'o Model,
+        context: EffectContext<'o>,
+    ) -> Problem<'o> {
         Problem {
-            params: context.model.cad_params(),
+            params: model.cad_params(),
+            model,
             kinds: self.kinds,
             context,
             data: self.data.clone(),
@@ -234,12 +242,12 @@ impl<'m> Problem<'m> {
         circumstances: &[f64],
     ) -> Vec<f64> {
         let tapes = self.tapes(terms);
-        let n = circumstances.len() / Circumstances::of(self.context.model).len();
+        let n = circumstances.len() / Circumstances::of(self.context.robot).len();
         let mut out = vec![0.0; n * tapes.reading.outputs()];
         let arguments = [
-            Argument::PerPosture(q),
-            Argument::Shared(unknowns),
-            Argument::PerPosture(circumstances),
+            Values::PerPosture(q),
+            Values::Shared(unknowns),
+            Values::PerPosture(circumstances),
         ];
         tapes.reading.run(&arguments, n, &mut out, FASTEST);
         out
@@ -264,12 +272,12 @@ impl<'m> Problem<'m> {
         circumstances: &[f64],
     ) -> Vec<f64> {
         let tape = self.moments(terms);
-        let n = circumstances.len() / Circumstances::of(self.context.model).len();
+        let n = circumstances.len() / Circumstances::of(self.context.robot).len();
         let mut out = vec![0.0; n * tape.outputs()];
         let arguments = [
-            Argument::PerPosture(q),
-            Argument::Shared(unknowns),
-            Argument::PerPosture(circumstances),
+            Values::PerPosture(q),
+            Values::Shared(unknowns),
+            Values::PerPosture(circumstances),
         ];
         tape.run(&arguments, n, &mut out, FASTEST);
         out
@@ -290,8 +298,8 @@ impl<'m> Problem<'m> {
 
     /// Readings that CAD foretells at joint positions `q`, on level ground.
     pub fn plain(&self, q: &[f64]) -> Vec<f64> {
-        let n = q.len() / self.context.model.dof();
-        let model = self.context.model;
+        let n = q.len() / self.context.robot.dof();
+        let model = self.model;
         Evaluator::with_params(model, Function::Cop, self.params.clone()).run(q, n)
     }
 
@@ -318,9 +326,9 @@ impl<'m> Problem<'m> {
             None => &self.data.circumstances,
         };
         let arguments = [
-            Argument::PerPosture(&self.data.q),
-            Argument::Shared(&fit.unknowns),
-            Argument::PerPosture(circumstances),
+            Values::PerPosture(&self.data.q),
+            Values::Shared(&fit.unknowns),
+            Values::PerPosture(circumstances),
         ];
         tape.run(&arguments, n, &mut out, FASTEST);
         out
@@ -333,7 +341,7 @@ impl<'m> Problem<'m> {
         let mut at = 0;
         for term in terms {
             if let (Some(_), Some(instance)) = (term.dead_band(), term.effect()) {
-                let joints = self.context.revolute_of(&instance.target);
+                let joints = instance.target.revolute(self.context.robot);
                 found.extend(joints.into_iter().map(|j| (j, at)));
             }
             at += term.unknowns(&self.context);
@@ -385,9 +393,9 @@ impl Problem<'_> {
         let n = self.data.len();
         let mut out = vec![0.0; n * tape.outputs()];
         let arguments = [
-            Argument::PerPosture(q),
-            Argument::Shared(&[]),
-            Argument::PerPosture(&self.data.circumstances),
+            Values::PerPosture(q),
+            Values::Shared(&[]),
+            Values::PerPosture(&self.data.circumstances),
         ];
         tape.run(&arguments, n, &mut out, FASTEST);
         out
@@ -400,7 +408,7 @@ impl Problem<'_> {
         let n = self.data.len();
         let joints = Tape::new(&effects::wired_joints(&self.context, &fault));
         let mut q = vec![0.0; n * joints.outputs()];
-        joints.run(&[Argument::PerPosture(&self.data.q)], n, &mut q, FASTEST);
+        joints.run(&[Values::PerPosture(&self.data.q)], n, &mut q, FASTEST);
         let rewire = Rewire(Tape::new(&effects::wired_reading(&self.context, &fault)));
         (q, rewire)
     }
@@ -413,7 +421,7 @@ impl Rewire {
     /// Readings under the fault, two per posture.
     pub(super) fn readings(&self, readings: &[f64]) -> Vec<f64> {
         let mut out = vec![0.0; readings.len()];
-        let arguments = [Argument::PerPosture(readings)];
+        let arguments = [Values::PerPosture(readings)];
         self.0
             .run(&arguments, readings.len() / 2, &mut out, FASTEST);
         out

@@ -32,8 +32,8 @@ pub struct Sides {
 /// The side of every slack joint in every posture: gravity's, and where that is
 /// nearly even and `fit` is there to say what is left over, the reading's.
 pub fn settle(problem: &Problem, terms: &[Term], unknowns: &[f64], fit: Option<&Fit>) -> Sides {
-    let layout = Circumstances::of(problem.context.model);
-    let (n, dof) = (problem.data.len(), problem.context.model.dof());
+    let layout = Circumstances::of(problem.context.robot);
+    let (n, dof) = (problem.data.len(), problem.context.robot.dof());
     let joints = problem.slack_joints(terms);
     let mut circumstances = problem.data.circumstances.clone();
     let mut out = Vec::new();
@@ -88,8 +88,8 @@ fn joints_at(
     circumstances: &mut [f64],
     to: impl Fn(f64, usize) -> f64,
 ) {
-    let layout = Circumstances::of(problem.context.model);
-    let dof = problem.context.model.dof();
+    let layout = Circumstances::of(problem.context.robot);
+    let dof = problem.context.robot.dof();
     for k in 0..problem.data.len() {
         for &(joint, _) in joints {
             let side = &mut circumstances[k * layout.len() + layout.side(joint)];
@@ -128,7 +128,7 @@ fn bistable(
     joints: &[(usize, usize)],
     k: usize,
 ) -> Vec<Near> {
-    let dof = problem.context.model.dof();
+    let dof = problem.context.robot.dof();
     let mut near: Vec<Near> = Vec::new();
     for &(joint, at) in joints {
         let half = 0.5 * unknowns[at].abs();

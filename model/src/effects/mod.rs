@@ -35,6 +35,7 @@ mod units;
 mod unsettled_motion;
 
 use crate::expr::Id;
+pub use crate::measurement::foot::rectangle as foot_rectangle;
 pub use crate::measurement::{Circumstances, Measured, ROUNDS, Source};
 use crate::urdf::{Load, Shift};
 pub use catalog::{Catalog, EffectId};

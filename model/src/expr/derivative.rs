@@ -95,11 +95,12 @@ impl Graph {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::expr::Argument;
 
     #[test]
     fn product_and_chain_rule() {
         let mut g = Graph::default();
-        let (x, y) = (g.input(0, 0), g.input(0, 1));
+        let (x, y) = (g.input(Argument::Positions, 0), g.input(Argument::Positions, 1));
         // f = x sin(2 x) + y
         let two = g.constant(2.0);
         let angle = g.mul(two, x);

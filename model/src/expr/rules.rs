@@ -178,10 +178,11 @@ impl Graph {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::expr::Argument;
 
     fn graph() -> (Graph, Id, Id) {
         let mut g = Graph::default();
-        let (x, y) = (g.input(0, 0), g.input(0, 1));
+        let (x, y) = (g.input(Argument::Positions, 0), g.input(Argument::Positions, 1));
         (g, x, y)
     }
 

@@ -40,11 +40,12 @@ impl Graph {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::expr::Argument;
 
     #[test]
     fn variables_give_way_to_expressions_and_constants_fold() {
         let mut g = Graph::default();
-        let [x, y, z] = [0, 1, 2].map(|k| g.input(0, k));
+        let [x, y, z] = [0, 1, 2].map(|k| g.input(Argument::Positions, k));
         // f = x sin(y) + z
         let s = g.sin(y);
         let product = g.mul(x, s);

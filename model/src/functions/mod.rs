@@ -21,7 +21,7 @@ mod subtrees;
 mod turns;
 
 use crate::expr::{Argument, Graph, Id, VectorId};
-use crate::interface::{Function, Given};
+use crate::interface::{Extent, Function, Given};
 use crate::program::{Array, Program, Shape};
 use crate::robot::Robot;
 use crate::tree::Coordinate;
@@ -75,7 +75,7 @@ pub(crate) fn build(
         Given::Direction => 1,
         _ => function.rows().unwrap_or(1),
     };
-    let shape = match (rows, function.columns(robot)) {
+    let shape = match (rows, function.columns().on(robot)) {
         (1, n) => Shape::Vector(n),
         (rows, cols) => Shape::Matrix { rows, cols },
     };
@@ -85,21 +85,11 @@ pub(crate) fn build(
 
 /// The input arrays of a function.
 fn arrays(robot: &Robot, function: Function, given: Given, baked: bool) -> Vec<Array> {
-    let positions: &[Argument] = match given {
-        Given::Positions => &[Argument::Positions],
-        Given::SinesCosines | Given::Direction => &[Argument::Sines, Argument::Cosines],
-    };
-    let mut arrays: Vec<Array> = positions
-        .iter()
-        .map(|&argument| Array::new(argument, robot.dof()))
-        .collect();
-    if function.takes_parameters() && !baked {
-        arrays.push(Array::new(Argument::Parameters, robot.base.params.len()));
-    }
-    if given == Given::Direction {
-        arrays.push(Array::new(Argument::Direction, 3));
-    }
-    arrays
+    let arguments = function.arguments(given).into_iter();
+    arguments
+        .filter(|argument| !(baked && *argument == Argument::Parameters))
+        .map(|argument| Array::new(argument, Extent::of(argument).on(robot)))
+        .collect()
 }
 
 /// ∂CoM/∂q by the chain rule on the expressions of the CoM itself, row-major.

@@ -6,7 +6,7 @@ use crate::functions::Parameters;
 use crate::interface::Given;
 use crate::model::Model;
 use crate::program::{Array, Program, Shape};
-use crate::tape::{self, Kernels, Tape};
+use crate::tape::{Kernels, Tape, Values};
 
 /// The robot with the foot cells of the model file.
 fn context(model: &Model) -> EffectContext<'_> {
@@ -111,12 +111,7 @@ impl Model {
         let mut reading = cop;
         if let Some(program) = sensor_reading(self) {
             let tape = Tape::new(&program);
-            tape.run(
-                &[tape::Argument::Shared(&cop)],
-                1,
-                &mut reading,
-                Kernels::LIBM,
-            );
+            tape.run(&[Values::Shared(&cop)], 1, &mut reading, Kernels::LIBM);
         }
         reading
     }

@@ -86,7 +86,7 @@ impl Interpreter {
             .collect();
         let step = |expr: Expr| match expr {
             Expr::Const(x) => Step::Const(x),
-            Expr::Input { array, index } => Step::Load(array.into(), index as usize),
+            Expr::Input { argument, index } => Step::Load(program.slot(argument), index as usize),
             Expr::Add(a, b) => Step::Add(places[&a], places[&b]),
             Expr::Sub(a, b) => Step::Sub(places[&a], places[&b]),
             Expr::Mul(a, b) => Step::Mul(places[&a], places[&b]),

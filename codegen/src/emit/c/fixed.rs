@@ -22,9 +22,9 @@ pub(super) fn body(program: &Program, formats: &Formats, name: &str, output: &st
         name,
     };
     let mut lines = Vec::new();
-    for (k, array) in program.inputs.iter().enumerate() {
-        if !listing.reads(k) {
-            lines.push(format!("(void){};", super::argument(array.name)));
+    for array in &program.inputs {
+        if !listing.reads(array.argument) {
+            lines.push(format!("(void){};", super::argument(array.argument)));
         }
     }
     for line in &listing.lines {
@@ -103,8 +103,8 @@ impl Spelling<'_, '_> {
     fn value(&self, id: Id) -> (String, Strength) {
         match self.expr(id) {
             Expr::Const(x) => number(x, self.formats.of(id)),
-            Expr::Input { array, index } => {
-                let array = super::argument(self.listing.program.inputs[array as usize].name);
+            Expr::Input { argument, index } => {
+                let array = super::argument(argument);
                 (format!("{array}[{index}]"), Strength::Atom)
             }
             Expr::Neg(a) => (format!("-{}", self.operand(a)), Strength::Sign),

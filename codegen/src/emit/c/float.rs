@@ -16,9 +16,9 @@ pub(super) fn body(program: &Program, scalar: Scalar, name: &str, output: &str) 
     };
     let real = scalar.c_type();
     let mut lines = Vec::new();
-    for (k, array) in program.inputs.iter().enumerate() {
-        if !listing.reads(k) {
-            lines.push(format!("(void){};", super::argument(array.name)));
+    for array in &program.inputs {
+        if !listing.reads(array.argument) {
+            lines.push(format!("(void){};", super::argument(array.argument)));
         }
     }
     for line in &listing.lines {
@@ -84,8 +84,8 @@ impl Spelling<'_, '_> {
         // Products inside sums carry parentheses: MISRA C 12.1.
         match program.expr(id) {
             Expr::Const(x) => (literal(x, self.scalar), Strength::Atom),
-            Expr::Input { array, index } => {
-                let array = super::argument(program.inputs[array as usize].name);
+            Expr::Input { argument, index } => {
+                let array = super::argument(argument);
                 (format!("{array}[{index}]"), Strength::Atom)
             }
             // A sum on the right keeps its parentheses: rounding depends on the order.

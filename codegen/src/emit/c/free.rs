@@ -43,7 +43,7 @@ pub fn function(
     let needs = Needs::of_lines(body.iter(), scalar, name);
     let outputs = program.outputs.len();
     let inputs_of = |array: &sesc_model::program::Array| {
-        format!("const {name}_real {}[]", super::argument(array.name))
+        format!("const {name}_real {}[]", super::argument(array.argument))
     };
     let mut declarations: Vec<String> = program.inputs.iter().map(inputs_of).collect();
     declarations.push(format!("{name}_real out[{outputs}]"));
@@ -83,7 +83,7 @@ pub fn function(
             false => "No rounding bound can be proven.".to_string(),
         },
         arrays => listed(program.inputs.iter().map(|array| Array {
-            name: super::argument(array.name).to_string(),
+            name: super::argument(array.argument).to_string(),
             len: array.len,
         }).collect()),
         outputs,

@@ -7,6 +7,7 @@ use super::{Scalar, fixed, float};
 use crate::Error;
 use crate::emit::header;
 use sesc_model::bounds::{Formats, Overflow, Unfit};
+use sesc_model::expr::Argument;
 use sesc_model::program::{Program, Shape};
 use sesc_model::{Function, Given, Model};
 
@@ -232,10 +233,10 @@ pub(super) fn points(routines: &[Routine]) -> Vec<Point> {
             continue;
         };
         for (array, bits) in routine.program.inputs.iter().zip(&formats.arrays) {
-            let (name, of) = match array.name {
-                "reading" => ("READING", "readings of the CoP, m or the record's unit"),
-                "q" => ("Q", "joint positions, rad or m"),
-                "r" => ("R", "parameters, m"),
+            let (name, of) = match array.argument {
+                Argument::Reading => ("READING", "readings of the CoP, m or the record's unit"),
+                Argument::Positions => ("Q", "joint positions, rad or m"),
+                Argument::Parameters => ("R", "parameters, m"),
                 _ => (
                     "SC",
                     "sines and cosines (and of what slides pass in sin_q, m)",

@@ -26,7 +26,7 @@ use functions::Routine;
 pub use servos::{Servos, Setting};
 use sesc_model::Model;
 use sesc_model::bounds::Precision;
-use sesc_model::expr::Id;
+use sesc_model::expr::{Argument, Id};
 
 /// Arithmetic of the generated C.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -398,11 +398,11 @@ impl Renamed {
 }
 
 /// Name of an input array in C; `sin` and `cos` belong to the library.
-fn argument(array: &str) -> &str {
-    match array {
-        "sin" => "sin_q",
-        "cos" => "cos_q",
-        other => other,
+fn argument(argument: Argument) -> &'static str {
+    match argument {
+        Argument::Sines => "sin_q",
+        Argument::Cosines => "cos_q",
+        other => other.name(),
     }
 }
 

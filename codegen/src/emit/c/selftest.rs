@@ -6,8 +6,9 @@ use serde::Serialize;
 use super::functions::Routine;
 use super::ticks::Ticks;
 use super::{Scalar, number};
-use sesc_model::effects::cells;
-use sesc_model::tape::{Argument, Kernels, Tape};
+use sesc_model::effects::foot_rectangle;
+use sesc_model::expr::Argument;
+use sesc_model::tape::{Kernels, Tape, Values};
 use sesc_model::{Function, Given, Model};
 
 /// Error of moments by differences of the summed CoM, relative to the robot's reach.
@@ -73,7 +74,7 @@ pub(super) fn checks(
     let q = (!posture.is_empty()).then(|| Constant {
         scalar: format!("{name}_real"),
         name: "q".into(),
-        values: in_format(&posture, scalar, array_bits(routines, "q")),
+        values: in_format(&posture, scalar, array_bits(routines, Argument::Positions)),
     });
     let mut checks = Vec::new();
     let mut push = |stem: &str, expected: &[f64], mut arrays: Vec<Constant>, slack: f64| {
@@ -148,7 +149,7 @@ pub(super) fn checks(
         values: in_format(
             &model.reading_of(cop),
             scalar,
-            array_bits(routines, "reading"),
+            array_bits(routines, Argument::Reading),
         ),
     };
     push("correct_cop", &cop, vec![reading], 0.0);
@@ -182,13 +183,13 @@ fn result(function: Function) -> &'static str {
     }
 }
 
-fn array_bits(routines: &[Routine], array: &str) -> i32 {
+fn array_bits(routines: &[Routine], array: Argument) -> i32 {
     let find = |routine: &Routine| {
         let k = routine
             .program
             .inputs
             .iter()
-            .position(|a| a.name == array)?;
+            .position(|a| a.argument == array)?;
         Some(routine.formats.as_ref()?.arrays[k])
     };
     routines.iter().find_map(find).unwrap_or(0)
@@ -251,7 +252,7 @@ fn by_tape(model: &Model, function: Function, posture: &[f64], params: &[f64]) -
         return Vec::new();
     };
     let mut out = vec![0.0; program.outputs.len()];
-    let arguments = [Argument::PerPosture(posture), Argument::Shared(params)];
+    let arguments = [Values::PerPosture(posture), Values::Shared(params)];
     Tape::new(&program).run(&arguments, 1, &mut out, Kernels::LIBM);
     out
 }
@@ -259,7 +260,7 @@ fn by_tape(model: &Model, function: Function, posture: &[f64], params: &[f64]) -
 /// A CoP between the cells of the foot, a little off their middle, m.
 fn within_the_foot(model: &Model) -> [f64; 2] {
     let cells = model.file.as_ref().map_or(&[][..], |file| &file.cells);
-    match cells::support(cells) {
+    match foot_rectangle(cells) {
         Some((middle, half)) => [middle[0] + 0.25 * half[0], middle[1] - 0.125 * half[1]],
         None => [0.0625, -0.03125],
     }

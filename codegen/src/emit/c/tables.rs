@@ -3,6 +3,7 @@
 use super::functions::Routine;
 use super::{Array, Scalar, number};
 use sesc_model::Model;
+use sesc_model::expr::Argument;
 
 /// Fraction bits of the parameters.
 pub(super) fn parameter_bits(routines: &[Routine]) -> i32 {
@@ -11,7 +12,7 @@ pub(super) fn parameter_bits(routines: &[Routine]) -> i32 {
             .program
             .inputs
             .iter()
-            .position(|array| array.name == "r")?;
+            .position(|array| array.argument == Argument::Parameters)?;
         Some(routine.formats.as_ref()?.arrays[k])
     };
     routines.iter().find_map(find).unwrap_or(30)

@@ -8,6 +8,7 @@ use super::servos::Servo;
 use super::{Options, Scalar, fixed, float};
 use crate::Error;
 use sesc_model::bounds::{self, Input};
+use sesc_model::expr::Argument;
 use sesc_model::tree::Dof;
 use sesc_model::{Function, Given, Model};
 
@@ -74,7 +75,7 @@ impl Ticks {
     pub(super) fn bound(&self, model: &Model, routine: &Routine) -> f64 {
         let mut inputs = model.input_ranges(&routine.program);
         for (array, inputs) in routine.program.inputs.iter().zip(&mut inputs) {
-            if array.name == "r" {
+            if array.argument == Argument::Parameters {
                 continue;
             }
             for (k, input) in inputs.iter_mut().enumerate() {
@@ -122,13 +123,13 @@ impl Ticks {
         routines: &[Routine],
     ) -> Text {
         let real = format!("{name}_real");
-        let bits = |array: &str| {
+        let bits = |array: Argument| {
             let find = |routine: &Routine| {
                 let k = routine
                     .program
                     .inputs
                     .iter()
-                    .position(|a| a.name == array)?;
+                    .position(|a| a.argument == array)?;
                 Some(routine.formats.as_ref()?.arrays[k])
             };
             routines.iter().find_map(find).unwrap_or(0)
@@ -157,13 +158,13 @@ impl Ticks {
                 }
             };
             if self.given == Given::Positions {
-                lines.push(format!("q[{k}] = {};", position(bits("q"))));
+                lines.push(format!("q[{k}] = {};", position(bits(Argument::Positions))));
             } else if dof.prismatic {
                 let zero = match scalar {
                     Scalar::Fixed32 => fixed::literal(0.0, 0),
                     _ => float::literal(0.0, scalar),
                 };
-                lines.push(format!("sin_q[{k}] = {};", position(bits("sin"))));
+                lines.push(format!("sin_q[{k}] = {};", position(bits(Argument::Sines))));
                 lines.push(format!("cos_q[{k}] = {zero};"));
             } else if let Some(steps) = servo.steps {
                 let (at, zero) = (format!("(uint32_t)ticks[{k}]"), servo.zero as u32);
@@ -190,8 +191,8 @@ impl Ticks {
             }
             // A long slide among the sines leaves them fewer bits.
             let by_sines = self.given == Given::SinesCosines && !dof.prismatic;
-            if by_sines && scalar == Scalar::Fixed32 && bits("sin") < TABLE_BITS {
-                let more = TABLE_BITS - bits("sin");
+            if by_sines && scalar == Scalar::Fixed32 && bits(Argument::Sines) < TABLE_BITS {
+                let more = TABLE_BITS - bits(Argument::Sines);
                 for array in ["sin_q", "cos_q"] {
                     lines.push(format!(
                         "{array}[{k}] = {name}_narrow({array}[{k}], {more}u);"

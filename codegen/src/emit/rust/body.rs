@@ -81,8 +81,8 @@ impl<'p> Body<'p> {
         };
         match expr {
             Expr::Const(x) => (constant(x), Strength::Atom),
-            Expr::Input { array, index } => {
-                let array = format_ident!("{}", self.program().inputs[array as usize].name);
+            Expr::Input { argument, index } => {
+                let array = format_ident!("{}", argument.name());
                 let index = Literal::usize_unsuffixed(index as usize);
                 (quote!(#array[#index]), Strength::Atom)
             }

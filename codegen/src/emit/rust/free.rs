@@ -22,10 +22,10 @@ pub fn function(program: &Program, name: &str) -> Result<String, Error> {
         });
     }
     let listing = Listing::new(program, Results::AtTheEnd);
-    let parameters = program.inputs.iter().enumerate().map(|(k, array)| {
-        let array_name = match listing.reads(k) {
-            true => array.name.to_string(),
-            false => format!("_{}", array.name),
+    let parameters = program.inputs.iter().map(|array| {
+        let array_name = match listing.reads(array.argument) {
+            true => array.argument.name().to_string(),
+            false => format!("_{}", array.argument.name()),
         };
         let ident = Ident::new(&array_name, Span::call_site());
         let len = Literal::usize_unsuffixed(array.len);

@@ -3,32 +3,23 @@
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::quote;
 
-use sesc_model::{Function, Given, Model};
+use sesc_model::expr::Argument;
+use sesc_model::{Extent, Function, Given, Model};
 
 /// Parameters of a function and the names to pass on.
 pub(super) fn signature(
     function: Function,
     given: Given,
-    rename: impl Fn(&str) -> String,
+    rename: impl Fn(Argument) -> String,
 ) -> (TokenStream, Vec<Ident>) {
-    let mut arrays: Vec<(&str, TokenStream)> = match given {
-        _ if function == Function::CorrectCop => vec![("reading", quote!(2))],
-        Given::Positions => vec![("q", quote!(DOF))],
-        Given::SinesCosines | Given::Direction => {
-            vec![("sin", quote!(DOF)), ("cos", quote!(DOF))]
-        }
-    };
-    if function.takes_parameters() {
-        arrays.push(("r", quote!(BASE_PARAMS)));
-    }
-    if given == Given::Direction {
-        arrays.push(("along", quote!(3)));
-    }
-    let idents: Vec<Ident> = arrays
+    let arguments = function.arguments(given);
+    let idents: Vec<Ident> = arguments
         .iter()
-        .map(|(array, _)| Ident::new(&rename(array), Span::call_site()))
+        .map(|argument| Ident::new(&rename(*argument), Span::call_site()))
         .collect();
-    let lens = arrays.iter().map(|(_, len)| len);
+    let lens = arguments
+        .iter()
+        .map(|argument| extent(Extent::of(*argument)));
     (quote! { #(#idents: &[T; #lens]),* }, idents)
 }
 
@@ -47,7 +38,7 @@ pub(super) fn zeros(function: Function) -> TokenStream {
 
 /// A vector, or as many as there are rows.
 fn filled(function: Function, rows: Option<usize>, with: &TokenStream) -> TokenStream {
-    let columns = columns(function);
+    let columns = extent(function.columns());
     let vector = quote!([#with; #columns]);
     match rows.map(Literal::usize_unsuffixed) {
         Some(rows) => quote!([#vector; #rows]),
@@ -55,14 +46,16 @@ fn filled(function: Function, rows: Option<usize>, with: &TokenStream) -> TokenS
     }
 }
 
-/// Length of a vector or of a row.
-fn columns(function: Function) -> TokenStream {
-    match function {
-        Function::Com => quote!(3),
-        Function::Cop | Function::CorrectCop => quote!(2),
-        Function::ComJacobian | Function::GravityMoments => quote!(DOF),
-        Function::Regressor | Function::RegressorCop => quote!(BASE_PARAMS),
-        Function::RegressorFull => quote!(FULL_PARAMS),
+/// A length as generated code names it.
+fn extent(extent: Extent) -> TokenStream {
+    match extent {
+        Extent::Fixed(n) => {
+            let n = Literal::usize_unsuffixed(n);
+            quote!(#n)
+        }
+        Extent::Dof => quote!(DOF),
+        Extent::BaseParams => quote!(BASE_PARAMS),
+        Extent::FullParams => quote!(FULL_PARAMS),
     }
 }
 

@@ -68,9 +68,9 @@ pub(super) fn strongest(
     of_rest: bool,
 ) -> Vec<Trend> {
     let data = &problem.data;
-    let dofs = &problem.context.model.tree.dofs;
+    let dofs = &problem.context.robot.tree.dofs;
     let (n, dof) = (data.len(), dofs.len());
-    let links = problem.context.model.tree.links.iter();
+    let links = problem.context.robot.tree.links.iter();
     let weight = GRAVITY * links.map(|link| link.mass).sum::<f64>();
     let moments = match quantity {
         Quantity::Moment => problem.moments_at(&data.q),

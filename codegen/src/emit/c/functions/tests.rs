@@ -1,7 +1,7 @@
 //! What a function with an effect is in fixed point: nothing.
 
 use super::*;
-use sesc_model::expr::{Graph, Id};
+use sesc_model::expr::{Argument, Graph, Id};
 use sesc_model::program::Array;
 use sesc_model::{Snapping, urdf};
 
@@ -17,9 +17,9 @@ fn routine_of(scalar: Scalar, build: impl Fn(&mut Graph, Id) -> Id) -> Result<Ro
     let description = urdf::parse(LEG, "leg.urdf").unwrap();
     let model = Model::new(&description, "foot", Snapping::default()).unwrap();
     let mut g = Graph::default();
-    let q = g.input(0, 0);
+    let q = g.input(Argument::Positions, 0);
     let out = build(&mut g, q);
-    let inputs = vec![Array { name: "q", len: 1 }];
+    let inputs = vec![Array::new(Argument::Positions, 1)];
     let program = Program::new(g, inputs, Shape::Vector(2), &[out, out]);
     routine(
         &model,
