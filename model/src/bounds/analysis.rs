@@ -3,38 +3,12 @@
 
 use std::collections::HashMap;
 
-use super::{Arithmetic, CONSTANT_ULPS, Input, KERNEL_UNITS, U64, effects, fixed};
+use super::range::{Range, times};
+use super::{Arithmetic, CONSTANT_ULPS, Input, KERNEL_UNITS, U64, fixed, operations};
 use crate::expr::{Expr, Id};
 use crate::program::{Program, operands};
 
-/// Enclosure and error of a node.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Range {
-    pub(super) lower: f64,
-    pub(super) upper: f64,
-    pub(super) error: f64,
-}
-
-impl Range {
-    /// Largest magnitude of the computed value.
-    pub(super) fn size(self) -> f64 {
-        libm::fabs(self.lower).max(libm::fabs(self.upper)) + self.error
-    }
-
-    /// Whether anything is known.
-    pub(super) fn is_bounded(self) -> bool {
-        self.size().is_finite() && !self.lower.is_nan() && !self.upper.is_nan()
-    }
-}
-
-/// A product of magnitudes; without a bound where one of them has none.
-pub(super) fn times(a: f64, b: f64) -> f64 {
-    match a.is_infinite() || b.is_infinite() {
-        true => f64::INFINITY,
-        false => a * b,
-    }
-}
-
+/// The analysis of one program on inputs in given ranges.
 pub(super) struct Analysis<'p> {
     program: &'p Program,
     inputs: &'p [Vec<Input>],
@@ -213,10 +187,10 @@ impl<'p> Analysis<'p> {
                 upper: 1.0,
                 error: operand(a).error + self.kernel(operand(a).size()),
             },
-            Expr::Clamp(a) => effects::clamped(operand(a)),
-            Expr::Div(a, b) => match effects::quotient(operand(a), operand(b)) {
+            Expr::Clamp(a) => operations::clamped(operand(a)),
+            Expr::Div(a, b) => match operations::quotient(operand(a), operand(b)) {
                 Some(exact) => range(exact.lower, exact.upper, exact.error),
-                None => effects::UNBOUNDED,
+                None => operations::UNBOUNDED,
             },
             Expr::Pow(a, b) => {
                 let above = self.not_negative[a.index()];
@@ -225,7 +199,7 @@ impl<'p> Analysis<'p> {
                     // Not to be had: refused when formats are chosen.
                     Arithmetic::Fixed(_) => f64::INFINITY,
                 };
-                effects::power(operand(a), operand(b), above, unit).unwrap_or(effects::UNBOUNDED)
+                operations::power(operand(a), operand(b), above, unit).unwrap_or(operations::UNBOUNDED)
             }
         }
     }

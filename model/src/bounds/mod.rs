@@ -17,7 +17,8 @@
 //! are correct to `CONSTANT_ULPS`; terms of order u² are covered by a margin.
 
 mod analysis;
-mod effects;
+mod operations;
+mod range;
 mod fixed;
 
 use crate::program::Program;

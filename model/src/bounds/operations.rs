@@ -10,7 +10,7 @@
 //! `|â^b − a^b| ≤ E(a)^b` for 0 < b ≤ 1. No bound, and no enclosure, is what comes
 //! of a divisor that may be zero and of a base that may be negative.
 
-use super::analysis::{Range, times};
+use super::range::{Range, times};
 
 /// Error of the power kernel, in ulp (runtime::power).
 const POWER_ULPS: f64 = 1.0;
