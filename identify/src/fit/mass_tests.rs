@@ -219,7 +219,7 @@ fn negative_masses_are_refused_by_name_and_physical_ones_found() {
         .map(|c| c.links)
         .unwrap_err()
         .to_string();
-    for word in ["negative", "kg", "--physical", "Nothing was written", "`"] {
+    for word in ["negative", "kg", "physical", "Nothing was written", "`"] {
         assert!(refusal.contains(word), "{refusal}");
     }
     let limits = Limits::of(&case.robot).unwrap();
@@ -232,7 +232,13 @@ fn negative_masses_are_refused_by_name_and_physical_ones_found() {
         assert!(*share >= FLOOR * cad - 1e-12);
     }
     for change in &case.correct(&physical, "free").unwrap().links {
-        let names = case.model().robot.tree.links.into_iter().map(|link| link.name);
+        let names = case
+            .model()
+            .robot
+            .tree
+            .links
+            .into_iter()
+            .map(|link| link.name);
         let index = names
             .into_iter()
             .position(|name| name == change.link)

@@ -199,7 +199,8 @@ impl<'p> Analysis<'p> {
                     // Not to be had: refused when formats are chosen.
                     Arithmetic::Fixed(_) => f64::INFINITY,
                 };
-                operations::power(operand(a), operand(b), above, unit).unwrap_or(operations::UNBOUNDED)
+                operations::power(operand(a), operand(b), above, unit)
+                    .unwrap_or(operations::UNBOUNDED)
             }
         }
     }

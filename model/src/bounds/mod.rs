@@ -17,9 +17,9 @@
 //! are correct to `CONSTANT_ULPS`; terms of order u² are covered by a margin.
 
 mod analysis;
+mod fixed;
 mod operations;
 mod range;
-mod fixed;
 
 use crate::program::Program;
 use analysis::Analysis;

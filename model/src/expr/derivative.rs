@@ -100,7 +100,10 @@ mod tests {
     #[test]
     fn product_and_chain_rule() {
         let mut g = Graph::default();
-        let (x, y) = (g.input(Argument::Positions, 0), g.input(Argument::Positions, 1));
+        let (x, y) = (
+            g.input(Argument::Positions, 0),
+            g.input(Argument::Positions, 1),
+        );
         // f = x sin(2 x) + y
         let two = g.constant(2.0);
         let angle = g.mul(two, x);

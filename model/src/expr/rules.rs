@@ -182,7 +182,10 @@ mod tests {
 
     fn graph() -> (Graph, Id, Id) {
         let mut g = Graph::default();
-        let (x, y) = (g.input(Argument::Positions, 0), g.input(Argument::Positions, 1));
+        let (x, y) = (
+            g.input(Argument::Positions, 0),
+            g.input(Argument::Positions, 1),
+        );
         (g, x, y)
     }
 

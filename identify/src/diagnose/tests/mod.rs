@@ -162,6 +162,11 @@ fn gauss(seed: u64) -> impl FnMut() -> f64 {
 
 /// An effect at its target, both by name.
 fn term(problem: &Problem, effect: &str, target: &str) -> Term {
+    match effect {
+        "cop_outliers" => return Term::Outliers,
+        "mass_distribution" => return Term::FreeMasses,
+        _ => (),
+    }
     let effect = problem.context.catalog.named(effect).unwrap();
     let target = problem.context.target_named(effect, target).unwrap();
     Term::Effect(Instance { effect, target })
