@@ -6,19 +6,47 @@
 use crate::expr::Argument;
 use crate::robot::Robot;
 
+/// What is said of a generated function once, for every place that prints it.
+#[derive(Debug, Clone, Copy)]
+pub struct Interface {
+    /// Its name in generated code and reports.
+    pub name: &'static str,
+    /// What its result is called in C.
+    pub result: &'static str,
+    /// Axes of the support frame that its rows belong to; none where it gives a vector.
+    pub axes: &'static [usize],
+    /// How many entries a row of its result has, or the whole where that is a vector.
+    pub columns: Extent,
+    /// Whether it takes the base parameters r.
+    pub takes_parameters: bool,
+    /// Unit of its result.
+    pub unit: &'static str,
+    /// One sentence about it.
+    pub sentence: &'static str,
+}
+
 /// A function of the generated interface. Not all robots have the last one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Function {
+    /// The centre of mass.
     Com,
+    /// Its derivative with respect to joint positions.
     ComJacobian,
+    /// Moments of gravity about the joints.
     GravityMoments,
+    /// The base regressor of the CoM.
     Regressor,
+    /// Its x and y rows.
     RegressorCop,
+    /// The regressor of all parameters of the chain.
     RegressorFull,
+    /// The predicted reading of the centre of pressure.
     Cop,
     /// The CoP that a reading was made of, where the model has effects of the sensor.
     CorrectCop,
 }
+
+const XYZ: &[usize] = &[0, 1, 2];
 
 impl Function {
     /// Those of a posture, which every robot has.
@@ -32,39 +60,109 @@ impl Function {
         Function::Cop,
     ];
 
-    /// Its name in generated code and reports.
-    pub fn name(self) -> &'static str {
+    /// The table of functions: the one place that says what each is.
+    pub const fn interface(self) -> Interface {
         match self {
-            Function::Com => "com",
-            Function::ComJacobian => "com_jacobian",
-            Function::GravityMoments => "gravity_moments",
-            Function::Regressor => "regressor",
-            Function::RegressorCop => "regressor_cop",
-            Function::RegressorFull => "regressor_full",
-            Function::Cop => "cop",
-            Function::CorrectCop => "correct_cop",
+            Function::Com => Interface {
+                name: "com",
+                result: "com",
+                axes: &[],
+                columns: Extent::Fixed(3),
+                takes_parameters: true,
+                unit: "m",
+                sentence: "Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i, Eq. (4).",
+            },
+            Function::ComJacobian => Interface {
+                name: "com_jacobian",
+                result: "jac",
+                axes: XYZ,
+                columns: Extent::Dof,
+                takes_parameters: true,
+                unit: "m/rad (m/m for prismatic joints)",
+                sentence: "∂CoM/∂q, m/rad (m/m for prismatic joints), one row per axis.",
+            },
+            Function::GravityMoments => Interface {
+                name: "gravity_moments",
+                result: "moments",
+                axes: &[2],
+                columns: Extent::Dof,
+                takes_parameters: true,
+                unit: "m",
+                sentence: "Moment of gravity about each joint, per kg of total mass and g: \
+                           −∂CoM_z/∂q, m.",
+            },
+            Function::Regressor => Interface {
+                name: "regressor",
+                result: "rows",
+                axes: XYZ,
+                columns: Extent::BaseParams,
+                takes_parameters: false,
+                unit: "1 (m for prismatic joints)",
+                sentence: "Rows of the base regressor: CoM = rows · r.",
+            },
+            Function::RegressorCop => Interface {
+                name: "regressor_cop",
+                result: "rows",
+                axes: &[0, 1],
+                columns: Extent::BaseParams,
+                takes_parameters: false,
+                unit: "1 (m for prismatic joints)",
+                sentence: "The x and y rows of the base regressor: CoP = rows · r.",
+            },
+            Function::RegressorFull => Interface {
+                name: "regressor_full",
+                result: "rows",
+                axes: XYZ,
+                columns: Extent::FullParams,
+                takes_parameters: false,
+                unit: "1 (m for prismatic joints)",
+                sentence: "Rows [B_0 B_1 …] of the full regressor, Eq. (5), in link frames.",
+            },
+            Function::Cop => Interface {
+                name: "cop",
+                result: "cop",
+                axes: &[],
+                columns: Extent::Fixed(2),
+                takes_parameters: true,
+                unit: "m",
+                sentence: "Centre of pressure that a static posture shows on a level sole, m.",
+            },
+            Function::CorrectCop => Interface {
+                name: "correct_cop",
+                result: "cop",
+                axes: &[],
+                columns: Extent::Fixed(2),
+                takes_parameters: false,
+                unit: "m",
+                sentence: "The CoP, m, that a reading (as `cop` predicts it) was made of: inverts \
+                           the effects of the sensor.",
+            },
         }
+    }
+
+    /// Its name in generated code and reports.
+    pub const fn name(self) -> &'static str {
+        self.interface().name
     }
 
     /// Axes of the support frame that its rows belong to; none where it gives a vector.
-    pub fn axes(self) -> &'static [usize] {
-        match self {
-            Function::ComJacobian | Function::Regressor | Function::RegressorFull => &[0, 1, 2],
-            Function::RegressorCop => &[0, 1],
-            Function::GravityMoments => &[2],
-            Function::Com | Function::Cop | Function::CorrectCop => &[],
-        }
+    pub const fn axes(self) -> &'static [usize] {
+        self.interface().axes
+    }
+
+    /// How many rows its result has; none where that is a vector.
+    pub fn rows(self) -> Option<usize> {
+        Some(self.axes().len()).filter(|rows| *rows > 1)
     }
 
     /// How many entries a row of its result has, or the whole where that is a vector.
-    pub fn columns(self) -> Extent {
-        match self {
-            Function::Com => Extent::Fixed(3),
-            Function::Cop | Function::CorrectCop => Extent::Fixed(2),
-            Function::ComJacobian | Function::GravityMoments => Extent::Dof,
-            Function::Regressor | Function::RegressorCop => Extent::BaseParams,
-            Function::RegressorFull => Extent::FullParams,
-        }
+    pub const fn columns(self) -> Extent {
+        self.interface().columns
+    }
+
+    /// Whether it takes the base parameters r.
+    pub const fn takes_parameters(self) -> bool {
+        self.interface().takes_parameters
     }
 
     /// Its arguments, in order.
@@ -83,22 +181,6 @@ impl Function {
             arguments.push(Argument::Direction);
         }
         arguments
-    }
-
-    /// How many rows its result has; none where that is a vector.
-    pub fn rows(self) -> Option<usize> {
-        Some(self.axes().len()).filter(|rows| *rows > 1)
-    }
-
-    /// Whether it takes the base parameters r.
-    pub fn takes_parameters(self) -> bool {
-        !matches!(
-            self,
-            Function::Regressor
-                | Function::RegressorCop
-                | Function::RegressorFull
-                | Function::CorrectCop
-        )
     }
 }
 

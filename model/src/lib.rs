@@ -44,7 +44,7 @@ pub mod urdf;
 
 pub use error::Error;
 pub use functions::differentiate_com;
-pub use interface::{Extent, Function, Given};
+pub use interface::{Extent, Function, Given, Interface};
 pub use model::{
     DataUsed, EffectRecord, Model, ModelFile, Parameter, Quantity, sensor_reading, tilted_cop,
 };

@@ -27,10 +27,13 @@ impl Array {
 /// Shape of the result.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Shape {
+    /// So many entries.
     Vector(usize),
     /// Row-major.
     Matrix {
+        /// Number of rows.
         rows: usize,
+        /// Number of columns.
         cols: usize,
     },
 }
@@ -41,6 +44,7 @@ pub enum Shape {
 /// the angle, a mimic's multiplier) belong to it and are counted as `angle`.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Counts {
+    /// Multiplications.
     pub mul: usize,
     /// Additions and subtractions.
     pub add: usize,
@@ -57,6 +61,7 @@ pub struct Counts {
 /// One node of a program.
 #[derive(Debug, Clone)]
 pub struct Node {
+    /// What it computes.
     pub expr: Expr,
     /// Name it was given in the graph.
     pub name: Option<String>,
@@ -67,7 +72,9 @@ pub struct Node {
 /// Straight-line code for one function.
 #[derive(Debug, Clone)]
 pub struct Program {
+    /// In the order in which values are given.
     pub inputs: Vec<Array>,
+    /// How outputs are arranged.
     pub shape: Shape,
     /// Operands stand before their users; ids index this list.
     pub nodes: Vec<Node>,

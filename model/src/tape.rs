@@ -32,7 +32,9 @@ pub type Power = fn(&Lane, &Lane, &mut Lane);
 /// tape gives the bits of generated code.
 #[derive(Debug, Clone, Copy)]
 pub struct Kernels {
+    /// Sine and cosine.
     pub sin_cos: SinCos,
+    /// The power of a number that is not negative.
     pub power: Power,
 }
 

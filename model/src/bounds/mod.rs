@@ -40,7 +40,9 @@ const U64: f64 = 1.1102230246251565e-16;
 /// Arithmetic of the generated code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Precision {
+    /// IEEE double precision.
     F64,
+    /// IEEE single precision.
     F32,
 }
 
@@ -65,7 +67,9 @@ impl Precision {
 /// What one element of an input array may be.
 #[derive(Debug, Clone, Copy)]
 pub struct Input {
+    /// Least value.
     pub lower: f64,
+    /// Largest value.
     pub upper: f64,
     /// Error of its f64 value, in units of u times this.
     pub ulps_of: f64,

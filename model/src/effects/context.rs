@@ -44,6 +44,7 @@ impl Target {
 /// The robot, what its log offers, and the effects that may act on them.
 #[derive(Debug, Clone)]
 pub struct EffectContext<'m> {
+    /// The robot on its support link.
     pub robot: &'m Robot,
     /// Positions of the foot cells, m, support frame.
     pub cells: Vec<[f64; 2]>,
@@ -58,6 +59,8 @@ pub struct EffectContext<'m> {
 }
 
 impl<'m> EffectContext<'m> {
+    /// The robot with the foot cells (m, support frame) and times of a log, and the
+    /// standard catalog.
     pub fn new(robot: &'m Robot, cells: &[[f64; 2]], times: bool) -> EffectContext<'m> {
         let tree = &robot.tree;
         let heaviest = |body: &crate::chain::Body| {

@@ -10,7 +10,9 @@ use crate::expr::Id;
 /// An effect at its target.
 #[derive(Clone)]
 pub struct Instance {
+    /// Which effect.
     pub effect: &'static dyn Effect,
+    /// The joint, link or cell that it acts on.
     pub target: Target,
 }
 

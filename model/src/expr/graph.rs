@@ -18,6 +18,7 @@ use super::argument::Argument;
 pub struct Id(pub(crate) u32);
 
 impl Id {
+    /// Its place among the nodes.
     pub fn index(self) -> usize {
         self.0 as usize
     }
@@ -26,18 +27,28 @@ impl Id {
 /// What a node is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Expr {
+    /// A constant.
     Const(f64),
     /// Element `index` of an input array.
     Input {
+        /// Which array.
         argument: Argument,
+        /// Which element of it.
         index: u32,
     },
+    /// A sum.
     Add(Id, Id),
+    /// A difference.
     Sub(Id, Id),
+    /// A product.
     Mul(Id, Id),
+    /// A quotient.
     Div(Id, Id),
+    /// A number with the other sign.
     Neg(Id),
+    /// The sine of an angle, rad.
     Sin(Id),
+    /// The cosine of an angle, rad.
     Cos(Id),
     /// The nearest number in [-1, 1].
     Clamp(Id),
@@ -68,6 +79,7 @@ pub struct VectorId(pub(crate) u32);
 /// What is known of a vector of nodes.
 #[derive(Debug, Clone)]
 pub struct Vector {
+    /// Its nodes, without their signs.
     pub entries: Vec<Id>,
     /// Bound on the Euclidean norm for every admissible input.
     pub norm: f64,
@@ -79,7 +91,9 @@ pub struct Vector {
 /// `entry` is a scalar product of parts of two known vectors.
 #[derive(Debug, Clone, Copy)]
 pub struct Product {
+    /// The node that is the product.
     pub entry: Id,
+    /// The two vectors.
     pub factors: [VectorId; 2],
 }
 
@@ -186,11 +200,13 @@ impl Graph {
         self.index.contains_key(&Key::Sub(a, b))
     }
 
+    /// The node of a constant.
     pub fn constant(&mut self, x: f64) -> Id {
         // One zero: -0.0 and 0.0 are the same expression.
         self.intern(Expr::Const(if x == 0.0 { 0.0 } else { x }))
     }
 
+    /// The node of one element of an input array.
     pub fn input(&mut self, argument: Argument, index: usize) -> Id {
         self.intern(Expr::Input {
             argument,

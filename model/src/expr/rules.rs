@@ -7,6 +7,7 @@
 use super::graph::{Expr, Graph, Id};
 
 impl Graph {
+    /// `a + b`, folded where something is known of them.
     pub fn add(&mut self, a: Id, b: Id) -> Id {
         match (self.value(a), self.value(b)) {
             (Some(x), Some(y)) => return self.constant(x + y),
@@ -33,6 +34,7 @@ impl Graph {
         }
     }
 
+    /// `a − b`, folded where something is known of them.
     pub fn sub(&mut self, a: Id, b: Id) -> Id {
         match (self.value(a), self.value(b)) {
             (Some(x), Some(y)) => return self.constant(x - y),
@@ -63,6 +65,7 @@ impl Graph {
         }
     }
 
+    /// `a b`, folded where something is known of them.
     pub fn mul(&mut self, a: Id, b: Id) -> Id {
         match (self.value(a), self.value(b)) {
             (Some(x), Some(y)) => return self.constant(x * y),
@@ -100,6 +103,7 @@ impl Graph {
         }
     }
 
+    /// `−a`; two signs cancel.
     pub fn neg(&mut self, a: Id) -> Id {
         match self.expr(a) {
             Expr::Const(x) => self.constant(-x),
@@ -108,6 +112,7 @@ impl Graph {
         }
     }
 
+    /// `sin a`; the sine of a constant is a constant.
     pub fn sin(&mut self, a: Id) -> Id {
         match self.expr(a) {
             Expr::Const(x) => self.constant(libm::sin(x)),
@@ -119,6 +124,7 @@ impl Graph {
         }
     }
 
+    /// `cos a`; the cosine of a constant is a constant.
     pub fn cos(&mut self, a: Id) -> Id {
         match self.expr(a) {
             Expr::Const(x) => self.constant(libm::cos(x)),

@@ -10,6 +10,7 @@ pub struct Circumstances {
 }
 
 impl Circumstances {
+    /// The layout for a robot.
     pub fn of(robot: &Robot) -> Circumstances {
         Circumstances { dof: robot.dof() }
     }

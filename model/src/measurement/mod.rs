@@ -128,26 +128,32 @@ impl<'m> Measured<'m> {
         self.scratch.g.input(Argument::Context, index)
     }
 
+    /// The node of a constant.
     pub fn constant(&mut self, x: f64) -> Id {
         self.scratch.g.constant(x)
     }
 
+    /// `a + b`
     pub fn add(&mut self, a: Id, b: Id) -> Id {
         self.scratch.g.add(a, b)
     }
 
+    /// `a − b`
     pub fn sub(&mut self, a: Id, b: Id) -> Id {
         self.scratch.g.sub(a, b)
     }
 
+    /// `a b`
     pub fn mul(&mut self, a: Id, b: Id) -> Id {
         self.scratch.g.mul(a, b)
     }
 
+    /// `a / b`
     pub fn div(&mut self, a: Id, b: Id) -> Id {
         self.scratch.g.div(a, b)
     }
 
+    /// `−a`
     pub fn neg(&mut self, a: Id) -> Id {
         self.scratch.g.neg(a)
     }

@@ -29,6 +29,7 @@ use crate::Error;
 /// One base parameter as identified.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Parameter {
+    /// As [`crate::base::BaseParam::name`] has it: `r_knee_link.x`.
     pub name: String,
     /// m (a mass fraction for the parameter of a sliding joint)
     pub value: f64,
@@ -43,6 +44,7 @@ pub struct Parameter {
 /// Data that parameters were identified from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DataUsed {
+    /// Path of the log as it was given.
     pub file: String,
     /// Of its content.
     pub hash: String,
@@ -53,7 +55,9 @@ pub struct DataUsed {
 /// A number with its standard deviation.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Quantity {
+    /// The number.
     pub value: f64,
+    /// Its standard deviation, in the same unit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub std: Option<f64>,
 }
@@ -79,12 +83,16 @@ fn whole() -> String {
 /// What `model.toml` holds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ModelFile {
+    /// Name of the robot.
     pub robot: String,
+    /// Hash of its URDF.
     pub hash: String,
+    /// Link that stands on the ground.
     pub support: String,
     /// Noise of a reading on one axis, m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub noise_floor: Option<f64>,
+    /// All base parameters, in their order.
     pub parameters: Vec<Parameter>,
     /// What the parameters were identified from.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
