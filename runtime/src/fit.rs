@@ -81,6 +81,19 @@ use triangle::Triangle;
 ///
 /// No function allocates or panics. Copying one is copying all of its memory:
 /// [`new`](Self::new) is `const`, for a `static`.
+///
+/// ```
+/// use sesc_generated::two_link_foot::{self as robot, BASE_PARAMS, CAD_PARAMS};
+/// use sesc_runtime::fit::{Error, Estimator};
+///
+/// let mut parameters = Estimator::<f64, BASE_PARAMS>::with_prior(&CAD_PARAMS, &[0.01; 7])?;
+/// // Whenever the robot stands still:
+/// let (q, cop) = ([0.2, -0.4], [0.021, 0.001]);
+/// parameters.posture(&robot::regressor_cop(&q), &cop, &[1e-3; 2])?;
+/// let com = robot::com(&q, &parameters.params());
+/// assert!((com[0] - cop[0]).abs() < 1e-3);
+/// # Ok::<(), Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Estimator<T, const N: usize> {
     triangle: Triangle<T, N>,
@@ -106,6 +119,12 @@ impl<T: Scalar, const N: usize> Default for Estimator<T, N> {
 
 impl<T: Scalar, const N: usize> Estimator<T, N> {
     /// Knows nothing; unobservable parameters are zero.
+    ///
+    /// ```
+    /// # use sesc_runtime::fit::{Error, Estimator};
+    /// static PARAMETERS: Estimator<f32, 7> = Estimator::new();
+    /// assert_eq!(PARAMETERS.rank(), 0);
+    /// ```
     pub const fn new() -> Self {
         Self {
             triangle: Triangle::empty(),
@@ -122,6 +141,13 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
 
     /// Knows nothing; unobservable parameters are those of `nominal` (m), the CAD for example.
     ///
+    /// ```
+    /// # use sesc_runtime::fit::{Error, Estimator};
+    /// let cad = Estimator::with_nominal(&[0.1, 0.2])?;
+    /// assert_eq!((cad.params(), cad.rank()), ([0.1, 0.2], 0));
+    /// # Ok::<(), Error>(())
+    /// ```
+    ///
     /// # Errors
     ///
     /// [`Error::NotFinite`].
@@ -137,6 +163,13 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
     /// This prior is not forgotten. A prior with correlations is entered by
     /// [`row`](Self::row): line i of the upper triangular factor F of its information
     /// matrix (P⁻¹ = Fᵀ F) is a row of std 1 whose value is that line times the mean.
+    ///
+    /// ```
+    /// # use sesc_runtime::fit::{Error, Estimator};
+    /// let cad = Estimator::with_prior(&[0.1, 0.2], &[0.01, 0.02])?;
+    /// assert_eq!((cad.params(), cad.rank()), ([0.1, 0.2], 2));
+    /// # Ok::<(), Error>(())
+    /// ```
     ///
     /// # Errors
     ///
@@ -162,6 +195,14 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
     ///
     /// See the module on winding up.
     ///
+    /// ```
+    /// # use sesc_runtime::fit::{Error, Estimator};
+    /// // About the last 1000 postures count.
+    /// let estimator = Estimator::<f64, 2>::new().forgetting(0.999)?;
+    /// assert!(estimator.forgetting(1.5).is_err());
+    /// # Ok::<(), Error>(())
+    /// ```
+    ///
     /// # Errors
     ///
     /// [`Error::Forgetting`] outside (0, 1].
@@ -172,6 +213,15 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
 
     /// Feed one posture: `rows` as the generated `regressor_cop` gives them, the reading
     /// `cop` (m) and its standard deviations `std` (m), each x and y.
+    ///
+    /// ```
+    /// # use sesc_runtime::fit::{Error, Estimator};
+    /// let mut estimator = Estimator::<f64, 2>::new();
+    /// let rows = [[1.0, 0.0], [0.0, 1.0]];
+    /// estimator.posture(&rows, &[0.01, -0.02], &[1e-3; 2])?;
+    /// assert_eq!(estimator.params(), [0.01, -0.02]);
+    /// # Ok::<(), Error>(())
+    /// ```
     ///
     /// # Errors
     ///
@@ -195,6 +245,15 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
     /// Feed one row, `row` · r = `value` ± `std`: another sensor, or a belief about the
     /// parameters. Forgets nothing, and is no posture.
     ///
+    /// ```
+    /// # use sesc_runtime::fit::{Error, Estimator};
+    /// let mut estimator = Estimator::<f64, 2>::new();
+    /// // The two are equal, within 1 mm.
+    /// estimator.row(&[1.0, -1.0], 0.0, 1e-3)?;
+    /// assert_eq!(estimator.rank(), 1);
+    /// # Ok::<(), Error>(())
+    /// ```
+    ///
     /// # Errors
     ///
     /// As [`posture`](Self::posture).
@@ -206,6 +265,15 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
 
     /// Multiply the information by `lambda` once, as every posture does by the factor of
     /// [`forgetting`](Self::forgetting), and restore one column of the prior.
+    ///
+    /// ```
+    /// # use sesc_runtime::fit::{Error, Estimator};
+    /// let mut estimator = Estimator::<f64, 1>::new();
+    /// estimator.row(&[1.0], 0.1, 1.0)?;
+    /// estimator.forget(0.5)?;
+    /// assert_eq!(estimator.variance(0), Some(2.0));
+    /// # Ok::<(), Error>(())
+    /// ```
     ///
     /// # Errors
     ///
@@ -220,6 +288,16 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
     /// That includes its prior, as if it were data: two estimators that start from
     /// one belief would count it twice, so give it to one of them and start the other
     /// [`with_nominal`](Self::with_nominal) its mean. The forgetting factor stays.
+    ///
+    /// ```
+    /// # use sesc_runtime::fit::{Error, Estimator};
+    /// let (mut first, mut second) = (Estimator::<f64, 1>::new(), Estimator::new());
+    /// first.row(&[1.0], 0.1, 1e-3)?;
+    /// second.row(&[1.0], 0.3, 1e-3)?;
+    /// first.merge(&second)?;
+    /// assert!((first.params()[0] - 0.2).abs() < 1e-15);
+    /// # Ok::<(), Error>(())
+    /// ```
     ///
     /// # Errors
     ///

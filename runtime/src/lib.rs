@@ -47,6 +47,9 @@
 #[cfg(any(test, feature = "std"))]
 extern crate std;
 
+#[doc(hidden)]
+pub mod __private;
+mod dim;
 pub mod fit;
 mod lanes;
 mod model;
@@ -56,8 +59,9 @@ mod scalar;
 pub(crate) mod simd;
 pub mod trig;
 
+pub use dim::{Const, Dim};
 pub use lanes::{F32x16, F64x8, Lanes, pack, unpack};
-pub use model::{CorrectCop, Sesc, SescFromSinCos};
+pub use model::{CorrectCop, FullParams, Params, Posture, Sesc, SescFromSinCos};
 pub use real::Real;
 pub use scalar::Scalar;
 pub use simd::{Batch, Block, Simd, Single};

@@ -60,7 +60,7 @@ pub fn type_name(module: &str) -> String {
 }
 
 /// Names of generated items that a module's type must not take.
-const TAKEN: [&str; 4] = ["Real", "Sesc", "DOF", "PRISMATIC"];
+const TAKEN: [&str; 3] = ["Real", "DOF", "PRISMATIC"];
 
 /// Whether `name` serves as a module and its type serves beside what is in it.
 pub fn is_module_name(name: &str) -> bool {

@@ -1,11 +1,20 @@
 //! Rust from programs: one module per robot and support.
 //!
-//! Tokens are made by `quote`, checked by `syn`, printed by `prettyplease`.
-//! That printer drops comments, so section titles travel as marker statements
-//! and become comment lines afterwards.
+//! ```text
+//! constants, `mod joint`, unit struct | functions `com(q, r)` … | impl Robot for the struct
+//! ```
+//!
+//! Bodies stand in the implementation of the runtime's hidden traits, forced inline: the
+//! SIMD layer compiles them for registers that no call can carry. The functions that a
+//! controller calls forward to them through the public traits and are inlined where the
+//! compiler finds it worth while.
+//!
+//! Tokens are made by `quote`, checked by `syn`, printed by `prettyplease` ([`printed`]).
 
 mod body;
+mod constants;
 pub mod free;
+mod printed;
 mod signature;
 
 use proc_macro2::{Ident, Literal, Span, TokenStream};
@@ -16,10 +25,22 @@ use super::listing::{Listing, Results};
 use crate::Error;
 use crate::emit::names;
 use body::Body;
+use printed::Notes;
 use sesc_model::expr::Argument;
 use sesc_model::program::Program;
 use sesc_model::{Function, Given, Model};
-use signature::{documentation, matrix, result, signature, zeros};
+use signature::{documentation, matrix, result, signature};
+
+/// Version of the interface between generated code and `sesc-runtime`: the module of its
+/// `__private` whose traits are implemented here. The runtime's `__interface!` fails to
+/// compile where it has another.
+const INTERFACE: usize = 1;
+
+/// Where the equations come from.
+const METHOD: [&str; 2] = [
+    "method         statically equivalent serial chain (SESC); equations as numbered in",
+    "               \"Three-dimensional identification of a humanoid robot\"",
+];
 
 /// The module for `model`, named `name`.
 ///
@@ -33,214 +54,174 @@ pub fn module(model: &Model, name: &str) -> Result<String, Error> {
         });
     }
     let rows = header::rows(model);
-    let mut titles = Vec::new();
-    let functions: Vec<TokenStream> = rows
-        .iter()
-        .map(|(row, program)| function(model, row, program, &mut titles))
-        .collect();
-    let constants = constants(model);
-    let from_sines = rows
-        .iter()
-        .filter(|(row, _)| row.given == Given::SinesCosines);
-    let corrects = rows
-        .iter()
-        .any(|(row, _)| row.function == Function::CorrectCop);
-    let unit = unit_struct(
-        model,
-        name,
-        from_sines.count() == Function::ALL.len(),
-        corrects,
-    );
+    let unit = Ident::new(&names::type_name(name), Span::call_site());
+    let mut notes = Notes::default();
+    let constants = constants::items(model, &mut notes);
+    let struct_ = unit_struct(model, &unit);
+    let robot = Robot::new(model, unit, &rows, &mut notes);
+    let (uses, functions, impls) = (robot.uses(), robot.functions(), robot.impls());
+    let interface = Literal::usize_unsuffixed(INTERFACE);
     let items = quote! {
-        use sesc_runtime::{Real, Sesc};
+        #uses
+        sesc_runtime::__interface!(#interface);
         #constants
-        #unit
-        #(#functions)*
+        #struct_
+        #functions
+        #impls
     };
     let rows: Vec<Row> = rows.into_iter().map(|(row, _)| row).collect();
-    printed(items, &header::lines(model, &rows), &titles)
+    let mut about = header::lines(model, &rows);
+    about.push(String::new());
+    about.extend(METHOD.map(str::to_string));
+    printed::file(items, &about, &notes)
 }
 
-/// Items below a comment, with the section titles that their markers stand for.
-fn printed(items: TokenStream, about: &[String], titles: &[String]) -> Result<String, Error> {
-    let file = syn::parse2(items).map_err(|error| Error::Emitted {
-        reason: error.to_string(),
-    })?;
-    let printed = prettyplease::unparse(&file);
-    let mut text = String::with_capacity(printed.len() + 4096);
-    for line in about {
-        text.push_str(format!("// {line}").trim_end());
-        text.push('\n');
-    }
-    text.push('\n');
-    let mut open = false; // inside an item's documentation and attributes
-    for line in printed.lines() {
-        let attached = line.starts_with("///") || line.starts_with("#[");
-        let starts = attached || line.starts_with("pub ") || line.starts_with("impl");
-        // The printer leaves no room between items.
-        if starts && !open {
-            text.push('\n');
-        }
-        open = attached;
-        match section(line, titles) {
-            Some(comment) => text.push_str(&comment),
-            None => text.push_str(line),
-        }
-        text.push('\n');
-    }
-    Ok(text)
+/// Generated items may go unused.
+fn allow_unused() -> TokenStream {
+    quote! { #[allow(dead_code)] }
 }
 
-/// A marker statement `section!(k);` as the comment it stands for.
-fn section(line: &str, titles: &[String]) -> Option<String> {
-    let (indent, rest) = line.split_once("section!(")?;
-    let number: usize = rest.strip_suffix(");")?.parse().ok()?;
-    Some(format!("{indent}// {}", titles.get(number)?))
-}
-
-/// Sizes, names, CAD values and the self-test vector.
-fn constants(model: &Model) -> TokenStream {
-    let [dof, base, full] = [
-        model.dof(),
-        model.base.params.len(),
-        model.chain.full_params,
-    ]
-    .map(Literal::usize_unsuffixed);
-    let joints = model.tree.dofs.iter().map(|dof| &dof.joint);
-    let sliding = model.tree.dofs.iter().map(|dof| dof.prismatic);
-    let params = model.base.params.iter().map(|param| &param.name);
-    let cad = model.base.params.iter().map(|param| number(param.cad));
-    let posture = model.self_test_posture();
-    let com = model.com_by_sum(&posture).map(number);
-    let posture = posture.iter().map(|x| number(*x));
-    let allow = allow();
-    let identified = model.file.as_ref().map(|file| {
-        let values = file.values().into_iter().map(number);
-        let doc = format!(
-            " Identified base parameters, m, from a model file (source: {}).",
-            header::printable(&file.source())
-        );
-        quote! {
-            #[doc = #doc]
-            #allow
-            pub const MODEL_PARAMS: [f64; BASE_PARAMS] = [#(#values),*];
-        }
-    });
-    quote! {
-        /// Number of independent joints.
-        #allow
-        pub const DOF: usize = #dof;
-        /// Number of base parameters: columns that data can tell apart.
-        #allow
-        pub const BASE_PARAMS: usize = #base;
-        /// Number of SESC parameters r_0, r_1, … (and s of sliding joints).
-        #allow
-        pub const FULL_PARAMS: usize = #full;
-        /// Joints in the order of `q`.
-        #allow
-        pub const JOINT_NAMES: [&str; DOF] = [#(#joints),*];
-        /// Which joints slide: their `q` is in metres, the others' in radians.
-        #allow
-        pub const PRISMATIC: [bool; DOF] = [#(#sliding),*];
-        /// Base parameters in the order of `r`: link and axis in its frame.
-        #allow
-        pub const PARAM_NAMES: [&str; BASE_PARAMS] = [#(#params),*];
-        /// Base parameters from CAD, m.
-        #allow
-        pub const CAD_PARAMS: [f64; BASE_PARAMS] = [#(#cad),*];
-        #identified
-        /// A posture to test with.
-        #allow
-        pub const SELF_TEST_Q: [f64; DOF] = [#(#posture),*];
-        /// The CoM there with `CAD_PARAMS`, m, summed body by body by the generator.
-        #allow
-        pub const SELF_TEST_COM: [f64; 3] = [#(#com),*];
-    }
-}
-
-/// Generated items may go unused and hold numbers that lints would like to rename.
-fn allow() -> TokenStream {
-    quote! { #[allow(dead_code, clippy::all)] }
-}
-
-/// Names keep the spelling of the robot's: `FL_HAA` is a joint, not a style.
+/// Names keep the spelling of the robot's: `FL_HAA` is a joint, not a style. Numbers are
+/// written so that they read back to the same bits, which lints would shorten.
 fn allow_names() -> TokenStream {
-    quote! { #[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)] }
+    quote! { #[allow(dead_code, non_snake_case, clippy::all)] }
 }
 
-/// The unit struct and its traits, forwarding to the functions of the module.
-fn unit_struct(model: &Model, name: &str, from_sines: bool, corrects: bool) -> TokenStream {
-    let unit = Ident::new(&names::type_name(name), Span::call_site());
+fn unit_struct(model: &Model, unit: &Ident) -> TokenStream {
     let doc = format!(
         " Robot `{}` standing on `{}`.",
         header::printable(&model.tree.robot),
         header::printable(&model.tree.links[model.tree.support].name)
     );
-    let forward = |given: Given| -> Vec<TokenStream> {
-        let there = |function: &&Function| {
-            given != Given::Direction || model.program(**function, given).is_some()
-        };
-        Function::ALL
-            .iter()
-            .filter(there)
-            .map(|&function| {
-                let name = format_ident!("{}", header::function_name(function, given));
-                let (parameters, arguments) =
-                    signature(function, given, |argument| argument.name().to_string());
-                let result = result(function, given);
-                let into = matrix(function, given).map(|matrix| {
-                    let into = format_ident!("{name}_into");
-                    quote! {
-                        #[inline(always)]
-                        fn #into<T: Real>(#parameters, #matrix: &mut #result) {
-                            #into(#(#arguments,)* #matrix)
-                        }
-                    }
-                });
-                quote! {
-                    #[inline(always)]
-                    fn #name<T: Real>(#parameters) -> #result { #name(#(#arguments),*) }
-                    #into
-                }
-            })
-            .collect()
-    };
-    let methods = forward(Given::Positions);
-    let (allow, names) = (allow(), allow_names());
-    let sines = from_sines.then(|| {
-        let methods = [Given::SinesCosines, Given::Direction].map(forward).concat();
-        quote! {
-            #allow
-            impl sesc_runtime::SescFromSinCos<DOF, BASE_PARAMS, FULL_PARAMS> for #unit { #(#methods)* }
-        }
-    });
-    let correction = corrects.then(|| {
-        quote! {
-            #allow
-            impl sesc_runtime::CorrectCop for #unit {
-                #[inline(always)]
-                fn correct_cop<T: Real>(reading: &[T; 2]) -> [T; 2] { correct_cop(reading) }
-            }
-        }
-    });
     quote! {
         #[doc = #doc]
-        #names
+        #[allow(dead_code, non_camel_case_types)]
         #[derive(Debug, Clone, Copy)]
         pub struct #unit;
-        #allow
-        impl Sesc<DOF, BASE_PARAMS, FULL_PARAMS> for #unit {
-            const JOINT_NAMES: [&'static str; DOF] = JOINT_NAMES;
-            const PRISMATIC: [bool; DOF] = PRISMATIC;
-            const CAD_PARAMS: [f64; BASE_PARAMS] = CAD_PARAMS;
-            #(#methods)*
-        }
-        #sines
-        #correction
     }
 }
 
-fn function(model: &Model, row: &Row, program: &Program, titles: &mut Vec<String>) -> TokenStream {
+/// The functions of a module, in the traits that they belong to.
+struct Robot {
+    unit: Ident,
+    methods: Vec<Method>,
+    /// All functions can be had from sines and cosines.
+    from_sines: bool,
+}
+
+/// One function: what it is from outside, and what it does.
+struct Method {
+    function: Function,
+    given: Given,
+    doc: String,
+    /// Parameters and result as the body sees them, then the body.
+    body: TokenStream,
+}
+
+impl Robot {
+    fn new(model: &Model, unit: Ident, rows: &[(Row, Program)], notes: &mut Notes) -> Robot {
+        let method = |(row, program): &(Row, Program)| Method {
+            function: row.function,
+            given: row.given,
+            doc: documentation(model, row.function, row.given),
+            body: body_of(row, program, notes),
+        };
+        let methods: Vec<Method> = rows.iter().map(method).collect();
+        let sines = |method: &&Method| method.given == Given::SinesCosines;
+        Robot {
+            unit,
+            from_sines: methods.iter().filter(sines).count() == Function::ALL.len(),
+            methods,
+        }
+    }
+
+    fn corrects(&self) -> bool {
+        self.methods
+            .iter()
+            .any(|method| method.function == Function::CorrectCop)
+    }
+
+    fn uses(&self) -> TokenStream {
+        let sines = self.from_sines.then(|| quote!(, SescFromSinCos as _));
+        let corrects = self.corrects().then(|| quote!(CorrectCop as _,));
+        let v1 = format_ident!("v{INTERFACE}");
+        quote! {
+            use sesc_runtime::__private::#v1;
+            use sesc_runtime::{#corrects Real, Sesc as _ #sines};
+        }
+    }
+
+    /// What a controller calls.
+    fn functions(&self) -> TokenStream {
+        let functions = self.methods.iter().filter_map(|method| {
+            let Method { function, given, .. } = *method;
+            if given == Given::Direction {
+                return None;
+            }
+            let name = format_ident!("{}", header::function_name(function, given));
+            let (parameters, arguments) = signature(function, given, |argument| argument.name().to_string());
+            let (result, allow, unit) = (result(function, given), allow_unused(), &self.unit);
+            let doc = method.doc.lines();
+            let head = quote! { #(#[doc = #doc])* };
+            Some(match given == Given::SinesCosines && !self.from_sines {
+                // No trait has it: some function of this robot takes more than sines.
+                true => {
+                    let (allow, body) = (allow_names(), &method.body);
+                    quote! { #head #allow #[inline] pub fn #name #body }
+                }
+                false => quote! {
+                    #head
+                    #allow
+                    #[inline]
+                    pub fn #name<T: Real>(#parameters) -> #result { #unit::#name(#(#arguments),*) }
+                },
+            })
+        });
+        quote! { #(#functions)* }
+    }
+
+    /// What the runtime calls.
+    fn impls(&self) -> TokenStream {
+        let v1 = format_ident!("v{INTERFACE}");
+        let unit = &self.unit;
+        let implementation = |name: &str, constants: TokenStream, has: &dyn Fn(&Method) -> bool| {
+            let name = format_ident!("{name}");
+            let methods = self.methods.iter().filter(|method| has(method)).map(|method| {
+                let name = method.name();
+                let body = &method.body;
+                quote! { #[inline(always)] fn #name #body }
+            });
+            let allow = allow_names();
+            quote! { #allow impl #v1::#name for #unit { #constants #(#methods)* } }
+        };
+        let of_posture = |method: &Method| {
+            method.given == Given::Positions && method.function != Function::CorrectCop
+        };
+        let robot = implementation("Robot", constants::associated(&v1), &of_posture);
+        let sines = self.from_sines.then(|| {
+            implementation("SinCosRobot", quote!(), &|method| method.given != Given::Positions)
+        });
+        let corrects = self.corrects().then(|| {
+            let corrects = |method: &Method| method.function == Function::CorrectCop;
+            implementation("SensorEffects", quote!(), &corrects)
+        });
+        quote! { #robot #sines #corrects }
+    }
+}
+
+impl Method {
+    /// Its name in the runtime's traits.
+    fn name(&self) -> Ident {
+        let name = header::function_name(self.function, self.given);
+        match matrix(self.function, self.given) {
+            Some(_) => format_ident!("{name}_into"),
+            None => format_ident!("{name}"),
+        }
+    }
+}
+
+/// Parameters, result and statements of a function.
+fn body_of(row: &Row, program: &Program, notes: &mut Notes) -> TokenStream {
     let matrix = matrix(row.function, row.given);
     let listing = match matrix {
         Some(_) => Listing::new(program, Results::AsTheyCome),
@@ -251,39 +232,11 @@ fn function(model: &Model, row: &Row, program: &Program, titles: &mut Vec<String
         false => format!("_{}", argument.name()),
     };
     let (parameters, _) = signature(row.function, row.given, rename);
-    let doc = documentation(model, row.function, row.given);
-    let doc = doc.lines();
-    let name = format_ident!("{}", header::function_name(row.function, row.given));
     let result = result(row.function, row.given);
-    let body = Body::new(listing, matrix.clone()).statements(titles);
-    let allow = allow_names();
-    let Some(matrix) = matrix else {
-        return quote! {
-            #(#[doc = #doc])*
-            #allow
-            #[inline(always)]
-            pub fn #name<T: Real>(#parameters) -> #result { #body }
-        };
-    };
-    let into = format_ident!("{name}_into");
-    let (given, arguments) = signature(row.function, row.given, |argument| {
-        argument.name().to_string()
-    });
-    let zeros = zeros(row.function);
-    let into_doc = format!(" [`{name}`], each number written as soon as it is there.");
-    quote! {
-        #(#[doc = #doc])*
-        #allow
-        #[inline(always)]
-        pub fn #name<T: Real>(#given) -> #result {
-            let mut #matrix = #zeros;
-            #into(#(#arguments,)* &mut #matrix);
-            #matrix
-        }
-        #[doc = #into_doc]
-        #allow
-        #[inline(always)]
-        pub fn #into<T: Real>(#parameters, #matrix: &mut #result) { #body }
+    let body = Body::new(listing, matrix.clone()).statements(notes);
+    match matrix {
+        Some(matrix) => quote! { <T: Real>(#parameters, #matrix: &mut #result) { #body } },
+        None => quote! { <T: Real>(#parameters) -> #result { #body } },
     }
 }
 

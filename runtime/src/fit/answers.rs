@@ -3,6 +3,15 @@
 use super::{Error, Estimator, Scalar, finite};
 
 /// What the parameters say about a row.
+///
+/// ```
+/// use sesc_runtime::fit::{Error, Estimator, Prediction};
+///
+/// let estimator = Estimator::with_prior(&[0.2, 0.1], &[0.01, 0.01])?;
+/// let Prediction { value, variance } = estimator.predict(&[1.0, -1.0])?;
+/// assert!((value - 0.1_f64).abs() < 1e-15 && (variance - 2e-4).abs() < 1e-15);
+/// # Ok::<(), Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Prediction<T> {
     /// row · r, in the unit of the reading.
@@ -15,6 +24,14 @@ pub struct Prediction<T> {
 impl<T: Scalar, const N: usize> Estimator<T, N> {
     /// The estimate, m; unobservable parameters at their nominal (prior) value. About 2 N²
     /// operations.
+    ///
+    /// ```
+    /// # use sesc_runtime::fit::{Error, Estimator};
+    /// let mut estimator = Estimator::<f64, 1>::new();
+    /// estimator.row(&[2.0], 0.5, 1e-3)?;
+    /// assert_eq!(estimator.params(), [0.25]);
+    /// # Ok::<(), Error>(())
+    /// ```
     pub fn params(&self) -> [T; N] {
         let mut params = self.triangle.solve(&self.triangle.observable());
         for (param, nominal) in params.iter_mut().zip(&self.nominal) {
@@ -25,11 +42,27 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
 
     /// Which columns data or prior have shown, in the sense of the module. Which of
     /// several dependent columns is the unobservable one depends on their order: the last.
+    ///
+    /// ```
+    /// # use sesc_runtime::fit::{Error, Estimator};
+    /// let mut estimator = Estimator::<f64, 2>::new();
+    /// estimator.row(&[1.0, 1.0], 0.5, 1e-3)?;
+    /// assert_eq!(estimator.observable(), [true, false]);
+    /// # Ok::<(), Error>(())
+    /// ```
     pub fn observable(&self) -> [bool; N] {
         self.triangle.observable()
     }
 
     /// Number of observable columns.
+    ///
+    /// ```
+    /// # use sesc_runtime::fit::{Error, Estimator};
+    /// let mut estimator = Estimator::<f64, 2>::new();
+    /// estimator.row(&[1.0, 1.0], 0.5, 1e-3)?;
+    /// assert_eq!(estimator.rank(), 1);
+    /// # Ok::<(), Error>(())
+    /// ```
     pub fn rank(&self) -> usize {
         self.triangle
             .observable()
@@ -41,6 +74,15 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
     /// The change of all parameters that the unobservable column `k` stands for, with 1 at `k`:
     /// any multiple of it can be added to the estimate and no reading tells. `None` where
     /// `k` is observable, or no column.
+    ///
+    /// ```
+    /// # use sesc_runtime::fit::{Error, Estimator};
+    /// let mut estimator = Estimator::<f64, 2>::new();
+    /// estimator.row(&[1.0, 1.0], 0.5, 1e-3)?;
+    /// // The sum is known: what one parameter gains the other loses.
+    /// assert_eq!(estimator.unobservable_direction(1), Some([-1.0, 1.0]));
+    /// # Ok::<(), Error>(())
+    /// ```
     pub fn unobservable_direction(&self, k: usize) -> Option<[T; N]> {
         let observable = self.triangle.observable();
         match observable.get(k) {
@@ -53,6 +95,16 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
     ///
     /// A reading that is further from `value` than a few √(`variance` + std²) does not
     /// belong to this robot; leaving it out is up to the caller.
+    ///
+    /// ```
+    /// # use sesc_runtime::fit::{Error, Estimator};
+    /// let mut estimator = Estimator::<f64, 1>::with_prior(&[0.2], &[0.1])?;
+    /// let far = estimator.predict(&[1.0])?;
+    /// estimator.row(&[1.0], 0.25, 1e-3)?;
+    /// let near = estimator.predict(&[1.0])?;
+    /// assert!(near.variance < far.variance && (near.value - 0.25).abs() < 1e-4);
+    /// # Ok::<(), Error>(())
+    /// ```
     ///
     /// # Errors
     ///
@@ -76,6 +128,15 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
     /// infinite where `k` is unobservable, `None` where there is no such parameter.
     ///
     /// It rests on the standard deviations fed, not on the residuals.
+    ///
+    /// ```
+    /// # use sesc_runtime::fit::{Error, Estimator};
+    /// let mut estimator = Estimator::<f64, 1>::new();
+    /// assert_eq!(estimator.variance(0), Some(f64::INFINITY));
+    /// estimator.row(&[1.0], 0.25, 0.5)?;
+    /// assert_eq!(estimator.variance(0), Some(0.25));
+    /// # Ok::<(), Error>(())
+    /// ```
     pub fn variance(&self, k: usize) -> Option<T> {
         let mut row = [T::ZERO; N];
         *row.get_mut(k)? = T::ONE;
@@ -93,12 +154,32 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
     /// It rests on the standard deviations fed. If these were guesses, multiply by
     /// [`residual_sum_of_squares`](Self::residual_sum_of_squares) over
     /// [`degrees_of_freedom`](Self::degrees_of_freedom) (without forgetting).
+    ///
+    /// ```
+    /// # use sesc_runtime::fit::{Error, Estimator};
+    /// let mut estimator = Estimator::<f64, 2>::new();
+    /// estimator.row(&[1.0, 0.0], 0.1, 0.5)?;
+    /// estimator.row(&[1.0, 1.0], 0.3, 0.5)?;
+    /// let mut covariance = [[0.0; 2]; 2];
+    /// estimator.covariance(&mut covariance);
+    /// assert_eq!(covariance, [[0.25, -0.25], [-0.25, 0.5]]);
+    /// # Ok::<(), Error>(())
+    /// ```
     pub fn covariance(&self, out: &mut [[T; N]; N]) {
         self.triangle.covariance(&self.triangle.observable(), out);
     }
 
     /// The minimum of the sum in the module: squared residuals of readings and prior, each
     /// over its variance, faded by forgetting. No unit.
+    ///
+    /// ```
+    /// # use sesc_runtime::fit::{Error, Estimator};
+    /// let mut estimator = Estimator::<f64, 1>::new();
+    /// estimator.row(&[1.0], 0.0, 1.0)?;
+    /// estimator.row(&[1.0], 2.0, 1.0)?;
+    /// assert_eq!(estimator.residual_sum_of_squares(), 2.0);
+    /// # Ok::<(), Error>(())
+    /// ```
     pub fn residual_sum_of_squares(&self) -> T {
         self.residual
     }
@@ -108,11 +189,28 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
     /// standard deviations are right and nothing is forgotten. Under forgetting readings
     /// fade, and this is less than that average: a fit with factor λ takes up about
     /// rank/(1 + λ) of them in the long run, not the rank.
+    ///
+    /// ```
+    /// # use sesc_runtime::fit::{Error, Estimator};
+    /// let mut estimator = Estimator::<f64, 1>::new();
+    /// estimator.row(&[1.0], 0.0, 1.0)?;
+    /// estimator.row(&[1.0], 2.0, 1.0)?;
+    /// assert_eq!(estimator.degrees_of_freedom(), 1.0);
+    /// # Ok::<(), Error>(())
+    /// ```
     pub fn degrees_of_freedom(&self) -> f64 {
         (self.readings + self.prior_readings() - self.rank() as f64).max(0.0)
     }
 
     /// Postures fed, those forgotten included.
+    ///
+    /// ```
+    /// # use sesc_runtime::fit::{Error, Estimator};
+    /// let mut estimator = Estimator::<f64, 1>::new();
+    /// estimator.posture(&[[1.0], [0.0]], &[0.01, 0.0], &[1e-3; 2])?;
+    /// assert_eq!(estimator.postures(), 1);
+    /// # Ok::<(), Error>(())
+    /// ```
     pub fn postures(&self) -> u64 {
         self.postures
     }

@@ -15,7 +15,9 @@ use core::marker::PhantomData;
 
 use super::triangle::Triangle;
 use super::{Error, Estimator, Scalar, finite, positive};
-use crate::model::Sesc;
+use crate::__private::v1::{Array, Robot};
+use crate::dim::Const;
+use crate::model::{Posture, Sesc};
 use crate::simd::Simd;
 use crate::simd::normal::{Data, Products, Residuals, Sums};
 use crate::simd::sealed::Dispatch;
@@ -35,61 +37,68 @@ impl<const N: usize> Estimator<f64, N> {
     /// The estimate from what this one knows and all of these postures: as
     /// [`posture`](Self::posture) in turn would give it, many times faster.
     ///
-    /// `q[k]` are the joint positions of posture k, `cop[k]` its reading (m), `std` the
-    /// standard deviations of x and y (m), alike for all. Where the slices differ in
-    /// length the shorter counts. Takes about 64 N (N + 48) bytes of stack beside its own
-    /// size (N = 43: 250 kB);
-    /// several estimators, each with its share of the postures, [`merge`](Self::merge)
-    /// each other. With forgetting, postures are fed in turn.
+    /// `q[k]` are the joint positions of posture k of the robot `R`, `cop[k]` its reading
+    /// (m), `std` the standard deviations of x and y (m), alike for all. Takes about
+    /// 64 N (N + 48) bytes of stack beside its own size (N = 43: 250 kB): partial sums of
+    /// eight lanes and a panel of rows. Several estimators, each with its share of the
+    /// postures, [`merge`](Self::merge). With forgetting, postures are fed in turn.
     ///
     /// ```
+    /// use sesc_generated::two_link_foot::{self as robot, TwoLinkFoot};
     /// use sesc_runtime::fit::{Error, Estimator};
-    /// use sesc_runtime::{Sesc, Simd};
+    /// use sesc_runtime::{Const, Posture, Sesc, Simd};
     ///
-    /// fn identify<M, const DOF: usize, const BASE: usize, const FULL: usize>(
-    ///     robot: M,
-    ///     q: &[[f64; DOF]],
+    /// /// Parameters of any robot; only their number, which the compiler finds, is named.
+    /// fn identify<R: Sesc<Base = Const<N>>, const N: usize>(
+    ///     q: &[Posture<R>],
     ///     cop: &[[f64; 2]],
-    /// ) -> Result<[f64; BASE], Error>
-    /// where
-    ///     M: Sesc<DOF, BASE, FULL>,
-    /// {
-    ///     let cad = Estimator::with_nominal(&M::CAD_PARAMS)?;
-    ///     Ok(cad.batch(robot, Simd::best(), q, cop, &[1e-3, 1e-3])?.params())
+    /// ) -> Result<[f64; N], Error> {
+    ///     let cad = Estimator::with_nominal(&R::CAD_PARAMS)?;
+    ///     Ok(cad.batch::<R>(Simd::best(), q, cop, &[1e-3, 1e-3])?.params())
     /// }
+    ///
+    /// let q: [_; 50] = core::array::from_fn(|k| [0.01 * k as f64, (0.3 * k as f64).sin()]);
+    /// let cop = q.map(|q| robot::cop(&q, &robot::CAD_PARAMS));
+    /// let found = identify::<TwoLinkFoot, _>(&q, &cop)?;
+    /// assert!((found[0] - robot::CAD_PARAMS[0]).abs() < 1e-12);
+    ///
+    /// let lengths = Error::Length { postures: 50, readings: 49 };
+    /// assert_eq!(identify::<TwoLinkFoot, _>(&q, &cop[..49]), Err(lengths));
+    /// # Ok::<(), Error>(())
     /// ```
     ///
     /// # Errors
     ///
-    /// [`Error::NotFinite`], also where a posture has no finite row; [`Error::Std`];
-    /// [`Error::OutOfRange`].
-    pub fn batch<M, const DOF: usize, const FULL: usize>(
+    /// [`Error::Length`]; [`Error::NotFinite`], also where a posture has no finite row;
+    /// [`Error::Std`]; [`Error::OutOfRange`].
+    pub fn batch<R: Sesc<Base = Const<N>>>(
         &self,
-        _robot: M,
         simd: Simd,
-        q: &[[f64; DOF]],
+        q: &[Posture<R>],
         cop: &[[f64; 2]],
         std: &[f64; 2],
-    ) -> Result<Self, Error>
-    where
-        M: Sesc<DOF, N, FULL>,
-    {
+    ) -> Result<Self, Error> {
+        let count = q.len();
+        if cop.len() != count {
+            return Err(Error::Length {
+                postures: count,
+                readings: cop.len(),
+            });
+        }
         finite(std)?;
         let weight = [1.0 / positive(std[0])?, 1.0 / positive(std[1])?];
         if weight.iter().any(|weight| *weight > f64::LIMIT) {
             return Err(Error::OutOfRange);
         }
-        let count = q.len().min(cop.len());
-        let (q, cop) = (&q[..count], &cop[..count]);
         let mut found = self.clone();
         if self.lambda < 1.0 {
-            found.in_turn::<M, DOF, FULL>(q, cop, std)?;
+            found.in_turn::<R::Generated>(q, cop, std)?;
             return Ok(found);
         }
         let whole = count - count % 8;
         let mut products = false;
         for (q, cop) in q[..whole].chunks(CHUNK).zip(cop[..whole].chunks(CHUNK)) {
-            let data = Data::<M, DOF, N, FULL> {
+            let data = Data::<R::Generated> {
                 q,
                 cop,
                 weight,
@@ -112,27 +121,24 @@ impl<const N: usize> Estimator<f64, N> {
             if found.take_sums(&sums, q.len())? {
                 products = true;
             } else {
-                found.in_turn::<M, DOF, FULL>(q, cop, std)?;
+                found.in_turn::<R::Generated>(q, cop, std)?;
             }
         }
-        found.in_turn::<M, DOF, FULL>(&q[whole..], &cop[whole..], std)?;
+        found.in_turn::<R::Generated>(&q[whole..], &cop[whole..], std)?;
         if products {
-            found.refine::<M, DOF, FULL>(self, simd, q, cop, weight);
+            found.refine::<R::Generated>(self, simd, q, cop, weight);
         }
         Ok(found)
     }
 
-    fn in_turn<M, const DOF: usize, const FULL: usize>(
+    fn in_turn<M: Robot<Base = Const<N>>>(
         &mut self,
-        q: &[[f64; DOF]],
+        q: &[Array<M::Dof, f64>],
         cop: &[[f64; 2]],
         std: &[f64; 2],
-    ) -> Result<(), Error>
-    where
-        M: Sesc<DOF, N, FULL>,
-    {
+    ) -> Result<(), Error> {
         for (q, cop) in q.iter().zip(cop) {
-            self.posture(&M::regressor_cop(q), cop, std)?;
+            self.posture(&<M as Sesc>::regressor_cop(q), cop, std)?;
         }
         Ok(())
     }
@@ -165,22 +171,20 @@ impl<const N: usize> Estimator<f64, N> {
     }
 
     /// One step of refinement over the same postures; `start` is what was known before.
-    fn refine<M, const DOF: usize, const FULL: usize>(
+    fn refine<M: Robot<Base = Const<N>>>(
         &mut self,
         start: &Self,
         simd: Simd,
-        q: &[[f64; DOF]],
+        q: &[Array<M::Dof, f64>],
         cop: &[[f64; 2]],
         weight: [f64; 2],
-    ) where
-        M: Sesc<DOF, N, FULL>,
-    {
+    ) {
         let observable = self.triangle.observable();
         let change = self.triangle.solve(&observable);
         let params: [f64; N] = core::array::from_fn(|k| self.nominal[k] + change[k]);
         let mut sums = Sums::zero();
         let whole = q.len() - q.len() % 8;
-        let data = Data::<M, DOF, N, FULL> {
+        let data = Data::<M> {
             q,
             cop,
             weight,
@@ -195,7 +199,7 @@ impl<const N: usize> Estimator<f64, N> {
             },
         );
         for (q, cop) in q[whole..].iter().zip(&cop[whole..]) {
-            for (axis, row) in M::regressor_cop(q).iter().enumerate() {
+            for (axis, row) in <M as Sesc>::regressor_cop(q).iter().enumerate() {
                 let mut e = cop[axis];
                 for (y, r) in row.iter().zip(&params) {
                     e -= y * r;

@@ -3,6 +3,14 @@
 use core::fmt;
 
 /// Why an estimator refused its input; its state is as it was before.
+///
+/// ```
+/// use sesc_runtime::fit::{Error, Estimator};
+///
+/// let refused = Estimator::<f64, 2>::with_nominal(&[0.1, f64::NAN]).unwrap_err();
+/// assert_eq!(refused, Error::NotFinite);
+/// assert_eq!(refused.to_string(), "a number is NaN or infinite; leave this reading out");
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Error {
@@ -16,11 +24,24 @@ pub enum Error {
     /// standard deviations large, or two estimators together hold more
     /// information than [`MOST`](crate::Scalar::MOST).
     OutOfRange,
+    /// There are not as many readings as postures.
+    Length {
+        /// Postures given.
+        postures: usize,
+        /// Readings given.
+        readings: usize,
+    },
 }
 
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
+            Self::Length { postures, readings } => {
+                return write!(
+                    f,
+                    "{postures} postures, {readings} readings; give one reading a posture"
+                );
+            }
             Self::NotFinite => "a number is NaN or infinite; leave this reading out",
             Self::Std => "a standard deviation is not positive; give the noise of the reading",
             Self::Forgetting => "the forgetting factor is outside (0, 1]; 1 forgets nothing",

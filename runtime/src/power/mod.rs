@@ -65,6 +65,14 @@ pub fn power_f32(x: f32, y: f32) -> f32 {
 }
 
 /// Powers `x[i]^y[i]`, each what [`power`] gives, written to `out`.
+///
+/// ```
+/// use sesc_runtime::power;
+///
+/// let mut out = [0.0; 2];
+/// power::power_block(&[4.0, 9.0], &[0.5, 0.5], &mut out);
+/// assert_eq!(out, [2.0, 3.0]);
+/// ```
 // Always: a caller compiled for wider registers gets the loop in those.
 #[inline(always)]
 pub fn power_block<const N: usize>(x: &[f64; N], y: &[f64; N], out: &mut [f64; N]) {

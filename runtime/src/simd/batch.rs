@@ -4,7 +4,9 @@ use core::marker::PhantomData;
 
 use super::sealed::{Dispatch, Machine, Task};
 use super::{Block, Simd};
-use crate::model::Sesc;
+use crate::__private::v1::{Array, Robot};
+use crate::dim::Dim;
+use crate::model::{FullParams, Params, Posture, Sesc};
 use crate::scalar::Scalar;
 
 /// The functions of [`Sesc`] on blocks of postures.
@@ -15,126 +17,160 @@ use crate::scalar::Scalar;
 /// of the sine is NaN and leaves its neighbours alone.
 ///
 /// ```
+/// use sesc_generated::two_link_foot::TwoLinkFoot;
 /// use sesc_runtime::{Batch, F64x8, Sesc, Simd, pack};
 ///
-/// /// Heights of the CoM, metres, of eight postures.
-/// fn heights<M, const DOF: usize, const BASE: usize, const FULL: usize>(
-///     postures: &[[f64; DOF]; 8],
-/// ) -> F64x8
-/// where
-///     M: Sesc<DOF, BASE, FULL>,
-/// {
+/// /// Heights of the CoM of any robot, metres, in eight postures.
+/// fn heights<R: Sesc>(postures: &[sesc_runtime::Posture<R, F64x8>]) -> F64x8 {
 ///     let mut com = [[F64x8::splat(0.0); 3]];
-///     M::com_batch(Simd::best(), &[pack(postures)], &M::CAD_PARAMS, &mut com);
+///     R::com_batch(Simd::best(), postures, &R::CAD_PARAMS, &mut com);
 ///     com[0][2]
 /// }
+///
+/// let postures = core::array::from_fn(|k| [0.1 * k as f64, 0.0]);
+/// let heights = heights::<TwoLinkFoot>(&[pack(&postures)]);
+/// assert!((heights.0[0] - 0.45).abs() < 1e-15 && heights.0[7] < heights.0[0]);
 /// ```
-pub trait Batch<const DOF: usize, const BASE: usize, const FULL: usize>:
-    Sesc<DOF, BASE, FULL>
-{
+pub trait Batch: Sesc {
     /// [`Sesc::com`] of every posture, metres.
-    fn com_batch<B: Block>(simd: Simd, q: &[[B; DOF]], r: &[B::Scalar; BASE], com: &mut [[B; 3]]) {
-        B::Scalar::run(
-            simd,
-            Com::<Self, B::Scalar, DOF, BASE, FULL> {
-                q,
-                r,
-                out: com,
-                model: PhantomData,
-            },
-        );
+    ///
+    /// ```
+    /// # use sesc_generated::two_link_foot::{CAD_PARAMS, TwoLinkFoot};
+    /// # use sesc_runtime::{Batch, F64x8, Simd};
+    /// # let q = [[F64x8::splat(0.0); 2]];
+    /// let mut com = [[F64x8::splat(0.0); 3]];
+    /// TwoLinkFoot::com_batch(Simd::best(), &q, &CAD_PARAMS, &mut com);
+    /// assert!((com[0][2].0[0] - 0.45).abs() < 1e-15);
+    /// ```
+    fn com_batch<B: Block>(
+        simd: Simd,
+        q: &[Posture<Self, B>],
+        r: &Params<Self, B::Scalar>,
+        com: &mut [[B; 3]],
+    ) {
+        let (out, model) = (com, PhantomData::<Self::Generated>);
+        B::Scalar::run(simd, Com { q, r, out, model });
     }
 
     /// [`Sesc::com_jacobian`] of every posture.
+    ///
+    /// ```
+    /// # use sesc_generated::two_link_foot::{CAD_PARAMS, TwoLinkFoot};
+    /// # use sesc_runtime::{Batch, F64x8, Simd};
+    /// # let q = [[F64x8::splat(0.0); 2]];
+    /// let mut jacobian = [[[F64x8::splat(0.0); 2]; 3]];
+    /// TwoLinkFoot::com_jacobian_batch(Simd::best(), &q, &CAD_PARAMS, &mut jacobian);
+    /// assert!((jacobian[0][0][0].0[0] - 0.36).abs() < 1e-15);
+    /// ```
     fn com_jacobian_batch<B: Block>(
         simd: Simd,
-        q: &[[B; DOF]],
-        r: &[B::Scalar; BASE],
-        jacobian: &mut [[[B; DOF]; 3]],
+        q: &[Posture<Self, B>],
+        r: &Params<Self, B::Scalar>,
+        jacobian: &mut [[Posture<Self, B>; 3]],
     ) {
-        B::Scalar::run(
-            simd,
-            ComJacobian::<Self, B::Scalar, DOF, BASE, FULL> {
-                q,
-                r,
-                out: jacobian,
-                model: PhantomData,
-            },
-        );
+        let (out, model) = (jacobian, PhantomData::<Self::Generated>);
+        B::Scalar::run(simd, ComJacobian { q, r, out, model });
     }
 
-    /// [`Sesc::gravity_moments`] of every posture.
+    /// [`Sesc::gravity_moments`] of every posture, metres.
+    ///
+    /// ```
+    /// # use sesc_generated::two_link_foot::{CAD_PARAMS, TwoLinkFoot};
+    /// # use sesc_runtime::{Batch, F64x8, Simd};
+    /// # let q = [[F64x8::splat(0.0); 2]];
+    /// let mut moments = [[F64x8::splat(1.0); 2]];
+    /// TwoLinkFoot::gravity_moments_batch(Simd::best(), &q, &CAD_PARAMS, &mut moments);
+    /// assert_eq!(moments[0][0].0, [0.0; 8]);
+    /// ```
     fn gravity_moments_batch<B: Block>(
         simd: Simd,
-        q: &[[B; DOF]],
-        r: &[B::Scalar; BASE],
-        moments: &mut [[B; DOF]],
+        q: &[Posture<Self, B>],
+        r: &Params<Self, B::Scalar>,
+        moments: &mut [Posture<Self, B>],
     ) {
-        B::Scalar::run(
-            simd,
-            GravityMoments::<Self, B::Scalar, DOF, BASE, FULL> {
-                q,
-                r,
-                out: moments,
-                model: PhantomData,
-            },
-        );
+        let (out, model) = (moments, PhantomData::<Self::Generated>);
+        B::Scalar::run(simd, GravityMoments { q, r, out, model });
     }
 
     /// [`Sesc::regressor`] of every posture.
-    fn regressor_batch<B: Block>(simd: Simd, q: &[[B; DOF]], rows: &mut [[[B; BASE]; 3]]) {
-        B::Scalar::run(
-            simd,
-            Regressor::<Self, B::Scalar, DOF, BASE, FULL> {
-                q,
-                out: rows,
-                model: PhantomData,
-            },
-        );
+    ///
+    /// ```
+    /// # use sesc_generated::two_link_foot::TwoLinkFoot;
+    /// # use sesc_runtime::{Batch, F64x8, Simd};
+    /// # let q = [[F64x8::splat(0.0); 2]];
+    /// let mut rows = [[[F64x8::splat(0.0); 7]; 3]];
+    /// TwoLinkFoot::regressor_batch(Simd::best(), &q, &mut rows);
+    /// assert_eq!(rows[0][2][2].0, [1.0; 8]);
+    /// ```
+    fn regressor_batch<B: Block>(
+        simd: Simd,
+        q: &[Posture<Self, B>],
+        rows: &mut [[Params<Self, B>; 3]],
+    ) {
+        let (out, model) = (rows, PhantomData::<Self::Generated>);
+        B::Scalar::run(simd, Regressor { q, out, model });
     }
 
     /// [`Sesc::regressor_cop`] of every posture.
-    fn regressor_cop_batch<B: Block>(simd: Simd, q: &[[B; DOF]], rows: &mut [[[B; BASE]; 2]]) {
-        B::Scalar::run(
-            simd,
-            RegressorCop::<Self, B::Scalar, DOF, BASE, FULL> {
-                q,
-                out: rows,
-                model: PhantomData,
-            },
-        );
+    ///
+    /// ```
+    /// # use sesc_generated::two_link_foot::TwoLinkFoot;
+    /// # use sesc_runtime::{Batch, F64x8, Simd};
+    /// # let q = [[F64x8::splat(0.0); 2]];
+    /// let mut rows = [[[F64x8::splat(0.0); 7]; 2]];
+    /// TwoLinkFoot::regressor_cop_batch(Simd::best(), &q, &mut rows);
+    /// assert_eq!(rows[0][0][0].0, [1.0; 8]);
+    /// ```
+    fn regressor_cop_batch<B: Block>(
+        simd: Simd,
+        q: &[Posture<Self, B>],
+        rows: &mut [[Params<Self, B>; 2]],
+    ) {
+        let (out, model) = (rows, PhantomData::<Self::Generated>);
+        B::Scalar::run(simd, RegressorCop { q, out, model });
     }
 
     /// [`Sesc::regressor_full`] of every posture.
-    fn regressor_full_batch<B: Block>(simd: Simd, q: &[[B; DOF]], rows: &mut [[[B; FULL]; 3]]) {
-        B::Scalar::run(
-            simd,
-            RegressorFull::<Self, B::Scalar, DOF, BASE, FULL> {
-                q,
-                out: rows,
-                model: PhantomData,
-            },
-        );
+    ///
+    /// ```
+    /// # use sesc_generated::two_link_foot::TwoLinkFoot;
+    /// # use sesc_runtime::{Batch, F64x8, Simd};
+    /// # let q = [[F64x8::splat(0.0); 2]];
+    /// let mut rows = [[[F64x8::splat(0.0); 9]; 3]];
+    /// TwoLinkFoot::regressor_full_batch(Simd::best(), &q, &mut rows);
+    /// assert_eq!(rows[0][1][1].0, [1.0; 8]);
+    /// ```
+    fn regressor_full_batch<B: Block>(
+        simd: Simd,
+        q: &[Posture<Self, B>],
+        rows: &mut [[FullParams<Self, B>; 3]],
+    ) {
+        let (out, model) = (rows, PhantomData::<Self::Generated>);
+        B::Scalar::run(simd, RegressorFull { q, out, model });
     }
 
     /// [`Sesc::cop`] of every posture, metres.
-    fn cop_batch<B: Block>(simd: Simd, q: &[[B; DOF]], r: &[B::Scalar; BASE], cop: &mut [[B; 2]]) {
-        B::Scalar::run(
-            simd,
-            Cop::<Self, B::Scalar, DOF, BASE, FULL> {
-                q,
-                r,
-                out: cop,
-                model: PhantomData,
-            },
-        );
+    ///
+    /// ```
+    /// # use sesc_generated::two_link_foot::{CAD_PARAMS, TwoLinkFoot};
+    /// # use sesc_runtime::{Batch, F64x8, Simd};
+    /// # let q = [[F64x8::splat(0.0); 2]];
+    /// let mut cop = [[F64x8::splat(0.0); 2]];
+    /// TwoLinkFoot::cop_batch(Simd::best(), &q, &CAD_PARAMS, &mut cop);
+    /// assert!((cop[0][0].0[0] - 0.01).abs() < 1e-15);
+    /// ```
+    fn cop_batch<B: Block>(
+        simd: Simd,
+        q: &[Posture<Self, B>],
+        r: &Params<Self, B::Scalar>,
+        cop: &mut [[B; 2]],
+    ) {
+        let (out, model) = (cop, PhantomData::<Self::Generated>);
+        B::Scalar::run(simd, Cop { q, r, out, model });
     }
 }
 
-impl<M, const DOF: usize, const BASE: usize, const FULL: usize> Batch<DOF, BASE, FULL> for M where
-    M: Sesc<DOF, BASE, FULL> + ?Sized
-{
-}
+impl<M: Sesc> Batch for M {}
 
 /// A function over all blocks, as a task for any set of instructions: `$result` of one
 /// part of a block, from joint positions `$q` and parameters `$r`.
@@ -143,56 +179,56 @@ macro_rules! task {
         @task $name:ident, $out:ty, ($($r:ident)?), $room:ident = [$start:expr],
         |$q:ident, $block:ident, $part:ident| $result:expr
     ) => {
-        struct $name<'a, M, S, const DOF: usize, const BASE: usize, const FULL: usize>
-        where
-            M: ?Sized,
-            S: Scalar,
-        {
-            q: &'a [[S::Block; DOF]],
-            $($r: &'a [S; BASE],)?
+        struct $name<'a, M: Robot, S: Scalar> {
+            q: &'a [Array<M::Dof, S::Block>],
+            $($r: &'a Array<M::Base, S>,)?
             out: &'a mut [$out],
             model: PhantomData<M>,
         }
 
-        impl<M, S, const DOF: usize, const BASE: usize, const FULL: usize> Task<S>
-            for $name<'_, M, S, DOF, BASE, FULL>
-        where
-            M: Sesc<DOF, BASE, FULL> + ?Sized,
-            S: Scalar,
-        {
+        impl<M: Robot, S: Scalar> Task<S> for $name<'_, M, S> {
             #[inline(always)]
             fn run<X: Machine<S>>(self) {
-                $(let $r: [X::Vector; BASE] = core::array::from_fn(|k| X::splat(self.$r[k]));)?
+                $(let $r = <M::Base as Dim>::from_fn(|k| X::splat(self.$r[k]));)?
                 #[allow(unused_mut, clippy::let_unit_value)] // vectors need no room
                 let mut $room = $start;
                 for (q, $block) in self.q.iter().zip(self.out) {
                     for $part in 0..X::PARTS {
-                        let $q = &X::load(q, $part);
+                        let $q = &<M::Dof as Dim>::load::<S, X>(q, $part);
                         $result;
                     }
                 }
             }
         }
     };
-    ($name:ident, $method:ident($($r:ident)?) -> [$n:tt]) => {
-        task!(@task $name, [S::Block; $n], ($($r)?), _room = [()], |q, block, part| {
-            X::store(&M::$method(q, $(&$r)?), block, part)
+    ($name:ident, $method:ident(r) -> $n:literal) => {
+        task!(@task $name, [S::Block; $n], (r), _room = [()], |q, block, part| {
+            X::store(&M::$method(q, &r), block, part)
+        });
+    };
+    ($name:ident, $method:ident(r) -> $n:ident) => {
+        task!(@task $name, Array<M::$n, S::Block>, (r), _room = [()], |q, block, part| {
+            X::store(M::$method(q, &r).as_ref(), block.as_mut(), part)
         });
     };
     ($name:ident, $method:ident($($r:ident)?) -> [$n:ident; $m:literal]) => {
-        task!(@task $name, [[S::Block; $n]; $m], ($($r)?), room = [
-            [[X::splat(S::default()); $n]; $m]
+        task!(@task $name, [Array<M::$n, S::Block>; $m], ($($r)?), room = [
+            [<M::$n as Dim>::from_fn(|_| X::splat(S::ZERO)); $m]
         ], |q, block, part| {
-            M::$method(q, $(&$r,)? X::place(block, &mut room));
-            X::settle(&room, block, part);
+            M::$method(q, $(&$r,)? <M::$n as Dim>::place::<S, X, $m>(block, &mut room));
+            if X::PARTS > 1 {
+                for (room, row) in room.iter().zip(block.iter_mut()) {
+                    X::store(room.as_ref(), row.as_mut(), part);
+                }
+            }
         });
     };
 }
 
-task!(Com, com(r) -> [3]);
-task!(ComJacobian, com_jacobian_into(r) -> [DOF; 3]);
-task!(GravityMoments, gravity_moments(r) -> [DOF]);
-task!(Regressor, regressor_into() -> [BASE; 3]);
-task!(RegressorCop, regressor_cop_into() -> [BASE; 2]);
-task!(RegressorFull, regressor_full_into() -> [FULL; 3]);
-task!(Cop, cop(r) -> [2]);
+task!(Com, com(r) -> 3);
+task!(ComJacobian, com_jacobian_into(r) -> [Dof; 3]);
+task!(GravityMoments, gravity_moments(r) -> Dof);
+task!(Regressor, regressor_into() -> [Base; 3]);
+task!(RegressorCop, regressor_cop_into() -> [Base; 2]);
+task!(RegressorFull, regressor_full_into() -> [Full; 3]);
+task!(Cop, cop(r) -> 2);

@@ -145,21 +145,16 @@ pub(crate) mod sealed {
         fn store(vectors: &[Self::Vector], blocks: &mut [S::Block], part: usize);
 
         /// Where to write registers for the blocks: they themselves, where one register
-        /// fills a block, else `room`. Then `settle`.
+        /// fills a block, else `room`, from where they are stored then.
         fn place<'a, const N: usize, const M: usize>(
             blocks: &'a mut [[S::Block; N]; M],
             room: &'a mut [[Self::Vector; N]; M],
         ) -> &'a mut [[Self::Vector; N]; M];
 
-        /// From `room` to the blocks, where `place` had to make do with it.
-        fn settle<const N: usize, const M: usize>(
-            room: &[[Self::Vector; N]; M],
-            blocks: &mut [[S::Block; N]; M],
-            part: usize,
-        );
-
+        /// The same numbers as scalars of the set.
         fn ones<const N: usize>(scalars: &[S; N]) -> &[Self::One; N];
 
+        /// The inverse of `ones`.
         fn scalars(ones: &[Self::One]) -> &[S];
 
         /// The same number in every row.
@@ -246,14 +241,6 @@ macro_rules! portable {
                 _: &'a mut [[$block; N]; M],
             ) -> &'a mut [[$block; N]; M] {
                 blocks
-            }
-
-            #[inline(always)]
-            fn settle<const N: usize, const M: usize>(
-                _: &[[$block; N]; M],
-                _: &mut [[$block; N]; M],
-                _: usize,
-            ) {
             }
 
             #[inline(always)]

@@ -12,8 +12,9 @@
 use core::marker::PhantomData;
 
 use super::sealed::{Machine, Task};
+use crate::__private::v1::{Array, Robot};
+use crate::dim::{Const, Dim};
 use crate::lanes::F64x8;
-use crate::model::Sesc;
 use crate::real::Real;
 
 /// Postures of a block.
@@ -24,8 +25,8 @@ const PANEL: usize = 48;
 const STRIP: usize = 5;
 
 /// Postures, readings, and what to hold them against.
-pub(crate) struct Data<'a, M, const DOF: usize, const BASE: usize, const FULL: usize> {
-    pub q: &'a [[f64; DOF]],
+pub(crate) struct Data<'a, M: Robot> {
+    pub q: &'a [Array<M::Dof, f64>],
     pub cop: &'a [[f64; 2]],
     /// 1/std of x and y.
     pub weight: [f64; 2],
@@ -59,22 +60,21 @@ impl<const N: usize> Sums<N> {
 }
 
 /// The first pass, over whole blocks of the data.
-pub(crate) struct Products<'a, 'd, M, const DOF: usize, const BASE: usize, const FULL: usize> {
-    pub data: &'a Data<'d, M, DOF, BASE, FULL>,
+pub(crate) struct Products<'a, 'd, M: Robot, const BASE: usize> {
+    pub data: &'a Data<'d, M>,
     pub sums: &'a mut Sums<BASE>,
 }
 
 /// The second, over whole blocks: residuals of `params`.
-pub(crate) struct Residuals<'a, 'd, M, const DOF: usize, const BASE: usize, const FULL: usize> {
-    pub data: &'a Data<'d, M, DOF, BASE, FULL>,
+pub(crate) struct Residuals<'a, 'd, M: Robot, const BASE: usize> {
+    pub data: &'a Data<'d, M>,
     pub params: [f64; BASE],
     pub sums: &'a mut Sums<BASE>,
 }
 
-impl<M, const DOF: usize, const BASE: usize, const FULL: usize> Task<f64>
-    for Products<'_, '_, M, DOF, BASE, FULL>
+impl<M, const BASE: usize> Task<f64> for Products<'_, '_, M, BASE>
 where
-    M: Sesc<DOF, BASE, FULL>,
+    M: Robot<Base = Const<BASE>>,
 {
     #[inline(always)]
     fn run<X: Machine<f64>>(self) {
@@ -90,7 +90,7 @@ where
         for (q, cop) in q.chunks(PANEL / 2).zip(cop.chunks(PANEL / 2)) {
             for (block, (q, cop)) in q.iter().zip(cop).enumerate() {
                 for part in 0..X::PARTS {
-                    M::regressor_cop_into(&X::columns(q, part), &mut rows);
+                    M::regressor_cop_into(&<M::Dof as Dim>::columns::<f64, X>(q, part), &mut rows);
                     let readings = X::columns(cop, part);
                     for axis in 0..2 {
                         let reading = readings[axis] * weight[axis];
@@ -135,10 +135,9 @@ where
     }
 }
 
-impl<M, const DOF: usize, const BASE: usize, const FULL: usize> Task<f64>
-    for Residuals<'_, '_, M, DOF, BASE, FULL>
+impl<M, const BASE: usize> Task<f64> for Residuals<'_, '_, M, BASE>
 where
-    M: Sesc<DOF, BASE, FULL>,
+    M: Robot<Base = Const<BASE>>,
 {
     #[inline(always)]
     fn run<X: Machine<f64>>(self) {
@@ -151,17 +150,17 @@ where
         let (cop, _) = self.data.cop.as_chunks::<LANES>();
         for (q, cop) in q.iter().zip(cop) {
             for part in 0..X::PARTS {
-                M::regressor_cop_into(&X::columns(q, part), &mut rows);
+                M::regressor_cop_into(&<M::Dof as Dim>::columns::<f64, X>(q, part), &mut rows);
                 let readings = X::columns(cop, part);
                 let [mut squares] = X::load(&square, part);
                 let mut weighed = [X::splat(0.0); 2];
                 for axis in 0..2 {
                     // Four sums, of which none waits for another.
-                    let mut foretold = [X::splat(0.0); 4];
+                    let mut predicted = [X::splat(0.0); 4];
                     for (k, (y, r)) in rows[axis].iter().zip(&params).enumerate() {
-                        foretold[k % 4] = y.mul_plus(*r, foretold[k % 4]);
+                        predicted[k % 4] = y.mul_plus(*r, predicted[k % 4]);
                     }
-                    let [a, b, c, d] = foretold;
+                    let [a, b, c, d] = predicted;
                     let e = (readings[axis] - ((a + b) + (c + d))) * weight[axis];
                     weighed[axis] = e * weight[axis];
                     squares = e.mul_plus(e, squares);

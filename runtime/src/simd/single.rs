@@ -4,7 +4,9 @@ use core::marker::PhantomData;
 
 use super::Simd;
 use super::sealed::{Machine, Task};
-use crate::model::SescFromSinCos;
+use crate::__private::v1::{Array, SinCosRobot};
+use crate::dim::Dim;
+use crate::model::{FullParams, Params, Posture, SescFromSinCos};
 use crate::scalar::Scalar;
 
 /// The functions of [`Sesc`](crate::Sesc) for one posture.
@@ -17,178 +19,264 @@ use crate::scalar::Scalar;
 /// Jacobian or regressor NaN, also what does not depend on it.
 ///
 /// ```
-/// use sesc_runtime::{Simd, Single, SescFromSinCos};
+/// use sesc_generated::two_link_foot::TwoLinkFoot;
+/// use sesc_runtime::{Posture, SescFromSinCos, Simd, Single};
 ///
-/// /// Metres.
-/// fn height<M, const DOF: usize, const BASE: usize, const FULL: usize>(q: &[f64; DOF]) -> f64
-/// where
-///     M: SescFromSinCos<DOF, BASE, FULL>,
-/// {
-///     M::com_single(Simd::best(), q, &M::CAD_PARAMS)[2]
+/// /// Height of the CoM of any robot, metres.
+/// fn height<R: SescFromSinCos>(q: &Posture<R>) -> f64 {
+///     R::com_single(Simd::best(), q, &R::CAD_PARAMS)[2]
 /// }
+///
+/// assert!((height::<TwoLinkFoot>(&[0.0, 0.0]) - 0.45).abs() < 1e-15);
 /// ```
-pub trait Single<const DOF: usize, const BASE: usize, const FULL: usize>:
-    SescFromSinCos<DOF, BASE, FULL>
-{
+pub trait Single: SescFromSinCos {
     /// [`Sesc::com`](crate::Sesc::com), metres.
+    ///
+    /// ```
+    /// # use sesc_generated::two_link_foot::{CAD_PARAMS, TwoLinkFoot};
+    /// # use sesc_runtime::{Simd, Single};
+    /// # let q = [0.0_f64, 0.0];
+    /// let com = TwoLinkFoot::com_single(Simd::best(), &q, &CAD_PARAMS);
+    /// assert!((com[2] - 0.45).abs() < 1e-15);
+    /// ```
     #[inline]
-    fn com_single<S: Scalar>(simd: Simd, q: &[S; DOF], r: &[S; BASE]) -> [S; 3] {
-        let mut out = [S::default(); 3];
+    fn com_single<S: Scalar>(simd: Simd, q: &Posture<Self, S>, r: &Params<Self, S>) -> [S; 3] {
+        let (mut value, model) = ([S::ZERO; 3], PhantomData::<Self::GeneratedSinCos>);
         S::run(
             simd,
-            Com::<Self, S, DOF, BASE, FULL> {
+            Com {
                 q,
                 r,
-                out: &mut out,
-                model: PhantomData,
+                out: &mut value,
+                model,
             },
         );
-        out
+        value
     }
 
     /// [`Sesc::com_jacobian`](crate::Sesc::com_jacobian).
+    ///
+    /// ```
+    /// # use sesc_generated::two_link_foot::{CAD_PARAMS, TwoLinkFoot};
+    /// # use sesc_runtime::{Simd, Single};
+    /// # let q = [0.0_f64, 0.0];
+    /// let jacobian = TwoLinkFoot::com_jacobian_single(Simd::best(), &q, &CAD_PARAMS);
+    /// assert!((jacobian[0][0] - 0.36).abs() < 1e-15);
+    /// ```
     #[inline]
-    fn com_jacobian_single<S: Scalar>(simd: Simd, q: &[S; DOF], r: &[S; BASE]) -> [[S; DOF]; 3] {
-        let mut jacobian = [[S::default(); DOF]; 3];
+    fn com_jacobian_single<S: Scalar>(
+        simd: Simd,
+        q: &Posture<Self, S>,
+        r: &Params<Self, S>,
+    ) -> [Posture<Self, S>; 3] {
+        let mut jacobian = [<Self::Dof as Dim>::from_fn(|_| S::ZERO); 3];
         Self::com_jacobian_single_into(simd, q, r, &mut jacobian);
         jacobian
     }
 
-    /// The same into a matrix that is there: moving one costs a third of the time.
+    /// The same into the caller's matrix: a copy costs a third of the time.
+    ///
+    /// ```
+    /// # use sesc_generated::two_link_foot::{CAD_PARAMS, TwoLinkFoot};
+    /// # use sesc_runtime::{Simd, Single};
+    /// # let q = [0.0_f64, 0.0];
+    /// let mut jacobian = [[0.0; 2]; 3];
+    /// TwoLinkFoot::com_jacobian_single_into(Simd::best(), &q, &CAD_PARAMS, &mut jacobian);
+    /// assert!((jacobian[0][0] - 0.36).abs() < 1e-15);
+    /// ```
     #[inline]
     fn com_jacobian_single_into<S: Scalar>(
         simd: Simd,
-        q: &[S; DOF],
-        r: &[S; BASE],
-        jacobian: &mut [[S; DOF]; 3],
+        q: &Posture<Self, S>,
+        r: &Params<Self, S>,
+        jacobian: &mut [Posture<Self, S>; 3],
     ) {
-        S::run(
-            simd,
-            ComJacobian::<Self, S, DOF, BASE, FULL> {
-                q,
-                r,
-                out: jacobian,
-                model: PhantomData,
-            },
-        );
+        let (out, model) = (jacobian, PhantomData::<Self::GeneratedSinCos>);
+        S::run(simd, ComJacobian { q, r, out, model });
     }
 
     /// [`Sesc::gravity_moments`](crate::Sesc::gravity_moments), metres.
+    ///
+    /// ```
+    /// # use sesc_generated::two_link_foot::{CAD_PARAMS, TwoLinkFoot};
+    /// # use sesc_runtime::{Simd, Single};
+    /// # let q = [0.0_f64, 0.0];
+    /// let moments = TwoLinkFoot::gravity_moments_single(Simd::best(), &q, &CAD_PARAMS);
+    /// assert_eq!(moments, [0.0, 0.0]);
+    /// ```
     #[inline]
-    fn gravity_moments_single<S: Scalar>(simd: Simd, q: &[S; DOF], r: &[S; BASE]) -> [S; DOF] {
-        let mut out = [S::default(); DOF];
+    fn gravity_moments_single<S: Scalar>(
+        simd: Simd,
+        q: &Posture<Self, S>,
+        r: &Params<Self, S>,
+    ) -> Posture<Self, S> {
+        let (mut value, model) = (
+            <Self::Dof as Dim>::from_fn(|_| S::ZERO),
+            PhantomData::<Self::GeneratedSinCos>,
+        );
         S::run(
             simd,
-            GravityMoments::<Self, S, DOF, BASE, FULL> {
+            GravityMoments {
                 q,
                 r,
-                out: &mut out,
-                model: PhantomData,
+                out: &mut value,
+                model,
             },
         );
-        out
+        value
     }
 
     /// [`Sesc::regressor`](crate::Sesc::regressor).
+    ///
+    /// ```
+    /// # use sesc_generated::two_link_foot::TwoLinkFoot;
+    /// # use sesc_runtime::{Simd, Single};
+    /// # let q = [0.0_f64, 0.0];
+    /// let rows = TwoLinkFoot::regressor_single(Simd::best(), &q);
+    /// assert_eq!(rows[2][2], 1.0);
+    /// ```
     #[inline]
-    fn regressor_single<S: Scalar>(simd: Simd, q: &[S; DOF]) -> [[S; BASE]; 3] {
-        let mut rows = [[S::default(); BASE]; 3];
+    fn regressor_single<S: Scalar>(simd: Simd, q: &Posture<Self, S>) -> [Params<Self, S>; 3] {
+        let mut rows = [<Self::Base as Dim>::from_fn(|_| S::ZERO); 3];
         Self::regressor_single_into(simd, q, &mut rows);
         rows
     }
 
-    /// The same into a matrix that is there: moving one costs a third of the time.
+    /// The same into the caller's matrix: a copy costs a third of the time.
+    ///
+    /// ```
+    /// # use sesc_generated::two_link_foot::TwoLinkFoot;
+    /// # use sesc_runtime::{Simd, Single};
+    /// # let q = [0.0_f64, 0.0];
+    /// let mut rows = [[0.0; 7]; 3];
+    /// TwoLinkFoot::regressor_single_into(Simd::best(), &q, &mut rows);
+    /// assert_eq!(rows[2][2], 1.0);
+    /// ```
     #[inline]
-    fn regressor_single_into<S: Scalar>(simd: Simd, q: &[S; DOF], rows: &mut [[S; BASE]; 3]) {
-        S::run(
-            simd,
-            Regressor::<Self, S, DOF, BASE, FULL> {
-                q,
-                out: rows,
-                model: PhantomData,
-            },
-        );
+    fn regressor_single_into<S: Scalar>(
+        simd: Simd,
+        q: &Posture<Self, S>,
+        rows: &mut [Params<Self, S>; 3],
+    ) {
+        let (out, model) = (rows, PhantomData::<Self::GeneratedSinCos>);
+        S::run(simd, Regressor { q, out, model });
     }
 
     /// [`Sesc::regressor_cop`](crate::Sesc::regressor_cop).
+    ///
+    /// ```
+    /// # use sesc_generated::two_link_foot::TwoLinkFoot;
+    /// # use sesc_runtime::{Simd, Single};
+    /// # let q = [0.0_f64, 0.0];
+    /// let rows = TwoLinkFoot::regressor_cop_single(Simd::best(), &q);
+    /// assert_eq!(rows[0][0], 1.0);
+    /// ```
     #[inline]
-    fn regressor_cop_single<S: Scalar>(simd: Simd, q: &[S; DOF]) -> [[S; BASE]; 2] {
-        let mut rows = [[S::default(); BASE]; 2];
+    fn regressor_cop_single<S: Scalar>(simd: Simd, q: &Posture<Self, S>) -> [Params<Self, S>; 2] {
+        let mut rows = [<Self::Base as Dim>::from_fn(|_| S::ZERO); 2];
         Self::regressor_cop_single_into(simd, q, &mut rows);
         rows
     }
 
-    /// The same into a matrix that is there: moving one costs a third of the time.
+    /// The same into the caller's matrix: a copy costs a third of the time.
+    ///
+    /// ```
+    /// # use sesc_generated::two_link_foot::TwoLinkFoot;
+    /// # use sesc_runtime::{Simd, Single};
+    /// # let q = [0.0_f64, 0.0];
+    /// let mut rows = [[0.0; 7]; 2];
+    /// TwoLinkFoot::regressor_cop_single_into(Simd::best(), &q, &mut rows);
+    /// assert_eq!(rows[0][0], 1.0);
+    /// ```
     #[inline]
-    fn regressor_cop_single_into<S: Scalar>(simd: Simd, q: &[S; DOF], rows: &mut [[S; BASE]; 2]) {
-        S::run(
-            simd,
-            RegressorCop::<Self, S, DOF, BASE, FULL> {
-                q,
-                out: rows,
-                model: PhantomData,
-            },
-        );
+    fn regressor_cop_single_into<S: Scalar>(
+        simd: Simd,
+        q: &Posture<Self, S>,
+        rows: &mut [Params<Self, S>; 2],
+    ) {
+        let (out, model) = (rows, PhantomData::<Self::GeneratedSinCos>);
+        S::run(simd, RegressorCop { q, out, model });
     }
 
     /// [`Sesc::regressor_full`](crate::Sesc::regressor_full).
+    ///
+    /// ```
+    /// # use sesc_generated::two_link_foot::TwoLinkFoot;
+    /// # use sesc_runtime::{Simd, Single};
+    /// # let q = [0.0_f64, 0.0];
+    /// let rows = TwoLinkFoot::regressor_full_single(Simd::best(), &q);
+    /// assert_eq!(rows[1][1], 1.0);
+    /// ```
     #[inline]
-    fn regressor_full_single<S: Scalar>(simd: Simd, q: &[S; DOF]) -> [[S; FULL]; 3] {
-        let mut rows = [[S::default(); FULL]; 3];
+    fn regressor_full_single<S: Scalar>(
+        simd: Simd,
+        q: &Posture<Self, S>,
+    ) -> [FullParams<Self, S>; 3] {
+        let mut rows = [<Self::Full as Dim>::from_fn(|_| S::ZERO); 3];
         Self::regressor_full_single_into(simd, q, &mut rows);
         rows
     }
 
-    /// The same into a matrix that is there: moving one costs a third of the time.
+    /// The same into the caller's matrix: a copy costs a third of the time.
+    ///
+    /// ```
+    /// # use sesc_generated::two_link_foot::TwoLinkFoot;
+    /// # use sesc_runtime::{Simd, Single};
+    /// # let q = [0.0_f64, 0.0];
+    /// let mut rows = [[0.0; 9]; 3];
+    /// TwoLinkFoot::regressor_full_single_into(Simd::best(), &q, &mut rows);
+    /// assert_eq!(rows[1][1], 1.0);
+    /// ```
     #[inline]
-    fn regressor_full_single_into<S: Scalar>(simd: Simd, q: &[S; DOF], rows: &mut [[S; FULL]; 3]) {
-        S::run(
-            simd,
-            RegressorFull::<Self, S, DOF, BASE, FULL> {
-                q,
-                out: rows,
-                model: PhantomData,
-            },
-        );
+    fn regressor_full_single_into<S: Scalar>(
+        simd: Simd,
+        q: &Posture<Self, S>,
+        rows: &mut [FullParams<Self, S>; 3],
+    ) {
+        let (out, model) = (rows, PhantomData::<Self::GeneratedSinCos>);
+        S::run(simd, RegressorFull { q, out, model });
     }
 
     /// [`Sesc::cop`](crate::Sesc::cop), metres.
+    ///
+    /// ```
+    /// # use sesc_generated::two_link_foot::{CAD_PARAMS, TwoLinkFoot};
+    /// # use sesc_runtime::{Simd, Single};
+    /// # let q = [0.0_f64, 0.0];
+    /// let cop = TwoLinkFoot::cop_single(Simd::best(), &q, &CAD_PARAMS);
+    /// assert!((cop[0] - 0.01).abs() < 1e-15);
+    /// ```
     #[inline]
-    fn cop_single<S: Scalar>(simd: Simd, q: &[S; DOF], r: &[S; BASE]) -> [S; 2] {
-        let mut out = [S::default(); 2];
+    fn cop_single<S: Scalar>(simd: Simd, q: &Posture<Self, S>, r: &Params<Self, S>) -> [S; 2] {
+        let (mut value, model) = ([S::ZERO; 2], PhantomData::<Self::GeneratedSinCos>);
         S::run(
             simd,
-            Cop::<Self, S, DOF, BASE, FULL> {
+            Cop {
                 q,
                 r,
-                out: &mut out,
-                model: PhantomData,
+                out: &mut value,
+                model,
             },
         );
-        out
+        value
     }
 }
 
-impl<M, const DOF: usize, const BASE: usize, const FULL: usize> Single<DOF, BASE, FULL> for M where
-    M: SescFromSinCos<DOF, BASE, FULL> + ?Sized
-{
-}
+impl<M: SescFromSinCos> Single for M {}
 
 /// What the functions of [`SescFromSinCos`] take. Written in place: a copy would load
 /// across stores that have not left the core yet.
 #[inline(always)]
-fn sines<M, S, X, const DOF: usize, const BASE: usize, const FULL: usize>(
-    q: &[S; DOF],
-    sin: &mut [S; DOF],
-    cos: &mut [S; DOF],
-) where
-    M: SescFromSinCos<DOF, BASE, FULL> + ?Sized,
-    S: Scalar,
-    X: Machine<S>,
-{
-    X::sin_cos(q, sin, cos);
-    for ((sin, q), slides) in sin.iter_mut().zip(q).zip(M::PRISMATIC) {
-        if slides {
+fn sines<M: SinCosRobot, S: Scalar, X: Machine<S>>(
+    q: &Array<M::Dof, S>,
+    sin: &mut Array<M::Dof, S>,
+    cos: &mut Array<M::Dof, S>,
+) {
+    <M::Dof as Dim>::sin_cos::<S, X>(q, sin, cos);
+    let prismatic = M::PRISMATIC;
+    let positions = sin.as_mut().iter_mut().zip(q.as_ref());
+    for ((sin, q), prismatic) in positions.zip(prismatic.as_ref()) {
+        if *prismatic {
             *sin = *q;
         }
     }
@@ -197,9 +285,9 @@ fn sines<M, S, X, const DOF: usize, const BASE: usize, const FULL: usize>(
 /// The same numbers in every row. (`map` of an array is compiled for itself, without the
 /// instructions of the set.)
 #[inline(always)]
-fn every_row<S: Scalar, X: Machine<S>, const N: usize>(numbers: &[S; N]) -> [X::Rows; N] {
-    let mut rows = [X::every_row(S::default()); N];
-    for (row, x) in rows.iter_mut().zip(numbers) {
+fn every_row<D: Dim, S: Scalar, X: Machine<S>>(numbers: &Array<D, S>) -> Array<D, X::Rows> {
+    let mut rows = D::from_fn(|_| X::every_row(S::ZERO));
+    for (row, x) in rows.as_mut().iter_mut().zip(numbers.as_ref()) {
         *row = X::every_row(*x);
     }
     rows
@@ -215,76 +303,61 @@ fn axes<S: Scalar, X: Machine<S>>() -> [X::Rows; 3] {
     })
 }
 
-/// What tasks have in common.
-macro_rules! fields {
-    ($name:ident, $($r:ident)?, $out:ty) => {
-        struct $name<'a, M, S, const DOF: usize, const BASE: usize, const FULL: usize>
-        where
-            M: ?Sized,
-            S: Scalar,
-        {
-            q: &'a [S; DOF],
-            $($r: &'a [S; BASE],)?
+/// A function of one posture, as a task for any set of instructions: `$body` from its sines
+/// and cosines.
+macro_rules! task {
+    (
+        @task $name:ident, ($($r:ident)?), $out:ty, $set:ident,
+        |$task:ident, $sin:ident, $cos:ident| $body:expr
+    ) => {
+        struct $name<'a, M: SinCosRobot, S: Scalar> {
+            q: &'a Array<M::Dof, S>,
+            $($r: &'a Array<M::Base, S>,)?
             out: &'a mut $out,
             model: PhantomData<M>,
         }
-    };
-}
 
-/// A vector of one posture, as a task for any set of instructions.
-macro_rules! vector {
-    ($name:ident, $method:ident -> $n:tt) => {
-        fields!($name, r, [S; $n]);
-
-        impl<M, S, const DOF: usize, const BASE: usize, const FULL: usize> Task<S>
-            for $name<'_, M, S, DOF, BASE, FULL>
-        where
-            M: SescFromSinCos<DOF, BASE, FULL> + ?Sized,
-            S: Scalar,
-        {
+        impl<M: SinCosRobot, S: Scalar> Task<S> for $name<'_, M, S> {
             #[inline(always)]
-            fn run<X: Machine<S>>(self) {
-                let (mut sin, mut cos) = ([S::default(); DOF], [S::default(); DOF]);
-                sines::<M, S, X, DOF, BASE, FULL>(self.q, &mut sin, &mut cos);
-                let value = M::$method(X::ones(&sin), X::ones(&cos), X::ones(self.r));
-                self.out.copy_from_slice(X::scalars(&value));
+            fn run<$set: Machine<S>>(self) {
+                let $task = self;
+                let zeros = <M::Dof as Dim>::from_fn(|_| S::ZERO);
+                let (mut sin, mut cos) = (zeros, zeros);
+                sines::<M, S, $set>($task.q, &mut sin, &mut cos);
+                let ($sin, $cos) = (&sin, &cos);
+                $body
             }
         }
     };
-}
-
-/// Rows of one posture side by side, as a task likewise.
-macro_rules! rows {
-    ($name:ident, $method:ident($($r:ident)?) -> [$n:tt; $m:literal]) => {
-        fields!($name, $($r)?, [[S; $n]; $m]);
-
-        impl<M, S, const DOF: usize, const BASE: usize, const FULL: usize> Task<S>
-            for $name<'_, M, S, DOF, BASE, FULL>
-        where
-            M: SescFromSinCos<DOF, BASE, FULL> + ?Sized,
-            S: Scalar,
-        {
-            #[inline(always)]
-            fn run<X: Machine<S>>(self) {
-                let (mut sin, mut cos) = ([S::default(); DOF], [S::default(); DOF]);
-                sines::<M, S, X, DOF, BASE, FULL>(self.q, &mut sin, &mut cos);
-                let (sin, cos) = (every_row::<S, X, DOF>(&sin), every_row::<S, X, DOF>(&cos));
-                $(let $r = every_row::<S, X, BASE>(self.$r);)?
-                let columns = M::$method(&sin, &cos, $(&$r,)? &axes::<S, X>());
-                for (row, out) in self.out.iter_mut().enumerate() {
-                    for (x, column) in out.iter_mut().zip(&columns) {
-                        *x = X::numbers(*column)[row];
-                    }
+    // A vector.
+    ($name:ident, $method:ident -> $out:ty) => {
+        task!(@task $name, (r), $out, X, |task, sin, cos| {
+            let (sin, cos) = (<M::Dof as Dim>::ones::<S, X>(sin), <M::Dof as Dim>::ones::<S, X>(cos));
+            let value = M::$method(sin, cos, <M::Base as Dim>::ones::<S, X>(task.r));
+            let out: &mut [S] = task.out.as_mut();
+            out.copy_from_slice(X::scalars(value.as_ref()));
+        });
+    };
+    // Rows side by side.
+    ($name:ident, $method:ident($($r:ident)?) -> [$n:ident; $m:literal]) => {
+        task!(@task $name, ($($r)?), [Array<M::$n, S>; $m], X, |task, sin, cos| {
+            let sin = every_row::<M::Dof, S, X>(sin);
+            let cos = every_row::<M::Dof, S, X>(cos);
+            $(let $r = every_row::<M::Base, S, X>(task.$r);)?
+            let columns = M::$method(&sin, &cos, $(&$r,)? &axes::<S, X>());
+            for (row, out) in task.out.iter_mut().enumerate() {
+                for (x, column) in out.as_mut().iter_mut().zip(columns.as_ref()) {
+                    *x = X::numbers(*column)[row];
                 }
             }
-        }
+        });
     };
 }
 
-vector!(Com, com_sc -> 3);
-vector!(GravityMoments, gravity_moments_sc -> DOF);
-vector!(Cop, cop_sc -> 2);
-rows!(ComJacobian, com_jacobian_along(r) -> [DOF; 3]);
-rows!(Regressor, regressor_along() -> [BASE; 3]);
-rows!(RegressorCop, regressor_along() -> [BASE; 2]);
-rows!(RegressorFull, regressor_full_along() -> [FULL; 3]);
+task!(Com, com_sc -> [S; 3]);
+task!(GravityMoments, gravity_moments_sc -> Array<M::Dof, S>);
+task!(Cop, cop_sc -> [S; 2]);
+task!(ComJacobian, com_jacobian_along(r) -> [Dof; 3]);
+task!(Regressor, regressor_along() -> [Base; 3]);
+task!(RegressorCop, regressor_along() -> [Base; 2]);
+task!(RegressorFull, regressor_full_along() -> [Full; 3]);

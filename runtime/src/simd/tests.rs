@@ -4,71 +4,82 @@ use std::println;
 use std::vec::Vec;
 
 use super::*;
-use crate::model::{Sesc, SescFromSinCos};
+use crate::model::Sesc;
 use crate::trig::exact::{Exact, Random};
 use crate::{Lanes, pack, trig, unpack};
+use bench::Bench;
 
-/// Two joints whose functions are what the registers do: sines and cosines, a fused
-/// product, a quotient, a clamp and a power. The second joint slides.
-struct Bench;
+mod bench {
+    use crate::__private::v1::{Const, Real, Robot, SinCosRobot};
 
-impl Sesc<2, 2, 2> for Bench {
-    const JOINT_NAMES: [&'static str; 2] = ["turn", "slide"];
-    const PRISMATIC: [bool; 2] = [false, true];
-    const CAD_PARAMS: [f64; 2] = [0.25, -3.0];
+    /// Two joints whose functions are what the registers do: sines and cosines, a fused
+    /// product, a quotient, a clamp and a power. The second joint is prismatic.
+    pub struct Bench;
 
-    fn com<T: Real>(q: &[T; 2], r: &[T; 2]) -> [T; 3] {
-        let (s, c) = q[0].sin_cos();
-        Self::com_sc(&[s, q[1]], &[c, T::from_f64(0.0)], r)
-    }
-    fn com_jacobian<T: Real>(q: &[T; 2], r: &[T; 2]) -> [[T; 2]; 3] {
-        let [x, y, z] = Self::com(q, r);
-        [[x, y], [y, z], [z, x]]
-    }
-    fn gravity_moments<T: Real>(q: &[T; 2], r: &[T; 2]) -> [T; 2] {
-        [(q[0] / r[1]).clamp_unit(), (q[1] * q[1]).power(r[0])]
-    }
-    fn regressor<T: Real>(q: &[T; 2]) -> [[T; 2]; 3] {
-        let (s, c) = q[0].sin_cos();
-        [[s, c], [-s, q[0] - q[1]], [s + c, s * c]]
-    }
-    fn regressor_cop<T: Real>(q: &[T; 2]) -> [[T; 2]; 2] {
-        let (s, c) = q[0].sin_cos();
-        [[s, c], [c, s]]
-    }
-    fn regressor_full<T: Real>(q: &[T; 2]) -> [[T; 2]; 3] {
-        Self::regressor(q)
-    }
-    fn cop<T: Real>(q: &[T; 2], r: &[T; 2]) -> [T; 2] {
-        let [x, y, _] = Self::com(q, r);
-        [x, y]
-    }
-}
+    impl Robot for Bench {
+        type Dof = Const<2>;
+        type Base = Const<2>;
+        type Full = Const<2>;
+        const JOINT_NAMES: [&'static str; 2] = ["revolute", "prismatic"];
+        const PRISMATIC: [bool; 2] = [false, true];
+        const JOINT_LOWER: [f64; 2] = [-6.0, -2.0];
+        const JOINT_UPPER: [f64; 2] = [6.0, 2.0];
+        const TOTAL_MASS_KG: f64 = 1.0;
+        const CAD_PARAMS: [f64; 2] = [0.25, -3.0];
 
-impl SescFromSinCos<2, 2, 2> for Bench {
-    fn com_sc<T: Real>(sin: &[T; 2], cos: &[T; 2], r: &[T; 2]) -> [T; 3] {
-        let squares = sin[0].mul_plus(sin[0], -(cos[0] * cos[0]));
-        [squares, sin[1].mul_plus(r[0], r[1]), sin[0]]
+        fn com<T: Real>(q: &[T; 2], r: &[T; 2]) -> [T; 3] {
+            let (s, c) = q[0].sin_cos();
+            Self::com_sc(&[s, q[1]], &[c, T::from_f64(0.0)], r)
+        }
+        fn com_jacobian_into<T: Real>(q: &[T; 2], r: &[T; 2], jacobian: &mut [[T; 2]; 3]) {
+            let [x, y, z] = Self::com(q, r);
+            *jacobian = [[x, y], [y, z], [z, x]];
+        }
+        fn gravity_moments<T: Real>(q: &[T; 2], r: &[T; 2]) -> [T; 2] {
+            [(q[0] / r[1]).clamp_unit(), (q[1] * q[1]).power(r[0])]
+        }
+        fn regressor_into<T: Real>(q: &[T; 2], rows: &mut [[T; 2]; 3]) {
+            let (s, c) = q[0].sin_cos();
+            *rows = [[s, c], [-s, q[0] - q[1]], [s + c, s * c]];
+        }
+        fn regressor_cop_into<T: Real>(q: &[T; 2], rows: &mut [[T; 2]; 2]) {
+            let (s, c) = q[0].sin_cos();
+            *rows = [[s, c], [c, s]];
+        }
+        fn regressor_full_into<T: Real>(q: &[T; 2], rows: &mut [[T; 2]; 3]) {
+            Self::regressor_into(q, rows);
+        }
+        fn cop<T: Real>(q: &[T; 2], r: &[T; 2]) -> [T; 2] {
+            let [x, y, _] = Self::com(q, r);
+            [x, y]
+        }
     }
-    fn com_jacobian_sc<T: Real>(sin: &[T; 2], cos: &[T; 2], r: &[T; 2]) -> [[T; 2]; 3] {
-        let [x, y, z] = Self::com_sc(sin, cos, r);
-        [[x, y], [y, z], [z, x]]
-    }
-    fn gravity_moments_sc<T: Real>(sin: &[T; 2], cos: &[T; 2], r: &[T; 2]) -> [T; 2] {
-        [sin[0] * r[0], cos[0] * r[1]]
-    }
-    fn regressor_sc<T: Real>(sin: &[T; 2], cos: &[T; 2]) -> [[T; 2]; 3] {
-        [[sin[0], cos[0]], [sin[1], sin[0]], [cos[0], sin[1]]]
-    }
-    fn regressor_cop_sc<T: Real>(sin: &[T; 2], cos: &[T; 2]) -> [[T; 2]; 2] {
-        [[sin[0], cos[0]], [sin[1], sin[0]]]
-    }
-    fn regressor_full_sc<T: Real>(sin: &[T; 2], cos: &[T; 2]) -> [[T; 2]; 3] {
-        Self::regressor_sc(sin, cos)
-    }
-    fn cop_sc<T: Real>(sin: &[T; 2], cos: &[T; 2], r: &[T; 2]) -> [T; 2] {
-        let [x, y, _] = Self::com_sc(sin, cos, r);
-        [x, y]
+
+    impl SinCosRobot for Bench {
+        fn com_sc<T: Real>(sin: &[T; 2], cos: &[T; 2], r: &[T; 2]) -> [T; 3] {
+            let squares = sin[0].mul_plus(sin[0], -(cos[0] * cos[0]));
+            [squares, sin[1].mul_plus(r[0], r[1]), sin[0]]
+        }
+        fn com_jacobian_sc<T: Real>(sin: &[T; 2], cos: &[T; 2], r: &[T; 2]) -> [[T; 2]; 3] {
+            let [x, y, z] = Self::com_sc(sin, cos, r);
+            [[x, y], [y, z], [z, x]]
+        }
+        fn gravity_moments_sc<T: Real>(sin: &[T; 2], cos: &[T; 2], r: &[T; 2]) -> [T; 2] {
+            [sin[0] * r[0], cos[0] * r[1]]
+        }
+        fn regressor_sc<T: Real>(sin: &[T; 2], cos: &[T; 2]) -> [[T; 2]; 3] {
+            [[sin[0], cos[0]], [sin[1], sin[0]], [cos[0], sin[1]]]
+        }
+        fn regressor_cop_sc<T: Real>(sin: &[T; 2], cos: &[T; 2]) -> [[T; 2]; 2] {
+            [[sin[0], cos[0]], [sin[1], sin[0]]]
+        }
+        fn regressor_full_sc<T: Real>(sin: &[T; 2], cos: &[T; 2]) -> [[T; 2]; 3] {
+            Self::regressor_sc(sin, cos)
+        }
+        fn cop_sc<T: Real>(sin: &[T; 2], cos: &[T; 2], r: &[T; 2]) -> [T; 2] {
+            let [x, y, _] = Self::com_sc(sin, cos, r);
+            [x, y]
+        }
     }
 }
 
@@ -231,7 +242,7 @@ fn single_postures_are_those_of_the_batch() {
                 );
                 assert!((batch[0][axis].0[5] - exact[axis]).abs() < 1e-15);
             }
-            // A joint that slides keeps its position, whatever its sine is.
+            // A prismatic joint keeps its position, whatever its sine is.
             let straight = q[1] * r[0] + r[1];
             assert!((single[1] - straight).abs() < 1e-15, "{}", simd.name());
         }

@@ -1,10 +1,13 @@
 //! The statements of one function: a listing, spelled in Rust.
+//!
+//! `a * b + c` is `a.mul_plus(b, c)`, whose nesting reads inside out: each stands in a
+//! statement of its own, under the name of what it is a part of.
 
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{format_ident, quote};
 
 use super::number;
-use crate::emit::header;
+use super::printed::Notes;
 use crate::emit::listing::{Line, Listing, Strength};
 use sesc_model::expr::{Expr, Id};
 use sesc_model::program::{Program, Shape};
@@ -14,35 +17,50 @@ pub(super) struct Body<'p> {
     listing: Listing<'p>,
     /// The matrix that results are written to; without one they are the value of the body.
     matrix: Option<Ident>,
+    statements: Vec<TokenStream>,
+    /// Parts that got names of their own: `p1`, `p2`, …
+    parts: usize,
+}
+
+/// Where an expression stands, and so whether it may be a `mul_plus`.
+#[derive(Clone, Copy)]
+enum Place<'n> {
+    /// In a statement: it may.
+    Open,
+    /// In a `mul_plus`: one that is needed here is bound before, to this name or a new one.
+    Inside(Option<&'n Ident>),
 }
 
 impl<'p> Body<'p> {
     pub(super) fn new(listing: Listing<'p>, matrix: Option<Ident>) -> Body<'p> {
-        Body { listing, matrix }
+        Body {
+            listing,
+            matrix,
+            statements: Vec::new(),
+            parts: 0,
+        }
     }
 
-    pub(super) fn statements(&self, titles: &mut Vec<String>) -> TokenStream {
-        let mut statements: Vec<TokenStream> = self.constants();
-        for line in &self.listing.lines {
-            statements.push(match *line {
-                Line::Title(title) => {
-                    let number = Literal::usize_unsuffixed(titles.len());
-                    titles.push(header::printable(title));
-                    quote! { section!(#number); }
-                }
+    pub(super) fn statements(mut self, notes: &mut Notes) -> TokenStream {
+        self.statements = self.constants();
+        for line in std::mem::take(&mut self.listing.lines) {
+            let statement = match line {
+                Line::Title(title) => notes.section(title),
                 Line::SinCos { angle, sin, cos } => self.sin_cos(angle, [sin, cos]),
                 Line::Let(id) => {
-                    let (value, _) = self.expression(self.program().expr(id));
                     let name = self.name(id).expect("a statement binds a name");
+                    let (value, _) = self.expression(self.program().expr(id), Place::Open, Some(&name));
                     quote! { let #name = #value; }
                 }
-                Line::Result(k) => match &self.matrix {
-                    Some(matrix) => self.entry(matrix, k),
+                Line::Result(k) => match self.matrix.clone() {
+                    Some(matrix) => self.entry(&matrix, k),
                     None => continue,
                 },
-            });
+            };
+            self.statements.push(statement);
         }
         let value = self.matrix.is_none().then(|| self.value());
+        let statements = self.statements;
         quote! { #(#statements)* #value }
     }
 
@@ -56,9 +74,8 @@ impl<'p> Body<'p> {
     }
 
     /// Sine and cosine of one angle, even when only one of them is needed.
-    fn sin_cos(&self, angle: Id, pair: [Option<Id>; 2]) -> TokenStream {
-        let (value, strength) = self.operand(angle);
-        let value = parenthesised(value, strength, Strength::Atom);
+    fn sin_cos(&mut self, angle: Id, pair: [Option<Id>; 2]) -> TokenStream {
+        let value = self.operand(angle, Place::Open, Strength::Atom);
         let [s, c] = pair.map(|id| match id.and_then(|id| self.name(id)) {
             Some(name) => quote!(#name),
             None => quote!(_),
@@ -67,17 +84,28 @@ impl<'p> Body<'p> {
     }
 
     /// An operand: its name, or its expression written out.
-    fn operand(&self, id: Id) -> (TokenStream, Strength) {
-        match self.name(id) {
-            Some(name) => (quote!(#name), Strength::Atom),
-            None => self.expression(self.program().expr(id)),
+    fn operand(&mut self, id: Id, place: Place, least: Strength) -> TokenStream {
+        if let Some(name) = self.name(id) {
+            return quote!(#name);
+        }
+        let (value, strength) = self.expression(self.program().expr(id), place, None);
+        match strength < least {
+            true => quote!((#value)),
+            false => value,
         }
     }
 
-    fn expression(&self, expr: Expr) -> (TokenStream, Strength) {
-        let at = |id: Id, least: Strength| {
-            let (value, strength) = self.operand(id);
-            parenthesised(value, strength, least)
+    /// An expression; `whole` is the name that all of it gets.
+    fn expression(
+        &mut self,
+        expr: Expr,
+        place: Place,
+        whole: Option<&Ident>,
+    ) -> (TokenStream, Strength) {
+        // The name is for a sum that continues as the next one, not for two in one place.
+        let inner = match place {
+            Place::Open => Place::Open,
+            Place::Inside(_) => Place::Inside(None),
         };
         match expr {
             Expr::Const(x) => (constant(x), Strength::Atom),
@@ -87,46 +115,47 @@ impl<'p> Body<'p> {
                 (quote!(#array[#index]), Strength::Atom)
             }
             // A sum on the right keeps its parentheses: rounding depends on the order.
-            Expr::Add(a, b) => {
-                if let Some(fused) = self.fused(a, b, false) {
-                    return (fused, Strength::Atom);
+            Expr::Add(a, b) | Expr::Sub(a, b) => {
+                let minus = matches!(expr, Expr::Sub(..));
+                if let Some(product) = self.product_in(a, b, minus) {
+                    return (self.mul_plus(product, place, whole), Strength::Atom);
                 }
-                let (a, b) = (at(a, Strength::Sum), at(b, Strength::Product));
-                (quote!(#a + #b), Strength::Sum)
-            }
-            Expr::Sub(a, b) => {
-                if let Some(fused) = self.fused(a, b, true) {
-                    return (fused, Strength::Atom);
+                let a = self.operand(a, inner, Strength::Sum);
+                let b = self.operand(b, inner, Strength::Product);
+                match minus {
+                    true => (quote!(#a - #b), Strength::Sum),
+                    false => (quote!(#a + #b), Strength::Sum),
                 }
-                let (a, b) = (at(a, Strength::Sum), at(b, Strength::Product));
-                (quote!(#a - #b), Strength::Sum)
             }
             Expr::Mul(a, b) => {
-                let (a, b) = (at(a, Strength::Product), at(b, Strength::Sign));
+                let a = self.operand(a, inner, Strength::Product);
+                let b = self.operand(b, inner, Strength::Sign);
                 (quote!(#a * #b), Strength::Product)
             }
             Expr::Neg(a) => {
-                let a = at(a, Strength::Atom);
+                let a = self.operand(a, inner, Strength::Atom);
                 (quote!(-#a), Strength::Sign)
             }
             Expr::Div(a, b) => {
-                let (a, b) = (at(a, Strength::Product), at(b, Strength::Sign));
+                let a = self.operand(a, inner, Strength::Product);
+                let b = self.operand(b, inner, Strength::Sign);
                 (quote!(#a / #b), Strength::Product)
             }
             Expr::Clamp(a) => {
-                let a = at(a, Strength::Atom);
+                let a = self.operand(a, inner, Strength::Atom);
                 (quote!(#a.clamp_unit()), Strength::Atom)
             }
             Expr::Pow(a, b) => {
-                let (a, b) = (at(a, Strength::Atom), at(b, Strength::Sum));
+                let a = self.operand(a, inner, Strength::Atom);
+                let b = self.operand(b, inner, Strength::Sum);
                 (quote!(#a.power(#b)), Strength::Atom)
             }
             Expr::Sin(a) => {
-                let a = at(a, Strength::Atom);
+                let a = self.operand(a, inner, Strength::Atom);
                 (quote!(#a.sin_cos().0), Strength::Atom)
             }
             Expr::Cos(a) => {
-                let a = at(a, Strength::Atom);
+                let a = self.operand(a, inner, Strength::Atom);
                 (quote!(#a.sin_cos().1), Strength::Atom)
             }
         }
@@ -144,27 +173,50 @@ impl<'p> Body<'p> {
     }
 
     /// `a ± b` where one is a product: one rounding fewer where the machine can.
-    fn fused(&self, a: Id, b: Id, minus: bool) -> Option<TokenStream> {
-        let atom = |id: Id| {
-            let (value, strength) = self.operand(id);
-            parenthesised(value, strength, Strength::Atom)
-        };
-        let (negated, [x, y], term) = match (self.factors(a), self.factors(b)) {
-            (Some(factors), _) => (false, factors, b),
-            (None, Some(factors)) => (minus, factors, a),
+    fn product_in(&self, a: Id, b: Id, minus: bool) -> Option<ProductSum> {
+        let (subtract, factors, term) = match (self.factors(a), self.factors(b)) {
+            (Some(factors), _) => ([false, minus], factors, b),
+            (None, Some(factors)) => ([minus, false], factors, a),
             (None, None) => return None,
         };
-        let x = atom(x);
-        let x = if negated { quote!((-#x)) } else { x };
-        let y = self.operand(y).0;
-        let term = match minus && !negated {
-            true => {
-                let term = atom(term);
-                quote!(-#term)
-            }
-            false => self.operand(term).0,
+        Some(ProductSum {
+            factors,
+            term,
+            subtract,
+        })
+    }
+
+    fn mul_plus(&mut self, sum: ProductSum, place: Place, whole: Option<&Ident>) -> TokenStream {
+        let whole = match place {
+            Place::Open => whole,
+            Place::Inside(name) => name,
         };
-        Some(quote!(#x.mul_plus(#y, #term)))
+        let [x, y] = sum.factors;
+        let x = self.operand(x, Place::Inside(None), Strength::Atom);
+        let y = self.operand(y, Place::Inside(None), Strength::Sum);
+        let least = match sum.subtract[1] {
+            true => Strength::Atom,
+            false => Strength::Sum,
+        };
+        let term = self.operand(sum.term, Place::Inside(whole), least);
+        let [x, term] = [(x, sum.subtract[0]), (term, sum.subtract[1])].map(|(x, minus)| match minus {
+            true => quote!(-#x),
+            false => x,
+        });
+        let x = match sum.subtract[0] {
+            true => quote!((#x)),
+            false => x,
+        };
+        let value = quote!(#x.mul_plus(#y, #term));
+        if let Place::Open = place {
+            return value;
+        }
+        let name = whole.cloned().unwrap_or_else(|| {
+            self.parts += 1;
+            format_ident!("p{}", self.parts)
+        });
+        self.statements.push(quote! { let #name = #value; });
+        quote!(#name)
     }
 
     /// Names of the constants that results repeat.
@@ -185,7 +237,7 @@ impl<'p> Body<'p> {
     }
 
     /// Result `k`, written to its place.
-    fn entry(&self, matrix: &Ident, k: usize) -> TokenStream {
+    fn entry(&mut self, matrix: &Ident, k: usize) -> TokenStream {
         let value = self.output(self.program().outputs[k]);
         let Shape::Matrix { cols, .. } = self.program().shape else {
             unreachable!("vectors are values")
@@ -194,40 +246,40 @@ impl<'p> Body<'p> {
         quote! { #matrix[#row][#col] = #value; }
     }
 
-    fn output(&self, id: Id) -> TokenStream {
+    fn output(&mut self, id: Id) -> TokenStream {
         match self.program().expr(id) {
             Expr::Const(0.0) => quote!(zero),
             Expr::Const(1.0) => quote!(one),
-            _ => self.operand(id).0,
+            _ => self.operand(id, Place::Open, Strength::Sum),
         }
     }
 
-    /// The array of results.
-    fn value(&self) -> TokenStream {
+    /// The array of results; rows get names.
+    fn value(&mut self) -> TokenStream {
         let outputs = &self.program().outputs;
-        let entry = |id: &Id| self.output(*id);
-        match self.program().shape {
-            Shape::Vector(_) => {
-                let entries = outputs.iter().map(entry);
-                quote! { [#(#entries),*] }
-            }
-            Shape::Matrix { rows, cols } => {
-                let rows = (0..rows).map(|k| {
-                    let entries = outputs[k * cols..(k + 1) * cols].iter().map(entry);
-                    quote! { [#(#entries),*] }
-                });
-                quote! { [#(#rows),*] }
-            }
+        let Shape::Matrix { rows, cols } = self.program().shape else {
+            let entries: Vec<_> = outputs.iter().map(|id| self.output(*id)).collect();
+            return quote! { [#(#entries),*] };
+        };
+        let names = (0..rows).map(|k| match ["x", "y", "z"].get(k) {
+            Some(axis) if rows <= 3 => format_ident!("row_{axis}"),
+            _ => format_ident!("row_{k}"),
+        });
+        let names: Vec<Ident> = names.collect();
+        for (name, row) in names.iter().zip(outputs.chunks(cols)) {
+            let entries: Vec<_> = row.iter().map(|id| self.output(*id)).collect();
+            self.statements.push(quote! { let #name = [#(#entries),*]; });
         }
+        quote! { [#(#names),*] }
     }
 }
 
-fn parenthesised(value: TokenStream, strength: Strength, least: Strength) -> TokenStream {
-    if strength < least {
-        quote!((#value))
-    } else {
-        value
-    }
+/// `±x·y ± term`.
+struct ProductSum {
+    factors: [Id; 2],
+    term: Id,
+    /// Whether the product and the term count negatively.
+    subtract: [bool; 2],
 }
 
 /// A constant of the working precision.

@@ -3,7 +3,8 @@
 use proc_macro2::{Ident, Literal, Span};
 use quote::quote;
 
-use super::{Body, allow_names, printed};
+use super::printed::{self, Notes};
+use super::{Body, allow_names};
 use crate::Error;
 use crate::emit::header;
 use crate::emit::listing::{Listing, Results};
@@ -42,8 +43,8 @@ pub fn function(program: &Program, name: &str) -> Result<String, Error> {
             quote! { [[T; #cols]; #rows] }
         }
     };
-    let mut titles = Vec::new();
-    let body = Body::new(listing, None).statements(&mut titles);
+    let mut notes = Notes::default();
+    let body = Body::new(listing, None).statements(&mut notes);
     let (ident, allow) = (Ident::new(name, Span::call_site()), allow_names());
     let items = quote! {
         use sesc_runtime::Real;
@@ -63,5 +64,5 @@ pub fn function(program: &Program, name: &str) -> Result<String, Error> {
             header::others(counts)
         ),
     ];
-    printed(items, &about, &titles)
+    printed::file(items, &about, &notes)
 }

@@ -31,11 +31,6 @@ pub(super) fn result(function: Function, given: Given) -> TokenStream {
     }
 }
 
-/// A result of zeros.
-pub(super) fn zeros(function: Function) -> TokenStream {
-    filled(function, function.rows(), &quote!(T::from_f64(0.0)))
-}
-
 /// A vector, or as many as there are rows.
 fn filled(function: Function, rows: Option<usize>, with: &TokenStream) -> TokenStream {
     let columns = extent(function.columns());
@@ -62,34 +57,18 @@ fn extent(extent: Extent) -> TokenStream {
 pub(super) fn documentation(model: &Model, function: Function, given: Given) -> String {
     let what = match function {
         Function::Cop if model.static_effects().next().is_some() => {
-            "Reading of the CoP that a static posture foretells, with the effects at the top of \
+            "Predicted reading of the CoP in a static posture, with the effects at the top of \
              this file, m unless they change its unit."
         }
-        Function::Com => "Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i.",
-        Function::ComJacobian => "∂CoM/∂q, m/rad (m/m for sliding joints), one row per axis.",
-        Function::GravityMoments => {
-            "Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m."
-        }
-        Function::Regressor => "Rows of the base regressor: CoM = rows · r.",
-        Function::RegressorCop => "The x and y rows of the base regressor: CoP = rows · r.",
-        Function::RegressorFull => {
-            "Rows [B_0 B_1 …] of the full regressor, seed paper Eq. (5), in link frames."
-        }
-        Function::Cop => "Centre of pressure that a static posture shows on a level sole, m.",
-        Function::CorrectCop => {
-            "The CoP, m, that a reading (as `cop` foretells it) was made of: the effects of the \
-             sensor taken back."
-        }
+        function => function.interface().sentence,
     };
     match given {
         Given::Positions => format!(" {what}"),
         Given::SinesCosines => format!(
-            " {what}\n\n From sines and cosines; a sliding joint passes its position in `sin`."
+            " {what}\n\n From sines and cosines; a prismatic joint passes its position in `sin`."
         ),
-        Given::Direction => format!(
-            " {what}\n\n Their combination `along` a direction of the support frame, no longer \
-             than one, from sines and cosines as above."
-        ),
+        // Hidden, documented in the runtime.
+        Given::Direction => String::new(),
     }
 }
 

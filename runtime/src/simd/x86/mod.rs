@@ -227,18 +227,6 @@ macro_rules! machine {
             }
 
             #[inline(always)]
-            fn settle<const N: usize, const M: usize>(
-                room: &[[$vector; N]; M],
-                blocks: &mut [[crate::Lanes<$scalar, $count>; N]; M],
-                part: usize,
-            ) {
-                if $lanes != $count {
-                    let (from, to) = (room.as_flattened(), blocks.as_flattened_mut());
-                    <Self as crate::simd::sealed::Machine<$scalar>>::store(from, to, part);
-                }
-            }
-
-            #[inline(always)]
             fn ones<const N: usize>(scalars: &[$scalar; N]) -> &[$one; N] {
                 // SAFETY: the one is a transparent wrapper of the other.
                 unsafe { &*core::ptr::from_ref(scalars).cast() }

@@ -1,0 +1,153 @@
+//! What generated code implements: version 1 of the interface between generator and runtime.
+//!
+//! Everything public about a robot ([`Sesc`](crate::Sesc) and what builds on it) is derived
+//! from these traits, so that it can grow without a change of generated code. Where these
+//! traits change, a new version of this module stands beside or instead of it, and
+//! [`__interface`](crate::__interface) tells generated code of another version what to do.
+//!
+//! Bodies are `inline(always)`: they end up inside functions that are compiled for the
+//! registers of a set of instructions, and nothing that is called can have those.
+
+pub use crate::dim::{Const, Dim};
+pub use crate::real::Real;
+
+/// So many of `T`.
+pub type Array<D, T> = <D as Dim>::Array<T>;
+
+/// A robot on one support link; constants and functions are those of
+/// [`Sesc`](crate::Sesc), matrices written to where the caller wants them.
+#[allow(missing_docs)]
+pub trait Robot {
+    type Dof: Dim;
+    type Base: Dim;
+    type Full: Dim;
+
+    const JOINT_NAMES: Array<Self::Dof, &'static str>;
+    const PRISMATIC: Array<Self::Dof, bool>;
+    const JOINT_LOWER: Array<Self::Dof, f64>;
+    const JOINT_UPPER: Array<Self::Dof, f64>;
+    const TOTAL_MASS_KG: f64;
+    const CAD_PARAMS: Array<Self::Base, f64>;
+
+    fn com<T: Real>(q: &Array<Self::Dof, T>, r: &Array<Self::Base, T>) -> [T; 3];
+
+    fn com_jacobian_into<T: Real>(
+        q: &Array<Self::Dof, T>,
+        r: &Array<Self::Base, T>,
+        jacobian: &mut [Array<Self::Dof, T>; 3],
+    );
+
+    fn gravity_moments<T: Real>(
+        q: &Array<Self::Dof, T>,
+        r: &Array<Self::Base, T>,
+    ) -> Array<Self::Dof, T>;
+
+    fn regressor_into<T: Real>(q: &Array<Self::Dof, T>, rows: &mut [Array<Self::Base, T>; 3]);
+
+    fn regressor_cop_into<T: Real>(q: &Array<Self::Dof, T>, rows: &mut [Array<Self::Base, T>; 2]);
+
+    fn regressor_full_into<T: Real>(q: &Array<Self::Dof, T>, rows: &mut [Array<Self::Full, T>; 3]);
+
+    fn cop<T: Real>(q: &Array<Self::Dof, T>, r: &Array<Self::Base, T>) -> [T; 2];
+}
+
+/// The functions of [`SescFromSinCos`](crate::SescFromSinCos), and rows combined by a
+/// direction `along` of the support frame, no longer than one: `dᵀ J` and `dᵀ Y`. Three
+/// directions side by side in `T` give the three rows of one posture.
+#[allow(missing_docs)]
+pub trait SinCosRobot: Robot {
+    fn com_sc<T: Real>(
+        sin: &Array<Self::Dof, T>,
+        cos: &Array<Self::Dof, T>,
+        r: &Array<Self::Base, T>,
+    ) -> [T; 3];
+
+    fn com_jacobian_sc<T: Real>(
+        sin: &Array<Self::Dof, T>,
+        cos: &Array<Self::Dof, T>,
+        r: &Array<Self::Base, T>,
+    ) -> [Array<Self::Dof, T>; 3];
+
+    fn gravity_moments_sc<T: Real>(
+        sin: &Array<Self::Dof, T>,
+        cos: &Array<Self::Dof, T>,
+        r: &Array<Self::Base, T>,
+    ) -> Array<Self::Dof, T>;
+
+    fn regressor_sc<T: Real>(
+        sin: &Array<Self::Dof, T>,
+        cos: &Array<Self::Dof, T>,
+    ) -> [Array<Self::Base, T>; 3];
+
+    fn regressor_cop_sc<T: Real>(
+        sin: &Array<Self::Dof, T>,
+        cos: &Array<Self::Dof, T>,
+    ) -> [Array<Self::Base, T>; 2];
+
+    fn regressor_full_sc<T: Real>(
+        sin: &Array<Self::Dof, T>,
+        cos: &Array<Self::Dof, T>,
+    ) -> [Array<Self::Full, T>; 3];
+
+    fn cop_sc<T: Real>(
+        sin: &Array<Self::Dof, T>,
+        cos: &Array<Self::Dof, T>,
+        r: &Array<Self::Base, T>,
+    ) -> [T; 2];
+
+    #[inline(always)]
+    fn com_jacobian_along<T: Real>(
+        sin: &Array<Self::Dof, T>,
+        cos: &Array<Self::Dof, T>,
+        r: &Array<Self::Base, T>,
+        along: &[T; 3],
+    ) -> Array<Self::Dof, T> {
+        combined::<Self::Dof, T>(&Self::com_jacobian_sc(sin, cos, r), along)
+    }
+
+    #[inline(always)]
+    fn regressor_along<T: Real>(
+        sin: &Array<Self::Dof, T>,
+        cos: &Array<Self::Dof, T>,
+        along: &[T; 3],
+    ) -> Array<Self::Base, T> {
+        combined::<Self::Base, T>(&Self::regressor_sc(sin, cos), along)
+    }
+
+    #[inline(always)]
+    fn regressor_full_along<T: Real>(
+        sin: &Array<Self::Dof, T>,
+        cos: &Array<Self::Dof, T>,
+        along: &[T; 3],
+    ) -> Array<Self::Full, T> {
+        combined::<Self::Full, T>(&Self::regressor_full_sc(sin, cos), along)
+    }
+}
+
+#[inline(always)]
+fn combined<D: Dim, T: Real>([x, y, z]: &[D::Array<T>; 3], d: &[T; 3]) -> D::Array<T> {
+    D::from_fn(|k| x[k] * d[0] + y[k] * d[1] + z[k] * d[2])
+}
+
+/// A robot whose model has effects of its CoP sensor: [`CorrectCop`](crate::CorrectCop).
+#[allow(missing_docs)]
+pub trait SensorEffects: Robot {
+    fn correct_cop<T: Real>(reading: &[T; 2]) -> [T; 2];
+}
+
+/// Fails where generated code was written for another version than this module's, with a
+/// sentence that says what to do.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __interface {
+    (1) => {};
+    ($other:tt) => {
+        compile_error!(concat!(
+            "this file was generated for version ",
+            stringify!($other),
+            " of the interface between sesc-codegen and sesc-runtime, and the sesc-runtime of \
+             this build has version 1: give both crates the same version in Cargo.toml, and \
+             where the file was written by `sesc generate`, write it again with that version"
+        ));
+    };
+}
