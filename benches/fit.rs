@@ -89,7 +89,7 @@ fn many(c: &mut Criterion) {
         .collect();
     let start = Estimator::with_nominal(&CAD_PARAMS).unwrap();
     let fit = |simd, q: &[[f64; DOF]], cop: &[[f64; 2]]| {
-        start.batch(op2::Op2RSole, simd, black_box(q), cop, &[1e-3; 2])
+        start.batch::<op2::Op2RSole>(simd, black_box(q), cop, &[1e-3; 2])
     };
     for count in [1_000, 100_000, 1_000_000] {
         let (q, cop) = (&q[..count], &cop[..count]);

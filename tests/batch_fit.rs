@@ -52,9 +52,9 @@ fn worst(a: &[f64; N], b: &[f64; N]) -> f64 {
 fn householder((q, cop): &Postures) -> [f64; N] {
     let rows: Vec<[f64; N]> = q.iter().flat_map(op2::regressor_cop).collect();
     let weight = |i: usize| 1.0 / STD[i % 2];
-    // The column of the height is not seen.
-    let seen: Vec<usize> = (0..N).filter(|k| *k != 2).collect();
-    let matrix = DMatrix::from_fn(rows.len(), seen.len(), |i, k| weight(i) * rows[i][seen[k]]);
+    // The column of the height is not observable.
+    let observable: Vec<usize> = (0..N).filter(|k| *k != 2).collect();
+    let matrix = DMatrix::from_fn(rows.len(), observable.len(), |i, k| weight(i) * rows[i][observable[k]]);
     let off = DVector::from_fn(rows.len(), |i, _| {
         let nominal: f64 = rows[i].iter().zip(&CAD_PARAMS).map(|(y, r)| y * r).sum();
         weight(i) * (cop[i / 2][i % 2] - nominal)
@@ -64,7 +64,7 @@ fn householder((q, cop): &Postures) -> [f64; N] {
         .solve_upper_triangular(&orthogonal.tr_mul(&off))
         .unwrap();
     let mut params = CAD_PARAMS;
-    for (k, change) in seen.into_iter().zip(change.iter()) {
+    for (k, change) in observable.into_iter().zip(change.iter()) {
         params[k] += change;
     }
     params
@@ -80,12 +80,12 @@ fn it_is_what_postures_in_turn_give() {
         for start in [&start, &believed] {
             let turn = in_turn(start, &data);
             for simd in Simd::available() {
-                let batch = start.batch(Op2RSole, simd, &data.0, &data.1, &STD).unwrap();
+                let batch = start.batch::<Op2RSole>(simd, &data.0, &data.1, &STD).unwrap();
                 let what = format!("{count} on {}", simd.name());
                 assert_eq!(batch.rank(), turn.rank(), "{what}");
                 assert_eq!(batch.postures(), count as u64, "{what}");
                 let off = worst(&batch.params(), &turn.params());
-                // Few postures leave directions that are barely seen.
+                // Few postures leave directions that are barely observable.
                 let within = if count > 64 { 1e-12 } else { 1e-9 };
                 assert!(off < within, "{what}: {off:e}");
                 let (mut mine, mut theirs) = ([[0.0; N]; N], [[0.0; N]; N]);
@@ -119,7 +119,7 @@ fn it_finds_the_truth_to_the_last_digits() {
     expected[2] = CAD_PARAMS[2];
     for simd in Simd::available() {
         let start = Estimator::with_nominal(&CAD_PARAMS).unwrap();
-        let found = start.batch(Op2RSole, simd, &data.0, &data.1, &STD).unwrap();
+        let found = start.batch::<Op2RSole>(simd, &data.0, &data.1, &STD).unwrap();
         let off = worst(&found.params(), &expected);
         println!("{}: {off:.1e} m", simd.name());
         assert!(off < 2e-15, "{off:e}");
@@ -135,7 +135,7 @@ fn narrow_postures_cost_no_digits() {
         let exact = householder(&data);
         for simd in Simd::available() {
             let start = Estimator::with_nominal(&CAD_PARAMS).unwrap();
-            let found = start.batch(Op2RSole, simd, &data.0, &data.1, &STD).unwrap();
+            let found = start.batch::<Op2RSole>(simd, &data.0, &data.1, &STD).unwrap();
             let off = worst(&found.params(), &exact);
             let turn = worst(&in_turn(&start, &data).params(), &exact);
             println!(
@@ -151,19 +151,19 @@ fn narrow_postures_cost_no_digits() {
 fn shares_merge_into_the_whole() {
     let (q, cop) = data(4_000, 0.0, 0.5, 1e-3);
     let start = Estimator::with_nominal(&CAD_PARAMS).unwrap();
-    let whole = start.batch(Op2RSole, Simd::best(), &q, &cop, &STD).unwrap();
+    let whole = start.batch::<Op2RSole>(Simd::best(), &q, &cop, &STD).unwrap();
     let mut first = start
-        .batch(Op2RSole, Simd::best(), &q[..1500], &cop, &STD)
+        .batch::<Op2RSole>(Simd::best(), &q[..1500], &cop[..1500], &STD)
         .unwrap();
     let second = start
-        .batch(Op2RSole, Simd::best(), &q[1500..], &cop[1500..], &STD)
+        .batch::<Op2RSole>(Simd::best(), &q[1500..], &cop[1500..], &STD)
         .unwrap();
     first.merge(&second).unwrap();
     assert_eq!(first.postures(), 4_000);
     assert!(worst(&first.params(), &whole.params()) < 1e-12);
     // What is known already counts.
     let other = first
-        .batch(Op2RSole, Simd::best(), &q[..800], &cop[..800], &STD)
+        .batch::<Op2RSole>(Simd::best(), &q[..800], &cop[..800], &STD)
         .unwrap();
     let turn = in_turn(&first, &(q[..800].to_vec(), cop[..800].to_vec()));
     assert!(worst(&other.params(), &turn.params()) < 1e-12);
@@ -177,7 +177,7 @@ fn forgetting_feeds_in_turn() {
         .forgetting(0.99)
         .unwrap();
     let found = start
-        .batch(Op2RSole, Simd::best(), &data.0, &data.1, &STD)
+        .batch::<Op2RSole>(Simd::best(), &data.0, &data.1, &STD)
         .unwrap();
     assert_eq!(found, in_turn(&start, &data));
 }
@@ -188,11 +188,15 @@ fn what_is_no_number_is_refused() {
     let (q, cop) = data(100, 0.0, 0.5, 1e-3);
     let fit = |q: &[[f64; DOF]], cop: &[[f64; 2]], std: [f64; 2]| {
         start
-            .batch(Op2RSole, Simd::best(), q, cop, &std)
+            .batch::<Op2RSole>(Simd::best(), q, cop, &std)
             .map(|found| found.postures())
     };
     assert_eq!(fit(&q, &cop, STD), Ok(100));
-    assert_eq!(fit(&q, &cop[..50], STD), Ok(50));
+    let lengths = Error::Length {
+        postures: 100,
+        readings: 50,
+    };
+    assert_eq!(fit(&q, &cop[..50], STD), Err(lengths));
     assert_eq!(fit(&[], &[], STD), Ok(0));
     assert_eq!(fit(&q, &cop, [0.0, 1.0]), Err(Error::Std));
     assert_eq!(fit(&q, &cop, [1e-3, f64::NAN]), Err(Error::NotFinite));

@@ -103,7 +103,8 @@ fn write_crate(folder: &Path, cases: &[Case]) {
             .program(Function::Com, Given::SinesCosines)
             .is_some();
         let which = if sc { "run_sc" } else { "run" };
-        let _ = writeln!(main, "    {which}!({});", case.module);
+        let unit = case.module.replace("case_", "Case");
+        let _ = writeln!(main, "    {which}!({}, {unit});", case.module);
         let bytes: Vec<u8> = case.q.iter().flat_map(|x| x.to_le_bytes()).collect();
         fs::write(folder.join(format!("{}.q", case.module)), bytes).unwrap();
     }

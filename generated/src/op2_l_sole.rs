@@ -27,23 +27,29 @@
 // Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
 // parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
 // against exact evaluation with the same parameters.
+//
+// method         statically equivalent serial chain (SESC); equations as numbered in
+//                "Three-dimensional identification of a humanoid robot"
 
-use sesc_runtime::{Real, Sesc};
+use sesc_runtime::__private::v1;
+use sesc_runtime::{Real, Sesc as _, SescFromSinCos as _};
+
+sesc_runtime::__interface!(1);
 
 /// Number of independent joints.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code)]
 pub const DOF: usize = 20;
 
 /// Number of base parameters: columns that data can tell apart.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code)]
 pub const BASE_PARAMS: usize = 43;
 
-/// Number of SESC parameters r_0, r_1, … (and s of sliding joints).
-#[allow(dead_code, clippy::all)]
+/// Number of SESC parameters r_0, r_1, … (and s of prismatic joints).
+#[allow(dead_code)]
 pub const FULL_PARAMS: usize = 63;
 
 /// Joints in the order of `q`.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code)]
 pub const JOINT_NAMES: [&str; DOF] = [
     "head_pan",
     "head_tilt",
@@ -67,15 +73,94 @@ pub const JOINT_NAMES: [&str; DOF] = [
     "r_el",
 ];
 
-/// Which joints slide: their `q` is in metres, the others' in radians.
-#[allow(dead_code, clippy::all)]
+/// Index of every joint in `q`.
+#[allow(dead_code, non_upper_case_globals)]
+pub mod joint {
+    pub const HEAD_PAN: usize = 0;
+    pub const HEAD_TILT: usize = 1;
+    pub const L_HIP_YAW: usize = 2;
+    pub const L_HIP_ROLL: usize = 3;
+    pub const L_HIP_PITCH: usize = 4;
+    pub const L_KNEE: usize = 5;
+    pub const L_ANK_PITCH: usize = 6;
+    pub const L_ANK_ROLL: usize = 7;
+    pub const L_SHO_PITCH: usize = 8;
+    pub const L_SHO_ROLL: usize = 9;
+    pub const L_EL: usize = 10;
+    pub const R_HIP_YAW: usize = 11;
+    pub const R_HIP_ROLL: usize = 12;
+    pub const R_HIP_PITCH: usize = 13;
+    pub const R_KNEE: usize = 14;
+    pub const R_ANK_PITCH: usize = 15;
+    pub const R_ANK_ROLL: usize = 16;
+    pub const R_SHO_PITCH: usize = 17;
+    pub const R_SHO_ROLL: usize = 18;
+    pub const R_EL: usize = 19;
+}
+
+/// Which joints are prismatic: their `q` is in metres, the others' in radians.
+#[allow(dead_code)]
 pub const PRISMATIC: [bool; DOF] = [
     false, false, false, false, false, false, false, false, false, false, false, false,
     false, false, false, false, false, false, false, false,
 ];
 
-/// Base parameters in the order of `r`: link and axis in its frame.
+/// Lower joint limits, rad (m at prismatic joints).
 #[allow(dead_code, clippy::all)]
+pub const JOINT_LOWER: [f64; DOF] = [
+    -2.6179939, // head_pan
+    -2.6179939, // head_tilt
+    -2.6179939, // l_hip_yaw
+    -2.6179939, // l_hip_roll
+    -2.6179939, // l_hip_pitch
+    -2.6179939, // l_knee
+    -2.6179939, // l_ank_pitch
+    -2.6179939, // l_ank_roll
+    -2.6179939, // l_sho_pitch
+    -2.6179939, // l_sho_roll
+    -2.6179939, // l_el
+    -2.6179939, // r_hip_yaw
+    -2.6179939, // r_hip_roll
+    -2.6179939, // r_hip_pitch
+    -2.6179939, // r_knee
+    -2.6179939, // r_ank_pitch
+    -2.6179939, // r_ank_roll
+    -2.6179939, // r_sho_pitch
+    -2.6179939, // r_sho_roll
+    -2.6179939, // r_el
+];
+
+/// Upper joint limits, rad (m at prismatic joints).
+#[allow(dead_code, clippy::all)]
+pub const JOINT_UPPER: [f64; DOF] = [
+    2.6179939, // head_pan
+    2.6179939, // head_tilt
+    2.6179939, // l_hip_yaw
+    2.6179939, // l_hip_roll
+    2.6179939, // l_hip_pitch
+    2.6179939, // l_knee
+    2.6179939, // l_ank_pitch
+    2.6179939, // l_ank_roll
+    2.6179939, // l_sho_pitch
+    2.6179939, // l_sho_roll
+    2.6179939, // l_el
+    2.6179939, // r_hip_yaw
+    2.6179939, // r_hip_roll
+    2.6179939, // r_hip_pitch
+    2.6179939, // r_knee
+    2.6179939, // r_ank_pitch
+    2.6179939, // r_ank_roll
+    2.6179939, // r_sho_pitch
+    2.6179939, // r_sho_roll
+    2.6179939, // r_el
+];
+
+/// Total mass from CAD, kg: gravity moments times this and g are in N m.
+#[allow(dead_code, clippy::all)]
+pub const TOTAL_MASS_KG: f64 = 2.925325253;
+
+/// Base parameters in the order of `r`: link and axis in its frame.
+#[allow(dead_code)]
 pub const PARAM_NAMES: [&str; BASE_PARAMS] = [
     "l_sole.x",
     "l_sole.y",
@@ -125,49 +210,49 @@ pub const PARAM_NAMES: [&str; BASE_PARAMS] = [
 /// Base parameters from CAD, m.
 #[allow(dead_code, clippy::all)]
 pub const CAD_PARAMS: [f64; BASE_PARAMS] = [
-    -0.0010725237405351177,
-    -0.010241838606533916,
-    0.032794017716237855,
-    -0.00003500960390767528,
-    0.0007924947431313888,
-    0.00015737139520335586,
-    0.08422326168849197,
-    0.00002815646395548345,
-    0.08036415082453738,
-    -0.001037646205786198,
-    -0.0007924947431313888,
-    0.0,
-    0.059756316109317295,
-    -0.0037115625356265295,
-    -0.03803915304100316,
-    -0.000005935220372607572,
-    0.00001531256050567311,
-    0.0008936193097188895,
-    -0.0006155634123957239,
-    0.00037887327917640026,
-    -0.0012960221329661493,
-    0.0001730709697837521,
-    -0.003301899427745445,
-    -0.000273408178112904,
-    -0.0009290174831895181,
-    -0.001037646205786198,
-    0.0,
-    0.00003500960390767528,
-    -0.0007924947431313888,
-    0.00002815646395548345,
-    -0.012635849175462609,
-    0.00015737139520335586,
-    -0.008776738311508022,
-    -0.0010725237405351177,
-    0.0007924947431313888,
-    -0.0002581613934660824,
-    -0.0007059822837621398,
-    0.00037887327917640026,
-    -0.0012960221329661493,
-    -0.0001730709697837521,
-    -0.003301899427745445,
-    -0.000273408178112904,
-    -0.0009290174831895181,
+    -0.0010725237405351177, // l_sole.x
+    -0.010241838606533916,  // l_sole.y
+    0.032794017716237855,   // l_sole.z
+    -3.500960390767528e-5,  // l_ank_pitch_link.y
+    0.0007924947431313888,  // l_ank_pitch_link.z
+    0.00015737139520335586, // l_knee_link.x
+    0.08422326168849197,    // l_knee_link.z
+    2.815646395548345e-5,   // l_hip_pitch_link.x
+    0.08036415082453738,    // l_hip_pitch_link.z
+    -0.001037646205786198,  // l_hip_roll_link.x
+    -0.0007924947431313888, // l_hip_roll_link.z
+    0.0,                    // l_hip_yaw_link.y
+    0.059756316109317295,   // l_hip_yaw_link.z
+    -0.0037115625356265295, // body_link.x
+    -0.03803915304100316,   // body_link.y
+    -5.935220372607572e-6,  // head_pan_link.x
+    1.531256050567311e-5,   // head_pan_link.y
+    0.0008936193097188895,  // head_tilt_link.u
+    -0.0006155634123957239, // head_tilt_link.v
+    0.00037887327917640026, // l_sho_pitch_link.x
+    -0.0012960221329661493, // l_sho_pitch_link.z
+    0.0001730709697837521,  // l_sho_roll_link.y
+    -0.003301899427745445,  // l_sho_roll_link.z
+    -0.000273408178112904,  // l_el_link.x
+    -0.0009290174831895181, // l_el_link.z
+    -0.001037646205786198,  // r_hip_yaw_link.x
+    0.0,                    // r_hip_yaw_link.y
+    3.500960390767528e-5,   // r_hip_roll_link.y
+    -0.0007924947431313888, // r_hip_roll_link.z
+    2.815646395548345e-5,   // r_hip_pitch_link.x
+    -0.012635849175462609,  // r_hip_pitch_link.z
+    0.00015737139520335586, // r_knee_link.x
+    -0.008776738311508022,  // r_knee_link.z
+    -0.0010725237405351177, // r_ank_pitch_link.x
+    0.0007924947431313888,  // r_ank_pitch_link.z
+    -0.0002581613934660824, // r_ank_roll_link.y
+    -0.0007059822837621398, // r_ank_roll_link.z
+    0.00037887327917640026, // r_sho_pitch_link.x
+    -0.0012960221329661493, // r_sho_pitch_link.z
+    -0.0001730709697837521, // r_sho_roll_link.y
+    -0.003301899427745445,  // r_sho_roll_link.z
+    -0.000273408178112904,  // r_el_link.x
+    -0.0009290174831895181, // r_el_link.z
 ];
 
 /// A posture to test with.
@@ -204,2513 +289,2200 @@ pub const SELF_TEST_COM: [f64; 3] = [
 ];
 
 /// Robot `op2` standing on `l_sole`.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[allow(dead_code, non_camel_case_types)]
 #[derive(Debug, Clone, Copy)]
 pub struct Op2LSole;
 
-#[allow(dead_code, clippy::all)]
-impl Sesc<DOF, BASE_PARAMS, FULL_PARAMS> for Op2LSole {
+/// Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i, Eq. (4).
+#[allow(dead_code)]
+#[inline]
+pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
+    Op2LSole::com(q, r)
+}
+
+/// ∂CoM/∂q, m/rad (m/m for prismatic joints), one row per axis.
+#[allow(dead_code)]
+#[inline]
+pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3] {
+    Op2LSole::com_jacobian(q, r)
+}
+
+/// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
+#[allow(dead_code)]
+#[inline]
+pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] {
+    Op2LSole::gravity_moments(q, r)
+}
+
+/// Rows of the base regressor: CoM = rows · r.
+#[allow(dead_code)]
+#[inline]
+pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
+    Op2LSole::regressor(q)
+}
+
+/// The x and y rows of the base regressor: CoP = rows · r.
+#[allow(dead_code)]
+#[inline]
+pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
+    Op2LSole::regressor_cop(q)
+}
+
+/// Rows [B_0 B_1 …] of the full regressor, Eq. (5), in link frames.
+#[allow(dead_code)]
+#[inline]
+pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
+    Op2LSole::regressor_full(q)
+}
+
+/// Centre of pressure that a static posture shows on a level sole, m.
+#[allow(dead_code)]
+#[inline]
+pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
+    Op2LSole::cop(q, r)
+}
+
+/// Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i, Eq. (4).
+///
+/// From sines and cosines; a prismatic joint passes its position in `sin`.
+#[allow(dead_code)]
+#[inline]
+pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
+    Op2LSole::com_sc(sin, cos, r)
+}
+
+/// ∂CoM/∂q, m/rad (m/m for prismatic joints), one row per axis.
+///
+/// From sines and cosines; a prismatic joint passes its position in `sin`.
+#[allow(dead_code)]
+#[inline]
+pub fn com_jacobian_sc<T: Real>(
+    sin: &[T; DOF],
+    cos: &[T; DOF],
+    r: &[T; BASE_PARAMS],
+) -> [[T; DOF]; 3] {
+    Op2LSole::com_jacobian_sc(sin, cos, r)
+}
+
+/// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
+///
+/// From sines and cosines; a prismatic joint passes its position in `sin`.
+#[allow(dead_code)]
+#[inline]
+pub fn gravity_moments_sc<T: Real>(
+    sin: &[T; DOF],
+    cos: &[T; DOF],
+    r: &[T; BASE_PARAMS],
+) -> [T; DOF] {
+    Op2LSole::gravity_moments_sc(sin, cos, r)
+}
+
+/// Rows of the base regressor: CoM = rows · r.
+///
+/// From sines and cosines; a prismatic joint passes its position in `sin`.
+#[allow(dead_code)]
+#[inline]
+pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
+    Op2LSole::regressor_sc(sin, cos)
+}
+
+/// The x and y rows of the base regressor: CoP = rows · r.
+///
+/// From sines and cosines; a prismatic joint passes its position in `sin`.
+#[allow(dead_code)]
+#[inline]
+pub fn regressor_cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
+    Op2LSole::regressor_cop_sc(sin, cos)
+}
+
+/// Rows [B_0 B_1 …] of the full regressor, Eq. (5), in link frames.
+///
+/// From sines and cosines; a prismatic joint passes its position in `sin`.
+#[allow(dead_code)]
+#[inline]
+pub fn regressor_full_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
+    Op2LSole::regressor_full_sc(sin, cos)
+}
+
+/// Centre of pressure that a static posture shows on a level sole, m.
+///
+/// From sines and cosines; a prismatic joint passes its position in `sin`.
+#[allow(dead_code)]
+#[inline]
+pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
+    Op2LSole::cop_sc(sin, cos, r)
+}
+
+#[allow(dead_code, non_snake_case, clippy::all)]
+impl v1::Robot for Op2LSole {
+    type Dof = v1::Const<DOF>;
+    type Base = v1::Const<BASE_PARAMS>;
+    type Full = v1::Const<FULL_PARAMS>;
     const JOINT_NAMES: [&'static str; DOF] = JOINT_NAMES;
     const PRISMATIC: [bool; DOF] = PRISMATIC;
+    const JOINT_LOWER: [f64; DOF] = JOINT_LOWER;
+    const JOINT_UPPER: [f64; DOF] = JOINT_UPPER;
+    const TOTAL_MASS_KG: f64 = TOTAL_MASS_KG;
     const CAD_PARAMS: [f64; BASE_PARAMS] = CAD_PARAMS;
+
     #[inline(always)]
     fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
-        com(q, r)
+        // r_el
+        let (s_r_el, c_r_el) = q[19].sin_cos();
+        // r_sho_roll
+        let v_r_sho_roll_y = c_r_el.mul_plus(r[41], r[40]);
+        let v_r_sho_roll_y = (-s_r_el).mul_plus(r[42], v_r_sho_roll_y);
+        let e1 = q[18] + T::from_f64(0.785398163);
+        let (s_r_sho_roll, c_r_sho_roll) = e1.sin_cos();
+        // r_sho_pitch
+        let v_r_sho_pitch_x = r[37] - s_r_el.mul_plus(r[41], c_r_el * r[42]);
+        let v_r_sho_pitch_y = (-s_r_sho_roll).mul_plus(r[39], r[38]);
+        let v_r_sho_pitch_y = c_r_sho_roll.mul_plus(v_r_sho_roll_y, v_r_sho_pitch_y);
+        let v_r_sho_pitch_z = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
+        let (s_r_sho_pitch, c_r_sho_pitch) = q[17].sin_cos();
+        // r_ank_roll
+        let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
+        // r_ank_pitch
+        let v_r_ank_pitch_y = s_r_ank_roll.mul_plus(r[35], r[34]);
+        let v_r_ank_pitch_y = c_r_ank_roll.mul_plus(r[36], v_r_ank_pitch_y);
+        let v_r_ank_pitch_z = c_r_ank_roll.mul_plus(r[35], -(s_r_ank_roll * r[36]));
+        let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
+        // r_knee
+        let v_r_knee_x = c_r_ank_pitch.mul_plus(r[33], r[31]);
+        let v_r_knee_x = (-s_r_ank_pitch).mul_plus(v_r_ank_pitch_y, v_r_knee_x);
+        let v_r_knee_y = s_r_ank_pitch.mul_plus(r[33], r[32]);
+        let v_r_knee_y = c_r_ank_pitch.mul_plus(v_r_ank_pitch_y, v_r_knee_y);
+        let (s_r_knee, c_r_knee) = q[14].sin_cos();
+        // r_hip_pitch
+        let v_r_hip_pitch_x = c_r_knee.mul_plus(v_r_knee_x, r[29]);
+        let v_r_hip_pitch_x = s_r_knee.mul_plus(v_r_knee_y, v_r_hip_pitch_x);
+        let v_r_hip_pitch_y = (-s_r_knee).mul_plus(v_r_knee_x, r[30]);
+        let v_r_hip_pitch_y = c_r_knee.mul_plus(v_r_knee_y, v_r_hip_pitch_y);
+        let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
+        // r_hip_roll
+        let v_r_hip_roll_x = r[27] + v_r_ank_pitch_z;
+        let v_r_hip_roll_y = (-s_r_hip_pitch).mul_plus(v_r_hip_pitch_x, r[28]);
+        let v_r_hip_roll_y = c_r_hip_pitch.mul_plus(v_r_hip_pitch_y, v_r_hip_roll_y);
+        let v_r_hip_roll_z = c_r_hip_pitch
+            .mul_plus(v_r_hip_pitch_x, s_r_hip_pitch * v_r_hip_pitch_y);
+        let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
+        // r_hip_yaw
+        let v_r_hip_yaw_x = r[25] + v_r_hip_roll_z;
+        let v_r_hip_yaw_y = c_r_hip_roll.mul_plus(v_r_hip_roll_x, r[26]);
+        let v_r_hip_yaw_y = s_r_hip_roll.mul_plus(v_r_hip_roll_y, v_r_hip_yaw_y);
+        let v_r_hip_yaw_z = c_r_hip_roll.mul_plus(v_r_hip_roll_y, -(s_r_hip_roll * v_r_hip_roll_x));
+        let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
+        // l_el
+        let (s_l_el, c_l_el) = q[10].sin_cos();
+        // l_sho_roll
+        let v_l_sho_roll_y = c_l_el.mul_plus(r[23], r[22]);
+        let v_l_sho_roll_y = s_l_el.mul_plus(r[24], v_l_sho_roll_y);
+        let v_l_sho_roll_z = s_l_el.mul_plus(r[23], -(c_l_el * r[24]));
+        let e2 = q[9] - T::from_f64(0.785398163);
+        let (s_l_sho_roll, c_l_sho_roll) = e2.sin_cos();
+        // l_sho_pitch
+        let v_l_sho_pitch_x = r[19] + v_l_sho_roll_z;
+        let v_l_sho_pitch_y = (-s_l_sho_roll).mul_plus(r[21], r[20]);
+        let v_l_sho_pitch_y = c_l_sho_roll.mul_plus(v_l_sho_roll_y, v_l_sho_pitch_y);
+        let v_l_sho_pitch_z = c_l_sho_roll.mul_plus(r[21], s_l_sho_roll * v_l_sho_roll_y);
+        let (s_l_sho_pitch, c_l_sho_pitch) = q[8].sin_cos();
+        // head_tilt
+        let (s_head_tilt, c_head_tilt) = q[1].sin_cos();
+        // head_pan
+        let v_head_pan_x = c_head_tilt.mul_plus(r[17], r[15]);
+        let v_head_pan_x = s_head_tilt.mul_plus(r[18], v_head_pan_x);
+        let v_head_pan_z = s_head_tilt.mul_plus(r[17], -(c_head_tilt * r[18]));
+        let (s_head_pan, c_head_pan) = q[0].sin_cos();
+        // l_hip_yaw
+        let e3 = c_head_pan.mul_plus(v_head_pan_x, r[13]);
+        let e3 = (-s_head_pan).mul_plus(r[16], e3);
+        let e3 = c_l_sho_pitch.mul_plus(v_l_sho_pitch_x, e3);
+        let e3 = s_l_sho_pitch.mul_plus(v_l_sho_pitch_y, e3);
+        let e3 = c_r_sho_pitch.mul_plus(v_r_sho_pitch_x, e3);
+        let e3 = (-s_r_sho_pitch).mul_plus(v_r_sho_pitch_y, e3);
+        let v_l_hip_yaw_x = c_r_hip_yaw.mul_plus(v_r_hip_yaw_x, e3);
+        let v_l_hip_yaw_x = s_r_hip_yaw.mul_plus(v_r_hip_yaw_y, v_l_hip_yaw_x);
+        let p1 = s_head_pan.mul_plus(v_head_pan_x, r[14]);
+        let p2 = c_head_pan.mul_plus(r[16], p1);
+        let v_l_hip_yaw_y = (-s_r_hip_yaw)
+            .mul_plus(v_r_hip_yaw_x, p2 + v_l_sho_pitch_z + v_r_sho_pitch_z);
+        let v_l_hip_yaw_y = c_r_hip_yaw.mul_plus(v_r_hip_yaw_y, v_l_hip_yaw_y);
+        let p3 = (-s_l_sho_pitch).mul_plus(v_l_sho_pitch_x, v_head_pan_z);
+        let p4 = c_l_sho_pitch.mul_plus(v_l_sho_pitch_y, p3);
+        let p5 = s_r_sho_pitch.mul_plus(v_r_sho_pitch_x, p4);
+        let v_l_hip_yaw_z = c_r_sho_pitch.mul_plus(v_r_sho_pitch_y, p5) + v_r_hip_yaw_z;
+        let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
+        // l_hip_roll
+        let v_l_hip_roll_x = s_l_hip_yaw.mul_plus(v_l_hip_yaw_x, r[11]);
+        let v_l_hip_roll_x = c_l_hip_yaw.mul_plus(v_l_hip_yaw_y, v_l_hip_roll_x);
+        let v_l_hip_roll_y = r[12] + v_l_hip_yaw_z;
+        let v_l_hip_roll_z = c_l_hip_yaw.mul_plus(v_l_hip_yaw_x, -(s_l_hip_yaw * v_l_hip_yaw_y));
+        let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
+        // l_hip_pitch
+        let v_l_hip_pitch_x = r[9] + v_l_hip_roll_z;
+        let v_l_hip_pitch_y = s_l_hip_roll.mul_plus(v_l_hip_roll_x, r[10]);
+        let v_l_hip_pitch_y = c_l_hip_roll.mul_plus(v_l_hip_roll_y, v_l_hip_pitch_y);
+        let v_l_hip_pitch_z = c_l_hip_roll
+            .mul_plus(v_l_hip_roll_x, -(s_l_hip_roll * v_l_hip_roll_y));
+        let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
+        // l_knee
+        let v_l_knee_x = c_l_hip_pitch.mul_plus(v_l_hip_pitch_x, r[7]);
+        let v_l_knee_x = s_l_hip_pitch.mul_plus(v_l_hip_pitch_y, v_l_knee_x);
+        let v_l_knee_y = (-s_l_hip_pitch).mul_plus(v_l_hip_pitch_x, r[8]);
+        let v_l_knee_y = c_l_hip_pitch.mul_plus(v_l_hip_pitch_y, v_l_knee_y);
+        let (s_l_knee, c_l_knee) = q[5].sin_cos();
+        // l_ank_pitch
+        let v_l_ank_pitch_x = c_l_knee.mul_plus(v_l_knee_x, r[5]);
+        let v_l_ank_pitch_x = s_l_knee.mul_plus(v_l_knee_y, v_l_ank_pitch_x);
+        let v_l_ank_pitch_y = (-s_l_knee).mul_plus(v_l_knee_x, r[6]);
+        let v_l_ank_pitch_y = c_l_knee.mul_plus(v_l_knee_y, v_l_ank_pitch_y);
+        let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
+        // l_ank_roll
+        let v_l_ank_roll_x = r[3] + v_l_hip_pitch_z;
+        let v_l_ank_roll_y = s_l_ank_pitch.mul_plus(v_l_ank_pitch_x, r[4]);
+        let v_l_ank_roll_y = c_l_ank_pitch.mul_plus(v_l_ank_pitch_y, v_l_ank_roll_y);
+        let v_l_ank_roll_z = c_l_ank_pitch
+            .mul_plus(v_l_ank_pitch_x, -(s_l_ank_pitch * v_l_ank_pitch_y));
+        let (s_l_ank_roll, c_l_ank_roll) = q[7].sin_cos();
+        // l_sole
+        let v_l_sole_x = r[0] + v_l_ank_roll_z;
+        let v_l_sole_y = c_l_ank_roll.mul_plus(v_l_ank_roll_x, r[1]);
+        let v_l_sole_y = s_l_ank_roll.mul_plus(v_l_ank_roll_y, v_l_sole_y);
+        let v_l_sole_z = (-s_l_ank_roll).mul_plus(v_l_ank_roll_x, r[2]);
+        let v_l_sole_z = c_l_ank_roll.mul_plus(v_l_ank_roll_y, v_l_sole_z);
+        [v_l_sole_x, v_l_sole_y, v_l_sole_z]
     }
-    #[inline(always)]
-    fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3] {
-        com_jacobian(q, r)
-    }
+
     #[inline(always)]
     fn com_jacobian_into<T: Real>(
         q: &[T; DOF],
         r: &[T; BASE_PARAMS],
         jacobian: &mut [[T; DOF]; 3],
     ) {
-        com_jacobian_into(q, r, jacobian)
+        let zero = T::from_f64(0.0);
+        jacobian[0][7] = zero;
+        // r_el
+        let (s_r_el, c_r_el) = q[19].sin_cos();
+        let t_r_el_x = c_r_el.mul_plus(r[41], -(s_r_el * r[42]));
+        let e1 = s_r_el.mul_plus(r[41], c_r_el * r[42]);
+        // r_sho_roll
+        let v_r_sho_roll_y = r[40] + t_r_el_x;
+        let e2 = q[18] + T::from_f64(0.785398163);
+        let (s_r_sho_roll, c_r_sho_roll) = e2.sin_cos();
+        let t_r_sho_roll_x = c_r_sho_roll.mul_plus(v_r_sho_roll_y, -(s_r_sho_roll * r[39]));
+        let t_r_sho_roll_y = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
+        // r_sho_pitch
+        let v_r_sho_pitch_x = r[37] - e1;
+        let v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
+        let (s_r_sho_pitch, c_r_sho_pitch) = q[17].sin_cos();
+        let t_r_sho_pitch_x = c_r_sho_pitch
+            .mul_plus(v_r_sho_pitch_x, -(s_r_sho_pitch * v_r_sho_pitch_y));
+        let t_r_sho_pitch_y = s_r_sho_pitch
+            .mul_plus(v_r_sho_pitch_x, c_r_sho_pitch * v_r_sho_pitch_y);
+        // r_ank_roll
+        let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
+        let t_r_ank_roll_x = s_r_ank_roll.mul_plus(r[35], c_r_ank_roll * r[36]);
+        let t_r_ank_roll_y = c_r_ank_roll.mul_plus(r[35], -(s_r_ank_roll * r[36]));
+        // r_ank_pitch
+        let v_r_ank_pitch_y = r[34] + t_r_ank_roll_x;
+        let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
+        let t_r_ank_pitch_x = c_r_ank_pitch.mul_plus(r[33], -(s_r_ank_pitch * v_r_ank_pitch_y));
+        let t_r_ank_pitch_y = s_r_ank_pitch.mul_plus(r[33], c_r_ank_pitch * v_r_ank_pitch_y);
+        // r_knee
+        let v_r_knee_x = r[31] + t_r_ank_pitch_x;
+        let v_r_knee_y = r[32] + t_r_ank_pitch_y;
+        let (s_r_knee, c_r_knee) = q[14].sin_cos();
+        let t_r_knee_x = c_r_knee.mul_plus(v_r_knee_x, s_r_knee * v_r_knee_y);
+        let t_r_knee_y = c_r_knee.mul_plus(v_r_knee_y, -(s_r_knee * v_r_knee_x));
+        // r_hip_pitch
+        let v_r_hip_pitch_x = r[29] + t_r_knee_x;
+        let v_r_hip_pitch_y = r[30] + t_r_knee_y;
+        let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
+        let t_r_hip_pitch_x = c_r_hip_pitch
+            .mul_plus(v_r_hip_pitch_y, -(s_r_hip_pitch * v_r_hip_pitch_x));
+        let t_r_hip_pitch_y = c_r_hip_pitch
+            .mul_plus(v_r_hip_pitch_x, s_r_hip_pitch * v_r_hip_pitch_y);
+        // r_hip_roll
+        let v_r_hip_roll_x = r[27] + t_r_ank_roll_y;
+        let v_r_hip_roll_y = r[28] + t_r_hip_pitch_x;
+        let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
+        let t_r_hip_roll_x = c_r_hip_roll.mul_plus(v_r_hip_roll_x, s_r_hip_roll * v_r_hip_roll_y);
+        let t_r_hip_roll_y = c_r_hip_roll
+            .mul_plus(v_r_hip_roll_y, -(s_r_hip_roll * v_r_hip_roll_x));
+        // r_hip_yaw
+        let v_r_hip_yaw_x = r[25] + t_r_hip_pitch_y;
+        let v_r_hip_yaw_y = r[26] + t_r_hip_roll_x;
+        let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
+        let t_r_hip_yaw_x = c_r_hip_yaw.mul_plus(v_r_hip_yaw_x, s_r_hip_yaw * v_r_hip_yaw_y);
+        let t_r_hip_yaw_y = c_r_hip_yaw.mul_plus(v_r_hip_yaw_y, -(s_r_hip_yaw * v_r_hip_yaw_x));
+        // l_el
+        let (s_l_el, c_l_el) = q[10].sin_cos();
+        let t_l_el_x = c_l_el.mul_plus(r[23], s_l_el * r[24]);
+        let t_l_el_y = s_l_el.mul_plus(r[23], -(c_l_el * r[24]));
+        // l_sho_roll
+        let v_l_sho_roll_y = r[22] + t_l_el_x;
+        let e3 = q[9] - T::from_f64(0.785398163);
+        let (s_l_sho_roll, c_l_sho_roll) = e3.sin_cos();
+        let t_l_sho_roll_x = c_l_sho_roll.mul_plus(v_l_sho_roll_y, -(s_l_sho_roll * r[21]));
+        let t_l_sho_roll_y = c_l_sho_roll.mul_plus(r[21], s_l_sho_roll * v_l_sho_roll_y);
+        // l_sho_pitch
+        let v_l_sho_pitch_x = r[19] + t_l_el_y;
+        let v_l_sho_pitch_y = r[20] + t_l_sho_roll_x;
+        let (s_l_sho_pitch, c_l_sho_pitch) = q[8].sin_cos();
+        let t_l_sho_pitch_x = c_l_sho_pitch
+            .mul_plus(v_l_sho_pitch_x, s_l_sho_pitch * v_l_sho_pitch_y);
+        let t_l_sho_pitch_y = c_l_sho_pitch
+            .mul_plus(v_l_sho_pitch_y, -(s_l_sho_pitch * v_l_sho_pitch_x));
+        // head_tilt
+        let (s_head_tilt, c_head_tilt) = q[1].sin_cos();
+        let t_head_tilt_x = c_head_tilt.mul_plus(r[17], s_head_tilt * r[18]);
+        let t_head_tilt_y = s_head_tilt.mul_plus(r[17], -(c_head_tilt * r[18]));
+        // head_pan
+        let v_head_pan_x = r[15] + t_head_tilt_x;
+        let (s_head_pan, c_head_pan) = q[0].sin_cos();
+        let t_head_pan_x = c_head_pan.mul_plus(v_head_pan_x, -(s_head_pan * r[16]));
+        let t_head_pan_y = s_head_pan.mul_plus(v_head_pan_x, c_head_pan * r[16]);
+        // l_hip_yaw
+        let v_l_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_sho_pitch_x
+            + t_r_hip_yaw_x;
+        let v_l_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_sho_roll_y
+            + t_r_hip_yaw_y;
+        let v_l_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y
+            + t_r_hip_roll_y;
+        let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
+        let t_l_hip_yaw_x = s_l_hip_yaw.mul_plus(v_l_hip_yaw_x, c_l_hip_yaw * v_l_hip_yaw_y);
+        let t_l_hip_yaw_y = c_l_hip_yaw.mul_plus(v_l_hip_yaw_x, -(s_l_hip_yaw * v_l_hip_yaw_y));
+        // l_hip_roll
+        let v_l_hip_roll_x = r[11] + t_l_hip_yaw_x;
+        let v_l_hip_roll_y = r[12] + v_l_hip_yaw_z;
+        let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
+        let t_l_hip_roll_x = s_l_hip_roll.mul_plus(v_l_hip_roll_x, c_l_hip_roll * v_l_hip_roll_y);
+        let t_l_hip_roll_y = c_l_hip_roll
+            .mul_plus(v_l_hip_roll_x, -(s_l_hip_roll * v_l_hip_roll_y));
+        // l_hip_pitch
+        let v_l_hip_pitch_x = r[9] + t_l_hip_yaw_y;
+        let v_l_hip_pitch_y = r[10] + t_l_hip_roll_x;
+        let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
+        let t_l_hip_pitch_x = c_l_hip_pitch
+            .mul_plus(v_l_hip_pitch_x, s_l_hip_pitch * v_l_hip_pitch_y);
+        let t_l_hip_pitch_y = c_l_hip_pitch
+            .mul_plus(v_l_hip_pitch_y, -(s_l_hip_pitch * v_l_hip_pitch_x));
+        // l_knee
+        let v_l_knee_x = r[7] + t_l_hip_pitch_x;
+        let v_l_knee_y = r[8] + t_l_hip_pitch_y;
+        let (s_l_knee, c_l_knee) = q[5].sin_cos();
+        let t_l_knee_x = c_l_knee.mul_plus(v_l_knee_x, s_l_knee * v_l_knee_y);
+        let t_l_knee_y = c_l_knee.mul_plus(v_l_knee_y, -(s_l_knee * v_l_knee_x));
+        // l_ank_pitch
+        let v_l_ank_pitch_x = r[5] + t_l_knee_x;
+        let v_l_ank_pitch_y = r[6] + t_l_knee_y;
+        let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
+        let t_l_ank_pitch_x = s_l_ank_pitch
+            .mul_plus(v_l_ank_pitch_x, c_l_ank_pitch * v_l_ank_pitch_y);
+        let t_l_ank_pitch_y = c_l_ank_pitch
+            .mul_plus(v_l_ank_pitch_x, -(s_l_ank_pitch * v_l_ank_pitch_y));
+        // l_ank_roll
+        let v_l_ank_roll_x = r[3] + t_l_hip_roll_y;
+        let v_l_ank_roll_y = r[4] + t_l_ank_pitch_x;
+        let (s_l_ank_roll, c_l_ank_roll) = q[7].sin_cos();
+        let t_l_ank_roll_x = c_l_ank_roll.mul_plus(v_l_ank_roll_x, s_l_ank_roll * v_l_ank_roll_y);
+        let t_l_ank_roll_y = c_l_ank_roll
+            .mul_plus(v_l_ank_roll_y, -(s_l_ank_roll * v_l_ank_roll_x));
+        jacobian[1][7] = t_l_ank_roll_y;
+        // l_ank_roll
+        jacobian[2][7] = -t_l_ank_roll_x;
+        // l_ank_pitch
+        let by_l_ank_pitch_x = s_l_ank_roll * s_l_ank_pitch;
+        let by_l_ank_pitch_y = s_l_ank_roll * c_l_ank_pitch;
+        let bz_l_ank_pitch_x = c_l_ank_roll * s_l_ank_pitch;
+        let bz_l_ank_pitch_y = c_l_ank_roll * c_l_ank_pitch;
+        jacobian[0][6] = -t_l_ank_pitch_x;
+        jacobian[1][6] = s_l_ank_roll * t_l_ank_pitch_y;
+        jacobian[2][6] = c_l_ank_roll * t_l_ank_pitch_y;
+        // l_knee
+        let bx_l_knee_x = c_l_ank_pitch.mul_plus(c_l_knee, s_l_ank_pitch * s_l_knee);
+        let bx_l_knee_y = c_l_ank_pitch.mul_plus(s_l_knee, -(s_l_ank_pitch * c_l_knee));
+        let by_l_knee_x = by_l_ank_pitch_x.mul_plus(c_l_knee, -(by_l_ank_pitch_y * s_l_knee));
+        let by_l_knee_y = by_l_ank_pitch_y.mul_plus(c_l_knee, by_l_ank_pitch_x * s_l_knee);
+        let bz_l_knee_x = bz_l_ank_pitch_x.mul_plus(c_l_knee, -(bz_l_ank_pitch_y * s_l_knee));
+        let bz_l_knee_y = bz_l_ank_pitch_y.mul_plus(c_l_knee, bz_l_ank_pitch_x * s_l_knee);
+        jacobian[0][5] = s_l_ank_pitch.mul_plus(t_l_knee_x, c_l_ank_pitch * t_l_knee_y);
+        jacobian[1][5] = -by_l_ank_pitch_y.mul_plus(t_l_knee_x, -(by_l_ank_pitch_x * t_l_knee_y));
+        jacobian[2][5] = -bz_l_ank_pitch_y.mul_plus(t_l_knee_x, -(bz_l_ank_pitch_x * t_l_knee_y));
+        // l_hip_pitch
+        let bx_l_hip_pitch_x = bx_l_knee_x.mul_plus(c_l_hip_pitch, -(bx_l_knee_y * s_l_hip_pitch));
+        let bx_l_hip_pitch_y = bx_l_knee_y.mul_plus(c_l_hip_pitch, bx_l_knee_x * s_l_hip_pitch);
+        let by_l_hip_pitch_x = by_l_knee_x.mul_plus(c_l_hip_pitch, -(by_l_knee_y * s_l_hip_pitch));
+        let by_l_hip_pitch_y = by_l_knee_y.mul_plus(c_l_hip_pitch, by_l_knee_x * s_l_hip_pitch);
+        let bz_l_hip_pitch_x = bz_l_knee_x.mul_plus(c_l_hip_pitch, -(bz_l_knee_y * s_l_hip_pitch));
+        let bz_l_hip_pitch_y = bz_l_knee_y.mul_plus(c_l_hip_pitch, bz_l_knee_x * s_l_hip_pitch);
+        jacobian[0][4] = -bx_l_knee_y.mul_plus(t_l_hip_pitch_x, -(bx_l_knee_x * t_l_hip_pitch_y));
+        jacobian[1][4] = -by_l_knee_y.mul_plus(t_l_hip_pitch_x, -(by_l_knee_x * t_l_hip_pitch_y));
+        jacobian[2][4] = -bz_l_knee_y.mul_plus(t_l_hip_pitch_x, -(bz_l_knee_x * t_l_hip_pitch_y));
+        // l_hip_roll
+        let bx_l_hip_roll_x = bx_l_hip_pitch_y * s_l_hip_roll;
+        let bx_l_hip_roll_y = bx_l_hip_pitch_y * c_l_hip_roll;
+        let by_l_hip_roll_x = by_l_hip_pitch_y.mul_plus(s_l_hip_roll, c_l_ank_roll * c_l_hip_roll);
+        let e4 = c_l_ank_roll.mul_plus(s_l_hip_roll, -(by_l_hip_pitch_y * c_l_hip_roll));
+        let bz_l_hip_roll_x = bz_l_hip_pitch_y
+            .mul_plus(s_l_hip_roll, -(s_l_ank_roll * c_l_hip_roll));
+        let bz_l_hip_roll_y = s_l_ank_roll.mul_plus(s_l_hip_roll, bz_l_hip_pitch_y * c_l_hip_roll);
+        jacobian[0][3] = bx_l_hip_pitch_y * t_l_hip_roll_y;
+        jacobian[1][3] = -c_l_ank_roll
+            .mul_plus(t_l_hip_roll_x, -(by_l_hip_pitch_y * t_l_hip_roll_y));
+        jacobian[2][3] = s_l_ank_roll.mul_plus(t_l_hip_roll_x, bz_l_hip_pitch_y * t_l_hip_roll_y);
+        // l_hip_yaw
+        let bx_l_hip_yaw_x = bx_l_hip_roll_x.mul_plus(s_l_hip_yaw, bx_l_hip_pitch_x * c_l_hip_yaw);
+        let e5 = bx_l_hip_pitch_x.mul_plus(s_l_hip_yaw, -(bx_l_hip_roll_x * c_l_hip_yaw));
+        let by_l_hip_yaw_x = by_l_hip_roll_x.mul_plus(s_l_hip_yaw, by_l_hip_pitch_x * c_l_hip_yaw);
+        let e6 = by_l_hip_pitch_x.mul_plus(s_l_hip_yaw, -(by_l_hip_roll_x * c_l_hip_yaw));
+        let bz_l_hip_yaw_x = bz_l_hip_roll_x.mul_plus(s_l_hip_yaw, bz_l_hip_pitch_x * c_l_hip_yaw);
+        let e7 = bz_l_hip_pitch_x.mul_plus(s_l_hip_yaw, -(bz_l_hip_roll_x * c_l_hip_yaw));
+        jacobian[0][2] = -bx_l_hip_pitch_x
+            .mul_plus(t_l_hip_yaw_x, -(bx_l_hip_roll_x * t_l_hip_yaw_y));
+        jacobian[1][2] = -by_l_hip_pitch_x
+            .mul_plus(t_l_hip_yaw_x, -(by_l_hip_roll_x * t_l_hip_yaw_y));
+        jacobian[2][2] = -bz_l_hip_pitch_x
+            .mul_plus(t_l_hip_yaw_x, -(bz_l_hip_roll_x * t_l_hip_yaw_y));
+        // head_pan
+        let bx_head_pan_x = bx_l_hip_yaw_x.mul_plus(c_head_pan, -(e5 * s_head_pan));
+        let by_head_pan_x = by_l_hip_yaw_x.mul_plus(c_head_pan, -(e6 * s_head_pan));
+        let bz_head_pan_x = bz_l_hip_yaw_x.mul_plus(c_head_pan, -(e7 * s_head_pan));
+        jacobian[0][0] = -e5.mul_plus(t_head_pan_x, bx_l_hip_yaw_x * t_head_pan_y);
+        jacobian[1][0] = -e6.mul_plus(t_head_pan_x, by_l_hip_yaw_x * t_head_pan_y);
+        jacobian[2][0] = -e7.mul_plus(t_head_pan_x, bz_l_hip_yaw_x * t_head_pan_y);
+        // head_tilt
+        jacobian[0][1] = bx_l_hip_roll_y.mul_plus(t_head_tilt_x, -(bx_head_pan_x * t_head_tilt_y));
+        jacobian[1][1] = -e4.mul_plus(t_head_tilt_x, by_head_pan_x * t_head_tilt_y);
+        jacobian[2][1] = bz_l_hip_roll_y.mul_plus(t_head_tilt_x, -(bz_head_pan_x * t_head_tilt_y));
+        // l_sho_pitch
+        let bx_l_sho_pitch_x = bx_l_hip_yaw_x
+            .mul_plus(c_l_sho_pitch, -(bx_l_hip_roll_y * s_l_sho_pitch));
+        let bx_l_sho_pitch_y = bx_l_hip_roll_y
+            .mul_plus(c_l_sho_pitch, bx_l_hip_yaw_x * s_l_sho_pitch);
+        let by_l_sho_pitch_x = by_l_hip_yaw_x.mul_plus(c_l_sho_pitch, e4 * s_l_sho_pitch);
+        let by_l_sho_pitch_y = by_l_hip_yaw_x.mul_plus(s_l_sho_pitch, -(e4 * c_l_sho_pitch));
+        let bz_l_sho_pitch_x = bz_l_hip_yaw_x
+            .mul_plus(c_l_sho_pitch, -(bz_l_hip_roll_y * s_l_sho_pitch));
+        let bz_l_sho_pitch_y = bz_l_hip_roll_y
+            .mul_plus(c_l_sho_pitch, bz_l_hip_yaw_x * s_l_sho_pitch);
+        jacobian[0][8] = -bx_l_hip_roll_y
+            .mul_plus(t_l_sho_pitch_x, -(bx_l_hip_yaw_x * t_l_sho_pitch_y));
+        jacobian[1][8] = e4.mul_plus(t_l_sho_pitch_x, by_l_hip_yaw_x * t_l_sho_pitch_y);
+        jacobian[2][8] = -bz_l_hip_roll_y
+            .mul_plus(t_l_sho_pitch_x, -(bz_l_hip_yaw_x * t_l_sho_pitch_y));
+        // l_sho_roll
+        jacobian[0][9] = -e5.mul_plus(t_l_sho_roll_x, bx_l_sho_pitch_y * t_l_sho_roll_y);
+        jacobian[1][9] = -e6.mul_plus(t_l_sho_roll_x, by_l_sho_pitch_y * t_l_sho_roll_y);
+        jacobian[2][9] = -e7.mul_plus(t_l_sho_roll_x, bz_l_sho_pitch_y * t_l_sho_roll_y);
+        // l_el
+        let p1 = e5.mul_plus(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
+        jacobian[0][10] = bx_l_sho_pitch_x.mul_plus(t_l_el_x, p1 * t_l_el_y);
+        let p2 = e6.mul_plus(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
+        jacobian[1][10] = by_l_sho_pitch_x.mul_plus(t_l_el_x, p2 * t_l_el_y);
+        let p3 = e7.mul_plus(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
+        jacobian[2][10] = bz_l_sho_pitch_x.mul_plus(t_l_el_x, p3 * t_l_el_y);
+        // r_hip_yaw
+        let bx_r_hip_yaw_x = bx_l_hip_yaw_x.mul_plus(c_r_hip_yaw, e5 * s_r_hip_yaw);
+        let bx_r_hip_yaw_y = bx_l_hip_yaw_x.mul_plus(s_r_hip_yaw, -(e5 * c_r_hip_yaw));
+        let by_r_hip_yaw_x = by_l_hip_yaw_x.mul_plus(c_r_hip_yaw, e6 * s_r_hip_yaw);
+        let by_r_hip_yaw_y = by_l_hip_yaw_x.mul_plus(s_r_hip_yaw, -(e6 * c_r_hip_yaw));
+        let bz_r_hip_yaw_x = bz_l_hip_yaw_x.mul_plus(c_r_hip_yaw, e7 * s_r_hip_yaw);
+        let bz_r_hip_yaw_y = bz_l_hip_yaw_x.mul_plus(s_r_hip_yaw, -(e7 * c_r_hip_yaw));
+        jacobian[0][11] = e5.mul_plus(t_r_hip_yaw_x, bx_l_hip_yaw_x * t_r_hip_yaw_y);
+        jacobian[1][11] = e6.mul_plus(t_r_hip_yaw_x, by_l_hip_yaw_x * t_r_hip_yaw_y);
+        jacobian[2][11] = e7.mul_plus(t_r_hip_yaw_x, bz_l_hip_yaw_x * t_r_hip_yaw_y);
+        // r_hip_roll
+        let bx_r_hip_roll_x = bx_r_hip_yaw_y
+            .mul_plus(c_r_hip_roll, -(bx_l_hip_roll_y * s_r_hip_roll));
+        let bx_r_hip_roll_y = bx_l_hip_roll_y.mul_plus(c_r_hip_roll, bx_r_hip_yaw_y * s_r_hip_roll);
+        let by_r_hip_roll_x = by_r_hip_yaw_y.mul_plus(c_r_hip_roll, e4 * s_r_hip_roll);
+        let by_r_hip_roll_y = by_r_hip_yaw_y.mul_plus(s_r_hip_roll, -(e4 * c_r_hip_roll));
+        let bz_r_hip_roll_x = bz_r_hip_yaw_y
+            .mul_plus(c_r_hip_roll, -(bz_l_hip_roll_y * s_r_hip_roll));
+        let bz_r_hip_roll_y = bz_l_hip_roll_y.mul_plus(c_r_hip_roll, bz_r_hip_yaw_y * s_r_hip_roll);
+        jacobian[0][12] = -bx_l_hip_roll_y
+            .mul_plus(t_r_hip_roll_x, -(bx_r_hip_yaw_y * t_r_hip_roll_y));
+        jacobian[1][12] = e4.mul_plus(t_r_hip_roll_x, by_r_hip_yaw_y * t_r_hip_roll_y);
+        jacobian[2][12] = -bz_l_hip_roll_y
+            .mul_plus(t_r_hip_roll_x, -(bz_r_hip_yaw_y * t_r_hip_roll_y));
+        // r_hip_pitch
+        let bx_r_hip_pitch_x = bx_r_hip_yaw_x
+            .mul_plus(c_r_hip_pitch, -(bx_r_hip_roll_y * s_r_hip_pitch));
+        let bx_r_hip_pitch_y = bx_r_hip_yaw_x
+            .mul_plus(s_r_hip_pitch, bx_r_hip_roll_y * c_r_hip_pitch);
+        let by_r_hip_pitch_x = by_r_hip_yaw_x
+            .mul_plus(c_r_hip_pitch, -(by_r_hip_roll_y * s_r_hip_pitch));
+        let by_r_hip_pitch_y = by_r_hip_yaw_x
+            .mul_plus(s_r_hip_pitch, by_r_hip_roll_y * c_r_hip_pitch);
+        let bz_r_hip_pitch_x = bz_r_hip_yaw_x
+            .mul_plus(c_r_hip_pitch, -(bz_r_hip_roll_y * s_r_hip_pitch));
+        let bz_r_hip_pitch_y = bz_r_hip_yaw_x
+            .mul_plus(s_r_hip_pitch, bz_r_hip_roll_y * c_r_hip_pitch);
+        jacobian[0][13] = bx_r_hip_yaw_x
+            .mul_plus(t_r_hip_pitch_x, -(bx_r_hip_roll_y * t_r_hip_pitch_y));
+        jacobian[1][13] = by_r_hip_yaw_x
+            .mul_plus(t_r_hip_pitch_x, -(by_r_hip_roll_y * t_r_hip_pitch_y));
+        jacobian[2][13] = bz_r_hip_yaw_x
+            .mul_plus(t_r_hip_pitch_x, -(bz_r_hip_roll_y * t_r_hip_pitch_y));
+        // r_knee
+        let bx_r_knee_x = bx_r_hip_pitch_x.mul_plus(c_r_knee, -(bx_r_hip_pitch_y * s_r_knee));
+        let bx_r_knee_y = bx_r_hip_pitch_y.mul_plus(c_r_knee, bx_r_hip_pitch_x * s_r_knee);
+        let by_r_knee_x = by_r_hip_pitch_x.mul_plus(c_r_knee, -(by_r_hip_pitch_y * s_r_knee));
+        let by_r_knee_y = by_r_hip_pitch_y.mul_plus(c_r_knee, by_r_hip_pitch_x * s_r_knee);
+        let bz_r_knee_x = bz_r_hip_pitch_x.mul_plus(c_r_knee, -(bz_r_hip_pitch_y * s_r_knee));
+        let bz_r_knee_y = bz_r_hip_pitch_y.mul_plus(c_r_knee, bz_r_hip_pitch_x * s_r_knee);
+        jacobian[0][14] = -bx_r_hip_pitch_y.mul_plus(t_r_knee_x, -(bx_r_hip_pitch_x * t_r_knee_y));
+        jacobian[1][14] = -by_r_hip_pitch_y.mul_plus(t_r_knee_x, -(by_r_hip_pitch_x * t_r_knee_y));
+        jacobian[2][14] = -bz_r_hip_pitch_y.mul_plus(t_r_knee_x, -(bz_r_hip_pitch_x * t_r_knee_y));
+        // r_ank_pitch
+        let bx_r_ank_pitch_y = bx_r_knee_y.mul_plus(c_r_ank_pitch, -(bx_r_knee_x * s_r_ank_pitch));
+        let by_r_ank_pitch_y = by_r_knee_y.mul_plus(c_r_ank_pitch, -(by_r_knee_x * s_r_ank_pitch));
+        let bz_r_ank_pitch_y = bz_r_knee_y.mul_plus(c_r_ank_pitch, -(bz_r_knee_x * s_r_ank_pitch));
+        jacobian[0][15] = bx_r_knee_y.mul_plus(t_r_ank_pitch_x, -(bx_r_knee_x * t_r_ank_pitch_y));
+        jacobian[1][15] = by_r_knee_y.mul_plus(t_r_ank_pitch_x, -(by_r_knee_x * t_r_ank_pitch_y));
+        jacobian[2][15] = bz_r_knee_y.mul_plus(t_r_ank_pitch_x, -(bz_r_knee_x * t_r_ank_pitch_y));
+        // r_ank_roll
+        jacobian[0][16] = -bx_r_hip_roll_x
+            .mul_plus(t_r_ank_roll_x, -(bx_r_ank_pitch_y * t_r_ank_roll_y));
+        jacobian[1][16] = -by_r_hip_roll_x
+            .mul_plus(t_r_ank_roll_x, -(by_r_ank_pitch_y * t_r_ank_roll_y));
+        jacobian[2][16] = -bz_r_hip_roll_x
+            .mul_plus(t_r_ank_roll_x, -(bz_r_ank_pitch_y * t_r_ank_roll_y));
+        // r_sho_pitch
+        let bx_r_sho_pitch_x = bx_l_hip_yaw_x
+            .mul_plus(c_r_sho_pitch, bx_l_hip_roll_y * s_r_sho_pitch);
+        let bx_r_sho_pitch_y = bx_l_hip_roll_y
+            .mul_plus(c_r_sho_pitch, -(bx_l_hip_yaw_x * s_r_sho_pitch));
+        let by_r_sho_pitch_x = by_l_hip_yaw_x.mul_plus(c_r_sho_pitch, -(e4 * s_r_sho_pitch));
+        let e8 = e4.mul_plus(c_r_sho_pitch, by_l_hip_yaw_x * s_r_sho_pitch);
+        let bz_r_sho_pitch_x = bz_l_hip_yaw_x
+            .mul_plus(c_r_sho_pitch, bz_l_hip_roll_y * s_r_sho_pitch);
+        let bz_r_sho_pitch_y = bz_l_hip_roll_y
+            .mul_plus(c_r_sho_pitch, -(bz_l_hip_yaw_x * s_r_sho_pitch));
+        jacobian[0][17] = bx_l_hip_roll_y
+            .mul_plus(t_r_sho_pitch_x, -(bx_l_hip_yaw_x * t_r_sho_pitch_y));
+        jacobian[1][17] = -e4.mul_plus(t_r_sho_pitch_x, by_l_hip_yaw_x * t_r_sho_pitch_y);
+        jacobian[2][17] = bz_l_hip_roll_y
+            .mul_plus(t_r_sho_pitch_x, -(bz_l_hip_yaw_x * t_r_sho_pitch_y));
+        // r_sho_roll
+        jacobian[0][18] = -e5.mul_plus(t_r_sho_roll_x, bx_r_sho_pitch_y * t_r_sho_roll_y);
+        jacobian[1][18] = e8.mul_plus(t_r_sho_roll_y, -(e6 * t_r_sho_roll_x));
+        jacobian[2][18] = -e7.mul_plus(t_r_sho_roll_x, bz_r_sho_pitch_y * t_r_sho_roll_y);
+        // r_el
+        let p4 = e5.mul_plus(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
+        jacobian[0][19] = -bx_r_sho_pitch_x.mul_plus(t_r_el_x, -(p4 * e1));
+        let p5 = e6.mul_plus(s_r_sho_roll, e8 * c_r_sho_roll);
+        jacobian[1][19] = -by_r_sho_pitch_x.mul_plus(t_r_el_x, -(p5 * e1));
+        let p6 = e7.mul_plus(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
+        jacobian[2][19] = -bz_r_sho_pitch_x.mul_plus(t_r_el_x, -(p6 * e1));
     }
+
     #[inline(always)]
     fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] {
-        gravity_moments(q, r)
+        // r_el
+        let (s_r_el, c_r_el) = q[19].sin_cos();
+        let t_r_el_x = c_r_el.mul_plus(r[41], -(s_r_el * r[42]));
+        let e1 = s_r_el.mul_plus(r[41], c_r_el * r[42]);
+        // r_sho_roll
+        let v_r_sho_roll_y = r[40] + t_r_el_x;
+        let e2 = q[18] + T::from_f64(0.785398163);
+        let (s_r_sho_roll, c_r_sho_roll) = e2.sin_cos();
+        let t_r_sho_roll_x = c_r_sho_roll.mul_plus(v_r_sho_roll_y, -(s_r_sho_roll * r[39]));
+        let t_r_sho_roll_y = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
+        // r_sho_pitch
+        let v_r_sho_pitch_x = r[37] - e1;
+        let v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
+        let (s_r_sho_pitch, c_r_sho_pitch) = q[17].sin_cos();
+        let t_r_sho_pitch_x = c_r_sho_pitch
+            .mul_plus(v_r_sho_pitch_x, -(s_r_sho_pitch * v_r_sho_pitch_y));
+        let t_r_sho_pitch_y = s_r_sho_pitch
+            .mul_plus(v_r_sho_pitch_x, c_r_sho_pitch * v_r_sho_pitch_y);
+        // r_ank_roll
+        let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
+        let t_r_ank_roll_x = s_r_ank_roll.mul_plus(r[35], c_r_ank_roll * r[36]);
+        let t_r_ank_roll_y = c_r_ank_roll.mul_plus(r[35], -(s_r_ank_roll * r[36]));
+        // r_ank_pitch
+        let v_r_ank_pitch_y = r[34] + t_r_ank_roll_x;
+        let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
+        let t_r_ank_pitch_x = c_r_ank_pitch.mul_plus(r[33], -(s_r_ank_pitch * v_r_ank_pitch_y));
+        let t_r_ank_pitch_y = s_r_ank_pitch.mul_plus(r[33], c_r_ank_pitch * v_r_ank_pitch_y);
+        // r_knee
+        let v_r_knee_x = r[31] + t_r_ank_pitch_x;
+        let v_r_knee_y = r[32] + t_r_ank_pitch_y;
+        let (s_r_knee, c_r_knee) = q[14].sin_cos();
+        let t_r_knee_x = c_r_knee.mul_plus(v_r_knee_x, s_r_knee * v_r_knee_y);
+        let t_r_knee_y = c_r_knee.mul_plus(v_r_knee_y, -(s_r_knee * v_r_knee_x));
+        // r_hip_pitch
+        let v_r_hip_pitch_x = r[29] + t_r_knee_x;
+        let v_r_hip_pitch_y = r[30] + t_r_knee_y;
+        let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
+        let t_r_hip_pitch_x = c_r_hip_pitch
+            .mul_plus(v_r_hip_pitch_y, -(s_r_hip_pitch * v_r_hip_pitch_x));
+        let t_r_hip_pitch_y = c_r_hip_pitch
+            .mul_plus(v_r_hip_pitch_x, s_r_hip_pitch * v_r_hip_pitch_y);
+        // r_hip_roll
+        let v_r_hip_roll_x = r[27] + t_r_ank_roll_y;
+        let v_r_hip_roll_y = r[28] + t_r_hip_pitch_x;
+        let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
+        let t_r_hip_roll_x = c_r_hip_roll.mul_plus(v_r_hip_roll_x, s_r_hip_roll * v_r_hip_roll_y);
+        let t_r_hip_roll_y = c_r_hip_roll
+            .mul_plus(v_r_hip_roll_y, -(s_r_hip_roll * v_r_hip_roll_x));
+        // r_hip_yaw
+        let v_r_hip_yaw_x = r[25] + t_r_hip_pitch_y;
+        let v_r_hip_yaw_y = r[26] + t_r_hip_roll_x;
+        let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
+        let t_r_hip_yaw_x = c_r_hip_yaw.mul_plus(v_r_hip_yaw_x, s_r_hip_yaw * v_r_hip_yaw_y);
+        let t_r_hip_yaw_y = c_r_hip_yaw.mul_plus(v_r_hip_yaw_y, -(s_r_hip_yaw * v_r_hip_yaw_x));
+        // l_el
+        let (s_l_el, c_l_el) = q[10].sin_cos();
+        let t_l_el_x = c_l_el.mul_plus(r[23], s_l_el * r[24]);
+        let t_l_el_y = s_l_el.mul_plus(r[23], -(c_l_el * r[24]));
+        // l_sho_roll
+        let v_l_sho_roll_y = r[22] + t_l_el_x;
+        let e3 = q[9] - T::from_f64(0.785398163);
+        let (s_l_sho_roll, c_l_sho_roll) = e3.sin_cos();
+        let t_l_sho_roll_x = c_l_sho_roll.mul_plus(v_l_sho_roll_y, -(s_l_sho_roll * r[21]));
+        let t_l_sho_roll_y = c_l_sho_roll.mul_plus(r[21], s_l_sho_roll * v_l_sho_roll_y);
+        // l_sho_pitch
+        let v_l_sho_pitch_x = r[19] + t_l_el_y;
+        let v_l_sho_pitch_y = r[20] + t_l_sho_roll_x;
+        let (s_l_sho_pitch, c_l_sho_pitch) = q[8].sin_cos();
+        let t_l_sho_pitch_x = c_l_sho_pitch
+            .mul_plus(v_l_sho_pitch_x, s_l_sho_pitch * v_l_sho_pitch_y);
+        let t_l_sho_pitch_y = c_l_sho_pitch
+            .mul_plus(v_l_sho_pitch_y, -(s_l_sho_pitch * v_l_sho_pitch_x));
+        // head_tilt
+        let (s_head_tilt, c_head_tilt) = q[1].sin_cos();
+        let t_head_tilt_x = c_head_tilt.mul_plus(r[17], s_head_tilt * r[18]);
+        let t_head_tilt_y = s_head_tilt.mul_plus(r[17], -(c_head_tilt * r[18]));
+        // head_pan
+        let v_head_pan_x = r[15] + t_head_tilt_x;
+        let (s_head_pan, c_head_pan) = q[0].sin_cos();
+        let t_head_pan_x = c_head_pan.mul_plus(v_head_pan_x, -(s_head_pan * r[16]));
+        let t_head_pan_y = s_head_pan.mul_plus(v_head_pan_x, c_head_pan * r[16]);
+        // l_hip_yaw
+        let v_l_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_sho_pitch_x
+            + t_r_hip_yaw_x;
+        let v_l_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_sho_roll_y
+            + t_r_hip_yaw_y;
+        let v_l_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y
+            + t_r_hip_roll_y;
+        let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
+        let t_l_hip_yaw_x = s_l_hip_yaw.mul_plus(v_l_hip_yaw_x, c_l_hip_yaw * v_l_hip_yaw_y);
+        let t_l_hip_yaw_y = c_l_hip_yaw.mul_plus(v_l_hip_yaw_x, -(s_l_hip_yaw * v_l_hip_yaw_y));
+        // l_hip_roll
+        let v_l_hip_roll_x = r[11] + t_l_hip_yaw_x;
+        let v_l_hip_roll_y = r[12] + v_l_hip_yaw_z;
+        let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
+        let t_l_hip_roll_x = s_l_hip_roll.mul_plus(v_l_hip_roll_x, c_l_hip_roll * v_l_hip_roll_y);
+        let t_l_hip_roll_y = c_l_hip_roll
+            .mul_plus(v_l_hip_roll_x, -(s_l_hip_roll * v_l_hip_roll_y));
+        // l_hip_pitch
+        let v_l_hip_pitch_x = r[9] + t_l_hip_yaw_y;
+        let v_l_hip_pitch_y = r[10] + t_l_hip_roll_x;
+        let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
+        let t_l_hip_pitch_x = c_l_hip_pitch
+            .mul_plus(v_l_hip_pitch_x, s_l_hip_pitch * v_l_hip_pitch_y);
+        let t_l_hip_pitch_y = c_l_hip_pitch
+            .mul_plus(v_l_hip_pitch_y, -(s_l_hip_pitch * v_l_hip_pitch_x));
+        // l_knee
+        let v_l_knee_x = r[7] + t_l_hip_pitch_x;
+        let v_l_knee_y = r[8] + t_l_hip_pitch_y;
+        let (s_l_knee, c_l_knee) = q[5].sin_cos();
+        let t_l_knee_x = c_l_knee.mul_plus(v_l_knee_x, s_l_knee * v_l_knee_y);
+        let t_l_knee_y = c_l_knee.mul_plus(v_l_knee_y, -(s_l_knee * v_l_knee_x));
+        // l_ank_pitch
+        let v_l_ank_pitch_x = r[5] + t_l_knee_x;
+        let v_l_ank_pitch_y = r[6] + t_l_knee_y;
+        let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
+        let t_l_ank_pitch_x = s_l_ank_pitch
+            .mul_plus(v_l_ank_pitch_x, c_l_ank_pitch * v_l_ank_pitch_y);
+        let t_l_ank_pitch_y = c_l_ank_pitch
+            .mul_plus(v_l_ank_pitch_x, -(s_l_ank_pitch * v_l_ank_pitch_y));
+        // l_ank_roll
+        let v_l_ank_roll_x = r[3] + t_l_hip_roll_y;
+        let v_l_ank_roll_y = r[4] + t_l_ank_pitch_x;
+        let (s_l_ank_roll, c_l_ank_roll) = q[7].sin_cos();
+        let t_l_ank_roll_x = c_l_ank_roll.mul_plus(v_l_ank_roll_x, s_l_ank_roll * v_l_ank_roll_y);
+        // l_ank_pitch
+        let bz_l_ank_pitch_x = c_l_ank_roll * s_l_ank_pitch;
+        let bz_l_ank_pitch_y = c_l_ank_roll * c_l_ank_pitch;
+        // l_knee
+        let bz_l_knee_x = bz_l_ank_pitch_x.mul_plus(c_l_knee, -(bz_l_ank_pitch_y * s_l_knee));
+        let bz_l_knee_y = bz_l_ank_pitch_y.mul_plus(c_l_knee, bz_l_ank_pitch_x * s_l_knee);
+        // l_hip_pitch
+        let bz_l_hip_pitch_x = bz_l_knee_x.mul_plus(c_l_hip_pitch, -(bz_l_knee_y * s_l_hip_pitch));
+        let bz_l_hip_pitch_y = bz_l_knee_y.mul_plus(c_l_hip_pitch, bz_l_knee_x * s_l_hip_pitch);
+        // l_hip_roll
+        let bz_l_hip_roll_x = bz_l_hip_pitch_y
+            .mul_plus(s_l_hip_roll, -(s_l_ank_roll * c_l_hip_roll));
+        let bz_l_hip_roll_y = s_l_ank_roll.mul_plus(s_l_hip_roll, bz_l_hip_pitch_y * c_l_hip_roll);
+        // l_hip_yaw
+        let bz_l_hip_yaw_x = bz_l_hip_roll_x.mul_plus(s_l_hip_yaw, bz_l_hip_pitch_x * c_l_hip_yaw);
+        let e4 = bz_l_hip_pitch_x.mul_plus(s_l_hip_yaw, -(bz_l_hip_roll_x * c_l_hip_yaw));
+        // head_pan
+        let bz_head_pan_x = bz_l_hip_yaw_x.mul_plus(c_head_pan, -(e4 * s_head_pan));
+        // l_sho_pitch
+        let bz_l_sho_pitch_x = bz_l_hip_yaw_x
+            .mul_plus(c_l_sho_pitch, -(bz_l_hip_roll_y * s_l_sho_pitch));
+        let bz_l_sho_pitch_y = bz_l_hip_roll_y
+            .mul_plus(c_l_sho_pitch, bz_l_hip_yaw_x * s_l_sho_pitch);
+        // r_hip_yaw
+        let bz_r_hip_yaw_x = bz_l_hip_yaw_x.mul_plus(c_r_hip_yaw, e4 * s_r_hip_yaw);
+        let bz_r_hip_yaw_y = bz_l_hip_yaw_x.mul_plus(s_r_hip_yaw, -(e4 * c_r_hip_yaw));
+        // r_hip_roll
+        let bz_r_hip_roll_x = bz_r_hip_yaw_y
+            .mul_plus(c_r_hip_roll, -(bz_l_hip_roll_y * s_r_hip_roll));
+        let bz_r_hip_roll_y = bz_l_hip_roll_y.mul_plus(c_r_hip_roll, bz_r_hip_yaw_y * s_r_hip_roll);
+        // r_hip_pitch
+        let bz_r_hip_pitch_x = bz_r_hip_yaw_x
+            .mul_plus(c_r_hip_pitch, -(bz_r_hip_roll_y * s_r_hip_pitch));
+        let bz_r_hip_pitch_y = bz_r_hip_yaw_x
+            .mul_plus(s_r_hip_pitch, bz_r_hip_roll_y * c_r_hip_pitch);
+        // r_knee
+        let bz_r_knee_x = bz_r_hip_pitch_x.mul_plus(c_r_knee, -(bz_r_hip_pitch_y * s_r_knee));
+        let bz_r_knee_y = bz_r_hip_pitch_y.mul_plus(c_r_knee, bz_r_hip_pitch_x * s_r_knee);
+        // r_ank_pitch
+        let bz_r_ank_pitch_y = bz_r_knee_y.mul_plus(c_r_ank_pitch, -(bz_r_knee_x * s_r_ank_pitch));
+        // r_sho_pitch
+        let bz_r_sho_pitch_x = bz_l_hip_yaw_x
+            .mul_plus(c_r_sho_pitch, bz_l_hip_roll_y * s_r_sho_pitch);
+        let bz_r_sho_pitch_y = bz_l_hip_roll_y
+            .mul_plus(c_r_sho_pitch, -(bz_l_hip_yaw_x * s_r_sho_pitch));
+        let p1 = e4.mul_plus(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
+        let p2 = e4.mul_plus(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
+        [
+            e4.mul_plus(t_head_pan_x, bz_l_hip_yaw_x * t_head_pan_y),
+            -bz_l_hip_roll_y.mul_plus(t_head_tilt_x, -(bz_head_pan_x * t_head_tilt_y)),
+            bz_l_hip_pitch_x.mul_plus(t_l_hip_yaw_x, -(bz_l_hip_roll_x * t_l_hip_yaw_y)),
+            -s_l_ank_roll.mul_plus(t_l_hip_roll_x, bz_l_hip_pitch_y * t_l_hip_roll_y),
+            bz_l_knee_y.mul_plus(t_l_hip_pitch_x, -(bz_l_knee_x * t_l_hip_pitch_y)),
+            bz_l_ank_pitch_y.mul_plus(t_l_knee_x, -(bz_l_ank_pitch_x * t_l_knee_y)),
+            -(c_l_ank_roll * t_l_ank_pitch_y),
+            t_l_ank_roll_x,
+            bz_l_hip_roll_y.mul_plus(t_l_sho_pitch_x, -(bz_l_hip_yaw_x * t_l_sho_pitch_y)),
+            e4.mul_plus(t_l_sho_roll_x, bz_l_sho_pitch_y * t_l_sho_roll_y),
+            -bz_l_sho_pitch_x.mul_plus(t_l_el_x, p1 * t_l_el_y),
+            -e4.mul_plus(t_r_hip_yaw_x, bz_l_hip_yaw_x * t_r_hip_yaw_y),
+            bz_l_hip_roll_y.mul_plus(t_r_hip_roll_x, -(bz_r_hip_yaw_y * t_r_hip_roll_y)),
+            -bz_r_hip_yaw_x.mul_plus(t_r_hip_pitch_x, -(bz_r_hip_roll_y * t_r_hip_pitch_y)),
+            bz_r_hip_pitch_y.mul_plus(t_r_knee_x, -(bz_r_hip_pitch_x * t_r_knee_y)),
+            -bz_r_knee_y.mul_plus(t_r_ank_pitch_x, -(bz_r_knee_x * t_r_ank_pitch_y)),
+            bz_r_hip_roll_x.mul_plus(t_r_ank_roll_x, -(bz_r_ank_pitch_y * t_r_ank_roll_y)),
+            -bz_l_hip_roll_y.mul_plus(t_r_sho_pitch_x, -(bz_l_hip_yaw_x * t_r_sho_pitch_y)),
+            e4.mul_plus(t_r_sho_roll_x, bz_r_sho_pitch_y * t_r_sho_roll_y),
+            bz_r_sho_pitch_x.mul_plus(t_r_el_x, -(p2 * e1)),
+        ]
     }
-    #[inline(always)]
-    fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
-        regressor(q)
-    }
+
     #[inline(always)]
     fn regressor_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE_PARAMS]; 3]) {
-        regressor_into(q, rows)
+        let zero = T::from_f64(0.0);
+        let one = T::from_f64(1.0);
+        rows[0][0] = one;
+        rows[1][1] = one;
+        rows[2][2] = one;
+        rows[0][1] = zero;
+        rows[0][2] = zero;
+        rows[0][3] = zero;
+        rows[0][4] = zero;
+        rows[1][0] = zero;
+        rows[1][2] = zero;
+        rows[2][0] = zero;
+        rows[2][1] = zero;
+        // l_ank_roll
+        let (s_l_ank_roll, c_l_ank_roll) = q[7].sin_cos();
+        rows[1][4] = s_l_ank_roll;
+        rows[1][3] = c_l_ank_roll;
+        rows[2][4] = c_l_ank_roll;
+        let bz_l_ank_roll_x = -s_l_ank_roll;
+        rows[2][3] = bz_l_ank_roll_x;
+        // l_ank_pitch
+        let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
+        rows[0][5] = c_l_ank_pitch;
+        let bx_l_ank_pitch_y = -s_l_ank_pitch;
+        rows[0][6] = bx_l_ank_pitch_y;
+        let by_l_ank_pitch_x = s_l_ank_roll * s_l_ank_pitch;
+        rows[1][5] = by_l_ank_pitch_x;
+        let by_l_ank_pitch_y = s_l_ank_roll * c_l_ank_pitch;
+        rows[1][6] = by_l_ank_pitch_y;
+        let bz_l_ank_pitch_x = c_l_ank_roll * s_l_ank_pitch;
+        rows[2][5] = bz_l_ank_pitch_x;
+        let bz_l_ank_pitch_y = c_l_ank_roll * c_l_ank_pitch;
+        rows[2][6] = bz_l_ank_pitch_y;
+        // l_knee
+        let (s_l_knee, c_l_knee) = q[5].sin_cos();
+        let bx_l_knee_x = c_l_ank_pitch.mul_plus(c_l_knee, s_l_ank_pitch * s_l_knee);
+        rows[0][7] = bx_l_knee_x;
+        let bx_l_knee_y = c_l_ank_pitch.mul_plus(s_l_knee, -(s_l_ank_pitch * c_l_knee));
+        rows[0][8] = bx_l_knee_y;
+        let by_l_knee_x = by_l_ank_pitch_x.mul_plus(c_l_knee, -(by_l_ank_pitch_y * s_l_knee));
+        rows[1][7] = by_l_knee_x;
+        let by_l_knee_y = by_l_ank_pitch_y.mul_plus(c_l_knee, by_l_ank_pitch_x * s_l_knee);
+        rows[1][8] = by_l_knee_y;
+        let bz_l_knee_x = bz_l_ank_pitch_x.mul_plus(c_l_knee, -(bz_l_ank_pitch_y * s_l_knee));
+        rows[2][7] = bz_l_knee_x;
+        let bz_l_knee_y = bz_l_ank_pitch_y.mul_plus(c_l_knee, bz_l_ank_pitch_x * s_l_knee);
+        rows[2][8] = bz_l_knee_y;
+        // l_hip_pitch
+        let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
+        let bx_l_hip_pitch_x = bx_l_knee_x.mul_plus(c_l_hip_pitch, -(bx_l_knee_y * s_l_hip_pitch));
+        rows[0][9] = bx_l_hip_pitch_x;
+        let bx_l_hip_pitch_y = bx_l_knee_y.mul_plus(c_l_hip_pitch, bx_l_knee_x * s_l_hip_pitch);
+        rows[0][10] = bx_l_hip_pitch_y;
+        let by_l_hip_pitch_x = by_l_knee_x.mul_plus(c_l_hip_pitch, -(by_l_knee_y * s_l_hip_pitch));
+        rows[1][9] = by_l_hip_pitch_x;
+        let by_l_hip_pitch_y = by_l_knee_y.mul_plus(c_l_hip_pitch, by_l_knee_x * s_l_hip_pitch);
+        rows[1][10] = by_l_hip_pitch_y;
+        let bz_l_hip_pitch_x = bz_l_knee_x.mul_plus(c_l_hip_pitch, -(bz_l_knee_y * s_l_hip_pitch));
+        rows[2][9] = bz_l_hip_pitch_x;
+        let bz_l_hip_pitch_y = bz_l_knee_y.mul_plus(c_l_hip_pitch, bz_l_knee_x * s_l_hip_pitch);
+        rows[2][10] = bz_l_hip_pitch_y;
+        // l_hip_roll
+        let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
+        let bx_l_hip_roll_x = bx_l_hip_pitch_y * s_l_hip_roll;
+        rows[0][11] = bx_l_hip_roll_x;
+        let bx_l_hip_roll_y = bx_l_hip_pitch_y * c_l_hip_roll;
+        rows[0][12] = bx_l_hip_roll_y;
+        let by_l_hip_roll_x = by_l_hip_pitch_y.mul_plus(s_l_hip_roll, c_l_ank_roll * c_l_hip_roll);
+        rows[1][11] = by_l_hip_roll_x;
+        let e1 = c_l_ank_roll.mul_plus(s_l_hip_roll, -(by_l_hip_pitch_y * c_l_hip_roll));
+        let by_l_hip_roll_y = -e1;
+        rows[1][12] = by_l_hip_roll_y;
+        let bz_l_hip_roll_x = bz_l_hip_pitch_y
+            .mul_plus(s_l_hip_roll, -(s_l_ank_roll * c_l_hip_roll));
+        rows[2][11] = bz_l_hip_roll_x;
+        let bz_l_hip_roll_y = s_l_ank_roll.mul_plus(s_l_hip_roll, bz_l_hip_pitch_y * c_l_hip_roll);
+        rows[2][12] = bz_l_hip_roll_y;
+        // l_hip_yaw
+        let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
+        let bx_l_hip_yaw_x = bx_l_hip_roll_x.mul_plus(s_l_hip_yaw, bx_l_hip_pitch_x * c_l_hip_yaw);
+        rows[0][13] = bx_l_hip_yaw_x;
+        let e2 = bx_l_hip_pitch_x.mul_plus(s_l_hip_yaw, -(bx_l_hip_roll_x * c_l_hip_yaw));
+        let bx_l_hip_yaw_y = -e2;
+        rows[0][14] = bx_l_hip_yaw_y;
+        let by_l_hip_yaw_x = by_l_hip_roll_x.mul_plus(s_l_hip_yaw, by_l_hip_pitch_x * c_l_hip_yaw);
+        rows[1][13] = by_l_hip_yaw_x;
+        let e3 = by_l_hip_pitch_x.mul_plus(s_l_hip_yaw, -(by_l_hip_roll_x * c_l_hip_yaw));
+        let by_l_hip_yaw_y = -e3;
+        rows[1][14] = by_l_hip_yaw_y;
+        let bz_l_hip_yaw_x = bz_l_hip_roll_x.mul_plus(s_l_hip_yaw, bz_l_hip_pitch_x * c_l_hip_yaw);
+        rows[2][13] = bz_l_hip_yaw_x;
+        let e4 = bz_l_hip_pitch_x.mul_plus(s_l_hip_yaw, -(bz_l_hip_roll_x * c_l_hip_yaw));
+        let bz_l_hip_yaw_y = -e4;
+        rows[2][14] = bz_l_hip_yaw_y;
+        // head_pan
+        let (s_head_pan, c_head_pan) = q[0].sin_cos();
+        let bx_head_pan_x = bx_l_hip_yaw_x.mul_plus(c_head_pan, -(e2 * s_head_pan));
+        rows[0][15] = bx_head_pan_x;
+        let bx_head_pan_y = -e2.mul_plus(c_head_pan, bx_l_hip_yaw_x * s_head_pan);
+        rows[0][16] = bx_head_pan_y;
+        let by_head_pan_x = by_l_hip_yaw_x.mul_plus(c_head_pan, -(e3 * s_head_pan));
+        rows[1][15] = by_head_pan_x;
+        let by_head_pan_y = -e3.mul_plus(c_head_pan, by_l_hip_yaw_x * s_head_pan);
+        rows[1][16] = by_head_pan_y;
+        let bz_head_pan_x = bz_l_hip_yaw_x.mul_plus(c_head_pan, -(e4 * s_head_pan));
+        rows[2][15] = bz_head_pan_x;
+        let bz_head_pan_y = -e4.mul_plus(c_head_pan, bz_l_hip_yaw_x * s_head_pan);
+        rows[2][16] = bz_head_pan_y;
+        // head_tilt
+        let (s_head_tilt, c_head_tilt) = q[1].sin_cos();
+        let bx_head_tilt_x = bx_head_pan_x.mul_plus(c_head_tilt, bx_l_hip_roll_y * s_head_tilt);
+        rows[0][17] = bx_head_tilt_x;
+        let bx_head_tilt_y = -bx_l_hip_roll_y.mul_plus(c_head_tilt, -(bx_head_pan_x * s_head_tilt));
+        rows[0][18] = bx_head_tilt_y;
+        let by_head_tilt_x = by_head_pan_x.mul_plus(c_head_tilt, -(e1 * s_head_tilt));
+        rows[1][17] = by_head_tilt_x;
+        let by_head_tilt_y = e1.mul_plus(c_head_tilt, by_head_pan_x * s_head_tilt);
+        rows[1][18] = by_head_tilt_y;
+        let bz_head_tilt_x = bz_head_pan_x.mul_plus(c_head_tilt, bz_l_hip_roll_y * s_head_tilt);
+        rows[2][17] = bz_head_tilt_x;
+        let bz_head_tilt_y = -bz_l_hip_roll_y.mul_plus(c_head_tilt, -(bz_head_pan_x * s_head_tilt));
+        rows[2][18] = bz_head_tilt_y;
+        // l_sho_pitch
+        let (s_l_sho_pitch, c_l_sho_pitch) = q[8].sin_cos();
+        let bx_l_sho_pitch_x = bx_l_hip_yaw_x
+            .mul_plus(c_l_sho_pitch, -(bx_l_hip_roll_y * s_l_sho_pitch));
+        rows[0][19] = bx_l_sho_pitch_x;
+        let bx_l_sho_pitch_y = bx_l_hip_roll_y
+            .mul_plus(c_l_sho_pitch, bx_l_hip_yaw_x * s_l_sho_pitch);
+        rows[0][20] = bx_l_sho_pitch_y;
+        let by_l_sho_pitch_x = by_l_hip_yaw_x.mul_plus(c_l_sho_pitch, e1 * s_l_sho_pitch);
+        rows[1][19] = by_l_sho_pitch_x;
+        let by_l_sho_pitch_y = by_l_hip_yaw_x.mul_plus(s_l_sho_pitch, -(e1 * c_l_sho_pitch));
+        rows[1][20] = by_l_sho_pitch_y;
+        let bz_l_sho_pitch_x = bz_l_hip_yaw_x
+            .mul_plus(c_l_sho_pitch, -(bz_l_hip_roll_y * s_l_sho_pitch));
+        rows[2][19] = bz_l_sho_pitch_x;
+        let bz_l_sho_pitch_y = bz_l_hip_roll_y
+            .mul_plus(c_l_sho_pitch, bz_l_hip_yaw_x * s_l_sho_pitch);
+        rows[2][20] = bz_l_sho_pitch_y;
+        // l_sho_roll
+        let e5 = q[9] - T::from_f64(0.785398163);
+        let (s_l_sho_roll, c_l_sho_roll) = e5.sin_cos();
+        let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_plus(s_l_sho_roll, e2 * c_l_sho_roll);
+        rows[0][21] = bx_l_sho_roll_x;
+        let e6 = e2.mul_plus(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
+        let bx_l_sho_roll_y = -e6;
+        rows[0][22] = bx_l_sho_roll_y;
+        let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_plus(s_l_sho_roll, e3 * c_l_sho_roll);
+        rows[1][21] = by_l_sho_roll_x;
+        let e7 = e3.mul_plus(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
+        let by_l_sho_roll_y = -e7;
+        rows[1][22] = by_l_sho_roll_y;
+        let bz_l_sho_roll_x = -bz_l_sho_pitch_y.mul_plus(s_l_sho_roll, e4 * c_l_sho_roll);
+        rows[2][21] = bz_l_sho_roll_x;
+        let e8 = e4.mul_plus(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
+        let bz_l_sho_roll_y = -e8;
+        rows[2][22] = bz_l_sho_roll_y;
+        // l_el
+        let (s_l_el, c_l_el) = q[10].sin_cos();
+        let bx_l_el_x = bx_l_sho_pitch_x.mul_plus(s_l_el, -(e6 * c_l_el));
+        rows[0][23] = bx_l_el_x;
+        let bx_l_el_y = -bx_l_sho_pitch_x.mul_plus(c_l_el, e6 * s_l_el);
+        rows[0][24] = bx_l_el_y;
+        let by_l_el_x = by_l_sho_pitch_x.mul_plus(s_l_el, -(e7 * c_l_el));
+        rows[1][23] = by_l_el_x;
+        let by_l_el_y = -by_l_sho_pitch_x.mul_plus(c_l_el, e7 * s_l_el);
+        rows[1][24] = by_l_el_y;
+        let bz_l_el_x = bz_l_sho_pitch_x.mul_plus(s_l_el, -(e8 * c_l_el));
+        rows[2][23] = bz_l_el_x;
+        let bz_l_el_y = -bz_l_sho_pitch_x.mul_plus(c_l_el, e8 * s_l_el);
+        rows[2][24] = bz_l_el_y;
+        // r_hip_yaw
+        let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
+        let bx_r_hip_yaw_x = bx_l_hip_yaw_x.mul_plus(c_r_hip_yaw, e2 * s_r_hip_yaw);
+        rows[0][25] = bx_r_hip_yaw_x;
+        let bx_r_hip_yaw_y = bx_l_hip_yaw_x.mul_plus(s_r_hip_yaw, -(e2 * c_r_hip_yaw));
+        rows[0][26] = bx_r_hip_yaw_y;
+        let by_r_hip_yaw_x = by_l_hip_yaw_x.mul_plus(c_r_hip_yaw, e3 * s_r_hip_yaw);
+        rows[1][25] = by_r_hip_yaw_x;
+        let by_r_hip_yaw_y = by_l_hip_yaw_x.mul_plus(s_r_hip_yaw, -(e3 * c_r_hip_yaw));
+        rows[1][26] = by_r_hip_yaw_y;
+        let bz_r_hip_yaw_x = bz_l_hip_yaw_x.mul_plus(c_r_hip_yaw, e4 * s_r_hip_yaw);
+        rows[2][25] = bz_r_hip_yaw_x;
+        let bz_r_hip_yaw_y = bz_l_hip_yaw_x.mul_plus(s_r_hip_yaw, -(e4 * c_r_hip_yaw));
+        rows[2][26] = bz_r_hip_yaw_y;
+        // r_hip_roll
+        let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
+        let bx_r_hip_roll_x = bx_r_hip_yaw_y
+            .mul_plus(c_r_hip_roll, -(bx_l_hip_roll_y * s_r_hip_roll));
+        rows[0][27] = bx_r_hip_roll_x;
+        let bx_r_hip_roll_y = bx_l_hip_roll_y.mul_plus(c_r_hip_roll, bx_r_hip_yaw_y * s_r_hip_roll);
+        rows[0][28] = bx_r_hip_roll_y;
+        let by_r_hip_roll_x = by_r_hip_yaw_y.mul_plus(c_r_hip_roll, e1 * s_r_hip_roll);
+        rows[1][27] = by_r_hip_roll_x;
+        let by_r_hip_roll_y = by_r_hip_yaw_y.mul_plus(s_r_hip_roll, -(e1 * c_r_hip_roll));
+        rows[1][28] = by_r_hip_roll_y;
+        let bz_r_hip_roll_x = bz_r_hip_yaw_y
+            .mul_plus(c_r_hip_roll, -(bz_l_hip_roll_y * s_r_hip_roll));
+        rows[2][27] = bz_r_hip_roll_x;
+        let bz_r_hip_roll_y = bz_l_hip_roll_y.mul_plus(c_r_hip_roll, bz_r_hip_yaw_y * s_r_hip_roll);
+        rows[2][28] = bz_r_hip_roll_y;
+        // r_hip_pitch
+        let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
+        let bx_r_hip_pitch_x = bx_r_hip_yaw_x
+            .mul_plus(c_r_hip_pitch, -(bx_r_hip_roll_y * s_r_hip_pitch));
+        rows[0][29] = bx_r_hip_pitch_x;
+        let bx_r_hip_pitch_y = bx_r_hip_yaw_x
+            .mul_plus(s_r_hip_pitch, bx_r_hip_roll_y * c_r_hip_pitch);
+        rows[0][30] = bx_r_hip_pitch_y;
+        let by_r_hip_pitch_x = by_r_hip_yaw_x
+            .mul_plus(c_r_hip_pitch, -(by_r_hip_roll_y * s_r_hip_pitch));
+        rows[1][29] = by_r_hip_pitch_x;
+        let by_r_hip_pitch_y = by_r_hip_yaw_x
+            .mul_plus(s_r_hip_pitch, by_r_hip_roll_y * c_r_hip_pitch);
+        rows[1][30] = by_r_hip_pitch_y;
+        let bz_r_hip_pitch_x = bz_r_hip_yaw_x
+            .mul_plus(c_r_hip_pitch, -(bz_r_hip_roll_y * s_r_hip_pitch));
+        rows[2][29] = bz_r_hip_pitch_x;
+        let bz_r_hip_pitch_y = bz_r_hip_yaw_x
+            .mul_plus(s_r_hip_pitch, bz_r_hip_roll_y * c_r_hip_pitch);
+        rows[2][30] = bz_r_hip_pitch_y;
+        // r_knee
+        let (s_r_knee, c_r_knee) = q[14].sin_cos();
+        let bx_r_knee_x = bx_r_hip_pitch_x.mul_plus(c_r_knee, -(bx_r_hip_pitch_y * s_r_knee));
+        rows[0][31] = bx_r_knee_x;
+        let bx_r_knee_y = bx_r_hip_pitch_y.mul_plus(c_r_knee, bx_r_hip_pitch_x * s_r_knee);
+        rows[0][32] = bx_r_knee_y;
+        let by_r_knee_x = by_r_hip_pitch_x.mul_plus(c_r_knee, -(by_r_hip_pitch_y * s_r_knee));
+        rows[1][31] = by_r_knee_x;
+        let by_r_knee_y = by_r_hip_pitch_y.mul_plus(c_r_knee, by_r_hip_pitch_x * s_r_knee);
+        rows[1][32] = by_r_knee_y;
+        let bz_r_knee_x = bz_r_hip_pitch_x.mul_plus(c_r_knee, -(bz_r_hip_pitch_y * s_r_knee));
+        rows[2][31] = bz_r_knee_x;
+        let bz_r_knee_y = bz_r_hip_pitch_y.mul_plus(c_r_knee, bz_r_hip_pitch_x * s_r_knee);
+        rows[2][32] = bz_r_knee_y;
+        // r_ank_pitch
+        let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
+        let bx_r_ank_pitch_x = bx_r_knee_x.mul_plus(c_r_ank_pitch, bx_r_knee_y * s_r_ank_pitch);
+        rows[0][33] = bx_r_ank_pitch_x;
+        let bx_r_ank_pitch_y = bx_r_knee_y.mul_plus(c_r_ank_pitch, -(bx_r_knee_x * s_r_ank_pitch));
+        rows[0][34] = bx_r_ank_pitch_y;
+        let by_r_ank_pitch_x = by_r_knee_x.mul_plus(c_r_ank_pitch, by_r_knee_y * s_r_ank_pitch);
+        rows[1][33] = by_r_ank_pitch_x;
+        let by_r_ank_pitch_y = by_r_knee_y.mul_plus(c_r_ank_pitch, -(by_r_knee_x * s_r_ank_pitch));
+        rows[1][34] = by_r_ank_pitch_y;
+        let bz_r_ank_pitch_x = bz_r_knee_x.mul_plus(c_r_ank_pitch, bz_r_knee_y * s_r_ank_pitch);
+        rows[2][33] = bz_r_ank_pitch_x;
+        let bz_r_ank_pitch_y = bz_r_knee_y.mul_plus(c_r_ank_pitch, -(bz_r_knee_x * s_r_ank_pitch));
+        rows[2][34] = bz_r_ank_pitch_y;
+        // r_ank_roll
+        let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
+        let bx_r_ank_roll_x = bx_r_ank_pitch_y
+            .mul_plus(s_r_ank_roll, bx_r_hip_roll_x * c_r_ank_roll);
+        rows[0][35] = bx_r_ank_roll_x;
+        let bx_r_ank_roll_y = -bx_r_hip_roll_x
+            .mul_plus(s_r_ank_roll, -(bx_r_ank_pitch_y * c_r_ank_roll));
+        rows[0][36] = bx_r_ank_roll_y;
+        let by_r_ank_roll_x = by_r_ank_pitch_y
+            .mul_plus(s_r_ank_roll, by_r_hip_roll_x * c_r_ank_roll);
+        rows[1][35] = by_r_ank_roll_x;
+        let by_r_ank_roll_y = -by_r_hip_roll_x
+            .mul_plus(s_r_ank_roll, -(by_r_ank_pitch_y * c_r_ank_roll));
+        rows[1][36] = by_r_ank_roll_y;
+        let bz_r_ank_roll_x = bz_r_ank_pitch_y
+            .mul_plus(s_r_ank_roll, bz_r_hip_roll_x * c_r_ank_roll);
+        rows[2][35] = bz_r_ank_roll_x;
+        let bz_r_ank_roll_y = -bz_r_hip_roll_x
+            .mul_plus(s_r_ank_roll, -(bz_r_ank_pitch_y * c_r_ank_roll));
+        rows[2][36] = bz_r_ank_roll_y;
+        // r_sho_pitch
+        let (s_r_sho_pitch, c_r_sho_pitch) = q[17].sin_cos();
+        let bx_r_sho_pitch_x = bx_l_hip_yaw_x
+            .mul_plus(c_r_sho_pitch, bx_l_hip_roll_y * s_r_sho_pitch);
+        rows[0][37] = bx_r_sho_pitch_x;
+        let bx_r_sho_pitch_y = bx_l_hip_roll_y
+            .mul_plus(c_r_sho_pitch, -(bx_l_hip_yaw_x * s_r_sho_pitch));
+        rows[0][38] = bx_r_sho_pitch_y;
+        let by_r_sho_pitch_x = by_l_hip_yaw_x.mul_plus(c_r_sho_pitch, -(e1 * s_r_sho_pitch));
+        rows[1][37] = by_r_sho_pitch_x;
+        let e9 = e1.mul_plus(c_r_sho_pitch, by_l_hip_yaw_x * s_r_sho_pitch);
+        let by_r_sho_pitch_y = -e9;
+        rows[1][38] = by_r_sho_pitch_y;
+        let bz_r_sho_pitch_x = bz_l_hip_yaw_x
+            .mul_plus(c_r_sho_pitch, bz_l_hip_roll_y * s_r_sho_pitch);
+        rows[2][37] = bz_r_sho_pitch_x;
+        let bz_r_sho_pitch_y = bz_l_hip_roll_y
+            .mul_plus(c_r_sho_pitch, -(bz_l_hip_yaw_x * s_r_sho_pitch));
+        rows[2][38] = bz_r_sho_pitch_y;
+        // r_sho_roll
+        let e10 = q[18] + T::from_f64(0.785398163);
+        let (s_r_sho_roll, c_r_sho_roll) = e10.sin_cos();
+        let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_plus(s_r_sho_roll, e2 * c_r_sho_roll);
+        rows[0][39] = bx_r_sho_roll_x;
+        let e11 = e2.mul_plus(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
+        let bx_r_sho_roll_y = -e11;
+        rows[0][40] = bx_r_sho_roll_y;
+        let by_r_sho_roll_x = e9.mul_plus(s_r_sho_roll, -(e3 * c_r_sho_roll));
+        rows[1][39] = by_r_sho_roll_x;
+        let e12 = e3.mul_plus(s_r_sho_roll, e9 * c_r_sho_roll);
+        let by_r_sho_roll_y = -e12;
+        rows[1][40] = by_r_sho_roll_y;
+        let bz_r_sho_roll_x = -bz_r_sho_pitch_y.mul_plus(s_r_sho_roll, e4 * c_r_sho_roll);
+        rows[2][39] = bz_r_sho_roll_x;
+        let e13 = e4.mul_plus(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
+        let bz_r_sho_roll_y = -e13;
+        rows[2][40] = bz_r_sho_roll_y;
+        // r_el
+        let (s_r_el, c_r_el) = q[19].sin_cos();
+        let bx_r_el_x = -e11.mul_plus(c_r_el, bx_r_sho_pitch_x * s_r_el);
+        rows[0][41] = bx_r_el_x;
+        let bx_r_el_y = -bx_r_sho_pitch_x.mul_plus(c_r_el, -(e11 * s_r_el));
+        rows[0][42] = bx_r_el_y;
+        let by_r_el_x = -e12.mul_plus(c_r_el, by_r_sho_pitch_x * s_r_el);
+        rows[1][41] = by_r_el_x;
+        let by_r_el_y = -by_r_sho_pitch_x.mul_plus(c_r_el, -(e12 * s_r_el));
+        rows[1][42] = by_r_el_y;
+        let bz_r_el_x = -e13.mul_plus(c_r_el, bz_r_sho_pitch_x * s_r_el);
+        rows[2][41] = bz_r_el_x;
+        let bz_r_el_y = -bz_r_sho_pitch_x.mul_plus(c_r_el, -(e13 * s_r_el));
+        rows[2][42] = bz_r_el_y;
     }
-    #[inline(always)]
-    fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
-        regressor_cop(q)
-    }
+
     #[inline(always)]
     fn regressor_cop_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE_PARAMS]; 2]) {
-        regressor_cop_into(q, rows)
+        let zero = T::from_f64(0.0);
+        let one = T::from_f64(1.0);
+        rows[0][0] = one;
+        rows[1][1] = one;
+        rows[0][1] = zero;
+        rows[0][2] = zero;
+        rows[0][3] = zero;
+        rows[0][4] = zero;
+        rows[1][0] = zero;
+        rows[1][2] = zero;
+        // l_ank_roll
+        let (s_l_ank_roll, c_l_ank_roll) = q[7].sin_cos();
+        rows[1][4] = s_l_ank_roll;
+        rows[1][3] = c_l_ank_roll;
+        // l_ank_pitch
+        let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
+        rows[0][5] = c_l_ank_pitch;
+        let bx_l_ank_pitch_y = -s_l_ank_pitch;
+        rows[0][6] = bx_l_ank_pitch_y;
+        let by_l_ank_pitch_x = s_l_ank_roll * s_l_ank_pitch;
+        rows[1][5] = by_l_ank_pitch_x;
+        let by_l_ank_pitch_y = s_l_ank_roll * c_l_ank_pitch;
+        rows[1][6] = by_l_ank_pitch_y;
+        // l_knee
+        let (s_l_knee, c_l_knee) = q[5].sin_cos();
+        let bx_l_knee_x = c_l_ank_pitch.mul_plus(c_l_knee, s_l_ank_pitch * s_l_knee);
+        rows[0][7] = bx_l_knee_x;
+        let bx_l_knee_y = c_l_ank_pitch.mul_plus(s_l_knee, -(s_l_ank_pitch * c_l_knee));
+        rows[0][8] = bx_l_knee_y;
+        let by_l_knee_x = by_l_ank_pitch_x.mul_plus(c_l_knee, -(by_l_ank_pitch_y * s_l_knee));
+        rows[1][7] = by_l_knee_x;
+        let by_l_knee_y = by_l_ank_pitch_y.mul_plus(c_l_knee, by_l_ank_pitch_x * s_l_knee);
+        rows[1][8] = by_l_knee_y;
+        // l_hip_pitch
+        let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
+        let bx_l_hip_pitch_x = bx_l_knee_x.mul_plus(c_l_hip_pitch, -(bx_l_knee_y * s_l_hip_pitch));
+        rows[0][9] = bx_l_hip_pitch_x;
+        let bx_l_hip_pitch_y = bx_l_knee_y.mul_plus(c_l_hip_pitch, bx_l_knee_x * s_l_hip_pitch);
+        rows[0][10] = bx_l_hip_pitch_y;
+        let by_l_hip_pitch_x = by_l_knee_x.mul_plus(c_l_hip_pitch, -(by_l_knee_y * s_l_hip_pitch));
+        rows[1][9] = by_l_hip_pitch_x;
+        let by_l_hip_pitch_y = by_l_knee_y.mul_plus(c_l_hip_pitch, by_l_knee_x * s_l_hip_pitch);
+        rows[1][10] = by_l_hip_pitch_y;
+        // l_hip_roll
+        let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
+        let bx_l_hip_roll_x = bx_l_hip_pitch_y * s_l_hip_roll;
+        rows[0][11] = bx_l_hip_roll_x;
+        let bx_l_hip_roll_y = bx_l_hip_pitch_y * c_l_hip_roll;
+        rows[0][12] = bx_l_hip_roll_y;
+        let by_l_hip_roll_x = by_l_hip_pitch_y.mul_plus(s_l_hip_roll, c_l_ank_roll * c_l_hip_roll);
+        rows[1][11] = by_l_hip_roll_x;
+        let e1 = c_l_ank_roll.mul_plus(s_l_hip_roll, -(by_l_hip_pitch_y * c_l_hip_roll));
+        let by_l_hip_roll_y = -e1;
+        rows[1][12] = by_l_hip_roll_y;
+        // l_hip_yaw
+        let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
+        let bx_l_hip_yaw_x = bx_l_hip_roll_x.mul_plus(s_l_hip_yaw, bx_l_hip_pitch_x * c_l_hip_yaw);
+        rows[0][13] = bx_l_hip_yaw_x;
+        let e2 = bx_l_hip_pitch_x.mul_plus(s_l_hip_yaw, -(bx_l_hip_roll_x * c_l_hip_yaw));
+        let bx_l_hip_yaw_y = -e2;
+        rows[0][14] = bx_l_hip_yaw_y;
+        let by_l_hip_yaw_x = by_l_hip_roll_x.mul_plus(s_l_hip_yaw, by_l_hip_pitch_x * c_l_hip_yaw);
+        rows[1][13] = by_l_hip_yaw_x;
+        let e3 = by_l_hip_pitch_x.mul_plus(s_l_hip_yaw, -(by_l_hip_roll_x * c_l_hip_yaw));
+        let by_l_hip_yaw_y = -e3;
+        rows[1][14] = by_l_hip_yaw_y;
+        // head_pan
+        let (s_head_pan, c_head_pan) = q[0].sin_cos();
+        let bx_head_pan_x = bx_l_hip_yaw_x.mul_plus(c_head_pan, -(e2 * s_head_pan));
+        rows[0][15] = bx_head_pan_x;
+        let bx_head_pan_y = -e2.mul_plus(c_head_pan, bx_l_hip_yaw_x * s_head_pan);
+        rows[0][16] = bx_head_pan_y;
+        let by_head_pan_x = by_l_hip_yaw_x.mul_plus(c_head_pan, -(e3 * s_head_pan));
+        rows[1][15] = by_head_pan_x;
+        let by_head_pan_y = -e3.mul_plus(c_head_pan, by_l_hip_yaw_x * s_head_pan);
+        rows[1][16] = by_head_pan_y;
+        // head_tilt
+        let (s_head_tilt, c_head_tilt) = q[1].sin_cos();
+        let bx_head_tilt_x = bx_head_pan_x.mul_plus(c_head_tilt, bx_l_hip_roll_y * s_head_tilt);
+        rows[0][17] = bx_head_tilt_x;
+        let bx_head_tilt_y = -bx_l_hip_roll_y.mul_plus(c_head_tilt, -(bx_head_pan_x * s_head_tilt));
+        rows[0][18] = bx_head_tilt_y;
+        let by_head_tilt_x = by_head_pan_x.mul_plus(c_head_tilt, -(e1 * s_head_tilt));
+        rows[1][17] = by_head_tilt_x;
+        let by_head_tilt_y = e1.mul_plus(c_head_tilt, by_head_pan_x * s_head_tilt);
+        rows[1][18] = by_head_tilt_y;
+        // l_sho_pitch
+        let (s_l_sho_pitch, c_l_sho_pitch) = q[8].sin_cos();
+        let bx_l_sho_pitch_x = bx_l_hip_yaw_x
+            .mul_plus(c_l_sho_pitch, -(bx_l_hip_roll_y * s_l_sho_pitch));
+        rows[0][19] = bx_l_sho_pitch_x;
+        let bx_l_sho_pitch_y = bx_l_hip_roll_y
+            .mul_plus(c_l_sho_pitch, bx_l_hip_yaw_x * s_l_sho_pitch);
+        rows[0][20] = bx_l_sho_pitch_y;
+        let by_l_sho_pitch_x = by_l_hip_yaw_x.mul_plus(c_l_sho_pitch, e1 * s_l_sho_pitch);
+        rows[1][19] = by_l_sho_pitch_x;
+        let by_l_sho_pitch_y = by_l_hip_yaw_x.mul_plus(s_l_sho_pitch, -(e1 * c_l_sho_pitch));
+        rows[1][20] = by_l_sho_pitch_y;
+        // l_sho_roll
+        let e4 = q[9] - T::from_f64(0.785398163);
+        let (s_l_sho_roll, c_l_sho_roll) = e4.sin_cos();
+        let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_plus(s_l_sho_roll, e2 * c_l_sho_roll);
+        rows[0][21] = bx_l_sho_roll_x;
+        let e5 = e2.mul_plus(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
+        let bx_l_sho_roll_y = -e5;
+        rows[0][22] = bx_l_sho_roll_y;
+        let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_plus(s_l_sho_roll, e3 * c_l_sho_roll);
+        rows[1][21] = by_l_sho_roll_x;
+        let e6 = e3.mul_plus(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
+        let by_l_sho_roll_y = -e6;
+        rows[1][22] = by_l_sho_roll_y;
+        // l_el
+        let (s_l_el, c_l_el) = q[10].sin_cos();
+        let bx_l_el_x = bx_l_sho_pitch_x.mul_plus(s_l_el, -(e5 * c_l_el));
+        rows[0][23] = bx_l_el_x;
+        let bx_l_el_y = -bx_l_sho_pitch_x.mul_plus(c_l_el, e5 * s_l_el);
+        rows[0][24] = bx_l_el_y;
+        let by_l_el_x = by_l_sho_pitch_x.mul_plus(s_l_el, -(e6 * c_l_el));
+        rows[1][23] = by_l_el_x;
+        let by_l_el_y = -by_l_sho_pitch_x.mul_plus(c_l_el, e6 * s_l_el);
+        rows[1][24] = by_l_el_y;
+        // r_hip_yaw
+        let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
+        let bx_r_hip_yaw_x = bx_l_hip_yaw_x.mul_plus(c_r_hip_yaw, e2 * s_r_hip_yaw);
+        rows[0][25] = bx_r_hip_yaw_x;
+        let bx_r_hip_yaw_y = bx_l_hip_yaw_x.mul_plus(s_r_hip_yaw, -(e2 * c_r_hip_yaw));
+        rows[0][26] = bx_r_hip_yaw_y;
+        let by_r_hip_yaw_x = by_l_hip_yaw_x.mul_plus(c_r_hip_yaw, e3 * s_r_hip_yaw);
+        rows[1][25] = by_r_hip_yaw_x;
+        let by_r_hip_yaw_y = by_l_hip_yaw_x.mul_plus(s_r_hip_yaw, -(e3 * c_r_hip_yaw));
+        rows[1][26] = by_r_hip_yaw_y;
+        // r_hip_roll
+        let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
+        let bx_r_hip_roll_x = bx_r_hip_yaw_y
+            .mul_plus(c_r_hip_roll, -(bx_l_hip_roll_y * s_r_hip_roll));
+        rows[0][27] = bx_r_hip_roll_x;
+        let bx_r_hip_roll_y = bx_l_hip_roll_y.mul_plus(c_r_hip_roll, bx_r_hip_yaw_y * s_r_hip_roll);
+        rows[0][28] = bx_r_hip_roll_y;
+        let by_r_hip_roll_x = by_r_hip_yaw_y.mul_plus(c_r_hip_roll, e1 * s_r_hip_roll);
+        rows[1][27] = by_r_hip_roll_x;
+        let by_r_hip_roll_y = by_r_hip_yaw_y.mul_plus(s_r_hip_roll, -(e1 * c_r_hip_roll));
+        rows[1][28] = by_r_hip_roll_y;
+        // r_hip_pitch
+        let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
+        let bx_r_hip_pitch_x = bx_r_hip_yaw_x
+            .mul_plus(c_r_hip_pitch, -(bx_r_hip_roll_y * s_r_hip_pitch));
+        rows[0][29] = bx_r_hip_pitch_x;
+        let bx_r_hip_pitch_y = bx_r_hip_yaw_x
+            .mul_plus(s_r_hip_pitch, bx_r_hip_roll_y * c_r_hip_pitch);
+        rows[0][30] = bx_r_hip_pitch_y;
+        let by_r_hip_pitch_x = by_r_hip_yaw_x
+            .mul_plus(c_r_hip_pitch, -(by_r_hip_roll_y * s_r_hip_pitch));
+        rows[1][29] = by_r_hip_pitch_x;
+        let by_r_hip_pitch_y = by_r_hip_yaw_x
+            .mul_plus(s_r_hip_pitch, by_r_hip_roll_y * c_r_hip_pitch);
+        rows[1][30] = by_r_hip_pitch_y;
+        // r_knee
+        let (s_r_knee, c_r_knee) = q[14].sin_cos();
+        let bx_r_knee_x = bx_r_hip_pitch_x.mul_plus(c_r_knee, -(bx_r_hip_pitch_y * s_r_knee));
+        rows[0][31] = bx_r_knee_x;
+        let bx_r_knee_y = bx_r_hip_pitch_y.mul_plus(c_r_knee, bx_r_hip_pitch_x * s_r_knee);
+        rows[0][32] = bx_r_knee_y;
+        let by_r_knee_x = by_r_hip_pitch_x.mul_plus(c_r_knee, -(by_r_hip_pitch_y * s_r_knee));
+        rows[1][31] = by_r_knee_x;
+        let by_r_knee_y = by_r_hip_pitch_y.mul_plus(c_r_knee, by_r_hip_pitch_x * s_r_knee);
+        rows[1][32] = by_r_knee_y;
+        // r_ank_pitch
+        let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
+        let bx_r_ank_pitch_x = bx_r_knee_x.mul_plus(c_r_ank_pitch, bx_r_knee_y * s_r_ank_pitch);
+        rows[0][33] = bx_r_ank_pitch_x;
+        let bx_r_ank_pitch_y = bx_r_knee_y.mul_plus(c_r_ank_pitch, -(bx_r_knee_x * s_r_ank_pitch));
+        rows[0][34] = bx_r_ank_pitch_y;
+        let by_r_ank_pitch_x = by_r_knee_x.mul_plus(c_r_ank_pitch, by_r_knee_y * s_r_ank_pitch);
+        rows[1][33] = by_r_ank_pitch_x;
+        let by_r_ank_pitch_y = by_r_knee_y.mul_plus(c_r_ank_pitch, -(by_r_knee_x * s_r_ank_pitch));
+        rows[1][34] = by_r_ank_pitch_y;
+        // r_ank_roll
+        let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
+        let bx_r_ank_roll_x = bx_r_ank_pitch_y
+            .mul_plus(s_r_ank_roll, bx_r_hip_roll_x * c_r_ank_roll);
+        rows[0][35] = bx_r_ank_roll_x;
+        let bx_r_ank_roll_y = -bx_r_hip_roll_x
+            .mul_plus(s_r_ank_roll, -(bx_r_ank_pitch_y * c_r_ank_roll));
+        rows[0][36] = bx_r_ank_roll_y;
+        let by_r_ank_roll_x = by_r_ank_pitch_y
+            .mul_plus(s_r_ank_roll, by_r_hip_roll_x * c_r_ank_roll);
+        rows[1][35] = by_r_ank_roll_x;
+        let by_r_ank_roll_y = -by_r_hip_roll_x
+            .mul_plus(s_r_ank_roll, -(by_r_ank_pitch_y * c_r_ank_roll));
+        rows[1][36] = by_r_ank_roll_y;
+        // r_sho_pitch
+        let (s_r_sho_pitch, c_r_sho_pitch) = q[17].sin_cos();
+        let bx_r_sho_pitch_x = bx_l_hip_yaw_x
+            .mul_plus(c_r_sho_pitch, bx_l_hip_roll_y * s_r_sho_pitch);
+        rows[0][37] = bx_r_sho_pitch_x;
+        let bx_r_sho_pitch_y = bx_l_hip_roll_y
+            .mul_plus(c_r_sho_pitch, -(bx_l_hip_yaw_x * s_r_sho_pitch));
+        rows[0][38] = bx_r_sho_pitch_y;
+        let by_r_sho_pitch_x = by_l_hip_yaw_x.mul_plus(c_r_sho_pitch, -(e1 * s_r_sho_pitch));
+        rows[1][37] = by_r_sho_pitch_x;
+        let e7 = e1.mul_plus(c_r_sho_pitch, by_l_hip_yaw_x * s_r_sho_pitch);
+        let by_r_sho_pitch_y = -e7;
+        rows[1][38] = by_r_sho_pitch_y;
+        // r_sho_roll
+        let e8 = q[18] + T::from_f64(0.785398163);
+        let (s_r_sho_roll, c_r_sho_roll) = e8.sin_cos();
+        let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_plus(s_r_sho_roll, e2 * c_r_sho_roll);
+        rows[0][39] = bx_r_sho_roll_x;
+        let e9 = e2.mul_plus(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
+        let bx_r_sho_roll_y = -e9;
+        rows[0][40] = bx_r_sho_roll_y;
+        let by_r_sho_roll_x = e7.mul_plus(s_r_sho_roll, -(e3 * c_r_sho_roll));
+        rows[1][39] = by_r_sho_roll_x;
+        let e10 = e3.mul_plus(s_r_sho_roll, e7 * c_r_sho_roll);
+        let by_r_sho_roll_y = -e10;
+        rows[1][40] = by_r_sho_roll_y;
+        // r_el
+        let (s_r_el, c_r_el) = q[19].sin_cos();
+        let bx_r_el_x = -e9.mul_plus(c_r_el, bx_r_sho_pitch_x * s_r_el);
+        rows[0][41] = bx_r_el_x;
+        let bx_r_el_y = -bx_r_sho_pitch_x.mul_plus(c_r_el, -(e9 * s_r_el));
+        rows[0][42] = bx_r_el_y;
+        let by_r_el_x = -e10.mul_plus(c_r_el, by_r_sho_pitch_x * s_r_el);
+        rows[1][41] = by_r_el_x;
+        let by_r_el_y = -by_r_sho_pitch_x.mul_plus(c_r_el, -(e10 * s_r_el));
+        rows[1][42] = by_r_el_y;
     }
-    #[inline(always)]
-    fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
-        regressor_full(q)
-    }
+
     #[inline(always)]
     fn regressor_full_into<T: Real>(q: &[T; DOF], rows: &mut [[T; FULL_PARAMS]; 3]) {
-        regressor_full_into(q, rows)
+        let zero = T::from_f64(0.0);
+        let one = T::from_f64(1.0);
+        rows[0][0] = one;
+        rows[0][3] = one;
+        rows[1][1] = one;
+        rows[2][2] = one;
+        rows[0][1] = zero;
+        rows[0][2] = zero;
+        rows[0][4] = zero;
+        rows[0][5] = zero;
+        rows[0][7] = zero;
+        rows[0][10] = zero;
+        rows[0][13] = zero;
+        rows[1][0] = zero;
+        rows[1][2] = zero;
+        rows[1][3] = zero;
+        rows[2][0] = zero;
+        rows[2][1] = zero;
+        rows[2][3] = zero;
+        // l_ank_roll
+        let (s_l_ank_roll, c_l_ank_roll) = q[7].sin_cos();
+        rows[1][5] = s_l_ank_roll;
+        rows[1][4] = c_l_ank_roll;
+        rows[1][7] = c_l_ank_roll;
+        rows[1][10] = c_l_ank_roll;
+        rows[1][13] = c_l_ank_roll;
+        rows[2][5] = c_l_ank_roll;
+        let bz_l_ank_roll_x = -s_l_ank_roll;
+        rows[2][4] = bz_l_ank_roll_x;
+        rows[2][7] = bz_l_ank_roll_x;
+        rows[2][10] = bz_l_ank_roll_x;
+        rows[2][13] = bz_l_ank_roll_x;
+        // l_ank_pitch
+        let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
+        rows[0][6] = c_l_ank_pitch;
+        let bx_l_ank_pitch_y = -s_l_ank_pitch;
+        rows[0][8] = bx_l_ank_pitch_y;
+        let by_l_ank_pitch_x = s_l_ank_roll * s_l_ank_pitch;
+        rows[1][6] = by_l_ank_pitch_x;
+        let by_l_ank_pitch_y = s_l_ank_roll * c_l_ank_pitch;
+        rows[1][8] = by_l_ank_pitch_y;
+        let bz_l_ank_pitch_x = c_l_ank_roll * s_l_ank_pitch;
+        rows[2][6] = bz_l_ank_pitch_x;
+        let bz_l_ank_pitch_y = c_l_ank_roll * c_l_ank_pitch;
+        rows[2][8] = bz_l_ank_pitch_y;
+        // l_knee
+        let (s_l_knee, c_l_knee) = q[5].sin_cos();
+        let bx_l_knee_x = c_l_ank_pitch.mul_plus(c_l_knee, s_l_ank_pitch * s_l_knee);
+        rows[0][9] = bx_l_knee_x;
+        let bx_l_knee_y = c_l_ank_pitch.mul_plus(s_l_knee, -(s_l_ank_pitch * c_l_knee));
+        rows[0][11] = bx_l_knee_y;
+        let by_l_knee_x = by_l_ank_pitch_x.mul_plus(c_l_knee, -(by_l_ank_pitch_y * s_l_knee));
+        rows[1][9] = by_l_knee_x;
+        let by_l_knee_y = by_l_ank_pitch_y.mul_plus(c_l_knee, by_l_ank_pitch_x * s_l_knee);
+        rows[1][11] = by_l_knee_y;
+        let bz_l_knee_x = bz_l_ank_pitch_x.mul_plus(c_l_knee, -(bz_l_ank_pitch_y * s_l_knee));
+        rows[2][9] = bz_l_knee_x;
+        let bz_l_knee_y = bz_l_ank_pitch_y.mul_plus(c_l_knee, bz_l_ank_pitch_x * s_l_knee);
+        rows[2][11] = bz_l_knee_y;
+        // l_hip_pitch
+        let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
+        let bx_l_hip_pitch_x = bx_l_knee_x.mul_plus(c_l_hip_pitch, -(bx_l_knee_y * s_l_hip_pitch));
+        rows[0][12] = bx_l_hip_pitch_x;
+        rows[0][15] = bx_l_hip_pitch_x;
+        let bx_l_hip_pitch_y = bx_l_knee_y.mul_plus(c_l_hip_pitch, bx_l_knee_x * s_l_hip_pitch);
+        rows[0][14] = bx_l_hip_pitch_y;
+        let by_l_hip_pitch_x = by_l_knee_x.mul_plus(c_l_hip_pitch, -(by_l_knee_y * s_l_hip_pitch));
+        rows[1][12] = by_l_hip_pitch_x;
+        rows[1][15] = by_l_hip_pitch_x;
+        let by_l_hip_pitch_y = by_l_knee_y.mul_plus(c_l_hip_pitch, by_l_knee_x * s_l_hip_pitch);
+        rows[1][14] = by_l_hip_pitch_y;
+        let bz_l_hip_pitch_x = bz_l_knee_x.mul_plus(c_l_hip_pitch, -(bz_l_knee_y * s_l_hip_pitch));
+        rows[2][12] = bz_l_hip_pitch_x;
+        rows[2][15] = bz_l_hip_pitch_x;
+        let bz_l_hip_pitch_y = bz_l_knee_y.mul_plus(c_l_hip_pitch, bz_l_knee_x * s_l_hip_pitch);
+        rows[2][14] = bz_l_hip_pitch_y;
+        // l_hip_roll
+        let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
+        let bx_l_hip_roll_x = bx_l_hip_pitch_y * s_l_hip_roll;
+        rows[0][16] = bx_l_hip_roll_x;
+        let bx_l_hip_roll_y = bx_l_hip_pitch_y * c_l_hip_roll;
+        rows[0][17] = bx_l_hip_roll_y;
+        rows[0][20] = bx_l_hip_roll_y;
+        rows[0][23] = bx_l_hip_roll_y;
+        rows[0][38] = bx_l_hip_roll_y;
+        let by_l_hip_roll_x = by_l_hip_pitch_y.mul_plus(s_l_hip_roll, c_l_ank_roll * c_l_hip_roll);
+        rows[1][16] = by_l_hip_roll_x;
+        let e1 = c_l_ank_roll.mul_plus(s_l_hip_roll, -(by_l_hip_pitch_y * c_l_hip_roll));
+        let by_l_hip_roll_y = -e1;
+        rows[1][17] = by_l_hip_roll_y;
+        rows[1][20] = by_l_hip_roll_y;
+        rows[1][23] = by_l_hip_roll_y;
+        rows[1][38] = by_l_hip_roll_y;
+        let bz_l_hip_roll_x = bz_l_hip_pitch_y
+            .mul_plus(s_l_hip_roll, -(s_l_ank_roll * c_l_hip_roll));
+        rows[2][16] = bz_l_hip_roll_x;
+        let bz_l_hip_roll_y = s_l_ank_roll.mul_plus(s_l_hip_roll, bz_l_hip_pitch_y * c_l_hip_roll);
+        rows[2][17] = bz_l_hip_roll_y;
+        rows[2][20] = bz_l_hip_roll_y;
+        rows[2][23] = bz_l_hip_roll_y;
+        rows[2][38] = bz_l_hip_roll_y;
+        // l_hip_yaw
+        let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
+        let bx_l_hip_yaw_x = bx_l_hip_roll_x.mul_plus(s_l_hip_yaw, bx_l_hip_pitch_x * c_l_hip_yaw);
+        rows[0][18] = bx_l_hip_yaw_x;
+        let e2 = bx_l_hip_pitch_x.mul_plus(s_l_hip_yaw, -(bx_l_hip_roll_x * c_l_hip_yaw));
+        let bx_l_hip_yaw_y = -e2;
+        rows[0][19] = bx_l_hip_yaw_y;
+        rows[0][28] = bx_l_hip_yaw_y;
+        rows[0][55] = bx_l_hip_yaw_y;
+        let by_l_hip_yaw_x = by_l_hip_roll_x.mul_plus(s_l_hip_yaw, by_l_hip_pitch_x * c_l_hip_yaw);
+        rows[1][18] = by_l_hip_yaw_x;
+        let e3 = by_l_hip_pitch_x.mul_plus(s_l_hip_yaw, -(by_l_hip_roll_x * c_l_hip_yaw));
+        let by_l_hip_yaw_y = -e3;
+        rows[1][19] = by_l_hip_yaw_y;
+        rows[1][28] = by_l_hip_yaw_y;
+        rows[1][55] = by_l_hip_yaw_y;
+        let bz_l_hip_yaw_x = bz_l_hip_roll_x.mul_plus(s_l_hip_yaw, bz_l_hip_pitch_x * c_l_hip_yaw);
+        rows[2][18] = bz_l_hip_yaw_x;
+        let e4 = bz_l_hip_pitch_x.mul_plus(s_l_hip_yaw, -(bz_l_hip_roll_x * c_l_hip_yaw));
+        let bz_l_hip_yaw_y = -e4;
+        rows[2][19] = bz_l_hip_yaw_y;
+        rows[2][28] = bz_l_hip_yaw_y;
+        rows[2][55] = bz_l_hip_yaw_y;
+        // head_pan
+        let (s_head_pan, c_head_pan) = q[0].sin_cos();
+        let bx_head_pan_x = bx_l_hip_yaw_x.mul_plus(c_head_pan, -(e2 * s_head_pan));
+        rows[0][21] = bx_head_pan_x;
+        let bx_head_pan_y = -e2.mul_plus(c_head_pan, bx_l_hip_yaw_x * s_head_pan);
+        rows[0][22] = bx_head_pan_y;
+        rows[0][25] = bx_head_pan_y;
+        let by_head_pan_x = by_l_hip_yaw_x.mul_plus(c_head_pan, -(e3 * s_head_pan));
+        rows[1][21] = by_head_pan_x;
+        let by_head_pan_y = -e3.mul_plus(c_head_pan, by_l_hip_yaw_x * s_head_pan);
+        rows[1][22] = by_head_pan_y;
+        rows[1][25] = by_head_pan_y;
+        let bz_head_pan_x = bz_l_hip_yaw_x.mul_plus(c_head_pan, -(e4 * s_head_pan));
+        rows[2][21] = bz_head_pan_x;
+        let bz_head_pan_y = -e4.mul_plus(c_head_pan, bz_l_hip_yaw_x * s_head_pan);
+        rows[2][22] = bz_head_pan_y;
+        rows[2][25] = bz_head_pan_y;
+        // head_tilt
+        let (s_head_tilt, c_head_tilt) = q[1].sin_cos();
+        let bx_head_tilt_x = bx_head_pan_x.mul_plus(c_head_tilt, bx_l_hip_roll_y * s_head_tilt);
+        let e5 = bx_l_hip_roll_y.mul_plus(c_head_tilt, -(bx_head_pan_x * s_head_tilt));
+        let by_head_tilt_x = by_head_pan_x.mul_plus(c_head_tilt, -(e1 * s_head_tilt));
+        let by_head_tilt_y = e1.mul_plus(c_head_tilt, by_head_pan_x * s_head_tilt);
+        let bz_head_tilt_x = bz_head_pan_x.mul_plus(c_head_tilt, bz_l_hip_roll_y * s_head_tilt);
+        let e6 = bz_l_hip_roll_y.mul_plus(c_head_tilt, -(bz_head_pan_x * s_head_tilt));
+        // l_sho_pitch
+        let (s_l_sho_pitch, c_l_sho_pitch) = q[8].sin_cos();
+        let bx_l_sho_pitch_x = bx_l_hip_yaw_x
+            .mul_plus(c_l_sho_pitch, -(bx_l_hip_roll_y * s_l_sho_pitch));
+        rows[0][27] = bx_l_sho_pitch_x;
+        rows[0][30] = bx_l_sho_pitch_x;
+        let bx_l_sho_pitch_y = bx_l_hip_roll_y
+            .mul_plus(c_l_sho_pitch, bx_l_hip_yaw_x * s_l_sho_pitch);
+        rows[0][29] = bx_l_sho_pitch_y;
+        let by_l_sho_pitch_x = by_l_hip_yaw_x.mul_plus(c_l_sho_pitch, e1 * s_l_sho_pitch);
+        rows[1][27] = by_l_sho_pitch_x;
+        rows[1][30] = by_l_sho_pitch_x;
+        let by_l_sho_pitch_y = by_l_hip_yaw_x.mul_plus(s_l_sho_pitch, -(e1 * c_l_sho_pitch));
+        rows[1][29] = by_l_sho_pitch_y;
+        let bz_l_sho_pitch_x = bz_l_hip_yaw_x
+            .mul_plus(c_l_sho_pitch, -(bz_l_hip_roll_y * s_l_sho_pitch));
+        rows[2][27] = bz_l_sho_pitch_x;
+        rows[2][30] = bz_l_sho_pitch_x;
+        let bz_l_sho_pitch_y = bz_l_hip_roll_y
+            .mul_plus(c_l_sho_pitch, bz_l_hip_yaw_x * s_l_sho_pitch);
+        rows[2][29] = bz_l_sho_pitch_y;
+        // l_sho_roll
+        let e7 = q[9] - T::from_f64(0.785398163);
+        let (s_l_sho_roll, c_l_sho_roll) = e7.sin_cos();
+        let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_plus(s_l_sho_roll, e2 * c_l_sho_roll);
+        rows[0][31] = bx_l_sho_roll_x;
+        rows[0][34] = bx_l_sho_roll_x;
+        let e8 = e2.mul_plus(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
+        let bx_l_sho_roll_y = -e8;
+        rows[0][32] = bx_l_sho_roll_y;
+        let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_plus(s_l_sho_roll, e3 * c_l_sho_roll);
+        rows[1][31] = by_l_sho_roll_x;
+        rows[1][34] = by_l_sho_roll_x;
+        let e9 = e3.mul_plus(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
+        let by_l_sho_roll_y = -e9;
+        rows[1][32] = by_l_sho_roll_y;
+        let bz_l_sho_roll_x = -bz_l_sho_pitch_y.mul_plus(s_l_sho_roll, e4 * c_l_sho_roll);
+        rows[2][31] = bz_l_sho_roll_x;
+        rows[2][34] = bz_l_sho_roll_x;
+        let e10 = e4.mul_plus(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
+        let bz_l_sho_roll_y = -e10;
+        rows[2][32] = bz_l_sho_roll_y;
+        // l_el
+        let (s_l_el, c_l_el) = q[10].sin_cos();
+        let bx_l_el_x = bx_l_sho_pitch_x.mul_plus(s_l_el, -(e8 * c_l_el));
+        rows[0][33] = bx_l_el_x;
+        let bx_l_el_y = -bx_l_sho_pitch_x.mul_plus(c_l_el, e8 * s_l_el);
+        rows[0][35] = bx_l_el_y;
+        let by_l_el_x = by_l_sho_pitch_x.mul_plus(s_l_el, -(e9 * c_l_el));
+        rows[1][33] = by_l_el_x;
+        let by_l_el_y = -by_l_sho_pitch_x.mul_plus(c_l_el, e9 * s_l_el);
+        rows[1][35] = by_l_el_y;
+        let bz_l_el_x = bz_l_sho_pitch_x.mul_plus(s_l_el, -(e10 * c_l_el));
+        rows[2][33] = bz_l_el_x;
+        let bz_l_el_y = -bz_l_sho_pitch_x.mul_plus(c_l_el, e10 * s_l_el);
+        rows[2][35] = bz_l_el_y;
+        // r_hip_yaw
+        let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
+        let bx_r_hip_yaw_x = bx_l_hip_yaw_x.mul_plus(c_r_hip_yaw, e2 * s_r_hip_yaw);
+        rows[0][36] = bx_r_hip_yaw_x;
+        rows[0][39] = bx_r_hip_yaw_x;
+        let bx_r_hip_yaw_y = bx_l_hip_yaw_x.mul_plus(s_r_hip_yaw, -(e2 * c_r_hip_yaw));
+        rows[0][37] = bx_r_hip_yaw_y;
+        let by_r_hip_yaw_x = by_l_hip_yaw_x.mul_plus(c_r_hip_yaw, e3 * s_r_hip_yaw);
+        rows[1][36] = by_r_hip_yaw_x;
+        rows[1][39] = by_r_hip_yaw_x;
+        let by_r_hip_yaw_y = by_l_hip_yaw_x.mul_plus(s_r_hip_yaw, -(e3 * c_r_hip_yaw));
+        rows[1][37] = by_r_hip_yaw_y;
+        let bz_r_hip_yaw_x = bz_l_hip_yaw_x.mul_plus(c_r_hip_yaw, e4 * s_r_hip_yaw);
+        rows[2][36] = bz_r_hip_yaw_x;
+        rows[2][39] = bz_r_hip_yaw_x;
+        let bz_r_hip_yaw_y = bz_l_hip_yaw_x.mul_plus(s_r_hip_yaw, -(e4 * c_r_hip_yaw));
+        rows[2][37] = bz_r_hip_yaw_y;
+        // r_hip_roll
+        let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
+        let bx_r_hip_roll_x = bx_r_hip_yaw_y
+            .mul_plus(c_r_hip_roll, -(bx_l_hip_roll_y * s_r_hip_roll));
+        rows[0][40] = bx_r_hip_roll_x;
+        rows[0][43] = bx_r_hip_roll_x;
+        rows[0][46] = bx_r_hip_roll_x;
+        rows[0][49] = bx_r_hip_roll_x;
+        let bx_r_hip_roll_y = bx_l_hip_roll_y.mul_plus(c_r_hip_roll, bx_r_hip_yaw_y * s_r_hip_roll);
+        rows[0][41] = bx_r_hip_roll_y;
+        let by_r_hip_roll_x = by_r_hip_yaw_y.mul_plus(c_r_hip_roll, e1 * s_r_hip_roll);
+        rows[1][40] = by_r_hip_roll_x;
+        rows[1][43] = by_r_hip_roll_x;
+        rows[1][46] = by_r_hip_roll_x;
+        rows[1][49] = by_r_hip_roll_x;
+        let by_r_hip_roll_y = by_r_hip_yaw_y.mul_plus(s_r_hip_roll, -(e1 * c_r_hip_roll));
+        rows[1][41] = by_r_hip_roll_y;
+        let bz_r_hip_roll_x = bz_r_hip_yaw_y
+            .mul_plus(c_r_hip_roll, -(bz_l_hip_roll_y * s_r_hip_roll));
+        rows[2][40] = bz_r_hip_roll_x;
+        rows[2][43] = bz_r_hip_roll_x;
+        rows[2][46] = bz_r_hip_roll_x;
+        rows[2][49] = bz_r_hip_roll_x;
+        let bz_r_hip_roll_y = bz_l_hip_roll_y.mul_plus(c_r_hip_roll, bz_r_hip_yaw_y * s_r_hip_roll);
+        rows[2][41] = bz_r_hip_roll_y;
+        // r_hip_pitch
+        let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
+        let bx_r_hip_pitch_x = bx_r_hip_yaw_x
+            .mul_plus(c_r_hip_pitch, -(bx_r_hip_roll_y * s_r_hip_pitch));
+        rows[0][42] = bx_r_hip_pitch_x;
+        let bx_r_hip_pitch_y = bx_r_hip_yaw_x
+            .mul_plus(s_r_hip_pitch, bx_r_hip_roll_y * c_r_hip_pitch);
+        rows[0][44] = bx_r_hip_pitch_y;
+        let by_r_hip_pitch_x = by_r_hip_yaw_x
+            .mul_plus(c_r_hip_pitch, -(by_r_hip_roll_y * s_r_hip_pitch));
+        rows[1][42] = by_r_hip_pitch_x;
+        let by_r_hip_pitch_y = by_r_hip_yaw_x
+            .mul_plus(s_r_hip_pitch, by_r_hip_roll_y * c_r_hip_pitch);
+        rows[1][44] = by_r_hip_pitch_y;
+        let bz_r_hip_pitch_x = bz_r_hip_yaw_x
+            .mul_plus(c_r_hip_pitch, -(bz_r_hip_roll_y * s_r_hip_pitch));
+        rows[2][42] = bz_r_hip_pitch_x;
+        let bz_r_hip_pitch_y = bz_r_hip_yaw_x
+            .mul_plus(s_r_hip_pitch, bz_r_hip_roll_y * c_r_hip_pitch);
+        rows[2][44] = bz_r_hip_pitch_y;
+        // r_knee
+        let (s_r_knee, c_r_knee) = q[14].sin_cos();
+        let bx_r_knee_x = bx_r_hip_pitch_x.mul_plus(c_r_knee, -(bx_r_hip_pitch_y * s_r_knee));
+        rows[0][45] = bx_r_knee_x;
+        let bx_r_knee_y = bx_r_hip_pitch_y.mul_plus(c_r_knee, bx_r_hip_pitch_x * s_r_knee);
+        rows[0][47] = bx_r_knee_y;
+        let by_r_knee_x = by_r_hip_pitch_x.mul_plus(c_r_knee, -(by_r_hip_pitch_y * s_r_knee));
+        rows[1][45] = by_r_knee_x;
+        let by_r_knee_y = by_r_hip_pitch_y.mul_plus(c_r_knee, by_r_hip_pitch_x * s_r_knee);
+        rows[1][47] = by_r_knee_y;
+        let bz_r_knee_x = bz_r_hip_pitch_x.mul_plus(c_r_knee, -(bz_r_hip_pitch_y * s_r_knee));
+        rows[2][45] = bz_r_knee_x;
+        let bz_r_knee_y = bz_r_hip_pitch_y.mul_plus(c_r_knee, bz_r_hip_pitch_x * s_r_knee);
+        rows[2][47] = bz_r_knee_y;
+        // r_ank_pitch
+        let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
+        let bx_r_ank_pitch_x = bx_r_knee_x.mul_plus(c_r_ank_pitch, bx_r_knee_y * s_r_ank_pitch);
+        rows[0][48] = bx_r_ank_pitch_x;
+        rows[0][51] = bx_r_ank_pitch_x;
+        let bx_r_ank_pitch_y = bx_r_knee_y.mul_plus(c_r_ank_pitch, -(bx_r_knee_x * s_r_ank_pitch));
+        rows[0][50] = bx_r_ank_pitch_y;
+        let by_r_ank_pitch_x = by_r_knee_x.mul_plus(c_r_ank_pitch, by_r_knee_y * s_r_ank_pitch);
+        rows[1][48] = by_r_ank_pitch_x;
+        rows[1][51] = by_r_ank_pitch_x;
+        let by_r_ank_pitch_y = by_r_knee_y.mul_plus(c_r_ank_pitch, -(by_r_knee_x * s_r_ank_pitch));
+        rows[1][50] = by_r_ank_pitch_y;
+        let bz_r_ank_pitch_x = bz_r_knee_x.mul_plus(c_r_ank_pitch, bz_r_knee_y * s_r_ank_pitch);
+        rows[2][48] = bz_r_ank_pitch_x;
+        rows[2][51] = bz_r_ank_pitch_x;
+        let bz_r_ank_pitch_y = bz_r_knee_y.mul_plus(c_r_ank_pitch, -(bz_r_knee_x * s_r_ank_pitch));
+        rows[2][50] = bz_r_ank_pitch_y;
+        // r_ank_roll
+        let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
+        let bx_r_ank_roll_x = bx_r_ank_pitch_y
+            .mul_plus(s_r_ank_roll, bx_r_hip_roll_x * c_r_ank_roll);
+        rows[0][52] = bx_r_ank_roll_x;
+        let bx_r_ank_roll_y = -bx_r_hip_roll_x
+            .mul_plus(s_r_ank_roll, -(bx_r_ank_pitch_y * c_r_ank_roll));
+        rows[0][53] = bx_r_ank_roll_y;
+        let by_r_ank_roll_x = by_r_ank_pitch_y
+            .mul_plus(s_r_ank_roll, by_r_hip_roll_x * c_r_ank_roll);
+        rows[1][52] = by_r_ank_roll_x;
+        let by_r_ank_roll_y = -by_r_hip_roll_x
+            .mul_plus(s_r_ank_roll, -(by_r_ank_pitch_y * c_r_ank_roll));
+        rows[1][53] = by_r_ank_roll_y;
+        let bz_r_ank_roll_x = bz_r_ank_pitch_y
+            .mul_plus(s_r_ank_roll, bz_r_hip_roll_x * c_r_ank_roll);
+        rows[2][52] = bz_r_ank_roll_x;
+        let bz_r_ank_roll_y = -bz_r_hip_roll_x
+            .mul_plus(s_r_ank_roll, -(bz_r_ank_pitch_y * c_r_ank_roll));
+        rows[2][53] = bz_r_ank_roll_y;
+        // r_sho_pitch
+        let (s_r_sho_pitch, c_r_sho_pitch) = q[17].sin_cos();
+        let bx_r_sho_pitch_x = bx_l_hip_yaw_x
+            .mul_plus(c_r_sho_pitch, bx_l_hip_roll_y * s_r_sho_pitch);
+        rows[0][54] = bx_r_sho_pitch_x;
+        rows[0][57] = bx_r_sho_pitch_x;
+        let bx_r_sho_pitch_y = bx_l_hip_roll_y
+            .mul_plus(c_r_sho_pitch, -(bx_l_hip_yaw_x * s_r_sho_pitch));
+        rows[0][56] = bx_r_sho_pitch_y;
+        let by_r_sho_pitch_x = by_l_hip_yaw_x.mul_plus(c_r_sho_pitch, -(e1 * s_r_sho_pitch));
+        rows[1][54] = by_r_sho_pitch_x;
+        rows[1][57] = by_r_sho_pitch_x;
+        let e11 = e1.mul_plus(c_r_sho_pitch, by_l_hip_yaw_x * s_r_sho_pitch);
+        let by_r_sho_pitch_y = -e11;
+        rows[1][56] = by_r_sho_pitch_y;
+        let bz_r_sho_pitch_x = bz_l_hip_yaw_x
+            .mul_plus(c_r_sho_pitch, bz_l_hip_roll_y * s_r_sho_pitch);
+        rows[2][54] = bz_r_sho_pitch_x;
+        rows[2][57] = bz_r_sho_pitch_x;
+        let bz_r_sho_pitch_y = bz_l_hip_roll_y
+            .mul_plus(c_r_sho_pitch, -(bz_l_hip_yaw_x * s_r_sho_pitch));
+        rows[2][56] = bz_r_sho_pitch_y;
+        // r_sho_roll
+        let e12 = q[18] + T::from_f64(0.785398163);
+        let (s_r_sho_roll, c_r_sho_roll) = e12.sin_cos();
+        let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_plus(s_r_sho_roll, e2 * c_r_sho_roll);
+        rows[0][58] = bx_r_sho_roll_x;
+        rows[0][61] = bx_r_sho_roll_x;
+        let e13 = e2.mul_plus(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
+        let bx_r_sho_roll_y = -e13;
+        rows[0][59] = bx_r_sho_roll_y;
+        let by_r_sho_roll_x = e11.mul_plus(s_r_sho_roll, -(e3 * c_r_sho_roll));
+        rows[1][58] = by_r_sho_roll_x;
+        rows[1][61] = by_r_sho_roll_x;
+        let e14 = e3.mul_plus(s_r_sho_roll, e11 * c_r_sho_roll);
+        let by_r_sho_roll_y = -e14;
+        rows[1][59] = by_r_sho_roll_y;
+        let bz_r_sho_roll_x = -bz_r_sho_pitch_y.mul_plus(s_r_sho_roll, e4 * c_r_sho_roll);
+        rows[2][58] = bz_r_sho_roll_x;
+        rows[2][61] = bz_r_sho_roll_x;
+        let e15 = e4.mul_plus(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
+        let bz_r_sho_roll_y = -e15;
+        rows[2][59] = bz_r_sho_roll_y;
+        // r_el
+        let (s_r_el, c_r_el) = q[19].sin_cos();
+        let bx_r_el_x = -e13.mul_plus(c_r_el, bx_r_sho_pitch_x * s_r_el);
+        rows[0][60] = bx_r_el_x;
+        let bx_r_el_y = -bx_r_sho_pitch_x.mul_plus(c_r_el, -(e13 * s_r_el));
+        rows[0][62] = bx_r_el_y;
+        let by_r_el_x = -e14.mul_plus(c_r_el, by_r_sho_pitch_x * s_r_el);
+        rows[1][60] = by_r_el_x;
+        let by_r_el_y = -by_r_sho_pitch_x.mul_plus(c_r_el, -(e14 * s_r_el));
+        rows[1][62] = by_r_el_y;
+        let bz_r_el_x = -e15.mul_plus(c_r_el, bz_r_sho_pitch_x * s_r_el);
+        rows[2][60] = bz_r_el_x;
+        let bz_r_el_y = -bz_r_sho_pitch_x.mul_plus(c_r_el, -(e15 * s_r_el));
+        rows[2][62] = bz_r_el_y;
+        rows[0][24] = bx_head_tilt_x
+            .mul_plus(T::from_f64(0.8386705680315472), -(T::from_f64(0.5446390348824093) * e5));
+        rows[0][26] = bx_head_tilt_x
+            .mul_plus(T::from_f64(0.5446390348824093), T::from_f64(0.8386705680315472) * e5);
+        rows[1][24] = by_head_tilt_x
+            .mul_plus(
+                T::from_f64(0.8386705680315472),
+                T::from_f64(0.5446390348824093) * by_head_tilt_y,
+            );
+        rows[1][26] = by_head_tilt_x
+            .mul_plus(
+                T::from_f64(0.5446390348824093),
+                -(T::from_f64(0.8386705680315472) * by_head_tilt_y),
+            );
+        rows[2][24] = bz_head_tilt_x
+            .mul_plus(T::from_f64(0.8386705680315472), -(T::from_f64(0.5446390348824093) * e6));
+        rows[2][26] = bz_head_tilt_x
+            .mul_plus(T::from_f64(0.5446390348824093), T::from_f64(0.8386705680315472) * e6);
     }
+
     #[inline(always)]
     fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
-        cop(q, r)
+        // r_el
+        let (s_r_el, c_r_el) = q[19].sin_cos();
+        // r_sho_roll
+        let v_r_sho_roll_y = c_r_el.mul_plus(r[41], r[40]);
+        let v_r_sho_roll_y = (-s_r_el).mul_plus(r[42], v_r_sho_roll_y);
+        let e1 = q[18] + T::from_f64(0.785398163);
+        let (s_r_sho_roll, c_r_sho_roll) = e1.sin_cos();
+        // r_sho_pitch
+        let v_r_sho_pitch_x = r[37] - s_r_el.mul_plus(r[41], c_r_el * r[42]);
+        let v_r_sho_pitch_y = (-s_r_sho_roll).mul_plus(r[39], r[38]);
+        let v_r_sho_pitch_y = c_r_sho_roll.mul_plus(v_r_sho_roll_y, v_r_sho_pitch_y);
+        let v_r_sho_pitch_z = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
+        let (s_r_sho_pitch, c_r_sho_pitch) = q[17].sin_cos();
+        // r_ank_roll
+        let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
+        // r_ank_pitch
+        let v_r_ank_pitch_y = s_r_ank_roll.mul_plus(r[35], r[34]);
+        let v_r_ank_pitch_y = c_r_ank_roll.mul_plus(r[36], v_r_ank_pitch_y);
+        let v_r_ank_pitch_z = c_r_ank_roll.mul_plus(r[35], -(s_r_ank_roll * r[36]));
+        let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
+        // r_knee
+        let v_r_knee_x = c_r_ank_pitch.mul_plus(r[33], r[31]);
+        let v_r_knee_x = (-s_r_ank_pitch).mul_plus(v_r_ank_pitch_y, v_r_knee_x);
+        let v_r_knee_y = s_r_ank_pitch.mul_plus(r[33], r[32]);
+        let v_r_knee_y = c_r_ank_pitch.mul_plus(v_r_ank_pitch_y, v_r_knee_y);
+        let (s_r_knee, c_r_knee) = q[14].sin_cos();
+        // r_hip_pitch
+        let v_r_hip_pitch_x = c_r_knee.mul_plus(v_r_knee_x, r[29]);
+        let v_r_hip_pitch_x = s_r_knee.mul_plus(v_r_knee_y, v_r_hip_pitch_x);
+        let v_r_hip_pitch_y = (-s_r_knee).mul_plus(v_r_knee_x, r[30]);
+        let v_r_hip_pitch_y = c_r_knee.mul_plus(v_r_knee_y, v_r_hip_pitch_y);
+        let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
+        // r_hip_roll
+        let v_r_hip_roll_x = r[27] + v_r_ank_pitch_z;
+        let v_r_hip_roll_y = (-s_r_hip_pitch).mul_plus(v_r_hip_pitch_x, r[28]);
+        let v_r_hip_roll_y = c_r_hip_pitch.mul_plus(v_r_hip_pitch_y, v_r_hip_roll_y);
+        let v_r_hip_roll_z = c_r_hip_pitch
+            .mul_plus(v_r_hip_pitch_x, s_r_hip_pitch * v_r_hip_pitch_y);
+        let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
+        // r_hip_yaw
+        let v_r_hip_yaw_x = r[25] + v_r_hip_roll_z;
+        let v_r_hip_yaw_y = c_r_hip_roll.mul_plus(v_r_hip_roll_x, r[26]);
+        let v_r_hip_yaw_y = s_r_hip_roll.mul_plus(v_r_hip_roll_y, v_r_hip_yaw_y);
+        let v_r_hip_yaw_z = c_r_hip_roll.mul_plus(v_r_hip_roll_y, -(s_r_hip_roll * v_r_hip_roll_x));
+        let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
+        // l_el
+        let (s_l_el, c_l_el) = q[10].sin_cos();
+        // l_sho_roll
+        let v_l_sho_roll_y = c_l_el.mul_plus(r[23], r[22]);
+        let v_l_sho_roll_y = s_l_el.mul_plus(r[24], v_l_sho_roll_y);
+        let v_l_sho_roll_z = s_l_el.mul_plus(r[23], -(c_l_el * r[24]));
+        let e2 = q[9] - T::from_f64(0.785398163);
+        let (s_l_sho_roll, c_l_sho_roll) = e2.sin_cos();
+        // l_sho_pitch
+        let v_l_sho_pitch_x = r[19] + v_l_sho_roll_z;
+        let v_l_sho_pitch_y = (-s_l_sho_roll).mul_plus(r[21], r[20]);
+        let v_l_sho_pitch_y = c_l_sho_roll.mul_plus(v_l_sho_roll_y, v_l_sho_pitch_y);
+        let v_l_sho_pitch_z = c_l_sho_roll.mul_plus(r[21], s_l_sho_roll * v_l_sho_roll_y);
+        let (s_l_sho_pitch, c_l_sho_pitch) = q[8].sin_cos();
+        // head_tilt
+        let (s_head_tilt, c_head_tilt) = q[1].sin_cos();
+        // head_pan
+        let v_head_pan_x = c_head_tilt.mul_plus(r[17], r[15]);
+        let v_head_pan_x = s_head_tilt.mul_plus(r[18], v_head_pan_x);
+        let v_head_pan_z = s_head_tilt.mul_plus(r[17], -(c_head_tilt * r[18]));
+        let (s_head_pan, c_head_pan) = q[0].sin_cos();
+        // l_hip_yaw
+        let e3 = c_head_pan.mul_plus(v_head_pan_x, r[13]);
+        let e3 = (-s_head_pan).mul_plus(r[16], e3);
+        let e3 = c_l_sho_pitch.mul_plus(v_l_sho_pitch_x, e3);
+        let e3 = s_l_sho_pitch.mul_plus(v_l_sho_pitch_y, e3);
+        let e3 = c_r_sho_pitch.mul_plus(v_r_sho_pitch_x, e3);
+        let e3 = (-s_r_sho_pitch).mul_plus(v_r_sho_pitch_y, e3);
+        let v_l_hip_yaw_x = c_r_hip_yaw.mul_plus(v_r_hip_yaw_x, e3);
+        let v_l_hip_yaw_x = s_r_hip_yaw.mul_plus(v_r_hip_yaw_y, v_l_hip_yaw_x);
+        let p1 = s_head_pan.mul_plus(v_head_pan_x, r[14]);
+        let p2 = c_head_pan.mul_plus(r[16], p1);
+        let v_l_hip_yaw_y = (-s_r_hip_yaw)
+            .mul_plus(v_r_hip_yaw_x, p2 + v_l_sho_pitch_z + v_r_sho_pitch_z);
+        let v_l_hip_yaw_y = c_r_hip_yaw.mul_plus(v_r_hip_yaw_y, v_l_hip_yaw_y);
+        let p3 = (-s_l_sho_pitch).mul_plus(v_l_sho_pitch_x, v_head_pan_z);
+        let p4 = c_l_sho_pitch.mul_plus(v_l_sho_pitch_y, p3);
+        let p5 = s_r_sho_pitch.mul_plus(v_r_sho_pitch_x, p4);
+        let v_l_hip_yaw_z = c_r_sho_pitch.mul_plus(v_r_sho_pitch_y, p5) + v_r_hip_yaw_z;
+        let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
+        // l_hip_roll
+        let v_l_hip_roll_x = s_l_hip_yaw.mul_plus(v_l_hip_yaw_x, r[11]);
+        let v_l_hip_roll_x = c_l_hip_yaw.mul_plus(v_l_hip_yaw_y, v_l_hip_roll_x);
+        let v_l_hip_roll_y = r[12] + v_l_hip_yaw_z;
+        let v_l_hip_roll_z = c_l_hip_yaw.mul_plus(v_l_hip_yaw_x, -(s_l_hip_yaw * v_l_hip_yaw_y));
+        let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
+        // l_hip_pitch
+        let v_l_hip_pitch_x = r[9] + v_l_hip_roll_z;
+        let v_l_hip_pitch_y = s_l_hip_roll.mul_plus(v_l_hip_roll_x, r[10]);
+        let v_l_hip_pitch_y = c_l_hip_roll.mul_plus(v_l_hip_roll_y, v_l_hip_pitch_y);
+        let v_l_hip_pitch_z = c_l_hip_roll
+            .mul_plus(v_l_hip_roll_x, -(s_l_hip_roll * v_l_hip_roll_y));
+        let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
+        // l_knee
+        let v_l_knee_x = c_l_hip_pitch.mul_plus(v_l_hip_pitch_x, r[7]);
+        let v_l_knee_x = s_l_hip_pitch.mul_plus(v_l_hip_pitch_y, v_l_knee_x);
+        let v_l_knee_y = (-s_l_hip_pitch).mul_plus(v_l_hip_pitch_x, r[8]);
+        let v_l_knee_y = c_l_hip_pitch.mul_plus(v_l_hip_pitch_y, v_l_knee_y);
+        let (s_l_knee, c_l_knee) = q[5].sin_cos();
+        // l_ank_pitch
+        let v_l_ank_pitch_x = c_l_knee.mul_plus(v_l_knee_x, r[5]);
+        let v_l_ank_pitch_x = s_l_knee.mul_plus(v_l_knee_y, v_l_ank_pitch_x);
+        let v_l_ank_pitch_y = (-s_l_knee).mul_plus(v_l_knee_x, r[6]);
+        let v_l_ank_pitch_y = c_l_knee.mul_plus(v_l_knee_y, v_l_ank_pitch_y);
+        let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
+        // l_ank_roll
+        let v_l_ank_roll_x = r[3] + v_l_hip_pitch_z;
+        let v_l_ank_roll_y = s_l_ank_pitch.mul_plus(v_l_ank_pitch_x, r[4]);
+        let v_l_ank_roll_y = c_l_ank_pitch.mul_plus(v_l_ank_pitch_y, v_l_ank_roll_y);
+        let v_l_ank_roll_z = c_l_ank_pitch
+            .mul_plus(v_l_ank_pitch_x, -(s_l_ank_pitch * v_l_ank_pitch_y));
+        let (s_l_ank_roll, c_l_ank_roll) = q[7].sin_cos();
+        // l_sole
+        let v_l_sole_x = r[0] + v_l_ank_roll_z;
+        let v_l_sole_y = c_l_ank_roll.mul_plus(v_l_ank_roll_x, r[1]);
+        let v_l_sole_y = s_l_ank_roll.mul_plus(v_l_ank_roll_y, v_l_sole_y);
+        [v_l_sole_x, v_l_sole_y]
     }
 }
 
-#[allow(dead_code, clippy::all)]
-impl sesc_runtime::SescFromSinCos<DOF, BASE_PARAMS, FULL_PARAMS> for Op2LSole {
+#[allow(dead_code, non_snake_case, clippy::all)]
+impl v1::SinCosRobot for Op2LSole {
     #[inline(always)]
     fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
-        com_sc(sin, cos, r)
+        // r_sho_roll
+        let v_r_sho_roll_y = cos[19].mul_plus(r[41], r[40]);
+        let v_r_sho_roll_y = (-sin[19]).mul_plus(r[42], v_r_sho_roll_y);
+        let s_r_sho_roll = sin[18]
+            .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * cos[18]);
+        let c_r_sho_roll = cos[18]
+            .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * sin[18]));
+        // r_sho_pitch
+        let v_r_sho_pitch_x = r[37] - sin[19].mul_plus(r[41], cos[19] * r[42]);
+        let v_r_sho_pitch_y = (-s_r_sho_roll).mul_plus(r[39], r[38]);
+        let v_r_sho_pitch_y = c_r_sho_roll.mul_plus(v_r_sho_roll_y, v_r_sho_pitch_y);
+        let v_r_sho_pitch_z = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
+        // r_ank_pitch
+        let v_r_ank_pitch_y = sin[16].mul_plus(r[35], r[34]);
+        let v_r_ank_pitch_y = cos[16].mul_plus(r[36], v_r_ank_pitch_y);
+        let v_r_ank_pitch_z = cos[16].mul_plus(r[35], -(sin[16] * r[36]));
+        // r_knee
+        let v_r_knee_x = cos[15].mul_plus(r[33], r[31]);
+        let v_r_knee_x = (-sin[15]).mul_plus(v_r_ank_pitch_y, v_r_knee_x);
+        let v_r_knee_y = sin[15].mul_plus(r[33], r[32]);
+        let v_r_knee_y = cos[15].mul_plus(v_r_ank_pitch_y, v_r_knee_y);
+        // r_hip_pitch
+        let v_r_hip_pitch_x = cos[14].mul_plus(v_r_knee_x, r[29]);
+        let v_r_hip_pitch_x = sin[14].mul_plus(v_r_knee_y, v_r_hip_pitch_x);
+        let v_r_hip_pitch_y = (-sin[14]).mul_plus(v_r_knee_x, r[30]);
+        let v_r_hip_pitch_y = cos[14].mul_plus(v_r_knee_y, v_r_hip_pitch_y);
+        // r_hip_roll
+        let v_r_hip_roll_x = r[27] + v_r_ank_pitch_z;
+        let v_r_hip_roll_y = (-sin[13]).mul_plus(v_r_hip_pitch_x, r[28]);
+        let v_r_hip_roll_y = cos[13].mul_plus(v_r_hip_pitch_y, v_r_hip_roll_y);
+        let v_r_hip_roll_z = cos[13].mul_plus(v_r_hip_pitch_x, sin[13] * v_r_hip_pitch_y);
+        // r_hip_yaw
+        let v_r_hip_yaw_x = r[25] + v_r_hip_roll_z;
+        let v_r_hip_yaw_y = cos[12].mul_plus(v_r_hip_roll_x, r[26]);
+        let v_r_hip_yaw_y = sin[12].mul_plus(v_r_hip_roll_y, v_r_hip_yaw_y);
+        let v_r_hip_yaw_z = cos[12].mul_plus(v_r_hip_roll_y, -(sin[12] * v_r_hip_roll_x));
+        // l_sho_roll
+        let v_l_sho_roll_y = cos[10].mul_plus(r[23], r[22]);
+        let v_l_sho_roll_y = sin[10].mul_plus(r[24], v_l_sho_roll_y);
+        let v_l_sho_roll_z = sin[10].mul_plus(r[23], -(cos[10] * r[24]));
+        let s_l_sho_roll = sin[9]
+            .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * cos[9]));
+        let c_l_sho_roll = cos[9]
+            .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * sin[9]);
+        // l_sho_pitch
+        let v_l_sho_pitch_x = r[19] + v_l_sho_roll_z;
+        let v_l_sho_pitch_y = (-s_l_sho_roll).mul_plus(r[21], r[20]);
+        let v_l_sho_pitch_y = c_l_sho_roll.mul_plus(v_l_sho_roll_y, v_l_sho_pitch_y);
+        let v_l_sho_pitch_z = c_l_sho_roll.mul_plus(r[21], s_l_sho_roll * v_l_sho_roll_y);
+        // head_pan
+        let v_head_pan_x = cos[1].mul_plus(r[17], r[15]);
+        let v_head_pan_x = sin[1].mul_plus(r[18], v_head_pan_x);
+        let v_head_pan_z = sin[1].mul_plus(r[17], -(cos[1] * r[18]));
+        // l_hip_yaw
+        let e1 = cos[0].mul_plus(v_head_pan_x, r[13]);
+        let e1 = (-sin[0]).mul_plus(r[16], e1);
+        let e1 = cos[8].mul_plus(v_l_sho_pitch_x, e1);
+        let e1 = sin[8].mul_plus(v_l_sho_pitch_y, e1);
+        let e1 = cos[17].mul_plus(v_r_sho_pitch_x, e1);
+        let v_l_hip_yaw_x = (-sin[17]).mul_plus(v_r_sho_pitch_y, e1);
+        let v_l_hip_yaw_x = cos[11].mul_plus(v_r_hip_yaw_x, v_l_hip_yaw_x);
+        let v_l_hip_yaw_x = sin[11].mul_plus(v_r_hip_yaw_y, v_l_hip_yaw_x);
+        let p1 = sin[0].mul_plus(v_head_pan_x, r[14]);
+        let p2 = cos[0].mul_plus(r[16], p1);
+        let e2 = (-sin[11]).mul_plus(v_r_hip_yaw_x, p2 + v_l_sho_pitch_z + v_r_sho_pitch_z);
+        let v_l_hip_yaw_y = cos[11].mul_plus(v_r_hip_yaw_y, e2);
+        let p3 = (-sin[8]).mul_plus(v_l_sho_pitch_x, v_head_pan_z);
+        let p4 = cos[8].mul_plus(v_l_sho_pitch_y, p3);
+        let p5 = sin[17].mul_plus(v_r_sho_pitch_x, p4);
+        let v_l_hip_yaw_z = cos[17].mul_plus(v_r_sho_pitch_y, p5) + v_r_hip_yaw_z;
+        // l_hip_roll
+        let v_l_hip_roll_x = sin[2].mul_plus(v_l_hip_yaw_x, r[11]);
+        let v_l_hip_roll_x = cos[2].mul_plus(v_l_hip_yaw_y, v_l_hip_roll_x);
+        let v_l_hip_roll_y = r[12] + v_l_hip_yaw_z;
+        let v_l_hip_roll_z = cos[2].mul_plus(v_l_hip_yaw_x, -(sin[2] * v_l_hip_yaw_y));
+        // l_hip_pitch
+        let v_l_hip_pitch_x = r[9] + v_l_hip_roll_z;
+        let v_l_hip_pitch_y = sin[3].mul_plus(v_l_hip_roll_x, r[10]);
+        let v_l_hip_pitch_y = cos[3].mul_plus(v_l_hip_roll_y, v_l_hip_pitch_y);
+        let v_l_hip_pitch_z = cos[3].mul_plus(v_l_hip_roll_x, -(sin[3] * v_l_hip_roll_y));
+        // l_knee
+        let v_l_knee_x = cos[4].mul_plus(v_l_hip_pitch_x, r[7]);
+        let v_l_knee_x = sin[4].mul_plus(v_l_hip_pitch_y, v_l_knee_x);
+        let v_l_knee_y = (-sin[4]).mul_plus(v_l_hip_pitch_x, r[8]);
+        let v_l_knee_y = cos[4].mul_plus(v_l_hip_pitch_y, v_l_knee_y);
+        // l_ank_pitch
+        let v_l_ank_pitch_x = cos[5].mul_plus(v_l_knee_x, r[5]);
+        let v_l_ank_pitch_x = sin[5].mul_plus(v_l_knee_y, v_l_ank_pitch_x);
+        let v_l_ank_pitch_y = (-sin[5]).mul_plus(v_l_knee_x, r[6]);
+        let v_l_ank_pitch_y = cos[5].mul_plus(v_l_knee_y, v_l_ank_pitch_y);
+        // l_ank_roll
+        let v_l_ank_roll_x = r[3] + v_l_hip_pitch_z;
+        let v_l_ank_roll_y = sin[6].mul_plus(v_l_ank_pitch_x, r[4]);
+        let v_l_ank_roll_y = cos[6].mul_plus(v_l_ank_pitch_y, v_l_ank_roll_y);
+        let v_l_ank_roll_z = cos[6].mul_plus(v_l_ank_pitch_x, -(sin[6] * v_l_ank_pitch_y));
+        // l_sole
+        let v_l_sole_x = r[0] + v_l_ank_roll_z;
+        let v_l_sole_y = cos[7].mul_plus(v_l_ank_roll_x, r[1]);
+        let v_l_sole_y = sin[7].mul_plus(v_l_ank_roll_y, v_l_sole_y);
+        let v_l_sole_z = (-sin[7]).mul_plus(v_l_ank_roll_x, r[2]);
+        let v_l_sole_z = cos[7].mul_plus(v_l_ank_roll_y, v_l_sole_z);
+        [v_l_sole_x, v_l_sole_y, v_l_sole_z]
     }
+
     #[inline(always)]
     fn com_jacobian_sc<T: Real>(
         sin: &[T; DOF],
         cos: &[T; DOF],
         r: &[T; BASE_PARAMS],
     ) -> [[T; DOF]; 3] {
-        com_jacobian_sc(sin, cos, r)
-    }
-    #[inline(always)]
-    fn gravity_moments_sc<T: Real>(
-        sin: &[T; DOF],
-        cos: &[T; DOF],
-        r: &[T; BASE_PARAMS],
-    ) -> [T; DOF] {
-        gravity_moments_sc(sin, cos, r)
-    }
-    #[inline(always)]
-    fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
-        regressor_sc(sin, cos)
-    }
-    #[inline(always)]
-    fn regressor_cop_sc<T: Real>(
-        sin: &[T; DOF],
-        cos: &[T; DOF],
-    ) -> [[T; BASE_PARAMS]; 2] {
-        regressor_cop_sc(sin, cos)
-    }
-    #[inline(always)]
-    fn regressor_full_sc<T: Real>(
-        sin: &[T; DOF],
-        cos: &[T; DOF],
-    ) -> [[T; FULL_PARAMS]; 3] {
-        regressor_full_sc(sin, cos)
-    }
-    #[inline(always)]
-    fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
-        cop_sc(sin, cos, r)
-    }
-    #[inline(always)]
-    fn com_jacobian_along<T: Real>(
-        sin: &[T; DOF],
-        cos: &[T; DOF],
-        r: &[T; BASE_PARAMS],
-        along: &[T; 3],
-    ) -> [T; DOF] {
-        com_jacobian_along(sin, cos, r, along)
-    }
-    #[inline(always)]
-    fn regressor_along<T: Real>(
-        sin: &[T; DOF],
-        cos: &[T; DOF],
-        along: &[T; 3],
-    ) -> [T; BASE_PARAMS] {
-        regressor_along(sin, cos, along)
-    }
-    #[inline(always)]
-    fn regressor_full_along<T: Real>(
-        sin: &[T; DOF],
-        cos: &[T; DOF],
-        along: &[T; 3],
-    ) -> [T; FULL_PARAMS] {
-        regressor_full_along(sin, cos, along)
-    }
-}
-
-/// Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
-    // r_el
-    let (s_r_el, c_r_el) = q[19].sin_cos();
-    // r_sho_roll
-    let v_r_sho_roll_y = (-s_r_el).mul_plus(r[42], c_r_el.mul_plus(r[41], r[40]));
-    let e1 = q[18] + T::from_f64(0.785398163);
-    let (s_r_sho_roll, c_r_sho_roll) = e1.sin_cos();
-    // r_sho_pitch
-    let v_r_sho_pitch_x = r[37] - s_r_el.mul_plus(r[41], c_r_el * r[42]);
-    let v_r_sho_pitch_y = c_r_sho_roll
-        .mul_plus(v_r_sho_roll_y, (-s_r_sho_roll).mul_plus(r[39], r[38]));
-    let v_r_sho_pitch_z = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
-    let (s_r_sho_pitch, c_r_sho_pitch) = q[17].sin_cos();
-    // r_ank_roll
-    let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
-    // r_ank_pitch
-    let v_r_ank_pitch_y = c_r_ank_roll
-        .mul_plus(r[36], s_r_ank_roll.mul_plus(r[35], r[34]));
-    let v_r_ank_pitch_z = c_r_ank_roll.mul_plus(r[35], -(s_r_ank_roll * r[36]));
-    let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
-    // r_knee
-    let v_r_knee_x = (-s_r_ank_pitch)
-        .mul_plus(v_r_ank_pitch_y, c_r_ank_pitch.mul_plus(r[33], r[31]));
-    let v_r_knee_y = c_r_ank_pitch
-        .mul_plus(v_r_ank_pitch_y, s_r_ank_pitch.mul_plus(r[33], r[32]));
-    let (s_r_knee, c_r_knee) = q[14].sin_cos();
-    // r_hip_pitch
-    let v_r_hip_pitch_x = s_r_knee
-        .mul_plus(v_r_knee_y, c_r_knee.mul_plus(v_r_knee_x, r[29]));
-    let v_r_hip_pitch_y = c_r_knee
-        .mul_plus(v_r_knee_y, (-s_r_knee).mul_plus(v_r_knee_x, r[30]));
-    let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
-    // r_hip_roll
-    let v_r_hip_roll_x = r[27] + v_r_ank_pitch_z;
-    let v_r_hip_roll_y = c_r_hip_pitch
-        .mul_plus(v_r_hip_pitch_y, (-s_r_hip_pitch).mul_plus(v_r_hip_pitch_x, r[28]));
-    let v_r_hip_roll_z = c_r_hip_pitch
-        .mul_plus(v_r_hip_pitch_x, s_r_hip_pitch * v_r_hip_pitch_y);
-    let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
-    // r_hip_yaw
-    let v_r_hip_yaw_x = r[25] + v_r_hip_roll_z;
-    let v_r_hip_yaw_y = s_r_hip_roll
-        .mul_plus(v_r_hip_roll_y, c_r_hip_roll.mul_plus(v_r_hip_roll_x, r[26]));
-    let v_r_hip_yaw_z = c_r_hip_roll
-        .mul_plus(v_r_hip_roll_y, -(s_r_hip_roll * v_r_hip_roll_x));
-    let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
-    // l_el
-    let (s_l_el, c_l_el) = q[10].sin_cos();
-    // l_sho_roll
-    let v_l_sho_roll_y = s_l_el.mul_plus(r[24], c_l_el.mul_plus(r[23], r[22]));
-    let v_l_sho_roll_z = s_l_el.mul_plus(r[23], -(c_l_el * r[24]));
-    let e2 = q[9] - T::from_f64(0.785398163);
-    let (s_l_sho_roll, c_l_sho_roll) = e2.sin_cos();
-    // l_sho_pitch
-    let v_l_sho_pitch_x = r[19] + v_l_sho_roll_z;
-    let v_l_sho_pitch_y = c_l_sho_roll
-        .mul_plus(v_l_sho_roll_y, (-s_l_sho_roll).mul_plus(r[21], r[20]));
-    let v_l_sho_pitch_z = c_l_sho_roll.mul_plus(r[21], s_l_sho_roll * v_l_sho_roll_y);
-    let (s_l_sho_pitch, c_l_sho_pitch) = q[8].sin_cos();
-    // head_tilt
-    let (s_head_tilt, c_head_tilt) = q[1].sin_cos();
-    // head_pan
-    let v_head_pan_x = s_head_tilt.mul_plus(r[18], c_head_tilt.mul_plus(r[17], r[15]));
-    let v_head_pan_z = s_head_tilt.mul_plus(r[17], -(c_head_tilt * r[18]));
-    let (s_head_pan, c_head_pan) = q[0].sin_cos();
-    // l_hip_yaw
-    let e3 = (-s_r_sho_pitch)
-        .mul_plus(
-            v_r_sho_pitch_y,
-            c_r_sho_pitch
-                .mul_plus(
-                    v_r_sho_pitch_x,
-                    s_l_sho_pitch
-                        .mul_plus(
-                            v_l_sho_pitch_y,
-                            c_l_sho_pitch
-                                .mul_plus(
-                                    v_l_sho_pitch_x,
-                                    (-s_head_pan)
-                                        .mul_plus(r[16], c_head_pan.mul_plus(v_head_pan_x, r[13])),
-                                ),
-                        ),
-                ),
-        );
-    let v_l_hip_yaw_x = s_r_hip_yaw
-        .mul_plus(v_r_hip_yaw_y, c_r_hip_yaw.mul_plus(v_r_hip_yaw_x, e3));
-    let v_l_hip_yaw_y = c_r_hip_yaw
-        .mul_plus(
-            v_r_hip_yaw_y,
-            (-s_r_hip_yaw)
-                .mul_plus(
-                    v_r_hip_yaw_x,
-                    c_head_pan.mul_plus(r[16], s_head_pan.mul_plus(v_head_pan_x, r[14]))
-                        + v_l_sho_pitch_z + v_r_sho_pitch_z,
-                ),
-        );
-    let v_l_hip_yaw_z = c_r_sho_pitch
-        .mul_plus(
-            v_r_sho_pitch_y,
-            s_r_sho_pitch
-                .mul_plus(
-                    v_r_sho_pitch_x,
-                    c_l_sho_pitch
-                        .mul_plus(
-                            v_l_sho_pitch_y,
-                            (-s_l_sho_pitch).mul_plus(v_l_sho_pitch_x, v_head_pan_z),
-                        ),
-                ),
-        ) + v_r_hip_yaw_z;
-    let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
-    // l_hip_roll
-    let v_l_hip_roll_x = c_l_hip_yaw
-        .mul_plus(v_l_hip_yaw_y, s_l_hip_yaw.mul_plus(v_l_hip_yaw_x, r[11]));
-    let v_l_hip_roll_y = r[12] + v_l_hip_yaw_z;
-    let v_l_hip_roll_z = c_l_hip_yaw
-        .mul_plus(v_l_hip_yaw_x, -(s_l_hip_yaw * v_l_hip_yaw_y));
-    let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
-    // l_hip_pitch
-    let v_l_hip_pitch_x = r[9] + v_l_hip_roll_z;
-    let v_l_hip_pitch_y = c_l_hip_roll
-        .mul_plus(v_l_hip_roll_y, s_l_hip_roll.mul_plus(v_l_hip_roll_x, r[10]));
-    let v_l_hip_pitch_z = c_l_hip_roll
-        .mul_plus(v_l_hip_roll_x, -(s_l_hip_roll * v_l_hip_roll_y));
-    let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
-    // l_knee
-    let v_l_knee_x = s_l_hip_pitch
-        .mul_plus(v_l_hip_pitch_y, c_l_hip_pitch.mul_plus(v_l_hip_pitch_x, r[7]));
-    let v_l_knee_y = c_l_hip_pitch
-        .mul_plus(v_l_hip_pitch_y, (-s_l_hip_pitch).mul_plus(v_l_hip_pitch_x, r[8]));
-    let (s_l_knee, c_l_knee) = q[5].sin_cos();
-    // l_ank_pitch
-    let v_l_ank_pitch_x = s_l_knee
-        .mul_plus(v_l_knee_y, c_l_knee.mul_plus(v_l_knee_x, r[5]));
-    let v_l_ank_pitch_y = c_l_knee
-        .mul_plus(v_l_knee_y, (-s_l_knee).mul_plus(v_l_knee_x, r[6]));
-    let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
-    // l_ank_roll
-    let v_l_ank_roll_x = r[3] + v_l_hip_pitch_z;
-    let v_l_ank_roll_y = c_l_ank_pitch
-        .mul_plus(v_l_ank_pitch_y, s_l_ank_pitch.mul_plus(v_l_ank_pitch_x, r[4]));
-    let v_l_ank_roll_z = c_l_ank_pitch
-        .mul_plus(v_l_ank_pitch_x, -(s_l_ank_pitch * v_l_ank_pitch_y));
-    let (s_l_ank_roll, c_l_ank_roll) = q[7].sin_cos();
-    // l_sole
-    let v_l_sole_x = r[0] + v_l_ank_roll_z;
-    let v_l_sole_y = s_l_ank_roll
-        .mul_plus(v_l_ank_roll_y, c_l_ank_roll.mul_plus(v_l_ank_roll_x, r[1]));
-    let v_l_sole_z = c_l_ank_roll
-        .mul_plus(v_l_ank_roll_y, (-s_l_ank_roll).mul_plus(v_l_ank_roll_x, r[2]));
-    [v_l_sole_x, v_l_sole_y, v_l_sole_z]
-}
-
-/// ∂CoM/∂q, m/rad (m/m for sliding joints), one row per axis.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3] {
-    let mut jacobian = [[T::from_f64(0.0); DOF]; 3];
-    com_jacobian_into(q, r, &mut jacobian);
-    jacobian
-}
-
-/// [`com_jacobian`], each number written as soon as it is there.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn com_jacobian_into<T: Real>(
-    q: &[T; DOF],
-    r: &[T; BASE_PARAMS],
-    jacobian: &mut [[T; DOF]; 3],
-) {
-    let zero = T::from_f64(0.0);
-    jacobian[0][7] = zero;
-    // r_el
-    let (s_r_el, c_r_el) = q[19].sin_cos();
-    let t_r_el_x = c_r_el.mul_plus(r[41], -(s_r_el * r[42]));
-    let e1 = s_r_el.mul_plus(r[41], c_r_el * r[42]);
-    // r_sho_roll
-    let v_r_sho_roll_y = r[40] + t_r_el_x;
-    let e2 = q[18] + T::from_f64(0.785398163);
-    let (s_r_sho_roll, c_r_sho_roll) = e2.sin_cos();
-    let t_r_sho_roll_x = c_r_sho_roll.mul_plus(v_r_sho_roll_y, -(s_r_sho_roll * r[39]));
-    let t_r_sho_roll_y = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
-    // r_sho_pitch
-    let v_r_sho_pitch_x = r[37] - e1;
-    let v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
-    let (s_r_sho_pitch, c_r_sho_pitch) = q[17].sin_cos();
-    let t_r_sho_pitch_x = c_r_sho_pitch
-        .mul_plus(v_r_sho_pitch_x, -(s_r_sho_pitch * v_r_sho_pitch_y));
-    let t_r_sho_pitch_y = s_r_sho_pitch
-        .mul_plus(v_r_sho_pitch_x, c_r_sho_pitch * v_r_sho_pitch_y);
-    // r_ank_roll
-    let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
-    let t_r_ank_roll_x = s_r_ank_roll.mul_plus(r[35], c_r_ank_roll * r[36]);
-    let t_r_ank_roll_y = c_r_ank_roll.mul_plus(r[35], -(s_r_ank_roll * r[36]));
-    // r_ank_pitch
-    let v_r_ank_pitch_y = r[34] + t_r_ank_roll_x;
-    let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
-    let t_r_ank_pitch_x = c_r_ank_pitch
-        .mul_plus(r[33], -(s_r_ank_pitch * v_r_ank_pitch_y));
-    let t_r_ank_pitch_y = s_r_ank_pitch.mul_plus(r[33], c_r_ank_pitch * v_r_ank_pitch_y);
-    // r_knee
-    let v_r_knee_x = r[31] + t_r_ank_pitch_x;
-    let v_r_knee_y = r[32] + t_r_ank_pitch_y;
-    let (s_r_knee, c_r_knee) = q[14].sin_cos();
-    let t_r_knee_x = c_r_knee.mul_plus(v_r_knee_x, s_r_knee * v_r_knee_y);
-    let t_r_knee_y = c_r_knee.mul_plus(v_r_knee_y, -(s_r_knee * v_r_knee_x));
-    // r_hip_pitch
-    let v_r_hip_pitch_x = r[29] + t_r_knee_x;
-    let v_r_hip_pitch_y = r[30] + t_r_knee_y;
-    let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
-    let t_r_hip_pitch_x = c_r_hip_pitch
-        .mul_plus(v_r_hip_pitch_y, -(s_r_hip_pitch * v_r_hip_pitch_x));
-    let t_r_hip_pitch_y = c_r_hip_pitch
-        .mul_plus(v_r_hip_pitch_x, s_r_hip_pitch * v_r_hip_pitch_y);
-    // r_hip_roll
-    let v_r_hip_roll_x = r[27] + t_r_ank_roll_y;
-    let v_r_hip_roll_y = r[28] + t_r_hip_pitch_x;
-    let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
-    let t_r_hip_roll_x = c_r_hip_roll
-        .mul_plus(v_r_hip_roll_x, s_r_hip_roll * v_r_hip_roll_y);
-    let t_r_hip_roll_y = c_r_hip_roll
-        .mul_plus(v_r_hip_roll_y, -(s_r_hip_roll * v_r_hip_roll_x));
-    // r_hip_yaw
-    let v_r_hip_yaw_x = r[25] + t_r_hip_pitch_y;
-    let v_r_hip_yaw_y = r[26] + t_r_hip_roll_x;
-    let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
-    let t_r_hip_yaw_x = c_r_hip_yaw.mul_plus(v_r_hip_yaw_x, s_r_hip_yaw * v_r_hip_yaw_y);
-    let t_r_hip_yaw_y = c_r_hip_yaw
-        .mul_plus(v_r_hip_yaw_y, -(s_r_hip_yaw * v_r_hip_yaw_x));
-    // l_el
-    let (s_l_el, c_l_el) = q[10].sin_cos();
-    let t_l_el_x = c_l_el.mul_plus(r[23], s_l_el * r[24]);
-    let t_l_el_y = s_l_el.mul_plus(r[23], -(c_l_el * r[24]));
-    // l_sho_roll
-    let v_l_sho_roll_y = r[22] + t_l_el_x;
-    let e3 = q[9] - T::from_f64(0.785398163);
-    let (s_l_sho_roll, c_l_sho_roll) = e3.sin_cos();
-    let t_l_sho_roll_x = c_l_sho_roll.mul_plus(v_l_sho_roll_y, -(s_l_sho_roll * r[21]));
-    let t_l_sho_roll_y = c_l_sho_roll.mul_plus(r[21], s_l_sho_roll * v_l_sho_roll_y);
-    // l_sho_pitch
-    let v_l_sho_pitch_x = r[19] + t_l_el_y;
-    let v_l_sho_pitch_y = r[20] + t_l_sho_roll_x;
-    let (s_l_sho_pitch, c_l_sho_pitch) = q[8].sin_cos();
-    let t_l_sho_pitch_x = c_l_sho_pitch
-        .mul_plus(v_l_sho_pitch_x, s_l_sho_pitch * v_l_sho_pitch_y);
-    let t_l_sho_pitch_y = c_l_sho_pitch
-        .mul_plus(v_l_sho_pitch_y, -(s_l_sho_pitch * v_l_sho_pitch_x));
-    // head_tilt
-    let (s_head_tilt, c_head_tilt) = q[1].sin_cos();
-    let t_head_tilt_x = c_head_tilt.mul_plus(r[17], s_head_tilt * r[18]);
-    let t_head_tilt_y = s_head_tilt.mul_plus(r[17], -(c_head_tilt * r[18]));
-    // head_pan
-    let v_head_pan_x = r[15] + t_head_tilt_x;
-    let (s_head_pan, c_head_pan) = q[0].sin_cos();
-    let t_head_pan_x = c_head_pan.mul_plus(v_head_pan_x, -(s_head_pan * r[16]));
-    let t_head_pan_y = s_head_pan.mul_plus(v_head_pan_x, c_head_pan * r[16]);
-    // l_hip_yaw
-    let v_l_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_sho_pitch_x
-        + t_r_hip_yaw_x;
-    let v_l_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_sho_roll_y
-        + t_r_hip_yaw_y;
-    let v_l_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y
-        + t_r_hip_roll_y;
-    let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
-    let t_l_hip_yaw_x = s_l_hip_yaw.mul_plus(v_l_hip_yaw_x, c_l_hip_yaw * v_l_hip_yaw_y);
-    let t_l_hip_yaw_y = c_l_hip_yaw
-        .mul_plus(v_l_hip_yaw_x, -(s_l_hip_yaw * v_l_hip_yaw_y));
-    // l_hip_roll
-    let v_l_hip_roll_x = r[11] + t_l_hip_yaw_x;
-    let v_l_hip_roll_y = r[12] + v_l_hip_yaw_z;
-    let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
-    let t_l_hip_roll_x = s_l_hip_roll
-        .mul_plus(v_l_hip_roll_x, c_l_hip_roll * v_l_hip_roll_y);
-    let t_l_hip_roll_y = c_l_hip_roll
-        .mul_plus(v_l_hip_roll_x, -(s_l_hip_roll * v_l_hip_roll_y));
-    // l_hip_pitch
-    let v_l_hip_pitch_x = r[9] + t_l_hip_yaw_y;
-    let v_l_hip_pitch_y = r[10] + t_l_hip_roll_x;
-    let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
-    let t_l_hip_pitch_x = c_l_hip_pitch
-        .mul_plus(v_l_hip_pitch_x, s_l_hip_pitch * v_l_hip_pitch_y);
-    let t_l_hip_pitch_y = c_l_hip_pitch
-        .mul_plus(v_l_hip_pitch_y, -(s_l_hip_pitch * v_l_hip_pitch_x));
-    // l_knee
-    let v_l_knee_x = r[7] + t_l_hip_pitch_x;
-    let v_l_knee_y = r[8] + t_l_hip_pitch_y;
-    let (s_l_knee, c_l_knee) = q[5].sin_cos();
-    let t_l_knee_x = c_l_knee.mul_plus(v_l_knee_x, s_l_knee * v_l_knee_y);
-    let t_l_knee_y = c_l_knee.mul_plus(v_l_knee_y, -(s_l_knee * v_l_knee_x));
-    // l_ank_pitch
-    let v_l_ank_pitch_x = r[5] + t_l_knee_x;
-    let v_l_ank_pitch_y = r[6] + t_l_knee_y;
-    let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
-    let t_l_ank_pitch_x = s_l_ank_pitch
-        .mul_plus(v_l_ank_pitch_x, c_l_ank_pitch * v_l_ank_pitch_y);
-    let t_l_ank_pitch_y = c_l_ank_pitch
-        .mul_plus(v_l_ank_pitch_x, -(s_l_ank_pitch * v_l_ank_pitch_y));
-    // l_ank_roll
-    let v_l_ank_roll_x = r[3] + t_l_hip_roll_y;
-    let v_l_ank_roll_y = r[4] + t_l_ank_pitch_x;
-    let (s_l_ank_roll, c_l_ank_roll) = q[7].sin_cos();
-    let t_l_ank_roll_x = c_l_ank_roll
-        .mul_plus(v_l_ank_roll_x, s_l_ank_roll * v_l_ank_roll_y);
-    let t_l_ank_roll_y = c_l_ank_roll
-        .mul_plus(v_l_ank_roll_y, -(s_l_ank_roll * v_l_ank_roll_x));
-    jacobian[1][7] = t_l_ank_roll_y;
-    // l_ank_roll
-    jacobian[2][7] = -t_l_ank_roll_x;
-    // l_ank_pitch
-    let by_l_ank_pitch_x = s_l_ank_roll * s_l_ank_pitch;
-    let by_l_ank_pitch_y = s_l_ank_roll * c_l_ank_pitch;
-    let bz_l_ank_pitch_x = c_l_ank_roll * s_l_ank_pitch;
-    let bz_l_ank_pitch_y = c_l_ank_roll * c_l_ank_pitch;
-    jacobian[0][6] = -t_l_ank_pitch_x;
-    jacobian[1][6] = s_l_ank_roll * t_l_ank_pitch_y;
-    jacobian[2][6] = c_l_ank_roll * t_l_ank_pitch_y;
-    // l_knee
-    let bx_l_knee_x = c_l_ank_pitch.mul_plus(c_l_knee, s_l_ank_pitch * s_l_knee);
-    let bx_l_knee_y = c_l_ank_pitch.mul_plus(s_l_knee, -(s_l_ank_pitch * c_l_knee));
-    let by_l_knee_x = by_l_ank_pitch_x
-        .mul_plus(c_l_knee, -(by_l_ank_pitch_y * s_l_knee));
-    let by_l_knee_y = by_l_ank_pitch_y.mul_plus(c_l_knee, by_l_ank_pitch_x * s_l_knee);
-    let bz_l_knee_x = bz_l_ank_pitch_x
-        .mul_plus(c_l_knee, -(bz_l_ank_pitch_y * s_l_knee));
-    let bz_l_knee_y = bz_l_ank_pitch_y.mul_plus(c_l_knee, bz_l_ank_pitch_x * s_l_knee);
-    jacobian[0][5] = s_l_ank_pitch.mul_plus(t_l_knee_x, c_l_ank_pitch * t_l_knee_y);
-    jacobian[1][5] = -by_l_ank_pitch_y
-        .mul_plus(t_l_knee_x, -(by_l_ank_pitch_x * t_l_knee_y));
-    jacobian[2][5] = -bz_l_ank_pitch_y
-        .mul_plus(t_l_knee_x, -(bz_l_ank_pitch_x * t_l_knee_y));
-    // l_hip_pitch
-    let bx_l_hip_pitch_x = bx_l_knee_x
-        .mul_plus(c_l_hip_pitch, -(bx_l_knee_y * s_l_hip_pitch));
-    let bx_l_hip_pitch_y = bx_l_knee_y
-        .mul_plus(c_l_hip_pitch, bx_l_knee_x * s_l_hip_pitch);
-    let by_l_hip_pitch_x = by_l_knee_x
-        .mul_plus(c_l_hip_pitch, -(by_l_knee_y * s_l_hip_pitch));
-    let by_l_hip_pitch_y = by_l_knee_y
-        .mul_plus(c_l_hip_pitch, by_l_knee_x * s_l_hip_pitch);
-    let bz_l_hip_pitch_x = bz_l_knee_x
-        .mul_plus(c_l_hip_pitch, -(bz_l_knee_y * s_l_hip_pitch));
-    let bz_l_hip_pitch_y = bz_l_knee_y
-        .mul_plus(c_l_hip_pitch, bz_l_knee_x * s_l_hip_pitch);
-    jacobian[0][4] = -bx_l_knee_y
-        .mul_plus(t_l_hip_pitch_x, -(bx_l_knee_x * t_l_hip_pitch_y));
-    jacobian[1][4] = -by_l_knee_y
-        .mul_plus(t_l_hip_pitch_x, -(by_l_knee_x * t_l_hip_pitch_y));
-    jacobian[2][4] = -bz_l_knee_y
-        .mul_plus(t_l_hip_pitch_x, -(bz_l_knee_x * t_l_hip_pitch_y));
-    // l_hip_roll
-    let bx_l_hip_roll_x = bx_l_hip_pitch_y * s_l_hip_roll;
-    let bx_l_hip_roll_y = bx_l_hip_pitch_y * c_l_hip_roll;
-    let by_l_hip_roll_x = by_l_hip_pitch_y
-        .mul_plus(s_l_hip_roll, c_l_ank_roll * c_l_hip_roll);
-    let e4 = c_l_ank_roll.mul_plus(s_l_hip_roll, -(by_l_hip_pitch_y * c_l_hip_roll));
-    let bz_l_hip_roll_x = bz_l_hip_pitch_y
-        .mul_plus(s_l_hip_roll, -(s_l_ank_roll * c_l_hip_roll));
-    let bz_l_hip_roll_y = s_l_ank_roll
-        .mul_plus(s_l_hip_roll, bz_l_hip_pitch_y * c_l_hip_roll);
-    jacobian[0][3] = bx_l_hip_pitch_y * t_l_hip_roll_y;
-    jacobian[1][3] = -c_l_ank_roll
-        .mul_plus(t_l_hip_roll_x, -(by_l_hip_pitch_y * t_l_hip_roll_y));
-    jacobian[2][3] = s_l_ank_roll
-        .mul_plus(t_l_hip_roll_x, bz_l_hip_pitch_y * t_l_hip_roll_y);
-    // l_hip_yaw
-    let bx_l_hip_yaw_x = bx_l_hip_roll_x
-        .mul_plus(s_l_hip_yaw, bx_l_hip_pitch_x * c_l_hip_yaw);
-    let e5 = bx_l_hip_pitch_x.mul_plus(s_l_hip_yaw, -(bx_l_hip_roll_x * c_l_hip_yaw));
-    let by_l_hip_yaw_x = by_l_hip_roll_x
-        .mul_plus(s_l_hip_yaw, by_l_hip_pitch_x * c_l_hip_yaw);
-    let e6 = by_l_hip_pitch_x.mul_plus(s_l_hip_yaw, -(by_l_hip_roll_x * c_l_hip_yaw));
-    let bz_l_hip_yaw_x = bz_l_hip_roll_x
-        .mul_plus(s_l_hip_yaw, bz_l_hip_pitch_x * c_l_hip_yaw);
-    let e7 = bz_l_hip_pitch_x.mul_plus(s_l_hip_yaw, -(bz_l_hip_roll_x * c_l_hip_yaw));
-    jacobian[0][2] = -bx_l_hip_pitch_x
-        .mul_plus(t_l_hip_yaw_x, -(bx_l_hip_roll_x * t_l_hip_yaw_y));
-    jacobian[1][2] = -by_l_hip_pitch_x
-        .mul_plus(t_l_hip_yaw_x, -(by_l_hip_roll_x * t_l_hip_yaw_y));
-    jacobian[2][2] = -bz_l_hip_pitch_x
-        .mul_plus(t_l_hip_yaw_x, -(bz_l_hip_roll_x * t_l_hip_yaw_y));
-    // head_pan
-    let bx_head_pan_x = bx_l_hip_yaw_x.mul_plus(c_head_pan, -(e5 * s_head_pan));
-    let by_head_pan_x = by_l_hip_yaw_x.mul_plus(c_head_pan, -(e6 * s_head_pan));
-    let bz_head_pan_x = bz_l_hip_yaw_x.mul_plus(c_head_pan, -(e7 * s_head_pan));
-    jacobian[0][0] = -e5.mul_plus(t_head_pan_x, bx_l_hip_yaw_x * t_head_pan_y);
-    jacobian[1][0] = -e6.mul_plus(t_head_pan_x, by_l_hip_yaw_x * t_head_pan_y);
-    jacobian[2][0] = -e7.mul_plus(t_head_pan_x, bz_l_hip_yaw_x * t_head_pan_y);
-    // head_tilt
-    jacobian[0][1] = bx_l_hip_roll_y
-        .mul_plus(t_head_tilt_x, -(bx_head_pan_x * t_head_tilt_y));
-    jacobian[1][1] = -e4.mul_plus(t_head_tilt_x, by_head_pan_x * t_head_tilt_y);
-    jacobian[2][1] = bz_l_hip_roll_y
-        .mul_plus(t_head_tilt_x, -(bz_head_pan_x * t_head_tilt_y));
-    // l_sho_pitch
-    let bx_l_sho_pitch_x = bx_l_hip_yaw_x
-        .mul_plus(c_l_sho_pitch, -(bx_l_hip_roll_y * s_l_sho_pitch));
-    let bx_l_sho_pitch_y = bx_l_hip_roll_y
-        .mul_plus(c_l_sho_pitch, bx_l_hip_yaw_x * s_l_sho_pitch);
-    let by_l_sho_pitch_x = by_l_hip_yaw_x.mul_plus(c_l_sho_pitch, e4 * s_l_sho_pitch);
-    let by_l_sho_pitch_y = by_l_hip_yaw_x.mul_plus(s_l_sho_pitch, -(e4 * c_l_sho_pitch));
-    let bz_l_sho_pitch_x = bz_l_hip_yaw_x
-        .mul_plus(c_l_sho_pitch, -(bz_l_hip_roll_y * s_l_sho_pitch));
-    let bz_l_sho_pitch_y = bz_l_hip_roll_y
-        .mul_plus(c_l_sho_pitch, bz_l_hip_yaw_x * s_l_sho_pitch);
-    jacobian[0][8] = -bx_l_hip_roll_y
-        .mul_plus(t_l_sho_pitch_x, -(bx_l_hip_yaw_x * t_l_sho_pitch_y));
-    jacobian[1][8] = e4.mul_plus(t_l_sho_pitch_x, by_l_hip_yaw_x * t_l_sho_pitch_y);
-    jacobian[2][8] = -bz_l_hip_roll_y
-        .mul_plus(t_l_sho_pitch_x, -(bz_l_hip_yaw_x * t_l_sho_pitch_y));
-    // l_sho_roll
-    jacobian[0][9] = -e5.mul_plus(t_l_sho_roll_x, bx_l_sho_pitch_y * t_l_sho_roll_y);
-    jacobian[1][9] = -e6.mul_plus(t_l_sho_roll_x, by_l_sho_pitch_y * t_l_sho_roll_y);
-    jacobian[2][9] = -e7.mul_plus(t_l_sho_roll_x, bz_l_sho_pitch_y * t_l_sho_roll_y);
-    // l_el
-    jacobian[0][10] = bx_l_sho_pitch_x
-        .mul_plus(
-            t_l_el_x,
-            e5.mul_plus(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll)) * t_l_el_y,
-        );
-    jacobian[1][10] = by_l_sho_pitch_x
-        .mul_plus(
-            t_l_el_x,
-            e6.mul_plus(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll)) * t_l_el_y,
-        );
-    jacobian[2][10] = bz_l_sho_pitch_x
-        .mul_plus(
-            t_l_el_x,
-            e7.mul_plus(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll)) * t_l_el_y,
-        );
-    // r_hip_yaw
-    let bx_r_hip_yaw_x = bx_l_hip_yaw_x.mul_plus(c_r_hip_yaw, e5 * s_r_hip_yaw);
-    let bx_r_hip_yaw_y = bx_l_hip_yaw_x.mul_plus(s_r_hip_yaw, -(e5 * c_r_hip_yaw));
-    let by_r_hip_yaw_x = by_l_hip_yaw_x.mul_plus(c_r_hip_yaw, e6 * s_r_hip_yaw);
-    let by_r_hip_yaw_y = by_l_hip_yaw_x.mul_plus(s_r_hip_yaw, -(e6 * c_r_hip_yaw));
-    let bz_r_hip_yaw_x = bz_l_hip_yaw_x.mul_plus(c_r_hip_yaw, e7 * s_r_hip_yaw);
-    let bz_r_hip_yaw_y = bz_l_hip_yaw_x.mul_plus(s_r_hip_yaw, -(e7 * c_r_hip_yaw));
-    jacobian[0][11] = e5.mul_plus(t_r_hip_yaw_x, bx_l_hip_yaw_x * t_r_hip_yaw_y);
-    jacobian[1][11] = e6.mul_plus(t_r_hip_yaw_x, by_l_hip_yaw_x * t_r_hip_yaw_y);
-    jacobian[2][11] = e7.mul_plus(t_r_hip_yaw_x, bz_l_hip_yaw_x * t_r_hip_yaw_y);
-    // r_hip_roll
-    let bx_r_hip_roll_x = bx_r_hip_yaw_y
-        .mul_plus(c_r_hip_roll, -(bx_l_hip_roll_y * s_r_hip_roll));
-    let bx_r_hip_roll_y = bx_l_hip_roll_y
-        .mul_plus(c_r_hip_roll, bx_r_hip_yaw_y * s_r_hip_roll);
-    let by_r_hip_roll_x = by_r_hip_yaw_y.mul_plus(c_r_hip_roll, e4 * s_r_hip_roll);
-    let by_r_hip_roll_y = by_r_hip_yaw_y.mul_plus(s_r_hip_roll, -(e4 * c_r_hip_roll));
-    let bz_r_hip_roll_x = bz_r_hip_yaw_y
-        .mul_plus(c_r_hip_roll, -(bz_l_hip_roll_y * s_r_hip_roll));
-    let bz_r_hip_roll_y = bz_l_hip_roll_y
-        .mul_plus(c_r_hip_roll, bz_r_hip_yaw_y * s_r_hip_roll);
-    jacobian[0][12] = -bx_l_hip_roll_y
-        .mul_plus(t_r_hip_roll_x, -(bx_r_hip_yaw_y * t_r_hip_roll_y));
-    jacobian[1][12] = e4.mul_plus(t_r_hip_roll_x, by_r_hip_yaw_y * t_r_hip_roll_y);
-    jacobian[2][12] = -bz_l_hip_roll_y
-        .mul_plus(t_r_hip_roll_x, -(bz_r_hip_yaw_y * t_r_hip_roll_y));
-    // r_hip_pitch
-    let bx_r_hip_pitch_x = bx_r_hip_yaw_x
-        .mul_plus(c_r_hip_pitch, -(bx_r_hip_roll_y * s_r_hip_pitch));
-    let bx_r_hip_pitch_y = bx_r_hip_yaw_x
-        .mul_plus(s_r_hip_pitch, bx_r_hip_roll_y * c_r_hip_pitch);
-    let by_r_hip_pitch_x = by_r_hip_yaw_x
-        .mul_plus(c_r_hip_pitch, -(by_r_hip_roll_y * s_r_hip_pitch));
-    let by_r_hip_pitch_y = by_r_hip_yaw_x
-        .mul_plus(s_r_hip_pitch, by_r_hip_roll_y * c_r_hip_pitch);
-    let bz_r_hip_pitch_x = bz_r_hip_yaw_x
-        .mul_plus(c_r_hip_pitch, -(bz_r_hip_roll_y * s_r_hip_pitch));
-    let bz_r_hip_pitch_y = bz_r_hip_yaw_x
-        .mul_plus(s_r_hip_pitch, bz_r_hip_roll_y * c_r_hip_pitch);
-    jacobian[0][13] = bx_r_hip_yaw_x
-        .mul_plus(t_r_hip_pitch_x, -(bx_r_hip_roll_y * t_r_hip_pitch_y));
-    jacobian[1][13] = by_r_hip_yaw_x
-        .mul_plus(t_r_hip_pitch_x, -(by_r_hip_roll_y * t_r_hip_pitch_y));
-    jacobian[2][13] = bz_r_hip_yaw_x
-        .mul_plus(t_r_hip_pitch_x, -(bz_r_hip_roll_y * t_r_hip_pitch_y));
-    // r_knee
-    let bx_r_knee_x = bx_r_hip_pitch_x
-        .mul_plus(c_r_knee, -(bx_r_hip_pitch_y * s_r_knee));
-    let bx_r_knee_y = bx_r_hip_pitch_y.mul_plus(c_r_knee, bx_r_hip_pitch_x * s_r_knee);
-    let by_r_knee_x = by_r_hip_pitch_x
-        .mul_plus(c_r_knee, -(by_r_hip_pitch_y * s_r_knee));
-    let by_r_knee_y = by_r_hip_pitch_y.mul_plus(c_r_knee, by_r_hip_pitch_x * s_r_knee);
-    let bz_r_knee_x = bz_r_hip_pitch_x
-        .mul_plus(c_r_knee, -(bz_r_hip_pitch_y * s_r_knee));
-    let bz_r_knee_y = bz_r_hip_pitch_y.mul_plus(c_r_knee, bz_r_hip_pitch_x * s_r_knee);
-    jacobian[0][14] = -bx_r_hip_pitch_y
-        .mul_plus(t_r_knee_x, -(bx_r_hip_pitch_x * t_r_knee_y));
-    jacobian[1][14] = -by_r_hip_pitch_y
-        .mul_plus(t_r_knee_x, -(by_r_hip_pitch_x * t_r_knee_y));
-    jacobian[2][14] = -bz_r_hip_pitch_y
-        .mul_plus(t_r_knee_x, -(bz_r_hip_pitch_x * t_r_knee_y));
-    // r_ank_pitch
-    let bx_r_ank_pitch_y = bx_r_knee_y
-        .mul_plus(c_r_ank_pitch, -(bx_r_knee_x * s_r_ank_pitch));
-    let by_r_ank_pitch_y = by_r_knee_y
-        .mul_plus(c_r_ank_pitch, -(by_r_knee_x * s_r_ank_pitch));
-    let bz_r_ank_pitch_y = bz_r_knee_y
-        .mul_plus(c_r_ank_pitch, -(bz_r_knee_x * s_r_ank_pitch));
-    jacobian[0][15] = bx_r_knee_y
-        .mul_plus(t_r_ank_pitch_x, -(bx_r_knee_x * t_r_ank_pitch_y));
-    jacobian[1][15] = by_r_knee_y
-        .mul_plus(t_r_ank_pitch_x, -(by_r_knee_x * t_r_ank_pitch_y));
-    jacobian[2][15] = bz_r_knee_y
-        .mul_plus(t_r_ank_pitch_x, -(bz_r_knee_x * t_r_ank_pitch_y));
-    // r_ank_roll
-    jacobian[0][16] = -bx_r_hip_roll_x
-        .mul_plus(t_r_ank_roll_x, -(bx_r_ank_pitch_y * t_r_ank_roll_y));
-    jacobian[1][16] = -by_r_hip_roll_x
-        .mul_plus(t_r_ank_roll_x, -(by_r_ank_pitch_y * t_r_ank_roll_y));
-    jacobian[2][16] = -bz_r_hip_roll_x
-        .mul_plus(t_r_ank_roll_x, -(bz_r_ank_pitch_y * t_r_ank_roll_y));
-    // r_sho_pitch
-    let bx_r_sho_pitch_x = bx_l_hip_yaw_x
-        .mul_plus(c_r_sho_pitch, bx_l_hip_roll_y * s_r_sho_pitch);
-    let bx_r_sho_pitch_y = bx_l_hip_roll_y
-        .mul_plus(c_r_sho_pitch, -(bx_l_hip_yaw_x * s_r_sho_pitch));
-    let by_r_sho_pitch_x = by_l_hip_yaw_x.mul_plus(c_r_sho_pitch, -(e4 * s_r_sho_pitch));
-    let e8 = e4.mul_plus(c_r_sho_pitch, by_l_hip_yaw_x * s_r_sho_pitch);
-    let bz_r_sho_pitch_x = bz_l_hip_yaw_x
-        .mul_plus(c_r_sho_pitch, bz_l_hip_roll_y * s_r_sho_pitch);
-    let bz_r_sho_pitch_y = bz_l_hip_roll_y
-        .mul_plus(c_r_sho_pitch, -(bz_l_hip_yaw_x * s_r_sho_pitch));
-    jacobian[0][17] = bx_l_hip_roll_y
-        .mul_plus(t_r_sho_pitch_x, -(bx_l_hip_yaw_x * t_r_sho_pitch_y));
-    jacobian[1][17] = -e4.mul_plus(t_r_sho_pitch_x, by_l_hip_yaw_x * t_r_sho_pitch_y);
-    jacobian[2][17] = bz_l_hip_roll_y
-        .mul_plus(t_r_sho_pitch_x, -(bz_l_hip_yaw_x * t_r_sho_pitch_y));
-    // r_sho_roll
-    jacobian[0][18] = -e5.mul_plus(t_r_sho_roll_x, bx_r_sho_pitch_y * t_r_sho_roll_y);
-    jacobian[1][18] = e8.mul_plus(t_r_sho_roll_y, -(e6 * t_r_sho_roll_x));
-    jacobian[2][18] = -e7.mul_plus(t_r_sho_roll_x, bz_r_sho_pitch_y * t_r_sho_roll_y);
-    // r_el
-    jacobian[0][19] = -bx_r_sho_pitch_x
-        .mul_plus(
-            t_r_el_x,
-            -(e5.mul_plus(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll)) * e1),
-        );
-    jacobian[1][19] = -by_r_sho_pitch_x
-        .mul_plus(t_r_el_x, -(e6.mul_plus(s_r_sho_roll, e8 * c_r_sho_roll) * e1));
-    jacobian[2][19] = -bz_r_sho_pitch_x
-        .mul_plus(
-            t_r_el_x,
-            -(e7.mul_plus(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll)) * e1),
-        );
-}
-
-/// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] {
-    // r_el
-    let (s_r_el, c_r_el) = q[19].sin_cos();
-    let t_r_el_x = c_r_el.mul_plus(r[41], -(s_r_el * r[42]));
-    let e1 = s_r_el.mul_plus(r[41], c_r_el * r[42]);
-    // r_sho_roll
-    let v_r_sho_roll_y = r[40] + t_r_el_x;
-    let e2 = q[18] + T::from_f64(0.785398163);
-    let (s_r_sho_roll, c_r_sho_roll) = e2.sin_cos();
-    let t_r_sho_roll_x = c_r_sho_roll.mul_plus(v_r_sho_roll_y, -(s_r_sho_roll * r[39]));
-    let t_r_sho_roll_y = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
-    // r_sho_pitch
-    let v_r_sho_pitch_x = r[37] - e1;
-    let v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
-    let (s_r_sho_pitch, c_r_sho_pitch) = q[17].sin_cos();
-    let t_r_sho_pitch_x = c_r_sho_pitch
-        .mul_plus(v_r_sho_pitch_x, -(s_r_sho_pitch * v_r_sho_pitch_y));
-    let t_r_sho_pitch_y = s_r_sho_pitch
-        .mul_plus(v_r_sho_pitch_x, c_r_sho_pitch * v_r_sho_pitch_y);
-    // r_ank_roll
-    let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
-    let t_r_ank_roll_x = s_r_ank_roll.mul_plus(r[35], c_r_ank_roll * r[36]);
-    let t_r_ank_roll_y = c_r_ank_roll.mul_plus(r[35], -(s_r_ank_roll * r[36]));
-    // r_ank_pitch
-    let v_r_ank_pitch_y = r[34] + t_r_ank_roll_x;
-    let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
-    let t_r_ank_pitch_x = c_r_ank_pitch
-        .mul_plus(r[33], -(s_r_ank_pitch * v_r_ank_pitch_y));
-    let t_r_ank_pitch_y = s_r_ank_pitch.mul_plus(r[33], c_r_ank_pitch * v_r_ank_pitch_y);
-    // r_knee
-    let v_r_knee_x = r[31] + t_r_ank_pitch_x;
-    let v_r_knee_y = r[32] + t_r_ank_pitch_y;
-    let (s_r_knee, c_r_knee) = q[14].sin_cos();
-    let t_r_knee_x = c_r_knee.mul_plus(v_r_knee_x, s_r_knee * v_r_knee_y);
-    let t_r_knee_y = c_r_knee.mul_plus(v_r_knee_y, -(s_r_knee * v_r_knee_x));
-    // r_hip_pitch
-    let v_r_hip_pitch_x = r[29] + t_r_knee_x;
-    let v_r_hip_pitch_y = r[30] + t_r_knee_y;
-    let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
-    let t_r_hip_pitch_x = c_r_hip_pitch
-        .mul_plus(v_r_hip_pitch_y, -(s_r_hip_pitch * v_r_hip_pitch_x));
-    let t_r_hip_pitch_y = c_r_hip_pitch
-        .mul_plus(v_r_hip_pitch_x, s_r_hip_pitch * v_r_hip_pitch_y);
-    // r_hip_roll
-    let v_r_hip_roll_x = r[27] + t_r_ank_roll_y;
-    let v_r_hip_roll_y = r[28] + t_r_hip_pitch_x;
-    let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
-    let t_r_hip_roll_x = c_r_hip_roll
-        .mul_plus(v_r_hip_roll_x, s_r_hip_roll * v_r_hip_roll_y);
-    let t_r_hip_roll_y = c_r_hip_roll
-        .mul_plus(v_r_hip_roll_y, -(s_r_hip_roll * v_r_hip_roll_x));
-    // r_hip_yaw
-    let v_r_hip_yaw_x = r[25] + t_r_hip_pitch_y;
-    let v_r_hip_yaw_y = r[26] + t_r_hip_roll_x;
-    let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
-    let t_r_hip_yaw_x = c_r_hip_yaw.mul_plus(v_r_hip_yaw_x, s_r_hip_yaw * v_r_hip_yaw_y);
-    let t_r_hip_yaw_y = c_r_hip_yaw
-        .mul_plus(v_r_hip_yaw_y, -(s_r_hip_yaw * v_r_hip_yaw_x));
-    // l_el
-    let (s_l_el, c_l_el) = q[10].sin_cos();
-    let t_l_el_x = c_l_el.mul_plus(r[23], s_l_el * r[24]);
-    let t_l_el_y = s_l_el.mul_plus(r[23], -(c_l_el * r[24]));
-    // l_sho_roll
-    let v_l_sho_roll_y = r[22] + t_l_el_x;
-    let e3 = q[9] - T::from_f64(0.785398163);
-    let (s_l_sho_roll, c_l_sho_roll) = e3.sin_cos();
-    let t_l_sho_roll_x = c_l_sho_roll.mul_plus(v_l_sho_roll_y, -(s_l_sho_roll * r[21]));
-    let t_l_sho_roll_y = c_l_sho_roll.mul_plus(r[21], s_l_sho_roll * v_l_sho_roll_y);
-    // l_sho_pitch
-    let v_l_sho_pitch_x = r[19] + t_l_el_y;
-    let v_l_sho_pitch_y = r[20] + t_l_sho_roll_x;
-    let (s_l_sho_pitch, c_l_sho_pitch) = q[8].sin_cos();
-    let t_l_sho_pitch_x = c_l_sho_pitch
-        .mul_plus(v_l_sho_pitch_x, s_l_sho_pitch * v_l_sho_pitch_y);
-    let t_l_sho_pitch_y = c_l_sho_pitch
-        .mul_plus(v_l_sho_pitch_y, -(s_l_sho_pitch * v_l_sho_pitch_x));
-    // head_tilt
-    let (s_head_tilt, c_head_tilt) = q[1].sin_cos();
-    let t_head_tilt_x = c_head_tilt.mul_plus(r[17], s_head_tilt * r[18]);
-    let t_head_tilt_y = s_head_tilt.mul_plus(r[17], -(c_head_tilt * r[18]));
-    // head_pan
-    let v_head_pan_x = r[15] + t_head_tilt_x;
-    let (s_head_pan, c_head_pan) = q[0].sin_cos();
-    let t_head_pan_x = c_head_pan.mul_plus(v_head_pan_x, -(s_head_pan * r[16]));
-    let t_head_pan_y = s_head_pan.mul_plus(v_head_pan_x, c_head_pan * r[16]);
-    // l_hip_yaw
-    let v_l_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_sho_pitch_x
-        + t_r_hip_yaw_x;
-    let v_l_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_sho_roll_y
-        + t_r_hip_yaw_y;
-    let v_l_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y
-        + t_r_hip_roll_y;
-    let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
-    let t_l_hip_yaw_x = s_l_hip_yaw.mul_plus(v_l_hip_yaw_x, c_l_hip_yaw * v_l_hip_yaw_y);
-    let t_l_hip_yaw_y = c_l_hip_yaw
-        .mul_plus(v_l_hip_yaw_x, -(s_l_hip_yaw * v_l_hip_yaw_y));
-    // l_hip_roll
-    let v_l_hip_roll_x = r[11] + t_l_hip_yaw_x;
-    let v_l_hip_roll_y = r[12] + v_l_hip_yaw_z;
-    let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
-    let t_l_hip_roll_x = s_l_hip_roll
-        .mul_plus(v_l_hip_roll_x, c_l_hip_roll * v_l_hip_roll_y);
-    let t_l_hip_roll_y = c_l_hip_roll
-        .mul_plus(v_l_hip_roll_x, -(s_l_hip_roll * v_l_hip_roll_y));
-    // l_hip_pitch
-    let v_l_hip_pitch_x = r[9] + t_l_hip_yaw_y;
-    let v_l_hip_pitch_y = r[10] + t_l_hip_roll_x;
-    let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
-    let t_l_hip_pitch_x = c_l_hip_pitch
-        .mul_plus(v_l_hip_pitch_x, s_l_hip_pitch * v_l_hip_pitch_y);
-    let t_l_hip_pitch_y = c_l_hip_pitch
-        .mul_plus(v_l_hip_pitch_y, -(s_l_hip_pitch * v_l_hip_pitch_x));
-    // l_knee
-    let v_l_knee_x = r[7] + t_l_hip_pitch_x;
-    let v_l_knee_y = r[8] + t_l_hip_pitch_y;
-    let (s_l_knee, c_l_knee) = q[5].sin_cos();
-    let t_l_knee_x = c_l_knee.mul_plus(v_l_knee_x, s_l_knee * v_l_knee_y);
-    let t_l_knee_y = c_l_knee.mul_plus(v_l_knee_y, -(s_l_knee * v_l_knee_x));
-    // l_ank_pitch
-    let v_l_ank_pitch_x = r[5] + t_l_knee_x;
-    let v_l_ank_pitch_y = r[6] + t_l_knee_y;
-    let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
-    let t_l_ank_pitch_x = s_l_ank_pitch
-        .mul_plus(v_l_ank_pitch_x, c_l_ank_pitch * v_l_ank_pitch_y);
-    let t_l_ank_pitch_y = c_l_ank_pitch
-        .mul_plus(v_l_ank_pitch_x, -(s_l_ank_pitch * v_l_ank_pitch_y));
-    // l_ank_roll
-    let v_l_ank_roll_x = r[3] + t_l_hip_roll_y;
-    let v_l_ank_roll_y = r[4] + t_l_ank_pitch_x;
-    let (s_l_ank_roll, c_l_ank_roll) = q[7].sin_cos();
-    let t_l_ank_roll_x = c_l_ank_roll
-        .mul_plus(v_l_ank_roll_x, s_l_ank_roll * v_l_ank_roll_y);
-    // l_ank_pitch
-    let bz_l_ank_pitch_x = c_l_ank_roll * s_l_ank_pitch;
-    let bz_l_ank_pitch_y = c_l_ank_roll * c_l_ank_pitch;
-    // l_knee
-    let bz_l_knee_x = bz_l_ank_pitch_x
-        .mul_plus(c_l_knee, -(bz_l_ank_pitch_y * s_l_knee));
-    let bz_l_knee_y = bz_l_ank_pitch_y.mul_plus(c_l_knee, bz_l_ank_pitch_x * s_l_knee);
-    // l_hip_pitch
-    let bz_l_hip_pitch_x = bz_l_knee_x
-        .mul_plus(c_l_hip_pitch, -(bz_l_knee_y * s_l_hip_pitch));
-    let bz_l_hip_pitch_y = bz_l_knee_y
-        .mul_plus(c_l_hip_pitch, bz_l_knee_x * s_l_hip_pitch);
-    // l_hip_roll
-    let bz_l_hip_roll_x = bz_l_hip_pitch_y
-        .mul_plus(s_l_hip_roll, -(s_l_ank_roll * c_l_hip_roll));
-    let bz_l_hip_roll_y = s_l_ank_roll
-        .mul_plus(s_l_hip_roll, bz_l_hip_pitch_y * c_l_hip_roll);
-    // l_hip_yaw
-    let bz_l_hip_yaw_x = bz_l_hip_roll_x
-        .mul_plus(s_l_hip_yaw, bz_l_hip_pitch_x * c_l_hip_yaw);
-    let e4 = bz_l_hip_pitch_x.mul_plus(s_l_hip_yaw, -(bz_l_hip_roll_x * c_l_hip_yaw));
-    // head_pan
-    let bz_head_pan_x = bz_l_hip_yaw_x.mul_plus(c_head_pan, -(e4 * s_head_pan));
-    // l_sho_pitch
-    let bz_l_sho_pitch_x = bz_l_hip_yaw_x
-        .mul_plus(c_l_sho_pitch, -(bz_l_hip_roll_y * s_l_sho_pitch));
-    let bz_l_sho_pitch_y = bz_l_hip_roll_y
-        .mul_plus(c_l_sho_pitch, bz_l_hip_yaw_x * s_l_sho_pitch);
-    // r_hip_yaw
-    let bz_r_hip_yaw_x = bz_l_hip_yaw_x.mul_plus(c_r_hip_yaw, e4 * s_r_hip_yaw);
-    let bz_r_hip_yaw_y = bz_l_hip_yaw_x.mul_plus(s_r_hip_yaw, -(e4 * c_r_hip_yaw));
-    // r_hip_roll
-    let bz_r_hip_roll_x = bz_r_hip_yaw_y
-        .mul_plus(c_r_hip_roll, -(bz_l_hip_roll_y * s_r_hip_roll));
-    let bz_r_hip_roll_y = bz_l_hip_roll_y
-        .mul_plus(c_r_hip_roll, bz_r_hip_yaw_y * s_r_hip_roll);
-    // r_hip_pitch
-    let bz_r_hip_pitch_x = bz_r_hip_yaw_x
-        .mul_plus(c_r_hip_pitch, -(bz_r_hip_roll_y * s_r_hip_pitch));
-    let bz_r_hip_pitch_y = bz_r_hip_yaw_x
-        .mul_plus(s_r_hip_pitch, bz_r_hip_roll_y * c_r_hip_pitch);
-    // r_knee
-    let bz_r_knee_x = bz_r_hip_pitch_x
-        .mul_plus(c_r_knee, -(bz_r_hip_pitch_y * s_r_knee));
-    let bz_r_knee_y = bz_r_hip_pitch_y.mul_plus(c_r_knee, bz_r_hip_pitch_x * s_r_knee);
-    // r_ank_pitch
-    let bz_r_ank_pitch_y = bz_r_knee_y
-        .mul_plus(c_r_ank_pitch, -(bz_r_knee_x * s_r_ank_pitch));
-    // r_sho_pitch
-    let bz_r_sho_pitch_x = bz_l_hip_yaw_x
-        .mul_plus(c_r_sho_pitch, bz_l_hip_roll_y * s_r_sho_pitch);
-    let bz_r_sho_pitch_y = bz_l_hip_roll_y
-        .mul_plus(c_r_sho_pitch, -(bz_l_hip_yaw_x * s_r_sho_pitch));
-    [
-        e4.mul_plus(t_head_pan_x, bz_l_hip_yaw_x * t_head_pan_y),
-        -bz_l_hip_roll_y.mul_plus(t_head_tilt_x, -(bz_head_pan_x * t_head_tilt_y)),
-        bz_l_hip_pitch_x.mul_plus(t_l_hip_yaw_x, -(bz_l_hip_roll_x * t_l_hip_yaw_y)),
-        -s_l_ank_roll.mul_plus(t_l_hip_roll_x, bz_l_hip_pitch_y * t_l_hip_roll_y),
-        bz_l_knee_y.mul_plus(t_l_hip_pitch_x, -(bz_l_knee_x * t_l_hip_pitch_y)),
-        bz_l_ank_pitch_y.mul_plus(t_l_knee_x, -(bz_l_ank_pitch_x * t_l_knee_y)),
-        -(c_l_ank_roll * t_l_ank_pitch_y),
-        t_l_ank_roll_x,
-        bz_l_hip_roll_y.mul_plus(t_l_sho_pitch_x, -(bz_l_hip_yaw_x * t_l_sho_pitch_y)),
-        e4.mul_plus(t_l_sho_roll_x, bz_l_sho_pitch_y * t_l_sho_roll_y),
-        -bz_l_sho_pitch_x
-            .mul_plus(
-                t_l_el_x,
-                e4.mul_plus(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll)) * t_l_el_y,
-            ),
-        -e4.mul_plus(t_r_hip_yaw_x, bz_l_hip_yaw_x * t_r_hip_yaw_y),
-        bz_l_hip_roll_y.mul_plus(t_r_hip_roll_x, -(bz_r_hip_yaw_y * t_r_hip_roll_y)),
-        -bz_r_hip_yaw_x.mul_plus(t_r_hip_pitch_x, -(bz_r_hip_roll_y * t_r_hip_pitch_y)),
-        bz_r_hip_pitch_y.mul_plus(t_r_knee_x, -(bz_r_hip_pitch_x * t_r_knee_y)),
-        -bz_r_knee_y.mul_plus(t_r_ank_pitch_x, -(bz_r_knee_x * t_r_ank_pitch_y)),
-        bz_r_hip_roll_x.mul_plus(t_r_ank_roll_x, -(bz_r_ank_pitch_y * t_r_ank_roll_y)),
-        -bz_l_hip_roll_y.mul_plus(t_r_sho_pitch_x, -(bz_l_hip_yaw_x * t_r_sho_pitch_y)),
-        e4.mul_plus(t_r_sho_roll_x, bz_r_sho_pitch_y * t_r_sho_roll_y),
-        bz_r_sho_pitch_x
-            .mul_plus(
-                t_r_el_x,
-                -(e4.mul_plus(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll)) * e1),
-            ),
-    ]
-}
-
-/// Rows of the base regressor: CoM = rows · r.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
-    let mut rows = [[T::from_f64(0.0); BASE_PARAMS]; 3];
-    regressor_into(q, &mut rows);
-    rows
-}
-
-/// [`regressor`], each number written as soon as it is there.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn regressor_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE_PARAMS]; 3]) {
-    let zero = T::from_f64(0.0);
-    let one = T::from_f64(1.0);
-    rows[0][0] = one;
-    rows[1][1] = one;
-    rows[2][2] = one;
-    rows[0][1] = zero;
-    rows[0][2] = zero;
-    rows[0][3] = zero;
-    rows[0][4] = zero;
-    rows[1][0] = zero;
-    rows[1][2] = zero;
-    rows[2][0] = zero;
-    rows[2][1] = zero;
-    // l_ank_roll
-    let (s_l_ank_roll, c_l_ank_roll) = q[7].sin_cos();
-    rows[1][4] = s_l_ank_roll;
-    rows[1][3] = c_l_ank_roll;
-    rows[2][4] = c_l_ank_roll;
-    let bz_l_ank_roll_x = -s_l_ank_roll;
-    rows[2][3] = bz_l_ank_roll_x;
-    // l_ank_pitch
-    let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
-    rows[0][5] = c_l_ank_pitch;
-    let bx_l_ank_pitch_y = -s_l_ank_pitch;
-    rows[0][6] = bx_l_ank_pitch_y;
-    let by_l_ank_pitch_x = s_l_ank_roll * s_l_ank_pitch;
-    rows[1][5] = by_l_ank_pitch_x;
-    let by_l_ank_pitch_y = s_l_ank_roll * c_l_ank_pitch;
-    rows[1][6] = by_l_ank_pitch_y;
-    let bz_l_ank_pitch_x = c_l_ank_roll * s_l_ank_pitch;
-    rows[2][5] = bz_l_ank_pitch_x;
-    let bz_l_ank_pitch_y = c_l_ank_roll * c_l_ank_pitch;
-    rows[2][6] = bz_l_ank_pitch_y;
-    // l_knee
-    let (s_l_knee, c_l_knee) = q[5].sin_cos();
-    let bx_l_knee_x = c_l_ank_pitch.mul_plus(c_l_knee, s_l_ank_pitch * s_l_knee);
-    rows[0][7] = bx_l_knee_x;
-    let bx_l_knee_y = c_l_ank_pitch.mul_plus(s_l_knee, -(s_l_ank_pitch * c_l_knee));
-    rows[0][8] = bx_l_knee_y;
-    let by_l_knee_x = by_l_ank_pitch_x
-        .mul_plus(c_l_knee, -(by_l_ank_pitch_y * s_l_knee));
-    rows[1][7] = by_l_knee_x;
-    let by_l_knee_y = by_l_ank_pitch_y.mul_plus(c_l_knee, by_l_ank_pitch_x * s_l_knee);
-    rows[1][8] = by_l_knee_y;
-    let bz_l_knee_x = bz_l_ank_pitch_x
-        .mul_plus(c_l_knee, -(bz_l_ank_pitch_y * s_l_knee));
-    rows[2][7] = bz_l_knee_x;
-    let bz_l_knee_y = bz_l_ank_pitch_y.mul_plus(c_l_knee, bz_l_ank_pitch_x * s_l_knee);
-    rows[2][8] = bz_l_knee_y;
-    // l_hip_pitch
-    let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
-    let bx_l_hip_pitch_x = bx_l_knee_x
-        .mul_plus(c_l_hip_pitch, -(bx_l_knee_y * s_l_hip_pitch));
-    rows[0][9] = bx_l_hip_pitch_x;
-    let bx_l_hip_pitch_y = bx_l_knee_y
-        .mul_plus(c_l_hip_pitch, bx_l_knee_x * s_l_hip_pitch);
-    rows[0][10] = bx_l_hip_pitch_y;
-    let by_l_hip_pitch_x = by_l_knee_x
-        .mul_plus(c_l_hip_pitch, -(by_l_knee_y * s_l_hip_pitch));
-    rows[1][9] = by_l_hip_pitch_x;
-    let by_l_hip_pitch_y = by_l_knee_y
-        .mul_plus(c_l_hip_pitch, by_l_knee_x * s_l_hip_pitch);
-    rows[1][10] = by_l_hip_pitch_y;
-    let bz_l_hip_pitch_x = bz_l_knee_x
-        .mul_plus(c_l_hip_pitch, -(bz_l_knee_y * s_l_hip_pitch));
-    rows[2][9] = bz_l_hip_pitch_x;
-    let bz_l_hip_pitch_y = bz_l_knee_y
-        .mul_plus(c_l_hip_pitch, bz_l_knee_x * s_l_hip_pitch);
-    rows[2][10] = bz_l_hip_pitch_y;
-    // l_hip_roll
-    let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
-    let bx_l_hip_roll_x = bx_l_hip_pitch_y * s_l_hip_roll;
-    rows[0][11] = bx_l_hip_roll_x;
-    let bx_l_hip_roll_y = bx_l_hip_pitch_y * c_l_hip_roll;
-    rows[0][12] = bx_l_hip_roll_y;
-    let by_l_hip_roll_x = by_l_hip_pitch_y
-        .mul_plus(s_l_hip_roll, c_l_ank_roll * c_l_hip_roll);
-    rows[1][11] = by_l_hip_roll_x;
-    let e1 = c_l_ank_roll.mul_plus(s_l_hip_roll, -(by_l_hip_pitch_y * c_l_hip_roll));
-    let by_l_hip_roll_y = -e1;
-    rows[1][12] = by_l_hip_roll_y;
-    let bz_l_hip_roll_x = bz_l_hip_pitch_y
-        .mul_plus(s_l_hip_roll, -(s_l_ank_roll * c_l_hip_roll));
-    rows[2][11] = bz_l_hip_roll_x;
-    let bz_l_hip_roll_y = s_l_ank_roll
-        .mul_plus(s_l_hip_roll, bz_l_hip_pitch_y * c_l_hip_roll);
-    rows[2][12] = bz_l_hip_roll_y;
-    // l_hip_yaw
-    let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
-    let bx_l_hip_yaw_x = bx_l_hip_roll_x
-        .mul_plus(s_l_hip_yaw, bx_l_hip_pitch_x * c_l_hip_yaw);
-    rows[0][13] = bx_l_hip_yaw_x;
-    let e2 = bx_l_hip_pitch_x.mul_plus(s_l_hip_yaw, -(bx_l_hip_roll_x * c_l_hip_yaw));
-    let bx_l_hip_yaw_y = -e2;
-    rows[0][14] = bx_l_hip_yaw_y;
-    let by_l_hip_yaw_x = by_l_hip_roll_x
-        .mul_plus(s_l_hip_yaw, by_l_hip_pitch_x * c_l_hip_yaw);
-    rows[1][13] = by_l_hip_yaw_x;
-    let e3 = by_l_hip_pitch_x.mul_plus(s_l_hip_yaw, -(by_l_hip_roll_x * c_l_hip_yaw));
-    let by_l_hip_yaw_y = -e3;
-    rows[1][14] = by_l_hip_yaw_y;
-    let bz_l_hip_yaw_x = bz_l_hip_roll_x
-        .mul_plus(s_l_hip_yaw, bz_l_hip_pitch_x * c_l_hip_yaw);
-    rows[2][13] = bz_l_hip_yaw_x;
-    let e4 = bz_l_hip_pitch_x.mul_plus(s_l_hip_yaw, -(bz_l_hip_roll_x * c_l_hip_yaw));
-    let bz_l_hip_yaw_y = -e4;
-    rows[2][14] = bz_l_hip_yaw_y;
-    // head_pan
-    let (s_head_pan, c_head_pan) = q[0].sin_cos();
-    let bx_head_pan_x = bx_l_hip_yaw_x.mul_plus(c_head_pan, -(e2 * s_head_pan));
-    rows[0][15] = bx_head_pan_x;
-    let bx_head_pan_y = -e2.mul_plus(c_head_pan, bx_l_hip_yaw_x * s_head_pan);
-    rows[0][16] = bx_head_pan_y;
-    let by_head_pan_x = by_l_hip_yaw_x.mul_plus(c_head_pan, -(e3 * s_head_pan));
-    rows[1][15] = by_head_pan_x;
-    let by_head_pan_y = -e3.mul_plus(c_head_pan, by_l_hip_yaw_x * s_head_pan);
-    rows[1][16] = by_head_pan_y;
-    let bz_head_pan_x = bz_l_hip_yaw_x.mul_plus(c_head_pan, -(e4 * s_head_pan));
-    rows[2][15] = bz_head_pan_x;
-    let bz_head_pan_y = -e4.mul_plus(c_head_pan, bz_l_hip_yaw_x * s_head_pan);
-    rows[2][16] = bz_head_pan_y;
-    // head_tilt
-    let (s_head_tilt, c_head_tilt) = q[1].sin_cos();
-    let bx_head_tilt_x = bx_head_pan_x
-        .mul_plus(c_head_tilt, bx_l_hip_roll_y * s_head_tilt);
-    rows[0][17] = bx_head_tilt_x;
-    let bx_head_tilt_y = -bx_l_hip_roll_y
-        .mul_plus(c_head_tilt, -(bx_head_pan_x * s_head_tilt));
-    rows[0][18] = bx_head_tilt_y;
-    let by_head_tilt_x = by_head_pan_x.mul_plus(c_head_tilt, -(e1 * s_head_tilt));
-    rows[1][17] = by_head_tilt_x;
-    let by_head_tilt_y = e1.mul_plus(c_head_tilt, by_head_pan_x * s_head_tilt);
-    rows[1][18] = by_head_tilt_y;
-    let bz_head_tilt_x = bz_head_pan_x
-        .mul_plus(c_head_tilt, bz_l_hip_roll_y * s_head_tilt);
-    rows[2][17] = bz_head_tilt_x;
-    let bz_head_tilt_y = -bz_l_hip_roll_y
-        .mul_plus(c_head_tilt, -(bz_head_pan_x * s_head_tilt));
-    rows[2][18] = bz_head_tilt_y;
-    // l_sho_pitch
-    let (s_l_sho_pitch, c_l_sho_pitch) = q[8].sin_cos();
-    let bx_l_sho_pitch_x = bx_l_hip_yaw_x
-        .mul_plus(c_l_sho_pitch, -(bx_l_hip_roll_y * s_l_sho_pitch));
-    rows[0][19] = bx_l_sho_pitch_x;
-    let bx_l_sho_pitch_y = bx_l_hip_roll_y
-        .mul_plus(c_l_sho_pitch, bx_l_hip_yaw_x * s_l_sho_pitch);
-    rows[0][20] = bx_l_sho_pitch_y;
-    let by_l_sho_pitch_x = by_l_hip_yaw_x.mul_plus(c_l_sho_pitch, e1 * s_l_sho_pitch);
-    rows[1][19] = by_l_sho_pitch_x;
-    let by_l_sho_pitch_y = by_l_hip_yaw_x.mul_plus(s_l_sho_pitch, -(e1 * c_l_sho_pitch));
-    rows[1][20] = by_l_sho_pitch_y;
-    let bz_l_sho_pitch_x = bz_l_hip_yaw_x
-        .mul_plus(c_l_sho_pitch, -(bz_l_hip_roll_y * s_l_sho_pitch));
-    rows[2][19] = bz_l_sho_pitch_x;
-    let bz_l_sho_pitch_y = bz_l_hip_roll_y
-        .mul_plus(c_l_sho_pitch, bz_l_hip_yaw_x * s_l_sho_pitch);
-    rows[2][20] = bz_l_sho_pitch_y;
-    // l_sho_roll
-    let e5 = q[9] - T::from_f64(0.785398163);
-    let (s_l_sho_roll, c_l_sho_roll) = e5.sin_cos();
-    let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_plus(s_l_sho_roll, e2 * c_l_sho_roll);
-    rows[0][21] = bx_l_sho_roll_x;
-    let e6 = e2.mul_plus(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
-    let bx_l_sho_roll_y = -e6;
-    rows[0][22] = bx_l_sho_roll_y;
-    let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_plus(s_l_sho_roll, e3 * c_l_sho_roll);
-    rows[1][21] = by_l_sho_roll_x;
-    let e7 = e3.mul_plus(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
-    let by_l_sho_roll_y = -e7;
-    rows[1][22] = by_l_sho_roll_y;
-    let bz_l_sho_roll_x = -bz_l_sho_pitch_y.mul_plus(s_l_sho_roll, e4 * c_l_sho_roll);
-    rows[2][21] = bz_l_sho_roll_x;
-    let e8 = e4.mul_plus(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
-    let bz_l_sho_roll_y = -e8;
-    rows[2][22] = bz_l_sho_roll_y;
-    // l_el
-    let (s_l_el, c_l_el) = q[10].sin_cos();
-    let bx_l_el_x = bx_l_sho_pitch_x.mul_plus(s_l_el, -(e6 * c_l_el));
-    rows[0][23] = bx_l_el_x;
-    let bx_l_el_y = -bx_l_sho_pitch_x.mul_plus(c_l_el, e6 * s_l_el);
-    rows[0][24] = bx_l_el_y;
-    let by_l_el_x = by_l_sho_pitch_x.mul_plus(s_l_el, -(e7 * c_l_el));
-    rows[1][23] = by_l_el_x;
-    let by_l_el_y = -by_l_sho_pitch_x.mul_plus(c_l_el, e7 * s_l_el);
-    rows[1][24] = by_l_el_y;
-    let bz_l_el_x = bz_l_sho_pitch_x.mul_plus(s_l_el, -(e8 * c_l_el));
-    rows[2][23] = bz_l_el_x;
-    let bz_l_el_y = -bz_l_sho_pitch_x.mul_plus(c_l_el, e8 * s_l_el);
-    rows[2][24] = bz_l_el_y;
-    // r_hip_yaw
-    let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
-    let bx_r_hip_yaw_x = bx_l_hip_yaw_x.mul_plus(c_r_hip_yaw, e2 * s_r_hip_yaw);
-    rows[0][25] = bx_r_hip_yaw_x;
-    let bx_r_hip_yaw_y = bx_l_hip_yaw_x.mul_plus(s_r_hip_yaw, -(e2 * c_r_hip_yaw));
-    rows[0][26] = bx_r_hip_yaw_y;
-    let by_r_hip_yaw_x = by_l_hip_yaw_x.mul_plus(c_r_hip_yaw, e3 * s_r_hip_yaw);
-    rows[1][25] = by_r_hip_yaw_x;
-    let by_r_hip_yaw_y = by_l_hip_yaw_x.mul_plus(s_r_hip_yaw, -(e3 * c_r_hip_yaw));
-    rows[1][26] = by_r_hip_yaw_y;
-    let bz_r_hip_yaw_x = bz_l_hip_yaw_x.mul_plus(c_r_hip_yaw, e4 * s_r_hip_yaw);
-    rows[2][25] = bz_r_hip_yaw_x;
-    let bz_r_hip_yaw_y = bz_l_hip_yaw_x.mul_plus(s_r_hip_yaw, -(e4 * c_r_hip_yaw));
-    rows[2][26] = bz_r_hip_yaw_y;
-    // r_hip_roll
-    let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
-    let bx_r_hip_roll_x = bx_r_hip_yaw_y
-        .mul_plus(c_r_hip_roll, -(bx_l_hip_roll_y * s_r_hip_roll));
-    rows[0][27] = bx_r_hip_roll_x;
-    let bx_r_hip_roll_y = bx_l_hip_roll_y
-        .mul_plus(c_r_hip_roll, bx_r_hip_yaw_y * s_r_hip_roll);
-    rows[0][28] = bx_r_hip_roll_y;
-    let by_r_hip_roll_x = by_r_hip_yaw_y.mul_plus(c_r_hip_roll, e1 * s_r_hip_roll);
-    rows[1][27] = by_r_hip_roll_x;
-    let by_r_hip_roll_y = by_r_hip_yaw_y.mul_plus(s_r_hip_roll, -(e1 * c_r_hip_roll));
-    rows[1][28] = by_r_hip_roll_y;
-    let bz_r_hip_roll_x = bz_r_hip_yaw_y
-        .mul_plus(c_r_hip_roll, -(bz_l_hip_roll_y * s_r_hip_roll));
-    rows[2][27] = bz_r_hip_roll_x;
-    let bz_r_hip_roll_y = bz_l_hip_roll_y
-        .mul_plus(c_r_hip_roll, bz_r_hip_yaw_y * s_r_hip_roll);
-    rows[2][28] = bz_r_hip_roll_y;
-    // r_hip_pitch
-    let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
-    let bx_r_hip_pitch_x = bx_r_hip_yaw_x
-        .mul_plus(c_r_hip_pitch, -(bx_r_hip_roll_y * s_r_hip_pitch));
-    rows[0][29] = bx_r_hip_pitch_x;
-    let bx_r_hip_pitch_y = bx_r_hip_yaw_x
-        .mul_plus(s_r_hip_pitch, bx_r_hip_roll_y * c_r_hip_pitch);
-    rows[0][30] = bx_r_hip_pitch_y;
-    let by_r_hip_pitch_x = by_r_hip_yaw_x
-        .mul_plus(c_r_hip_pitch, -(by_r_hip_roll_y * s_r_hip_pitch));
-    rows[1][29] = by_r_hip_pitch_x;
-    let by_r_hip_pitch_y = by_r_hip_yaw_x
-        .mul_plus(s_r_hip_pitch, by_r_hip_roll_y * c_r_hip_pitch);
-    rows[1][30] = by_r_hip_pitch_y;
-    let bz_r_hip_pitch_x = bz_r_hip_yaw_x
-        .mul_plus(c_r_hip_pitch, -(bz_r_hip_roll_y * s_r_hip_pitch));
-    rows[2][29] = bz_r_hip_pitch_x;
-    let bz_r_hip_pitch_y = bz_r_hip_yaw_x
-        .mul_plus(s_r_hip_pitch, bz_r_hip_roll_y * c_r_hip_pitch);
-    rows[2][30] = bz_r_hip_pitch_y;
-    // r_knee
-    let (s_r_knee, c_r_knee) = q[14].sin_cos();
-    let bx_r_knee_x = bx_r_hip_pitch_x
-        .mul_plus(c_r_knee, -(bx_r_hip_pitch_y * s_r_knee));
-    rows[0][31] = bx_r_knee_x;
-    let bx_r_knee_y = bx_r_hip_pitch_y.mul_plus(c_r_knee, bx_r_hip_pitch_x * s_r_knee);
-    rows[0][32] = bx_r_knee_y;
-    let by_r_knee_x = by_r_hip_pitch_x
-        .mul_plus(c_r_knee, -(by_r_hip_pitch_y * s_r_knee));
-    rows[1][31] = by_r_knee_x;
-    let by_r_knee_y = by_r_hip_pitch_y.mul_plus(c_r_knee, by_r_hip_pitch_x * s_r_knee);
-    rows[1][32] = by_r_knee_y;
-    let bz_r_knee_x = bz_r_hip_pitch_x
-        .mul_plus(c_r_knee, -(bz_r_hip_pitch_y * s_r_knee));
-    rows[2][31] = bz_r_knee_x;
-    let bz_r_knee_y = bz_r_hip_pitch_y.mul_plus(c_r_knee, bz_r_hip_pitch_x * s_r_knee);
-    rows[2][32] = bz_r_knee_y;
-    // r_ank_pitch
-    let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
-    let bx_r_ank_pitch_x = bx_r_knee_x
-        .mul_plus(c_r_ank_pitch, bx_r_knee_y * s_r_ank_pitch);
-    rows[0][33] = bx_r_ank_pitch_x;
-    let bx_r_ank_pitch_y = bx_r_knee_y
-        .mul_plus(c_r_ank_pitch, -(bx_r_knee_x * s_r_ank_pitch));
-    rows[0][34] = bx_r_ank_pitch_y;
-    let by_r_ank_pitch_x = by_r_knee_x
-        .mul_plus(c_r_ank_pitch, by_r_knee_y * s_r_ank_pitch);
-    rows[1][33] = by_r_ank_pitch_x;
-    let by_r_ank_pitch_y = by_r_knee_y
-        .mul_plus(c_r_ank_pitch, -(by_r_knee_x * s_r_ank_pitch));
-    rows[1][34] = by_r_ank_pitch_y;
-    let bz_r_ank_pitch_x = bz_r_knee_x
-        .mul_plus(c_r_ank_pitch, bz_r_knee_y * s_r_ank_pitch);
-    rows[2][33] = bz_r_ank_pitch_x;
-    let bz_r_ank_pitch_y = bz_r_knee_y
-        .mul_plus(c_r_ank_pitch, -(bz_r_knee_x * s_r_ank_pitch));
-    rows[2][34] = bz_r_ank_pitch_y;
-    // r_ank_roll
-    let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
-    let bx_r_ank_roll_x = bx_r_ank_pitch_y
-        .mul_plus(s_r_ank_roll, bx_r_hip_roll_x * c_r_ank_roll);
-    rows[0][35] = bx_r_ank_roll_x;
-    let bx_r_ank_roll_y = -bx_r_hip_roll_x
-        .mul_plus(s_r_ank_roll, -(bx_r_ank_pitch_y * c_r_ank_roll));
-    rows[0][36] = bx_r_ank_roll_y;
-    let by_r_ank_roll_x = by_r_ank_pitch_y
-        .mul_plus(s_r_ank_roll, by_r_hip_roll_x * c_r_ank_roll);
-    rows[1][35] = by_r_ank_roll_x;
-    let by_r_ank_roll_y = -by_r_hip_roll_x
-        .mul_plus(s_r_ank_roll, -(by_r_ank_pitch_y * c_r_ank_roll));
-    rows[1][36] = by_r_ank_roll_y;
-    let bz_r_ank_roll_x = bz_r_ank_pitch_y
-        .mul_plus(s_r_ank_roll, bz_r_hip_roll_x * c_r_ank_roll);
-    rows[2][35] = bz_r_ank_roll_x;
-    let bz_r_ank_roll_y = -bz_r_hip_roll_x
-        .mul_plus(s_r_ank_roll, -(bz_r_ank_pitch_y * c_r_ank_roll));
-    rows[2][36] = bz_r_ank_roll_y;
-    // r_sho_pitch
-    let (s_r_sho_pitch, c_r_sho_pitch) = q[17].sin_cos();
-    let bx_r_sho_pitch_x = bx_l_hip_yaw_x
-        .mul_plus(c_r_sho_pitch, bx_l_hip_roll_y * s_r_sho_pitch);
-    rows[0][37] = bx_r_sho_pitch_x;
-    let bx_r_sho_pitch_y = bx_l_hip_roll_y
-        .mul_plus(c_r_sho_pitch, -(bx_l_hip_yaw_x * s_r_sho_pitch));
-    rows[0][38] = bx_r_sho_pitch_y;
-    let by_r_sho_pitch_x = by_l_hip_yaw_x.mul_plus(c_r_sho_pitch, -(e1 * s_r_sho_pitch));
-    rows[1][37] = by_r_sho_pitch_x;
-    let e9 = e1.mul_plus(c_r_sho_pitch, by_l_hip_yaw_x * s_r_sho_pitch);
-    let by_r_sho_pitch_y = -e9;
-    rows[1][38] = by_r_sho_pitch_y;
-    let bz_r_sho_pitch_x = bz_l_hip_yaw_x
-        .mul_plus(c_r_sho_pitch, bz_l_hip_roll_y * s_r_sho_pitch);
-    rows[2][37] = bz_r_sho_pitch_x;
-    let bz_r_sho_pitch_y = bz_l_hip_roll_y
-        .mul_plus(c_r_sho_pitch, -(bz_l_hip_yaw_x * s_r_sho_pitch));
-    rows[2][38] = bz_r_sho_pitch_y;
-    // r_sho_roll
-    let e10 = q[18] + T::from_f64(0.785398163);
-    let (s_r_sho_roll, c_r_sho_roll) = e10.sin_cos();
-    let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_plus(s_r_sho_roll, e2 * c_r_sho_roll);
-    rows[0][39] = bx_r_sho_roll_x;
-    let e11 = e2.mul_plus(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
-    let bx_r_sho_roll_y = -e11;
-    rows[0][40] = bx_r_sho_roll_y;
-    let by_r_sho_roll_x = e9.mul_plus(s_r_sho_roll, -(e3 * c_r_sho_roll));
-    rows[1][39] = by_r_sho_roll_x;
-    let e12 = e3.mul_plus(s_r_sho_roll, e9 * c_r_sho_roll);
-    let by_r_sho_roll_y = -e12;
-    rows[1][40] = by_r_sho_roll_y;
-    let bz_r_sho_roll_x = -bz_r_sho_pitch_y.mul_plus(s_r_sho_roll, e4 * c_r_sho_roll);
-    rows[2][39] = bz_r_sho_roll_x;
-    let e13 = e4.mul_plus(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
-    let bz_r_sho_roll_y = -e13;
-    rows[2][40] = bz_r_sho_roll_y;
-    // r_el
-    let (s_r_el, c_r_el) = q[19].sin_cos();
-    let bx_r_el_x = -e11.mul_plus(c_r_el, bx_r_sho_pitch_x * s_r_el);
-    rows[0][41] = bx_r_el_x;
-    let bx_r_el_y = -bx_r_sho_pitch_x.mul_plus(c_r_el, -(e11 * s_r_el));
-    rows[0][42] = bx_r_el_y;
-    let by_r_el_x = -e12.mul_plus(c_r_el, by_r_sho_pitch_x * s_r_el);
-    rows[1][41] = by_r_el_x;
-    let by_r_el_y = -by_r_sho_pitch_x.mul_plus(c_r_el, -(e12 * s_r_el));
-    rows[1][42] = by_r_el_y;
-    let bz_r_el_x = -e13.mul_plus(c_r_el, bz_r_sho_pitch_x * s_r_el);
-    rows[2][41] = bz_r_el_x;
-    let bz_r_el_y = -bz_r_sho_pitch_x.mul_plus(c_r_el, -(e13 * s_r_el));
-    rows[2][42] = bz_r_el_y;
-}
-
-/// The x and y rows of the base regressor: CoP = rows · r.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
-    let mut rows = [[T::from_f64(0.0); BASE_PARAMS]; 2];
-    regressor_cop_into(q, &mut rows);
-    rows
-}
-
-/// [`regressor_cop`], each number written as soon as it is there.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn regressor_cop_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE_PARAMS]; 2]) {
-    let zero = T::from_f64(0.0);
-    let one = T::from_f64(1.0);
-    rows[0][0] = one;
-    rows[1][1] = one;
-    rows[0][1] = zero;
-    rows[0][2] = zero;
-    rows[0][3] = zero;
-    rows[0][4] = zero;
-    rows[1][0] = zero;
-    rows[1][2] = zero;
-    // l_ank_roll
-    let (s_l_ank_roll, c_l_ank_roll) = q[7].sin_cos();
-    rows[1][4] = s_l_ank_roll;
-    rows[1][3] = c_l_ank_roll;
-    // l_ank_pitch
-    let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
-    rows[0][5] = c_l_ank_pitch;
-    let bx_l_ank_pitch_y = -s_l_ank_pitch;
-    rows[0][6] = bx_l_ank_pitch_y;
-    let by_l_ank_pitch_x = s_l_ank_roll * s_l_ank_pitch;
-    rows[1][5] = by_l_ank_pitch_x;
-    let by_l_ank_pitch_y = s_l_ank_roll * c_l_ank_pitch;
-    rows[1][6] = by_l_ank_pitch_y;
-    // l_knee
-    let (s_l_knee, c_l_knee) = q[5].sin_cos();
-    let bx_l_knee_x = c_l_ank_pitch.mul_plus(c_l_knee, s_l_ank_pitch * s_l_knee);
-    rows[0][7] = bx_l_knee_x;
-    let bx_l_knee_y = c_l_ank_pitch.mul_plus(s_l_knee, -(s_l_ank_pitch * c_l_knee));
-    rows[0][8] = bx_l_knee_y;
-    let by_l_knee_x = by_l_ank_pitch_x
-        .mul_plus(c_l_knee, -(by_l_ank_pitch_y * s_l_knee));
-    rows[1][7] = by_l_knee_x;
-    let by_l_knee_y = by_l_ank_pitch_y.mul_plus(c_l_knee, by_l_ank_pitch_x * s_l_knee);
-    rows[1][8] = by_l_knee_y;
-    // l_hip_pitch
-    let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
-    let bx_l_hip_pitch_x = bx_l_knee_x
-        .mul_plus(c_l_hip_pitch, -(bx_l_knee_y * s_l_hip_pitch));
-    rows[0][9] = bx_l_hip_pitch_x;
-    let bx_l_hip_pitch_y = bx_l_knee_y
-        .mul_plus(c_l_hip_pitch, bx_l_knee_x * s_l_hip_pitch);
-    rows[0][10] = bx_l_hip_pitch_y;
-    let by_l_hip_pitch_x = by_l_knee_x
-        .mul_plus(c_l_hip_pitch, -(by_l_knee_y * s_l_hip_pitch));
-    rows[1][9] = by_l_hip_pitch_x;
-    let by_l_hip_pitch_y = by_l_knee_y
-        .mul_plus(c_l_hip_pitch, by_l_knee_x * s_l_hip_pitch);
-    rows[1][10] = by_l_hip_pitch_y;
-    // l_hip_roll
-    let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
-    let bx_l_hip_roll_x = bx_l_hip_pitch_y * s_l_hip_roll;
-    rows[0][11] = bx_l_hip_roll_x;
-    let bx_l_hip_roll_y = bx_l_hip_pitch_y * c_l_hip_roll;
-    rows[0][12] = bx_l_hip_roll_y;
-    let by_l_hip_roll_x = by_l_hip_pitch_y
-        .mul_plus(s_l_hip_roll, c_l_ank_roll * c_l_hip_roll);
-    rows[1][11] = by_l_hip_roll_x;
-    let e1 = c_l_ank_roll.mul_plus(s_l_hip_roll, -(by_l_hip_pitch_y * c_l_hip_roll));
-    let by_l_hip_roll_y = -e1;
-    rows[1][12] = by_l_hip_roll_y;
-    // l_hip_yaw
-    let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
-    let bx_l_hip_yaw_x = bx_l_hip_roll_x
-        .mul_plus(s_l_hip_yaw, bx_l_hip_pitch_x * c_l_hip_yaw);
-    rows[0][13] = bx_l_hip_yaw_x;
-    let e2 = bx_l_hip_pitch_x.mul_plus(s_l_hip_yaw, -(bx_l_hip_roll_x * c_l_hip_yaw));
-    let bx_l_hip_yaw_y = -e2;
-    rows[0][14] = bx_l_hip_yaw_y;
-    let by_l_hip_yaw_x = by_l_hip_roll_x
-        .mul_plus(s_l_hip_yaw, by_l_hip_pitch_x * c_l_hip_yaw);
-    rows[1][13] = by_l_hip_yaw_x;
-    let e3 = by_l_hip_pitch_x.mul_plus(s_l_hip_yaw, -(by_l_hip_roll_x * c_l_hip_yaw));
-    let by_l_hip_yaw_y = -e3;
-    rows[1][14] = by_l_hip_yaw_y;
-    // head_pan
-    let (s_head_pan, c_head_pan) = q[0].sin_cos();
-    let bx_head_pan_x = bx_l_hip_yaw_x.mul_plus(c_head_pan, -(e2 * s_head_pan));
-    rows[0][15] = bx_head_pan_x;
-    let bx_head_pan_y = -e2.mul_plus(c_head_pan, bx_l_hip_yaw_x * s_head_pan);
-    rows[0][16] = bx_head_pan_y;
-    let by_head_pan_x = by_l_hip_yaw_x.mul_plus(c_head_pan, -(e3 * s_head_pan));
-    rows[1][15] = by_head_pan_x;
-    let by_head_pan_y = -e3.mul_plus(c_head_pan, by_l_hip_yaw_x * s_head_pan);
-    rows[1][16] = by_head_pan_y;
-    // head_tilt
-    let (s_head_tilt, c_head_tilt) = q[1].sin_cos();
-    let bx_head_tilt_x = bx_head_pan_x
-        .mul_plus(c_head_tilt, bx_l_hip_roll_y * s_head_tilt);
-    rows[0][17] = bx_head_tilt_x;
-    let bx_head_tilt_y = -bx_l_hip_roll_y
-        .mul_plus(c_head_tilt, -(bx_head_pan_x * s_head_tilt));
-    rows[0][18] = bx_head_tilt_y;
-    let by_head_tilt_x = by_head_pan_x.mul_plus(c_head_tilt, -(e1 * s_head_tilt));
-    rows[1][17] = by_head_tilt_x;
-    let by_head_tilt_y = e1.mul_plus(c_head_tilt, by_head_pan_x * s_head_tilt);
-    rows[1][18] = by_head_tilt_y;
-    // l_sho_pitch
-    let (s_l_sho_pitch, c_l_sho_pitch) = q[8].sin_cos();
-    let bx_l_sho_pitch_x = bx_l_hip_yaw_x
-        .mul_plus(c_l_sho_pitch, -(bx_l_hip_roll_y * s_l_sho_pitch));
-    rows[0][19] = bx_l_sho_pitch_x;
-    let bx_l_sho_pitch_y = bx_l_hip_roll_y
-        .mul_plus(c_l_sho_pitch, bx_l_hip_yaw_x * s_l_sho_pitch);
-    rows[0][20] = bx_l_sho_pitch_y;
-    let by_l_sho_pitch_x = by_l_hip_yaw_x.mul_plus(c_l_sho_pitch, e1 * s_l_sho_pitch);
-    rows[1][19] = by_l_sho_pitch_x;
-    let by_l_sho_pitch_y = by_l_hip_yaw_x.mul_plus(s_l_sho_pitch, -(e1 * c_l_sho_pitch));
-    rows[1][20] = by_l_sho_pitch_y;
-    // l_sho_roll
-    let e4 = q[9] - T::from_f64(0.785398163);
-    let (s_l_sho_roll, c_l_sho_roll) = e4.sin_cos();
-    let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_plus(s_l_sho_roll, e2 * c_l_sho_roll);
-    rows[0][21] = bx_l_sho_roll_x;
-    let e5 = e2.mul_plus(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
-    let bx_l_sho_roll_y = -e5;
-    rows[0][22] = bx_l_sho_roll_y;
-    let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_plus(s_l_sho_roll, e3 * c_l_sho_roll);
-    rows[1][21] = by_l_sho_roll_x;
-    let e6 = e3.mul_plus(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
-    let by_l_sho_roll_y = -e6;
-    rows[1][22] = by_l_sho_roll_y;
-    // l_el
-    let (s_l_el, c_l_el) = q[10].sin_cos();
-    let bx_l_el_x = bx_l_sho_pitch_x.mul_plus(s_l_el, -(e5 * c_l_el));
-    rows[0][23] = bx_l_el_x;
-    let bx_l_el_y = -bx_l_sho_pitch_x.mul_plus(c_l_el, e5 * s_l_el);
-    rows[0][24] = bx_l_el_y;
-    let by_l_el_x = by_l_sho_pitch_x.mul_plus(s_l_el, -(e6 * c_l_el));
-    rows[1][23] = by_l_el_x;
-    let by_l_el_y = -by_l_sho_pitch_x.mul_plus(c_l_el, e6 * s_l_el);
-    rows[1][24] = by_l_el_y;
-    // r_hip_yaw
-    let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
-    let bx_r_hip_yaw_x = bx_l_hip_yaw_x.mul_plus(c_r_hip_yaw, e2 * s_r_hip_yaw);
-    rows[0][25] = bx_r_hip_yaw_x;
-    let bx_r_hip_yaw_y = bx_l_hip_yaw_x.mul_plus(s_r_hip_yaw, -(e2 * c_r_hip_yaw));
-    rows[0][26] = bx_r_hip_yaw_y;
-    let by_r_hip_yaw_x = by_l_hip_yaw_x.mul_plus(c_r_hip_yaw, e3 * s_r_hip_yaw);
-    rows[1][25] = by_r_hip_yaw_x;
-    let by_r_hip_yaw_y = by_l_hip_yaw_x.mul_plus(s_r_hip_yaw, -(e3 * c_r_hip_yaw));
-    rows[1][26] = by_r_hip_yaw_y;
-    // r_hip_roll
-    let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
-    let bx_r_hip_roll_x = bx_r_hip_yaw_y
-        .mul_plus(c_r_hip_roll, -(bx_l_hip_roll_y * s_r_hip_roll));
-    rows[0][27] = bx_r_hip_roll_x;
-    let bx_r_hip_roll_y = bx_l_hip_roll_y
-        .mul_plus(c_r_hip_roll, bx_r_hip_yaw_y * s_r_hip_roll);
-    rows[0][28] = bx_r_hip_roll_y;
-    let by_r_hip_roll_x = by_r_hip_yaw_y.mul_plus(c_r_hip_roll, e1 * s_r_hip_roll);
-    rows[1][27] = by_r_hip_roll_x;
-    let by_r_hip_roll_y = by_r_hip_yaw_y.mul_plus(s_r_hip_roll, -(e1 * c_r_hip_roll));
-    rows[1][28] = by_r_hip_roll_y;
-    // r_hip_pitch
-    let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
-    let bx_r_hip_pitch_x = bx_r_hip_yaw_x
-        .mul_plus(c_r_hip_pitch, -(bx_r_hip_roll_y * s_r_hip_pitch));
-    rows[0][29] = bx_r_hip_pitch_x;
-    let bx_r_hip_pitch_y = bx_r_hip_yaw_x
-        .mul_plus(s_r_hip_pitch, bx_r_hip_roll_y * c_r_hip_pitch);
-    rows[0][30] = bx_r_hip_pitch_y;
-    let by_r_hip_pitch_x = by_r_hip_yaw_x
-        .mul_plus(c_r_hip_pitch, -(by_r_hip_roll_y * s_r_hip_pitch));
-    rows[1][29] = by_r_hip_pitch_x;
-    let by_r_hip_pitch_y = by_r_hip_yaw_x
-        .mul_plus(s_r_hip_pitch, by_r_hip_roll_y * c_r_hip_pitch);
-    rows[1][30] = by_r_hip_pitch_y;
-    // r_knee
-    let (s_r_knee, c_r_knee) = q[14].sin_cos();
-    let bx_r_knee_x = bx_r_hip_pitch_x
-        .mul_plus(c_r_knee, -(bx_r_hip_pitch_y * s_r_knee));
-    rows[0][31] = bx_r_knee_x;
-    let bx_r_knee_y = bx_r_hip_pitch_y.mul_plus(c_r_knee, bx_r_hip_pitch_x * s_r_knee);
-    rows[0][32] = bx_r_knee_y;
-    let by_r_knee_x = by_r_hip_pitch_x
-        .mul_plus(c_r_knee, -(by_r_hip_pitch_y * s_r_knee));
-    rows[1][31] = by_r_knee_x;
-    let by_r_knee_y = by_r_hip_pitch_y.mul_plus(c_r_knee, by_r_hip_pitch_x * s_r_knee);
-    rows[1][32] = by_r_knee_y;
-    // r_ank_pitch
-    let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
-    let bx_r_ank_pitch_x = bx_r_knee_x
-        .mul_plus(c_r_ank_pitch, bx_r_knee_y * s_r_ank_pitch);
-    rows[0][33] = bx_r_ank_pitch_x;
-    let bx_r_ank_pitch_y = bx_r_knee_y
-        .mul_plus(c_r_ank_pitch, -(bx_r_knee_x * s_r_ank_pitch));
-    rows[0][34] = bx_r_ank_pitch_y;
-    let by_r_ank_pitch_x = by_r_knee_x
-        .mul_plus(c_r_ank_pitch, by_r_knee_y * s_r_ank_pitch);
-    rows[1][33] = by_r_ank_pitch_x;
-    let by_r_ank_pitch_y = by_r_knee_y
-        .mul_plus(c_r_ank_pitch, -(by_r_knee_x * s_r_ank_pitch));
-    rows[1][34] = by_r_ank_pitch_y;
-    // r_ank_roll
-    let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
-    let bx_r_ank_roll_x = bx_r_ank_pitch_y
-        .mul_plus(s_r_ank_roll, bx_r_hip_roll_x * c_r_ank_roll);
-    rows[0][35] = bx_r_ank_roll_x;
-    let bx_r_ank_roll_y = -bx_r_hip_roll_x
-        .mul_plus(s_r_ank_roll, -(bx_r_ank_pitch_y * c_r_ank_roll));
-    rows[0][36] = bx_r_ank_roll_y;
-    let by_r_ank_roll_x = by_r_ank_pitch_y
-        .mul_plus(s_r_ank_roll, by_r_hip_roll_x * c_r_ank_roll);
-    rows[1][35] = by_r_ank_roll_x;
-    let by_r_ank_roll_y = -by_r_hip_roll_x
-        .mul_plus(s_r_ank_roll, -(by_r_ank_pitch_y * c_r_ank_roll));
-    rows[1][36] = by_r_ank_roll_y;
-    // r_sho_pitch
-    let (s_r_sho_pitch, c_r_sho_pitch) = q[17].sin_cos();
-    let bx_r_sho_pitch_x = bx_l_hip_yaw_x
-        .mul_plus(c_r_sho_pitch, bx_l_hip_roll_y * s_r_sho_pitch);
-    rows[0][37] = bx_r_sho_pitch_x;
-    let bx_r_sho_pitch_y = bx_l_hip_roll_y
-        .mul_plus(c_r_sho_pitch, -(bx_l_hip_yaw_x * s_r_sho_pitch));
-    rows[0][38] = bx_r_sho_pitch_y;
-    let by_r_sho_pitch_x = by_l_hip_yaw_x.mul_plus(c_r_sho_pitch, -(e1 * s_r_sho_pitch));
-    rows[1][37] = by_r_sho_pitch_x;
-    let e7 = e1.mul_plus(c_r_sho_pitch, by_l_hip_yaw_x * s_r_sho_pitch);
-    let by_r_sho_pitch_y = -e7;
-    rows[1][38] = by_r_sho_pitch_y;
-    // r_sho_roll
-    let e8 = q[18] + T::from_f64(0.785398163);
-    let (s_r_sho_roll, c_r_sho_roll) = e8.sin_cos();
-    let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_plus(s_r_sho_roll, e2 * c_r_sho_roll);
-    rows[0][39] = bx_r_sho_roll_x;
-    let e9 = e2.mul_plus(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
-    let bx_r_sho_roll_y = -e9;
-    rows[0][40] = bx_r_sho_roll_y;
-    let by_r_sho_roll_x = e7.mul_plus(s_r_sho_roll, -(e3 * c_r_sho_roll));
-    rows[1][39] = by_r_sho_roll_x;
-    let e10 = e3.mul_plus(s_r_sho_roll, e7 * c_r_sho_roll);
-    let by_r_sho_roll_y = -e10;
-    rows[1][40] = by_r_sho_roll_y;
-    // r_el
-    let (s_r_el, c_r_el) = q[19].sin_cos();
-    let bx_r_el_x = -e9.mul_plus(c_r_el, bx_r_sho_pitch_x * s_r_el);
-    rows[0][41] = bx_r_el_x;
-    let bx_r_el_y = -bx_r_sho_pitch_x.mul_plus(c_r_el, -(e9 * s_r_el));
-    rows[0][42] = bx_r_el_y;
-    let by_r_el_x = -e10.mul_plus(c_r_el, by_r_sho_pitch_x * s_r_el);
-    rows[1][41] = by_r_el_x;
-    let by_r_el_y = -by_r_sho_pitch_x.mul_plus(c_r_el, -(e10 * s_r_el));
-    rows[1][42] = by_r_el_y;
-}
-
-/// Rows [B_0 B_1 …] of the full regressor, seed paper Eq. (5), in link frames.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
-    let mut rows = [[T::from_f64(0.0); FULL_PARAMS]; 3];
-    regressor_full_into(q, &mut rows);
-    rows
-}
-
-/// [`regressor_full`], each number written as soon as it is there.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn regressor_full_into<T: Real>(q: &[T; DOF], rows: &mut [[T; FULL_PARAMS]; 3]) {
-    let zero = T::from_f64(0.0);
-    let one = T::from_f64(1.0);
-    rows[0][0] = one;
-    rows[0][3] = one;
-    rows[1][1] = one;
-    rows[2][2] = one;
-    rows[0][1] = zero;
-    rows[0][2] = zero;
-    rows[0][4] = zero;
-    rows[0][5] = zero;
-    rows[0][7] = zero;
-    rows[0][10] = zero;
-    rows[0][13] = zero;
-    rows[1][0] = zero;
-    rows[1][2] = zero;
-    rows[1][3] = zero;
-    rows[2][0] = zero;
-    rows[2][1] = zero;
-    rows[2][3] = zero;
-    // l_ank_roll
-    let (s_l_ank_roll, c_l_ank_roll) = q[7].sin_cos();
-    rows[1][5] = s_l_ank_roll;
-    rows[1][4] = c_l_ank_roll;
-    rows[1][7] = c_l_ank_roll;
-    rows[1][10] = c_l_ank_roll;
-    rows[1][13] = c_l_ank_roll;
-    rows[2][5] = c_l_ank_roll;
-    let bz_l_ank_roll_x = -s_l_ank_roll;
-    rows[2][4] = bz_l_ank_roll_x;
-    rows[2][7] = bz_l_ank_roll_x;
-    rows[2][10] = bz_l_ank_roll_x;
-    rows[2][13] = bz_l_ank_roll_x;
-    // l_ank_pitch
-    let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
-    rows[0][6] = c_l_ank_pitch;
-    let bx_l_ank_pitch_y = -s_l_ank_pitch;
-    rows[0][8] = bx_l_ank_pitch_y;
-    let by_l_ank_pitch_x = s_l_ank_roll * s_l_ank_pitch;
-    rows[1][6] = by_l_ank_pitch_x;
-    let by_l_ank_pitch_y = s_l_ank_roll * c_l_ank_pitch;
-    rows[1][8] = by_l_ank_pitch_y;
-    let bz_l_ank_pitch_x = c_l_ank_roll * s_l_ank_pitch;
-    rows[2][6] = bz_l_ank_pitch_x;
-    let bz_l_ank_pitch_y = c_l_ank_roll * c_l_ank_pitch;
-    rows[2][8] = bz_l_ank_pitch_y;
-    // l_knee
-    let (s_l_knee, c_l_knee) = q[5].sin_cos();
-    let bx_l_knee_x = c_l_ank_pitch.mul_plus(c_l_knee, s_l_ank_pitch * s_l_knee);
-    rows[0][9] = bx_l_knee_x;
-    let bx_l_knee_y = c_l_ank_pitch.mul_plus(s_l_knee, -(s_l_ank_pitch * c_l_knee));
-    rows[0][11] = bx_l_knee_y;
-    let by_l_knee_x = by_l_ank_pitch_x
-        .mul_plus(c_l_knee, -(by_l_ank_pitch_y * s_l_knee));
-    rows[1][9] = by_l_knee_x;
-    let by_l_knee_y = by_l_ank_pitch_y.mul_plus(c_l_knee, by_l_ank_pitch_x * s_l_knee);
-    rows[1][11] = by_l_knee_y;
-    let bz_l_knee_x = bz_l_ank_pitch_x
-        .mul_plus(c_l_knee, -(bz_l_ank_pitch_y * s_l_knee));
-    rows[2][9] = bz_l_knee_x;
-    let bz_l_knee_y = bz_l_ank_pitch_y.mul_plus(c_l_knee, bz_l_ank_pitch_x * s_l_knee);
-    rows[2][11] = bz_l_knee_y;
-    // l_hip_pitch
-    let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
-    let bx_l_hip_pitch_x = bx_l_knee_x
-        .mul_plus(c_l_hip_pitch, -(bx_l_knee_y * s_l_hip_pitch));
-    rows[0][12] = bx_l_hip_pitch_x;
-    rows[0][15] = bx_l_hip_pitch_x;
-    let bx_l_hip_pitch_y = bx_l_knee_y
-        .mul_plus(c_l_hip_pitch, bx_l_knee_x * s_l_hip_pitch);
-    rows[0][14] = bx_l_hip_pitch_y;
-    let by_l_hip_pitch_x = by_l_knee_x
-        .mul_plus(c_l_hip_pitch, -(by_l_knee_y * s_l_hip_pitch));
-    rows[1][12] = by_l_hip_pitch_x;
-    rows[1][15] = by_l_hip_pitch_x;
-    let by_l_hip_pitch_y = by_l_knee_y
-        .mul_plus(c_l_hip_pitch, by_l_knee_x * s_l_hip_pitch);
-    rows[1][14] = by_l_hip_pitch_y;
-    let bz_l_hip_pitch_x = bz_l_knee_x
-        .mul_plus(c_l_hip_pitch, -(bz_l_knee_y * s_l_hip_pitch));
-    rows[2][12] = bz_l_hip_pitch_x;
-    rows[2][15] = bz_l_hip_pitch_x;
-    let bz_l_hip_pitch_y = bz_l_knee_y
-        .mul_plus(c_l_hip_pitch, bz_l_knee_x * s_l_hip_pitch);
-    rows[2][14] = bz_l_hip_pitch_y;
-    // l_hip_roll
-    let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
-    let bx_l_hip_roll_x = bx_l_hip_pitch_y * s_l_hip_roll;
-    rows[0][16] = bx_l_hip_roll_x;
-    let bx_l_hip_roll_y = bx_l_hip_pitch_y * c_l_hip_roll;
-    rows[0][17] = bx_l_hip_roll_y;
-    rows[0][20] = bx_l_hip_roll_y;
-    rows[0][23] = bx_l_hip_roll_y;
-    rows[0][38] = bx_l_hip_roll_y;
-    let by_l_hip_roll_x = by_l_hip_pitch_y
-        .mul_plus(s_l_hip_roll, c_l_ank_roll * c_l_hip_roll);
-    rows[1][16] = by_l_hip_roll_x;
-    let e1 = c_l_ank_roll.mul_plus(s_l_hip_roll, -(by_l_hip_pitch_y * c_l_hip_roll));
-    let by_l_hip_roll_y = -e1;
-    rows[1][17] = by_l_hip_roll_y;
-    rows[1][20] = by_l_hip_roll_y;
-    rows[1][23] = by_l_hip_roll_y;
-    rows[1][38] = by_l_hip_roll_y;
-    let bz_l_hip_roll_x = bz_l_hip_pitch_y
-        .mul_plus(s_l_hip_roll, -(s_l_ank_roll * c_l_hip_roll));
-    rows[2][16] = bz_l_hip_roll_x;
-    let bz_l_hip_roll_y = s_l_ank_roll
-        .mul_plus(s_l_hip_roll, bz_l_hip_pitch_y * c_l_hip_roll);
-    rows[2][17] = bz_l_hip_roll_y;
-    rows[2][20] = bz_l_hip_roll_y;
-    rows[2][23] = bz_l_hip_roll_y;
-    rows[2][38] = bz_l_hip_roll_y;
-    // l_hip_yaw
-    let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
-    let bx_l_hip_yaw_x = bx_l_hip_roll_x
-        .mul_plus(s_l_hip_yaw, bx_l_hip_pitch_x * c_l_hip_yaw);
-    rows[0][18] = bx_l_hip_yaw_x;
-    let e2 = bx_l_hip_pitch_x.mul_plus(s_l_hip_yaw, -(bx_l_hip_roll_x * c_l_hip_yaw));
-    let bx_l_hip_yaw_y = -e2;
-    rows[0][19] = bx_l_hip_yaw_y;
-    rows[0][28] = bx_l_hip_yaw_y;
-    rows[0][55] = bx_l_hip_yaw_y;
-    let by_l_hip_yaw_x = by_l_hip_roll_x
-        .mul_plus(s_l_hip_yaw, by_l_hip_pitch_x * c_l_hip_yaw);
-    rows[1][18] = by_l_hip_yaw_x;
-    let e3 = by_l_hip_pitch_x.mul_plus(s_l_hip_yaw, -(by_l_hip_roll_x * c_l_hip_yaw));
-    let by_l_hip_yaw_y = -e3;
-    rows[1][19] = by_l_hip_yaw_y;
-    rows[1][28] = by_l_hip_yaw_y;
-    rows[1][55] = by_l_hip_yaw_y;
-    let bz_l_hip_yaw_x = bz_l_hip_roll_x
-        .mul_plus(s_l_hip_yaw, bz_l_hip_pitch_x * c_l_hip_yaw);
-    rows[2][18] = bz_l_hip_yaw_x;
-    let e4 = bz_l_hip_pitch_x.mul_plus(s_l_hip_yaw, -(bz_l_hip_roll_x * c_l_hip_yaw));
-    let bz_l_hip_yaw_y = -e4;
-    rows[2][19] = bz_l_hip_yaw_y;
-    rows[2][28] = bz_l_hip_yaw_y;
-    rows[2][55] = bz_l_hip_yaw_y;
-    // head_pan
-    let (s_head_pan, c_head_pan) = q[0].sin_cos();
-    let bx_head_pan_x = bx_l_hip_yaw_x.mul_plus(c_head_pan, -(e2 * s_head_pan));
-    rows[0][21] = bx_head_pan_x;
-    let bx_head_pan_y = -e2.mul_plus(c_head_pan, bx_l_hip_yaw_x * s_head_pan);
-    rows[0][22] = bx_head_pan_y;
-    rows[0][25] = bx_head_pan_y;
-    let by_head_pan_x = by_l_hip_yaw_x.mul_plus(c_head_pan, -(e3 * s_head_pan));
-    rows[1][21] = by_head_pan_x;
-    let by_head_pan_y = -e3.mul_plus(c_head_pan, by_l_hip_yaw_x * s_head_pan);
-    rows[1][22] = by_head_pan_y;
-    rows[1][25] = by_head_pan_y;
-    let bz_head_pan_x = bz_l_hip_yaw_x.mul_plus(c_head_pan, -(e4 * s_head_pan));
-    rows[2][21] = bz_head_pan_x;
-    let bz_head_pan_y = -e4.mul_plus(c_head_pan, bz_l_hip_yaw_x * s_head_pan);
-    rows[2][22] = bz_head_pan_y;
-    rows[2][25] = bz_head_pan_y;
-    // head_tilt
-    let (s_head_tilt, c_head_tilt) = q[1].sin_cos();
-    let bx_head_tilt_x = bx_head_pan_x
-        .mul_plus(c_head_tilt, bx_l_hip_roll_y * s_head_tilt);
-    let e5 = bx_l_hip_roll_y.mul_plus(c_head_tilt, -(bx_head_pan_x * s_head_tilt));
-    let by_head_tilt_x = by_head_pan_x.mul_plus(c_head_tilt, -(e1 * s_head_tilt));
-    let by_head_tilt_y = e1.mul_plus(c_head_tilt, by_head_pan_x * s_head_tilt);
-    let bz_head_tilt_x = bz_head_pan_x
-        .mul_plus(c_head_tilt, bz_l_hip_roll_y * s_head_tilt);
-    let e6 = bz_l_hip_roll_y.mul_plus(c_head_tilt, -(bz_head_pan_x * s_head_tilt));
-    // l_sho_pitch
-    let (s_l_sho_pitch, c_l_sho_pitch) = q[8].sin_cos();
-    let bx_l_sho_pitch_x = bx_l_hip_yaw_x
-        .mul_plus(c_l_sho_pitch, -(bx_l_hip_roll_y * s_l_sho_pitch));
-    rows[0][27] = bx_l_sho_pitch_x;
-    rows[0][30] = bx_l_sho_pitch_x;
-    let bx_l_sho_pitch_y = bx_l_hip_roll_y
-        .mul_plus(c_l_sho_pitch, bx_l_hip_yaw_x * s_l_sho_pitch);
-    rows[0][29] = bx_l_sho_pitch_y;
-    let by_l_sho_pitch_x = by_l_hip_yaw_x.mul_plus(c_l_sho_pitch, e1 * s_l_sho_pitch);
-    rows[1][27] = by_l_sho_pitch_x;
-    rows[1][30] = by_l_sho_pitch_x;
-    let by_l_sho_pitch_y = by_l_hip_yaw_x.mul_plus(s_l_sho_pitch, -(e1 * c_l_sho_pitch));
-    rows[1][29] = by_l_sho_pitch_y;
-    let bz_l_sho_pitch_x = bz_l_hip_yaw_x
-        .mul_plus(c_l_sho_pitch, -(bz_l_hip_roll_y * s_l_sho_pitch));
-    rows[2][27] = bz_l_sho_pitch_x;
-    rows[2][30] = bz_l_sho_pitch_x;
-    let bz_l_sho_pitch_y = bz_l_hip_roll_y
-        .mul_plus(c_l_sho_pitch, bz_l_hip_yaw_x * s_l_sho_pitch);
-    rows[2][29] = bz_l_sho_pitch_y;
-    // l_sho_roll
-    let e7 = q[9] - T::from_f64(0.785398163);
-    let (s_l_sho_roll, c_l_sho_roll) = e7.sin_cos();
-    let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_plus(s_l_sho_roll, e2 * c_l_sho_roll);
-    rows[0][31] = bx_l_sho_roll_x;
-    rows[0][34] = bx_l_sho_roll_x;
-    let e8 = e2.mul_plus(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
-    let bx_l_sho_roll_y = -e8;
-    rows[0][32] = bx_l_sho_roll_y;
-    let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_plus(s_l_sho_roll, e3 * c_l_sho_roll);
-    rows[1][31] = by_l_sho_roll_x;
-    rows[1][34] = by_l_sho_roll_x;
-    let e9 = e3.mul_plus(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
-    let by_l_sho_roll_y = -e9;
-    rows[1][32] = by_l_sho_roll_y;
-    let bz_l_sho_roll_x = -bz_l_sho_pitch_y.mul_plus(s_l_sho_roll, e4 * c_l_sho_roll);
-    rows[2][31] = bz_l_sho_roll_x;
-    rows[2][34] = bz_l_sho_roll_x;
-    let e10 = e4.mul_plus(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
-    let bz_l_sho_roll_y = -e10;
-    rows[2][32] = bz_l_sho_roll_y;
-    // l_el
-    let (s_l_el, c_l_el) = q[10].sin_cos();
-    let bx_l_el_x = bx_l_sho_pitch_x.mul_plus(s_l_el, -(e8 * c_l_el));
-    rows[0][33] = bx_l_el_x;
-    let bx_l_el_y = -bx_l_sho_pitch_x.mul_plus(c_l_el, e8 * s_l_el);
-    rows[0][35] = bx_l_el_y;
-    let by_l_el_x = by_l_sho_pitch_x.mul_plus(s_l_el, -(e9 * c_l_el));
-    rows[1][33] = by_l_el_x;
-    let by_l_el_y = -by_l_sho_pitch_x.mul_plus(c_l_el, e9 * s_l_el);
-    rows[1][35] = by_l_el_y;
-    let bz_l_el_x = bz_l_sho_pitch_x.mul_plus(s_l_el, -(e10 * c_l_el));
-    rows[2][33] = bz_l_el_x;
-    let bz_l_el_y = -bz_l_sho_pitch_x.mul_plus(c_l_el, e10 * s_l_el);
-    rows[2][35] = bz_l_el_y;
-    // r_hip_yaw
-    let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
-    let bx_r_hip_yaw_x = bx_l_hip_yaw_x.mul_plus(c_r_hip_yaw, e2 * s_r_hip_yaw);
-    rows[0][36] = bx_r_hip_yaw_x;
-    rows[0][39] = bx_r_hip_yaw_x;
-    let bx_r_hip_yaw_y = bx_l_hip_yaw_x.mul_plus(s_r_hip_yaw, -(e2 * c_r_hip_yaw));
-    rows[0][37] = bx_r_hip_yaw_y;
-    let by_r_hip_yaw_x = by_l_hip_yaw_x.mul_plus(c_r_hip_yaw, e3 * s_r_hip_yaw);
-    rows[1][36] = by_r_hip_yaw_x;
-    rows[1][39] = by_r_hip_yaw_x;
-    let by_r_hip_yaw_y = by_l_hip_yaw_x.mul_plus(s_r_hip_yaw, -(e3 * c_r_hip_yaw));
-    rows[1][37] = by_r_hip_yaw_y;
-    let bz_r_hip_yaw_x = bz_l_hip_yaw_x.mul_plus(c_r_hip_yaw, e4 * s_r_hip_yaw);
-    rows[2][36] = bz_r_hip_yaw_x;
-    rows[2][39] = bz_r_hip_yaw_x;
-    let bz_r_hip_yaw_y = bz_l_hip_yaw_x.mul_plus(s_r_hip_yaw, -(e4 * c_r_hip_yaw));
-    rows[2][37] = bz_r_hip_yaw_y;
-    // r_hip_roll
-    let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
-    let bx_r_hip_roll_x = bx_r_hip_yaw_y
-        .mul_plus(c_r_hip_roll, -(bx_l_hip_roll_y * s_r_hip_roll));
-    rows[0][40] = bx_r_hip_roll_x;
-    rows[0][43] = bx_r_hip_roll_x;
-    rows[0][46] = bx_r_hip_roll_x;
-    rows[0][49] = bx_r_hip_roll_x;
-    let bx_r_hip_roll_y = bx_l_hip_roll_y
-        .mul_plus(c_r_hip_roll, bx_r_hip_yaw_y * s_r_hip_roll);
-    rows[0][41] = bx_r_hip_roll_y;
-    let by_r_hip_roll_x = by_r_hip_yaw_y.mul_plus(c_r_hip_roll, e1 * s_r_hip_roll);
-    rows[1][40] = by_r_hip_roll_x;
-    rows[1][43] = by_r_hip_roll_x;
-    rows[1][46] = by_r_hip_roll_x;
-    rows[1][49] = by_r_hip_roll_x;
-    let by_r_hip_roll_y = by_r_hip_yaw_y.mul_plus(s_r_hip_roll, -(e1 * c_r_hip_roll));
-    rows[1][41] = by_r_hip_roll_y;
-    let bz_r_hip_roll_x = bz_r_hip_yaw_y
-        .mul_plus(c_r_hip_roll, -(bz_l_hip_roll_y * s_r_hip_roll));
-    rows[2][40] = bz_r_hip_roll_x;
-    rows[2][43] = bz_r_hip_roll_x;
-    rows[2][46] = bz_r_hip_roll_x;
-    rows[2][49] = bz_r_hip_roll_x;
-    let bz_r_hip_roll_y = bz_l_hip_roll_y
-        .mul_plus(c_r_hip_roll, bz_r_hip_yaw_y * s_r_hip_roll);
-    rows[2][41] = bz_r_hip_roll_y;
-    // r_hip_pitch
-    let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
-    let bx_r_hip_pitch_x = bx_r_hip_yaw_x
-        .mul_plus(c_r_hip_pitch, -(bx_r_hip_roll_y * s_r_hip_pitch));
-    rows[0][42] = bx_r_hip_pitch_x;
-    let bx_r_hip_pitch_y = bx_r_hip_yaw_x
-        .mul_plus(s_r_hip_pitch, bx_r_hip_roll_y * c_r_hip_pitch);
-    rows[0][44] = bx_r_hip_pitch_y;
-    let by_r_hip_pitch_x = by_r_hip_yaw_x
-        .mul_plus(c_r_hip_pitch, -(by_r_hip_roll_y * s_r_hip_pitch));
-    rows[1][42] = by_r_hip_pitch_x;
-    let by_r_hip_pitch_y = by_r_hip_yaw_x
-        .mul_plus(s_r_hip_pitch, by_r_hip_roll_y * c_r_hip_pitch);
-    rows[1][44] = by_r_hip_pitch_y;
-    let bz_r_hip_pitch_x = bz_r_hip_yaw_x
-        .mul_plus(c_r_hip_pitch, -(bz_r_hip_roll_y * s_r_hip_pitch));
-    rows[2][42] = bz_r_hip_pitch_x;
-    let bz_r_hip_pitch_y = bz_r_hip_yaw_x
-        .mul_plus(s_r_hip_pitch, bz_r_hip_roll_y * c_r_hip_pitch);
-    rows[2][44] = bz_r_hip_pitch_y;
-    // r_knee
-    let (s_r_knee, c_r_knee) = q[14].sin_cos();
-    let bx_r_knee_x = bx_r_hip_pitch_x
-        .mul_plus(c_r_knee, -(bx_r_hip_pitch_y * s_r_knee));
-    rows[0][45] = bx_r_knee_x;
-    let bx_r_knee_y = bx_r_hip_pitch_y.mul_plus(c_r_knee, bx_r_hip_pitch_x * s_r_knee);
-    rows[0][47] = bx_r_knee_y;
-    let by_r_knee_x = by_r_hip_pitch_x
-        .mul_plus(c_r_knee, -(by_r_hip_pitch_y * s_r_knee));
-    rows[1][45] = by_r_knee_x;
-    let by_r_knee_y = by_r_hip_pitch_y.mul_plus(c_r_knee, by_r_hip_pitch_x * s_r_knee);
-    rows[1][47] = by_r_knee_y;
-    let bz_r_knee_x = bz_r_hip_pitch_x
-        .mul_plus(c_r_knee, -(bz_r_hip_pitch_y * s_r_knee));
-    rows[2][45] = bz_r_knee_x;
-    let bz_r_knee_y = bz_r_hip_pitch_y.mul_plus(c_r_knee, bz_r_hip_pitch_x * s_r_knee);
-    rows[2][47] = bz_r_knee_y;
-    // r_ank_pitch
-    let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
-    let bx_r_ank_pitch_x = bx_r_knee_x
-        .mul_plus(c_r_ank_pitch, bx_r_knee_y * s_r_ank_pitch);
-    rows[0][48] = bx_r_ank_pitch_x;
-    rows[0][51] = bx_r_ank_pitch_x;
-    let bx_r_ank_pitch_y = bx_r_knee_y
-        .mul_plus(c_r_ank_pitch, -(bx_r_knee_x * s_r_ank_pitch));
-    rows[0][50] = bx_r_ank_pitch_y;
-    let by_r_ank_pitch_x = by_r_knee_x
-        .mul_plus(c_r_ank_pitch, by_r_knee_y * s_r_ank_pitch);
-    rows[1][48] = by_r_ank_pitch_x;
-    rows[1][51] = by_r_ank_pitch_x;
-    let by_r_ank_pitch_y = by_r_knee_y
-        .mul_plus(c_r_ank_pitch, -(by_r_knee_x * s_r_ank_pitch));
-    rows[1][50] = by_r_ank_pitch_y;
-    let bz_r_ank_pitch_x = bz_r_knee_x
-        .mul_plus(c_r_ank_pitch, bz_r_knee_y * s_r_ank_pitch);
-    rows[2][48] = bz_r_ank_pitch_x;
-    rows[2][51] = bz_r_ank_pitch_x;
-    let bz_r_ank_pitch_y = bz_r_knee_y
-        .mul_plus(c_r_ank_pitch, -(bz_r_knee_x * s_r_ank_pitch));
-    rows[2][50] = bz_r_ank_pitch_y;
-    // r_ank_roll
-    let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
-    let bx_r_ank_roll_x = bx_r_ank_pitch_y
-        .mul_plus(s_r_ank_roll, bx_r_hip_roll_x * c_r_ank_roll);
-    rows[0][52] = bx_r_ank_roll_x;
-    let bx_r_ank_roll_y = -bx_r_hip_roll_x
-        .mul_plus(s_r_ank_roll, -(bx_r_ank_pitch_y * c_r_ank_roll));
-    rows[0][53] = bx_r_ank_roll_y;
-    let by_r_ank_roll_x = by_r_ank_pitch_y
-        .mul_plus(s_r_ank_roll, by_r_hip_roll_x * c_r_ank_roll);
-    rows[1][52] = by_r_ank_roll_x;
-    let by_r_ank_roll_y = -by_r_hip_roll_x
-        .mul_plus(s_r_ank_roll, -(by_r_ank_pitch_y * c_r_ank_roll));
-    rows[1][53] = by_r_ank_roll_y;
-    let bz_r_ank_roll_x = bz_r_ank_pitch_y
-        .mul_plus(s_r_ank_roll, bz_r_hip_roll_x * c_r_ank_roll);
-    rows[2][52] = bz_r_ank_roll_x;
-    let bz_r_ank_roll_y = -bz_r_hip_roll_x
-        .mul_plus(s_r_ank_roll, -(bz_r_ank_pitch_y * c_r_ank_roll));
-    rows[2][53] = bz_r_ank_roll_y;
-    // r_sho_pitch
-    let (s_r_sho_pitch, c_r_sho_pitch) = q[17].sin_cos();
-    let bx_r_sho_pitch_x = bx_l_hip_yaw_x
-        .mul_plus(c_r_sho_pitch, bx_l_hip_roll_y * s_r_sho_pitch);
-    rows[0][54] = bx_r_sho_pitch_x;
-    rows[0][57] = bx_r_sho_pitch_x;
-    let bx_r_sho_pitch_y = bx_l_hip_roll_y
-        .mul_plus(c_r_sho_pitch, -(bx_l_hip_yaw_x * s_r_sho_pitch));
-    rows[0][56] = bx_r_sho_pitch_y;
-    let by_r_sho_pitch_x = by_l_hip_yaw_x.mul_plus(c_r_sho_pitch, -(e1 * s_r_sho_pitch));
-    rows[1][54] = by_r_sho_pitch_x;
-    rows[1][57] = by_r_sho_pitch_x;
-    let e11 = e1.mul_plus(c_r_sho_pitch, by_l_hip_yaw_x * s_r_sho_pitch);
-    let by_r_sho_pitch_y = -e11;
-    rows[1][56] = by_r_sho_pitch_y;
-    let bz_r_sho_pitch_x = bz_l_hip_yaw_x
-        .mul_plus(c_r_sho_pitch, bz_l_hip_roll_y * s_r_sho_pitch);
-    rows[2][54] = bz_r_sho_pitch_x;
-    rows[2][57] = bz_r_sho_pitch_x;
-    let bz_r_sho_pitch_y = bz_l_hip_roll_y
-        .mul_plus(c_r_sho_pitch, -(bz_l_hip_yaw_x * s_r_sho_pitch));
-    rows[2][56] = bz_r_sho_pitch_y;
-    // r_sho_roll
-    let e12 = q[18] + T::from_f64(0.785398163);
-    let (s_r_sho_roll, c_r_sho_roll) = e12.sin_cos();
-    let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_plus(s_r_sho_roll, e2 * c_r_sho_roll);
-    rows[0][58] = bx_r_sho_roll_x;
-    rows[0][61] = bx_r_sho_roll_x;
-    let e13 = e2.mul_plus(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
-    let bx_r_sho_roll_y = -e13;
-    rows[0][59] = bx_r_sho_roll_y;
-    let by_r_sho_roll_x = e11.mul_plus(s_r_sho_roll, -(e3 * c_r_sho_roll));
-    rows[1][58] = by_r_sho_roll_x;
-    rows[1][61] = by_r_sho_roll_x;
-    let e14 = e3.mul_plus(s_r_sho_roll, e11 * c_r_sho_roll);
-    let by_r_sho_roll_y = -e14;
-    rows[1][59] = by_r_sho_roll_y;
-    let bz_r_sho_roll_x = -bz_r_sho_pitch_y.mul_plus(s_r_sho_roll, e4 * c_r_sho_roll);
-    rows[2][58] = bz_r_sho_roll_x;
-    rows[2][61] = bz_r_sho_roll_x;
-    let e15 = e4.mul_plus(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
-    let bz_r_sho_roll_y = -e15;
-    rows[2][59] = bz_r_sho_roll_y;
-    // r_el
-    let (s_r_el, c_r_el) = q[19].sin_cos();
-    let bx_r_el_x = -e13.mul_plus(c_r_el, bx_r_sho_pitch_x * s_r_el);
-    rows[0][60] = bx_r_el_x;
-    let bx_r_el_y = -bx_r_sho_pitch_x.mul_plus(c_r_el, -(e13 * s_r_el));
-    rows[0][62] = bx_r_el_y;
-    let by_r_el_x = -e14.mul_plus(c_r_el, by_r_sho_pitch_x * s_r_el);
-    rows[1][60] = by_r_el_x;
-    let by_r_el_y = -by_r_sho_pitch_x.mul_plus(c_r_el, -(e14 * s_r_el));
-    rows[1][62] = by_r_el_y;
-    let bz_r_el_x = -e15.mul_plus(c_r_el, bz_r_sho_pitch_x * s_r_el);
-    rows[2][60] = bz_r_el_x;
-    let bz_r_el_y = -bz_r_sho_pitch_x.mul_plus(c_r_el, -(e15 * s_r_el));
-    rows[2][62] = bz_r_el_y;
-    rows[0][24] = bx_head_tilt_x
-        .mul_plus(
-            T::from_f64(0.8386705680315472),
-            -(T::from_f64(0.5446390348824093) * e5),
-        );
-    rows[0][26] = bx_head_tilt_x
-        .mul_plus(T::from_f64(0.5446390348824093), T::from_f64(0.8386705680315472) * e5);
-    rows[1][24] = by_head_tilt_x
-        .mul_plus(
-            T::from_f64(0.8386705680315472),
-            T::from_f64(0.5446390348824093) * by_head_tilt_y,
-        );
-    rows[1][26] = by_head_tilt_x
-        .mul_plus(
-            T::from_f64(0.5446390348824093),
-            -(T::from_f64(0.8386705680315472) * by_head_tilt_y),
-        );
-    rows[2][24] = bz_head_tilt_x
-        .mul_plus(
-            T::from_f64(0.8386705680315472),
-            -(T::from_f64(0.5446390348824093) * e6),
-        );
-    rows[2][26] = bz_head_tilt_x
-        .mul_plus(T::from_f64(0.5446390348824093), T::from_f64(0.8386705680315472) * e6);
-}
-
-/// Centre of pressure that a static posture shows on a level sole, m.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
-    // r_el
-    let (s_r_el, c_r_el) = q[19].sin_cos();
-    // r_sho_roll
-    let v_r_sho_roll_y = (-s_r_el).mul_plus(r[42], c_r_el.mul_plus(r[41], r[40]));
-    let e1 = q[18] + T::from_f64(0.785398163);
-    let (s_r_sho_roll, c_r_sho_roll) = e1.sin_cos();
-    // r_sho_pitch
-    let v_r_sho_pitch_x = r[37] - s_r_el.mul_plus(r[41], c_r_el * r[42]);
-    let v_r_sho_pitch_y = c_r_sho_roll
-        .mul_plus(v_r_sho_roll_y, (-s_r_sho_roll).mul_plus(r[39], r[38]));
-    let v_r_sho_pitch_z = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
-    let (s_r_sho_pitch, c_r_sho_pitch) = q[17].sin_cos();
-    // r_ank_roll
-    let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
-    // r_ank_pitch
-    let v_r_ank_pitch_y = c_r_ank_roll
-        .mul_plus(r[36], s_r_ank_roll.mul_plus(r[35], r[34]));
-    let v_r_ank_pitch_z = c_r_ank_roll.mul_plus(r[35], -(s_r_ank_roll * r[36]));
-    let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
-    // r_knee
-    let v_r_knee_x = (-s_r_ank_pitch)
-        .mul_plus(v_r_ank_pitch_y, c_r_ank_pitch.mul_plus(r[33], r[31]));
-    let v_r_knee_y = c_r_ank_pitch
-        .mul_plus(v_r_ank_pitch_y, s_r_ank_pitch.mul_plus(r[33], r[32]));
-    let (s_r_knee, c_r_knee) = q[14].sin_cos();
-    // r_hip_pitch
-    let v_r_hip_pitch_x = s_r_knee
-        .mul_plus(v_r_knee_y, c_r_knee.mul_plus(v_r_knee_x, r[29]));
-    let v_r_hip_pitch_y = c_r_knee
-        .mul_plus(v_r_knee_y, (-s_r_knee).mul_plus(v_r_knee_x, r[30]));
-    let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
-    // r_hip_roll
-    let v_r_hip_roll_x = r[27] + v_r_ank_pitch_z;
-    let v_r_hip_roll_y = c_r_hip_pitch
-        .mul_plus(v_r_hip_pitch_y, (-s_r_hip_pitch).mul_plus(v_r_hip_pitch_x, r[28]));
-    let v_r_hip_roll_z = c_r_hip_pitch
-        .mul_plus(v_r_hip_pitch_x, s_r_hip_pitch * v_r_hip_pitch_y);
-    let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
-    // r_hip_yaw
-    let v_r_hip_yaw_x = r[25] + v_r_hip_roll_z;
-    let v_r_hip_yaw_y = s_r_hip_roll
-        .mul_plus(v_r_hip_roll_y, c_r_hip_roll.mul_plus(v_r_hip_roll_x, r[26]));
-    let v_r_hip_yaw_z = c_r_hip_roll
-        .mul_plus(v_r_hip_roll_y, -(s_r_hip_roll * v_r_hip_roll_x));
-    let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
-    // l_el
-    let (s_l_el, c_l_el) = q[10].sin_cos();
-    // l_sho_roll
-    let v_l_sho_roll_y = s_l_el.mul_plus(r[24], c_l_el.mul_plus(r[23], r[22]));
-    let v_l_sho_roll_z = s_l_el.mul_plus(r[23], -(c_l_el * r[24]));
-    let e2 = q[9] - T::from_f64(0.785398163);
-    let (s_l_sho_roll, c_l_sho_roll) = e2.sin_cos();
-    // l_sho_pitch
-    let v_l_sho_pitch_x = r[19] + v_l_sho_roll_z;
-    let v_l_sho_pitch_y = c_l_sho_roll
-        .mul_plus(v_l_sho_roll_y, (-s_l_sho_roll).mul_plus(r[21], r[20]));
-    let v_l_sho_pitch_z = c_l_sho_roll.mul_plus(r[21], s_l_sho_roll * v_l_sho_roll_y);
-    let (s_l_sho_pitch, c_l_sho_pitch) = q[8].sin_cos();
-    // head_tilt
-    let (s_head_tilt, c_head_tilt) = q[1].sin_cos();
-    // head_pan
-    let v_head_pan_x = s_head_tilt.mul_plus(r[18], c_head_tilt.mul_plus(r[17], r[15]));
-    let v_head_pan_z = s_head_tilt.mul_plus(r[17], -(c_head_tilt * r[18]));
-    let (s_head_pan, c_head_pan) = q[0].sin_cos();
-    // l_hip_yaw
-    let e3 = (-s_r_sho_pitch)
-        .mul_plus(
-            v_r_sho_pitch_y,
-            c_r_sho_pitch
-                .mul_plus(
-                    v_r_sho_pitch_x,
-                    s_l_sho_pitch
-                        .mul_plus(
-                            v_l_sho_pitch_y,
-                            c_l_sho_pitch
-                                .mul_plus(
-                                    v_l_sho_pitch_x,
-                                    (-s_head_pan)
-                                        .mul_plus(r[16], c_head_pan.mul_plus(v_head_pan_x, r[13])),
-                                ),
-                        ),
-                ),
-        );
-    let v_l_hip_yaw_x = s_r_hip_yaw
-        .mul_plus(v_r_hip_yaw_y, c_r_hip_yaw.mul_plus(v_r_hip_yaw_x, e3));
-    let v_l_hip_yaw_y = c_r_hip_yaw
-        .mul_plus(
-            v_r_hip_yaw_y,
-            (-s_r_hip_yaw)
-                .mul_plus(
-                    v_r_hip_yaw_x,
-                    c_head_pan.mul_plus(r[16], s_head_pan.mul_plus(v_head_pan_x, r[14]))
-                        + v_l_sho_pitch_z + v_r_sho_pitch_z,
-                ),
-        );
-    let v_l_hip_yaw_z = c_r_sho_pitch
-        .mul_plus(
-            v_r_sho_pitch_y,
-            s_r_sho_pitch
-                .mul_plus(
-                    v_r_sho_pitch_x,
-                    c_l_sho_pitch
-                        .mul_plus(
-                            v_l_sho_pitch_y,
-                            (-s_l_sho_pitch).mul_plus(v_l_sho_pitch_x, v_head_pan_z),
-                        ),
-                ),
-        ) + v_r_hip_yaw_z;
-    let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
-    // l_hip_roll
-    let v_l_hip_roll_x = c_l_hip_yaw
-        .mul_plus(v_l_hip_yaw_y, s_l_hip_yaw.mul_plus(v_l_hip_yaw_x, r[11]));
-    let v_l_hip_roll_y = r[12] + v_l_hip_yaw_z;
-    let v_l_hip_roll_z = c_l_hip_yaw
-        .mul_plus(v_l_hip_yaw_x, -(s_l_hip_yaw * v_l_hip_yaw_y));
-    let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
-    // l_hip_pitch
-    let v_l_hip_pitch_x = r[9] + v_l_hip_roll_z;
-    let v_l_hip_pitch_y = c_l_hip_roll
-        .mul_plus(v_l_hip_roll_y, s_l_hip_roll.mul_plus(v_l_hip_roll_x, r[10]));
-    let v_l_hip_pitch_z = c_l_hip_roll
-        .mul_plus(v_l_hip_roll_x, -(s_l_hip_roll * v_l_hip_roll_y));
-    let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
-    // l_knee
-    let v_l_knee_x = s_l_hip_pitch
-        .mul_plus(v_l_hip_pitch_y, c_l_hip_pitch.mul_plus(v_l_hip_pitch_x, r[7]));
-    let v_l_knee_y = c_l_hip_pitch
-        .mul_plus(v_l_hip_pitch_y, (-s_l_hip_pitch).mul_plus(v_l_hip_pitch_x, r[8]));
-    let (s_l_knee, c_l_knee) = q[5].sin_cos();
-    // l_ank_pitch
-    let v_l_ank_pitch_x = s_l_knee
-        .mul_plus(v_l_knee_y, c_l_knee.mul_plus(v_l_knee_x, r[5]));
-    let v_l_ank_pitch_y = c_l_knee
-        .mul_plus(v_l_knee_y, (-s_l_knee).mul_plus(v_l_knee_x, r[6]));
-    let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
-    // l_ank_roll
-    let v_l_ank_roll_x = r[3] + v_l_hip_pitch_z;
-    let v_l_ank_roll_y = c_l_ank_pitch
-        .mul_plus(v_l_ank_pitch_y, s_l_ank_pitch.mul_plus(v_l_ank_pitch_x, r[4]));
-    let v_l_ank_roll_z = c_l_ank_pitch
-        .mul_plus(v_l_ank_pitch_x, -(s_l_ank_pitch * v_l_ank_pitch_y));
-    let (s_l_ank_roll, c_l_ank_roll) = q[7].sin_cos();
-    // l_sole
-    let v_l_sole_x = r[0] + v_l_ank_roll_z;
-    let v_l_sole_y = s_l_ank_roll
-        .mul_plus(v_l_ank_roll_y, c_l_ank_roll.mul_plus(v_l_ank_roll_x, r[1]));
-    [v_l_sole_x, v_l_sole_y]
-}
-
-/// Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i.
-///
-/// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
-    // r_sho_roll
-    let v_r_sho_roll_y = (-sin[19]).mul_plus(r[42], cos[19].mul_plus(r[41], r[40]));
-    let s_r_sho_roll = sin[18]
-        .mul_plus(
-            T::from_f64(0.707106781467586),
-            T::from_f64(0.7071067809055092) * cos[18],
-        );
-    let c_r_sho_roll = cos[18]
-        .mul_plus(
-            T::from_f64(0.707106781467586),
-            -(T::from_f64(0.7071067809055092) * sin[18]),
-        );
-    // r_sho_pitch
-    let v_r_sho_pitch_x = r[37] - sin[19].mul_plus(r[41], cos[19] * r[42]);
-    let v_r_sho_pitch_y = c_r_sho_roll
-        .mul_plus(v_r_sho_roll_y, (-s_r_sho_roll).mul_plus(r[39], r[38]));
-    let v_r_sho_pitch_z = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
-    // r_ank_pitch
-    let v_r_ank_pitch_y = cos[16].mul_plus(r[36], sin[16].mul_plus(r[35], r[34]));
-    let v_r_ank_pitch_z = cos[16].mul_plus(r[35], -(sin[16] * r[36]));
-    // r_knee
-    let v_r_knee_x = (-sin[15])
-        .mul_plus(v_r_ank_pitch_y, cos[15].mul_plus(r[33], r[31]));
-    let v_r_knee_y = cos[15].mul_plus(v_r_ank_pitch_y, sin[15].mul_plus(r[33], r[32]));
-    // r_hip_pitch
-    let v_r_hip_pitch_x = sin[14]
-        .mul_plus(v_r_knee_y, cos[14].mul_plus(v_r_knee_x, r[29]));
-    let v_r_hip_pitch_y = cos[14]
-        .mul_plus(v_r_knee_y, (-sin[14]).mul_plus(v_r_knee_x, r[30]));
-    // r_hip_roll
-    let v_r_hip_roll_x = r[27] + v_r_ank_pitch_z;
-    let v_r_hip_roll_y = cos[13]
-        .mul_plus(v_r_hip_pitch_y, (-sin[13]).mul_plus(v_r_hip_pitch_x, r[28]));
-    let v_r_hip_roll_z = cos[13].mul_plus(v_r_hip_pitch_x, sin[13] * v_r_hip_pitch_y);
-    // r_hip_yaw
-    let v_r_hip_yaw_x = r[25] + v_r_hip_roll_z;
-    let v_r_hip_yaw_y = sin[12]
-        .mul_plus(v_r_hip_roll_y, cos[12].mul_plus(v_r_hip_roll_x, r[26]));
-    let v_r_hip_yaw_z = cos[12].mul_plus(v_r_hip_roll_y, -(sin[12] * v_r_hip_roll_x));
-    // l_sho_roll
-    let v_l_sho_roll_y = sin[10].mul_plus(r[24], cos[10].mul_plus(r[23], r[22]));
-    let v_l_sho_roll_z = sin[10].mul_plus(r[23], -(cos[10] * r[24]));
-    let s_l_sho_roll = sin[9]
-        .mul_plus(
-            T::from_f64(0.707106781467586),
-            -(T::from_f64(0.7071067809055092) * cos[9]),
-        );
-    let c_l_sho_roll = cos[9]
-        .mul_plus(
-            T::from_f64(0.707106781467586),
-            T::from_f64(0.7071067809055092) * sin[9],
-        );
-    // l_sho_pitch
-    let v_l_sho_pitch_x = r[19] + v_l_sho_roll_z;
-    let v_l_sho_pitch_y = c_l_sho_roll
-        .mul_plus(v_l_sho_roll_y, (-s_l_sho_roll).mul_plus(r[21], r[20]));
-    let v_l_sho_pitch_z = c_l_sho_roll.mul_plus(r[21], s_l_sho_roll * v_l_sho_roll_y);
-    // head_pan
-    let v_head_pan_x = sin[1].mul_plus(r[18], cos[1].mul_plus(r[17], r[15]));
-    let v_head_pan_z = sin[1].mul_plus(r[17], -(cos[1] * r[18]));
-    // l_hip_yaw
-    let e1 = cos[17]
-        .mul_plus(
-            v_r_sho_pitch_x,
-            sin[8]
-                .mul_plus(
-                    v_l_sho_pitch_y,
-                    cos[8]
-                        .mul_plus(
-                            v_l_sho_pitch_x,
-                            (-sin[0])
-                                .mul_plus(r[16], cos[0].mul_plus(v_head_pan_x, r[13])),
-                        ),
-                ),
-        );
-    let v_l_hip_yaw_x = sin[11]
-        .mul_plus(
-            v_r_hip_yaw_y,
-            cos[11].mul_plus(v_r_hip_yaw_x, (-sin[17]).mul_plus(v_r_sho_pitch_y, e1)),
-        );
-    let e2 = (-sin[11])
-        .mul_plus(
-            v_r_hip_yaw_x,
-            cos[0].mul_plus(r[16], sin[0].mul_plus(v_head_pan_x, r[14]))
-                + v_l_sho_pitch_z + v_r_sho_pitch_z,
-        );
-    let v_l_hip_yaw_y = cos[11].mul_plus(v_r_hip_yaw_y, e2);
-    let v_l_hip_yaw_z = cos[17]
-        .mul_plus(
-            v_r_sho_pitch_y,
-            sin[17]
-                .mul_plus(
-                    v_r_sho_pitch_x,
-                    cos[8]
-                        .mul_plus(
-                            v_l_sho_pitch_y,
-                            (-sin[8]).mul_plus(v_l_sho_pitch_x, v_head_pan_z),
-                        ),
-                ),
-        ) + v_r_hip_yaw_z;
-    // l_hip_roll
-    let v_l_hip_roll_x = cos[2]
-        .mul_plus(v_l_hip_yaw_y, sin[2].mul_plus(v_l_hip_yaw_x, r[11]));
-    let v_l_hip_roll_y = r[12] + v_l_hip_yaw_z;
-    let v_l_hip_roll_z = cos[2].mul_plus(v_l_hip_yaw_x, -(sin[2] * v_l_hip_yaw_y));
-    // l_hip_pitch
-    let v_l_hip_pitch_x = r[9] + v_l_hip_roll_z;
-    let v_l_hip_pitch_y = cos[3]
-        .mul_plus(v_l_hip_roll_y, sin[3].mul_plus(v_l_hip_roll_x, r[10]));
-    let v_l_hip_pitch_z = cos[3].mul_plus(v_l_hip_roll_x, -(sin[3] * v_l_hip_roll_y));
-    // l_knee
-    let v_l_knee_x = sin[4]
-        .mul_plus(v_l_hip_pitch_y, cos[4].mul_plus(v_l_hip_pitch_x, r[7]));
-    let v_l_knee_y = cos[4]
-        .mul_plus(v_l_hip_pitch_y, (-sin[4]).mul_plus(v_l_hip_pitch_x, r[8]));
-    // l_ank_pitch
-    let v_l_ank_pitch_x = sin[5].mul_plus(v_l_knee_y, cos[5].mul_plus(v_l_knee_x, r[5]));
-    let v_l_ank_pitch_y = cos[5]
-        .mul_plus(v_l_knee_y, (-sin[5]).mul_plus(v_l_knee_x, r[6]));
-    // l_ank_roll
-    let v_l_ank_roll_x = r[3] + v_l_hip_pitch_z;
-    let v_l_ank_roll_y = cos[6]
-        .mul_plus(v_l_ank_pitch_y, sin[6].mul_plus(v_l_ank_pitch_x, r[4]));
-    let v_l_ank_roll_z = cos[6].mul_plus(v_l_ank_pitch_x, -(sin[6] * v_l_ank_pitch_y));
-    // l_sole
-    let v_l_sole_x = r[0] + v_l_ank_roll_z;
-    let v_l_sole_y = sin[7]
-        .mul_plus(v_l_ank_roll_y, cos[7].mul_plus(v_l_ank_roll_x, r[1]));
-    let v_l_sole_z = cos[7]
-        .mul_plus(v_l_ank_roll_y, (-sin[7]).mul_plus(v_l_ank_roll_x, r[2]));
-    [v_l_sole_x, v_l_sole_y, v_l_sole_z]
-}
-
-/// ∂CoM/∂q, m/rad (m/m for sliding joints), one row per axis.
-///
-/// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn com_jacobian_sc<T: Real>(
-    sin: &[T; DOF],
-    cos: &[T; DOF],
-    r: &[T; BASE_PARAMS],
-) -> [[T; DOF]; 3] {
-    let zero = T::from_f64(0.0);
-    // r_el
-    let t_r_el_x = cos[19].mul_plus(r[41], -(sin[19] * r[42]));
-    let e1 = sin[19].mul_plus(r[41], cos[19] * r[42]);
-    // r_sho_roll
-    let v_r_sho_roll_y = r[40] + t_r_el_x;
-    let s_r_sho_roll = sin[18]
-        .mul_plus(
-            T::from_f64(0.707106781467586),
-            T::from_f64(0.7071067809055092) * cos[18],
-        );
-    let c_r_sho_roll = cos[18]
-        .mul_plus(
-            T::from_f64(0.707106781467586),
-            -(T::from_f64(0.7071067809055092) * sin[18]),
-        );
-    let t_r_sho_roll_x = c_r_sho_roll.mul_plus(v_r_sho_roll_y, -(s_r_sho_roll * r[39]));
-    let t_r_sho_roll_y = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
-    // r_sho_pitch
-    let v_r_sho_pitch_x = r[37] - e1;
-    let v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
-    let t_r_sho_pitch_x = cos[17]
-        .mul_plus(v_r_sho_pitch_x, -(sin[17] * v_r_sho_pitch_y));
-    let t_r_sho_pitch_y = sin[17].mul_plus(v_r_sho_pitch_x, cos[17] * v_r_sho_pitch_y);
-    // r_ank_roll
-    let t_r_ank_roll_x = sin[16].mul_plus(r[35], cos[16] * r[36]);
-    let t_r_ank_roll_y = cos[16].mul_plus(r[35], -(sin[16] * r[36]));
-    // r_ank_pitch
-    let v_r_ank_pitch_y = r[34] + t_r_ank_roll_x;
-    let t_r_ank_pitch_x = cos[15].mul_plus(r[33], -(sin[15] * v_r_ank_pitch_y));
-    let t_r_ank_pitch_y = sin[15].mul_plus(r[33], cos[15] * v_r_ank_pitch_y);
-    // r_knee
-    let v_r_knee_x = r[31] + t_r_ank_pitch_x;
-    let v_r_knee_y = r[32] + t_r_ank_pitch_y;
-    let t_r_knee_x = cos[14].mul_plus(v_r_knee_x, sin[14] * v_r_knee_y);
-    let t_r_knee_y = cos[14].mul_plus(v_r_knee_y, -(sin[14] * v_r_knee_x));
-    // r_hip_pitch
-    let v_r_hip_pitch_x = r[29] + t_r_knee_x;
-    let v_r_hip_pitch_y = r[30] + t_r_knee_y;
-    let t_r_hip_pitch_x = cos[13]
-        .mul_plus(v_r_hip_pitch_y, -(sin[13] * v_r_hip_pitch_x));
-    let t_r_hip_pitch_y = cos[13].mul_plus(v_r_hip_pitch_x, sin[13] * v_r_hip_pitch_y);
-    // r_hip_roll
-    let v_r_hip_roll_x = r[27] + t_r_ank_roll_y;
-    let v_r_hip_roll_y = r[28] + t_r_hip_pitch_x;
-    let t_r_hip_roll_x = cos[12].mul_plus(v_r_hip_roll_x, sin[12] * v_r_hip_roll_y);
-    let t_r_hip_roll_y = cos[12].mul_plus(v_r_hip_roll_y, -(sin[12] * v_r_hip_roll_x));
-    // r_hip_yaw
-    let v_r_hip_yaw_x = r[25] + t_r_hip_pitch_y;
-    let v_r_hip_yaw_y = r[26] + t_r_hip_roll_x;
-    let t_r_hip_yaw_x = cos[11].mul_plus(v_r_hip_yaw_x, sin[11] * v_r_hip_yaw_y);
-    let t_r_hip_yaw_y = cos[11].mul_plus(v_r_hip_yaw_y, -(sin[11] * v_r_hip_yaw_x));
-    // l_el
-    let t_l_el_x = cos[10].mul_plus(r[23], sin[10] * r[24]);
-    let t_l_el_y = sin[10].mul_plus(r[23], -(cos[10] * r[24]));
-    // l_sho_roll
-    let v_l_sho_roll_y = r[22] + t_l_el_x;
-    let s_l_sho_roll = sin[9]
-        .mul_plus(
-            T::from_f64(0.707106781467586),
-            -(T::from_f64(0.7071067809055092) * cos[9]),
-        );
-    let c_l_sho_roll = cos[9]
-        .mul_plus(
-            T::from_f64(0.707106781467586),
-            T::from_f64(0.7071067809055092) * sin[9],
-        );
-    let t_l_sho_roll_x = c_l_sho_roll.mul_plus(v_l_sho_roll_y, -(s_l_sho_roll * r[21]));
-    let t_l_sho_roll_y = c_l_sho_roll.mul_plus(r[21], s_l_sho_roll * v_l_sho_roll_y);
-    // l_sho_pitch
-    let v_l_sho_pitch_x = r[19] + t_l_el_y;
-    let v_l_sho_pitch_y = r[20] + t_l_sho_roll_x;
-    let t_l_sho_pitch_x = cos[8].mul_plus(v_l_sho_pitch_x, sin[8] * v_l_sho_pitch_y);
-    let t_l_sho_pitch_y = cos[8].mul_plus(v_l_sho_pitch_y, -(sin[8] * v_l_sho_pitch_x));
-    // head_tilt
-    let t_head_tilt_x = cos[1].mul_plus(r[17], sin[1] * r[18]);
-    let t_head_tilt_y = sin[1].mul_plus(r[17], -(cos[1] * r[18]));
-    // head_pan
-    let v_head_pan_x = r[15] + t_head_tilt_x;
-    let t_head_pan_x = cos[0].mul_plus(v_head_pan_x, -(sin[0] * r[16]));
-    let t_head_pan_y = sin[0].mul_plus(v_head_pan_x, cos[0] * r[16]);
-    // l_hip_yaw
-    let v_l_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_sho_pitch_x
-        + t_r_hip_yaw_x;
-    let v_l_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_sho_roll_y
-        + t_r_hip_yaw_y;
-    let v_l_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y
-        + t_r_hip_roll_y;
-    let t_l_hip_yaw_x = sin[2].mul_plus(v_l_hip_yaw_x, cos[2] * v_l_hip_yaw_y);
-    let t_l_hip_yaw_y = cos[2].mul_plus(v_l_hip_yaw_x, -(sin[2] * v_l_hip_yaw_y));
-    // l_hip_roll
-    let v_l_hip_roll_x = r[11] + t_l_hip_yaw_x;
-    let v_l_hip_roll_y = r[12] + v_l_hip_yaw_z;
-    let t_l_hip_roll_x = sin[3].mul_plus(v_l_hip_roll_x, cos[3] * v_l_hip_roll_y);
-    let t_l_hip_roll_y = cos[3].mul_plus(v_l_hip_roll_x, -(sin[3] * v_l_hip_roll_y));
-    // l_hip_pitch
-    let v_l_hip_pitch_x = r[9] + t_l_hip_yaw_y;
-    let v_l_hip_pitch_y = r[10] + t_l_hip_roll_x;
-    let t_l_hip_pitch_x = cos[4].mul_plus(v_l_hip_pitch_x, sin[4] * v_l_hip_pitch_y);
-    let t_l_hip_pitch_y = cos[4].mul_plus(v_l_hip_pitch_y, -(sin[4] * v_l_hip_pitch_x));
-    // l_knee
-    let v_l_knee_x = r[7] + t_l_hip_pitch_x;
-    let v_l_knee_y = r[8] + t_l_hip_pitch_y;
-    let t_l_knee_x = cos[5].mul_plus(v_l_knee_x, sin[5] * v_l_knee_y);
-    let t_l_knee_y = cos[5].mul_plus(v_l_knee_y, -(sin[5] * v_l_knee_x));
-    // l_ank_pitch
-    let v_l_ank_pitch_x = r[5] + t_l_knee_x;
-    let v_l_ank_pitch_y = r[6] + t_l_knee_y;
-    let t_l_ank_pitch_x = sin[6].mul_plus(v_l_ank_pitch_x, cos[6] * v_l_ank_pitch_y);
-    let t_l_ank_pitch_y = cos[6].mul_plus(v_l_ank_pitch_x, -(sin[6] * v_l_ank_pitch_y));
-    // l_ank_roll
-    let v_l_ank_roll_x = r[3] + t_l_hip_roll_y;
-    let v_l_ank_roll_y = r[4] + t_l_ank_pitch_x;
-    let t_l_ank_roll_x = cos[7].mul_plus(v_l_ank_roll_x, sin[7] * v_l_ank_roll_y);
-    let t_l_ank_roll_y = cos[7].mul_plus(v_l_ank_roll_y, -(sin[7] * v_l_ank_roll_x));
-    // l_ank_pitch
-    let by_l_ank_pitch_x = sin[7] * sin[6];
-    let by_l_ank_pitch_y = sin[7] * cos[6];
-    let bz_l_ank_pitch_x = cos[7] * sin[6];
-    let bz_l_ank_pitch_y = cos[7] * cos[6];
-    // l_knee
-    let bx_l_knee_x = cos[6].mul_plus(cos[5], sin[6] * sin[5]);
-    let bx_l_knee_y = cos[6].mul_plus(sin[5], -(sin[6] * cos[5]));
-    let by_l_knee_x = by_l_ank_pitch_x.mul_plus(cos[5], -(by_l_ank_pitch_y * sin[5]));
-    let by_l_knee_y = by_l_ank_pitch_y.mul_plus(cos[5], by_l_ank_pitch_x * sin[5]);
-    let bz_l_knee_x = bz_l_ank_pitch_x.mul_plus(cos[5], -(bz_l_ank_pitch_y * sin[5]));
-    let bz_l_knee_y = bz_l_ank_pitch_y.mul_plus(cos[5], bz_l_ank_pitch_x * sin[5]);
-    // l_hip_pitch
-    let bx_l_hip_pitch_x = bx_l_knee_x.mul_plus(cos[4], -(bx_l_knee_y * sin[4]));
-    let bx_l_hip_pitch_y = bx_l_knee_y.mul_plus(cos[4], bx_l_knee_x * sin[4]);
-    let by_l_hip_pitch_x = by_l_knee_x.mul_plus(cos[4], -(by_l_knee_y * sin[4]));
-    let by_l_hip_pitch_y = by_l_knee_y.mul_plus(cos[4], by_l_knee_x * sin[4]);
-    let bz_l_hip_pitch_x = bz_l_knee_x.mul_plus(cos[4], -(bz_l_knee_y * sin[4]));
-    let bz_l_hip_pitch_y = bz_l_knee_y.mul_plus(cos[4], bz_l_knee_x * sin[4]);
-    // l_hip_roll
-    let bx_l_hip_roll_x = bx_l_hip_pitch_y * sin[3];
-    let bx_l_hip_roll_y = bx_l_hip_pitch_y * cos[3];
-    let by_l_hip_roll_x = by_l_hip_pitch_y.mul_plus(sin[3], cos[7] * cos[3]);
-    let e2 = cos[7].mul_plus(sin[3], -(by_l_hip_pitch_y * cos[3]));
-    let bz_l_hip_roll_x = bz_l_hip_pitch_y.mul_plus(sin[3], -(sin[7] * cos[3]));
-    let bz_l_hip_roll_y = sin[7].mul_plus(sin[3], bz_l_hip_pitch_y * cos[3]);
-    // l_hip_yaw
-    let bx_l_hip_yaw_x = bx_l_hip_roll_x.mul_plus(sin[2], bx_l_hip_pitch_x * cos[2]);
-    let e3 = bx_l_hip_pitch_x.mul_plus(sin[2], -(bx_l_hip_roll_x * cos[2]));
-    let by_l_hip_yaw_x = by_l_hip_roll_x.mul_plus(sin[2], by_l_hip_pitch_x * cos[2]);
-    let e4 = by_l_hip_pitch_x.mul_plus(sin[2], -(by_l_hip_roll_x * cos[2]));
-    let bz_l_hip_yaw_x = bz_l_hip_roll_x.mul_plus(sin[2], bz_l_hip_pitch_x * cos[2]);
-    let e5 = bz_l_hip_pitch_x.mul_plus(sin[2], -(bz_l_hip_roll_x * cos[2]));
-    // head_pan
-    let bx_head_pan_x = bx_l_hip_yaw_x.mul_plus(cos[0], -(e3 * sin[0]));
-    let by_head_pan_x = by_l_hip_yaw_x.mul_plus(cos[0], -(e4 * sin[0]));
-    let bz_head_pan_x = bz_l_hip_yaw_x.mul_plus(cos[0], -(e5 * sin[0]));
-    // l_sho_pitch
-    let bx_l_sho_pitch_x = bx_l_hip_yaw_x.mul_plus(cos[8], -(bx_l_hip_roll_y * sin[8]));
-    let bx_l_sho_pitch_y = bx_l_hip_roll_y.mul_plus(cos[8], bx_l_hip_yaw_x * sin[8]);
-    let by_l_sho_pitch_x = by_l_hip_yaw_x.mul_plus(cos[8], e2 * sin[8]);
-    let by_l_sho_pitch_y = by_l_hip_yaw_x.mul_plus(sin[8], -(e2 * cos[8]));
-    let bz_l_sho_pitch_x = bz_l_hip_yaw_x.mul_plus(cos[8], -(bz_l_hip_roll_y * sin[8]));
-    let bz_l_sho_pitch_y = bz_l_hip_roll_y.mul_plus(cos[8], bz_l_hip_yaw_x * sin[8]);
-    // r_hip_yaw
-    let bx_r_hip_yaw_x = bx_l_hip_yaw_x.mul_plus(cos[11], e3 * sin[11]);
-    let bx_r_hip_yaw_y = bx_l_hip_yaw_x.mul_plus(sin[11], -(e3 * cos[11]));
-    let by_r_hip_yaw_x = by_l_hip_yaw_x.mul_plus(cos[11], e4 * sin[11]);
-    let by_r_hip_yaw_y = by_l_hip_yaw_x.mul_plus(sin[11], -(e4 * cos[11]));
-    let bz_r_hip_yaw_x = bz_l_hip_yaw_x.mul_plus(cos[11], e5 * sin[11]);
-    let bz_r_hip_yaw_y = bz_l_hip_yaw_x.mul_plus(sin[11], -(e5 * cos[11]));
-    // r_hip_roll
-    let bx_r_hip_roll_x = bx_r_hip_yaw_y.mul_plus(cos[12], -(bx_l_hip_roll_y * sin[12]));
-    let bx_r_hip_roll_y = bx_l_hip_roll_y.mul_plus(cos[12], bx_r_hip_yaw_y * sin[12]);
-    let by_r_hip_roll_x = by_r_hip_yaw_y.mul_plus(cos[12], e2 * sin[12]);
-    let by_r_hip_roll_y = by_r_hip_yaw_y.mul_plus(sin[12], -(e2 * cos[12]));
-    let bz_r_hip_roll_x = bz_r_hip_yaw_y.mul_plus(cos[12], -(bz_l_hip_roll_y * sin[12]));
-    let bz_r_hip_roll_y = bz_l_hip_roll_y.mul_plus(cos[12], bz_r_hip_yaw_y * sin[12]);
-    // r_hip_pitch
-    let bx_r_hip_pitch_x = bx_r_hip_yaw_x
-        .mul_plus(cos[13], -(bx_r_hip_roll_y * sin[13]));
-    let bx_r_hip_pitch_y = bx_r_hip_yaw_x.mul_plus(sin[13], bx_r_hip_roll_y * cos[13]);
-    let by_r_hip_pitch_x = by_r_hip_yaw_x
-        .mul_plus(cos[13], -(by_r_hip_roll_y * sin[13]));
-    let by_r_hip_pitch_y = by_r_hip_yaw_x.mul_plus(sin[13], by_r_hip_roll_y * cos[13]);
-    let bz_r_hip_pitch_x = bz_r_hip_yaw_x
-        .mul_plus(cos[13], -(bz_r_hip_roll_y * sin[13]));
-    let bz_r_hip_pitch_y = bz_r_hip_yaw_x.mul_plus(sin[13], bz_r_hip_roll_y * cos[13]);
-    // r_knee
-    let bx_r_knee_x = bx_r_hip_pitch_x.mul_plus(cos[14], -(bx_r_hip_pitch_y * sin[14]));
-    let bx_r_knee_y = bx_r_hip_pitch_y.mul_plus(cos[14], bx_r_hip_pitch_x * sin[14]);
-    let by_r_knee_x = by_r_hip_pitch_x.mul_plus(cos[14], -(by_r_hip_pitch_y * sin[14]));
-    let by_r_knee_y = by_r_hip_pitch_y.mul_plus(cos[14], by_r_hip_pitch_x * sin[14]);
-    let bz_r_knee_x = bz_r_hip_pitch_x.mul_plus(cos[14], -(bz_r_hip_pitch_y * sin[14]));
-    let bz_r_knee_y = bz_r_hip_pitch_y.mul_plus(cos[14], bz_r_hip_pitch_x * sin[14]);
-    // r_ank_pitch
-    let bx_r_ank_pitch_y = bx_r_knee_y.mul_plus(cos[15], -(bx_r_knee_x * sin[15]));
-    let by_r_ank_pitch_y = by_r_knee_y.mul_plus(cos[15], -(by_r_knee_x * sin[15]));
-    let bz_r_ank_pitch_y = bz_r_knee_y.mul_plus(cos[15], -(bz_r_knee_x * sin[15]));
-    // r_sho_pitch
-    let bx_r_sho_pitch_x = bx_l_hip_yaw_x.mul_plus(cos[17], bx_l_hip_roll_y * sin[17]);
-    let bx_r_sho_pitch_y = bx_l_hip_roll_y
-        .mul_plus(cos[17], -(bx_l_hip_yaw_x * sin[17]));
-    let by_r_sho_pitch_x = by_l_hip_yaw_x.mul_plus(cos[17], -(e2 * sin[17]));
-    let e6 = e2.mul_plus(cos[17], by_l_hip_yaw_x * sin[17]);
-    let bz_r_sho_pitch_x = bz_l_hip_yaw_x.mul_plus(cos[17], bz_l_hip_roll_y * sin[17]);
-    let bz_r_sho_pitch_y = bz_l_hip_roll_y
-        .mul_plus(cos[17], -(bz_l_hip_yaw_x * sin[17]));
-    [
-        [
+        let zero = T::from_f64(0.0);
+        // r_el
+        let t_r_el_x = cos[19].mul_plus(r[41], -(sin[19] * r[42]));
+        let e1 = sin[19].mul_plus(r[41], cos[19] * r[42]);
+        // r_sho_roll
+        let v_r_sho_roll_y = r[40] + t_r_el_x;
+        let s_r_sho_roll = sin[18]
+            .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * cos[18]);
+        let c_r_sho_roll = cos[18]
+            .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * sin[18]));
+        let t_r_sho_roll_x = c_r_sho_roll.mul_plus(v_r_sho_roll_y, -(s_r_sho_roll * r[39]));
+        let t_r_sho_roll_y = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
+        // r_sho_pitch
+        let v_r_sho_pitch_x = r[37] - e1;
+        let v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
+        let t_r_sho_pitch_x = cos[17].mul_plus(v_r_sho_pitch_x, -(sin[17] * v_r_sho_pitch_y));
+        let t_r_sho_pitch_y = sin[17].mul_plus(v_r_sho_pitch_x, cos[17] * v_r_sho_pitch_y);
+        // r_ank_roll
+        let t_r_ank_roll_x = sin[16].mul_plus(r[35], cos[16] * r[36]);
+        let t_r_ank_roll_y = cos[16].mul_plus(r[35], -(sin[16] * r[36]));
+        // r_ank_pitch
+        let v_r_ank_pitch_y = r[34] + t_r_ank_roll_x;
+        let t_r_ank_pitch_x = cos[15].mul_plus(r[33], -(sin[15] * v_r_ank_pitch_y));
+        let t_r_ank_pitch_y = sin[15].mul_plus(r[33], cos[15] * v_r_ank_pitch_y);
+        // r_knee
+        let v_r_knee_x = r[31] + t_r_ank_pitch_x;
+        let v_r_knee_y = r[32] + t_r_ank_pitch_y;
+        let t_r_knee_x = cos[14].mul_plus(v_r_knee_x, sin[14] * v_r_knee_y);
+        let t_r_knee_y = cos[14].mul_plus(v_r_knee_y, -(sin[14] * v_r_knee_x));
+        // r_hip_pitch
+        let v_r_hip_pitch_x = r[29] + t_r_knee_x;
+        let v_r_hip_pitch_y = r[30] + t_r_knee_y;
+        let t_r_hip_pitch_x = cos[13].mul_plus(v_r_hip_pitch_y, -(sin[13] * v_r_hip_pitch_x));
+        let t_r_hip_pitch_y = cos[13].mul_plus(v_r_hip_pitch_x, sin[13] * v_r_hip_pitch_y);
+        // r_hip_roll
+        let v_r_hip_roll_x = r[27] + t_r_ank_roll_y;
+        let v_r_hip_roll_y = r[28] + t_r_hip_pitch_x;
+        let t_r_hip_roll_x = cos[12].mul_plus(v_r_hip_roll_x, sin[12] * v_r_hip_roll_y);
+        let t_r_hip_roll_y = cos[12].mul_plus(v_r_hip_roll_y, -(sin[12] * v_r_hip_roll_x));
+        // r_hip_yaw
+        let v_r_hip_yaw_x = r[25] + t_r_hip_pitch_y;
+        let v_r_hip_yaw_y = r[26] + t_r_hip_roll_x;
+        let t_r_hip_yaw_x = cos[11].mul_plus(v_r_hip_yaw_x, sin[11] * v_r_hip_yaw_y);
+        let t_r_hip_yaw_y = cos[11].mul_plus(v_r_hip_yaw_y, -(sin[11] * v_r_hip_yaw_x));
+        // l_el
+        let t_l_el_x = cos[10].mul_plus(r[23], sin[10] * r[24]);
+        let t_l_el_y = sin[10].mul_plus(r[23], -(cos[10] * r[24]));
+        // l_sho_roll
+        let v_l_sho_roll_y = r[22] + t_l_el_x;
+        let s_l_sho_roll = sin[9]
+            .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * cos[9]));
+        let c_l_sho_roll = cos[9]
+            .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * sin[9]);
+        let t_l_sho_roll_x = c_l_sho_roll.mul_plus(v_l_sho_roll_y, -(s_l_sho_roll * r[21]));
+        let t_l_sho_roll_y = c_l_sho_roll.mul_plus(r[21], s_l_sho_roll * v_l_sho_roll_y);
+        // l_sho_pitch
+        let v_l_sho_pitch_x = r[19] + t_l_el_y;
+        let v_l_sho_pitch_y = r[20] + t_l_sho_roll_x;
+        let t_l_sho_pitch_x = cos[8].mul_plus(v_l_sho_pitch_x, sin[8] * v_l_sho_pitch_y);
+        let t_l_sho_pitch_y = cos[8].mul_plus(v_l_sho_pitch_y, -(sin[8] * v_l_sho_pitch_x));
+        // head_tilt
+        let t_head_tilt_x = cos[1].mul_plus(r[17], sin[1] * r[18]);
+        let t_head_tilt_y = sin[1].mul_plus(r[17], -(cos[1] * r[18]));
+        // head_pan
+        let v_head_pan_x = r[15] + t_head_tilt_x;
+        let t_head_pan_x = cos[0].mul_plus(v_head_pan_x, -(sin[0] * r[16]));
+        let t_head_pan_y = sin[0].mul_plus(v_head_pan_x, cos[0] * r[16]);
+        // l_hip_yaw
+        let v_l_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_sho_pitch_x
+            + t_r_hip_yaw_x;
+        let v_l_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_sho_roll_y
+            + t_r_hip_yaw_y;
+        let v_l_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y
+            + t_r_hip_roll_y;
+        let t_l_hip_yaw_x = sin[2].mul_plus(v_l_hip_yaw_x, cos[2] * v_l_hip_yaw_y);
+        let t_l_hip_yaw_y = cos[2].mul_plus(v_l_hip_yaw_x, -(sin[2] * v_l_hip_yaw_y));
+        // l_hip_roll
+        let v_l_hip_roll_x = r[11] + t_l_hip_yaw_x;
+        let v_l_hip_roll_y = r[12] + v_l_hip_yaw_z;
+        let t_l_hip_roll_x = sin[3].mul_plus(v_l_hip_roll_x, cos[3] * v_l_hip_roll_y);
+        let t_l_hip_roll_y = cos[3].mul_plus(v_l_hip_roll_x, -(sin[3] * v_l_hip_roll_y));
+        // l_hip_pitch
+        let v_l_hip_pitch_x = r[9] + t_l_hip_yaw_y;
+        let v_l_hip_pitch_y = r[10] + t_l_hip_roll_x;
+        let t_l_hip_pitch_x = cos[4].mul_plus(v_l_hip_pitch_x, sin[4] * v_l_hip_pitch_y);
+        let t_l_hip_pitch_y = cos[4].mul_plus(v_l_hip_pitch_y, -(sin[4] * v_l_hip_pitch_x));
+        // l_knee
+        let v_l_knee_x = r[7] + t_l_hip_pitch_x;
+        let v_l_knee_y = r[8] + t_l_hip_pitch_y;
+        let t_l_knee_x = cos[5].mul_plus(v_l_knee_x, sin[5] * v_l_knee_y);
+        let t_l_knee_y = cos[5].mul_plus(v_l_knee_y, -(sin[5] * v_l_knee_x));
+        // l_ank_pitch
+        let v_l_ank_pitch_x = r[5] + t_l_knee_x;
+        let v_l_ank_pitch_y = r[6] + t_l_knee_y;
+        let t_l_ank_pitch_x = sin[6].mul_plus(v_l_ank_pitch_x, cos[6] * v_l_ank_pitch_y);
+        let t_l_ank_pitch_y = cos[6].mul_plus(v_l_ank_pitch_x, -(sin[6] * v_l_ank_pitch_y));
+        // l_ank_roll
+        let v_l_ank_roll_x = r[3] + t_l_hip_roll_y;
+        let v_l_ank_roll_y = r[4] + t_l_ank_pitch_x;
+        let t_l_ank_roll_x = cos[7].mul_plus(v_l_ank_roll_x, sin[7] * v_l_ank_roll_y);
+        let t_l_ank_roll_y = cos[7].mul_plus(v_l_ank_roll_y, -(sin[7] * v_l_ank_roll_x));
+        // l_ank_pitch
+        let by_l_ank_pitch_x = sin[7] * sin[6];
+        let by_l_ank_pitch_y = sin[7] * cos[6];
+        let bz_l_ank_pitch_x = cos[7] * sin[6];
+        let bz_l_ank_pitch_y = cos[7] * cos[6];
+        // l_knee
+        let bx_l_knee_x = cos[6].mul_plus(cos[5], sin[6] * sin[5]);
+        let bx_l_knee_y = cos[6].mul_plus(sin[5], -(sin[6] * cos[5]));
+        let by_l_knee_x = by_l_ank_pitch_x.mul_plus(cos[5], -(by_l_ank_pitch_y * sin[5]));
+        let by_l_knee_y = by_l_ank_pitch_y.mul_plus(cos[5], by_l_ank_pitch_x * sin[5]);
+        let bz_l_knee_x = bz_l_ank_pitch_x.mul_plus(cos[5], -(bz_l_ank_pitch_y * sin[5]));
+        let bz_l_knee_y = bz_l_ank_pitch_y.mul_plus(cos[5], bz_l_ank_pitch_x * sin[5]);
+        // l_hip_pitch
+        let bx_l_hip_pitch_x = bx_l_knee_x.mul_plus(cos[4], -(bx_l_knee_y * sin[4]));
+        let bx_l_hip_pitch_y = bx_l_knee_y.mul_plus(cos[4], bx_l_knee_x * sin[4]);
+        let by_l_hip_pitch_x = by_l_knee_x.mul_plus(cos[4], -(by_l_knee_y * sin[4]));
+        let by_l_hip_pitch_y = by_l_knee_y.mul_plus(cos[4], by_l_knee_x * sin[4]);
+        let bz_l_hip_pitch_x = bz_l_knee_x.mul_plus(cos[4], -(bz_l_knee_y * sin[4]));
+        let bz_l_hip_pitch_y = bz_l_knee_y.mul_plus(cos[4], bz_l_knee_x * sin[4]);
+        // l_hip_roll
+        let bx_l_hip_roll_x = bx_l_hip_pitch_y * sin[3];
+        let bx_l_hip_roll_y = bx_l_hip_pitch_y * cos[3];
+        let by_l_hip_roll_x = by_l_hip_pitch_y.mul_plus(sin[3], cos[7] * cos[3]);
+        let e2 = cos[7].mul_plus(sin[3], -(by_l_hip_pitch_y * cos[3]));
+        let bz_l_hip_roll_x = bz_l_hip_pitch_y.mul_plus(sin[3], -(sin[7] * cos[3]));
+        let bz_l_hip_roll_y = sin[7].mul_plus(sin[3], bz_l_hip_pitch_y * cos[3]);
+        // l_hip_yaw
+        let bx_l_hip_yaw_x = bx_l_hip_roll_x.mul_plus(sin[2], bx_l_hip_pitch_x * cos[2]);
+        let e3 = bx_l_hip_pitch_x.mul_plus(sin[2], -(bx_l_hip_roll_x * cos[2]));
+        let by_l_hip_yaw_x = by_l_hip_roll_x.mul_plus(sin[2], by_l_hip_pitch_x * cos[2]);
+        let e4 = by_l_hip_pitch_x.mul_plus(sin[2], -(by_l_hip_roll_x * cos[2]));
+        let bz_l_hip_yaw_x = bz_l_hip_roll_x.mul_plus(sin[2], bz_l_hip_pitch_x * cos[2]);
+        let e5 = bz_l_hip_pitch_x.mul_plus(sin[2], -(bz_l_hip_roll_x * cos[2]));
+        // head_pan
+        let bx_head_pan_x = bx_l_hip_yaw_x.mul_plus(cos[0], -(e3 * sin[0]));
+        let by_head_pan_x = by_l_hip_yaw_x.mul_plus(cos[0], -(e4 * sin[0]));
+        let bz_head_pan_x = bz_l_hip_yaw_x.mul_plus(cos[0], -(e5 * sin[0]));
+        // l_sho_pitch
+        let bx_l_sho_pitch_x = bx_l_hip_yaw_x.mul_plus(cos[8], -(bx_l_hip_roll_y * sin[8]));
+        let bx_l_sho_pitch_y = bx_l_hip_roll_y.mul_plus(cos[8], bx_l_hip_yaw_x * sin[8]);
+        let by_l_sho_pitch_x = by_l_hip_yaw_x.mul_plus(cos[8], e2 * sin[8]);
+        let by_l_sho_pitch_y = by_l_hip_yaw_x.mul_plus(sin[8], -(e2 * cos[8]));
+        let bz_l_sho_pitch_x = bz_l_hip_yaw_x.mul_plus(cos[8], -(bz_l_hip_roll_y * sin[8]));
+        let bz_l_sho_pitch_y = bz_l_hip_roll_y.mul_plus(cos[8], bz_l_hip_yaw_x * sin[8]);
+        // r_hip_yaw
+        let bx_r_hip_yaw_x = bx_l_hip_yaw_x.mul_plus(cos[11], e3 * sin[11]);
+        let bx_r_hip_yaw_y = bx_l_hip_yaw_x.mul_plus(sin[11], -(e3 * cos[11]));
+        let by_r_hip_yaw_x = by_l_hip_yaw_x.mul_plus(cos[11], e4 * sin[11]);
+        let by_r_hip_yaw_y = by_l_hip_yaw_x.mul_plus(sin[11], -(e4 * cos[11]));
+        let bz_r_hip_yaw_x = bz_l_hip_yaw_x.mul_plus(cos[11], e5 * sin[11]);
+        let bz_r_hip_yaw_y = bz_l_hip_yaw_x.mul_plus(sin[11], -(e5 * cos[11]));
+        // r_hip_roll
+        let bx_r_hip_roll_x = bx_r_hip_yaw_y.mul_plus(cos[12], -(bx_l_hip_roll_y * sin[12]));
+        let bx_r_hip_roll_y = bx_l_hip_roll_y.mul_plus(cos[12], bx_r_hip_yaw_y * sin[12]);
+        let by_r_hip_roll_x = by_r_hip_yaw_y.mul_plus(cos[12], e2 * sin[12]);
+        let by_r_hip_roll_y = by_r_hip_yaw_y.mul_plus(sin[12], -(e2 * cos[12]));
+        let bz_r_hip_roll_x = bz_r_hip_yaw_y.mul_plus(cos[12], -(bz_l_hip_roll_y * sin[12]));
+        let bz_r_hip_roll_y = bz_l_hip_roll_y.mul_plus(cos[12], bz_r_hip_yaw_y * sin[12]);
+        // r_hip_pitch
+        let bx_r_hip_pitch_x = bx_r_hip_yaw_x.mul_plus(cos[13], -(bx_r_hip_roll_y * sin[13]));
+        let bx_r_hip_pitch_y = bx_r_hip_yaw_x.mul_plus(sin[13], bx_r_hip_roll_y * cos[13]);
+        let by_r_hip_pitch_x = by_r_hip_yaw_x.mul_plus(cos[13], -(by_r_hip_roll_y * sin[13]));
+        let by_r_hip_pitch_y = by_r_hip_yaw_x.mul_plus(sin[13], by_r_hip_roll_y * cos[13]);
+        let bz_r_hip_pitch_x = bz_r_hip_yaw_x.mul_plus(cos[13], -(bz_r_hip_roll_y * sin[13]));
+        let bz_r_hip_pitch_y = bz_r_hip_yaw_x.mul_plus(sin[13], bz_r_hip_roll_y * cos[13]);
+        // r_knee
+        let bx_r_knee_x = bx_r_hip_pitch_x.mul_plus(cos[14], -(bx_r_hip_pitch_y * sin[14]));
+        let bx_r_knee_y = bx_r_hip_pitch_y.mul_plus(cos[14], bx_r_hip_pitch_x * sin[14]);
+        let by_r_knee_x = by_r_hip_pitch_x.mul_plus(cos[14], -(by_r_hip_pitch_y * sin[14]));
+        let by_r_knee_y = by_r_hip_pitch_y.mul_plus(cos[14], by_r_hip_pitch_x * sin[14]);
+        let bz_r_knee_x = bz_r_hip_pitch_x.mul_plus(cos[14], -(bz_r_hip_pitch_y * sin[14]));
+        let bz_r_knee_y = bz_r_hip_pitch_y.mul_plus(cos[14], bz_r_hip_pitch_x * sin[14]);
+        // r_ank_pitch
+        let bx_r_ank_pitch_y = bx_r_knee_y.mul_plus(cos[15], -(bx_r_knee_x * sin[15]));
+        let by_r_ank_pitch_y = by_r_knee_y.mul_plus(cos[15], -(by_r_knee_x * sin[15]));
+        let bz_r_ank_pitch_y = bz_r_knee_y.mul_plus(cos[15], -(bz_r_knee_x * sin[15]));
+        // r_sho_pitch
+        let bx_r_sho_pitch_x = bx_l_hip_yaw_x.mul_plus(cos[17], bx_l_hip_roll_y * sin[17]);
+        let bx_r_sho_pitch_y = bx_l_hip_roll_y.mul_plus(cos[17], -(bx_l_hip_yaw_x * sin[17]));
+        let by_r_sho_pitch_x = by_l_hip_yaw_x.mul_plus(cos[17], -(e2 * sin[17]));
+        let e6 = e2.mul_plus(cos[17], by_l_hip_yaw_x * sin[17]);
+        let bz_r_sho_pitch_x = bz_l_hip_yaw_x.mul_plus(cos[17], bz_l_hip_roll_y * sin[17]);
+        let bz_r_sho_pitch_y = bz_l_hip_roll_y.mul_plus(cos[17], -(bz_l_hip_yaw_x * sin[17]));
+        let p1 = e3.mul_plus(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
+        let p2 = e3.mul_plus(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
+        let row_x = [
             -e3.mul_plus(t_head_pan_x, bx_l_hip_yaw_x * t_head_pan_y),
             bx_l_hip_roll_y.mul_plus(t_head_tilt_x, -(bx_head_pan_x * t_head_tilt_y)),
-            -bx_l_hip_pitch_x
-                .mul_plus(t_l_hip_yaw_x, -(bx_l_hip_roll_x * t_l_hip_yaw_y)),
+            -bx_l_hip_pitch_x.mul_plus(t_l_hip_yaw_x, -(bx_l_hip_roll_x * t_l_hip_yaw_y)),
             bx_l_hip_pitch_y * t_l_hip_roll_y,
             -bx_l_knee_y.mul_plus(t_l_hip_pitch_x, -(bx_l_knee_x * t_l_hip_pitch_y)),
             sin[6].mul_plus(t_l_knee_x, cos[6] * t_l_knee_y),
             -t_l_ank_pitch_x,
             zero,
-            -bx_l_hip_roll_y
-                .mul_plus(t_l_sho_pitch_x, -(bx_l_hip_yaw_x * t_l_sho_pitch_y)),
+            -bx_l_hip_roll_y.mul_plus(t_l_sho_pitch_x, -(bx_l_hip_yaw_x * t_l_sho_pitch_y)),
             -e3.mul_plus(t_l_sho_roll_x, bx_l_sho_pitch_y * t_l_sho_roll_y),
-            bx_l_sho_pitch_x
-                .mul_plus(
-                    t_l_el_x,
-                    e3.mul_plus(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll))
-                        * t_l_el_y,
-                ),
+            bx_l_sho_pitch_x.mul_plus(t_l_el_x, p1 * t_l_el_y),
             e3.mul_plus(t_r_hip_yaw_x, bx_l_hip_yaw_x * t_r_hip_yaw_y),
-            -bx_l_hip_roll_y
-                .mul_plus(t_r_hip_roll_x, -(bx_r_hip_yaw_y * t_r_hip_roll_y)),
-            bx_r_hip_yaw_x
-                .mul_plus(t_r_hip_pitch_x, -(bx_r_hip_roll_y * t_r_hip_pitch_y)),
+            -bx_l_hip_roll_y.mul_plus(t_r_hip_roll_x, -(bx_r_hip_yaw_y * t_r_hip_roll_y)),
+            bx_r_hip_yaw_x.mul_plus(t_r_hip_pitch_x, -(bx_r_hip_roll_y * t_r_hip_pitch_y)),
             -bx_r_hip_pitch_y.mul_plus(t_r_knee_x, -(bx_r_hip_pitch_x * t_r_knee_y)),
             bx_r_knee_y.mul_plus(t_r_ank_pitch_x, -(bx_r_knee_x * t_r_ank_pitch_y)),
-            -bx_r_hip_roll_x
-                .mul_plus(t_r_ank_roll_x, -(bx_r_ank_pitch_y * t_r_ank_roll_y)),
-            bx_l_hip_roll_y
-                .mul_plus(t_r_sho_pitch_x, -(bx_l_hip_yaw_x * t_r_sho_pitch_y)),
+            -bx_r_hip_roll_x.mul_plus(t_r_ank_roll_x, -(bx_r_ank_pitch_y * t_r_ank_roll_y)),
+            bx_l_hip_roll_y.mul_plus(t_r_sho_pitch_x, -(bx_l_hip_yaw_x * t_r_sho_pitch_y)),
             -e3.mul_plus(t_r_sho_roll_x, bx_r_sho_pitch_y * t_r_sho_roll_y),
-            -bx_r_sho_pitch_x
-                .mul_plus(
-                    t_r_el_x,
-                    -(e3.mul_plus(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll)) * e1),
-                ),
-        ],
-        [
+            -bx_r_sho_pitch_x.mul_plus(t_r_el_x, -(p2 * e1)),
+        ];
+        let p3 = e4.mul_plus(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
+        let p4 = e4.mul_plus(s_r_sho_roll, e6 * c_r_sho_roll);
+        let row_y = [
             -e4.mul_plus(t_head_pan_x, by_l_hip_yaw_x * t_head_pan_y),
             -e2.mul_plus(t_head_tilt_x, by_head_pan_x * t_head_tilt_y),
-            -by_l_hip_pitch_x
-                .mul_plus(t_l_hip_yaw_x, -(by_l_hip_roll_x * t_l_hip_yaw_y)),
+            -by_l_hip_pitch_x.mul_plus(t_l_hip_yaw_x, -(by_l_hip_roll_x * t_l_hip_yaw_y)),
             -cos[7].mul_plus(t_l_hip_roll_x, -(by_l_hip_pitch_y * t_l_hip_roll_y)),
             -by_l_knee_y.mul_plus(t_l_hip_pitch_x, -(by_l_knee_x * t_l_hip_pitch_y)),
             -by_l_ank_pitch_y.mul_plus(t_l_knee_x, -(by_l_ank_pitch_x * t_l_knee_y)),
@@ -2718,442 +2490,370 @@ pub fn com_jacobian_sc<T: Real>(
             t_l_ank_roll_y,
             e2.mul_plus(t_l_sho_pitch_x, by_l_hip_yaw_x * t_l_sho_pitch_y),
             -e4.mul_plus(t_l_sho_roll_x, by_l_sho_pitch_y * t_l_sho_roll_y),
-            by_l_sho_pitch_x
-                .mul_plus(
-                    t_l_el_x,
-                    e4.mul_plus(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll))
-                        * t_l_el_y,
-                ),
+            by_l_sho_pitch_x.mul_plus(t_l_el_x, p3 * t_l_el_y),
             e4.mul_plus(t_r_hip_yaw_x, by_l_hip_yaw_x * t_r_hip_yaw_y),
             e2.mul_plus(t_r_hip_roll_x, by_r_hip_yaw_y * t_r_hip_roll_y),
-            by_r_hip_yaw_x
-                .mul_plus(t_r_hip_pitch_x, -(by_r_hip_roll_y * t_r_hip_pitch_y)),
+            by_r_hip_yaw_x.mul_plus(t_r_hip_pitch_x, -(by_r_hip_roll_y * t_r_hip_pitch_y)),
             -by_r_hip_pitch_y.mul_plus(t_r_knee_x, -(by_r_hip_pitch_x * t_r_knee_y)),
             by_r_knee_y.mul_plus(t_r_ank_pitch_x, -(by_r_knee_x * t_r_ank_pitch_y)),
-            -by_r_hip_roll_x
-                .mul_plus(t_r_ank_roll_x, -(by_r_ank_pitch_y * t_r_ank_roll_y)),
+            -by_r_hip_roll_x.mul_plus(t_r_ank_roll_x, -(by_r_ank_pitch_y * t_r_ank_roll_y)),
             -e2.mul_plus(t_r_sho_pitch_x, by_l_hip_yaw_x * t_r_sho_pitch_y),
             e6.mul_plus(t_r_sho_roll_y, -(e4 * t_r_sho_roll_x)),
-            -by_r_sho_pitch_x
-                .mul_plus(t_r_el_x, -(e4.mul_plus(s_r_sho_roll, e6 * c_r_sho_roll) * e1)),
-        ],
-        [
+            -by_r_sho_pitch_x.mul_plus(t_r_el_x, -(p4 * e1)),
+        ];
+        let p5 = e5.mul_plus(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
+        let p6 = e5.mul_plus(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
+        let row_z = [
             -e5.mul_plus(t_head_pan_x, bz_l_hip_yaw_x * t_head_pan_y),
             bz_l_hip_roll_y.mul_plus(t_head_tilt_x, -(bz_head_pan_x * t_head_tilt_y)),
-            -bz_l_hip_pitch_x
-                .mul_plus(t_l_hip_yaw_x, -(bz_l_hip_roll_x * t_l_hip_yaw_y)),
+            -bz_l_hip_pitch_x.mul_plus(t_l_hip_yaw_x, -(bz_l_hip_roll_x * t_l_hip_yaw_y)),
             sin[7].mul_plus(t_l_hip_roll_x, bz_l_hip_pitch_y * t_l_hip_roll_y),
             -bz_l_knee_y.mul_plus(t_l_hip_pitch_x, -(bz_l_knee_x * t_l_hip_pitch_y)),
             -bz_l_ank_pitch_y.mul_plus(t_l_knee_x, -(bz_l_ank_pitch_x * t_l_knee_y)),
             cos[7] * t_l_ank_pitch_y,
             -t_l_ank_roll_x,
-            -bz_l_hip_roll_y
-                .mul_plus(t_l_sho_pitch_x, -(bz_l_hip_yaw_x * t_l_sho_pitch_y)),
+            -bz_l_hip_roll_y.mul_plus(t_l_sho_pitch_x, -(bz_l_hip_yaw_x * t_l_sho_pitch_y)),
             -e5.mul_plus(t_l_sho_roll_x, bz_l_sho_pitch_y * t_l_sho_roll_y),
-            bz_l_sho_pitch_x
-                .mul_plus(
-                    t_l_el_x,
-                    e5.mul_plus(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll))
-                        * t_l_el_y,
-                ),
+            bz_l_sho_pitch_x.mul_plus(t_l_el_x, p5 * t_l_el_y),
             e5.mul_plus(t_r_hip_yaw_x, bz_l_hip_yaw_x * t_r_hip_yaw_y),
-            -bz_l_hip_roll_y
-                .mul_plus(t_r_hip_roll_x, -(bz_r_hip_yaw_y * t_r_hip_roll_y)),
-            bz_r_hip_yaw_x
-                .mul_plus(t_r_hip_pitch_x, -(bz_r_hip_roll_y * t_r_hip_pitch_y)),
+            -bz_l_hip_roll_y.mul_plus(t_r_hip_roll_x, -(bz_r_hip_yaw_y * t_r_hip_roll_y)),
+            bz_r_hip_yaw_x.mul_plus(t_r_hip_pitch_x, -(bz_r_hip_roll_y * t_r_hip_pitch_y)),
             -bz_r_hip_pitch_y.mul_plus(t_r_knee_x, -(bz_r_hip_pitch_x * t_r_knee_y)),
             bz_r_knee_y.mul_plus(t_r_ank_pitch_x, -(bz_r_knee_x * t_r_ank_pitch_y)),
-            -bz_r_hip_roll_x
-                .mul_plus(t_r_ank_roll_x, -(bz_r_ank_pitch_y * t_r_ank_roll_y)),
-            bz_l_hip_roll_y
-                .mul_plus(t_r_sho_pitch_x, -(bz_l_hip_yaw_x * t_r_sho_pitch_y)),
+            -bz_r_hip_roll_x.mul_plus(t_r_ank_roll_x, -(bz_r_ank_pitch_y * t_r_ank_roll_y)),
+            bz_l_hip_roll_y.mul_plus(t_r_sho_pitch_x, -(bz_l_hip_yaw_x * t_r_sho_pitch_y)),
             -e5.mul_plus(t_r_sho_roll_x, bz_r_sho_pitch_y * t_r_sho_roll_y),
-            -bz_r_sho_pitch_x
-                .mul_plus(
-                    t_r_el_x,
-                    -(e5.mul_plus(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll)) * e1),
-                ),
-        ],
-    ]
-}
+            -bz_r_sho_pitch_x.mul_plus(t_r_el_x, -(p6 * e1)),
+        ];
+        [row_x, row_y, row_z]
+    }
 
-/// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
-///
-/// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn gravity_moments_sc<T: Real>(
-    sin: &[T; DOF],
-    cos: &[T; DOF],
-    r: &[T; BASE_PARAMS],
-) -> [T; DOF] {
-    // r_el
-    let t_r_el_x = cos[19].mul_plus(r[41], -(sin[19] * r[42]));
-    let e1 = sin[19].mul_plus(r[41], cos[19] * r[42]);
-    // r_sho_roll
-    let v_r_sho_roll_y = r[40] + t_r_el_x;
-    let s_r_sho_roll = sin[18]
-        .mul_plus(
-            T::from_f64(0.707106781467586),
-            T::from_f64(0.7071067809055092) * cos[18],
-        );
-    let c_r_sho_roll = cos[18]
-        .mul_plus(
-            T::from_f64(0.707106781467586),
-            -(T::from_f64(0.7071067809055092) * sin[18]),
-        );
-    let t_r_sho_roll_x = c_r_sho_roll.mul_plus(v_r_sho_roll_y, -(s_r_sho_roll * r[39]));
-    let t_r_sho_roll_y = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
-    // r_sho_pitch
-    let v_r_sho_pitch_x = r[37] - e1;
-    let v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
-    let t_r_sho_pitch_x = cos[17]
-        .mul_plus(v_r_sho_pitch_x, -(sin[17] * v_r_sho_pitch_y));
-    let t_r_sho_pitch_y = sin[17].mul_plus(v_r_sho_pitch_x, cos[17] * v_r_sho_pitch_y);
-    // r_ank_roll
-    let t_r_ank_roll_x = sin[16].mul_plus(r[35], cos[16] * r[36]);
-    let t_r_ank_roll_y = cos[16].mul_plus(r[35], -(sin[16] * r[36]));
-    // r_ank_pitch
-    let v_r_ank_pitch_y = r[34] + t_r_ank_roll_x;
-    let t_r_ank_pitch_x = cos[15].mul_plus(r[33], -(sin[15] * v_r_ank_pitch_y));
-    let t_r_ank_pitch_y = sin[15].mul_plus(r[33], cos[15] * v_r_ank_pitch_y);
-    // r_knee
-    let v_r_knee_x = r[31] + t_r_ank_pitch_x;
-    let v_r_knee_y = r[32] + t_r_ank_pitch_y;
-    let t_r_knee_x = cos[14].mul_plus(v_r_knee_x, sin[14] * v_r_knee_y);
-    let t_r_knee_y = cos[14].mul_plus(v_r_knee_y, -(sin[14] * v_r_knee_x));
-    // r_hip_pitch
-    let v_r_hip_pitch_x = r[29] + t_r_knee_x;
-    let v_r_hip_pitch_y = r[30] + t_r_knee_y;
-    let t_r_hip_pitch_x = cos[13]
-        .mul_plus(v_r_hip_pitch_y, -(sin[13] * v_r_hip_pitch_x));
-    let t_r_hip_pitch_y = cos[13].mul_plus(v_r_hip_pitch_x, sin[13] * v_r_hip_pitch_y);
-    // r_hip_roll
-    let v_r_hip_roll_x = r[27] + t_r_ank_roll_y;
-    let v_r_hip_roll_y = r[28] + t_r_hip_pitch_x;
-    let t_r_hip_roll_x = cos[12].mul_plus(v_r_hip_roll_x, sin[12] * v_r_hip_roll_y);
-    let t_r_hip_roll_y = cos[12].mul_plus(v_r_hip_roll_y, -(sin[12] * v_r_hip_roll_x));
-    // r_hip_yaw
-    let v_r_hip_yaw_x = r[25] + t_r_hip_pitch_y;
-    let v_r_hip_yaw_y = r[26] + t_r_hip_roll_x;
-    let t_r_hip_yaw_x = cos[11].mul_plus(v_r_hip_yaw_x, sin[11] * v_r_hip_yaw_y);
-    let t_r_hip_yaw_y = cos[11].mul_plus(v_r_hip_yaw_y, -(sin[11] * v_r_hip_yaw_x));
-    // l_el
-    let t_l_el_x = cos[10].mul_plus(r[23], sin[10] * r[24]);
-    let t_l_el_y = sin[10].mul_plus(r[23], -(cos[10] * r[24]));
-    // l_sho_roll
-    let v_l_sho_roll_y = r[22] + t_l_el_x;
-    let s_l_sho_roll = sin[9]
-        .mul_plus(
-            T::from_f64(0.707106781467586),
-            -(T::from_f64(0.7071067809055092) * cos[9]),
-        );
-    let c_l_sho_roll = cos[9]
-        .mul_plus(
-            T::from_f64(0.707106781467586),
-            T::from_f64(0.7071067809055092) * sin[9],
-        );
-    let t_l_sho_roll_x = c_l_sho_roll.mul_plus(v_l_sho_roll_y, -(s_l_sho_roll * r[21]));
-    let t_l_sho_roll_y = c_l_sho_roll.mul_plus(r[21], s_l_sho_roll * v_l_sho_roll_y);
-    // l_sho_pitch
-    let v_l_sho_pitch_x = r[19] + t_l_el_y;
-    let v_l_sho_pitch_y = r[20] + t_l_sho_roll_x;
-    let t_l_sho_pitch_x = cos[8].mul_plus(v_l_sho_pitch_x, sin[8] * v_l_sho_pitch_y);
-    let t_l_sho_pitch_y = cos[8].mul_plus(v_l_sho_pitch_y, -(sin[8] * v_l_sho_pitch_x));
-    // head_tilt
-    let t_head_tilt_x = cos[1].mul_plus(r[17], sin[1] * r[18]);
-    let t_head_tilt_y = sin[1].mul_plus(r[17], -(cos[1] * r[18]));
-    // head_pan
-    let v_head_pan_x = r[15] + t_head_tilt_x;
-    let t_head_pan_x = cos[0].mul_plus(v_head_pan_x, -(sin[0] * r[16]));
-    let t_head_pan_y = sin[0].mul_plus(v_head_pan_x, cos[0] * r[16]);
-    // l_hip_yaw
-    let v_l_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_sho_pitch_x
-        + t_r_hip_yaw_x;
-    let v_l_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_sho_roll_y
-        + t_r_hip_yaw_y;
-    let v_l_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y
-        + t_r_hip_roll_y;
-    let t_l_hip_yaw_x = sin[2].mul_plus(v_l_hip_yaw_x, cos[2] * v_l_hip_yaw_y);
-    let t_l_hip_yaw_y = cos[2].mul_plus(v_l_hip_yaw_x, -(sin[2] * v_l_hip_yaw_y));
-    // l_hip_roll
-    let v_l_hip_roll_x = r[11] + t_l_hip_yaw_x;
-    let v_l_hip_roll_y = r[12] + v_l_hip_yaw_z;
-    let t_l_hip_roll_x = sin[3].mul_plus(v_l_hip_roll_x, cos[3] * v_l_hip_roll_y);
-    let t_l_hip_roll_y = cos[3].mul_plus(v_l_hip_roll_x, -(sin[3] * v_l_hip_roll_y));
-    // l_hip_pitch
-    let v_l_hip_pitch_x = r[9] + t_l_hip_yaw_y;
-    let v_l_hip_pitch_y = r[10] + t_l_hip_roll_x;
-    let t_l_hip_pitch_x = cos[4].mul_plus(v_l_hip_pitch_x, sin[4] * v_l_hip_pitch_y);
-    let t_l_hip_pitch_y = cos[4].mul_plus(v_l_hip_pitch_y, -(sin[4] * v_l_hip_pitch_x));
-    // l_knee
-    let v_l_knee_x = r[7] + t_l_hip_pitch_x;
-    let v_l_knee_y = r[8] + t_l_hip_pitch_y;
-    let t_l_knee_x = cos[5].mul_plus(v_l_knee_x, sin[5] * v_l_knee_y);
-    let t_l_knee_y = cos[5].mul_plus(v_l_knee_y, -(sin[5] * v_l_knee_x));
-    // l_ank_pitch
-    let v_l_ank_pitch_x = r[5] + t_l_knee_x;
-    let v_l_ank_pitch_y = r[6] + t_l_knee_y;
-    let t_l_ank_pitch_x = sin[6].mul_plus(v_l_ank_pitch_x, cos[6] * v_l_ank_pitch_y);
-    let t_l_ank_pitch_y = cos[6].mul_plus(v_l_ank_pitch_x, -(sin[6] * v_l_ank_pitch_y));
-    // l_ank_roll
-    let v_l_ank_roll_x = r[3] + t_l_hip_roll_y;
-    let v_l_ank_roll_y = r[4] + t_l_ank_pitch_x;
-    let t_l_ank_roll_x = cos[7].mul_plus(v_l_ank_roll_x, sin[7] * v_l_ank_roll_y);
-    // l_ank_pitch
-    let bz_l_ank_pitch_x = cos[7] * sin[6];
-    let bz_l_ank_pitch_y = cos[7] * cos[6];
-    // l_knee
-    let bz_l_knee_x = bz_l_ank_pitch_x.mul_plus(cos[5], -(bz_l_ank_pitch_y * sin[5]));
-    let bz_l_knee_y = bz_l_ank_pitch_y.mul_plus(cos[5], bz_l_ank_pitch_x * sin[5]);
-    // l_hip_pitch
-    let bz_l_hip_pitch_x = bz_l_knee_x.mul_plus(cos[4], -(bz_l_knee_y * sin[4]));
-    let bz_l_hip_pitch_y = bz_l_knee_y.mul_plus(cos[4], bz_l_knee_x * sin[4]);
-    // l_hip_roll
-    let bz_l_hip_roll_x = bz_l_hip_pitch_y.mul_plus(sin[3], -(sin[7] * cos[3]));
-    let bz_l_hip_roll_y = sin[7].mul_plus(sin[3], bz_l_hip_pitch_y * cos[3]);
-    // l_hip_yaw
-    let bz_l_hip_yaw_x = bz_l_hip_roll_x.mul_plus(sin[2], bz_l_hip_pitch_x * cos[2]);
-    let e2 = bz_l_hip_pitch_x.mul_plus(sin[2], -(bz_l_hip_roll_x * cos[2]));
-    // head_pan
-    let bz_head_pan_x = bz_l_hip_yaw_x.mul_plus(cos[0], -(e2 * sin[0]));
-    // l_sho_pitch
-    let bz_l_sho_pitch_x = bz_l_hip_yaw_x.mul_plus(cos[8], -(bz_l_hip_roll_y * sin[8]));
-    let bz_l_sho_pitch_y = bz_l_hip_roll_y.mul_plus(cos[8], bz_l_hip_yaw_x * sin[8]);
-    // r_hip_yaw
-    let bz_r_hip_yaw_x = bz_l_hip_yaw_x.mul_plus(cos[11], e2 * sin[11]);
-    let bz_r_hip_yaw_y = bz_l_hip_yaw_x.mul_plus(sin[11], -(e2 * cos[11]));
-    // r_hip_roll
-    let bz_r_hip_roll_x = bz_r_hip_yaw_y.mul_plus(cos[12], -(bz_l_hip_roll_y * sin[12]));
-    let bz_r_hip_roll_y = bz_l_hip_roll_y.mul_plus(cos[12], bz_r_hip_yaw_y * sin[12]);
-    // r_hip_pitch
-    let bz_r_hip_pitch_x = bz_r_hip_yaw_x
-        .mul_plus(cos[13], -(bz_r_hip_roll_y * sin[13]));
-    let bz_r_hip_pitch_y = bz_r_hip_yaw_x.mul_plus(sin[13], bz_r_hip_roll_y * cos[13]);
-    // r_knee
-    let bz_r_knee_x = bz_r_hip_pitch_x.mul_plus(cos[14], -(bz_r_hip_pitch_y * sin[14]));
-    let bz_r_knee_y = bz_r_hip_pitch_y.mul_plus(cos[14], bz_r_hip_pitch_x * sin[14]);
-    // r_ank_pitch
-    let bz_r_ank_pitch_y = bz_r_knee_y.mul_plus(cos[15], -(bz_r_knee_x * sin[15]));
-    // r_sho_pitch
-    let bz_r_sho_pitch_x = bz_l_hip_yaw_x.mul_plus(cos[17], bz_l_hip_roll_y * sin[17]);
-    let bz_r_sho_pitch_y = bz_l_hip_roll_y
-        .mul_plus(cos[17], -(bz_l_hip_yaw_x * sin[17]));
-    [
-        e2.mul_plus(t_head_pan_x, bz_l_hip_yaw_x * t_head_pan_y),
-        -bz_l_hip_roll_y.mul_plus(t_head_tilt_x, -(bz_head_pan_x * t_head_tilt_y)),
-        bz_l_hip_pitch_x.mul_plus(t_l_hip_yaw_x, -(bz_l_hip_roll_x * t_l_hip_yaw_y)),
-        -sin[7].mul_plus(t_l_hip_roll_x, bz_l_hip_pitch_y * t_l_hip_roll_y),
-        bz_l_knee_y.mul_plus(t_l_hip_pitch_x, -(bz_l_knee_x * t_l_hip_pitch_y)),
-        bz_l_ank_pitch_y.mul_plus(t_l_knee_x, -(bz_l_ank_pitch_x * t_l_knee_y)),
-        -(cos[7] * t_l_ank_pitch_y),
-        t_l_ank_roll_x,
-        bz_l_hip_roll_y.mul_plus(t_l_sho_pitch_x, -(bz_l_hip_yaw_x * t_l_sho_pitch_y)),
-        e2.mul_plus(t_l_sho_roll_x, bz_l_sho_pitch_y * t_l_sho_roll_y),
-        -bz_l_sho_pitch_x
-            .mul_plus(
-                t_l_el_x,
-                e2.mul_plus(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll)) * t_l_el_y,
-            ),
-        -e2.mul_plus(t_r_hip_yaw_x, bz_l_hip_yaw_x * t_r_hip_yaw_y),
-        bz_l_hip_roll_y.mul_plus(t_r_hip_roll_x, -(bz_r_hip_yaw_y * t_r_hip_roll_y)),
-        -bz_r_hip_yaw_x.mul_plus(t_r_hip_pitch_x, -(bz_r_hip_roll_y * t_r_hip_pitch_y)),
-        bz_r_hip_pitch_y.mul_plus(t_r_knee_x, -(bz_r_hip_pitch_x * t_r_knee_y)),
-        -bz_r_knee_y.mul_plus(t_r_ank_pitch_x, -(bz_r_knee_x * t_r_ank_pitch_y)),
-        bz_r_hip_roll_x.mul_plus(t_r_ank_roll_x, -(bz_r_ank_pitch_y * t_r_ank_roll_y)),
-        -bz_l_hip_roll_y.mul_plus(t_r_sho_pitch_x, -(bz_l_hip_yaw_x * t_r_sho_pitch_y)),
-        e2.mul_plus(t_r_sho_roll_x, bz_r_sho_pitch_y * t_r_sho_roll_y),
-        bz_r_sho_pitch_x
-            .mul_plus(
-                t_r_el_x,
-                -(e2.mul_plus(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll)) * e1),
-            ),
-    ]
-}
-
-/// Rows of the base regressor: CoM = rows · r.
-///
-/// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
-    let zero = T::from_f64(0.0);
-    let one = T::from_f64(1.0);
-    // l_ank_roll
-    let bz_l_ank_roll_x = -sin[7];
-    // l_ank_pitch
-    let bx_l_ank_pitch_y = -sin[6];
-    let by_l_ank_pitch_x = sin[7] * sin[6];
-    let by_l_ank_pitch_y = sin[7] * cos[6];
-    let bz_l_ank_pitch_x = cos[7] * sin[6];
-    let bz_l_ank_pitch_y = cos[7] * cos[6];
-    // l_knee
-    let bx_l_knee_x = cos[6].mul_plus(cos[5], sin[6] * sin[5]);
-    let bx_l_knee_y = cos[6].mul_plus(sin[5], -(sin[6] * cos[5]));
-    let by_l_knee_x = by_l_ank_pitch_x.mul_plus(cos[5], -(by_l_ank_pitch_y * sin[5]));
-    let by_l_knee_y = by_l_ank_pitch_y.mul_plus(cos[5], by_l_ank_pitch_x * sin[5]);
-    let bz_l_knee_x = bz_l_ank_pitch_x.mul_plus(cos[5], -(bz_l_ank_pitch_y * sin[5]));
-    let bz_l_knee_y = bz_l_ank_pitch_y.mul_plus(cos[5], bz_l_ank_pitch_x * sin[5]);
-    // l_hip_pitch
-    let bx_l_hip_pitch_x = bx_l_knee_x.mul_plus(cos[4], -(bx_l_knee_y * sin[4]));
-    let bx_l_hip_pitch_y = bx_l_knee_y.mul_plus(cos[4], bx_l_knee_x * sin[4]);
-    let by_l_hip_pitch_x = by_l_knee_x.mul_plus(cos[4], -(by_l_knee_y * sin[4]));
-    let by_l_hip_pitch_y = by_l_knee_y.mul_plus(cos[4], by_l_knee_x * sin[4]);
-    let bz_l_hip_pitch_x = bz_l_knee_x.mul_plus(cos[4], -(bz_l_knee_y * sin[4]));
-    let bz_l_hip_pitch_y = bz_l_knee_y.mul_plus(cos[4], bz_l_knee_x * sin[4]);
-    // l_hip_roll
-    let bx_l_hip_roll_x = bx_l_hip_pitch_y * sin[3];
-    let bx_l_hip_roll_y = bx_l_hip_pitch_y * cos[3];
-    let by_l_hip_roll_x = by_l_hip_pitch_y.mul_plus(sin[3], cos[7] * cos[3]);
-    let e1 = cos[7].mul_plus(sin[3], -(by_l_hip_pitch_y * cos[3]));
-    let by_l_hip_roll_y = -e1;
-    let bz_l_hip_roll_x = bz_l_hip_pitch_y.mul_plus(sin[3], -(sin[7] * cos[3]));
-    let bz_l_hip_roll_y = sin[7].mul_plus(sin[3], bz_l_hip_pitch_y * cos[3]);
-    // l_hip_yaw
-    let bx_l_hip_yaw_x = bx_l_hip_roll_x.mul_plus(sin[2], bx_l_hip_pitch_x * cos[2]);
-    let e2 = bx_l_hip_pitch_x.mul_plus(sin[2], -(bx_l_hip_roll_x * cos[2]));
-    let bx_l_hip_yaw_y = -e2;
-    let by_l_hip_yaw_x = by_l_hip_roll_x.mul_plus(sin[2], by_l_hip_pitch_x * cos[2]);
-    let e3 = by_l_hip_pitch_x.mul_plus(sin[2], -(by_l_hip_roll_x * cos[2]));
-    let by_l_hip_yaw_y = -e3;
-    let bz_l_hip_yaw_x = bz_l_hip_roll_x.mul_plus(sin[2], bz_l_hip_pitch_x * cos[2]);
-    let e4 = bz_l_hip_pitch_x.mul_plus(sin[2], -(bz_l_hip_roll_x * cos[2]));
-    let bz_l_hip_yaw_y = -e4;
-    // head_pan
-    let bx_head_pan_x = bx_l_hip_yaw_x.mul_plus(cos[0], -(e2 * sin[0]));
-    let bx_head_pan_y = -e2.mul_plus(cos[0], bx_l_hip_yaw_x * sin[0]);
-    let by_head_pan_x = by_l_hip_yaw_x.mul_plus(cos[0], -(e3 * sin[0]));
-    let by_head_pan_y = -e3.mul_plus(cos[0], by_l_hip_yaw_x * sin[0]);
-    let bz_head_pan_x = bz_l_hip_yaw_x.mul_plus(cos[0], -(e4 * sin[0]));
-    let bz_head_pan_y = -e4.mul_plus(cos[0], bz_l_hip_yaw_x * sin[0]);
-    // head_tilt
-    let bx_head_tilt_x = bx_head_pan_x.mul_plus(cos[1], bx_l_hip_roll_y * sin[1]);
-    let bx_head_tilt_y = -bx_l_hip_roll_y.mul_plus(cos[1], -(bx_head_pan_x * sin[1]));
-    let by_head_tilt_x = by_head_pan_x.mul_plus(cos[1], -(e1 * sin[1]));
-    let by_head_tilt_y = e1.mul_plus(cos[1], by_head_pan_x * sin[1]);
-    let bz_head_tilt_x = bz_head_pan_x.mul_plus(cos[1], bz_l_hip_roll_y * sin[1]);
-    let bz_head_tilt_y = -bz_l_hip_roll_y.mul_plus(cos[1], -(bz_head_pan_x * sin[1]));
-    // l_sho_pitch
-    let bx_l_sho_pitch_x = bx_l_hip_yaw_x.mul_plus(cos[8], -(bx_l_hip_roll_y * sin[8]));
-    let bx_l_sho_pitch_y = bx_l_hip_roll_y.mul_plus(cos[8], bx_l_hip_yaw_x * sin[8]);
-    let by_l_sho_pitch_x = by_l_hip_yaw_x.mul_plus(cos[8], e1 * sin[8]);
-    let by_l_sho_pitch_y = by_l_hip_yaw_x.mul_plus(sin[8], -(e1 * cos[8]));
-    let bz_l_sho_pitch_x = bz_l_hip_yaw_x.mul_plus(cos[8], -(bz_l_hip_roll_y * sin[8]));
-    let bz_l_sho_pitch_y = bz_l_hip_roll_y.mul_plus(cos[8], bz_l_hip_yaw_x * sin[8]);
-    // l_sho_roll
-    let s_l_sho_roll = sin[9]
-        .mul_plus(
-            T::from_f64(0.707106781467586),
-            -(T::from_f64(0.7071067809055092) * cos[9]),
-        );
-    let c_l_sho_roll = cos[9]
-        .mul_plus(
-            T::from_f64(0.707106781467586),
-            T::from_f64(0.7071067809055092) * sin[9],
-        );
-    let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_plus(s_l_sho_roll, e2 * c_l_sho_roll);
-    let e5 = e2.mul_plus(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
-    let bx_l_sho_roll_y = -e5;
-    let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_plus(s_l_sho_roll, e3 * c_l_sho_roll);
-    let e6 = e3.mul_plus(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
-    let by_l_sho_roll_y = -e6;
-    let bz_l_sho_roll_x = -bz_l_sho_pitch_y.mul_plus(s_l_sho_roll, e4 * c_l_sho_roll);
-    let e7 = e4.mul_plus(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
-    let bz_l_sho_roll_y = -e7;
-    // l_el
-    let bx_l_el_x = bx_l_sho_pitch_x.mul_plus(sin[10], -(e5 * cos[10]));
-    let bx_l_el_y = -bx_l_sho_pitch_x.mul_plus(cos[10], e5 * sin[10]);
-    let by_l_el_x = by_l_sho_pitch_x.mul_plus(sin[10], -(e6 * cos[10]));
-    let by_l_el_y = -by_l_sho_pitch_x.mul_plus(cos[10], e6 * sin[10]);
-    let bz_l_el_x = bz_l_sho_pitch_x.mul_plus(sin[10], -(e7 * cos[10]));
-    let bz_l_el_y = -bz_l_sho_pitch_x.mul_plus(cos[10], e7 * sin[10]);
-    // r_hip_yaw
-    let bx_r_hip_yaw_x = bx_l_hip_yaw_x.mul_plus(cos[11], e2 * sin[11]);
-    let bx_r_hip_yaw_y = bx_l_hip_yaw_x.mul_plus(sin[11], -(e2 * cos[11]));
-    let by_r_hip_yaw_x = by_l_hip_yaw_x.mul_plus(cos[11], e3 * sin[11]);
-    let by_r_hip_yaw_y = by_l_hip_yaw_x.mul_plus(sin[11], -(e3 * cos[11]));
-    let bz_r_hip_yaw_x = bz_l_hip_yaw_x.mul_plus(cos[11], e4 * sin[11]);
-    let bz_r_hip_yaw_y = bz_l_hip_yaw_x.mul_plus(sin[11], -(e4 * cos[11]));
-    // r_hip_roll
-    let bx_r_hip_roll_x = bx_r_hip_yaw_y.mul_plus(cos[12], -(bx_l_hip_roll_y * sin[12]));
-    let bx_r_hip_roll_y = bx_l_hip_roll_y.mul_plus(cos[12], bx_r_hip_yaw_y * sin[12]);
-    let by_r_hip_roll_x = by_r_hip_yaw_y.mul_plus(cos[12], e1 * sin[12]);
-    let by_r_hip_roll_y = by_r_hip_yaw_y.mul_plus(sin[12], -(e1 * cos[12]));
-    let bz_r_hip_roll_x = bz_r_hip_yaw_y.mul_plus(cos[12], -(bz_l_hip_roll_y * sin[12]));
-    let bz_r_hip_roll_y = bz_l_hip_roll_y.mul_plus(cos[12], bz_r_hip_yaw_y * sin[12]);
-    // r_hip_pitch
-    let bx_r_hip_pitch_x = bx_r_hip_yaw_x
-        .mul_plus(cos[13], -(bx_r_hip_roll_y * sin[13]));
-    let bx_r_hip_pitch_y = bx_r_hip_yaw_x.mul_plus(sin[13], bx_r_hip_roll_y * cos[13]);
-    let by_r_hip_pitch_x = by_r_hip_yaw_x
-        .mul_plus(cos[13], -(by_r_hip_roll_y * sin[13]));
-    let by_r_hip_pitch_y = by_r_hip_yaw_x.mul_plus(sin[13], by_r_hip_roll_y * cos[13]);
-    let bz_r_hip_pitch_x = bz_r_hip_yaw_x
-        .mul_plus(cos[13], -(bz_r_hip_roll_y * sin[13]));
-    let bz_r_hip_pitch_y = bz_r_hip_yaw_x.mul_plus(sin[13], bz_r_hip_roll_y * cos[13]);
-    // r_knee
-    let bx_r_knee_x = bx_r_hip_pitch_x.mul_plus(cos[14], -(bx_r_hip_pitch_y * sin[14]));
-    let bx_r_knee_y = bx_r_hip_pitch_y.mul_plus(cos[14], bx_r_hip_pitch_x * sin[14]);
-    let by_r_knee_x = by_r_hip_pitch_x.mul_plus(cos[14], -(by_r_hip_pitch_y * sin[14]));
-    let by_r_knee_y = by_r_hip_pitch_y.mul_plus(cos[14], by_r_hip_pitch_x * sin[14]);
-    let bz_r_knee_x = bz_r_hip_pitch_x.mul_plus(cos[14], -(bz_r_hip_pitch_y * sin[14]));
-    let bz_r_knee_y = bz_r_hip_pitch_y.mul_plus(cos[14], bz_r_hip_pitch_x * sin[14]);
-    // r_ank_pitch
-    let bx_r_ank_pitch_x = bx_r_knee_x.mul_plus(cos[15], bx_r_knee_y * sin[15]);
-    let bx_r_ank_pitch_y = bx_r_knee_y.mul_plus(cos[15], -(bx_r_knee_x * sin[15]));
-    let by_r_ank_pitch_x = by_r_knee_x.mul_plus(cos[15], by_r_knee_y * sin[15]);
-    let by_r_ank_pitch_y = by_r_knee_y.mul_plus(cos[15], -(by_r_knee_x * sin[15]));
-    let bz_r_ank_pitch_x = bz_r_knee_x.mul_plus(cos[15], bz_r_knee_y * sin[15]);
-    let bz_r_ank_pitch_y = bz_r_knee_y.mul_plus(cos[15], -(bz_r_knee_x * sin[15]));
-    // r_ank_roll
-    let bx_r_ank_roll_x = bx_r_ank_pitch_y.mul_plus(sin[16], bx_r_hip_roll_x * cos[16]);
-    let bx_r_ank_roll_y = -bx_r_hip_roll_x
-        .mul_plus(sin[16], -(bx_r_ank_pitch_y * cos[16]));
-    let by_r_ank_roll_x = by_r_ank_pitch_y.mul_plus(sin[16], by_r_hip_roll_x * cos[16]);
-    let by_r_ank_roll_y = -by_r_hip_roll_x
-        .mul_plus(sin[16], -(by_r_ank_pitch_y * cos[16]));
-    let bz_r_ank_roll_x = bz_r_ank_pitch_y.mul_plus(sin[16], bz_r_hip_roll_x * cos[16]);
-    let bz_r_ank_roll_y = -bz_r_hip_roll_x
-        .mul_plus(sin[16], -(bz_r_ank_pitch_y * cos[16]));
-    // r_sho_pitch
-    let bx_r_sho_pitch_x = bx_l_hip_yaw_x.mul_plus(cos[17], bx_l_hip_roll_y * sin[17]);
-    let bx_r_sho_pitch_y = bx_l_hip_roll_y
-        .mul_plus(cos[17], -(bx_l_hip_yaw_x * sin[17]));
-    let by_r_sho_pitch_x = by_l_hip_yaw_x.mul_plus(cos[17], -(e1 * sin[17]));
-    let e8 = e1.mul_plus(cos[17], by_l_hip_yaw_x * sin[17]);
-    let by_r_sho_pitch_y = -e8;
-    let bz_r_sho_pitch_x = bz_l_hip_yaw_x.mul_plus(cos[17], bz_l_hip_roll_y * sin[17]);
-    let bz_r_sho_pitch_y = bz_l_hip_roll_y
-        .mul_plus(cos[17], -(bz_l_hip_yaw_x * sin[17]));
-    // r_sho_roll
-    let s_r_sho_roll = sin[18]
-        .mul_plus(
-            T::from_f64(0.707106781467586),
-            T::from_f64(0.7071067809055092) * cos[18],
-        );
-    let c_r_sho_roll = cos[18]
-        .mul_plus(
-            T::from_f64(0.707106781467586),
-            -(T::from_f64(0.7071067809055092) * sin[18]),
-        );
-    let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_plus(s_r_sho_roll, e2 * c_r_sho_roll);
-    let e9 = e2.mul_plus(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
-    let bx_r_sho_roll_y = -e9;
-    let by_r_sho_roll_x = e8.mul_plus(s_r_sho_roll, -(e3 * c_r_sho_roll));
-    let e10 = e3.mul_plus(s_r_sho_roll, e8 * c_r_sho_roll);
-    let by_r_sho_roll_y = -e10;
-    let bz_r_sho_roll_x = -bz_r_sho_pitch_y.mul_plus(s_r_sho_roll, e4 * c_r_sho_roll);
-    let e11 = e4.mul_plus(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
-    let bz_r_sho_roll_y = -e11;
-    // r_el
-    let bx_r_el_x = -e9.mul_plus(cos[19], bx_r_sho_pitch_x * sin[19]);
-    let bx_r_el_y = -bx_r_sho_pitch_x.mul_plus(cos[19], -(e9 * sin[19]));
-    let by_r_el_x = -e10.mul_plus(cos[19], by_r_sho_pitch_x * sin[19]);
-    let by_r_el_y = -by_r_sho_pitch_x.mul_plus(cos[19], -(e10 * sin[19]));
-    let bz_r_el_x = -e11.mul_plus(cos[19], bz_r_sho_pitch_x * sin[19]);
-    let bz_r_el_y = -bz_r_sho_pitch_x.mul_plus(cos[19], -(e11 * sin[19]));
-    [
+    #[inline(always)]
+    fn gravity_moments_sc<T: Real>(
+        sin: &[T; DOF],
+        cos: &[T; DOF],
+        r: &[T; BASE_PARAMS],
+    ) -> [T; DOF] {
+        // r_el
+        let t_r_el_x = cos[19].mul_plus(r[41], -(sin[19] * r[42]));
+        let e1 = sin[19].mul_plus(r[41], cos[19] * r[42]);
+        // r_sho_roll
+        let v_r_sho_roll_y = r[40] + t_r_el_x;
+        let s_r_sho_roll = sin[18]
+            .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * cos[18]);
+        let c_r_sho_roll = cos[18]
+            .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * sin[18]));
+        let t_r_sho_roll_x = c_r_sho_roll.mul_plus(v_r_sho_roll_y, -(s_r_sho_roll * r[39]));
+        let t_r_sho_roll_y = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
+        // r_sho_pitch
+        let v_r_sho_pitch_x = r[37] - e1;
+        let v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
+        let t_r_sho_pitch_x = cos[17].mul_plus(v_r_sho_pitch_x, -(sin[17] * v_r_sho_pitch_y));
+        let t_r_sho_pitch_y = sin[17].mul_plus(v_r_sho_pitch_x, cos[17] * v_r_sho_pitch_y);
+        // r_ank_roll
+        let t_r_ank_roll_x = sin[16].mul_plus(r[35], cos[16] * r[36]);
+        let t_r_ank_roll_y = cos[16].mul_plus(r[35], -(sin[16] * r[36]));
+        // r_ank_pitch
+        let v_r_ank_pitch_y = r[34] + t_r_ank_roll_x;
+        let t_r_ank_pitch_x = cos[15].mul_plus(r[33], -(sin[15] * v_r_ank_pitch_y));
+        let t_r_ank_pitch_y = sin[15].mul_plus(r[33], cos[15] * v_r_ank_pitch_y);
+        // r_knee
+        let v_r_knee_x = r[31] + t_r_ank_pitch_x;
+        let v_r_knee_y = r[32] + t_r_ank_pitch_y;
+        let t_r_knee_x = cos[14].mul_plus(v_r_knee_x, sin[14] * v_r_knee_y);
+        let t_r_knee_y = cos[14].mul_plus(v_r_knee_y, -(sin[14] * v_r_knee_x));
+        // r_hip_pitch
+        let v_r_hip_pitch_x = r[29] + t_r_knee_x;
+        let v_r_hip_pitch_y = r[30] + t_r_knee_y;
+        let t_r_hip_pitch_x = cos[13].mul_plus(v_r_hip_pitch_y, -(sin[13] * v_r_hip_pitch_x));
+        let t_r_hip_pitch_y = cos[13].mul_plus(v_r_hip_pitch_x, sin[13] * v_r_hip_pitch_y);
+        // r_hip_roll
+        let v_r_hip_roll_x = r[27] + t_r_ank_roll_y;
+        let v_r_hip_roll_y = r[28] + t_r_hip_pitch_x;
+        let t_r_hip_roll_x = cos[12].mul_plus(v_r_hip_roll_x, sin[12] * v_r_hip_roll_y);
+        let t_r_hip_roll_y = cos[12].mul_plus(v_r_hip_roll_y, -(sin[12] * v_r_hip_roll_x));
+        // r_hip_yaw
+        let v_r_hip_yaw_x = r[25] + t_r_hip_pitch_y;
+        let v_r_hip_yaw_y = r[26] + t_r_hip_roll_x;
+        let t_r_hip_yaw_x = cos[11].mul_plus(v_r_hip_yaw_x, sin[11] * v_r_hip_yaw_y);
+        let t_r_hip_yaw_y = cos[11].mul_plus(v_r_hip_yaw_y, -(sin[11] * v_r_hip_yaw_x));
+        // l_el
+        let t_l_el_x = cos[10].mul_plus(r[23], sin[10] * r[24]);
+        let t_l_el_y = sin[10].mul_plus(r[23], -(cos[10] * r[24]));
+        // l_sho_roll
+        let v_l_sho_roll_y = r[22] + t_l_el_x;
+        let s_l_sho_roll = sin[9]
+            .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * cos[9]));
+        let c_l_sho_roll = cos[9]
+            .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * sin[9]);
+        let t_l_sho_roll_x = c_l_sho_roll.mul_plus(v_l_sho_roll_y, -(s_l_sho_roll * r[21]));
+        let t_l_sho_roll_y = c_l_sho_roll.mul_plus(r[21], s_l_sho_roll * v_l_sho_roll_y);
+        // l_sho_pitch
+        let v_l_sho_pitch_x = r[19] + t_l_el_y;
+        let v_l_sho_pitch_y = r[20] + t_l_sho_roll_x;
+        let t_l_sho_pitch_x = cos[8].mul_plus(v_l_sho_pitch_x, sin[8] * v_l_sho_pitch_y);
+        let t_l_sho_pitch_y = cos[8].mul_plus(v_l_sho_pitch_y, -(sin[8] * v_l_sho_pitch_x));
+        // head_tilt
+        let t_head_tilt_x = cos[1].mul_plus(r[17], sin[1] * r[18]);
+        let t_head_tilt_y = sin[1].mul_plus(r[17], -(cos[1] * r[18]));
+        // head_pan
+        let v_head_pan_x = r[15] + t_head_tilt_x;
+        let t_head_pan_x = cos[0].mul_plus(v_head_pan_x, -(sin[0] * r[16]));
+        let t_head_pan_y = sin[0].mul_plus(v_head_pan_x, cos[0] * r[16]);
+        // l_hip_yaw
+        let v_l_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_sho_pitch_x
+            + t_r_hip_yaw_x;
+        let v_l_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_sho_roll_y
+            + t_r_hip_yaw_y;
+        let v_l_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y
+            + t_r_hip_roll_y;
+        let t_l_hip_yaw_x = sin[2].mul_plus(v_l_hip_yaw_x, cos[2] * v_l_hip_yaw_y);
+        let t_l_hip_yaw_y = cos[2].mul_plus(v_l_hip_yaw_x, -(sin[2] * v_l_hip_yaw_y));
+        // l_hip_roll
+        let v_l_hip_roll_x = r[11] + t_l_hip_yaw_x;
+        let v_l_hip_roll_y = r[12] + v_l_hip_yaw_z;
+        let t_l_hip_roll_x = sin[3].mul_plus(v_l_hip_roll_x, cos[3] * v_l_hip_roll_y);
+        let t_l_hip_roll_y = cos[3].mul_plus(v_l_hip_roll_x, -(sin[3] * v_l_hip_roll_y));
+        // l_hip_pitch
+        let v_l_hip_pitch_x = r[9] + t_l_hip_yaw_y;
+        let v_l_hip_pitch_y = r[10] + t_l_hip_roll_x;
+        let t_l_hip_pitch_x = cos[4].mul_plus(v_l_hip_pitch_x, sin[4] * v_l_hip_pitch_y);
+        let t_l_hip_pitch_y = cos[4].mul_plus(v_l_hip_pitch_y, -(sin[4] * v_l_hip_pitch_x));
+        // l_knee
+        let v_l_knee_x = r[7] + t_l_hip_pitch_x;
+        let v_l_knee_y = r[8] + t_l_hip_pitch_y;
+        let t_l_knee_x = cos[5].mul_plus(v_l_knee_x, sin[5] * v_l_knee_y);
+        let t_l_knee_y = cos[5].mul_plus(v_l_knee_y, -(sin[5] * v_l_knee_x));
+        // l_ank_pitch
+        let v_l_ank_pitch_x = r[5] + t_l_knee_x;
+        let v_l_ank_pitch_y = r[6] + t_l_knee_y;
+        let t_l_ank_pitch_x = sin[6].mul_plus(v_l_ank_pitch_x, cos[6] * v_l_ank_pitch_y);
+        let t_l_ank_pitch_y = cos[6].mul_plus(v_l_ank_pitch_x, -(sin[6] * v_l_ank_pitch_y));
+        // l_ank_roll
+        let v_l_ank_roll_x = r[3] + t_l_hip_roll_y;
+        let v_l_ank_roll_y = r[4] + t_l_ank_pitch_x;
+        let t_l_ank_roll_x = cos[7].mul_plus(v_l_ank_roll_x, sin[7] * v_l_ank_roll_y);
+        // l_ank_pitch
+        let bz_l_ank_pitch_x = cos[7] * sin[6];
+        let bz_l_ank_pitch_y = cos[7] * cos[6];
+        // l_knee
+        let bz_l_knee_x = bz_l_ank_pitch_x.mul_plus(cos[5], -(bz_l_ank_pitch_y * sin[5]));
+        let bz_l_knee_y = bz_l_ank_pitch_y.mul_plus(cos[5], bz_l_ank_pitch_x * sin[5]);
+        // l_hip_pitch
+        let bz_l_hip_pitch_x = bz_l_knee_x.mul_plus(cos[4], -(bz_l_knee_y * sin[4]));
+        let bz_l_hip_pitch_y = bz_l_knee_y.mul_plus(cos[4], bz_l_knee_x * sin[4]);
+        // l_hip_roll
+        let bz_l_hip_roll_x = bz_l_hip_pitch_y.mul_plus(sin[3], -(sin[7] * cos[3]));
+        let bz_l_hip_roll_y = sin[7].mul_plus(sin[3], bz_l_hip_pitch_y * cos[3]);
+        // l_hip_yaw
+        let bz_l_hip_yaw_x = bz_l_hip_roll_x.mul_plus(sin[2], bz_l_hip_pitch_x * cos[2]);
+        let e2 = bz_l_hip_pitch_x.mul_plus(sin[2], -(bz_l_hip_roll_x * cos[2]));
+        // head_pan
+        let bz_head_pan_x = bz_l_hip_yaw_x.mul_plus(cos[0], -(e2 * sin[0]));
+        // l_sho_pitch
+        let bz_l_sho_pitch_x = bz_l_hip_yaw_x.mul_plus(cos[8], -(bz_l_hip_roll_y * sin[8]));
+        let bz_l_sho_pitch_y = bz_l_hip_roll_y.mul_plus(cos[8], bz_l_hip_yaw_x * sin[8]);
+        // r_hip_yaw
+        let bz_r_hip_yaw_x = bz_l_hip_yaw_x.mul_plus(cos[11], e2 * sin[11]);
+        let bz_r_hip_yaw_y = bz_l_hip_yaw_x.mul_plus(sin[11], -(e2 * cos[11]));
+        // r_hip_roll
+        let bz_r_hip_roll_x = bz_r_hip_yaw_y.mul_plus(cos[12], -(bz_l_hip_roll_y * sin[12]));
+        let bz_r_hip_roll_y = bz_l_hip_roll_y.mul_plus(cos[12], bz_r_hip_yaw_y * sin[12]);
+        // r_hip_pitch
+        let bz_r_hip_pitch_x = bz_r_hip_yaw_x.mul_plus(cos[13], -(bz_r_hip_roll_y * sin[13]));
+        let bz_r_hip_pitch_y = bz_r_hip_yaw_x.mul_plus(sin[13], bz_r_hip_roll_y * cos[13]);
+        // r_knee
+        let bz_r_knee_x = bz_r_hip_pitch_x.mul_plus(cos[14], -(bz_r_hip_pitch_y * sin[14]));
+        let bz_r_knee_y = bz_r_hip_pitch_y.mul_plus(cos[14], bz_r_hip_pitch_x * sin[14]);
+        // r_ank_pitch
+        let bz_r_ank_pitch_y = bz_r_knee_y.mul_plus(cos[15], -(bz_r_knee_x * sin[15]));
+        // r_sho_pitch
+        let bz_r_sho_pitch_x = bz_l_hip_yaw_x.mul_plus(cos[17], bz_l_hip_roll_y * sin[17]);
+        let bz_r_sho_pitch_y = bz_l_hip_roll_y.mul_plus(cos[17], -(bz_l_hip_yaw_x * sin[17]));
+        let p1 = e2.mul_plus(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
+        let p2 = e2.mul_plus(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
         [
+            e2.mul_plus(t_head_pan_x, bz_l_hip_yaw_x * t_head_pan_y),
+            -bz_l_hip_roll_y.mul_plus(t_head_tilt_x, -(bz_head_pan_x * t_head_tilt_y)),
+            bz_l_hip_pitch_x.mul_plus(t_l_hip_yaw_x, -(bz_l_hip_roll_x * t_l_hip_yaw_y)),
+            -sin[7].mul_plus(t_l_hip_roll_x, bz_l_hip_pitch_y * t_l_hip_roll_y),
+            bz_l_knee_y.mul_plus(t_l_hip_pitch_x, -(bz_l_knee_x * t_l_hip_pitch_y)),
+            bz_l_ank_pitch_y.mul_plus(t_l_knee_x, -(bz_l_ank_pitch_x * t_l_knee_y)),
+            -(cos[7] * t_l_ank_pitch_y),
+            t_l_ank_roll_x,
+            bz_l_hip_roll_y.mul_plus(t_l_sho_pitch_x, -(bz_l_hip_yaw_x * t_l_sho_pitch_y)),
+            e2.mul_plus(t_l_sho_roll_x, bz_l_sho_pitch_y * t_l_sho_roll_y),
+            -bz_l_sho_pitch_x.mul_plus(t_l_el_x, p1 * t_l_el_y),
+            -e2.mul_plus(t_r_hip_yaw_x, bz_l_hip_yaw_x * t_r_hip_yaw_y),
+            bz_l_hip_roll_y.mul_plus(t_r_hip_roll_x, -(bz_r_hip_yaw_y * t_r_hip_roll_y)),
+            -bz_r_hip_yaw_x.mul_plus(t_r_hip_pitch_x, -(bz_r_hip_roll_y * t_r_hip_pitch_y)),
+            bz_r_hip_pitch_y.mul_plus(t_r_knee_x, -(bz_r_hip_pitch_x * t_r_knee_y)),
+            -bz_r_knee_y.mul_plus(t_r_ank_pitch_x, -(bz_r_knee_x * t_r_ank_pitch_y)),
+            bz_r_hip_roll_x.mul_plus(t_r_ank_roll_x, -(bz_r_ank_pitch_y * t_r_ank_roll_y)),
+            -bz_l_hip_roll_y.mul_plus(t_r_sho_pitch_x, -(bz_l_hip_yaw_x * t_r_sho_pitch_y)),
+            e2.mul_plus(t_r_sho_roll_x, bz_r_sho_pitch_y * t_r_sho_roll_y),
+            bz_r_sho_pitch_x.mul_plus(t_r_el_x, -(p2 * e1)),
+        ]
+    }
+
+    #[inline(always)]
+    fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
+        let zero = T::from_f64(0.0);
+        let one = T::from_f64(1.0);
+        // l_ank_roll
+        let bz_l_ank_roll_x = -sin[7];
+        // l_ank_pitch
+        let bx_l_ank_pitch_y = -sin[6];
+        let by_l_ank_pitch_x = sin[7] * sin[6];
+        let by_l_ank_pitch_y = sin[7] * cos[6];
+        let bz_l_ank_pitch_x = cos[7] * sin[6];
+        let bz_l_ank_pitch_y = cos[7] * cos[6];
+        // l_knee
+        let bx_l_knee_x = cos[6].mul_plus(cos[5], sin[6] * sin[5]);
+        let bx_l_knee_y = cos[6].mul_plus(sin[5], -(sin[6] * cos[5]));
+        let by_l_knee_x = by_l_ank_pitch_x.mul_plus(cos[5], -(by_l_ank_pitch_y * sin[5]));
+        let by_l_knee_y = by_l_ank_pitch_y.mul_plus(cos[5], by_l_ank_pitch_x * sin[5]);
+        let bz_l_knee_x = bz_l_ank_pitch_x.mul_plus(cos[5], -(bz_l_ank_pitch_y * sin[5]));
+        let bz_l_knee_y = bz_l_ank_pitch_y.mul_plus(cos[5], bz_l_ank_pitch_x * sin[5]);
+        // l_hip_pitch
+        let bx_l_hip_pitch_x = bx_l_knee_x.mul_plus(cos[4], -(bx_l_knee_y * sin[4]));
+        let bx_l_hip_pitch_y = bx_l_knee_y.mul_plus(cos[4], bx_l_knee_x * sin[4]);
+        let by_l_hip_pitch_x = by_l_knee_x.mul_plus(cos[4], -(by_l_knee_y * sin[4]));
+        let by_l_hip_pitch_y = by_l_knee_y.mul_plus(cos[4], by_l_knee_x * sin[4]);
+        let bz_l_hip_pitch_x = bz_l_knee_x.mul_plus(cos[4], -(bz_l_knee_y * sin[4]));
+        let bz_l_hip_pitch_y = bz_l_knee_y.mul_plus(cos[4], bz_l_knee_x * sin[4]);
+        // l_hip_roll
+        let bx_l_hip_roll_x = bx_l_hip_pitch_y * sin[3];
+        let bx_l_hip_roll_y = bx_l_hip_pitch_y * cos[3];
+        let by_l_hip_roll_x = by_l_hip_pitch_y.mul_plus(sin[3], cos[7] * cos[3]);
+        let e1 = cos[7].mul_plus(sin[3], -(by_l_hip_pitch_y * cos[3]));
+        let by_l_hip_roll_y = -e1;
+        let bz_l_hip_roll_x = bz_l_hip_pitch_y.mul_plus(sin[3], -(sin[7] * cos[3]));
+        let bz_l_hip_roll_y = sin[7].mul_plus(sin[3], bz_l_hip_pitch_y * cos[3]);
+        // l_hip_yaw
+        let bx_l_hip_yaw_x = bx_l_hip_roll_x.mul_plus(sin[2], bx_l_hip_pitch_x * cos[2]);
+        let e2 = bx_l_hip_pitch_x.mul_plus(sin[2], -(bx_l_hip_roll_x * cos[2]));
+        let bx_l_hip_yaw_y = -e2;
+        let by_l_hip_yaw_x = by_l_hip_roll_x.mul_plus(sin[2], by_l_hip_pitch_x * cos[2]);
+        let e3 = by_l_hip_pitch_x.mul_plus(sin[2], -(by_l_hip_roll_x * cos[2]));
+        let by_l_hip_yaw_y = -e3;
+        let bz_l_hip_yaw_x = bz_l_hip_roll_x.mul_plus(sin[2], bz_l_hip_pitch_x * cos[2]);
+        let e4 = bz_l_hip_pitch_x.mul_plus(sin[2], -(bz_l_hip_roll_x * cos[2]));
+        let bz_l_hip_yaw_y = -e4;
+        // head_pan
+        let bx_head_pan_x = bx_l_hip_yaw_x.mul_plus(cos[0], -(e2 * sin[0]));
+        let bx_head_pan_y = -e2.mul_plus(cos[0], bx_l_hip_yaw_x * sin[0]);
+        let by_head_pan_x = by_l_hip_yaw_x.mul_plus(cos[0], -(e3 * sin[0]));
+        let by_head_pan_y = -e3.mul_plus(cos[0], by_l_hip_yaw_x * sin[0]);
+        let bz_head_pan_x = bz_l_hip_yaw_x.mul_plus(cos[0], -(e4 * sin[0]));
+        let bz_head_pan_y = -e4.mul_plus(cos[0], bz_l_hip_yaw_x * sin[0]);
+        // head_tilt
+        let bx_head_tilt_x = bx_head_pan_x.mul_plus(cos[1], bx_l_hip_roll_y * sin[1]);
+        let bx_head_tilt_y = -bx_l_hip_roll_y.mul_plus(cos[1], -(bx_head_pan_x * sin[1]));
+        let by_head_tilt_x = by_head_pan_x.mul_plus(cos[1], -(e1 * sin[1]));
+        let by_head_tilt_y = e1.mul_plus(cos[1], by_head_pan_x * sin[1]);
+        let bz_head_tilt_x = bz_head_pan_x.mul_plus(cos[1], bz_l_hip_roll_y * sin[1]);
+        let bz_head_tilt_y = -bz_l_hip_roll_y.mul_plus(cos[1], -(bz_head_pan_x * sin[1]));
+        // l_sho_pitch
+        let bx_l_sho_pitch_x = bx_l_hip_yaw_x.mul_plus(cos[8], -(bx_l_hip_roll_y * sin[8]));
+        let bx_l_sho_pitch_y = bx_l_hip_roll_y.mul_plus(cos[8], bx_l_hip_yaw_x * sin[8]);
+        let by_l_sho_pitch_x = by_l_hip_yaw_x.mul_plus(cos[8], e1 * sin[8]);
+        let by_l_sho_pitch_y = by_l_hip_yaw_x.mul_plus(sin[8], -(e1 * cos[8]));
+        let bz_l_sho_pitch_x = bz_l_hip_yaw_x.mul_plus(cos[8], -(bz_l_hip_roll_y * sin[8]));
+        let bz_l_sho_pitch_y = bz_l_hip_roll_y.mul_plus(cos[8], bz_l_hip_yaw_x * sin[8]);
+        // l_sho_roll
+        let s_l_sho_roll = sin[9]
+            .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * cos[9]));
+        let c_l_sho_roll = cos[9]
+            .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * sin[9]);
+        let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_plus(s_l_sho_roll, e2 * c_l_sho_roll);
+        let e5 = e2.mul_plus(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
+        let bx_l_sho_roll_y = -e5;
+        let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_plus(s_l_sho_roll, e3 * c_l_sho_roll);
+        let e6 = e3.mul_plus(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
+        let by_l_sho_roll_y = -e6;
+        let bz_l_sho_roll_x = -bz_l_sho_pitch_y.mul_plus(s_l_sho_roll, e4 * c_l_sho_roll);
+        let e7 = e4.mul_plus(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
+        let bz_l_sho_roll_y = -e7;
+        // l_el
+        let bx_l_el_x = bx_l_sho_pitch_x.mul_plus(sin[10], -(e5 * cos[10]));
+        let bx_l_el_y = -bx_l_sho_pitch_x.mul_plus(cos[10], e5 * sin[10]);
+        let by_l_el_x = by_l_sho_pitch_x.mul_plus(sin[10], -(e6 * cos[10]));
+        let by_l_el_y = -by_l_sho_pitch_x.mul_plus(cos[10], e6 * sin[10]);
+        let bz_l_el_x = bz_l_sho_pitch_x.mul_plus(sin[10], -(e7 * cos[10]));
+        let bz_l_el_y = -bz_l_sho_pitch_x.mul_plus(cos[10], e7 * sin[10]);
+        // r_hip_yaw
+        let bx_r_hip_yaw_x = bx_l_hip_yaw_x.mul_plus(cos[11], e2 * sin[11]);
+        let bx_r_hip_yaw_y = bx_l_hip_yaw_x.mul_plus(sin[11], -(e2 * cos[11]));
+        let by_r_hip_yaw_x = by_l_hip_yaw_x.mul_plus(cos[11], e3 * sin[11]);
+        let by_r_hip_yaw_y = by_l_hip_yaw_x.mul_plus(sin[11], -(e3 * cos[11]));
+        let bz_r_hip_yaw_x = bz_l_hip_yaw_x.mul_plus(cos[11], e4 * sin[11]);
+        let bz_r_hip_yaw_y = bz_l_hip_yaw_x.mul_plus(sin[11], -(e4 * cos[11]));
+        // r_hip_roll
+        let bx_r_hip_roll_x = bx_r_hip_yaw_y.mul_plus(cos[12], -(bx_l_hip_roll_y * sin[12]));
+        let bx_r_hip_roll_y = bx_l_hip_roll_y.mul_plus(cos[12], bx_r_hip_yaw_y * sin[12]);
+        let by_r_hip_roll_x = by_r_hip_yaw_y.mul_plus(cos[12], e1 * sin[12]);
+        let by_r_hip_roll_y = by_r_hip_yaw_y.mul_plus(sin[12], -(e1 * cos[12]));
+        let bz_r_hip_roll_x = bz_r_hip_yaw_y.mul_plus(cos[12], -(bz_l_hip_roll_y * sin[12]));
+        let bz_r_hip_roll_y = bz_l_hip_roll_y.mul_plus(cos[12], bz_r_hip_yaw_y * sin[12]);
+        // r_hip_pitch
+        let bx_r_hip_pitch_x = bx_r_hip_yaw_x.mul_plus(cos[13], -(bx_r_hip_roll_y * sin[13]));
+        let bx_r_hip_pitch_y = bx_r_hip_yaw_x.mul_plus(sin[13], bx_r_hip_roll_y * cos[13]);
+        let by_r_hip_pitch_x = by_r_hip_yaw_x.mul_plus(cos[13], -(by_r_hip_roll_y * sin[13]));
+        let by_r_hip_pitch_y = by_r_hip_yaw_x.mul_plus(sin[13], by_r_hip_roll_y * cos[13]);
+        let bz_r_hip_pitch_x = bz_r_hip_yaw_x.mul_plus(cos[13], -(bz_r_hip_roll_y * sin[13]));
+        let bz_r_hip_pitch_y = bz_r_hip_yaw_x.mul_plus(sin[13], bz_r_hip_roll_y * cos[13]);
+        // r_knee
+        let bx_r_knee_x = bx_r_hip_pitch_x.mul_plus(cos[14], -(bx_r_hip_pitch_y * sin[14]));
+        let bx_r_knee_y = bx_r_hip_pitch_y.mul_plus(cos[14], bx_r_hip_pitch_x * sin[14]);
+        let by_r_knee_x = by_r_hip_pitch_x.mul_plus(cos[14], -(by_r_hip_pitch_y * sin[14]));
+        let by_r_knee_y = by_r_hip_pitch_y.mul_plus(cos[14], by_r_hip_pitch_x * sin[14]);
+        let bz_r_knee_x = bz_r_hip_pitch_x.mul_plus(cos[14], -(bz_r_hip_pitch_y * sin[14]));
+        let bz_r_knee_y = bz_r_hip_pitch_y.mul_plus(cos[14], bz_r_hip_pitch_x * sin[14]);
+        // r_ank_pitch
+        let bx_r_ank_pitch_x = bx_r_knee_x.mul_plus(cos[15], bx_r_knee_y * sin[15]);
+        let bx_r_ank_pitch_y = bx_r_knee_y.mul_plus(cos[15], -(bx_r_knee_x * sin[15]));
+        let by_r_ank_pitch_x = by_r_knee_x.mul_plus(cos[15], by_r_knee_y * sin[15]);
+        let by_r_ank_pitch_y = by_r_knee_y.mul_plus(cos[15], -(by_r_knee_x * sin[15]));
+        let bz_r_ank_pitch_x = bz_r_knee_x.mul_plus(cos[15], bz_r_knee_y * sin[15]);
+        let bz_r_ank_pitch_y = bz_r_knee_y.mul_plus(cos[15], -(bz_r_knee_x * sin[15]));
+        // r_ank_roll
+        let bx_r_ank_roll_x = bx_r_ank_pitch_y.mul_plus(sin[16], bx_r_hip_roll_x * cos[16]);
+        let bx_r_ank_roll_y = -bx_r_hip_roll_x.mul_plus(sin[16], -(bx_r_ank_pitch_y * cos[16]));
+        let by_r_ank_roll_x = by_r_ank_pitch_y.mul_plus(sin[16], by_r_hip_roll_x * cos[16]);
+        let by_r_ank_roll_y = -by_r_hip_roll_x.mul_plus(sin[16], -(by_r_ank_pitch_y * cos[16]));
+        let bz_r_ank_roll_x = bz_r_ank_pitch_y.mul_plus(sin[16], bz_r_hip_roll_x * cos[16]);
+        let bz_r_ank_roll_y = -bz_r_hip_roll_x.mul_plus(sin[16], -(bz_r_ank_pitch_y * cos[16]));
+        // r_sho_pitch
+        let bx_r_sho_pitch_x = bx_l_hip_yaw_x.mul_plus(cos[17], bx_l_hip_roll_y * sin[17]);
+        let bx_r_sho_pitch_y = bx_l_hip_roll_y.mul_plus(cos[17], -(bx_l_hip_yaw_x * sin[17]));
+        let by_r_sho_pitch_x = by_l_hip_yaw_x.mul_plus(cos[17], -(e1 * sin[17]));
+        let e8 = e1.mul_plus(cos[17], by_l_hip_yaw_x * sin[17]);
+        let by_r_sho_pitch_y = -e8;
+        let bz_r_sho_pitch_x = bz_l_hip_yaw_x.mul_plus(cos[17], bz_l_hip_roll_y * sin[17]);
+        let bz_r_sho_pitch_y = bz_l_hip_roll_y.mul_plus(cos[17], -(bz_l_hip_yaw_x * sin[17]));
+        // r_sho_roll
+        let s_r_sho_roll = sin[18]
+            .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * cos[18]);
+        let c_r_sho_roll = cos[18]
+            .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * sin[18]));
+        let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_plus(s_r_sho_roll, e2 * c_r_sho_roll);
+        let e9 = e2.mul_plus(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
+        let bx_r_sho_roll_y = -e9;
+        let by_r_sho_roll_x = e8.mul_plus(s_r_sho_roll, -(e3 * c_r_sho_roll));
+        let e10 = e3.mul_plus(s_r_sho_roll, e8 * c_r_sho_roll);
+        let by_r_sho_roll_y = -e10;
+        let bz_r_sho_roll_x = -bz_r_sho_pitch_y.mul_plus(s_r_sho_roll, e4 * c_r_sho_roll);
+        let e11 = e4.mul_plus(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
+        let bz_r_sho_roll_y = -e11;
+        // r_el
+        let bx_r_el_x = -e9.mul_plus(cos[19], bx_r_sho_pitch_x * sin[19]);
+        let bx_r_el_y = -bx_r_sho_pitch_x.mul_plus(cos[19], -(e9 * sin[19]));
+        let by_r_el_x = -e10.mul_plus(cos[19], by_r_sho_pitch_x * sin[19]);
+        let by_r_el_y = -by_r_sho_pitch_x.mul_plus(cos[19], -(e10 * sin[19]));
+        let bz_r_el_x = -e11.mul_plus(cos[19], bz_r_sho_pitch_x * sin[19]);
+        let bz_r_el_y = -bz_r_sho_pitch_x.mul_plus(cos[19], -(e11 * sin[19]));
+        let row_x = [
             one,
             zero,
             zero,
@@ -3197,8 +2897,8 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
             bx_r_sho_roll_y,
             bx_r_el_x,
             bx_r_el_y,
-        ],
-        [
+        ];
+        let row_y = [
             zero,
             one,
             zero,
@@ -3242,8 +2942,8 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
             by_r_sho_roll_y,
             by_r_el_x,
             by_r_el_y,
-        ],
-        [
+        ];
+        let row_z = [
             zero,
             zero,
             one,
@@ -3287,150 +2987,125 @@ pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS
             bz_r_sho_roll_y,
             bz_r_el_x,
             bz_r_el_y,
-        ],
-    ]
-}
+        ];
+        [row_x, row_y, row_z]
+    }
 
-/// The x and y rows of the base regressor: CoP = rows · r.
-///
-/// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn regressor_cop_sc<T: Real>(
-    sin: &[T; DOF],
-    cos: &[T; DOF],
-) -> [[T; BASE_PARAMS]; 2] {
-    let zero = T::from_f64(0.0);
-    let one = T::from_f64(1.0);
-    // l_ank_pitch
-    let bx_l_ank_pitch_y = -sin[6];
-    let by_l_ank_pitch_x = sin[7] * sin[6];
-    let by_l_ank_pitch_y = sin[7] * cos[6];
-    // l_knee
-    let bx_l_knee_x = cos[6].mul_plus(cos[5], sin[6] * sin[5]);
-    let bx_l_knee_y = cos[6].mul_plus(sin[5], -(sin[6] * cos[5]));
-    let by_l_knee_x = by_l_ank_pitch_x.mul_plus(cos[5], -(by_l_ank_pitch_y * sin[5]));
-    let by_l_knee_y = by_l_ank_pitch_y.mul_plus(cos[5], by_l_ank_pitch_x * sin[5]);
-    // l_hip_pitch
-    let bx_l_hip_pitch_x = bx_l_knee_x.mul_plus(cos[4], -(bx_l_knee_y * sin[4]));
-    let bx_l_hip_pitch_y = bx_l_knee_y.mul_plus(cos[4], bx_l_knee_x * sin[4]);
-    let by_l_hip_pitch_x = by_l_knee_x.mul_plus(cos[4], -(by_l_knee_y * sin[4]));
-    let by_l_hip_pitch_y = by_l_knee_y.mul_plus(cos[4], by_l_knee_x * sin[4]);
-    // l_hip_roll
-    let bx_l_hip_roll_x = bx_l_hip_pitch_y * sin[3];
-    let bx_l_hip_roll_y = bx_l_hip_pitch_y * cos[3];
-    let by_l_hip_roll_x = by_l_hip_pitch_y.mul_plus(sin[3], cos[7] * cos[3]);
-    let e1 = cos[7].mul_plus(sin[3], -(by_l_hip_pitch_y * cos[3]));
-    let by_l_hip_roll_y = -e1;
-    // l_hip_yaw
-    let bx_l_hip_yaw_x = bx_l_hip_roll_x.mul_plus(sin[2], bx_l_hip_pitch_x * cos[2]);
-    let e2 = bx_l_hip_pitch_x.mul_plus(sin[2], -(bx_l_hip_roll_x * cos[2]));
-    let bx_l_hip_yaw_y = -e2;
-    let by_l_hip_yaw_x = by_l_hip_roll_x.mul_plus(sin[2], by_l_hip_pitch_x * cos[2]);
-    let e3 = by_l_hip_pitch_x.mul_plus(sin[2], -(by_l_hip_roll_x * cos[2]));
-    let by_l_hip_yaw_y = -e3;
-    // head_pan
-    let bx_head_pan_x = bx_l_hip_yaw_x.mul_plus(cos[0], -(e2 * sin[0]));
-    let bx_head_pan_y = -e2.mul_plus(cos[0], bx_l_hip_yaw_x * sin[0]);
-    let by_head_pan_x = by_l_hip_yaw_x.mul_plus(cos[0], -(e3 * sin[0]));
-    let by_head_pan_y = -e3.mul_plus(cos[0], by_l_hip_yaw_x * sin[0]);
-    // head_tilt
-    let bx_head_tilt_x = bx_head_pan_x.mul_plus(cos[1], bx_l_hip_roll_y * sin[1]);
-    let bx_head_tilt_y = -bx_l_hip_roll_y.mul_plus(cos[1], -(bx_head_pan_x * sin[1]));
-    let by_head_tilt_x = by_head_pan_x.mul_plus(cos[1], -(e1 * sin[1]));
-    let by_head_tilt_y = e1.mul_plus(cos[1], by_head_pan_x * sin[1]);
-    // l_sho_pitch
-    let bx_l_sho_pitch_x = bx_l_hip_yaw_x.mul_plus(cos[8], -(bx_l_hip_roll_y * sin[8]));
-    let bx_l_sho_pitch_y = bx_l_hip_roll_y.mul_plus(cos[8], bx_l_hip_yaw_x * sin[8]);
-    let by_l_sho_pitch_x = by_l_hip_yaw_x.mul_plus(cos[8], e1 * sin[8]);
-    let by_l_sho_pitch_y = by_l_hip_yaw_x.mul_plus(sin[8], -(e1 * cos[8]));
-    // l_sho_roll
-    let s_l_sho_roll = sin[9]
-        .mul_plus(
-            T::from_f64(0.707106781467586),
-            -(T::from_f64(0.7071067809055092) * cos[9]),
-        );
-    let c_l_sho_roll = cos[9]
-        .mul_plus(
-            T::from_f64(0.707106781467586),
-            T::from_f64(0.7071067809055092) * sin[9],
-        );
-    let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_plus(s_l_sho_roll, e2 * c_l_sho_roll);
-    let e4 = e2.mul_plus(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
-    let bx_l_sho_roll_y = -e4;
-    let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_plus(s_l_sho_roll, e3 * c_l_sho_roll);
-    let e5 = e3.mul_plus(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
-    let by_l_sho_roll_y = -e5;
-    // l_el
-    let bx_l_el_x = bx_l_sho_pitch_x.mul_plus(sin[10], -(e4 * cos[10]));
-    let bx_l_el_y = -bx_l_sho_pitch_x.mul_plus(cos[10], e4 * sin[10]);
-    let by_l_el_x = by_l_sho_pitch_x.mul_plus(sin[10], -(e5 * cos[10]));
-    let by_l_el_y = -by_l_sho_pitch_x.mul_plus(cos[10], e5 * sin[10]);
-    // r_hip_yaw
-    let bx_r_hip_yaw_x = bx_l_hip_yaw_x.mul_plus(cos[11], e2 * sin[11]);
-    let bx_r_hip_yaw_y = bx_l_hip_yaw_x.mul_plus(sin[11], -(e2 * cos[11]));
-    let by_r_hip_yaw_x = by_l_hip_yaw_x.mul_plus(cos[11], e3 * sin[11]);
-    let by_r_hip_yaw_y = by_l_hip_yaw_x.mul_plus(sin[11], -(e3 * cos[11]));
-    // r_hip_roll
-    let bx_r_hip_roll_x = bx_r_hip_yaw_y.mul_plus(cos[12], -(bx_l_hip_roll_y * sin[12]));
-    let bx_r_hip_roll_y = bx_l_hip_roll_y.mul_plus(cos[12], bx_r_hip_yaw_y * sin[12]);
-    let by_r_hip_roll_x = by_r_hip_yaw_y.mul_plus(cos[12], e1 * sin[12]);
-    let by_r_hip_roll_y = by_r_hip_yaw_y.mul_plus(sin[12], -(e1 * cos[12]));
-    // r_hip_pitch
-    let bx_r_hip_pitch_x = bx_r_hip_yaw_x
-        .mul_plus(cos[13], -(bx_r_hip_roll_y * sin[13]));
-    let bx_r_hip_pitch_y = bx_r_hip_yaw_x.mul_plus(sin[13], bx_r_hip_roll_y * cos[13]);
-    let by_r_hip_pitch_x = by_r_hip_yaw_x
-        .mul_plus(cos[13], -(by_r_hip_roll_y * sin[13]));
-    let by_r_hip_pitch_y = by_r_hip_yaw_x.mul_plus(sin[13], by_r_hip_roll_y * cos[13]);
-    // r_knee
-    let bx_r_knee_x = bx_r_hip_pitch_x.mul_plus(cos[14], -(bx_r_hip_pitch_y * sin[14]));
-    let bx_r_knee_y = bx_r_hip_pitch_y.mul_plus(cos[14], bx_r_hip_pitch_x * sin[14]);
-    let by_r_knee_x = by_r_hip_pitch_x.mul_plus(cos[14], -(by_r_hip_pitch_y * sin[14]));
-    let by_r_knee_y = by_r_hip_pitch_y.mul_plus(cos[14], by_r_hip_pitch_x * sin[14]);
-    // r_ank_pitch
-    let bx_r_ank_pitch_x = bx_r_knee_x.mul_plus(cos[15], bx_r_knee_y * sin[15]);
-    let bx_r_ank_pitch_y = bx_r_knee_y.mul_plus(cos[15], -(bx_r_knee_x * sin[15]));
-    let by_r_ank_pitch_x = by_r_knee_x.mul_plus(cos[15], by_r_knee_y * sin[15]);
-    let by_r_ank_pitch_y = by_r_knee_y.mul_plus(cos[15], -(by_r_knee_x * sin[15]));
-    // r_ank_roll
-    let bx_r_ank_roll_x = bx_r_ank_pitch_y.mul_plus(sin[16], bx_r_hip_roll_x * cos[16]);
-    let bx_r_ank_roll_y = -bx_r_hip_roll_x
-        .mul_plus(sin[16], -(bx_r_ank_pitch_y * cos[16]));
-    let by_r_ank_roll_x = by_r_ank_pitch_y.mul_plus(sin[16], by_r_hip_roll_x * cos[16]);
-    let by_r_ank_roll_y = -by_r_hip_roll_x
-        .mul_plus(sin[16], -(by_r_ank_pitch_y * cos[16]));
-    // r_sho_pitch
-    let bx_r_sho_pitch_x = bx_l_hip_yaw_x.mul_plus(cos[17], bx_l_hip_roll_y * sin[17]);
-    let bx_r_sho_pitch_y = bx_l_hip_roll_y
-        .mul_plus(cos[17], -(bx_l_hip_yaw_x * sin[17]));
-    let by_r_sho_pitch_x = by_l_hip_yaw_x.mul_plus(cos[17], -(e1 * sin[17]));
-    let e6 = e1.mul_plus(cos[17], by_l_hip_yaw_x * sin[17]);
-    let by_r_sho_pitch_y = -e6;
-    // r_sho_roll
-    let s_r_sho_roll = sin[18]
-        .mul_plus(
-            T::from_f64(0.707106781467586),
-            T::from_f64(0.7071067809055092) * cos[18],
-        );
-    let c_r_sho_roll = cos[18]
-        .mul_plus(
-            T::from_f64(0.707106781467586),
-            -(T::from_f64(0.7071067809055092) * sin[18]),
-        );
-    let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_plus(s_r_sho_roll, e2 * c_r_sho_roll);
-    let e7 = e2.mul_plus(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
-    let bx_r_sho_roll_y = -e7;
-    let by_r_sho_roll_x = e6.mul_plus(s_r_sho_roll, -(e3 * c_r_sho_roll));
-    let e8 = e3.mul_plus(s_r_sho_roll, e6 * c_r_sho_roll);
-    let by_r_sho_roll_y = -e8;
-    // r_el
-    let bx_r_el_x = -e7.mul_plus(cos[19], bx_r_sho_pitch_x * sin[19]);
-    let bx_r_el_y = -bx_r_sho_pitch_x.mul_plus(cos[19], -(e7 * sin[19]));
-    let by_r_el_x = -e8.mul_plus(cos[19], by_r_sho_pitch_x * sin[19]);
-    let by_r_el_y = -by_r_sho_pitch_x.mul_plus(cos[19], -(e8 * sin[19]));
-    [
-        [
+    #[inline(always)]
+    fn regressor_cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
+        let zero = T::from_f64(0.0);
+        let one = T::from_f64(1.0);
+        // l_ank_pitch
+        let bx_l_ank_pitch_y = -sin[6];
+        let by_l_ank_pitch_x = sin[7] * sin[6];
+        let by_l_ank_pitch_y = sin[7] * cos[6];
+        // l_knee
+        let bx_l_knee_x = cos[6].mul_plus(cos[5], sin[6] * sin[5]);
+        let bx_l_knee_y = cos[6].mul_plus(sin[5], -(sin[6] * cos[5]));
+        let by_l_knee_x = by_l_ank_pitch_x.mul_plus(cos[5], -(by_l_ank_pitch_y * sin[5]));
+        let by_l_knee_y = by_l_ank_pitch_y.mul_plus(cos[5], by_l_ank_pitch_x * sin[5]);
+        // l_hip_pitch
+        let bx_l_hip_pitch_x = bx_l_knee_x.mul_plus(cos[4], -(bx_l_knee_y * sin[4]));
+        let bx_l_hip_pitch_y = bx_l_knee_y.mul_plus(cos[4], bx_l_knee_x * sin[4]);
+        let by_l_hip_pitch_x = by_l_knee_x.mul_plus(cos[4], -(by_l_knee_y * sin[4]));
+        let by_l_hip_pitch_y = by_l_knee_y.mul_plus(cos[4], by_l_knee_x * sin[4]);
+        // l_hip_roll
+        let bx_l_hip_roll_x = bx_l_hip_pitch_y * sin[3];
+        let bx_l_hip_roll_y = bx_l_hip_pitch_y * cos[3];
+        let by_l_hip_roll_x = by_l_hip_pitch_y.mul_plus(sin[3], cos[7] * cos[3]);
+        let e1 = cos[7].mul_plus(sin[3], -(by_l_hip_pitch_y * cos[3]));
+        let by_l_hip_roll_y = -e1;
+        // l_hip_yaw
+        let bx_l_hip_yaw_x = bx_l_hip_roll_x.mul_plus(sin[2], bx_l_hip_pitch_x * cos[2]);
+        let e2 = bx_l_hip_pitch_x.mul_plus(sin[2], -(bx_l_hip_roll_x * cos[2]));
+        let bx_l_hip_yaw_y = -e2;
+        let by_l_hip_yaw_x = by_l_hip_roll_x.mul_plus(sin[2], by_l_hip_pitch_x * cos[2]);
+        let e3 = by_l_hip_pitch_x.mul_plus(sin[2], -(by_l_hip_roll_x * cos[2]));
+        let by_l_hip_yaw_y = -e3;
+        // head_pan
+        let bx_head_pan_x = bx_l_hip_yaw_x.mul_plus(cos[0], -(e2 * sin[0]));
+        let bx_head_pan_y = -e2.mul_plus(cos[0], bx_l_hip_yaw_x * sin[0]);
+        let by_head_pan_x = by_l_hip_yaw_x.mul_plus(cos[0], -(e3 * sin[0]));
+        let by_head_pan_y = -e3.mul_plus(cos[0], by_l_hip_yaw_x * sin[0]);
+        // head_tilt
+        let bx_head_tilt_x = bx_head_pan_x.mul_plus(cos[1], bx_l_hip_roll_y * sin[1]);
+        let bx_head_tilt_y = -bx_l_hip_roll_y.mul_plus(cos[1], -(bx_head_pan_x * sin[1]));
+        let by_head_tilt_x = by_head_pan_x.mul_plus(cos[1], -(e1 * sin[1]));
+        let by_head_tilt_y = e1.mul_plus(cos[1], by_head_pan_x * sin[1]);
+        // l_sho_pitch
+        let bx_l_sho_pitch_x = bx_l_hip_yaw_x.mul_plus(cos[8], -(bx_l_hip_roll_y * sin[8]));
+        let bx_l_sho_pitch_y = bx_l_hip_roll_y.mul_plus(cos[8], bx_l_hip_yaw_x * sin[8]);
+        let by_l_sho_pitch_x = by_l_hip_yaw_x.mul_plus(cos[8], e1 * sin[8]);
+        let by_l_sho_pitch_y = by_l_hip_yaw_x.mul_plus(sin[8], -(e1 * cos[8]));
+        // l_sho_roll
+        let s_l_sho_roll = sin[9]
+            .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * cos[9]));
+        let c_l_sho_roll = cos[9]
+            .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * sin[9]);
+        let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_plus(s_l_sho_roll, e2 * c_l_sho_roll);
+        let e4 = e2.mul_plus(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
+        let bx_l_sho_roll_y = -e4;
+        let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_plus(s_l_sho_roll, e3 * c_l_sho_roll);
+        let e5 = e3.mul_plus(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
+        let by_l_sho_roll_y = -e5;
+        // l_el
+        let bx_l_el_x = bx_l_sho_pitch_x.mul_plus(sin[10], -(e4 * cos[10]));
+        let bx_l_el_y = -bx_l_sho_pitch_x.mul_plus(cos[10], e4 * sin[10]);
+        let by_l_el_x = by_l_sho_pitch_x.mul_plus(sin[10], -(e5 * cos[10]));
+        let by_l_el_y = -by_l_sho_pitch_x.mul_plus(cos[10], e5 * sin[10]);
+        // r_hip_yaw
+        let bx_r_hip_yaw_x = bx_l_hip_yaw_x.mul_plus(cos[11], e2 * sin[11]);
+        let bx_r_hip_yaw_y = bx_l_hip_yaw_x.mul_plus(sin[11], -(e2 * cos[11]));
+        let by_r_hip_yaw_x = by_l_hip_yaw_x.mul_plus(cos[11], e3 * sin[11]);
+        let by_r_hip_yaw_y = by_l_hip_yaw_x.mul_plus(sin[11], -(e3 * cos[11]));
+        // r_hip_roll
+        let bx_r_hip_roll_x = bx_r_hip_yaw_y.mul_plus(cos[12], -(bx_l_hip_roll_y * sin[12]));
+        let bx_r_hip_roll_y = bx_l_hip_roll_y.mul_plus(cos[12], bx_r_hip_yaw_y * sin[12]);
+        let by_r_hip_roll_x = by_r_hip_yaw_y.mul_plus(cos[12], e1 * sin[12]);
+        let by_r_hip_roll_y = by_r_hip_yaw_y.mul_plus(sin[12], -(e1 * cos[12]));
+        // r_hip_pitch
+        let bx_r_hip_pitch_x = bx_r_hip_yaw_x.mul_plus(cos[13], -(bx_r_hip_roll_y * sin[13]));
+        let bx_r_hip_pitch_y = bx_r_hip_yaw_x.mul_plus(sin[13], bx_r_hip_roll_y * cos[13]);
+        let by_r_hip_pitch_x = by_r_hip_yaw_x.mul_plus(cos[13], -(by_r_hip_roll_y * sin[13]));
+        let by_r_hip_pitch_y = by_r_hip_yaw_x.mul_plus(sin[13], by_r_hip_roll_y * cos[13]);
+        // r_knee
+        let bx_r_knee_x = bx_r_hip_pitch_x.mul_plus(cos[14], -(bx_r_hip_pitch_y * sin[14]));
+        let bx_r_knee_y = bx_r_hip_pitch_y.mul_plus(cos[14], bx_r_hip_pitch_x * sin[14]);
+        let by_r_knee_x = by_r_hip_pitch_x.mul_plus(cos[14], -(by_r_hip_pitch_y * sin[14]));
+        let by_r_knee_y = by_r_hip_pitch_y.mul_plus(cos[14], by_r_hip_pitch_x * sin[14]);
+        // r_ank_pitch
+        let bx_r_ank_pitch_x = bx_r_knee_x.mul_plus(cos[15], bx_r_knee_y * sin[15]);
+        let bx_r_ank_pitch_y = bx_r_knee_y.mul_plus(cos[15], -(bx_r_knee_x * sin[15]));
+        let by_r_ank_pitch_x = by_r_knee_x.mul_plus(cos[15], by_r_knee_y * sin[15]);
+        let by_r_ank_pitch_y = by_r_knee_y.mul_plus(cos[15], -(by_r_knee_x * sin[15]));
+        // r_ank_roll
+        let bx_r_ank_roll_x = bx_r_ank_pitch_y.mul_plus(sin[16], bx_r_hip_roll_x * cos[16]);
+        let bx_r_ank_roll_y = -bx_r_hip_roll_x.mul_plus(sin[16], -(bx_r_ank_pitch_y * cos[16]));
+        let by_r_ank_roll_x = by_r_ank_pitch_y.mul_plus(sin[16], by_r_hip_roll_x * cos[16]);
+        let by_r_ank_roll_y = -by_r_hip_roll_x.mul_plus(sin[16], -(by_r_ank_pitch_y * cos[16]));
+        // r_sho_pitch
+        let bx_r_sho_pitch_x = bx_l_hip_yaw_x.mul_plus(cos[17], bx_l_hip_roll_y * sin[17]);
+        let bx_r_sho_pitch_y = bx_l_hip_roll_y.mul_plus(cos[17], -(bx_l_hip_yaw_x * sin[17]));
+        let by_r_sho_pitch_x = by_l_hip_yaw_x.mul_plus(cos[17], -(e1 * sin[17]));
+        let e6 = e1.mul_plus(cos[17], by_l_hip_yaw_x * sin[17]);
+        let by_r_sho_pitch_y = -e6;
+        // r_sho_roll
+        let s_r_sho_roll = sin[18]
+            .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * cos[18]);
+        let c_r_sho_roll = cos[18]
+            .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * sin[18]));
+        let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_plus(s_r_sho_roll, e2 * c_r_sho_roll);
+        let e7 = e2.mul_plus(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
+        let bx_r_sho_roll_y = -e7;
+        let by_r_sho_roll_x = e6.mul_plus(s_r_sho_roll, -(e3 * c_r_sho_roll));
+        let e8 = e3.mul_plus(s_r_sho_roll, e6 * c_r_sho_roll);
+        let by_r_sho_roll_y = -e8;
+        // r_el
+        let bx_r_el_x = -e7.mul_plus(cos[19], bx_r_sho_pitch_x * sin[19]);
+        let bx_r_el_y = -bx_r_sho_pitch_x.mul_plus(cos[19], -(e7 * sin[19]));
+        let by_r_el_x = -e8.mul_plus(cos[19], by_r_sho_pitch_x * sin[19]);
+        let by_r_el_y = -by_r_sho_pitch_x.mul_plus(cos[19], -(e8 * sin[19]));
+        let row_x = [
             one,
             zero,
             zero,
@@ -3474,8 +3149,8 @@ pub fn regressor_cop_sc<T: Real>(
             bx_r_sho_roll_y,
             bx_r_el_x,
             bx_r_el_y,
-        ],
-        [
+        ];
+        let row_y = [
             zero,
             one,
             zero,
@@ -3519,196 +3194,168 @@ pub fn regressor_cop_sc<T: Real>(
             by_r_sho_roll_y,
             by_r_el_x,
             by_r_el_y,
-        ],
-    ]
-}
+        ];
+        [row_x, row_y]
+    }
 
-/// Rows [B_0 B_1 …] of the full regressor, seed paper Eq. (5), in link frames.
-///
-/// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn regressor_full_sc<T: Real>(
-    sin: &[T; DOF],
-    cos: &[T; DOF],
-) -> [[T; FULL_PARAMS]; 3] {
-    let zero = T::from_f64(0.0);
-    let one = T::from_f64(1.0);
-    // l_ank_roll
-    let bz_l_ank_roll_x = -sin[7];
-    // l_ank_pitch
-    let bx_l_ank_pitch_y = -sin[6];
-    let by_l_ank_pitch_x = sin[7] * sin[6];
-    let by_l_ank_pitch_y = sin[7] * cos[6];
-    let bz_l_ank_pitch_x = cos[7] * sin[6];
-    let bz_l_ank_pitch_y = cos[7] * cos[6];
-    // l_knee
-    let bx_l_knee_x = cos[6].mul_plus(cos[5], sin[6] * sin[5]);
-    let bx_l_knee_y = cos[6].mul_plus(sin[5], -(sin[6] * cos[5]));
-    let by_l_knee_x = by_l_ank_pitch_x.mul_plus(cos[5], -(by_l_ank_pitch_y * sin[5]));
-    let by_l_knee_y = by_l_ank_pitch_y.mul_plus(cos[5], by_l_ank_pitch_x * sin[5]);
-    let bz_l_knee_x = bz_l_ank_pitch_x.mul_plus(cos[5], -(bz_l_ank_pitch_y * sin[5]));
-    let bz_l_knee_y = bz_l_ank_pitch_y.mul_plus(cos[5], bz_l_ank_pitch_x * sin[5]);
-    // l_hip_pitch
-    let bx_l_hip_pitch_x = bx_l_knee_x.mul_plus(cos[4], -(bx_l_knee_y * sin[4]));
-    let bx_l_hip_pitch_y = bx_l_knee_y.mul_plus(cos[4], bx_l_knee_x * sin[4]);
-    let by_l_hip_pitch_x = by_l_knee_x.mul_plus(cos[4], -(by_l_knee_y * sin[4]));
-    let by_l_hip_pitch_y = by_l_knee_y.mul_plus(cos[4], by_l_knee_x * sin[4]);
-    let bz_l_hip_pitch_x = bz_l_knee_x.mul_plus(cos[4], -(bz_l_knee_y * sin[4]));
-    let bz_l_hip_pitch_y = bz_l_knee_y.mul_plus(cos[4], bz_l_knee_x * sin[4]);
-    // l_hip_roll
-    let bx_l_hip_roll_x = bx_l_hip_pitch_y * sin[3];
-    let bx_l_hip_roll_y = bx_l_hip_pitch_y * cos[3];
-    let by_l_hip_roll_x = by_l_hip_pitch_y.mul_plus(sin[3], cos[7] * cos[3]);
-    let e1 = cos[7].mul_plus(sin[3], -(by_l_hip_pitch_y * cos[3]));
-    let by_l_hip_roll_y = -e1;
-    let bz_l_hip_roll_x = bz_l_hip_pitch_y.mul_plus(sin[3], -(sin[7] * cos[3]));
-    let bz_l_hip_roll_y = sin[7].mul_plus(sin[3], bz_l_hip_pitch_y * cos[3]);
-    // l_hip_yaw
-    let bx_l_hip_yaw_x = bx_l_hip_roll_x.mul_plus(sin[2], bx_l_hip_pitch_x * cos[2]);
-    let e2 = bx_l_hip_pitch_x.mul_plus(sin[2], -(bx_l_hip_roll_x * cos[2]));
-    let bx_l_hip_yaw_y = -e2;
-    let by_l_hip_yaw_x = by_l_hip_roll_x.mul_plus(sin[2], by_l_hip_pitch_x * cos[2]);
-    let e3 = by_l_hip_pitch_x.mul_plus(sin[2], -(by_l_hip_roll_x * cos[2]));
-    let by_l_hip_yaw_y = -e3;
-    let bz_l_hip_yaw_x = bz_l_hip_roll_x.mul_plus(sin[2], bz_l_hip_pitch_x * cos[2]);
-    let e4 = bz_l_hip_pitch_x.mul_plus(sin[2], -(bz_l_hip_roll_x * cos[2]));
-    let bz_l_hip_yaw_y = -e4;
-    // head_pan
-    let bx_head_pan_x = bx_l_hip_yaw_x.mul_plus(cos[0], -(e2 * sin[0]));
-    let bx_head_pan_y = -e2.mul_plus(cos[0], bx_l_hip_yaw_x * sin[0]);
-    let by_head_pan_x = by_l_hip_yaw_x.mul_plus(cos[0], -(e3 * sin[0]));
-    let by_head_pan_y = -e3.mul_plus(cos[0], by_l_hip_yaw_x * sin[0]);
-    let bz_head_pan_x = bz_l_hip_yaw_x.mul_plus(cos[0], -(e4 * sin[0]));
-    let bz_head_pan_y = -e4.mul_plus(cos[0], bz_l_hip_yaw_x * sin[0]);
-    // head_tilt
-    let bx_head_tilt_x = bx_head_pan_x.mul_plus(cos[1], bx_l_hip_roll_y * sin[1]);
-    let e5 = bx_l_hip_roll_y.mul_plus(cos[1], -(bx_head_pan_x * sin[1]));
-    let by_head_tilt_x = by_head_pan_x.mul_plus(cos[1], -(e1 * sin[1]));
-    let by_head_tilt_y = e1.mul_plus(cos[1], by_head_pan_x * sin[1]);
-    let bz_head_tilt_x = bz_head_pan_x.mul_plus(cos[1], bz_l_hip_roll_y * sin[1]);
-    let e6 = bz_l_hip_roll_y.mul_plus(cos[1], -(bz_head_pan_x * sin[1]));
-    // l_sho_pitch
-    let bx_l_sho_pitch_x = bx_l_hip_yaw_x.mul_plus(cos[8], -(bx_l_hip_roll_y * sin[8]));
-    let bx_l_sho_pitch_y = bx_l_hip_roll_y.mul_plus(cos[8], bx_l_hip_yaw_x * sin[8]);
-    let by_l_sho_pitch_x = by_l_hip_yaw_x.mul_plus(cos[8], e1 * sin[8]);
-    let by_l_sho_pitch_y = by_l_hip_yaw_x.mul_plus(sin[8], -(e1 * cos[8]));
-    let bz_l_sho_pitch_x = bz_l_hip_yaw_x.mul_plus(cos[8], -(bz_l_hip_roll_y * sin[8]));
-    let bz_l_sho_pitch_y = bz_l_hip_roll_y.mul_plus(cos[8], bz_l_hip_yaw_x * sin[8]);
-    // l_sho_roll
-    let s_l_sho_roll = sin[9]
-        .mul_plus(
-            T::from_f64(0.707106781467586),
-            -(T::from_f64(0.7071067809055092) * cos[9]),
-        );
-    let c_l_sho_roll = cos[9]
-        .mul_plus(
-            T::from_f64(0.707106781467586),
-            T::from_f64(0.7071067809055092) * sin[9],
-        );
-    let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_plus(s_l_sho_roll, e2 * c_l_sho_roll);
-    let e7 = e2.mul_plus(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
-    let bx_l_sho_roll_y = -e7;
-    let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_plus(s_l_sho_roll, e3 * c_l_sho_roll);
-    let e8 = e3.mul_plus(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
-    let by_l_sho_roll_y = -e8;
-    let bz_l_sho_roll_x = -bz_l_sho_pitch_y.mul_plus(s_l_sho_roll, e4 * c_l_sho_roll);
-    let e9 = e4.mul_plus(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
-    let bz_l_sho_roll_y = -e9;
-    // l_el
-    let bx_l_el_x = bx_l_sho_pitch_x.mul_plus(sin[10], -(e7 * cos[10]));
-    let bx_l_el_y = -bx_l_sho_pitch_x.mul_plus(cos[10], e7 * sin[10]);
-    let by_l_el_x = by_l_sho_pitch_x.mul_plus(sin[10], -(e8 * cos[10]));
-    let by_l_el_y = -by_l_sho_pitch_x.mul_plus(cos[10], e8 * sin[10]);
-    let bz_l_el_x = bz_l_sho_pitch_x.mul_plus(sin[10], -(e9 * cos[10]));
-    let bz_l_el_y = -bz_l_sho_pitch_x.mul_plus(cos[10], e9 * sin[10]);
-    // r_hip_yaw
-    let bx_r_hip_yaw_x = bx_l_hip_yaw_x.mul_plus(cos[11], e2 * sin[11]);
-    let bx_r_hip_yaw_y = bx_l_hip_yaw_x.mul_plus(sin[11], -(e2 * cos[11]));
-    let by_r_hip_yaw_x = by_l_hip_yaw_x.mul_plus(cos[11], e3 * sin[11]);
-    let by_r_hip_yaw_y = by_l_hip_yaw_x.mul_plus(sin[11], -(e3 * cos[11]));
-    let bz_r_hip_yaw_x = bz_l_hip_yaw_x.mul_plus(cos[11], e4 * sin[11]);
-    let bz_r_hip_yaw_y = bz_l_hip_yaw_x.mul_plus(sin[11], -(e4 * cos[11]));
-    // r_hip_roll
-    let bx_r_hip_roll_x = bx_r_hip_yaw_y.mul_plus(cos[12], -(bx_l_hip_roll_y * sin[12]));
-    let bx_r_hip_roll_y = bx_l_hip_roll_y.mul_plus(cos[12], bx_r_hip_yaw_y * sin[12]);
-    let by_r_hip_roll_x = by_r_hip_yaw_y.mul_plus(cos[12], e1 * sin[12]);
-    let by_r_hip_roll_y = by_r_hip_yaw_y.mul_plus(sin[12], -(e1 * cos[12]));
-    let bz_r_hip_roll_x = bz_r_hip_yaw_y.mul_plus(cos[12], -(bz_l_hip_roll_y * sin[12]));
-    let bz_r_hip_roll_y = bz_l_hip_roll_y.mul_plus(cos[12], bz_r_hip_yaw_y * sin[12]);
-    // r_hip_pitch
-    let bx_r_hip_pitch_x = bx_r_hip_yaw_x
-        .mul_plus(cos[13], -(bx_r_hip_roll_y * sin[13]));
-    let bx_r_hip_pitch_y = bx_r_hip_yaw_x.mul_plus(sin[13], bx_r_hip_roll_y * cos[13]);
-    let by_r_hip_pitch_x = by_r_hip_yaw_x
-        .mul_plus(cos[13], -(by_r_hip_roll_y * sin[13]));
-    let by_r_hip_pitch_y = by_r_hip_yaw_x.mul_plus(sin[13], by_r_hip_roll_y * cos[13]);
-    let bz_r_hip_pitch_x = bz_r_hip_yaw_x
-        .mul_plus(cos[13], -(bz_r_hip_roll_y * sin[13]));
-    let bz_r_hip_pitch_y = bz_r_hip_yaw_x.mul_plus(sin[13], bz_r_hip_roll_y * cos[13]);
-    // r_knee
-    let bx_r_knee_x = bx_r_hip_pitch_x.mul_plus(cos[14], -(bx_r_hip_pitch_y * sin[14]));
-    let bx_r_knee_y = bx_r_hip_pitch_y.mul_plus(cos[14], bx_r_hip_pitch_x * sin[14]);
-    let by_r_knee_x = by_r_hip_pitch_x.mul_plus(cos[14], -(by_r_hip_pitch_y * sin[14]));
-    let by_r_knee_y = by_r_hip_pitch_y.mul_plus(cos[14], by_r_hip_pitch_x * sin[14]);
-    let bz_r_knee_x = bz_r_hip_pitch_x.mul_plus(cos[14], -(bz_r_hip_pitch_y * sin[14]));
-    let bz_r_knee_y = bz_r_hip_pitch_y.mul_plus(cos[14], bz_r_hip_pitch_x * sin[14]);
-    // r_ank_pitch
-    let bx_r_ank_pitch_x = bx_r_knee_x.mul_plus(cos[15], bx_r_knee_y * sin[15]);
-    let bx_r_ank_pitch_y = bx_r_knee_y.mul_plus(cos[15], -(bx_r_knee_x * sin[15]));
-    let by_r_ank_pitch_x = by_r_knee_x.mul_plus(cos[15], by_r_knee_y * sin[15]);
-    let by_r_ank_pitch_y = by_r_knee_y.mul_plus(cos[15], -(by_r_knee_x * sin[15]));
-    let bz_r_ank_pitch_x = bz_r_knee_x.mul_plus(cos[15], bz_r_knee_y * sin[15]);
-    let bz_r_ank_pitch_y = bz_r_knee_y.mul_plus(cos[15], -(bz_r_knee_x * sin[15]));
-    // r_ank_roll
-    let bx_r_ank_roll_x = bx_r_ank_pitch_y.mul_plus(sin[16], bx_r_hip_roll_x * cos[16]);
-    let bx_r_ank_roll_y = -bx_r_hip_roll_x
-        .mul_plus(sin[16], -(bx_r_ank_pitch_y * cos[16]));
-    let by_r_ank_roll_x = by_r_ank_pitch_y.mul_plus(sin[16], by_r_hip_roll_x * cos[16]);
-    let by_r_ank_roll_y = -by_r_hip_roll_x
-        .mul_plus(sin[16], -(by_r_ank_pitch_y * cos[16]));
-    let bz_r_ank_roll_x = bz_r_ank_pitch_y.mul_plus(sin[16], bz_r_hip_roll_x * cos[16]);
-    let bz_r_ank_roll_y = -bz_r_hip_roll_x
-        .mul_plus(sin[16], -(bz_r_ank_pitch_y * cos[16]));
-    // r_sho_pitch
-    let bx_r_sho_pitch_x = bx_l_hip_yaw_x.mul_plus(cos[17], bx_l_hip_roll_y * sin[17]);
-    let bx_r_sho_pitch_y = bx_l_hip_roll_y
-        .mul_plus(cos[17], -(bx_l_hip_yaw_x * sin[17]));
-    let by_r_sho_pitch_x = by_l_hip_yaw_x.mul_plus(cos[17], -(e1 * sin[17]));
-    let e10 = e1.mul_plus(cos[17], by_l_hip_yaw_x * sin[17]);
-    let by_r_sho_pitch_y = -e10;
-    let bz_r_sho_pitch_x = bz_l_hip_yaw_x.mul_plus(cos[17], bz_l_hip_roll_y * sin[17]);
-    let bz_r_sho_pitch_y = bz_l_hip_roll_y
-        .mul_plus(cos[17], -(bz_l_hip_yaw_x * sin[17]));
-    // r_sho_roll
-    let s_r_sho_roll = sin[18]
-        .mul_plus(
-            T::from_f64(0.707106781467586),
-            T::from_f64(0.7071067809055092) * cos[18],
-        );
-    let c_r_sho_roll = cos[18]
-        .mul_plus(
-            T::from_f64(0.707106781467586),
-            -(T::from_f64(0.7071067809055092) * sin[18]),
-        );
-    let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_plus(s_r_sho_roll, e2 * c_r_sho_roll);
-    let e11 = e2.mul_plus(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
-    let bx_r_sho_roll_y = -e11;
-    let by_r_sho_roll_x = e10.mul_plus(s_r_sho_roll, -(e3 * c_r_sho_roll));
-    let e12 = e3.mul_plus(s_r_sho_roll, e10 * c_r_sho_roll);
-    let by_r_sho_roll_y = -e12;
-    let bz_r_sho_roll_x = -bz_r_sho_pitch_y.mul_plus(s_r_sho_roll, e4 * c_r_sho_roll);
-    let e13 = e4.mul_plus(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
-    let bz_r_sho_roll_y = -e13;
-    // r_el
-    let bx_r_el_x = -e11.mul_plus(cos[19], bx_r_sho_pitch_x * sin[19]);
-    let bx_r_el_y = -bx_r_sho_pitch_x.mul_plus(cos[19], -(e11 * sin[19]));
-    let by_r_el_x = -e12.mul_plus(cos[19], by_r_sho_pitch_x * sin[19]);
-    let by_r_el_y = -by_r_sho_pitch_x.mul_plus(cos[19], -(e12 * sin[19]));
-    let bz_r_el_x = -e13.mul_plus(cos[19], bz_r_sho_pitch_x * sin[19]);
-    let bz_r_el_y = -bz_r_sho_pitch_x.mul_plus(cos[19], -(e13 * sin[19]));
-    [
-        [
+    #[inline(always)]
+    fn regressor_full_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
+        let zero = T::from_f64(0.0);
+        let one = T::from_f64(1.0);
+        // l_ank_roll
+        let bz_l_ank_roll_x = -sin[7];
+        // l_ank_pitch
+        let bx_l_ank_pitch_y = -sin[6];
+        let by_l_ank_pitch_x = sin[7] * sin[6];
+        let by_l_ank_pitch_y = sin[7] * cos[6];
+        let bz_l_ank_pitch_x = cos[7] * sin[6];
+        let bz_l_ank_pitch_y = cos[7] * cos[6];
+        // l_knee
+        let bx_l_knee_x = cos[6].mul_plus(cos[5], sin[6] * sin[5]);
+        let bx_l_knee_y = cos[6].mul_plus(sin[5], -(sin[6] * cos[5]));
+        let by_l_knee_x = by_l_ank_pitch_x.mul_plus(cos[5], -(by_l_ank_pitch_y * sin[5]));
+        let by_l_knee_y = by_l_ank_pitch_y.mul_plus(cos[5], by_l_ank_pitch_x * sin[5]);
+        let bz_l_knee_x = bz_l_ank_pitch_x.mul_plus(cos[5], -(bz_l_ank_pitch_y * sin[5]));
+        let bz_l_knee_y = bz_l_ank_pitch_y.mul_plus(cos[5], bz_l_ank_pitch_x * sin[5]);
+        // l_hip_pitch
+        let bx_l_hip_pitch_x = bx_l_knee_x.mul_plus(cos[4], -(bx_l_knee_y * sin[4]));
+        let bx_l_hip_pitch_y = bx_l_knee_y.mul_plus(cos[4], bx_l_knee_x * sin[4]);
+        let by_l_hip_pitch_x = by_l_knee_x.mul_plus(cos[4], -(by_l_knee_y * sin[4]));
+        let by_l_hip_pitch_y = by_l_knee_y.mul_plus(cos[4], by_l_knee_x * sin[4]);
+        let bz_l_hip_pitch_x = bz_l_knee_x.mul_plus(cos[4], -(bz_l_knee_y * sin[4]));
+        let bz_l_hip_pitch_y = bz_l_knee_y.mul_plus(cos[4], bz_l_knee_x * sin[4]);
+        // l_hip_roll
+        let bx_l_hip_roll_x = bx_l_hip_pitch_y * sin[3];
+        let bx_l_hip_roll_y = bx_l_hip_pitch_y * cos[3];
+        let by_l_hip_roll_x = by_l_hip_pitch_y.mul_plus(sin[3], cos[7] * cos[3]);
+        let e1 = cos[7].mul_plus(sin[3], -(by_l_hip_pitch_y * cos[3]));
+        let by_l_hip_roll_y = -e1;
+        let bz_l_hip_roll_x = bz_l_hip_pitch_y.mul_plus(sin[3], -(sin[7] * cos[3]));
+        let bz_l_hip_roll_y = sin[7].mul_plus(sin[3], bz_l_hip_pitch_y * cos[3]);
+        // l_hip_yaw
+        let bx_l_hip_yaw_x = bx_l_hip_roll_x.mul_plus(sin[2], bx_l_hip_pitch_x * cos[2]);
+        let e2 = bx_l_hip_pitch_x.mul_plus(sin[2], -(bx_l_hip_roll_x * cos[2]));
+        let bx_l_hip_yaw_y = -e2;
+        let by_l_hip_yaw_x = by_l_hip_roll_x.mul_plus(sin[2], by_l_hip_pitch_x * cos[2]);
+        let e3 = by_l_hip_pitch_x.mul_plus(sin[2], -(by_l_hip_roll_x * cos[2]));
+        let by_l_hip_yaw_y = -e3;
+        let bz_l_hip_yaw_x = bz_l_hip_roll_x.mul_plus(sin[2], bz_l_hip_pitch_x * cos[2]);
+        let e4 = bz_l_hip_pitch_x.mul_plus(sin[2], -(bz_l_hip_roll_x * cos[2]));
+        let bz_l_hip_yaw_y = -e4;
+        // head_pan
+        let bx_head_pan_x = bx_l_hip_yaw_x.mul_plus(cos[0], -(e2 * sin[0]));
+        let bx_head_pan_y = -e2.mul_plus(cos[0], bx_l_hip_yaw_x * sin[0]);
+        let by_head_pan_x = by_l_hip_yaw_x.mul_plus(cos[0], -(e3 * sin[0]));
+        let by_head_pan_y = -e3.mul_plus(cos[0], by_l_hip_yaw_x * sin[0]);
+        let bz_head_pan_x = bz_l_hip_yaw_x.mul_plus(cos[0], -(e4 * sin[0]));
+        let bz_head_pan_y = -e4.mul_plus(cos[0], bz_l_hip_yaw_x * sin[0]);
+        // head_tilt
+        let bx_head_tilt_x = bx_head_pan_x.mul_plus(cos[1], bx_l_hip_roll_y * sin[1]);
+        let e5 = bx_l_hip_roll_y.mul_plus(cos[1], -(bx_head_pan_x * sin[1]));
+        let by_head_tilt_x = by_head_pan_x.mul_plus(cos[1], -(e1 * sin[1]));
+        let by_head_tilt_y = e1.mul_plus(cos[1], by_head_pan_x * sin[1]);
+        let bz_head_tilt_x = bz_head_pan_x.mul_plus(cos[1], bz_l_hip_roll_y * sin[1]);
+        let e6 = bz_l_hip_roll_y.mul_plus(cos[1], -(bz_head_pan_x * sin[1]));
+        // l_sho_pitch
+        let bx_l_sho_pitch_x = bx_l_hip_yaw_x.mul_plus(cos[8], -(bx_l_hip_roll_y * sin[8]));
+        let bx_l_sho_pitch_y = bx_l_hip_roll_y.mul_plus(cos[8], bx_l_hip_yaw_x * sin[8]);
+        let by_l_sho_pitch_x = by_l_hip_yaw_x.mul_plus(cos[8], e1 * sin[8]);
+        let by_l_sho_pitch_y = by_l_hip_yaw_x.mul_plus(sin[8], -(e1 * cos[8]));
+        let bz_l_sho_pitch_x = bz_l_hip_yaw_x.mul_plus(cos[8], -(bz_l_hip_roll_y * sin[8]));
+        let bz_l_sho_pitch_y = bz_l_hip_roll_y.mul_plus(cos[8], bz_l_hip_yaw_x * sin[8]);
+        // l_sho_roll
+        let s_l_sho_roll = sin[9]
+            .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * cos[9]));
+        let c_l_sho_roll = cos[9]
+            .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * sin[9]);
+        let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_plus(s_l_sho_roll, e2 * c_l_sho_roll);
+        let e7 = e2.mul_plus(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
+        let bx_l_sho_roll_y = -e7;
+        let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_plus(s_l_sho_roll, e3 * c_l_sho_roll);
+        let e8 = e3.mul_plus(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
+        let by_l_sho_roll_y = -e8;
+        let bz_l_sho_roll_x = -bz_l_sho_pitch_y.mul_plus(s_l_sho_roll, e4 * c_l_sho_roll);
+        let e9 = e4.mul_plus(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
+        let bz_l_sho_roll_y = -e9;
+        // l_el
+        let bx_l_el_x = bx_l_sho_pitch_x.mul_plus(sin[10], -(e7 * cos[10]));
+        let bx_l_el_y = -bx_l_sho_pitch_x.mul_plus(cos[10], e7 * sin[10]);
+        let by_l_el_x = by_l_sho_pitch_x.mul_plus(sin[10], -(e8 * cos[10]));
+        let by_l_el_y = -by_l_sho_pitch_x.mul_plus(cos[10], e8 * sin[10]);
+        let bz_l_el_x = bz_l_sho_pitch_x.mul_plus(sin[10], -(e9 * cos[10]));
+        let bz_l_el_y = -bz_l_sho_pitch_x.mul_plus(cos[10], e9 * sin[10]);
+        // r_hip_yaw
+        let bx_r_hip_yaw_x = bx_l_hip_yaw_x.mul_plus(cos[11], e2 * sin[11]);
+        let bx_r_hip_yaw_y = bx_l_hip_yaw_x.mul_plus(sin[11], -(e2 * cos[11]));
+        let by_r_hip_yaw_x = by_l_hip_yaw_x.mul_plus(cos[11], e3 * sin[11]);
+        let by_r_hip_yaw_y = by_l_hip_yaw_x.mul_plus(sin[11], -(e3 * cos[11]));
+        let bz_r_hip_yaw_x = bz_l_hip_yaw_x.mul_plus(cos[11], e4 * sin[11]);
+        let bz_r_hip_yaw_y = bz_l_hip_yaw_x.mul_plus(sin[11], -(e4 * cos[11]));
+        // r_hip_roll
+        let bx_r_hip_roll_x = bx_r_hip_yaw_y.mul_plus(cos[12], -(bx_l_hip_roll_y * sin[12]));
+        let bx_r_hip_roll_y = bx_l_hip_roll_y.mul_plus(cos[12], bx_r_hip_yaw_y * sin[12]);
+        let by_r_hip_roll_x = by_r_hip_yaw_y.mul_plus(cos[12], e1 * sin[12]);
+        let by_r_hip_roll_y = by_r_hip_yaw_y.mul_plus(sin[12], -(e1 * cos[12]));
+        let bz_r_hip_roll_x = bz_r_hip_yaw_y.mul_plus(cos[12], -(bz_l_hip_roll_y * sin[12]));
+        let bz_r_hip_roll_y = bz_l_hip_roll_y.mul_plus(cos[12], bz_r_hip_yaw_y * sin[12]);
+        // r_hip_pitch
+        let bx_r_hip_pitch_x = bx_r_hip_yaw_x.mul_plus(cos[13], -(bx_r_hip_roll_y * sin[13]));
+        let bx_r_hip_pitch_y = bx_r_hip_yaw_x.mul_plus(sin[13], bx_r_hip_roll_y * cos[13]);
+        let by_r_hip_pitch_x = by_r_hip_yaw_x.mul_plus(cos[13], -(by_r_hip_roll_y * sin[13]));
+        let by_r_hip_pitch_y = by_r_hip_yaw_x.mul_plus(sin[13], by_r_hip_roll_y * cos[13]);
+        let bz_r_hip_pitch_x = bz_r_hip_yaw_x.mul_plus(cos[13], -(bz_r_hip_roll_y * sin[13]));
+        let bz_r_hip_pitch_y = bz_r_hip_yaw_x.mul_plus(sin[13], bz_r_hip_roll_y * cos[13]);
+        // r_knee
+        let bx_r_knee_x = bx_r_hip_pitch_x.mul_plus(cos[14], -(bx_r_hip_pitch_y * sin[14]));
+        let bx_r_knee_y = bx_r_hip_pitch_y.mul_plus(cos[14], bx_r_hip_pitch_x * sin[14]);
+        let by_r_knee_x = by_r_hip_pitch_x.mul_plus(cos[14], -(by_r_hip_pitch_y * sin[14]));
+        let by_r_knee_y = by_r_hip_pitch_y.mul_plus(cos[14], by_r_hip_pitch_x * sin[14]);
+        let bz_r_knee_x = bz_r_hip_pitch_x.mul_plus(cos[14], -(bz_r_hip_pitch_y * sin[14]));
+        let bz_r_knee_y = bz_r_hip_pitch_y.mul_plus(cos[14], bz_r_hip_pitch_x * sin[14]);
+        // r_ank_pitch
+        let bx_r_ank_pitch_x = bx_r_knee_x.mul_plus(cos[15], bx_r_knee_y * sin[15]);
+        let bx_r_ank_pitch_y = bx_r_knee_y.mul_plus(cos[15], -(bx_r_knee_x * sin[15]));
+        let by_r_ank_pitch_x = by_r_knee_x.mul_plus(cos[15], by_r_knee_y * sin[15]);
+        let by_r_ank_pitch_y = by_r_knee_y.mul_plus(cos[15], -(by_r_knee_x * sin[15]));
+        let bz_r_ank_pitch_x = bz_r_knee_x.mul_plus(cos[15], bz_r_knee_y * sin[15]);
+        let bz_r_ank_pitch_y = bz_r_knee_y.mul_plus(cos[15], -(bz_r_knee_x * sin[15]));
+        // r_ank_roll
+        let bx_r_ank_roll_x = bx_r_ank_pitch_y.mul_plus(sin[16], bx_r_hip_roll_x * cos[16]);
+        let bx_r_ank_roll_y = -bx_r_hip_roll_x.mul_plus(sin[16], -(bx_r_ank_pitch_y * cos[16]));
+        let by_r_ank_roll_x = by_r_ank_pitch_y.mul_plus(sin[16], by_r_hip_roll_x * cos[16]);
+        let by_r_ank_roll_y = -by_r_hip_roll_x.mul_plus(sin[16], -(by_r_ank_pitch_y * cos[16]));
+        let bz_r_ank_roll_x = bz_r_ank_pitch_y.mul_plus(sin[16], bz_r_hip_roll_x * cos[16]);
+        let bz_r_ank_roll_y = -bz_r_hip_roll_x.mul_plus(sin[16], -(bz_r_ank_pitch_y * cos[16]));
+        // r_sho_pitch
+        let bx_r_sho_pitch_x = bx_l_hip_yaw_x.mul_plus(cos[17], bx_l_hip_roll_y * sin[17]);
+        let bx_r_sho_pitch_y = bx_l_hip_roll_y.mul_plus(cos[17], -(bx_l_hip_yaw_x * sin[17]));
+        let by_r_sho_pitch_x = by_l_hip_yaw_x.mul_plus(cos[17], -(e1 * sin[17]));
+        let e10 = e1.mul_plus(cos[17], by_l_hip_yaw_x * sin[17]);
+        let by_r_sho_pitch_y = -e10;
+        let bz_r_sho_pitch_x = bz_l_hip_yaw_x.mul_plus(cos[17], bz_l_hip_roll_y * sin[17]);
+        let bz_r_sho_pitch_y = bz_l_hip_roll_y.mul_plus(cos[17], -(bz_l_hip_yaw_x * sin[17]));
+        // r_sho_roll
+        let s_r_sho_roll = sin[18]
+            .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * cos[18]);
+        let c_r_sho_roll = cos[18]
+            .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * sin[18]));
+        let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_plus(s_r_sho_roll, e2 * c_r_sho_roll);
+        let e11 = e2.mul_plus(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
+        let bx_r_sho_roll_y = -e11;
+        let by_r_sho_roll_x = e10.mul_plus(s_r_sho_roll, -(e3 * c_r_sho_roll));
+        let e12 = e3.mul_plus(s_r_sho_roll, e10 * c_r_sho_roll);
+        let by_r_sho_roll_y = -e12;
+        let bz_r_sho_roll_x = -bz_r_sho_pitch_y.mul_plus(s_r_sho_roll, e4 * c_r_sho_roll);
+        let e13 = e4.mul_plus(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
+        let bz_r_sho_roll_y = -e13;
+        // r_el
+        let bx_r_el_x = -e11.mul_plus(cos[19], bx_r_sho_pitch_x * sin[19]);
+        let bx_r_el_y = -bx_r_sho_pitch_x.mul_plus(cos[19], -(e11 * sin[19]));
+        let by_r_el_x = -e12.mul_plus(cos[19], by_r_sho_pitch_x * sin[19]);
+        let by_r_el_y = -by_r_sho_pitch_x.mul_plus(cos[19], -(e12 * sin[19]));
+        let bz_r_el_x = -e13.mul_plus(cos[19], bz_r_sho_pitch_x * sin[19]);
+        let bz_r_el_y = -bz_r_sho_pitch_x.mul_plus(cos[19], -(e13 * sin[19]));
+        let row_x = [
             one,
             zero,
             zero,
@@ -3734,16 +3381,10 @@ pub fn regressor_full_sc<T: Real>(
             bx_head_pan_y,
             bx_l_hip_roll_y,
             bx_head_tilt_x
-                .mul_plus(
-                    T::from_f64(0.8386705680315472),
-                    -(T::from_f64(0.5446390348824093) * e5),
-                ),
+                .mul_plus(T::from_f64(0.8386705680315472), -(T::from_f64(0.5446390348824093) * e5)),
             bx_head_pan_y,
             bx_head_tilt_x
-                .mul_plus(
-                    T::from_f64(0.5446390348824093),
-                    T::from_f64(0.8386705680315472) * e5,
-                ),
+                .mul_plus(T::from_f64(0.5446390348824093), T::from_f64(0.8386705680315472) * e5),
             bx_l_sho_pitch_x,
             bx_l_hip_yaw_y,
             bx_l_sho_pitch_y,
@@ -3780,8 +3421,8 @@ pub fn regressor_full_sc<T: Real>(
             bx_r_el_x,
             bx_r_sho_roll_x,
             bx_r_el_y,
-        ],
-        [
+        ];
+        let row_y = [
             zero,
             one,
             zero,
@@ -3853,8 +3494,8 @@ pub fn regressor_full_sc<T: Real>(
             by_r_el_x,
             by_r_sho_roll_x,
             by_r_el_y,
-        ],
-        [
+        ];
+        let row_z = [
             zero,
             zero,
             one,
@@ -3880,16 +3521,10 @@ pub fn regressor_full_sc<T: Real>(
             bz_head_pan_y,
             bz_l_hip_roll_y,
             bz_head_tilt_x
-                .mul_plus(
-                    T::from_f64(0.8386705680315472),
-                    -(T::from_f64(0.5446390348824093) * e6),
-                ),
+                .mul_plus(T::from_f64(0.8386705680315472), -(T::from_f64(0.5446390348824093) * e6)),
             bz_head_pan_y,
             bz_head_tilt_x
-                .mul_plus(
-                    T::from_f64(0.5446390348824093),
-                    T::from_f64(0.8386705680315472) * e6,
-                ),
+                .mul_plus(T::from_f64(0.5446390348824093), T::from_f64(0.8386705680315472) * e6),
             bz_l_sho_pitch_x,
             bz_l_hip_yaw_y,
             bz_l_sho_pitch_y,
@@ -3926,681 +3561,577 @@ pub fn regressor_full_sc<T: Real>(
             bz_r_el_x,
             bz_r_sho_roll_x,
             bz_r_el_y,
-        ],
-    ]
-}
+        ];
+        [row_x, row_y, row_z]
+    }
 
-/// Centre of pressure that a static posture shows on a level sole, m.
-///
-/// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
-    // r_sho_roll
-    let v_r_sho_roll_y = (-sin[19]).mul_plus(r[42], cos[19].mul_plus(r[41], r[40]));
-    let s_r_sho_roll = sin[18]
-        .mul_plus(
-            T::from_f64(0.707106781467586),
-            T::from_f64(0.7071067809055092) * cos[18],
-        );
-    let c_r_sho_roll = cos[18]
-        .mul_plus(
-            T::from_f64(0.707106781467586),
-            -(T::from_f64(0.7071067809055092) * sin[18]),
-        );
-    // r_sho_pitch
-    let v_r_sho_pitch_x = r[37] - sin[19].mul_plus(r[41], cos[19] * r[42]);
-    let v_r_sho_pitch_y = c_r_sho_roll
-        .mul_plus(v_r_sho_roll_y, (-s_r_sho_roll).mul_plus(r[39], r[38]));
-    let v_r_sho_pitch_z = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
-    // r_ank_pitch
-    let v_r_ank_pitch_y = cos[16].mul_plus(r[36], sin[16].mul_plus(r[35], r[34]));
-    let v_r_ank_pitch_z = cos[16].mul_plus(r[35], -(sin[16] * r[36]));
-    // r_knee
-    let v_r_knee_x = (-sin[15])
-        .mul_plus(v_r_ank_pitch_y, cos[15].mul_plus(r[33], r[31]));
-    let v_r_knee_y = cos[15].mul_plus(v_r_ank_pitch_y, sin[15].mul_plus(r[33], r[32]));
-    // r_hip_pitch
-    let v_r_hip_pitch_x = sin[14]
-        .mul_plus(v_r_knee_y, cos[14].mul_plus(v_r_knee_x, r[29]));
-    let v_r_hip_pitch_y = cos[14]
-        .mul_plus(v_r_knee_y, (-sin[14]).mul_plus(v_r_knee_x, r[30]));
-    // r_hip_roll
-    let v_r_hip_roll_x = r[27] + v_r_ank_pitch_z;
-    let v_r_hip_roll_y = cos[13]
-        .mul_plus(v_r_hip_pitch_y, (-sin[13]).mul_plus(v_r_hip_pitch_x, r[28]));
-    let v_r_hip_roll_z = cos[13].mul_plus(v_r_hip_pitch_x, sin[13] * v_r_hip_pitch_y);
-    // r_hip_yaw
-    let v_r_hip_yaw_x = r[25] + v_r_hip_roll_z;
-    let v_r_hip_yaw_y = sin[12]
-        .mul_plus(v_r_hip_roll_y, cos[12].mul_plus(v_r_hip_roll_x, r[26]));
-    let v_r_hip_yaw_z = cos[12].mul_plus(v_r_hip_roll_y, -(sin[12] * v_r_hip_roll_x));
-    // l_sho_roll
-    let v_l_sho_roll_y = sin[10].mul_plus(r[24], cos[10].mul_plus(r[23], r[22]));
-    let v_l_sho_roll_z = sin[10].mul_plus(r[23], -(cos[10] * r[24]));
-    let s_l_sho_roll = sin[9]
-        .mul_plus(
-            T::from_f64(0.707106781467586),
-            -(T::from_f64(0.7071067809055092) * cos[9]),
-        );
-    let c_l_sho_roll = cos[9]
-        .mul_plus(
-            T::from_f64(0.707106781467586),
-            T::from_f64(0.7071067809055092) * sin[9],
-        );
-    // l_sho_pitch
-    let v_l_sho_pitch_x = r[19] + v_l_sho_roll_z;
-    let v_l_sho_pitch_y = c_l_sho_roll
-        .mul_plus(v_l_sho_roll_y, (-s_l_sho_roll).mul_plus(r[21], r[20]));
-    let v_l_sho_pitch_z = c_l_sho_roll.mul_plus(r[21], s_l_sho_roll * v_l_sho_roll_y);
-    // head_pan
-    let v_head_pan_x = sin[1].mul_plus(r[18], cos[1].mul_plus(r[17], r[15]));
-    let v_head_pan_z = sin[1].mul_plus(r[17], -(cos[1] * r[18]));
-    // l_hip_yaw
-    let e1 = cos[17]
-        .mul_plus(
-            v_r_sho_pitch_x,
-            sin[8]
-                .mul_plus(
-                    v_l_sho_pitch_y,
-                    cos[8]
-                        .mul_plus(
-                            v_l_sho_pitch_x,
-                            (-sin[0])
-                                .mul_plus(r[16], cos[0].mul_plus(v_head_pan_x, r[13])),
-                        ),
-                ),
-        );
-    let v_l_hip_yaw_x = sin[11]
-        .mul_plus(
-            v_r_hip_yaw_y,
-            cos[11].mul_plus(v_r_hip_yaw_x, (-sin[17]).mul_plus(v_r_sho_pitch_y, e1)),
-        );
-    let e2 = (-sin[11])
-        .mul_plus(
-            v_r_hip_yaw_x,
-            cos[0].mul_plus(r[16], sin[0].mul_plus(v_head_pan_x, r[14]))
-                + v_l_sho_pitch_z + v_r_sho_pitch_z,
-        );
-    let v_l_hip_yaw_y = cos[11].mul_plus(v_r_hip_yaw_y, e2);
-    let v_l_hip_yaw_z = cos[17]
-        .mul_plus(
-            v_r_sho_pitch_y,
-            sin[17]
-                .mul_plus(
-                    v_r_sho_pitch_x,
-                    cos[8]
-                        .mul_plus(
-                            v_l_sho_pitch_y,
-                            (-sin[8]).mul_plus(v_l_sho_pitch_x, v_head_pan_z),
-                        ),
-                ),
-        ) + v_r_hip_yaw_z;
-    // l_hip_roll
-    let v_l_hip_roll_x = cos[2]
-        .mul_plus(v_l_hip_yaw_y, sin[2].mul_plus(v_l_hip_yaw_x, r[11]));
-    let v_l_hip_roll_y = r[12] + v_l_hip_yaw_z;
-    let v_l_hip_roll_z = cos[2].mul_plus(v_l_hip_yaw_x, -(sin[2] * v_l_hip_yaw_y));
-    // l_hip_pitch
-    let v_l_hip_pitch_x = r[9] + v_l_hip_roll_z;
-    let v_l_hip_pitch_y = cos[3]
-        .mul_plus(v_l_hip_roll_y, sin[3].mul_plus(v_l_hip_roll_x, r[10]));
-    let v_l_hip_pitch_z = cos[3].mul_plus(v_l_hip_roll_x, -(sin[3] * v_l_hip_roll_y));
-    // l_knee
-    let v_l_knee_x = sin[4]
-        .mul_plus(v_l_hip_pitch_y, cos[4].mul_plus(v_l_hip_pitch_x, r[7]));
-    let v_l_knee_y = cos[4]
-        .mul_plus(v_l_hip_pitch_y, (-sin[4]).mul_plus(v_l_hip_pitch_x, r[8]));
-    // l_ank_pitch
-    let v_l_ank_pitch_x = sin[5].mul_plus(v_l_knee_y, cos[5].mul_plus(v_l_knee_x, r[5]));
-    let v_l_ank_pitch_y = cos[5]
-        .mul_plus(v_l_knee_y, (-sin[5]).mul_plus(v_l_knee_x, r[6]));
-    // l_ank_roll
-    let v_l_ank_roll_x = r[3] + v_l_hip_pitch_z;
-    let v_l_ank_roll_y = cos[6]
-        .mul_plus(v_l_ank_pitch_y, sin[6].mul_plus(v_l_ank_pitch_x, r[4]));
-    let v_l_ank_roll_z = cos[6].mul_plus(v_l_ank_pitch_x, -(sin[6] * v_l_ank_pitch_y));
-    // l_sole
-    let v_l_sole_x = r[0] + v_l_ank_roll_z;
-    let v_l_sole_y = sin[7]
-        .mul_plus(v_l_ank_roll_y, cos[7].mul_plus(v_l_ank_roll_x, r[1]));
-    [v_l_sole_x, v_l_sole_y]
-}
+    #[inline(always)]
+    fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
+        // r_sho_roll
+        let v_r_sho_roll_y = cos[19].mul_plus(r[41], r[40]);
+        let v_r_sho_roll_y = (-sin[19]).mul_plus(r[42], v_r_sho_roll_y);
+        let s_r_sho_roll = sin[18]
+            .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * cos[18]);
+        let c_r_sho_roll = cos[18]
+            .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * sin[18]));
+        // r_sho_pitch
+        let v_r_sho_pitch_x = r[37] - sin[19].mul_plus(r[41], cos[19] * r[42]);
+        let v_r_sho_pitch_y = (-s_r_sho_roll).mul_plus(r[39], r[38]);
+        let v_r_sho_pitch_y = c_r_sho_roll.mul_plus(v_r_sho_roll_y, v_r_sho_pitch_y);
+        let v_r_sho_pitch_z = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
+        // r_ank_pitch
+        let v_r_ank_pitch_y = sin[16].mul_plus(r[35], r[34]);
+        let v_r_ank_pitch_y = cos[16].mul_plus(r[36], v_r_ank_pitch_y);
+        let v_r_ank_pitch_z = cos[16].mul_plus(r[35], -(sin[16] * r[36]));
+        // r_knee
+        let v_r_knee_x = cos[15].mul_plus(r[33], r[31]);
+        let v_r_knee_x = (-sin[15]).mul_plus(v_r_ank_pitch_y, v_r_knee_x);
+        let v_r_knee_y = sin[15].mul_plus(r[33], r[32]);
+        let v_r_knee_y = cos[15].mul_plus(v_r_ank_pitch_y, v_r_knee_y);
+        // r_hip_pitch
+        let v_r_hip_pitch_x = cos[14].mul_plus(v_r_knee_x, r[29]);
+        let v_r_hip_pitch_x = sin[14].mul_plus(v_r_knee_y, v_r_hip_pitch_x);
+        let v_r_hip_pitch_y = (-sin[14]).mul_plus(v_r_knee_x, r[30]);
+        let v_r_hip_pitch_y = cos[14].mul_plus(v_r_knee_y, v_r_hip_pitch_y);
+        // r_hip_roll
+        let v_r_hip_roll_x = r[27] + v_r_ank_pitch_z;
+        let v_r_hip_roll_y = (-sin[13]).mul_plus(v_r_hip_pitch_x, r[28]);
+        let v_r_hip_roll_y = cos[13].mul_plus(v_r_hip_pitch_y, v_r_hip_roll_y);
+        let v_r_hip_roll_z = cos[13].mul_plus(v_r_hip_pitch_x, sin[13] * v_r_hip_pitch_y);
+        // r_hip_yaw
+        let v_r_hip_yaw_x = r[25] + v_r_hip_roll_z;
+        let v_r_hip_yaw_y = cos[12].mul_plus(v_r_hip_roll_x, r[26]);
+        let v_r_hip_yaw_y = sin[12].mul_plus(v_r_hip_roll_y, v_r_hip_yaw_y);
+        let v_r_hip_yaw_z = cos[12].mul_plus(v_r_hip_roll_y, -(sin[12] * v_r_hip_roll_x));
+        // l_sho_roll
+        let v_l_sho_roll_y = cos[10].mul_plus(r[23], r[22]);
+        let v_l_sho_roll_y = sin[10].mul_plus(r[24], v_l_sho_roll_y);
+        let v_l_sho_roll_z = sin[10].mul_plus(r[23], -(cos[10] * r[24]));
+        let s_l_sho_roll = sin[9]
+            .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * cos[9]));
+        let c_l_sho_roll = cos[9]
+            .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * sin[9]);
+        // l_sho_pitch
+        let v_l_sho_pitch_x = r[19] + v_l_sho_roll_z;
+        let v_l_sho_pitch_y = (-s_l_sho_roll).mul_plus(r[21], r[20]);
+        let v_l_sho_pitch_y = c_l_sho_roll.mul_plus(v_l_sho_roll_y, v_l_sho_pitch_y);
+        let v_l_sho_pitch_z = c_l_sho_roll.mul_plus(r[21], s_l_sho_roll * v_l_sho_roll_y);
+        // head_pan
+        let v_head_pan_x = cos[1].mul_plus(r[17], r[15]);
+        let v_head_pan_x = sin[1].mul_plus(r[18], v_head_pan_x);
+        let v_head_pan_z = sin[1].mul_plus(r[17], -(cos[1] * r[18]));
+        // l_hip_yaw
+        let e1 = cos[0].mul_plus(v_head_pan_x, r[13]);
+        let e1 = (-sin[0]).mul_plus(r[16], e1);
+        let e1 = cos[8].mul_plus(v_l_sho_pitch_x, e1);
+        let e1 = sin[8].mul_plus(v_l_sho_pitch_y, e1);
+        let e1 = cos[17].mul_plus(v_r_sho_pitch_x, e1);
+        let v_l_hip_yaw_x = (-sin[17]).mul_plus(v_r_sho_pitch_y, e1);
+        let v_l_hip_yaw_x = cos[11].mul_plus(v_r_hip_yaw_x, v_l_hip_yaw_x);
+        let v_l_hip_yaw_x = sin[11].mul_plus(v_r_hip_yaw_y, v_l_hip_yaw_x);
+        let p1 = sin[0].mul_plus(v_head_pan_x, r[14]);
+        let p2 = cos[0].mul_plus(r[16], p1);
+        let e2 = (-sin[11]).mul_plus(v_r_hip_yaw_x, p2 + v_l_sho_pitch_z + v_r_sho_pitch_z);
+        let v_l_hip_yaw_y = cos[11].mul_plus(v_r_hip_yaw_y, e2);
+        let p3 = (-sin[8]).mul_plus(v_l_sho_pitch_x, v_head_pan_z);
+        let p4 = cos[8].mul_plus(v_l_sho_pitch_y, p3);
+        let p5 = sin[17].mul_plus(v_r_sho_pitch_x, p4);
+        let v_l_hip_yaw_z = cos[17].mul_plus(v_r_sho_pitch_y, p5) + v_r_hip_yaw_z;
+        // l_hip_roll
+        let v_l_hip_roll_x = sin[2].mul_plus(v_l_hip_yaw_x, r[11]);
+        let v_l_hip_roll_x = cos[2].mul_plus(v_l_hip_yaw_y, v_l_hip_roll_x);
+        let v_l_hip_roll_y = r[12] + v_l_hip_yaw_z;
+        let v_l_hip_roll_z = cos[2].mul_plus(v_l_hip_yaw_x, -(sin[2] * v_l_hip_yaw_y));
+        // l_hip_pitch
+        let v_l_hip_pitch_x = r[9] + v_l_hip_roll_z;
+        let v_l_hip_pitch_y = sin[3].mul_plus(v_l_hip_roll_x, r[10]);
+        let v_l_hip_pitch_y = cos[3].mul_plus(v_l_hip_roll_y, v_l_hip_pitch_y);
+        let v_l_hip_pitch_z = cos[3].mul_plus(v_l_hip_roll_x, -(sin[3] * v_l_hip_roll_y));
+        // l_knee
+        let v_l_knee_x = cos[4].mul_plus(v_l_hip_pitch_x, r[7]);
+        let v_l_knee_x = sin[4].mul_plus(v_l_hip_pitch_y, v_l_knee_x);
+        let v_l_knee_y = (-sin[4]).mul_plus(v_l_hip_pitch_x, r[8]);
+        let v_l_knee_y = cos[4].mul_plus(v_l_hip_pitch_y, v_l_knee_y);
+        // l_ank_pitch
+        let v_l_ank_pitch_x = cos[5].mul_plus(v_l_knee_x, r[5]);
+        let v_l_ank_pitch_x = sin[5].mul_plus(v_l_knee_y, v_l_ank_pitch_x);
+        let v_l_ank_pitch_y = (-sin[5]).mul_plus(v_l_knee_x, r[6]);
+        let v_l_ank_pitch_y = cos[5].mul_plus(v_l_knee_y, v_l_ank_pitch_y);
+        // l_ank_roll
+        let v_l_ank_roll_x = r[3] + v_l_hip_pitch_z;
+        let v_l_ank_roll_y = sin[6].mul_plus(v_l_ank_pitch_x, r[4]);
+        let v_l_ank_roll_y = cos[6].mul_plus(v_l_ank_pitch_y, v_l_ank_roll_y);
+        let v_l_ank_roll_z = cos[6].mul_plus(v_l_ank_pitch_x, -(sin[6] * v_l_ank_pitch_y));
+        // l_sole
+        let v_l_sole_x = r[0] + v_l_ank_roll_z;
+        let v_l_sole_y = cos[7].mul_plus(v_l_ank_roll_x, r[1]);
+        let v_l_sole_y = sin[7].mul_plus(v_l_ank_roll_y, v_l_sole_y);
+        [v_l_sole_x, v_l_sole_y]
+    }
 
-/// ∂CoM/∂q, m/rad (m/m for sliding joints), one row per axis.
-///
-/// Their combination `along` a direction of the support frame, no longer than one, from sines and cosines as above.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn com_jacobian_along<T: Real>(
-    sin: &[T; DOF],
-    cos: &[T; DOF],
-    r: &[T; BASE_PARAMS],
-    along: &[T; 3],
-) -> [T; DOF] {
-    // r_sho_roll
-    let v_r_sho_roll_y = (-sin[19]).mul_plus(r[42], cos[19].mul_plus(r[41], r[40]));
-    let s_r_sho_roll = sin[18]
-        .mul_plus(
-            T::from_f64(0.707106781467586),
-            T::from_f64(0.7071067809055092) * cos[18],
-        );
-    let c_r_sho_roll = cos[18]
-        .mul_plus(
-            T::from_f64(0.707106781467586),
-            -(T::from_f64(0.7071067809055092) * sin[18]),
-        );
-    // r_sho_pitch
-    let v_r_sho_pitch_x = r[37] - sin[19].mul_plus(r[41], cos[19] * r[42]);
-    let v_r_sho_pitch_y = c_r_sho_roll
-        .mul_plus(v_r_sho_roll_y, (-s_r_sho_roll).mul_plus(r[39], r[38]));
-    let v_r_sho_pitch_z = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
-    // r_ank_pitch
-    let v_r_ank_pitch_y = cos[16].mul_plus(r[36], sin[16].mul_plus(r[35], r[34]));
-    let v_r_ank_pitch_z = cos[16].mul_plus(r[35], -(sin[16] * r[36]));
-    // r_knee
-    let v_r_knee_x = (-sin[15])
-        .mul_plus(v_r_ank_pitch_y, cos[15].mul_plus(r[33], r[31]));
-    let v_r_knee_y = cos[15].mul_plus(v_r_ank_pitch_y, sin[15].mul_plus(r[33], r[32]));
-    // r_hip_pitch
-    let v_r_hip_pitch_x = sin[14]
-        .mul_plus(v_r_knee_y, cos[14].mul_plus(v_r_knee_x, r[29]));
-    let v_r_hip_pitch_y = cos[14]
-        .mul_plus(v_r_knee_y, (-sin[14]).mul_plus(v_r_knee_x, r[30]));
-    // r_hip_roll
-    let v_r_hip_roll_x = r[27] + v_r_ank_pitch_z;
-    let v_r_hip_roll_y = cos[13]
-        .mul_plus(v_r_hip_pitch_y, (-sin[13]).mul_plus(v_r_hip_pitch_x, r[28]));
-    let v_r_hip_roll_z = cos[13].mul_plus(v_r_hip_pitch_x, sin[13] * v_r_hip_pitch_y);
-    // r_hip_yaw
-    let v_r_hip_yaw_x = r[25] + v_r_hip_roll_z;
-    let v_r_hip_yaw_y = sin[12]
-        .mul_plus(v_r_hip_roll_y, cos[12].mul_plus(v_r_hip_roll_x, r[26]));
-    let v_r_hip_yaw_z = cos[12].mul_plus(v_r_hip_roll_y, -(sin[12] * v_r_hip_roll_x));
-    // l_sho_roll
-    let v_l_sho_roll_y = sin[10].mul_plus(r[24], cos[10].mul_plus(r[23], r[22]));
-    let v_l_sho_roll_z = sin[10].mul_plus(r[23], -(cos[10] * r[24]));
-    let s_l_sho_roll = sin[9]
-        .mul_plus(
-            T::from_f64(0.707106781467586),
-            -(T::from_f64(0.7071067809055092) * cos[9]),
-        );
-    let c_l_sho_roll = cos[9]
-        .mul_plus(
-            T::from_f64(0.707106781467586),
-            T::from_f64(0.7071067809055092) * sin[9],
-        );
-    // l_sho_pitch
-    let v_l_sho_pitch_x = r[19] + v_l_sho_roll_z;
-    let v_l_sho_pitch_y = c_l_sho_roll
-        .mul_plus(v_l_sho_roll_y, (-s_l_sho_roll).mul_plus(r[21], r[20]));
-    let v_l_sho_pitch_z = c_l_sho_roll.mul_plus(r[21], s_l_sho_roll * v_l_sho_roll_y);
-    // head_pan
-    let v_head_pan_x = sin[1].mul_plus(r[18], cos[1].mul_plus(r[17], r[15]));
-    let v_head_pan_z = sin[1].mul_plus(r[17], -(cos[1] * r[18]));
-    // l_hip_yaw
-    let e1 = cos[17]
-        .mul_plus(
-            v_r_sho_pitch_x,
-            sin[8]
-                .mul_plus(
-                    v_l_sho_pitch_y,
-                    cos[8]
-                        .mul_plus(
-                            v_l_sho_pitch_x,
-                            (-sin[0])
-                                .mul_plus(r[16], cos[0].mul_plus(v_head_pan_x, r[13])),
-                        ),
-                ),
-        );
-    let v_l_hip_yaw_x = sin[11]
-        .mul_plus(
-            v_r_hip_yaw_y,
-            cos[11].mul_plus(v_r_hip_yaw_x, (-sin[17]).mul_plus(v_r_sho_pitch_y, e1)),
-        );
-    let e2 = (-sin[11])
-        .mul_plus(
-            v_r_hip_yaw_x,
-            cos[0].mul_plus(r[16], sin[0].mul_plus(v_head_pan_x, r[14]))
-                + v_l_sho_pitch_z + v_r_sho_pitch_z,
-        );
-    let v_l_hip_yaw_y = cos[11].mul_plus(v_r_hip_yaw_y, e2);
-    let v_l_hip_yaw_z = cos[17]
-        .mul_plus(
-            v_r_sho_pitch_y,
-            sin[17]
-                .mul_plus(
-                    v_r_sho_pitch_x,
-                    cos[8]
-                        .mul_plus(
-                            v_l_sho_pitch_y,
-                            (-sin[8]).mul_plus(v_l_sho_pitch_x, v_head_pan_z),
-                        ),
-                ),
-        ) + v_r_hip_yaw_z;
-    // l_hip_roll
-    let v_l_hip_roll_x = cos[2]
-        .mul_plus(v_l_hip_yaw_y, sin[2].mul_plus(v_l_hip_yaw_x, r[11]));
-    let v_l_hip_roll_y = r[12] + v_l_hip_yaw_z;
-    let v_l_hip_roll_z = cos[2].mul_plus(v_l_hip_yaw_x, -(sin[2] * v_l_hip_yaw_y));
-    // l_hip_pitch
-    let v_l_hip_pitch_x = r[9] + v_l_hip_roll_z;
-    let v_l_hip_pitch_y = cos[3]
-        .mul_plus(v_l_hip_roll_y, sin[3].mul_plus(v_l_hip_roll_x, r[10]));
-    let v_l_hip_pitch_z = cos[3].mul_plus(v_l_hip_roll_x, -(sin[3] * v_l_hip_roll_y));
-    // l_knee
-    let v_l_knee_x = sin[4]
-        .mul_plus(v_l_hip_pitch_y, cos[4].mul_plus(v_l_hip_pitch_x, r[7]));
-    let v_l_knee_y = cos[4]
-        .mul_plus(v_l_hip_pitch_y, (-sin[4]).mul_plus(v_l_hip_pitch_x, r[8]));
-    // l_ank_pitch
-    let v_l_ank_pitch_x = sin[5].mul_plus(v_l_knee_y, cos[5].mul_plus(v_l_knee_x, r[5]));
-    let v_l_ank_pitch_y = cos[5]
-        .mul_plus(v_l_knee_y, (-sin[5]).mul_plus(v_l_knee_x, r[6]));
-    // l_ank_roll
-    let v_l_ank_roll_x = r[3] + v_l_hip_pitch_z;
-    let v_l_ank_roll_y = cos[6]
-        .mul_plus(v_l_ank_pitch_y, sin[6].mul_plus(v_l_ank_pitch_x, r[4]));
-    // l_ank_roll
-    let b_l_ank_roll_x = along[1].mul_plus(cos[7], -(along[2] * sin[7]));
-    let b_l_ank_roll_y = along[2].mul_plus(cos[7], along[1] * sin[7]);
-    // l_ank_pitch
-    let b_l_ank_pitch_x = b_l_ank_roll_y.mul_plus(sin[6], along[0] * cos[6]);
-    let e3 = along[0].mul_plus(sin[6], -(b_l_ank_roll_y * cos[6]));
-    // l_knee
-    let b_l_knee_x = b_l_ank_pitch_x.mul_plus(cos[5], e3 * sin[5]);
-    let b_l_knee_y = b_l_ank_pitch_x.mul_plus(sin[5], -(e3 * cos[5]));
-    // l_hip_pitch
-    let b_l_hip_pitch_x = b_l_knee_x.mul_plus(cos[4], -(b_l_knee_y * sin[4]));
-    let b_l_hip_pitch_y = b_l_knee_y.mul_plus(cos[4], b_l_knee_x * sin[4]);
-    // l_hip_roll
-    let b_l_hip_roll_x = b_l_hip_pitch_y.mul_plus(sin[3], b_l_ank_roll_x * cos[3]);
-    let e4 = b_l_ank_roll_x.mul_plus(sin[3], -(b_l_hip_pitch_y * cos[3]));
-    // l_hip_yaw
-    let b_l_hip_yaw_x = b_l_hip_roll_x.mul_plus(sin[2], b_l_hip_pitch_x * cos[2]);
-    let e5 = b_l_hip_pitch_x.mul_plus(sin[2], -(b_l_hip_roll_x * cos[2]));
-    // head_pan
-    let b_head_pan_x = b_l_hip_yaw_x.mul_plus(cos[0], -(e5 * sin[0]));
-    // head_tilt
-    let b_head_tilt_x = b_head_pan_x.mul_plus(cos[1], -(e4 * sin[1]));
-    let b_head_tilt_y = e4.mul_plus(cos[1], b_head_pan_x * sin[1]);
-    // l_sho_pitch
-    let b_l_sho_pitch_x = b_l_hip_yaw_x.mul_plus(cos[8], e4 * sin[8]);
-    let b_l_sho_pitch_y = b_l_hip_yaw_x.mul_plus(sin[8], -(e4 * cos[8]));
-    // l_sho_roll
-    let e6 = e5.mul_plus(s_l_sho_roll, -(b_l_sho_pitch_y * c_l_sho_roll));
-    // l_el
-    let b_l_el_x = b_l_sho_pitch_x.mul_plus(sin[10], -(e6 * cos[10]));
-    // r_hip_yaw
-    let b_r_hip_yaw_x = b_l_hip_yaw_x.mul_plus(cos[11], e5 * sin[11]);
-    let b_r_hip_yaw_y = b_l_hip_yaw_x.mul_plus(sin[11], -(e5 * cos[11]));
-    // r_hip_roll
-    let b_r_hip_roll_x = b_r_hip_yaw_y.mul_plus(cos[12], e4 * sin[12]);
-    let b_r_hip_roll_y = b_r_hip_yaw_y.mul_plus(sin[12], -(e4 * cos[12]));
-    // r_hip_pitch
-    let b_r_hip_pitch_x = b_r_hip_yaw_x.mul_plus(cos[13], -(b_r_hip_roll_y * sin[13]));
-    let b_r_hip_pitch_y = b_r_hip_yaw_x.mul_plus(sin[13], b_r_hip_roll_y * cos[13]);
-    // r_knee
-    let b_r_knee_x = b_r_hip_pitch_x.mul_plus(cos[14], -(b_r_hip_pitch_y * sin[14]));
-    let b_r_knee_y = b_r_hip_pitch_y.mul_plus(cos[14], b_r_hip_pitch_x * sin[14]);
-    // r_ank_pitch
-    let b_r_ank_pitch_x = b_r_knee_x.mul_plus(cos[15], b_r_knee_y * sin[15]);
-    let b_r_ank_pitch_y = b_r_knee_y.mul_plus(cos[15], -(b_r_knee_x * sin[15]));
-    // r_ank_roll
-    let b_r_ank_roll_x = b_r_ank_pitch_y.mul_plus(sin[16], b_r_hip_roll_x * cos[16]);
-    // r_sho_pitch
-    let b_r_sho_pitch_x = b_l_hip_yaw_x.mul_plus(cos[17], -(e4 * sin[17]));
-    let e7 = e4.mul_plus(cos[17], b_l_hip_yaw_x * sin[17]);
-    // r_sho_roll
-    let b_r_sho_roll_x = e7.mul_plus(s_r_sho_roll, -(e5 * c_r_sho_roll));
-    let e8 = e5.mul_plus(s_r_sho_roll, e7 * c_r_sho_roll);
-    [
-        -e5
-            .mul_plus(cos[0], b_l_hip_yaw_x * sin[0])
-            .mul_plus(v_head_pan_x, b_head_pan_x * r[16]),
-        -b_head_tilt_y.mul_plus(r[17], -(b_head_tilt_x * r[18])),
-        -e5.mul_plus(v_l_hip_yaw_x, b_l_hip_yaw_x * v_l_hip_yaw_y),
-        -e4.mul_plus(v_l_hip_roll_x, b_l_hip_roll_x * v_l_hip_roll_y),
-        -b_l_hip_pitch_y.mul_plus(v_l_hip_pitch_x, -(b_l_hip_pitch_x * v_l_hip_pitch_y)),
-        -b_l_knee_y.mul_plus(v_l_knee_x, -(b_l_knee_x * v_l_knee_y)),
-        -e3.mul_plus(v_l_ank_pitch_x, b_l_ank_pitch_x * v_l_ank_pitch_y),
-        -b_l_ank_roll_y.mul_plus(v_l_ank_roll_x, -(b_l_ank_roll_x * v_l_ank_roll_y)),
-        -b_l_sho_pitch_y.mul_plus(v_l_sho_pitch_x, -(b_l_sho_pitch_x * v_l_sho_pitch_y)),
-        -b_l_sho_pitch_y
-            .mul_plus(s_l_sho_roll, e5 * c_l_sho_roll)
-            .mul_plus(v_l_sho_roll_y, -(e6 * r[21])),
-        b_l_sho_pitch_x
-            .mul_plus(cos[10], e6 * sin[10])
-            .mul_plus(r[23], b_l_el_x * r[24]),
-        -b_r_hip_yaw_y.mul_plus(v_r_hip_yaw_x, -(b_r_hip_yaw_x * v_r_hip_yaw_y)),
-        -b_r_hip_roll_y.mul_plus(v_r_hip_roll_x, -(b_r_hip_roll_x * v_r_hip_roll_y)),
-        -b_r_hip_pitch_y.mul_plus(v_r_hip_pitch_x, -(b_r_hip_pitch_x * v_r_hip_pitch_y)),
-        -b_r_knee_y.mul_plus(v_r_knee_x, -(b_r_knee_x * v_r_knee_y)),
-        b_r_ank_pitch_y.mul_plus(r[33], -(b_r_ank_pitch_x * v_r_ank_pitch_y)),
-        -b_r_hip_roll_x
-            .mul_plus(sin[16], -(b_r_ank_pitch_y * cos[16]))
-            .mul_plus(r[35], b_r_ank_roll_x * r[36]),
-        -e7.mul_plus(v_r_sho_pitch_x, b_r_sho_pitch_x * v_r_sho_pitch_y),
-        e8.mul_plus(r[39], b_r_sho_roll_x * v_r_sho_roll_y),
-        e8
-            .mul_plus(cos[19], b_r_sho_pitch_x * sin[19])
-            .mul_plus(
-                r[42],
-                -(b_r_sho_pitch_x.mul_plus(cos[19], -(e8 * sin[19])) * r[41]),
-            ),
-    ]
-}
+    #[inline(always)]
+    fn com_jacobian_along<T: Real>(
+        sin: &[T; DOF],
+        cos: &[T; DOF],
+        r: &[T; BASE_PARAMS],
+        along: &[T; 3],
+    ) -> [T; DOF] {
+        // r_sho_roll
+        let v_r_sho_roll_y = cos[19].mul_plus(r[41], r[40]);
+        let v_r_sho_roll_y = (-sin[19]).mul_plus(r[42], v_r_sho_roll_y);
+        let s_r_sho_roll = sin[18]
+            .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * cos[18]);
+        let c_r_sho_roll = cos[18]
+            .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * sin[18]));
+        // r_sho_pitch
+        let v_r_sho_pitch_x = r[37] - sin[19].mul_plus(r[41], cos[19] * r[42]);
+        let v_r_sho_pitch_y = (-s_r_sho_roll).mul_plus(r[39], r[38]);
+        let v_r_sho_pitch_y = c_r_sho_roll.mul_plus(v_r_sho_roll_y, v_r_sho_pitch_y);
+        let v_r_sho_pitch_z = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
+        // r_ank_pitch
+        let v_r_ank_pitch_y = sin[16].mul_plus(r[35], r[34]);
+        let v_r_ank_pitch_y = cos[16].mul_plus(r[36], v_r_ank_pitch_y);
+        let v_r_ank_pitch_z = cos[16].mul_plus(r[35], -(sin[16] * r[36]));
+        // r_knee
+        let v_r_knee_x = cos[15].mul_plus(r[33], r[31]);
+        let v_r_knee_x = (-sin[15]).mul_plus(v_r_ank_pitch_y, v_r_knee_x);
+        let v_r_knee_y = sin[15].mul_plus(r[33], r[32]);
+        let v_r_knee_y = cos[15].mul_plus(v_r_ank_pitch_y, v_r_knee_y);
+        // r_hip_pitch
+        let v_r_hip_pitch_x = cos[14].mul_plus(v_r_knee_x, r[29]);
+        let v_r_hip_pitch_x = sin[14].mul_plus(v_r_knee_y, v_r_hip_pitch_x);
+        let v_r_hip_pitch_y = (-sin[14]).mul_plus(v_r_knee_x, r[30]);
+        let v_r_hip_pitch_y = cos[14].mul_plus(v_r_knee_y, v_r_hip_pitch_y);
+        // r_hip_roll
+        let v_r_hip_roll_x = r[27] + v_r_ank_pitch_z;
+        let v_r_hip_roll_y = (-sin[13]).mul_plus(v_r_hip_pitch_x, r[28]);
+        let v_r_hip_roll_y = cos[13].mul_plus(v_r_hip_pitch_y, v_r_hip_roll_y);
+        let v_r_hip_roll_z = cos[13].mul_plus(v_r_hip_pitch_x, sin[13] * v_r_hip_pitch_y);
+        // r_hip_yaw
+        let v_r_hip_yaw_x = r[25] + v_r_hip_roll_z;
+        let v_r_hip_yaw_y = cos[12].mul_plus(v_r_hip_roll_x, r[26]);
+        let v_r_hip_yaw_y = sin[12].mul_plus(v_r_hip_roll_y, v_r_hip_yaw_y);
+        let v_r_hip_yaw_z = cos[12].mul_plus(v_r_hip_roll_y, -(sin[12] * v_r_hip_roll_x));
+        // l_sho_roll
+        let v_l_sho_roll_y = cos[10].mul_plus(r[23], r[22]);
+        let v_l_sho_roll_y = sin[10].mul_plus(r[24], v_l_sho_roll_y);
+        let v_l_sho_roll_z = sin[10].mul_plus(r[23], -(cos[10] * r[24]));
+        let s_l_sho_roll = sin[9]
+            .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * cos[9]));
+        let c_l_sho_roll = cos[9]
+            .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * sin[9]);
+        // l_sho_pitch
+        let v_l_sho_pitch_x = r[19] + v_l_sho_roll_z;
+        let v_l_sho_pitch_y = (-s_l_sho_roll).mul_plus(r[21], r[20]);
+        let v_l_sho_pitch_y = c_l_sho_roll.mul_plus(v_l_sho_roll_y, v_l_sho_pitch_y);
+        let v_l_sho_pitch_z = c_l_sho_roll.mul_plus(r[21], s_l_sho_roll * v_l_sho_roll_y);
+        // head_pan
+        let v_head_pan_x = cos[1].mul_plus(r[17], r[15]);
+        let v_head_pan_x = sin[1].mul_plus(r[18], v_head_pan_x);
+        let v_head_pan_z = sin[1].mul_plus(r[17], -(cos[1] * r[18]));
+        // l_hip_yaw
+        let e1 = cos[0].mul_plus(v_head_pan_x, r[13]);
+        let e1 = (-sin[0]).mul_plus(r[16], e1);
+        let e1 = cos[8].mul_plus(v_l_sho_pitch_x, e1);
+        let e1 = sin[8].mul_plus(v_l_sho_pitch_y, e1);
+        let e1 = cos[17].mul_plus(v_r_sho_pitch_x, e1);
+        let v_l_hip_yaw_x = (-sin[17]).mul_plus(v_r_sho_pitch_y, e1);
+        let v_l_hip_yaw_x = cos[11].mul_plus(v_r_hip_yaw_x, v_l_hip_yaw_x);
+        let v_l_hip_yaw_x = sin[11].mul_plus(v_r_hip_yaw_y, v_l_hip_yaw_x);
+        let p1 = sin[0].mul_plus(v_head_pan_x, r[14]);
+        let p2 = cos[0].mul_plus(r[16], p1);
+        let e2 = (-sin[11]).mul_plus(v_r_hip_yaw_x, p2 + v_l_sho_pitch_z + v_r_sho_pitch_z);
+        let v_l_hip_yaw_y = cos[11].mul_plus(v_r_hip_yaw_y, e2);
+        let p3 = (-sin[8]).mul_plus(v_l_sho_pitch_x, v_head_pan_z);
+        let p4 = cos[8].mul_plus(v_l_sho_pitch_y, p3);
+        let p5 = sin[17].mul_plus(v_r_sho_pitch_x, p4);
+        let v_l_hip_yaw_z = cos[17].mul_plus(v_r_sho_pitch_y, p5) + v_r_hip_yaw_z;
+        // l_hip_roll
+        let v_l_hip_roll_x = sin[2].mul_plus(v_l_hip_yaw_x, r[11]);
+        let v_l_hip_roll_x = cos[2].mul_plus(v_l_hip_yaw_y, v_l_hip_roll_x);
+        let v_l_hip_roll_y = r[12] + v_l_hip_yaw_z;
+        let v_l_hip_roll_z = cos[2].mul_plus(v_l_hip_yaw_x, -(sin[2] * v_l_hip_yaw_y));
+        // l_hip_pitch
+        let v_l_hip_pitch_x = r[9] + v_l_hip_roll_z;
+        let v_l_hip_pitch_y = sin[3].mul_plus(v_l_hip_roll_x, r[10]);
+        let v_l_hip_pitch_y = cos[3].mul_plus(v_l_hip_roll_y, v_l_hip_pitch_y);
+        let v_l_hip_pitch_z = cos[3].mul_plus(v_l_hip_roll_x, -(sin[3] * v_l_hip_roll_y));
+        // l_knee
+        let v_l_knee_x = cos[4].mul_plus(v_l_hip_pitch_x, r[7]);
+        let v_l_knee_x = sin[4].mul_plus(v_l_hip_pitch_y, v_l_knee_x);
+        let v_l_knee_y = (-sin[4]).mul_plus(v_l_hip_pitch_x, r[8]);
+        let v_l_knee_y = cos[4].mul_plus(v_l_hip_pitch_y, v_l_knee_y);
+        // l_ank_pitch
+        let v_l_ank_pitch_x = cos[5].mul_plus(v_l_knee_x, r[5]);
+        let v_l_ank_pitch_x = sin[5].mul_plus(v_l_knee_y, v_l_ank_pitch_x);
+        let v_l_ank_pitch_y = (-sin[5]).mul_plus(v_l_knee_x, r[6]);
+        let v_l_ank_pitch_y = cos[5].mul_plus(v_l_knee_y, v_l_ank_pitch_y);
+        // l_ank_roll
+        let v_l_ank_roll_x = r[3] + v_l_hip_pitch_z;
+        let v_l_ank_roll_y = sin[6].mul_plus(v_l_ank_pitch_x, r[4]);
+        let v_l_ank_roll_y = cos[6].mul_plus(v_l_ank_pitch_y, v_l_ank_roll_y);
+        // l_ank_roll
+        let b_l_ank_roll_x = along[1].mul_plus(cos[7], -(along[2] * sin[7]));
+        let b_l_ank_roll_y = along[2].mul_plus(cos[7], along[1] * sin[7]);
+        // l_ank_pitch
+        let b_l_ank_pitch_x = b_l_ank_roll_y.mul_plus(sin[6], along[0] * cos[6]);
+        let e3 = along[0].mul_plus(sin[6], -(b_l_ank_roll_y * cos[6]));
+        // l_knee
+        let b_l_knee_x = b_l_ank_pitch_x.mul_plus(cos[5], e3 * sin[5]);
+        let b_l_knee_y = b_l_ank_pitch_x.mul_plus(sin[5], -(e3 * cos[5]));
+        // l_hip_pitch
+        let b_l_hip_pitch_x = b_l_knee_x.mul_plus(cos[4], -(b_l_knee_y * sin[4]));
+        let b_l_hip_pitch_y = b_l_knee_y.mul_plus(cos[4], b_l_knee_x * sin[4]);
+        // l_hip_roll
+        let b_l_hip_roll_x = b_l_hip_pitch_y.mul_plus(sin[3], b_l_ank_roll_x * cos[3]);
+        let e4 = b_l_ank_roll_x.mul_plus(sin[3], -(b_l_hip_pitch_y * cos[3]));
+        // l_hip_yaw
+        let b_l_hip_yaw_x = b_l_hip_roll_x.mul_plus(sin[2], b_l_hip_pitch_x * cos[2]);
+        let e5 = b_l_hip_pitch_x.mul_plus(sin[2], -(b_l_hip_roll_x * cos[2]));
+        // head_pan
+        let b_head_pan_x = b_l_hip_yaw_x.mul_plus(cos[0], -(e5 * sin[0]));
+        // head_tilt
+        let b_head_tilt_x = b_head_pan_x.mul_plus(cos[1], -(e4 * sin[1]));
+        let b_head_tilt_y = e4.mul_plus(cos[1], b_head_pan_x * sin[1]);
+        // l_sho_pitch
+        let b_l_sho_pitch_x = b_l_hip_yaw_x.mul_plus(cos[8], e4 * sin[8]);
+        let b_l_sho_pitch_y = b_l_hip_yaw_x.mul_plus(sin[8], -(e4 * cos[8]));
+        // l_sho_roll
+        let e6 = e5.mul_plus(s_l_sho_roll, -(b_l_sho_pitch_y * c_l_sho_roll));
+        // l_el
+        let b_l_el_x = b_l_sho_pitch_x.mul_plus(sin[10], -(e6 * cos[10]));
+        // r_hip_yaw
+        let b_r_hip_yaw_x = b_l_hip_yaw_x.mul_plus(cos[11], e5 * sin[11]);
+        let b_r_hip_yaw_y = b_l_hip_yaw_x.mul_plus(sin[11], -(e5 * cos[11]));
+        // r_hip_roll
+        let b_r_hip_roll_x = b_r_hip_yaw_y.mul_plus(cos[12], e4 * sin[12]);
+        let b_r_hip_roll_y = b_r_hip_yaw_y.mul_plus(sin[12], -(e4 * cos[12]));
+        // r_hip_pitch
+        let b_r_hip_pitch_x = b_r_hip_yaw_x.mul_plus(cos[13], -(b_r_hip_roll_y * sin[13]));
+        let b_r_hip_pitch_y = b_r_hip_yaw_x.mul_plus(sin[13], b_r_hip_roll_y * cos[13]);
+        // r_knee
+        let b_r_knee_x = b_r_hip_pitch_x.mul_plus(cos[14], -(b_r_hip_pitch_y * sin[14]));
+        let b_r_knee_y = b_r_hip_pitch_y.mul_plus(cos[14], b_r_hip_pitch_x * sin[14]);
+        // r_ank_pitch
+        let b_r_ank_pitch_x = b_r_knee_x.mul_plus(cos[15], b_r_knee_y * sin[15]);
+        let b_r_ank_pitch_y = b_r_knee_y.mul_plus(cos[15], -(b_r_knee_x * sin[15]));
+        // r_ank_roll
+        let b_r_ank_roll_x = b_r_ank_pitch_y.mul_plus(sin[16], b_r_hip_roll_x * cos[16]);
+        // r_sho_pitch
+        let b_r_sho_pitch_x = b_l_hip_yaw_x.mul_plus(cos[17], -(e4 * sin[17]));
+        let e7 = e4.mul_plus(cos[17], b_l_hip_yaw_x * sin[17]);
+        // r_sho_roll
+        let b_r_sho_roll_x = e7.mul_plus(s_r_sho_roll, -(e5 * c_r_sho_roll));
+        let e8 = e5.mul_plus(s_r_sho_roll, e7 * c_r_sho_roll);
+        let p6 = e5.mul_plus(cos[0], b_l_hip_yaw_x * sin[0]);
+        let p7 = b_l_sho_pitch_y.mul_plus(s_l_sho_roll, e5 * c_l_sho_roll);
+        let p8 = b_l_sho_pitch_x.mul_plus(cos[10], e6 * sin[10]);
+        let p9 = b_r_hip_roll_x.mul_plus(sin[16], -(b_r_ank_pitch_y * cos[16]));
+        let p10 = e8.mul_plus(cos[19], b_r_sho_pitch_x * sin[19]);
+        let p11 = b_r_sho_pitch_x.mul_plus(cos[19], -(e8 * sin[19]));
+        [
+            -p6.mul_plus(v_head_pan_x, b_head_pan_x * r[16]),
+            -b_head_tilt_y.mul_plus(r[17], -(b_head_tilt_x * r[18])),
+            -e5.mul_plus(v_l_hip_yaw_x, b_l_hip_yaw_x * v_l_hip_yaw_y),
+            -e4.mul_plus(v_l_hip_roll_x, b_l_hip_roll_x * v_l_hip_roll_y),
+            -b_l_hip_pitch_y.mul_plus(v_l_hip_pitch_x, -(b_l_hip_pitch_x * v_l_hip_pitch_y)),
+            -b_l_knee_y.mul_plus(v_l_knee_x, -(b_l_knee_x * v_l_knee_y)),
+            -e3.mul_plus(v_l_ank_pitch_x, b_l_ank_pitch_x * v_l_ank_pitch_y),
+            -b_l_ank_roll_y.mul_plus(v_l_ank_roll_x, -(b_l_ank_roll_x * v_l_ank_roll_y)),
+            -b_l_sho_pitch_y.mul_plus(v_l_sho_pitch_x, -(b_l_sho_pitch_x * v_l_sho_pitch_y)),
+            -p7.mul_plus(v_l_sho_roll_y, -(e6 * r[21])),
+            p8.mul_plus(r[23], b_l_el_x * r[24]),
+            -b_r_hip_yaw_y.mul_plus(v_r_hip_yaw_x, -(b_r_hip_yaw_x * v_r_hip_yaw_y)),
+            -b_r_hip_roll_y.mul_plus(v_r_hip_roll_x, -(b_r_hip_roll_x * v_r_hip_roll_y)),
+            -b_r_hip_pitch_y.mul_plus(v_r_hip_pitch_x, -(b_r_hip_pitch_x * v_r_hip_pitch_y)),
+            -b_r_knee_y.mul_plus(v_r_knee_x, -(b_r_knee_x * v_r_knee_y)),
+            b_r_ank_pitch_y.mul_plus(r[33], -(b_r_ank_pitch_x * v_r_ank_pitch_y)),
+            -p9.mul_plus(r[35], b_r_ank_roll_x * r[36]),
+            -e7.mul_plus(v_r_sho_pitch_x, b_r_sho_pitch_x * v_r_sho_pitch_y),
+            e8.mul_plus(r[39], b_r_sho_roll_x * v_r_sho_roll_y),
+            p10.mul_plus(r[42], -(p11 * r[41])),
+        ]
+    }
 
-/// Rows of the base regressor: CoM = rows · r.
-///
-/// Their combination `along` a direction of the support frame, no longer than one, from sines and cosines as above.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn regressor_along<T: Real>(
-    sin: &[T; DOF],
-    cos: &[T; DOF],
-    along: &[T; 3],
-) -> [T; BASE_PARAMS] {
-    // l_ank_roll
-    let b_l_ank_roll_x = along[1].mul_plus(cos[7], -(along[2] * sin[7]));
-    let b_l_ank_roll_y = along[2].mul_plus(cos[7], along[1] * sin[7]);
-    // l_ank_pitch
-    let b_l_ank_pitch_x = b_l_ank_roll_y.mul_plus(sin[6], along[0] * cos[6]);
-    let e1 = along[0].mul_plus(sin[6], -(b_l_ank_roll_y * cos[6]));
-    let b_l_ank_pitch_y = -e1;
-    // l_knee
-    let b_l_knee_x = b_l_ank_pitch_x.mul_plus(cos[5], e1 * sin[5]);
-    let b_l_knee_y = b_l_ank_pitch_x.mul_plus(sin[5], -(e1 * cos[5]));
-    // l_hip_pitch
-    let b_l_hip_pitch_x = b_l_knee_x.mul_plus(cos[4], -(b_l_knee_y * sin[4]));
-    let b_l_hip_pitch_y = b_l_knee_y.mul_plus(cos[4], b_l_knee_x * sin[4]);
-    // l_hip_roll
-    let b_l_hip_roll_x = b_l_hip_pitch_y.mul_plus(sin[3], b_l_ank_roll_x * cos[3]);
-    let e2 = b_l_ank_roll_x.mul_plus(sin[3], -(b_l_hip_pitch_y * cos[3]));
-    let b_l_hip_roll_y = -e2;
-    // l_hip_yaw
-    let b_l_hip_yaw_x = b_l_hip_roll_x.mul_plus(sin[2], b_l_hip_pitch_x * cos[2]);
-    let e3 = b_l_hip_pitch_x.mul_plus(sin[2], -(b_l_hip_roll_x * cos[2]));
-    let b_l_hip_yaw_y = -e3;
-    // head_pan
-    let b_head_pan_x = b_l_hip_yaw_x.mul_plus(cos[0], -(e3 * sin[0]));
-    let b_head_pan_y = -e3.mul_plus(cos[0], b_l_hip_yaw_x * sin[0]);
-    // head_tilt
-    let b_head_tilt_x = b_head_pan_x.mul_plus(cos[1], -(e2 * sin[1]));
-    let b_head_tilt_y = e2.mul_plus(cos[1], b_head_pan_x * sin[1]);
-    // l_sho_pitch
-    let b_l_sho_pitch_x = b_l_hip_yaw_x.mul_plus(cos[8], e2 * sin[8]);
-    let b_l_sho_pitch_y = b_l_hip_yaw_x.mul_plus(sin[8], -(e2 * cos[8]));
-    // l_sho_roll
-    let s_l_sho_roll = sin[9]
-        .mul_plus(
-            T::from_f64(0.707106781467586),
-            -(T::from_f64(0.7071067809055092) * cos[9]),
-        );
-    let c_l_sho_roll = cos[9]
-        .mul_plus(
-            T::from_f64(0.707106781467586),
-            T::from_f64(0.7071067809055092) * sin[9],
-        );
-    let b_l_sho_roll_x = -b_l_sho_pitch_y.mul_plus(s_l_sho_roll, e3 * c_l_sho_roll);
-    let e4 = e3.mul_plus(s_l_sho_roll, -(b_l_sho_pitch_y * c_l_sho_roll));
-    let b_l_sho_roll_y = -e4;
-    // l_el
-    let b_l_el_x = b_l_sho_pitch_x.mul_plus(sin[10], -(e4 * cos[10]));
-    let b_l_el_y = -b_l_sho_pitch_x.mul_plus(cos[10], e4 * sin[10]);
-    // r_hip_yaw
-    let b_r_hip_yaw_x = b_l_hip_yaw_x.mul_plus(cos[11], e3 * sin[11]);
-    let b_r_hip_yaw_y = b_l_hip_yaw_x.mul_plus(sin[11], -(e3 * cos[11]));
-    // r_hip_roll
-    let b_r_hip_roll_x = b_r_hip_yaw_y.mul_plus(cos[12], e2 * sin[12]);
-    let b_r_hip_roll_y = b_r_hip_yaw_y.mul_plus(sin[12], -(e2 * cos[12]));
-    // r_hip_pitch
-    let b_r_hip_pitch_x = b_r_hip_yaw_x.mul_plus(cos[13], -(b_r_hip_roll_y * sin[13]));
-    let b_r_hip_pitch_y = b_r_hip_yaw_x.mul_plus(sin[13], b_r_hip_roll_y * cos[13]);
-    // r_knee
-    let b_r_knee_x = b_r_hip_pitch_x.mul_plus(cos[14], -(b_r_hip_pitch_y * sin[14]));
-    let b_r_knee_y = b_r_hip_pitch_y.mul_plus(cos[14], b_r_hip_pitch_x * sin[14]);
-    // r_ank_pitch
-    let b_r_ank_pitch_x = b_r_knee_x.mul_plus(cos[15], b_r_knee_y * sin[15]);
-    let b_r_ank_pitch_y = b_r_knee_y.mul_plus(cos[15], -(b_r_knee_x * sin[15]));
-    // r_ank_roll
-    let b_r_ank_roll_x = b_r_ank_pitch_y.mul_plus(sin[16], b_r_hip_roll_x * cos[16]);
-    let b_r_ank_roll_y = -b_r_hip_roll_x.mul_plus(sin[16], -(b_r_ank_pitch_y * cos[16]));
-    // r_sho_pitch
-    let b_r_sho_pitch_x = b_l_hip_yaw_x.mul_plus(cos[17], -(e2 * sin[17]));
-    let e5 = e2.mul_plus(cos[17], b_l_hip_yaw_x * sin[17]);
-    let b_r_sho_pitch_y = -e5;
-    // r_sho_roll
-    let s_r_sho_roll = sin[18]
-        .mul_plus(
-            T::from_f64(0.707106781467586),
-            T::from_f64(0.7071067809055092) * cos[18],
-        );
-    let c_r_sho_roll = cos[18]
-        .mul_plus(
-            T::from_f64(0.707106781467586),
-            -(T::from_f64(0.7071067809055092) * sin[18]),
-        );
-    let b_r_sho_roll_x = e5.mul_plus(s_r_sho_roll, -(e3 * c_r_sho_roll));
-    let e6 = e3.mul_plus(s_r_sho_roll, e5 * c_r_sho_roll);
-    let b_r_sho_roll_y = -e6;
-    // r_el
-    let b_r_el_x = -e6.mul_plus(cos[19], b_r_sho_pitch_x * sin[19]);
-    let b_r_el_y = -b_r_sho_pitch_x.mul_plus(cos[19], -(e6 * sin[19]));
-    [
-        along[0],
-        along[1],
-        along[2],
-        b_l_ank_roll_x,
-        b_l_ank_roll_y,
-        b_l_ank_pitch_x,
-        b_l_ank_pitch_y,
-        b_l_knee_x,
-        b_l_knee_y,
-        b_l_hip_pitch_x,
-        b_l_hip_pitch_y,
-        b_l_hip_roll_x,
-        b_l_hip_roll_y,
-        b_l_hip_yaw_x,
-        b_l_hip_yaw_y,
-        b_head_pan_x,
-        b_head_pan_y,
-        b_head_tilt_x,
-        b_head_tilt_y,
-        b_l_sho_pitch_x,
-        b_l_sho_pitch_y,
-        b_l_sho_roll_x,
-        b_l_sho_roll_y,
-        b_l_el_x,
-        b_l_el_y,
-        b_r_hip_yaw_x,
-        b_r_hip_yaw_y,
-        b_r_hip_roll_x,
-        b_r_hip_roll_y,
-        b_r_hip_pitch_x,
-        b_r_hip_pitch_y,
-        b_r_knee_x,
-        b_r_knee_y,
-        b_r_ank_pitch_x,
-        b_r_ank_pitch_y,
-        b_r_ank_roll_x,
-        b_r_ank_roll_y,
-        b_r_sho_pitch_x,
-        b_r_sho_pitch_y,
-        b_r_sho_roll_x,
-        b_r_sho_roll_y,
-        b_r_el_x,
-        b_r_el_y,
-    ]
-}
+    #[inline(always)]
+    fn regressor_along<T: Real>(
+        sin: &[T; DOF],
+        cos: &[T; DOF],
+        along: &[T; 3],
+    ) -> [T; BASE_PARAMS] {
+        // l_ank_roll
+        let b_l_ank_roll_x = along[1].mul_plus(cos[7], -(along[2] * sin[7]));
+        let b_l_ank_roll_y = along[2].mul_plus(cos[7], along[1] * sin[7]);
+        // l_ank_pitch
+        let b_l_ank_pitch_x = b_l_ank_roll_y.mul_plus(sin[6], along[0] * cos[6]);
+        let e1 = along[0].mul_plus(sin[6], -(b_l_ank_roll_y * cos[6]));
+        let b_l_ank_pitch_y = -e1;
+        // l_knee
+        let b_l_knee_x = b_l_ank_pitch_x.mul_plus(cos[5], e1 * sin[5]);
+        let b_l_knee_y = b_l_ank_pitch_x.mul_plus(sin[5], -(e1 * cos[5]));
+        // l_hip_pitch
+        let b_l_hip_pitch_x = b_l_knee_x.mul_plus(cos[4], -(b_l_knee_y * sin[4]));
+        let b_l_hip_pitch_y = b_l_knee_y.mul_plus(cos[4], b_l_knee_x * sin[4]);
+        // l_hip_roll
+        let b_l_hip_roll_x = b_l_hip_pitch_y.mul_plus(sin[3], b_l_ank_roll_x * cos[3]);
+        let e2 = b_l_ank_roll_x.mul_plus(sin[3], -(b_l_hip_pitch_y * cos[3]));
+        let b_l_hip_roll_y = -e2;
+        // l_hip_yaw
+        let b_l_hip_yaw_x = b_l_hip_roll_x.mul_plus(sin[2], b_l_hip_pitch_x * cos[2]);
+        let e3 = b_l_hip_pitch_x.mul_plus(sin[2], -(b_l_hip_roll_x * cos[2]));
+        let b_l_hip_yaw_y = -e3;
+        // head_pan
+        let b_head_pan_x = b_l_hip_yaw_x.mul_plus(cos[0], -(e3 * sin[0]));
+        let b_head_pan_y = -e3.mul_plus(cos[0], b_l_hip_yaw_x * sin[0]);
+        // head_tilt
+        let b_head_tilt_x = b_head_pan_x.mul_plus(cos[1], -(e2 * sin[1]));
+        let b_head_tilt_y = e2.mul_plus(cos[1], b_head_pan_x * sin[1]);
+        // l_sho_pitch
+        let b_l_sho_pitch_x = b_l_hip_yaw_x.mul_plus(cos[8], e2 * sin[8]);
+        let b_l_sho_pitch_y = b_l_hip_yaw_x.mul_plus(sin[8], -(e2 * cos[8]));
+        // l_sho_roll
+        let s_l_sho_roll = sin[9]
+            .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * cos[9]));
+        let c_l_sho_roll = cos[9]
+            .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * sin[9]);
+        let b_l_sho_roll_x = -b_l_sho_pitch_y.mul_plus(s_l_sho_roll, e3 * c_l_sho_roll);
+        let e4 = e3.mul_plus(s_l_sho_roll, -(b_l_sho_pitch_y * c_l_sho_roll));
+        let b_l_sho_roll_y = -e4;
+        // l_el
+        let b_l_el_x = b_l_sho_pitch_x.mul_plus(sin[10], -(e4 * cos[10]));
+        let b_l_el_y = -b_l_sho_pitch_x.mul_plus(cos[10], e4 * sin[10]);
+        // r_hip_yaw
+        let b_r_hip_yaw_x = b_l_hip_yaw_x.mul_plus(cos[11], e3 * sin[11]);
+        let b_r_hip_yaw_y = b_l_hip_yaw_x.mul_plus(sin[11], -(e3 * cos[11]));
+        // r_hip_roll
+        let b_r_hip_roll_x = b_r_hip_yaw_y.mul_plus(cos[12], e2 * sin[12]);
+        let b_r_hip_roll_y = b_r_hip_yaw_y.mul_plus(sin[12], -(e2 * cos[12]));
+        // r_hip_pitch
+        let b_r_hip_pitch_x = b_r_hip_yaw_x.mul_plus(cos[13], -(b_r_hip_roll_y * sin[13]));
+        let b_r_hip_pitch_y = b_r_hip_yaw_x.mul_plus(sin[13], b_r_hip_roll_y * cos[13]);
+        // r_knee
+        let b_r_knee_x = b_r_hip_pitch_x.mul_plus(cos[14], -(b_r_hip_pitch_y * sin[14]));
+        let b_r_knee_y = b_r_hip_pitch_y.mul_plus(cos[14], b_r_hip_pitch_x * sin[14]);
+        // r_ank_pitch
+        let b_r_ank_pitch_x = b_r_knee_x.mul_plus(cos[15], b_r_knee_y * sin[15]);
+        let b_r_ank_pitch_y = b_r_knee_y.mul_plus(cos[15], -(b_r_knee_x * sin[15]));
+        // r_ank_roll
+        let b_r_ank_roll_x = b_r_ank_pitch_y.mul_plus(sin[16], b_r_hip_roll_x * cos[16]);
+        let b_r_ank_roll_y = -b_r_hip_roll_x.mul_plus(sin[16], -(b_r_ank_pitch_y * cos[16]));
+        // r_sho_pitch
+        let b_r_sho_pitch_x = b_l_hip_yaw_x.mul_plus(cos[17], -(e2 * sin[17]));
+        let e5 = e2.mul_plus(cos[17], b_l_hip_yaw_x * sin[17]);
+        let b_r_sho_pitch_y = -e5;
+        // r_sho_roll
+        let s_r_sho_roll = sin[18]
+            .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * cos[18]);
+        let c_r_sho_roll = cos[18]
+            .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * sin[18]));
+        let b_r_sho_roll_x = e5.mul_plus(s_r_sho_roll, -(e3 * c_r_sho_roll));
+        let e6 = e3.mul_plus(s_r_sho_roll, e5 * c_r_sho_roll);
+        let b_r_sho_roll_y = -e6;
+        // r_el
+        let b_r_el_x = -e6.mul_plus(cos[19], b_r_sho_pitch_x * sin[19]);
+        let b_r_el_y = -b_r_sho_pitch_x.mul_plus(cos[19], -(e6 * sin[19]));
+        [
+            along[0],
+            along[1],
+            along[2],
+            b_l_ank_roll_x,
+            b_l_ank_roll_y,
+            b_l_ank_pitch_x,
+            b_l_ank_pitch_y,
+            b_l_knee_x,
+            b_l_knee_y,
+            b_l_hip_pitch_x,
+            b_l_hip_pitch_y,
+            b_l_hip_roll_x,
+            b_l_hip_roll_y,
+            b_l_hip_yaw_x,
+            b_l_hip_yaw_y,
+            b_head_pan_x,
+            b_head_pan_y,
+            b_head_tilt_x,
+            b_head_tilt_y,
+            b_l_sho_pitch_x,
+            b_l_sho_pitch_y,
+            b_l_sho_roll_x,
+            b_l_sho_roll_y,
+            b_l_el_x,
+            b_l_el_y,
+            b_r_hip_yaw_x,
+            b_r_hip_yaw_y,
+            b_r_hip_roll_x,
+            b_r_hip_roll_y,
+            b_r_hip_pitch_x,
+            b_r_hip_pitch_y,
+            b_r_knee_x,
+            b_r_knee_y,
+            b_r_ank_pitch_x,
+            b_r_ank_pitch_y,
+            b_r_ank_roll_x,
+            b_r_ank_roll_y,
+            b_r_sho_pitch_x,
+            b_r_sho_pitch_y,
+            b_r_sho_roll_x,
+            b_r_sho_roll_y,
+            b_r_el_x,
+            b_r_el_y,
+        ]
+    }
 
-/// Rows [B_0 B_1 …] of the full regressor, seed paper Eq. (5), in link frames.
-///
-/// Their combination `along` a direction of the support frame, no longer than one, from sines and cosines as above.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn regressor_full_along<T: Real>(
-    sin: &[T; DOF],
-    cos: &[T; DOF],
-    along: &[T; 3],
-) -> [T; FULL_PARAMS] {
-    // l_ank_roll
-    let b_l_ank_roll_x = along[1].mul_plus(cos[7], -(along[2] * sin[7]));
-    let b_l_ank_roll_y = along[2].mul_plus(cos[7], along[1] * sin[7]);
-    // l_ank_pitch
-    let b_l_ank_pitch_x = b_l_ank_roll_y.mul_plus(sin[6], along[0] * cos[6]);
-    let e1 = along[0].mul_plus(sin[6], -(b_l_ank_roll_y * cos[6]));
-    let b_l_ank_pitch_y = -e1;
-    // l_knee
-    let b_l_knee_x = b_l_ank_pitch_x.mul_plus(cos[5], e1 * sin[5]);
-    let b_l_knee_y = b_l_ank_pitch_x.mul_plus(sin[5], -(e1 * cos[5]));
-    // l_hip_pitch
-    let b_l_hip_pitch_x = b_l_knee_x.mul_plus(cos[4], -(b_l_knee_y * sin[4]));
-    let b_l_hip_pitch_y = b_l_knee_y.mul_plus(cos[4], b_l_knee_x * sin[4]);
-    // l_hip_roll
-    let b_l_hip_roll_x = b_l_hip_pitch_y.mul_plus(sin[3], b_l_ank_roll_x * cos[3]);
-    let e2 = b_l_ank_roll_x.mul_plus(sin[3], -(b_l_hip_pitch_y * cos[3]));
-    let b_l_hip_roll_y = -e2;
-    // l_hip_yaw
-    let b_l_hip_yaw_x = b_l_hip_roll_x.mul_plus(sin[2], b_l_hip_pitch_x * cos[2]);
-    let e3 = b_l_hip_pitch_x.mul_plus(sin[2], -(b_l_hip_roll_x * cos[2]));
-    let b_l_hip_yaw_y = -e3;
-    // head_pan
-    let b_head_pan_x = b_l_hip_yaw_x.mul_plus(cos[0], -(e3 * sin[0]));
-    let b_head_pan_y = -e3.mul_plus(cos[0], b_l_hip_yaw_x * sin[0]);
-    // head_tilt
-    let b_head_tilt_x = b_head_pan_x.mul_plus(cos[1], -(e2 * sin[1]));
-    let b_head_tilt_y = e2.mul_plus(cos[1], b_head_pan_x * sin[1]);
-    // l_sho_pitch
-    let b_l_sho_pitch_x = b_l_hip_yaw_x.mul_plus(cos[8], e2 * sin[8]);
-    let b_l_sho_pitch_y = b_l_hip_yaw_x.mul_plus(sin[8], -(e2 * cos[8]));
-    // l_sho_roll
-    let s_l_sho_roll = sin[9]
-        .mul_plus(
-            T::from_f64(0.707106781467586),
-            -(T::from_f64(0.7071067809055092) * cos[9]),
-        );
-    let c_l_sho_roll = cos[9]
-        .mul_plus(
-            T::from_f64(0.707106781467586),
-            T::from_f64(0.7071067809055092) * sin[9],
-        );
-    let b_l_sho_roll_x = -b_l_sho_pitch_y.mul_plus(s_l_sho_roll, e3 * c_l_sho_roll);
-    let e4 = e3.mul_plus(s_l_sho_roll, -(b_l_sho_pitch_y * c_l_sho_roll));
-    let b_l_sho_roll_y = -e4;
-    // l_el
-    let b_l_el_x = b_l_sho_pitch_x.mul_plus(sin[10], -(e4 * cos[10]));
-    let b_l_el_y = -b_l_sho_pitch_x.mul_plus(cos[10], e4 * sin[10]);
-    // r_hip_yaw
-    let b_r_hip_yaw_x = b_l_hip_yaw_x.mul_plus(cos[11], e3 * sin[11]);
-    let b_r_hip_yaw_y = b_l_hip_yaw_x.mul_plus(sin[11], -(e3 * cos[11]));
-    // r_hip_roll
-    let b_r_hip_roll_x = b_r_hip_yaw_y.mul_plus(cos[12], e2 * sin[12]);
-    let b_r_hip_roll_y = b_r_hip_yaw_y.mul_plus(sin[12], -(e2 * cos[12]));
-    // r_hip_pitch
-    let b_r_hip_pitch_x = b_r_hip_yaw_x.mul_plus(cos[13], -(b_r_hip_roll_y * sin[13]));
-    let b_r_hip_pitch_y = b_r_hip_yaw_x.mul_plus(sin[13], b_r_hip_roll_y * cos[13]);
-    // r_knee
-    let b_r_knee_x = b_r_hip_pitch_x.mul_plus(cos[14], -(b_r_hip_pitch_y * sin[14]));
-    let b_r_knee_y = b_r_hip_pitch_y.mul_plus(cos[14], b_r_hip_pitch_x * sin[14]);
-    // r_ank_pitch
-    let b_r_ank_pitch_x = b_r_knee_x.mul_plus(cos[15], b_r_knee_y * sin[15]);
-    let b_r_ank_pitch_y = b_r_knee_y.mul_plus(cos[15], -(b_r_knee_x * sin[15]));
-    // r_ank_roll
-    let b_r_ank_roll_x = b_r_ank_pitch_y.mul_plus(sin[16], b_r_hip_roll_x * cos[16]);
-    let b_r_ank_roll_y = -b_r_hip_roll_x.mul_plus(sin[16], -(b_r_ank_pitch_y * cos[16]));
-    // r_sho_pitch
-    let b_r_sho_pitch_x = b_l_hip_yaw_x.mul_plus(cos[17], -(e2 * sin[17]));
-    let e5 = e2.mul_plus(cos[17], b_l_hip_yaw_x * sin[17]);
-    let b_r_sho_pitch_y = -e5;
-    // r_sho_roll
-    let s_r_sho_roll = sin[18]
-        .mul_plus(
-            T::from_f64(0.707106781467586),
-            T::from_f64(0.7071067809055092) * cos[18],
-        );
-    let c_r_sho_roll = cos[18]
-        .mul_plus(
-            T::from_f64(0.707106781467586),
-            -(T::from_f64(0.7071067809055092) * sin[18]),
-        );
-    let b_r_sho_roll_x = e5.mul_plus(s_r_sho_roll, -(e3 * c_r_sho_roll));
-    let e6 = e3.mul_plus(s_r_sho_roll, e5 * c_r_sho_roll);
-    let b_r_sho_roll_y = -e6;
-    // r_el
-    let b_r_el_x = -e6.mul_plus(cos[19], b_r_sho_pitch_x * sin[19]);
-    let b_r_el_y = -b_r_sho_pitch_x.mul_plus(cos[19], -(e6 * sin[19]));
-    [
-        along[0],
-        along[1],
-        along[2],
-        along[0],
-        b_l_ank_roll_x,
-        b_l_ank_roll_y,
-        b_l_ank_pitch_x,
-        b_l_ank_roll_x,
-        b_l_ank_pitch_y,
-        b_l_knee_x,
-        b_l_ank_roll_x,
-        b_l_knee_y,
-        b_l_hip_pitch_x,
-        b_l_ank_roll_x,
-        b_l_hip_pitch_y,
-        b_l_hip_pitch_x,
-        b_l_hip_roll_x,
-        b_l_hip_roll_y,
-        b_l_hip_yaw_x,
-        b_l_hip_yaw_y,
-        b_l_hip_roll_y,
-        b_head_pan_x,
-        b_head_pan_y,
-        b_l_hip_roll_y,
-        b_head_tilt_x
-            .mul_plus(
-                T::from_f64(0.8386705680315472),
-                T::from_f64(0.5446390348824093) * b_head_tilt_y,
-            ),
-        b_head_pan_y,
-        b_head_tilt_x
-            .mul_plus(
-                T::from_f64(0.5446390348824093),
-                -(T::from_f64(0.8386705680315472) * b_head_tilt_y),
-            ),
-        b_l_sho_pitch_x,
-        b_l_hip_yaw_y,
-        b_l_sho_pitch_y,
-        b_l_sho_pitch_x,
-        b_l_sho_roll_x,
-        b_l_sho_roll_y,
-        b_l_el_x,
-        b_l_sho_roll_x,
-        b_l_el_y,
-        b_r_hip_yaw_x,
-        b_r_hip_yaw_y,
-        b_l_hip_roll_y,
-        b_r_hip_yaw_x,
-        b_r_hip_roll_x,
-        b_r_hip_roll_y,
-        b_r_hip_pitch_x,
-        b_r_hip_roll_x,
-        b_r_hip_pitch_y,
-        b_r_knee_x,
-        b_r_hip_roll_x,
-        b_r_knee_y,
-        b_r_ank_pitch_x,
-        b_r_hip_roll_x,
-        b_r_ank_pitch_y,
-        b_r_ank_pitch_x,
-        b_r_ank_roll_x,
-        b_r_ank_roll_y,
-        b_r_sho_pitch_x,
-        b_l_hip_yaw_y,
-        b_r_sho_pitch_y,
-        b_r_sho_pitch_x,
-        b_r_sho_roll_x,
-        b_r_sho_roll_y,
-        b_r_el_x,
-        b_r_sho_roll_x,
-        b_r_el_y,
-    ]
+    #[inline(always)]
+    fn regressor_full_along<T: Real>(
+        sin: &[T; DOF],
+        cos: &[T; DOF],
+        along: &[T; 3],
+    ) -> [T; FULL_PARAMS] {
+        // l_ank_roll
+        let b_l_ank_roll_x = along[1].mul_plus(cos[7], -(along[2] * sin[7]));
+        let b_l_ank_roll_y = along[2].mul_plus(cos[7], along[1] * sin[7]);
+        // l_ank_pitch
+        let b_l_ank_pitch_x = b_l_ank_roll_y.mul_plus(sin[6], along[0] * cos[6]);
+        let e1 = along[0].mul_plus(sin[6], -(b_l_ank_roll_y * cos[6]));
+        let b_l_ank_pitch_y = -e1;
+        // l_knee
+        let b_l_knee_x = b_l_ank_pitch_x.mul_plus(cos[5], e1 * sin[5]);
+        let b_l_knee_y = b_l_ank_pitch_x.mul_plus(sin[5], -(e1 * cos[5]));
+        // l_hip_pitch
+        let b_l_hip_pitch_x = b_l_knee_x.mul_plus(cos[4], -(b_l_knee_y * sin[4]));
+        let b_l_hip_pitch_y = b_l_knee_y.mul_plus(cos[4], b_l_knee_x * sin[4]);
+        // l_hip_roll
+        let b_l_hip_roll_x = b_l_hip_pitch_y.mul_plus(sin[3], b_l_ank_roll_x * cos[3]);
+        let e2 = b_l_ank_roll_x.mul_plus(sin[3], -(b_l_hip_pitch_y * cos[3]));
+        let b_l_hip_roll_y = -e2;
+        // l_hip_yaw
+        let b_l_hip_yaw_x = b_l_hip_roll_x.mul_plus(sin[2], b_l_hip_pitch_x * cos[2]);
+        let e3 = b_l_hip_pitch_x.mul_plus(sin[2], -(b_l_hip_roll_x * cos[2]));
+        let b_l_hip_yaw_y = -e3;
+        // head_pan
+        let b_head_pan_x = b_l_hip_yaw_x.mul_plus(cos[0], -(e3 * sin[0]));
+        let b_head_pan_y = -e3.mul_plus(cos[0], b_l_hip_yaw_x * sin[0]);
+        // head_tilt
+        let b_head_tilt_x = b_head_pan_x.mul_plus(cos[1], -(e2 * sin[1]));
+        let b_head_tilt_y = e2.mul_plus(cos[1], b_head_pan_x * sin[1]);
+        // l_sho_pitch
+        let b_l_sho_pitch_x = b_l_hip_yaw_x.mul_plus(cos[8], e2 * sin[8]);
+        let b_l_sho_pitch_y = b_l_hip_yaw_x.mul_plus(sin[8], -(e2 * cos[8]));
+        // l_sho_roll
+        let s_l_sho_roll = sin[9]
+            .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * cos[9]));
+        let c_l_sho_roll = cos[9]
+            .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * sin[9]);
+        let b_l_sho_roll_x = -b_l_sho_pitch_y.mul_plus(s_l_sho_roll, e3 * c_l_sho_roll);
+        let e4 = e3.mul_plus(s_l_sho_roll, -(b_l_sho_pitch_y * c_l_sho_roll));
+        let b_l_sho_roll_y = -e4;
+        // l_el
+        let b_l_el_x = b_l_sho_pitch_x.mul_plus(sin[10], -(e4 * cos[10]));
+        let b_l_el_y = -b_l_sho_pitch_x.mul_plus(cos[10], e4 * sin[10]);
+        // r_hip_yaw
+        let b_r_hip_yaw_x = b_l_hip_yaw_x.mul_plus(cos[11], e3 * sin[11]);
+        let b_r_hip_yaw_y = b_l_hip_yaw_x.mul_plus(sin[11], -(e3 * cos[11]));
+        // r_hip_roll
+        let b_r_hip_roll_x = b_r_hip_yaw_y.mul_plus(cos[12], e2 * sin[12]);
+        let b_r_hip_roll_y = b_r_hip_yaw_y.mul_plus(sin[12], -(e2 * cos[12]));
+        // r_hip_pitch
+        let b_r_hip_pitch_x = b_r_hip_yaw_x.mul_plus(cos[13], -(b_r_hip_roll_y * sin[13]));
+        let b_r_hip_pitch_y = b_r_hip_yaw_x.mul_plus(sin[13], b_r_hip_roll_y * cos[13]);
+        // r_knee
+        let b_r_knee_x = b_r_hip_pitch_x.mul_plus(cos[14], -(b_r_hip_pitch_y * sin[14]));
+        let b_r_knee_y = b_r_hip_pitch_y.mul_plus(cos[14], b_r_hip_pitch_x * sin[14]);
+        // r_ank_pitch
+        let b_r_ank_pitch_x = b_r_knee_x.mul_plus(cos[15], b_r_knee_y * sin[15]);
+        let b_r_ank_pitch_y = b_r_knee_y.mul_plus(cos[15], -(b_r_knee_x * sin[15]));
+        // r_ank_roll
+        let b_r_ank_roll_x = b_r_ank_pitch_y.mul_plus(sin[16], b_r_hip_roll_x * cos[16]);
+        let b_r_ank_roll_y = -b_r_hip_roll_x.mul_plus(sin[16], -(b_r_ank_pitch_y * cos[16]));
+        // r_sho_pitch
+        let b_r_sho_pitch_x = b_l_hip_yaw_x.mul_plus(cos[17], -(e2 * sin[17]));
+        let e5 = e2.mul_plus(cos[17], b_l_hip_yaw_x * sin[17]);
+        let b_r_sho_pitch_y = -e5;
+        // r_sho_roll
+        let s_r_sho_roll = sin[18]
+            .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * cos[18]);
+        let c_r_sho_roll = cos[18]
+            .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * sin[18]));
+        let b_r_sho_roll_x = e5.mul_plus(s_r_sho_roll, -(e3 * c_r_sho_roll));
+        let e6 = e3.mul_plus(s_r_sho_roll, e5 * c_r_sho_roll);
+        let b_r_sho_roll_y = -e6;
+        // r_el
+        let b_r_el_x = -e6.mul_plus(cos[19], b_r_sho_pitch_x * sin[19]);
+        let b_r_el_y = -b_r_sho_pitch_x.mul_plus(cos[19], -(e6 * sin[19]));
+        [
+            along[0],
+            along[1],
+            along[2],
+            along[0],
+            b_l_ank_roll_x,
+            b_l_ank_roll_y,
+            b_l_ank_pitch_x,
+            b_l_ank_roll_x,
+            b_l_ank_pitch_y,
+            b_l_knee_x,
+            b_l_ank_roll_x,
+            b_l_knee_y,
+            b_l_hip_pitch_x,
+            b_l_ank_roll_x,
+            b_l_hip_pitch_y,
+            b_l_hip_pitch_x,
+            b_l_hip_roll_x,
+            b_l_hip_roll_y,
+            b_l_hip_yaw_x,
+            b_l_hip_yaw_y,
+            b_l_hip_roll_y,
+            b_head_pan_x,
+            b_head_pan_y,
+            b_l_hip_roll_y,
+            b_head_tilt_x
+                .mul_plus(
+                    T::from_f64(0.8386705680315472),
+                    T::from_f64(0.5446390348824093) * b_head_tilt_y,
+                ),
+            b_head_pan_y,
+            b_head_tilt_x
+                .mul_plus(
+                    T::from_f64(0.5446390348824093),
+                    -(T::from_f64(0.8386705680315472) * b_head_tilt_y),
+                ),
+            b_l_sho_pitch_x,
+            b_l_hip_yaw_y,
+            b_l_sho_pitch_y,
+            b_l_sho_pitch_x,
+            b_l_sho_roll_x,
+            b_l_sho_roll_y,
+            b_l_el_x,
+            b_l_sho_roll_x,
+            b_l_el_y,
+            b_r_hip_yaw_x,
+            b_r_hip_yaw_y,
+            b_l_hip_roll_y,
+            b_r_hip_yaw_x,
+            b_r_hip_roll_x,
+            b_r_hip_roll_y,
+            b_r_hip_pitch_x,
+            b_r_hip_roll_x,
+            b_r_hip_pitch_y,
+            b_r_knee_x,
+            b_r_hip_roll_x,
+            b_r_knee_y,
+            b_r_ank_pitch_x,
+            b_r_hip_roll_x,
+            b_r_ank_pitch_y,
+            b_r_ank_pitch_x,
+            b_r_ank_roll_x,
+            b_r_ank_roll_y,
+            b_r_sho_pitch_x,
+            b_l_hip_yaw_y,
+            b_r_sho_pitch_y,
+            b_r_sho_pitch_x,
+            b_r_sho_roll_x,
+            b_r_sho_roll_y,
+            b_r_el_x,
+            b_r_sho_roll_x,
+            b_r_el_y,
+        ]
+    }
 }

@@ -25,31 +25,62 @@
 // Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
 // parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
 // against exact evaluation with the same parameters.
+//
+// method         statically equivalent serial chain (SESC); equations as numbered in
+//                "Three-dimensional identification of a humanoid robot"
 
-use sesc_runtime::{Real, Sesc};
+use sesc_runtime::__private::v1;
+use sesc_runtime::{Real, Sesc as _, SescFromSinCos as _};
+
+sesc_runtime::__interface!(1);
 
 /// Number of independent joints.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code)]
 pub const DOF: usize = 2;
 
 /// Number of base parameters: columns that data can tell apart.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code)]
 pub const BASE_PARAMS: usize = 7;
 
-/// Number of SESC parameters r_0, r_1, … (and s of sliding joints).
-#[allow(dead_code, clippy::all)]
+/// Number of SESC parameters r_0, r_1, … (and s of prismatic joints).
+#[allow(dead_code)]
 pub const FULL_PARAMS: usize = 9;
 
 /// Joints in the order of `q`.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code)]
 pub const JOINT_NAMES: [&str; DOF] = ["ankle", "knee"];
 
-/// Which joints slide: their `q` is in metres, the others' in radians.
-#[allow(dead_code, clippy::all)]
+/// Index of every joint in `q`.
+#[allow(dead_code, non_upper_case_globals)]
+pub mod joint {
+    pub const ANKLE: usize = 0;
+    pub const KNEE: usize = 1;
+}
+
+/// Which joints are prismatic: their `q` is in metres, the others' in radians.
+#[allow(dead_code)]
 pub const PRISMATIC: [bool; DOF] = [false, false];
 
-/// Base parameters in the order of `r`: link and axis in its frame.
+/// Lower joint limits, rad (m at prismatic joints).
 #[allow(dead_code, clippy::all)]
+pub const JOINT_LOWER: [f64; DOF] = [
+    -0.5, // ankle
+    -2.0, // knee
+];
+
+/// Upper joint limits, rad (m at prismatic joints).
+#[allow(dead_code, clippy::all)]
+pub const JOINT_UPPER: [f64; DOF] = [
+    0.5, // ankle
+    0.0, // knee
+];
+
+/// Total mass from CAD, kg: gravity moments times this and g are in N m.
+#[allow(dead_code, clippy::all)]
+pub const TOTAL_MASS_KG: f64 = 10.0;
+
+/// Base parameters in the order of `r`: link and axis in its frame.
+#[allow(dead_code)]
 pub const PARAM_NAMES: [&str; BASE_PARAMS] = [
     "foot.x",
     "foot.y",
@@ -62,7 +93,15 @@ pub const PARAM_NAMES: [&str; BASE_PARAMS] = [
 
 /// Base parameters from CAD, m.
 #[allow(dead_code, clippy::all)]
-pub const CAD_PARAMS: [f64; BASE_PARAMS] = [0.01, 0.0, 0.09, 0.0, 0.26, 0.0, 0.1];
+pub const CAD_PARAMS: [f64; BASE_PARAMS] = [
+    0.01, // foot.x
+    0.0,  // foot.y
+    0.09, // foot.z
+    0.0,  // shank.x
+    0.26, // shank.z
+    0.0,  // thigh.x
+    0.1,  // thigh.z
+];
 
 /// A posture to test with.
 #[allow(dead_code, clippy::all)]
@@ -73,109 +112,431 @@ pub const SELF_TEST_Q: [f64; DOF] = [0.106597900390625, -0.0192413330078125];
 pub const SELF_TEST_COM: [f64; 3] = [0.04638754537561164, 0.0, 0.4481428777558254];
 
 /// Robot `two_link` standing on `foot`.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[allow(dead_code, non_camel_case_types)]
 #[derive(Debug, Clone, Copy)]
 pub struct TwoLinkFoot;
 
-#[allow(dead_code, clippy::all)]
-impl Sesc<DOF, BASE_PARAMS, FULL_PARAMS> for TwoLinkFoot {
+/// Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i, Eq. (4).
+#[allow(dead_code)]
+#[inline]
+pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
+    TwoLinkFoot::com(q, r)
+}
+
+/// ∂CoM/∂q, m/rad (m/m for prismatic joints), one row per axis.
+#[allow(dead_code)]
+#[inline]
+pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3] {
+    TwoLinkFoot::com_jacobian(q, r)
+}
+
+/// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
+#[allow(dead_code)]
+#[inline]
+pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] {
+    TwoLinkFoot::gravity_moments(q, r)
+}
+
+/// Rows of the base regressor: CoM = rows · r.
+#[allow(dead_code)]
+#[inline]
+pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
+    TwoLinkFoot::regressor(q)
+}
+
+/// The x and y rows of the base regressor: CoP = rows · r.
+#[allow(dead_code)]
+#[inline]
+pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
+    TwoLinkFoot::regressor_cop(q)
+}
+
+/// Rows [B_0 B_1 …] of the full regressor, Eq. (5), in link frames.
+#[allow(dead_code)]
+#[inline]
+pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
+    TwoLinkFoot::regressor_full(q)
+}
+
+/// Centre of pressure that a static posture shows on a level sole, m.
+#[allow(dead_code)]
+#[inline]
+pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
+    TwoLinkFoot::cop(q, r)
+}
+
+/// Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i, Eq. (4).
+///
+/// From sines and cosines; a prismatic joint passes its position in `sin`.
+#[allow(dead_code)]
+#[inline]
+pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
+    TwoLinkFoot::com_sc(sin, cos, r)
+}
+
+/// ∂CoM/∂q, m/rad (m/m for prismatic joints), one row per axis.
+///
+/// From sines and cosines; a prismatic joint passes its position in `sin`.
+#[allow(dead_code)]
+#[inline]
+pub fn com_jacobian_sc<T: Real>(
+    sin: &[T; DOF],
+    cos: &[T; DOF],
+    r: &[T; BASE_PARAMS],
+) -> [[T; DOF]; 3] {
+    TwoLinkFoot::com_jacobian_sc(sin, cos, r)
+}
+
+/// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
+///
+/// From sines and cosines; a prismatic joint passes its position in `sin`.
+#[allow(dead_code)]
+#[inline]
+pub fn gravity_moments_sc<T: Real>(
+    sin: &[T; DOF],
+    cos: &[T; DOF],
+    r: &[T; BASE_PARAMS],
+) -> [T; DOF] {
+    TwoLinkFoot::gravity_moments_sc(sin, cos, r)
+}
+
+/// Rows of the base regressor: CoM = rows · r.
+///
+/// From sines and cosines; a prismatic joint passes its position in `sin`.
+#[allow(dead_code)]
+#[inline]
+pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
+    TwoLinkFoot::regressor_sc(sin, cos)
+}
+
+/// The x and y rows of the base regressor: CoP = rows · r.
+///
+/// From sines and cosines; a prismatic joint passes its position in `sin`.
+#[allow(dead_code)]
+#[inline]
+pub fn regressor_cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
+    TwoLinkFoot::regressor_cop_sc(sin, cos)
+}
+
+/// Rows [B_0 B_1 …] of the full regressor, Eq. (5), in link frames.
+///
+/// From sines and cosines; a prismatic joint passes its position in `sin`.
+#[allow(dead_code)]
+#[inline]
+pub fn regressor_full_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
+    TwoLinkFoot::regressor_full_sc(sin, cos)
+}
+
+/// Centre of pressure that a static posture shows on a level sole, m.
+///
+/// From sines and cosines; a prismatic joint passes its position in `sin`.
+#[allow(dead_code)]
+#[inline]
+pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
+    TwoLinkFoot::cop_sc(sin, cos, r)
+}
+
+#[allow(dead_code, non_snake_case, clippy::all)]
+impl v1::Robot for TwoLinkFoot {
+    type Dof = v1::Const<DOF>;
+    type Base = v1::Const<BASE_PARAMS>;
+    type Full = v1::Const<FULL_PARAMS>;
     const JOINT_NAMES: [&'static str; DOF] = JOINT_NAMES;
     const PRISMATIC: [bool; DOF] = PRISMATIC;
+    const JOINT_LOWER: [f64; DOF] = JOINT_LOWER;
+    const JOINT_UPPER: [f64; DOF] = JOINT_UPPER;
+    const TOTAL_MASS_KG: f64 = TOTAL_MASS_KG;
     const CAD_PARAMS: [f64; BASE_PARAMS] = CAD_PARAMS;
+
     #[inline(always)]
     fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
-        com(q, r)
+        // knee
+        let (s_knee, c_knee) = q[1].sin_cos();
+        // ankle
+        let v_ankle_x = c_knee.mul_plus(r[5], r[3]);
+        let v_ankle_x = s_knee.mul_plus(r[6], v_ankle_x);
+        let v_ankle_y = (-s_knee).mul_plus(r[5], r[4]);
+        let v_ankle_y = c_knee.mul_plus(r[6], v_ankle_y);
+        let (s_ankle, c_ankle) = q[0].sin_cos();
+        // foot
+        let v_foot_x = c_ankle.mul_plus(v_ankle_x, r[0]);
+        let v_foot_x = s_ankle.mul_plus(v_ankle_y, v_foot_x);
+        let v_foot_z = (-s_ankle).mul_plus(v_ankle_x, r[2]);
+        let v_foot_z = c_ankle.mul_plus(v_ankle_y, v_foot_z);
+        [v_foot_x, r[1], v_foot_z]
     }
-    #[inline(always)]
-    fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3] {
-        com_jacobian(q, r)
-    }
+
     #[inline(always)]
     fn com_jacobian_into<T: Real>(
         q: &[T; DOF],
         r: &[T; BASE_PARAMS],
         jacobian: &mut [[T; DOF]; 3],
     ) {
-        com_jacobian_into(q, r, jacobian)
+        let zero = T::from_f64(0.0);
+        jacobian[1][0] = zero;
+        jacobian[1][1] = zero;
+        // knee
+        let (s_knee, c_knee) = q[1].sin_cos();
+        let t_knee_x = c_knee.mul_plus(r[5], s_knee * r[6]);
+        let t_knee_y = c_knee.mul_plus(r[6], -(s_knee * r[5]));
+        // ankle
+        let v_ankle_x = r[3] + t_knee_x;
+        let v_ankle_y = r[4] + t_knee_y;
+        let (s_ankle, c_ankle) = q[0].sin_cos();
+        let t_ankle_x = c_ankle.mul_plus(v_ankle_x, s_ankle * v_ankle_y);
+        let t_ankle_y = c_ankle.mul_plus(v_ankle_y, -(s_ankle * v_ankle_x));
+        jacobian[0][0] = t_ankle_y;
+        // ankle
+        jacobian[2][0] = -t_ankle_x;
+        // knee
+        jacobian[0][1] = -s_ankle.mul_plus(t_knee_x, -(c_ankle * t_knee_y));
+        jacobian[2][1] = -c_ankle.mul_plus(t_knee_x, s_ankle * t_knee_y);
     }
+
     #[inline(always)]
     fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] {
-        gravity_moments(q, r)
+        // knee
+        let (s_knee, c_knee) = q[1].sin_cos();
+        let t_knee_x = c_knee.mul_plus(r[5], s_knee * r[6]);
+        let t_knee_y = c_knee.mul_plus(r[6], -(s_knee * r[5]));
+        // ankle
+        let v_ankle_x = r[3] + t_knee_x;
+        let v_ankle_y = r[4] + t_knee_y;
+        let (s_ankle, c_ankle) = q[0].sin_cos();
+        let t_ankle_x = c_ankle.mul_plus(v_ankle_x, s_ankle * v_ankle_y);
+        [t_ankle_x, c_ankle.mul_plus(t_knee_x, s_ankle * t_knee_y)]
     }
-    #[inline(always)]
-    fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
-        regressor(q)
-    }
+
     #[inline(always)]
     fn regressor_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE_PARAMS]; 3]) {
-        regressor_into(q, rows)
+        let zero = T::from_f64(0.0);
+        let one = T::from_f64(1.0);
+        rows[0][0] = one;
+        rows[1][1] = one;
+        rows[2][2] = one;
+        rows[0][1] = zero;
+        rows[0][2] = zero;
+        rows[1][0] = zero;
+        rows[1][2] = zero;
+        rows[1][3] = zero;
+        rows[1][4] = zero;
+        rows[1][5] = zero;
+        rows[1][6] = zero;
+        rows[2][0] = zero;
+        rows[2][1] = zero;
+        // ankle
+        let (s_ankle, c_ankle) = q[0].sin_cos();
+        rows[0][4] = s_ankle;
+        rows[0][3] = c_ankle;
+        rows[2][4] = c_ankle;
+        let bz_ankle_x = -s_ankle;
+        rows[2][3] = bz_ankle_x;
+        // knee
+        let (s_knee, c_knee) = q[1].sin_cos();
+        let bx_knee_x = c_ankle.mul_plus(c_knee, -(s_ankle * s_knee));
+        rows[0][5] = bx_knee_x;
+        rows[2][6] = bx_knee_x;
+        let bx_knee_y = s_ankle.mul_plus(c_knee, c_ankle * s_knee);
+        rows[0][6] = bx_knee_y;
+        let bz_knee_x = -bx_knee_y;
+        rows[2][5] = bz_knee_x;
     }
-    #[inline(always)]
-    fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
-        regressor_cop(q)
-    }
+
     #[inline(always)]
     fn regressor_cop_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE_PARAMS]; 2]) {
-        regressor_cop_into(q, rows)
+        let zero = T::from_f64(0.0);
+        let one = T::from_f64(1.0);
+        rows[0][0] = one;
+        rows[1][1] = one;
+        rows[0][1] = zero;
+        rows[0][2] = zero;
+        rows[1][0] = zero;
+        rows[1][2] = zero;
+        rows[1][3] = zero;
+        rows[1][4] = zero;
+        rows[1][5] = zero;
+        rows[1][6] = zero;
+        // ankle
+        let (s_ankle, c_ankle) = q[0].sin_cos();
+        rows[0][4] = s_ankle;
+        rows[0][3] = c_ankle;
+        // knee
+        let (s_knee, c_knee) = q[1].sin_cos();
+        let bx_knee_x = c_ankle.mul_plus(c_knee, -(s_ankle * s_knee));
+        rows[0][5] = bx_knee_x;
+        let bx_knee_y = s_ankle.mul_plus(c_knee, c_ankle * s_knee);
+        rows[0][6] = bx_knee_y;
     }
-    #[inline(always)]
-    fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
-        regressor_full(q)
-    }
+
     #[inline(always)]
     fn regressor_full_into<T: Real>(q: &[T; DOF], rows: &mut [[T; FULL_PARAMS]; 3]) {
-        regressor_full_into(q, rows)
+        let zero = T::from_f64(0.0);
+        let one = T::from_f64(1.0);
+        rows[0][0] = one;
+        rows[1][1] = one;
+        rows[1][4] = one;
+        rows[1][7] = one;
+        rows[2][2] = one;
+        rows[0][1] = zero;
+        rows[0][2] = zero;
+        rows[0][4] = zero;
+        rows[0][7] = zero;
+        rows[1][0] = zero;
+        rows[1][2] = zero;
+        rows[1][3] = zero;
+        rows[1][5] = zero;
+        rows[1][6] = zero;
+        rows[1][8] = zero;
+        rows[2][0] = zero;
+        rows[2][1] = zero;
+        rows[2][4] = zero;
+        rows[2][7] = zero;
+        // ankle
+        let (s_ankle, c_ankle) = q[0].sin_cos();
+        rows[0][5] = s_ankle;
+        rows[0][3] = c_ankle;
+        rows[2][5] = c_ankle;
+        let bz_ankle_x = -s_ankle;
+        rows[2][3] = bz_ankle_x;
+        // knee
+        let (s_knee, c_knee) = q[1].sin_cos();
+        let bx_knee_x = c_ankle.mul_plus(c_knee, -(s_ankle * s_knee));
+        rows[0][6] = bx_knee_x;
+        rows[2][8] = bx_knee_x;
+        let bx_knee_y = s_ankle.mul_plus(c_knee, c_ankle * s_knee);
+        rows[0][8] = bx_knee_y;
+        let bz_knee_x = -bx_knee_y;
+        rows[2][6] = bz_knee_x;
     }
+
     #[inline(always)]
     fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
-        cop(q, r)
+        // knee
+        let (s_knee, c_knee) = q[1].sin_cos();
+        // ankle
+        let v_ankle_x = c_knee.mul_plus(r[5], r[3]);
+        let v_ankle_x = s_knee.mul_plus(r[6], v_ankle_x);
+        let v_ankle_y = (-s_knee).mul_plus(r[5], r[4]);
+        let v_ankle_y = c_knee.mul_plus(r[6], v_ankle_y);
+        let (s_ankle, c_ankle) = q[0].sin_cos();
+        // foot
+        let v_foot_x = c_ankle.mul_plus(v_ankle_x, r[0]);
+        let v_foot_x = s_ankle.mul_plus(v_ankle_y, v_foot_x);
+        [v_foot_x, r[1]]
     }
 }
 
-#[allow(dead_code, clippy::all)]
-impl sesc_runtime::SescFromSinCos<DOF, BASE_PARAMS, FULL_PARAMS> for TwoLinkFoot {
+#[allow(dead_code, non_snake_case, clippy::all)]
+impl v1::SinCosRobot for TwoLinkFoot {
     #[inline(always)]
     fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
-        com_sc(sin, cos, r)
+        // ankle
+        let v_ankle_x = cos[1].mul_plus(r[5], r[3]);
+        let v_ankle_x = sin[1].mul_plus(r[6], v_ankle_x);
+        let v_ankle_y = (-sin[1]).mul_plus(r[5], r[4]);
+        let v_ankle_y = cos[1].mul_plus(r[6], v_ankle_y);
+        // foot
+        let v_foot_x = cos[0].mul_plus(v_ankle_x, r[0]);
+        let v_foot_x = sin[0].mul_plus(v_ankle_y, v_foot_x);
+        let v_foot_z = (-sin[0]).mul_plus(v_ankle_x, r[2]);
+        let v_foot_z = cos[0].mul_plus(v_ankle_y, v_foot_z);
+        [v_foot_x, r[1], v_foot_z]
     }
+
     #[inline(always)]
     fn com_jacobian_sc<T: Real>(
         sin: &[T; DOF],
         cos: &[T; DOF],
         r: &[T; BASE_PARAMS],
     ) -> [[T; DOF]; 3] {
-        com_jacobian_sc(sin, cos, r)
+        let zero = T::from_f64(0.0);
+        // knee
+        let t_knee_x = cos[1].mul_plus(r[5], sin[1] * r[6]);
+        let t_knee_y = cos[1].mul_plus(r[6], -(sin[1] * r[5]));
+        // ankle
+        let v_ankle_x = r[3] + t_knee_x;
+        let v_ankle_y = r[4] + t_knee_y;
+        let t_ankle_x = cos[0].mul_plus(v_ankle_x, sin[0] * v_ankle_y);
+        let t_ankle_y = cos[0].mul_plus(v_ankle_y, -(sin[0] * v_ankle_x));
+        let row_x = [t_ankle_y, -sin[0].mul_plus(t_knee_x, -(cos[0] * t_knee_y))];
+        let row_y = [zero, zero];
+        let row_z = [-t_ankle_x, -cos[0].mul_plus(t_knee_x, sin[0] * t_knee_y)];
+        [row_x, row_y, row_z]
     }
+
     #[inline(always)]
     fn gravity_moments_sc<T: Real>(
         sin: &[T; DOF],
         cos: &[T; DOF],
         r: &[T; BASE_PARAMS],
     ) -> [T; DOF] {
-        gravity_moments_sc(sin, cos, r)
+        // knee
+        let t_knee_x = cos[1].mul_plus(r[5], sin[1] * r[6]);
+        let t_knee_y = cos[1].mul_plus(r[6], -(sin[1] * r[5]));
+        // ankle
+        let v_ankle_x = r[3] + t_knee_x;
+        let v_ankle_y = r[4] + t_knee_y;
+        let t_ankle_x = cos[0].mul_plus(v_ankle_x, sin[0] * v_ankle_y);
+        [t_ankle_x, cos[0].mul_plus(t_knee_x, sin[0] * t_knee_y)]
     }
+
     #[inline(always)]
     fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
-        regressor_sc(sin, cos)
+        let zero = T::from_f64(0.0);
+        let one = T::from_f64(1.0);
+        // ankle
+        let bz_ankle_x = -sin[0];
+        // knee
+        let bx_knee_x = cos[0].mul_plus(cos[1], -(sin[0] * sin[1]));
+        let bx_knee_y = sin[0].mul_plus(cos[1], cos[0] * sin[1]);
+        let bz_knee_x = -bx_knee_y;
+        let row_x = [one, zero, zero, cos[0], sin[0], bx_knee_x, bx_knee_y];
+        let row_y = [zero, one, zero, zero, zero, zero, zero];
+        let row_z = [zero, zero, one, bz_ankle_x, cos[0], bz_knee_x, bx_knee_x];
+        [row_x, row_y, row_z]
     }
+
     #[inline(always)]
-    fn regressor_cop_sc<T: Real>(
-        sin: &[T; DOF],
-        cos: &[T; DOF],
-    ) -> [[T; BASE_PARAMS]; 2] {
-        regressor_cop_sc(sin, cos)
+    fn regressor_cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
+        let zero = T::from_f64(0.0);
+        let one = T::from_f64(1.0);
+        // knee
+        let bx_knee_x = cos[0].mul_plus(cos[1], -(sin[0] * sin[1]));
+        let bx_knee_y = sin[0].mul_plus(cos[1], cos[0] * sin[1]);
+        let row_x = [one, zero, zero, cos[0], sin[0], bx_knee_x, bx_knee_y];
+        let row_y = [zero, one, zero, zero, zero, zero, zero];
+        [row_x, row_y]
     }
+
     #[inline(always)]
-    fn regressor_full_sc<T: Real>(
-        sin: &[T; DOF],
-        cos: &[T; DOF],
-    ) -> [[T; FULL_PARAMS]; 3] {
-        regressor_full_sc(sin, cos)
+    fn regressor_full_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
+        let zero = T::from_f64(0.0);
+        let one = T::from_f64(1.0);
+        // ankle
+        let bz_ankle_x = -sin[0];
+        // knee
+        let bx_knee_x = cos[0].mul_plus(cos[1], -(sin[0] * sin[1]));
+        let bx_knee_y = sin[0].mul_plus(cos[1], cos[0] * sin[1]);
+        let bz_knee_x = -bx_knee_y;
+        let row_x = [one, zero, zero, cos[0], zero, sin[0], bx_knee_x, zero, bx_knee_y];
+        let row_y = [zero, one, zero, zero, one, zero, zero, one, zero];
+        let row_z = [zero, zero, one, bz_ankle_x, zero, cos[0], bz_knee_x, zero, bx_knee_x];
+        [row_x, row_y, row_z]
     }
+
     #[inline(always)]
     fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
-        cop_sc(sin, cos, r)
+        // ankle
+        let v_ankle_x = cos[1].mul_plus(r[5], r[3]);
+        let v_ankle_x = sin[1].mul_plus(r[6], v_ankle_x);
+        let v_ankle_y = (-sin[1]).mul_plus(r[5], r[4]);
+        let v_ankle_y = cos[1].mul_plus(r[6], v_ankle_y);
+        // foot
+        let v_foot_x = cos[0].mul_plus(v_ankle_x, r[0]);
+        let v_foot_x = sin[0].mul_plus(v_ankle_y, v_foot_x);
+        [v_foot_x, r[1]]
     }
+
     #[inline(always)]
     fn com_jacobian_along<T: Real>(
         sin: &[T; DOF],
@@ -183,456 +544,50 @@ impl sesc_runtime::SescFromSinCos<DOF, BASE_PARAMS, FULL_PARAMS> for TwoLinkFoot
         r: &[T; BASE_PARAMS],
         along: &[T; 3],
     ) -> [T; DOF] {
-        com_jacobian_along(sin, cos, r, along)
+        // ankle
+        let v_ankle_x = cos[1].mul_plus(r[5], r[3]);
+        let v_ankle_x = sin[1].mul_plus(r[6], v_ankle_x);
+        let v_ankle_y = (-sin[1]).mul_plus(r[5], r[4]);
+        let v_ankle_y = cos[1].mul_plus(r[6], v_ankle_y);
+        // ankle
+        let b_ankle_x = along[0].mul_plus(cos[0], -(along[2] * sin[0]));
+        let b_ankle_y = along[2].mul_plus(cos[0], along[0] * sin[0]);
+        // knee
+        let b_knee_x = b_ankle_x.mul_plus(cos[1], -(b_ankle_y * sin[1]));
+        let b_knee_y = b_ankle_y.mul_plus(cos[1], b_ankle_x * sin[1]);
+        [
+            -b_ankle_y.mul_plus(v_ankle_x, -(b_ankle_x * v_ankle_y)),
+            -b_knee_y.mul_plus(r[5], -(b_knee_x * r[6])),
+        ]
     }
+
     #[inline(always)]
     fn regressor_along<T: Real>(
         sin: &[T; DOF],
         cos: &[T; DOF],
         along: &[T; 3],
     ) -> [T; BASE_PARAMS] {
-        regressor_along(sin, cos, along)
+        // ankle
+        let b_ankle_x = along[0].mul_plus(cos[0], -(along[2] * sin[0]));
+        let b_ankle_y = along[2].mul_plus(cos[0], along[0] * sin[0]);
+        // knee
+        let b_knee_x = b_ankle_x.mul_plus(cos[1], -(b_ankle_y * sin[1]));
+        let b_knee_y = b_ankle_y.mul_plus(cos[1], b_ankle_x * sin[1]);
+        [along[0], along[1], along[2], b_ankle_x, b_ankle_y, b_knee_x, b_knee_y]
     }
+
     #[inline(always)]
     fn regressor_full_along<T: Real>(
         sin: &[T; DOF],
         cos: &[T; DOF],
         along: &[T; 3],
     ) -> [T; FULL_PARAMS] {
-        regressor_full_along(sin, cos, along)
+        // ankle
+        let b_ankle_x = along[0].mul_plus(cos[0], -(along[2] * sin[0]));
+        let b_ankle_y = along[2].mul_plus(cos[0], along[0] * sin[0]);
+        // knee
+        let b_knee_x = b_ankle_x.mul_plus(cos[1], -(b_ankle_y * sin[1]));
+        let b_knee_y = b_ankle_y.mul_plus(cos[1], b_ankle_x * sin[1]);
+        [along[0], along[1], along[2], b_ankle_x, along[1], b_ankle_y, b_knee_x, along[1], b_knee_y]
     }
-}
-
-/// Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
-    // knee
-    let (s_knee, c_knee) = q[1].sin_cos();
-    // ankle
-    let v_ankle_x = s_knee.mul_plus(r[6], c_knee.mul_plus(r[5], r[3]));
-    let v_ankle_y = c_knee.mul_plus(r[6], (-s_knee).mul_plus(r[5], r[4]));
-    let (s_ankle, c_ankle) = q[0].sin_cos();
-    // foot
-    let v_foot_x = s_ankle.mul_plus(v_ankle_y, c_ankle.mul_plus(v_ankle_x, r[0]));
-    let v_foot_z = c_ankle.mul_plus(v_ankle_y, (-s_ankle).mul_plus(v_ankle_x, r[2]));
-    [v_foot_x, r[1], v_foot_z]
-}
-
-/// ∂CoM/∂q, m/rad (m/m for sliding joints), one row per axis.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3] {
-    let mut jacobian = [[T::from_f64(0.0); DOF]; 3];
-    com_jacobian_into(q, r, &mut jacobian);
-    jacobian
-}
-
-/// [`com_jacobian`], each number written as soon as it is there.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn com_jacobian_into<T: Real>(
-    q: &[T; DOF],
-    r: &[T; BASE_PARAMS],
-    jacobian: &mut [[T; DOF]; 3],
-) {
-    let zero = T::from_f64(0.0);
-    jacobian[1][0] = zero;
-    jacobian[1][1] = zero;
-    // knee
-    let (s_knee, c_knee) = q[1].sin_cos();
-    let t_knee_x = c_knee.mul_plus(r[5], s_knee * r[6]);
-    let t_knee_y = c_knee.mul_plus(r[6], -(s_knee * r[5]));
-    // ankle
-    let v_ankle_x = r[3] + t_knee_x;
-    let v_ankle_y = r[4] + t_knee_y;
-    let (s_ankle, c_ankle) = q[0].sin_cos();
-    let t_ankle_x = c_ankle.mul_plus(v_ankle_x, s_ankle * v_ankle_y);
-    let t_ankle_y = c_ankle.mul_plus(v_ankle_y, -(s_ankle * v_ankle_x));
-    jacobian[0][0] = t_ankle_y;
-    // ankle
-    jacobian[2][0] = -t_ankle_x;
-    // knee
-    jacobian[0][1] = -s_ankle.mul_plus(t_knee_x, -(c_ankle * t_knee_y));
-    jacobian[2][1] = -c_ankle.mul_plus(t_knee_x, s_ankle * t_knee_y);
-}
-
-/// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] {
-    // knee
-    let (s_knee, c_knee) = q[1].sin_cos();
-    let t_knee_x = c_knee.mul_plus(r[5], s_knee * r[6]);
-    let t_knee_y = c_knee.mul_plus(r[6], -(s_knee * r[5]));
-    // ankle
-    let v_ankle_x = r[3] + t_knee_x;
-    let v_ankle_y = r[4] + t_knee_y;
-    let (s_ankle, c_ankle) = q[0].sin_cos();
-    let t_ankle_x = c_ankle.mul_plus(v_ankle_x, s_ankle * v_ankle_y);
-    [t_ankle_x, c_ankle.mul_plus(t_knee_x, s_ankle * t_knee_y)]
-}
-
-/// Rows of the base regressor: CoM = rows · r.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
-    let mut rows = [[T::from_f64(0.0); BASE_PARAMS]; 3];
-    regressor_into(q, &mut rows);
-    rows
-}
-
-/// [`regressor`], each number written as soon as it is there.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn regressor_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE_PARAMS]; 3]) {
-    let zero = T::from_f64(0.0);
-    let one = T::from_f64(1.0);
-    rows[0][0] = one;
-    rows[1][1] = one;
-    rows[2][2] = one;
-    rows[0][1] = zero;
-    rows[0][2] = zero;
-    rows[1][0] = zero;
-    rows[1][2] = zero;
-    rows[1][3] = zero;
-    rows[1][4] = zero;
-    rows[1][5] = zero;
-    rows[1][6] = zero;
-    rows[2][0] = zero;
-    rows[2][1] = zero;
-    // ankle
-    let (s_ankle, c_ankle) = q[0].sin_cos();
-    rows[0][4] = s_ankle;
-    rows[0][3] = c_ankle;
-    rows[2][4] = c_ankle;
-    let bz_ankle_x = -s_ankle;
-    rows[2][3] = bz_ankle_x;
-    // knee
-    let (s_knee, c_knee) = q[1].sin_cos();
-    let bx_knee_x = c_ankle.mul_plus(c_knee, -(s_ankle * s_knee));
-    rows[0][5] = bx_knee_x;
-    rows[2][6] = bx_knee_x;
-    let bx_knee_y = s_ankle.mul_plus(c_knee, c_ankle * s_knee);
-    rows[0][6] = bx_knee_y;
-    let bz_knee_x = -bx_knee_y;
-    rows[2][5] = bz_knee_x;
-}
-
-/// The x and y rows of the base regressor: CoP = rows · r.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
-    let mut rows = [[T::from_f64(0.0); BASE_PARAMS]; 2];
-    regressor_cop_into(q, &mut rows);
-    rows
-}
-
-/// [`regressor_cop`], each number written as soon as it is there.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn regressor_cop_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE_PARAMS]; 2]) {
-    let zero = T::from_f64(0.0);
-    let one = T::from_f64(1.0);
-    rows[0][0] = one;
-    rows[1][1] = one;
-    rows[0][1] = zero;
-    rows[0][2] = zero;
-    rows[1][0] = zero;
-    rows[1][2] = zero;
-    rows[1][3] = zero;
-    rows[1][4] = zero;
-    rows[1][5] = zero;
-    rows[1][6] = zero;
-    // ankle
-    let (s_ankle, c_ankle) = q[0].sin_cos();
-    rows[0][4] = s_ankle;
-    rows[0][3] = c_ankle;
-    // knee
-    let (s_knee, c_knee) = q[1].sin_cos();
-    let bx_knee_x = c_ankle.mul_plus(c_knee, -(s_ankle * s_knee));
-    rows[0][5] = bx_knee_x;
-    let bx_knee_y = s_ankle.mul_plus(c_knee, c_ankle * s_knee);
-    rows[0][6] = bx_knee_y;
-}
-
-/// Rows [B_0 B_1 …] of the full regressor, seed paper Eq. (5), in link frames.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
-    let mut rows = [[T::from_f64(0.0); FULL_PARAMS]; 3];
-    regressor_full_into(q, &mut rows);
-    rows
-}
-
-/// [`regressor_full`], each number written as soon as it is there.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn regressor_full_into<T: Real>(q: &[T; DOF], rows: &mut [[T; FULL_PARAMS]; 3]) {
-    let zero = T::from_f64(0.0);
-    let one = T::from_f64(1.0);
-    rows[0][0] = one;
-    rows[1][1] = one;
-    rows[1][4] = one;
-    rows[1][7] = one;
-    rows[2][2] = one;
-    rows[0][1] = zero;
-    rows[0][2] = zero;
-    rows[0][4] = zero;
-    rows[0][7] = zero;
-    rows[1][0] = zero;
-    rows[1][2] = zero;
-    rows[1][3] = zero;
-    rows[1][5] = zero;
-    rows[1][6] = zero;
-    rows[1][8] = zero;
-    rows[2][0] = zero;
-    rows[2][1] = zero;
-    rows[2][4] = zero;
-    rows[2][7] = zero;
-    // ankle
-    let (s_ankle, c_ankle) = q[0].sin_cos();
-    rows[0][5] = s_ankle;
-    rows[0][3] = c_ankle;
-    rows[2][5] = c_ankle;
-    let bz_ankle_x = -s_ankle;
-    rows[2][3] = bz_ankle_x;
-    // knee
-    let (s_knee, c_knee) = q[1].sin_cos();
-    let bx_knee_x = c_ankle.mul_plus(c_knee, -(s_ankle * s_knee));
-    rows[0][6] = bx_knee_x;
-    rows[2][8] = bx_knee_x;
-    let bx_knee_y = s_ankle.mul_plus(c_knee, c_ankle * s_knee);
-    rows[0][8] = bx_knee_y;
-    let bz_knee_x = -bx_knee_y;
-    rows[2][6] = bz_knee_x;
-}
-
-/// Centre of pressure that a static posture shows on a level sole, m.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
-    // knee
-    let (s_knee, c_knee) = q[1].sin_cos();
-    // ankle
-    let v_ankle_x = s_knee.mul_plus(r[6], c_knee.mul_plus(r[5], r[3]));
-    let v_ankle_y = c_knee.mul_plus(r[6], (-s_knee).mul_plus(r[5], r[4]));
-    let (s_ankle, c_ankle) = q[0].sin_cos();
-    // foot
-    let v_foot_x = s_ankle.mul_plus(v_ankle_y, c_ankle.mul_plus(v_ankle_x, r[0]));
-    [v_foot_x, r[1]]
-}
-
-/// Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i.
-///
-/// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
-    // ankle
-    let v_ankle_x = sin[1].mul_plus(r[6], cos[1].mul_plus(r[5], r[3]));
-    let v_ankle_y = cos[1].mul_plus(r[6], (-sin[1]).mul_plus(r[5], r[4]));
-    // foot
-    let v_foot_x = sin[0].mul_plus(v_ankle_y, cos[0].mul_plus(v_ankle_x, r[0]));
-    let v_foot_z = cos[0].mul_plus(v_ankle_y, (-sin[0]).mul_plus(v_ankle_x, r[2]));
-    [v_foot_x, r[1], v_foot_z]
-}
-
-/// ∂CoM/∂q, m/rad (m/m for sliding joints), one row per axis.
-///
-/// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn com_jacobian_sc<T: Real>(
-    sin: &[T; DOF],
-    cos: &[T; DOF],
-    r: &[T; BASE_PARAMS],
-) -> [[T; DOF]; 3] {
-    let zero = T::from_f64(0.0);
-    // knee
-    let t_knee_x = cos[1].mul_plus(r[5], sin[1] * r[6]);
-    let t_knee_y = cos[1].mul_plus(r[6], -(sin[1] * r[5]));
-    // ankle
-    let v_ankle_x = r[3] + t_knee_x;
-    let v_ankle_y = r[4] + t_knee_y;
-    let t_ankle_x = cos[0].mul_plus(v_ankle_x, sin[0] * v_ankle_y);
-    let t_ankle_y = cos[0].mul_plus(v_ankle_y, -(sin[0] * v_ankle_x));
-    [
-        [t_ankle_y, -sin[0].mul_plus(t_knee_x, -(cos[0] * t_knee_y))],
-        [zero, zero],
-        [-t_ankle_x, -cos[0].mul_plus(t_knee_x, sin[0] * t_knee_y)],
-    ]
-}
-
-/// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
-///
-/// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn gravity_moments_sc<T: Real>(
-    sin: &[T; DOF],
-    cos: &[T; DOF],
-    r: &[T; BASE_PARAMS],
-) -> [T; DOF] {
-    // knee
-    let t_knee_x = cos[1].mul_plus(r[5], sin[1] * r[6]);
-    let t_knee_y = cos[1].mul_plus(r[6], -(sin[1] * r[5]));
-    // ankle
-    let v_ankle_x = r[3] + t_knee_x;
-    let v_ankle_y = r[4] + t_knee_y;
-    let t_ankle_x = cos[0].mul_plus(v_ankle_x, sin[0] * v_ankle_y);
-    [t_ankle_x, cos[0].mul_plus(t_knee_x, sin[0] * t_knee_y)]
-}
-
-/// Rows of the base regressor: CoM = rows · r.
-///
-/// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
-    let zero = T::from_f64(0.0);
-    let one = T::from_f64(1.0);
-    // ankle
-    let bz_ankle_x = -sin[0];
-    // knee
-    let bx_knee_x = cos[0].mul_plus(cos[1], -(sin[0] * sin[1]));
-    let bx_knee_y = sin[0].mul_plus(cos[1], cos[0] * sin[1]);
-    let bz_knee_x = -bx_knee_y;
-    [
-        [one, zero, zero, cos[0], sin[0], bx_knee_x, bx_knee_y],
-        [zero, one, zero, zero, zero, zero, zero],
-        [zero, zero, one, bz_ankle_x, cos[0], bz_knee_x, bx_knee_x],
-    ]
-}
-
-/// The x and y rows of the base regressor: CoP = rows · r.
-///
-/// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn regressor_cop_sc<T: Real>(
-    sin: &[T; DOF],
-    cos: &[T; DOF],
-) -> [[T; BASE_PARAMS]; 2] {
-    let zero = T::from_f64(0.0);
-    let one = T::from_f64(1.0);
-    // knee
-    let bx_knee_x = cos[0].mul_plus(cos[1], -(sin[0] * sin[1]));
-    let bx_knee_y = sin[0].mul_plus(cos[1], cos[0] * sin[1]);
-    [
-        [one, zero, zero, cos[0], sin[0], bx_knee_x, bx_knee_y],
-        [zero, one, zero, zero, zero, zero, zero],
-    ]
-}
-
-/// Rows [B_0 B_1 …] of the full regressor, seed paper Eq. (5), in link frames.
-///
-/// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn regressor_full_sc<T: Real>(
-    sin: &[T; DOF],
-    cos: &[T; DOF],
-) -> [[T; FULL_PARAMS]; 3] {
-    let zero = T::from_f64(0.0);
-    let one = T::from_f64(1.0);
-    // ankle
-    let bz_ankle_x = -sin[0];
-    // knee
-    let bx_knee_x = cos[0].mul_plus(cos[1], -(sin[0] * sin[1]));
-    let bx_knee_y = sin[0].mul_plus(cos[1], cos[0] * sin[1]);
-    let bz_knee_x = -bx_knee_y;
-    [
-        [one, zero, zero, cos[0], zero, sin[0], bx_knee_x, zero, bx_knee_y],
-        [zero, one, zero, zero, one, zero, zero, one, zero],
-        [zero, zero, one, bz_ankle_x, zero, cos[0], bz_knee_x, zero, bx_knee_x],
-    ]
-}
-
-/// Centre of pressure that a static posture shows on a level sole, m.
-///
-/// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
-    // ankle
-    let v_ankle_x = sin[1].mul_plus(r[6], cos[1].mul_plus(r[5], r[3]));
-    let v_ankle_y = cos[1].mul_plus(r[6], (-sin[1]).mul_plus(r[5], r[4]));
-    // foot
-    let v_foot_x = sin[0].mul_plus(v_ankle_y, cos[0].mul_plus(v_ankle_x, r[0]));
-    [v_foot_x, r[1]]
-}
-
-/// ∂CoM/∂q, m/rad (m/m for sliding joints), one row per axis.
-///
-/// Their combination `along` a direction of the support frame, no longer than one, from sines and cosines as above.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn com_jacobian_along<T: Real>(
-    sin: &[T; DOF],
-    cos: &[T; DOF],
-    r: &[T; BASE_PARAMS],
-    along: &[T; 3],
-) -> [T; DOF] {
-    // ankle
-    let v_ankle_x = sin[1].mul_plus(r[6], cos[1].mul_plus(r[5], r[3]));
-    let v_ankle_y = cos[1].mul_plus(r[6], (-sin[1]).mul_plus(r[5], r[4]));
-    // ankle
-    let b_ankle_x = along[0].mul_plus(cos[0], -(along[2] * sin[0]));
-    let b_ankle_y = along[2].mul_plus(cos[0], along[0] * sin[0]);
-    // knee
-    let b_knee_x = b_ankle_x.mul_plus(cos[1], -(b_ankle_y * sin[1]));
-    let b_knee_y = b_ankle_y.mul_plus(cos[1], b_ankle_x * sin[1]);
-    [
-        -b_ankle_y.mul_plus(v_ankle_x, -(b_ankle_x * v_ankle_y)),
-        -b_knee_y.mul_plus(r[5], -(b_knee_x * r[6])),
-    ]
-}
-
-/// Rows of the base regressor: CoM = rows · r.
-///
-/// Their combination `along` a direction of the support frame, no longer than one, from sines and cosines as above.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn regressor_along<T: Real>(
-    sin: &[T; DOF],
-    cos: &[T; DOF],
-    along: &[T; 3],
-) -> [T; BASE_PARAMS] {
-    // ankle
-    let b_ankle_x = along[0].mul_plus(cos[0], -(along[2] * sin[0]));
-    let b_ankle_y = along[2].mul_plus(cos[0], along[0] * sin[0]);
-    // knee
-    let b_knee_x = b_ankle_x.mul_plus(cos[1], -(b_ankle_y * sin[1]));
-    let b_knee_y = b_ankle_y.mul_plus(cos[1], b_ankle_x * sin[1]);
-    [along[0], along[1], along[2], b_ankle_x, b_ankle_y, b_knee_x, b_knee_y]
-}
-
-/// Rows [B_0 B_1 …] of the full regressor, seed paper Eq. (5), in link frames.
-///
-/// Their combination `along` a direction of the support frame, no longer than one, from sines and cosines as above.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn regressor_full_along<T: Real>(
-    sin: &[T; DOF],
-    cos: &[T; DOF],
-    along: &[T; 3],
-) -> [T; FULL_PARAMS] {
-    // ankle
-    let b_ankle_x = along[0].mul_plus(cos[0], -(along[2] * sin[0]));
-    let b_ankle_y = along[2].mul_plus(cos[0], along[0] * sin[0]);
-    // knee
-    let b_knee_x = b_ankle_x.mul_plus(cos[1], -(b_ankle_y * sin[1]));
-    let b_knee_y = b_ankle_y.mul_plus(cos[1], b_ankle_x * sin[1]);
-    [
-        along[0],
-        along[1],
-        along[2],
-        b_ankle_x,
-        along[1],
-        b_ankle_y,
-        b_knee_x,
-        along[1],
-        b_knee_y,
-    ]
 }

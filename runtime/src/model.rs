@@ -102,7 +102,7 @@ pub trait Sesc: Sized {
     /// # use sesc_generated::two_link_foot::{CAD_PARAMS, TwoLinkFoot};
     /// # use sesc_runtime::Sesc;
     /// let [x, y, z] = TwoLinkFoot::com(&[0.0, 0.0], &CAD_PARAMS);
-    /// assert_eq!([x, y, z], [0.01, 0.0, 0.45]);
+    /// assert!((x - 0.01).abs() < 1e-15 && y == 0.0 && (z - 0.45).abs() < 1e-15);
     /// ```
     #[inline]
     fn com<T: Real>(q: &Posture<Self, T>, r: &Params<Self, T>) -> [T; 3] {

@@ -5,6 +5,8 @@
 use std::fs;
 
 use compiled::*;
+#[allow(unused_imports)]
+use sesc_runtime::__private::v1::SinCosRobot;
 use sesc_runtime::{Lanes, Real};
 
 fn postures<const DOF: usize>(module: &str) -> Vec<[f64; DOF]> {
@@ -40,7 +42,7 @@ fn combined<const N: usize>(rows: &[[f64; N]; 3], along: [f64; 3]) -> [f64; N] {
 
 #[allow(unused_macros)]
 macro_rules! run {
-    ($m:ident) => {{
+    ($m:ident, $unit:ident) => {{
         let name = stringify!($m);
         let r = $m::CAD_PARAMS;
         let com = $m::com(&$m::SELF_TEST_Q, &r);
@@ -88,16 +90,16 @@ macro_rules! run {
 
 /// As `run`, and from sines and cosines: close to the same function of q.
 macro_rules! run_sc {
-    ($m:ident) => {{
-        run!($m);
+    ($m:ident, $unit:ident) => {{
+        run!($m, $unit);
         let name = stringify!($m);
         let r = $m::CAD_PARAMS;
         let size: f64 = r.iter().map(|x| x.abs()).sum::<f64>() + 1.0;
         for q in postures::<{ $m::DOF }>(name).into_iter().take(WRITTEN) {
             let pairs = q.map(|x| Real::sin_cos(x));
-            // A sliding joint passes its position in `sin`.
-            let slides = $m::PRISMATIC;
-            let sin = core::array::from_fn(|j| if slides[j] { q[j] } else { pairs[j].0 });
+            // A prismatic joint passes its position in `sin`.
+            let prismatic = $m::PRISMATIC;
+            let sin = core::array::from_fn(|j| if prismatic[j] { q[j] } else { pairs[j].0 });
             let cos = pairs.map(|p| p.1);
             let near = |a: &[f64], b: &[f64]| {
                 for (x, y) in a.iter().zip(b) {
@@ -113,11 +115,11 @@ macro_rules! run_sc {
             near(&$m::regressor_full_sc(&sin, &cos).concat(), &$m::regressor_full(&q).concat());
             for along in [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.36, -0.48, 0.8]] {
                 let jacobian = combined(&$m::com_jacobian(&q, &r), along);
-                near(&$m::com_jacobian_along(&sin, &cos, &r, &along), &jacobian);
+                near(&<$m::$unit as SinCosRobot>::com_jacobian_along(&sin, &cos, &r, &along), &jacobian);
                 let row = combined(&$m::regressor(&q), along);
-                near(&$m::regressor_along(&sin, &cos, &along), &row);
+                near(&<$m::$unit as SinCosRobot>::regressor_along(&sin, &cos, &along), &row);
                 let row = combined(&$m::regressor_full(&q), along);
-                near(&$m::regressor_full_along(&sin, &cos, &along), &row);
+                near(&<$m::$unit as SinCosRobot>::regressor_full_along(&sin, &cos, &along), &row);
             }
         }
     }};

@@ -120,8 +120,13 @@ impl<'p> Body<'p> {
                 if let Some(product) = self.product_in(a, b, minus) {
                     return (self.mul_plus(product, place, whole), Strength::Atom);
                 }
+                // One `mul_plus` a statement.
+                let after = match self.is_written_out(a) {
+                    true => Place::Inside(None),
+                    false => inner,
+                };
                 let a = self.operand(a, inner, Strength::Sum);
-                let b = self.operand(b, inner, Strength::Product);
+                let b = self.operand(b, after, Strength::Product);
                 match minus {
                     true => (quote!(#a - #b), Strength::Sum),
                     false => (quote!(#a + #b), Strength::Sum),
@@ -159,6 +164,12 @@ impl<'p> Body<'p> {
                 (quote!(#a.sin_cos().1), Strength::Atom)
             }
         }
+    }
+
+    /// Whether a node stands for an operation that has no name.
+    fn is_written_out(&self, id: Id) -> bool {
+        let leaf = matches!(self.program().expr(id), Expr::Const(_) | Expr::Input { .. });
+        !leaf && self.listing.name(id).is_none()
     }
 
     /// The factors of a product that only the sum at hand uses, a constant last.

@@ -26,31 +26,62 @@
 // Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
 // parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
 // against exact evaluation with the same parameters.
+//
+// method         statically equivalent serial chain (SESC); equations as numbered in
+//                "Three-dimensional identification of a humanoid robot"
 
-use sesc_runtime::{Real, Sesc};
+use sesc_runtime::__private::v1;
+use sesc_runtime::{Real, Sesc as _, SescFromSinCos as _};
+
+sesc_runtime::__interface!(1);
 
 /// Number of independent joints.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code)]
 pub const DOF: usize = 2;
 
 /// Number of base parameters: columns that data can tell apart.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code)]
 pub const BASE_PARAMS: usize = 8;
 
-/// Number of SESC parameters r_0, r_1, … (and s of sliding joints).
-#[allow(dead_code, clippy::all)]
+/// Number of SESC parameters r_0, r_1, … (and s of prismatic joints).
+#[allow(dead_code)]
 pub const FULL_PARAMS: usize = 13;
 
 /// Joints in the order of `q`.
-#[allow(dead_code, clippy::all)]
+#[allow(dead_code)]
 pub const JOINT_NAMES: [&str; DOF] = ["lift", "wrist"];
 
-/// Which joints slide: their `q` is in metres, the others' in radians.
-#[allow(dead_code, clippy::all)]
+/// Index of every joint in `q`.
+#[allow(dead_code, non_upper_case_globals)]
+pub mod joint {
+    pub const LIFT: usize = 0;
+    pub const WRIST: usize = 1;
+}
+
+/// Which joints are prismatic: their `q` is in metres, the others' in radians.
+#[allow(dead_code)]
 pub const PRISMATIC: [bool; DOF] = [true, false];
 
-/// Base parameters in the order of `r`: link and axis in its frame.
+/// Lower joint limits, rad (m at prismatic joints).
 #[allow(dead_code, clippy::all)]
+pub const JOINT_LOWER: [f64; DOF] = [
+    0.0,  // lift
+    -1.0, // wrist
+];
+
+/// Upper joint limits, rad (m at prismatic joints).
+#[allow(dead_code, clippy::all)]
+pub const JOINT_UPPER: [f64; DOF] = [
+    0.5, // lift
+    1.0, // wrist
+];
+
+/// Total mass from CAD, kg: gravity moments times this and g are in N m.
+#[allow(dead_code, clippy::all)]
+pub const TOTAL_MASS_KG: f64 = 8.0;
+
+/// Base parameters in the order of `r`: link and axis in its frame.
+#[allow(dead_code)]
 pub const PARAM_NAMES: [&str; BASE_PARAMS] = [
     "base.x",
     "base.y",
@@ -65,14 +96,14 @@ pub const PARAM_NAMES: [&str; BASE_PARAMS] = [
 /// Base parameters from CAD, m.
 #[allow(dead_code, clippy::all)]
 pub const CAD_PARAMS: [f64; BASE_PARAMS] = [
-    0.011111111111111112,
-    0.034722222222222224,
-    0.022222222222222223,
-    0.5,
-    0.0298142396999972,
-    -0.022360679774997897,
-    0.00625,
-    0.0,
+    0.011111111111111112,  // base.x
+    0.034722222222222224,  // base.y
+    0.022222222222222223,  // base.z
+    0.5,                   // carriage.s
+    0.0298142396999972,    // hand.u
+    -0.022360679774997897, // hand.v
+    0.00625,               // thumb.x
+    0.0,                   // thumb.y
 ];
 
 /// A posture to test with.
@@ -81,968 +112,767 @@ pub const SELF_TEST_Q: [f64; DOF] = [0.3032989501953125, 0.9807586669921875];
 
 /// The CoM there with `CAD_PARAMS`, m, summed body by body by the generator.
 #[allow(dead_code, clippy::all)]
-pub const SELF_TEST_COM: [f64; 3] = [
-    0.03189076304498001,
-    0.011490102188304516,
-    0.1838831230792753,
-];
+pub const SELF_TEST_COM: [f64; 3] = [0.03189076304498001, 0.011490102188304516, 0.1838831230792753];
 
 /// Robot `lift` standing on `base`.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
+#[allow(dead_code, non_camel_case_types)]
 #[derive(Debug, Clone, Copy)]
 pub struct Lift;
 
-#[allow(dead_code, clippy::all)]
-impl Sesc<DOF, BASE_PARAMS, FULL_PARAMS> for Lift {
+/// Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i, Eq. (4).
+#[allow(dead_code)]
+#[inline]
+pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
+    Lift::com(q, r)
+}
+
+/// ∂CoM/∂q, m/rad (m/m for prismatic joints), one row per axis.
+#[allow(dead_code)]
+#[inline]
+pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3] {
+    Lift::com_jacobian(q, r)
+}
+
+/// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
+#[allow(dead_code)]
+#[inline]
+pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] {
+    Lift::gravity_moments(q, r)
+}
+
+/// Rows of the base regressor: CoM = rows · r.
+#[allow(dead_code)]
+#[inline]
+pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
+    Lift::regressor(q)
+}
+
+/// The x and y rows of the base regressor: CoP = rows · r.
+#[allow(dead_code)]
+#[inline]
+pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
+    Lift::regressor_cop(q)
+}
+
+/// Rows [B_0 B_1 …] of the full regressor, Eq. (5), in link frames.
+#[allow(dead_code)]
+#[inline]
+pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
+    Lift::regressor_full(q)
+}
+
+/// Centre of pressure that a static posture shows on a level sole, m.
+#[allow(dead_code)]
+#[inline]
+pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
+    Lift::cop(q, r)
+}
+
+/// Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i, Eq. (4).
+///
+/// From sines and cosines; a prismatic joint passes its position in `sin`.
+#[allow(dead_code)]
+#[inline]
+pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
+    Lift::com_sc(sin, cos, r)
+}
+
+/// ∂CoM/∂q, m/rad (m/m for prismatic joints), one row per axis.
+///
+/// From sines and cosines; a prismatic joint passes its position in `sin`.
+#[allow(dead_code)]
+#[inline]
+pub fn com_jacobian_sc<T: Real>(
+    sin: &[T; DOF],
+    cos: &[T; DOF],
+    r: &[T; BASE_PARAMS],
+) -> [[T; DOF]; 3] {
+    Lift::com_jacobian_sc(sin, cos, r)
+}
+
+/// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
+///
+/// From sines and cosines; a prismatic joint passes its position in `sin`.
+#[allow(dead_code)]
+#[inline]
+pub fn gravity_moments_sc<T: Real>(
+    sin: &[T; DOF],
+    cos: &[T; DOF],
+    r: &[T; BASE_PARAMS],
+) -> [T; DOF] {
+    Lift::gravity_moments_sc(sin, cos, r)
+}
+
+/// Rows of the base regressor: CoM = rows · r.
+///
+/// From sines and cosines; a prismatic joint passes its position in `sin`.
+#[allow(dead_code)]
+#[inline]
+pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
+    Lift::regressor_sc(sin, cos)
+}
+
+/// The x and y rows of the base regressor: CoP = rows · r.
+///
+/// From sines and cosines; a prismatic joint passes its position in `sin`.
+#[allow(dead_code)]
+#[inline]
+pub fn regressor_cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
+    Lift::regressor_cop_sc(sin, cos)
+}
+
+/// Rows [B_0 B_1 …] of the full regressor, Eq. (5), in link frames.
+///
+/// From sines and cosines; a prismatic joint passes its position in `sin`.
+#[allow(dead_code)]
+#[inline]
+pub fn regressor_full_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
+    Lift::regressor_full_sc(sin, cos)
+}
+
+/// Centre of pressure that a static posture shows on a level sole, m.
+///
+/// From sines and cosines; a prismatic joint passes its position in `sin`.
+#[allow(dead_code)]
+#[inline]
+pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
+    Lift::cop_sc(sin, cos, r)
+}
+
+#[allow(dead_code, non_snake_case, clippy::all)]
+impl v1::Robot for Lift {
+    type Dof = v1::Const<DOF>;
+    type Base = v1::Const<BASE_PARAMS>;
+    type Full = v1::Const<FULL_PARAMS>;
     const JOINT_NAMES: [&'static str; DOF] = JOINT_NAMES;
     const PRISMATIC: [bool; DOF] = PRISMATIC;
+    const JOINT_LOWER: [f64; DOF] = JOINT_LOWER;
+    const JOINT_UPPER: [f64; DOF] = JOINT_UPPER;
+    const TOTAL_MASS_KG: f64 = TOTAL_MASS_KG;
     const CAD_PARAMS: [f64; BASE_PARAMS] = CAD_PARAMS;
+
     #[inline(always)]
     fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
-        com(q, r)
+        // thumb
+        let e1 = q[1] - T::from_f64(0.5636476090008061);
+        let (s_thumb, c_thumb) = e1.sin_cos();
+        let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
+        let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
+        // wrist
+        let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
+        let v_wrist_y = r[5] + t_thumb_x;
+        let e2 = q[1] - T::from_f64(0.4636476090008061);
+        let (s_wrist, c_wrist) = e2.sin_cos();
+        let t_wrist_x = c_wrist.mul_plus(v_wrist_x, -(s_wrist * v_wrist_y));
+        let e3 = s_wrist.mul_plus(v_wrist_x, c_wrist * v_wrist_y);
+        // lift
+        let e4 = t_wrist_x.mul_plus(T::from_f64(0.5), -e3);
+        let e4 = t_thumb_y.mul_plus(T::from_f64(0.372677996249965), e4);
+        let w_wrist_x = (-e4).mul_plus(T::from_f64(0.6666666666666666), t_wrist_x);
+        let w_wrist_z = e4
+            .mul_plus(
+                T::from_f64(0.6666666666666667),
+                -(T::from_f64(0.7453559924999299) * t_thumb_y),
+            );
+        // base
+        let v_base_x = r[0] + w_wrist_x;
+        let v_base_y = r[1] - e4.mul_plus(T::from_f64(1.3333333333333333), e3);
+        let v_base_z = r[2] + q[0].mul_plus(r[3], w_wrist_z);
+        [v_base_x, v_base_y, v_base_z]
     }
-    #[inline(always)]
-    fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3] {
-        com_jacobian(q, r)
-    }
+
     #[inline(always)]
     fn com_jacobian_into<T: Real>(
         q: &[T; DOF],
         r: &[T; BASE_PARAMS],
         jacobian: &mut [[T; DOF]; 3],
     ) {
-        com_jacobian_into(q, r, jacobian)
+        let zero = T::from_f64(0.0);
+        jacobian[0][0] = zero;
+        jacobian[1][0] = zero;
+        // thumb
+        let e1 = q[1] - T::from_f64(0.5636476090008061);
+        let (s_thumb, c_thumb) = e1.sin_cos();
+        let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
+        let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
+        // wrist
+        let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
+        let v_wrist_y = r[5] + t_thumb_x;
+        let e2 = q[1] - T::from_f64(0.4636476090008061);
+        let (s_wrist, c_wrist) = e2.sin_cos();
+        let t_wrist_x = c_wrist.mul_plus(v_wrist_x, -(s_wrist * v_wrist_y));
+        let e3 = s_wrist.mul_plus(v_wrist_x, c_wrist * v_wrist_y);
+        jacobian[2][0] = r[3];
+        // wrist
+        let e4 = T::from_f64(0.6666666666666667) * c_wrist;
+        let e5 = T::from_f64(0.6666666666666666) * s_wrist;
+        let bx_wrist_x = e4 + e5;
+        let e6 = T::from_f64(0.6666666666666666) * c_wrist;
+        let e7 = T::from_f64(0.6666666666666667) * s_wrist;
+        let by_wrist_x = s_wrist.mul_plus(T::from_f64(0.33333333333333326), -e6);
+        let by_wrist_y = c_wrist.mul_plus(T::from_f64(0.33333333333333326), e5);
+        let bz_wrist_x = c_wrist.mul_plus(T::from_f64(0.33333333333333337), -e7);
+        // thumb
+        let p1 = bx_wrist_x
+            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
+        jacobian[0][1] = (e7 - e6).mul_plus(t_thumb_y, -(p1 * t_thumb_x))
+            - e3
+                .mul_plus(
+                    T::from_f64(0.6666666666666667),
+                    -(T::from_f64(0.6666666666666666) * t_wrist_x),
+                );
+        let p2 = by_wrist_x
+            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.4969039949999533));
+        jacobian[1][1] = t_wrist_x
+            .mul_plus(
+                T::from_f64(0.33333333333333326),
+                T::from_f64(0.6666666666666666) * e3,
+            ) - p2.mul_plus(t_thumb_x, by_wrist_y * t_thumb_y);
+        let p3 = s_wrist.mul_plus(T::from_f64(0.33333333333333337), e4);
+        let p4 = bz_wrist_x
+            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
+        jacobian[2][1] = p3.mul_plus(t_thumb_y, -(p4 * t_thumb_x))
+            - t_wrist_x
+                .mul_plus(T::from_f64(0.6666666666666667), T::from_f64(0.33333333333333337) * e3);
     }
+
     #[inline(always)]
     fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] {
-        gravity_moments(q, r)
+        // thumb
+        let e1 = q[1] - T::from_f64(0.5636476090008061);
+        let (s_thumb, c_thumb) = e1.sin_cos();
+        let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
+        let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
+        // wrist
+        let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
+        let v_wrist_y = r[5] + t_thumb_x;
+        let e2 = q[1] - T::from_f64(0.4636476090008061);
+        let (s_wrist, c_wrist) = e2.sin_cos();
+        let t_wrist_x = c_wrist.mul_plus(v_wrist_x, -(s_wrist * v_wrist_y));
+        // wrist
+        let bz_wrist_x = c_wrist
+            .mul_plus(
+                T::from_f64(0.33333333333333337),
+                -(T::from_f64(0.6666666666666667) * s_wrist),
+            );
+        let p1 = s_wrist.mul_plus(v_wrist_x, c_wrist * v_wrist_y);
+        let p2 = c_wrist
+            .mul_plus(T::from_f64(0.6666666666666667), T::from_f64(0.33333333333333337) * s_wrist);
+        let p3 = bz_wrist_x
+            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
+        [
+            -r[3],
+            t_wrist_x
+                .mul_plus(
+                    T::from_f64(0.6666666666666667),
+                    T::from_f64(0.33333333333333337) * p1,
+                ) - p2.mul_plus(t_thumb_y, -(p3 * t_thumb_x)),
+        ]
     }
-    #[inline(always)]
-    fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
-        regressor(q)
-    }
+
     #[inline(always)]
     fn regressor_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE_PARAMS]; 3]) {
-        regressor_into(q, rows)
+        let zero = T::from_f64(0.0);
+        let one = T::from_f64(1.0);
+        rows[0][0] = one;
+        rows[1][1] = one;
+        rows[2][2] = one;
+        rows[0][1] = zero;
+        rows[0][2] = zero;
+        rows[0][3] = zero;
+        rows[1][0] = zero;
+        rows[1][2] = zero;
+        rows[1][3] = zero;
+        rows[2][0] = zero;
+        rows[2][1] = zero;
+        // wrist
+        let e1 = q[1] - T::from_f64(0.4636476090008061);
+        let (s_wrist, c_wrist) = e1.sin_cos();
+        let e2 = T::from_f64(0.6666666666666667) * c_wrist;
+        let e3 = T::from_f64(0.6666666666666666) * s_wrist;
+        let bx_wrist_x = e2 + e3;
+        rows[0][4] = bx_wrist_x;
+        let e4 = T::from_f64(0.6666666666666666) * c_wrist;
+        let e5 = T::from_f64(0.6666666666666667) * s_wrist;
+        let e6 = e5 - e4;
+        let bx_wrist_y = -e6;
+        rows[0][5] = bx_wrist_y;
+        let by_wrist_x = s_wrist.mul_plus(T::from_f64(0.33333333333333326), -e4);
+        rows[1][4] = by_wrist_x;
+        let by_wrist_y = c_wrist.mul_plus(T::from_f64(0.33333333333333326), e3);
+        rows[1][5] = by_wrist_y;
+        let bz_wrist_x = c_wrist.mul_plus(T::from_f64(0.33333333333333337), -e5);
+        rows[2][4] = bz_wrist_x;
+        let e7 = s_wrist.mul_plus(T::from_f64(0.33333333333333337), e2);
+        let bz_wrist_y = -e7;
+        rows[2][5] = bz_wrist_y;
+        // thumb
+        let e8 = q[1] - T::from_f64(0.5636476090008061);
+        let (s_thumb, c_thumb) = e8.sin_cos();
+        let e9 = bx_wrist_x
+            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
+        let bx_thumb_x = -e6.mul_plus(c_thumb, e9 * s_thumb);
+        rows[0][6] = bx_thumb_x;
+        let bx_thumb_y = -e6.mul_plus(s_thumb, -(e9 * c_thumb));
+        rows[0][7] = bx_thumb_y;
+        let e10 = by_wrist_x
+            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.4969039949999533));
+        let by_thumb_x = by_wrist_y.mul_plus(c_thumb, -(e10 * s_thumb));
+        rows[1][6] = by_thumb_x;
+        let by_thumb_y = e10.mul_plus(c_thumb, by_wrist_y * s_thumb);
+        rows[1][7] = by_thumb_y;
+        let e11 = bz_wrist_x
+            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
+        let bz_thumb_x = -e7.mul_plus(c_thumb, e11 * s_thumb);
+        rows[2][6] = bz_thumb_x;
+        let bz_thumb_y = -e7.mul_plus(s_thumb, -(e11 * c_thumb));
+        rows[2][7] = bz_thumb_y;
+        rows[2][3] = q[0];
     }
-    #[inline(always)]
-    fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
-        regressor_cop(q)
-    }
+
     #[inline(always)]
     fn regressor_cop_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE_PARAMS]; 2]) {
-        regressor_cop_into(q, rows)
+        let zero = T::from_f64(0.0);
+        let one = T::from_f64(1.0);
+        rows[0][0] = one;
+        rows[1][1] = one;
+        rows[0][1] = zero;
+        rows[0][2] = zero;
+        rows[0][3] = zero;
+        rows[1][0] = zero;
+        rows[1][2] = zero;
+        rows[1][3] = zero;
+        // wrist
+        let e1 = q[1] - T::from_f64(0.4636476090008061);
+        let (s_wrist, c_wrist) = e1.sin_cos();
+        let e2 = T::from_f64(0.6666666666666666) * s_wrist;
+        let bx_wrist_x = c_wrist.mul_plus(T::from_f64(0.6666666666666667), e2);
+        rows[0][4] = bx_wrist_x;
+        let e3 = T::from_f64(0.6666666666666666) * c_wrist;
+        let e4 = s_wrist.mul_plus(T::from_f64(0.6666666666666667), -e3);
+        let bx_wrist_y = -e4;
+        rows[0][5] = bx_wrist_y;
+        let by_wrist_x = s_wrist.mul_plus(T::from_f64(0.33333333333333326), -e3);
+        rows[1][4] = by_wrist_x;
+        let by_wrist_y = c_wrist.mul_plus(T::from_f64(0.33333333333333326), e2);
+        rows[1][5] = by_wrist_y;
+        // thumb
+        let e5 = q[1] - T::from_f64(0.5636476090008061);
+        let (s_thumb, c_thumb) = e5.sin_cos();
+        let e6 = bx_wrist_x
+            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
+        let bx_thumb_x = -e4.mul_plus(c_thumb, e6 * s_thumb);
+        rows[0][6] = bx_thumb_x;
+        let bx_thumb_y = -e4.mul_plus(s_thumb, -(e6 * c_thumb));
+        rows[0][7] = bx_thumb_y;
+        let e7 = by_wrist_x
+            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.4969039949999533));
+        let by_thumb_x = by_wrist_y.mul_plus(c_thumb, -(e7 * s_thumb));
+        rows[1][6] = by_thumb_x;
+        let by_thumb_y = e7.mul_plus(c_thumb, by_wrist_y * s_thumb);
+        rows[1][7] = by_thumb_y;
     }
-    #[inline(always)]
-    fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
-        regressor_full(q)
-    }
+
     #[inline(always)]
     fn regressor_full_into<T: Real>(q: &[T; DOF], rows: &mut [[T; FULL_PARAMS]; 3]) {
-        regressor_full_into(q, rows)
+        let zero = T::from_f64(0.0);
+        let one = T::from_f64(1.0);
+        rows[0][0] = one;
+        rows[0][3] = one;
+        rows[1][1] = one;
+        rows[1][4] = one;
+        rows[2][2] = one;
+        rows[2][5] = one;
+        rows[0][1] = zero;
+        rows[0][2] = zero;
+        rows[0][4] = zero;
+        rows[0][5] = zero;
+        rows[0][6] = zero;
+        rows[1][0] = zero;
+        rows[1][2] = zero;
+        rows[1][3] = zero;
+        rows[1][5] = zero;
+        rows[1][6] = zero;
+        rows[2][0] = zero;
+        rows[2][1] = zero;
+        rows[2][3] = zero;
+        rows[2][4] = zero;
+        // wrist
+        let e1 = q[1] - T::from_f64(0.4636476090008061);
+        let (s_wrist, c_wrist) = e1.sin_cos();
+        let e2 = T::from_f64(0.6666666666666667) * c_wrist;
+        let e3 = T::from_f64(0.6666666666666666) * s_wrist;
+        let bx_wrist_x = e2 + e3;
+        let e4 = T::from_f64(0.6666666666666666) * c_wrist;
+        let e5 = T::from_f64(0.6666666666666667) * s_wrist;
+        let e6 = e5 - e4;
+        let by_wrist_x = s_wrist.mul_plus(T::from_f64(0.33333333333333326), -e4);
+        let by_wrist_y = c_wrist.mul_plus(T::from_f64(0.33333333333333326), e3);
+        let bz_wrist_x = c_wrist.mul_plus(T::from_f64(0.33333333333333337), -e5);
+        let e7 = s_wrist.mul_plus(T::from_f64(0.33333333333333337), e2);
+        // thumb
+        let e8 = q[1] - T::from_f64(0.5636476090008061);
+        let (s_thumb, c_thumb) = e8.sin_cos();
+        let e9 = bx_wrist_x
+            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
+        let kx_thumb_z = bx_wrist_x
+            .mul_plus(T::from_f64(0.7453559924999299), -T::from_f64(0.22222222222222224));
+        rows[0][12] = kx_thumb_z;
+        let bx_thumb_x = -e6.mul_plus(c_thumb, e9 * s_thumb);
+        rows[0][10] = bx_thumb_x;
+        let bx_thumb_y = -e6.mul_plus(s_thumb, -(e9 * c_thumb));
+        rows[0][11] = bx_thumb_y;
+        let e10 = by_wrist_x
+            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.4969039949999533));
+        let ky_thumb_z = by_wrist_x
+            .mul_plus(T::from_f64(0.7453559924999299), -T::from_f64(0.4444444444444445));
+        rows[1][12] = ky_thumb_z;
+        let by_thumb_x = by_wrist_y.mul_plus(c_thumb, -(e10 * s_thumb));
+        rows[1][10] = by_thumb_x;
+        let by_thumb_y = e10.mul_plus(c_thumb, by_wrist_y * s_thumb);
+        rows[1][11] = by_thumb_y;
+        let e11 = bz_wrist_x
+            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
+        let kz_thumb_z = bz_wrist_x
+            .mul_plus(T::from_f64(0.7453559924999299), -T::from_f64(0.4444444444444443));
+        rows[2][12] = kz_thumb_z;
+        let bz_thumb_x = -e7.mul_plus(c_thumb, e11 * s_thumb);
+        rows[2][10] = bz_thumb_x;
+        let bz_thumb_y = -e7.mul_plus(s_thumb, -(e11 * c_thumb));
+        rows[2][11] = bz_thumb_y;
+        rows[2][6] = q[0];
+        rows[0][7] = bx_wrist_x
+            .mul_plus(
+                T::from_f64(0.29814239699997197),
+                -(T::from_f64(0.8944271909999159) * e6),
+            ) + T::from_f64(0.11111111111111112);
+        rows[0][8] = -kx_thumb_z;
+        rows[0][9] = bx_wrist_x
+            .mul_plus(
+                T::from_f64(0.5962847939999439),
+                T::from_f64(0.4472135954999579) * e6,
+            ) + T::from_f64(0.22222222222222224);
+        rows[1][7] = by_wrist_x
+            .mul_plus(
+                T::from_f64(0.29814239699997197),
+                T::from_f64(0.8944271909999159) * by_wrist_y,
+            ) + T::from_f64(0.22222222222222224);
+        rows[1][8] = -ky_thumb_z;
+        rows[1][9] = by_wrist_x
+            .mul_plus(
+                T::from_f64(0.5962847939999439),
+                -(T::from_f64(0.4472135954999579) * by_wrist_y),
+            ) + T::from_f64(0.4444444444444445);
+        rows[2][7] = bz_wrist_x
+            .mul_plus(
+                T::from_f64(0.29814239699997197),
+                -(T::from_f64(0.8944271909999159) * e7),
+            ) + T::from_f64(0.22222222222222215);
+        rows[2][8] = -kz_thumb_z;
+        rows[2][9] = bz_wrist_x
+            .mul_plus(
+                T::from_f64(0.5962847939999439),
+                T::from_f64(0.4472135954999579) * e7,
+            ) + T::from_f64(0.4444444444444443);
     }
+
     #[inline(always)]
     fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
-        cop(q, r)
+        // thumb
+        let e1 = q[1] - T::from_f64(0.5636476090008061);
+        let (s_thumb, c_thumb) = e1.sin_cos();
+        let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
+        let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
+        // wrist
+        let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
+        let v_wrist_y = r[5] + t_thumb_x;
+        let e2 = q[1] - T::from_f64(0.4636476090008061);
+        let (s_wrist, c_wrist) = e2.sin_cos();
+        let t_wrist_x = c_wrist.mul_plus(v_wrist_x, -(s_wrist * v_wrist_y));
+        let e3 = s_wrist.mul_plus(v_wrist_x, c_wrist * v_wrist_y);
+        // lift
+        let e4 = t_wrist_x.mul_plus(T::from_f64(0.5), -e3);
+        let e4 = t_thumb_y.mul_plus(T::from_f64(0.372677996249965), e4);
+        let w_wrist_x = (-e4).mul_plus(T::from_f64(0.6666666666666666), t_wrist_x);
+        // base
+        let v_base_x = r[0] + w_wrist_x;
+        let v_base_y = r[1] - e4.mul_plus(T::from_f64(1.3333333333333333), e3);
+        [v_base_x, v_base_y]
     }
 }
 
-#[allow(dead_code, clippy::all)]
-impl sesc_runtime::SescFromSinCos<DOF, BASE_PARAMS, FULL_PARAMS> for Lift {
+#[allow(dead_code, non_snake_case, clippy::all)]
+impl v1::SinCosRobot for Lift {
     #[inline(always)]
     fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
-        com_sc(sin, cos, r)
+        // thumb
+        let s_thumb = sin[1]
+            .mul_plus(T::from_f64(0.8453119193731673), -(T::from_f64(0.534273112710767) * cos[1]));
+        let c_thumb = cos[1]
+            .mul_plus(T::from_f64(0.8453119193731673), T::from_f64(0.534273112710767) * sin[1]);
+        let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
+        let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
+        // wrist
+        let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
+        let v_wrist_y = r[5] + t_thumb_x;
+        let s_wrist = cos[1]
+            .mul_plus(T::from_f64(0.4472135954999579), -(T::from_f64(0.8944271909999159) * sin[1]));
+        let c_wrist = cos[1]
+            .mul_plus(T::from_f64(0.8944271909999159), T::from_f64(0.4472135954999579) * sin[1]);
+        let t_wrist_x = c_wrist.mul_plus(v_wrist_x, s_wrist * v_wrist_y);
+        let t_wrist_y = s_wrist.mul_plus(v_wrist_x, -(c_wrist * v_wrist_y));
+        // lift
+        let e1 = t_wrist_x.mul_plus(T::from_f64(0.5), t_wrist_y);
+        let e1 = t_thumb_y.mul_plus(T::from_f64(0.372677996249965), e1);
+        let w_wrist_x = (-e1).mul_plus(T::from_f64(0.6666666666666666), t_wrist_x);
+        let w_wrist_y = (-e1).mul_plus(T::from_f64(1.3333333333333333), t_wrist_y);
+        let w_wrist_z = e1
+            .mul_plus(
+                T::from_f64(0.6666666666666667),
+                -(T::from_f64(0.7453559924999299) * t_thumb_y),
+            );
+        // base
+        let v_base_x = r[0] + w_wrist_x;
+        let v_base_y = r[1] + w_wrist_y;
+        let v_base_z = r[2] + sin[0].mul_plus(r[3], w_wrist_z);
+        [v_base_x, v_base_y, v_base_z]
     }
+
     #[inline(always)]
     fn com_jacobian_sc<T: Real>(
         sin: &[T; DOF],
         cos: &[T; DOF],
         r: &[T; BASE_PARAMS],
     ) -> [[T; DOF]; 3] {
-        com_jacobian_sc(sin, cos, r)
+        let zero = T::from_f64(0.0);
+        // thumb
+        let s_thumb = sin[1]
+            .mul_plus(T::from_f64(0.8453119193731673), -(T::from_f64(0.534273112710767) * cos[1]));
+        let c_thumb = cos[1]
+            .mul_plus(T::from_f64(0.8453119193731673), T::from_f64(0.534273112710767) * sin[1]);
+        let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
+        let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
+        // wrist
+        let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
+        let v_wrist_y = r[5] + t_thumb_x;
+        let s_wrist = cos[1]
+            .mul_plus(T::from_f64(0.4472135954999579), -(T::from_f64(0.8944271909999159) * sin[1]));
+        let c_wrist = cos[1]
+            .mul_plus(T::from_f64(0.8944271909999159), T::from_f64(0.4472135954999579) * sin[1]);
+        let t_wrist_x = c_wrist.mul_plus(v_wrist_x, s_wrist * v_wrist_y);
+        let t_wrist_y = s_wrist.mul_plus(v_wrist_x, -(c_wrist * v_wrist_y));
+        // wrist
+        let e1 = T::from_f64(0.6666666666666667) * c_wrist;
+        let e2 = T::from_f64(0.6666666666666666) * s_wrist;
+        let bx_wrist_x = e1 - e2;
+        let e3 = T::from_f64(0.6666666666666666) * c_wrist;
+        let e4 = T::from_f64(0.6666666666666667) * s_wrist;
+        let bx_wrist_y = e3 + e4;
+        let bz_wrist_x = c_wrist.mul_plus(T::from_f64(0.33333333333333337), e4);
+        // thumb
+        let p1 = s_wrist.mul_plus(T::from_f64(0.33333333333333326), e3);
+        let ky_thumb_y = p1
+            .mul_plus(T::from_f64(0.6666666666666666), -T::from_f64(0.4969039949999533));
+        let p2 = bx_wrist_x
+            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
+        let row_x = [
+            zero,
+            t_wrist_x
+                .mul_plus(
+                    T::from_f64(0.6666666666666666),
+                    T::from_f64(0.6666666666666667) * t_wrist_y,
+                ) - p2.mul_plus(t_thumb_x, bx_wrist_y * t_thumb_y),
+        ];
+        let p3 = (-c_wrist).mul_plus(T::from_f64(0.33333333333333326), e2);
+        let row_y = [
+            zero,
+            ky_thumb_y.mul_plus(t_thumb_x, p3 * t_thumb_y)
+                - t_wrist_y
+                    .mul_plus(
+                        T::from_f64(0.6666666666666666),
+                        -(T::from_f64(0.33333333333333326) * t_wrist_x),
+                    ),
+        ];
+        let p4 = (-s_wrist).mul_plus(T::from_f64(0.33333333333333337), e1);
+        let p5 = bz_wrist_x
+            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
+        let row_z = [
+            r[3],
+            p4.mul_plus(t_thumb_y, -(p5 * t_thumb_x))
+                - t_wrist_x
+                    .mul_plus(
+                        T::from_f64(0.6666666666666667),
+                        -(T::from_f64(0.33333333333333337) * t_wrist_y),
+                    ),
+        ];
+        [row_x, row_y, row_z]
     }
+
     #[inline(always)]
     fn gravity_moments_sc<T: Real>(
         sin: &[T; DOF],
         cos: &[T; DOF],
         r: &[T; BASE_PARAMS],
     ) -> [T; DOF] {
-        gravity_moments_sc(sin, cos, r)
-    }
-    #[inline(always)]
-    fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
-        regressor_sc(sin, cos)
-    }
-    #[inline(always)]
-    fn regressor_cop_sc<T: Real>(
-        sin: &[T; DOF],
-        cos: &[T; DOF],
-    ) -> [[T; BASE_PARAMS]; 2] {
-        regressor_cop_sc(sin, cos)
-    }
-    #[inline(always)]
-    fn regressor_full_sc<T: Real>(
-        sin: &[T; DOF],
-        cos: &[T; DOF],
-    ) -> [[T; FULL_PARAMS]; 3] {
-        regressor_full_sc(sin, cos)
-    }
-    #[inline(always)]
-    fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
-        cop_sc(sin, cos, r)
-    }
-    #[inline(always)]
-    fn com_jacobian_along<T: Real>(
-        sin: &[T; DOF],
-        cos: &[T; DOF],
-        r: &[T; BASE_PARAMS],
-        along: &[T; 3],
-    ) -> [T; DOF] {
-        com_jacobian_along(sin, cos, r, along)
-    }
-    #[inline(always)]
-    fn regressor_along<T: Real>(
-        sin: &[T; DOF],
-        cos: &[T; DOF],
-        along: &[T; 3],
-    ) -> [T; BASE_PARAMS] {
-        regressor_along(sin, cos, along)
-    }
-    #[inline(always)]
-    fn regressor_full_along<T: Real>(
-        sin: &[T; DOF],
-        cos: &[T; DOF],
-        along: &[T; 3],
-    ) -> [T; FULL_PARAMS] {
-        regressor_full_along(sin, cos, along)
-    }
-}
-
-/// Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
-    // thumb
-    let e1 = q[1] - T::from_f64(0.5636476090008061);
-    let (s_thumb, c_thumb) = e1.sin_cos();
-    let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
-    let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
-    // wrist
-    let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
-    let v_wrist_y = r[5] + t_thumb_x;
-    let e2 = q[1] - T::from_f64(0.4636476090008061);
-    let (s_wrist, c_wrist) = e2.sin_cos();
-    let t_wrist_x = c_wrist.mul_plus(v_wrist_x, -(s_wrist * v_wrist_y));
-    let e3 = s_wrist.mul_plus(v_wrist_x, c_wrist * v_wrist_y);
-    // lift
-    let e4 = t_thumb_y
-        .mul_plus(
-            T::from_f64(0.372677996249965),
-            t_wrist_x.mul_plus(T::from_f64(0.5), -e3),
-        );
-    let w_wrist_x = (-e4).mul_plus(T::from_f64(0.6666666666666666), t_wrist_x);
-    let w_wrist_z = e4
-        .mul_plus(
-            T::from_f64(0.6666666666666667),
-            -(T::from_f64(0.7453559924999299) * t_thumb_y),
-        );
-    // base
-    let v_base_x = r[0] + w_wrist_x;
-    let v_base_y = r[1] - e4.mul_plus(T::from_f64(1.3333333333333333), e3);
-    let v_base_z = r[2] + q[0].mul_plus(r[3], w_wrist_z);
-    [v_base_x, v_base_y, v_base_z]
-}
-
-/// ∂CoM/∂q, m/rad (m/m for sliding joints), one row per axis.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3] {
-    let mut jacobian = [[T::from_f64(0.0); DOF]; 3];
-    com_jacobian_into(q, r, &mut jacobian);
-    jacobian
-}
-
-/// [`com_jacobian`], each number written as soon as it is there.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn com_jacobian_into<T: Real>(
-    q: &[T; DOF],
-    r: &[T; BASE_PARAMS],
-    jacobian: &mut [[T; DOF]; 3],
-) {
-    let zero = T::from_f64(0.0);
-    jacobian[0][0] = zero;
-    jacobian[1][0] = zero;
-    // thumb
-    let e1 = q[1] - T::from_f64(0.5636476090008061);
-    let (s_thumb, c_thumb) = e1.sin_cos();
-    let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
-    let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
-    // wrist
-    let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
-    let v_wrist_y = r[5] + t_thumb_x;
-    let e2 = q[1] - T::from_f64(0.4636476090008061);
-    let (s_wrist, c_wrist) = e2.sin_cos();
-    let t_wrist_x = c_wrist.mul_plus(v_wrist_x, -(s_wrist * v_wrist_y));
-    let e3 = s_wrist.mul_plus(v_wrist_x, c_wrist * v_wrist_y);
-    jacobian[2][0] = r[3];
-    // wrist
-    let e4 = T::from_f64(0.6666666666666667) * c_wrist;
-    let e5 = T::from_f64(0.6666666666666666) * s_wrist;
-    let bx_wrist_x = e4 + e5;
-    let e6 = T::from_f64(0.6666666666666666) * c_wrist;
-    let e7 = T::from_f64(0.6666666666666667) * s_wrist;
-    let by_wrist_x = s_wrist.mul_plus(T::from_f64(0.33333333333333326), -e6);
-    let by_wrist_y = c_wrist.mul_plus(T::from_f64(0.33333333333333326), e5);
-    let bz_wrist_x = c_wrist.mul_plus(T::from_f64(0.33333333333333337), -e7);
-    // thumb
-    jacobian[0][1] = (e7 - e6)
-        .mul_plus(
-            t_thumb_y,
-            -(bx_wrist_x
-                .mul_plus(
-                    T::from_f64(0.6666666666666666),
-                    T::from_f64(0.24845199749997665),
-                ) * t_thumb_x),
-        )
-        - e3
+        // thumb
+        let s_thumb = sin[1]
+            .mul_plus(T::from_f64(0.8453119193731673), -(T::from_f64(0.534273112710767) * cos[1]));
+        let c_thumb = cos[1]
+            .mul_plus(T::from_f64(0.8453119193731673), T::from_f64(0.534273112710767) * sin[1]);
+        let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
+        let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
+        // wrist
+        let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
+        let v_wrist_y = r[5] + t_thumb_x;
+        let s_wrist = cos[1]
+            .mul_plus(T::from_f64(0.4472135954999579), -(T::from_f64(0.8944271909999159) * sin[1]));
+        let c_wrist = cos[1]
+            .mul_plus(T::from_f64(0.8944271909999159), T::from_f64(0.4472135954999579) * sin[1]);
+        let t_wrist_x = c_wrist.mul_plus(v_wrist_x, s_wrist * v_wrist_y);
+        let t_wrist_y = s_wrist.mul_plus(v_wrist_x, -(c_wrist * v_wrist_y));
+        // wrist
+        let bz_wrist_x = c_wrist
+            .mul_plus(T::from_f64(0.33333333333333337), T::from_f64(0.6666666666666667) * s_wrist);
+        let p1 = c_wrist
             .mul_plus(
                 T::from_f64(0.6666666666666667),
-                -(T::from_f64(0.6666666666666666) * t_wrist_x),
+                -(T::from_f64(0.33333333333333337) * s_wrist),
             );
-    jacobian[1][1] = t_wrist_x
-        .mul_plus(T::from_f64(0.33333333333333326), T::from_f64(0.6666666666666666) * e3)
-        - by_wrist_x
-            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.4969039949999533))
-            .mul_plus(t_thumb_x, by_wrist_y * t_thumb_y);
-    jacobian[2][1] = s_wrist
-        .mul_plus(T::from_f64(0.33333333333333337), e4)
-        .mul_plus(
-            t_thumb_y,
-            -(bz_wrist_x
-                .mul_plus(
-                    T::from_f64(0.6666666666666666),
-                    T::from_f64(0.49690399499995314),
-                ) * t_thumb_x),
-        )
-        - t_wrist_x
-            .mul_plus(
-                T::from_f64(0.6666666666666667),
-                T::from_f64(0.33333333333333337) * e3,
-            );
-}
-
-/// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] {
-    // thumb
-    let e1 = q[1] - T::from_f64(0.5636476090008061);
-    let (s_thumb, c_thumb) = e1.sin_cos();
-    let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
-    let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
-    // wrist
-    let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
-    let v_wrist_y = r[5] + t_thumb_x;
-    let e2 = q[1] - T::from_f64(0.4636476090008061);
-    let (s_wrist, c_wrist) = e2.sin_cos();
-    let t_wrist_x = c_wrist.mul_plus(v_wrist_x, -(s_wrist * v_wrist_y));
-    // wrist
-    let bz_wrist_x = c_wrist
-        .mul_plus(
-            T::from_f64(0.33333333333333337),
-            -(T::from_f64(0.6666666666666667) * s_wrist),
-        );
-    [
-        -r[3],
-        t_wrist_x
-            .mul_plus(
-                T::from_f64(0.6666666666666667),
-                T::from_f64(0.33333333333333337)
-                    * s_wrist.mul_plus(v_wrist_x, c_wrist * v_wrist_y),
-            )
-            - c_wrist
-                .mul_plus(
-                    T::from_f64(0.6666666666666667),
-                    T::from_f64(0.33333333333333337) * s_wrist,
-                )
-                .mul_plus(
-                    t_thumb_y,
-                    -(bz_wrist_x
-                        .mul_plus(
-                            T::from_f64(0.6666666666666666),
-                            T::from_f64(0.49690399499995314),
-                        ) * t_thumb_x),
-                ),
-    ]
-}
-
-/// Rows of the base regressor: CoM = rows · r.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
-    let mut rows = [[T::from_f64(0.0); BASE_PARAMS]; 3];
-    regressor_into(q, &mut rows);
-    rows
-}
-
-/// [`regressor`], each number written as soon as it is there.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn regressor_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE_PARAMS]; 3]) {
-    let zero = T::from_f64(0.0);
-    let one = T::from_f64(1.0);
-    rows[0][0] = one;
-    rows[1][1] = one;
-    rows[2][2] = one;
-    rows[0][1] = zero;
-    rows[0][2] = zero;
-    rows[0][3] = zero;
-    rows[1][0] = zero;
-    rows[1][2] = zero;
-    rows[1][3] = zero;
-    rows[2][0] = zero;
-    rows[2][1] = zero;
-    // wrist
-    let e1 = q[1] - T::from_f64(0.4636476090008061);
-    let (s_wrist, c_wrist) = e1.sin_cos();
-    let e2 = T::from_f64(0.6666666666666667) * c_wrist;
-    let e3 = T::from_f64(0.6666666666666666) * s_wrist;
-    let bx_wrist_x = e2 + e3;
-    rows[0][4] = bx_wrist_x;
-    let e4 = T::from_f64(0.6666666666666666) * c_wrist;
-    let e5 = T::from_f64(0.6666666666666667) * s_wrist;
-    let e6 = e5 - e4;
-    let bx_wrist_y = -e6;
-    rows[0][5] = bx_wrist_y;
-    let by_wrist_x = s_wrist.mul_plus(T::from_f64(0.33333333333333326), -e4);
-    rows[1][4] = by_wrist_x;
-    let by_wrist_y = c_wrist.mul_plus(T::from_f64(0.33333333333333326), e3);
-    rows[1][5] = by_wrist_y;
-    let bz_wrist_x = c_wrist.mul_plus(T::from_f64(0.33333333333333337), -e5);
-    rows[2][4] = bz_wrist_x;
-    let e7 = s_wrist.mul_plus(T::from_f64(0.33333333333333337), e2);
-    let bz_wrist_y = -e7;
-    rows[2][5] = bz_wrist_y;
-    // thumb
-    let e8 = q[1] - T::from_f64(0.5636476090008061);
-    let (s_thumb, c_thumb) = e8.sin_cos();
-    let e9 = bx_wrist_x
-        .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
-    let bx_thumb_x = -e6.mul_plus(c_thumb, e9 * s_thumb);
-    rows[0][6] = bx_thumb_x;
-    let bx_thumb_y = -e6.mul_plus(s_thumb, -(e9 * c_thumb));
-    rows[0][7] = bx_thumb_y;
-    let e10 = by_wrist_x
-        .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.4969039949999533));
-    let by_thumb_x = by_wrist_y.mul_plus(c_thumb, -(e10 * s_thumb));
-    rows[1][6] = by_thumb_x;
-    let by_thumb_y = e10.mul_plus(c_thumb, by_wrist_y * s_thumb);
-    rows[1][7] = by_thumb_y;
-    let e11 = bz_wrist_x
-        .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
-    let bz_thumb_x = -e7.mul_plus(c_thumb, e11 * s_thumb);
-    rows[2][6] = bz_thumb_x;
-    let bz_thumb_y = -e7.mul_plus(s_thumb, -(e11 * c_thumb));
-    rows[2][7] = bz_thumb_y;
-    rows[2][3] = q[0];
-}
-
-/// The x and y rows of the base regressor: CoP = rows · r.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
-    let mut rows = [[T::from_f64(0.0); BASE_PARAMS]; 2];
-    regressor_cop_into(q, &mut rows);
-    rows
-}
-
-/// [`regressor_cop`], each number written as soon as it is there.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn regressor_cop_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE_PARAMS]; 2]) {
-    let zero = T::from_f64(0.0);
-    let one = T::from_f64(1.0);
-    rows[0][0] = one;
-    rows[1][1] = one;
-    rows[0][1] = zero;
-    rows[0][2] = zero;
-    rows[0][3] = zero;
-    rows[1][0] = zero;
-    rows[1][2] = zero;
-    rows[1][3] = zero;
-    // wrist
-    let e1 = q[1] - T::from_f64(0.4636476090008061);
-    let (s_wrist, c_wrist) = e1.sin_cos();
-    let e2 = T::from_f64(0.6666666666666666) * s_wrist;
-    let bx_wrist_x = c_wrist.mul_plus(T::from_f64(0.6666666666666667), e2);
-    rows[0][4] = bx_wrist_x;
-    let e3 = T::from_f64(0.6666666666666666) * c_wrist;
-    let e4 = s_wrist.mul_plus(T::from_f64(0.6666666666666667), -e3);
-    let bx_wrist_y = -e4;
-    rows[0][5] = bx_wrist_y;
-    let by_wrist_x = s_wrist.mul_plus(T::from_f64(0.33333333333333326), -e3);
-    rows[1][4] = by_wrist_x;
-    let by_wrist_y = c_wrist.mul_plus(T::from_f64(0.33333333333333326), e2);
-    rows[1][5] = by_wrist_y;
-    // thumb
-    let e5 = q[1] - T::from_f64(0.5636476090008061);
-    let (s_thumb, c_thumb) = e5.sin_cos();
-    let e6 = bx_wrist_x
-        .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
-    let bx_thumb_x = -e4.mul_plus(c_thumb, e6 * s_thumb);
-    rows[0][6] = bx_thumb_x;
-    let bx_thumb_y = -e4.mul_plus(s_thumb, -(e6 * c_thumb));
-    rows[0][7] = bx_thumb_y;
-    let e7 = by_wrist_x
-        .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.4969039949999533));
-    let by_thumb_x = by_wrist_y.mul_plus(c_thumb, -(e7 * s_thumb));
-    rows[1][6] = by_thumb_x;
-    let by_thumb_y = e7.mul_plus(c_thumb, by_wrist_y * s_thumb);
-    rows[1][7] = by_thumb_y;
-}
-
-/// Rows [B_0 B_1 …] of the full regressor, seed paper Eq. (5), in link frames.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
-    let mut rows = [[T::from_f64(0.0); FULL_PARAMS]; 3];
-    regressor_full_into(q, &mut rows);
-    rows
-}
-
-/// [`regressor_full`], each number written as soon as it is there.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn regressor_full_into<T: Real>(q: &[T; DOF], rows: &mut [[T; FULL_PARAMS]; 3]) {
-    let zero = T::from_f64(0.0);
-    let one = T::from_f64(1.0);
-    rows[0][0] = one;
-    rows[0][3] = one;
-    rows[1][1] = one;
-    rows[1][4] = one;
-    rows[2][2] = one;
-    rows[2][5] = one;
-    rows[0][1] = zero;
-    rows[0][2] = zero;
-    rows[0][4] = zero;
-    rows[0][5] = zero;
-    rows[0][6] = zero;
-    rows[1][0] = zero;
-    rows[1][2] = zero;
-    rows[1][3] = zero;
-    rows[1][5] = zero;
-    rows[1][6] = zero;
-    rows[2][0] = zero;
-    rows[2][1] = zero;
-    rows[2][3] = zero;
-    rows[2][4] = zero;
-    // wrist
-    let e1 = q[1] - T::from_f64(0.4636476090008061);
-    let (s_wrist, c_wrist) = e1.sin_cos();
-    let e2 = T::from_f64(0.6666666666666667) * c_wrist;
-    let e3 = T::from_f64(0.6666666666666666) * s_wrist;
-    let bx_wrist_x = e2 + e3;
-    let e4 = T::from_f64(0.6666666666666666) * c_wrist;
-    let e5 = T::from_f64(0.6666666666666667) * s_wrist;
-    let e6 = e5 - e4;
-    let by_wrist_x = s_wrist.mul_plus(T::from_f64(0.33333333333333326), -e4);
-    let by_wrist_y = c_wrist.mul_plus(T::from_f64(0.33333333333333326), e3);
-    let bz_wrist_x = c_wrist.mul_plus(T::from_f64(0.33333333333333337), -e5);
-    let e7 = s_wrist.mul_plus(T::from_f64(0.33333333333333337), e2);
-    // thumb
-    let e8 = q[1] - T::from_f64(0.5636476090008061);
-    let (s_thumb, c_thumb) = e8.sin_cos();
-    let e9 = bx_wrist_x
-        .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
-    let kx_thumb_z = bx_wrist_x
-        .mul_plus(T::from_f64(0.7453559924999299), -T::from_f64(0.22222222222222224));
-    rows[0][12] = kx_thumb_z;
-    let bx_thumb_x = -e6.mul_plus(c_thumb, e9 * s_thumb);
-    rows[0][10] = bx_thumb_x;
-    let bx_thumb_y = -e6.mul_plus(s_thumb, -(e9 * c_thumb));
-    rows[0][11] = bx_thumb_y;
-    let e10 = by_wrist_x
-        .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.4969039949999533));
-    let ky_thumb_z = by_wrist_x
-        .mul_plus(T::from_f64(0.7453559924999299), -T::from_f64(0.4444444444444445));
-    rows[1][12] = ky_thumb_z;
-    let by_thumb_x = by_wrist_y.mul_plus(c_thumb, -(e10 * s_thumb));
-    rows[1][10] = by_thumb_x;
-    let by_thumb_y = e10.mul_plus(c_thumb, by_wrist_y * s_thumb);
-    rows[1][11] = by_thumb_y;
-    let e11 = bz_wrist_x
-        .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
-    let kz_thumb_z = bz_wrist_x
-        .mul_plus(T::from_f64(0.7453559924999299), -T::from_f64(0.4444444444444443));
-    rows[2][12] = kz_thumb_z;
-    let bz_thumb_x = -e7.mul_plus(c_thumb, e11 * s_thumb);
-    rows[2][10] = bz_thumb_x;
-    let bz_thumb_y = -e7.mul_plus(s_thumb, -(e11 * c_thumb));
-    rows[2][11] = bz_thumb_y;
-    rows[2][6] = q[0];
-    rows[0][7] = bx_wrist_x
-        .mul_plus(
-            T::from_f64(0.29814239699997197),
-            -(T::from_f64(0.8944271909999159) * e6),
-        ) + T::from_f64(0.11111111111111112);
-    rows[0][8] = -kx_thumb_z;
-    rows[0][9] = bx_wrist_x
-        .mul_plus(T::from_f64(0.5962847939999439), T::from_f64(0.4472135954999579) * e6)
-        + T::from_f64(0.22222222222222224);
-    rows[1][7] = by_wrist_x
-        .mul_plus(
-            T::from_f64(0.29814239699997197),
-            T::from_f64(0.8944271909999159) * by_wrist_y,
-        ) + T::from_f64(0.22222222222222224);
-    rows[1][8] = -ky_thumb_z;
-    rows[1][9] = by_wrist_x
-        .mul_plus(
-            T::from_f64(0.5962847939999439),
-            -(T::from_f64(0.4472135954999579) * by_wrist_y),
-        ) + T::from_f64(0.4444444444444445);
-    rows[2][7] = bz_wrist_x
-        .mul_plus(
-            T::from_f64(0.29814239699997197),
-            -(T::from_f64(0.8944271909999159) * e7),
-        ) + T::from_f64(0.22222222222222215);
-    rows[2][8] = -kz_thumb_z;
-    rows[2][9] = bz_wrist_x
-        .mul_plus(T::from_f64(0.5962847939999439), T::from_f64(0.4472135954999579) * e7)
-        + T::from_f64(0.4444444444444443);
-}
-
-/// Centre of pressure that a static posture shows on a level sole, m.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
-    // thumb
-    let e1 = q[1] - T::from_f64(0.5636476090008061);
-    let (s_thumb, c_thumb) = e1.sin_cos();
-    let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
-    let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
-    // wrist
-    let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
-    let v_wrist_y = r[5] + t_thumb_x;
-    let e2 = q[1] - T::from_f64(0.4636476090008061);
-    let (s_wrist, c_wrist) = e2.sin_cos();
-    let t_wrist_x = c_wrist.mul_plus(v_wrist_x, -(s_wrist * v_wrist_y));
-    let e3 = s_wrist.mul_plus(v_wrist_x, c_wrist * v_wrist_y);
-    // lift
-    let e4 = t_thumb_y
-        .mul_plus(
-            T::from_f64(0.372677996249965),
-            t_wrist_x.mul_plus(T::from_f64(0.5), -e3),
-        );
-    let w_wrist_x = (-e4).mul_plus(T::from_f64(0.6666666666666666), t_wrist_x);
-    // base
-    let v_base_x = r[0] + w_wrist_x;
-    let v_base_y = r[1] - e4.mul_plus(T::from_f64(1.3333333333333333), e3);
-    [v_base_x, v_base_y]
-}
-
-/// Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i.
-///
-/// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
-    // thumb
-    let s_thumb = sin[1]
-        .mul_plus(
-            T::from_f64(0.8453119193731673),
-            -(T::from_f64(0.534273112710767) * cos[1]),
-        );
-    let c_thumb = cos[1]
-        .mul_plus(
-            T::from_f64(0.8453119193731673),
-            T::from_f64(0.534273112710767) * sin[1],
-        );
-    let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
-    let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
-    // wrist
-    let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
-    let v_wrist_y = r[5] + t_thumb_x;
-    let s_wrist = cos[1]
-        .mul_plus(
-            T::from_f64(0.4472135954999579),
-            -(T::from_f64(0.8944271909999159) * sin[1]),
-        );
-    let c_wrist = cos[1]
-        .mul_plus(
-            T::from_f64(0.8944271909999159),
-            T::from_f64(0.4472135954999579) * sin[1],
-        );
-    let t_wrist_x = c_wrist.mul_plus(v_wrist_x, s_wrist * v_wrist_y);
-    let t_wrist_y = s_wrist.mul_plus(v_wrist_x, -(c_wrist * v_wrist_y));
-    // lift
-    let e1 = t_thumb_y
-        .mul_plus(
-            T::from_f64(0.372677996249965),
-            t_wrist_x.mul_plus(T::from_f64(0.5), t_wrist_y),
-        );
-    let w_wrist_x = (-e1).mul_plus(T::from_f64(0.6666666666666666), t_wrist_x);
-    let w_wrist_y = (-e1).mul_plus(T::from_f64(1.3333333333333333), t_wrist_y);
-    let w_wrist_z = e1
-        .mul_plus(
-            T::from_f64(0.6666666666666667),
-            -(T::from_f64(0.7453559924999299) * t_thumb_y),
-        );
-    // base
-    let v_base_x = r[0] + w_wrist_x;
-    let v_base_y = r[1] + w_wrist_y;
-    let v_base_z = r[2] + sin[0].mul_plus(r[3], w_wrist_z);
-    [v_base_x, v_base_y, v_base_z]
-}
-
-/// ∂CoM/∂q, m/rad (m/m for sliding joints), one row per axis.
-///
-/// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn com_jacobian_sc<T: Real>(
-    sin: &[T; DOF],
-    cos: &[T; DOF],
-    r: &[T; BASE_PARAMS],
-) -> [[T; DOF]; 3] {
-    let zero = T::from_f64(0.0);
-    // thumb
-    let s_thumb = sin[1]
-        .mul_plus(
-            T::from_f64(0.8453119193731673),
-            -(T::from_f64(0.534273112710767) * cos[1]),
-        );
-    let c_thumb = cos[1]
-        .mul_plus(
-            T::from_f64(0.8453119193731673),
-            T::from_f64(0.534273112710767) * sin[1],
-        );
-    let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
-    let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
-    // wrist
-    let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
-    let v_wrist_y = r[5] + t_thumb_x;
-    let s_wrist = cos[1]
-        .mul_plus(
-            T::from_f64(0.4472135954999579),
-            -(T::from_f64(0.8944271909999159) * sin[1]),
-        );
-    let c_wrist = cos[1]
-        .mul_plus(
-            T::from_f64(0.8944271909999159),
-            T::from_f64(0.4472135954999579) * sin[1],
-        );
-    let t_wrist_x = c_wrist.mul_plus(v_wrist_x, s_wrist * v_wrist_y);
-    let t_wrist_y = s_wrist.mul_plus(v_wrist_x, -(c_wrist * v_wrist_y));
-    // wrist
-    let e1 = T::from_f64(0.6666666666666667) * c_wrist;
-    let e2 = T::from_f64(0.6666666666666666) * s_wrist;
-    let bx_wrist_x = e1 - e2;
-    let e3 = T::from_f64(0.6666666666666666) * c_wrist;
-    let e4 = T::from_f64(0.6666666666666667) * s_wrist;
-    let bx_wrist_y = e3 + e4;
-    let bz_wrist_x = c_wrist.mul_plus(T::from_f64(0.33333333333333337), e4);
-    // thumb
-    let ky_thumb_y = s_wrist
-        .mul_plus(T::from_f64(0.33333333333333326), e3)
-        .mul_plus(T::from_f64(0.6666666666666666), -T::from_f64(0.4969039949999533));
-    [
+        let p2 = bz_wrist_x
+            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
         [
-            zero,
+            -r[3],
             t_wrist_x
                 .mul_plus(
-                    T::from_f64(0.6666666666666666),
-                    T::from_f64(0.6666666666666667) * t_wrist_y,
-                )
-                - bx_wrist_x
-                    .mul_plus(
-                        T::from_f64(0.6666666666666666),
-                        T::from_f64(0.24845199749997665),
-                    )
-                    .mul_plus(t_thumb_x, bx_wrist_y * t_thumb_y),
-        ],
-        [
-            zero,
-            ky_thumb_y
-                .mul_plus(
-                    t_thumb_x,
-                    (-c_wrist).mul_plus(T::from_f64(0.33333333333333326), e2) * t_thumb_y,
-                )
-                - t_wrist_y
-                    .mul_plus(
-                        T::from_f64(0.6666666666666666),
-                        -(T::from_f64(0.33333333333333326) * t_wrist_x),
-                    ),
-        ],
-        [
-            r[3],
-            (-s_wrist)
-                .mul_plus(T::from_f64(0.33333333333333337), e1)
-                .mul_plus(
-                    t_thumb_y,
-                    -(bz_wrist_x
-                        .mul_plus(
-                            T::from_f64(0.6666666666666666),
-                            T::from_f64(0.49690399499995314),
-                        ) * t_thumb_x),
-                )
-                - t_wrist_x
-                    .mul_plus(
-                        T::from_f64(0.6666666666666667),
-                        -(T::from_f64(0.33333333333333337) * t_wrist_y),
-                    ),
-        ],
-    ]
-}
-
-/// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
-///
-/// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn gravity_moments_sc<T: Real>(
-    sin: &[T; DOF],
-    cos: &[T; DOF],
-    r: &[T; BASE_PARAMS],
-) -> [T; DOF] {
-    // thumb
-    let s_thumb = sin[1]
-        .mul_plus(
-            T::from_f64(0.8453119193731673),
-            -(T::from_f64(0.534273112710767) * cos[1]),
-        );
-    let c_thumb = cos[1]
-        .mul_plus(
-            T::from_f64(0.8453119193731673),
-            T::from_f64(0.534273112710767) * sin[1],
-        );
-    let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
-    let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
-    // wrist
-    let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
-    let v_wrist_y = r[5] + t_thumb_x;
-    let s_wrist = cos[1]
-        .mul_plus(
-            T::from_f64(0.4472135954999579),
-            -(T::from_f64(0.8944271909999159) * sin[1]),
-        );
-    let c_wrist = cos[1]
-        .mul_plus(
-            T::from_f64(0.8944271909999159),
-            T::from_f64(0.4472135954999579) * sin[1],
-        );
-    let t_wrist_x = c_wrist.mul_plus(v_wrist_x, s_wrist * v_wrist_y);
-    let t_wrist_y = s_wrist.mul_plus(v_wrist_x, -(c_wrist * v_wrist_y));
-    // wrist
-    let bz_wrist_x = c_wrist
-        .mul_plus(
-            T::from_f64(0.33333333333333337),
-            T::from_f64(0.6666666666666667) * s_wrist,
-        );
-    [
-        -r[3],
-        t_wrist_x
-            .mul_plus(
-                T::from_f64(0.6666666666666667),
-                -(T::from_f64(0.33333333333333337) * t_wrist_y),
-            )
-            - c_wrist
-                .mul_plus(
                     T::from_f64(0.6666666666666667),
-                    -(T::from_f64(0.33333333333333337) * s_wrist),
-                )
-                .mul_plus(
-                    t_thumb_y,
-                    -(bz_wrist_x
-                        .mul_plus(
-                            T::from_f64(0.6666666666666666),
-                            T::from_f64(0.49690399499995314),
-                        ) * t_thumb_x),
-                ),
-    ]
-}
+                    -(T::from_f64(0.33333333333333337) * t_wrist_y),
+                ) - p1.mul_plus(t_thumb_y, -(p2 * t_thumb_x)),
+        ]
+    }
 
-/// Rows of the base regressor: CoM = rows · r.
-///
-/// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
-    let zero = T::from_f64(0.0);
-    let one = T::from_f64(1.0);
-    // wrist
-    let s_wrist = cos[1]
-        .mul_plus(
-            T::from_f64(0.4472135954999579),
-            -(T::from_f64(0.8944271909999159) * sin[1]),
-        );
-    let c_wrist = cos[1]
-        .mul_plus(
-            T::from_f64(0.8944271909999159),
-            T::from_f64(0.4472135954999579) * sin[1],
-        );
-    let e1 = T::from_f64(0.6666666666666667) * c_wrist;
-    let e2 = T::from_f64(0.6666666666666666) * s_wrist;
-    let bx_wrist_x = e1 - e2;
-    let e3 = T::from_f64(0.6666666666666666) * c_wrist;
-    let e4 = T::from_f64(0.6666666666666667) * s_wrist;
-    let bx_wrist_y = e3 + e4;
-    let e5 = s_wrist.mul_plus(T::from_f64(0.33333333333333326), e3);
-    let by_wrist_x = -e5;
-    let e6 = (-c_wrist).mul_plus(T::from_f64(0.33333333333333326), e2);
-    let by_wrist_y = -e6;
-    let bz_wrist_x = c_wrist.mul_plus(T::from_f64(0.33333333333333337), e4);
-    let e7 = (-s_wrist).mul_plus(T::from_f64(0.33333333333333337), e1);
-    let bz_wrist_y = -e7;
-    // thumb
-    let s_thumb = sin[1]
-        .mul_plus(
-            T::from_f64(0.8453119193731673),
-            -(T::from_f64(0.534273112710767) * cos[1]),
-        );
-    let c_thumb = cos[1]
-        .mul_plus(
-            T::from_f64(0.8453119193731673),
-            T::from_f64(0.534273112710767) * sin[1],
-        );
-    let e8 = bx_wrist_x
-        .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
-    let bx_thumb_x = bx_wrist_y.mul_plus(c_thumb, -(e8 * s_thumb));
-    let bx_thumb_y = e8.mul_plus(c_thumb, bx_wrist_y * s_thumb);
-    let ky_thumb_y = e5
-        .mul_plus(T::from_f64(0.6666666666666666), -T::from_f64(0.4969039949999533));
-    let by_thumb_x = ky_thumb_y.mul_plus(s_thumb, -(e6 * c_thumb));
-    let by_thumb_y = -ky_thumb_y.mul_plus(c_thumb, e6 * s_thumb);
-    let e9 = bz_wrist_x
-        .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
-    let bz_thumb_x = -e7.mul_plus(c_thumb, e9 * s_thumb);
-    let bz_thumb_y = -e7.mul_plus(s_thumb, -(e9 * c_thumb));
-    [
-        [one, zero, zero, zero, bx_wrist_x, bx_wrist_y, bx_thumb_x, bx_thumb_y],
-        [zero, one, zero, zero, by_wrist_x, by_wrist_y, by_thumb_x, by_thumb_y],
-        [zero, zero, one, sin[0], bz_wrist_x, bz_wrist_y, bz_thumb_x, bz_thumb_y],
-    ]
-}
+    #[inline(always)]
+    fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
+        let zero = T::from_f64(0.0);
+        let one = T::from_f64(1.0);
+        // wrist
+        let s_wrist = cos[1]
+            .mul_plus(T::from_f64(0.4472135954999579), -(T::from_f64(0.8944271909999159) * sin[1]));
+        let c_wrist = cos[1]
+            .mul_plus(T::from_f64(0.8944271909999159), T::from_f64(0.4472135954999579) * sin[1]);
+        let e1 = T::from_f64(0.6666666666666667) * c_wrist;
+        let e2 = T::from_f64(0.6666666666666666) * s_wrist;
+        let bx_wrist_x = e1 - e2;
+        let e3 = T::from_f64(0.6666666666666666) * c_wrist;
+        let e4 = T::from_f64(0.6666666666666667) * s_wrist;
+        let bx_wrist_y = e3 + e4;
+        let e5 = s_wrist.mul_plus(T::from_f64(0.33333333333333326), e3);
+        let by_wrist_x = -e5;
+        let e6 = (-c_wrist).mul_plus(T::from_f64(0.33333333333333326), e2);
+        let by_wrist_y = -e6;
+        let bz_wrist_x = c_wrist.mul_plus(T::from_f64(0.33333333333333337), e4);
+        let e7 = (-s_wrist).mul_plus(T::from_f64(0.33333333333333337), e1);
+        let bz_wrist_y = -e7;
+        // thumb
+        let s_thumb = sin[1]
+            .mul_plus(T::from_f64(0.8453119193731673), -(T::from_f64(0.534273112710767) * cos[1]));
+        let c_thumb = cos[1]
+            .mul_plus(T::from_f64(0.8453119193731673), T::from_f64(0.534273112710767) * sin[1]);
+        let e8 = bx_wrist_x
+            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
+        let bx_thumb_x = bx_wrist_y.mul_plus(c_thumb, -(e8 * s_thumb));
+        let bx_thumb_y = e8.mul_plus(c_thumb, bx_wrist_y * s_thumb);
+        let ky_thumb_y = e5
+            .mul_plus(T::from_f64(0.6666666666666666), -T::from_f64(0.4969039949999533));
+        let by_thumb_x = ky_thumb_y.mul_plus(s_thumb, -(e6 * c_thumb));
+        let by_thumb_y = -ky_thumb_y.mul_plus(c_thumb, e6 * s_thumb);
+        let e9 = bz_wrist_x
+            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
+        let bz_thumb_x = -e7.mul_plus(c_thumb, e9 * s_thumb);
+        let bz_thumb_y = -e7.mul_plus(s_thumb, -(e9 * c_thumb));
+        let row_x = [one, zero, zero, zero, bx_wrist_x, bx_wrist_y, bx_thumb_x, bx_thumb_y];
+        let row_y = [zero, one, zero, zero, by_wrist_x, by_wrist_y, by_thumb_x, by_thumb_y];
+        let row_z = [zero, zero, one, sin[0], bz_wrist_x, bz_wrist_y, bz_thumb_x, bz_thumb_y];
+        [row_x, row_y, row_z]
+    }
 
-/// The x and y rows of the base regressor: CoP = rows · r.
-///
-/// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn regressor_cop_sc<T: Real>(
-    sin: &[T; DOF],
-    cos: &[T; DOF],
-) -> [[T; BASE_PARAMS]; 2] {
-    let zero = T::from_f64(0.0);
-    let one = T::from_f64(1.0);
-    // wrist
-    let s_wrist = cos[1]
-        .mul_plus(
-            T::from_f64(0.4472135954999579),
-            -(T::from_f64(0.8944271909999159) * sin[1]),
-        );
-    let c_wrist = cos[1]
-        .mul_plus(
-            T::from_f64(0.8944271909999159),
-            T::from_f64(0.4472135954999579) * sin[1],
-        );
-    let e1 = T::from_f64(0.6666666666666666) * s_wrist;
-    let bx_wrist_x = c_wrist.mul_plus(T::from_f64(0.6666666666666667), -e1);
-    let e2 = T::from_f64(0.6666666666666666) * c_wrist;
-    let bx_wrist_y = s_wrist.mul_plus(T::from_f64(0.6666666666666667), e2);
-    let e3 = s_wrist.mul_plus(T::from_f64(0.33333333333333326), e2);
-    let by_wrist_x = -e3;
-    let e4 = (-c_wrist).mul_plus(T::from_f64(0.33333333333333326), e1);
-    let by_wrist_y = -e4;
-    // thumb
-    let s_thumb = sin[1]
-        .mul_plus(
-            T::from_f64(0.8453119193731673),
-            -(T::from_f64(0.534273112710767) * cos[1]),
-        );
-    let c_thumb = cos[1]
-        .mul_plus(
-            T::from_f64(0.8453119193731673),
-            T::from_f64(0.534273112710767) * sin[1],
-        );
-    let e5 = bx_wrist_x
-        .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
-    let bx_thumb_x = bx_wrist_y.mul_plus(c_thumb, -(e5 * s_thumb));
-    let bx_thumb_y = e5.mul_plus(c_thumb, bx_wrist_y * s_thumb);
-    let ky_thumb_y = e3
-        .mul_plus(T::from_f64(0.6666666666666666), -T::from_f64(0.4969039949999533));
-    let by_thumb_x = ky_thumb_y.mul_plus(s_thumb, -(e4 * c_thumb));
-    let by_thumb_y = -ky_thumb_y.mul_plus(c_thumb, e4 * s_thumb);
-    [
-        [one, zero, zero, zero, bx_wrist_x, bx_wrist_y, bx_thumb_x, bx_thumb_y],
-        [zero, one, zero, zero, by_wrist_x, by_wrist_y, by_thumb_x, by_thumb_y],
-    ]
-}
+    #[inline(always)]
+    fn regressor_cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
+        let zero = T::from_f64(0.0);
+        let one = T::from_f64(1.0);
+        // wrist
+        let s_wrist = cos[1]
+            .mul_plus(T::from_f64(0.4472135954999579), -(T::from_f64(0.8944271909999159) * sin[1]));
+        let c_wrist = cos[1]
+            .mul_plus(T::from_f64(0.8944271909999159), T::from_f64(0.4472135954999579) * sin[1]);
+        let e1 = T::from_f64(0.6666666666666666) * s_wrist;
+        let bx_wrist_x = c_wrist.mul_plus(T::from_f64(0.6666666666666667), -e1);
+        let e2 = T::from_f64(0.6666666666666666) * c_wrist;
+        let bx_wrist_y = s_wrist.mul_plus(T::from_f64(0.6666666666666667), e2);
+        let e3 = s_wrist.mul_plus(T::from_f64(0.33333333333333326), e2);
+        let by_wrist_x = -e3;
+        let e4 = (-c_wrist).mul_plus(T::from_f64(0.33333333333333326), e1);
+        let by_wrist_y = -e4;
+        // thumb
+        let s_thumb = sin[1]
+            .mul_plus(T::from_f64(0.8453119193731673), -(T::from_f64(0.534273112710767) * cos[1]));
+        let c_thumb = cos[1]
+            .mul_plus(T::from_f64(0.8453119193731673), T::from_f64(0.534273112710767) * sin[1]);
+        let e5 = bx_wrist_x
+            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
+        let bx_thumb_x = bx_wrist_y.mul_plus(c_thumb, -(e5 * s_thumb));
+        let bx_thumb_y = e5.mul_plus(c_thumb, bx_wrist_y * s_thumb);
+        let ky_thumb_y = e3
+            .mul_plus(T::from_f64(0.6666666666666666), -T::from_f64(0.4969039949999533));
+        let by_thumb_x = ky_thumb_y.mul_plus(s_thumb, -(e4 * c_thumb));
+        let by_thumb_y = -ky_thumb_y.mul_plus(c_thumb, e4 * s_thumb);
+        let row_x = [one, zero, zero, zero, bx_wrist_x, bx_wrist_y, bx_thumb_x, bx_thumb_y];
+        let row_y = [zero, one, zero, zero, by_wrist_x, by_wrist_y, by_thumb_x, by_thumb_y];
+        [row_x, row_y]
+    }
 
-/// Rows [B_0 B_1 …] of the full regressor, seed paper Eq. (5), in link frames.
-///
-/// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn regressor_full_sc<T: Real>(
-    sin: &[T; DOF],
-    cos: &[T; DOF],
-) -> [[T; FULL_PARAMS]; 3] {
-    let zero = T::from_f64(0.0);
-    let one = T::from_f64(1.0);
-    // wrist
-    let s_wrist = cos[1]
-        .mul_plus(
-            T::from_f64(0.4472135954999579),
-            -(T::from_f64(0.8944271909999159) * sin[1]),
-        );
-    let c_wrist = cos[1]
-        .mul_plus(
-            T::from_f64(0.8944271909999159),
-            T::from_f64(0.4472135954999579) * sin[1],
-        );
-    let e1 = T::from_f64(0.6666666666666667) * c_wrist;
-    let e2 = T::from_f64(0.6666666666666666) * s_wrist;
-    let bx_wrist_x = e1 - e2;
-    let e3 = T::from_f64(0.6666666666666666) * c_wrist;
-    let e4 = T::from_f64(0.6666666666666667) * s_wrist;
-    let bx_wrist_y = e3 + e4;
-    let e5 = s_wrist.mul_plus(T::from_f64(0.33333333333333326), e3);
-    let e6 = (-c_wrist).mul_plus(T::from_f64(0.33333333333333326), e2);
-    let bz_wrist_x = c_wrist.mul_plus(T::from_f64(0.33333333333333337), e4);
-    let e7 = (-s_wrist).mul_plus(T::from_f64(0.33333333333333337), e1);
-    // thumb
-    let s_thumb = sin[1]
-        .mul_plus(
-            T::from_f64(0.8453119193731673),
-            -(T::from_f64(0.534273112710767) * cos[1]),
-        );
-    let c_thumb = cos[1]
-        .mul_plus(
-            T::from_f64(0.8453119193731673),
-            T::from_f64(0.534273112710767) * sin[1],
-        );
-    let e8 = bx_wrist_x
-        .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
-    let kx_thumb_z = bx_wrist_x
-        .mul_plus(T::from_f64(0.7453559924999299), -T::from_f64(0.22222222222222224));
-    let bx_thumb_x = bx_wrist_y.mul_plus(c_thumb, -(e8 * s_thumb));
-    let bx_thumb_y = e8.mul_plus(c_thumb, bx_wrist_y * s_thumb);
-    let ky_thumb_y = e5
-        .mul_plus(T::from_f64(0.6666666666666666), -T::from_f64(0.4969039949999533));
-    let e9 = e5
-        .mul_plus(T::from_f64(0.7453559924999299), T::from_f64(0.4444444444444445));
-    let ky_thumb_z = -e9;
-    let by_thumb_x = ky_thumb_y.mul_plus(s_thumb, -(e6 * c_thumb));
-    let by_thumb_y = -ky_thumb_y.mul_plus(c_thumb, e6 * s_thumb);
-    let e10 = bz_wrist_x
-        .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
-    let kz_thumb_z = bz_wrist_x
-        .mul_plus(T::from_f64(0.7453559924999299), -T::from_f64(0.4444444444444443));
-    let bz_thumb_x = -e7.mul_plus(c_thumb, e10 * s_thumb);
-    let bz_thumb_y = -e7.mul_plus(s_thumb, -(e10 * c_thumb));
-    [
-        [
+    #[inline(always)]
+    fn regressor_full_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
+        let zero = T::from_f64(0.0);
+        let one = T::from_f64(1.0);
+        // wrist
+        let s_wrist = cos[1]
+            .mul_plus(T::from_f64(0.4472135954999579), -(T::from_f64(0.8944271909999159) * sin[1]));
+        let c_wrist = cos[1]
+            .mul_plus(T::from_f64(0.8944271909999159), T::from_f64(0.4472135954999579) * sin[1]);
+        let e1 = T::from_f64(0.6666666666666667) * c_wrist;
+        let e2 = T::from_f64(0.6666666666666666) * s_wrist;
+        let bx_wrist_x = e1 - e2;
+        let e3 = T::from_f64(0.6666666666666666) * c_wrist;
+        let e4 = T::from_f64(0.6666666666666667) * s_wrist;
+        let bx_wrist_y = e3 + e4;
+        let e5 = s_wrist.mul_plus(T::from_f64(0.33333333333333326), e3);
+        let e6 = (-c_wrist).mul_plus(T::from_f64(0.33333333333333326), e2);
+        let bz_wrist_x = c_wrist.mul_plus(T::from_f64(0.33333333333333337), e4);
+        let e7 = (-s_wrist).mul_plus(T::from_f64(0.33333333333333337), e1);
+        // thumb
+        let s_thumb = sin[1]
+            .mul_plus(T::from_f64(0.8453119193731673), -(T::from_f64(0.534273112710767) * cos[1]));
+        let c_thumb = cos[1]
+            .mul_plus(T::from_f64(0.8453119193731673), T::from_f64(0.534273112710767) * sin[1]);
+        let e8 = bx_wrist_x
+            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
+        let kx_thumb_z = bx_wrist_x
+            .mul_plus(T::from_f64(0.7453559924999299), -T::from_f64(0.22222222222222224));
+        let bx_thumb_x = bx_wrist_y.mul_plus(c_thumb, -(e8 * s_thumb));
+        let bx_thumb_y = e8.mul_plus(c_thumb, bx_wrist_y * s_thumb);
+        let ky_thumb_y = e5
+            .mul_plus(T::from_f64(0.6666666666666666), -T::from_f64(0.4969039949999533));
+        let e9 = e5.mul_plus(T::from_f64(0.7453559924999299), T::from_f64(0.4444444444444445));
+        let ky_thumb_z = -e9;
+        let by_thumb_x = ky_thumb_y.mul_plus(s_thumb, -(e6 * c_thumb));
+        let by_thumb_y = -ky_thumb_y.mul_plus(c_thumb, e6 * s_thumb);
+        let e10 = bz_wrist_x
+            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
+        let kz_thumb_z = bz_wrist_x
+            .mul_plus(T::from_f64(0.7453559924999299), -T::from_f64(0.4444444444444443));
+        let bz_thumb_x = -e7.mul_plus(c_thumb, e10 * s_thumb);
+        let bz_thumb_y = -e7.mul_plus(s_thumb, -(e10 * c_thumb));
+        let row_x = [
             one,
             zero,
             zero,
@@ -1064,8 +894,8 @@ pub fn regressor_full_sc<T: Real>(
             bx_thumb_x,
             bx_thumb_y,
             kx_thumb_z,
-        ],
-        [
+        ];
+        let row_y = [
             zero,
             one,
             zero,
@@ -1088,8 +918,8 @@ pub fn regressor_full_sc<T: Real>(
             by_thumb_x,
             by_thumb_y,
             ky_thumb_z,
-        ],
-        [
+        ];
+        let row_z = [
             zero,
             zero,
             one,
@@ -1111,260 +941,168 @@ pub fn regressor_full_sc<T: Real>(
             bz_thumb_x,
             bz_thumb_y,
             kz_thumb_z,
-        ],
-    ]
-}
+        ];
+        [row_x, row_y, row_z]
+    }
 
-/// Centre of pressure that a static posture shows on a level sole, m.
-///
-/// From sines and cosines; a sliding joint passes its position in `sin`.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
-    // thumb
-    let s_thumb = sin[1]
-        .mul_plus(
-            T::from_f64(0.8453119193731673),
-            -(T::from_f64(0.534273112710767) * cos[1]),
-        );
-    let c_thumb = cos[1]
-        .mul_plus(
-            T::from_f64(0.8453119193731673),
-            T::from_f64(0.534273112710767) * sin[1],
-        );
-    let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
-    let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
-    // wrist
-    let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
-    let v_wrist_y = r[5] + t_thumb_x;
-    let s_wrist = cos[1]
-        .mul_plus(
-            T::from_f64(0.4472135954999579),
-            -(T::from_f64(0.8944271909999159) * sin[1]),
-        );
-    let c_wrist = cos[1]
-        .mul_plus(
-            T::from_f64(0.8944271909999159),
-            T::from_f64(0.4472135954999579) * sin[1],
-        );
-    let t_wrist_x = c_wrist.mul_plus(v_wrist_x, s_wrist * v_wrist_y);
-    let t_wrist_y = s_wrist.mul_plus(v_wrist_x, -(c_wrist * v_wrist_y));
-    // lift
-    let e1 = t_thumb_y
-        .mul_plus(
-            T::from_f64(0.372677996249965),
-            t_wrist_x.mul_plus(T::from_f64(0.5), t_wrist_y),
-        );
-    let w_wrist_x = (-e1).mul_plus(T::from_f64(0.6666666666666666), t_wrist_x);
-    let w_wrist_y = (-e1).mul_plus(T::from_f64(1.3333333333333333), t_wrist_y);
-    // base
-    let v_base_x = r[0] + w_wrist_x;
-    let v_base_y = r[1] + w_wrist_y;
-    [v_base_x, v_base_y]
-}
+    #[inline(always)]
+    fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
+        // thumb
+        let s_thumb = sin[1]
+            .mul_plus(T::from_f64(0.8453119193731673), -(T::from_f64(0.534273112710767) * cos[1]));
+        let c_thumb = cos[1]
+            .mul_plus(T::from_f64(0.8453119193731673), T::from_f64(0.534273112710767) * sin[1]);
+        let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
+        let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
+        // wrist
+        let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
+        let v_wrist_y = r[5] + t_thumb_x;
+        let s_wrist = cos[1]
+            .mul_plus(T::from_f64(0.4472135954999579), -(T::from_f64(0.8944271909999159) * sin[1]));
+        let c_wrist = cos[1]
+            .mul_plus(T::from_f64(0.8944271909999159), T::from_f64(0.4472135954999579) * sin[1]);
+        let t_wrist_x = c_wrist.mul_plus(v_wrist_x, s_wrist * v_wrist_y);
+        let t_wrist_y = s_wrist.mul_plus(v_wrist_x, -(c_wrist * v_wrist_y));
+        // lift
+        let e1 = t_wrist_x.mul_plus(T::from_f64(0.5), t_wrist_y);
+        let e1 = t_thumb_y.mul_plus(T::from_f64(0.372677996249965), e1);
+        let w_wrist_x = (-e1).mul_plus(T::from_f64(0.6666666666666666), t_wrist_x);
+        let w_wrist_y = (-e1).mul_plus(T::from_f64(1.3333333333333333), t_wrist_y);
+        // base
+        let v_base_x = r[0] + w_wrist_x;
+        let v_base_y = r[1] + w_wrist_y;
+        [v_base_x, v_base_y]
+    }
 
-/// ∂CoM/∂q, m/rad (m/m for sliding joints), one row per axis.
-///
-/// Their combination `along` a direction of the support frame, no longer than one, from sines and cosines as above.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn com_jacobian_along<T: Real>(
-    sin: &[T; DOF],
-    cos: &[T; DOF],
-    r: &[T; BASE_PARAMS],
-    along: &[T; 3],
-) -> [T; DOF] {
-    // thumb
-    let s_thumb = sin[1]
-        .mul_plus(
-            T::from_f64(0.8453119193731673),
-            -(T::from_f64(0.534273112710767) * cos[1]),
-        );
-    let c_thumb = cos[1]
-        .mul_plus(
-            T::from_f64(0.8453119193731673),
-            T::from_f64(0.534273112710767) * sin[1],
-        );
-    let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
-    let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
-    // wrist
-    let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
-    let v_wrist_y = r[5] + t_thumb_x;
-    let s_wrist = cos[1]
-        .mul_plus(
-            T::from_f64(0.4472135954999579),
-            -(T::from_f64(0.8944271909999159) * sin[1]),
-        );
-    let c_wrist = cos[1]
-        .mul_plus(
-            T::from_f64(0.8944271909999159),
-            T::from_f64(0.4472135954999579) * sin[1],
-        );
-    let t_wrist_x = c_wrist.mul_plus(v_wrist_x, s_wrist * v_wrist_y);
-    let t_wrist_y = s_wrist.mul_plus(v_wrist_x, -(c_wrist * v_wrist_y));
-    // wrist
-    let e1 = (-along[2])
-        .mul_plus(
-            T::from_f64(0.5000000000000001),
-            along[0].mul_plus(T::from_f64(0.5), along[1]),
-        );
-    let k_wrist_x = (-e1).mul_plus(T::from_f64(0.6666666666666666), along[0]);
-    let k_wrist_y = (-e1).mul_plus(T::from_f64(1.3333333333333333), along[1]);
-    let k_wrist_z = e1.mul_plus(T::from_f64(0.6666666666666667), along[2]);
-    let b_wrist_x = k_wrist_x.mul_plus(c_wrist, k_wrist_y * s_wrist);
-    [
-        along[2] * r[3],
-        k_wrist_y
-            .mul_plus(c_wrist, -(k_wrist_x * s_wrist))
-            .mul_plus(
-                t_thumb_y,
-                -(b_wrist_x
-                    .mul_plus(
-                        T::from_f64(0.6666666666666666),
-                        T::from_f64(0.7453559924999299) * k_wrist_z,
-                    ) * t_thumb_x),
-            ) - k_wrist_y.mul_plus(t_wrist_x, -(k_wrist_x * t_wrist_y)),
-    ]
-}
+    #[inline(always)]
+    fn com_jacobian_along<T: Real>(
+        sin: &[T; DOF],
+        cos: &[T; DOF],
+        r: &[T; BASE_PARAMS],
+        along: &[T; 3],
+    ) -> [T; DOF] {
+        // thumb
+        let s_thumb = sin[1]
+            .mul_plus(T::from_f64(0.8453119193731673), -(T::from_f64(0.534273112710767) * cos[1]));
+        let c_thumb = cos[1]
+            .mul_plus(T::from_f64(0.8453119193731673), T::from_f64(0.534273112710767) * sin[1]);
+        let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
+        let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
+        // wrist
+        let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
+        let v_wrist_y = r[5] + t_thumb_x;
+        let s_wrist = cos[1]
+            .mul_plus(T::from_f64(0.4472135954999579), -(T::from_f64(0.8944271909999159) * sin[1]));
+        let c_wrist = cos[1]
+            .mul_plus(T::from_f64(0.8944271909999159), T::from_f64(0.4472135954999579) * sin[1]);
+        let t_wrist_x = c_wrist.mul_plus(v_wrist_x, s_wrist * v_wrist_y);
+        let t_wrist_y = s_wrist.mul_plus(v_wrist_x, -(c_wrist * v_wrist_y));
+        // wrist
+        let e1 = along[0].mul_plus(T::from_f64(0.5), along[1]);
+        let e1 = (-along[2]).mul_plus(T::from_f64(0.5000000000000001), e1);
+        let k_wrist_x = (-e1).mul_plus(T::from_f64(0.6666666666666666), along[0]);
+        let k_wrist_y = (-e1).mul_plus(T::from_f64(1.3333333333333333), along[1]);
+        let k_wrist_z = e1.mul_plus(T::from_f64(0.6666666666666667), along[2]);
+        let b_wrist_x = k_wrist_x.mul_plus(c_wrist, k_wrist_y * s_wrist);
+        let p1 = k_wrist_y.mul_plus(c_wrist, -(k_wrist_x * s_wrist));
+        let p2 = b_wrist_x
+            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.7453559924999299) * k_wrist_z);
+        [
+            along[2] * r[3],
+            p1.mul_plus(t_thumb_y, -(p2 * t_thumb_x))
+                - k_wrist_y.mul_plus(t_wrist_x, -(k_wrist_x * t_wrist_y)),
+        ]
+    }
 
-/// Rows of the base regressor: CoM = rows · r.
-///
-/// Their combination `along` a direction of the support frame, no longer than one, from sines and cosines as above.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn regressor_along<T: Real>(
-    sin: &[T; DOF],
-    cos: &[T; DOF],
-    along: &[T; 3],
-) -> [T; BASE_PARAMS] {
-    // wrist
-    let s_wrist = cos[1]
-        .mul_plus(
-            T::from_f64(0.4472135954999579),
-            -(T::from_f64(0.8944271909999159) * sin[1]),
-        );
-    let c_wrist = cos[1]
-        .mul_plus(
-            T::from_f64(0.8944271909999159),
-            T::from_f64(0.4472135954999579) * sin[1],
-        );
-    let e1 = (-along[2])
-        .mul_plus(
-            T::from_f64(0.5000000000000001),
-            along[0].mul_plus(T::from_f64(0.5), along[1]),
-        );
-    let k_wrist_x = (-e1).mul_plus(T::from_f64(0.6666666666666666), along[0]);
-    let k_wrist_y = (-e1).mul_plus(T::from_f64(1.3333333333333333), along[1]);
-    let k_wrist_z = e1.mul_plus(T::from_f64(0.6666666666666667), along[2]);
-    let b_wrist_x = k_wrist_x.mul_plus(c_wrist, k_wrist_y * s_wrist);
-    let e2 = k_wrist_y.mul_plus(c_wrist, -(k_wrist_x * s_wrist));
-    let b_wrist_y = -e2;
-    // thumb
-    let s_thumb = sin[1]
-        .mul_plus(
-            T::from_f64(0.8453119193731673),
-            -(T::from_f64(0.534273112710767) * cos[1]),
-        );
-    let c_thumb = cos[1]
-        .mul_plus(
-            T::from_f64(0.8453119193731673),
-            T::from_f64(0.534273112710767) * sin[1],
-        );
-    let e3 = b_wrist_x
-        .mul_plus(
-            T::from_f64(0.6666666666666666),
-            T::from_f64(0.7453559924999299) * k_wrist_z,
-        );
-    let b_thumb_x = -e2.mul_plus(c_thumb, e3 * s_thumb);
-    let b_thumb_y = -e2.mul_plus(s_thumb, -(e3 * c_thumb));
-    [
-        along[0],
-        along[1],
-        along[2],
-        along[2] * sin[0],
-        b_wrist_x,
-        b_wrist_y,
-        b_thumb_x,
-        b_thumb_y,
-    ]
-}
+    #[inline(always)]
+    fn regressor_along<T: Real>(
+        sin: &[T; DOF],
+        cos: &[T; DOF],
+        along: &[T; 3],
+    ) -> [T; BASE_PARAMS] {
+        // wrist
+        let s_wrist = cos[1]
+            .mul_plus(T::from_f64(0.4472135954999579), -(T::from_f64(0.8944271909999159) * sin[1]));
+        let c_wrist = cos[1]
+            .mul_plus(T::from_f64(0.8944271909999159), T::from_f64(0.4472135954999579) * sin[1]);
+        let e1 = along[0].mul_plus(T::from_f64(0.5), along[1]);
+        let e1 = (-along[2]).mul_plus(T::from_f64(0.5000000000000001), e1);
+        let k_wrist_x = (-e1).mul_plus(T::from_f64(0.6666666666666666), along[0]);
+        let k_wrist_y = (-e1).mul_plus(T::from_f64(1.3333333333333333), along[1]);
+        let k_wrist_z = e1.mul_plus(T::from_f64(0.6666666666666667), along[2]);
+        let b_wrist_x = k_wrist_x.mul_plus(c_wrist, k_wrist_y * s_wrist);
+        let e2 = k_wrist_y.mul_plus(c_wrist, -(k_wrist_x * s_wrist));
+        let b_wrist_y = -e2;
+        // thumb
+        let s_thumb = sin[1]
+            .mul_plus(T::from_f64(0.8453119193731673), -(T::from_f64(0.534273112710767) * cos[1]));
+        let c_thumb = cos[1]
+            .mul_plus(T::from_f64(0.8453119193731673), T::from_f64(0.534273112710767) * sin[1]);
+        let e3 = b_wrist_x
+            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.7453559924999299) * k_wrist_z);
+        let b_thumb_x = -e2.mul_plus(c_thumb, e3 * s_thumb);
+        let b_thumb_y = -e2.mul_plus(s_thumb, -(e3 * c_thumb));
+        [
+            along[0],
+            along[1],
+            along[2],
+            along[2] * sin[0],
+            b_wrist_x,
+            b_wrist_y,
+            b_thumb_x,
+            b_thumb_y,
+        ]
+    }
 
-/// Rows [B_0 B_1 …] of the full regressor, seed paper Eq. (5), in link frames.
-///
-/// Their combination `along` a direction of the support frame, no longer than one, from sines and cosines as above.
-#[allow(dead_code, non_snake_case, non_camel_case_types, clippy::all)]
-#[inline(always)]
-pub fn regressor_full_along<T: Real>(
-    sin: &[T; DOF],
-    cos: &[T; DOF],
-    along: &[T; 3],
-) -> [T; FULL_PARAMS] {
-    // wrist
-    let s_wrist = cos[1]
-        .mul_plus(
-            T::from_f64(0.4472135954999579),
-            -(T::from_f64(0.8944271909999159) * sin[1]),
-        );
-    let c_wrist = cos[1]
-        .mul_plus(
-            T::from_f64(0.8944271909999159),
-            T::from_f64(0.4472135954999579) * sin[1],
-        );
-    let e1 = (-along[2])
-        .mul_plus(
-            T::from_f64(0.5000000000000001),
-            along[0].mul_plus(T::from_f64(0.5), along[1]),
-        );
-    let k_wrist_x = (-e1).mul_plus(T::from_f64(0.6666666666666666), along[0]);
-    let k_wrist_y = (-e1).mul_plus(T::from_f64(1.3333333333333333), along[1]);
-    let k_wrist_z = e1.mul_plus(T::from_f64(0.6666666666666667), along[2]);
-    let b_wrist_x = k_wrist_x.mul_plus(c_wrist, k_wrist_y * s_wrist);
-    let e2 = k_wrist_y.mul_plus(c_wrist, -(k_wrist_x * s_wrist));
-    // thumb
-    let s_thumb = sin[1]
-        .mul_plus(
-            T::from_f64(0.8453119193731673),
-            -(T::from_f64(0.534273112710767) * cos[1]),
-        );
-    let c_thumb = cos[1]
-        .mul_plus(
-            T::from_f64(0.8453119193731673),
-            T::from_f64(0.534273112710767) * sin[1],
-        );
-    let e3 = b_wrist_x
-        .mul_plus(
-            T::from_f64(0.6666666666666666),
-            T::from_f64(0.7453559924999299) * k_wrist_z,
-        );
-    let e4 = T::from_f64(0.6666666666666666) * k_wrist_z;
-    let k_thumb_z = b_wrist_x.mul_plus(T::from_f64(0.7453559924999299), -e4);
-    let b_thumb_x = -e2.mul_plus(c_thumb, e3 * s_thumb);
-    let b_thumb_y = -e2.mul_plus(s_thumb, -(e3 * c_thumb));
-    [
-        along[0],
-        along[1],
-        along[2],
-        along[0],
-        along[1],
-        along[2],
-        along[2] * sin[0],
-        k_wrist_z
-            .mul_plus(
-                T::from_f64(0.3333333333333333),
-                b_wrist_x
-                    .mul_plus(
-                        T::from_f64(0.29814239699997197),
-                        -(T::from_f64(0.8944271909999159) * e2),
-                    ),
-            ),
-        -k_thumb_z,
-        b_wrist_x
-            .mul_plus(
-                T::from_f64(0.5962847939999439),
-                T::from_f64(0.4472135954999579) * e2,
-            ) + e4,
-        b_thumb_x,
-        b_thumb_y,
-        k_thumb_z,
-    ]
+    #[inline(always)]
+    fn regressor_full_along<T: Real>(
+        sin: &[T; DOF],
+        cos: &[T; DOF],
+        along: &[T; 3],
+    ) -> [T; FULL_PARAMS] {
+        // wrist
+        let s_wrist = cos[1]
+            .mul_plus(T::from_f64(0.4472135954999579), -(T::from_f64(0.8944271909999159) * sin[1]));
+        let c_wrist = cos[1]
+            .mul_plus(T::from_f64(0.8944271909999159), T::from_f64(0.4472135954999579) * sin[1]);
+        let e1 = along[0].mul_plus(T::from_f64(0.5), along[1]);
+        let e1 = (-along[2]).mul_plus(T::from_f64(0.5000000000000001), e1);
+        let k_wrist_x = (-e1).mul_plus(T::from_f64(0.6666666666666666), along[0]);
+        let k_wrist_y = (-e1).mul_plus(T::from_f64(1.3333333333333333), along[1]);
+        let k_wrist_z = e1.mul_plus(T::from_f64(0.6666666666666667), along[2]);
+        let b_wrist_x = k_wrist_x.mul_plus(c_wrist, k_wrist_y * s_wrist);
+        let e2 = k_wrist_y.mul_plus(c_wrist, -(k_wrist_x * s_wrist));
+        // thumb
+        let s_thumb = sin[1]
+            .mul_plus(T::from_f64(0.8453119193731673), -(T::from_f64(0.534273112710767) * cos[1]));
+        let c_thumb = cos[1]
+            .mul_plus(T::from_f64(0.8453119193731673), T::from_f64(0.534273112710767) * sin[1]);
+        let e3 = b_wrist_x
+            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.7453559924999299) * k_wrist_z);
+        let e4 = T::from_f64(0.6666666666666666) * k_wrist_z;
+        let k_thumb_z = b_wrist_x.mul_plus(T::from_f64(0.7453559924999299), -e4);
+        let b_thumb_x = -e2.mul_plus(c_thumb, e3 * s_thumb);
+        let b_thumb_y = -e2.mul_plus(s_thumb, -(e3 * c_thumb));
+        let p1 = b_wrist_x
+            .mul_plus(T::from_f64(0.29814239699997197), -(T::from_f64(0.8944271909999159) * e2));
+        [
+            along[0],
+            along[1],
+            along[2],
+            along[0],
+            along[1],
+            along[2],
+            along[2] * sin[0],
+            k_wrist_z.mul_plus(T::from_f64(0.3333333333333333), p1),
+            -k_thumb_z,
+            b_wrist_x
+                .mul_plus(
+                    T::from_f64(0.5962847939999439),
+                    T::from_f64(0.4472135954999579) * e2,
+                ) + e4,
+            b_thumb_x,
+            b_thumb_y,
+            k_thumb_z,
+        ]
+    }
 }

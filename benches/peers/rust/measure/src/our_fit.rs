@@ -43,7 +43,7 @@ fn measurement(robot: &Robot) -> Measurement<'_> {
 pub fn parameters(q: &[f64], reading: &[[f64; 2]]) -> Vec<f64> {
     let (q, _) = q.as_chunks::<{ ours::DOF }>();
     let start = Estimator::with_nominal(&CAD_PARAMS).expect("CAD parameters are finite");
-    let found = start.batch(Op2RSole, ours::simd(), q, reading, &[1.0; 2]);
+    let found = start.batch::<Op2RSole>(ours::simd(), q, reading, &[1.0; 2]);
     found
         .expect("postures and readings are finite")
         .params()
