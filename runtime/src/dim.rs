@@ -50,6 +50,15 @@ pub trait Dim: sealed::Sealed {
     /// ```
     fn from_fn<T: Copy>(f: impl FnMut(usize) -> T) -> Self::Array<T>;
 
+    /// The array of `x` in every entry.
+    ///
+    /// ```
+    /// use sesc_runtime::{Const, Dim};
+    ///
+    /// assert_eq!(<Const<3> as Dim>::filled(0.5), [0.5; 3]);
+    /// ```
+    fn filled<T: Copy>(x: T) -> Self::Array<T>;
+
     /// [`Machine::load`] of so many blocks.
     #[doc(hidden)]
     fn load<S: Scalar, X: Machine<S>>(
@@ -103,6 +112,11 @@ impl<const N: usize> Dim for Const<N> {
     #[inline(always)]
     fn from_fn<T: Copy>(f: impl FnMut(usize) -> T) -> [T; N] {
         core::array::from_fn(f)
+    }
+
+    #[inline(always)]
+    fn filled<T: Copy>(x: T) -> [T; N] {
+        [x; N]
     }
 
     #[inline(always)]

@@ -43,6 +43,12 @@ pub type F32x16 = Lanes<f32, 16>;
 
 impl<S: Real, const N: usize> Lanes<S, N> {
     /// The same number in every lane.
+    ///
+    /// ```
+    /// use sesc_runtime::F64x8;
+    ///
+    /// assert_eq!(F64x8::splat(0.5).0, [0.5; 8]);
+    /// ```
     #[inline(always)]
     pub fn splat(x: S) -> Self {
         Self([x; N])
@@ -58,6 +64,12 @@ impl<S: Real, const N: usize> Lanes<S, N> {
 }
 
 /// From one row per posture to one set of lanes per column.
+///
+/// ```
+/// use sesc_runtime::{Lanes, pack};
+///
+/// assert_eq!(pack(&[[0.1, 0.2], [0.3, 0.4]]), [Lanes([0.1, 0.3]), Lanes([0.2, 0.4])]);
+/// ```
 #[inline]
 pub fn pack<S: Real, const N: usize, const COLUMNS: usize>(
     rows: &[[S; COLUMNS]; N],
@@ -66,6 +78,12 @@ pub fn pack<S: Real, const N: usize, const COLUMNS: usize>(
 }
 
 /// From one set of lanes per column to one row per posture: the inverse of [`pack`].
+///
+/// ```
+/// use sesc_runtime::{Lanes, unpack};
+///
+/// assert_eq!(unpack(&[Lanes([0.1, 0.3]), Lanes([0.2, 0.4])]), [[0.1, 0.2], [0.3, 0.4]]);
+/// ```
 #[inline]
 pub fn unpack<S: Real, const N: usize, const COLUMNS: usize>(
     columns: &[Lanes<S, N>; COLUMNS],

@@ -1,4 +1,4 @@
-//! What generated centre-of-mass code needs at run time, and nothing else.
+//! The run-time part of generated centre-of-mass code: what a controller ships.
 //!
 //! A statically equivalent serial chain writes the centre of mass of a robot as
 //!
@@ -11,11 +11,12 @@
 //! This crate supplies these for one posture or for many at once:
 //!
 //! * [`Sesc`] and [`SescFromSinCos`]: the functions that every generated unit
-//!   struct has, so that a controller can be written for any robot;
-//! * [`Real`]: the scalars that these functions accept: `f64`, `f32`, and
+//!   struct has. A controller for any robot takes `R: Sesc`, joint positions as
+//!   [`Posture<R>`](Posture) and parameters as [`Params<R>`](Params), and no array length;
+//! * [`Real`]: the scalars that these functions accept: `f64` and `f32` ([`Scalar`]), and
 //!   [`Lanes`] of either, one posture per lane;
-//! * [`Batch`] and [`Single`]: the same functions at the speed of the machine, on the
-//!   widest registers that [`Simd`] finds;
+//! * [`Batch`] and [`Single`]: the same functions on the widest registers
+//!   that [`Simd`] finds;
 //! * [`trig`]: the sine and cosine behind [`Real::sin_cos`], free of branches
 //!   and tables, the same to the last bit on every machine and in every lane;
 //! * [`power`]: the powers behind [`Real::power`], by the same rules;

@@ -1,4 +1,4 @@
-//! What a generated robot model offers.
+//! The functions and constants of a generated robot.
 //!
 //! ```text
 //! CoM(q) = r_0 + Σ B_i(q) r_i
@@ -9,7 +9,7 @@
 //! is added: its axis, its position, and the share `s_j` of the mass it carries.
 //!
 //! All `r_i` and `s_j`, stacked, are the *full* parameters. Those directions of them
-//! that no posture shows are left out of the *base* parameters `r`, and in these
+//! that no posture shows are left out of the *base* parameters `r`, and with these
 //!
 //! ```text
 //! CoM(q) = Y(q) r,    J = ∂CoM/∂q,    τ_j / (M g) = -(J_j)_z
@@ -122,7 +122,7 @@ pub trait Sesc: Sized {
     #[inline]
     fn com_jacobian<T: Real>(q: &Posture<Self, T>, r: &Params<Self, T>) -> [Posture<Self, T>; 3] {
         let zero = T::from_f64(0.0);
-        let mut jacobian = [<Self::Dof as Dim>::from_fn(|_| zero); 3];
+        let mut jacobian = [<Self::Dof as Dim>::filled(zero); 3];
         <Self::Generated as v1::Robot>::com_jacobian_into(q, r, &mut jacobian);
         jacobian
     }
@@ -157,7 +157,7 @@ pub trait Sesc: Sized {
     #[inline]
     fn regressor<T: Real>(q: &Posture<Self, T>) -> [Params<Self, T>; 3] {
         let zero = T::from_f64(0.0);
-        let mut rows = [<Self::Base as Dim>::from_fn(|_| zero); 3];
+        let mut rows = [<Self::Base as Dim>::filled(zero); 3];
         <Self::Generated as v1::Robot>::regressor_into(q, &mut rows);
         rows
     }
@@ -173,7 +173,7 @@ pub trait Sesc: Sized {
     #[inline]
     fn regressor_cop<T: Real>(q: &Posture<Self, T>) -> [Params<Self, T>; 2] {
         let zero = T::from_f64(0.0);
-        let mut rows = [<Self::Base as Dim>::from_fn(|_| zero); 2];
+        let mut rows = [<Self::Base as Dim>::filled(zero); 2];
         <Self::Generated as v1::Robot>::regressor_cop_into(q, &mut rows);
         rows
     }
@@ -190,7 +190,7 @@ pub trait Sesc: Sized {
     #[inline]
     fn regressor_full<T: Real>(q: &Posture<Self, T>) -> [FullParams<Self, T>; 3] {
         let zero = T::from_f64(0.0);
-        let mut rows = [<Self::Full as Dim>::from_fn(|_| zero); 3];
+        let mut rows = [<Self::Full as Dim>::filled(zero); 3];
         <Self::Generated as v1::Robot>::regressor_full_into(q, &mut rows);
         rows
     }

@@ -26,7 +26,8 @@ use crate::{power, trig};
 /// With floats and [`Lanes`](crate::Lanes) each operation rounds once and is never
 /// fused with its neighbour, so that one generated body gives the same bits for a
 /// scalar and for every lane, on every machine. The registers behind
-/// [`Simd`](crate::Simd) fuse where the machine does. Nothing panics: NaN goes in at one end and comes out at the other.
+/// [`Simd`](crate::Simd) fuse products with sums where the processor can. Nothing panics: a
+/// NaN among the inputs makes the results that depend on it NaN.
 ///
 /// In a crate that links `std`, `f64` and `f32` have inherent methods of the name
 /// `sin_cos`, and the method syntax on a concrete float finds those first. Write
@@ -48,10 +49,24 @@ pub trait Real:
     + Neg<Output = Self>
 {
     /// The constant `x`, rounded to the nearest representable number, in every lane.
+    ///
+    /// ```
+    /// use sesc_runtime::Real;
+    ///
+    /// assert_eq!(<f32 as Real>::from_f64(0.1), 0.1_f32);
+    /// ```
     fn from_f64(x: f64) -> Self;
 
-    /// `self · factor + term`: by one rounding where the register fuses them, by two
-    /// elsewhere.
+    /// `self · factor + term`: by one rounding in registers that fuse the two operations,
+    /// by two roundings in floats and [`Lanes`](crate::Lanes), unlike [`f64::mul_add`].
+    ///
+    /// ```
+    /// use sesc_runtime::Real;
+    ///
+    /// let x = 1.0 + f64::EPSILON;
+    /// assert_eq!(x.mul_plus(x, -1.0), x * x - 1.0);
+    /// assert_ne!(x.mul_plus(x, -1.0), x.mul_add(x, -1.0));
+    /// ```
     #[inline(always)]
     fn mul_plus(self, factor: Self, term: Self) -> Self {
         self * factor + term
@@ -61,14 +76,34 @@ pub trait Real:
     ///
     /// Accuracy and domain are those of [`trig`]: outside the domain, at
     /// infinities and at NaN, both are NaN.
+    ///
+    /// ```
+    /// use sesc_runtime::{Lanes, Real};
+    ///
+    /// let (sin, cos) = Lanes([0.0, f64::NAN]).sin_cos();
+    /// assert_eq!((sin.0[0], cos.0[0]), (0.0, 1.0));
+    /// assert!(sin.0[1].is_nan() && cos.0[1].is_nan());
+    /// ```
     fn sin_cos(self) -> (Self, Self);
 
     /// The nearest number in [-1, 1]; NaN for NaN.
+    ///
+    /// ```
+    /// use sesc_runtime::Real;
+    ///
+    /// assert_eq!([-3.0, 0.25].map(Real::clamp_unit), [-1.0, 0.25]);
+    /// ```
     fn clamp_unit(self) -> Self;
 
     /// This number, not negative, to the power of `exponent`.
     ///
     /// Accuracy and edges are those of [`power`]: NaN for negative numbers.
+    ///
+    /// ```
+    /// use sesc_runtime::Real;
+    ///
+    /// assert_eq!(Real::power(4.0_f64, 1.5), 8.0);
+    /// ```
     fn power(self, exponent: Self) -> Self;
 }
 

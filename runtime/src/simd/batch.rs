@@ -213,7 +213,7 @@ macro_rules! task {
     };
     ($name:ident, $method:ident($($r:ident)?) -> [$n:ident; $m:literal]) => {
         task!(@task $name, [Array<M::$n, S::Block>; $m], ($($r)?), room = [
-            [<M::$n as Dim>::from_fn(|_| X::splat(S::ZERO)); $m]
+            [<M::$n as Dim>::filled(X::splat(S::ZERO)); $m]
         ], |q, block, part| {
             M::$method(q, $(&$r,)? <M::$n as Dim>::place::<S, X, $m>(block, &mut room));
             if X::PARTS > 1 {

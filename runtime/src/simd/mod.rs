@@ -1,8 +1,8 @@
-//! The fastest instructions that this machine has.
+//! Generated functions on the vector registers of this machine.
 //!
-//! Generated code is generic over [`Real`]; here it meets registers. [`Simd`] names a set
-//! of instructions, [`Batch`] evaluates blocks of postures with it, one posture
-//! per lane, and [`Single`] one posture, its sines and cosines side by side.
+//! Generated code is generic over [`Real`], and registers are one kind of it. [`Simd`] names
+//! a set of instructions, [`Batch`] evaluates blocks of postures with it, one posture
+//! per lane, and [`Single`] evaluates one posture, its sines and cosines side by side.
 //!
 //! | set      | lanes (f64, f32) | a·b + c | sine and cosine                      |
 //! |----------|------------------|---------|--------------------------------------|
@@ -55,6 +55,12 @@ impl Simd {
 
     /// The widest set of this machine: asked of the processor with the feature `std`, of
     /// the compiler's target without. Ask once and keep the answer.
+    ///
+    /// ```
+    /// use sesc_runtime::Simd;
+    ///
+    /// assert!(Simd::available().last() == Some(Simd::best()));
+    /// ```
     pub fn best() -> Simd {
         let mut best = Simd::PORTABLE;
         for set in Simd::available() {
@@ -64,6 +70,12 @@ impl Simd {
     }
 
     /// Every set of this machine, the widest last.
+    ///
+    /// ```
+    /// use sesc_runtime::Simd;
+    ///
+    /// assert!(Simd::available().next() == Some(Simd::PORTABLE));
+    /// ```
     pub fn available() -> impl Iterator<Item = Simd> {
         let sets = [
             (Set::Portable, true),
@@ -95,7 +107,13 @@ impl Simd {
         S::run(self, Sines { angles, sin, cos });
     }
 
-    /// Its name, for people.
+    /// Its name for a report or a log.
+    ///
+    /// ```
+    /// use sesc_runtime::Simd;
+    ///
+    /// assert_eq!(Simd::PORTABLE.name(), "portable");
+    /// ```
     pub fn name(self) -> &'static str {
         match self.0 {
             Set::Portable => "portable",
@@ -108,6 +126,15 @@ impl Simd {
 }
 
 /// A number of each of several postures, together a cache line: [`F64x8`] or [`F32x16`].
+///
+/// ```
+/// use sesc_runtime::{Batch, Block, Params, Posture, Sesc, Simd};
+///
+/// /// Centres of mass, metres, in either scalar.
+/// fn centres<R: Sesc, B: Block>(q: &[Posture<R, B>], r: &Params<R, B::Scalar>, com: &mut [[B; 3]]) {
+///     R::com_batch(Simd::best(), q, r, com);
+/// }
+/// ```
 pub trait Block: Real {
     /// Its numbers.
     type Scalar: Scalar<Block = Self>;
@@ -196,7 +223,7 @@ impl<S: Scalar, const N: usize> sealed::Task<S> for Sines<'_, S, N> {
     }
 }
 
-/// What needs no particular instruction.
+/// The set of every processor, without special instructions.
 struct Portable;
 
 macro_rules! portable {

@@ -69,7 +69,7 @@ pub trait Single: SescFromSinCos {
         q: &Posture<Self, S>,
         r: &Params<Self, S>,
     ) -> [Posture<Self, S>; 3] {
-        let mut jacobian = [<Self::Dof as Dim>::from_fn(|_| S::ZERO); 3];
+        let mut jacobian = [<Self::Dof as Dim>::filled(S::ZERO); 3];
         Self::com_jacobian_single_into(simd, q, r, &mut jacobian);
         jacobian
     }
@@ -111,7 +111,7 @@ pub trait Single: SescFromSinCos {
         r: &Params<Self, S>,
     ) -> Posture<Self, S> {
         let (mut value, model) = (
-            <Self::Dof as Dim>::from_fn(|_| S::ZERO),
+            <Self::Dof as Dim>::filled(S::ZERO),
             PhantomData::<Self::GeneratedSinCos>,
         );
         S::run(
@@ -137,7 +137,7 @@ pub trait Single: SescFromSinCos {
     /// ```
     #[inline]
     fn regressor_single<S: Scalar>(simd: Simd, q: &Posture<Self, S>) -> [Params<Self, S>; 3] {
-        let mut rows = [<Self::Base as Dim>::from_fn(|_| S::ZERO); 3];
+        let mut rows = [<Self::Base as Dim>::filled(S::ZERO); 3];
         Self::regressor_single_into(simd, q, &mut rows);
         rows
     }
@@ -173,7 +173,7 @@ pub trait Single: SescFromSinCos {
     /// ```
     #[inline]
     fn regressor_cop_single<S: Scalar>(simd: Simd, q: &Posture<Self, S>) -> [Params<Self, S>; 2] {
-        let mut rows = [<Self::Base as Dim>::from_fn(|_| S::ZERO); 2];
+        let mut rows = [<Self::Base as Dim>::filled(S::ZERO); 2];
         Self::regressor_cop_single_into(simd, q, &mut rows);
         rows
     }
@@ -212,7 +212,7 @@ pub trait Single: SescFromSinCos {
         simd: Simd,
         q: &Posture<Self, S>,
     ) -> [FullParams<Self, S>; 3] {
-        let mut rows = [<Self::Full as Dim>::from_fn(|_| S::ZERO); 3];
+        let mut rows = [<Self::Full as Dim>::filled(S::ZERO); 3];
         Self::regressor_full_single_into(simd, q, &mut rows);
         rows
     }
@@ -286,7 +286,7 @@ fn sines<M: SinCosRobot, S: Scalar, X: Machine<S>>(
 /// instructions of the set.)
 #[inline(always)]
 fn every_row<D: Dim, S: Scalar, X: Machine<S>>(numbers: &Array<D, S>) -> Array<D, X::Rows> {
-    let mut rows = D::from_fn(|_| X::every_row(S::ZERO));
+    let mut rows = D::filled(X::every_row(S::ZERO));
     for (row, x) in rows.as_mut().iter_mut().zip(numbers.as_ref()) {
         *row = X::every_row(*x);
     }
@@ -321,7 +321,7 @@ macro_rules! task {
             #[inline(always)]
             fn run<$set: Machine<S>>(self) {
                 let $task = self;
-                let zeros = <M::Dof as Dim>::from_fn(|_| S::ZERO);
+                let zeros = <M::Dof as Dim>::filled(S::ZERO);
                 let (mut sin, mut cos) = (zeros, zeros);
                 sines::<M, S, $set>($task.q, &mut sin, &mut cos);
                 let ($sin, $cos) = (&sin, &cos);

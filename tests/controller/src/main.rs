@@ -4,45 +4,52 @@
 #![forbid(unsafe_code)]
 #![deny(warnings)]
 
+use sesc_runtime::fit::Estimator;
+
 mod op2 {
     include!(concat!(env!("OUT_DIR"), "/op2_r_sole.rs"));
 }
 
-/// Allocation-free, as it would run on the robot.
+/// For any robot; allocation-free, as it would run on one.
 mod control {
-    use crate::op2;
     use sesc_runtime::fit::{Error, Estimator};
-
-    pub type Parameters = Estimator<f64, { op2::BASE_PARAMS }>;
+    use sesc_runtime::{Const, Params, Posture, Sesc};
 
     /// Noise of the foot's CoP, m.
     pub const COP_STD: [f64; 2] = [1e-3; 2];
 
-    /// Called whenever the robot stands still.
-    pub fn learn(
-        parameters: &mut Parameters,
-        q: &[f64; op2::DOF],
+    /// Called whenever the robot stands still. The number of parameters is found by the
+    /// compiler.
+    pub fn learn<R: Sesc<Base = Const<N>>, const N: usize>(
+        parameters: &mut Estimator<f64, N>,
+        q: &Posture<R>,
         cop: &[f64; 2],
     ) -> Result<(), Error> {
-        parameters.posture(&op2::regressor_cop(q), cop, &COP_STD)
+        parameters.posture(&R::regressor_cop(q), cop, &COP_STD)
     }
 
-    pub struct State {
+    pub struct State<R: Sesc> {
         pub com: [f64; 3],
         pub com_velocity: [f64; 3],
-        pub ankle_roll_moment: f64,
+        /// What the joints hold against gravity, N m.
+        pub holding_moments: Posture<R>,
     }
 
-    pub fn tick(q: &[f64; op2::DOF], qd: &[f64; op2::DOF], r: &[f64; op2::BASE_PARAMS]) -> State {
-        let jacobian = op2::com_jacobian(q, r);
-        let velocity = |row: &[f64; op2::DOF]| row.iter().zip(qd).map(|(j, v)| j * v).sum();
-        let roll = op2::JOINT_NAMES
-            .iter()
-            .position(|name| *name == "r_ank_roll");
+    /// Called every millisecond.
+    pub fn tick<R: Sesc>(q: &Posture<R>, qd: &Posture<R>, r: &Params<R>) -> State<R> {
+        let velocity = |row: &Posture<R>| {
+            let terms = row.as_ref().iter().zip(qd.as_ref());
+            terms.map(|(j, v)| j * v).sum()
+        };
+        let jacobian = R::com_jacobian(q, r);
+        let mut holding_moments = R::gravity_moments(q, r);
+        for moment in holding_moments.as_mut() {
+            *moment *= -R::TOTAL_MASS_KG * 9.80665;
+        }
         State {
-            com: op2::com(q, r),
+            com: R::com(q, r),
             com_velocity: [0, 1, 2].map(|k| velocity(&jacobian[k])),
-            ankle_roll_moment: roll.map_or(0.0, |j| op2::gravity_moments(q, r)[j]),
+            holding_moments,
         }
     }
 }
@@ -65,7 +72,7 @@ fn main() {
             qd[j] = 0.2 * rate * (rate * (tick as f64 + 0.5) * dt).cos();
             q[j] += 0.5 * dt * qd[j];
         }
-        let state = control::tick(&q, &qd, &op2::CAD_PARAMS);
+        let state = control::tick::<op2::Op2RSole>(&q, &qd, &op2::CAD_PARAMS);
         for k in 0..3 {
             integrated[k] += dt * state.com_velocity[k];
         }
@@ -74,8 +81,9 @@ fn main() {
         }
         if tick % 250 == 0 {
             println!(
-                "{tick:4} ms  CoM {:.4?} m, ankle roll moment {:.4} m",
-                state.com, state.ankle_roll_moment
+                "{tick:4} ms  CoM {:.4?} m, ankle roll moment {:.4} N m",
+                state.com,
+                state.holding_moments[op2::joint::R_ANK_ROLL]
             );
         }
     }
@@ -107,14 +115,13 @@ fn identify() -> Result<(), sesc_runtime::fit::Error> {
     // No reading of one flat foot shows the constant height: there, CAD is right.
     truth[2] = op2::CAD_PARAMS[2];
 
-    let mut parameters =
-        control::Parameters::with_prior(&op2::CAD_PARAMS, &[0.01; op2::BASE_PARAMS])?;
+    let mut parameters = Estimator::with_prior(&op2::CAD_PARAMS, &[0.01; op2::BASE_PARAMS])?;
     for _ in 0..1000 {
         let q = [(); op2::DOF].map(|()| uniform());
         let noise = [(); 2].map(|()| 3_f64.sqrt() * uniform());
         let cop = op2::cop(&q, &truth);
         let reading = [0, 1].map(|k| cop[k] + control::COP_STD[k] * noise[k]);
-        control::learn(&mut parameters, &q, &reading)?;
+        control::learn::<op2::Op2RSole, _>(&mut parameters, &q, &reading)?;
     }
 
     let r = parameters.params();
@@ -139,7 +146,7 @@ fn identify() -> Result<(), sesc_runtime::fit::Error> {
         1e3 * after,
         1e3 * before
     );
-    println!("x and y are within {surprise:.1} of the standard deviations foretold");
+    println!("x and y are within {surprise:.1} of the predicted standard deviations");
     assert!(surprise < 5.0);
     let scatter = parameters.residual_sum_of_squares() / parameters.degrees_of_freedom();
     assert!(
