@@ -315,25 +315,23 @@ impl v1::Robot for Lift {
         // thumb
         let p1 = bx_wrist_x
             .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
-        jacobian[0][1] = (e7 - e6).mul_plus(t_thumb_y, -(p1 * t_thumb_x))
-            - e3
-                .mul_plus(
-                    T::from_f64(0.6666666666666667),
-                    -(T::from_f64(0.6666666666666666) * t_wrist_x),
-                );
-        let p2 = by_wrist_x
-            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.4969039949999533));
-        jacobian[1][1] = t_wrist_x
+        let p2 = e3
             .mul_plus(
-                T::from_f64(0.33333333333333326),
-                T::from_f64(0.6666666666666666) * e3,
-            ) - p2.mul_plus(t_thumb_x, by_wrist_y * t_thumb_y);
-        let p3 = s_wrist.mul_plus(T::from_f64(0.33333333333333337), e4);
-        let p4 = bz_wrist_x
+                T::from_f64(0.6666666666666667),
+                -(T::from_f64(0.6666666666666666) * t_wrist_x),
+            );
+        jacobian[0][1] = (e7 - e6).mul_plus(t_thumb_y, -(p1 * t_thumb_x)) - p2;
+        let p3 = by_wrist_x
+            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.4969039949999533));
+        let p4 = p3.mul_plus(t_thumb_x, by_wrist_y * t_thumb_y);
+        jacobian[1][1] = t_wrist_x
+            .mul_plus(T::from_f64(0.33333333333333326), T::from_f64(0.6666666666666666) * e3) - p4;
+        let p5 = s_wrist.mul_plus(T::from_f64(0.33333333333333337), e4);
+        let p6 = bz_wrist_x
             .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
-        jacobian[2][1] = p3.mul_plus(t_thumb_y, -(p4 * t_thumb_x))
-            - t_wrist_x
-                .mul_plus(T::from_f64(0.6666666666666667), T::from_f64(0.33333333333333337) * e3);
+        let p7 = t_wrist_x
+            .mul_plus(T::from_f64(0.6666666666666667), T::from_f64(0.33333333333333337) * e3);
+        jacobian[2][1] = p5.mul_plus(t_thumb_y, -(p6 * t_thumb_x)) - p7;
     }
 
     #[inline(always)]
@@ -360,13 +358,14 @@ impl v1::Robot for Lift {
             .mul_plus(T::from_f64(0.6666666666666667), T::from_f64(0.33333333333333337) * s_wrist);
         let p3 = bz_wrist_x
             .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
+        let p4 = p2.mul_plus(t_thumb_y, -(p3 * t_thumb_x));
         [
             -r[3],
             t_wrist_x
                 .mul_plus(
                     T::from_f64(0.6666666666666667),
                     T::from_f64(0.33333333333333337) * p1,
-                ) - p2.mul_plus(t_thumb_y, -(p3 * t_thumb_x)),
+                ) - p4,
         ]
     }
 
@@ -675,36 +674,31 @@ impl v1::SinCosRobot for Lift {
             .mul_plus(T::from_f64(0.6666666666666666), -T::from_f64(0.4969039949999533));
         let p2 = bx_wrist_x
             .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
+        let p3 = p2.mul_plus(t_thumb_x, bx_wrist_y * t_thumb_y);
         let row_x = [
             zero,
             t_wrist_x
                 .mul_plus(
                     T::from_f64(0.6666666666666666),
                     T::from_f64(0.6666666666666667) * t_wrist_y,
-                ) - p2.mul_plus(t_thumb_x, bx_wrist_y * t_thumb_y),
+                ) - p3,
         ];
-        let p3 = (-c_wrist).mul_plus(T::from_f64(0.33333333333333326), e2);
-        let row_y = [
-            zero,
-            ky_thumb_y.mul_plus(t_thumb_x, p3 * t_thumb_y)
-                - t_wrist_y
-                    .mul_plus(
-                        T::from_f64(0.6666666666666666),
-                        -(T::from_f64(0.33333333333333326) * t_wrist_x),
-                    ),
-        ];
-        let p4 = (-s_wrist).mul_plus(T::from_f64(0.33333333333333337), e1);
-        let p5 = bz_wrist_x
+        let p4 = (-c_wrist).mul_plus(T::from_f64(0.33333333333333326), e2);
+        let p5 = t_wrist_y
+            .mul_plus(
+                T::from_f64(0.6666666666666666),
+                -(T::from_f64(0.33333333333333326) * t_wrist_x),
+            );
+        let row_y = [zero, ky_thumb_y.mul_plus(t_thumb_x, p4 * t_thumb_y) - p5];
+        let p6 = (-s_wrist).mul_plus(T::from_f64(0.33333333333333337), e1);
+        let p7 = bz_wrist_x
             .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
-        let row_z = [
-            r[3],
-            p4.mul_plus(t_thumb_y, -(p5 * t_thumb_x))
-                - t_wrist_x
-                    .mul_plus(
-                        T::from_f64(0.6666666666666667),
-                        -(T::from_f64(0.33333333333333337) * t_wrist_y),
-                    ),
-        ];
+        let p8 = t_wrist_x
+            .mul_plus(
+                T::from_f64(0.6666666666666667),
+                -(T::from_f64(0.33333333333333337) * t_wrist_y),
+            );
+        let row_z = [r[3], p6.mul_plus(t_thumb_y, -(p7 * t_thumb_x)) - p8];
         [row_x, row_y, row_z]
     }
 
@@ -740,13 +734,14 @@ impl v1::SinCosRobot for Lift {
             );
         let p2 = bz_wrist_x
             .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
+        let p3 = p1.mul_plus(t_thumb_y, -(p2 * t_thumb_x));
         [
             -r[3],
             t_wrist_x
                 .mul_plus(
                     T::from_f64(0.6666666666666667),
                     -(T::from_f64(0.33333333333333337) * t_wrist_y),
-                ) - p1.mul_plus(t_thumb_y, -(p2 * t_thumb_x)),
+                ) - p3,
         ]
     }
 
@@ -1007,11 +1002,8 @@ impl v1::SinCosRobot for Lift {
         let p1 = k_wrist_y.mul_plus(c_wrist, -(k_wrist_x * s_wrist));
         let p2 = b_wrist_x
             .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.7453559924999299) * k_wrist_z);
-        [
-            along[2] * r[3],
-            p1.mul_plus(t_thumb_y, -(p2 * t_thumb_x))
-                - k_wrist_y.mul_plus(t_wrist_x, -(k_wrist_x * t_wrist_y)),
-        ]
+        let p3 = k_wrist_y.mul_plus(t_wrist_x, -(k_wrist_x * t_wrist_y));
+        [along[2] * r[3], p1.mul_plus(t_thumb_y, -(p2 * t_thumb_x)) - p3]
     }
 
     #[inline(always)]
