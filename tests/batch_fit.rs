@@ -54,7 +54,9 @@ fn householder((q, cop): &Postures) -> [f64; N] {
     let weight = |i: usize| 1.0 / STD[i % 2];
     // The column of the height is not observable.
     let observable: Vec<usize> = (0..N).filter(|k| *k != 2).collect();
-    let matrix = DMatrix::from_fn(rows.len(), observable.len(), |i, k| weight(i) * rows[i][observable[k]]);
+    let matrix = DMatrix::from_fn(rows.len(), observable.len(), |i, k| {
+        weight(i) * rows[i][observable[k]]
+    });
     let off = DVector::from_fn(rows.len(), |i, _| {
         let nominal: f64 = rows[i].iter().zip(&CAD_PARAMS).map(|(y, r)| y * r).sum();
         weight(i) * (cop[i / 2][i % 2] - nominal)
@@ -80,7 +82,9 @@ fn it_is_what_postures_in_turn_give() {
         for start in [&start, &believed] {
             let turn = in_turn(start, &data);
             for simd in Simd::available() {
-                let batch = start.batch::<Op2RSole>(simd, &data.0, &data.1, &STD).unwrap();
+                let batch = start
+                    .batch::<Op2RSole>(simd, &data.0, &data.1, &STD)
+                    .unwrap();
                 let what = format!("{count} on {}", simd.name());
                 assert_eq!(batch.rank(), turn.rank(), "{what}");
                 assert_eq!(batch.postures(), count as u64, "{what}");
@@ -119,7 +123,9 @@ fn it_finds_the_truth_to_the_last_digits() {
     expected[2] = CAD_PARAMS[2];
     for simd in Simd::available() {
         let start = Estimator::with_nominal(&CAD_PARAMS).unwrap();
-        let found = start.batch::<Op2RSole>(simd, &data.0, &data.1, &STD).unwrap();
+        let found = start
+            .batch::<Op2RSole>(simd, &data.0, &data.1, &STD)
+            .unwrap();
         let off = worst(&found.params(), &expected);
         println!("{}: {off:.1e} m", simd.name());
         assert!(off < 2e-15, "{off:e}");
@@ -135,7 +141,9 @@ fn narrow_postures_cost_no_digits() {
         let exact = householder(&data);
         for simd in Simd::available() {
             let start = Estimator::with_nominal(&CAD_PARAMS).unwrap();
-            let found = start.batch::<Op2RSole>(simd, &data.0, &data.1, &STD).unwrap();
+            let found = start
+                .batch::<Op2RSole>(simd, &data.0, &data.1, &STD)
+                .unwrap();
             let off = worst(&found.params(), &exact);
             let turn = worst(&in_turn(&start, &data).params(), &exact);
             println!(
@@ -151,7 +159,9 @@ fn narrow_postures_cost_no_digits() {
 fn shares_merge_into_the_whole() {
     let (q, cop) = data(4_000, 0.0, 0.5, 1e-3);
     let start = Estimator::with_nominal(&CAD_PARAMS).unwrap();
-    let whole = start.batch::<Op2RSole>(Simd::best(), &q, &cop, &STD).unwrap();
+    let whole = start
+        .batch::<Op2RSole>(Simd::best(), &q, &cop, &STD)
+        .unwrap();
     let mut first = start
         .batch::<Op2RSole>(Simd::best(), &q[..1500], &cop[..1500], &STD)
         .unwrap();

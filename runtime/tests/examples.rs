@@ -63,6 +63,7 @@ fn every_public_item_has_an_example() {
 
 #[test]
 fn an_item_without_an_example_is_found() {
-    let text = "/// Sums.\npub fn a() {}\n/// ```\n/// ```\npub fn b() {}\n#[doc(hidden)]\npub fn c() {}";
+    let text =
+        "/// Sums.\npub fn a() {}\n/// ```\n/// ```\npub fn b() {}\n#[doc(hidden)]\npub fn c() {}";
     assert_eq!(bare(text), ["pub fn a() {}"]);
 }

@@ -154,7 +154,9 @@ impl Robot {
     /// What a controller calls.
     fn functions(&self) -> TokenStream {
         let functions = self.methods.iter().filter_map(|method| {
-            let Method { function, given, .. } = *method;
+            let Method {
+                function, given, ..
+            } = *method;
             if given == Given::Direction {
                 return None;
             }
@@ -186,11 +188,15 @@ impl Robot {
         let unit = &self.unit;
         let implementation = |name: &str, constants: TokenStream, has: &dyn Fn(&Method) -> bool| {
             let name = format_ident!("{name}");
-            let methods = self.methods.iter().filter(|method| has(method)).map(|method| {
-                let name = method.name();
-                let body = &method.body;
-                quote! { #[inline(always)] fn #name #body }
-            });
+            let methods = self
+                .methods
+                .iter()
+                .filter(|method| has(method))
+                .map(|method| {
+                    let name = method.name();
+                    let body = &method.body;
+                    quote! { #[inline(always)] fn #name #body }
+                });
             let allow = allow_names();
             quote! { #allow impl #v1::#name for #unit { #constants #(#methods)* } }
         };
@@ -199,7 +205,9 @@ impl Robot {
         };
         let robot = implementation("Robot", constants::associated(&v1), &of_posture);
         let sines = self.from_sines.then(|| {
-            implementation("SinCosRobot", quote!(), &|method| method.given != Given::Positions)
+            implementation("SinCosRobot", quote!(), &|method| {
+                method.given != Given::Positions
+            })
         });
         let corrects = self.corrects().then(|| {
             let corrects = |method: &Method| method.function == Function::CorrectCop;

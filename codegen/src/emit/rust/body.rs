@@ -49,7 +49,8 @@ impl<'p> Body<'p> {
                 Line::SinCos { angle, sin, cos } => self.sin_cos(angle, [sin, cos]),
                 Line::Let(id) => {
                     let name = self.name(id).expect("a statement binds a name");
-                    let (value, _) = self.expression(self.program().expr(id), Place::Open, Some(&name));
+                    let (value, _) =
+                        self.expression(self.program().expr(id), Place::Open, Some(&name));
                     quote! { let #name = #value; }
                 }
                 Line::Result(k) => match self.matrix.clone() {
@@ -210,10 +211,11 @@ impl<'p> Body<'p> {
             false => Strength::Sum,
         };
         let term = self.operand(sum.term, Place::Inside(whole), least);
-        let [x, term] = [(x, sum.subtract[0]), (term, sum.subtract[1])].map(|(x, minus)| match minus {
-            true => quote!(-#x),
-            false => x,
-        });
+        let [x, term] =
+            [(x, sum.subtract[0]), (term, sum.subtract[1])].map(|(x, minus)| match minus {
+                true => quote!(-#x),
+                false => x,
+            });
         let x = match sum.subtract[0] {
             true => quote!((#x)),
             false => x,
@@ -279,7 +281,8 @@ impl<'p> Body<'p> {
         let names: Vec<Ident> = names.collect();
         for (name, row) in names.iter().zip(outputs.chunks(cols)) {
             let entries: Vec<_> = row.iter().map(|id| self.output(*id)).collect();
-            self.statements.push(quote! { let #name = [#(#entries),*]; });
+            self.statements
+                .push(quote! { let #name = [#(#entries),*]; });
         }
         quote! { [#(#names),*] }
     }

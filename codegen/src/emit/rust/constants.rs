@@ -105,7 +105,12 @@ fn joint_module(model: &Model) -> TokenStream {
             false => name,
         }
     };
-    let words: Vec<String> = model.tree.dofs.iter().map(|dof| upper(&dof.joint)).collect();
+    let words: Vec<String> = model
+        .tree
+        .dofs
+        .iter()
+        .map(|dof| upper(&dof.joint))
+        .collect();
     let words = names::unique(words.iter().map(String::as_str));
     let indices = words.iter().enumerate().map(|(j, word)| {
         let (word, j) = (format_ident!("{word}"), Literal::usize_unsuffixed(j));
