@@ -1,6 +1,6 @@
 //! A controller builds with three lines of `build.rs`, runs, is left alone by a
-//! second build and follows a change of the URDF. With a model file it foretells
-//! readings with the robot's effects and frees readings from the sensor's.
+//! second build and follows a change of the URDF. With a model file it predicts
+//! readings with the robot's effects and inverts the effects of the sensor.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -115,8 +115,8 @@ fn a_controller_builds_runs_and_follows_its_urdf() {
     assert!(said(&broken).contains(complaint), "{}", said(&broken));
 }
 
-/// Foretells a reading and takes the sensor's effects back.
-const FORETELL: &str = r#"
+/// Predicts a reading and inverts the effects of the sensor.
+const PREDICT: &str = r#"
 #![deny(warnings)]
 mod op2 {
     include!(concat!(env!("OUT_DIR"), "/effects.rs"));
@@ -152,7 +152,7 @@ fn a_controller_with_a_model_file_has_its_effects() {
         .replace("../../", &format!("{ROOT}/"))
         .replace(".emit()", ".model(\"model.toml\").name(\"effects\").emit()");
     fs::write(crate_.join("build.rs"), build).unwrap();
-    fs::write(crate_.join("src/main.rs"), FORETELL).unwrap();
+    fs::write(crate_.join("src/main.rs"), PREDICT).unwrap();
 
     let urdf = Path::new(ROOT).join("robots/op2/op2.urdf");
     let robot = Robot::read(&urdf).unwrap();

@@ -36,10 +36,9 @@ fn bare(text: &str) -> Vec<String> {
         }
         let kinds = ["fn ", "const fn ", "struct ", "enum ", "trait "];
         let public = code.strip_prefix("pub ");
-        if public.is_some_and(|item| kinds.iter().any(|kind| item.starts_with(kind))) {
-            if !documented && !hidden {
-                found.push(code.to_string());
-            }
+        let item = public.is_some_and(|item| kinds.iter().any(|kind| item.starts_with(kind)));
+        if item && !documented && !hidden {
+            found.push(code.to_string());
         }
         if !code.starts_with("//") {
             (documented, hidden) = (false, false);

@@ -8,11 +8,12 @@ use super::{Error, Estimator, Scalar, finite};
 /// use sesc_runtime::fit::{Error, Estimator, Prediction};
 ///
 /// let estimator = Estimator::with_prior(&[0.2, 0.1], &[0.01, 0.01])?;
-/// let Prediction { value, variance } = estimator.predict(&[1.0, -1.0])?;
-/// assert!((value - 0.1_f64).abs() < 1e-15 && (variance - 2e-4).abs() < 1e-15);
+/// let found: Prediction<f64> = estimator.predict(&[1.0, -1.0])?;
+/// assert!((found.value - 0.1).abs() < 1e-15 && (found.variance - 2e-4).abs() < 1e-15);
 /// # Ok::<(), Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Prediction<T> {
     /// row · r, in the unit of the reading.
     pub value: T,

@@ -35,20 +35,21 @@ pub enum Error {
 
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Length { postures, readings } => {
-                return write!(
-                    f,
-                    "{postures} postures, {readings} readings; give one reading a posture"
-                );
-            }
+        let sentence = match self {
             Self::NotFinite => "a number is NaN or infinite; leave this reading out",
             Self::Std => "a standard deviation is not positive; give the noise of the reading",
             Self::Forgetting => "the forgetting factor is outside (0, 1]; 1 forgets nothing",
             Self::OutOfRange => {
                 "too many standard deviations for this scalar; give a larger one, or use f64"
             }
-        })
+            Self::Length { postures, readings } => {
+                return write!(
+                    f,
+                    "{postures} postures but {readings} readings; give one for each"
+                );
+            }
+        };
+        f.write_str(sentence)
     }
 }
 
