@@ -161,7 +161,8 @@ impl Robot {
                 return None;
             }
             let name = format_ident!("{}", header::function_name(function, given));
-            let (parameters, arguments) = signature(function, given, |argument| argument.name().to_string());
+            let (parameters, arguments) =
+                signature(function, given, |argument| argument.name().to_string());
             let (result, allow, unit) = (result(function, given), allow_unused(), &self.unit);
             let doc = method.doc.lines();
             let head = quote! { #(#[doc = #doc])* };
