@@ -1,13 +1,13 @@
 //! A posture log as the diagnosis sees it: one entry per posture, repeats
 //! averaged, noise known, and what each posture brings along.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
 use sesc_model::Model;
 use sesc_model::effects::Circumstances;
 
 use crate::logs::{Options, PostureReader, Summary};
+use crate::observations::grouping::{DOWN, Grouping, moved_sentence};
 use crate::{Error, Message, Setting, message};
 
 /// Rows taken at once.
@@ -88,11 +88,12 @@ impl Posture {
 /// and `stride` doubles whenever they are too many. An even choice keeps the
 /// order, the times and the range.
 struct Gathering {
+    /// Postures number 0, `stride`, 2 `stride`, ….
     kept: Vec<Posture>,
-    /// Where a pose is kept: poses that come back are repeats.
-    places: BTreeMap<i64, usize>,
     stride: usize,
-    /// Postures seen, and the one that rows belong to now.
+    /// The number of each posture, for rows that come back to it.
+    numbers: Grouping<Option<usize>>,
+    /// Postures that are whole, and the one that rows belong to now.
     seen: usize,
     current: Option<Posture>,
     last: Option<(f64, Vec<f64>)>,
@@ -103,11 +104,14 @@ struct Gathering {
 }
 
 impl Gathering {
-    fn new() -> Gathering {
+    fn new(any_unit: bool) -> Gathering {
         Gathering {
             kept: Vec::new(),
-            places: BTreeMap::new(),
             stride: 1,
+            numbers: match any_unit {
+                true => Grouping::of_any_unit(),
+                false => Grouping::default(),
+            },
             seen: 0,
             current: None,
             last: None,
@@ -117,16 +121,21 @@ impl Gathering {
         }
     }
 
-    fn push(&mut self, row: Posture) {
-        if let Some(current) = self.current.as_mut().filter(|c| c.pose == row.pose) {
+    /// A row with gravity along `gravity`.
+    fn push(&mut self, row: Posture, gravity: [f64; 3]) {
+        let next = self.seen + usize::from(self.current.is_some());
+        let (posture, _) = self.numbers.of_row((row.pose, ""), &row.q, gravity);
+        let number = *posture.own.get_or_insert(next);
+        if let Some(current) = self.current.as_mut().filter(|_| number == self.seen) {
             join(current, &row);
             return;
         }
         self.close();
-        match self.places.get(&row.pose) {
-            // Back at an old pose: more readings of it.
-            Some(&at) => join(&mut self.kept[at], &row),
-            None => self.current = Some(row),
+        if number == next {
+            self.current = Some(row);
+        } else if number.is_multiple_of(self.stride) {
+            // Back at an old posture: more readings of it.
+            join(&mut self.kept[number / self.stride], &row);
         }
     }
 
@@ -146,7 +155,6 @@ impl Gathering {
         self.first.get_or_insert((posture.pose, posture.t));
         self.end = (posture.pose, posture.t);
         if self.seen.is_multiple_of(self.stride) {
-            self.places.insert(posture.pose, self.kept.len());
             self.kept.push(posture);
             if self.kept.len() > 2 * MOST {
                 self.thin();
@@ -159,8 +167,6 @@ impl Gathering {
         self.stride *= 2;
         let kept = std::mem::take(&mut self.kept);
         self.kept = kept.into_iter().step_by(2).collect();
-        let places = self.kept.iter().enumerate();
-        self.places = places.map(|(k, p)| (p.pose, k)).collect();
     }
 }
 
@@ -195,7 +201,7 @@ impl Data {
         let dofs = &model.tree.dofs;
         let mut reader = PostureReader::open(path, dofs, &taking.options)?;
         let support = &model.tree.links[model.tree.support].name;
-        let mut gathering = Gathering::new();
+        let mut gathering = Gathering::new(taking.options.any_unit);
         let (mut stated, mut timed, mut raw) = (false, false, false);
         let mut elsewhere = 0_u64;
         let dof = dofs.len();
@@ -215,11 +221,8 @@ impl Data {
                 }
                 let reading = block.reading.as_ref().map_or([0.0; 2], |all| all[k]);
                 let std = block.std.as_ref().map_or([0.0; 2], |all| all[k]);
-                let gravity = block
-                    .gravity
-                    .as_ref()
-                    .map_or([0.0, 0.0, -1.0], |all| all[k]);
-                gathering.push(Posture {
+                let gravity = block.gravity.as_ref().map_or(DOWN, |all| all[k]);
+                let row = Posture {
                     pose: block.pose[k],
                     rows: 1.0,
                     q: block.q[k * dof..(k + 1) * dof].to_vec(),
@@ -230,7 +233,8 @@ impl Data {
                     tilt: [-gravity[0] / gravity[2], -gravity[1] / gravity[2]],
                     before: None,
                     after: None,
-                });
+                };
+                gathering.push(row, gravity);
             }
         }
         gathering.close();
@@ -246,6 +250,12 @@ impl Data {
         data.raw_cells = raw;
         data.summary = reader.summary();
         data.warnings = reader.warnings.clone();
+        let moved = gathering.numbers.moved();
+        if moved > 0 {
+            let file = path.display();
+            data.warnings
+                .push(format!("{file}: {}", moved_sentence(moved)).into());
+        }
         if elsewhere > 0 {
             let left_out = "rows stand on another link and are left out; diagnose them with ";
             data.warnings.push(message![
@@ -258,9 +268,9 @@ impl Data {
 
     /// Postures and readings of known noise (m, one axis), `floor` beside it.
     pub fn given(dof: usize, q: &[f64], reading: &[f64], noise: f64, floor: f64) -> Data {
-        let mut gathering = Gathering::new();
+        let mut gathering = Gathering::new(false);
         for (k, (q, y)) in q.chunks_exact(dof).zip(reading.chunks_exact(2)).enumerate() {
-            gathering.push(Posture {
+            let row = Posture {
                 pose: k as i64,
                 rows: 1.0,
                 q: q.to_vec(),
@@ -271,7 +281,8 @@ impl Data {
                 tilt: [0.0; 2],
                 before: None,
                 after: None,
-            });
+            };
+            gathering.push(row, DOWN);
         }
         gathering.close();
         let taking = Taking {

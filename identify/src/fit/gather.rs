@@ -16,12 +16,12 @@ use sesc_model::standard::Shift;
 
 use super::factor::Factor;
 use super::measurement::{Measurement, Rows};
-use super::noise::Replicates;
-use super::postures::{Postures, Visit};
+use super::noise::{Group, Replicates};
 use super::robust::Robust;
 use super::solve::{self, Estimate};
 use crate::Error;
 use crate::logs::Block;
+use crate::observations::grouping::{DOWN, Grouping, Visit};
 
 /// Rows of one fold, or of several.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -92,7 +92,7 @@ pub struct Gathered {
     #[serde(default)]
     pub tiny: u64,
     #[serde(skip)]
-    pub(super) postures: Postures,
+    pub(super) postures: Grouping<Group>,
 }
 
 /// Stated deviations below this are taken for it, m: a row that weighs more would
@@ -108,12 +108,6 @@ fn fold_of(pose: i64, folds: usize) -> usize {
     x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     ((x ^ (x >> 31)) % folds as u64) as usize
-}
-
-/// x and y of gravity's direction.
-fn lean(gravity: [f64; 3]) -> [f64; 2] {
-    let length = gravity.iter().map(|g| g * g).sum::<f64>().sqrt();
-    [gravity[0] / length, gravity[1] / length]
 }
 
 impl Gathered {
@@ -134,7 +128,7 @@ impl Gathered {
             moved: 0,
             overfull: 0,
             tiny: 0,
-            postures: Postures::default(),
+            postures: Grouping::default(),
         }
     }
 
@@ -190,15 +184,14 @@ impl Gathered {
         let mut keys = Vec::with_capacity(block.len());
         for k in 0..block.len() {
             let support = block.support.as_ref().map_or("", |all| &all[k]);
-            let gravity = block.gravity.as_ref().map_or([0.0; 2], |all| lean(all[k]));
+            let gravity = block.gravity.as_ref().map_or(DOWN, |all| all[k]);
             let q = &block.q[k * dof..(k + 1) * dof];
             let name = (block.pose[k], support);
-            let (posture, visit) = self.postures.of_row(name, q, gravity, self.moved);
+            let (posture, visit) = self.postures.of_row(name, q, gravity);
             keys.push(posture.key);
             // A reading that a robust fit rejects is no repeat.
             if trust[k] >= 0.5 {
-                self.replicates
-                    .push(&mut posture.group, readings[k], std[k]);
+                self.replicates.push(&mut posture.own, readings[k], std[k]);
             }
             self.moved += u64::from(visit == Visit::Moved);
             if block.std.is_some() {

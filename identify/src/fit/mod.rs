@@ -23,7 +23,6 @@ mod noise_tests;
 mod non_negative;
 pub mod part;
 pub mod physical;
-pub mod postures;
 pub mod prior;
 pub mod quadratic;
 pub mod residuals;

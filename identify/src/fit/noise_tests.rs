@@ -11,11 +11,11 @@ use sesc_model::Snapping;
 use super::gather::Gathered;
 use super::identification::NoiseSource;
 use super::measurement::Measurement;
-use super::postures::Postures;
 use super::prior::Prior;
 use super::solve::solve;
 use super::{Identification, Settings, identify};
 use crate::logs::Block;
+use crate::observations::grouping::Grouping;
 use crate::robot::Robot;
 
 /// Two skewed joints: flat CoP sees 6 directions, 2 per posture.
@@ -213,7 +213,7 @@ fn more_postures_than_can_be_known_are_said() {
     let block = skew.log(&poses, &[0.002; 12], &mut ChaCha8Rng::seed_from_u64(3));
     let mut measurement = skew.measurement();
     let mut gathered = Gathered::new(skew.truth.len(), 4);
-    gathered.postures = Postures::up_to(4);
+    gathered.postures = Grouping::up_to(4);
     gathered
         .push(&mut measurement, &block, "log.csv", None)
         .unwrap();

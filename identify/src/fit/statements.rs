@@ -6,9 +6,9 @@ use sesc_model::Model;
 use super::factor::Factor;
 use super::gather::{self, Fold, Gathered};
 use super::identification::{BodyLength, Correlation, HeightConstant, ParameterFound, Unseen};
-use super::postures;
 use super::solve::Estimate;
 use crate::evaluate::Evaluator;
+use crate::observations::grouping;
 use crate::simulate::Simulator;
 
 /// Correlations worth a line.
@@ -21,11 +21,7 @@ const SAMPLES: usize = 2000;
 pub(super) fn oddities(gathered: &Gathered) -> Vec<String> {
     let mut said = Vec::new();
     if gathered.moved > 0 {
-        said.push(format!(
-            "{} rows share the `pose` of an earlier row but not its joint positions: \
-             taken as postures of their own",
-            gathered.moved
-        ));
+        said.push(grouping::moved_sentence(gathered.moved));
     }
     if gathered.tiny > 0 {
         said.push(format!(
@@ -39,7 +35,7 @@ pub(super) fn oddities(gathered: &Gathered) -> Vec<String> {
         said.push(format!(
             "more than {} postures in a log: readings of the others are repeats only where \
              their rows follow each other",
-            postures::MOST
+            grouping::MOST
         ));
     }
     said
