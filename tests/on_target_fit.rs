@@ -3,8 +3,8 @@
 use nalgebra::{DMatrix, DVector};
 use sesc::OP2_URDF;
 use sesc_generated::op2_r_sole::{self as op2, BASE_PARAMS as N, CAD_PARAMS, DOF};
-use sesc_identify::fit::factor::Factor;
-use sesc_identify::fit::solve::{Estimate, solve};
+use sesc_identify::lsq::factor::Factor;
+use sesc_identify::lsq::solve::{Estimate, solve};
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
 use sesc_model::Snapping;

@@ -3,7 +3,7 @@
 //! Data walks one way:
 //!
 //! ```text
-//! logs → observations → fit → plan → diagnose
+//! logs → observations → lsq → fit → plan → diagnose
 //! ```
 
 #![forbid(unsafe_code)]
@@ -13,6 +13,7 @@ mod error;
 pub mod evaluate;
 pub mod fit;
 pub mod logs;
+pub mod lsq;
 pub mod observations;
 pub mod output;
 pub mod plan;

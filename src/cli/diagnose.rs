@@ -9,7 +9,6 @@ use super::{Outcome, RobotArguments, message, notes, print, print_json, progress
 use crate::Error;
 use crate::report::diagnose::{self as report, Asked};
 use sesc_identify::diagnose::corrected_urdf::{self, CorrectedUrdf};
-use sesc_identify::diagnose::data::{Data, Taking};
 use sesc_identify::diagnose::experiment;
 use sesc_identify::diagnose::further::Further;
 use sesc_identify::diagnose::model_file::model_file;
@@ -18,6 +17,7 @@ use sesc_identify::diagnose::view::DiagnosisView;
 use sesc_identify::diagnose::{self, About, next_postures};
 use sesc_identify::fit::prior::Prior;
 use sesc_identify::logs::{Angles, Options, Readings, Sidecar};
+use sesc_identify::observations::postures::{Postures, Taking};
 use sesc_identify::output;
 use sesc_identify::robot::Robot;
 use sesc_model::effects::Experiment;
@@ -198,13 +198,18 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
 }
 
 /// A log on the model's support, its oddities on stderr.
-fn take(arguments: &Arguments, robot: &Robot, model: &Model, log: &Path) -> Result<Data, Error> {
+fn take(
+    arguments: &Arguments,
+    robot: &Robot,
+    model: &Model,
+    log: &Path,
+) -> Result<Postures, Error> {
     let taking = Taking {
         options: options(arguments, robot, &model.tree.links[model.tree.support].name),
         noise: arguments.noise,
         floor: arguments.floor,
     };
-    let data = Data::read(log, model, &taking)?;
+    let data = Postures::read(log, model, &taking)?;
     data.warnings.iter().for_each(words::warn);
     Ok(data)
 }

@@ -110,7 +110,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         message(&format!(
             "wrote {}: {} postures as factors",
             path.display(),
-            part.gathered.replicates.groups
+            part.gathered.repeats.postures
         ));
         return Ok(Outcome::Ok);
     }

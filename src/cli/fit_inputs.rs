@@ -10,12 +10,12 @@ use crate::Error;
 use sesc_identify::fit::Identification;
 use sesc_identify::fit::gather::Gathered;
 use sesc_identify::fit::logs::Logs;
-use sesc_identify::fit::measurement::Measurement;
 use sesc_identify::fit::part::{About, Part};
 use sesc_identify::fit::prior::Prior;
 use sesc_identify::fit::residuals::{self, Residual};
 use sesc_identify::fit::robust::Loss;
 use sesc_identify::logs::{Angles, Options, Readings};
+use sesc_identify::observations::rows::Measurement;
 use sesc_identify::robot::Robot;
 
 /// Folds of the cross-validation unless given.

@@ -11,13 +11,13 @@ use sesc_reference::World;
 
 use crate::Error;
 use crate::report::HiddenAct;
-use sesc_identify::diagnose::data::{Data, rms};
 use sesc_identify::diagnose::model_file::model_file;
 use sesc_identify::diagnose::problem::Problem;
 use sesc_identify::diagnose::view::DiagnosisView;
 use sesc_identify::diagnose::{self, About, Diagnosis};
 use sesc_identify::evaluate::Foretelling;
 use sesc_identify::fit::prior::Prior;
+use sesc_identify::observations::postures::{Postures, rms};
 use sesc_identify::plan::balance::Region;
 use sesc_identify::plan::candidates::{Demands, Sampler};
 use sesc_identify::plan::clearance::Clearance;
@@ -64,7 +64,7 @@ pub fn run(robot: &Robot, model: &Model, seed: u64) -> Result<Hidden, Error> {
         .iter()
         .map(|y| y + simulator.gauss(NOISE))
         .collect();
-    let data = Data::given(dof, taken, &readings, NOISE, FLOOR);
+    let data = Postures::given(dof, taken, &readings, NOISE, FLOOR);
     let prior = Prior::named("tight", model)?;
     let mut problem = Problem::new(model, data, &prior)?;
     let about = About {

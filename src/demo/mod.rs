@@ -18,8 +18,8 @@ use crate::OP2_URDF;
 use crate::report::{CopRow, DemoReport, Errors, FunctionRow, HeightRow, LengthRow};
 use crate::verify::{self, Verification};
 use sesc_identify::evaluate::Evaluator;
-use sesc_identify::fit::factor::Factor;
-use sesc_identify::fit::solve::{self, Estimate};
+use sesc_identify::lsq::factor::Factor;
+use sesc_identify::lsq::solve::{self, Estimate};
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
 

@@ -2,7 +2,6 @@
 
 use super::hypothesis::Term;
 
-use super::data::NoiseSource;
 use super::findings::{
     About, Blind, Diagnosis, Found, Gap, Last, Leftover, Member, NextPostures, Quantity, Step,
     Verdict,
@@ -14,6 +13,7 @@ use super::outliers::Outliers;
 use super::problem::{Fit, Problem};
 use super::search::{Search, Watch};
 use super::words;
+use crate::observations::noise::NoiseSource;
 
 /// Scores that differ by less are not told apart: odds of 150 to 1. The truth lies
 /// within this of the best in 97 of 100 logs.
@@ -237,7 +237,7 @@ fn raw_excess(problem: &Problem) -> Excess {
 fn absorbed(problem: &Problem, best: &Fit) -> f64 {
     let masses = problem.masses(&best.terms);
     let shift = masses.shift(&masses.expected(&best.residual));
-    super::data::rms(shift.iter().zip(&problem.weight).map(|(s, w)| s / w))
+    crate::observations::postures::rms(shift.iter().zip(&problem.weight).map(|(s, w)| s / w))
 }
 
 fn told(

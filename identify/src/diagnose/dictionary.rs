@@ -12,6 +12,7 @@ use sesc_model::effects::Circumstances;
 
 use super::hypothesis::{Term, effect_terms};
 use super::problem::{Fit, Problem};
+use crate::lsq::factor_normal;
 
 /// Columns that others copy to this share of their square are the others.
 const COPIED: f64 = 1e-5;
@@ -110,12 +111,7 @@ impl Dictionary {
         let left = masses.beyond_one(&residual);
         let own = &fit.slopes;
         let own_beyond = masses.beyond(own);
-        let mut normal = own.tr_mul(&own_beyond);
-        for k in 0..normal.nrows() {
-            normal[(k, k)] *= 1.0 + 1e-9;
-            normal[(k, k)] += 1e-12;
-        }
-        let factor = normal.cholesky();
+        let factor = factor_normal(own.tr_mul(&own_beyond));
         let of_own = own.tr_mul(&left);
         self.candidates
             .iter()

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::data::NoiseSource;
 use super::held_out::HeldOut;
 use super::problem::Fit;
+use crate::observations::noise::NoiseSource;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]

@@ -14,13 +14,7 @@ use sesc_model::effects::Experiment;
 use super::experiment::{self, Carried};
 use super::problem::{Fit, Problem, State};
 use super::sides;
-
-/// Steps of a joint fit, at most.
-const STEPS: usize = 25;
-/// Dampings of a step, at most.
-const TRIES: usize = 8;
-/// An objective that falls by less is settled.
-const SETTLED: f64 = 1e-3;
+use crate::lsq::damped::{self, Expansion};
 
 /// A log of an experiment, on the support that it was taken on.
 pub struct Further<'m> {
@@ -51,51 +45,17 @@ pub fn together(first: &Problem, fit: Fit, further: &[Further]) -> Fit {
     let before = own(fit.unknowns.clone());
     // Of the first log alone: what is no square, and stays.
     let rest = fit.objective - before.value;
-    let mut at = Joint::new(before, &logs);
-    let p = scales.len();
-    let mut damping = 1e-3;
-    for _ in 0..STEPS {
-        let mut improved = None;
-        for _ in 0..TRIES {
-            let mut damped = at.normal.clone();
-            for k in 0..p {
-                damped[(k, k)] *= 1.0 + damping;
-                damped[(k, k)] += 1e-9 / (scales[k] * scales[k]);
-            }
-            let Some(factor) = damped.cholesky().filter(|_| p > 0) else {
-                break;
-            };
-            let step = factor.solve(&at.gradient);
-            let moved = at.first.unknowns.iter().zip(step.iter());
-            let next = Joint::new(own(moved.map(|(x, d)| x + d).collect()), &logs);
-            if next.value < at.value {
-                improved = Some(next);
-                damping *= 0.2;
-                break;
-            }
-            damping *= 10.0;
-        }
-        let Some(next) = improved else { break };
-        let gain = at.value - next.value;
-        at = next;
-        if gain < SETTLED {
-            break;
-        }
-    }
+    let start = Joint::new(before, &logs);
+    let at = damped::minimise(start, &scales, |unknowns| Joint::new(own(unknowns), &logs));
     let n = first.data.len() as f64;
     let all = n + further
         .iter()
         .map(|f| f.problem.data.len() as f64)
         .sum::<f64>();
-    let mut normal = at.normal;
-    for k in 0..p {
-        normal[(k, k)] += 1e-9 / (scales[k] * scales[k]);
-    }
-    let covariance = normal.cholesky().map(|factor| factor.inverse());
     Fit {
-        covariance: covariance.unwrap_or_else(|| DMatrix::zeros(p, p)),
+        covariance: damped::covariance(&at.normal, &scales),
         objective: at.value + rest,
-        price: fit.price + p as f64 * (all / n).ln(),
+        price: fit.price + scales.len() as f64 * (all / n).ln(),
         unknowns: at.first.unknowns,
         predicted: at.first.predicted,
         residual: at.first.residual,
@@ -172,5 +132,23 @@ impl Joint {
             normal,
             gradient,
         }
+    }
+}
+
+impl Expansion for Joint {
+    fn unknowns(&self) -> &[f64] {
+        &self.first.unknowns
+    }
+
+    fn value(&self) -> f64 {
+        self.value
+    }
+
+    fn normal(&self) -> &DMatrix<f64> {
+        &self.normal
+    }
+
+    fn gradient(&self) -> &DVector<f64> {
+        &self.gradient
     }
 }

@@ -3,8 +3,8 @@
 use super::hypothesis::Term;
 use nalgebra::DVector;
 
-use super::data::rms;
 use super::problem::{Fit, Problem, Rows};
+use crate::observations::postures::rms;
 
 /// Parts that a log is dealt into.
 const FOLDS: usize = 20;

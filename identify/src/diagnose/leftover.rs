@@ -12,6 +12,7 @@ use sesc_model::effects::Circumstances;
 
 use super::held_out;
 use super::problem::{Fit, Problem};
+use crate::lsq::factor_normal;
 
 /// Beyond this many standard deviations of χ² noise does not explain the rest.
 const CLEARLY: f64 = 4.0;
@@ -147,11 +148,7 @@ pub fn formula(problem: &Problem, fit: &Fit) -> Formula {
             .flat_map(|&k| [column(&library[k].1, 0), column(&library[k].1, 1)])
             .collect();
         let matrix = DMatrix::from_columns(&columns);
-        let mut normal = matrix.tr_mul(&matrix);
-        for d in 0..normal.nrows() {
-            normal[(d, d)] = normal[(d, d)] * (1.0 + 1e-9) + 1e-12;
-        }
-        let Some(factor) = normal.cholesky() else {
+        let Some(factor) = factor_normal(matrix.tr_mul(&matrix)) else {
             break;
         };
         let solution = factor.solve(&matrix.tr_mul(&target));

@@ -5,7 +5,6 @@
 //! ```
 
 pub mod corrected_urdf;
-pub mod data;
 pub mod diagnosis;
 mod dictionary;
 pub mod experiment;

@@ -11,13 +11,16 @@ use sesc_model::effects::{self, Circumstances, EffectContext, EffectId, Instance
 use sesc_model::tape::{Tape, Values};
 use sesc_model::{Function, Model};
 
-use super::data::{Data, NoiseSource};
 use super::hypothesis::{self, Term, effects_of};
 use super::nuisance::Nuisance;
 use super::outliers::Outliers;
 use crate::Error;
 use crate::evaluate::{Evaluator, FASTEST};
 use crate::fit::prior::{Prior, Tolerances};
+use crate::lsq::factor_normal;
+use crate::observations::noise::NoiseSource;
+use crate::observations::postures::Postures;
+use crate::observations::rows::CopRows;
 
 pub(super) use fitting::State;
 
@@ -29,7 +32,7 @@ pub struct Problem<'m> {
     /// The robot on its support, as CAD has it.
     pub model: &'m Model,
     pub context: EffectContext<'m>,
-    pub data: Data,
+    pub data: Postures,
     pub params: Vec<f64>,
     /// 1/σ per reading.
     pub weight: Vec<f64>,
@@ -87,6 +90,19 @@ impl Fit {
         self.objective + self.price
     }
 
+    /// What was found of one of its terms.
+    pub fn unknowns_of(&self, context: &EffectContext, wanted: &Term) -> Option<&[f64]> {
+        let mut at = 0;
+        for term in &self.terms {
+            let count = term.unknowns(context);
+            if term == wanted {
+                return Some(&self.unknowns[at..at + count]);
+            }
+            at += count;
+        }
+        None
+    }
+
     /// Whether masses are identified within the usual tolerances of CAD.
     pub fn frees_masses(&self) -> bool {
         self.terms.contains(&Term::FreeMasses)
@@ -103,22 +119,15 @@ pub struct Rows<'a> {
 pub const ALL: Rows = Rows { keep: None };
 
 impl<'m> Problem<'m> {
-    pub fn new(model: &'m Model, mut data: Data, prior: &Prior) -> Result<Problem<'m>, Error> {
+    pub fn new(model: &'m Model, mut data: Postures, prior: &Prior) -> Result<Problem<'m>, Error> {
         let context = EffectContext::new(model, &data.cells, data.t.is_some());
         let n = data.len();
-        let mut rows = Evaluator::new(model, Function::Regressor).run(&data.q, n);
         let p = model.base.params.len();
         let layout = Circumstances::of(model);
-        let mut flat = DMatrix::zeros(2 * n, p);
-        for k in 0..n {
-            let row = &mut rows[3 * k * p..3 * (k + 1) * p];
-            for axis in 0..2 {
-                let tilt = data.circumstances[k * layout.len() + layout.tilt(axis)];
-                for c in 0..p {
-                    flat[(2 * k + axis, c)] = row[axis * p + c] + tilt * row[2 * p + c];
-                }
-            }
-        }
+        let entry = |k: usize, entry: usize| data.circumstances[k * layout.len() + entry];
+        let tilt = |k: usize| [0, 1].map(|axis| entry(k, layout.tilt(axis)));
+        let tilts: Vec<[f64; 2]> = (0..n).map(tilt).collect();
+        let flat = CopRows::new(model).of(&data.q, n, Some(&tilts));
         let factor = match prior {
             Prior::Free => free(&flat),
             Prior::Cad(_) => prior.factor(model).unwrap_or_else(|| DMatrix::zeros(p, 0)),
@@ -359,11 +368,7 @@ fn left_by_masses(rows: &DMatrix<f64>, reading: &[f64], cad: &[f64]) -> Vec<f64>
     }
     let directions = free(rows);
     let seen = rows * directions;
-    let mut normal = seen.tr_mul(&seen);
-    for k in 0..normal.nrows() {
-        normal[(k, k)] *= 1.0 + 1e-9;
-    }
-    match normal.cholesky() {
+    match factor_normal(seen.tr_mul(&seen)) {
         Some(factor) => (&gap - &seen * factor.solve(&seen.tr_mul(&gap)))
             .as_slice()
             .to_vec(),

@@ -155,7 +155,7 @@ impl<'p, 'm> Search<'p, 'm> {
             return fit.clone();
         }
         self.fitted += 1;
-        let starts = self.starts(&terms, parent);
+        let starts = self.problem.starts(&terms, parent);
         let fits = starts
             .iter()
             .map(|start| self.problem.fit(&terms, Some(start), ALL));
@@ -164,37 +164,6 @@ impl<'p, 'm> Search<'p, 'm> {
             .expect("there is a start");
         self.known.insert(terms, fit.clone());
         fit
-    }
-
-    /// A parent's unknowns, with every start of what is new beside them.
-    fn starts(&self, terms: &[Term], parent: Option<&Fit>) -> Vec<Vec<f64>> {
-        let context = &self.problem.context;
-        let mut starts = vec![Vec::new()];
-        for term in terms {
-            let inherited = parent.and_then(|fit| {
-                let mut at = 0;
-                for own in &fit.terms {
-                    let count = own.unknowns(context);
-                    if own == term {
-                        return Some(fit.unknowns[at..at + count].to_vec());
-                    }
-                    at += count;
-                }
-                None
-            });
-            let own = match inherited {
-                Some(own) => vec![own],
-                None => term.starts(context),
-            };
-            let longer = |before: &Vec<f64>| -> Vec<Vec<f64>> {
-                own.iter()
-                    .map(|own| [before.as_slice(), own].concat())
-                    .collect()
-            };
-            starts = starts.iter().flat_map(longer).collect();
-        }
-        starts.truncate(8);
-        starts
     }
 
     /// What could be added to a hypothesis, with the score it promises.

@@ -7,6 +7,7 @@ use super::dictionary::Dictionary;
 use super::hypothesis::{Term, effect_terms, sorted};
 use super::problem::{Fit, Problem};
 use super::search::Proposal;
+use crate::lsq::factor_normal;
 
 /// Faults that are fitted, alone and with an effect beside them.
 const ALONE: usize = 8;
@@ -74,11 +75,7 @@ pub fn beside(problem: &Problem, parent: &Fit) -> Vec<Proposal> {
     };
     let masses = problem.masses(&parent.terms);
     let own = &parent.slopes;
-    let mut normal = own.tr_mul(&masses.beyond(own));
-    for k in 0..normal.nrows() {
-        normal[(k, k)] = normal[(k, k)] * (1.0 + 1e-9) + 1e-12;
-    }
-    let factor = normal.cholesky();
+    let factor = factor_normal(own.tr_mul(&masses.beyond(own)));
     let width = parent.unknowns.len() + 1;
     let mut proposals: Vec<Proposal> = effect_terms(context)
         .into_iter()

@@ -4,15 +4,16 @@ use nalgebra::DVector;
 use sesc_model::Model;
 
 use super::gather::{Fold, Gathered};
-use super::identification::{Identification, NoiseSource, Settings};
+use super::identification::{Identification, Settings};
 use super::limits::Limits;
-use super::noise_level::{Leftover, Noise, UNLIKELY, widening};
 use super::physical;
 use super::prior::{Prior, Tolerances};
 use super::statements::{
     bodies, complete, correlations, deviations, height, held_out, oddities, parameters,
     range_error, row_norms, unobservable,
 };
+
+use crate::observations::noise::{Leftover, Noise, NoiseSource, UNLIKELY, widening};
 
 /// Held-out errors beyond this many times the noise deserve a word.
 const FAR: f64 = 2.0;
@@ -47,15 +48,11 @@ pub fn identify_within(
         of_cad: (whole.residual_sum(&cad) / rows).sqrt(),
     };
     let mut warnings = Vec::new();
-    let noise = Noise::of(gathered, settings.noise, left);
-    if noise.understated > 1.0 {
-        warnings.push(format!(
-            "repeated readings scatter {:.1} times as much as is stated; the scatter is taken",
-            noise.understated
-        ));
-    }
+    let known = gathered.known_noise(settings.noise);
+    let noise = Noise::known(&known, Some(left)).unwrap_or_else(|| Noise::left_over(left));
+    warnings.extend(noise.warning());
     warnings.extend(oddities(gathered));
-    let lack_of_fit = noise.lack_of_fit(gathered, left);
+    let lack_of_fit = noise.lack_of_fit(known.repeats, left);
     let misfit = lack_of_fit.filter(|test| test.p_value < UNLIKELY && test.ratio > 1.0);
     // All that is left over counts as noise then.
     let inflation = match misfit {
@@ -142,7 +139,7 @@ pub fn identify_within(
         support: model.tree.links[model.tree.support].name.clone(),
         supports: supports.iter().map(|s| s.to_string()).collect(),
         data: gathered.logs.clone(),
-        postures: gathered.replicates.groups,
+        postures: gathered.repeats.postures,
         readings: gathered.readings,
         base_params: cad.len(),
         rank: free.rank,

@@ -14,14 +14,15 @@ use serde::{Deserialize, Serialize};
 
 use sesc_model::standard::Shift;
 
-use super::factor::Factor;
-use super::measurement::{Measurement, Rows};
-use super::noise::{Group, Replicates};
 use super::robust::Robust;
-use super::solve::{self, Estimate};
 use crate::Error;
 use crate::logs::Block;
+use crate::lsq::factor::Factor;
+use crate::lsq::solve::{self, Estimate};
 use crate::observations::grouping::{DOWN, Grouping, Visit};
+use crate::observations::noise::{Known, LEAST_STD};
+use crate::observations::repeats::{Group, Repeats};
+use crate::observations::rows::{Measurement, Rows};
 
 /// Rows of one fold, or of several.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -72,7 +73,8 @@ pub struct DownWeighted {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Gathered {
     pub folds: Vec<Fold>,
-    pub replicates: Replicates,
+    #[serde(rename = "replicates")]
+    pub repeats: Repeats,
     /// Σ of stated variances over rows and axes, m²; 0 where none are stated.
     pub stated: f64,
     /// Rows of logs with both axes.
@@ -88,16 +90,16 @@ pub struct Gathered {
     /// Logs with more postures than can be known: those that come back later count anew.
     #[serde(default)]
     pub overfull: u64,
+    /// Σ over rows of what averaging took off the variance of a single reading, as a
+    /// part of it: 0 where every reading is a row, 0.99 where rows are means of 100.
+    #[serde(default)]
+    pub averaged: f64,
     /// Rows whose stated deviation no sensor has.
     #[serde(default)]
     pub tiny: u64,
     #[serde(skip)]
     pub(super) postures: Grouping<Group>,
 }
-
-/// Stated deviations below this are taken for it, m: a row that weighs more would
-/// drown all others in rounding.
-pub const LEAST_STD: f64 = 1e-9;
 
 /// Down-weighted postures worth listing.
 const LISTED: usize = 1000;
@@ -118,7 +120,7 @@ impl Gathered {
         };
         Gathered {
             folds: vec![fold; folds.max(2)],
-            replicates: Replicates::default(),
+            repeats: Repeats::default(),
             stated: 0.0,
             readings: 0,
             logs: Vec::new(),
@@ -127,6 +129,7 @@ impl Gathered {
             consistency: 1.0,
             moved: 0,
             overfull: 0,
+            averaged: 0.0,
             tiny: 0,
             postures: Grouping::default(),
         }
@@ -140,6 +143,19 @@ impl Gathered {
     /// Whether rows carry deviations of their own.
     pub fn has_deviations(&self) -> bool {
         self.stated > 0.0
+    }
+
+    /// What is known of the noise of a row; `given` is that of a single reading, m.
+    pub fn known_noise(&self, given: Option<f64>) -> Known {
+        let rows = self.readings.max(1) as f64;
+        let single = (1.0 - self.averaged / rows).max(0.0).sqrt();
+        Known {
+            given: given.map(|noise| noise * single),
+            stated: self
+                .has_deviations()
+                .then(|| (self.stated / (2.0 * rows)).sqrt()),
+            repeats: self.repeats.pure(self.has_deviations()),
+        }
     }
 
     /// Fold in a block of the log that was opened last.
@@ -191,7 +207,7 @@ impl Gathered {
             keys.push(posture.key);
             // A reading that a robust fit rejects is no repeat.
             if trust[k] >= 0.5 {
-                self.replicates.push(&mut posture.own, readings[k], std[k]);
+                self.repeats.push(&mut posture.own, readings[k], std[k]);
             }
             self.moved += u64::from(visit == Visit::Moved);
             if block.std.is_some() {
@@ -316,7 +332,7 @@ impl Gathered {
             };
             fold.weighted.merge(&more.weighted);
         }
-        self.replicates.merge(&other.replicates);
+        self.repeats.merge(&other.repeats);
         self.stated += other.stated;
         self.readings += other.readings;
         self.logs.extend(other.logs);
@@ -325,6 +341,7 @@ impl Gathered {
         self.consistency = self.consistency.min(other.consistency);
         self.moved += other.moved;
         self.overfull += other.overfull;
+        self.averaged += other.averaged;
         self.tiny += other.tiny;
         Ok(())
     }

@@ -5,34 +5,19 @@ use sesc_model::{Model, ModelFile};
 
 use super::gather::{DownWeighted, LogUsed};
 use super::masses::Masses;
-use super::noise::LackOfFit;
 use super::prior::Prior;
-use super::solve::Estimate;
+use crate::lsq::solve::Estimate;
+use crate::observations::noise::NoiseSource;
+use crate::observations::repeats::LackOfFit;
 
 /// How to fit.
 #[derive(Debug, Clone)]
 pub struct Settings {
     pub prior: Prior,
-    /// Standard deviation of a reading, m; from the data where not given.
+    /// Standard deviation of a single reading on one axis, m; from the data where not given.
     pub noise: Option<f64>,
     /// Range over which errors are expected: ±rad about zero within the limits.
     pub range: Option<f64>,
-}
-
-/// Where the size of the noise comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum NoiseSource {
-    /// Given by the user.
-    Given,
-    /// Columns of standard deviations.
-    Stated,
-    /// Repeated readings, with what a fit leaves where that is of one size with them.
-    Replicates,
-    /// What a fit without prior leaves.
-    Residuals,
-    /// CAD's prediction is all there is: too few rows.
-    Unknown,
 }
 
 /// One base parameter.

@@ -7,10 +7,10 @@ use nalgebra::DVector;
 use sesc_model::{Model, Snapping};
 
 use super::gather::{Gathered, LogUsed};
-use super::measurement::Measurement;
 use super::prior::Prior;
 use super::robust::{self, Loss, MEDIAN_OF_PAIRS, Robust};
 use crate::logs::{Options, PostureReader};
+use crate::observations::rows::Measurement;
 use crate::robot::Robot;
 use crate::watch::{Watch, tell};
 use crate::{Error, Setting, message};
@@ -165,6 +165,7 @@ impl<'r> Logs<'r> {
                     hash: summary.hash,
                     rows: summary.rows,
                 });
+                gathered.averaged += reader.averaged() * summary.rows as f64;
             }
             gathered.end_log();
         }

@@ -13,12 +13,12 @@ use super::corrected::{Corrected, correct};
 use super::gather::Gathered;
 use super::limits::Limits;
 use super::masses::FLOOR;
-use super::measurement::Measurement;
 use super::prior::Prior;
 use super::{Identification, Settings, identify_within};
 use crate::Error;
 use crate::evaluate::Evaluator;
 use crate::logs::Block;
+use crate::observations::rows::Measurement;
 use crate::robot::Robot;
 use crate::simulate::Simulator;
 

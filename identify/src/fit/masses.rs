@@ -17,7 +17,7 @@ use sesc_model::urdf::Weight;
 
 use super::limits::Limits;
 use super::prior::Tolerances;
-use super::quadratic::{NoAnswer, Problem, Rows};
+use crate::lsq::inequality::{Linear, NoAnswer, Problem};
 
 /// A link keeps at least this part of the mass CAD gives it.
 pub const FLOOR: f64 = 0.01;
@@ -123,14 +123,14 @@ impl<'m> Space<'m> {
     /// Best `v` of ‖squares‖² + ‖v‖² under the bounds.
     pub fn best(
         &self,
-        data: Option<Rows>,
-        equal: Rows,
+        data: Option<Linear>,
+        equal: Linear,
         limits: &Limits,
     ) -> Result<Masses, NoAnswer> {
         let n = self.spread.ncols();
-        let data = data.unwrap_or_else(|| Rows::none(n));
+        let data = data.unwrap_or_else(|| Linear::none(n));
         let rows = data.right.len();
-        let mut squares = Rows {
+        let mut squares = Linear {
             matrix: DMatrix::zeros(rows + n, n),
             right: DVector::zeros(rows + n),
         };
@@ -138,7 +138,7 @@ impl<'m> Space<'m> {
         squares.matrix.rows_mut(rows, n).fill_with_identity();
         squares.right.rows_mut(0, rows).copy_from(&data.right);
         let bounds = self.bounds(limits);
-        let mut at_most = Rows {
+        let mut at_most = Linear {
             matrix: DMatrix::zeros(bounds.len(), n),
             right: DVector::zeros(bounds.len()),
         };
@@ -168,7 +168,7 @@ impl<'m> Space<'m> {
 
     /// Masses nearest to CAD that give the base parameters `params`.
     pub fn nearest(&self, params: &DVector<f64>, limits: &Limits) -> Result<Masses, NoAnswer> {
-        let equal = Rows {
+        let equal = Linear {
             matrix: self.to_base(),
             right: params - self.base(&self.cad),
         };

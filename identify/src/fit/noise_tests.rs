@@ -9,13 +9,13 @@ use rand_distr::{Distribution as _, Normal};
 use sesc_model::Snapping;
 
 use super::gather::Gathered;
-use super::identification::NoiseSource;
-use super::measurement::Measurement;
 use super::prior::Prior;
-use super::solve::solve;
 use super::{Identification, Settings, identify};
 use crate::logs::Block;
+use crate::lsq::solve::solve;
 use crate::observations::grouping::Grouping;
+use crate::observations::noise::NoiseSource;
+use crate::observations::rows::Measurement;
 use crate::robot::Robot;
 
 /// Two skewed joints: flat CoP sees 6 directions, 2 per posture.
@@ -148,22 +148,22 @@ fn poses_that_come_back_are_repeats() {
     let lack = ROUNDS as f64 * (rows * fit - means).norm_squared();
 
     assert_eq!((found.rank, found.postures, found.readings), (RANK, 6, 18));
-    assert!((gathered.replicates.sum - pure).abs() < 1e-12 * pure);
+    assert!((gathered.repeats.sum - pure).abs() < 1e-12 * pure);
     let test = found.lack_of_fit.unwrap();
     let [df, df_pure] = [2 * POSES - RANK, 2 * POSES * (ROUNDS - 1)].map(|df| df as f64);
     assert_eq!((test.df, test.df_noise), (df, Some(df_pure)));
     let ratio = (lack / df) / (pure / df_pure);
     assert!((test.ratio - ratio).abs() < 1e-9 * ratio);
     // They agree, so that all of it is noise.
-    assert_eq!(found.noise_source, NoiseSource::Replicates);
+    assert_eq!(found.noise_source, NoiseSource::Repeats);
     assert_eq!(found.noise_df, Some(df + df_pure));
     let floor = ((lack + pure) / (df + df_pure)).sqrt();
     assert!((found.noise_floor - floor).abs() < 1e-12);
 
     // In the order of poses, or cut in two, they tell the same.
-    let of_sorted = skew.gather(&[&sorted(&block)]).replicates;
+    let of_sorted = skew.gather(&[&sorted(&block)]).repeats;
     assert!((of_sorted.sum - pure).abs() < 1e-12 * pure);
-    assert_eq!((of_sorted.df, of_sorted.groups), (24, 6));
+    assert_eq!((of_sorted.df, of_sorted.postures), (24, 6));
     let [early, late] = [0..7, 7..18].map(|range| Block {
         line: block.line[range.clone()].to_vec(),
         pose: block.pose[range.clone()].to_vec(),
@@ -175,7 +175,7 @@ fn poses_that_come_back_are_repeats() {
         ..Block::default()
     });
     let cut = skew.gather(&[&early, &late]);
-    assert_eq!(cut.replicates, gathered.replicates);
+    assert_eq!(cut.repeats, gathered.repeats);
     // Repeats keep together in their fold.
     let rows = |gathered: &Gathered| -> Vec<u64> {
         let folds = gathered.folds.iter();
@@ -193,10 +193,7 @@ fn other_postures_of_one_number_are_others() {
     let poses: Vec<_> = (0..20).map(again).collect();
     let block = skew.log(&poses, &[0.002; 20], &mut ChaCha8Rng::seed_from_u64(2));
     let gathered = skew.gather(&[&block]);
-    assert_eq!(
-        (gathered.replicates.df, gathered.replicates.groups),
-        (0, 20)
-    );
+    assert_eq!((gathered.repeats.df, gathered.repeats.postures), (0, 20));
     assert_eq!(gathered.moved, 10);
     let found = skew.identify(&gathered);
     let said = found.warnings.join("\n");
@@ -219,7 +216,7 @@ fn more_postures_than_can_be_known_are_said() {
         .unwrap();
     gathered.end_log();
     // Four come back; two are met twice as if they were others.
-    assert_eq!((gathered.replicates.df, gathered.replicates.groups), (8, 8));
+    assert_eq!((gathered.repeats.df, gathered.repeats.postures), (8, 8));
     let said = skew.identify(&gathered).warnings.join("\n");
     assert!(
         said.contains("more than 200000 postures in a log"),
@@ -258,7 +255,7 @@ fn intervals_are_honest_when_few_repeats_tell_the_noise() {
     let (share, found) = coverage(&poses);
     println!("repeats alone: {share:.4} of the intervals hold the truth");
     assert_eq!((found.rank, found.noise_df), (RANK, Some(12.0)));
-    assert_eq!(found.noise_source, NoiseSource::Replicates);
+    assert_eq!(found.noise_source, NoiseSource::Repeats);
     assert!((0.93..=0.97).contains(&share), "{share}");
 }
 

@@ -14,11 +14,11 @@
 use nalgebra::DVector;
 use sesc_model::Model;
 
-use super::factor::Factor;
 use super::limits::Limits;
 use super::masses::{Impossible, Masses, Space};
 use super::prior::{Prior, Tolerances};
-use super::quadratic::{NoAnswer, Rows};
+use crate::lsq::factor::Factor;
+use crate::lsq::inequality::{Linear, NoAnswer};
 
 /// Tolerances of a free fit, in units of the usual ones: masses to ten times their
 /// own, CoMs to half a metre.
@@ -63,11 +63,11 @@ pub fn constrain(
     }
     let cad = DVector::from_vec(model.cad_params());
     let gain = width / sigma;
-    let data = Rows {
+    let data = Linear {
         matrix: factor.r() * space.to_base() * gain,
         right: (factor.z() - factor.r() * cad) * gain,
     };
-    let none = Rows::none(data.matrix.ncols());
+    let none = Linear::none(data.matrix.ncols());
     let masses = space
         .best(Some(data), none, limits)
         .map_err(|no| Impossible {

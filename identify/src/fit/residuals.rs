@@ -9,8 +9,8 @@ use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
 use super::logs::{BLOCK, Logs};
-use super::measurement::Measurement;
 use crate::Error;
+use crate::observations::rows::Measurement;
 use crate::watch::{Watch, tell};
 
 /// Rows kept.

@@ -9,7 +9,7 @@
 
 use nalgebra::DVector;
 
-use super::measurement::Rows;
+use crate::observations::rows::Rows;
 
 /// Kind of robust loss.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

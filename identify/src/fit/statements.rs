@@ -3,12 +3,12 @@
 use nalgebra::{DMatrix, DVector};
 use sesc_model::Model;
 
-use super::factor::Factor;
-use super::gather::{self, Fold, Gathered};
+use super::gather::{Fold, Gathered};
 use super::identification::{BodyLength, Correlation, HeightConstant, ParameterFound, Unseen};
-use super::solve::Estimate;
 use crate::evaluate::Evaluator;
-use crate::observations::grouping;
+use crate::lsq::factor::Factor;
+use crate::lsq::solve::Estimate;
+use crate::observations::{grouping, noise};
 use crate::simulate::Simulator;
 
 /// Correlations worth a line.
@@ -28,7 +28,7 @@ pub(super) fn oddities(gathered: &Gathered) -> Vec<String> {
             "{} rows state deviations below {:e} m, which no sensor has; that is taken for them: \
              are they in metres?",
             gathered.tiny,
-            gather::LEAST_STD
+            noise::LEAST_STD
         ));
     }
     if gathered.overfull > 0 {

@@ -149,6 +149,11 @@ impl Assembler {
         }
     }
 
+    /// See [`super::PostureReader::averaged`].
+    pub fn averaged(&self) -> f64 {
+        1.0 - self.shrink * self.shrink
+    }
+
     /// An empty block with the columns that this log has.
     pub fn start(&self) -> Block {
         let columns = &self.columns;

@@ -151,6 +151,12 @@ impl PostureReader {
         Ok(!self.raw.line.is_empty())
     }
 
+    /// What averaging took off the variance of a single reading, as a part of it, once a
+    /// block was read: 0 where every reading is a row, 0.99 where rows are means of 100.
+    pub fn averaged(&self) -> f64 {
+        self.assembler.averaged()
+    }
+
     /// How much of the log was read, and of how much, in bytes of the file or in rows of
     /// a Parquet file or a table; the whole of a pipe is not known.
     pub fn progress(&self) -> (u64, Option<u64>) {

@@ -1,7 +1,12 @@
 //! What the robot did and what the foot measured, as fits and diagnoses take it.
 //!
 //! ```text
-//! logs → grouping (rows of one posture)
+//! logs ─▶ grouping (rows of one posture) ─▶ repeats ─▶ noise
+//!    └──▶ rows (regressor, tilt, supports)      postures (a log in memory)
 //! ```
 
 pub mod grouping;
+pub mod noise;
+pub mod postures;
+pub mod repeats;
+pub mod rows;

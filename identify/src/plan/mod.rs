@@ -29,9 +29,9 @@ use serde::Serialize;
 use sesc_model::{Function, Model};
 
 use crate::evaluate::Evaluator;
-use crate::fit::factor::Factor;
 use crate::fit::prior::{Prior, Tolerances};
-use crate::fit::solve::UNSEEN;
+use crate::lsq::factor::Factor;
+use crate::lsq::solve::UNSEEN;
 use crate::robot::Robot;
 use crate::{Error, Message, Setting, message};
 use balance::Region;

@@ -8,7 +8,6 @@ mod text;
 pub use page::page;
 pub use text::{Asked, text};
 
-use sesc_identify::diagnose::data::NoiseSource;
 use sesc_identify::diagnose::findings::Step;
 use sesc_identify::diagnose::words::{Found, named};
 
@@ -25,15 +24,6 @@ fn parameters(step: &Step) -> Vec<String> {
 /// `backlash l_knee`, in words that stay apart.
 fn effect(step: &Step) -> String {
     step.effect.replace('_', " ")
-}
-
-fn noise_source(source: NoiseSource) -> &'static str {
-    match source {
-        NoiseSource::Given => "as given",
-        NoiseSource::Stated => "as the log states",
-        NoiseSource::Repeats => "from repeated readings",
-        NoiseSource::Residuals => "from what the best model leaves",
-    }
 }
 
 /// `1 posture`, `2 postures`.

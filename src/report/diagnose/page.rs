@@ -5,7 +5,7 @@ use std::path::Path;
 use minijinja::value::{Serde, Value};
 use minijinja::{Error, context};
 
-use super::{count, effect, noise_source, parameters};
+use super::{count, effect, parameters};
 use crate::report::figures::diagnose as figures;
 use crate::report::html::render;
 use sesc_identify::diagnose::findings::{Diagnosis, Verdict};
@@ -29,7 +29,7 @@ pub fn page(found: &Diagnosis, view: &DiagnosisView) -> Result<String, Error> {
         verdict => verdict(found.verdict),
         postures => count(found.postures, "posture"),
         class_size => found.class.len(),
-        noise_source => noise_source(found.noise_source),
+        noise_source => found.noise_source.phrase(),
         steps => steps(found),
         class => class(found),
         outliers => poses.copied().collect::<Vec<i64>>(),

@@ -6,7 +6,6 @@ use sesc_model::{Function, Model, Snapping};
 
 use super::{Asked, page, text};
 use crate::OP2_URDF;
-use sesc_identify::diagnose::data::{Data, Taking};
 use sesc_identify::diagnose::findings::{Diagnosis, Member, Verdict};
 use sesc_identify::diagnose::next_postures::Proposal;
 use sesc_identify::diagnose::problem::Problem;
@@ -15,6 +14,7 @@ use sesc_identify::diagnose::{About, diagnose};
 use sesc_identify::evaluate::Evaluator;
 use sesc_identify::fit::prior::Prior;
 use sesc_identify::logs::Options;
+use sesc_identify::observations::postures::{Postures, Taking};
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
 
@@ -75,7 +75,7 @@ fn diagnosed(
         noise: None,
         floor: 1e-4,
     };
-    let data = Data::read(&file, &model, &taking).unwrap();
+    let data = Postures::read(&file, &model, &taking).unwrap();
     let prior = Prior::named(prior, &model).unwrap();
     let mut problem = Problem::new(&model, data, &prior).unwrap();
     let about = About {

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::{count, noise_source, parameters};
+use super::{count, parameters};
 use crate::report::table::{Table, mm, wrapped};
 use sesc_identify::diagnose::findings::{Diagnosis, Verdict};
 
@@ -96,7 +96,7 @@ fn facts(found: &Diagnosis) -> String {
         format!(
             "{} mm per posture and axis, {}; {} mm with the floor",
             mm(found.noise),
-            noise_source(found.noise_source),
+            found.noise_source.phrase(),
             mm(found.noise_floor)
         ),
     );

@@ -6,11 +6,11 @@ use super::{FitReport, Shown, corrections, page, text};
 use crate::OP2_URDF;
 use sesc_identify::fit::corrected::correct;
 use sesc_identify::fit::gather::Gathered;
-use sesc_identify::fit::measurement::Measurement;
 use sesc_identify::fit::prior::Prior;
 use sesc_identify::fit::residuals::Residual;
 use sesc_identify::fit::{Identification, Settings, identify};
 use sesc_identify::logs::Block;
+use sesc_identify::observations::rows::Measurement;
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
 

@@ -4,7 +4,6 @@ use std::fmt::Write as _;
 
 use crate::report::table::Table;
 use sesc_identify::fit::Identification;
-use sesc_identify::fit::identification::NoiseSource;
 
 /// Degrees of freedom that are worth a word.
 const FEW: f64 = 50.0;
@@ -170,13 +169,7 @@ fn facts(found: &Identification) -> String {
 
 /// Where the noise comes from, and how well it is known where that is little.
 fn source(found: &Identification) -> String {
-    let from = match found.noise_source {
-        NoiseSource::Given => "as given",
-        NoiseSource::Stated => "as the log states",
-        NoiseSource::Replicates => "from repeated readings",
-        NoiseSource::Residuals => "from what a fit without prior leaves",
-        NoiseSource::Unknown => "not known",
-    };
+    let from = found.noise_source.phrase();
     match found.noise_df.filter(|df| *df < FEW) {
         Some(df) => format!("{from} with {df:.0} degrees of freedom"),
         None => from.to_string(),

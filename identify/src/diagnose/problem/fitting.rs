@@ -4,7 +4,7 @@
 //! objective(e) = −2 log p(y | e)      masses marginalised, physical bounds as walls
 //! ```
 //!
-//! Levenberg-Marquardt over the unknowns of all terms together, with the
+//! Damped least squares over the unknowns of all terms together, with the
 //! symbolic derivatives of the measurement.
 
 use nalgebra::{DMatrix, DVector};
@@ -14,11 +14,10 @@ use crate::diagnose::hypothesis::Term;
 use crate::diagnose::nuisance::Nuisance;
 use crate::diagnose::outliers::Outliers;
 use crate::diagnose::sides;
+use crate::lsq::damped::{self, Expansion, SETTLED};
 
-/// Steps of a fit, at most.
-const STEPS: usize = 25;
-/// An objective that falls by less is settled.
-const SETTLED: f64 = 1e-3;
+/// Starts of a fit, at most.
+const STARTS: usize = 8;
 /// Rounds in which sides of dead bands and outliers are settled with the rest.
 const ROUNDS: usize = 4;
 
@@ -27,7 +26,7 @@ impl Problem<'_> {
     pub fn fit(&self, terms: &[Term], start: Option<&[f64]>, rows: Rows) -> Fit {
         let starts = match start {
             Some(start) => vec![start.to_vec()],
-            None => self.starts(terms),
+            None => self.starts(terms, None),
         };
         let fits = starts
             .into_iter()
@@ -36,22 +35,24 @@ impl Problem<'_> {
             .expect("there is a start")
     }
 
-    fn starts(&self, terms: &[Term]) -> Vec<Vec<f64>> {
+    /// Where unknowns may start: every start of what is new, beside what `parent` found
+    /// of the others.
+    pub fn starts(&self, terms: &[Term], parent: Option<&Fit>) -> Vec<Vec<f64>> {
         let mut starts = vec![Vec::new()];
         for term in terms {
-            let own = term.starts(&self.context);
-            starts = starts
-                .iter()
-                .flat_map(|before| {
-                    own.iter().map(move |own| {
-                        let mut all: Vec<f64> = before.clone();
-                        all.extend(own);
-                        all
-                    })
-                })
-                .collect();
+            let found = parent.and_then(|fit| fit.unknowns_of(&self.context, term));
+            let own = match found {
+                Some(own) => vec![own.to_vec()],
+                None => term.starts(&self.context),
+            };
+            let longer = |before: &Vec<f64>| -> Vec<Vec<f64>> {
+                own.iter()
+                    .map(|own| [before.as_slice(), own].concat())
+                    .collect()
+            };
+            starts = starts.iter().flat_map(longer).collect();
         }
-        starts.truncate(12);
+        starts.truncate(STARTS);
         starts
     }
 
@@ -101,7 +102,7 @@ impl Problem<'_> {
         }
     }
 
-    /// Levenberg-Marquardt with sides and outliers held.
+    /// Damped least squares with sides and outliers held.
     fn descend(
         &self,
         terms: &[Term],
@@ -127,54 +128,9 @@ impl Problem<'_> {
         let reweighted = root.as_ref().map(|root: &Vec<f64>| masses.reweighted(root));
         let masses = reweighted.as_ref().unwrap_or(masses);
         let scales = self.scales(terms);
-        let p = start.len();
-        let mut state = self.state(terms, start, circumstances, &root, masses);
-        let mut damping = 1e-3;
-        for _ in 0..STEPS {
-            if p == 0 {
-                break;
-            }
-            let (normal, gradient) = &state.normal;
-            let mut improved = None;
-            for _ in 0..8 {
-                let mut damped = normal.clone();
-                for k in 0..p {
-                    let own = normal[(k, k)].max(1e-12 / (scales[k] * scales[k]));
-                    damped[(k, k)] += damping * own + 1e-9 / (scales[k] * scales[k]);
-                }
-                let Some(factor) = damped.cholesky() else {
-                    damping *= 10.0;
-                    continue;
-                };
-                let step = factor.solve(gradient);
-                let moved: Vec<f64> = state
-                    .unknowns
-                    .iter()
-                    .zip(step.iter())
-                    .map(|(x, d)| x + d)
-                    .collect();
-                let next = self.state(terms, moved, circumstances, &root, masses);
-                if next.value < state.value {
-                    improved = Some(next);
-                    damping = (damping * 0.2).max(1e-9);
-                    break;
-                }
-                damping *= 10.0;
-            }
-            let Some(next) = improved else { break };
-            let gain = state.value - next.value;
-            state = next;
-            if gain < SETTLED {
-                break;
-            }
-        }
-        let mut normal = state.normal.0.clone();
-        for k in 0..p {
-            normal[(k, k)] += 1e-9 / (scales[k] * scales[k]);
-        }
-        let covariance = normal
-            .cholesky()
-            .map_or_else(|| DMatrix::zeros(p, p), |f| f.inverse());
+        let expand = |unknowns| self.state(terms, unknowns, circumstances, &root, masses);
+        let state = damped::minimise(expand(start), &scales, expand);
+        let covariance = damped::covariance(&state.normal.0, &scales);
         let mut objective = state.value + masses.log_det - self.nuisance.log_det;
         if let Some(sides) = sides {
             objective += sides.price;
@@ -312,4 +268,22 @@ pub(in crate::diagnose) struct State {
     pub value: f64,
     pub normal: (DMatrix<f64>, DVector<f64>),
     pub strained: f64,
+}
+
+impl Expansion for State {
+    fn unknowns(&self) -> &[f64] {
+        &self.unknowns
+    }
+
+    fn value(&self) -> f64 {
+        self.value
+    }
+
+    fn normal(&self) -> &DMatrix<f64> {
+        &self.normal.0
+    }
+
+    fn gradient(&self) -> &DVector<f64> {
+        &self.normal.1
+    }
 }

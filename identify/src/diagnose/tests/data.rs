@@ -5,13 +5,14 @@ use std::path::Path;
 
 use super::{Bench, NOISE, diagnosed, gauss};
 use crate::diagnose::Verdict;
-use crate::diagnose::data::{Data, MOST, NoiseSource, Taking};
 use crate::logs::{Options, Readings};
+use crate::observations::noise::NoiseSource;
+use crate::observations::postures::{MOST, Postures, Taking};
 
 const HEADER: &str = "pose,hip,knee,cop_x,cop_y";
 
 /// The log as a file with its sidecar, read.
-fn read(log: &str, sidecar: &str, noise: Option<f64>) -> Result<Data, String> {
+fn read(log: &str, sidecar: &str, noise: Option<f64>) -> Result<Postures, String> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("log.csv");
     std::fs::write(&path, log).unwrap();
@@ -19,7 +20,7 @@ fn read(log: &str, sidecar: &str, noise: Option<f64>) -> Result<Data, String> {
     of_file(&path, noise)
 }
 
-fn of_file(path: &Path, noise: Option<f64>) -> Result<Data, String> {
+fn of_file(path: &Path, noise: Option<f64>) -> Result<Postures, String> {
     let taking = Taking {
         options: Options {
             readings: Readings::Required,
@@ -31,7 +32,7 @@ fn of_file(path: &Path, noise: Option<f64>) -> Result<Data, String> {
         noise,
         floor: 1e-4,
     };
-    Data::read(path, &Bench::skew().model, &taking).map_err(|error| error.to_string())
+    Postures::read(path, &Bench::skew().model, &taking).map_err(|error| error.to_string())
 }
 
 fn near(a: f64, b: f64) {
@@ -155,10 +156,50 @@ fn stated_deviations_are_of_single_readings() {
     .unwrap();
     near(data.std[0], floored(0.002));
     near(data.std[2], floored(0.004));
-    // What the user says is what counts.
-    let data = read(&log, hundred, Some(3e-3)).unwrap();
+    // What the user says is of single readings, too, and rescales what the log says.
+    let data = read(&log, hundred, Some(4e-3)).unwrap();
     assert_eq!(data.noise_source, NoiseSource::Given);
-    data.std.iter().for_each(|std| near(*std, floored(3e-3)));
+    near(data.noise, 4e-4);
+    let stated = ((alike * alike + 3e-4 * 3e-4) / 2.0).sqrt();
+    near(data.std[0], floored(4e-4 / stated * alike));
+    near(data.std[1], floored(4e-4 / stated * 3e-4));
+}
+
+/// σ of a reading: of a row that is the mean of 100 a tenth, of four rows half of that.
+#[test]
+fn a_given_noise_is_of_a_single_reading() {
+    let once = format!("{HEADER}\n1,0,0,0.01,0\n2,0,0.1,0.01,0\n");
+    let data = read(&once, "readings_per_pose = 100\n", Some(5e-3)).unwrap();
+    near(data.noise, 5e-4);
+    near(read(&once, "", Some(5e-3)).unwrap().noise, 5e-3);
+    let rows = "\n1,0,0,0.01,0".repeat(4);
+    let data = read(&format!("{HEADER}{rows}\n2,0,0,0,0\n"), "", Some(5e-3)).unwrap();
+    near(data.std[0], 2.5e-3_f64.hypot(1e-4));
+    near(data.std[2], 5e-3_f64.hypot(1e-4));
+}
+
+/// Pairs 4 mm apart where 1 mm is stated: the scatter is taken, and said.
+#[test]
+fn repeats_that_scatter_more_than_is_stated_are_believed() {
+    let mut log = format!("{HEADER},cop_x_std,cop_y_std\n");
+    for k in 0..20 {
+        let [x, y] = [0.01, 0.02].map(|cop| cop + if k % 2 == 0 { -2e-3 } else { 2e-3 });
+        let _ = writeln!(
+            log,
+            "{},0,{},{x},{y},0.001,0.001",
+            k / 2,
+            0.1 * f64::from(k / 2)
+        );
+    }
+    let data = read(&log, "", None).unwrap();
+    assert_eq!(data.noise_source, NoiseSource::Repeats);
+    // Of a mean of two: √8 mm / √2.
+    near(data.noise, 2e-3);
+    assert!(
+        data.warnings[0].to_string().contains("scatter 2.8 times"),
+        "{:?}",
+        data.warnings
+    );
 }
 
 #[test]

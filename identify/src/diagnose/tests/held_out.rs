@@ -57,12 +57,13 @@ fn folds_never_share_a_pose() {
         }
     }
     std::fs::write(&path, log).unwrap();
-    let taking = crate::diagnose::data::Taking {
+    let taking = crate::observations::postures::Taking {
         options: crate::logs::Options::default(),
         noise: Some(NOISE),
         floor: 0.0,
     };
-    let pooled = crate::diagnose::data::Data::read(&path, &bench.model, &taking).unwrap();
+    let pooled =
+        crate::observations::postures::Postures::read(&path, &bench.model, &taking).unwrap();
     assert_eq!(pooled.len(), 30);
     let once = errors(&bench.problem(data, "tight"), &[("sensor_offset", "-")]);
     let thrice = errors(&bench.problem(pooled, "tight"), &[("sensor_offset", "-")]);

@@ -17,12 +17,12 @@ use sesc_model::effects::Instance;
 use sesc_model::{Model, Snapping};
 use sesc_reference::World;
 
-use super::data::Data;
 use super::hypothesis::Term;
 use super::problem::{Fit, Problem};
 use super::words;
 use super::{About, Found, diagnose};
 use crate::fit::prior::{Prior, Tolerance, Tolerances};
+use crate::observations::postures::Postures;
 use crate::robot::Robot;
 
 const OP2_URDF: &str = include_str!("../../../../robots/op2/op2.urdf");
@@ -104,22 +104,22 @@ impl Bench {
         q: &[f64],
         seed: u64,
         also: impl Fn(usize, &[f64]) -> [f64; 2],
-    ) -> Data {
+    ) -> Postures {
         let dof = self.model.dof();
         let mut gauss = gauss(seed);
         let reading = q.chunks_exact(dof).enumerate().flat_map(|(k, q)| {
             let (cop, more) = (world.cop(q), also(k, q));
             [0, 1].map(|axis| cop[axis] + more[axis] + NOISE * gauss())
         });
-        Data::given(dof, q, &reading.collect::<Vec<_>>(), NOISE, 0.0)
+        Postures::given(dof, q, &reading.collect::<Vec<_>>(), NOISE, 0.0)
     }
 
-    fn log(&self, world: &World, q: &[f64], seed: u64) -> Data {
+    fn log(&self, world: &World, q: &[f64], seed: u64) -> Postures {
         self.read(world, q, seed, |_, _| [0.0; 2])
     }
 
     /// CAD masses beyond doubt.
-    fn certain(&self, data: Data) -> Problem<'_> {
+    fn certain(&self, data: Postures) -> Problem<'_> {
         let nothing = Tolerance {
             mass: Some(0.0),
             com: Some(0.0),
@@ -132,12 +132,12 @@ impl Bench {
         Problem::new(&self.model, data, &Prior::Cad(certain)).unwrap()
     }
 
-    fn problem(&self, data: Data, prior: &str) -> Problem<'_> {
+    fn problem(&self, data: Postures, prior: &str) -> Problem<'_> {
         let prior = Prior::named(prior, &self.model).unwrap();
         Problem::new(&self.model, data, &prior).unwrap()
     }
 
-    fn diagnose(&self, data: Data, prior: &str) -> Found {
+    fn diagnose(&self, data: Postures, prior: &str) -> Found {
         diagnosed(&mut self.problem(data, prior))
     }
 }

@@ -6,12 +6,12 @@ use sesc_reference::World;
 
 use super::OP2_URDF;
 use super::{Bench, NOISE, about, diagnosed, gauss, term};
-use crate::diagnose::data::Data;
 use crate::diagnose::diagnose_all;
 use crate::diagnose::further::{Further, together};
 use crate::diagnose::next_postures::next;
 use crate::diagnose::problem::{ALL, Problem};
 use crate::fit::prior::Prior;
+use crate::observations::postures::Postures;
 use crate::robot::Robot;
 use sesc_model::effects::Experiment;
 
@@ -61,7 +61,7 @@ fn taken<'m>(model: &'m Model, world: &World, q: &[f64], seed: u64) -> Problem<'
     let mut gauss = gauss(seed);
     let cop = q.chunks_exact(model.dof()).flat_map(|q| world.cop(q));
     let reading: Vec<f64> = cop.map(|x| x + NOISE * gauss()).collect();
-    let data = Data::given(model.dof(), q, &reading, NOISE, 0.0);
+    let data = Postures::given(model.dof(), q, &reading, NOISE, 0.0);
     Problem::new(model, data, &Prior::named("tight", model).unwrap()).unwrap()
 }
 
@@ -129,7 +129,7 @@ fn logs_together_are_one_log() {
         let data = bench.log(world, &q, 4);
         let of = |from: usize, to: usize| {
             let (q, y) = (&q[from * dof..to * dof], &data.reading[2 * from..2 * to]);
-            bench.certain(Data::given(dof, q, y, NOISE, 0.0))
+            bench.certain(Postures::given(dof, q, y, NOISE, 0.0))
         };
         let (whole, first) = (of(0, 120), of(0, 50));
         let second = Further {

@@ -11,10 +11,10 @@ mod trends;
 pub use spread::{EDGE, Region, Regions, Spread};
 pub use trends::{Middle, Point, Quantity, Trend};
 
-use super::data::rms;
 use super::findings::Found;
 use super::held_out;
 use super::problem::{Fit, Problem};
+use crate::observations::postures::rms;
 
 /// Postures that a figure shows one by one; evenly chosen of more.
 pub const MOST: usize = 400;

@@ -1,8 +1,8 @@
 //! How residuals are spread: over their size, and over the sole.
 
-use super::super::data::rms;
 use super::super::problem::Problem;
 use super::Residuals;
+use crate::observations::postures::rms;
 
 /// Residuals are counted from −EDGE to EDGE, in units of noise.
 pub const EDGE: f64 = 6.0;

@@ -2,7 +2,7 @@
 //! measured of it.
 
 use sesc_identify::fit::gather::Gathered;
-use sesc_identify::fit::measurement::Measurement;
+use sesc_identify::observations::rows::Measurement;
 use sesc_identify::fit::prior::Prior;
 use sesc_identify::fit::{Settings, identify};
 use sesc_identify::logs::Block;

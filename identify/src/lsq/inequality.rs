@@ -33,22 +33,22 @@ const ROUNDS: usize = 60;
 
 /// `matrix · v` against `right`.
 #[derive(Debug, Clone)]
-pub struct Rows {
+pub struct Linear {
     pub matrix: DMatrix<f64>,
     pub right: DVector<f64>,
 }
 
-impl Rows {
+impl Linear {
     /// No rows over `columns` unknowns.
-    pub fn none(columns: usize) -> Rows {
-        Rows {
+    pub fn none(columns: usize) -> Linear {
+        Linear {
             matrix: DMatrix::zeros(0, columns),
             right: DVector::zeros(0),
         }
     }
 
     /// Row by row over its length; rows of zeros stay.
-    fn normalised(&self) -> Rows {
+    fn normalised(&self) -> Linear {
         let mut rows = self.clone();
         for k in 0..rows.right.len() {
             let length = rows.matrix.row(k).norm();
@@ -60,9 +60,9 @@ impl Rows {
         rows
     }
 
-    fn stacked(&self, more: &Rows, chosen: &[usize]) -> Rows {
+    fn stacked(&self, more: &Linear, chosen: &[usize]) -> Linear {
         let (n, columns) = (self.right.len(), self.matrix.ncols());
-        let mut all = Rows {
+        let mut all = Linear {
             matrix: DMatrix::zeros(n + chosen.len(), columns),
             right: DVector::zeros(n + chosen.len()),
         };
@@ -79,9 +79,9 @@ impl Rows {
 /// A problem of this kind.
 #[derive(Debug, Clone)]
 pub struct Problem {
-    pub squares: Rows,
-    pub equal: Rows,
-    pub at_most: Rows,
+    pub squares: Linear,
+    pub equal: Linear,
+    pub at_most: Linear,
 }
 
 /// Its answer.
@@ -142,7 +142,7 @@ impl Problem {
 impl Problem {
     /// The active inequality that holds `v` on the wrong side most, if any: a
     /// multiplier below zero in ∇ + Eᵀ λ + Gᵀ μ = 0.
-    fn pulling(&self, v: &DVector<f64>, face: &Rows, equations: usize) -> Option<usize> {
+    fn pulling(&self, v: &DVector<f64>, face: &Linear, equations: usize) -> Option<usize> {
         let a = &self.squares.matrix;
         let slope = a.transpose() * (&self.squares.right - a * v);
         let svd = face.matrix.transpose().svd(true, true);
@@ -157,7 +157,7 @@ impl Problem {
 }
 
 /// The inequality that `v` misses most, if any.
-fn worst(below: &Rows, v: &DVector<f64>) -> Option<usize> {
+fn worst(below: &Linear, v: &DVector<f64>) -> Option<usize> {
     let over = &below.matrix * v - &below.right;
     let slack = |k: &usize| SLACK * (1.0 + below.right[*k].abs());
     (0..over.len())
@@ -166,7 +166,7 @@ fn worst(below: &Rows, v: &DVector<f64>) -> Option<usize> {
 }
 
 /// Orthonormal rows that say the same.
-fn independent(equal: &Rows) -> Result<Rows, NoAnswer> {
+fn independent(equal: &Linear) -> Result<Linear, NoAnswer> {
     if equal.right.is_empty() {
         return Ok(equal.clone());
     }
@@ -186,7 +186,7 @@ fn independent(equal: &Rows) -> Result<Rows, NoAnswer> {
     for (to, &k) in kept.iter().enumerate() {
         right[to] /= svd.singular_values[k];
     }
-    Ok(Rows {
+    Ok(Linear {
         matrix: v_t.select_rows(&kept),
         right,
     })
@@ -200,7 +200,7 @@ struct Face {
 
 impl Face {
     /// `None` where no v satisfies `equal`.
-    fn of(squares: &Rows, equal: &Rows) -> Option<Face> {
+    fn of(squares: &Linear, equal: &Linear) -> Option<Face> {
         let columns = squares.matrix.ncols();
         let face = independent(equal).ok()?;
         let start = face.matrix.transpose() * &face.right;
@@ -226,8 +226,8 @@ impl Face {
 }
 
 /// Inequalities active at the point of `face` nearest to its best.
-fn nearest(face: &Face, below: &Rows) -> Result<Vec<usize>, NoAnswer> {
-    let turned = Rows {
+fn nearest(face: &Face, below: &Linear) -> Result<Vec<usize>, NoAnswer> {
+    let turned = Linear {
         matrix: &below.matrix * &face.turn,
         right: &below.right - &below.matrix * &face.best,
     };
@@ -256,8 +256,8 @@ fn nearest(face: &Face, below: &Rows) -> Result<Vec<usize>, NoAnswer> {
 mod tests {
     use super::*;
 
-    fn rows(matrix: DMatrix<f64>, right: &[f64]) -> Rows {
-        Rows {
+    fn rows(matrix: DMatrix<f64>, right: &[f64]) -> Linear {
+        Linear {
             matrix,
             right: DVector::from_column_slice(right),
         }

@@ -18,13 +18,58 @@ use crate::evaluate::Evaluator;
 use crate::logs::Block;
 use crate::robot::Robot;
 
+/// Tilt of the sole plane under `gravity`: the CoP moves by it times the CoM's height.
+pub fn tilt(gravity: [f64; 3]) -> [f64; 2] {
+    [-gravity[0] / gravity[2], -gravity[1] / gravity[2]]
+}
+
+/// CoP rows of a robot on one link.
+pub struct CopRows {
+    params: usize,
+    flat: Evaluator,
+    /// Three rows per posture, where the sole is tilted.
+    space: Evaluator,
+}
+
+impl CopRows {
+    pub fn new(model: &Model) -> CopRows {
+        CopRows {
+            params: model.base.params.len(),
+            flat: Evaluator::new(model, Function::RegressorCop),
+            space: Evaluator::new(model, Function::Regressor),
+        }
+    }
+
+    /// On the fastest instructions, to rounding the same.
+    pub fn fastest(self) -> CopRows {
+        CopRows {
+            params: self.params,
+            flat: self.flat.fastest(),
+            space: self.space.fastest(),
+        }
+    }
+
+    /// x and y rows of `n` postures `q` by base parameters of this support, 2n × p;
+    /// `tilt` of each posture ([`tilt`]), level where not given.
+    pub fn of(&self, q: &[f64], n: usize, tilt: Option<&[[f64; 2]]>) -> DMatrix<f64> {
+        let p = self.params;
+        let Some(tilt) = tilt.filter(|all| all.iter().flatten().any(|t| *t != 0.0)) else {
+            return DMatrix::from_row_slice(2 * n, p, &self.flat.run(q, n));
+        };
+        let rows = self.space.run(q, n);
+        let of = |k: usize, axis: usize, column: usize| rows[(3 * k + axis) * p + column];
+        DMatrix::from_fn(2 * n, p, |row, column| {
+            let (k, axis) = (row / 2, row % 2);
+            of(k, axis, column) + tilt[k][axis] * of(k, 2, column)
+        })
+    }
+}
+
 /// What a robot shows when it stands on one link.
 struct Standing {
     link: String,
     model: Model,
-    flat: Evaluator,
-    /// Three rows per posture, where gravity is not along −z.
-    space: Evaluator,
+    rows: CopRows,
     /// From the parameters of the first support; none on the first itself.
     shift: Option<Shift>,
 }
@@ -81,8 +126,9 @@ impl<'r> Measurement<'r> {
             let count = (start..n).take_while(|k| support(*k) == link).count();
             let standing = self.stand_on(link)?;
             let gravity = block.gravity.as_ref().map(|all| &all[start..start + count]);
+            let tilts = gravity.map(|all| all.iter().map(|g| tilt(*g)).collect::<Vec<_>>());
             let q = &block.q[start * dof..(start + count) * dof];
-            let matrix = self.standing[standing].matrix(q, count, gravity);
+            let matrix = self.standing[standing].rows.of(q, count, tilts.as_deref());
             let mut reading = DVector::zeros(2 * count);
             if let Some(all) = &block.reading {
                 let flat = all[start..start + count].iter().flatten();
@@ -117,34 +163,10 @@ impl<'r> Measurement<'r> {
             .map(|first| model.params_from(&first.model));
         self.standing.push(Standing {
             link: link.to_string(),
-            flat: Evaluator::new(&model, Function::RegressorCop).fastest(),
-            space: Evaluator::new(&model, Function::Regressor).fastest(),
+            rows: CopRows::new(&model).fastest(),
             model,
             shift,
         });
         Ok(self.standing.len() - 1)
-    }
-}
-
-impl Standing {
-    /// x and y rows per posture: 2n × base parameters of this support.
-    fn matrix(&self, q: &[f64], n: usize, gravity: Option<&[[f64; 3]]>) -> DMatrix<f64> {
-        let p = self.model.base.params.len();
-        let level = |g: &[f64; 3]| g[0] == 0.0 && g[1] == 0.0;
-        let tilted = gravity.filter(|all| !all.iter().all(level));
-        let Some(gravity) = tilted else {
-            return DMatrix::from_row_slice(2 * n, p, &self.flat.run(q, n));
-        };
-        let rows = self.space.run(q, n);
-        let mut matrix = DMatrix::zeros(2 * n, p);
-        for (k, g) in gravity.iter().enumerate() {
-            let row = |axis: usize, column: usize| rows[(3 * k + axis) * p + column];
-            for column in 0..p {
-                let z = row(2, column) / g[2];
-                matrix[(2 * k, column)] = row(0, column) - g[0] * z;
-                matrix[(2 * k + 1, column)] = row(1, column) - g[1] * z;
-            }
-        }
-        matrix
     }
 }

@@ -1,13 +1,20 @@
-//! A posture log as the diagnosis sees it: one entry per posture, repeats
-//! averaged, noise known, and what each posture brings along.
+//! A posture log in memory: one entry per posture, repeats averaged, noise known, and
+//! what each posture brings along.
+//!
+//! ```text
+//! reading of n rows    ȳ ± s/√n  (s: of a row)        or ± √(Σ s_k²)/n where rows state s_k
+//! ```
 
 use std::path::Path;
 
 use sesc_model::Model;
 use sesc_model::effects::Circumstances;
 
+use super::grouping::{DOWN, Grouping, moved_sentence};
+use super::noise::{Known, LEAST_STD, NoiseSource};
+use super::repeats::{Group, Repeats};
+use super::{noise, rows};
 use crate::logs::{Options, PostureReader, Summary};
-use crate::observations::grouping::{DOWN, Grouping, moved_sentence};
 use crate::{Error, Message, Setting, message};
 
 /// Rows taken at once.
@@ -19,7 +26,7 @@ const SCATTER: f64 = 0.15;
 
 /// Postures and readings in memory.
 #[derive(Debug, Clone)]
-pub struct Data {
+pub struct Postures {
     pub pose: Vec<i64>,
     /// Posture by posture, joint by joint, rad or m.
     pub q: Vec<f64>,
@@ -48,20 +55,6 @@ pub struct Data {
     pub warnings: Vec<Message>,
 }
 
-/// Where the size of the noise comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum NoiseSource {
-    /// Columns of standard deviations.
-    Stated,
-    /// Repeated readings of postures.
-    Repeats,
-    /// The command line.
-    Given,
-    /// Nowhere: what the best model with free masses leaves.
-    Residuals,
-}
-
 /// One posture while its rows are gathered.
 #[derive(Clone)]
 struct Posture {
@@ -69,8 +62,8 @@ struct Posture {
     rows: f64,
     q: Vec<f64>,
     sum: [f64; 2],
-    squares: [f64; 2],
-    weight: [f64; 2],
+    /// Σ of stated variances, m².
+    variance: [f64; 2],
     t: f64,
     tilt: [f64; 2],
     /// Neighbours in the log: time and joints.
@@ -91,8 +84,9 @@ struct Gathering {
     /// Postures number 0, `stride`, 2 `stride`, ….
     kept: Vec<Posture>,
     stride: usize,
-    /// The number of each posture, for rows that come back to it.
-    numbers: Grouping<Option<usize>>,
+    /// The number of each posture and its readings, for rows that come back to it.
+    known: Grouping<(Option<usize>, Group)>,
+    repeats: Repeats,
     /// Postures that are whole, and the one that rows belong to now.
     seen: usize,
     current: Option<Posture>,
@@ -108,10 +102,11 @@ impl Gathering {
         Gathering {
             kept: Vec::new(),
             stride: 1,
-            numbers: match any_unit {
+            known: match any_unit {
                 true => Grouping::of_any_unit(),
                 false => Grouping::default(),
             },
+            repeats: Repeats::default(),
             seen: 0,
             current: None,
             last: None,
@@ -121,11 +116,13 @@ impl Gathering {
         }
     }
 
-    /// A row with gravity along `gravity`.
-    fn push(&mut self, row: Posture, gravity: [f64; 3]) {
+    /// A row with gravity along `gravity` and its deviation (1 where none is stated), m.
+    fn push(&mut self, row: Posture, gravity: [f64; 3], std: [f64; 2]) {
         let next = self.seen + usize::from(self.current.is_some());
-        let (posture, _) = self.numbers.of_row((row.pose, ""), &row.q, gravity);
-        let number = *posture.own.get_or_insert(next);
+        let (posture, _) = self.known.of_row((row.pose, ""), &row.q, gravity);
+        let (number, group) = &mut posture.own;
+        self.repeats.push(group, row.sum, std);
+        let number = *number.get_or_insert(next);
         if let Some(current) = self.current.as_mut().filter(|_| number == self.seen) {
             join(current, &row);
             return;
@@ -177,8 +174,7 @@ fn join(posture: &mut Posture, row: &Posture) {
     }
     for axis in 0..2 {
         posture.sum[axis] += row.sum[axis];
-        posture.squares[axis] += row.squares[axis];
-        posture.weight[axis] += row.weight[axis];
+        posture.variance[axis] += row.variance[axis];
     }
 }
 
@@ -186,18 +182,18 @@ fn join(posture: &mut Posture, row: &Posture) {
 #[derive(Debug, Clone)]
 pub struct Taking {
     pub options: Options,
-    /// Noise of one posture's reading on one axis, m, where the user says.
+    /// Standard deviation of a single reading on one axis, m, where the user says.
     pub noise: Option<f64>,
     /// Added to the noise in quadrature, m: encoder ticks.
     pub floor: f64,
 }
 
-impl Data {
+impl Postures {
     /// Read a log of readings on the model's support.
     ///
     /// # Errors
     /// As [`PostureReader`]; a log without a posture on that link.
-    pub fn read(path: &Path, model: &Model, taking: &Taking) -> Result<Data, Error> {
+    pub fn read(path: &Path, model: &Model, taking: &Taking) -> Result<Postures, Error> {
         let dofs = &model.tree.dofs;
         let mut reader = PostureReader::open(path, dofs, &taking.options)?;
         let support = &model.tree.links[model.tree.support].name;
@@ -220,21 +216,21 @@ impl Data {
                     continue;
                 }
                 let reading = block.reading.as_ref().map_or([0.0; 2], |all| all[k]);
-                let std = block.std.as_ref().map_or([0.0; 2], |all| all[k]);
+                let std = block.std.as_ref().map_or([1.0; 2], |all| all[k]);
+                let std = std.map(|s| s.max(LEAST_STD));
                 let gravity = block.gravity.as_ref().map_or(DOWN, |all| all[k]);
                 let row = Posture {
                     pose: block.pose[k],
                     rows: 1.0,
                     q: block.q[k * dof..(k + 1) * dof].to_vec(),
                     sum: reading,
-                    squares: reading.map(|x| x * x),
-                    weight: std.map(|s| s * s),
+                    variance: std.map(|s| s * s),
                     t: block.t.as_ref().map_or(0.0, |all| all[k]),
-                    tilt: [-gravity[0] / gravity[2], -gravity[1] / gravity[2]],
+                    tilt: rows::tilt(gravity),
                     before: None,
                     after: None,
                 };
-                gathering.push(row, gravity);
+                gathering.push(row, gravity, std);
             }
         }
         gathering.close();
@@ -245,12 +241,17 @@ impl Data {
             ];
             return Err(Error::log(path.display().to_string(), None, message));
         }
-        let mut data = Data::of(dof, &gathering, stated, timed, taking);
+        let single = (1.0 - reader.averaged()).sqrt();
+        let own = Taking {
+            noise: taking.noise.map(|noise| noise * single),
+            ..taking.clone()
+        };
+        let mut data = Postures::of(dof, &gathering, stated, timed, &own);
         data.cells = reader.sidecar.cells.clone().unwrap_or_default();
         data.raw_cells = raw;
         data.summary = reader.summary();
-        data.warnings = reader.warnings.clone();
-        let moved = gathering.numbers.moved();
+        data.warnings.splice(0..0, reader.warnings.iter().cloned());
+        let moved = gathering.known.moved();
         if moved > 0 {
             let file = path.display();
             data.warnings
@@ -267,7 +268,7 @@ impl Data {
     }
 
     /// Postures and readings of known noise (m, one axis), `floor` beside it.
-    pub fn given(dof: usize, q: &[f64], reading: &[f64], noise: f64, floor: f64) -> Data {
+    pub fn given(dof: usize, q: &[f64], reading: &[f64], noise: f64, floor: f64) -> Postures {
         let mut gathering = Gathering::new(false);
         for (k, (q, y)) in q.chunks_exact(dof).zip(reading.chunks_exact(2)).enumerate() {
             let row = Posture {
@@ -275,14 +276,13 @@ impl Data {
                 rows: 1.0,
                 q: q.to_vec(),
                 sum: [y[0], y[1]],
-                squares: [y[0] * y[0], y[1] * y[1]],
-                weight: [0.0; 2],
+                variance: [1.0; 2],
                 t: 0.0,
                 tilt: [0.0; 2],
                 before: None,
                 after: None,
             };
-            gathering.push(row, DOWN);
+            gathering.push(row, DOWN, [1.0; 2]);
         }
         gathering.close();
         let taking = Taking {
@@ -290,15 +290,21 @@ impl Data {
             noise: Some(noise),
             floor,
         };
-        Data::of(dof, &gathering, false, false, &taking)
+        Postures::of(dof, &gathering, false, false, &taking)
     }
 
-    fn of(dof: usize, gathering: &Gathering, stated: bool, timed: bool, taking: &Taking) -> Data {
+    fn of(
+        dof: usize,
+        gathering: &Gathering,
+        stated: bool,
+        timed: bool,
+        taking: &Taking,
+    ) -> Postures {
         let all = &gathering.kept;
-        let noise = Noise::of(all, stated, taking);
+        let noise = Noise::of(gathering, stated, taking.noise);
         let layout = Circumstances::with_joints(dof);
         let count = all.len();
-        let mut data = Data {
+        let mut data = Postures {
             pose: all.iter().map(|p| p.pose).collect(),
             q: Vec::with_capacity(count * dof),
             circumstances: vec![0.0; count * layout.len()],
@@ -313,7 +319,7 @@ impl Data {
             raw_cells: false,
             postures: gathering.seen,
             summary: None,
-            warnings: Vec::new(),
+            warnings: noise.warning.into_iter().map(Message::from).collect(),
         };
         for (k, posture) in all.iter().enumerate() {
             let q = posture.mean();
@@ -366,44 +372,48 @@ struct Noise {
     per_entry: Vec<[f64; 2]>,
     overall: f64,
     source: NoiseSource,
+    warning: Option<String>,
 }
 
 impl Noise {
-    fn of(all: &[Posture], stated: bool, taking: &Taking) -> Noise {
-        let constant = |std: f64, source| Noise {
-            per_entry: all.iter().map(|p| [std / p.rows.sqrt(); 2]).collect(),
-            overall: rms(all.iter().map(|p| std / p.rows.sqrt())),
-            source,
+    /// `given` is that of a row, m.
+    fn of(gathering: &Gathering, stated: bool, given: Option<f64>) -> Noise {
+        let all = &gathering.kept;
+        let rows: f64 = all.iter().map(|p| p.rows).sum();
+        let variance = || all.iter().flat_map(|p| p.variance).sum::<f64>();
+        let known = Known {
+            given,
+            stated: stated.then(|| (variance() / (2.0 * rows)).sqrt()),
+            repeats: gathering.repeats.pure(stated),
         };
-        if let Some(noise) = taking.noise {
-            return Noise {
-                per_entry: vec![[noise; 2]; all.len()],
-                overall: noise,
-                source: NoiseSource::Given,
-            };
-        }
-        if stated {
-            return Noise::stated(all);
-        }
-        let mut pure = (0.0, 0.0);
-        for posture in all.iter().filter(|p| p.rows > 1.0) {
-            for axis in 0..2 {
-                let mean = posture.sum[axis] / posture.rows;
-                pure.0 += (posture.squares[axis] - posture.rows * mean * mean).max(0.0);
-                pure.1 += posture.rows - 1.0;
-            }
-        }
-        match pure.1 >= 10.0 {
-            true => constant((pure.0 / pure.1).sqrt(), NoiseSource::Repeats),
+        let Some(noise) = noise::Noise::known(&known, None) else {
             // Filled in later from what is left over.
-            false => constant(f64::NAN, NoiseSource::Residuals),
+            return Noise {
+                per_entry: vec![[f64::NAN; 2]; all.len()],
+                overall: f64::NAN,
+                source: NoiseSource::Residuals,
+                warning: None,
+            };
+        };
+        let mut per_entry = match stated {
+            true => Noise::stated(all),
+            false => all.iter().map(|p| [1.0 / p.rows.sqrt(); 2]).collect(),
+        };
+        for entry in per_entry.iter_mut().flatten() {
+            *entry *= noise.sigma;
+        }
+        Noise {
+            overall: rms(per_entry.iter().flatten().copied()),
+            per_entry,
+            source: noise.source,
+            warning: noise.warning(),
         }
     }
 
     /// Deviations that are all about alike are estimates of the same number,
     /// and their mean square is a better one than each.
-    fn stated(all: &[Posture]) -> Noise {
-        let own = |p: &Posture, axis: usize| (p.weight[axis]).sqrt() / p.rows;
+    fn stated(all: &[Posture]) -> Vec<[f64; 2]> {
+        let own = |p: &Posture, axis: usize| p.variance[axis].sqrt() / p.rows;
         let mut per_entry: Vec<[f64; 2]> = all.iter().map(|p| [own(p, 0), own(p, 1)]).collect();
         for axis in 0..2 {
             let together = rms(per_entry.iter().map(|s| s[axis]));
@@ -412,11 +422,7 @@ impl Noise {
                 per_entry.iter_mut().for_each(|s| s[axis] = together);
             }
         }
-        Noise {
-            overall: rms(per_entry.iter().flatten().copied()),
-            per_entry,
-            source: NoiseSource::Stated,
-        }
+        per_entry
     }
 }
 

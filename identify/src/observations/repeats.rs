@@ -1,5 +1,4 @@
-//! The noise floor: from repeated readings, from stated deviations, or from
-//! what a fit leaves over; and whether a fit leaves more than noise.
+//! Repeated readings of postures, and whether a fit leaves more than they scatter.
 //!
 //! ```text
 //! pure error     SS_pe = Σ_groups Σ (y − ȳ_group)²       df_pe = Σ (n_group − 1)
@@ -11,15 +10,16 @@ use statrs::distribution::{ChiSquared, ContinuousCDF as _, FisherSnedecor};
 
 /// Repeated readings of postures, summed as they come.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct Replicates {
+pub struct Repeats {
     /// Σ over groups and axes of squared distances from the group's mean, m².
     pub sum: f64,
     /// The same in units of each row's stated variance.
     pub weighted_sum: f64,
     /// Degrees of freedom, both axes.
     pub df: u64,
-    /// Postures: groups of rows.
-    pub groups: u64,
+    /// Groups of rows.
+    #[serde(rename = "groups")]
+    pub postures: u64,
 }
 
 /// Readings of one posture so far.
@@ -33,11 +33,11 @@ pub struct Group {
     weight: [f64; 2],
 }
 
-impl Replicates {
+impl Repeats {
     /// A row of `group` with its reading and, where stated, its deviation (1 elsewhere), m.
     pub fn push(&mut self, group: &mut Group, reading: [f64; 2], std: [f64; 2]) {
         match group.count {
-            0.0 => self.groups += 1,
+            0.0 => self.postures += 1,
             _ => self.df += 2,
         }
         // Welford: sums of squares about a mean that moves. Nothing is added to
@@ -56,11 +56,18 @@ impl Replicates {
     }
 
     /// Add what another part of the data gathered.
-    pub fn merge(&mut self, other: &Replicates) {
+    pub fn merge(&mut self, other: &Repeats) {
         self.sum += other.sum;
         self.weighted_sum += other.weighted_sum;
         self.df += other.df;
-        self.groups += other.groups;
+        self.postures += other.postures;
+    }
+
+    /// Sum of squares about the means, in units of stated variances where those are
+    /// meant (m² else), and its degrees of freedom.
+    pub fn pure(&self, stated: bool) -> (f64, u64) {
+        let sum = if stated { self.weighted_sum } else { self.sum };
+        (sum, self.df)
     }
 
     /// Standard deviation of a reading on one axis, m; `None` without repeats.
@@ -83,8 +90,8 @@ pub struct LackOfFit {
 }
 
 /// F test against repeated readings: sums of squares in the same units.
-pub fn lack_of_fit(residual_sum: f64, df: f64, replicates: (f64, u64)) -> Option<LackOfFit> {
-    let (pure, df_pure) = (replicates.0, replicates.1 as f64);
+pub fn lack_of_fit(residual_sum: f64, df: f64, repeats: (f64, u64)) -> Option<LackOfFit> {
+    let (pure, df_pure) = (repeats.0, repeats.1 as f64);
     let df_rest = df - df_pure;
     if !(df_pure >= 1.0 && df_rest >= 1.0 && pure > 0.0) {
         return None;
@@ -119,23 +126,23 @@ mod tests {
         // About their means 1, −1 and 2, −2 on x, nothing on y.
         let rows = [(0, 5.0), (1, 0.0), (2, 100.0), (0, 3.0), (1, 4.0)];
         let mut groups = vec![Group::default(); 3];
-        let mut replicates = Replicates::default();
+        let mut repeats = Repeats::default();
         for (group, x) in rows {
-            replicates.push(&mut groups[group], [x, 7.0], [1.0, 1.0]);
+            repeats.push(&mut groups[group], [x, 7.0], [1.0, 1.0]);
         }
-        assert_eq!(replicates.groups, 3);
-        assert_eq!(replicates.df, 4);
-        assert!((replicates.sum - 10.0).abs() < 1e-12);
-        assert!((replicates.weighted_sum - 10.0).abs() < 1e-12);
-        assert!((replicates.deviation().unwrap() - 2.5_f64.sqrt()).abs() < 1e-12);
+        assert_eq!(repeats.postures, 3);
+        assert_eq!(repeats.df, 4);
+        assert!((repeats.sum - 10.0).abs() < 1e-12);
+        assert!((repeats.weighted_sum - 10.0).abs() < 1e-12);
+        assert!((repeats.deviation().unwrap() - 2.5_f64.sqrt()).abs() < 1e-12);
     }
 
     /// Σ w (y − ȳ)² with ȳ = Σ w y / Σ w.
     #[test]
     fn readings_count_by_their_stated_variances() {
-        let (mut group, mut replicates) = (Group::default(), Replicates::default());
+        let (mut group, mut repeats) = (Group::default(), Repeats::default());
         for (x, std) in [(1.0, 0.5), (4.0, 1.0), (2.0, 2.0)] {
-            replicates.push(&mut group, [x, 0.0], [std, 1.0]);
+            repeats.push(&mut group, [x, 0.0], [std, 1.0]);
         }
         // Weights 4, 1, 1/4; mean 34/21.
         let mean = 34.0 / 21.0;
@@ -143,7 +150,7 @@ mod tests {
             .map(|(x, w): (f64, f64)| w * (x - mean).powi(2))
             .iter()
             .sum();
-        assert!((replicates.weighted_sum - sum).abs() < 1e-12);
+        assert!((repeats.weighted_sum - sum).abs() < 1e-12);
     }
 
     /// Critical values from tables: F(0.95; 5, 10) = 3.3258, χ²(0.95; 10) = 18.307.

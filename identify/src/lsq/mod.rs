@@ -1,0 +1,27 @@
+//! Least squares, for fits, plans and diagnoses alike.
+//!
+//! ```text
+//! min ‖Φ r − y‖²                     rows in bounded memory         factor, solve
+//! … with u ≥ 0, E v = e, G v ≤ h     masses that can exist          non_negative, inequality
+//! … of a nonlinear model             effects                        damped
+//! ```
+
+pub mod damped;
+pub mod factor;
+pub mod inequality;
+mod non_negative;
+pub mod solve;
+
+use nalgebra::{Cholesky, DMatrix, Dyn};
+
+/// What is added to the diagonal of normal equations, relative and absolute: columns
+/// that copy each other then share what one of them would take.
+const RIDGE: (f64, f64) = (1e-9, 1e-12);
+
+/// Factor of normal equations of whitened columns; `None` where they are not finite.
+pub fn factor_normal(mut normal: DMatrix<f64>) -> Option<Cholesky<f64, Dyn>> {
+    for k in 0..normal.nrows() {
+        normal[(k, k)] = normal[(k, k)] * (1.0 + RIDGE.0) + RIDGE.1;
+    }
+    normal.cholesky()
+}

@@ -1,0 +1,245 @@
+//! How large the noise of a reading is, where that comes from, and how well it
+//! is known.
+//!
+//! ```text
+//! s² = RSS / df                  where the F test finds no more in it than in repeats
+//! s² = SS_pe / df_pe             where it does
+//! interval of 95 %               ± t_{0.975}(df of s) s √C = ± 1.96 σ √C,  σ = w(df) s
+//! ```
+//!
+//! A noise from few repeats is itself uncertain. Deviations of parameters are
+//! widened by `w`, so that ± 1.96 of them hold the truth as often as they say.
+
+use statrs::distribution::{ContinuousCDF as _, Normal, StudentsT};
+
+use serde::Serialize;
+
+use super::repeats::{self, LackOfFit};
+
+/// Stated deviations below this are taken for it, m: a row that weighs more would
+/// drown all others in rounding.
+pub const LEAST_STD: f64 = 1e-9;
+/// A model that leaves more than noise with less than this chance is said to.
+pub const UNLIKELY: f64 = 1e-3;
+/// A noise of zero would leave nothing to weigh a prior against, m.
+const LEAST_NOISE: f64 = 1e-9;
+/// Rows beyond the rank without which residuals say nothing of noise.
+const FEWEST: f64 = 5.0;
+/// Degrees of freedom of repeats without which residuals say more of noise.
+const REPEATS: u64 = 10;
+
+/// What a fit without prior leaves over.
+#[derive(Debug, Clone, Copy)]
+pub struct Leftover {
+    /// Σ of squared residuals, in units of the rows' deviations (m² where none are stated).
+    pub sum: f64,
+    /// Its degrees of freedom.
+    pub df: f64,
+    /// RMS of what CAD leaves, in the unit of `sum`'s root.
+    pub of_cad: f64,
+}
+
+/// Where the size of the noise comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+#[non_exhaustive]
+pub enum NoiseSource {
+    /// Given by the user.
+    Given,
+    /// Columns of standard deviations.
+    Stated,
+    /// Repeated readings, with what a fit leaves where that is of one size with them.
+    Repeats,
+    /// What a fit with free masses leaves.
+    Residuals,
+    /// CAD's prediction is all there is: too few rows.
+    Unknown,
+}
+
+impl NoiseSource {
+    /// As reports say it.
+    pub fn phrase(self) -> &'static str {
+        match self {
+            NoiseSource::Given => "as given",
+            NoiseSource::Stated => "as the log states",
+            NoiseSource::Repeats => "from repeated readings",
+            NoiseSource::Residuals => "from what a fit without prior leaves",
+            NoiseSource::Unknown => "not known",
+        }
+    }
+}
+
+/// What is known of the noise of a row before anything is fitted.
+#[derive(Debug, Clone, Copy)]
+pub struct Known {
+    /// By the user, m.
+    pub given: Option<f64>,
+    /// RMS of stated deviations over rows and axes, m.
+    pub stated: Option<f64>,
+    /// Sum of squares about the means of repeats, in units of stated variances (m²
+    /// where none are stated), and its degrees of freedom.
+    pub repeats: (f64, u64),
+}
+
+/// The noise of a row.
+#[derive(Debug, Clone, Copy)]
+pub struct Noise {
+    /// In units of stated deviations; m where none are stated.
+    pub sigma: f64,
+    /// RMS over rows and axes, m.
+    pub floor: f64,
+    pub source: NoiseSource,
+    /// Degrees of freedom that it was estimated with; infinite where it was stated.
+    pub df: f64,
+    /// How many times the stated noise repeated readings scatter, where that is no chance.
+    pub understated: f64,
+}
+
+impl Noise {
+    fn new(seen: f64, df: f64, source: NoiseSource) -> Noise {
+        Noise {
+            sigma: seen,
+            floor: seen,
+            source,
+            df,
+            understated: 1.0,
+        }
+    }
+
+    /// Given, stated or repeated, in this order; larger where repeats scatter more and
+    /// that is no chance. `None` where nothing is known. `left` is what a fit leaves,
+    /// if there is one whose residuals may count as repeats.
+    pub fn known(known: &Known, left: Option<Leftover>) -> Option<Noise> {
+        let Known {
+            given,
+            stated,
+            repeats,
+        } = *known;
+        match (given, stated) {
+            // A given noise rescales what rows state of themselves.
+            (Some(given), stated) => Some(Noise {
+                sigma: given / stated.unwrap_or(1.0),
+                ..Noise::new(given, f64::INFINITY, NoiseSource::Given)
+            }),
+            (None, Some(stated)) => Some(Noise {
+                sigma: 1.0,
+                ..Noise::new(stated, f64::INFINITY, NoiseSource::Stated)
+            }),
+            (None, None) if repeats.1 >= REPEATS && repeats.0 > 0.0 => {
+                let (square, df) = pooled(repeats, left);
+                return Some(Noise::new(square.sqrt(), df, NoiseSource::Repeats));
+            }
+            (None, None) => None,
+        }
+        .map(|noise| noise.unless_repeats_scatter_more(repeats, left))
+    }
+
+    /// From what a fit leaves, or from what CAD leaves where a fit of few rows leaves
+    /// nothing.
+    pub fn left_over(left: Leftover) -> Noise {
+        match left.df >= FEWEST && left.sum > 0.0 {
+            true => Noise::new((left.sum / left.df).sqrt(), left.df, NoiseSource::Residuals),
+            false => Noise::new(
+                left.of_cad.max(LEAST_NOISE),
+                f64::INFINITY,
+                NoiseSource::Unknown,
+            ),
+        }
+    }
+
+    /// The noise that repeats show, where it is larger than this one and that is no chance.
+    fn unless_repeats_scatter_more(self, (pure, df): (f64, u64), left: Option<Leftover>) -> Noise {
+        let unit = self.sigma * self.sigma;
+        let test = repeats::excess(pure / unit, df as f64);
+        if test.is_none_or(|test| test.p_value >= UNLIKELY || test.ratio <= 1.0) {
+            return self;
+        }
+        let (square, df) = pooled((pure, df), left);
+        let understated = (square / unit).sqrt().max(1.0);
+        Noise {
+            sigma: self.sigma * understated,
+            floor: self.floor * understated,
+            source: NoiseSource::Repeats,
+            df,
+            understated,
+        }
+    }
+
+    /// That repeats scatter more than is stated, if they do.
+    pub fn warning(&self) -> Option<String> {
+        let times = self.understated;
+        (times > 1.0).then(|| {
+            format!("repeated readings scatter {times:.1} times as much as is stated; the scatter is taken")
+        })
+    }
+
+    /// Does the fit leave more than this noise?
+    pub fn lack_of_fit(&self, repeats: (f64, u64), left: Leftover) -> Option<LackOfFit> {
+        let by_repeats = repeats::lack_of_fit(left.sum, left.df, repeats);
+        match self.source {
+            NoiseSource::Residuals | NoiseSource::Unknown => None,
+            NoiseSource::Repeats => by_repeats,
+            // Repeats know better than a statement; without them the statement is all.
+            NoiseSource::Given | NoiseSource::Stated => {
+                by_repeats.or_else(|| repeats::excess(left.sum / self.sigma.powi(2), left.df))
+            }
+        }
+    }
+}
+
+/// Mean square of repeats and residuals together, unless they are not of one size:
+/// then of repeats alone. With its degrees of freedom.
+fn pooled(repeats: (f64, u64), left: Option<Leftover>) -> (f64, f64) {
+    let alike = |left: &Leftover| {
+        let test = repeats::lack_of_fit(left.sum, left.df, repeats);
+        test.is_some_and(|test| (UNLIKELY..=1.0 - UNLIKELY).contains(&test.p_value))
+    };
+    match left.filter(alike) {
+        Some(left) => (left.sum / left.df, left.df),
+        None => (repeats.0 / repeats.1 as f64, repeats.1 as f64),
+    }
+}
+
+/// How many times wider than normal 95 % intervals those are whose noise was
+/// estimated with `df` degrees of freedom.
+pub fn widening(df: f64) -> f64 {
+    const UPPER: f64 = 0.975;
+    let normal = Normal::standard().inverse_cdf(UPPER);
+    match StudentsT::new(0.0, 1.0, df) {
+        Ok(t) if df < 1e6 => t.inverse_cdf(UPPER) / normal,
+        _ => 1.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// t(0.975) from tables: 2.571, 2.179, 1.984 with 5, 12, 100 degrees of freedom.
+    #[test]
+    fn intervals_are_wider_by_students_t() {
+        for (df, t) in [(5.0, 2.5706), (12.0, 2.1788), (100.0, 1.9840)] {
+            assert!((1.959_964 * widening(df) - t).abs() < 1e-4, "{df}");
+        }
+        assert_eq!(widening(f64::INFINITY), 1.0);
+    }
+
+    #[test]
+    fn repeats_and_residuals_are_one_noise_where_they_are_of_one_size() {
+        let left = |sum: f64| {
+            Some(Leftover {
+                sum,
+                df: 42.0,
+                of_cad: 1.0,
+            })
+        };
+        // 12 of repeats at 2.0 each, 30 others at 2.2 each.
+        let (square, df) = pooled((24.0, 12), left(24.0 + 66.0));
+        assert_eq!((square, df), (90.0 / 42.0, 42.0));
+        // Others at 60 each, and at 0.02: repeats alone.
+        for others in [1800.0, 0.6] {
+            assert_eq!(pooled((24.0, 12), left(24.0 + others)), (2.0, 12.0));
+        }
+        assert_eq!(pooled((24.0, 12), None), (2.0, 12.0));
+    }
+}
