@@ -2,6 +2,7 @@
 
 use super::hypothesis::Term;
 
+use super::criteria;
 use super::findings::{
     About, Blind, Diagnosis, Found, Gap, Last, Leftover, Member, NextPostures, Quantity, Step,
     Verdict,
@@ -14,32 +15,6 @@ use super::problem::{Fit, Problem};
 use super::search::{Search, Watch};
 use super::words;
 use crate::observations::noise::NoiseSource;
-
-/// Scores that differ by less are not told apart: odds of 150 to 1. The truth lies
-/// within this of the best in 97 of 100 logs.
-pub const BRACKET: f64 = 10.0;
-/// By how much an explanation has to beat that nothing is missing: logs without
-/// any effect, 2 of 300 without this.
-const CLEAR: f64 = 4.0;
-/// More effects that are this little worse are as good.
-const EVEN: f64 = 3.0;
-/// So many effects at once are less likely than one that is not known here.
-const CROWD: usize = 4;
-/// Outliers are at most this part of the postures.
-const FEW: f64 = 0.2;
-/// Offsets that show only from here on, rad (m), are worth a warning.
-const BLIND_RAD: f64 = 0.1;
-/// Single effects that a formula is tried beside.
-const SINGLES: usize = 3;
-/// A formula has to be better than effects by this much: its library is larger
-/// than its price says.
-const MARGIN: f64 = 20.0;
-/// What is worse than the best by more is not brought back by further logs.
-const JUDGED: f64 = 2.0 * BRACKET;
-/// Explanations that are listed, at most.
-const LISTED: usize = 24;
-/// χ² at which an effect is reliably seen.
-const SEEN: f64 = 60.0;
 
 pub fn diagnose(problem: &mut Problem, about: &About, watch: Watch) -> Found {
     diagnose_all(problem, &[], about, watch)
@@ -59,18 +34,18 @@ pub fn diagnose_all(
     let mut ranked = judged(&search, ranked, further);
     // Something is missing only if that is clearly better than nothing missing.
     let nothing = further::together(search.problem(), search.fit(&[], None), further);
-    if nothing.score() < ranked[0].score() + CLEAR {
+    if nothing.score() < ranked[0].score() + criteria::OVER_NOTHING {
         ranked = vec![nothing];
     }
     let best = ranked[0].clone();
-    ranked.retain(|fit| fit.score() <= best.score() + BRACKET);
+    ranked.retain(|fit| fit.score() <= best.score() + criteria::CLASS_SCORE);
     let mut class = class(&best, ranked);
     let problem = search.problem();
     let excess = Excess::of(problem, &best);
     let (best, formula) = with_formula(excess, best, &mut search, further);
     // Noise that was taken from what is left over cannot say that too much is left.
     let known = problem.data.noise_source != NoiseSource::Residuals;
-    let crowd = best.terms.len() >= CROWD;
+    let crowd = best.terms.len() >= criteria::TOO_MANY_EFFECTS;
     let unexplained = known && excess.is_clear() || formula.is_some() || crowd;
     let problem = search.problem();
     if unexplained {
@@ -153,8 +128,8 @@ fn judged(search: &Search, mut ranked: Vec<Fit>, further: &[Further]) -> Vec<Fit
         return ranked;
     }
     let best = ranked[0].score();
-    ranked.retain(|fit| fit.score() <= best + JUDGED);
-    ranked.truncate(LISTED);
+    ranked.retain(|fit| fit.score() <= best + criteria::JUDGED_SCORE);
+    ranked.truncate(criteria::LISTED);
     let together = |fit| further::together(search.problem(), fit, further);
     let mut ranked: Vec<Fit> = ranked.into_iter().map(together).collect();
     ranked.sort_by(|a, b| a.score().total_cmp(&b.score()));
@@ -170,20 +145,22 @@ fn class(best: &Fit, near: Vec<Fit>) -> Vec<Fit> {
         let adds = |other: &Fit| {
             let all = other.terms.iter().all(|i| fit.terms.contains(i));
             let behind = fit.score() - other.score();
-            all && other.terms.len() < fit.terms.len() && behind > EVEN
+            all && other.terms.len() < fit.terms.len() && behind > criteria::ADDED_EFFECT
         };
         if !same && !fit.terms.is_empty() && !class.iter().any(adds) && !best.terms.is_empty() {
             class.push(fit);
         }
     }
-    class.truncate(LISTED);
+    class.truncate(criteria::LISTED);
     class
 }
 
 /// Outliers are a few: where more postures are odd, it is the rule that is odd.
 fn too_many_outliers(fit: &Fit) -> bool {
     let share = |o: &Outliers| o.named().len() as f64 / o.chance.len() as f64;
-    fit.outliers.as_ref().is_some_and(|o| share(o) > FEW)
+    fit.outliers
+        .as_ref()
+        .is_some_and(|o| share(o) > criteria::OUTLIER_SHARE)
 }
 
 /// A short formula that explains the gap better than any effects do, with the
@@ -195,7 +172,7 @@ fn with_formula(
     search: &mut Search,
     further: &[Further],
 ) -> (Fit, Option<Formula>) {
-    let crowd = best.terms.len() > 2 || best.outliers.is_some();
+    let crowd = best.terms.len() > criteria::FORMULA_EFFECTS || best.outliers.is_some();
     if !(excess.is_clear() || crowd) {
         return (best, None);
     }
@@ -204,7 +181,7 @@ fn with_formula(
     let singles = ranked
         .iter()
         .filter(|fit| fit.terms.len() == 1 && fit.outliers.is_none());
-    let singles: Vec<Fit> = singles.take(SINGLES).cloned().collect();
+    let singles: Vec<Fit> = singles.take(criteria::FORMULA_BESIDE).cloned().collect();
     let problem = search.problem();
     let alone = [null].into_iter().chain(singles);
     let together = alone.map(|fit| further::together(problem, fit, further));
@@ -216,7 +193,8 @@ fn with_formula(
     let found = formulas.min_by(|a, b| a.1.score.total_cmp(&b.1.score));
     match found {
         Some((fit, formula))
-            if formula.is_worth_telling() && formula.score < best.score() - MARGIN =>
+            if formula.is_worth_telling()
+                && formula.score < best.score() - criteria::FORMULA_SCORE =>
         {
             (fit, Some(formula))
         }
@@ -375,9 +353,9 @@ fn blind_spots(problem: &Problem, visible: &[(Term, f64)]) -> Vec<Blind> {
             continue;
         }
         let scales = term.scales(context);
-        let from = scales[0] * (SEEN / chi2.max(1e-9)).sqrt();
+        let from = scales[0] * (criteria::VISIBLE / chi2.max(1e-9)).sqrt();
         // What everybody would notice without a tool is no blind spot.
-        if from < BLIND_RAD {
+        if from < criteria::WORTH_TELLING {
             continue;
         }
         let values = term.values(context, &[from]);

@@ -10,12 +10,10 @@
 use nalgebra::{DMatrix, DVector};
 use sesc_model::effects::Circumstances;
 
+use super::criteria;
 use super::hypothesis::{Term, effect_terms};
 use super::problem::{Fit, Problem};
 use crate::lsq::factor_normal;
-
-/// Columns that others copy to this share of their square are the others.
-const COPIED: f64 = 1e-5;
 
 pub struct Dictionary {
     pub candidates: Vec<Candidate>,
@@ -160,7 +158,7 @@ impl Dictionary {
                 .into_owned();
             let mut safe = aa.clone();
             for k in 0..first.count {
-                safe[(k, k)] = safe[(k, k)] * (1.0 + COPIED) + 1e-12;
+                safe[(k, k)] = safe[(k, k)] * (1.0 + criteria::COPIED) + 1e-12;
             }
             let Some(factor) = safe.cholesky() else {
                 continue;
@@ -186,7 +184,7 @@ impl Dictionary {
 /// `bᵀ A⁻¹ b`, directions that others have copied (measured by `whole`) left out.
 fn gain(mut a: DMatrix<f64>, b: &DVector<f64>, whole: &[f64]) -> f64 {
     for (k, whole) in whole.iter().enumerate() {
-        a[(k, k)] += COPIED * whole + 1e-12;
+        a[(k, k)] += criteria::COPIED * whole + 1e-12;
     }
     match a.cholesky() {
         Some(factor) => b.dot(&factor.solve(b)).max(0.0),

@@ -14,11 +14,9 @@ use sesc_model::effects::{
 };
 use sesc_model::{Function, Model};
 
+use super::criteria;
 use super::problem::{Fit, Problem};
 use crate::evaluate::Evaluator;
-
-/// A known weight to carry, as a part of the robot's mass.
-const WEIGHT: f64 = 0.1;
 
 /// The experiment of this name whose log says all that there is to know of it: not
 /// the size of a weight, nor from where a posture was approached.
@@ -137,7 +135,7 @@ impl Trial<'_, '_> {
             let old = left.len() - 2 * n;
             for (k, by) in by_posture.iter_mut().enumerate() {
                 let own = left[old + 2 * k].powi(2) + left[old + 2 * k + 1].powi(2);
-                *by += own.min(4.0);
+                *by += own.min(criteria::TOLD_BY_ONE);
             }
             left.norm_squared() + self.by_weight(truth, other)
         };
@@ -218,7 +216,7 @@ impl Trial<'_, '_> {
 
     fn carry(&self, terms: &mut Vec<Term>, unknowns: &mut Vec<f64>) {
         let context = &self.there.context;
-        let (mass, arm) = (WEIGHT * context.mass(), 0.3 * context.height());
+        let (mass, arm) = (criteria::CARRIED_SHARE * context.mass(), 0.3 * context.height());
         if let Some((weight, own)) = known_weight(context, mass, arm) {
             terms.push(Term::Effect(weight));
             unknowns.extend(own);

@@ -3,11 +3,9 @@
 use super::hypothesis::Term;
 use nalgebra::DVector;
 
+use super::criteria;
 use super::problem::{Fit, Problem, Rows};
 use crate::observations::postures::rms;
-
-/// Parts that a log is dealt into.
-const FOLDS: usize = 20;
 
 /// Errors of predicted readings, m; outliers, and postures that a dead band
 /// leaves on the side that gravity does not favour, are counted apart.
@@ -30,10 +28,10 @@ pub fn cross_validate(problem: &Problem, whole: &Fit) -> HeldOut {
     if whole.terms.is_empty() && problem.nuisance.is_negligible() {
         return of_errors(errors_of(problem, whole, None), &apart);
     }
-    let folds = FOLDS.min(n);
+    let folds = criteria::FOLDS.min(n);
     let mut errors = vec![f64::NAN; 2 * n];
     for fold in 0..folds {
-        // Neighbours in a log are alike: every `FOLDS`-th posture is left out.
+        // Neighbours in a log are alike: every 20th posture is left out.
         let keep: Vec<bool> = (0..n).map(|k| k % folds != fold).collect();
         let rows = Rows { keep: Some(&keep) };
         let fit = problem.fit(&whole.terms, Some(&whole.unknowns), rows);

@@ -10,19 +10,9 @@
 use nalgebra::{DMatrix, DVector};
 use sesc_model::effects::Circumstances;
 
-use super::held_out;
 use super::problem::{Fit, Problem};
+use super::{criteria, held_out};
 use crate::lsq::factor_normal;
-
-/// Beyond this many standard deviations of χ² noise does not explain the rest.
-const CLEARLY: f64 = 4.0;
-/// Nor does it if χ² is not larger than expected by this factor: noise is not
-/// known better.
-const RATIO: f64 = 1.15;
-/// Terms of a formula, at most.
-const TERMS: usize = 3;
-/// A formula is worth telling if it explains this much of the excess.
-const WORTH: f64 = 0.6;
 
 /// χ² of what is left against what noise leaves.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,7 +48,8 @@ impl Excess {
     }
 
     pub fn is_clear(self) -> bool {
-        self.deviations() > CLEARLY && self.chi2 > RATIO * self.expected
+        self.deviations() > criteria::LEFTOVER_DEVIATIONS
+            && self.chi2 > criteria::LEFTOVER_RATIO * self.expected
     }
 }
 
@@ -81,7 +72,7 @@ pub struct Formula {
 
 impl Formula {
     pub fn is_worth_telling(&self) -> bool {
-        !self.terms.is_empty() && self.share > WORTH
+        !self.terms.is_empty() && self.share > criteria::FORMULA_SHARE
     }
 
     /// `x: 2.98 mm sin(3 r_knee), y: …`
@@ -121,7 +112,7 @@ pub fn formula(problem: &Problem, fit: &Fit) -> Formula {
     let mut chosen: Vec<usize> = Vec::new();
     let mut weights = DVector::zeros(0);
     let mut left = target.clone();
-    while chosen.len() < TERMS {
+    while chosen.len() < criteria::FORMULA_TERMS {
         // The function most like what is left, on both axes together.
         let worth = |f: &[f64]| {
             (0..2)

@@ -5,6 +5,7 @@
 //! ```
 
 pub mod corrected_urdf;
+pub mod criteria;
 pub mod diagnosis;
 mod dictionary;
 pub mod experiment;

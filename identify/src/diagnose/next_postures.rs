@@ -7,6 +7,7 @@ use serde::Serialize;
 use sesc_model::effects::{Carry, Circumstances, EffectContext, Experiment};
 use sesc_model::{Model, Snapping};
 
+use super::criteria::{self, NEXT_POSTURES};
 use super::experiment::{Postures, Trial};
 use super::findings::Found;
 use super::hypothesis::Term;
@@ -19,19 +20,6 @@ use crate::plan::geometry::Geometry;
 use crate::plan::limits::Limits;
 use crate::plan::order;
 use crate::robot::Robot;
-
-/// χ² from which two explanations are told apart in nine of ten logs: what noise
-/// leaves of it, `S − 1.28 · 2 √S`, is then beyond the bracket of a class.
-pub const TOLD: f64 = 22.0;
-/// Candidate postures, and how many an experiment asks for.
-const CANDIDATES: usize = 300;
-pub const POSTURES: usize = 40;
-/// Joints may go this much beyond what the log shows, as a part of it.
-const BEYOND: f64 = 0.5;
-/// Least half width of the box of CoP, m.
-const BOX: f64 = 0.02;
-/// Distance to the ground of everything but the foot, m.
-const CLEARANCE: f64 = 0.005;
 
 /// One experiment and what it would do to the class.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -129,7 +117,7 @@ pub fn next(
             p.separations
                 .iter()
                 .copied()
-                .filter(|s| *s > TOLD)
+                .filter(|s| *s > criteria::TOLD_APART)
                 .fold(f64::INFINITY, f64::min)
         };
         let (a, b) = (&a.proposal, &b.proposal);
@@ -157,10 +145,10 @@ fn makes_sense(experiment: Experiment, problem: &Problem, found: &Found) -> bool
 fn proposal(experiment: Experiment, support: &str, separations: Vec<f64>) -> Proposal {
     let what = match experiment {
         Experiment::Postures => {
-            format!("{POSTURES} new postures on {support}, deeper and more varied")
+            format!("{NEXT_POSTURES} new postures on {support}, deeper and more varied")
         }
         Experiment::Turned => "postures after turning the robot by 180° on the floor".into(),
-        Experiment::OtherFoot => format!("{POSTURES} postures on the other foot, {support}"),
+        Experiment::OtherFoot => format!("{NEXT_POSTURES} postures on the other foot, {support}"),
         Experiment::KnownWeight => {
             "the same postures with a known weight on the trunk, a tenth of the robot's".into()
         }
@@ -172,7 +160,10 @@ fn proposal(experiment: Experiment, support: &str, separations: Vec<f64>) -> Pro
     };
     Proposal {
         what,
-        splits: separations.iter().filter(|s| **s > TOLD).count(),
+        splits: separations
+            .iter()
+            .filter(|s| **s > criteria::TOLD_APART)
+            .count(),
         separations,
     }
 }
@@ -232,7 +223,7 @@ fn with_postures(
     let (_, by_posture) = trial.separations(truth, others);
     let mut best: Vec<usize> = (0..by_posture.len()).collect();
     best.sort_by(|a, b| by_posture[*b].total_cmp(&by_posture[*a]));
-    best.truncate(POSTURES);
+    best.truncate(NEXT_POSTURES);
     let chosen: Vec<f64> = best
         .iter()
         .flat_map(|&k| q[k * dof..(k + 1) * dof].iter().copied())
@@ -265,17 +256,19 @@ fn candidates(
         let values = problem.data.q.iter().skip(joint).step_by(dof);
         let low = values.clone().copied().fold(f64::INFINITY, f64::min);
         let high = values.copied().fold(f64::NEG_INFINITY, f64::max);
-        let room = BEYOND * (high - low);
+        let room = criteria::BEYOND_LOG * (high - low);
         let narrowed = (range.0.max(low - room), range.1.min(high + room));
         if narrowed.0 < narrowed.1 {
             *range = narrowed;
         }
     }
     let far = problem.data.reading.iter().map(|x| x.abs());
-    let half = far.fold(BOX, f64::max).min(0.1);
+    let half = far
+        .fold(criteria::COP_BOX_M.0, f64::max)
+        .min(criteria::COP_BOX_M.1);
     let region = Region::square(half, 0.0).ok()?;
     let geometry = Geometry::read(robot.text(), folder);
-    let clearance = Clearance::new(model, &geometry, CLEARANCE);
+    let clearance = Clearance::new(model, &geometry, criteria::CLEARANCE_M);
     let uncertainty = DMatrix::zeros(model.base.params.len(), 0);
     #[cfg(feature = "collision")]
     let collisions = crate::plan::collision::Collisions::new(model, &geometry, &limits.rest());
@@ -289,8 +282,8 @@ fn candidates(
         collisions: &collisions,
     };
     let mut sampler = Sampler::new(model, demands, 1);
-    let q = sampler.sample(CANDIDATES, 20 * CANDIDATES, |_| ());
-    (q.len() >= POSTURES * dof).then_some(q)
+    let q = sampler.sample(criteria::CANDIDATES, 20 * criteria::CANDIDATES, |_| ());
+    (q.len() >= NEXT_POSTURES * dof).then_some(q)
 }
 
 /// The robot on its other foot: the link of the mirrored name.

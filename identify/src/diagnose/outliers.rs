@@ -6,11 +6,7 @@
 
 use nalgebra::DVector;
 
-/// No more postures than this can be outliers: beyond, it is the rule.
-const LARGEST_SHARE: f64 = 0.25;
-/// Outliers at least this much wider than noise.
-const LEAST_WIDTH: f64 = 3.0;
-const WIDEST: f64 = 1e3;
+use super::criteria;
 
 #[derive(Debug, Clone)]
 pub struct Outliers {
@@ -40,13 +36,13 @@ impl Outliers {
             };
             let sum = all(&|k| found.chance[k]);
             let spread = all(&|k| found.chance[k] * squares[k]);
-            found.share = (sum / count).clamp(1e-4, LARGEST_SHARE);
+            found.share = (sum / count).clamp(1e-4, criteria::LARGEST_OUTLIER_SHARE);
             let width = if sum > 1e-9 {
                 (spread / (2.0 * sum)).sqrt()
             } else {
-                LEAST_WIDTH
+                criteria::OUTLIER_WIDTH.0
             };
-            found.width = width.clamp(LEAST_WIDTH, WIDEST);
+            found.width = width.clamp(criteria::OUTLIER_WIDTH.0, criteria::OUTLIER_WIDTH.1);
         }
         found.judge(&squares);
         found
@@ -94,7 +90,7 @@ impl Outliers {
     /// Postures that are rather outliers than not.
     pub fn named(&self) -> Vec<usize> {
         (0..self.chance.len())
-            .filter(|&k| self.chance[k] > 0.5)
+            .filter(|&k| self.chance[k] > criteria::OUTLIER_CHANCE)
             .collect()
     }
 }

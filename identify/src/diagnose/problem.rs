@@ -11,6 +11,7 @@ use sesc_model::effects::{self, Circumstances, EffectContext, EffectId, Instance
 use sesc_model::tape::{Tape, Values};
 use sesc_model::{Function, Model};
 
+use super::criteria;
 use super::hypothesis::{self, Term, effects_of};
 use super::nuisance::Nuisance;
 use super::outliers::Outliers;
@@ -23,9 +24,6 @@ use crate::observations::postures::Postures;
 use crate::observations::rows::CopRows;
 
 pub(super) use fitting::State;
-
-/// χ² at which an effect is reliably seen.
-const VISIBLE: f64 = 60.0;
 
 /// A log, the robot, and what is believed of its masses.
 pub struct Problem<'m> {
@@ -206,7 +204,8 @@ impl<'m> Problem<'m> {
     /// large. Weights of one effect sum to one, so false alarms stay as rare as
     /// with even weights.
     pub fn weigh_targets(&mut self, visible: &[(Term, f64)]) {
-        let chance = |chi2: f64| 0.02 + (1.0 + chi2 / VISIBLE).ln();
+        let chance =
+            |chi2: f64| criteria::UNSEEN_CHANCE + (1.0 + chi2 / criteria::VISIBLE).ln();
         let mut sums: HashMap<&str, f64> = HashMap::new();
         for (term, chi2) in visible {
             *sums.entry(term.name()).or_default() += chance(*chi2);

@@ -9,28 +9,12 @@ use std::collections::{BTreeMap, HashMap};
 
 use sesc_model::effects::{Stage, Target};
 
+use super::criteria;
 use super::dictionary::Dictionary;
 use super::hypothesis::{Term, sorted};
 use super::outliers::Outliers;
 use super::problem::{ALL, Fit, Problem};
 use super::wiring;
-
-/// Effects in one hypothesis, at most.
-const DEEPEST: usize = 4;
-/// Hypotheses that are carried on to the next depth.
-const BEAM: usize = 10;
-/// Candidates that are fitted per hypothesis and kind at the first depth, and later.
-const PER_KIND: usize = 3;
-const LATER: usize = 8;
-const NEAR: usize = 60;
-/// Pairs from the linear search that are fitted.
-const PAIRS: usize = 40;
-/// χ² over what noise leaves from which wiring is suspected beside other effects,
-/// and how many hypotheses it is tried beside.
-const LARGE: f64 = 2.0;
-const WIRED: usize = 5;
-/// What is this much worse than the best is not worth a fit.
-const HOPELESS: f64 = 12.0;
 
 /// How many extensions of a hypothesis are fitted.
 #[derive(Clone, Copy)]
@@ -86,7 +70,7 @@ impl<'p, 'm> Search<'p, 'm> {
     pub fn run(&mut self, watch: Watch) -> Vec<Fit> {
         let null = self.fit(&[], None);
         let mut beam = vec![null];
-        for depth in 1..=DEEPEST {
+        for depth in 1..=criteria::DEEPEST {
             let mut proposals = Vec::new();
             for parent in &beam {
                 let width = if depth == 1 {
@@ -98,10 +82,10 @@ impl<'p, 'm> Search<'p, 'm> {
             }
             if depth > 1 {
                 // Wiring faults come together too, and only large gaps are theirs.
-                let large = LARGE * 2.0 * self.problem.data.len() as f64;
+                let large = criteria::WIRING_CHI2 * 2.0 * self.problem.data.len() as f64;
                 let gaps = beam.iter().filter(|f| f.objective > large);
                 let further = gaps
-                    .take(WIRED)
+                    .take(criteria::WIRING_PARENTS)
                     .flat_map(|f| wiring::beside(self.problem, f));
                 proposals.extend(further);
             }
@@ -119,7 +103,7 @@ impl<'p, 'm> Search<'p, 'm> {
                 break;
             }
         }
-        for _ in 0..3 {
+        for _ in 0..criteria::EXAMINATIONS {
             let before = self.best_score();
             self.reexamine(watch);
             if self.best_score() >= before - 1e-6 {
@@ -194,9 +178,9 @@ impl<'p, 'm> Search<'p, 'm> {
             .collect();
         proposals.sort_by(|a, b| a.promise.total_cmp(&b.promise));
         let (per_kind, most) = match width {
-            Width::First => (PER_KIND, usize::MAX),
-            Width::Later => (2, LATER),
-            Width::Near => (usize::MAX, NEAR),
+            Width::First => (criteria::FIRST_OF_KIND, usize::MAX),
+            Width::Later => (criteria::LATER_OF_KIND, criteria::LATER),
+            Width::Near => (usize::MAX, criteria::NEAR),
         };
         let mut seen: BTreeMap<&str, usize> = BTreeMap::new();
         proposals.retain(|p| {
@@ -271,23 +255,17 @@ impl<'p, 'm> Search<'p, 'm> {
         proposals.retain(|p| {
             let count = per_kinds.entry(kinds(&p.terms)).or_default();
             *count += 1;
-            *count <= PER_KIND
+            *count <= criteria::FIRST_OF_KIND
         });
-        proposals.truncate(PAIRS);
+        proposals.truncate(criteria::PAIRS);
         proposals
     }
 
     fn refine(&mut self, mut proposals: Vec<Proposal>, depth: usize, watch: Watch) {
         proposals.sort_by(|a, b| a.promise.total_cmp(&b.promise));
         for proposal in proposals {
-            // A linear promise is hardly ever too modest, but where gaps are large.
-            let best = self.best_score();
-            let room = HOPELESS
-                + if depth == 1 {
-                    0.3 * best.abs()
-                } else {
-                    0.02 * best.abs()
-                };
+            // A linear prediction is hardly ever too modest, but where gaps are large.
+            let room = criteria::HOPELESS + criteria::HOPELESS_PART * best.abs();
             if depth > 1 && proposal.promise > best + room {
                 continue;
             }
@@ -304,7 +282,7 @@ impl<'p, 'm> Search<'p, 'm> {
         for fit in of_depth {
             let count = seen.entry(kinds(&fit.terms)).or_default();
             *count += 1;
-            if *count <= 2 && beam.len() < BEAM {
+            if *count <= criteria::BEAM_OF_FAMILY && beam.len() < criteria::BEAM {
                 beam.push(fit);
             }
         }
@@ -317,7 +295,7 @@ impl<'p, 'm> Search<'p, 'm> {
         let null = self.fit(&[], None);
         let alone = self.extensions(&null, Width::Near);
         self.refine(alone, 2, watch);
-        let best: Vec<Fit> = self.ranked().into_iter().take(3).collect();
+        let best: Vec<Fit> = self.ranked().into_iter().take(criteria::EXAMINED).collect();
         for (place, fit) in best.iter().enumerate() {
             for k in 0..fit.terms.len() {
                 let mut fewer = fit.terms.clone();

@@ -10,16 +10,8 @@ use super::hypothesis::Term;
 use nalgebra::DVector;
 use sesc_model::effects::{Circumstances, ROUNDS};
 
+use super::criteria;
 use super::problem::{Fit, Problem};
-
-/// −2 log of the odds against resting on the side that gravity does not favour.
-const PRICE: f64 = 5.0;
-/// Joints of a posture that may be on either side, at most.
-const MOST: usize = 3;
-/// A side matters where it moves the reading by this many deviations.
-const MATTERS: f64 = 0.7;
-/// Moments are known to this, m: masses, noise of the encoders.
-const MOMENT: f64 = 0.0005;
 
 /// Sides, written into circumstances, and what the unlikely ones cost.
 pub struct Sides {
@@ -135,13 +127,15 @@ fn bistable(
         let slope = [moments[dof + joint], moments[2 * dof + joint]];
         let lever = slope[0].hypot(slope[1]);
         let change = [0, 1].map(|axis| half * slope[axis] * problem.weight[2 * k + axis]);
-        let reach = half * lever + MOMENT;
+        let reach = half * lever + criteria::MOMENT_ERROR_M;
         let certainty = moments[joint].abs() / reach;
-        if 2.0 * change[0].hypot(change[1]) > MATTERS && certainty < 2.0 {
+        if 2.0 * change[0].hypot(change[1]) > criteria::SIDE_MATTERS
+            && certainty < criteria::MOMENT_CERTAIN
+        {
             near.push(Near {
                 joint,
                 half: change,
-                certainty: certainty / 2.0,
+                certainty: certainty / criteria::MOMENT_CERTAIN,
             });
         }
     }
@@ -150,7 +144,7 @@ fn bistable(
             .hypot(b.half[1])
             .total_cmp(&a.half[0].hypot(a.half[1]))
     });
-    near.truncate(MOST);
+    near.truncate(criteria::SIDE_JOINTS);
     near
 }
 
@@ -171,7 +165,7 @@ fn best_flips(
                 for (left, half) in left.iter_mut().zip(joint.half) {
                     *left += 2.0 * side * half;
                 }
-                cost += PRICE * (0.4 + joint.certainty);
+                cost += criteria::SIDE_SCORE * (criteria::SIDE_EVEN + joint.certainty);
             }
         }
         let total = left[0].powi(2) + left[1].powi(2) + cost;

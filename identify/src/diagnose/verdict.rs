@@ -1,5 +1,6 @@
 //! The sentences that sum a diagnosis up.
 
+use super::criteria;
 use super::diagnosis::capital;
 use super::findings::{Found, Verdict};
 use super::problem::Problem;
@@ -60,7 +61,7 @@ pub(super) fn sentence(problem: &Problem, found: &Found) -> String {
         }
         Verdict::Unexplained => {
             said.push(match found.best.terms.len() {
-                0..4 => format!(
+                few if few < criteria::TOO_MANY_EFFECTS => format!(
                     "No known effect explains it: χ² is {:.0} where noise leaves {:.0}.",
                     d.leftover.chi2, d.leftover.expected
                 ),

@@ -3,17 +3,12 @@
 
 use nalgebra::DVector;
 
+use super::criteria;
 use super::dictionary::Dictionary;
 use super::hypothesis::{Term, effect_terms, sorted};
 use super::problem::{Fit, Problem};
 use super::search::Proposal;
 use crate::lsq::factor_normal;
-
-/// Faults that are fitted, alone and with an effect beside them.
-const ALONE: usize = 8;
-const BESIDE: usize = 8;
-/// Further faults that are fitted beside a hypothesis.
-const FURTHER: usize = 4;
 
 pub fn proposals(problem: &Problem, dictionary: &Dictionary) -> Vec<Proposal> {
     let context = &problem.context;
@@ -56,7 +51,10 @@ pub fn proposals(problem: &Problem, dictionary: &Dictionary) -> Vec<Proposal> {
             });
         }
     }
-    for (list, most) in [(&mut alone, ALONE), (&mut beside, BESIDE)] {
+    for (list, most) in [
+        (&mut alone, criteria::WIRING_ALONE),
+        (&mut beside, criteria::WIRING_PAIRS),
+    ] {
         list.sort_by(|a, b| a.promise.total_cmp(&b.promise));
         list.truncate(most);
     }
@@ -99,7 +97,7 @@ pub fn beside(problem: &Problem, parent: &Fit) -> Vec<Proposal> {
         })
         .collect();
     proposals.sort_by(|a, b| a.promise.total_cmp(&b.promise));
-    proposals.truncate(FURTHER);
+    proposals.truncate(criteria::WIRING_BESIDE_PARENT);
     proposals
 }
 
