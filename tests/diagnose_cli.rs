@@ -36,10 +36,15 @@ fn logged(folder: &Path, stem: &str, truth: Vec<Hidden>) -> String {
     trial.log.write(folder, stem).display().to_string()
 }
 
+/// By masses that are known well, unless `more` says otherwise.
 fn diagnose(log: &str, more: &[&str]) -> Value {
     let urdf = op2();
-    let arguments = ["diagnose", &urdf, "--data", log, "--json"];
-    let output = sesc(&[&arguments[..], more].concat());
+    let mut arguments = vec!["diagnose", &urdf, "--data", log, "--json"];
+    if !more.contains(&"--prior") {
+        arguments.extend(["--prior", "tight"]);
+    }
+    arguments.extend(more);
+    let output = sesc(&arguments);
     serde_json::from_str(&stdout(&output)).unwrap()
 }
 
@@ -457,6 +462,8 @@ fn the_same_command_gives_the_same_bytes() {
             report,
             "--next",
             next,
+            "--prior",
+            "tight",
             "--json",
         ];
         let said = stdout(&sesc(&arguments));

@@ -75,11 +75,14 @@ impl Case {
         write(self.folder.path(), name, text)
     }
 
-    /// With every output asked for.
+    /// With every output asked for, and masses that are known well.
     fn run(&self, log: &str, more: &[&str]) -> Output {
         let outputs = OUTPUTS.map(|(flag, name)| [flag.to_string(), self.path(name)]);
         let mut arguments = vec!["diagnose", &self.urdf, "--support", "foot", "--data", log];
         arguments.extend(outputs.iter().flatten().map(String::as_str));
+        if !more.contains(&"--prior") {
+            arguments.extend(["--prior", "tight"]);
+        }
         arguments.extend(more);
         sesc(&arguments)
     }

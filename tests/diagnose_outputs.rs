@@ -275,6 +275,8 @@ fn the_command_writes_it_and_says_what_is_left_out() {
         &support,
         "--data",
         &log,
+        "--prior",
+        "tight",
         "--urdf",
         &urdf,
     ]);

@@ -29,7 +29,7 @@ use sesc_model::effects::Experiment;
     sesc diagnose op2.urdf --data log.csv --out model.toml --urdf corrected.urdf --report report.html\n  \
     sesc diagnose op2.urdf --data log.csv --next next.csv\n  \
     sesc diagnose op2.urdf --data log.csv --then next_log.csv\n  \
-    sesc diagnose op2.urdf --data log.csv --prior cad --json")]
+    sesc diagnose op2.urdf --data log.csv --prior tight --json")]
 pub(super) struct Arguments {
     #[command(flatten)]
     robot: RobotArguments,
@@ -45,9 +45,9 @@ pub(super) struct Arguments {
     degrees: bool,
     /// What CAD is worth: tight (mass 0.2 %, CoM 0.1 mm), cad (10 %, 5 mm), free, or a TOML file:
     /// [default] mass = 0.1, com = 0.005 (m); [links.NAME] likewise
-    #[arg(long, value_name = "tight|cad|free|FILE", default_value = "tight")]
+    #[arg(long, value_name = "tight|cad|free|FILE", default_value = Prior::DEFAULT)]
     prior: String,
-    /// Standard deviation of a posture's reading on one axis, m; from the log unless given
+    /// Standard deviation of a single reading on one axis, m; from the log unless given
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     noise: Option<f64>,
     /// Added to the noise in quadrature, m: what encoder ticks do

@@ -44,9 +44,9 @@ pub(super) struct Arguments {
     pub(super) degrees: bool,
     /// What CAD is worth: tight (mass 0.2 %, CoM 0.1 mm), cad (10 %, 5 mm), free, or a TOML file:
     /// [default] mass = 0.1, com = 0.005 (m); [links.NAME] likewise, and mass_kg
-    #[arg(long, value_name = "tight|cad|free|FILE", default_value = "cad")]
+    #[arg(long, value_name = "tight|cad|free|FILE", default_value = Prior::DEFAULT)]
     pub(super) prior: String,
-    /// Standard deviation of a reading, m; from the log unless given
+    /// Standard deviation of a single reading on one axis, m; from the log unless given
     #[arg(
         long,
         value_name = "M",

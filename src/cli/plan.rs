@@ -49,9 +49,9 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u64).range(1..=100_000))]
     candidates: Option<u64>,
     /// What CAD is worth to the later fit: tight (mass 0.2 %, CoM 0.1 mm), cad (10 %, 5 mm), free, or a TOML file
-    #[arg(long, value_name = "tight|cad|free|FILE", default_value = "cad")]
+    #[arg(long, value_name = "tight|cad|free|FILE", default_value = Prior::DEFAULT)]
     prior: String,
-    /// Standard deviation of a reading (of the mean, if several are taken per posture), m
+    /// Standard deviation of a single reading on one axis, m; one is taken in each posture
     #[arg(long, value_name = "M", default_value_t = 0.0005)]
     noise: f64,
     /// Least height of everything but the support body, m

@@ -56,6 +56,10 @@ const TIGHT: (f64, f64) = (0.002, 0.0001);
 const USUAL: (f64, f64) = (0.10, 0.005);
 
 impl Prior {
+    /// What fits, plans and diagnoses take unless told otherwise: CAD as it usually is.
+    /// A tighter one lets a diagnosis see more, where links were weighed.
+    pub const DEFAULT: &str = "cad";
+
     /// `tight`, `cad`, `free`, or a file of tolerances.
     ///
     /// # Errors

@@ -1,5 +1,6 @@
 //! The one place where the diagnoser is called, by its binary: `sesc diagnose
-//! URDF --data LOG --json --out MODEL`, then `sesc predict` with that model.
+//! URDF --data LOG --prior tight --json --out MODEL` (the virtual robot weighs what CAD
+//! says), then `sesc predict` with that model.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -27,6 +28,8 @@ impl Diagnoser {
             urdf.as_os_str(),
             "--data".as_ref(),
             log.as_os_str(),
+            "--prior".as_ref(),
+            "tight".as_ref(),
             "--json".as_ref(),
             "--out".as_ref(),
             model.as_os_str(),
