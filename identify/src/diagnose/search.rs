@@ -264,6 +264,7 @@ impl<'p, 'm> Search<'p, 'm> {
     fn refine(&mut self, mut proposals: Vec<Proposal>, depth: usize, watch: Watch) {
         proposals.sort_by(|a, b| a.promise.total_cmp(&b.promise));
         for proposal in proposals {
+            let best = self.best_score();
             // A linear prediction is hardly ever too modest, but where gaps are large.
             let room = criteria::HOPELESS + criteria::HOPELESS_PART * best.abs();
             if depth > 1 && proposal.promise > best + room {
