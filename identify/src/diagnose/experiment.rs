@@ -216,7 +216,10 @@ impl Trial<'_, '_> {
 
     fn carry(&self, terms: &mut Vec<Term>, unknowns: &mut Vec<f64>) {
         let context = &self.there.context;
-        let (mass, arm) = (criteria::CARRIED_SHARE * context.mass(), 0.3 * context.height());
+        let (mass, arm) = (
+            criteria::CARRIED_SHARE * context.mass(),
+            0.3 * context.height(),
+        );
         if let Some((weight, own)) = known_weight(context, mass, arm) {
             terms.push(Term::Effect(weight));
             unknowns.extend(own);

@@ -204,8 +204,7 @@ impl<'m> Problem<'m> {
     /// large. Weights of one effect sum to one, so false alarms stay as rare as
     /// with even weights.
     pub fn weigh_targets(&mut self, visible: &[(Term, f64)]) {
-        let chance =
-            |chi2: f64| criteria::UNSEEN_CHANCE + (1.0 + chi2 / criteria::VISIBLE).ln();
+        let chance = |chi2: f64| criteria::UNSEEN_CHANCE + (1.0 + chi2 / criteria::VISIBLE).ln();
         let mut sums: HashMap<&str, f64> = HashMap::new();
         for (term, chi2) in visible {
             *sums.entry(term.name()).or_default() += chance(*chi2);
