@@ -12,11 +12,11 @@ use nalgebra::{DMatrix, DVector};
 use sesc::OP2_URDF;
 use sesc_identify::evaluate::Evaluator;
 use sesc_identify::fit::gather::Gathered;
-use sesc_identify::fit::logs::{Logs, Watch};
+use sesc_identify::fit::logs::Logs;
 use sesc_identify::fit::prior::Prior;
 use sesc_identify::fit::{Settings, identify};
 use sesc_identify::logs::{
-    Block, Options, PostureWriter, Progress, Readings, Row, Sidecar, Written,
+    Block, LogSource, Options, PostureWriter, Readings, Row, Sidecar, Written,
 };
 use sesc_identify::lsq::factor::Factor;
 use sesc_identify::lsq::solve::solve;
@@ -31,13 +31,6 @@ const NOISE: f64 = 0.00493;
 const BLOCK: usize = 4096;
 /// The largest problem whose rows are also kept as one matrix.
 const AT_ONCE: usize = 100_000;
-
-struct Quiet;
-
-impl Watch for Quiet {
-    fn progress(&mut self, _: &str, _: Progress) {}
-    fn warning(&mut self, _: &str) {}
-}
 
 /// Postures of ±30° with noisy readings, in blocks.
 fn log(model: &Model, count: usize) -> Vec<Block> {
@@ -115,7 +108,7 @@ fn from_file(robot: &Robot, path: PathBuf) -> f64 {
     let files = [path];
     let logs = Logs {
         robot,
-        files: &files,
+        files: &files.map(LogSource::from),
         options: Options {
             readings: Readings::Required,
             ..Options::default()
@@ -124,7 +117,7 @@ fn from_file(robot: &Robot, path: PathBuf) -> f64 {
         snapping: Snapping::default(),
         folds: 10,
     };
-    let (measurement, gathered) = logs.gather(None, &|_| Ok(Prior::Free), &mut Quiet).unwrap();
+    let (measurement, gathered) = logs.gather(None, &|_| Ok(Prior::Free), &mut ()).unwrap();
     identify(measurement.model(), &[SUPPORT], &gathered, &settings()).held_out_rmse
 }
 

@@ -8,6 +8,7 @@ use sesc_model::{Error as ModelError, Model, ModelFile, Snapping};
 use crate::Error;
 
 /// A URDF that was read, and the text it was read from.
+#[derive(Debug)]
 pub struct Robot {
     pub description: Description,
     text: String,

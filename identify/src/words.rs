@@ -22,6 +22,8 @@ pub enum Setting {
     Data,
     /// A feature that this build leaves out.
     Feature(&'static str),
+    /// What encoder ticks add to the noise.
+    Floor,
     /// Folds of the cross-validation.
     Folds,
     /// Narrower joint limits.
@@ -30,6 +32,8 @@ pub enum Setting {
     Margin,
     /// Standard deviation of a reading.
     Noise,
+    /// Factor files to be combined later.
+    Partial,
     /// Masses that a robot can have.
     Physical,
     /// Postures of a plan or a simulation.
@@ -64,10 +68,12 @@ impl Setting {
             Setting::CopBox => "cop_box",
             Setting::Data => "data",
             Setting::Feature(name) => name,
+            Setting::Floor => "floor",
             Setting::Folds => "folds",
             Setting::Limits => "limits",
             Setting::Margin => "margin",
             Setting::Noise => "noise",
+            Setting::Partial => "partial",
             Setting::Physical => "physical",
             Setting::Poses => "poses",
             Setting::Prior => "prior",

@@ -1,26 +1,18 @@
 //! `sesc diagnose`
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use clap::Args;
-use sesc_model::{DataUsed, Model};
 
-use super::{Outcome, RobotArguments, message, notes, print, print_json, progress, words};
+use super::{Bar, Outcome, RobotArguments, message, print, print_json};
 use crate::Error;
-use crate::report::diagnose::{self as report, Asked};
-use sesc_identify::diagnose::corrected_urdf::{self, CorrectedUrdf};
-use sesc_identify::diagnose::experiment;
-use sesc_identify::diagnose::further::Further;
-use sesc_identify::diagnose::model_file::model_file;
-use sesc_identify::diagnose::problem::Problem;
-use sesc_identify::diagnose::view::DiagnosisView;
-use sesc_identify::diagnose::{self, About, next_postures};
-use sesc_identify::fit::prior::Prior;
-use sesc_identify::logs::{Angles, Options, Readings, Sidecar};
-use sesc_identify::observations::postures::{Postures, Taking};
+use crate::report::diagnose::{Asked, page, text};
+use sesc_identify::diagnose::{self, Report, Request};
+use sesc_identify::fit::prior::{Prior, PriorChoice};
+use sesc_identify::logs::{Angles, LogSource};
 use sesc_identify::output;
 use sesc_identify::robot::Robot;
-use sesc_model::effects::Experiment;
 
 /// Find where simulation and measurement disagree, and name the missing effect
 #[derive(Args)]
@@ -77,195 +69,83 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
-    for (name, value) in [
-        ("--noise", arguments.noise),
-        ("--floor", Some(arguments.floor)),
-    ] {
-        let least = if name == "--floor" { 0.0 } else { 1e-9 };
-        if let Some(x) = value.filter(|x| !(least..=1.0).contains(x)) {
-            return Err(Error::Usage(format!(
-                "{name} {x:e}: give metres, {least:e} to 1"
-            )));
-        }
-    }
-    let written: Vec<&PathBuf> = [
+    let outputs = [
         &arguments.out,
         &arguments.corrected,
         &arguments.next,
         &arguments.report,
-    ]
-    .into_iter()
-    .flatten()
-    .collect();
+    ];
+    let written: Vec<&PathBuf> = outputs.into_iter().flatten().collect();
     let mut read = vec![arguments.robot.urdf.clone(), arguments.data.clone()];
     read.extend(arguments.then.iter().cloned());
     output::check(&read, &written)?;
-    let robot = Robot::read(&arguments.robot.urdf)?;
-    let (sidecar, _) = Sidecar::of(&arguments.data)?;
-    let support = arguments
-        .robot
-        .support(&robot, sidecar.support.as_deref(), None)?;
-    let model = robot.model(&support, arguments.robot.snapping(), None)?;
-    notes(&model);
-    let data = take(arguments, &robot, &model, &arguments.data)?;
-    let prior = Prior::named(&arguments.prior, &model)?;
-    let mut problem = Problem::new(&model, data, &prior)?;
-    let stands: Vec<(Experiment, Model)> = arguments
-        .then
+    let bar = &mut Bar::new("reading");
+    let report = diagnose::diagnose(&request(arguments)?, bar)?;
+    bar.0.finish_and_clear();
+    report
+        .notes
         .iter()
-        .map(|log| stand(arguments, &robot, &support, log))
-        .collect::<Result<_, _>>()?;
-    let logs = arguments.then.iter().zip(&stands);
-    let further: Vec<Further> = logs
-        .map(|(log, (experiment, model))| {
-            Ok(Further {
-                experiment: *experiment,
-                problem: Problem::new(model, take(arguments, &robot, model, log)?, &prior)?,
-            })
-        })
-        .collect::<Result<_, Error>>()?;
-    let bar = progress("hypotheses");
-    let about = About {
-        robot: sidecar.robot.as_deref().unwrap_or(&model.tree.robot),
-        support: &support,
-        log: &name_of(&arguments.data),
-        prior: prior.sentence(),
-    };
-    let mut found = diagnose::diagnose_all(&mut problem, &further, &about, &mut |count| {
-        bar.set_position(count as u64);
-    });
-    bar.finish_and_clear();
-    let folder = arguments.robot.urdf.parent();
-    let next = next_postures::next(&problem, &found, &robot, arguments.robot.snapping(), folder);
-    found.diagnosis.next_postures.why = next_postures::why(&next, found.class.len());
-    found.diagnosis.next_postures.experiments = next.proposals.clone();
-    if let Some(path) = &arguments.next {
-        if next_postures::write(&next, &model, about.robot, path)? {
-            found.diagnosis.next_postures.file = Some(path.display().to_string());
-            message(&format!("wrote {}", path.display()));
-        } else {
-            message(&format!(
-                "{} is not written: nothing is left to tell apart",
-                path.display()
-            ));
-        }
-    }
-    if let Some(path) = &arguments.out {
-        let mut file = model_file(&problem, &found);
-        let logs = arguments.then.iter().zip(&further);
-        file.data.extend(logs.filter_map(|(log, further)| {
-            let summary = further.problem.data.summary.as_ref()?;
-            Some(DataUsed {
-                file: name_of(log),
-                hash: summary.hash.clone(),
-                rows: summary.rows,
-            })
-        }));
-        let text = toml::to_string(&file).map_err(|error| Error::Report(Box::new(error)))?;
-        output::write(path, &text)?;
-        message(&format!("wrote {}", path.display()));
-    }
-    for log in &arguments.then {
-        found.diagnosis.log += &format!(" + {}", name_of(log));
-    }
-    if let Some(path) = &arguments.corrected {
-        let snapping = arguments.robot.snapping();
-        let CorrectedUrdf { text, left_out } =
-            corrected_urdf::of(&problem, &found, &robot, snapping, &prior)?;
-        for sentence in &left_out {
-            message(sentence);
-        }
-        output::write(path, &text)?;
-        message(&format!("wrote {}", path.display()));
-    }
-    if let Some(path) = &arguments.report {
-        let view = DiagnosisView::of(&problem, &found);
-        let text = report::page(&found.diagnosis, &view)
-            .map_err(|error| Error::Report(Box::new(error)))?;
-        output::write(path, &text)?;
-        message(&format!("wrote {}", path.display()));
-    }
+        .for_each(|note| message(&format!("note: {note}")));
+    write(arguments, &report)?;
     let asked = Asked {
         model: arguments.out.is_some(),
         next: arguments.next.is_some(),
         page: arguments.report.is_some(),
     };
     match arguments.json {
-        true => print_json(&found.diagnosis)?,
-        false => print(&report::text(&found.diagnosis, asked))?,
+        true => print_json(&report.diagnosis)?,
+        false => print(&text(&report.diagnosis, asked))?,
     }
     Ok(Outcome::Ok)
 }
 
-/// A log on the model's support, its oddities on stderr.
-fn take(
-    arguments: &Arguments,
-    robot: &Robot,
-    model: &Model,
-    log: &Path,
-) -> Result<Postures, Error> {
-    let taking = Taking {
-        options: options(arguments, robot, &model.tree.links[model.tree.support].name),
-        noise: arguments.noise,
-        floor: arguments.floor,
-    };
-    let data = Postures::read(log, model, &taking)?;
-    data.warnings.iter().for_each(words::warn);
-    Ok(data)
+fn request(arguments: &Arguments) -> Result<Request, Error> {
+    let robot = Arc::new(Robot::read(&arguments.robot.urdf)?);
+    let mut request = Request::new(robot, &arguments.data);
+    request.then = arguments.then.iter().map(LogSource::from).collect();
+    request.support = arguments.robot.support.clone();
+    request.snapping = arguments.robot.snapping();
+    request.angles = arguments.degrees.then_some(Angles::Deg);
+    request.prior = PriorChoice::from(arguments.prior.as_str());
+    request.noise = arguments.noise;
+    request.floor = arguments.floor;
+    request.meshes = arguments.robot.urdf.parent().map(Path::to_path_buf);
+    request.next_file = arguments.next.clone();
+    request.corrected_urdf = arguments.corrected.is_some();
+    request.view = arguments.report.is_some();
+    Ok(request)
 }
 
-/// What a further log is of, and the robot as it stands there.
-fn stand(
-    arguments: &Arguments,
-    robot: &Robot,
-    first: &str,
-    log: &Path,
-) -> Result<(Experiment, Model), Error> {
-    let (sidecar, _) = Sidecar::of(log)?;
-    let support = sidecar.support.as_deref().unwrap_or(first);
-    let experiment = match &sidecar.experiment {
-        Some(name) => experiment::of_log(name).ok_or_else(|| {
-            sesc_identify::Error::log(
-                Sidecar::path(log).display().to_string(),
-                None,
-                format!(
-                    "experiment `{name}` cannot be taken together with another log; known are \
-                 postures, turned, other_foot, raw_cells, untouched. Diagnose it alone with --data"
-                ),
-            )
-        })?,
-        None if support != first => Experiment::OtherFoot,
-        None => Experiment::Postures,
-    };
-    if (experiment == Experiment::OtherFoot) == (support == first) {
-        return Err(sesc_identify::Error::log(
-            Sidecar::path(log).display().to_string(),
-            None,
-            format!(
-                "experiment `{}` on `{support}`, and the first log is on `{first}`; mend \
-                 `experiment` or `support`",
-                experiment.name()
-            ),
-        )
-        .into());
+fn write(arguments: &Arguments, report: &Report) -> Result<(), Error> {
+    let wrote = |path: &Path| message(&format!("wrote {}", path.display()));
+    match (&arguments.next, &report.next) {
+        (Some(path), Some(next)) => {
+            next.write(path)?;
+            wrote(path);
+        }
+        (Some(path), None) => message(&format!(
+            "{} is not written: nothing is left to tell apart",
+            path.display()
+        )),
+        (None, _) => {}
     }
-    let model = robot.model(support, arguments.robot.snapping(), None)?;
-    Ok((experiment, model))
-}
-
-fn options(arguments: &Arguments, robot: &Robot, support: &str) -> Options {
-    let links = robot.description.robot.links.iter();
-    Options {
-        angles: arguments.degrees.then_some(Angles::Deg),
-        readings: Readings::Required,
-        links: links.map(|link| link.name.clone()).collect(),
-        support: Some(support.to_string()),
-        any_unit: true,
-        ..Options::default()
+    if let Some(path) = &arguments.out {
+        let text = toml::to_string(&report.model_file);
+        output::write(path, &text.map_err(|error| Error::Report(Box::new(error)))?)?;
+        wrote(path);
     }
-}
-
-fn name_of(path: &Path) -> String {
-    path.file_name()
-        .map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+    if let (Some(path), Some(corrected)) = (&arguments.corrected, &report.corrected_urdf) {
+        corrected
+            .left_out
+            .iter()
+            .for_each(|sentence| message(sentence));
+        output::write(path, &corrected.text)?;
+        wrote(path);
+    }
+    if let (Some(path), Some(view)) = (&arguments.report, &report.view) {
+        let text = page(&report.diagnosis, view);
+        output::write(path, &text.map_err(|error| Error::Report(Box::new(error)))?)?;
+        wrote(path);
+    }
+    Ok(())
 }

@@ -1,23 +1,26 @@
 //! `sesc fit`
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
-use sesc_model::Model;
+use sesc_model::Snapping;
 
-use super::fit_inputs::{gathered, residuals, snapping};
 use super::fit_outputs::Outputs;
-use super::{Outcome, message, print, print_json};
+use super::{Bar, Outcome, message, print, print_json};
 use crate::Error;
 use crate::report;
 use crate::report::fit::FitReport;
-use sesc_identify::fit::prior::Prior;
-use sesc_identify::fit::{Identification, Settings, identify_within};
-use sesc_identify::logs::Sidecar;
+use sesc_identify::fit::part::Part;
+use sesc_identify::fit::prior::{Prior, PriorChoice};
+use sesc_identify::fit::robust::Loss;
+use sesc_identify::fit::{self, Request};
+use sesc_identify::logs::{Angles, LogSource, Sidecar};
 use sesc_identify::output;
 use sesc_identify::robot::Robot;
 
-/// Identify the parameters of a robot from posture logs, with all that must be said of them
+/// Identify the parameters of a robot from posture logs, with uncertainties, observability
+/// and held-out error
 #[derive(Args)]
 #[command(after_help = "Examples:\n  \
     sesc fit robots/op2/op2.urdf --data log.csv --out model.toml\n  \
@@ -28,24 +31,24 @@ use sesc_identify::robot::Robot;
 pub(super) struct Arguments {
     /// Robot description; or factor files of `--partial` to combine
     #[arg(value_name = "URDF|PART", required = true)]
-    pub(super) inputs: Vec<PathBuf>,
+    inputs: Vec<PathBuf>,
     /// Posture log (CSV, gzip, Parquet, MCAP); may be given several times
     #[arg(long, value_name = "FILE")]
-    pub(super) data: Vec<PathBuf>,
+    data: Vec<PathBuf>,
     /// Link whose parameters are meant, and on the ground wherever a log has no `support` column
     /// (it wins over the sidecar's); the first log's own unless given
     #[arg(long, value_name = "LINK")]
-    pub(super) support: Option<String>,
+    support: Option<String>,
     /// Take decimals of right angles (1.5708) literally
     #[arg(long)]
-    pub(super) no_snap: bool,
+    no_snap: bool,
     /// Turning joints are logged in degrees
     #[arg(long)]
-    pub(super) degrees: bool,
+    degrees: bool,
     /// What CAD is worth: tight (mass 0.2 %, CoM 0.1 mm), cad (10 %, 5 mm), free, or a TOML file:
     /// [default] mass = 0.1, com = 0.005 (m); [links.NAME] likewise, and mass_kg
     #[arg(long, value_name = "tight|cad|free|FILE", default_value = Prior::DEFAULT)]
-    pub(super) prior: String,
+    prior: String,
     /// Standard deviation of a single reading on one axis, m; from the log unless given
     #[arg(
         long,
@@ -56,10 +59,10 @@ pub(super) struct Arguments {
     noise: Option<f64>,
     /// Trust postures less that no noise explains, and name them
     #[arg(long, value_enum)]
-    pub(super) robust: Option<RobustLoss>,
+    robust: Option<RobustLoss>,
     /// Folds of the cross-validation, settled when factor files are gathered [default: 10]
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u64).range(2..=100))]
-    pub(super) folds: Option<u64>,
+    folds: Option<u64>,
     /// State the expected error for joints within ±DEG; else for their limits
     #[arg(
         long,
@@ -82,30 +85,18 @@ pub(super) struct Arguments {
 }
 
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
-pub(super) enum RobustLoss {
+enum RobustLoss {
     Huber,
     Tukey,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
-    let numbers = [
-        ("--noise", arguments.noise),
-        ("--range", arguments.range),
-        ("--total-mass", arguments.outputs.total_mass),
-    ];
-    for (name, value) in numbers {
-        if let Some(x) = value.filter(|x| !(1e-9..=1e6).contains(x)) {
-            return Err(Error::Usage(format!(
-                "{name} {x:e}: give a number above zero that a robot can have"
-            )));
-        }
-    }
     check_files(arguments)?;
-    let mut part = gathered(arguments)?;
-    if let Some(support) = &arguments.support {
-        part.stand_on(support)?;
-    }
+    let request = request(arguments)?;
+    let bar = &mut Bar::new("reading");
     if let Some(path) = &arguments.partial {
+        let part = fit::gather(&request, bar)?;
+        bar.0.finish_and_clear();
         part.write(path)?;
         message(&format!(
             "wrote {}: {} postures as factors",
@@ -114,57 +105,77 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         ));
         return Ok(Outcome::Ok);
     }
-    let robot = Robot::parse(&part.urdf, &part.urdf_file)?;
-    let snapping = snapping(!part.snapped);
-    let model = robot.model(&part.support, snapping, None)?;
-    let settings = Settings {
-        prior: Prior::named(&arguments.prior, &model)?,
-        noise: arguments.noise,
-        range: arguments.range.map(f64::to_radians),
-    };
-    let supports: Vec<&str> = part.supports.iter().map(String::as_str).collect();
-    let limits = arguments.outputs.limits(&robot)?;
-    let found = identify_within(
-        &model,
-        &supports,
-        &part.gathered,
-        &settings,
-        limits.as_ref(),
-    );
-    let corrected = arguments
+    let found = fit::fit(&request, bar)?;
+    bar.0.finish_and_clear();
+    found
+        .notes
+        .iter()
+        .for_each(|note| message(&format!("note: {note}")));
+    if let Some(path) = &arguments.out {
+        let text = toml::to_string(&found.model_file);
+        output::write(path, &text.map_err(|error| Error::Report(Box::new(error)))?)?;
+        message(&format!("wrote {}", path.display()));
+    }
+    let shown = arguments
         .outputs
-        .correct(&robot, &model, snapping, &found, &settings.prior)?;
-    let residuals = match arguments.outputs.page() {
-        true => residuals(arguments, &robot, &part.support, &found)?,
-        false => Vec::new(),
-    };
-    write(arguments, &model, &found)?;
-    let shown = arguments.outputs.shown(&found, residuals);
+        .shown(&found.identification, found.residuals);
     let report = FitReport {
-        found: &found,
-        corrected: corrected.as_ref(),
+        found: &found.identification,
+        corrected: found.corrected.as_ref(),
         shown: shown.as_ref(),
     };
     arguments.outputs.write(&report)?;
     if arguments.json {
         print_json(&report)?;
     } else {
-        print(&report::fit::text(&found))?;
-        if let Some(corrected) = &corrected {
+        print(&report::fit::text(&found.identification))?;
+        if let Some(corrected) = &found.corrected {
             print(&report::fit::corrections(corrected))?;
         }
     }
     Ok(Outcome::Ok)
 }
 
-fn write(arguments: &Arguments, model: &Model, found: &Identification) -> Result<(), Error> {
-    if let Some(path) = &arguments.out {
-        let file = found.model_file(model);
-        let text = toml::to_string(&file).map_err(|error| Error::Report(Box::new(error)))?;
-        output::write(path, &text)?;
-        message(&format!("wrote {}", path.display()));
+/// What is asked for.
+fn request(arguments: &Arguments) -> Result<Request, Error> {
+    let is_part = |path: &&PathBuf| path.extension().is_some_and(|e| e == "part");
+    let (parts, robots): (Vec<&PathBuf>, Vec<&PathBuf>) =
+        arguments.inputs.iter().partition(|path| is_part(path));
+    if let [first, second, ..] = robots[..] {
+        return Err(Error::Usage(format!(
+            "{} and {} both stand where the URDF goes; logs are given with --data, \
+             factor files end in .part",
+            first.display(),
+            second.display()
+        )));
     }
-    Ok(())
+    let mut request = Request::default();
+    for path in parts {
+        request
+            .parts
+            .push((path.display().to_string(), Part::read(path)?));
+    }
+    request.robot = match robots.first() {
+        Some(path) => Some(Arc::new(Robot::read(path)?)),
+        None => None,
+    };
+    request.logs = arguments.data.iter().map(LogSource::from).collect();
+    request.support = arguments.support.clone();
+    request.snapping = match arguments.no_snap {
+        true => Snapping::Off,
+        false => Snapping::default(),
+    };
+    request.angles = arguments.degrees.then_some(Angles::Deg);
+    request.prior = PriorChoice::from(arguments.prior.as_str());
+    request.noise = arguments.noise;
+    request.robust = arguments.robust.map(|robust| match robust {
+        RobustLoss::Huber => Loss::Huber,
+        RobustLoss::Tukey => Loss::Tukey,
+    });
+    request.folds = arguments.folds.and_then(|k| usize::try_from(k).ok());
+    request.range = arguments.range.map(f64::to_radians);
+    arguments.outputs.ask(&mut request);
+    Ok(request)
 }
 
 /// Nothing that is read is written, nothing is written twice, and every folder

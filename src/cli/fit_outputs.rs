@@ -4,17 +4,13 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use sesc_model::{Model, Snapping};
 
 use super::{command_line, message};
 use crate::Error;
 use crate::report::fit::{FitReport, Shown, page};
-use sesc_identify::fit::corrected::{Corrected, correct};
-use sesc_identify::fit::limits::Limits;
-use sesc_identify::fit::prior::Prior;
-use sesc_identify::fit::{Identification, residuals::Residual};
+use sesc_identify::fit::residuals::Residual;
+use sesc_identify::fit::{Identification, Request};
 use sesc_identify::output;
-use sesc_identify::robot::Robot;
 
 #[derive(Args)]
 pub(super) struct Outputs {
@@ -29,7 +25,7 @@ pub(super) struct Outputs {
         requires = "urdf",
         allow_negative_numbers = true
     )]
-    pub(super) total_mass: Option<f64>,
+    total_mass: Option<f64>,
     /// Fit physical masses only: none negative, CoMs inside the collision geometry (boxes,
     /// cylinders, spheres) where the URDF gives it, else near the joints of the link
     #[arg(long, conflicts_with = "partial")]
@@ -45,47 +41,17 @@ impl Outputs {
         [&self.urdf, &self.report].into_iter().flatten()
     }
 
-    /// Whether a page is asked for.
-    pub(super) fn page(&self) -> bool {
-        self.report.is_some()
-    }
-
-    /// Bounds of physical masses, if they are asked for.
-    pub(super) fn limits(&self, robot: &Robot) -> Result<Option<Limits>, Error> {
-        Ok(self.physical.then(|| Limits::of(robot)).transpose()?)
-    }
-
-    /// The corrected description, if it is asked for; before anything is written.
-    pub(super) fn correct(
-        &self,
-        robot: &Robot,
-        model: &Model,
-        snapping: Snapping,
-        found: &Identification,
-        prior: &Prior,
-    ) -> Result<Option<Corrected>, Error> {
-        if self.physical && found.masses.is_none() {
-            return Err(Error::Usage(format!(
-                "--physical: {}; fit without it, or with --prior cad",
-                found.warnings.join("; ")
-            )));
-        }
-        if self.urdf.is_none() {
-            return Ok(None);
-        }
-        Ok(Some(correct(
-            robot,
-            model,
-            snapping,
-            found,
-            prior,
-            self.total_mass,
-        )?))
+    /// Ask for what they are made of.
+    pub(super) fn ask(&self, request: &mut Request) {
+        request.physical = self.physical;
+        request.corrected_urdf = self.urdf.is_some();
+        request.total_mass = self.total_mass;
+        request.residuals = self.report.is_some();
     }
 
     /// What the page shows besides the fit.
     pub(super) fn shown(&self, found: &Identification, residuals: Vec<Residual>) -> Option<Shown> {
-        self.page().then(|| Shown {
+        self.report.is_some().then(|| Shown {
             residuals,
             correlation_matrix: found.correlation_matrix(),
             command: command_line(),

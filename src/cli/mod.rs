@@ -3,7 +3,6 @@
 mod demo;
 mod diagnose;
 mod fit;
-mod fit_inputs;
 mod fit_outputs;
 mod generate;
 mod inspect;

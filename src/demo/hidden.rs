@@ -5,19 +5,19 @@
 //! and their CoP go into the diagnosis; the model it gives is judged on postures
 //! that nobody has seen.
 
+use std::sync::Arc;
+
 use sesc_codegen::emit::rust;
-use sesc_model::{Model, Snapping};
+use sesc_model::{Function, Model, Snapping};
 use sesc_reference::World;
 
 use crate::Error;
 use crate::report::HiddenAct;
-use sesc_identify::diagnose::model_file::model_file;
-use sesc_identify::diagnose::problem::Problem;
 use sesc_identify::diagnose::view::DiagnosisView;
-use sesc_identify::diagnose::{self, About, Diagnosis};
-use sesc_identify::evaluate::Foretelling;
-use sesc_identify::fit::prior::Prior;
-use sesc_identify::observations::postures::{Postures, rms};
+use sesc_identify::diagnose::{self, Diagnosis, Request};
+use sesc_identify::evaluate::{Evaluator, Foretelling};
+use sesc_identify::logs::Table;
+use sesc_identify::observations::postures::rms;
 use sesc_identify::plan::balance::Region;
 use sesc_identify::plan::candidates::{Demands, Sampler};
 use sesc_identify::plan::clearance::Clearance;
@@ -64,20 +64,10 @@ pub fn run(robot: &Robot, model: &Model, seed: u64) -> Result<Hidden, Error> {
         .iter()
         .map(|y| y + simulator.gauss(NOISE))
         .collect();
-    let data = Postures::given(dof, taken, &readings, NOISE, FLOOR);
-    let prior = Prior::named("tight", model)?;
-    let mut problem = Problem::new(model, data, &prior)?;
-    let about = About {
-        robot: &model.tree.robot,
-        support: "r_sole",
-        log: "100 balanced postures",
-        prior: prior.sentence(),
-    };
-    let found = diagnose::diagnose(&mut problem, &about, &mut |_| ());
-    let file = model_file(&problem, &found);
-    let corrected = robot.model("r_sole", Snapping::default(), Some(&file))?;
+    let report = diagnose::diagnose(&request(robot, model, taken, &readings)?, &mut ())?;
+    let corrected = robot.model("r_sole", Snapping::default(), Some(&report.model_file))?;
     let code = rust::module(&corrected, "op2_r_sole")?;
-    let cad = problem.plain(judged);
+    let cad = Evaluator::new(model, Function::Cop).run(judged, JUDGED);
     let better = match Foretelling::new(&corrected) {
         Some(foretelling) => foretelling.run(judged, JUDGED, None),
         None => cad.clone(),
@@ -88,9 +78,31 @@ pub fn run(robot: &Robot, model: &Model, seed: u64) -> Result<Hidden, Error> {
         before: error(&cad),
         after: error(&better),
         lines: code.lines().count(),
-        view: DiagnosisView::of(&problem, &found),
-        diagnosis: found.diagnosis,
+        view: report.view.expect("the request asks for a view"),
+        diagnosis: report.diagnosis,
     })
+}
+
+/// Readings (m) of postures `q`, by a robot that weighs what CAD says.
+fn request(robot: &Robot, model: &Model, q: &[f64], readings: &[f64]) -> Result<Request, Error> {
+    let dof = model.dof();
+    let column = |values: &[f64], from: usize, step: usize| -> Vec<f64> {
+        values.iter().skip(from).step_by(step).copied().collect()
+    };
+    let mut log = Table::new(format!("{POSTURES} balanced postures"))
+        .numbers("cop_x", column(readings, 0, 2))
+        .numbers("cop_y", column(readings, 1, 2));
+    for (joint, own) in model.tree.dofs.iter().enumerate() {
+        log = log.numbers(&own.joint, column(q, joint, dof));
+    }
+    let robot = Robot::parse(robot.text(), &robot.description.file)?;
+    let mut request = Request::new(Arc::new(robot), log);
+    request.support = Some("r_sole".into());
+    request.prior = "tight".into();
+    request.noise = Some(NOISE);
+    request.floor = FLOOR;
+    request.view = true;
+    Ok(request)
 }
 
 /// Postures within ±30° that stand.

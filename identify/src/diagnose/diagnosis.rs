@@ -1,7 +1,5 @@
 //! The whole diagnosis: search, class, verdict, held-out errors, sentences.
 
-use super::hypothesis::Term;
-
 use super::criteria;
 use super::findings::{
     About, Blind, Diagnosis, Found, Gap, Last, Leftover, Member, NextPostures, Quantity, Step,
@@ -9,27 +7,29 @@ use super::findings::{
 };
 use super::further::{self, Further};
 use super::held_out::{self, HeldOut};
+use super::hypothesis::Term;
 use super::leftover::{self, Excess, Formula};
 use super::outliers::Outliers;
 use super::problem::{Fit, Problem};
-use super::search::{Search, Watch};
-use super::words;
+use super::search::Search;
+use super::words::{self, capital};
+use crate::Error;
 use crate::observations::noise::NoiseSource;
+use crate::watch::Watch;
 
-pub fn diagnose(problem: &mut Problem, about: &About, watch: Watch) -> Found {
-    diagnose_all(problem, &[], about, watch)
-}
-
-/// A log whose explanations are judged by further ones, too.
-pub fn diagnose_all(
+/// What is missing in a log, explanations judged by further logs, too.
+///
+/// # Errors
+/// When `watch` stops the search.
+pub fn find(
     problem: &mut Problem,
     further: &[Further],
     about: &About,
-    watch: Watch,
-) -> Found {
+    watch: &mut dyn Watch,
+) -> Result<Found, Error> {
     let mut search = Search::new(problem);
     let blind = search.visible().to_vec();
-    let mut ranked = search.run(watch);
+    let mut ranked = search.run(watch)?;
     ranked.retain(|fit| !too_many_outliers(fit));
     let mut ranked = judged(&search, ranked, further);
     // Something is missing only if that is clearly better than nothing missing.
@@ -119,7 +119,7 @@ pub fn diagnose_all(
         held_out: held,
     };
     found.diagnosis.sentence = super::verdict::sentence(problem, &found);
-    found
+    Ok(found)
 }
 
 /// What comes near the best of the first log, ranked by all logs.
@@ -144,8 +144,8 @@ fn class(best: &Fit, near: Vec<Fit>) -> Vec<Fit> {
         // More of the same is an answer of its own only if it is as good.
         let adds = |other: &Fit| {
             let all = other.terms.iter().all(|i| fit.terms.contains(i));
-            let behind = fit.score() - other.score();
-            all && other.terms.len() < fit.terms.len() && behind > criteria::ADDED_EFFECT
+            let difference = fit.score() - other.score();
+            all && other.terms.len() < fit.terms.len() && difference > criteria::ADDED_EFFECT
         };
         if !same && !fit.terms.is_empty() && !class.iter().any(adds) && !best.terms.is_empty() {
             class.push(fit);
@@ -269,14 +269,6 @@ fn told(
     told
 }
 
-pub(super) fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    match letters.next() {
-        Some(first) => first.to_uppercase().collect::<String>() + letters.as_str(),
-        None => String::new(),
-    }
-}
-
 fn last(held: &HeldOut) -> Last {
     Last {
         rmse: held.rmse,
@@ -315,7 +307,7 @@ fn members(problem: &Problem, class: &[Fit]) -> Vec<Member> {
                     .iter()
                     .map(|i| i.label(&problem.context))
                     .collect(),
-                behind: fit.score() - first,
+                score_difference: fit.score() - first,
                 sentence: capital(&clauses.collect::<Vec<_>>().join(", with ")),
             }
         })
@@ -364,9 +356,9 @@ fn blind_spots(problem: &Problem, visible: &[(Term, f64)]) -> Vec<Blind> {
             effect: term.label(context),
             from,
             size: match angle {
-                true if from > std::f64::consts::FRAC_PI_2 => "of any size".to_string(),
-                true => format!("below {:.0}°", from.to_degrees()),
-                false => format!("below {:.0} mm", 1e3 * from),
+                true if from > std::f64::consts::FRAC_PI_2 => "over 90°".to_string(),
+                true => format!("{:.0}°", from.to_degrees()),
+                false => format!("{:.0} mm", 1e3 * from),
             },
         });
     }

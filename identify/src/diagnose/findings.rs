@@ -66,8 +66,8 @@ pub struct Last {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Member {
     pub effects: Vec<String>,
-    /// −2 log evidence above the best.
-    pub behind: f64,
+    /// −2 log evidence above the best of the class.
+    pub score_difference: f64,
     pub sentence: String,
 }
 
@@ -77,7 +77,7 @@ pub struct Blind {
     pub effect: String,
     /// From this size on it would be seen.
     pub from: f64,
-    /// As people read it.
+    /// The smallest that would be detected, as people read it.
     pub size: String,
 }
 
@@ -93,13 +93,23 @@ pub struct Leftover {
     pub formula_share: Option<f64>,
 }
 
+/// One experiment and what it would do to the class.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ExperimentProposal {
+    pub what: String,
+    /// Explanations other than the first that it would exclude.
+    pub splits: usize,
+    /// χ² against the nearest that it would exclude, and for each member of the class.
+    pub separations: Vec<f64>,
+}
+
 /// What next postures are for, and where they were written.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct NextPostures {
     pub why: String,
     pub file: Option<String>,
     /// What was compared, the best first.
-    pub experiments: Vec<super::next_postures::Proposal>,
+    pub experiments: Vec<ExperimentProposal>,
 }
 
 /// Everything that is said of a log. Lengths in m.

@@ -1,7 +1,8 @@
 //! Where simulation and measurement disagree, and why.
 //!
 //! ```text
-//! posture_log → data → problem (evidence of a hypothesis) → search → diagnosis
+//! observations → hypothesis (problem) → search → evidence → verdict (criteria) → report
+//!                                                        └→ experiments, next postures
 //! ```
 
 pub mod corrected_urdf;
@@ -19,6 +20,8 @@ pub mod next_postures;
 pub mod nuisance;
 pub mod outliers;
 pub mod problem;
+mod proposal;
+mod request;
 pub mod search;
 mod sides;
 #[cfg(test)]
@@ -28,5 +31,5 @@ pub mod view;
 mod wiring;
 pub mod words;
 
-pub use diagnosis::{diagnose, diagnose_all};
-pub use findings::{About, Diagnosis, Found, Verdict};
+pub use findings::{Diagnosis, Verdict};
+pub use request::{NextLog, Report, Request, diagnose};

@@ -3,16 +3,14 @@
 use std::path::Path;
 
 use nalgebra::DMatrix;
-use serde::Serialize;
 use sesc_model::effects::{Carry, Circumstances, EffectContext, Experiment};
 use sesc_model::{Model, Snapping};
 
 use super::criteria::{self, NEXT_POSTURES};
 use super::experiment::{Postures, Trial};
-use super::findings::Found;
+use super::findings::{ExperimentProposal, Found};
 use super::hypothesis::Term;
 use super::problem::{Fit, Problem};
-use crate::Error;
 use crate::plan::balance::Region;
 use crate::plan::candidates::{Demands, Sampler};
 use crate::plan::clearance::Clearance;
@@ -21,19 +19,9 @@ use crate::plan::limits::Limits;
 use crate::plan::order;
 use crate::robot::Robot;
 
-/// One experiment and what it would do to the class.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Proposal {
-    pub what: String,
-    /// Explanations other than the first that it would exclude.
-    pub splits: usize,
-    /// χ² against the nearest that it would exclude, and for each member of the class.
-    pub separations: Vec<f64>,
-}
-
 /// Experiments, the best first, and the postures of the best.
 pub struct Next {
-    pub proposals: Vec<Proposal>,
+    pub proposals: Vec<ExperimentProposal>,
     /// What the best is.
     pub experiment: Option<Experiment>,
     /// `q` row by row and the support to take them on.
@@ -113,7 +101,7 @@ pub fn next(
         }
     }
     ranked.sort_by(|a, b| {
-        let least = |p: &Proposal| {
+        let least = |p: &ExperimentProposal| {
             p.separations
                 .iter()
                 .copied()
@@ -142,7 +130,7 @@ fn makes_sense(experiment: Experiment, problem: &Problem, found: &Found) -> bool
     }
 }
 
-fn proposal(experiment: Experiment, support: &str, separations: Vec<f64>) -> Proposal {
+fn proposal(experiment: Experiment, support: &str, separations: Vec<f64>) -> ExperimentProposal {
     let what = match experiment {
         Experiment::Postures => {
             format!("{NEXT_POSTURES} new postures on {support}, deeper and more varied")
@@ -158,7 +146,7 @@ fn proposal(experiment: Experiment, support: &str, separations: Vec<f64>) -> Pro
             "the same postures with nothing touching the robot, cables unplugged".into()
         }
     };
-    Proposal {
+    ExperimentProposal {
         what,
         splits: separations
             .iter()
@@ -174,7 +162,7 @@ type OnFoot = (String, Vec<f64>);
 /// An experiment with what it would tell.
 struct Ranked {
     experiment: Experiment,
-    proposal: Proposal,
+    proposal: ExperimentProposal,
     postures: OnFoot,
 }
 
@@ -358,30 +346,4 @@ impl<'m> Problem<'m> {
         let context = EffectContext::new(model, &self.data.cells, self.data.t.is_some());
         self.elsewhere(model, context)
     }
-}
-
-/// Write the postures of the best experiment.
-///
-/// # Errors
-/// When the file cannot be written.
-pub fn write(next: &Next, model: &Model, robot: &str, path: &Path) -> Result<bool, Error> {
-    use crate::logs::{PostureWriter, Row, Sidecar, Written};
-    let Some((support, q)) = &next.postures else {
-        return Ok(false);
-    };
-    let mut log = PostureWriter::create(path, &model.tree.dofs, Written::default())?;
-    for (pose, q) in q.chunks_exact(model.dof()).enumerate() {
-        log.row(&Row {
-            pose: pose as i64,
-            q,
-            ..Row::default()
-        })?;
-    }
-    log.finish(&Sidecar {
-        robot: Some(robot.to_string()),
-        support: Some(support.clone()),
-        experiment: next.experiment.as_ref().map(|e| e.name().to_string()),
-        ..Sidecar::default()
-    })?;
-    Ok(true)
 }

@@ -14,7 +14,10 @@ use super::dictionary::Dictionary;
 use super::hypothesis::{Term, sorted};
 use super::outliers::Outliers;
 use super::problem::{ALL, Fit, Problem};
+use super::proposal::Proposal;
 use super::wiring;
+use crate::Error;
+use crate::watch::{Watch, tell};
 
 /// How many extensions of a hypothesis are fitted.
 #[derive(Clone, Copy)]
@@ -23,7 +26,7 @@ enum Width {
     First,
     /// The most promising.
     Later,
-    /// All that promise to come near the best.
+    /// All that predicted_score to come near the best.
     Near,
 }
 
@@ -35,9 +38,6 @@ pub struct Search<'p, 'm> {
     visible: Vec<(Term, f64)>,
     pub fitted: usize,
 }
-
-/// Progress of a search: hypotheses fitted so far.
-pub type Watch<'w> = &'w mut dyn FnMut(usize);
 
 impl<'p, 'm> Search<'p, 'm> {
     pub fn new(problem: &'p mut Problem<'m>) -> Self {
@@ -67,7 +67,10 @@ impl<'p, 'm> Search<'p, 'm> {
     }
 
     /// All hypotheses that were fitted, the best first.
-    pub fn run(&mut self, watch: Watch) -> Vec<Fit> {
+    ///
+    /// # Errors
+    /// When `watch` stops the search.
+    pub fn run(&mut self, watch: &mut dyn Watch) -> Result<Vec<Fit>, Error> {
         let null = self.fit(&[], None);
         let mut beam = vec![null];
         for depth in 1..=criteria::DEEPEST {
@@ -93,7 +96,7 @@ impl<'p, 'm> Search<'p, 'm> {
                 proposals.extend(self.pairs(&beam[0]));
                 proposals.extend(wiring::proposals(self.problem, &self.base));
             }
-            self.refine(proposals, depth, watch);
+            self.refine(proposals, depth, watch)?;
             beam = self.beam(depth);
             let with = |count: usize| {
                 let fits = self.known.values().filter(|f| f.terms.len() == count);
@@ -105,12 +108,12 @@ impl<'p, 'm> Search<'p, 'm> {
         }
         for _ in 0..criteria::EXAMINATIONS {
             let before = self.best_score();
-            self.reexamine(watch);
+            self.reexamine(watch)?;
             if self.best_score() >= before - 1e-6 {
                 break;
             }
         }
-        self.ranked()
+        Ok(self.ranked())
     }
 
     pub fn ranked(&self) -> Vec<Fit> {
@@ -172,11 +175,11 @@ impl<'p, 'm> Search<'p, 'm> {
             .filter(|(c, _)| compatible(&parent.terms, &c.term))
             .map(|(c, gain)| Proposal {
                 terms: with(self.problem, &parent.terms, &c.term),
-                promise: parent.score() - gain + self.price(&c.term),
+                predicted_score: parent.score() - gain + self.price(&c.term),
                 parent: Some(parent.clone()),
             })
             .collect();
-        proposals.sort_by(|a, b| a.promise.total_cmp(&b.promise));
+        proposals.sort_by(|a, b| a.predicted_score.total_cmp(&b.predicted_score));
         let (per_kind, most) = match width {
             Width::First => (criteria::FIRST_OF_KIND, usize::MAX),
             Width::Later => (criteria::LATER_OF_KIND, criteria::LATER),
@@ -206,7 +209,7 @@ impl<'p, 'm> Search<'p, 'm> {
             return None;
         }
         let price = self.problem.price(std::slice::from_ref(&term));
-        let promise = match term {
+        let predicted_score = match term {
             Term::Outliers => {
                 let outliers = Outliers::of(&parent.residual, None);
                 let root = outliers.root_weights(None);
@@ -230,7 +233,7 @@ impl<'p, 'm> Search<'p, 'm> {
         };
         Some(Proposal {
             terms: with(self.problem, &parent.terms, &term),
-            promise,
+            predicted_score,
             parent: Some(parent.clone()),
         })
     }
@@ -246,11 +249,11 @@ impl<'p, 'm> Search<'p, 'm> {
             .filter(|(a, b, _)| compatible(std::slice::from_ref(&a.term), &b.term))
             .map(|(a, b, gain)| Proposal {
                 terms: vec![a.term.clone(), b.term.clone()],
-                promise: null.score() - gain + self.price(&a.term) + self.price(&b.term),
+                predicted_score: null.score() - gain + self.price(&a.term) + self.price(&b.term),
                 parent: None,
             })
             .collect();
-        proposals.sort_by(|a, b| a.promise.total_cmp(&b.promise));
+        proposals.sort_by(|a, b| a.predicted_score.total_cmp(&b.predicted_score));
         let mut per_kinds: BTreeMap<Vec<&str>, usize> = BTreeMap::new();
         proposals.retain(|p| {
             let count = per_kinds.entry(kinds(&p.terms)).or_default();
@@ -261,18 +264,24 @@ impl<'p, 'm> Search<'p, 'm> {
         proposals
     }
 
-    fn refine(&mut self, mut proposals: Vec<Proposal>, depth: usize, watch: Watch) {
-        proposals.sort_by(|a, b| a.promise.total_cmp(&b.promise));
+    fn refine(
+        &mut self,
+        mut proposals: Vec<Proposal>,
+        depth: usize,
+        watch: &mut dyn Watch,
+    ) -> Result<(), Error> {
+        proposals.sort_by(|a, b| a.predicted_score.total_cmp(&b.predicted_score));
         for proposal in proposals {
             let best = self.best_score();
             // A linear prediction is hardly ever too modest, but where gaps are large.
             let room = criteria::HOPELESS + criteria::HOPELESS_PART * best.abs();
-            if depth > 1 && proposal.promise > best + room {
+            if depth > 1 && proposal.predicted_score > best + room {
                 continue;
             }
             self.fit(&proposal.terms, proposal.parent.as_ref());
-            watch(self.fitted);
+            tell(watch, "hypotheses", self.fitted as u64, None)?;
         }
+        Ok(())
     }
 
     /// The best of a depth, one of each family before seconds.
@@ -292,10 +301,10 @@ impl<'p, 'm> Search<'p, 'm> {
 
     /// Drop one, replace one, of the best hypotheses; of the very best, by
     /// everything that comes near it.
-    fn reexamine(&mut self, watch: Watch) {
+    fn reexamine(&mut self, watch: &mut dyn Watch) -> Result<(), Error> {
         let null = self.fit(&[], None);
         let alone = self.extensions(&null, Width::Near);
-        self.refine(alone, 2, watch);
+        self.refine(alone, 2, watch)?;
         let best: Vec<Fit> = self.ranked().into_iter().take(criteria::EXAMINED).collect();
         for (place, fit) in best.iter().enumerate() {
             for k in 0..fit.terms.len() {
@@ -308,18 +317,11 @@ impl<'p, 'm> Search<'p, 'm> {
                     Width::Later
                 };
                 let proposals = self.extensions(&parent, width);
-                self.refine(proposals, 2, watch);
+                self.refine(proposals, 2, watch)?;
             }
         }
+        Ok(())
     }
-}
-
-/// A hypothesis to be fitted.
-pub struct Proposal {
-    pub terms: Vec<Term>,
-    /// Score to first order.
-    pub promise: f64,
-    pub parent: Option<Fit>,
 }
 
 fn with(problem: &Problem, terms: &[Term], more: &Term) -> Vec<Term> {

@@ -1,10 +1,9 @@
 //! The sentences that sum a diagnosis up.
 
 use super::criteria;
-use super::diagnosis::capital;
 use super::findings::{Found, Verdict};
 use super::problem::Problem;
-use super::words;
+use super::words::{self, capital};
 
 /// Names in a row, at most.
 const NAMED: usize = 4;
@@ -108,7 +107,7 @@ pub(super) fn sentence(problem: &Problem, found: &Found) -> String {
         .collect();
     if !blind.is_empty() {
         said.push(format!(
-            "Offsets I could not have seen: {}.",
+            "Smallest detectable offsets: {}.",
             blind.join(", ")
         ));
     }

@@ -7,7 +7,7 @@ use super::criteria;
 use super::dictionary::Dictionary;
 use super::hypothesis::{Term, effect_terms, sorted};
 use super::problem::{Fit, Problem};
-use super::search::Proposal;
+use super::proposal::Proposal;
 use crate::lsq::factor_normal;
 
 pub fn proposals(problem: &Problem, dictionary: &Dictionary) -> Vec<Proposal> {
@@ -22,8 +22,8 @@ pub fn proposals(problem: &Problem, dictionary: &Dictionary) -> Vec<Proposal> {
         let residual = residual(problem, &fault);
         let left = problem.nuisance.beyond_one(&residual);
         let price = problem.price(own);
-        let promise = residual.dot(&left) + price;
-        if !promise.is_finite() {
+        let predicted_score = residual.dot(&left) + price;
+        if !predicted_score.is_finite() {
             continue;
         }
         let gains = dictionary.gains_of(&residual);
@@ -33,20 +33,20 @@ pub fn proposals(problem: &Problem, dictionary: &Dictionary) -> Vec<Proposal> {
             .zip(gains)
             .map(|(c, gain)| {
                 (
-                    promise - gain + problem.price(std::slice::from_ref(&c.term)),
+                    predicted_score - gain + problem.price(std::slice::from_ref(&c.term)),
                     &c.term,
                 )
             })
             .min_by(|a, b| a.0.total_cmp(&b.0));
         alone.push(Proposal {
             terms: vec![fault.clone()],
-            promise,
+            predicted_score,
             parent: None,
         });
-        if let Some((promise, more)) = best {
+        if let Some((predicted_score, more)) = best {
             beside.push(Proposal {
                 terms: sorted(context, &[fault.clone(), more.clone()]),
-                promise,
+                predicted_score,
                 parent: None,
             });
         }
@@ -55,7 +55,7 @@ pub fn proposals(problem: &Problem, dictionary: &Dictionary) -> Vec<Proposal> {
         (&mut alone, criteria::WIRING_ALONE),
         (&mut beside, criteria::WIRING_PAIRS),
     ] {
-        list.sort_by(|a, b| a.promise.total_cmp(&b.promise));
+        list.sort_by(|a, b| a.predicted_score.total_cmp(&b.predicted_score));
         list.truncate(most);
     }
     alone.extend(beside);
@@ -88,15 +88,15 @@ pub fn beside(problem: &Problem, parent: &Fit) -> Vec<Proposal> {
             let pull = own.tr_mul(&left);
             let gain = factor.as_ref().map_or(0.0, |f| pull.dot(&f.solve(&pull)));
             let price = problem.price(std::slice::from_ref(&fault));
-            let promise = residual.dot(&left) - gain + parent.price + price;
-            promise.is_finite().then(|| Proposal {
+            let predicted_score = residual.dot(&left) - gain + parent.price + price;
+            predicted_score.is_finite().then(|| Proposal {
                 terms: sorted(context, &[parent.terms.as_slice(), &[fault]].concat()),
-                promise,
+                predicted_score,
                 parent: Some(parent.clone()),
             })
         })
         .collect();
-    proposals.sort_by(|a, b| a.promise.total_cmp(&b.promise));
+    proposals.sort_by(|a, b| a.predicted_score.total_cmp(&b.predicted_score));
     proposals.truncate(criteria::WIRING_BESIDE_PARENT);
     proposals
 }

@@ -109,3 +109,12 @@ pub fn clause(context: &EffectContext, term: &Term, values: &[Found]) -> String 
         false => format!("{subject} ({})", said.join(", ")),
     }
 }
+
+/// The text with a capital at its beginning.
+pub(super) fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    match letters.next() {
+        Some(first) => first.to_uppercase().collect::<String>() + letters.as_str(),
+        None => String::new(),
+    }
+}

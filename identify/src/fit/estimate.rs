@@ -65,7 +65,7 @@ pub fn identify_within(
     if noise.source == NoiseSource::Unknown {
         warnings.push(format!(
             "{rows} rows for {} directions leave nothing to tell the noise from, and CAD's error \
-             is taken for it; give --noise, columns of deviations, repeated readings or more \
+             is taken for it; give the noise, columns of deviations, repeated readings or more \
              postures",
             free.rank
         ));

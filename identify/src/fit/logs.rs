@@ -1,15 +1,13 @@
 //! From log files to factors: block by block, once, or a few times over for a
 //! robust fit.
 
-use std::path::{Path, PathBuf};
-
 use nalgebra::DVector;
 use sesc_model::{Model, Snapping};
 
 use super::gather::{Gathered, LogUsed};
 use super::prior::Prior;
 use super::robust::{self, Loss, MEDIAN_OF_PAIRS, Robust};
-use crate::logs::{Options, PostureReader};
+use crate::logs::{LogSource, Options, PostureReader};
 use crate::observations::rows::Measurement;
 use crate::robot::Robot;
 use crate::watch::{Watch, tell};
@@ -29,7 +27,7 @@ const SETTLED: f64 = 1e-4;
 /// Logs of one robot.
 pub struct Logs<'r> {
     pub robot: &'r Robot,
-    pub files: &'r [PathBuf],
+    pub files: &'r [LogSource],
     /// How to read them; a support given here is that of rows without their own.
     pub options: Options,
     /// The support whose parameters are meant; that of the first row unless given.
@@ -118,7 +116,7 @@ impl<'r> Logs<'r> {
     }
 
     /// Open one of the logs.
-    pub(super) fn open(&self, file: &Path) -> Result<PostureReader, Error> {
+    pub(super) fn open(&self, file: &LogSource) -> Result<PostureReader, Error> {
         PostureReader::open(file, &self.robot.description.dofs(), &self.options)
     }
 
@@ -134,7 +132,7 @@ impl<'r> Logs<'r> {
         let params = measurement.model().base.params.len();
         let mut gathered = Gathered::new(params, self.folds);
         for file in self.files {
-            let name = file.display().to_string();
+            let name = file.name();
             let mut reader = self.open(file)?;
             loop {
                 let block = reader.block(BLOCK)?;
@@ -146,22 +144,18 @@ impl<'r> Logs<'r> {
                 if block.is_empty() {
                     break;
                 }
-                gathered.push(measurement, &block, &name, robust)?;
+                gathered.push(measurement, &block, name, robust)?;
                 let (done, total) = reader.progress();
                 tell(watch, what, done, total)?;
             }
             if let Some(summary) = reader.summary() {
-                let base = file
-                    .file_name()
-                    .map_or(name, |n| n.to_string_lossy().into_owned());
                 if gathered.logs.iter().any(|log| log.hash == summary.hash) {
                     return Err(Error::request(format!(
-                        "{}: given twice, its postures would count twice",
-                        file.display()
+                        "{name}: given twice, its postures would count twice"
                     )));
                 }
                 gathered.logs.push(LogUsed {
-                    file: base,
+                    file: file.file_name().to_string(),
                     hash: summary.hash,
                     rows: summary.rows,
                 });

@@ -19,9 +19,11 @@ mod noise_tests;
 pub mod part;
 pub mod physical;
 pub mod prior;
+mod request;
 pub mod residuals;
 pub mod robust;
 mod statements;
 
 pub use estimate::{identify, identify_within};
 pub use identification::{Identification, Settings};
+pub use request::{FOLDS, Report, Request, fit, gather};

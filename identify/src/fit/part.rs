@@ -125,8 +125,8 @@ impl Part {
     ///
     /// # Errors
     /// When it is about another robot or reading of right angles.
-    pub fn merge(&mut self, mut other: Part, file: &Path) -> Result<(), Error> {
-        let bad = |message: Message| Error::log(file.display().to_string(), None, message);
+    pub fn merge(&mut self, mut other: Part, name: &str) -> Result<(), Error> {
+        let bad = |message: Message| Error::log(name, None, message);
         if self.hash != other.hash {
             return Err(bad(format!(
                 "about another robot ({}, hash {}) than the first part ({}, hash {})",

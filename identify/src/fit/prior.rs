@@ -55,6 +55,45 @@ const TIGHT: (f64, f64) = (0.002, 0.0001);
 /// CAD as it usually is: masses to 10 %, CoMs to 5 mm.
 const USUAL: (f64, f64) = (0.10, 0.005);
 
+/// A prior, or the name of one.
+#[derive(Debug, Clone)]
+pub enum PriorChoice {
+    /// See [`Prior::named`].
+    Named(String),
+    Given(Prior),
+}
+
+impl PriorChoice {
+    /// The prior itself.
+    ///
+    /// # Errors
+    /// As [`Prior::named`].
+    pub fn of(&self, model: &Model) -> Result<Prior, Error> {
+        match self {
+            PriorChoice::Named(name) => Prior::named(name, model),
+            PriorChoice::Given(prior) => Ok(prior.clone()),
+        }
+    }
+}
+
+impl Default for PriorChoice {
+    fn default() -> PriorChoice {
+        PriorChoice::from(Prior::DEFAULT)
+    }
+}
+
+impl From<&str> for PriorChoice {
+    fn from(name: &str) -> PriorChoice {
+        PriorChoice::Named(name.to_string())
+    }
+}
+
+impl From<Prior> for PriorChoice {
+    fn from(prior: Prior) -> PriorChoice {
+        PriorChoice::Given(prior)
+    }
+}
+
 impl Prior {
     /// What fits, plans and diagnoses take unless told otherwise: CAD as it usually is.
     /// A tighter one lets a diagnosis see more, where links were weighed.

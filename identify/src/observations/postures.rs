@@ -5,8 +5,6 @@
 //! reading of n rows    ȳ ± s/√n  (s: of a row)        or ± √(Σ s_k²)/n where rows state s_k
 //! ```
 
-use std::path::Path;
-
 use sesc_model::Model;
 use sesc_model::effects::Circumstances;
 
@@ -14,7 +12,8 @@ use super::grouping::{DOWN, Grouping, moved_sentence};
 use super::noise::{Known, LEAST_STD, NoiseSource};
 use super::repeats::{Group, Repeats};
 use super::{noise, rows};
-use crate::logs::{Options, PostureReader, Summary};
+use crate::logs::{LogSource, Options, PostureReader, Summary};
+use crate::watch::{Watch, tell};
 use crate::{Error, Message, Setting, message};
 
 /// Rows taken at once.
@@ -192,10 +191,16 @@ impl Postures {
     /// Read a log of readings on the model's support.
     ///
     /// # Errors
-    /// As [`PostureReader`]; a log without a posture on that link.
-    pub fn read(path: &Path, model: &Model, taking: &Taking) -> Result<Postures, Error> {
+    /// As [`PostureReader`]; a log without a posture on that link; when `watch` stops it.
+    pub fn read(
+        log: impl Into<LogSource>,
+        model: &Model,
+        taking: &Taking,
+        watch: &mut dyn Watch,
+    ) -> Result<Postures, Error> {
+        let log = log.into();
         let dofs = &model.tree.dofs;
-        let mut reader = PostureReader::open(path, dofs, &taking.options)?;
+        let mut reader = PostureReader::open(&log, dofs, &taking.options)?;
         let support = &model.tree.links[model.tree.support].name;
         let mut gathering = Gathering::new(taking.options.any_unit);
         let (mut stated, mut timed, mut raw) = (false, false, false);
@@ -206,6 +211,8 @@ impl Postures {
             if block.is_empty() {
                 break;
             }
+            let (done, total) = reader.progress();
+            tell(watch, "reading", done, total)?;
             stated |= block.std.is_some();
             timed |= block.t.is_some();
             raw |= block.cells.is_some();
@@ -239,7 +246,7 @@ impl Postures {
                 format!("no posture stands on `{support}`; name another link by "),
                 Setting::Support
             ];
-            return Err(Error::log(path.display().to_string(), None, message));
+            return Err(Error::log(log.name(), None, message));
         }
         let single = (1.0 - reader.averaged()).sqrt();
         let own = Taking {
@@ -253,14 +260,14 @@ impl Postures {
         data.warnings.splice(0..0, reader.warnings.iter().cloned());
         let moved = gathering.known.moved();
         if moved > 0 {
-            let file = path.display();
+            let file = log.name();
             data.warnings
                 .push(format!("{file}: {}", moved_sentence(moved)).into());
         }
         if elsewhere > 0 {
             let left_out = "rows stand on another link and are left out; diagnose them with ";
             data.warnings.push(message![
-                format!("{}: {elsewhere} {left_out}", path.display()),
+                format!("{}: {elsewhere} {left_out}", log.name()),
                 Setting::Support
             ]);
         }

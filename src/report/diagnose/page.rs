@@ -110,8 +110,8 @@ fn class(found: &Diagnosis) -> Vec<Value> {
         context! {
             effects => member.effects.join(" + "),
             sentence => &member.sentence,
-            behind => format!("{:.1}", member.behind),
-            odds => format!("1 : {:.0}", (0.5 * member.behind).exp().max(1.0)),
+            score_difference => format!("{:.1}", member.score_difference),
+            odds => format!("1 : {:.0}", (0.5 * member.score_difference).exp().max(1.0)),
         }
     };
     found.class.iter().map(row).collect()
@@ -120,7 +120,7 @@ fn class(found: &Diagnosis) -> Vec<Value> {
 /// What could be done to tell the class apart, the best first.
 fn experiments(found: &Diagnosis) -> Vec<Value> {
     let all = found.next_postures.experiments.iter();
-    let row = |experiment: &sesc_identify::diagnose::next_postures::Proposal| {
+    let row = |experiment: &sesc_identify::diagnose::findings::ExperimentProposal| {
         context! {
             what => &experiment.what,
             splits => experiment.splits,

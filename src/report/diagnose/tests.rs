@@ -1,20 +1,17 @@
 //! Pages and console texts of small simulated logs.
 
 use std::fmt::Write as _;
+use std::sync::Arc;
 
 use sesc_model::{Function, Model, Snapping};
 
 use super::{Asked, page, text};
 use crate::OP2_URDF;
-use sesc_identify::diagnose::findings::{Diagnosis, Member, Verdict};
-use sesc_identify::diagnose::next_postures::Proposal;
-use sesc_identify::diagnose::problem::Problem;
+use sesc_identify::diagnose::findings::{Diagnosis, ExperimentProposal, Member, Verdict};
 use sesc_identify::diagnose::view::DiagnosisView;
-use sesc_identify::diagnose::{About, diagnose};
+use sesc_identify::diagnose::{Request, diagnose};
 use sesc_identify::evaluate::Evaluator;
-use sesc_identify::fit::prior::Prior;
-use sesc_identify::logs::Options;
-use sesc_identify::observations::postures::{Postures, Taking};
+use sesc_identify::logs::{LogSource, Sidecar};
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
 
@@ -64,29 +61,16 @@ fn diagnosed(
 ) -> (Diagnosis, DiagnosisView) {
     let robot = Robot::parse(urdf, "robot.urdf").unwrap();
     let model = robot.model(support, Snapping::default(), None).unwrap();
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("log.csv");
-    std::fs::write(&file, log(&model, count, timed, off)).unwrap();
-    let taking = Taking {
-        options: Options {
-            support: Some(support.to_string()),
-            ..Options::default()
-        },
-        noise: None,
-        floor: 1e-4,
-    };
-    let data = Postures::read(&file, &model, &taking).unwrap();
-    let prior = Prior::named(prior, &model).unwrap();
-    let mut problem = Problem::new(&model, data, &prior).unwrap();
-    let about = About {
-        robot: "a<b>&c",
-        support,
-        log: "log.csv",
-        prior: prior.sentence(),
-    };
-    let found = diagnose(&mut problem, &about, &mut |_| {});
-    let view = DiagnosisView::of(&problem, &found);
-    (found.diagnosis, view)
+    let log = LogSource::bytes("log.csv", log(&model, count, timed, off)).with_sidecar(Sidecar {
+        robot: Some("a<b>&c".into()),
+        ..Sidecar::default()
+    });
+    let mut request = Request::new(Arc::new(robot), log);
+    request.support = Some(support.into());
+    request.prior = prior.into();
+    request.view = true;
+    let report = diagnose(&request, &mut ()).unwrap();
+    (report.diagnosis, report.view.unwrap())
 }
 
 fn small(size: (usize, bool), off: Off) -> (Diagnosis, DiagnosisView) {
@@ -198,7 +182,7 @@ fn a_class_of_twenty_is_numbered_and_mapped() {
     let (mut found, mut view) = small((38, false), |_, _| [0.004, 0.0]);
     let member = |k: usize| Member {
         effects: vec![format!("joint_offset:a<{k}>"), "ground_slope".to_string()],
-        behind: 0.4 * k as f64,
+        score_difference: 0.4 * k as f64,
         sentence: format!("An offset of a<{k}>"),
     };
     found.verdict = Verdict::Class;
@@ -207,7 +191,7 @@ fn a_class_of_twenty_is_numbered_and_mapped() {
     view.differences = (0..20).map(|k| row(k).collect()).collect();
     found.next_postures.why = "Turn the robot.".to_string();
     found.next_postures.file = Some("/a/folder/next.csv".to_string());
-    found.next_postures.experiments = vec![Proposal {
+    found.next_postures.experiments = vec![ExperimentProposal {
         what: "the robot turned <round>".to_string(),
         splits: 7,
         separations: vec![f64::INFINITY; 19],

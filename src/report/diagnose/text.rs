@@ -57,9 +57,12 @@ fn steps(found: &Diagnosis) -> Table {
 }
 
 fn class(found: &Diagnosis) -> String {
-    let mut table = Table::new(&["these data cannot tell apart", "behind"]);
+    let mut table = Table::new(&["these data cannot tell apart", "score difference"]);
     for member in found.class.iter().take(LISTED) {
-        table.row(&[member.effects.join(" + "), format!("{:.1}", member.behind)]);
+        table.row(&[
+            member.effects.join(" + "),
+            format!("{:.1}", member.score_difference),
+        ]);
     }
     let mut out = table.to_string();
     if found.class.len() > LISTED {

@@ -32,7 +32,7 @@ fn of_file(path: &Path, noise: Option<f64>) -> Result<Postures, String> {
         noise,
         floor: 1e-4,
     };
-    Postures::read(path, &Bench::skew().model, &taking).map_err(|error| error.to_string())
+    Postures::read(path, &Bench::skew().model, &taking, &mut ()).map_err(|error| error.to_string())
 }
 
 fn near(a: f64, b: f64) {

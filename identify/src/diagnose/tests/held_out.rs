@@ -64,7 +64,8 @@ fn folds_never_share_a_pose() {
         floor: 0.0,
     };
     let pooled =
-        crate::observations::postures::Postures::read(&path, &bench.model, &taking).unwrap();
+        crate::observations::postures::Postures::read(&path, &bench.model, &taking, &mut ())
+            .unwrap();
     assert_eq!(pooled.len(), 30);
     let once = errors(&bench.problem(data, "tight"), &[("sensor_offset", "-")]);
     let thrice = errors(&bench.problem(pooled, "tight"), &[("sensor_offset", "-")]);

@@ -7,6 +7,7 @@ mod next;
 mod nuisance;
 mod outliers;
 mod problem;
+mod request;
 mod sides;
 mod verdict;
 
@@ -17,10 +18,11 @@ use sesc_model::effects::Instance;
 use sesc_model::{Model, Snapping};
 use sesc_reference::World;
 
+use super::diagnosis::find;
+use super::findings::{About, Found};
 use super::hypothesis::Term;
 use super::problem::{Fit, Problem};
 use super::words;
-use super::{About, Found, diagnose};
 use crate::fit::prior::{Prior, Tolerance, Tolerances};
 use crate::observations::postures::Postures;
 use crate::robot::Robot;
@@ -152,7 +154,7 @@ fn about() -> About<'static> {
 }
 
 fn diagnosed(problem: &mut Problem) -> Found {
-    diagnose(problem, &about(), &mut |_| ())
+    find(problem, &[], &about(), &mut ()).unwrap()
 }
 
 fn gauss(seed: u64) -> impl FnMut() -> f64 {

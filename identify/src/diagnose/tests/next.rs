@@ -6,7 +6,7 @@ use sesc_reference::World;
 
 use super::OP2_URDF;
 use super::{Bench, NOISE, about, diagnosed, gauss, term};
-use crate::diagnose::diagnose_all;
+use crate::diagnose::diagnosis::find;
 use crate::diagnose::further::{Further, together};
 use crate::diagnose::next_postures::next;
 use crate::diagnose::problem::{ALL, Problem};
@@ -94,7 +94,9 @@ fn the_first_experiment_splits_the_class() {
                 problem: taken(&model, &world, q, 500 + seed),
                 experiment,
             };
-            let after = diagnose_all(&mut problem, &[further], &about(), &mut |_| ()).diagnosis;
+            let after = find(&mut problem, &[further], &about(), &mut ())
+                .unwrap()
+                .diagnosis;
             let after = after.indistinguishable;
             let gone = before.iter().filter(|rival| !after.contains(rival)).count();
             let remains = after.contains(&truth);

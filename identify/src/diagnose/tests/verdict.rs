@@ -118,8 +118,13 @@ fn parallel_axes_make_a_class_that_holds_the_truth() {
         );
         assert_eq!(found.indistinguishable[0], labels(&found));
         assert_eq!(found.class.len(), found.indistinguishable.len());
-        assert_eq!(found.class[0].behind, 0.0);
-        assert!(found.class.windows(2).all(|w| w[0].behind <= w[1].behind));
+        assert_eq!(found.class[0].score_difference, 0.0);
+        assert!(
+            found
+                .class
+                .windows(2)
+                .all(|w| w[0].score_difference <= w[1].score_difference)
+        );
     }
 }
 

@@ -1,0 +1,344 @@
+//! One call from a log to everything that is said of it and made from it.
+//!
+//! ```text
+//! log ─▶ postures ─▶ search ─▶ class, verdict, held-out errors ─▶ report
+//! further logs ──────────────┘                                    ├▶ model file, URDF
+//!                                                                 └▶ next postures, view
+//! ```
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use sesc_model::effects::Experiment;
+use sesc_model::tree::Dof;
+use sesc_model::{DataUsed, Model, ModelFile, Snapping};
+
+use super::corrected_urdf::{self, CorrectedUrdf};
+use super::findings::{About, Diagnosis, Found, NextPostures};
+use super::further::Further;
+use super::model_file::model_file;
+use super::next_postures::{self, Next};
+use super::problem::Problem;
+use super::view::DiagnosisView;
+use super::{diagnosis, experiment};
+use crate::fit::prior::PriorChoice;
+use crate::logs::{Angles, LogSource, Options, PostureWriter, Readings, Row, Sidecar, Written};
+use crate::observations::postures::{Postures, Taking};
+use crate::robot::Robot;
+use crate::watch::Watch;
+use crate::{Error, Setting, message};
+
+/// What encoder ticks add to the noise of a posture's CoP unless told otherwise, m.
+pub const FLOOR_M: f64 = 1e-4;
+
+/// What is to be diagnosed, and how.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct Request {
+    pub robot: Arc<Robot>,
+    /// The log: a path, bytes or a table.
+    pub log: LogSource,
+    /// Logs of experiments: explanations are fitted to them, too.
+    pub then: Vec<LogSource>,
+    /// Link on the ground in rows that do not say; the sidecar's unless given.
+    pub support: Option<String>,
+    /// Whether decimals of right angles are made exact.
+    pub snapping: Snapping,
+    /// Unit of revolute joints; the sidecar's, else rad, unless given.
+    pub angles: Option<Angles>,
+    /// How far masses may be off CAD.
+    pub prior: PriorChoice,
+    /// Standard deviation of a single reading on one axis, m; the log's unless given.
+    pub noise: Option<f64>,
+    /// Added to the noise of a posture in quadrature, m.
+    pub floor: f64,
+    /// Folder of the robot's meshes, for postures that touch nothing.
+    pub meshes: Option<PathBuf>,
+    /// Where the caller will write the next postures; the diagnosis names it.
+    pub next_file: Option<PathBuf>,
+    /// Whether the corrected URDF is wanted.
+    pub corrected_urdf: bool,
+    /// Whether the rows of figures are wanted.
+    pub view: bool,
+}
+
+impl Request {
+    /// The defaults of the command line.
+    pub fn new(robot: Arc<Robot>, log: impl Into<LogSource>) -> Request {
+        Request {
+            robot,
+            log: log.into(),
+            then: Vec::new(),
+            support: None,
+            snapping: Snapping::default(),
+            angles: None,
+            prior: PriorChoice::default(),
+            noise: None,
+            floor: FLOOR_M,
+            meshes: None,
+            next_file: None,
+            corrected_urdf: false,
+            view: false,
+        }
+    }
+}
+
+/// Everything that was found.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct Report {
+    pub diagnosis: Diagnosis,
+    /// Parameters and effects, for predictions and generated code.
+    pub model_file: ModelFile,
+    /// Where it was wanted.
+    pub corrected_urdf: Option<CorrectedUrdf>,
+    /// Where it was wanted.
+    pub view: Option<DiagnosisView>,
+    /// Postures of the experiment that would tell most, if something is left to tell.
+    pub next: Option<NextLog>,
+    /// What is to be known of the robot.
+    pub notes: Vec<String>,
+}
+
+/// Postures to be taken next.
+#[derive(Debug, Clone)]
+pub struct NextLog {
+    pub robot: String,
+    pub support: String,
+    pub experiment: Option<Experiment>,
+    pub dofs: Vec<Dof>,
+    /// Posture by posture, joint by joint, rad or m.
+    pub q: Vec<f64>,
+}
+
+impl NextLog {
+    /// Write them to a log with its sidecar.
+    ///
+    /// # Errors
+    /// When a file cannot be written.
+    pub fn write(&self, path: &Path) -> Result<(), Error> {
+        let mut log = PostureWriter::create(path, &self.dofs, Written::default())?;
+        for (pose, q) in self.q.chunks_exact(self.dofs.len()).enumerate() {
+            log.row(&Row {
+                pose: pose as i64,
+                q,
+                ..Row::default()
+            })?;
+        }
+        log.finish(&Sidecar {
+            robot: Some(self.robot.clone()),
+            support: Some(self.support.clone()),
+            experiment: self.experiment.as_ref().map(|e| e.name().to_string()),
+            ..Sidecar::default()
+        })?;
+        Ok(())
+    }
+}
+
+/// Find where simulation and measurement disagree, and name what is missing.
+///
+/// ```
+/// use std::sync::Arc;
+/// use sesc_identify::diagnose::{Request, Verdict, diagnose};
+/// use sesc_identify::logs::Table;
+/// use sesc_identify::robot::Robot;
+///
+/// let urdf = "<robot name='rod'><link name='foot'/>\
+///     <joint name='hip' type='revolute'><parent link='foot'/><child link='leg'/>\
+///     <axis xyz='0 1 0'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>\
+///     <link name='leg'><inertial><origin xyz='0 0 0.1'/><mass value='1'/></inertial></link>\
+///     </robot>";
+/// let robot = Arc::new(Robot::parse(urdf, "rod.urdf")?);
+/// // The CoM of the leg is 0.1 m along it, and noise is 0.1 mm.
+/// let hip: Vec<f64> = (0..30).map(|k| 0.6 * (0.7 * f64::from(k)).sin()).collect();
+/// let noise = |k: usize, step: f64| 1e-4 * (step * k as f64).sin();
+/// let cop = |k: usize| 0.1 * hip[k].sin() + noise(k, 7.1);
+/// let log = Table::new("rod.csv")
+///     .numbers("cop_x", (0..30).map(cop).collect())
+///     .numbers("cop_y", (0..30).map(|k| noise(k, 3.3)).collect())
+///     .numbers("hip", hip.clone());
+/// let mut request = Request::new(robot, log);
+/// request.support = Some("foot".into());
+/// request.noise = Some(1e-4);
+/// let report = diagnose(&request, &mut ())?;
+/// assert_eq!(report.diagnosis.verdict, Verdict::None);
+/// # Ok::<(), sesc_identify::Error>(())
+/// ```
+///
+/// # Errors
+/// What is wrong with a log, its sidecar, the robot or the request; the kind
+/// `Interrupted` where `watch` stops it.
+pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Error> {
+    check_noise(request)?;
+    let robot = &request.robot;
+    let (sidecar, _) = request.log.sidecar()?;
+    let support = request.support.clone().or(sidecar.support.clone());
+    let support = support.ok_or_else(|| no_support(robot))?;
+    let model = robot.model(&support, request.snapping, None)?;
+    let prior = request.prior.of(&model)?;
+    let data = take(request, &model, &request.log, watch)?;
+    let mut problem = Problem::new(&model, data, &prior)?;
+    let stands = request.then.iter().map(|log| stand(request, &support, log));
+    let stands: Vec<(Experiment, Model)> = stands.collect::<Result<_, _>>()?;
+    let mut further = Vec::new();
+    for (log, (experiment, model)) in request.then.iter().zip(&stands) {
+        further.push(Further {
+            experiment: *experiment,
+            problem: Problem::new(model, take(request, model, log, watch)?, &prior)?,
+        });
+    }
+    let names = [&request.log].into_iter().chain(&request.then);
+    let about = About {
+        robot: sidecar.robot.as_deref().unwrap_or(&model.tree.robot),
+        support: &support,
+        log: &names
+            .map(LogSource::file_name)
+            .collect::<Vec<_>>()
+            .join(" + "),
+        prior: prior.sentence(),
+    };
+    let mut found = diagnosis::find(&mut problem, &further, &about, watch)?;
+    let meshes = request.meshes.as_deref();
+    let next = next_postures::next(&problem, &found, robot, request.snapping, meshes);
+    found.diagnosis.next_postures = NextPostures {
+        why: next_postures::why(&next, found.class.len()),
+        file: match (&next.postures, &request.next_file) {
+            (Some(_), Some(path)) => Some(path.display().to_string()),
+            _ => None,
+        },
+        experiments: next.proposals.clone(),
+    };
+    let corrected = request
+        .corrected_urdf
+        .then(|| corrected_urdf::of(&problem, &found, robot, request.snapping, &prior))
+        .transpose()?;
+    Ok(Report {
+        model_file: with_data(request, &problem, &found, &further),
+        corrected_urdf: corrected,
+        view: request.view.then(|| DiagnosisView::of(&problem, &found)),
+        next: next_log(next, &model, about.robot),
+        notes: model.tree.notes.clone(),
+        diagnosis: found.diagnosis,
+    })
+}
+
+fn check_noise(request: &Request) -> Result<(), Error> {
+    let of = |setting: Setting, value: f64, least: f64| match (least..=1.0).contains(&value) {
+        true => Ok(()),
+        false => Err(Error::request(message![
+            setting,
+            format!(" {value:e}: give metres, {least:e} to 1")
+        ])),
+    };
+    of(Setting::Noise, request.noise.unwrap_or(1.0), 1e-9)?;
+    of(Setting::Floor, request.floor, 0.0)
+}
+
+fn no_support(robot: &Robot) -> Error {
+    let links = robot.description.robot.links.iter();
+    let names: Vec<&str> = links.map(|link| link.name.as_str()).collect();
+    let more = if names.len() > 12 { ", …" } else { "" };
+    let some = names[..names.len().min(12)].join(", ");
+    Error::request(message![
+        "no support link given; add ",
+        Setting::Support,
+        format!(" (the robot has {some}{more})")
+    ])
+}
+
+/// A log on the model's support, its oddities told.
+fn take(
+    request: &Request,
+    model: &Model,
+    log: &LogSource,
+    watch: &mut dyn Watch,
+) -> Result<Postures, Error> {
+    let links = request.robot.description.robot.links.iter();
+    let taking = Taking {
+        options: Options {
+            angles: request.angles,
+            readings: Readings::Required,
+            links: links.map(|link| link.name.clone()).collect(),
+            support: Some(model.tree.links[model.tree.support].name.clone()),
+            any_unit: true,
+            ..Options::default()
+        },
+        noise: request.noise,
+        floor: request.floor,
+    };
+    let data = Postures::read(log, model, &taking, watch)?;
+    data.warnings
+        .iter()
+        .for_each(|warning| watch.warning(warning));
+    Ok(data)
+}
+
+/// What a further log is of, and the robot as it stands there.
+fn stand(request: &Request, first: &str, log: &LogSource) -> Result<(Experiment, Model), Error> {
+    let (sidecar, _) = log.sidecar()?;
+    let file = || -> String {
+        match log.path() {
+            Some(path) => Sidecar::path(path).display().to_string(),
+            None => log.name().to_string(),
+        }
+    };
+    let support = sidecar.support.as_deref().unwrap_or(first);
+    let experiment = match &sidecar.experiment {
+        Some(name) => experiment::of_log(name).ok_or_else(|| {
+            let message = message![
+                format!(
+                    "experiment `{name}` cannot be taken together with another log; known are \
+                     postures, turned, other_foot, raw_cells, untouched. Diagnose it alone with "
+                ),
+                Setting::Data
+            ];
+            Error::log(file(), None, message)
+        })?,
+        None if support != first => Experiment::OtherFoot,
+        None => Experiment::Postures,
+    };
+    if (experiment == Experiment::OtherFoot) == (support == first) {
+        let name = experiment.name();
+        let message = format!(
+            "experiment `{name}` on `{support}`, and the first log is on `{first}`; mend \
+             `experiment` or `support`"
+        );
+        return Err(Error::log(file(), None, message));
+    }
+    let model = request.robot.model(support, request.snapping, None)?;
+    Ok((experiment, model))
+}
+
+/// The model file, with all logs that it was found in.
+fn with_data(
+    request: &Request,
+    problem: &Problem,
+    found: &Found,
+    further: &[Further],
+) -> ModelFile {
+    let mut file = model_file(problem, found);
+    let first = [(&request.log, problem)].into_iter();
+    let logs = first.chain(request.then.iter().zip(further.iter().map(|f| &f.problem)));
+    file.data = logs
+        .filter_map(|(log, problem)| {
+            let summary = problem.data.summary.as_ref()?;
+            Some(DataUsed {
+                file: log.file_name().to_string(),
+                hash: summary.hash.clone(),
+                rows: summary.rows,
+            })
+        })
+        .collect();
+    file
+}
+
+fn next_log(next: Next, model: &Model, robot: &str) -> Option<NextLog> {
+    let (support, q) = next.postures?;
+    Some(NextLog {
+        robot: robot.to_string(),
+        support,
+        experiment: next.experiment,
+        dofs: model.tree.dofs.clone(),
+        q,
+    })
+}
