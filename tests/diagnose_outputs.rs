@@ -9,6 +9,7 @@ use sesc_identify::diagnose::corrected_urdf::{CorrectedUrdf, of_model_file};
 use sesc_identify::fit::prior::{Prior, Tolerances};
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
+use sesc_model::effects::Catalog;
 use sesc_model::{EffectRecord, ModelFile, Quantity, Snapping};
 use sesc_reference::{Reference, World};
 use sesc_test_support::command::{folder, op2, refused, sesc, stdout};
@@ -52,7 +53,15 @@ fn corrected(
     let mut file = ModelFile::from_values(&model, params.unwrap_or(&cad), None, "data");
     file.effects = effects;
     let prior = Prior::Cad(Tolerances::usual());
-    of_model_file(&file, &robot, &model, Snapping::Off, &prior).unwrap()
+    of_model_file(
+        &file,
+        &robot,
+        &model,
+        &Catalog::standard(),
+        Snapping::Off,
+        &prior,
+    )
+    .unwrap()
 }
 
 /// The same effects in the virtual robot.

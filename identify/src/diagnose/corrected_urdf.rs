@@ -54,7 +54,14 @@ pub fn of(
         false => prior,
     };
     let model = problem.model;
-    let mut corrected = of_model_file(&file, robot, model, snapping, prior)?;
+    let mut corrected = of_model_file(
+        &file,
+        robot,
+        model,
+        &problem.context.catalog,
+        snapping,
+        prior,
+    )?;
     let rest = found
         .best
         .terms
@@ -78,6 +85,7 @@ pub fn of_model_file(
     file: &ModelFile,
     robot: &Robot,
     model: &Model,
+    catalog: &Catalog,
     snapping: Snapping,
     prior: &Prior,
 ) -> Result<CorrectedUrdf, Error> {
@@ -100,7 +108,6 @@ pub fn of_model_file(
         }
     }
     let (mut shifts, mut loads) = (Vec::new(), Vec::new());
-    let catalog = Catalog::standard();
     for record in &file.effects {
         let value = |name: &str| record.parameters.get(name).map_or(0.0, |q| q.value);
         let effect = catalog.named(&record.effect);

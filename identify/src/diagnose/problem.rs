@@ -7,7 +7,7 @@ use std::collections::{BTreeSet, HashMap};
 use std::rc::Rc;
 
 use nalgebra::{DMatrix, DVector};
-use sesc_model::effects::{self, Circumstances, EffectContext, EffectId, Instance, Stage};
+use sesc_model::effects::{self, Catalog, Circumstances, EffectContext, EffectId, Instance, Stage};
 use sesc_model::tape::{Tape, Values};
 use sesc_model::{Function, Model};
 
@@ -117,8 +117,14 @@ pub struct Rows<'a> {
 pub const ALL: Rows = Rows { keep: None };
 
 impl<'m> Problem<'m> {
-    pub fn new(model: &'m Model, mut data: Postures, prior: &Prior) -> Result<Problem<'m>, Error> {
+    pub fn new(
+        model: &'m Model,
+        mut data: Postures,
+        prior: &Prior,
+        effects: &Catalog,
+    ) -> Result<Problem<'m>, Error> {
         let context = EffectContext::new(model, &data.cells, data.t.is_some());
+        let context = context.with_effects(effects.clone());
         let n = data.len();
         let p = model.base.params.len();
         let layout = Circumstances::of(model);

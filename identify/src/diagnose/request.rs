@@ -9,7 +9,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use sesc_model::effects::Experiment;
+use sesc_model::effects::{Catalog, Experiment};
 use sesc_model::tree::Dof;
 use sesc_model::{DataUsed, Model, ModelFile, Snapping};
 
@@ -46,6 +46,8 @@ pub struct Request {
     pub snapping: Snapping,
     /// Unit of revolute joints; the sidecar's, else rad, unless given.
     pub angles: Option<Angles>,
+    /// The effects that may be the cause.
+    pub effects: Catalog,
     /// How far masses may be off CAD.
     pub prior: PriorChoice,
     /// Standard deviation of a single reading on one axis, m; the log's unless given.
@@ -72,6 +74,7 @@ impl Request {
             support: None,
             snapping: Snapping::default(),
             angles: None,
+            effects: Catalog::standard(),
             prior: PriorChoice::default(),
             noise: None,
             floor: FLOOR_M,
@@ -177,14 +180,19 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     let model = robot.model(&support, request.snapping, None)?;
     let prior = request.prior.of(&model)?;
     let data = take(request, &model, &request.log, watch)?;
-    let mut problem = Problem::new(&model, data, &prior)?;
+    let mut problem = Problem::new(&model, data, &prior, &request.effects)?;
     let stands = request.then.iter().map(|log| stand(request, &support, log));
     let stands: Vec<(Experiment, Model)> = stands.collect::<Result<_, _>>()?;
     let mut further = Vec::new();
     for (log, (experiment, model)) in request.then.iter().zip(&stands) {
         further.push(Further {
             experiment: *experiment,
-            problem: Problem::new(model, take(request, model, log, watch)?, &prior)?,
+            problem: Problem::new(
+                model,
+                take(request, model, log, watch)?,
+                &prior,
+                &request.effects,
+            )?,
         });
     }
     let names = [&request.log].into_iter().chain(&request.then);

@@ -78,6 +78,12 @@ impl<'m> EffectContext<'m> {
         }
     }
 
+    /// The same with other effects than the standard ones.
+    pub fn with_effects(mut self, catalog: Catalog) -> EffectContext<'m> {
+        self.catalog = catalog;
+        self
+    }
+
     /// A link of each body.
     pub fn links(&self) -> Vec<Target> {
         self.links.iter().map(|&link| Target::Link(link)).collect()

@@ -3,6 +3,7 @@
 mod data;
 mod held_out;
 mod leftover;
+mod new_effect;
 mod next;
 mod nuisance;
 mod outliers;
@@ -14,7 +15,7 @@ mod verdict;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
-use sesc_model::effects::Instance;
+use sesc_model::effects::{Catalog, Instance};
 use sesc_model::{Model, Snapping};
 use sesc_reference::World;
 
@@ -131,12 +132,18 @@ impl Bench {
             default: nothing,
             ..Tolerances::default()
         };
-        Problem::new(&self.model, data, &Prior::Cad(certain)).unwrap()
+        Problem::new(
+            &self.model,
+            data,
+            &Prior::Cad(certain),
+            &Catalog::standard(),
+        )
+        .unwrap()
     }
 
     fn problem(&self, data: Postures, prior: &str) -> Problem<'_> {
         let prior = Prior::named(prior, &self.model).unwrap();
-        Problem::new(&self.model, data, &prior).unwrap()
+        Problem::new(&self.model, data, &prior, &Catalog::standard()).unwrap()
     }
 
     fn diagnose(&self, data: Postures, prior: &str) -> Found {

@@ -13,7 +13,7 @@ use crate::diagnose::problem::{ALL, Problem};
 use crate::fit::prior::Prior;
 use crate::observations::postures::Postures;
 use crate::robot::Robot;
-use sesc_model::effects::Experiment;
+use sesc_model::effects::{Catalog, Experiment};
 
 /// Joint offsets (rad), and others with their sizes.
 const OFFSETS: [(&str, f64); 7] = [
@@ -62,7 +62,8 @@ fn taken<'m>(model: &'m Model, world: &World, q: &[f64], seed: u64) -> Problem<'
     let cop = q.chunks_exact(model.dof()).flat_map(|q| world.cop(q));
     let reading: Vec<f64> = cop.map(|x| x + NOISE * gauss()).collect();
     let data = Postures::given(model.dof(), q, &reading, NOISE, 0.0);
-    Problem::new(model, data, &Prior::named("tight", model).unwrap()).unwrap()
+    let prior = Prior::named("tight", model).unwrap();
+    Problem::new(model, data, &prior, &Catalog::standard()).unwrap()
 }
 
 #[test]

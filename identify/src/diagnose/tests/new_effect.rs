@@ -1,0 +1,247 @@
+//! A new effect is one file and one line in a catalog: these come from outside.
+
+use std::sync::Arc;
+
+use sesc_model::effects::{
+    Carry, Catalog, Effect, EffectContext, EffectId, Experiment, Measured, Parameter, Stage,
+    Target, UrdfEdit,
+};
+use sesc_model::expr::Id;
+use sesc_model::urdf::Shift;
+
+use super::{Bench, NOISE, SKEW};
+use crate::diagnose::experiment::carried;
+use crate::diagnose::hypothesis::{Term, effect_terms};
+use crate::diagnose::problem::{ALL, Problem};
+use crate::diagnose::{Report, Request, Verdict, diagnose};
+use crate::fit::prior::Prior;
+use crate::logs::Table;
+use crate::robot::Robot;
+
+/// `φ_j = q_j + k (1 − cos 3 q_j)`: an eccentric gear wheel.
+struct Eccentric;
+
+impl Effect for Eccentric {
+    fn id(&self) -> EffectId {
+        EffectId::new("joint_eccentric")
+    }
+
+    fn stage(&self) -> Stage {
+        Stage::Joints
+    }
+
+    fn targets(&self, context: &EffectContext) -> Vec<Target> {
+        context.joints()
+    }
+
+    fn parameters(&self, _: &EffectContext, _: &Target) -> &'static [Parameter] {
+        const PARAMETERS: &[Parameter] = &[Parameter::new("throw_rad", 0.02)];
+        PARAMETERS
+    }
+
+    fn phrase(&self, _: &Target, name: &str) -> String {
+        format!("an eccentric gear wheel in {name}")
+    }
+
+    fn rewrite(&self, target: &Target, at: &mut Measured, unknowns: &[Id]) {
+        let Target::Joint(joint) = *target else {
+            return;
+        };
+        let three = at.constant(3.0);
+        let angle = at.mul(three, at.joints[joint]);
+        let cos = at.g().cos(angle);
+        let one = at.constant(1.0);
+        let rise = at.sub(one, cos);
+        let moved = at.mul(unknowns[0], rise);
+        at.shift_joint(joint, moved);
+    }
+
+    fn bound_violation(&self, _: &EffectContext, _: &Target, unknowns: &[f64]) -> Vec<f64> {
+        vec![(unknowns[0].abs() - 0.2).max(0.0) / 0.01]
+    }
+
+    fn load_share(&self, unknowns: &[f64]) -> f64 {
+        2.0 * unknowns[0]
+    }
+
+    fn dead_band(&self) -> Option<f64> {
+        None
+    }
+
+    fn in_experiment(&self, experiment: Experiment, _: &Target) -> Carry {
+        match experiment {
+            Experiment::Turned => Carry::Scaled(vec![-1.0]),
+            Experiment::Untouched => Carry::Gone,
+            _ => Carry::Same,
+        }
+    }
+
+    fn urdf_edit(&self, target: &str, value: &dyn Fn(&str) -> f64) -> Option<UrdfEdit> {
+        Some(UrdfEdit::Joint(Shift {
+            joint: target.to_string(),
+            by: value("throw_rad"),
+        }))
+    }
+}
+
+/// The same kind of thing with a dead band in it.
+struct Loose;
+
+impl Effect for Loose {
+    fn id(&self) -> EffectId {
+        EffectId::new("joint_loose")
+    }
+
+    fn stage(&self) -> Stage {
+        Stage::Bends
+    }
+
+    fn targets(&self, _: &EffectContext) -> Vec<Target> {
+        vec![Target::AllJoints]
+    }
+
+    fn parameters(&self, _: &EffectContext, _: &Target) -> &'static [Parameter] {
+        const PARAMETERS: &[Parameter] = &[Parameter::new("width_rad", 0.02)];
+        PARAMETERS
+    }
+
+    fn phrase(&self, _: &Target, name: &str) -> String {
+        format!("something loose in {name}")
+    }
+
+    fn rewrite(&self, target: &Target, at: &mut Measured, unknowns: &[Id]) {
+        for joint in target.revolute(at.robot()) {
+            at.slack(joint, unknowns[0]);
+        }
+    }
+
+    fn dead_band(&self) -> Option<f64> {
+        Some(0.015)
+    }
+}
+
+fn effects() -> Catalog {
+    Catalog::standard().with(&Eccentric).with(&Loose)
+}
+
+const THROW: f64 = 0.06;
+
+/// Readings of the skewed robot whose knee has an eccentric gear wheel.
+fn log() -> Table {
+    let bench = Bench::skew();
+    let q = bench.postures(80, 3);
+    let knee = bench.joint("knee");
+    let bent: Vec<f64> = q
+        .chunks_exact(2)
+        .flat_map(|q| {
+            let mut bent = q.to_vec();
+            bent[knee] += THROW * (1.0 - (3.0 * q[knee]).cos());
+            bent
+        })
+        .collect();
+    let data = bench.log(&bench.world(), &bent, 5);
+    let column = |values: &[f64], from: usize| -> Vec<f64> {
+        values.iter().skip(from).step_by(2).copied().collect()
+    };
+    Table::new("log.csv")
+        .numbers("hip", column(&q, bench.joint("hip")))
+        .numbers("knee", column(&q, knee))
+        .numbers("cop_x", column(&data.reading, 0))
+        .numbers("cop_y", column(&data.reading, 1))
+}
+
+fn report(effects: Catalog) -> Report {
+    let robot = Robot::parse(SKEW, "skew.urdf").unwrap();
+    let mut request = Request::new(Arc::new(robot), log());
+    request.support = Some("foot".into());
+    request.prior = "tight".into();
+    request.noise = Some(NOISE);
+    request.floor = 0.0;
+    request.corrected_urdf = true;
+    request.effects = effects;
+    diagnose(&request, &mut ()).unwrap()
+}
+
+#[test]
+fn an_effect_from_outside_is_found_said_and_written() {
+    let found = report(effects());
+    let said = &found.diagnosis;
+    assert_eq!(said.verdict, Verdict::Named, "{}", said.sentence);
+    let step = &said.steps[0];
+    assert_eq!(
+        (step.effect, step.target.as_str()),
+        ("joint_eccentric", "knee")
+    );
+    let throw = &step.parameters["throw_rad"];
+    assert!((throw.value - THROW).abs() < 4.0 * throw.std, "{throw:?}");
+    assert!(
+        said.sentence.contains("an eccentric gear wheel in knee"),
+        "{}",
+        said.sentence
+    );
+    let record = &found.model_file.effects[0];
+    assert_eq!(record.effect, "joint_eccentric");
+    // The URDF holds what the effect says that it can hold.
+    let corrected = found.corrected_urdf.unwrap();
+    assert!(corrected.left_out.is_empty(), "{:?}", corrected.left_out);
+    assert_ne!(corrected.text, SKEW);
+    // Without it in the catalog nobody can name it.
+    let without = report(Catalog::standard()).diagnosis;
+    assert!(
+        without
+            .steps
+            .iter()
+            .all(|step| step.effect != "joint_eccentric")
+    );
+    assert!(
+        without.last.rmse > 1.02 * said.last.rmse,
+        "{} {}",
+        without.last.rmse,
+        said.last.rmse
+    );
+}
+
+#[test]
+fn its_bounds_load_dead_band_and_experiments_are_those_it_states() {
+    let bench = Bench::skew();
+    let data = bench.log(&bench.world(), &bench.postures(30, 3), 5);
+    let prior = Prior::named("tight", &bench.model).unwrap();
+    let plain = Problem::new(&bench.model, data.clone(), &prior, &Catalog::standard()).unwrap();
+    let problem = Problem::new(&bench.model, data, &prior, &effects()).unwrap();
+    let of = |name: &str, target: &str| {
+        let mut terms = effect_terms(&problem.context).into_iter();
+        let wanted = |t: &Term| t.name() == name && t.target_name(&problem.context) == target;
+        terms.find(wanted).unwrap()
+    };
+    let eccentric = of("joint_eccentric", "knee");
+    // The penalty counts its unknown, and two kinds more to choose from.
+    let offset = of("joint_offset", "knee");
+    let own = problem.price(std::slice::from_ref(&eccentric));
+    assert!((own - problem.price(std::slice::from_ref(&offset))).abs() < 1e-12);
+    assert!(own > plain.price(std::slice::from_ref(&offset)));
+    // A fit stays near its bound, and says that it was touched.
+    let violation = eccentric.bound_violation(&problem.context, &[0.21]);
+    assert!((violation[0] - 1.0).abs() < 1e-9);
+    let fit = problem.fit(std::slice::from_ref(&eccentric), Some(&[0.05]), ALL);
+    assert!(fit.unknowns[0].abs() < 0.2);
+    assert_eq!(eccentric.effect().unwrap().effect.load_share(&[0.25]), 0.5);
+    // Experiments scale it, or leave it out.
+    let terms = [eccentric.clone()];
+    let context = &problem.context;
+    let turned = carried(Experiment::Turned, context, context, &terms);
+    assert_eq!(turned.columns, [(0, -1.0)]);
+    assert!(
+        carried(Experiment::Untouched, context, context, &terms)
+            .terms
+            .is_empty()
+    );
+    // Only the loose one has sides to choose.
+    let loose = of("joint_loose", "all");
+    assert!(problem.slack_joints(&terms).is_empty());
+    assert_eq!(
+        problem.slack_joints(std::slice::from_ref(&loose)),
+        [(0, 0), (1, 0)]
+    );
+    let fit = problem.fit(std::slice::from_ref(&loose), None, ALL);
+    assert!(fit.circumstances.is_some());
+}
