@@ -464,15 +464,9 @@ impl Config {
         printed.lines().filter_map(symbol).collect()
     }
 
-    /// The symbol of a function: long names are renamed in the header.
+    /// The symbol of a function.
     fn symbol(self, name: &str) -> String {
-        let public = format!("{}{name}", self.prefix());
-        let header = self.header();
-        let renamed = header.lines().find_map(|line| {
-            let (from, to) = line.strip_prefix("#define ")?.split_once(' ')?;
-            (from == public).then(|| to.to_string())
-        });
-        renamed.unwrap_or(public)
+        format!("{}{name}", self.prefix())
     }
 
     /// Executed instructions of every call in `counts`, in the order of the calls.

@@ -45,14 +45,6 @@
 extern "C" {
 #endif
 
-/* Names that C99 would not tell apart in their first 31 characters. */
-#define op2_r_sole_fixed_gravity_moments_sc op2_r_sole_f_gravity_moments_sc
-#define op2_r_sole_fixed_regressor_cop_sc op2_r_sole_fix_regressor_cop_sc
-#define op2_r_sole_fixed_regressor_full_sc op2_r_sole_fi_regressor_full_sc
-#define op2_r_sole_fixed_gravity_moments_ticks op2_r_sol_gravity_moments_ticks
-#define op2_r_sole_fixed_regressor_cop_ticks op2_r_sole_regressor_cop_ticks
-#define op2_r_sole_fixed_regressor_full_ticks op2_r_sole_regressor_full_ticks
-
 /** Scalar of every quantity: an integer, its binary point by quantity as below. */
 typedef int32_t op2_r_sole_fixed_real;
 

@@ -177,8 +177,7 @@ fn objects_hold_constants_and_code_only() {
                 "{}: calls {symbol}",
                 case.name
             );
-            // `_real` names begin with the prefix, whole or shortened.
-            let prefix: String = case.name.chars().take(9).collect();
+            let prefix = format!("{}_", case.name);
             let local = kind == "r" || kind == "t";
             assert!(
                 kind == "U" || local || symbol.starts_with(&prefix),
@@ -253,7 +252,7 @@ fn the_text_keeps_to_the_rules() {
         distinct(&case.name, macros.iter().copied(), 63);
         let named = words.iter().map(String::as_str);
         let named = named.filter(|word| !word.starts_with(digit) && !macros.contains(word));
-        distinct(&case.name, named, 31);
+        distinct(&case.name, named, 63);
         if scalar == Scalar::F32 {
             for number in words
                 .iter()

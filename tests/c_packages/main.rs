@@ -3,4 +3,5 @@
 mod boards;
 mod cmake;
 mod output;
+mod symbols;
 mod user;

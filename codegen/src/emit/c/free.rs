@@ -3,11 +3,10 @@
 use minijinja::context;
 use serde::Serialize;
 
-use super::{EFFECT_HELPERS, HELPERS, Needs, Package, Scalar, float, helpers, is_prefix, render};
+use super::{Needs, Package, Scalar, float, helpers, is_prefix, render};
 use super::{listed, suggest};
 use crate::Error;
 use crate::emit::header;
-use crate::emit::names;
 use sesc_model::bounds::{self, Input, Precision};
 use sesc_model::program::Program;
 
@@ -60,19 +59,6 @@ pub fn function(
         ),
     ];
     let worst = bounds::prove(program, inputs, precision).worst;
-    let suffixes = ["real", "run"]
-        .iter()
-        .chain(&HELPERS)
-        .chain(&EFFECT_HELPERS);
-    let suffixes: Vec<String> = suffixes.map(|suffix| suffix.to_string()).collect();
-    let public = |(long, _): &(String, String)| {
-        ["real", "run"]
-            .iter()
-            .any(|word| *long == format!("{name}_{word}"))
-    };
-    let (renamed, internal): (Vec<_>, Vec<_>) = names::distinct(name, &suffixes)
-        .into_iter()
-        .partition(public);
     let texts = context! {
         name,
         guard => format!("{}_H", name.to_uppercase()),
@@ -89,8 +75,6 @@ pub fn function(
         outputs,
         signature => declarations.join(", "),
         body,
-        renamed,
-        renamed_static => internal,
         ..helpers(&needs, scalar),
     };
     Ok(Package {

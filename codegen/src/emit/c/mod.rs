@@ -148,7 +148,6 @@ pub fn package(model: &Model, name: &str, options: &Options) -> Result<Package, 
     let arrays = tables::arrays(model, options.scalar, &routines, name);
     let (selftest, results) =
         selftest::checks(model, options.scalar, &routines, name, ticks.as_ref());
-    let renamed = Renamed::of(name, &functions, model.file.is_some(), &needs);
     let points = functions::points(&routines);
     let joints: Vec<String> = model
         .tree
@@ -166,8 +165,6 @@ pub fn package(model: &Model, name: &str, options: &Options) -> Result<Package, 
             _ => "",
         },
         real => options.scalar.c_type(),
-        renamed => renamed.public,
-        renamed_static => renamed.internal,
         dof => model.dof(),
         base_params => model.base.params.len(),
         full_params => model.chain.full_params,
@@ -344,57 +341,6 @@ fn about(model: &Model, routines: &[Routine], scalar: Scalar) -> Vec<String> {
         .iter()
         .map(|line| header::printable(line).trim_end().to_string())
         .collect()
-}
-
-/// Static helpers that a source file may hold.
-const HELPERS: [&str; 8] = [
-    "narrow",
-    "quarter",
-    "lookup",
-    "bits_of",
-    "from_bits",
-    "sincos",
-    "from_ticks",
-    "differs",
-];
-
-/// Those of effects, which few files hold.
-const EFFECT_HELPERS: [&str; 4] = ["clamp", "high", "lost", "power"];
-
-/// Names whose first 31 characters another has, each with a symbol of its own.
-struct Renamed {
-    /// For the header.
-    public: Vec<(String, String)>,
-    /// For the source file alone.
-    internal: Vec<(String, String)>,
-}
-
-impl Renamed {
-    fn of(name: &str, functions: &[functions::Text], model: bool, needs: &Needs) -> Renamed {
-        let data = [
-            "real",
-            "joint_names",
-            "cad_params",
-            "param_limits",
-            "selftest",
-        ];
-        let mut suffixes: Vec<String> = data.map(str::to_string).to_vec();
-        if model {
-            suffixes.push("model_params".into());
-        }
-        suffixes.extend(functions.iter().map(|text| text.name.clone()));
-        let mut helpers = HELPERS.to_vec();
-        if needs.clamp || needs.power {
-            helpers.extend(EFFECT_HELPERS);
-        }
-        suffixes.extend(helpers.iter().map(|helper| helper.to_string()));
-        let helpers: Vec<String> = helpers.iter().map(|h| format!("{name}_{h}")).collect();
-        let renamed = names::distinct(name, &suffixes);
-        let (internal, public) = renamed
-            .into_iter()
-            .partition(|(name, _)| helpers.contains(name));
-        Renamed { public, internal }
-    }
 }
 
 /// Name of an input array in C; `sin` and `cos` belong to the library.

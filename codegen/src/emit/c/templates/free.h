@@ -11,14 +11,6 @@
 extern "C" {
 #endif
 
-{%- for (name, symbol) in renamed %}
-{%- if loop.first %}
-
-/* Names that C99 would not tell apart in their first 31 characters. */
-{%- endif %}
-#define {{ name }} {{ symbol }}
-{%- endfor %}
-
 /** Scalar of every quantity. */
 typedef {{ real }} {{ name }}_real;
 

@@ -11,10 +11,3 @@
 #endif
 #endif
 {%- endif %}
-{%- for (name, symbol) in renamed_static %}
-{%- if loop.first %}
-
-/* Names that C99 would not tell apart in their first 31 characters. */
-{%- endif %}
-#define {{ name }} {{ symbol }}
-{%- endfor %}

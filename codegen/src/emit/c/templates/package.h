@@ -13,14 +13,6 @@
 extern "C" {
 #endif
 
-{%- for (name, symbol) in renamed %}
-{%- if loop.first %}
-
-/* Names that C99 would not tell apart in their first 31 characters. */
-{%- endif %}
-#define {{ name }} {{ symbol }}
-{%- endfor %}
-
 /** Scalar of every quantity{{ scalar_note }}. */
 typedef {{ real }} {{ name }}_real;
 
