@@ -191,20 +191,20 @@ fn ranges_that_32_bits_do_not_hold_are_named_with_the_robots_size() {
             &out,
         ])
     };
-    let slide = write(folder.path(), "slide.urdf", robot("prismatic", "1e7"));
+    let prismatic = write(folder.path(), "prismatic.urdf", robot("prismatic", "1e7"));
     refused(
-        &run(&slide, "fixed32"),
+        &run(&prismatic, "fixed32"),
         &["fixed32", "of com", "4.500e9", "the robot reaches", "f32"],
     );
-    let turn = write(folder.path(), "turn.urdf", robot("revolute", "50"));
+    let revolute = write(folder.path(), "revolute.urdf", robot("revolute", "50"));
     refused(
-        &run(&turn, "fixed32"),
+        &run(&revolute, "fixed32"),
         &["far", "4.500e4", "16 bits", "the robot reaches"],
     );
     // Sines are computed for angles up to 1024 rad in f32.
-    refused(&run(&turn, "f32"), &["com", "1024 rad", "joint limits"]);
+    refused(&run(&revolute, "f32"), &["com", "1024 rad", "joint limits"]);
     assert!(!out.exists());
-    stdout(&run(&turn, "f64"));
+    stdout(&run(&revolute, "f64"));
 }
 
 #[test]
@@ -273,7 +273,7 @@ fn servo_files_with_faults_are_refused() {
         );
     }
     assert!(!out.exists(), "nothing was written");
-    // Slides: metres a tick, above zero; without, a note and no functions of ticks.
+    // Prismatic joints: metres a tick, above zero; without, a note and no functions of ticks.
     let urdf = format!("{ROOT}/robots/lift_base/lift_base.urdf");
     let lift = |servos: &[&str]| {
         let out = out.display().to_string();

@@ -6,34 +6,37 @@
  * parameters     63 SESC (r), 43 base; rank 43 from CoM rows, 42 from flat CoP rows
  * snapped        l_el: 3.2e-9 rad to a right angle, CoM moves by at most 3.2e-12 m
  * snapped        r_el: 3.2e-9 rad to a right angle, CoM moves by at most 3.2e-12 m
+ * method         statically equivalent serial chain (SESC), CoM = r_0 + sum of B_i(q) r_i:
+ *                "Three-dimensional identification of a humanoid robot", eq. (4)
  * scalar         f32 (float); double is never touched
  *
- * function                   mul     add   sin_cos   proven |rounding error|, m
- * com                         80      80        20   1.8e-6
- * com_jacobian               335     200        20   1.6e-6
- * gravity_moments            165     118        20   1.5e-6
- * regressor                  218     106        20   7.5e-6
- * regressor_cop              144      70        20   7.5e-6
- * regressor_full             230     112        20   7.5e-6
- * cop                         78      78        20   1.7e-6
- * com_sc                      88      84         0   1.5e-6
- * com_jacobian_sc            343     204         0   1.4e-6
- * gravity_moments_sc         173     122         0   1.3e-6
- * regressor_sc               226     110         0   5.8e-6
- * regressor_cop_sc           152      74         0   5.8e-6
- * regressor_full_sc          238     116         0   5.8e-6
- * cop_sc                      86      82         0   1.4e-6
- * com_ticks                   88      84         0   1.5e-6
- * com_jacobian_ticks         343     204         0   1.4e-6
- * gravity_moments_ticks      173     122         0   1.3e-6
- * regressor_ticks            226     110         0   5.8e-6
- * regressor_cop_ticks        152      74         0   5.8e-6
- * regressor_full_ticks       238     116         0   5.8e-6
- * cop_ticks                   86      82         0   1.4e-6
+ * function                   mul     add   sin_cos   look_up   proven |rounding error|, m
+ * com                         80      80        20         0   1.8e-6
+ * com_jacobian               335     200        20         0   1.6e-6
+ * gravity_moments            165     118        20         0   1.5e-6
+ * regressor                  218     106        20         0   7.5e-6
+ * regressor_cop              144      70        20         0   7.5e-6
+ * regressor_full             230     112        20         0   7.5e-6
+ * cop                         78      78        20         0   1.7e-6
+ * com_sc                      88      84         0         0   1.5e-6
+ * com_jacobian_sc            343     204         0         0   1.4e-6
+ * gravity_moments_sc         173     122         0         0   1.3e-6
+ * regressor_sc               226     110         0         0   5.8e-6
+ * regressor_cop_sc           152      74         0         0   5.8e-6
+ * regressor_full_sc          238     116         0         0   5.8e-6
+ * cop_sc                      86      82         0         0   1.4e-6
+ * com_ticks                   88      84         0        20   1.5e-6
+ * com_jacobian_ticks         343     204         0        20   1.4e-6
+ * gravity_moments_ticks      173     122         0        20   1.3e-6
+ * regressor_ticks            226     110         0        20   5.8e-6
+ * regressor_cop_ticks        152      74         0        20   5.8e-6
+ * regressor_full_ticks       238     116         0        20   5.8e-6
+ * cop_ticks                   86      82         0        20   1.4e-6
  * Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
  * parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
  * against exact evaluation with the same parameters.
- * Functions of ticks: against the angles and positions that the ticks stand for.
+ * Functions of ticks are compared with the angles and positions that the ticks stand for;
+ * look_up counts the sines and cosines that they read from a table.
  */
 
 #ifndef OP2_R_SOLE_H
@@ -52,11 +55,48 @@ typedef float op2_r_sole_real;
 #define op2_r_sole_DOF 20
 /** Number of base parameters: columns that data can tell apart. */
 #define op2_r_sole_BASE_PARAMS 43
-/** Number of SESC parameters r_0, r_1, ... (and s of sliding joints). */
+/** Number of SESC parameters r_0, r_1, ... (and s of prismatic joints). */
 #define op2_r_sole_FULL_PARAMS 63
+
+/** Index of each joint in q. */
+enum op2_r_sole_joint {
+    op2_r_sole_JOINT_HEAD_PAN = 0,
+    op2_r_sole_JOINT_HEAD_TILT = 1,
+    op2_r_sole_JOINT_L_HIP_YAW = 2,
+    op2_r_sole_JOINT_L_HIP_ROLL = 3,
+    op2_r_sole_JOINT_L_HIP_PITCH = 4,
+    op2_r_sole_JOINT_L_KNEE = 5,
+    op2_r_sole_JOINT_L_ANK_PITCH = 6,
+    op2_r_sole_JOINT_L_ANK_ROLL = 7,
+    op2_r_sole_JOINT_L_SHO_PITCH = 8,
+    op2_r_sole_JOINT_L_SHO_ROLL = 9,
+    op2_r_sole_JOINT_L_EL = 10,
+    op2_r_sole_JOINT_R_HIP_YAW = 11,
+    op2_r_sole_JOINT_R_HIP_ROLL = 12,
+    op2_r_sole_JOINT_R_HIP_PITCH = 13,
+    op2_r_sole_JOINT_R_KNEE = 14,
+    op2_r_sole_JOINT_R_ANK_PITCH = 15,
+    op2_r_sole_JOINT_R_ANK_ROLL = 16,
+    op2_r_sole_JOINT_R_SHO_PITCH = 17,
+    op2_r_sole_JOINT_R_SHO_ROLL = 18,
+    op2_r_sole_JOINT_R_EL = 19
+};
+
+/** Total mass, kg: gravity_moments times this and g are N m. */
+extern const op2_r_sole_real op2_r_sole_total_mass_kg;
 
 /** Joints in the order of q. */
 extern const char *const op2_r_sole_joint_names[op2_r_sole_DOF];
+
+/** Lower ends of the ranges that rounding bounds hold in (the joint limits), in the unit of q: rad
+ * (m for prismatic joints). */
+extern const op2_r_sole_real op2_r_sole_joint_lower[op2_r_sole_DOF];
+
+/** Upper ends of these ranges, in the unit of q: rad (m for prismatic joints). */
+extern const op2_r_sole_real op2_r_sole_joint_upper[op2_r_sole_DOF];
+
+/** Base parameters in the order of r: link and axis. */
+extern const char *const op2_r_sole_param_names[op2_r_sole_BASE_PARAMS];
 
 /** Base parameters from CAD, m. */
 extern const op2_r_sole_real op2_r_sole_cad_params[op2_r_sole_BASE_PARAMS];
@@ -64,19 +104,48 @@ extern const op2_r_sole_real op2_r_sole_cad_params[op2_r_sole_BASE_PARAMS];
 /** Largest |r[k]| that ranges and rounding bounds are proven for. */
 extern const op2_r_sole_real op2_r_sole_param_limits[op2_r_sole_BASE_PARAMS];
 
+/*
+ * Servo ticks:
+ *
+ *     revolute    q = sign (ticks - zero) 2 pi / (ticks a turn), rad
+ *     prismatic   q = sign (ticks - zero) (m a tick), m
+ *
+ *     joint            zero  sign   scale
+ *     head_pan         2048    +1   4096 ticks a turn
+ *     head_tilt        2048    +1   4096 ticks a turn
+ *     l_hip_yaw        2048    +1   4096 ticks a turn
+ *     l_hip_roll       2048    +1   4096 ticks a turn
+ *     l_hip_pitch      2048    +1   4096 ticks a turn
+ *     l_knee           2048    +1   4096 ticks a turn
+ *     l_ank_pitch      2048    +1   4096 ticks a turn
+ *     l_ank_roll       2048    +1   4096 ticks a turn
+ *     l_sho_pitch      2048    +1   4096 ticks a turn
+ *     l_sho_roll       2048    +1   4096 ticks a turn
+ *     l_el             2048    +1   4096 ticks a turn
+ *     r_hip_yaw        2048    +1   4096 ticks a turn
+ *     r_hip_roll       2048    +1   4096 ticks a turn
+ *     r_hip_pitch      2048    +1   4096 ticks a turn
+ *     r_knee           2048    +1   4096 ticks a turn
+ *     r_ank_pitch      2048    +1   4096 ticks a turn
+ *     r_ank_roll       2048    +1   4096 ticks a turn
+ *     r_sho_pitch      2048    +1   4096 ticks a turn
+ *     r_sho_roll       2048    +1   4096 ticks a turn
+ *     r_el             2048    +1   4096 ticks a turn
+ */
+
 /**
  * @brief Centre of mass in the support frame, m: r_0 + sum of B_i(q) r_i.
  * Proven rounding error below 1.8e-6 m; arrays must not overlap.
- * @param[in] q joint positions, rad (m for sliding joints), [op2_r_sole_DOF]
+ * @param[in] q joint positions, rad (m for prismatic joints), [op2_r_sole_DOF]
  * @param[in] r base parameters, m, [op2_r_sole_BASE_PARAMS]
  * @param[out] com the result, [3]
  */
 void op2_r_sole_com(const op2_r_sole_real q[], const op2_r_sole_real r[], op2_r_sole_real com[3]);
 
 /**
- * @brief d CoM / d q, m/rad (m/m for sliding joints), row-major: x, y, z.
+ * @brief d CoM / d q, m/rad (m/m for prismatic joints), row-major: x, y, z.
  * Proven rounding error below 1.6e-6 m; arrays must not overlap.
- * @param[in] q joint positions, rad (m for sliding joints), [op2_r_sole_DOF]
+ * @param[in] q joint positions, rad (m for prismatic joints), [op2_r_sole_DOF]
  * @param[in] r base parameters, m, [op2_r_sole_BASE_PARAMS]
  * @param[out] jac the result, [3 * op2_r_sole_DOF]
  */
@@ -88,7 +157,7 @@ void op2_r_sole_com_jacobian(
 /**
  * @brief Moment of gravity about each joint, per kg of total mass times g, m: -d CoM_z / d q.
  * Proven rounding error below 1.5e-6 m; arrays must not overlap.
- * @param[in] q joint positions, rad (m for sliding joints), [op2_r_sole_DOF]
+ * @param[in] q joint positions, rad (m for prismatic joints), [op2_r_sole_DOF]
  * @param[in] r base parameters, m, [op2_r_sole_BASE_PARAMS]
  * @param[out] moments the result, [op2_r_sole_DOF]
  */
@@ -100,7 +169,7 @@ void op2_r_sole_gravity_moments(
 /**
  * @brief Rows of the base regressor, row-major: CoM = rows r.
  * Proven rounding error below 7.5e-6 m; arrays must not overlap.
- * @param[in] q joint positions, rad (m for sliding joints), [op2_r_sole_DOF]
+ * @param[in] q joint positions, rad (m for prismatic joints), [op2_r_sole_DOF]
  * @param[out] rows the result, [3 * op2_r_sole_BASE_PARAMS]
  */
 void op2_r_sole_regressor(
@@ -110,7 +179,7 @@ void op2_r_sole_regressor(
 /**
  * @brief The x and y rows of the base regressor, row-major: CoP = rows r.
  * Proven rounding error below 7.5e-6 m; arrays must not overlap.
- * @param[in] q joint positions, rad (m for sliding joints), [op2_r_sole_DOF]
+ * @param[in] q joint positions, rad (m for prismatic joints), [op2_r_sole_DOF]
  * @param[out] rows the result, [2 * op2_r_sole_BASE_PARAMS]
  */
 void op2_r_sole_regressor_cop(
@@ -120,7 +189,7 @@ void op2_r_sole_regressor_cop(
 /**
  * @brief Rows [B_0 B_1 ...] of the full regressor in link frames, row-major.
  * Proven rounding error below 7.5e-6 m; arrays must not overlap.
- * @param[in] q joint positions, rad (m for sliding joints), [op2_r_sole_DOF]
+ * @param[in] q joint positions, rad (m for prismatic joints), [op2_r_sole_DOF]
  * @param[out] rows the result, [3 * op2_r_sole_FULL_PARAMS]
  */
 void op2_r_sole_regressor_full(
@@ -128,9 +197,9 @@ void op2_r_sole_regressor_full(
     op2_r_sole_real rows[3 * op2_r_sole_FULL_PARAMS]);
 
 /**
- * @brief Centre of pressure that a static posture shows on a level sole, m.
+ * @brief Centre of pressure of a static posture on a level sole, m.
  * Proven rounding error below 1.7e-6 m; arrays must not overlap.
- * @param[in] q joint positions, rad (m for sliding joints), [op2_r_sole_DOF]
+ * @param[in] q joint positions, rad (m for prismatic joints), [op2_r_sole_DOF]
  * @param[in] r base parameters, m, [op2_r_sole_BASE_PARAMS]
  * @param[out] cop the result, [2]
  */
@@ -138,7 +207,7 @@ void op2_r_sole_cop(const op2_r_sole_real q[], const op2_r_sole_real r[], op2_r_
 
 /**
  * @brief Centre of mass in the support frame, m: r_0 + sum of B_i(q) r_i.
- * From sines and cosines; a sliding joint passes its position in sin_q.
+ * From sines and cosines; a prismatic joint passes its position in sin_q.
  * Proven rounding error below 1.5e-6 m; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [op2_r_sole_DOF]
  * @param[in] cos_q cosines of the joint angles, [op2_r_sole_DOF]
@@ -152,8 +221,8 @@ void op2_r_sole_com_sc(
     op2_r_sole_real com[3]);
 
 /**
- * @brief d CoM / d q, m/rad (m/m for sliding joints), row-major: x, y, z.
- * From sines and cosines; a sliding joint passes its position in sin_q.
+ * @brief d CoM / d q, m/rad (m/m for prismatic joints), row-major: x, y, z.
+ * From sines and cosines; a prismatic joint passes its position in sin_q.
  * Proven rounding error below 1.4e-6 m; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [op2_r_sole_DOF]
  * @param[in] cos_q cosines of the joint angles, [op2_r_sole_DOF]
@@ -168,7 +237,7 @@ void op2_r_sole_com_jacobian_sc(
 
 /**
  * @brief Moment of gravity about each joint, per kg of total mass times g, m: -d CoM_z / d q.
- * From sines and cosines; a sliding joint passes its position in sin_q.
+ * From sines and cosines; a prismatic joint passes its position in sin_q.
  * Proven rounding error below 1.3e-6 m; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [op2_r_sole_DOF]
  * @param[in] cos_q cosines of the joint angles, [op2_r_sole_DOF]
@@ -183,7 +252,7 @@ void op2_r_sole_gravity_moments_sc(
 
 /**
  * @brief Rows of the base regressor, row-major: CoM = rows r.
- * From sines and cosines; a sliding joint passes its position in sin_q.
+ * From sines and cosines; a prismatic joint passes its position in sin_q.
  * Proven rounding error below 5.8e-6 m; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [op2_r_sole_DOF]
  * @param[in] cos_q cosines of the joint angles, [op2_r_sole_DOF]
@@ -196,7 +265,7 @@ void op2_r_sole_regressor_sc(
 
 /**
  * @brief The x and y rows of the base regressor, row-major: CoP = rows r.
- * From sines and cosines; a sliding joint passes its position in sin_q.
+ * From sines and cosines; a prismatic joint passes its position in sin_q.
  * Proven rounding error below 5.8e-6 m; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [op2_r_sole_DOF]
  * @param[in] cos_q cosines of the joint angles, [op2_r_sole_DOF]
@@ -209,7 +278,7 @@ void op2_r_sole_regressor_cop_sc(
 
 /**
  * @brief Rows [B_0 B_1 ...] of the full regressor in link frames, row-major.
- * From sines and cosines; a sliding joint passes its position in sin_q.
+ * From sines and cosines; a prismatic joint passes its position in sin_q.
  * Proven rounding error below 5.8e-6 m; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [op2_r_sole_DOF]
  * @param[in] cos_q cosines of the joint angles, [op2_r_sole_DOF]
@@ -221,8 +290,8 @@ void op2_r_sole_regressor_full_sc(
     op2_r_sole_real rows[3 * op2_r_sole_FULL_PARAMS]);
 
 /**
- * @brief Centre of pressure that a static posture shows on a level sole, m.
- * From sines and cosines; a sliding joint passes its position in sin_q.
+ * @brief Centre of pressure of a static posture on a level sole, m.
+ * From sines and cosines; a prismatic joint passes its position in sin_q.
  * Proven rounding error below 1.4e-6 m; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [op2_r_sole_DOF]
  * @param[in] cos_q cosines of the joint angles, [op2_r_sole_DOF]
@@ -245,7 +314,7 @@ void op2_r_sole_cop_sc(
 void op2_r_sole_com_ticks(const int32_t ticks[], const op2_r_sole_real r[], op2_r_sole_real com[3]);
 
 /**
- * @brief d CoM / d q, m/rad (m/m for sliding joints), row-major: x, y, z.
+ * @brief d CoM / d q, m/rad (m/m for prismatic joints), row-major: x, y, z.
  * Proven rounding error below 1.4e-6 m; arrays must not overlap.
  * @param[in] ticks servo ticks, [op2_r_sole_DOF], within the joint limits
  * @param[in] r base parameters, m, [op2_r_sole_BASE_PARAMS]
@@ -299,7 +368,7 @@ void op2_r_sole_regressor_full_ticks(
     op2_r_sole_real rows[3 * op2_r_sole_FULL_PARAMS]);
 
 /**
- * @brief Centre of pressure that a static posture shows on a level sole, m.
+ * @brief Centre of pressure of a static posture on a level sole, m.
  * Proven rounding error below 1.4e-6 m; arrays must not overlap.
  * @param[in] ticks servo ticks, [op2_r_sole_DOF], within the joint limits
  * @param[in] r base parameters, m, [op2_r_sole_BASE_PARAMS]

@@ -6,34 +6,37 @@
  * parameters     63 SESC (r), 43 base; rank 43 from CoM rows, 42 from flat CoP rows
  * snapped        l_el: 3.2e-9 rad to a right angle, CoM moves by at most 3.2e-12 m
  * snapped        r_el: 3.2e-9 rad to a right angle, CoM moves by at most 3.2e-12 m
+ * method         statically equivalent serial chain (SESC), CoM = r_0 + sum of B_i(q) r_i:
+ *                "Three-dimensional identification of a humanoid robot", eq. (4)
  * scalar         fixed32 (int32_t, binary points proven from ranges; no division)
  *
- * function                   mul     add   sin_cos   proven |rounding error|, m
- * com                         80      80        20   6.3e-8
- * com_jacobian               335     200        20   6.4e-8
- * gravity_moments            165     118        20   6.2e-8
- * regressor                  218     106        20   1.4e-7
- * regressor_cop              144      70        20   1.4e-7
- * regressor_full             230     112        20   1.4e-7
- * cop                         78      78        20   6.2e-8
- * com_sc                      88      84         0   4.7e-8
- * com_jacobian_sc            343     204         0   4.9e-8
- * gravity_moments_sc         173     122         0   4.8e-8
- * regressor_sc               226     110         0   3.2e-8
- * regressor_cop_sc           152      74         0   3.2e-8
- * regressor_full_sc          238     116         0   3.2e-8
- * cop_sc                      86      82         0   4.6e-8
- * com_ticks                   88      84         0   4.7e-8
- * com_jacobian_ticks         343     204         0   4.9e-8
- * gravity_moments_ticks      173     122         0   4.8e-8
- * regressor_ticks            226     110         0   3.2e-8
- * regressor_cop_ticks        152      74         0   3.2e-8
- * regressor_full_ticks       238     116         0   3.2e-8
- * cop_ticks                   86      82         0   4.6e-8
+ * function                   mul     add   sin_cos   look_up   proven |rounding error|, m
+ * com                         80      80        20         0   6.3e-8
+ * com_jacobian               335     200        20         0   6.4e-8
+ * gravity_moments            165     118        20         0   6.2e-8
+ * regressor                  218     106        20         0   1.4e-7
+ * regressor_cop              144      70        20         0   1.4e-7
+ * regressor_full             230     112        20         0   1.4e-7
+ * cop                         78      78        20         0   6.2e-8
+ * com_sc                      88      84         0         0   4.7e-8
+ * com_jacobian_sc            343     204         0         0   4.9e-8
+ * gravity_moments_sc         173     122         0         0   4.8e-8
+ * regressor_sc               226     110         0         0   3.2e-8
+ * regressor_cop_sc           152      74         0         0   3.2e-8
+ * regressor_full_sc          238     116         0         0   3.2e-8
+ * cop_sc                      86      82         0         0   4.6e-8
+ * com_ticks                   88      84         0        20   4.7e-8
+ * com_jacobian_ticks         343     204         0        20   4.9e-8
+ * gravity_moments_ticks      173     122         0        20   4.8e-8
+ * regressor_ticks            226     110         0        20   3.2e-8
+ * regressor_cop_ticks        152      74         0        20   3.2e-8
+ * regressor_full_ticks       238     116         0        20   3.2e-8
+ * cop_ticks                   86      82         0        20   4.6e-8
  * Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
  * parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
  * against exact evaluation with the same parameters.
- * Functions of ticks: against the angles and positions that the ticks stand for.
+ * Functions of ticks are compared with the angles and positions that the ticks stand for;
+ * look_up counts the sines and cosines that they read from a table.
  */
 
 #ifndef OP2_R_SOLE_FIXED_H
@@ -52,10 +55,10 @@ typedef int32_t op2_r_sole_fixed_real;
 #define op2_r_sole_fixed_DOF 20
 /** Number of base parameters: columns that data can tell apart. */
 #define op2_r_sole_fixed_BASE_PARAMS 43
-/** Number of SESC parameters r_0, r_1, ... (and s of sliding joints). */
+/** Number of SESC parameters r_0, r_1, ... (and s of prismatic joints). */
 #define op2_r_sole_fixed_FULL_PARAMS 63
 
-/** Fraction bits of joint positions, rad or m: value = integer / 2^29. */
+/** Fraction bits of joint positions and limits, rad or m: value = integer / 2^29. */
 #define op2_r_sole_fixed_Q_FRACTION_BITS 29
 
 /** Fraction bits of parameters, m: value = integer / 2^30. */
@@ -82,11 +85,53 @@ typedef int32_t op2_r_sole_fixed_real;
 /** Fraction bits of the results of cop: value = integer / 2^30. */
 #define op2_r_sole_fixed_COP_FRACTION_BITS 30
 
-/** Fraction bits of sines and cosines (and of what slides pass in sin_q, m): value = integer / 2^30. */
+/** Fraction bits of sines and cosines (m of prismatic joints in sin_q): value = integer / 2^30. */
 #define op2_r_sole_fixed_SC_FRACTION_BITS 30
+
+/** Fraction bits of the total mass, kg: value = integer / 2^29. */
+#define op2_r_sole_fixed_TOTAL_MASS_FRACTION_BITS 29
+
+/** Index of each joint in q. */
+enum op2_r_sole_fixed_joint {
+    op2_r_sole_fixed_JOINT_HEAD_PAN = 0,
+    op2_r_sole_fixed_JOINT_HEAD_TILT = 1,
+    op2_r_sole_fixed_JOINT_L_HIP_YAW = 2,
+    op2_r_sole_fixed_JOINT_L_HIP_ROLL = 3,
+    op2_r_sole_fixed_JOINT_L_HIP_PITCH = 4,
+    op2_r_sole_fixed_JOINT_L_KNEE = 5,
+    op2_r_sole_fixed_JOINT_L_ANK_PITCH = 6,
+    op2_r_sole_fixed_JOINT_L_ANK_ROLL = 7,
+    op2_r_sole_fixed_JOINT_L_SHO_PITCH = 8,
+    op2_r_sole_fixed_JOINT_L_SHO_ROLL = 9,
+    op2_r_sole_fixed_JOINT_L_EL = 10,
+    op2_r_sole_fixed_JOINT_R_HIP_YAW = 11,
+    op2_r_sole_fixed_JOINT_R_HIP_ROLL = 12,
+    op2_r_sole_fixed_JOINT_R_HIP_PITCH = 13,
+    op2_r_sole_fixed_JOINT_R_KNEE = 14,
+    op2_r_sole_fixed_JOINT_R_ANK_PITCH = 15,
+    op2_r_sole_fixed_JOINT_R_ANK_ROLL = 16,
+    op2_r_sole_fixed_JOINT_R_SHO_PITCH = 17,
+    op2_r_sole_fixed_JOINT_R_SHO_ROLL = 18,
+    op2_r_sole_fixed_JOINT_R_EL = 19
+};
+
+/** Total mass, kg / 2^op2_r_sole_fixed_TOTAL_MASS_FRACTION_BITS: gravity_moments times this and g
+ * are N m. */
+extern const op2_r_sole_fixed_real op2_r_sole_fixed_total_mass_kg;
 
 /** Joints in the order of q. */
 extern const char *const op2_r_sole_fixed_joint_names[op2_r_sole_fixed_DOF];
+
+/** Lower ends of the ranges that rounding bounds hold in (the joint limits), in the unit of q: rad
+ * (m for prismatic joints) / 2^op2_r_sole_fixed_Q_FRACTION_BITS. */
+extern const op2_r_sole_fixed_real op2_r_sole_fixed_joint_lower[op2_r_sole_fixed_DOF];
+
+/** Upper ends of these ranges, in the unit of q: rad (m for prismatic joints) /
+ * 2^op2_r_sole_fixed_Q_FRACTION_BITS. */
+extern const op2_r_sole_fixed_real op2_r_sole_fixed_joint_upper[op2_r_sole_fixed_DOF];
+
+/** Base parameters in the order of r: link and axis. */
+extern const char *const op2_r_sole_fixed_param_names[op2_r_sole_fixed_BASE_PARAMS];
 
 /** Base parameters from CAD, m / 2^op2_r_sole_fixed_R_FRACTION_BITS. */
 extern const op2_r_sole_fixed_real op2_r_sole_fixed_cad_params[op2_r_sole_fixed_BASE_PARAMS];
@@ -94,10 +139,39 @@ extern const op2_r_sole_fixed_real op2_r_sole_fixed_cad_params[op2_r_sole_fixed_
 /** Largest |r[k]| that ranges and rounding bounds are proven for. */
 extern const op2_r_sole_fixed_real op2_r_sole_fixed_param_limits[op2_r_sole_fixed_BASE_PARAMS];
 
+/*
+ * Servo ticks:
+ *
+ *     revolute    q = sign (ticks - zero) 2 pi / (ticks a turn), rad
+ *     prismatic   q = sign (ticks - zero) (m a tick), m
+ *
+ *     joint            zero  sign   scale
+ *     head_pan         2048    +1   4096 ticks a turn
+ *     head_tilt        2048    +1   4096 ticks a turn
+ *     l_hip_yaw        2048    +1   4096 ticks a turn
+ *     l_hip_roll       2048    +1   4096 ticks a turn
+ *     l_hip_pitch      2048    +1   4096 ticks a turn
+ *     l_knee           2048    +1   4096 ticks a turn
+ *     l_ank_pitch      2048    +1   4096 ticks a turn
+ *     l_ank_roll       2048    +1   4096 ticks a turn
+ *     l_sho_pitch      2048    +1   4096 ticks a turn
+ *     l_sho_roll       2048    +1   4096 ticks a turn
+ *     l_el             2048    +1   4096 ticks a turn
+ *     r_hip_yaw        2048    +1   4096 ticks a turn
+ *     r_hip_roll       2048    +1   4096 ticks a turn
+ *     r_hip_pitch      2048    +1   4096 ticks a turn
+ *     r_knee           2048    +1   4096 ticks a turn
+ *     r_ank_pitch      2048    +1   4096 ticks a turn
+ *     r_ank_roll       2048    +1   4096 ticks a turn
+ *     r_sho_pitch      2048    +1   4096 ticks a turn
+ *     r_sho_roll       2048    +1   4096 ticks a turn
+ *     r_el             2048    +1   4096 ticks a turn
+ */
+
 /**
  * @brief Centre of mass in the support frame, m: r_0 + sum of B_i(q) r_i.
  * Proven rounding error below 6.3e-8 m; arrays must not overlap.
- * @param[in] q joint positions, rad (m for sliding joints), [op2_r_sole_fixed_DOF]
+ * @param[in] q joint positions, rad (m for prismatic joints), [op2_r_sole_fixed_DOF]
  * @param[in] r base parameters, m, [op2_r_sole_fixed_BASE_PARAMS]
  * @param[out] com the result, [3]
  */
@@ -107,9 +181,9 @@ void op2_r_sole_fixed_com(
     op2_r_sole_fixed_real com[3]);
 
 /**
- * @brief d CoM / d q, m/rad (m/m for sliding joints), row-major: x, y, z.
+ * @brief d CoM / d q, m/rad (m/m for prismatic joints), row-major: x, y, z.
  * Proven rounding error below 6.4e-8 m; arrays must not overlap.
- * @param[in] q joint positions, rad (m for sliding joints), [op2_r_sole_fixed_DOF]
+ * @param[in] q joint positions, rad (m for prismatic joints), [op2_r_sole_fixed_DOF]
  * @param[in] r base parameters, m, [op2_r_sole_fixed_BASE_PARAMS]
  * @param[out] jac the result, [3 * op2_r_sole_fixed_DOF]
  */
@@ -121,7 +195,7 @@ void op2_r_sole_fixed_com_jacobian(
 /**
  * @brief Moment of gravity about each joint, per kg of total mass times g, m: -d CoM_z / d q.
  * Proven rounding error below 6.2e-8 m; arrays must not overlap.
- * @param[in] q joint positions, rad (m for sliding joints), [op2_r_sole_fixed_DOF]
+ * @param[in] q joint positions, rad (m for prismatic joints), [op2_r_sole_fixed_DOF]
  * @param[in] r base parameters, m, [op2_r_sole_fixed_BASE_PARAMS]
  * @param[out] moments the result, [op2_r_sole_fixed_DOF]
  */
@@ -133,7 +207,7 @@ void op2_r_sole_fixed_gravity_moments(
 /**
  * @brief Rows of the base regressor, row-major: CoM = rows r.
  * Proven rounding error below 1.4e-7 m; arrays must not overlap.
- * @param[in] q joint positions, rad (m for sliding joints), [op2_r_sole_fixed_DOF]
+ * @param[in] q joint positions, rad (m for prismatic joints), [op2_r_sole_fixed_DOF]
  * @param[out] rows the result, [3 * op2_r_sole_fixed_BASE_PARAMS]
  */
 void op2_r_sole_fixed_regressor(
@@ -143,7 +217,7 @@ void op2_r_sole_fixed_regressor(
 /**
  * @brief The x and y rows of the base regressor, row-major: CoP = rows r.
  * Proven rounding error below 1.4e-7 m; arrays must not overlap.
- * @param[in] q joint positions, rad (m for sliding joints), [op2_r_sole_fixed_DOF]
+ * @param[in] q joint positions, rad (m for prismatic joints), [op2_r_sole_fixed_DOF]
  * @param[out] rows the result, [2 * op2_r_sole_fixed_BASE_PARAMS]
  */
 void op2_r_sole_fixed_regressor_cop(
@@ -153,7 +227,7 @@ void op2_r_sole_fixed_regressor_cop(
 /**
  * @brief Rows [B_0 B_1 ...] of the full regressor in link frames, row-major.
  * Proven rounding error below 1.4e-7 m; arrays must not overlap.
- * @param[in] q joint positions, rad (m for sliding joints), [op2_r_sole_fixed_DOF]
+ * @param[in] q joint positions, rad (m for prismatic joints), [op2_r_sole_fixed_DOF]
  * @param[out] rows the result, [3 * op2_r_sole_fixed_FULL_PARAMS]
  */
 void op2_r_sole_fixed_regressor_full(
@@ -161,9 +235,9 @@ void op2_r_sole_fixed_regressor_full(
     op2_r_sole_fixed_real rows[3 * op2_r_sole_fixed_FULL_PARAMS]);
 
 /**
- * @brief Centre of pressure that a static posture shows on a level sole, m.
+ * @brief Centre of pressure of a static posture on a level sole, m.
  * Proven rounding error below 6.2e-8 m; arrays must not overlap.
- * @param[in] q joint positions, rad (m for sliding joints), [op2_r_sole_fixed_DOF]
+ * @param[in] q joint positions, rad (m for prismatic joints), [op2_r_sole_fixed_DOF]
  * @param[in] r base parameters, m, [op2_r_sole_fixed_BASE_PARAMS]
  * @param[out] cop the result, [2]
  */
@@ -174,7 +248,7 @@ void op2_r_sole_fixed_cop(
 
 /**
  * @brief Centre of mass in the support frame, m: r_0 + sum of B_i(q) r_i.
- * From sines and cosines; a sliding joint passes its position in sin_q.
+ * From sines and cosines; a prismatic joint passes its position in sin_q.
  * Proven rounding error below 4.7e-8 m; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [op2_r_sole_fixed_DOF]
  * @param[in] cos_q cosines of the joint angles, [op2_r_sole_fixed_DOF]
@@ -188,8 +262,8 @@ void op2_r_sole_fixed_com_sc(
     op2_r_sole_fixed_real com[3]);
 
 /**
- * @brief d CoM / d q, m/rad (m/m for sliding joints), row-major: x, y, z.
- * From sines and cosines; a sliding joint passes its position in sin_q.
+ * @brief d CoM / d q, m/rad (m/m for prismatic joints), row-major: x, y, z.
+ * From sines and cosines; a prismatic joint passes its position in sin_q.
  * Proven rounding error below 4.9e-8 m; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [op2_r_sole_fixed_DOF]
  * @param[in] cos_q cosines of the joint angles, [op2_r_sole_fixed_DOF]
@@ -204,7 +278,7 @@ void op2_r_sole_fixed_com_jacobian_sc(
 
 /**
  * @brief Moment of gravity about each joint, per kg of total mass times g, m: -d CoM_z / d q.
- * From sines and cosines; a sliding joint passes its position in sin_q.
+ * From sines and cosines; a prismatic joint passes its position in sin_q.
  * Proven rounding error below 4.8e-8 m; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [op2_r_sole_fixed_DOF]
  * @param[in] cos_q cosines of the joint angles, [op2_r_sole_fixed_DOF]
@@ -219,7 +293,7 @@ void op2_r_sole_fixed_gravity_moments_sc(
 
 /**
  * @brief Rows of the base regressor, row-major: CoM = rows r.
- * From sines and cosines; a sliding joint passes its position in sin_q.
+ * From sines and cosines; a prismatic joint passes its position in sin_q.
  * Proven rounding error below 3.2e-8 m; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [op2_r_sole_fixed_DOF]
  * @param[in] cos_q cosines of the joint angles, [op2_r_sole_fixed_DOF]
@@ -232,7 +306,7 @@ void op2_r_sole_fixed_regressor_sc(
 
 /**
  * @brief The x and y rows of the base regressor, row-major: CoP = rows r.
- * From sines and cosines; a sliding joint passes its position in sin_q.
+ * From sines and cosines; a prismatic joint passes its position in sin_q.
  * Proven rounding error below 3.2e-8 m; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [op2_r_sole_fixed_DOF]
  * @param[in] cos_q cosines of the joint angles, [op2_r_sole_fixed_DOF]
@@ -245,7 +319,7 @@ void op2_r_sole_fixed_regressor_cop_sc(
 
 /**
  * @brief Rows [B_0 B_1 ...] of the full regressor in link frames, row-major.
- * From sines and cosines; a sliding joint passes its position in sin_q.
+ * From sines and cosines; a prismatic joint passes its position in sin_q.
  * Proven rounding error below 3.2e-8 m; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [op2_r_sole_fixed_DOF]
  * @param[in] cos_q cosines of the joint angles, [op2_r_sole_fixed_DOF]
@@ -257,8 +331,8 @@ void op2_r_sole_fixed_regressor_full_sc(
     op2_r_sole_fixed_real rows[3 * op2_r_sole_fixed_FULL_PARAMS]);
 
 /**
- * @brief Centre of pressure that a static posture shows on a level sole, m.
- * From sines and cosines; a sliding joint passes its position in sin_q.
+ * @brief Centre of pressure of a static posture on a level sole, m.
+ * From sines and cosines; a prismatic joint passes its position in sin_q.
  * Proven rounding error below 4.6e-8 m; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [op2_r_sole_fixed_DOF]
  * @param[in] cos_q cosines of the joint angles, [op2_r_sole_fixed_DOF]
@@ -284,7 +358,7 @@ void op2_r_sole_fixed_com_ticks(
     op2_r_sole_fixed_real com[3]);
 
 /**
- * @brief d CoM / d q, m/rad (m/m for sliding joints), row-major: x, y, z.
+ * @brief d CoM / d q, m/rad (m/m for prismatic joints), row-major: x, y, z.
  * Proven rounding error below 4.9e-8 m; arrays must not overlap.
  * @param[in] ticks servo ticks, [op2_r_sole_fixed_DOF], within the joint limits
  * @param[in] r base parameters, m, [op2_r_sole_fixed_BASE_PARAMS]
@@ -338,7 +412,7 @@ void op2_r_sole_fixed_regressor_full_ticks(
     op2_r_sole_fixed_real rows[3 * op2_r_sole_fixed_FULL_PARAMS]);
 
 /**
- * @brief Centre of pressure that a static posture shows on a level sole, m.
+ * @brief Centre of pressure of a static posture on a level sole, m.
  * Proven rounding error below 4.6e-8 m; arrays must not overlap.
  * @param[in] ticks servo ticks, [op2_r_sole_fixed_DOF], within the joint limits
  * @param[in] r base parameters, m, [op2_r_sole_fixed_BASE_PARAMS]

@@ -11,7 +11,17 @@ const LONGEST: usize = 26;
 
 /// Legal words for `names`, unique among themselves, in the same order.
 pub fn unique<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {
-    let words: Vec<String> = names.map(word).map(|word| cut(&word, LONGEST)).collect();
+    numbered(names.map(word), LONGEST)
+}
+
+/// Legal names of constants for `names`: whole words in capitals, unique among themselves.
+pub fn constants<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {
+    numbered(names.map(|name| word(name).to_uppercase()), usize::MAX)
+}
+
+/// The words, no longer than `longest`; all but the first of those alike get a number.
+fn numbered(words: impl Iterator<Item = String>, longest: usize) -> Vec<String> {
+    let words: Vec<String> = words.map(|word| cut(&word, longest)).collect();
     let mut taken: HashSet<String> = HashSet::new();
     let all: HashSet<&String> = words.iter().collect();
     words
@@ -23,7 +33,7 @@ pub fn unique<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {
             let numbered = (2..)
                 .map(|n| {
                     let number = format!("_{n}");
-                    cut(word, LONGEST - number.len()) + &number
+                    cut(word, longest - number.len()) + &number
                 })
                 .find(|candidate| !taken.contains(candidate) && !all.contains(candidate))
                 .expect("some number is free");
@@ -74,6 +84,10 @@ mod tests {
             [
                 "l_knee", "l_knee_3", "l_knee_4", "l_knee_2", "u3ba", "unnamed"
             ]
+        );
+        assert_eq!(
+            constants(["l-knee", "L knee", "hip"].into_iter()),
+            ["L_KNEE", "L_KNEE_2", "HIP"]
         );
         let long = [
             "right_shoulder_pitch_front_joint",

@@ -8,7 +8,7 @@ use sesc_codegen::emit::c::{self, Options, Package, Scalar, Servos, Setting};
 use sesc_identify::robot::Robot;
 use sesc_model::program::Program;
 use sesc_model::tape::{Tape, Values};
-use sesc_model::{Function, Given, Model, Snapping};
+use sesc_model::{EffectRecord, Function, Given, Model, ModelFile, Quantity, Snapping};
 
 use sesc_test_support::exact::{Double, Number as _};
 use sesc_test_support::trees::{Kind, tree};
@@ -104,6 +104,40 @@ impl Case {
         Case::new(model, name, servos)
     }
 
+    /// The two-link robot with an effect whose reading divides, clamps or takes powers.
+    pub fn with_effect(effect: &str, target: &str, parameter: (&str, f64)) -> Case {
+        let mut case = Case::robot("two_link", "foot");
+        let mut file = ModelFile::from_values(&case.model, &case.model.cad_params(), None, "data");
+        file.cells = vec![[0.1, 0.06], [0.1, -0.06], [-0.1, -0.06], [-0.1, 0.06]];
+        let (name, value) = parameter;
+        file.effects = vec![EffectRecord {
+            effect: effect.to_string(),
+            target: target.to_string(),
+            parameters: [(name.to_string(), Quantity { value, std: None })].into(),
+        }];
+        case.model = case.model.with_file(file).unwrap();
+        case.name += &format!("_{effect}");
+        case
+    }
+
+    /// Readings that need every operation.
+    pub fn effects() -> [Case; 4] {
+        [
+            Case::with_effect("backlash", "knee", ("width_rad", 0.05)),
+            Case::with_effect("cell_gain", "fsr_1", ("gain", 0.8)),
+            Case::with_effect("cell_exponent", "fsr_2", ("exponent", 1.1)),
+            Case::with_effect("cell_saturation", "fsr_3", ("level_n", 15.0)),
+        ]
+    }
+
+    /// Scalars it can be had in: fixed point does not divide, clamp or take powers.
+    pub fn scalars(&self) -> &'static [Scalar] {
+        match self.model.effects.is_empty() {
+            true => &SCALARS,
+            false => &SCALARS[..2],
+        }
+    }
+
     pub fn package(&self, scalar: Scalar) -> Package {
         let options = Options {
             scalar,
@@ -133,13 +167,28 @@ impl Case {
                     name: format!("{stem}{suffix}"),
                     width: 0,
                 };
-                if let Some(program) = entry.program(self) {
+                let of_ticks = given.is_none();
+                if let Some(program) = entry.program(self)
+                    && (!of_ticks || self.takes_ticks(&entry))
+                {
                     let width = program.outputs.len();
                     entries.push(Entry { width, ..entry });
                 }
             }
         }
         entries
+    }
+
+    /// Ticks become sines where the CoM can be had from those, else positions.
+    fn takes_ticks(&self, entry: &Entry) -> bool {
+        let sines = Some(Given::SinesCosines);
+        let entry_of = |function, given| Entry {
+            function,
+            given,
+            ..entry.clone()
+        };
+        entry_of(Function::Com, sines).program(self).is_none()
+            || entry_of(entry.function, sines).program(self).is_some()
     }
 
     /// Functions, and whether their parameters are constants.
@@ -252,7 +301,7 @@ pub struct Draw {
     pub turned: Vec<f64>,
 }
 
-/// A position as a scalar holds it: whether a slide's, whether rounded up.
+/// A position as a scalar holds it: whether of a prismatic joint, whether rounded up.
 pub type Hold = dyn Fn(f64, bool, bool) -> f64;
 
 /// `count` draws: corners of the limits and of the promised parameters among

@@ -149,7 +149,7 @@ impl Compiled {
     pub fn bound(&self, entry: &Entry) -> f64 {
         let row = self.header.lines().find_map(|line| {
             let mut words = line.strip_prefix(" * ")?.split_whitespace();
-            (words.next()? == entry.name).then(|| words.nth(3).unwrap().parse().unwrap())
+            (words.next()? == entry.name).then(|| words.nth(4).unwrap().parse().unwrap())
         });
         row.unwrap_or_else(|| panic!("the header of {} has no row for {}", self.name, entry.name))
     }
@@ -168,8 +168,8 @@ impl Compiled {
                     _ => y,
                 })
             }),
-            Scalar::Fixed32 => Box::new(move |x, slide, up| {
-                let unit = (-f64::from(bits[usize::from(slide && has_sines)])).exp2();
+            Scalar::Fixed32 => Box::new(move |x, prismatic, up| {
+                let unit = (-f64::from(bits[usize::from(prismatic && has_sines)])).exp2();
                 match up {
                     true => (x / unit).ceil() * unit,
                     false => (x / unit).floor() * unit,
@@ -191,7 +191,7 @@ impl Compiled {
         drawn: &Draw,
     ) -> Result<Vec<Vec<f64>>, String> {
         let (dof, params) = (case.model.dof(), case.model.base.params.len());
-        let slides: Vec<bool> = case
+        let prismatic: Vec<bool> = case
             .model
             .tree
             .dofs
@@ -214,10 +214,10 @@ impl Compiled {
             let pairs: Vec<(f64, f64)> = pairs.collect();
             q.iter().for_each(|x| put(*x, q_bits));
             for (j, (sin, _)) in pairs.iter().enumerate() {
-                put(if slides[j] { q[j] } else { *sin }, sc_bits);
+                put(if prismatic[j] { q[j] } else { *sin }, sc_bits);
             }
             for (j, (_, cos)) in pairs.iter().enumerate() {
-                put(if slides[j] { 0.0 } else { *cos }, sc_bits);
+                put(if prismatic[j] { 0.0 } else { *cos }, sc_bits);
             }
             drawn.r[k * params..(k + 1) * params]
                 .iter()

@@ -98,8 +98,8 @@ impl Chain {
     }
 }
 
-const TURNS: fn(usize) -> &'static str = |_| "revolute";
-const SLIDES: fn(usize) -> &'static str = |_| "prismatic";
+const REVOLUTE: fn(usize) -> &'static str = |_| "revolute";
+const PRISMATIC: fn(usize) -> &'static str = |_| "prismatic";
 const MIXED: fn(usize) -> &'static str = |k| if k % 3 == 1 { "prismatic" } else { "revolute" };
 
 /// Robots at the ends of what 32 bits hold, and beyond.
@@ -108,7 +108,7 @@ fn extremes() -> Vec<Chain> {
         name: "usual",
         joints: 6,
         length: 0.2,
-        kind: TURNS,
+        kind: REVOLUTE,
         lower: -2.0,
         upper: 2.0,
         mimic: None,
@@ -125,10 +125,10 @@ fn extremes() -> Vec<Chain> {
         chain!("nanometres", length: 1e-9),
         chain!("massed_at_axes", length: 0.0),
         chain!("long_strokes", kind: MIXED, lower: -900.0, upper: 999.0),
-        chain!("longer_strokes", kind: SLIDES, lower: -999.0, upper: 999.0, mimic: Some((2e3, 1e5))),
-        chain!("endless_strokes", kind: SLIDES, lower: -999.0, upper: 999.0, mimic: Some((1e7, 0.0))),
+        chain!("longer_strokes", kind: PRISMATIC, lower: -999.0, upper: 999.0, mimic: Some((2e3, 1e5))),
+        chain!("endless_strokes", kind: PRISMATIC, lower: -999.0, upper: 999.0, mimic: Some((1e7, 0.0))),
         chain!("short_strokes", kind: MIXED, lower: -1e-5, upper: 1e-5),
-        chain!("far_slides", kind: SLIDES, lower: 900.0, upper: 900.1),
+        chain!("far_prismatic", kind: PRISMATIC, lower: 900.0, upper: 900.1),
         chain!("many_turns", lower: -999.0, upper: 999.0),
         chain!("more_turns", lower: -999.0, upper: 999.0, mimic: Some((30.0, 0.0))),
         chain!("too_many_turns", lower: -999.0, upper: 999.0, mimic: Some((40.0, 0.0))),
@@ -136,11 +136,11 @@ fn extremes() -> Vec<Chain> {
         chain!("geared_back", mimic: Some((-2.0, 1.0))),
         chain!("geared_up", mimic: Some((5.0, -3.0))),
         chain!("geared_far", mimic: Some((500.0, 20.0))),
-        chain!("geared_slides", kind: SLIDES, mimic: Some((5.0, 100.0))),
+        chain!("geared_prismatic", kind: PRISMATIC, mimic: Some((5.0, 100.0))),
         // The offset is larger than the angle and than the sum.
         chain!("offset_beyond", lower: -1.9, upper: -1.5, mimic: Some((1.0, 3.4))),
         chain!("offset_far_beyond", lower: -63.9, upper: -63.5, mimic: Some((1.0, 64.5))),
-        chain!("slide_offset", kind: SLIDES, lower: -7.9, upper: -7.5, mimic: Some((1.0, 8.3))),
+        chain!("prismatic_offset", kind: PRISMATIC, lower: -7.9, upper: -7.5, mimic: Some((1.0, 8.3))),
         chain!("narrow_limits", lower: 1.0, upper: 1.0001),
         chain!("hundred_joints", joints: 100),
     ]
@@ -231,7 +231,7 @@ fn a_chain_of_five_hundred_joints_stays_inside() {
         name: "long",
         joints: 500,
         length: 0.01,
-        kind: TURNS,
+        kind: REVOLUTE,
         lower: -1.0,
         upper: 1.0,
         mimic: None,
@@ -270,8 +270,8 @@ fn without(source: &str, words: &[&str]) -> String {
 #[test]
 fn fixed_point_on_arm_needs_no_help_from_the_compilers_library() {
     let folder = folder("arm");
-    let slides = Case::robot("lift_base", "base_link");
-    for case in [Case::robot("op2", "r_sole"), slides] {
+    let prismatic = Case::robot("lift_base", "base_link");
+    for case in [Case::robot("op2", "r_sole"), prismatic] {
         let package = case.package(Scalar::Fixed32);
         let source = write(&folder, &case.name, &package);
         for word in ["float", "double", " / ", " % "] {

@@ -36,7 +36,7 @@ fn baked_functions_are_the_others_with_the_models_parameters() {
         let compiled = Compiled::build(&folder, &case, scalar, "gcc", &["-O2"], |source| source);
         let entries = case.entries();
         let entries: Vec<&Entry> = entries.iter().filter(|entry| entry.baked).collect();
-        // A slide and a turn that follow one joint leave no variants of sines.
+        // A prismatic and a revolute joint that follow one joint leave no functions of sines.
         assert!([4, 6].contains(&entries.len()), "{entries:?}");
         let drawn = draw(&case, 1_000, 47, &*compiled.hold());
         for (name, measured, proven) in check(&case, &compiled, &entries, &drawn) {

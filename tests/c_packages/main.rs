@@ -2,6 +2,7 @@
 
 mod boards;
 mod cmake;
+mod header;
 mod output;
 mod symbols;
 mod user;

@@ -4,14 +4,22 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use sesc::robot::Robot;
+use sesc_identify::robot::Robot;
 use sesc_model::{ModelFile, Snapping};
 
-use crate::command::{ROOT, op2, write};
 use crate::user::*;
+use sesc_test_support::command::{ROOT, op2, write};
 
 /// Every name of DESIGN.md, section 4, behind the prefix; with `--model` and ticks.
-const DATA: [&str; 3] = ["joint_names", "cad_params", "model_params"];
+const DATA: [&str; 7] = [
+    "joint_names",
+    "joint_lower",
+    "joint_upper",
+    "total_mass_kg",
+    "param_names",
+    "cad_params",
+    "model_params",
+];
 const FUNCTIONS: [&str; 7] = [
     "com",
     "com_jacobian",
@@ -97,7 +105,9 @@ fn every_documented_name_is_found_in_a_shared_library() {
     let file = write(&folder, "model.toml", toml::to_string(&file).unwrap());
     for (scalar, real) in [("f64", "double"), ("f32", "float"), ("fixed32", "int32_t")] {
         let out = folder.join(scalar);
-        let options = ["--scalar", scalar, "--name", name, "--ticks", "true", "--model", &file];
+        let options = [
+            "--scalar", scalar, "--name", name, "--ticks", "true", "--model", &file,
+        ];
         generate(&out, &op2(), "r_sole", &options);
         let library = out.join("library.so");
         run(Command::new("cc")

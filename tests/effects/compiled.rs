@@ -107,6 +107,7 @@ fn prediction_rust_and_c_say_the_same() {
         let params = stand.model.cad_params();
         let (mut off, mut moved) = (0.0_f64, 0.0_f64);
         for (k, q) in postures.iter().enumerate() {
+            assert_eq!(rust[k].cop, c[k].cop, "{}: bit for bit", case.module);
             let ways = [Some(rust[k].cop), Some(c[k].cop), c[k].baked];
             for way in ways.into_iter().flatten() {
                 let apart = distance(way, predicted[k]);

@@ -13,7 +13,6 @@
 
 mod body;
 mod constants;
-pub mod free;
 mod printed;
 mod signature;
 

@@ -48,12 +48,30 @@ pub struct Formats {
 /// A quantity that 32 bits cannot hold with a use.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Overflow {
-    /// In words, or an input: `q[3]`.
-    pub quantity: String,
+    /// What it is.
+    pub quantity: Quantity,
     /// How large it may be.
     pub size: f64,
     /// Whether an angle's sine is asked for: it needs bits below the point.
     pub angle: bool,
+}
+
+/// A number on its way through a program.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Quantity {
+    /// An element of an input array.
+    Input {
+        /// The array.
+        argument: Argument,
+        /// Which of its elements.
+        index: usize,
+    },
+    /// A node that has a name.
+    Named(String),
+    /// A node without one in the section of this title.
+    Step(String),
+    /// A node without name and section.
+    Intermediate,
 }
 
 /// Why a program cannot be had in fixed point.
@@ -106,7 +124,10 @@ impl Formats {
             let size = |x: &Input| libm::fabs(x.lower).max(libm::fabs(x.upper));
             if let Some(k) = inputs.iter().position(|x| fitting(size(x)) < 0) {
                 let overflow = Overflow {
-                    quantity: format!("{}[{k}]", array.argument.name()),
+                    quantity: Quantity::Input {
+                        argument: array.argument,
+                        index: k,
+                    },
                     size: size(&inputs[k]),
                     angle: false,
                 };
@@ -290,15 +311,16 @@ fn is_whole(x: f64, bits: i32) -> bool {
 
 fn overflow(program: &Program, id: Id, size: f64) -> Overflow {
     let quantity = match (program.expr(id), &program.nodes[id.index()].name) {
-        (Expr::Input { argument, index }, _) => {
-            format!("{}[{index}]", argument.name())
-        }
-        (_, Some(name)) => format!("`{name}`"),
+        (Expr::Input { argument, index }, _) => Quantity::Input {
+            argument,
+            index: usize::from(index),
+        },
+        (_, Some(name)) => Quantity::Named(name.clone()),
         _ => {
             let before = |section: &&(usize, String)| section.0 <= id.index();
             match program.sections.iter().rev().find(before) {
-                Some((_, title)) => format!("a step for `{title}`"),
-                None => "an intermediate result".to_string(),
+                Some((_, title)) => Quantity::Step(title.clone()),
+                None => Quantity::Intermediate,
             }
         }
     };

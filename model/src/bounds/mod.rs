@@ -23,7 +23,7 @@ mod range;
 
 use crate::program::Program;
 use analysis::Analysis;
-pub use fixed::{Formats, Overflow, Unfit};
+pub use fixed::{Formats, Overflow, Quantity, Unfit};
 pub use fixed::{fitting, kernel_error as fixed_kernel_error};
 
 /// Absolute error of sines and cosines in units of u: below 1 by runtime::trig (an ulp of

@@ -7,40 +7,43 @@
 //! Products of a sum are added in 64 bits and rounded once; sums without
 //! products stay in 32 bits. Binary points come from [`Formats`].
 
-use crate::emit::header::printable;
+use super::helpers::{Calls, Helper};
+use super::{comment, pair, spelled};
 use crate::emit::listing::{Line, Listing, Results, Strength};
 use sesc_model::bounds::Formats;
 use sesc_model::expr::{Expr, Id};
 use sesc_model::program::Program;
 
 /// Lines of the body that computes `program` into array `output`.
-pub(super) fn body(program: &Program, formats: &Formats, name: &str, output: &str) -> Vec<String> {
+pub(super) fn body(
+    program: &Program,
+    formats: &Formats,
+    calls: &Calls,
+    output: &str,
+) -> Vec<String> {
     let listing = Listing::new(program, Results::AtTheEnd);
     let spelling = Spelling {
         listing: &listing,
         formats,
-        name,
+        calls,
     };
     let mut lines = Vec::new();
     for array in &program.inputs {
         if !listing.reads(array.argument) {
-            lines.push(format!("(void){};", super::argument(array.argument)));
+            lines.push(format!("(void){};", spelled(array.argument)));
         }
     }
     for line in &listing.lines {
         match *line {
-            Line::Title(title) => lines.push(format!("/* {} */", printable(title))),
+            Line::Title(title) => lines.push(format!("/* {} */", comment(title))),
             Line::SinCos { angle, sin, cos } => {
-                let pair = super::pair(&listing, sin, cos);
+                let pair = pair(&listing, sin, cos);
                 lines.push(format!("int32_t {};", pair[0]));
                 lines.push(format!("int32_t {};", pair[1]));
                 let bits = formats.of(angle);
-                lines.push(format!(
-                    "{name}_sincos({}, {bits}u, &{}, &{});",
-                    spelling.operand(angle),
-                    pair[0],
-                    pair[1]
-                ));
+                let angle = spelling.operand(angle);
+                let arguments = format!("{angle}, {bits}u, &{}, &{}", pair[0], pair[1]);
+                lines.push(calls.call(Helper::Sincos, &arguments) + ";");
             }
             Line::Let(id) => {
                 let name = listing.name(id).expect("a statement binds a name");
@@ -62,6 +65,18 @@ pub(super) fn literal(x: f64, bits: i32) -> String {
     format!("{whole}")
 }
 
+/// `x` with `bits` fraction bits as an odd number times a power of two.
+fn odd_part(x: f64, bits: i32) -> (i64, i32) {
+    let whole = libm::rint(libm::ldexp(x, bits)) as i64;
+    match whole {
+        0 => (0, 0),
+        _ => (
+            whole >> whole.trailing_zeros(),
+            whole.trailing_zeros() as i32,
+        ),
+    }
+}
+
 fn number(x: f64, bits: i32) -> (String, Strength) {
     let strength = if x < 0.0 {
         Strength::Sign
@@ -74,7 +89,7 @@ fn number(x: f64, bits: i32) -> (String, Strength) {
 struct Spelling<'l, 'p> {
     listing: &'l Listing<'p>,
     formats: &'l Formats,
-    name: &'l str,
+    calls: &'l Calls<'l>,
 }
 
 /// One addend of a sum in 64 bits.
@@ -104,7 +119,7 @@ impl Spelling<'_, '_> {
         match self.expr(id) {
             Expr::Const(x) => number(x, self.formats.of(id)),
             Expr::Input { argument, index } => {
-                let array = super::argument(argument);
+                let array = spelled(argument);
                 (format!("{array}[{index}]"), Strength::Atom)
             }
             Expr::Neg(a) => (format!("-{}", self.operand(a)), Strength::Sign),
@@ -153,7 +168,7 @@ impl Spelling<'_, '_> {
     fn narrow(&self, wide: &str, bits: i32) -> String {
         match bits {
             0 => format!("(int32_t)({wide})"),
-            _ => format!("{}_narrow({wide}, {bits}u)", self.name),
+            _ => self.calls.call(Helper::Narrow, &format!("{wide}, {bits}u")),
         }
     }
 
@@ -190,19 +205,38 @@ impl Spelling<'_, '_> {
         }
         let mut text = String::new();
         for (k, term) in terms.iter().enumerate() {
-            let (negative, value) = match term {
+            let more = common - bits(term);
+            let (negative, (value, strength)) = match term {
                 Term::Product {
                     negative,
                     factors: [a, b],
                 } => {
                     let product = format!("(int64_t){} * {}", self.operand(*a), self.operand(*b));
-                    (*negative, scaled(product, common - bits(term)))
+                    let value = match more {
+                        0 => (product, Strength::Product),
+                        _ => self.shift_up(&product, more),
+                    };
+                    (*negative, value)
                 }
                 Term::Single { negative, id } => match self.expr(*id) {
-                    Expr::Const(x) => (*negative, format!("INT64_C({})", literal(x, common))),
+                    Expr::Const(x) => {
+                        let (mantissa, exponent) = odd_part(x, common);
+                        let value = match (mantissa, exponent) {
+                            (1 | -1, 1..) => self.shift_up(&mantissa.to_string(), exponent),
+                            _ => {
+                                let whole = format!("INT64_C({})", literal(x, common));
+                                (whole, Strength::Atom)
+                            }
+                        };
+                        (*negative, value)
+                    }
                     _ => {
-                        let value = format!("(int64_t){}", self.operand(*id));
-                        (*negative, scaled(value, common - bits(term)))
+                        let operand = self.operand(*id);
+                        let value = match more {
+                            0 => (format!("(int64_t){operand}"), Strength::Sign),
+                            _ => self.shift_up(&operand, more),
+                        };
+                        (*negative, value)
                     }
                 },
             };
@@ -212,12 +246,19 @@ impl Spelling<'_, '_> {
                 (_, false) => " + ",
                 (_, true) => " - ",
             };
-            text += &match terms.len() {
-                1 if !negative => value,
+            text += &match (terms.len(), strength) {
+                (1, _) if !negative => value,
+                (_, Strength::Atom) => value,
                 _ => format!("({value})"),
             };
         }
         Some(self.narrow(&text, common - self.formats.of(id)))
+    }
+
+    /// A value in 64 bits with `bits` more below its point.
+    fn shift_up(&self, value: &str, bits: i32) -> (String, Strength) {
+        let arguments = format!("{value}, {bits}u");
+        (self.calls.call(Helper::ShiftUp, &arguments), Strength::Atom)
     }
 
     /// Addends of node `id`: through sums and signs that have no statement.
@@ -252,13 +293,5 @@ impl Spelling<'_, '_> {
                 _ => self.formats.size(*id),
             },
         }
-    }
-}
-
-/// `value` shifted up by a multiplication: shifting a negative number is undefined.
-fn scaled(value: String, bits: i32) -> String {
-    match bits {
-        0 => value,
-        _ => format!("({value}) * INT64_C({})", 1_i64 << bits.clamp(0, 62)),
     }
 }

@@ -1,38 +1,36 @@
 //! Function bodies in floating point: the listing as C expressions.
 
-use super::Scalar;
-use crate::emit::header::printable;
+use super::helpers::{Calls, Helper};
+use super::{Scalar, comment, pair, spelled};
 use crate::emit::listing::{Line, Listing, Results, Strength};
 use sesc_model::expr::{Expr, Id};
 use sesc_model::program::Program;
 
 /// Lines of the body that computes `program` into array `output`.
-pub(super) fn body(program: &Program, scalar: Scalar, name: &str, output: &str) -> Vec<String> {
+pub(super) fn body(program: &Program, scalar: Scalar, calls: &Calls, output: &str) -> Vec<String> {
     let listing = Listing::new(program, Results::AtTheEnd);
     let spelling = Spelling {
         listing: &listing,
         scalar,
-        name,
+        calls,
     };
     let real = scalar.c_type();
     let mut lines = Vec::new();
     for array in &program.inputs {
         if !listing.reads(array.argument) {
-            lines.push(format!("(void){};", super::argument(array.argument)));
+            lines.push(format!("(void){};", spelled(array.argument)));
         }
     }
     for line in &listing.lines {
         match *line {
-            Line::Title(title) => lines.push(format!("/* {} */", printable(title))),
+            Line::Title(title) => lines.push(format!("/* {} */", comment(title))),
             Line::SinCos { angle, sin, cos } => {
-                let pair = super::pair(&listing, sin, cos);
+                let pair = pair(&listing, sin, cos);
                 lines.push(format!("{real} {};", pair[0]));
                 lines.push(format!("{real} {};", pair[1]));
                 let (angle, _) = spelling.operand(angle);
-                lines.push(format!(
-                    "{name}_sincos({angle}, &{}, &{});",
-                    pair[0], pair[1]
-                ));
+                let arguments = format!("{angle}, &{}, &{}", pair[0], pair[1]);
+                lines.push(calls.call(Helper::Sincos, &arguments) + ";");
             }
             Line::Let(id) => {
                 let (value, _) = spelling.expression(id);
@@ -59,8 +57,7 @@ pub(super) fn literal(x: f64, scalar: Scalar) -> String {
 struct Spelling<'l, 'p> {
     listing: &'l Listing<'p>,
     scalar: Scalar,
-    /// What names of helpers begin with.
-    name: &'l str,
+    calls: &'l Calls<'l>,
 }
 
 impl Spelling<'_, '_> {
@@ -85,7 +82,7 @@ impl Spelling<'_, '_> {
         match program.expr(id) {
             Expr::Const(x) => (literal(x, self.scalar), Strength::Atom),
             Expr::Input { argument, index } => {
-                let array = super::argument(argument);
+                let array = spelled(argument);
                 (format!("{array}[{index}]"), Strength::Atom)
             }
             // A sum on the right keeps its parentheses: rounding depends on the order.
@@ -107,12 +104,13 @@ impl Spelling<'_, '_> {
             }
             Expr::Neg(a) => (format!("-{}", at(a, Strength::Atom)), Strength::Sign),
             Expr::Clamp(a) => {
-                let a = at(a, Strength::Sum);
-                (format!("{}_clamp({a})", self.name), Strength::Atom)
+                let call = self.calls.call(Helper::Clamp, &at(a, Strength::Sum));
+                (call, Strength::Atom)
             }
             Expr::Pow(a, b) => {
                 let (a, b) = (at(a, Strength::Sum), at(b, Strength::Sum));
-                (format!("{}_power({a}, {b})", self.name), Strength::Atom)
+                let call = self.calls.call(Helper::Power, &format!("{a}, {b}"));
+                (call, Strength::Atom)
             }
             Expr::Sin(_) | Expr::Cos(_) => {
                 unreachable!("sines and cosines have statements of their own")

@@ -3,7 +3,7 @@
 
 use serde::Serialize;
 
-use super::functions::Routine;
+use super::routine::{Routine, array_bits};
 use super::ticks::Ticks;
 use super::{Scalar, number};
 use sesc_model::effects::foot_rectangle;
@@ -82,7 +82,7 @@ pub(super) fn checks(
             return;
         };
         let bits = routine.formats.as_ref().map_or(0, |formats| formats.output);
-        let got = result(routine.function);
+        let got = routine.output();
         let label = format!("expected_{}", stem);
         let tolerance = tolerance(routine, scalar, expected, slack);
         arrays.push(Constant {
@@ -175,26 +175,6 @@ pub(super) fn checks(
     (checks, results)
 }
 
-fn result(function: Function) -> &'static str {
-    match function {
-        Function::Cop | Function::CorrectCop => "cop",
-        Function::GravityMoments => "moments",
-        _ => "com",
-    }
-}
-
-fn array_bits(routines: &[Routine], array: Argument) -> i32 {
-    let find = |routine: &Routine| {
-        let k = routine
-            .program
-            .inputs
-            .iter()
-            .position(|a| a.argument == array)?;
-        Some(routine.formats.as_ref()?.arrays[k])
-    };
-    routines.iter().find_map(find).unwrap_or(0)
-}
-
 fn in_format(values: &[f64], scalar: Scalar, bits: i32) -> Vec<String> {
     values.iter().map(|x| number(*x, scalar, bits)).collect()
 }
@@ -208,7 +188,7 @@ fn tolerance(routine: &Routine, scalar: Scalar, expected: &[f64], slack: f64) ->
         (None, None) => 0.0,
     };
     // A side that may flip, or an iteration: far from what is met in this posture.
-    let bound = match (routine.program.counts().other, scalar) {
+    let bound = match (routine.counts.other, scalar) {
         (0, _) | (_, Scalar::Fixed32) => routine.bound,
         (_, Scalar::F64) => routine.bound.min(LOOSE[0]),
         (_, Scalar::F32) => routine.bound.min(LOOSE[1]),
@@ -237,10 +217,10 @@ fn moments(model: &Model, posture: &[f64]) -> Vec<f64> {
 /// Ticks nearest to a posture, and the posture that they stand for.
 fn nearest(ticks: &Ticks, posture: &[f64]) -> (Vec<i32>, Vec<f64>) {
     let pairs = ticks.servos.iter().zip(posture).map(|(servo, q)| {
-        let away = libm::rint(q / servo.per_tick);
+        let away = libm::rint(q / servo.per_tick());
         (
             servo.zero.saturating_add(away as i32),
-            away * servo.per_tick,
+            away * servo.per_tick(),
         )
     });
     pairs.unzip()

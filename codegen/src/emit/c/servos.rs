@@ -1,8 +1,8 @@
 //! Servos: what a tick of each joint means.
 //!
 //! ```text
-//! turning   q = sign (ticks - zero) 2π / resolution
-//! sliding   q = sign (ticks - zero) metres_per_tick
+//! revolute    q = sign (ticks - zero) 2π / resolution
+//! prismatic   q = sign (ticks - zero) metres_per_tick
 //! ```
 //!
 //! ```toml
@@ -13,7 +13,7 @@
 //! zero = 2050
 //! sign = -1
 //! [joints.lift]
-//! metres_per_tick = 1e-5   # sliding joints
+//! metres_per_tick = 1e-5   # prismatic joints
 //! ```
 
 use std::collections::BTreeMap;
@@ -34,7 +34,7 @@ pub struct Setting {
     pub sign: Option<i32>,
     /// Ticks a turn; 4096 unless given.
     pub resolution: Option<f64>,
-    /// Stroke of one tick of a sliding joint, m.
+    /// Stroke of one tick of a prismatic joint, m.
     pub metres_per_tick: Option<f64>,
 }
 
@@ -52,12 +52,43 @@ pub struct Servos {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Servo {
     pub(super) zero: i32,
-    /// rad or m per tick, with the sign.
-    pub(super) per_tick: f64,
     pub(super) sign: i32,
-    /// Steps of the table per tick, where that is whole.
-    pub(super) steps: Option<u32>,
+    pub(super) scale: Scale,
 }
+
+/// How far one tick goes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Scale {
+    /// Of a revolute joint.
+    TicksPerTurn(f64),
+    /// Of a prismatic joint.
+    MetresPerTick(f64),
+}
+
+impl Servo {
+    /// rad or m per tick, with the sign.
+    pub(super) fn per_tick(self) -> f64 {
+        f64::from(self.sign)
+            * match self.scale {
+                Scale::TicksPerTurn(ticks) => std::f64::consts::TAU / ticks,
+                Scale::MetresPerTick(metres) => metres,
+            }
+    }
+
+    /// Steps of the table per tick, where that is whole.
+    pub(super) fn steps(self) -> Option<u32> {
+        match self.scale {
+            Scale::TicksPerTurn(ticks) => {
+                let steps = TABLE_STEPS / ticks;
+                (steps == libm::rint(steps)).then_some(steps as u32)
+            }
+            Scale::MetresPerTick(_) => None,
+        }
+    }
+}
+
+/// Steps of a turn in the table of sines.
+const TABLE_STEPS: f64 = 4096.0;
 
 impl Servos {
     /// Read and parse `path`.
@@ -75,7 +106,7 @@ impl Servos {
         })
     }
 
-    /// The servo of each joint; `None` when a sliding joint has no stroke per tick.
+    /// The servo of each joint; `None` when a prismatic joint has no stroke per tick.
     pub(super) fn of(&self, dofs: &[Dof]) -> Result<Option<Vec<Servo>>, Error> {
         let known = |name: &String| dofs.iter().any(|dof| &dof.joint == name);
         if let Some(stray) = self.joints.keys().find(|name| !known(name)) {
@@ -118,9 +149,8 @@ impl Servos {
             }
             return Ok(Some(Servo {
                 zero,
-                per_tick: f64::from(sign) * stroke,
                 sign,
-                steps: None,
+                scale: Scale::MetresPerTick(stroke),
             }));
         }
         let resolution = first(|s| s.resolution).unwrap_or(4096.0);
@@ -129,12 +159,10 @@ impl Servos {
                 "resolution is {resolution}; give ticks a turn, 1 to {LARGEST_RESOLUTION}"
             )));
         }
-        let steps = 4096.0 / resolution;
         Ok(Some(Servo {
             zero,
-            per_tick: f64::from(sign) * std::f64::consts::TAU / resolution,
             sign,
-            steps: (steps == libm::rint(steps)).then_some(steps as u32),
+            scale: Scale::TicksPerTurn(resolution),
         }))
     }
 }

@@ -3,9 +3,10 @@
 
 use serde::Serialize;
 
-use super::functions::Routine;
-use super::servos::Servo;
-use super::{Options, Scalar, fixed, float};
+use super::helpers::{Calls, Helper};
+use super::routine::{self, Routine, array_bits};
+use super::servos::{Scale, Servo};
+use super::{Options, Scalar, comment, float, number};
 use crate::Error;
 use sesc_model::bounds::{self, Input};
 use sesc_model::expr::Argument;
@@ -26,7 +27,7 @@ pub(super) struct Ticks {
 pub(super) struct Text {
     brief: &'static str,
     signature: String,
-    pub(super) lines: Vec<String>,
+    lines: Vec<String>,
 }
 
 impl Ticks {
@@ -41,14 +42,14 @@ impl Ticks {
         };
         let dofs = &model.tree.dofs;
         let Some(servos) = servos.of(dofs)? else {
-            let slides: Vec<&str> = dofs
+            let prismatic: Vec<&str> = dofs
                 .iter()
                 .filter(|dof| dof.prismatic)
                 .map(|dof| dof.joint.as_str())
                 .collect();
             notes.push(format!(
-                "no functions of ticks: sliding joints ({}) need metres_per_tick in a servo file",
-                slides.join(", ")
+                "no functions of ticks: prismatic joints ({}) need metres_per_tick in a servo file",
+                prismatic.join(", ")
             ));
             return Ok(None);
         };
@@ -66,12 +67,12 @@ impl Ticks {
         }))
     }
 
-    /// Proven bound of a routine when its arguments come from ticks.
     /// Whether the CoP can be had from what ticks are turned into.
     pub(super) fn reach_cop(&self, model: &Model) -> bool {
         model.program(Function::Cop, self.given).is_some()
     }
 
+    /// Proven bound of a routine when its arguments come from ticks.
     pub(super) fn bound(&self, model: &Model, routine: &Routine) -> f64 {
         let mut inputs = model.input_ranges(&routine.program);
         for (array, inputs) in routine.program.inputs.iter().zip(&mut inputs) {
@@ -95,8 +96,8 @@ impl Ticks {
     fn widen(&self, dof: &Dof, servo: Servo, bits: Option<i32>, input: &mut Input) {
         input.rounded = true;
         let size = libm::fabs(dof.lower).max(libm::fabs(dof.upper));
-        let by_sines = self.given == Given::SinesCosines && !dof.prismatic;
-        if by_sines && servo.steps.is_some() {
+        let way = self.way(dof, servo);
+        if let Way::Table(_) = way {
             // The table's entry is rounded first, where it has more bits.
             if bits.is_some_and(|bits| bits < TABLE_BITS) {
                 input.absolute += unit(TABLE_BITS + 1);
@@ -109,109 +110,186 @@ impl Ticks {
             Some(precision) => 3.0 * precision.unit() * size.max(1.0),
             None => bounds::fixed_kernel_error(size) + size * unit(30),
         };
-        if by_sines && bits.is_some() {
+        if way == Way::Sines && bits.is_some() {
             // Angle and sine are rounded on the way.
             input.absolute += unit(angle_bits(dof) + 1) + unit(TABLE_BITS + 1);
         }
     }
 
+    /// `routine` from ticks, its bound still to be proven.
+    pub(super) fn routine(&self, model: &Model, routine: &Routine) -> Routine {
+        let mut counts = routine.counts;
+        let mut look_ups = 0;
+        for (dof, servo) in model.tree.dofs.iter().zip(&self.servos) {
+            match self.way(dof, *servo) {
+                // What forms the argument of a sine belongs to it.
+                Way::Sines => counts.sin_cos += 1,
+                Way::Table(_) => look_ups += 1,
+                Way::Position if self.given == Given::Positions && !dof.prismatic => {}
+                Way::Position => {
+                    counts.mul += 1;
+                    counts.add += usize::from(servo.zero != 0);
+                }
+            }
+        }
+        Routine {
+            input: routine::Input::Ticks,
+            counts,
+            look_ups,
+            ..routine.clone()
+        }
+    }
+
+    fn way(&self, dof: &Dof, servo: Servo) -> Way {
+        match (self.given, servo.steps()) {
+            (Given::Positions, _) => Way::Position,
+            _ if dof.prismatic => Way::Position,
+            (_, Some(steps)) => Way::Table(steps),
+            (_, None) => Way::Sines,
+        }
+    }
+
+    /// A line for each joint: what a tick of it means.
+    pub(super) fn convention(&self, model: &Model) -> Vec<String> {
+        let dofs = &model.tree.dofs;
+        let names: Vec<String> = dofs.iter().map(|dof| comment(&dof.joint)).collect();
+        let width = names.iter().map(|name| name.chars().count()).max();
+        let width = width.unwrap_or(0).max("joint".len());
+        let mut lines = vec![format!(
+            "{:<width$} {:>9} {:>5}   scale",
+            "joint", "zero", "sign"
+        )];
+        for (name, servo) in names.iter().zip(&self.servos) {
+            let scale = match servo.scale {
+                Scale::TicksPerTurn(ticks) => format!("{ticks} ticks a turn"),
+                Scale::MetresPerTick(metres) => format!("{metres:?} m a tick"),
+            };
+            lines.push(format!(
+                "{name:<width$} {:>9} {:>+5}   {scale}",
+                servo.zero, servo.sign
+            ));
+        }
+        lines
+    }
+
     pub(super) fn text(
         &self,
         model: &Model,
-        scalar: Scalar,
         name: &str,
         routines: &[Routine],
+        calls: &Calls,
     ) -> Text {
         let real = format!("{name}_real");
-        let bits = |array: Argument| {
-            let find = |routine: &Routine| {
-                let k = routine
-                    .program
-                    .inputs
-                    .iter()
-                    .position(|a| a.argument == array)?;
-                Some(routine.formats.as_ref()?.arrays[k])
-            };
-            routines.iter().find_map(find).unwrap_or(0)
+        let arrays: &[&str] = match self.given {
+            Given::Positions => &["q"],
+            Given::SinesCosines | Given::Direction => &["sin_q", "cos_q"],
+        };
+        let bits = match self.given {
+            Given::Positions => array_bits(routines, Argument::Positions),
+            Given::SinesCosines | Given::Direction => array_bits(routines, Argument::Sines),
         };
         let mut lines = Vec::new();
         for (k, (dof, servo)) in model.tree.dofs.iter().zip(&self.servos).enumerate() {
-            let position = |bits: i32| match scalar {
-                Scalar::Fixed32 => {
-                    let (factor, shift) = multiplier(servo.per_tick, bits);
-                    let away = match servo.zero {
-                        0 => format!("(int64_t)ticks[{k}]"),
-                        zero if zero < 0 => format!("((int64_t)ticks[{k}] + {})", -zero),
-                        zero => format!("((int64_t)ticks[{k}] - {zero})"),
-                    };
-                    format!("{name}_narrow({away} * {factor}, {shift}u)")
+            let position = |bits| self.position(k, *servo, bits, &real, calls);
+            let way = self.way(dof, *servo);
+            match way {
+                Way::Position => {
+                    lines.push(format!("{}[{k}] = {};", arrays[0], position(bits)));
+                    lines.extend(arrays.get(1).map(|cosines| {
+                        format!("{cosines}[{k}] = {};", number(0.0, self.scalar, 0))
+                    }));
                 }
-                _ => {
-                    let factor = float::literal(servo.per_tick, scalar);
-                    let zero = float::literal(f64::from(servo.zero.abs()), scalar);
-                    let away = match servo.zero {
-                        0 => format!("({real})ticks[{k}]"),
-                        zero_at if zero_at < 0 => format!("(({real})ticks[{k}] + {zero})"),
-                        _ => format!("(({real})ticks[{k}] - {zero})"),
-                    };
-                    format!("{away} * {factor}")
+                Way::Table(steps) => {
+                    let step = step(k, *servo, steps);
+                    let arguments = format!("{step}, &sin_q[{k}], &cos_q[{k}]");
+                    lines.push(calls.call(Helper::Lookup, &arguments) + ";");
                 }
-            };
-            if self.given == Given::Positions {
-                lines.push(format!("q[{k}] = {};", position(bits(Argument::Positions))));
-            } else if dof.prismatic {
-                let zero = match scalar {
-                    Scalar::Fixed32 => fixed::literal(0.0, 0),
-                    _ => float::literal(0.0, scalar),
-                };
-                lines.push(format!("sin_q[{k}] = {};", position(bits(Argument::Sines))));
-                lines.push(format!("cos_q[{k}] = {zero};"));
-            } else if let Some(steps) = servo.steps {
-                let (at, zero) = (format!("(uint32_t)ticks[{k}]"), servo.zero as u32);
-                let away = match servo.sign {
-                    1 if zero == 0 => at,
-                    1 => format!("{at} - {zero}u"),
-                    _ => format!("{zero}u - {at}"),
-                };
-                let step = match steps {
-                    1 => away,
-                    _ => format!("({away}) * {steps}u"),
-                };
-                lines.push(format!("{name}_lookup({step}, &sin_q[{k}], &cos_q[{k}]);"));
-            } else {
-                let bits = angle_bits(dof);
-                let angle = position(bits);
-                let bits = match scalar {
-                    Scalar::Fixed32 => format!("{bits}u, "),
-                    _ => String::new(),
-                };
-                lines.push(format!(
-                    "{name}_sincos({angle}, {bits}&sin_q[{k}], &cos_q[{k}]);"
-                ));
+                Way::Sines => {
+                    let of_angle = angle_bits(dof);
+                    let angle = position(of_angle);
+                    let of_angle = match self.scalar {
+                        Scalar::Fixed32 => format!("{of_angle}u, "),
+                        _ => String::new(),
+                    };
+                    let arguments = format!("{angle}, {of_angle}&sin_q[{k}], &cos_q[{k}]");
+                    lines.push(calls.call(Helper::Sincos, &arguments) + ";");
+                }
             }
-            // A long slide among the sines leaves them fewer bits.
-            let by_sines = self.given == Given::SinesCosines && !dof.prismatic;
-            if by_sines && scalar == Scalar::Fixed32 && bits(Argument::Sines) < TABLE_BITS {
-                let more = TABLE_BITS - bits(Argument::Sines);
-                for array in ["sin_q", "cos_q"] {
-                    lines.push(format!(
-                        "{array}[{k}] = {name}_narrow({array}[{k}], {more}u);"
-                    ));
+            // A long stroke among the sines leaves them fewer bits.
+            if way != Way::Position && self.scalar == Scalar::Fixed32 && bits < TABLE_BITS {
+                let more = TABLE_BITS - bits;
+                for array in arrays {
+                    let arguments = format!("{array}[{k}], {more}u");
+                    let call = calls.call(Helper::Narrow, &arguments);
+                    lines.push(format!("{array}[{k}] = {call};"));
                 }
             }
         }
-        let (brief, results) = match self.given {
-            Given::SinesCosines | Given::Direction => (
-                "Sines and cosines of the joint angles (positions of slides) from servo ticks.",
-                format!("{real} sin_q[], {real} cos_q[]"),
-            ),
-            Given::Positions => ("Joint positions from servo ticks.", format!("{real} q[]")),
-        };
         Text {
-            brief,
-            signature: format!("{name}_from_ticks(const int32_t ticks[], {results})"),
+            brief: match self.given {
+                Given::Positions => "Joint positions from servo ticks.",
+                Given::SinesCosines | Given::Direction => {
+                    "Sines and cosines of the joint angles, positions of prismatic joints, \
+                     from servo ticks."
+                }
+            },
+            signature: format!(
+                "{name}_from_ticks(const int32_t ticks[], {})",
+                arrays
+                    .iter()
+                    .map(|array| format!("{real} {array}[]"))
+                    .collect::<Vec<_>>()
+                    .join(", ")
+            ),
             lines,
         }
+    }
+
+    /// Position of joint `k`, with `bits` fraction bits in fixed point.
+    fn position(&self, k: usize, servo: Servo, bits: i32, real: &str, calls: &Calls) -> String {
+        let away = |cast: &str, zero: &str| match servo.zero {
+            0 => format!("({cast})ticks[{k}]"),
+            at if at < 0 => format!("(({cast})ticks[{k}] + {zero})"),
+            _ => format!("(({cast})ticks[{k}] - {zero})"),
+        };
+        let zero = servo.zero.unsigned_abs();
+        match self.scalar {
+            Scalar::Fixed32 => {
+                let (factor, shift) = multiplier(servo.per_tick(), bits);
+                let away = away("int64_t", &zero.to_string());
+                calls.call(Helper::Narrow, &format!("{away} * {factor}, {shift}u"))
+            }
+            _ => {
+                let factor = float::literal(servo.per_tick(), self.scalar);
+                let zero = float::literal(f64::from(zero), self.scalar);
+                format!("{} * {factor}", away(real, &zero))
+            }
+        }
+    }
+}
+
+/// How a tick becomes what the programs take.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Way {
+    /// As a position.
+    Position,
+    /// By the table, so many steps a tick.
+    Table(u32),
+    /// By the sine and cosine of its angle.
+    Sines,
+}
+
+/// The step of the table that joint `k` stands at, modulo 2^32.
+fn step(k: usize, servo: Servo, steps: u32) -> String {
+    let (at, zero) = (format!("(uint32_t)ticks[{k}]"), servo.zero as u32);
+    let away = match servo.sign {
+        1 if zero == 0 => at,
+        1 => format!("{at} - {zero}u"),
+        _ => format!("{zero}u - {at}"),
+    };
+    match steps {
+        1 => away,
+        _ => format!("({away}) * {steps}u"),
     }
 }
 

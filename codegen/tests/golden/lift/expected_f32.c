@@ -5,23 +5,25 @@
  * support frame  base
  * parameters     13 SESC (r), 8 base; rank 8 from CoM rows, 6 from flat CoP rows
  * snapped        thumb: 3.7e-6 rad to a right angle, CoM moves by at most 2.3e-8 m
+ * method         statically equivalent serial chain (SESC), CoM = r_0 + sum of B_i(q) r_i:
+ *                "Three-dimensional identification of a humanoid robot", eq. (4)
  * scalar         f32 (float); double is never touched
  *
- * function                   mul     add   sin_cos   proven |rounding error|, m
- * com                         16      15         2   1.6e-7
- * com_jacobian                32      24         2   1.2e-7
- * gravity_moments             18      12         2   9.5e-8
- * regressor                   23      15         2   1.8e-6
- * regressor_cop               16      10         2   1.8e-6
- * regressor_full              38      30         2   1.8e-6
- * cop                         13      12         2   1.3e-7
- * com_sc                      24      19         0   1.9e-7
- * com_jacobian_sc             40      28         0   1.5e-7
- * gravity_moments_sc          26      16         0   1.3e-7
- * regressor_sc                31      19         0   2.6e-6
- * regressor_cop_sc            24      14         0   2.6e-6
- * regressor_full_sc           46      34         0   2.7e-6
- * cop_sc                      21      16         0   1.5e-7
+ * function                   mul     add   sin_cos   look_up   proven |rounding error|, m
+ * com                         16      15         2         0   1.6e-7
+ * com_jacobian                32      24         2         0   1.2e-7
+ * gravity_moments             18      12         2         0   9.5e-8
+ * regressor                   23      15         2         0   1.8e-6
+ * regressor_cop               16      10         2         0   1.8e-6
+ * regressor_full              38      30         2         0   1.8e-6
+ * cop                         13      12         2         0   1.3e-7
+ * com_sc                      24      19         0         0   1.9e-7
+ * com_jacobian_sc             40      28         0         0   1.5e-7
+ * gravity_moments_sc          26      16         0         0   1.3e-7
+ * regressor_sc                31      19         0         0   2.6e-6
+ * regressor_cop_sc            24      14         0         0   2.6e-6
+ * regressor_full_sc           46      34         0         0   2.7e-6
+ * cop_sc                      21      16         0         0   1.5e-7
  * Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
  * parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
  * against exact evaluation with the same parameters.
@@ -35,35 +37,58 @@
 #else
 #include <string.h>
 #ifdef __FAST_MATH__
-#error "-ffast-math breaks the reduction of angles: leave it out or define lift_USE_LIBM"
+#error "-ffast-math breaks sines: omit it or define lift_USE_LIBM"
 #endif
 #endif
+
+const lift_real lift_total_mass_kg = 8.0f;
 
 const char *const lift_joint_names[lift_DOF] = {
     "lift",
     "wrist"
 };
 
+const lift_real lift_joint_lower[lift_DOF] = {
+    0.0f, /* lift */
+    -1.0f /* wrist */
+};
+
+const lift_real lift_joint_upper[lift_DOF] = {
+    0.5f, /* lift */
+    1.0f /* wrist */
+};
+
+const char *const lift_param_names[lift_BASE_PARAMS] = {
+    "base.x",
+    "base.y",
+    "base.z",
+    "carriage.s",
+    "hand.u",
+    "hand.v",
+    "thumb.x",
+    "thumb.y"
+};
+
 const lift_real lift_cad_params[lift_BASE_PARAMS] = {
-    0.011111111f,
-    0.034722224f,
-    0.022222223f,
-    0.5f,
-    0.02981424f,
-    -0.02236068f,
-    0.00625f,
-    0.0f
+    0.011111111f, /* base.x */
+    0.034722224f, /* base.y */
+    0.022222223f, /* base.z */
+    0.5f, /* carriage.s */
+    0.02981424f, /* hand.u */
+    -0.02236068f, /* hand.v */
+    0.00625f, /* thumb.x */
+    0.0f /* thumb.y */
 };
 
 const lift_real lift_param_limits[lift_BASE_PARAMS] = {
-    0.01748611f,
-    0.041097224f,
-    0.028597223f,
-    0.52f,
-    0.03618924f,
-    0.02873568f,
-    0.012625f,
-    0.006375f
+    0.01748611f, /* base.x */
+    0.041097224f, /* base.y */
+    0.028597223f, /* base.z */
+    0.52f, /* carriage.s */
+    0.03618924f, /* hand.u */
+    0.02873568f, /* hand.v */
+    0.012625f, /* thumb.x */
+    0.006375f /* thumb.y */
 };
 
 #ifdef lift_USE_LIBM
@@ -142,7 +167,8 @@ static void lift_sincos(float x, float *sine, float *cosine)
 }
 
 #endif
-void lift_com(const lift_real q[], const lift_real r[], lift_real com[3])
+
+void lift_com(const lift_real q[], const lift_real r[], lift_real com[restrict 3])
 {
     /* thumb */
     const float e1 = q[1] - 0.5636476f;
@@ -173,7 +199,10 @@ void lift_com(const lift_real q[], const lift_real r[], lift_real com[3])
     com[2] = v_base_z;
 }
 
-void lift_com_jacobian(const lift_real q[], const lift_real r[], lift_real jac[3 * lift_DOF])
+void lift_com_jacobian(
+    const lift_real q[],
+    const lift_real r[],
+    lift_real jac[restrict 3 * lift_DOF])
 {
     /* thumb */
     const float e1 = q[1] - 0.5636476f;
@@ -201,14 +230,21 @@ void lift_com_jacobian(const lift_real q[], const lift_real r[], lift_real jac[3
     const float by_wrist_y = (0.33333334f * c_wrist) + e5;
     const float bz_wrist_x = (0.33333334f * c_wrist) - e7;
     jac[0] = 0.0f;
-    jac[1] = ((e7 - e6) * t_thumb_y) - (((0.6666667f * bx_wrist_x) + 0.248452f) * t_thumb_x) - ((0.6666667f * e3) - (0.6666667f * t_wrist_x));
+    jac[1] = ((e7 - e6) * t_thumb_y) - (((0.6666667f * bx_wrist_x) + 0.248452f) * t_thumb_x)
+        - ((0.6666667f * e3) - (0.6666667f * t_wrist_x));
     jac[2] = 0.0f;
-    jac[3] = (0.33333334f * t_wrist_x) + (0.6666667f * e3) - ((((0.6666667f * by_wrist_x) + 0.496904f) * t_thumb_x) + (by_wrist_y * t_thumb_y));
+    jac[3] = (0.33333334f * t_wrist_x) + (0.6666667f * e3)
+        - ((((0.6666667f * by_wrist_x) + 0.496904f) * t_thumb_x) + (by_wrist_y * t_thumb_y));
     jac[4] = r[3];
-    jac[5] = ((e4 + (0.33333334f * s_wrist)) * t_thumb_y) - (((0.6666667f * bz_wrist_x) + 0.496904f) * t_thumb_x) - ((0.6666667f * t_wrist_x) + (0.33333334f * e3));
+    jac[5] = ((e4 + (0.33333334f * s_wrist)) * t_thumb_y)
+        - (((0.6666667f * bz_wrist_x) + 0.496904f) * t_thumb_x)
+        - ((0.6666667f * t_wrist_x) + (0.33333334f * e3));
 }
 
-void lift_gravity_moments(const lift_real q[], const lift_real r[], lift_real moments[lift_DOF])
+void lift_gravity_moments(
+    const lift_real q[],
+    const lift_real r[],
+    lift_real moments[restrict lift_DOF])
 {
     /* thumb */
     const float e1 = q[1] - 0.5636476f;
@@ -228,10 +264,13 @@ void lift_gravity_moments(const lift_real q[], const lift_real r[], lift_real mo
     /* wrist */
     const float bz_wrist_x = (0.33333334f * c_wrist) - (0.6666667f * s_wrist);
     moments[0] = -r[3];
-    moments[1] = (0.6666667f * t_wrist_x) + (0.33333334f * ((s_wrist * v_wrist_x) + (c_wrist * v_wrist_y))) - ((((0.6666667f * c_wrist) + (0.33333334f * s_wrist)) * t_thumb_y) - (((0.6666667f * bz_wrist_x) + 0.496904f) * t_thumb_x));
+    moments[1] = (0.6666667f * t_wrist_x)
+        + (0.33333334f * ((s_wrist * v_wrist_x) + (c_wrist * v_wrist_y)))
+        - ((((0.6666667f * c_wrist) + (0.33333334f * s_wrist)) * t_thumb_y)
+        - (((0.6666667f * bz_wrist_x) + 0.496904f) * t_thumb_x));
 }
 
-void lift_regressor(const lift_real q[], lift_real rows[3 * lift_BASE_PARAMS])
+void lift_regressor(const lift_real q[], lift_real rows[restrict 3 * lift_BASE_PARAMS])
 {
     /* wrist */
     const float e1 = q[1] - 0.4636476f;
@@ -290,7 +329,7 @@ void lift_regressor(const lift_real q[], lift_real rows[3 * lift_BASE_PARAMS])
     rows[23] = bz_thumb_y;
 }
 
-void lift_regressor_cop(const lift_real q[], lift_real rows[2 * lift_BASE_PARAMS])
+void lift_regressor_cop(const lift_real q[], lift_real rows[restrict 2 * lift_BASE_PARAMS])
 {
     /* wrist */
     const float e1 = q[1] - 0.4636476f;
@@ -333,7 +372,7 @@ void lift_regressor_cop(const lift_real q[], lift_real rows[2 * lift_BASE_PARAMS
     rows[15] = by_thumb_y;
 }
 
-void lift_regressor_full(const lift_real q[], lift_real rows[3 * lift_FULL_PARAMS])
+void lift_regressor_full(const lift_real q[], lift_real rows[restrict 3 * lift_FULL_PARAMS])
 {
     /* wrist */
     const float e1 = q[1] - 0.4636476f;
@@ -408,7 +447,7 @@ void lift_regressor_full(const lift_real q[], lift_real rows[3 * lift_FULL_PARAM
     rows[38] = kz_thumb_z;
 }
 
-void lift_cop(const lift_real q[], const lift_real r[], lift_real cop[2])
+void lift_cop(const lift_real q[], const lift_real r[], lift_real cop[restrict 2])
 {
     /* thumb */
     const float e1 = q[1] - 0.5636476f;
@@ -440,7 +479,7 @@ void lift_com_sc(
     const lift_real sin_q[],
     const lift_real cos_q[],
     const lift_real r[],
-    lift_real com[3])
+    lift_real com[restrict 3])
 {
     /* thumb */
     const float s_thumb = (0.84531194f * sin_q[1]) - (0.5342731f * cos_q[1]);
@@ -472,7 +511,7 @@ void lift_com_jacobian_sc(
     const lift_real sin_q[],
     const lift_real cos_q[],
     const lift_real r[],
-    lift_real jac[3 * lift_DOF])
+    lift_real jac[restrict 3 * lift_DOF])
 {
     /* thumb */
     const float s_thumb = (0.84531194f * sin_q[1]) - (0.5342731f * cos_q[1]);
@@ -497,18 +536,22 @@ void lift_com_jacobian_sc(
     /* thumb */
     const float ky_thumb_y = (0.6666667f * (e3 + (0.33333334f * s_wrist))) - 0.496904f;
     jac[0] = 0.0f;
-    jac[1] = (0.6666667f * t_wrist_x) + (0.6666667f * t_wrist_y) - ((((0.6666667f * bx_wrist_x) + 0.248452f) * t_thumb_x) + (bx_wrist_y * t_thumb_y));
+    jac[1] = (0.6666667f * t_wrist_x) + (0.6666667f * t_wrist_y)
+        - ((((0.6666667f * bx_wrist_x) + 0.248452f) * t_thumb_x) + (bx_wrist_y * t_thumb_y));
     jac[2] = 0.0f;
-    jac[3] = (ky_thumb_y * t_thumb_x) + ((e2 - (0.33333334f * c_wrist)) * t_thumb_y) - ((0.6666667f * t_wrist_y) - (0.33333334f * t_wrist_x));
+    jac[3] = (ky_thumb_y * t_thumb_x) + ((e2 - (0.33333334f * c_wrist)) * t_thumb_y)
+        - ((0.6666667f * t_wrist_y) - (0.33333334f * t_wrist_x));
     jac[4] = r[3];
-    jac[5] = ((e1 - (0.33333334f * s_wrist)) * t_thumb_y) - (((0.6666667f * bz_wrist_x) + 0.496904f) * t_thumb_x) - ((0.6666667f * t_wrist_x) - (0.33333334f * t_wrist_y));
+    jac[5] = ((e1 - (0.33333334f * s_wrist)) * t_thumb_y)
+        - (((0.6666667f * bz_wrist_x) + 0.496904f) * t_thumb_x)
+        - ((0.6666667f * t_wrist_x) - (0.33333334f * t_wrist_y));
 }
 
 void lift_gravity_moments_sc(
     const lift_real sin_q[],
     const lift_real cos_q[],
     const lift_real r[],
-    lift_real moments[lift_DOF])
+    lift_real moments[restrict lift_DOF])
 {
     /* thumb */
     const float s_thumb = (0.84531194f * sin_q[1]) - (0.5342731f * cos_q[1]);
@@ -525,13 +568,15 @@ void lift_gravity_moments_sc(
     /* wrist */
     const float bz_wrist_x = (0.33333334f * c_wrist) + (0.6666667f * s_wrist);
     moments[0] = -r[3];
-    moments[1] = (0.6666667f * t_wrist_x) - (0.33333334f * t_wrist_y) - ((((0.6666667f * c_wrist) - (0.33333334f * s_wrist)) * t_thumb_y) - (((0.6666667f * bz_wrist_x) + 0.496904f) * t_thumb_x));
+    moments[1] = (0.6666667f * t_wrist_x) - (0.33333334f * t_wrist_y)
+        - ((((0.6666667f * c_wrist) - (0.33333334f * s_wrist)) * t_thumb_y)
+        - (((0.6666667f * bz_wrist_x) + 0.496904f) * t_thumb_x));
 }
 
 void lift_regressor_sc(
     const lift_real sin_q[],
     const lift_real cos_q[],
-    lift_real rows[3 * lift_BASE_PARAMS])
+    lift_real rows[restrict 3 * lift_BASE_PARAMS])
 {
     /* wrist */
     const float s_wrist = (0.4472136f * cos_q[1]) - (0.8944272f * sin_q[1]);
@@ -590,7 +635,7 @@ void lift_regressor_sc(
 void lift_regressor_cop_sc(
     const lift_real sin_q[],
     const lift_real cos_q[],
-    lift_real rows[2 * lift_BASE_PARAMS])
+    lift_real rows[restrict 2 * lift_BASE_PARAMS])
 {
     /* wrist */
     const float s_wrist = (0.4472136f * cos_q[1]) - (0.8944272f * sin_q[1]);
@@ -633,7 +678,7 @@ void lift_regressor_cop_sc(
 void lift_regressor_full_sc(
     const lift_real sin_q[],
     const lift_real cos_q[],
-    lift_real rows[3 * lift_FULL_PARAMS])
+    lift_real rows[restrict 3 * lift_FULL_PARAMS])
 {
     /* wrist */
     const float s_wrist = (0.4472136f * cos_q[1]) - (0.8944272f * sin_q[1]);
@@ -709,7 +754,7 @@ void lift_cop_sc(
     const lift_real sin_q[],
     const lift_real cos_q[],
     const lift_real r[],
-    lift_real cop[2])
+    lift_real cop[restrict 2])
 {
     /* thumb */
     const float s_thumb = (0.84531194f * sin_q[1]) - (0.5342731f * cos_q[1]);

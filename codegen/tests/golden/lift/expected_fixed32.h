@@ -5,23 +5,25 @@
  * support frame  base
  * parameters     13 SESC (r), 8 base; rank 8 from CoM rows, 6 from flat CoP rows
  * snapped        thumb: 3.7e-6 rad to a right angle, CoM moves by at most 2.3e-8 m
+ * method         statically equivalent serial chain (SESC), CoM = r_0 + sum of B_i(q) r_i:
+ *                "Three-dimensional identification of a humanoid robot", eq. (4)
  * scalar         fixed32 (int32_t, binary points proven from ranges; no division)
  *
- * function                   mul     add   sin_cos   proven |rounding error|, m
- * com                         16      15         2   1.1e-8
- * com_jacobian                32      24         2   1.1e-8
- * gravity_moments             18      12         2   1.1e-8
- * regressor                   23      15         2   2.1e-8
- * regressor_cop               16      10         2   2.1e-8
- * regressor_full              38      30         2   2.1e-8
- * cop                         13      12         2   9.3e-9
- * com_sc                      24      19         0   1.2e-8
- * com_jacobian_sc             40      28         0   1.2e-8
- * gravity_moments_sc          26      16         0   1.2e-8
- * regressor_sc                31      19         0   1.9e-8
- * regressor_cop_sc            24      14         0   1.9e-8
- * regressor_full_sc           46      34         0   2.0e-8
- * cop_sc                      21      16         0   9.8e-9
+ * function                   mul     add   sin_cos   look_up   proven |rounding error|, m
+ * com                         16      15         2         0   1.1e-8
+ * com_jacobian                32      24         2         0   1.1e-8
+ * gravity_moments             18      12         2         0   1.1e-8
+ * regressor                   23      15         2         0   2.1e-8
+ * regressor_cop               16      10         2         0   2.1e-8
+ * regressor_full              38      30         2         0   2.1e-8
+ * cop                         13      12         2         0   9.3e-9
+ * com_sc                      24      19         0         0   1.2e-8
+ * com_jacobian_sc             40      28         0         0   1.2e-8
+ * gravity_moments_sc          26      16         0         0   1.2e-8
+ * regressor_sc                31      19         0         0   1.9e-8
+ * regressor_cop_sc            24      14         0         0   1.9e-8
+ * regressor_full_sc           46      34         0         0   2.0e-8
+ * cop_sc                      21      16         0         0   9.8e-9
  * Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
  * parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
  * against exact evaluation with the same parameters.
@@ -43,10 +45,10 @@ typedef int32_t lift_real;
 #define lift_DOF 2
 /** Number of base parameters: columns that data can tell apart. */
 #define lift_BASE_PARAMS 8
-/** Number of SESC parameters r_0, r_1, ... (and s of sliding joints). */
+/** Number of SESC parameters r_0, r_1, ... (and s of prismatic joints). */
 #define lift_FULL_PARAMS 13
 
-/** Fraction bits of joint positions, rad or m: value = integer / 2^30. */
+/** Fraction bits of joint positions and limits, rad or m: value = integer / 2^30. */
 #define lift_Q_FRACTION_BITS 30
 
 /** Fraction bits of parameters, m: value = integer / 2^30. */
@@ -73,11 +75,34 @@ typedef int32_t lift_real;
 /** Fraction bits of the results of cop: value = integer / 2^30. */
 #define lift_COP_FRACTION_BITS 30
 
-/** Fraction bits of sines and cosines (and of what slides pass in sin_q, m): value = integer / 2^30. */
+/** Fraction bits of sines and cosines (m of prismatic joints in sin_q): value = integer / 2^30. */
 #define lift_SC_FRACTION_BITS 30
+
+/** Fraction bits of the total mass, kg: value = integer / 2^27. */
+#define lift_TOTAL_MASS_FRACTION_BITS 27
+
+/** Index of each joint in q. */
+enum lift_joint {
+    lift_JOINT_LIFT = 0,
+    lift_JOINT_WRIST = 1
+};
+
+/** Total mass, kg / 2^lift_TOTAL_MASS_FRACTION_BITS: gravity_moments times this and g are N m. */
+extern const lift_real lift_total_mass_kg;
 
 /** Joints in the order of q. */
 extern const char *const lift_joint_names[lift_DOF];
+
+/** Lower ends of the ranges that rounding bounds hold in (the joint limits), in the unit of q: rad
+ * (m for prismatic joints) / 2^lift_Q_FRACTION_BITS. */
+extern const lift_real lift_joint_lower[lift_DOF];
+
+/** Upper ends of these ranges, in the unit of q: rad (m for prismatic joints) /
+ * 2^lift_Q_FRACTION_BITS. */
+extern const lift_real lift_joint_upper[lift_DOF];
+
+/** Base parameters in the order of r: link and axis. */
+extern const char *const lift_param_names[lift_BASE_PARAMS];
 
 /** Base parameters from CAD, m / 2^lift_R_FRACTION_BITS. */
 extern const lift_real lift_cad_params[lift_BASE_PARAMS];
@@ -88,16 +113,16 @@ extern const lift_real lift_param_limits[lift_BASE_PARAMS];
 /**
  * @brief Centre of mass in the support frame, m: r_0 + sum of B_i(q) r_i.
  * Proven rounding error below 1.1e-8 m; arrays must not overlap.
- * @param[in] q joint positions, rad (m for sliding joints), [lift_DOF]
+ * @param[in] q joint positions, rad (m for prismatic joints), [lift_DOF]
  * @param[in] r base parameters, m, [lift_BASE_PARAMS]
  * @param[out] com the result, [3]
  */
 void lift_com(const lift_real q[], const lift_real r[], lift_real com[3]);
 
 /**
- * @brief d CoM / d q, m/rad (m/m for sliding joints), row-major: x, y, z.
+ * @brief d CoM / d q, m/rad (m/m for prismatic joints), row-major: x, y, z.
  * Proven rounding error below 1.1e-8 m; arrays must not overlap.
- * @param[in] q joint positions, rad (m for sliding joints), [lift_DOF]
+ * @param[in] q joint positions, rad (m for prismatic joints), [lift_DOF]
  * @param[in] r base parameters, m, [lift_BASE_PARAMS]
  * @param[out] jac the result, [3 * lift_DOF]
  */
@@ -106,7 +131,7 @@ void lift_com_jacobian(const lift_real q[], const lift_real r[], lift_real jac[3
 /**
  * @brief Moment of gravity about each joint, per kg of total mass times g, m: -d CoM_z / d q.
  * Proven rounding error below 1.1e-8 m; arrays must not overlap.
- * @param[in] q joint positions, rad (m for sliding joints), [lift_DOF]
+ * @param[in] q joint positions, rad (m for prismatic joints), [lift_DOF]
  * @param[in] r base parameters, m, [lift_BASE_PARAMS]
  * @param[out] moments the result, [lift_DOF]
  */
@@ -115,7 +140,7 @@ void lift_gravity_moments(const lift_real q[], const lift_real r[], lift_real mo
 /**
  * @brief Rows of the base regressor, row-major: CoM = rows r.
  * Proven rounding error below 2.1e-8 m; arrays must not overlap.
- * @param[in] q joint positions, rad (m for sliding joints), [lift_DOF]
+ * @param[in] q joint positions, rad (m for prismatic joints), [lift_DOF]
  * @param[out] rows the result, [3 * lift_BASE_PARAMS]
  */
 void lift_regressor(const lift_real q[], lift_real rows[3 * lift_BASE_PARAMS]);
@@ -123,7 +148,7 @@ void lift_regressor(const lift_real q[], lift_real rows[3 * lift_BASE_PARAMS]);
 /**
  * @brief The x and y rows of the base regressor, row-major: CoP = rows r.
  * Proven rounding error below 2.1e-8 m; arrays must not overlap.
- * @param[in] q joint positions, rad (m for sliding joints), [lift_DOF]
+ * @param[in] q joint positions, rad (m for prismatic joints), [lift_DOF]
  * @param[out] rows the result, [2 * lift_BASE_PARAMS]
  */
 void lift_regressor_cop(const lift_real q[], lift_real rows[2 * lift_BASE_PARAMS]);
@@ -131,15 +156,15 @@ void lift_regressor_cop(const lift_real q[], lift_real rows[2 * lift_BASE_PARAMS
 /**
  * @brief Rows [B_0 B_1 ...] of the full regressor in link frames, row-major.
  * Proven rounding error below 2.1e-8 m; arrays must not overlap.
- * @param[in] q joint positions, rad (m for sliding joints), [lift_DOF]
+ * @param[in] q joint positions, rad (m for prismatic joints), [lift_DOF]
  * @param[out] rows the result, [3 * lift_FULL_PARAMS]
  */
 void lift_regressor_full(const lift_real q[], lift_real rows[3 * lift_FULL_PARAMS]);
 
 /**
- * @brief Centre of pressure that a static posture shows on a level sole, m.
+ * @brief Centre of pressure of a static posture on a level sole, m.
  * Proven rounding error below 9.3e-9 m; arrays must not overlap.
- * @param[in] q joint positions, rad (m for sliding joints), [lift_DOF]
+ * @param[in] q joint positions, rad (m for prismatic joints), [lift_DOF]
  * @param[in] r base parameters, m, [lift_BASE_PARAMS]
  * @param[out] cop the result, [2]
  */
@@ -147,7 +172,7 @@ void lift_cop(const lift_real q[], const lift_real r[], lift_real cop[2]);
 
 /**
  * @brief Centre of mass in the support frame, m: r_0 + sum of B_i(q) r_i.
- * From sines and cosines; a sliding joint passes its position in sin_q.
+ * From sines and cosines; a prismatic joint passes its position in sin_q.
  * Proven rounding error below 1.2e-8 m; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [lift_DOF]
  * @param[in] cos_q cosines of the joint angles, [lift_DOF]
@@ -161,8 +186,8 @@ void lift_com_sc(
     lift_real com[3]);
 
 /**
- * @brief d CoM / d q, m/rad (m/m for sliding joints), row-major: x, y, z.
- * From sines and cosines; a sliding joint passes its position in sin_q.
+ * @brief d CoM / d q, m/rad (m/m for prismatic joints), row-major: x, y, z.
+ * From sines and cosines; a prismatic joint passes its position in sin_q.
  * Proven rounding error below 1.2e-8 m; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [lift_DOF]
  * @param[in] cos_q cosines of the joint angles, [lift_DOF]
@@ -177,7 +202,7 @@ void lift_com_jacobian_sc(
 
 /**
  * @brief Moment of gravity about each joint, per kg of total mass times g, m: -d CoM_z / d q.
- * From sines and cosines; a sliding joint passes its position in sin_q.
+ * From sines and cosines; a prismatic joint passes its position in sin_q.
  * Proven rounding error below 1.2e-8 m; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [lift_DOF]
  * @param[in] cos_q cosines of the joint angles, [lift_DOF]
@@ -192,7 +217,7 @@ void lift_gravity_moments_sc(
 
 /**
  * @brief Rows of the base regressor, row-major: CoM = rows r.
- * From sines and cosines; a sliding joint passes its position in sin_q.
+ * From sines and cosines; a prismatic joint passes its position in sin_q.
  * Proven rounding error below 1.9e-8 m; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [lift_DOF]
  * @param[in] cos_q cosines of the joint angles, [lift_DOF]
@@ -205,7 +230,7 @@ void lift_regressor_sc(
 
 /**
  * @brief The x and y rows of the base regressor, row-major: CoP = rows r.
- * From sines and cosines; a sliding joint passes its position in sin_q.
+ * From sines and cosines; a prismatic joint passes its position in sin_q.
  * Proven rounding error below 1.9e-8 m; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [lift_DOF]
  * @param[in] cos_q cosines of the joint angles, [lift_DOF]
@@ -218,7 +243,7 @@ void lift_regressor_cop_sc(
 
 /**
  * @brief Rows [B_0 B_1 ...] of the full regressor in link frames, row-major.
- * From sines and cosines; a sliding joint passes its position in sin_q.
+ * From sines and cosines; a prismatic joint passes its position in sin_q.
  * Proven rounding error below 2.0e-8 m; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [lift_DOF]
  * @param[in] cos_q cosines of the joint angles, [lift_DOF]
@@ -230,8 +255,8 @@ void lift_regressor_full_sc(
     lift_real rows[3 * lift_FULL_PARAMS]);
 
 /**
- * @brief Centre of pressure that a static posture shows on a level sole, m.
- * From sines and cosines; a sliding joint passes its position in sin_q.
+ * @brief Centre of pressure of a static posture on a level sole, m.
+ * From sines and cosines; a prismatic joint passes its position in sin_q.
  * Proven rounding error below 9.8e-9 m; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [lift_DOF]
  * @param[in] cos_q cosines of the joint angles, [lift_DOF]

@@ -4,34 +4,37 @@
  * robot          two_link (robot.urdf, hash 703ea270878e0914): 3 links, 2 independent joints
  * support frame  foot
  * parameters     9 SESC (r), 7 base; rank 7 from CoM rows, 6 from flat CoP rows
+ * method         statically equivalent serial chain (SESC), CoM = r_0 + sum of B_i(q) r_i:
+ *                "Three-dimensional identification of a humanoid robot", eq. (4)
  * scalar         fixed32 (int32_t, binary points proven from ranges; no division)
  *
- * function                   mul     add   sin_cos   proven |rounding error|, m
- * com                          8       8         2   7.8e-9
- * com_jacobian                12       8         2   7.1e-9
- * gravity_moments              8       6         2   6.2e-9
- * regressor                    4       2         2   1.2e-8
- * regressor_cop                4       2         2   1.2e-8
- * regressor_full               4       2         2   1.2e-8
- * cop                          6       6         2   6.7e-9
- * com_sc                       8       8         0   5.8e-9
- * com_jacobian_sc             12       8         0   5.1e-9
- * gravity_moments_sc           8       6         0   4.6e-9
- * regressor_sc                 4       2         0   2.8e-9
- * regressor_cop_sc             4       2         0   2.8e-9
- * regressor_full_sc            4       2         0   2.8e-9
- * cop_sc                       6       6         0   5.2e-9
- * com_ticks                    8       8         0   5.8e-9
- * com_jacobian_ticks          12       8         0   5.1e-9
- * gravity_moments_ticks        8       6         0   4.6e-9
- * regressor_ticks              4       2         0   2.8e-9
- * regressor_cop_ticks          4       2         0   2.8e-9
- * regressor_full_ticks         4       2         0   2.8e-9
- * cop_ticks                    6       6         0   5.2e-9
+ * function                   mul     add   sin_cos   look_up   proven |rounding error|, m
+ * com                          8       8         2         0   7.8e-9
+ * com_jacobian                12       8         2         0   7.1e-9
+ * gravity_moments              8       6         2         0   6.2e-9
+ * regressor                    4       2         2         0   1.2e-8
+ * regressor_cop                4       2         2         0   1.2e-8
+ * regressor_full               4       2         2         0   1.2e-8
+ * cop                          6       6         2         0   6.7e-9
+ * com_sc                       8       8         0         0   5.8e-9
+ * com_jacobian_sc             12       8         0         0   5.1e-9
+ * gravity_moments_sc           8       6         0         0   4.6e-9
+ * regressor_sc                 4       2         0         0   2.8e-9
+ * regressor_cop_sc             4       2         0         0   2.8e-9
+ * regressor_full_sc            4       2         0         0   2.8e-9
+ * cop_sc                       6       6         0         0   5.2e-9
+ * com_ticks                    8       8         0         2   5.8e-9
+ * com_jacobian_ticks          12       8         0         2   5.1e-9
+ * gravity_moments_ticks        8       6         0         2   4.6e-9
+ * regressor_ticks              4       2         0         2   2.8e-9
+ * regressor_cop_ticks          4       2         0         2   2.8e-9
+ * regressor_full_ticks         4       2         0         2   2.8e-9
+ * cop_ticks                    6       6         0         2   5.2e-9
  * Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
  * parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
  * against exact evaluation with the same parameters.
- * Functions of ticks: against the angles and positions that the ticks stand for.
+ * Functions of ticks are compared with the angles and positions that the ticks stand for;
+ * look_up counts the sines and cosines that they read from a table.
  */
 
 #ifndef TWO_LINK_H
@@ -50,10 +53,10 @@ typedef int32_t two_link_real;
 #define two_link_DOF 2
 /** Number of base parameters: columns that data can tell apart. */
 #define two_link_BASE_PARAMS 7
-/** Number of SESC parameters r_0, r_1, ... (and s of sliding joints). */
+/** Number of SESC parameters r_0, r_1, ... (and s of prismatic joints). */
 #define two_link_FULL_PARAMS 9
 
-/** Fraction bits of joint positions, rad or m: value = integer / 2^29. */
+/** Fraction bits of joint positions and limits, rad or m: value = integer / 2^29. */
 #define two_link_Q_FRACTION_BITS 29
 
 /** Fraction bits of parameters, m: value = integer / 2^30. */
@@ -80,11 +83,35 @@ typedef int32_t two_link_real;
 /** Fraction bits of the results of cop: value = integer / 2^30. */
 #define two_link_COP_FRACTION_BITS 30
 
-/** Fraction bits of sines and cosines (and of what slides pass in sin_q, m): value = integer / 2^30. */
+/** Fraction bits of sines and cosines (m of prismatic joints in sin_q): value = integer / 2^30. */
 #define two_link_SC_FRACTION_BITS 30
+
+/** Fraction bits of the total mass, kg: value = integer / 2^28. */
+#define two_link_TOTAL_MASS_FRACTION_BITS 28
+
+/** Index of each joint in q. */
+enum two_link_joint {
+    two_link_JOINT_ANKLE = 0,
+    two_link_JOINT_KNEE = 1
+};
+
+/** Total mass, kg / 2^two_link_TOTAL_MASS_FRACTION_BITS: gravity_moments times this and g are N
+ * m. */
+extern const two_link_real two_link_total_mass_kg;
 
 /** Joints in the order of q. */
 extern const char *const two_link_joint_names[two_link_DOF];
+
+/** Lower ends of the ranges that rounding bounds hold in (the joint limits), in the unit of q: rad
+ * (m for prismatic joints) / 2^two_link_Q_FRACTION_BITS. */
+extern const two_link_real two_link_joint_lower[two_link_DOF];
+
+/** Upper ends of these ranges, in the unit of q: rad (m for prismatic joints) /
+ * 2^two_link_Q_FRACTION_BITS. */
+extern const two_link_real two_link_joint_upper[two_link_DOF];
+
+/** Base parameters in the order of r: link and axis. */
+extern const char *const two_link_param_names[two_link_BASE_PARAMS];
 
 /** Base parameters from CAD, m / 2^two_link_R_FRACTION_BITS. */
 extern const two_link_real two_link_cad_params[two_link_BASE_PARAMS];
@@ -92,19 +119,30 @@ extern const two_link_real two_link_cad_params[two_link_BASE_PARAMS];
 /** Largest |r[k]| that ranges and rounding bounds are proven for. */
 extern const two_link_real two_link_param_limits[two_link_BASE_PARAMS];
 
+/*
+ * Servo ticks:
+ *
+ *     revolute    q = sign (ticks - zero) 2 pi / (ticks a turn), rad
+ *     prismatic   q = sign (ticks - zero) (m a tick), m
+ *
+ *     joint      zero  sign   scale
+ *     ankle      2048    +1   4096 ticks a turn
+ *     knee       2048    +1   4096 ticks a turn
+ */
+
 /**
  * @brief Centre of mass in the support frame, m: r_0 + sum of B_i(q) r_i.
  * Proven rounding error below 7.8e-9 m; arrays must not overlap.
- * @param[in] q joint positions, rad (m for sliding joints), [two_link_DOF]
+ * @param[in] q joint positions, rad (m for prismatic joints), [two_link_DOF]
  * @param[in] r base parameters, m, [two_link_BASE_PARAMS]
  * @param[out] com the result, [3]
  */
 void two_link_com(const two_link_real q[], const two_link_real r[], two_link_real com[3]);
 
 /**
- * @brief d CoM / d q, m/rad (m/m for sliding joints), row-major: x, y, z.
+ * @brief d CoM / d q, m/rad (m/m for prismatic joints), row-major: x, y, z.
  * Proven rounding error below 7.1e-9 m; arrays must not overlap.
- * @param[in] q joint positions, rad (m for sliding joints), [two_link_DOF]
+ * @param[in] q joint positions, rad (m for prismatic joints), [two_link_DOF]
  * @param[in] r base parameters, m, [two_link_BASE_PARAMS]
  * @param[out] jac the result, [3 * two_link_DOF]
  */
@@ -116,7 +154,7 @@ void two_link_com_jacobian(
 /**
  * @brief Moment of gravity about each joint, per kg of total mass times g, m: -d CoM_z / d q.
  * Proven rounding error below 6.2e-9 m; arrays must not overlap.
- * @param[in] q joint positions, rad (m for sliding joints), [two_link_DOF]
+ * @param[in] q joint positions, rad (m for prismatic joints), [two_link_DOF]
  * @param[in] r base parameters, m, [two_link_BASE_PARAMS]
  * @param[out] moments the result, [two_link_DOF]
  */
@@ -128,7 +166,7 @@ void two_link_gravity_moments(
 /**
  * @brief Rows of the base regressor, row-major: CoM = rows r.
  * Proven rounding error below 1.2e-8 m; arrays must not overlap.
- * @param[in] q joint positions, rad (m for sliding joints), [two_link_DOF]
+ * @param[in] q joint positions, rad (m for prismatic joints), [two_link_DOF]
  * @param[out] rows the result, [3 * two_link_BASE_PARAMS]
  */
 void two_link_regressor(const two_link_real q[], two_link_real rows[3 * two_link_BASE_PARAMS]);
@@ -136,7 +174,7 @@ void two_link_regressor(const two_link_real q[], two_link_real rows[3 * two_link
 /**
  * @brief The x and y rows of the base regressor, row-major: CoP = rows r.
  * Proven rounding error below 1.2e-8 m; arrays must not overlap.
- * @param[in] q joint positions, rad (m for sliding joints), [two_link_DOF]
+ * @param[in] q joint positions, rad (m for prismatic joints), [two_link_DOF]
  * @param[out] rows the result, [2 * two_link_BASE_PARAMS]
  */
 void two_link_regressor_cop(const two_link_real q[], two_link_real rows[2 * two_link_BASE_PARAMS]);
@@ -144,15 +182,15 @@ void two_link_regressor_cop(const two_link_real q[], two_link_real rows[2 * two_
 /**
  * @brief Rows [B_0 B_1 ...] of the full regressor in link frames, row-major.
  * Proven rounding error below 1.2e-8 m; arrays must not overlap.
- * @param[in] q joint positions, rad (m for sliding joints), [two_link_DOF]
+ * @param[in] q joint positions, rad (m for prismatic joints), [two_link_DOF]
  * @param[out] rows the result, [3 * two_link_FULL_PARAMS]
  */
 void two_link_regressor_full(const two_link_real q[], two_link_real rows[3 * two_link_FULL_PARAMS]);
 
 /**
- * @brief Centre of pressure that a static posture shows on a level sole, m.
+ * @brief Centre of pressure of a static posture on a level sole, m.
  * Proven rounding error below 6.7e-9 m; arrays must not overlap.
- * @param[in] q joint positions, rad (m for sliding joints), [two_link_DOF]
+ * @param[in] q joint positions, rad (m for prismatic joints), [two_link_DOF]
  * @param[in] r base parameters, m, [two_link_BASE_PARAMS]
  * @param[out] cop the result, [2]
  */
@@ -160,7 +198,7 @@ void two_link_cop(const two_link_real q[], const two_link_real r[], two_link_rea
 
 /**
  * @brief Centre of mass in the support frame, m: r_0 + sum of B_i(q) r_i.
- * From sines and cosines; a sliding joint passes its position in sin_q.
+ * From sines and cosines; a prismatic joint passes its position in sin_q.
  * Proven rounding error below 5.8e-9 m; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [two_link_DOF]
  * @param[in] cos_q cosines of the joint angles, [two_link_DOF]
@@ -174,8 +212,8 @@ void two_link_com_sc(
     two_link_real com[3]);
 
 /**
- * @brief d CoM / d q, m/rad (m/m for sliding joints), row-major: x, y, z.
- * From sines and cosines; a sliding joint passes its position in sin_q.
+ * @brief d CoM / d q, m/rad (m/m for prismatic joints), row-major: x, y, z.
+ * From sines and cosines; a prismatic joint passes its position in sin_q.
  * Proven rounding error below 5.1e-9 m; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [two_link_DOF]
  * @param[in] cos_q cosines of the joint angles, [two_link_DOF]
@@ -190,7 +228,7 @@ void two_link_com_jacobian_sc(
 
 /**
  * @brief Moment of gravity about each joint, per kg of total mass times g, m: -d CoM_z / d q.
- * From sines and cosines; a sliding joint passes its position in sin_q.
+ * From sines and cosines; a prismatic joint passes its position in sin_q.
  * Proven rounding error below 4.6e-9 m; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [two_link_DOF]
  * @param[in] cos_q cosines of the joint angles, [two_link_DOF]
@@ -205,7 +243,7 @@ void two_link_gravity_moments_sc(
 
 /**
  * @brief Rows of the base regressor, row-major: CoM = rows r.
- * From sines and cosines; a sliding joint passes its position in sin_q.
+ * From sines and cosines; a prismatic joint passes its position in sin_q.
  * Proven rounding error below 2.8e-9 m; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [two_link_DOF]
  * @param[in] cos_q cosines of the joint angles, [two_link_DOF]
@@ -218,7 +256,7 @@ void two_link_regressor_sc(
 
 /**
  * @brief The x and y rows of the base regressor, row-major: CoP = rows r.
- * From sines and cosines; a sliding joint passes its position in sin_q.
+ * From sines and cosines; a prismatic joint passes its position in sin_q.
  * Proven rounding error below 2.8e-9 m; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [two_link_DOF]
  * @param[in] cos_q cosines of the joint angles, [two_link_DOF]
@@ -231,7 +269,7 @@ void two_link_regressor_cop_sc(
 
 /**
  * @brief Rows [B_0 B_1 ...] of the full regressor in link frames, row-major.
- * From sines and cosines; a sliding joint passes its position in sin_q.
+ * From sines and cosines; a prismatic joint passes its position in sin_q.
  * Proven rounding error below 2.8e-9 m; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [two_link_DOF]
  * @param[in] cos_q cosines of the joint angles, [two_link_DOF]
@@ -243,8 +281,8 @@ void two_link_regressor_full_sc(
     two_link_real rows[3 * two_link_FULL_PARAMS]);
 
 /**
- * @brief Centre of pressure that a static posture shows on a level sole, m.
- * From sines and cosines; a sliding joint passes its position in sin_q.
+ * @brief Centre of pressure of a static posture on a level sole, m.
+ * From sines and cosines; a prismatic joint passes its position in sin_q.
  * Proven rounding error below 5.2e-9 m; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [two_link_DOF]
  * @param[in] cos_q cosines of the joint angles, [two_link_DOF]
@@ -267,7 +305,7 @@ void two_link_cop_sc(
 void two_link_com_ticks(const int32_t ticks[], const two_link_real r[], two_link_real com[3]);
 
 /**
- * @brief d CoM / d q, m/rad (m/m for sliding joints), row-major: x, y, z.
+ * @brief d CoM / d q, m/rad (m/m for prismatic joints), row-major: x, y, z.
  * Proven rounding error below 5.1e-9 m; arrays must not overlap.
  * @param[in] ticks servo ticks, [two_link_DOF], within the joint limits
  * @param[in] r base parameters, m, [two_link_BASE_PARAMS]
@@ -319,7 +357,7 @@ void two_link_regressor_full_ticks(
     two_link_real rows[3 * two_link_FULL_PARAMS]);
 
 /**
- * @brief Centre of pressure that a static posture shows on a level sole, m.
+ * @brief Centre of pressure of a static posture on a level sole, m.
  * Proven rounding error below 5.2e-9 m; arrays must not overlap.
  * @param[in] ticks servo ticks, [two_link_DOF], within the joint limits
  * @param[in] r base parameters, m, [two_link_BASE_PARAMS]

@@ -7,7 +7,7 @@
 #else
 #include <string.h>
 #ifdef __FAST_MATH__
-#error "-ffast-math breaks {{ "the reduction of angles" if has_kernel else "powers" }}: leave it out or define {{ name }}_USE_LIBM"
+#error "-ffast-math breaks {{ "sines" if has_kernel else "powers" }}: omit it or define {{ name }}_USE_LIBM"
 #endif
 #endif
 {%- endif %}

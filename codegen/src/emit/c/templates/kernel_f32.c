@@ -1,4 +1,3 @@
-
 #ifdef {{ name }}_USE_LIBM
 
 static void {{ name }}_sincos(float x, float *sine, float *cosine)

@@ -1,4 +1,3 @@
-
 #ifdef {{ name }}_USE_LIBM
 
 static void {{ name }}_sincos(double x, double *sine, double *cosine)

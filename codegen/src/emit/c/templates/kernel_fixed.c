@@ -1,4 +1,3 @@
-
 /*
  * Sine and cosine, 30 fraction bits, of an angle with the given fraction bits:
  * the angle as a phase of 2^32 a turn, the nearest step of the table, and for the

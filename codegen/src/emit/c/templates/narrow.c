@@ -1,4 +1,3 @@
-
 /* wide / 2^bits, rounded to nearest; bits >= 1. */
 static {{ name }}_real {{ name }}_narrow(int64_t wide, uint32_t bits)
 {

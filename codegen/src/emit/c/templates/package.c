@@ -5,20 +5,17 @@
  */
 
 {% include "includes.c" %}
-{% if has_names %}
-const char *const {{ name }}_joint_names[{{ name }}_DOF] = {
-{%- for joint in joints %}
-    {{ joint }}{{ "," if not loop.last }}
+{% for constant in constants %}
+{%- if constant.is_array %}
+{{ constant.declaration }} = {
+{%- for entry in constant.values %}
+    {{ entry.value }}{{ "," if not loop.last }}{{ " /* " ~ entry.comment ~ " */" if entry.comment }}
 {%- endfor %}
 };
+{% else %}
+{{ constant.declaration }} = {{ constant.values[0].value }};
 {% endif %}
-{%- for array in arrays %}
-{{ array.declaration }} = {
-{%- for value in array.values %}
-    {{ value }}{{ "," if not loop.last }}
 {%- endfor %}
-};
-{% endfor %}
 {%- include "helpers.c" %}
 {%- if from_ticks %}
 /* {{ from_ticks.brief }} */
@@ -30,7 +27,7 @@ static void {{ from_ticks.signature }}
 }
 {% endif %}
 {%- for function in functions %}
-void {{ name }}_{{ function.name }}({{ function.signature }})
+void {{ name }}_{{ function.name }}({{ function.definition }})
 {
 {%- for line in function.body %}
 {{ "    " if line }}{{ line }}

@@ -20,28 +20,39 @@ typedef {{ real }} {{ name }}_real;
 #define {{ name }}_DOF {{ dof }}
 /** Number of base parameters: columns that data can tell apart. */
 #define {{ name }}_BASE_PARAMS {{ base_params }}
-/** Number of SESC parameters r_0, r_1, ... (and s of sliding joints). */
+/** Number of SESC parameters r_0, r_1, ... (and s of prismatic joints). */
 #define {{ name }}_FULL_PARAMS {{ full_params }}
 {%- for point in points %}
 
 /** Fraction bits of {{ point.of }}: value = integer / 2^{{ point.bits }}. */
 #define {{ name }}_{{ point.name }}_FRACTION_BITS {{ point.bits }}
 {%- endfor %}
-{%- if dof > 0 %}
+{%- if joints %}
 
-/** Joints in the order of q. */
-extern const char *const {{ name }}_joint_names[{{ name }}_DOF];
+/** Index of each joint in q. */
+enum {{ name }}_joint {
+{%- for joint in joints %}
+    {{ name }}_JOINT_{{ joint }} = {{ loop.index0 }}{{ "," if not loop.last }}
+{%- endfor %}
+};
 {%- endif %}
+{%- for constant in constants %}
 
-/** Base parameters from CAD, {{ unit }}. */
-extern const {{ name }}_real {{ name }}_cad_params[{{ name }}_BASE_PARAMS];
+/** {{ constant.brief }} */
+extern {{ constant.declaration }};
+{%- endfor %}
+{%- if ticks %}
 
-/** Largest |r[k]| that ranges and rounding bounds are proven for. */
-extern const {{ name }}_real {{ name }}_param_limits[{{ name }}_BASE_PARAMS];
-{%- if model_source %}
-
-/** Identified base parameters, {{ unit }}, from a model file (source: {{ model_source }}). */
-extern const {{ name }}_real {{ name }}_model_params[{{ name }}_BASE_PARAMS];
+/*
+ * Servo ticks:
+ *
+ *     revolute    q = sign (ticks - zero) 2 pi / (ticks a turn), rad
+ *     prismatic   q = sign (ticks - zero) (m a tick), m
+ *
+{%- for line in ticks %}
+ *     {{ line }}
+{%- endfor %}
+ */
 {%- endif %}
 {%- for function in functions %}
 
@@ -54,7 +65,7 @@ extern const {{ name }}_real {{ name }}_model_params[{{ name }}_BASE_PARAMS];
  * @param[{{ parameter.direction }}] {{ parameter.name }} {{ parameter.meaning }}
 {%- endfor %}
  */
-void {{ name }}_{{ function.name }}({{ function.signature }});
+void {{ name }}_{{ function.name }}({{ function.declaration }});
 {%- endfor %}
 
 /**

@@ -1,4 +1,3 @@
-
 #ifdef {{ name }}_USE_LIBM
 
 static float {{ name }}_power(float x, float y)
@@ -125,4 +124,3 @@ static float {{ name }}_power(float x, float y)
 }
 
 #endif
-

@@ -1,4 +1,3 @@
-
 #ifdef {{ name }}_USE_LIBM
 
 static double {{ name }}_power(double x, double y)
@@ -137,4 +136,3 @@ static double {{ name }}_power(double x, double y)
 }
 
 #endif
-

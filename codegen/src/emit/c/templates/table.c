@@ -1,4 +1,3 @@
-
 /* sin(k pi / 2048) for k = 0 .. 1024: a quarter of the 4096 steps of a turn. */
 static const {{ name }}_real {{ name }}_quarter[1025] = {
 {%- for line in quarter %}

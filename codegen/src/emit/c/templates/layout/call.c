@@ -1,7 +1,7 @@
 #include <{{ name }}.h>
 
 {% if dof -%}
-/* {{ "rad (m where a joint slides)" if floats else "rad * 2^" ~ name ~ "_Q_FRACTION_BITS" }}, in the order of {{ name }}_joint_names */
+/* {{ "rad (m for prismatic joints)" if floats else "rad * 2^" ~ name ~ "_Q_FRACTION_BITS" }}, in the order of {{ name }}_joint_names */
 {% endif -%}
 {{ name }}_real q[{{ name ~ "_DOF" if dof else "1" }}] = {0};
 /* {{ "m" if floats else "m * 2^" ~ name ~ "_COM_FRACTION_BITS" }}, in the frame of the support */

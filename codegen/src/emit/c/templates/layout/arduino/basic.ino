@@ -5,7 +5,7 @@
 #include <math.h>
 {%- endif %}
 
-// Joint positions, {{ "rad (m where a joint slides)" if floats else "rad * 2^" ~ name ~ "_Q_FRACTION_BITS" }}{{ ", in the order of " ~ name ~ "_joint_names" if dof }}.
+// Joint positions, {{ "rad (m for prismatic joints)" if floats else "rad * 2^" ~ name ~ "_Q_FRACTION_BITS" }}{{ ", in the order of " ~ name ~ "_joint_names" if dof }}.
 static {{ name }}_real q[{{ name ~ "_DOF" if dof else "1" }}];
 
 // Put your encoders or servos here.

@@ -2,7 +2,7 @@
 
 use super::*;
 use sesc_model::expr::{Argument, Graph, Id};
-use sesc_model::program::Array;
+use sesc_model::program::{Array, Shape};
 use sesc_model::{Snapping, urdf};
 
 const LEG: &str = r#"<robot name="leg">

@@ -1,0 +1,59 @@
+//! The comment at the top of both files: the robot, what functions cost, how exact they are.
+
+use super::routine::Routine;
+use super::{Scalar, comment};
+use crate::emit::header;
+use sesc_model::Model;
+
+/// Where the method comes from.
+const SOURCE: [&str; 2] = [
+    "method         statically equivalent serial chain (SESC), CoM = r_0 + sum of B_i(q) r_i:",
+    "               \"Three-dimensional identification of a humanoid robot\", eq. (4)",
+];
+
+/// What is to be said of functions of ticks.
+const OF_TICKS: [&str; 2] = [
+    "Functions of ticks are compared with the angles and positions that the ticks stand for;",
+    "look_up counts the sines and cosines that they read from a table.",
+];
+
+pub(super) fn about(model: &Model, routines: &[Routine], scalar: Scalar) -> Vec<String> {
+    let mut lines = header::about(model);
+    lines.extend(SOURCE.map(str::to_string));
+    lines.push(format!(
+        "scalar         {}",
+        match scalar {
+            Scalar::F64 => "f64 (double)",
+            Scalar::F32 => "f32 (float); double is never touched",
+            Scalar::Fixed32 => "fixed32 (int32_t, binary points proven from ranges; no division)",
+        }
+    ));
+    lines.push(String::new());
+    lines.push(format!(
+        "{:<22} {:>7} {:>7} {:>9} {:>9}   proven |rounding error|, m",
+        "function", "mul", "add", "sin_cos", "look_up"
+    ));
+    for routine in routines {
+        let counts = routine.counts;
+        lines.push(format!(
+            "{:<22} {:>7} {:>7} {:>9} {:>9}   {}{}",
+            routine.name(),
+            counts.mul,
+            counts.add,
+            counts.sin_cos,
+            routine.look_ups,
+            header::bound(routine.bound),
+            header::others(counts)
+        ));
+    }
+    lines.extend(header::PROMISE.map(str::to_string));
+    let proven = routines.iter().all(|routine| routine.bound.is_finite());
+    lines.extend(header::cautions(model, proven));
+    if routines.iter().any(Routine::is_of_ticks) {
+        lines.extend(OF_TICKS.map(str::to_string));
+    }
+    lines
+        .iter()
+        .map(|line| comment(line).trim_end().to_string())
+        .collect()
+}

@@ -1,0 +1,94 @@
+//! Static helpers that statements call; a source file holds those and no other.
+
+use std::cell::RefCell;
+use std::collections::BTreeSet;
+
+use minijinja::{Value, context};
+
+use super::Scalar;
+
+/// A function that the source file keeps to itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Helper {
+    /// Sine and cosine of an angle.
+    Sincos,
+    /// Sine and cosine of a step of the table.
+    Lookup,
+    /// 64 bits to 32 with fewer bits below the point, rounded.
+    Narrow,
+    /// More bits below the point, in 64 bits.
+    ShiftUp,
+    /// Into [-1, 1]; for effects alone, as is `Power`.
+    Clamp,
+    Power,
+}
+
+impl Helper {
+    /// Its name behind the prefix.
+    fn name(self) -> &'static str {
+        match self {
+            Helper::Sincos => "sincos",
+            Helper::Lookup => "lookup",
+            Helper::Narrow => "narrow",
+            Helper::ShiftUp => "shift_up",
+            Helper::Clamp => "clamp",
+            Helper::Power => "power",
+        }
+    }
+
+    /// What its own body calls.
+    fn calls(self, scalar: Scalar) -> &'static [Helper] {
+        match (self, scalar) {
+            (Helper::Sincos, Scalar::Fixed32) => &[Helper::Lookup, Helper::Narrow],
+            _ => &[],
+        }
+    }
+}
+
+/// Spells calls, and keeps which helpers were called.
+#[derive(Debug)]
+pub(super) struct Calls<'n> {
+    /// What names begin with.
+    prefix: &'n str,
+    called: RefCell<BTreeSet<Helper>>,
+}
+
+impl<'n> Calls<'n> {
+    pub(super) fn new(prefix: &'n str) -> Calls<'n> {
+        Calls {
+            prefix,
+            called: RefCell::default(),
+        }
+    }
+
+    /// `PREFIX_helper(arguments)`
+    pub(super) fn call(&self, helper: Helper, arguments: &str) -> String {
+        self.called.borrow_mut().insert(helper);
+        format!("{}_{}({arguments})", self.prefix, helper.name())
+    }
+
+    /// The helpers called so far and those that they call, as the templates ask for them.
+    pub(super) fn texts(&self, scalar: Scalar) -> Value {
+        let called = self.called.borrow();
+        let more = called.iter().flat_map(|helper| helper.calls(scalar));
+        let all: BTreeSet<Helper> = called.iter().chain(more).copied().collect();
+        let has = |helper| all.contains(&helper);
+        let (kernel, power, bits, suffix) = match scalar {
+            Scalar::F64 => ("kernel_f64.c", "power_f64.c", "uint64_t", ""),
+            Scalar::F32 => ("kernel_f32.c", "power_f32.c", "uint32_t", "f"),
+            Scalar::Fixed32 => ("kernel_fixed.c", "", "", ""),
+        };
+        context! {
+            has_kernel => has(Helper::Sincos),
+            has_table => has(Helper::Lookup),
+            has_narrow => has(Helper::Narrow),
+            has_shift_up => has(Helper::ShiftUp),
+            has_clamp => has(Helper::Clamp),
+            has_power => has(Helper::Power),
+            kernel,
+            power,
+            bits,
+            suffix,
+        }
+    }
+}

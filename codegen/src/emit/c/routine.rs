@@ -1,0 +1,77 @@
+//! One function of the C interface: its program and how its arguments come.
+
+use sesc_model::bounds::Formats;
+use sesc_model::expr::Argument;
+use sesc_model::program::{Counts, Program};
+use sesc_model::{Function, Given};
+
+/// What a caller passes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Input {
+    /// The arguments of the program.
+    Program,
+    /// Servo ticks, turned into what the program takes.
+    Ticks,
+}
+
+/// A function to write.
+#[derive(Debug, Clone)]
+pub(super) struct Routine {
+    pub(super) function: Function,
+    pub(super) given: Given,
+    pub(super) input: Input,
+    /// Whether parameters are constants.
+    pub(super) baked: bool,
+    pub(super) program: Program,
+    /// Binary points in fixed point.
+    pub(super) formats: Option<Formats>,
+    /// Operations of the program and of what turns ticks into its arguments.
+    pub(super) counts: Counts,
+    /// Sine and cosine pairs that ticks read from the table.
+    pub(super) look_ups: usize,
+    /// Proven bound on the rounding error, m.
+    pub(super) bound: f64,
+}
+
+impl Routine {
+    /// Its name behind the prefix.
+    pub(super) fn name(&self) -> String {
+        let suffix = match (self.input, self.given) {
+            (Input::Ticks, _) => "_ticks",
+            (_, Given::SinesCosines) => "_sc",
+            (_, Given::Direction) => "_along",
+            (_, Given::Positions) => "",
+        };
+        let model = if self.baked { "model_" } else { "" };
+        format!("{model}{}{suffix}", self.function.name())
+    }
+
+    pub(super) fn is_of_ticks(&self) -> bool {
+        self.input == Input::Ticks
+    }
+
+    pub(super) fn takes_parameters(&self) -> bool {
+        self.function.takes_parameters() && !self.baked
+    }
+
+    /// Name of its result array.
+    pub(super) fn output(&self) -> &'static str {
+        match self.function {
+            Function::Com => "com",
+            Function::Cop | Function::CorrectCop => "cop",
+            Function::ComJacobian => "jac",
+            Function::GravityMoments => "moments",
+            Function::Regressor | Function::RegressorCop | Function::RegressorFull => "rows",
+        }
+    }
+}
+
+/// Fraction bits of an input array in fixed point; 0 in floats and where nothing takes it.
+pub(super) fn array_bits(routines: &[Routine], argument: Argument) -> i32 {
+    let find = |routine: &Routine| {
+        let mut inputs = routine.program.inputs.iter();
+        let k = inputs.position(|array| array.argument == argument)?;
+        Some(routine.formats.as_ref()?.arrays[k])
+    };
+    routines.iter().find_map(find).unwrap_or(0)
+}

@@ -1,0 +1,69 @@
+//! Numbers, strings, comments and names as C writes them.
+
+use super::{Scalar, fixed, float};
+use crate::emit::header::printable;
+use crate::emit::listing::Listing;
+use sesc_model::expr::{Argument, Id};
+
+/// Name of an input array in C; `sin` and `cos` belong to the library.
+pub(super) fn spelled(argument: Argument) -> &'static str {
+    match argument {
+        Argument::Sines => "sin_q",
+        Argument::Cosines => "cos_q",
+        other => other.name(),
+    }
+}
+
+/// Names of a sine and a cosine; the one nobody reads needs a place all the same.
+pub(super) fn pair(listing: &Listing, sin: Option<Id>, cos: Option<Id>) -> [String; 2] {
+    let name = |id: Option<Id>| id.and_then(|id| listing.name(id)).map(str::to_string);
+    match (name(sin), name(cos)) {
+        (Some(s), Some(c)) => [s, c],
+        (Some(s), None) => [s.clone(), format!("no_c{}", s.trim_start_matches('s'))],
+        (None, Some(c)) => [format!("no_s{}", c.trim_start_matches('c')), c],
+        (None, None) => ["no_s".to_string(), "no_c".to_string()],
+    }
+}
+
+/// A C string literal: printable ASCII as it is, everything else by octal escapes.
+pub(super) fn quoted(text: &str) -> String {
+    let mut literal = String::from("\"");
+    for byte in text.bytes() {
+        match byte {
+            b'"' | b'\\' => {
+                literal.push('\\');
+                literal.push(char::from(byte));
+            }
+            // `??` would begin a trigraph.
+            b' '..=b'~' if byte != b'?' => literal.push(char::from(byte)),
+            _ => literal.push_str(&format!("\\{byte:03o}")),
+        }
+    }
+    literal.push('"');
+    literal
+}
+
+/// Text that may stand in a comment: it ends none, begins none and spells no trigraph.
+pub(super) fn comment(text: &str) -> String {
+    printable(text).replace("/*", "/ *").replace("??", "? ?")
+}
+
+/// A value of the scalar, with `bits` fraction bits where it is fixed point.
+pub(super) fn number(x: f64, scalar: Scalar, bits: i32) -> String {
+    match scalar {
+        Scalar::Fixed32 => fixed::literal(x, bits),
+        _ => float::literal(x, scalar),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn any_name_stays_in_its_literal_and_comment() {
+        assert_eq!(quoted("a\"\\?\u{e9}"), "\"a\\\"\\\\\\077\\303\\251\"");
+        assert_eq!(comment("a*/ /*b??/\nc"), "a* / / *b? ?/ c");
+        assert_eq!(comment("a???/"), "a? ??/");
+    }
+}

@@ -1,0 +1,47 @@
+//! What the C is like to read, to compile and to trust.
+
+mod compilers;
+mod misra;
+mod text;
+
+use sesc_codegen::emit::c::Scalar;
+use sesc_model::ModelFile;
+
+use crate::case::{Case, ROBOTS};
+
+/// Robots, with and without a model file; one has long names.
+fn cases() -> Vec<Case> {
+    let mut cases: Vec<Case> = ROBOTS.iter().map(|(r, s)| Case::robot(r, s)).collect();
+    cases.push(Case::robot("skew_humanoid", "right_sole"));
+    cases.extend((0..4).map(|k| Case::random(740 + k, 3 + 4 * k as usize)));
+    for (robot, support) in [
+        ("op2", "l_sole"),
+        ("lift_base", "base_link"),
+        ("two_link", "foot"),
+    ] {
+        let mut case = Case::robot(robot, support);
+        let file = ModelFile::from_values(&case.model, &case.model.cad_params(), None, "prior");
+        case.model = case.model.with_file(file).unwrap();
+        case.name += "_model";
+        cases.push(case);
+    }
+    cases.extend(Case::effects());
+    cases
+}
+
+/// Those that differ in kind.
+fn few() -> Vec<Case> {
+    let alike = ["humanoid_left", "plain", "quad", "arm", "op2_body"];
+    let mut cases = cases();
+    cases.retain(|case| !alike.iter().any(|name| case.name.contains(name)));
+    cases
+}
+
+/// Every case in every scalar.
+fn jobs(cases: &[Case]) -> Vec<(&Case, Scalar)> {
+    let mut jobs = Vec::new();
+    for case in cases {
+        jobs.extend(case.scalars().iter().map(|scalar| (case, *scalar)));
+    }
+    jobs
+}
