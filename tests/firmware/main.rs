@@ -1,0 +1,46 @@
+//! The generated C on the processors that it is for: built by `tests/firmware/`
+//! for Cortex-M3 and Cortex-M4F, run in qemu, compared with this machine and with
+//! f64, and counted.
+//!
+//! `cargo test --test firmware -- --nocapture costs` prints what a call costs.
+
+mod build;
+mod costs;
+mod postures;
+mod results;
+
+use std::process::Command;
+use std::time::Duration;
+
+use sesc_test_support::machine;
+
+pub const ROOT: &str = env!("CARGO_MANIFEST_DIR");
+pub const LIMIT: Duration = Duration::from_secs(300);
+
+pub const FUNCTIONS: [&str; 7] = [
+    "com",
+    "com_jacobian",
+    "gravity_moments",
+    "regressor",
+    "regressor_cop",
+    "regressor_full",
+    "cop",
+];
+
+/// Every name that is called: `com_jacobian`, `com_jacobian_sc`, `com_jacobian_ticks`, …
+pub fn names() -> impl Iterator<Item = (String, &'static str, &'static str)> {
+    let kinds = ["", "_sc", "_ticks"];
+    kinds
+        .into_iter()
+        .flat_map(|kind| FUNCTIONS.map(|function| (format!("{function}{kind}"), function, kind)))
+}
+
+#[test]
+#[should_panic(expected = "did not end within 100ms and was stopped")]
+fn a_program_that_hangs_is_stopped() {
+    machine::run(
+        Command::new("sleep").arg("60"),
+        "",
+        Duration::from_millis(100),
+    );
+}
