@@ -259,10 +259,8 @@ static op2_r_sole_fixed_real op2_r_sole_fixed_narrow(int64_t wide, uint32_t bits
 }
 
 /* value * 2^bits. A product: shifting a negative number up is undefined. */
-static int64_t op2_r_sole_fixed_shift_up(int64_t value, uint32_t bits)
-{
-    return value * ((int64_t)1 << bits);
-}
+#define op2_r_sole_fixed_shift_up(value, bits) \
+    ((int64_t)(value) * ((int64_t)1 << (bits)))
 
 /* sin(k pi / 2048) for k = 0 .. 1024: a quarter of the 4096 steps of a turn. */
 static const op2_r_sole_fixed_real op2_r_sole_fixed_quarter[1025] = {

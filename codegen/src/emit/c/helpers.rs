@@ -16,7 +16,8 @@ pub(super) enum Helper {
     Lookup,
     /// 64 bits to 32 with fewer bits below the point, rounded.
     Narrow,
-    /// More bits below the point, in 64 bits.
+    /// More bits below the point, in 64 bits. A macro: compilers fold the product with the
+    /// sum around it, which they do not through a function.
     ShiftUp,
     /// Into [-1, 1]; for effects alone, as is `Power`.
     Clamp,

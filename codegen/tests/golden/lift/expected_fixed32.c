@@ -90,10 +90,8 @@ static lift_real lift_narrow(int64_t wide, uint32_t bits)
 }
 
 /* value * 2^bits. A product: shifting a negative number up is undefined. */
-static int64_t lift_shift_up(int64_t value, uint32_t bits)
-{
-    return value * ((int64_t)1 << bits);
-}
+#define lift_shift_up(value, bits) \
+    ((int64_t)(value) * ((int64_t)1 << (bits)))
 
 /* sin(k pi / 2048) for k = 0 .. 1024: a quarter of the 4096 steps of a turn. */
 static const lift_real lift_quarter[1025] = {

@@ -95,10 +95,8 @@ static two_link_real two_link_narrow(int64_t wide, uint32_t bits)
 }
 
 /* value * 2^bits. A product: shifting a negative number up is undefined. */
-static int64_t two_link_shift_up(int64_t value, uint32_t bits)
-{
-    return value * ((int64_t)1 << bits);
-}
+#define two_link_shift_up(value, bits) \
+    ((int64_t)(value) * ((int64_t)1 << (bits)))
 
 /* sin(k pi / 2048) for k = 0 .. 1024: a quarter of the 4096 steps of a turn. */
 static const two_link_real two_link_quarter[1025] = {
