@@ -313,7 +313,7 @@ fn overflow(program: &Program, id: Id, size: f64) -> Overflow {
     let quantity = match (program.expr(id), &program.nodes[id.index()].name) {
         (Expr::Input { argument, index }, _) => Quantity::Input {
             argument,
-            index: usize::from(index),
+            index: index as usize,
         },
         (_, Some(name)) => Quantity::Named(name.clone()),
         _ => {

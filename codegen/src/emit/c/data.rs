@@ -41,9 +41,19 @@ pub(super) fn constants(
 ) -> Vec<Constant> {
     let mut constants = vec![total_mass(model, scalar, name)];
     if model.dof() > 0 {
-        constants.extend(joints(model, scalar, array_bits(routines, Argument::Positions), name));
+        constants.extend(joints(
+            model,
+            scalar,
+            array_bits(routines, Argument::Positions),
+            name,
+        ));
     }
-    constants.extend(parameters(model, scalar, array_bits(routines, Argument::Parameters), name));
+    constants.extend(parameters(
+        model,
+        scalar,
+        array_bits(routines, Argument::Parameters),
+        name,
+    ));
     constants
 }
 
