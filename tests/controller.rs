@@ -14,7 +14,8 @@ fn copy() -> PathBuf {
     let _ = fs::remove_dir_all(&crate_);
     fs::create_dir_all(crate_.join("src")).unwrap();
     for file in ["Cargo.toml", "Cargo.lock", "build.rs", "src/main.rs"] {
-        let text = fs::read_to_string(Path::new(ROOT).join("tests/controller").join(file)).unwrap();
+        let text =
+            fs::read_to_string(Path::new(ROOT).join("examples/controller").join(file)).unwrap();
         let text = text
             .replace("../../robots/op2/op2.urdf", "op2.urdf")
             .replace("../../", &format!("{ROOT}/"));
@@ -140,7 +141,7 @@ fn a_controller_with_a_model_file_has_its_effects() {
     let crate_ = Path::new(env!("CARGO_TARGET_TMPDIR")).join("controller_with_effects");
     let _ = fs::remove_dir_all(&crate_);
     fs::create_dir_all(crate_.join("src")).unwrap();
-    let from = Path::new(ROOT).join("tests/controller");
+    let from = Path::new(ROOT).join("examples/controller");
     for file in ["Cargo.toml", "Cargo.lock"] {
         let text = fs::read_to_string(from.join(file)).unwrap();
         let text = text.replace("../../", &format!("{ROOT}/"));

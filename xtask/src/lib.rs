@@ -1,4 +1,5 @@
 //! What is done to the project itself; a user of `sesc` needs none of it.
 
+pub mod counts;
 pub mod regen;
 pub mod study;

@@ -8,6 +8,8 @@ use clap::Parser;
 /// What is done to the project itself
 #[derive(Parser)]
 enum Task {
+    /// Print operations and instructions of one call; fail where they grew by 2 %
+    Counts(xtask::counts::Counts),
     /// Rewrite `generated/` and the figure of README from `robots/`
     Regen,
     /// Hide effects in virtual robots, ask `sesc diagnose`, and count in docs/study.md
@@ -18,6 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent();
     let root = root.ok_or("xtask stands in no folder")?;
     match Task::parse() {
+        Task::Counts(counts) => counts.run(root)?,
         Task::Regen => {
             let changed = xtask::regen::write(root)?;
             for path in &changed {
