@@ -9,7 +9,7 @@ pub enum Error {
     Model(#[from] sesc_model::Error),
     #[error(transparent)]
     Codegen(#[from] sesc_codegen::Error),
-    #[error("{}", .0.worded(crate::cli::option))]
+    #[error("{}", .0.worded(crate::words::option))]
     Identify(#[from] sesc_identify::Error),
     #[error("the reference cannot read the robot")]
     Reference(#[from] sesc_reference::Error),

@@ -17,6 +17,7 @@ pub mod error;
 pub mod inspect;
 pub mod report;
 pub mod verify;
+mod words;
 
 pub use error::Error;
 

@@ -38,7 +38,6 @@ mod robot;
 pub mod snap;
 pub mod standard;
 pub mod tape;
-mod ties;
 pub mod tree;
 pub mod urdf;
 

@@ -12,8 +12,6 @@ mod simulate;
 mod verify;
 mod words;
 
-pub(crate) use words::option;
-
 use std::io::{IsTerminal as _, Write as _};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};

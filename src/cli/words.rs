@@ -1,18 +1,8 @@
-//! What the library's messages call a setting, as a shell knows it.
+//! What the library says besides its results, as a shell knows it.
 
-use sesc_identify::{Message, Setting};
+use sesc_identify::Message;
 
-/// The option of a setting, with its value where it takes one that is not a number.
-pub fn option(setting: Setting) -> String {
-    let option = match setting {
-        Setting::Angles => "--degrees",
-        Setting::Snapping => "--no-snap",
-        Setting::Support => "--support LINK",
-        Setting::Feature(name) => return format!("`cargo install --features {name}`"),
-        other => return format!("--{}", other.name().replace('_', "-")),
-    };
-    option.to_string()
-}
+use crate::words::option;
 
 /// A warning of the library on stderr.
 pub(super) fn warn(warning: &Message) {

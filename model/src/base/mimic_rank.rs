@@ -7,11 +7,12 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use crate::base::{BaseParam, Column, Unobservable, add};
 use crate::chain::Chain;
 use crate::frames::Frame;
 use crate::numeric;
 use crate::tree::{Motion, Tree};
+
+use super::types::{BaseParam, Column, Unobservable, add};
 
 /// Pivots below this, relative to the column's norm, mean dependence.
 const DEPENDENT: f64 = 1e-12;
@@ -44,7 +45,7 @@ fn tied_bodies(tree: &Tree, chain: &Chain) -> Vec<bool> {
 ///
 /// Returns what was dropped, each with the largest part of its column that the
 /// others do not make up.
-pub(crate) fn untie(
+pub(super) fn untie(
     tree: &Tree,
     chain: &Chain,
     frames: &[Frame],
@@ -178,7 +179,7 @@ fn dependencies(rows: &DMatrix<f64>) -> Vec<Option<Dependence>> {
 }
 
 /// How many of the `visible` columns tied angles hide in the x and y rows.
-pub(crate) fn tied_in_cop(
+pub(super) fn tied_in_cop(
     tree: &Tree,
     chain: &Chain,
     frames: &[Frame],
