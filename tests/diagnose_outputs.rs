@@ -207,11 +207,11 @@ fn masses_come_along_and_what_no_urdf_holds_is_named() {
         com_m: link.com_m.coords.into(),
     };
     let cad = Robot::parse(OP2_URDF, "op2.urdf").unwrap();
-    let links = cad.description.robot.links.iter();
+    let links = cad.description.links.iter();
     let weights: Vec<_> = links
         .map(|l| (l.name == "body_link").then_some(weight))
         .collect();
-    let text = sesc_model::urdf::amend(OP2_URDF, "op2.urdf", &weights).unwrap();
+    let text = sesc_model::urdf::edit_masses(&cad.description, &weights).unwrap();
     let params = Robot::parse(&text, "op2.urdf").unwrap();
     let params = params
         .model("r_sole", Snapping::Off, None)
@@ -248,7 +248,7 @@ fn the_command_writes_it_and_says_what_is_left_out() {
         .map(|name| folder.path().join(name).display().to_string());
     let arm = "robots/two_link/two_link.urdf";
     let robot = Robot::read(arm.as_ref()).unwrap();
-    let support = robot.description.robot.links[0].name.clone();
+    let support = robot.description.links[0].name.clone();
     let model = robot.model(&support, Snapping::default(), None).unwrap();
     let mut file = ModelFile::from_values(&model, &model.cad_params(), None, "data");
     let joint = model.tree.dofs.last().unwrap().joint.clone();

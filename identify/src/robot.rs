@@ -7,37 +7,42 @@ use sesc_model::{Error as ModelError, Model, ModelFile, Snapping};
 
 use crate::Error;
 
-/// A URDF that was read, and the text it was read from.
+/// A robot as its URDF describes it.
 #[derive(Debug)]
 pub struct Robot {
+    /// What the URDF says, and its text.
     pub description: Description,
-    text: String,
 }
 
 impl Robot {
-    /// Read a URDF file.
+    /// Read a URDF file, once: it may be a pipe; `-` is standard input.
+    ///
+    /// # Errors
+    /// When the file cannot be read, or everything that is wrong with its text.
     pub fn read(path: &Path) -> Result<Robot, Error> {
         let description = urdf::read(path).map_err(ModelError::from)?;
-        let text = std::fs::read_to_string(path)
-            .map_err(|source| Error::read(path.display().to_string(), source))?;
-        Ok(Robot { description, text })
+        Ok(Robot { description })
     }
 
     /// Parse the text of a URDF; `file` names it in messages.
+    ///
+    /// # Errors
+    /// Everything that is wrong with the text.
     pub fn parse(text: &str, file: &str) -> Result<Robot, Error> {
         let description = urdf::parse(text, file).map_err(ModelError::from)?;
-        Ok(Robot {
-            description,
-            text: text.to_string(),
-        })
+        Ok(Robot { description })
     }
 
     /// The URDF as it was read.
     pub fn text(&self) -> &str {
-        &self.text
+        &self.description.text
     }
 
     /// The symbolic model on `support`, with identified parameters if given.
+    ///
+    /// # Errors
+    /// When no link is called `support`, mass hangs on a planar or floating
+    /// joint, or the model file belongs to another robot.
     pub fn model(
         &self,
         support: &str,

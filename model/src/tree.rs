@@ -14,11 +14,10 @@
 use std::collections::HashMap;
 
 use nalgebra::{Matrix3, Vector3};
-use urdf_rs::JointType;
 
 use crate::Error;
 use crate::snap::{self, Snapping};
-use crate::urdf::Description;
+use crate::urdf::{self, Description, JointType};
 
 /// A link: what it weighs and where.
 #[derive(Debug, Clone)]
@@ -128,7 +127,7 @@ const ENDLESS: f64 = 1e3;
 
 /// Re-root `description` at `support`.
 pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> Result<Tree, Error> {
-    let robot = &description.robot;
+    let robot = description;
     let mut notes = description.notes.clone();
     let index: HashMap<&str, usize> = robot
         .links
@@ -139,23 +138,23 @@ pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> R
     let support = *index.get(support).ok_or_else(|| Error::UnknownSupport {
         file: description.file.clone(),
         name: support.to_string(),
-        links: name_some(support, robot.links.iter().map(|link| link.name.as_str())),
+        links: name_some(support, robot.link_names()),
     })?;
     let links: Vec<Link> = robot
         .links
         .iter()
         .map(|link| Link {
             name: link.name.clone(),
-            mass: link.inertial.mass.value,
-            com: Vector3::from(*link.inertial.origin.xyz),
+            mass: link.inertial.mass_kg,
+            com: Vector3::from(link.inertial.origin.xyz),
         })
         .collect();
 
     let (dofs, coordinates) = coordinates(robot);
     let mut neighbours: Vec<Vec<usize>> = vec![Vec::new(); links.len()];
     for (j, joint) in robot.joints.iter().enumerate() {
-        neighbours[index[joint.parent.link.as_str()]].push(j);
-        neighbours[index[joint.child.link.as_str()]].push(j);
+        neighbours[index[joint.parent.as_str()]].push(j);
+        neighbours[index[joint.child.as_str()]].push(j);
     }
 
     // Depth first, on an explicit stack: chains may be thousands of links deep.
@@ -171,8 +170,8 @@ pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> R
     while let Some((near, j)) = stack.pop() {
         let joint = &robot.joints[j];
         let (parent, child) = (
-            index[joint.parent.link.as_str()],
-            index[joint.child.link.as_str()],
+            index[joint.parent.as_str()],
+            index[joint.child.as_str()],
         );
         let reversed = near == child;
         let far = if reversed { parent } else { child };
@@ -253,13 +252,8 @@ impl Description {
 /// Independent joints, and every joint's position in terms of them.
 ///
 /// `None` for joints that do not move; a mimic of a fixed joint stands at its offset.
-fn coordinates(robot: &urdf_rs::Robot) -> (Vec<Dof>, Vec<Option<Coordinate>>) {
-    let moves = |joint: &urdf_rs::Joint| {
-        matches!(
-            joint.joint_type,
-            JointType::Revolute | JointType::Continuous | JointType::Prismatic
-        )
-    };
+fn coordinates(robot: &Description) -> (Vec<Dof>, Vec<Option<Coordinate>>) {
+    let moves = |joint: &urdf::Joint| joint.joint_type.is_single();
     let mut dofs = Vec::new();
     let mut own: HashMap<&str, usize> = HashMap::new();
     for joint in &robot.joints {
@@ -268,7 +262,7 @@ fn coordinates(robot: &urdf_rs::Robot) -> (Vec<Dof>, Vec<Option<Coordinate>>) {
             dofs.push(dof(joint));
         }
     }
-    let by_name: HashMap<&str, &urdf_rs::Joint> =
+    let by_name: HashMap<&str, &urdf::Joint> =
         robot.joints.iter().map(|j| (j.name.as_str(), j)).collect();
     let coordinates = robot
         .joints
@@ -280,8 +274,8 @@ fn coordinates(robot: &urdf_rs::Robot) -> (Vec<Dof>, Vec<Option<Coordinate>>) {
             let (mut factor, mut offset, mut at) = (1.0, 0.0, joint);
             // The reader refuses cycles, so this ends.
             while let Some(mimic) = at.mimic.as_ref().filter(|_| moves(at)) {
-                offset += factor * mimic.offset.unwrap_or(0.0);
-                factor *= mimic.multiplier.unwrap_or(1.0);
+                offset += factor * mimic.offset;
+                factor *= mimic.multiplier;
                 at = by_name[mimic.joint.as_str()];
             }
             let still = Coordinate {
@@ -299,7 +293,7 @@ fn coordinates(robot: &urdf_rs::Robot) -> (Vec<Dof>, Vec<Option<Coordinate>>) {
     (dofs, coordinates)
 }
 
-fn dof(joint: &urdf_rs::Joint) -> Dof {
+fn dof(joint: &urdf::Joint) -> Dof {
     let prismatic = joint.joint_type == JointType::Prismatic;
     let free = if prismatic { FREE_SLIDE } else { FREE_TURN };
     let limit = &joint.limit;
@@ -321,7 +315,7 @@ fn dof(joint: &urdf_rs::Joint) -> Dof {
 
 /// One joint as an edge, and the rotation error that snapping left in it, rad.
 fn edge(
-    joint: &urdf_rs::Joint,
+    joint: &urdf::Joint,
     near: usize,
     far: usize,
     reversed: bool,
@@ -329,7 +323,7 @@ fn edge(
     snapping: Snapping,
     notes: &mut Vec<String>,
 ) -> (Edge, f64) {
-    let origin = snap::rotation(*joint.origin.rpy, snapping);
+    let origin = snap::rotation(joint.origin.rpy, snapping);
     if let Some(off) = origin.nearly {
         notes.push(format!(
             "joint `{}`: a rotation is {off:.1e} rad off a right angle, too far to snap; \
@@ -337,13 +331,13 @@ fn edge(
             joint.name
         ));
     }
-    let point = Vector3::from(*joint.origin.xyz);
-    let axis = snap::direction(Vector3::from(*joint.axis.xyz), snapping);
+    let point = Vector3::from(joint.origin.xyz);
+    let axis = snap::direction(Vector3::from(joint.axis), snapping);
     let outward = |m: Matrix3<f64>| if reversed { m.transpose() } else { m };
     let mut rotation = outward(origin.value);
     let mut error = origin.error;
     let sign = if reversed { -1.0 } else { 1.0 };
-    let motion = match (coordinate, &joint.joint_type) {
+    let motion = match (coordinate, joint.joint_type) {
         (None, _) => Motion::Fixed,
         (Some(by), JointType::Prismatic) => {
             error += axis.error;
@@ -405,7 +399,7 @@ fn edge(
 
 /// A floating or planar joint may be cut when nothing beyond it weighs anything.
 fn drop_beyond(
-    robot: &urdf_rs::Robot,
+    robot: &Description,
     links: &[Link],
     neighbours: &[Vec<usize>],
     index: &HashMap<&str, usize>,
@@ -415,16 +409,13 @@ fn drop_beyond(
 ) -> Result<(), Error> {
     let other = |at: usize, j: usize| {
         let (parent, child) = (
-            index[robot.joints[j].parent.link.as_str()],
-            index[robot.joints[j].child.link.as_str()],
+            index[robot.joints[j].parent.as_str()],
+            index[robot.joints[j].child.as_str()],
         );
         if at == parent { child } else { parent }
     };
     let name = &robot.joints[joint].name;
-    let kind = match robot.joints[joint].joint_type {
-        JointType::Planar => "planar",
-        _ => "floating",
-    };
+    let kind = robot.joints[joint].joint_type.name();
     let mut stack = vec![(other(near, joint), joint)];
     while let Some((link, from)) = stack.pop() {
         if links[link].mass > 0.0 {

@@ -29,7 +29,7 @@ use sesc_identify::robot::Robot;
     sesc fit op2.urdf --data log.csv --urdf corrected.urdf --total-mass 2.93\n  \
     sesc fit op2.urdf --data log.csv --prior free --physical --report report.html")]
 pub(super) struct Arguments {
-    /// Robot description; or factor files of `--partial` to combine
+    /// Robot description (`-` is standard input), or factor files of `--partial` to combine
     #[arg(value_name = "URDF|PART", required = true)]
     inputs: Vec<PathBuf>,
     /// Posture log (CSV, gzip, Parquet, MCAP); may be given several times

@@ -108,7 +108,7 @@ fn complain(error: &Error) {
 /// The robot of a command.
 #[derive(Args)]
 struct RobotArguments {
-    /// Robot description
+    /// Robot description; `-` is standard input
     #[arg(value_name = "URDF")]
     urdf: PathBuf,
     /// Link that stands on the ground; its sole is z = 0 of its frame
@@ -141,18 +141,11 @@ impl RobotArguments {
             .or(file.map(|file| file.support.as_str()))
             .map(str::to_string)
             .ok_or_else(|| {
-                let links: Vec<&str> = robot
-                    .description
-                    .robot
-                    .links
-                    .iter()
-                    .map(|link| link.name.as_str())
-                    .take(12)
-                    .collect();
+                let links: Vec<&str> = robot.description.link_names().take(12).collect();
                 Error::Usage(format!(
                     "no support link given; add --support LINK (the robot has {}{})",
                     links.join(", "),
-                    if robot.description.robot.links.len() > links.len() {
+                    if robot.description.links.len() > links.len() {
                         ", …"
                     } else {
                         ""

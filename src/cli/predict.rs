@@ -96,7 +96,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
 
 /// Names of the robot's links.
 fn names(robot: &Robot) -> Vec<String> {
-    let links = robot.description.robot.links.iter();
+    let links = robot.description.links.iter();
     links.map(|link| link.name.clone()).collect()
 }
 

@@ -2,6 +2,7 @@
 //! appear whole or not at all, what the commands promise.
 
 mod model_files;
+mod pipes;
 mod unfinished;
 
 use std::fs;

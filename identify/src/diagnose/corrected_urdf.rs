@@ -122,8 +122,9 @@ pub fn of_model_file(
             _ => left_out.push(stays(record, "no URDF can hold it")),
         }
     }
-    let text = urdf::load(&text, name, &loads).map_err(sesc_model::Error::from)?;
-    let text = urdf::bend(&text, name, &shifts).map_err(sesc_model::Error::from)?;
+    let read = |text: &str| urdf::parse(text, name).map_err(sesc_model::Error::from);
+    let text = urdf::add_loads(&read(&text)?, &loads).map_err(sesc_model::Error::from)?;
+    let text = urdf::edit_joints(&read(&text)?, &shifts).map_err(sesc_model::Error::from)?;
     // Nothing is handed out that this program would refuse.
     Robot::parse(&text, name)?;
     Ok(CorrectedUrdf { text, left_out })
@@ -141,9 +142,9 @@ fn stays(record: &EffectRecord, why: &str) -> String {
 /// error says why the link cannot lack it.
 fn take_out(text: &mut String, file: &str, load: &Load) -> Result<Result<(), String>, Error> {
     let description = urdf::parse(text, file).map_err(sesc_model::Error::from)?;
-    let weights = description.robot.links.iter().map(|link| {
+    let weights = description.links.iter().map(|link| {
         (link.name == load.link).then(|| {
-            let (mass, com) = (link.inertial.mass.value, *link.inertial.origin.xyz);
+            let (mass, com) = (link.inertial.mass_kg, link.inertial.origin.xyz);
             let left = mass + load.mass_kg;
             let moment = |k: usize| mass * com[k] + load.mass_kg * load.at_m[k];
             let weight = Weight {
@@ -163,7 +164,7 @@ fn take_out(text: &mut String, file: &str, load: &Load) -> Result<Result<(), Str
     let weights: Result<Vec<Option<Weight>>, String> = weights.map(Option::transpose).collect();
     match weights {
         Ok(weights) => {
-            *text = urdf::amend(text, file, &weights).map_err(sesc_model::Error::from)?;
+            *text = urdf::edit_masses(&description, &weights).map_err(sesc_model::Error::from)?;
             Ok(Ok(()))
         }
         Err(why) => Ok(Err(why)),

@@ -284,13 +284,7 @@ fn other_foot(robot: &Robot, support: &str, snapping: Snapping) -> Option<Model>
         ("Right", "Left"),
         ("RIGHT", "LEFT"),
     ];
-    let names: Vec<&str> = robot
-        .description
-        .robot
-        .links
-        .iter()
-        .map(|l| l.name.as_str())
-        .collect();
+    let names: Vec<&str> = robot.description.link_names().collect();
     let mirrored = pairs.iter().find_map(|(a, b)| {
         let swapped = if support.contains(a) {
             support.replacen(a, b, 1)

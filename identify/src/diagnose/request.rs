@@ -243,7 +243,7 @@ fn check_noise(request: &Request) -> Result<(), Error> {
 }
 
 fn no_support(robot: &Robot) -> Error {
-    let links = robot.description.robot.links.iter();
+    let links = robot.description.links.iter();
     let names: Vec<&str> = links.map(|link| link.name.as_str()).collect();
     let more = if names.len() > 12 { ", …" } else { "" };
     let some = names[..names.len().min(12)].join(", ");
@@ -261,7 +261,7 @@ fn take(
     log: &LogSource,
     watch: &mut dyn Watch,
 ) -> Result<Postures, Error> {
-    let links = request.robot.description.robot.links.iter();
+    let links = request.robot.description.links.iter();
     let taking = Taking {
         options: Options {
             angles: request.angles,

@@ -1,7 +1,7 @@
 //! The URDF whose masses and centres of mass give the identified parameters.
 //!
 //! Everything that data do not tell stays as CAD has it; the text changes in
-//! numbers of `<inertial>` alone ([`sesc_model::urdf::amend`]). Before it is
+//! numbers of `<inertial>` alone ([`sesc_model::urdf::edit_masses`]). Before it is
 //! handed out, the text is read again and must give the parameters it was made for.
 
 use nalgebra::DVector;
@@ -109,7 +109,7 @@ pub fn towards(
     let total_mass = total.unwrap_or(model.tree.mass);
     let weights = masses.weights(model, total_mass);
     let file = &robot.description.file;
-    let text = urdf::amend(robot.text(), file, &weights).map_err(sesc_model::Error::from)?;
+    let text = urdf::edit_masses(&robot.description, &weights).map_err(sesc_model::Error::from)?;
     let support = &model.tree.links[model.tree.support].name;
     let again = Robot::parse(&text, file)?.model(support, snapping, None)?;
     let off = (DVector::from_vec(again.cad_params()) - &params).amax();

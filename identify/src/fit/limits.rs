@@ -28,13 +28,13 @@ impl Limits {
     /// # Errors
     /// When its text cannot be read.
     pub fn of(robot: &Robot) -> Result<Limits, crate::Error> {
-        let extents = urdf::extents(robot.text(), &robot.description.file);
+        let extents = urdf::extents(&robot.description);
         let extents = extents.map_err(sesc_model::Error::from)?;
         let mut limits = Limits::generous(robot);
         for (k, extent) in extents.into_iter().enumerate() {
             if let (Some(extent), Some(own)) = (extent, limits.boxes.get_mut(k)) {
                 // Shapes are simplified: a link's box may leave out CAD's own CoM.
-                let com = *robot.description.robot.links[k].inertial.origin.xyz;
+                let com = robot.description.links[k].inertial.origin.xyz;
                 *own = (extent.holding(com), true);
             }
         }
@@ -43,19 +43,19 @@ impl Limits {
 
     /// Generous ones for every link.
     pub fn generous(robot: &Robot) -> Limits {
-        let description = &robot.description.robot;
+        let description = &robot.description;
         let boxes = description.links.iter().map(|link| {
             let frame = Extent {
                 low: [0.0; 3],
                 high: [0.0; 3],
             };
-            let mut extent = frame.holding(*link.inertial.origin.xyz);
+            let mut extent = frame.holding(link.inertial.origin.xyz);
             for joint in description
                 .joints
                 .iter()
-                .filter(|j| j.parent.link == link.name)
+                .filter(|j| j.parent == link.name)
             {
-                extent = extent.holding(*joint.origin.xyz);
+                extent = extent.holding(joint.origin.xyz);
             }
             let sides = [0, 1, 2].map(|axis| extent.high[axis] - extent.low[axis]);
             let room = sides.into_iter().fold(ROOM, f64::max);

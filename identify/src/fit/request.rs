@@ -281,7 +281,7 @@ fn logs<'r>(
     support: Option<String>,
     folds: Option<usize>,
 ) -> Logs<'r> {
-    let links = robot.description.robot.links.iter();
+    let links = robot.description.links.iter();
     Logs {
         robot,
         files: &request.logs,

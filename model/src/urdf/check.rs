@@ -6,8 +6,7 @@
 use std::collections::HashMap;
 
 use super::draft::Draft;
-use super::joint::Joint;
-use super::link::Inertial;
+use super::joint::JointDraft;
 use super::nearest::{SUGGESTIONS, suggest};
 use super::report::{Report, chained, listed, shown};
 use super::values::At;
@@ -44,7 +43,7 @@ fn find_edges(
     report: &mut Report,
 ) -> Vec<Option<Edge>> {
     let mut wrong = 0;
-    let mut find = |joint: &Joint, end: &Option<At<String>>, what: &str| {
+    let mut find = |joint: &JointDraft, end: &Option<At<String>>, what: &str| {
         let end = end.as_ref()?;
         let found = links.get(end.value.as_str()).copied();
         if found.is_none() {
@@ -125,7 +124,7 @@ impl<'a> Names<'a> {
     }
 }
 
-pub(super) fn subject(joint: &Joint) -> String {
+pub(super) fn subject(joint: &JointDraft) -> String {
     match joint.name.as_deref() {
         Some(name) => format!("joint {}", shown(name)),
         None => "joint".to_owned(),
@@ -136,9 +135,9 @@ fn check_mass(draft: &Draft, report: &mut Report) {
     let mut total_kg = 0.0;
     for link in &draft.links {
         match link.inertial {
-            Inertial::Massless => {}
-            Inertial::Massive { mass_kg, .. } => total_kg += mass_kg,
-            Inertial::Faulty => return,
+            Some(inertial) => total_kg += inertial.mass_kg,
+            // Complained about.
+            None => return,
         }
     }
     if total_kg == 0.0 {

@@ -5,9 +5,10 @@
 
 use roxmltree::Document;
 
-use super::joint::{Joint, read_joint};
+use super::joint::{JointDraft, read_joint};
 use super::limits;
-use super::link::{Link, read_link};
+use super::link::{LinkDraft, read_link};
+use super::origin::Version;
 use super::report::{EXPAND, Lines, Report, shown};
 use super::text::plain;
 use super::values::{Reader, tag};
@@ -16,39 +17,34 @@ pub(super) struct Draft {
     /// Line of the root element, for complaints about the whole.
     pub(super) line: u32,
     pub(super) name: String,
-    /// The `version` attribute as written.
-    pub(super) version: Option<String>,
-    pub(super) links: Vec<Link>,
-    pub(super) joints: Vec<Joint>,
+    pub(super) version: Version,
+    pub(super) links: Vec<LinkDraft>,
+    pub(super) joints: Vec<JointDraft>,
 }
 
-/// Version of the URDF format; what an attribute means depends on it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Version(u32, u32);
-
-impl Version {
-    /// Knows `quat_xyzw`.
-    pub(super) const QUATERNIONS: Version = Version(1, 1);
-
-    fn parse(text: &str) -> Option<Version> {
-        let (major, minor) = text.trim().split_once('.')?;
-        Some(Version(major.parse().ok()?, minor.parse().ok()?))
-    }
-}
-
-pub(super) fn draft(document: &Document<'_>, lines: &Lines, report: &mut Report) -> Draft {
+/// What `text` holds; `document` is of the scanned text.
+pub(super) fn draft(
+    text: &str,
+    document: &Document<'_>,
+    lines: &Lines,
+    report: &mut Report,
+) -> Draft {
     let root = document.root_element();
-    let mut reader = Reader { lines, report };
+    let mut reader = Reader {
+        text,
+        lines,
+        report,
+    };
     let line = reader.line(root);
     let mut draft = Draft {
         line,
         name: String::new(),
-        version: None,
+        version: Version::OLDEST,
         links: Vec::new(),
         joints: Vec::new(),
     };
     if tag(root) != "robot" {
-        let found = shown(tag(root));
+        let found = shown(reader.tag(root));
         reader.complain(
             line,
             format!(
@@ -61,7 +57,8 @@ pub(super) fn draft(document: &Document<'_>, lines: &Lines, report: &mut Report)
     if let Some(text) = &name {
         draft.name = reader.name(text, "robot", "name").unwrap_or_default();
     }
-    let version = read_version(&mut reader, root, &mut draft);
+    let version = read_version(&mut reader, root);
+    draft.version = version;
 
     let mut first_macro = None;
     for child in root.children().filter(roxmltree::Node::is_element) {
@@ -80,8 +77,8 @@ pub(super) fn draft(document: &Document<'_>, lines: &Lines, report: &mut Report)
                 );
                 break;
             }
-            name if name.starts_with("xacro:") && first_macro.is_none() => {
-                first_macro = Some(child)
+            _ if first_macro.is_none() && reader.tag(child).starts_with("xacro:") => {
+                first_macro = Some(child);
             }
             _ => {}
         }
@@ -89,14 +86,14 @@ pub(super) fn draft(document: &Document<'_>, lines: &Lines, report: &mut Report)
     if let Some(node) = first_macro {
         let line = reader.line(node);
         if draft.links.is_empty() {
-            let tag = plain(tag(node));
+            let tag = plain(reader.tag(node));
             reader.complain(
                 line,
                 format!("an unexpanded xacro: no link, but <{tag}>; {EXPAND}"),
             );
             return draft;
         }
-        let found = shown(tag(node));
+        let found = shown(reader.tag(node));
         reader.note(
             line,
             format!("{found}: a leftover of xacro, ignored with all such"),
@@ -117,22 +114,16 @@ pub(super) fn draft(document: &Document<'_>, lines: &Lines, report: &mut Report)
     draft
 }
 
-fn read_version(
-    reader: &mut Reader<'_>,
-    root: roxmltree::Node<'_, '_>,
-    draft: &mut Draft,
-) -> Version {
-    let oldest = Version(1, 0);
+fn read_version(reader: &mut Reader<'_>, root: roxmltree::Node<'_, '_>) -> Version {
     let Some(text) = reader.attribute(root, "version") else {
-        return oldest;
+        return Version::OLDEST;
     };
-    draft.version = Some(text.value.to_owned());
     Version::parse(text.value).unwrap_or_else(|| {
         let found = shown(text.value);
         reader.note(
             text.line,
             format!("version {found} is no URDF version; read as 1.0"),
         );
-        oldest
+        Version::OLDEST
     })
 }

@@ -15,13 +15,13 @@ pub(super) const SAME: f64 = 1e-16;
 
 /// Pieces of text and what takes their place.
 pub(super) struct Edits<'a> {
-    source: &'a Source,
+    source: &'a Source<'a>,
     text: &'a str,
     edits: Vec<(Range<usize>, String)>,
 }
 
 impl<'a> Edits<'a> {
-    pub(super) fn new(source: &'a Source, text: &'a str) -> Edits<'a> {
+    pub(super) fn new(source: &'a Source<'a>, text: &'a str) -> Edits<'a> {
         Edits {
             source,
             text,

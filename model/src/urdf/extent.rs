@@ -11,7 +11,8 @@
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use roxmltree::Node;
 
-use super::Error;
+use super::description::Description;
+use super::error::Error;
 use super::source::{Source, children, links};
 
 /// A box along the axes of a link frame, m.
@@ -25,10 +26,10 @@ pub struct Extent {
 /// collision geometry, or one of unknown size (a mesh).
 ///
 /// # Errors
-/// When the text is no URDF.
-pub fn extents(text: &str, file: &str) -> Result<Vec<Option<Extent>>, Error> {
-    let source = Source::of(text, file)?;
-    let document = source.document(file)?;
+/// When the text of the description was changed and is no URDF any more.
+pub fn extents(description: &Description) -> Result<Vec<Option<Extent>>, Error> {
+    let source = Source::of(description)?;
+    let document = source.document()?;
     Ok(links(&document).map(of_link).collect())
 }
 
@@ -114,8 +115,10 @@ mod tests {
     use super::*;
 
     fn of(collisions: &str) -> Option<Extent> {
-        let text = format!("<robot name='r'><link name='a'>{collisions}</link></robot>");
-        extents(&text, "r.urdf").unwrap()[0]
+        let text = format!(
+            "<robot name='r'><link name='a'><inertial><mass value='1'/></inertial>{collisions}</link></robot>"
+        );
+        extents(&crate::urdf::parse(&text, "r.urdf").unwrap()).unwrap()[0]
     }
 
     #[test]

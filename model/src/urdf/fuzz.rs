@@ -119,7 +119,7 @@ fn damaged(draw: &mut Draw) -> Vec<u8> {
 }
 
 fn attempt(bytes: &[u8]) -> Result<Description, Error> {
-    let text = text::decode(bytes).map_err(|fault| fault.into_error("f", bytes))?;
+    let text = text::decode(bytes).map_err(|fault| fault.into_complaint("f", bytes))?;
     parse(text, "f")
 }
 
@@ -133,7 +133,12 @@ fn damage_is_survived() {
             _ => reworded(&mut draw),
         };
         match attempt(&bytes) {
-            Ok(_) => loaded += 1,
+            Ok(description) => {
+                loaded += 1;
+                // Whether urdf_rs has read it or not, it is the same robot.
+                let [draft, read] = robot::tests::both(&description.text);
+                assert_eq!(draft, read, "{}", description.text);
+            }
             Err(Error::Faulty(complaints)) => {
                 refused += 1;
                 assert!(!complaints.is_empty());

@@ -2,76 +2,37 @@
 
 use roxmltree::Node;
 
-use super::draft::Version;
-use super::joint_limit::{Limit, read_limit};
+use super::description::{JointType, Limit, Origin};
+use super::joint_limit::read_limit;
 use super::limits;
-use super::link::{Origin, read_name, read_origin};
 use super::nearest::suggest;
+use super::origin::{Version, read_origin};
 use super::report::shown;
 use super::values::{At, Reader};
 
-pub(super) struct Joint {
+pub(super) struct JointDraft {
     pub(super) line: u32,
     pub(super) name: Option<String>,
-    pub(super) kind: Option<Kind>,
+    pub(super) kind: Option<JointType>,
     pub(super) origin: Origin,
     pub(super) parent: Option<At<String>>,
     pub(super) child: Option<At<String>>,
     pub(super) axis: [f64; 3],
     pub(super) limit: Limit,
-    pub(super) mimic: Option<Mimic>,
+    pub(super) mimic: Option<MimicDraft>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
-    Revolute,
-    Continuous,
-    Prismatic,
-    Fixed,
-    Floating,
-    Planar,
-}
-
-impl Kind {
-    const ALL: [(&'static str, Kind); 6] = [
-        ("revolute", Kind::Revolute),
-        ("continuous", Kind::Continuous),
-        ("prismatic", Kind::Prismatic),
-        ("fixed", Kind::Fixed),
-        ("floating", Kind::Floating),
-        ("planar", Kind::Planar),
-    ];
-
-    pub(super) fn name(self) -> &'static str {
-        let found = Kind::ALL.iter().find(|(_, kind)| *kind == self);
-        found.map_or("", |(name, _)| name)
-    }
-
-    /// One coordinate: what can mimic and be mimicked.
-    pub(super) fn is_single(self) -> bool {
-        matches!(self, Kind::Revolute | Kind::Continuous | Kind::Prismatic)
-    }
-
-    fn has_axis(self) -> bool {
-        !matches!(self, Kind::Fixed | Kind::Floating)
-    }
-
-    pub(super) fn has_limits(self) -> bool {
-        matches!(self, Kind::Revolute | Kind::Prismatic)
-    }
-}
-
-pub(super) struct Mimic {
+pub(super) struct MimicDraft {
     pub(super) joint: At<String>,
     pub(super) multiplier: f64,
     pub(super) offset: f64,
 }
 
-pub(super) fn read_joint(reader: &mut Reader<'_>, node: Node<'_, '_>, version: Version) -> Joint {
+pub(super) fn read_joint(reader: &mut Reader<'_>, node: Node<'_, '_>, version: Version) -> JointDraft {
     let line = reader.line(node);
-    let (name, subject) = read_name(reader, node, "joint");
+    let (name, subject) = reader.subject(node, "joint");
     let kind = read_kind(reader, node, &subject);
-    let mut joint = Joint {
+    let mut joint = JointDraft {
         line,
         name,
         kind,
@@ -82,7 +43,7 @@ pub(super) fn read_joint(reader: &mut Reader<'_>, node: Node<'_, '_>, version: V
         limit: Limit::NONE,
         mimic: None,
     };
-    if kind.is_some_and(Kind::has_axis) {
+    if kind.is_some_and(JointType::has_axis) {
         joint.axis = read_axis(reader, node, &subject);
     }
     if let Some(kind) = kind {
@@ -90,7 +51,7 @@ pub(super) fn read_joint(reader: &mut Reader<'_>, node: Node<'_, '_>, version: V
     }
     let mimic = reader.only(node, "mimic", &subject);
     match (mimic, kind) {
-        (Some(mimic), Some(Kind::Fixed)) => {
+        (Some(mimic), Some(JointType::Fixed)) => {
             let line = reader.line(mimic);
             reader.note(
                 line,
@@ -113,7 +74,7 @@ pub(super) fn read_joint(reader: &mut Reader<'_>, node: Node<'_, '_>, version: V
     joint
 }
 
-fn read_kind(reader: &mut Reader<'_>, node: Node<'_, '_>, subject: &str) -> Option<Kind> {
+fn read_kind(reader: &mut Reader<'_>, node: Node<'_, '_>, subject: &str) -> Option<JointType> {
     let Some(text) = reader.attribute(node, "type") else {
         let line = reader.line(node);
         reader.complain(
@@ -126,10 +87,10 @@ fn read_kind(reader: &mut Reader<'_>, node: Node<'_, '_>, subject: &str) -> Opti
         return None;
     }
     let found = text.value.trim();
-    if let Some((_, kind)) = Kind::ALL.iter().find(|(name, _)| *name == found) {
-        return Some(*kind);
+    if let Some(kind) = JointType::ALL.into_iter().find(|kind| kind.name() == found) {
+        return Some(kind);
     }
-    let names = Kind::ALL.map(|(name, _)| name);
+    let names = JointType::ALL.map(JointType::name);
     let remedy = match found {
         "spherical" | "ball" => {
             "; replace it by three revolute joints with massless links between them".to_owned()
@@ -192,7 +153,7 @@ fn read_axis(reader: &mut Reader<'_>, node: Node<'_, '_>, subject: &str) -> [f64
     axis
 }
 
-fn read_mimic(reader: &mut Reader<'_>, node: Node<'_, '_>, subject: &str) -> Option<Mimic> {
+fn read_mimic(reader: &mut Reader<'_>, node: Node<'_, '_>, subject: &str) -> Option<MimicDraft> {
     let multiplier = reader.attribute(node, "multiplier");
     let multiplier = multiplier.map(|text| reader.number(&text, subject, "mimic multiplier"));
     let offset = reader.attribute(node, "offset");
@@ -206,7 +167,7 @@ fn read_mimic(reader: &mut Reader<'_>, node: Node<'_, '_>, subject: &str) -> Opt
         return None;
     };
     let value = reader.name(&text, subject, "mimic joint")?;
-    Some(Mimic {
+    Some(MimicDraft {
         joint: At {
             value,
             line: text.line,

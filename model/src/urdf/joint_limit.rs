@@ -2,44 +2,27 @@
 
 use roxmltree::Node;
 
-use super::joint::Kind;
+use super::description::{JointType, Limit};
 use super::limits;
-use super::link::unneeded_number;
 use super::values::{At, Reader};
-
-pub(super) struct Limit {
-    pub(super) lower: f64,
-    pub(super) upper: f64,
-    pub(super) effort: f64,
-    pub(super) velocity: f64,
-}
-
-impl Limit {
-    pub(super) const NONE: Limit = Limit {
-        lower: f64::NEG_INFINITY,
-        upper: f64::INFINITY,
-        effort: 0.0,
-        velocity: 0.0,
-    };
-}
 
 pub(super) fn read_limit(
     reader: &mut Reader<'_>,
     node: Node<'_, '_>,
-    kind: Kind,
+    kind: JointType,
     subject: &str,
 ) -> Limit {
     let mut limit = Limit::NONE;
     let found = match kind {
-        Kind::Fixed => None,
+        JointType::Fixed => None,
         _ => reader.only(node, "limit", subject),
     };
     let text = |reader: &Reader<'_>, name| found.and_then(|found| reader.attribute(found, name));
     if let Some(text) = text(reader, "effort") {
-        limit.effort = unneeded_number(reader, &text, subject, "limit effort").unwrap_or(0.0);
+        limit.effort = reader.unneeded(&text, subject, "limit effort");
     }
     if let Some(text) = text(reader, "velocity") {
-        limit.velocity = unneeded_number(reader, &text, subject, "limit velocity").unwrap_or(0.0);
+        limit.velocity = reader.unneeded(&text, subject, "limit velocity");
     }
     if !kind.has_limits() {
         return limit;
@@ -80,7 +63,7 @@ pub(super) fn read_limit(
         .map(f64::abs)
         .filter(|v| v.is_finite());
     let largest = largest.fold(0.0, f64::max);
-    if kind == Kind::Revolute && (limits::TURN_RAD..limits::UNLIMITED_RAD).contains(&largest) {
+    if kind == JointType::Revolute && (limits::TURN_RAD..limits::UNLIMITED_RAD).contains(&largest) {
         reader.note(
             line,
             format!("{subject}: limit {largest} rad; is it in degrees?"),

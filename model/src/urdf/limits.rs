@@ -11,8 +11,6 @@ pub const ELEMENTS: usize = 1_000_000;
 pub const XML_NODES: u32 = 4_000_000;
 /// Attributes of one element; XML readers compare each with each.
 pub const ATTRIBUTES: usize = 256;
-/// Namespace declarations and prefixes in a file.
-pub const NAMESPACES: usize = 256;
 /// Links, and likewise joints, of a robot.
 pub const LINKS: usize = 10_000;
 /// Bytes of one name.

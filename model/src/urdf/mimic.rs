@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 
 use super::check::subject;
+use super::description::JointType;
 use super::draft::Draft;
-use super::joint::Kind;
 use super::nearest::{SUGGESTIONS, suggest};
 use super::report::{Report, chained, shown};
 
@@ -46,7 +46,7 @@ pub(super) fn check(draft: &Draft, report: &mut Report) {
                 )
             }
             // Reduced robots fix a master and leave its followers: they stand still.
-            Some(Some(Kind::Fixed)) => {
+            Some(Some(JointType::Fixed)) => {
                 report.note(
                     mimic.joint.line,
                     format!(

@@ -2,20 +2,23 @@
 //! everything that is wrong with it at once, by file and line, link or joint.
 //!
 //! ```text
-//! bytes -> size, UTF-8 -> scan -> XML tree -> draft -> checks -> clean URDF -> urdf_rs
+//! bytes -> size, UTF-8 -> scan -> XML tree -> draft -> checks -> Description
+//!                           `-> urdf_rs ----------------------------^
 //! ```
 //!
-//! Everything before `urdf_rs` is bounded ([`limits`]) and free of recursion,
-//! so that no input can panic or overflow the stack. `urdf_rs` itself only ever
-//! sees a minimal description written by `clean`, in document order, with
-//! numbers that survive to the last bit.
+//! The scan bounds what any reader sees ([`limits`]) and takes out what some
+//! stumble over, so that no input can panic or overflow the stack. `urdf_rs` reads
+//! the scanned text; the draft knows where everything stands, finds all faults at
+//! once, and fills in what `urdf_rs` does not read (`robot`). Types of `urdf_rs` do
+//! not leave this folder.
 
-mod amend;
-mod bend;
 mod check;
-mod clean;
+mod description;
 mod draft;
+mod edit_joints;
+mod edit_masses;
 mod edits;
+mod error;
 mod extent;
 mod joint;
 mod joint_limit;
@@ -23,7 +26,9 @@ pub mod limits;
 mod link;
 mod mimic;
 mod nearest;
+mod origin;
 mod report;
+mod robot;
 mod rotation;
 mod scan;
 mod source;
@@ -40,161 +45,77 @@ mod tests;
 use std::io::Read as _;
 use std::path::Path;
 
-pub use amend::{Weight, amend};
-pub use bend::{Load, Shift, bend, load};
+pub use description::{Description, Inertial, Joint, JointType, Limit, Link, Mimic, Origin};
+pub use edit_joints::{Load, Shift, add_loads, edit_joints};
+pub use edit_masses::{Weight, edit_masses};
+pub use error::Error;
+use error::{too_large, unreadable};
 pub use extent::{Extent, extents};
 pub use report::Complaint;
 use report::{Lines, Report};
+use source::Source;
 
-/// A robot description that passed every check.
+/// Name of the file that means standard input, and what messages call it.
+const STANDARD_INPUT: (&str, &str) = ("-", "standard input");
+
+/// Read and check a URDF file; `-` is standard input.
 ///
-/// Links and joints stand in document order. Visual and collision elements
-/// are dropped; a `quat_xyzw` has become roll, pitch, yaw; axes are as written
-/// (not zero, not normalised). A joint without position limits has
-/// `limit.lower == -inf` and `limit.upper == inf`.
-#[derive(Debug, Clone)]
-pub struct Description {
-    pub robot: urdf_rs::Robot,
-    /// What was ignored or assumed, each `file:line: what`, in line order.
-    pub notes: Vec<String>,
-    pub name: String,
-    /// 16 hex digits: FNV-1a (64 bits) over the bytes of the text, without a
-    /// leading byte order mark and without carriage returns, so that a
-    /// checkout with other line ends is the same robot.
-    pub hash: String,
-    /// The file as the caller named it; messages start with it.
-    pub file: String,
-}
-
-impl Description {
-    /// The last part of [`Description::file`], free of directories.
-    pub fn file_name(&self) -> &str {
-        self.file.rsplit(['/', '\\']).next().unwrap_or(&self.file)
-    }
-}
-
-#[derive(Debug, thiserror::Error)]
-pub enum Error {
-    #[error("{file}: no such file; give the path of a URDF")]
-    Missing { file: String },
-    #[error("{file}: is a directory; give the path of a URDF file in it")]
-    Directory { file: String },
-    #[error("{file}: cannot be read; check its permissions")]
-    Unreadable {
-        file: String,
-        source: std::io::Error,
-    },
-    /// All that is wrong with the text, in line order.
-    #[error("{}", report::one_per_line(.0))]
-    Faulty(Vec<Complaint>),
-    /// The cleaned description did not come back as it was written.
-    #[error("{file}: passed every check, but urdf_rs reads it differently; this is a bug")]
-    Reader {
-        file: String,
-        source: Box<dyn std::error::Error + Send + Sync>,
-    },
-}
-
-impl Error {
-    /// The faults of the text; none when the file could not be read at all.
-    pub fn complaints(&self) -> &[Complaint] {
-        match self {
-            Error::Faulty(complaints) => complaints,
-            _ => &[],
-        }
-    }
-}
-
-/// Reads and checks a URDF file.
+/// The file is read once, from its beginning to its end, so that it may be a pipe.
+///
+/// # Errors
+/// When the file cannot be read, or everything that is wrong with its text.
 pub fn read(path: &Path) -> Result<Description, Error> {
+    if path.as_os_str() == STANDARD_INPUT.0 {
+        return read_from(std::io::stdin(), STANDARD_INPUT.1);
+    }
     let file = path.display().to_string();
-    let unreadable = |source: std::io::Error| match source.kind() {
-        std::io::ErrorKind::NotFound => Error::Missing { file: file.clone() },
-        std::io::ErrorKind::IsADirectory => Error::Directory { file: file.clone() },
-        _ => Error::Unreadable {
-            file: file.clone(),
-            source,
-        },
-    };
-    let metadata = std::fs::metadata(path).map_err(unreadable)?;
-    if metadata.is_dir() {
+    if path.is_dir() {
         return Err(Error::Directory { file });
     }
-    if metadata.len() > limits::FILE_BYTES {
-        return Err(too_large(&file));
-    }
-    // A pipe has no length to check beforehand, so the reading is bounded too.
-    let mut bytes = Vec::new();
-    std::fs::File::open(path)
-        .and_then(|opened| {
-            opened
-                .take(limits::FILE_BYTES + 1)
-                .read_to_end(&mut bytes)
-                .map(drop)
-        })
-        .map_err(unreadable)?;
-    if bytes.len() as u64 > limits::FILE_BYTES {
-        return Err(too_large(&file));
-    }
-    let text = text::decode(&bytes).map_err(|fault| fault.into_error(&file, &bytes))?;
-    parse(text, &file)
+    let opened = std::fs::File::open(path).map_err(|source| unreadable(&file, source))?;
+    read_from(opened, &file)
 }
 
-/// Checks a URDF given as text; `file` is its name in messages.
+fn read_from(source: impl std::io::Read, file: &str) -> Result<Description, Error> {
+    let mut bytes = Vec::new();
+    source
+        .take(limits::FILE_BYTES + 1)
+        .read_to_end(&mut bytes)
+        .map_err(|source| unreadable(file, source))?;
+    if bytes.len() as u64 > limits::FILE_BYTES {
+        return Err(too_large(file));
+    }
+    let text = text::decode(&bytes).map_err(|fault| fault.into_complaint(file, &bytes))?;
+    parse(text, file)
+}
+
+/// Read and check a URDF given as text; `file` is its name in messages.
+///
+/// # Errors
+/// Everything that is wrong with the text.
 pub fn parse(text: &str, file: &str) -> Result<Description, Error> {
     if text.len() as u64 > limits::FILE_BYTES {
         return Err(too_large(file));
     }
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let scanned = scan::scan(text).map_err(|fault| fault.into_error(file, text.as_bytes()))?;
-    let options = roxmltree::ParsingOptions {
-        nodes_limit: limits::XML_NODES,
-        ..Default::default()
-    };
-    let document = roxmltree::Document::parse_with_options(&scanned, options)
-        .map_err(|error| not_xml(file, &error))?;
-
+    let source = Source::new(text, file)?;
+    let document = source.document()?;
     let mut report = Report::new(file);
-    let lines = Lines::of(scanned.as_bytes());
-    let draft = draft::draft(&document, &lines, &mut report);
+    let lines = Lines::of(source.text.as_bytes());
+    let draft = draft::draft(source.text, &document, &lines, &mut report);
     check::check(&draft, &mut report);
     mimic::check(&draft, &mut report);
     let notes = report.finish()?;
+    let name = draft.name.clone();
+    let (links, joints) = robot::robot(draft, source.mended());
     Ok(Description {
-        robot: clean::read(&draft).map_err(|source| Error::Reader {
-            file: file.to_owned(),
-            source,
-        })?,
+        name,
+        links,
+        joints,
         notes,
-        name: draft.name,
-        hash: hash(text),
+        hash: hash(source.text),
         file: file.to_owned(),
+        text: text.to_owned(),
     })
-}
-
-fn too_large(file: &str) -> Error {
-    let mebibytes = limits::FILE_BYTES >> 20;
-    Error::Faulty(vec![Complaint {
-        file: file.to_owned(),
-        line: None,
-        message: format!(
-            "larger than {mebibytes} MiB; a URDF names its meshes, it does not hold them"
-        ),
-    }])
-}
-
-fn not_xml(file: &str, error: &roxmltree::Error) -> Error {
-    let position = error.pos();
-    let text = error.to_string();
-    let text = text.replace(&format!(" at {position}"), "");
-    Error::Faulty(vec![Complaint {
-        file: file.to_owned(),
-        line: Some(position.row),
-        message: format!(
-            "not well-formed XML (column {}): {text}; repair the tag",
-            position.col
-        ),
-    }])
 }
 
 fn hash(text: &str) -> String {

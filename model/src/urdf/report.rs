@@ -2,14 +2,14 @@
 
 use std::fmt;
 
-use super::Error;
-
 /// One fault of a description: where it is, what it is, what to do.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Complaint {
+    /// The file as the caller named it.
     pub file: String,
     /// Counted from 1; none when the fault is of the whole file.
     pub line: Option<u32>,
+    /// What it is, and what to do.
     pub message: String,
 }
 
@@ -108,7 +108,7 @@ impl Report {
     }
 
     /// The notes, or every complaint.
-    pub(super) fn finish(mut self) -> Result<Vec<String>, Error> {
+    pub(super) fn finish(mut self) -> Result<Vec<String>, Vec<Complaint>> {
         if let Some(Unexpanded { line, what, count }) = self.unexpanded.take() {
             let others = match count {
                 1 => String::new(),
@@ -122,7 +122,7 @@ impl Report {
         }
         if !self.complaints.is_empty() {
             self.complaints.sort_by_key(|complaint| complaint.line);
-            return Err(Error::Faulty(self.complaints));
+            return Err(self.complaints);
         }
         self.notes.sort_by_key(|note| note.line);
         Ok(self.notes.iter().map(Complaint::to_string).collect())

@@ -1,44 +1,60 @@
 //! The elements of a URDF where they stand in its text.
 //!
-//! What is read is the mended text ([`super::scan`]); it has as many bytes as the
-//! original but for declarations put into the tag of the root, so that a place
-//! inside the root is the same place of the original, shifted.
+//! What is read is the mended text ([`super::scan`]); it has as many bytes as what
+//! was given, but for a byte order mark.
 
 use std::ops::Range;
 
 use roxmltree::{Document, Node};
 
+use super::description::Description;
+use super::error::{Error, not_xml};
 use super::values::tag;
-use super::{Error, limits, not_xml, scan};
+use super::{limits, scan};
 
-/// A mended text, and how far its places are from those of the original.
-pub(super) struct Source {
+/// A mended text, and where its places are in what was given.
+pub(super) struct Source<'a> {
+    /// As it was given, without a byte order mark.
+    pub(super) text: &'a str,
     mended: String,
-    shift: usize,
+    /// Bytes of the mark.
+    mark: usize,
+    file: &'a str,
 }
 
-impl Source {
+impl<'a> Source<'a> {
     /// Mend `text`, which may start with a byte order mark.
-    pub(super) fn of(text: &str, file: &str) -> Result<Source, Error> {
+    pub(super) fn new(text: &'a str, file: &'a str) -> Result<Source<'a>, Error> {
         let plain = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let mended = scan::scan(plain).map_err(|fault| fault.into_error(file, plain.as_bytes()))?;
-        // A mark moves places one way, declarations the other: unsigned sums wrap back.
-        let mark = text.len() - plain.len();
-        let shift = plain.len().wrapping_sub(mended.len()).wrapping_add(mark);
-        Ok(Source { mended, shift })
+        let mended = scan::scan(plain).map_err(|fault| fault.into_complaint(file, plain.as_bytes()))?;
+        Ok(Source {
+            text: plain,
+            mended,
+            mark: text.len() - plain.len(),
+            file,
+        })
     }
 
-    pub(super) fn document(&self, file: &str) -> Result<Document<'_>, Error> {
+    pub(super) fn of(description: &'a Description) -> Result<Source<'a>, Error> {
+        Source::new(&description.text, &description.file)
+    }
+
+    pub(super) fn mended(&self) -> &str {
+        &self.mended
+    }
+
+    pub(super) fn document(&self) -> Result<Document<'_>, Error> {
         let options = roxmltree::ParsingOptions {
             nodes_limit: limits::XML_NODES,
             ..Default::default()
         };
-        Document::parse_with_options(&self.mended, options).map_err(|error| not_xml(file, &error))
+        Document::parse_with_options(&self.mended, options)
+            .map_err(|error| not_xml(self.file, &error))
     }
 
-    /// A place inside the root, in the original text.
+    /// A place of the mended text, in what was given.
     pub(super) fn original(&self, place: &Range<usize>) -> Range<usize> {
-        place.start.wrapping_add(self.shift)..place.end.wrapping_add(self.shift)
+        place.start + self.mark..place.end + self.mark
     }
 }
 

@@ -1,6 +1,5 @@
 //! Bytes to text, and faults of the text as a whole.
 
-use super::Error;
 use super::report::{Complaint, Lines, shown};
 
 /// The one fault that ends the pass, at a byte of the text.
@@ -34,12 +33,12 @@ impl Fault {
         &self.message
     }
 
-    pub(super) fn into_error(self, file: &str, bytes: &[u8]) -> Error {
-        Error::Faulty(vec![Complaint {
+    pub(super) fn into_complaint(self, file: &str, bytes: &[u8]) -> Complaint {
+        Complaint {
             file: file.to_owned(),
             line: self.line(bytes),
             message: self.message,
-        }])
+        }
     }
 }
 

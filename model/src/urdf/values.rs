@@ -14,6 +14,8 @@ pub(super) struct At<T> {
 
 /// Reads one part of the tree; `subject` is what messages are about.
 pub(super) struct Reader<'a> {
+    /// What was given, byte for byte as long as what was scanned.
+    pub(super) text: &'a str,
     pub(super) lines: &'a Lines,
     pub(super) report: &'a mut Report,
 }
@@ -22,12 +24,9 @@ fn source<'a>(node: Node<'a, '_>) -> &'a str {
     &node.document().input_text()[node.range()]
 }
 
-/// The tag as written, with its prefix: `xacro:link` is no `link`.
+/// The name of a tag; a prefix is a part of it (`xacro_include`).
 pub(super) fn tag<'a>(node: Node<'a, '_>) -> &'a str {
-    let source = source(node);
-    let name = source.strip_prefix('<').unwrap_or(source);
-    let end = name.find(|c: char| c.is_ascii_whitespace() || matches!(c, '/' | '>'));
-    &name[..end.unwrap_or(name.len())]
+    node.tag_name().name()
 }
 
 pub(super) fn holds_xacro(text: &str) -> bool {
@@ -37,6 +36,12 @@ pub(super) fn holds_xacro(text: &str) -> bool {
 impl Reader<'_> {
     pub(super) fn line(&self, node: Node<'_, '_>) -> u32 {
         self.lines.line(node.range().start)
+    }
+
+    /// The name of a tag as it is written, with its prefix.
+    pub(super) fn tag(&self, node: Node<'_, '_>) -> &str {
+        let name = node.range().start + 1;
+        &self.text[name..name + tag(node).len()]
     }
 
     pub(super) fn complain(&mut self, line: u32, message: String) {
@@ -92,6 +97,21 @@ impl Reader<'_> {
             self.report.unexpanded(text.line, what);
         }
         holds
+    }
+
+    /// The name of a link or joint, and how messages call it.
+    pub(super) fn subject(&mut self, node: Node<'_, '_>, kind: &str) -> (Option<String>, String) {
+        let Some(text) = self.attribute(node, "name") else {
+            let line = self.line(node);
+            self.complain(
+                line,
+                format!("a {kind} without a name; add <{kind} name=\"...\">"),
+            );
+            return (None, kind.to_owned());
+        };
+        let subject = format!("{kind} {}", shown(text.value));
+        let name = self.name(&text, &subject, "name");
+        (name, subject)
     }
 
     /// A name or a reference to one. Any character will do but control
@@ -189,6 +209,24 @@ impl Reader<'_> {
 
     pub(super) fn number(&mut self, text: &At<&str>, subject: &str, what: &str) -> Option<f64> {
         self.numbers::<1>(text, subject, what).map(|[value]| value)
+    }
+
+    /// A number that nothing here depends on: 0, with a note, where it is broken.
+    pub(super) fn unneeded(&mut self, text: &At<&str>, subject: &str, what: &str) -> f64 {
+        if self.unexpanded(subject, what, text) {
+            return 0.0;
+        }
+        match text.value.trim().parse::<f64>() {
+            Ok(value) if value.is_finite() => value,
+            _ => {
+                let found = shown(text.value);
+                self.note(
+                    text.line,
+                    format!("{subject}: {what} is {found}; not needed, taken as 0"),
+                );
+                0.0
+            }
+        }
     }
 }
 

@@ -1,10 +1,12 @@
 //! One opening tag: its name, its attributes, its end.
 
+use std::ops::Range;
+
 use super::super::limits;
 use super::super::text::{Fault, plain};
 use super::Scanner;
 
-impl<'a> Scanner<'a> {
+impl Scanner<'_> {
     /// A tag that opens an element, with its attributes.
     pub(super) fn tag(&mut self, start: usize) -> Result<usize, Fault> {
         let bytes = self.text.as_bytes();
@@ -16,8 +18,7 @@ impl<'a> Scanner<'a> {
                 "`<` without a tag name; write &lt; for a plain `<`",
             ));
         }
-        let is_root = self.open.is_empty();
-        if is_root && self.root.replace(at).is_some() {
+        if self.open.is_empty() && std::mem::replace(&mut self.has_root, true) {
             return Err(Fault::new(
                 start,
                 format!("<{}> is a second root element; keep one", plain(name)),
@@ -32,9 +33,8 @@ impl<'a> Scanner<'a> {
             };
             return Err(Fault::new(start, format!("{bound}; this is no robot")));
         }
-        self.prefix(start, name)?;
+        self.mask(start + 1..at);
         let mut attributes = 0;
-        let mut key = "";
         loop {
             match bytes.get(at) {
                 None => {
@@ -69,19 +69,13 @@ impl<'a> Scanner<'a> {
                             ),
                         ));
                     }
-                    let end = self.value_end(at, *quote)?;
-                    self.attribute(at, key, is_root)?;
-                    key = "";
-                    at = end;
+                    at = self.value_end(at, *quote)?;
                 }
                 Some(_) => {
                     let end = self.word(at);
-                    if end == at {
-                        at += 1; // white space, `=` or a lone `/`
-                    } else {
-                        key = &self.text[at..end];
-                        at = end;
-                    }
+                    self.mask(at..end);
+                    // White space, `=` and a lone `/` are no words.
+                    at = end.max(at + 1);
                 }
             }
         }
@@ -112,36 +106,14 @@ impl<'a> Scanner<'a> {
         }
     }
 
-    fn attribute(&mut self, at: usize, key: &'a str, is_root: bool) -> Result<(), Fault> {
-        if key == "xmlns" || key.starts_with("xmlns:") {
-            self.declarations += 1;
-            self.bounded(at, self.declarations)?;
-            if is_root && let Some((_, prefix)) = key.split_once(':') {
-                self.declared_on_root.insert(prefix);
-            }
-            return Ok(());
+    /// A name of a tag or an attribute: an underscore for what makes it one of a
+    /// namespace.
+    pub(super) fn mask(&mut self, place: Range<usize>) {
+        let name = &self.text[place.clone()];
+        if name == "xmlns" {
+            self.masks.push(place.start);
         }
-        self.prefix(at, key)
-    }
-
-    fn prefix(&mut self, at: usize, name: &'a str) -> Result<(), Fault> {
-        if let Some((prefix, _)) = name.split_once(':') {
-            self.prefixes.insert(prefix);
-            self.bounded(at, self.prefixes.len())?;
-        }
-        Ok(())
-    }
-
-    fn bounded(&self, at: usize, count: usize) -> Result<(), Fault> {
-        if count > limits::NAMESPACES {
-            return Err(Fault::new(
-                at,
-                format!(
-                    "more than {} XML namespaces; this is no robot",
-                    limits::NAMESPACES
-                ),
-            ));
-        }
-        Ok(())
+        let colons = name.match_indices(':');
+        self.masks.extend(colons.map(|(at, _)| place.start + at));
     }
 }

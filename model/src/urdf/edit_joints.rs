@@ -1,38 +1,40 @@
-//! Joints that stand elsewhere than their encoders say, and loads that nobody drew,
-//! written into the text of a URDF; nothing else in it is touched.
+//! Joint offsets and payloads written into the text of a URDF; everything else
+//! stays byte for byte.
 //!
 //! ```text
-//! T → T Rot(axis, δ)          a joint that turns stands δ further
-//! T → T Trans(axis δ)         one that slides
+//! T → T Rot(axis, δ)          a revolute joint stands δ further
+//! T → T Trans(axis δ)         a prismatic joint
 //! q_f = k q + o  →  k q + (o + k δ)
 //! ```
 //!
-//! Whoever reads the URDF moves a follower by the master's encoder; the robot moves it
-//! by where the master really is, so the follower's offset takes up the rest. Followers
+//! A simulator moves a mimic joint by the encoder of its master; the robot moves it by
+//! where the master really is, so the offset of the mimic takes up the rest. Followers
 //! of followers then come right by themselves. Limits stay: they are the encoder's.
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use roxmltree::Node;
-use urdf_rs::{Joint, JointType};
 
-use super::Error;
-use super::clean::escaped;
+use super::description::{Description, Joint, JointType};
 use super::edits::{Edits, SAME, three};
+use super::error::Error;
 use super::rotation::rpy_of_quaternion;
 use super::source::{Source, children};
 
 /// A joint that stands further than its encoder says.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shift {
+    /// Its name.
     pub joint: String,
-    /// rad (m for a slide)
+    /// rad; m for a prismatic joint
     pub by: f64,
 }
 
 /// A mass on a link.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Load {
+    /// Name of the link.
     pub link: String,
+    /// kg
     pub mass_kg: f64,
     /// In the frame of the link, m.
     pub at_m: [f64; 3],
@@ -41,32 +43,32 @@ pub struct Load {
 /// Radius of gyration of a load, m: as good as a point, yet no simulator divides by zero.
 const GYRATION_M: f64 = 1e-3;
 
-/// The text with the origins of joints, and what follows them, moved by `shifts`.
+/// The text of a URDF with the origins of joints, and of what follows them, moved
+/// by `shifts`.
 ///
 /// # Errors
-/// When the text is no URDF.
-pub fn bend(text: &str, file: &str, shifts: &[Shift]) -> Result<String, Error> {
-    let description = super::parse(text, file)?;
-    let source = Source::of(text, file)?;
-    let document = source.document(file)?;
-    let mut edits = Edits::new(&source, text);
+/// When the text of the description was changed and is no URDF any more.
+pub fn edit_joints(description: &Description, shifts: &[Shift]) -> Result<String, Error> {
+    let source = Source::of(description)?;
+    let document = source.document()?;
+    let mut edits = Edits::new(&source, &description.text);
     let shift_of = |name: &str| -> f64 {
         let own = shifts.iter().filter(|shift| shift.joint == name);
         own.map(|shift| shift.by).sum()
     };
     let root = document.root_element();
-    for (node, joint) in children(root, "joint").zip(&description.robot.joints) {
+    for (node, joint) in children(root, "joint").zip(&description.joints) {
         let by = shift_of(&joint.name);
         if by.abs() > SAME {
             turn(&mut edits, node, joint, by);
         }
         let Some(mimic) = &joint.mimic else { continue };
-        let behind = mimic.multiplier.unwrap_or(1.0) * shift_of(&mimic.joint);
+        let follows = mimic.multiplier * shift_of(&mimic.joint);
         if let Some(element) = children(node, "mimic")
             .next()
-            .filter(|_| behind.abs() > SAME)
+            .filter(|_| follows.abs() > SAME)
         {
-            edits.set(element, "offset", mimic.offset.unwrap_or(0.0) + behind);
+            edits.set(element, "offset", mimic.offset + follows);
         }
     }
     Ok(edits.applied())
@@ -74,8 +76,8 @@ pub fn bend(text: &str, file: &str, shifts: &[Shift]) -> Result<String, Error> {
 
 /// The origin of a joint where it stands `by` further.
 fn turn(edits: &mut Edits<'_>, node: Node<'_, '_>, joint: &Joint, by: f64) {
-    let (xyz, rpy) = (Vector3::from(*joint.origin.xyz), *joint.origin.rpy);
-    let axis = Vector3::from(*joint.axis.xyz).normalize();
+    let (xyz, rpy) = (Vector3::from(joint.origin.xyz), joint.origin.rpy);
+    let axis = Vector3::from(joint.axis).normalize();
     let rotation = quaternion_of_rpy(rpy);
     let (xyz, rpy) = match joint.joint_type {
         JointType::Prismatic => {
@@ -125,21 +127,21 @@ fn quaternion_of_rpy([roll, pitch, yaw]: [f64; 3]) -> Quaternion<f64> {
     half(yaw, 2) * half(pitch, 1) * half(roll, 0)
 }
 
-/// The text with a link `payload_<link>` for each load, fixed where the load sits.
+/// The text of a URDF with a link `payload_<link>` for each load, fixed where the
+/// load sits.
 ///
 /// # Errors
-/// When the text is no URDF.
-pub fn load(text: &str, file: &str, loads: &[Load]) -> Result<String, Error> {
-    let description = super::parse(text, file)?;
-    let source = Source::of(text, file)?;
-    let document = source.document(file)?;
+/// When the text of the description was changed and is no URDF any more.
+pub fn add_loads(description: &Description, loads: &[Load]) -> Result<String, Error> {
+    let text = description.text.as_str();
+    let source = Source::of(description)?;
+    let document = source.document()?;
     let mut edits = Edits::new(&source, text);
-    let links = description.robot.links.iter().map(|link| link.name.clone());
-    let joints = description.robot.joints.iter().map(|j| j.name.clone());
-    let mut taken: Vec<String> = links.chain(joints).collect();
+    let joints = description.joints.iter().map(|joint| joint.name.as_str());
+    let taken = description.link_names().chain(joints);
+    let mut taken: Vec<String> = taken.map(str::to_owned).collect();
 
     let root = document.root_element();
-    // The tag of the root may have been mended; its end has not.
     let end = edits.place(&root.range()).end;
     let inside = &text[..text[..end].rfind("</").unwrap_or(end)];
     let at = inside.trim_end().len();
@@ -192,6 +194,11 @@ fn unused(name: &str, taken: &mut Vec<String>) -> String {
     found
 }
 
+fn escaped(text: &str) -> String {
+    let text = text.replace('&', "&amp;").replace('<', "&lt;");
+    text.replace('>', "&gt;").replace('"', "&quot;")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -209,6 +216,10 @@ mod tests {
         \x20 <joint name='m' type='revolute'><origin quat_xyzw='0 0 1 1'/><parent link='e'/>\
         <child link='payload_e'/><axis xyz='0 0 1'/><limit lower='-1' upper='1'/></joint>\r\n  <!-- end -->\r\n</robot>\r\n";
 
+    fn original() -> Description {
+        parse(TEXT, "r.urdf").unwrap()
+    }
+
     fn shift(joint: &str, by: f64) -> Shift {
         Shift {
             joint: joint.to_string(),
@@ -217,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn origins_turn_and_slide_and_followers_follow() {
+    fn origins_move_and_mimics_follow() {
         let shifts = [shift("j/1", 0.03), shift("l", 0.25)];
         let expected = TEXT
             .replace(
@@ -225,26 +236,26 @@ mod tests {
                 "'revolute'>\r\n    <origin xyz=\"0.0 0.0 0.0\" rpy=\"0.0 -0.03 0.0\"/>\r\n    <parent",
             )
             .replace("<mimic m", "<mimic offset=\"-0.06\" m");
-        let text = bend(TEXT, "r.urdf", &shifts).unwrap();
+        let text = edit_joints(&original(), &shifts).unwrap();
         let read = parse(&text, "r.urdf").unwrap();
-        let rpy = *read.robot.joints[0].origin.rpy;
+        let rpy = read.joints[0].origin.rpy;
         assert!((rpy[1] + 0.03).abs() < 1e-15 && rpy[0] == 0.0 && rpy[2] == 0.0);
-        let slide = *read.robot.joints[2].origin.xyz;
-        assert!((slide[0] - 1.0).abs() < 1e-15 && (slide[1] - 0.25).abs() < 1e-15);
+        let moved = read.joints[2].origin.xyz;
+        assert!((moved[0] - 1.0).abs() < 1e-15 && (moved[1] - 0.25).abs() < 1e-15);
         // All of it but where last digits are the machine's business.
         let line = |text: &str, k: usize| text.lines().nth(k).unwrap().to_string();
         assert_eq!(text.lines().count(), expected.lines().count());
         for k in [0, 1, 2, 3, 4, 5, 7, 8, 10, 11, 12] {
             assert_eq!(line(&text, k), line(&expected, k));
         }
-        assert_eq!(bend(TEXT, "r.urdf", &[]).unwrap(), TEXT);
+        assert_eq!(edit_joints(&original(), &[]).unwrap(), TEXT);
     }
 
     #[test]
     fn a_quaternion_becomes_roll_pitch_and_yaw() {
-        let text = bend(TEXT, "r.urdf", &[shift("m", 0.1)]).unwrap();
+        let text = edit_joints(&original(), &[shift("m", 0.1)]).unwrap();
         let read = parse(&text, "r.urdf").unwrap();
-        let rpy = *read.robot.joints[3].origin.rpy;
+        let rpy = read.joints[3].origin.rpy;
         assert!((rpy[2] - 0.1 - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
         assert_eq!(text.matches("quat_xyzw").count(), 1);
     }
@@ -257,22 +268,22 @@ mod tests {
             at_m: [0.1, -1e-9, 1.0 / 3.0],
         };
         let loads = [on("e", 0.3), on("a&b", 0.1), on("e", 0.2)];
-        let text = load(TEXT, "r.urdf", &loads).unwrap();
+        let text = add_loads(&original(), &loads).unwrap();
         let read = parse(&text, "r.urdf").unwrap();
-        let names: Vec<&str> = read.robot.links[5..]
+        let names: Vec<&str> = read.links[5..]
             .iter()
             .map(|link| link.name.as_str())
             .collect();
         assert_eq!(names, ["payload_e_2", "payload_a&b", "payload_e_3"]);
-        assert_eq!(*read.robot.joints[4].origin.xyz, loads[0].at_m);
-        assert_eq!(read.robot.joints[5].parent.link, "a&b");
-        assert_eq!(read.robot.links[7].inertial.mass.value, 0.2);
+        assert_eq!(read.joints[4].origin.xyz, loads[0].at_m);
+        assert_eq!(read.joints[5].parent, "a&b");
+        assert_eq!(read.links[7].inertial.mass_kg, 0.2);
         // What was there stands around it as it did.
         let (before, after) = TEXT.split_at(TEXT.rfind("\r\n</robot>").unwrap());
         assert!(text.starts_with(before) && text.ends_with(after));
         assert!(
             text.contains("\r\n  <link name=\"payload_e_2\">\r\n    <inertial>\r\n      <mass")
         );
-        assert_eq!(load(TEXT, "r.urdf", &[]).unwrap(), TEXT);
+        assert_eq!(add_loads(&original(), &[]).unwrap(), TEXT);
     }
 }

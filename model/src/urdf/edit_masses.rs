@@ -1,5 +1,5 @@
-//! Masses and centres of mass written into the text of a URDF, and nothing else
-//! touched: comments, blanks, leftovers of xacro survive byte for byte.
+//! Masses and centres of mass written into the text of a URDF. Everything else
+//! stays byte for byte: comments, blanks, leftovers of xacro.
 //!
 //! ```text
 //! m → m'        c → c'        I → I m'/m
@@ -10,14 +10,15 @@
 
 use roxmltree::Node;
 
-use super::Error;
+use super::description::{Description, INERTIA};
 use super::edits::{Edits, SAME, number, three};
-use super::link::INERTIA;
+use super::error::Error;
 use super::source::{Source, children, links};
 
 /// What a link weighs and where.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Weight {
+    /// kg
     pub mass_kg: f64,
     /// Centre of mass in the link frame, m.
     pub com_m: [f64; 3],
@@ -28,15 +29,18 @@ const SAME_MASS: f64 = 1e-15;
 /// Radius of gyration given to a link that had no inertia, m.
 const GYRATION_M: f64 = 0.02;
 
-/// The text with the weights of its links replaced, in document order of the links;
+/// The text of a URDF with other weights, one for each link in document order;
 /// `None` leaves a link alone.
 ///
 /// # Errors
-/// When the text is no URDF.
-pub fn amend(text: &str, file: &str, weights: &[Option<Weight>]) -> Result<String, Error> {
-    let source = Source::of(text, file)?;
-    let document = source.document(file)?;
-    let mut edits = Edits::new(&source, text);
+/// When the text of the description was changed and is no URDF any more.
+pub fn edit_masses(
+    description: &Description,
+    weights: &[Option<Weight>],
+) -> Result<String, Error> {
+    let source = Source::of(description)?;
+    let document = source.document()?;
+    let mut edits = Edits::new(&source, &description.text);
     for (link, weight) in links(&document).zip(weights) {
         let Some(weight) = weight else { continue };
         match children(link, "inertial").next() {
@@ -126,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn only_what_changes_changes() {
+    fn other_bytes_stay() {
         let weights = [
             weight(3.0, [0.1, -0.2, 0.25]),
             None,
@@ -140,21 +144,22 @@ mod tests {
             .replace("ixx='1'", "ixx='1.5'")
             .replace("iyy='2.'", "iyy='3.0'")
             .replace("izz='4'", "izz='6.0'");
-        assert_eq!(amend(TEXT, "r.urdf", &weights).unwrap(), expected);
-        assert_eq!(amend(TEXT, "r.urdf", &[None; 5]).unwrap(), TEXT);
+        let read = parse(TEXT, "r.urdf").unwrap();
+        assert_eq!(edit_masses(&read, &weights).unwrap(), expected);
+        assert_eq!(edit_masses(&read, &[None; 5]).unwrap(), TEXT);
     }
 
     #[test]
     fn what_is_missing_is_added_and_reads_back() {
         let third = 1.0 / 3.0;
         let wanted = weight(third, [third, -1e-9, 0.1 + 0.7]);
-        let text = amend(TEXT, "r.urdf", &[wanted; 5]).unwrap();
+        let text = edit_masses(&parse(TEXT, "r.urdf").unwrap(), &[wanted; 5]).unwrap();
         let read = parse(&text, "r.urdf").unwrap();
-        for link in &read.robot.links {
-            assert_eq!(link.inertial.mass.value, third, "{}", link.name);
-            assert_eq!(*link.inertial.origin.xyz, [third, -1e-9, 0.1 + 0.7]);
+        for link in &read.links {
+            assert_eq!(link.inertial.mass_kg, third, "{}", link.name);
+            assert_eq!(link.inertial.origin.xyz, [third, -1e-9, 0.1 + 0.7]);
         }
-        assert_eq!(read.robot.links[0].inertial.origin.rpy[2], 0.5);
+        assert_eq!(read.links[0].inertial.origin.rpy[2], 0.5);
         for kept in [
             "<!-- weighed -->",
             "<xacro:foo bar='${x}'/>",
