@@ -4,10 +4,14 @@ use std::path::{Path, PathBuf};
 use std::{fs, io};
 
 use crate::Error;
-use crate::emit::c::layout::{self, Layout};
-use crate::emit::c::{self, Options, Scalar};
+#[cfg(feature = "c99")]
+use crate::emit::c::{
+    self, Options, Scalar, Servos,
+    layout::{self, Layout},
+};
 use crate::emit::names;
 use crate::emit::rust;
+use crate::error::Problem;
 use sesc_model::{Model, ModelFile, Snapping, urdf};
 
 /// Generates a module for a robot from a controller's `build.rs`.
@@ -24,6 +28,7 @@ use sesc_model::{Model, ModelFile, Snapping, urdf};
 /// mod op2 { include!(concat!(env!("OUT_DIR"), "/op2_r_sole.rs")); }
 /// ```
 #[derive(Debug, Clone)]
+#[must_use = "nothing is written before .emit()"]
 pub struct Builder {
     urdf: PathBuf,
     support: Option<String>,
@@ -31,12 +36,34 @@ pub struct Builder {
     model: Option<PathBuf>,
     snapping: Snapping,
     out_dir: Option<PathBuf>,
-    c99: Option<PathBuf>,
-    c99_options: Options,
+    reruns: bool,
+    #[cfg(feature = "c99")]
+    c99: C99,
+}
+
+/// What C99 is wanted.
+#[cfg(feature = "c99")]
+#[derive(Debug, Clone)]
+struct C99 {
+    dir: Option<PathBuf>,
+    scalar: Scalar,
+    /// The usual ones of the scalar unless given.
+    servos: Option<Option<Servos>>,
+    layout: Layout,
 }
 
 impl Builder {
     /// Start from a URDF file; relative paths are relative to the crate's root.
+    ///
+    /// ```
+    /// # let folder = std::env::temp_dir().join("sesc_builder_new");
+    /// let module = sesc_codegen::Builder::new("../robots/two_link/two_link.urdf")
+    ///     .support("foot")
+    ///     .out_dir(&folder) // a build script leaves this out
+    ///     .emit()?;
+    /// assert_eq!(module, folder.join("two_link_foot.rs"));
+    /// # Ok::<(), sesc_codegen::Error>(())
+    /// ```
     pub fn new(urdf: impl AsRef<Path>) -> Builder {
         Builder {
             urdf: urdf.as_ref().to_path_buf(),
@@ -45,51 +72,100 @@ impl Builder {
             model: None,
             snapping: Snapping::default(),
             out_dir: None,
-            c99: None,
-            c99_options: Options::of(Scalar::F64),
+            reruns: true,
+            #[cfg(feature = "c99")]
+            c99: C99 {
+                dir: None,
+                scalar: Scalar::F64,
+                servos: None,
+                layout: Layout::Bare,
+            },
         }
     }
 
     /// The link that stands on the ground.
+    ///
+    /// ```
+    /// use sesc_codegen::Builder;
+    ///
+    /// let builder = Builder::new("../robots/two_link/two_link.urdf").out_dir(".");
+    /// let error = builder.support("hand").emit().unwrap_err();
+    /// assert!(error.to_string().contains("no link `hand` to stand on; the robot has foot"));
+    /// ```
     pub fn support(mut self, link: impl Into<String>) -> Builder {
         self.support = Some(link.into());
         self
     }
 
     /// Name of the module's file; `<robot>_<support>` unless given.
+    ///
+    /// ```
+    /// # let folder = std::env::temp_dir().join("sesc_builder_name");
+    /// let builder = sesc_codegen::Builder::new("../robots/two_link/two_link.urdf");
+    /// let module = builder.support("foot").name("leg").out_dir(&folder).emit()?;
+    /// assert!(std::fs::read_to_string(module).unwrap().contains("pub struct Leg;"));
+    /// # Ok::<(), sesc_codegen::Error>(())
+    /// ```
     pub fn name(mut self, name: impl Into<String>) -> Builder {
         self.name = Some(name.into());
         self
     }
 
     /// Identified parameters to add as `MODEL_PARAMS`, and effects that `cop` then has.
+    ///
+    /// ```
+    /// use sesc_codegen::{Builder, ErrorKind};
+    ///
+    /// let builder = Builder::new("../robots/two_link/two_link.urdf").support("foot");
+    /// // `sesc fit two_link.urdf --data log.csv --out model.toml` writes one.
+    /// let error = builder.model("no_such.toml").out_dir(".").emit().unwrap_err();
+    /// assert_eq!(error.kind(), ErrorKind::Model);
+    /// ```
     pub fn model(mut self, file: impl AsRef<Path>) -> Builder {
         self.model = Some(file.as_ref().to_path_buf());
         self
     }
 
     /// How decimals of right angles are read.
+    ///
+    /// ```
+    /// # let folder = std::env::temp_dir().join("sesc_builder_snapping");
+    /// use sesc_codegen::{Builder, Snapping};
+    ///
+    /// let builder = Builder::new("../robots/two_link/two_link.urdf").support("foot");
+    /// builder.snapping(Snapping::Off).out_dir(&folder).emit()?; // 1.5708 is 1.5708
+    /// # Ok::<(), sesc_codegen::Error>(())
+    /// ```
     pub fn snapping(mut self, snapping: Snapping) -> Builder {
         self.snapping = snapping;
         self
     }
 
     /// Where to write, instead of `OUT_DIR`.
+    ///
+    /// ```
+    /// # let folder = std::env::temp_dir().join("sesc_builder_out_dir");
+    /// let builder = sesc_codegen::Builder::new("../robots/two_link/two_link.urdf");
+    /// let module = builder.support("foot").out_dir(&folder).emit()?;
+    /// assert!(module.starts_with(&folder));
+    /// # Ok::<(), sesc_codegen::Error>(())
+    /// ```
     pub fn out_dir(mut self, dir: impl AsRef<Path>) -> Builder {
         self.out_dir = Some(dir.as_ref().to_path_buf());
         self
     }
 
-    /// Write C99 too: `<name>.h` and `<name>.c` into `dir`, in f64 unless
-    /// [`Builder::c99_options`] says otherwise.
-    pub fn c99(mut self, dir: impl AsRef<Path>) -> Builder {
-        self.c99 = Some(dir.as_ref().to_path_buf());
-        self
-    }
-
-    /// Scalar and servos of the C99 functions.
-    pub fn c99_options(mut self, options: Options) -> Builder {
-        self.c99_options = options;
+    /// Whether to print `cargo::rerun-if-changed` for the files that are read; it is
+    /// unless a build script says otherwise.
+    ///
+    /// ```
+    /// # let folder = std::env::temp_dir().join("sesc_builder_reruns");
+    /// let builder = sesc_codegen::Builder::new("../robots/two_link/two_link.urdf");
+    /// builder.support("foot").emit_rerun_if_changed(false).out_dir(&folder).emit()?;
+    /// # Ok::<(), sesc_codegen::Error>(())
+    /// ```
+    pub fn emit_rerun_if_changed(mut self, emit: bool) -> Builder {
+        self.reruns = emit;
         self
     }
 
@@ -99,24 +175,33 @@ impl Builder {
     /// so that mending the file builds again. A file that would not change is
     /// not touched.
     ///
+    /// ```
+    /// # let folder = std::env::temp_dir().join("sesc_builder_emit");
+    /// let builder = sesc_codegen::Builder::new("../robots/two_link/two_link.urdf")
+    ///     .support("foot")
+    ///     .out_dir(&folder);
+    /// let module = std::fs::read_to_string(builder.emit()?).unwrap();
+    /// assert!(module.contains("fn com"));
+    /// # Ok::<(), sesc_codegen::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// Everything wrong with the URDF or the model file, an unknown support
     /// link, or a folder that cannot be written.
     pub fn emit(&self) -> Result<PathBuf, Error> {
-        println!("cargo::rerun-if-changed={}", self.urdf.display());
-        if let Some(model) = &self.model {
-            println!("cargo::rerun-if-changed={}", model.display());
+        for read in [Some(&self.urdf), self.model.as_ref()]
+            .into_iter()
+            .flatten()
+        {
+            if self.reruns {
+                println!("cargo::rerun-if-changed={}", read.display());
+            }
         }
-        let support = self.support.as_deref().ok_or(Error::NoSupport)?;
-        let out_dir =
-            match &self.out_dir {
-                Some(dir) => dir.clone(),
-                None => std::env::var_os("OUT_DIR").map(PathBuf::from).ok_or(
-                    Error::NotABuildScript {
-                        variable: "OUT_DIR",
-                    },
-                )?,
-            };
+        let support = self.support.as_deref().ok_or(Problem::NoSupport)?;
+        let variable = "OUT_DIR";
+        let out_dir = (self.out_dir.clone())
+            .or_else(|| std::env::var_os(variable).map(PathBuf::from))
+            .ok_or(Problem::NotABuildScript { variable })?;
         let description = urdf::read(&self.urdf).map_err(sesc_model::Error::from)?;
         let mut model = Model::new(&description, support, self.snapping)?;
         if let Some(file) = &self.model {
@@ -130,24 +215,108 @@ impl Builder {
             None => names::suggest(&format!("{}_{support}", description.name)),
         };
         let path = out_dir.join(format!("{name}.rs"));
+        #[allow(unused_mut, reason = "Rust is one file")]
         let mut files = vec![(path.clone(), rust::module(&model, &name)?)];
-        if let Some(dir) = &self.c99 {
-            let package = c::package(&model, &name, &self.c99_options)?;
-            for note in &package.notes {
-                println!("cargo::warning={note}");
-            }
-            let package = layout::files(&model, package, &name, &self.c99_options, Layout::Bare)?;
-            files.extend(
-                package
-                    .into_iter()
-                    .map(|(file, text)| (dir.join(file), text)),
-            );
+        #[cfg(feature = "c99")]
+        if let Some(dir) = &self.c99.dir {
+            files.extend(self.c99_files(dir, &model, &name)?);
         }
         write_all_if_changed(&files)?;
         Ok(path)
     }
 }
 
+#[cfg(feature = "c99")]
+impl Builder {
+    /// Write C99 too: `<name>.h` and `<name>.c` into `dir`, in f64 and bare unless
+    /// [`Builder::scalar`] and [`Builder::layout`] say otherwise.
+    ///
+    /// ```
+    /// # let folder = std::env::temp_dir().join("sesc_builder_c99");
+    /// let builder = sesc_codegen::Builder::new("../robots/two_link/two_link.urdf");
+    /// builder.support("foot").out_dir(&folder).c99(folder.join("c")).emit()?;
+    /// assert!(folder.join("c/two_link_foot.h").exists());
+    /// # Ok::<(), sesc_codegen::Error>(())
+    /// ```
+    pub fn c99(mut self, dir: impl AsRef<Path>) -> Builder {
+        self.c99.dir = Some(dir.as_ref().to_path_buf());
+        self
+    }
+
+    /// Arithmetic of the C99 functions.
+    ///
+    /// ```
+    /// # let folder = std::env::temp_dir().join("sesc_builder_scalar");
+    /// use sesc_codegen::{Builder, Scalar};
+    ///
+    /// let builder = Builder::new("../robots/two_link/two_link.urdf").support("foot");
+    /// builder.c99(&folder).scalar(Scalar::Fixed32).out_dir(&folder).emit()?;
+    /// let header = std::fs::read_to_string(folder.join("two_link_foot.h")).unwrap();
+    /// assert!(header.contains("typedef int32_t two_link_foot_real;"));
+    /// # Ok::<(), sesc_codegen::Error>(())
+    /// ```
+    pub fn scalar(mut self, scalar: Scalar) -> Builder {
+        self.c99.scalar = scalar;
+        self
+    }
+
+    /// Servos whose ticks the C99 functions `_ticks` take; `None` leaves these functions
+    /// out. Unless given, f32 and fixed32 have them, of 4096 ticks a turn.
+    ///
+    /// ```
+    /// # let folder = std::env::temp_dir().join("sesc_builder_servos");
+    /// use sesc_codegen::{Builder, Servos};
+    ///
+    /// let builder = Builder::new("../robots/two_link/two_link.urdf").support("foot");
+    /// builder.c99(&folder).servos(Servos::default()).out_dir(&folder).emit()?;
+    /// let header = std::fs::read_to_string(folder.join("two_link_foot.h")).unwrap();
+    /// assert!(header.contains("two_link_foot_com_ticks"));
+    /// # Ok::<(), sesc_codegen::Error>(())
+    /// ```
+    pub fn servos(mut self, servos: impl Into<Option<Servos>>) -> Builder {
+        self.c99.servos = Some(servos.into());
+        self
+    }
+
+    /// What to put around the C99 files.
+    ///
+    /// ```
+    /// # let folder = std::env::temp_dir().join("sesc_builder_layout");
+    /// use sesc_codegen::{Builder, Layout};
+    ///
+    /// let builder = Builder::new("../robots/two_link/two_link.urdf").support("foot");
+    /// builder.c99(&folder).layout(Layout::Cmake).out_dir(&folder).emit()?;
+    /// assert!(folder.join("CMakeLists.txt").exists());
+    /// # Ok::<(), sesc_codegen::Error>(())
+    /// ```
+    pub fn layout(mut self, layout: Layout) -> Builder {
+        self.c99.layout = layout;
+        self
+    }
+
+    fn c99_files(
+        &self,
+        dir: &Path,
+        model: &Model,
+        name: &str,
+    ) -> Result<Vec<(PathBuf, String)>, Error> {
+        let mut options = Options::of(self.c99.scalar);
+        if let Some(servos) = &self.c99.servos {
+            options.servos.clone_from(servos);
+        }
+        let package = c::package(model, name, &options)?;
+        for note in &package.notes {
+            println!("cargo::warning={note}");
+        }
+        let files = layout::files(model, package, name, &options, self.c99.layout)?;
+        Ok(files
+            .into_iter()
+            .map(|(file, text)| (dir.join(file), text))
+            .collect())
+    }
+}
+
+#[doc(hidden)]
 /// Write `text` to `path` through a temporary file, unless it is there already.
 /// Returns whether the file changed.
 ///
@@ -158,6 +327,7 @@ pub fn write_if_changed(path: &Path, text: &str) -> Result<bool, Error> {
     Ok(changed == [true])
 }
 
+#[doc(hidden)]
 /// [`write_if_changed`] for files that belong together: none takes its place
 /// before all are on the disk. Returns which of them changed.
 ///
@@ -216,8 +386,6 @@ impl Drop for Staged<'_> {
 }
 
 fn write_error(path: &Path, source: io::Error) -> Error {
-    Error::Write {
-        file: path.display().to_string(),
-        source,
-    }
+    let file = path.display().to_string();
+    Problem::Write { file, source }.into()
 }

@@ -3,12 +3,119 @@
 use std::error::Error as _;
 use std::{fmt, io};
 
-/// A complaint with its remedy.
-#[derive(thiserror::Error)]
-pub enum Error {
+/// Why no code came of a robot: a sentence with its remedy, and what caused it.
+///
+/// ```
+/// use sesc_codegen::{Builder, ErrorKind};
+///
+/// let error = Builder::new("no_such.urdf").support("foot").out_dir(".").emit().unwrap_err();
+/// assert_eq!(error.kind(), ErrorKind::Model);
+/// assert_eq!(error.to_string(), "no_such.urdf: no such file; give the path of a URDF");
+/// ```
+pub struct Error(Box<Problem>);
+
+/// What an [`Error`] is about.
+///
+/// ```
+/// use sesc_codegen::{Builder, ErrorKind};
+///
+/// let error = Builder::new("op2.urdf").emit().unwrap_err();
+/// assert_eq!(error.kind(), ErrorKind::NoSupport);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ErrorKind {
+    /// The robot, its support link or its model file.
+    Model,
+    /// A name that Rust, C or a build system does not take.
+    Name,
+    /// A servo file, or a setting in it.
+    Servos,
+    /// A quantity or an operation that 32-bit fixed point cannot have.
+    FixedPoint,
+    /// A function whose rounding error has no proven bound.
+    Unbounded,
+    /// A file that cannot be read.
+    Read,
+    /// A file or folder that cannot be written.
+    Write,
+    /// No support link was given.
+    NoSupport,
+    /// There is no `OUT_DIR` to write into.
+    NotABuildScript,
+    /// A defect of this crate.
+    Internal,
+}
+
+impl Error {
+    /// What it is about.
+    ///
+    /// ```
+    /// let error = sesc_codegen::Builder::new("op2.urdf").emit().unwrap_err();
+    /// assert_eq!(error.kind(), sesc_codegen::ErrorKind::NoSupport);
+    /// ```
+    pub fn kind(&self) -> ErrorKind {
+        match *self.0 {
+            Problem::Model(_) => ErrorKind::Model,
+            Problem::BadName { .. } | Problem::BadPrefix { .. } | Problem::TakenName { .. } => {
+                ErrorKind::Name
+            }
+            Problem::Servos { .. } => ErrorKind::Servos,
+            Problem::Overflow { .. } | Problem::NoFixedPoint { .. } => ErrorKind::FixedPoint,
+            Problem::UnboundedEffect { .. } | Problem::Unbounded { .. } => ErrorKind::Unbounded,
+            Problem::Read { .. } => ErrorKind::Read,
+            Problem::Write { .. } => ErrorKind::Write,
+            Problem::NoSupport => ErrorKind::NoSupport,
+            Problem::NotABuildScript { .. } => ErrorKind::NotABuildScript,
+            Problem::Emitted { .. } => ErrorKind::Internal,
+        }
+    }
+}
+
+impl From<Problem> for Error {
+    fn from(problem: Problem) -> Error {
+        Error(Box::new(problem))
+    }
+}
+
+impl From<sesc_model::Error> for Error {
+    fn from(error: sesc_model::Error) -> Error {
+        Problem::Model(error).into()
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+impl std::error::Error for Error {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        self.0.source()
+    }
+}
+
+/// As a person reads it, causes below: a build script that ends in `?` shows this.
+impl fmt::Debug for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{self}")?;
+        let mut cause = self.source();
+        while let Some(inner) = cause {
+            write!(f, "\ncaused by: {inner}")?;
+            cause = inner.source();
+        }
+        Ok(())
+    }
+}
+
+/// What went wrong, with all that its sentence names.
+#[derive(Debug, thiserror::Error)]
+#[cfg_attr(not(feature = "c99"), allow(dead_code, reason = "some are of C alone"))]
+pub(crate) enum Problem {
     /// The robot, its support or its model file.
     #[error(transparent)]
-    Model(#[from] sesc_model::Error),
+    Model(sesc_model::Error),
     #[error("`{name}` is no name for a Rust module; `{suggestion}` would be")]
     BadName { name: String, suggestion: String },
     #[error("`{name}` is no prefix for C names; `{suggestion}` would be")]
@@ -56,17 +163,4 @@ pub enum Error {
     NotABuildScript { variable: &'static str },
     #[error("emitted code does not parse ({reason}); this is a defect of sesc, please report it")]
     Emitted { reason: String },
-}
-
-/// As a person reads it, causes below: a build script that ends in `?` shows this.
-impl fmt::Debug for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{self}")?;
-        let mut cause = self.source();
-        while let Some(inner) = cause {
-            write!(f, "\ncaused by: {inner}")?;
-            cause = inner.source();
-        }
-        Ok(())
-    }
 }

@@ -19,11 +19,17 @@
 //! it; here they become source text.
 
 #![deny(unsafe_code)]
+#![deny(missing_docs)]
 
 mod builder;
+#[doc(hidden)]
 pub mod emit;
 mod error;
 
-pub use builder::{Builder, write_all_if_changed, write_if_changed};
-pub use error::Error;
+pub use builder::Builder;
+#[doc(hidden)]
+pub use builder::{write_all_if_changed, write_if_changed};
+#[cfg(feature = "c99")]
+pub use emit::c::{Scalar, Servos, Setting, layout::Layout};
+pub use error::{Error, ErrorKind};
 pub use sesc_model::Snapping;

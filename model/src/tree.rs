@@ -169,10 +169,7 @@ pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> R
         .collect();
     while let Some((near, j)) = stack.pop() {
         let joint = &robot.joints[j];
-        let (parent, child) = (
-            index[joint.parent.as_str()],
-            index[joint.child.as_str()],
-        );
+        let (parent, child) = (index[joint.parent.as_str()], index[joint.child.as_str()]);
         let reversed = near == child;
         let far = if reversed { parent } else { child };
         if seen[far] {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use sesc_codegen::Builder;
-use sesc_codegen::emit::c::{Options, Package, Scalar};
+use sesc_codegen::emit::c::Package;
 use sesc_model::{ModelFile, Snapping};
 
 use crate::robots::{Stand, urdf};
@@ -65,7 +65,6 @@ pub fn write(folder: &Path, stand: &Stand, case: &Case) {
         .name(&case.module)
         .out_dir(folder.join("src"))
         .c99(folder)
-        .c99_options(Options::of(Scalar::F64))
         .emit()
         .unwrap();
 }

@@ -1,5 +1,6 @@
 //! Source text from programs.
 
+#[cfg(feature = "c99")]
 pub mod c;
 pub mod header;
 pub mod listing;

@@ -23,6 +23,7 @@ use super::header::{self, Row};
 use super::listing::{Listing, Results};
 use crate::Error;
 use crate::emit::names;
+use crate::error::Problem;
 use body::Body;
 use printed::Notes;
 use sesc_model::expr::Argument;
@@ -47,10 +48,11 @@ const METHOD: [&str; 2] = [
 /// When `name` is no Rust module name.
 pub fn module(model: &Model, name: &str) -> Result<String, Error> {
     if !names::is_module_name(name) {
-        return Err(Error::BadName {
+        return Err(Problem::BadName {
             name: name.to_string(),
             suggestion: names::suggest(name),
-        });
+        }
+        .into());
     }
     let rows = header::rows(model);
     let unit = Ident::new(&names::type_name(name), Span::call_site());

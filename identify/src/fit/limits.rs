@@ -50,11 +50,7 @@ impl Limits {
                 high: [0.0; 3],
             };
             let mut extent = frame.holding(link.inertial.origin.xyz);
-            for joint in description
-                .joints
-                .iter()
-                .filter(|j| j.parent == link.name)
-            {
+            for joint in description.joints.iter().filter(|j| j.parent == link.name) {
                 extent = extent.holding(joint.origin.xyz);
             }
             let sides = [0, 1, 2].map(|axis| extent.high[axis] - extent.low[axis]);

@@ -34,10 +34,7 @@ const GYRATION_M: f64 = 0.02;
 ///
 /// # Errors
 /// When the text of the description was changed and is no URDF any more.
-pub fn edit_masses(
-    description: &Description,
-    weights: &[Option<Weight>],
-) -> Result<String, Error> {
+pub fn edit_masses(description: &Description, weights: &[Option<Weight>]) -> Result<String, Error> {
     let source = Source::of(description)?;
     let document = source.document()?;
     let mut edits = Edits::new(&source, &description.text);

@@ -136,7 +136,7 @@ fn damage_is_survived() {
             Ok(description) => {
                 loaded += 1;
                 // Whether urdf_rs has read it or not, it is the same robot.
-                let [draft, read] = robot::tests::both(&description.text);
+                let [draft, read] = reader::tests::both(&description.text);
                 assert_eq!(draft, read, "{}", description.text);
             }
             Err(Error::Faulty(complaints)) => {

@@ -28,7 +28,11 @@ pub(super) struct MimicDraft {
     pub(super) offset: f64,
 }
 
-pub(super) fn read_joint(reader: &mut Reader<'_>, node: Node<'_, '_>, version: Version) -> JointDraft {
+pub(super) fn read_joint(
+    reader: &mut Reader<'_>,
+    node: Node<'_, '_>,
+    version: Version,
+) -> JointDraft {
     let line = reader.line(node);
     let (name, subject) = reader.subject(node, "joint");
     let kind = read_kind(reader, node, &subject);

@@ -15,7 +15,11 @@ pub(super) struct LinkDraft {
     pub(super) inertial: Option<Inertial>,
 }
 
-pub(super) fn read_link(reader: &mut Reader<'_>, node: Node<'_, '_>, version: Version) -> LinkDraft {
+pub(super) fn read_link(
+    reader: &mut Reader<'_>,
+    node: Node<'_, '_>,
+    version: Version,
+) -> LinkDraft {
     let line = reader.line(node);
     let (name, subject) = reader.subject(node, "link");
     let inertial = match reader.only(node, "inertial", &subject) {

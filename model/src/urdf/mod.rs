@@ -9,7 +9,7 @@
 //! The scan bounds what any reader sees ([`limits`]) and takes out what some
 //! stumble over, so that no input can panic or overflow the stack. `urdf_rs` reads
 //! the scanned text; the draft knows where everything stands, finds all faults at
-//! once, and fills in what `urdf_rs` does not read (`robot`). Types of `urdf_rs` do
+//! once, and fills in what `urdf_rs` does not read (`reader`). Types of `urdf_rs` do
 //! not leave this folder.
 
 mod check;
@@ -27,6 +27,8 @@ mod link;
 mod mimic;
 mod nearest;
 mod origin;
+#[cfg(feature = "urdf-rs")]
+mod reader;
 mod report;
 mod robot;
 mod rotation;

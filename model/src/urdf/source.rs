@@ -26,7 +26,8 @@ impl<'a> Source<'a> {
     /// Mend `text`, which may start with a byte order mark.
     pub(super) fn new(text: &'a str, file: &'a str) -> Result<Source<'a>, Error> {
         let plain = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let mended = scan::scan(plain).map_err(|fault| fault.into_complaint(file, plain.as_bytes()))?;
+        let mended =
+            scan::scan(plain).map_err(|fault| fault.into_complaint(file, plain.as_bytes()))?;
         Ok(Source {
             text: plain,
             mended,

@@ -138,16 +138,8 @@ fn joints_keep_document_order_and_may_precede_links() {
          <link name='c'/><joint name='a' type='fixed'><child link='b'/><parent link='root'/></joint>\
          <link name='root'><inertial><mass value='1'/></inertial></link><link name='b'/></robot>",
     );
-    let links: Vec<&str> = description
-        .links
-        .iter()
-        .map(|l| l.name.as_str())
-        .collect();
-    let joints: Vec<&str> = description
-        .joints
-        .iter()
-        .map(|j| j.name.as_str())
-        .collect();
+    let links: Vec<&str> = description.links.iter().map(|l| l.name.as_str()).collect();
+    let joints: Vec<&str> = description.joints.iter().map(|j| j.name.as_str()).collect();
     assert_eq!(links, ["c", "root", "b"]);
     assert_eq!(joints, ["z", "a"]);
 }
@@ -263,10 +255,7 @@ fn mimics_have_defaults_and_may_follow_mimics() {
         .filter_map(|joint| joint.mimic.as_ref())
         .map(|mimic| (mimic.joint.as_str(), mimic.multiplier, mimic.offset))
         .collect();
-    assert_eq!(
-        mimics,
-        [("j1", 1.0, 0.0), ("j2", -2.0, 0.5)]
-    );
+    assert_eq!(mimics, [("j1", 1.0, 0.0), ("j2", -2.0, 0.5)]);
 }
 
 #[test]

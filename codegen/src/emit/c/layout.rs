@@ -10,6 +10,7 @@ use minijinja::{Environment, context};
 
 use super::{Options, Package, Scalar};
 use crate::Error;
+use crate::error::Problem;
 use sesc_model::Model;
 
 /// What a package is made for.
@@ -80,11 +81,12 @@ pub fn files(
     layout: Layout,
 ) -> Result<Vec<(PathBuf, String)>, Error> {
     if layout.taken().contains(&name.to_lowercase().as_str()) {
-        return Err(Error::TakenName {
+        return Err(Problem::TakenName {
             name: name.to_string(),
             layout: layout.name(),
             suggestion: format!("{name}_robot"),
-        });
+        }
+        .into());
     }
     let (headers, sources) = match layout {
         Layout::Bare => ("", ""),
@@ -180,8 +182,9 @@ fn render(template: &str, texts: &Value) -> Result<String, Error> {
         .add_template("call.c", include_str!("templates/layout/call.c"))
         .and_then(|()| environment.render_str(template, texts))
         .map(|text| text + "\n")
-        .map_err(|error| Error::Emitted {
-            reason: format!("{error:#}"),
+        .map_err(|error| {
+            let reason = format!("{error:#}");
+            Problem::Emitted { reason }.into()
         })
 }
 

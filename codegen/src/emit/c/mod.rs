@@ -27,6 +27,7 @@ use minijinja::{Environment, context};
 use serde::Serialize;
 
 use crate::Error;
+use crate::error::Problem;
 use helpers::Calls;
 pub use prefix::{is_prefix, suggest};
 pub use servos::{Servos, Setting};
@@ -95,10 +96,11 @@ pub struct Package {
 /// quantity does not fit 32-bit fixed point.
 pub fn package(model: &Model, name: &str, options: &Options) -> Result<Package, Error> {
     if !is_prefix(name) {
-        return Err(Error::BadPrefix {
+        return Err(Problem::BadPrefix {
             name: name.to_string(),
             suggestion: suggest(name),
-        });
+        }
+        .into());
     }
     let mut notes = Vec::new();
     let ticks = ticks::Ticks::of(model, options, &mut notes)?;
@@ -157,8 +159,9 @@ fn render(template: &str, texts: &Value) -> Result<String, Error> {
         .get_template(template)
         .and_then(|template| template.render(texts))
         .map(|text| columns::fitted(&text))
-        .map_err(|error| Error::Emitted {
-            reason: format!("{error:#}"),
+        .map_err(|error| {
+            let reason = format!("{error:#}");
+            Problem::Emitted { reason }.into()
         })
 }
 

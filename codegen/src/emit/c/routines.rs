@@ -4,6 +4,7 @@ use super::Scalar;
 use super::routine::{Input, Routine};
 use super::ticks::Ticks;
 use crate::Error;
+use crate::error::Problem;
 use sesc_model::bounds::{Overflow, Quantity, Unfit};
 use sesc_model::expr::Argument;
 use sesc_model::program::Program;
@@ -59,14 +60,15 @@ pub(super) fn routines(
         };
         // An iteration has no proven bound; its header says so.
         if !routine.bound.is_finite() && routine.function != Function::CorrectCop {
-            return Err(match routine.counts.other {
-                0 => Error::Unbounded {
+            let problem = match routine.counts.other {
+                0 => Problem::Unbounded {
                     function: routine.name(),
                 },
-                _ => Error::UnboundedEffect {
+                _ => Problem::UnboundedEffect {
                     function: routine.name(),
                 },
-            });
+            };
+            return Err(problem.into());
         }
     }
     Ok(routines)
@@ -100,16 +102,16 @@ fn routine(
     })
 }
 
-fn no_fixed_point(model: &Model, function: Function, unfit: &Unfit) -> Error {
+fn no_fixed_point(model: &Model, function: Function, unfit: &Unfit) -> Problem {
     match unfit {
         Unfit::Overflow(overflow) => too_large(model, function, overflow),
-        Unfit::Operation => Error::NoFixedPoint {
+        Unfit::Operation => Problem::NoFixedPoint {
             function: function.name(),
         },
     }
 }
 
-fn too_large(model: &Model, function: Function, overflow: &Overflow) -> Error {
+fn too_large(model: &Model, function: Function, overflow: &Overflow) -> Problem {
     let what = match overflow.angle {
         true => "an angle needs 16 bits below its point",
         false => "32 bits do not hold it",
@@ -127,7 +129,7 @@ fn too_large(model: &Model, function: Function, overflow: &Overflow) -> Error {
         Quantity::Step(title) => of_function(&format!("a step for `{title}`")),
         Quantity::Intermediate => of_function("an intermediate result"),
     };
-    Error::Overflow {
+    Problem::Overflow {
         reason: format!(
             "{quantity} may reach {:.3e}; {what} (the robot reaches {:.3e} m)",
             overflow.size,

@@ -22,6 +22,7 @@ use std::path::Path;
 use serde::Deserialize;
 
 use crate::Error;
+use crate::error::Problem;
 use sesc_model::tree::Dof;
 
 /// What a servo file says of one joint, or of all.
@@ -97,12 +98,13 @@ impl Servos {
     /// When it cannot be read or is no servo file.
     pub fn read(path: &Path) -> Result<Servos, Error> {
         let file = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|source| Error::Read {
+        let text = std::fs::read_to_string(path).map_err(|source| Problem::Read {
             file: file.clone(),
             source,
         })?;
-        toml::from_str(&text).map_err(|error| Error::Servos {
-            reason: format!("{file}: {error}"),
+        toml::from_str(&text).map_err(|error| {
+            let reason = format!("{file}: {error}");
+            Problem::Servos { reason }.into()
         })
     }
 
@@ -111,12 +113,13 @@ impl Servos {
         let known = |name: &String| dofs.iter().any(|dof| &dof.joint == name);
         if let Some(stray) = self.joints.keys().find(|name| !known(name)) {
             let joints: Vec<&str> = dofs.iter().map(|dof| dof.joint.as_str()).collect();
-            return Err(Error::Servos {
+            return Err(Problem::Servos {
                 reason: format!(
                     "no joint `{stray}` to set a servo of; the robot has {}",
                     joints.join(", ")
                 ),
-            });
+            }
+            .into());
         }
         dofs.iter().map(|dof| self.servo(dof)).collect()
     }
@@ -124,8 +127,9 @@ impl Servos {
     fn servo(&self, dof: &Dof) -> Result<Option<Servo>, Error> {
         let own = self.joints.get(&dof.joint);
         let first = |get: fn(&Setting) -> Option<f64>| own.and_then(get).or(get(&self.default));
-        let bad = |what: String| Error::Servos {
-            reason: format!("servo of joint `{}`: {what}", dof.joint),
+        let bad = |what: String| -> Error {
+            let reason = format!("servo of joint `{}`: {what}", dof.joint);
+            Problem::Servos { reason }.into()
         };
         let sign = own.and_then(|s| s.sign).or(self.default.sign).unwrap_or(1);
         if sign.abs() != 1 {

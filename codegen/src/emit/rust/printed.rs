@@ -8,6 +8,7 @@ use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
 use crate::Error;
+use crate::error::Problem;
 use crate::emit::header::printable;
 
 /// Longest line of code.
@@ -77,7 +78,7 @@ fn number_text(x: f64) -> String {
 
 /// Items below a comment.
 pub(super) fn file(items: TokenStream, about: &[String], notes: &Notes) -> Result<String, Error> {
-    let file = syn::parse2(items).map_err(|error| Error::Emitted {
+    let file = syn::parse2(items).map_err(|error| Problem::Emitted {
         reason: error.to_string(),
     })?;
     let printed = prettyplease::unparse(&file);
