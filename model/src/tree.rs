@@ -242,7 +242,7 @@ fn name_some<'a>(asked: &str, names: impl Iterator<Item = &'a str>) -> String {
 impl Description {
     /// The independent joints in document order: the same on every support.
     pub fn dofs(&self) -> Vec<Dof> {
-        coordinates(&self.robot).0
+        coordinates(self).0
     }
 }
 
