@@ -8,8 +8,8 @@ use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
 use crate::Error;
-use crate::error::Problem;
 use crate::emit::header::printable;
+use crate::error::Problem;
 
 /// Longest line of code.
 const WIDTH: usize = 100;
