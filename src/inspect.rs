@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 
 use nalgebra::DMatrix;
 use serde::Serialize;
-use sesc_model::base::Column;
+use sesc_model::base::{Column, Unobservable};
 use sesc_model::bounds::Precision;
 use sesc_model::program::Counts;
+use sesc_model::tree::Snap;
 use sesc_model::{Function, Given, Model, numeric};
 
 use sesc_identify::evaluate::Evaluator;
@@ -36,7 +37,7 @@ pub struct Inspection {
     pub unobservable: Vec<Unobservable>,
     pub snaps: Vec<Snap>,
     pub notes: Vec<String>,
-    pub operations: BTreeMap<&'static str, Operations>,
+    pub operations: BTreeMap<&'static str, Counts>,
     pub rounding_bound: BTreeMap<&'static str, Rounding>,
 }
 
@@ -55,11 +56,11 @@ pub struct Body {
     pub body: String,
     pub joint: Option<String>,
     pub parent: Option<String>,
-    /// B_i as a product of turns.
+    /// B_i as a product of rotations.
     pub orientation: String,
     /// CAD value of r_i, m, in the body's link frame.
     pub r: [f64; 3],
-    /// CAD value of s_i of a sliding body.
+    /// CAD value of s_i of a prismatic body.
     pub s: Option<f64>,
     pub mass_kg: f64,
     pub links: Vec<String>,
@@ -70,54 +71,8 @@ pub struct Body {
 pub struct Parameter {
     pub name: String,
     pub cad: f64,
-    /// `m`, or `1` for the mass fraction s of a sliding joint.
+    /// `m`, or `1` for the mass fraction s of a prismatic joint.
     pub unit: &'static str,
-}
-
-/// A direction no data can see.
-#[derive(Debug, Clone, Serialize)]
-pub struct Unobservable {
-    pub name: String,
-    pub sentence: String,
-}
-
-/// A right angle that was made exact.
-#[derive(Debug, Clone, Serialize)]
-pub struct Snap {
-    pub joint: String,
-    /// rad
-    pub angle_error: f64,
-    /// m
-    pub com_error: f64,
-}
-
-/// Exact operation counts of one function.
-#[derive(Debug, Clone, Serialize)]
-pub struct Operations {
-    pub mul: usize,
-    pub add: usize,
-    pub sin_cos: usize,
-    /// Operations on angles before their sine and cosine.
-    pub angle: usize,
-    /// Divisions, clamps and powers of effects; left out where there are none.
-    #[serde(skip_serializing_if = "is_zero")]
-    pub other: usize,
-}
-
-fn is_zero(count: &usize) -> bool {
-    *count == 0
-}
-
-impl From<Counts> for Operations {
-    fn from(counts: Counts) -> Operations {
-        Operations {
-            mul: counts.mul,
-            add: counts.add,
-            sin_cos: counts.sin_cos,
-            angle: counts.angle,
-            other: counts.other,
-        }
-    }
 }
 
 /// Proven rounding bounds of one function, m.
@@ -136,7 +91,7 @@ pub fn inspect(model: &Model) -> Inspection {
         let Some(program) = model.program(function, Given::Positions) else {
             continue;
         };
-        operations.insert(function.name(), program.counts().into());
+        operations.insert(function.name(), program.counts());
         let bound = |precision| model.rounding(&program, precision).worst;
         rounding_bound.insert(
             function.name(),
@@ -175,23 +130,8 @@ pub fn inspect(model: &Model) -> Inspection {
                 },
             })
             .collect(),
-        unobservable: base
-            .unobservable
-            .iter()
-            .map(|direction| Unobservable {
-                name: direction.name.clone(),
-                sentence: direction.sentence.clone(),
-            })
-            .collect(),
-        snaps: tree
-            .snaps
-            .iter()
-            .map(|snap| Snap {
-                joint: snap.joint.clone(),
-                angle_error: snap.angle_error,
-                com_error: snap.com_error,
-            })
-            .collect(),
+        unobservable: base.unobservable.clone(),
+        snaps: tree.snaps.clone(),
         notes: tree.notes.clone(),
         operations,
         rounding_bound,

@@ -17,6 +17,7 @@ use crate::Error;
 use sesc_identify::evaluate::Evaluator;
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
+use sesc_identify::{Watch, tell};
 
 /// Derivatives by differences are this exact, relative to the robot's size.
 const DIFFERENCES: f64 = 2e-10;
@@ -46,14 +47,19 @@ pub fn reference(robot: &Robot, support: &str) -> Result<Reference, Error> {
     Ok(Reference::new(&read, support)?)
 }
 
-/// Compare on `samples` random postures and as many corners as joints allow.
+/// Compare `model` of `robot` with the reference, on `samples` random postures and as
+/// many corners as joints allow.
+///
+/// # Errors
+/// When the reference cannot read the URDF; when `watch` stops the comparison.
 pub fn verify(
+    robot: &Robot,
     model: &Model,
-    reference: &Reference,
     samples: usize,
     seed: u64,
-    progress: impl Fn(usize, usize),
-) -> Verification {
+    watch: &mut dyn Watch,
+) -> Result<Verification, Error> {
+    let reference = &reference(robot, &model.tree.links[model.tree.support].name)?;
     let mut postures = Simulator::new(&model.tree.dofs, None, seed).batch(samples);
     postures.extend(corners(model, seed));
     let dof = model.dof();
@@ -99,18 +105,18 @@ pub fn verify(
                 };
             }
         }
-        progress(start + n, count);
+        tell(watch, "comparing", (start + n) as u64, count as u64)?;
     }
     // A function without outputs (the Jacobian of a robot without joints) is right.
     for name in bound.keys() {
         worst.entry(name.clone()).or_default();
     }
-    Verification {
+    Ok(Verification {
         pass: worst.iter().all(|(name, error)| *error <= bound[name]),
         samples: count,
         worst_error: worst,
         bound,
-    }
+    })
 }
 
 /// All joints at their lower ends, all at their upper, and mixtures of ends.
@@ -160,7 +166,8 @@ impl Truth {
         };
         match (function, &self.derivatives) {
             (Function::Com | Function::Cop, _) => largest(values, &self.com),
-            (Function::CorrectCop, _) => unreachable!("a function of no posture"),
+            // Not of a posture: nothing to compare.
+            (Function::CorrectCop, _) => 0.0,
             (Function::Regressor | Function::RegressorCop, _) => {
                 largest(&explained(model.cad_params()), &self.com)
             }
@@ -215,9 +222,9 @@ pub fn allowed(model: &Model, function: Function, given: Given) -> f64 {
         Function::ComJacobian | Function::GravityMoments => {
             // A column is a × S: turning what is below the joint by ε changes it by
             // what it moves the CoM, turning the joint itself by no more. The
-            // direction of a slide turns as a whole.
-            let slides = model.tree.dofs.iter().any(|dof| dof.prismatic);
-            let turned = if slides { snapped + tilted } else { snapped };
+            // axis of a prismatic joint turns as a whole.
+            let prismatic = model.tree.dofs.iter().any(|dof| dof.prismatic);
+            let turned = if prismatic { snapped + tilted } else { snapped };
             2.0 * rounding(function, given)
                 + model.largest_tie() * (DIFFERENCES * model.reach() + turned)
         }

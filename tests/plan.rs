@@ -1,7 +1,8 @@
-//! `sesc plan`: what planned postures are worth, that they can be stood in, and
+//! `sesc plan`: how efficient planned postures are, that they can be stood in, and
 //! what is refused.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng as _;
@@ -30,22 +31,18 @@ fn paper_limits() -> String {
     format!("{ROOT}/robots/op2/limits_paper.csv")
 }
 
-fn op2_plan(prior: &str, seed: u64, candidates: usize) -> (Robot, Model, Plan) {
+fn op2_plan(prior: &str, seed: u64, candidates: usize) -> (Arc<Robot>, Arc<Model>, Plan) {
     let robot = Robot::parse(OP2_URDF, "op2.urdf").unwrap();
     let model = robot.model("r_sole", Snapping::default(), None).unwrap();
-    let request = Request {
-        poses: POSES,
-        candidates: Some(candidates),
-        region: Region::square(COP_BOX, 0.0).unwrap(),
-        sigmas: 2.0,
-        limits: Limits::read(Path::new(&paper_limits()), &model.tree.dofs).unwrap(),
-        prior: Prior::named(prior, &model).unwrap(),
-        noise: NOISE,
-        clearance: 0.005,
-        seed,
-        folder: None,
-    };
-    let found = plan(&robot, &model, &request, &|_, _, _| ()).unwrap();
+    let (robot, model) = (Arc::new(robot), Arc::new(model));
+    let region = Region::square(COP_BOX, 0.0).unwrap();
+    let mut request = Request::new(robot.clone(), model.clone(), POSES, region);
+    request.candidates = Some(candidates);
+    request.limits = Limits::read(Path::new(&paper_limits()), &model.tree.dofs).unwrap();
+    request.prior = Prior::named(prior, &model).unwrap();
+    request.noise = NOISE;
+    request.seed = seed;
+    let found = plan(&request, &mut ()).unwrap();
     (robot, model, found)
 }
 
@@ -330,19 +327,13 @@ fn planned_postures_do_not_collide() {
     );
     let robot = Robot::parse(&urdf, "pair.urdf").unwrap();
     let model = robot.model("foot", Snapping::default(), None).unwrap();
-    let request = Request {
-        poses: 10,
-        candidates: Some(300),
-        region: Region::square(0.1, 0.0).unwrap(),
-        sigmas: 1.0,
-        limits: Limits::of_urdf(&model.tree.dofs),
-        prior: Prior::named("cad", &model).unwrap(),
-        noise: NOISE,
-        clearance: 0.005,
-        seed: 1,
-        folder: None,
-    };
-    let found = plan(&robot, &model, &request, &|_, _, _| ()).unwrap();
+    let (robot, model) = (Arc::new(robot), Arc::new(model));
+    let region = Region::square(0.1, 0.0).unwrap();
+    let mut request = Request::new(robot.clone(), model.clone(), 10, region);
+    request.candidates = Some(300);
+    request.sigmas = 1.0;
+    request.noise = NOISE;
+    let found = plan(&request, &mut ()).unwrap();
     let reference = sesc::verify::reference(&robot, "foot").unwrap();
     let hand = |side: &str| {
         reference

@@ -17,11 +17,13 @@ pub mod lsq;
 pub mod observations;
 pub mod output;
 pub mod plan;
+pub mod predict;
 pub mod robot;
 pub mod simulate;
+pub mod stance;
 mod watch;
 mod words;
 
 pub use error::{Error, ErrorKind};
-pub use watch::{Progress, Watch};
+pub use watch::{Progress, Watch, tell};
 pub use words::{Message, Piece, Setting};

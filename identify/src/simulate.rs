@@ -1,9 +1,168 @@
 //! Posture logs of an ideal robot: uniform postures, Gaussian CoP noise.
 
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, Normal};
 use sesc_model::tree::Dof;
+use sesc_model::{Function, Model};
+
+use crate::evaluate::Evaluator;
+use crate::logs::{LogSource, PostureWriter, Row, Sidecar, Table, Written};
+use crate::watch::{Watch, tell};
+use crate::{Error, Setting, message};
+
+/// Postures evaluated together.
+const BLOCK: usize = 4096;
+
+/// What is to be simulated.
+#[derive(Clone)]
+#[non_exhaustive]
+pub struct Request {
+    /// The robot on its support, with the parameters and effects it really has.
+    pub model: Arc<Model>,
+    /// Number of postures.
+    pub poses: usize,
+    /// Draw revolute joints within ± this of zero and within their limits, rad; else
+    /// within their limits.
+    pub range: Option<f64>,
+    /// Standard deviation of the CoP noise, m.
+    pub noise: f64,
+    /// Seed of postures and noise.
+    pub seed: u64,
+}
+
+impl Request {
+    /// As many postures within the joint limits, without noise.
+    pub fn new(model: impl Into<Arc<Model>>, poses: usize) -> Request {
+        Request {
+            model: model.into(),
+            poses,
+            range: None,
+            noise: 0.0,
+            seed: 1,
+        }
+    }
+
+    fn check(&self) -> Result<(), Error> {
+        if let Some(range) = self.range.filter(|r| !(r.is_finite() && *r > 0.0)) {
+            let remedy = format!(" {range}: give an angle above zero");
+            return Err(Error::request(message![Setting::Range, remedy]));
+        }
+        let noise = self.noise;
+        if !(noise.is_finite() && noise >= 0.0) {
+            let remedy = format!(" {noise}: give metres, zero or more");
+            return Err(Error::request(message![Setting::Noise, remedy]));
+        }
+        Ok(())
+    }
+
+    /// Simulate posture by posture.
+    fn run(
+        &self,
+        watch: &mut dyn Watch,
+        mut take: impl FnMut(&Row) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let model = &*self.model;
+        let mut simulator = Simulator::new(&model.tree.dofs, self.range, self.seed);
+        let evaluator = Evaluator::new(model, Function::Cop);
+        let dof = model.dof();
+        for start in (0..self.poses).step_by(BLOCK) {
+            tell(watch, "simulating", start as u64, self.poses as u64)?;
+            let n = BLOCK.min(self.poses - start);
+            let q = simulator.batch(n);
+            let readings = evaluator.run(&q, n);
+            for (k, cop) in readings.chunks_exact(2).enumerate() {
+                take(&Row {
+                    pose: (start + k) as i64,
+                    q: &q[k * dof..(k + 1) * dof],
+                    cop: [cop[0], cop[1]].map(|x| x + simulator.gauss(self.noise)),
+                    cop_std: [self.noise; 2],
+                    ..Row::default()
+                })?;
+            }
+        }
+        Ok(())
+    }
+
+    fn columns(&self) -> Written {
+        Written {
+            cop: true,
+            cop_std: self.noise > 0.0,
+            ..Written::default()
+        }
+    }
+
+    fn sidecar(&self) -> Sidecar {
+        let tree = &self.model.tree;
+        Sidecar {
+            robot: Some(tree.robot.clone()),
+            support: Some(tree.links[tree.support].name.clone()),
+            ..Sidecar::default()
+        }
+    }
+}
+
+/// A simulated log in memory, as a file of it would be read.
+///
+/// ```
+/// use sesc_identify::robot::Robot;
+/// use sesc_identify::simulate::{Request, simulate};
+/// use sesc_identify::stance::Stance;
+///
+/// # let urdf = "<robot name='pole'><link name='foot'/><link name='top'><inertial>\
+/// #   <mass value='2'/></inertial></link><joint name='hip' type='revolute'>\
+/// #   <parent link='foot'/><child link='top'/><origin xyz='0.1 0 1'/><axis xyz='0 1 0'/>\
+/// #   <limit lower='-1' upper='1'/></joint></robot>";
+/// let robot = Robot::parse(urdf, "pole.urdf")?;
+/// let mut request = Request::new(Stance::new(robot).on("foot").model()?, 100);
+/// request.noise = 0.001;
+/// let log = simulate(&request, &mut ())?;
+/// assert_eq!(log.sidecar()?.0.support.as_deref(), Some("foot"));
+/// # Ok::<(), sesc_identify::Error>(())
+/// ```
+///
+/// # Errors
+/// A request that makes no sense.
+pub fn simulate(request: &Request, watch: &mut dyn Watch) -> Result<LogSource, Error> {
+    request.check()?;
+    let dofs = &request.model.tree.dofs;
+    let mut poses = Vec::with_capacity(request.poses);
+    let mut columns = vec![Vec::with_capacity(request.poses); dofs.len() + 2];
+    request.run(watch, |row| {
+        poses.push(row.pose);
+        let numbers = row.q.iter().chain(&row.cop);
+        for (column, x) in columns.iter_mut().zip(numbers) {
+            column.push(*x);
+        }
+        Ok(())
+    })?;
+    let mut table = Table::new("simulation").integers("pose", poses);
+    let names = dofs.iter().map(|dof| dof.joint.as_str());
+    for (name, column) in names.chain(["cop_x", "cop_y"]).zip(columns) {
+        table = table.numbers(name, column);
+    }
+    if request.noise > 0.0 {
+        for name in ["cop_x_std", "cop_y_std"] {
+            table = table.numbers(name, vec![request.noise; request.poses]);
+        }
+    }
+    Ok(LogSource::from(table).with_sidecar(request.sidecar()))
+}
+
+/// Simulate a log of any length into the file at `path`; gives back where its sidecar is.
+///
+/// # Errors
+/// A request that makes no sense, a file that cannot be written.
+pub fn write(request: &Request, path: &Path, watch: &mut dyn Watch) -> Result<PathBuf, Error> {
+    request.check()?;
+    let dofs = &request.model.tree.dofs;
+    let mut log = PostureWriter::create(path, dofs, request.columns())?;
+    request.run(watch, |row| log.row(row))?;
+    log.finish(&request.sidecar())
+}
 
 /// Seeded postures and noise; the same numbers on every machine.
 pub struct Simulator {
@@ -14,7 +173,7 @@ pub struct Simulator {
 
 impl Simulator {
     /// Postures uniform within the limits, and within ±`range` rad of zero
-    /// where one is given (turning joints only).
+    /// where one is given (revolute joints only).
     pub fn new(dofs: &[Dof], range: Option<f64>, seed: u64) -> Simulator {
         // Two streams: more noise draws never change the postures.
         let mut noise = ChaCha8Rng::seed_from_u64(seed);

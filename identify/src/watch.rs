@@ -24,6 +24,9 @@ pub trait Watch {
     /// [`Interrupted`](crate::ErrorKind::Interrupted), and nothing is written.
     fn progress(&mut self, progress: Progress) -> ControlFlow<()>;
 
+    /// Hear what was assumed about the robot.
+    fn note(&mut self, _: &str) {}
+
     /// Hear what is odd about the input.
     fn warning(&mut self, _: &Message) {}
 }
@@ -41,19 +44,24 @@ impl Watch for () {
     }
 }
 
-/// Tell `watch` how far the call is.
+/// The error of a call that was stopped.
+pub(crate) fn stopped(flow: ControlFlow<()>) -> Result<(), Error> {
+    match flow {
+        ControlFlow::Continue(()) => Ok(()),
+        ControlFlow::Break(()) => Err(Error::interrupted()),
+    }
+}
+
+/// Tell `watch` how far a call is, in front ends' own long calls too.
 ///
 /// # Errors
 /// When it wants the call stopped.
-pub(crate) fn tell(
+pub fn tell(
     watch: &mut (impl Watch + ?Sized),
     what: &'static str,
     done: u64,
     total: impl Into<Option<u64>>,
 ) -> Result<(), Error> {
     let total = total.into();
-    match watch.progress(Progress { what, done, total }) {
-        ControlFlow::Continue(()) => Ok(()),
-        ControlFlow::Break(()) => Err(Error::interrupted()),
-    }
+    stopped(watch.progress(Progress { what, done, total }))
 }

@@ -6,6 +6,8 @@
 
 use std::collections::{HashMap, HashSet};
 
+use serde::Serialize;
+
 use crate::expr::{Argument, Expr, Graph, Id, Product, Vector, VectorId};
 
 /// An input array.
@@ -42,7 +44,7 @@ pub enum Shape {
 ///
 /// Operations that only form the argument of a sine and cosine (a constant in
 /// the angle, a mimic's multiplier) belong to it and are counted as `angle`.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct Counts {
     /// Multiplications.
     pub mul: usize,
@@ -53,9 +55,16 @@ pub struct Counts {
     /// Operations on angles before their sine and cosine.
     pub angle: usize,
     /// Sign changes that no addition absorbs.
+    #[serde(skip)]
     pub neg: usize,
-    /// Divisions, clamps and powers, which only effects need.
+    /// Divisions, clamps and powers, which only effects need; left out of JSON where
+    /// there are none.
+    #[serde(skip_serializing_if = "is_zero")]
     pub other: usize,
+}
+
+fn is_zero(count: &usize) -> bool {
+    *count == 0
 }
 
 /// One node of a program.

@@ -14,6 +14,7 @@
 use std::collections::HashMap;
 
 use nalgebra::{Matrix3, Vector3};
+use serde::Serialize;
 
 use crate::Error;
 use crate::snap::{self, Snapping};
@@ -88,7 +89,7 @@ pub struct Dof {
 }
 
 /// A right angle that was made exact.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Snap {
     pub joint: String,
     /// Between the written and the exact rotation, rad.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Outcome, message, print, progress};
+use super::{Bar, Outcome, message, print};
 use crate::Error;
 use crate::demo::{self, Demo};
 use crate::report::html;
@@ -25,12 +25,7 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
-    let bar = progress("verifying");
-    let demo = demo::run(arguments.seed, |done, all| {
-        bar.set_length(all as u64);
-        bar.set_position(done as u64);
-    })?;
-    bar.finish_and_clear();
+    let demo = demo::run(arguments.seed, &mut Bar::new("verifying"))?;
     let page = html::demo(&demo.report).map_err(|error| Error::Report(Box::new(error)))?;
     if let Some(folder) = arguments.out.parent().filter(|f| !f.as_os_str().is_empty()) {
         std::fs::create_dir_all(folder).map_err(|source| output::failed(folder, source))?;

@@ -34,8 +34,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Identified parameters, and their support unless --support is given: MODEL_PARAMS in Rust,
-    /// functions with constants folded in C. Its effects are part of cop, the reading that is
-    /// foretold; correct_cop, there where the sensor has effects, frees a reading from those
+    /// functions with constants folded in C. Its effects are part of cop, the predicted reading;
+    /// correct_cop inverts the sensor effects, where there are any
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
     /// C: what to put around the two files; bare unless given
@@ -45,7 +45,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "BOOL")]
     ticks: Option<bool>,
     /// C: each joint's servo, implies --ticks true; TOML: [default] zero = 2048, sign = 1,
-    /// resolution = 4096; [joints.NAME] likewise, metres_per_tick for sliding joints
+    /// resolution = 4096; [joints.NAME] likewise, metres_per_tick for prismatic joints
     #[arg(long, value_name = "FILE")]
     servos: Option<PathBuf>,
 }

@@ -16,6 +16,7 @@ use std::io::{IsTerminal as _, Write as _};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Arc;
 
 use clap::{Args, Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -24,6 +25,7 @@ use sesc_model::{Model, ModelFile, Snapping};
 use crate::Error;
 use sesc_identify::output;
 use sesc_identify::robot::Robot;
+use sesc_identify::stance::Stance;
 use sesc_identify::{Message, Progress, Watch};
 
 /// Centre of mass by the statically equivalent serial chain: from a URDF to
@@ -128,53 +130,25 @@ impl RobotArguments {
         }
     }
 
-    /// The support from the flag, else from a log or its sidecar, else from a model file.
-    fn support(
-        &self,
-        robot: &Robot,
-        logged: Option<&str>,
-        file: Option<&ModelFile>,
-    ) -> Result<String, Error> {
-        self.support
-            .as_deref()
-            .or(logged)
-            .or(file.map(|file| file.support.as_str()))
-            .map(str::to_string)
-            .ok_or_else(|| {
-                let links: Vec<&str> = robot.description.link_names().take(12).collect();
-                Error::Usage(format!(
-                    "no support link given; add --support LINK (the robot has {}{})",
-                    links.join(", "),
-                    if robot.description.links.len() > links.len() {
-                        ", …"
-                    } else {
-                        ""
-                    }
-                ))
-            })
+    /// The robot, with the parameters of a model file if one is given.
+    fn stance(&self, model_file: Option<&Path>) -> Result<Stance, Error> {
+        let mut stance = Stance::new(Robot::read(&self.urdf)?);
+        stance.support.clone_from(&self.support);
+        stance.snapping = self.snapping();
+        Ok(match model_file {
+            Some(path) => stance.with_parameters(ModelFile::read(path)?)?,
+            None => stance,
+        })
     }
 
     /// Read the robot and build its model, saying on stderr what was noticed.
-    fn load(&self, model_file: Option<&Path>) -> Result<(Robot, Model), Error> {
-        let robot = Robot::read(&self.urdf)?;
-        let file = read_model(&robot, model_file)?;
-        let support = self.support(&robot, None, file.as_ref())?;
-        let model = robot.model(&support, self.snapping(), file.as_ref())?;
+    fn load(&self, model_file: Option<&Path>) -> Result<(Arc<Robot>, Model), Error> {
+        let stance = self.stance(model_file)?;
+        let model = stance.model()?;
         notes(&model);
         left_out(&model);
-        Ok((robot, model))
+        Ok((stance.robot, model))
     }
-}
-
-/// The model file, if one is given: read once, for it may be a pipe.
-fn read_model(robot: &Robot, path: Option<&Path>) -> Result<Option<ModelFile>, Error> {
-    let Some(path) = path else {
-        return Ok(None);
-    };
-    let file = ModelFile::read(path)?;
-    // Said before its support is looked for in a robot that it does not belong to.
-    file.check_robot(&robot.description.hash, &robot.description.file)?;
-    Ok(Some(file))
 }
 
 /// Notes about the robot, on stderr.
@@ -245,6 +219,10 @@ impl Watch for Bar {
         self.0.set_length(progress.total.unwrap_or(progress.done));
         self.0.set_position(progress.done);
         ControlFlow::Continue(())
+    }
+
+    fn note(&mut self, note: &str) {
+        self.0.suspend(|| message(&format!("note: {note}")));
     }
 
     fn warning(&mut self, warning: &Message) {

@@ -1,22 +1,18 @@
 //! `sesc plan`
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
-use sesc_model::Model;
 
-use super::{Outcome, RobotArguments, command_line, message, print, print_json, progress};
+use super::{Bar, Outcome, RobotArguments, command_line, message, print, print_json};
 use crate::Error;
 use crate::report;
 use sesc_identify::fit::prior::Prior;
-use sesc_identify::logs::{PostureWriter, Row, Sidecar, Written};
+use sesc_identify::logs::{PostureWriter, Sidecar, Written};
 use sesc_identify::output;
 use sesc_identify::plan::balance::Region;
 use sesc_identify::plan::limits::Limits;
-use sesc_identify::plan::{self, Plan, Request};
-
-/// |CoP| unless a sole is given: the seed paper's, m.
-const COP_BOX: f64 = 0.023;
+use sesc_identify::plan::{COP_BOX, Request, plan};
 
 /// Choose postures that tell most about the parameters, balanced and clear, in a short order
 #[derive(Args)]
@@ -39,7 +35,7 @@ pub(super) struct Arguments {
     /// Keep the CoP so far from the edge of box or sole, m
     #[arg(long, value_name = "M", default_value_t = 0.0)]
     margin: f64,
-    /// Keep it so many of its standard deviations from there
+    /// Safety margin of the CoP in standard deviations of its prediction
     #[arg(long, value_name = "K", default_value_t = 2.0)]
     sigmas: f64,
     /// Narrower joint limits: CSV `joint,lower_deg,upper_deg` (or _rad, _m)
@@ -71,7 +67,7 @@ pub(super) struct Arguments {
     /// Posture file to write (.csv, .csv.gz or .parquet); its sidecar gets the same name with .toml
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
-    /// Page to write: where the CoP is, what the postures are worth, what joints do
+    /// Page to write: where the CoP is, the error to expect, what joints do
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
     /// Print the result as JSON
@@ -80,82 +76,42 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
-    check(arguments)?;
     check_files(arguments)?;
-    let (robot, model) = arguments.robot.load(arguments.model.as_deref())?;
-    let dofs = &model.tree.dofs;
-    let request = Request {
-        poses: usize::try_from(arguments.poses).unwrap_or(usize::MAX),
-        candidates: arguments
-            .candidates
-            .map(|k| usize::try_from(k).unwrap_or(usize::MAX)),
-        region: match &arguments.sole {
-            Some(sole) => Region::sole(sole, arguments.margin)?,
-            None => Region::square(arguments.cop_box.unwrap_or(COP_BOX), arguments.margin)?,
-        },
-        sigmas: arguments.sigmas,
-        limits: match &arguments.limits {
-            Some(path) => Limits::read(path, dofs)?,
-            None => Limits::of_urdf(dofs),
-        },
-        prior: Prior::named(&arguments.prior, &model)?,
-        noise: arguments.noise,
-        clearance: arguments.clearance,
-        seed: arguments.seed,
-        folder: arguments.robot.urdf.parent(),
+    let region = match &arguments.sole {
+        Some(sole) => Region::sole(sole, arguments.margin)?,
+        None => Region::square(arguments.cop_box.unwrap_or(COP_BOX), arguments.margin)?,
     };
+    let (robot, model) = arguments.robot.load(arguments.model.as_deref())?;
+    let count = |k: u64| usize::try_from(k).unwrap_or(usize::MAX);
+    let mut request = Request::new(robot, model, count(arguments.poses), region);
+    request.candidates = arguments.candidates.map(count);
+    request.sigmas = arguments.sigmas;
+    if let Some(path) = &arguments.limits {
+        request.limits = Limits::read(path, &request.model.tree.dofs)?;
+    }
+    request.prior = Prior::named(&arguments.prior, &request.model)?;
+    request.noise = arguments.noise;
+    request.clearance = arguments.clearance;
+    request.seed = arguments.seed;
+    request.folder = arguments.robot.urdf.parent().map(PathBuf::from);
     // A file that cannot be written is better known before than after.
+    let dofs = &request.model.tree.dofs;
     let log = PostureWriter::create(&arguments.out, dofs, Written::default())?;
-    let bar = progress("planning");
-    let found = plan::plan(&robot, &model, &request, &|what, done, of| {
-        bar.set_message(what);
-        bar.set_length(of);
-        bar.set_position(done);
-    });
-    bar.finish_and_clear();
-    let found = found?;
-    write(log, &arguments.out, &model, &found)?;
+    let found = plan(&request, &mut Bar::new("planning"))?;
+    let sidecar = found.write(log)?;
+    let out = arguments.out.display();
+    message(&format!("wrote {out} and {}", sidecar.display()));
     if let Some(path) = &arguments.report {
-        let file = arguments.out.display().to_string();
-        let page = report::plan::page(&found, &file, &command_line());
+        let page = report::plan::page(&found, &out.to_string(), &command_line());
         let page = page.map_err(|error| Error::Report(Box::new(error)))?;
         output::write(path, &page)?;
         message(&format!("wrote {}", path.display()));
     }
-    if arguments.json {
-        print_json(&found)?;
-    } else {
-        print(&report::plan::text(&found))?;
+    match arguments.json {
+        true => print_json(&found)?,
+        false => print(&report::plan::text(&found))?,
     }
     Ok(Outcome::Ok)
-}
-
-fn check(arguments: &Arguments) -> Result<(), Error> {
-    let positive = |name: &str, value: f64| match value.is_finite() && value > 0.0 {
-        true => Ok(()),
-        false => Err(Error::Usage(format!(
-            "{name} {value}: give a number above zero"
-        ))),
-    };
-    let not_negative = |name: &str, value: f64| match value.is_finite() && value >= 0.0 {
-        true => Ok(()),
-        false => Err(Error::Usage(format!(
-            "{name} {value}: give a number, zero or more"
-        ))),
-    };
-    positive("--cop-box", arguments.cop_box.unwrap_or(COP_BOX))?;
-    positive("--noise", arguments.noise)?;
-    not_negative("--margin", arguments.margin)?;
-    not_negative("--sigmas", arguments.sigmas)?;
-    not_negative("--clearance", arguments.clearance)?;
-    if arguments.candidates.is_some_and(|k| k < arguments.poses) {
-        return Err(Error::Usage(format!(
-            "--candidates {} for --poses {}: give at least as many, twenty times as many choose well",
-            arguments.candidates.unwrap_or(0),
-            arguments.poses
-        )));
-    }
-    Ok(())
 }
 
 /// Nothing that is read is written, and nothing is written twice.
@@ -171,25 +127,4 @@ fn check_files(arguments: &Arguments) -> Result<(), Error> {
     written.extend(Some(&sidecar).filter(|path| **path != arguments.out));
     written.extend(&arguments.report);
     Ok(output::check(&read, &written)?)
-}
-
-fn write(mut log: PostureWriter, out: &Path, model: &Model, found: &Plan) -> Result<(), Error> {
-    for (pose, q) in found.postures().enumerate() {
-        log.row(&Row {
-            pose: pose as i64 + 1,
-            q,
-            ..Row::default()
-        })?;
-    }
-    let sidecar = log.finish(&Sidecar {
-        robot: Some(model.tree.robot.clone()),
-        support: Some(found.support.clone()),
-        ..Sidecar::default()
-    })?;
-    message(&format!(
-        "wrote {} and {}",
-        out.display(),
-        sidecar.display()
-    ));
-    Ok(())
 }

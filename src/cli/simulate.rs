@@ -3,16 +3,10 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use sesc_model::{Function, Model};
 
-use super::{Outcome, RobotArguments, message, progress};
+use super::{Bar, Outcome, RobotArguments, message};
 use crate::Error;
-use sesc_identify::evaluate::Evaluator;
-use sesc_identify::logs::{PostureWriter, Row, Sidecar, Written};
-use sesc_identify::simulate::Simulator;
-
-/// Rows written together.
-const BLOCK: usize = 4096;
+use sesc_identify::simulate::{self, Request};
 
 /// Write a posture log of an ideal robot, with CoP noise
 #[derive(Args)]
@@ -25,7 +19,7 @@ pub(super) struct Arguments {
     /// Number of postures
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=10_000_000))]
     poses: u64,
-    /// Draw turning joints within ±DEG of zero (and their limits); else within their limits
+    /// Draw revolute joints within ±DEG of zero (and their limits); else within their limits
     #[arg(long, value_name = "DEG")]
     range: Option<f64>,
     /// Standard deviation of the CoP noise, m
@@ -43,62 +37,17 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
-    if let Some(range) = arguments.range.filter(|r| !(r.is_finite() && *r > 0.0)) {
-        return Err(Error::Usage(format!(
-            "--range {range}: give a positive number of degrees"
-        )));
-    }
-    let noise = arguments.noise;
-    if !(noise.is_finite() && noise >= 0.0) {
-        return Err(Error::Usage(format!(
-            "--noise {noise}: give metres, zero or more"
-        )));
-    }
     let (_, model) = arguments.robot.load(arguments.model.as_deref())?;
-    let sidecar = write_log(arguments, &model)?;
+    let poses = usize::try_from(arguments.poses).unwrap_or(usize::MAX);
+    let mut request = Request::new(model, poses);
+    request.range = arguments.range.map(f64::to_radians);
+    request.noise = arguments.noise;
+    request.seed = arguments.seed;
+    let sidecar = simulate::write(&request, &arguments.out, &mut Bar::new("simulating"))?;
     message(&format!(
         "wrote {} and {}",
         arguments.out.display(),
         sidecar.display()
     ));
     Ok(Outcome::Ok)
-}
-
-/// Write log and sidecar, whose path is given back.
-fn write_log(arguments: &Arguments, model: &Model) -> Result<PathBuf, Error> {
-    let range = arguments.range.map(f64::to_radians);
-    let mut simulator = Simulator::new(&model.tree.dofs, range, arguments.seed);
-    let evaluator = Evaluator::new(model, Function::Cop);
-    let columns = Written {
-        cop: true,
-        cop_std: arguments.noise > 0.0,
-        ..Written::default()
-    };
-    let mut log = PostureWriter::create(&arguments.out, &model.tree.dofs, columns)?;
-    let poses = usize::try_from(arguments.poses).unwrap_or(usize::MAX);
-    let dof = model.dof();
-    let bar = progress("simulating");
-    bar.set_length(arguments.poses);
-    for start in (0..poses).step_by(BLOCK) {
-        let n = BLOCK.min(poses - start);
-        let q = simulator.batch(n);
-        let readings = evaluator.run(&q, n);
-        for (k, cop) in readings.chunks_exact(2).enumerate() {
-            let [x, y] = [cop[0], cop[1]].map(|x| x + simulator.gauss(arguments.noise));
-            log.row(&Row {
-                pose: (start + k) as i64,
-                q: &q[k * dof..(k + 1) * dof],
-                cop: [x, y],
-                cop_std: [arguments.noise; 2],
-                ..Row::default()
-            })?;
-        }
-        bar.inc(n as u64);
-    }
-    bar.finish_and_clear();
-    Ok(log.finish(&Sidecar {
-        robot: Some(model.tree.robot.clone()),
-        support: Some(model.tree.links[model.tree.support].name.clone()),
-        ..Sidecar::default()
-    })?)
 }

@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::{Outcome, RobotArguments, print, print_json, progress};
+use super::{Bar, Outcome, RobotArguments, print, print_json};
 use crate::Error;
 use crate::report::table::Table;
 use crate::verify::verify;
@@ -28,14 +28,9 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let (robot, model) = arguments.robot.load(None)?;
-    let reference = crate::verify::reference(&robot, &model.tree.links[model.tree.support].name)?;
-    let bar = progress("comparing");
     let samples = usize::try_from(arguments.samples).unwrap_or(usize::MAX);
-    let found = verify(&model, &reference, samples, arguments.seed, |done, all| {
-        bar.set_length(all as u64);
-        bar.set_position(done as u64);
-    });
-    bar.finish_and_clear();
+    let bar = &mut Bar::new("comparing");
+    let found = verify(&robot, &model, samples, arguments.seed, bar)?;
     if arguments.json {
         print_json(&found)?;
     } else {

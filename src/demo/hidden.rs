@@ -128,7 +128,8 @@ fn balanced(robot: &Robot, model: &Model, count: usize, seed: u64) -> Result<Vec
         #[cfg(feature = "collision")]
         collisions: &collisions,
     };
-    let found = Sampler::new(model, demands, seed).sample(count, 100 * count, |_| ());
+    let found = Sampler::new(model, demands, seed)
+        .sample(count, 100 * count, |_| ControlFlow::Continue(()));
     match found.len() == count * model.dof() {
         true => Ok(found),
         false => Err(Error::Usage(

@@ -17,6 +17,7 @@ use crate::Error;
 use crate::OP2_URDF;
 use crate::report::{CopRow, DemoReport, Errors, FunctionRow, HeightRow, LengthRow};
 use crate::verify::{self, Verification};
+use sesc_identify::Watch;
 use sesc_identify::evaluate::Evaluator;
 use sesc_identify::lsq::factor::Factor;
 use sesc_identify::lsq::solve::{self, Estimate};
@@ -51,12 +52,15 @@ pub struct Demo {
 pub const SEED: u64 = 6;
 
 /// Run with the given seed.
-pub fn run(seed: u64, progress: impl Fn(usize, usize)) -> Result<Demo, Error> {
+///
+/// # Errors
+/// When `watch` stops it.
+pub fn run(seed: u64, watch: &mut dyn Watch) -> Result<Demo, Error> {
     let robot = Robot::parse(OP2_URDF, "op2.urdf")?;
     let model = robot.model("r_sole", Snapping::default(), None)?;
     let reference = verify::reference(&robot, "r_sole")?;
     let code = rust::module(&model, "op2_r_sole")?;
-    let verification = verify::verify(&model, &reference, 5000, seed, progress);
+    let verification = verify::verify(&robot, &model, 5000, seed, watch)?;
 
     let study = Study::new(&model, &reference, seed);
     let full = study.fit(Function::RegressorFull);

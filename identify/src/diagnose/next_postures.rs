@@ -1,5 +1,6 @@
 //! Which experiment would tell the explanations of a class apart.
 
+use std::ops::ControlFlow;
 use std::path::Path;
 
 use nalgebra::DMatrix;
@@ -270,7 +271,7 @@ fn candidates(
         collisions: &collisions,
     };
     let mut sampler = Sampler::new(model, demands, 1);
-    let q = sampler.sample(criteria::CANDIDATES, 20 * criteria::CANDIDATES, |_| ());
+    let q = sampler.sample(criteria::CANDIDATES, 20 * criteria::CANDIDATES, |_| ControlFlow::Continue(()));
     (q.len() >= NEXT_POSTURES * dof).then_some(q)
 }
 

@@ -1,18 +1,5 @@
-//! The columns of a posture log: what their names mean, for readers and
-//! writers alike.
-//!
-//! ```text
-//! pose                     whole number; rows that share it are repeated readings
-//! t                        s
-//! support                  link on the ground
-//! (joints of the URDF)     rad, prismatic ones m
-//! cop_x cop_y              m, support frame          cop_x_std cop_y_std
-//! fsr_1 … fsr_n            N, foot cells             fsr_1_std … fsr_n_std
-//! gravity_x … gravity_z    m/s², support frame
-//! ```
-//!
-//! A standard deviation is that of a single reading. Blanks around a name do
-//! not count.
+//! The columns of a posture log: one table of what their names mean, for readers,
+//! writers, messages and help.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -28,6 +15,118 @@ pub(super) const SUPPORT: &str = "support";
 pub(super) const COP: [&str; 2] = ["cop_x", "cop_y"];
 pub(super) const COP_STD: [&str; 2] = ["cop_x_std", "cop_y_std"];
 const GRAVITY: [&str; 3] = ["gravity_x", "gravity_y", "gravity_z"];
+/// Before the number of a foot cell, from 1.
+const CELL: &str = "fsr_";
+/// Behind the name of a reading.
+const STD: &str = "_std";
+
+/// A column of posture logs, or some that go together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Column {
+    /// The names of the columns, all of which are needed if one is there; `k` counts
+    /// from 1.
+    pub names: &'static [&'static str],
+    /// Unit of the values; empty of texts and whole numbers.
+    pub unit: &'static str,
+    /// What the values are.
+    pub meaning: &'static str,
+    /// Whether a log must have it.
+    pub need: Need,
+}
+
+/// Whether a log must have a column.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Need {
+    /// Every log.
+    Always,
+    /// A log of readings has this or another one of its kind.
+    Reading,
+    /// It belongs to a reading, and may be left out.
+    OfReading,
+    /// It may be left out.
+    Never,
+}
+
+/// All columns that mean something; others are ignored with a warning.
+pub const COLUMNS: [Column; 9] = [
+    Column {
+        names: &[POSE],
+        unit: "",
+        meaning: "whole number; rows that share it are repeated readings",
+        need: Need::Never,
+    },
+    Column {
+        names: &[T],
+        unit: "s",
+        meaning: "time",
+        need: Need::Never,
+    },
+    Column {
+        names: &[SUPPORT],
+        unit: "",
+        meaning: "link on the ground",
+        need: Need::Never,
+    },
+    Column {
+        names: &["JOINT"],
+        unit: "rad, m",
+        meaning: "position of the URDF's joint of that name, for each independent joint",
+        need: Need::Always,
+    },
+    Column {
+        names: &COP,
+        unit: "m",
+        meaning: "CoP in the support frame",
+        need: Need::Reading,
+    },
+    Column {
+        names: &COP_STD,
+        unit: "m",
+        meaning: "standard deviation of a single reading of the CoP",
+        need: Need::OfReading,
+    },
+    Column {
+        names: &["fsr_k"],
+        unit: "N",
+        meaning: "force on foot cell k; its place stands in the sidecar",
+        need: Need::Reading,
+    },
+    Column {
+        names: &["fsr_k_std"],
+        unit: "N",
+        meaning: "standard deviation of a single reading of that force",
+        need: Need::OfReading,
+    },
+    Column {
+        names: &GRAVITY,
+        unit: "m/s²",
+        meaning: "gravity in the support frame",
+        need: Need::Never,
+    },
+];
+
+/// [`COLUMNS`] as a text for help, a line for each.
+///
+/// ```
+/// let text = sesc_identify::logs::columns_text();
+/// assert!(text.contains("cop_x, cop_y"));
+/// ```
+pub fn columns_text() -> String {
+    let lines = COLUMNS.iter().map(|column| {
+        let need = match column.need {
+            Need::Always => " (required)",
+            Need::Reading => " (one kind of reading, where the command needs readings)",
+            Need::OfReading | Need::Never => "",
+        };
+        let names = column.names.join(", ");
+        let Column { unit, meaning, .. } = column;
+        format!("  {names:<33} {unit:<7} {meaning}{need}\n")
+    });
+    let lines: String = lines.collect();
+    format!("Columns of a posture log:\n{}", lines.trim_end())
+}
 
 /// More columns than any robot has joints and readings.
 const MOST: usize = 20_000;
@@ -124,7 +223,7 @@ impl Columns {
         let cells = (1..).take_while(|k| at.contains_key(cell(*k).as_str()));
         let count = cells.count();
         let names: Vec<String> = (1..=count).map(cell).collect();
-        let stds: Vec<String> = names.iter().map(|name| format!("{name}_std")).collect();
+        let stds: Vec<String> = names.iter().map(|name| format!("{name}{STD}")).collect();
         let start = self.numbers.len();
         for name in &names {
             self.take(at, &[name], "")?;
@@ -215,22 +314,34 @@ pub(super) fn check_joints(dofs: &[Dof]) -> Result<(), String> {
 }
 
 fn is_reserved(name: &str) -> bool {
-    [POSE, T, SUPPORT].contains(&name) || GRAVITY.contains(&name) || is_reading(name)
+    meaning(name).is_some()
 }
 
 fn is_reading(name: &str) -> bool {
-    COP.contains(&name) || COP_STD.contains(&name) || cell_number(name).is_some()
+    meaning(name).is_some_and(|column| matches!(column.need, Need::Reading | Need::OfReading))
+}
+
+/// What a column of this name is, joints aside.
+fn meaning(name: &str) -> Option<&'static Column> {
+    let generic = match cell_number(name) {
+        Some(_) if name.ends_with(STD) => "fsr_k_std",
+        Some(_) => "fsr_k",
+        None if name.starts_with(CELL) => return None,
+        None => name,
+    };
+    let mut own = COLUMNS.iter().filter(|column| column.need != Need::Always);
+    own.find(|column| column.names.contains(&generic))
 }
 
 /// Name of foot cell `k`, from 1.
 fn cell(k: usize) -> String {
-    format!("fsr_{k}")
+    format!("{CELL}{k}")
 }
 
 /// The `k` of `fsr_k` and `fsr_k_std`.
 fn cell_number(name: &str) -> Option<usize> {
-    let digits = name.strip_prefix("fsr_")?;
-    let digits = digits.strip_suffix("_std").unwrap_or(digits);
+    let digits = name.strip_prefix(CELL)?;
+    let digits = digits.strip_suffix(STD).unwrap_or(digits);
     let plain = digits.bytes().all(|b| b.is_ascii_digit()) && !digits.starts_with('0');
     digits.parse().ok().filter(|_| plain)
 }
@@ -276,6 +387,30 @@ mod tests {
         }
     }
 
+    /// Whatever the table lists is read, and nothing else is.
+    #[test]
+    fn the_table_lists_what_is_read() {
+        let mut names = vec!["hip".to_string()];
+        for column in COLUMNS.iter().filter(|column| column.need != Need::Always) {
+            let first = |name: &&str| name.replace("_k", "_1");
+            names.extend(column.names.iter().map(first));
+        }
+        let columns = Columns::of(&names, &dofs(&["hip"]), Readings::Required).unwrap();
+        assert!(columns.ignored.is_empty(), "{:?}", columns.ignored);
+        assert_eq!(columns.numbers.len() + 2, names.len());
+        for name in &names[1..] {
+            assert!(check_joints(&dofs(&[name])).is_err(), "{name}");
+        }
+        let text = columns_text();
+        for column in COLUMNS {
+            let line = text.lines().find(|line| line.contains(column.meaning));
+            assert!(
+                line.is_some_and(|line| line.contains(column.unit)),
+                "{text}"
+            );
+        }
+    }
+
     #[test]
     fn joints_called_like_other_columns_are_refused() {
         for joint in [
@@ -284,6 +419,6 @@ mod tests {
             assert!(check_joints(&dofs(&[joint])).is_err(), "{joint:?}");
         }
         assert!(check_joints(&dofs(&["a", " a"])).is_err());
-        assert!(check_joints(&dofs(&["a", "fsr_x", "pose_2", "fsr_01"])).is_ok());
+        assert!(check_joints(&dofs(&["a", "fsr_x", "fsr_k", "pose_2", "fsr_01"])).is_ok());
     }
 }

@@ -7,7 +7,7 @@
 //!
 //! [`PostureReader`] gives a log of any [`LogSource`] in blocks of columns, so that a
 //! million postures need the memory of one block; [`PostureWriter`] writes one.
-//! The names of columns are in `columns`, the sidecar's keys in [`Sidecar`].
+//! The names of columns are in [`COLUMNS`], the sidecar's keys in [`Sidecar`].
 //!
 //! A fault is an error that names file, row, column and remedy. What is only
 //! odd is a warning, see [`PostureReader::warnings`].
@@ -21,7 +21,7 @@ mod input;
 mod mcap;
 #[cfg(test)]
 mod mutations;
-mod names;
+pub(crate) mod names;
 mod options;
 #[cfg(feature = "parquet")]
 mod parquet;
@@ -35,6 +35,7 @@ mod tests;
 mod writer;
 
 pub use block::{Block, Cells};
+pub use columns::{COLUMNS, Column, Need, columns_text};
 pub use input::LogSource;
 pub use options::{Hold, Options, Readings};
 pub use reader::{PostureReader, Summary};

@@ -8,7 +8,7 @@ const COMPARED: usize = 2_000;
 const SUGGESTED: usize = 3;
 
 /// Names for a message, a dozen at most.
-pub(super) fn list(names: &[&str]) -> String {
+pub(crate) fn list(names: &[&str]) -> String {
     let shown: Vec<String> = names
         .iter()
         .take(12)
@@ -43,7 +43,7 @@ pub(super) fn suggestion<'a>(wrong: &[&str], right: impl Iterator<Item = &'a str
 }
 
 /// The nearest of `names`; letter case and the kind of separator are free.
-pub(super) fn nearest<'a>(wrong: &str, names: &[&'a str]) -> Option<&'a str> {
+pub(crate) fn nearest<'a>(wrong: &str, names: &[&'a str]) -> Option<&'a str> {
     if wrong.is_empty() || wrong.len() > LONGEST {
         return None;
     }

@@ -7,6 +7,7 @@
 use sesc_model::tree::Dof;
 
 use super::block::Block;
+use super::columns::T;
 use super::sidecar::{Angles, IN_DEGREES, OR_SIDECAR};
 use crate::{Message, Setting, message};
 
@@ -136,8 +137,8 @@ impl Suspicions {
             self.swapped().map(Message::from),
             self.millimetres().map(Message::from),
             self.backwards.map(|line| {
-                let said = "`t` runs backwards; sort the log by time if it is one motion";
-                Message::from(format!("row {line}: {said}"))
+                let remedy = "sort the log by time if it is one motion";
+                Message::from(format!("row {line}: `{T}` runs backwards; {remedy}"))
             }),
         ];
         for (said, found) in self.said.iter_mut().zip(found) {

@@ -35,10 +35,12 @@ impl Region {
     /// A square too small to aim at.
     pub fn square(half: f64, margin: f64) -> Result<Region, Error> {
         let corners = [[half, half], [-half, half], [-half, -half], [half, -half]];
-        Region::hull(corners.to_vec(), margin).ok_or_else(|| {
-            let small = format!(" {half}: too small for any foot; give metres, 0.0001 or more");
-            Error::request(message![Setting::CopBox, small])
-        })
+        let hull = Region::hull(corners.to_vec(), margin);
+        hull.filter(|_| half.is_finite() && half > 0.0)
+            .ok_or_else(|| {
+                let small = format!(" {half}: too small for any foot; give metres, 0.0001 or more");
+                Error::request(message![Setting::CopBox, small])
+            })
     }
 
     /// The convex hull of a foot's points: `x,y; x,y; …`, or a file with a point a line.
@@ -124,7 +126,7 @@ impl Region {
     }
 
     /// How far the CoP is beyond what is allowed, m; negative when balanced.
-    pub fn excess(&self, cop: Vector2<f64>, covariance: &Matrix2<f64>, sigmas: f64) -> f64 {
+    pub fn violation(&self, cop: Vector2<f64>, covariance: &Matrix2<f64>, sigmas: f64) -> f64 {
         let beyond = |(normal, distance): &(Vector2<f64>, f64)| {
             let std = normal.dot(&(covariance * normal)).max(0.0).sqrt();
             normal.dot(&cop) + self.margin + sigmas * std - distance
@@ -182,10 +184,10 @@ mod tests {
     fn a_square_is_what_it_says() {
         let square = Region::square(0.02, 0.001).unwrap();
         let zero = Matrix2::zeros();
-        assert!((square.excess(Vector2::new(0.015, -0.018), &zero, 2.0) + 0.001).abs() < 1e-15);
+        assert!((square.violation(Vector2::new(0.015, -0.018), &zero, 2.0) + 0.001).abs() < 1e-15);
         let std = Matrix2::from_diagonal(&Vector2::new(1e-6, 4e-6));
         // Edges at 20 mm; 15 + 1 + 2 · 1 mm along x, 12 + 1 + 2 · 2 mm along y.
-        assert!((square.excess(Vector2::new(0.015, 0.012), &std, 2.0) + 0.002).abs() < 1e-12);
+        assert!((square.violation(Vector2::new(0.015, 0.012), &std, 2.0) + 0.002).abs() < 1e-12);
         assert_eq!(
             square.sentence(),
             "|x|, |y| <= 20.0 mm, 1.0 mm from its edge"
@@ -200,7 +202,7 @@ mod tests {
             [[0.0, 0.0], [0.1, 0.0], [0.1, 0.05], [0.0, 0.05]]
         );
         assert_eq!(sole.bounds(), [(0.0, 0.1), (0.0, 0.05)]);
-        let outside = sole.excess(Vector2::new(0.12, 0.02), &Matrix2::zeros(), 2.0);
+        let outside = sole.violation(Vector2::new(0.12, 0.02), &Matrix2::zeros(), 2.0);
         assert!((outside - 0.02).abs() < 1e-15);
         for bad in [
             "0,0; 1,0",

@@ -12,6 +12,8 @@
 //! edge, the target goes half way to the middle. Then come the ground and the
 //! robot's own body. Every draw that fails is counted with its reason.
 
+use std::ops::ControlFlow;
+
 use nalgebra::{DMatrix, Matrix2, Vector2};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -100,8 +102,13 @@ impl<'a> Sampler<'a> {
     }
 
     /// Up to `wanted` candidates from at most `draws` draws, one after the other;
-    /// gives up where the first `FUTILE` bring none.
-    pub fn sample(&mut self, wanted: usize, draws: usize, progress: impl Fn(usize)) -> Vec<f64> {
+    /// gives up where the first `FUTILE` bring none, and where `progress` says so.
+    pub fn sample(
+        &mut self,
+        wanted: usize,
+        draws: usize,
+        mut progress: impl FnMut(usize) -> ControlFlow<()>,
+    ) -> Vec<f64> {
         let dof = self.model.dof();
         let mut found = Vec::new();
         let futile = |found: &Vec<f64>, drawn: usize| found.is_empty() && drawn >= FUTILE;
@@ -120,7 +127,9 @@ impl<'a> Sampler<'a> {
                     found.extend_from_slice(&q.q);
                 }
             }
-            progress(found.len() / dof);
+            if progress(found.len() / dof).is_break() {
+                break;
+            }
         }
         self.counts.cop_std /= self.counts.drawn.max(1) as f64;
         found
@@ -129,9 +138,9 @@ impl<'a> Sampler<'a> {
     /// Counts a draw; true for a candidate.
     fn stands(&mut self, drawn: &Drawn) -> bool {
         self.counts.cop_std += drawn.std;
-        if drawn.excess > 0.0 {
+        if drawn.violation > 0.0 {
             let nearest = self.counts.nearest_miss.get_or_insert(f64::INFINITY);
-            *nearest = nearest.min(drawn.excess);
+            *nearest = nearest.min(drawn.violation);
             return false;
         }
         self.counts.balanced += 1;
@@ -156,13 +165,13 @@ impl<'a> Sampler<'a> {
     fn block(&mut self, n: usize) -> Vec<Drawn> {
         let mut draws: Vec<Drawn> = (0..n).map(|_| self.draw()).collect();
         for _ in 0..TARGETS {
-            let mut open: Vec<usize> = (0..n).filter(|&k| draws[k].excess > 0.0).collect();
+            let mut open: Vec<usize> = (0..n).filter(|&k| draws[k].violation > 0.0).collect();
             for _ in 0..STEPS {
                 open = self.step(&mut draws, open);
             }
             self.judge(&mut draws);
             let centre = self.demands.region.centre();
-            for drawn in draws.iter_mut().filter(|drawn| drawn.excess > 0.0) {
+            for drawn in draws.iter_mut().filter(|drawn| drawn.violation > 0.0) {
                 drawn.target = (drawn.target + centre) / 2.0;
             }
         }
@@ -185,7 +194,7 @@ impl<'a> Sampler<'a> {
         let mut target = region.centre();
         for _ in 0..100 {
             let at = bounds.map(|(low, high)| low + (high - low) * rng.random::<f64>());
-            if region.excess(at.into(), &Matrix2::zeros(), 0.0) <= 0.0 {
+            if region.violation(at.into(), &Matrix2::zeros(), 0.0) <= 0.0 {
                 target = at.into();
                 break;
             }
@@ -193,7 +202,7 @@ impl<'a> Sampler<'a> {
         Drawn {
             q,
             target,
-            excess: f64::INFINITY,
+            violation: f64::INFINITY,
             std: 0.0,
         }
     }
@@ -236,13 +245,13 @@ impl<'a> Sampler<'a> {
             let (x, y) = (spread.column(2 * k), spread.column(2 * k + 1));
             let covariance = Matrix2::new(x.dot(&x), x.dot(&y), x.dot(&y), y.dot(&y));
             let cop = Vector2::new(cop[2 * k], cop[2 * k + 1]);
-            let excess = self
+            let violation = self
                 .demands
                 .region
-                .excess(cop, &covariance, self.demands.sigmas);
+                .violation(cop, &covariance, self.demands.sigmas);
             // What is not a number does not balance.
-            drawn.excess = if excess <= f64::MAX {
-                excess
+            drawn.violation = if violation <= f64::MAX {
+                violation
             } else {
                 f64::INFINITY
             };
@@ -256,7 +265,7 @@ struct Drawn {
     /// Where its CoP is to be, m.
     target: Vector2<f64>,
     /// How far it is from balance, m; balanced at zero and below.
-    excess: f64,
+    violation: f64,
     /// Standard deviation of its CoP, m.
     std: f64,
 }

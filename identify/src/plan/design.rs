@@ -15,6 +15,8 @@
 //! all, as long as rounds gain `ENOUGH`. σ² tr(G_k)/2 is the variance with which
 //! the CoP of posture k will be predicted.
 
+use std::ops::ControlFlow;
+
 use nalgebra::{Cholesky, DMatrix, Matrix2};
 
 /// ε where there is no prior: the information of a millionth of a posture.
@@ -88,8 +90,9 @@ impl Rows {
         self.columns.nrows()
     }
 
-    /// Choose `n` of the candidates; `progress` hears of every posture looked at.
-    pub fn choose(&self, n: usize, progress: impl Fn(u64)) -> Choice {
+    /// Choose `n` of the candidates; `progress` hears of every posture looked at, and
+    /// may end the search.
+    pub fn choose(&self, n: usize, mut progress: impl FnMut(u64) -> ControlFlow<()>) -> Choice {
         let mut state = State::new(self);
         let mut chosen = Vec::with_capacity(n);
         let mut log_det = 0.0;
@@ -100,11 +103,13 @@ impl Rows {
             state.add(best);
             chosen.push(best);
             greedy.push(state.mean_variance());
-            progress(1);
+            if progress(1).is_break() {
+                break;
+            }
         }
         let mut steps = vec![log_det];
         let mut exchanges = 0;
-        while steps.len() <= ROUNDS && chosen.len() < self.len() {
+        'rounds: while steps.len() <= ROUNDS && chosen.len() < self.len() {
             // Rounding of many updates does not add up.
             state.refresh(&chosen);
             let before = exchanges;
@@ -124,7 +129,9 @@ impl Rows {
                     log_det += gained - lost;
                     exchanges += 1;
                 }
-                progress(1);
+                if progress(1).is_break() {
+                    break 'rounds;
+                }
             }
             let gain = log_det - steps[steps.len() - 1];
             steps.push(log_det);
@@ -283,7 +290,7 @@ mod tests {
             Rows::with_prior(&regressor, &prior, 0.3),
             Rows::free(&regressor, 1e-10),
         ] {
-            let choice = rows.choose(4, |_| ());
+            let choice = rows.choose(4, |_| ControlFlow::Continue(()));
             let found = log_det(&rows, &choice.chosen);
             let last = choice.log_det[choice.log_det.len() - 1];
             assert!((found - last).abs() < 1e-6 * found.abs(), "{found} {last}");
@@ -305,7 +312,7 @@ mod tests {
         let regressor = regressor(200);
         let rows = Rows::free(&regressor, 1e-10);
         assert_eq!(rows.directions(), 4);
-        let choice = rows.choose(20, |_| ());
+        let choice = rows.choose(20, |_| ControlFlow::Continue(()));
         assert!(choice.log_det.windows(2).all(|pair| pair[1] >= pair[0]));
         let mut sorted = choice.chosen.clone();
         sorted.sort_unstable();
@@ -314,7 +321,10 @@ mod tests {
         let first: Vec<usize> = (0..20).collect();
         let of = |chosen: &[usize]| rows.mean_variance(chosen, &rows.gram());
         assert!(of(&choice.chosen) < 0.8 * of(&first));
-        assert_eq!(rows.choose(500, |_| ()).chosen.len(), 200);
+        assert_eq!(
+            rows.choose(500, |_| ControlFlow::Continue(())).chosen.len(),
+            200
+        );
     }
 
     /// A direction that no candidate moves is nobody's to tell.

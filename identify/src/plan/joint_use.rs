@@ -8,8 +8,11 @@ use super::limits::Limits;
 /// What postures ask of a joint, rad or m.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct JointUse {
+    /// The joint's name.
     pub joint: String,
-    pub sliding: bool,
+    /// Whether `limits`, `values` and `used` are m.
+    #[serde(rename = "sliding")]
+    pub prismatic: bool,
     /// What was allowed.
     pub limits: [f64; 2],
     /// Posture by posture, in their order.
@@ -27,7 +30,7 @@ pub(super) fn of_all(model: &Model, limits: &Limits, q: &[f64], chosen: &[usize]
         let (lower, upper) = limits.ranges[j];
         JointUse {
             joint: model.tree.dofs[j].joint.clone(),
-            sliding: model.tree.dofs[j].prismatic,
+            prismatic: model.tree.dofs[j].prismatic,
             limits: [lower, upper],
             used: [
                 values.iter().copied().fold(f64::INFINITY, f64::min),

@@ -5,29 +5,34 @@
 //! l_knee,-130,6
 //! ```
 //!
-//! The header names the units: turning joints in degrees or radians, sliding
+//! The header names the units: revolute joints in degrees or radians, prismatic
 //! ones in metres; a file may have several pairs of columns, a row fills one.
 //! Lines that begin with `#` are comments.
 
 use std::collections::HashMap;
+use std::fs::File;
+use std::io::{Cursor, Read};
 use std::path::Path;
 
+use csv::StringRecord;
 use sesc_model::tree::Dof;
 
 use crate::Error;
+use crate::logs::names::{list, nearest};
 
 /// A range per independent joint, and what was noticed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Limits {
-    /// rad or m
+    /// Lower and upper limit of each joint, rad or m.
     pub ranges: Vec<(f64, f64)>,
+    /// What was noticed about the file of limits.
     pub notes: Vec<String>,
 }
 
-/// Files of limits are a page.
+/// Files of limits are a page, bytes.
 const LONGEST: u64 = 1 << 22;
 
-/// A pair of columns: name of its unit, whether for slides, SI per unit.
+/// A pair of columns: name of its unit, whether of prismatic joints, SI per unit.
 const UNITS: [(&str, bool, f64); 3] = [
     ("deg", false, std::f64::consts::PI / 180.0),
     ("rad", false, 1.0),
@@ -49,216 +54,174 @@ impl Limits {
     /// Names file, line, joint and remedy.
     pub fn read(path: &Path, dofs: &[Dof]) -> Result<Limits, Error> {
         let file = path.display().to_string();
-        let failed = |source| Error::read(file.clone(), source);
-        let about = std::fs::metadata(path).map_err(failed)?;
-        if about.len() > LONGEST {
-            return Err(fault(
-                &file,
-                None,
-                "larger than 4 MiB; limits are a line per joint",
-            ));
-        }
-        let bytes = std::fs::read(path).map_err(failed)?;
-        let text = String::from_utf8(bytes).map_err(|_| {
-            fault(
-                &file,
-                None,
-                "is no UTF-8 text; give CSV with a line per joint",
-            )
-        })?;
-        Limits::parse(&text, &file, dofs)
+        let input = File::open(path).map_err(|source| Error::read(&file, source))?;
+        Limits::parse(input.take(LONGEST), &file, dofs)
     }
 
-    fn parse(text: &str, file: &str, dofs: &[Dof]) -> Result<Limits, Error> {
-        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        // Line by line: the numbers of lines count comments and blank ones too.
-        let lines = text
-            .lines()
-            .enumerate()
-            .map(|(k, line)| (k as u64 + 1, line.trim()));
-        let mut lines = lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
-        let (line, header) = lines.next().unwrap_or((1, ""));
-        let header = fields(header);
-        let columns = Columns::of(&header, file, line)?;
+    fn parse(input: impl Read, file: &str, dofs: &[Dof]) -> Result<Limits, Error> {
+        let mut reader = csv::ReaderBuilder::new()
+            .comment(Some(b'#'))
+            .trim(csv::Trim::All)
+            .flexible(true)
+            .has_headers(false)
+            // The line below a record is only known where the record ends with one.
+            .from_reader(input.chain(Cursor::new(b"\n")));
+        let mut header = None;
         let mut limits = Limits::of_urdf(dofs);
-        let index: HashMap<&str, usize> = dofs
-            .iter()
-            .enumerate()
-            .map(|(k, dof)| (dof.joint.trim(), k))
-            .collect();
-        let mut seen: HashMap<usize, u64> = HashMap::new();
+        let mut lines: HashMap<&str, u64> = HashMap::new();
         let mut wider = Vec::new();
-        for (line, text) in lines {
-            let record = fields(text);
-            let bad = |message: String| fault(file, Some(line), &message);
-            let name = record.get(columns.joint).unwrap_or("");
-            let Some(&joint) = index.get(name) else {
-                return Err(bad(unknown(name, dofs)));
+        let mut record = StringRecord::new();
+        loop {
+            let more = reader.read_record(&mut record);
+            let line = reader.position().line().saturating_sub(1).max(1);
+            let bad = |message: String| Error::log(file, Some(line), message);
+            if !more.map_err(|error| bad(format!("no CSV ({error}); give a line per joint")))? {
+                break;
+            }
+            let Some(columns) = &header else {
+                header = Some(Columns::of(&record).map_err(bad)?);
+                continue;
             };
-            if let Some(before) = seen.insert(joint, line) {
+            let name = record.get(columns.joint).unwrap_or("");
+            let joint = dofs.iter().position(|dof| dof.joint.trim() == name);
+            let joint = joint.ok_or_else(|| bad(unknown(name, dofs)))?;
+            if let Some(before) = lines.insert(dofs[joint].joint.trim(), line) {
                 return Err(bad(format!(
                     "joint `{name}` already has limits on line {before}; keep one line"
                 )));
             }
-            let (lower, upper) = columns.range(&record, &dofs[joint]).map_err(&bad)?;
-            let dof = &dofs[joint];
-            let kept = (lower.max(dof.lower), upper.min(dof.upper));
+            let (lower, upper) = columns.range(&record, &dofs[joint]).map_err(bad)?;
+            let (least, most) = limits.ranges[joint];
+            let kept = (lower.max(least), upper.min(most));
             if kept.0 > kept.1 {
-                let (per, unit) = if dof.prismatic {
-                    (1.0, "m")
-                } else {
-                    (UNITS[0].2, "°")
+                let (per, unit) = match dofs[joint].prismatic {
+                    true => (1.0, "m"),
+                    false => (UNITS[0].2, "°"),
                 };
+                let [lower, upper, least, most] = [lower, upper, least, most].map(|x| x / per);
                 return Err(bad(format!(
-                    "joint `{name}`: {:.4} to {:.4} {unit} lies outside the URDF's {:.4} to {:.4} {unit}; \
-                     check sign and unit",
-                    lower / per,
-                    upper / per,
-                    dof.lower / per,
-                    dof.upper / per
+                    "joint `{name}`: {lower:.4} to {upper:.4} {unit} lies outside the URDF's \
+                     {least:.4} to {most:.4} {unit}; check sign and unit"
                 )));
             }
             if kept != (lower, upper) {
-                wider.push(name.to_string());
+                wider.push(dofs[joint].joint.trim());
             }
             limits.ranges[joint] = kept;
         }
-        if seen.is_empty() {
-            return Err(fault(file, None, "holds no limits; add a line per joint"));
+        if lines.is_empty() {
+            let message = match header {
+                Some(_) => "holds no limits; add a line per joint",
+                None => NO_HEADER,
+            };
+            return Err(Error::log(file, None, message));
         }
-        limits.note(&wider, dofs.len() - seen.len(), file);
-        Ok(limits)
-    }
-
-    fn note(&mut self, wider: &[String], missing: usize, file: &str) {
         if !wider.is_empty() {
-            self.notes.push(format!(
+            limits.notes.push(format!(
                 "{file} reaches beyond the URDF for {}; the URDF's limits hold there",
                 wider.join(", ")
             ));
         }
+        let missing = dofs.len() - lines.len();
         if missing > 0 {
-            self.notes.push(format!(
+            limits.notes.push(format!(
                 "{file} says nothing of {missing} joints: URDF limits"
             ));
         }
+        Ok(limits)
     }
 
     /// The posture within the limits that is closest to zero.
     pub fn rest(&self) -> Vec<f64> {
-        self.ranges
-            .iter()
+        let ranges = self.ranges.iter();
+        ranges
             .map(|&(lower, upper)| 0f64.clamp(lower, upper))
             .collect()
     }
 }
 
+const NO_HEADER: &str = "no header `joint,lower_deg,upper_deg` (or lower_rad,upper_rad; \
+                         lower_m,upper_m for prismatic joints); the header says the unit";
+
 /// Where things are in a row.
 struct Columns {
     joint: usize,
     /// For each of [`UNITS`]: lower and upper.
-    pairs: [Option<(usize, usize)>; 3],
+    pairs: [Option<[usize; 2]>; 3],
 }
 
 impl Columns {
-    fn of(header: &csv::StringRecord, file: &str, line: u64) -> Result<Columns, Error> {
-        let at = |name: &str| header.iter().position(|h| h.eq_ignore_ascii_case(name));
-        let pairs = UNITS.map(|(unit, _, _)| {
-            Some((at(&format!("lower_{unit}"))?, at(&format!("upper_{unit}"))?))
-        });
+    fn of(header: &StringRecord) -> Result<Columns, String> {
+        let at = |name: &str| {
+            let plain = |cell: &str| {
+                cell.trim_start_matches('\u{feff}')
+                    .eq_ignore_ascii_case(name)
+            };
+            header.iter().position(plain)
+        };
+        let ends =
+            |unit: &str| Some([at(&format!("lower_{unit}"))?, at(&format!("upper_{unit}"))?]);
+        let pairs = UNITS.map(|(unit, ..)| ends(unit));
         match at("joint").filter(|_| pairs.iter().any(Option::is_some)) {
             Some(joint) => Ok(Columns { joint, pairs }),
-            None => Err(fault(
-                file,
-                Some(line),
-                "no header `joint,lower_deg,upper_deg` (or lower_rad,upper_rad; lower_m,upper_m \
-                 for sliding joints); the header says the unit",
+            None => Err(NO_HEADER.to_string()),
+        }
+    }
+
+    /// Lower and upper limit of a row, rad or m.
+    fn range(&self, row: &StringRecord, dof: &Dof) -> Result<(f64, f64), String> {
+        let name = &dof.joint;
+        let filled = self.pairs.iter().zip(UNITS).filter_map(|(pair, unit)| {
+            let cells = (*pair)?.map(|k| row.get(k).unwrap_or(""));
+            cells
+                .iter()
+                .any(|cell| !cell.is_empty())
+                .then_some((cells, unit))
+        });
+        let filled: Vec<_> = filled.collect();
+        let (cells, (unit, prismatic, si)) = match filled[..] {
+            [] => {
+                return Err(format!(
+                    "joint `{name}` has no limits on its line; give both"
+                ));
+            }
+            [one] => one,
+            _ => return Err(format!("joint `{name}` has limits in two units; keep one")),
+        };
+        if prismatic != dof.prismatic {
+            let (is, right) = match dof.prismatic {
+                true => ("prismatic", "lower_m,upper_m"),
+                false => ("revolute", "lower_deg,upper_deg or lower_rad,upper_rad"),
+            };
+            return Err(format!(
+                "joint `{name}` is {is}, its limits are in {unit}; use columns {right}"
+            ));
+        }
+        let number = |cell: &str| {
+            let number = cell.parse().ok().filter(|x: &f64| x.is_finite());
+            number.ok_or_else(|| {
+                format!("joint `{name}`: `{cell}` is no number; give both limits in {unit}")
+            })
+        };
+        let (lower, upper) = (number(cells[0])?, number(cells[1])?);
+        match lower <= upper {
+            true => Ok((si * lower, si * upper)),
+            false => Err(format!(
+                "joint `{name}`: lower {lower} is above upper {upper}; swap them"
             )),
         }
     }
-
-    /// Lower and upper limit of a row, SI.
-    fn range(&self, row: &csv::StringRecord, dof: &Dof) -> Result<(f64, f64), String> {
-        let name = &dof.joint;
-        let mut found = None;
-        for (pair, (unit, slides, si)) in self.pairs.iter().zip(UNITS) {
-            let Some((lower, upper)) = *pair else {
-                continue;
-            };
-            let cells = [lower, upper].map(|k| row.get(k).unwrap_or(""));
-            if cells.iter().all(|cell| cell.is_empty()) {
-                continue;
-            }
-            if slides != dof.prismatic {
-                let (is, right) = match dof.prismatic {
-                    true => ("slides", "lower_m,upper_m"),
-                    false => ("turns", "lower_deg,upper_deg or lower_rad,upper_rad"),
-                };
-                return Err(format!(
-                    "joint `{name}` {is}, its limits are in {unit}; use columns {right}"
-                ));
-            }
-            if found.is_some() {
-                return Err(format!("joint `{name}` has limits in two units; keep one"));
-            }
-            let mut values = [0.0; 2];
-            for (value, cell) in values.iter_mut().zip(cells) {
-                *value = cell
-                    .parse()
-                    .ok()
-                    .filter(|x: &f64| x.is_finite())
-                    .ok_or_else(|| {
-                        format!("joint `{name}`: `{cell}` is no number; give both limits in {unit}")
-                    })?;
-            }
-            let [lower, upper] = values;
-            if lower > upper {
-                return Err(format!(
-                    "joint `{name}`: lower {lower} is above upper {upper}; swap them"
-                ));
-            }
-            found = Some((si * lower, si * upper));
-        }
-        found.ok_or_else(|| format!("joint `{name}` has no limits on its line; give both"))
-    }
-}
-
-/// The cells of a line.
-fn fields(line: &str) -> csv::StringRecord {
-    let mut reader = csv::ReaderBuilder::new()
-        .has_headers(false)
-        .trim(csv::Trim::All)
-        .from_reader(line.as_bytes());
-    let first = reader.records().next();
-    first.and_then(Result::ok).unwrap_or_default()
 }
 
 fn unknown(name: &str, dofs: &[Dof]) -> String {
-    let near = dofs
-        .iter()
-        .map(|dof| {
-            (
-                strsim::damerau_levenshtein(name, &dof.joint),
-                dof.joint.as_str(),
-            )
-        })
-        .min()
-        .filter(|(distance, _)| *distance <= 3);
-    match near {
-        Some((_, near)) => format!("no joint `{name}` moves by itself; did you mean `{near}`?"),
-        None => {
-            let some: Vec<&str> = dofs.iter().take(12).map(|dof| dof.joint.as_str()).collect();
-            let more = if dofs.len() > some.len() { ", …" } else { "" };
-            format!(
-                "no joint `{name}` moves by itself; those that do: {}{more}",
-                some.join(", ")
-            )
-        }
+    let names: Vec<&str> = dofs.iter().map(|dof| dof.joint.as_str()).collect();
+    match nearest(name, &names) {
+        Some(near) => format!("no joint `{name}` moves by itself; did you mean `{near}`?"),
+        None => format!(
+            "no joint `{name}` moves by itself; those that do: {}",
+            list(&names)
+        ),
     }
-}
-
-fn fault(file: &str, line: Option<u64>, message: &str) -> Error {
-    Error::log(file.to_string(), line, message.to_string())
 }
 
 #[cfg(test)]
@@ -283,7 +246,7 @@ mod tests {
     #[test]
     fn units_are_those_of_the_header() {
         let text = "# a comment\njoint,lower_deg,upper_deg,lower_m,upper_m\nknee,-30,180,,\nlift,,,0.1,0.2\n";
-        let limits = Limits::parse(text, "l.csv", &dofs()).unwrap();
+        let limits = Limits::parse(text.as_bytes(), "l.csv", &dofs()).unwrap();
         assert!((limits.ranges[0].0 + 30f64.to_radians()).abs() < 1e-15);
         assert_eq!(limits.ranges[0].1, 2.0);
         assert_eq!(limits.ranges[1], (0.1, 0.2));
@@ -291,7 +254,9 @@ mod tests {
         assert_eq!(limits.notes.len(), 2, "{:?}", limits.notes);
         let text = "joint,lower_rad,upper_rad\nknee,-0.5,0.5\n";
         assert_eq!(
-            Limits::parse(text, "l.csv", &dofs()).unwrap().ranges[0],
+            Limits::parse(text.as_bytes(), "l.csv", &dofs())
+                .unwrap()
+                .ranges[0],
             (-0.5, 0.5)
         );
     }
@@ -329,7 +294,7 @@ mod tests {
             ("", "l.csv"),
         ];
         for (text, expected) in cases {
-            let error = Limits::parse(text, "l.csv", &dofs())
+            let error = Limits::parse(text.as_bytes(), "l.csv", &dofs())
                 .unwrap_err()
                 .to_string();
             assert!(error.contains(expected), "{text:?}: {error}");

@@ -14,15 +14,17 @@ pub mod clearance;
 #[cfg(feature = "collision")]
 pub mod collision;
 pub mod design;
+pub mod efficiency;
 pub mod geometry;
 pub mod joint_use;
 pub mod limits;
 mod mesh;
 pub mod order;
 pub mod poses;
-pub mod worth;
+mod request;
 
-use std::path::Path;
+use std::ops::ControlFlow;
+use std::path::PathBuf;
 
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
@@ -30,76 +32,69 @@ use sesc_model::{Function, Model};
 
 use crate::evaluate::Evaluator;
 use crate::fit::prior::{Prior, Tolerances};
+use crate::logs::{LogSource, PostureWriter, Row, Sidecar, Table};
 use crate::lsq::factor::Factor;
 use crate::lsq::solve::UNSEEN;
-use crate::robot::Robot;
+use crate::watch::{Progress, Watch, stopped};
 use crate::{Error, Message, Setting, message};
-use balance::Region;
 use candidates::{Counts, Demands, Sampler};
 use clearance::Clearance;
 use design::Rows;
+use efficiency::Efficiency;
 use geometry::Geometry;
 use joint_use::JointUse;
-use limits::Limits;
-use worth::Worth;
-
-/// What is asked for.
-pub struct Request<'a> {
-    /// N
-    pub poses: usize,
-    /// K; a default by N and the number of parameters.
-    pub candidates: Option<usize>,
-    /// Where the CoP may be.
-    pub region: Region,
-    /// Standard deviations of the predicted CoP kept from the edge.
-    pub sigmas: f64,
-    pub limits: Limits,
-    /// What the later fit will know beforehand.
-    pub prior: Prior,
-    /// Standard deviation of a reading as it enters the fit, m.
-    pub noise: f64,
-    /// Least height of everything but the support body, m.
-    pub clearance: f64,
-    pub seed: u64,
-    /// Where meshes may be.
-    pub folder: Option<&'a Path>,
-}
+pub use request::{COP_BOX, Request};
 
 /// What was found.
 #[derive(Debug, Clone, Serialize)]
 pub struct Plan {
+    /// The robot's name.
     pub robot: String,
+    /// The link on the ground.
     pub support: String,
+    /// Number of postures.
     pub poses: usize,
     /// Where the CoP stays, in words.
     pub cop_region: String,
+    /// Safety margin of the CoP in standard deviations.
     pub sigmas: f64,
+    /// What was drawn.
     pub draws: Counts,
+    /// Postures that were chosen from.
     pub candidates: usize,
+    /// What the later fit will know beforehand, in words.
     pub prior: String,
+    /// Standard deviation of a reading, m.
     pub noise: f64,
-    /// Directions that the candidates can tell, and that the chosen ones do.
+    /// Directions of the parameters that the candidates can tell.
     pub directions: usize,
+    /// Directions that the chosen postures tell.
     pub rank: usize,
+    /// Condition number of the chosen postures' rows.
     pub condition_number: f64,
     /// RMS error of the CoP over all candidates that a fit will have, m.
     pub expected_error: Option<f64>,
     /// The same for random choices of as many candidates, on average.
     pub expected_error_random: Option<f64>,
     /// Both over the number of postures.
-    pub curve: Vec<Worth>,
+    pub curve: Vec<Efficiency>,
     /// log det of the information over the prior's: greedy, then per round of exchanges.
     pub log_det: Vec<f64>,
+    /// Exchanges that improved the greedy choice.
     pub exchanges: usize,
+    /// How far the joints move from posture to posture.
     pub motion: Motion,
+    /// What was kept clear of the ground, in words.
     pub clearance: String,
+    /// What was kept from colliding, in words.
     pub collision: String,
     /// Pairs of bodies that touch at rest and are not watched.
     pub collision_exempt: Vec<[String; 2]>,
+    /// What was noticed.
     pub notes: Vec<String>,
-    /// Corners of where the CoP may be, counter-clockwise, m, and how far from their
-    /// edges it is kept.
+    /// Corners of where the CoP may be, counter-clockwise, m.
     pub corners: Vec<[f64; 2]>,
+    /// How far the CoP is kept from their edges, m.
     pub margin: f64,
     /// Predicted CoP of the chosen postures, m, in their order.
     pub cop: Vec<[f64; 2]>,
@@ -116,40 +111,52 @@ pub struct Plan {
 /// The largest joint displacement from posture to posture, summed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Motion {
-    /// In the order of choice, rad (m for sliding joints).
+    /// In the order of choice, rad (m for prismatic joints).
     pub as_chosen: f64,
+    /// In the order of the plan.
     pub ordered: f64,
 }
-
-/// Hears how far planning is: what, done, of how many.
-pub type Progress<'p> = &'p dyn Fn(&'static str, u64, u64);
 
 /// Draws per candidate asked for, before giving up.
 const DRAWS: usize = 100;
 
-/// Candidates unless told: twenty per posture, within what is quickly worked on.
-fn default_candidates(poses: usize, params: usize) -> usize {
-    let quick = 2_000_000_000 / (params * params).max(1);
-    (20 * poses).clamp(2_000, 20_000).min(quick).max(2 * poses)
-}
-
 /// Plan postures.
+///
+/// ```
+/// use std::sync::Arc;
+///
+/// use sesc_identify::plan::balance::Region;
+/// use sesc_identify::plan::{COP_BOX, Request, plan};
+/// use sesc_identify::robot::Robot;
+/// use sesc_identify::stance::Stance;
+///
+/// # let urdf = "<robot name='pole'><link name='foot'/><link name='top'><inertial>\
+/// #   <origin xyz='0 0 0.02'/><mass value='2'/></inertial></link>\
+/// #   <joint name='hip' type='revolute'><parent link='foot'/><child link='top'/>\
+/// #   <origin xyz='0 0 1'/><axis xyz='0 1 0'/><limit lower='-1' upper='1'/></joint></robot>";
+/// let robot = Arc::new(Robot::parse(urdf, "pole.urdf")?);
+/// let model = Stance::new(robot.clone()).on("foot").model()?;
+/// let region = Region::square(COP_BOX, 0.0)?;
+/// let mut request = Request::new(robot, model, 5, region);
+/// request.candidates = Some(50);
+/// request.sigmas = 0.0;
+/// let plan = plan(&request, &mut ())?;
+/// assert_eq!(plan.postures().count(), 5);
+/// # Ok::<(), sesc_identify::Error>(())
+/// ```
 ///
 /// # Errors
 /// When fewer candidates are found than postures asked for; the message says why.
-pub fn plan(
-    robot: &Robot,
-    model: &Model,
-    request: &Request,
-    progress: Progress,
-) -> Result<Plan, Error> {
+pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
+    request.check()?;
+    let model = &*request.model;
     let dof = model.dof();
     if dof == 0 {
         return Err(Error::request(
             "no joint of this robot moves: there is only one posture",
         ));
     }
-    let geometry = Geometry::read(robot.text(), request.folder);
+    let geometry = Geometry::read(request.robot.text(), request.folder.as_deref());
     let clearance = Clearance::new(model, &geometry, request.clearance);
     let prior = request.prior.factor(model);
     if prior.as_ref().is_some_and(|s| s.ncols() == 0) {
@@ -171,12 +178,18 @@ pub fn plan(
         #[cfg(feature = "collision")]
         collisions: &collisions,
     };
-    let fallback = default_candidates(request.poses, model.base.params.len());
-    let wanted = request.candidates.unwrap_or(fallback);
+    let wanted = request.wanted();
     let mut sampler = Sampler::new(model, demands, request.seed);
+    let mut flow = ControlFlow::Continue(());
     let q = sampler.sample(wanted, DRAWS.saturating_mul(wanted), |found| {
-        progress("drawing candidates", found as u64, wanted as u64);
+        flow = watch.progress(Progress {
+            what: "drawing candidates",
+            done: found as u64,
+            total: Some(wanted as u64),
+        });
+        flow
     });
+    stopped(flow)?;
     let counts = sampler.counts;
     let count = q.len() / dof;
     if count < request.poses {
@@ -189,21 +202,23 @@ pub fn plan(
         Some(s) => Rows::with_prior(&regressor, s, request.noise),
         None => Rows::free(&regressor, UNSEEN),
     };
-    let looked = std::cell::Cell::new(0);
+    let (mut looked, poses) = (0, request.poses as u64);
     let choice = rows.choose(request.poses, |step| {
-        looked.set(looked.get() + step);
-        let rounds = looked.get().div_ceil(request.poses as u64);
-        progress(
-            "choosing postures",
-            looked.get(),
-            rounds * request.poses as u64,
-        );
+        looked += step;
+        let rounds = looked.div_ceil(poses);
+        flow = watch.progress(Progress {
+            what: "choosing postures",
+            done: looked,
+            total: Some(rounds * poses),
+        });
+        flow
     });
+    stopped(flow)?;
     let (rank, condition_number) = conditioning(&regressor, &choice.chosen);
     let told = prior.is_some() || rank >= rows.directions();
     let chosen = ordered(&q, dof, &choice.chosen);
     let curve = match told {
-        true => worth::curve(&rows, &choice, request.noise, request.seed, prior.is_some()),
+        true => efficiency::curve(&rows, &choice, request.noise, request.seed, prior.is_some()),
         false => Vec::new(),
     };
     let last = curve.last();
@@ -228,7 +243,7 @@ pub fn plan(
         (watched(&collisions, &geometry), collisions.exempt.clone());
     #[cfg(not(feature = "collision"))]
     let (collision, collision_exempt) = (
-        "not checked: built without it; `cargo install --features collision` adds it".to_string(),
+        "not checked: built without the feature `collision`".to_string(),
         Vec::new(),
     );
     Ok(Plan {
@@ -244,8 +259,8 @@ pub fn plan(
         directions: rows.directions(),
         rank,
         condition_number,
-        expected_error: last.map(|worth| worth.planned),
-        expected_error_random: last.map(|worth| worth.random),
+        expected_error: last.map(|point| point.planned),
+        expected_error_random: last.map(|point| point.random),
         motion: Motion {
             as_chosen: order::length(&q, dof, &choice.chosen),
             ordered: order::length(&q, dof, &chosen),
@@ -270,6 +285,40 @@ pub fn plan(
 }
 
 impl Plan {
+    /// The postures as a log in memory.
+    pub fn log(&self) -> LogSource {
+        let poses: Vec<i64> = (1..).take(self.chosen.len()).collect();
+        let table = Table::new("plan").integers("pose", poses);
+        let joints = self.joints.iter();
+        let table = joints.fold(table, |table, joint| {
+            table.numbers(&joint.joint, joint.values.clone())
+        });
+        LogSource::from(table).with_sidecar(self.sidecar())
+    }
+
+    /// Write the postures as a log; gives back where its sidecar is.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write(&self, mut log: PostureWriter) -> Result<PathBuf, Error> {
+        for (pose, q) in (1..).zip(self.postures()) {
+            log.row(&Row {
+                pose,
+                q,
+                ..Row::default()
+            })?;
+        }
+        log.finish(&self.sidecar())
+    }
+
+    fn sidecar(&self) -> Sidecar {
+        Sidecar {
+            robot: Some(self.robot.clone()),
+            support: Some(self.support.clone()),
+            ..Sidecar::default()
+        }
+    }
+
     /// The chosen postures in their order, rad or m.
     pub fn postures(&self) -> impl Iterator<Item = &[f64]> {
         let dof = self.q.len() / self.candidates.max(1);

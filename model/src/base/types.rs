@@ -23,11 +23,12 @@ pub struct BaseParam {
 }
 
 /// A direction in parameter space that leaves the measurement unchanged.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, serde::Serialize)]
 pub struct Unobservable {
     pub name: String,
     pub sentence: String,
     /// Seen from three-dimensional CoM data at least.
+    #[serde(skip)]
     pub only_from_cop: bool,
 }
 

@@ -7,26 +7,20 @@ use crate::OP2_URDF;
 use crate::report::table::mm;
 use sesc_identify::fit::prior::Prior;
 use sesc_identify::plan::balance::Region;
-use sesc_identify::plan::limits::Limits;
 use sesc_identify::plan::{Plan, Request, plan};
 use sesc_identify::robot::Robot;
 
 fn small(prior: &str, poses: usize) -> Plan {
     let robot = Robot::parse(OP2_URDF, "op2.urdf").unwrap();
     let model = robot.model("r_sole", Snapping::default(), None).unwrap();
-    let request = Request {
-        poses,
-        candidates: Some(120),
-        region: Region::sole("0.05,0.03; -0.05,0.03; -0.05,-0.03; 0.04,-0.03", 0.002).unwrap(),
-        sigmas: 0.0,
-        limits: Limits::of_urdf(&model.tree.dofs),
-        prior: Prior::named(prior, &model).unwrap(),
-        noise: 0.0005,
-        clearance: 0.0,
-        seed: 1,
-        folder: None,
-    };
-    plan(&robot, &model, &request, &|_, _, _| ()).unwrap()
+    let region = Region::sole("0.05,0.03; -0.05,0.03; -0.05,-0.03; 0.04,-0.03", 0.002).unwrap();
+    let prior = Prior::named(prior, &model).unwrap();
+    let mut request = Request::new(robot, model, poses, region);
+    request.candidates = Some(120);
+    request.sigmas = 0.0;
+    request.prior = prior;
+    request.clearance = 0.0;
+    plan(&request, &mut ()).unwrap()
 }
 
 #[test]

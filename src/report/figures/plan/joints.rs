@@ -33,7 +33,7 @@ pub fn joints(rows: &[JointUse]) -> String {
         let [_, middle] = at(0.0);
         let name = shortened(&row.joint, NAME);
         figure.note([170.0, middle], Anchor::End, INK, &name);
-        let [low, high] = row.limits.map(|limit| number(limit, row.sliding));
+        let [low, high] = row.limits.map(|limit| number(limit, row.prismatic));
         figure.note([LEFT - 10.0, middle], Anchor::End, MUTED, &low);
         figure.note([RIGHT + 10.0, middle], Anchor::Start, MUTED, &high);
         let wide = row.limits[1] - row.limits[0];

@@ -2,22 +2,22 @@
 
 use super::{joints, worth};
 use crate::report::svg::tests::sound;
+use sesc_identify::plan::efficiency::Efficiency;
 use sesc_identify::plan::joint_use::JointUse;
-use sesc_identify::plan::worth::Worth;
 
 #[test]
 fn figures_of_nothing_and_of_odd_numbers() {
     sound(&joints(&[]));
     let odd = JointUse {
         joint: "<joint> & a name that is too long".to_string(),
-        sliding: true,
+        prismatic: true,
         limits: [0.5, 0.5],
         values: vec![0.5, f64::NAN],
         used: [0.5, 0.5],
     };
     let drawn = joints(&[
         JointUse {
-            sliding: false,
+            prismatic: false,
             limits: [-0.5, 1.0],
             values: vec![-0.9; 5000],
             used: [-0.9, 0.2],
@@ -32,7 +32,7 @@ fn figures_of_nothing_and_of_odd_numbers() {
     assert!(drawn.matches("<path").count() < 200, "ticks stay apart");
 
     sound(&worth(&[]));
-    let point = |postures: usize, planned: f64, random: f64| Worth {
+    let point = |postures: usize, planned: f64, random: f64| Efficiency {
         postures,
         planned,
         random,

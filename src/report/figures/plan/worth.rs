@@ -3,7 +3,7 @@
 use super::super::super::svg::{Anchor, Axes, BLUE, Figure, HEADING, INK, MUTED, Mark, key, span};
 use super::super::super::table::mm;
 use super::super::to_mm;
-use sesc_identify::plan::worth::Worth;
+use sesc_identify::plan::efficiency::Efficiency;
 
 const EDGES: [f64; 4] = [44.0, 32.0, 470.0, 366.0];
 /// Random postures that hardly tell all directions are off by anything: what is
@@ -11,7 +11,7 @@ const EDGES: [f64; 4] = [44.0, 32.0, 470.0, 366.0];
 const HIGHEST: f64 = 6.0;
 
 /// Planned postures and as many random ones of the same candidates.
-pub fn worth(curve: &[Worth]) -> String {
+pub fn worth(curve: &[Efficiency]) -> String {
     let label = match curve.last() {
         Some(last) => format!(
             "Expected error over the number of postures: {} mm of {} planned, {} mm of random ones",
@@ -23,9 +23,9 @@ pub fn worth(curve: &[Worth]) -> String {
     };
     let mut figure = Figure::new([480.0, 400.0], &label);
     let highest = curve.last().map_or(0.0, |last| HIGHEST * last.random);
-    let of = |pick: fn(&Worth) -> f64| {
-        let low = move |worth: &&Worth| pick(worth) <= highest;
-        let point = move |worth: &Worth| [worth.postures as f64, to_mm(pick(worth))];
+    let of = |pick: fn(&Efficiency) -> f64| {
+        let low = move |worth: &&Efficiency| pick(worth) <= highest;
+        let point = move |worth: &Efficiency| [worth.postures as f64, to_mm(pick(worth))];
         curve.iter().filter(low).map(point)
     };
     let (mut planned, mut random) = (of(|worth| worth.planned), of(|worth| worth.random));

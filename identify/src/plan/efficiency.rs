@@ -1,4 +1,4 @@
-//! What postures are worth: the error to expect of a fit to so many of them,
+//! How efficient postures are: the error to expect of a fit to so many of them,
 //! planned and drawn at random from the same candidates.
 
 use rand::SeedableRng as _;
@@ -15,7 +15,7 @@ const POINTS: usize = 16;
 
 /// Expected RMS errors of the CoP over all candidates, m, of fits to `postures`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Worth {
+pub struct Efficiency {
     pub postures: usize,
     /// To the first of the greedy choice; the last point has the exchanges too.
     pub planned: f64,
@@ -26,7 +26,7 @@ pub struct Worth {
 /// The curve up to the postures chosen; `noise` is that of a reading, m.
 ///
 /// Without a prior it begins where postures can tell all directions.
-pub fn curve(rows: &Rows, choice: &Choice, noise: f64, seed: u64, prior: bool) -> Vec<Worth> {
+pub fn curve(rows: &Rows, choice: &Choice, noise: f64, seed: u64, prior: bool) -> Vec<Efficiency> {
     let all = choice.chosen.len();
     // A posture tells two.
     let least = match prior {
@@ -43,12 +43,12 @@ pub fn curve(rows: &Rows, choice: &Choice, noise: f64, seed: u64, prior: bool) -
     let drawn: Vec<Vec<usize>> = (0..RANDOM)
         .map(|_| index::sample(&mut rng, rows.len(), all).into_vec())
         .collect();
-    let worth = |postures: usize, variance: f64| {
+    let point = |postures: usize, variance: f64| {
         let error = |chosen: &Vec<usize>| {
             let variance = rows.mean_variance(&chosen[..postures], &gram);
             noise * variance.sqrt()
         };
-        Worth {
+        Efficiency {
             postures,
             planned: noise * variance.sqrt(),
             random: mean(&drawn.iter().map(error).collect::<Vec<f64>>()),
@@ -56,9 +56,9 @@ pub fn curve(rows: &Rows, choice: &Choice, noise: f64, seed: u64, prior: bool) -
     };
     let steps = (all - least).min(POINTS - 1);
     let at = |k: usize| least + (all - least) * k / steps.max(1);
-    let before = (0..steps).map(|k| worth(at(k), choice.greedy[at(k)]));
+    let before = (0..steps).map(|k| point(at(k), choice.greedy[at(k)]));
     before
-        .chain([worth(all, mean(&choice.variances))])
+        .chain([point(all, mean(&choice.variances))])
         .collect()
 }
 
@@ -68,9 +68,13 @@ fn mean(values: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use std::ops::ControlFlow;
+
     use nalgebra::DMatrix;
 
     use super::*;
+
+    const CONTINUE: ControlFlow<()> = ControlFlow::Continue(());
 
     fn regressor() -> DMatrix<f64> {
         DMatrix::from_fn(4, 120, |i, j| {
@@ -82,7 +86,7 @@ mod tests {
     fn a_curve_falls_from_the_prior_to_the_plan() {
         let prior = DMatrix::identity(4, 4) * 0.5;
         let rows = Rows::with_prior(&regressor(), &prior, 0.3);
-        let choice = rows.choose(24, |_| ());
+        let choice = rows.choose(24, |_| CONTINUE);
         let curve = curve(&rows, &choice, 0.3, 1, true);
         assert_eq!(curve.len(), POINTS);
         assert!(curve.windows(2).all(|w| w[1].postures > w[0].postures
@@ -97,7 +101,7 @@ mod tests {
         assert_eq!(last.postures, 24);
         assert!(curve[1..].iter().all(|point| point.planned < point.random));
         // Greedy steps say what the chosen ones alone would.
-        let prefix = rows.choose(5, |_| ()).greedy;
+        let prefix = rows.choose(5, |_| CONTINUE).greedy;
         assert_eq!(prefix, choice.greedy[..=5]);
     }
 
@@ -105,7 +109,7 @@ mod tests {
     fn without_a_prior_it_begins_where_all_is_told() {
         let rows = Rows::free(&regressor(), 1e-10);
         let of = |postures: usize| {
-            let choice = rows.choose(postures, |_| ());
+            let choice = rows.choose(postures, |_| CONTINUE);
             curve(&rows, &choice, 0.3, 1, false)
         };
         assert!(of(1).is_empty());
