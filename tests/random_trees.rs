@@ -60,7 +60,7 @@ fn variants_from_sines_are_there_and_agree() {
 #[test]
 fn without_snapping_com_agrees_to_a_picometre() {
     for seed in (0..320).step_by(2) {
-        let (robot, model, support) = model(seed, mixed(seed), Snapping::Off);
+        let (robot, model, _) = model(seed, mixed(seed), Snapping::Off);
         let found = verify(&robot, &model, 12, seed, &mut ()).unwrap();
         assert!(found.worst_error["com"] < 1e-12, "seed {seed}: {found:#?}");
     }
@@ -245,7 +245,7 @@ fn a_chain_of_five_hundred_joints_agrees() {
         revolute: true,
         chained: 1.0,
     };
-    let (robot, model, support) = model(3, kind, Snapping::Off);
+    let (robot, model, _) = model(3, kind, Snapping::Off);
     let found = verify(&robot, &model, 1, 3, &mut ()).unwrap();
     assert!(found.pass, "{found:#?}");
 }

@@ -5,6 +5,7 @@
 //! and their CoP go into the diagnosis; the model it gives is judged on postures
 //! that nobody has seen.
 
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use sesc_codegen::emit::rust;
