@@ -12,11 +12,27 @@ use sesc_runtime::{Simd, power, trig};
 const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 /// One function of a model, ready for batches of postures.
+///
+/// ```
+/// use sesc_identify::evaluate::Evaluator;
+/// use sesc_identify::robot::Robot;
+/// use sesc_identify::stance::Stance;
+/// use sesc_model::Function;
+///
+/// # let urdf = "<robot name='pole'><link name='foot'/><link name='top'><inertial>\
+/// #   <mass value='2'/></inertial></link><joint name='hip' type='revolute'>\
+/// #   <parent link='foot'/><child link='top'/><origin xyz='0.1 0 1'/><axis xyz='0 1 0'/>\
+/// #   <limit lower='-1' upper='1'/></joint></robot>";
+/// let model = Stance::new(Robot::parse(urdf, "pole.urdf")?).on("foot").model()?;
+/// let com = Evaluator::new(&model, Function::Com);
+/// assert_eq!(com.run(&[0.0, 0.5], 2)[..3], [0.1, 0.0, 1.0]);
+/// # Ok::<(), sesc_identify::Error>(())
+/// ```
 pub struct Evaluator {
     tape: Tape,
     given: Given,
-    /// Which joints slide: `_sc` functions take their positions as they are.
-    slides: Vec<bool>,
+    /// Which joints are prismatic: `_sc` functions take their positions as they are.
+    prismatic: Vec<bool>,
     params: Option<Vec<f64>>,
     kernels: Kernels,
 }
@@ -56,7 +72,7 @@ impl Evaluator {
         Evaluator {
             tape: Tape::new(program),
             given,
-            slides: model.tree.dofs.iter().map(|dof| dof.prismatic).collect(),
+            prismatic: model.tree.dofs.iter().map(|dof| dof.prismatic).collect(),
             params,
             kernels: PORTABLE,
         }
@@ -85,12 +101,12 @@ impl Evaluator {
         out
     }
 
-    /// The same into memory that is there: new pages cost more than wide rows do.
+    /// The same into the caller's memory: new pages cost more than wide rows do.
     ///
     /// # Panics
     /// Where `q` or `out` is too short.
     pub fn run_into(&self, q: &[f64], postures: usize, out: &mut [f64]) {
-        let q = &q[..postures * self.slides.len()];
+        let q = &q[..postures * self.prismatic.len()];
         let (sin, cos) = match self.given {
             Given::Positions => (Vec::new(), Vec::new()),
             Given::SinesCosines | Given::Direction => self.sines(q),
@@ -118,12 +134,12 @@ impl Evaluator {
         }
     }
 
-    /// What `_sc` functions take: sines (positions of slides) and cosines.
+    /// What `_sc` functions take: sines (positions of prismatic joints) and cosines.
     fn sines(&self, q: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        let slides = self.slides.iter().cycle();
+        let prismatic = self.prismatic.iter().cycle();
         q.iter()
-            .zip(slides)
-            .map(|(&x, &slide)| match slide {
+            .zip(prismatic)
+            .map(|(&x, &prismatic)| match prismatic {
                 true => (x, 0.0),
                 false => trig::sin_cos(x),
             })
@@ -146,18 +162,18 @@ pub const FASTEST: Kernels = Kernels {
 
 static BEST: LazyLock<Simd> = LazyLock::new(Simd::best);
 
-/// The reading that a model with effects foretells, under any gravity.
-pub struct Foretelling {
+/// Predicts the reading of a model with effects, under any gravity.
+pub struct CopPredictor {
     tape: Tape,
     layout: Circumstances,
     params: Vec<f64>,
 }
 
-impl Foretelling {
+impl CopPredictor {
     /// Prepare a model; `None` where it has no effects that a posture shows.
-    pub fn new(model: &Model) -> Option<Foretelling> {
+    pub fn new(model: &Model) -> Option<CopPredictor> {
         let shown = model.static_effects().next().is_some();
-        shown.then(|| Foretelling {
+        shown.then(|| CopPredictor {
             tape: Tape::new(&sesc_model::tilted_cop(model)),
             layout: Circumstances::of(model),
             params: model.params(),
@@ -166,17 +182,17 @@ impl Foretelling {
 
     /// Readings (x, y) of `postures` postures, m, with gravity per posture.
     pub fn run(&self, q: &[f64], postures: usize, gravity: Option<&[[f64; 3]]>) -> Vec<f64> {
-        let mut circumstances = vec![0.0; postures * self.layout.len()];
+        let mut context = vec![0.0; postures * self.layout.len()];
         for (k, g) in gravity.into_iter().flatten().enumerate() {
             for axis in 0..2 {
-                circumstances[k * self.layout.len() + self.layout.tilt(axis)] = -g[axis] / g[2];
+                context[k * self.layout.len() + self.layout.tilt(axis)] = -g[axis] / g[2];
             }
         }
         let mut out = vec![0.0; 2 * postures];
         let arguments = [
             Values::PerPosture(q),
             Values::Shared(&self.params),
-            Values::PerPosture(&circumstances),
+            Values::PerPosture(&context),
         ];
         self.tape.run(&arguments, postures, &mut out, PORTABLE);
         out

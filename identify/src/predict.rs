@@ -11,7 +11,7 @@ use std::collections::HashMap;
 use sesc_model::Function;
 
 use crate::Error;
-use crate::evaluate::{Evaluator, Foretelling};
+use crate::evaluate::{CopPredictor, Evaluator};
 use crate::logs::{Angles, Block, LogSource, Options, PostureReader, Readings};
 use crate::stance::Stance;
 use crate::watch::{Watch, tell};
@@ -91,7 +91,7 @@ pub struct Predictor {
     stance: Stance,
     log: String,
     reader: PostureReader,
-    evaluators: HashMap<String, (Evaluator, Option<Foretelling>)>,
+    evaluators: HashMap<String, (Evaluator, Option<CopPredictor>)>,
 }
 
 impl Predictor {
@@ -194,7 +194,7 @@ impl Predictor {
         &mut self,
         logged: Option<&str>,
         watch: &mut dyn Watch,
-    ) -> Result<&(Evaluator, Option<Foretelling>), Error> {
+    ) -> Result<&(Evaluator, Option<CopPredictor>), Error> {
         let support = self.stance.support(logged)?;
         if !self.evaluators.contains_key(support) {
             let model = self.stance.model_on(support)?;
@@ -206,7 +206,7 @@ impl Predictor {
             }
             let evaluators = (
                 Evaluator::new(&model, Function::Com),
-                Foretelling::new(&model),
+                CopPredictor::new(&model),
             );
             self.evaluators.insert(support.to_string(), evaluators);
         }

@@ -1,8 +1,10 @@
 //! `sesc inspect`
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use clap::Args;
+use sesc_model::{Function, Interface};
 
 use super::{Outcome, RobotArguments, print, print_json};
 use crate::Error;
@@ -85,8 +87,10 @@ fn text(i: &Inspection) -> String {
     let effects = i.operations.values().any(|operations| operations.other > 0);
     let mut titles = vec!["function", "mul", "add", "sin_cos"];
     titles.extend(effects.then_some("other"));
-    titles.extend(["rounding f64, m", "f32, m"]);
+    titles.extend(["rounding f64", "f32", "unit", "what it is"]);
     let mut costs = Table::new(&titles);
+    let functions = Function::ALL.iter().map(|function| function.interface());
+    let functions: BTreeMap<&str, Interface> = functions.map(|f| (f.name, f)).collect();
     for (name, operations) in &i.operations {
         let mut row = vec![
             name.to_string(),
@@ -97,6 +101,8 @@ fn text(i: &Inspection) -> String {
         row.extend(effects.then(|| operations.other.to_string()));
         row.push(format!("{:.1e}", i.rounding_bound[name].f64));
         row.push(format!("{:.1e}", i.rounding_bound[name].f32));
+        row.push(functions[name].unit.to_string());
+        row.push(functions[name].sentence.to_string());
         costs.row(&row);
     }
     let _ = writeln!(out, "\n{costs}");

@@ -44,7 +44,7 @@ pub(super) struct Arguments {
     /// Candidates to choose from [default: 20 per posture, 2000 to 20000]
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u64).range(1..=100_000))]
     candidates: Option<u64>,
-    /// What CAD is worth to the later fit: tight (mass 0.2 %, CoM 0.1 mm), cad (10 %, 5 mm), free, or a TOML file
+    /// How far the later fit trusts CAD: tight (mass 0.2 %, CoM 0.1 mm), cad (10 %, 5 mm), free, or a TOML file
     #[arg(long, value_name = "tight|cad|free|FILE", default_value = Prior::DEFAULT)]
     prior: String,
     /// Standard deviation of a single reading on one axis, m; one is taken in each posture

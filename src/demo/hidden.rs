@@ -16,7 +16,7 @@ use crate::Error;
 use crate::report::HiddenAct;
 use sesc_identify::diagnose::view::DiagnosisView;
 use sesc_identify::diagnose::{self, Diagnosis, Request};
-use sesc_identify::evaluate::{Evaluator, Foretelling};
+use sesc_identify::evaluate::{Evaluator, CopPredictor};
 use sesc_identify::logs::Table;
 use sesc_identify::observations::postures::rms;
 use sesc_identify::plan::balance::Region;
@@ -69,7 +69,7 @@ pub fn run(robot: &Robot, model: &Model, seed: u64) -> Result<Hidden, Error> {
     let corrected = robot.model("r_sole", Snapping::default(), Some(&report.model_file))?;
     let code = rust::module(&corrected, "op2_r_sole")?;
     let cad = Evaluator::new(model, Function::Cop).run(judged, JUDGED);
-    let better = match Foretelling::new(&corrected) {
+    let better = match CopPredictor::new(&corrected) {
         Some(foretelling) => foretelling.run(judged, JUDGED, None),
         None => cad.clone(),
     };

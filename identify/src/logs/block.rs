@@ -44,6 +44,7 @@ impl Block {
         self.line.len()
     }
 
+    /// Whether there is no row.
     pub fn is_empty(&self) -> bool {
         self.line.is_empty()
     }

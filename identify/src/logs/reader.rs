@@ -25,6 +25,7 @@ const CHUNK: usize = 4096;
 pub struct Summary {
     /// 16 hex digits: FNV-1a (64 bits) over the bytes of the file.
     pub hash: String,
+    /// Rows of the log.
     pub rows: u64,
     /// Runs of rows that share a pose.
     pub postures: u64,

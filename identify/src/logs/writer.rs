@@ -16,7 +16,9 @@ use crate::output::{self, NewFile};
 /// The columns of a log besides the joints.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Written {
+    /// `t`
     pub t: bool,
+    /// `support`
     pub support: bool,
     /// `cop_x`, `cop_y`
     pub cop: bool,
@@ -27,6 +29,7 @@ pub struct Written {
 /// One row; what the log has no column for is not looked at.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Row<'a> {
+    /// Rows that share it are repeated readings.
     pub pose: i64,
     /// s
     pub t: f64,

@@ -44,13 +44,17 @@ const LEAST_SPREAD: f64 = 0.2;
 
 /// What was asked of candidates.
 pub struct Demands<'a> {
+    /// Joint limits.
     pub limits: &'a Limits,
+    /// Where the CoP may be.
     pub region: &'a Region,
     /// Standard deviations of the CoP kept from the edge.
     pub sigmas: f64,
     /// S of the parameters' covariance S Sᵀ.
     pub uncertainty: &'a DMatrix<f64>,
+    /// What must stay clear of the ground.
     pub clearance: &'a Clearance,
+    /// What must not collide.
     #[cfg(feature = "collision")]
     pub collisions: &'a Collisions,
 }
@@ -58,7 +62,9 @@ pub struct Demands<'a> {
 /// What became of the draws.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Counts {
+    /// Postures drawn.
     pub drawn: usize,
+    /// Of these: balanced.
     pub balanced: usize,
     /// Of these: nothing but the support body near the ground.
     pub clear: usize,
@@ -82,10 +88,12 @@ pub struct Sampler<'a> {
     jacobian: Evaluator,
     regressor: Evaluator,
     rng: ChaCha8Rng,
+    /// What became of the draws so far.
     pub counts: Counts,
 }
 
 impl<'a> Sampler<'a> {
+    /// A sampler of postures that meet `demands`; the same seed draws the same.
     pub fn new(model: &'a Model, demands: Demands<'a>, seed: u64) -> Sampler<'a> {
         Sampler {
             com: Evaluator::new(model, Function::Cop),

@@ -22,6 +22,7 @@ pub struct Clearance {
     parts: Vec<Part>,
     /// Links known by their shapes, and by points alone.
     pub by_shapes: usize,
+    /// Links whose height is told by points.
     pub by_points: usize,
 }
 
@@ -37,6 +38,7 @@ enum Kind {
 }
 
 impl Clearance {
+    /// Look at the shapes of all links but those of the support body.
     pub fn new(model: &Model, geometry: &Geometry, height: f64) -> Clearance {
         let mut all = Clearance {
             height,

@@ -34,9 +34,11 @@ pub struct Rows {
 
 /// Which candidates were chosen, and what that gained.
 pub struct Choice {
+    /// The chosen candidates, in the order of choice.
     pub chosen: Vec<usize>,
     /// log det of M / ε after the greedy choice, then after every round of exchanges.
     pub log_det: Vec<f64>,
+    /// Exchanges that improved the greedy choice.
     pub exchanges: usize,
     /// tr(G_k)/2 of all candidates: variances in units of σ².
     pub variances: Vec<f64>,
@@ -81,6 +83,7 @@ impl Rows {
         self.columns.ncols() / 2
     }
 
+    /// Whether there is no candidate.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

@@ -16,6 +16,7 @@ const POINTS: usize = 16;
 /// Expected RMS errors of the CoP over all candidates, m, of fits to `postures`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Efficiency {
+    /// Number of postures.
     pub postures: usize,
     /// To the first of the greedy choice; the last point has the exchanges too.
     pub planned: f64,

@@ -38,16 +38,20 @@ pub enum Solid {
 /// A solid somewhere on a link.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shape {
+    /// The link it belongs to.
     pub link: String,
     /// In the link frame.
     pub pose: Pose,
+    /// What it is.
     pub solid: Solid,
 }
 
 /// All shapes of a robot.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Geometry {
+    /// Collision shapes of all links.
     pub shapes: Vec<Shape>,
+    /// What could not be read.
     pub notes: Vec<String>,
 }
 

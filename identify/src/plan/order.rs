@@ -6,7 +6,7 @@
 //!
 //! From the posture closest to zero always on to the nearest one left, then
 //! 2-opt: turn round every stretch whose turning shortens the way, until none
-//! does. Sliding joints count a metre as a radian. Only postures are planned;
+//! does. Prismatic joints count a metre as a radian. Only postures are planned;
 //! the way between two of them is not checked for balance or collisions.
 
 /// Rounds of 2-opt; far more than it ever takes.

@@ -12,11 +12,14 @@ use sesc_model::tree::Motion;
 /// Orientation and origin of a frame in the support frame, m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pose {
+    /// Its axes, as columns.
     pub rotation: Matrix3<f64>,
+    /// Its origin, m.
     pub origin: Vector3<f64>,
 }
 
 impl Pose {
+    /// The support frame itself.
     pub const IDENTITY: Pose = Pose {
         rotation: Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
         origin: Vector3::new(0.0, 0.0, 0.0),
@@ -30,6 +33,7 @@ impl Pose {
         }
     }
 
+    /// A point, given in this frame, in the frame this one is given in.
     pub fn point(&self, point: &Vector3<f64>) -> Vector3<f64> {
         self.origin + self.rotation * point
     }
@@ -81,7 +85,7 @@ mod tests {
     use crate::robot::Robot;
     use crate::simulate::Simulator;
 
-    /// Against the reference's link poses, on robots with slides, mimics and turned frames.
+    /// Against the reference's link poses, on robots with prismatic joints, mimics and turned frames.
     #[test]
     fn links_stand_where_the_reference_has_them() {
         let robots = [

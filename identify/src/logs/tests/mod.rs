@@ -11,7 +11,7 @@ use sesc_model::tree::Dof;
 use super::*;
 use crate::{Error, Message};
 
-/// Turning joints within ±3 rad.
+/// Revolute joints within ±3 rad.
 pub(in crate::logs) fn dofs(names: &[&str]) -> Vec<Dof> {
     let dof = |name: &&str| Dof {
         joint: name.to_string(),

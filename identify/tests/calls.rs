@@ -1,0 +1,177 @@
+//! The calls behind the commands, as a caller without a command line uses them: logs in
+//! memory, owned requests, calls that stop, errors with kinds.
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use sesc_identify::logs::{LogSource, Options, PostureReader, Table};
+use sesc_identify::plan::balance::Region;
+use sesc_identify::plan::{self, COP_BOX, plan};
+use sesc_identify::predict::{self, predict};
+use sesc_identify::robot::Robot;
+use sesc_identify::simulate::{self, simulate};
+use sesc_identify::stance::Stance;
+use sesc_identify::{Error, ErrorKind, Message, Progress, Setting, Watch};
+
+const OP2: &str = include_str!("../../robots/op2/op2.urdf");
+
+fn stance() -> Stance {
+    Stance::new(Robot::parse(OP2, "op2.urdf").unwrap()).on("r_sole")
+}
+
+/// What is simulated in memory is predicted from memory, to the last bit.
+#[test]
+fn simulated_logs_are_predicted_without_a_file() {
+    let stance = stance();
+    let mut request = simulate::Request::new(stance.model().unwrap(), 5000);
+    request.range = Some(0.5);
+    let log = simulate(&request, &mut ()).unwrap();
+    let mut reader =
+        PostureReader::open(&log, &stance.robot.description.dofs(), &Options::default()).unwrap();
+    let block = reader.block(5000).unwrap();
+    // The support comes from the log's sidecar.
+    let anywhere = Stance::new(stance.robot.clone());
+    let found = predict(&predict::Request::new(anywhere, log), &mut ()).unwrap();
+    assert_eq!(found.pose, block.pose);
+    assert_eq!(Some(found.cop_m), block.reading);
+}
+
+/// A file and the log in memory hold the same.
+#[test]
+fn a_plan_is_written_as_it_is_in_memory() {
+    let stance = stance();
+    let model = Arc::new(stance.model().unwrap());
+    let region = Region::square(COP_BOX, 0.0).unwrap();
+    let mut request = plan::Request::new(stance.robot.clone(), model.clone(), 6, region);
+    request.candidates = Some(20);
+    request.sigmas = 0.0;
+    let found = plan(&request, &mut ()).unwrap();
+    let mut reader =
+        PostureReader::open(found.log(), &model.tree.dofs, &Options::default()).unwrap();
+    let block = reader.block(100).unwrap();
+    assert_eq!(block.pose, [1, 2, 3, 4, 5, 6]);
+    assert_eq!(block.q, found.postures().collect::<Vec<_>>().concat());
+    let (sidecar, _) = found.log().sidecar().unwrap();
+    assert_eq!(sidecar.support.as_deref(), Some("r_sole"));
+}
+
+/// Whoever hears of progress may end the call.
+#[test]
+fn every_long_call_stops_when_told() {
+    struct Once(u32);
+    impl Watch for Once {
+        fn progress(&mut self, _: Progress) -> ControlFlow<()> {
+            self.0 += 1;
+            ControlFlow::Break(())
+        }
+    }
+    let stance = stance();
+    let model = Arc::new(stance.model().unwrap());
+    let log = simulate(&simulate::Request::new(model.clone(), 9), &mut ()).unwrap();
+    let region = Region::square(COP_BOX, 0.0).unwrap();
+    let calls: [&dyn Fn(&mut Once) -> Option<Error>; 3] = [
+        &|watch| simulate(&simulate::Request::new(model.clone(), 9), watch).err(),
+        &|watch| predict(&predict::Request::new(stance.clone(), &log), watch).err(),
+        &|watch| {
+            let robot = stance.robot.clone();
+            plan(
+                &plan::Request::new(robot, model.clone(), 3, region.clone()),
+                watch,
+            )
+            .err()
+        },
+    ];
+    for call in calls {
+        let mut watch = Once(0);
+        let error = call(&mut watch).expect("the call was stopped");
+        assert_eq!((error.kind(), watch.0), (ErrorKind::Interrupted, 1));
+    }
+}
+
+#[test]
+fn errors_say_what_kind_where_and_what_to_set() {
+    let log = |knee: f64| {
+        let joints = stance().robot.description.dofs();
+        let table = joints.iter().fold(Table::new("run"), |table, dof| {
+            table.numbers(
+                &dof.joint,
+                vec![0.0, if dof.joint == "l_knee" { knee } else { 0.0 }],
+            )
+        });
+        LogSource::from(table)
+    };
+    let error = |stance: Stance, log: LogSource| {
+        predict(&predict::Request::new(stance, log), &mut ()).unwrap_err()
+    };
+    let degrees = error(stance(), log(45.0));
+    assert_eq!(degrees.kind(), ErrorKind::Log);
+    assert_eq!((degrees.file(), degrees.line()), (Some("run"), Some(2)));
+    assert!(
+        degrees.to_string().contains("give `angles` or put"),
+        "{degrees}"
+    );
+    let shell = degrees.worded(|setting| match setting {
+        Setting::Angles => "--degrees".to_string(),
+        other => panic!("{other:?} has nothing to do with it"),
+    });
+    assert!(shell.contains("give --degrees or put"), "{shell}");
+
+    let nowhere = error(Stance::new(stance().robot), log(0.0));
+    assert_eq!(nowhere.kind(), ErrorKind::Request);
+    assert!(
+        nowhere
+            .to_string()
+            .starts_with("no support link given; add `support`")
+    );
+    let unknown = error(stance().on("sole"), log(0.0));
+    assert_eq!(
+        (unknown.kind(), unknown.kind().name()),
+        (ErrorKind::Model, "model")
+    );
+    assert!(unknown.model().is_some());
+    let gone = error(stance(), LogSource::from("gone.csv"));
+    assert_eq!(
+        (gone.kind(), gone.file()),
+        (ErrorKind::Read, Some("gone.csv"))
+    );
+    for error in [degrees, nowhere, unknown, gone] {
+        assert!(!error.to_string().contains("--"), "{error}");
+    }
+}
+
+/// What is odd is heard, not lost.
+#[test]
+fn warnings_reach_whoever_watches() {
+    #[derive(Default)]
+    struct Ear(Vec<String>);
+    impl Watch for Ear {
+        fn progress(&mut self, _: Progress) -> ControlFlow<()> {
+            ControlFlow::Continue(())
+        }
+        fn warning(&mut self, warning: &Message) {
+            self.0.push(warning.to_string());
+        }
+    }
+    let mut ear = Ear::default();
+    let joints = stance().robot.description.dofs();
+    let table = joints.iter().fold(Table::new("run"), |table, dof| {
+        table.numbers(&dof.joint, vec![0.0])
+    });
+    let log = table.numbers("note", vec![1.0]);
+    predict(&predict::Request::new(stance(), log), &mut ear).unwrap();
+    assert_eq!(ear.0, ["run: column `note` is no joint and is ignored"]);
+}
+
+/// Requests, logs and results may be handed to another thread.
+#[test]
+fn calls_are_owned_and_send() {
+    fn send<T: Send + 'static>() {}
+    send::<plan::Request>();
+    send::<plan::Plan>();
+    send::<predict::Request>();
+    send::<predict::Predictor>();
+    send::<predict::Predictions>();
+    send::<simulate::Request>();
+    send::<LogSource>();
+    send::<Error>();
+}
