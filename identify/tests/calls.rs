@@ -69,23 +69,22 @@ fn every_long_call_stops_when_told() {
     let model = Arc::new(stance.model().unwrap());
     let log = simulate(&simulate::Request::new(model.clone(), 9), &mut ()).unwrap();
     let region = Region::square(COP_BOX, 0.0).unwrap();
-    let calls: [&dyn Fn(&mut Once) -> Option<Error>; 3] = [
-        &|watch| simulate(&simulate::Request::new(model.clone(), 9), watch).err(),
-        &|watch| predict(&predict::Request::new(stance.clone(), &log), watch).err(),
-        &|watch| {
-            let robot = stance.robot.clone();
-            plan(
-                &plan::Request::new(robot, model.clone(), 3, region.clone()),
-                watch,
-            )
-            .err()
-        },
-    ];
-    for call in calls {
-        let mut watch = Once(0);
-        let error = call(&mut watch).expect("the call was stopped");
-        assert_eq!((error.kind(), watch.0), (ErrorKind::Interrupted, 1));
-    }
+    let simulation = simulate::Request::new(model.clone(), 9);
+    let prediction = predict::Request::new(stance.clone(), &log);
+    let planning = plan::Request::new(stance.robot.clone(), model, 3, region);
+    let stopped = |watch: &Once, error: Option<Error>| {
+        let kind = error.expect("the call was stopped").kind();
+        assert_eq!((kind, watch.0), (ErrorKind::Interrupted, 1));
+    };
+    let mut watch = Once(0);
+    let error = simulate(&simulation, &mut watch).err();
+    stopped(&watch, error);
+    let mut watch = Once(0);
+    let error = predict(&prediction, &mut watch).err();
+    stopped(&watch, error);
+    let mut watch = Once(0);
+    let error = plan(&planning, &mut watch).err();
+    stopped(&watch, error);
 }
 
 #[test]

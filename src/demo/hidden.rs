@@ -16,7 +16,7 @@ use crate::Error;
 use crate::report::HiddenAct;
 use sesc_identify::diagnose::view::DiagnosisView;
 use sesc_identify::diagnose::{self, Diagnosis, Request};
-use sesc_identify::evaluate::{Evaluator, CopPredictor};
+use sesc_identify::evaluate::{CopPredictor, Evaluator};
 use sesc_identify::logs::Table;
 use sesc_identify::observations::postures::rms;
 use sesc_identify::plan::balance::Region;

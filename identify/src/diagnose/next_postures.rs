@@ -271,7 +271,9 @@ fn candidates(
         collisions: &collisions,
     };
     let mut sampler = Sampler::new(model, demands, 1);
-    let q = sampler.sample(criteria::CANDIDATES, 20 * criteria::CANDIDATES, |_| ControlFlow::Continue(()));
+    let q = sampler.sample(criteria::CANDIDATES, 20 * criteria::CANDIDATES, |_| {
+        ControlFlow::Continue(())
+    });
     (q.len() >= NEXT_POSTURES * dof).then_some(q)
 }
 

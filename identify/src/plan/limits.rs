@@ -54,8 +54,15 @@ impl Limits {
     /// Names file, line, joint and remedy.
     pub fn read(path: &Path, dofs: &[Dof]) -> Result<Limits, Error> {
         let file = path.display().to_string();
-        let input = File::open(path).map_err(|source| Error::read(&file, source))?;
-        Limits::parse(input.take(LONGEST), &file, dofs)
+        let failed = |source| Error::read(&file, source);
+        let mut text = String::new();
+        let input = File::open(path).map_err(failed)?;
+        input
+            .take(LONGEST)
+            .read_to_string(&mut text)
+            .map_err(failed)?;
+        // Lines count as an editor counts them, also those that Windows ends.
+        Limits::parse(text.replace("\r\n", "\n").as_bytes(), &file, dofs)
     }
 
     fn parse(input: impl Read, file: &str, dofs: &[Dof]) -> Result<Limits, Error> {
