@@ -108,7 +108,10 @@ impl Predictor {
         // With a support of the caller's, what the log says about it is not looked at.
         let links = match stance.support {
             Some(_) => Vec::new(),
-            None => stance.robot.description.link_names(),
+            None => {
+                let links = stance.robot.description.link_names();
+                links.map(str::to_string).collect()
+            }
         };
         let options = Options {
             angles: *angles,

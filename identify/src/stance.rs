@@ -63,7 +63,7 @@ impl Stance {
         let known = known.or(parameters.map(|file| file.support.as_str()));
         known
             .ok_or_else(|| {
-                let links = self.robot.description.link_names();
+                let links: Vec<&str> = self.robot.description.link_names().collect();
                 let shown = links.len().min(12);
                 let more = if links.len() > shown { ", …" } else { "" };
                 let has = format!(" (the robot has {}{more})", links[..shown].join(", "));
