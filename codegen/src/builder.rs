@@ -1,7 +1,6 @@
 //! The build-script interface.
 
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 
 use crate::Error;
 #[cfg(feature = "c99")]
@@ -11,8 +10,7 @@ use crate::emit::c::{
 };
 use crate::emit::names;
 use crate::emit::rust;
-use crate::error::Problem;
-use sesc_model::{Model, ModelFile, Snapping, urdf};
+use sesc_model::{Model, ModelFile, Snapping, files, urdf};
 
 /// Generates a module for a robot from a controller's `build.rs`.
 ///
@@ -216,12 +214,12 @@ impl Builder {
         };
         let path = out_dir.join(format!("{name}.rs"));
         #[allow(unused_mut, reason = "Rust is one file")]
-        let mut files = vec![(path.clone(), rust::module(&model, &name)?)];
+        let mut written = vec![(path.clone(), rust::module(&model, &name)?)];
         #[cfg(feature = "c99")]
         if let Some(dir) = &self.c99.dir {
-            files.extend(self.c99_files(dir, &model, &name)?);
+            written.extend(self.c99_files(dir, &model, &name)?);
         }
-        write_all_if_changed(&files)?;
+        files::write_all_if_changed(&written)?;
         Ok(path)
     }
 }
@@ -314,78 +312,4 @@ impl Builder {
             .map(|(file, text)| (dir.join(file), text))
             .collect())
     }
-}
-
-#[doc(hidden)]
-/// Write `text` to `path` through a temporary file, unless it is there already.
-/// Returns whether the file changed.
-///
-/// # Errors
-/// When the folder or file cannot be written; nothing half-written stays.
-pub fn write_if_changed(path: &Path, text: &str) -> Result<bool, Error> {
-    let changed = write_all_if_changed(&[(path.to_path_buf(), text.to_string())])?;
-    Ok(changed == [true])
-}
-
-#[doc(hidden)]
-/// [`write_if_changed`] for files that belong together: none takes its place
-/// before all are on the disk. Returns which of them changed.
-///
-/// # Errors
-/// When a folder or file cannot be written; the files are as they were.
-pub fn write_all_if_changed(files: &[(PathBuf, String)]) -> Result<Vec<bool>, Error> {
-    let staged: Vec<Option<Staged>> = files
-        .iter()
-        .map(|(path, text)| Staged::new(path, text))
-        .collect::<Result<_, Error>>()?;
-    for file in staged.iter().flatten() {
-        file.place()?;
-    }
-    Ok(staged.iter().map(Option::is_some).collect())
-}
-
-/// A file beside the place that it is meant for; removed unless it is put there.
-struct Staged<'a> {
-    path: &'a Path,
-    temporary: PathBuf,
-}
-
-impl<'a> Staged<'a> {
-    /// Nothing if the text is in its place already.
-    fn new(path: &'a Path, text: &str) -> Result<Option<Staged<'a>>, Error> {
-        if fs::read(path).is_ok_and(|old| old == text.as_bytes()) {
-            return Ok(None);
-        }
-        let failed = |source| write_error(path, source);
-        if path.is_dir() {
-            return Err(failed(io::ErrorKind::IsADirectory.into()));
-        }
-        if let Some(dir) = path.parent() {
-            fs::create_dir_all(dir).map_err(failed)?;
-        }
-        let mut temporary = path.as_os_str().to_owned();
-        temporary.push(format!(".{}.part", std::process::id()));
-        let staged = Staged {
-            path,
-            temporary: temporary.into(),
-        };
-        fs::write(&staged.temporary, text).map_err(failed)?;
-        Ok(Some(staged))
-    }
-
-    fn place(&self) -> Result<(), Error> {
-        fs::rename(&self.temporary, self.path).map_err(|source| write_error(self.path, source))
-    }
-}
-
-impl Drop for Staged<'_> {
-    fn drop(&mut self) {
-        // Gone if it is in its place; otherwise best effort.
-        let _ = fs::remove_file(&self.temporary);
-    }
-}
-
-fn write_error(path: &Path, source: io::Error) -> Error {
-    let file = path.display().to_string();
-    Problem::Write { file, source }.into()
 }

@@ -151,12 +151,6 @@ pub(crate) enum Problem {
         #[source]
         source: io::Error,
     },
-    #[error("cannot write {file}")]
-    Write {
-        file: String,
-        #[source]
-        source: io::Error,
-    },
     #[error("no support link given; call .support(\"link\")")]
     NoSupport,
     #[error("{variable} is not set; call this from a build script, or use .out_dir(…)")]

@@ -27,8 +27,6 @@ pub mod emit;
 mod error;
 
 pub use builder::Builder;
-#[doc(hidden)]
-pub use builder::{write_all_if_changed, write_if_changed};
 #[cfg(feature = "c99")]
 pub use emit::c::{Scalar, Servos, Setting, layout::Layout};
 pub use error::{Error, ErrorKind};

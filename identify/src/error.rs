@@ -225,6 +225,9 @@ impl std::error::Error for Error {
 
 impl From<sesc_model::Error> for Error {
     fn from(error: sesc_model::Error) -> Error {
-        Error(Box::new(Cause::Model(error)))
+        match error {
+            sesc_model::Error::Write { file, source } => Error::write(file, source),
+            error => Error(Box::new(Cause::Model(error))),
+        }
     }
 }

@@ -15,7 +15,6 @@ pub mod fit;
 pub mod logs;
 pub mod lsq;
 pub mod observations;
-pub mod output;
 pub mod plan;
 pub mod predict;
 pub mod robot;

@@ -26,8 +26,12 @@ pub mod chain;
 pub mod effects;
 mod error;
 pub mod expr;
+#[doc(hidden)]
+pub mod files;
 pub mod frames;
 mod functions;
+#[doc(hidden)]
+pub mod hash;
 mod interface;
 mod measurement;
 mod model;
@@ -38,6 +42,8 @@ mod robot;
 pub mod snap;
 pub mod standard;
 pub mod tape;
+#[doc(hidden)]
+pub mod text;
 pub mod tree;
 pub mod urdf;
 

@@ -18,6 +18,7 @@ use serde::Serialize;
 
 use crate::Error;
 use crate::snap::{self, Snapping};
+use crate::text;
 use crate::urdf::{self, Description, JointType};
 
 /// A link: what it weighs and where.
@@ -231,13 +232,7 @@ pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> R
 fn name_some<'a>(asked: &str, names: impl Iterator<Item = &'a str>) -> String {
     let mut names: Vec<&str> = names.collect();
     names.sort_by_key(|name| !name.to_lowercase().contains(&asked.to_lowercase()));
-    let shown = names.len().min(12);
-    let more = names.len() - shown;
-    let mut text = names[..shown].join(", ");
-    if more > 0 {
-        text += &format!(" and {more} more");
-    }
-    text
+    text::listed(names, 12)
 }
 
 impl Description {

@@ -4,13 +4,13 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
+use sesc_model::files::write_all_if_changed;
 
 use super::{Bar, Outcome, message, print};
 use crate::Error;
 use crate::demo::{self, Demo};
 use crate::report::html;
 use crate::report::table::{Table, wrapped};
-use sesc_identify::output;
 
 /// The seed paper's simulation end to end on the embedded OP2, with a report
 #[derive(Args)]
@@ -27,10 +27,7 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let demo = demo::run(arguments.seed, &mut Bar::new("verifying"))?;
     let page = html::demo(&demo.report).map_err(|error| Error::Report(Box::new(error)))?;
-    if let Some(folder) = arguments.out.parent().filter(|f| !f.as_os_str().is_empty()) {
-        std::fs::create_dir_all(folder).map_err(|source| output::failed(folder, source))?;
-    }
-    output::write(&arguments.out, &page)?;
+    write_all_if_changed(&[(arguments.out.clone(), page)])?;
     print(&text(&demo))?;
     print(&format!(
         "\nreport with figures: {}\n",

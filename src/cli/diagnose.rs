@@ -5,14 +5,14 @@ use std::sync::Arc;
 
 use clap::Args;
 
-use super::{Bar, Outcome, RobotArguments, message, print, print_json};
+use super::{Bar, Outcome, RobotArguments, message, outputs, print, print_json};
 use crate::Error;
 use crate::report::diagnose::{Asked, page, text};
 use sesc_identify::diagnose::{self, Report, Request};
 use sesc_identify::fit::prior::{Prior, PriorChoice};
 use sesc_identify::logs::{Angles, LogSource};
-use sesc_identify::output;
 use sesc_identify::robot::Robot;
+use sesc_model::files;
 
 /// Find where simulation and measurement disagree, and name the missing effect
 #[derive(Args)]
@@ -78,7 +78,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let written: Vec<&PathBuf> = outputs.into_iter().flatten().collect();
     let mut read = vec![arguments.robot.urdf.clone(), arguments.data.clone()];
     read.extend(arguments.then.iter().cloned());
-    output::check(&read, &written)?;
+    outputs::check(&read, &written)?;
     let bar = &mut Bar::new("reading");
     let report = diagnose::diagnose(&request(arguments)?, bar)?;
     bar.0.finish_and_clear();
@@ -131,7 +131,7 @@ fn write(arguments: &Arguments, report: &Report) -> Result<(), Error> {
     }
     if let Some(path) = &arguments.out {
         let text = toml::to_string(&report.model_file);
-        output::write(path, &text.map_err(|error| Error::Report(Box::new(error)))?)?;
+        files::write(path, &text.map_err(|error| Error::Report(Box::new(error)))?)?;
         wrote(path);
     }
     if let (Some(path), Some(corrected)) = (&arguments.corrected, &report.corrected_urdf) {
@@ -139,12 +139,12 @@ fn write(arguments: &Arguments, report: &Report) -> Result<(), Error> {
             .left_out
             .iter()
             .for_each(|sentence| message(sentence));
-        output::write(path, &corrected.text)?;
+        files::write(path, &corrected.text)?;
         wrote(path);
     }
     if let (Some(path), Some(view)) = (&arguments.report, &report.view) {
         let text = page(&report.diagnosis, view);
-        output::write(path, &text.map_err(|error| Error::Report(Box::new(error)))?)?;
+        files::write(path, &text.map_err(|error| Error::Report(Box::new(error)))?)?;
         wrote(path);
     }
     Ok(())

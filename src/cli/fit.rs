@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use sesc_model::Snapping;
 
 use super::fit_outputs::Outputs;
-use super::{Bar, Outcome, message, print, print_json};
+use super::{Bar, Outcome, message, outputs, print, print_json};
 use crate::Error;
 use crate::report;
 use crate::report::fit::FitReport;
@@ -16,8 +16,8 @@ use sesc_identify::fit::prior::{Prior, PriorChoice};
 use sesc_identify::fit::robust::Loss;
 use sesc_identify::fit::{self, Request};
 use sesc_identify::logs::{Angles, LogSource, Sidecar};
-use sesc_identify::output;
 use sesc_identify::robot::Robot;
+use sesc_model::files;
 
 /// Identify the parameters of a robot from posture logs, with uncertainties, observability
 /// and held-out error
@@ -113,7 +113,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         .for_each(|note| message(&format!("note: {note}")));
     if let Some(path) = &arguments.out {
         let text = toml::to_string(&found.model_file);
-        output::write(path, &text.map_err(|error| Error::Report(Box::new(error)))?)?;
+        files::write(path, &text.map_err(|error| Error::Report(Box::new(error)))?)?;
         message(&format!("wrote {}", path.display()));
     }
     let shown = arguments
@@ -196,5 +196,5 @@ fn check_files(arguments: &Arguments) -> Result<(), Error> {
     }
     let own = [&arguments.out, &arguments.partial].into_iter().flatten();
     let written: Vec<&PathBuf> = own.chain(arguments.outputs.files()).collect();
-    Ok(output::check(&read, &written)?)
+    outputs::check(&read, &written)
 }

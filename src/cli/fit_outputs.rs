@@ -10,7 +10,7 @@ use crate::Error;
 use crate::report::fit::{FitReport, Shown, page};
 use sesc_identify::fit::residuals::Residual;
 use sesc_identify::fit::{Identification, Request};
-use sesc_identify::output;
+use sesc_model::files;
 
 #[derive(Args)]
 pub(super) struct Outputs {
@@ -61,12 +61,12 @@ impl Outputs {
     /// Write what is asked for.
     pub(super) fn write(&self, report: &FitReport<'_>) -> Result<(), Error> {
         if let (Some(path), Some(corrected)) = (&self.urdf, report.corrected) {
-            output::write(path, &corrected.text)?;
+            files::write(path, &corrected.text)?;
             message(&format!("wrote {}", path.display()));
         }
         if let Some(path) = &self.report {
             let text = page(report).map_err(|error| Error::Report(Box::new(error)))?;
-            output::write(path, &text)?;
+            files::write(path, &text)?;
             message(&format!("wrote {}", path.display()));
         }
         Ok(())

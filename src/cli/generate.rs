@@ -5,12 +5,10 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use sesc_codegen::emit::c::{self, Options, Servos, layout};
 use sesc_codegen::emit::{names, rust};
-use sesc_codegen::write_all_if_changed;
-use sesc_model::Model;
+use sesc_model::{Model, files::write_all_if_changed};
 
 use super::{Outcome, RobotArguments, message, print};
 use crate::Error;
-use sesc_identify::output;
 
 /// Write the functions of a robot as source code
 #[derive(Args)]
@@ -112,7 +110,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         .into_iter()
         .map(|(file, text)| (arguments.out.join(file), text))
         .collect();
-    let changed = output::undisturbed(|| write_all_if_changed(&files))?;
+    let changed = write_all_if_changed(&files)?;
     for ((path, _), changed) in files.iter().zip(changed) {
         if !changed {
             message(&format!("{} is up to date", path.display()));

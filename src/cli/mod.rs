@@ -6,6 +6,7 @@ mod fit;
 mod fit_outputs;
 mod generate;
 mod inspect;
+mod outputs;
 mod plan;
 mod predict;
 mod simulate;
@@ -20,10 +21,10 @@ use std::sync::Arc;
 
 use clap::{Args, Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use sesc_model::text::listed;
 use sesc_model::{Model, ModelFile, Snapping};
 
 use crate::Error;
-use sesc_identify::output;
 use sesc_identify::robot::Robot;
 use sesc_identify::stance::Stance;
 use sesc_identify::{Message, Progress, Watch};
@@ -60,7 +61,7 @@ enum Outcome {
 /// Run the command line of this process.
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
-    if let Err(error) = output::tidy_when_interrupted() {
+    if let Err(error) = outputs::tidy_when_interrupted() {
         // Results do not depend on it.
         message(&format!(
             "note: an interruption would leave files behind: {error}"

@@ -104,7 +104,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     if let Some(path) = &arguments.report {
         let page = report::plan::page(&found, &out.to_string(), &command_line());
         let page = page.map_err(|error| Error::Report(Box::new(error)))?;
-        output::write(path, &page)?;
+        files::write(path, &page)?;
         message(&format!("wrote {}", path.display()));
     }
     match arguments.json {
@@ -126,5 +126,5 @@ fn check_files(arguments: &Arguments) -> Result<(), Error> {
     // A posture file that ends like one is refused when it is begun.
     written.extend(Some(&sidecar).filter(|path| **path != arguments.out));
     written.extend(&arguments.report);
-    Ok(output::check(&read, &written)?)
+    outputs::check(&read, &written)
 }

@@ -13,7 +13,6 @@ mod svg;
 pub mod table;
 #[cfg(test)]
 mod tests;
-mod text;
 
 use serde::Serialize;
 

@@ -4,8 +4,7 @@ use std::path::{Path, PathBuf};
 
 use sesc_codegen::emit::c::{self, Options, Scalar};
 use sesc_codegen::emit::rust;
-use sesc_codegen::write_if_changed;
-use sesc_model::Snapping;
+use sesc_model::{Snapping, files::write_all_if_changed};
 
 use sesc::demo::{self, hidden};
 use sesc::report::figures::diagnose::course;
@@ -64,11 +63,11 @@ pub fn files(root: &Path) -> Result<Vec<(PathBuf, String)>, Error> {
 
 /// Rewrite what changed; returns the files written.
 pub fn write(root: &Path) -> Result<Vec<PathBuf>, Error> {
-    let mut changed = Vec::new();
-    for (path, text) in files(root)? {
-        if write_if_changed(&root.join(&path), &text)? {
-            changed.push(path);
-        }
-    }
-    Ok(changed)
+    let (names, texts): (Vec<_>, Vec<_>) = files(root)?.into_iter().unzip();
+    let places = names.iter().map(|name| root.join(name));
+    let changed = write_all_if_changed(&places.zip(texts).collect::<Vec<_>>())?;
+    let names = names.into_iter().zip(changed);
+    Ok(names
+        .filter_map(|(name, changed)| changed.then_some(name))
+        .collect())
 }

@@ -13,6 +13,7 @@
 use nalgebra::{DMatrix, DVector};
 use sesc_model::Model;
 use sesc_model::standard::PER_LINK;
+use sesc_model::text::listed;
 use sesc_model::urdf::Weight;
 
 use super::limits::Limits;
@@ -273,14 +274,8 @@ impl Space<'_> {
         light.sort_by(|a, b| a.0.total_cmp(&b.0));
         far.sort_by(|a, b| b.0.total_cmp(&a.0));
         let some = |links: &[(f64, &str)], unit: &str| {
-            let shown = links.iter().take(3);
-            let shown: Vec<String> = shown
-                .map(|(x, name)| format!("`{name}` {x:.3} {unit}"))
-                .collect();
-            match links.len() - shown.len() {
-                0 => shown.join(", "),
-                n => format!("{} and {n} more", shown.join(", ")),
-            }
+            let link = |(x, name): &(f64, &str)| format!("`{name}` {x:.3} {unit}");
+            listed(links.iter().map(link), 3)
         };
         if !light.is_empty() {
             let links = some(&light, "kg");

@@ -8,10 +8,9 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use sesc_model::Snapping;
+use sesc_model::{Snapping, files};
 
 use super::gather::Gathered;
-use crate::output;
 use crate::robot::Robot;
 use crate::{Error, Message, Setting, message};
 
@@ -98,7 +97,7 @@ impl Part {
     /// Write to `path`, whole or not at all.
     pub fn write(&self, path: &Path) -> Result<(), Error> {
         let text = serde_json::to_string(self).map_err(Error::serialise)?;
-        output::write(path, &text)
+        Ok(files::write(path, &text)?)
     }
 
     /// Speak of the parameters seen from `support`.

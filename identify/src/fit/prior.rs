@@ -16,6 +16,7 @@ use nalgebra::{DMatrix, Matrix4};
 use serde::{Deserialize, Serialize};
 use sesc_model::Model;
 use sesc_model::standard::PER_LINK;
+use sesc_model::text::listed;
 
 use crate::{Error, Setting, message};
 
@@ -174,15 +175,9 @@ impl Tolerances {
             .keys()
             .find(|k| names().all(|name| name != *k))
         {
-            let some: Vec<&str> = names().take(12).collect();
             return Err(bad(format!(
-                "no link `{stray}`; the robot has {}{}",
-                some.join(", "),
-                if names().count() > some.len() {
-                    ", …"
-                } else {
-                    ""
-                }
+                "no link `{stray}`; the robot has {}",
+                listed(names(), 12)
             )));
         }
         let all = tolerances.links.iter().map(|(name, t)| (name.as_str(), t));

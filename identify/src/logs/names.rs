@@ -1,5 +1,6 @@
 //! Names in messages: lists that stay short, and the nearest right spelling.
 
+use sesc_model::text::listed;
 use strsim::damerau_levenshtein;
 
 /// Longer names and more of them are not compared: it takes time.
@@ -9,15 +10,7 @@ const SUGGESTED: usize = 3;
 
 /// Names for a message, a dozen at most.
 pub(crate) fn list(names: &[&str]) -> String {
-    let shown: Vec<String> = names
-        .iter()
-        .take(12)
-        .map(|name| format!("`{}`", short(name)))
-        .collect();
-    match names.len() - shown.len() {
-        0 => shown.join(", "),
-        more => format!("{} and {more} more", shown.join(", ")),
-    }
+    listed(names.iter().map(|name| format!("`{}`", short(name))), 12)
 }
 
 /// A piece of a file, cut so that a message stays readable.

@@ -5,6 +5,8 @@ use std::io::{self, Read};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use sesc_model::hash;
+
 use super::columns::{Columns, POSE};
 use super::input::Bytes;
 use crate::{Error, Message};
@@ -83,16 +85,6 @@ pub(super) fn whole(value: f64) -> Result<i64, String> {
     }
 }
 
-/// FNV-1a, 64 bits: stable everywhere, and as fast as the disk.
-pub(super) fn fnv1a(hash: u64, bytes: &[u8]) -> u64 {
-    bytes.iter().fold(hash, |hash, byte| {
-        (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3)
-    })
-}
-
-/// FNV-1a of nothing.
-pub(super) const FNV_START: u64 = 0xcbf2_9ce4_8422_2325;
-
 /// What passed through a [`Metered`] file, to be looked at from outside.
 #[derive(Debug)]
 pub(super) struct Meter {
@@ -122,7 +114,7 @@ impl Metered {
         let total = file.count();
         let meter = Arc::new(Meter {
             done: AtomicU64::new(0),
-            hash: AtomicU64::new(FNV_START),
+            hash: AtomicU64::new(hash::START),
             total,
         });
         Metered { file, meter }
@@ -139,7 +131,8 @@ impl Read for Metered {
         // One thread reads; others may look.
         let meter = &self.meter;
         meter.done.fetch_add(n as u64, Ordering::Relaxed);
-        let hash = fnv1a(meter.hash.load(Ordering::Relaxed), &buffer[..n]);
+        let before = meter.hash.load(Ordering::Relaxed);
+        let hash = hash::fnv1a(before, buffer[..n].iter().copied());
         meter.hash.store(hash, Ordering::Relaxed);
         Ok(n)
     }
@@ -148,13 +141,6 @@ impl Read for Metered {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_hash_is_fnv1a() {
-        // From its publication.
-        assert_eq!(fnv1a(FNV_START, b""), 0xcbf2_9ce4_8422_2325);
-        assert_eq!(fnv1a(FNV_START, b"a"), 0xaf63_dc4c_8601_ec8c);
-    }
 
     #[test]
     fn equal_texts_are_kept_once() {

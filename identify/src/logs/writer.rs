@@ -11,7 +11,7 @@ use sesc_model::tree::Dof;
 use super::columns::{COP, COP_STD, POSE, SUPPORT, T, check_joints};
 use super::sidecar::Sidecar;
 use crate::Error;
-use crate::output::{self, NewFile};
+use sesc_model::files::{self, NewFile};
 
 /// The columns of a log besides the joints.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -110,7 +110,7 @@ impl PostureWriter {
             _ => Sink::Plain(NewFile::create(path)?),
         };
         sink.write(&text)
-            .map_err(|source| output::failed(path, source))?;
+            .map_err(|source| files::failed(path, source))?;
         Ok(PostureWriter {
             path: path.to_path_buf(),
             columns,
@@ -126,9 +126,9 @@ impl PostureWriter {
             return sink.row(row, self.columns);
         }
         self.text.clear();
-        let failed = |source| output::failed(&self.path, source);
+        let failed = |source| files::failed(&self.path, source);
         line(&mut self.text, row, self.columns).map_err(failed)?;
-        self.sink.write(&self.text).map_err(failed)
+        Ok(self.sink.write(&self.text).map_err(failed)?)
     }
 
     /// Complete the log and write its sidecar, whose path is given back.
@@ -138,13 +138,13 @@ impl PostureWriter {
             Sink::Plain(file) => file.finish()?,
             Sink::Packed(file) => file
                 .finish()
-                .map_err(|source| output::failed(&self.path, source))?
+                .map_err(|source| files::failed(&self.path, source))?
                 .finish()?,
             #[cfg(feature = "parquet")]
             Sink::Parquet(sink) => sink.finish()?,
         }
         let path = Sidecar::path(&self.path);
-        output::write(&path, &text)?;
+        files::write(&path, &text)?;
         Ok(path)
     }
 }

@@ -13,6 +13,7 @@ use std::path::Path;
 
 use nalgebra::{Rotation3, Vector3};
 use roxmltree::{Document, Node};
+use sesc_model::text::listed;
 
 use super::mesh;
 use super::poses::Pose;
@@ -113,28 +114,20 @@ impl Geometry {
             }
         }
         if !boxed.is_empty() {
-            let note = format!("meshes taken as the boxes around them: {}", names(&boxed));
+            let note = format!(
+                "meshes taken as the boxes around them: {}",
+                listed(&boxed, 12)
+            );
             geometry.notes.push(note);
         }
         for (reason, mut links) in ignored {
             links.dedup();
             geometry.notes.push(format!(
                 "collision shape ignored ({reason}): {}",
-                names(&links)
+                listed(&links, 12)
             ));
         }
         geometry
-    }
-}
-
-/// A dozen names.
-fn names(links: &[String]) -> String {
-    let more = links.len().saturating_sub(12);
-    let some = links[..links.len() - more].join(", ");
-    if more > 0 {
-        format!("{some} and {more} more")
-    } else {
-        some
     }
 }
 

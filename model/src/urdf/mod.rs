@@ -47,6 +47,7 @@ mod tests;
 use std::io::Read as _;
 use std::path::Path;
 
+use crate::hash;
 pub use description::{Description, Inertial, Joint, JointType, Limit, Link, Mimic, Origin};
 pub use edit_joints::{Load, Shift, add_loads, edit_joints};
 pub use edit_masses::{Weight, edit_masses};
@@ -121,13 +122,7 @@ pub fn parse(text: &str, file: &str) -> Result<Description, Error> {
 }
 
 fn hash(text: &str) -> String {
-    const OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
-    const PRIME: u64 = 0x0000_0100_0000_01b3;
-    let hash = text
-        .bytes()
-        .filter(|&byte| byte != b'\r')
-        .fold(OFFSET, |hash, byte| {
-            (hash ^ u64::from(byte)).wrapping_mul(PRIME)
-        });
+    let bytes = text.bytes().filter(|&byte| byte != b'\r');
+    let hash = hash::fnv1a(hash::START, bytes);
     format!("{hash:016x}")
 }

@@ -3,7 +3,7 @@
 
 use super::super::svg::{Anchor, BAND, Color, Figure, GRID, INK, NUMBER, text_width};
 use super::super::table::mm;
-use super::super::text::shortened;
+use sesc_model::text::shortened;
 
 /// Letters beside a bar, at most.
 const NAME: usize = 33;

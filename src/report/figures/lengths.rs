@@ -2,8 +2,8 @@
 
 use super::super::LengthRow;
 use super::super::svg::{Anchor, Axes, BLUE, Figure, GRID, HEADING, INK, Mark, ORANGE, key, span};
-use super::super::text::shortened;
 use super::to_mm;
+use sesc_model::text::shortened;
 
 /// Height of a body's row, pixels.
 const ROW: f64 = 20.0;

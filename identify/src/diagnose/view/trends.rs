@@ -8,8 +8,6 @@
 use super::super::problem::Problem;
 use super::{Residuals, chosen};
 
-/// Standard gravity, m/s².
-const GRAVITY: f64 = 9.80665;
 /// Postures of a small panel; evenly chosen of more.
 const PER_PANEL: usize = 200;
 /// Joints that are shown.
@@ -70,8 +68,7 @@ pub(super) fn strongest(
     let data = &problem.data;
     let dofs = &problem.context.robot.tree.dofs;
     let (n, dof) = (data.len(), dofs.len());
-    let links = problem.context.robot.tree.links.iter();
-    let weight = GRAVITY * links.map(|link| link.mass).sum::<f64>();
+    let weight = problem.context.weight();
     let moments = match quantity {
         Quantity::Moment => problem.moments_at(&data.q),
         Quantity::Position => Vec::new(),

@@ -21,8 +21,9 @@ use parquet::schema::types::ColumnDescriptor;
 pub(super) use self::sink::ParquetSink;
 use super::columns::{Columns, POSE, SUPPORT};
 use super::input::{Bytes, Place};
-use super::source::{FNV_START, Interner, Raw, Source, fnv1a, whole};
+use super::source::{Interner, Raw, Source, whole};
 use crate::Error;
+use sesc_model::hash::{self, fnv1a};
 
 /// A Parquet file being read.
 pub(super) struct ParquetSource {
@@ -217,11 +218,11 @@ impl Source for ParquetSource {
 
 fn hash(file: &mut Bytes) -> std::io::Result<u64> {
     let mut buffer = vec![0; 1 << 16];
-    let mut hash = FNV_START;
+    let mut hash = hash::START;
     loop {
         match file.read(&mut buffer)? {
             0 => return Ok(hash),
-            n => hash = fnv1a(hash, &buffer[..n]),
+            n => hash = fnv1a(hash, buffer[..n].iter().copied()),
         }
     }
 }

@@ -14,7 +14,7 @@ use parquet::schema::types::Type;
 use crate::Error;
 use crate::logs::columns::{POSE, SUPPORT};
 use crate::logs::writer::{Row, Written, numbers};
-use crate::output::{self, NewFile};
+use sesc_model::files::{self, NewFile};
 
 /// Rows of a group.
 const GROUP: usize = 65_536;
@@ -132,10 +132,12 @@ impl ParquetSink {
             self.flush()?;
         }
         let file = self.writer.into_inner();
-        file.map_err(|error| unwritten(&self.path, error))?.finish()
+        Ok(file
+            .map_err(|error| unwritten(&self.path, error))?
+            .finish()?)
     }
 }
 
 fn unwritten(path: &Path, error: ParquetError) -> Error {
-    output::failed(path, std::io::Error::other(error))
+    files::failed(path, std::io::Error::other(error)).into()
 }

@@ -2,9 +2,9 @@
 
 use super::super::super::svg::{Anchor, Axes, BLUE, Figure, HEADING, INK, MUTED, Mark, NAME};
 use super::super::super::svg::{ORANGE, key, span};
-use super::super::super::text::shortened;
 use super::super::to_mm;
 use sesc_identify::diagnose::view::{Middle, Trend};
+use sesc_model::text::shortened;
 
 /// Panels side by side.
 const COLUMNS: usize = 2;

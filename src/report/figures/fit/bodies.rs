@@ -2,10 +2,10 @@
 
 use super::super::super::svg::{Anchor, Axes, BLUE, Figure, GRID, HEADING, INK, Mark, ORANGE};
 use super::super::super::svg::{key, span};
-use super::super::super::text::shortened;
 use super::super::to_mm;
 use super::NAME;
 use sesc_identify::fit::identification::BodyLength;
+use sesc_model::text::shortened;
 
 /// Height of a body's row, pixels.
 const ROW: f64 = 18.0;

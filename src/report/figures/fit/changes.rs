@@ -2,9 +2,9 @@
 
 use super::super::super::svg::{Anchor, Axes, BAND, BLUE, Figure, GRID, HEADING, INK, Mark};
 use super::super::super::svg::{key, span};
-use super::super::super::text::shortened;
 use super::NAME;
 use sesc_identify::fit::identification::ParameterFound;
+use sesc_model::text::shortened;
 
 const ROW: f64 = 15.0;
 const TOP: f64 = 32.0;

@@ -1,8 +1,8 @@
 //! How much of its range every joint uses, each in units of that range.
 
 use super::super::super::svg::{Anchor, Axes, BAND, BLUE, Figure, HEADING, INK, MUTED, Mark, key};
-use super::super::super::text::shortened;
 use sesc_identify::plan::joint_use::JointUse;
+use sesc_model::text::shortened;
 
 const ROW: f64 = 20.0;
 const TOP: f64 = 32.0;
