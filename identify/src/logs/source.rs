@@ -132,7 +132,7 @@ impl Read for Metered {
         let meter = &self.meter;
         meter.done.fetch_add(n as u64, Ordering::Relaxed);
         let before = meter.hash.load(Ordering::Relaxed);
-        let hash = hash::fnv1a(before, buffer[..n].iter().copied());
+        let hash = hash::fnv1a(before, &buffer[..n]);
         meter.hash.store(hash, Ordering::Relaxed);
         Ok(n)
     }

@@ -2,9 +2,11 @@
 
 use std::sync::{Arc, OnceLock};
 
+use sesc_model::hash::{START, fnv1a};
+
 use super::columns::{Columns, SUPPORT};
 use super::input::Shared;
-use super::source::{FNV_START, Raw, Source, fnv1a, whole};
+use super::source::{Raw, Source, whole};
 use crate::Error;
 
 /// A posture log as columns in memory, named as those of a log file.
@@ -74,7 +76,7 @@ impl Table {
     fn hash(&self) -> u64 {
         *self.hash.get_or_init(|| {
             let columns = self.header.iter().zip(&self.columns);
-            columns.fold(FNV_START, |hash, (name, column)| {
+            columns.fold(START, |hash, (name, column)| {
                 column.hash(fnv1a(fnv1a(hash, name.as_bytes()), &[0]))
             })
         })

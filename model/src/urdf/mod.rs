@@ -123,6 +123,6 @@ pub fn parse(text: &str, file: &str) -> Result<Description, Error> {
 
 fn hash(text: &str) -> String {
     let bytes = text.bytes().filter(|&byte| byte != b'\r');
-    let hash = hash::fnv1a(hash::START, bytes);
+    let hash = bytes.fold(hash::START, |hash, byte| hash::fnv1a(hash, &[byte]));
     format!("{hash:016x}")
 }

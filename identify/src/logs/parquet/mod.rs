@@ -222,7 +222,7 @@ fn hash(file: &mut Bytes) -> std::io::Result<u64> {
     loop {
         match file.read(&mut buffer)? {
             0 => return Ok(hash),
-            n => hash = fnv1a(hash, buffer[..n].iter().copied()),
+            n => hash = fnv1a(hash, &buffer[..n]),
         }
     }
 }

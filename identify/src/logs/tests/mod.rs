@@ -154,7 +154,7 @@ fn the_summary_names_the_bytes_that_were_read() {
     while !reader.block(2).unwrap().is_empty() {}
     let summary = reader.summary().unwrap();
     assert_eq!((summary.rows, summary.postures), (3, 2));
-    let hash = fnv1a(START, fs::read(&path).unwrap());
+    let hash = fnv1a(START, &fs::read(&path).unwrap());
     assert_eq!(summary.hash, format!("{hash:016x}"));
 }
 
