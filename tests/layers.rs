@@ -16,6 +16,9 @@ const ROOMS: [(&str, &[&str]); 4] = [
     (
         "model",
         &[
+            "text",
+            "hash",
+            "files",
             "urdf",
             "error",
             "snap",
@@ -44,7 +47,6 @@ const ROOMS: [(&str, &[&str]); 4] = [
         &[
             "words",
             "error",
-            "output",
             "watch",
             "logs",
             "robot",
