@@ -10,6 +10,7 @@ use crate::emit::c::{
 };
 use crate::emit::names;
 use crate::emit::rust;
+use crate::error::Problem;
 use sesc_model::{Model, ModelFile, Snapping, files, urdf};
 
 /// Generates a module for a robot from a controller's `build.rs`.

@@ -56,6 +56,7 @@ impl Error {
     /// ```
     pub fn kind(&self) -> ErrorKind {
         match *self.0 {
+            Problem::Model(sesc_model::Error::Write { .. }) => ErrorKind::Write,
             Problem::Model(_) => ErrorKind::Model,
             Problem::BadName { .. } | Problem::BadPrefix { .. } | Problem::TakenName { .. } => {
                 ErrorKind::Name
@@ -64,7 +65,6 @@ impl Error {
             Problem::Overflow { .. } | Problem::NoFixedPoint { .. } => ErrorKind::FixedPoint,
             Problem::UnboundedEffect { .. } | Problem::Unbounded { .. } => ErrorKind::Unbounded,
             Problem::Read { .. } => ErrorKind::Read,
-            Problem::Write { .. } => ErrorKind::Write,
             Problem::NoSupport => ErrorKind::NoSupport,
             Problem::NotABuildScript { .. } => ErrorKind::NotABuildScript,
             Problem::Emitted { .. } => ErrorKind::Internal,
