@@ -21,7 +21,6 @@ use std::sync::Arc;
 
 use clap::{Args, Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use sesc_model::text::listed;
 use sesc_model::{Model, ModelFile, Snapping};
 
 use crate::Error;

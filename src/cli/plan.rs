@@ -4,15 +4,15 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Bar, Outcome, RobotArguments, command_line, message, print, print_json};
+use super::{Bar, Outcome, RobotArguments, command_line, message, outputs, print, print_json};
 use crate::Error;
 use crate::report;
 use sesc_identify::fit::prior::Prior;
 use sesc_identify::logs::{PostureWriter, Sidecar, Written};
-use sesc_identify::output;
 use sesc_identify::plan::balance::Region;
 use sesc_identify::plan::limits::Limits;
 use sesc_identify::plan::{COP_BOX, Request, plan};
+use sesc_model::files;
 
 /// Choose postures that tell most about the parameters, balanced and clear, in a short order
 #[derive(Args)]
