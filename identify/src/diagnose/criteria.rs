@@ -1,7 +1,7 @@
 //! Every number that decides a verdict, and what it was calibrated on.
 //!
 //! Scores are −2 log evidence, prices paid: differences of them are −2 log odds. "The
-//! study" is `examples/hidden_effects.rs`: effects hidden in a virtual robot that
+//! study" is `cargo xtask study`: effects hidden in a virtual robot that
 //! shares no code with the diagnosis. README's table counts seeds 700000 (100 logs)
 //! and 800000 (400 logs); rerun it after a change. Where no calibration is named, the
 //! number was chosen, not calibrated.

@@ -154,11 +154,11 @@ impl NextLog {
 /// let robot = Arc::new(Robot::parse(urdf, "rod.urdf")?);
 /// // The CoM of the leg is 0.1 m along it, and noise is 0.1 mm.
 /// let hip: Vec<f64> = (0..30).map(|k| 0.6 * (0.7 * f64::from(k)).sin()).collect();
-/// let noise = |k: usize, step: f64| 1e-4 * (step * k as f64).sin();
+/// let noise = |k: usize, step: f64| -> f64 { 1e-4 * (step * k as f64).sin() };
 /// let cop = |k: usize| 0.1 * hip[k].sin() + noise(k, 7.1);
 /// let log = Table::new("rod.csv")
-///     .numbers("cop_x", (0..30).map(cop).collect())
-///     .numbers("cop_y", (0..30).map(|k| noise(k, 3.3)).collect())
+///     .numbers("cop_x", (0..30).map(cop).collect::<Vec<f64>>())
+///     .numbers("cop_y", (0..30).map(|k| noise(k, 3.3)).collect::<Vec<f64>>())
 ///     .numbers("hip", hip.clone());
 /// let mut request = Request::new(robot, log);
 /// request.support = Some("foot".into());
