@@ -21,7 +21,7 @@ use sesc_model::files;
     sesc diagnose op2.urdf --data log.csv --out model.toml --urdf corrected.urdf --report report.html\n  \
     sesc diagnose op2.urdf --data log.csv --next next.csv\n  \
     sesc diagnose op2.urdf --data log.csv --then next_log.csv\n  \
-    sesc diagnose op2.urdf --data log.csv --prior tight --json")]
+    sesc diagnose op2.urdf --data log.csv --prior cad --json")]
 pub(super) struct Arguments {
     #[command(flatten)]
     robot: RobotArguments,
@@ -32,12 +32,12 @@ pub(super) struct Arguments {
     /// judged by it, too
     #[arg(long, value_name = "FILE")]
     then: Vec<PathBuf>,
-    /// Turning joints are logged in degrees
+    /// Revolute joints are logged in degrees
     #[arg(long)]
     degrees: bool,
     /// What CAD is worth: tight (mass 0.2 %, CoM 0.1 mm), cad (10 %, 5 mm), free, or a TOML file:
     /// [default] mass = 0.1, com = 0.005 (m); [links.NAME] likewise
-    #[arg(long, value_name = "tight|cad|free|FILE", default_value = Prior::DEFAULT)]
+    #[arg(long, value_name = "tight|cad|free|FILE", default_value = Prior::OF_DIAGNOSES)]
     prior: String,
     /// Standard deviation of a single reading on one axis, m; from the log unless given
     #[arg(long, value_name = "M", allow_negative_numbers = true)]

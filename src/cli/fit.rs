@@ -42,7 +42,7 @@ pub(super) struct Arguments {
     /// Take decimals of right angles (1.5708) literally
     #[arg(long)]
     no_snap: bool,
-    /// Turning joints are logged in degrees
+    /// Revolute joints are logged in degrees
     #[arg(long)]
     degrees: bool,
     /// What CAD is worth: tight (mass 0.2 %, CoM 0.1 mm), cad (10 %, 5 mm), free, or a TOML file:

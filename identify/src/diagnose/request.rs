@@ -21,7 +21,7 @@ use super::next_postures::{self, Next};
 use super::problem::Problem;
 use super::view::DiagnosisView;
 use super::{diagnosis, experiment};
-use crate::fit::prior::PriorChoice;
+use crate::fit::prior::{Prior, PriorChoice};
 use crate::logs::{Angles, LogSource, Options, PostureWriter, Readings, Row, Sidecar, Written};
 use crate::observations::postures::{Postures, Taking};
 use crate::robot::Robot;
@@ -75,7 +75,7 @@ impl Request {
             snapping: Snapping::default(),
             angles: None,
             effects: Catalog::standard(),
-            prior: PriorChoice::default(),
+            prior: PriorChoice::from(Prior::OF_DIAGNOSES),
             noise: None,
             floor: FLOOR_M,
             meshes: None,

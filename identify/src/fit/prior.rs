@@ -96,9 +96,13 @@ impl From<Prior> for PriorChoice {
 }
 
 impl Prior {
-    /// What fits, plans and diagnoses take unless told otherwise: CAD as it usually is.
-    /// A tighter one lets a diagnosis see more, where links were weighed.
+    /// What fits and plans take unless told otherwise: CAD as it usually is.
     pub const DEFAULT: &str = "cad";
+
+    /// What diagnoses take unless told otherwise. Within the usual tolerances masses
+    /// absorb a slope, a payload, most pairs of effects; held tight, masses that are
+    /// off are an explanation that competes with the effects and is named.
+    pub const OF_DIAGNOSES: &str = "tight";
 
     /// `tight`, `cad`, `free`, or a file of tolerances.
     ///
