@@ -8,6 +8,8 @@
 //! is a complete one); this example takes the OP2's from `generated/`. Nothing here
 //! allocates or needs `std` but the printing.
 
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
 use sesc_generated::op2_r_sole::{self as op2, BASE_PARAMS, CAD_PARAMS, DOF};
 use sesc_runtime::fit::{Error, Estimator};
 
@@ -19,7 +21,8 @@ const PRIOR_STD_M: f64 = 0.01;
 fn main() -> Result<(), Error> {
     // The robot as it is: every parameter up to 5 mm off its CAD. One flat foot never
     // sees the constant height, so CAD must be right there.
-    let mut uniform = uniform();
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    let mut uniform = || random.random_range(-1.0..1.0);
     let mut truth = CAD_PARAMS;
     for r in &mut truth {
         *r += 5e-3 * uniform();
@@ -55,15 +58,4 @@ fn main() -> Result<(), Error> {
     );
     assert!(after < 0.1 * before, "the fit is ten times closer than CAD");
     Ok(())
-}
-
-/// Numbers in -1 … 1, the same in every run.
-fn uniform() -> impl FnMut() -> f64 {
-    let mut seed = 1_u64;
-    move || {
-        seed = seed
-            .wrapping_mul(6364136223846793005)
-            .wrapping_add(1442695040888963407);
-        (seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
 }
