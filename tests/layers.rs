@@ -18,9 +18,9 @@ const ROOMS: [(&str, &[&str]); 4] = [
         &[
             "text",
             "hash",
-            "files",
             "urdf",
             "error",
+            "files",
             "snap",
             "names",
             "tree",
