@@ -1,6 +1,8 @@
 //! FNV-1a with 64 bits, a hash that is the same everywhere and as fast as the disk.
 //!
-//!     h_0 = 0xcbf29ce484222325      h_k = (h_{k−1} xor byte_k) · 0x100000001b3  mod 2⁶⁴
+//! ```text
+//! h_0 = 0xcbf29ce484222325      h_k = (h_{k−1} xor byte_k) · 0x100000001b3  mod 2⁶⁴
+//! ```
 
 /// Hash of nothing.
 pub const START: u64 = 0xcbf2_9ce4_8422_2325;

@@ -214,19 +214,28 @@ fn a_spring_holds_a_pendulum_where_moments_balance() {
 /// Only what a posture shows makes another function of the CoP.
 #[test]
 fn a_model_with_nothing_to_show_keeps_its_functions() {
-    use sesc_model::{EffectRecord, Function, Given};
+    use sesc_model::{EffectRecord, Function, Given, Quantity};
     let bare = model(PENDULUM, "foot");
-    let with = |effect: &str| {
+    let with = |effect: &str, names: &[&str]| {
         let mut file = ModelFile::from_values(&bare, &bare.cad_params(), None, "data");
+        let value = Quantity {
+            value: 0.01,
+            std: None,
+        };
         file.effects.push(EffectRecord {
             effect: effect.into(),
             target: "-".into(),
-            parameters: Default::default(),
+            parameters: names.iter().map(|name| (name.to_string(), value)).collect(),
         });
         bare.clone().with_file(file).unwrap()
     };
-    for effect in ["mass_distribution", "cop_outliers"] {
-        let model = with(effect);
+    // Only a log shows these.
+    let effects: [(&str, &[&str]); 2] = [
+        ("time_delay", &["delay_s"]),
+        ("sensor_drift", &["drift_x_m", "drift_y_m"]),
+    ];
+    for (effect, names) in effects {
+        let model = with(effect, names);
         let cop = model.program(Function::Cop, Given::SinesCosines);
         assert!(cop.is_some(), "{effect}");
         assert!(

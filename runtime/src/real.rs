@@ -63,7 +63,7 @@ pub trait Real:
     /// ```
     /// use sesc_runtime::Real;
     ///
-    /// let x = 1.0 + f64::EPSILON;
+    /// let x = 1.0 + 1.0 / f64::from(1 << 27);
     /// assert_eq!(x.mul_plus(x, -1.0), x * x - 1.0);
     /// assert_ne!(x.mul_plus(x, -1.0), x.mul_add(x, -1.0));
     /// ```

@@ -17,6 +17,7 @@
 //! are correct to `CONSTANT_ULPS`; terms of order u² are covered by a margin.
 
 mod analysis;
+mod choose;
 mod fixed;
 mod operations;
 mod range;

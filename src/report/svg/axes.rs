@@ -1,6 +1,8 @@
 //! Panels of a figure: axes with ticks, and where values lie between them.
 //!
-//!     place = edge + (value − low) / (high − low) · length
+//! ```text
+//! place = edge + (value − low) / (high − low) · length
+//! ```
 
 use std::ops::Range;
 
