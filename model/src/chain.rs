@@ -1,7 +1,7 @@
 //! The statically equivalent serial chain seen from the support frame.
 //!
 //! ```text
-//! CoM(q) = r_0 + Σ_{i≥1} B_i(q) r_i + Σ_{sliding j} B_parent(j) a_j q_j s_j
+//! CoM(q) = r_0 + Σ_{i≥1} B_i(q) r_i + Σ_{prismatic j} B_parent(j) a_j q_j s_j
 //! r_i = (m_i c_i + Σ_{children k of i} M_k d_k) / M        s_j = M_j / M
 //! ```
 //!
@@ -22,6 +22,7 @@ pub struct Body {
     pub name: String,
     /// The joint that carries it; `None` for body 0.
     pub joint: Option<String>,
+    /// Index of the body towards the support; `None` for body 0.
     pub parent: Option<usize>,
     /// Indices into [`Tree::links`].
     pub links: Vec<usize>,
@@ -38,7 +39,7 @@ pub struct Body {
     pub carried: f64,
     /// CAD value of r_i in the body frame, m.
     pub r: Vector3<f64>,
-    /// CAD value of s_i, for a body on a sliding joint.
+    /// CAD value of s_i, for a body on a prismatic joint.
     pub s: Option<f64>,
     /// Column of r_i in the full regressor (s_i follows at +3).
     pub column: usize,
@@ -47,6 +48,7 @@ pub struct Body {
 /// Where a link sits in its body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Place {
+    /// Index of the body.
     pub body: usize,
     /// Orientation of the link in the body frame.
     pub orientation: Matrix3<f64>,
@@ -57,10 +59,11 @@ pub struct Place {
 /// Bodies in preorder of the re-rooted tree: parents come first.
 #[derive(Debug, Clone)]
 pub struct Chain {
+    /// Body 0 holds the support link.
     pub bodies: Vec<Body>,
     /// Of each of [`Tree::links`]; `None` beyond a cut.
     pub places: Vec<Option<Place>>,
-    /// Number of full parameters: 3 per body, one more per sliding joint.
+    /// Number of full parameters: 3 per body, one more per prismatic joint.
     pub full_params: usize,
     /// Independent joints, to name angles by.
     dofs: Vec<String>,

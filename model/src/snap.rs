@@ -18,6 +18,13 @@ const ROUNDING: f64 = 1e-15;
 const NEARLY: f64 = 1e-2;
 
 /// Whether decimals of right angles are made exact.
+///
+/// ```
+/// use sesc_model::Snapping;
+///
+/// // 1.5708 is 4e-6 rad off a quarter turn, and is one.
+/// assert_eq!(Snapping::default(), Snapping::Within(1e-5));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Snapping {
     /// Snap angles within this many radians of a quarter turn.

@@ -131,6 +131,7 @@ impl Robot {
 /// How base parameters change with the support: `r = matrix · r_other + offset`.
 #[derive(Debug, Clone)]
 pub struct Shift {
+    /// Base parameters of one support in terms of those of the other.
     pub matrix: DMatrix<f64>,
     /// m (mass fractions for slides)
     pub offset: DVector<f64>,

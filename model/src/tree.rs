@@ -4,8 +4,8 @@
 //! the far link is, in the near link,
 //!
 //! ```text
-//! x_near = anchor + R Rot(axis, θ) (x_far − offset)        turning
-//! x_near = anchor + axis θ + R (x_far − offset)            sliding
+//! x_near = anchor + R Rot(axis, θ) (x_far − offset)        revolute
+//! x_near = anchor + axis θ + R (x_far − offset)            prismatic
 //! ```
 //!
 //! with θ = factor·q + offset. A joint between the URDF root and the support is
@@ -24,6 +24,7 @@ use crate::urdf::{self, Description, JointType};
 /// A link: what it weighs and where.
 #[derive(Debug, Clone)]
 pub struct Link {
+    /// As in the URDF.
     pub name: String,
     /// kg
     pub mass: f64,
@@ -34,7 +35,9 @@ pub struct Link {
 /// A joint's position as a function of one independent joint: `factor·q[dof] + offset`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coordinate {
+    /// Index in [`Tree::dofs`].
     pub dof: usize,
+    /// 1 but for mimic joints and joints walked backwards.
     pub factor: f64,
     /// rad or m
     pub offset: f64,
@@ -43,15 +46,20 @@ pub struct Coordinate {
 /// How an edge moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Motion {
+    /// Not at all.
     Fixed,
-    /// Turns about `axis`, a unit vector in the far link.
+    /// A revolute joint.
     Turn {
+        /// A unit vector in the far link.
         axis: Vector3<f64>,
+        /// rad
         by: Coordinate,
     },
-    /// Slides along `axis`, a unit vector in the near link.
+    /// A prismatic joint.
     Slide {
+        /// A unit vector in the near link.
         axis: Vector3<f64>,
+        /// m
         by: Coordinate,
     },
 }
@@ -59,6 +67,7 @@ pub enum Motion {
 /// A joint, walked away from the support.
 #[derive(Debug, Clone)]
 pub struct Edge {
+    /// Name of the joint.
     pub joint: String,
     /// Index of the near link.
     pub near: usize,
@@ -72,16 +81,19 @@ pub struct Edge {
     pub anchor: Vector3<f64>,
     /// The joint's point in the far link, m.
     pub offset: Vector3<f64>,
+    /// How the far link moves.
     pub motion: Motion,
 }
 
 /// An independent joint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Dof {
+    /// Its name.
     pub joint: String,
+    /// Whether its position is in m.
     pub prismatic: bool,
-    /// Turns without end or without usable limits: its range is only what
-    /// postures are drawn from.
+    /// Whether it turns without end or has no usable limits: its range is only
+    /// what postures are drawn from.
     pub continuous: bool,
     /// rad or m
     pub lower: f64,
@@ -92,6 +104,7 @@ pub struct Dof {
 /// A right angle that was made exact.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Snap {
+    /// Name of the joint.
     pub joint: String,
     /// Between the written and the exact rotation, rad.
     pub angle_error: f64,
@@ -102,9 +115,13 @@ pub struct Snap {
 /// A robot standing on one link.
 #[derive(Debug, Clone)]
 pub struct Tree {
+    /// Name of the robot.
     pub robot: String,
+    /// [`Description::hash`]
     pub hash: String,
+    /// [`Description::file`]
     pub file: String,
+    /// In document order.
     pub links: Vec<Link>,
     /// Index of the support link.
     pub support: usize,
@@ -114,20 +131,24 @@ pub struct Tree {
     pub dofs: Vec<Dof>,
     /// Total mass, kg.
     pub mass: f64,
+    /// What snapping changed.
     pub snaps: Vec<Snap>,
     /// What was dropped, ignored or looks doubtful.
     pub notes: Vec<String>,
 }
 
-/// Range assumed for a turning joint without usable limits, rad.
-const FREE_TURN: f64 = std::f64::consts::PI;
-/// Range assumed for a sliding joint without usable limits, m.
-const FREE_SLIDE: f64 = 1.0;
+/// Range assumed for a revolute joint without usable limits, rad.
+const FREE_REVOLUTE_RAD: f64 = std::f64::consts::PI;
+/// Range assumed for a prismatic joint without usable limits, m.
+const FREE_PRISMATIC_M: f64 = 1.0;
 
 /// Limits this far out mean none, rad or m.
 const ENDLESS: f64 = 1e3;
 
 /// Re-root `description` at `support`.
+///
+/// # Errors
+/// When no link has that name, or mass hangs on a planar or floating joint.
 pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> Result<Tree, Error> {
     let robot = description;
     let mut notes = description.notes.clone();
@@ -288,7 +309,7 @@ fn coordinates(robot: &Description) -> (Vec<Dof>, Vec<Option<Coordinate>>) {
 
 fn dof(joint: &urdf::Joint) -> Dof {
     let prismatic = joint.joint_type == JointType::Prismatic;
-    let free = if prismatic { FREE_SLIDE } else { FREE_TURN };
+    let free = if prismatic { FREE_PRISMATIC_M } else { FREE_REVOLUTE_RAD };
     let limit = &joint.limit;
     // Files write "free" as infinities, as 1e16, or by swapping the ends.
     let usable = limit.lower < limit.upper && -limit.lower < ENDLESS && limit.upper < ENDLESS;

@@ -1,10 +1,10 @@
 //! Base parameters: the combinations of full parameters that data can see.
 //!
-//! A turning joint leaves its axis `a` where it is in the parent, so the part
+//! A revolute joint leaves its axis `a` where it is in the parent, so the part
 //! of r_i along `a` cannot be told from the same vector in the parent's r: it
-//! moves there, and 2 parameters stay. A sliding joint leaves the whole
+//! moves there, and 2 parameters stay. A prismatic joint leaves the whole
 //! orientation alone: all of r_i moves, one s_i stays. r_0 keeps 3. Working
-//! from the leaves to the root gives 3 + 2 (turning) + 1 (sliding) columns.
+//! from the leaves to the root gives 3 + 2 (revolute) + 1 (prismatic) columns.
 //!
 //! These columns are linearly independent as functions of posture when every
 //! joint is independent: averaging over one joint's angle removes its own
@@ -124,7 +124,7 @@ fn moved_to_parent(chain: &Chain, i: usize, parent: usize) -> Unobservable {
         Motion::Slide { .. } => (
             format!("r of {}", body.name),
             format!(
-                "r of `{}` moves to its parent `{}`: sliding joint `{joint}` never turns it",
+                "r of `{}` moves to its parent `{}`: prismatic joint `{joint}` never turns it",
                 body.name, parent.name
             ),
         ),

@@ -18,7 +18,9 @@ use super::source::{Source, children, links};
 /// A box along the axes of a link frame, m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Extent {
+    /// The corner of the least coordinates.
     pub low: [f64; 3],
+    /// The corner of the greatest coordinates.
     pub high: [f64; 3],
 }
 

@@ -1,5 +1,7 @@
 //! The nearest spelling of a name that does not exist.
 
+use strsim::osa_distance;
+
 use super::report::shown;
 
 /// Names longer than this are not compared.
@@ -20,24 +22,23 @@ pub(super) fn suggest<'a>(
 }
 
 fn nearest<'a>(wrong: &str, owner: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    let letters: Vec<char> = folded(wrong);
-    if letters.is_empty() || letters.len() > LONGEST {
+    let (wrong, letters) = folded(wrong);
+    if letters == 0 || letters > LONGEST {
         return None;
     }
     // Few letters may differ, or everything would be close.
-    let most = match letters.len() {
+    let most = match letters {
         0..=2 => 0,
         length => (length / 4).clamp(1, 3),
     };
     names
         .filter_map(|name| {
-            let candidate = folded(name);
-            let length = candidate.len();
-            let misspelt = length <= LONGEST && length.abs_diff(letters.len()) <= most;
-            let distance = match misspelt.then(|| distance(&letters, &candidate)) {
+            let (candidate, length) = folded(name);
+            let misspelt = length <= LONGEST && length.abs_diff(letters) <= most;
+            let distance = match misspelt.then(|| osa_distance(&wrong, &candidate)) {
                 Some(distance) if distance <= most => distance,
                 // A forgotten prefix: `index` for `left_index`.
-                _ if letters.len() >= 3 && candidate.ends_with(&letters) => most + 1,
+                _ if letters >= 3 && candidate.ends_with(&wrong) => most + 1,
                 _ => return None,
             };
             Some((distance, std::cmp::Reverse(common(name, owner)), name))
@@ -46,39 +47,21 @@ fn nearest<'a>(wrong: &str, owner: &str, names: impl Iterator<Item = &'a str>) -
         .map(|(_, _, name)| name)
 }
 
-/// Letter case and the kind of separator are free.
-fn folded(name: &str) -> Vec<char> {
+/// A name without letter case and kinds of separators, and its length in letters.
+fn folded(name: &str) -> (String, usize) {
     let letters = name.trim().chars().take(LONGEST + 1);
     let fold = |c: char| match c {
         '-' | '.' | ' ' | '/' => '_',
         _ => c.to_lowercase().next().unwrap_or(c),
     };
-    letters.map(fold).collect()
+    let folded: String = letters.map(fold).collect();
+    let length = folded.chars().count();
+    (folded, length)
 }
 
 /// How many letters two names start with together.
 fn common(a: &str, b: &str) -> usize {
     a.chars().zip(b.chars()).take_while(|(a, b)| a == b).count()
-}
-
-/// Letters to insert, delete, replace or swap with their neighbour (optimal
-/// string alignment).
-fn distance(a: &[char], b: &[char]) -> usize {
-    let mut before: Vec<usize> = Vec::new();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, from) in a.iter().enumerate() {
-        let mut next = vec![i + 1];
-        for (j, to) in b.iter().enumerate() {
-            let replaced = row[j] + usize::from(from != to);
-            let mut least = replaced.min(row[j + 1] + 1).min(next[j] + 1);
-            if i > 0 && j > 0 && *from == b[j - 1] && a[i - 1] == *to {
-                least = least.min(before[j - 1] + 1);
-            }
-            next.push(least);
-        }
-        before = std::mem::replace(&mut row, next);
-    }
-    row[b.len()]
 }
 
 #[cfg(test)]

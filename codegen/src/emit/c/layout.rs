@@ -14,6 +14,12 @@ use crate::error::Problem;
 use sesc_model::Model;
 
 /// What a package is made for.
+///
+/// ```
+/// use sesc_codegen::{Builder, Layout};
+///
+/// let builder = Builder::new("op2.urdf").support("r_sole").c99("lib").layout(Layout::PlatformIo);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Layout {
     /// `NAME.h` and `NAME.c`.

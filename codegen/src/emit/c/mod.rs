@@ -36,6 +36,12 @@ use sesc_model::bounds::Precision;
 use spelling::{comment, number, pair, quoted, spelled};
 
 /// Arithmetic of the generated C.
+///
+/// ```
+/// use sesc_codegen::{Builder, Scalar};
+///
+/// let builder = Builder::new("op2.urdf").support("r_sole").c99("firmware").scalar(Scalar::F32);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scalar {
     F64,

@@ -26,6 +26,11 @@ use crate::error::Problem;
 use sesc_model::tree::Dof;
 
 /// What a servo file says of one joint, or of all.
+///
+/// ```
+/// let mirrored = sesc_codegen::Setting { sign: Some(-1), ..Default::default() };
+/// assert_eq!(mirrored.zero, None); // 2048
+/// ```
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Setting {
@@ -40,11 +45,21 @@ pub struct Setting {
 }
 
 /// A servo file.
+///
+/// ```
+/// use sesc_codegen::{Servos, Setting};
+///
+/// let mut servos = Servos::default();
+/// let zero = Setting { zero: Some(2050), ..Setting::default() };
+/// servos.joints.insert("l_knee".to_string(), zero);
+/// ```
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Servos {
+    /// Of joints that are not named.
     #[serde(default)]
     pub default: Setting,
+    /// By name of the joint.
     #[serde(default)]
     pub joints: BTreeMap<String, Setting>,
 }
