@@ -114,7 +114,7 @@ fn balanced(robot: &Robot, model: &Model, count: usize, seed: u64) -> Result<Vec
         (*low, *high) = (low.max(-range), high.min(range));
     }
     let region = Region::square(BOX, 0.0)?;
-    let geometry = Geometry::read(robot.text(), None);
+    let geometry = Geometry::read(&robot.description, None);
     let clearance = Clearance::new(model, &geometry, 0.005);
     let uncertainty = nalgebra::DMatrix::zeros(model.base.params.len(), 0);
     #[cfg(feature = "collision")]

@@ -256,7 +256,7 @@ fn candidates(
         .fold(criteria::COP_BOX_M.0, f64::max)
         .min(criteria::COP_BOX_M.1);
     let region = Region::square(half, 0.0).ok()?;
-    let geometry = Geometry::read(robot.text(), folder);
+    let geometry = Geometry::read(&robot.description, folder);
     let clearance = Clearance::new(model, &geometry, criteria::CLEARANCE_M);
     let uncertainty = DMatrix::zeros(model.base.params.len(), 0);
     #[cfg(feature = "collision")]

@@ -151,7 +151,7 @@ mod tests {
         let model = robot
             .model("foot", sesc_model::Snapping::default(), None)
             .unwrap();
-        (model, Geometry::read(&urdf, None))
+        (model, Geometry::read(&robot.description, None))
     }
 
     #[test]

@@ -193,7 +193,7 @@ mod tests {
         let model = robot
             .model("a", sesc_model::Snapping::default(), None)
             .unwrap();
-        (model, Geometry::read(&urdf, None))
+        (model, Geometry::read(&robot.description, None))
     }
 
     #[test]

@@ -1,9 +1,5 @@
-//! Collision shapes of a URDF, read leniently: what is not understood is a
-//! note, never a failure.
-//!
-//! ```text
-//! <link><collision><origin xyz rpy/><geometry> box | cylinder | sphere | capsule | mesh
-//! ```
+//! Collision shapes of a robot as solids: what is not understood is a note, never a
+//! failure.
 //!
 //! A mesh is taken as the box around it where its file can be read, see
 //! `super::mesh`.
@@ -12,8 +8,8 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use nalgebra::{Rotation3, Vector3};
-use roxmltree::{Document, Node};
 use sesc_model::text::listed;
+use sesc_model::urdf::{self, Collision, Description};
 
 use super::mesh;
 use super::poses::Pose;
@@ -80,25 +76,23 @@ impl Solid {
 }
 
 impl Geometry {
-    /// Read the collision elements of a URDF; `folder` is where its meshes may be.
-    pub fn read(urdf: &str, folder: Option<&Path>) -> Geometry {
+    /// The collision elements of a URDF; `folder` is where its meshes may be.
+    pub fn read(description: &Description, folder: Option<&Path>) -> Geometry {
         let mut geometry = Geometry::default();
-        let document = match Document::parse(urdf.trim_start_matches('\u{feff}')) {
-            Ok(document) => document,
+        let found = match urdf::collisions(description) {
+            Ok(found) => found,
             Err(error) => {
-                geometry
-                    .notes
-                    .push(format!("collision shapes cannot be read: {error}"));
+                let note = format!("collision shapes cannot be read: {error}");
+                geometry.notes.push(note);
                 return geometry;
             }
         };
         // What is wrong, and with which links.
         let mut ignored: BTreeMap<String, Vec<String>> = BTreeMap::new();
         let mut boxed: Vec<String> = Vec::new();
-        for link in children(document.root_element(), "link") {
-            let name = link.attribute("name").unwrap_or("").trim();
-            for collision in children(link, "collision") {
-                match shape(collision, folder) {
+        for (name, collisions) in description.link_names().zip(found) {
+            for collision in collisions {
+                match collision.and_then(|collision| solid(&collision, folder)) {
                     Ok((pose, solid, is_mesh)) => {
                         geometry.shapes.push(Shape {
                             link: name.to_string(),
@@ -131,96 +125,37 @@ impl Geometry {
     }
 }
 
-fn children<'a, 'd: 'a>(
-    node: Node<'a, 'd>,
-    name: &'static str,
-) -> impl Iterator<Item = Node<'a, 'd>> {
-    node.children()
-        .filter(move |child| child.tag_name().name() == name)
-}
-
-/// Pose and solid of a `<collision>`, and whether it is a mesh.
-fn shape(collision: Node, folder: Option<&Path>) -> Result<(Pose, Solid, bool), String> {
-    let origin = match children(collision, "origin").next() {
-        Some(origin) => pose(origin)?,
-        None => Pose::IDENTITY,
+/// Pose and solid of a collision, and whether it is a mesh.
+fn solid(collision: &Collision, folder: Option<&Path>) -> Result<(Pose, Solid, bool), String> {
+    let [roll, pitch, yaw] = collision.origin.rpy;
+    let pose = Pose {
+        rotation: *Rotation3::from_euler_angles(roll, pitch, yaw).matrix(),
+        origin: Vector3::from(collision.origin.xyz),
     };
-    let geometry = children(collision, "geometry").next();
-    let solid = geometry.and_then(|g| g.children().find(Node::is_element));
-    let solid = solid.ok_or("no geometry")?;
-    let length = |attribute: &str| -> Result<f64, String> {
-        numbers(solid.attribute(attribute))
-            .filter(|[x]: &[f64; 1]| *x > 0.0)
-            .map(|[x]| x)
-            .ok_or_else(|| format!("{} without a usable {attribute}", solid.tag_name().name()))
-    };
-    let plain = |solid| Ok((origin, solid, false));
-    match solid.tag_name().name() {
-        "box" => {
-            let size = numbers(solid.attribute("size")).map(Vector3::from);
-            let size = size.filter(|size| size.min() >= 0.0 && size.max() > 0.0);
-            plain(Solid::Box(size.ok_or("box without a usable size")? / 2.0))
-        }
-        "sphere" => plain(Solid::Sphere {
-            radius: length("radius")?,
-        }),
-        "cylinder" => plain(Solid::Cylinder {
-            radius: length("radius")?,
-            half: length("length")? / 2.0,
-        }),
-        "capsule" => plain(Solid::Capsule {
-            radius: length("radius")?,
-            half: length("length")? / 2.0,
-        }),
-        "mesh" => {
-            let file = solid
-                .attribute("filename")
-                .ok_or("mesh without a filename")?;
-            let scale = solid
-                .attribute("scale")
-                .map_or(Some([1.0; 3]), |s| numbers(Some(s)));
-            let scale = Vector3::from(scale.ok_or("mesh with an unreadable scale")?);
+    let plain = match &collision.shape {
+        urdf::Shape::Box { size } => Solid::Box(Vector3::from(*size) / 2.0),
+        &urdf::Shape::Sphere { radius } => Solid::Sphere { radius },
+        &urdf::Shape::Cylinder { radius, length } => Solid::Cylinder {
+            radius,
+            half: length / 2.0,
+        },
+        &urdf::Shape::Capsule { radius, length } => Solid::Capsule {
+            radius,
+            half: length / 2.0,
+        },
+        urdf::Shape::Mesh { file, scale } => {
+            let scale = Vector3::from(*scale);
             let (low, high) = mesh::bounds(file, folder)?;
             let (a, b) = (low.component_mul(&scale), high.component_mul(&scale));
             let centre = Pose {
                 origin: (a + b) / 2.0,
                 ..Pose::IDENTITY
             };
-            Ok((origin.then(&centre), Solid::Box((b - a).abs() / 2.0), true))
+            return Ok((pose.then(&centre), Solid::Box((b - a).abs() / 2.0), true));
         }
-        other => Err(format!(
-            "`{}` is not known",
-            other.chars().take(40).collect::<String>()
-        )),
-    }
-}
-
-fn pose(origin: Node) -> Result<Pose, String> {
-    let vector = |name: &str| match origin.attribute(name) {
-        None => Ok([0.0; 3]),
-        text => numbers(text).ok_or_else(|| format!("an origin with an unreadable {name}")),
+        _ => return Err("a shape that is not known".to_string()),
     };
-    if origin.attribute("quat_xyzw").is_some() {
-        return Err("an origin with a quaternion".to_string());
-    }
-    let [roll, pitch, yaw] = vector("rpy")?;
-    Ok(Pose {
-        rotation: *Rotation3::from_euler_angles(roll, pitch, yaw).matrix(),
-        origin: Vector3::from(vector("xyz")?),
-    })
-}
-
-/// Exactly N finite numbers.
-fn numbers<const N: usize>(text: Option<&str>) -> Option<[f64; N]> {
-    let values: Vec<f64> = text?
-        .split_whitespace()
-        .map(|x| x.parse().ok())
-        .collect::<Option<_>>()?;
-    let values: [f64; N] = values.try_into().ok()?;
-    values
-        .iter()
-        .all(|x| x.is_finite() && x.abs() < 1e4)
-        .then_some(values)
+    Ok((pose, plain, false))
 }
 
 #[cfg(test)]
@@ -228,7 +163,7 @@ mod tests {
     use super::*;
 
     const URDF: &str = r#"<robot name="r">
-      <link name="a"><collision><origin xyz="1 2 3" rpy="0 1.5707963267948966 0"/>
+      <link name="a"><inertial><mass value="1"/></inertial><collision><origin xyz="1 2 3" rpy="0 1.5707963267948966 0"/>
         <geometry><box size="0.2 0.4 0.6"/></geometry></collision>
         <collision><geometry><sphere radius="0.1"/></geometry></collision></link>
       <link name="b"><collision><geometry><cylinder radius="0.1" length="2"/></geometry></collision>
@@ -236,11 +171,19 @@ mod tests {
       <link name="c"><collision><geometry><box size="1 1"/></geometry></collision></link>
       <link name="d"><collision><geometry><mesh filename="package://no/such.stl"/></geometry></collision></link>
       <link name="e"><collision/></link>
+      <joint name="1" type="fixed"><parent link="a"/><child link="b"/></joint>
+      <joint name="2" type="fixed"><parent link="a"/><child link="c"/></joint>
+      <joint name="3" type="fixed"><parent link="a"/><child link="d"/></joint>
+      <joint name="4" type="fixed"><parent link="a"/><child link="e"/></joint>
     </robot>"#;
+
+    fn description() -> Description {
+        urdf::parse(URDF, "r.urdf").unwrap()
+    }
 
     #[test]
     fn known_shapes_are_read_and_others_noted() {
-        let geometry = Geometry::read(URDF, None);
+        let geometry = Geometry::read(&description(), None);
         let links: Vec<&str> = geometry.shapes.iter().map(|s| s.link.as_str()).collect();
         assert_eq!(links, ["a", "a", "b"]);
         // Turned a quarter about y, the box is as high as it is long.
@@ -271,7 +214,9 @@ mod tests {
             half: 0.5,
         };
         assert!((capsule.reach(&slanted) - 0.5).abs() < 1e-15);
-        assert_eq!(Geometry::read("<robot", None).shapes, []);
-        assert_eq!(Geometry::read("<robot", None).notes.len(), 1);
+        let mut cut = description();
+        cut.text.truncate(20);
+        assert_eq!(Geometry::read(&cut, None).shapes, []);
+        assert_eq!(Geometry::read(&cut, None).notes.len(), 1);
     }
 }

@@ -156,7 +156,7 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
             "no joint of this robot moves: there is only one posture",
         ));
     }
-    let geometry = Geometry::read(request.robot.text(), request.folder.as_deref());
+    let geometry = Geometry::read(&request.robot.description, request.folder.as_deref());
     let clearance = Clearance::new(model, &geometry, request.clearance);
     let prior = request.prior.factor(model);
     if prior.as_ref().is_some_and(|s| s.ncols() == 0) {

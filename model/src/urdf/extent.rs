@@ -9,11 +9,10 @@
 //! these shapes lies inside the box.
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
-use roxmltree::Node;
 
+use super::collision::{Collision, Shape, collisions};
 use super::description::Description;
 use super::error::Error;
-use super::source::{Source, children, links};
 
 /// A box along the axes of a link frame, m.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,63 +29,35 @@ pub struct Extent {
 /// # Errors
 /// When the text of the description was changed and is no URDF any more.
 pub fn extents(description: &Description) -> Result<Vec<Option<Extent>>, Error> {
-    let source = Source::of(description)?;
-    let document = source.document()?;
-    Ok(links(&document).map(of_link).collect())
-}
-
-fn of_link(link: Node<'_, '_>) -> Option<Extent> {
-    children(link, "collision")
-        .map(of_collision)
-        .reduce(|a, b| Some(a?.with(&b?)))
-        .flatten()
-}
-
-fn of_collision(collision: Node<'_, '_>) -> Option<Extent> {
-    let origin = children(collision, "origin").next();
-    let triple = |name: &str| match origin.and_then(|origin| origin.attribute(name)) {
-        Some(text) => numbers::<3>(text),
-        None => Some([0.0; 3]),
+    let of_link = |found: Vec<Result<Collision, String>>| {
+        let boxes = found.into_iter().map(|one| of_collision(&one.ok()?));
+        boxes.reduce(|a, b| Some(a?.with(&b?))).flatten()
     };
-    let centre = Vector3::from(triple("xyz")?);
-    let [roll, pitch, yaw] = triple("rpy")?;
-    if origin.is_some_and(|origin| origin.has_attribute("quat_xyzw")) {
-        return None;
-    }
-    let turn = Rotation3::from_euler_angles(roll, pitch, yaw).into_inner();
-    let geometry = children(collision, "geometry").next()?;
-    let shape = geometry.first_element_child()?;
-    let half = half_extent(shape, &turn)?;
+    Ok(collisions(description)?.into_iter().map(of_link).collect())
+}
+
+fn of_collision(collision: &Collision) -> Option<Extent> {
+    let centre = Vector3::from(collision.origin.xyz);
+    let [roll, pitch, yaw] = collision.origin.rpy;
+    let rotation = Rotation3::from_euler_angles(roll, pitch, yaw).into_inner();
+    let half = half_extent(&collision.shape, &rotation)?;
     Some(Extent {
         low: (centre - half).into(),
         high: (centre + half).into(),
     })
 }
 
-fn half_extent(shape: Node<'_, '_>, turn: &Matrix3<f64>) -> Option<Vector3<f64>> {
-    let number = |name: &str| numbers::<1>(shape.attribute(name)?).map(|[x]| x.abs());
-    let up = turn.column(2).map(f64::abs);
-    Some(match shape.tag_name().name() {
-        "box" => turn.abs() * Vector3::from(numbers::<3>(shape.attribute("size")?)?).abs() / 2.0,
-        "sphere" => Vector3::repeat(number("radius")?),
-        "cylinder" => {
-            let (radius, length) = (number("radius")?, number("length")?);
+fn half_extent(shape: &Shape, rotation: &Matrix3<f64>) -> Option<Vector3<f64>> {
+    let up = rotation.column(2).map(f64::abs);
+    Some(match *shape {
+        Shape::Box { size } => rotation.abs() * Vector3::from(size) / 2.0,
+        Shape::Sphere { radius } => Vector3::repeat(radius),
+        Shape::Cylinder { radius, length } => {
             up.map(|a| radius * (1.0 - a * a).max(0.0).sqrt() + a * length / 2.0)
         }
-        "capsule" => {
-            let (radius, length) = (number("radius")?, number("length")?);
-            up.map(|a| radius + a * length / 2.0)
-        }
-        _ => return None,
+        Shape::Capsule { radius, length } => up.map(|a| radius + a * length / 2.0),
+        Shape::Mesh { .. } => return None,
     })
-}
-
-fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
-    let values: Option<Vec<f64>> = text
-        .split_whitespace()
-        .map(|word| word.parse().ok().filter(|x: &f64| x.is_finite()))
-        .collect();
-    values?.try_into().ok()
 }
 
 impl Extent {
@@ -124,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn shapes_turned_into_the_link_frame() {
+    fn shapes_are_rotated_into_the_link_frame() {
         let near = |found: Option<Extent>, low: [f64; 3], high: [f64; 3]| {
             let found = found.unwrap();
             for a in 0..3 {

@@ -13,6 +13,7 @@
 //! not leave this folder.
 
 mod check;
+mod collision;
 mod description;
 mod draft;
 mod edit_joints;
@@ -48,6 +49,7 @@ use std::io::Read as _;
 use std::path::Path;
 
 use crate::hash;
+pub use collision::{Collision, Shape, collisions};
 pub use description::{Description, Inertial, Joint, JointType, Limit, Link, Mimic, Origin};
 pub use edit_joints::{Load, Shift, add_loads, edit_joints};
 pub use edit_masses::{Weight, edit_masses};
