@@ -27,8 +27,13 @@ use crate::tree::{Coordinate, Motion};
 pub enum Twist {
     /// Entries, at most two in a row; the zeros and ones cost nothing.
     Sparse(Matrix3<f64>),
-    /// `I − k u uᵀ`, with one entry of u equal to one.
-    Reflection { u: Vector3<f64>, k: f64 },
+    /// `I − k u uᵀ`
+    Reflection {
+        /// One entry is one.
+        u: Vector3<f64>,
+        /// 2 / uᵀu
+        k: f64,
+    },
 }
 
 impl Twist {
@@ -41,9 +46,10 @@ impl Twist {
     }
 }
 
-/// How a turning body sits on its parent, in canonical coordinates.
+/// How the body of a revolute joint sits on its parent, in canonical coordinates.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Turn {
+    /// The constant part.
     pub twist: Twist,
     /// The angle κ q + θ, turning the first two coordinates.
     pub angle: Coordinate,
@@ -56,7 +62,7 @@ pub struct Turn {
 pub struct Frame {
     /// Columns: canonical axes in the body frame; the third is ± the joint axis.
     pub axes: Matrix3<f64>,
-    /// For bodies on a turning joint.
+    /// For bodies on a revolute joint.
     pub turn: Option<Turn>,
 }
 
@@ -250,6 +256,7 @@ fn cost(z: &Vector3<f64>, leaf: bool) -> u32 {
 }
 
 impl Twist {
+    /// All nine entries.
     pub fn matrix(&self) -> Matrix3<f64> {
         match self {
             Twist::Sparse(matrix) => *matrix,

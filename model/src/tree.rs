@@ -309,7 +309,11 @@ fn coordinates(robot: &Description) -> (Vec<Dof>, Vec<Option<Coordinate>>) {
 
 fn dof(joint: &urdf::Joint) -> Dof {
     let prismatic = joint.joint_type == JointType::Prismatic;
-    let free = if prismatic { FREE_PRISMATIC_M } else { FREE_REVOLUTE_RAD };
+    let free = if prismatic {
+        FREE_PRISMATIC_M
+    } else {
+        FREE_REVOLUTE_RAD
+    };
     let limit = &joint.limit;
     // Files write "free" as infinities, as 1e16, or by swapping the ends.
     let usable = limit.lower < limit.upper && -limit.lower < ENDLESS && limit.upper < ENDLESS;

@@ -6,15 +6,25 @@ use std::collections::BTreeMap;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Column {
     /// Canonical axis `axis` of body `body` in the support frame.
-    Axis { body: usize, axis: usize },
+    Axis {
+        /// Index in the chain.
+        body: usize,
+        /// 0, 1 or 2.
+        axis: usize,
+    },
     /// `B_parent a q` of the sliding body.
-    Slide { body: usize },
+    Slide {
+        /// Index in the chain.
+        body: usize,
+    },
 }
 
 /// One base parameter: a linear combination of full parameters.
 #[derive(Debug, Clone)]
 pub struct BaseParam {
+    /// Body and axis: `l_knee.x`.
     pub name: String,
+    /// What it multiplies.
     pub column: Column,
     /// Full parameter → weight; the parameter is their weighted sum.
     pub terms: BTreeMap<usize, f64>,
@@ -25,7 +35,9 @@ pub struct BaseParam {
 /// A direction in parameter space that leaves the measurement unchanged.
 #[derive(Debug, Clone, serde::Serialize)]
 pub struct Unobservable {
+    /// In a few words.
     pub name: String,
+    /// Where it went.
     pub sentence: String,
     /// Seen from three-dimensional CoM data at least.
     #[serde(skip)]
@@ -35,7 +47,9 @@ pub struct Unobservable {
 /// Base parameters, in preorder of bodies.
 #[derive(Debug, Clone)]
 pub struct Base {
+    /// What data can determine.
     pub params: Vec<BaseParam>,
+    /// What they cannot.
     pub unobservable: Vec<Unobservable>,
     /// Rank of stacked CoP rows (x and y), by structure.
     pub rank_cop: usize,

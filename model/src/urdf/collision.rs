@@ -65,9 +65,7 @@ pub struct Collision {
 ///
 /// # Errors
 /// When the text of the description was changed and is no URDF any more.
-pub fn collisions(
-    description: &Description,
-) -> Result<Vec<Vec<Result<Collision, String>>>, Error> {
+pub fn collisions(description: &Description) -> Result<Vec<Vec<Result<Collision, String>>>, Error> {
     let source = Source::of(description)?;
     let document = source.document()?;
     let of_link = |link| children(link, "collision").map(collision).collect();
