@@ -9,7 +9,7 @@
 //! controller calls forward to them through the public traits and are inlined where the
 //! compiler finds it worth while.
 //!
-//! Tokens are made by `quote`, checked by `syn`, printed by `prettyplease` ([`printed`]).
+//! Tokens are made by `quote`, checked by `syn`, printed by `prettyplease` (`printed`).
 
 mod body;
 mod constants;

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! The CoM is projected along gravity g on the sole plane. `T` and `t` hold
-//! lengths of the URDF only ([`Model::params_from`]), so readings on both feet
+//! lengths of the URDF only ([`sesc_model::Robot::params_from`]), so readings on both feet
 //! speak about the same parameters.
 
 use nalgebra::{DMatrix, DVector};
