@@ -125,7 +125,7 @@ pub fn inspect(model: &Model) -> Inspection {
                 name: param.name.clone(),
                 cad: param.cad,
                 unit: match param.column {
-                    Column::Slide { .. } => "1",
+                    Column::Prismatic { .. } => "1",
                     Column::Axis { .. } => "m",
                 },
             })

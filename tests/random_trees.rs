@@ -163,15 +163,15 @@ fn independent_joints_follow_the_closed_form() {
         let motions: Vec<_> = model.chain.bodies.iter().map(|b| b.motion).collect();
         let turns = motions
             .iter()
-            .filter(|m| matches!(m, Motion::Turn { .. }))
+            .filter(|m| matches!(m, Motion::Revolute { .. }))
             .count();
         let slides = motions
             .iter()
-            .filter(|m| matches!(m, Motion::Slide { .. }))
+            .filter(|m| matches!(m, Motion::Prismatic { .. }))
             .count();
         let mut users = vec![0; model.dof()];
         for motion in &motions {
-            if let Motion::Turn { by, .. } | Motion::Slide { by, .. } = motion {
+            if let Motion::Revolute { by, .. } | Motion::Prismatic { by, .. } = motion {
                 users[by.dof] += 1;
             }
         }

@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use sesc_model::effects::Circumstances;
+use sesc_model::effects::PostureContext;
 use sesc_model::program::Program;
 use sesc_model::tape::{Kernels, Tape, Values};
 use sesc_model::{Function, Given, Model};
@@ -165,7 +165,7 @@ static BEST: LazyLock<Simd> = LazyLock::new(Simd::best);
 /// Predicts the reading of a model with effects, under any gravity.
 pub struct CopPredictor {
     tape: Tape,
-    layout: Circumstances,
+    layout: PostureContext,
     params: Vec<f64>,
 }
 
@@ -175,7 +175,7 @@ impl CopPredictor {
         let shown = model.static_effects().next().is_some();
         shown.then(|| CopPredictor {
             tape: Tape::new(&sesc_model::tilted_cop(model)),
-            layout: Circumstances::of(model),
+            layout: PostureContext::of(model),
             params: model.params(),
         })
     }

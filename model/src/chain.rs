@@ -26,8 +26,8 @@ pub struct Body {
     pub parent: Option<usize>,
     /// Indices into [`Tree::links`].
     pub links: Vec<usize>,
-    /// How it moves against its parent; an axis of [`Motion::Slide`] is given
-    /// in the parent body, one of [`Motion::Turn`] in the body itself.
+    /// How it moves against its parent; an axis of [`Motion::Prismatic`] is given
+    /// in the parent body, one of [`Motion::Revolute`] in the body itself.
     pub motion: Motion,
     /// Orientation in the parent body at θ = 0.
     pub rotation: Matrix3<f64>,
@@ -104,11 +104,11 @@ pub fn expand(tree: &Tree) -> Chain {
             Motion::Fixed => place(body, rotation, anchor - rotation * edge.offset),
             motion => {
                 let motion = match motion {
-                    Motion::Slide { axis, by } => Motion::Slide {
+                    Motion::Prismatic { axis, by } => Motion::Prismatic {
                         axis: (orientation * axis).map(crate::snap::tidy),
                         by,
                     },
-                    turn => turn,
+                    other => other,
                 };
                 bodies.push(Body {
                     name: tree.links[edge.far].name.clone(),
@@ -117,7 +117,7 @@ pub fn expand(tree: &Tree) -> Chain {
                     motion,
                     rotation,
                     anchor,
-                    s: matches!(motion, Motion::Slide { .. }).then_some(0.0),
+                    s: matches!(motion, Motion::Prismatic { .. }).then_some(0.0),
                     ..bodies[0].clone()
                 });
                 place(bodies.len() - 1, Matrix3::identity(), -edge.offset)
@@ -199,8 +199,8 @@ impl Chain {
         let mut at = Some(body);
         while let Some(i) = at {
             let body = &self.bodies[i];
-            if let Motion::Turn { axis, by } = body.motion {
-                factors.push(turn(&axis, &self.dofs[by.dof], &by));
+            if let Motion::Revolute { axis, by } = body.motion {
+                factors.push(rotation(&axis, &self.dofs[by.dof], &by));
             }
             let tilt = (body.rotation - Matrix3::identity()).norm();
             if tilt > 0.0 {
@@ -218,9 +218,9 @@ impl Chain {
 }
 
 /// `Ry(-knee)`, `Rx(0.4 knee + 0.25)`, or `R[0.1 0.9 0.2](knee)` for a skewed axis.
-fn turn(axis: &Vector3<f64>, dof: &str, by: &Coordinate) -> String {
+fn rotation(axis: &Vector3<f64>, dof: &str, by: &Coordinate) -> String {
     let aligned = crate::snap::aligned(axis);
-    // A turn about −y by x is a turn about y by −x.
+    // A rotation about −y by x is one about y by −x.
     let sense = aligned.map_or(1.0, |k| axis[k]);
     let (factor, offset) = (sense * by.factor, sense * by.offset);
     let sign = if factor < 0.0 { "-" } else { "" };

@@ -53,7 +53,7 @@ impl NewFile {
             let own = format!(".sesc-{}-{}.part", std::process::id(), noted.1);
             let temporary = folder.join(own);
             match File::create_new(&temporary) {
-                // Left behind by another process that had this number.
+                // A leftover of another process that had this number.
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
                 Err(error) => return Err(failed(path, error)),
                 Ok(file) => break (temporary, BufWriter::new(file)),
@@ -95,7 +95,7 @@ impl Drop for NewFile {
         let mut noted = noted();
         if let Some(at) = noted.0.iter().position(|other| *other == self.temporary) {
             noted.0.swap_remove(at);
-            // Nobody is left to tell of a file that stays.
+            // A file that cannot be removed here can no longer be reported.
             let _ = fs::remove_file(&self.temporary);
         }
     }

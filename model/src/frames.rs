@@ -1,7 +1,7 @@
 //! Which frame each body's parameters are written in.
 //!
 //! Only the rotation axis of a joint is given; the two axes beside it are free.
-//! They are chosen so that a turn is a rotation in the first two coordinates
+//! They are chosen so that the joint is a rotation in the first two coordinates
 //! after a cheap constant twist:
 //!
 //! ```text
@@ -48,12 +48,12 @@ impl Twist {
 
 /// How the body of a revolute joint sits on its parent, in canonical coordinates.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Turn {
+pub struct Rotation {
     /// The constant part.
     pub twist: Twist,
-    /// The angle κ q + θ, turning the first two coordinates.
+    /// The angle κ q + θ, rotating the first two coordinates.
     pub angle: Coordinate,
-    /// The second coordinate is mirrored before the turn.
+    /// The second coordinate is mirrored before the rotation.
     pub mirrored: bool,
 }
 
@@ -63,7 +63,7 @@ pub struct Frame {
     /// Columns: canonical axes in the body frame; the third is ± the joint axis.
     pub axes: Matrix3<f64>,
     /// For bodies on a revolute joint.
-    pub turn: Option<Turn>,
+    pub rotation: Option<Rotation>,
 }
 
 /// Choose the canonical frame of every body, root to leaf.
@@ -72,18 +72,18 @@ pub fn choose(chain: &Chain) -> Vec<Frame> {
     let mut frames: Vec<Frame> = Vec::with_capacity(chain.bodies.len());
     for (i, body) in chain.bodies.iter().enumerate() {
         let frame = match (body.motion, body.parent) {
-            (Motion::Turn { axis, by }, Some(parent)) => {
-                let carried = turning_children(chain, &children, i);
-                turned(&frames[parent].axes, &body.rotation, &axis, by, &carried)
+            (Motion::Revolute { axis, by }, Some(parent)) => {
+                let carried = revolute_children(chain, &children, i);
+                revolute_frame(&frames[parent].axes, &body.rotation, &axis, by, &carried)
             }
             (_, Some(parent)) => Frame {
-                // A sliding body never turns: it keeps its parent's axes.
+                // A body on a prismatic joint never rotates: it keeps its parent's axes.
                 axes: (body.rotation.transpose() * frames[parent].axes).map(tidy),
-                turn: None,
+                rotation: None,
             },
             (_, None) => Frame {
                 axes: Matrix3::identity(),
-                turn: None,
+                rotation: None,
             },
         };
         frames.push(frame);
@@ -91,15 +91,15 @@ pub fn choose(chain: &Chain) -> Vec<Frame> {
     frames
 }
 
-/// A turning body carried by another: the direction of its axis there, and
+/// A revolute body carried by another: the direction of its axis there, and
 /// whether it carries nothing itself.
 struct Carried {
     axis: Vector3<f64>,
     leaf: bool,
 }
 
-/// Turning bodies on body `i`, directly or over sliding ones.
-fn turning_children(chain: &Chain, children: &[Vec<usize>], i: usize) -> Vec<Carried> {
+/// Revolute bodies on body `i`, directly or over prismatic ones.
+fn revolute_children(chain: &Chain, children: &[Vec<usize>], i: usize) -> Vec<Carried> {
     let mut found = Vec::new();
     let mut stack: Vec<(usize, Matrix3<f64>)> = children[i]
         .iter()
@@ -110,7 +110,7 @@ fn turning_children(chain: &Chain, children: &[Vec<usize>], i: usize) -> Vec<Car
         let body = &chain.bodies[k];
         let rotation = outer * body.rotation;
         match body.motion {
-            Motion::Turn { axis, .. } => found.push(Carried {
+            Motion::Revolute { axis, .. } => found.push(Carried {
                 axis: (rotation * axis).map(tidy),
                 leaf: children[k].is_empty(),
             }),
@@ -120,7 +120,7 @@ fn turning_children(chain: &Chain, children: &[Vec<usize>], i: usize) -> Vec<Car
     found
 }
 
-fn turned(
+fn revolute_frame(
     parent: &Matrix3<f64>,
     rotation: &Matrix3<f64>,
     axis: &Vector3<f64>,
@@ -135,16 +135,19 @@ fn turned(
             .iter()
             .map(|child| cost(&(axes.transpose() * child.axis).map(tidy), child.leaf))
             .sum();
-        let turn = frame.turn.as_ref().expect("seat always makes a turn");
-        let price = (twists, snap::quarters(turn.angle.offset).1 != 0.0);
-        if best.as_ref().is_none_or(|(least, _)| price < *least) {
-            best = Some((price, frame));
+        let rotation = frame
+            .rotation
+            .as_ref()
+            .expect("seat always makes a rotation");
+        let cost = (twists, snap::quarters(rotation.angle.offset).1 != 0.0);
+        if best.as_ref().is_none_or(|(least, _)| cost < *least) {
+            best = Some((cost, frame));
         }
     }
     best.expect("there is always a candidate").1
 }
 
-/// Frames worth trying, the most readable first.
+/// Candidate frames, the most readable first.
 fn candidates(
     axis: &Vector3<f64>,
     to_parent: &Matrix3<f64>,
@@ -200,7 +203,7 @@ fn seat(
     };
     Frame {
         axes,
-        turn: Some(Turn {
+        rotation: Some(Rotation {
             twist,
             angle,
             mirrored,

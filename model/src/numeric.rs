@@ -19,11 +19,11 @@ pub(crate) fn orientations(chain: &Chain, q: &[f64]) -> Vec<Matrix3<f64>> {
     let mut b: Vec<Matrix3<f64>> = Vec::with_capacity(chain.bodies.len());
     for body in &chain.bodies {
         let parent = body.parent.map_or_else(Matrix3::identity, |p| b[p]);
-        let turned = match body.motion {
-            Motion::Turn { axis, by } => body.rotation * snap::about(&axis, at(&by, q)),
+        let local = match body.motion {
+            Motion::Revolute { axis, by } => body.rotation * snap::about(&axis, at(&by, q)),
             _ => body.rotation,
         };
-        b.push(parent * turned);
+        b.push(parent * local);
     }
     b
 }
@@ -34,7 +34,7 @@ pub fn full_regressor(chain: &Chain, q: &[f64]) -> DMatrix<f64> {
     let mut rows = DMatrix::zeros(3, chain.full_params);
     for (i, body) in chain.bodies.iter().enumerate() {
         rows.fixed_view_mut::<3, 3>(0, body.column).copy_from(&b[i]);
-        if let (Motion::Slide { axis, by }, Some(parent)) = (body.motion, body.parent) {
+        if let (Motion::Prismatic { axis, by }, Some(parent)) = (body.motion, body.parent) {
             let along: Vector3<f64> = b[parent] * axis * at(&by, q);
             rows.fixed_view_mut::<3, 1>(0, body.column + 3)
                 .copy_from(&along);
@@ -73,7 +73,7 @@ pub fn wide_postures(chain: &Chain, dofs: &[Dof], count: usize) -> Vec<Vec<f64>>
     let mut least = vec![1.0_f64; dofs.len()];
     let mut most = vec![1.0_f64; dofs.len()];
     for body in &chain.bodies {
-        if let Motion::Turn { by, .. } | Motion::Slide { by, .. } = body.motion {
+        if let Motion::Revolute { by, .. } | Motion::Prismatic { by, .. } = body.motion {
             let factor = libm::fabs(by.factor).clamp(1e-4, 1e4);
             least[by.dof] = least[by.dof].min(factor);
             most[by.dof] = most[by.dof].max(factor);

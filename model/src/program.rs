@@ -29,7 +29,7 @@ impl Array {
 /// Shape of the result.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Shape {
-    /// So many entries.
+    /// A vector with this many entries.
     Vector(usize),
     /// Row-major.
     Matrix {

@@ -91,7 +91,9 @@ impl Robot {
     /// How far the CoM can be from the support, m: Σ‖r_i‖ and every stroke.
     pub fn reach(&self) -> f64 {
         let reach = |body: &chain::Body| match (body.motion, body.s) {
-            (tree::Motion::Slide { by, .. }, Some(s)) => body.r.norm() + s * self.tree.stroke(&by),
+            (tree::Motion::Prismatic { by, .. }, Some(s)) => {
+                body.r.norm() + s * self.tree.stroke(&by)
+            }
             _ => body.r.norm(),
         };
         self.chain.bodies.iter().map(reach).sum()
@@ -106,7 +108,9 @@ impl Robot {
             .iter()
             .filter(|body| body.parent.is_some())
         {
-            if let tree::Motion::Turn { by, .. } | tree::Motion::Slide { by, .. } = body.motion {
+            if let tree::Motion::Revolute { by, .. } | tree::Motion::Prismatic { by, .. } =
+                body.motion
+            {
                 sums[by.dof] += libm::fabs(by.factor);
             }
         }
@@ -146,16 +150,16 @@ impl Robot {
         self.position(Column::Axis { body, axis })
     }
 
-    /// Index of the base parameter s of a sliding body.
-    pub(crate) fn slide_param(&self, body: usize) -> Option<usize> {
-        self.position(Column::Slide { body })
+    /// Index of the base parameter s of a body on a prismatic joint.
+    pub(crate) fn prismatic_param(&self, body: usize) -> Option<usize> {
+        self.position(Column::Prismatic { body })
     }
 
     fn position(&self, column: Column) -> Option<usize> {
         // Parameters are in preorder of bodies: a binary search keeps 1000 joints linear.
         let key = |c: &Column| match *c {
             Column::Axis { body, axis } => (body, axis),
-            Column::Slide { body } => (body, 3),
+            Column::Prismatic { body } => (body, 3),
         };
         self.base
             .params

@@ -133,7 +133,7 @@ impl Robot {
 pub struct Shift {
     /// Base parameters of one support in terms of those of the other.
     pub matrix: DMatrix<f64>,
-    /// m (mass fractions for slides)
+    /// m (mass fractions for prismatic joints)
     pub offset: DVector<f64>,
     /// Largest coefficient left over.
     pub unexplained: f64,

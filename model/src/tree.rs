@@ -49,14 +49,14 @@ pub enum Motion {
     /// Not at all.
     Fixed,
     /// A revolute joint.
-    Turn {
+    Revolute {
         /// A unit vector in the far link.
         axis: Vector3<f64>,
         /// rad
         by: Coordinate,
     },
     /// A prismatic joint.
-    Slide {
+    Prismatic {
         /// A unit vector in the near link.
         axis: Vector3<f64>,
         /// m
@@ -92,7 +92,7 @@ pub struct Dof {
     pub joint: String,
     /// Whether its position is in m.
     pub prismatic: bool,
-    /// Whether it turns without end or has no usable limits: its range is only
+    /// Whether it rotates without end or has no usable limits: its range is only
     /// what postures are drawn from.
     pub continuous: bool,
     /// rad or m
@@ -364,13 +364,13 @@ fn edge(
             } else {
                 origin.value * axis.value
             };
-            Motion::Slide {
+            Motion::Prismatic {
                 axis: along.map(snap::tidy),
                 by,
             }
         }
         (Some(by), _) => {
-            // The axis of a turning body sweeps up to twice its own error.
+            // The axis of a revolute body sweeps up to twice its own error.
             error += 2.0 * axis.error;
             let by = Coordinate {
                 factor: sign * by.factor,
@@ -382,7 +382,7 @@ fn edge(
             } else {
                 axis.value
             };
-            Motion::Turn { axis, by }
+            Motion::Revolute { axis, by }
         }
     };
     let (mut anchor, offset) = if reversed {
@@ -392,11 +392,11 @@ fn edge(
     };
     // A tied joint that cannot move (multiplier 0, or a fixed master) is a fixed one.
     let motion = match motion {
-        Motion::Turn { axis, by } if by.factor == 0.0 => {
+        Motion::Revolute { axis, by } if by.factor == 0.0 => {
             rotation = (rotation * snap::about(&axis, by.offset)).map(snap::tidy);
             Motion::Fixed
         }
-        Motion::Slide { axis, by } if by.factor == 0.0 => {
+        Motion::Prismatic { axis, by } if by.factor == 0.0 => {
             anchor += axis * by.offset;
             Motion::Fixed
         }
@@ -458,7 +458,7 @@ fn drop_beyond(
 
 /// What each rotation error can do to the CoM: a lever arm argument.
 ///
-/// Turning everything beyond edge e by ε about the joint's point moves the CoM
+/// Rotating everything beyond edge e by ε about the joint's point moves the CoM
 /// by at most ε W_e / M, where W_e sums mass times the longest possible reach.
 fn snaps(tree: &Tree, errors: &[f64]) -> Vec<Snap> {
     let n = tree.edges.len();
@@ -478,7 +478,7 @@ fn snaps(tree: &Tree, errors: &[f64]) -> Vec<Snap> {
             beyond[e] += beyond[k];
             reach[e] += beyond[k] * (child.anchor - edge.offset).norm() + reach[k];
         }
-        if let Motion::Slide { by, .. } = edge.motion {
+        if let Motion::Prismatic { by, .. } = edge.motion {
             reach[e] += beyond[e] * tree.stroke(&by);
         }
     }

@@ -1,13 +1,13 @@
 //! The measurement with effects, against closed forms and against other URDFs.
 
-use sesc_model::effects::{self, Catalog, Circumstances, EffectContext, Instance};
+use sesc_model::effects::{self, Catalog, EffectContext, Instance, PostureContext};
 use sesc_model::program::Program;
 use sesc_model::tape::{Kernels, Tape, Values};
 use sesc_model::{Model, ModelFile, Snapping, urdf};
 
 const GRAVITY: f64 = 9.80665;
 
-/// An inverted pendulum: `rod` turns about y, 0.05 m above the sole.
+/// An inverted pendulum: `rod` rotates about y, 0.05 m above the sole.
 const PENDULUM: &str = r#"<robot name="pendulum">
     <link name="foot"><inertial><mass value="0.5"/><origin xyz="0.01 0.02 0.02"/></inertial></link>
     <link name="rod"><inertial><mass value="2"/><origin xyz="0 0 0.4"/></inertial></link>
@@ -48,14 +48,14 @@ fn model(text: &str, support: &str) -> Model {
 
 /// What a program says at `q` with `unknowns`, in a log whose tilt is `tilt`.
 fn run(model: &Model, program: &Program, q: &[f64], unknowns: &[f64], tilt: [f64; 2]) -> Vec<f64> {
-    let layout = Circumstances::of(model);
-    let mut circumstances = vec![0.0; layout.len()];
+    let layout = PostureContext::of(model);
+    let mut posture_context = vec![0.0; layout.len()];
     for axis in 0..2 {
-        circumstances[layout.tilt(axis)] = tilt[axis];
+        posture_context[layout.tilt(axis)] = tilt[axis];
     }
     let tape = Tape::new(program);
     let mut out = vec![0.0; tape.outputs()];
-    let arguments = [q, unknowns, &circumstances].map(Values::Shared);
+    let arguments = [q, unknowns, &posture_context].map(Values::Shared);
     tape.run(&arguments, 1, &mut out, Kernels::LIBM);
     out
 }

@@ -33,7 +33,7 @@ pub trait Dim: sealed::Sealed {
     /// The number itself.
     const LEN: usize;
 
-    /// So many of `T`: `[T; N]`.
+    /// The array of this length: `[T; N]`.
     type Array<T: Copy>: Copy
         + AsRef<[T]>
         + AsMut<[T]>
@@ -59,14 +59,14 @@ pub trait Dim: sealed::Sealed {
     /// ```
     fn filled<T: Copy>(x: T) -> Self::Array<T>;
 
-    /// [`Machine::load`] of so many blocks.
+    /// [`Machine::load`] of this many blocks.
     #[doc(hidden)]
     fn load<S: Scalar, X: Machine<S>>(
         blocks: &Self::Array<S::Block>,
         part: usize,
     ) -> Self::Array<X::Vector>;
 
-    /// [`Machine::columns`] of so many columns.
+    /// [`Machine::columns`] of this many columns.
     #[doc(hidden)]
     fn columns<S: Scalar, X: Machine<S>>(
         rows: &[Self::Array<S>],
@@ -80,11 +80,11 @@ pub trait Dim: sealed::Sealed {
         room: &'a mut [Self::Array<X::Vector>; M],
     ) -> &'a mut [Self::Array<X::Vector>; M];
 
-    /// [`Machine::ones`] of so many scalars.
+    /// [`Machine::ones`] of this many scalars.
     #[doc(hidden)]
     fn ones<S: Scalar, X: Machine<S>>(scalars: &Self::Array<S>) -> &Self::Array<X::One>;
 
-    /// [`Machine::sin_cos`] of so many angles.
+    /// [`Machine::sin_cos`] of this many angles.
     #[doc(hidden)]
     fn sin_cos<S: Scalar, X: Machine<S>>(
         angles: &Self::Array<S>,

@@ -118,7 +118,7 @@ impl<T: Scalar, const N: usize> Default for Estimator<T, N> {
 }
 
 impl<T: Scalar, const N: usize> Estimator<T, N> {
-    /// Knows nothing; unobservable parameters are zero.
+    /// An estimator without data; unobservable parameters are zero.
     ///
     /// ```
     /// # use sesc_runtime::fit::{Error, Estimator};
@@ -139,7 +139,7 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
         }
     }
 
-    /// Knows nothing; unobservable parameters are those of `nominal` (m), the CAD for example.
+    /// An estimator without data; unobservable parameters are those of `nominal` (m), the CAD for example.
     ///
     /// ```
     /// # use sesc_runtime::fit::{Error, Estimator};

@@ -4,7 +4,7 @@
 //! CoM(q) = r_0 + Σ B_i(q) r_i
 //! ```
 //!
-//! `B_i` turns body i into the support frame; `r_i` gathers masses and lengths and
+//! `B_i` rotates body i into the support frame; `r_i` gathers masses and lengths and
 //! is the same in every posture. At a prismatic joint j, `B_parent(j) a_j q_j s_j`
 //! is added: its axis, its position, and the share `s_j` of the mass it carries.
 //!

@@ -5,7 +5,7 @@ use std::path::Path;
 use sesc_identify::evaluate::PORTABLE;
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
-use sesc_model::effects::{self, Circumstances, EffectContext, Instance};
+use sesc_model::effects::{self, EffectContext, Instance, PostureContext};
 use sesc_model::program::Program;
 use sesc_model::tape::{Tape, Values};
 use sesc_model::{Model, Snapping};
@@ -88,12 +88,12 @@ impl Stand {
         effects::reading(&self.context(), instances, params)
     }
 
-    pub fn circumstances(&self) -> Circumstances {
-        Circumstances::of(&self.model)
+    pub fn posture_context(&self) -> PostureContext {
+        PostureContext::of(&self.model)
     }
 }
 
-/// What `program` makes of one posture, unknowns and circumstances.
+/// What `program` makes of one posture, unknowns and posture context.
 pub fn run(program: &Program, arrays: &[&[f64]]) -> Vec<f64> {
     let tape = Tape::new(program);
     let mut out = vec![0.0; tape.outputs()];

@@ -10,12 +10,12 @@ fn slopes_are_differences() {
     let mut count = 0;
     for stand in Stand::all() {
         let context = stand.context();
-        let layout = stand.circumstances();
-        let mut circumstances: Vec<f64> = (0..layout.len())
+        let layout = stand.posture_context();
+        let mut posture_context: Vec<f64> = (0..layout.len())
             .map(|k| 0.3 * (1.7 * k as f64 + 0.4).sin())
             .collect();
         for axis in 0..2 {
-            circumstances[layout.tilt(axis)] *= 0.1;
+            posture_context[layout.tilt(axis)] *= 0.1;
         }
         let q = stand.postures(1, 0.4, 23).remove(0);
         for instance in effects::instances(&context) {
@@ -32,7 +32,7 @@ fn slopes_are_differences() {
                 .map(|(start, scale)| start + 0.37 * scale)
                 .collect();
             let program = stand.reading(std::slice::from_ref(&instance), &stand.model.cad_params());
-            let at = |e: &[f64]| run(&program, &[&q, e, &circumstances]);
+            let at = |e: &[f64]| run(&program, &[&q, e, &posture_context]);
             let (out, width) = (at(&unknowns), scales.len() + 1);
             for (k, scale) in scales.iter().enumerate() {
                 // Larger than the steps that a clamp's and a power's slopes are taken by.

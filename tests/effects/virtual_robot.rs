@@ -123,9 +123,9 @@ pub fn compare_all(stand: &Stand, hidden: &[Hidden]) -> Found {
     let last = postures.len() as f64 - 1.0;
     let readings = world.readings(&Track::still(written.clone()));
     for (k, (q, reading)) in postures.iter().zip(&readings).enumerate() {
-        let layout = stand.circumstances();
-        let mut circumstances = vec![0.0; layout.len()];
-        circumstances[layout.place()] = k as f64 / last;
+        let layout = stand.posture_context();
+        let mut posture_context = vec![0.0; layout.len()];
+        posture_context[layout.place()] = k as f64 / last;
         if is("backlash", "") {
             let rest = world.true_posture(&written[k]);
             for h in hidden
@@ -136,7 +136,7 @@ pub fn compare_all(stand: &Stand, hidden: &[Hidden]) -> Found {
                     if !dof.prismatic && (h.target == "all" || h.target == dof.joint) {
                         // Only this effect moves joints here.
                         let side = (rest[j] - q[j]) / (0.5 * h.values[0]);
-                        circumstances[layout.side(j)] = side;
+                        posture_context[layout.side(j)] = side;
                     }
                 }
             }
@@ -145,7 +145,7 @@ pub fn compare_all(stand: &Stand, hidden: &[Hidden]) -> Found {
             true => logged(stand, q, 1.0),
             false => q.clone(),
         };
-        let out = run(&program, &[&q, &unknowns, &circumstances]);
+        let out = run(&program, &[&q, &unknowns, &posture_context]);
         let width = out.len() / 2;
         off = worst(off, distance([out[0], out[width]], reading.cop));
         let straight = stand.world().cop(&postures[k]);
@@ -189,7 +189,7 @@ impl Dance {
         self.0.iter().map(of).collect()
     }
 
-    /// Rates, then accelerations, as circumstances have them.
+    /// Rates, then accelerations, in the order of the posture context.
     fn derivatives(&self, t: f64) -> (Vec<f64>, Vec<f64>) {
         let rate = |(_, a, w, p): &(f64, f64, f64, f64)| a * w * (w * t + p).cos();
         let bend = |(_, a, w, p): &(f64, f64, f64, f64)| -a * w * w * (w * t + p).sin();
@@ -212,17 +212,20 @@ fn dance(stand: &Stand, hidden: &Hidden, dance: &Dance) -> Vec<[[f64; 2]; 3]> {
     let track = Track::moving(times.clone(), move |t| moving.at(t));
     let world = hide(stand.world(), stand, hidden);
     let readings = world.readings(&track);
-    let layout = stand.circumstances();
+    let layout = stand.posture_context();
     let rows = times.iter().zip(readings);
     rows.map(|(&t, reading)| {
         let q = dance.at(t);
-        let mut circumstances = vec![0.0; layout.len()];
+        let mut posture_context = vec![0.0; layout.len()];
         let (rates, bends) = dance.derivatives(t);
         for j in 0..q.len() {
-            circumstances[layout.rate(j)] = rates[j];
-            circumstances[layout.acceleration(j)] = bends[j];
+            posture_context[layout.rate(j)] = rates[j];
+            posture_context[layout.acceleration(j)] = bends[j];
         }
-        let out = run(&program, &[&q, &hidden.unknowns(&context), &circumstances]);
+        let out = run(
+            &program,
+            &[&q, &hidden.unknowns(&context), &posture_context],
+        );
         let formula = [out[0], out[out.len() / 2]];
         [formula, reading.cop, stand.world().cop(&q)]
     })
@@ -311,8 +314,8 @@ fn masses_are_the_parameters_themselves() {
             .payload(&tree.links[link].name, mass, at)
             .unwrap();
         for q in stand.postures(POSTURES, 0.7, 5) {
-            let circumstances = vec![0.0; stand.circumstances().len()];
-            let out = run(&program, &[&q, &[], &circumstances]);
+            let posture_context = vec![0.0; stand.posture_context().len()];
+            let out = run(&program, &[&q, &[], &posture_context]);
             assert!(
                 distance([out[0], out[1]], world.cop(&q)) < EXACT,
                 "{}",

@@ -33,7 +33,7 @@ pub enum Line<'p> {
 pub enum Results {
     /// All together, at its end.
     AtTheEnd,
-    /// Each as soon as it is there: a wide matrix need not be kept until its last entry.
+    /// Each entry once it is computed, so that a wide matrix is not held until its last entry.
     AsTheyCome,
 }
 
@@ -122,7 +122,7 @@ impl<'p> Listing<'p> {
         }
     }
 
-    /// The statement that binds a node; a sine brings its cosine.
+    /// The statement that binds a node; the one of a sine binds its cosine as well.
     fn define(&mut self, id: Id, angles: &HashMap<Id, (Option<Id>, Option<Id>)>) {
         match self.program.expr(id) {
             Expr::Sin(angle) | Expr::Cos(angle) => {

@@ -168,7 +168,7 @@ impl Robot {
             let doc = method.doc.lines();
             let head = quote! { #(#[doc = #doc])* };
             Some(match given == Given::SinesCosines && !self.from_sines {
-                // No trait has it: some function of this robot takes more than sines.
+                // Not a method of a trait: some function of this robot takes more than sines.
                 true => {
                     let (allow, body) = (allow_names(), &method.body);
                     quote! { #head #allow #[inline] pub fn #name #body }

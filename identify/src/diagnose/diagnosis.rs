@@ -204,7 +204,7 @@ fn with_formula(
 
 /// χ² of the robot exactly as CAD has it.
 fn raw_excess(problem: &Problem) -> Excess {
-    let out = problem.evaluate(&[], &[], &problem.data.q, &problem.data.circumstances);
+    let out = problem.evaluate(&[], &[], &problem.data.q, &problem.data.posture_context);
     let entries = problem.data.reading.iter().zip(&out).zip(&problem.weight);
     Excess {
         chi2: entries.map(|((y, p), w)| ((y - p) * w).powi(2)).sum(),

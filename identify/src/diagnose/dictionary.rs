@@ -8,7 +8,7 @@
 //! of the current hypothesis take their part. S: no mass error, see `nuisance`.
 
 use nalgebra::{DMatrix, DVector};
-use sesc_model::effects::Circumstances;
+use sesc_model::effects::PostureContext;
 
 use super::criteria;
 use super::hypothesis::{Term, effect_terms};
@@ -35,7 +35,7 @@ impl Dictionary {
     /// Slopes at joint positions `q`.
     pub fn new(problem: &Problem, q: &[f64]) -> Dictionary {
         let context = &problem.context;
-        let circumstances = sides_at(problem, q);
+        let posture_context = sides_at(problem, q);
         let rows = 2 * problem.data.len();
         let mut candidates = Vec::new();
         let mut columns: Vec<Vec<f64>> = Vec::new();
@@ -47,7 +47,7 @@ impl Dictionary {
             let own = std::slice::from_ref(&term);
             let starts = term.starts(context);
             if starts.len() == 1 {
-                let out = problem.evaluate(own, &starts[0], q, &circumstances);
+                let out = problem.evaluate(own, &starts[0], q, &posture_context);
                 let p = starts[0].len();
                 for k in 0..p {
                     let column =
@@ -57,9 +57,9 @@ impl Dictionary {
             } else {
                 // No slope at none: what each start does, as one direction each,
                 // of which the strongest stands for it.
-                let none = problem.evaluate(&[], &[], q, &circumstances);
+                let none = problem.evaluate(&[], &[], q, &posture_context);
                 let middle = &starts[starts.len() / 3];
-                let out = problem.evaluate(own, middle, q, &circumstances);
+                let out = problem.evaluate(own, middle, q, &posture_context);
                 let width = middle.len() + 1;
                 let column =
                     (0..rows).map(|row| (out[row * width] - none[row]) * problem.weight[row]);
@@ -192,18 +192,18 @@ fn gain(mut a: DMatrix<f64>, b: &DVector<f64>, whole: &[f64]) -> f64 {
     }
 }
 
-/// Circumstances with every joint on the side where gravity puts it.
+/// Posture context with every joint on the side where gravity puts it.
 fn sides_at(problem: &Problem, q: &[f64]) -> Vec<f64> {
-    let layout = Circumstances::of(problem.context.robot);
+    let layout = PostureContext::of(problem.context.robot);
     let dof = problem.context.robot.dof();
-    let mut circumstances = problem.data.circumstances.clone();
+    let mut posture_context = problem.data.posture_context.clone();
     let moments = problem.moments_at(q);
     for k in 0..problem.data.len() {
         for joint in 0..dof {
             let moment = moments[k * 3 * dof + joint];
-            circumstances[k * layout.len() + layout.side(joint)] =
+            posture_context[k * layout.len() + layout.side(joint)] =
                 if moment < 0.0 { -1.0 } else { 1.0 };
         }
     }
-    circumstances
+    posture_context
 }

@@ -10,7 +10,7 @@
 use super::hypothesis::Term;
 use nalgebra::{DMatrix, DVector};
 use sesc_model::effects::{
-    Carry, Circumstances, EffectContext, Experiment, Instance, known_weight,
+    Carry, EffectContext, Experiment, Instance, PostureContext, known_weight,
 };
 use sesc_model::{Function, Model};
 
@@ -28,11 +28,11 @@ pub fn of_log(name: &str) -> Option<Experiment> {
     all.find(|experiment| experiment.name() == name)
 }
 
-/// Postures to be taken, and in what circumstances.
+/// Postures to be taken, with their context.
 pub struct Postures<'m> {
     pub model: &'m Model,
     pub q: Vec<f64>,
-    pub circumstances: Vec<f64>,
+    pub posture_context: Vec<f64>,
 }
 
 /// Whitened readings of an explanation and their slopes by its unknowns.
@@ -125,7 +125,7 @@ impl Trial<'_, '_> {
     /// S of each of `others` if `truth` holds, and what each new posture adds to
     /// all of them.
     pub fn separations(&self, truth: &Fit, others: &[&Fit]) -> (Vec<f64>, Vec<f64>) {
-        let n = self.postures.circumstances.len() / self.layout().len();
+        let n = self.postures.posture_context.len() / self.layout().len();
         let mut by_posture = vec![0.0; n];
         let told = self.rows(truth);
         let masses = self.masses();
@@ -143,8 +143,8 @@ impl Trial<'_, '_> {
         (separations, by_posture)
     }
 
-    fn layout(&self) -> Circumstances {
-        Circumstances::of(self.postures.model)
+    fn layout(&self) -> PostureContext {
+        PostureContext::of(self.postures.model)
     }
 
     /// What the sum of raw cells tells: their noise on it is that of the CoP times
@@ -194,11 +194,11 @@ impl Trial<'_, '_> {
             self.carry(&mut terms, &mut unknowns);
         }
         // Their order is their own: programs sort by stage, not by place in the list.
-        let mut circumstances = self.postures.circumstances.clone();
-        self.rest(&terms, &unknowns, &mut circumstances);
+        let mut posture_context = self.postures.posture_context.clone();
+        self.rest(&terms, &unknowns, &mut posture_context);
         let out = self
             .there
-            .evaluate(&terms, &unknowns, &self.postures.q, &circumstances);
+            .evaluate(&terms, &unknowns, &self.postures.q, &posture_context);
         let width = unknowns.len() + 1;
         let rows = out.len() / width;
         let weight = 1.0 / self.here.data.noise_floor;
@@ -227,7 +227,7 @@ impl Trial<'_, '_> {
     }
 
     /// Sides of dead bands: gravity's, or in an approach from the other side, the other.
-    fn rest(&self, terms: &[Term], unknowns: &[f64], circumstances: &mut [f64]) {
+    fn rest(&self, terms: &[Term], unknowns: &[f64], posture_context: &mut [f64]) {
         let joints = self.there.slack_joints(terms);
         if joints.is_empty() {
             return;
@@ -240,15 +240,15 @@ impl Trial<'_, '_> {
         };
         let moments =
             self.there
-                .evaluate_moments_at(terms, unknowns, &self.postures.q, circumstances);
-        for k in 0..circumstances.len() / layout.len() {
+                .evaluate_moments_at(terms, unknowns, &self.postures.q, posture_context);
+        for k in 0..posture_context.len() / layout.len() {
             for (joint, _) in &joints {
                 let side = if moments[k * 3 * dof + joint] < 0.0 {
                     -1.0
                 } else {
                     1.0
                 };
-                circumstances[k * layout.len() + layout.side(*joint)] = sense * side;
+                posture_context[k * layout.len() + layout.side(*joint)] = sense * side;
             }
         }
     }
@@ -256,7 +256,7 @@ impl Trial<'_, '_> {
     /// Whitened directions of mass errors, old rows and new ones.
     fn masses(&self) -> DMatrix<f64> {
         let here = self.here;
-        let n = self.postures.circumstances.len() / self.layout().len();
+        let n = self.postures.posture_context.len() / self.layout().len();
         let directions = here.prior.ncols();
         let old = 2 * here.data.len();
         let mut k = DMatrix::zeros(old + 2 * n, directions);

@@ -35,11 +35,11 @@ pub fn together(first: &Problem, fit: Fit, further: &[Further]) -> Fit {
         .map(|r| first.masses(&fit.terms).reweighted(r));
     let own = |unknowns: Vec<f64>| {
         let masses = masses.as_ref().unwrap_or(first.masses(&fit.terms));
-        let circumstances = match &fit.circumstances {
+        let posture_context = match &fit.posture_context {
             Some(sides) => sides.as_slice(),
-            None => &first.data.circumstances,
+            None => &first.data.posture_context,
         };
-        first.state(&fit.terms, unknowns, circumstances, &root, masses)
+        first.state(&fit.terms, unknowns, posture_context, &root, masses)
     };
     let scales = first.scales(&fit.terms);
     let before = own(fit.unknowns.clone());
@@ -69,7 +69,7 @@ pub fn together(first: &Problem, fit: Fit, further: &[Further]) -> Fit {
 struct Log<'f, 'm> {
     problem: &'f Problem<'m>,
     carried: Carried,
-    circumstances: Vec<f64>,
+    posture_context: Vec<f64>,
     /// Of sides that gravity does not favour.
     price: f64,
 }
@@ -79,18 +79,18 @@ impl<'f, 'm> Log<'f, 'm> {
         let problem = &further.problem;
         let (here, there) = (&first.context, &problem.context);
         let carried = experiment::carried(further.experiment, here, there, &fit.terms);
-        let mut circumstances = problem.data.circumstances.clone();
+        let mut posture_context = problem.data.posture_context.clone();
         let mut price = 0.0;
         if !problem.slack_joints(&carried.terms).is_empty() {
             let unknowns = carried.unknowns(&fit.unknowns);
             let sides = sides::settle(problem, &carried.terms, &unknowns, Some(fit));
             price = sides.price;
-            circumstances.clone_from(&sides.circumstances);
+            posture_context.clone_from(&sides.posture_context);
         }
         Log {
             problem,
             carried,
-            circumstances,
+            posture_context,
             price,
         }
     }
@@ -100,7 +100,7 @@ impl<'f, 'm> Log<'f, 'm> {
         let unknowns = self.carried.unknowns(unknowns);
         let masses = self.problem.masses(terms);
         self.problem
-            .squares(terms, unknowns, &self.circumstances, &None, masses)
+            .squares(terms, unknowns, &self.posture_context, &None, masses)
     }
 }
 

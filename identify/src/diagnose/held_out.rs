@@ -47,7 +47,7 @@ pub fn cross_validate(problem: &Problem, whole: &Fit) -> HeldOut {
 /// Errors of the robot as CAD has it.
 pub fn of_cad(problem: &Problem) -> HeldOut {
     let n = problem.data.len();
-    let out = problem.evaluate(&[], &[], &problem.data.q, &problem.data.circumstances);
+    let out = problem.evaluate(&[], &[], &problem.data.q, &problem.data.posture_context);
     let errors = problem.data.reading.iter().zip(&out).map(|(y, p)| y - p);
     of_errors(errors.collect(), &vec![false; n])
 }

@@ -8,7 +8,7 @@
 //! Found, not physical: a formula says what the gap follows, not why.
 
 use nalgebra::{DMatrix, DVector};
-use sesc_model::effects::Circumstances;
+use sesc_model::effects::PostureContext;
 
 use super::problem::{Fit, Problem};
 use super::{criteria, held_out};
@@ -169,12 +169,12 @@ fn library(problem: &Problem) -> Vec<(String, Vec<f64>)> {
     let (n, dof) = (problem.data.len(), problem.context.robot.dof());
     let dofs = &problem.context.robot.tree.dofs;
     let moments = problem.moments_at(&problem.data.q);
-    let layout = Circumstances::of(problem.context.robot);
+    let layout = PostureContext::of(problem.context.robot);
     let mut library: Vec<(String, Vec<f64>)> = Vec::new();
     let mut add =
         |name: String, f: &dyn Fn(usize) -> f64| library.push((name, (0..n).map(f).collect()));
     add("1".to_string(), &|_| 1.0);
-    let place = |k: usize| problem.data.circumstances[k * layout.len() + layout.place()];
+    let place = |k: usize| problem.data.posture_context[k * layout.len() + layout.place()];
     add("place in the log".to_string(), &place);
     add("place in the log²".to_string(), &|k| place(k).powi(2));
     for (j, joint) in dofs.iter().enumerate() {

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use nalgebra::DMatrix;
-use sesc_model::effects::{Carry, Circumstances, EffectContext, Experiment};
+use sesc_model::effects::{Carry, EffectContext, Experiment, PostureContext};
 use sesc_model::{Model, Snapping};
 
 use super::criteria::{self, NEXT_POSTURES};
@@ -82,7 +82,7 @@ pub fn next(
             postures: Postures {
                 model: problem.model,
                 q: problem.data.q.clone(),
-                circumstances: problem.data.circumstances.clone(),
+                posture_context: problem.data.posture_context.clone(),
             },
         };
         let (separations, _) = trial.separations(truth, &others);
@@ -197,11 +197,11 @@ fn with_postures(
     others: &[&Fit],
 ) -> Ranked {
     let dof = model.dof();
-    let layout = Circumstances::of(model);
+    let layout = PostureContext::of(model);
     let take = |q: &[f64]| Postures {
         model,
         q: q.to_vec(),
-        circumstances: vec![0.0; q.len() / dof * layout.len()],
+        posture_context: vec![0.0; q.len() / dof * layout.len()],
     };
     let mut trial = Trial {
         experiment,

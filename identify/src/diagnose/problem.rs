@@ -7,7 +7,9 @@ use std::collections::{BTreeSet, HashMap};
 use std::rc::Rc;
 
 use nalgebra::{DMatrix, DVector};
-use sesc_model::effects::{self, Catalog, Circumstances, EffectContext, EffectId, Instance, Stage};
+use sesc_model::effects::{
+    self, Catalog, EffectContext, EffectId, Instance, PostureContext, Stage,
+};
 use sesc_model::tape::{Tape, Values};
 use sesc_model::{Function, Model};
 
@@ -73,8 +75,8 @@ pub struct Fit {
     pub residual: DVector<f64>,
     /// Whitened derivative by the unknowns.
     pub slopes: DMatrix<f64>,
-    /// Circumstances with the sides of dead bands, where they matter.
-    pub circumstances: Option<Rc<Vec<f64>>>,
+    /// Posture context with the sides of dead bands, where they matter.
+    pub posture_context: Option<Rc<Vec<f64>>>,
     pub outliers: Option<Outliers>,
     /// Postures with a joint on the side of its dead band that gravity does not favour.
     pub flipped: Vec<usize>,
@@ -127,8 +129,8 @@ impl<'m> Problem<'m> {
         let context = context.with_effects(effects.clone());
         let n = data.len();
         let p = model.base.params.len();
-        let layout = Circumstances::of(model);
-        let entry = |k: usize, entry: usize| data.circumstances[k * layout.len() + entry];
+        let layout = PostureContext::of(model);
+        let entry = |k: usize, entry: usize| data.posture_context[k * layout.len() + entry];
         let tilt = |k: usize| [0, 1].map(|axis| entry(k, layout.tilt(axis)));
         let tilts: Vec<[f64; 2]> = (0..n).map(tilt).collect();
         let flat = CopRows::new(model).of(&data.q, n, Some(&tilts));
@@ -246,21 +248,21 @@ impl<'m> Problem<'m> {
         .clone()
     }
 
-    /// Readings and derivatives of as many postures as have circumstances: per posture x then y, each value, ∂/∂e_1, ….
+    /// Readings and derivatives of as many postures as there are contexts: per posture x then y, each value, ∂/∂e_1, ….
     pub fn evaluate(
         &self,
         terms: &[Term],
         unknowns: &[f64],
         q: &[f64],
-        circumstances: &[f64],
+        posture_context: &[f64],
     ) -> Vec<f64> {
         let tapes = self.tapes(terms);
-        let n = circumstances.len() / Circumstances::of(self.context.robot).len();
+        let n = posture_context.len() / PostureContext::of(self.context.robot).len();
         let mut out = vec![0.0; n * tapes.reading.outputs()];
         let arguments = [
             Values::PerPosture(q),
             Values::Shared(unknowns),
-            Values::PerPosture(circumstances),
+            Values::PerPosture(posture_context),
         ];
         tapes.reading.run(&arguments, n, &mut out, FASTEST);
         out
@@ -271,9 +273,9 @@ impl<'m> Problem<'m> {
         &self,
         terms: &[Term],
         unknowns: &[f64],
-        circumstances: &[f64],
+        posture_context: &[f64],
     ) -> Vec<f64> {
-        self.evaluate_moments_at(terms, unknowns, &self.data.q, circumstances)
+        self.evaluate_moments_at(terms, unknowns, &self.data.q, posture_context)
     }
 
     /// The same at joint positions `q`.
@@ -282,15 +284,15 @@ impl<'m> Problem<'m> {
         terms: &[Term],
         unknowns: &[f64],
         q: &[f64],
-        circumstances: &[f64],
+        posture_context: &[f64],
     ) -> Vec<f64> {
         let tape = self.moments(terms);
-        let n = circumstances.len() / Circumstances::of(self.context.robot).len();
+        let n = posture_context.len() / PostureContext::of(self.context.robot).len();
         let mut out = vec![0.0; n * tape.outputs()];
         let arguments = [
             Values::PerPosture(q),
             Values::Shared(unknowns),
-            Values::PerPosture(circumstances),
+            Values::PerPosture(posture_context),
         ];
         tape.run(&arguments, n, &mut out, FASTEST);
         out
@@ -334,14 +336,14 @@ impl<'m> Problem<'m> {
         let tape = Tape::new(&program);
         let n = self.data.len();
         let mut out = vec![0.0; n * tape.outputs()];
-        let circumstances = match &fit.circumstances {
+        let posture_context = match &fit.posture_context {
             Some(own) => own.as_slice(),
-            None => &self.data.circumstances,
+            None => &self.data.posture_context,
         };
         let arguments = [
             Values::PerPosture(&self.data.q),
             Values::Shared(&fit.unknowns),
-            Values::PerPosture(circumstances),
+            Values::PerPosture(posture_context),
         ];
         tape.run(&arguments, n, &mut out, FASTEST);
         out
@@ -404,7 +406,7 @@ impl Problem<'_> {
         let arguments = [
             Values::PerPosture(q),
             Values::Shared(&[]),
-            Values::PerPosture(&self.data.circumstances),
+            Values::PerPosture(&self.data.posture_context),
         ];
         tape.run(&arguments, n, &mut out, FASTEST);
         out

@@ -8,14 +8,14 @@ use std::rc::Rc;
 
 use super::hypothesis::Term;
 use nalgebra::DVector;
-use sesc_model::effects::{Circumstances, ROUNDS};
+use sesc_model::effects::{PostureContext, ROUNDS};
 
 use super::criteria;
 use super::problem::{Fit, Problem};
 
-/// Sides, written into circumstances, and what the unlikely ones cost.
+/// Sides, written into the posture context, with the penalty of the unlikely ones.
 pub struct Sides {
-    pub circumstances: Rc<Vec<f64>>,
+    pub posture_context: Rc<Vec<f64>>,
     pub price: f64,
     /// Postures with a joint on its unlikely side.
     pub flipped: Vec<usize>,
@@ -24,16 +24,16 @@ pub struct Sides {
 /// The side of every slack joint in every posture: gravity's, and where that is
 /// nearly even and `fit` is there to say what is left over, the reading's.
 pub fn settle(problem: &Problem, terms: &[Term], unknowns: &[f64], fit: Option<&Fit>) -> Sides {
-    let layout = Circumstances::of(problem.context.robot);
+    let layout = PostureContext::of(problem.context.robot);
     let (n, dof) = (problem.data.len(), problem.context.robot.dof());
     let joints = problem.slack_joints(terms);
-    let mut circumstances = problem.data.circumstances.clone();
+    let mut posture_context = problem.data.posture_context.clone();
     let mut out = Vec::new();
     // From the middle of every band, all at once: as `Measured::bend` has it.
-    joints_at(problem, &joints, &mut circumstances, |_, _| 0.0);
+    joints_at(problem, &joints, &mut posture_context, |_, _| 0.0);
     for _ in 0..ROUNDS {
-        out = problem.evaluate_moments(terms, unknowns, &circumstances);
-        joints_at(problem, &joints, &mut circumstances, |before, at| {
+        out = problem.evaluate_moments(terms, unknowns, &posture_context);
+        joints_at(problem, &joints, &mut posture_context, |before, at| {
             let step = if out[at] < 0.0 { -1.0 } else { 1.0 };
             before + step / ROUNDS as f64
         });
@@ -41,7 +41,7 @@ pub fn settle(problem: &Problem, terms: &[Term], unknowns: &[f64], fit: Option<&
     let mut price = 0.0;
     let mut flipped = Vec::new();
     if fit.is_some() {
-        let residual = residual_now(problem, terms, unknowns, &circumstances);
+        let residual = residual_now(problem, terms, unknowns, &posture_context);
         let excess = problem.masses(terms).beyond_one(&residual);
         for k in 0..n {
             let near = bistable(
@@ -55,18 +55,18 @@ pub fn settle(problem: &Problem, terms: &[Term], unknowns: &[f64], fit: Option<&
                 continue;
             }
             let own = [excess[2 * k], excess[2 * k + 1]];
-            let (flips, cost) = best_flips(k, own, &near, &circumstances, &layout);
+            let (flips, cost) = best_flips(k, own, &near, &posture_context, &layout);
             price += cost;
             if !flips.is_empty() {
                 flipped.push(k);
             }
             for joint in flips {
-                circumstances[k * layout.len() + layout.side(joint)] *= -1.0;
+                posture_context[k * layout.len() + layout.side(joint)] *= -1.0;
             }
         }
     }
     Sides {
-        circumstances: Rc::new(circumstances),
+        posture_context: Rc::new(posture_context),
         price,
         flipped,
     }
@@ -77,14 +77,14 @@ pub fn settle(problem: &Problem, terms: &[Term], unknowns: &[f64], fit: Option<&
 fn joints_at(
     problem: &Problem,
     joints: &[(usize, usize)],
-    circumstances: &mut [f64],
+    posture_context: &mut [f64],
     to: impl Fn(f64, usize) -> f64,
 ) {
-    let layout = Circumstances::of(problem.context.robot);
+    let layout = PostureContext::of(problem.context.robot);
     let dof = problem.context.robot.dof();
     for k in 0..problem.data.len() {
         for &(joint, _) in joints {
-            let side = &mut circumstances[k * layout.len() + layout.side(joint)];
+            let side = &mut posture_context[k * layout.len() + layout.side(joint)];
             *side = to(*side, k * 3 * dof + joint);
         }
     }
@@ -94,9 +94,9 @@ fn residual_now(
     problem: &Problem,
     terms: &[Term],
     unknowns: &[f64],
-    circumstances: &[f64],
+    posture_context: &[f64],
 ) -> DVector<f64> {
-    let out = problem.evaluate(terms, unknowns, &problem.data.q, circumstances);
+    let out = problem.evaluate(terms, unknowns, &problem.data.q, posture_context);
     let width = unknowns.len() + 1;
     let rows = 2 * problem.data.len();
     DVector::from_fn(rows, |row, _| {
@@ -153,15 +153,15 @@ fn best_flips(
     k: usize,
     residual: [f64; 2],
     near: &[Near],
-    circumstances: &[f64],
-    layout: &Circumstances,
+    posture_context: &[f64],
+    layout: &PostureContext,
 ) -> (Vec<usize>, f64) {
     let mut best = (0, 0.0, residual[0].powi(2) + residual[1].powi(2));
     for choice in 1..1_usize << near.len() {
         let (mut left, mut cost) = (residual, 0.0);
         for (bit, joint) in near.iter().enumerate() {
             if choice >> bit & 1 == 1 {
-                let side = circumstances[k * layout.len() + layout.side(joint.joint)];
+                let side = posture_context[k * layout.len() + layout.side(joint.joint)];
                 for (left, half) in left.iter_mut().zip(joint.half) {
                     *left += 2.0 * side * half;
                 }

@@ -67,9 +67,9 @@ pub fn proposals(problem: &Problem, dictionary: &Dictionary) -> Vec<Proposal> {
 pub fn beside(problem: &Problem, parent: &Fit) -> Vec<Proposal> {
     let context = &problem.context;
     let data = &problem.data;
-    let circumstances = match &parent.circumstances {
+    let posture_context = match &parent.posture_context {
         Some(own) => own.as_slice(),
-        None => &data.circumstances,
+        None => &data.posture_context,
     };
     let masses = problem.masses(&parent.terms);
     let own = &parent.slopes;
@@ -81,7 +81,7 @@ pub fn beside(problem: &Problem, parent: &Fit) -> Vec<Proposal> {
         .filter(|i| !parent.terms.contains(i))
         .filter_map(|fault| {
             let (q, rewire) = problem.rewired(&fault);
-            let out = problem.evaluate(&parent.terms, &parent.unknowns, &q, circumstances);
+            let out = problem.evaluate(&parent.terms, &parent.unknowns, &q, posture_context);
             let values: Vec<f64> = out.iter().step_by(width).copied().collect();
             let residual = whitened(problem, &rewire.readings(&values));
             let left = masses.beyond_one(&residual);
@@ -104,7 +104,7 @@ pub fn beside(problem: &Problem, parent: &Fit) -> Vec<Proposal> {
 /// Whitened residuals under a fault.
 fn residual(problem: &Problem, fault: &Term) -> DVector<f64> {
     let (q, rewire) = problem.rewired(fault);
-    let out = problem.evaluate(&[], &[], &q, &problem.data.circumstances);
+    let out = problem.evaluate(&[], &[], &q, &problem.data.posture_context);
     whitened(problem, &rewire.readings(&out))
 }
 

@@ -6,7 +6,7 @@
 //! ```
 
 use sesc_model::Model;
-use sesc_model::effects::Circumstances;
+use sesc_model::effects::PostureContext;
 
 use super::grouping::{DOWN, Grouping, moved_sentence};
 use super::noise::{Known, LEAST_STD, NoiseSource};
@@ -29,8 +29,8 @@ pub struct Postures {
     pub pose: Vec<i64>,
     /// Posture by posture, joint by joint, rad or m.
     pub q: Vec<f64>,
-    /// Posture by posture, see [`Circumstances`].
-    pub circumstances: Vec<f64>,
+    /// Posture by posture, see [`PostureContext`].
+    pub posture_context: Vec<f64>,
     /// x, y per posture, m.
     pub reading: Vec<f64>,
     /// Standard deviation of each entry of `reading`, the floor included, m.
@@ -309,12 +309,12 @@ impl Postures {
     ) -> Postures {
         let all = &gathering.kept;
         let noise = Noise::of(gathering, stated, taking.noise);
-        let layout = Circumstances::with_joints(dof);
+        let layout = PostureContext::with_joints(dof);
         let count = all.len();
         let mut data = Postures {
             pose: all.iter().map(|p| p.pose).collect(),
             q: Vec::with_capacity(count * dof),
-            circumstances: vec![0.0; count * layout.len()],
+            posture_context: vec![0.0; count * layout.len()],
             reading: Vec::with_capacity(2 * count),
             std: Vec::with_capacity(2 * count),
             t: timed.then(|| all.iter().map(|p| p.t).collect()),
@@ -330,7 +330,7 @@ impl Postures {
         };
         for (k, posture) in all.iter().enumerate() {
             let q = posture.mean();
-            let u = &mut data.circumstances[k * layout.len()..(k + 1) * layout.len()];
+            let u = &mut data.posture_context[k * layout.len()..(k + 1) * layout.len()];
             u[layout.place()] = gathering.place(k, timed);
             for axis in 0..2 {
                 u[layout.tilt(axis)] = posture.tilt[axis];

@@ -54,7 +54,7 @@ pub fn bodies(model: &Model, q: &[f64], poses: &mut Vec<Pose>) {
 fn against_parent(body: &Body, q: &[f64]) -> Pose {
     match body.motion {
         Motion::Fixed => Pose::IDENTITY,
-        Motion::Turn { axis, by } => {
+        Motion::Revolute { axis, by } => {
             let angle = by.factor * q[by.dof] + by.offset;
             let turn = Rotation3::from_axis_angle(&Unit::new_unchecked(axis), angle);
             Pose {
@@ -62,7 +62,7 @@ fn against_parent(body: &Body, q: &[f64]) -> Pose {
                 origin: body.anchor,
             }
         }
-        Motion::Slide { axis, by } => Pose {
+        Motion::Prismatic { axis, by } => Pose {
             rotation: body.rotation,
             origin: body.anchor + axis * (by.factor * q[by.dof] + by.offset),
         },

@@ -22,7 +22,7 @@ const DEPENDENT: f64 = 1e-12;
 fn tied_bodies(tree: &Tree, chain: &Chain) -> Vec<bool> {
     let mut users = vec![0; tree.dofs.len()];
     let by = |motion: &Motion| match motion {
-        Motion::Turn { by, .. } | Motion::Slide { by, .. } => Some(by.dof),
+        Motion::Revolute { by, .. } | Motion::Prismatic { by, .. } => Some(by.dof),
         Motion::Fixed => None,
     };
     for dof in chain.bodies.iter().filter_map(|b| by(&b.motion)) {
@@ -55,7 +55,7 @@ pub(super) fn untie(
     let tied = tied_bodies(tree, chain);
     let suspects: Vec<usize> = (0..params.len())
         .filter(|&k| match params[k].column {
-            Column::Axis { body, .. } | Column::Slide { body } => tied[body],
+            Column::Axis { body, .. } | Column::Prismatic { body } => tied[body],
         })
         .collect();
     let mut lost_params = Vec::new();
@@ -110,7 +110,7 @@ fn sampled(
                     let b = full.fixed_view::<3, 3>(0, chain.bodies[body].column);
                     b * frames[body].axes.column(axis)
                 }
-                Column::Slide { body } => full
+                Column::Prismatic { body } => full
                     .column(chain.bodies[body].column + 3)
                     .fixed_rows::<3>(0)
                     .into_owned(),
@@ -187,7 +187,7 @@ pub(super) fn tied_in_cop(
 ) -> usize {
     let tied = tied_bodies(tree, chain);
     visible.retain(|column| match *column {
-        Column::Axis { body, .. } | Column::Slide { body } => tied[body],
+        Column::Axis { body, .. } | Column::Prismatic { body } => tied[body],
     });
     if visible.is_empty() {
         return 0;

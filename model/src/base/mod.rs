@@ -48,7 +48,7 @@ pub fn group(tree: &Tree, chain: &Chain, frames: &[Frame]) -> Base {
             cad: 0.0,
         };
         let moved: Vec<Vector3<f64>> = match (body.motion, body.parent) {
-            (Motion::Turn { .. }, Some(_)) => {
+            (Motion::Revolute { .. }, Some(_)) => {
                 for k in [0, 1] {
                     let name = format!("{}.{}", body.name, frames[i].axis_name(k));
                     let terms = project(&form, &frames[i].axes.column(k).into_owned());
@@ -56,11 +56,11 @@ pub fn group(tree: &Tree, chain: &Chain, frames: &[Frame]) -> Base {
                 }
                 vec![frames[i].axes.column(2).into_owned()]
             }
-            (Motion::Slide { .. }, Some(_)) => {
+            (Motion::Prismatic { .. }, Some(_)) => {
                 let terms = BTreeMap::from([(body.column + 3, 1.0)]);
                 own[i].push(param(
                     format!("{}.s", body.name),
-                    Column::Slide { body: i },
+                    Column::Prismatic { body: i },
                     terms,
                 ));
                 (0..3).map(|k| Vector3::ith(k, 1.0)).collect()
@@ -121,10 +121,10 @@ fn moved_to_parent(chain: &Chain, i: usize, parent: usize) -> Unobservable {
     let (body, parent) = (&chain.bodies[i], &chain.bodies[parent]);
     let joint = body.joint.as_deref().unwrap_or_default();
     let (name, sentence) = match body.motion {
-        Motion::Slide { .. } => (
+        Motion::Prismatic { .. } => (
             format!("r of {}", body.name),
             format!(
-                "r of `{}` moves to its parent `{}`: prismatic joint `{joint}` never turns it",
+                "r of `{}` moves to its parent `{}`: prismatic joint `{joint}` never rotates it",
                 body.name, parent.name
             ),
         ),
@@ -132,7 +132,7 @@ fn moved_to_parent(chain: &Chain, i: usize, parent: usize) -> Unobservable {
             format!("axis of {joint}"),
             format!(
                 "r of `{}` along the axis of `{joint}` moves to its parent `{}`: \
-                 turning about that axis leaves it unchanged",
+                 rotation about that axis leaves it unchanged",
                 body.name, parent.name
             ),
         ),
@@ -147,7 +147,7 @@ fn moved_to_parent(chain: &Chain, i: usize, parent: usize) -> Unobservable {
 /// Number of base columns that CoP rows lose.
 ///
 /// A column whose x and y vanish in every posture: the height in r_0, and a
-/// slide whose direction stays vertical. Tied joints are checked numerically.
+/// prismatic joint whose direction stays vertical. Tied joints are checked numerically.
 fn invisible_in_cop(
     tree: &Tree,
     chain: &Chain,
@@ -164,7 +164,7 @@ fn invisible_in_cop(
             Some(Some(up)) => {
                 let here = (body.rotation.transpose() * up).map(tidy);
                 match body.motion {
-                    Motion::Turn { axis, .. } if axis.cross(&here).norm() > 1e-14 => None,
+                    Motion::Revolute { axis, .. } if axis.cross(&here).norm() > 1e-14 => None,
                     _ => Some(here),
                 }
             }
@@ -178,8 +178,8 @@ fn invisible_in_cop(
                 "the height of the CoM is known up to one constant: it never moves a flat CoP"
                     .to_string()
             }
-            Column::Slide { body } => {
-                let (Motion::Slide { axis, .. }, Some(parent)) =
+            Column::Prismatic { body } => {
+                let (Motion::Prismatic { axis, .. }, Some(parent)) =
                     (chain.bodies[body].motion, chain.bodies[body].parent)
                 else {
                     continue;

@@ -12,8 +12,8 @@ pub enum Column {
         /// 0, 1 or 2.
         axis: usize,
     },
-    /// `B_parent a q` of the sliding body.
-    Slide {
+    /// `B_parent a q` of a body on a prismatic joint.
+    Prismatic {
         /// Index in the chain.
         body: usize,
     },
@@ -28,7 +28,7 @@ pub struct BaseParam {
     pub column: Column,
     /// Full parameter → weight; the parameter is their weighted sum.
     pub terms: BTreeMap<usize, f64>,
-    /// CAD value, m (or a mass fraction for a slide).
+    /// CAD value, m (or a mass fraction for a prismatic joint).
     pub cad: f64,
 }
 

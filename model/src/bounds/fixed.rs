@@ -140,7 +140,7 @@ impl Formats {
         self.output = self.output.min(output);
     }
 
-    /// Sines and cosines are passed in one format, whatever slides put among the sines.
+    /// Sines and cosines are passed in one format, whatever prismatic joints put among the sines.
     pub(super) fn join_sines(&mut self, program: &Program) {
         let of = |argument| {
             let mut inputs = program.inputs.iter();

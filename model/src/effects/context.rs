@@ -151,8 +151,10 @@ impl<'m> EffectContext<'m> {
         let known = known.cloned().or_else(|| {
             // A swap has two names, in either order.
             let (a, b) = name.split_once(',')?;
-            let turned = format!("{},{}", b.trim(), a.trim());
-            let found = targets.iter().find(|target| self.name_of(target) == turned);
+            let reversed = format!("{},{}", b.trim(), a.trim());
+            let found = targets
+                .iter()
+                .find(|target| self.name_of(target) == reversed);
             found.cloned()
         });
         let of_links = targets.iter().any(|t| matches!(t, Target::Link(_)));

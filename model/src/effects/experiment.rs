@@ -31,7 +31,7 @@ impl Experiment {
         Experiment::Untouched,
     ];
 
-    /// As sidecars have it.
+    /// Its name in sidecar files.
     pub fn name(self) -> &'static str {
         match self {
             Experiment::Postures => "postures",

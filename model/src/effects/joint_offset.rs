@@ -1,7 +1,7 @@
 //! An encoder's zero lies elsewhere.
 //!
 //! ```text
-//! φ_j = q_j + δ        δ in rad (m for a slide)
+//! φ_j = q_j + δ        δ in rad (m for a prismatic joint)
 //! ```
 //!
 //! Imitated by the offset of a joint with a parallel axis (ankle pitch, knee, hip

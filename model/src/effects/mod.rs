@@ -36,7 +36,7 @@ mod unsettled_motion;
 
 use crate::expr::Id;
 pub use crate::measurement::foot::rectangle as foot_rectangle;
-pub use crate::measurement::{Circumstances, Measured, ROUNDS, Source};
+pub use crate::measurement::{Measured, PostureContext, ROUNDS, Source};
 use crate::urdf::{Load, Shift};
 pub use catalog::{Catalog, EffectId};
 pub use context::{EffectContext, Target};

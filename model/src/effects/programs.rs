@@ -3,15 +3,15 @@
 use super::{EffectContext, Instance, Stage, apply, sense};
 use crate::expr::{Argument, Id};
 use crate::functions::Parameters;
-use crate::measurement::{Circumstances, Measured, Source};
+use crate::measurement::{Measured, PostureContext, Source};
 use crate::program::{Array, Program, Shape};
 
-/// Input arrays: q, then unknowns `e`, then circumstances `u`; r is constant.
+/// Input arrays: q, then unknowns `e`, then posture context `u`; r is constant.
 fn inputs(context: &EffectContext, unknowns: usize) -> Vec<Array> {
     vec![
         Array::new(Argument::Positions, context.robot.dof()),
         Array::new(Argument::Unknowns, unknowns),
-        Array::new(Argument::Context, Circumstances::of(context.robot).len()),
+        Array::new(Argument::Context, PostureContext::of(context.robot).len()),
     ]
 }
 
@@ -34,7 +34,7 @@ fn written<'m>(
 /// respect to each unknown: rows x and y, columns value, ∂/∂e_1, ∂/∂e_2, ….
 ///
 /// Inputs: `q`, `e` (unknowns in the order of the instances), `u`
-/// ([`Circumstances`]). Base parameters are the constants `params`.
+/// ([`PostureContext`]). Base parameters are the constants `params`.
 pub fn reading(context: &EffectContext, instances: &[Instance], params: &[f64]) -> Program {
     let (mut measured, unknowns) = written(context, instances, params);
     let reading = measured.reading;
@@ -75,7 +75,7 @@ fn without_masses<'m>(context: &EffectContext<'m>) -> Measured<'m> {
     Measured::new(context.robot, Source::Posture, params, &context.cells)
 }
 
-/// Joint positions of a posture after faults of wiring, which have no unknowns: of
+/// Joint positions of a posture after wiring errors, which have no unknowns: of
 /// `q`, without the measurement behind them.
 pub fn wired_joints(context: &EffectContext, instances: &[Instance]) -> Program {
     let mut measured = without_masses(context);
@@ -92,7 +92,7 @@ pub fn wired_joints(context: &EffectContext, instances: &[Instance]) -> Program 
     Program::new(measured.into_graph(), inputs, shape, &outputs)
 }
 
-/// What faults of wiring and of the record, which have no unknowns, make of a CoP
+/// What wiring errors and of the record, which have no unknowns, make of a CoP
 /// (m, the input).
 pub fn wired_reading(context: &EffectContext, instances: &[Instance]) -> Program {
     let mut measured = without_masses(context);

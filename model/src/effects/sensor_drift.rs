@@ -9,7 +9,7 @@
 //! postures make it look like whatever they are sorted by.
 
 use super::{
-    Carry, Circumstances, Effect, EffectContext, EffectId, Experiment, Measured, Parameter, Stage,
+    Carry, Effect, EffectContext, EffectId, Experiment, Measured, Parameter, PostureContext, Stage,
     Target,
 };
 use crate::expr::Id;
@@ -42,8 +42,8 @@ impl Effect for SensorDrift {
     }
 
     fn rewrite(&self, _: &Target, at: &mut Measured, unknowns: &[Id]) {
-        let place = Circumstances::of(at.robot()).place();
-        let u = at.circumstance(place);
+        let place = PostureContext::of(at.robot()).place();
+        let u = at.posture_context(place);
         for (axis, &unknown) in unknowns.iter().enumerate() {
             let moved = at.mul(u, unknown);
             at.reading[axis] = at.add(at.reading[axis], moved);

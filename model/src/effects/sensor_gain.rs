@@ -56,7 +56,7 @@ impl Effect for SensorGain {
     }
 
     fn bound_violation(&self, _: &EffectContext, _: &Target, unknowns: &[f64]) -> Vec<f64> {
-        // A gain near zero tells nothing of the robot; a negative one is wiring.
+        // A gain near zero leaves no signal; a negative one is a wiring error.
         unknowns
             .iter()
             .map(|g| (g.abs() - 0.6).max(0.0) / 0.05)

@@ -1,4 +1,4 @@
-//! The sensor is turned about the vertical.
+//! The sensor is rotated about the vertical.
 //!
 //! ```text
 //! y = Rot(ψ) p         ψ in rad, counter-clockwise seen from above

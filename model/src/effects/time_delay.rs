@@ -7,7 +7,7 @@
 //! Seen in motion only: logs with `t`. Nothing else follows the velocities.
 
 use super::{
-    Carry, Circumstances, Effect, EffectContext, EffectId, Experiment, Measured, Parameter, Stage,
+    Carry, Effect, EffectContext, EffectId, Experiment, Measured, Parameter, PostureContext, Stage,
     Target,
 };
 use crate::expr::Id;
@@ -40,13 +40,13 @@ impl Effect for TimeDelay {
     }
 
     fn rewrite(&self, _: &Target, at: &mut Measured, unknowns: &[Id]) {
-        let circumstances = Circumstances::of(at.robot());
+        let layout = PostureContext::of(at.robot());
         let d = unknowns[0];
         let half = at.constant(0.5);
         let half_d = at.mul(half, d);
         for joint in 0..at.robot().dof() {
-            let rate = at.circumstance(circumstances.rate(joint));
-            let acceleration = at.circumstance(circumstances.acceleration(joint));
+            let rate = at.posture_context(layout.rate(joint));
+            let acceleration = at.posture_context(layout.acceleration(joint));
             let g = at.g();
             let curve = g.mul(half_d, acceleration);
             let slope = g.add(curve, rate);

@@ -10,7 +10,7 @@
 
 use super::context::GRAVITY;
 use super::{
-    Carry, Circumstances, Effect, EffectContext, EffectId, Experiment, Measured, Parameter, Stage,
+    Carry, Effect, EffectContext, EffectId, Experiment, Measured, Parameter, PostureContext, Stage,
     Target,
 };
 use crate::expr::Id;
@@ -44,11 +44,11 @@ impl Effect for UnsettledMotion {
 
     fn rewrite(&self, _: &Target, at: &mut Measured, unknowns: &[Id]) {
         // c(q) − a (z/g) c'' is c where joints lag by a (z/g) q'', to first order.
-        let circumstances = Circumstances::of(at.robot());
+        let layout = PostureContext::of(at.robot());
         let height = at.constant(at.robot().cad_height() / GRAVITY);
         let lag = at.mul(height, unknowns[0]);
         for joint in 0..at.robot().dof() {
-            let acceleration = at.circumstance(circumstances.acceleration(joint));
+            let acceleration = at.posture_context(layout.acceleration(joint));
             let moved = at.mul(lag, acceleration);
             let back = at.neg(moved);
             at.shift_joint(joint, back);

@@ -18,7 +18,7 @@ pub enum Argument {
     Reading,
     /// Unknowns of effects.
     Unknowns,
-    /// What a posture of a log brings along beside its joint positions.
+    /// The context of a posture of a log, beside its joint positions.
     Context,
     /// What an expression is solved for; never the input of a program.
     Free,

@@ -1,6 +1,6 @@
 //! The functions of the CoM as expressions.
 //!
-//! Leaf to root, with `t` the subtree vector turned by its joint and `K` the
+//! Leaf to root, with `t` the subtree vector rotated by its joint and `K` the
 //! constant twist to the parent:
 //!
 //! ```text
@@ -16,18 +16,18 @@
 //! 4 per joint and row. They meet in the Jacobian: `J_j = B_p K_j (e_z × t_j)`, which
 //! is `B_j (e_z × v_j)`.
 
+mod rotations;
 mod rows;
 mod subtrees;
-mod turns;
 
 use crate::expr::{Argument, Graph, Id, VectorId};
 use crate::interface::{Extent, Function, Given};
 use crate::program::{Array, Program, Shape};
 use crate::robot::Robot;
 use crate::tree::Coordinate;
+use rotations::sines_suffice;
 pub(crate) use rows::Direction;
 pub(crate) use subtrees::{Subtree, Wanted};
-use turns::sines_suffice;
 
 /// A vector of expressions with what is known of it.
 #[derive(Clone, Copy)]
@@ -132,7 +132,7 @@ pub(crate) struct Scratch<'m> {
     /// Of each body, those that carry the longest chain last.
     children: Vec<Vec<usize>>,
     /// Sine and cosine per body, once asked for.
-    pub(crate) turns: Vec<Option<(Id, Id)>>,
+    pub(crate) rotations: Vec<Option<(Id, Id)>>,
 }
 
 /// Children in the order of the joints above them, the shortest first.
@@ -160,7 +160,7 @@ impl<'m> Scratch<'m> {
             masses: None,
             pass: String::new(),
             children: longest_last(m.chain.children()),
-            turns: vec![None; m.chain.bodies.len()],
+            rotations: vec![None; m.chain.bodies.len()],
         }
     }
 
@@ -188,7 +188,7 @@ impl<'m> Scratch<'m> {
         }
     }
 
-    /// Position of a slide: factor·q + offset. (`_sc` passes q in `sin`.)
+    /// Position of a prismatic joint: factor·q + offset. (`_sc` passes q in `sin`.)
     fn position(&mut self, by: &Coordinate) -> Id {
         let q = match &self.positions {
             Some(positions) => positions[by.dof],

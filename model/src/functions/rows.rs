@@ -24,7 +24,7 @@ pub(crate) struct Direction {
 /// A direction as a body sees it, in canonical axes.
 #[derive(Clone, Copy)]
 pub(super) struct Seen {
-    /// `dᵀ B_p K_i`: before its joint turns.
+    /// `dᵀ B_p K_i`: before its joint rotates.
     before: Known,
     /// `dᵀ B_i`.
     after: Known,
@@ -84,16 +84,16 @@ impl Scratch<'_> {
             before: seen.after,
             after: seen.after,
         };
-        let Some(turn) = &m.frames[i].turn else {
+        let Some(rotation) = &m.frames[i].rotation else {
             return seen[parent].iter().map(still).collect();
         };
         self.section(i);
-        let (s, c) = self.turn(i);
+        let (s, c) = self.rotation(i);
         let mut here = Vec::with_capacity(directions.len());
         for (direction, near) in directions.iter().zip(&seen[parent]) {
             let Direction { norm, tag, .. } = *direction;
             let near = near.after;
-            let [x, y, z] = self.twist(&turn.twist, near.entries, true);
+            let [x, y, z] = self.twist(&rotation.twist, near.entries, true);
             let before = Known {
                 entries: [x, y, z],
                 fact: self.g.know(&[x, y, z], norm, &[near.fact]),
@@ -101,7 +101,7 @@ impl Scratch<'_> {
             let first = self.g.dot(&[x, y], &[c, s]);
             let (yc, xs) = (self.g.mul(y, c), self.g.mul(x, s));
             let mut second = self.g.sub(yc, xs);
-            if turn.mirrored {
+            if rotation.mirrored {
                 second = self.g.neg(second);
             }
             let entries = [first, second, z];
@@ -119,10 +119,10 @@ impl Scratch<'_> {
     /// Rows of ∂CoM/∂q, row-major; negated for gravity moments.
     pub(super) fn jacobian(&mut self, directions: &[Direction], negated: bool) -> Vec<Id> {
         // Axes of the support frame have zeros and ones, and the rows of its neighbours
-        // still some: there the turned vectors, seen from before the turn, are cheaper.
+        // still some: there the rotated vectors, seen from before the rotation, are cheaper.
         let wanted = match self.given {
             Given::Direction => Wanted::Sums,
-            _ => Wanted::Turned,
+            _ => Wanted::Rotated,
         };
         let subtrees = self.subtrees(wanted);
         self.slopes_along(directions, &subtrees, negated)
@@ -142,22 +142,22 @@ impl Scratch<'_> {
         for (i, body) in m.chain.bodies.iter().enumerate() {
             let here = self.seen_from(i, &seen, directions);
             seen.push(here);
-            let (Some(parent), Motion::Turn { by, .. } | Motion::Slide { by, .. }) =
+            let (Some(parent), Motion::Revolute { by, .. } | Motion::Prismatic { by, .. }) =
                 (body.parent, body.motion)
             else {
                 continue;
             };
             self.section(i);
             for k in 0..directions.len() {
-                let mut term = match (&m.frames[i].turn, body.motion) {
-                    (Some(turn), _) => {
-                        let arm = self.arm(&seen[i][k], &subtrees[i], turn.mirrored);
-                        let factor = self.g.constant(turn.angle.factor);
+                let mut term = match (&m.frames[i].rotation, body.motion) {
+                    (Some(rotation), _) => {
+                        let arm = self.arm(&seen[i][k], &subtrees[i], rotation.mirrored);
+                        let factor = self.g.constant(rotation.angle.factor);
                         self.g.mul(factor, arm)
                     }
-                    (None, Motion::Slide { axis, .. }) => {
+                    (None, Motion::Prismatic { axis, .. }) => {
                         let along = self.along(&seen[parent][k], parent, &axis);
-                        let mass = self.parameter(m.slide_param(i));
+                        let mass = self.parameter(m.prismatic_param(i));
                         let factor = self.g.constant(by.factor);
                         let scaled = self.g.mul(factor, mass);
                         self.g.mul(along, scaled)
@@ -174,7 +174,7 @@ impl Scratch<'_> {
         jacobian
     }
 
-    /// `dᵀ B_p K (e_z × t)`, or the same after the turn: `dᵀ B (e_z × v)`, where a mirrored
+    /// `dᵀ B_p K (e_z × t)`, or the same after the rotation: `dᵀ B (e_z × v)`, where a mirrored
     /// second coordinate changes the sign.
     fn arm(&mut self, seen: &Seen, subtree: &Subtree, mirrored: bool) -> Id {
         let (row, vector, opposite) = match subtree.t {
@@ -188,7 +188,7 @@ impl Scratch<'_> {
         if opposite { self.g.neg(arm) } else { arm }
     }
 
-    /// One row of `B_p a` for a slide on body `parent`.
+    /// One row of `B_p a` for a prismatic joint on body `parent`.
     fn along(&mut self, row: &Seen, parent: usize, axis: &nalgebra::Vector3<f64>) -> Id {
         let axis = (self.m.axes(parent).transpose() * axis).map(tidy);
         let weights = [0, 1, 2].map(|k| self.g.constant(axis[k]));
@@ -208,7 +208,7 @@ impl Scratch<'_> {
             for param in &m.base.params {
                 let entry = match param.column {
                     Column::Axis { body, axis } => seen[body][row].after.entries[axis],
-                    Column::Slide { body } => self.slide_column(&seen, row, body),
+                    Column::Prismatic { body } => self.prismatic_column(&seen, row, body),
                 };
                 regressor.push(entry);
             }
@@ -216,8 +216,8 @@ impl Scratch<'_> {
         regressor
     }
 
-    fn slide_column(&mut self, seen: &[Vec<Seen>], row: usize, body: usize) -> Id {
-        let (Motion::Slide { axis, by }, Some(parent)) = (
+    fn prismatic_column(&mut self, seen: &[Vec<Seen>], row: usize, body: usize) -> Id {
+        let (Motion::Prismatic { axis, by }, Some(parent)) = (
             self.m.chain.bodies[body].motion,
             self.m.chain.bodies[body].parent,
         ) else {
@@ -243,7 +243,7 @@ impl Scratch<'_> {
                 self.g.know(&entries, 1.0, &[b.fact]);
                 regressor.extend(entries);
                 if body.s.is_some() {
-                    regressor.push(self.slide_column(&seen, row, i));
+                    regressor.push(self.prismatic_column(&seen, row, i));
                 }
             }
         }

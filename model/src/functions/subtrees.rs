@@ -2,7 +2,7 @@
 
 use super::{Known, Scratch};
 use crate::expr::{Id, VectorId};
-use crate::frames::{Turn, Twist};
+use crate::frames::{Rotation, Twist};
 use crate::snap::tidy;
 use crate::tree::Motion;
 
@@ -11,15 +11,15 @@ use crate::tree::Motion;
 pub(crate) enum Wanted {
     /// The sums `v_i` alone.
     Sums,
-    /// The turned vectors `t_i` too.
-    Turned,
+    /// The rotated vectors `t_i` too.
+    Rotated,
 }
 
 /// A body's subtree.
 pub(crate) struct Subtree {
     /// In its own canonical axes.
     pub(crate) v: Known,
-    /// Turned by its joint, where that is wanted.
+    /// Rotated by its joint, where that is wanted.
     pub(crate) t: Option<Known>,
 }
 
@@ -58,13 +58,13 @@ impl Scratch<'_> {
         for i in (0..bodies.len()).rev() {
             self.section(i);
             let v = self.carried(i, &built);
-            if self.m.frames[i].turn.is_some() {
-                self.turn(i); // its sine and cosine belong under its own title
+            if self.m.frames[i].rotation.is_some() {
+                self.rotation(i); // its sine and cosine belong under its own title
             }
-            let t = match &self.m.frames[i].turn {
+            let t = match &self.m.frames[i].rotation {
                 None => Some(v),
-                Some(turn) if wanted == Wanted::Turned || !turn.twist.is_permutation() => {
-                    let [cx, sy, sx, cy] = self.turned_products(i, turn, &v);
+                Some(rotation) if wanted == Wanted::Rotated || !rotation.twist.is_permutation() => {
+                    let [cx, sy, sx, cy] = self.rotated_products(i, rotation, &v);
                     let entries = [self.g.sub(cx, sy), self.g.add(sx, cy), v.entries[2]];
                     self.name(&entries, "t", i);
                     let norm = self.norm(v.fact);
@@ -80,17 +80,17 @@ impl Scratch<'_> {
         built.into_iter().flatten().collect()
     }
 
-    /// `c x, s y, s x, c y` of a subtree on a turning joint.
-    fn turned_products(&mut self, body: usize, turn: &Turn, v: &Known) -> [Id; 4] {
-        let (s, c) = self.turn(body);
+    /// `c x, s y, s x, c y` of a subtree on a revolute joint.
+    fn rotated_products(&mut self, body: usize, rotation: &Rotation, v: &Known) -> [Id; 4] {
+        let (s, c) = self.rotation(body);
         let [x, y, _] = v.entries;
-        let y = if turn.mirrored { self.g.neg(y) } else { y };
+        let y = if rotation.mirrored { self.g.neg(y) } else { y };
         [(c, x), (s, y), (s, x), (c, y)].map(|(a, b)| self.g.mul(a, b))
     }
 
     /// `v_i = r_i + Σ_children`, in the canonical axes of body `i`.
     ///
-    /// Where nothing else wants the turned vector, its products join the sum one by one:
+    /// Where nothing else wants the rotated vector, its products join the sum one by one:
     /// `(r + c x) − s y` is two fused operations from child to parent. The child that
     /// carries the longest chain comes last, after those that did not have to wait.
     fn carried(&mut self, i: usize, built: &[Option<Subtree>]) -> Known {
@@ -105,7 +105,7 @@ impl Scratch<'_> {
                 .as_ref()
                 .expect("children are built before parents");
             let (extent, from) = match child.t {
-                Some(t) => self.join_turned(i, c, t, &mut sum),
+                Some(t) => self.join_rotated(i, c, t, &mut sum),
                 None => (
                     self.norm(child.v.fact),
                     self.join_products(c, child.v, &mut sum),
@@ -118,17 +118,17 @@ impl Scratch<'_> {
         Known { entries: sum, fact }
     }
 
-    /// `sum += K t` (and what slides); how long it may be.
-    fn join_turned(&mut self, i: usize, c: usize, t: Known, sum: &mut [Id; 3]) -> (f64, VectorId) {
+    /// `sum += K t` (and what moves along an axis); how long it may be.
+    fn join_rotated(&mut self, i: usize, c: usize, t: Known, sum: &mut [Id; 3]) -> (f64, VectorId) {
         let m = self.m;
         let mut entries = t.entries;
         let mut extent = self.norm(t.fact);
-        if let Some(turn) = &m.frames[c].turn {
-            entries = self.twist(&turn.twist, entries, false);
+        if let Some(rotation) = &m.frames[c].rotation {
+            entries = self.twist(&rotation.twist, entries, false);
             self.name(&entries, "w", c);
         }
-        if let Motion::Slide { axis, by } = m.chain.bodies[c].motion {
-            let s = m.slide_param(c);
+        if let Motion::Prismatic { axis, by } = m.chain.bodies[c].motion {
+            let s = m.prismatic_param(c);
             let position = self.position(&by);
             let mass = self.parameter(s);
             let moved = self.g.mul(position, mass);
@@ -150,11 +150,14 @@ impl Scratch<'_> {
     /// `sum += K Rz(θ) v` product by product, for a twist that only permutes.
     fn join_products(&mut self, c: usize, v: Known, sum: &mut [Id; 3]) -> VectorId {
         let m = self.m;
-        let turn = m.frames[c].turn.as_ref().expect("asked of turning bodies");
-        let Twist::Sparse(k) = &turn.twist else {
+        let rotation = m.frames[c]
+            .rotation
+            .as_ref()
+            .expect("asked of revolute bodies");
+        let Twist::Sparse(k) = &rotation.twist else {
             unreachable!("asked of permutations")
         };
-        let [cx, sy, sx, cy] = self.turned_products(c, turn, &v);
+        let [cx, sy, sx, cy] = self.rotated_products(c, rotation, &v);
         let less_sy = self.g.neg(sy);
         let terms = [vec![cx, less_sy], vec![sx, cy], vec![v.entries[2]]];
         for (row, sum) in sum.iter_mut().enumerate() {

@@ -1,23 +1,23 @@
-//! What a posture brings along, and where the measurement takes it from.
+//! The context of a posture, and where the measurement takes it from.
 
 use crate::robot::Robot;
 
-/// What a posture brings along beside its joint positions, in this order:
+/// Layout of what a posture has beside its joint positions, in this order:
 /// place in the log, tilt (2), rates, accelerations, sides of dead bands.
 #[derive(Debug, Clone, Copy)]
-pub struct Circumstances {
+pub struct PostureContext {
     dof: usize,
 }
 
-impl Circumstances {
+impl PostureContext {
     /// The layout for a robot.
-    pub fn of(robot: &Robot) -> Circumstances {
-        Circumstances { dof: robot.dof() }
+    pub fn of(robot: &Robot) -> PostureContext {
+        PostureContext { dof: robot.dof() }
     }
 
     /// Of a robot with `dof` independent joints.
-    pub fn with_joints(dof: usize) -> Circumstances {
-        Circumstances { dof }
+    pub fn with_joints(dof: usize) -> PostureContext {
+        PostureContext { dof }
     }
 
     /// Entries per posture.
@@ -25,7 +25,7 @@ impl Circumstances {
         3 + 3 * self.dof
     }
 
-    /// Never: tilt is always there.
+    /// Always false, since a posture always has a tilt.
     pub fn is_empty(self) -> bool {
         false
     }
@@ -56,13 +56,13 @@ impl Circumstances {
     }
 }
 
-/// Where the measurement gets what its posture alone does not tell.
+/// Where the measurement gets what does not follow from joint positions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Source {
-    /// A posture of a log: circumstances are inputs.
+    /// A posture of a log, whose context is an input.
     Log,
     /// Any posture: level ground, standing still, sides by the gravity moments.
     Posture,
-    /// Any posture, with gravity's direction from its circumstances.
+    /// Any posture, with the direction of gravity taken from its context.
     Tilted,
 }

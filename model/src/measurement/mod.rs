@@ -20,7 +20,7 @@ use crate::expr::{Argument, Graph, Id};
 use crate::functions::{Direction, Parameters, Scratch, Subtree, Wanted};
 use crate::interface::Given;
 use crate::robot::Robot;
-pub use context::{Circumstances, Source};
+pub use context::{PostureContext, Source};
 pub(crate) use foot::Foot;
 
 /// Rounds of `φ' = φ + bend(τ(φ'))`: each adds a factor of (gravity stiffness /
@@ -107,8 +107,8 @@ impl<'m> Measured<'m> {
             bends: Vec::new(),
         };
         if source != Source::Posture {
-            let at = Circumstances::of(robot);
-            measured.tilt = [0, 1].map(|k| measured.circumstance(at.tilt(k)));
+            let at = PostureContext::of(robot);
+            measured.tilt = [0, 1].map(|k| measured.posture_context(at.tilt(k)));
         }
         measured
     }
@@ -123,8 +123,8 @@ impl<'m> Measured<'m> {
         &mut self.scratch.g
     }
 
-    /// Element `index` of the posture's [`Circumstances`].
-    pub fn circumstance(&mut self, index: usize) -> Id {
+    /// Element `index` of the posture's [`PostureContext`].
+    pub fn posture_context(&mut self, index: usize) -> Id {
         self.scratch.g.input(Argument::Context, index)
     }
 
@@ -282,8 +282,8 @@ impl<'m> Measured<'m> {
     /// How far into its band a loose joint is, −1 to 1, after one more round.
     fn slide(&mut self, before: Id, joint: usize, moment: Id) -> Id {
         if self.source == Source::Log {
-            let at = Circumstances::of(self.robot()).side(joint);
-            return self.circumstance(at);
+            let at = PostureContext::of(self.robot()).side(joint);
+            return self.posture_context(at);
         }
         let (sharp, step) = (self.constant(SHARP), self.constant(1.0 / ROUNDS as f64));
         let scaled = self.mul(sharp, moment);
@@ -296,7 +296,7 @@ impl<'m> Measured<'m> {
     /// `τ_j = d·∂c/∂φ_j + Σ b·∂p/∂φ_j` with `d` gravity's direction.
     pub(crate) fn moments(&mut self, pass: &str) -> Vec<Id> {
         self.enter(pass);
-        let subtrees = self.scratch.subtrees(Wanted::Turned);
+        let subtrees = self.scratch.subtrees(Wanted::Rotated);
         let down = self.constant(-1.0);
         let gravity = [self.tilt[0], self.tilt[1], down];
         let steepness = self.tilt.map(|t| self.scratch.g.value(t));
@@ -330,7 +330,7 @@ impl<'m> Measured<'m> {
     /// How far a perfect sensor's reading moves with each joint, x row then y row.
     pub(crate) fn slopes(&mut self) -> Vec<Id> {
         self.enter("m");
-        let subtrees = self.scratch.subtrees(Wanted::Turned);
+        let subtrees = self.scratch.subtrees(Wanted::Rotated);
         let rows = self.scratch.axes_of_support(&[0, 1, 2]);
         let jacobian = self.scratch.slopes_along(&rows, &subtrees, false);
         let dof = self.robot().dof();
@@ -367,7 +367,7 @@ impl<'m> Measured<'m> {
     /// From here on expressions are those of the joints as they are now.
     fn enter(&mut self, pass: &str) {
         self.scratch.positions = Some(self.joints.clone());
-        self.scratch.turns.fill(None);
+        self.scratch.rotations.fill(None);
         self.scratch.pass = pass.to_string();
     }
 
@@ -378,7 +378,7 @@ impl<'m> Measured<'m> {
         let point = point.into_iter().map(of).collect();
         let masses = self.scratch.masses.replace(point);
         let before = std::mem::replace(&mut self.scratch.pass, pass.to_string());
-        let subtrees = self.scratch.subtrees(Wanted::Turned);
+        let subtrees = self.scratch.subtrees(Wanted::Rotated);
         self.scratch.pass = before;
         self.scratch.masses = masses;
         subtrees

@@ -1,6 +1,6 @@
 //! The reading of a CoP and its inverse, with the effects of a model file.
 
-use crate::effects::{self, Circumstances, EffectContext, Instance, Measured, Source};
+use crate::effects::{self, EffectContext, Instance, Measured, PostureContext, Source};
 use crate::expr::{Argument, Id};
 use crate::functions::Parameters;
 use crate::interface::Given;
@@ -39,7 +39,7 @@ pub(super) fn cop(model: &Model, given: Given, params: Option<Vec<f64>>) -> Opti
     ))
 }
 
-/// The same for postures with their [`Circumstances`], of which only gravity's
+/// The same for postures with their [`PostureContext`], of which only gravity's
 /// direction counts. Inputs: `q`, `r`, `u`.
 pub fn tilted_cop(model: &Model) -> Program {
     let measured = static_measurement(
@@ -51,7 +51,7 @@ pub fn tilted_cop(model: &Model) -> Program {
     let inputs = vec![
         Array::new(Argument::Positions, model.dof()),
         Array::new(Argument::Parameters, model.base.params.len()),
-        Array::new(Argument::Context, Circumstances::of(model).len()),
+        Array::new(Argument::Context, PostureContext::of(model).len()),
     ];
     Program::new(measured.into_graph(), inputs, Shape::Vector(2), &outputs)
 }

@@ -29,9 +29,9 @@ use crate::Error;
 /// One base parameter as identified.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Parameter {
-    /// As [`crate::base::BaseParam::name`] has it: `r_knee_link.x`.
+    /// Its name as in [`crate::base::BaseParam::name`]: `r_knee_link.x`.
     pub name: String,
-    /// m (a mass fraction for the parameter of a sliding joint)
+    /// m (a mass fraction for the parameter of a prismatic joint)
     pub value: f64,
     /// Standard deviation, in the unit of the value.
     #[serde(skip_serializing_if = "Option::is_none")]

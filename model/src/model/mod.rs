@@ -36,7 +36,7 @@ const ROOM: f64 = 0.02;
 /// It is a [`Robot`] (and dereferences to it) with what a model file adds.
 #[derive(Debug, Clone)]
 pub struct Model {
-    /// The robot as its URDF has it.
+    /// The robot described by its URDF.
     pub robot: Robot,
     /// Identified parameters, if a model file was given.
     pub file: Option<ModelFile>,
@@ -55,7 +55,7 @@ impl Deref for Model {
 }
 
 impl Model {
-    /// The model of a robot as CAD has it.
+    /// The model of a robot with the parameters of its CAD masses.
     ///
     /// # Errors
     /// As [`Robot::new`].
@@ -121,7 +121,7 @@ impl Model {
         let params = self.base.params.iter().zip(values);
         let limit = |(param, value): (&base::BaseParam, &f64)| {
             let room = match param.column {
-                Column::Slide { .. } => ROOM,
+                Column::Prismatic { .. } => ROOM,
                 Column::Axis { .. } => ROOM * reach,
             };
             libm::fabs(param.cad).max(libm::fabs(*value)) + room

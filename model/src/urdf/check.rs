@@ -12,7 +12,7 @@ use super::report::{Report, chained, listed, shown};
 use super::values::At;
 
 pub(super) fn check(draft: &Draft, report: &mut Report) {
-    // Names with `${...}` in them say nothing about the tree.
+    // Names with `${...}` in them cannot be looked up in the tree.
     if draft.links.is_empty() || report.is_unexpanded() {
         return;
     }
@@ -216,7 +216,7 @@ fn check_tree(draft: &Draft, edges: &[Option<Edge>], whole: bool, report: &mut R
 }
 
 /// The joints that lead back to a link above them, each with the loop it
-/// closes. Depth first without recursion: a chain may be as long as it likes.
+/// closes. Depth first without recursion, so that a chain may have any length.
 fn closing_joints(
     roots: &[usize],
     edges: &[Option<Edge>],

@@ -60,7 +60,7 @@ pub fn edit_joints(description: &Description, shifts: &[Shift]) -> Result<String
     for (node, joint) in children(root, "joint").zip(&description.joints) {
         let by = shift_of(&joint.name);
         if by.abs() > SAME {
-            turn(&mut edits, node, joint, by);
+            shift_origin(&mut edits, node, joint, by);
         }
         let Some(mimic) = &joint.mimic else { continue };
         let follows = mimic.multiplier * shift_of(&mimic.joint);
@@ -75,7 +75,7 @@ pub fn edit_joints(description: &Description, shifts: &[Shift]) -> Result<String
 }
 
 /// The origin of a joint where it stands `by` further.
-fn turn(edits: &mut Edits<'_>, node: Node<'_, '_>, joint: &Joint, by: f64) {
+fn shift_origin(edits: &mut Edits<'_>, node: Node<'_, '_>, joint: &Joint, by: f64) {
     let (xyz, rpy) = (Vector3::from(joint.origin.xyz), joint.origin.rpy);
     let axis = Vector3::from(joint.axis).normalize();
     let rotation = quaternion_of_rpy(rpy);
@@ -89,7 +89,7 @@ fn turn(edits: &mut Edits<'_>, node: Node<'_, '_>, joint: &Joint, by: f64) {
             let [x, y, z] = (axis * sin).into();
             let turned = rotation * Quaternion::new(cos, x, y, z);
             let [x, y, z, w] = turned.coords.into();
-            // Zero only where nothing turns at all.
+            // Zero only where nothing rotates.
             (xyz, rpy_of_quaternion([x, y, z, w]).unwrap_or(rpy))
         }
     };

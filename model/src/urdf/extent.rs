@@ -5,7 +5,7 @@
 //! cylinder  ρ √(1 − R_az²) + |R_az| l / 2        capsule  ρ + |R_az| l / 2
 //! ```
 //!
-//! R turns the shape into the link frame. The centre of mass of whatever fills
+//! R rotates the shape into the link frame. The centre of mass of whatever fills
 //! these shapes lies inside the box.
 
 use nalgebra::{Matrix3, Rotation3, Vector3};

@@ -11,7 +11,7 @@
 pub use crate::dim::{Const, Dim};
 pub use crate::real::Real;
 
-/// So many of `T`.
+/// An array of `T`.
 pub type Array<D, T> = <D as Dim>::Array<T>;
 
 /// A robot on one support link; constants and functions are those of

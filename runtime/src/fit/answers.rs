@@ -73,7 +73,7 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
     }
 
     /// The change of all parameters that the unobservable column `k` stands for, with 1 at `k`:
-    /// any multiple of it can be added to the estimate and no reading tells. `None` where
+    /// any multiple of it can be added to the estimate without changing a reading. `None` where
     /// `k` is observable, or no column.
     ///
     /// ```

@@ -237,7 +237,7 @@ impl<const N: usize> Estimator<f64, N> {
         }
         for (i, value) in values.into_iter().enumerate() {
             if observable[i] {
-                // At the estimate a line holds to rounding: no more of it need be kept.
+                // At the estimate a row holds up to rounding; the rest of it need not be kept.
                 self.triangle.values[i] += value;
             }
         }

@@ -7,7 +7,7 @@ use std::vec::Vec;
 use super::*;
 use crate::trig::exact::{Exact, Random, error_ulp_f32};
 
-/// The promise for every base and exponent.
+/// The documented error for every base and exponent.
 const LIMIT_ULP: f64 = 0.7;
 
 fn worst(points: impl Iterator<Item = (f64, f64)>) -> (f64, f64, f64) {

@@ -1,4 +1,4 @@
-//! Every set of this machine against exact values, scalars and its own promises.
+//! Every instruction set of this machine against exact values, scalars and documented errors.
 
 use std::println;
 use std::vec::Vec;

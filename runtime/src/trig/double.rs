@@ -131,7 +131,7 @@ mod tests {
     use super::*;
     use core::f64::consts::{PI, TAU};
 
-    /// The promise for any angle of the domain.
+    /// The documented error for any angle of the domain.
     const LIMIT_ULP: f64 = 0.9;
 
     /// Largest errors over `points`, in ulp, of sine and cosine.

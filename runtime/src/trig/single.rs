@@ -119,7 +119,7 @@ mod tests {
     use super::super::sin_cos;
     use super::*;
 
-    /// The promise for any angle of the domain.
+    /// The documented error for any angle of the domain.
     const LIMIT_ULP: f64 = 0.85;
 
     /// Largest error over the `f32` of these bit patterns, in ulp, against the `f64`

@@ -1,4 +1,4 @@
-//! Binary points of fixed point, as the header's macros tell them.
+//! Macros of the header that give the binary points of fixed-point numbers.
 
 use serde::Serialize;
 
@@ -6,7 +6,7 @@ use super::routine::Routine;
 use sesc_model::bounds;
 use sesc_model::expr::Argument;
 
-/// A macro that tells a binary point.
+/// A macro that gives a binary point.
 #[derive(Debug, Clone, Serialize)]
 pub(super) struct Point {
     name: String,

@@ -17,7 +17,7 @@ use sesc_model::{Function, Given, Model};
 #[derive(Debug, Clone)]
 pub(super) struct Ticks {
     pub(super) servos: Vec<Servo>,
-    /// Sines and cosines where they tell everything, else positions.
+    /// Sines and cosines where they determine the result, else positions.
     pub(super) given: Given,
     scalar: Scalar,
 }
@@ -273,7 +273,7 @@ impl Ticks {
 enum Way {
     /// As a position.
     Position,
-    /// By the table, so many steps a tick.
+    /// From the table of sines, with this many steps a tick.
     Table(u32),
     /// By the sine and cosine of its angle.
     Sines,

@@ -111,9 +111,9 @@ impl Problem<'_> {
         outliers: &Option<Outliers>,
         rows: Rows,
     ) -> Fit {
-        let circumstances: &[f64] = match sides {
-            Some(sides) => &sides.circumstances,
-            None => &self.data.circumstances,
+        let posture_context: &[f64] = match sides {
+            Some(sides) => &sides.posture_context,
+            None => &self.data.posture_context,
         };
         let masses = self.masses(terms);
         let root = outliers.as_ref().map(|o| o.root_weights(rows.keep));
@@ -128,7 +128,7 @@ impl Problem<'_> {
         let reweighted = root.as_ref().map(|root: &Vec<f64>| masses.reweighted(root));
         let masses = reweighted.as_ref().unwrap_or(masses);
         let scales = self.scales(terms);
-        let expand = |unknowns| self.state(terms, unknowns, circumstances, &root, masses);
+        let expand = |unknowns| self.state(terms, unknowns, posture_context, &root, masses);
         let state = damped::minimise(expand(start), &scales, expand);
         let covariance = damped::covariance(&state.normal.0, &scales);
         let mut objective = state.value + masses.log_det - self.nuisance.log_det;
@@ -147,7 +147,7 @@ impl Problem<'_> {
             predicted: state.predicted,
             residual: state.residual,
             slopes: state.slopes,
-            circumstances: sides.map(|sides| sides.circumstances.clone()),
+            posture_context: sides.map(|sides| sides.posture_context.clone()),
             outliers: outliers.clone(),
             flipped: sides.map_or_else(Vec::new, |sides| sides.flipped.clone()),
             strained: state.strained,
@@ -165,11 +165,11 @@ impl Problem<'_> {
         &self,
         terms: &[Term],
         unknowns: Vec<f64>,
-        circumstances: &[f64],
+        posture_context: &[f64],
         root: &Option<Vec<f64>>,
         masses: &Nuisance,
     ) -> State {
-        let mut state = self.squares(terms, unknowns, circumstances, root, masses);
+        let mut state = self.squares(terms, unknowns, posture_context, root, masses);
         let (normal, gradient) = &mut state.normal;
         self.walls(terms, &state.unknowns, |excess, slope| {
             state.value += excess * excess;
@@ -192,12 +192,12 @@ impl Problem<'_> {
         &self,
         terms: &[Term],
         unknowns: Vec<f64>,
-        circumstances: &[f64],
+        posture_context: &[f64],
         root: &Option<Vec<f64>>,
         masses: &Nuisance,
     ) -> State {
         let (n, p) = (self.data.len(), unknowns.len());
-        let out = self.evaluate(terms, &unknowns, &self.data.q, circumstances);
+        let out = self.evaluate(terms, &unknowns, &self.data.q, posture_context);
         let width = p + 1;
         let mut predicted = Vec::with_capacity(2 * n);
         let mut residual = DVector::zeros(2 * n);

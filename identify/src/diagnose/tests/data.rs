@@ -243,10 +243,10 @@ fn long_logs_are_thinned_evenly() {
     let steps: Vec<i64> = data.pose.windows(2).map(|w| w[1] - w[0]).collect();
     assert!(steps.iter().all(|s| *s == steps[0]));
     assert_eq!(data.pose[0], 10);
-    let layout = sesc_model::effects::Circumstances::with_joints(2);
+    let layout = sesc_model::effects::PostureContext::with_joints(2);
     for (k, pose) in data.pose.iter().enumerate() {
         near(data.reading[2 * k], slope * (pose - 10) as f64);
-        let place = data.circumstances[k * layout.len() + layout.place()];
+        let place = data.posture_context[k * layout.len() + layout.place()];
         near(place, (pose - 10) as f64 / (ROWS - 1) as f64);
     }
     let mean = data.reading.iter().step_by(2).sum::<f64>() / data.len() as f64;
@@ -268,16 +268,16 @@ fn rates_and_accelerations_come_from_neighbours_in_time() {
     }
     let data = read(&log, "", Some(NOISE)).unwrap();
     assert_eq!(data.t.as_deref(), Some(&times[..]));
-    let layout = sesc_model::effects::Circumstances::with_joints(2);
+    let layout = sesc_model::effects::PostureContext::with_joints(2);
     for (k, t) in times.iter().enumerate().take(4).skip(1) {
-        let at = |entry: usize| data.circumstances[k * layout.len() + entry];
+        let at = |entry: usize| data.posture_context[k * layout.len() + entry];
         assert!((at(layout.rate(0)) - (0.2 - 0.3 * t)).abs() < 1e-12);
         assert!((at(layout.acceleration(0)) + 0.3).abs() < 1e-12);
         assert_eq!(at(layout.rate(1)), 0.0);
         near(at(layout.place()), *t);
     }
     // At the ends the line to the one neighbour there is.
-    let rate = data.circumstances[layout.rate(0)];
+    let rate = data.posture_context[layout.rate(0)];
     assert!((rate - (0.2 - 0.15 * 0.3)).abs() < 1e-12);
 }
 

@@ -1,6 +1,6 @@
 //! Fits of one hypothesis: slopes, minima, stated deviations, prices.
 
-use sesc_model::effects::Circumstances;
+use sesc_model::effects::PostureContext;
 use sesc_reference::{Track, World};
 
 use super::{Bench, NOISE, gauss, term, values};
@@ -15,16 +15,16 @@ fn everything(bench: &Bench) -> Problem<'_> {
     let q = bench.postures(7, 3);
     let mut data = bench.log(&bench.world(), &q, 1);
     let mut gauss = gauss(2);
-    let layout = Circumstances::of(&bench.model);
+    let layout = PostureContext::of(&bench.model);
     data.cells = CELLS.to_vec();
     data.t = Some((0..7).map(f64::from).collect());
-    data.circumstances
+    data.posture_context
         .iter_mut()
         .for_each(|u| *u = 0.1 * gauss());
     for k in 0..7 {
         for joint in 0..bench.model.dof() {
             let side = if (k + joint) % 2 == 0 { 1.0 } else { -1.0 };
-            data.circumstances[k * layout.len() + layout.side(joint)] = side;
+            data.posture_context[k * layout.len() + layout.side(joint)] = side;
         }
     }
     bench.certain(data)
@@ -37,7 +37,7 @@ fn differ(problem: &Problem, terms: &[Term]) -> f64 {
     let at: Vec<f64> = scales.iter().map(|scale| 0.3 * scale).collect();
     let run = |x: &[f64]| {
         let data = &problem.data;
-        problem.evaluate(terms, x, &data.q, &data.circumstances)
+        problem.evaluate(terms, x, &data.q, &data.posture_context)
     };
     let (here, width) = (run(&at), scales.len() + 1);
     let mut worst: f64 = 0.0;

@@ -1,6 +1,6 @@
 //! Dead bands: the side of gravity, and of postures that hold on both.
 
-use sesc_model::effects::Circumstances;
+use sesc_model::effects::PostureContext;
 
 use super::{Bench, gauss, term, values};
 use crate::diagnose::problem::ALL;
@@ -20,7 +20,7 @@ fn gravity_puts_joints_where_they_slide_to() {
     let sides = settle(&problem, &all, &[width], None);
     assert!(sides.flipped.is_empty());
     assert_eq!(sides.price, 0.0);
-    let layout = Circumstances::of(&bench.model);
+    let layout = PostureContext::of(&bench.model);
     let (mut told, mut wrong) = (0, 0);
     for (k, q) in q.chunks(dof).enumerate() {
         let stands = world.true_posture(q);
@@ -28,7 +28,7 @@ fn gravity_puts_joints_where_they_slide_to() {
             let slid = (stands[joint] - q[joint]) / (width / 2.0);
             // Some come to rest within their bands, where nothing moves them.
             if slid.abs() > 0.999 {
-                let side = sides.circumstances[k * layout.len() + layout.side(joint)];
+                let side = sides.posture_context[k * layout.len() + layout.side(joint)];
                 told += 1;
                 wrong += usize::from((side - slid).abs() > 1e-2);
             }
@@ -84,10 +84,10 @@ fn readings_tell_the_side_where_both_hold() {
         let wrong = fit.flipped.iter().filter(|k| !flipped.contains(k)).count();
         assert!(told + 1 >= flipped.len(), "{seed}: {told} of {flipped:?}");
         assert!(wrong <= 1, "{seed}: {:?} beside {flipped:?}", fit.flipped);
-        let layout = Circumstances::of(&bench.model);
-        let circumstances = fit.circumstances.as_ref().unwrap();
+        let layout = PostureContext::of(&bench.model);
+        let posture_context = fit.posture_context.as_ref().unwrap();
         let agree = (0..takes.len())
-            .filter(|k| circumstances[k * layout.len() + layout.side(joint)] == takes[*k].0)
+            .filter(|k| posture_context[k * layout.len() + layout.side(joint)] == takes[*k].0)
             .count();
         assert!(agree + 2 >= takes.len(), "{seed}: {agree}");
     }

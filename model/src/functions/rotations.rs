@@ -17,15 +17,15 @@ use crate::tree::{Coordinate, Motion};
 /// Largest multiple of an angle built from its sine and cosine.
 const LARGEST_MULTIPLE: f64 = 8.0;
 
-/// Whether sines and cosines of the joints, and positions of the slides, tell
-/// everything: every angle must be a whole multiple of a turning joint's own,
-/// and every stroke follow a sliding joint (a mimic may tie one kind to the other).
+/// Whether sines and cosines of the joints, and positions of the prismatic joints, determine
+/// everything: every angle must be a whole multiple of that of a revolute joint,
+/// and every stroke follow a prismatic joint (a mimic may tie one kind to the other).
 pub(super) fn sines_suffice(robot: &Robot) -> bool {
     let prismatic = |by: &Coordinate| robot.tree.dofs[by.dof].prismatic;
     robot.chain.bodies.iter().all(|body| match &body.motion {
         Motion::Fixed => true,
-        Motion::Slide { by, .. } => prismatic(by),
-        Motion::Turn { by, .. } => {
+        Motion::Prismatic { by, .. } => prismatic(by),
+        Motion::Revolute { by, .. } => {
             let times = libm::fabs(by.factor);
             !prismatic(by) && times == libm::rint(times) && times <= LARGEST_MULTIPLE
         }
@@ -33,30 +33,30 @@ pub(super) fn sines_suffice(robot: &Robot) -> bool {
 }
 
 impl Scratch<'_> {
-    /// Sine and cosine of the angle that turns `body`.
-    pub(super) fn turn(&mut self, body: usize) -> (Id, Id) {
-        if let Some(pair) = self.turns[body] {
+    /// Sine and cosine of the angle that rotates `body`.
+    pub(super) fn rotation(&mut self, body: usize) -> (Id, Id) {
+        if let Some(pair) = self.rotations[body] {
             return pair;
         }
         let angle = self.m.frames[body]
-            .turn
+            .rotation
             .as_ref()
-            .expect("asked of turning bodies")
+            .expect("asked of revolute bodies")
             .angle;
         let key = &self.m.keys[body];
         let pair = match self.given {
-            Given::Positions => self.turn_from_position(&angle, key),
-            Given::SinesCosines | Given::Direction => self.turn_from_sines(&angle, key),
+            Given::Positions => self.rotation_from_position(&angle, key),
+            Given::SinesCosines | Given::Direction => self.rotation_from_sines(&angle, key),
         };
         self.g.know_weight(pair.0);
         self.g.know_weight(pair.1);
-        self.turns[body] = Some(pair);
+        self.rotations[body] = Some(pair);
         pair
     }
 
-    pub(super) fn turn_from_position(&mut self, angle: &Coordinate, key: &str) -> (Id, Id) {
+    pub(super) fn rotation_from_position(&mut self, angle: &Coordinate, key: &str) -> (Id, Id) {
         let (quarters, rest) = quarters(angle.offset);
-        // sin(−x + δ) = −sin(x − δ): joints that turn backwards share their sines.
+        // sin(−x + δ) = −sin(x − δ): joints that rotate backwards share their sines.
         let sign = if angle.factor < 0.0 { -1.0 } else { 1.0 };
         let by = Coordinate {
             dof: angle.dof,
@@ -72,7 +72,7 @@ impl Scratch<'_> {
         self.quarter_turns(s, c, quarters)
     }
 
-    pub(super) fn turn_from_sines(&mut self, angle: &Coordinate, key: &str) -> (Id, Id) {
+    pub(super) fn rotation_from_sines(&mut self, angle: &Coordinate, key: &str) -> (Id, Id) {
         let (quarters, rest) = quarters(angle.offset);
         let own = (
             self.g.input(Argument::Sines, angle.dof),
