@@ -66,7 +66,7 @@ fn no_target(effect: &dyn Effect, context: &EffectContext) -> String {
              rectangle, m"
                 .to_string()
         }
-        true => "this robot has nothing that it can be the matter with; remove it".to_string(),
+        true => "no joint, link or cell of this robot can have this effect; remove it".to_string(),
         false => {
             let more = if targets.len() > NAMED { ", …" } else { "" };
             format!(
