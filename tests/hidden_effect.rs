@@ -178,7 +178,7 @@ fn two_of_a_kind_count_as_two() {
 }
 
 #[test]
-fn twins_are_told_from_strangers_by_refit() {
+fn equivalent_explanations_are_found_by_refit() {
     // Ankle roll and a slope about the same axis: 0.7 % apart.
     let trial = hiding(vec![hidden(Effect::JointOffset, "r_ank_roll", &[0.01])]);
     let slope = Judgement::of(&said(&[("ground_slope", "-")], json!([])), &trial);
@@ -315,16 +315,16 @@ fn the_truth_comes_out() {
 
 /// As strong as in the open logs, nothing in the library is like these.
 #[test]
-fn strange_faults_stay_unexplained() {
+fn unmodelled_effects_stay_unexplained() {
     let folder = tempfile::tempdir().unwrap();
-    for strange in [
+    for unmodelled in [
         hidden(Effect::KneeSine, "r_knee", &[0.006]),
         hidden(Effect::LooseMass, "body_link", &[0.25]),
         hidden(Effect::GearError, "r_knee", &[0.05]),
     ] {
         let told: Vec<Outcome> = (0..3)
             .map(|seed| {
-                let trial = Trial::of(vec![strange.clone()], &small(), seed).unwrap();
+                let trial = Trial::of(vec![unmodelled.clone()], &small(), seed).unwrap();
                 ask(&diagnoser(), &trial, folder.path()).unwrap()
             })
             .collect();

@@ -103,7 +103,7 @@ fn parameters_and_ranks_are_the_known_ones() {
 }
 
 /// Eq. (5): the full columns are the orientations of the paper's chain, each the
-/// product of turns about the URDF's axes.
+/// product of rotations about the URDF's axes.
 #[test]
 fn the_full_form_is_the_papers_chain() {
     let model = op2("r_sole");

@@ -43,7 +43,7 @@ fn every_function_agrees_with_the_reference() {
 }
 
 /// `verify` covers the variants from sines and cosines where there are any: a
-/// mimic that ties a slide to a turn, or halves an angle, leaves none.
+/// mimic that ties a prismatic joint to a revolute one, or halves an angle, leaves none.
 #[test]
 fn variants_from_sines_are_there_and_agree() {
     let mut there = 0;
@@ -154,18 +154,18 @@ fn hair_thin_twists_cost_at_most_four_more() {
     }
 }
 
-/// 3 + 2 per turning joint + 1 per slide, whenever no angles are tied.
+/// 3 + 2 per revolute joint + 1 per prismatic one, whenever no angles are tied.
 #[test]
 fn independent_joints_follow_the_closed_form() {
     let mut checked = 0;
     for seed in 0..160 {
         let (_, model, _) = model(seed, mixed(seed), Snapping::default());
         let motions: Vec<_> = model.chain.bodies.iter().map(|b| b.motion).collect();
-        let turns = motions
+        let revolute = motions
             .iter()
             .filter(|m| matches!(m, Motion::Revolute { .. }))
             .count();
-        let slides = motions
+        let prismatic = motions
             .iter()
             .filter(|m| matches!(m, Motion::Prismatic { .. }))
             .count();
@@ -178,7 +178,7 @@ fn independent_joints_follow_the_closed_form() {
         if users.iter().all(|n| *n <= 1) {
             assert_eq!(
                 model.base.params.len(),
-                3 + 2 * turns + slides,
+                3 + 2 * revolute + prismatic,
                 "seed {seed}"
             );
             checked += 1;

@@ -18,16 +18,16 @@ pub struct Progress {
 
 /// Who waits for a long call.
 ///
-/// A closure that hears of progress is one too; it does not hear of warnings.
+/// A closure over progress is one too; it does not receive warnings.
 pub trait Watch {
-    /// Hear how far the call is; [`ControlFlow::Break`] stops it with an error of kind
+    /// Receive how far the call is; [`ControlFlow::Break`] stops it with an error of kind
     /// [`Interrupted`](crate::ErrorKind::Interrupted), and nothing is written.
     fn progress(&mut self, progress: Progress) -> ControlFlow<()>;
 
-    /// Hear what was assumed about the robot.
+    /// Receive what was assumed about the robot.
     fn note(&mut self, _: &str) {}
 
-    /// Hear what is odd about the input.
+    /// Receive a warning about the input.
     fn warning(&mut self, _: &Message) {}
 }
 
@@ -37,7 +37,7 @@ impl<F: FnMut(Progress) -> ControlFlow<()>> Watch for F {
     }
 }
 
-/// Nobody waits: for calls that are short.
+/// Ignores everything: for calls that are short.
 impl Watch for () {
     fn progress(&mut self, _: Progress) -> ControlFlow<()> {
         ControlFlow::Continue(())

@@ -1,4 +1,4 @@
-//! Sentences for people, worded by whoever talks to them.
+//! Sentences for users, completed by the front end that shows them.
 //!
 //! A message of the library may name a [`Setting`] of the call that would help.
 //! A Rust caller knows it as a field, a shell as an option, Python as a keyword:
@@ -38,7 +38,7 @@ pub enum Setting {
     Physical,
     /// Postures of a plan or a simulation.
     Poses,
-    /// What CAD is worth.
+    /// The tolerances of CAD masses.
     Prior,
     /// Range of the joints around zero.
     Range,

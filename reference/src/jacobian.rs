@@ -8,19 +8,19 @@
 //!
 //! For `f` made of sines of `q_j` what remains of `F` is `h⁶/322560` of the
 //! size of `f`. With `h` = 0.05 that is 5e-14, and rounding adds as much again:
-//! both far below the 1e-10 promised. Where mimic joints turn along with `q_j`,
-//! `h` shrinks by the sum of their factors, so that no link turns further.
+//! both far below the documented 1e-10. Where mimic joints move along with `q_j`,
+//! `h` shrinks by the sum of their factors, so that no link rotates further.
 
 use nalgebra::{DVector, Matrix3xX, SVector, Vector1};
 
 use crate::com::Reference;
 
-/// The largest turn of any link during a difference, rad (or m).
+/// The largest rotation of any link during a difference, rad (or m).
 const STEP: f64 = 0.05;
 
 impl Reference {
     /// The CoM Jacobian `∂CoM/∂q`: 3 rows in the support frame, one column per
-    /// entry of the posture; m/rad, or m/m for sliding joints. Accurate to
+    /// entry of the posture; m/rad, or m/m for prismatic joints. Accurate to
     /// 1e-10 of the robot's size.
     pub fn com_jacobian(&self, q: &[f64]) -> Matrix3xX<f64> {
         let mut jacobian = Matrix3xX::zeros(self.dof());
@@ -31,8 +31,8 @@ impl Reference {
     }
 
     /// The moments of gravity on the joints, with gravity along −z of the
-    /// support frame, per unit of weight `M g`: metres for turning joints (no
-    /// unit for sliding ones). Moment `j` is what gravity does to joint `j`,
+    /// support frame, per unit of weight `M g`: metres for revolute joints (no
+    /// unit for prismatic ones). Moment `j` is what gravity does to joint `j`,
     /// `-∂U/∂q_j` with the potential energy `U(q) = Σ m_l z_l(q) / M`.
     pub fn gravity_moments(&self, q: &[f64]) -> DVector<f64> {
         let moments = (0..self.dof()).map(|j| {

@@ -29,11 +29,11 @@ pub struct Link {
 pub enum JointKind {
     /// Not at all.
     Fixed,
-    /// Turns about its axis, within limits.
+    /// Rotates about its axis, within limits.
     Revolute,
-    /// Turns about its axis, without end.
+    /// Rotates about its axis, without end.
     Continuous,
-    /// Slides along its axis.
+    /// Moves along its axis.
     Prismatic,
     /// Moves freely; its six coordinates are not among the robot's.
     Floating,
@@ -116,7 +116,7 @@ impl Joint {
 
     /// A range with some width to draw positions from, rad or m.
     ///
-    /// The default is ±π for turning joints and ±1 for sliding ones. A
+    /// The default is ±π for revolute joints and ±1 for prismatic ones. A
     /// continuous joint always has it; another joint has it in place of an
     /// infinite end, and altogether where its own limits leave no width.
     pub fn range(&self) -> (f64, f64) {

@@ -30,18 +30,18 @@
 //! * every link counts, massless ones too, since a column does not ask what
 //!   multiplies it.
 //!
-//! `p_l` is a sum of constant vectors turned by the orientations on the way,
+//! `p_l` is a sum of constant vectors rotated by the orientations on the way,
 //! which the `R` columns span already, and of `R_parent a_j q_j` for the
-//! sliding joints on the way. The rank is therefore 3, and 2 more for every
-//! revolute joint (of the turned body's three columns the one along the axis
+//! prismatic joints on the way. The rank is therefore 3, and 2 more for every
+//! revolute joint (of the rotated body's three columns the one along the axis
 //! is a column of its parent), 1 more for every prismatic and 0 for every
 //! fixed one. A mimic counts like any other joint of its kind, as long as the
 //! tie brings no dependence of its own: the second of two joints about
-//! parallel axes that turn against each other (a parallelogram) adds nothing,
-//! nor does the second of two gripper fingers that slide in step.
+//! parallel axes that rotate against each other (a parallelogram) adds nothing,
+//! nor does the second of two gripper fingers that move in step.
 //!
 //! The x and y rows alone (CoP on flat ground) lose what lies along z in every
-//! posture: always the constant z of `r_0`, so 1, and 1 more for every sliding
+//! posture: always the constant z of `r_0`, so 1, and 1 more for every prismatic
 //! joint that stays vertical, as a lift on the support does.
 
 use nalgebra::{DMatrix, DVector, Matrix3xX, Rotation3, Vector3};

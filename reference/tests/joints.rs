@@ -186,7 +186,7 @@ fn every_support_sees_the_same_point() {
 
 #[test]
 fn the_jacobian_is_the_screw_formula() {
-    // Turning joint: a × (masses beyond, weighted, from the axis); slide: a times
+    // Revolute: a × (masses beyond, weighted, from the axis); prismatic: a times
     // their share. Written here from poses, with mimic followers added.
     let robot = bushy();
     let reference = Reference::new(&robot, "torso").unwrap();

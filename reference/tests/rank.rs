@@ -39,8 +39,8 @@ fn columns_are_the_com_of_unit_parameters() {
 }
 
 #[test]
-fn rank_is_three_and_two_per_turn_and_one_per_slide() {
-    // Five turning joints (one of them a mimic) and one slide.
+fn rank_is_three_and_two_per_revolute_and_one_per_prismatic_joint() {
+    // Five revolute joints (one of them a mimic) and one prismatic joint.
     let robot = bushy();
     for link in robot.links() {
         let expected = 3 + 2 * 5 + 1;
@@ -73,7 +73,7 @@ fn parallel_axes_are_told_apart() {
 }
 
 #[test]
-fn a_vertical_slide_is_not_seen_on_flat_ground() {
+fn a_vertical_prismatic_joint_is_not_observable_on_flat_ground() {
     let lift = |axis: &str| {
         let body = [
             link("a", 1.0, [0.0; 3]),

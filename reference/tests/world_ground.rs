@@ -62,7 +62,7 @@ fn a_pull_on_a_slope_meets_the_tilted_plane() {
     near(pulled.cop(&[0.0]), [expected, 0.0], 1e-15);
 }
 
-/// A mass of 1 kg, 0.4 m up, on a slide along x.
+/// A mass of 1 kg, 0.4 m up, on a prismatic joint along x.
 fn cart() -> Robot {
     robot(
         &[

@@ -56,7 +56,7 @@ fn degrees_are_read_as_radians() {
     }
     assert!(
         (joints[4] - 0.012).abs() < 1e-17,
-        "slides are in millimetres"
+        "prismatic positions are in millimetres"
     );
 }
 

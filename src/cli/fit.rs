@@ -45,7 +45,7 @@ pub(super) struct Arguments {
     /// Revolute joints are logged in degrees
     #[arg(long)]
     degrees: bool,
-    /// What CAD is worth: tight (mass 0.2 %, CoM 0.1 mm), cad (10 %, 5 mm), free, or a TOML file:
+    /// Tolerances of CAD: tight (mass 0.2 %, CoM 0.1 mm), cad (10 %, 5 mm), free, or a TOML file:
     /// [default] mass = 0.1, com = 0.005 (m); [links.NAME] likewise, and mass_kg
     #[arg(long, value_name = "tight|cad|free|FILE", default_value = Prior::DEFAULT)]
     prior: String,

@@ -103,7 +103,7 @@ fn complain(error: &Error) {
         text.push_str(&format!("  caused by: {inner}\n"));
         cause = inner.source();
     }
-    // Nobody is left to tell if stderr is closed.
+    // If stderr is closed, the message cannot be shown.
     let _ = std::io::stderr().write_all(text.as_bytes());
 }
 

@@ -3,7 +3,7 @@
 //! The reference's virtual robot hides backlash in every joint: its joints rest
 //! where gravity puts them, not where their encoders say. 100 balanced postures
 //! and their CoP go into the diagnosis; the model it gives is judged on postures
-//! that nobody has seen.
+//! that were not fitted.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;

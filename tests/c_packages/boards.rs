@@ -101,7 +101,7 @@ fn arduino_library_and_its_example_run() {
             allowed_m,
         );
     }
-    // Nothing that turns: the example still has an array to pass.
+    // No revolute joint: the example still has an array to pass.
     let post = write(
         &folder,
         "post.urdf",

@@ -60,7 +60,7 @@ pub fn sizes(effect: &dyn Effect, context: &EffectContext, target: &Target) -> V
 pub fn hide(world: World, stand: &Stand, hidden: &Hidden) -> World {
     let v = &hidden.values;
     let target = hidden.target.as_str();
-    let turning = || match target {
+    let revolute = || match target {
         "all" => {
             let dofs = stand.model.tree.dofs.iter().filter(|dof| !dof.prismatic);
             dofs.map(|dof| dof.joint.as_str()).collect()
@@ -76,11 +76,11 @@ pub fn hide(world: World, stand: &Stand, hidden: &Hidden) -> World {
         "joint_offset" => world.joint_offset(target, v[0]),
         "joint_scale" => world.joint_scale(target, v[0]),
         "joint_compliance" => {
-            let mut joints = turning().into_iter();
+            let mut joints = revolute().into_iter();
             joints.try_fold(world, |world, joint| world.joint_compliance(joint, v[0]))
         }
         "backlash" => {
-            let mut joints = turning().into_iter();
+            let mut joints = revolute().into_iter();
             joints.try_fold(world, |world, joint| world.backlash(joint, v[0]))
         }
         "payload" => world.payload(target, v[0], [v[1], v[2], v[3]]),

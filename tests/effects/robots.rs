@@ -21,7 +21,7 @@ pub struct Stand {
     pub cells: Vec<[f64; 2]>,
 }
 
-/// With skewed axes and mimics; with slides; and the one of the paper.
+/// With skewed axes and mimics; with prismatic joints; and the one of the paper.
 pub const ROBOTS: [(&str, &str); 3] = [
     ("op2", "r_sole"),
     ("skew_humanoid", "left_sole"),

@@ -154,11 +154,11 @@ pub fn compare_all(stand: &Stand, hidden: &[Hidden]) -> Found {
     Found { off, moved }
 }
 
-/// A posture in degrees, slides times `slide`.
-fn logged(stand: &Stand, q: &[f64], slide: f64) -> Vec<f64> {
+/// A posture in degrees, prismatic positions times `length`.
+fn logged(stand: &Stand, q: &[f64], length: f64) -> Vec<f64> {
     let dofs = stand.model.tree.dofs.iter().zip(q);
     dofs.map(|(dof, q)| match dof.prismatic {
-        true => slide * q,
+        true => length * q,
         false => q.to_degrees(),
     })
     .collect()

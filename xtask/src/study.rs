@@ -83,7 +83,7 @@ impl Study {
     ///
     /// # Errors
     /// No such effect, a `sesc` that cannot be built or found, a file that cannot be
-    /// written. A log without an answer is told on stderr and left out.
+    /// written. A log without an answer is named on stderr and left out.
     pub fn run(&self, root: &Path) -> Result<(), Box<dyn Error>> {
         let choice = self.choice()?;
         let sesc = match &self.sesc {

@@ -1,6 +1,6 @@
 //! Every number that decides a verdict, and what it was calibrated on.
 //!
-//! Scores are −2 log evidence, prices paid: differences of them are −2 log odds. "The
+//! Scores are −2 log evidence with penalties: differences of them are −2 log odds. "The
 //! study" is `cargo xtask study`: effects hidden in a virtual robot that
 //! shares no code with the diagnosis. README's table counts seeds 700000 (100 logs)
 //! and 800000 (400 logs); rerun it after a change. Where no calibration is named, the
@@ -17,11 +17,11 @@ pub const OVER_NOTHING: f64 = 4.0;
 /// An explanation that only adds effects to another of its class is listed if it is
 /// worse by no more than this.
 pub const ADDED_EFFECT: f64 = 3.0;
-/// So many effects at once are less likely than one that is not known here: the verdict
+/// This many effects at once are less likely than one outside the list: the verdict
 /// is "unexplained". Calibrated on faults outside the list that crowds imitate
-/// (`tests/hidden_effect.rs`, strange faults).
+/// (`tests/hidden_effect.rs`, unmodelled effects).
 pub const TOO_MANY_EFFECTS: usize = 4;
-/// Outliers are at most this part of the postures; beyond, it is the rule that is odd.
+/// Outliers are at most this part of the postures; with more, the rule itself is wrong.
 pub const OUTLIER_SHARE: f64 = 0.2;
 /// Explanations that are listed, at most.
 pub const LISTED: usize = 24;
@@ -30,16 +30,16 @@ pub const JUDGED_SCORE: f64 = 2.0 * CLASS_SCORE;
 
 // What is left over.
 
-/// χ² so many standard deviations above its expectation is more than noise …
+/// χ² this many standard deviations above its expectation is more than noise …
 pub const LEFTOVER_DEVIATIONS: f64 = 4.0;
 /// … if it is larger by this factor, too: noise is not known better.
 pub const LEFTOVER_RATIO: f64 = 1.15;
 /// Terms of a formula for what is left, at most.
 pub const FORMULA_TERMS: usize = 3;
-/// A formula is told if it explains this part of what is more than noise.
+/// A formula is reported if it explains this part of what is more than noise.
 pub const FORMULA_SHARE: f64 = 0.6;
 /// A formula has to beat the best effects by this score: its library is larger than its
-/// price says.
+/// penalty says.
 pub const FORMULA_SCORE: f64 = 20.0;
 /// Single effects that a formula is tried beside.
 pub const FORMULA_BESIDE: usize = 3;
@@ -52,8 +52,8 @@ pub const FORMULA_EFFECTS: usize = 2;
 pub const VISIBLE: f64 = 60.0;
 /// Share of the chance that a target keeps which the log does not show at all.
 pub const UNSEEN_CHANCE: f64 = 0.02;
-/// Smallest detectable offsets from here on are told, rad (m): smaller ones are no gap.
-pub const WORTH_TELLING: f64 = 0.1;
+/// Smallest detectable offsets from this size on are reported, rad (m).
+pub const SMALLEST_REPORTED: f64 = 0.1;
 
 // The search.
 
@@ -107,7 +107,7 @@ pub const MOMENT_CERTAIN: f64 = 2.0;
 
 /// No more postures than this part can be outliers while they are looked for.
 pub const LARGEST_OUTLIER_SHARE: f64 = 0.25;
-/// Outliers scatter so many times as much as noise.
+/// Outliers scatter this many times as much as noise.
 pub const OUTLIER_WIDTH: (f64, f64) = (3.0, 1e3);
 /// A posture is called an outlier from this chance on.
 pub const OUTLIER_CHANCE: f64 = 0.5;

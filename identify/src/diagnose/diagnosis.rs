@@ -5,10 +5,10 @@ use super::findings::{
     About, Blind, Diagnosis, Found, Gap, Last, Leftover, Member, NextPostures, Quantity, Step,
     Verdict,
 };
-use super::further::{self, Further};
+use super::further_logs::{self, FurtherLog};
 use super::held_out::{self, HeldOut};
 use super::hypothesis::Term;
-use super::leftover::{self, Excess, Formula};
+use super::leftover::{self, Formula, Misfit};
 use super::outliers::Outliers;
 use super::problem::{Fit, Problem};
 use super::search::Search;
@@ -23,7 +23,7 @@ use crate::watch::Watch;
 /// When `watch` stops the search.
 pub fn find(
     problem: &mut Problem,
-    further: &[Further],
+    further: &[FurtherLog],
     about: &About,
     watch: &mut dyn Watch,
 ) -> Result<Found, Error> {
@@ -33,7 +33,7 @@ pub fn find(
     ranked.retain(|fit| !too_many_outliers(fit));
     let mut ranked = judged(&search, ranked, further);
     // Something is missing only if that is clearly better than nothing missing.
-    let nothing = further::together(search.problem(), search.fit(&[], None), further);
+    let nothing = further_logs::together(search.problem(), search.fit(&[], None), further);
     if nothing.score() < ranked[0].score() + criteria::OVER_NOTHING {
         ranked = vec![nothing];
     }
@@ -41,12 +41,12 @@ pub fn find(
     ranked.retain(|fit| fit.score() <= best.score() + criteria::CLASS_SCORE);
     let mut class = class(&best, ranked);
     let problem = search.problem();
-    let excess = Excess::of(problem, &best);
-    let (best, formula) = with_formula(excess, best, &mut search, further);
+    let misfit = Misfit::of(problem, &best);
+    let (best, formula) = with_formula(misfit, best, &mut search, further);
     // Noise that was taken from what is left over cannot say that too much is left.
     let known = problem.data.noise_source != NoiseSource::Residuals;
     let crowd = best.terms.len() >= criteria::TOO_MANY_EFFECTS;
-    let unexplained = known && excess.is_clear() || formula.is_some() || crowd;
+    let unexplained = known && misfit.is_clear() || formula.is_some() || crowd;
     let problem = search.problem();
     if unexplained {
         class = vec![best.clone()];
@@ -66,12 +66,12 @@ pub fn find(
         .map(|term| {
             let others: Vec<Term> = best.terms.iter().filter(|i| *i != term).cloned().collect();
             let without = search.fit(&others, Some(&best));
-            further::together(search.problem(), without, further).score() - best.score()
+            further_logs::together(search.problem(), without, further).score() - best.score()
         })
         .collect();
     let problem = search.problem();
-    let expected = Excess::of(problem, &null);
-    let raw = raw_excess(problem);
+    let expected = Misfit::of(problem, &null);
+    let raw = raw_misfit(problem);
     let verdict = match (unexplained, best.terms.is_empty(), class.len()) {
         (true, _, _) => Verdict::Unexplained,
         (_, true, _) if raw.is_clear() && !expected.is_clear() => Verdict::Absorbed,
@@ -123,14 +123,14 @@ pub fn find(
 }
 
 /// What comes near the best of the first log, ranked by all logs.
-fn judged(search: &Search, mut ranked: Vec<Fit>, further: &[Further]) -> Vec<Fit> {
+fn judged(search: &Search, mut ranked: Vec<Fit>, further: &[FurtherLog]) -> Vec<Fit> {
     if further.is_empty() {
         return ranked;
     }
     let best = ranked[0].score();
     ranked.retain(|fit| fit.score() <= best + criteria::JUDGED_SCORE);
     ranked.truncate(criteria::LISTED);
-    let together = |fit| further::together(search.problem(), fit, further);
+    let together = |fit| further_logs::together(search.problem(), fit, further);
     let mut ranked: Vec<Fit> = ranked.into_iter().map(together).collect();
     ranked.sort_by(|a, b| a.score().total_cmp(&b.score()));
     ranked
@@ -155,7 +155,7 @@ fn class(best: &Fit, near: Vec<Fit>) -> Vec<Fit> {
     class
 }
 
-/// Outliers are a few: where more postures are odd, it is the rule that is odd.
+/// Whether more postures are outliers than outliers can explain.
 fn too_many_outliers(fit: &Fit) -> bool {
     let share = |o: &Outliers| o.named().len() as f64 / o.chance.len() as f64;
     fit.outliers
@@ -167,13 +167,13 @@ fn too_many_outliers(fit: &Fit) -> bool {
 /// plain hypothesis that it completes; looked for only where effects leave
 /// something over, or explain it by outliers or by a crowd of them.
 fn with_formula(
-    excess: Excess,
+    misfit: Misfit,
     best: Fit,
     search: &mut Search,
-    further: &[Further],
+    further: &[FurtherLog],
 ) -> (Fit, Option<Formula>) {
     let crowd = best.terms.len() > criteria::FORMULA_EFFECTS || best.outliers.is_some();
-    if !(excess.is_clear() || crowd) {
+    if !(misfit.is_clear() || crowd) {
         return (best, None);
     }
     let null = search.fit(&[], None);
@@ -184,7 +184,7 @@ fn with_formula(
     let singles: Vec<Fit> = singles.take(criteria::FORMULA_BESIDE).cloned().collect();
     let problem = search.problem();
     let alone = [null].into_iter().chain(singles);
-    let together = alone.map(|fit| further::together(problem, fit, further));
+    let together = alone.map(|fit| further_logs::together(problem, fit, further));
     let tried = together.chain([best.clone()]);
     let formulas = tried.map(|fit| {
         let formula = leftover::formula(problem, &fit);
@@ -193,8 +193,7 @@ fn with_formula(
     let found = formulas.min_by(|a, b| a.1.score.total_cmp(&b.1.score));
     match found {
         Some((fit, formula))
-            if formula.is_worth_telling()
-                && formula.score < best.score() - criteria::FORMULA_SCORE =>
+            if formula.is_reported() && formula.score < best.score() - criteria::FORMULA_SCORE =>
         {
             (fit, Some(formula))
         }
@@ -202,11 +201,11 @@ fn with_formula(
     }
 }
 
-/// χ² of the robot exactly as CAD has it.
-fn raw_excess(problem: &Problem) -> Excess {
+/// χ² of the robot with CAD masses.
+fn raw_misfit(problem: &Problem) -> Misfit {
     let out = problem.evaluate(&[], &[], &problem.data.q, &problem.data.posture_context);
     let entries = problem.data.reading.iter().zip(&out).zip(&problem.weight);
-    Excess {
+    Misfit {
         chi2: entries.map(|((y, p), w)| ((y - p) * w).powi(2)).sum(),
         expected: out.len() as f64,
     }
@@ -214,7 +213,7 @@ fn raw_excess(problem: &Problem) -> Excess {
 
 fn absorbed(problem: &Problem, best: &Fit) -> f64 {
     let masses = problem.masses(&best.terms);
-    let shift = masses.shift(&masses.expected(&best.residual));
+    let shift = masses.shift(&masses.posterior_mean(&best.residual));
     crate::observations::postures::rms(shift.iter().zip(&problem.weight).map(|(s, w)| s / w))
 }
 
@@ -315,7 +314,7 @@ fn members(problem: &Problem, class: &[Fit]) -> Vec<Member> {
 }
 
 fn rest(problem: &Problem, best: &Fit, formula: Option<Formula>) -> Leftover {
-    let now = Excess::of(problem, best);
+    let now = Misfit::of(problem, best);
     let strongest = leftover::strongest(problem, best);
     let clear = now.is_clear();
     Leftover {
@@ -346,8 +345,8 @@ fn blind_spots(problem: &Problem, visible: &[(Term, f64)]) -> Vec<Blind> {
         }
         let scales = term.scales(context);
         let from = scales[0] * (criteria::VISIBLE / chi2.max(1e-9)).sqrt();
-        // What everybody would notice without a tool is no blind spot.
-        if from < criteria::WORTH_TELLING {
+        // A smaller offset than this is no gap in what the log shows.
+        if from < criteria::SMALLEST_REPORTED {
             continue;
         }
         let values = term.values(context, &[from]);

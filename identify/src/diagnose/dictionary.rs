@@ -19,7 +19,7 @@ pub struct Dictionary {
     pub candidates: Vec<Candidate>,
     /// Whitened slopes, all candidates side by side, and S times them.
     slopes: DMatrix<f64>,
-    beyond: DMatrix<f64>,
+    projected: DMatrix<f64>,
     gram: Option<DMatrix<f64>>,
 }
 
@@ -73,11 +73,11 @@ impl Dictionary {
             });
         }
         let slopes = DMatrix::from_fn(rows, columns.len(), |row, k| columns[k][row]);
-        let beyond = problem.nuisance.beyond(&slopes);
+        let projected = problem.nuisance.project_out(&slopes);
         Dictionary {
             candidates,
             slopes,
-            beyond,
+            projected,
             gram: None,
         }
     }
@@ -91,7 +91,7 @@ impl Dictionary {
                 false => DVector::from_element(c.count, 1.0),
             };
             let z = self.slopes.columns(c.from, c.count);
-            let sz = self.beyond.columns(c.from, c.count);
+            let sz = self.projected.columns(c.from, c.count);
             let chi2 = (sz * &ordinary).dot(&(z * &ordinary));
             (c.term.clone(), chi2.max(0.0))
         };
@@ -106,16 +106,16 @@ impl Dictionary {
             let root = outliers.root_weights(None);
             residual.iter_mut().zip(root).for_each(|(e, w)| *e *= w);
         }
-        let left = masses.beyond_one(&residual);
+        let left = masses.project_out_one(&residual);
         let own = &fit.slopes;
-        let own_beyond = masses.beyond(own);
-        let factor = factor_normal(own.tr_mul(&own_beyond));
+        let own_projected = masses.project_out(own);
+        let factor = factor_normal(own.tr_mul(&own_projected));
         let of_own = own.tr_mul(&left);
         self.candidates
             .iter()
             .map(|c| {
                 let z = self.slopes.columns(c.from, c.count);
-                let sz = self.beyond.columns(c.from, c.count);
+                let sz = self.projected.columns(c.from, c.count);
                 let mut a = z.tr_mul(&sz);
                 let mut b = z.tr_mul(&left);
                 let whole: Vec<f64> = (0..c.count).map(|k| a[(k, k)]).collect();
@@ -132,12 +132,12 @@ impl Dictionary {
     /// Gains of one candidate with whitened residuals of another model of the same
     /// slopes: for wiring faults, tried by the hundred.
     pub fn gains_of(&self, residual: &DVector<f64>) -> Vec<f64> {
-        let b = self.beyond.tr_mul(residual);
+        let b = self.projected.tr_mul(residual);
         self.candidates
             .iter()
             .map(|c| {
                 let z = self.slopes.columns(c.from, c.count);
-                let a = z.tr_mul(&self.beyond.columns(c.from, c.count));
+                let a = z.tr_mul(&self.projected.columns(c.from, c.count));
                 let whole: Vec<f64> = (0..c.count).map(|k| a[(k, k)]).collect();
                 gain(a, &b.rows(c.from, c.count).into_owned(), &whole)
             })
@@ -147,10 +147,10 @@ impl Dictionary {
     /// Every pair's gain: (first, second, gain).
     pub fn pairs(&mut self, residual: &DVector<f64>) -> Vec<(usize, usize, f64)> {
         if self.gram.is_none() {
-            self.gram = Some(self.slopes.tr_mul(&self.beyond));
+            self.gram = Some(self.slopes.tr_mul(&self.projected));
         }
         let gram = self.gram.as_ref().expect("made above");
-        let b = self.beyond.tr_mul(residual);
+        let b = self.projected.tr_mul(residual);
         let mut pairs = Vec::new();
         for (i, first) in self.candidates.iter().enumerate() {
             let aa = gram

@@ -57,7 +57,7 @@ impl Rows {
     }
 }
 
-/// An explanation of a log as an experiment has it.
+/// An explanation of a log in the parameters of a further experiment.
 pub(super) struct Carried {
     pub terms: Vec<Term>,
     /// Each of their unknowns: which one of the log's it is, and its sign.
@@ -113,7 +113,7 @@ pub(super) fn carried(
 }
 
 /// Explanations under an experiment. `here` is the problem of the log; `there` one
-/// whose robot stands as the experiment has it (`here` unless on the other foot).
+/// whose robot stands as in the experiment (`here` unless on the other foot).
 pub struct Trial<'a, 'm> {
     pub experiment: Experiment,
     pub here: &'a Problem<'m>,

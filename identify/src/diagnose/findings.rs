@@ -46,7 +46,7 @@ pub struct Step {
     /// Held-out, without and with it (beside the steps before), m.
     pub rmse_before: f64,
     pub rmse_after: f64,
-    /// By how much −2 log evidence rises without it, its price paid.
+    /// By how much −2 log evidence rises without it, its penalty paid.
     pub evidence: f64,
     pub sentence: String,
 }

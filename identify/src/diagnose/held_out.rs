@@ -44,7 +44,7 @@ pub fn cross_validate(problem: &Problem, whole: &Fit) -> HeldOut {
     of_errors(errors, &apart)
 }
 
-/// Errors of the robot as CAD has it.
+/// Errors of the robot with CAD masses.
 pub fn of_cad(problem: &Problem) -> HeldOut {
     let n = problem.data.len();
     let out = problem.evaluate(&[], &[], &problem.data.q, &problem.data.posture_context);
@@ -64,7 +64,7 @@ pub(super) fn errors_of(problem: &Problem, fit: &Fit, keep: Option<&[bool]>) -> 
         (None, None) => vec![1.0; fit.residual.len()],
     };
     let weighted = DVector::from_fn(root.len(), |row, _| fit.residual[row] * root[row]);
-    let expected = masses.reweighted(&root).expected(&weighted);
+    let expected = masses.reweighted(&root).posterior_mean(&weighted);
     let shift = masses.shift(&expected);
     let left = fit.residual.iter().zip(shift.iter()).zip(&problem.weight);
     left.map(|((e, s), w)| (e - s) / w).collect()

@@ -16,16 +16,16 @@ use crate::lsq::factor_normal;
 
 /// χ² of what is left against what noise leaves.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Excess {
+pub struct Misfit {
     pub chi2: f64,
     pub expected: f64,
 }
 
-impl Excess {
-    pub fn of(problem: &Problem, fit: &Fit) -> Excess {
+impl Misfit {
+    pub fn of(problem: &Problem, fit: &Fit) -> Misfit {
         let apart = held_out::apart(problem, fit);
         let masses = problem.masses(&fit.terms);
-        let shift = masses.shift(&masses.expected(&fit.residual));
+        let shift = masses.shift(&masses.posterior_mean(&fit.residual));
         let mut chi2 = 0.0;
         let mut rows = 0.0;
         for (k, apart) in apart.iter().enumerate() {
@@ -36,7 +36,7 @@ impl Excess {
                 }
             }
         }
-        Excess {
+        Misfit {
             chi2,
             expected: (rows - fit.unknowns.len() as f64 - masses.directions()).max(1.0),
         }
@@ -71,7 +71,7 @@ pub struct Formula {
 }
 
 impl Formula {
-    pub fn is_worth_telling(&self) -> bool {
+    pub fn is_reported(&self) -> bool {
         !self.terms.is_empty() && self.share > criteria::FORMULA_SHARE
     }
 
@@ -92,17 +92,17 @@ impl Formula {
 pub fn formula(problem: &Problem, fit: &Fit) -> Formula {
     let library = library(problem);
     let n = problem.data.len();
-    let excess = Excess::of(problem, fit);
+    let excess = Misfit::of(problem, fit);
     let mut target = fit.residual.clone();
     let masses = problem.masses(&fit.terms);
-    target -= masses.shift(&masses.expected(&fit.residual));
+    target -= masses.shift(&masses.posterior_mean(&fit.residual));
     for (k, apart) in held_out::apart(problem, fit).into_iter().enumerate() {
         if apart {
             target[2 * k] = 0.0;
             target[2 * k + 1] = 0.0;
         }
     }
-    let price = 2.0 * (2.0 * n as f64).ln() + 2.0 * (library.len() as f64).ln();
+    let penalty = 2.0 * (2.0 * n as f64).ln() + 2.0 * (library.len() as f64).ln();
     let column = |f: &[f64], axis: usize| {
         DVector::from_fn(2 * n, |row, _| match row % 2 == axis {
             true => f[row / 2] * problem.weight[row],
@@ -144,7 +144,7 @@ pub fn formula(problem: &Problem, fit: &Fit) -> Formula {
         };
         let solution = factor.solve(&matrix.tr_mul(&target));
         let rest = &target - &matrix * &solution;
-        if left.norm_squared() - rest.norm_squared() < price {
+        if left.norm_squared() - rest.norm_squared() < penalty {
             break;
         }
         (chosen, weights, left) = (tried, solution, rest);
@@ -160,7 +160,7 @@ pub fn formula(problem: &Problem, fit: &Fit) -> Formula {
             })
             .collect(),
         share: gained / (excess.chi2 - excess.expected).max(1.0),
-        score: fit.score() - gained + price * chosen.len() as f64,
+        score: fit.score() - gained + penalty * chosen.len() as f64,
     }
 }
 

@@ -5,13 +5,14 @@
 //!                                                        └→ experiments, next postures
 //! ```
 
+mod backlash_sides;
 pub mod corrected_urdf;
 pub mod criteria;
 pub mod diagnosis;
 mod dictionary;
 pub mod experiment;
 pub mod findings;
-pub mod further;
+pub mod further_logs;
 pub mod held_out;
 pub mod hypothesis;
 pub mod leftover;
@@ -23,7 +24,6 @@ pub mod problem;
 mod proposal;
 mod request;
 pub mod search;
-mod sides;
 #[cfg(test)]
 mod tests;
 mod verdict;

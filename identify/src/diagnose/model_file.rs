@@ -28,7 +28,7 @@ pub fn model_file(problem: &Problem, found: &Found) -> ModelFile {
     };
     let weighted = DVector::from_fn(weights.len(), |row, _| best.residual[row] * weights[row]);
     let masses = masses.reweighted(&weights);
-    let shift = factor * masses.expected(&weighted);
+    let shift = factor * masses.posterior_mean(&weighted);
     let values: Vec<f64> = problem
         .params
         .iter()

@@ -60,7 +60,7 @@ pub fn next(
         Experiment::RawCells,
     ];
     match fresh {
-        // Whoever turns the robot can as well take postures that tell more.
+        // When the robot is turned anyway, more informative postures cost nothing more.
         Some(q) => {
             for experiment in [Experiment::Postures, Experiment::Turned] {
                 let q = q.clone();

@@ -56,13 +56,13 @@ impl Nuisance {
     }
 
     /// `S x` with `S = I − K A⁻¹ Kᵀ`: what of whitened columns is no mass error.
-    pub fn beyond(&self, x: &DMatrix<f64>) -> DMatrix<f64> {
+    pub fn project_out(&self, x: &DMatrix<f64>) -> DMatrix<f64> {
         let inner = self.factor.solve(&self.k.tr_mul(x));
         x - &self.k * inner
     }
 
     /// The same of one whitened column.
-    pub fn beyond_one(&self, x: &DVector<f64>) -> DVector<f64> {
+    pub fn project_out_one(&self, x: &DVector<f64>) -> DVector<f64> {
         let inner = self.factor.solve(&self.k.tr_mul(x));
         x - &self.k * inner
     }
@@ -79,7 +79,7 @@ impl Nuisance {
     }
 
     /// Expected mass error given whitened residuals, in the units of F's columns.
-    pub fn expected(&self, residual: &DVector<f64>) -> DVector<f64> {
+    pub fn posterior_mean(&self, residual: &DVector<f64>) -> DVector<f64> {
         self.factor.solve(&self.k.tr_mul(residual))
     }
 

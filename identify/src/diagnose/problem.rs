@@ -27,9 +27,9 @@ use crate::observations::rows::CopRows;
 
 pub(super) use fitting::State;
 
-/// A log, the robot, and what is believed of its masses.
+/// A log, the robot, and the prior of its masses.
 pub struct Problem<'m> {
-    /// The robot on its support, as CAD has it.
+    /// The robot on its support, with CAD masses.
     pub model: &'m Model,
     pub context: EffectContext<'m>,
     pub data: Postures,
@@ -64,11 +64,11 @@ pub struct Fit {
     pub unknowns: Vec<f64>,
     /// Covariance of the unknowns.
     pub covariance: DMatrix<f64>,
-    /// −2 log evidence without the price, less a constant: χ² with masses
+    /// −2 log evidence without the penalty, less a constant: χ² with masses
     /// marginalised, walls, sides and outliers paid for.
     pub objective: f64,
     /// What its unknowns and the search cost.
-    pub price: f64,
+    pub penalty: f64,
     /// Readings it predicts, CAD masses, m.
     pub predicted: Vec<f64>,
     /// Whitened residuals (reading − predicted)/σ.
@@ -81,13 +81,13 @@ pub struct Fit {
     /// Postures with a joint on the side of its dead band that gravity does not favour.
     pub flipped: Vec<usize>,
     /// Walls that are touched: the answer lies at the edge of what is physical.
-    pub strained: f64,
+    pub at_bound: f64,
 }
 
 impl Fit {
     /// Smaller is better.
     pub fn score(&self) -> f64 {
-        self.objective + self.price
+        self.objective + self.penalty
     }
 
     /// What was found of one of its terms.
@@ -192,7 +192,7 @@ impl<'m> Problem<'m> {
 
     /// What unknowns and the number of things that were looked at cost:
     /// `Σ p ln 2N + 2 ln(kinds / w_target)`, see [`Problem::weigh_targets`].
-    pub fn price(&self, terms: &[Term]) -> f64 {
+    pub fn penalty(&self, terms: &[Term]) -> f64 {
         let readings = (2 * self.data.len()) as f64;
         let of = |term: &Term| {
             let weight = match self.target_weights.get(term) {
@@ -311,7 +311,7 @@ impl<'m> Problem<'m> {
         self.wide.log_det > self.nuisance.log_det
     }
 
-    /// Readings that CAD foretells at joint positions `q`, on level ground.
+    /// Readings that CAD predicts at joint positions `q`, on level ground.
     pub fn plain(&self, q: &[f64]) -> Vec<f64> {
         let n = q.len() / self.context.robot.dof();
         let model = self.model;
@@ -349,7 +349,7 @@ impl<'m> Problem<'m> {
         out
     }
 
-    /// The turning joints that have a dead band under `terms`, with the
+    /// The revolute joints that have a dead band under `terms`, with the
     /// place of its width among the unknowns.
     pub(super) fn slack_joints(&self, terms: &[Term]) -> Vec<(usize, usize)> {
         let mut found = Vec::new();
@@ -382,7 +382,7 @@ fn left_by_masses(rows: &DMatrix<f64>, reading: &[f64], cad: &[f64]) -> Vec<f64>
     }
 }
 
-/// A prior so wide that it says nothing: 100 m on every direction that data see.
+/// A prior without information: 100 m on every direction that data determine.
 fn free(rows: &DMatrix<f64>) -> DMatrix<f64> {
     let svd = rows.clone().svd(false, true);
     let v = svd.v_t.unwrap_or_else(|| DMatrix::zeros(0, rows.ncols()));
@@ -398,7 +398,7 @@ fn free(rows: &DMatrix<f64>) -> DMatrix<f64> {
 }
 
 impl Problem<'_> {
-    /// Gravity moments and slopes of the robot as CAD has it, at positions `q`.
+    /// Gravity moments and slopes of the robot with CAD masses, at positions `q`.
     pub(super) fn moments_at(&self, q: &[f64]) -> Vec<f64> {
         let tape = self.moments(&[]);
         let n = self.data.len();
@@ -412,7 +412,7 @@ impl Problem<'_> {
         out
     }
 
-    /// What a fault of wiring or of the record does: the joint positions that it
+    /// The effect of a fault of wiring or of the record: the joint positions that it
     /// leaves, and what becomes of a reading (m, two per posture).
     pub(super) fn rewired(&self, fault: &Term) -> (Vec<f64>, Rewire) {
         let fault = effects_of(std::slice::from_ref(fault));
@@ -425,7 +425,7 @@ impl Problem<'_> {
     }
 }
 
-/// What a fault of the record makes of readings.
+/// How a fault of the record changes readings.
 pub(super) struct Rewire(Tape);
 
 impl Rewire {

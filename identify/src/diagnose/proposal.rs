@@ -1,4 +1,4 @@
-//! A hypothesis that is worth a fit.
+//! A hypothesis proposed for a fit, with its predicted score.
 
 use super::hypothesis::Term;
 use super::problem::Fit;

@@ -15,7 +15,7 @@ use sesc_model::{DataUsed, Model, ModelFile, Snapping};
 
 use super::corrected_urdf::{self, CorrectedUrdf};
 use super::findings::{About, Diagnosis, Found, NextPostures};
-use super::further::Further;
+use super::further_logs::FurtherLog;
 use super::model_file::model_file;
 use super::next_postures::{self, Next};
 use super::problem::Problem;
@@ -185,7 +185,7 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     let stands: Vec<(Experiment, Model)> = stands.collect::<Result<_, _>>()?;
     let mut further = Vec::new();
     for (log, (experiment, model)) in request.then.iter().zip(&stands) {
-        further.push(Further {
+        further.push(FurtherLog {
             experiment: *experiment,
             problem: Problem::new(
                 model,
@@ -254,7 +254,7 @@ fn no_support(robot: &Robot) -> Error {
     ])
 }
 
-/// A log on the model's support, its oddities told.
+/// A log on the model's support; its warnings are passed on.
 fn take(
     request: &Request,
     model: &Model,
@@ -322,7 +322,7 @@ fn with_data(
     request: &Request,
     problem: &Problem,
     found: &Found,
-    further: &[Further],
+    further: &[FurtherLog],
 ) -> ModelFile {
     let mut file = model_file(problem, found);
     let first = [(&request.log, problem)].into_iter();

@@ -26,7 +26,7 @@ enum Width {
     First,
     /// The most promising.
     Later,
-    /// All that predicted_score to come near the best.
+    /// All whose predicted score is near the best.
     Near,
 }
 
@@ -62,8 +62,8 @@ impl<'p, 'm> Search<'p, 'm> {
         &self.visible
     }
 
-    fn price(&self, term: &Term) -> f64 {
-        self.problem.price(std::slice::from_ref(term))
+    fn penalty(&self, term: &Term) -> f64 {
+        self.problem.penalty(std::slice::from_ref(term))
     }
 
     /// All hypotheses that were fitted, the best first.
@@ -84,7 +84,7 @@ impl<'p, 'm> Search<'p, 'm> {
                 proposals.extend(self.extensions(parent, width));
             }
             if depth > 1 {
-                // Wiring faults come together too, and only large gaps are theirs.
+                // Wiring faults also occur together, and leave large gaps.
                 let large = criteria::WIRING_CHI2 * 2.0 * self.problem.data.len() as f64;
                 let gaps = beam.iter().filter(|f| f.objective > large);
                 let further = gaps
@@ -153,7 +153,7 @@ impl<'p, 'm> Search<'p, 'm> {
         fit
     }
 
-    /// What could be added to a hypothesis, with the score it promises.
+    /// What could be added to a hypothesis, with its predicted score.
     fn extensions(&self, parent: &Fit, width: Width) -> Vec<Proposal> {
         let own;
         let wired = parent
@@ -175,7 +175,7 @@ impl<'p, 'm> Search<'p, 'm> {
             .filter(|(c, _)| compatible(&parent.terms, &c.term))
             .map(|(c, gain)| Proposal {
                 terms: with(self.problem, &parent.terms, &c.term),
-                predicted_score: parent.score() - gain + self.price(&c.term),
+                predicted_score: parent.score() - gain + self.penalty(&c.term),
                 parent: Some(parent.clone()),
             })
             .collect();
@@ -208,7 +208,7 @@ impl<'p, 'm> Search<'p, 'm> {
         if term == Term::FreeMasses && !self.problem.is_wider() {
             return None;
         }
-        let price = self.problem.price(std::slice::from_ref(&term));
+        let penalty = self.problem.penalty(std::slice::from_ref(&term));
         let predicted_score = match term {
             Term::Outliers => {
                 let outliers = Outliers::of(&parent.residual, None);
@@ -220,15 +220,15 @@ impl<'p, 'm> Search<'p, 'm> {
                     .map(|(e, w)| (e * w).powi(2));
                 let mixture = outliers.objective(&parent.residual, None, squares.sum());
                 let plain = parent.residual.norm_squared();
-                parent.score() + (mixture - plain) + price
+                parent.score() + (mixture - plain) + penalty
             }
             _ => {
                 let (wide, tight) = (&self.problem.wide, &self.problem.nuisance);
                 let left = |n: &super::nuisance::Nuisance| {
-                    parent.residual.dot(&n.beyond_one(&parent.residual))
+                    parent.residual.dot(&n.project_out_one(&parent.residual))
                 };
                 let change = left(wide) + wide.log_det - left(tight) - tight.log_det;
-                parent.score() + change + price
+                parent.score() + change + penalty
             }
         };
         Some(Proposal {
@@ -249,7 +249,9 @@ impl<'p, 'm> Search<'p, 'm> {
             .filter(|(a, b, _)| compatible(std::slice::from_ref(&a.term), &b.term))
             .map(|(a, b, gain)| Proposal {
                 terms: vec![a.term.clone(), b.term.clone()],
-                predicted_score: null.score() - gain + self.price(&a.term) + self.price(&b.term),
+                predicted_score: null.score() - gain
+                    + self.penalty(&a.term)
+                    + self.penalty(&b.term),
                 parent: None,
             })
             .collect();

@@ -1,4 +1,4 @@
-//! Wiring faults by full evaluation: signs, swaps, units, axes. None of them is
+//! Wiring faults, fitted by full evaluation: signs, swaps, units, axes. None of them is
 //! near linear, so each is computed, alone and beside the best linear effect.
 
 use nalgebra::DVector;
@@ -20,9 +20,9 @@ pub fn proposals(problem: &Problem, dictionary: &Dictionary) -> Vec<Proposal> {
     for fault in faults {
         let own = std::slice::from_ref(&fault);
         let residual = residual(problem, &fault);
-        let left = problem.nuisance.beyond_one(&residual);
-        let price = problem.price(own);
-        let predicted_score = residual.dot(&left) + price;
+        let left = problem.nuisance.project_out_one(&residual);
+        let penalty = problem.penalty(own);
+        let predicted_score = residual.dot(&left) + penalty;
         if !predicted_score.is_finite() {
             continue;
         }
@@ -33,7 +33,7 @@ pub fn proposals(problem: &Problem, dictionary: &Dictionary) -> Vec<Proposal> {
             .zip(gains)
             .map(|(c, gain)| {
                 (
-                    predicted_score - gain + problem.price(std::slice::from_ref(&c.term)),
+                    predicted_score - gain + problem.penalty(std::slice::from_ref(&c.term)),
                     &c.term,
                 )
             })
@@ -73,7 +73,7 @@ pub fn beside(problem: &Problem, parent: &Fit) -> Vec<Proposal> {
     };
     let masses = problem.masses(&parent.terms);
     let own = &parent.slopes;
-    let factor = factor_normal(own.tr_mul(&masses.beyond(own)));
+    let factor = factor_normal(own.tr_mul(&masses.project_out(own)));
     let width = parent.unknowns.len() + 1;
     let mut proposals: Vec<Proposal> = effect_terms(context)
         .into_iter()
@@ -84,11 +84,11 @@ pub fn beside(problem: &Problem, parent: &Fit) -> Vec<Proposal> {
             let out = problem.evaluate(&parent.terms, &parent.unknowns, &q, posture_context);
             let values: Vec<f64> = out.iter().step_by(width).copied().collect();
             let residual = whitened(problem, &rewire.readings(&values));
-            let left = masses.beyond_one(&residual);
+            let left = masses.project_out_one(&residual);
             let pull = own.tr_mul(&left);
             let gain = factor.as_ref().map_or(0.0, |f| pull.dot(&f.solve(&pull)));
-            let price = problem.price(std::slice::from_ref(&fault));
-            let predicted_score = residual.dot(&left) - gain + parent.price + price;
+            let penalty = problem.penalty(std::slice::from_ref(&fault));
+            let predicted_score = residual.dot(&left) - gain + parent.penalty + penalty;
             predicted_score.is_finite().then(|| Proposal {
                 terms: sorted(context, &[parent.terms.as_slice(), &[fault]].concat()),
                 predicted_score,

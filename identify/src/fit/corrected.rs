@@ -1,6 +1,6 @@
 //! The URDF whose masses and centres of mass give the identified parameters.
 //!
-//! Everything that data do not tell stays as CAD has it; the text changes in
+//! Everything that data do not determine keeps its CAD value; the text changes in
 //! numbers of `<inertial>` alone ([`sesc_model::urdf::edit_masses`]). Before it is
 //! handed out, the text is read again and must give the parameters it was made for.
 

@@ -8,14 +8,14 @@ use super::identification::{Identification, Settings};
 use super::limits::Limits;
 use super::physical;
 use super::prior::{Prior, Tolerances};
-use super::statements::{
+use super::summary::{
     bodies, complete, correlations, deviations, height, held_out, oddities, parameters,
     range_error, row_norms, unobservable,
 };
 
 use crate::observations::noise::{Leftover, Noise, NoiseSource, UNLIKELY, widening};
 
-/// Held-out errors beyond this many times the noise deserve a word.
+/// Held-out errors beyond this many times the noise are mentioned.
 const FAR: f64 = 2.0;
 
 /// Fit `gathered` and say what was found.

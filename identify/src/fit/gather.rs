@@ -101,7 +101,7 @@ pub struct Gathered {
     pub(super) postures: Grouping<Group>,
 }
 
-/// Down-weighted postures worth listing.
+/// Down-weighted postures that are listed, at most.
 const LISTED: usize = 1000;
 
 /// Fold of a pose: as good as drawn, the same on every machine.
@@ -346,7 +346,7 @@ impl Gathered {
         Ok(())
     }
 
-    /// Speak of other parameters: those of another support.
+    /// Rewrite the sums for the parameters of another support.
     pub fn shift(&mut self, shift: &Shift) {
         for fold in &mut self.folds {
             fold.weighted = fold.weighted.shifted(shift);

@@ -19,7 +19,7 @@ pub(super) const BLOCK: usize = 4096;
 const SAMPLE: usize = 100_000;
 /// Rounds of reweighting, at most.
 const ROUNDS: usize = 20;
-/// Rows beyond the parameters without which no outlier can be told.
+/// Rows beyond the parameters that finding outliers needs.
 const FEWEST: f64 = 10.0;
 /// Change of predicted readings at which reweighting ends, in units of their scale.
 const SETTLED: f64 = 1e-4;

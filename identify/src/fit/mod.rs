@@ -22,7 +22,7 @@ pub mod prior;
 mod request;
 pub mod residuals;
 pub mod robust;
-mod statements;
+mod summary;
 
 pub use estimate::{identify, identify_within};
 pub use identification::{Identification, Settings};

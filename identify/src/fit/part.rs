@@ -100,7 +100,7 @@ impl Part {
         Ok(files::write(path, &text)?)
     }
 
-    /// Speak of the parameters seen from `support`.
+    /// Rewrite the sums for the parameters of `support`.
     ///
     /// # Errors
     /// When the robot has no such link.

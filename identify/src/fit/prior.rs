@@ -96,10 +96,10 @@ impl From<Prior> for PriorChoice {
 }
 
 impl Prior {
-    /// What fits and plans take unless told otherwise: CAD as it usually is.
+    /// The default of fits and plans: the usual tolerances of CAD.
     pub const DEFAULT: &str = "cad";
 
-    /// What diagnoses take unless told otherwise. Within the usual tolerances masses
+    /// The default of diagnoses. Within the usual tolerances masses
     /// absorb a slope, a payload, most pairs of effects; held tight, masses that are
     /// off are an explanation that competes with the effects and is named.
     pub const OF_DIAGNOSES: &str = "tight";

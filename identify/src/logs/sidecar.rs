@@ -1,6 +1,6 @@
 //! The sidecar of a log: `<stem>.toml` beside it, all keys optional.
 //!
-//! A key with a value of the wrong type is an error; a key nobody knows is a
+//! A key with a value of the wrong type is an error; an unknown key is a
 //! warning, since it may be a note of the user's or a misspelling.
 
 use std::path::{Path, PathBuf};

@@ -11,7 +11,7 @@ use super::columns::T;
 use super::sidecar::{Angles, IN_DEGREES, OR_SIDECAR};
 use crate::{Message, Setting, message};
 
-/// Fewer values say nothing about a log.
+/// With fewer values no unit is guessed.
 const FEW: u64 = 20;
 
 /// An encoder may stand this far beyond its limit, rad.
@@ -169,13 +169,13 @@ impl Suspicions {
         Some(message![why, Setting::Angles, OR_SIDECAR])
     }
 
-    /// Degrees that look like radians: nothing ever turns by more than π of them.
+    /// Degrees that look like radians: no joint ever moves by more than π of them.
     fn radians(&self) -> Option<Message> {
         let revolute = || self.joints.iter().filter(|joint| joint.revolute);
         let most = revolute().map(|j| j.most.max(-j.least)).fold(0.0, f64::max) * self.per_rad;
         let nonzero: u64 = revolute().map(|joint| joint.nonzero).sum();
         (self.degrees && nonzero >= FEW && most <= std::f64::consts::PI).then(|| {
-            let said = format!("read in degrees, no joint ever turns beyond {most:.2}°");
+            let said = format!("read in degrees, no joint ever moves beyond {most:.2}°");
             message![
                 format!("{said}; if the log is in radians, leave out "),
                 Setting::Angles,

@@ -192,10 +192,10 @@ fn independent(equal: &Linear) -> Result<Linear, NoAnswer> {
     })
 }
 
-/// All v that satisfy some equations: `best + turn · w`, at distance ‖w‖ from the best.
+/// All v that satisfy some equations: `best + rotation · w`, at distance ‖w‖ from the best.
 struct Face {
     best: DVector<f64>,
-    turn: DMatrix<f64>,
+    rotation: DMatrix<f64>,
 }
 
 impl Face {
@@ -217,25 +217,25 @@ impl Face {
         let best = start + &beside * step;
         // Once more against rounding.
         let missing = &face.right - &face.matrix * &best;
-        let turned = r.transpose().solve_lower_triangular(&beside.transpose())?;
+        let rotated = r.transpose().solve_lower_triangular(&beside.transpose())?;
         Some(Face {
             best: best + face.matrix.transpose() * missing,
-            turn: turned.transpose(),
+            rotation: rotated.transpose(),
         })
     }
 }
 
 /// Inequalities active at the point of `face` nearest to its best.
 fn nearest(face: &Face, below: &Linear) -> Result<Vec<usize>, NoAnswer> {
-    let turned = Linear {
-        matrix: &below.matrix * &face.turn,
+    let rotated = Linear {
+        matrix: &below.matrix * &face.rotation,
         right: &below.right - &below.matrix * &face.best,
     };
-    let stuck = |k: &usize| turned.matrix.row(*k).norm() < DEPENDENT && turned.right[*k] < -SLACK;
-    if (0..turned.right.len()).any(|k| stuck(&k)) {
+    let stuck = |k: &usize| rotated.matrix.row(*k).norm() < DEPENDENT && rotated.right[*k] < -SLACK;
+    if (0..rotated.right.len()).any(|k| stuck(&k)) {
         return Err(NoAnswer::Infeasible);
     }
-    let rows = turned.normalised();
+    let rows = rotated.normalised();
     let n = rows.matrix.ncols();
     // Right sides of order one, so that the residual is of order one, too.
     let far = rows.right.min().abs().max(f64::MIN_POSITIVE);

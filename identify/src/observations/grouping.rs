@@ -20,7 +20,7 @@ pub const MOST: usize = 200_000;
 /// Repeated readings are of one posture up to this, rad or m: servos jitter.
 const JITTER: f32 = 0.02;
 
-/// Gravity where a log says nothing of it.
+/// Gravity where a log does not give it.
 pub const DOWN: [f64; 3] = [0.0, 0.0, -1.0];
 
 /// `pose` and the number of the support.

@@ -23,7 +23,7 @@ pub const LEAST_STD: f64 = 1e-9;
 pub const UNLIKELY: f64 = 1e-3;
 /// A noise of zero would leave nothing to weigh a prior against, m.
 const LEAST_NOISE: f64 = 1e-9;
-/// Rows beyond the rank without which residuals say nothing of noise.
+/// Rows beyond the rank that an estimate of the noise from residuals needs.
 const FEWEST: f64 = 5.0;
 /// Degrees of freedom of repeats without which residuals say more of noise.
 const REPEATS: u64 = 10;
@@ -150,7 +150,7 @@ impl Noise {
     /// The noise that repeats show, where it is larger than this one and that is no chance.
     fn unless_repeats_scatter_more(self, (pure, df): (f64, u64), left: Option<Leftover>) -> Noise {
         let unit = self.sigma * self.sigma;
-        let test = repeats::excess(pure / unit, df as f64);
+        let test = repeats::against_stated(pure / unit, df as f64);
         if test.is_none_or(|test| test.p_value >= UNLIKELY || test.ratio <= 1.0) {
             return self;
         }
@@ -180,9 +180,8 @@ impl Noise {
             NoiseSource::Residuals | NoiseSource::Unknown => None,
             NoiseSource::Repeats => by_repeats,
             // Repeats know better than a statement; without them the statement is all.
-            NoiseSource::Given | NoiseSource::Stated => {
-                by_repeats.or_else(|| repeats::excess(left.sum / self.sigma.powi(2), left.df))
-            }
+            NoiseSource::Given | NoiseSource::Stated => by_repeats
+                .or_else(|| repeats::against_stated(left.sum / self.sigma.powi(2), left.df)),
         }
     }
 }

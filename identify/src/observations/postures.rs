@@ -1,5 +1,5 @@
 //! A posture log in memory: one entry per posture, repeats averaged, noise known, and
-//! what each posture brings along.
+//! the context of each posture.
 //!
 //! ```text
 //! reading of n rows    ȳ ± s/√n  (s: of a row)        or ± √(Σ s_k²)/n where rows state s_k

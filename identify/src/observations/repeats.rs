@@ -107,7 +107,7 @@ pub fn lack_of_fit(residual_sum: f64, df: f64, repeats: (f64, u64)) -> Option<La
 }
 
 /// χ² test against stated deviations: `residual_sum` in units of their squares.
-pub fn excess(residual_sum: f64, df: f64) -> Option<LackOfFit> {
+pub fn against_stated(residual_sum: f64, df: f64) -> Option<LackOfFit> {
     let distribution = ChiSquared::new(df).ok().filter(|_| df >= 1.0)?;
     Some(LackOfFit {
         ratio: residual_sum / df,
@@ -159,6 +159,6 @@ mod tests {
         let f = lack_of_fit(10.0 + 5.0 * 3.3258, 15.0, (10.0, 10)).unwrap();
         assert!((f.ratio - 3.3258).abs() < 1e-12);
         assert!((f.p_value - 0.05).abs() < 1e-4);
-        assert!((excess(18.307, 10.0).unwrap().p_value - 0.05).abs() < 1e-4);
+        assert!((against_stated(18.307, 10.0).unwrap().p_value - 0.05).abs() < 1e-4);
     }
 }

@@ -7,7 +7,7 @@
 //!
 //! The CoM is projected along gravity g on the sole plane. `T` and `t` hold
 //! lengths of the URDF only ([`sesc_model::Robot::params_from`]), so readings on both feet
-//! speak about the same parameters.
+//! describe the same parameters.
 
 use nalgebra::{DMatrix, DVector};
 use sesc_model::standard::Shift;
@@ -82,7 +82,7 @@ pub struct Rows {
     pub reading: DVector<f64>,
 }
 
-/// Turns postures into rows about the base parameters of one support.
+/// Builds rows of the regressor of one support from postures.
 pub struct Measurement<'r> {
     robot: &'r Robot,
     snapping: Snapping,
@@ -90,7 +90,7 @@ pub struct Measurement<'r> {
 }
 
 impl<'r> Measurement<'r> {
-    /// Parameters are those seen from `support`.
+    /// Rows for the base parameters of `support`.
     pub fn new(robot: &'r Robot, support: &str, snapping: Snapping) -> Result<Self, Error> {
         let mut measurement = Measurement {
             robot,

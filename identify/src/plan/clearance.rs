@@ -22,7 +22,7 @@ pub struct Clearance {
     parts: Vec<Part>,
     /// Links known by their shapes, and by points alone.
     pub by_shapes: usize,
-    /// Links whose height is told by points.
+    /// Links whose height follows from points.
     pub by_points: usize,
 }
 

@@ -330,7 +330,7 @@ mod tests {
         );
     }
 
-    /// A direction that no candidate moves is nobody's to tell.
+    /// No set of postures can determine a direction that no candidate moves.
     #[test]
     fn unseen_directions_are_left_out() {
         let mut regressor = regressor(30);

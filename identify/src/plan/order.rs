@@ -5,7 +5,7 @@
 //! ```
 //!
 //! From the posture closest to zero always on to the nearest one left, then
-//! 2-opt: turn round every stretch whose turning shortens the way, until none
+//! 2-opt: reverse every stretch whose reversal shortens the way, until none
 //! does. Prismatic joints count a metre as a radian. Only postures are planned;
 //! the way between two of them is not checked for balance or collisions.
 
@@ -48,7 +48,7 @@ fn untangle(order: &mut [usize], between: &impl Fn(usize, usize) -> f64) -> bool
     let mut shorter = false;
     for i in 0..n.saturating_sub(2) {
         for j in i + 2..n {
-            // Turn round i+1 ..= j; the end of the way is open.
+            // Reverse i+1 ..= j; the end of the way is open.
             let (a, b, c) = (order[i], order[i + 1], order[j]);
             let after = order.get(j + 1).copied();
             let end = |from: usize| after.map_or(0.0, |to| between(from, to));

@@ -56,9 +56,9 @@ fn against_parent(body: &Body, q: &[f64]) -> Pose {
         Motion::Fixed => Pose::IDENTITY,
         Motion::Revolute { axis, by } => {
             let angle = by.factor * q[by.dof] + by.offset;
-            let turn = Rotation3::from_axis_angle(&Unit::new_unchecked(axis), angle);
+            let local = Rotation3::from_axis_angle(&Unit::new_unchecked(axis), angle);
             Pose {
-                rotation: body.rotation * turn.matrix(),
+                rotation: body.rotation * local.matrix(),
                 origin: body.anchor,
             }
         }
@@ -85,7 +85,7 @@ mod tests {
     use crate::robot::Robot;
     use crate::simulate::Simulator;
 
-    /// Against the reference's link poses, on robots with prismatic joints, mimics and turned frames.
+    /// Against the reference's link poses, on robots with prismatic joints, mimics and rotated frames.
     #[test]
     fn links_stand_where_the_reference_has_them() {
         let robots = [
@@ -117,8 +117,8 @@ mod tests {
                     let own = poses[body].then(&place);
                     let off = own.origin - theirs.translation.vector;
                     assert!(off.norm() < 1e-12, "{}: {off}", model.tree.links[link].name);
-                    let turned = own.rotation - theirs.rotation.matrix();
-                    assert!(turned.norm() < 1e-12);
+                    let difference = own.rotation - theirs.rotation.matrix();
+                    assert!(difference.norm() < 1e-12);
                 }
             }
         }

@@ -88,7 +88,7 @@ impl World {
     /// The centre of mass of all that hangs together, and its mass, kg.
     pub(super) fn com_of(&self, joints: &[f64]) -> (Vector3<f64>, f64) {
         let (com, mass_kg) = (self.reference.com(joints), self.reference.total_mass());
-        if self.strange.carries_nothing() {
+        if self.unmodelled.carries_nothing() {
             return (com, mass_kg);
         }
         let carried = self.carried(&self.reference.link_poses(joints));

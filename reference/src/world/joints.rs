@@ -98,7 +98,7 @@ impl World {
         Ok(self)
     }
 
-    /// The log's joint angles are in degrees, its slides in millimetres.
+    /// The log's joint angles are in degrees, its prismatic positions in millimetres.
     pub fn joints_in_degrees(mut self) -> Self {
         let kinds = self.robot().movable_joints().map(|joint| joint.kind);
         let units: Vec<f64> = kinds

@@ -20,8 +20,8 @@ mod joints;
 mod masses;
 mod sensor;
 mod statics;
-mod strange;
 mod track;
+mod unmodelled;
 
 use nalgebra::{Vector2, Vector3};
 
@@ -34,7 +34,7 @@ use ground::Pressure;
 use joints::Encoder;
 use sensor::Sensor;
 use statics::{Pull, Yielding, moved_links};
-use strange::Strange;
+use unmodelled::Unmodelled;
 
 pub use statics::GRAVITY;
 pub use track::{Reading, Track};
@@ -69,7 +69,7 @@ pub struct World {
     /// One per joint, those without an encoder at the end.
     yielding: Vec<Yielding>,
     pulls: Vec<Pull>,
-    strange: Strange,
+    unmodelled: Unmodelled,
     gravity: Vector3<f64>,
     cells: Cells,
     sensor: Sensor,
@@ -91,7 +91,7 @@ impl World {
             encoders: (0..dof).map(Encoder::true_of).collect(),
             yielding: vec![Yielding::default(); dof],
             pulls: Vec::new(),
-            strange: Strange::default(),
+            unmodelled: Unmodelled::default(),
             gravity: -Vector3::z(),
             cells: Cells::default(),
             sensor: Sensor::ideal(),
@@ -123,7 +123,7 @@ impl World {
     }
 
     /// What loads and cables do to the joints when the encoders read `q`: N m, or N for
-    /// sliding ones. Positive moments push joints up.
+    /// prismatic ones. Positive moments push joints up.
     ///
     /// # Panics
     /// As [`World::true_posture`].
@@ -158,7 +158,7 @@ impl World {
 
     /// What is written down about a pressure; `jump` is this posture's own.
     fn sense(&self, q: &[f64], pressure: &Pressure, progress: f64, jump: Vector2<f64>) -> Reading {
-        let after = |cop| self.sensor.reading(cop, progress) + self.strange.sine(q) + jump;
+        let after = |cop| self.sensor.reading(cop, progress) + self.unmodelled.sine(q) + jump;
         if self.cells.is_empty() {
             return Reading {
                 cop: self.sensor.write(after(pressure.at_m)),

@@ -68,14 +68,14 @@ impl World {
     }
 
     /// Readings come out `gain` times as large, per axis about the support's
-    /// origin, before any turn. Gains multiply.
+    /// origin, before any rotation. Gains multiply.
     pub fn sensor_gain(mut self, gain: [f64; 2]) -> Self {
         self.sensor.gain.component_mul_assign(&Vector2::from(gain));
         self
     }
 
     /// Readings come out turned by `yaw` (rad) about the support's z axis,
-    /// counter-clockwise seen from above, before any offset. Turns add up.
+    /// counter-clockwise seen from above, before any offset. Rotations add up.
     pub fn sensor_rotation(mut self, yaw: f64) -> Self {
         self.sensor.rotation *= Rotation2::new(yaw);
         self

@@ -1,7 +1,7 @@
 //! How the robot gives way under its loads.
 //!
 //! ```text
-//! τ_j   = s_j a_j · Σ_{loads beyond j} (p - o_j) × F    turning; s_j a_j · Σ F sliding
+//! τ_j   = s_j a_j · Σ_{loads beyond j} (p - o_j) × F    revolute; s_j a_j · Σ F prismatic
 //! φ_j   = unloaded_j + slack_j + (τ_j(φ) + cable_j(φ_j)) / k_j      to the fixed point
 //! |slack_j| ≤ β_j / 2                                   dead bands
 //! ```
@@ -185,7 +185,7 @@ impl World {
     }
 
     /// What gravity and pulls do to the joints at their true positions `joints`:
-    /// N m, or N for sliding ones.
+    /// N m, or N for prismatic ones.
     pub(super) fn moments(&self, joints: &[f64]) -> Vec<f64> {
         let robot = self.robot();
         let poses = self.reference.link_poses(joints);

@@ -32,8 +32,8 @@ pub fn joint(
     )
 }
 
-/// A tree with every way of moving: branches, skewed axes, a slide, a mimic, a
-/// fixed joint, a massless link. Root `torso`; four revolute joints, one slide,
+/// A tree with every way of moving: branches, skewed axes, a prismatic joint, a mimic, a
+/// fixed joint, a massless link. Root `torso`; four revolute joints, one prismatic,
 /// one mimic.
 pub fn bushy() -> Robot {
     robot(

@@ -16,7 +16,7 @@ pub use correction::corrections;
 pub use page::page;
 pub use text::text;
 
-/// All that `sesc fit` says, as JSON has it.
+/// All that `sesc fit` prints, as JSON.
 #[derive(Debug, Clone, Serialize)]
 pub struct FitReport<'a> {
     #[serde(flatten)]

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use crate::report::table::Table;
 use sesc_identify::fit::Identification;
 
-/// Degrees of freedom that are worth a word.
+/// Fewer degrees of freedom than this are mentioned.
 const FEW: f64 = 50.0;
 
 /// Parameters, and everything that must be said with them.

@@ -26,7 +26,7 @@ pub fn page(plan: &Plan, file: &str, command: &str) -> Result<String, Error> {
         command,
         figures => context! {
             region => figure(figures::region(plan)),
-            worth => figure(figures::worth(&plan.curve)),
+            efficiency => figure(figures::efficiency(&plan.curve)),
             joints => figure(figures::joints(&plan.joints)),
         },
     };

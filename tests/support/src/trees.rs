@@ -9,9 +9,9 @@ use rand_chacha::ChaCha8Rng;
 #[derive(Debug, Clone, Copy)]
 pub struct Kind {
     pub joints: usize,
-    /// Turning joints with axes along coordinate axes and right angles only.
+    /// Revolute joints with axes along coordinate axes and right angles only.
     pub canonical: bool,
-    /// Revolute joints only: no slides, no fixed joints, no mimics.
+    /// Revolute joints only: no prismatic joints, no fixed joints, no mimics.
     pub revolute: bool,
     /// How likely a joint hangs on the latest link: 1 makes a chain, 0 a bush.
     pub chained: f64,

@@ -42,7 +42,7 @@ impl Goal {
     }
 }
 
-/// Shown as strongly as the strange faults of the open logs are.
+/// Shown as strongly as the unmodelled effects of the open logs are.
 const STRONG: f64 = 4000.0;
 
 type Is = fn(&Outcome) -> bool;

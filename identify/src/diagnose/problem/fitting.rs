@@ -10,10 +10,10 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::{Fit, Problem, Rows};
+use crate::diagnose::backlash_sides;
 use crate::diagnose::hypothesis::Term;
 use crate::diagnose::nuisance::Nuisance;
 use crate::diagnose::outliers::Outliers;
-use crate::diagnose::sides;
 use crate::lsq::damped::{self, Expansion, SETTLED};
 
 /// Starts of a fit, at most.
@@ -69,7 +69,7 @@ impl Problem<'_> {
                     // A width to begin with, else no side matters.
                     self.widen(terms, &mut unknowns);
                 }
-                sides = Some(sides::settle(self, terms, &unknowns, fit.as_ref()));
+                sides = Some(backlash_sides::settle(self, terms, &unknowns, fit.as_ref()));
             }
             let next = self.descend(terms, unknowns.clone(), sides.as_ref(), &outliers, rows);
             let done = match &fit {
@@ -107,7 +107,7 @@ impl Problem<'_> {
         &self,
         terms: &[Term],
         start: Vec<f64>,
-        sides: Option<&sides::Sides>,
+        sides: Option<&backlash_sides::Sides>,
         outliers: &Option<Outliers>,
         rows: Rows,
     ) -> Fit {
@@ -133,13 +133,13 @@ impl Problem<'_> {
         let covariance = damped::covariance(&state.normal.0, &scales);
         let mut objective = state.value + masses.log_det - self.nuisance.log_det;
         if let Some(sides) = sides {
-            objective += sides.price;
+            objective += sides.penalty;
         }
         if let Some(outliers) = outliers {
             objective = outliers.objective(&state.residual, rows.keep, objective);
         }
         Fit {
-            price: self.price(terms),
+            penalty: self.penalty(terms),
             terms: terms.to_vec(),
             unknowns: state.unknowns,
             covariance,
@@ -150,7 +150,7 @@ impl Problem<'_> {
             posture_context: sides.map(|sides| sides.posture_context.clone()),
             outliers: outliers.clone(),
             flipped: sides.map_or_else(Vec::new, |sides| sides.flipped.clone()),
-            strained: state.strained,
+            at_bound: state.at_bound,
         }
     }
 
@@ -171,11 +171,11 @@ impl Problem<'_> {
     ) -> State {
         let mut state = self.squares(terms, unknowns, posture_context, root, masses);
         let (normal, gradient) = &mut state.normal;
-        self.walls(terms, &state.unknowns, |excess, slope| {
-            state.value += excess * excess;
-            state.strained += excess * excess;
+        self.walls(terms, &state.unknowns, |violation, slope| {
+            state.value += violation * violation;
+            state.at_bound += violation * violation;
             for a in 0..slope.len() {
-                gradient[a] -= excess * slope[a];
+                gradient[a] -= violation * slope[a];
                 for b in 0..slope.len() {
                     normal[(a, b)] += slope[a] * slope[b];
                 }
@@ -217,11 +217,11 @@ impl Problem<'_> {
                 j.row_mut(row).scale_mut(root[row]);
             }
         }
-        let inner = masses.beyond_one(&e);
+        let inner = masses.project_out_one(&e);
         State {
             value: e.dot(&inner),
-            normal: (j.tr_mul(&masses.beyond(&j)), j.tr_mul(&inner)),
-            strained: 0.0,
+            normal: (j.tr_mul(&masses.project_out(&j)), j.tr_mul(&inner)),
+            at_bound: 0.0,
             unknowns,
             predicted,
             residual,
@@ -235,8 +235,8 @@ impl Problem<'_> {
         for term in terms {
             let count = term.unknowns(&self.context);
             let own = &unknowns[at..at + count];
-            let excess = |x: &[f64]| term.bound_violation(&self.context, x);
-            let now = excess(own);
+            let violation = |x: &[f64]| term.bound_violation(&self.context, x);
+            let now = violation(own);
             if now.iter().any(|x| *x > 0.0) {
                 let scales = term.scales(&self.context);
                 let mut slopes = vec![vec![0.0; unknowns.len()]; now.len()];
@@ -244,7 +244,7 @@ impl Problem<'_> {
                     let mut moved = own.to_vec();
                     let step = 1e-6 * scales[k];
                     moved[k] += step;
-                    for (wall, after) in excess(&moved).iter().enumerate() {
+                    for (wall, after) in violation(&moved).iter().enumerate() {
                         slopes[wall][at + k] = (after - now[wall]) / step;
                     }
                 }
@@ -267,7 +267,7 @@ pub(in crate::diagnose) struct State {
     pub slopes: DMatrix<f64>,
     pub value: f64,
     pub normal: (DMatrix<f64>, DVector<f64>),
-    pub strained: f64,
+    pub at_bound: f64,
 }
 
 impl Expansion for State {

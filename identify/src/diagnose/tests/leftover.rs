@@ -1,7 +1,7 @@
 //! Formulas for what no effect explains, planted and found again.
 
 use super::{Bench, NOISE, term};
-use crate::diagnose::leftover::{Excess, formula, strongest};
+use crate::diagnose::leftover::{Misfit, formula, strongest};
 use crate::diagnose::problem::ALL;
 
 const POSTURES: usize = 100;
@@ -26,7 +26,7 @@ fn sines_and_powers_are_found_with_their_weights() {
         let problem = bench.certain(data);
         let null = problem.fit(&[], None, ALL);
         let found = formula(&problem, &null);
-        assert!(found.is_worth_telling(), "{name}: {}", found.share);
+        assert!(found.is_reported(), "{name}: {}", found.share);
         let first = &found.terms[0];
         assert_eq!(first.name, *name, "{}", found.text());
         assert_eq!(found.terms.len(), 1, "{}", found.text());
@@ -74,12 +74,12 @@ fn noise_follows_nothing() {
         let q = bench.balanced(60, seed);
         let problem = bench.problem(bench.log(&bench.world(), &q, seed), "tight");
         let null = problem.fit(&[], None, ALL);
-        let excess = Excess::of(&problem, &null);
-        assert!(!excess.is_clear(), "{seed}: {excess:?}");
-        assert!(excess.deviations().abs() < 4.0, "{seed}: {excess:?}");
+        let misfit = Misfit::of(&problem, &null);
+        assert!(!misfit.is_clear(), "{seed}: {misfit:?}");
+        assert!(misfit.deviations().abs() < 4.0, "{seed}: {misfit:?}");
         let found = formula(&problem, &null);
         assert!(found.terms.is_empty(), "{seed}: {}", found.text());
-        assert!(!found.is_worth_telling());
+        assert!(!found.is_reported());
     }
 }
 
@@ -90,7 +90,7 @@ fn masses_are_not_expected_to_leave_their_part() {
     let q = bench.postures(60, 1);
     let of = |prior: &str| {
         let problem = bench.problem(bench.log(&bench.world(), &q, 1), prior);
-        Excess::of(&problem, &problem.fit(&[], None, ALL))
+        Misfit::of(&problem, &problem.fit(&[], None, ALL))
     };
     // Flat CoP of two skewed joints sees six directions.
     assert!((of("free").expected - (120.0 - 6.0)).abs() < 1e-3);

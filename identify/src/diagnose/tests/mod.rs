@@ -1,5 +1,6 @@
 //! The diagnosis judged by closed forms, dense algebra and the virtual robot.
 
+mod backlash_sides;
 mod data;
 mod held_out;
 mod leftover;
@@ -9,7 +10,6 @@ mod nuisance;
 mod outliers;
 mod problem;
 mod request;
-mod sides;
 mod verdict;
 
 use rand::SeedableRng as _;

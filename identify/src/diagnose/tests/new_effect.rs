@@ -185,7 +185,7 @@ fn an_effect_from_outside_is_found_said_and_written() {
     let corrected = found.corrected_urdf.unwrap();
     assert!(corrected.left_out.is_empty(), "{:?}", corrected.left_out);
     assert_ne!(corrected.text, SKEW);
-    // Without it in the catalog nobody can name it.
+    // Without it in the catalog it cannot be named.
     let without = report(Catalog::standard()).diagnosis;
     assert!(
         without
@@ -216,9 +216,9 @@ fn its_bounds_load_dead_band_and_experiments_are_those_it_states() {
     let eccentric = of("joint_eccentric", "knee");
     // The penalty counts its unknown, and two kinds more to choose from.
     let offset = of("joint_offset", "knee");
-    let own = problem.price(std::slice::from_ref(&eccentric));
-    assert!((own - problem.price(std::slice::from_ref(&offset))).abs() < 1e-12);
-    assert!(own > plain.price(std::slice::from_ref(&offset)));
+    let own = problem.penalty(std::slice::from_ref(&eccentric));
+    assert!((own - problem.penalty(std::slice::from_ref(&offset))).abs() < 1e-12);
+    assert!(own > plain.penalty(std::slice::from_ref(&offset)));
     // A fit stays near its bound, and says that it was touched.
     let violation = eccentric.bound_violation(&problem.context, &[0.21]);
     assert!((violation[0] - 1.0).abs() < 1e-9);

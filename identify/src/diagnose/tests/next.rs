@@ -1,4 +1,4 @@
-//! The experiment that is proposed first, taken: the class falls apart, and the
+//! The experiment that is proposed first, taken: the class is separated, and the
 //! truth remains.
 
 use sesc_model::{Model, Snapping};
@@ -7,7 +7,7 @@ use sesc_reference::World;
 use super::OP2_URDF;
 use super::{Bench, NOISE, about, diagnosed, gauss, term};
 use crate::diagnose::diagnosis::find;
-use crate::diagnose::further::{Further, together};
+use crate::diagnose::further_logs::{FurtherLog, together};
 use crate::diagnose::next_postures::next;
 use crate::diagnose::problem::{ALL, Problem};
 use crate::fit::prior::Prior;
@@ -91,7 +91,7 @@ fn the_first_experiment_splits_the_class() {
             let model = robot.model(support, Snapping::default(), None).unwrap();
             let world = World::new(&bench.twin, support).unwrap();
             let world = hide(world, &label, offset, &experiment);
-            let further = Further {
+            let further = FurtherLog {
                 problem: taken(&model, &world, q, 500 + seed),
                 experiment,
             };
@@ -135,7 +135,7 @@ fn logs_together_are_one_log() {
             bench.certain(Postures::given(dof, q, y, NOISE, 0.0))
         };
         let (whole, first) = (of(0, 120), of(0, 50));
-        let second = Further {
+        let second = FurtherLog {
             experiment: Experiment::Postures,
             problem: of(50, 120),
         };
@@ -168,7 +168,7 @@ fn a_turned_robot_sees_the_slope_the_other_way() {
     let first = bench.certain(bench.log(&slope(0.005), &q, 1));
     let own = [term(&first, "ground_slope", "-")];
     let score = |there: f64, experiment: Experiment| {
-        let further = Further {
+        let further = FurtherLog {
             experiment,
             problem: bench.certain(bench.log(&slope(there), &q, 2)),
         };

@@ -67,8 +67,8 @@ fn chi2_and_projections_are_those_of_the_dense_covariance() {
         let gap = gap.column(0).into_owned();
         let slopes = case.whitened(&case.slopes);
         let dense = case.gap.dot(&(&inverse * &case.gap));
-        close(gap.dot(&nuisance.beyond_one(&gap)), dense, 1e-9);
-        let ours = slopes.tr_mul(&nuisance.beyond(&slopes));
+        close(gap.dot(&nuisance.project_out_one(&gap)), dense, 1e-9);
+        let ours = slopes.tr_mul(&nuisance.project_out(&slopes));
         let dense = case.slopes.tr_mul(&(&inverse * &case.slopes));
         for (ours, dense) in ours.iter().zip(&dense) {
             close(*ours, *dense, 1e-9);
@@ -85,7 +85,7 @@ fn chi2_and_projections_are_those_of_the_dense_covariance() {
         let expected = shift.tr_mul(&(&inverse * &case.gap));
         let left = DMatrix::identity(DIRECTIONS, DIRECTIONS) - shift.tr_mul(&(&inverse * &shift));
         for k in 0..DIRECTIONS {
-            close(nuisance.expected(&gap)[k], expected[k], 1e-9);
+            close(nuisance.posterior_mean(&gap)[k], expected[k], 1e-9);
             for j in 0..DIRECTIONS {
                 close(nuisance.covariance()[(k, j)], left[(k, j)], 1e-9);
             }
@@ -96,7 +96,11 @@ fn chi2_and_projections_are_those_of_the_dense_covariance() {
             1e-9,
         );
         let shifted = &shift * &expected;
-        for (row, ours) in nuisance.shift(&nuisance.expected(&gap)).iter().enumerate() {
+        for (row, ours) in nuisance
+            .shift(&nuisance.posterior_mean(&gap))
+            .iter()
+            .enumerate()
+        {
             close(*ours, shifted[row] / case.std[row], 1e-9);
         }
     }
@@ -107,7 +111,7 @@ fn without_a_prior_masses_take_nothing_and_with_a_wide_one_all_they_can() {
     let none = Case::new(1e-9);
     let gap = none.gap.component_div(&none.std);
     close(
-        gap.dot(&none.nuisance().beyond_one(&gap)),
+        gap.dot(&none.nuisance().project_out_one(&gap)),
         gap.norm_squared(),
         1e-12,
     );
@@ -117,7 +121,7 @@ fn without_a_prior_masses_take_nothing_and_with_a_wide_one_all_they_can() {
     let seen = wide.whitened(&(&wide.rows * &wide.prior));
     let taken = seen.qr().q();
     let left = &gap - &taken * taken.tr_mul(&gap);
-    let ours = wide.nuisance().beyond_one(&gap);
+    let ours = wide.nuisance().project_out_one(&gap);
     assert!((ours - left).amax() < 1e-6);
     assert!(!wide.nuisance().is_negligible());
     close(wide.nuisance().directions(), DIRECTIONS as f64, 1e-6);
@@ -137,8 +141,8 @@ fn weights_of_rows_come_on_top() {
     let few = fewer.nuisance();
     let own = gap.rows(4, ROWS - 4).into_owned();
     close(
-        kept.dot(&all.beyond_one(&kept)),
-        own.dot(&few.beyond_one(&own)),
+        kept.dot(&all.project_out_one(&kept)),
+        own.dot(&few.project_out_one(&own)),
         1e-12,
     );
     close(all.log_det, few.log_det, 1e-12);

@@ -122,7 +122,7 @@ fn slips_do_not_move_the_effect_beside_them() {
         (fit.unknowns[0] - 0.03).abs() / fit.covariance[(0, 0)].sqrt()
     };
     assert!(deviations(&fit) < 3.0, "{}", deviations(&fit));
-    // Squares alone believe the slips.
+    // Plain least squares follows the outliers.
     assert!(deviations(&problem.fit(&[offset], None, ALL)) > 5.0);
     let found = bench.diagnose(problem.data.clone(), "tight").diagnosis;
     assert_eq!(found.outliers, slips.map(|k| k as i64));

@@ -1,4 +1,4 @@
-//! Fits of one hypothesis: slopes, minima, stated deviations, prices.
+//! Fits of one hypothesis: slopes, minima, stated deviations, penalties.
 
 use sesc_model::effects::PostureContext;
 use sesc_reference::{Track, World};
@@ -195,26 +195,26 @@ fn prices_grow_with_unknowns_and_targets() {
             bench.model.dof() as f64,
             problem.context.links().len() as f64,
         );
-        let price = |problem: &Problem, effect: &str, target: &str| {
-            problem.price(&[term(problem, effect, target)])
+        let penalty = |problem: &Problem, effect: &str, target: &str| {
+            problem.penalty(&[term(problem, effect, target)])
         };
-        let rotation = price(&problem, "sensor_rotation", "-");
-        let off = |price: f64, unknowns: f64, targets: f64| {
-            (price - rotation - (unknowns - 1.0) * 60.0_f64.ln() - 2.0 * targets.ln()).abs()
+        let rotation = penalty(&problem, "sensor_rotation", "-");
+        let off = |penalty: f64, unknowns: f64, targets: f64| {
+            (penalty - rotation - (unknowns - 1.0) * 60.0_f64.ln() - 2.0 * targets.ln()).abs()
         };
-        assert!(off(price(&problem, "joint_offset", joint), 1.0, joints) < 1e-9);
-        assert!(off(price(&problem, "backlash", "all"), 1.0, joints + 1.0) < 1e-9);
-        assert!(off(price(&problem, "sensor_gain", "-"), 2.0, 1.0) < 1e-9);
-        assert!(off(price(&problem, "payload", link), 4.0, links) < 1e-9);
+        assert!(off(penalty(&problem, "joint_offset", joint), 1.0, joints) < 1e-9);
+        assert!(off(penalty(&problem, "backlash", "all"), 1.0, joints + 1.0) < 1e-9);
+        assert!(off(penalty(&problem, "sensor_gain", "-"), 2.0, 1.0) < 1e-9);
+        assert!(off(penalty(&problem, "payload", link), 4.0, links) < 1e-9);
         let both = ["sensor_rotation", "sensor_gain"].map(|e| term(&problem, e, "-"));
-        let sum = rotation + price(&problem, "sensor_gain", "-");
-        assert!((problem.price(&both) - sum).abs() < 1e-12);
+        let sum = rotation + penalty(&problem, "sensor_gain", "-");
+        assert!((problem.penalty(&both) - sum).abs() < 1e-12);
         // By how well targets are seen: the chance of an effect stays what it was.
         let terms = effect_terms(&problem.context);
         let chance = |problem: &Problem, name: &str| {
             let own = terms.iter().filter(|i| i.name() == name);
-            let prices = own.map(|i| problem.price(std::slice::from_ref(i)));
-            prices.map(|price| (-0.5 * price).exp()).sum::<f64>()
+            let penalties = own.map(|i| problem.penalty(std::slice::from_ref(i)));
+            penalties.map(|penalty| (-0.5 * penalty).exp()).sum::<f64>()
         };
         let names = ["joint_offset", "payload", "joint_scale", "sensor_gain"];
         let even = names.map(|name| chance(&problem, name));
@@ -225,8 +225,8 @@ fn prices_grow_with_unknowns_and_targets() {
         }
         if joints > 2.0 {
             let [ankle, elbow] = ["r_ank_roll", "l_el"];
-            let ankle = price(&problem, "joint_offset", ankle);
-            assert!(ankle + 4.0 < price(&problem, "joint_offset", elbow));
+            let ankle = penalty(&problem, "joint_offset", ankle);
+            assert!(ankle + 4.0 < penalty(&problem, "joint_offset", elbow));
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Whole diagnoses: what is planted is named, and what cannot be told is not.
+//! Whole diagnoses: hidden effects are named, and indistinguishable ones are not.
 
 use sesc_reference::World;
 
@@ -95,7 +95,7 @@ fn free_masses_absorb_what_looks_like_mass() {
     assert_eq!(labels(&turned), ["sensor_rotation"], "{}", turned.sentence);
 }
 
-/// Offsets about parallel axes: the truth is among what cannot be told apart.
+/// Offsets about parallel axes: the truth is in the class of explanations.
 #[test]
 fn parallel_axes_make_a_class_that_holds_the_truth() {
     let bench = Bench::op2();

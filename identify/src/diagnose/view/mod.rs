@@ -26,7 +26,7 @@ pub struct Posture {
     /// Time, s, or number in the order of the log, from 1.
     pub at: f64,
     pub measured: [f64; 2],
-    /// By the robot as CAD has it.
+    /// By the robot with CAD masses.
     pub simulated: [f64; 2],
     /// By the explanation.
     pub corrected: [f64; 2],

@@ -16,15 +16,15 @@ const SHOWN: usize = 6;
 const BINS: usize = 10;
 const PER_BIN: usize = 6;
 
-/// Moments (Nm) and forces (N) below this are told in thousandths.
+/// Moments (Nm) and forces (N) below this are written in thousandths.
 const SMALL: f64 = 0.2;
 
 /// What a residual is drawn against.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
-    /// ° of a joint that turns, mm of one that slides.
+    /// ° of a revolute joint, mm of a prismatic one.
     Position,
-    /// Nm of a joint that turns, N of one that slides.
+    /// Nm of a revolute joint, N of a prismatic one.
     Moment,
 }
 

@@ -1,6 +1,6 @@
 //! Figures of a diagnosis: rows in, SVG out.
 //!
-//! Grey is what was measured, orange the simulation as CAD has it, blue the
+//! Grey is what was measured, orange the simulation with CAD masses, blue the
 //! simulation with what was missing; an outlier wears a box.
 
 mod confusion;

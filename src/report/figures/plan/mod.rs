@@ -1,11 +1,11 @@
 //! Figures of a plan: postures in, SVG out.
 
+mod efficiency;
 mod joints;
 mod region;
 #[cfg(test)]
 mod tests;
-mod worth;
 
+pub use efficiency::efficiency;
 pub use joints::joints;
 pub use region::region;
-pub use worth::worth;

@@ -1,6 +1,6 @@
 //! Odd plans in: still trees of shapes.
 
-use super::{joints, worth};
+use super::{efficiency, joints};
 use crate::report::svg::tests::sound;
 use sesc_identify::plan::efficiency::Efficiency;
 use sesc_identify::plan::joint_use::JointUse;
@@ -31,15 +31,15 @@ fn figures_of_nothing_and_of_odd_numbers() {
     }
     assert!(drawn.matches("<path").count() < 200, "ticks stay apart");
 
-    sound(&worth(&[]));
+    sound(&efficiency(&[]));
     let point = |postures: usize, planned: f64, random: f64| Efficiency {
         postures,
         planned,
         random,
     };
-    sound(&worth(&[point(3, 0.001, 0.002)]));
+    sound(&efficiency(&[point(3, 0.001, 0.002)]));
     // What hardly tells all directions leaves the rest readable.
-    let drawn = worth(&[
+    let drawn = efficiency(&[
         point(3, 0.9, 1e9),
         point(4, 0.002, f64::INFINITY),
         point(5, 0.001, 0.002),

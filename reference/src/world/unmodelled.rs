@@ -21,7 +21,7 @@ use super::statics::{Cable, Yielding, above_zero, moved_links};
 const LOOSE: f64 = 0.17;
 
 #[derive(Debug, Clone, Default)]
-pub(super) struct Strange {
+pub(super) struct Unmodelled {
     hanging: Vec<Hanging>,
     loose: Vec<Loose>,
     sines: Vec<Sine>,
@@ -58,7 +58,7 @@ pub(super) struct Carried {
     pub mass_kg: f64,
 }
 
-impl Strange {
+impl Unmodelled {
     pub fn carries_nothing(&self) -> bool {
         self.hanging.is_empty() && self.loose.is_empty()
     }
@@ -85,7 +85,7 @@ impl World {
         at_m: [f64; 3],
         string_m: f64,
     ) -> Result<Self, Error> {
-        self.strange.hanging.push(Hanging {
+        self.unmodelled.hanging.push(Hanging {
             link: self.robot().link_index(link)?,
             mass_kg: above_zero("hanging mass", mass_kg)?,
             at_m: Point3::from(at_m),
@@ -109,7 +109,7 @@ impl World {
         half_m: f64,
     ) -> Result<Self, Error> {
         let rod = Vector3::from(rod);
-        self.strange.loose.push(Loose {
+        self.unmodelled.loose.push(Loose {
             link: self.robot().link_index(link)?,
             mass_kg: above_zero("loose mass", mass_kg)?,
             at_m: Point3::from(at_m),
@@ -171,7 +171,7 @@ impl World {
         harmonic: f64,
         amplitude_m: [f64; 2],
     ) -> Result<Self, Error> {
-        self.strange.sines.push(Sine {
+        self.unmodelled.sines.push(Sine {
             channel: self.encoder(joint)?,
             harmonic,
             amplitude_m: Vector2::from(amplitude_m),
@@ -182,12 +182,12 @@ impl World {
     /// The masses that are not fixed to their links, where they are now.
     pub(super) fn carried(&self, poses: &[Pose]) -> Vec<Carried> {
         let down = self.gravity.normalize();
-        let hanging = self.strange.hanging.iter().map(|load| Carried {
+        let hanging = self.unmodelled.hanging.iter().map(|load| Carried {
             link: load.link,
             at_m: poses[load.link] * load.at_m + down * load.string_m,
             mass_kg: load.mass_kg,
         });
-        let loose = self.strange.loose.iter().map(|load| {
+        let loose = self.unmodelled.loose.iter().map(|load| {
             let pose = poses[load.link];
             let slope = (pose.rotation * load.rod.into_inner()).dot(&down);
             let slid = load.rod.into_inner() * (load.half_m * (slope / LOOSE).tanh());

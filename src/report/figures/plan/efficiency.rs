@@ -11,7 +11,7 @@ const EDGES: [f64; 4] = [44.0, 32.0, 470.0, 366.0];
 const HIGHEST: f64 = 6.0;
 
 /// Planned postures and as many random ones of the same candidates.
-pub fn worth(curve: &[Efficiency]) -> String {
+pub fn efficiency(curve: &[Efficiency]) -> String {
     let label = match curve.last() {
         Some(last) => format!(
             "Expected error over the number of postures: {} mm of {} planned, {} mm of random ones",
@@ -24,11 +24,11 @@ pub fn worth(curve: &[Efficiency]) -> String {
     let mut figure = Figure::new([480.0, 400.0], &label);
     let highest = curve.last().map_or(0.0, |last| HIGHEST * last.random);
     let of = |pick: fn(&Efficiency) -> f64| {
-        let low = move |worth: &&Efficiency| pick(worth) <= highest;
-        let point = move |worth: &Efficiency| [worth.postures as f64, to_mm(pick(worth))];
-        curve.iter().filter(low).map(point)
+        let low = move |point: &&Efficiency| pick(point) <= highest;
+        let place = move |point: &Efficiency| [point.postures as f64, to_mm(pick(point))];
+        curve.iter().filter(low).map(place)
     };
-    let (mut planned, mut random) = (of(|worth| worth.planned), of(|worth| worth.random));
+    let (mut planned, mut random) = (of(|point| point.planned), of(|point| point.random));
     let both = || planned.clone().chain(random.clone());
     let x = span(both().map(|point| point[0]));
     let y = span(both().map(|point| point[1]).chain([0.0]));

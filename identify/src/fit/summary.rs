@@ -11,7 +11,7 @@ use crate::lsq::solve::Estimate;
 use crate::observations::{grouping, noise};
 use crate::simulate::Simulator;
 
-/// Correlations worth a line.
+/// Correlations from this magnitude on are listed.
 const CORRELATED: f64 = 0.9;
 const CORRELATIONS: usize = 20;
 /// Postures over which errors are expected.
@@ -120,7 +120,7 @@ pub(super) fn parameters(
         cad: cad[k],
         source: match (std[k], prior_std.map(|prior| prior[k])) {
             (None, _) => "cad",
-            // Data that leave more than 70 % of the prior's deviation told less than it.
+            // Data that leave more than 70 % of the prior's deviation contain less than the prior.
             (Some(std), Some(prior)) if std >= std::f64::consts::FRAC_1_SQRT_2 * prior => "prior",
             _ => "data",
         },

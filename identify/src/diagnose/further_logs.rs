@@ -11,20 +11,20 @@ use nalgebra::{DMatrix, DVector};
 
 use sesc_model::effects::Experiment;
 
+use super::backlash_sides;
 use super::experiment::{self, Carried};
 use super::problem::{Fit, Problem, State};
-use super::sides;
 use crate::lsq::damped::{self, Expansion};
 
 /// A log of an experiment, on the support that it was taken on.
-pub struct Further<'m> {
+pub struct FurtherLog<'m> {
     pub experiment: Experiment,
     pub problem: Problem<'m>,
 }
 
 /// `fit` of the first log, fitted to all: its score is that of all logs, its
 /// predictions and residuals are those of the first.
-pub fn together(first: &Problem, fit: Fit, further: &[Further]) -> Fit {
+pub fn together(first: &Problem, fit: Fit, further: &[FurtherLog]) -> Fit {
     if further.is_empty() {
         return fit;
     }
@@ -55,12 +55,12 @@ pub fn together(first: &Problem, fit: Fit, further: &[Further]) -> Fit {
     Fit {
         covariance: damped::covariance(&at.normal, &scales),
         objective: at.value + rest,
-        price: fit.price + scales.len() as f64 * (all / n).ln(),
+        penalty: fit.penalty + scales.len() as f64 * (all / n).ln(),
         unknowns: at.first.unknowns,
         predicted: at.first.predicted,
         residual: at.first.residual,
         slopes: at.first.slopes,
-        strained: at.first.strained,
+        at_bound: at.first.at_bound,
         ..fit
     }
 }
@@ -71,27 +71,27 @@ struct Log<'f, 'm> {
     carried: Carried,
     posture_context: Vec<f64>,
     /// Of sides that gravity does not favour.
-    price: f64,
+    penalty: f64,
 }
 
 impl<'f, 'm> Log<'f, 'm> {
-    fn new(first: &Problem, fit: &Fit, further: &'f Further<'m>) -> Log<'f, 'm> {
+    fn new(first: &Problem, fit: &Fit, further: &'f FurtherLog<'m>) -> Log<'f, 'm> {
         let problem = &further.problem;
         let (here, there) = (&first.context, &problem.context);
         let carried = experiment::carried(further.experiment, here, there, &fit.terms);
         let mut posture_context = problem.data.posture_context.clone();
-        let mut price = 0.0;
+        let mut penalty = 0.0;
         if !problem.slack_joints(&carried.terms).is_empty() {
             let unknowns = carried.unknowns(&fit.unknowns);
-            let sides = sides::settle(problem, &carried.terms, &unknowns, Some(fit));
-            price = sides.price;
+            let sides = backlash_sides::settle(problem, &carried.terms, &unknowns, Some(fit));
+            penalty = sides.penalty;
             posture_context.clone_from(&sides.posture_context);
         }
         Log {
             problem,
             carried,
             posture_context,
-            price,
+            penalty,
         }
     }
 
@@ -118,7 +118,7 @@ impl Joint {
         let mut value = first.value;
         for log in logs {
             let state = log.state(&first.unknowns);
-            value += state.value + log.price;
+            value += state.value + log.penalty;
             for (a, &(to_a, sign_a)) in log.carried.columns.iter().enumerate() {
                 gradient[to_a] += sign_a * state.normal.1[a];
                 for (b, &(to_b, sign_b)) in log.carried.columns.iter().enumerate() {

@@ -2,7 +2,7 @@
 //!
 //! Gravity decides: `sign τ_j` with every other joint where it rests. A joint
 //! that carries the robot is an inverted pendulum: near zero moment both sides
-//! hold, and the reading tells which, at a price.
+//! hold, and the reading decides which, at a penalty.
 
 use std::rc::Rc;
 
@@ -16,7 +16,7 @@ use super::problem::{Fit, Problem};
 /// Sides, written into the posture context, with the penalty of the unlikely ones.
 pub struct Sides {
     pub posture_context: Rc<Vec<f64>>,
-    pub price: f64,
+    pub penalty: f64,
     /// Postures with a joint on its unlikely side.
     pub flipped: Vec<usize>,
 }
@@ -29,7 +29,7 @@ pub fn settle(problem: &Problem, terms: &[Term], unknowns: &[f64], fit: Option<&
     let joints = problem.slack_joints(terms);
     let mut posture_context = problem.data.posture_context.clone();
     let mut out = Vec::new();
-    // From the middle of every band, all at once: as `Measured::bend` has it.
+    // From the middle of every band, all at once, as in `Measured::bend`.
     joints_at(problem, &joints, &mut posture_context, |_, _| 0.0);
     for _ in 0..ROUNDS {
         out = problem.evaluate_moments(terms, unknowns, &posture_context);
@@ -38,11 +38,11 @@ pub fn settle(problem: &Problem, terms: &[Term], unknowns: &[f64], fit: Option<&
             before + step / ROUNDS as f64
         });
     }
-    let mut price = 0.0;
+    let mut penalty = 0.0;
     let mut flipped = Vec::new();
     if fit.is_some() {
         let residual = residual_now(problem, terms, unknowns, &posture_context);
-        let excess = problem.masses(terms).beyond_one(&residual);
+        let unexplained = problem.masses(terms).project_out_one(&residual);
         for k in 0..n {
             let near = bistable(
                 problem,
@@ -54,9 +54,9 @@ pub fn settle(problem: &Problem, terms: &[Term], unknowns: &[f64], fit: Option<&
             if near.is_empty() {
                 continue;
             }
-            let own = [excess[2 * k], excess[2 * k + 1]];
+            let own = [unexplained[2 * k], unexplained[2 * k + 1]];
             let (flips, cost) = best_flips(k, own, &near, &posture_context, &layout);
-            price += cost;
+            penalty += cost;
             if !flips.is_empty() {
                 flipped.push(k);
             }
@@ -67,7 +67,7 @@ pub fn settle(problem: &Problem, terms: &[Term], unknowns: &[f64], fit: Option<&
     }
     Sides {
         posture_context: Rc::new(posture_context),
-        price,
+        penalty,
         flipped,
     }
 }

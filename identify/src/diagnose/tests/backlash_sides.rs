@@ -3,12 +3,12 @@
 use sesc_model::effects::PostureContext;
 
 use super::{Bench, gauss, term, values};
+use crate::diagnose::backlash_sides::settle;
 use crate::diagnose::problem::ALL;
-use crate::diagnose::sides::settle;
 
 const JOINT: &str = "r_ank_pitch";
 
-/// Every loose joint ends where the virtual robot's slides to.
+/// Every loose joint ends where the virtual robot's does.
 #[test]
 fn gravity_puts_joints_where_they_slide_to() {
     let bench = Bench::op2();
@@ -19,7 +19,7 @@ fn gravity_puts_joints_where_they_slide_to() {
     let all = [term(&problem, "backlash", "all")];
     let sides = settle(&problem, &all, &[width], None);
     assert!(sides.flipped.is_empty());
-    assert_eq!(sides.price, 0.0);
+    assert_eq!(sides.penalty, 0.0);
     let layout = PostureContext::of(&bench.model);
     let (mut told, mut wrong) = (0, 0);
     for (k, q) in q.chunks(dof).enumerate() {
@@ -35,12 +35,12 @@ fn gravity_puts_joints_where_they_slide_to() {
         }
     }
     assert!(told > 50 * dof, "{told}");
-    // Where moments are next to zero, another order of sliding ends elsewhere.
+    // Where moments are next to zero, another order of settling ends elsewhere.
     assert!(100 * wrong < told, "{wrong} of {told}");
 }
 
 /// An ankle that carries is an inverted pendulum: where its moment reverses within
-/// the band, both ends hold. Which one a posture took is told by its reading.
+/// the band, both ends hold. The reading shows which one a posture took.
 #[test]
 fn readings_tell_the_side_where_both_hold() {
     let bench = Bench::op2();
