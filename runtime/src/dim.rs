@@ -13,8 +13,7 @@
 
 use core::ops::{Index, IndexMut};
 
-use crate::scalar::Scalar;
-use crate::simd::sealed::Machine;
+use crate::scalar::{Scalar, sealed::Machine};
 
 /// A number of joints or of parameters, as a type: [`Const<N>`](Const) and no other.
 ///

@@ -64,5 +64,5 @@ pub use dim::{Const, Dim};
 pub use lanes::{F32x16, F64x8, Lanes, pack, unpack};
 pub use model::{CorrectCop, FullParams, Params, Posture, Sesc, SescFromSinCos};
 pub use real::Real;
-pub use scalar::Scalar;
-pub use simd::{Batch, Block, Simd, Single};
+pub use scalar::{Block, Scalar, Simd};
+pub use simd::{Batch, Single};

@@ -2,7 +2,6 @@
 
 use crate::lanes::{F32x16, F64x8};
 use crate::real::Real;
-use crate::simd::{Block, sealed::Dispatch};
 
 /// A plain number, `f64` or `f32` and no other: with order, in blocks of a cache line.
 ///
@@ -21,7 +20,7 @@ use crate::simd::{Block, sealed::Dispatch};
 /// assert_eq!(largest(&[0.1, -0.3]), 0.3);
 /// assert_eq!(f64::LIMIT, 2_f64.powi(100));
 /// ```
-pub trait Scalar: Real + Default + PartialOrd + Dispatch {
+pub trait Scalar: Real + Default + PartialOrd + sealed::Dispatch {
     /// A number of each posture of a block.
     type Block: Block<Scalar = Self>;
     /// 0.
@@ -54,6 +53,109 @@ pub trait Scalar: Real + Default + PartialOrd + Dispatch {
 
     /// The same number in double precision.
     fn to_f64(self) -> f64;
+}
+
+/// A number of each of several postures, together a cache line: [`F64x8`] or [`F32x16`].
+///
+/// ```
+/// use sesc_runtime::{Batch, Block, Params, Posture, Sesc, Simd};
+///
+/// /// Centres of mass, metres, in either scalar.
+/// fn centres<R: Sesc, B: Block>(q: &[Posture<R, B>], r: &Params<R, B::Scalar>, com: &mut [[B; 3]]) {
+///     R::com_batch(Simd::best(), q, r, com);
+/// }
+/// ```
+pub trait Block: Real {
+    /// Its numbers.
+    type Scalar: Scalar<Block = Self>;
+}
+
+pub(crate) mod sealed {
+    use super::{Scalar, Simd};
+    use crate::real::Real;
+
+    /// Rows side by side: three, and a lane to spare.
+    pub const ROWS: usize = 4;
+
+    /// Registers of one set, and how they meet memory.
+    pub trait Machine<S: Scalar> {
+        /// Postures side by side.
+        type Vector: Real;
+        /// Registers in a block.
+        const PARTS: usize;
+        /// One number, its products fused with its sums.
+        type One: Real;
+        /// Rows of one posture side by side, fused likewise.
+        type Rows: Real;
+
+        /// The same number in every lane.
+        fn splat(x: S) -> Self::Vector;
+
+        /// A register of each block.
+        fn load<const N: usize>(blocks: &[S::Block; N], part: usize) -> [Self::Vector; N];
+
+        /// The same from postures as rows, a block of them.
+        fn columns<const N: usize>(rows: &[[S; N]], part: usize) -> [Self::Vector; N];
+
+        /// The inverse of `load`; of the longer slice the rest is left out.
+        fn store(vectors: &[Self::Vector], blocks: &mut [S::Block], part: usize);
+
+        /// Where to write registers for the blocks: they themselves, where one register
+        /// fills a block, else `room`, from where they are stored then.
+        fn place<'a, const N: usize, const M: usize>(
+            blocks: &'a mut [[S::Block; N]; M],
+            room: &'a mut [[Self::Vector; N]; M],
+        ) -> &'a mut [[Self::Vector; N]; M];
+
+        /// The same numbers as scalars of the set.
+        fn ones<const N: usize>(scalars: &[S; N]) -> &[Self::One; N];
+
+        /// The inverse of `ones`.
+        fn scalars(ones: &[Self::One]) -> &[S];
+
+        /// The same number in every row.
+        fn every_row(x: S) -> Self::Rows;
+
+        /// A number of each row.
+        fn rows(numbers: [S; ROWS]) -> Self::Rows;
+
+        /// The inverse of `rows`.
+        fn numbers(rows: Self::Rows) -> [S; ROWS];
+
+        fn sin_cos<const N: usize>(angles: &[S; N], sin: &mut [S; N], cos: &mut [S; N]);
+    }
+
+    /// What is to be done, on any set.
+    pub trait Task<S: Scalar> {
+        fn run<M: Machine<S>>(self);
+    }
+
+    /// Run a task, compiled for a set.
+    pub trait Dispatch: Sized {
+        fn run(set: Simd, task: impl Task<Self>)
+        where
+            Self: Scalar;
+    }
+}
+
+/// A set of instructions that this machine has.
+///
+/// ```
+/// use sesc_runtime::Simd;
+///
+/// let best = Simd::best();
+/// assert!(Simd::available().any(|set| set == best));
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Simd(pub(crate) Set);
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Set {
+    Portable,
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
 }
 
 macro_rules! scalar {

@@ -18,9 +18,8 @@ use super::{Error, Estimator, Scalar, finite, positive};
 use crate::__private::v1::{Array, Robot};
 use crate::dim::Const;
 use crate::model::{Posture, Sesc};
-use crate::simd::Simd;
+use crate::scalar::{Simd, sealed::Dispatch};
 use crate::simd::normal::{Data, Products, Residuals, Sums};
-use crate::simd::sealed::Dispatch;
 
 /// Postures whose products are summed before they enter the triangle.
 const CHUNK: usize = 1 << 16;

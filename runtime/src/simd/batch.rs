@@ -2,12 +2,11 @@
 
 use core::marker::PhantomData;
 
-use super::sealed::{Dispatch, Machine, Task};
-use super::{Block, Simd};
 use crate::__private::v1::{Array, Robot};
 use crate::dim::Dim;
 use crate::model::{FullParams, Params, Posture, Sesc};
-use crate::scalar::Scalar;
+use crate::scalar::sealed::{Dispatch, Machine, Task};
+use crate::scalar::{Block, Scalar, Simd};
 
 /// The functions of [`Sesc`] on blocks of postures.
 ///

@@ -22,32 +22,11 @@ mod tests;
 mod x86;
 
 use crate::lanes::{F32x16, F64x8, Lanes, pack};
-use crate::real::Real;
-use crate::scalar::Scalar;
+use crate::scalar::{Block, Scalar, Set, Simd, sealed};
 use crate::trig;
 
 pub use batch::Batch;
 pub use single::Single;
-
-/// A set of instructions that this machine has.
-///
-/// ```
-/// use sesc_runtime::Simd;
-///
-/// let best = Simd::best();
-/// assert!(Simd::available().any(|set| set == best));
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Simd(Set);
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Set {
-    Portable,
-    #[cfg(target_arch = "x86_64")]
-    Avx2,
-    #[cfg(target_arch = "x86_64")]
-    Avx512,
-}
 
 impl Simd {
     /// What every machine has: the same bits everywhere.
@@ -122,90 +101,6 @@ impl Simd {
             #[cfg(target_arch = "x86_64")]
             Set::Avx512 => "AVX-512",
         }
-    }
-}
-
-/// A number of each of several postures, together a cache line: [`F64x8`] or [`F32x16`].
-///
-/// ```
-/// use sesc_runtime::{Batch, Block, Params, Posture, Sesc, Simd};
-///
-/// /// Centres of mass, metres, in either scalar.
-/// fn centres<R: Sesc, B: Block>(q: &[Posture<R, B>], r: &Params<R, B::Scalar>, com: &mut [[B; 3]]) {
-///     R::com_batch(Simd::best(), q, r, com);
-/// }
-/// ```
-pub trait Block: Real {
-    /// Its numbers.
-    type Scalar: Scalar<Block = Self>;
-}
-
-pub(crate) mod sealed {
-    use super::Simd;
-    use crate::real::Real;
-    use crate::scalar::Scalar;
-
-    /// Rows side by side: three, and a lane to spare.
-    pub const ROWS: usize = 4;
-
-    /// Registers of one set, and how they meet memory.
-    pub trait Machine<S: Scalar> {
-        /// Postures side by side.
-        type Vector: Real;
-        /// Registers in a block.
-        const PARTS: usize;
-        /// One number, its products fused with its sums.
-        type One: Real;
-        /// Rows of one posture side by side, fused likewise.
-        type Rows: Real;
-
-        /// The same number in every lane.
-        fn splat(x: S) -> Self::Vector;
-
-        /// A register of each block.
-        fn load<const N: usize>(blocks: &[S::Block; N], part: usize) -> [Self::Vector; N];
-
-        /// The same from postures as rows, a block of them.
-        fn columns<const N: usize>(rows: &[[S; N]], part: usize) -> [Self::Vector; N];
-
-        /// The inverse of `load`; of the longer slice the rest is left out.
-        fn store(vectors: &[Self::Vector], blocks: &mut [S::Block], part: usize);
-
-        /// Where to write registers for the blocks: they themselves, where one register
-        /// fills a block, else `room`, from where they are stored then.
-        fn place<'a, const N: usize, const M: usize>(
-            blocks: &'a mut [[S::Block; N]; M],
-            room: &'a mut [[Self::Vector; N]; M],
-        ) -> &'a mut [[Self::Vector; N]; M];
-
-        /// The same numbers as scalars of the set.
-        fn ones<const N: usize>(scalars: &[S; N]) -> &[Self::One; N];
-
-        /// The inverse of `ones`.
-        fn scalars(ones: &[Self::One]) -> &[S];
-
-        /// The same number in every row.
-        fn every_row(x: S) -> Self::Rows;
-
-        /// A number of each row.
-        fn rows(numbers: [S; ROWS]) -> Self::Rows;
-
-        /// The inverse of `rows`.
-        fn numbers(rows: Self::Rows) -> [S; ROWS];
-
-        fn sin_cos<const N: usize>(angles: &[S; N], sin: &mut [S; N], cos: &mut [S; N]);
-    }
-
-    /// What is to be done, on any set.
-    pub trait Task<S: Scalar> {
-        fn run<M: Machine<S>>(self);
-    }
-
-    /// Run a task, compiled for a set.
-    pub trait Dispatch: Sized {
-        fn run(set: Simd, task: impl Task<Self>)
-        where
-            Self: Scalar;
     }
 }
 

@@ -11,11 +11,11 @@
 
 use core::marker::PhantomData;
 
-use super::sealed::{Machine, Task};
 use crate::__private::v1::{Array, Robot};
 use crate::dim::{Const, Dim};
 use crate::lanes::F64x8;
 use crate::real::Real;
+use crate::scalar::sealed::{Machine, Task};
 
 /// Postures of a block.
 const LANES: usize = 8;

@@ -2,12 +2,11 @@
 
 use core::marker::PhantomData;
 
-use super::Simd;
-use super::sealed::{Machine, Task};
 use crate::__private::v1::{Array, SinCosRobot};
 use crate::dim::Dim;
 use crate::model::{FullParams, Params, Posture, SescFromSinCos};
-use crate::scalar::Scalar;
+use crate::scalar::sealed::{Machine, Task};
+use crate::scalar::{Scalar, Simd};
 
 /// The functions of [`Sesc`](crate::Sesc) for one posture.
 ///

@@ -16,7 +16,7 @@ use core::arch::x86_64::*;
 
 use super::fused::{FusedF32, FusedF64};
 use super::{align_stack, machine, register};
-use crate::simd::sealed::{Machine, ROWS, Task};
+use crate::scalar::sealed::{Machine, ROWS, Task};
 use crate::{pack, power, trig};
 
 /// The set.

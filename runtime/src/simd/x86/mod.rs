@@ -154,7 +154,7 @@ macro_rules! register {
 }
 use register;
 
-/// A set's registers as a [`Machine`](crate::simd::sealed::Machine).
+/// A set's registers as a [`Machine`](crate::scalar::sealed::Machine).
 macro_rules! machine {
     (
         $set:ident: $vector:ident, $lanes:literal of $scalar:ty, $count:literal a block,
@@ -162,7 +162,7 @@ macro_rules! machine {
         columns $columns:path;
         sin_cos $sin_cos:path;
     ) => {
-        impl crate::simd::sealed::Machine<$scalar> for $set {
+        impl crate::scalar::sealed::Machine<$scalar> for $set {
             type Vector = $vector;
             const PARTS: usize = $count / $lanes;
             type One = $one;
