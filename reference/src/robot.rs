@@ -10,8 +10,6 @@
 //! after `O_j`. The numbers are those of the file, to the last bit; only axes
 //! are brought to length one and quaternions to matrices.
 
-use std::path::Path;
-
 use nalgebra::{Point3, Unit, Vector3};
 
 use crate::error::Error;
@@ -35,32 +33,6 @@ pub struct Robot {
 }
 
 impl Robot {
-    /// Reads the text of a URDF.
-    ///
-    /// Only what the centre of mass depends on is read: link inertials (origin
-    /// and mass) and joints (type, parent, child, origin, axis, position
-    /// limits, mimic). Everything else may be absent, unknown or broken.
-    ///
-    /// # Errors
-    /// Text that is not XML, numbers that are not numbers, unknown joint
-    /// types, links that form no tree, mimic joints without a master.
-    pub fn from_urdf(text: &str) -> Result<Self, Error> {
-        crate::urdf::read(text)
-    }
-
-    /// Reads a URDF file; see [`Robot::from_urdf`].
-    ///
-    /// # Errors
-    /// As [`Robot::from_urdf`], and [`Error::File`] where it cannot be read.
-    pub fn from_file(path: impl AsRef<Path>) -> Result<Self, Error> {
-        let path = path.as_ref();
-        let bytes = std::fs::read(path).map_err(|source| Error::File {
-            path: path.to_owned(),
-            source,
-        })?;
-        Self::from_urdf(&String::from_utf8_lossy(&bytes))
-    }
-
     /// Puts links and joints together and checks that they are one tree. A
     /// mimic on a joint without a coordinate is dropped.
     ///

@@ -11,6 +11,7 @@
 //! `quat_xyzw` counts from URDF 1.1 on. A missing or odd version means 1.0.
 
 use std::collections::{HashMap, HashSet};
+use std::path::Path;
 
 use nalgebra::{Point3, Quaternion, Rotation3, Translation3, Unit, UnitQuaternion, Vector3};
 use roxmltree::Node;
@@ -22,8 +23,36 @@ use crate::xml::{
     bounds, child, children, declare_prefixes, missing, numbers, parse, strip_comments, text_of,
 };
 
+impl Robot {
+    /// Reads the text of a URDF.
+    ///
+    /// Only what the centre of mass depends on is read: link inertials (origin
+    /// and mass) and joints (type, parent, child, origin, axis, position
+    /// limits, mimic). Everything else may be absent, unknown or broken.
+    ///
+    /// # Errors
+    /// Text that is not XML, numbers that are not numbers, unknown joint
+    /// types, links that form no tree, mimic joints without a master.
+    pub fn from_urdf(text: &str) -> Result<Self, Error> {
+        read(text)
+    }
+
+    /// Reads a URDF file; see [`Robot::from_urdf`].
+    ///
+    /// # Errors
+    /// As [`Robot::from_urdf`], and [`Error::File`] where it cannot be read.
+    pub fn from_file(path: impl AsRef<Path>) -> Result<Self, Error> {
+        let path = path.as_ref();
+        let bytes = std::fs::read(path).map_err(|source| Error::File {
+            path: path.to_owned(),
+            source,
+        })?;
+        Self::from_urdf(&String::from_utf8_lossy(&bytes))
+    }
+}
+
 /// Reads the text of a URDF.
-pub(crate) fn read(text: &str) -> Result<Robot, Error> {
+fn read(text: &str) -> Result<Robot, Error> {
     let text = declare_prefixes(strip_comments(text))?;
     let document = parse(&text)?;
     let root = document.root_element();
