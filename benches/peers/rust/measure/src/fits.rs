@@ -13,7 +13,8 @@ use sesc_identify::simulate::Simulator;
 use sesc_model::Function;
 
 use crate::functions::largest;
-use crate::peers::{BASE, Fit, One, Peers, add_columns};
+use crate::ours::One;
+use crate::peers::{BASE, Fit, Peers, add_columns};
 use crate::turns::{Entry, Found, compare};
 use crate::{our_fit, ours};
 

@@ -6,8 +6,8 @@ use std::time::Duration;
 use sesc_identify::simulate::Simulator;
 use sesc_model::Function;
 
-use crate::ours;
-use crate::peers::{Answer, Batch, One, Peers, contestants};
+use crate::ours::{self, One};
+use crate::peers::{Answer, Batch, Peers, contestants};
 use crate::turns::{Entry, Found, compare};
 
 /// Postures of a batch: its rows stay in the second cache.

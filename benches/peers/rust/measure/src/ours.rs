@@ -12,7 +12,8 @@ use sesc_model::{Function, Model, Snapping};
 use sesc_generated::op2_r_sole::{self as op2, Op2RSole};
 use sesc_runtime::{Batch as _, F32x16, F64x8, Simd, Single as _, pack};
 
-use crate::peers::One;
+/// One posture.
+pub type One<T> = extern "C" fn(*const T, *mut T);
 
 pub use op2::{DOF, JOINT_NAMES};
 

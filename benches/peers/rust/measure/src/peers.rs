@@ -10,10 +10,8 @@ use std::path::Path;
 use libloading::{Library, Symbol};
 use sesc_model::Function;
 
-use crate::ours;
+use crate::ours::{self, One};
 
-/// One posture.
-pub type One<T> = extern "C" fn(*const T, *mut T);
 /// Postures one after the other.
 pub type Batch<T> = extern "C" fn(*const T, usize, *mut T);
 /// Least squares: a maker of rows, postures, readings, how many, parameters.
