@@ -74,7 +74,7 @@ fn effect(
 }
 
 fn reading(model: &Model, effects: &[(Instance, Vec<f64>)], q: &[f64], tilt: [f64; 2]) -> [f64; 2] {
-    let context = EffectContext::new(model, &[], true);
+    let context = EffectContext::new(model, &[], true, Catalog::standard());
     let instances: Vec<Instance> = effects.iter().map(|(i, _)| i.clone()).collect();
     let unknowns: Vec<f64> = effects.iter().flat_map(|(_, x)| x.clone()).collect();
     let program = effects::reading(&context, &instances, &model.cad_params());
@@ -106,7 +106,7 @@ fn a_payload_is_a_heavier_link_of_the_urdf() {
         for support in ["base", "hand"] {
             let bare = model(&hand(mass, com), support);
             let heavy = model(&hand(both, joined), support);
-            let context = EffectContext::new(&bare, &[], true);
+            let context = EffectContext::new(&bare, &[], true, Catalog::standard());
             let values = [load, at[0], at[1], at[2]];
             let payload = effect(&context, "payload", "hand", &values);
             for q in [[0.1, 0.5, -0.3], [0.3, -1.2, 0.9]] {
@@ -124,7 +124,7 @@ fn a_slope_is_gravity_that_leans() {
         .replace("MASS", "0.5")
         .replace("COM", "0.05 0.01 -0.02");
     let model = model(&robot, "base");
-    let context = EffectContext::new(&model, &[], true);
+    let context = EffectContext::new(&model, &[], true, Catalog::standard());
     let soft = effect(&context, "joint_compliance", "all", &[200.0]);
     for slope in [[0.02, -0.03], [-0.3, 0.1]] {
         let leaning = effect(&context, "ground_slope", "-", &slope);
@@ -144,7 +144,7 @@ fn a_slope_is_gravity_that_leans() {
 #[test]
 fn a_pull_on_a_pendulum_is_a_sum_of_moments() {
     let model = model(PENDULUM, "foot");
-    let context = EffectContext::new(&model, &[], true);
+    let context = EffectContext::new(&model, &[], true, Catalog::standard());
     for force in [
         [2.0, 0.0, 0.0],
         [0.0, -1.5, 0.0],
@@ -192,7 +192,7 @@ fn a_pull_on_a_pendulum_is_a_sum_of_moments() {
 #[test]
 fn a_spring_holds_a_pendulum_where_moments_balance() {
     let model = model(PENDULUM, "foot");
-    let context = EffectContext::new(&model, &[], true);
+    let context = EffectContext::new(&model, &[], true, Catalog::standard());
     let gravity = MASSES[1] * GRAVITY * HEAVY;
     for softness in [0.2, 0.05, 0.01] {
         let stiffness = gravity / softness;

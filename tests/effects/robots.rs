@@ -5,7 +5,7 @@ use std::path::Path;
 use sesc_identify::evaluate::PORTABLE;
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
-use sesc_model::effects::{self, EffectContext, Instance, PostureContext};
+use sesc_model::effects::{self, Catalog, EffectContext, Instance, PostureContext};
 use sesc_model::program::Program;
 use sesc_model::tape::{Tape, Values};
 use sesc_model::{Model, Snapping};
@@ -58,7 +58,7 @@ impl Stand {
     }
 
     pub fn context(&self) -> EffectContext<'_> {
-        EffectContext::new(&self.model, &self.cells, true)
+        EffectContext::new(&self.model, &self.cells, true, Catalog::standard())
     }
 
     /// The robot as its URDF says.

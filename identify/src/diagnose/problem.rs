@@ -125,8 +125,8 @@ impl<'m> Problem<'m> {
         prior: &Prior,
         effects: &Catalog,
     ) -> Result<Problem<'m>, Error> {
-        let context = EffectContext::new(model, &data.cells, data.t.is_some());
-        let context = context.with_effects(effects.clone());
+        let times = data.t.is_some();
+        let context = EffectContext::new(model, &data.cells, times, effects.clone());
         let n = data.len();
         let p = model.base.params.len();
         let layout = PostureContext::of(model);

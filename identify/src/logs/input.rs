@@ -1,11 +1,14 @@
 //! Where a log is: a file, the bytes of one, or a table in memory.
 
-use std::fmt;
 use std::fs::File;
 use std::io::{self, Cursor, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
+use sesc_model::hash;
+
+use super::shared::Shared;
 use super::sidecar::Sidecar;
 use super::table::Table;
 use crate::{Error, Message};
@@ -131,33 +134,6 @@ impl From<&LogSource> for LogSource {
     }
 }
 
-/// Values that somebody owns: a vector, an array of another language.
-pub(super) struct Shared<T>(Arc<dyn AsRef<[T]> + Send + Sync>);
-
-impl<T> Shared<T> {
-    pub fn new(values: impl AsRef<[T]> + Send + Sync + 'static) -> Shared<T> {
-        Shared(Arc::new(values))
-    }
-}
-
-impl<T> AsRef<[T]> for Shared<T> {
-    fn as_ref(&self) -> &[T] {
-        (*self.0).as_ref()
-    }
-}
-
-impl<T> Clone for Shared<T> {
-    fn clone(&self) -> Shared<T> {
-        Shared(self.0.clone())
-    }
-}
-
-impl<T> fmt::Debug for Shared<T> {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        write!(f, "{} values", self.as_ref().len())
-    }
-}
-
 /// Bytes of a log file, on disk or in memory.
 pub(super) enum Bytes {
     File(File),
@@ -192,5 +168,58 @@ impl Read for Bytes {
             Bytes::File(file) => file.read(buffer),
             Bytes::Memory(bytes) => bytes.read(buffer),
         }
+    }
+}
+
+/// What passed through a [`Metered`] file, to be looked at from outside.
+#[derive(Debug)]
+pub(super) struct Meter {
+    done: AtomicU64,
+    hash: AtomicU64,
+    total: Option<u64>,
+}
+
+impl Meter {
+    pub fn progress(&self) -> (u64, Option<u64>) {
+        (self.done.load(Ordering::Relaxed), self.total)
+    }
+
+    pub fn hash(&self) -> u64 {
+        self.hash.load(Ordering::Relaxed)
+    }
+}
+
+/// A file that counts and hashes what is read from it.
+pub(super) struct Metered {
+    file: Bytes,
+    meter: Arc<Meter>,
+}
+
+impl Metered {
+    pub fn new(file: Bytes) -> Metered {
+        let total = file.count();
+        let meter = Arc::new(Meter {
+            done: AtomicU64::new(0),
+            hash: AtomicU64::new(hash::START),
+            total,
+        });
+        Metered { file, meter }
+    }
+
+    pub fn meter(&self) -> Arc<Meter> {
+        self.meter.clone()
+    }
+}
+
+impl Read for Metered {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let n = self.file.read(buffer)?;
+        // One thread reads; others may look.
+        let meter = &self.meter;
+        meter.done.fetch_add(n as u64, Ordering::Relaxed);
+        let before = meter.hash.load(Ordering::Relaxed);
+        let hash = hash::fnv1a(before, &buffer[..n]);
+        meter.hash.store(hash, Ordering::Relaxed);
+        Ok(n)
     }
 }

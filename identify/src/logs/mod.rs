@@ -26,6 +26,8 @@ mod options;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod reader;
+mod row;
+mod shared;
 mod sidecar;
 mod source;
 mod suspect;
@@ -39,6 +41,7 @@ pub use columns::{COLUMNS, Column, Need, columns_text};
 pub use input::LogSource;
 pub use options::{Hold, Options, Readings};
 pub use reader::{PostureReader, Summary};
+pub use row::{Row, Written};
 pub use sidecar::{Angles, Sidecar};
 pub use table::Table;
-pub use writer::{PostureWriter, Row, Written};
+pub use writer::PostureWriter;

@@ -1,14 +1,9 @@
 //! What every format delivers: rows of numbers as they stand in the file.
 
 use std::collections::HashSet;
-use std::io::{self, Read};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
-
-use sesc_model::hash;
 
 use super::columns::{Columns, POSE};
-use super::input::Bytes;
 use crate::{Error, Message};
 
 /// Rows of a file before anything is made of them.
@@ -82,59 +77,6 @@ pub(super) fn whole(value: f64) -> Result<i64, String> {
         Err(format!(
             "column `{POSE}`: {value} is no whole number below 2^53"
         ))
-    }
-}
-
-/// What passed through a [`Metered`] file, to be looked at from outside.
-#[derive(Debug)]
-pub(super) struct Meter {
-    done: AtomicU64,
-    hash: AtomicU64,
-    total: Option<u64>,
-}
-
-impl Meter {
-    pub fn progress(&self) -> (u64, Option<u64>) {
-        (self.done.load(Ordering::Relaxed), self.total)
-    }
-
-    pub fn hash(&self) -> u64 {
-        self.hash.load(Ordering::Relaxed)
-    }
-}
-
-/// A file that counts and hashes what is read from it.
-pub(super) struct Metered {
-    file: Bytes,
-    meter: Arc<Meter>,
-}
-
-impl Metered {
-    pub fn new(file: Bytes) -> Metered {
-        let total = file.count();
-        let meter = Arc::new(Meter {
-            done: AtomicU64::new(0),
-            hash: AtomicU64::new(hash::START),
-            total,
-        });
-        Metered { file, meter }
-    }
-
-    pub fn meter(&self) -> Arc<Meter> {
-        self.meter.clone()
-    }
-}
-
-impl Read for Metered {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let n = self.file.read(buffer)?;
-        // One thread reads; others may look.
-        let meter = &self.meter;
-        meter.done.fetch_add(n as u64, Ordering::Relaxed);
-        let before = meter.hash.load(Ordering::Relaxed);
-        let hash = hash::fnv1a(before, &buffer[..n]);
-        meter.hash.store(hash, Ordering::Relaxed);
-        Ok(n)
     }
 }
 

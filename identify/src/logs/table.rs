@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use sesc_model::hash::{START, fnv1a};
 
 use super::columns::{Columns, SUPPORT};
-use super::input::Shared;
+use super::shared::Shared;
 use super::source::{Raw, Source, whole};
 use crate::Error;
 

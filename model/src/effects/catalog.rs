@@ -1,12 +1,8 @@
-//! The effects that are known, and their identities.
+//! Lists of effects, and what identifies an effect.
 
 use std::fmt;
 
-use super::{
-    Effect, axes, backlash, cells, external_force, ground_slope, joint_compliance, joint_offset,
-    joint_scale, joint_sign, joint_swap, payload, sensor_drift, sensor_gain, sensor_offset,
-    sensor_rotation, time_delay, units, unsettled_motion,
-};
+use super::Effect;
 
 /// Which effect it is.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -30,32 +26,6 @@ impl fmt::Debug for EffectId {
     }
 }
 
-/// All effects that this crate knows, in the order in which ties are broken: the
-/// plainest first.
-const STANDARD: &[&dyn Effect] = &[
-    &sensor_offset::SensorOffset,
-    &sensor_rotation::SensorRotation,
-    &sensor_gain::SensorGain,
-    &ground_slope::GroundSlope,
-    &joint_offset::JointOffset,
-    &joint_scale::JointScale,
-    &joint_compliance::JointCompliance,
-    &backlash::Backlash,
-    &payload::Payload,
-    &external_force::ExternalForce,
-    &sensor_drift::SensorDrift,
-    &cells::Gain,
-    &cells::Offset,
-    &cells::Exponent,
-    &cells::Saturation,
-    &time_delay::TimeDelay,
-    &unsettled_motion::UnsettledMotion,
-    &joint_sign::JointSign,
-    &joint_swap::JointSwap,
-    &axes::SensorAxes,
-    &units::Units,
-];
-
 /// A list of effects, the plainest first.
 ///
 /// ```
@@ -72,10 +42,10 @@ pub struct Catalog {
 }
 
 impl Catalog {
-    /// The effects of this crate.
-    pub fn standard() -> Catalog {
+    /// These effects, the plainest first.
+    pub(super) fn of(effects: &[&'static dyn Effect]) -> Catalog {
         Catalog {
-            effects: STANDARD.to_vec(),
+            effects: effects.to_vec(),
         }
     }
 

@@ -59,9 +59,14 @@ pub struct EffectContext<'m> {
 }
 
 impl<'m> EffectContext<'m> {
-    /// The robot with the foot cells (m, support frame) and times of a log, and the
-    /// standard catalog.
-    pub fn new(robot: &'m Robot, cells: &[[f64; 2]], times: bool) -> EffectContext<'m> {
+    /// The robot with the foot cells (m, support frame) and times of a log, and
+    /// the effects that may act on it.
+    pub fn new(
+        robot: &'m Robot,
+        cells: &[[f64; 2]],
+        times: bool,
+        catalog: Catalog,
+    ) -> EffectContext<'m> {
         let tree = &robot.tree;
         let heaviest = |body: &crate::chain::Body| {
             let mut links = body.links.clone();
@@ -72,16 +77,10 @@ impl<'m> EffectContext<'m> {
             robot,
             cells: cells.to_vec(),
             times,
-            catalog: Catalog::standard(),
+            catalog,
             links: robot.chain.bodies.iter().filter_map(heaviest).collect(),
             reach: robot.reach(),
         }
-    }
-
-    /// The same with other effects than the standard ones.
-    pub fn with_effects(mut self, catalog: Catalog) -> EffectContext<'m> {
-        self.catalog = catalog;
-        self
     }
 
     /// A link of each body.

@@ -8,7 +8,7 @@
 //! unknowns e as expressions; derivatives, fits, Rust and C follow from that one
 //! text, and so does the inverse of a sensor. Whatever else is known of an effect
 //! (its sentence, bounds, load, edit of a URDF, behaviour in an experiment) is a
-//! method of [`Effect`]: a new effect is one file and one line in the catalog.
+//! method of [`Effect`]: a new effect is one file and one line in `standard.rs`.
 
 mod axes;
 mod backlash;
@@ -30,6 +30,7 @@ mod sensor_drift;
 mod sensor_gain;
 mod sensor_offset;
 mod sensor_rotation;
+mod standard;
 mod time_delay;
 mod units;
 mod unsettled_motion;

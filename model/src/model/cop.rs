@@ -1,6 +1,6 @@
 //! The reading of a CoP and its inverse, with the effects of a model file.
 
-use crate::effects::{self, EffectContext, Instance, Measured, PostureContext, Source};
+use crate::effects::{self, Catalog, EffectContext, Instance, Measured, PostureContext, Source};
 use crate::expr::{Argument, Id};
 use crate::functions::Parameters;
 use crate::interface::Given;
@@ -11,7 +11,7 @@ use crate::tape::{Kernels, Tape, Values};
 /// The robot with the foot cells of the model file.
 fn context(model: &Model) -> EffectContext<'_> {
     let cells = model.file.as_ref().map_or(&[][..], |file| &file.cells);
-    EffectContext::new(model, cells, false)
+    EffectContext::new(model, cells, false, Catalog::standard())
 }
 
 /// The predicted reading of a posture, with the effects of the model

@@ -3,7 +3,7 @@
 
 use super::file::{EffectRecord, ModelFile, Parameter};
 use crate::Error;
-use crate::effects::{Effect, EffectContext, Instance, Stage};
+use crate::effects::{Catalog, Effect, EffectContext, Instance, Stage};
 use crate::robot::Robot;
 
 impl EffectRecord {
@@ -80,7 +80,7 @@ fn no_target(effect: &dyn Effect, context: &EffectContext) -> String {
 impl ModelFile {
     /// The effects as instances with their unknowns, in the file's order.
     pub(crate) fn instances(&self, robot: &Robot) -> Result<Vec<(Instance, Vec<f64>)>, Error> {
-        let context = EffectContext::new(robot, &self.cells, true);
+        let context = EffectContext::new(robot, &self.cells, true, Catalog::standard());
         let bad = |reason: String| Error::ModelFile {
             file: self.file.clone(),
             reason,

@@ -14,8 +14,9 @@ use csv::StringRecord;
 
 use self::rows::Rows;
 use super::columns::{Columns, POSE};
+use super::input::{Meter, Metered};
 use super::names::short;
-use super::source::{Interner, Meter, Metered, Raw, Source};
+use super::source::{Interner, Raw, Source};
 use crate::Error;
 
 /// What is looked at to tell the kind of a file, bytes.

@@ -34,10 +34,10 @@ use self::hold::{Holds, Posture};
 use self::records::{Channel, Records};
 use self::survey::Survey;
 use super::columns::{COP, Columns, POSE, SUPPORT, T};
-use super::input::{Bytes, Place};
+use super::input::{Bytes, Meter, Metered, Place};
 use super::names::short;
 use super::options::{Hold, Options, Readings};
-use super::source::{Interner, Meter, Metered, Raw, Source};
+use super::source::{Interner, Raw, Source};
 use crate::{Error, Message};
 
 const STATE: &str = "sensor_msgs/msg/JointState";
