@@ -71,6 +71,9 @@ mod triangle;
 #[cfg(test)]
 mod tests;
 
+use crate::__private::v1::Robot;
+use crate::dim::Const;
+use crate::model::{Posture, Sesc};
 use crate::scalar::Scalar;
 pub use answers::Prediction;
 pub use batch::MAX_CONDITION;
@@ -89,7 +92,7 @@ use triangle::Triangle;
 /// let mut parameters = Estimator::<f64, BASE_PARAMS>::with_prior(&CAD_PARAMS, &[0.01; 7])?;
 /// // Whenever the robot stands still:
 /// let (q, cop) = ([0.2, -0.4], [0.021, 0.001]);
-/// parameters.posture(&robot::regressor_cop(&q), &cop, &[1e-3; 2])?;
+/// parameters.add_posture::<robot::TwoLinkFoot>(&q, &cop, &[1e-3; 2])?;
 /// let com = robot::com(&q, &parameters.params());
 /// assert!((com[0] - cop[0]).abs() < 1e-3);
 /// # Ok::<(), Error>(())
@@ -191,6 +194,36 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
         Ok(estimator)
     }
 
+    /// Goes on from a batch fit: `params` (m) and the packed triangle `factor` of their
+    /// information, R with RᵀR = C⁻¹ row by row from the diagonal on, 1/m, as the
+    /// generated `MODEL_PARAMS` and `MODEL_INFORMATION` hold them.
+    ///
+    /// What comes after counts as if the batch fit had had it too. Both are `f64`, whatever
+    /// the scalar of the estimator, and under [`forgetting`](Self::forgetting) they fade
+    /// as readings do. A parameter whose row is zero stays as it is until readings show it.
+    ///
+    /// ```
+    /// # use sesc_runtime::fit::{Error, Estimator};
+    /// // 0.1 ± 0.01 and 0.2 ± 0.02, known independently.
+    /// let mut estimator = Estimator::<f32, 2>::resume(&[0.1, 0.2], &[100.0, 0.0, 50.0])?;
+    /// assert_eq!((estimator.params(), estimator.rank()), ([0.1, 0.2], 2));
+    /// assert!((estimator.deviations()[1] - 0.02).abs() < 1e-8);
+    /// # Ok::<(), Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NotFinite`]; [`Error::Factor`] where `factor` has not N (N + 1)/2 numbers, or
+    /// a diagonal below zero, or of zero with numbers behind it; [`Error::OutOfRange`] where
+    /// it holds more than [`Scalar::MOST`].
+    pub fn resume(params: &[f64; N], factor: &[f64]) -> Result<Self, Error> {
+        let mut estimator = Self::with_nominal(&params.map(T::from_f64))?;
+        estimator.triangle = Triangle::of_factor(factor)?;
+        let weights = estimator.triangle.weights.iter();
+        estimator.readings = weights.filter(|weight| **weight > T::ZERO).count() as f64;
+        Ok(estimator)
+    }
+
     /// Multiply the information by `lambda` before every posture: 1 forgets nothing.
     ///
     /// See the module on winding up.
@@ -240,6 +273,39 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
         self.take(y);
         self.postures = self.postures.saturating_add(1);
         Ok(())
+    }
+
+    /// Feed what the robot `R` measured at the joint positions `q`: `reading` as its sensor
+    /// gave it (m), `std` of the CoP that stands behind it (m), each x and y.
+    ///
+    /// The rows are those of `R`, with the joint effects of its model (wiring, offset,
+    /// scale), and the reading is freed of its sensor effects as
+    /// [`CorrectCop`](crate::CorrectCop) frees it, where the model has any. What is not
+    /// linear in the parameters or not the robot's (compliance, backlash, payload, a slope of
+    /// the ground) stays in the reading and pulls at the parameters.
+    ///
+    /// ```
+    /// use sesc_generated::two_link_foot::{BASE_PARAMS, CAD_PARAMS, TwoLinkFoot};
+    /// use sesc_runtime::fit::{Error, Estimator};
+    ///
+    /// let mut estimator = Estimator::<f64, BASE_PARAMS>::with_prior(&CAD_PARAMS, &[0.01; 7])?;
+    /// estimator.add_posture::<TwoLinkFoot>(&[0.2, -0.4], &[0.021, 0.001], &[1e-3; 2])?;
+    /// assert_eq!(estimator.postures(), 1);
+    /// # Ok::<(), Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As [`posture`](Self::posture); [`Error::NotFinite`] also where an angle is out of the
+    /// domain of [`Real::sin_cos`](crate::Real::sin_cos).
+    pub fn add_posture<R: Sesc<Base = Const<N>>>(
+        &mut self,
+        q: &Posture<R, T>,
+        reading: &[T; 2],
+        std: &[T; 2],
+    ) -> Result<(), Error> {
+        let cop = <R::Generated as Robot>::correct_cop(reading);
+        self.posture(&R::regressor_cop(q), &cop, std)
     }
 
     /// Feed one row, `row` · r = `value` ± `std`: another sensor, or a belief about the

@@ -342,7 +342,7 @@ pub trait CorrectCop: Sesc {
 impl<R: v1::SensorEffects> CorrectCop for R {
     #[inline]
     fn correct_cop<T: Real>(reading: &[T; 2]) -> [T; 2] {
-        <R as v1::SensorEffects>::correct_cop(reading)
+        <R as v1::Robot>::correct_cop(reading)
     }
 }
 

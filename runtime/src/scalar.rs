@@ -53,6 +53,11 @@ pub trait Scalar: Real + Default + PartialOrd + sealed::Dispatch {
 
     /// The same number in double precision.
     fn to_f64(self) -> f64;
+
+    /// √x of a normal number, within one unit in the last place: half the exponent, then
+    /// Newton's method. The generated C takes the same steps.
+    #[doc(hidden)]
+    fn root(self) -> Self;
 }
 
 /// A number of each of several postures, together a cache line: [`F64x8`] or [`F32x16`].
@@ -161,7 +166,8 @@ pub(crate) enum Set {
 macro_rules! scalar {
     (
         $t:ident in $block:ident, limit: $limit:expr, least: $least:expr, most: $most:expr,
-        independent: $independent:expr, light: $light:expr
+        independent: $independent:expr, light: $light:expr,
+        root: $half:expr, $steps:expr
     ) => {
         impl Scalar for $t {
             type Block = $block;
@@ -188,12 +194,23 @@ macro_rules! scalar {
             fn to_f64(self) -> f64 {
                 f64::from(self)
             }
+
+            #[inline]
+            fn root(self) -> Self {
+                let mut root = $t::from_bits((self.to_bits() >> 1) + $half);
+                for _ in 0..$steps {
+                    root = 0.5 * (root + self / root);
+                }
+                root
+            }
         }
     };
 }
 
-scalar!(f64 in F64x8, limit: 100, least: -200, most: 200 + 54, independent: -36, light: -100);
-scalar!(f32 in F32x16, limit: 20, least: -40, most: 40 + 25, independent: -17, light: -20);
+scalar!(f64 in F64x8, limit: 100, least: -200, most: 200 + 54, independent: -36, light: -100,
+    root: 0x1ff7_a3be_a91d_9b1b, 4);
+scalar!(f32 in F32x16, limit: 20, least: -40, most: 40 + 25, independent: -17, light: -20,
+    root: 0x1fbd_1df5, 3);
 
 /// 2ⁿ for a normal number.
 const fn power(n: i64) -> f64 {

@@ -202,9 +202,7 @@ impl Robot {
             let allow = allow_names();
             quote! { #allow impl #v1::#name for #unit { #constants #(#methods)* } }
         };
-        let of_posture = |method: &Method| {
-            method.given == Given::Positions && method.function != Function::CorrectCop
-        };
+        let of_posture = |method: &Method| method.given == Given::Positions;
         let robot = implementation("Robot", constants::associated(&v1), &of_posture);
         let sines = self.from_sines.then(|| {
             implementation("SinCosRobot", quote!(), &|method| {
@@ -212,8 +210,7 @@ impl Robot {
             })
         });
         let corrects = self.corrects().then(|| {
-            let corrects = |method: &Method| method.function == Function::CorrectCop;
-            implementation("SensorEffects", quote!(), &corrects)
+            implementation("SensorEffects", quote!(), &|_| false)
         });
         quote! { #robot #sines #corrects }
     }

@@ -9,6 +9,7 @@ use sesc_model::{DataUsed, EffectRecord, ModelFile, Quantity};
 use super::findings::Found;
 use super::problem::Problem;
 use super::words;
+use crate::lsq::information::{Beyond, information};
 
 /// Parameters as the masses' prior and the data have them, and every effect of
 /// the explanation that a model can hold.
@@ -17,10 +18,10 @@ pub fn model_file(problem: &Problem, found: &Found) -> ModelFile {
     let best = &found.best;
     let masses = problem.masses(&best.terms);
     let identified = best.frees_masses();
-    let factor = if identified {
-        &problem.wide_prior
+    let (factor, beyond) = if identified {
+        (&problem.wide_prior, Beyond::Exact)
     } else {
-        &problem.prior
+        (&problem.prior, problem.beyond_prior)
     };
     let weights = match &best.outliers {
         Some(outliers) => outliers.root_weights(None),
@@ -39,8 +40,13 @@ pub fn model_file(problem: &Problem, found: &Found) -> ModelFile {
     let std: Vec<f64> = (0..values.len())
         .map(|k| spread[(k, k)].max(0.0).sqrt())
         .collect();
+    let mut rows = problem.rows.clone();
+    for (mut row, (w, trust)) in rows.row_iter_mut().zip(problem.weight.iter().zip(&weights)) {
+        row *= w * trust;
+    }
     let source = if identified { "data" } else { "prior" };
     let mut file = ModelFile::from_values(model, &values, Some(&std), source);
+    file.inform(information(&rows, factor, beyond));
     file.noise_floor = Some(problem.data.noise_floor);
     if let Some(summary) = &problem.data.summary {
         file.data.push(DataUsed {

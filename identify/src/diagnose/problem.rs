@@ -20,6 +20,7 @@ use super::outliers::Outliers;
 use crate::Error;
 use crate::evaluate::{Evaluator, FASTEST};
 use crate::fit::prior::{Prior, Tolerances};
+use crate::lsq::information::Beyond;
 use crate::lsq::factor_normal;
 use crate::observations::noise::NoiseSource;
 use crate::observations::postures::Postures;
@@ -42,6 +43,8 @@ pub struct Problem<'m> {
     pub wide: Nuisance,
     /// F of the two.
     pub prior: DMatrix<f64>,
+    /// What is known of directions that `prior` has no column for.
+    pub beyond_prior: Beyond,
     pub wide_prior: DMatrix<f64>,
     /// Regressor rows of the unbent robot.
     pub rows: DMatrix<f64>,
@@ -159,6 +162,10 @@ impl<'m> Problem<'m> {
             nuisance,
             wide,
             prior: factor,
+            beyond_prior: match prior {
+                Prior::Free => Beyond::Nothing,
+                Prior::Cad(_) => Beyond::Exact,
+            },
             wide_prior: usual,
             rows: flat,
             tapes: RefCell::new(HashMap::new()),
@@ -183,6 +190,7 @@ impl<'m> Problem<'m> {
             nuisance: self.nuisance.clone(),
             wide: self.wide.clone(),
             prior: self.prior.clone(),
+            beyond_prior: self.beyond_prior,
             wide_prior: self.wide_prior.clone(),
             rows: self.rows.clone(),
             tapes: RefCell::new(HashMap::new()),

@@ -13,6 +13,7 @@ use super::summary::{
     range_error, row_norms, unobservable,
 };
 
+use crate::lsq::information::{Beyond, information, of_rows};
 use crate::observations::noise::{Leftover, Noise, NoiseSource, UNLIKELY, widening};
 
 /// Held-out errors beyond this many times the noise are mentioned.
@@ -107,6 +108,11 @@ pub fn identify_within(
         }
     };
     let (estimate, masses) = fit(&together);
+    let rows = whole.r() / sigma;
+    let information = match &prior {
+        Some(prior) => information(&rows, prior, Beyond::Exact),
+        None => of_rows(&rows, &estimate.unseen),
+    };
     let held_out = held_out(gathered, |others| fit(others).0);
     if held_out.rmse > FAR * noise.floor && !guessed {
         warnings.push(format!(
@@ -170,6 +176,7 @@ pub fn identify_within(
         warnings,
         active_bounds: masses.as_ref().map(|masses| masses.active.clone()),
         estimate,
+        information,
         masses,
     }
 }

@@ -1,7 +1,7 @@
 //! What a fit found: parameters and all that must be said with them.
 
 use serde::Serialize;
-use sesc_model::{Model, ModelFile};
+use sesc_model::{Information, Model, ModelFile};
 
 use super::gather::{DownWeighted, LogUsed};
 use super::masses::Masses;
@@ -126,6 +126,9 @@ pub struct Identification {
     pub active_bounds: Option<Vec<String>>,
     #[serde(skip)]
     pub estimate: Estimate,
+    /// Inverse covariance of the parameters, prior included.
+    #[serde(skip)]
+    pub information: Information,
     /// Masses of a bounded fit.
     #[serde(skip)]
     pub masses: Option<Masses>,
@@ -152,6 +155,7 @@ impl Identification {
             parameter.std = found.std;
             parameter.source = Some(found.source.to_string());
         }
+        file.inform(self.information.clone());
         file.noise_floor = Some(self.noise_floor);
         file.data = self
             .data

@@ -4,11 +4,13 @@
 //! min ‖Φ r − y‖²                     rows in bounded memory         factor, solve
 //! … with u ≥ 0, E v = e, G v ≤ h     masses that can exist          non_negative, inequality
 //! … of a nonlinear model             effects                        damped
+//! RᵀR = C⁻¹ of what was found        what a recursive fit goes on from    information
 //! ```
 
 pub mod damped;
 pub mod factor;
 pub mod inequality;
+pub mod information;
 mod non_negative;
 pub mod solve;
 

@@ -13,6 +13,8 @@
 //! effect = "joint_offset"
 //! target = "l_knee"
 //! parameters.offset_rad = { value = 0.031, std = 0.001 }
+//! [information]            # optional: what a recursive fit goes on from
+//! factor = [[812.3, 4.1, …], …, [20.5]]    # rows from their diagonal on, see `Information`
 //! ```
 //!
 //! Effects act stage by stage, whatever their order in the file; those of one
@@ -24,6 +26,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use super::Information;
 use crate::Error;
 
 /// One base parameter as identified.
@@ -103,6 +106,9 @@ pub struct ModelFile {
     /// What the robot does that its URDF does not say.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub effects: Vec<EffectRecord>,
+    /// How well the parameters are known together, as the fit left them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub information: Option<Information>,
     /// Where it was read from, for messages.
     #[serde(skip)]
     pub file: String,
@@ -134,6 +140,11 @@ impl ModelFile {
             if !parameter.value.is_finite() {
                 return Err(bad(format!("parameter `{}` is not finite", parameter.name)));
             }
+        }
+        let count = model.parameters.len();
+        let information = model.information.as_ref();
+        if let Some(reason) = information.and_then(|found| found.invalid_reason(count)) {
+            return Err(bad(reason));
         }
         Ok(model)
     }

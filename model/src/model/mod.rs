@@ -9,6 +9,7 @@
 
 mod cop;
 mod file;
+mod information;
 mod records;
 
 use std::ops::Deref;
@@ -27,6 +28,7 @@ use crate::tree;
 use crate::urdf::Description;
 pub use cop::{sensor_reading, tilted_cop};
 pub use file::{DataUsed, EffectRecord, ModelFile, Parameter, Quantity};
+pub use information::Information;
 
 /// How far beyond CAD and model file parameters may be, as a part of the robot's reach.
 const ROOM: f64 = 0.02;

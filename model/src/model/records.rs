@@ -150,6 +150,7 @@ impl ModelFile {
             data: Vec::new(),
             cells: Vec::new(),
             effects: Vec::new(),
+            information: None,
             file: String::new(),
         }
     }

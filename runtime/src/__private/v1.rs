@@ -49,6 +49,12 @@ pub trait Robot {
     fn regressor_full_into<T: Real>(q: &Array<Self::Dof, T>, rows: &mut [Array<Self::Full, T>; 3]);
 
     fn cop<T: Real>(q: &Array<Self::Dof, T>, r: &Array<Self::Base, T>) -> [T; 2];
+
+    /// The CoP behind a reading: the reading itself where the model has no sensor effects.
+    #[inline(always)]
+    fn correct_cop<T: Real>(reading: &[T; 2]) -> [T; 2] {
+        *reading
+    }
 }
 
 /// The functions of [`SescFromSinCos`](crate::SescFromSinCos), and rows combined by a
@@ -130,10 +136,7 @@ fn combined<D: Dim, T: Real>([x, y, z]: &[D::Array<T>; 3], d: &[T; 3]) -> D::Arr
 }
 
 /// A robot whose model has effects of its CoP sensor: [`CorrectCop`](crate::CorrectCop).
-#[allow(missing_docs)]
-pub trait SensorEffects: Robot {
-    fn correct_cop<T: Real>(reading: &[T; 2]) -> [T; 2];
-}
+pub trait SensorEffects: Robot {}
 
 /// Fails where generated code was written for another version than this module's, with a
 /// sentence that says what to do.

@@ -148,6 +148,30 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
         }
     }
 
+    /// Standard deviations of all parameters, m: roots of [`variance`](Self::variance).
+    /// About N³/3 operations.
+    ///
+    /// ```
+    /// # use sesc_runtime::fit::{Error, Estimator};
+    /// let mut estimator = Estimator::<f64, 2>::new();
+    /// estimator.row(&[1.0, 0.0], 0.25, 0.5)?;
+    /// assert_eq!(estimator.deviations(), [0.5, f64::INFINITY]);
+    /// # Ok::<(), Error>(())
+    /// ```
+    pub fn deviations(&self) -> [T; N] {
+        let observable = self.triangle.observable();
+        core::array::from_fn(|k| match observable.get(k) {
+            Some(true) => {
+                let mut row = [T::ZERO; N];
+                if let Some(one) = row.get_mut(k) {
+                    *one = T::ONE;
+                }
+                self.triangle.variance(row, &observable).0.root()
+            }
+            _ => T::INFINITY,
+        })
+    }
+
     /// Covariance of the parameters, m², into `out`: (R̄ᵀ D R̄)⁻¹ on the observable columns,
     /// given that the unobservable ones are nominal; those have infinite variance and
     /// covariance zero. About 2 N³/3 operations.

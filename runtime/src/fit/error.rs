@@ -20,6 +20,8 @@ pub enum Error {
     Std,
     /// A forgetting factor is outside (0, 1].
     Forgetting,
+    /// An information factor is no triangle of as many columns as there are parameters.
+    Factor,
     /// A row entry or a reading is more than [`LIMIT`](crate::Scalar::LIMIT)
     /// standard deviations large, or two estimators together hold more
     /// information than [`MOST`](crate::Scalar::MOST).
@@ -39,6 +41,10 @@ impl fmt::Display for Error {
             Self::NotFinite => "a number is NaN or infinite; leave this reading out",
             Self::Std => "a standard deviation is not positive; give the noise of the reading",
             Self::Forgetting => "the forgetting factor is outside (0, 1]; 1 forgets nothing",
+            Self::Factor => {
+                "the information factor is not N (N + 1)/2 numbers with a diagonal of zero or \
+                 more, and rows of zeros where it is zero; take MODEL_INFORMATION"
+            }
             Self::OutOfRange => {
                 "too many standard deviations for this scalar; give a larger one, or use f64"
             }

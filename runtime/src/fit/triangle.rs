@@ -18,6 +18,7 @@
 //! for large, sparse or weighted linear least squares problems", Algorithm AS 154,
 //! Applied Statistics 23 (1974) 448-454.
 
+use super::error::Error;
 use crate::scalar::Scalar;
 
 /// Lines r̄_i (right of the diagonal), their weights d_i and their values θ̄_i.
@@ -34,6 +35,44 @@ impl<T: Scalar, const N: usize> Triangle<T, N> {
             lines: [[T::ZERO; N]; N],
             weights: [T::ZERO; N],
             values: [T::ZERO; N],
+        }
+    }
+
+    /// R row by row from its diagonal on: d_i = R_ii², r̄_ik = R_ik/R_ii, values zero.
+    pub fn of_factor(factor: &[f64]) -> Result<Self, Error> {
+        if factor.len() != N * (N + 1) / 2 {
+            return Err(Error::Factor);
+        }
+        let mut triangle = Self::empty();
+        let mut rest = factor;
+        for i in 0..N {
+            let Some((row, after)) = rest.split_at_checked(N - i) else {
+                break;
+            };
+            rest = after;
+            let [pivot, row @ ..] = row else { break };
+            let pivot = T::from_f64(*pivot);
+            if !pivot.is_finite() || row.iter().any(|x| !T::from_f64(*x).is_finite()) {
+                return Err(Error::NotFinite);
+            }
+            if pivot < T::ZERO || (pivot == T::ZERO && row.iter().any(|x| *x != 0.0)) {
+                return Err(Error::Factor);
+            }
+            let information = pivot * pivot;
+            if information < T::LEAST {
+                continue;
+            }
+            triangle.weights[i] = information;
+            if let Some(line) = triangle.lines[i].get_mut(i + 1..) {
+                for (r, x) in line.iter_mut().zip(row) {
+                    *r = T::from_f64(*x) / pivot;
+                }
+            }
+        }
+        let taken = |sum: &T| *sum <= T::MOST;
+        match triangle.information().iter().all(taken) {
+            true => Ok(triangle),
+            false => Err(Error::OutOfRange),
         }
     }
 

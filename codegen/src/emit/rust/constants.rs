@@ -42,8 +42,31 @@ pub(super) fn items(model: &Model, notes: &mut Notes) -> TokenStream {
     let posture = posture.iter().map(|x| number(*x));
     let joint_module = joint_module(model);
     let identified = model.file.as_ref().map(|file| {
-        let values = file.values().into_iter().zip(params);
-        let values = notes.numbers(values.map(|(value, param)| (value, param.name.as_str())));
+        let mut by_param = |values: Vec<f64>| {
+            let values = values.into_iter().zip(params.clone());
+            notes.numbers(values.map(|(value, param)| (value, param.name.as_str())))
+        };
+        let values = by_param(file.values());
+        let known = file.parameters.iter().any(|param| param.std.is_some());
+        let std = known.then(|| {
+            let std = file.parameters.iter().map(|param| param.std);
+            let std = by_param(std.map(|std| std.unwrap_or(f64::INFINITY)).collect());
+            quote! {
+                /// Their standard deviations, m; infinite where nothing is known.
+                #numbers
+                pub const MODEL_STD: [f64; BASE_PARAMS] = #std;
+            }
+        });
+        let information = file.information.as_ref().map(|information| {
+            let factor = information.packed().into_iter().map(number);
+            quote! {
+                /// How well they are known together, for `Estimator::resume`: R with RᵀR their
+                /// inverse covariance, row by row from the diagonal on, 1/m.
+                #numbers
+                pub const MODEL_INFORMATION: [f64; BASE_PARAMS * (BASE_PARAMS + 1) / 2] =
+                    [#(#factor),*];
+            }
+        });
         let doc = format!(
             " Identified base parameters, m, from a model file (source: {}).",
             header::printable(&file.source())
@@ -52,6 +75,8 @@ pub(super) fn items(model: &Model, notes: &mut Notes) -> TokenStream {
             #[doc = #doc]
             #numbers
             pub const MODEL_PARAMS: [f64; BASE_PARAMS] = #values;
+            #std
+            #information
         }
     });
     quote! {
