@@ -1,13 +1,17 @@
 //! The estimator of the runtime against the batch fit, on the OP2 on its right sole.
 
+use std::sync::Arc;
+
 use nalgebra::{DMatrix, DVector};
 use sesc::OP2_URDF;
 use sesc_generated::op2_r_sole::{self as op2, BASE_PARAMS as N, CAD_PARAMS, DOF};
+use sesc_identify::fit::{Report, Request, fit};
+use sesc_identify::logs::Table;
 use sesc_identify::lsq::factor::Factor;
 use sesc_identify::lsq::solve::{Estimate, solve};
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
-use sesc_model::Snapping;
+use sesc_model::{ModelFile, Snapping};
 use sesc_runtime::fit::{Error, Estimator};
 
 /// Noise of the CoP, m.
@@ -315,5 +319,111 @@ fn what_is_no_reading_is_refused() {
         let predicted = estimator.predict(row).unwrap();
         assert!((predicted.value - reading).abs() < 1e-10);
         assert!(predicted.variance < 1e-22);
+    }
+}
+
+/// Postures, and readings of a robot that is not its CAD.
+fn log(count: usize, seed: u64) -> Vec<([f64; DOF], [f64; 2])> {
+    let robot = Robot::parse(OP2_URDF, "op2.urdf").unwrap();
+    let model = robot.model("r_sole", Snapping::default(), None).unwrap();
+    let mut simulator = Simulator::new(&model.tree.dofs, None, seed);
+    let truth: Row = core::array::from_fn(|k| CAD_PARAMS[k] + 1e-3 * (k as f64).sin());
+    (0..count)
+        .map(|_| {
+            let q: [f64; DOF] = simulator.posture().try_into().unwrap();
+            let cop = op2::cop(&q, &truth).map(|x| x + simulator.gauss(STD));
+            (q, cop)
+        })
+        .collect()
+}
+
+/// `sesc fit` of a log, `prior` held and the noise told.
+fn batch_fit(log: &[([f64; DOF], [f64; 2])], prior: &str) -> Report {
+    let column = |of: &dyn Fn(&([f64; DOF], [f64; 2])) -> f64| -> Vec<f64> {
+        log.iter().map(of).collect()
+    };
+    let mut table = Table::new("log.csv")
+        .numbers("cop_x", column(&|row| row.1[0]))
+        .numbers("cop_y", column(&|row| row.1[1]));
+    for (j, joint) in op2::JOINT_NAMES.iter().enumerate() {
+        table = table.numbers(joint, column(&|row| row.0[j]));
+    }
+    let mut request = Request::default();
+    request.robot = Some(Arc::new(Robot::parse(OP2_URDF, "op2.urdf").unwrap()));
+    request.logs = vec![table.into()];
+    request.support = Some("r_sole".into());
+    request.noise = Some(STD);
+    request.prior = prior.into();
+    let report = fit(&request, &mut ()).unwrap();
+    assert_eq!(report.identification.inflation, 1.0, "the noise is as told");
+    report
+}
+
+/// A model file as it is read again.
+fn written(report: &Report) -> ModelFile {
+    let text = toml::to_string(&report.model_file).unwrap();
+    let file = ModelFile::parse(&text, "model.toml").unwrap();
+    assert_eq!(file.information, report.model_file.information);
+    file
+}
+
+/// Half of a log in a batch, the other half on the robot: what a batch of all is.
+#[test]
+fn it_goes_on_from_a_model_file() {
+    let log = log(600, 9);
+    for prior in ["cad", "tight", "free"] {
+        let (half, whole) = (batch_fit(&log[..300], prior), batch_fit(&log, prior));
+        let file = written(&half);
+        let params: Row = file.values().try_into().unwrap();
+        let factor = file.information.as_ref().unwrap().packed();
+        let mut estimator = Estimator::<f64, N>::resume(&params, &factor).unwrap();
+        for (q, reading) in &log[300..] {
+            estimator
+                .add_posture::<op2::Op2RSole>(q, reading, &[STD; 2])
+                .unwrap();
+        }
+        let (found, std) = (estimator.params(), estimator.deviations());
+        let expected = written(&whole);
+        for (k, parameter) in expected.parameters.iter().enumerate() {
+            let name = &parameter.name;
+            let scale = parameter.std.unwrap_or(1.0);
+            assert!(
+                (found[k] - parameter.value).abs() < 1e-9 * (parameter.value.abs() + scale),
+                "{prior} {name}: {} {}",
+                found[k],
+                parameter.value
+            );
+            match parameter.std {
+                Some(expected) => assert!(
+                    (std[k] / expected - 1.0).abs() < 1e-9,
+                    "{prior} {name}: ± {} {expected}",
+                    std[k]
+                ),
+                None => assert_eq!((prior, std[k]), ("free", f64::INFINITY), "{name}"),
+            }
+        }
+    }
+}
+
+/// R of the file against its deviations, and the covariance that the fit states.
+#[test]
+fn a_model_file_holds_the_inverse_covariance() {
+    for prior in ["cad", "tight"] {
+        let report = batch_fit(&log(200, 10), prior);
+        let file = written(&report);
+        let rows = &file.information.as_ref().unwrap().factor;
+        let factor = DMatrix::from_fn(N, N, |i, k| k.checked_sub(i).map_or(0.0, |k| rows[i][k]));
+        let inverse = factor.try_inverse().unwrap();
+        let covariance = &inverse * inverse.transpose();
+        let stated = &report.identification.estimate.covariance;
+        for (k, parameter) in file.parameters.iter().enumerate() {
+            let std = parameter.std.unwrap();
+            assert!((covariance[(k, k)].sqrt() / std - 1.0).abs() < 1e-10, "{prior} {k}");
+            for i in 0..N {
+                let scale = (stated[(k, k)] * stated[(i, i)]).sqrt();
+                let off = (covariance[(k, i)] - stated[(k, i)]).abs();
+                assert!(off < 1e-8 * scale, "{prior} {k} {i}: {off:e} {scale:e}");
+            }
+        }
     }
 }
