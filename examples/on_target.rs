@@ -36,7 +36,7 @@ fn main() -> Result<(), Error> {
         let cop = op2::cop(&q, &truth);
         let reading = [0, 1].map(|k| cop[k] + 3_f64.sqrt() * COP_STD_M[k] * uniform());
         // What the controller does with it.
-        estimator.posture(&op2::regressor_cop(&q), &reading, &COP_STD_M)?;
+        estimator.add_posture::<op2::Op2RSole>(&q, &reading, &COP_STD_M)?;
     }
 
     let learned = estimator.params();

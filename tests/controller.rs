@@ -122,6 +122,7 @@ const PREDICT: &str = r#"
 mod op2 {
     include!(concat!(env!("OUT_DIR"), "/effects.rs"));
 }
+use sesc_runtime::fit::Estimator;
 use sesc_runtime::{CorrectCop, Sesc};
 
 fn main() {
@@ -129,6 +130,14 @@ fn main() {
     let reading = op2::Effects::cop(&q, &op2::MODEL_PARAMS);
     let cop = op2::Effects::correct_cop(&reading);
     assert_eq!(cop, op2::correct_cop(&reading));
+    // The estimator goes on from the file, with the model's rows and its correction.
+    let (params, factor) = (&op2::MODEL_PARAMS, &op2::MODEL_INFORMATION);
+    let mut natural = Estimator::<f64, { op2::BASE_PARAMS }>::resume(params, factor).unwrap();
+    assert_eq!(natural.deviations(), op2::MODEL_STD);
+    let mut by_hand = natural.clone();
+    natural.add_posture::<op2::Effects>(&q, &reading, &[1e-3; 2]).unwrap();
+    by_hand.posture(&op2::regressor_cop(&q), &cop, &[1e-3; 2]).unwrap();
+    assert_eq!(natural, by_hand);
     println!("{:?} {:?} {:?} {:?}", reading[0], reading[1], cop[0], cop[1]);
 }
 "#;
@@ -136,7 +145,7 @@ fn main() {
 #[test]
 fn a_controller_with_a_model_file_has_its_effects() {
     use sesc_identify::robot::Robot;
-    use sesc_model::{ModelFile, Snapping};
+    use sesc_model::{Information, ModelFile, Snapping};
 
     let crate_ = Path::new(env!("CARGO_TARGET_TMPDIR")).join("controller_with_effects");
     let _ = fs::remove_dir_all(&crate_);
@@ -158,7 +167,11 @@ fn a_controller_with_a_model_file_has_its_effects() {
     let urdf = Path::new(ROOT).join("robots/op2/op2.urdf");
     let robot = Robot::read(&urdf).unwrap();
     let model = robot.model("r_sole", Snapping::default(), None).unwrap();
-    let file = ModelFile::from_values(&model, &model.cad_params(), None, "prior");
+    let (cad, count) = (model.cad_params(), model.base.params.len());
+    let mut file = ModelFile::from_values(&model, &cad, Some(&vec![0.0; count]), "prior");
+    file.inform(Information::of(
+        &(nalgebra::DMatrix::identity(count, count) * 64.0),
+    ));
     let effects = |offset: f64| {
         format!(
             "{}[[effects]]\neffect = \"sensor_offset\"\nparameters.offset_x_m = {{ value = \

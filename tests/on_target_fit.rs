@@ -20,6 +20,8 @@ const STD: f64 = 1e-3;
 const HEIGHT: usize = 2;
 
 type Row = [f64; N];
+/// Joint positions and a reading of the CoP.
+type Reading = ([f64; DOF], [f64; 2]);
 
 /// Rows and noisy readings of `count` postures: x, y, x, y, …
 fn data(count: usize, seed: u64) -> Vec<(Row, f64)> {
@@ -323,7 +325,7 @@ fn what_is_no_reading_is_refused() {
 }
 
 /// Postures, and readings of a robot that is not its CAD.
-fn log(count: usize, seed: u64) -> Vec<([f64; DOF], [f64; 2])> {
+fn log(count: usize, seed: u64) -> Vec<Reading> {
     let robot = Robot::parse(OP2_URDF, "op2.urdf").unwrap();
     let model = robot.model("r_sole", Snapping::default(), None).unwrap();
     let mut simulator = Simulator::new(&model.tree.dofs, None, seed);
@@ -338,10 +340,8 @@ fn log(count: usize, seed: u64) -> Vec<([f64; DOF], [f64; 2])> {
 }
 
 /// `sesc fit` of a log, `prior` held and the noise told.
-fn batch_fit(log: &[([f64; DOF], [f64; 2])], prior: &str) -> Report {
-    let column = |of: &dyn Fn(&([f64; DOF], [f64; 2])) -> f64| -> Vec<f64> {
-        log.iter().map(of).collect()
-    };
+fn batch_fit(log: &[Reading], prior: &str) -> Report {
+    let column = |of: &dyn Fn(&Reading) -> f64| -> Vec<f64> { log.iter().map(of).collect() };
     let mut table = Table::new("log.csv")
         .numbers("cop_x", column(&|row| row.1[0]))
         .numbers("cop_y", column(&|row| row.1[1]));
@@ -418,7 +418,10 @@ fn a_model_file_holds_the_inverse_covariance() {
         let stated = &report.identification.estimate.covariance;
         for (k, parameter) in file.parameters.iter().enumerate() {
             let std = parameter.std.unwrap();
-            assert!((covariance[(k, k)].sqrt() / std - 1.0).abs() < 1e-10, "{prior} {k}");
+            assert!(
+                (covariance[(k, k)].sqrt() / std - 1.0).abs() < 1e-10,
+                "{prior} {k}"
+            );
             for i in 0..N {
                 let scale = (stated[(k, k)] * stated[(i, i)]).sqrt();
                 let off = (covariance[(k, i)] - stated[(k, i)]).abs();

@@ -59,7 +59,8 @@ pub use error::Error;
 pub use functions::differentiate_com;
 pub use interface::{Extent, Function, Given, Interface};
 pub use model::{
-    DataUsed, EffectRecord, Information, Model, ModelFile, Parameter, Quantity, sensor_reading, tilted_cop,
+    DataUsed, EffectRecord, Information, Model, ModelFile, Parameter, Quantity, sensor_reading,
+    tilted_cop,
 };
 pub use robot::Robot;
 pub use snap::Snapping;

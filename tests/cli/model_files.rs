@@ -92,6 +92,15 @@ fn model_files_are_read_checked_and_baked_in() {
         &sesc(&[&base[..], &["--model", &short]].concat()),
         &["short.toml", "parameters"],
     );
+    let wrong = write(
+        folder.path(),
+        "wrong.toml",
+        format!("{model}[information]\nfactor = [[1.0]]\n"),
+    );
+    refused(
+        &sesc(&[&base[..], &["--model", &wrong]].concat()),
+        &["wrong.toml", "information.factor needs", "fit again"],
+    );
     let odd = write(
         folder.path(),
         "odd.toml",

@@ -209,9 +209,9 @@ impl Robot {
                 method.given != Given::Positions
             })
         });
-        let corrects = self.corrects().then(|| {
-            implementation("SensorEffects", quote!(), &|_| false)
-        });
+        let corrects = self
+            .corrects()
+            .then(|| implementation("SensorEffects", quote!(), &|_| false));
         quote! { #robot #sines #corrects }
     }
 }

@@ -23,9 +23,9 @@ mod control {
     pub fn learn<R: Sesc<Base = Const<N>>, const N: usize>(
         parameters: &mut Estimator<f64, N>,
         q: &Posture<R>,
-        cop: &[f64; 2],
+        reading: &[f64; 2],
     ) -> Result<(), Error> {
-        parameters.posture(&R::regressor_cop(q), cop, &COP_STD)
+        parameters.add_posture::<R>(q, reading, &COP_STD)
     }
 
     pub struct State<R: Sesc> {

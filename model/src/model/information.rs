@@ -38,6 +38,9 @@ pub struct Information {
 /// says nothing of its own.
 const INDEPENDENT: f64 = 1e-11;
 
+/// A column that is shorter than this, relative to the longest, is rounding.
+const ROUNDING: f64 = 1e-13;
+
 impl Information {
     /// Of rows over their standard deviations, one column per parameter.
     ///
@@ -45,12 +48,17 @@ impl Information {
     /// its row empty.
     pub fn of(rows: &DMatrix<f64>) -> Information {
         let n = rows.ncols();
-        let least: Vec<f64> = (rows.column_iter())
-            .map(|column| INDEPENDENT * column.norm())
-            .collect();
+        let norms: Vec<f64> = rows.column_iter().map(|column| column.norm()).collect();
+        let longest = norms.iter().fold(0.0, |most, norm| norm.max(most));
+        let least: Vec<f64> = norms.iter().map(|norm| INDEPENDENT * norm).collect();
         let mut triangle = DMatrix::<f64>::zeros(n, n);
         for row in rows.row_iter() {
             let mut row = row.into_owned();
+            for (x, norm) in row.iter_mut().zip(&norms) {
+                if *norm <= ROUNDING * longest {
+                    *x = 0.0;
+                }
+            }
             for i in 0..n {
                 if row[i].abs() <= least[i] && triangle[(i, i)] == 0.0 {
                     continue;
