@@ -54,12 +54,14 @@ pub fn find(
     let baseline = held_out::of_cad(problem);
     let steps = held_out::order(&best, &mut |terms| search.fit(terms, None));
     let problem = search.problem();
-    let mut held: Vec<HeldOut> = Vec::new();
     let null = search.fit(&[], None);
-    let start = held_out::cross_validate(problem, &null);
-    for step in &steps {
-        held.push(held_out::cross_validate(problem, step));
-    }
+    let whole = steps.last().unwrap_or(&null);
+    let held_out = |step: &Fit| {
+        let apart = held_out::apart_on_the_way(problem, step, whole);
+        held_out::cross_validate(problem, step, &apart)
+    };
+    let start = held_out(&null);
+    let held: Vec<HeldOut> = steps.iter().map(held_out).collect();
     let evidence: Vec<f64> = best
         .terms
         .iter()
@@ -258,8 +260,13 @@ fn told(
             rmse_after: held[k].rmse,
             evidence: evidence[at],
             sentence: format!(
-                "{}: the held-out gap falls from {:.2} mm to {:.2} mm.",
+                "{}: the held-out gap {} from {:.2} mm to {:.2} mm.",
                 capital(&words::clause(&problem.context, term, &values[at])),
+                if held[k].rmse > rmse_before {
+                    "rises"
+                } else {
+                    "falls"
+                },
                 1e3 * rmse_before,
                 1e3 * held[k].rmse
             ),

@@ -21,12 +21,12 @@ pub struct HeldOut {
     pub left_out: usize,
 }
 
-/// Cross-validation of a hypothesis: each posture predicted without itself.
-pub fn cross_validate(problem: &Problem, whole: &Fit) -> HeldOut {
+/// Cross-validation of a hypothesis: each posture predicted without itself. Postures
+/// that are `apart` do not count.
+pub fn cross_validate(problem: &Problem, whole: &Fit, apart: &[bool]) -> HeldOut {
     let n = problem.data.len();
-    let apart = apart(problem, whole);
     if whole.terms.is_empty() && problem.nuisance.is_negligible() {
-        return of_errors(errors_of(problem, whole, None), &apart);
+        return of_errors(errors_of(problem, whole, None), apart);
     }
     let folds = criteria::FOLDS.min(n);
     let mut errors = vec![f64::NAN; 2 * n];
@@ -41,7 +41,7 @@ pub fn cross_validate(problem: &Problem, whole: &Fit) -> HeldOut {
             errors[2 * k + 1] = own[2 * k + 1];
         }
     }
-    of_errors(errors, &apart)
+    of_errors(errors, apart)
 }
 
 /// Errors of the robot with CAD masses.
@@ -72,11 +72,22 @@ pub(super) fn errors_of(problem: &Problem, fit: &Fit, keep: Option<&[bool]>) -> 
 
 /// Postures that no prediction is to be judged by.
 pub fn apart(problem: &Problem, fit: &Fit) -> Vec<bool> {
+    apart_on_the_way(problem, fit, fit)
+}
+
+/// Postures that a step towards `best` is not judged by: where it has outliers or dead
+/// bands, those that `best` leaves out for them. The step's own would not do: an effect
+/// that is still missing makes every posture look like an outlier.
+pub fn apart_on_the_way(problem: &Problem, step: &Fit, best: &Fit) -> Vec<bool> {
+    let slack = step.terms.iter().any(|term| term.dead_band().is_some());
+    let outlying = step.terms.contains(&Term::Outliers);
     let mut apart = vec![false; problem.data.len()];
-    if let Some(outliers) = &fit.outliers {
+    if let Some(outliers) = best.outliers.as_ref().filter(|_| outlying) {
         outliers.named().into_iter().for_each(|k| apart[k] = true);
     }
-    fit.flipped.iter().for_each(|&k| apart[k] = true);
+    if slack {
+        best.flipped.iter().for_each(|&k| apart[k] = true);
+    }
     apart
 }
 

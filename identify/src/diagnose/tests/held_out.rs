@@ -1,7 +1,7 @@
 //! Held-out errors by what they are for: each posture predicted without itself.
 
 use super::{Bench, NOISE, term};
-use crate::diagnose::held_out::{cross_validate, of_cad};
+use crate::diagnose::held_out::{apart, cross_validate, of_cad};
 use crate::diagnose::problem::{ALL, Problem};
 
 /// Cross-validated errors with the effects named, none where there are none.
@@ -10,7 +10,8 @@ fn errors(problem: &Problem, effects: &[(&str, &str)]) -> crate::diagnose::held_
         .iter()
         .map(|(effect, target)| term(problem, effect, target))
         .collect();
-    cross_validate(problem, &problem.fit(&terms, None, ALL))
+    let fit = problem.fit(&terms, None, ALL);
+    cross_validate(problem, &fit, &apart(problem, &fit))
 }
 
 /// Had a fold seen the posture it judges, its error would move by less.
@@ -126,4 +127,36 @@ fn the_numbers_are_those_of_the_errors_and_the_same_every_time() {
     assert!((raw.rmse - ((square(0) + square(1)) / 2.0).sqrt()).abs() < 1e-12);
     let effects = [("sensor_offset", "-")];
     assert_eq!(errors(&problem, &effects), errors(&problem, &effects));
+}
+
+/// Outliers are taken first where they are gross, and every posture looks like one until
+/// the offset is known: each step is judged by the postures that count in the end.
+#[test]
+fn steps_join_where_outliers_come_before_a_large_effect() {
+    let bench = Bench::op2();
+    let slips = [5, 18, 31, 44];
+    let world = bench.world().joint_offset("r_knee", 0.05).unwrap();
+    let q = bench.balanced(80, 4);
+    let data = bench.read(&world, &q, 3, |k, _| match slips.contains(&k) {
+        true => [0.06, -0.05],
+        false => [0.0; 2],
+    });
+    let found = bench.diagnose(data, "tight").diagnosis;
+    let effects: Vec<_> = found.steps.iter().map(|step| step.effect).collect();
+    assert_eq!(
+        effects,
+        ["cop_outliers", "joint_offset"],
+        "{}",
+        found.sentence
+    );
+    let [first, second] = &found.steps[..] else {
+        panic!("two effects, two steps");
+    };
+    assert!(first.rmse_before > 5e-3 && first.rmse_after < first.rmse_before);
+    assert_eq!(first.rmse_after, second.rmse_before);
+    // Without the slips the offset is still missing.
+    assert!(first.rmse_after > 3e-3, "{}", first.rmse_after);
+    assert!((second.rmse_after / NOISE - 1.0).abs() < 0.3);
+    assert_eq!(second.rmse_after, found.last.rmse);
+    assert_eq!(found.last.left_out, slips.len());
 }
