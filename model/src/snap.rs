@@ -29,7 +29,7 @@ const NEARLY: f64 = 1e-2;
 pub enum Snapping {
     /// Snap angles within this many radians of a quarter turn.
     Within(f64),
-    /// Take every number literally (`--no-snap`).
+    /// Take every number literally.
     Off,
 }
 

@@ -10,18 +10,20 @@ use crate::Error;
 use crate::report::diagnose::{Asked, page, text};
 use sesc_identify::diagnose::{self, Report, Request};
 use sesc_identify::fit::prior::{Prior, PriorChoice};
-use sesc_identify::logs::{Angles, LogSource};
+use sesc_identify::logs::{self, Angles, LogSource};
 use sesc_identify::robot::Robot;
 use sesc_model::files;
 
-/// Find where simulation and measurement disagree, and name the missing effect
-#[derive(Args)]
-#[command(after_help = "Examples:\n  \
+const EXAMPLES: &str = "Examples:\n  \
     sesc diagnose robots/op2/op2.urdf --data log.csv\n  \
     sesc diagnose op2.urdf --data log.csv --out model.toml --urdf corrected.urdf --report report.html\n  \
     sesc diagnose op2.urdf --data log.csv --next next.csv\n  \
     sesc diagnose op2.urdf --data log.csv --then next_log.csv\n  \
-    sesc diagnose op2.urdf --data log.csv --prior cad --json")]
+    sesc diagnose op2.urdf --data log.csv --prior cad --json";
+
+/// Find where simulation and measurement disagree, and name the missing effect
+#[derive(Args)]
+#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", logs::columns_text()))]
 pub(super) struct Arguments {
     #[command(flatten)]
     robot: RobotArguments,

@@ -15,19 +15,21 @@ use sesc_identify::fit::part::Part;
 use sesc_identify::fit::prior::{Prior, PriorChoice};
 use sesc_identify::fit::robust::Loss;
 use sesc_identify::fit::{self, Request};
-use sesc_identify::logs::{Angles, LogSource, Sidecar};
+use sesc_identify::logs::{self, Angles, LogSource, Sidecar};
 use sesc_identify::robot::Robot;
 use sesc_model::files;
 
-/// Identify the parameters of a robot from posture logs, with uncertainties, observability
-/// and held-out error
-#[derive(Args)]
-#[command(after_help = "Examples:\n  \
+const EXAMPLES: &str = "Examples:\n  \
     sesc fit robots/op2/op2.urdf --data log.csv --out model.toml\n  \
     sesc fit op2.urdf --data monday.csv --partial monday.part\n  \
     sesc fit monday.part tuesday.part --out model.toml\n  \
     sesc fit op2.urdf --data log.csv --urdf corrected.urdf --total-mass 2.93\n  \
-    sesc fit op2.urdf --data log.csv --prior free --physical --report report.html")]
+    sesc fit op2.urdf --data log.csv --prior free --physical --report report.html";
+
+/// Identify the parameters of a robot from posture logs, with uncertainties, observability
+/// and held-out error
+#[derive(Args)]
+#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", logs::columns_text()))]
 pub(super) struct Arguments {
     /// Robot description (`-` is standard input), or factor files of `--partial` to combine
     #[arg(value_name = "URDF|PART", required = true)]

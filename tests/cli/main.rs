@@ -184,7 +184,7 @@ fn predict_follows_gravity_supports_and_degrees() {
 #[test]
 fn every_command_helps_with_an_example() {
     for command in [
-        "inspect", "generate", "verify", "simulate", "predict", "demo",
+        "inspect", "generate", "verify", "simulate", "plan", "predict", "fit", "diagnose", "demo",
     ] {
         let text = stdout(&sesc(&[command, "--help"]));
         assert!(
@@ -193,6 +193,10 @@ fn every_command_helps_with_an_example() {
                 .any(|title| text.contains(&format!("{title}:\n  sesc {command}"))),
             "{text}"
         );
+        if ["predict", "fit", "diagnose"].contains(&command) {
+            let columns = sesc_identify::logs::columns_text();
+            assert!(text.contains(&columns), "{text}");
+        }
     }
 }
 

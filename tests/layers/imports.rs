@@ -112,7 +112,7 @@ fn collect(folder: &Path, module: &str, used: &mut BTreeMap<String, Vec<Used>>) 
 }
 
 /// Text without comments and without the inline modules of tests at its end, lines kept.
-fn code(text: &str) -> String {
+pub fn code(text: &str) -> String {
     let lines = text.lines().map(|l| l.split("//").next().unwrap_or(l));
     let text = lines.collect::<Vec<_>>().join("\n");
     let tests = text.match_indices("#[cfg(test)]").find(|(at, _)| {

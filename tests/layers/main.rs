@@ -7,6 +7,7 @@
 
 mod circles;
 mod imports;
+mod options;
 
 use std::fmt::Write as _;
 use std::fs;

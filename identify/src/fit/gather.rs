@@ -15,7 +15,6 @@ use serde::{Deserialize, Serialize};
 use sesc_model::standard::Shift;
 
 use super::robust::Robust;
-use crate::Error;
 use crate::logs::Block;
 use crate::lsq::factor::Factor;
 use crate::lsq::solve::{self, Estimate};
@@ -23,6 +22,7 @@ use crate::observations::grouping::{DOWN, Grouping, Visit};
 use crate::observations::noise::{Known, LEAST_STD};
 use crate::observations::repeats::{Group, Repeats};
 use crate::observations::rows::{Measurement, Rows};
+use crate::{Error, Message, Setting, message};
 
 /// Rows of one fold, or of several.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -292,20 +292,17 @@ impl Gathered {
     ///
     /// # Errors
     /// When the parts differ in parameters, folds or stated deviations.
-    pub fn merge(&mut self, other: Gathered) -> Result<(), String> {
+    pub fn merge(&mut self, other: Gathered) -> Result<(), Message> {
         if self.params() != other.params() {
-            return Err(format!(
-                "{} parameters here, {} there",
-                self.params(),
-                other.params()
-            ));
+            let (here, there) = (self.params(), other.params());
+            return Err(format!("{here} parameters here, {there} there").into());
         }
         if self.folds.len() != other.folds.len() {
-            return Err(format!(
-                "{} folds here, {} there; use one --folds for all parts",
-                self.folds.len(),
-                other.folds.len()
-            ));
+            let (here, there) = (self.folds.len(), other.folds.len());
+            return Err(message![
+                format!("{here} folds here, {there} there; gather all parts with the same "),
+                Setting::Folds
+            ]);
         }
         if self.readings > 0
             && other.readings > 0
@@ -315,10 +312,9 @@ impl Gathered {
         }
         for log in &other.logs {
             if self.logs.iter().any(|own| own.hash == log.hash) {
-                return Err(format!(
-                    "{} is in both: its postures would count twice",
-                    log.file
-                ));
+                return Err(
+                    format!("{} is in both: its postures would count twice", log.file).into(),
+                );
             }
         }
         for (fold, more) in self.folds.iter_mut().zip(&other.folds) {

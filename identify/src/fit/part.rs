@@ -70,8 +70,11 @@ impl Part {
         let text =
             std::fs::read_to_string(path).map_err(|source| Error::read(file.clone(), source))?;
         let bad = |message: String| Error::log(file.clone(), None, message);
-        let part: Part = serde_json::from_str(&text)
-            .map_err(|error| bad(format!("no factor file of `sesc fit --partial`: {error}")))?;
+        let part: Part = serde_json::from_str(&text).map_err(|error| {
+            bad(format!(
+                "no factor file of a fit that only gathers: {error}"
+            ))
+        })?;
         if part.format != FORMAT {
             return Err(bad(format!(
                 "written as `{}`, this version reads `{FORMAT}`; gather the log again",
@@ -146,7 +149,6 @@ impl Part {
                 self.supports.push(support);
             }
         }
-        let merged = self.gathered.merge(other.gathered);
-        merged.map_err(|message| bad(message.into()))
+        self.gathered.merge(other.gathered).map_err(bad)
     }
 }

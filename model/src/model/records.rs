@@ -99,8 +99,8 @@ impl ModelFile {
         self.check_robot(&robot.tree.hash, &robot.tree.file)?;
         if self.support != support {
             return Err(bad(format!(
-                "made for support `{}`, not `{support}`; fit with --support {support}, or use the \
-                 corrected robot of `sesc fit --urdf`, which serves every support",
+                "made for support `{}`, not `{support}`; fit for that support, or use the \
+                 corrected URDF of a fit, which serves every support",
                 self.support
             )));
         }

@@ -22,7 +22,7 @@ pub(super) use self::sink::ParquetSink;
 use super::columns::{Columns, POSE, SUPPORT};
 use super::input::{Bytes, Place};
 use super::source::{Interner, Raw, Source, whole};
-use crate::Error;
+use crate::{Error, Setting, message};
 use sesc_model::hash::{self, fnv1a};
 
 /// A Parquet file being read.
@@ -230,11 +230,15 @@ fn hash(file: &mut Bytes) -> std::io::Result<u64> {
 fn damaged(file: &str, line: Option<u64>, error: &ParquetError) -> Error {
     let said = error.to_string();
     let message = if said.contains("compile time: zstd") {
-        "packed with zstd; write it with snappy, or `cargo install --features zstd`".to_string()
+        message![
+            "packed with zstd, which this build leaves out; ",
+            Setting::Feature("zstd"),
+            " adds it, or write the log with snappy"
+        ]
     } else if said.contains("compile time") {
-        format!("packed in a way that cannot be read ({said}); write it with snappy")
+        format!("packed in a way that cannot be read ({said}); write it with snappy").into()
     } else {
-        format!("the Parquet file is cut off or damaged ({said}); copy it again")
+        format!("the Parquet file is cut off or damaged ({said}); copy it again").into()
     };
     Error::log(file.to_string(), line, message)
 }
