@@ -10,6 +10,7 @@ use std::process::Command;
 use std::time::Instant;
 
 use sesc_codegen::emit::rust;
+use sesc_codegen::facts::Facts;
 use sesc_identify::robot::Robot;
 use sesc_model::{Model, Snapping};
 use sesc_test_support::trees::{Kind, tree};
@@ -47,7 +48,7 @@ fn main() {
     for (model, name) in known.chain(drawn).take(if few { 1 } else { usize::MAX }) {
         let model = model.expect("supports are links of their robots");
         let start = Instant::now();
-        let text = rust::module(&model, "robot").expect("the robot can be generated");
+        let text = rust::module(&Facts::of(&model), "robot").expect("the robot can be generated");
         let generated = start.elapsed();
         let (compiled, sizes) = compile(&model, &text);
         println!(

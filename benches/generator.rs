@@ -9,6 +9,7 @@ use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use sesc_codegen::emit::rust;
+use sesc_codegen::facts::Facts;
 use sesc_identify::robot::Robot;
 use sesc_model::{Function, Given, Model, Snapping};
 use sesc_test_support::trees::{Kind, tree};
@@ -16,7 +17,7 @@ use sesc_test_support::trees::{Kind, tree};
 fn everything(text: &str, support: &str) -> String {
     let robot = Robot::parse(text, "robot.urdf").unwrap();
     let model = robot.model(support, Snapping::default(), None).unwrap();
-    rust::module(&model, "robot").unwrap()
+    rust::module(&Facts::of(&model), "robot").unwrap()
 }
 
 fn whole_robots(c: &mut Criterion) {

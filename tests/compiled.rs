@@ -10,6 +10,7 @@ use std::process::Command;
 use nalgebra::DVector;
 use sesc::verify::{allowed, corners, verify};
 use sesc_codegen::emit::rust;
+use sesc_codegen::facts::Facts;
 use sesc_identify::evaluate::Evaluator;
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
@@ -95,7 +96,7 @@ fn write_crate(folder: &Path, cases: &[Case]) {
     let mut main = String::from(include_str!("common/compiled_main.rs"));
     main.push_str("\nfn main() {\n");
     for case in cases {
-        let text = rust::module(&case.model, &case.module).unwrap();
+        let text = rust::module(&Facts::of(&case.model), &case.module).unwrap();
         fs::write(folder.join(format!("src/{}.rs", case.module)), text).unwrap();
         let _ = writeln!(lib, "pub mod {};", case.module);
         let sc = case

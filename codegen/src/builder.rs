@@ -11,6 +11,7 @@ use crate::emit::c::{
 use crate::emit::names;
 use crate::emit::rust;
 use crate::error::Problem;
+use crate::facts::Facts;
 use sesc_model::{Model, ModelFile, Snapping, files, urdf};
 
 /// Generates a module for a robot from a controller's `build.rs`.
@@ -213,12 +214,13 @@ impl Builder {
             Some(name) => name.clone(),
             None => names::suggest(&format!("{}_{support}", description.name)),
         };
+        let facts = Facts::of(&model);
         let path = out_dir.join(format!("{name}.rs"));
         #[allow(unused_mut, reason = "Rust is one file")]
-        let mut written = vec![(path.clone(), rust::module(&model, &name)?)];
+        let mut written = vec![(path.clone(), rust::module(&facts, &name)?)];
         #[cfg(feature = "c99")]
         if let Some(dir) = &self.c99.dir {
-            written.extend(self.c99_files(dir, &model, &name)?);
+            written.extend(self.c99_files(dir, &facts, &name)?);
         }
         files::write_all_if_changed(&written)?;
         Ok(path)
@@ -296,18 +298,18 @@ impl Builder {
     fn c99_files(
         &self,
         dir: &Path,
-        model: &Model,
+        facts: &Facts,
         name: &str,
     ) -> Result<Vec<(PathBuf, String)>, Error> {
         let mut options = Options::of(self.c99.scalar);
         if let Some(servos) = &self.c99.servos {
             options.servos.clone_from(servos);
         }
-        let package = c::package(model, name, &options)?;
+        let package = c::package(facts, name, &options)?;
         for note in &package.notes {
             println!("cargo::warning={note}");
         }
-        let files = layout::files(model, package, name, &options, self.c99.layout)?;
+        let files = layout::files(facts, package, name, &options, self.c99.layout)?;
         Ok(files
             .into_iter()
             .map(|(file, text)| (dir.join(file), text))

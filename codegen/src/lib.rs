@@ -25,6 +25,9 @@ mod builder;
 #[doc(hidden)]
 pub mod emit;
 mod error;
+#[doc(hidden)]
+pub mod facts;
+mod routines;
 
 pub use builder::Builder;
 #[cfg(feature = "c99")]

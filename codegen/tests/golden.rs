@@ -8,6 +8,7 @@ use std::path::Path;
 
 use sesc_codegen::emit::c::{self, Options, Scalar};
 use sesc_codegen::emit::rust;
+use sesc_codegen::facts::Facts;
 use sesc_model::{Model, Snapping, urdf};
 
 /// Folder under `golden/`, support link.
@@ -48,11 +49,14 @@ fn output_is_what_it_was() {
         let folder = golden.join(case);
         let description = urdf::read(&folder.join("robot.urdf")).unwrap();
         let model = Model::new(&description, support, Snapping::default()).unwrap();
-        let package = |scalar| c::package(&model, case, &Options::of(scalar)).unwrap();
+        let package = |scalar| c::package(&Facts::of(&model), case, &Options::of(scalar)).unwrap();
         let [float, fixed] = [Scalar::F32, Scalar::Fixed32].map(package);
         let files = [
             ("chain.txt", chain_text(&model)),
-            ("expected.rs", rust::module(&model, case).unwrap()),
+            (
+                "expected.rs",
+                rust::module(&Facts::of(&model), case).unwrap(),
+            ),
             ("expected_f32.h", float.header),
             ("expected_f32.c", float.source),
             ("expected_fixed32.h", fixed.header),

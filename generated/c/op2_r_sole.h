@@ -88,11 +88,12 @@ extern const op2_r_sole_real op2_r_sole_total_mass_kg;
 /** Joints in the order of q. */
 extern const char *const op2_r_sole_joint_names[op2_r_sole_DOF];
 
-/** Lower ends of the ranges that rounding bounds hold in (the joint limits), in the unit of q: rad
- * (m for prismatic joints). */
+/** Lower joint limits in the unit of q: rad (m for prismatic joints); -INFINITY where a joint has
+ * none. */
 extern const op2_r_sole_real op2_r_sole_joint_lower[op2_r_sole_DOF];
 
-/** Upper ends of these ranges, in the unit of q: rad (m for prismatic joints). */
+/** Upper joint limits in the unit of q: rad (m for prismatic joints); INFINITY where a joint has
+ * none. */
 extern const op2_r_sole_real op2_r_sole_joint_upper[op2_r_sole_DOF];
 
 /** Base parameters in the order of r: link and axis. */

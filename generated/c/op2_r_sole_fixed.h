@@ -122,12 +122,12 @@ extern const op2_r_sole_fixed_real op2_r_sole_fixed_total_mass_kg;
 /** Joints in the order of q. */
 extern const char *const op2_r_sole_fixed_joint_names[op2_r_sole_fixed_DOF];
 
-/** Lower ends of the ranges that rounding bounds hold in (the joint limits), in the unit of q: rad
- * (m for prismatic joints) / 2^op2_r_sole_fixed_Q_FRACTION_BITS. */
+/** Lower joint limits in the unit of q: rad (m for prismatic joints) /
+ * 2^op2_r_sole_fixed_Q_FRACTION_BITS; INT32_MIN where a joint has none. */
 extern const op2_r_sole_fixed_real op2_r_sole_fixed_joint_lower[op2_r_sole_fixed_DOF];
 
-/** Upper ends of these ranges, in the unit of q: rad (m for prismatic joints) /
- * 2^op2_r_sole_fixed_Q_FRACTION_BITS. */
+/** Upper joint limits in the unit of q: rad (m for prismatic joints) /
+ * 2^op2_r_sole_fixed_Q_FRACTION_BITS; INT32_MAX where a joint has none. */
 extern const op2_r_sole_fixed_real op2_r_sole_fixed_joint_upper[op2_r_sole_fixed_DOF];
 
 /** Base parameters in the order of r: link and axis. */

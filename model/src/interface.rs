@@ -23,7 +23,16 @@ pub struct Interface {
     pub unit: &'static str,
     /// One sentence about it.
     pub sentence: &'static str,
+    /// The same in ASCII, as C has it.
+    pub ascii: &'static str,
 }
+
+/// Sentences about [`Function::Cop`] where the model has effects: one, and one in ASCII.
+const COP_WITH_EFFECTS: [&str; 2] = [
+    "Predicted reading of the CoP in a static posture, with the effects at the top of this \
+     file, m unless they change its unit.",
+    "CoP reading that a static posture gives, with the effects named above, m.",
+];
 
 /// A function of the generated interface. Not all robots have the last one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -71,6 +80,7 @@ impl Function {
                 takes_parameters: true,
                 unit: "m",
                 sentence: "Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i, Eq. (4).",
+                ascii: "Centre of mass in the support frame, m: r_0 + sum of B_i(q) r_i.",
             },
             Function::ComJacobian => Interface {
                 name: "com_jacobian",
@@ -80,6 +90,7 @@ impl Function {
                 takes_parameters: true,
                 unit: "m/rad (m/m for prismatic joints)",
                 sentence: "∂CoM/∂q, m/rad (m/m for prismatic joints), one row per axis.",
+                ascii: "d CoM / d q, m/rad (m/m for prismatic joints), row-major: x, y, z.",
             },
             Function::GravityMoments => Interface {
                 name: "gravity_moments",
@@ -90,6 +101,8 @@ impl Function {
                 unit: "m",
                 sentence: "Moment of gravity about each joint, per kg of total mass and g: \
                            −∂CoM_z/∂q, m.",
+                ascii: "Moment of gravity about each joint, per kg of total mass times g, m: \
+                        -d CoM_z / d q.",
             },
             Function::Regressor => Interface {
                 name: "regressor",
@@ -99,6 +112,7 @@ impl Function {
                 takes_parameters: false,
                 unit: "1 (m for prismatic joints)",
                 sentence: "Rows of the base regressor: CoM = rows · r.",
+                ascii: "Rows of the base regressor, row-major: CoM = rows r.",
             },
             Function::RegressorCop => Interface {
                 name: "regressor_cop",
@@ -108,6 +122,7 @@ impl Function {
                 takes_parameters: false,
                 unit: "1 (m for prismatic joints)",
                 sentence: "The x and y rows of the base regressor: CoP = rows · r.",
+                ascii: "The x and y rows of the base regressor, row-major: CoP = rows r.",
             },
             Function::RegressorFull => Interface {
                 name: "regressor_full",
@@ -117,6 +132,7 @@ impl Function {
                 takes_parameters: false,
                 unit: "1 (m for prismatic joints)",
                 sentence: "Rows [B_0 B_1 …] of the full regressor, Eq. (5), in link frames.",
+                ascii: "Rows [B_0 B_1 ...] of the full regressor in link frames, row-major.",
             },
             Function::Cop => Interface {
                 name: "cop",
@@ -126,6 +142,7 @@ impl Function {
                 takes_parameters: true,
                 unit: "m",
                 sentence: "Centre of pressure that a static posture shows on a level sole, m.",
+                ascii: "Centre of pressure of a static posture on a level sole, m.",
             },
             Function::CorrectCop => Interface {
                 name: "correct_cop",
@@ -136,6 +153,7 @@ impl Function {
                 unit: "m",
                 sentence: "The CoP, m, that a reading (as `cop` predicts it) was made of: inverts \
                            the effects of the sensor.",
+                ascii: "CoP behind a reading, m: the inverse of the sensor's effects.",
             },
         }
     }
@@ -143,6 +161,14 @@ impl Function {
     /// Its name in generated code and reports.
     pub const fn name(self) -> &'static str {
         self.interface().name
+    }
+
+    /// Its sentence, and that in ASCII, where the model has effects or none.
+    pub const fn sentences(self, with_effects: bool) -> [&'static str; 2] {
+        match (self, with_effects) {
+            (Function::Cop, true) => COP_WITH_EFFECTS,
+            _ => [self.interface().sentence, self.interface().ascii],
+        }
     }
 
     /// Axes of the support frame that its rows belong to; none where it gives a vector.

@@ -101,6 +101,16 @@ pub struct Dof {
     pub upper: f64,
 }
 
+impl Dof {
+    /// Lower and upper limit, rad or m; infinite where the joint has none.
+    pub fn limits(&self) -> [f64; 2] {
+        match self.continuous {
+            true => [f64::NEG_INFINITY, f64::INFINITY],
+            false => [self.lower, self.upper],
+        }
+    }
+}
+
 /// A right angle that was made exact.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Snap {

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use sesc_codegen::emit::c::{self, Options, Servos, layout};
 use sesc_codegen::emit::{names, rust};
+use sesc_codegen::facts::Facts;
 use sesc_model::{Model, files::write_all_if_changed};
 
 use super::{Outcome, RobotArguments, message, print};
@@ -101,7 +102,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
             let name = name.unwrap_or_else(|| names::suggest(&usual));
             vec![(
                 PathBuf::from(format!("{name}.rs")),
-                rust::module(&model, &name)?,
+                rust::module(&Facts::of(&model), &name)?,
             )]
         }
         Language::C => c_files(arguments, &model, &usual)?,
@@ -142,7 +143,8 @@ fn c_files(
         (None, None) => {}
     }
     let name = arguments.name.clone().unwrap_or_else(|| c::suggest(usual));
-    let package = c::package(model, &name, &options)?;
+    let facts = Facts::of(model);
+    let package = c::package(&facts, &name, &options)?;
     for note in &package.notes {
         message(&format!("note: {note}"));
     }
@@ -152,5 +154,5 @@ fn c_files(
         Layout::Platformio => layout::Layout::PlatformIo,
         Layout::Arduino => layout::Layout::Arduino,
     };
-    Ok(layout::files(model, package, &name, &options, layout)?)
+    Ok(layout::files(&facts, package, &name, &options, layout)?)
 }

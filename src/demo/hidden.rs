@@ -9,6 +9,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use sesc_codegen::emit::rust;
+use sesc_codegen::facts::Facts;
 use sesc_model::{Function, Model, Snapping};
 use sesc_reference::World;
 
@@ -67,7 +68,7 @@ pub fn run(robot: &Robot, model: &Model, seed: u64) -> Result<Hidden, Error> {
         .collect();
     let report = diagnose::diagnose(&request(robot, model, taken, &readings)?, &mut ())?;
     let corrected = robot.model("r_sole", Snapping::default(), Some(&report.model_file))?;
-    let code = rust::module(&corrected, "op2_r_sole")?;
+    let code = rust::module(&Facts::of(&corrected), "op2_r_sole")?;
     let cad = Evaluator::new(model, Function::Cop).run(judged, JUDGED);
     let better = match CopPredictor::new(&corrected) {
         Some(foretelling) => foretelling.run(judged, JUDGED, None),

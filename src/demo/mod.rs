@@ -10,6 +10,7 @@ pub mod hidden;
 
 use nalgebra::{DMatrix, DVector};
 use sesc_codegen::emit::rust;
+use sesc_codegen::facts::Facts;
 use sesc_model::{Function, Given, Model, Snapping};
 use sesc_reference::Reference;
 
@@ -59,7 +60,7 @@ pub fn run(seed: u64, watch: &mut dyn Watch) -> Result<Demo, Error> {
     let robot = Robot::parse(OP2_URDF, "op2.urdf")?;
     let model = robot.model("r_sole", Snapping::default(), None)?;
     let reference = verify::reference(&robot, "r_sole")?;
-    let code = rust::module(&model, "op2_r_sole")?;
+    let code = rust::module(&Facts::of(&model), "op2_r_sole")?;
     let verification = verify::verify(&robot, &model, 5000, seed, watch)?;
 
     let study = Study::new(&model, &reference, seed);

@@ -5,6 +5,7 @@ use std::path::Path;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use sesc_codegen::emit::c::{self, Options, Package, Scalar, Servos, Setting};
+use sesc_codegen::facts::Facts;
 use sesc_identify::robot::Robot;
 use sesc_model::program::Program;
 use sesc_model::tape::{Tape, Values};
@@ -143,7 +144,7 @@ impl Case {
             scalar,
             servos: Some(self.servos.clone()),
         };
-        c::package(&self.model, &self.name, &options)
+        c::package(&Facts::of(&self.model), &self.name, &options)
             .unwrap_or_else(|error| panic!("{}: {error}", self.name))
     }
 

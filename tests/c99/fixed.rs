@@ -6,6 +6,7 @@ use std::path::Path;
 use std::process::Command;
 
 use sesc_codegen::emit::c::{self, Options, Scalar, Servos};
+use sesc_codegen::facts::Facts;
 use sesc_model::{Function, Snapping};
 
 use crate::bounds::check;
@@ -168,7 +169,7 @@ fn robots_at_the_ends_of_what_32_bits_hold() {
             scalar: Scalar::Fixed32,
             servos: Some(case.servos.clone()),
         };
-        match c::package(&case.model, &case.name, &options) {
+        match c::package(&Facts::of(&case.model), &case.name, &options) {
             Err(error) => {
                 let message = error.to_string();
                 let says = ["fixed32", "may reach", "the robot reaches", "f32"];
@@ -207,7 +208,7 @@ fn in_floats(folder: &Path, case: &Case, scalar: Scalar) {
         scalar,
         servos: Some(case.servos.clone()),
     };
-    match c::package(&case.model, &case.name, &options) {
+    match c::package(&Facts::of(&case.model), &case.name, &options) {
         Err(error) => assert!(error.to_string().contains("1024 rad"), "{error}"),
         Ok(_) => {
             let compiled = Compiled::build(folder, case, scalar, "gcc", &["-O0"], |source| source);

@@ -1,7 +1,6 @@
 //! What a header tells: mass, limits, names, indices, ticks, costs.
 
 use std::collections::BTreeMap;
-use std::f64::consts::PI;
 use std::fs;
 use std::path::Path;
 use std::process::Command;
@@ -33,7 +32,7 @@ fn joints(urdf: &str) -> (Vec<(String, f64, f64)>, f64) {
         }
         let name = joint.attribute("name").unwrap().to_string();
         joints.push(match kind {
-            "continuous" => (name, -PI, PI),
+            "continuous" => (name, f64::NEG_INFINITY, f64::INFINITY),
             _ => {
                 let limit = document.get_node(child(joint, "limit").unwrap()).unwrap();
                 (name, number(limit, "lower"), number(limit, "upper"))
@@ -86,13 +85,22 @@ fn headers_tell_mass_limits_names_and_indices() {
                 _ => "1.0".to_string(),
             };
             let (of_mass, of_q) = (unit("TOTAL_MASS"), unit("Q"));
+            let limit = |value: &str, extreme: &str, without: &str| match scalar {
+                "fixed32" => format!("{value} == {extreme} ? {without} : {value} * {of_q}"),
+                _ => value.to_string(),
+            };
             let mut statements =
                 format!("    printf(\"%.17g\\n\", {name}_total_mass_kg * {of_mass});\n");
             for (joint, ..) in &joints {
                 let k = format!("{name}_JOINT_{}", joint.to_uppercase());
                 statements += &format!(
-                    "    printf(\"%d %s %.17g %.17g\\n\", (int){k}, {name}_joint_names[{k}], \
-                     {name}_joint_lower[{k}] * {of_q}, {name}_joint_upper[{k}] * {of_q});\n"
+                    "    printf(\"%d %s %.17g %.17g\\n\", (int){k}, {name}_joint_names[{k}], {}, {});\n",
+                    limit(
+                        &format!("{name}_joint_lower[{k}]"),
+                        "INT32_MIN",
+                        "-INFINITY"
+                    ),
+                    limit(&format!("{name}_joint_upper[{k}]"), "INT32_MAX", "INFINITY")
                 );
             }
             statements += &format!(
@@ -101,7 +109,7 @@ fn headers_tell_mass_limits_names_and_indices() {
             );
             let lines = printed(&folder, name, &statements);
             // What rounding to the scalar may take.
-            let near = |x: f64, y: f64| (x - y).abs() <= 1e-7 * y.abs().max(1.0);
+            let near = |x: f64, y: f64| x == y || (x - y).abs() <= 1e-7 * y.abs().max(1.0);
             assert!(
                 near(lines[0].parse().unwrap(), mass),
                 "{} is not {mass}",

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use std::fs;
 
 use sesc_codegen::emit::c::{self, Options, Scalar};
+use sesc_codegen::facts::Facts;
 use sesc_model::effects::Catalog;
 use sesc_model::{Function, Given};
 
@@ -177,12 +178,13 @@ fn self_tests_know_effects_in_every_scalar() {
         let model = with(&stand, hidden);
         let corrects = model.program(Function::CorrectCop, Given::Positions);
         for scalar in [Scalar::F64, Scalar::F32, Scalar::Fixed32] {
-            let package = match c::package(&model, effect.id().name(), &Options::of(scalar)) {
-                Ok(package) => package,
-                // Refused by name: see `records`.
-                Err(_) if scalar == Scalar::Fixed32 => continue,
-                Err(error) => panic!("{}: {error}", effect.id().name()),
-            };
+            let package =
+                match c::package(&Facts::of(&model), effect.id().name(), &Options::of(scalar)) {
+                    Ok(package) => package,
+                    // Refused by name: see `records`.
+                    Err(_) if scalar == Scalar::Fixed32 => continue,
+                    Err(error) => panic!("{}: {error}", effect.id().name()),
+                };
             let shown = model.static_effects().next().is_some();
             let note = package
                 .notes

@@ -47,7 +47,10 @@ const ROOMS: [(&str, &[&str]); 4] = [
             "model",
         ],
     ),
-    ("codegen", &["error", "emit", "builder"]),
+    (
+        "codegen",
+        &["error", "routines", "facts", "emit", "builder"],
+    ),
     (
         "identify",
         &[

@@ -5,6 +5,7 @@ use std::path::Path;
 use std::process::Command;
 
 use sesc_codegen::emit::c::{self, Options, Scalar};
+use sesc_codegen::facts::Facts;
 use sesc_identify::robot::Robot;
 use sesc_model::bounds::Precision;
 use sesc_model::{EffectRecord, ModelFile, Quantity, Snapping};
@@ -51,7 +52,7 @@ fn package(scalar: Scalar) -> c::Package {
         effect("cell_exponent", "fsr_2", "exponent", 1.1),
     ];
     let model = model.with_file(file).unwrap();
-    c::package(&model, "two_link", &Options::of(scalar)).unwrap()
+    c::package(&Facts::of(&model), "two_link", &Options::of(scalar)).unwrap()
 }
 
 /// Quotient, clamp and power of each pair, one after the other.

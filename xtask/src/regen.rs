@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use sesc_codegen::emit::c::{self, Options, Scalar};
 use sesc_codegen::emit::rust;
+use sesc_codegen::facts::Facts;
 use sesc_model::{Snapping, files::write_all_if_changed};
 
 use sesc::demo::{self, hidden};
@@ -44,7 +45,7 @@ pub fn files(root: &Path) -> Result<Vec<(PathBuf, String)>, Error> {
     for (robot, support, module) in TARGETS {
         let urdf = root.join(format!("robots/{robot}/{robot}.urdf"));
         let model = Robot::read(&urdf)?.model(support, Snapping::default(), None)?;
-        let text = rust::module(&model, module)?;
+        let text = rust::module(&Facts::of(&model), module)?;
         files.push((PathBuf::from(format!("generated/src/{module}.rs")), text));
         modules.push_str(&format!("#[rustfmt::skip]\npub mod {module};\n"));
     }
@@ -52,7 +53,7 @@ pub fn files(root: &Path) -> Result<Vec<(PathBuf, String)>, Error> {
     for (robot, support, scalar, name) in C_TARGETS {
         let urdf = root.join(format!("robots/{robot}/{robot}.urdf"));
         let model = Robot::read(&urdf)?.model(support, Snapping::default(), None)?;
-        let package = c::package(&model, name, &Options::of(scalar))?;
+        let package = c::package(&Facts::of(&model), name, &Options::of(scalar))?;
         let path = |extension| PathBuf::from(format!("generated/c/{name}.{extension}"));
         files.push((path("h"), package.header));
         files.push((path("c"), package.source));

@@ -1,18 +1,10 @@
 //! The comment at the top of a generated file: what it is, what it costs, how exact it is.
 
+use crate::facts::{Effect, Facts};
+use crate::routines::Routine;
 use sesc_model::bounds::Precision;
 use sesc_model::program::Counts;
-use sesc_model::{Function, Given, Model};
-
-/// What a header says about one function.
-#[derive(Debug, Clone)]
-pub struct Row {
-    pub function: Function,
-    pub given: Given,
-    pub counts: Counts,
-    /// Proven bound on the rounding error in f64 and in f32, m.
-    pub bounds: [f64; 2],
-}
+use sesc_model::{Function, Given};
 
 /// Function name with the suffix of its variant.
 pub fn function_name(function: Function, given: Given) -> String {
@@ -38,33 +30,27 @@ pub const PROMISE: [&str; 3] = [
 ];
 
 /// Which robot this is, without comment marks.
-pub fn about(model: &Model) -> Vec<String> {
-    let tree = &model.tree;
-    let base = &model.base;
+pub fn about(facts: &Facts) -> Vec<String> {
+    let base = facts.params.len();
     let mut lines = vec![
         GENERATOR.to_string(),
         String::new(),
         format!(
             "robot          {} ({}, hash {}): {} links, {} independent joints",
-            printable(&tree.robot),
-            printable(tree.file.rsplit(['/', '\\']).next().unwrap_or_default()),
-            tree.hash,
-            tree.links.len(),
-            tree.dofs.len()
+            printable(facts.robot),
+            printable(facts.file),
+            facts.hash,
+            facts.links,
+            facts.dof()
         ),
+        format!("support frame  {}", printable(facts.support)),
         format!(
-            "support frame  {}",
-            printable(&tree.links[tree.support].name)
-        ),
-        format!(
-            "parameters     {} SESC (r), {} base; rank {} from CoM rows, {} from flat CoP rows",
-            model.chain.full_params,
-            base.params.len(),
-            base.params.len(),
-            base.rank_cop
+            "parameters     {} SESC (r), {base} base; rank {base} from CoM rows, {} from flat CoP \
+             rows",
+            facts.full_params, facts.rank_cop
         ),
     ];
-    for snap in &tree.snaps {
+    for snap in facts.snaps {
         lines.push(format!(
             "snapped        {}: {:.1e} rad to a right angle, CoM moves by at most {} m",
             printable(&snap.joint),
@@ -72,43 +58,33 @@ pub fn about(model: &Model) -> Vec<String> {
             at_most(snap.com_error)
         ));
     }
-    lines.extend(effects(model));
+    lines.extend(facts.effects.iter().map(effect));
     lines
 }
 
 /// What is in the function `cop` beside the robot, and what is not.
-fn effects(model: &Model) -> Vec<String> {
-    let records = model.file.iter().flat_map(|file| &file.effects);
-    let mut lines = Vec::new();
-    for (record, (instance, _)) in records.zip(&model.effects) {
-        let effect = instance.effect;
-        let title = match effect.is_static() {
-            true => "effect in cop",
-            false => "left out",
-        };
-        let mut text = effect.id().name().to_string();
-        if record.target != "-" {
-            text += &format!(" of {}", printable(&record.target));
-        }
-        let values = record.parameters.iter();
-        let values = values.map(|(name, quantity)| format!("{name} = {}", quantity.value));
-        let values: Vec<String> = values.collect();
-        if !effect.is_static() {
-            text += " (only a log shows it)";
-        } else if !values.is_empty() {
-            text += &format!(": {}", values.join(", "));
-        }
-        lines.push(format!("{title:<14} {text}"));
+fn effect(effect: &Effect) -> String {
+    let title = match effect.is_static {
+        true => "effect in cop",
+        false => "left out",
+    };
+    let mut text = effect.name.to_string();
+    if let Some(target) = effect.target {
+        text += &format!(" of {}", printable(target));
     }
-    lines
+    if !effect.is_static {
+        text += " (only a log shows it)";
+    } else if !effect.values.is_empty() {
+        text += &format!(": {}", effect.values.join(", "));
+    }
+    format!("{title:<14} {text}")
 }
 
 /// What is to be said of bounds where there are effects.
-pub fn cautions(model: &Model, correction_is_proven: bool) -> Vec<String> {
+pub fn cautions(facts: &Facts, correction_is_proven: bool) -> Vec<String> {
     let mut texts: Vec<&str> = Vec::new();
-    for (instance, _) in model.static_effects() {
-        let caution = instance.effect.caution();
-        texts.extend(caution.filter(|text| !texts.contains(text)));
+    for effect in facts.effects.iter().filter(|effect| effect.is_static) {
+        texts.extend(effect.caution.filter(|text| !texts.contains(text)));
     }
     if !correction_is_proven {
         texts.push(ITERATED);
@@ -149,28 +125,31 @@ pub fn bound(x: f64) -> String {
 }
 
 /// Lines of a Rust module's header, without comment marks.
-pub fn lines(model: &Model, rows: &[Row]) -> Vec<String> {
-    let mut lines = about(model);
+pub fn lines(facts: &Facts, routines: &[&Routine]) -> Vec<String> {
+    let mut lines = about(facts);
     lines.push(String::new());
     lines.push(format!(
         "{:<20} {:>7} {:>7} {:>9}   proven |rounding error|, m",
         "function", "mul", "add", "sin_cos"
     ));
-    for row in rows {
+    let mut correction_is_proven = true;
+    for routine in routines {
+        let counts = routine.program.counts();
+        let bounds = [Precision::F64, Precision::F32].map(|p| routine.rounding(p).worst);
+        correction_is_proven &= routine.function != Function::CorrectCop || bounds[0].is_finite();
         lines.push(format!(
             "{:<20} {:>7} {:>7} {:>9}   {} (f64)  {} (f32){}",
-            function_name(row.function, row.given),
-            row.counts.mul,
-            row.counts.add,
-            row.counts.sin_cos,
-            bound(row.bounds[0]),
-            bound(row.bounds[1]),
-            others(row.counts)
+            function_name(routine.function, routine.given),
+            counts.mul,
+            counts.add,
+            counts.sin_cos,
+            bound(bounds[0]),
+            bound(bounds[1]),
+            others(counts)
         ));
     }
     lines.extend(PROMISE.map(str::to_string));
-    let unproven = |row: &Row| row.function == Function::CorrectCop && row.bounds[0].is_infinite();
-    lines.extend(cautions(model, !rows.iter().any(unproven)));
+    lines.extend(cautions(facts, correction_is_proven));
     lines
 }
 
@@ -181,28 +160,6 @@ pub fn others(counts: Counts) -> String {
         1 => "  and 1 quotient, clamp or power".to_string(),
         n => format!("  and {n} quotients, clamps and powers"),
     }
-}
-
-/// Rows for every function that can be had.
-pub fn rows(model: &Model) -> Vec<(Row, sesc_model::program::Program)> {
-    let mut rows = Vec::new();
-    for given in [Given::Positions, Given::SinesCosines, Given::Direction] {
-        let all = Function::ALL.into_iter().chain([Function::CorrectCop]);
-        for function in all {
-            let Some(program) = model.program(function, given) else {
-                continue;
-            };
-            let bound = |precision| model.rounding(&program, precision).worst;
-            let row = Row {
-                function,
-                given,
-                counts: program.counts(),
-                bounds: [bound(Precision::F64), bound(Precision::F32)],
-            };
-            rows.push((row, program));
-        }
-    }
-    rows
 }
 
 /// `x` in two digits, rounded up: a bound must not become smaller by being printed.

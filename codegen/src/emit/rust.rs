@@ -19,16 +19,17 @@ mod signature;
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{format_ident, quote};
 
-use super::header::{self, Row};
+use super::header;
 use super::listing::{Listing, Results};
 use crate::Error;
 use crate::emit::names;
 use crate::error::Problem;
+use crate::facts::Facts;
+use crate::routines::Routine;
 use body::Body;
 use printed::Notes;
 use sesc_model::expr::Argument;
-use sesc_model::program::Program;
-use sesc_model::{Function, Given, Model};
+use sesc_model::{Function, Given};
 use signature::{documentation, matrix, result, signature};
 
 /// Version of the interface between generated code and `sesc-runtime`: the module of its
@@ -42,11 +43,11 @@ const METHOD: [&str; 2] = [
     "               \"Three-dimensional identification of a humanoid robot\"",
 ];
 
-/// The module for `model`, named `name`.
+/// The module of a robot, named `name`.
 ///
 /// # Errors
 /// When `name` is no Rust module name.
-pub fn module(model: &Model, name: &str) -> Result<String, Error> {
+pub fn module(facts: &Facts, name: &str) -> Result<String, Error> {
     if !names::is_module_name(name) {
         return Err(Problem::BadName {
             name: name.to_string(),
@@ -54,12 +55,13 @@ pub fn module(model: &Model, name: &str) -> Result<String, Error> {
         }
         .into());
     }
-    let rows = header::rows(model);
+    // Constants of parameters are for those who need not adapt them: C.
+    let routines: Vec<&Routine> = facts.routines.iter().filter(|r| !r.baked).collect();
     let unit = Ident::new(&names::type_name(name), Span::call_site());
     let mut notes = Notes::default();
-    let constants = constants::items(model, &mut notes);
-    let struct_ = unit_struct(model, &unit);
-    let robot = Robot::new(model, unit, &rows, &mut notes);
+    let constants = constants::items(facts, &mut notes);
+    let struct_ = unit_struct(facts, &unit);
+    let robot = Robot::new(facts, unit, &routines, &mut notes);
     let (uses, functions, impls) = (robot.uses(), robot.functions(), robot.impls());
     let interface = Literal::usize_unsuffixed(INTERFACE);
     let items = quote! {
@@ -70,8 +72,7 @@ pub fn module(model: &Model, name: &str) -> Result<String, Error> {
         #functions
         #impls
     };
-    let rows: Vec<Row> = rows.into_iter().map(|(row, _)| row).collect();
-    let mut about = header::lines(model, &rows);
+    let mut about = header::lines(facts, &routines);
     about.push(String::new());
     about.extend(METHOD.map(str::to_string));
     printed::file(items, &about, &notes)
@@ -88,11 +89,11 @@ fn allow_names() -> TokenStream {
     quote! { #[allow(dead_code, non_snake_case, clippy::all)] }
 }
 
-fn unit_struct(model: &Model, unit: &Ident) -> TokenStream {
+fn unit_struct(facts: &Facts, unit: &Ident) -> TokenStream {
     let doc = format!(
         " Robot `{}` standing on `{}`.",
-        header::printable(&model.tree.robot),
-        header::printable(&model.tree.links[model.tree.support].name)
+        header::printable(facts.robot),
+        header::printable(facts.support)
     );
     quote! {
         #[doc = #doc]
@@ -120,14 +121,15 @@ struct Method {
 }
 
 impl Robot {
-    fn new(model: &Model, unit: Ident, rows: &[(Row, Program)], notes: &mut Notes) -> Robot {
-        let method = |(row, program): &(Row, Program)| Method {
-            function: row.function,
-            given: row.given,
-            doc: documentation(model, row.function, row.given),
-            body: body_of(row, program, notes),
+    fn new(facts: &Facts, unit: Ident, routines: &[&Routine], notes: &mut Notes) -> Robot {
+        let with_effects = facts.has_static_effects();
+        let method = |routine: &&Routine| Method {
+            function: routine.function,
+            given: routine.given,
+            doc: documentation(with_effects, routine.function, routine.given),
+            body: body_of(routine, notes),
         };
-        let methods: Vec<Method> = rows.iter().map(method).collect();
+        let methods: Vec<Method> = routines.iter().map(method).collect();
         let sines = |method: &&Method| method.given == Given::SinesCosines;
         Robot {
             unit,
@@ -228,8 +230,9 @@ impl Method {
 }
 
 /// Parameters, result and statements of a function.
-fn body_of(row: &Row, program: &Program, notes: &mut Notes) -> TokenStream {
-    let matrix = matrix(row.function, row.given);
+fn body_of(routine: &Routine, notes: &mut Notes) -> TokenStream {
+    let program = &routine.program;
+    let matrix = matrix(routine.function, routine.given);
     let listing = match matrix {
         Some(_) => Listing::new(program, Results::AsTheyCome),
         None => Listing::new(program, Results::AtTheEnd),
@@ -238,8 +241,8 @@ fn body_of(row: &Row, program: &Program, notes: &mut Notes) -> TokenStream {
         true => argument.name().to_string(),
         false => format!("_{}", argument.name()),
     };
-    let (parameters, _) = signature(row.function, row.given, rename);
-    let result = result(row.function, row.given);
+    let (parameters, _) = signature(routine.function, routine.given, rename);
+    let result = result(routine.function, routine.given);
     let body = Body::new(listing, matrix.clone()).statements(notes);
     match matrix {
         Some(matrix) => quote! { <T: Real>(#parameters, #matrix: &mut #result) { #body } },

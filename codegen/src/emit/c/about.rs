@@ -1,9 +1,9 @@
 //! The comment at the top of both files: the robot, what functions cost, how exact they are.
 
-use super::routine::Routine;
+use super::exported::Exported;
 use super::{Scalar, comment};
 use crate::emit::header;
-use sesc_model::Model;
+use crate::facts::Facts;
 
 /// Where the method comes from.
 const SOURCE: [&str; 2] = [
@@ -17,8 +17,8 @@ const OF_TICKS: [&str; 2] = [
     "look_up counts the sines and cosines that they read from a table.",
 ];
 
-pub(super) fn about(model: &Model, routines: &[Routine], scalar: Scalar) -> Vec<String> {
-    let mut lines = header::about(model);
+pub(super) fn about(facts: &Facts, routines: &[Exported], scalar: Scalar) -> Vec<String> {
+    let mut lines = header::about(facts);
     lines.extend(SOURCE.map(str::to_string));
     lines.push(format!(
         "scalar         {}",
@@ -48,8 +48,8 @@ pub(super) fn about(model: &Model, routines: &[Routine], scalar: Scalar) -> Vec<
     }
     lines.extend(header::PROMISE.map(str::to_string));
     let proven = routines.iter().all(|routine| routine.bound.is_finite());
-    lines.extend(header::cautions(model, proven));
-    if routines.iter().any(Routine::is_of_ticks) {
+    lines.extend(header::cautions(facts, proven));
+    if routines.iter().any(Exported::is_of_ticks) {
         lines.extend(OF_TICKS.map(str::to_string));
     }
     lines

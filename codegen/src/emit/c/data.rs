@@ -2,12 +2,12 @@
 
 use serde::Serialize;
 
+use super::exported::{Exported, array_bits};
 use super::points::mass_bits;
-use super::routine::{Routine, array_bits};
 use super::{Scalar, columns, comment, fixed, float, number, quoted};
+use crate::facts::Facts;
 use sesc_model::expr::Argument;
-use sesc_model::tree::Dof;
-use sesc_model::{Model, names};
+use sesc_model::names;
 
 /// A public constant.
 #[derive(Debug, Clone, Serialize)]
@@ -28,28 +28,28 @@ struct Entry {
 }
 
 /// Names of the enumerators that index joints, in the order of `q`.
-pub(super) fn enumerators(model: &Model) -> Vec<String> {
-    names::constants(model.tree.dofs.iter().map(|dof| dof.joint.as_str()))
+pub(super) fn enumerators(facts: &Facts) -> Vec<String> {
+    names::constants(facts.dofs.iter().map(|dof| dof.joint.as_str()))
 }
 
 /// Every constant, in the order of the header.
 pub(super) fn constants(
-    model: &Model,
+    facts: &Facts,
     scalar: Scalar,
-    routines: &[Routine],
+    routines: &[Exported],
     name: &str,
 ) -> Vec<Constant> {
-    let mut constants = vec![total_mass(model, scalar, name)];
-    if model.dof() > 0 {
+    let mut constants = vec![total_mass(facts, scalar, name)];
+    if facts.dof() > 0 {
         constants.extend(joints(
-            model,
+            facts,
             scalar,
             array_bits(routines, Argument::Positions),
             name,
         ));
     }
     constants.extend(parameters(
-        model,
+        facts,
         scalar,
         array_bits(routines, Argument::Parameters),
         name,
@@ -65,8 +65,8 @@ fn scale(scalar: Scalar, name: &str, quantity: &str) -> String {
     }
 }
 
-fn total_mass(model: &Model, scalar: Scalar, name: &str) -> Constant {
-    let mass = model.tree.mass;
+fn total_mass(facts: &Facts, scalar: Scalar, name: &str) -> Constant {
+    let mass = facts.total_mass_kg;
     let unit = scale(scalar, name, "TOTAL_MASS");
     Constant {
         brief: format!("Total mass, kg{unit}: gravity_moments times this and g are N m."),
@@ -79,17 +79,21 @@ fn total_mass(model: &Model, scalar: Scalar, name: &str) -> Constant {
     }
 }
 
-fn joints(model: &Model, scalar: Scalar, bits: i32, name: &str) -> [Constant; 3] {
+fn joints(facts: &Facts, scalar: Scalar, bits: i32, name: &str) -> [Constant; 3] {
     let unit = scale(scalar, name, "Q");
-    let limits = |array: &str, which: &str, limit: &dyn Fn(&Dof) -> String| Constant {
-        brief: format!("{which} in the unit of q: rad (m for prismatic joints){unit}."),
-        declaration: format!("const {name}_real {name}_{array}[{name}_DOF]"),
-        values: model
-            .tree
+    let ends = ["lower", "upper"];
+    let limits = |end: usize| Constant {
+        brief: format!(
+            "{} joint limits in the unit of q: rad (m for prismatic joints){unit}; {} where a joint has none.",
+            ["Lower", "Upper"][end],
+            unlimited(end, scalar)
+        ),
+        declaration: format!("const {name}_real {name}_joint_{}[{name}_DOF]", ends[end]),
+        values: facts
             .dofs
             .iter()
             .map(|dof| Entry {
-                value: limit(dof),
+                value: inward(dof.limits()[end], end, scalar, bits),
                 comment: match dof.continuous {
                     true => format!("{}, without limits", comment(&dof.joint)),
                     false => comment(&dof.joint),
@@ -98,7 +102,7 @@ fn joints(model: &Model, scalar: Scalar, bits: i32, name: &str) -> [Constant; 3]
             .collect(),
         is_array: true,
     };
-    let names = model.tree.dofs.iter().map(|dof| dof.joint.as_str());
+    let names = facts.dofs.iter().map(|dof| dof.joint.as_str());
     [
         strings(
             name,
@@ -107,74 +111,89 @@ fn joints(model: &Model, scalar: Scalar, bits: i32, name: &str) -> [Constant; 3]
             "Joints in the order of q.",
             names,
         ),
-        limits(
-            "joint_lower",
-            "Lower ends of the ranges that rounding bounds hold in (the joint limits),",
-            &|dof| inward(dof.lower, scalar, bits, true),
-        ),
-        limits("joint_upper", "Upper ends of these ranges,", &|dof| {
-            inward(dof.upper, scalar, bits, false)
-        }),
+        limits(0),
+        limits(1),
     ]
 }
 
+/// The lower or upper limit of a joint that has none.
+fn unlimited(end: usize, scalar: Scalar) -> &'static str {
+    match (scalar, end) {
+        (Scalar::Fixed32, 0) => "INT32_MIN",
+        (Scalar::Fixed32, _) => "INT32_MAX",
+        (_, 0) => "-INFINITY",
+        (_, _) => "INFINITY",
+    }
+}
+
+/// Whether values need `<math.h>`, for its constant alone.
+pub(super) fn has_infinity(facts: &Facts, scalar: Scalar) -> bool {
+    scalar != Scalar::Fixed32 && facts.dofs.iter().any(|dof| dof.continuous)
+}
+
 /// A limit as the scalar holds it, rounded into the range where it is rounded.
-fn inward(limit: f64, scalar: Scalar, bits: i32, up: bool) -> String {
+fn inward(limit: f64, end: usize, scalar: Scalar, bits: i32) -> String {
+    if limit.is_infinite() {
+        return unlimited(end, scalar).to_string();
+    }
     match scalar {
         Scalar::F64 => float::literal(limit, scalar),
         Scalar::F32 => {
             let near = limit as f32;
-            let held = match up {
-                true if f64::from(near) < limit => near.next_up(),
-                false if f64::from(near) > limit => near.next_down(),
+            let held = match end {
+                0 if f64::from(near) < limit => near.next_up(),
+                1 if f64::from(near) > limit => near.next_down(),
                 _ => near,
             };
             float::literal(f64::from(held), scalar)
         }
         Scalar::Fixed32 => {
-            let round = if up { libm::ceil } else { libm::floor };
+            let round = [libm::ceil, libm::floor][end];
             fixed::literal(round(libm::ldexp(limit, bits)), 0)
         }
     }
 }
 
-fn parameters(model: &Model, scalar: Scalar, bits: i32, name: &str) -> Vec<Constant> {
+fn parameters(facts: &Facts, scalar: Scalar, bits: i32, name: &str) -> Vec<Constant> {
     let unit = scale(scalar, name, "R");
-    let params = &model.base.params;
     let array = |array: &str, brief: String, values: &[f64]| Constant {
         brief,
         declaration: format!("const {name}_real {name}_{array}[{name}_BASE_PARAMS]"),
         values: values
             .iter()
-            .zip(params)
+            .zip(&facts.params)
             .map(|(value, param)| Entry {
                 value: number(*value, scalar, bits),
-                comment: comment(&param.name),
+                comment: comment(param.name),
             })
             .collect(),
         is_array: true,
     };
-    let names = params.iter().map(|param| param.name.as_str());
+    let names = facts.params.iter().map(|param| param.name);
     let brief = "Base parameters in the order of r: link and axis.";
     let mut constants = vec![
         strings(name, "param_names", "BASE_PARAMS", brief, names),
         array(
             "cad_params",
             format!("Base parameters from CAD, m{unit}."),
-            &model.cad_params(),
+            &facts.cad_params(),
         ),
         array(
             "param_limits",
             "Largest |r[k]| that ranges and rounding bounds are proven for.".to_string(),
-            &model.param_limits,
+            &facts
+                .params
+                .iter()
+                .map(|param| param.limit)
+                .collect::<Vec<_>>(),
         ),
     ];
-    if let Some(file) = &model.file {
+    if let Some(identified) = &facts.identified {
         let brief = format!(
             "Identified base parameters, m{unit}, from a model file (source: {}).",
-            comment(&file.source())
+            comment(&identified.source)
         );
-        constants.push(array("model_params", brief, &file.values()));
+        constants.push(array("model_params", brief, &identified.values));
     }
     constants
 }

@@ -2,12 +2,13 @@
 
 use serde::Serialize;
 
+use super::exported::{Exported, Input};
 use super::helpers::Calls;
-use super::routine::{Input, Routine};
 use super::{Scalar, fixed, float};
 use crate::emit::header;
+use crate::facts::Facts;
 use sesc_model::program::Shape;
-use sesc_model::{Function, Given, Model};
+use sesc_model::{Extent, Function, Given};
 
 /// What a template needs of a function.
 #[derive(Debug, Clone, Serialize)]
@@ -50,8 +51,8 @@ impl Parameter {
 }
 
 pub(super) fn text(
-    model: &Model,
-    routine: &Routine,
+    facts: &Facts,
+    routine: &Exported,
     scalar: Scalar,
     name: &str,
     calls: &Calls,
@@ -70,8 +71,8 @@ pub(super) fn text(
     };
     Text {
         name: routine.name(),
-        brief: brief(model, routine.function),
-        details: details(model, routine),
+        brief: routine.function.sentences(facts.has_static_effects())[1],
+        details: details(facts, routine),
         declaration: signature(Parameter::declared),
         definition: signature(Parameter::defined),
         parameters,
@@ -79,14 +80,14 @@ pub(super) fn text(
     }
 }
 
-fn details(model: &Model, routine: &Routine) -> Vec<String> {
+fn details(facts: &Facts, routine: &Exported) -> Vec<String> {
     let mut details = Vec::new();
     if routine.baked
-        && let Some(file) = &model.file
+        && let Some(identified) = &facts.identified
     {
         details.push(format!(
             "Parameters of the model file are constants here (source: {}).",
-            super::comment(&file.source())
+            super::comment(&identified.source)
         ));
     }
     if routine.given == Given::SinesCosines && !routine.is_of_ticks() {
@@ -113,39 +114,13 @@ fn signature(declarations: &[String], before: usize) -> String {
     }
 }
 
-fn brief(model: &Model, function: Function) -> &'static str {
-    match function {
-        Function::Cop if model.static_effects().next().is_some() => {
-            "CoP reading that a static posture gives, with the effects named above, m."
-        }
-        Function::CorrectCop => "CoP behind a reading, m: the inverse of the sensor's effects.",
-        Function::Com => "Centre of mass in the support frame, m: r_0 + sum of B_i(q) r_i.",
-        Function::ComJacobian => {
-            "d CoM / d q, m/rad (m/m for prismatic joints), row-major: x, y, z."
-        }
-        Function::GravityMoments => {
-            "Moment of gravity about each joint, per kg of total mass times g, m: -d CoM_z / d q."
-        }
-        Function::Regressor => "Rows of the base regressor, row-major: CoM = rows r.",
-        Function::RegressorCop => {
-            "The x and y rows of the base regressor, row-major: CoP = rows r."
-        }
-        Function::RegressorFull => {
-            "Rows [B_0 B_1 ...] of the full regressor in link frames, row-major."
-        }
-        Function::Cop => "Centre of pressure of a static posture on a level sole, m.",
-    }
-}
-
 /// How the result's length is written.
-fn length(routine: &Routine, name: &str) -> String {
-    let columns = match routine.function {
-        Function::Com => return "3".to_string(),
-        Function::Cop | Function::CorrectCop => return "2".to_string(),
-        Function::GravityMoments => return format!("{name}_DOF"),
-        Function::ComJacobian => format!("{name}_DOF"),
-        Function::RegressorFull => format!("{name}_FULL_PARAMS"),
-        Function::Regressor | Function::RegressorCop => format!("{name}_BASE_PARAMS"),
+fn length(routine: &Exported, name: &str) -> String {
+    let columns = match routine.function.columns() {
+        Extent::Fixed(n) => n.to_string(),
+        Extent::Dof => format!("{name}_DOF"),
+        Extent::BaseParams => format!("{name}_BASE_PARAMS"),
+        Extent::FullParams => format!("{name}_FULL_PARAMS"),
     };
     match routine.program.shape {
         Shape::Matrix { rows, .. } => format!("{rows} * {columns}"),
@@ -153,7 +128,7 @@ fn length(routine: &Routine, name: &str) -> String {
     }
 }
 
-fn parameters(routine: &Routine, name: &str) -> Vec<Parameter> {
+fn parameters(routine: &Exported, name: &str) -> Vec<Parameter> {
     let real = format!("{name}_real");
     let input = |array: &str, scalar: &str, meaning: String| Parameter {
         direction: "in",
@@ -210,7 +185,7 @@ fn parameters(routine: &Routine, name: &str) -> Vec<Parameter> {
 }
 
 /// Ticks to sines and cosines (or positions), then the function of those.
-fn ticks_body(routine: &Routine, name: &str) -> Vec<String> {
+fn ticks_body(routine: &Exported, name: &str) -> Vec<String> {
     let arrays: &[&str] = match routine.given {
         Given::Positions => &["q"],
         Given::SinesCosines | Given::Direction => &["sin_q", "cos_q"],
@@ -221,7 +196,7 @@ fn ticks_body(routine: &Routine, name: &str) -> Vec<String> {
         .collect();
     let arrays = arrays.join(", ");
     lines.push(format!("{name}_from_ticks(ticks, {arrays});"));
-    let target = Routine {
+    let target = Exported {
         input: Input::Program,
         ..routine.clone()
     };

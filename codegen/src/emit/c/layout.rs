@@ -11,7 +11,7 @@ use minijinja::{Environment, context};
 use super::{Options, Package, Scalar};
 use crate::Error;
 use crate::error::Problem;
-use sesc_model::Model;
+use crate::facts::Facts;
 
 /// What a package is made for.
 ///
@@ -75,12 +75,12 @@ impl Layout {
 /// Longest name of a robot or link in a description, so that it stays a sentence.
 const LONGEST_WORD: usize = 60;
 
-/// The files of `package`, generated from `model` as `name`: paths within its folder, and texts.
+/// The files of `package`, generated as `name`: paths within its folder, and texts.
 ///
 /// # Errors
 /// When tools of the layout keep `name` for themselves.
 pub fn files(
-    model: &Model,
+    facts: &Facts,
     package: Package,
     name: &str,
     options: &Options,
@@ -140,7 +140,7 @@ pub fn files(
             ),
         ],
     };
-    let texts = texts(model, name, options)?;
+    let texts = texts(facts, name, options)?;
     let mut files = vec![
         (format!("{headers}{name}.h"), package.header),
         (format!("{sources}{name}.c"), package.source),
@@ -155,22 +155,21 @@ pub fn files(
 }
 
 /// What templates read.
-fn texts(model: &Model, name: &str, options: &Options) -> Result<Value, Error> {
-    let tree = &model.tree;
+fn texts(facts: &Facts, name: &str, options: &Options) -> Result<Value, Error> {
     let texts = context! {
         name,
         version => env!("CARGO_PKG_VERSION"),
-        robot => word(&tree.robot),
-        support => word(&tree.links[tree.support].name),
-        hash => tree.hash.as_str(),
-        dof => model.dof(),
+        robot => word(facts.robot),
+        support => word(facts.support),
+        hash => facts.hash,
+        dof => facts.dof(),
         scalar => match options.scalar {
             Scalar::F64 => "f64",
             Scalar::F32 => "f32",
             Scalar::Fixed32 => "fixed32",
         },
         floats => options.scalar != Scalar::Fixed32,
-        params => match model.file {
+        params => match facts.identified {
             Some(_) => "model_params",
             None => "cad_params",
         },

@@ -8,6 +8,7 @@
 mod about;
 mod columns;
 mod data;
+mod exported;
 mod fixed;
 mod float;
 mod functions;
@@ -15,7 +16,6 @@ mod helpers;
 pub mod layout;
 mod points;
 mod prefix;
-mod routine;
 mod routines;
 mod selftest;
 mod servos;
@@ -28,10 +28,10 @@ use serde::Serialize;
 
 use crate::Error;
 use crate::error::Problem;
+use crate::facts::Facts;
 use helpers::Calls;
 pub use prefix::{is_prefix, suggest};
 pub use servos::{Servos, Setting};
-use sesc_model::Model;
 use sesc_model::bounds::Precision;
 use spelling::{comment, number, pair, quoted, spelled};
 
@@ -95,12 +95,12 @@ pub struct Package {
     pub notes: Vec<String>,
 }
 
-/// Header and source for `model`, every name beginning with `name`.
+/// Header and source of a robot, every name beginning with `name`.
 ///
 /// # Errors
 /// When `name` is no prefix of C names, a servo setting makes no sense, or a
 /// quantity does not fit 32-bit fixed point.
-pub fn package(model: &Model, name: &str, options: &Options) -> Result<Package, Error> {
+pub fn package(facts: &Facts, name: &str, options: &Options) -> Result<Package, Error> {
     if !is_prefix(name) {
         return Err(Problem::BadPrefix {
             name: name.to_string(),
@@ -109,41 +109,42 @@ pub fn package(model: &Model, name: &str, options: &Options) -> Result<Package, 
         .into());
     }
     let mut notes = Vec::new();
-    let ticks = ticks::Ticks::of(model, options, &mut notes)?;
-    if ticks.as_ref().is_some_and(|ticks| !ticks.reach_cop(model)) {
+    let ticks = ticks::Ticks::of(facts, options, &mut notes)?;
+    if ticks.as_ref().is_some_and(|ticks| !ticks.reach_cop(facts)) {
         notes.push(
             "cop_ticks is left out: effects are written for joint angles; call cop with those"
                 .to_string(),
         );
     }
-    let routines = routines::routines(model, options.scalar, ticks.as_ref())?;
+    let routines = routines::routines(facts, options.scalar, ticks.as_ref())?;
     let calls = Calls::new(name);
     let functions: Vec<functions::Text> = routines
         .iter()
-        .map(|routine| functions::text(model, routine, options.scalar, name, &calls))
+        .map(|routine| functions::text(facts, routine, options.scalar, name, &calls))
         .collect();
     let from_ticks = ticks
         .as_ref()
-        .map(|ticks| ticks.text(model, name, &routines, &calls));
+        .map(|ticks| ticks.text(facts.dofs, name, &routines, &calls));
     let (selftest, results) =
-        selftest::checks(model, options.scalar, &routines, name, ticks.as_ref());
+        selftest::checks(facts, options.scalar, &routines, name, ticks.as_ref());
     let texts = context! {
         name,
         guard => format!("{}_H", name.to_uppercase()),
-        about => about::about(model, &routines, options.scalar),
+        about => about::about(facts, &routines, options.scalar),
         includes_stdint => options.scalar == Scalar::Fixed32 || from_ticks.is_some(),
+        has_infinity => data::has_infinity(facts, options.scalar),
         scalar_note => match options.scalar {
             Scalar::Fixed32 => ": an integer, its binary point by quantity as below",
             _ => "",
         },
         real => options.scalar.c_type(),
-        dof => model.dof(),
-        base_params => model.base.params.len(),
-        full_params => model.chain.full_params,
-        points => listed(points::points(&routines, model.tree.mass)),
-        joints => data::enumerators(model),
-        constants => listed(data::constants(model, options.scalar, &routines, name)),
-        ticks => ticks.as_ref().map(|ticks| ticks.convention(model)),
+        dof => facts.dof(),
+        base_params => facts.params.len(),
+        full_params => facts.full_params,
+        points => listed(points::points(&routines, facts.total_mass_kg)),
+        joints => data::enumerators(facts),
+        constants => listed(data::constants(facts, options.scalar, &routines, name)),
+        ticks => ticks.as_ref().map(|ticks| ticks.convention(facts.dofs)),
         functions => listed(functions),
         quarter => data::quarter(options.scalar),
         from_ticks => Value::from(Serde(from_ticks)),

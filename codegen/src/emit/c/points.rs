@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::routine::Routine;
+use super::exported::Exported;
 use sesc_model::bounds;
 use sesc_model::expr::Argument;
 
@@ -20,7 +20,7 @@ pub(super) fn mass_bits(mass: f64) -> i32 {
 }
 
 /// Binary points of inputs, results and the mass, each once; none in floats.
-pub(super) fn points(routines: &[Routine], mass: f64) -> Vec<Point> {
+pub(super) fn points(routines: &[Exported], mass: f64) -> Vec<Point> {
     let mut points: Vec<Point> = Vec::new();
     let mut push = |name: String, of: String, bits: i32| {
         if points.iter().all(|point| point.name != name) {

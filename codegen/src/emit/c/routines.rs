@@ -1,117 +1,97 @@
 //! The functions of the C interface, made once: programs, binary points, bounds.
 
 use super::Scalar;
-use super::routine::{Input, Routine};
+use super::exported::{Exported, Input};
 use super::ticks::Ticks;
 use crate::Error;
 use crate::error::Problem;
-use sesc_model::bounds::{Overflow, Quantity, Unfit};
+use crate::facts::Facts;
+use crate::routines::Routine;
+use sesc_model::bounds::{self, Formats, Overflow, Quantity, Unfit};
 use sesc_model::expr::Argument;
-use sesc_model::program::Program;
-use sesc_model::{Function, Given, Model};
+use sesc_model::{Function, Given};
 
 /// Every function that can be had, in the order of the header.
-pub(super) fn routines(
-    model: &Model,
+pub(super) fn routines<'f>(
+    facts: &'f Facts,
     scalar: Scalar,
     ticks: Option<&Ticks>,
-) -> Result<Vec<Routine>, Error> {
-    let mut routines = Vec::new();
-    let baked: &[bool] = match &model.file {
-        Some(_) => &[false, true],
-        None => &[false],
-    };
-    for &baked in baked {
-        for given in [Given::Positions, Given::SinesCosines] {
-            for function in Function::ALL {
-                let program = match baked {
-                    false => model.program(function, given),
-                    true if matches!(function, Function::Com | Function::Cop) => {
-                        model.baked_program(function, given)
-                    }
-                    true => None,
-                };
-                let Some(program) = program.filter(|program| !program.shape.is_empty()) else {
-                    continue;
-                };
-                routines.push(routine(model, scalar, function, given, baked, program)?);
-            }
+) -> Result<Vec<Exported<'f>>, Error> {
+    let (corrections, of_posture): (Vec<&Routine>, Vec<&Routine>) = facts
+        .routines
+        .iter()
+        .filter(|routine| routine.given != Given::Direction && !routine.program.shape.is_empty())
+        .partition(|routine| routine.function == Function::CorrectCop);
+    let mut all = Vec::new();
+    for baked in [false, true] {
+        let first = all.len();
+        for routine in of_posture.iter().filter(|routine| routine.baked == baked) {
+            all.push(exported(facts, scalar, routine)?);
         }
         if let Some(ticks) = ticks {
-            let of_ticks: Vec<Routine> = routines
-                .iter()
-                .filter(|r| r.baked == baked && r.given == ticks.given && !r.is_of_ticks())
-                .map(|routine| ticks.routine(model, routine))
-                .collect();
-            routines.extend(of_ticks);
+            let of_ticks = all[first..].iter().filter(|r| r.given == ticks.given);
+            let of_ticks: Vec<Exported> = of_ticks.map(|r| ticks.routine(facts.dofs, r)).collect();
+            all.extend(of_ticks);
         }
     }
-    let (function, given) = (Function::CorrectCop, Given::Positions);
-    if let Some(program) = model.program(function, given) {
-        routines.push(routine(model, scalar, function, given, false, program)?);
+    for routine in corrections {
+        all.push(exported(facts, scalar, routine)?);
     }
-    share_formats(&mut routines);
-    for routine in &mut routines {
+    share_formats(&mut all);
+    for routine in &mut all {
         routine.bound = match (routine.input, ticks, &routine.formats, scalar.precision()) {
-            (Input::Ticks, Some(ticks), ..) => ticks.bound(model, routine),
-            (_, _, Some(formats), _) => model.rounding_fixed(&routine.program, formats).worst,
-            (_, _, None, Some(precision)) => model.rounding(&routine.program, precision).worst,
+            (Input::Ticks, Some(ticks), ..) => ticks.bound(facts.dofs, routine),
+            (_, _, Some(formats), _) => {
+                bounds::prove_fixed(&routine.program, &routine.inputs, formats).worst
+            }
+            (_, _, None, Some(precision)) => routine.rounding(precision).worst,
             (_, _, None, None) => unreachable!("fixed point comes with formats"),
         };
         // An iteration has no proven bound; its header says so.
         if !routine.bound.is_finite() && routine.function != Function::CorrectCop {
-            let problem = match routine.counts.other {
-                0 => Problem::Unbounded {
-                    function: routine.name(),
-                },
-                _ => Problem::UnboundedEffect {
-                    function: routine.name(),
-                },
-            };
-            return Err(problem.into());
+            let function = routine.name();
+            return Err(match routine.counts.other {
+                0 => Problem::Unbounded { function },
+                _ => Problem::UnboundedEffect { function },
+            }
+            .into());
         }
     }
-    Ok(routines)
+    Ok(all)
 }
 
-fn routine(
-    model: &Model,
+fn exported<'f>(
+    facts: &Facts,
     scalar: Scalar,
-    function: Function,
-    given: Given,
-    baked: bool,
-    program: Program,
-) -> Result<Routine, Error> {
+    routine: &'f Routine,
+) -> Result<Exported<'f>, Error> {
     let formats = match scalar {
         Scalar::Fixed32 => {
-            let formats = model.fixed_point(&program);
-            Some(formats.map_err(|unfit| no_fixed_point(model, function, &unfit))?)
+            let formats = Formats::choose(&routine.program, &routine.inputs);
+            Some(formats.map_err(|unfit| no_fixed_point(facts, routine.function, &unfit))?)
         }
         _ => None,
     };
-    Ok(Routine {
-        function,
-        given,
+    Ok(Exported {
+        routine,
         input: Input::Program,
-        baked,
-        counts: program.counts(),
+        counts: routine.program.counts(),
         look_ups: 0,
-        program,
         formats,
         bound: f64::INFINITY,
     })
 }
 
-fn no_fixed_point(model: &Model, function: Function, unfit: &Unfit) -> Problem {
+fn no_fixed_point(facts: &Facts, function: Function, unfit: &Unfit) -> Problem {
     match unfit {
-        Unfit::Overflow(overflow) => too_large(model, function, overflow),
+        Unfit::Overflow(overflow) => too_large(facts, function, overflow),
         Unfit::Operation => Problem::NoFixedPoint {
             function: function.name(),
         },
     }
 }
 
-fn too_large(model: &Model, function: Function, overflow: &Overflow) -> Problem {
+fn too_large(facts: &Facts, function: Function, overflow: &Overflow) -> Problem {
     let what = match overflow.angle {
         true => "an angle needs 16 bits below its point",
         false => "32 bits do not hold it",
@@ -121,7 +101,7 @@ fn too_large(model: &Model, function: Function, overflow: &Overflow) -> Problem 
         Quantity::Input {
             argument: Argument::Positions,
             index,
-        } => format!("the position of joint `{}`", model.tree.dofs[*index].joint),
+        } => format!("the position of joint `{}`", facts.dofs[*index].joint),
         Quantity::Input { argument, index } => {
             of_function(&format!("{}[{index}]", argument.name()))
         }
@@ -132,16 +112,15 @@ fn too_large(model: &Model, function: Function, overflow: &Overflow) -> Problem 
     Problem::Overflow {
         reason: format!(
             "{quantity} may reach {:.3e}; {what} (the robot reaches {:.3e} m)",
-            overflow.size,
-            model.reach()
+            overflow.size, facts.reach_m
         ),
     }
 }
 
 /// Variants of one function share the binary point of its results.
-fn share_formats(routines: &mut [Routine]) {
+fn share_formats(routines: &mut [Exported]) {
     for function in Function::ALL {
-        let of = |r: &&Routine| r.function == function;
+        let of = |r: &&Exported| r.function == function;
         let outputs = routines
             .iter()
             .filter(of)

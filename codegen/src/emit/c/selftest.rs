@@ -3,16 +3,14 @@
 
 use serde::Serialize;
 
-use super::routine::{Routine, array_bits};
+use super::exported::{Exported, array_bits};
 use super::ticks::Ticks;
 use super::{Scalar, number};
-use sesc_model::effects::foot_rectangle;
+use crate::facts::Facts;
+use crate::routines::Routine;
 use sesc_model::expr::Argument;
 use sesc_model::tape::{Kernels, Tape, Values};
-use sesc_model::{Function, Given, Model};
-
-/// Error of moments by differences of the summed CoM, relative to the robot's reach.
-const DIFFERENCES: f64 = 1e-9;
+use sesc_model::{Function, Given};
 
 /// Errors that only a defect makes, m: in f64, in f32.
 const LOOSE: [f64; 2] = [1e-9, 1e-4];
@@ -56,14 +54,14 @@ pub(super) fn weights(checks: &[Check]) -> String {
 
 /// Comparisons of the functions that are there, and the arrays they write to.
 pub(super) fn checks(
-    model: &Model,
+    facts: &Facts,
     scalar: Scalar,
-    routines: &[Routine],
+    routines: &[Exported],
     name: &str,
     ticks: Option<&Ticks>,
 ) -> (Vec<Check>, Vec<ResultArray>) {
-    let posture = model.self_test_posture();
-    let com = model.com_by_sum(&posture);
+    let test = &facts.self_test;
+    let posture = &test.posture;
     // An array may not be empty: a robot without joints gets what is at hand.
     let any = format!("{name}_cad_params");
     let positions = if posture.is_empty() {
@@ -74,7 +72,7 @@ pub(super) fn checks(
     let q = (!posture.is_empty()).then(|| Constant {
         scalar: format!("{name}_real"),
         name: "q".into(),
-        values: in_format(&posture, scalar, array_bits(routines, Argument::Positions)),
+        values: in_format(posture, scalar, array_bits(routines, Argument::Positions)),
     });
     let mut checks = Vec::new();
     let mut push = |stem: &str, expected: &[f64], mut arrays: Vec<Constant>, slack: f64| {
@@ -110,24 +108,24 @@ pub(super) fn checks(
             stem: stem.to_string(),
         });
     };
-    push("com", &com, q.into_iter().collect(), 0.0);
-    let effects = model.static_effects().next().is_some();
+    push("com", &test.com, q.into_iter().collect(), 0.0);
+    let effects = facts.has_static_effects();
     match effects {
-        false => push("cop", &com[..2], Vec::new(), 0.0),
+        false => push("cop", &test.com[..2], Vec::new(), 0.0),
         true => {
-            let expected = by_tape(model, Function::Cop, &posture, &model.cad_params());
+            let expected = by_tape(facts, Function::Cop, &facts.cad_params());
             push("cop", &expected, Vec::new(), 0.0);
         }
     }
     push(
         "gravity_moments",
-        &moments(model, &posture),
+        &test.moments,
         Vec::new(),
-        DIFFERENCES * model.reach().max(1.0) * model.largest_tie(),
+        test.moments_error,
     );
     if let Some(ticks) = ticks {
-        let (values, posture) = nearest(ticks, &posture);
-        let com = model.com_by_sum(&posture);
+        let (values, posture) = nearest(ticks, posture);
+        let com = test.com_at(&posture);
         let array = Constant {
             scalar: "int32_t".into(),
             name: "ticks".into(),
@@ -135,24 +133,23 @@ pub(super) fn checks(
         };
         push("com_ticks", &com, vec![array], 0.0);
     }
-    if model.file.is_some() {
-        let by_tape = |function| by_tape(model, function, &posture, &model.params());
+    if let Some(identified) = &facts.identified {
+        let by_tape = |function| by_tape(facts, function, &identified.values);
         push("model_com", &by_tape(Function::Com), Vec::new(), 0.0);
         if effects {
             push("model_cop", &by_tape(Function::Cop), Vec::new(), 0.0);
         }
     }
-    let cop = within_the_foot(model);
     let reading = Constant {
         scalar: format!("{name}_real"),
         name: "reading".into(),
         values: in_format(
-            &model.reading_of(cop),
+            &test.reading,
             scalar,
             array_bits(routines, Argument::Reading),
         ),
     };
-    push("correct_cop", &cop, vec![reading], 0.0);
+    push("correct_cop", &test.cop, vec![reading], 0.0);
     for (k, check) in checks.iter_mut().enumerate() {
         check.weight = 1 << k;
     }
@@ -180,7 +177,7 @@ fn in_format(values: &[f64], scalar: Scalar, bits: i32) -> Vec<String> {
 }
 
 /// The proven bound, and the rounding of what is expected.
-fn tolerance(routine: &Routine, scalar: Scalar, expected: &[f64], slack: f64) -> f64 {
+fn tolerance(routine: &Exported, scalar: Scalar, expected: &[f64], slack: f64) -> f64 {
     let largest = expected.iter().fold(0.0, |a: f64, x| a.max(x.abs()));
     let rounding = match (&routine.formats, scalar.precision()) {
         (Some(formats), _) => libm::ldexp(1.0, -formats.output),
@@ -197,23 +194,6 @@ fn tolerance(routine: &Routine, scalar: Scalar, expected: &[f64], slack: f64) ->
     bound + rounding + slack + 64.0 * f64::EPSILON * largest
 }
 
-/// −∂CoM_z/∂q by differences of the summed CoM, of fourth order.
-fn moments(model: &Model, posture: &[f64]) -> Vec<f64> {
-    let height = |j: usize, step: f64| {
-        let mut q = posture.to_vec();
-        q[j] += step;
-        model.com_by_sum(&q)[2]
-    };
-    // A follower goes as many times as far.
-    let h = 1e-3 / model.largest_tie();
-    let slope = |j: usize| {
-        let near = (height(j, h) - height(j, -h)) / (2.0 * h);
-        let far = (height(j, 2.0 * h) - height(j, -2.0 * h)) / (4.0 * h);
-        -(4.0 * near - far) / 3.0
-    };
-    (0..posture.len()).map(slope).collect()
-}
-
 /// Ticks nearest to a posture, and the posture that they stand for.
 fn nearest(ticks: &Ticks, posture: &[f64]) -> (Vec<i32>, Vec<f64>) {
     let pairs = ticks.servos.iter().zip(posture).map(|(servo, q)| {
@@ -226,22 +206,17 @@ fn nearest(ticks: &Ticks, posture: &[f64]) -> (Vec<i32>, Vec<f64>) {
     pairs.unzip()
 }
 
-/// A function of `params` by the program that takes them.
-fn by_tape(model: &Model, function: Function, posture: &[f64], params: &[f64]) -> Vec<f64> {
-    let Some(program) = model.program(function, Given::Positions) else {
+/// A function of `params` in the posture of the test, by the program that takes them.
+fn by_tape(facts: &Facts, function: Function, params: &[f64]) -> Vec<f64> {
+    let of = |r: &&Routine| r.function == function && r.given == Given::Positions && !r.baked;
+    let Some(Routine { program, .. }) = facts.routines.iter().find(of) else {
         return Vec::new();
     };
     let mut out = vec![0.0; program.outputs.len()];
-    let arguments = [Values::PerPosture(posture), Values::Shared(params)];
-    Tape::new(&program).run(&arguments, 1, &mut out, Kernels::LIBM);
+    let arguments = [
+        Values::PerPosture(&facts.self_test.posture),
+        Values::Shared(params),
+    ];
+    Tape::new(program).run(&arguments, 1, &mut out, Kernels::LIBM);
     out
-}
-
-/// A CoP between the cells of the foot, a little off their middle, m.
-fn within_the_foot(model: &Model) -> [f64; 2] {
-    let cells = model.file.as_ref().map_or(&[][..], |file| &file.cells);
-    match foot_rectangle(cells) {
-        Some((middle, half)) => [middle[0] + 0.25 * half[0], middle[1] - 0.125 * half[1]],
-        None => [0.0625, -0.03125],
-    }
 }

@@ -3,15 +3,17 @@
 
 use serde::Serialize;
 
+use super::exported::{self, Exported, array_bits};
 use super::helpers::{Calls, Helper};
-use super::routine::{self, Routine, array_bits};
 use super::servos::{Scale, Servo};
 use super::{Options, Scalar, comment, float, number};
 use crate::Error;
+use crate::facts::Facts;
+use crate::routines::Routine;
 use sesc_model::bounds::{self, Input};
 use sesc_model::expr::Argument;
 use sesc_model::tree::Dof;
-use sesc_model::{Function, Given, Model};
+use sesc_model::{Function, Given};
 
 /// How ticks become what programs take.
 #[derive(Debug, Clone)]
@@ -33,14 +35,14 @@ pub(super) struct Text {
 impl Ticks {
     /// `None` where no ticks are wanted, or cannot be had; `notes` says why.
     pub(super) fn of(
-        model: &Model,
+        facts: &Facts,
         options: &Options,
         notes: &mut Vec<String>,
     ) -> Result<Option<Ticks>, Error> {
         let Some(servos) = &options.servos else {
             return Ok(None);
         };
-        let dofs = &model.tree.dofs;
+        let dofs = facts.dofs;
         let Some(servos) = servos.of(dofs)? else {
             let prismatic: Vec<&str> = dofs
                 .iter()
@@ -56,7 +58,7 @@ impl Ticks {
         if servos.is_empty() {
             return Ok(None);
         }
-        let sines = model.program(Function::Com, Given::SinesCosines).is_some();
+        let sines = has(facts, Function::Com, Given::SinesCosines);
         Ok(Some(Ticks {
             servos,
             given: match sines {
@@ -68,20 +70,20 @@ impl Ticks {
     }
 
     /// Whether the CoP can be had from what ticks are turned into.
-    pub(super) fn reach_cop(&self, model: &Model) -> bool {
-        model.program(Function::Cop, self.given).is_some()
+    pub(super) fn reach_cop(&self, facts: &Facts) -> bool {
+        has(facts, Function::Cop, self.given)
     }
 
     /// Proven bound of a routine when its arguments come from ticks.
-    pub(super) fn bound(&self, model: &Model, routine: &Routine) -> f64 {
-        let mut inputs = model.input_ranges(&routine.program);
+    pub(super) fn bound(&self, dofs: &[Dof], routine: &Exported) -> f64 {
+        let mut inputs = routine.inputs.clone();
         for (array, inputs) in routine.program.inputs.iter().zip(&mut inputs) {
             if array.argument == Argument::Parameters {
                 continue;
             }
             for (k, input) in inputs.iter_mut().enumerate() {
                 let bits = routine.formats.as_ref().map(|formats| formats.arrays[0]);
-                self.widen(&model.tree.dofs[k], self.servos[k], bits, input);
+                self.widen(&dofs[k], self.servos[k], bits, input);
             }
         }
         match (&routine.formats, self.scalar.precision()) {
@@ -117,10 +119,10 @@ impl Ticks {
     }
 
     /// `routine` from ticks, its bound still to be proven.
-    pub(super) fn routine(&self, model: &Model, routine: &Routine) -> Routine {
+    pub(super) fn routine<'f>(&self, dofs: &[Dof], routine: &Exported<'f>) -> Exported<'f> {
         let mut counts = routine.counts;
         let mut look_ups = 0;
-        for (dof, servo) in model.tree.dofs.iter().zip(&self.servos) {
+        for (dof, servo) in dofs.iter().zip(&self.servos) {
             match self.way(dof, *servo) {
                 // What forms the argument of a sine belongs to it.
                 Way::Sines => counts.sin_cos += 1,
@@ -132,8 +134,8 @@ impl Ticks {
                 }
             }
         }
-        Routine {
-            input: routine::Input::Ticks,
+        Exported {
+            input: exported::Input::Ticks,
             counts,
             look_ups,
             ..routine.clone()
@@ -150,8 +152,7 @@ impl Ticks {
     }
 
     /// A line for each joint: what a tick of it means.
-    pub(super) fn convention(&self, model: &Model) -> Vec<String> {
-        let dofs = &model.tree.dofs;
+    pub(super) fn convention(&self, dofs: &[Dof]) -> Vec<String> {
         let names: Vec<String> = dofs.iter().map(|dof| comment(&dof.joint)).collect();
         let width = names.iter().map(|name| name.chars().count()).max();
         let width = width.unwrap_or(0).max("joint".len());
@@ -174,9 +175,9 @@ impl Ticks {
 
     pub(super) fn text(
         &self,
-        model: &Model,
+        dofs: &[Dof],
         name: &str,
-        routines: &[Routine],
+        routines: &[Exported],
         calls: &Calls,
     ) -> Text {
         let real = format!("{name}_real");
@@ -189,7 +190,7 @@ impl Ticks {
             Given::SinesCosines | Given::Direction => array_bits(routines, Argument::Sines),
         };
         let mut lines = Vec::new();
-        for (k, (dof, servo)) in model.tree.dofs.iter().zip(&self.servos).enumerate() {
+        for (k, (dof, servo)) in dofs.iter().zip(&self.servos).enumerate() {
             let position = |bits| self.position(k, *servo, bits, &real, calls);
             let way = self.way(dof, *servo);
             match way {
@@ -266,6 +267,12 @@ impl Ticks {
             }
         }
     }
+}
+
+/// Whether there is such a function.
+fn has(facts: &Facts, function: Function, given: Given) -> bool {
+    let is_it = |r: &Routine| r.function == function && r.given == given && !r.baked;
+    facts.routines.iter().any(is_it)
 }
 
 /// How a tick becomes what the programs take.

@@ -6,59 +6,42 @@ use quote::{format_ident, quote};
 use super::printed::Notes;
 use super::{allow_unused, number};
 use crate::emit::header;
-use sesc_model::{Model, names};
+use crate::facts::Facts;
+use sesc_model::names;
+use sesc_model::tree::Dof;
 
 /// The constants of the module.
-pub(super) fn items(model: &Model, notes: &mut Notes) -> TokenStream {
+pub(super) fn items(facts: &Facts, notes: &mut Notes) -> TokenStream {
     let allow = allow_unused();
     let numbers = quote! { #[allow(dead_code, clippy::all)] };
-    let [dof, base, full] = [
-        model.dof(),
-        model.base.params.len(),
-        model.chain.full_params,
-    ]
-    .map(Literal::usize_unsuffixed);
-    let dofs = &model.tree.dofs;
-    let joints = dofs.iter().map(|dof| &dof.joint);
-    let prismatic = dofs.iter().map(|dof| dof.prismatic);
-    let mut by_joint = |value: &dyn Fn(usize) -> f64| {
-        notes.numbers((0..dofs.len()).map(|j| (value(j), dofs[j].joint.as_str())))
-    };
-    // A range that only postures are drawn from is no limit.
-    let lower = by_joint(&|j| match dofs[j].continuous {
-        true => f64::NEG_INFINITY,
-        false => dofs[j].lower,
+    let sizes = [facts.dof(), facts.params.len(), facts.full_params];
+    let [dof, base, full] = sizes.map(Literal::usize_unsuffixed);
+    let joints = facts.dofs.iter().map(|dof| &dof.joint);
+    let prismatic = facts.dofs.iter().map(|dof| dof.prismatic);
+    let [lower, upper] = [0, 1].map(|end| {
+        let limits = facts.dofs.iter();
+        notes.numbers(limits.map(|dof| (dof.limits()[end], dof.joint.as_str())))
     });
-    let upper = by_joint(&|j| match dofs[j].continuous {
-        true => f64::INFINITY,
-        false => dofs[j].upper,
-    });
-    let params = model.base.params.iter();
-    let names = params.clone().map(|param| &param.name);
-    let cad = notes.numbers(params.clone().map(|param| (param.cad, param.name.as_str())));
-    let mass = number(model.tree.mass);
-    let posture = model.self_test_posture();
-    let com = model.com_by_sum(&posture).map(number);
-    let posture = posture.iter().map(|x| number(*x));
-    let joint_module = joint_module(model);
-    let identified = model.file.as_ref().map(|file| {
-        let mut by_param = |values: Vec<f64>| {
-            let values = values.into_iter().zip(params.clone());
-            notes.numbers(values.map(|(value, param)| (value, param.name.as_str())))
-        };
-        let values = by_param(file.values());
-        let known = file.parameters.iter().any(|param| param.std.is_some());
-        let std = known.then(|| {
-            let std = file.parameters.iter().map(|param| param.std);
-            let std = by_param(std.map(|std| std.unwrap_or(f64::INFINITY)).collect());
+    let names = facts.params.iter().map(|param| param.name);
+    let cad = notes.numbers(facts.params.iter().map(|param| (param.cad, param.name)));
+    let mass = number(facts.total_mass_kg);
+    let posture = facts.self_test.posture.iter().map(|x| number(*x));
+    let com = facts.self_test.com.map(number);
+    let joint_module = joint_module(facts);
+    let identified = facts.identified.as_ref().map(|identified| {
+        let mut by_param =
+            |values: &[f64]| notes.numbers(values.iter().copied().zip(names.clone()));
+        let values = by_param(&identified.values);
+        let std = identified.std.as_deref().map(|std| {
+            let std = by_param(std);
             quote! {
                 /// Their standard deviations, m; infinite where nothing is known.
                 #numbers
                 pub const MODEL_STD: [f64; BASE_PARAMS] = #std;
             }
         });
-        let information = file.information.as_ref().map(|information| {
-            let factor = information.packed().into_iter().map(number);
+        let information = identified.information.as_ref().map(|information| {
+            let factor = information.iter().map(|x| number(*x));
             quote! {
                 /// How well they are known together, for `Estimator::resume`: R with RᵀR their
                 /// inverse covariance, row by row from the diagonal on, 1/m.
@@ -69,7 +52,7 @@ pub(super) fn items(model: &Model, notes: &mut Notes) -> TokenStream {
         });
         let doc = format!(
             " Identified base parameters, m, from a model file (source: {}).",
-            header::printable(&file.source())
+            header::printable(&identified.source)
         );
         quote! {
             #[doc = #doc]
@@ -122,21 +105,13 @@ pub(super) fn items(model: &Model, notes: &mut Notes) -> TokenStream {
 }
 
 /// An index for every joint.
-fn joint_module(model: &Model) -> TokenStream {
-    let upper = |name: &str| {
-        let name = name.to_uppercase();
-        match name.starts_with(|c: char| c.is_ascii_digit()) {
-            true => format!("J{name}"),
-            false => name,
-        }
+fn joint_module(facts: &Facts) -> TokenStream {
+    let word = |dof: &Dof| match names::word(&dof.joint) {
+        word if word.starts_with(|c: char| c.is_ascii_digit()) => format!("J{word}"),
+        word => word,
     };
-    let words: Vec<String> = model
-        .tree
-        .dofs
-        .iter()
-        .map(|dof| upper(&dof.joint))
-        .collect();
-    let words = names::unique(words.iter().map(String::as_str));
+    let words: Vec<String> = facts.dofs.iter().map(word).collect();
+    let words = names::constants(words.iter().map(String::as_str));
     let indices = words.iter().enumerate().map(|(j, word)| {
         let (word, j) = (format_ident!("{word}"), Literal::usize_unsuffixed(j));
         quote! { pub const #word: usize = #j; }

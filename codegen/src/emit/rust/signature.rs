@@ -4,7 +4,7 @@ use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::quote;
 
 use sesc_model::expr::Argument;
-use sesc_model::{Extent, Function, Given, Model};
+use sesc_model::{Extent, Function, Given};
 
 /// Parameters of a function and the names to pass on.
 pub(super) fn signature(
@@ -54,14 +54,8 @@ fn extent(extent: Extent) -> TokenStream {
     }
 }
 
-pub(super) fn documentation(model: &Model, function: Function, given: Given) -> String {
-    let what = match function {
-        Function::Cop if model.static_effects().next().is_some() => {
-            "Predicted reading of the CoP in a static posture, with the effects at the top of \
-             this file, m unless they change its unit."
-        }
-        function => function.interface().sentence,
-    };
+pub(super) fn documentation(with_effects: bool, function: Function, given: Given) -> String {
+    let [what, _] = function.sentences(with_effects);
     match given {
         Given::Positions => format!(" {what}"),
         Given::SinesCosines => format!(

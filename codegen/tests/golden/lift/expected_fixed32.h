@@ -93,12 +93,12 @@ extern const lift_real lift_total_mass_kg;
 /** Joints in the order of q. */
 extern const char *const lift_joint_names[lift_DOF];
 
-/** Lower ends of the ranges that rounding bounds hold in (the joint limits), in the unit of q: rad
- * (m for prismatic joints) / 2^lift_Q_FRACTION_BITS. */
+/** Lower joint limits in the unit of q: rad (m for prismatic joints) / 2^lift_Q_FRACTION_BITS;
+ * INT32_MIN where a joint has none. */
 extern const lift_real lift_joint_lower[lift_DOF];
 
-/** Upper ends of these ranges, in the unit of q: rad (m for prismatic joints) /
- * 2^lift_Q_FRACTION_BITS. */
+/** Upper joint limits in the unit of q: rad (m for prismatic joints) / 2^lift_Q_FRACTION_BITS;
+ * INT32_MAX where a joint has none. */
 extern const lift_real lift_joint_upper[lift_DOF];
 
 /** Base parameters in the order of r: link and axis. */

@@ -102,12 +102,12 @@ extern const two_link_real two_link_total_mass_kg;
 /** Joints in the order of q. */
 extern const char *const two_link_joint_names[two_link_DOF];
 
-/** Lower ends of the ranges that rounding bounds hold in (the joint limits), in the unit of q: rad
- * (m for prismatic joints) / 2^two_link_Q_FRACTION_BITS. */
+/** Lower joint limits in the unit of q: rad (m for prismatic joints) / 2^two_link_Q_FRACTION_BITS;
+ * INT32_MIN where a joint has none. */
 extern const two_link_real two_link_joint_lower[two_link_DOF];
 
-/** Upper ends of these ranges, in the unit of q: rad (m for prismatic joints) /
- * 2^two_link_Q_FRACTION_BITS. */
+/** Upper joint limits in the unit of q: rad (m for prismatic joints) / 2^two_link_Q_FRACTION_BITS;
+ * INT32_MAX where a joint has none. */
 extern const two_link_real two_link_joint_upper[two_link_DOF];
 
 /** Base parameters in the order of r: link and axis. */

@@ -2,8 +2,8 @@
 
 use super::*;
 use sesc_model::expr::{Argument, Graph, Id};
-use sesc_model::program::{Array, Shape};
-use sesc_model::{Snapping, urdf};
+use sesc_model::program::{Array, Program, Shape};
+use sesc_model::{Model, Snapping, urdf};
 
 const LEG: &str = r#"<robot name="leg">
     <link name="foot"/>
@@ -12,8 +12,8 @@ const LEG: &str = r#"<robot name="leg">
         <axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
 </robot>"#;
 
-/// A function of the one joint of a robot, as an effect would rewrite it.
-fn routine_of(scalar: Scalar, build: impl Fn(&mut Graph, Id) -> Id) -> Result<Routine, Error> {
+/// Writes a function of the one joint of a robot, as an effect would rewrite it.
+fn export(scalar: Scalar, build: impl Fn(&mut Graph, Id) -> Id) -> Result<(), Error> {
     let description = urdf::parse(LEG, "leg.urdf").unwrap();
     let model = Model::new(&description, "foot", Snapping::default()).unwrap();
     let mut g = Graph::default();
@@ -21,14 +21,14 @@ fn routine_of(scalar: Scalar, build: impl Fn(&mut Graph, Id) -> Id) -> Result<Ro
     let out = build(&mut g, q);
     let inputs = vec![Array::new(Argument::Positions, 1)];
     let program = Program::new(g, inputs, Shape::Vector(2), &[out, out]);
-    routine(
-        &model,
-        scalar,
-        Function::Cop,
-        Given::Positions,
-        false,
+    let routine = Routine {
+        function: Function::Cop,
+        given: Given::Positions,
+        baked: false,
+        inputs: model.input_ranges(&program),
         program,
-    )
+    };
+    exported(&Facts::of(&model), scalar, &routine).map(|_| ())
 }
 
 #[test]
@@ -48,12 +48,12 @@ fn effects_that_fixed_point_cannot_hold_are_refused_by_name() {
         },
     ];
     for build in builds {
-        let error = routine_of(Scalar::Fixed32, build).unwrap_err();
+        let error = export(Scalar::Fixed32, build).unwrap_err();
         assert_eq!(
             error.to_string(),
             "fixed32: cop divides, clamps or raises to powers, which cannot be had in fixed \
              point; effects with divisions or clamps (cell_gain, backlash) need f32 or f64"
         );
-        assert!(routine_of(Scalar::F32, build).is_ok());
+        assert!(export(Scalar::F32, build).is_ok());
     }
 }

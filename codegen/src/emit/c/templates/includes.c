@@ -1,5 +1,8 @@
 #include "{{ name }}.h"
 
+{% if has_infinity -%}
+#include <math.h>
+{% endif -%}
 #include <stdint.h>
 {%- if (has_kernel or has_power) and real != "int32_t" %}
 #ifdef {{ name }}_USE_LIBM

@@ -1,9 +1,12 @@
-//! One function of the C interface: its program and how its arguments come.
+//! One function of the C interface: a routine and how its arguments come.
 
+use std::ops::Deref;
+
+use crate::routines::Routine;
+use sesc_model::Given;
 use sesc_model::bounds::Formats;
 use sesc_model::expr::Argument;
-use sesc_model::program::{Counts, Program};
-use sesc_model::{Function, Given};
+use sesc_model::program::Counts;
 
 /// What a caller passes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,13 +19,9 @@ pub(super) enum Input {
 
 /// A function to write.
 #[derive(Debug, Clone)]
-pub(super) struct Routine {
-    pub(super) function: Function,
-    pub(super) given: Given,
+pub(super) struct Exported<'f> {
+    pub(super) routine: &'f Routine,
     pub(super) input: Input,
-    /// Whether parameters are constants.
-    pub(super) baked: bool,
-    pub(super) program: Program,
     /// Binary points in fixed point.
     pub(super) formats: Option<Formats>,
     /// Operations of the program and of what turns ticks into its arguments.
@@ -33,7 +32,15 @@ pub(super) struct Routine {
     pub(super) bound: f64,
 }
 
-impl Routine {
+impl Deref for Exported<'_> {
+    type Target = Routine;
+
+    fn deref(&self) -> &Routine {
+        self.routine
+    }
+}
+
+impl Exported<'_> {
     /// Its name behind the prefix.
     pub(super) fn name(&self) -> String {
         let suffix = match (self.input, self.given) {
@@ -56,19 +63,13 @@ impl Routine {
 
     /// Name of its result array.
     pub(super) fn output(&self) -> &'static str {
-        match self.function {
-            Function::Com => "com",
-            Function::Cop | Function::CorrectCop => "cop",
-            Function::ComJacobian => "jac",
-            Function::GravityMoments => "moments",
-            Function::Regressor | Function::RegressorCop | Function::RegressorFull => "rows",
-        }
+        self.function.interface().result
     }
 }
 
 /// Fraction bits of an input array in fixed point; 0 in floats and where nothing takes it.
-pub(super) fn array_bits(routines: &[Routine], argument: Argument) -> i32 {
-    let find = |routine: &Routine| {
+pub(super) fn array_bits(routines: &[Exported], argument: Argument) -> i32 {
+    let find = |routine: &Exported| {
         let mut inputs = routine.program.inputs.iter();
         let k = inputs.position(|array| array.argument == argument)?;
         Some(routine.formats.as_ref()?.arrays[k])

@@ -1,0 +1,230 @@
+//! What generated files say of a robot: the one description that both languages print.
+
+use std::fmt;
+
+use crate::routines::{Routine, routines};
+use sesc_model::effects::foot_rectangle;
+use sesc_model::tree::{Dof, Snap};
+use sesc_model::{Model, ModelFile, Robot};
+
+/// A robot on its support, as generated files describe it, and its functions.
+#[derive(Debug)]
+pub struct Facts<'m> {
+    /// Name of the robot.
+    pub robot: &'m str,
+    /// File name of its URDF.
+    pub file: &'m str,
+    /// Hash of that file.
+    pub hash: &'m str,
+    /// Number of links.
+    pub links: usize,
+    /// The link on the ground.
+    pub support: &'m str,
+    /// Independent joints, in the order of `q`.
+    pub dofs: &'m [Dof],
+    /// Base parameters, in the order of `r`.
+    pub params: Vec<Param<'m>>,
+    /// Number of parameters of the full chain.
+    pub full_params: usize,
+    /// How many base parameters flat CoP rows show.
+    pub rank_cop: usize,
+    /// Right angles that were made exact.
+    pub snaps: &'m [Snap],
+    /// Total mass from CAD, kg.
+    pub total_mass_kg: f64,
+    /// How far the CoM can be from the support, m.
+    pub reach_m: f64,
+    /// Parameters of a model file.
+    pub identified: Option<Identified>,
+    /// Effects of a model file.
+    pub effects: Vec<Effect<'m>>,
+    /// What generated functions must give.
+    pub self_test: SelfTest<'m>,
+    /// The functions.
+    pub routines: Vec<Routine>,
+}
+
+/// A base parameter.
+#[derive(Debug, Clone)]
+pub struct Param<'m> {
+    /// Link and axis.
+    pub name: &'m str,
+    /// From CAD, m.
+    pub cad: f64,
+    /// Largest size that bounds hold for, m.
+    pub limit: f64,
+}
+
+/// Base parameters of a model file.
+#[derive(Debug, Clone)]
+pub struct Identified {
+    /// Where they come from.
+    pub source: String,
+    /// In the order of `r`, m.
+    pub values: Vec<f64>,
+    /// Their standard deviations, m, if any is known; infinite where one is not.
+    pub std: Option<Vec<f64>>,
+    /// R with RᵀR their inverse covariance, row by row from the diagonal on, 1/m.
+    pub information: Option<Vec<f64>>,
+}
+
+/// An effect of a model file.
+#[derive(Debug, Clone)]
+pub struct Effect<'m> {
+    /// Its name in model files.
+    pub name: &'static str,
+    /// What it acts on, unless that is the whole robot.
+    pub target: Option<&'m str>,
+    /// `name = value` of each parameter.
+    pub values: Vec<String>,
+    /// Whether one posture shows it: it is part of `cop`.
+    pub is_static: bool,
+    /// What is to be said of rounding bounds under it.
+    pub caution: Option<&'static str>,
+}
+
+/// What generated functions must give, computed in another way.
+pub struct SelfTest<'m> {
+    /// A posture inside the joint limits, rad or m.
+    pub posture: Vec<f64>,
+    /// The CoM there with CAD parameters, m, summed body by body.
+    pub com: [f64; 3],
+    /// Moments of gravity there, m, by differences of the summed CoM.
+    pub moments: Vec<f64>,
+    /// How far those differences may be off, m.
+    pub moments_error: f64,
+    /// A CoP on the foot, m.
+    pub cop: [f64; 2],
+    /// The reading that the effects of the sensor make of it.
+    pub reading: [f64; 2],
+    robot: &'m Robot,
+}
+
+/// Error of moments by differences of the summed CoM, relative to the robot's reach.
+const DIFFERENCES: f64 = 1e-9;
+
+impl Facts<'_> {
+    /// The description of `model` and its functions.
+    pub fn of(model: &Model) -> Facts<'_> {
+        let tree = &model.tree;
+        let params = model.base.params.iter().zip(&model.param_limits);
+        Facts {
+            robot: &tree.robot,
+            file: tree.file.rsplit(['/', '\\']).next().unwrap_or_default(),
+            hash: &tree.hash,
+            links: tree.links.len(),
+            support: &tree.links[tree.support].name,
+            dofs: &tree.dofs,
+            params: params
+                .map(|(param, limit)| Param {
+                    name: &param.name,
+                    cad: param.cad,
+                    limit: *limit,
+                })
+                .collect(),
+            full_params: model.chain.full_params,
+            rank_cop: model.base.rank_cop,
+            snaps: &tree.snaps,
+            total_mass_kg: tree.mass,
+            reach_m: model.reach(),
+            identified: model.file.as_ref().map(|file| Identified {
+                source: file.source(),
+                values: file.values(),
+                std: standard_deviations(file),
+                information: file.information.as_ref().map(|factor| factor.packed()),
+            }),
+            effects: effects(model),
+            self_test: SelfTest::of(model),
+            routines: routines(model),
+        }
+    }
+
+    /// Number of independent joints.
+    pub fn dof(&self) -> usize {
+        self.dofs.len()
+    }
+
+    /// Base parameters from CAD, m.
+    pub fn cad_params(&self) -> Vec<f64> {
+        self.params.iter().map(|param| param.cad).collect()
+    }
+
+    /// Whether `cop` is more than the CoM's shadow.
+    pub fn has_static_effects(&self) -> bool {
+        self.effects.iter().any(|effect| effect.is_static)
+    }
+}
+
+fn standard_deviations(file: &ModelFile) -> Option<Vec<f64>> {
+    let std = file.parameters.iter().map(|param| param.std);
+    let known = std.clone().any(|std| std.is_some());
+    known.then(|| std.map(|std| std.unwrap_or(f64::INFINITY)).collect())
+}
+
+fn effects(model: &Model) -> Vec<Effect<'_>> {
+    let records = model.file.iter().flat_map(|file| &file.effects);
+    let effect = |(record, effect): (_, &'static dyn sesc_model::effects::Effect)| {
+        let record: &sesc_model::EffectRecord = record;
+        let values = record.parameters.iter();
+        Effect {
+            name: effect.id().name(),
+            target: (record.target != "-").then_some(record.target.as_str()),
+            values: values
+                .map(|(name, x)| format!("{name} = {}", x.value))
+                .collect(),
+            is_static: effect.is_static(),
+            caution: effect.caution(),
+        }
+    };
+    let instances = model.effects.iter().map(|(instance, _)| instance.effect);
+    records.zip(instances).map(effect).collect()
+}
+
+impl SelfTest<'_> {
+    fn of(model: &Model) -> SelfTest<'_> {
+        let posture = model.self_test_posture();
+        let cells = model.file.as_ref().map_or(&[][..], |file| &file.cells);
+        // Between the cells of the foot, a little off their middle.
+        let cop = match foot_rectangle(cells) {
+            Some((middle, half)) => [middle[0] + 0.25 * half[0], middle[1] - 0.125 * half[1]],
+            None => [0.0625, -0.03125],
+        };
+        SelfTest {
+            com: model.com_by_sum(&posture),
+            moments: moments(model, &posture),
+            moments_error: DIFFERENCES * model.reach().max(1.0) * model.largest_tie(),
+            cop,
+            reading: model.reading_of(cop),
+            robot: &model.robot,
+            posture,
+        }
+    }
+
+    /// The CoM of another posture, m, summed body by body.
+    pub fn com_at(&self, q: &[f64]) -> [f64; 3] {
+        self.robot.com_by_sum(q)
+    }
+}
+
+impl fmt::Debug for SelfTest<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "CoM {:?} at {:?}", self.com, self.posture)
+    }
+}
+
+/// −∂CoM_z/∂q by differences of the summed CoM, of fourth order.
+fn moments(robot: &Robot, posture: &[f64]) -> Vec<f64> {
+    let height = |j: usize, step: f64| {
+        let mut q = posture.to_vec();
+        q[j] += step;
+        robot.com_by_sum(&q)[2]
+    };
+    // A follower goes as many times as far.
+    let h = 1e-3 / robot.largest_tie();
+    let slope = |j: usize| {
+        let near = (height(j, h) - height(j, -h)) / (2.0 * h);
+        let far = (height(j, 2.0 * h) - height(j, -2.0 * h)) / (4.0 * h);
+        -(4.0 * near - far) / 3.0
+    };
+    (0..posture.len()).map(slope).collect()
+}

@@ -1,0 +1,60 @@
+//! The functions of a robot as programs, made once for every language.
+
+use sesc_model::bounds::{self, Bound, Input, Precision};
+use sesc_model::program::Program;
+use sesc_model::{Function, Given, Model};
+
+/// A function of the generated interface.
+#[derive(Debug, Clone)]
+pub struct Routine {
+    /// Which one.
+    pub function: Function,
+    /// What it computes from.
+    pub given: Given,
+    /// Whether the parameters of a model file are constants in it.
+    pub baked: bool,
+    /// Its straight-line code.
+    pub program: Program,
+    /// What each entry of each input array may be: bounds hold for these.
+    pub inputs: Vec<Vec<Input>>,
+}
+
+impl Routine {
+    /// Proven bound on the rounding error of its results, m.
+    pub fn rounding(&self, precision: Precision) -> Bound {
+        bounds::prove(&self.program, &self.inputs, precision)
+    }
+}
+
+/// Every function that can be had of `model`, those with constant parameters last.
+pub fn routines(model: &Model) -> Vec<Routine> {
+    let routine = |function, given, baked, program: Option<Program>| {
+        program.map(|program| Routine {
+            function,
+            given,
+            baked,
+            inputs: model.input_ranges(&program),
+            program,
+        })
+    };
+    let mut all = Vec::new();
+    for given in [Given::Positions, Given::SinesCosines, Given::Direction] {
+        for function in Function::ALL.into_iter().chain([Function::CorrectCop]) {
+            all.extend(routine(
+                function,
+                given,
+                false,
+                model.program(function, given),
+            ));
+        }
+    }
+    if model.file.is_some() {
+        for given in [Given::Positions, Given::SinesCosines] {
+            for function in [Function::Com, Function::Cop] {
+                let program = model.baked_program(function, given);
+                all.extend(routine(function, given, true, program));
+            }
+        }
+    }
+    all
+}
