@@ -74,6 +74,7 @@ pub fn verify(
         for function in Function::ALL {
             let params = model.cad_params();
             if let Some(evaluator) = Evaluator::variant(model, function, given, params) {
+                let evaluator = evaluator.moving(&velocities(dof));
                 let name = function_name(function, given);
                 bound.insert(name.clone(), allowed(model, function, given));
                 evaluators.push((name, function, evaluator));
@@ -135,6 +136,11 @@ pub fn corners(model: &Model, seed: u64) -> Vec<f64> {
     corners
 }
 
+/// Joint velocities that the velocity of the CoM is compared at, rad/s or m/s: no two alike.
+fn velocities(dof: usize) -> Vec<f64> {
+    (0..dof).map(|j| 1.0 / (1.0 + j as f64)).collect()
+}
+
 /// What the reference says of one posture.
 struct Truth {
     com: [f64; 3],
@@ -174,7 +180,13 @@ impl Truth {
             (Function::RegressorFull, _) => largest(&explained(model.chain.full_cad()), &self.com),
             (Function::ComJacobian, Some((jacobian, _))) => largest(values, jacobian),
             (Function::GravityMoments, Some((_, moments))) => largest(values, moments),
-            (Function::ComJacobian | Function::GravityMoments, None) => 0.0,
+            (Function::ComVelocity, Some((jacobian, _))) => {
+                let rates = DVector::from_vec(velocities(model.dof()));
+                let rows = jacobian.chunks(model.dof().max(1));
+                let moved = rows.map(|row| DVector::from_column_slice(row).dot(&rates));
+                largest(values, &moved.collect::<Vec<f64>>())
+            }
+            (Function::ComJacobian | Function::ComVelocity | Function::GravityMoments, None) => 0.0,
         }
     }
 }
@@ -219,14 +231,18 @@ pub fn allowed(model: &Model, function: Function, given: Given) -> f64 {
         Function::CorrectCop => 0.0,
         Function::Regressor | Function::RegressorCop => com + weighed(model.cad_params()),
         Function::RegressorFull => com + weighed(model.chain.full_cad()),
-        Function::ComJacobian | Function::GravityMoments => {
+        Function::ComJacobian | Function::ComVelocity | Function::GravityMoments => {
             // A column is a × S: turning what is below the joint by ε changes it by
             // what it moves the CoM, turning the joint itself by no more. The
             // axis of a prismatic joint turns as a whole.
             let prismatic = model.tree.dofs.iter().any(|dof| dof.prismatic);
             let turned = if prismatic { snapped + tilted } else { snapped };
+            let columns: f64 = match function {
+                Function::ComVelocity => velocities(model.dof()).iter().sum(),
+                _ => 1.0,
+            };
             2.0 * rounding(function, given)
-                + model.largest_tie() * (DIFFERENCES * model.reach() + turned)
+                + columns.max(1.0) * model.largest_tie() * (DIFFERENCES * model.reach() + turned)
         }
     }
 }

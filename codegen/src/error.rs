@@ -131,8 +131,8 @@ pub(crate) enum Problem {
     #[error("fixed32: {reason}; use f32 or f64, or give tighter joint limits")]
     Overflow { reason: String },
     #[error(
-        "fixed32: {function} divides, clamps or raises to powers, which cannot be had in fixed \
-         point; effects with divisions or clamps (cell_gain, backlash) need f32 or f64"
+        "fixed32: {function} divides or raises to powers, which cannot be had in fixed \
+         point; effects that divide or raise to powers (those of cells) need f32 or f64"
     )]
     NoFixedPoint { function: &'static str },
     #[error(

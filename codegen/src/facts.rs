@@ -3,9 +3,9 @@
 use std::fmt;
 
 use crate::routines::{Routine, routines};
-use sesc_model::effects::foot_rectangle;
+use sesc_model::effects::{Instance, foot_rectangle};
 use sesc_model::tree::{Dof, Snap};
-use sesc_model::{Model, ModelFile, Robot};
+use sesc_model::{EffectRecord, Function, Model, ModelFile, Robot};
 
 /// A robot on its support, as generated files describe it, and its functions.
 #[derive(Debug)]
@@ -30,7 +30,7 @@ pub struct Facts<'m> {
     pub rank_cop: usize,
     /// Right angles that were made exact.
     pub snaps: &'m [Snap],
-    /// Total mass from CAD, kg.
+    /// Total mass with the loads of the model, kg.
     pub total_mass_kg: f64,
     /// How far the CoM can be from the support, m.
     pub reach_m: f64,
@@ -40,6 +40,8 @@ pub struct Facts<'m> {
     pub effects: Vec<Effect<'m>>,
     /// What generated functions must give.
     pub self_test: SelfTest<'m>,
+    /// The functions that an effect acts on.
+    pub affected: Vec<Function>,
     /// The functions.
     pub routines: Vec<Routine>,
 }
@@ -79,6 +81,8 @@ pub struct Effect<'m> {
     pub values: Vec<String>,
     /// Whether one posture shows it: it is part of `cop`.
     pub is_static: bool,
+    /// Whether it is part of every function of the body.
+    pub changes_body: bool,
     /// What is to be said of rounding bounds under it.
     pub caution: Option<&'static str>,
 }
@@ -87,7 +91,7 @@ pub struct Effect<'m> {
 pub struct SelfTest<'m> {
     /// A posture inside the joint limits, rad or m.
     pub posture: Vec<f64>,
-    /// The CoM there with CAD parameters, m, summed body by body.
+    /// The CoM there with CAD parameters, m: summed body by body, unless effects move them.
     pub com: [f64; 3],
     /// Moments of gravity there, m, by differences of the summed CoM.
     pub moments: Vec<f64>,
@@ -97,7 +101,7 @@ pub struct SelfTest<'m> {
     pub cop: [f64; 2],
     /// The reading that the effects of the sensor make of it.
     pub reading: [f64; 2],
-    robot: &'m Robot,
+    model: &'m Model,
 }
 
 /// Error of moments by differences of the summed CoM, relative to the robot's reach.
@@ -125,7 +129,7 @@ impl Facts<'_> {
             full_params: model.chain.full_params,
             rank_cop: model.base.rank_cop,
             snaps: &tree.snaps,
-            total_mass_kg: tree.mass,
+            total_mass_kg: model.total_mass_kg(),
             reach_m: model.reach(),
             identified: model.file.as_ref().map(|file| Identified {
                 source: file.source(),
@@ -135,6 +139,7 @@ impl Facts<'_> {
             }),
             effects: effects(model),
             self_test: SelfTest::of(model),
+            affected: affected(model),
             routines: routines(model),
         }
     }
@@ -149,6 +154,12 @@ impl Facts<'_> {
         self.params.iter().map(|param| param.cad).collect()
     }
 
+    /// What effects mean for a function, where any acts on it.
+    pub fn effects_sentence(&self, function: Function) -> Option<&'static str> {
+        let acted_on = self.affected.contains(&function);
+        function.effects_sentence().filter(|_| acted_on)
+    }
+
     /// Whether `cop` is more than the CoM's shadow.
     pub fn has_static_effects(&self) -> bool {
         self.effects.iter().any(|effect| effect.is_static)
@@ -161,23 +172,33 @@ fn standard_deviations(file: &ModelFile) -> Option<Vec<f64>> {
     known.then(|| std.map(|std| std.unwrap_or(f64::INFINITY)).collect())
 }
 
+fn affected(model: &Model) -> Vec<Function> {
+    let acted_on = |function: &Function| !model.effects_of(*function).is_empty();
+    Function::ALL.into_iter().filter(acted_on).collect()
+}
+
 fn effects(model: &Model) -> Vec<Effect<'_>> {
     let records = model.file.iter().flat_map(|file| &file.effects);
-    let effect = |(record, effect): (_, &'static dyn sesc_model::effects::Effect)| {
-        let record: &sesc_model::EffectRecord = record;
-        let values = record.parameters.iter();
-        Effect {
-            name: effect.id().name(),
-            target: (record.target != "-").then_some(record.target.as_str()),
-            values: values
-                .map(|(name, x)| format!("{name} = {}", x.value))
-                .collect(),
-            is_static: effect.is_static(),
-            caution: effect.caution(),
-        }
-    };
-    let instances = model.effects.iter().map(|(instance, _)| instance.effect);
-    records.zip(instances).map(effect).collect()
+    let instances = model.effects.iter().map(|(instance, _)| instance);
+    let pairs = records.zip(instances);
+    pairs
+        .map(|(record, instance)| effect(record, instance))
+        .collect()
+}
+
+fn effect<'m>(record: &'m EffectRecord, instance: &Instance) -> Effect<'m> {
+    let Instance { effect, target } = instance;
+    let values = record.parameters.iter();
+    Effect {
+        name: effect.id().name(),
+        target: (record.target != "-").then_some(record.target.as_str()),
+        values: values
+            .map(|(name, x)| format!("{name} = {}", x.value))
+            .collect(),
+        is_static: effect.is_static(),
+        changes_body: effect.changes_body(target),
+        caution: effect.caution(),
+    }
 }
 
 impl SelfTest<'_> {
@@ -190,19 +211,23 @@ impl SelfTest<'_> {
             None => [0.0625, -0.03125],
         };
         SelfTest {
-            com: model.com_by_sum(&posture),
-            moments: moments(model, &posture),
+            com: model.expected_com(&posture),
+            moments: match model.effects_of(Function::GravityMoments).is_empty() {
+                true => moments(model, &posture),
+                // About joints that give way, not with respect to what encoders read.
+                false => model.evaluate(Function::GravityMoments, &posture, &model.cad_params()),
+            },
             moments_error: DIFFERENCES * model.reach().max(1.0) * model.largest_tie(),
             cop,
             reading: model.reading_of(cop),
-            robot: &model.robot,
+            model,
             posture,
         }
     }
 
-    /// The CoM of another posture, m, summed body by body.
+    /// The CoM of another posture, m.
     pub fn com_at(&self, q: &[f64]) -> [f64; 3] {
-        self.robot.com_by_sum(q)
+        self.model.expected_com(q)
     }
 }
 

@@ -13,6 +13,7 @@
  * function                   mul     add   sin_cos   look_up   proven |rounding error|, m
  * com                         80      80        20         0   1.8e-6
  * com_jacobian               335     200        20         0   1.6e-6
+ * com_velocity               176     142        20         0   6.3e-5
  * gravity_moments            165     118        20         0   1.5e-6
  * regressor                  218     106        20         0   7.5e-6
  * regressor_cop              144      70        20         0   7.5e-6
@@ -20,6 +21,7 @@
  * cop                         78      78        20         0   1.7e-6
  * com_sc                      88      84         0         0   1.5e-6
  * com_jacobian_sc            343     204         0         0   1.4e-6
+ * com_velocity_sc            184     146         0         0   5.4e-5
  * gravity_moments_sc         173     122         0         0   1.3e-6
  * regressor_sc               226     110         0         0   5.8e-6
  * regressor_cop_sc           152      74         0         0   5.8e-6
@@ -27,6 +29,7 @@
  * cop_sc                      86      82         0         0   1.4e-6
  * com_ticks                   88      84         0        20   1.5e-6
  * com_jacobian_ticks         343     204         0        20   1.4e-6
+ * com_velocity_ticks         184     146         0        20   5.4e-5
  * gravity_moments_ticks      173     122         0        20   1.3e-6
  * regressor_ticks            226     110         0        20   5.8e-6
  * regressor_cop_ticks        152      74         0        20   5.8e-6
@@ -1009,6 +1012,267 @@ void op2_r_sole_com_jacobian(
     jac[58] = -((e9 * t_r_sho_roll_x) + (bz_r_sho_pitch_y * t_r_sho_roll_y));
     jac[59] = -((bz_r_sho_pitch_x * t_r_el_x)
         - (((e9 * s_r_sho_roll) - (bz_r_sho_pitch_y * c_r_sho_roll)) * e1));
+}
+
+void op2_r_sole_com_velocity(
+    const op2_r_sole_real q[],
+    const op2_r_sole_real qd[],
+    const op2_r_sole_real r[],
+    op2_r_sole_real velocity[restrict 3])
+{
+    /* r_el */
+    float s_r_el;
+    float c_r_el;
+    op2_r_sole_sincos(q[19], &s_r_el, &c_r_el);
+    const float t_r_el_x = (c_r_el * r[41]) - (s_r_el * r[42]);
+    const float e1 = (s_r_el * r[41]) + (c_r_el * r[42]);
+    /* r_sho_roll */
+    const float v_r_sho_roll_y = r[40] + t_r_el_x;
+    const float e2 = q[18] + 0.7853982f;
+    float s_r_sho_roll;
+    float c_r_sho_roll;
+    op2_r_sole_sincos(e2, &s_r_sho_roll, &c_r_sho_roll);
+    const float t_r_sho_roll_x = (c_r_sho_roll * v_r_sho_roll_y) - (s_r_sho_roll * r[39]);
+    const float t_r_sho_roll_y = (c_r_sho_roll * r[39]) + (s_r_sho_roll * v_r_sho_roll_y);
+    /* r_sho_pitch */
+    const float v_r_sho_pitch_x = r[37] - e1;
+    const float v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
+    float s_r_sho_pitch;
+    float c_r_sho_pitch;
+    op2_r_sole_sincos(q[17], &s_r_sho_pitch, &c_r_sho_pitch);
+    const float t_r_sho_pitch_x = (c_r_sho_pitch * v_r_sho_pitch_x)
+        - (s_r_sho_pitch * v_r_sho_pitch_y);
+    const float t_r_sho_pitch_y = (s_r_sho_pitch * v_r_sho_pitch_x)
+        + (c_r_sho_pitch * v_r_sho_pitch_y);
+    /* l_el */
+    float s_l_el;
+    float c_l_el;
+    op2_r_sole_sincos(q[10], &s_l_el, &c_l_el);
+    const float t_l_el_x = (c_l_el * r[35]) + (s_l_el * r[36]);
+    const float t_l_el_y = (s_l_el * r[35]) - (c_l_el * r[36]);
+    /* l_sho_roll */
+    const float v_l_sho_roll_y = r[34] + t_l_el_x;
+    const float e3 = q[9] - 0.7853982f;
+    float s_l_sho_roll;
+    float c_l_sho_roll;
+    op2_r_sole_sincos(e3, &s_l_sho_roll, &c_l_sho_roll);
+    const float t_l_sho_roll_x = (c_l_sho_roll * v_l_sho_roll_y) - (s_l_sho_roll * r[33]);
+    const float t_l_sho_roll_y = (c_l_sho_roll * r[33]) + (s_l_sho_roll * v_l_sho_roll_y);
+    /* l_sho_pitch */
+    const float v_l_sho_pitch_x = r[31] + t_l_el_y;
+    const float v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
+    float s_l_sho_pitch;
+    float c_l_sho_pitch;
+    op2_r_sole_sincos(q[8], &s_l_sho_pitch, &c_l_sho_pitch);
+    const float t_l_sho_pitch_x = (c_l_sho_pitch * v_l_sho_pitch_x)
+        + (s_l_sho_pitch * v_l_sho_pitch_y);
+    const float t_l_sho_pitch_y = (c_l_sho_pitch * v_l_sho_pitch_y)
+        - (s_l_sho_pitch * v_l_sho_pitch_x);
+    /* l_ank_roll */
+    float s_l_ank_roll;
+    float c_l_ank_roll;
+    op2_r_sole_sincos(q[7], &s_l_ank_roll, &c_l_ank_roll);
+    const float t_l_ank_roll_x = (s_l_ank_roll * r[29]) + (c_l_ank_roll * r[30]);
+    const float t_l_ank_roll_y = (c_l_ank_roll * r[29]) - (s_l_ank_roll * r[30]);
+    /* l_ank_pitch */
+    const float v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
+    float s_l_ank_pitch;
+    float c_l_ank_pitch;
+    op2_r_sole_sincos(q[6], &s_l_ank_pitch, &c_l_ank_pitch);
+    const float t_l_ank_pitch_x = (c_l_ank_pitch * r[27]) + (s_l_ank_pitch * v_l_ank_pitch_y);
+    const float t_l_ank_pitch_y = (c_l_ank_pitch * v_l_ank_pitch_y) - (s_l_ank_pitch * r[27]);
+    /* l_knee */
+    const float v_l_knee_x = r[25] + t_l_ank_pitch_x;
+    const float v_l_knee_y = r[26] + t_l_ank_pitch_y;
+    float s_l_knee;
+    float c_l_knee;
+    op2_r_sole_sincos(q[5], &s_l_knee, &c_l_knee);
+    const float t_l_knee_x = (c_l_knee * v_l_knee_x) - (s_l_knee * v_l_knee_y);
+    const float t_l_knee_y = (s_l_knee * v_l_knee_x) + (c_l_knee * v_l_knee_y);
+    /* l_hip_pitch */
+    const float v_l_hip_pitch_x = r[23] + t_l_knee_x;
+    const float v_l_hip_pitch_y = r[24] + t_l_knee_y;
+    float s_l_hip_pitch;
+    float c_l_hip_pitch;
+    op2_r_sole_sincos(q[4], &s_l_hip_pitch, &c_l_hip_pitch);
+    const float t_l_hip_pitch_x = (s_l_hip_pitch * v_l_hip_pitch_x)
+        + (c_l_hip_pitch * v_l_hip_pitch_y);
+    const float t_l_hip_pitch_y = (c_l_hip_pitch * v_l_hip_pitch_x)
+        - (s_l_hip_pitch * v_l_hip_pitch_y);
+    /* l_hip_roll */
+    const float v_l_hip_roll_x = r[21] + t_l_ank_roll_y;
+    const float v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
+    float s_l_hip_roll;
+    float c_l_hip_roll;
+    op2_r_sole_sincos(q[3], &s_l_hip_roll, &c_l_hip_roll);
+    const float t_l_hip_roll_x = (c_l_hip_roll * v_l_hip_roll_x) + (s_l_hip_roll * v_l_hip_roll_y);
+    const float t_l_hip_roll_y = (c_l_hip_roll * v_l_hip_roll_y) - (s_l_hip_roll * v_l_hip_roll_x);
+    /* l_hip_yaw */
+    const float v_l_hip_yaw_x = r[19] + t_l_hip_pitch_y;
+    const float v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
+    float s_l_hip_yaw;
+    float c_l_hip_yaw;
+    op2_r_sole_sincos(q[2], &s_l_hip_yaw, &c_l_hip_yaw);
+    const float t_l_hip_yaw_x = (c_l_hip_yaw * v_l_hip_yaw_x) + (s_l_hip_yaw * v_l_hip_yaw_y);
+    const float t_l_hip_yaw_y = (c_l_hip_yaw * v_l_hip_yaw_y) - (s_l_hip_yaw * v_l_hip_yaw_x);
+    /* head_tilt */
+    float s_head_tilt;
+    float c_head_tilt;
+    op2_r_sole_sincos(q[1], &s_head_tilt, &c_head_tilt);
+    const float t_head_tilt_x = (c_head_tilt * r[17]) + (s_head_tilt * r[18]);
+    const float t_head_tilt_y = (s_head_tilt * r[17]) - (c_head_tilt * r[18]);
+    /* head_pan */
+    const float v_head_pan_x = r[15] + t_head_tilt_x;
+    float s_head_pan;
+    float c_head_pan;
+    op2_r_sole_sincos(q[0], &s_head_pan, &c_head_pan);
+    const float t_head_pan_x = (c_head_pan * v_head_pan_x) - (s_head_pan * r[16]);
+    const float t_head_pan_y = (s_head_pan * v_head_pan_x) + (c_head_pan * r[16]);
+    /* r_hip_yaw */
+    const float v_r_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_sho_pitch_x
+        + t_l_hip_yaw_x;
+    const float v_r_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_sho_roll_y
+        + t_l_hip_yaw_y;
+    const float v_r_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y + t_l_hip_roll_y;
+    float s_r_hip_yaw;
+    float c_r_hip_yaw;
+    op2_r_sole_sincos(q[11], &s_r_hip_yaw, &c_r_hip_yaw);
+    const float t_r_hip_yaw_x = (s_r_hip_yaw * v_r_hip_yaw_x) + (c_r_hip_yaw * v_r_hip_yaw_y);
+    const float t_r_hip_yaw_y = (c_r_hip_yaw * v_r_hip_yaw_x) - (s_r_hip_yaw * v_r_hip_yaw_y);
+    /* r_hip_roll */
+    const float v_r_hip_roll_x = r[11] + t_r_hip_yaw_x;
+    const float v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
+    float s_r_hip_roll;
+    float c_r_hip_roll;
+    op2_r_sole_sincos(q[12], &s_r_hip_roll, &c_r_hip_roll);
+    const float t_r_hip_roll_x = (s_r_hip_roll * v_r_hip_roll_x) + (c_r_hip_roll * v_r_hip_roll_y);
+    const float t_r_hip_roll_y = (c_r_hip_roll * v_r_hip_roll_x) - (s_r_hip_roll * v_r_hip_roll_y);
+    /* r_hip_pitch */
+    const float v_r_hip_pitch_x = r[9] + t_r_hip_yaw_y;
+    const float v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
+    float s_r_hip_pitch;
+    float c_r_hip_pitch;
+    op2_r_sole_sincos(q[13], &s_r_hip_pitch, &c_r_hip_pitch);
+    const float t_r_hip_pitch_x = (c_r_hip_pitch * v_r_hip_pitch_x)
+        - (s_r_hip_pitch * v_r_hip_pitch_y);
+    const float t_r_hip_pitch_y = (s_r_hip_pitch * v_r_hip_pitch_x)
+        + (c_r_hip_pitch * v_r_hip_pitch_y);
+    /* r_knee */
+    const float v_r_knee_x = r[7] + t_r_hip_pitch_x;
+    const float v_r_knee_y = r[8] + t_r_hip_pitch_y;
+    float s_r_knee;
+    float c_r_knee;
+    op2_r_sole_sincos(q[14], &s_r_knee, &c_r_knee);
+    const float t_r_knee_x = (c_r_knee * v_r_knee_x) - (s_r_knee * v_r_knee_y);
+    const float t_r_knee_y = (s_r_knee * v_r_knee_x) + (c_r_knee * v_r_knee_y);
+    /* r_ank_pitch */
+    const float v_r_ank_pitch_x = r[5] + t_r_knee_x;
+    const float v_r_ank_pitch_y = r[6] + t_r_knee_y;
+    float s_r_ank_pitch;
+    float c_r_ank_pitch;
+    op2_r_sole_sincos(q[15], &s_r_ank_pitch, &c_r_ank_pitch);
+    const float t_r_ank_pitch_x = (c_r_ank_pitch * v_r_ank_pitch_y)
+        - (s_r_ank_pitch * v_r_ank_pitch_x);
+    const float t_r_ank_pitch_y = (c_r_ank_pitch * v_r_ank_pitch_x)
+        + (s_r_ank_pitch * v_r_ank_pitch_y);
+    /* r_ank_roll */
+    const float v_r_ank_roll_x = r[3] + t_r_hip_roll_y;
+    const float v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
+    float s_r_ank_roll;
+    float c_r_ank_roll;
+    op2_r_sole_sincos(q[16], &s_r_ank_roll, &c_r_ank_roll);
+    const float t_r_ank_roll_x = (c_r_ank_roll * v_r_ank_roll_x) + (s_r_ank_roll * v_r_ank_roll_y);
+    const float t_r_ank_roll_y = (c_r_ank_roll * v_r_ank_roll_y) - (s_r_ank_roll * v_r_ank_roll_x);
+    /* r_el */
+    const float e4 = qd[19] * e1;
+    const float e5 = qd[19] * t_r_el_x;
+    /* r_sho_roll */
+    const float e6 = (c_r_sho_roll * e4) + (qd[18] * t_r_sho_roll_y);
+    const float dt_r_sho_roll_y = (qd[18] * t_r_sho_roll_x) - (s_r_sho_roll * e4);
+    /* r_sho_pitch */
+    const float dt_r_sho_pitch_x = (s_r_sho_pitch * e6) - (c_r_sho_pitch * e5)
+        - (qd[17] * t_r_sho_pitch_y);
+    const float dt_r_sho_pitch_y = (qd[17] * t_r_sho_pitch_x)
+        - ((s_r_sho_pitch * e5) + (c_r_sho_pitch * e6));
+    /* l_el */
+    const float e7 = qd[10] * t_l_el_y;
+    const float dt_l_el_y = qd[10] * t_l_el_x;
+    /* l_sho_roll */
+    const float e8 = (c_l_sho_roll * e7) + (qd[9] * t_l_sho_roll_y);
+    const float dt_l_sho_roll_y = (qd[9] * t_l_sho_roll_x) - (s_l_sho_roll * e7);
+    /* l_sho_pitch */
+    const float dt_l_sho_pitch_x = (c_l_sho_pitch * dt_l_el_y) - (s_l_sho_pitch * e8)
+        + (qd[8] * t_l_sho_pitch_y);
+    /* l_ank_roll */
+    const float dt_l_ank_roll_x = qd[7] * t_l_ank_roll_y;
+    const float e9 = qd[7] * t_l_ank_roll_x;
+    /* l_ank_pitch */
+    const float dt_l_ank_pitch_x = (s_l_ank_pitch * dt_l_ank_roll_x) + (qd[6] * t_l_ank_pitch_y);
+    const float dt_l_ank_pitch_y = (c_l_ank_pitch * dt_l_ank_roll_x) - (qd[6] * t_l_ank_pitch_x);
+    /* l_knee */
+    const float dt_l_knee_x = (c_l_knee * dt_l_ank_pitch_x) - (s_l_knee * dt_l_ank_pitch_y)
+        - (qd[5] * t_l_knee_y);
+    const float dt_l_knee_y = (s_l_knee * dt_l_ank_pitch_x) + (c_l_knee * dt_l_ank_pitch_y)
+        + (qd[5] * t_l_knee_x);
+    /* l_hip_pitch */
+    const float dt_l_hip_pitch_x = (s_l_hip_pitch * dt_l_knee_x) + (c_l_hip_pitch * dt_l_knee_y)
+        + (qd[4] * t_l_hip_pitch_y);
+    const float dt_l_hip_pitch_y = (c_l_hip_pitch * dt_l_knee_x) - (s_l_hip_pitch * dt_l_knee_y)
+        - (qd[4] * t_l_hip_pitch_x);
+    /* l_hip_roll */
+    const float dt_l_hip_roll_x = (s_l_hip_roll * dt_l_hip_pitch_x) - (c_l_hip_roll * e9)
+        + (qd[3] * t_l_hip_roll_y);
+    const float dt_l_hip_roll_y = (s_l_hip_roll * e9) + (c_l_hip_roll * dt_l_hip_pitch_x)
+        - (qd[3] * t_l_hip_roll_x);
+    /* l_hip_yaw */
+    const float dt_l_hip_yaw_x = (c_l_hip_yaw * dt_l_hip_pitch_y) + (s_l_hip_yaw * dt_l_hip_roll_x)
+        + (qd[2] * t_l_hip_yaw_y);
+    const float dt_l_hip_yaw_y = (c_l_hip_yaw * dt_l_hip_roll_x) - (s_l_hip_yaw * dt_l_hip_pitch_y)
+        - (qd[2] * t_l_hip_yaw_x);
+    /* head_tilt */
+    const float e10 = qd[1] * t_head_tilt_y;
+    const float dt_head_tilt_y = qd[1] * t_head_tilt_x;
+    /* head_pan */
+    const float dt_head_pan_y = (qd[0] * t_head_pan_x) - (s_head_pan * e10);
+    /* r_hip_yaw */
+    const float dv_r_hip_yaw_x = dt_l_sho_pitch_x - ((c_head_pan * e10) + (qd[0] * t_head_pan_y))
+        + dt_r_sho_pitch_x + dt_l_hip_yaw_x;
+    const float dv_r_hip_yaw_y = dt_head_pan_y + dt_l_sho_roll_y + dt_r_sho_roll_y + dt_l_hip_yaw_y;
+    const float dv_r_hip_yaw_z = dt_head_tilt_y
+        - ((s_l_sho_pitch * dt_l_el_y) + (c_l_sho_pitch * e8) + (qd[8] * t_l_sho_pitch_x))
+        + dt_r_sho_pitch_y + dt_l_hip_roll_y;
+    const float dt_r_hip_yaw_x = (s_r_hip_yaw * dv_r_hip_yaw_x) + (c_r_hip_yaw * dv_r_hip_yaw_y)
+        + (qd[11] * t_r_hip_yaw_y);
+    const float dt_r_hip_yaw_y = (c_r_hip_yaw * dv_r_hip_yaw_x) - (s_r_hip_yaw * dv_r_hip_yaw_y)
+        - (qd[11] * t_r_hip_yaw_x);
+    /* r_hip_roll */
+    const float dt_r_hip_roll_x = (s_r_hip_roll * dt_r_hip_yaw_x) + (c_r_hip_roll * dv_r_hip_yaw_z)
+        + (qd[12] * t_r_hip_roll_y);
+    const float dt_r_hip_roll_y = (c_r_hip_roll * dt_r_hip_yaw_x) - (s_r_hip_roll * dv_r_hip_yaw_z)
+        - (qd[12] * t_r_hip_roll_x);
+    /* r_hip_pitch */
+    const float dt_r_hip_pitch_x = (c_r_hip_pitch * dt_r_hip_yaw_y)
+        - (s_r_hip_pitch * dt_r_hip_roll_x) - (qd[13] * t_r_hip_pitch_y);
+    const float dt_r_hip_pitch_y = (s_r_hip_pitch * dt_r_hip_yaw_y)
+        + (c_r_hip_pitch * dt_r_hip_roll_x) + (qd[13] * t_r_hip_pitch_x);
+    /* r_knee */
+    const float dt_r_knee_x = (c_r_knee * dt_r_hip_pitch_x) - (s_r_knee * dt_r_hip_pitch_y)
+        - (qd[14] * t_r_knee_y);
+    const float dt_r_knee_y = (s_r_knee * dt_r_hip_pitch_x) + (c_r_knee * dt_r_hip_pitch_y)
+        + (qd[14] * t_r_knee_x);
+    /* r_ank_pitch */
+    const float dt_r_ank_pitch_x = (c_r_ank_pitch * dt_r_knee_y) - (s_r_ank_pitch * dt_r_knee_x)
+        - (qd[15] * t_r_ank_pitch_y);
+    const float dt_r_ank_pitch_y = (c_r_ank_pitch * dt_r_knee_x) + (s_r_ank_pitch * dt_r_knee_y)
+        + (qd[15] * t_r_ank_pitch_x);
+    /* r_ank_roll */
+    const float dt_r_ank_roll_x = (c_r_ank_roll * dt_r_hip_roll_y)
+        + (s_r_ank_roll * dt_r_ank_pitch_x) + (qd[16] * t_r_ank_roll_y);
+    const float dt_r_ank_roll_y = (c_r_ank_roll * dt_r_ank_pitch_x)
+        - (s_r_ank_roll * dt_r_hip_roll_y) - (qd[16] * t_r_ank_roll_x);
+    velocity[0] = dt_r_ank_pitch_y;
+    velocity[1] = dt_r_ank_roll_x;
+    velocity[2] = dt_r_ank_roll_y;
 }
 
 void op2_r_sole_gravity_moments(
@@ -2806,6 +3070,199 @@ void op2_r_sole_com_jacobian_sc(
         - (((e7 * s_r_sho_roll) - (bz_r_sho_pitch_y * c_r_sho_roll)) * e1));
 }
 
+void op2_r_sole_com_velocity_sc(
+    const op2_r_sole_real sin_q[],
+    const op2_r_sole_real cos_q[],
+    const op2_r_sole_real qd[],
+    const op2_r_sole_real r[],
+    op2_r_sole_real velocity[restrict 3])
+{
+    /* r_el */
+    const float t_r_el_x = (cos_q[19] * r[41]) - (sin_q[19] * r[42]);
+    const float e1 = (sin_q[19] * r[41]) + (cos_q[19] * r[42]);
+    /* r_sho_roll */
+    const float v_r_sho_roll_y = r[40] + t_r_el_x;
+    const float s_r_sho_roll = (0.70710677f * sin_q[18]) + (0.70710677f * cos_q[18]);
+    const float c_r_sho_roll = (0.70710677f * cos_q[18]) - (0.70710677f * sin_q[18]);
+    const float t_r_sho_roll_x = (c_r_sho_roll * v_r_sho_roll_y) - (s_r_sho_roll * r[39]);
+    const float t_r_sho_roll_y = (c_r_sho_roll * r[39]) + (s_r_sho_roll * v_r_sho_roll_y);
+    /* r_sho_pitch */
+    const float v_r_sho_pitch_x = r[37] - e1;
+    const float v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
+    const float t_r_sho_pitch_x = (cos_q[17] * v_r_sho_pitch_x) - (sin_q[17] * v_r_sho_pitch_y);
+    const float t_r_sho_pitch_y = (sin_q[17] * v_r_sho_pitch_x) + (cos_q[17] * v_r_sho_pitch_y);
+    /* l_el */
+    const float t_l_el_x = (cos_q[10] * r[35]) + (sin_q[10] * r[36]);
+    const float t_l_el_y = (sin_q[10] * r[35]) - (cos_q[10] * r[36]);
+    /* l_sho_roll */
+    const float v_l_sho_roll_y = r[34] + t_l_el_x;
+    const float s_l_sho_roll = (0.70710677f * sin_q[9]) - (0.70710677f * cos_q[9]);
+    const float c_l_sho_roll = (0.70710677f * cos_q[9]) + (0.70710677f * sin_q[9]);
+    const float t_l_sho_roll_x = (c_l_sho_roll * v_l_sho_roll_y) - (s_l_sho_roll * r[33]);
+    const float t_l_sho_roll_y = (c_l_sho_roll * r[33]) + (s_l_sho_roll * v_l_sho_roll_y);
+    /* l_sho_pitch */
+    const float v_l_sho_pitch_x = r[31] + t_l_el_y;
+    const float v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
+    const float t_l_sho_pitch_x = (cos_q[8] * v_l_sho_pitch_x) + (sin_q[8] * v_l_sho_pitch_y);
+    const float t_l_sho_pitch_y = (cos_q[8] * v_l_sho_pitch_y) - (sin_q[8] * v_l_sho_pitch_x);
+    /* l_ank_roll */
+    const float t_l_ank_roll_x = (sin_q[7] * r[29]) + (cos_q[7] * r[30]);
+    const float t_l_ank_roll_y = (cos_q[7] * r[29]) - (sin_q[7] * r[30]);
+    /* l_ank_pitch */
+    const float v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
+    const float t_l_ank_pitch_x = (cos_q[6] * r[27]) + (sin_q[6] * v_l_ank_pitch_y);
+    const float t_l_ank_pitch_y = (cos_q[6] * v_l_ank_pitch_y) - (sin_q[6] * r[27]);
+    /* l_knee */
+    const float v_l_knee_x = r[25] + t_l_ank_pitch_x;
+    const float v_l_knee_y = r[26] + t_l_ank_pitch_y;
+    const float t_l_knee_x = (cos_q[5] * v_l_knee_x) - (sin_q[5] * v_l_knee_y);
+    const float t_l_knee_y = (sin_q[5] * v_l_knee_x) + (cos_q[5] * v_l_knee_y);
+    /* l_hip_pitch */
+    const float v_l_hip_pitch_x = r[23] + t_l_knee_x;
+    const float v_l_hip_pitch_y = r[24] + t_l_knee_y;
+    const float t_l_hip_pitch_x = (sin_q[4] * v_l_hip_pitch_x) + (cos_q[4] * v_l_hip_pitch_y);
+    const float t_l_hip_pitch_y = (cos_q[4] * v_l_hip_pitch_x) - (sin_q[4] * v_l_hip_pitch_y);
+    /* l_hip_roll */
+    const float v_l_hip_roll_x = r[21] + t_l_ank_roll_y;
+    const float v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
+    const float t_l_hip_roll_x = (cos_q[3] * v_l_hip_roll_x) + (sin_q[3] * v_l_hip_roll_y);
+    const float t_l_hip_roll_y = (cos_q[3] * v_l_hip_roll_y) - (sin_q[3] * v_l_hip_roll_x);
+    /* l_hip_yaw */
+    const float v_l_hip_yaw_x = r[19] + t_l_hip_pitch_y;
+    const float v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
+    const float t_l_hip_yaw_x = (cos_q[2] * v_l_hip_yaw_x) + (sin_q[2] * v_l_hip_yaw_y);
+    const float t_l_hip_yaw_y = (cos_q[2] * v_l_hip_yaw_y) - (sin_q[2] * v_l_hip_yaw_x);
+    /* head_tilt */
+    const float t_head_tilt_x = (cos_q[1] * r[17]) + (sin_q[1] * r[18]);
+    const float t_head_tilt_y = (sin_q[1] * r[17]) - (cos_q[1] * r[18]);
+    /* head_pan */
+    const float v_head_pan_x = r[15] + t_head_tilt_x;
+    const float t_head_pan_x = (cos_q[0] * v_head_pan_x) - (sin_q[0] * r[16]);
+    const float t_head_pan_y = (sin_q[0] * v_head_pan_x) + (cos_q[0] * r[16]);
+    /* r_hip_yaw */
+    const float v_r_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_sho_pitch_x
+        + t_l_hip_yaw_x;
+    const float v_r_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_sho_roll_y
+        + t_l_hip_yaw_y;
+    const float v_r_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y + t_l_hip_roll_y;
+    const float t_r_hip_yaw_x = (sin_q[11] * v_r_hip_yaw_x) + (cos_q[11] * v_r_hip_yaw_y);
+    const float t_r_hip_yaw_y = (cos_q[11] * v_r_hip_yaw_x) - (sin_q[11] * v_r_hip_yaw_y);
+    /* r_hip_roll */
+    const float v_r_hip_roll_x = r[11] + t_r_hip_yaw_x;
+    const float v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
+    const float t_r_hip_roll_x = (sin_q[12] * v_r_hip_roll_x) + (cos_q[12] * v_r_hip_roll_y);
+    const float t_r_hip_roll_y = (cos_q[12] * v_r_hip_roll_x) - (sin_q[12] * v_r_hip_roll_y);
+    /* r_hip_pitch */
+    const float v_r_hip_pitch_x = r[9] + t_r_hip_yaw_y;
+    const float v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
+    const float t_r_hip_pitch_x = (cos_q[13] * v_r_hip_pitch_x) - (sin_q[13] * v_r_hip_pitch_y);
+    const float t_r_hip_pitch_y = (sin_q[13] * v_r_hip_pitch_x) + (cos_q[13] * v_r_hip_pitch_y);
+    /* r_knee */
+    const float v_r_knee_x = r[7] + t_r_hip_pitch_x;
+    const float v_r_knee_y = r[8] + t_r_hip_pitch_y;
+    const float t_r_knee_x = (cos_q[14] * v_r_knee_x) - (sin_q[14] * v_r_knee_y);
+    const float t_r_knee_y = (sin_q[14] * v_r_knee_x) + (cos_q[14] * v_r_knee_y);
+    /* r_ank_pitch */
+    const float v_r_ank_pitch_x = r[5] + t_r_knee_x;
+    const float v_r_ank_pitch_y = r[6] + t_r_knee_y;
+    const float t_r_ank_pitch_x = (cos_q[15] * v_r_ank_pitch_y) - (sin_q[15] * v_r_ank_pitch_x);
+    const float t_r_ank_pitch_y = (cos_q[15] * v_r_ank_pitch_x) + (sin_q[15] * v_r_ank_pitch_y);
+    /* r_ank_roll */
+    const float v_r_ank_roll_x = r[3] + t_r_hip_roll_y;
+    const float v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
+    const float t_r_ank_roll_x = (cos_q[16] * v_r_ank_roll_x) + (sin_q[16] * v_r_ank_roll_y);
+    const float t_r_ank_roll_y = (cos_q[16] * v_r_ank_roll_y) - (sin_q[16] * v_r_ank_roll_x);
+    /* r_el */
+    const float e2 = qd[19] * e1;
+    const float e3 = qd[19] * t_r_el_x;
+    /* r_sho_roll */
+    const float e4 = (c_r_sho_roll * e2) + (qd[18] * t_r_sho_roll_y);
+    const float dt_r_sho_roll_y = (qd[18] * t_r_sho_roll_x) - (s_r_sho_roll * e2);
+    /* r_sho_pitch */
+    const float dt_r_sho_pitch_x = (sin_q[17] * e4) - (cos_q[17] * e3) - (qd[17] * t_r_sho_pitch_y);
+    const float dt_r_sho_pitch_y = (qd[17] * t_r_sho_pitch_x)
+        - ((sin_q[17] * e3) + (cos_q[17] * e4));
+    /* l_el */
+    const float e5 = qd[10] * t_l_el_y;
+    const float dt_l_el_y = qd[10] * t_l_el_x;
+    /* l_sho_roll */
+    const float e6 = (c_l_sho_roll * e5) + (qd[9] * t_l_sho_roll_y);
+    const float dt_l_sho_roll_y = (qd[9] * t_l_sho_roll_x) - (s_l_sho_roll * e5);
+    /* l_sho_pitch */
+    const float dt_l_sho_pitch_x = (cos_q[8] * dt_l_el_y) - (sin_q[8] * e6)
+        + (qd[8] * t_l_sho_pitch_y);
+    /* l_ank_roll */
+    const float dt_l_ank_roll_x = qd[7] * t_l_ank_roll_y;
+    const float e7 = qd[7] * t_l_ank_roll_x;
+    /* l_ank_pitch */
+    const float dt_l_ank_pitch_x = (sin_q[6] * dt_l_ank_roll_x) + (qd[6] * t_l_ank_pitch_y);
+    const float dt_l_ank_pitch_y = (cos_q[6] * dt_l_ank_roll_x) - (qd[6] * t_l_ank_pitch_x);
+    /* l_knee */
+    const float dt_l_knee_x = (cos_q[5] * dt_l_ank_pitch_x) - (sin_q[5] * dt_l_ank_pitch_y)
+        - (qd[5] * t_l_knee_y);
+    const float dt_l_knee_y = (sin_q[5] * dt_l_ank_pitch_x) + (cos_q[5] * dt_l_ank_pitch_y)
+        + (qd[5] * t_l_knee_x);
+    /* l_hip_pitch */
+    const float dt_l_hip_pitch_x = (sin_q[4] * dt_l_knee_x) + (cos_q[4] * dt_l_knee_y)
+        + (qd[4] * t_l_hip_pitch_y);
+    const float dt_l_hip_pitch_y = (cos_q[4] * dt_l_knee_x) - (sin_q[4] * dt_l_knee_y)
+        - (qd[4] * t_l_hip_pitch_x);
+    /* l_hip_roll */
+    const float dt_l_hip_roll_x = (sin_q[3] * dt_l_hip_pitch_x) - (cos_q[3] * e7)
+        + (qd[3] * t_l_hip_roll_y);
+    const float dt_l_hip_roll_y = (sin_q[3] * e7) + (cos_q[3] * dt_l_hip_pitch_x)
+        - (qd[3] * t_l_hip_roll_x);
+    /* l_hip_yaw */
+    const float dt_l_hip_yaw_x = (cos_q[2] * dt_l_hip_pitch_y) + (sin_q[2] * dt_l_hip_roll_x)
+        + (qd[2] * t_l_hip_yaw_y);
+    const float dt_l_hip_yaw_y = (cos_q[2] * dt_l_hip_roll_x) - (sin_q[2] * dt_l_hip_pitch_y)
+        - (qd[2] * t_l_hip_yaw_x);
+    /* head_tilt */
+    const float e8 = qd[1] * t_head_tilt_y;
+    const float dt_head_tilt_y = qd[1] * t_head_tilt_x;
+    /* head_pan */
+    const float dt_head_pan_y = (qd[0] * t_head_pan_x) - (sin_q[0] * e8);
+    /* r_hip_yaw */
+    const float dv_r_hip_yaw_x = dt_l_sho_pitch_x - ((cos_q[0] * e8) + (qd[0] * t_head_pan_y))
+        + dt_r_sho_pitch_x + dt_l_hip_yaw_x;
+    const float dv_r_hip_yaw_y = dt_head_pan_y + dt_l_sho_roll_y + dt_r_sho_roll_y + dt_l_hip_yaw_y;
+    const float dv_r_hip_yaw_z = dt_head_tilt_y
+        - ((sin_q[8] * dt_l_el_y) + (cos_q[8] * e6) + (qd[8] * t_l_sho_pitch_x)) + dt_r_sho_pitch_y
+        + dt_l_hip_roll_y;
+    const float dt_r_hip_yaw_x = (sin_q[11] * dv_r_hip_yaw_x) + (cos_q[11] * dv_r_hip_yaw_y)
+        + (qd[11] * t_r_hip_yaw_y);
+    const float dt_r_hip_yaw_y = (cos_q[11] * dv_r_hip_yaw_x) - (sin_q[11] * dv_r_hip_yaw_y)
+        - (qd[11] * t_r_hip_yaw_x);
+    /* r_hip_roll */
+    const float dt_r_hip_roll_x = (sin_q[12] * dt_r_hip_yaw_x) + (cos_q[12] * dv_r_hip_yaw_z)
+        + (qd[12] * t_r_hip_roll_y);
+    const float dt_r_hip_roll_y = (cos_q[12] * dt_r_hip_yaw_x) - (sin_q[12] * dv_r_hip_yaw_z)
+        - (qd[12] * t_r_hip_roll_x);
+    /* r_hip_pitch */
+    const float dt_r_hip_pitch_x = (cos_q[13] * dt_r_hip_yaw_y) - (sin_q[13] * dt_r_hip_roll_x)
+        - (qd[13] * t_r_hip_pitch_y);
+    const float dt_r_hip_pitch_y = (sin_q[13] * dt_r_hip_yaw_y) + (cos_q[13] * dt_r_hip_roll_x)
+        + (qd[13] * t_r_hip_pitch_x);
+    /* r_knee */
+    const float dt_r_knee_x = (cos_q[14] * dt_r_hip_pitch_x) - (sin_q[14] * dt_r_hip_pitch_y)
+        - (qd[14] * t_r_knee_y);
+    const float dt_r_knee_y = (sin_q[14] * dt_r_hip_pitch_x) + (cos_q[14] * dt_r_hip_pitch_y)
+        + (qd[14] * t_r_knee_x);
+    /* r_ank_pitch */
+    const float dt_r_ank_pitch_x = (cos_q[15] * dt_r_knee_y) - (sin_q[15] * dt_r_knee_x)
+        - (qd[15] * t_r_ank_pitch_y);
+    const float dt_r_ank_pitch_y = (cos_q[15] * dt_r_knee_x) + (sin_q[15] * dt_r_knee_y)
+        + (qd[15] * t_r_ank_pitch_x);
+    /* r_ank_roll */
+    const float dt_r_ank_roll_x = (cos_q[16] * dt_r_hip_roll_y) + (sin_q[16] * dt_r_ank_pitch_x)
+        + (qd[16] * t_r_ank_roll_y);
+    const float dt_r_ank_roll_y = (cos_q[16] * dt_r_ank_pitch_x) - (sin_q[16] * dt_r_hip_roll_y)
+        - (qd[16] * t_r_ank_roll_x);
+    velocity[0] = dt_r_ank_pitch_y;
+    velocity[1] = dt_r_ank_roll_x;
+    velocity[2] = dt_r_ank_roll_y;
+}
+
 void op2_r_sole_gravity_moments_sc(
     const op2_r_sole_real sin_q[],
     const op2_r_sole_real cos_q[],
@@ -3917,6 +4374,18 @@ void op2_r_sole_com_jacobian_ticks(
     op2_r_sole_real cos_q[op2_r_sole_DOF];
     op2_r_sole_from_ticks(ticks, sin_q, cos_q);
     op2_r_sole_com_jacobian_sc(sin_q, cos_q, r, jac);
+}
+
+void op2_r_sole_com_velocity_ticks(
+    const int32_t ticks[],
+    const op2_r_sole_real qd[],
+    const op2_r_sole_real r[],
+    op2_r_sole_real velocity[restrict 3])
+{
+    op2_r_sole_real sin_q[op2_r_sole_DOF];
+    op2_r_sole_real cos_q[op2_r_sole_DOF];
+    op2_r_sole_from_ticks(ticks, sin_q, cos_q);
+    op2_r_sole_com_velocity_sc(sin_q, cos_q, qd, r, velocity);
 }
 
 void op2_r_sole_gravity_moments_ticks(

@@ -13,6 +13,7 @@
  * function                   mul     add   sin_cos   look_up   proven |rounding error|, m
  * com                         80      80        20         0   6.3e-8
  * com_jacobian               335     200        20         0   6.4e-8
+ * com_velocity               176     142        20         0   2.7e-6
  * gravity_moments            165     118        20         0   6.2e-8
  * regressor                  218     106        20         0   1.4e-7
  * regressor_cop              144      70        20         0   1.4e-7
@@ -20,6 +21,7 @@
  * cop                         78      78        20         0   6.2e-8
  * com_sc                      88      84         0         0   4.7e-8
  * com_jacobian_sc            343     204         0         0   4.9e-8
+ * com_velocity_sc            184     146         0         0   2.1e-6
  * gravity_moments_sc         173     122         0         0   4.8e-8
  * regressor_sc               226     110         0         0   3.2e-8
  * regressor_cop_sc           152      74         0         0   3.2e-8
@@ -27,6 +29,7 @@
  * cop_sc                      86      82         0         0   4.6e-8
  * com_ticks                   88      84         0        20   4.7e-8
  * com_jacobian_ticks         343     204         0        20   4.9e-8
+ * com_velocity_ticks         184     146         0        20   2.1e-6
  * gravity_moments_ticks      173     122         0        20   4.8e-8
  * regressor_ticks            226     110         0        20   3.2e-8
  * regressor_cop_ticks        152      74         0        20   3.2e-8
@@ -1109,6 +1112,357 @@ void op2_r_sole_fixed_com_jacobian(
     jac[59] = (-op2_r_sole_fixed_narrow(((int64_t)bz_r_sho_pitch_x * t_r_el_x)
         - ((int64_t)op2_r_sole_fixed_narrow(((int64_t)e9 * s_r_sho_roll)
         - ((int64_t)bz_r_sho_pitch_y * c_r_sho_roll), 30u) * e1), 30u));
+}
+
+void op2_r_sole_fixed_com_velocity(
+    const op2_r_sole_fixed_real q[],
+    const op2_r_sole_fixed_real qd[],
+    const op2_r_sole_fixed_real r[],
+    op2_r_sole_fixed_real velocity[restrict 3])
+{
+    /* r_el */
+    int32_t s_r_el;
+    int32_t c_r_el;
+    op2_r_sole_fixed_sincos(q[19], 29u, &s_r_el, &c_r_el);
+    const int32_t t_r_el_x = op2_r_sole_fixed_narrow(((int64_t)c_r_el * r[41])
+        - ((int64_t)s_r_el * r[42]), 30u);
+    const int32_t e1 = op2_r_sole_fixed_narrow(((int64_t)s_r_el * r[41])
+        + ((int64_t)c_r_el * r[42]), 30u);
+    /* r_sho_roll */
+    const int32_t v_r_sho_roll_y = r[40] + t_r_el_x;
+    const int32_t e2 = q[18] + 421657428;
+    int32_t s_r_sho_roll;
+    int32_t c_r_sho_roll;
+    op2_r_sole_fixed_sincos(e2, 29u, &s_r_sho_roll, &c_r_sho_roll);
+    const int32_t t_r_sho_roll_x = op2_r_sole_fixed_narrow(((int64_t)c_r_sho_roll * v_r_sho_roll_y)
+        - ((int64_t)s_r_sho_roll * r[39]), 30u);
+    const int32_t t_r_sho_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_r_sho_roll * r[39])
+        + ((int64_t)s_r_sho_roll * v_r_sho_roll_y), 30u);
+    /* r_sho_pitch */
+    const int32_t v_r_sho_pitch_x = r[37] - e1;
+    const int32_t v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
+    int32_t s_r_sho_pitch;
+    int32_t c_r_sho_pitch;
+    op2_r_sole_fixed_sincos(q[17], 29u, &s_r_sho_pitch, &c_r_sho_pitch);
+    const int32_t t_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)c_r_sho_pitch
+        * v_r_sho_pitch_x) - ((int64_t)s_r_sho_pitch * v_r_sho_pitch_y), 30u);
+    const int32_t t_r_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)s_r_sho_pitch
+        * v_r_sho_pitch_x) + ((int64_t)c_r_sho_pitch * v_r_sho_pitch_y), 30u);
+    /* l_el */
+    int32_t s_l_el;
+    int32_t c_l_el;
+    op2_r_sole_fixed_sincos(q[10], 29u, &s_l_el, &c_l_el);
+    const int32_t t_l_el_x = op2_r_sole_fixed_narrow(((int64_t)c_l_el * r[35])
+        + ((int64_t)s_l_el * r[36]), 30u);
+    const int32_t t_l_el_y = op2_r_sole_fixed_narrow(((int64_t)s_l_el * r[35])
+        - ((int64_t)c_l_el * r[36]), 30u);
+    /* l_sho_roll */
+    const int32_t v_l_sho_roll_y = r[34] + t_l_el_x;
+    const int32_t e3 = q[9] - 421657428;
+    int32_t s_l_sho_roll;
+    int32_t c_l_sho_roll;
+    op2_r_sole_fixed_sincos(e3, 29u, &s_l_sho_roll, &c_l_sho_roll);
+    const int32_t t_l_sho_roll_x = op2_r_sole_fixed_narrow(((int64_t)c_l_sho_roll * v_l_sho_roll_y)
+        - ((int64_t)s_l_sho_roll * r[33]), 30u);
+    const int32_t t_l_sho_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_l_sho_roll * r[33])
+        + ((int64_t)s_l_sho_roll * v_l_sho_roll_y), 30u);
+    /* l_sho_pitch */
+    const int32_t v_l_sho_pitch_x = r[31] + t_l_el_y;
+    const int32_t v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
+    int32_t s_l_sho_pitch;
+    int32_t c_l_sho_pitch;
+    op2_r_sole_fixed_sincos(q[8], 29u, &s_l_sho_pitch, &c_l_sho_pitch);
+    const int32_t t_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)c_l_sho_pitch
+        * v_l_sho_pitch_x) + ((int64_t)s_l_sho_pitch * v_l_sho_pitch_y), 30u);
+    const int32_t t_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)c_l_sho_pitch
+        * v_l_sho_pitch_y) - ((int64_t)s_l_sho_pitch * v_l_sho_pitch_x), 30u);
+    /* l_ank_roll */
+    int32_t s_l_ank_roll;
+    int32_t c_l_ank_roll;
+    op2_r_sole_fixed_sincos(q[7], 29u, &s_l_ank_roll, &c_l_ank_roll);
+    const int32_t t_l_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)s_l_ank_roll * r[29])
+        + ((int64_t)c_l_ank_roll * r[30]), 30u);
+    const int32_t t_l_ank_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_l_ank_roll * r[29])
+        - ((int64_t)s_l_ank_roll * r[30]), 30u);
+    /* l_ank_pitch */
+    const int32_t v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
+    int32_t s_l_ank_pitch;
+    int32_t c_l_ank_pitch;
+    op2_r_sole_fixed_sincos(q[6], 29u, &s_l_ank_pitch, &c_l_ank_pitch);
+    const int32_t t_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)c_l_ank_pitch * r[27])
+        + ((int64_t)s_l_ank_pitch * v_l_ank_pitch_y), 30u);
+    const int32_t t_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)c_l_ank_pitch
+        * v_l_ank_pitch_y) - ((int64_t)s_l_ank_pitch * r[27]), 30u);
+    /* l_knee */
+    const int32_t v_l_knee_x = r[25] + t_l_ank_pitch_x;
+    const int32_t v_l_knee_y = r[26] + t_l_ank_pitch_y;
+    int32_t s_l_knee;
+    int32_t c_l_knee;
+    op2_r_sole_fixed_sincos(q[5], 29u, &s_l_knee, &c_l_knee);
+    const int32_t t_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)c_l_knee * v_l_knee_x)
+        - ((int64_t)s_l_knee * v_l_knee_y), 30u);
+    const int32_t t_l_knee_y = op2_r_sole_fixed_narrow(((int64_t)s_l_knee * v_l_knee_x)
+        + ((int64_t)c_l_knee * v_l_knee_y), 30u);
+    /* l_hip_pitch */
+    const int32_t v_l_hip_pitch_x = r[23] + t_l_knee_x;
+    const int32_t v_l_hip_pitch_y = r[24] + t_l_knee_y;
+    int32_t s_l_hip_pitch;
+    int32_t c_l_hip_pitch;
+    op2_r_sole_fixed_sincos(q[4], 29u, &s_l_hip_pitch, &c_l_hip_pitch);
+    const int32_t t_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)s_l_hip_pitch
+        * v_l_hip_pitch_x) + ((int64_t)c_l_hip_pitch * v_l_hip_pitch_y), 30u);
+    const int32_t t_l_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)c_l_hip_pitch
+        * v_l_hip_pitch_x) - ((int64_t)s_l_hip_pitch * v_l_hip_pitch_y), 30u);
+    /* l_hip_roll */
+    const int32_t v_l_hip_roll_x = r[21] + t_l_ank_roll_y;
+    const int32_t v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
+    int32_t s_l_hip_roll;
+    int32_t c_l_hip_roll;
+    op2_r_sole_fixed_sincos(q[3], 29u, &s_l_hip_roll, &c_l_hip_roll);
+    const int32_t t_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)c_l_hip_roll * v_l_hip_roll_x)
+        + ((int64_t)s_l_hip_roll * v_l_hip_roll_y), 30u);
+    const int32_t t_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_l_hip_roll * v_l_hip_roll_y)
+        - ((int64_t)s_l_hip_roll * v_l_hip_roll_x), 30u);
+    /* l_hip_yaw */
+    const int32_t v_l_hip_yaw_x = r[19] + t_l_hip_pitch_y;
+    const int32_t v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
+    int32_t s_l_hip_yaw;
+    int32_t c_l_hip_yaw;
+    op2_r_sole_fixed_sincos(q[2], 29u, &s_l_hip_yaw, &c_l_hip_yaw);
+    const int32_t t_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)c_l_hip_yaw * v_l_hip_yaw_x)
+        + ((int64_t)s_l_hip_yaw * v_l_hip_yaw_y), 30u);
+    const int32_t t_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)c_l_hip_yaw * v_l_hip_yaw_y)
+        - ((int64_t)s_l_hip_yaw * v_l_hip_yaw_x), 30u);
+    /* head_tilt */
+    int32_t s_head_tilt;
+    int32_t c_head_tilt;
+    op2_r_sole_fixed_sincos(q[1], 29u, &s_head_tilt, &c_head_tilt);
+    const int32_t t_head_tilt_x = op2_r_sole_fixed_narrow(((int64_t)c_head_tilt * r[17])
+        + ((int64_t)s_head_tilt * r[18]), 30u);
+    const int32_t t_head_tilt_y = op2_r_sole_fixed_narrow(((int64_t)s_head_tilt * r[17])
+        - ((int64_t)c_head_tilt * r[18]), 30u);
+    /* head_pan */
+    const int32_t v_head_pan_x = r[15] + t_head_tilt_x;
+    int32_t s_head_pan;
+    int32_t c_head_pan;
+    op2_r_sole_fixed_sincos(q[0], 29u, &s_head_pan, &c_head_pan);
+    const int32_t t_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)c_head_pan * v_head_pan_x)
+        - ((int64_t)s_head_pan * r[16]), 30u);
+    const int32_t t_head_pan_y = op2_r_sole_fixed_narrow(((int64_t)s_head_pan * v_head_pan_x)
+        + ((int64_t)c_head_pan * r[16]), 30u);
+    /* r_hip_yaw */
+    const int32_t v_r_hip_yaw_x = (((r[13] + t_head_pan_x) + t_l_sho_pitch_x) + t_r_sho_pitch_x)
+        + t_l_hip_yaw_x;
+    const int32_t v_r_hip_yaw_y = (((r[14] + t_head_pan_y) + t_l_sho_roll_y) + t_r_sho_roll_y)
+        + t_l_hip_yaw_y;
+    const int32_t v_r_hip_yaw_z = ((t_head_tilt_y + t_l_sho_pitch_y) + t_r_sho_pitch_y)
+        + t_l_hip_roll_y;
+    int32_t s_r_hip_yaw;
+    int32_t c_r_hip_yaw;
+    op2_r_sole_fixed_sincos(q[11], 29u, &s_r_hip_yaw, &c_r_hip_yaw);
+    const int32_t t_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)s_r_hip_yaw * v_r_hip_yaw_x)
+        + ((int64_t)c_r_hip_yaw * v_r_hip_yaw_y), 30u);
+    const int32_t t_r_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)c_r_hip_yaw * v_r_hip_yaw_x)
+        - ((int64_t)s_r_hip_yaw * v_r_hip_yaw_y), 30u);
+    /* r_hip_roll */
+    const int32_t v_r_hip_roll_x = r[11] + t_r_hip_yaw_x;
+    const int32_t v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
+    int32_t s_r_hip_roll;
+    int32_t c_r_hip_roll;
+    op2_r_sole_fixed_sincos(q[12], 29u, &s_r_hip_roll, &c_r_hip_roll);
+    const int32_t t_r_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)s_r_hip_roll * v_r_hip_roll_x)
+        + ((int64_t)c_r_hip_roll * v_r_hip_roll_y), 30u);
+    const int32_t t_r_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_r_hip_roll * v_r_hip_roll_x)
+        - ((int64_t)s_r_hip_roll * v_r_hip_roll_y), 30u);
+    /* r_hip_pitch */
+    const int32_t v_r_hip_pitch_x = r[9] + t_r_hip_yaw_y;
+    const int32_t v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
+    int32_t s_r_hip_pitch;
+    int32_t c_r_hip_pitch;
+    op2_r_sole_fixed_sincos(q[13], 29u, &s_r_hip_pitch, &c_r_hip_pitch);
+    const int32_t t_r_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)c_r_hip_pitch
+        * v_r_hip_pitch_x) - ((int64_t)s_r_hip_pitch * v_r_hip_pitch_y), 30u);
+    const int32_t t_r_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)s_r_hip_pitch
+        * v_r_hip_pitch_x) + ((int64_t)c_r_hip_pitch * v_r_hip_pitch_y), 30u);
+    /* r_knee */
+    const int32_t v_r_knee_x = r[7] + t_r_hip_pitch_x;
+    const int32_t v_r_knee_y = r[8] + t_r_hip_pitch_y;
+    int32_t s_r_knee;
+    int32_t c_r_knee;
+    op2_r_sole_fixed_sincos(q[14], 29u, &s_r_knee, &c_r_knee);
+    const int32_t t_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)c_r_knee * v_r_knee_x)
+        - ((int64_t)s_r_knee * v_r_knee_y), 30u);
+    const int32_t t_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)s_r_knee * v_r_knee_x)
+        + ((int64_t)c_r_knee * v_r_knee_y), 30u);
+    /* r_ank_pitch */
+    const int32_t v_r_ank_pitch_x = r[5] + t_r_knee_x;
+    const int32_t v_r_ank_pitch_y = r[6] + t_r_knee_y;
+    int32_t s_r_ank_pitch;
+    int32_t c_r_ank_pitch;
+    op2_r_sole_fixed_sincos(q[15], 29u, &s_r_ank_pitch, &c_r_ank_pitch);
+    const int32_t t_r_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)c_r_ank_pitch
+        * v_r_ank_pitch_y) - ((int64_t)s_r_ank_pitch * v_r_ank_pitch_x), 30u);
+    const int32_t t_r_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)c_r_ank_pitch
+        * v_r_ank_pitch_x) + ((int64_t)s_r_ank_pitch * v_r_ank_pitch_y), 30u);
+    /* r_ank_roll */
+    const int32_t v_r_ank_roll_x = r[3] + t_r_hip_roll_y;
+    const int32_t v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
+    int32_t s_r_ank_roll;
+    int32_t c_r_ank_roll;
+    op2_r_sole_fixed_sincos(q[16], 29u, &s_r_ank_roll, &c_r_ank_roll);
+    const int32_t t_r_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)c_r_ank_roll * v_r_ank_roll_x)
+        + ((int64_t)s_r_ank_roll * v_r_ank_roll_y), 30u);
+    const int32_t t_r_ank_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_r_ank_roll * v_r_ank_roll_y)
+        - ((int64_t)s_r_ank_roll * v_r_ank_roll_x), 30u);
+    /* r_el */
+    const int32_t e4 = op2_r_sole_fixed_narrow((int64_t)qd[19] * e1, 28u);
+    const int32_t e5 = op2_r_sole_fixed_narrow((int64_t)qd[19] * t_r_el_x, 28u);
+    /* r_sho_roll */
+    const int32_t e6 = op2_r_sole_fixed_narrow(((int64_t)c_r_sho_roll * e4)
+        + op2_r_sole_fixed_shift_up((int64_t)qd[18] * t_r_sho_roll_y, 2u), 30u);
+    const int32_t dt_r_sho_roll_y =
+        op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up((int64_t)qd[18] * t_r_sho_roll_x, 2u)
+        - ((int64_t)s_r_sho_roll * e4), 30u);
+    /* r_sho_pitch */
+    const int32_t dt_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)s_r_sho_pitch * e6)
+        - ((int64_t)c_r_sho_pitch * e5)
+        - op2_r_sole_fixed_shift_up((int64_t)qd[17] * t_r_sho_pitch_y, 2u), 30u);
+    const int32_t dt_r_sho_pitch_y =
+        op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up((int64_t)qd[17] * t_r_sho_pitch_x, 2u)
+        - ((int64_t)s_r_sho_pitch * e5) - ((int64_t)c_r_sho_pitch * e6), 30u);
+    /* l_el */
+    const int32_t e7 = op2_r_sole_fixed_narrow((int64_t)qd[10] * t_l_el_y, 28u);
+    const int32_t dt_l_el_y = op2_r_sole_fixed_narrow((int64_t)qd[10] * t_l_el_x, 28u);
+    /* l_sho_roll */
+    const int32_t e8 = op2_r_sole_fixed_narrow(((int64_t)c_l_sho_roll * e7)
+        + op2_r_sole_fixed_shift_up((int64_t)qd[9] * t_l_sho_roll_y, 2u), 30u);
+    const int32_t dt_l_sho_roll_y = op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up((int64_t)qd[9]
+        * t_l_sho_roll_x, 2u) - ((int64_t)s_l_sho_roll * e7), 30u);
+    /* l_sho_pitch */
+    const int32_t dt_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)c_l_sho_pitch * dt_l_el_y)
+        - ((int64_t)s_l_sho_pitch * e8)
+        + op2_r_sole_fixed_shift_up((int64_t)qd[8] * t_l_sho_pitch_y, 2u), 30u);
+    /* l_ank_roll */
+    const int32_t dt_l_ank_roll_x = op2_r_sole_fixed_narrow((int64_t)qd[7] * t_l_ank_roll_y, 28u);
+    const int32_t e9 = op2_r_sole_fixed_narrow((int64_t)qd[7] * t_l_ank_roll_x, 28u);
+    /* l_ank_pitch */
+    const int32_t dt_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)s_l_ank_pitch
+        * dt_l_ank_roll_x) + op2_r_sole_fixed_shift_up((int64_t)qd[6] * t_l_ank_pitch_y, 2u), 30u);
+    const int32_t dt_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)c_l_ank_pitch
+        * dt_l_ank_roll_x) - op2_r_sole_fixed_shift_up((int64_t)qd[6] * t_l_ank_pitch_x, 2u), 30u);
+    /* l_knee */
+    const int32_t dt_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)c_l_knee * dt_l_ank_pitch_x)
+        - ((int64_t)s_l_knee * dt_l_ank_pitch_y)
+        - op2_r_sole_fixed_shift_up((int64_t)qd[5] * t_l_knee_y, 2u), 30u);
+    const int32_t dt_l_knee_y = op2_r_sole_fixed_narrow(((int64_t)s_l_knee * dt_l_ank_pitch_x)
+        + ((int64_t)c_l_knee * dt_l_ank_pitch_y)
+        + op2_r_sole_fixed_shift_up((int64_t)qd[5] * t_l_knee_x, 2u), 30u);
+    /* l_hip_pitch */
+    const int32_t dt_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)s_l_hip_pitch * dt_l_knee_x)
+        + ((int64_t)c_l_hip_pitch * dt_l_knee_y)
+        + op2_r_sole_fixed_shift_up((int64_t)qd[4] * t_l_hip_pitch_y, 2u), 30u);
+    const int32_t dt_l_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)c_l_hip_pitch * dt_l_knee_x)
+        - ((int64_t)s_l_hip_pitch * dt_l_knee_y)
+        - op2_r_sole_fixed_shift_up((int64_t)qd[4] * t_l_hip_pitch_x, 2u), 30u);
+    /* l_hip_roll */
+    const int32_t dt_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)s_l_hip_roll
+        * dt_l_hip_pitch_x) - ((int64_t)c_l_hip_roll * e9)
+        + op2_r_sole_fixed_shift_up((int64_t)qd[3] * t_l_hip_roll_y, 2u), 30u);
+    const int32_t dt_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)s_l_hip_roll * e9)
+        + ((int64_t)c_l_hip_roll * dt_l_hip_pitch_x)
+        - op2_r_sole_fixed_shift_up((int64_t)qd[3] * t_l_hip_roll_x, 2u), 30u);
+    /* l_hip_yaw */
+    const int32_t dt_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)c_l_hip_yaw * dt_l_hip_pitch_y)
+        + ((int64_t)s_l_hip_yaw * dt_l_hip_roll_x)
+        + op2_r_sole_fixed_shift_up((int64_t)qd[2] * t_l_hip_yaw_y, 2u), 30u);
+    const int32_t dt_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)c_l_hip_yaw * dt_l_hip_roll_x)
+        - ((int64_t)s_l_hip_yaw * dt_l_hip_pitch_y)
+        - op2_r_sole_fixed_shift_up((int64_t)qd[2] * t_l_hip_yaw_x, 2u), 30u);
+    /* head_tilt */
+    const int32_t e10 = op2_r_sole_fixed_narrow((int64_t)qd[1] * t_head_tilt_y, 28u);
+    const int32_t dt_head_tilt_y = op2_r_sole_fixed_narrow((int64_t)qd[1] * t_head_tilt_x, 28u);
+    /* head_pan */
+    const int32_t dt_head_pan_y = op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up((int64_t)qd[0]
+        * t_head_pan_x, 2u) - ((int64_t)s_head_pan * e10), 30u);
+    /* r_hip_yaw */
+    const int32_t dv_r_hip_yaw_x =
+        op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(dt_l_sho_pitch_x, 30u)
+        - ((int64_t)c_head_pan * e10) - op2_r_sole_fixed_shift_up((int64_t)qd[0] * t_head_pan_y, 2u)
+        + op2_r_sole_fixed_shift_up(dt_r_sho_pitch_x, 30u)
+        + op2_r_sole_fixed_shift_up(dt_l_hip_yaw_x, 30u), 31u);
+    const int32_t dv_r_hip_yaw_y =
+        op2_r_sole_fixed_narrow((int64_t)((dt_head_pan_y + dt_l_sho_roll_y) + dt_r_sho_roll_y), 1u)
+        + op2_r_sole_fixed_narrow((int64_t)dt_l_hip_yaw_y, 1u);
+    const int32_t dv_r_hip_yaw_z =
+        op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(dt_head_tilt_y, 30u)
+        - ((int64_t)s_l_sho_pitch * dt_l_el_y) - ((int64_t)c_l_sho_pitch * e8)
+        - op2_r_sole_fixed_shift_up((int64_t)qd[8] * t_l_sho_pitch_x, 2u)
+        + op2_r_sole_fixed_shift_up(dt_r_sho_pitch_y, 30u)
+        + op2_r_sole_fixed_shift_up(dt_l_hip_roll_y, 30u), 30u);
+    const int32_t dt_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)s_r_hip_yaw * dv_r_hip_yaw_x)
+        + ((int64_t)c_r_hip_yaw * dv_r_hip_yaw_y)
+        + op2_r_sole_fixed_shift_up((int64_t)qd[11] * t_r_hip_yaw_y, 1u), 30u);
+    const int32_t dt_r_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)c_r_hip_yaw * dv_r_hip_yaw_x)
+        - ((int64_t)s_r_hip_yaw * dv_r_hip_yaw_y)
+        - op2_r_sole_fixed_shift_up((int64_t)qd[11] * t_r_hip_yaw_x, 1u), 30u);
+    /* r_hip_roll */
+    const int32_t dt_r_hip_roll_x =
+        op2_r_sole_fixed_narrow((int64_t)(op2_r_sole_fixed_narrow((int64_t)s_r_hip_roll
+        * dt_r_hip_yaw_x, 30u)
+        + op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)c_r_hip_roll
+        * dv_r_hip_yaw_z, 30u), 1u)), 1u)
+        + op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[12]
+        * t_r_hip_roll_y, 28u), 2u);
+    const int32_t dt_r_hip_roll_y =
+        op2_r_sole_fixed_narrow((int64_t)(op2_r_sole_fixed_narrow((int64_t)c_r_hip_roll
+        * dt_r_hip_yaw_x, 30u)
+        - op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)s_r_hip_roll
+        * dv_r_hip_yaw_z, 30u), 1u)), 1u)
+        - op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[12]
+        * t_r_hip_roll_x, 28u), 2u);
+    /* r_hip_pitch */
+    const int32_t dt_r_hip_pitch_x =
+        (op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)c_r_hip_pitch
+        * dt_r_hip_yaw_y, 30u), 1u)
+        - op2_r_sole_fixed_narrow((int64_t)s_r_hip_pitch * dt_r_hip_roll_x, 30u))
+        - op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[13]
+        * t_r_hip_pitch_y, 28u), 2u);
+    const int32_t dt_r_hip_pitch_y =
+        (op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)s_r_hip_pitch
+        * dt_r_hip_yaw_y, 30u), 1u)
+        + op2_r_sole_fixed_narrow((int64_t)c_r_hip_pitch * dt_r_hip_roll_x, 30u))
+        + op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[13]
+        * t_r_hip_pitch_x, 28u), 2u);
+    /* r_knee */
+    const int32_t dt_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)c_r_knee * dt_r_hip_pitch_x)
+        - ((int64_t)s_r_knee * dt_r_hip_pitch_y) - ((int64_t)qd[14] * t_r_knee_y), 31u);
+    const int32_t dt_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)s_r_knee * dt_r_hip_pitch_x)
+        + ((int64_t)c_r_knee * dt_r_hip_pitch_y) + ((int64_t)qd[14] * t_r_knee_x), 31u);
+    /* r_ank_pitch */
+    const int32_t dt_r_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)c_r_ank_pitch * dt_r_knee_y)
+        - ((int64_t)s_r_ank_pitch * dt_r_knee_x), 30u)
+        - op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[15]
+        * t_r_ank_pitch_y, 29u), 2u);
+    const int32_t dt_r_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)c_r_ank_pitch * dt_r_knee_x)
+        + ((int64_t)s_r_ank_pitch * dt_r_knee_y), 30u)
+        + op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[15]
+        * t_r_ank_pitch_x, 29u), 2u);
+    /* r_ank_roll */
+    const int32_t dt_r_ank_roll_x =
+        (op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)c_r_ank_roll
+        * dt_r_hip_roll_y, 30u), 1u)
+        + op2_r_sole_fixed_narrow((int64_t)s_r_ank_roll * dt_r_ank_pitch_x, 30u))
+        + op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[16]
+        * t_r_ank_roll_y, 29u), 2u);
+    const int32_t dt_r_ank_roll_y = (op2_r_sole_fixed_narrow((int64_t)c_r_ank_roll
+        * dt_r_ank_pitch_x, 30u)
+        - op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)s_r_ank_roll
+        * dt_r_hip_roll_y, 30u), 1u))
+        - op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[16]
+        * t_r_ank_roll_x, 29u), 2u);
+    velocity[0] = dt_r_ank_pitch_y;
+    velocity[1] = dt_r_ank_roll_x;
+    velocity[2] = dt_r_ank_roll_y;
 }
 
 void op2_r_sole_fixed_gravity_moments(
@@ -3452,6 +3806,304 @@ void op2_r_sole_fixed_com_jacobian_sc(
         - ((int64_t)bz_r_sho_pitch_y * c_r_sho_roll), 30u) * e1), 30u));
 }
 
+void op2_r_sole_fixed_com_velocity_sc(
+    const op2_r_sole_fixed_real sin_q[],
+    const op2_r_sole_fixed_real cos_q[],
+    const op2_r_sole_fixed_real qd[],
+    const op2_r_sole_fixed_real r[],
+    op2_r_sole_fixed_real velocity[restrict 3])
+{
+    /* r_el */
+    const int32_t t_r_el_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[19] * r[41])
+        - ((int64_t)sin_q[19] * r[42]), 30u);
+    const int32_t e1 = op2_r_sole_fixed_narrow(((int64_t)sin_q[19] * r[41])
+        + ((int64_t)cos_q[19] * r[42]), 30u);
+    /* r_sho_roll */
+    const int32_t v_r_sho_roll_y = r[40] + t_r_el_x;
+    const int32_t s_r_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * sin_q[18])
+        + ((int64_t)759250125 * cos_q[18]), 30u);
+    const int32_t c_r_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * cos_q[18])
+        - ((int64_t)759250125 * sin_q[18]), 30u);
+    const int32_t t_r_sho_roll_x = op2_r_sole_fixed_narrow(((int64_t)c_r_sho_roll * v_r_sho_roll_y)
+        - ((int64_t)s_r_sho_roll * r[39]), 30u);
+    const int32_t t_r_sho_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_r_sho_roll * r[39])
+        + ((int64_t)s_r_sho_roll * v_r_sho_roll_y), 30u);
+    /* r_sho_pitch */
+    const int32_t v_r_sho_pitch_x = r[37] - e1;
+    const int32_t v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
+    const int32_t t_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[17] * v_r_sho_pitch_x)
+        - ((int64_t)sin_q[17] * v_r_sho_pitch_y), 30u);
+    const int32_t t_r_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[17] * v_r_sho_pitch_x)
+        + ((int64_t)cos_q[17] * v_r_sho_pitch_y), 30u);
+    /* l_el */
+    const int32_t t_l_el_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[10] * r[35])
+        + ((int64_t)sin_q[10] * r[36]), 30u);
+    const int32_t t_l_el_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[10] * r[35])
+        - ((int64_t)cos_q[10] * r[36]), 30u);
+    /* l_sho_roll */
+    const int32_t v_l_sho_roll_y = r[34] + t_l_el_x;
+    const int32_t s_l_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * sin_q[9])
+        - ((int64_t)759250125 * cos_q[9]), 30u);
+    const int32_t c_l_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * cos_q[9])
+        + ((int64_t)759250125 * sin_q[9]), 30u);
+    const int32_t t_l_sho_roll_x = op2_r_sole_fixed_narrow(((int64_t)c_l_sho_roll * v_l_sho_roll_y)
+        - ((int64_t)s_l_sho_roll * r[33]), 30u);
+    const int32_t t_l_sho_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_l_sho_roll * r[33])
+        + ((int64_t)s_l_sho_roll * v_l_sho_roll_y), 30u);
+    /* l_sho_pitch */
+    const int32_t v_l_sho_pitch_x = r[31] + t_l_el_y;
+    const int32_t v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
+    const int32_t t_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[8] * v_l_sho_pitch_x)
+        + ((int64_t)sin_q[8] * v_l_sho_pitch_y), 30u);
+    const int32_t t_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[8] * v_l_sho_pitch_y)
+        - ((int64_t)sin_q[8] * v_l_sho_pitch_x), 30u);
+    /* l_ank_roll */
+    const int32_t t_l_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)sin_q[7] * r[29])
+        + ((int64_t)cos_q[7] * r[30]), 30u);
+    const int32_t t_l_ank_roll_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[7] * r[29])
+        - ((int64_t)sin_q[7] * r[30]), 30u);
+    /* l_ank_pitch */
+    const int32_t v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
+    const int32_t t_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[6] * r[27])
+        + ((int64_t)sin_q[6] * v_l_ank_pitch_y), 30u);
+    const int32_t t_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[6] * v_l_ank_pitch_y)
+        - ((int64_t)sin_q[6] * r[27]), 30u);
+    /* l_knee */
+    const int32_t v_l_knee_x = r[25] + t_l_ank_pitch_x;
+    const int32_t v_l_knee_y = r[26] + t_l_ank_pitch_y;
+    const int32_t t_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[5] * v_l_knee_x)
+        - ((int64_t)sin_q[5] * v_l_knee_y), 30u);
+    const int32_t t_l_knee_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[5] * v_l_knee_x)
+        + ((int64_t)cos_q[5] * v_l_knee_y), 30u);
+    /* l_hip_pitch */
+    const int32_t v_l_hip_pitch_x = r[23] + t_l_knee_x;
+    const int32_t v_l_hip_pitch_y = r[24] + t_l_knee_y;
+    const int32_t t_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)sin_q[4] * v_l_hip_pitch_x)
+        + ((int64_t)cos_q[4] * v_l_hip_pitch_y), 30u);
+    const int32_t t_l_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[4] * v_l_hip_pitch_x)
+        - ((int64_t)sin_q[4] * v_l_hip_pitch_y), 30u);
+    /* l_hip_roll */
+    const int32_t v_l_hip_roll_x = r[21] + t_l_ank_roll_y;
+    const int32_t v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
+    const int32_t t_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[3] * v_l_hip_roll_x)
+        + ((int64_t)sin_q[3] * v_l_hip_roll_y), 30u);
+    const int32_t t_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[3] * v_l_hip_roll_y)
+        - ((int64_t)sin_q[3] * v_l_hip_roll_x), 30u);
+    /* l_hip_yaw */
+    const int32_t v_l_hip_yaw_x = r[19] + t_l_hip_pitch_y;
+    const int32_t v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
+    const int32_t t_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[2] * v_l_hip_yaw_x)
+        + ((int64_t)sin_q[2] * v_l_hip_yaw_y), 30u);
+    const int32_t t_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[2] * v_l_hip_yaw_y)
+        - ((int64_t)sin_q[2] * v_l_hip_yaw_x), 30u);
+    /* head_tilt */
+    const int32_t t_head_tilt_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[1] * r[17])
+        + ((int64_t)sin_q[1] * r[18]), 30u);
+    const int32_t t_head_tilt_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[1] * r[17])
+        - ((int64_t)cos_q[1] * r[18]), 30u);
+    /* head_pan */
+    const int32_t v_head_pan_x = r[15] + t_head_tilt_x;
+    const int32_t t_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[0] * v_head_pan_x)
+        - ((int64_t)sin_q[0] * r[16]), 30u);
+    const int32_t t_head_pan_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[0] * v_head_pan_x)
+        + ((int64_t)cos_q[0] * r[16]), 30u);
+    /* r_hip_yaw */
+    const int32_t v_r_hip_yaw_x = (((r[13] + t_head_pan_x) + t_l_sho_pitch_x) + t_r_sho_pitch_x)
+        + t_l_hip_yaw_x;
+    const int32_t v_r_hip_yaw_y = (((r[14] + t_head_pan_y) + t_l_sho_roll_y) + t_r_sho_roll_y)
+        + t_l_hip_yaw_y;
+    const int32_t v_r_hip_yaw_z = ((t_head_tilt_y + t_l_sho_pitch_y) + t_r_sho_pitch_y)
+        + t_l_hip_roll_y;
+    const int32_t t_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)sin_q[11] * v_r_hip_yaw_x)
+        + ((int64_t)cos_q[11] * v_r_hip_yaw_y), 30u);
+    const int32_t t_r_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[11] * v_r_hip_yaw_x)
+        - ((int64_t)sin_q[11] * v_r_hip_yaw_y), 30u);
+    /* r_hip_roll */
+    const int32_t v_r_hip_roll_x = r[11] + t_r_hip_yaw_x;
+    const int32_t v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
+    const int32_t t_r_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)sin_q[12] * v_r_hip_roll_x)
+        + ((int64_t)cos_q[12] * v_r_hip_roll_y), 30u);
+    const int32_t t_r_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[12] * v_r_hip_roll_x)
+        - ((int64_t)sin_q[12] * v_r_hip_roll_y), 30u);
+    /* r_hip_pitch */
+    const int32_t v_r_hip_pitch_x = r[9] + t_r_hip_yaw_y;
+    const int32_t v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
+    const int32_t t_r_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[13] * v_r_hip_pitch_x)
+        - ((int64_t)sin_q[13] * v_r_hip_pitch_y), 30u);
+    const int32_t t_r_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[13] * v_r_hip_pitch_x)
+        + ((int64_t)cos_q[13] * v_r_hip_pitch_y), 30u);
+    /* r_knee */
+    const int32_t v_r_knee_x = r[7] + t_r_hip_pitch_x;
+    const int32_t v_r_knee_y = r[8] + t_r_hip_pitch_y;
+    const int32_t t_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[14] * v_r_knee_x)
+        - ((int64_t)sin_q[14] * v_r_knee_y), 30u);
+    const int32_t t_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[14] * v_r_knee_x)
+        + ((int64_t)cos_q[14] * v_r_knee_y), 30u);
+    /* r_ank_pitch */
+    const int32_t v_r_ank_pitch_x = r[5] + t_r_knee_x;
+    const int32_t v_r_ank_pitch_y = r[6] + t_r_knee_y;
+    const int32_t t_r_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[15] * v_r_ank_pitch_y)
+        - ((int64_t)sin_q[15] * v_r_ank_pitch_x), 30u);
+    const int32_t t_r_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[15] * v_r_ank_pitch_x)
+        + ((int64_t)sin_q[15] * v_r_ank_pitch_y), 30u);
+    /* r_ank_roll */
+    const int32_t v_r_ank_roll_x = r[3] + t_r_hip_roll_y;
+    const int32_t v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
+    const int32_t t_r_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[16] * v_r_ank_roll_x)
+        + ((int64_t)sin_q[16] * v_r_ank_roll_y), 30u);
+    const int32_t t_r_ank_roll_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[16] * v_r_ank_roll_y)
+        - ((int64_t)sin_q[16] * v_r_ank_roll_x), 30u);
+    /* r_el */
+    const int32_t e2 = op2_r_sole_fixed_narrow((int64_t)qd[19] * e1, 28u);
+    const int32_t e3 = op2_r_sole_fixed_narrow((int64_t)qd[19] * t_r_el_x, 28u);
+    /* r_sho_roll */
+    const int32_t e4 = op2_r_sole_fixed_narrow(((int64_t)c_r_sho_roll * e2)
+        + op2_r_sole_fixed_shift_up((int64_t)qd[18] * t_r_sho_roll_y, 2u), 30u);
+    const int32_t dt_r_sho_roll_y =
+        op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up((int64_t)qd[18] * t_r_sho_roll_x, 2u)
+        - ((int64_t)s_r_sho_roll * e2), 30u);
+    /* r_sho_pitch */
+    const int32_t dt_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)sin_q[17] * e4)
+        - ((int64_t)cos_q[17] * e3)
+        - op2_r_sole_fixed_shift_up((int64_t)qd[17] * t_r_sho_pitch_y, 2u), 30u);
+    const int32_t dt_r_sho_pitch_y =
+        op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up((int64_t)qd[17] * t_r_sho_pitch_x, 2u)
+        - ((int64_t)sin_q[17] * e3) - ((int64_t)cos_q[17] * e4), 30u);
+    /* l_el */
+    const int32_t e5 = op2_r_sole_fixed_narrow((int64_t)qd[10] * t_l_el_y, 28u);
+    const int32_t dt_l_el_y = op2_r_sole_fixed_narrow((int64_t)qd[10] * t_l_el_x, 28u);
+    /* l_sho_roll */
+    const int32_t e6 = op2_r_sole_fixed_narrow(((int64_t)c_l_sho_roll * e5)
+        + op2_r_sole_fixed_shift_up((int64_t)qd[9] * t_l_sho_roll_y, 2u), 30u);
+    const int32_t dt_l_sho_roll_y = op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up((int64_t)qd[9]
+        * t_l_sho_roll_x, 2u) - ((int64_t)s_l_sho_roll * e5), 30u);
+    /* l_sho_pitch */
+    const int32_t dt_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[8] * dt_l_el_y)
+        - ((int64_t)sin_q[8] * e6)
+        + op2_r_sole_fixed_shift_up((int64_t)qd[8] * t_l_sho_pitch_y, 2u), 30u);
+    /* l_ank_roll */
+    const int32_t dt_l_ank_roll_x = op2_r_sole_fixed_narrow((int64_t)qd[7] * t_l_ank_roll_y, 28u);
+    const int32_t e7 = op2_r_sole_fixed_narrow((int64_t)qd[7] * t_l_ank_roll_x, 28u);
+    /* l_ank_pitch */
+    const int32_t dt_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)sin_q[6] * dt_l_ank_roll_x)
+        + op2_r_sole_fixed_shift_up((int64_t)qd[6] * t_l_ank_pitch_y, 2u), 30u);
+    const int32_t dt_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[6] * dt_l_ank_roll_x)
+        - op2_r_sole_fixed_shift_up((int64_t)qd[6] * t_l_ank_pitch_x, 2u), 30u);
+    /* l_knee */
+    const int32_t dt_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[5] * dt_l_ank_pitch_x)
+        - ((int64_t)sin_q[5] * dt_l_ank_pitch_y)
+        - op2_r_sole_fixed_shift_up((int64_t)qd[5] * t_l_knee_y, 2u), 30u);
+    const int32_t dt_l_knee_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[5] * dt_l_ank_pitch_x)
+        + ((int64_t)cos_q[5] * dt_l_ank_pitch_y)
+        + op2_r_sole_fixed_shift_up((int64_t)qd[5] * t_l_knee_x, 2u), 30u);
+    /* l_hip_pitch */
+    const int32_t dt_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)sin_q[4] * dt_l_knee_x)
+        + ((int64_t)cos_q[4] * dt_l_knee_y)
+        + op2_r_sole_fixed_shift_up((int64_t)qd[4] * t_l_hip_pitch_y, 2u), 30u);
+    const int32_t dt_l_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[4] * dt_l_knee_x)
+        - ((int64_t)sin_q[4] * dt_l_knee_y)
+        - op2_r_sole_fixed_shift_up((int64_t)qd[4] * t_l_hip_pitch_x, 2u), 30u);
+    /* l_hip_roll */
+    const int32_t dt_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)sin_q[3] * dt_l_hip_pitch_x)
+        - ((int64_t)cos_q[3] * e7)
+        + op2_r_sole_fixed_shift_up((int64_t)qd[3] * t_l_hip_roll_y, 2u), 30u);
+    const int32_t dt_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[3] * e7)
+        + ((int64_t)cos_q[3] * dt_l_hip_pitch_x)
+        - op2_r_sole_fixed_shift_up((int64_t)qd[3] * t_l_hip_roll_x, 2u), 30u);
+    /* l_hip_yaw */
+    const int32_t dt_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[2] * dt_l_hip_pitch_y)
+        + ((int64_t)sin_q[2] * dt_l_hip_roll_x)
+        + op2_r_sole_fixed_shift_up((int64_t)qd[2] * t_l_hip_yaw_y, 2u), 30u);
+    const int32_t dt_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[2] * dt_l_hip_roll_x)
+        - ((int64_t)sin_q[2] * dt_l_hip_pitch_y)
+        - op2_r_sole_fixed_shift_up((int64_t)qd[2] * t_l_hip_yaw_x, 2u), 30u);
+    /* head_tilt */
+    const int32_t e8 = op2_r_sole_fixed_narrow((int64_t)qd[1] * t_head_tilt_y, 28u);
+    const int32_t dt_head_tilt_y = op2_r_sole_fixed_narrow((int64_t)qd[1] * t_head_tilt_x, 28u);
+    /* head_pan */
+    const int32_t dt_head_pan_y = op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up((int64_t)qd[0]
+        * t_head_pan_x, 2u) - ((int64_t)sin_q[0] * e8), 30u);
+    /* r_hip_yaw */
+    const int32_t dv_r_hip_yaw_x =
+        op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(dt_l_sho_pitch_x, 30u)
+        - ((int64_t)cos_q[0] * e8) - op2_r_sole_fixed_shift_up((int64_t)qd[0] * t_head_pan_y, 2u)
+        + op2_r_sole_fixed_shift_up(dt_r_sho_pitch_x, 30u)
+        + op2_r_sole_fixed_shift_up(dt_l_hip_yaw_x, 30u), 31u);
+    const int32_t dv_r_hip_yaw_y =
+        op2_r_sole_fixed_narrow((int64_t)((dt_head_pan_y + dt_l_sho_roll_y) + dt_r_sho_roll_y), 1u)
+        + op2_r_sole_fixed_narrow((int64_t)dt_l_hip_yaw_y, 1u);
+    const int32_t dv_r_hip_yaw_z =
+        op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(dt_head_tilt_y, 30u)
+        - ((int64_t)sin_q[8] * dt_l_el_y) - ((int64_t)cos_q[8] * e6)
+        - op2_r_sole_fixed_shift_up((int64_t)qd[8] * t_l_sho_pitch_x, 2u)
+        + op2_r_sole_fixed_shift_up(dt_r_sho_pitch_y, 30u)
+        + op2_r_sole_fixed_shift_up(dt_l_hip_roll_y, 30u), 30u);
+    const int32_t dt_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)sin_q[11] * dv_r_hip_yaw_x)
+        + ((int64_t)cos_q[11] * dv_r_hip_yaw_y)
+        + op2_r_sole_fixed_shift_up((int64_t)qd[11] * t_r_hip_yaw_y, 1u), 30u);
+    const int32_t dt_r_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[11] * dv_r_hip_yaw_x)
+        - ((int64_t)sin_q[11] * dv_r_hip_yaw_y)
+        - op2_r_sole_fixed_shift_up((int64_t)qd[11] * t_r_hip_yaw_x, 1u), 30u);
+    /* r_hip_roll */
+    const int32_t dt_r_hip_roll_x =
+        op2_r_sole_fixed_narrow((int64_t)(op2_r_sole_fixed_narrow((int64_t)sin_q[12]
+        * dt_r_hip_yaw_x, 30u)
+        + op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)cos_q[12]
+        * dv_r_hip_yaw_z, 30u), 1u)), 1u)
+        + op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[12]
+        * t_r_hip_roll_y, 28u), 2u);
+    const int32_t dt_r_hip_roll_y =
+        op2_r_sole_fixed_narrow((int64_t)(op2_r_sole_fixed_narrow((int64_t)cos_q[12]
+        * dt_r_hip_yaw_x, 30u)
+        - op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)sin_q[12]
+        * dv_r_hip_yaw_z, 30u), 1u)), 1u)
+        - op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[12]
+        * t_r_hip_roll_x, 28u), 2u);
+    /* r_hip_pitch */
+    const int32_t dt_r_hip_pitch_x =
+        (op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)cos_q[13]
+        * dt_r_hip_yaw_y, 30u), 1u)
+        - op2_r_sole_fixed_narrow((int64_t)sin_q[13] * dt_r_hip_roll_x, 30u))
+        - op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[13]
+        * t_r_hip_pitch_y, 28u), 2u);
+    const int32_t dt_r_hip_pitch_y =
+        (op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)sin_q[13]
+        * dt_r_hip_yaw_y, 30u), 1u)
+        + op2_r_sole_fixed_narrow((int64_t)cos_q[13] * dt_r_hip_roll_x, 30u))
+        + op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[13]
+        * t_r_hip_pitch_x, 28u), 2u);
+    /* r_knee */
+    const int32_t dt_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[14] * dt_r_hip_pitch_x)
+        - ((int64_t)sin_q[14] * dt_r_hip_pitch_y) - ((int64_t)qd[14] * t_r_knee_y), 31u);
+    const int32_t dt_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[14] * dt_r_hip_pitch_x)
+        + ((int64_t)cos_q[14] * dt_r_hip_pitch_y) + ((int64_t)qd[14] * t_r_knee_x), 31u);
+    /* r_ank_pitch */
+    const int32_t dt_r_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[15] * dt_r_knee_y)
+        - ((int64_t)sin_q[15] * dt_r_knee_x), 30u)
+        - op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[15]
+        * t_r_ank_pitch_y, 29u), 2u);
+    const int32_t dt_r_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[15] * dt_r_knee_x)
+        + ((int64_t)sin_q[15] * dt_r_knee_y), 30u)
+        + op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[15]
+        * t_r_ank_pitch_x, 29u), 2u);
+    /* r_ank_roll */
+    const int32_t dt_r_ank_roll_x =
+        (op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)cos_q[16]
+        * dt_r_hip_roll_y, 30u), 1u)
+        + op2_r_sole_fixed_narrow((int64_t)sin_q[16] * dt_r_ank_pitch_x, 30u))
+        + op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[16]
+        * t_r_ank_roll_y, 29u), 2u);
+    const int32_t dt_r_ank_roll_y = (op2_r_sole_fixed_narrow((int64_t)cos_q[16]
+        * dt_r_ank_pitch_x, 30u)
+        - op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)sin_q[16]
+        * dt_r_hip_roll_y, 30u), 1u))
+        - op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[16]
+        * t_r_ank_roll_x, 29u), 2u);
+    velocity[0] = dt_r_ank_pitch_y;
+    velocity[1] = dt_r_ank_roll_x;
+    velocity[2] = dt_r_ank_roll_y;
+}
+
 void op2_r_sole_fixed_gravity_moments_sc(
     const op2_r_sole_fixed_real sin_q[],
     const op2_r_sole_fixed_real cos_q[],
@@ -4993,6 +5645,18 @@ void op2_r_sole_fixed_com_jacobian_ticks(
     op2_r_sole_fixed_real cos_q[op2_r_sole_fixed_DOF];
     op2_r_sole_fixed_from_ticks(ticks, sin_q, cos_q);
     op2_r_sole_fixed_com_jacobian_sc(sin_q, cos_q, r, jac);
+}
+
+void op2_r_sole_fixed_com_velocity_ticks(
+    const int32_t ticks[],
+    const op2_r_sole_fixed_real qd[],
+    const op2_r_sole_fixed_real r[],
+    op2_r_sole_fixed_real velocity[restrict 3])
+{
+    op2_r_sole_fixed_real sin_q[op2_r_sole_fixed_DOF];
+    op2_r_sole_fixed_real cos_q[op2_r_sole_fixed_DOF];
+    op2_r_sole_fixed_from_ticks(ticks, sin_q, cos_q);
+    op2_r_sole_fixed_com_velocity_sc(sin_q, cos_q, qd, r, velocity);
 }
 
 void op2_r_sole_fixed_gravity_moments_ticks(

@@ -9,6 +9,7 @@
 // function                 mul     add   sin_cos   proven |rounding error|, m
 // com                       80      80        20   4.0e-15 (f64)  1.8e-6 (f32)
 // com_jacobian             335     200        20   3.7e-15 (f64)  1.6e-6 (f32)
+// com_velocity             176     142        20   1.5e-13 (f64)  6.4e-5 (f32)
 // gravity_moments          165     118        20   3.5e-15 (f64)  1.6e-6 (f32)
 // regressor                218     106        20   2.5e-14 (f64)  7.5e-6 (f32)
 // regressor_cop            144      70        20   2.5e-14 (f64)  7.5e-6 (f32)
@@ -16,6 +17,7 @@
 // cop                       78      78        20   3.8e-15 (f64)  1.7e-6 (f32)
 // com_sc                    88      84         0   3.8e-15 (f64)  1.5e-6 (f32)
 // com_jacobian_sc          343     204         0   3.5e-15 (f64)  1.4e-6 (f32)
+// com_velocity_sc          184     146         0   1.5e-13 (f64)  5.4e-5 (f32)
 // gravity_moments_sc       173     122         0   3.4e-15 (f64)  1.3e-6 (f32)
 // regressor_sc             226     110         0   3.5e-14 (f64)  5.8e-6 (f32)
 // regressor_cop_sc         152      74         0   3.5e-14 (f64)  5.8e-6 (f32)
@@ -307,6 +309,13 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     Op2LSole::com_jacobian(q, r)
 }
 
+/// Velocity of the centre of mass, m/s: J(q) q̇ without forming J.
+#[allow(dead_code)]
+#[inline]
+pub fn com_velocity<T: Real>(q: &[T; DOF], qd: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
+    Op2LSole::com_velocity(q, qd, r)
+}
+
 /// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
 #[allow(dead_code)]
 #[inline]
@@ -362,6 +371,20 @@ pub fn com_jacobian_sc<T: Real>(
     r: &[T; BASE_PARAMS],
 ) -> [[T; DOF]; 3] {
     Op2LSole::com_jacobian_sc(sin, cos, r)
+}
+
+/// Velocity of the centre of mass, m/s: J(q) q̇ without forming J.
+///
+/// From sines and cosines; a prismatic joint passes its position in `sin`.
+#[allow(dead_code)]
+#[inline]
+pub fn com_velocity_sc<T: Real>(
+    sin: &[T; DOF],
+    cos: &[T; DOF],
+    qd: &[T; DOF],
+    r: &[T; BASE_PARAMS],
+) -> [T; 3] {
+    Op2LSole::com_velocity_sc(sin, cos, qd, r)
 }
 
 /// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
@@ -876,6 +899,233 @@ impl v1::Robot for Op2LSole {
         jacobian[1][19] = -by_r_sho_pitch_x.mul_plus(t_r_el_x, -(p5 * e1));
         let p6 = e7.mul_plus(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
         jacobian[2][19] = -bz_r_sho_pitch_x.mul_plus(t_r_el_x, -(p6 * e1));
+    }
+
+    #[inline(always)]
+    fn com_velocity<T: Real>(q: &[T; DOF], qd: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
+        // r_el
+        let (s_r_el, c_r_el) = q[19].sin_cos();
+        let t_r_el_x = c_r_el.mul_plus(r[41], -(s_r_el * r[42]));
+        let e1 = s_r_el.mul_plus(r[41], c_r_el * r[42]);
+        // r_sho_roll
+        let v_r_sho_roll_y = r[40] + t_r_el_x;
+        let e2 = q[18] + T::from_f64(0.785398163);
+        let (s_r_sho_roll, c_r_sho_roll) = e2.sin_cos();
+        let t_r_sho_roll_x = c_r_sho_roll.mul_plus(v_r_sho_roll_y, -(s_r_sho_roll * r[39]));
+        let t_r_sho_roll_y = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
+        // r_sho_pitch
+        let v_r_sho_pitch_x = r[37] - e1;
+        let v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
+        let (s_r_sho_pitch, c_r_sho_pitch) = q[17].sin_cos();
+        let t_r_sho_pitch_x = c_r_sho_pitch
+            .mul_plus(v_r_sho_pitch_x, -(s_r_sho_pitch * v_r_sho_pitch_y));
+        let t_r_sho_pitch_y = s_r_sho_pitch
+            .mul_plus(v_r_sho_pitch_x, c_r_sho_pitch * v_r_sho_pitch_y);
+        // r_ank_roll
+        let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
+        let t_r_ank_roll_x = s_r_ank_roll.mul_plus(r[35], c_r_ank_roll * r[36]);
+        let t_r_ank_roll_y = c_r_ank_roll.mul_plus(r[35], -(s_r_ank_roll * r[36]));
+        // r_ank_pitch
+        let v_r_ank_pitch_y = r[34] + t_r_ank_roll_x;
+        let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
+        let t_r_ank_pitch_x = c_r_ank_pitch.mul_plus(r[33], -(s_r_ank_pitch * v_r_ank_pitch_y));
+        let t_r_ank_pitch_y = s_r_ank_pitch.mul_plus(r[33], c_r_ank_pitch * v_r_ank_pitch_y);
+        // r_knee
+        let v_r_knee_x = r[31] + t_r_ank_pitch_x;
+        let v_r_knee_y = r[32] + t_r_ank_pitch_y;
+        let (s_r_knee, c_r_knee) = q[14].sin_cos();
+        let t_r_knee_x = c_r_knee.mul_plus(v_r_knee_x, s_r_knee * v_r_knee_y);
+        let t_r_knee_y = c_r_knee.mul_plus(v_r_knee_y, -(s_r_knee * v_r_knee_x));
+        // r_hip_pitch
+        let v_r_hip_pitch_x = r[29] + t_r_knee_x;
+        let v_r_hip_pitch_y = r[30] + t_r_knee_y;
+        let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
+        let t_r_hip_pitch_x = c_r_hip_pitch
+            .mul_plus(v_r_hip_pitch_y, -(s_r_hip_pitch * v_r_hip_pitch_x));
+        let t_r_hip_pitch_y = c_r_hip_pitch
+            .mul_plus(v_r_hip_pitch_x, s_r_hip_pitch * v_r_hip_pitch_y);
+        // r_hip_roll
+        let v_r_hip_roll_x = r[27] + t_r_ank_roll_y;
+        let v_r_hip_roll_y = r[28] + t_r_hip_pitch_x;
+        let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
+        let t_r_hip_roll_x = c_r_hip_roll.mul_plus(v_r_hip_roll_x, s_r_hip_roll * v_r_hip_roll_y);
+        let t_r_hip_roll_y = c_r_hip_roll
+            .mul_plus(v_r_hip_roll_y, -(s_r_hip_roll * v_r_hip_roll_x));
+        // r_hip_yaw
+        let v_r_hip_yaw_x = r[25] + t_r_hip_pitch_y;
+        let v_r_hip_yaw_y = r[26] + t_r_hip_roll_x;
+        let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
+        let t_r_hip_yaw_x = c_r_hip_yaw.mul_plus(v_r_hip_yaw_x, s_r_hip_yaw * v_r_hip_yaw_y);
+        let t_r_hip_yaw_y = c_r_hip_yaw.mul_plus(v_r_hip_yaw_y, -(s_r_hip_yaw * v_r_hip_yaw_x));
+        // l_el
+        let (s_l_el, c_l_el) = q[10].sin_cos();
+        let t_l_el_x = c_l_el.mul_plus(r[23], s_l_el * r[24]);
+        let t_l_el_y = s_l_el.mul_plus(r[23], -(c_l_el * r[24]));
+        // l_sho_roll
+        let v_l_sho_roll_y = r[22] + t_l_el_x;
+        let e3 = q[9] - T::from_f64(0.785398163);
+        let (s_l_sho_roll, c_l_sho_roll) = e3.sin_cos();
+        let t_l_sho_roll_x = c_l_sho_roll.mul_plus(v_l_sho_roll_y, -(s_l_sho_roll * r[21]));
+        let t_l_sho_roll_y = c_l_sho_roll.mul_plus(r[21], s_l_sho_roll * v_l_sho_roll_y);
+        // l_sho_pitch
+        let v_l_sho_pitch_x = r[19] + t_l_el_y;
+        let v_l_sho_pitch_y = r[20] + t_l_sho_roll_x;
+        let (s_l_sho_pitch, c_l_sho_pitch) = q[8].sin_cos();
+        let t_l_sho_pitch_x = c_l_sho_pitch
+            .mul_plus(v_l_sho_pitch_x, s_l_sho_pitch * v_l_sho_pitch_y);
+        let t_l_sho_pitch_y = c_l_sho_pitch
+            .mul_plus(v_l_sho_pitch_y, -(s_l_sho_pitch * v_l_sho_pitch_x));
+        // head_tilt
+        let (s_head_tilt, c_head_tilt) = q[1].sin_cos();
+        let t_head_tilt_x = c_head_tilt.mul_plus(r[17], s_head_tilt * r[18]);
+        let t_head_tilt_y = s_head_tilt.mul_plus(r[17], -(c_head_tilt * r[18]));
+        // head_pan
+        let v_head_pan_x = r[15] + t_head_tilt_x;
+        let (s_head_pan, c_head_pan) = q[0].sin_cos();
+        let t_head_pan_x = c_head_pan.mul_plus(v_head_pan_x, -(s_head_pan * r[16]));
+        let t_head_pan_y = s_head_pan.mul_plus(v_head_pan_x, c_head_pan * r[16]);
+        // l_hip_yaw
+        let v_l_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_sho_pitch_x
+            + t_r_hip_yaw_x;
+        let v_l_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_sho_roll_y
+            + t_r_hip_yaw_y;
+        let v_l_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y
+            + t_r_hip_roll_y;
+        let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
+        let t_l_hip_yaw_x = s_l_hip_yaw.mul_plus(v_l_hip_yaw_x, c_l_hip_yaw * v_l_hip_yaw_y);
+        let t_l_hip_yaw_y = c_l_hip_yaw.mul_plus(v_l_hip_yaw_x, -(s_l_hip_yaw * v_l_hip_yaw_y));
+        // l_hip_roll
+        let v_l_hip_roll_x = r[11] + t_l_hip_yaw_x;
+        let v_l_hip_roll_y = r[12] + v_l_hip_yaw_z;
+        let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
+        let t_l_hip_roll_x = s_l_hip_roll.mul_plus(v_l_hip_roll_x, c_l_hip_roll * v_l_hip_roll_y);
+        let t_l_hip_roll_y = c_l_hip_roll
+            .mul_plus(v_l_hip_roll_x, -(s_l_hip_roll * v_l_hip_roll_y));
+        // l_hip_pitch
+        let v_l_hip_pitch_x = r[9] + t_l_hip_yaw_y;
+        let v_l_hip_pitch_y = r[10] + t_l_hip_roll_x;
+        let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
+        let t_l_hip_pitch_x = c_l_hip_pitch
+            .mul_plus(v_l_hip_pitch_x, s_l_hip_pitch * v_l_hip_pitch_y);
+        let t_l_hip_pitch_y = c_l_hip_pitch
+            .mul_plus(v_l_hip_pitch_y, -(s_l_hip_pitch * v_l_hip_pitch_x));
+        // l_knee
+        let v_l_knee_x = r[7] + t_l_hip_pitch_x;
+        let v_l_knee_y = r[8] + t_l_hip_pitch_y;
+        let (s_l_knee, c_l_knee) = q[5].sin_cos();
+        let t_l_knee_x = c_l_knee.mul_plus(v_l_knee_x, s_l_knee * v_l_knee_y);
+        let t_l_knee_y = c_l_knee.mul_plus(v_l_knee_y, -(s_l_knee * v_l_knee_x));
+        // l_ank_pitch
+        let v_l_ank_pitch_x = r[5] + t_l_knee_x;
+        let v_l_ank_pitch_y = r[6] + t_l_knee_y;
+        let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
+        let t_l_ank_pitch_x = s_l_ank_pitch
+            .mul_plus(v_l_ank_pitch_x, c_l_ank_pitch * v_l_ank_pitch_y);
+        let t_l_ank_pitch_y = c_l_ank_pitch
+            .mul_plus(v_l_ank_pitch_x, -(s_l_ank_pitch * v_l_ank_pitch_y));
+        // l_ank_roll
+        let v_l_ank_roll_x = r[3] + t_l_hip_roll_y;
+        let v_l_ank_roll_y = r[4] + t_l_ank_pitch_x;
+        let (s_l_ank_roll, c_l_ank_roll) = q[7].sin_cos();
+        let t_l_ank_roll_x = c_l_ank_roll.mul_plus(v_l_ank_roll_x, s_l_ank_roll * v_l_ank_roll_y);
+        let t_l_ank_roll_y = c_l_ank_roll
+            .mul_plus(v_l_ank_roll_y, -(s_l_ank_roll * v_l_ank_roll_x));
+        // r_el
+        let e4 = qd[19] * e1;
+        let e5 = qd[19] * t_r_el_x;
+        // r_sho_roll
+        let e6 = c_r_sho_roll.mul_plus(e4, qd[18] * t_r_sho_roll_y);
+        let dt_r_sho_roll_y = qd[18].mul_plus(t_r_sho_roll_x, -(s_r_sho_roll * e4));
+        // r_sho_pitch
+        let dt_r_sho_pitch_x = s_r_sho_pitch.mul_plus(e6, -(c_r_sho_pitch * e5));
+        let dt_r_sho_pitch_x = (-qd[17]).mul_plus(t_r_sho_pitch_y, dt_r_sho_pitch_x);
+        let dt_r_sho_pitch_y = s_r_sho_pitch.mul_plus(e5, c_r_sho_pitch * e6);
+        let dt_r_sho_pitch_y = qd[17].mul_plus(t_r_sho_pitch_x, -dt_r_sho_pitch_y);
+        // r_ank_roll
+        let dt_r_ank_roll_x = qd[16] * t_r_ank_roll_y;
+        let e7 = qd[16] * t_r_ank_roll_x;
+        // r_ank_pitch
+        let e8 = s_r_ank_pitch.mul_plus(dt_r_ank_roll_x, qd[15] * t_r_ank_pitch_y);
+        let dt_r_ank_pitch_y = c_r_ank_pitch.mul_plus(dt_r_ank_roll_x, qd[15] * t_r_ank_pitch_x);
+        // r_knee
+        let dt_r_knee_x = s_r_knee.mul_plus(dt_r_ank_pitch_y, -(c_r_knee * e8));
+        let dt_r_knee_x = qd[14].mul_plus(t_r_knee_y, dt_r_knee_x);
+        let dt_r_knee_y = s_r_knee.mul_plus(e8, c_r_knee * dt_r_ank_pitch_y);
+        let dt_r_knee_y = (-qd[14]).mul_plus(t_r_knee_x, dt_r_knee_y);
+        // r_hip_pitch
+        let dt_r_hip_pitch_x = c_r_hip_pitch.mul_plus(dt_r_knee_y, -(s_r_hip_pitch * dt_r_knee_x));
+        let dt_r_hip_pitch_x = (-qd[13]).mul_plus(t_r_hip_pitch_y, dt_r_hip_pitch_x);
+        let dt_r_hip_pitch_y = c_r_hip_pitch.mul_plus(dt_r_knee_x, s_r_hip_pitch * dt_r_knee_y);
+        let dt_r_hip_pitch_y = qd[13].mul_plus(t_r_hip_pitch_x, dt_r_hip_pitch_y);
+        // r_hip_roll
+        let dt_r_hip_roll_x = s_r_hip_roll.mul_plus(dt_r_hip_pitch_x, -(c_r_hip_roll * e7));
+        let dt_r_hip_roll_x = qd[12].mul_plus(t_r_hip_roll_y, dt_r_hip_roll_x);
+        let dt_r_hip_roll_y = s_r_hip_roll.mul_plus(e7, c_r_hip_roll * dt_r_hip_pitch_x);
+        let dt_r_hip_roll_y = (-qd[12]).mul_plus(t_r_hip_roll_x, dt_r_hip_roll_y);
+        // r_hip_yaw
+        let dt_r_hip_yaw_x = c_r_hip_yaw.mul_plus(dt_r_hip_pitch_y, s_r_hip_yaw * dt_r_hip_roll_x);
+        let dt_r_hip_yaw_x = qd[11].mul_plus(t_r_hip_yaw_y, dt_r_hip_yaw_x);
+        let dt_r_hip_yaw_y = c_r_hip_yaw
+            .mul_plus(dt_r_hip_roll_x, -(s_r_hip_yaw * dt_r_hip_pitch_y));
+        let dt_r_hip_yaw_y = (-qd[11]).mul_plus(t_r_hip_yaw_x, dt_r_hip_yaw_y);
+        // l_el
+        let e9 = qd[10] * t_l_el_y;
+        let dt_l_el_y = qd[10] * t_l_el_x;
+        // l_sho_roll
+        let e10 = c_l_sho_roll.mul_plus(e9, qd[9] * t_l_sho_roll_y);
+        let dt_l_sho_roll_y = qd[9].mul_plus(t_l_sho_roll_x, -(s_l_sho_roll * e9));
+        // l_sho_pitch
+        let dt_l_sho_pitch_x = c_l_sho_pitch.mul_plus(dt_l_el_y, -(s_l_sho_pitch * e10));
+        let dt_l_sho_pitch_x = qd[8].mul_plus(t_l_sho_pitch_y, dt_l_sho_pitch_x);
+        // head_tilt
+        let e11 = qd[1] * t_head_tilt_y;
+        let dt_head_tilt_y = qd[1] * t_head_tilt_x;
+        // head_pan
+        let dt_head_pan_y = qd[0].mul_plus(t_head_pan_x, -(s_head_pan * e11));
+        // l_hip_yaw
+        let dv_l_hip_yaw_x = dt_l_sho_pitch_x
+            - c_head_pan.mul_plus(e11, qd[0] * t_head_pan_y) + dt_r_sho_pitch_x
+            + dt_r_hip_yaw_x;
+        let dv_l_hip_yaw_y = dt_head_pan_y + dt_l_sho_roll_y + dt_r_sho_roll_y
+            + dt_r_hip_yaw_y;
+        let p1 = s_l_sho_pitch.mul_plus(dt_l_el_y, c_l_sho_pitch * e10);
+        let dv_l_hip_yaw_z = dt_head_tilt_y - qd[8].mul_plus(t_l_sho_pitch_x, p1)
+            + dt_r_sho_pitch_y + dt_r_hip_roll_y;
+        let dt_l_hip_yaw_x = s_l_hip_yaw.mul_plus(dv_l_hip_yaw_x, c_l_hip_yaw * dv_l_hip_yaw_y);
+        let dt_l_hip_yaw_x = qd[2].mul_plus(t_l_hip_yaw_y, dt_l_hip_yaw_x);
+        let dt_l_hip_yaw_y = c_l_hip_yaw.mul_plus(dv_l_hip_yaw_x, -(s_l_hip_yaw * dv_l_hip_yaw_y));
+        let dt_l_hip_yaw_y = (-qd[2]).mul_plus(t_l_hip_yaw_x, dt_l_hip_yaw_y);
+        // l_hip_roll
+        let dt_l_hip_roll_x = s_l_hip_roll.mul_plus(dt_l_hip_yaw_x, c_l_hip_roll * dv_l_hip_yaw_z);
+        let dt_l_hip_roll_x = qd[3].mul_plus(t_l_hip_roll_y, dt_l_hip_roll_x);
+        let dt_l_hip_roll_y = c_l_hip_roll
+            .mul_plus(dt_l_hip_yaw_x, -(s_l_hip_roll * dv_l_hip_yaw_z));
+        let dt_l_hip_roll_y = (-qd[3]).mul_plus(t_l_hip_roll_x, dt_l_hip_roll_y);
+        // l_hip_pitch
+        let dt_l_hip_pitch_x = c_l_hip_pitch
+            .mul_plus(dt_l_hip_yaw_y, s_l_hip_pitch * dt_l_hip_roll_x);
+        let dt_l_hip_pitch_x = qd[4].mul_plus(t_l_hip_pitch_y, dt_l_hip_pitch_x);
+        let dt_l_hip_pitch_y = c_l_hip_pitch
+            .mul_plus(dt_l_hip_roll_x, -(s_l_hip_pitch * dt_l_hip_yaw_y));
+        let dt_l_hip_pitch_y = (-qd[4]).mul_plus(t_l_hip_pitch_x, dt_l_hip_pitch_y);
+        // l_knee
+        let dt_l_knee_x = c_l_knee.mul_plus(dt_l_hip_pitch_x, s_l_knee * dt_l_hip_pitch_y);
+        let dt_l_knee_x = qd[5].mul_plus(t_l_knee_y, dt_l_knee_x);
+        let dt_l_knee_y = c_l_knee.mul_plus(dt_l_hip_pitch_y, -(s_l_knee * dt_l_hip_pitch_x));
+        let dt_l_knee_y = (-qd[5]).mul_plus(t_l_knee_x, dt_l_knee_y);
+        // l_ank_pitch
+        let dt_l_ank_pitch_x = s_l_ank_pitch.mul_plus(dt_l_knee_x, c_l_ank_pitch * dt_l_knee_y);
+        let dt_l_ank_pitch_x = qd[6].mul_plus(t_l_ank_pitch_y, dt_l_ank_pitch_x);
+        let dt_l_ank_pitch_y = c_l_ank_pitch.mul_plus(dt_l_knee_x, -(s_l_ank_pitch * dt_l_knee_y));
+        let dt_l_ank_pitch_y = (-qd[6]).mul_plus(t_l_ank_pitch_x, dt_l_ank_pitch_y);
+        // l_ank_roll
+        let dt_l_ank_roll_x = c_l_ank_roll
+            .mul_plus(dt_l_hip_roll_y, s_l_ank_roll * dt_l_ank_pitch_x);
+        let dt_l_ank_roll_x = qd[7].mul_plus(t_l_ank_roll_y, dt_l_ank_roll_x);
+        let dt_l_ank_roll_y = c_l_ank_roll
+            .mul_plus(dt_l_ank_pitch_x, -(s_l_ank_roll * dt_l_hip_roll_y));
+        let dt_l_ank_roll_y = (-qd[7]).mul_plus(t_l_ank_roll_x, dt_l_ank_roll_y);
+        [dt_l_ank_pitch_y, dt_l_ank_roll_x, dt_l_ank_roll_y]
     }
 
     #[inline(always)]
@@ -2526,6 +2776,204 @@ impl v1::SinCosRobot for Op2LSole {
             -bz_r_sho_pitch_x.mul_plus(t_r_el_x, -(p6 * e1)),
         ];
         [row_x, row_y, row_z]
+    }
+
+    #[inline(always)]
+    fn com_velocity_sc<T: Real>(
+        sin: &[T; DOF],
+        cos: &[T; DOF],
+        qd: &[T; DOF],
+        r: &[T; BASE_PARAMS],
+    ) -> [T; 3] {
+        // r_el
+        let t_r_el_x = cos[19].mul_plus(r[41], -(sin[19] * r[42]));
+        let e1 = sin[19].mul_plus(r[41], cos[19] * r[42]);
+        // r_sho_roll
+        let v_r_sho_roll_y = r[40] + t_r_el_x;
+        let s_r_sho_roll = sin[18]
+            .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * cos[18]);
+        let c_r_sho_roll = cos[18]
+            .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * sin[18]));
+        let t_r_sho_roll_x = c_r_sho_roll.mul_plus(v_r_sho_roll_y, -(s_r_sho_roll * r[39]));
+        let t_r_sho_roll_y = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
+        // r_sho_pitch
+        let v_r_sho_pitch_x = r[37] - e1;
+        let v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
+        let t_r_sho_pitch_x = cos[17].mul_plus(v_r_sho_pitch_x, -(sin[17] * v_r_sho_pitch_y));
+        let t_r_sho_pitch_y = sin[17].mul_plus(v_r_sho_pitch_x, cos[17] * v_r_sho_pitch_y);
+        // r_ank_roll
+        let t_r_ank_roll_x = sin[16].mul_plus(r[35], cos[16] * r[36]);
+        let t_r_ank_roll_y = cos[16].mul_plus(r[35], -(sin[16] * r[36]));
+        // r_ank_pitch
+        let v_r_ank_pitch_y = r[34] + t_r_ank_roll_x;
+        let t_r_ank_pitch_x = cos[15].mul_plus(r[33], -(sin[15] * v_r_ank_pitch_y));
+        let t_r_ank_pitch_y = sin[15].mul_plus(r[33], cos[15] * v_r_ank_pitch_y);
+        // r_knee
+        let v_r_knee_x = r[31] + t_r_ank_pitch_x;
+        let v_r_knee_y = r[32] + t_r_ank_pitch_y;
+        let t_r_knee_x = cos[14].mul_plus(v_r_knee_x, sin[14] * v_r_knee_y);
+        let t_r_knee_y = cos[14].mul_plus(v_r_knee_y, -(sin[14] * v_r_knee_x));
+        // r_hip_pitch
+        let v_r_hip_pitch_x = r[29] + t_r_knee_x;
+        let v_r_hip_pitch_y = r[30] + t_r_knee_y;
+        let t_r_hip_pitch_x = cos[13].mul_plus(v_r_hip_pitch_y, -(sin[13] * v_r_hip_pitch_x));
+        let t_r_hip_pitch_y = cos[13].mul_plus(v_r_hip_pitch_x, sin[13] * v_r_hip_pitch_y);
+        // r_hip_roll
+        let v_r_hip_roll_x = r[27] + t_r_ank_roll_y;
+        let v_r_hip_roll_y = r[28] + t_r_hip_pitch_x;
+        let t_r_hip_roll_x = cos[12].mul_plus(v_r_hip_roll_x, sin[12] * v_r_hip_roll_y);
+        let t_r_hip_roll_y = cos[12].mul_plus(v_r_hip_roll_y, -(sin[12] * v_r_hip_roll_x));
+        // r_hip_yaw
+        let v_r_hip_yaw_x = r[25] + t_r_hip_pitch_y;
+        let v_r_hip_yaw_y = r[26] + t_r_hip_roll_x;
+        let t_r_hip_yaw_x = cos[11].mul_plus(v_r_hip_yaw_x, sin[11] * v_r_hip_yaw_y);
+        let t_r_hip_yaw_y = cos[11].mul_plus(v_r_hip_yaw_y, -(sin[11] * v_r_hip_yaw_x));
+        // l_el
+        let t_l_el_x = cos[10].mul_plus(r[23], sin[10] * r[24]);
+        let t_l_el_y = sin[10].mul_plus(r[23], -(cos[10] * r[24]));
+        // l_sho_roll
+        let v_l_sho_roll_y = r[22] + t_l_el_x;
+        let s_l_sho_roll = sin[9]
+            .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * cos[9]));
+        let c_l_sho_roll = cos[9]
+            .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * sin[9]);
+        let t_l_sho_roll_x = c_l_sho_roll.mul_plus(v_l_sho_roll_y, -(s_l_sho_roll * r[21]));
+        let t_l_sho_roll_y = c_l_sho_roll.mul_plus(r[21], s_l_sho_roll * v_l_sho_roll_y);
+        // l_sho_pitch
+        let v_l_sho_pitch_x = r[19] + t_l_el_y;
+        let v_l_sho_pitch_y = r[20] + t_l_sho_roll_x;
+        let t_l_sho_pitch_x = cos[8].mul_plus(v_l_sho_pitch_x, sin[8] * v_l_sho_pitch_y);
+        let t_l_sho_pitch_y = cos[8].mul_plus(v_l_sho_pitch_y, -(sin[8] * v_l_sho_pitch_x));
+        // head_tilt
+        let t_head_tilt_x = cos[1].mul_plus(r[17], sin[1] * r[18]);
+        let t_head_tilt_y = sin[1].mul_plus(r[17], -(cos[1] * r[18]));
+        // head_pan
+        let v_head_pan_x = r[15] + t_head_tilt_x;
+        let t_head_pan_x = cos[0].mul_plus(v_head_pan_x, -(sin[0] * r[16]));
+        let t_head_pan_y = sin[0].mul_plus(v_head_pan_x, cos[0] * r[16]);
+        // l_hip_yaw
+        let v_l_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_sho_pitch_x
+            + t_r_hip_yaw_x;
+        let v_l_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_sho_roll_y
+            + t_r_hip_yaw_y;
+        let v_l_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y
+            + t_r_hip_roll_y;
+        let t_l_hip_yaw_x = sin[2].mul_plus(v_l_hip_yaw_x, cos[2] * v_l_hip_yaw_y);
+        let t_l_hip_yaw_y = cos[2].mul_plus(v_l_hip_yaw_x, -(sin[2] * v_l_hip_yaw_y));
+        // l_hip_roll
+        let v_l_hip_roll_x = r[11] + t_l_hip_yaw_x;
+        let v_l_hip_roll_y = r[12] + v_l_hip_yaw_z;
+        let t_l_hip_roll_x = sin[3].mul_plus(v_l_hip_roll_x, cos[3] * v_l_hip_roll_y);
+        let t_l_hip_roll_y = cos[3].mul_plus(v_l_hip_roll_x, -(sin[3] * v_l_hip_roll_y));
+        // l_hip_pitch
+        let v_l_hip_pitch_x = r[9] + t_l_hip_yaw_y;
+        let v_l_hip_pitch_y = r[10] + t_l_hip_roll_x;
+        let t_l_hip_pitch_x = cos[4].mul_plus(v_l_hip_pitch_x, sin[4] * v_l_hip_pitch_y);
+        let t_l_hip_pitch_y = cos[4].mul_plus(v_l_hip_pitch_y, -(sin[4] * v_l_hip_pitch_x));
+        // l_knee
+        let v_l_knee_x = r[7] + t_l_hip_pitch_x;
+        let v_l_knee_y = r[8] + t_l_hip_pitch_y;
+        let t_l_knee_x = cos[5].mul_plus(v_l_knee_x, sin[5] * v_l_knee_y);
+        let t_l_knee_y = cos[5].mul_plus(v_l_knee_y, -(sin[5] * v_l_knee_x));
+        // l_ank_pitch
+        let v_l_ank_pitch_x = r[5] + t_l_knee_x;
+        let v_l_ank_pitch_y = r[6] + t_l_knee_y;
+        let t_l_ank_pitch_x = sin[6].mul_plus(v_l_ank_pitch_x, cos[6] * v_l_ank_pitch_y);
+        let t_l_ank_pitch_y = cos[6].mul_plus(v_l_ank_pitch_x, -(sin[6] * v_l_ank_pitch_y));
+        // l_ank_roll
+        let v_l_ank_roll_x = r[3] + t_l_hip_roll_y;
+        let v_l_ank_roll_y = r[4] + t_l_ank_pitch_x;
+        let t_l_ank_roll_x = cos[7].mul_plus(v_l_ank_roll_x, sin[7] * v_l_ank_roll_y);
+        let t_l_ank_roll_y = cos[7].mul_plus(v_l_ank_roll_y, -(sin[7] * v_l_ank_roll_x));
+        // r_el
+        let e2 = qd[19] * e1;
+        let e3 = qd[19] * t_r_el_x;
+        // r_sho_roll
+        let e4 = c_r_sho_roll.mul_plus(e2, qd[18] * t_r_sho_roll_y);
+        let dt_r_sho_roll_y = qd[18].mul_plus(t_r_sho_roll_x, -(s_r_sho_roll * e2));
+        // r_sho_pitch
+        let dt_r_sho_pitch_x = sin[17].mul_plus(e4, -(cos[17] * e3));
+        let dt_r_sho_pitch_x = (-qd[17]).mul_plus(t_r_sho_pitch_y, dt_r_sho_pitch_x);
+        let dt_r_sho_pitch_y = sin[17].mul_plus(e3, cos[17] * e4);
+        let dt_r_sho_pitch_y = qd[17].mul_plus(t_r_sho_pitch_x, -dt_r_sho_pitch_y);
+        // r_ank_roll
+        let dt_r_ank_roll_x = qd[16] * t_r_ank_roll_y;
+        let e5 = qd[16] * t_r_ank_roll_x;
+        // r_ank_pitch
+        let e6 = sin[15].mul_plus(dt_r_ank_roll_x, qd[15] * t_r_ank_pitch_y);
+        let dt_r_ank_pitch_y = cos[15].mul_plus(dt_r_ank_roll_x, qd[15] * t_r_ank_pitch_x);
+        // r_knee
+        let dt_r_knee_x = sin[14].mul_plus(dt_r_ank_pitch_y, -(cos[14] * e6));
+        let dt_r_knee_x = qd[14].mul_plus(t_r_knee_y, dt_r_knee_x);
+        let dt_r_knee_y = sin[14].mul_plus(e6, cos[14] * dt_r_ank_pitch_y);
+        let dt_r_knee_y = (-qd[14]).mul_plus(t_r_knee_x, dt_r_knee_y);
+        // r_hip_pitch
+        let dt_r_hip_pitch_x = cos[13].mul_plus(dt_r_knee_y, -(sin[13] * dt_r_knee_x));
+        let dt_r_hip_pitch_x = (-qd[13]).mul_plus(t_r_hip_pitch_y, dt_r_hip_pitch_x);
+        let dt_r_hip_pitch_y = cos[13].mul_plus(dt_r_knee_x, sin[13] * dt_r_knee_y);
+        let dt_r_hip_pitch_y = qd[13].mul_plus(t_r_hip_pitch_x, dt_r_hip_pitch_y);
+        // r_hip_roll
+        let dt_r_hip_roll_x = sin[12].mul_plus(dt_r_hip_pitch_x, -(cos[12] * e5));
+        let dt_r_hip_roll_x = qd[12].mul_plus(t_r_hip_roll_y, dt_r_hip_roll_x);
+        let dt_r_hip_roll_y = sin[12].mul_plus(e5, cos[12] * dt_r_hip_pitch_x);
+        let dt_r_hip_roll_y = (-qd[12]).mul_plus(t_r_hip_roll_x, dt_r_hip_roll_y);
+        // r_hip_yaw
+        let dt_r_hip_yaw_x = cos[11].mul_plus(dt_r_hip_pitch_y, sin[11] * dt_r_hip_roll_x);
+        let dt_r_hip_yaw_x = qd[11].mul_plus(t_r_hip_yaw_y, dt_r_hip_yaw_x);
+        let dt_r_hip_yaw_y = cos[11].mul_plus(dt_r_hip_roll_x, -(sin[11] * dt_r_hip_pitch_y));
+        let dt_r_hip_yaw_y = (-qd[11]).mul_plus(t_r_hip_yaw_x, dt_r_hip_yaw_y);
+        // l_el
+        let e7 = qd[10] * t_l_el_y;
+        let dt_l_el_y = qd[10] * t_l_el_x;
+        // l_sho_roll
+        let e8 = c_l_sho_roll.mul_plus(e7, qd[9] * t_l_sho_roll_y);
+        let dt_l_sho_roll_y = qd[9].mul_plus(t_l_sho_roll_x, -(s_l_sho_roll * e7));
+        // l_sho_pitch
+        let dt_l_sho_pitch_x = cos[8].mul_plus(dt_l_el_y, -(sin[8] * e8));
+        let dt_l_sho_pitch_x = qd[8].mul_plus(t_l_sho_pitch_y, dt_l_sho_pitch_x);
+        // head_tilt
+        let e9 = qd[1] * t_head_tilt_y;
+        let dt_head_tilt_y = qd[1] * t_head_tilt_x;
+        // head_pan
+        let dt_head_pan_y = qd[0].mul_plus(t_head_pan_x, -(sin[0] * e9));
+        // l_hip_yaw
+        let dv_l_hip_yaw_x = dt_l_sho_pitch_x - cos[0].mul_plus(e9, qd[0] * t_head_pan_y)
+            + dt_r_sho_pitch_x + dt_r_hip_yaw_x;
+        let dv_l_hip_yaw_y = dt_head_pan_y + dt_l_sho_roll_y + dt_r_sho_roll_y
+            + dt_r_hip_yaw_y;
+        let p1 = sin[8].mul_plus(dt_l_el_y, cos[8] * e8);
+        let dv_l_hip_yaw_z = dt_head_tilt_y - qd[8].mul_plus(t_l_sho_pitch_x, p1)
+            + dt_r_sho_pitch_y + dt_r_hip_roll_y;
+        let dt_l_hip_yaw_x = sin[2].mul_plus(dv_l_hip_yaw_x, cos[2] * dv_l_hip_yaw_y);
+        let dt_l_hip_yaw_x = qd[2].mul_plus(t_l_hip_yaw_y, dt_l_hip_yaw_x);
+        let dt_l_hip_yaw_y = cos[2].mul_plus(dv_l_hip_yaw_x, -(sin[2] * dv_l_hip_yaw_y));
+        let dt_l_hip_yaw_y = (-qd[2]).mul_plus(t_l_hip_yaw_x, dt_l_hip_yaw_y);
+        // l_hip_roll
+        let dt_l_hip_roll_x = sin[3].mul_plus(dt_l_hip_yaw_x, cos[3] * dv_l_hip_yaw_z);
+        let dt_l_hip_roll_x = qd[3].mul_plus(t_l_hip_roll_y, dt_l_hip_roll_x);
+        let dt_l_hip_roll_y = cos[3].mul_plus(dt_l_hip_yaw_x, -(sin[3] * dv_l_hip_yaw_z));
+        let dt_l_hip_roll_y = (-qd[3]).mul_plus(t_l_hip_roll_x, dt_l_hip_roll_y);
+        // l_hip_pitch
+        let dt_l_hip_pitch_x = cos[4].mul_plus(dt_l_hip_yaw_y, sin[4] * dt_l_hip_roll_x);
+        let dt_l_hip_pitch_x = qd[4].mul_plus(t_l_hip_pitch_y, dt_l_hip_pitch_x);
+        let dt_l_hip_pitch_y = cos[4].mul_plus(dt_l_hip_roll_x, -(sin[4] * dt_l_hip_yaw_y));
+        let dt_l_hip_pitch_y = (-qd[4]).mul_plus(t_l_hip_pitch_x, dt_l_hip_pitch_y);
+        // l_knee
+        let dt_l_knee_x = cos[5].mul_plus(dt_l_hip_pitch_x, sin[5] * dt_l_hip_pitch_y);
+        let dt_l_knee_x = qd[5].mul_plus(t_l_knee_y, dt_l_knee_x);
+        let dt_l_knee_y = cos[5].mul_plus(dt_l_hip_pitch_y, -(sin[5] * dt_l_hip_pitch_x));
+        let dt_l_knee_y = (-qd[5]).mul_plus(t_l_knee_x, dt_l_knee_y);
+        // l_ank_pitch
+        let dt_l_ank_pitch_x = sin[6].mul_plus(dt_l_knee_x, cos[6] * dt_l_knee_y);
+        let dt_l_ank_pitch_x = qd[6].mul_plus(t_l_ank_pitch_y, dt_l_ank_pitch_x);
+        let dt_l_ank_pitch_y = cos[6].mul_plus(dt_l_knee_x, -(sin[6] * dt_l_knee_y));
+        let dt_l_ank_pitch_y = (-qd[6]).mul_plus(t_l_ank_pitch_x, dt_l_ank_pitch_y);
+        // l_ank_roll
+        let dt_l_ank_roll_x = cos[7].mul_plus(dt_l_hip_roll_y, sin[7] * dt_l_ank_pitch_x);
+        let dt_l_ank_roll_x = qd[7].mul_plus(t_l_ank_roll_y, dt_l_ank_roll_x);
+        let dt_l_ank_roll_y = cos[7].mul_plus(dt_l_ank_pitch_x, -(sin[7] * dt_l_hip_roll_y));
+        let dt_l_ank_roll_y = (-qd[7]).mul_plus(t_l_ank_roll_x, dt_l_ank_roll_y);
+        [dt_l_ank_pitch_y, dt_l_ank_roll_x, dt_l_ank_roll_y]
     }
 
     #[inline(always)]

@@ -3,6 +3,7 @@
 use std::sync::LazyLock;
 
 use sesc_model::effects::PostureContext;
+use sesc_model::expr::Argument;
 use sesc_model::program::Program;
 use sesc_model::tape::{Kernels, Tape, Values};
 use sesc_model::{Function, Given, Model};
@@ -33,6 +34,8 @@ pub struct Evaluator {
     given: Given,
     /// Which joints are prismatic: `_sc` functions take their positions as they are.
     prismatic: Vec<bool>,
+    /// Joint velocities, rad/s or m/s, of a function that takes them.
+    velocities: Option<Vec<f64>>,
     params: Option<Vec<f64>>,
     kernels: Kernels,
 }
@@ -59,7 +62,19 @@ impl Evaluator {
     ) -> Option<Evaluator> {
         let program = model.program(function, given)?;
         let params = function.takes_parameters().then_some(params);
-        Some(Evaluator::of(model, &program, given, params))
+        let takes_velocities = function.arguments(given).contains(&Argument::Velocities);
+        Some(Evaluator {
+            velocities: takes_velocities.then(|| vec![0.0; model.dof()]),
+            ..Evaluator::of(model, &program, given, params)
+        })
+    }
+
+    /// With all joints moving at `velocities` (rad/s or m/s), where the function takes them.
+    pub fn moving(mut self, velocities: &[f64]) -> Evaluator {
+        if let Some(own) = &mut self.velocities {
+            own.copy_from_slice(velocities);
+        }
+        self
     }
 
     /// Prepare any program of what is `given`, and of `params` if it takes them.
@@ -73,6 +88,7 @@ impl Evaluator {
             tape: Tape::new(program),
             given,
             prismatic: model.tree.dofs.iter().map(|dof| dof.prismatic).collect(),
+            velocities: None,
             params,
             kernels: PORTABLE,
         }
@@ -117,6 +133,7 @@ impl Evaluator {
                 vec![Values::PerPosture(&sin), Values::PerPosture(&cos)]
             }
         };
+        arguments.extend(self.velocities.as_deref().map(Values::Shared));
         arguments.extend(self.params.as_deref().map(Values::Shared));
         if self.given != Given::Direction {
             return self.tape.run(&arguments, postures, out, self.kernels);
@@ -162,39 +179,47 @@ pub const FASTEST: Kernels = Kernels {
 
 static BEST: LazyLock<Simd> = LazyLock::new(Simd::best);
 
-/// Predicts the reading of a model with effects, under any gravity.
-pub struct CopPredictor {
-    tape: Tape,
+/// Predicts CoM and reading of a model with effects, under any gravity.
+pub struct EffectPredictor {
+    com: Tape,
+    cop: Tape,
     layout: PostureContext,
     params: Vec<f64>,
 }
 
-impl CopPredictor {
+impl EffectPredictor {
     /// Prepare a model; `None` where it has no effects that a posture shows.
-    pub fn new(model: &Model) -> Option<CopPredictor> {
+    pub fn new(model: &Model) -> Option<EffectPredictor> {
         let shown = model.static_effects().next().is_some();
-        shown.then(|| CopPredictor {
-            tape: Tape::new(&sesc_model::tilted_cop(model)),
+        shown.then(|| EffectPredictor {
+            com: Tape::new(&sesc_model::tilted_com(model)),
+            cop: Tape::new(&sesc_model::tilted_cop(model)),
             layout: PostureContext::of(model),
             params: model.params(),
         })
     }
 
-    /// Readings (x, y) of `postures` postures, m, with gravity per posture.
-    pub fn run(&self, q: &[f64], postures: usize, gravity: Option<&[[f64; 3]]>) -> Vec<f64> {
+    /// CoM (x, y, z) and reading (x, y) of `postures` postures, m, with gravity per posture.
+    pub fn run(
+        &self,
+        q: &[f64],
+        postures: usize,
+        gravity: Option<&[[f64; 3]]>,
+    ) -> (Vec<f64>, Vec<f64>) {
         let mut context = vec![0.0; postures * self.layout.len()];
         for (k, g) in gravity.into_iter().flatten().enumerate() {
             for axis in 0..2 {
                 context[k * self.layout.len() + self.layout.tilt(axis)] = -g[axis] / g[2];
             }
         }
-        let mut out = vec![0.0; 2 * postures];
         let arguments = [
             Values::PerPosture(q),
             Values::Shared(&self.params),
             Values::PerPosture(&context),
         ];
-        self.tape.run(&arguments, postures, &mut out, PORTABLE);
-        out
+        let (mut com, mut cop) = (vec![0.0; 3 * postures], vec![0.0; 2 * postures]);
+        self.com.run(&arguments, postures, &mut com, PORTABLE);
+        self.cop.run(&arguments, postures, &mut cop, PORTABLE);
+        (com, cop)
     }
 }

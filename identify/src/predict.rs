@@ -11,7 +11,7 @@ use std::collections::HashMap;
 use sesc_model::Function;
 
 use crate::Error;
-use crate::evaluate::{CopPredictor, Evaluator};
+use crate::evaluate::{EffectPredictor, Evaluator};
 use crate::logs::{Angles, Block, LogSource, Options, PostureReader, Readings};
 use crate::stance::Stance;
 use crate::watch::{Watch, tell};
@@ -91,7 +91,7 @@ pub struct Predictor {
     stance: Stance,
     log: String,
     reader: PostureReader,
-    evaluators: HashMap<String, (Evaluator, Option<CopPredictor>)>,
+    evaluators: HashMap<String, (Evaluator, Option<EffectPredictor>)>,
 }
 
 impl Predictor {
@@ -167,27 +167,30 @@ impl Predictor {
             let n = (start..block.len()).take_while(|row| on(*row) == link);
             let n = n.count();
             let logged = Some(link).filter(|link| !link.is_empty());
-            let (com, reading) = self.evaluator(logged, watch)?;
+            let (com, effects) = self.evaluator(logged, watch)?;
             let q = &block.q[start * dof..(start + n) * dof];
             let gravity = block.gravity.as_ref().map(|all| &all[start..start + n]);
-            let com = com.run(q, n);
-            let com = com.chunks_exact(3).map(|c| [c[0], c[1], c[2]]);
-            found.com_m.extend(com);
-            match reading {
-                Some(reading) => {
-                    let cop = reading.run(q, n, gravity);
+            let com = match effects {
+                Some(effects) => {
+                    let (com, cop) = effects.run(q, n, gravity);
                     found
                         .cop_m
                         .extend(cop.chunks_exact(2).map(|c| [c[0], c[1]]));
+                    com
                 }
                 None => {
+                    let com = com.run(q, n);
                     let down = |k: usize| gravity.map_or([0.0, 0.0, -1.0], |all| all[k]);
-                    let com = found.com_m[start..].iter().enumerate();
-                    found
-                        .cop_m
-                        .extend(com.map(|(k, com)| projected(*com, down(k))));
+                    let projections = com.chunks_exact(3).enumerate();
+                    let projections =
+                        projections.map(|(k, c)| projected([c[0], c[1], c[2]], down(k)));
+                    found.cop_m.extend(projections);
+                    com
                 }
-            }
+            };
+            found
+                .com_m
+                .extend(com.chunks_exact(3).map(|c| [c[0], c[1], c[2]]));
             start += n;
         }
         Ok(found)
@@ -197,7 +200,7 @@ impl Predictor {
         &mut self,
         logged: Option<&str>,
         watch: &mut dyn Watch,
-    ) -> Result<&(Evaluator, Option<CopPredictor>), Error> {
+    ) -> Result<&(Evaluator, Option<EffectPredictor>), Error> {
         let support = self.stance.support(logged)?;
         if !self.evaluators.contains_key(support) {
             let model = self.stance.model_on(support)?;
@@ -209,7 +212,7 @@ impl Predictor {
             }
             let evaluators = (
                 Evaluator::new(&model, Function::Com),
-                CopPredictor::new(&model),
+                EffectPredictor::new(&model),
             );
             self.evaluators.insert(support.to_string(), evaluators);
         }

@@ -41,6 +41,8 @@ pub enum Function {
     Com,
     /// Its derivative with respect to joint positions.
     ComJacobian,
+    /// The velocity of the centre of mass.
+    ComVelocity,
     /// Moments of gravity about the joints.
     GravityMoments,
     /// The base regressor of the CoM.
@@ -59,9 +61,10 @@ const XYZ: &[usize] = &[0, 1, 2];
 
 impl Function {
     /// Those of a posture, which every robot has.
-    pub const ALL: [Function; 7] = [
+    pub const ALL: [Function; 8] = [
         Function::Com,
         Function::ComJacobian,
+        Function::ComVelocity,
         Function::GravityMoments,
         Function::Regressor,
         Function::RegressorCop,
@@ -91,6 +94,16 @@ impl Function {
                 unit: "m/rad (m/m for prismatic joints)",
                 sentence: "∂CoM/∂q, m/rad (m/m for prismatic joints), one row per axis.",
                 ascii: "d CoM / d q, m/rad (m/m for prismatic joints), row-major: x, y, z.",
+            },
+            Function::ComVelocity => Interface {
+                name: "com_velocity",
+                result: "velocity",
+                axes: &[],
+                columns: Extent::Fixed(3),
+                takes_parameters: true,
+                unit: "m/s",
+                sentence: "Velocity of the centre of mass, m/s: J(q) q̇ without forming J.",
+                ascii: "Velocity of the centre of mass, m/s, without the Jacobian.",
             },
             Function::GravityMoments => Interface {
                 name: "gravity_moments",
@@ -158,6 +171,26 @@ impl Function {
         }
     }
 
+    /// What effects of the model mean for it, where any acts on it.
+    pub const fn effects_sentence(self) -> Option<&'static str> {
+        match self {
+            Function::Com | Function::ComVelocity => Some(
+                "Of the robot as it is when its encoders read q: with the effects named above.",
+            ),
+            Function::ComJacobian => Some(
+                "With respect to what encoders read, of the robot with the effects named above.",
+            ),
+            Function::GravityMoments => Some(
+                "About the joints of the robot with the effects named above, per kg of the \
+                 mass with its loads.",
+            ),
+            Function::Regressor | Function::RegressorCop | Function::RegressorFull => {
+                Some("With the wiring, offsets and scales named above; rows know no masses.")
+            }
+            Function::Cop | Function::CorrectCop => None,
+        }
+    }
+
     /// Its name in generated code and reports.
     pub const fn name(self) -> &'static str {
         self.interface().name
@@ -200,6 +233,9 @@ impl Function {
             Given::Positions => vec![Argument::Positions],
             Given::SinesCosines | Given::Direction => vec![Argument::Sines, Argument::Cosines],
         };
+        if self == Function::ComVelocity {
+            arguments.push(Argument::Velocities);
+        }
         if self.takes_parameters() {
             arguments.push(Argument::Parameters);
         }
@@ -239,7 +275,9 @@ impl Extent {
     /// The length of an input array of generated functions; none for those of fits.
     pub fn of(argument: Argument) -> Extent {
         match argument {
-            Argument::Positions | Argument::Sines | Argument::Cosines => Extent::Dof,
+            Argument::Positions | Argument::Sines | Argument::Cosines | Argument::Velocities => {
+                Extent::Dof
+            }
             Argument::Parameters => Extent::BaseParams,
             Argument::Direction => Extent::Fixed(3),
             Argument::Reading | Argument::Free => Extent::Fixed(2),

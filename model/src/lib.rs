@@ -60,7 +60,7 @@ pub use functions::differentiate_com;
 pub use interface::{Extent, Function, Given, Interface};
 pub use model::{
     DataUsed, EffectRecord, Information, Model, ModelFile, Parameter, Quantity, sensor_reading,
-    tilted_cop,
+    tilted_com, tilted_cop,
 };
 pub use robot::Robot;
 pub use snap::Snapping;

@@ -166,14 +166,21 @@ impl Program {
         let vectors = graph
             .vectors
             .into_iter()
-            .map(|vector| Vector {
-                // A dead entry is as good as computed exactly.
-                entries: vector
-                    .entries
-                    .iter()
-                    .filter_map(|id| new_id.get(id).copied())
-                    .collect(),
-                ..vector
+            .map(|vector| {
+                let scale = vector.scale.and_then(|id| new_id.get(&id).copied());
+                // Nothing of a multiple lives where its factor does not.
+                let gone = scale.is_none() && vector.scale.is_some();
+                Vector {
+                    // A dead entry is as good as computed exactly.
+                    entries: vector
+                        .entries
+                        .iter()
+                        .filter_map(|id| new_id.get(id).copied())
+                        .collect(),
+                    norm: if gone { Some(0.0) } else { vector.norm },
+                    from: if gone { Vec::new() } else { vector.from },
+                    scale,
+                }
             })
             .collect();
         let products = graph
@@ -218,6 +225,12 @@ impl Program {
             .iter()
             .position(|array| array.argument == argument);
         place.expect("an expression reads an input that its program lacks")
+    }
+
+    /// Whether any node reads this input array.
+    pub fn reads(&self, array: Argument) -> bool {
+        let of = |expr| matches!(expr, Expr::Input { argument, .. } if argument == array);
+        self.nodes.iter().any(|node| of(node.expr))
     }
 
     /// What node `id` is.

@@ -99,6 +99,9 @@ pub struct Dof {
     pub lower: f64,
     /// rad or m
     pub upper: f64,
+    /// Largest velocity that bounds hold for, rad/s or m/s: the URDF's, or what robots'
+    /// joints stay below.
+    pub speed: f64,
 }
 
 impl Dof {
@@ -151,6 +154,10 @@ pub struct Tree {
 const FREE_REVOLUTE_RAD: f64 = std::f64::consts::PI;
 /// Range assumed for a prismatic joint without usable limits, m.
 const FREE_PRISMATIC_M: f64 = 1.0;
+/// Velocity of a revolute joint whose URDF states none: about two turns a second.
+const FREE_SPEED_RAD_PER_S: f64 = 12.0;
+/// Velocity of such a prismatic joint.
+const FREE_SPEED_M_PER_S: f64 = 2.0;
 
 /// Limits this far out mean none, rad or m.
 const ENDLESS: f64 = 1e3;
@@ -338,6 +345,11 @@ fn dof(joint: &urdf::Joint) -> Dof {
         continuous: !prismatic && (joint.joint_type == JointType::Continuous || !usable),
         lower,
         upper,
+        speed: match limit.velocity {
+            speed if speed > 0.0 && speed < ENDLESS => speed,
+            _ if prismatic => FREE_SPEED_M_PER_S,
+            _ => FREE_SPEED_RAD_PER_S,
+        },
     }
 }
 

@@ -90,7 +90,7 @@ pub trait Sesc: Sized {
     /// Upper joint limits, rad or m; ∞ where a joint has none.
     const JOINT_UPPER: Posture<Self>;
 
-    /// Total mass from CAD, kg.
+    /// Total mass, kg: what CAD says, and the loads of the model file.
     const TOTAL_MASS_KG: f64;
 
     /// Base parameters from CAD, metres.
@@ -125,6 +125,24 @@ pub trait Sesc: Sized {
         let mut jacobian = [<Self::Dof as Dim>::filled(zero); 3];
         <Self::Generated as v1::Robot>::com_jacobian_into(q, r, &mut jacobian);
         jacobian
+    }
+
+    /// Velocity of the centre of mass, metres per second, as joints move at `qd`:
+    /// [`com_jacobian`](Self::com_jacobian) times `qd` without forming it.
+    ///
+    /// ```
+    /// # use sesc_generated::two_link_foot::{CAD_PARAMS, TwoLinkFoot};
+    /// # use sesc_runtime::Sesc;
+    /// let [forward, _, up] = TwoLinkFoot::com_velocity(&[0.0; 2], &[0.5, 0.0], &CAD_PARAMS);
+    /// assert!((forward - 0.18).abs() < 1e-15 && up.abs() < 0.01);
+    /// ```
+    #[inline]
+    fn com_velocity<T: Real>(
+        q: &Posture<Self, T>,
+        qd: &Posture<Self, T>,
+        r: &Params<Self, T>,
+    ) -> [T; 3] {
+        <Self::Generated as v1::Robot>::com_velocity(q, qd, r)
     }
 
     /// Moment of gravity at each joint, `τ_j = -(J_j)_z`, per kg of total mass and per
@@ -266,6 +284,17 @@ pub trait SescFromSinCos: Sesc {
         r: &Params<Self, T>,
     ) -> [Posture<Self, T>; 3] {
         <Self::GeneratedSinCos as v1::SinCosRobot>::com_jacobian_sc(sin, cos, r)
+    }
+
+    /// [`Sesc::com_velocity`] from sines and cosines.
+    #[inline]
+    fn com_velocity_sc<T: Real>(
+        sin: &Posture<Self, T>,
+        cos: &Posture<Self, T>,
+        qd: &Posture<Self, T>,
+        r: &Params<Self, T>,
+    ) -> [T; 3] {
+        <Self::GeneratedSinCos as v1::SinCosRobot>::com_velocity_sc(sin, cos, qd, r)
     }
 
     /// [`Sesc::gravity_moments`] from sines and cosines.

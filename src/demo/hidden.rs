@@ -17,7 +17,7 @@ use crate::Error;
 use crate::report::HiddenAct;
 use sesc_identify::diagnose::view::DiagnosisView;
 use sesc_identify::diagnose::{self, Diagnosis, Request};
-use sesc_identify::evaluate::{CopPredictor, Evaluator};
+use sesc_identify::evaluate::{EffectPredictor, Evaluator};
 use sesc_identify::logs::Table;
 use sesc_identify::observations::postures::rms;
 use sesc_identify::plan::balance::Region;
@@ -70,8 +70,8 @@ pub fn run(robot: &Robot, model: &Model, seed: u64) -> Result<Hidden, Error> {
     let corrected = robot.model("r_sole", Snapping::default(), Some(&report.model_file))?;
     let code = rust::module(&Facts::of(&corrected), "op2_r_sole")?;
     let cad = Evaluator::new(model, Function::Cop).run(judged, JUDGED);
-    let better = match CopPredictor::new(&corrected) {
-        Some(foretelling) => foretelling.run(judged, JUDGED, None),
+    let better = match EffectPredictor::new(&corrected) {
+        Some(predictor) => predictor.run(judged, JUDGED, None).1,
         None => cad.clone(),
     };
     let truth = truth(judged);

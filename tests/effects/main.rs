@@ -4,6 +4,7 @@
 //! All walk [`sesc_model::effects::Catalog`]: an effect without an entry in
 //! `hidden.rs` fails.
 
+mod body;
 mod compiled;
 mod correction;
 mod generated;

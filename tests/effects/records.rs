@@ -253,7 +253,7 @@ fn what_fixed_point_cannot_have_is_refused_by_name() {
             "--out",
             &out_text,
         ]);
-        let divides = effect.stage() == Stage::Cells || effect.id().name() == "backlash";
+        let divides = effect.stage() == Stage::Cells;
         match divides {
             true => {
                 refused(&output, &["fixed32", "cop", "divi", "f32 or f64"]);

@@ -62,11 +62,13 @@ pub fn about(facts: &Facts) -> Vec<String> {
     lines
 }
 
-/// What is in the function `cop` beside the robot, and what is not.
+/// What the robot does that its URDF does not say: of the body, and so in every function;
+/// of ground and sensor, in `cop` alone; or left out.
 fn effect(effect: &Effect) -> String {
-    let title = match effect.is_static {
-        true => "effect in cop",
-        false => "left out",
+    let title = match (effect.is_static, effect.changes_body) {
+        (true, true) => "effect",
+        (true, false) => "effect in cop",
+        (false, _) => "left out",
     };
     let mut text = effect.name.to_string();
     if let Some(target) = effect.target {

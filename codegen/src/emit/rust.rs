@@ -122,11 +122,10 @@ struct Method {
 
 impl Robot {
     fn new(facts: &Facts, unit: Ident, routines: &[&Routine], notes: &mut Notes) -> Robot {
-        let with_effects = facts.has_static_effects();
         let method = |routine: &&Routine| Method {
             function: routine.function,
             given: routine.given,
-            doc: documentation(with_effects, routine.function, routine.given),
+            doc: documentation(facts, routine.function, routine.given),
             body: body_of(routine, notes),
         };
         let methods: Vec<Method> = routines.iter().map(method).collect();

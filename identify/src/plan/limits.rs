@@ -242,6 +242,7 @@ mod tests {
             continuous: false,
             lower,
             upper,
+            speed: 1.0,
         };
         vec![
             dof("knee", false, -1.0, 2.0),

@@ -15,6 +15,7 @@ pub(super) struct Analysis<'p> {
     arithmetic: Arithmetic<'p>,
     ranges: Vec<Range>,
     vector_errors: Vec<f64>,
+    vector_norms: Vec<f64>,
     /// The negative of a node, where one exists.
     negatives: HashMap<Id, usize>,
     /// Whether a node is computed by operations that cannot round below zero.
@@ -33,6 +34,7 @@ impl<'p> Analysis<'p> {
             arithmetic,
             ranges: Vec::with_capacity(program.nodes.len()),
             vector_errors: vec![0.0; program.vectors.len()],
+            vector_norms: vec![f64::INFINITY; program.vectors.len()],
             negatives: HashMap::new(),
             not_negative: Vec::with_capacity(program.nodes.len()),
         }
@@ -53,7 +55,8 @@ impl<'p> Analysis<'p> {
                 .from
                 .iter()
                 .map(|&from| ready[from.0 as usize].max(last(&program.vector(from).entries)));
-            ready.push(sources.fold(last(&vector.entries), usize::max));
+            let scale = vector.scale.map_or(0, |id| id.index() + 1);
+            ready.push(sources.fold(last(&vector.entries).max(scale), usize::max));
         }
         let mut settled: Vec<Vec<usize>> = vec![Vec::new(); program.nodes.len() + 1];
         for (v, &at) in ready.iter().enumerate() {
@@ -227,10 +230,10 @@ impl<'p> Analysis<'p> {
     fn settle(&mut self, v: usize) {
         let vector = &self.program.vectors[v];
         let mut sources: HashMap<Id, Range> = HashMap::new();
-        let mut inherited = 0.0;
+        let (mut inherited, mut extent) = (0.0, 0.0);
         for &from in &vector.from {
-            let error = self.vector_errors[from.0 as usize];
-            inherited += error;
+            inherited += self.vector_errors[from.0 as usize];
+            extent += self.vector_norms[from.0 as usize];
             for &id in &self.program.vector(from).entries {
                 if self.has_other_roles(id) {
                     continue;
@@ -245,6 +248,23 @@ impl<'p> Analysis<'p> {
                 sources.insert(id, exact);
             }
         }
+        if let Some(scale) = vector.scale {
+            let factor = self.ranges[scale.index()];
+            let exact = factor.size() - factor.error;
+            inherited = times(factor.size(), inherited) + times(extent, factor.error);
+            extent = times(exact, extent);
+            if !self.has_other_roles(scale) {
+                let (lower, upper) = (-factor.size(), factor.size());
+                let exact = Range {
+                    lower,
+                    upper,
+                    error: 0.0,
+                };
+                sources.insert(scale, exact);
+            }
+        }
+        let norm = vector.norm.unwrap_or(extent);
+        self.vector_norms[v] = norm;
         let mut squares = 0.0;
         for &id in &vector.entries {
             let local = self.local(id, &mut sources);
@@ -253,7 +273,7 @@ impl<'p> Analysis<'p> {
         let error = inherited + libm::sqrt(squares);
         self.vector_errors[v] = error;
         for &id in &vector.entries {
-            self.tighten(id, error, vector.norm);
+            self.tighten(id, error, norm);
         }
     }
 
@@ -339,8 +359,9 @@ impl<'p> Analysis<'p> {
             sources.insert(id, exact);
         }
         let local = self.local(product.entry, &mut sources);
-        let error = times(va.norm, eb) + times(vb.norm, ea) + times(ea, eb) + local;
-        let limit = va.norm * vb.norm;
+        let [na, nb] = product.factors.map(|v| self.vector_norms[v.0 as usize]);
+        let error = times(na, eb) + times(nb, ea) + times(ea, eb) + local;
+        let limit = times(na, nb);
         self.tighten(product.entry, error, limit);
     }
 }

@@ -13,9 +13,9 @@ impl Formats {
     ///
     /// # Errors
     /// When a quantity may be 2^31 or more, an angle 2^15 rad or more, or when
-    /// the program divides, clamps or raises to powers.
+    /// the program divides or raises to powers.
     pub fn choose(program: &Program, inputs: &[Vec<Input>]) -> Result<Formats, Unfit> {
-        let fits = |expr| !matches!(expr, Expr::Div(..) | Expr::Clamp(_) | Expr::Pow(..));
+        let fits = |expr| !matches!(expr, Expr::Div(..) | Expr::Pow(..));
         if !program.nodes.iter().all(|node| fits(node.expr)) {
             return Err(Unfit::Operation);
         }
@@ -57,7 +57,7 @@ impl Formats {
             let bits = match node.expr {
                 Expr::Const(x) => fitting(libm::fabs(x)),
                 Expr::Input { argument, .. } => formats.arrays[program.slot(argument)],
-                Expr::Sin(_) | Expr::Cos(_) => MOST,
+                Expr::Sin(_) | Expr::Cos(_) | Expr::Clamp(_) => MOST,
                 Expr::Neg(a) => formats.of(a),
                 // A product or sum may not have more bits than what it is made of.
                 Expr::Mul(a, b) => {
@@ -68,7 +68,7 @@ impl Formats {
                     let least = formats.of(a).min(formats.of(b));
                     fitting(analysis.range(id).size()).min(least)
                 }
-                Expr::Div(..) | Expr::Clamp(_) | Expr::Pow(..) => {
+                Expr::Div(..) | Expr::Pow(..) => {
                     unreachable!("programs with these were refused")
                 }
             };

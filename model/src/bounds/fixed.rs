@@ -77,7 +77,7 @@ pub enum Quantity {
 pub enum Unfit {
     /// A quantity is too large.
     Overflow(Overflow),
-    /// It divides, clamps or raises to powers.
+    /// It divides or raises to powers.
     Operation,
 }
 

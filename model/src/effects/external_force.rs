@@ -49,6 +49,11 @@ impl Effect for ExternalForce {
         }
     }
 
+    fn changes_body(&self, _: &Target) -> bool {
+        // The body is the same in the next room, where nothing pulls.
+        false
+    }
+
     fn load_share(&self, unknowns: &[f64]) -> f64 {
         unknowns[2]
     }

@@ -123,16 +123,27 @@ pub(crate) fn apply(
     instances: &[Instance],
     unknowns: &[Id],
 ) {
-    let [before, after] = by_stage(context, instances, unknowns);
-    for (instance, own) in before {
-        instance.effect.rewrite(&instance.target, measured, own);
-    }
-    measured.bend();
+    let [_, after] = by_stage(context, instances, unknowns);
+    apply_before_sensor(measured, context, instances, unknowns);
     measured.stand();
     for (instance, own) in after {
         instance.effect.rewrite(&instance.target, measured, own);
     }
     measured.record();
+}
+
+/// The part of [`apply`] that comes before the CoP: where the joints are, and the loads.
+pub(crate) fn apply_before_sensor(
+    measured: &mut Measured,
+    context: &EffectContext,
+    instances: &[Instance],
+    unknowns: &[Id],
+) {
+    let [before, _] = by_stage(context, instances, unknowns);
+    for (instance, own) in before {
+        instance.effect.rewrite(&instance.target, measured, own);
+    }
+    measured.bend();
 }
 
 /// The sensor's part of [`apply`], from a CoP in [`Measured::reading`].

@@ -43,7 +43,7 @@ pub use catalog::{Catalog, EffectId};
 pub use context::{EffectContext, Target};
 pub use experiment::{Carry, Experiment};
 pub use instance::{Instance, instances};
-pub(crate) use instance::{apply, sense, undo};
+pub(crate) use instance::{apply, apply_before_sensor, sense, undo};
 pub use payload::known_weight;
 pub use programs::{joints, moments, reading, wired_joints, wired_reading};
 
@@ -174,6 +174,22 @@ pub trait Effect: Sync {
     /// invert it.
     fn is_sensor_effect(&self, _: &Target) -> bool {
         (Stage::Cells..=Stage::Record).contains(&self.stage())
+    }
+
+    /// Whether it changes where the links are or what they weigh when encoders read q, and
+    /// so every function of the body; what acts on the ground or the sensor belongs to the
+    /// CoP alone.
+    fn changes_body(&self, target: &Target) -> bool {
+        let of_body = matches!(
+            self.stage(),
+            Stage::Wiring | Stage::Joints | Stage::Loads | Stage::Bends
+        );
+        of_body && self.is_static() && !self.is_sensor_effect(target)
+    }
+
+    /// Whether it is part of regressor rows, which know neither masses nor moments.
+    fn changes_regressor(&self, target: &Target) -> bool {
+        self.changes_body(target) && matches!(self.stage(), Stage::Wiring | Stage::Joints)
     }
 
     /// Whether `units:degrees` (true) or `units` alone (false) is its label.

@@ -3,6 +3,7 @@
 use super::{EffectContext, Instance, Stage, apply, sense};
 use crate::expr::{Argument, Id};
 use crate::functions::Parameters;
+use crate::interface::Given;
 use crate::measurement::{Measured, PostureContext, Source};
 use crate::program::{Array, Program, Shape};
 
@@ -21,7 +22,13 @@ fn written<'m>(
     params: &[f64],
 ) -> (Measured<'m>, Vec<Id>) {
     let baked = Parameters::Baked(params.to_vec());
-    let mut measured = Measured::new(context.robot, Source::Log, baked, &context.cells);
+    let mut measured = Measured::new(
+        context.robot,
+        Source::Log,
+        Given::Positions,
+        baked,
+        &context.cells,
+    );
     let count = instances.iter().map(|i| i.unknowns(context)).sum();
     let unknowns: Vec<Id> = (0..count)
         .map(|k| measured.g().input(Argument::Unknowns, k))
@@ -72,7 +79,13 @@ pub fn moments(context: &EffectContext, instances: &[Instance], params: &[f64]) 
 /// A measurement of which only joints or the sensor are asked.
 fn without_masses<'m>(context: &EffectContext<'m>) -> Measured<'m> {
     let params = Parameters::Baked(vec![0.0; context.robot.base.params.len()]);
-    Measured::new(context.robot, Source::Posture, params, &context.cells)
+    Measured::new(
+        context.robot,
+        Source::Posture,
+        Given::Positions,
+        params,
+        &context.cells,
+    )
 }
 
 /// Joint positions of a posture after wiring errors, which have no unknowns: of

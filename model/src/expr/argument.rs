@@ -10,6 +10,8 @@ pub enum Argument {
     Sines,
     /// Cosines of the joint angles.
     Cosines,
+    /// Joint velocities q̇, rad/s or m/s.
+    Velocities,
     /// Base parameters r, m.
     Parameters,
     /// A direction d of the support frame, ‖d‖ ≤ 1.
@@ -31,6 +33,7 @@ impl Argument {
             Argument::Positions => "q",
             Argument::Sines => "sin",
             Argument::Cosines => "cos",
+            Argument::Velocities => "qd",
             Argument::Parameters => "r",
             Argument::Direction => "along",
             Argument::Reading => "reading",

@@ -81,11 +81,14 @@ pub struct VectorId(pub(crate) u32);
 pub struct Vector {
     /// Its nodes, without their signs.
     pub entries: Vec<Id>,
-    /// Bound on the Euclidean norm for every admissible input.
-    pub norm: f64,
+    /// Bound on the Euclidean norm for every admissible input; none where the vectors
+    /// of `from` are all that it is made of, and bound it.
+    pub norm: Option<f64>,
     /// In exact arithmetic the vector is a sum of orthogonal images of these,
     /// plus terms that do not depend on them.
     pub from: Vec<VectorId>,
+    /// What that sum is multiplied by.
+    pub scale: Option<Id>,
 }
 
 /// `entry` is a scalar product of parts of two known vectors.
@@ -137,10 +140,32 @@ impl Graph {
     /// Signs do not matter to any of this, so entries are kept without them: a
     /// sign that the next operation absorbs never becomes a node of a program.
     pub fn know(&mut self, entries: &[Id], norm: f64, from: &[VectorId]) -> VectorId {
+        self.know_vector(entries, Some(norm), from, None)
+    }
+
+    /// Record that `entries` are a sum of orthogonal images of the vectors `from` and of
+    /// nothing else.
+    pub fn know_sum(&mut self, entries: &[Id], from: &[VectorId]) -> VectorId {
+        self.know_vector(entries, None, from, None)
+    }
+
+    /// Record that `entries` are `scale` times an orthogonal image of the vector `of`.
+    pub fn know_scaled(&mut self, entries: &[Id], scale: Id, of: VectorId) -> VectorId {
+        self.know_vector(entries, None, &[of], Some(self.unsigned(scale)))
+    }
+
+    fn know_vector(
+        &mut self,
+        entries: &[Id],
+        norm: Option<f64>,
+        from: &[VectorId],
+        scale: Option<Id>,
+    ) -> VectorId {
         self.vectors.push(Vector {
             entries: entries.iter().map(|id| self.unsigned(*id)).collect(),
             norm,
             from: from.to_vec(),
+            scale,
         });
         VectorId(self.vectors.len() as u32 - 1)
     }

@@ -16,6 +16,7 @@
 //! 4 per joint and row. They meet in the Jacobian: `J_j = B_p K_j (e_z × t_j)`, which
 //! is `B_j (e_z × v_j)`.
 
+mod rates;
 mod rotations;
 mod rows;
 mod subtrees;
@@ -24,7 +25,7 @@ use crate::expr::{Argument, Graph, Id, VectorId};
 use crate::interface::{Extent, Function, Given};
 use crate::program::{Array, Program, Shape};
 use crate::robot::Robot;
-use crate::tree::Coordinate;
+use crate::tree::{Coordinate, Dof};
 use rotations::sines_suffice;
 pub(crate) use rows::Direction;
 pub(crate) use subtrees::{Subtree, Wanted};
@@ -45,32 +46,19 @@ pub(crate) enum Parameters {
     Baked(Vec<f64>),
 }
 
-/// The program of a function of the body; `None` where it cannot be had.
-pub(crate) fn build(
-    robot: &Robot,
+/// The program of a function of a posture from what its expressions are; `None` where
+/// sines and cosines do not tell all of it.
+pub(crate) fn program(
+    scratch: Scratch,
     function: Function,
     given: Given,
-    parameters: Parameters,
+    outputs: &[Id],
 ) -> Option<Program> {
-    if given != Given::Positions && !sines_suffice(robot) {
+    if scratch.beyond_sines {
         return None;
     }
-    if given == Given::Direction && function.axes().len() < AXES.len() {
-        return None;
-    }
-    let baked = matches!(parameters, Parameters::Baked(_));
-    let mut scratch = Scratch::new(robot, given, parameters);
-    let directions = scratch.directions(function);
-    let outputs = match function {
-        Function::Com => scratch.subtrees(Wanted::Sums)[0].v.entries.to_vec(),
-        Function::Cop => scratch.subtrees(Wanted::Sums)[0].v.entries[..2].to_vec(),
-        Function::ComJacobian => scratch.jacobian(&directions, false),
-        Function::GravityMoments => scratch.jacobian(&directions, true),
-        Function::Regressor | Function::RegressorCop => scratch.regressor(&directions),
-        Function::RegressorFull => scratch.regressor_full(&directions),
-        // A function of a reading, not of the body.
-        Function::CorrectCop => return None,
-    };
+    let robot = scratch.m;
+    let baked = matches!(scratch.parameters, Parameters::Baked(_));
     let rows = match given {
         Given::Direction => 1,
         _ => function.rows().unwrap_or(1),
@@ -80,7 +68,19 @@ pub(crate) fn build(
         (rows, cols) => Shape::Matrix { rows, cols },
     };
     let inputs = arrays(robot, function, given, baked);
-    Some(Program::new(scratch.g, inputs, shape, &outputs))
+    let program = Program::new(scratch.g, inputs, shape, outputs);
+    // Positions stand for angles whose sines and cosines alone are given.
+    let unknown = given != Given::Positions && program.reads(Argument::Positions);
+    (!unknown).then_some(program)
+}
+
+/// Whether a function can be had from what is given, before it is tried.
+pub(crate) fn can_be_had(robot: &Robot, function: Function, given: Given) -> bool {
+    match given {
+        Given::Positions => true,
+        Given::SinesCosines => sines_suffice(robot),
+        Given::Direction => sines_suffice(robot) && function.axes().len() == AXES.len(),
+    }
 }
 
 /// The input arrays of a function.
@@ -123,8 +123,11 @@ pub(crate) struct Scratch<'m> {
     pub(crate) g: Graph,
     given: Given,
     parameters: Parameters,
-    /// What takes the place of joint positions, where effects rewrote them.
-    pub(crate) positions: Option<Vec<Id>>,
+    /// Joint positions, as effects rewrite them. From sines and cosines they stand for
+    /// angles of which only those are known.
+    pub(crate) positions: Vec<Id>,
+    /// An angle is no sum of whole multiples of joint angles and what is known.
+    beyond_sines: bool,
     /// What takes the place of r, each with its largest magnitude.
     pub(crate) masses: Option<Vec<(Id, f64)>>,
     /// Stands behind the prefix of names: which of several passes over the chain.
@@ -151,12 +154,20 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 
 impl<'m> Scratch<'m> {
     pub(crate) fn new(m: &'m Robot, given: Given, parameters: Parameters) -> Self {
+        let mut g = Graph::default();
+        let position = |(j, dof): (usize, &Dof)| match given {
+            // `_sc` passes the positions of prismatic joints in `sin`.
+            Given::SinesCosines | Given::Direction if dof.prismatic => g.input(Argument::Sines, j),
+            _ => g.input(Argument::Positions, j),
+        };
+        let positions = m.tree.dofs.iter().enumerate().map(position).collect();
         Scratch {
             m,
-            g: Graph::default(),
+            g,
             given,
             parameters,
-            positions: None,
+            positions,
+            beyond_sines: false,
             masses: None,
             pass: String::new(),
             children: longest_last(m.chain.children()),
@@ -188,15 +199,9 @@ impl<'m> Scratch<'m> {
         }
     }
 
-    /// Position of a prismatic joint: factor·q + offset. (`_sc` passes q in `sin`.)
+    /// factor·q + offset
     fn position(&mut self, by: &Coordinate) -> Id {
-        let q = match &self.positions {
-            Some(positions) => positions[by.dof],
-            None => match self.given {
-                Given::Positions => self.g.input(Argument::Positions, by.dof),
-                Given::SinesCosines | Given::Direction => self.g.input(Argument::Sines, by.dof),
-            },
-        };
+        let q = self.positions[by.dof];
         let (factor, offset) = (self.g.constant(by.factor), self.g.constant(by.offset));
         let scaled = self.g.mul(factor, q);
         self.g.add(scaled, offset)
@@ -218,6 +223,7 @@ impl<'m> Scratch<'m> {
     }
 
     fn norm(&self, fact: VectorId) -> f64 {
-        self.g.vectors[fact.0 as usize].norm
+        let norm = self.g.vectors[fact.0 as usize].norm;
+        norm.unwrap_or(f64::INFINITY)
     }
 }

@@ -7,8 +7,10 @@
 //!
 //! Quarter turns in θ swap the two for nothing.
 
+use std::collections::BTreeMap;
+
 use super::Scratch;
-use crate::expr::{Argument, Id};
+use crate::expr::{Argument, Expr, Id};
 use crate::interface::Given;
 use crate::robot::Robot;
 use crate::snap::quarters;
@@ -30,6 +32,12 @@ pub(super) fn sines_suffice(robot: &Robot) -> bool {
             !prismatic(by) && times == libm::rint(times) && times <= LARGEST_MULTIPLE
         }
     })
+}
+
+/// `Σ multiple·q + rest`, the rest free of joint positions.
+struct Split {
+    multiples: BTreeMap<usize, f64>,
+    rest: Id,
 }
 
 impl Scratch<'_> {
@@ -54,7 +62,7 @@ impl Scratch<'_> {
         pair
     }
 
-    pub(super) fn rotation_from_position(&mut self, angle: &Coordinate, key: &str) -> (Id, Id) {
+    fn rotation_from_position(&mut self, angle: &Coordinate, key: &str) -> (Id, Id) {
         let (quarters, rest) = quarters(angle.offset);
         // sin(−x + δ) = −sin(x − δ): joints that rotate backwards share their sines.
         let sign = if angle.factor < 0.0 { -1.0 } else { 1.0 };
@@ -72,36 +80,129 @@ impl Scratch<'_> {
         self.quarter_turns(s, c, quarters)
     }
 
-    pub(super) fn rotation_from_sines(&mut self, angle: &Coordinate, key: &str) -> (Id, Id) {
-        let (quarters, rest) = quarters(angle.offset);
-        let own = (
-            self.g.input(Argument::Sines, angle.dof),
-            self.g.input(Argument::Cosines, angle.dof),
-        );
-        let (mut s, mut c) = own;
-        for _ in 1..libm::fabs(angle.factor) as usize {
-            (s, c) = self.sum_of_angles((s, c), own);
+    /// The sine and cosine of `factor·φ + offset` for a position φ that effects may have
+    /// rewritten: whole multiples of joint angles, and what is added to them.
+    fn rotation_from_sines(&mut self, angle: &Coordinate, key: &str) -> (Id, Id) {
+        let Split { multiples, rest } = self.split(self.positions[angle.dof]);
+        let added = self.g.value(rest).unwrap_or(0.0);
+        let (quarters, constant) = quarters(angle.factor * added + angle.offset);
+        let mut sum: Option<(Id, Id)> = None;
+        for (dof, multiple) in multiples {
+            let pair = self.multiple_angle(dof, angle.factor * multiple);
+            sum = Some(match sum {
+                Some(sum) => self.sum_of_angles(sum, pair),
+                None => pair,
+            });
         }
-        if angle.factor < 0.0 {
-            s = self.g.neg(s);
+        let one = (self.g.constant(0.0), self.g.constant(1.0));
+        let (mut s, mut c) = sum.unwrap_or(one);
+        let mut beside = None;
+        if self.g.value(rest).is_none() {
+            let factor = self.g.constant(angle.factor);
+            let (scaled, constant) = (self.g.mul(factor, rest), self.g.constant(constant));
+            let x = self.g.add(scaled, constant);
+            beside = Some((self.g.sin(x), self.g.cos(x)));
+        } else if constant != 0.0 {
+            let (sin, cos) = libm::sincos(constant);
+            beside = Some((self.g.constant(sin), self.g.constant(cos)));
         }
-        if rest != 0.0 {
-            let (sin, cos) = libm::sincos(rest);
-            let constant = (self.g.constant(sin), self.g.constant(cos));
-            (s, c) = self.sum_of_angles((s, c), constant);
-            self.g.name(s, || format!("s_{key}"));
-            self.g.name(c, || format!("c_{key}"));
+        if let Some(beside) = beside {
+            (s, c) = self.sum_of_angles((s, c), beside);
+            let pass = &self.pass;
+            self.g.name(s, || format!("s{pass}_{key}"));
+            self.g.name(c, || format!("c{pass}_{key}"));
         }
         self.quarter_turns(s, c, quarters)
     }
 
-    pub(super) fn sum_of_angles(&mut self, a: (Id, Id), b: (Id, Id)) -> (Id, Id) {
+    /// Sine and cosine of a whole multiple of joint angle `dof`.
+    fn multiple_angle(&mut self, dof: usize, multiple: f64) -> (Id, Id) {
+        let times = libm::fabs(multiple);
+        if times != libm::rint(times) || times > LARGEST_MULTIPLE {
+            self.beyond_sines = true;
+        }
+        let own = (
+            self.g.input(Argument::Sines, dof),
+            self.g.input(Argument::Cosines, dof),
+        );
+        let (mut s, mut c) = own;
+        for _ in 1..times.min(LARGEST_MULTIPLE) as usize {
+            (s, c) = self.sum_of_angles((s, c), own);
+        }
+        if multiple < 0.0 {
+            s = self.g.neg(s);
+        }
+        (s, c)
+    }
+
+    /// A position as multiples of joint positions and a rest.
+    fn split(&mut self, x: Id) -> Split {
+        let whole = Split {
+            multiples: BTreeMap::new(),
+            rest: x,
+        };
+        match self.g.expr(x) {
+            Expr::Input {
+                argument: Argument::Positions,
+                index,
+            } => Split {
+                multiples: [(index as usize, 1.0)].into(),
+                rest: self.g.constant(0.0),
+            },
+            Expr::Add(a, b) | Expr::Sub(a, b) => {
+                let minus = matches!(self.g.expr(x), Expr::Sub(..));
+                let (a, b) = (self.split(a), self.split(b));
+                if a.multiples.is_empty() && b.multiples.is_empty() {
+                    return whole;
+                }
+                let mut multiples = a.multiples;
+                for (dof, multiple) in b.multiples {
+                    let sign = if minus { -1.0 } else { 1.0 };
+                    *multiples.entry(dof).or_insert(0.0) += sign * multiple;
+                }
+                multiples.retain(|_, multiple| *multiple != 0.0);
+                let rest = match minus {
+                    true => self.g.sub(a.rest, b.rest),
+                    false => self.g.add(a.rest, b.rest),
+                };
+                Split { multiples, rest }
+            }
+            Expr::Neg(a) => match self.split(a) {
+                Split { multiples, .. } if multiples.is_empty() => whole,
+                Split { multiples, rest } => Split {
+                    multiples: multiples.into_iter().map(|(dof, m)| (dof, -m)).collect(),
+                    rest: self.g.neg(rest),
+                },
+            },
+            // Products have their constant first.
+            Expr::Mul(k, a) => match (self.g.value(k), self.split_product(k, a)) {
+                (Some(k), Some(Split { multiples, rest })) => {
+                    let factor = self.g.constant(k);
+                    Split {
+                        multiples: multiples.into_iter().map(|(dof, m)| (dof, k * m)).collect(),
+                        rest: self.g.mul(factor, rest),
+                    }
+                }
+                _ => whole,
+            },
+            _ => whole,
+        }
+    }
+
+    /// The second factor of a product with a constant, where it holds joint positions.
+    fn split_product(&mut self, k: Id, a: Id) -> Option<Split> {
+        self.g.value(k)?;
+        let split = self.split(a);
+        (!split.multiples.is_empty()).then_some(split)
+    }
+
+    fn sum_of_angles(&mut self, a: (Id, Id), b: (Id, Id)) -> (Id, Id) {
         let s = self.g.dot(&[a.0, a.1], &[b.1, b.0]);
         let (cc, ss) = (self.g.mul(a.1, b.1), self.g.mul(a.0, b.0));
         (s, self.g.sub(cc, ss))
     }
 
-    pub(super) fn quarter_turns(&mut self, s: Id, c: Id, quarters: i64) -> (Id, Id) {
+    fn quarter_turns(&mut self, s: Id, c: Id, quarters: i64) -> (Id, Id) {
         match quarters {
             0 => (s, c),
             1 => (c, self.g.neg(s)),

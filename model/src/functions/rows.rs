@@ -25,15 +25,15 @@ pub(crate) struct Direction {
 #[derive(Clone, Copy)]
 pub(super) struct Seen {
     /// `dᵀ B_p K_i`: before its joint rotates.
-    before: Known,
+    pub(super) before: Known,
     /// `dᵀ B_i`.
-    after: Known,
+    pub(super) after: Known,
 }
 
 impl Scratch<'_> {
     /// Those that the rows of `function` belong to: axes of the support frame, or the one
     /// that comes as an argument.
-    pub(super) fn directions(&mut self, function: Function) -> Vec<Direction> {
+    pub(crate) fn directions(&mut self, function: Function) -> Vec<Direction> {
         if self.given != Given::Direction {
             return self.axes_of_support(function.axes());
         }
@@ -56,7 +56,7 @@ impl Scratch<'_> {
     }
 
     /// The directions as every body sees them.
-    fn seen(&mut self, directions: &[Direction]) -> Vec<Vec<Seen>> {
+    pub(super) fn seen(&mut self, directions: &[Direction]) -> Vec<Vec<Seen>> {
         let mut seen = Vec::with_capacity(self.m.chain.bodies.len());
         for i in 0..self.m.chain.bodies.len() {
             let here = self.seen_from(i, &seen, directions);
@@ -116,8 +116,9 @@ impl Scratch<'_> {
         here
     }
 
-    /// Rows of ∂CoM/∂q, row-major; negated for gravity moments.
-    pub(super) fn jacobian(&mut self, directions: &[Direction], negated: bool) -> Vec<Id> {
+    /// `dᵀ ∂CoM/∂φ` for each direction, row-major, from the subtrees that cost least;
+    /// negated for gravity moments.
+    pub(crate) fn slopes(&mut self, directions: &[Direction], negated: bool) -> Vec<Id> {
         // Axes of the support frame have zeros and ones, and the rows of its neighbours
         // still some: there the rotated vectors, seen from before the rotation, are cheaper.
         let wanted = match self.given {
@@ -156,7 +157,7 @@ impl Scratch<'_> {
                         self.g.mul(factor, arm)
                     }
                     (None, Motion::Prismatic { axis, .. }) => {
-                        let along = self.along(&seen[parent][k], parent, &axis);
+                        let along = self.along(&seen[parent][k].after, parent, &axis);
                         let mass = self.parameter(m.prismatic_param(i));
                         let factor = self.g.constant(by.factor);
                         let scaled = self.g.mul(factor, mass);
@@ -189,18 +190,22 @@ impl Scratch<'_> {
     }
 
     /// One row of `B_p a` for a prismatic joint on body `parent`.
-    fn along(&mut self, row: &Seen, parent: usize, axis: &nalgebra::Vector3<f64>) -> Id {
+    pub(super) fn along(
+        &mut self,
+        row: &Known,
+        parent: usize,
+        axis: &nalgebra::Vector3<f64>,
+    ) -> Id {
         let axis = (self.m.axes(parent).transpose() * axis).map(tidy);
         let weights = [0, 1, 2].map(|k| self.g.constant(axis[k]));
-        let along = self.g.dot(&weights, &row.after.entries);
-        // A unit vector's image: no longer than the direction itself.
-        let norm = self.norm(row.after.fact);
-        self.g.know(&[along], norm, &[row.after.fact]);
+        let along = self.g.dot(&weights, &row.entries);
+        // A unit vector's image: no longer than the row itself.
+        self.g.know_sum(&[along], &[row.fact]);
         along
     }
 
     /// Rows of the base regressor, row-major.
-    pub(super) fn regressor(&mut self, directions: &[Direction]) -> Vec<Id> {
+    pub(crate) fn regressor(&mut self, directions: &[Direction]) -> Vec<Id> {
         let m = self.m;
         let seen = self.seen(directions);
         let mut regressor = Vec::with_capacity(directions.len() * m.base.params.len());
@@ -223,13 +228,13 @@ impl Scratch<'_> {
         ) else {
             return self.g.constant(0.0);
         };
-        let along = self.along(&seen[parent][row], parent, &axis);
+        let along = self.along(&seen[parent][row].after, parent, &axis);
         let position = self.position(&by);
         self.g.mul(along, position)
     }
 
     /// Rows of the full regressor: orientations of the link frames themselves.
-    pub(super) fn regressor_full(&mut self, directions: &[Direction]) -> Vec<Id> {
+    pub(crate) fn regressor_full(&mut self, directions: &[Direction]) -> Vec<Id> {
         let m = self.m;
         let seen = self.seen(directions);
         let mut regressor = Vec::with_capacity(directions.len() * m.chain.full_params);

@@ -81,7 +81,12 @@ impl Scratch<'_> {
     }
 
     /// `c x, s y, s x, c y` of a subtree on a revolute joint.
-    fn rotated_products(&mut self, body: usize, rotation: &Rotation, v: &Known) -> [Id; 4] {
+    pub(super) fn rotated_products(
+        &mut self,
+        body: usize,
+        rotation: &Rotation,
+        v: &Known,
+    ) -> [Id; 4] {
         let (s, c) = self.rotation(body);
         let [x, y, _] = v.entries;
         let y = if rotation.mirrored { self.g.neg(y) } else { y };

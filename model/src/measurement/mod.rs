@@ -12,6 +12,8 @@
 //! presses on the ground is taken along the sole's normal as on level ground,
 //! which leaves out a part tilt²/2 of what forces and springs in N add.
 
+mod bends;
+mod body;
 mod context;
 pub(crate) mod foot;
 mod inverse;
@@ -20,14 +22,10 @@ use crate::expr::{Argument, Graph, Id};
 use crate::functions::{Direction, Parameters, Scratch, Subtree, Wanted};
 use crate::interface::Given;
 use crate::robot::Robot;
+use bends::Bend;
+pub use bends::ROUNDS;
 pub use context::{PostureContext, Source};
 pub(crate) use foot::Foot;
-
-/// Rounds of `φ' = φ + bend(τ(φ'))`: each adds a factor of (gravity stiffness /
-/// joint stiffness), 0.2 and less in joints that can carry the robot.
-pub const ROUNDS: usize = 4;
-/// Gravity moment (m) times this, clamped to ±1, is its sign.
-const SHARP: f64 = 1e9;
 
 /// A pull on a point of the robot.
 struct Pull {
@@ -38,15 +36,6 @@ struct Pull {
     /// Vertical force over it, down, where it is counted as a load: unlike one it
     /// keeps its direction on a slope.
     load: Id,
-}
-
-/// A joint that gives way to its gravity moment.
-#[derive(Clone, Copy)]
-enum Bend {
-    /// By its moment times this: rad per m of moment over the nominal weight.
-    Spring(usize, Id),
-    /// To one end of a dead band of half this width, rad.
-    Slack(usize, Id),
 }
 
 /// The measurement of one posture while effects rewrite it.
@@ -70,6 +59,10 @@ pub struct Measured<'m> {
     pub weight: Id,
     pulls: Vec<Pull>,
     bends: Vec<Bend>,
+    /// Joint positions before any joint gives way.
+    straight: Vec<Id>,
+    /// Joint positions of each round of bending.
+    rounds: Vec<Vec<Id>>,
 }
 
 impl<'m> Measured<'m> {
@@ -77,13 +70,12 @@ impl<'m> Measured<'m> {
     pub(crate) fn new(
         robot: &'m Robot,
         source: Source,
+        given: Given,
         parameters: Parameters,
         cells: &[[f64; 2]],
     ) -> Self {
-        let mut scratch = Scratch::new(robot, Given::Positions, parameters);
-        let joints: Vec<Id> = (0..robot.dof())
-            .map(|j| scratch.g.input(Argument::Positions, j))
-            .collect();
+        let mut scratch = Scratch::new(robot, given, parameters);
+        let joints = scratch.positions.clone();
         let masses = (0..robot.base.params.len())
             .map(|k| {
                 let limit = scratch.parameter_limit(Some(k));
@@ -91,11 +83,12 @@ impl<'m> Measured<'m> {
             })
             .collect();
         scratch.masses = Some(masses);
-        let (zero, one) = (scratch.g.constant(0.0), scratch.g.constant(1.0));
+        let (one, zero) = (scratch.g.constant(1.0), scratch.g.constant(0.0));
         let mut measured = Measured {
             scratch,
             source,
             wired: joints.clone(),
+            straight: joints.clone(),
             joints,
             tilt: [zero; 2],
             reading: [zero; 2],
@@ -105,6 +98,7 @@ impl<'m> Measured<'m> {
             weight: one,
             pulls: Vec::new(),
             bends: Vec::new(),
+            rounds: Vec::new(),
         };
         if source != Source::Posture {
             let at = PostureContext::of(robot);
@@ -233,82 +227,12 @@ impl<'m> Measured<'m> {
         })
     }
 
-    /// The joint yields by `compliance` times its gravity moment over the weight.
-    pub fn spring(&mut self, joint: usize, compliance: Id) {
-        self.bends.push(Bend::Spring(joint, compliance));
-    }
-
-    /// The joint falls to an end of its dead band of half width `half`, rad.
-    pub fn slack(&mut self, joint: usize, half: Id) {
-        self.bends.push(Bend::Slack(joint, half));
-    }
-
-    /// Where the joints come to rest under their gravity moments.
-    ///
-    /// Springs by iteration. Loose joints slide all at once from the middle of
-    /// their bands, an equal step each round along their moments, so that one
-    /// that carries the robot sees where the others went before it is at its end.
-    pub(crate) fn bend(&mut self) {
-        if self.bends.is_empty() {
-            return;
-        }
-        let straight = self.joints.clone();
-        let zero = self.constant(0.0);
-        let mut slid = vec![zero; self.bends.len()];
-        for round in 0..ROUNDS {
-            let moments = self.moments(&format!("{round}"));
-            let mut bent = straight.clone();
-            for (bend, slid) in self.bends.clone().into_iter().zip(&mut slid) {
-                let (joint, by) = match bend {
-                    Bend::Spring(joint, compliance) => {
-                        let compliance = self.mul(self.weight, compliance);
-                        (joint, self.mul(compliance, moments[joint]))
-                    }
-                    Bend::Slack(joint, half) => {
-                        *slid = self.slide(*slid, joint, moments[joint]);
-                        (joint, self.mul(half, *slid))
-                    }
-                };
-                bent[joint] = self.add(bent[joint], by);
-            }
-            self.joints = bent;
-            let springs = self.bends.iter().any(|b| matches!(b, Bend::Spring(..)));
-            if self.source == Source::Log && !springs {
-                break;
-            }
-        }
-    }
-
-    /// How far into its band a loose joint is, −1 to 1, after one more round.
-    fn slide(&mut self, before: Id, joint: usize, moment: Id) -> Id {
-        if self.source == Source::Log {
-            let at = PostureContext::of(self.robot()).side(joint);
-            return self.posture_context(at);
-        }
-        let (sharp, step) = (self.constant(SHARP), self.constant(1.0 / ROUNDS as f64));
-        let scaled = self.mul(sharp, moment);
-        let sign = self.scratch.g.clamp(scaled);
-        let moved = self.mul(step, sign);
-        self.add(before, moved)
-    }
-
     /// Gravity moments of all joints at [`Measured::joints`], over the weight, m:
     /// `τ_j = d·∂c/∂φ_j + Σ b·∂p/∂φ_j` with `d` gravity's direction.
     pub(crate) fn moments(&mut self, pass: &str) -> Vec<Id> {
-        self.enter(pass);
+        self.at(self.joints.clone(), pass);
         let subtrees = self.scratch.subtrees(Wanted::Rotated);
-        let down = self.constant(-1.0);
-        let gravity = [self.tilt[0], self.tilt[1], down];
-        let steepness = self.tilt.map(|t| self.scratch.g.value(t));
-        let norm = match steepness {
-            [Some(x), Some(y)] => libm::sqrt(1.0 + x * x + y * y),
-            _ => f64::INFINITY,
-        };
-        let gravity = Direction {
-            entries: gravity,
-            norm,
-            tag: "g",
-        };
+        let gravity = self.gravity();
         let mut moments = self.scratch.slopes_along(&[gravity], &subtrees, false);
         let zero = self.constant(0.0);
         for k in 0..self.pulls.len() {
@@ -329,7 +253,7 @@ impl<'m> Measured<'m> {
 
     /// How far a perfect sensor's reading moves with each joint, x row then y row.
     pub(crate) fn slopes(&mut self) -> Vec<Id> {
-        self.enter("m");
+        self.at(self.joints.clone(), "m");
         let subtrees = self.scratch.subtrees(Wanted::Rotated);
         let rows = self.scratch.axes_of_support(&[0, 1, 2]);
         let jacobian = self.scratch.slopes_along(&rows, &subtrees, false);
@@ -347,7 +271,7 @@ impl<'m> Measured<'m> {
 
     /// The CoP becomes the reading, the sensor still perfect.
     pub(crate) fn stand(&mut self) {
-        self.enter("");
+        self.at(self.joints.clone(), "");
         let com = self.scratch.subtrees(Wanted::Sums)[0].v.entries;
         for axis in 0..2 {
             let g = &mut self.scratch.g;
@@ -364,9 +288,9 @@ impl<'m> Measured<'m> {
         }
     }
 
-    /// From here on expressions are those of the joints as they are now.
-    fn enter(&mut self, pass: &str) {
-        self.scratch.positions = Some(self.joints.clone());
+    /// From here on expressions are those of the robot at these joint positions.
+    fn at(&mut self, joints: Vec<Id>, pass: &str) {
+        self.scratch.positions = joints;
         self.scratch.rotations.fill(None);
         self.scratch.pass = pass.to_string();
     }

@@ -115,6 +115,15 @@ pub struct ModelFile {
 }
 
 impl ModelFile {
+    /// Take `information` over: deviations that the file has become those of it, none where
+    /// it has none.
+    pub fn inform(&mut self, information: Information) {
+        for (parameter, std) in self.parameters.iter_mut().zip(information.deviations()) {
+            parameter.std = parameter.std.and(std);
+        }
+        self.information = Some(information);
+    }
+
     /// Read and parse `path`.
     ///
     /// # Errors

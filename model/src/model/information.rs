@@ -13,8 +13,6 @@
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
-use super::file::ModelFile;
-
 /// The information factor R of a model file.
 ///
 /// ```
@@ -132,17 +130,6 @@ impl Information {
                 k + 1
             )
         })
-    }
-}
-
-impl ModelFile {
-    /// Take `information` over: deviations that the file has become those of it, none where
-    /// it has none.
-    pub fn inform(&mut self, information: Information) {
-        for (parameter, std) in self.parameters.iter_mut().zip(information.deviations()) {
-            parameter.std = parameter.std.and(std);
-        }
-        self.information = Some(information);
     }
 }
 

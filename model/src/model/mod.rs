@@ -7,10 +7,11 @@
 //! Here functions become programs: those of the body from `functions`, the reading
 //! from the measurement with the effects of the model file.
 
-mod cop;
 mod file;
 mod information;
+mod posture;
 mod records;
+mod sensor;
 
 use std::ops::Deref;
 
@@ -19,16 +20,16 @@ use crate::base::{self, Column};
 use crate::bounds::{self, Bound, Formats, Precision, Unfit};
 use crate::effects::Instance;
 use crate::expr::Argument;
-use crate::functions::{self, Parameters};
 use crate::interface::{Function, Given};
 use crate::program::Program;
 use crate::robot::Robot;
 use crate::snap::Snapping;
 use crate::tree;
 use crate::urdf::Description;
-pub use cop::{sensor_reading, tilted_cop};
 pub use file::{DataUsed, EffectRecord, ModelFile, Parameter, Quantity};
 pub use information::Information;
+pub use posture::{tilted_com, tilted_cop};
+pub use sensor::sensor_reading;
 
 /// How far beyond CAD and model file parameters may be, as a part of the robot's reach.
 const ROOM: f64 = 0.02;
@@ -42,7 +43,7 @@ pub struct Model {
     pub robot: Robot,
     /// Identified parameters, if a model file was given.
     pub file: Option<ModelFile>,
-    /// Effects of that file with their unknowns; part of [`Function::Cop`].
+    /// Effects of that file with their unknowns.
     pub effects: Vec<(Instance, Vec<f64>)>,
     /// Largest |r_k| that bounds hold for, m (a mass fraction for a prismatic joint's).
     pub param_limits: Vec<f64>,
@@ -103,6 +104,32 @@ impl Model {
         self.effects.iter().filter(|(i, _)| i.effect.is_static())
     }
 
+    /// Effects that act on a function, with their unknowns.
+    pub fn effects_of(&self, function: Function) -> Vec<&(Instance, Vec<f64>)> {
+        let acts = |(Instance { effect, target }, _): &&(Instance, Vec<f64>)| match function {
+            Function::Cop => true,
+            Function::CorrectCop => effect.is_sensor_effect(target),
+            Function::Com
+            | Function::ComJacobian
+            | Function::ComVelocity
+            | Function::GravityMoments => effect.changes_body(target),
+            Function::Regressor | Function::RegressorCop | Function::RegressorFull => {
+                effect.changes_regressor(target)
+            }
+        };
+        self.static_effects().filter(acts).collect()
+    }
+
+    /// What the robot weighs with its loads, kg: gravity moments are per kg of this.
+    pub fn total_mass_kg(&self) -> f64 {
+        let loads = self.effects_of(Function::Com).into_iter();
+        loads.fold(self.tree.mass, |mass, (instance, unknowns)| {
+            // A share of the robot with the load.
+            let share = instance.effect.load_share(unknowns);
+            mass + self.tree.mass * share / (1.0 - share)
+        })
+    }
+
     /// Effects of the model file that generated code leaves out, as sentences.
     pub fn left_out(&self) -> Vec<String> {
         let of_log = self.effects.iter().filter(|(i, _)| !i.effect.is_static());
@@ -144,18 +171,9 @@ impl Model {
     }
 
     fn build(&self, function: Function, given: Given, baked: bool) -> Option<Program> {
-        let params = baked.then(|| self.params());
-        let has_effects = self.static_effects().next().is_some();
         match function {
-            Function::CorrectCop => cop::correct_cop(self, given),
-            Function::Cop if has_effects => cop::cop(self, given, params),
-            _ => {
-                let parameters = match params {
-                    Some(values) => Parameters::Baked(values),
-                    None => Parameters::Argument(self.param_limits.clone()),
-                };
-                functions::build(&self.robot, function, given, parameters)
-            }
+            Function::CorrectCop => sensor::correct_cop(self, given),
+            _ => posture::program(self, function, given, baked.then(|| self.params())),
         }
     }
 
@@ -208,6 +226,10 @@ impl Model {
         let of = |argument: Argument| match argument {
             Argument::Positions => self.tree.dofs.iter().map(joint).collect(),
             Argument::Sines | Argument::Cosines => self.tree.dofs.iter().map(sine).collect(),
+            Argument::Velocities => {
+                let speed = |dof: &tree::Dof| bounds::Input::exact(-dof.speed, dof.speed);
+                self.tree.dofs.iter().map(speed).collect()
+            }
             Argument::Parameters => self.base.params.iter().enumerate().map(parameter).collect(),
             Argument::Reading => self
                 .largest_reading()

@@ -37,6 +37,12 @@ pub trait Robot {
         jacobian: &mut [Array<Self::Dof, T>; 3],
     );
 
+    fn com_velocity<T: Real>(
+        q: &Array<Self::Dof, T>,
+        qd: &Array<Self::Dof, T>,
+        r: &Array<Self::Base, T>,
+    ) -> [T; 3];
+
     fn gravity_moments<T: Real>(
         q: &Array<Self::Dof, T>,
         r: &Array<Self::Base, T>,
@@ -73,6 +79,13 @@ pub trait SinCosRobot: Robot {
         cos: &Array<Self::Dof, T>,
         r: &Array<Self::Base, T>,
     ) -> [Array<Self::Dof, T>; 3];
+
+    fn com_velocity_sc<T: Real>(
+        sin: &Array<Self::Dof, T>,
+        cos: &Array<Self::Dof, T>,
+        qd: &Array<Self::Dof, T>,
+        r: &Array<Self::Base, T>,
+    ) -> [T; 3];
 
     fn gravity_moments_sc<T: Real>(
         sin: &Array<Self::Dof, T>,

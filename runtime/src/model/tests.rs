@@ -33,6 +33,11 @@ mod leg {
             *jacobian = Self::com_jacobian_sc(&[s], &[c], r);
         }
 
+        fn com_velocity<T: Real>(q: &[T; 1], qd: &[T; 1], r: &[T; 5]) -> [T; 3] {
+            let (s, c) = q[0].sin_cos();
+            Self::com_velocity_sc(&[s], &[c], qd, r)
+        }
+
         fn gravity_moments<T: Real>(q: &[T; 1], r: &[T; 5]) -> [T; 1] {
             let (s, c) = q[0].sin_cos();
             Self::gravity_moments_sc(&[s], &[c], r)
@@ -71,6 +76,10 @@ mod leg {
         fn com_jacobian_sc<T: Real>([s]: &[T; 1], [c]: &[T; 1], r: &[T; 5]) -> [[T; 1]; 3] {
             let zero = T::from_f64(0.0);
             [[*c * r[4] - *s * r[3]], [zero], [-(*c * r[3] + *s * r[4])]]
+        }
+
+        fn com_velocity_sc<T: Real>(sin: &[T; 1], cos: &[T; 1], qd: &[T; 1], r: &[T; 5]) -> [T; 3] {
+            Self::com_jacobian_sc(sin, cos, r).map(|row| row[0] * qd[0])
         }
 
         fn gravity_moments_sc<T: Real>([s]: &[T; 1], [c]: &[T; 1], r: &[T; 5]) -> [T; 1] {

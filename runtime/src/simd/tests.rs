@@ -35,6 +35,9 @@ mod bench {
             let [x, y, z] = Self::com(q, r);
             *jacobian = [[x, y], [y, z], [z, x]];
         }
+        fn com_velocity<T: Real>(q: &[T; 2], qd: &[T; 2], r: &[T; 2]) -> [T; 3] {
+            Self::com(q, r).map(|x| x * qd[0] + qd[1])
+        }
         fn gravity_moments<T: Real>(q: &[T; 2], r: &[T; 2]) -> [T; 2] {
             [(q[0] / r[1]).clamp_unit(), (q[1] * q[1]).power(r[0])]
         }
@@ -63,6 +66,9 @@ mod bench {
         fn com_jacobian_sc<T: Real>(sin: &[T; 2], cos: &[T; 2], r: &[T; 2]) -> [[T; 2]; 3] {
             let [x, y, z] = Self::com_sc(sin, cos, r);
             [[x, y], [y, z], [z, x]]
+        }
+        fn com_velocity_sc<T: Real>(sin: &[T; 2], cos: &[T; 2], qd: &[T; 2], r: &[T; 2]) -> [T; 3] {
+            Self::com_sc(sin, cos, r).map(|x| x * qd[0] + qd[1])
         }
         fn gravity_moments_sc<T: Real>(sin: &[T; 2], cos: &[T; 2], r: &[T; 2]) -> [T; 2] {
             [sin[0] * r[0], cos[0] * r[1]]

@@ -129,7 +129,11 @@ impl Spelling<'_, '_> {
                 let value = self.wide(id).unwrap_or_else(|| self.product(id));
                 (value, Strength::Atom)
             }
-            Expr::Div(..) | Expr::Clamp(_) | Expr::Pow(..) => {
+            Expr::Clamp(a) => {
+                let arguments = format!("{}, {}u", self.operand(a), self.formats.of(a));
+                (self.calls.call(Helper::Clamp, &arguments), Strength::Atom)
+            }
+            Expr::Div(..) | Expr::Pow(..) => {
                 unreachable!("no format can be chosen for these")
             }
             Expr::Sin(_) | Expr::Cos(_) => {

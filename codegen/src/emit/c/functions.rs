@@ -81,7 +81,8 @@ pub(super) fn text(
 }
 
 fn details(facts: &Facts, routine: &Exported) -> Vec<String> {
-    let mut details = Vec::new();
+    let mut details: Vec<String> = Vec::new();
+    details.extend(facts.effects_sentence(routine.function).map(str::to_string));
     if routine.baked
         && let Some(identified) = &facts.identified
     {
@@ -169,6 +170,10 @@ fn parameters(routine: &Exported, name: &str) -> Vec<Parameter> {
             ),
         ],
     };
+    if routine.function == Function::ComVelocity {
+        let meaning = format!("joint velocities, rad/s (m/s), [{name}_DOF]");
+        parameters.push(input("qd", &real, meaning));
+    }
     if routine.takes_parameters() {
         let meaning = format!("base parameters, m, [{name}_BASE_PARAMS]");
         parameters.push(input("r", &real, meaning));
@@ -200,10 +205,10 @@ fn ticks_body(routine: &Exported, name: &str) -> Vec<String> {
         input: Input::Program,
         ..routine.clone()
     };
-    let r = if routine.takes_parameters() {
-        "r, "
-    } else {
-        ""
+    let r = match (routine.function, routine.takes_parameters()) {
+        (Function::ComVelocity, _) => "qd, r, ",
+        (_, true) => "r, ",
+        (_, false) => "",
     };
     let output = routine.output();
     lines.push(format!("{name}_{}({arrays}, {r}{output});", target.name()));

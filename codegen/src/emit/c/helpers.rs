@@ -19,7 +19,7 @@ pub(super) enum Helper {
     /// More bits below the point, in 64 bits. A macro: compilers fold the product with the
     /// sum around it, which they do not through a function.
     ShiftUp,
-    /// Into [-1, 1]; for effects alone, as is `Power`.
+    /// Into [-1, 1]; for effects alone, as is `Power`, which fixed point lacks.
     Clamp,
     Power,
 }
@@ -87,6 +87,10 @@ impl<'n> Calls<'n> {
             has_clamp => has(Helper::Clamp),
             has_power => has(Helper::Power),
             kernel,
+            clamp => match scalar {
+                Scalar::Fixed32 => "clamp_fixed.c",
+                Scalar::F64 | Scalar::F32 => "clamp.c",
+            },
             power,
             bits,
             suffix,

@@ -110,12 +110,6 @@ pub fn package(facts: &Facts, name: &str, options: &Options) -> Result<Package, 
     }
     let mut notes = Vec::new();
     let ticks = ticks::Ticks::of(facts, options, &mut notes)?;
-    if ticks.as_ref().is_some_and(|ticks| !ticks.reach_cop(facts)) {
-        notes.push(
-            "cop_ticks is left out: effects are written for joint angles; call cop with those"
-                .to_string(),
-        );
-    }
     let routines = routines::routines(facts, options.scalar, ticks.as_ref())?;
     let calls = Calls::new(name);
     let functions: Vec<functions::Text> = routines
@@ -194,6 +188,7 @@ fn environment() -> Environment<'static> {
         ("kernel_fixed.c", include_str!("templates/kernel_fixed.c")),
         ("bits.c", include_str!("templates/bits.c")),
         ("clamp.c", include_str!("templates/clamp.c")),
+        ("clamp_fixed.c", include_str!("templates/clamp_fixed.c")),
         ("power_f64.c", include_str!("templates/power_f64.c")),
         ("power_f32.c", include_str!("templates/power_f32.c")),
         ("selftest.c", include_str!("templates/selftest.c")),

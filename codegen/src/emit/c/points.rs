@@ -35,6 +35,7 @@ pub(super) fn points(routines: &[Exported], mass: f64) -> Vec<Point> {
             let (name, of) = match array.argument {
                 Argument::Reading => ("READING", "readings of the CoP, m or the record's unit"),
                 Argument::Positions => ("Q", "joint positions and limits, rad or m"),
+                Argument::Velocities => ("QD", "joint velocities, rad/s or m/s"),
                 Argument::Parameters => ("R", "parameters, m"),
                 _ => ("SC", "sines and cosines (m of prismatic joints in sin_q)"),
             };

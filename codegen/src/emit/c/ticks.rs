@@ -69,16 +69,12 @@ impl Ticks {
         }))
     }
 
-    /// Whether the CoP can be had from what ticks are turned into.
-    pub(super) fn reach_cop(&self, facts: &Facts) -> bool {
-        has(facts, Function::Cop, self.given)
-    }
-
     /// Proven bound of a routine when its arguments come from ticks.
     pub(super) fn bound(&self, dofs: &[Dof], routine: &Exported) -> f64 {
         let mut inputs = routine.inputs.clone();
         for (array, inputs) in routine.program.inputs.iter().zip(&mut inputs) {
-            if array.argument == Argument::Parameters {
+            // What ticks are not turned into comes as it is.
+            if let Argument::Parameters | Argument::Velocities = array.argument {
                 continue;
             }
             for (k, input) in inputs.iter_mut().enumerate() {

@@ -3,6 +3,7 @@
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::quote;
 
+use crate::facts::Facts;
 use sesc_model::expr::Argument;
 use sesc_model::{Extent, Function, Given};
 
@@ -54,12 +55,14 @@ fn extent(extent: Extent) -> TokenStream {
     }
 }
 
-pub(super) fn documentation(with_effects: bool, function: Function, given: Given) -> String {
-    let [what, _] = function.sentences(with_effects);
+pub(super) fn documentation(facts: &Facts, function: Function, given: Given) -> String {
+    let [what, _] = function.sentences(facts.has_static_effects());
+    let effects = facts.effects_sentence(function);
+    let effects = effects.map_or(String::new(), |sentence| format!("\n\n {sentence}"));
     match given {
-        Given::Positions => format!(" {what}"),
+        Given::Positions => format!(" {what}{effects}"),
         Given::SinesCosines => format!(
-            " {what}\n\n From sines and cosines; a prismatic joint passes its position in `sin`."
+            " {what}{effects}\n\n From sines and cosines; a prismatic joint passes its position in `sin`."
         ),
         // Hidden, documented in the runtime.
         Given::Direction => String::new(),

@@ -8,6 +8,7 @@
 // function                 mul     add   sin_cos   proven |rounding error|, m
 // com                       16      15         2   2.5e-15 (f64)  1.6e-7 (f32)
 // com_jacobian              32      24         2   2.3e-15 (f64)  1.2e-7 (f32)
+// com_velocity              25      16         2   3.1e-15 (f64)  2.2e-7 (f32)
 // gravity_moments           18      12         2   2.0e-15 (f64)  9.5e-8 (f32)
 // regressor                 23      15         2   4.6e-14 (f64)  1.8e-6 (f32)
 // regressor_cop             16      10         2   4.6e-14 (f64)  1.8e-6 (f32)
@@ -15,6 +16,7 @@
 // cop                       13      12         2   2.3e-15 (f64)  1.3e-7 (f32)
 // com_sc                    24      19         0   3.3e-15 (f64)  1.9e-7 (f32)
 // com_jacobian_sc           40      28         0   3.6e-15 (f64)  1.5e-7 (f32)
+// com_velocity_sc           33      20         0   4.2e-15 (f64)  2.6e-7 (f32)
 // gravity_moments_sc        26      16         0   3.1e-15 (f64)  1.3e-7 (f32)
 // regressor_sc              31      19         0   7.8e-14 (f64)  2.6e-6 (f32)
 // regressor_cop_sc          24      14         0   7.6e-14 (f64)  2.6e-6 (f32)
@@ -133,6 +135,13 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     Lift::com_jacobian(q, r)
 }
 
+/// Velocity of the centre of mass, m/s: J(q) q̇ without forming J.
+#[allow(dead_code)]
+#[inline]
+pub fn com_velocity<T: Real>(q: &[T; DOF], qd: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
+    Lift::com_velocity(q, qd, r)
+}
+
 /// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
 #[allow(dead_code)]
 #[inline]
@@ -188,6 +197,20 @@ pub fn com_jacobian_sc<T: Real>(
     r: &[T; BASE_PARAMS],
 ) -> [[T; DOF]; 3] {
     Lift::com_jacobian_sc(sin, cos, r)
+}
+
+/// Velocity of the centre of mass, m/s: J(q) q̇ without forming J.
+///
+/// From sines and cosines; a prismatic joint passes its position in `sin`.
+#[allow(dead_code)]
+#[inline]
+pub fn com_velocity_sc<T: Real>(
+    sin: &[T; DOF],
+    cos: &[T; DOF],
+    qd: &[T; DOF],
+    r: &[T; BASE_PARAMS],
+) -> [T; 3] {
+    Lift::com_velocity_sc(sin, cos, qd, r)
 }
 
 /// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
@@ -288,6 +311,7 @@ impl v1::Robot for Lift {
         jacobian: &mut [[T; DOF]; 3],
     ) {
         let zero = T::from_f64(0.0);
+        jacobian[2][0] = r[3];
         jacobian[0][0] = zero;
         jacobian[1][0] = zero;
         // thumb
@@ -302,7 +326,6 @@ impl v1::Robot for Lift {
         let (s_wrist, c_wrist) = e2.sin_cos();
         let t_wrist_x = c_wrist.mul_plus(v_wrist_x, -(s_wrist * v_wrist_y));
         let e3 = s_wrist.mul_plus(v_wrist_x, c_wrist * v_wrist_y);
-        jacobian[2][0] = r[3];
         // wrist
         let e4 = T::from_f64(0.6666666666666667) * c_wrist;
         let e5 = T::from_f64(0.6666666666666666) * s_wrist;
@@ -332,6 +355,44 @@ impl v1::Robot for Lift {
         let p7 = t_wrist_x
             .mul_plus(T::from_f64(0.6666666666666667), T::from_f64(0.33333333333333337) * e3);
         jacobian[2][1] = p5.mul_plus(t_thumb_y, -(p6 * t_thumb_x)) - p7;
+    }
+
+    #[inline(always)]
+    fn com_velocity<T: Real>(q: &[T; DOF], qd: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
+        // thumb
+        let e1 = q[1] - T::from_f64(0.5636476090008061);
+        let (s_thumb, c_thumb) = e1.sin_cos();
+        let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
+        let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
+        // wrist
+        let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
+        let v_wrist_y = r[5] + t_thumb_x;
+        let e2 = q[1] - T::from_f64(0.4636476090008061);
+        let (s_wrist, c_wrist) = e2.sin_cos();
+        let t_wrist_x = c_wrist.mul_plus(v_wrist_x, -(s_wrist * v_wrist_y));
+        // thumb
+        let e3 = qd[1] * t_thumb_y;
+        let dt_thumb_y = qd[1] * t_thumb_x;
+        // wrist
+        let e4 = T::from_f64(0.6666666666666666) * dt_thumb_y;
+        let p1 = s_wrist.mul_plus(v_wrist_x, c_wrist * v_wrist_y);
+        let dt_wrist_x = s_wrist.mul_plus(e3, -(c_wrist * e4));
+        let dt_wrist_x = (-qd[1]).mul_plus(p1, dt_wrist_x);
+        let dt_wrist_y = s_wrist.mul_plus(e4, c_wrist * e3);
+        let dt_wrist_y = (-qd[1]).mul_plus(t_wrist_x, dt_wrist_y);
+        // lift
+        let e5 = dt_wrist_x.mul_plus(T::from_f64(0.5), dt_wrist_y);
+        let e5 = dt_thumb_y.mul_plus(T::from_f64(0.372677996249965), e5);
+        let dv_lift_x = (-e5).mul_plus(T::from_f64(0.6666666666666666), dt_wrist_x);
+        let dv_lift_y = (-e5).mul_plus(T::from_f64(1.3333333333333333), dt_wrist_y);
+        let dv_lift_z = e5
+            .mul_plus(
+                T::from_f64(0.6666666666666667),
+                -(T::from_f64(0.7453559924999299) * dt_thumb_y),
+            );
+        // base
+        let dv_base_z = qd[0].mul_plus(r[3], dv_lift_z);
+        [dv_lift_x, dv_lift_y, dv_base_z]
     }
 
     #[inline(always)]
@@ -373,6 +434,7 @@ impl v1::Robot for Lift {
     fn regressor_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE_PARAMS]; 3]) {
         let zero = T::from_f64(0.0);
         let one = T::from_f64(1.0);
+        rows[2][3] = q[0];
         rows[0][0] = one;
         rows[1][1] = one;
         rows[2][2] = one;
@@ -426,7 +488,6 @@ impl v1::Robot for Lift {
         rows[2][6] = bz_thumb_x;
         let bz_thumb_y = -e7.mul_plus(s_thumb, -(e11 * c_thumb));
         rows[2][7] = bz_thumb_y;
-        rows[2][3] = q[0];
     }
 
     #[inline(always)]
@@ -476,6 +537,7 @@ impl v1::Robot for Lift {
     fn regressor_full_into<T: Real>(q: &[T; DOF], rows: &mut [[T; FULL_PARAMS]; 3]) {
         let zero = T::from_f64(0.0);
         let one = T::from_f64(1.0);
+        rows[2][6] = q[0];
         rows[0][0] = one;
         rows[0][3] = one;
         rows[1][1] = one;
@@ -539,7 +601,6 @@ impl v1::Robot for Lift {
         rows[2][10] = bz_thumb_x;
         let bz_thumb_y = -e7.mul_plus(s_thumb, -(e11 * c_thumb));
         rows[2][11] = bz_thumb_y;
-        rows[2][6] = q[0];
         rows[0][7] = bx_wrist_x
             .mul_plus(
                 T::from_f64(0.29814239699997197),
@@ -700,6 +761,53 @@ impl v1::SinCosRobot for Lift {
             );
         let row_z = [r[3], p6.mul_plus(t_thumb_y, -(p7 * t_thumb_x)) - p8];
         [row_x, row_y, row_z]
+    }
+
+    #[inline(always)]
+    fn com_velocity_sc<T: Real>(
+        sin: &[T; DOF],
+        cos: &[T; DOF],
+        qd: &[T; DOF],
+        r: &[T; BASE_PARAMS],
+    ) -> [T; 3] {
+        // thumb
+        let s_thumb = sin[1]
+            .mul_plus(T::from_f64(0.8453119193731673), -(T::from_f64(0.534273112710767) * cos[1]));
+        let c_thumb = cos[1]
+            .mul_plus(T::from_f64(0.8453119193731673), T::from_f64(0.534273112710767) * sin[1]);
+        let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
+        let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
+        // wrist
+        let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
+        let v_wrist_y = r[5] + t_thumb_x;
+        let s_wrist = cos[1]
+            .mul_plus(T::from_f64(0.4472135954999579), -(T::from_f64(0.8944271909999159) * sin[1]));
+        let c_wrist = cos[1]
+            .mul_plus(T::from_f64(0.8944271909999159), T::from_f64(0.4472135954999579) * sin[1]);
+        let t_wrist_x = c_wrist.mul_plus(v_wrist_x, s_wrist * v_wrist_y);
+        let t_wrist_y = s_wrist.mul_plus(v_wrist_x, -(c_wrist * v_wrist_y));
+        // thumb
+        let e1 = qd[1] * t_thumb_y;
+        let dt_thumb_y = qd[1] * t_thumb_x;
+        // wrist
+        let e2 = T::from_f64(0.6666666666666666) * dt_thumb_y;
+        let dt_wrist_x = c_wrist.mul_plus(e2, s_wrist * e1);
+        let dt_wrist_x = qd[1].mul_plus(t_wrist_y, -dt_wrist_x);
+        let dt_wrist_y = c_wrist.mul_plus(e1, -(s_wrist * e2));
+        let dt_wrist_y = (-qd[1]).mul_plus(t_wrist_x, dt_wrist_y);
+        // lift
+        let e3 = dt_wrist_x.mul_plus(T::from_f64(0.5), dt_wrist_y);
+        let e3 = dt_thumb_y.mul_plus(T::from_f64(0.372677996249965), e3);
+        let dv_lift_x = (-e3).mul_plus(T::from_f64(0.6666666666666666), dt_wrist_x);
+        let dv_lift_y = (-e3).mul_plus(T::from_f64(1.3333333333333333), dt_wrist_y);
+        let dv_lift_z = e3
+            .mul_plus(
+                T::from_f64(0.6666666666666667),
+                -(T::from_f64(0.7453559924999299) * dt_thumb_y),
+            );
+        // base
+        let dv_base_z = qd[0].mul_plus(r[3], dv_lift_z);
+        [dv_lift_x, dv_lift_y, dv_base_z]
     }
 
     #[inline(always)]

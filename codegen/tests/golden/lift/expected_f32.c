@@ -12,6 +12,7 @@
  * function                   mul     add   sin_cos   look_up   proven |rounding error|, m
  * com                         16      15         2         0   1.6e-7
  * com_jacobian                32      24         2         0   1.2e-7
+ * com_velocity                25      16         2         0   2.2e-7
  * gravity_moments             18      12         2         0   9.5e-8
  * regressor                   23      15         2         0   1.8e-6
  * regressor_cop               16      10         2         0   1.8e-6
@@ -19,6 +20,7 @@
  * cop                         13      12         2         0   1.3e-7
  * com_sc                      24      19         0         0   1.9e-7
  * com_jacobian_sc             40      28         0         0   1.5e-7
+ * com_velocity_sc             33      20         0         0   2.6e-7
  * gravity_moments_sc          26      16         0         0   1.3e-7
  * regressor_sc                31      19         0         0   2.6e-6
  * regressor_cop_sc            24      14         0         0   2.6e-6
@@ -239,6 +241,47 @@ void lift_com_jacobian(
     jac[5] = ((e4 + (0.33333334f * s_wrist)) * t_thumb_y)
         - (((0.6666667f * bz_wrist_x) + 0.496904f) * t_thumb_x)
         - ((0.6666667f * t_wrist_x) + (0.33333334f * e3));
+}
+
+void lift_com_velocity(
+    const lift_real q[],
+    const lift_real qd[],
+    const lift_real r[],
+    lift_real velocity[restrict 3])
+{
+    /* thumb */
+    const float e1 = q[1] - 0.5636476f;
+    float s_thumb;
+    float c_thumb;
+    lift_sincos(e1, &s_thumb, &c_thumb);
+    const float t_thumb_x = (c_thumb * r[6]) + (s_thumb * r[7]);
+    const float t_thumb_y = (s_thumb * r[6]) - (c_thumb * r[7]);
+    /* wrist */
+    const float v_wrist_x = r[4] - (0.6666667f * t_thumb_y);
+    const float v_wrist_y = r[5] + t_thumb_x;
+    const float e2 = q[1] - 0.4636476f;
+    float s_wrist;
+    float c_wrist;
+    lift_sincos(e2, &s_wrist, &c_wrist);
+    const float t_wrist_x = (c_wrist * v_wrist_x) - (s_wrist * v_wrist_y);
+    /* thumb */
+    const float e3 = qd[1] * t_thumb_y;
+    const float dt_thumb_y = qd[1] * t_thumb_x;
+    /* wrist */
+    const float e4 = 0.6666667f * dt_thumb_y;
+    const float dt_wrist_x = (s_wrist * e3) - (c_wrist * e4)
+        - (qd[1] * ((s_wrist * v_wrist_x) + (c_wrist * v_wrist_y)));
+    const float dt_wrist_y = (s_wrist * e4) + (c_wrist * e3) - (qd[1] * t_wrist_x);
+    /* lift */
+    const float e5 = (0.5f * dt_wrist_x) + dt_wrist_y + (0.37267798f * dt_thumb_y);
+    const float dv_lift_x = dt_wrist_x - (0.6666667f * e5);
+    const float dv_lift_y = dt_wrist_y - (1.3333334f * e5);
+    const float dv_lift_z = (0.6666667f * e5) - (0.74535596f * dt_thumb_y);
+    /* base */
+    const float dv_base_z = dv_lift_z + (qd[0] * r[3]);
+    velocity[0] = dv_lift_x;
+    velocity[1] = dv_lift_y;
+    velocity[2] = dv_base_z;
 }
 
 void lift_gravity_moments(
@@ -545,6 +588,44 @@ void lift_com_jacobian_sc(
     jac[5] = ((e1 - (0.33333334f * s_wrist)) * t_thumb_y)
         - (((0.6666667f * bz_wrist_x) + 0.496904f) * t_thumb_x)
         - ((0.6666667f * t_wrist_x) - (0.33333334f * t_wrist_y));
+}
+
+void lift_com_velocity_sc(
+    const lift_real sin_q[],
+    const lift_real cos_q[],
+    const lift_real qd[],
+    const lift_real r[],
+    lift_real velocity[restrict 3])
+{
+    /* thumb */
+    const float s_thumb = (0.84531194f * sin_q[1]) - (0.5342731f * cos_q[1]);
+    const float c_thumb = (0.84531194f * cos_q[1]) + (0.5342731f * sin_q[1]);
+    const float t_thumb_x = (c_thumb * r[6]) + (s_thumb * r[7]);
+    const float t_thumb_y = (s_thumb * r[6]) - (c_thumb * r[7]);
+    /* wrist */
+    const float v_wrist_x = r[4] - (0.6666667f * t_thumb_y);
+    const float v_wrist_y = r[5] + t_thumb_x;
+    const float s_wrist = (0.4472136f * cos_q[1]) - (0.8944272f * sin_q[1]);
+    const float c_wrist = (0.8944272f * cos_q[1]) + (0.4472136f * sin_q[1]);
+    const float t_wrist_x = (c_wrist * v_wrist_x) + (s_wrist * v_wrist_y);
+    const float t_wrist_y = (s_wrist * v_wrist_x) - (c_wrist * v_wrist_y);
+    /* thumb */
+    const float e1 = qd[1] * t_thumb_y;
+    const float dt_thumb_y = qd[1] * t_thumb_x;
+    /* wrist */
+    const float e2 = 0.6666667f * dt_thumb_y;
+    const float dt_wrist_x = (qd[1] * t_wrist_y) - ((c_wrist * e2) + (s_wrist * e1));
+    const float dt_wrist_y = (c_wrist * e1) - (s_wrist * e2) - (qd[1] * t_wrist_x);
+    /* lift */
+    const float e3 = (0.5f * dt_wrist_x) + dt_wrist_y + (0.37267798f * dt_thumb_y);
+    const float dv_lift_x = dt_wrist_x - (0.6666667f * e3);
+    const float dv_lift_y = dt_wrist_y - (1.3333334f * e3);
+    const float dv_lift_z = (0.6666667f * e3) - (0.74535596f * dt_thumb_y);
+    /* base */
+    const float dv_base_z = dv_lift_z + (qd[0] * r[3]);
+    velocity[0] = dv_lift_x;
+    velocity[1] = dv_lift_y;
+    velocity[2] = dv_base_z;
 }
 
 void lift_gravity_moments_sc(

@@ -12,6 +12,7 @@
  * function                   mul     add   sin_cos   look_up   proven |rounding error|, m
  * com                         16      15         2         0   1.1e-8
  * com_jacobian                32      24         2         0   1.1e-8
+ * com_velocity                25      16         2         0   1.7e-8
  * gravity_moments             18      12         2         0   1.1e-8
  * regressor                   23      15         2         0   2.1e-8
  * regressor_cop               16      10         2         0   2.1e-8
@@ -19,6 +20,7 @@
  * cop                         13      12         2         0   9.3e-9
  * com_sc                      24      19         0         0   1.2e-8
  * com_jacobian_sc             40      28         0         0   1.2e-8
+ * com_velocity_sc             33      20         0         0   1.8e-8
  * gravity_moments_sc          26      16         0         0   1.2e-8
  * regressor_sc                31      19         0         0   1.9e-8
  * regressor_cop_sc            24      14         0         0   1.9e-8
@@ -354,6 +356,58 @@ void lift_com_jacobian(
         - ((int64_t)lift_narrow(((int64_t)715827883 * bz_wrist_x)
         + INT64_C(572891301560499136), 30u) * t_thumb_x) - ((int64_t)715827883 * t_wrist_x)
         - ((int64_t)357913941 * e3), 30u);
+}
+
+void lift_com_velocity(
+    const lift_real q[],
+    const lift_real qd[],
+    const lift_real r[],
+    lift_real velocity[restrict 3])
+{
+    /* thumb */
+    const int32_t e1 = q[1] - 605212012;
+    int32_t s_thumb;
+    int32_t c_thumb;
+    lift_sincos(e1, 30u, &s_thumb, &c_thumb);
+    const int32_t t_thumb_x = lift_narrow(((int64_t)c_thumb * r[6])
+        + ((int64_t)s_thumb * r[7]), 30u);
+    const int32_t t_thumb_y = lift_narrow(((int64_t)s_thumb * r[6])
+        - ((int64_t)c_thumb * r[7]), 30u);
+    /* wrist */
+    const int32_t v_wrist_x = lift_narrow(lift_shift_up(r[4], 30u)
+        - ((int64_t)715827883 * t_thumb_y), 30u);
+    const int32_t v_wrist_y = r[5] + t_thumb_x;
+    const int32_t e2 = q[1] - 497837829;
+    int32_t s_wrist;
+    int32_t c_wrist;
+    lift_sincos(e2, 30u, &s_wrist, &c_wrist);
+    const int32_t t_wrist_x = lift_narrow(((int64_t)c_wrist * v_wrist_x)
+        - ((int64_t)s_wrist * v_wrist_y), 30u);
+    /* thumb */
+    const int32_t e3 = lift_narrow((int64_t)qd[1] * t_thumb_y, 30u);
+    const int32_t dt_thumb_y = lift_narrow((int64_t)qd[1] * t_thumb_x, 30u);
+    /* wrist */
+    const int32_t e4 = lift_narrow((int64_t)715827883 * dt_thumb_y, 30u);
+    const int32_t dt_wrist_x = lift_narrow(((int64_t)s_wrist * e3) - ((int64_t)c_wrist * e4)
+        - ((int64_t)qd[1]
+        * lift_narrow(((int64_t)s_wrist * v_wrist_x) + ((int64_t)c_wrist * v_wrist_y), 30u)), 30u);
+    const int32_t dt_wrist_y = lift_narrow(((int64_t)s_wrist * e4) + ((int64_t)c_wrist * e3)
+        - ((int64_t)qd[1] * t_wrist_x), 30u);
+    /* lift */
+    const int32_t e5 = lift_narrow(((int64_t)536870912 * dt_wrist_x)
+        + lift_shift_up(dt_wrist_y, 30u) + ((int64_t)400159951 * dt_thumb_y), 30u);
+    const int32_t dv_lift_x = lift_narrow(lift_shift_up(dt_wrist_x, 30u)
+        - ((int64_t)715827883 * e5), 30u);
+    const int32_t dv_lift_y = lift_narrow(lift_shift_up(dt_wrist_y, 30u)
+        - ((int64_t)1431655765 * e5), 30u);
+    const int32_t dv_lift_z = lift_narrow(((int64_t)715827883 * e5)
+        - ((int64_t)800319903 * dt_thumb_y), 30u);
+    /* base */
+    const int32_t dv_base_z = lift_narrow(lift_shift_up(dv_lift_z, 30u)
+        + ((int64_t)qd[0] * r[3]), 30u);
+    velocity[0] = dv_lift_x;
+    velocity[1] = dv_lift_y;
+    velocity[2] = dv_base_z;
 }
 
 void lift_gravity_moments(
@@ -744,6 +798,60 @@ void lift_com_jacobian_sc(
         - ((int64_t)lift_narrow(((int64_t)715827883 * bz_wrist_x)
         + INT64_C(572891301560499136), 30u) * t_thumb_x) - ((int64_t)715827883 * t_wrist_x)
         + ((int64_t)357913941 * t_wrist_y), 30u);
+}
+
+void lift_com_velocity_sc(
+    const lift_real sin_q[],
+    const lift_real cos_q[],
+    const lift_real qd[],
+    const lift_real r[],
+    lift_real velocity[restrict 3])
+{
+    /* thumb */
+    const int32_t s_thumb = lift_narrow(((int64_t)907646762 * sin_q[1])
+        - ((int64_t)573671387 * cos_q[1]), 30u);
+    const int32_t c_thumb = lift_narrow(((int64_t)907646762 * cos_q[1])
+        + ((int64_t)573671387 * sin_q[1]), 30u);
+    const int32_t t_thumb_x = lift_narrow(((int64_t)c_thumb * r[6])
+        + ((int64_t)s_thumb * r[7]), 30u);
+    const int32_t t_thumb_y = lift_narrow(((int64_t)s_thumb * r[6])
+        - ((int64_t)c_thumb * r[7]), 30u);
+    /* wrist */
+    const int32_t v_wrist_x = lift_narrow(lift_shift_up(r[4], 30u)
+        - ((int64_t)715827883 * t_thumb_y), 30u);
+    const int32_t v_wrist_y = r[5] + t_thumb_x;
+    const int32_t s_wrist = lift_narrow(((int64_t)480191942 * cos_q[1])
+        - ((int64_t)960383883 * sin_q[1]), 30u);
+    const int32_t c_wrist = lift_narrow(((int64_t)960383883 * cos_q[1])
+        + ((int64_t)480191942 * sin_q[1]), 30u);
+    const int32_t t_wrist_x = lift_narrow(((int64_t)c_wrist * v_wrist_x)
+        + ((int64_t)s_wrist * v_wrist_y), 30u);
+    const int32_t t_wrist_y = lift_narrow(((int64_t)s_wrist * v_wrist_x)
+        - ((int64_t)c_wrist * v_wrist_y), 30u);
+    /* thumb */
+    const int32_t e1 = lift_narrow((int64_t)qd[1] * t_thumb_y, 30u);
+    const int32_t dt_thumb_y = lift_narrow((int64_t)qd[1] * t_thumb_x, 30u);
+    /* wrist */
+    const int32_t e2 = lift_narrow((int64_t)715827883 * dt_thumb_y, 30u);
+    const int32_t dt_wrist_x = lift_narrow(((int64_t)qd[1] * t_wrist_y) - ((int64_t)c_wrist * e2)
+        - ((int64_t)s_wrist * e1), 30u);
+    const int32_t dt_wrist_y = lift_narrow(((int64_t)c_wrist * e1) - ((int64_t)s_wrist * e2)
+        - ((int64_t)qd[1] * t_wrist_x), 30u);
+    /* lift */
+    const int32_t e3 = lift_narrow(((int64_t)536870912 * dt_wrist_x)
+        + lift_shift_up(dt_wrist_y, 30u) + ((int64_t)400159951 * dt_thumb_y), 30u);
+    const int32_t dv_lift_x = lift_narrow(lift_shift_up(dt_wrist_x, 30u)
+        - ((int64_t)715827883 * e3), 30u);
+    const int32_t dv_lift_y = lift_narrow(lift_shift_up(dt_wrist_y, 30u)
+        - ((int64_t)1431655765 * e3), 30u);
+    const int32_t dv_lift_z = lift_narrow(((int64_t)715827883 * e3)
+        - ((int64_t)800319903 * dt_thumb_y), 30u);
+    /* base */
+    const int32_t dv_base_z = lift_narrow(lift_shift_up(dv_lift_z, 30u)
+        + ((int64_t)qd[0] * r[3]), 30u);
+    velocity[0] = dv_lift_x;
+    velocity[1] = dv_lift_y;
+    velocity[2] = dv_base_z;
 }
 
 void lift_gravity_moments_sc(

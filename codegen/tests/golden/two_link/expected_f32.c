@@ -11,6 +11,7 @@
  * function                   mul     add   sin_cos   look_up   proven |rounding error|, m
  * com                          8       8         2         0   3.0e-7
  * com_jacobian                12       8         2         0   2.6e-7
+ * com_velocity                16      10         2         0   2.4e-6
  * gravity_moments              8       6         2         0   2.3e-7
  * regressor                    4       2         2         0   6.6e-7
  * regressor_cop                4       2         2         0   6.6e-7
@@ -18,6 +19,7 @@
  * cop                          6       6         2         0   2.5e-7
  * com_sc                       8       8         0         0   2.6e-7
  * com_jacobian_sc             12       8         0         0   2.3e-7
+ * com_velocity_sc             16      10         0         0   2.1e-6
  * gravity_moments_sc           8       6         0         0   2.0e-7
  * regressor_sc                 4       2         0         0   4.8e-7
  * regressor_cop_sc             4       2         0         0   4.8e-7
@@ -25,6 +27,7 @@
  * cop_sc                       6       6         0         0   2.1e-7
  * com_ticks                    8       8         0         2   2.6e-7
  * com_jacobian_ticks          12       8         0         2   2.3e-7
+ * com_velocity_ticks          16      10         0         2   2.1e-6
  * gravity_moments_ticks        8       6         0         2   2.0e-7
  * regressor_ticks              4       2         0         2   4.8e-7
  * regressor_cop_ticks          4       2         0         2   4.8e-7
@@ -388,6 +391,37 @@ void two_link_com_jacobian(
     jac[5] = -((c_ankle * t_knee_x) + (s_ankle * t_knee_y));
 }
 
+void two_link_com_velocity(
+    const two_link_real q[],
+    const two_link_real qd[],
+    const two_link_real r[],
+    two_link_real velocity[restrict 3])
+{
+    /* knee */
+    float s_knee;
+    float c_knee;
+    two_link_sincos(q[1], &s_knee, &c_knee);
+    const float t_knee_x = (c_knee * r[5]) + (s_knee * r[6]);
+    const float t_knee_y = (c_knee * r[6]) - (s_knee * r[5]);
+    /* ankle */
+    const float v_ankle_x = r[3] + t_knee_x;
+    const float v_ankle_y = r[4] + t_knee_y;
+    float s_ankle;
+    float c_ankle;
+    two_link_sincos(q[0], &s_ankle, &c_ankle);
+    const float t_ankle_x = (c_ankle * v_ankle_x) + (s_ankle * v_ankle_y);
+    const float t_ankle_y = (c_ankle * v_ankle_y) - (s_ankle * v_ankle_x);
+    /* knee */
+    const float dt_knee_x = qd[1] * t_knee_y;
+    const float e1 = qd[1] * t_knee_x;
+    /* ankle */
+    const float dt_ankle_x = (c_ankle * dt_knee_x) - (s_ankle * e1) + (qd[0] * t_ankle_y);
+    const float dt_ankle_y = -((s_ankle * dt_knee_x) + (c_ankle * e1) + (qd[0] * t_ankle_x));
+    velocity[0] = dt_ankle_x;
+    velocity[1] = 0.0f;
+    velocity[2] = dt_ankle_y;
+}
+
 void two_link_gravity_moments(
     const two_link_real q[],
     const two_link_real r[],
@@ -581,6 +615,32 @@ void two_link_com_jacobian_sc(
     jac[5] = -((cos_q[0] * t_knee_x) + (sin_q[0] * t_knee_y));
 }
 
+void two_link_com_velocity_sc(
+    const two_link_real sin_q[],
+    const two_link_real cos_q[],
+    const two_link_real qd[],
+    const two_link_real r[],
+    two_link_real velocity[restrict 3])
+{
+    /* knee */
+    const float t_knee_x = (cos_q[1] * r[5]) + (sin_q[1] * r[6]);
+    const float t_knee_y = (cos_q[1] * r[6]) - (sin_q[1] * r[5]);
+    /* ankle */
+    const float v_ankle_x = r[3] + t_knee_x;
+    const float v_ankle_y = r[4] + t_knee_y;
+    const float t_ankle_x = (cos_q[0] * v_ankle_x) + (sin_q[0] * v_ankle_y);
+    const float t_ankle_y = (cos_q[0] * v_ankle_y) - (sin_q[0] * v_ankle_x);
+    /* knee */
+    const float dt_knee_x = qd[1] * t_knee_y;
+    const float e1 = qd[1] * t_knee_x;
+    /* ankle */
+    const float dt_ankle_x = (cos_q[0] * dt_knee_x) - (sin_q[0] * e1) + (qd[0] * t_ankle_y);
+    const float dt_ankle_y = -((sin_q[0] * dt_knee_x) + (cos_q[0] * e1) + (qd[0] * t_ankle_x));
+    velocity[0] = dt_ankle_x;
+    velocity[1] = 0.0f;
+    velocity[2] = dt_ankle_y;
+}
+
 void two_link_gravity_moments_sc(
     const two_link_real sin_q[],
     const two_link_real cos_q[],
@@ -731,6 +791,18 @@ void two_link_com_jacobian_ticks(
     two_link_real cos_q[two_link_DOF];
     two_link_from_ticks(ticks, sin_q, cos_q);
     two_link_com_jacobian_sc(sin_q, cos_q, r, jac);
+}
+
+void two_link_com_velocity_ticks(
+    const int32_t ticks[],
+    const two_link_real qd[],
+    const two_link_real r[],
+    two_link_real velocity[restrict 3])
+{
+    two_link_real sin_q[two_link_DOF];
+    two_link_real cos_q[two_link_DOF];
+    two_link_from_ticks(ticks, sin_q, cos_q);
+    two_link_com_velocity_sc(sin_q, cos_q, qd, r, velocity);
 }
 
 void two_link_gravity_moments_ticks(

@@ -11,6 +11,7 @@
  * function                   mul     add   sin_cos   look_up   proven |rounding error|, m
  * com                          8       8         2         0   7.8e-9
  * com_jacobian                12       8         2         0   7.1e-9
+ * com_velocity                16      10         2         0   6.0e-8
  * gravity_moments              8       6         2         0   6.2e-9
  * regressor                    4       2         2         0   1.2e-8
  * regressor_cop                4       2         2         0   1.2e-8
@@ -18,6 +19,7 @@
  * cop                          6       6         2         0   6.7e-9
  * com_sc                       8       8         0         0   5.8e-9
  * com_jacobian_sc             12       8         0         0   5.1e-9
+ * com_velocity_sc             16      10         0         0   4.4e-8
  * gravity_moments_sc           8       6         0         0   4.6e-9
  * regressor_sc                 4       2         0         0   2.8e-9
  * regressor_cop_sc             4       2         0         0   2.8e-9
@@ -25,6 +27,7 @@
  * cop_sc                       6       6         0         0   5.2e-9
  * com_ticks                    8       8         0         2   5.8e-9
  * com_jacobian_ticks          12       8         0         2   5.1e-9
+ * com_velocity_ticks          16      10         0         2   4.4e-8
  * gravity_moments_ticks        8       6         0         2   4.6e-9
  * regressor_ticks              4       2         0         2   2.8e-9
  * regressor_cop_ticks          4       2         0         2   2.8e-9
@@ -326,6 +329,43 @@ void two_link_com_jacobian(
     jac[5] = (-two_link_narrow(((int64_t)c_ankle * t_knee_x) + ((int64_t)s_ankle * t_knee_y), 30u));
 }
 
+void two_link_com_velocity(
+    const two_link_real q[],
+    const two_link_real qd[],
+    const two_link_real r[],
+    two_link_real velocity[restrict 3])
+{
+    /* knee */
+    int32_t s_knee;
+    int32_t c_knee;
+    two_link_sincos(q[1], 29u, &s_knee, &c_knee);
+    const int32_t t_knee_x = two_link_narrow(((int64_t)c_knee * r[5])
+        + ((int64_t)s_knee * r[6]), 30u);
+    const int32_t t_knee_y = two_link_narrow(((int64_t)c_knee * r[6])
+        - ((int64_t)s_knee * r[5]), 30u);
+    /* ankle */
+    const int32_t v_ankle_x = r[3] + t_knee_x;
+    const int32_t v_ankle_y = r[4] + t_knee_y;
+    int32_t s_ankle;
+    int32_t c_ankle;
+    two_link_sincos(q[0], 29u, &s_ankle, &c_ankle);
+    const int32_t t_ankle_x = two_link_narrow(((int64_t)c_ankle * v_ankle_x)
+        + ((int64_t)s_ankle * v_ankle_y), 30u);
+    const int32_t t_ankle_y = two_link_narrow(((int64_t)c_ankle * v_ankle_y)
+        - ((int64_t)s_ankle * v_ankle_x), 30u);
+    /* knee */
+    const int32_t dt_knee_x = two_link_narrow((int64_t)qd[1] * t_knee_y, 28u);
+    const int32_t e1 = two_link_narrow((int64_t)qd[1] * t_knee_x, 28u);
+    /* ankle */
+    const int32_t dt_ankle_x = two_link_narrow(((int64_t)c_ankle * dt_knee_x)
+        - ((int64_t)s_ankle * e1) + two_link_shift_up((int64_t)qd[0] * t_ankle_y, 2u), 31u);
+    const int32_t dt_ankle_y = -two_link_narrow(((int64_t)s_ankle * dt_knee_x)
+        + ((int64_t)c_ankle * e1) + two_link_shift_up((int64_t)qd[0] * t_ankle_x, 2u), 31u);
+    velocity[0] = dt_ankle_x;
+    velocity[1] = 0;
+    velocity[2] = dt_ankle_y;
+}
+
 void two_link_gravity_moments(
     const two_link_real q[],
     const two_link_real r[],
@@ -542,6 +582,38 @@ void two_link_com_jacobian_sc(
         + ((int64_t)sin_q[0] * t_knee_y), 30u));
 }
 
+void two_link_com_velocity_sc(
+    const two_link_real sin_q[],
+    const two_link_real cos_q[],
+    const two_link_real qd[],
+    const two_link_real r[],
+    two_link_real velocity[restrict 3])
+{
+    /* knee */
+    const int32_t t_knee_x = two_link_narrow(((int64_t)cos_q[1] * r[5])
+        + ((int64_t)sin_q[1] * r[6]), 30u);
+    const int32_t t_knee_y = two_link_narrow(((int64_t)cos_q[1] * r[6])
+        - ((int64_t)sin_q[1] * r[5]), 30u);
+    /* ankle */
+    const int32_t v_ankle_x = r[3] + t_knee_x;
+    const int32_t v_ankle_y = r[4] + t_knee_y;
+    const int32_t t_ankle_x = two_link_narrow(((int64_t)cos_q[0] * v_ankle_x)
+        + ((int64_t)sin_q[0] * v_ankle_y), 30u);
+    const int32_t t_ankle_y = two_link_narrow(((int64_t)cos_q[0] * v_ankle_y)
+        - ((int64_t)sin_q[0] * v_ankle_x), 30u);
+    /* knee */
+    const int32_t dt_knee_x = two_link_narrow((int64_t)qd[1] * t_knee_y, 28u);
+    const int32_t e1 = two_link_narrow((int64_t)qd[1] * t_knee_x, 28u);
+    /* ankle */
+    const int32_t dt_ankle_x = two_link_narrow(((int64_t)cos_q[0] * dt_knee_x)
+        - ((int64_t)sin_q[0] * e1) + two_link_shift_up((int64_t)qd[0] * t_ankle_y, 2u), 31u);
+    const int32_t dt_ankle_y = -two_link_narrow(((int64_t)sin_q[0] * dt_knee_x)
+        + ((int64_t)cos_q[0] * e1) + two_link_shift_up((int64_t)qd[0] * t_ankle_x, 2u), 31u);
+    velocity[0] = dt_ankle_x;
+    velocity[1] = 0;
+    velocity[2] = dt_ankle_y;
+}
+
 void two_link_gravity_moments_sc(
     const two_link_real sin_q[],
     const two_link_real cos_q[],
@@ -705,6 +777,18 @@ void two_link_com_jacobian_ticks(
     two_link_real cos_q[two_link_DOF];
     two_link_from_ticks(ticks, sin_q, cos_q);
     two_link_com_jacobian_sc(sin_q, cos_q, r, jac);
+}
+
+void two_link_com_velocity_ticks(
+    const int32_t ticks[],
+    const two_link_real qd[],
+    const two_link_real r[],
+    two_link_real velocity[restrict 3])
+{
+    two_link_real sin_q[two_link_DOF];
+    two_link_real cos_q[two_link_DOF];
+    two_link_from_ticks(ticks, sin_q, cos_q);
+    two_link_com_velocity_sc(sin_q, cos_q, qd, r, velocity);
 }
 
 void two_link_gravity_moments_ticks(

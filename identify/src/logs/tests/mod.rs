@@ -20,6 +20,7 @@ pub(in crate::logs) fn dofs(names: &[&str]) -> Vec<Dof> {
         continuous: false,
         lower: -3.0,
         upper: 3.0,
+        speed: 1.0,
     };
     names.iter().map(dof).collect()
 }

@@ -11,7 +11,7 @@
 {% include kernel %}
 {% endif %}
 {%- if has_clamp %}
-{% include "clamp.c" %}
+{% include clamp %}
 {% endif %}
 {%- if has_power %}
 {% include power %}

@@ -1,0 +1,85 @@
+//! Functions of the body as effects leave it.
+//!
+//! ```text
+//! q ─ wiring, offset, scale ─▶ φ ─ bends under gravity ─▶ φ'        r ─ loads ─▶ r'
+//! c = r'_0 + Σ B_i(φ') r'_i        J = ∂c/∂φ' ∂φ'/∂q        τ = −(∂c/∂φ')_z        ċ = J q̇
+//! ```
+//!
+//! The Jacobian and the velocity are with respect to what encoders read; the moments of
+//! gravity act about the joints themselves, per kg of the mass with its loads. Regressor
+//! rows know no masses, so they take what bends no joint: their positions are φ.
+
+use super::Measured;
+use crate::expr::{Argument, Id};
+use crate::functions::{self, Wanted};
+use crate::interface::{Function, Given};
+use crate::program::{Array, Program, Shape};
+
+impl Measured<'_> {
+    /// The outputs of a function of the body, row-major, once all effects of the body are
+    /// written.
+    fn outputs(&mut self, function: Function) -> Vec<Id> {
+        match function {
+            Function::Com => {
+                self.at_rest();
+                self.scratch.subtrees(Wanted::Sums)[0].v.entries.to_vec()
+            }
+            Function::ComJacobian => {
+                let directions = self.scratch.directions(function);
+                self.at_rest();
+                let rows = self.scratch.slopes(&directions, false);
+                let rows = rows.chunks(self.robot().dof().max(1)).zip(&directions);
+                rows.flat_map(|(row, direction)| self.by_encoders(row, direction.tag))
+                    .collect()
+            }
+            Function::GravityMoments => {
+                let directions = self.scratch.directions(function);
+                self.at_rest();
+                self.scratch.slopes(&directions, true)
+            }
+            Function::ComVelocity => {
+                let dof = self.robot().dof();
+                let encoders = (0..dof).map(|j| self.g().input(Argument::Velocities, j));
+                let encoders: Vec<Id> = encoders.collect();
+                let rates = self.rates(&encoders);
+                self.at_rest();
+                let subtrees = self.scratch.subtrees(Wanted::Rotated);
+                let moving = self.scratch.subtree_rates(&subtrees, &rates);
+                moving[0].v.entries.to_vec()
+            }
+            Function::Regressor | Function::RegressorCop | Function::RegressorFull => {
+                let straight = self.straight.clone();
+                let directions = self.scratch.directions(function);
+                self.at(straight, "");
+                match function {
+                    Function::RegressorFull => self.scratch.regressor_full(&directions),
+                    _ => self.scratch.regressor(&directions),
+                }
+            }
+            Function::Cop | Function::CorrectCop => self.reading.to_vec(),
+        }
+    }
+
+    /// The program of a function; `None` where sines and cosines do not tell all of it.
+    pub(crate) fn program(mut self, function: Function, given: Given) -> Option<Program> {
+        let outputs = self.outputs(function);
+        functions::program(self.scratch, function, given, &outputs)
+    }
+
+    /// The same from positions, parameters as an input, and what else `inputs` name.
+    pub(crate) fn with_inputs(
+        mut self,
+        function: Function,
+        inputs: Vec<Array>,
+        shape: Shape,
+    ) -> Program {
+        let outputs = self.outputs(function);
+        Program::new(self.scratch.g, inputs, shape, &outputs)
+    }
+
+    /// From here on expressions are those of the robot at rest.
+    fn at_rest(&mut self) {
+        let joints = self.joints.clone();
+        self.at(joints, "");
+    }
+}
