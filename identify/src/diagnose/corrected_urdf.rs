@@ -31,6 +31,7 @@ const FAR: f64 = 10.0;
 /// A corrected description.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CorrectedUrdf {
+    /// The whole text of the URDF.
     pub text: String,
     /// What the text does not hold, a sentence each.
     pub left_out: Vec<String>,
@@ -40,7 +41,7 @@ pub struct CorrectedUrdf {
 ///
 /// # Errors
 /// When a text cannot be read again.
-pub fn of(
+pub(crate) fn of(
     problem: &Problem,
     found: &Found,
     robot: &Robot,

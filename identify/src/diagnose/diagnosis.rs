@@ -116,9 +116,7 @@ pub fn find(
         diagnosis,
         best,
         class,
-        steps,
         baseline,
-        held_out: held,
     };
     found.diagnosis.sentence = super::verdict::sentence(problem, &found);
     Ok(found)

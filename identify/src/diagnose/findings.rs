@@ -8,6 +8,7 @@ use super::held_out::HeldOut;
 use super::problem::Fit;
 use crate::observations::noise::NoiseSource;
 
+/// What a diagnosis comes to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
@@ -23,39 +24,55 @@ pub enum Verdict {
     Unexplained,
 }
 
+/// How far readings are from predictions, m.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Gap {
+    /// RMS over both axes.
     pub rmse: f64,
+    /// RMS along x.
     pub rmse_x: f64,
+    /// RMS along y.
     pub rmse_y: f64,
+    /// Mean of reading − prediction, x and y.
     pub bias: [f64; 2],
 }
 
+/// An estimate with its standard deviation, in the unit that its name ends in.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Quantity {
+    /// The estimate.
     pub value: f64,
+    /// Its standard deviation.
     pub std: f64,
 }
 
 /// One effect of the explanation, in the order in which they close the gap.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Step {
+    /// Name of the effect: `joint_offset`.
     pub effect: &'static str,
+    /// Joint, link or cell that it acts on; `-` where it acts on the whole.
     pub target: String,
+    /// Its parameters by name, which ends in the unit: `offset_rad`.
     pub parameters: BTreeMap<&'static str, Quantity>,
     /// Held-out, without and with it (beside the steps before), m.
     pub rmse_before: f64,
+    /// Held-out RMS error with it, m; the next step begins there.
     pub rmse_after: f64,
     /// By how much −2 log evidence rises without it, its penalty paid.
     pub evidence: f64,
+    /// The step as a sentence.
     pub sentence: String,
 }
 
+/// Held-out errors of the whole explanation, m.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Last {
     /// Held-out, m.
     pub rmse: f64,
+    /// RMS along x.
     pub rmse_x: f64,
+    /// RMS along y.
     pub rmse_y: f64,
     /// Postures not judged by: outliers, and joints on the unlikely side of a
     /// dead band.
@@ -65,15 +82,18 @@ pub struct Last {
 /// A complete explanation that the data allow.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Member {
+    /// Effects with their targets: `joint_offset:l_knee`.
     pub effects: Vec<String>,
     /// −2 log evidence above the best of the class.
     pub score_difference: f64,
+    /// The explanation as a sentence.
     pub sentence: String,
 }
 
 /// An effect that this log can hardly show.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Blind {
+    /// The effect with its target: `joint_offset:l_knee`.
     pub effect: String,
     /// From this size on it would be seen.
     pub from: f64,
@@ -81,21 +101,27 @@ pub struct Blind {
     pub size: String,
 }
 
+/// What the explanation leaves over.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Leftover {
+    /// χ² of the residuals.
     pub chi2: f64,
+    /// χ² that noise alone would leave.
     pub expected: f64,
     /// What the rest goes with most, and its share.
     pub strongest: Option<String>,
+    /// Part of what is left that goes with it, 0 to 1.
     pub strongest_share: f64,
     /// Found, not physical.
     pub formula: Option<String>,
+    /// Part of what is left that the formula explains, 0 to 1.
     pub formula_share: Option<f64>,
 }
 
 /// One experiment and what it would do to the class.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ExperimentProposal {
+    /// What is to be done, as a sentence.
     pub what: String,
     /// Explanations other than the first that it would exclude.
     pub splits: usize,
@@ -106,7 +132,9 @@ pub struct ExperimentProposal {
 /// What next postures are for, and where they were written.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct NextPostures {
+    /// Why this experiment is proposed, as a sentence.
     pub why: String,
+    /// The file of its postures, where one is written.
     pub file: Option<String>,
     /// What was compared, the best first.
     pub experiments: Vec<ExperimentProposal>,
@@ -115,50 +143,69 @@ pub struct NextPostures {
 /// Everything that is said of a log. Lengths in m.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Diagnosis {
+    /// What the diagnosis comes to.
     pub verdict: Verdict,
+    /// The whole result in sentences.
     pub sentence: String,
+    /// File of the robot's description.
     pub robot: String,
+    /// Link on the ground.
     pub support: String,
+    /// Name of the log.
     pub log: String,
+    /// Postures in the log.
     pub postures: usize,
+    /// Postures that were used; long logs are thinned out.
     pub postures_used: usize,
+    /// The tolerances of CAD masses that were assumed.
     pub prior: String,
+    /// Noise of a posture on one axis without the floor, m.
     pub noise: f64,
+    /// The same with the floor, m.
     pub noise_floor: f64,
+    /// Where the noise was taken from.
     pub noise_source: NoiseSource,
+    /// Errors of the robot with CAD masses and without effects.
     pub baseline: Gap,
+    /// χ² of these errors.
     pub baseline_chi2: f64,
+    /// The explanation effect by effect, in the order in which they close the gap.
     pub steps: Vec<Step>,
+    /// Held-out errors of the whole explanation.
     #[serde(rename = "final")]
     pub last: Last,
+    /// Effects of each explanation of the class, the best first.
     pub indistinguishable: Vec<Vec<String>>,
+    /// The explanations that these data cannot tell apart, the best first.
     pub class: Vec<Member>,
     /// RMS of what masses within their prior take of the gap, m.
     pub absorbed_by_masses: f64,
+    /// Whether more is missing than the known effects explain.
     pub unexplained: bool,
+    /// What the explanation leaves over.
     pub leftover: Leftover,
     /// Poses that are rather outliers.
     pub outliers: Vec<i64>,
+    /// Joint offsets that the log hardly shows, with the smallest detectable size.
     pub blind: Vec<Blind>,
+    /// How many explanations were fitted.
     pub hypotheses_fitted: usize,
+    /// The experiments that would separate the class.
     pub next_postures: NextPostures,
 }
 
 /// A diagnosis with what reports, models and experiments are made from.
-pub struct Found {
+pub(crate) struct Found {
     pub diagnosis: Diagnosis,
     /// The explanation, fitted.
     pub best: Fit,
     /// All that the data allow, the best first.
     pub class: Vec<Fit>,
-    /// The explanation effect by effect.
-    pub steps: Vec<Fit>,
     pub baseline: HeldOut,
-    pub held_out: Vec<HeldOut>,
 }
 
 /// Names for the report.
-pub struct About<'a> {
+pub(crate) struct About<'a> {
     pub robot: &'a str,
     pub support: &'a str,
     pub log: &'a str,

@@ -7,23 +7,23 @@
 
 mod backlash_sides;
 pub mod corrected_urdf;
-pub mod criteria;
-pub mod diagnosis;
+mod criteria;
+mod diagnosis;
 mod dictionary;
-pub mod experiment;
+mod experiment;
 pub mod findings;
-pub mod further_logs;
-pub mod held_out;
-pub mod hypothesis;
-pub mod leftover;
-pub mod model_file;
-pub mod next_postures;
-pub mod nuisance;
-pub mod outliers;
-pub mod problem;
+mod further_logs;
+mod held_out;
+mod hypothesis;
+mod leftover;
+mod model_file;
+mod next_postures;
+mod nuisance;
+mod outliers;
+mod problem;
 mod proposal;
 mod request;
-pub mod search;
+mod search;
 #[cfg(test)]
 mod tests;
 mod verdict;

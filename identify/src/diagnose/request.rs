@@ -35,6 +35,7 @@ pub const FLOOR_M: f64 = 1e-4;
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Request {
+    /// The robot with CAD masses.
     pub robot: Arc<Robot>,
     /// The log: a path, bytes or a table.
     pub log: LogSource,
@@ -90,6 +91,7 @@ impl Request {
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Report {
+    /// What was found, as it is printed.
     pub diagnosis: Diagnosis,
     /// Parameters and effects, for predictions and generated code.
     pub model_file: ModelFile,
@@ -106,9 +108,13 @@ pub struct Report {
 /// Postures to be taken next.
 #[derive(Debug, Clone)]
 pub struct NextLog {
+    /// File of the robot's description.
     pub robot: String,
+    /// Link on the ground.
     pub support: String,
+    /// The experiment that they belong to, written into the sidecar.
     pub experiment: Option<Experiment>,
+    /// The robot's independent joints, in the order of `q`.
     pub dofs: Vec<Dof>,
     /// Posture by posture, joint by joint, rad or m.
     pub q: Vec<f64>,

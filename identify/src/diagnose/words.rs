@@ -9,8 +9,11 @@ use super::problem::{Fit, Problem};
 /// A value of an effect with its standard deviation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Found {
+    /// Name of the parameter, which ends in its unit.
     pub name: &'static str,
+    /// The estimate.
     pub value: f64,
+    /// Its standard deviation.
     pub std: f64,
 }
 

@@ -27,6 +27,7 @@ pub struct Corrected {
     pub links: Vec<Change>,
     /// Bounds on masses that shape the correction.
     pub active_bounds: Vec<String>,
+    /// The whole text of the URDF.
     #[serde(skip)]
     pub text: String,
 }
@@ -34,6 +35,7 @@ pub struct Corrected {
 /// What a link weighs and where, in CAD and as corrected.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Change {
+    /// Name of the link.
     pub link: String,
     /// kg
     pub mass: [f64; 2],

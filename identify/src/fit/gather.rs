@@ -49,6 +49,7 @@ impl Fold {
 /// A log that was read.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LogUsed {
+    /// Name of the log.
     pub file: String,
     /// Of its content.
     pub hash: String,
@@ -59,9 +60,11 @@ pub struct LogUsed {
 /// A posture that a robust fit trusts less.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DownWeighted {
+    /// Name of the log.
     pub file: String,
     /// Line or row of the log.
     pub line: u64,
+    /// Its number in the log.
     pub pose: i64,
     /// 0 to 1.
     pub weight: f64,
@@ -72,14 +75,18 @@ pub struct DownWeighted {
 /// What passes over the logs leave.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Gathered {
+    /// Sums of each fold; every posture belongs to one.
     pub folds: Vec<Fold>,
+    /// Repeated readings, for the noise.
     #[serde(rename = "replicates")]
     pub repeats: Repeats,
     /// Σ of stated variances over rows and axes, m²; 0 where none are stated.
     pub stated: f64,
     /// Rows of logs with both axes.
     pub readings: u64,
+    /// The logs that were read.
     pub logs: Vec<LogUsed>,
+    /// Postures that a robust loss trusts less.
     pub down_weighted: Vec<DownWeighted>,
     /// Σ of robust weights over rows of logs: all of them in a plain fit.
     pub trusted: f64,
@@ -113,6 +120,7 @@ fn fold_of(pose: i64, folds: usize) -> usize {
 }
 
 impl Gathered {
+    /// Sums without data, for `params` parameters and `folds` folds.
     pub fn new(params: usize, folds: usize) -> Gathered {
         let fold = Fold {
             weighted: Factor::new(params),

@@ -13,6 +13,7 @@ use crate::observations::repeats::LackOfFit;
 /// How to fit.
 #[derive(Debug, Clone)]
 pub struct Settings {
+    /// The tolerances of CAD masses.
     pub prior: Prior,
     /// Standard deviation of a single reading on one axis, m; from the data where not given.
     pub noise: Option<f64>,
@@ -23,6 +24,7 @@ pub struct Settings {
 /// One base parameter.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ParameterFound {
+    /// Name of the base parameter.
     pub name: String,
     /// m
     pub value: f64,
@@ -37,15 +39,20 @@ pub struct ParameterFound {
 /// Two parameters that are known less well apart than together.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Correlation {
+    /// Name of one parameter.
     pub a: String,
+    /// Name of the other.
     pub b: String,
+    /// Their correlation, −1 to 1.
     pub correlation: f64,
 }
 
 /// ‖base part of r_i‖ of one body.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BodyLength {
+    /// Name of the body.
     pub body: String,
+    /// The joint that moves it; none of the support.
     pub joint: Option<String>,
     /// m
     pub cad: f64,
@@ -58,9 +65,11 @@ pub struct BodyLength {
 /// The constant that flat single-foot CoP never tells.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct HeightConstant {
+    /// Name of the base parameter.
     pub name: String,
     /// m
     pub value: f64,
+    /// Standard deviation of the estimate, m; none where data and prior do not determine it.
     pub std: Option<f64>,
     /// `data`, `prior` or `cad`.
     pub source: &'static str,
@@ -69,33 +78,46 @@ pub struct HeightConstant {
 /// A direction that cannot be seen.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Unseen {
+    /// The parameter that it moves most.
     pub name: String,
+    /// The direction as a sentence.
     pub sentence: String,
 }
 
 /// Everything a fit found.
 #[derive(Debug, Clone, Serialize)]
 pub struct Identification {
+    /// File of the robot's description.
     pub robot: String,
+    /// Hash of the description, in hexadecimal.
     pub hash: String,
     /// The support whose parameters these are.
     pub support: String,
     /// All links that postures stood on.
     pub supports: Vec<String>,
+    /// The logs that were used.
     pub data: Vec<LogUsed>,
+    /// Postures of all logs.
     pub postures: u64,
+    /// Readings of all postures.
     pub readings: u64,
+    /// Number of base parameters.
     pub base_params: usize,
+    /// Directions in parameter space that data determine.
     pub rank: usize,
+    /// Largest over smallest singular value that data determine.
     pub condition_number: f64,
     /// Never seen by such data, and not seen by these.
     pub unobservable: Vec<Unseen>,
+    /// The tolerances of CAD masses that were assumed.
     pub prior: String,
     /// Noise of a reading on one axis, m.
     pub noise_floor: f64,
+    /// Where the noise was taken from.
     pub noise_source: NoiseSource,
     /// Degrees of freedom it was estimated with; none where it is stated or guessed.
     pub noise_df: Option<f64>,
+    /// Test of what the fit leaves against the noise; none without one.
     pub lack_of_fit: Option<LackOfFit>,
     /// Deviations of parameters are larger by this, because the model leaves more than noise.
     pub inflation: f64,
@@ -103,6 +125,7 @@ pub struct Identification {
     pub held_out_rmse: f64,
     /// Standard error of that, m.
     pub held_out_error: f64,
+    /// Folds of the cross-validation.
     pub folds: usize,
     /// RMS per axis on the postures fitted, m: never the accuracy.
     pub in_sample_rmse: f64,
@@ -114,16 +137,22 @@ pub struct Identification {
     pub expected_error_range: f64,
     /// What that range is.
     pub range: String,
+    /// Where the constant height of the CoM comes from.
     pub com_height_constant: HeightConstant,
+    /// The base parameters.
     pub parameters: Vec<ParameterFound>,
+    /// Lengths of the bodies.
     pub bodies: Vec<BodyLength>,
     /// The strongest, |correlation| > 0.9.
     pub correlations: Vec<Correlation>,
+    /// Postures that a robust loss trusts less.
     pub down_weighted: Vec<DownWeighted>,
+    /// Warnings as sentences.
     pub warnings: Vec<String>,
     /// Bounds of physical masses that hold the fit back; none where it was not bounded.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub active_bounds: Option<Vec<String>>,
+    /// The estimate with its covariance.
     #[serde(skip)]
     pub estimate: Estimate,
     /// Inverse covariance of the parameters, prior included.

@@ -26,13 +26,17 @@ const SETTLED: f64 = 1e-4;
 
 /// Logs of one robot.
 pub struct Logs<'r> {
+    /// The robot that was logged.
     pub robot: &'r Robot,
+    /// The logs.
     pub files: &'r [LogSource],
     /// How to read them; a support given here is that of rows without their own.
     pub options: Options,
     /// The support whose parameters are meant; that of the first row unless given.
     pub support: Option<String>,
+    /// How decimals of right angles are read.
     pub snapping: Snapping,
+    /// Folds of the cross-validation.
     pub folds: usize,
 }
 

@@ -9,15 +9,15 @@ pub mod corrected;
 mod estimate;
 pub mod gather;
 pub mod identification;
-pub mod limits;
+mod limits;
 pub mod logs;
 #[cfg(test)]
 mod mass_tests;
-pub mod masses;
+pub(crate) mod masses;
 #[cfg(test)]
 mod noise_tests;
 pub mod part;
-pub mod physical;
+mod physical;
 pub mod prior;
 mod request;
 pub mod residuals;

@@ -33,21 +33,29 @@ pub struct Part {
     pub supports: Vec<String>,
     /// Whether decimals of right angles were made exact.
     pub snapped: bool,
+    /// The sums.
     pub gathered: Gathered,
 }
 
 /// The robot of a part, and where it stood.
 #[derive(Debug, Clone)]
 pub struct About {
+    /// Hash of the robot's description, in hexadecimal.
     pub hash: String,
+    /// File of the description.
     pub urdf_file: String,
+    /// Text of the description.
     pub urdf: String,
+    /// The support whose parameters the factors are about.
     pub support: String,
+    /// All links that postures stood on.
     pub supports: Vec<String>,
+    /// Whether decimals of right angles were made exact.
     pub snapped: bool,
 }
 
 impl Part {
+    /// The part of a robot's `gathered` logs.
     pub fn new(about: About, gathered: Gathered) -> Part {
         Part {
             format: FORMAT.to_string(),

@@ -36,8 +36,10 @@ pub struct Tolerance {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tolerances {
+    /// Of links that are not listed.
     #[serde(default)]
     pub default: Tolerance,
+    /// Of links by name.
     #[serde(default)]
     pub links: BTreeMap<String, Tolerance>,
 }
@@ -61,6 +63,7 @@ const USUAL: (f64, f64) = (0.10, 0.005);
 pub enum PriorChoice {
     /// See [`Prior::named`].
     Named(String),
+    /// Tolerances from the caller.
     Given(Prior),
 }
 

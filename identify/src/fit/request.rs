@@ -60,6 +60,7 @@ pub struct Request {
     /// Whether the corrected URDF is wanted, and what the robot weighs in it, kg: as in
     /// CAD unless given.
     pub corrected_urdf: bool,
+    /// What the robot weighs in the corrected URDF, kg; as in CAD unless given.
     pub total_mass: Option<f64>,
     /// Whether some of the readings are wanted beside their predictions.
     pub residuals: bool,
@@ -69,6 +70,7 @@ pub struct Request {
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Report {
+    /// What was found, as it is printed.
     pub identification: Identification,
     /// The parameters, for predictions and generated code.
     pub model_file: ModelFile,

@@ -19,11 +19,15 @@ pub const MOST: usize = 2000;
 /// A reading and its predictions, m, on the sole it was taken on.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Residual {
+    /// Its number in the log.
     pub pose: i64,
     /// Link it stood on; empty for the one support of a log.
     pub support: String,
+    /// CoP that was read, m.
     pub measured: [f64; 2],
+    /// CoP predicted by CAD, m.
     pub cad: [f64; 2],
+    /// CoP predicted by the fit, m.
     pub fitted: [f64; 2],
 }
 

@@ -14,13 +14,16 @@ use crate::observations::rows::Rows;
 /// Kind of robust loss.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Loss {
+    /// Linear in large residuals.
     Huber,
+    /// Constant in large residuals, which then have no weight.
     Tukey,
 }
 
 /// A loss with the scale of its residuals.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Robust {
+    /// The loss.
     pub loss: Loss,
     /// Of residuals, in units of their stated deviations (m where none are stated).
     pub scale: f64,

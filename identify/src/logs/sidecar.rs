@@ -64,7 +64,9 @@ pub(super) const OR_SIDECAR: &str = " or put `angles = \"deg\"` in its sidecar";
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Angles {
+    /// Radians.
     Rad,
+    /// Degrees.
     Deg,
 }
 

@@ -7,9 +7,9 @@
 //! RᵀR = C⁻¹ of what was found        what a recursive fit goes on from    information
 //! ```
 
-pub mod damped;
+pub(crate) mod damped;
 pub mod factor;
-pub mod inequality;
+pub(crate) mod inequality;
 pub mod information;
 mod non_negative;
 pub mod solve;

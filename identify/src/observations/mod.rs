@@ -5,8 +5,8 @@
 //!    └──▶ rows (regressor, tilt, supports)      postures (a log in memory)
 //! ```
 
-pub mod grouping;
+pub(crate) mod grouping;
 pub mod noise;
 pub mod postures;
-pub mod repeats;
+pub(crate) mod repeats;
 pub mod rows;

@@ -88,6 +88,7 @@ pub struct Noise {
     pub sigma: f64,
     /// RMS over rows and axes, m.
     pub floor: f64,
+    /// Where it was taken from.
     pub source: NoiseSource,
     /// Degrees of freedom that it was estimated with; infinite where it was stated.
     pub df: f64,

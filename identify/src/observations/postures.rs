@@ -26,6 +26,7 @@ const SCATTER: f64 = 0.15;
 /// Postures and readings in memory.
 #[derive(Debug, Clone)]
 pub struct Postures {
+    /// Number of each posture in the log.
     pub pose: Vec<i64>,
     /// Posture by posture, joint by joint, rad or m.
     pub q: Vec<f64>,
@@ -37,8 +38,9 @@ pub struct Postures {
     pub std: Vec<f64>,
     /// Time of each posture, s.
     pub t: Option<Vec<f64>>,
-    /// Noise of a posture's reading on one axis without and with the floor, m.
+    /// Noise of a posture's reading on one axis without the floor, m.
     pub noise: f64,
+    /// The same with the floor, m.
     pub noise_floor: f64,
     /// What was added to the noise in quadrature, m.
     pub floor: f64,
@@ -50,7 +52,9 @@ pub struct Postures {
     pub raw_cells: bool,
     /// Postures of the log, of which these are an even choice.
     pub postures: usize,
+    /// What the reader says about the log; none of postures that were given.
     pub summary: Option<Summary>,
+    /// What is odd about the log.
     pub warnings: Vec<Message>,
 }
 
@@ -180,6 +184,7 @@ fn join(posture: &mut Posture, row: &Posture) {
 /// How a log is to be taken.
 #[derive(Debug, Clone)]
 pub struct Taking {
+    /// How the log is to be read.
     pub options: Options,
     /// Standard deviation of a single reading on one axis, m, where the user says.
     pub noise: Option<f64>,
@@ -369,6 +374,7 @@ impl Postures {
         self.pose.len()
     }
 
+    /// Whether there are no postures.
     pub fn is_empty(&self) -> bool {
         self.pose.is_empty()
     }

@@ -32,6 +32,7 @@ pub struct CopRows {
 }
 
 impl CopRows {
+    /// Rows of the CoP for `model`.
     pub fn new(model: &Model) -> CopRows {
         CopRows {
             params: model.base.params.len(),

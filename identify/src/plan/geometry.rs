@@ -19,15 +19,23 @@ use super::poses::Pose;
 pub enum Solid {
     /// Half the edges.
     Box(Vector3<f64>),
+    /// A cylinder along z about its centre.
     Cylinder {
+        /// m
         radius: f64,
+        /// Half its height, m.
         half: f64,
     },
+    /// A capsule along z about its centre.
     Capsule {
+        /// m
         radius: f64,
+        /// Half the height between the centres of its caps, m.
         half: f64,
     },
+    /// A sphere about its centre.
     Sphere {
+        /// m
         radius: f64,
     },
 }

@@ -13,14 +13,14 @@ pub mod candidates;
 pub mod clearance;
 #[cfg(feature = "collision")]
 pub mod collision;
-pub mod design;
+mod design;
 pub mod efficiency;
 pub mod geometry;
 pub mod joint_use;
 pub mod limits;
 mod mesh;
-pub mod order;
-pub mod poses;
+pub(crate) mod order;
+mod poses;
 mod request;
 
 use std::ops::ControlFlow;

@@ -22,9 +22,11 @@ pub const MOST: usize = 400;
 /// One posture: its reading, and what was simulated there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Posture {
+    /// Its number in the log.
     pub pose: i64,
     /// Time, s, or number in the order of the log, from 1.
     pub at: f64,
+    /// CoP that was read, m.
     pub measured: [f64; 2],
     /// By the robot with CAD masses.
     pub simulated: [f64; 2],
@@ -37,22 +39,29 @@ pub struct Posture {
 /// Held-out error at a stage of the way from CAD to noise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stage {
+    /// Its title.
     pub name: String,
+    /// RMS error, m.
     pub rmse: f64,
+    /// What kind of stage it is.
     pub kind: StageKind,
 }
 
+/// Kinds of stages from CAD to noise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StageKind {
+    /// The robot with CAD masses.
     Cad,
     /// Masses alone, or an effect more.
     Better,
+    /// What noise alone leaves.
     Noise,
 }
 
 /// Rows of the figures.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DiagnosisView {
+    /// The postures, as many as a page can show.
     pub postures: Vec<Posture>,
     /// `at` is a time.
     pub timed: bool,
@@ -62,14 +71,18 @@ pub struct DiagnosisView {
     pub foot: Option<[[f64; 2]; 2]>,
     /// Strongest first.
     pub by_position: Vec<Trend>,
+    /// Trends over the joints' gravity moments.
     pub by_moment: Vec<Trend>,
     /// What the trends were chosen by is what the explanation leaves, not the gap.
     pub trends_of_rest: bool,
+    /// How residuals are distributed, in units of noise.
     pub spread: Spread,
+    /// Where on the sole the gaps are.
     pub regions: Regions,
     /// RMS difference of what two explanations of the class predict, in units of
     /// noise.
     pub differences: Vec<Vec<f64>>,
+    /// RMS errors from CAD to noise.
     pub stages: Vec<Stage>,
     /// The effects of the explanation in words.
     pub subjects: Vec<String>,
@@ -93,7 +106,7 @@ impl Residuals {
 }
 
 impl DiagnosisView {
-    pub fn of(problem: &Problem, found: &Found) -> DiagnosisView {
+    pub(crate) fn of(problem: &Problem, found: &Found) -> DiagnosisView {
         let data = &problem.data;
         let mut outlier = vec![false; data.len()];
         if let Some(outliers) = &found.best.outliers {

@@ -14,12 +14,15 @@ const SQUARES: f64 = 8.0;
 /// Whitened residuals, counted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spread {
+    /// Readings per bin before.
     pub before: Vec<usize>,
+    /// Readings per bin after.
     pub after: Vec<usize>,
     /// Beyond the edges, before and after.
     pub beyond: [usize; 2],
     /// RMS before and after; outliers in neither.
     pub rms: [f64; 2],
+    /// Readings that are counted.
     pub count: usize,
 }
 
@@ -55,6 +58,7 @@ impl Spread {
 pub struct Region {
     /// Corner nearest to the origin of the map, m.
     pub corner: [f64; 2],
+    /// Postures with readings in it.
     pub postures: usize,
     /// RMS in units of noise, before and after.
     pub rms: [f64; 2],
@@ -65,6 +69,7 @@ pub struct Region {
 pub struct Regions {
     /// Side of a square, m.
     pub side: f64,
+    /// The squares that hold readings.
     pub squares: Vec<Region>,
 }
 

@@ -31,30 +31,41 @@ pub enum Quantity {
 /// Residuals of one axis, m, at a value of the quantity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
+    /// Position or moment of the joint, in the trend's unit.
     pub at: f64,
+    /// Residual before, m.
     pub before: f64,
+    /// Residual after, m.
     pub after: f64,
+    /// Whether the posture is an outlier.
     pub outlier: bool,
 }
 
 /// Mean residuals of a bin, m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Middle {
+    /// Mean position or moment, in the trend's unit.
     pub at: f64,
+    /// Mean residual before, m.
     pub before: f64,
+    /// Mean residual after, m.
     pub after: f64,
 }
 
 /// Residuals against one quantity of one joint, on the axis that follows it more.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trend {
+    /// Name of the joint.
     pub joint: String,
+    /// Unit of positions or moments.
     pub unit: &'static str,
     /// 0: x, 1: y.
     pub axis: usize,
     /// Part of the scatter that follows the quantity, before and after.
     pub share: [f64; 2],
+    /// The postures.
     pub points: Vec<Point>,
+    /// Means over bins of the quantity.
     pub means: Vec<Middle>,
 }
 
