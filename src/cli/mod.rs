@@ -60,6 +60,7 @@ enum Outcome {
 /// Run the command line of this process.
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
+    stay_silent_where_panics_become_errors();
     if let Err(error) = outputs::tidy_when_interrupted() {
         // Results do not depend on it.
         message(&format!(
@@ -89,6 +90,16 @@ pub fn main() -> ExitCode {
             ExitCode::from(2)
         }
     }
+}
+
+/// Damaged Parquet files make its library panic; the error that comes of it says enough.
+fn stay_silent_where_panics_become_errors() {
+    let usual = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |about| {
+        if !sesc_identify::logs::panic_becomes_error() {
+            usual(about);
+        }
+    }));
 }
 
 /// An error and what caused it, on stderr.

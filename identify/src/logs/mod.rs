@@ -16,6 +16,7 @@ mod assemble;
 mod block;
 mod columns;
 mod csv;
+mod guard;
 mod input;
 #[cfg(feature = "mcap")]
 mod mcap;
@@ -38,6 +39,7 @@ mod writer;
 
 pub use block::{Block, Cells};
 pub use columns::{COLUMNS, Column, Need, columns_text};
+pub use guard::panic_becomes_error;
 pub use input::LogSource;
 pub use options::{Hold, Options, Readings};
 pub use reader::{PostureReader, Summary};

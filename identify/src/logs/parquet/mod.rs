@@ -5,10 +5,8 @@
 
 mod sink;
 
-use std::cell::Cell;
 use std::io::Read as _;
 use std::panic::{self, AssertUnwindSafe};
-use std::sync::Once;
 
 use parquet::basic::{LogicalType, Type as Physical};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
@@ -20,6 +18,7 @@ use parquet::schema::types::ColumnDescriptor;
 
 pub(super) use self::sink::ParquetSink;
 use super::columns::{Columns, POSE, SUPPORT};
+use super::guard::Guard;
 use super::input::{Bytes, Place};
 use super::source::{Interner, Raw, Source, whole};
 use crate::{Error, Setting, message};
@@ -243,26 +242,11 @@ fn damaged(file: &str, line: Option<u64>, error: &ParquetError) -> Error {
     Error::log(file.to_string(), line, message)
 }
 
-thread_local! {
-    /// Whether a panic on this thread is an answer that is waited for.
-    static GUARDED: Cell<bool> = const { Cell::new(false) };
-}
-
-/// Run a step of the Parquet library, which meets some damages with a panic:
-/// the file's fault, so an error here, and nothing on stderr.
+/// Run a step of the Parquet library, which meets some damages with a panic: the file's
+/// fault, so an error here.
 fn guarded<T>(step: impl FnOnce() -> Result<T, ParquetError>) -> Result<T, ParquetError> {
-    static QUIET: Once = Once::new();
-    QUIET.call_once(|| {
-        let usual = panic::take_hook();
-        panic::set_hook(Box::new(move |about| {
-            if !GUARDED.get() {
-                usual(about);
-            }
-        }));
-    });
-    GUARDED.set(true);
+    let _guard = Guard::new();
     let done = panic::catch_unwind(AssertUnwindSafe(step));
-    GUARDED.set(false);
     done.unwrap_or_else(|_| Err(ParquetError::General("contradicts itself".into())))
 }
 
