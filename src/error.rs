@@ -5,18 +5,25 @@ use std::io;
 /// Bad input or usage (exit code 2).
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
+    /// A URDF or model file that cannot be used.
     #[error(transparent)]
     Model(#[from] sesc_model::Error),
+    /// Code that cannot be generated.
     #[error(transparent)]
     Codegen(#[from] sesc_codegen::Error),
+    /// Logs or settings that cannot be used.
     #[error("{}", .0.worded(crate::words::option))]
     Identify(#[from] sesc_identify::Error),
+    /// The independent reader refuses the URDF.
     #[error("the reference cannot read the robot")]
     Reference(#[from] sesc_reference::Error),
+    /// Standard output is closed or full.
     #[error("cannot write to standard output")]
     Stdout(#[source] io::Error),
+    /// Options that do not go together, in a sentence with the remedy.
     #[error("{0}")]
     Usage(String),
+    /// A page that cannot be made of its template.
     #[error("cannot render the report")]
     Report(#[source] Box<dyn std::error::Error + Send + Sync>),
 }

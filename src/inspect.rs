@@ -19,25 +19,43 @@ const RANK_TOLERANCE: f64 = 1e-12;
 /// The JSON of `sesc inspect`.
 #[derive(Debug, Clone, Serialize)]
 pub struct Inspection {
+    /// Name of the robot.
     pub robot: String,
+    /// Hash of the URDF, as in generated files and model files.
     pub hash: String,
+    /// The link on the ground.
     pub support: String,
+    /// Total mass, kg.
     pub mass_kg: f64,
+    /// Number of links.
     pub links: usize,
+    /// Number of independent joints.
     pub dof: usize,
+    /// Number of bodies of the chain: links after fixed joints are folded.
     pub bodies: usize,
+    /// Number of parameters of the full chain.
     pub full_params: usize,
+    /// Number of base parameters.
     pub base_params: usize,
+    /// Ranks of the regressors by structure.
     pub rank: Rank,
     /// The same ranks found numerically; they must agree.
     pub numeric_rank: Rank,
+    /// Independent joints, in the order of `q`.
     pub joints: Vec<String>,
+    /// Bodies, outward from the support.
     pub chain: Vec<Body>,
+    /// Base parameters, in the order of `r`.
     pub parameters: Vec<Parameter>,
+    /// Directions that no flat CoP can see.
     pub unobservable: Vec<Unobservable>,
+    /// Right angles that were made exact.
     pub snaps: Vec<Snap>,
+    /// What is odd about the URDF.
     pub notes: Vec<String>,
+    /// Operations of each function.
     pub operations: BTreeMap<&'static str, Counts>,
+    /// Proven rounding bounds of each function, m.
     pub rounding_bound: BTreeMap<&'static str, Rounding>,
 }
 
@@ -53,8 +71,11 @@ pub struct Rank {
 /// One body of the chain.
 #[derive(Debug, Clone, Serialize)]
 pub struct Body {
+    /// The link that gives the body its name.
     pub body: String,
+    /// Joint that moves it; none for the body that stands.
     pub joint: Option<String>,
+    /// Body on the other side of that joint.
     pub parent: Option<String>,
     /// B_i as a product of rotations.
     pub orientation: String,
@@ -62,14 +83,18 @@ pub struct Body {
     pub r: [f64; 3],
     /// CAD value of s_i of a prismatic body.
     pub s: Option<f64>,
+    /// Mass of its links, kg.
     pub mass_kg: f64,
+    /// Its links.
     pub links: Vec<String>,
 }
 
 /// One base parameter.
 #[derive(Debug, Clone, Serialize)]
 pub struct Parameter {
+    /// Link and axis.
     pub name: String,
+    /// Value from CAD, in `unit`.
     pub cad: f64,
     /// `m`, or `1` for the mass fraction s of a prismatic joint.
     pub unit: &'static str,
@@ -78,7 +103,9 @@ pub struct Parameter {
 /// Proven rounding bounds of one function, m.
 #[derive(Debug, Clone, Serialize)]
 pub struct Rounding {
+    /// In double precision, m.
     pub f64: f64,
+    /// In single precision, m.
     pub f32: f64,
 }
 

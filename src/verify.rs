@@ -29,6 +29,7 @@ const BLOCK: usize = 512;
 /// What the comparison found.
 #[derive(Debug, Clone, Serialize)]
 pub struct Verification {
+    /// Whether every difference is within its tolerance.
     pub pass: bool,
     /// Postures compared: random ones and corners of the limits.
     pub samples: usize,

@@ -2,6 +2,7 @@
 
 #![no_std]
 #![forbid(unsafe_code)]
+#![deny(missing_docs)]
 
 #[rustfmt::skip]
 pub mod op2_r_sole;

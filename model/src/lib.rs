@@ -19,18 +19,16 @@
 //! ```
 
 #![deny(unsafe_code)]
+#![deny(missing_docs)]
 
-#[deny(missing_docs)]
 pub mod base;
 pub mod bounds;
-#[deny(missing_docs)]
 pub mod chain;
 pub mod effects;
 mod error;
 pub mod expr;
 #[doc(hidden)]
 pub mod files;
-#[deny(missing_docs)]
 pub mod frames;
 mod functions;
 #[doc(hidden)]
@@ -39,20 +37,15 @@ mod interface;
 mod measurement;
 mod model;
 pub mod names;
-#[deny(missing_docs)]
 pub mod numeric;
 pub mod program;
 mod robot;
-#[deny(missing_docs)]
 pub mod snap;
-#[deny(missing_docs)]
 pub mod standard;
 pub mod tape;
 #[doc(hidden)]
 pub mod text;
-#[deny(missing_docs)]
 pub mod tree;
-#[deny(missing_docs)]
 pub mod urdf;
 
 pub use error::Error;

@@ -40,6 +40,8 @@
 //! # Ok::<(), sesc_reference::Error>(())
 //! ```
 
+#![deny(missing_docs)]
+
 mod com;
 mod error;
 mod jacobian;

@@ -32,6 +32,7 @@ use sesc_identify::simulate::Simulator;
 pub const WIDTH_RAD: f64 = 0.9 * std::f64::consts::PI / 180.0;
 /// Postures that are read, and further ones that judge.
 pub const POSTURES: usize = 100;
+/// Postures never fitted, on which the corrected model is judged.
 pub const JUDGED: usize = 1000;
 /// Noise of the mean of 100 readings as in the paper, and of encoder ticks, m.
 const NOISE: f64 = super::NOISE / 10.0;
@@ -42,10 +43,12 @@ const BOX: f64 = 0.023;
 /// What came out.
 #[derive(Debug, Clone)]
 pub struct Hidden {
+    /// The diagnosis of the first act's robot with dead bands.
     pub diagnosis: Diagnosis,
     /// RMS error per axis on postures never seen, against the noise-free truth:
-    /// CAD's model, and the corrected one, m.
+    /// of CAD's model, m.
     pub before: f64,
+    /// The same error of the corrected model, m.
     pub after: f64,
     /// Lines of Rust of the corrected model.
     pub lines: usize,
@@ -53,6 +56,11 @@ pub struct Hidden {
     pub view: DiagnosisView,
 }
 
+/// Hide dead bands in all joints, diagnose them from simulated readings, and judge the
+/// corrected model.
+///
+/// # Errors
+/// Where the robot cannot be read, diagnosed or generated.
 pub fn run(robot: &Robot, model: &Model, seed: u64) -> Result<Hidden, Error> {
     let virtual_robot = sesc_reference::Robot::from_urdf(robot.text())?;
     let world = World::new(&virtual_robot, "r_sole")?.backlash_all(WIDTH_RAD)?;

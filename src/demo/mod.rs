@@ -38,12 +38,15 @@ const SHOWN: usize = 26;
 
 /// Everything the demo found.
 pub struct Demo {
+    /// What its page shows.
     pub report: DemoReport,
+    /// Generated functions against the reference.
     pub verification: Verification,
     /// Lines of Rust that were generated.
     pub lines: usize,
     /// Both fits' ranks: full columns, base columns.
     pub ranks: [usize; 2],
+    /// Condition number of the base regressor over the fitted postures.
     pub condition_number: f64,
     /// The second act.
     pub hidden: hidden::Hidden,

@@ -45,6 +45,7 @@ pub struct DemoReport {
     pub functions: Vec<FunctionRow>,
     /// One row per body, outward from the support.
     pub lengths: Vec<LengthRow>,
+    /// Errors of the identified CoP.
     pub errors: Errors,
     /// CoP of some held-out postures.
     pub cop: Vec<CopRow>,
@@ -65,9 +66,11 @@ pub struct HiddenAct {
     pub sentence: String,
     /// Postures that it read.
     pub postures: usize,
-    /// Postures never seen that judge, and the RMS error there, CAD's and corrected, m.
+    /// Postures never seen that judge.
     pub judged: usize,
+    /// RMS error there of CAD's model, m.
     pub before: f64,
+    /// RMS error there of the corrected model, m.
     pub after: f64,
     /// The course of the CoP over the postures read.
     #[serde(skip)]
@@ -80,8 +83,11 @@ pub struct HiddenAct {
 /// A generated function: its cost, and its error against the reference.
 #[derive(Debug, Clone, Serialize)]
 pub struct FunctionRow {
+    /// Name of the function.
     pub name: String,
+    /// Multiplications.
     pub mul: usize,
+    /// Additions.
     pub add: usize,
     /// Pairs of sine and cosine.
     pub sin_cos: usize,
@@ -94,6 +100,7 @@ pub struct FunctionRow {
 /// ‖r_i‖ of one body (the paper's Fig. 3a).
 #[derive(Debug, Clone, Serialize)]
 pub struct LengthRow {
+    /// Name of the body.
     pub body: String,
     /// Joint that moves the body; empty for the body that stands.
     pub joint: String,
@@ -131,6 +138,7 @@ pub struct Errors {
 /// CoP (x, y) of one held-out posture, m.
 #[derive(Debug, Clone, Serialize)]
 pub struct CopRow {
+    /// Number of the posture.
     pub pose: usize,
     /// Noisy reading.
     pub measured: [f64; 2],
@@ -145,7 +153,9 @@ pub struct CopRow {
 /// CoM height of one held-out posture, m.
 #[derive(Debug, Clone, Serialize)]
 pub struct HeightRow {
+    /// Number of the posture.
     pub pose: usize,
+    /// True height, m.
     pub truth: f64,
     /// Identified, the unobservable constant of minimum norm.
     pub identified: f64,

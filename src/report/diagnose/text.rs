@@ -13,8 +13,11 @@ const POSES: usize = 12;
 /// Which files were asked for; what was not is hinted at.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Asked {
+    /// A corrected model file.
     pub model: bool,
+    /// Next postures.
     pub next: bool,
+    /// A page.
     pub page: bool,
 }
 

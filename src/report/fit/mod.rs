@@ -19,8 +19,10 @@ pub use text::text;
 /// All that `sesc fit` prints, as JSON.
 #[derive(Debug, Clone, Serialize)]
 pub struct FitReport<'a> {
+    /// What was identified, and how well.
     #[serde(flatten)]
     pub found: &'a Identification,
+    /// The corrected URDF, where one was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub corrected: Option<&'a Corrected>,
     /// What the page shows besides.
