@@ -11,6 +11,9 @@
 //! with θ = factor·q + offset. A joint between the URDF root and the support is
 //! walked backwards: its origin moves to the far side and its angle changes sign.
 
+mod dofs;
+mod snaps;
+
 use std::collections::HashMap;
 
 use nalgebra::{Matrix3, Vector3};
@@ -20,6 +23,8 @@ use crate::Error;
 use crate::snap::{self, Snapping};
 use crate::text;
 use crate::urdf::{self, Description, JointType};
+use dofs::coordinates;
+use snaps::snaps;
 
 /// A link: what it weighs and where.
 #[derive(Debug, Clone)]
@@ -150,18 +155,6 @@ pub struct Tree {
     pub notes: Vec<String>,
 }
 
-/// Range assumed for a revolute joint without usable limits, rad.
-const FREE_REVOLUTE_RAD: f64 = std::f64::consts::PI;
-/// Range assumed for a prismatic joint without usable limits, m.
-const FREE_PRISMATIC_M: f64 = 1.0;
-/// Velocity of a revolute joint whose URDF states none: about two turns a second.
-const FREE_SPEED_RAD_PER_S: f64 = 12.0;
-/// Velocity of such a prismatic joint.
-const FREE_SPEED_M_PER_S: f64 = 2.0;
-
-/// Limits this far out mean none, rad or m.
-const ENDLESS: f64 = 1e3;
-
 /// Re-root `description` at `support`.
 ///
 /// # Errors
@@ -271,86 +264,6 @@ fn name_some<'a>(asked: &str, names: impl Iterator<Item = &'a str>) -> String {
     let mut names: Vec<&str> = names.collect();
     names.sort_by_key(|name| !name.to_lowercase().contains(&asked.to_lowercase()));
     text::listed(names, 12)
-}
-
-impl Description {
-    /// The independent joints in document order: the same on every support.
-    pub fn dofs(&self) -> Vec<Dof> {
-        coordinates(self).0
-    }
-}
-
-/// Independent joints, and every joint's position in terms of them.
-///
-/// `None` for joints that do not move; a mimic of a fixed joint stands at its offset.
-fn coordinates(robot: &Description) -> (Vec<Dof>, Vec<Option<Coordinate>>) {
-    let moves = |joint: &urdf::Joint| joint.joint_type.is_single();
-    let mut dofs = Vec::new();
-    let mut own: HashMap<&str, usize> = HashMap::new();
-    for joint in &robot.joints {
-        if moves(joint) && joint.mimic.is_none() {
-            own.insert(&joint.name, dofs.len());
-            dofs.push(dof(joint));
-        }
-    }
-    let by_name: HashMap<&str, &urdf::Joint> =
-        robot.joints.iter().map(|j| (j.name.as_str(), j)).collect();
-    let coordinates = robot
-        .joints
-        .iter()
-        .map(|joint| {
-            if !moves(joint) {
-                return None;
-            }
-            let (mut factor, mut offset, mut at) = (1.0, 0.0, joint);
-            // The reader refuses cycles, so this ends.
-            while let Some(mimic) = at.mimic.as_ref().filter(|_| moves(at)) {
-                offset += factor * mimic.offset;
-                factor *= mimic.multiplier;
-                at = by_name[mimic.joint.as_str()];
-            }
-            let still = Coordinate {
-                dof: 0,
-                factor: 0.0,
-                offset,
-            };
-            Some(own.get(at.name.as_str()).map_or(still, |&dof| Coordinate {
-                dof,
-                factor,
-                offset,
-            }))
-        })
-        .collect();
-    (dofs, coordinates)
-}
-
-fn dof(joint: &urdf::Joint) -> Dof {
-    let prismatic = joint.joint_type == JointType::Prismatic;
-    let free = if prismatic {
-        FREE_PRISMATIC_M
-    } else {
-        FREE_REVOLUTE_RAD
-    };
-    let limit = &joint.limit;
-    // Files write "free" as infinities, as 1e16, or by swapping the ends.
-    let usable = limit.lower < limit.upper && -limit.lower < ENDLESS && limit.upper < ENDLESS;
-    let (lower, upper) = if usable && joint.joint_type != JointType::Continuous {
-        (limit.lower, limit.upper)
-    } else {
-        (-free, free)
-    };
-    Dof {
-        joint: joint.name.clone(),
-        prismatic,
-        continuous: !prismatic && (joint.joint_type == JointType::Continuous || !usable),
-        lower,
-        upper,
-        speed: match limit.velocity {
-            speed if speed > 0.0 && speed < ENDLESS => speed,
-            _ if prismatic => FREE_SPEED_M_PER_S,
-            _ => FREE_SPEED_RAD_PER_S,
-        },
-    }
 }
 
 /// One joint as an edge, and the rotation error that snapping left in it, rad.
@@ -476,42 +389,6 @@ fn drop_beyond(
         "{kind} joint `{name}` dropped: nothing beyond it has mass"
     ));
     Ok(())
-}
-
-/// What each rotation error can do to the CoM: a lever arm argument.
-///
-/// Rotating everything beyond edge e by ε about the joint's point moves the CoM
-/// by at most ε W_e / M, where W_e sums mass times the longest possible reach.
-fn snaps(tree: &Tree, errors: &[f64]) -> Vec<Snap> {
-    let n = tree.edges.len();
-    let mut beyond = vec![0.0; n]; // mass beyond each edge, kg
-    let mut reach = vec![0.0; n]; // W_e, kg m
-    let mut children: Vec<Vec<usize>> = vec![Vec::new(); tree.links.len()];
-    for (e, edge) in tree.edges.iter().enumerate() {
-        children[edge.near].push(e);
-    }
-    for e in (0..n).rev() {
-        let edge = &tree.edges[e];
-        let link = &tree.links[edge.far];
-        beyond[e] = link.mass;
-        reach[e] = link.mass * (link.com - edge.offset).norm();
-        for &k in &children[edge.far] {
-            let child = &tree.edges[k];
-            beyond[e] += beyond[k];
-            reach[e] += beyond[k] * (child.anchor - edge.offset).norm() + reach[k];
-        }
-        if let Motion::Prismatic { by, .. } = edge.motion {
-            reach[e] += beyond[e] * tree.stroke(&by);
-        }
-    }
-    (0..n)
-        .filter(|&e| errors[e] > 0.0)
-        .map(|e| Snap {
-            joint: tree.edges[e].joint.clone(),
-            angle_error: errors[e],
-            com_error: errors[e] * reach[e] / tree.mass,
-        })
-        .collect()
 }
 
 impl Tree {
