@@ -2,7 +2,6 @@
 
 #![no_std]
 #![forbid(unsafe_code)]
-#![deny(missing_docs)]
 
 #[rustfmt::skip]
 pub mod op2_r_sole;

@@ -3,7 +3,6 @@
 
 #![no_std]
 #![forbid(unsafe_code)]
-#![deny(missing_docs)]
 
 /// A humanoid with skewed axes: constants everywhere, the costly case.
 pub mod skew_humanoid_right_sole {
