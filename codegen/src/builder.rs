@@ -49,6 +49,7 @@ struct C99 {
     scalar: Scalar,
     /// The usual ones of the scalar unless given.
     servos: Option<Option<Servos>>,
+    estimator: bool,
     layout: Layout,
 }
 
@@ -78,6 +79,7 @@ impl Builder {
                 dir: None,
                 scalar: Scalar::F64,
                 servos: None,
+                estimator: false,
                 layout: Layout::Bare,
             },
         }
@@ -279,6 +281,25 @@ impl Builder {
         self
     }
 
+    /// Whether the C99 has `NAME_estimator`: base parameters by recursive least squares, one
+    /// posture a call, in f64 or f32, without allocation. It has not unless asked. With a
+    /// model file of `sesc fit`, `NAME_estimator_resume` goes on from that fit.
+    ///
+    /// ```
+    /// # let folder = std::env::temp_dir().join("sesc_builder_estimator");
+    /// use sesc_codegen::{Builder, Scalar};
+    ///
+    /// let builder = Builder::new("../robots/two_link/two_link.urdf").support("foot");
+    /// builder.c99(&folder).scalar(Scalar::F32).estimator(true).out_dir(&folder).emit()?;
+    /// let header = std::fs::read_to_string(folder.join("two_link_foot.h")).unwrap();
+    /// assert!(header.contains("int two_link_foot_estimator_add("));
+    /// # Ok::<(), sesc_codegen::Error>(())
+    /// ```
+    pub fn estimator(mut self, wanted: bool) -> Builder {
+        self.c99.estimator = wanted;
+        self
+    }
+
     /// What to put around the C99 files.
     ///
     /// ```
@@ -302,6 +323,7 @@ impl Builder {
         name: &str,
     ) -> Result<Vec<(PathBuf, String)>, Error> {
         let mut options = Options::of(self.c99.scalar);
+        options.estimator = self.c99.estimator;
         if let Some(servos) = &self.c99.servos {
             options.servos.clone_from(servos);
         }

@@ -62,7 +62,9 @@ impl Error {
                 ErrorKind::Name
             }
             Problem::Servos { .. } => ErrorKind::Servos,
-            Problem::Overflow { .. } | Problem::NoFixedPoint { .. } => ErrorKind::FixedPoint,
+            Problem::Overflow { .. } | Problem::NoFixedPoint { .. } | Problem::EstimatorInFixed => {
+                ErrorKind::FixedPoint
+            }
             Problem::UnboundedEffect { .. } | Problem::Unbounded { .. } => ErrorKind::Unbounded,
             Problem::Read { .. } => ErrorKind::Read,
             Problem::NoSupport => ErrorKind::NoSupport,
@@ -135,6 +137,8 @@ pub(crate) enum Problem {
          point; effects that divide or raise to powers (those of cells) need f32 or f64"
     )]
     NoFixedPoint { function: &'static str },
+    #[error("fixed32: the estimator needs the range of floats; use f32 or f64, or leave it out")]
+    EstimatorInFixed,
     #[error(
         "no bound can be proven for {function}: an effect divides by what may be zero, or raises \
          what may be negative to a power; give the effect tighter parameters"

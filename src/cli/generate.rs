@@ -47,6 +47,10 @@ pub(super) struct Arguments {
     /// resolution = 4096; [joints.NAME] likewise, metres_per_tick for prismatic joints
     #[arg(long, value_name = "FILE")]
     servos: Option<PathBuf>,
+    /// C in f64 or f32: NAME_estimator, the base parameters by recursive least squares, one
+    /// posture a call, no allocation; goes on from the fit of --model
+    #[arg(long)]
+    estimator: bool,
 }
 
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
@@ -84,6 +88,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
             if arguments.servos.is_some() || arguments.ticks.is_some() {
                 return Err(Error::Usage(
                     "--servos and --ticks are for C; add --lang c (Rust takes joint angles)".into(),
+                ));
+            }
+            if arguments.estimator {
+                return Err(Error::Usage(
+                    "--estimator is for C; add --lang c (in Rust it is sesc_runtime::fit)".into(),
                 ));
             }
             if arguments.scalar == Scalar::Fixed32 {
@@ -131,6 +140,7 @@ fn c_files(
         Scalar::F32 => c::Scalar::F32,
         Scalar::Fixed32 => c::Scalar::Fixed32,
     });
+    options.estimator = arguments.estimator;
     match (&arguments.servos, arguments.ticks) {
         (Some(_), Some(false)) => {
             return Err(Error::Usage(

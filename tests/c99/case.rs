@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use nalgebra::DMatrix;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use sesc_codegen::emit::c::{self, Options, Package, Scalar, Servos, Setting};
@@ -9,7 +10,9 @@ use sesc_codegen::facts::Facts;
 use sesc_identify::robot::Robot;
 use sesc_model::program::Program;
 use sesc_model::tape::{Tape, Values};
-use sesc_model::{EffectRecord, Function, Given, Model, ModelFile, Quantity, Snapping};
+use sesc_model::{
+    EffectRecord, Function, Given, Information, Model, ModelFile, Quantity, Snapping,
+};
 
 use sesc_test_support::exact::{Double, Number as _};
 use sesc_test_support::trees::{Kind, tree};
@@ -39,6 +42,8 @@ pub struct Case {
     pub servos: Servos,
     /// What is to be called.
     pub functions: Vec<Function>,
+    /// Whether the estimator is wanted, in floats.
+    pub estimator: bool,
 }
 
 /// What a joint's tick is: zero, and radians or metres a tick.
@@ -68,6 +73,7 @@ impl Case {
             model,
             servos,
             functions: Function::ALL.to_vec(),
+            estimator: false,
         }
     }
 
@@ -121,6 +127,27 @@ impl Case {
         case
     }
 
+    /// With the estimator, and a model file that knows its parameters from 30 postures and a
+    /// prior of 2 cm.
+    pub fn informed(self) -> Case {
+        let model = &self.model;
+        let n = model.base.params.len();
+        let q = 0..30 * model.dof();
+        let q: Vec<f64> = q.map(|k| (0.7 * k as f64).sin()).collect();
+        let rows = self.tape(Function::RegressorCop, &q, &[]);
+        let rows = DMatrix::from_row_slice(rows.len() / n, n, &rows) * 1e3;
+        let mut all = DMatrix::identity(n + rows.nrows(), n) * 50.0;
+        all.rows_mut(n, rows.nrows()).copy_from(&rows);
+        let fresh = || ModelFile::from_values(model, &model.cad_params(), None, "data");
+        let mut file = model.file.clone().unwrap_or_else(fresh);
+        file.inform(Information::of(&all));
+        Case {
+            model: self.model.clone().with_file(file).unwrap(),
+            estimator: true,
+            ..self
+        }
+    }
+
     /// Readings that need every operation.
     pub fn effects() -> [Case; 4] {
         [
@@ -143,6 +170,7 @@ impl Case {
         let options = Options {
             scalar,
             servos: Some(self.servos.clone()),
+            estimator: scalar != Scalar::Fixed32 && self.estimator,
         };
         c::package(&Facts::of(&self.model), &self.name, &options)
             .unwrap_or_else(|error| panic!("{}: {error}", self.name))

@@ -168,6 +168,7 @@ fn robots_at_the_ends_of_what_32_bits_hold() {
         let options = Options {
             scalar: Scalar::Fixed32,
             servos: Some(case.servos.clone()),
+            estimator: false,
         };
         match c::package(&Facts::of(&case.model), &case.name, &options) {
             Err(error) => {
@@ -207,6 +208,7 @@ fn in_floats(folder: &Path, case: &Case, scalar: Scalar) {
     let options = Options {
         scalar,
         servos: Some(case.servos.clone()),
+        estimator: false,
     };
     match c::package(&Facts::of(&case.model), &case.name, &options) {
         Err(error) => assert!(error.to_string().contains("1024 rad"), "{error}"),

@@ -5,6 +5,7 @@ mod bits;
 mod bounds;
 mod case;
 mod compiled;
+mod estimator;
 mod fixed;
 mod model;
 mod quality;

@@ -46,6 +46,7 @@ fn cppcheck_finds_only_the_departures_that_are_listed() {
     case.model = case.model.with_file(file).unwrap();
     case.name += "_model";
     cases.push(case);
+    cases.push(super::estimating());
     cases.extend(Case::effects());
     let op2 = Case::robot("op2", "r_sole");
     let mut jobs = jobs(&cases);

@@ -25,8 +25,16 @@ fn cases() -> Vec<Case> {
         case.name += "_model";
         cases.push(case);
     }
+    cases.push(estimating());
     cases.extend(Case::effects());
     cases
+}
+
+/// A robot with the estimator, which frees readings of a sensor effect and goes on from a fit.
+fn estimating() -> Case {
+    let mut case = Case::with_effect("sensor_rotation", "-", ("yaw_rad", 0.02)).informed();
+    case.name += "_estimator";
+    case
 }
 
 /// Those that differ in kind.

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::exported::{Exported, array_bits};
 use super::points::mass_bits;
-use super::{Scalar, columns, comment, fixed, float, number, quoted};
+use super::{Options, Scalar, columns, comment, fixed, float, number, quoted};
 use crate::facts::Facts;
 use sesc_model::expr::Argument;
 use sesc_model::names;
@@ -35,10 +35,11 @@ pub(super) fn enumerators(facts: &Facts) -> Vec<String> {
 /// Every constant, in the order of the header.
 pub(super) fn constants(
     facts: &Facts,
-    scalar: Scalar,
+    options: &Options,
     routines: &[Exported],
     name: &str,
 ) -> Vec<Constant> {
+    let scalar = options.scalar;
     let mut constants = vec![total_mass(facts, scalar, name)];
     if facts.dof() > 0 {
         constants.extend(joints(
@@ -54,7 +55,42 @@ pub(super) fn constants(
         array_bits(routines, Argument::Parameters),
         name,
     ));
+    let information = facts
+        .identified
+        .as_ref()
+        .and_then(|found| found.information.as_ref());
+    constants.extend(
+        information
+            .filter(|_| options.estimator)
+            .map(|factor| information_factor(facts, factor, scalar, name)),
+    );
     constants
+}
+
+/// How well the identified parameters are known: the packed triangle, a parameter's name where
+/// its row begins.
+fn information_factor(facts: &Facts, factor: &[f64], scalar: Scalar, name: &str) -> Constant {
+    let rows = facts.params.iter().enumerate().flat_map(|(i, param)| {
+        let others = facts.params.len() - i - 1;
+        std::iter::once(comment(param.name)).chain(std::iter::repeat_n(String::new(), others))
+    });
+    let values: Vec<Entry> = (factor.iter().zip(rows))
+        .map(|(value, comment)| Entry {
+            value: number(*value, scalar, 0),
+            comment,
+        })
+        .collect();
+    Constant {
+        brief: "How well they are known together: R with R'R their inverse covariance, row by row \
+                from the diagonal on, 1/m."
+            .to_string(),
+        declaration: format!(
+            "const {name}_real {name}_model_information[{}]",
+            values.len()
+        ),
+        values,
+        is_array: true,
+    }
 }
 
 /// The binary point that `quantity` has in fixed point, behind a unit.
@@ -127,8 +163,9 @@ fn unlimited(end: usize, scalar: Scalar) -> &'static str {
 }
 
 /// Whether values need `<math.h>`, for its constant alone.
-pub(super) fn has_infinity(facts: &Facts, scalar: Scalar) -> bool {
-    scalar != Scalar::Fixed32 && facts.dofs.iter().any(|dof| dof.continuous)
+pub(super) fn has_infinity(facts: &Facts, options: &Options) -> bool {
+    let unlimited = facts.dofs.iter().any(|dof| dof.continuous);
+    options.scalar != Scalar::Fixed32 && (unlimited || options.estimator)
 }
 
 /// A limit as the scalar holds it, rounded into the range where it is rounded.

@@ -8,6 +8,7 @@
 mod about;
 mod columns;
 mod data;
+mod estimator;
 mod exported;
 mod fixed;
 mod float;
@@ -32,6 +33,7 @@ use crate::facts::Facts;
 use helpers::Calls;
 pub use prefix::{is_prefix, suggest};
 pub use servos::{Servos, Setting};
+use sesc_model::Function;
 use sesc_model::bounds::Precision;
 use spelling::{comment, number, pair, quoted, spelled};
 
@@ -74,14 +76,18 @@ pub struct Options {
     pub scalar: Scalar,
     /// Whether functions of servo ticks are wanted, and of which servos.
     pub servos: Option<Servos>,
+    /// Whether the recursive estimator of the parameters is wanted, in f64 and f32.
+    pub estimator: bool,
 }
 
 impl Options {
-    /// The usual for `scalar`: ticks of 4096 a turn in f32 and fixed32, none in f64.
+    /// The usual for `scalar`: ticks of 4096 a turn in f32 and fixed32, none in f64; no
+    /// estimator.
     pub fn of(scalar: Scalar) -> Options {
         Options {
             scalar,
             servos: (scalar != Scalar::F64).then(Servos::default),
+            estimator: false,
         }
     }
 }
@@ -98,8 +104,8 @@ pub struct Package {
 /// Header and source of a robot, every name beginning with `name`.
 ///
 /// # Errors
-/// When `name` is no prefix of C names, a servo setting makes no sense, or a
-/// quantity does not fit 32-bit fixed point.
+/// When `name` is no prefix of C names, a servo setting makes no sense, a quantity does not
+/// fit 32-bit fixed point, or the estimator is wanted there.
 pub fn package(facts: &Facts, name: &str, options: &Options) -> Result<Package, Error> {
     if !is_prefix(name) {
         return Err(Problem::BadPrefix {
@@ -121,12 +127,20 @@ pub fn package(facts: &Facts, name: &str, options: &Options) -> Result<Package, 
         .map(|ticks| ticks.text(facts.dofs, name, &routines, &calls));
     let (selftest, results) =
         selftest::checks(facts, options.scalar, &routines, name, ticks.as_ref());
+    let corrects = routines
+        .iter()
+        .any(|routine| routine.function == Function::CorrectCop);
+    let estimator = (options.estimator)
+        .then(|| estimator::texts(facts, options.scalar, corrects))
+        .transpose()?;
     let texts = context! {
         name,
         guard => format!("{}_H", name.to_uppercase()),
         about => about::about(facts, &routines, options.scalar),
-        includes_stdint => options.scalar == Scalar::Fixed32 || from_ticks.is_some(),
-        has_infinity => data::has_infinity(facts, options.scalar),
+        includes_stdint => options.scalar == Scalar::Fixed32
+            || from_ticks.is_some()
+            || options.estimator,
+        has_infinity => data::has_infinity(facts, options),
         scalar_note => match options.scalar {
             Scalar::Fixed32 => ": an integer, its binary point by quantity as below",
             _ => "",
@@ -137,7 +151,8 @@ pub fn package(facts: &Facts, name: &str, options: &Options) -> Result<Package, 
         full_params => facts.full_params,
         points => listed(points::points(&routines, facts.total_mass_kg)),
         joints => data::enumerators(facts),
-        constants => listed(data::constants(facts, options.scalar, &routines, name)),
+        constants => listed(data::constants(facts, options, &routines, name)),
+        estimator => Value::from(estimator),
         ticks => ticks.as_ref().map(|ticks| ticks.convention(facts.dofs)),
         functions => listed(functions),
         quarter => data::quarter(options.scalar),
@@ -178,6 +193,8 @@ fn environment() -> Environment<'static> {
     for (name, text) in [
         ("package.h", include_str!("templates/package.h")),
         ("package.c", include_str!("templates/package.c")),
+        ("estimator.h", include_str!("templates/estimator.h")),
+        ("estimator.c", include_str!("templates/estimator.c")),
         ("includes.c", include_str!("templates/includes.c")),
         ("helpers.c", include_str!("templates/helpers.c")),
         ("narrow.c", include_str!("templates/narrow.c")),

@@ -34,4 +34,7 @@ void {{ name }}_{{ function.name }}({{ function.definition }})
 {%- endfor %}
 }
 {% endfor %}
+{%- if estimator %}
+{%- include "estimator.c" %}
+{% endif %}
 {%- include "selftest.c" %}

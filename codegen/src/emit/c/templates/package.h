@@ -67,6 +67,7 @@ extern {{ constant.declaration }};
  */
 void {{ name }}_{{ function.name }}({{ function.declaration }});
 {%- endfor %}
+{%- include "estimator.h" %}
 
 /**
  * @brief Check the compiled functions against what the generator computed by another way.
