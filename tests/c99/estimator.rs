@@ -6,8 +6,8 @@ use std::process::Command;
 
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use sesc_codegen::Facts;
 use sesc_codegen::emit::c::{self, Options, Scalar};
+use sesc_codegen::facts::Facts;
 use sesc_generated::{op2_r_sole as op2, two_link_foot as two_link};
 use sesc_model::tape::{Tape, Values};
 use sesc_model::{Function, Given};

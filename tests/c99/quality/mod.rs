@@ -33,7 +33,7 @@ fn cases() -> Vec<Case> {
 /// A robot with the estimator, which frees readings of a sensor effect and goes on from a fit.
 fn estimating() -> Case {
     let mut case = Case::with_effect("sensor_rotation", "-", ("yaw_rad", 0.02)).informed();
-    case.name += "_estimator";
+    case.name = "two_link_estimator".to_string();
     case
 }
 

@@ -314,7 +314,7 @@ void {{ name }}_estimator_solve(
             }
             r_std[parameter] = {{ name }}_root(variance);
         } else {
-            r_std[parameter] = INFINITY;
+            r_std[parameter] = ({{ real }})INFINITY;
         }
     }
 }
