@@ -2,16 +2,17 @@
 
 use super::criteria;
 use super::findings::{
-    About, Blind, Diagnosis, Found, Gap, Last, Leftover, Member, NextPostures, Quantity, Step,
-    Verdict,
+    About, Blind, Diagnosis, Found, Gap, Last, Leftover, Member, ModelOnLog, NextPostures,
+    Quantity, Step, Verdict,
 };
 use super::further_logs::{self, FurtherLog};
 use super::held_out::{self, HeldOut};
 use super::hypothesis::Term;
 use super::leftover::{self, Formula, Misfit};
 use super::outliers::Outliers;
-use super::problem::{Fit, Problem};
+use super::problem::{ALL, Fit, Problem};
 use super::search::Search;
+use super::settle;
 use super::words::{self, capital};
 use crate::Error;
 use crate::observations::noise::NoiseSource;
@@ -21,19 +22,20 @@ use crate::watch::Watch;
 ///
 /// # Errors
 /// When `watch` stops the search.
-pub fn find(
-    problem: &mut Problem,
+pub fn find<'m>(
+    whole_problem: &mut Problem<'m>,
     further: &[FurtherLog],
     about: &About,
     watch: &mut dyn Watch,
 ) -> Result<Found, Error> {
-    let mut search = Search::new(problem);
+    let mut search = Search::new(&mut *whole_problem);
     let blind = search.visible().to_vec();
     let mut ranked = search.run(watch)?;
     ranked.retain(|fit| !too_many_outliers(fit));
-    let mut ranked = judged(&search, ranked, further);
-    // Something is missing only if that is clearly better than nothing missing.
+    let ranked = judged(&search, ranked, further);
     let nothing = further_logs::together(search.problem(), search.fit(&[], None), further);
+    let (mut ranked, implausible) = believed(search.problem(), ranked, &nothing);
+    // Something is missing only if that is clearly better than nothing missing.
     if nothing.score() < ranked[0].score() + criteria::OVER_NOTHING {
         ranked = vec![nothing];
     }
@@ -46,7 +48,8 @@ pub fn find(
     // Noise that was taken from what is left over cannot say that too much is left.
     let known = problem.data.noise_source != NoiseSource::Residuals;
     let crowd = best.terms.len() >= criteria::TOO_MANY_EFFECTS;
-    let unexplained = known && misfit.is_clear() || formula.is_some() || crowd;
+    let no_known = known && misfit.is_clear() || formula.is_some();
+    let unexplained = no_known || crowd || implausible.is_some();
     let problem = search.problem();
     if unexplained {
         class = vec![best.clone()];
@@ -58,7 +61,10 @@ pub fn find(
     let whole = steps.last().unwrap_or(&null);
     let held_out = |step: &Fit| {
         let apart = held_out::apart_on_the_way(problem, step, whole);
-        held_out::cross_validate(problem, step, &apart)
+        match settle::settle(problem, step) {
+            Some((own, step)) => held_out::cross_validate(&own, &step, &apart),
+            None => held_out::cross_validate(problem, step, &apart),
+        }
     };
     let start = held_out(&null);
     let held: Vec<HeldOut> = steps.iter().map(held_out).collect();
@@ -71,9 +77,25 @@ pub fn find(
             further_logs::together(search.problem(), without, further).score() - best.score()
         })
         .collect();
-    let problem = search.problem();
+    let counted = search.fitted;
     let expected = Misfit::of(problem, &null);
     let raw = raw_misfit(problem);
+    let members = members(problem, &class);
+    let (mut best, mut class, mut steps) = (best, class, steps);
+    if let Some((own, settled)) = settle::settle(problem, &best) {
+        drop(search);
+        *whole_problem = own;
+        let problem = &*whole_problem;
+        // Everything that is shown beside it is seen from the same masses.
+        let again = |fit: &Fit| problem.fit(&fit.terms, Some(&fit.unknowns), ALL);
+        class = class.iter().map(again).collect();
+        steps = steps.iter().map(again).collect();
+        best = settled;
+        if let Some(first) = class.first_mut().filter(|first| first.terms == best.terms) {
+            *first = best.clone();
+        }
+    }
+    let problem = &*whole_problem;
     let verdict = match (unexplained, best.terms.is_empty(), class.len()) {
         (true, _, _) => Verdict::Unexplained,
         (_, true, _) if raw.is_clear() && !expected.is_clear() => Verdict::Absorbed,
@@ -103,13 +125,15 @@ pub fn find(
         steps: told(problem, &best, &steps, &start, &held, &evidence),
         last: last(held.last().unwrap_or(&start)),
         indistinguishable: labels(problem, &class),
-        class: members(problem, &class),
+        class: members,
         absorbed_by_masses: absorbed(problem, &best),
         unexplained,
+        implausible,
+        model_on_log: ModelOnLog::default(),
         leftover: rest(problem, &best, formula),
         outliers: outliers(problem, &best),
         blind: blind_spots(problem, &blind),
-        hypotheses_fitted: search.fitted,
+        hypotheses_fitted: counted,
         next_postures: NextPostures::default(),
     };
     let mut found = Found {
@@ -120,6 +144,44 @@ pub fn find(
     };
     found.diagnosis.sentence = super::verdict::sentence(problem, &found);
     Ok(found)
+}
+
+/// Explanations that sit within all physical bounds, the best first; and what was
+/// implausible about a clearly better one, as a sentence.
+fn believed(problem: &Problem, ranked: Vec<Fit>, nothing: &Fit) -> (Vec<Fit>, Option<String>) {
+    let mut best: Option<(f64, String)> = None;
+    let mut believed = Vec::new();
+    for fit in ranked {
+        match implausible(problem, &fit) {
+            None => believed.push(fit),
+            Some(sentence) if best.is_none() => best = Some((fit.score(), sentence)),
+            Some(_) => {}
+        }
+    }
+    if believed.is_empty() {
+        believed.push(nothing.clone());
+    }
+    let first = believed[0].score().min(nothing.score());
+    let better = best.filter(|(score, _)| score + criteria::CLASS_SCORE < first);
+    (believed, better.map(|(_, sentence)| sentence))
+}
+
+/// What of an explanation no robot has, as a sentence.
+fn implausible(problem: &Problem, fit: &Fit) -> Option<String> {
+    let context = &problem.context;
+    let found = words::values(problem, fit);
+    fit.terms.iter().zip(&found).find_map(|(term, found)| {
+        let instance = term.effect()?;
+        let values: Vec<f64> = found.iter().map(|v| v.value).collect();
+        let (effect, target) = (instance.effect, &instance.target);
+        let reason = effect
+            .implausible_reason(context, target, &values)
+            .or_else(|| effect.invalid_reason(context, target, &values))?;
+        let clause = capital(&words::clause(context, term, found));
+        Some(format!(
+            "{clause} would explain it best and is implausible: {reason}."
+        ))
+    })
 }
 
 /// What comes near the best of the first log, ranked by all logs.
@@ -180,7 +242,8 @@ fn with_formula(
     let ranked = search.ranked();
     let singles = ranked
         .iter()
-        .filter(|fit| fit.terms.len() == 1 && fit.outliers.is_none());
+        .filter(|fit| fit.terms.len() == 1 && fit.outliers.is_none())
+        .filter(|fit| implausible(search.problem(), fit).is_none());
     let singles: Vec<Fit> = singles.take(criteria::FORMULA_BESIDE).cloned().collect();
     let problem = search.problem();
     let alone = [null].into_iter().chain(singles);

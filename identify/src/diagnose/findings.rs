@@ -79,6 +79,18 @@ pub struct Last {
     pub left_out: usize,
 }
 
+/// What the diagnosis states of the log, and what its model file predicts, both in sample:
+/// neither says how good the model is elsewhere.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct ModelOnLog {
+    /// Gap that the diagnosis leaves, m.
+    pub stated_rmse: f64,
+    /// Gap to what the file predicts, m.
+    pub predicted_rmse: f64,
+    /// Whether the two agree to 1 %.
+    pub agrees: bool,
+}
+
 /// A complete explanation that the data allow.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Member {
@@ -182,6 +194,11 @@ pub struct Diagnosis {
     pub absorbed_by_masses: f64,
     /// Whether more is missing than the known effects explain.
     pub unexplained: bool,
+    /// What would explain the log best, and why no robot has it: a sentence.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub implausible: Option<String>,
+    /// The model file on the log that it came from.
+    pub model_on_log: ModelOnLog,
     /// What the explanation leaves over.
     pub leftover: Leftover,
     /// Poses that are rather outliers.

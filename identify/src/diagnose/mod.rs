@@ -16,6 +16,7 @@ mod further_logs;
 mod held_out;
 mod hypothesis;
 mod leftover;
+mod model_check;
 mod model_file;
 mod next_postures;
 mod nuisance;
@@ -24,6 +25,7 @@ mod problem;
 mod proposal;
 mod request;
 mod search;
+mod settle;
 #[cfg(test)]
 mod tests;
 mod verdict;

@@ -2,13 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::DVector;
 use sesc_model::effects::Stage;
 use sesc_model::{DataUsed, EffectRecord, ModelFile, Quantity};
 
 use super::findings::Found;
 use super::problem::Problem;
-use super::words;
+use super::{settle, words};
 use crate::lsq::information::{Beyond, information};
 
 /// Parameters as the masses' prior and the data have them, and every effect of
@@ -27,15 +26,8 @@ pub fn model_file(problem: &Problem, found: &Found) -> ModelFile {
         Some(outliers) => outliers.root_weights(None),
         None => vec![1.0; best.residual.len()],
     };
-    let weighted = DVector::from_fn(weights.len(), |row, _| best.residual[row] * weights[row]);
     let masses = masses.reweighted(&weights);
-    let shift = factor * masses.posterior_mean(&weighted);
-    let values: Vec<f64> = problem
-        .params
-        .iter()
-        .zip(shift.iter())
-        .map(|(r, d)| r + d)
-        .collect();
+    let values = settle::masses_of(problem, best);
     let spread = factor * masses.covariance() * factor.transpose();
     let std: Vec<f64> = (0..values.len())
         .map(|k| spread[(k, k)].max(0.0).sqrt())

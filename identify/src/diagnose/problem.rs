@@ -34,7 +34,12 @@ pub struct Problem<'m> {
     pub model: &'m Model,
     pub context: EffectContext<'m>,
     pub data: Postures,
+    /// Base parameters from CAD, m.
+    pub cad: Vec<f64>,
+    /// Those about which readings are linear in masses: CAD's, or where a fit ended.
     pub params: Vec<f64>,
+    /// Whitened shift of readings from `params` back to CAD's, where they differ.
+    pub(super) offset: Option<DVector<f64>>,
     /// 1/σ per reading.
     pub weight: Vec<f64>,
     /// Masses within the prior that was asked for.
@@ -153,7 +158,9 @@ impl<'m> Problem<'m> {
         let instances = effects::instances(&context);
         let kinds: BTreeSet<EffectId> = instances.iter().map(|i| i.effect.id()).collect();
         Ok(Problem {
+            cad: model.cad_params(),
             params: model.cad_params(),
+            offset: None,
             model,
             kinds: kinds.len() + hypothesis::MODELS,
             context,
@@ -181,7 +188,9 @@ impl<'m> Problem<'m> {
         context: EffectContext<'o>,
     ) -> Problem<'o> {
         Problem {
+            cad: model.cad_params(),
             params: model.cad_params(),
+            offset: None,
             model,
             kinds: self.kinds,
             context,
@@ -195,6 +204,36 @@ impl<'m> Problem<'m> {
             rows: self.rows.clone(),
             tapes: RefCell::new(HashMap::new()),
             target_weights: HashMap::new(),
+        }
+    }
+
+    /// The same problem about other masses `params`: `rows` are the slopes of readings
+    /// there, `offset` the whitened shift of readings from `params` back to CAD's.
+    pub(super) fn about(
+        &self,
+        params: Vec<f64>,
+        rows: DMatrix<f64>,
+        nuisance: Nuisance,
+        wide: Nuisance,
+        offset: DVector<f64>,
+    ) -> Problem<'m> {
+        Problem {
+            cad: self.cad.clone(),
+            params,
+            offset: Some(offset),
+            model: self.model,
+            kinds: self.kinds,
+            context: self.context.clone(),
+            data: self.data.clone(),
+            weight: self.weight.clone(),
+            nuisance,
+            wide,
+            prior: self.prior.clone(),
+            beyond_prior: self.beyond_prior,
+            wide_prior: self.wide_prior.clone(),
+            rows,
+            tapes: RefCell::new(HashMap::new()),
+            target_weights: self.target_weights.clone(),
         }
     }
 
@@ -323,7 +362,7 @@ impl<'m> Problem<'m> {
     pub fn plain(&self, q: &[f64]) -> Vec<f64> {
         let n = q.len() / self.context.robot.dof();
         let model = self.model;
-        Evaluator::with_params(model, Function::Cop, self.params.clone()).run(q, n)
+        Evaluator::with_params(model, Function::Cop, self.cad.clone()).run(q, n)
     }
 
     /// Joint positions of every posture as a hypothesis bends them.

@@ -20,7 +20,7 @@ use super::model_file::model_file;
 use super::next_postures::{self, Next};
 use super::problem::Problem;
 use super::view::DiagnosisView;
-use super::{diagnosis, experiment};
+use super::{diagnosis, experiment, model_check, verdict};
 use crate::fit::prior::{Prior, PriorChoice};
 use crate::logs::{Angles, LogSource, Options, PostureWriter, Readings, Row, Sidecar, Written};
 use crate::observations::postures::{Postures, Taking};
@@ -226,8 +226,12 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
         .corrected_urdf
         .then(|| corrected_urdf::of(&problem, &found, robot, request.snapping, &prior))
         .transpose()?;
+    let model_file = with_data(request, &problem, &found, &further);
+    let on_log = model_check::check(&problem, &found, &model_file)?;
+    found.diagnosis.model_on_log = on_log;
+    found.diagnosis.sentence = verdict::sentence(&problem, &found);
     Ok(Report {
-        model_file: with_data(request, &problem, &found, &further),
+        model_file,
         corrected_urdf: corrected,
         view: request.view.then(|| DiagnosisView::of(&problem, &found)),
         next: next_log(next, &model, about.robot),

@@ -59,6 +59,7 @@ pub(super) fn sentence(problem: &Problem, found: &Found) -> String {
             ));
         }
         Verdict::Unexplained => {
+            said.extend(d.implausible.clone());
             said.push(match found.best.terms.len() {
                 few if few < criteria::TOO_MANY_EFFECTS => format!(
                     "No known effect explains it: χ² is {:.0} where noise leaves {:.0}.",
@@ -97,6 +98,14 @@ pub(super) fn sentence(problem: &Problem, found: &Found) -> String {
         said.push(format!(
             "With it the held-out error is {}{of}.",
             mm(d.last.rmse)
+        ));
+    }
+    let on_log = &d.model_on_log;
+    if on_log.stated_rmse > 0.0 && !on_log.agrees {
+        said.push(format!(
+            "The model file predicts this log to {}, not to the {} that are stated: do not use it.",
+            mm(on_log.predicted_rmse),
+            mm(on_log.stated_rmse)
         ));
     }
     let blind: Vec<String> = d

@@ -10,7 +10,7 @@
 //! moments of both signs, separate them. Near zero moment a joint that carries
 //! the robot can rest on either side: a fit takes the sides from the log.
 
-use super::{Effect, EffectContext, EffectId, Measured, Parameter, Stage, Target};
+use super::{Effect, EffectContext, EffectId, Measured, Parameter, Stage, Target, plausible};
 use crate::expr::Id;
 
 pub(super) struct Backlash;
@@ -73,5 +73,14 @@ impl Effect for Backlash {
              joint's gravity moment is next to zero, rounding can flip the side it rests on; \
              everywhere else the error is that of com.",
         )
+    }
+
+    fn implausible_reason(
+        &self,
+        _: &EffectContext,
+        _: &Target,
+        values: &[f64],
+    ) -> Option<&'static str> {
+        plausible::above(plausible::WIDEST_BACKLASH_RAD, values[0])
     }
 }

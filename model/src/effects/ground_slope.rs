@@ -10,6 +10,7 @@
 
 use super::{
     Carry, Effect, EffectContext, EffectId, Experiment, Measured, Parameter, Stage, Target,
+    plausible,
 };
 use crate::expr::Id;
 
@@ -52,5 +53,15 @@ impl Effect for GroundSlope {
             Experiment::Turned => Carry::Scaled(vec![-1.0; 2]),
             _ => Carry::Same,
         }
+    }
+
+    fn implausible_reason(
+        &self,
+        _: &EffectContext,
+        _: &Target,
+        values: &[f64],
+    ) -> Option<&'static str> {
+        let steepest = libm::hypot(values[0], values[1]);
+        plausible::above(plausible::LARGEST_SLOPE, steepest)
     }
 }

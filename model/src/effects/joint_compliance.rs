@@ -8,7 +8,7 @@
 //! support ankle by a sensor gain of that axis, a soft sole or soft ground: the
 //! moment is weight times CoP there. Squats of different depth separate them.
 
-use super::{Effect, EffectContext, EffectId, Measured, Parameter, Stage, Target};
+use super::{Effect, EffectContext, EffectId, Measured, Parameter, Stage, Target, plausible};
 use crate::expr::Id;
 
 pub(super) struct JointCompliance;
@@ -69,5 +69,15 @@ impl Effect for JointCompliance {
     ) -> Option<&'static str> {
         let soft = values[0] <= 0.0;
         soft.then_some("a stiffness of 0 or less holds nothing; give Nm/rad above 0")
+    }
+
+    fn implausible_reason(
+        &self,
+        _: &EffectContext,
+        _: &Target,
+        values: &[f64],
+    ) -> Option<&'static str> {
+        let pushes_back = values[0] > 0.0;
+        (!pushes_back).then_some(plausible::STIFFNESS)
     }
 }

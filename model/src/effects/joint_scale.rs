@@ -7,7 +7,7 @@
 //! Imitated by the same joint's offset while the joint keeps to a narrow range
 //! away from zero; a wide range on both sides of zero separates the two.
 
-use super::{Effect, EffectContext, EffectId, Measured, Parameter, Stage, Target};
+use super::{Effect, EffectContext, EffectId, Measured, Parameter, Stage, Target, plausible};
 use crate::expr::Id;
 
 pub(super) struct JointScale;
@@ -53,5 +53,15 @@ impl Effect for JointScale {
 
     fn bound_violation(&self, _: &EffectContext, _: &Target, unknowns: &[f64]) -> Vec<f64> {
         super::beyond(unknowns[0], 0.9, 0.05)
+    }
+
+    fn implausible_reason(
+        &self,
+        _: &EffectContext,
+        _: &Target,
+        values: &[f64],
+    ) -> Option<&'static str> {
+        // A wrong sign is another effect.
+        plausible::outside(plausible::JOINT_SCALE, libm::fabs(values[0]))
     }
 }

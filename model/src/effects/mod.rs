@@ -25,6 +25,7 @@ mod joint_scale;
 mod joint_sign;
 mod joint_swap;
 mod payload;
+pub mod plausible;
 mod programs;
 mod sensor_drift;
 mod sensor_gain;
@@ -45,7 +46,7 @@ pub use experiment::{Carry, Experiment};
 pub use instance::{Instance, instances};
 pub(crate) use instance::{apply, apply_before_sensor, sense, undo};
 pub use payload::known_weight;
-pub use programs::{joints, moments, reading, wired_joints, wired_reading};
+pub use programs::{joints, moments, reading, reading_of_masses, wired_joints, wired_reading};
 
 /// When an effect acts, first to last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -151,6 +152,12 @@ pub trait Effect: Sync {
     /// clearly too far; one entry per bound, zero within it.
     fn bound_violation(&self, _: &EffectContext, _: &Target, _: &[f64]) -> Vec<f64> {
         Vec::new()
+    }
+
+    /// Why these values (in the order of the parameters) are not believed of any robot: they
+    /// sit at or beyond a bound of [`plausible`].
+    fn implausible_reason(&self, _: &EffectContext, _: &Target, _: &[f64]) -> Option<&'static str> {
+        None
     }
 
     /// Why no robot can have these values (in the order of the parameters), in

@@ -11,6 +11,7 @@
 
 use super::{
     Effect, EffectContext, EffectId, Instance, Measured, Parameter, Stage, Target, UrdfEdit,
+    plausible,
 };
 use crate::expr::Id;
 use crate::urdf::Load;
@@ -121,5 +122,26 @@ impl Effect for Payload {
     ) -> Option<&'static str> {
         let gone = values[0] <= -context.mass();
         gone.then_some("more is missing than the robot weighs; give mass_kg above that")
+    }
+
+    fn implausible_reason(
+        &self,
+        context: &EffectContext,
+        target: &Target,
+        values: &[f64],
+    ) -> Option<&'static str> {
+        let Target::Link(link) = *target else {
+            return None;
+        };
+        // A missing mass is taken from the body that the link is part of.
+        let missing = (
+            -context.mass_of(link),
+            context.mass(),
+            plausible::NEGATIVE_MASS,
+        );
+        match values[0] < 0.0 {
+            true => plausible::outside(missing, values[0]),
+            false => plausible::above((context.mass(), plausible::PAYLOAD_HEAVIER), values[0]),
+        }
     }
 }

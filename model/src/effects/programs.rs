@@ -19,14 +19,13 @@ fn inputs(context: &EffectContext, unknowns: usize) -> Vec<Array> {
 fn written<'m>(
     context: &EffectContext<'m>,
     instances: &[Instance],
-    params: &[f64],
+    parameters: Parameters,
 ) -> (Measured<'m>, Vec<Id>) {
-    let baked = Parameters::Baked(params.to_vec());
     let mut measured = Measured::new(
         context.robot,
         Source::Log,
         Given::Positions,
-        baked,
+        parameters,
         &context.cells,
     );
     let count = instances.iter().map(|i| i.unknowns(context)).sum();
@@ -43,7 +42,7 @@ fn written<'m>(
 /// Inputs: `q`, `e` (unknowns in the order of the instances), `u`
 /// ([`PostureContext`]). Base parameters are the constants `params`.
 pub fn reading(context: &EffectContext, instances: &[Instance], params: &[f64]) -> Program {
-    let (mut measured, unknowns) = written(context, instances, params);
+    let (mut measured, unknowns) = written(context, instances, Parameters::Baked(params.to_vec()));
     let reading = measured.reading;
     let mut columns = vec![reading.to_vec()];
     for &unknown in &unknowns {
@@ -60,13 +59,24 @@ pub fn reading(context: &EffectContext, instances: &[Instance], params: &[f64]) 
     Program::new(measured.into_graph(), inputs, shape, &outputs)
 }
 
+/// The reading alone, with the base parameters as a further input: `q`, `e`, `u`, `r`.
+pub fn reading_of_masses(context: &EffectContext, instances: &[Instance]) -> Program {
+    let params = context.robot.base.params.len();
+    let unbounded = Parameters::Argument(vec![f64::INFINITY; params]);
+    let (measured, unknowns) = written(context, instances, unbounded);
+    let outputs = measured.reading;
+    let mut inputs = inputs(context, unknowns.len());
+    inputs.push(Array::new(Argument::Parameters, params));
+    Program::new(measured.into_graph(), inputs, Shape::Vector(2), &outputs)
+}
+
 /// Gravity moments of all joints over the weight under effects, m, and how far
 /// the reading moves with each joint: rows moments, ∂y_x/∂φ, ∂y_y/∂φ.
 ///
 /// What decides on which side of its dead band a joint rests. Inputs as in
 /// [`reading`].
 pub fn moments(context: &EffectContext, instances: &[Instance], params: &[f64]) -> Program {
-    let (mut measured, unknowns) = written(context, instances, params);
+    let (mut measured, unknowns) = written(context, instances, Parameters::Baked(params.to_vec()));
     let dof = context.robot.dof();
     let moments = measured.moments("m");
     let slopes = measured.slopes();
@@ -118,7 +128,7 @@ pub fn wired_reading(context: &EffectContext, instances: &[Instance]) -> Program
 
 /// Joint positions of a posture as effects bend them. Inputs as in [`reading`].
 pub fn joints(context: &EffectContext, instances: &[Instance], params: &[f64]) -> Program {
-    let (measured, unknowns) = written(context, instances, params);
+    let (measured, unknowns) = written(context, instances, Parameters::Baked(params.to_vec()));
     let outputs = measured.joints.clone();
     let shape = Shape::Vector(outputs.len());
     let inputs = inputs(context, unknowns.len());

@@ -8,7 +8,7 @@
 //! foot, by slow motion (which adds ω² h / g). A wide range of CoP and standing
 //! still separate it from noise; squats of different depth from the ankle.
 
-use super::{Effect, EffectContext, EffectId, Measured, Parameter, Stage, Target};
+use super::{Effect, EffectContext, EffectId, Measured, Parameter, Stage, Target, plausible};
 use crate::expr::Id;
 
 pub(super) struct SensorGain;
@@ -79,5 +79,15 @@ impl Effect for SensorGain {
             let gain = at.add(one, unknown);
             at.reading[axis] = at.div(y, gain);
         }
+    }
+
+    fn implausible_reason(
+        &self,
+        _: &EffectContext,
+        _: &Target,
+        values: &[f64],
+    ) -> Option<&'static str> {
+        let outside = |gain: &f64| plausible::outside(plausible::SENSOR_GAIN, *gain);
+        values.iter().find_map(outside)
     }
 }

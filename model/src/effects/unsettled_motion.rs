@@ -11,7 +11,7 @@
 use super::context::GRAVITY;
 use super::{
     Carry, Effect, EffectContext, EffectId, Experiment, Measured, Parameter, PostureContext, Stage,
-    Target,
+    Target, plausible,
 };
 use crate::expr::Id;
 
@@ -61,5 +61,14 @@ impl Effect for UnsettledMotion {
 
     fn in_experiment(&self, _: Experiment, _: &Target) -> Carry {
         Carry::Gone
+    }
+
+    fn implausible_reason(
+        &self,
+        _: &EffectContext,
+        _: &Target,
+        values: &[f64],
+    ) -> Option<&'static str> {
+        plausible::outside(plausible::DYNAMIC_SHARE, values[0])
     }
 }

@@ -204,8 +204,11 @@ impl Problem<'_> {
         let mut slopes = DMatrix::zeros(2 * n, p);
         for row in 0..2 * n {
             let values = &out[row * width..(row + 1) * width];
-            predicted.push(values[0]);
-            residual[row] = (self.data.reading[row] - values[0]) * self.weight[row];
+            // Readings of CAD's masses, by what is linear about `params`.
+            let back = self.offset.as_ref().map_or(0.0, |offset| offset[row]) / self.weight[row];
+            let value = values[0] - back;
+            predicted.push(value);
+            residual[row] = (self.data.reading[row] - value) * self.weight[row];
             for k in 0..p {
                 slopes[(row, k)] = values[1 + k] * self.weight[row];
             }

@@ -1,0 +1,89 @@
+//! The model file as those who use it will read it, on the log that it came from.
+//!
+//! A file that predicts another error than was stated is not what was diagnosed. It is
+//! written out, read back, given to the code of `sesc predict`, and compared.
+
+use sesc_model::effects::{self, Catalog, Instance, PostureContext};
+use sesc_model::tape::{Tape, Values};
+use sesc_model::{EffectRecord, Function, Model, ModelFile};
+
+use super::findings::{Found, ModelOnLog};
+use super::held_out;
+use super::problem::Problem;
+use crate::Error;
+use crate::evaluate::{EffectPredictor, Evaluator, FASTEST};
+use crate::observations::postures::rms;
+
+/// What the diagnosis states and what the file predicts agree within this part.
+const AGREES: f64 = 0.01;
+/// Below this part of the noise a difference does not count.
+const BENEATH_NOISE: f64 = 0.01;
+
+/// Compare `file` with what was found.
+///
+/// # Errors
+/// When the file is one that `sesc` refuses.
+pub(super) fn check(
+    problem: &Problem,
+    found: &Found,
+    file: &ModelFile,
+) -> Result<ModelOnLog, Error> {
+    let refused = |reason: String| Error::request(reason);
+    let apart = held_out::apart(problem, &found.best);
+    let rows = || (0..2 * problem.data.len()).filter(|row| !apart[row / 2]);
+    let stated = held_out::errors_of(problem, &found.best, None);
+    let stated_rmse = rms(rows().map(|row| stated[row]));
+    // Effects of a caller's own are no part of files.
+    let standard = Catalog::standard();
+    let is_known = |record: &EffectRecord| standard.named(&record.effect).is_some();
+    if !file.effects.iter().all(is_known) {
+        return Ok(ModelOnLog {
+            stated_rmse,
+            predicted_rmse: stated_rmse,
+            agrees: true,
+        });
+    }
+    let text = toml::to_string(file).map_err(|error| refused(error.to_string()))?;
+    let read = ModelFile::parse(&text, "model.toml")?;
+    let model = problem.model.clone().with_file(read)?;
+    let predicted = readings(problem, &model);
+    let predicted_rmse = rms(rows().map(|row| problem.data.reading[row] - predicted[row]));
+    let slack = (AGREES * stated_rmse).max(BENEATH_NOISE * problem.data.noise_floor);
+    Ok(ModelOnLog {
+        stated_rmse,
+        predicted_rmse,
+        agrees: (stated_rmse - predicted_rmse).abs() <= slack,
+    })
+}
+
+/// Readings of the log's postures by the model, m.
+fn readings(problem: &Problem, model: &Model) -> Vec<f64> {
+    let (data, n) = (&problem.data, problem.data.len());
+    let layout = PostureContext::of(model);
+    if model.effects.iter().any(|(i, _)| !i.effect.is_static()) {
+        // Drift and delay need the log around a posture, which predictions lack.
+        let instances: Vec<Instance> = model.effects.iter().map(|(i, _)| i.clone()).collect();
+        let unknowns: Vec<f64> = model.effects.iter().flat_map(|(_, x)| x.clone()).collect();
+        let program = effects::reading(&problem.context, &instances, &model.params());
+        let tape = Tape::new(&program);
+        let mut out = vec![0.0; n * tape.outputs()];
+        let arguments = [
+            Values::PerPosture(&data.q),
+            Values::Shared(&unknowns),
+            Values::PerPosture(&data.posture_context),
+        ];
+        tape.run(&arguments, n, &mut out, FASTEST);
+        return out.into_iter().step_by(unknowns.len() + 1).collect();
+    }
+    let tilt = |k: usize, axis: usize| data.posture_context[k * layout.len() + layout.tilt(axis)];
+    let gravity: Vec<[f64; 3]> = (0..n).map(|k| [tilt(k, 0), tilt(k, 1), -1.0]).collect();
+    match EffectPredictor::new(model) {
+        Some(predictor) => predictor.run(&data.q, n, Some(&gravity)).1,
+        None => {
+            let com = Evaluator::new(model, Function::Com).run(&data.q, n);
+            let shadow =
+                |k: usize| [0, 1].map(|axis| com[3 * k + axis] + tilt(k, axis) * com[3 * k + 2]);
+            (0..n).flat_map(shadow).collect()
+        }
+    }
+}

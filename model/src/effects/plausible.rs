@@ -1,0 +1,57 @@
+//! Hard physical bounds: what no robot that stood in a lab has.
+//!
+//! A fit may pass them on its way; an explanation that ends at or beyond one is not
+//! believed. Each bound has its reason, which is what a reader is told.
+
+/// A fit that ends this close to a bound, as a part of it, sits at it.
+const AT: f64 = 1e-3;
+
+/// Slope of the ground, as a tangent: 20°.
+pub const LARGEST_SLOPE: (f64, &str) = (
+    0.363_970_234_266_202_4,
+    "soles slip on a floor of 20° and more",
+);
+/// Scale of a joint.
+pub const JOINT_SCALE: (f64, f64, &str) = (
+    0.5,
+    2.0,
+    "no gear or encoder is wrong by a factor of 2 that is not a wrong unit",
+);
+/// Width of a dead band, rad: 20°.
+pub const WIDEST_BACKLASH_RAD: (f64, &str) = (
+    0.349_065_850_398_865_9,
+    "a joint that is loose by 20° and more is broken",
+);
+/// Gain of the CoP sensor.
+pub const SENSOR_GAIN: (f64, f64, &str) = (
+    0.2,
+    5.0,
+    "a sensor that shows less than a fifth or more than five times of the CoP is dead or has \
+     another unit",
+);
+/// Share of the inertia that readings show.
+pub const DYNAMIC_SHARE: (f64, f64, &str) = (
+    0.0,
+    3.0,
+    "inertia acts once; a share far from 1 stands for something else",
+);
+/// Of a payload.
+pub const PAYLOAD_HEAVIER: &str = "it would weigh as much as the robot and more";
+/// Of a link that lacks mass.
+pub const NEGATIVE_MASS: &str = "its body would weigh nothing or less";
+/// Of a spring.
+pub const STIFFNESS: &str = "a spring that does not push back holds nothing";
+
+/// The reason, where `x` is not clearly inside of `least` and `most`.
+pub(super) fn outside(
+    (least, most, reason): (f64, f64, &'static str),
+    x: f64,
+) -> Option<&'static str> {
+    let inside = x - least > AT * least.abs() && most - x > AT * most.abs();
+    (!inside).then_some(reason)
+}
+
+/// The reason, where `x` is not clearly below `most`.
+pub(super) fn above((most, reason): (f64, &'static str), x: f64) -> Option<&'static str> {
+    (most - x <= AT * most || x.is_nan()).then_some(reason)
+}
