@@ -87,6 +87,9 @@ pub struct ModelOnLog {
     pub stated_rmse: f64,
     /// Gap to what the file predicts, m.
     pub predicted_rmse: f64,
+    /// Postures in which a loose joint rests on a side that the log knows and a posture
+    /// alone does not; not counted in either.
+    pub left_out: usize,
     /// Whether the two agree to 1 %.
     pub agrees: bool,
 }

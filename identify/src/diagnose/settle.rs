@@ -34,7 +34,9 @@ pub(super) fn settle<'m>(problem: &Problem<'m>, fit: &Fit) -> Option<(Problem<'m
         return None;
     }
     let exact = Exact::new(problem, fit);
-    if exact.agrees(problem, fit) {
+    // On which side a loose joint rests, the file decides by its own masses.
+    let loose = fit.terms.iter().any(|term| term.dead_band().is_some());
+    if !loose && exact.agrees(problem, fit) {
         return None;
     }
     let mut own = exact.about(problem, fit);

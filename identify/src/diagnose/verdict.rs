@@ -62,8 +62,13 @@ pub(super) fn sentence(problem: &Problem, found: &Found) -> String {
             said.extend(d.implausible.clone());
             said.push(match found.best.terms.len() {
                 few if few < criteria::TOO_MANY_EFFECTS => format!(
-                    "No known effect explains it: χ² is {:.0} where noise leaves {:.0}.",
-                    d.leftover.chi2, d.leftover.expected
+                    "{} known effect explains it: χ² is {:.0} where noise leaves {:.0}.",
+                    match d.implausible {
+                        Some(_) => "Without it no",
+                        None => "No",
+                    },
+                    d.leftover.chi2,
+                    d.leftover.expected
                 ),
                 count => format!(
                     "It takes {count} known effects to imitate it (χ² {:.0}, noise leaves {:.0}): more \
@@ -72,8 +77,9 @@ pub(super) fn sentence(problem: &Problem, found: &Found) -> String {
                 ),
             });
             if !clauses.is_empty() {
+                let are = if clauses.len() > 1 { "are" } else { "is" };
                 said.push(format!(
-                    "{} is part of it.",
+                    "{} {are} part of it.",
                     capital(&clauses.join(", and "))
                 ));
             }
@@ -103,7 +109,7 @@ pub(super) fn sentence(problem: &Problem, found: &Found) -> String {
     let on_log = &d.model_on_log;
     if on_log.stated_rmse > 0.0 && !on_log.agrees {
         said.push(format!(
-            "The model file predicts this log to {}, not to the {} that are stated: do not use it.",
+            "The model file predicts this log to {} RMS, the diagnosis states {}: the two do not agree.",
             mm(on_log.predicted_rmse),
             mm(on_log.stated_rmse)
         ));

@@ -12,6 +12,7 @@
 use super::context::GRAVITY;
 use super::{
     Carry, Effect, EffectContext, EffectId, Experiment, Measured, Parameter, Stage, Target,
+    plausible,
 };
 use crate::expr::Id;
 
@@ -95,5 +96,15 @@ impl Effect for ExternalForce {
     ) -> Option<&'static str> {
         let lifted = values[2] >= context.weight();
         lifted.then_some("it lifts the robot off the ground; give force_z_n below its weight")
+    }
+
+    fn implausible_reason(
+        &self,
+        context: &EffectContext,
+        _: &Target,
+        values: &[f64],
+    ) -> Option<&'static str> {
+        let pull = libm::sqrt(values.iter().map(|force| force * force).sum());
+        plausible::above(plausible::LARGEST_PULL, pull / context.weight())
     }
 }

@@ -35,6 +35,11 @@ pub const DYNAMIC_SHARE: (f64, f64, &str) = (
     3.0,
     "inertia acts once; a share far from 1 stands for something else",
 );
+/// A pull at the robot, as a part of its weight.
+pub const LARGEST_PULL: (f64, &str) = (
+    1.0 / 3.0,
+    "a pull of a third of the robot's weight and more does not go unnoticed",
+);
 /// Of a payload.
 pub const PAYLOAD_HEAVIER: &str = "it would weigh as much as the robot and more";
 /// Of a link that lacks mass.
