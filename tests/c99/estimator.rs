@@ -231,7 +231,7 @@ fn estimators_give_the_bits_of_the_runtime() {
         for (j, (start, cop_std)) in [
             (Start::Prior(0.01), [1e-3, 2e-3]),
             (Start::Prior(0.01), [2e-6; 2]),
-            (Start::Prior(1e31), [1e-3; 2]),
+            (Start::Prior(f64::MAX), [1e-3; 2]),
             (Start::File, [1e-3; 2]),
         ]
         .into_iter()
@@ -249,7 +249,7 @@ fn estimators_give_the_bits_of_the_runtime() {
     parallel(jobs, |(k, case, start, cop_std, build)| {
         let log = log(case, cop_std);
         let single = match start {
-            Start::Prior(std) => Start::Prior(std.min(1e7)),
+            Start::Prior(std) => Start::Prior(std.min(1e30)),
             Start::File => start,
         };
         let [double_bits, single_bits] = match k {

@@ -32,8 +32,6 @@ struct Texts {
     least: String,
     light: String,
     independent: String,
-    /// The largest finite number.
-    largest: String,
     /// Type of a number's bits.
     bits: &'static str,
     /// Half the exponent, so that Newton's method ends in so many steps.
@@ -41,8 +39,7 @@ struct Texts {
     steps: u32,
     /// Times that a row's weight can be below `light` in a row.
     rounds: u32,
-    /// In words: deviations that say nothing, the least and the most that is taken.
-    wide: &'static str,
+    /// In words: the least deviation and the most of them that is taken.
     narrow: &'static str,
     far: &'static str,
 }
@@ -69,12 +66,10 @@ pub(super) fn texts(facts: &Facts, scalar: Scalar, corrects: bool) -> Result<Val
         least: String::new(),
         light: String::new(),
         independent: String::new(),
-        largest: String::new(),
         bits: "uint64_t",
         root: "UINT64_C(0x1ff7a3bea91d9b1b)",
         steps: 4,
         rounds: 6,
-        wide: "1e31",
         narrow: "1e-30",
         far: "1e30",
     };
@@ -84,7 +79,6 @@ pub(super) fn texts(facts: &Facts, scalar: Scalar, corrects: bool) -> Result<Val
             least: power(-200),
             light: power(-100),
             independent: power(-36),
-            largest: float::literal(f64::MAX, scalar),
             ..texts
         },
         Scalar::F32 => Texts {
@@ -92,12 +86,10 @@ pub(super) fn texts(facts: &Facts, scalar: Scalar, corrects: bool) -> Result<Val
             least: power(-40),
             light: power(-20),
             independent: power(-17),
-            largest: float::literal(f64::from(f32::MAX), scalar),
             bits: "uint32_t",
             root: "UINT32_C(0x1fbd1df5)",
             steps: 3,
             rounds: 4,
-            wide: "1e7",
             narrow: "1e-6",
             far: "1e6",
             ..texts

@@ -67,10 +67,14 @@ static int {{ name }}_is_rounding(
 {
     const {{ real }} pivot = {{ name }}_size(row[i]);
     {{ real }} terms = pivot;
+    int is_rounding = 0;
     for (uint32_t k = 0u; k < i; k += 1u) {
         terms = terms + {{ name }}_size(row[k] * e->triangle[{{ name }}_line(k) + (i - k)]);
     }
-    return (pivot <= ({{ name }}_independent * terms)) ? 1 : 0;
+    if (pivot <= ({{ name }}_independent * terms)) {
+        is_rounding = 1;
+    }
+    return is_rounding;
 }
 
 /* Rotate a row over its deviation, and its value, into the triangle. */
@@ -83,12 +87,16 @@ static void {{ name }}_take_row({{ name }}_estimator *e, {{ real }} row[], {{ re
         const {{ real }} before = e->triangle[line];
         const {{ real }} pivot = row[i];
         const {{ real }} information = (weight * pivot) * pivot;
-        int turns = (information >= {{ name }}_least) ? 1 : 0;
-        /* The first pivot of a column decides what the line means: rounding may not. */
-        if ((turns != 0) && !(before > {{ estimator.zero }})) {
-            turns = 1 - {{ name }}_is_rounding(e, row, i);
+        int skips = 0;
+        if (information < {{ name }}_least) {
+            skips = 1;
+        } else if (!(before > {{ estimator.zero }})) {
+            /* The first pivot of a column decides what the line means: rounding may not. */
+            skips = {{ name }}_is_rounding(e, row, i);
+        } else {
+            /* The line has its meaning. */
         }
-        if (turns != 0) {
+        if (skips == 0) {
             const {{ real }} sum = before + information;
             const {{ real }} c = before / sum;
             const {{ real }} s = (weight * pivot) / sum;
@@ -173,7 +181,8 @@ int {{ name }}_estimator_init(
     int refused = 0;
     for (uint32_t k = 0u; k < {{ base_params }}u; k += 1u) {
         const {{ real }} std = r_std[k];
-        if (!((std > {{ estimator.zero }}) && (std <= {{ estimator.largest }}) && (({{ estimator.one }} / std) <= {{ name }}_limit))) {
+        /* A NaN is refused. */
+        if (!((std > {{ estimator.zero }}) && (({{ estimator.one }} / std) <= {{ name }}_limit))) {
             refused = 1;
         }
     }

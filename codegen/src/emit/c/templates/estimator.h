@@ -30,13 +30,13 @@ typedef struct {
 
 /**
  * @brief Begin with parameters that are known as r[k] +- r_std[k], each by itself.
- * A large r_std ({{ estimator.wide }} m) says that nothing is known.
+ * An infinite r_std says that nothing is known.
  * @param[out] e the estimator
  * @param[in] r parameters, m, [{{ name }}_BASE_PARAMS], such as {{ name }}_cad_params
  * @param[in] r_std their standard deviations, m, [{{ name }}_BASE_PARAMS]
  * @param[in] cop_std standard deviations of a CoP reading, x and y, m, [2]
- * @return 0; 1 and e as it was where a number is NaN, infinite or too large, or a deviation
- *     is not positive or below {{ estimator.narrow }} m.
+ * @return 0; 1 and e as it was where a parameter or cop_std is NaN, infinite or above
+ *     {{ estimator.far }} m, or a deviation is NaN, not positive or below {{ estimator.narrow }} m.
  */
 int {{ name }}_estimator_init(
     {{ name }}_estimator *e,
