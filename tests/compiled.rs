@@ -15,6 +15,7 @@ use sesc_identify::evaluate::Evaluator;
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
 use sesc_model::bounds::Precision;
+use sesc_model::expr::Argument;
 use sesc_model::{Function, Given, Model, Snapping};
 use sesc_test_support::exact::Interpreter;
 use sesc_test_support::trees::{Kind, tree};
@@ -168,7 +169,7 @@ fn same_bits_as_the_tape(case: &Case, folder: &Path) {
     for function in Function::ALL {
         let name = format!("{} {}", case.module, function.name());
         let compiled = floats(&folder.join(format!("{}.{}", case.module, function.name())));
-        let evaluator = Evaluator::new(&case.model, function);
+        let evaluator = Evaluator::new(&case.model, function).moving(&velocities(&case.model));
         let tape = evaluator.run(&case.q, count);
         let written = WRITTEN * evaluator.width();
         for (a, b) in compiled[..written].iter().zip(&tape) {
@@ -186,10 +187,17 @@ fn same_bits_as_the_tape(case: &Case, folder: &Path) {
     }
 }
 
+/// Joint velocities, rad/s or m/s, no two alike; as `common/compiled_main.rs` has them.
+fn velocities(model: &Model) -> Vec<f64> {
+    let rate = |j| f64::from(1.0 / (1.0 + j as f32));
+    (0..model.dof()).map(rate).collect()
+}
+
 /// `f32`, against the programs run node by node.
 fn same_bits_in_single_precision(case: &Case, folder: &Path) {
     let narrow = |values: &[f64]| values.iter().map(|x| *x as f32).collect::<Vec<f32>>();
     let r = narrow(&case.model.cad_params());
+    let qd = narrow(&velocities(&case.model));
     for function in Function::ALL {
         let name = format!("{}.{}_f32", case.module, function.name());
         let compiled = floats(&folder.join(&name));
@@ -198,8 +206,12 @@ fn same_bits_in_single_precision(case: &Case, folder: &Path) {
         let rows = compiled.chunks(width).zip(case.q.chunks(case.model.dof()));
         for (compiled, q) in rows.take(WRITTEN) {
             let q = narrow(q);
-            let inputs: [&[f32]; 2] = [&q, &r];
-            let expected = interpreter.run(&inputs[..program.inputs.len()]);
+            let inputs = program.inputs.iter().map(|array| match array.argument {
+                Argument::Velocities => qd.as_slice(),
+                Argument::Parameters => &r,
+                _ => &q,
+            });
+            let expected = interpreter.run(&inputs.collect::<Vec<_>>());
             for (a, b) in compiled.iter().zip(expected) {
                 let b = f64::from(b);
                 assert!(

@@ -110,6 +110,9 @@ fn rust(case: &Case, scalar: Scalar, entry: &Entry, drawn: &Draw) -> Vec<f64> {
         Given::Positions => vec![(&drawn.q, dof)],
         Given::SinesCosines | Given::Direction => vec![(&sin, dof), (&cos, dof)],
     };
+    if entry.takes_velocities() {
+        inputs.push((&drawn.qd, dof));
+    }
     if entry.takes_parameters() {
         inputs.push((&drawn.r, params));
     }

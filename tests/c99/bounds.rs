@@ -47,12 +47,11 @@ pub fn check(
             Some(_) => &drawn.q,
         };
         let exact = match entry.baked {
-            true => case.tape(
-                entry.function,
-                q,
-                &case.model.params().repeat(drawn.q.len()),
-            ),
-            false => case.tape(entry.function, q, &drawn.r),
+            true => {
+                let r = case.model.params().repeat(drawn.q.len());
+                case.tape(entry.function, [q, &drawn.qd, &r])
+            }
+            false => case.tape(entry.function, [q, &drawn.qd, &drawn.r]),
         };
         let program = case
             .model
@@ -76,6 +75,7 @@ fn no_bound_of_f32_and_fixed32_is_exceeded_and_nothing_overflows() {
     let folder = folder("bounds");
     let mut cases: Vec<Case> = ROBOTS.iter().map(|(r, s)| Case::robot(r, s)).collect();
     cases.extend((0..12).map(|k| Case::random(700 + k, 3 + 2 * k as usize)));
+    cases.extend(Case::bodies());
     let mut jobs = Vec::new();
     for case in &cases {
         jobs.extend([Scalar::F32, Scalar::Fixed32].map(|scalar| (case, scalar)));
@@ -127,6 +127,7 @@ fn no_bound_of_f64_is_exceeded() {
     let folder = folder("bounds_f64");
     let mut cases: Vec<Case> = ROBOTS.iter().map(|(r, s)| Case::robot(r, s)).collect();
     cases.extend((0..6).map(|k| Case::random(720 + k, 4 + 3 * k as usize)));
+    cases.extend(Case::bodies());
     let tables = parallel(cases, |case| {
         let compiled = Compiled::build(&folder, &case, Scalar::F64, "gcc", &["-O0"], |s| s);
         let entries = case.entries();
@@ -160,6 +161,10 @@ fn in_pairs(case: &Case, entry: &Entry, drawn: &Draw, found: &[f64]) -> f64 {
     let mut worst: f64 = 0.0;
     for (k, found) in found.chunks(entry.width).enumerate() {
         let row = k * dof..(k + 1) * dof;
+        let qd: Vec<Double> = drawn.qd[row.clone()]
+            .iter()
+            .map(|x| Double::of(*x))
+            .collect();
         let q: Vec<Double> = match entry.given {
             Some(_) => drawn.q[row].iter().map(|x| Double::of(*x)).collect(),
             None => drawn.ticks[row]
@@ -178,10 +183,10 @@ fn in_pairs(case: &Case, entry: &Entry, drawn: &Draw, found: &[f64]) -> f64 {
         let params = case.model.base.params.len();
         let r = drawn.r[k * params..(k + 1) * params].iter();
         let r: Vec<Double> = r.map(|x| Double::of(*x)).collect();
-        let exact = match entry.function.takes_parameters() {
-            true => interpreter.run(&[&q, &r]),
-            false => interpreter.run(&[&q]),
-        };
+        let mut inputs = vec![q.as_slice()];
+        inputs.extend(entry.takes_velocities().then_some(qd.as_slice()));
+        inputs.extend(entry.function.takes_parameters().then_some(r.as_slice()));
+        let exact = interpreter.run(&inputs);
         for (exact, found) in exact.iter().zip(found) {
             let error = exact.distance(*found);
             worst = if error.is_nan() {

@@ -8,6 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use sesc_codegen::emit::c::{self, Options, Package, Scalar, Servos, Setting};
 use sesc_codegen::facts::Facts;
 use sesc_identify::robot::Robot;
+use sesc_model::expr::Argument;
 use sesc_model::program::Program;
 use sesc_model::tape::{Tape, Values};
 use sesc_model::{
@@ -111,20 +112,10 @@ impl Case {
         Case::new(model, name, servos)
     }
 
-    /// The two-link robot with an effect whose reading divides, clamps or takes powers.
+    /// The two-link robot with an effect.
     pub fn with_effect(effect: &str, target: &str, parameter: (&str, f64)) -> Case {
-        let mut case = Case::robot("two_link", "foot");
-        let mut file = ModelFile::from_values(&case.model, &case.model.cad_params(), None, "data");
-        file.cells = vec![[0.1, 0.06], [0.1, -0.06], [-0.1, -0.06], [-0.1, 0.06]];
-        let (name, value) = parameter;
-        file.effects = vec![EffectRecord {
-            effect: effect.to_string(),
-            target: target.to_string(),
-            parameters: [(name.to_string(), Quantity { value, std: None })].into(),
-        }];
-        case.model = case.model.with_file(file).unwrap();
-        case.name += &format!("_{effect}");
-        case
+        let case = Case::robot("two_link", "foot");
+        case.and(effect, &[(effect, target, &[parameter])])
     }
 
     /// With the estimator, and a model file that knows its parameters from 30 postures and a
@@ -134,7 +125,7 @@ impl Case {
         let n = model.base.params.len();
         let q = 0..30 * model.dof();
         let q: Vec<f64> = q.map(|k| (0.7 * k as f64).sin()).collect();
-        let rows = self.tape(Function::RegressorCop, &q, &[]);
+        let rows = self.tape(Function::RegressorCop, [&q, &[], &[]]);
         let rows = DMatrix::from_row_slice(rows.len() / n, n, &rows) * 1e3;
         let mut all = DMatrix::identity(n + rows.nrows(), n) * 50.0;
         all.rows_mut(n, rows.nrows()).copy_from(&rows);
@@ -148,21 +139,69 @@ impl Case {
         }
     }
 
-    /// Readings that need every operation.
-    pub fn effects() -> [Case; 4] {
-        [
-            Case::with_effect("backlash", "knee", ("width_rad", 0.05)),
+    /// With effects, each with its target and parameters; `what` ends the name.
+    fn and(mut self, what: &str, effects: &[(&str, &str, &[(&str, f64)])]) -> Case {
+        let mut file = ModelFile::from_values(&self.model, &self.model.cad_params(), None, "data");
+        file.cells = vec![[0.1, 0.06], [0.1, -0.06], [-0.1, -0.06], [-0.1, 0.06]];
+        let record = |&(effect, target, parameters): &(&str, &str, &[(&str, f64)])| EffectRecord {
+            effect: effect.to_string(),
+            target: target.to_string(),
+            parameters: parameters
+                .iter()
+                .map(|&(name, value)| (name.to_string(), Quantity { value, std: None }))
+                .collect(),
+        };
+        file.effects = effects.iter().map(record).collect();
+        self.model = self.model.with_file(file).unwrap();
+        self.name += &format!("_{what}");
+        self
+    }
+
+    /// Effects whose reading divides, clamps or takes powers, and those of the body.
+    pub fn effects() -> Vec<Case> {
+        let mut cases = vec![
             Case::with_effect("cell_gain", "fsr_1", ("gain", 0.8)),
             Case::with_effect("cell_exponent", "fsr_2", ("exponent", 1.1)),
             Case::with_effect("cell_saturation", "fsr_3", ("level_n", 15.0)),
+            Case::with_effect("backlash", "knee", ("width_rad", 0.05)),
+        ];
+        cases.extend(Case::bodies());
+        cases
+    }
+
+    /// Effects that act on every function of the body, and leave all of them smooth.
+    pub fn bodies() -> [Case; 5] {
+        let load: &[(&str, f64)] = &[
+            ("mass_kg", 0.4),
+            ("x_m", 0.02),
+            ("y_m", -0.01),
+            ("z_m", 0.05),
+        ];
+        let soft: &[(&str, f64)] = &[("stiffness_nm_per_rad", 300.0)];
+        [
+            Case::with_effect("joint_compliance", "all", ("stiffness_nm_per_rad", 60.0)),
+            Case::with_effect("joint_offset", "knee", ("offset_rad", 0.03)),
+            Case::with_effect("joint_scale", "knee", ("scale", 1.05)),
+            Case::robot("two_link", "foot").and("payload", &[("payload", "shank", load)]),
+            Case::robot("op2", "r_sole").and(
+                "bent",
+                &[
+                    ("payload", "body_link", load),
+                    ("joint_compliance", "r_knee", soft),
+                    ("joint_compliance", "r_ank_pitch", soft),
+                    ("joint_offset", "r_knee", &[("offset_rad", 0.03)]),
+                ],
+            ),
         ]
     }
 
-    /// Scalars it can be had in: fixed point does not divide, clamp or take powers.
+    /// Scalars it can be had in: fixed point does not divide or take powers, as cells do.
     pub fn scalars(&self) -> &'static [Scalar] {
-        match self.model.effects.is_empty() {
-            true => &SCALARS,
-            false => &SCALARS[..2],
+        let of_cell = |name: &str| name.starts_with("cell_");
+        let effects = &self.model.effects;
+        match effects.iter().any(|(i, _)| of_cell(i.effect.id().name())) {
+            false => &SCALARS,
+            true => &SCALARS[..2],
         }
     }
 
@@ -254,16 +293,20 @@ impl Case {
         .collect()
     }
 
-    /// Results of `function` by the tape; one row of `q` and of `r` per posture.
-    pub fn tape(&self, function: Function, q: &[f64], r: &[f64]) -> Vec<f64> {
+    /// Results of `function` by the tape; one row of `q`, `qd` and `r` per posture.
+    pub fn tape(&self, function: Function, [q, qd, r]: [&[f64]; 3]) -> Vec<f64> {
         let program = self.model.program(function, Given::Positions).unwrap();
         let tape = Tape::new(&program);
         let count = q.len() / self.model.dof();
         let mut out = vec![0.0; count * tape.outputs()];
-        let mut arguments = vec![Values::PerPosture(q)];
-        if function.takes_parameters() {
-            arguments.push(Values::PerPosture(r));
-        }
+        let arguments = function.arguments(Given::Positions).into_iter();
+        let arguments: Vec<Values> = arguments
+            .map(|argument| match argument {
+                Argument::Velocities => Values::PerPosture(qd),
+                Argument::Parameters => Values::PerPosture(r),
+                _ => Values::PerPosture(q),
+            })
+            .collect();
         tape.run(
             &arguments,
             count,
@@ -298,8 +341,32 @@ impl Entry {
         program.filter(|program| !program.shape.is_empty())
     }
 
+    /// What it takes after the posture: joint velocities, base parameters.
+    fn takes(&self, argument: Argument) -> bool {
+        let arguments = self.function.arguments(Given::Positions);
+        let baked = self.baked && argument == Argument::Parameters;
+        arguments.contains(&argument) && !baked
+    }
+
+    pub fn takes_velocities(&self) -> bool {
+        self.takes(Argument::Velocities)
+    }
+
     pub fn takes_parameters(&self) -> bool {
-        self.function.takes_parameters() && !self.baked
+        self.takes(Argument::Parameters)
+    }
+
+    /// What a call in C passes before the result, of `ticks`, `q`, `sines`, `cosines`, `qd`
+    /// and `r`.
+    pub fn arguments(&self) -> String {
+        let mut arrays = match self.given {
+            None => vec!["ticks"],
+            Some(Given::Positions) => vec!["q"],
+            Some(_) => vec!["sines", "cosines"],
+        };
+        arrays.extend(self.takes_velocities().then_some("qd"));
+        arrays.extend(self.takes_parameters().then_some("r"));
+        arrays.join(", ")
     }
 }
 
@@ -320,23 +387,34 @@ pub fn servos(model: &Model) -> Servos {
     }
 }
 
-/// Postures and parameters, row by row.
+/// Postures, joint velocities and parameters, row by row.
 #[derive(Clone, Default)]
 pub struct Draw {
     pub q: Vec<f64>,
+    /// Joint velocities.
+    pub qd: Vec<f64>,
     pub r: Vec<f64>,
     pub ticks: Vec<i32>,
     /// What the ticks stand for.
     pub turned: Vec<f64>,
 }
 
-/// A position as a scalar holds it: whether of a prismatic joint, whether rounded up.
-pub type Hold = dyn Fn(f64, bool, bool) -> f64;
+/// What is drawn of a joint.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Drawn {
+    Angle,
+    Stroke,
+    Velocity,
+}
+
+/// A value as a scalar holds it: what it is of, whether rounded up.
+pub type Hold = dyn Fn(f64, Drawn, bool) -> f64;
 
 /// `count` draws: corners of the limits and of the promised parameters among
-/// them, everything in between, positions such that the scalar holds them.
+/// them, everything in between, positions and velocities such that the scalar holds them.
 pub fn draw(case: &Case, count: usize, seed: u64, hold: &Hold) -> Draw {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut rates = ChaCha8Rng::seed_from_u64(!seed);
     let mut drawn = Draw::default();
     let servos = case.servos();
     let cad = case.model.cad_params();
@@ -352,7 +430,21 @@ pub fn draw(case: &Case, count: usize, seed: u64, hold: &Hold) -> Draw {
             let x = lower + corner(&mut rng, k % 4 < 2) * (upper - lower);
             // Towards the middle: what is rounded beyond a limit is no posture any more.
             let up = x < 0.5 * (lower + upper);
-            drawn.q.push(hold(x, dof.prismatic, up));
+            let kind = match dof.prismatic {
+                true => Drawn::Stroke,
+                false => Drawn::Angle,
+            };
+            drawn.q.push(hold(x, kind, up));
+            // Every second time at full speed, the first two all joints the same way.
+            let share: f64 = rates.random_range(-1.0..=1.0);
+            let share = match k {
+                0 => -1.0,
+                1 => 1.0,
+                _ if k % 2 == 0 => share.signum(),
+                _ => share,
+            };
+            let qd = share * dof.speed;
+            drawn.qd.push(hold(qd, Drawn::Velocity, qd < 0.0));
             let at = x / servo.per_tick;
             let away = [at.floor(), at.ceil(), 0.0]
                 .into_iter()

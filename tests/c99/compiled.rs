@@ -9,7 +9,7 @@ use std::sync::Mutex;
 
 use sesc_codegen::emit::c::{Package, Scalar};
 
-use crate::case::{Case, Draw, Entry, Hold};
+use crate::case::{Case, Draw, Drawn, Entry, Hold};
 
 /// What every file must pass without a word.
 pub const WARNINGS: [&str; 10] = [
@@ -154,9 +154,9 @@ impl Compiled {
         row.unwrap_or_else(|| panic!("the header of {} has no row for {}", self.name, entry.name))
     }
 
-    /// Rounding of a position to what the scalar holds.
+    /// Rounding of a position or velocity to what the scalar holds.
     pub fn hold(&self) -> Box<Hold> {
-        let bits = [self.bits("Q"), self.bits("Q").min(self.bits("SC"))];
+        let [q, qd, sc] = ["Q", "QD", "SC"].map(|quantity| self.bits(quantity));
         let has_sines = self.header.contains("_SC_FRACTION_BITS");
         match self.scalar {
             Scalar::F64 => Box::new(|x, _, _| x),
@@ -168,8 +168,13 @@ impl Compiled {
                     _ => y,
                 })
             }),
-            Scalar::Fixed32 => Box::new(move |x, prismatic, up| {
-                let unit = (-f64::from(bits[usize::from(prismatic && has_sines)])).exp2();
+            Scalar::Fixed32 => Box::new(move |x, drawn, up| {
+                let bits = match drawn {
+                    Drawn::Velocity => qd,
+                    Drawn::Stroke if has_sines => q.min(sc),
+                    Drawn::Stroke | Drawn::Angle => q,
+                };
+                let unit = (-f64::from(bits)).exp2();
                 match up {
                     true => (x / unit).ceil() * unit,
                     false => (x / unit).floor() * unit,
@@ -199,7 +204,8 @@ impl Compiled {
             .map(|dof| dof.prismatic)
             .collect();
         let mut bytes = Vec::new();
-        let [q_bits, r_bits, sc_bits] = ["Q", "R", "SC"].map(|quantity| self.bits(quantity));
+        let [q_bits, qd_bits, r_bits, sc_bits] =
+            ["Q", "QD", "R", "SC"].map(|quantity| self.bits(quantity));
         for (k, q) in drawn.q.chunks(dof).enumerate() {
             let mut put = |x: f64, bits: i32| match self.scalar {
                 Scalar::F64 => bytes.extend(x.to_le_bytes()),
@@ -219,9 +225,12 @@ impl Compiled {
             for (j, (_, cos)) in pairs.iter().enumerate() {
                 put(if prismatic[j] { 0.0 } else { *cos }, sc_bits);
             }
-            drawn.r[k * params..(k + 1) * params]
-                .iter()
-                .for_each(|x| put(*x, r_bits));
+            let (qd, r) = (
+                &drawn.qd[k * dof..(k + 1) * dof],
+                &drawn.r[k * params..(k + 1) * params],
+            );
+            qd.iter().for_each(|x| put(*x, qd_bits));
+            r.iter().for_each(|x| put(*x, r_bits));
             let ticks = &drawn.ticks[k * dof..(k + 1) * dof];
             ticks.iter().for_each(|t| bytes.extend(t.to_le_bytes()));
         }
@@ -273,16 +282,12 @@ fn driver(case: &Case) -> String {
         .unwrap_or(1);
     let mut cases = String::new();
     for (k, entry) in case.entries().iter().enumerate() {
-        let inputs = match entry.given {
-            None => "ticks",
-            Some(sesc_model::Given::Positions) => "q",
-            Some(_) => "sines, cosines",
-        };
-        let r = if entry.takes_parameters() { ", r" } else { "" };
         let _ = writeln!(
             cases,
-            "    case {k}: {name}_{}({inputs}{r}, out); return {}u;",
-            entry.name, entry.width
+            "    case {k}: {name}_{}({}, out); return {}u;",
+            entry.name,
+            entry.arguments(),
+            entry.width
         );
     }
     format!(
@@ -292,7 +297,7 @@ fn driver(case: &Case) -> String {
 #include <stdlib.h>
 
 static {name}_real q[{name}_DOF], sines[{name}_DOF], cosines[{name}_DOF];
-static {name}_real r[{name}_BASE_PARAMS], out[{widest}];
+static {name}_real qd[{name}_DOF], r[{name}_BASE_PARAMS], out[{widest}];
 static int32_t ticks[{name}_DOF];
 
 static size_t call(int function)
@@ -317,6 +322,7 @@ int main(int count, char **arguments)
         int k;
         if (fread(sines, sizeof sines, 1u, input) != 1u
             || fread(cosines, sizeof cosines, 1u, input) != 1u
+            || fread(qd, sizeof qd, 1u, input) != 1u
             || fread(r, sizeof r, 1u, input) != 1u
             || fread(ticks, sizeof ticks, 1u, input) != 1u) {{
             return 4;

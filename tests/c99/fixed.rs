@@ -240,7 +240,12 @@ fn a_chain_of_five_hundred_joints_stays_inside() {
         mimic: None,
     };
     let case = Case::of_text(&chain.text(), "l0", chain.name);
-    let kept = [Function::Com, Function::Cop, Function::GravityMoments];
+    let kept = [
+        Function::Com,
+        Function::ComVelocity,
+        Function::Cop,
+        Function::GravityMoments,
+    ];
     let case = Case {
         functions: kept.to_vec(),
         ..case

@@ -20,9 +20,10 @@ const DATA: [&str; 7] = [
     "cad_params",
     "model_params",
 ];
-const FUNCTIONS: [&str; 7] = [
+const FUNCTIONS: [&str; 8] = [
     "com",
     "com_jacobian",
+    "com_velocity",
     "gravity_moments",
     "regressor",
     "regressor_cop",
@@ -139,7 +140,8 @@ fn caller(name: &str, real: &str) -> String {
     }
     for function in FUNCTIONS.into_iter().chain(BAKED) {
         let r = !(function.starts_with("regressor") || function.starts_with("model"));
-        calls += &format!("    compare(\"{function}\", {});\n", i32::from(r));
+        let [qd, r] = [function == "com_velocity", r].map(i32::from);
+        calls += &format!("    compare(\"{function}\", {qd}, {r});\n");
     }
     let fixed = real == "int32_t";
     let bits = |quantity: &str| match fixed {
@@ -159,7 +161,7 @@ enum {{ DOF = {name}_DOF, LARGEST = 3 * {name}_FULL_PARAMS }};
 typedef {real} real;
 
 static void *library;
-static real q[DOF], sines[DOF], cosines[DOF], r[{name}_BASE_PARAMS];
+static real q[DOF], sines[DOF], cosines[DOF], qd[DOF], r[{name}_BASE_PARAMS];
 static int32_t ticks[DOF];
 
 static void *find(const char *symbol)
@@ -173,35 +175,50 @@ static void *find(const char *symbol)
 }}
 
 /* A function, by its name; as POSIX asks, its address is copied. */
-static void call(const char *function, const char *suffix, int inputs, const void *a, const void *b,
-    const void *c, real *out)
+static void call(const char *function, const char *suffix, int inputs, const void *const *in,
+    real *out)
 {{
     char symbol[128];
     void *found;
     void (*of_1)(const void *, real *);
     void (*of_2)(const void *, const void *, real *);
     void (*of_3)(const void *, const void *, const void *, real *);
+    void (*of_4)(const void *, const void *, const void *, const void *, real *);
     snprintf(symbol, sizeof symbol, "{name}_%s%s", function, suffix);
     found = find(symbol);
     memcpy(&of_1, &found, sizeof found);
     memcpy(&of_2, &found, sizeof found);
     memcpy(&of_3, &found, sizeof found);
+    memcpy(&of_4, &found, sizeof found);
     if (inputs == 1) {{
-        of_1(a, out);
+        of_1(in[0], out);
     }} else if (inputs == 2) {{
-        of_2(a, b, out);
+        of_2(in[0], in[1], out);
+    }} else if (inputs == 3) {{
+        of_3(in[0], in[1], in[2], out);
     }} else {{
-        of_3(a, b, c, out);
+        of_4(in[0], in[1], in[2], in[3], out);
     }}
 }}
 
-static void compare(const char *function, int takes_r)
+static void compare(const char *function, int takes_qd, int takes_r)
 {{
     static real of_q[LARGEST], of_sc[LARGEST], of_ticks[LARGEST];
+    const void *in[4] = {{sines, NULL, NULL, NULL}};
     int k;
-    call(function, "", 1 + takes_r, q, r, NULL, of_q);
-    call(function, "_sc", 2 + takes_r, sines, cosines, r, of_sc);
-    call(function, "_ticks", 1 + takes_r, ticks, r, NULL, of_ticks);
+    int more = 1;
+    if (takes_qd) {{
+        in[++more] = qd;
+    }}
+    if (takes_r) {{
+        in[++more] = r;
+    }}
+    in[1] = cosines;
+    call(function, "_sc", more + 1, in, of_sc);
+    in[1] = q;
+    call(function, "", more, in + 1, of_q);
+    in[1] = ticks;
+    call(function, "_ticks", more, in + 1, of_ticks);
     for (k = 0; k < LARGEST; k += 1) {{
         if (fabs((double)of_q[k] - (double)of_sc[k]) > {tolerance}
             || fabs((double)of_q[k] - (double)of_ticks[k]) > {tolerance}) {{
@@ -217,6 +234,7 @@ int main(int count, char **arguments)
     int (*selftest)(void);
     void *found;
     real com[3], model_com[3];
+    const void *in[2] = {{q, r}};
     int k;
     library = dlopen(arguments[count - 1], RTLD_NOW);
     if (library == NULL) {{
@@ -229,10 +247,11 @@ int main(int count, char **arguments)
         q[k] = (real)(angle * {q_unit});
         sines[k] = (real)(sin(angle) * {sc_unit});
         cosines[k] = (real)(cos(angle) * {sc_unit});
+        qd[k] = (real)(((k % 3) - 1) * 0.5 * {qd_unit});
     }}
     memcpy(r, find("{name}_cad_params"), sizeof r);
-{calls}    call("com", "", 2, q, r, NULL, com);
-    call("model_com", "", 1, q, NULL, NULL, model_com);
+{calls}    call("com", "", 2, in, com);
+    call("model_com", "", 1, in, model_com);
     found = find("{name}_selftest");
     memcpy(&selftest, &found, sizeof found);
     for (k = 0; k < 3; k += 1) {{
@@ -245,6 +264,7 @@ int main(int count, char **arguments)
 }}
 "#,
         q_unit = bits("Q"),
+        qd_unit = bits("QD"),
         sc_unit = bits("SC"),
         com_unit = bits("COM"),
     )

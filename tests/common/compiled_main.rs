@@ -34,6 +34,11 @@ fn checksum(values: &[f64]) -> f64 {
     (hash >> 12) as f64
 }
 
+/// Joint velocities, rad/s or m/s, no two alike; as `tests/compiled.rs` has them.
+fn velocities<const DOF: usize>() -> [f64; DOF] {
+    core::array::from_fn(|j| f64::from(1.0 / (1.0 + j as f32)))
+}
+
 /// Rows combined by a direction.
 #[allow(dead_code)]
 fn combined<const N: usize>(rows: &[[f64; N]; 3], along: [f64; 3]) -> [f64; N] {
@@ -45,6 +50,7 @@ macro_rules! run {
     ($m:ident, $unit:ident) => {{
         let name = stringify!($m);
         let r = $m::CAD_PARAMS;
+        let qd = velocities();
         let com = $m::com(&$m::SELF_TEST_Q, &r);
         for k in 0..3 {
             assert!((com[k] - $m::SELF_TEST_COM[k]).abs() < 1e-12, "{name} self-test");
@@ -57,18 +63,20 @@ macro_rules! run {
         };
         write(name, "com", &each(&|q| $m::com(q, &r).to_vec()));
         write(name, "com_jacobian", &each(&|q| $m::com_jacobian(q, &r).concat()));
+        write(name, "com_velocity", &each(&|q| $m::com_velocity(q, &qd, &r).to_vec()));
         write(name, "gravity_moments", &each(&|q| $m::gravity_moments(q, &r).to_vec()));
         write(name, "regressor", &each(&|q| $m::regressor(q).concat()));
         write(name, "regressor_cop", &each(&|q| $m::regressor_cop(q).concat()));
         write(name, "regressor_full", &each(&|q| $m::regressor_full(q).concat()));
         write(name, "cop", &each(&|q| $m::cop(q, &r).to_vec()));
-        let r32 = r.map(|x| x as f32);
+        let (r32, qd32) = (r.map(|x| x as f32), qd.map(|x| x as f32));
         let single = |what: &str, f: &dyn Fn(&[f32; $m::DOF]) -> Vec<f32>| {
             let wide = |q: &[f64; $m::DOF]| f(&q.map(|x| x as f32)).into_iter().map(f64::from).collect();
             write(name, what, &each(&wide));
         };
         single("com_f32", &|q| $m::com(q, &r32).to_vec());
         single("com_jacobian_f32", &|q| $m::com_jacobian(q, &r32).concat());
+        single("com_velocity_f32", &|q| $m::com_velocity(q, &qd32, &r32).to_vec());
         single("gravity_moments_f32", &|q| $m::gravity_moments(q, &r32).to_vec());
         single("regressor_f32", &|q| $m::regressor(q).concat());
         single("regressor_cop_f32", &|q| $m::regressor_cop(q).concat());
@@ -93,7 +101,7 @@ macro_rules! run_sc {
     ($m:ident, $unit:ident) => {{
         run!($m, $unit);
         let name = stringify!($m);
-        let r = $m::CAD_PARAMS;
+        let (r, qd) = ($m::CAD_PARAMS, velocities());
         let size: f64 = r.iter().map(|x| x.abs()).sum::<f64>() + 1.0;
         for q in postures::<{ $m::DOF }>(name).into_iter().take(WRITTEN) {
             let pairs = q.map(|x| Real::sin_cos(x));
@@ -109,6 +117,7 @@ macro_rules! run_sc {
             near(&$m::com_sc(&sin, &cos, &r), &$m::com(&q, &r));
             near(&$m::cop_sc(&sin, &cos, &r), &$m::cop(&q, &r));
             near(&$m::com_jacobian_sc(&sin, &cos, &r).concat(), &$m::com_jacobian(&q, &r).concat());
+            near(&$m::com_velocity_sc(&sin, &cos, &qd, &r), &$m::com_velocity(&q, &qd, &r));
             near(&$m::gravity_moments_sc(&sin, &cos, &r), &$m::gravity_moments(&q, &r));
             near(&$m::regressor_sc(&sin, &cos).concat(), &$m::regressor(&q).concat());
             near(&$m::regressor_cop_sc(&sin, &cos).concat(), &$m::regressor_cop(&q).concat());

@@ -41,6 +41,7 @@ int main(void)
     for (uint32_t k = 0u; k < POSTURES; k += 1u) {
         SHOW(com, 3u, q[k], r);
         SHOW(com_jacobian, 3u * JOINTS, q[k], r);
+        SHOW(com_velocity, 3u, q[k], qd[k], r);
         SHOW(gravity_moments, JOINTS, q[k], r);
         SHOW(regressor, 3u * COLUMNS, q[k]);
         SHOW(regressor_cop, 2u * COLUMNS, q[k]);
@@ -48,6 +49,7 @@ int main(void)
         SHOW(cop, 2u, q[k], r);
         SHOW(com_sc, 3u, sin_q[k], cos_q[k], r);
         SHOW(com_jacobian_sc, 3u * JOINTS, sin_q[k], cos_q[k], r);
+        SHOW(com_velocity_sc, 3u, sin_q[k], cos_q[k], qd[k], r);
         SHOW(gravity_moments_sc, JOINTS, sin_q[k], cos_q[k], r);
         SHOW(regressor_sc, 3u * COLUMNS, sin_q[k], cos_q[k]);
         SHOW(regressor_cop_sc, 2u * COLUMNS, sin_q[k], cos_q[k]);
@@ -55,6 +57,7 @@ int main(void)
         SHOW(cop_sc, 2u, sin_q[k], cos_q[k], r);
         SHOW(com_ticks, 3u, ticks[k], r);
         SHOW(com_jacobian_ticks, 3u * JOINTS, ticks[k], r);
+        SHOW(com_velocity_ticks, 3u, ticks[k], qd[k], r);
         SHOW(gravity_moments_ticks, JOINTS, ticks[k], r);
         SHOW(regressor_ticks, 3u * COLUMNS, ticks[k]);
         SHOW(regressor_cop_ticks, 2u * COLUMNS, ticks[k]);

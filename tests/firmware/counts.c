@@ -29,8 +29,10 @@ void measure(void)
         const ROBOT(real) *x = q[k];
         const ROBOT(real) *s = sin_q[k];
         const ROBOT(real) *c = cos_q[k];
+        const ROBOT(real) *v = qd[k];
         ROBOT(com_ticks)(t, r, out);
         ROBOT(com_jacobian_ticks)(t, r, out);
+        ROBOT(com_velocity_ticks)(t, v, r, out);
         ROBOT(gravity_moments_ticks)(t, r, out);
         ROBOT(regressor_ticks)(t, out);
         ROBOT(regressor_cop_ticks)(t, out);
@@ -38,6 +40,7 @@ void measure(void)
         ROBOT(cop_ticks)(t, r, out);
         ROBOT(com)(x, r, out);
         ROBOT(com_jacobian)(x, r, out);
+        ROBOT(com_velocity)(x, v, r, out);
         ROBOT(gravity_moments)(x, r, out);
         ROBOT(regressor)(x, out);
         ROBOT(regressor_cop)(x, out);
@@ -45,6 +48,7 @@ void measure(void)
         ROBOT(cop)(x, r, out);
         ROBOT(com_sc)(s, c, r, out);
         ROBOT(com_jacobian_sc)(s, c, r, out);
+        ROBOT(com_velocity_sc)(s, c, v, r, out);
         ROBOT(gravity_moments_sc)(s, c, r, out);
         ROBOT(regressor_sc)(s, c, out);
         ROBOT(regressor_cop_sc)(s, c, out);

@@ -17,9 +17,10 @@ use sesc_test_support::machine;
 pub const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 pub const LIMIT: Duration = Duration::from_secs(300);
 
-pub const FUNCTIONS: [&str; 7] = [
+pub const FUNCTIONS: [&str; 8] = [
     "com",
     "com_jacobian",
+    "com_velocity",
     "gravity_moments",
     "regressor",
     "regressor_cop",

@@ -1,4 +1,4 @@
-//! What is passed in: postures as ticks, positions, sines and cosines.
+//! What is passed in: postures as ticks, positions, sines and cosines, and joint velocities.
 
 use std::fmt::Write as _;
 
@@ -16,21 +16,27 @@ pub const COUNTED: usize = 3;
 pub struct Posture {
     pub ticks: [i32; DOF],
     pub q: [f64; DOF],
+    /// rad/s
+    pub qd: [f64; DOF],
 }
 
-/// Both ends of the joint limits, ±2.618 rad, and random postures between.
+/// Both ends of the joint limits, ±2.618 rad, at full speed, and random postures between.
 pub fn postures() -> Vec<Posture> {
     const LIMIT_RAD: f64 = 2.617;
     const LIMIT_TICKS: i32 = 1706;
+    /// Of every joint in the URDF, 5.6549 rad/s.
+    const SPEED: f64 = 5.654;
     let mut rng = ChaCha8Rng::seed_from_u64(1906);
     let at = |sign: i32| Posture {
         ticks: [2048 + sign * LIMIT_TICKS; DOF],
         q: [f64::from(sign) * LIMIT_RAD; DOF],
+        qd: [f64::from(sign) * SPEED; DOF],
     };
     let mut postures = vec![at(1), at(-1)];
     postures.resize_with(POSTURES, || Posture {
         ticks: std::array::from_fn(|_| 2048 + rng.random_range(-LIMIT_TICKS..=LIMIT_TICKS)),
         q: std::array::from_fn(|_| rng.random_range(-LIMIT_RAD..=LIMIT_RAD)),
+        qd: std::array::from_fn(|_| rng.random_range(-SPEED..=SPEED)),
     });
     postures
 }
@@ -84,9 +90,12 @@ impl Config {
             true => format!("{x}"),
             false => format!("{:?}f", x as f32),
         };
-        let (q, sc) = ("Q", "SC");
+        let (q, qd, sc) = ("Q", "QD", "SC");
         array("int32_t", "ticks", &|p, k| p.ticks[k].to_string());
         array("ROBOT(real)", "q", &|p, k| literal(self.passed(p.q[k], q)));
+        array("ROBOT(real)", "qd", &|p, k| {
+            literal(self.passed(p.qd[k], qd))
+        });
         array("ROBOT(real)", "sin_q", &|p, k| {
             literal(self.passed(p.q[k].sin(), sc))
         });

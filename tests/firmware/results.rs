@@ -10,10 +10,16 @@ use crate::{LIMIT, ROOT, names};
 use sesc_test_support::machine;
 
 /// A function in f64.
-fn in_f64(function: &str, q: &[f64; DOF], r: &[f64; op2::BASE_PARAMS]) -> Vec<f64> {
+fn in_f64(
+    function: &str,
+    q: &[f64; DOF],
+    qd: &[f64; DOF],
+    r: &[f64; op2::BASE_PARAMS],
+) -> Vec<f64> {
     match function {
         "com" => op2::com(q, r).to_vec(),
         "com_jacobian" => op2::com_jacobian(q, r).concat(),
+        "com_velocity" => op2::com_velocity(q, qd, r).to_vec(),
         "gravity_moments" => op2::gravity_moments(q, r).to_vec(),
         "regressor" => op2::regressor(q).concat(),
         "regressor_cop" => op2::regressor_cop(q).concat(),
@@ -29,7 +35,7 @@ impl Config {
         let header = self.header();
         let line = header.lines().find_map(|line| {
             let mut words = line.strip_prefix(" * ")?.split_whitespace();
-            (words.next()? == name).then(|| words.last())?
+            (words.next()? == name).then(|| words.nth(4))?
         });
         line.expect("the header has a table of bounds")
             .parse()
@@ -75,6 +81,7 @@ impl Config {
         let mut results = results[1..].iter();
         let mut worst: f64 = 0.0;
         for posture in postures() {
+            let qd = posture.qd.map(|x| self.meant(x, "QD"));
             for (name, function, kind) in names() {
                 let q = match kind {
                     "" => posture.q.map(|q| self.meant(q, "Q")),
@@ -85,7 +92,7 @@ impl Config {
                 };
                 let (printed, got) = results.next().unwrap();
                 assert_eq!(*printed, name);
-                let expected = in_f64(function, &q, &r);
+                let expected = in_f64(function, &q, &qd, &r);
                 assert_eq!(got.len(), expected.len(), "{name}");
                 let unit = if self.fixed {
                     self.unit(&function.to_uppercase())

@@ -42,23 +42,16 @@ fn the_header_compiles_alone_and_as_cplusplus() {
         let include = format!("#include \"{name}.h\"\n");
         let mut calls = String::new();
         for entry in case.entries() {
-            let inputs = match entry.given {
-                None => "ticks",
-                Some(sesc_model::Given::Positions) => "q",
-                Some(_) => "q, q",
-            };
-            let r = if entry.takes_parameters() {
-                format!(", {name}_cad_params")
-            } else {
-                String::new()
-            };
-            let _ = writeln!(calls, "    {name}_{}({inputs}{r}, out);", entry.name);
+            let arguments = entry.arguments();
+            let _ = writeln!(calls, "    {name}_{}({arguments}, out);", entry.name);
         }
         let text = format!(
             "{include}{include}#include <cstdint>\nint main()\n{{\n    \
              const {name}_real q[{dof}] = {{}};\n    const std::int32_t ticks[{name}_DOF] = {{}};\n    \
+             const {name}_real *const sines = q, *const cosines = q, *const qd = q;\n    \
+             const {name}_real *const r = {name}_cad_params;\n    \
              static {name}_real out[3 * {name}_FULL_PARAMS + 3 * {name}_DOF];\n    \
-             (void)q;\n    (void)ticks;\n{calls}    \
+             (void)sines;\n    (void)cosines;\n    (void)qd;\n    (void)r;\n    (void)ticks;\n{calls}    \
              return {name}_joint_names[0][0] == 0 ? 1 : {name}_selftest();\n}}\n"
         );
         let main = folder.join("main.cpp");
