@@ -20,7 +20,7 @@ pub struct Routine {
 }
 
 impl Routine {
-    /// Proven bound on the rounding error of its results, m.
+    /// Proven bound on the rounding error of its results, in their unit.
     pub fn rounding(&self, precision: Precision) -> Bound {
         bounds::prove(&self.program, &self.inputs, precision)
     }

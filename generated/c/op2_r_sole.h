@@ -10,31 +10,31 @@
  *                "Three-dimensional identification of a humanoid robot", eq. (4)
  * scalar         f32 (float); double is never touched
  *
- * function                   mul     add   sin_cos   look_up   proven |rounding error|, m
- * com                         80      80        20         0   1.8e-6
- * com_jacobian               335     200        20         0   1.6e-6
- * com_velocity               176     142        20         0   6.3e-5
- * gravity_moments            165     118        20         0   1.5e-6
+ * function                   mul     add   sin_cos   look_up   proven |rounding error|
+ * com                         80      80        20         0   1.8e-6 m
+ * com_jacobian               335     200        20         0   1.6e-6 m/rad
+ * com_velocity               176     142        20         0   6.3e-5 m/s
+ * gravity_moments            165     118        20         0   1.5e-6 m
  * regressor                  218     106        20         0   7.5e-6
  * regressor_cop              144      70        20         0   7.5e-6
  * regressor_full             230     112        20         0   7.5e-6
- * cop                         78      78        20         0   1.7e-6
- * com_sc                      88      84         0         0   1.5e-6
- * com_jacobian_sc            343     204         0         0   1.4e-6
- * com_velocity_sc            184     146         0         0   5.4e-5
- * gravity_moments_sc         173     122         0         0   1.3e-6
+ * cop                         78      78        20         0   1.7e-6 m
+ * com_sc                      88      84         0         0   1.5e-6 m
+ * com_jacobian_sc            343     204         0         0   1.4e-6 m/rad
+ * com_velocity_sc            184     146         0         0   5.4e-5 m/s
+ * gravity_moments_sc         173     122         0         0   1.3e-6 m
  * regressor_sc               226     110         0         0   5.8e-6
  * regressor_cop_sc           152      74         0         0   5.8e-6
  * regressor_full_sc          238     116         0         0   5.8e-6
- * cop_sc                      86      82         0         0   1.4e-6
- * com_ticks                   88      84         0        20   1.5e-6
- * com_jacobian_ticks         343     204         0        20   1.4e-6
- * com_velocity_ticks         184     146         0        20   5.4e-5
- * gravity_moments_ticks      173     122         0        20   1.3e-6
+ * cop_sc                      86      82         0         0   1.4e-6 m
+ * com_ticks                   88      84         0        20   1.5e-6 m
+ * com_jacobian_ticks         343     204         0        20   1.4e-6 m/rad
+ * com_velocity_ticks         184     146         0        20   5.4e-5 m/s
+ * gravity_moments_ticks      173     122         0        20   1.3e-6 m
  * regressor_ticks            226     110         0        20   5.8e-6
  * regressor_cop_ticks        152      74         0        20   5.8e-6
  * regressor_full_ticks       238     116         0        20   5.8e-6
- * cop_ticks                   86      82         0        20   1.4e-6
+ * cop_ticks                   86      82         0        20   1.4e-6 m
  * Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
  * parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
  * against exact evaluation with the same parameters.
@@ -148,7 +148,7 @@ void op2_r_sole_com(const op2_r_sole_real q[], const op2_r_sole_real r[], op2_r_
 
 /**
  * @brief d CoM / d q, m/rad (m/m for prismatic joints), row-major: x, y, z.
- * Proven rounding error below 1.6e-6 m; arrays must not overlap.
+ * Proven rounding error below 1.6e-6 m/rad; arrays must not overlap.
  * @param[in] q joint positions, rad (m for prismatic joints), [op2_r_sole_DOF]
  * @param[in] r base parameters, m, [op2_r_sole_BASE_PARAMS]
  * @param[out] jac the result, [3 * op2_r_sole_DOF]
@@ -160,7 +160,7 @@ void op2_r_sole_com_jacobian(
 
 /**
  * @brief Velocity of the centre of mass, m/s, without the Jacobian.
- * Proven rounding error below 6.3e-5 m; arrays must not overlap.
+ * Proven rounding error below 6.3e-5 m/s; arrays must not overlap.
  * @param[in] q joint positions, rad (m for prismatic joints), [op2_r_sole_DOF]
  * @param[in] qd joint velocities, rad/s (m/s), [op2_r_sole_DOF]
  * @param[in] r base parameters, m, [op2_r_sole_BASE_PARAMS]
@@ -186,7 +186,7 @@ void op2_r_sole_gravity_moments(
 
 /**
  * @brief Rows of the base regressor, row-major: CoM = rows r.
- * Proven rounding error below 7.5e-6 m; arrays must not overlap.
+ * Proven rounding error below 7.5e-6; arrays must not overlap.
  * @param[in] q joint positions, rad (m for prismatic joints), [op2_r_sole_DOF]
  * @param[out] rows the result, [3 * op2_r_sole_BASE_PARAMS]
  */
@@ -196,7 +196,7 @@ void op2_r_sole_regressor(
 
 /**
  * @brief The x and y rows of the base regressor, row-major: CoP = rows r.
- * Proven rounding error below 7.5e-6 m; arrays must not overlap.
+ * Proven rounding error below 7.5e-6; arrays must not overlap.
  * @param[in] q joint positions, rad (m for prismatic joints), [op2_r_sole_DOF]
  * @param[out] rows the result, [2 * op2_r_sole_BASE_PARAMS]
  */
@@ -206,7 +206,7 @@ void op2_r_sole_regressor_cop(
 
 /**
  * @brief Rows [B_0 B_1 ...] of the full regressor in link frames, row-major.
- * Proven rounding error below 7.5e-6 m; arrays must not overlap.
+ * Proven rounding error below 7.5e-6; arrays must not overlap.
  * @param[in] q joint positions, rad (m for prismatic joints), [op2_r_sole_DOF]
  * @param[out] rows the result, [3 * op2_r_sole_FULL_PARAMS]
  */
@@ -241,7 +241,7 @@ void op2_r_sole_com_sc(
 /**
  * @brief d CoM / d q, m/rad (m/m for prismatic joints), row-major: x, y, z.
  * From sines and cosines; a prismatic joint passes its position in sin_q.
- * Proven rounding error below 1.4e-6 m; arrays must not overlap.
+ * Proven rounding error below 1.4e-6 m/rad; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [op2_r_sole_DOF]
  * @param[in] cos_q cosines of the joint angles, [op2_r_sole_DOF]
  * @param[in] r base parameters, m, [op2_r_sole_BASE_PARAMS]
@@ -256,7 +256,7 @@ void op2_r_sole_com_jacobian_sc(
 /**
  * @brief Velocity of the centre of mass, m/s, without the Jacobian.
  * From sines and cosines; a prismatic joint passes its position in sin_q.
- * Proven rounding error below 5.4e-5 m; arrays must not overlap.
+ * Proven rounding error below 5.4e-5 m/s; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [op2_r_sole_DOF]
  * @param[in] cos_q cosines of the joint angles, [op2_r_sole_DOF]
  * @param[in] qd joint velocities, rad/s (m/s), [op2_r_sole_DOF]
@@ -288,7 +288,7 @@ void op2_r_sole_gravity_moments_sc(
 /**
  * @brief Rows of the base regressor, row-major: CoM = rows r.
  * From sines and cosines; a prismatic joint passes its position in sin_q.
- * Proven rounding error below 5.8e-6 m; arrays must not overlap.
+ * Proven rounding error below 5.8e-6; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [op2_r_sole_DOF]
  * @param[in] cos_q cosines of the joint angles, [op2_r_sole_DOF]
  * @param[out] rows the result, [3 * op2_r_sole_BASE_PARAMS]
@@ -301,7 +301,7 @@ void op2_r_sole_regressor_sc(
 /**
  * @brief The x and y rows of the base regressor, row-major: CoP = rows r.
  * From sines and cosines; a prismatic joint passes its position in sin_q.
- * Proven rounding error below 5.8e-6 m; arrays must not overlap.
+ * Proven rounding error below 5.8e-6; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [op2_r_sole_DOF]
  * @param[in] cos_q cosines of the joint angles, [op2_r_sole_DOF]
  * @param[out] rows the result, [2 * op2_r_sole_BASE_PARAMS]
@@ -314,7 +314,7 @@ void op2_r_sole_regressor_cop_sc(
 /**
  * @brief Rows [B_0 B_1 ...] of the full regressor in link frames, row-major.
  * From sines and cosines; a prismatic joint passes its position in sin_q.
- * Proven rounding error below 5.8e-6 m; arrays must not overlap.
+ * Proven rounding error below 5.8e-6; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [op2_r_sole_DOF]
  * @param[in] cos_q cosines of the joint angles, [op2_r_sole_DOF]
  * @param[out] rows the result, [3 * op2_r_sole_FULL_PARAMS]
@@ -350,7 +350,7 @@ void op2_r_sole_com_ticks(const int32_t ticks[], const op2_r_sole_real r[], op2_
 
 /**
  * @brief d CoM / d q, m/rad (m/m for prismatic joints), row-major: x, y, z.
- * Proven rounding error below 1.4e-6 m; arrays must not overlap.
+ * Proven rounding error below 1.4e-6 m/rad; arrays must not overlap.
  * @param[in] ticks servo ticks, [op2_r_sole_DOF], within the joint limits
  * @param[in] r base parameters, m, [op2_r_sole_BASE_PARAMS]
  * @param[out] jac the result, [3 * op2_r_sole_DOF]
@@ -362,7 +362,7 @@ void op2_r_sole_com_jacobian_ticks(
 
 /**
  * @brief Velocity of the centre of mass, m/s, without the Jacobian.
- * Proven rounding error below 5.4e-5 m; arrays must not overlap.
+ * Proven rounding error below 5.4e-5 m/s; arrays must not overlap.
  * @param[in] ticks servo ticks, [op2_r_sole_DOF], within the joint limits
  * @param[in] qd joint velocities, rad/s (m/s), [op2_r_sole_DOF]
  * @param[in] r base parameters, m, [op2_r_sole_BASE_PARAMS]
@@ -388,7 +388,7 @@ void op2_r_sole_gravity_moments_ticks(
 
 /**
  * @brief Rows of the base regressor, row-major: CoM = rows r.
- * Proven rounding error below 5.8e-6 m; arrays must not overlap.
+ * Proven rounding error below 5.8e-6; arrays must not overlap.
  * @param[in] ticks servo ticks, [op2_r_sole_DOF], within the joint limits
  * @param[out] rows the result, [3 * op2_r_sole_BASE_PARAMS]
  */
@@ -398,7 +398,7 @@ void op2_r_sole_regressor_ticks(
 
 /**
  * @brief The x and y rows of the base regressor, row-major: CoP = rows r.
- * Proven rounding error below 5.8e-6 m; arrays must not overlap.
+ * Proven rounding error below 5.8e-6; arrays must not overlap.
  * @param[in] ticks servo ticks, [op2_r_sole_DOF], within the joint limits
  * @param[out] rows the result, [2 * op2_r_sole_BASE_PARAMS]
  */
@@ -408,7 +408,7 @@ void op2_r_sole_regressor_cop_ticks(
 
 /**
  * @brief Rows [B_0 B_1 ...] of the full regressor in link frames, row-major.
- * Proven rounding error below 5.8e-6 m; arrays must not overlap.
+ * Proven rounding error below 5.8e-6; arrays must not overlap.
  * @param[in] ticks servo ticks, [op2_r_sole_DOF], within the joint limits
  * @param[out] rows the result, [3 * op2_r_sole_FULL_PARAMS]
  */

@@ -10,31 +10,31 @@
  *                "Three-dimensional identification of a humanoid robot", eq. (4)
  * scalar         fixed32 (int32_t, binary points proven from ranges; no division)
  *
- * function                   mul     add   sin_cos   look_up   proven |rounding error|, m
- * com                         80      80        20         0   6.3e-8
- * com_jacobian               335     200        20         0   6.4e-8
- * com_velocity               176     142        20         0   2.7e-6
- * gravity_moments            165     118        20         0   6.2e-8
+ * function                   mul     add   sin_cos   look_up   proven |rounding error|
+ * com                         80      80        20         0   6.3e-8 m
+ * com_jacobian               335     200        20         0   6.4e-8 m/rad
+ * com_velocity               176     142        20         0   2.7e-6 m/s
+ * gravity_moments            165     118        20         0   6.2e-8 m
  * regressor                  218     106        20         0   1.4e-7
  * regressor_cop              144      70        20         0   1.4e-7
  * regressor_full             230     112        20         0   1.4e-7
- * cop                         78      78        20         0   6.2e-8
- * com_sc                      88      84         0         0   4.7e-8
- * com_jacobian_sc            343     204         0         0   4.9e-8
- * com_velocity_sc            184     146         0         0   2.1e-6
- * gravity_moments_sc         173     122         0         0   4.8e-8
+ * cop                         78      78        20         0   6.2e-8 m
+ * com_sc                      88      84         0         0   4.7e-8 m
+ * com_jacobian_sc            343     204         0         0   4.9e-8 m/rad
+ * com_velocity_sc            184     146         0         0   2.1e-6 m/s
+ * gravity_moments_sc         173     122         0         0   4.8e-8 m
  * regressor_sc               226     110         0         0   3.2e-8
  * regressor_cop_sc           152      74         0         0   3.2e-8
  * regressor_full_sc          238     116         0         0   3.2e-8
- * cop_sc                      86      82         0         0   4.6e-8
- * com_ticks                   88      84         0        20   4.7e-8
- * com_jacobian_ticks         343     204         0        20   4.9e-8
- * com_velocity_ticks         184     146         0        20   2.1e-6
- * gravity_moments_ticks      173     122         0        20   4.8e-8
+ * cop_sc                      86      82         0         0   4.6e-8 m
+ * com_ticks                   88      84         0        20   4.7e-8 m
+ * com_jacobian_ticks         343     204         0        20   4.9e-8 m/rad
+ * com_velocity_ticks         184     146         0        20   2.1e-6 m/s
+ * gravity_moments_ticks      173     122         0        20   4.8e-8 m
  * regressor_ticks            226     110         0        20   3.2e-8
  * regressor_cop_ticks        152      74         0        20   3.2e-8
  * regressor_full_ticks       238     116         0        20   3.2e-8
- * cop_ticks                   86      82         0        20   4.6e-8
+ * cop_ticks                   86      82         0        20   4.6e-8 m
  * Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
  * parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
  * against exact evaluation with the same parameters.

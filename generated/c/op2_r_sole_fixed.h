@@ -10,31 +10,31 @@
  *                "Three-dimensional identification of a humanoid robot", eq. (4)
  * scalar         fixed32 (int32_t, binary points proven from ranges; no division)
  *
- * function                   mul     add   sin_cos   look_up   proven |rounding error|, m
- * com                         80      80        20         0   6.3e-8
- * com_jacobian               335     200        20         0   6.4e-8
- * com_velocity               176     142        20         0   2.7e-6
- * gravity_moments            165     118        20         0   6.2e-8
+ * function                   mul     add   sin_cos   look_up   proven |rounding error|
+ * com                         80      80        20         0   6.3e-8 m
+ * com_jacobian               335     200        20         0   6.4e-8 m/rad
+ * com_velocity               176     142        20         0   2.7e-6 m/s
+ * gravity_moments            165     118        20         0   6.2e-8 m
  * regressor                  218     106        20         0   1.4e-7
  * regressor_cop              144      70        20         0   1.4e-7
  * regressor_full             230     112        20         0   1.4e-7
- * cop                         78      78        20         0   6.2e-8
- * com_sc                      88      84         0         0   4.7e-8
- * com_jacobian_sc            343     204         0         0   4.9e-8
- * com_velocity_sc            184     146         0         0   2.1e-6
- * gravity_moments_sc         173     122         0         0   4.8e-8
+ * cop                         78      78        20         0   6.2e-8 m
+ * com_sc                      88      84         0         0   4.7e-8 m
+ * com_jacobian_sc            343     204         0         0   4.9e-8 m/rad
+ * com_velocity_sc            184     146         0         0   2.1e-6 m/s
+ * gravity_moments_sc         173     122         0         0   4.8e-8 m
  * regressor_sc               226     110         0         0   3.2e-8
  * regressor_cop_sc           152      74         0         0   3.2e-8
  * regressor_full_sc          238     116         0         0   3.2e-8
- * cop_sc                      86      82         0         0   4.6e-8
- * com_ticks                   88      84         0        20   4.7e-8
- * com_jacobian_ticks         343     204         0        20   4.9e-8
- * com_velocity_ticks         184     146         0        20   2.1e-6
- * gravity_moments_ticks      173     122         0        20   4.8e-8
+ * cop_sc                      86      82         0         0   4.6e-8 m
+ * com_ticks                   88      84         0        20   4.7e-8 m
+ * com_jacobian_ticks         343     204         0        20   4.9e-8 m/rad
+ * com_velocity_ticks         184     146         0        20   2.1e-6 m/s
+ * gravity_moments_ticks      173     122         0        20   4.8e-8 m
  * regressor_ticks            226     110         0        20   3.2e-8
  * regressor_cop_ticks        152      74         0        20   3.2e-8
  * regressor_full_ticks       238     116         0        20   3.2e-8
- * cop_ticks                   86      82         0        20   4.6e-8
+ * cop_ticks                   86      82         0        20   4.6e-8 m
  * Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
  * parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
  * against exact evaluation with the same parameters.
@@ -191,7 +191,7 @@ void op2_r_sole_fixed_com(
 
 /**
  * @brief d CoM / d q, m/rad (m/m for prismatic joints), row-major: x, y, z.
- * Proven rounding error below 6.4e-8 m; arrays must not overlap.
+ * Proven rounding error below 6.4e-8 m/rad; arrays must not overlap.
  * @param[in] q joint positions, rad (m for prismatic joints), [op2_r_sole_fixed_DOF]
  * @param[in] r base parameters, m, [op2_r_sole_fixed_BASE_PARAMS]
  * @param[out] jac the result, [3 * op2_r_sole_fixed_DOF]
@@ -203,7 +203,7 @@ void op2_r_sole_fixed_com_jacobian(
 
 /**
  * @brief Velocity of the centre of mass, m/s, without the Jacobian.
- * Proven rounding error below 2.7e-6 m; arrays must not overlap.
+ * Proven rounding error below 2.7e-6 m/s; arrays must not overlap.
  * @param[in] q joint positions, rad (m for prismatic joints), [op2_r_sole_fixed_DOF]
  * @param[in] qd joint velocities, rad/s (m/s), [op2_r_sole_fixed_DOF]
  * @param[in] r base parameters, m, [op2_r_sole_fixed_BASE_PARAMS]
@@ -229,7 +229,7 @@ void op2_r_sole_fixed_gravity_moments(
 
 /**
  * @brief Rows of the base regressor, row-major: CoM = rows r.
- * Proven rounding error below 1.4e-7 m; arrays must not overlap.
+ * Proven rounding error below 1.4e-7; arrays must not overlap.
  * @param[in] q joint positions, rad (m for prismatic joints), [op2_r_sole_fixed_DOF]
  * @param[out] rows the result, [3 * op2_r_sole_fixed_BASE_PARAMS]
  */
@@ -239,7 +239,7 @@ void op2_r_sole_fixed_regressor(
 
 /**
  * @brief The x and y rows of the base regressor, row-major: CoP = rows r.
- * Proven rounding error below 1.4e-7 m; arrays must not overlap.
+ * Proven rounding error below 1.4e-7; arrays must not overlap.
  * @param[in] q joint positions, rad (m for prismatic joints), [op2_r_sole_fixed_DOF]
  * @param[out] rows the result, [2 * op2_r_sole_fixed_BASE_PARAMS]
  */
@@ -249,7 +249,7 @@ void op2_r_sole_fixed_regressor_cop(
 
 /**
  * @brief Rows [B_0 B_1 ...] of the full regressor in link frames, row-major.
- * Proven rounding error below 1.4e-7 m; arrays must not overlap.
+ * Proven rounding error below 1.4e-7; arrays must not overlap.
  * @param[in] q joint positions, rad (m for prismatic joints), [op2_r_sole_fixed_DOF]
  * @param[out] rows the result, [3 * op2_r_sole_fixed_FULL_PARAMS]
  */
@@ -287,7 +287,7 @@ void op2_r_sole_fixed_com_sc(
 /**
  * @brief d CoM / d q, m/rad (m/m for prismatic joints), row-major: x, y, z.
  * From sines and cosines; a prismatic joint passes its position in sin_q.
- * Proven rounding error below 4.9e-8 m; arrays must not overlap.
+ * Proven rounding error below 4.9e-8 m/rad; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [op2_r_sole_fixed_DOF]
  * @param[in] cos_q cosines of the joint angles, [op2_r_sole_fixed_DOF]
  * @param[in] r base parameters, m, [op2_r_sole_fixed_BASE_PARAMS]
@@ -302,7 +302,7 @@ void op2_r_sole_fixed_com_jacobian_sc(
 /**
  * @brief Velocity of the centre of mass, m/s, without the Jacobian.
  * From sines and cosines; a prismatic joint passes its position in sin_q.
- * Proven rounding error below 2.1e-6 m; arrays must not overlap.
+ * Proven rounding error below 2.1e-6 m/s; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [op2_r_sole_fixed_DOF]
  * @param[in] cos_q cosines of the joint angles, [op2_r_sole_fixed_DOF]
  * @param[in] qd joint velocities, rad/s (m/s), [op2_r_sole_fixed_DOF]
@@ -334,7 +334,7 @@ void op2_r_sole_fixed_gravity_moments_sc(
 /**
  * @brief Rows of the base regressor, row-major: CoM = rows r.
  * From sines and cosines; a prismatic joint passes its position in sin_q.
- * Proven rounding error below 3.2e-8 m; arrays must not overlap.
+ * Proven rounding error below 3.2e-8; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [op2_r_sole_fixed_DOF]
  * @param[in] cos_q cosines of the joint angles, [op2_r_sole_fixed_DOF]
  * @param[out] rows the result, [3 * op2_r_sole_fixed_BASE_PARAMS]
@@ -347,7 +347,7 @@ void op2_r_sole_fixed_regressor_sc(
 /**
  * @brief The x and y rows of the base regressor, row-major: CoP = rows r.
  * From sines and cosines; a prismatic joint passes its position in sin_q.
- * Proven rounding error below 3.2e-8 m; arrays must not overlap.
+ * Proven rounding error below 3.2e-8; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [op2_r_sole_fixed_DOF]
  * @param[in] cos_q cosines of the joint angles, [op2_r_sole_fixed_DOF]
  * @param[out] rows the result, [2 * op2_r_sole_fixed_BASE_PARAMS]
@@ -360,7 +360,7 @@ void op2_r_sole_fixed_regressor_cop_sc(
 /**
  * @brief Rows [B_0 B_1 ...] of the full regressor in link frames, row-major.
  * From sines and cosines; a prismatic joint passes its position in sin_q.
- * Proven rounding error below 3.2e-8 m; arrays must not overlap.
+ * Proven rounding error below 3.2e-8; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [op2_r_sole_fixed_DOF]
  * @param[in] cos_q cosines of the joint angles, [op2_r_sole_fixed_DOF]
  * @param[out] rows the result, [3 * op2_r_sole_fixed_FULL_PARAMS]
@@ -399,7 +399,7 @@ void op2_r_sole_fixed_com_ticks(
 
 /**
  * @brief d CoM / d q, m/rad (m/m for prismatic joints), row-major: x, y, z.
- * Proven rounding error below 4.9e-8 m; arrays must not overlap.
+ * Proven rounding error below 4.9e-8 m/rad; arrays must not overlap.
  * @param[in] ticks servo ticks, [op2_r_sole_fixed_DOF], within the joint limits
  * @param[in] r base parameters, m, [op2_r_sole_fixed_BASE_PARAMS]
  * @param[out] jac the result, [3 * op2_r_sole_fixed_DOF]
@@ -411,7 +411,7 @@ void op2_r_sole_fixed_com_jacobian_ticks(
 
 /**
  * @brief Velocity of the centre of mass, m/s, without the Jacobian.
- * Proven rounding error below 2.1e-6 m; arrays must not overlap.
+ * Proven rounding error below 2.1e-6 m/s; arrays must not overlap.
  * @param[in] ticks servo ticks, [op2_r_sole_fixed_DOF], within the joint limits
  * @param[in] qd joint velocities, rad/s (m/s), [op2_r_sole_fixed_DOF]
  * @param[in] r base parameters, m, [op2_r_sole_fixed_BASE_PARAMS]
@@ -437,7 +437,7 @@ void op2_r_sole_fixed_gravity_moments_ticks(
 
 /**
  * @brief Rows of the base regressor, row-major: CoM = rows r.
- * Proven rounding error below 3.2e-8 m; arrays must not overlap.
+ * Proven rounding error below 3.2e-8; arrays must not overlap.
  * @param[in] ticks servo ticks, [op2_r_sole_fixed_DOF], within the joint limits
  * @param[out] rows the result, [3 * op2_r_sole_fixed_BASE_PARAMS]
  */
@@ -447,7 +447,7 @@ void op2_r_sole_fixed_regressor_ticks(
 
 /**
  * @brief The x and y rows of the base regressor, row-major: CoP = rows r.
- * Proven rounding error below 3.2e-8 m; arrays must not overlap.
+ * Proven rounding error below 3.2e-8; arrays must not overlap.
  * @param[in] ticks servo ticks, [op2_r_sole_fixed_DOF], within the joint limits
  * @param[out] rows the result, [2 * op2_r_sole_fixed_BASE_PARAMS]
  */
@@ -457,7 +457,7 @@ void op2_r_sole_fixed_regressor_cop_ticks(
 
 /**
  * @brief Rows [B_0 B_1 ...] of the full regressor in link frames, row-major.
- * Proven rounding error below 3.2e-8 m; arrays must not overlap.
+ * Proven rounding error below 3.2e-8; arrays must not overlap.
  * @param[in] ticks servo ticks, [op2_r_sole_fixed_DOF], within the joint limits
  * @param[out] rows the result, [3 * op2_r_sole_fixed_FULL_PARAMS]
  */

@@ -6,24 +6,24 @@
 // snapped        l_el: 3.2e-9 rad to a right angle, CoM moves by at most 3.2e-12 m
 // snapped        r_el: 3.2e-9 rad to a right angle, CoM moves by at most 3.2e-12 m
 //
-// function                 mul     add   sin_cos   proven |rounding error|, m
-// com                       80      80        20   3.9e-15 (f64)  1.8e-6 (f32)
-// com_jacobian             335     200        20   3.6e-15 (f64)  1.6e-6 (f32)
-// com_velocity             176     142        20   1.5e-13 (f64)  6.3e-5 (f32)
-// gravity_moments          165     118        20   3.5e-15 (f64)  1.5e-6 (f32)
+// function                 mul     add   sin_cos   proven |rounding error|
+// com                       80      80        20   3.9e-15 (f64)  1.8e-6 m (f32)
+// com_jacobian             335     200        20   3.6e-15 (f64)  1.6e-6 m/rad (f32)
+// com_velocity             176     142        20   1.5e-13 (f64)  6.3e-5 m/s (f32)
+// gravity_moments          165     118        20   3.5e-15 (f64)  1.5e-6 m (f32)
 // regressor                218     106        20   2.5e-14 (f64)  7.5e-6 (f32)
 // regressor_cop            144      70        20   2.5e-14 (f64)  7.5e-6 (f32)
 // regressor_full           230     112        20   2.5e-14 (f64)  7.5e-6 (f32)
-// cop                       78      78        20   3.8e-15 (f64)  1.7e-6 (f32)
-// com_sc                    88      84         0   3.8e-15 (f64)  1.5e-6 (f32)
-// com_jacobian_sc          343     204         0   3.5e-15 (f64)  1.4e-6 (f32)
-// com_velocity_sc          184     146         0   1.4e-13 (f64)  5.4e-5 (f32)
-// gravity_moments_sc       173     122         0   3.4e-15 (f64)  1.3e-6 (f32)
+// cop                       78      78        20   3.8e-15 (f64)  1.7e-6 m (f32)
+// com_sc                    88      84         0   3.8e-15 (f64)  1.5e-6 m (f32)
+// com_jacobian_sc          343     204         0   3.5e-15 (f64)  1.4e-6 m/rad (f32)
+// com_velocity_sc          184     146         0   1.4e-13 (f64)  5.4e-5 m/s (f32)
+// gravity_moments_sc       173     122         0   3.4e-15 (f64)  1.3e-6 m (f32)
 // regressor_sc             226     110         0   3.5e-14 (f64)  5.8e-6 (f32)
 // regressor_cop_sc         152      74         0   3.5e-14 (f64)  5.8e-6 (f32)
 // regressor_full_sc        238     116         0   3.5e-14 (f64)  5.8e-6 (f32)
-// cop_sc                    86      82         0   3.6e-15 (f64)  1.4e-6 (f32)
-// com_jacobian_along       202     138         0   3.9e-15 (f64)  1.6e-6 (f32)
+// cop_sc                    86      82         0   3.6e-15 (f64)  1.4e-6 m (f32)
+// com_jacobian_along       202     138         0   3.9e-15 (f64)  1.6e-6 m/rad (f32)
 // regressor_along           88      44         0   3.6e-14 (f64)  6.1e-6 (f32)
 // regressor_full_along      92      46         0   3.6e-14 (f64)  6.1e-6 (f32)
 // Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for

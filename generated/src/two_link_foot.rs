@@ -4,24 +4,24 @@
 // support frame  foot
 // parameters     9 SESC (r), 7 base; rank 7 from CoM rows, 6 from flat CoP rows
 //
-// function                 mul     add   sin_cos   proven |rounding error|, m
-// com                        8       8         2   9.7e-16 (f64)  2.6e-7 (f32)
-// com_jacobian              12       8         2   8.6e-16 (f64)  2.3e-7 (f32)
-// com_velocity              16      10         2   6.7e-15 (f64)  2.1e-6 (f32)
-// gravity_moments            8       6         2   7.7e-16 (f64)  2.0e-7 (f32)
+// function                 mul     add   sin_cos   proven |rounding error|
+// com                        8       8         2   9.7e-16 (f64)  2.6e-7 m (f32)
+// com_jacobian              12       8         2   8.6e-16 (f64)  2.3e-7 m/rad (f32)
+// com_velocity              16      10         2   6.7e-15 (f64)  2.1e-6 m/s (f32)
+// gravity_moments            8       6         2   7.7e-16 (f64)  2.0e-7 m (f32)
 // regressor                  4       2         2   1.3e-15 (f64)  6.6e-7 (f32)
 // regressor_cop              4       2         2   1.3e-15 (f64)  6.6e-7 (f32)
 // regressor_full             4       2         2   1.3e-15 (f64)  6.6e-7 (f32)
-// cop                        6       6         2   7.9e-16 (f64)  2.2e-7 (f32)
-// com_sc                     8       8         0   9.0e-16 (f64)  2.3e-7 (f32)
-// com_jacobian_sc           12       8         0   7.9e-16 (f64)  2.0e-7 (f32)
-// com_velocity_sc           16      10         0   6.1e-15 (f64)  1.8e-6 (f32)
-// gravity_moments_sc         8       6         0   7.2e-16 (f64)  1.7e-7 (f32)
+// cop                        6       6         2   7.9e-16 (f64)  2.2e-7 m (f32)
+// com_sc                     8       8         0   9.0e-16 (f64)  2.3e-7 m (f32)
+// com_jacobian_sc           12       8         0   7.9e-16 (f64)  2.0e-7 m/rad (f32)
+// com_velocity_sc           16      10         0   6.1e-15 (f64)  1.8e-6 m/s (f32)
+// gravity_moments_sc         8       6         0   7.2e-16 (f64)  1.7e-7 m (f32)
 // regressor_sc               4       2         0   8.9e-16 (f64)  4.8e-7 (f32)
 // regressor_cop_sc           4       2         0   8.9e-16 (f64)  4.8e-7 (f32)
 // regressor_full_sc          4       2         0   8.9e-16 (f64)  4.8e-7 (f32)
-// cop_sc                     6       6         0   7.3e-16 (f64)  1.9e-7 (f32)
-// com_jacobian_along        16      10         0   1.0e-15 (f64)  3.4e-7 (f32)
+// cop_sc                     6       6         0   7.3e-16 (f64)  1.9e-7 m (f32)
+// com_jacobian_along        16      10         0   1.0e-15 (f64)  3.4e-7 m/rad (f32)
 // regressor_along            8       4         0   1.9e-15 (f64)  1.1e-6 (f32)
 // regressor_full_along       8       4         0   1.9e-15 (f64)  1.1e-6 (f32)
 // Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for

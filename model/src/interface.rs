@@ -191,6 +191,16 @@ impl Function {
         }
     }
 
+    /// Unit of an error of its result, of revolute joints where those differ; empty for a
+    /// plain number.
+    pub fn error_unit(self) -> &'static str {
+        let unit = self.interface().unit;
+        match unit.split_once(" (").map_or(unit, |(unit, _)| unit) {
+            "1" => "",
+            unit => unit,
+        }
+    }
+
     /// Its name in generated code and reports.
     pub const fn name(self) -> &'static str {
         self.interface().name

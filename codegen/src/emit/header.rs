@@ -118,8 +118,17 @@ fn wrapped(text: &str) -> Vec<String> {
     lines
 }
 
+/// A bound in two digits, and its unit; `none` where nothing is proven.
+pub fn bound_of(function: Function, x: f64) -> String {
+    let unit = function.error_unit();
+    match x.is_finite() && !unit.is_empty() {
+        true => format!("{} {unit}", bound(x)),
+        false => bound(x),
+    }
+}
+
 /// A bound in two digits; `none` where nothing is proven.
-pub fn bound(x: f64) -> String {
+fn bound(x: f64) -> String {
     match x.is_finite() {
         true => at_most(x),
         false => "none".to_string(),
@@ -131,7 +140,7 @@ pub fn lines(facts: &Facts, routines: &[&Routine]) -> Vec<String> {
     let mut lines = about(facts);
     lines.push(String::new());
     lines.push(format!(
-        "{:<20} {:>7} {:>7} {:>9}   proven |rounding error|, m",
+        "{:<20} {:>7} {:>7} {:>9}   proven |rounding error|",
         "function", "mul", "add", "sin_cos"
     ));
     let mut correction_is_proven = true;
@@ -146,7 +155,7 @@ pub fn lines(facts: &Facts, routines: &[&Routine]) -> Vec<String> {
             counts.add,
             counts.sin_cos,
             bound(bounds[0]),
-            bound(bounds[1]),
+            bound_of(routine.function, bounds[1]),
             others(counts)
         ));
     }

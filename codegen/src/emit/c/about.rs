@@ -30,7 +30,7 @@ pub(super) fn about(facts: &Facts, routines: &[Exported], scalar: Scalar) -> Vec
     ));
     lines.push(String::new());
     lines.push(format!(
-        "{:<22} {:>7} {:>7} {:>9} {:>9}   proven |rounding error|, m",
+        "{:<22} {:>7} {:>7} {:>9} {:>9}   proven |rounding error|",
         "function", "mul", "add", "sin_cos", "look_up"
     ));
     for routine in routines {
@@ -42,7 +42,7 @@ pub(super) fn about(facts: &Facts, routines: &[Exported], scalar: Scalar) -> Vec
             counts.add,
             counts.sin_cos,
             routine.look_ups,
-            header::bound(routine.bound),
+            header::bound_of(routine.function, routine.bound),
             header::others(counts)
         ));
     }

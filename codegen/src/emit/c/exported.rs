@@ -28,7 +28,7 @@ pub(super) struct Exported<'f> {
     pub(super) counts: Counts,
     /// Sine and cosine pairs that ticks read from the table.
     pub(super) look_ups: usize,
-    /// Proven bound on the rounding error, m.
+    /// Proven bound on the rounding error, in the unit of its results.
     pub(super) bound: f64,
 }
 

@@ -97,8 +97,8 @@ fn details(facts: &Facts, routine: &Exported) -> Vec<String> {
     }
     details.push(match routine.bound.is_finite() {
         true => format!(
-            "Proven rounding error below {} m; arrays must not overlap.",
-            header::at_most(routine.bound)
+            "Proven rounding error below {}; arrays must not overlap.",
+            header::bound_of(routine.function, routine.bound)
         ),
         false => "Newton's method, unrolled: no rounding bound is proven; arrays must not overlap."
             .to_string(),

@@ -5,24 +5,24 @@
 // parameters     13 SESC (r), 8 base; rank 8 from CoM rows, 6 from flat CoP rows
 // snapped        thumb: 3.7e-6 rad to a right angle, CoM moves by at most 2.3e-8 m
 //
-// function                 mul     add   sin_cos   proven |rounding error|, m
-// com                       16      15         2   2.5e-15 (f64)  1.6e-7 (f32)
-// com_jacobian              32      24         2   2.3e-15 (f64)  1.2e-7 (f32)
-// com_velocity              25      16         2   3.1e-15 (f64)  2.2e-7 (f32)
-// gravity_moments           18      12         2   2.0e-15 (f64)  9.5e-8 (f32)
+// function                 mul     add   sin_cos   proven |rounding error|
+// com                       16      15         2   2.5e-15 (f64)  1.6e-7 m (f32)
+// com_jacobian              32      24         2   2.3e-15 (f64)  1.2e-7 m/rad (f32)
+// com_velocity              25      16         2   3.1e-15 (f64)  2.2e-7 m/s (f32)
+// gravity_moments           18      12         2   2.0e-15 (f64)  9.5e-8 m (f32)
 // regressor                 23      15         2   4.6e-14 (f64)  1.8e-6 (f32)
 // regressor_cop             16      10         2   4.6e-14 (f64)  1.8e-6 (f32)
 // regressor_full            38      30         2   4.6e-14 (f64)  1.8e-6 (f32)
-// cop                       13      12         2   2.3e-15 (f64)  1.3e-7 (f32)
-// com_sc                    24      19         0   3.3e-15 (f64)  1.9e-7 (f32)
-// com_jacobian_sc           40      28         0   3.6e-15 (f64)  1.5e-7 (f32)
-// com_velocity_sc           33      20         0   4.2e-15 (f64)  2.6e-7 (f32)
-// gravity_moments_sc        26      16         0   3.1e-15 (f64)  1.3e-7 (f32)
+// cop                       13      12         2   2.3e-15 (f64)  1.3e-7 m (f32)
+// com_sc                    24      19         0   3.3e-15 (f64)  1.9e-7 m (f32)
+// com_jacobian_sc           40      28         0   3.6e-15 (f64)  1.5e-7 m/rad (f32)
+// com_velocity_sc           33      20         0   4.2e-15 (f64)  2.6e-7 m/s (f32)
+// gravity_moments_sc        26      16         0   3.1e-15 (f64)  1.3e-7 m (f32)
 // regressor_sc              31      19         0   7.8e-14 (f64)  2.6e-6 (f32)
 // regressor_cop_sc          24      14         0   7.6e-14 (f64)  2.6e-6 (f32)
 // regressor_full_sc         46      34         0   8.2e-14 (f64)  2.7e-6 (f32)
-// cop_sc                    21      16         0   3.0e-15 (f64)  1.5e-7 (f32)
-// com_jacobian_along        33      21         0   4.9e-15 (f64)  2.4e-7 (f32)
+// cop_sc                    21      16         0   3.0e-15 (f64)  1.5e-7 m (f32)
+// com_jacobian_along        33      21         0   4.9e-15 (f64)  2.4e-7 m/rad (f32)
 // regressor_along           24      14         0   9.7e-14 (f64)  4.2e-6 (f32)
 // regressor_full_along      31      19         0   1.1e-13 (f64)  4.3e-6 (f32)
 // Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for

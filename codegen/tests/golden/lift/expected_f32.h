@@ -9,23 +9,23 @@
  *                "Three-dimensional identification of a humanoid robot", eq. (4)
  * scalar         f32 (float); double is never touched
  *
- * function                   mul     add   sin_cos   look_up   proven |rounding error|, m
- * com                         16      15         2         0   1.6e-7
- * com_jacobian                32      24         2         0   1.2e-7
- * com_velocity                25      16         2         0   2.2e-7
- * gravity_moments             18      12         2         0   9.5e-8
+ * function                   mul     add   sin_cos   look_up   proven |rounding error|
+ * com                         16      15         2         0   1.6e-7 m
+ * com_jacobian                32      24         2         0   1.2e-7 m/rad
+ * com_velocity                25      16         2         0   2.2e-7 m/s
+ * gravity_moments             18      12         2         0   9.5e-8 m
  * regressor                   23      15         2         0   1.8e-6
  * regressor_cop               16      10         2         0   1.8e-6
  * regressor_full              38      30         2         0   1.8e-6
- * cop                         13      12         2         0   1.3e-7
- * com_sc                      24      19         0         0   1.9e-7
- * com_jacobian_sc             40      28         0         0   1.5e-7
- * com_velocity_sc             33      20         0         0   2.6e-7
- * gravity_moments_sc          26      16         0         0   1.3e-7
+ * cop                         13      12         2         0   1.3e-7 m
+ * com_sc                      24      19         0         0   1.9e-7 m
+ * com_jacobian_sc             40      28         0         0   1.5e-7 m/rad
+ * com_velocity_sc             33      20         0         0   2.6e-7 m/s
+ * gravity_moments_sc          26      16         0         0   1.3e-7 m
  * regressor_sc                31      19         0         0   2.6e-6
  * regressor_cop_sc            24      14         0         0   2.6e-6
  * regressor_full_sc           46      34         0         0   2.7e-6
- * cop_sc                      21      16         0         0   1.5e-7
+ * cop_sc                      21      16         0         0   1.5e-7 m
  * Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
  * parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
  * against exact evaluation with the same parameters.
@@ -88,7 +88,7 @@ void lift_com(const lift_real q[], const lift_real r[], lift_real com[3]);
 
 /**
  * @brief d CoM / d q, m/rad (m/m for prismatic joints), row-major: x, y, z.
- * Proven rounding error below 1.2e-7 m; arrays must not overlap.
+ * Proven rounding error below 1.2e-7 m/rad; arrays must not overlap.
  * @param[in] q joint positions, rad (m for prismatic joints), [lift_DOF]
  * @param[in] r base parameters, m, [lift_BASE_PARAMS]
  * @param[out] jac the result, [3 * lift_DOF]
@@ -97,7 +97,7 @@ void lift_com_jacobian(const lift_real q[], const lift_real r[], lift_real jac[3
 
 /**
  * @brief Velocity of the centre of mass, m/s, without the Jacobian.
- * Proven rounding error below 2.2e-7 m; arrays must not overlap.
+ * Proven rounding error below 2.2e-7 m/s; arrays must not overlap.
  * @param[in] q joint positions, rad (m for prismatic joints), [lift_DOF]
  * @param[in] qd joint velocities, rad/s (m/s), [lift_DOF]
  * @param[in] r base parameters, m, [lift_BASE_PARAMS]
@@ -120,7 +120,7 @@ void lift_gravity_moments(const lift_real q[], const lift_real r[], lift_real mo
 
 /**
  * @brief Rows of the base regressor, row-major: CoM = rows r.
- * Proven rounding error below 1.8e-6 m; arrays must not overlap.
+ * Proven rounding error below 1.8e-6; arrays must not overlap.
  * @param[in] q joint positions, rad (m for prismatic joints), [lift_DOF]
  * @param[out] rows the result, [3 * lift_BASE_PARAMS]
  */
@@ -128,7 +128,7 @@ void lift_regressor(const lift_real q[], lift_real rows[3 * lift_BASE_PARAMS]);
 
 /**
  * @brief The x and y rows of the base regressor, row-major: CoP = rows r.
- * Proven rounding error below 1.8e-6 m; arrays must not overlap.
+ * Proven rounding error below 1.8e-6; arrays must not overlap.
  * @param[in] q joint positions, rad (m for prismatic joints), [lift_DOF]
  * @param[out] rows the result, [2 * lift_BASE_PARAMS]
  */
@@ -136,7 +136,7 @@ void lift_regressor_cop(const lift_real q[], lift_real rows[2 * lift_BASE_PARAMS
 
 /**
  * @brief Rows [B_0 B_1 ...] of the full regressor in link frames, row-major.
- * Proven rounding error below 1.8e-6 m; arrays must not overlap.
+ * Proven rounding error below 1.8e-6; arrays must not overlap.
  * @param[in] q joint positions, rad (m for prismatic joints), [lift_DOF]
  * @param[out] rows the result, [3 * lift_FULL_PARAMS]
  */
@@ -169,7 +169,7 @@ void lift_com_sc(
 /**
  * @brief d CoM / d q, m/rad (m/m for prismatic joints), row-major: x, y, z.
  * From sines and cosines; a prismatic joint passes its position in sin_q.
- * Proven rounding error below 1.5e-7 m; arrays must not overlap.
+ * Proven rounding error below 1.5e-7 m/rad; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [lift_DOF]
  * @param[in] cos_q cosines of the joint angles, [lift_DOF]
  * @param[in] r base parameters, m, [lift_BASE_PARAMS]
@@ -184,7 +184,7 @@ void lift_com_jacobian_sc(
 /**
  * @brief Velocity of the centre of mass, m/s, without the Jacobian.
  * From sines and cosines; a prismatic joint passes its position in sin_q.
- * Proven rounding error below 2.6e-7 m; arrays must not overlap.
+ * Proven rounding error below 2.6e-7 m/s; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [lift_DOF]
  * @param[in] cos_q cosines of the joint angles, [lift_DOF]
  * @param[in] qd joint velocities, rad/s (m/s), [lift_DOF]
@@ -216,7 +216,7 @@ void lift_gravity_moments_sc(
 /**
  * @brief Rows of the base regressor, row-major: CoM = rows r.
  * From sines and cosines; a prismatic joint passes its position in sin_q.
- * Proven rounding error below 2.6e-6 m; arrays must not overlap.
+ * Proven rounding error below 2.6e-6; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [lift_DOF]
  * @param[in] cos_q cosines of the joint angles, [lift_DOF]
  * @param[out] rows the result, [3 * lift_BASE_PARAMS]
@@ -229,7 +229,7 @@ void lift_regressor_sc(
 /**
  * @brief The x and y rows of the base regressor, row-major: CoP = rows r.
  * From sines and cosines; a prismatic joint passes its position in sin_q.
- * Proven rounding error below 2.6e-6 m; arrays must not overlap.
+ * Proven rounding error below 2.6e-6; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [lift_DOF]
  * @param[in] cos_q cosines of the joint angles, [lift_DOF]
  * @param[out] rows the result, [2 * lift_BASE_PARAMS]
@@ -242,7 +242,7 @@ void lift_regressor_cop_sc(
 /**
  * @brief Rows [B_0 B_1 ...] of the full regressor in link frames, row-major.
  * From sines and cosines; a prismatic joint passes its position in sin_q.
- * Proven rounding error below 2.7e-6 m; arrays must not overlap.
+ * Proven rounding error below 2.7e-6; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [lift_DOF]
  * @param[in] cos_q cosines of the joint angles, [lift_DOF]
  * @param[out] rows the result, [3 * lift_FULL_PARAMS]

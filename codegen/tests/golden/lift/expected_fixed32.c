@@ -9,23 +9,23 @@
  *                "Three-dimensional identification of a humanoid robot", eq. (4)
  * scalar         fixed32 (int32_t, binary points proven from ranges; no division)
  *
- * function                   mul     add   sin_cos   look_up   proven |rounding error|, m
- * com                         16      15         2         0   1.1e-8
- * com_jacobian                32      24         2         0   1.1e-8
- * com_velocity                25      16         2         0   1.7e-8
- * gravity_moments             18      12         2         0   1.1e-8
+ * function                   mul     add   sin_cos   look_up   proven |rounding error|
+ * com                         16      15         2         0   1.1e-8 m
+ * com_jacobian                32      24         2         0   1.1e-8 m/rad
+ * com_velocity                25      16         2         0   1.7e-8 m/s
+ * gravity_moments             18      12         2         0   1.1e-8 m
  * regressor                   23      15         2         0   2.1e-8
  * regressor_cop               16      10         2         0   2.1e-8
  * regressor_full              38      30         2         0   2.1e-8
- * cop                         13      12         2         0   9.3e-9
- * com_sc                      24      19         0         0   1.2e-8
- * com_jacobian_sc             40      28         0         0   1.2e-8
- * com_velocity_sc             33      20         0         0   1.8e-8
- * gravity_moments_sc          26      16         0         0   1.2e-8
+ * cop                         13      12         2         0   9.3e-9 m
+ * com_sc                      24      19         0         0   1.2e-8 m
+ * com_jacobian_sc             40      28         0         0   1.2e-8 m/rad
+ * com_velocity_sc             33      20         0         0   1.8e-8 m/s
+ * gravity_moments_sc          26      16         0         0   1.2e-8 m
  * regressor_sc                31      19         0         0   1.9e-8
  * regressor_cop_sc            24      14         0         0   1.9e-8
  * regressor_full_sc           46      34         0         0   2.0e-8
- * cop_sc                      21      16         0         0   9.8e-9
+ * cop_sc                      21      16         0         0   9.8e-9 m
  * Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
  * parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
  * against exact evaluation with the same parameters.

@@ -9,23 +9,23 @@
  *                "Three-dimensional identification of a humanoid robot", eq. (4)
  * scalar         fixed32 (int32_t, binary points proven from ranges; no division)
  *
- * function                   mul     add   sin_cos   look_up   proven |rounding error|, m
- * com                         16      15         2         0   1.1e-8
- * com_jacobian                32      24         2         0   1.1e-8
- * com_velocity                25      16         2         0   1.7e-8
- * gravity_moments             18      12         2         0   1.1e-8
+ * function                   mul     add   sin_cos   look_up   proven |rounding error|
+ * com                         16      15         2         0   1.1e-8 m
+ * com_jacobian                32      24         2         0   1.1e-8 m/rad
+ * com_velocity                25      16         2         0   1.7e-8 m/s
+ * gravity_moments             18      12         2         0   1.1e-8 m
  * regressor                   23      15         2         0   2.1e-8
  * regressor_cop               16      10         2         0   2.1e-8
  * regressor_full              38      30         2         0   2.1e-8
- * cop                         13      12         2         0   9.3e-9
- * com_sc                      24      19         0         0   1.2e-8
- * com_jacobian_sc             40      28         0         0   1.2e-8
- * com_velocity_sc             33      20         0         0   1.8e-8
- * gravity_moments_sc          26      16         0         0   1.2e-8
+ * cop                         13      12         2         0   9.3e-9 m
+ * com_sc                      24      19         0         0   1.2e-8 m
+ * com_jacobian_sc             40      28         0         0   1.2e-8 m/rad
+ * com_velocity_sc             33      20         0         0   1.8e-8 m/s
+ * gravity_moments_sc          26      16         0         0   1.2e-8 m
  * regressor_sc                31      19         0         0   1.9e-8
  * regressor_cop_sc            24      14         0         0   1.9e-8
  * regressor_full_sc           46      34         0         0   2.0e-8
- * cop_sc                      21      16         0         0   9.8e-9
+ * cop_sc                      21      16         0         0   9.8e-9 m
  * Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
  * parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
  * against exact evaluation with the same parameters.
@@ -129,7 +129,7 @@ void lift_com(const lift_real q[], const lift_real r[], lift_real com[3]);
 
 /**
  * @brief d CoM / d q, m/rad (m/m for prismatic joints), row-major: x, y, z.
- * Proven rounding error below 1.1e-8 m; arrays must not overlap.
+ * Proven rounding error below 1.1e-8 m/rad; arrays must not overlap.
  * @param[in] q joint positions, rad (m for prismatic joints), [lift_DOF]
  * @param[in] r base parameters, m, [lift_BASE_PARAMS]
  * @param[out] jac the result, [3 * lift_DOF]
@@ -138,7 +138,7 @@ void lift_com_jacobian(const lift_real q[], const lift_real r[], lift_real jac[3
 
 /**
  * @brief Velocity of the centre of mass, m/s, without the Jacobian.
- * Proven rounding error below 1.7e-8 m; arrays must not overlap.
+ * Proven rounding error below 1.7e-8 m/s; arrays must not overlap.
  * @param[in] q joint positions, rad (m for prismatic joints), [lift_DOF]
  * @param[in] qd joint velocities, rad/s (m/s), [lift_DOF]
  * @param[in] r base parameters, m, [lift_BASE_PARAMS]
@@ -161,7 +161,7 @@ void lift_gravity_moments(const lift_real q[], const lift_real r[], lift_real mo
 
 /**
  * @brief Rows of the base regressor, row-major: CoM = rows r.
- * Proven rounding error below 2.1e-8 m; arrays must not overlap.
+ * Proven rounding error below 2.1e-8; arrays must not overlap.
  * @param[in] q joint positions, rad (m for prismatic joints), [lift_DOF]
  * @param[out] rows the result, [3 * lift_BASE_PARAMS]
  */
@@ -169,7 +169,7 @@ void lift_regressor(const lift_real q[], lift_real rows[3 * lift_BASE_PARAMS]);
 
 /**
  * @brief The x and y rows of the base regressor, row-major: CoP = rows r.
- * Proven rounding error below 2.1e-8 m; arrays must not overlap.
+ * Proven rounding error below 2.1e-8; arrays must not overlap.
  * @param[in] q joint positions, rad (m for prismatic joints), [lift_DOF]
  * @param[out] rows the result, [2 * lift_BASE_PARAMS]
  */
@@ -177,7 +177,7 @@ void lift_regressor_cop(const lift_real q[], lift_real rows[2 * lift_BASE_PARAMS
 
 /**
  * @brief Rows [B_0 B_1 ...] of the full regressor in link frames, row-major.
- * Proven rounding error below 2.1e-8 m; arrays must not overlap.
+ * Proven rounding error below 2.1e-8; arrays must not overlap.
  * @param[in] q joint positions, rad (m for prismatic joints), [lift_DOF]
  * @param[out] rows the result, [3 * lift_FULL_PARAMS]
  */
@@ -210,7 +210,7 @@ void lift_com_sc(
 /**
  * @brief d CoM / d q, m/rad (m/m for prismatic joints), row-major: x, y, z.
  * From sines and cosines; a prismatic joint passes its position in sin_q.
- * Proven rounding error below 1.2e-8 m; arrays must not overlap.
+ * Proven rounding error below 1.2e-8 m/rad; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [lift_DOF]
  * @param[in] cos_q cosines of the joint angles, [lift_DOF]
  * @param[in] r base parameters, m, [lift_BASE_PARAMS]
@@ -225,7 +225,7 @@ void lift_com_jacobian_sc(
 /**
  * @brief Velocity of the centre of mass, m/s, without the Jacobian.
  * From sines and cosines; a prismatic joint passes its position in sin_q.
- * Proven rounding error below 1.8e-8 m; arrays must not overlap.
+ * Proven rounding error below 1.8e-8 m/s; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [lift_DOF]
  * @param[in] cos_q cosines of the joint angles, [lift_DOF]
  * @param[in] qd joint velocities, rad/s (m/s), [lift_DOF]
@@ -257,7 +257,7 @@ void lift_gravity_moments_sc(
 /**
  * @brief Rows of the base regressor, row-major: CoM = rows r.
  * From sines and cosines; a prismatic joint passes its position in sin_q.
- * Proven rounding error below 1.9e-8 m; arrays must not overlap.
+ * Proven rounding error below 1.9e-8; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [lift_DOF]
  * @param[in] cos_q cosines of the joint angles, [lift_DOF]
  * @param[out] rows the result, [3 * lift_BASE_PARAMS]
@@ -270,7 +270,7 @@ void lift_regressor_sc(
 /**
  * @brief The x and y rows of the base regressor, row-major: CoP = rows r.
  * From sines and cosines; a prismatic joint passes its position in sin_q.
- * Proven rounding error below 1.9e-8 m; arrays must not overlap.
+ * Proven rounding error below 1.9e-8; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [lift_DOF]
  * @param[in] cos_q cosines of the joint angles, [lift_DOF]
  * @param[out] rows the result, [2 * lift_BASE_PARAMS]
@@ -283,7 +283,7 @@ void lift_regressor_cop_sc(
 /**
  * @brief Rows [B_0 B_1 ...] of the full regressor in link frames, row-major.
  * From sines and cosines; a prismatic joint passes its position in sin_q.
- * Proven rounding error below 2.0e-8 m; arrays must not overlap.
+ * Proven rounding error below 2.0e-8; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [lift_DOF]
  * @param[in] cos_q cosines of the joint angles, [lift_DOF]
  * @param[out] rows the result, [3 * lift_FULL_PARAMS]

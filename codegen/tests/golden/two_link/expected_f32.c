@@ -8,31 +8,31 @@
  *                "Three-dimensional identification of a humanoid robot", eq. (4)
  * scalar         f32 (float); double is never touched
  *
- * function                   mul     add   sin_cos   look_up   proven |rounding error|, m
- * com                          8       8         2         0   3.0e-7
- * com_jacobian                12       8         2         0   2.6e-7
- * com_velocity                16      10         2         0   2.4e-6
- * gravity_moments              8       6         2         0   2.3e-7
+ * function                   mul     add   sin_cos   look_up   proven |rounding error|
+ * com                          8       8         2         0   3.0e-7 m
+ * com_jacobian                12       8         2         0   2.6e-7 m/rad
+ * com_velocity                16      10         2         0   2.4e-6 m/s
+ * gravity_moments              8       6         2         0   2.3e-7 m
  * regressor                    4       2         2         0   6.6e-7
  * regressor_cop                4       2         2         0   6.6e-7
  * regressor_full               4       2         2         0   6.6e-7
- * cop                          6       6         2         0   2.5e-7
- * com_sc                       8       8         0         0   2.6e-7
- * com_jacobian_sc             12       8         0         0   2.3e-7
- * com_velocity_sc             16      10         0         0   2.1e-6
- * gravity_moments_sc           8       6         0         0   2.0e-7
+ * cop                          6       6         2         0   2.5e-7 m
+ * com_sc                       8       8         0         0   2.6e-7 m
+ * com_jacobian_sc             12       8         0         0   2.3e-7 m/rad
+ * com_velocity_sc             16      10         0         0   2.1e-6 m/s
+ * gravity_moments_sc           8       6         0         0   2.0e-7 m
  * regressor_sc                 4       2         0         0   4.8e-7
  * regressor_cop_sc             4       2         0         0   4.8e-7
  * regressor_full_sc            4       2         0         0   4.8e-7
- * cop_sc                       6       6         0         0   2.1e-7
- * com_ticks                    8       8         0         2   2.6e-7
- * com_jacobian_ticks          12       8         0         2   2.3e-7
- * com_velocity_ticks          16      10         0         2   2.1e-6
- * gravity_moments_ticks        8       6         0         2   2.0e-7
+ * cop_sc                       6       6         0         0   2.1e-7 m
+ * com_ticks                    8       8         0         2   2.6e-7 m
+ * com_jacobian_ticks          12       8         0         2   2.3e-7 m/rad
+ * com_velocity_ticks          16      10         0         2   2.1e-6 m/s
+ * gravity_moments_ticks        8       6         0         2   2.0e-7 m
  * regressor_ticks              4       2         0         2   4.8e-7
  * regressor_cop_ticks          4       2         0         2   4.8e-7
  * regressor_full_ticks         4       2         0         2   4.8e-7
- * cop_ticks                    6       6         0         2   2.1e-7
+ * cop_ticks                    6       6         0         2   2.1e-7 m
  * Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
  * parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
  * against exact evaluation with the same parameters.

@@ -8,31 +8,31 @@
  *                "Three-dimensional identification of a humanoid robot", eq. (4)
  * scalar         f32 (float); double is never touched
  *
- * function                   mul     add   sin_cos   look_up   proven |rounding error|, m
- * com                          8       8         2         0   3.0e-7
- * com_jacobian                12       8         2         0   2.6e-7
- * com_velocity                16      10         2         0   2.4e-6
- * gravity_moments              8       6         2         0   2.3e-7
+ * function                   mul     add   sin_cos   look_up   proven |rounding error|
+ * com                          8       8         2         0   3.0e-7 m
+ * com_jacobian                12       8         2         0   2.6e-7 m/rad
+ * com_velocity                16      10         2         0   2.4e-6 m/s
+ * gravity_moments              8       6         2         0   2.3e-7 m
  * regressor                    4       2         2         0   6.6e-7
  * regressor_cop                4       2         2         0   6.6e-7
  * regressor_full               4       2         2         0   6.6e-7
- * cop                          6       6         2         0   2.5e-7
- * com_sc                       8       8         0         0   2.6e-7
- * com_jacobian_sc             12       8         0         0   2.3e-7
- * com_velocity_sc             16      10         0         0   2.1e-6
- * gravity_moments_sc           8       6         0         0   2.0e-7
+ * cop                          6       6         2         0   2.5e-7 m
+ * com_sc                       8       8         0         0   2.6e-7 m
+ * com_jacobian_sc             12       8         0         0   2.3e-7 m/rad
+ * com_velocity_sc             16      10         0         0   2.1e-6 m/s
+ * gravity_moments_sc           8       6         0         0   2.0e-7 m
  * regressor_sc                 4       2         0         0   4.8e-7
  * regressor_cop_sc             4       2         0         0   4.8e-7
  * regressor_full_sc            4       2         0         0   4.8e-7
- * cop_sc                       6       6         0         0   2.1e-7
- * com_ticks                    8       8         0         2   2.6e-7
- * com_jacobian_ticks          12       8         0         2   2.3e-7
- * com_velocity_ticks          16      10         0         2   2.1e-6
- * gravity_moments_ticks        8       6         0         2   2.0e-7
+ * cop_sc                       6       6         0         0   2.1e-7 m
+ * com_ticks                    8       8         0         2   2.6e-7 m
+ * com_jacobian_ticks          12       8         0         2   2.3e-7 m/rad
+ * com_velocity_ticks          16      10         0         2   2.1e-6 m/s
+ * gravity_moments_ticks        8       6         0         2   2.0e-7 m
  * regressor_ticks              4       2         0         2   4.8e-7
  * regressor_cop_ticks          4       2         0         2   4.8e-7
  * regressor_full_ticks         4       2         0         2   4.8e-7
- * cop_ticks                    6       6         0         2   2.1e-7
+ * cop_ticks                    6       6         0         2   2.1e-7 m
  * Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
  * parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
  * against exact evaluation with the same parameters.
@@ -110,7 +110,7 @@ void two_link_com(const two_link_real q[], const two_link_real r[], two_link_rea
 
 /**
  * @brief d CoM / d q, m/rad (m/m for prismatic joints), row-major: x, y, z.
- * Proven rounding error below 2.6e-7 m; arrays must not overlap.
+ * Proven rounding error below 2.6e-7 m/rad; arrays must not overlap.
  * @param[in] q joint positions, rad (m for prismatic joints), [two_link_DOF]
  * @param[in] r base parameters, m, [two_link_BASE_PARAMS]
  * @param[out] jac the result, [3 * two_link_DOF]
@@ -122,7 +122,7 @@ void two_link_com_jacobian(
 
 /**
  * @brief Velocity of the centre of mass, m/s, without the Jacobian.
- * Proven rounding error below 2.4e-6 m; arrays must not overlap.
+ * Proven rounding error below 2.4e-6 m/s; arrays must not overlap.
  * @param[in] q joint positions, rad (m for prismatic joints), [two_link_DOF]
  * @param[in] qd joint velocities, rad/s (m/s), [two_link_DOF]
  * @param[in] r base parameters, m, [two_link_BASE_PARAMS]
@@ -148,7 +148,7 @@ void two_link_gravity_moments(
 
 /**
  * @brief Rows of the base regressor, row-major: CoM = rows r.
- * Proven rounding error below 6.6e-7 m; arrays must not overlap.
+ * Proven rounding error below 6.6e-7; arrays must not overlap.
  * @param[in] q joint positions, rad (m for prismatic joints), [two_link_DOF]
  * @param[out] rows the result, [3 * two_link_BASE_PARAMS]
  */
@@ -156,7 +156,7 @@ void two_link_regressor(const two_link_real q[], two_link_real rows[3 * two_link
 
 /**
  * @brief The x and y rows of the base regressor, row-major: CoP = rows r.
- * Proven rounding error below 6.6e-7 m; arrays must not overlap.
+ * Proven rounding error below 6.6e-7; arrays must not overlap.
  * @param[in] q joint positions, rad (m for prismatic joints), [two_link_DOF]
  * @param[out] rows the result, [2 * two_link_BASE_PARAMS]
  */
@@ -164,7 +164,7 @@ void two_link_regressor_cop(const two_link_real q[], two_link_real rows[2 * two_
 
 /**
  * @brief Rows [B_0 B_1 ...] of the full regressor in link frames, row-major.
- * Proven rounding error below 6.6e-7 m; arrays must not overlap.
+ * Proven rounding error below 6.6e-7; arrays must not overlap.
  * @param[in] q joint positions, rad (m for prismatic joints), [two_link_DOF]
  * @param[out] rows the result, [3 * two_link_FULL_PARAMS]
  */
@@ -197,7 +197,7 @@ void two_link_com_sc(
 /**
  * @brief d CoM / d q, m/rad (m/m for prismatic joints), row-major: x, y, z.
  * From sines and cosines; a prismatic joint passes its position in sin_q.
- * Proven rounding error below 2.3e-7 m; arrays must not overlap.
+ * Proven rounding error below 2.3e-7 m/rad; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [two_link_DOF]
  * @param[in] cos_q cosines of the joint angles, [two_link_DOF]
  * @param[in] r base parameters, m, [two_link_BASE_PARAMS]
@@ -212,7 +212,7 @@ void two_link_com_jacobian_sc(
 /**
  * @brief Velocity of the centre of mass, m/s, without the Jacobian.
  * From sines and cosines; a prismatic joint passes its position in sin_q.
- * Proven rounding error below 2.1e-6 m; arrays must not overlap.
+ * Proven rounding error below 2.1e-6 m/s; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [two_link_DOF]
  * @param[in] cos_q cosines of the joint angles, [two_link_DOF]
  * @param[in] qd joint velocities, rad/s (m/s), [two_link_DOF]
@@ -244,7 +244,7 @@ void two_link_gravity_moments_sc(
 /**
  * @brief Rows of the base regressor, row-major: CoM = rows r.
  * From sines and cosines; a prismatic joint passes its position in sin_q.
- * Proven rounding error below 4.8e-7 m; arrays must not overlap.
+ * Proven rounding error below 4.8e-7; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [two_link_DOF]
  * @param[in] cos_q cosines of the joint angles, [two_link_DOF]
  * @param[out] rows the result, [3 * two_link_BASE_PARAMS]
@@ -257,7 +257,7 @@ void two_link_regressor_sc(
 /**
  * @brief The x and y rows of the base regressor, row-major: CoP = rows r.
  * From sines and cosines; a prismatic joint passes its position in sin_q.
- * Proven rounding error below 4.8e-7 m; arrays must not overlap.
+ * Proven rounding error below 4.8e-7; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [two_link_DOF]
  * @param[in] cos_q cosines of the joint angles, [two_link_DOF]
  * @param[out] rows the result, [2 * two_link_BASE_PARAMS]
@@ -270,7 +270,7 @@ void two_link_regressor_cop_sc(
 /**
  * @brief Rows [B_0 B_1 ...] of the full regressor in link frames, row-major.
  * From sines and cosines; a prismatic joint passes its position in sin_q.
- * Proven rounding error below 4.8e-7 m; arrays must not overlap.
+ * Proven rounding error below 4.8e-7; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [two_link_DOF]
  * @param[in] cos_q cosines of the joint angles, [two_link_DOF]
  * @param[out] rows the result, [3 * two_link_FULL_PARAMS]
@@ -306,7 +306,7 @@ void two_link_com_ticks(const int32_t ticks[], const two_link_real r[], two_link
 
 /**
  * @brief d CoM / d q, m/rad (m/m for prismatic joints), row-major: x, y, z.
- * Proven rounding error below 2.3e-7 m; arrays must not overlap.
+ * Proven rounding error below 2.3e-7 m/rad; arrays must not overlap.
  * @param[in] ticks servo ticks, [two_link_DOF], within the joint limits
  * @param[in] r base parameters, m, [two_link_BASE_PARAMS]
  * @param[out] jac the result, [3 * two_link_DOF]
@@ -318,7 +318,7 @@ void two_link_com_jacobian_ticks(
 
 /**
  * @brief Velocity of the centre of mass, m/s, without the Jacobian.
- * Proven rounding error below 2.1e-6 m; arrays must not overlap.
+ * Proven rounding error below 2.1e-6 m/s; arrays must not overlap.
  * @param[in] ticks servo ticks, [two_link_DOF], within the joint limits
  * @param[in] qd joint velocities, rad/s (m/s), [two_link_DOF]
  * @param[in] r base parameters, m, [two_link_BASE_PARAMS]
@@ -344,7 +344,7 @@ void two_link_gravity_moments_ticks(
 
 /**
  * @brief Rows of the base regressor, row-major: CoM = rows r.
- * Proven rounding error below 4.8e-7 m; arrays must not overlap.
+ * Proven rounding error below 4.8e-7; arrays must not overlap.
  * @param[in] ticks servo ticks, [two_link_DOF], within the joint limits
  * @param[out] rows the result, [3 * two_link_BASE_PARAMS]
  */
@@ -352,7 +352,7 @@ void two_link_regressor_ticks(const int32_t ticks[], two_link_real rows[3 * two_
 
 /**
  * @brief The x and y rows of the base regressor, row-major: CoP = rows r.
- * Proven rounding error below 4.8e-7 m; arrays must not overlap.
+ * Proven rounding error below 4.8e-7; arrays must not overlap.
  * @param[in] ticks servo ticks, [two_link_DOF], within the joint limits
  * @param[out] rows the result, [2 * two_link_BASE_PARAMS]
  */
@@ -362,7 +362,7 @@ void two_link_regressor_cop_ticks(
 
 /**
  * @brief Rows [B_0 B_1 ...] of the full regressor in link frames, row-major.
- * Proven rounding error below 4.8e-7 m; arrays must not overlap.
+ * Proven rounding error below 4.8e-7; arrays must not overlap.
  * @param[in] ticks servo ticks, [two_link_DOF], within the joint limits
  * @param[out] rows the result, [3 * two_link_FULL_PARAMS]
  */
