@@ -170,10 +170,11 @@ pub(super) fn has_infinity(facts: &Facts, options: &Options) -> bool {
 
 /// A limit as the scalar holds it, rounded into the range where it is rounded.
 fn inward(limit: f64, end: usize, scalar: Scalar, bits: i32) -> String {
-    if limit.is_infinite() {
-        return unlimited(end, scalar).to_string();
-    }
+    let endless = unlimited(end, scalar);
     match scalar {
+        // The macro is a float: widened in so many words.
+        Scalar::F64 if limit.is_infinite() => endless.replace("INF", "(double)INF"),
+        _ if limit.is_infinite() => endless.to_string(),
         Scalar::F64 => float::literal(limit, scalar),
         Scalar::F32 => {
             let near = limit as f32;
