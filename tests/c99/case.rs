@@ -35,6 +35,9 @@ pub const ROBOTS: [(&str, &str); 9] = [
 
 pub const SCALARS: [Scalar; 3] = [Scalar::F64, Scalar::F32, Scalar::Fixed32];
 
+/// An effect, its target and its parameters.
+type Named<'a> = (&'a str, &'a str, &'a [(&'a str, f64)]);
+
 /// A robot on a support, with servos.
 pub struct Case {
     /// Prefix of its C names.
@@ -140,10 +143,10 @@ impl Case {
     }
 
     /// With effects, each with its target and parameters; `what` ends the name.
-    fn and(mut self, what: &str, effects: &[(&str, &str, &[(&str, f64)])]) -> Case {
+    fn and(mut self, what: &str, effects: &[Named]) -> Case {
         let mut file = ModelFile::from_values(&self.model, &self.model.cad_params(), None, "data");
         file.cells = vec![[0.1, 0.06], [0.1, -0.06], [-0.1, -0.06], [-0.1, 0.06]];
-        let record = |&(effect, target, parameters): &(&str, &str, &[(&str, f64)])| EffectRecord {
+        let record = |&(effect, target, parameters): &Named| EffectRecord {
             effect: effect.to_string(),
             target: target.to_string(),
             parameters: parameters
