@@ -118,7 +118,7 @@ fn joint_module(facts: &Facts) -> TokenStream {
     });
     quote! {
         /// Index of every joint in `q`.
-        #[allow(dead_code, non_upper_case_globals)]
+        #[allow(dead_code, missing_docs, non_upper_case_globals)]
         pub mod joint { #(#indices)* }
     }
 }

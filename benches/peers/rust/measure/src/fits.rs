@@ -129,8 +129,8 @@ pub fn measure(
 
     let robot = ours::robot();
     let log = our_fit::log(&q, &reading);
-    let expected = foretold_by_ours(&our_fit::parameters(&q, &reading), &others);
-    let everything = foretold_by_ours(&our_fit::everything(&robot, &log), &others);
+    let expected = predicted_by_ours(&our_fit::parameters(&q, &reading), &others);
+    let everything = predicted_by_ours(&our_fit::everything(&robot, &log), &others);
     let casadi = peers.symbol::<One<f64>>("casadi_cop")?;
     let others = peers.reordered(&others);
     let check = |name: &str, cop: &[f64]| -> Result<(), String> {
@@ -147,7 +147,7 @@ pub fn measure(
     eprintln!("  numpy");
     let numpy = RefCell::new(Numpy::start(python, folder)?);
     let (_, params) = numpy.borrow_mut().fit()?;
-    check("numpy", &foretold(casadi, &params, &others))?;
+    check("numpy", &predicted(casadi, &params, &others))?;
     let broken = RefCell::new(None);
 
     let mut entries = vec![
@@ -173,7 +173,7 @@ pub fn measure(
             );
         };
         run(&mut params);
-        check(name, &foretold(casadi, &params, &others))?;
+        check(name, &predicted(casadi, &params, &others))?;
         entries.push(Entry::new(name, move || run(&mut params)));
     }
     entries.push(Entry::timed(
@@ -193,7 +193,7 @@ pub fn measure(
     }
 }
 
-fn foretold_by_ours(params: &[f64], q: &[f64]) -> Vec<f64> {
+fn predicted_by_ours(params: &[f64], q: &[f64]) -> Vec<f64> {
     let rows_of = ours::one(Function::RegressorCop);
     let mut rows = vec![0.0; 2 * params.len()];
     let each = q.chunks(ours::DOF).flat_map(|q| {
@@ -205,7 +205,7 @@ fn foretold_by_ours(params: &[f64], q: &[f64]) -> Vec<f64> {
     each.collect()
 }
 
-fn foretold(rows_of: One<f64>, params: &[f64], q: &[f64]) -> Vec<f64> {
+fn predicted(rows_of: One<f64>, params: &[f64], q: &[f64]) -> Vec<f64> {
     let mut columns = vec![0.0; 2 * BASE];
     let each = q.chunks(ours::DOF).flat_map(|q| {
         rows_of(q.as_ptr(), columns.as_mut_ptr());
