@@ -8,7 +8,7 @@ use clap::Args;
 use super::{Bar, Outcome, RobotArguments, message, outputs, print, print_json};
 use crate::Error;
 use crate::report::diagnose::{Asked, page, text};
-use sesc_identify::diagnose::{self, Report, Request};
+use sesc_identify::diagnose::{self, Report, Request, Verdict};
 use sesc_identify::fit::prior::{Prior, PriorChoice};
 use sesc_identify::logs::{self, Angles, LogSource};
 use sesc_identify::robot::Robot;
@@ -88,7 +88,23 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         .notes
         .iter()
         .for_each(|note| message(&format!("note: {note}")));
-    write(arguments, &report)?;
+    let usable = report.diagnosis.verdict != Verdict::Unusable;
+    if usable {
+        write(arguments, &report)?;
+    } else {
+        let named = [
+            &arguments.out,
+            &arguments.corrected,
+            &arguments.next,
+            &arguments.report,
+        ];
+        for path in named.into_iter().flatten() {
+            message(&format!(
+                "{} is not written: the data cannot be used",
+                path.display()
+            ));
+        }
+    }
     let asked = Asked {
         model: arguments.out.is_some(),
         next: arguments.next.is_some(),
@@ -98,7 +114,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         true => print_json(&report.diagnosis)?,
         false => print(&text(&report.diagnosis, asked))?,
     }
-    Ok(Outcome::Ok)
+    Ok(match usable {
+        true => Outcome::Ok,
+        false => Outcome::Failed,
+    })
 }
 
 fn request(arguments: &Arguments) -> Result<Request, Error> {

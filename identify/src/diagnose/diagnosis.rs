@@ -30,7 +30,11 @@ pub fn find<'m>(
 ) -> Result<Found, Error> {
     let mut search = Search::new(&mut *whole_problem);
     let blind = search.visible().to_vec();
-    let mut ranked = search.run(watch)?;
+    let mut ranked = match about.usable {
+        true => search.run(watch)?,
+        // Whatever explains broken data explains nothing.
+        false => vec![search.fit(&[], None)],
+    };
     ranked.retain(|fit| !too_many_outliers(fit));
     let ranked = judged(&search, ranked, further);
     let nothing = further_logs::together(search.problem(), search.fit(&[], None), further);
@@ -44,7 +48,10 @@ pub fn find<'m>(
     let mut class = class(&best, ranked);
     let problem = search.problem();
     let misfit = Misfit::of(problem, &best);
-    let (best, formula) = with_formula(misfit, best, &mut search, further);
+    let (best, formula) = match about.usable {
+        true => with_formula(misfit, best, &mut search, further),
+        false => (best, None),
+    };
     // Noise that was taken from what is left over cannot say that too much is left.
     let known = problem.data.noise_source != NoiseSource::Residuals;
     let crowd = best.terms.len() >= criteria::TOO_MANY_EFFECTS;
@@ -97,6 +104,7 @@ pub fn find<'m>(
     }
     let problem = &*whole_problem;
     let verdict = match (unexplained, best.terms.is_empty(), class.len()) {
+        _ if !about.usable => Verdict::Unusable,
         (true, _, _) => Verdict::Unexplained,
         (_, true, _) if raw.is_clear() && !expected.is_clear() => Verdict::Absorbed,
         (_, true, _) => Verdict::None,
@@ -105,6 +113,7 @@ pub fn find<'m>(
     };
     let diagnosis = Diagnosis {
         verdict,
+        health: about.health.clone(),
         sentence: String::new(),
         robot: about.robot.to_string(),
         support: about.support.to_string(),

@@ -22,6 +22,20 @@ pub enum Verdict {
     Absorbed,
     /// Nothing known explains it.
     Unexplained,
+    /// The data are broken: no effect is looked for.
+    Unusable,
+}
+
+/// What is wrong with the data themselves.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct HealthFinding {
+    /// `cop_constant`, `cop_axis_dead`, `other_foot`, `frame_turned`, `rows_shuffled` (with
+    /// these nothing can be done), `encoder_stuck`.
+    pub kind: &'static str,
+    /// The axis, link or joint; `-` for the whole log.
+    pub target: String,
+    /// What was seen and what to do.
+    pub sentence: String,
 }
 
 /// How far readings are from predictions, m.
@@ -160,6 +174,8 @@ pub struct NextPostures {
 pub struct Diagnosis {
     /// What the diagnosis comes to.
     pub verdict: Verdict,
+    /// What is wrong with the data themselves.
+    pub health: Vec<HealthFinding>,
     /// The whole result in sentences.
     pub sentence: String,
     /// File of the robot's description.
@@ -230,4 +246,8 @@ pub(crate) struct About<'a> {
     pub support: &'a str,
     pub log: &'a str,
     pub prior: String,
+    /// What is wrong with the data themselves.
+    pub health: Vec<HealthFinding>,
+    /// Whether effects can be looked for in them.
+    pub usable: bool,
 }

@@ -13,6 +13,7 @@ mod dictionary;
 mod experiment;
 pub mod findings;
 mod further_logs;
+mod health;
 mod held_out;
 mod hypothesis;
 mod leftover;

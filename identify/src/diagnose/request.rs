@@ -20,7 +20,7 @@ use super::model_file::model_file;
 use super::next_postures::{self, Next};
 use super::problem::Problem;
 use super::view::DiagnosisView;
-use super::{diagnosis, experiment, model_check, verdict};
+use super::{diagnosis, experiment, health, model_check, verdict};
 use crate::fit::prior::{Prior, PriorChoice};
 use crate::logs::{Angles, LogSource, Options, PostureWriter, Readings, Row, Sidecar, Written};
 use crate::observations::postures::{Postures, Taking};
@@ -185,7 +185,8 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     let support = support.ok_or_else(|| no_support(robot))?;
     let model = robot.model(&support, request.snapping, None)?;
     let prior = request.prior.of(&model)?;
-    let data = take(request, &model, &request.log, watch)?;
+    let mut data = take(request, &model, &request.log, watch)?;
+    let health = health::examine(robot, &model, request.snapping, &mut data);
     let mut problem = Problem::new(&model, data, &prior, &request.effects)?;
     let stands = request.then.iter().map(|log| stand(request, &support, log));
     let stands: Vec<(Experiment, Model)> = stands.collect::<Result<_, _>>()?;
@@ -210,6 +211,8 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
             .collect::<Vec<_>>()
             .join(" + "),
         prior: prior.sentence(),
+        health: health.findings,
+        usable: health.usable,
     };
     let mut found = diagnosis::find(&mut problem, &further, &about, watch)?;
     let meshes = request.meshes.as_deref();

@@ -17,6 +17,7 @@ pub(super) fn sentence(problem: &Problem, found: &Found) -> String {
         mm(d.baseline.rmse),
         mm(d.noise_floor)
     )];
+    said.extend(d.health.iter().map(|finding| finding.sentence.clone()));
     let values = words::values(problem, &found.best);
     let clauses: Vec<String> = found
         .best
@@ -57,6 +58,9 @@ pub(super) fn sentence(problem: &Problem, found: &Found) -> String {
                 "Missing: most plainly {}; these data cannot tell it from {shown}{more}.",
                 clauses.join(", and ")
             ));
+        }
+        Verdict::Unusable => {
+            said.push("No effect is looked for in these data.".to_string());
         }
         Verdict::Unexplained => {
             said.extend(d.implausible.clone());

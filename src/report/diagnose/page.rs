@@ -71,6 +71,7 @@ fn headline(found: &Diagnosis, view: &DiagnosisView) -> String {
             "The simulation misses {subjects}, or one of {} that look alike",
             count(found.class.len().saturating_sub(1), "other")
         ),
+        Verdict::Unusable => "These data cannot be used".to_string(),
         Verdict::Unexplained if subjects.is_empty() => {
             "No known effect explains the gap".to_string()
         }
@@ -87,6 +88,7 @@ fn verdict(verdict: Verdict) -> &'static str {
         Verdict::Class => "one of several that these data cannot tell apart",
         Verdict::Absorbed => "absorbed by masses, not visible in these data",
         Verdict::Unexplained => "nothing known explains all of it",
+        Verdict::Unusable => "data that cannot be used",
     }
 }
 

@@ -157,6 +157,8 @@ fn about() -> About<'static> {
         support: "sole",
         log: "log.csv",
         prior: String::new(),
+        health: Vec::new(),
+        usable: true,
     }
 }
 
