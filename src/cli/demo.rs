@@ -140,11 +140,13 @@ fn second_act(demo: &Demo) -> String {
     );
     let _ = writeln!(
         out,
-        "   on {} postures never seen the model misses the true CoP by {} mm, before {} mm;\n   \
-         its {} lines of Rust carry the effect",
+        "   on {} postures never seen the model misses the true CoP by {} mm, before {} mm,\n   \
+         and the true CoM by {} mm, before {} mm; its {} lines of Rust carry the effect",
         demo::hidden::JUDGED,
         mm(hidden.after),
         mm(hidden.before),
+        mm(hidden.com_after),
+        mm(hidden.com_before),
         hidden.lines
     );
     out

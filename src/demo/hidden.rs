@@ -2,12 +2,13 @@
 //!
 //! The reference's virtual robot hides backlash in every joint: its joints rest
 //! where gravity puts them, not where their encoders say. 100 balanced postures
-//! and their CoP go into the diagnosis; the model it gives is judged on postures
-//! that were not fitted.
+//! and their CoP go into the diagnosis; the CoP and the CoM of the model it gives
+//! are judged on postures that were not fitted.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
+use nalgebra::Vector3;
 use sesc_codegen::emit::rust;
 use sesc_codegen::facts::Facts;
 use sesc_model::{Function, Model, Snapping};
@@ -50,6 +51,10 @@ pub struct Hidden {
     pub before: f64,
     /// The same error of the corrected model, m.
     pub after: f64,
+    /// RMS distance there of the CoM from the virtual robot's own: of CAD's model, m.
+    pub com_before: f64,
+    /// The same distance of the corrected model's, m.
+    pub com_after: f64,
     /// Lines of Rust of the corrected model.
     pub lines: usize,
     /// What its figures show.
@@ -84,9 +89,17 @@ pub fn run(robot: &Robot, model: &Model, seed: u64) -> Result<Hidden, Error> {
     };
     let truth = truth(judged);
     let error = |found: &[f64]| rms(found.iter().zip(&truth).map(|(a, b)| a - b));
+    let com: Vec<_> = judged.chunks_exact(dof).map(|q| world.com(q)).collect();
+    let distance = |model: &Model| {
+        let found = Evaluator::new(model, Function::Com).run(judged, JUDGED);
+        let gaps = found.chunks_exact(3).zip(&com);
+        rms(gaps.map(|(found, truth)| (Vector3::from_column_slice(found) - truth).norm()))
+    };
     Ok(Hidden {
         before: error(&cad),
         after: error(&better),
+        com_before: distance(model),
+        com_after: distance(&corrected),
         lines: code.lines().count(),
         view: report.view.expect("the request asks for a view"),
         diagnosis: report.diagnosis,
@@ -157,6 +170,8 @@ impl Hidden {
             judged: JUDGED,
             before: self.before,
             after: self.after,
+            com_before: self.com_before,
+            com_after: self.com_after,
             course: self.view.postures.clone(),
             stages: self.view.stages.clone(),
         }

@@ -68,10 +68,14 @@ pub struct HiddenAct {
     pub postures: usize,
     /// Postures never seen that judge.
     pub judged: usize,
-    /// RMS error there of CAD's model, m.
+    /// RMS error per axis there of the CoP of CAD's model, m.
     pub before: f64,
-    /// RMS error there of the corrected model, m.
+    /// The same error of the corrected model, m.
     pub after: f64,
+    /// RMS distance there between the CoM of CAD's model and the true one, m.
+    pub com_before: f64,
+    /// The same distance of the corrected model's, m.
+    pub com_after: f64,
     /// The course of the CoP over the postures read.
     #[serde(skip)]
     pub course: Vec<sesc_identify::diagnose::view::Posture>,
