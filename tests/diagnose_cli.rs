@@ -16,6 +16,7 @@ fn only(effect: Option<Effect>) -> Choice {
     Choice {
         platforms: vec![Platform::Op2],
         only: effect,
+        body: false,
         long: false,
     }
 }

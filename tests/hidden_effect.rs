@@ -16,6 +16,7 @@ fn small() -> Choice {
     Choice {
         platforms: vec![Platform::Op2],
         only: None,
+        body: false,
         long: false,
     }
 }

@@ -1,5 +1,7 @@
 //! What is done to the project itself; a user of `sesc` needs none of it.
 
+pub mod corrected;
 pub mod counts;
 pub mod regen;
 pub mod study;
+pub mod study_com;

@@ -14,6 +14,8 @@ enum Task {
     Regen,
     /// Hide effects in virtual robots, ask `sesc diagnose`, and count in docs/study.md
     Study(xtask::study::Study),
+    /// Hide effects of the body, and judge the diagnosed CoM in docs/study-com.md
+    StudyCom(xtask::study_com::StudyCom),
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -31,6 +33,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             }
         }
         Task::Study(study) => study.run(root)?,
+        Task::StudyCom(study) => study.run(root)?,
     }
     Ok(())
 }

@@ -91,6 +91,18 @@ impl Effect {
         Effect::GearError,
     ];
 
+    /// Those of the library that move the CoM at a given reading of the encoders.
+    pub const BODY: [Effect; 8] = [
+        Effect::JointOffset,
+        Effect::JointScale,
+        Effect::JointSign,
+        Effect::JointSwap,
+        Effect::JointCompliance,
+        Effect::Backlash,
+        Effect::Payload,
+        Effect::MassDistribution,
+    ];
+
     /// The name in the diagnoser's contract; for the others our own.
     pub fn name(self) -> &'static str {
         match self {

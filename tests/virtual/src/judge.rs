@@ -83,6 +83,17 @@ impl Answer {
             noise_floor: number(&json["noise_floor"], "noise_floor")?,
         })
     }
+
+    /// Whether it names the truth, effect by effect and target by target.
+    pub fn is(&self, truth: &Labels) -> bool {
+        without_excuses(&self.steps, truth) == *truth
+    }
+
+    /// Whether the truth is what it names, or among what it calls indistinguishable.
+    pub fn lists(&self, truth: &Labels) -> bool {
+        let is = |group: &Labels| without_excuses(group, truth) == *truth;
+        self.is(truth) || self.groups.iter().any(is)
+    }
 }
 
 /// One answer, judged.
@@ -116,12 +127,11 @@ impl Judgement {
     pub fn of(answer: &Answer, trial: &Trial) -> Judgement {
         let truth = truth(&trial.hidden);
         let steps = without_excuses(&answer.steps, &truth);
-        let exact = steps == truth;
-        let grouped = |group: &Labels| without_excuses(group, &truth) == truth;
+        let exact = answer.is(&truth);
         Judgement {
             name: names(&steps) == names(&truth),
             exact,
-            in_group: exact || answer.groups.iter().any(grouped),
+            in_group: answer.lists(&truth),
             twin: exact || is_twin(&steps, trial),
             imitates: exact || imitates(&answer.steps, trial),
             aside: None,

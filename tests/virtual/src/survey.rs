@@ -135,6 +135,7 @@ pub fn everything() -> Choice {
         ]
         .concat(),
         only: None,
+        body: false,
         long: true,
     }
 }

@@ -49,6 +49,8 @@ pub struct Choice {
     pub platforms: Vec<Platform>,
     /// Only logs in which this is hidden.
     pub only: Option<Effect>,
+    /// Of the library, only effects of the body.
+    pub body: bool,
     /// Logs of 1000 postures, too.
     pub long: bool,
 }
@@ -138,7 +140,8 @@ fn effects(question: Question, choice: &Choice, random: &mut ChaCha8Rng) -> Vec<
     // A log in degrees is refused or warned of before anybody is asked.
     let common = Effect::LIBRARY
         .into_iter()
-        .filter(|effect| *effect != Effect::Units);
+        .filter(|effect| *effect != Effect::Units)
+        .filter(|effect| !choice.body || Effect::BODY.contains(effect));
     let common: Vec<Effect> = common.collect();
     let mut effects: Vec<Effect> = match question {
         Question::Nothing => Vec::new(),
