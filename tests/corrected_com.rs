@@ -3,7 +3,7 @@
 //! against the virtual robot's on postures that the log does not have.
 //! `cargo xtask study-com` asks at length.
 
-use sesc_virtual::hidden::{Effect, Hidden, NOWHERE};
+use sesc_virtual::hidden::{Effect, Hidden};
 use sesc_virtual::stage::Platform;
 use sesc_virtual::trial::{Choice, Trial};
 use xtask::corrected::{Corrected, examine};
