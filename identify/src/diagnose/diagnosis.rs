@@ -3,7 +3,7 @@
 use super::criteria;
 use super::findings::{
     About, Blind, Diagnosis, Found, Gap, Last, Leftover, Member, ModelOnLog, NextPostures,
-    Quantity, Step, Verdict,
+    Quantity, Samples, Step, Verdict,
 };
 use super::further_logs::{self, FurtherLog};
 use super::held_out::{self, HeldOut};
@@ -114,6 +114,7 @@ pub fn find<'m>(
     let diagnosis = Diagnosis {
         verdict,
         health: about.health.clone(),
+        samples: Samples::default(),
         sentence: String::new(),
         robot: about.robot.to_string(),
         support: about.support.to_string(),
@@ -276,10 +277,12 @@ fn with_formula(
 /// χ² of the robot with CAD masses.
 fn raw_misfit(problem: &Problem) -> Misfit {
     let out = problem.evaluate(&[], &[], &problem.data.q, &problem.data.posture_context);
-    let entries = problem.data.reading.iter().zip(&out).zip(&problem.weight);
+    let gap = |row: usize| (problem.data.reading[row] - out[row]) * problem.weight[row];
+    let whole = |row: usize| gap(row) * problem.widened[row % 2];
     Misfit {
-        chi2: entries.map(|((y, p), w)| ((y - p) * w).powi(2)).sum(),
+        chi2: (0..out.len()).map(|row| whole(row).powi(2)).sum(),
         expected: out.len() as f64,
+        rows_per_sample: problem.rows_per_sample(),
     }
 }
 

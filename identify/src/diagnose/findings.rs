@@ -26,6 +26,19 @@ pub enum Verdict {
     Unusable,
 }
 
+/// How much a log is worth.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Samples {
+    /// Rows of the log.
+    pub rows: usize,
+    /// How many independent rows they are worth, of the axis that has fewer.
+    pub independent: usize,
+    /// Integrated correlation time of what is left, s.
+    pub correlation_s: f64,
+    /// The log has no times: rows are taken as independent.
+    pub assumed: bool,
+}
+
 /// What is wrong with the data themselves.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct HealthFinding {
@@ -176,6 +189,8 @@ pub struct Diagnosis {
     pub verdict: Verdict,
     /// What is wrong with the data themselves.
     pub health: Vec<HealthFinding>,
+    /// How much the log is worth.
+    pub samples: Samples,
     /// The whole result in sentences.
     pub sentence: String,
     /// File of the robot's description.

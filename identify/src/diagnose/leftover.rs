@@ -19,6 +19,8 @@ use crate::lsq::factor_normal;
 pub struct Misfit {
     pub chi2: f64,
     pub expected: f64,
+    /// Rows per independent one: χ² scatters as much more.
+    pub rows_per_sample: f64,
 }
 
 impl Misfit {
@@ -31,7 +33,9 @@ impl Misfit {
         for (k, apart) in apart.iter().enumerate() {
             if !apart {
                 for row in [2 * k, 2 * k + 1] {
-                    chi2 += (fit.residual[row] - shift[row]).powi(2);
+                    // Against the noise as it is, however few samples the rows are worth.
+                    let left = (fit.residual[row] - shift[row]) * problem.widened[row % 2];
+                    chi2 += left.powi(2);
                     rows += 1.0;
                 }
             }
@@ -39,12 +43,13 @@ impl Misfit {
         Misfit {
             chi2,
             expected: (rows - fit.unknowns.len() as f64 - masses.directions()).max(1.0),
+            rows_per_sample: problem.rows_per_sample(),
         }
     }
 
     /// Standard deviations beyond what noise leaves.
     pub fn deviations(self) -> f64 {
-        (self.chi2 - self.expected) / (2.0 * self.expected).sqrt()
+        (self.chi2 - self.expected) / (2.0 * self.expected * self.rows_per_sample).sqrt()
     }
 
     pub fn is_clear(self) -> bool {

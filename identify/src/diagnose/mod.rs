@@ -25,6 +25,7 @@ mod outliers;
 mod problem;
 mod proposal;
 mod request;
+mod samples;
 mod search;
 mod settle;
 #[cfg(test)]

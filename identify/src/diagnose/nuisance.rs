@@ -46,6 +46,11 @@ impl Nuisance {
         Nuisance { k, factor, log_det }
     }
 
+    /// The directions, whitened: rows as readings.
+    pub fn columns(&self) -> &DMatrix<f64> {
+        &self.k
+    }
+
     /// The same directions where rows count `weight` times their inverse deviation.
     pub fn reweighted(&self, weight: &[f64]) -> Nuisance {
         let mut k = self.k.clone();

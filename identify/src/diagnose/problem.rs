@@ -42,6 +42,8 @@ pub struct Problem<'m> {
     pub(super) offset: Option<DVector<f64>>,
     /// 1/σ per reading.
     pub weight: Vec<f64>,
+    /// By what the noise of each axis was multiplied since readings are correlated.
+    pub widened: [f64; 2],
     /// Masses within the prior that was asked for.
     pub nuisance: Nuisance,
     /// Masses within the usual tolerances of CAD, for `mass_distribution`.
@@ -161,6 +163,7 @@ impl<'m> Problem<'m> {
             cad: model.cad_params(),
             params: model.cad_params(),
             offset: None,
+            widened: [1.0; 2],
             model,
             kinds: kinds.len() + hypothesis::MODELS,
             context,
@@ -191,6 +194,7 @@ impl<'m> Problem<'m> {
             cad: model.cad_params(),
             params: model.cad_params(),
             offset: None,
+            widened: [1.0; 2],
             model,
             kinds: self.kinds,
             context,
@@ -207,6 +211,22 @@ impl<'m> Problem<'m> {
         }
     }
 
+    /// Rows per independent one, of the axis that has fewer.
+    pub(super) fn rows_per_sample(&self) -> f64 {
+        self.widened[0].max(self.widened[1]).powi(2)
+    }
+
+    /// Count each axis as known `factors` times as badly: readings are not independent.
+    pub(super) fn widen_noise(&mut self, factors: [f64; 2]) {
+        self.widened = factors;
+        for (row, std) in self.data.std.iter_mut().enumerate() {
+            *std *= factors[row % 2];
+        }
+        self.weight = self.data.std.iter().map(|s| 1.0 / s).collect();
+        self.nuisance = Nuisance::new(&self.rows, &self.prior, &self.weight);
+        self.wide = Nuisance::new(&self.rows, &self.wide_prior, &self.weight);
+    }
+
     /// The same problem about other masses `params`: `rows` are the slopes of readings
     /// there, `offset` the whitened shift of readings from `params` back to CAD's.
     pub(super) fn about(
@@ -221,6 +241,7 @@ impl<'m> Problem<'m> {
             cad: self.cad.clone(),
             params,
             offset: Some(offset),
+            widened: self.widened,
             model: self.model,
             kinds: self.kinds,
             context: self.context.clone(),

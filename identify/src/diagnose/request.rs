@@ -20,7 +20,7 @@ use super::model_file::model_file;
 use super::next_postures::{self, Next};
 use super::problem::Problem;
 use super::view::DiagnosisView;
-use super::{diagnosis, experiment, health, model_check, verdict};
+use super::{diagnosis, experiment, health, model_check, samples, verdict};
 use crate::fit::prior::{Prior, PriorChoice};
 use crate::logs::{Angles, LogSource, Options, PostureWriter, Readings, Row, Sidecar, Written};
 use crate::observations::postures::{Postures, Taking};
@@ -30,6 +30,11 @@ use crate::{Error, Setting, message};
 
 /// What encoder ticks add to the noise of a posture's CoP unless told otherwise, m.
 pub const FLOOR_M: f64 = 1e-4;
+
+/// Rounds in which the number of independent readings and the explanation settle.
+const ROUNDS: usize = 3;
+/// A number of rows per sample that grew by this is not settled.
+const LONGER: f64 = 1.3;
 
 /// What is to be diagnosed, and how.
 #[derive(Debug, Clone)]
@@ -187,7 +192,7 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     let prior = request.prior.of(&model)?;
     let mut data = take(request, &model, &request.log, watch)?;
     let health = health::examine(robot, &model, request.snapping, &mut data);
-    let mut problem = Problem::new(&model, data, &prior, &request.effects)?;
+    let mut problem = Problem::new(&model, data.clone(), &prior, &request.effects)?;
     let stands = request.then.iter().map(|log| stand(request, &support, log));
     let stands: Vec<(Experiment, Model)> = stands.collect::<Result<_, _>>()?;
     let mut further = Vec::new();
@@ -215,6 +220,25 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
         usable: health.usable,
     };
     let mut found = diagnosis::find(&mut problem, &further, &about, watch)?;
+    let mut correlation = samples::correlation(&problem, &found.best);
+    // What an explanation too many has taken from the noise shows when it is gone.
+    for _ in 0..ROUNDS {
+        let Some(factors) = samples::factors(&correlation).filter(|_| about.usable) else {
+            break;
+        };
+        problem = Problem::new(&model, data.clone(), &prior, &request.effects)?;
+        problem.widen_noise(factors);
+        found = diagnosis::find(&mut problem, &further, &about, watch)?;
+        let again = samples::correlation(&problem, &found.best);
+        let longer = |k: usize| again[k].rows_per_sample > LONGER * correlation[k].rows_per_sample;
+        let settled = !(longer(0) || longer(1));
+        if !settled {
+            correlation = again;
+            continue;
+        }
+        break;
+    }
+    found.diagnosis.samples = samples::said(&problem, &correlation);
     let meshes = request.meshes.as_deref();
     let next = next_postures::next(&problem, &found, robot, request.snapping, meshes);
     found.diagnosis.next_postures = NextPostures {

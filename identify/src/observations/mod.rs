@@ -5,6 +5,7 @@
 //!    └──▶ rows (regressor, tilt, supports)      postures (a log in memory)
 //! ```
 
+pub mod correlation;
 pub(crate) mod grouping;
 pub mod noise;
 pub mod postures;

@@ -1,0 +1,62 @@
+//! How many independent readings a log is worth under an explanation.
+//!
+//! Evidence counts samples: noise that is correlated over many rows would let every effect
+//! look certain. Each axis counts `n_eff` of its `n` readings, as if each were known
+//! `√(n/n_eff)` times as badly.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::findings::Samples;
+use super::problem::{Fit, Problem};
+use crate::observations::correlation::Correlation;
+
+/// Below this factor of the noise a log is looked at once.
+const COUNTS: f64 = 1.1;
+
+/// Correlation of what is left, on each axis.
+pub(super) fn correlation(problem: &Problem, fit: &Fit) -> [Correlation; 2] {
+    let Some(t) = &problem.data.t else {
+        return [Correlation::NONE; 2];
+    };
+    let masses = problem.masses(&fit.terms);
+    [0, 1].map(|axis| {
+        let n = problem.data.len();
+        let y = DVector::from_fn(n, |k, _| fit.residual[2 * k + axis]);
+        let unknowns = fit.slopes.ncols();
+        let columns = masses.columns();
+        let free = if masses.is_negligible() {
+            0
+        } else {
+            columns.ncols()
+        };
+        let x = DMatrix::from_fn(n, 1 + unknowns + free, |k, c| match c {
+            0 => 1.0,
+            c if c <= unknowns => fit.slopes[(2 * k + axis, c - 1)],
+            c => columns[(2 * k + axis, c - 1 - unknowns)],
+        });
+        Correlation::of(t, &y, &x)
+    })
+}
+
+/// The factors of the noise on each axis; none where readings are independent enough.
+pub(super) fn factors(correlation: &[Correlation; 2]) -> Option<[f64; 2]> {
+    let factors = correlation.map(|axis| axis.rows_per_sample.sqrt());
+    (factors[0].max(factors[1]) > COUNTS).then_some(factors)
+}
+
+/// What is said of it.
+pub(super) fn said(problem: &Problem, correlation: &[Correlation; 2]) -> Samples {
+    let data = &problem.data;
+    let rows = data.summary.as_ref().map(|summary| summary.rows as usize);
+    let rows = rows.unwrap_or(data.len());
+    let worst = match correlation[0].rows_per_sample > correlation[1].rows_per_sample {
+        true => correlation[0],
+        false => correlation[1],
+    };
+    Samples {
+        rows,
+        independent: ((rows as f64 / worst.rows_per_sample).round() as usize).max(1),
+        correlation_s: worst.time_s,
+        assumed: data.t.is_none(),
+    }
+}
