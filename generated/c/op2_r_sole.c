@@ -44,11 +44,12 @@
 
 #include "op2_r_sole.h"
 
+#include <math.h>
 #include <stdint.h>
+#include <string.h>
 #ifdef op2_r_sole_USE_LIBM
 #include <math.h>
 #else
-#include <string.h>
 #ifdef __FAST_MATH__
 #error "-ffast-math breaks sines: omit it or define op2_r_sole_USE_LIBM"
 #endif
@@ -4438,6 +4439,310 @@ void op2_r_sole_cop_ticks(
     op2_r_sole_real cos_q[op2_r_sole_DOF];
     op2_r_sole_from_ticks(ticks, sin_q, cos_q);
     op2_r_sole_cop_sc(sin_q, cos_q, r, cop);
+}
+
+/*
+ * The estimator: rows rotated into a triangle by fast Givens rotations, free of square roots
+ * (Gentleman, Algorithm AS 154, Applied Statistics 23, 1974).
+ *
+ *     sum of w (x r - y)^2 = (r - r_found)' R' D R (r - r_found) + rest
+ *
+ * R is upper triangular with a unit diagonal, D diagonal.
+ */
+
+/* Bounds within which no rotation overflows: of entries, of information, of a row's weight. */
+static const float op2_r_sole_limit = 1048576.0f;
+static const float op2_r_sole_least = 9.094947e-13f;
+static const float op2_r_sole_light = 9.536743e-7f;
+/* Share of a column, as a length, that is more than rounding. */
+static const float op2_r_sole_independent = 7.6293945e-6f;
+
+/* Where line i of the triangle begins. */
+static uint32_t op2_r_sole_line(uint32_t i)
+{
+    return (i * (87u - i)) / 2u;
+}
+
+static float op2_r_sole_size(float x)
+{
+    return (x < 0.0f) ? -x : x;
+}
+
+/* Square root of a positive number, within one unit in the last place: Newton's method. */
+static float op2_r_sole_root(float x)
+{
+    uint32_t bits;
+    float root;
+    (void)memcpy(&bits, &x, sizeof bits);
+    bits = (bits >> 1u) + UINT32_C(0x1fbd1df5);
+    (void)memcpy(&root, &bits, sizeof root);
+    for (uint32_t k = 0u; k < 3u; k += 1u) {
+        root = 0.5f * (root + (x / root));
+    }
+    return root;
+}
+
+/* What the weight of each line must exceed for its parameter to be observable. */
+static void op2_r_sole_thresholds(const op2_r_sole_estimator *e, float least[])
+{
+    for (uint32_t i = 0u; i < 43u; i += 1u) {
+        least[i] = e->triangle[op2_r_sole_line(i)];
+    }
+    for (uint32_t i = 0u; i < 43u; i += 1u) {
+        const uint32_t line = op2_r_sole_line(i);
+        const float weight = e->triangle[line];
+        for (uint32_t k = i + 1u; k < 43u; k += 1u) {
+            const float r = e->triangle[line + (k - i)];
+            least[k] = least[k] + ((weight * r) * r);
+        }
+    }
+    for (uint32_t i = 0u; i < 43u; i += 1u) {
+        least[i] = (op2_r_sole_independent * op2_r_sole_independent) * least[i];
+    }
+}
+
+/* Whether the pivot of column i is what cancellation leaves of larger terms. */
+static int op2_r_sole_is_rounding(
+    const op2_r_sole_estimator *e,
+    const float row[],
+    uint32_t i)
+{
+    const float pivot = op2_r_sole_size(row[i]);
+    float terms = pivot;
+    int is_rounding = 0;
+    for (uint32_t k = 0u; k < i; k += 1u) {
+        terms = terms + op2_r_sole_size(row[k] * e->triangle[op2_r_sole_line(k) + (i - k)]);
+    }
+    if (pivot <= (op2_r_sole_independent * terms)) {
+        is_rounding = 1;
+    }
+    return is_rounding;
+}
+
+/* Rotate a row over its deviation, and its value, into the triangle. */
+static void op2_r_sole_take_row(op2_r_sole_estimator *e, float row[], float value)
+{
+    float y = value;
+    float weight = 1.0f;
+    for (uint32_t i = 0u; i < 43u; i += 1u) {
+        const uint32_t line = op2_r_sole_line(i);
+        const float before = e->triangle[line];
+        const float pivot = row[i];
+        const float information = (weight * pivot) * pivot;
+        int skips = 0;
+        if (information < op2_r_sole_least) {
+            skips = 1;
+        } else if (!(before > 0.0f)) {
+            /* The first pivot of a column decides what the line means: rounding may not. */
+            skips = op2_r_sole_is_rounding(e, row, i);
+        } else {
+            /* The line has its meaning. */
+        }
+        if (skips == 0) {
+            const float sum = before + information;
+            const float c = before / sum;
+            const float s = (weight * pivot) / sum;
+            const float right = e->values[i];
+            e->triangle[line] = sum;
+            if ((c + c) > 1.0f) {
+                for (uint32_t k = i + 1u; k < 43u; k += 1u) {
+                    const float r = e->triangle[line + (k - i)];
+                    const float x = row[k] - (pivot * r);
+                    row[k] = x;
+                    e->triangle[line + (k - i)] = r + (s * x);
+                }
+                y = y - (pivot * right);
+                e->values[i] = right + (s * y);
+            } else {
+                for (uint32_t k = i + 1u; k < 43u; k += 1u) {
+                    const float r = e->triangle[line + (k - i)];
+                    const float x = row[k];
+                    row[k] = x - (pivot * r);
+                    e->triangle[line + (k - i)] = (c * r) + (s * x);
+                }
+                e->values[i] = (c * right) + (s * y);
+                y = y - (pivot * right);
+            }
+            weight = c * weight;
+            /* A light row is rewritten with a larger weight, in 4 rounds at most. */
+            for (uint32_t round = 0u; round < 4u; round += 1u) {
+                if ((weight > 0.0f) && (weight < op2_r_sole_light)) {
+                    weight = weight / (op2_r_sole_light * op2_r_sole_light);
+                    y = y * op2_r_sole_light;
+                    for (uint32_t k = 0u; k < 43u; k += 1u) {
+                        row[k] = row[k] * op2_r_sole_light;
+                    }
+                }
+            }
+        }
+    }
+    e->residual = e->residual + ((weight * y) * y);
+}
+
+/* 0 and e empty about r, or 1 and e as it was. */
+static int op2_r_sole_begin(
+    op2_r_sole_estimator *e,
+    const float r[],
+    const float cop_std[])
+{
+    int refused = 0;
+    for (uint32_t axis = 0u; axis < 2u; axis += 1u) {
+        const float std = cop_std[axis];
+        /* A NaN is refused. */
+        if (!((std > 0.0f) && (std <= op2_r_sole_limit) && ((1.0f / std) <= op2_r_sole_limit))) {
+            refused = 1;
+        }
+    }
+    for (uint32_t k = 0u; k < 43u; k += 1u) {
+        if (!(op2_r_sole_size(r[k]) <= op2_r_sole_limit)) {
+            refused = 1;
+        }
+    }
+    if (refused == 0) {
+        for (uint32_t k = 0u; k < 946u; k += 1u) {
+            e->triangle[k] = 0.0f;
+        }
+        for (uint32_t k = 0u; k < 43u; k += 1u) {
+            e->values[k] = 0.0f;
+            e->nominal[k] = r[k];
+        }
+        e->weights[0] = 1.0f / cop_std[0];
+        e->weights[1] = 1.0f / cop_std[1];
+        e->residual = 0.0f;
+        e->postures = 0u;
+    }
+    return refused;
+}
+
+int op2_r_sole_estimator_init(
+    op2_r_sole_estimator *e,
+    const op2_r_sole_real r[],
+    const op2_r_sole_real r_std[],
+    const op2_r_sole_real cop_std[])
+{
+    int refused = 0;
+    for (uint32_t k = 0u; k < 43u; k += 1u) {
+        const float std = r_std[k];
+        /* A NaN is refused. */
+        if (!((std > 0.0f) && ((1.0f / std) <= op2_r_sole_limit))) {
+            refused = 1;
+        }
+    }
+    if (refused == 0) {
+        refused = op2_r_sole_begin(e, r, cop_std);
+    }
+    if (refused == 0) {
+        for (uint32_t k = 0u; k < 43u; k += 1u) {
+            const float weight = 1.0f / r_std[k];
+            if ((weight * weight) >= op2_r_sole_least) {
+                e->triangle[op2_r_sole_line(k)] = weight * weight;
+            }
+        }
+    }
+    return refused;
+}
+
+int op2_r_sole_estimator_add(
+    op2_r_sole_estimator *e,
+    const op2_r_sole_real q[],
+    const op2_r_sole_real reading[])
+{
+    float rows[86];
+    float cop[2];
+    int refused = 0;
+    op2_r_sole_regressor_cop(q, rows);
+    cop[0] = reading[0];
+    cop[1] = reading[1];
+    for (uint32_t axis = 0u; axis < 2u; axis += 1u) {
+        const float weight = e->weights[axis];
+        float off = cop[axis];
+        for (uint32_t k = 0u; k < 43u; k += 1u) {
+            const uint32_t at = (axis * 43u) + k;
+            off = off - (rows[at] * e->nominal[k]);
+            rows[at] = rows[at] * weight;
+            /* A NaN is refused. */
+            if (!(op2_r_sole_size(rows[at]) <= op2_r_sole_limit)) {
+                refused = 1;
+            }
+        }
+        cop[axis] = off * weight;
+        if (!(op2_r_sole_size(cop[axis]) <= op2_r_sole_limit)) {
+            refused = 1;
+        }
+    }
+    if (refused == 0) {
+        op2_r_sole_take_row(e, &rows[0], cop[0]);
+        op2_r_sole_take_row(e, &rows[43], cop[1]);
+        if (e->postures < UINT32_MAX) {
+            e->postures += 1u;
+        }
+    }
+    return refused;
+}
+
+/* Back substitution over the observable lines. */
+static void op2_r_sole_params_above(
+    const op2_r_sole_estimator *e,
+    const float least[],
+    float r[])
+{
+    for (uint32_t n = 0u; n < 43u; n += 1u) {
+        const uint32_t i = 42u - n;
+        const uint32_t line = op2_r_sole_line(i);
+        r[i] = 0.0f;
+        if (e->triangle[line] > least[i]) {
+            float sum = 0.0f;
+            for (uint32_t k = i + 1u; k < 43u; k += 1u) {
+                sum = sum + (e->triangle[line + (k - i)] * r[k]);
+            }
+            r[i] = e->values[i] - sum;
+        }
+    }
+    for (uint32_t k = 0u; k < 43u; k += 1u) {
+        r[k] = e->nominal[k] + r[k];
+    }
+}
+
+void op2_r_sole_estimator_params(const op2_r_sole_estimator *e, op2_r_sole_real r[])
+{
+    float least[43];
+    op2_r_sole_thresholds(e, least);
+    op2_r_sole_params_above(e, least, r);
+}
+
+void op2_r_sole_estimator_solve(
+    const op2_r_sole_estimator *e,
+    op2_r_sole_real r[],
+    op2_r_sole_real r_std[])
+{
+    float least[43];
+    float row[43];
+    op2_r_sole_thresholds(e, least);
+    op2_r_sole_params_above(e, least, r);
+    for (uint32_t parameter = 0u; parameter < 43u; parameter += 1u) {
+        const uint32_t first = op2_r_sole_line(parameter);
+        if (e->triangle[first] > least[parameter]) {
+            /* The row that is 1 at the parameter, its own line taken off. */
+            float variance = 1.0f / e->triangle[first];
+            for (uint32_t k = parameter + 1u; k < 43u; k += 1u) {
+                row[k] = -e->triangle[first + (k - parameter)];
+            }
+            for (uint32_t i = parameter + 1u; i < 43u; i += 1u) {
+                const uint32_t line = op2_r_sole_line(i);
+                const float weight = e->triangle[line];
+                const float pivot = row[i];
+                if (weight > least[i]) {
+                    variance = variance + ((pivot * pivot) / weight);
+                    for (uint32_t k = i + 1u; k < 43u; k += 1u) {
+                        row[k] = row[k] - (pivot * e->triangle[line + (k - i)]);
+                    }
+                }
+            }
+            r_std[parameter] = op2_r_sole_root(variance);
+        } else {
+            r_std[parameter] = (float)INFINITY;
+        }
+    }
 }
 
 static int op2_r_sole_differs(

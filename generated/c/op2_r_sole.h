@@ -425,6 +425,80 @@ void op2_r_sole_regressor_full_ticks(
  */
 void op2_r_sole_cop_ticks(const int32_t ticks[], const op2_r_sole_real r[], op2_r_sole_real cop[2]);
 
+/*
+ * Estimator: parameters from postures, one at a time, by least squares
+ *
+ *     min  sum over postures |(Y(q) r - cop) / std|^2  +  what is known of r before them
+ *
+ * It holds all its memory, takes nothing from elsewhere, and a posture takes the same time
+ * whenever it comes. A copy of the struct goes on where the original stood, also after a
+ * power cycle. The rows Y are those of op2_r_sole_regressor_cop. Nothing is forgotten; a sum of
+ * many
+ * million postures grows no further in float.
+ */
+typedef struct {
+    /** Row by row: its weight d (1/m^2), then what stands right of the diagonal. */
+    op2_r_sole_real triangle[946];
+    /** Right-hand sides of the rows, m. */
+    op2_r_sole_real values[op2_r_sole_BASE_PARAMS];
+    /** Parameters that the rest is about, m. */
+    op2_r_sole_real nominal[op2_r_sole_BASE_PARAMS];
+    /** 1 / std of the CoP in x and y, 1/m. */
+    op2_r_sole_real weights[2];
+    /** Sum of squared residuals over their variances. */
+    op2_r_sole_real residual;
+    /** Postures taken. */
+    uint32_t postures;
+} op2_r_sole_estimator;
+
+/**
+ * @brief Begin with parameters that are known as r[k] +- r_std[k], each by itself.
+ * An infinite r_std says that nothing is known.
+ * @param[out] e the estimator
+ * @param[in] r parameters, m, [op2_r_sole_BASE_PARAMS], such as op2_r_sole_cad_params
+ * @param[in] r_std their standard deviations, m, [op2_r_sole_BASE_PARAMS]
+ * @param[in] cop_std standard deviations of a CoP reading, x and y, m, [2]
+ * @return 0; 1 and e as it was where a parameter or cop_std is NaN, infinite or above
+ *     1e6 m, or a deviation is NaN, not positive or below 1e-6 m.
+ */
+int op2_r_sole_estimator_init(
+    op2_r_sole_estimator *e,
+    const op2_r_sole_real r[],
+    const op2_r_sole_real r_std[],
+    const op2_r_sole_real cop_std[]);
+
+/**
+ * @brief Take one posture of the robot at rest: about 4 N^2 products and sums of N parameters.
+ * @param[in,out] e the estimator
+ * @param[in] q joint positions, rad (m for prismatic joints), [op2_r_sole_DOF]
+ * @param[in] reading CoP as the sensor gives it, m, support frame, [2]
+ * @return 0; 1 and e as it was where a number is NaN, infinite or more than 1e6
+ *     deviations large.
+ */
+int op2_r_sole_estimator_add(
+    op2_r_sole_estimator *e,
+    const op2_r_sole_real q[],
+    const op2_r_sole_real reading[]);
+
+/**
+ * @brief The parameters so far, about N^2 products and sums.
+ * @param[in] e the estimator
+ * @param[out] r parameters, m, [op2_r_sole_BASE_PARAMS]; what nothing has shown stays as it began
+ */
+void op2_r_sole_estimator_params(const op2_r_sole_estimator *e, op2_r_sole_real r[]);
+
+/**
+ * @brief The parameters and how well they are known, about N^3 / 3 products and sums.
+ * @param[in] e the estimator
+ * @param[out] r parameters, m, [op2_r_sole_BASE_PARAMS]; what nothing has shown stays as it began
+ * @param[out] r_std their standard deviations, m, [op2_r_sole_BASE_PARAMS]; infinite where
+ *     nothing has shown them
+ */
+void op2_r_sole_estimator_solve(
+    const op2_r_sole_estimator *e,
+    op2_r_sole_real r[],
+    op2_r_sole_real r_std[]);
+
 /**
  * @brief Check the compiled functions against what the generator computed by another way.
  * @return 0 on agreement; else the sum of 1 (com), 2 (cop), 4 (gravity_moments), 8 (com_ticks).

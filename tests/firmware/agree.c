@@ -33,6 +33,31 @@ static void print(const char *function, uint32_t count)
         print(#function, (count));            \
     } while (0)
 
+#ifndef ROBOT_FIXED
+/* Parameters and their deviations from all postures, with one reading for each. */
+static void estimate(void)
+{
+    static ROBOT(estimator) estimator;
+    static ROBOT(real) r_std[ROBOT(BASE_PARAMS)];
+    static const ROBOT(real) cop_std[2] = {1.0e-3f, 2.0e-3f};
+    int refused;
+    for (uint32_t k = 0u; k < COLUMNS; k += 1u) {
+        r_std[k] = 0.01f;
+    }
+    refused = ROBOT(estimator_init)(&estimator, ROBOT(cad_params), r_std, cop_std);
+    for (uint32_t k = 0u; k < POSTURES; k += 1u) {
+        ROBOT(cop)(q[k], ROBOT(cad_params), out);
+        out[0] += 0.003f;
+        refused += ROBOT(estimator_add)(&estimator, q[k], out);
+    }
+    (void)printf("refused %08lx\n", (unsigned long)refused);
+    ROBOT(estimator_solve)(&estimator, out, r_std);
+    print("estimator_params", COLUMNS);
+    (void)memcpy(out, r_std, sizeof r_std);
+    print("estimator_std", COLUMNS);
+}
+#endif
+
 int main(void)
 {
     const ROBOT(real) *r = ROBOT(cad_params);
@@ -64,5 +89,8 @@ int main(void)
         SHOW(regressor_full_ticks, 3u * ROBOT(FULL_PARAMS), ticks[k]);
         SHOW(cop_ticks, 2u, ticks[k], r);
     }
+#ifndef ROBOT_FIXED
+    estimate();
+#endif
     return failed;
 }

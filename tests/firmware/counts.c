@@ -16,6 +16,12 @@ extern void known_skip(uint32_t n);
 
 extern void measure(void);
 
+#ifndef ROBOT_FIXED
+static ROBOT(estimator) estimator;
+static ROBOT(real) known[ROBOT(BASE_PARAMS)];
+static const ROBOT(real) reading[2] = {0.01f, -0.02f};
+#endif
+
 static ROBOT(real) out[3 * ROBOT(FULL_PARAMS)];
 
 void measure(void)
@@ -54,11 +60,25 @@ void measure(void)
         ROBOT(regressor_cop_sc)(s, c, out);
         ROBOT(regressor_full_sc)(s, c, out);
         ROBOT(cop_sc)(s, c, r, out);
+#ifndef ROBOT_FIXED
+        (void)ROBOT(estimator_add)(&estimator, x, reading);
+        ROBOT(estimator_params)(&estimator, out);
+        ROBOT(estimator_solve)(&estimator, out, known);
+#endif
     }
 }
 
 int main(void)
 {
+#ifndef ROBOT_FIXED
+    static const ROBOT(real) cop_std[2] = {1.0e-3f, 1.0e-3f};
+    for (uint32_t k = 0u; k < ROBOT(BASE_PARAMS); k += 1u) {
+        known[k] = 0.01f;
+    }
+    if (ROBOT(estimator_init)(&estimator, ROBOT(cad_params), known, cop_std) != 0) {
+        return 1;
+    }
+#endif
     measure();
     return 0;
 }

@@ -4,9 +4,12 @@ use std::fs;
 
 use sesc_generated::op2_r_sole as op2;
 
-use crate::build::{Config, HOST_F32, HOST_FIXED, M3_F32, M3_FIXED, M4F_F32, TARGETS};
+use crate::build::{
+    Config, HOST_F32, HOST_FIXED, M3_F32, M3_FIXED, M4F_F32, M4F_F32_EXACT, TARGETS,
+};
 use crate::postures::{DOF, POSTURES, postures};
 use crate::{LIMIT, ROOT, names};
+use sesc_runtime::fit::Estimator;
 use sesc_test_support::machine;
 
 /// A function in f64.
@@ -71,9 +74,10 @@ impl Config {
             "{}",
             self.name
         );
+        let of_estimator = if self.fixed { 0 } else { ESTIMATES.len() };
         assert_eq!(
             results.len(),
-            1 + POSTURES * names().count(),
+            1 + POSTURES * names().count() + of_estimator,
             "{}",
             self.name
         );
@@ -112,6 +116,40 @@ impl Config {
             }
         }
         worst
+    }
+}
+
+/// What `agree` prints of the estimator: calls that were refused, what it found.
+const ESTIMATES: [&str; 3] = ["refused", "estimator_params", "estimator_std"];
+
+/// The runtime's estimator with the postures and readings of `agree.c`.
+#[test]
+fn estimates_are_those_of_the_runtime() {
+    const N: usize = op2::BASE_PARAMS;
+    let r = op2::CAD_PARAMS.map(|x| x as f32);
+    let mut estimator = Estimator::<f32, N>::with_prior(&r, &[0.01; N]).unwrap();
+    for posture in postures() {
+        let q = posture.q.map(|q| q as f32);
+        let [x, y] = op2::cop(&q, &r);
+        let reading = [x + 0.003, y];
+        estimator
+            .add_posture::<op2::Op2RSole>(&q, &reading, &[1e-3, 2e-3])
+            .unwrap();
+    }
+    let expected = [
+        vec![0],
+        estimator.params().map(f32::to_bits).to_vec(),
+        estimator.deviations().map(f32::to_bits).to_vec(),
+    ];
+    for config in [HOST_F32, M3_F32, M4F_F32_EXACT, M4F_F32] {
+        let results = config.results();
+        let found = &results[results.len() - ESTIMATES.len()..];
+        for (((name, found), expected), title) in found.iter().zip(&expected).zip(ESTIMATES) {
+            assert_eq!(name, title, "{}", config.name);
+            if config != M4F_F32 {
+                assert_eq!(found, expected, "{}: {name} to the last bit", config.name);
+            }
+        }
     }
 }
 

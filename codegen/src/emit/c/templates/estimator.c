@@ -268,12 +268,10 @@ static void {{ name }}_params_above(
     const {{ real }} least[],
     {{ real }} r[])
 {
-    for (uint32_t k = 0u; k < {{ base_params }}u; k += 1u) {
-        r[k] = {{ estimator.zero }};
-    }
     for (uint32_t n = 0u; n < {{ base_params }}u; n += 1u) {
         const uint32_t i = {{ base_params - 1 }}u - n;
         const uint32_t line = {{ name }}_line(i);
+        r[i] = {{ estimator.zero }};
         if (e->triangle[line] > least[i]) {
             {{ real }} sum = {{ estimator.zero }};
             for (uint32_t k = i + 1u; k < {{ base_params }}u; k += 1u) {
@@ -304,13 +302,14 @@ void {{ name }}_estimator_solve(
     {{ name }}_thresholds(e, least);
     {{ name }}_params_above(e, least, r);
     for (uint32_t parameter = 0u; parameter < {{ base_params }}u; parameter += 1u) {
-        if (e->triangle[{{ name }}_line(parameter)] > least[parameter]) {
-            {{ real }} variance = {{ estimator.zero }};
-            for (uint32_t k = parameter; k < {{ base_params }}u; k += 1u) {
-                row[k] = {{ estimator.zero }};
+        const uint32_t first = {{ name }}_line(parameter);
+        if (e->triangle[first] > least[parameter]) {
+            /* The row that is 1 at the parameter, its own line taken off. */
+            {{ real }} variance = {{ estimator.one }} / e->triangle[first];
+            for (uint32_t k = parameter + 1u; k < {{ base_params }}u; k += 1u) {
+                row[k] = -e->triangle[first + (k - parameter)];
             }
-            row[parameter] = {{ estimator.one }};
-            for (uint32_t i = parameter; i < {{ base_params }}u; i += 1u) {
+            for (uint32_t i = parameter + 1u; i < {{ base_params }}u; i += 1u) {
                 const uint32_t line = {{ name }}_line(i);
                 const {{ real }} weight = e->triangle[line];
                 const {{ real }} pivot = row[i];
