@@ -118,8 +118,8 @@ impl StudyCom {
         let wrong = |one: &&Corrected| counts(one) && !one.listed;
         format!(
             "# The study of corrected models\n\n\
-             Effects of the body are hidden in virtual robots (`tests/virtual`), as large as barely \
-             visible up to as large as they come; the log is diagnosed, and the CoM of the model \
+             Effects of the body are hidden in virtual robots (`tests/virtual`), from barely visible \
+             to as large as they come; the log is diagnosed, and the CoM of the model \
              file is held against the robot's true CoM on {JUDGED} balanced postures that the log \
              does not have. The OP2 and a humanoid of 30 joints (`robots/skew_humanoid`); {} of {} \
              logs were answered:\n\n\
