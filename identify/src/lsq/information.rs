@@ -5,7 +5,7 @@
 //! ```
 //!
 //! A direction that the prior holds exactly (S has no column for it: massless links) is
-//! entered as known to [`EXACT_M`], so that RᵀR has an inverse.
+//! entered as known to a micrometre, so that RᵀR has an inverse.
 
 use nalgebra::DMatrix;
 use sesc_model::Information;
