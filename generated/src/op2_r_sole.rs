@@ -76,7 +76,7 @@ pub const JOINT_NAMES: [&str; DOF] = [
 ];
 
 /// Index of every joint in `q`.
-#[allow(dead_code, non_upper_case_globals)]
+#[allow(dead_code, missing_docs, non_upper_case_globals)]
 pub mod joint {
     pub const HEAD_PAN: usize = 0;
     pub const HEAD_TILT: usize = 1;
