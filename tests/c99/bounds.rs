@@ -93,8 +93,10 @@ fn no_bound_of_f32_and_fixed32_is_exceeded_and_nothing_overflows() {
         let mut table = format!("{} {scalar:?}\n", case.name);
         for (name, measured, proven) in rows {
             let _ = writeln!(table, "  {name:<24} {measured:.1e} of {proven:.1e} m");
-            // A bound far above what is measured would prove nothing.
-            assert!(measured >= proven / 2000.0, "{table}");
+            // A bound far above what is measured would prove nothing. Through springs the
+            // worst of four rounds multiplies.
+            let loosest = if case.has_springs() { 1e5 } else { 2000.0 };
+            assert!(measured >= proven / loosest, "{table}");
         }
         table
     });
@@ -181,8 +183,11 @@ fn in_pairs(case: &Case, entry: &Entry, drawn: &Draw, found: &[f64]) -> f64 {
                 .collect(),
         };
         let params = case.model.base.params.len();
-        let r = drawn.r[k * params..(k + 1) * params].iter();
-        let r: Vec<Double> = r.map(|x| Double::of(*x)).collect();
+        let r = match entry.baked {
+            true => case.model.params(),
+            false => drawn.r[k * params..(k + 1) * params].to_vec(),
+        };
+        let r: Vec<Double> = r.into_iter().map(Double::of).collect();
         let mut inputs = vec![q.as_slice()];
         inputs.extend(entry.takes_velocities().then_some(qd.as_slice()));
         inputs.extend(entry.function.takes_parameters().then_some(r.as_slice()));

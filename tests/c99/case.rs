@@ -208,6 +208,12 @@ impl Case {
         }
     }
 
+    pub fn has_springs(&self) -> bool {
+        let of_spring = |name| name == "joint_compliance";
+        let mut effects = self.model.effects.iter();
+        effects.any(|(i, _)| of_spring(i.effect.id().name()))
+    }
+
     pub fn package(&self, scalar: Scalar) -> Package {
         let options = Options {
             scalar,
