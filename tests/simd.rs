@@ -5,12 +5,20 @@ use sesc::OP2_URDF;
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
 use sesc_model::bounds::Precision;
-use sesc_model::{Function, Given, Model, Snapping};
+use sesc_model::expr::Argument;
+use sesc_model::{Function, Given, Model, ModelFile, Snapping};
 use sesc_runtime::{Batch, F32x16, F64x8, Sesc as _, Simd, Single, pack};
 use sesc_test_support::exact::{Double, Interpreter, Number as _};
 
 /// Blocks of each function: 32 postures, whose exact values take a microsecond an operation.
 const BLOCKS: usize = 4;
+
+/// Joint velocities of every posture, rad/s or m/s; single precision holds them.
+fn rates(dof: usize) -> Vec<f64> {
+    (0..dof)
+        .map(|j| f64::from(1.0 / (1.0 + j as f32)))
+        .collect()
+}
 
 /// What one function gives for each posture, and what it may be off by.
 struct Truth {
@@ -23,12 +31,16 @@ impl Truth {
         let positions = model.program(function, Given::Positions).unwrap();
         let interpreter = Interpreter::new(&positions);
         let params: Vec<Double> = model.cad_params().into_iter().map(Double::of).collect();
+        let rates: Vec<Double> = rates(model.dof()).into_iter().map(Double::of).collect();
         let values = q.iter().map(|q| {
             let q: Vec<Double> = q.iter().map(|x| Double::of(*x)).collect();
-            match function.takes_parameters() {
-                true => interpreter.run(&[&q, &params]),
-                false => interpreter.run(&[&q]),
-            }
+            let arguments = function.arguments(Given::Positions).into_iter();
+            let inputs = arguments.map(|argument| match argument {
+                Argument::Velocities => rates.as_slice(),
+                Argument::Parameters => &params,
+                _ => &q,
+            });
+            interpreter.run(&inputs.collect::<Vec<_>>())
         });
         let program = model.program(function, given).unwrap();
         Truth {
@@ -89,6 +101,10 @@ macro_rules! functions {
         let widened: Vec<Vec<f64>> =
             postures.iter().map(|q| q.iter().map(|x| f64::from(*x)).collect()).collect();
         let r = CAD_PARAMS.map(|x| x as $scalar);
+        #[allow(unused_variables)] // not every function is on every list
+        let rates: [$scalar; DOF] = std::array::from_fn(|j| rates(DOF)[j] as $scalar);
+        #[allow(unused_variables)]
+        let qd = vec![rates.map(|x| <$block>::splat(x)); BLOCKS];
         let zero = <$block>::splat(0.0);
         assert_eq!($robot::PRISMATIC.to_vec(), model.tree.dofs.iter().map(|dof| dof.prismatic).collect::<Vec<_>>());
 
@@ -120,6 +136,9 @@ macro_rules! functions {
             (@ ComJacobian) => {
                 one!(ComJacobian, com_jacobian_batch(r), com_jacobian_single, [[zero; DOF]; 3], matrix)
             };
+            (@ ComVelocity) => {
+                one!(ComVelocity, com_velocity_batch(v), com_velocity_single, [zero; 3], vector)
+            };
             (@ GravityMoments) => {
                 one!(GravityMoments, gravity_moments_batch(r), gravity_moments_single, [zero; DOF], vector)
             };
@@ -135,6 +154,8 @@ macro_rules! functions {
             (@ Cop) => { one!(Cop, cop_batch(r), cop_single, [zero; 2], vector) };
             (@batch $simd:ident, $batch:ident, r, $out:ident) => { $robot::$batch($simd, &q, &r, &mut $out) };
             (@batch $simd:ident, $batch:ident, -, $out:ident) => { $robot::$batch($simd, &q, &mut $out) };
+            (@batch $simd:ident, $batch:ident, v, $out:ident) => { $robot::$batch($simd, &q, &qd, &r, &mut $out) };
+            (@single $simd:ident, $single:ident, v, $q:ident) => { $robot::$single($simd, $q, &rates, &r) };
             (@single $simd:ident, $single:ident, r, $q:ident) => { $robot::$single($simd, $q, &r) };
             (@single $simd:ident, $single:ident, -, $q:ident) => { $robot::$single::<$scalar>($simd, $q) };
         }
@@ -152,7 +173,7 @@ fn model(urdf: &str, support: &str) -> Model {
 #[test]
 fn op2_in_doubles() {
     functions!(
-        [Com ComJacobian GravityMoments Regressor RegressorCop RegressorFull Cop],
+        [Com ComJacobian ComVelocity GravityMoments Regressor RegressorCop RegressorFull Cop],
         sesc_generated::op2_r_sole,
         Op2RSole,
         &model(OP2_URDF, "r_sole"),
@@ -165,7 +186,7 @@ fn op2_in_doubles() {
 #[test]
 fn op2_in_singles() {
     functions!(
-        [Com ComJacobian GravityMoments Regressor RegressorCop RegressorFull Cop],
+        [Com ComJacobian ComVelocity GravityMoments Regressor RegressorCop RegressorFull Cop],
         sesc_generated::op2_l_sole,
         Op2LSole,
         &model(OP2_URDF, "l_sole"),
@@ -182,5 +203,24 @@ fn a_skewed_humanoid() {
     let model = model(urdf, "right_sole");
     functions!(
         [Com RegressorCop], sesc_bench_robots::skew_humanoid_right_sole, SkewHumanoidRightSole, &model, F64x8, f64, Precision::F64
+    );
+}
+
+/// Effects of the body are part of every function, in batches and one posture at a time.
+#[test]
+fn a_robot_with_a_load_springs_and_an_offset() {
+    let file = include_str!("../benches/robots/two_link_bent.toml");
+    let file = ModelFile::parse(file, "two_link_bent.toml").unwrap();
+    let urdf = include_str!("../robots/two_link/two_link.urdf");
+    let model = model(urdf, "foot").with_file(file).unwrap();
+    assert_eq!(model.effects_of(Function::ComJacobian).len(), 3);
+    functions!(
+        [Com ComJacobian ComVelocity GravityMoments Regressor RegressorCop RegressorFull Cop],
+        sesc_bench_robots::two_link_bent,
+        TwoLinkBent,
+        &model,
+        F64x8,
+        f64,
+        Precision::F64
     );
 }

@@ -8,3 +8,9 @@
 pub mod skew_humanoid_right_sole {
     include!(concat!(env!("OUT_DIR"), "/skew_humanoid_right_sole.rs"));
 }
+
+/// Two links with a load, joints that give way and an offset: effects of the body in every
+/// function.
+pub mod two_link_bent {
+    include!(concat!(env!("OUT_DIR"), "/two_link_bent.rs"));
+}

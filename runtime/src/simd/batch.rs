@@ -71,6 +71,38 @@ pub trait Batch: Sesc {
         B::Scalar::run(simd, ComJacobian { q, r, out, model });
     }
 
+    /// [`Sesc::com_velocity`] of every posture with its joint velocities, m/s.
+    ///
+    /// ```
+    /// # use sesc_generated::two_link_foot::{CAD_PARAMS, TwoLinkFoot};
+    /// # use sesc_runtime::{Batch, F64x8, Simd};
+    /// # let q = [[F64x8::splat(0.0); 2]];
+    /// let qd = [[F64x8::splat(1.0), F64x8::splat(0.0)]]; // rad/s
+    /// let mut velocity = [[F64x8::splat(0.0); 3]];
+    /// TwoLinkFoot::com_velocity_batch(Simd::best(), &q, &qd, &CAD_PARAMS, &mut velocity);
+    /// assert!((velocity[0][0].0[0] - 0.36).abs() < 1e-15);
+    /// ```
+    fn com_velocity_batch<B: Block>(
+        simd: Simd,
+        q: &[Posture<Self, B>],
+        qd: &[Posture<Self, B>],
+        r: &Params<Self, B::Scalar>,
+        velocity: &mut [[B; 3]],
+    ) {
+        let model = PhantomData::<Self::Generated>;
+        let out = velocity;
+        B::Scalar::run(
+            simd,
+            ComVelocity {
+                q,
+                qd,
+                r,
+                out,
+                model,
+            },
+        );
+    }
+
     /// [`Sesc::gravity_moments`] of every posture, metres.
     ///
     /// ```
@@ -231,3 +263,25 @@ task!(Regressor, regressor_into() -> [Base; 3]);
 task!(RegressorCop, regressor_cop_into() -> [Base; 2]);
 task!(RegressorFull, regressor_full_into() -> [Full; 3]);
 task!(Cop, cop(r) -> 2);
+
+/// As [`task`] makes them, with a block of velocities beside each block of postures.
+struct ComVelocity<'a, M: Robot, S: Scalar> {
+    q: &'a [Array<M::Dof, S::Block>],
+    qd: &'a [Array<M::Dof, S::Block>],
+    r: &'a Array<M::Base, S>,
+    out: &'a mut [[S::Block; 3]],
+    model: PhantomData<M>,
+}
+
+impl<M: Robot, S: Scalar> Task<S> for ComVelocity<'_, M, S> {
+    #[inline(always)]
+    fn run<X: Machine<S>>(self) {
+        let r = <M::Base as Dim>::from_fn(|k| X::splat(self.r[k]));
+        for ((q, qd), block) in self.q.iter().zip(self.qd).zip(self.out) {
+            for part in 0..X::PARTS {
+                let [q, qd] = [q, qd].map(|x| <M::Dof as Dim>::load::<S, X>(x, part));
+                X::store(&M::com_velocity(&q, &qd, &r), block, part);
+            }
+        }
+    }
+}

@@ -12,10 +12,12 @@ use crate::scalar::{Scalar, Simd};
 ///
 /// Sines and cosines are nine tenths of the work: here a register takes those of many
 /// joints at once, another the rows of a Jacobian or regressor, and products are fused
-/// with sums. For robots whose functions can be had
-/// from sines and cosines: all but those with joints tied to others by fractions, or with
-/// effects in their joints. An angle out of the domain of the sine may make all of a
-/// Jacobian or regressor NaN, also what does not depend on it.
+/// with sums. For robots whose functions can be had from sines and cosines of what encoders
+/// read: not where a joint follows another by a fraction of its angle, nor with a model that
+/// has `joint_scale` or angles in degrees (`units`), as sines of q do not give those of
+/// 1.03 q; [`Batch`](crate::Batch) serves those. Offsets, loads, springs and backlash of a
+/// model are part of it. An angle out of the domain of the sine may make all of a Jacobian
+/// or regressor NaN, also what does not depend on it.
 ///
 /// ```
 /// use sesc_generated::two_link_foot::TwoLinkFoot;
@@ -92,6 +94,38 @@ pub trait Single: SescFromSinCos {
     ) {
         let (out, model) = (jacobian, PhantomData::<Self::GeneratedSinCos>);
         S::run(simd, ComJacobian { q, r, out, model });
+    }
+
+    /// [`Sesc::com_velocity`](crate::Sesc::com_velocity), m/s.
+    ///
+    /// ```
+    /// # use sesc_generated::two_link_foot::{CAD_PARAMS, TwoLinkFoot};
+    /// # use sesc_runtime::{Simd, Single};
+    /// # let q = [0.0_f64, 0.0];
+    /// let qd = [1.0, 0.0]; // rad/s
+    /// let velocity = TwoLinkFoot::com_velocity_single(Simd::best(), &q, &qd, &CAD_PARAMS);
+    /// assert!((velocity[0] - 0.36).abs() < 1e-15);
+    /// ```
+    #[inline]
+    fn com_velocity_single<S: Scalar>(
+        simd: Simd,
+        q: &Posture<Self, S>,
+        qd: &Posture<Self, S>,
+        r: &Params<Self, S>,
+    ) -> [S; 3] {
+        let (mut value, model) = ([S::ZERO; 3], PhantomData::<Self::GeneratedSinCos>);
+        let out = &mut value;
+        S::run(
+            simd,
+            ComVelocity {
+                q,
+                qd,
+                r,
+                out,
+                model,
+            },
+        );
+        value
     }
 
     /// [`Sesc::gravity_moments`](crate::Sesc::gravity_moments), metres.
@@ -306,12 +340,12 @@ fn axes<S: Scalar, X: Machine<S>>() -> [X::Rows; 3] {
 /// and cosines.
 macro_rules! task {
     (
-        @task $name:ident, ($($r:ident)?), $out:ty, $set:ident,
+        @task $name:ident, ($($x:ident: $of:ident),*), $out:ty, $set:ident,
         |$task:ident, $sin:ident, $cos:ident| $body:expr
     ) => {
         struct $name<'a, M: SinCosRobot, S: Scalar> {
             q: &'a Array<M::Dof, S>,
-            $($r: &'a Array<M::Base, S>,)?
+            $($x: &'a Array<M::$of, S>,)*
             out: &'a mut $out,
             model: PhantomData<M>,
         }
@@ -329,34 +363,35 @@ macro_rules! task {
         }
     };
     // A vector.
-    ($name:ident, $method:ident -> $out:ty) => {
-        task!(@task $name, (r), $out, X, |task, sin, cos| {
+    ($name:ident, $method:ident($($x:ident: $of:ident),*) => $out:ty) => {
+        task!(@task $name, ($($x: $of),*), $out, X, |task, sin, cos| {
             let (sin, cos) = (<M::Dof as Dim>::ones::<S, X>(sin), <M::Dof as Dim>::ones::<S, X>(cos));
-            let value = M::$method(sin, cos, <M::Base as Dim>::ones::<S, X>(task.r));
+            let value = M::$method(sin, cos, $(<M::$of as Dim>::ones::<S, X>(task.$x)),*);
             let out: &mut [S] = task.out.as_mut();
             out.copy_from_slice(X::scalars(value.as_ref()));
         });
     };
     // Rows side by side.
-    ($name:ident, $method:ident($($r:ident)?) -> [$n:ident; $m:literal]) => {
-        task!(@task $name, ($($r)?), [Array<M::$n, S>; $m], X, |task, sin, cos| {
+    ($name:ident, $method:ident($($x:ident: $of:ident),*) -> [$n:ident; $m:literal]) => {
+        task!(@task $name, ($($x: $of),*), [Array<M::$n, S>; $m], X, |task, sin, cos| {
             let sin = every_row::<M::Dof, S, X>(sin);
             let cos = every_row::<M::Dof, S, X>(cos);
-            $(let $r = every_row::<M::Base, S, X>(task.$r);)?
-            let columns = M::$method(&sin, &cos, $(&$r,)? &axes::<S, X>());
+            $(let $x = every_row::<M::$of, S, X>(task.$x);)*
+            let columns = M::$method(&sin, &cos, $(&$x,)* &axes::<S, X>());
             for (row, out) in task.out.iter_mut().enumerate() {
-                for (x, column) in out.as_mut().iter_mut().zip(columns.as_ref()) {
-                    *x = X::numbers(*column)[row];
+                for (entry, column) in out.as_mut().iter_mut().zip(columns.as_ref()) {
+                    *entry = X::numbers(*column)[row];
                 }
             }
         });
     };
 }
 
-task!(Com, com_sc -> [S; 3]);
-task!(GravityMoments, gravity_moments_sc -> Array<M::Dof, S>);
-task!(Cop, cop_sc -> [S; 2]);
-task!(ComJacobian, com_jacobian_along(r) -> [Dof; 3]);
+task!(Com, com_sc(r: Base) => [S; 3]);
+task!(ComVelocity, com_velocity_sc(qd: Dof, r: Base) => [S; 3]);
+task!(GravityMoments, gravity_moments_sc(r: Base) => Array<M::Dof, S>);
+task!(Cop, cop_sc(r: Base) => [S; 2]);
+task!(ComJacobian, com_jacobian_along(r: Base) -> [Dof; 3]);
 task!(Regressor, regressor_along() -> [Base; 3]);
 task!(RegressorCop, regressor_along() -> [Base; 2]);
 task!(RegressorFull, regressor_full_along() -> [Full; 3]);
