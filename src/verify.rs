@@ -3,6 +3,11 @@
 //! The program that becomes Rust runs on tape; the reference sums `m_i T_i c_i`
 //! from its own reading of the URDF. Allowed difference: twice the proven
 //! rounding bound (the reference rounds too) and what snapped right angles move.
+//!
+//! A model with effects is compared with the virtual robot of the reference, which has
+//! them (`world`).
+
+mod world;
 
 use std::collections::BTreeMap;
 
@@ -18,6 +23,7 @@ use sesc_identify::evaluate::Evaluator;
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
 use sesc_identify::{Watch, tell};
+use world::{Bent, beyond_rounding};
 
 /// Derivatives by differences are this exact, relative to the robot's size.
 const DIFFERENCES: f64 = 2e-10;
@@ -33,9 +39,14 @@ pub struct Verification {
     pub pass: bool,
     /// Postures compared: random ones and corners of the limits.
     pub samples: usize,
-    /// Largest difference per function, m.
+    /// Postures left out: gravity does not decide there on which side of its dead band a
+    /// joint rests, or the CoP is off the cells that have effects.
+    pub undecided: usize,
+    /// What four rounds of a model's springs leave out, m: part of every bound.
+    pub springs_left_out: f64,
+    /// Largest difference per function, in its unit; regressor rows by the CoM they give, m.
     pub worst_error: BTreeMap<String, f64>,
-    /// What rounding and snapping may explain, m.
+    /// What rounding, snapping and springs may explain, in the same units.
     pub bound: BTreeMap<String, f64>,
 }
 
@@ -49,10 +60,11 @@ pub fn reference(robot: &Robot, support: &str) -> Result<Reference, Error> {
 }
 
 /// Compare `model` of `robot` with the reference, on `samples` random postures and as
-/// many corners as joints allow.
+/// many corners as joints allow; with its effects, if it has any, and CAD's parameters.
 ///
 /// # Errors
-/// When the reference cannot read the URDF; when `watch` stops the comparison.
+/// When the reference cannot read the URDF or has no such effect; when `watch` stops the
+/// comparison.
 pub fn verify(
     robot: &Robot,
     model: &Model,
@@ -64,10 +76,18 @@ pub fn verify(
     let mut postures = Simulator::new(&model.tree.dofs, None, seed).batch(samples);
     postures.extend(corners(model, seed));
     let dof = model.dof();
+    let bent = Bent::new(robot, model)?;
+    let drawn = postures.len();
+    if let Some(bent) = bent.as_ref().filter(|_| dof > 0) {
+        let decided = postures.chunks(dof).filter(|q| bent.is_decided(q));
+        postures = decided.flatten().copied().collect();
+    }
+    let undecided = (drawn - postures.len()) / dof.max(1);
     let count = match dof {
         0 => 1,
         _ => postures.len() / dof,
     };
+    let left_out = bent.as_ref().map_or(0.0, |bent| bent.left_out);
     let mut worst: BTreeMap<String, f64> = BTreeMap::new();
     let mut bound: BTreeMap<String, f64> = BTreeMap::new();
     let mut evaluators = Vec::new();
@@ -77,7 +97,10 @@ pub fn verify(
             if let Some(evaluator) = Evaluator::variant(model, function, given, params) {
                 let evaluator = evaluator.moving(&velocities(dof));
                 let name = function_name(function, given);
-                bound.insert(name.clone(), allowed(model, function, given));
+                let own = bent.is_some();
+                let own = own.then(|| beyond_rounding(model, function, left_out));
+                let allowed = allowed(model, function, given) + own.unwrap_or(0.0);
+                bound.insert(name.clone(), allowed);
                 evaluators.push((name, function, evaluator));
             }
         }
@@ -87,11 +110,12 @@ pub fn verify(
         let q = &postures[start * dof..(start + n) * dof];
         let truths: Vec<Truth> = (0..n)
             .map(|k| {
-                Truth::new(
-                    reference,
-                    &q[k * dof..(k + 1) * dof],
-                    (start + k) % DIFFERENTIATED == 0,
-                )
+                let q = &q[k * dof..(k + 1) * dof];
+                let differentiate = (start + k) % DIFFERENTIATED == 0;
+                match &bent {
+                    Some(bent) => bent.truth(q, differentiate),
+                    None => Truth::new(reference, q, differentiate),
+                }
             })
             .collect();
         for (name, function, evaluator) in &evaluators {
@@ -114,8 +138,11 @@ pub fn verify(
         worst.entry(name.clone()).or_default();
     }
     Ok(Verification {
-        pass: worst.iter().all(|(name, error)| *error <= bound[name]),
+        // Nothing compared is nothing verified.
+        pass: count > 0 && worst.iter().all(|(name, error)| *error <= bound[name]),
         samples: count,
+        undecided,
+        springs_left_out: left_out,
         worst_error: worst,
         bound,
     })
@@ -145,6 +172,10 @@ fn velocities(dof: usize) -> Vec<f64> {
 /// What the reference says of one posture.
 struct Truth {
     com: [f64; 3],
+    /// The CoM that regressor rows give: of the robot with effects of the encoders alone.
+    rows: [f64; 3],
+    /// The CoP as the sensor reads it.
+    cop: [f64; 2],
     /// Row-major Jacobian and gravity moments, where they were taken.
     derivatives: Option<(Vec<f64>, Vec<f64>)>,
 }
@@ -158,6 +189,8 @@ impl Truth {
         });
         Truth {
             com: [com.x, com.y, com.z],
+            rows: [com.x, com.y, com.z],
+            cop: [com.x, com.y],
             derivatives,
         }
     }
@@ -172,13 +205,14 @@ impl Truth {
                 .collect()
         };
         match (function, &self.derivatives) {
-            (Function::Com | Function::Cop, _) => largest(values, &self.com),
+            (Function::Com, _) => largest(values, &self.com),
+            (Function::Cop, _) => largest(values, &self.cop),
             // Not of a posture: nothing to compare.
             (Function::CorrectCop, _) => 0.0,
             (Function::Regressor | Function::RegressorCop, _) => {
-                largest(&explained(model.cad_params()), &self.com)
+                largest(&explained(model.cad_params()), &self.rows)
             }
-            (Function::RegressorFull, _) => largest(&explained(model.chain.full_cad()), &self.com),
+            (Function::RegressorFull, _) => largest(&explained(model.chain.full_cad()), &self.rows),
             (Function::ComJacobian, Some((jacobian, _))) => largest(values, jacobian),
             (Function::GravityMoments, Some((_, moments))) => largest(values, moments),
             (Function::ComVelocity, Some((jacobian, _))) => {
@@ -190,6 +224,14 @@ impl Truth {
             (Function::ComJacobian | Function::ComVelocity | Function::GravityMoments, None) => 0.0,
         }
     }
+}
+
+/// How many times further a reading moves than its CoP; 1 without effects of the sensor.
+fn magnified(model: &Model) -> f64 {
+    let at = |x: f64, y: f64| model.reading_of([x, y]);
+    let (here, step) = (at(0.0, 0.0), 1e-3);
+    let moved = |there: [f64; 2]| (there[0] - here[0]).hypot(there[1] - here[1]) / step;
+    moved(at(step, 0.0)).max(moved(at(0.0, step)))
 }
 
 /// Largest |a − b| over the entries of `a`; NaN if there is one.
@@ -227,7 +269,10 @@ pub fn allowed(model: &Model, function: Function, given: Given) -> f64 {
         sum * (rounding(function, given) + params.len() as f64 * f64::EPSILON)
     };
     match function {
-        Function::Com | Function::Cop => com,
+        Function::Com => com,
+        Function::Cop if model.effects.is_empty() => com,
+        // A sensor may magnify what is snapped, and give it another unit.
+        Function::Cop => 2.0 * rounding(function, given) + snapped * magnified(model),
         // Not of a posture: nothing to compare.
         Function::CorrectCop => 0.0,
         Function::Regressor | Function::RegressorCop => com + weighed(model.cad_params()),

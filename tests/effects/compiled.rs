@@ -6,11 +6,12 @@ use std::fs;
 
 use sesc_codegen::emit::c::{self, Options, Scalar};
 use sesc_codegen::facts::Facts;
+use sesc_identify::evaluate::Evaluator;
 use sesc_model::effects::Catalog;
-use sesc_model::{Function, Given};
+use sesc_model::{Function, Given, Model};
 
 use crate::correction::{file, with};
-use crate::generated::{self, Case, Said};
+use crate::generated::{self, BODY, Case, Said};
 use crate::hidden::Hidden;
 use crate::robots::{Stand, distance, run, urdf};
 use sesc_test_support::command::{sesc, stdout};
@@ -20,7 +21,7 @@ const POSTURES: usize = 60;
 const SAME: f64 = 1e-12;
 
 /// Each effect by itself, then three at a time.
-fn all(stand: &Stand) -> Vec<(String, Vec<Hidden>)> {
+pub fn all(stand: &Stand) -> Vec<(String, Vec<Hidden>)> {
     let context = stand.context();
     let named = |effect: &str, target: &str, values: &[f64]| {
         Hidden::named(&context, effect, target, values)
@@ -100,7 +101,7 @@ fn prediction_rust_and_c_say_the_same() {
         let arguments = ["--no-snap", "--model", &model, "--data", &log];
         let predicted = stdout(&sesc(&[&["predict", &urdf][..], &arguments].concat()));
         let predicted = cops(&predicted);
-        let c = generated::c(&folder, case, &raw);
+        let c = generated::c(&folder, case, &raw, POSTURES);
         let nominal = stand
             .model
             .program(Function::Cop, Given::Positions)
@@ -122,6 +123,19 @@ fn prediction_rust_and_c_say_the_same() {
         let shown = with(&stand, hidden).static_effects().next().is_some();
         assert_eq!(moved > 1e-7, shown, "{}: {moved}", case.module);
         corrected(&stand, case, hidden, &postures, [rust, &c]);
+        same_body(&with(&stand, hidden), case, &postures, [rust, &c]);
+    }
+}
+
+/// CoM, Jacobian, velocity and moments of Rust and C are those of the tape, bit for bit.
+fn same_body(model: &Model, case: &Case, q: &[Vec<f64>], ways: [&[Said]; 2]) {
+    let rates = generated::rates(model.dof());
+    let evaluators = BODY.map(|function| Evaluator::new(model, function).moving(&rates));
+    for (k, q) in q.iter().enumerate() {
+        let tape: Vec<f64> = evaluators.iter().flat_map(|e| e.run(q, 1)).collect();
+        for way in ways {
+            assert_eq!(way[k].body, tape, "{}: posture {k}", case.module);
+        }
     }
 }
 

@@ -7,7 +7,7 @@ use std::process::Command;
 
 use sesc_codegen::Builder;
 use sesc_codegen::emit::c::Package;
-use sesc_model::{ModelFile, Snapping};
+use sesc_model::{Function, ModelFile, Snapping};
 
 use crate::robots::{Stand, urdf};
 use sesc_test_support::command::ROOT;
@@ -21,6 +21,21 @@ pub struct Said {
     pub baked: Option<[f64; 2]>,
     /// `correct_cop(cop)`, where there is one.
     pub corrected: Option<[f64; 2]>,
+    /// [`BODY`] one after the other, matrices row-major, joints moving at [`rates`].
+    pub body: Vec<f64>,
+}
+
+/// Functions of the body that are called beside `cop`.
+pub const BODY: [Function; 4] = [
+    Function::Com,
+    Function::ComJacobian,
+    Function::ComVelocity,
+    Function::GravityMoments,
+];
+
+/// Joint velocities in both languages, rad/s.
+pub fn rates(dof: usize) -> Vec<f64> {
+    (0..dof).map(|j| 1.0 / (1.0 + j as f64)).collect()
 }
 
 /// A model to generate code for.
@@ -94,9 +109,14 @@ pub fn rust(folder: &Path, cases: &[Case], postures: &Path, count: usize) -> Vec
          ($m:ident, $cop:ident, $correct:expr) => {{{{\n        let path = std::env::args().nth(1).unwrap();\n        \
          let bytes = std::fs::read(path).unwrap();\n        let values: Vec<f64> = bytes.chunks(8)\
          .map(|b| f64::from_le_bytes(b.try_into().unwrap())).collect();\n        let mut out = Vec::new();\n        \
-         for q in values.chunks($m::DOF) {{\n            let $cop = $m::cop(q.try_into().unwrap(), &$m::MODEL_PARAMS);\n            \
+         for q in values.chunks($m::DOF) {{\n            let q: &[f64; $m::DOF] = q.try_into().unwrap();\n            \
+         let (r, qd) = (&$m::MODEL_PARAMS, core::array::from_fn(|j| 1.0 / (1.0 + j as f64)));\n            \
+         let $cop = $m::cop(q, r);\n            \
          let back: [f64; 2] = $correct;\n            \
-         out.extend($cop.into_iter().chain(back).flat_map(f64::to_le_bytes));\n        }}\n        \
+         let mut row: Vec<f64> = $cop.into_iter().chain(back).chain($m::com(q, r)).collect();\n            \
+         row.extend($m::com_jacobian(q, r).concat());\n            \
+         row.extend($m::com_velocity(q, &qd, r).into_iter().chain($m::gravity_moments(q, r)));\n            \
+         out.extend(row.into_iter().flat_map(f64::to_le_bytes));\n        }}\n        \
          std::fs::write(concat!(stringify!($m), \".out\"), out).unwrap();\n    }}}};\n}}\n\nfn main() {{\n{calls}}}\n"
     );
     fs::write(folder.join("src/main.rs"), main).unwrap();
@@ -111,11 +131,11 @@ pub fn rust(folder: &Path, cases: &[Case], postures: &Path, count: usize) -> Vec
     );
     let read = |case: &Case| {
         let out = floats(&fs::read(folder.join(format!("{}.out", case.module))).unwrap());
-        assert_eq!(out.len(), 4 * count);
-        let said = out.chunks(4).map(|row| Said {
+        let said = out.chunks(out.len() / count).map(|row| Said {
             cop: [row[0], row[1]],
             baked: None,
             corrected: case.corrects.then_some([row[2], row[3]]),
+            body: row[4..].to_vec(),
         });
         said.collect()
     };
@@ -123,7 +143,7 @@ pub fn rust(folder: &Path, cases: &[Case], postures: &Path, count: usize) -> Vec
 }
 
 /// One case in C, run on all postures, its self-test first.
-pub fn c(folder: &Path, case: &Case, postures: &Path) -> Vec<Said> {
+pub fn c(folder: &Path, case: &Case, postures: &Path, count: usize) -> Vec<Said> {
     let name = &case.module;
     let correct = match case.corrects {
         true => format!("{name}_correct_cop(out, out + 4);"),
@@ -131,10 +151,15 @@ pub fn c(folder: &Path, case: &Case, postures: &Path) -> Vec<Said> {
     };
     let main = format!(
         "#include \"{name}.h\"\n#include <stdio.h>\n\nint main(int count, char **arguments)\n{{\n    \
-         double q[{name}_DOF], out[6] = {{0.0}};\n    FILE *input = (count > 1) ? fopen(arguments[1], \"rb\") : NULL;\n    \
+         enum {{ N = {name}_DOF, WIDTH = 12 + 4 * N }};\n    \
+         double q[N], qd[N], out[WIDTH] = {{0.0}};\n    const double *r = {name}_model_params;\n    FILE *input = (count > 1) ? fopen(arguments[1], \"rb\") : NULL;\n    \
          if ((input == NULL) || ({name}_selftest() != 0)) {{\n        return 2;\n    }}\n    \
-         while (fread(q, sizeof q, 1u, input) == 1u) {{\n        {name}_cop(q, {name}_model_params, out);\n        \
+         for (int k = 0; k < N; k += 1) {{\n        qd[k] = 1.0 / (1.0 + k);\n    }}\n    \
+         while (fread(q, sizeof q, 1u, input) == 1u) {{\n        {name}_cop(q, r, out);\n        \
          {name}_model_cop(q, out + 2);\n        {correct}\n        \
+         {name}_com(q, r, out + 6);\n        {name}_com_jacobian(q, r, out + 9);\n        \
+         {name}_com_velocity(q, qd, r, out + 9 + 3 * N);\n        \
+         {name}_gravity_moments(q, r, out + 12 + 3 * N);\n        \
          if (fwrite(out, sizeof out, 1u, stdout) != 1u) {{\n            return 3;\n        }}\n    }}\n    \
          return fclose(input);\n}}\n"
     );
@@ -154,10 +179,11 @@ pub fn c(folder: &Path, case: &Case, postures: &Path) -> Vec<Said> {
     command.arg(folder.join(format!("{name}.c"))).arg(main_file);
     tool(command.arg("-o").arg(&program));
     let out = floats(&tool(Command::new(&program).arg(postures)));
-    let said = out.chunks(6).map(|row| Said {
+    let said = out.chunks(out.len() / count).map(|row| Said {
         cop: [row[0], row[1]],
         baked: Some([row[2], row[3]]),
         corrected: case.corrects.then_some([row[4], row[5]]),
+        body: row[6..].to_vec(),
     });
     said.collect()
 }

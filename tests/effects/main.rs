@@ -13,4 +13,5 @@ mod records;
 mod robots;
 mod slopes;
 mod together;
+mod verified;
 mod virtual_robot;

@@ -1,0 +1,288 @@
+//! The robot of a model file with effects, as the virtual robot of the reference has it:
+//! it bends itself and shares no code with the effects of the model.
+//!
+//! Every function is compared with the robot that has the effects acting on it: those of
+//! the body for CoM, Jacobian and moments; wiring, offsets and scales for regressor rows;
+//! all that one posture shows for the CoP. Springs settle in the virtual robot until they
+//! rest. The model takes four rounds of the fixed point `φ' = φ + C τ(φ')` and leaves out
+//!
+//! ```text
+//! reach · s⁵        s = Σ weight · reach / stiffness, over at most three joints
+//! ```
+
+use sesc_model::effects::{Catalog, EffectContext, Instance};
+use sesc_model::{Function, Model};
+use sesc_reference::{GRAVITY, World};
+
+use super::{Truth, magnified};
+use crate::Error;
+use sesc_identify::robot::Robot;
+
+/// Joints of the virtual robot that come to rest within 1e-13 rad, relative to its reach.
+pub(super) const AT_REST: f64 = 4e-12;
+/// Derivatives by central differences of fourth order, relative to its reach.
+pub(super) const DIFFERENCES: f64 = 2e-9;
+/// The step of those, rad or m.
+const STEP: f64 = 1e-4;
+
+/// What the functions of a model with effects must give.
+pub(super) struct Bent {
+    body: World,
+    encoders: World,
+    cop: World,
+    /// Without effects of the sensor, and the corners of the cells, where a cell has one:
+    /// no other CoP has a reading.
+    on_cells: Option<(World, Vec<[f64; 2]>)>,
+    /// Without dead bands, and half of their width by joint, rad.
+    loose: (World, Vec<f64>),
+    /// Weight, N.
+    weight: f64,
+    /// What four rounds leave out, m.
+    pub(super) left_out: f64,
+}
+
+impl Bent {
+    /// The robot with the effects of `model`; none where it has none.
+    ///
+    /// # Errors
+    /// When the reference cannot read the URDF, or refuses an effect's size.
+    pub(super) fn new(robot: &Robot, model: &Model) -> Result<Option<Bent>, Error> {
+        if model.effects.is_empty() {
+            return Ok(None);
+        }
+        let read = sesc_reference::Robot::from_urdf(robot.text())?;
+        let support = &model.tree.links[model.tree.support].name;
+        let records = Record::all(model);
+        let cells = model.file.as_ref().map_or(&[][..], |file| &file.cells);
+        let of_cells = records.iter().any(|r| r.name.starts_with("cell_"));
+        let world = |acts: &dyn Fn(&Record) -> bool, cells: &[[f64; 2]]| {
+            let world = World::new(&read, support)?;
+            let world = match cells.is_empty() {
+                true => world,
+                false => world.cells(cells)?,
+            };
+            let mut acting = records.iter().filter(|record| acts(record));
+            acting.try_fold(world, |world, record| record.on(world, model))
+        };
+        let of_body = |r: &Record| r.instance.effect.changes_body(&r.instance.target);
+        let of_sensor = |r: &Record| r.instance.effect.is_sensor_effect(&r.instance.target);
+        let body = world(&of_body, &[])?;
+        let mass: f64 = body.robot().links().iter().map(|link| link.mass_kg).sum();
+        let weight = mass * GRAVITY;
+        Ok(Some(Bent {
+            encoders: world(
+                &|r| r.instance.effect.changes_regressor(&r.instance.target),
+                &[],
+            )?,
+            cop: world(&|_| true, if of_cells { cells } else { &[] })?,
+            on_cells: match of_cells {
+                true => Some((world(&|r| !of_sensor(r), &[])?, cells.to_vec())),
+                false => None,
+            },
+            loose: (
+                world(&|r| of_body(r) && r.name != "backlash", &[])?,
+                slack(model, &records),
+            ),
+            left_out: left_out(model, &records, weight),
+            weight,
+            body,
+        }))
+    }
+
+    /// Whether gravity says at which end of its band every loose joint rests, wherever in
+    /// their bands the others are: in between it depends on how it got there. And whether
+    /// cells with effects carry the robot.
+    pub(super) fn is_decided(&self, q: &[f64]) -> bool {
+        let between = |(world, cells): &(World, Vec<[f64; 2]>)| {
+            let cop = world.cop(q);
+            (0..2).all(|axis| {
+                let all = cells.iter().map(|cell| cell[axis]);
+                let low = all.clone().fold(f64::INFINITY, f64::min);
+                (low..=all.fold(f64::NEG_INFINITY, f64::max)).contains(&cop[axis])
+            })
+        };
+        if !self.on_cells.as_ref().is_none_or(between) {
+            return false;
+        }
+        let (world, half) = &self.loose;
+        let moments = world.joint_moments(q);
+        let mut swing = vec![0.0; q.len()];
+        for i in (0..q.len()).filter(|&i| half[i] > 0.0) {
+            let mut moved = q.to_vec();
+            moved[i] += half[i];
+            let with = world.joint_moments(&moved);
+            for (swing, (with, moment)) in swing.iter_mut().zip(with.iter().zip(&moments)) {
+                *swing += 1.5 * (with - moment).abs();
+            }
+        }
+        (0..q.len()).all(|j| half[j] == 0.0 || moments[j].abs() > swing[j])
+    }
+
+    /// What it says of one posture.
+    pub(super) fn truth(&self, q: &[f64], differentiate: bool) -> Truth {
+        Truth {
+            com: self.body.com(q).into(),
+            rows: self.encoders.com(q).into(),
+            cop: self.cop.cop(q),
+            derivatives: differentiate.then(|| (self.jacobian(q), self.moments(q))),
+        }
+    }
+
+    /// ∂CoM/∂q, row-major.
+    fn jacobian(&self, q: &[f64]) -> Vec<f64> {
+        let mut jacobian = vec![0.0; 3 * q.len()];
+        for j in 0..q.len() {
+            let at = |step: f64| {
+                let mut moved = q.to_vec();
+                moved[j] += step;
+                self.body.com(&moved)
+            };
+            let near = (at(STEP) - at(-STEP)) * (8.0 / (12.0 * STEP));
+            let slope = near - (at(2.0 * STEP) - at(-2.0 * STEP)) / (12.0 * STEP);
+            for axis in 0..3 {
+                jacobian[axis * q.len() + j] = slope[axis];
+            }
+        }
+        jacobian
+    }
+
+    /// Moments of gravity over the weight, m.
+    fn moments(&self, q: &[f64]) -> Vec<f64> {
+        let moments = self.body.joint_moments(q);
+        moments.iter().map(|moment| moment / self.weight).collect()
+    }
+}
+
+/// An effect of a model file with its values in the order of its parameters.
+struct Record<'m> {
+    name: &'static str,
+    target: &'m str,
+    values: Vec<f64>,
+    instance: &'m Instance,
+}
+
+impl Record<'_> {
+    /// Those that one posture shows.
+    fn all(model: &Model) -> Vec<Record<'_>> {
+        let cells = model.file.as_ref().map_or(&[][..], |file| &file.cells);
+        let context = EffectContext::new(model, cells, false, Catalog::standard());
+        let records = model.file.iter().flat_map(|file| &file.effects);
+        let pairs = records.zip(model.effects.iter().map(|(instance, _)| instance));
+        pairs
+            .filter(|(_, instance)| instance.effect.is_static())
+            .map(|(record, instance)| {
+                let parameters = instance.effect.parameters(&context, &instance.target);
+                let value = |name: &str| record.parameters.get(name).map_or(0.0, |x| x.value);
+                Record {
+                    name: instance.effect.id().name(),
+                    target: &record.target,
+                    values: parameters.iter().map(|p| value(p.name)).collect(),
+                    instance,
+                }
+            })
+            .collect()
+    }
+
+    /// Places of the revolute joints that it acts on.
+    fn revolute(&self, model: &Model) -> Vec<usize> {
+        let dofs = model.tree.dofs.iter().enumerate();
+        let named = dofs.filter(|(_, dof)| ["all", dof.joint.as_str()].contains(&self.target));
+        let turning = named.filter(|(_, dof)| !dof.prismatic);
+        turning.map(|(j, _)| j).collect()
+    }
+
+    /// The virtual robot with it.
+    fn on(&self, world: World, model: &Model) -> Result<World, Error> {
+        let (v, target) = (&self.values, self.target);
+        let joints = self.revolute(model);
+        let mut names = joints.iter().map(|&j| model.tree.dofs[j].joint.as_str());
+        let cell = target.trim_start_matches("fsr_").parse().unwrap_or(0);
+        Ok(match (self.name, target) {
+            ("joint_offset", _) => world.joint_offset(target, v[0])?,
+            ("joint_scale", _) => world.joint_scale(target, v[0])?,
+            ("joint_sign", _) => world.joint_sign(target)?,
+            ("joint_swap", _) => {
+                let (a, b) = target.split_once(',').unwrap_or((target, target));
+                world.joint_swap(a, b)?
+            }
+            ("joint_compliance", _) => {
+                names.try_fold(world, |world, joint| world.joint_compliance(joint, v[0]))?
+            }
+            ("backlash", _) => names.try_fold(world, |world, joint| world.backlash(joint, v[0]))?,
+            ("payload", _) => world.payload(target, v[0], [v[1], v[2], v[3]])?,
+            ("external_force", _) => world.external_force(target, [v[0], v[1], v[2]])?,
+            ("ground_slope", _) => world.ground_slope([v[0], v[1]])?,
+            ("sensor_offset", _) => world.sensor_offset([v[0], v[1]]),
+            ("sensor_gain", _) => world.sensor_gain([v[0], v[1]]),
+            ("sensor_rotation", _) => world.sensor_rotation(v[0]),
+            ("sensor_axes", "swapped") => world.sensor_axes(true, [1.0, 1.0]),
+            ("sensor_axes", "flip_x") => world.sensor_axes(false, [-1.0, 1.0]),
+            ("sensor_axes", _) => world.sensor_axes(false, [1.0, -1.0]),
+            ("cell_gain", _) => world.cell_gain(cell, v[0])?,
+            ("cell_offset", _) => world.cell_offset(cell, v[0])?,
+            ("cell_exponent", _) => world.cell_exponent(cell, v[0])?,
+            ("cell_saturation", _) => world.cell_saturation(cell, v[0])?,
+            ("units", "millimetres") => world.sensor_unit(1000.0),
+            ("units", "centimetres") => world.sensor_unit(100.0),
+            // Strokes stay in metres.
+            ("units", _) => model
+                .tree
+                .dofs
+                .iter()
+                .filter(|dof| !dof.prismatic)
+                .try_fold(world, |world, dof| {
+                    world.joint_scale(&dof.joint, 1_f64.to_radians())
+                })?,
+            (name, _) => {
+                return Err(Error::Usage(format!(
+                    "the virtual robot has no effect `{name}` to compare with; verify the model \
+                     without it"
+                )));
+            }
+        })
+    }
+}
+
+/// Half the width of each joint's dead band, rad.
+fn slack(model: &Model, records: &[Record]) -> Vec<f64> {
+    let mut half = vec![0.0; model.dof()];
+    for record in records.iter().filter(|record| record.name == "backlash") {
+        for j in record.revolute(model) {
+            half[j] += 0.5 * record.values[0];
+        }
+    }
+    half
+}
+
+/// What four rounds of the springs' fixed point leave out, m.
+fn left_out(model: &Model, records: &[Record], weight: f64) -> f64 {
+    let mut compliance = vec![0.0; model.dof()];
+    let of_springs = records.iter().filter(|r| r.name == "joint_compliance");
+    for record in of_springs {
+        for j in record.revolute(model) {
+            compliance[j] += 1.0 / record.values[0];
+        }
+    }
+    let (sum, most) = compliance
+        .iter()
+        .fold((0.0, 0.0), |(sum, most): (f64, f64), x| {
+            (sum + x, most.max(*x))
+        });
+    let softness = weight * model.reach() * sum.min(3.0 * most);
+    model.reach() * softness.powi(5)
+}
+
+/// How far beyond rounding the model may be from the virtual robot, in the unit of
+/// `function`: joints at rest, differences, and what the springs leave out.
+pub(super) fn beyond_rounding(model: &Model, function: Function, left_out: f64) -> f64 {
+    let reach = model.reach().max(1.0);
+    match function {
+        Function::Com => AT_REST * reach + left_out,
+        Function::Cop => (AT_REST * reach + left_out) * magnified(model),
+        Function::GravityMoments => AT_REST * reach + 5.0 * left_out,
+        // What is left of a deflection changes with each of its five factors.
+        Function::ComJacobian | Function::ComVelocity => DIFFERENCES * reach + 10.0 * left_out,
+        Function::Regressor | Function::RegressorCop | Function::RegressorFull => AT_REST * reach,
+        Function::CorrectCop => 0.0,
+    }
+}

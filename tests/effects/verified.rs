@@ -1,0 +1,62 @@
+//! `sesc verify --model`: every function of a model against the virtual robot that has its
+//! effects, by the command and by the library.
+
+use std::fs;
+use std::path::Path;
+
+use sesc::verify::verify;
+use sesc_identify::robot::Robot;
+
+use crate::compiled::all;
+use crate::correction::{file, with};
+use crate::generated;
+use crate::hidden::Hidden;
+use crate::robots::{Stand, urdf};
+use sesc_test_support::command::{sesc, stdout};
+
+#[test]
+fn a_model_with_any_effect_is_verified() {
+    let stand = Stand::new("op2", "r_sole");
+    let robot = Robot::read(Path::new(&urdf(stand.name))).unwrap();
+    for (name, hidden) in all(&stand) {
+        let found = verify(&robot, &with(&stand, &hidden), 60, 5, &mut ()).unwrap();
+        assert!(found.pass && found.samples > 0, "{name}: {found:#?}");
+        let springs = hidden
+            .iter()
+            .any(|h| h.instance.effect.id().name() == "joint_compliance");
+        assert_eq!(found.springs_left_out > 0.0, springs, "{name}");
+    }
+}
+
+#[test]
+fn the_command_says_what_springs_and_dead_bands_leave_out() {
+    let stand = Stand::new("two_link", "foot");
+    let context = stand.context();
+    let named = |effect, target, values: &[f64]| Hidden::named(&context, effect, target, values);
+    let hidden = [
+        named("joint_compliance", "all", &[400.0]),
+        named("backlash", "knee", &[0.02]),
+        named("payload", "shank", &[0.4, 0.02, -0.01, 0.05]),
+        named("ground_slope", "-", &[0.02, 0.01]),
+    ];
+    let path = generated::folder("verified").join("model.toml");
+    fs::write(&path, toml::to_string(&file(&stand, &hidden)).unwrap()).unwrap();
+    let (urdf, path) = (urdf("two_link"), path.display().to_string());
+    let arguments = ["verify", &urdf, "--model", &path, "--samples", "300"];
+    let text = stdout(&sesc(&arguments));
+    for words in [
+        "springs: four rounds leave out up to",
+        "postures left out",
+        "com_velocity",
+        "m/s",
+        "pass on",
+    ] {
+        assert!(text.contains(words), "`{words}`: {text}");
+    }
+    let help = stdout(&sesc(&["verify", "--help"]));
+    assert!(help.contains("--model model.toml"), "{help}");
+    // A file that is not there is named.
+    let gone = sesc(&["verify", &urdf, "--model", "gone.toml"]);
+    assert_eq!(gone.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&gone.stderr).contains("gone.toml"));
+}
