@@ -13,9 +13,10 @@ use sesc_identify::robot::Robot;
 use sesc_model::{Function, Given, Snapping};
 
 /// Functions that callgrind counts, and what each calls.
-const COUNTED: [(&str, Function); 7] = [
+const COUNTED: [(&str, Function); 8] = [
     ("com", Function::Com),
     ("com_jacobian", Function::ComJacobian),
+    ("com_velocity", Function::ComVelocity),
     ("gravity_moments", Function::GravityMoments),
     ("regressor_cop", Function::RegressorCop),
     ("com_f32", Function::Com),
