@@ -302,3 +302,131 @@ fn the_command_writes_it_and_says_what_is_left_out() {
         &["is read here"],
     );
 }
+
+#[test]
+fn the_command_says_what_to_change() {
+    let folder = folder();
+    let [truth, log, model_file, urdf, page] = [
+        "truth.toml",
+        "log.csv",
+        "model.toml",
+        "corrected.urdf",
+        "page.html",
+    ]
+    .map(|name| folder.path().join(name).display().to_string());
+    let arm = "robots/two_link/two_link.urdf";
+    let robot = Robot::read(arm.as_ref()).unwrap();
+    let support = robot.description.links[0].name.clone();
+    let model = robot.model(&support, Snapping::default(), None).unwrap();
+    let mut file = ModelFile::from_values(&model, &model.cad_params(), None, "data");
+    let joint = model.tree.dofs.last().unwrap().joint.clone();
+    let sensor = [("offset_x_m", 0.02), ("offset_y_m", -0.01)];
+    file.effects = vec![offset(&joint, 0.05), effect("sensor_offset", "-", &sensor)];
+    fs::write(&truth, toml::to_string(&file).unwrap()).unwrap();
+    let simulate = [
+        "simulate",
+        arm,
+        "--support",
+        &support,
+        "--poses",
+        "80",
+        "--noise",
+        "0.0005",
+        "--seed",
+        "3",
+        "--model",
+        &truth,
+        "--out",
+        &log,
+    ];
+    stdout(&sesc(&simulate));
+    let diagnose = |more: &[&str]| {
+        let all = [
+            "diagnose",
+            arm,
+            "--support",
+            &support,
+            "--data",
+            &log,
+            "--out",
+            &model_file,
+        ];
+        stdout(&sesc(&[&all, more].concat()))
+    };
+    // Ticks fall as the angle rises, 1024 a turn: 0.05 rad are 8.1 ticks.
+    let servos = format!("[joints.{joint}]\nzero = 500\nsign = -1\nresolution = 1024\n");
+    let servos = sesc_test_support::command::write(folder.path(), "servos.toml", servos);
+    let said = diagnose(&["--servos", &servos, "--report", &page]);
+    for words in [
+        format!("true angle of {joint} = reading + 2.8"),
+        "zero 500 → 508".to_string(),
+        "URDF line ".to_string(),
+        "  becomes        <origin rpy=".to_string(),
+        "true CoP = reading − ".to_string(),
+        "not in a URDF  a URDF describes no CoP sensor".to_string(),
+        "NAME_model_com(q, com);".to_string(),
+    ] {
+        assert!(said.contains(&words), "{words}: {said}");
+    }
+    let page = fs::read_to_string(&page).unwrap();
+    for words in ["zero 500 → 508", "URDF line ", "not in a URDF", "model_com"] {
+        assert!(page.contains(words), "{words}");
+    }
+    assert!(!page.contains(&folder.path().display().to_string()));
+
+    let json: serde_json::Value =
+        serde_json::from_str(&diagnose(&["--json", "--urdf", &urdf])).unwrap();
+    let steps = json["steps"].as_array().unwrap();
+    let step = |name: &str| steps.iter().find(|step| step["effect"] == name).unwrap();
+    let remedy = &step("joint_offset")["remedy"];
+    let zero = &remedy["servo_zero"];
+    assert_eq!(zero["before"], 2048);
+    assert!(
+        (zero["after"].as_i64().unwrap() - 2015).abs() <= 2,
+        "{zero}"
+    );
+    // The line that is named holds what stands there before.
+    let [before, line] = ["before", "line"].map(|key| &remedy["urdf"][key]);
+    let text = fs::read_to_string(arm).unwrap();
+    let there = text
+        .lines()
+        .nth(line.as_u64().unwrap() as usize - 1)
+        .unwrap();
+    assert!(there.contains(before.as_str().unwrap()), "{there} {before}");
+    assert!(remedy.get("not_in_urdf").is_none());
+    let sensor = &step("sensor_offset")["remedy"];
+    assert!(sensor.get("urdf").is_none() && sensor.get("servo_zero").is_none());
+    let left_out = json["left_out_of_urdf"][0].as_str().unwrap();
+    assert!(left_out.starts_with("sensor_offset stays in the model file: a URDF describes no"));
+    // The C call is one that the command generates.
+    let out = folder.path().join("c").display().to_string();
+    let generate = [
+        "generate",
+        arm,
+        "--support",
+        &support,
+        "--lang",
+        "c",
+        "--name",
+        "arm",
+        "--model",
+        &model_file,
+        "--out",
+        &out,
+    ];
+    stdout(&sesc(&generate));
+    let header = fs::read_to_string(folder.path().join("c/arm.h")).unwrap();
+    let call = json["use"]["c"].as_str().unwrap().replace("NAME", "arm");
+    let function = call.split('(').next().unwrap();
+    assert!(
+        header.contains(&format!("void {function}(const ")),
+        "{function}"
+    );
+    assert_eq!(json["use"]["build_rs"], format!(".model({model_file:?})"));
+
+    let stray = sesc_test_support::command::write(folder.path(), "stray.toml", "[joints.kne]\n");
+    refused(
+        &sesc(&["diagnose", arm, "--data", &log, "--servos", &stray]),
+        &["kne", &joint],
+    );
+}

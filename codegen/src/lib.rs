@@ -31,6 +31,6 @@ mod routines;
 
 pub use builder::Builder;
 #[cfg(feature = "c99")]
-pub use emit::c::{Scalar, Servos, Setting, layout::Layout};
+pub use emit::c::{Scalar, Scale, Servo, Servos, Setting, layout::Layout};
 pub use error::{Error, ErrorKind};
 pub use sesc_model::Snapping;

@@ -1,5 +1,6 @@
 //! `sesc diagnose`
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -8,11 +9,14 @@ use clap::Args;
 use super::{Bar, Outcome, RobotArguments, message, outputs, print, print_json};
 use crate::Error;
 use crate::report::diagnose::{Asked, page, text};
+use sesc_codegen::{Scale, Servos};
+use sesc_identify::diagnose::remedy::{Servo, Step};
 use sesc_identify::diagnose::{self, Report, Request, Verdict};
 use sesc_identify::fit::prior::{Prior, PriorChoice};
 use sesc_identify::logs::{self, Angles, LogSource};
 use sesc_identify::robot::Robot;
 use sesc_model::files;
+use sesc_model::urdf::JointType;
 
 const EXAMPLES: &str = "Examples:\n  \
     sesc diagnose robots/op2/op2.urdf --data log.csv\n  \
@@ -59,6 +63,10 @@ pub(super) struct Arguments {
     /// their own, masses as re-identified. What no URDF can hold is named and left out
     #[arg(long = "urdf", value_name = "FILE")]
     corrected: Option<PathBuf>,
+    /// TOML file of the servos, as for `generate`: zeros before and after are in its ticks.
+    /// Zero 2048, 4096 ticks a turn, sign 1 unless given
+    #[arg(long, value_name = "FILE")]
+    servos: Option<PathBuf>,
     /// Posture file to write: the experiment that would tell most (.csv, .csv.gz or .parquet)
     #[arg(long, value_name = "FILE")]
     next: Option<PathBuf>,
@@ -80,6 +88,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let written: Vec<&PathBuf> = outputs.into_iter().flatten().collect();
     let mut read = vec![arguments.robot.urdf.clone(), arguments.data.clone()];
     read.extend(arguments.then.iter().cloned());
+    read.extend(arguments.servos.iter().cloned());
     outputs::check(&read, &written)?;
     let bar = &mut Bar::new("reading");
     let report = diagnose::diagnose(&request(arguments)?, bar)?;
@@ -132,9 +141,30 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
     request.floor = arguments.floor;
     request.meshes = arguments.robot.urdf.parent().map(Path::to_path_buf);
     request.next_file = arguments.next.clone();
+    request.model_path = arguments.out.clone();
+    if let Some(file) = &arguments.servos {
+        request.servos = servos(file, &request.robot)?;
+    }
     request.corrected_urdf = arguments.corrected.is_some();
     request.view = arguments.report.is_some();
     Ok(request)
+}
+
+/// The servos of a file, by joint.
+fn servos(file: &Path, robot: &Robot) -> Result<BTreeMap<String, Servo>, Error> {
+    let joints = robot.description.joints.iter();
+    let driven = joints.filter(|joint| joint.joint_type.is_single() && joint.mimic.is_none());
+    let driven = driven.map(|joint| (&*joint.name, joint.joint_type == JointType::Prismatic));
+    let servos = Servos::read(file)?.of(driven)?;
+    let of = |(joint, servo): (String, sesc_codegen::Servo)| {
+        let step = match servo.scale {
+            Scale::TicksPerTurn(ticks) => Step::TicksPerTurn(ticks),
+            Scale::MetresPerTick(metres) => Step::MetresPerTick(metres),
+        };
+        let (zero, sign) = (servo.zero, servo.sign);
+        (joint, Servo { zero, sign, step })
+    };
+    Ok(servos.into_iter().map(of).collect())
 }
 
 fn write(arguments: &Arguments, report: &Report) -> Result<(), Error> {

@@ -7,10 +7,10 @@
 //! ```
 //!
 //! In this order each is exact: a payload's share is one of the robot's own mass, and
-//! offsets weigh nothing. Everything else is named and left to the model file.
+//! offsets weigh nothing. Everything else is named, with the reason, and left to the model file.
 
 use sesc_model::effects::{Catalog, UrdfEdit};
-use sesc_model::urdf::{self, Load, Weight};
+use sesc_model::urdf::{self, Description, Load, Weight};
 use sesc_model::{EffectRecord, Model, ModelFile, Snapping};
 
 use super::findings::Found;
@@ -120,7 +120,10 @@ pub fn of_model_file(
                     left_out.push(stays(record, &why));
                 }
             }
-            _ => left_out.push(stays(record, "no URDF can hold it")),
+            _ => {
+                let why = effect.map_or("it is not known", |effect| effect.urdf_gap());
+                left_out.push(stays(record, why));
+            }
         }
     }
     let read = |text: &str| urdf::parse(text, name).map_err(sesc_model::Error::from);
@@ -129,6 +132,25 @@ pub fn of_model_file(
     // Nothing is handed out that this program would refuse.
     Robot::parse(&text, name)?;
     Ok(CorrectedUrdf { text, left_out })
+}
+
+/// The text of `description` with one edit alone; else why no URDF holds it.
+pub(super) fn edited(description: &Description, edit: &UrdfEdit) -> Result<String, String> {
+    let said = |error: urdf::Error| error.to_string();
+    match edit {
+        UrdfEdit::Joint(shift) => {
+            urdf::edit_joints(description, std::slice::from_ref(shift)).map_err(said)
+        }
+        UrdfEdit::Mass(load) if load.mass_kg > 0.0 => {
+            urdf::add_loads(description, std::slice::from_ref(load)).map_err(said)
+        }
+        UrdfEdit::Mass(load) => {
+            let mut text = description.text.clone();
+            let taken = take_out(&mut text, &description.file, load);
+            taken.map_err(|error| error.to_string())?.map(|()| text)
+        }
+        _ => Err("no URDF can hold it".to_string()),
+    }
 }
 
 fn stays(record: &EffectRecord, why: &str) -> String {

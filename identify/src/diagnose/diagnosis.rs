@@ -11,6 +11,7 @@ use super::hypothesis::Term;
 use super::leftover::{self, Formula, Misfit};
 use super::outliers::Outliers;
 use super::problem::{ALL, Fit, Problem};
+use super::remedy::Remedy;
 use super::search::Search;
 use super::settle;
 use super::words::{self, capital};
@@ -145,6 +146,8 @@ pub fn find<'m>(
         blind: blind_spots(problem, &blind),
         hypotheses_fitted: counted,
         next_postures: NextPostures::default(),
+        model_use: None,
+        left_out_of_urdf: None,
     };
     let mut found = Found {
         diagnosis,
@@ -343,6 +346,7 @@ fn told(
                 1e3 * rmse_before,
                 1e3 * held[k].rmse
             ),
+            remedy: Remedy::default(),
         });
     }
     told

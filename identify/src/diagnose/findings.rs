@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::held_out::HeldOut;
 use super::problem::Fit;
+use super::remedy::Remedy;
 use crate::observations::noise::NoiseSource;
 
 /// What a diagnosis comes to.
@@ -90,6 +91,21 @@ pub struct Step {
     pub evidence: f64,
     /// The step as a sentence.
     pub sentence: String,
+    /// What to change about it.
+    pub remedy: Remedy,
+}
+
+/// How the model file is used, where one is written.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ModelUse {
+    /// The file.
+    pub model: String,
+    /// The line of a `build.rs`.
+    pub build_rs: String,
+    /// The command that generates C.
+    pub generate: String,
+    /// The call in C: the CoM of the robot as its encoders read it.
+    pub c: String,
 }
 
 /// Held-out errors of the whole explanation, m.
@@ -243,6 +259,13 @@ pub struct Diagnosis {
     pub hypotheses_fitted: usize,
     /// The experiments that would separate the class.
     pub next_postures: NextPostures,
+    /// How the model file is used, where one is written that predicts the log.
+    #[serde(rename = "use", skip_serializing_if = "Option::is_none")]
+    pub model_use: Option<ModelUse>,
+    /// What of the explanation the corrected URDF does not hold, a sentence each, where a URDF
+    /// was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub left_out_of_urdf: Option<Vec<String>>,
 }
 
 /// A diagnosis with what reports, models and experiments are made from.

@@ -24,6 +24,7 @@ mod nuisance;
 mod outliers;
 mod problem;
 mod proposal;
+pub mod remedy;
 mod request;
 mod samples;
 mod search;

@@ -6,6 +6,7 @@
 //!                                                                 └▶ next postures, view
 //! ```
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -19,6 +20,7 @@ use super::further_logs::FurtherLog;
 use super::model_file::model_file;
 use super::next_postures::{self, Next};
 use super::problem::Problem;
+use super::remedy::{self, Servo};
 use super::view::DiagnosisView;
 use super::{diagnosis, experiment, health, model_check, samples, verdict};
 use crate::fit::prior::{Prior, PriorChoice};
@@ -64,6 +66,10 @@ pub struct Request {
     pub meshes: Option<PathBuf>,
     /// Where the caller will write the next postures; the diagnosis names it.
     pub next_file: Option<PathBuf>,
+    /// Where the caller will write the model file; the diagnosis says how it is used.
+    pub model_path: Option<PathBuf>,
+    /// Servos by joint; [`Servo::default`] of revolute joints that are not named.
+    pub servos: BTreeMap<String, Servo>,
     /// Whether the corrected URDF is wanted.
     pub corrected_urdf: bool,
     /// Whether the rows of figures are wanted.
@@ -86,6 +92,8 @@ impl Request {
             floor: FLOOR_M,
             meshes: None,
             next_file: None,
+            model_path: None,
+            servos: BTreeMap::new(),
             corrected_urdf: false,
             view: false,
         }
@@ -253,8 +261,13 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
         .corrected_urdf
         .then(|| corrected_urdf::of(&problem, &found, robot, request.snapping, &prior))
         .transpose()?;
+    remedy::add(&problem, &mut found, &robot.description, &request.servos);
+    found.diagnosis.left_out_of_urdf = corrected.as_ref().map(|urdf| urdf.left_out.clone());
     let model_file = with_data(request, &problem, &found, &further);
     let on_log = model_check::check(&problem, &found, &model_file)?;
+    let path = request.model_path.as_ref().filter(|_| on_log.agrees);
+    found.diagnosis.model_use =
+        path.map(|path| remedy::model_use(path, &robot.description, &support));
     found.diagnosis.model_on_log = on_log;
     found.diagnosis.sentence = verdict::sentence(&problem, &found);
     Ok(Report {

@@ -33,6 +33,17 @@ impl Effect for SensorAxes {
         }
     }
 
+    fn remedy(&self, _: &EffectContext, target: &Target, _: &[f64]) -> String {
+        match target {
+            Target::Way("swapped") => {
+                "true x = reading of y, true y = reading of x; exchange the axes"
+            }
+            Target::Way("flip_x") => "true x = −reading of x; reverse that axis of the sensor",
+            _ => "true y = −reading of y; reverse that axis of the sensor",
+        }
+        .to_string()
+    }
+
     fn rewrite(&self, target: &Target, at: &mut Measured, _: &[Id]) {
         let [x, y] = at.reading;
         at.reading = match target {

@@ -10,6 +10,7 @@
 //! moments of both signs, separate them. Near zero moment a joint that carries
 //! the robot can rest on either side: a fit takes the sides from the log.
 
+use super::remedy::degrees;
 use super::{Effect, EffectContext, EffectId, Measured, Parameter, Stage, Target, plausible};
 use crate::expr::Id;
 
@@ -37,6 +38,15 @@ impl Effect for Backlash {
 
     fn phrase(&self, _: &Target, name: &str) -> String {
         format!("backlash in {name}")
+    }
+
+    fn remedy(&self, context: &EffectContext, target: &Target, values: &[f64]) -> String {
+        let name = context.spoken_name(target);
+        format!(
+            "true angle of {name} = reading ± {}, to the side that gravity turns it to; the play \
+             itself is the gear's",
+            degrees(0.5 * values[0])
+        )
     }
 
     fn rewrite(&self, target: &Target, at: &mut Measured, unknowns: &[Id]) {

@@ -13,6 +13,7 @@
 //! share 0.45); small faults of one cell are like an offset. Raw cells show each
 //! directly.
 
+use super::remedy::digits;
 use super::{Effect, EffectContext, EffectId, Measured, Parameter, Stage, Target};
 use crate::expr::Id;
 use crate::measurement::foot::{Foot, rectangle};
@@ -136,7 +137,7 @@ fn positive(at: &mut Measured, load: Id) -> Id {
 }
 
 macro_rules! cell_effect {
-    ($(#[$doc:meta])* $type:ident, $name:literal, $phrase:literal, $parameter:expr,
+    ($(#[$doc:meta])* $type:ident, $name:literal, $phrase:literal, $remedy:literal, $parameter:expr,
      $to:expr, $from:expr, $invalid:expr, $starts:expr, $bound:expr, $wrong:expr) => {
         $(#[$doc])*
         pub(super) struct $type;
@@ -161,6 +162,10 @@ macro_rules! cell_effect {
 
             fn phrase(&self, _: &Target, name: &str) -> String {
                 format!($phrase, name)
+            }
+
+            fn remedy(&self, context: &EffectContext, target: &Target, values: &[f64]) -> String {
+                format!($remedy, name = context.name_of(target), x = digits(values[0], 4))
             }
 
             fn starts(&self, _: &EffectContext, _: &Target) -> Vec<Vec<f64>> {
@@ -212,6 +217,7 @@ cell_effect!(
     Gain,
     "cell_gain",
     "a gain of foot cell {}",
+    "true load of {name} = reading / {x}; calibrate the cell",
     Parameter::new("gain", 0.1),
     |_, x| 1.0 + x,
     |_, g| g - 1.0,
@@ -230,6 +236,7 @@ cell_effect!(
     Offset,
     "cell_offset",
     "a zero offset of foot cell {}",
+    "true load of {name} = reading − ({x} N); set the zero of the cell",
     Parameter::new("offset_n", 0.03),
     |context, x| x * context.weight(),
     |context, newton| newton / context.weight(),
@@ -244,6 +251,8 @@ cell_effect!(
     Exponent,
     "cell_exponent",
     "a bent characteristic of foot cell {}",
+    "true load of {name} = reading to the power of 1/{x}, both over the robot's weight; \
+     calibrate the cell",
     Parameter::new("exponent", 0.1),
     |_, x| 1.0 + x,
     |_, exponent| exponent - 1.0,
@@ -263,6 +272,7 @@ cell_effect!(
     Saturation,
     "cell_saturation",
     "a saturated foot cell {}",
+    "{name} reads no more than {x} N and too little near it; load it less or replace it",
     Parameter::new("level_n", 0.05),
     |context, x| x * context.weight(),
     |context, newton| newton / context.weight(),

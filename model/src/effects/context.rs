@@ -165,6 +165,14 @@ impl<'m> EffectContext<'m> {
         })
     }
 
+    /// As sentences name a target: `l_knee`, `every joint`.
+    pub fn spoken_name(&self, target: &Target) -> String {
+        match target {
+            Target::AllJoints => "every joint".to_string(),
+            target => self.name_of(target),
+        }
+    }
+
     /// As reports and model files name a target.
     pub fn name_of(&self, target: &Target) -> String {
         let joint = |j: &usize| self.robot.tree.dofs[*j].joint.clone();

@@ -10,6 +10,7 @@
 //! shifts the CoP alike in all postures. Repeat the log without the tether.
 
 use super::context::GRAVITY;
+use super::remedy::signed;
 use super::{
     Carry, Effect, EffectContext, EffectId, Experiment, Measured, Parameter, Stage, Target,
     plausible,
@@ -42,6 +43,18 @@ impl Effect for ExternalForce {
 
     fn phrase(&self, _: &Target, name: &str) -> String {
         format!("a force that pulls at {name}")
+    }
+
+    fn remedy(&self, context: &EffectContext, target: &Target, values: &[f64]) -> String {
+        let name = context.name_of(target);
+        let of = |k: usize| signed(format!("{:.3} N", values[k]));
+        format!(
+            "a force of x {}, y {}, z {} acts at {name}; take away what pulls there and take the \
+             log again",
+            of(0),
+            of(1),
+            of(2)
+        )
     }
 
     fn rewrite(&self, target: &Target, at: &mut Measured, unknowns: &[Id]) {

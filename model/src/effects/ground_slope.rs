@@ -8,6 +8,7 @@
 //! a sensor offset or a tether while the CoM keeps its height. The same postures
 //! after a turn by 180° on the floor separate it completely.
 
+use super::remedy::{degrees, signed};
 use super::{
     Carry, Effect, EffectContext, EffectId, Experiment, Measured, Parameter, Stage, Target,
     plausible,
@@ -39,6 +40,18 @@ impl Effect for GroundSlope {
 
     fn phrase(&self, _: &Target, _: &str) -> String {
         "a slope of the ground".to_string()
+    }
+
+    fn remedy(&self, _: &EffectContext, _: &Target, values: &[f64]) -> String {
+        let fall = |k: usize| signed(degrees(libm::atan(values[k])));
+        format!(
+            "the ground falls by {} towards +x and {} towards +y of the support frame; level it, \
+             or expect true CoP = CoM + CoM height × ({:.4}, {:.4})",
+            fall(0),
+            fall(1),
+            values[0],
+            values[1]
+        )
     }
 
     fn rewrite(&self, _: &Target, at: &mut Measured, unknowns: &[Id]) {

@@ -77,11 +77,8 @@ impl Instance {
 
     /// The subject of a sentence about it: `an offset of l_knee`.
     pub fn phrase(&self, context: &EffectContext) -> String {
-        let name = match &self.target {
-            Target::AllJoints => "every joint".to_string(),
-            target => context.name_of(target),
-        };
-        self.effect.phrase(&self.target, &name)
+        self.effect
+            .phrase(&self.target, &context.spoken_name(&self.target))
     }
 }
 

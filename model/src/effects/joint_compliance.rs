@@ -8,6 +8,7 @@
 //! support ankle by a sensor gain of that axis, a soft sole or soft ground: the
 //! moment is weight times CoP there. Squats of different depth separate them.
 
+use super::remedy::digits;
 use super::{Effect, EffectContext, EffectId, Measured, Parameter, Stage, Target, plausible};
 use crate::expr::Id;
 
@@ -35,6 +36,14 @@ impl Effect for JointCompliance {
 
     fn phrase(&self, _: &Target, name: &str) -> String {
         format!("compliance of {name}")
+    }
+
+    fn remedy(&self, context: &EffectContext, target: &Target, values: &[f64]) -> String {
+        let name = context.spoken_name(target);
+        format!(
+            "true angle of {name} = reading + gravity moment / ({} Nm/rad)",
+            digits(values[0], 3)
+        )
     }
 
     fn rewrite(&self, target: &Target, at: &mut Measured, unknowns: &[Id]) {

@@ -7,6 +7,7 @@
 //! Imitated by the offset of a joint with a parallel axis (ankle pitch, knee, hip
 //! pitch) and at the ankles by a slope. Deep squats separate the parallel ones.
 
+use super::remedy::{EncoderMap, degrees, millimetres, signed};
 use super::{Effect, EffectContext, EffectId, Measured, Parameter, Stage, Target, UrdfEdit};
 use crate::expr::Id;
 use crate::urdf::Shift;
@@ -34,6 +35,23 @@ impl Effect for JointOffset {
 
     fn phrase(&self, _: &Target, name: &str) -> String {
         format!("an offset of {name}")
+    }
+
+    fn remedy(&self, context: &EffectContext, target: &Target, values: &[f64]) -> String {
+        let kind = context.by_kind(target, "angle", "position");
+        let size = match kind {
+            "angle" => degrees(values[0]),
+            _ => millimetres(values[0]),
+        };
+        let name = context.name_of(target);
+        format!("true {kind} of {name} = reading {}", signed(size))
+    }
+
+    fn encoder_map(&self, values: &[f64]) -> Option<EncoderMap> {
+        Some(EncoderMap {
+            scale: 1.0,
+            offset: values[0],
+        })
     }
 
     fn rewrite(&self, target: &Target, at: &mut Measured, unknowns: &[Id]) {

@@ -7,6 +7,7 @@
 //! Imitated by the same joint's offset while the joint keeps to a narrow range
 //! away from zero; a wide range on both sides of zero separates the two.
 
+use super::remedy::EncoderMap;
 use super::{Effect, EffectContext, EffectId, Measured, Parameter, Stage, Target, plausible};
 use crate::expr::Id;
 
@@ -32,6 +33,19 @@ impl Effect for JointScale {
 
     fn phrase(&self, _: &Target, name: &str) -> String {
         format!("a wrong scale of {name}")
+    }
+
+    fn remedy(&self, context: &EffectContext, target: &Target, values: &[f64]) -> String {
+        let kind = context.by_kind(target, "angle", "position");
+        let name = context.name_of(target);
+        format!("true {kind} of {name} = {:.4} × reading", values[0])
+    }
+
+    fn encoder_map(&self, values: &[f64]) -> Option<EncoderMap> {
+        Some(EncoderMap {
+            scale: values[0],
+            offset: 0.0,
+        })
     }
 
     fn rewrite(&self, target: &Target, at: &mut Measured, unknowns: &[Id]) {

@@ -6,6 +6,7 @@
 //!
 //! No unknown and far from linear: found by full evaluation.
 
+use super::remedy::EncoderMap;
 use super::{Effect, EffectContext, EffectId, Measured, Stage, Target};
 use crate::expr::Id;
 
@@ -26,6 +27,19 @@ impl Effect for JointSign {
 
     fn phrase(&self, _: &Target, name: &str) -> String {
         format!("a reversed encoder of {name}")
+    }
+
+    fn remedy(&self, context: &EffectContext, target: &Target, _: &[f64]) -> String {
+        let kind = context.by_kind(target, "angle", "position");
+        let name = context.name_of(target);
+        format!("true {kind} of {name} = −reading; reverse the sign of its encoder")
+    }
+
+    fn encoder_map(&self, _: &[f64]) -> Option<EncoderMap> {
+        Some(EncoderMap {
+            scale: -1.0,
+            offset: 0.0,
+        })
     }
 
     fn rewrite(&self, target: &Target, at: &mut Measured, _: &[Id]) {

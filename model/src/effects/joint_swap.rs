@@ -35,6 +35,11 @@ impl Effect for JointSwap {
         )
     }
 
+    fn remedy(&self, context: &EffectContext, target: &Target, _: &[f64]) -> String {
+        let name = context.name_of(target).replace(',', " and ");
+        format!("exchange the channels of {name}: each encoder is read as the other's")
+    }
+
     fn rewrite(&self, target: &Target, at: &mut Measured, _: &[Id]) {
         if let Target::Joints(a, b) = *target {
             at.joints.swap(a, b);

@@ -27,6 +27,7 @@ mod joint_swap;
 mod payload;
 pub mod plausible;
 mod programs;
+pub mod remedy;
 mod sensor_drift;
 mod sensor_gain;
 mod sensor_offset;
@@ -47,6 +48,7 @@ pub use instance::{Instance, instances};
 pub(crate) use instance::{apply, apply_before_sensor, sense, undo};
 pub use payload::known_weight;
 pub use programs::{joints, moments, reading, reading_of_masses, wired_joints, wired_reading};
+pub use remedy::EncoderMap;
 
 /// When an effect acts, first to last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -128,6 +130,23 @@ pub trait Effect: Sync {
     /// The subject of a sentence about it: `an offset of l_knee`; `name` is that of
     /// the target, `every joint` where it acts on all.
     fn phrase(&self, target: &Target, name: &str) -> String;
+
+    /// What to change, or how a reading becomes the truth, with sign and unit: `true angle of
+    /// l_knee = reading + 1.517°`; `values` in the order of the parameters.
+    fn remedy(&self, context: &EffectContext, target: &Target, _values: &[f64]) -> String {
+        let subject = self.phrase(target, context.spoken_name(target).as_str());
+        format!("{subject} is held by the model file alone; predict with it")
+    }
+
+    /// How what the encoder of its joint reads becomes the joint's position.
+    fn encoder_map(&self, _values: &[f64]) -> Option<EncoderMap> {
+        None
+    }
+
+    /// Why a URDF cannot hold it, where [`Effect::urdf_edit`] does not write it.
+    fn urdf_gap(&self) -> &'static str {
+        remedy::urdf_gap(self.stage(), self.is_static())
+    }
 
     /// Where a fit may start; no effect at all unless that has no slope.
     fn starts(&self, context: &EffectContext, target: &Target) -> Vec<Vec<f64>> {

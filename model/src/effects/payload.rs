@@ -9,6 +9,7 @@
 //! of raw cells shows the mass itself. Bounds: the arm stays within reach of the
 //! link, no more is missing than the link's body has.
 
+use super::remedy::{grams, point};
 use super::{
     Effect, EffectContext, EffectId, Instance, Measured, Parameter, Stage, Target, UrdfEdit,
     plausible,
@@ -61,6 +62,20 @@ impl Effect for Payload {
 
     fn phrase(&self, _: &Target, name: &str) -> String {
         format!("an unknown mass on {name}")
+    }
+
+    fn remedy(&self, context: &EffectContext, target: &Target, values: &[f64]) -> String {
+        let (name, at) = (context.name_of(target), point(&values[1..]));
+        let mass = grams(values[0].abs());
+        match values[0] < 0.0 {
+            true => format!(
+                "true mass of {name} = CAD − {mass}, missing at {at} in the frame of the link"
+            ),
+            false => format!(
+                "true mass of {name} = CAD + {mass}, at {at} in the frame of the link; add it to \
+                 the description or take it off the robot"
+            ),
+        }
     }
 
     fn rewrite(&self, target: &Target, at: &mut Measured, unknowns: &[Id]) {

@@ -8,6 +8,7 @@
 //! Imitated by nothing that belongs to postures if their order is random; sorted
 //! postures make it look like whatever they are sorted by.
 
+use super::remedy::{millimetres, signed};
 use super::{
     Carry, Effect, EffectContext, EffectId, Experiment, Measured, Parameter, PostureContext, Stage,
     Target,
@@ -39,6 +40,16 @@ impl Effect for SensorDrift {
 
     fn phrase(&self, _: &Target, _: &str) -> String {
         "a drift of the sensor over the log".to_string()
+    }
+
+    fn remedy(&self, _: &EffectContext, _: &Target, values: &[f64]) -> String {
+        let of = |k: usize| signed(millimetres(-values[k]));
+        format!(
+            "true CoP = reading {} in x, {} in y at the end of the log, in proportion before; set \
+             the zero of the sensor more often",
+            of(0),
+            of(1)
+        )
     }
 
     fn rewrite(&self, _: &Target, at: &mut Measured, unknowns: &[Id]) {

@@ -8,6 +8,7 @@
 //! foot, by slow motion (which adds ω² h / g). A wide range of CoP and standing
 //! still separate it from noise; squats of different depth from the ankle.
 
+use super::remedy::digits;
 use super::{Effect, EffectContext, EffectId, Measured, Parameter, Stage, Target, plausible};
 use crate::expr::Id;
 
@@ -36,6 +37,14 @@ impl Effect for SensorGain {
 
     fn phrase(&self, _: &Target, _: &str) -> String {
         "a gain of the sensor".to_string()
+    }
+
+    fn remedy(&self, _: &EffectContext, _: &Target, values: &[f64]) -> String {
+        format!(
+            "true CoP = reading / {} in x, reading / {} in y; calibrate the sensor",
+            digits(values[0], 4),
+            digits(values[1], 4)
+        )
     }
 
     fn rewrite(&self, _: &Target, at: &mut Measured, unknowns: &[Id]) {

@@ -9,6 +9,7 @@
 //! the other foot, or squats of different depth separate it. Source: the facts
 //! of plate and insole sensors; `sensor_offset` of the study of discrepancies.
 
+use super::remedy::{millimetres, signed};
 use super::{Effect, EffectContext, EffectId, Measured, Parameter, Stage, Target};
 use crate::expr::Id;
 
@@ -37,6 +38,15 @@ impl Effect for SensorOffset {
 
     fn phrase(&self, _: &Target, _: &str) -> String {
         "an offset of the sensor".to_string()
+    }
+
+    fn remedy(&self, _: &EffectContext, _: &Target, values: &[f64]) -> String {
+        let of = |k: usize| signed(millimetres(-values[k]));
+        format!(
+            "true CoP = reading {} in x, {} in y; set the zero of the sensor",
+            of(0),
+            of(1)
+        )
     }
 
     fn rewrite(&self, _: &Target, at: &mut Measured, unknowns: &[Id]) {

@@ -7,6 +7,7 @@
 //! Nothing imitates it (residual share 0.99 on bench postures). Linearised
 //! rotations are wrong by ψ²/2 of the CoP: sine and cosine are kept.
 
+use super::remedy::{degrees, signed};
 use super::{Effect, EffectContext, EffectId, Measured, Parameter, Stage, Target};
 use crate::expr::Id;
 
@@ -32,6 +33,14 @@ impl Effect for SensorRotation {
 
     fn phrase(&self, _: &Target, _: &str) -> String {
         "a sensor turned about the vertical".to_string()
+    }
+
+    fn remedy(&self, _: &EffectContext, _: &Target, values: &[f64]) -> String {
+        format!(
+            "true CoP = reading turned by {} about the vertical, counter-clockwise seen from \
+             above; mount the sensor straight",
+            signed(degrees(-values[0]))
+        )
     }
 
     fn rewrite(&self, _: &Target, at: &mut Measured, unknowns: &[Id]) {

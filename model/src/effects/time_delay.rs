@@ -6,6 +6,7 @@
 //!
 //! Seen in motion only: logs with `t`. Nothing else follows the velocities.
 
+use super::remedy::signed;
 use super::{
     Carry, Effect, EffectContext, EffectId, Experiment, Measured, Parameter, PostureContext, Stage,
     Target,
@@ -37,6 +38,13 @@ impl Effect for TimeDelay {
 
     fn phrase(&self, _: &Target, _: &str) -> String {
         "joint angles older than the readings".to_string()
+    }
+
+    fn remedy(&self, _: &EffectContext, _: &Target, values: &[f64]) -> String {
+        format!(
+            "true angle = reading of the encoder {} later; shift the columns against each other",
+            signed(format!("{:.1} ms", 1e3 * values[0]))
+        )
     }
 
     fn rewrite(&self, _: &Target, at: &mut Measured, unknowns: &[Id]) {

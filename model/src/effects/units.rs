@@ -34,6 +34,20 @@ impl Effect for Units {
         }
     }
 
+    fn remedy(&self, _: &EffectContext, target: &Target, _: &[f64]) -> String {
+        match target {
+            Target::Way("degrees") => {
+                "true angle = reading × π/180: joint angles are in degrees; say so in the log's \
+                 sidecar (angles = \"deg\")"
+            }
+            Target::Way("millimetres") => {
+                "true CoP = reading / 1000: the CoP is in millimetres; write metres into the log"
+            }
+            _ => "true CoP = reading / 100: the CoP is in centimetres; write metres into the log",
+        }
+        .to_string()
+    }
+
     fn rewrite(&self, target: &Target, at: &mut Measured, _: &[Id]) {
         match target {
             Target::Way("degrees") => {

@@ -9,6 +9,7 @@
 //! sinusoidal motion (gain 1 + ω² h / g). Logs with `t` only.
 
 use super::context::GRAVITY;
+use super::remedy::digits;
 use super::{
     Carry, Effect, EffectContext, EffectId, Experiment, Measured, Parameter, PostureContext, Stage,
     Target, plausible,
@@ -40,6 +41,14 @@ impl Effect for UnsettledMotion {
 
     fn phrase(&self, _: &Target, _: &str) -> String {
         "readings taken while the robot still moved".to_string()
+    }
+
+    fn remedy(&self, _: &EffectContext, _: &Target, values: &[f64]) -> String {
+        format!(
+            "readings hold {} of the inertia of the motion; let the robot come to rest before \
+             each reading",
+            digits(values[0], 3)
+        )
     }
 
     fn rewrite(&self, _: &Target, at: &mut Measured, unknowns: &[Id]) {

@@ -8,7 +8,9 @@ mod text;
 pub use page::page;
 pub use text::{Asked, text};
 
+use sesc_identify::diagnose::Verdict;
 use sesc_identify::diagnose::findings::Step;
+use sesc_identify::diagnose::remedy::Remedy;
 use sesc_identify::diagnose::words::{Found, named};
 
 /// `width 0.93° ± 0.04°`, one entry per parameter.
@@ -32,4 +34,24 @@ fn count(n: usize, what: &str) -> String {
         1 => format!("1 {what}"),
         n => format!("{n} {what}s"),
     }
+}
+
+/// Where to make a change, and how sure it is that it is right.
+fn where_to(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Unexplained => {
+            "What was found explains a part only: find the rest before anything is changed."
+        }
+        Verdict::Class => {
+            "If the first explanation is right, correct it in one place only: servo, URDF or model \
+             file."
+        }
+        _ => "Correct it in one place only: servo, URDF or model file.",
+    }
+}
+
+/// `zero 2048 → 2031, sign 1 → -1`: what changes in a servo file.
+fn servo(remedy: &Remedy) -> Option<String> {
+    let words = remedy.servo_words();
+    (!words.is_empty()).then(|| words.join(", "))
 }

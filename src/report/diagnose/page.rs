@@ -5,7 +5,7 @@ use std::path::Path;
 use minijinja::value::{Serde, Value};
 use minijinja::{Error, context};
 
-use super::{count, effect, parameters};
+use super::{count, effect, parameters, servo, where_to};
 use crate::report::figures::diagnose as figures;
 use crate::report::html::render;
 use sesc_identify::diagnose::findings::{Diagnosis, Verdict};
@@ -37,6 +37,9 @@ pub fn page(found: &Diagnosis, view: &DiagnosisView) -> Result<String, Error> {
         blind => Serde(&found.blind[..found.blind.len().min(BLIND)]),
         experiments => experiments(found),
         next_file => file_name(found),
+        where_to => where_to(found.verdict),
+        changes => changes(found),
+        model_use => model_use(found),
         rest => view.trends_of_rest,
         rms => view.spread.rms.to_vec(),
         many => found.postures_used > view.postures.len(),
@@ -101,6 +104,34 @@ fn steps(found: &Diagnosis) -> Vec<Value> {
             before => step.rmse_before,
             after => step.rmse_after,
             evidence => format!("{:.0}", step.evidence),
+        }
+    };
+    found.steps.iter().map(row).collect()
+}
+
+/// How the model file is used, without the folders of this machine.
+fn model_use(found: &Diagnosis) -> Option<Value> {
+    let model_use = found.model_use.as_ref()?;
+    let file = Path::new(&model_use.model).file_name()?.to_string_lossy();
+    let plain = |text: &str| text.replace(&model_use.model, &file);
+    Some(context! {
+        build_rs => plain(&model_use.build_rs),
+        generate => plain(&model_use.generate),
+        c => &model_use.c,
+    })
+}
+
+/// What to change for each effect.
+fn changes(found: &Diagnosis) -> Vec<Value> {
+    let row = |step: &sesc_identify::diagnose::findings::Step| {
+        let remedy = &step.remedy;
+        context! {
+            effect => effect(step),
+            target => &step.target,
+            sentence => &remedy.sentence,
+            servo => servo(remedy),
+            urdf => Serde(&remedy.urdf),
+            not_in_urdf => &remedy.not_in_urdf,
         }
     };
     found.steps.iter().map(row).collect()

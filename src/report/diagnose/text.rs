@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::{count, parameters};
+use super::{count, parameters, servo, where_to};
 use crate::report::table::{Table, mm, wrapped};
 use sesc_identify::diagnose::findings::{Diagnosis, Verdict};
 
@@ -31,6 +31,14 @@ pub fn text(found: &Diagnosis, asked: Asked) -> String {
         let _ = write!(out, "\n{}", class(found));
     }
     let _ = write!(out, "\n{}", facts(found));
+    if !found.steps.is_empty() {
+        let _ = write!(
+            out,
+            "\n{}\n{}\n",
+            wrapped(where_to(found.verdict), ""),
+            changes(found)
+        );
+    }
     for hint in hints(found, asked) {
         let _ = writeln!(out, "{:<16} {hint}", "next");
     }
@@ -127,6 +135,40 @@ fn facts(found: &Diagnosis) -> String {
             n => format!(" and {n} more"),
         };
         fact("outliers", format!("poses {poses}{more}"));
+    }
+    out
+}
+
+/// What to change for each effect, and how the model file is used.
+fn changes(found: &Diagnosis) -> String {
+    let mut out = String::new();
+    let mut fact = |name: &str, text: &str| {
+        for (k, line) in text.lines().enumerate() {
+            let name = if k == 0 { name } else { "" };
+            let _ = writeln!(out, "{name:<16} {line}");
+        }
+    };
+    for step in &found.steps {
+        let remedy = &step.remedy;
+        fact("change", &remedy.sentence);
+        if let Some(servo) = servo(remedy) {
+            fact("  servo", &servo);
+        }
+        if let Some(urdf) = &remedy.urdf {
+            let place = format!("  URDF line {}", urdf.line);
+            match urdf.before.is_empty() {
+                true => fact(&place, "new"),
+                false => fact(&place, &urdf.before),
+            }
+            fact("  becomes", &urdf.after);
+        }
+        if let Some(reason) = &remedy.not_in_urdf {
+            fact("  not in a URDF", reason);
+        }
+    }
+    if let Some(model) = &found.model_use {
+        fact("build.rs", &model.build_rs);
+        fact("C", &format!("{}   after {}", model.c, model.generate));
     }
     out
 }

@@ -32,7 +32,7 @@ use crate::error::Problem;
 use crate::facts::Facts;
 use helpers::Calls;
 pub use prefix::{is_prefix, suggest};
-pub use servos::{Servos, Setting};
+pub use servos::{Scale, Servo, Servos, Setting};
 use sesc_model::Function;
 use sesc_model::bounds::Precision;
 use spelling::{comment, number, pair, quoted, spelled};

@@ -66,15 +66,18 @@ pub struct Servos {
 
 /// One joint's servo, complete.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Servo {
-    pub(super) zero: i32,
-    pub(super) sign: i32,
-    pub(super) scale: Scale,
+pub struct Servo {
+    /// Ticks at q = 0.
+    pub zero: i32,
+    /// 1 or −1.
+    pub sign: i32,
+    /// How far one tick goes.
+    pub scale: Scale,
 }
 
 /// How far one tick goes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Scale {
+pub enum Scale {
     /// Of a revolute joint.
     TicksPerTurn(f64),
     /// Of a prismatic joint.
@@ -123,11 +126,39 @@ impl Servos {
         })
     }
 
+    /// The servo of each joint that has one, by name: joints without a mimic that turn, or that
+    /// are prismatic (`true`) and have a stroke per tick.
+    ///
+    /// # Errors
+    /// When the file names another joint, or a setting is out of range.
+    pub fn of<'j>(
+        &self,
+        joints: impl Iterator<Item = (&'j str, bool)>,
+    ) -> Result<Vec<(String, Servo)>, Error> {
+        let joints: Vec<(&str, bool)> = joints.collect();
+        let names: Vec<&str> = joints.iter().map(|joint| joint.0).collect();
+        self.check_names(&names)?;
+        let mut servos = Vec::new();
+        for (joint, prismatic) in joints {
+            let servo = self.servo(joint, prismatic)?;
+            servos.extend(servo.map(|servo| (joint.to_string(), servo)));
+        }
+        Ok(servos)
+    }
+
     /// The servo of each joint; `None` when a prismatic joint has no stroke per tick.
-    pub(super) fn of(&self, dofs: &[Dof]) -> Result<Option<Vec<Servo>>, Error> {
-        let known = |name: &String| dofs.iter().any(|dof| &dof.joint == name);
+    pub(super) fn of_dofs(&self, dofs: &[Dof]) -> Result<Option<Vec<Servo>>, Error> {
+        let joints: Vec<&str> = dofs.iter().map(|dof| dof.joint.as_str()).collect();
+        self.check_names(&joints)?;
+        let servos = dofs.iter();
+        servos
+            .map(|dof| self.servo(&dof.joint, dof.prismatic))
+            .collect()
+    }
+
+    fn check_names(&self, joints: &[&str]) -> Result<(), Error> {
+        let known = |name: &String| joints.contains(&name.as_str());
         if let Some(stray) = self.joints.keys().find(|name| !known(name)) {
-            let joints: Vec<&str> = dofs.iter().map(|dof| dof.joint.as_str()).collect();
             return Err(Problem::Servos {
                 reason: format!(
                     "no joint `{stray}` to set a servo of; the robot has {}",
@@ -136,14 +167,14 @@ impl Servos {
             }
             .into());
         }
-        dofs.iter().map(|dof| self.servo(dof)).collect()
+        Ok(())
     }
 
-    fn servo(&self, dof: &Dof) -> Result<Option<Servo>, Error> {
-        let own = self.joints.get(&dof.joint);
+    fn servo(&self, joint: &str, prismatic: bool) -> Result<Option<Servo>, Error> {
+        let own = self.joints.get(joint);
         let first = |get: fn(&Setting) -> Option<f64>| own.and_then(get).or(get(&self.default));
         let bad = |what: String| -> Error {
-            let reason = format!("servo of joint `{}`: {what}", dof.joint);
+            let reason = format!("servo of joint `{joint}`: {what}");
             Problem::Servos { reason }.into()
         };
         let sign = own.and_then(|s| s.sign).or(self.default.sign).unwrap_or(1);
@@ -157,7 +188,7 @@ impl Servos {
                 "zero is {zero}; give ticks within ±{LARGEST_ZERO}"
             )));
         }
-        if dof.prismatic {
+        if prismatic {
             let Some(stroke) = first(|s| s.metres_per_tick) else {
                 return Ok(None);
             };

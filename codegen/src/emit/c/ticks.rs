@@ -43,7 +43,7 @@ impl Ticks {
             return Ok(None);
         };
         let dofs = facts.dofs;
-        let Some(servos) = servos.of(dofs)? else {
+        let Some(servos) = servos.of_dofs(dofs)? else {
             let prismatic: Vec<&str> = dofs
                 .iter()
                 .filter(|dof| dof.prismatic)

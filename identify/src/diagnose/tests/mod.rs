@@ -9,6 +9,7 @@ mod next;
 mod nuisance;
 mod outliers;
 mod problem;
+mod remedy;
 mod request;
 mod verdict;
 

@@ -1,0 +1,334 @@
+//! What to change: a sentence for every effect, the zero of a servo, lines of the URDF.
+//!
+//! ```text
+//! q = s u (n − z)                  n: ticks, s: sign, z: zero, u: rad (m) a tick
+//! φ = a q + b = s' u' (n − z')     s' = s sign a,  u' = |a| u,  z' = z − s' b / u'
+//! ```
+//!
+//! Whole ticks: a corrected zero is known to half a tick. The servo, the URDF and the model
+//! file say the same; a robot is corrected in one of them.
+
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+use std::path::Path;
+
+use serde::Serialize;
+use sesc_model::effects::{EncoderMap, Target};
+use sesc_model::urdf::Description;
+
+use super::corrected_urdf::edited;
+use super::findings::{Found, ModelUse};
+use super::hypothesis::Term;
+use super::problem::Problem;
+use super::words;
+
+/// What a tick of a joint's servo means: `q = sign (ticks − zero) step`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Servo {
+    /// Ticks at q = 0.
+    pub zero: i32,
+    /// 1 or −1.
+    pub sign: i32,
+    /// How far one tick goes.
+    pub step: Step,
+}
+
+/// How far one tick goes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Step {
+    /// Of a revolute joint.
+    TicksPerTurn(f64),
+    /// Of a prismatic joint.
+    MetresPerTick(f64),
+}
+
+impl Default for Servo {
+    fn default() -> Servo {
+        Servo {
+            zero: 2048,
+            sign: 1,
+            step: Step::TicksPerTurn(4096.0),
+        }
+    }
+}
+
+impl Servo {
+    /// rad or m per tick, without the sign.
+    pub fn per_tick(self) -> f64 {
+        match self.step {
+            Step::TicksPerTurn(ticks) => TAU / ticks,
+            Step::MetresPerTick(metres) => metres,
+        }
+    }
+
+    /// The servo whose readings are true, where this one's are `map`ped to the truth; `None`
+    /// where its zero would be out of range.
+    pub fn corrected(self, map: EncoderMap) -> Option<Servo> {
+        let sign = if map.scale < 0.0 {
+            -self.sign
+        } else {
+            self.sign
+        };
+        let stretch = map.scale.abs();
+        let step = match self.step {
+            Step::TicksPerTurn(ticks) => Step::TicksPerTurn(ticks / stretch),
+            Step::MetresPerTick(metres) => Step::MetresPerTick(metres * stretch),
+        };
+        let by = f64::from(sign) * map.offset / (stretch * self.per_tick());
+        let zero = (f64::from(self.zero) - by).round();
+        let fits = zero.abs() <= f64::from(i32::MAX);
+        fits.then_some(Servo {
+            zero: zero as i32,
+            sign,
+            step,
+        })
+    }
+}
+
+/// A number before and after.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Change<T> {
+    /// As it is.
+    pub before: T,
+    /// As it should be.
+    pub after: T,
+}
+
+/// Elements of the URDF before and after.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct UrdfChange {
+    /// Line of the first of them in the file, from 1.
+    pub line: usize,
+    /// As they are, one a line; empty where something is added.
+    pub before: String,
+    /// As they should be.
+    pub after: String,
+}
+
+/// What to change about one effect. Servo settings take in every effect on their joint.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Remedy {
+    /// With sign and unit: `true angle of l_knee = reading + 1.517°`.
+    pub sentence: String,
+    /// Ticks at zero.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub servo_zero: Option<Change<i32>>,
+    /// 1 or −1, where it changes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub servo_sign: Option<Change<i32>>,
+    /// Ticks a turn, where they change.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub servo_resolution: Option<Change<f64>>,
+    /// Stroke of one tick of a prismatic joint, m, where it changes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub servo_metres_per_tick: Option<Change<f64>>,
+    /// What a URDF holds of it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub urdf: Option<UrdfChange>,
+    /// Why a URDF holds nothing of it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub not_in_urdf: Option<String>,
+}
+
+impl Remedy {
+    /// Settings of the servo that change, as a servo file names them: `zero 2048 → 2031`.
+    pub fn servo_words(&self) -> Vec<String> {
+        fn of<T: std::fmt::Display>(name: &str, change: Option<&Change<T>>) -> Option<String> {
+            change.map(|c| format!("{name} {} → {}", c.before, c.after))
+        }
+        let resolution = self.servo_resolution.map(|c| Change {
+            before: c.before,
+            after: (c.after * 100.0).round() / 100.0,
+        });
+        [
+            of("zero", self.servo_zero.as_ref()),
+            of("sign", self.servo_sign.as_ref()),
+            of("resolution", resolution.as_ref()),
+            of("metres_per_tick", self.servo_metres_per_tick.as_ref()),
+        ]
+        .into_iter()
+        .flatten()
+        .collect()
+    }
+
+    fn set_servo(&mut self, old: Servo, new: Servo) {
+        fn change<T: PartialEq + Copy>(before: T, after: T) -> Option<Change<T>> {
+            (before != after).then_some(Change { before, after })
+        }
+        self.servo_zero = change(old.zero, new.zero);
+        self.servo_sign = change(old.sign, new.sign);
+        match (old.step, new.step) {
+            (Step::TicksPerTurn(a), Step::TicksPerTurn(b)) => self.servo_resolution = change(a, b),
+            (Step::MetresPerTick(a), Step::MetresPerTick(b)) => {
+                self.servo_metres_per_tick = change(a, b);
+            }
+            _ => {}
+        }
+    }
+}
+
+/// The remedy of every step of a diagnosis.
+pub(super) fn add(
+    problem: &Problem,
+    found: &mut Found,
+    description: &Description,
+    servos: &BTreeMap<String, Servo>,
+) {
+    let values: Vec<Vec<f64>> = words::values(problem, &found.best)
+        .iter()
+        .map(|found| found.iter().map(|value| value.value).collect())
+        .collect();
+    let terms = &found.best.terms;
+    for step in &mut found.diagnosis.steps {
+        let mut own = terms.iter().zip(&values).filter(|(term, _)| {
+            term.name() == step.effect && term.target_name(&problem.context) == step.target
+        });
+        if let Some((term, own)) = own.next() {
+            step.remedy = of_term(problem, term, own, description);
+            if let Some(joint) = joint_of(term, own) {
+                let name = &problem.context.robot.tree.dofs[joint].joint;
+                let prismatic = problem.context.robot.tree.dofs[joint].prismatic;
+                let usual = (!prismatic).then(Servo::default);
+                let servo = servos.get(name).copied().or(usual);
+                let map = encoder_of(joint, terms, &values);
+                if let (Some(old), Some(map)) = (servo, map)
+                    && let Some(new) = old.corrected(map)
+                {
+                    step.remedy.set_servo(old, new);
+                }
+            }
+        }
+    }
+}
+
+/// The joint whose encoder an effect is about.
+fn joint_of(term: &Term, values: &[f64]) -> Option<usize> {
+    let instance = term.effect()?;
+    instance.effect.encoder_map(values)?;
+    match instance.target {
+        Target::Joint(joint) => Some(joint),
+        _ => None,
+    }
+}
+
+/// How all effects on a joint map its encoder; `None` where its channel is another's.
+fn encoder_of(joint: usize, terms: &[Term], values: &[Vec<f64>]) -> Option<EncoderMap> {
+    let mut map = EncoderMap::TRUE;
+    for (term, values) in terms.iter().zip(values) {
+        match term.effect().map(|instance| &instance.target) {
+            Some(Target::Joints(a, b)) if joint == *a || joint == *b => return None,
+            _ => {}
+        }
+        if joint_of(term, values) == Some(joint) {
+            let own = term.effect()?.effect.encoder_map(values)?;
+            map = map.and(own);
+        }
+    }
+    Some(map)
+}
+
+fn of_term(problem: &Problem, term: &Term, values: &[f64], description: &Description) -> Remedy {
+    let context = &problem.context;
+    let instance = match term {
+        Term::Effect(instance) => instance,
+        Term::Outliers => {
+            return Remedy {
+                sentence: "readings of the poses named as outliers come from elsewhere; repeat \
+                           them or leave them out"
+                    .to_string(),
+                not_in_urdf: Some("it says nothing of the robot".to_string()),
+                ..Remedy::default()
+            };
+        }
+        Term::FreeMasses => {
+            return Remedy {
+                sentence: "true masses differ from CAD; the model file holds the parameters that \
+                           these data know, a corrected URDF the masses nearest to CAD that have \
+                           them"
+                    .to_string(),
+                ..Remedy::default()
+            };
+        }
+    };
+    let (effect, target) = (instance.effect, &instance.target);
+    let parameters = effect.parameters(context, target);
+    let value = |name: &str| {
+        let at = parameters
+            .iter()
+            .position(|parameter| parameter.name == name);
+        at.map_or(0.0, |at| values[at])
+    };
+    let edit = effect.urdf_edit(&context.name_of(target), &value);
+    let edited = match edit {
+        Some(edit) => edited(description, &edit).map(|text| changed(&description.text, &text)),
+        None => Err(effect.urdf_gap().to_string()),
+    };
+    let (urdf, not_in_urdf) = match edited {
+        Ok(change) => (change, None),
+        Err(reason) => (None, Some(reason)),
+    };
+    Remedy {
+        sentence: effect.remedy(context, target, values),
+        urdf,
+        not_in_urdf,
+        ..Remedy::default()
+    }
+}
+
+/// Elements that differ; `None` where none does.
+fn changed(old: &str, new: &str) -> Option<UrdfChange> {
+    let (a, b) = (elements(old), elements(new));
+    let (mut i, mut j) = (0, 0);
+    let (mut before, mut after, mut line) = (Vec::new(), Vec::new(), None);
+    while i < a.len() || j < b.len() {
+        // The next elements that are alike, with as few as possible between.
+        let rest = a.len() - i + b.len() - j;
+        let (x, y) = (0..rest)
+            .flat_map(|sum| (0..=sum).map(move |x| (x, sum - x)))
+            .find(|&(x, y)| match (a.get(i + x), b.get(j + y)) {
+                (Some(a), Some(b)) => a.1 == b.1,
+                _ => false,
+            })
+            .unwrap_or((a.len() - i, b.len() - j));
+        if x + y > 0 && line.is_none() {
+            line = a.get(i).or(a.last()).map(|element| element.0);
+        }
+        before.extend(a[i..i + x].iter().map(|element| element.1));
+        after.extend(b[j..j + y].iter().map(|element| element.1));
+        (i, j) = ((i + x + 1).min(a.len()), (j + y + 1).min(b.len()));
+    }
+    line.map(|line| UrdfChange {
+        line,
+        before: before.join("\n"),
+        after: after.join("\n"),
+    })
+}
+
+/// Tags with the text behind them, and their lines.
+fn elements(text: &str) -> Vec<(usize, &str)> {
+    let mut starts: Vec<usize> = text.match_indices('<').map(|(at, _)| at).collect();
+    starts.push(text.len());
+    let mut line = 1;
+    let mut counted = 0;
+    let mut out = Vec::with_capacity(starts.len());
+    for pair in starts.windows(2) {
+        line += text[counted..pair[0]].matches('\n').count();
+        counted = pair[0];
+        out.push((line, text[pair[0]..pair[1]].trim()));
+    }
+    out
+}
+
+/// How the model file at `path` of a robot on `support` is used.
+pub(super) fn model_use(path: &Path, robot: &Description, support: &str) -> ModelUse {
+    let model = path.display().to_string();
+    ModelUse {
+        build_rs: format!(".model({model:?})"),
+        generate: format!(
+            "sesc generate {} --support {support} --lang c --model {model}",
+            robot.file_name()
+        ),
+        c: "NAME_model_com(q, com);".to_string(),
+        model,
+    }
+}
