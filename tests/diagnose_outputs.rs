@@ -361,7 +361,7 @@ fn the_command_says_what_to_change() {
         format!("true angle of {joint} = reading + 2.8"),
         "zero 500 → 508".to_string(),
         "URDF line ".to_string(),
-        "  becomes        <origin rpy=".to_string(),
+        "  becomes        <origin ".to_string(),
         "true CoP = reading − ".to_string(),
         "not in a URDF  a URDF describes no CoP sensor".to_string(),
         "NAME_model_com(q, com);".to_string(),

@@ -15,7 +15,7 @@ use sesc_model::tree::Dof;
 use sesc_model::{DataUsed, Model, ModelFile, Snapping};
 
 use super::corrected_urdf::{self, CorrectedUrdf};
-use super::findings::{About, Diagnosis, Found, NextPostures};
+use super::findings::{About, Diagnosis, Found, NextPostures, Verdict};
 use super::further_logs::FurtherLog;
 use super::model_file::model_file;
 use super::next_postures::{self, Next};
@@ -265,7 +265,11 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     found.diagnosis.left_out_of_urdf = corrected.as_ref().map(|urdf| urdf.left_out.clone());
     let model_file = with_data(request, &problem, &found, &further);
     let on_log = model_check::check(&problem, &found, &model_file)?;
-    let path = request.model_path.as_ref().filter(|_| on_log.agrees);
+    let usable = found.diagnosis.verdict != Verdict::Unusable;
+    let path = request
+        .model_path
+        .as_ref()
+        .filter(|_| usable && on_log.agrees);
     found.diagnosis.model_use =
         path.map(|path| remedy::model_use(path, &robot.description, &support));
     found.diagnosis.model_on_log = on_log;
