@@ -1390,8 +1390,8 @@ void op2_r_sole_fixed_com_velocity(
         - ((int64_t)c_head_pan * e10) - op2_r_sole_fixed_shift_up((int64_t)qd[0] * t_head_pan_y, 2u)
         + op2_r_sole_fixed_shift_up(dt_r_sho_pitch_x, 30u)
         + op2_r_sole_fixed_shift_up(dt_l_hip_yaw_x, 30u), 31u);
-    const int32_t dv_r_hip_yaw_y =
-        op2_r_sole_fixed_narrow((int64_t)((dt_head_pan_y + dt_l_sho_roll_y) + dt_r_sho_roll_y), 1u)
+    const int32_t dv_r_hip_yaw_y = op2_r_sole_fixed_narrow((int64_t)dt_head_pan_y
+        + (int64_t)dt_l_sho_roll_y + (int64_t)dt_r_sho_roll_y, 1u)
         + op2_r_sole_fixed_narrow((int64_t)dt_l_hip_yaw_y, 1u);
     const int32_t dv_r_hip_yaw_z =
         op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(dt_head_tilt_y, 30u)
@@ -1407,16 +1407,16 @@ void op2_r_sole_fixed_com_velocity(
         - op2_r_sole_fixed_shift_up((int64_t)qd[11] * t_r_hip_yaw_x, 1u), 30u);
     /* r_hip_roll */
     const int32_t dt_r_hip_roll_x =
-        op2_r_sole_fixed_narrow((int64_t)(op2_r_sole_fixed_narrow((int64_t)s_r_hip_roll
+        op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)s_r_hip_roll
         * dt_r_hip_yaw_x, 30u)
-        + op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)c_r_hip_roll
+        + ((int64_t)op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)c_r_hip_roll
         * dv_r_hip_yaw_z, 30u), 1u)), 1u)
         + op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[12]
         * t_r_hip_roll_y, 28u), 2u);
     const int32_t dt_r_hip_roll_y =
-        op2_r_sole_fixed_narrow((int64_t)(op2_r_sole_fixed_narrow((int64_t)c_r_hip_roll
+        op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)c_r_hip_roll
         * dt_r_hip_yaw_x, 30u)
-        - op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)s_r_hip_roll
+        - ((int64_t)op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)s_r_hip_roll
         * dv_r_hip_yaw_z, 30u), 1u)), 1u)
         - op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[12]
         * t_r_hip_roll_x, 28u), 2u);
@@ -4029,8 +4029,8 @@ void op2_r_sole_fixed_com_velocity_sc(
         - ((int64_t)cos_q[0] * e8) - op2_r_sole_fixed_shift_up((int64_t)qd[0] * t_head_pan_y, 2u)
         + op2_r_sole_fixed_shift_up(dt_r_sho_pitch_x, 30u)
         + op2_r_sole_fixed_shift_up(dt_l_hip_yaw_x, 30u), 31u);
-    const int32_t dv_r_hip_yaw_y =
-        op2_r_sole_fixed_narrow((int64_t)((dt_head_pan_y + dt_l_sho_roll_y) + dt_r_sho_roll_y), 1u)
+    const int32_t dv_r_hip_yaw_y = op2_r_sole_fixed_narrow((int64_t)dt_head_pan_y
+        + (int64_t)dt_l_sho_roll_y + (int64_t)dt_r_sho_roll_y, 1u)
         + op2_r_sole_fixed_narrow((int64_t)dt_l_hip_yaw_y, 1u);
     const int32_t dv_r_hip_yaw_z =
         op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(dt_head_tilt_y, 30u)
@@ -4046,16 +4046,16 @@ void op2_r_sole_fixed_com_velocity_sc(
         - op2_r_sole_fixed_shift_up((int64_t)qd[11] * t_r_hip_yaw_x, 1u), 30u);
     /* r_hip_roll */
     const int32_t dt_r_hip_roll_x =
-        op2_r_sole_fixed_narrow((int64_t)(op2_r_sole_fixed_narrow((int64_t)sin_q[12]
+        op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)sin_q[12]
         * dt_r_hip_yaw_x, 30u)
-        + op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)cos_q[12]
+        + ((int64_t)op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)cos_q[12]
         * dv_r_hip_yaw_z, 30u), 1u)), 1u)
         + op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[12]
         * t_r_hip_roll_y, 28u), 2u);
     const int32_t dt_r_hip_roll_y =
-        op2_r_sole_fixed_narrow((int64_t)(op2_r_sole_fixed_narrow((int64_t)cos_q[12]
+        op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)cos_q[12]
         * dt_r_hip_yaw_x, 30u)
-        - op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)sin_q[12]
+        - ((int64_t)op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)sin_q[12]
         * dv_r_hip_yaw_z, 30u), 1u)), 1u)
         - op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[12]
         * t_r_hip_roll_x, 28u), 2u);

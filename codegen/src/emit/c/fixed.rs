@@ -130,7 +130,9 @@ impl Spelling<'_, '_> {
                 (value, Strength::Atom)
             }
             Expr::Clamp(a) => {
-                let arguments = format!("{}, {}u", self.operand(a), self.formats.of(a));
+                let bits = self.formats.of(a);
+                let [one, unit] = [bits, 30 - bits].map(|bits| 1_i64 << bits);
+                let arguments = format!("{}, {one}, {unit}", self.operand(a));
                 (self.calls.call(Helper::Clamp, &arguments), Strength::Atom)
             }
             Expr::Div(..) | Expr::Pow(..) => {
@@ -163,9 +165,30 @@ impl Spelling<'_, '_> {
         }
         let value = match self.formats.of(id) - bits {
             0 => self.operand(id),
-            more => self.narrow(&format!("(int64_t){}", self.operand(id)), more),
+            more => self.narrow(&self.widened(id, self.formats.of(id)), more),
         };
         (value, Strength::Atom)
+    }
+
+    /// A value with `bits` fraction bits in 64 bits: of a sum without a name each addend is
+    /// cast, for a cast of the whole would come after it was made in 32.
+    fn widened(&self, id: Id, bits: i32) -> String {
+        let unnamed = self.listing.name(id).is_none();
+        match self.expr(id) {
+            Expr::Add(a, b) | Expr::Sub(a, b) if unnamed && self.wide(id).is_none() => {
+                let sign = match self.expr(id) {
+                    Expr::Sub(..) => "-",
+                    _ => "+",
+                };
+                let [a, b] = [a, b].map(|x| self.widened(x, bits));
+                let b = if b.contains(' ') { format!("({b})") } else { b };
+                format!("{a} {sign} {b}")
+            }
+            _ => match self.in_format(id, bits) {
+                (value, Strength::Atom) => format!("(int64_t){value}"),
+                (value, _) => format!("(int64_t)({value})"),
+            },
+        }
     }
 
     /// A sum in 64 bits as 32, with `bits` fewer bits below the point.

@@ -54,7 +54,7 @@ pub const FULL_PARAMS: usize = 13;
 pub const JOINT_NAMES: [&str; DOF] = ["lift", "wrist"];
 
 /// Index of every joint in `q`.
-#[allow(dead_code, non_upper_case_globals)]
+#[allow(dead_code, missing_docs, non_upper_case_globals)]
 pub mod joint {
     pub const LIFT: usize = 0;
     pub const WRIST: usize = 1;

@@ -53,7 +53,7 @@ pub const FULL_PARAMS: usize = 9;
 pub const JOINT_NAMES: [&str; DOF] = ["ankle", "knee"];
 
 /// Index of every joint in `q`.
-#[allow(dead_code, non_upper_case_globals)]
+#[allow(dead_code, missing_docs, non_upper_case_globals)]
 pub mod joint {
     pub const ANKLE: usize = 0;
     pub const KNEE: usize = 1;
