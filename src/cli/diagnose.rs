@@ -91,8 +91,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     read.extend(arguments.servos.iter().cloned());
     outputs::check(&read, &written)?;
     let bar = &mut Bar::new("reading");
-    let report = diagnose::diagnose(&request(arguments)?, bar)?;
+    let mut report = diagnose::diagnose(&request(arguments)?, bar)?;
     bar.0.finish_and_clear();
+    if let Some(model_use) = &mut report.diagnosis.model_use {
+        let urdf = arguments.robot.urdf.display();
+        let (support, model) = (&report.diagnosis.support, &model_use.model);
+        model_use.generate =
+            format!("sesc generate {urdf} --support {support} --lang c --model {model}");
+    }
     report
         .notes
         .iter()

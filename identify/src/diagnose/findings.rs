@@ -6,7 +6,6 @@ use serde::Serialize;
 
 use super::held_out::HeldOut;
 use super::problem::Fit;
-use super::remedy::Remedy;
 use crate::observations::noise::NoiseSource;
 
 /// What a diagnosis comes to.
@@ -95,6 +94,51 @@ pub struct Step {
     pub remedy: Remedy,
 }
 
+/// A number before and after.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Change<T> {
+    /// As it is.
+    pub before: T,
+    /// As it should be.
+    pub after: T,
+}
+
+/// Elements of the URDF before and after.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct UrdfChange {
+    /// Line of the first of them in the file, from 1.
+    pub line: usize,
+    /// As they are, one a line; empty where something is added.
+    pub before: String,
+    /// As they should be.
+    pub after: String,
+}
+
+/// What to change about one effect. Servo settings take in every effect on their joint.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Remedy {
+    /// With sign and unit: `true angle of l_knee = reading + 1.517°`.
+    pub sentence: String,
+    /// Ticks at zero.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub servo_zero: Option<Change<i32>>,
+    /// 1 or −1, where it changes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub servo_sign: Option<Change<i32>>,
+    /// Ticks a turn, where they change.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub servo_resolution: Option<Change<f64>>,
+    /// Stroke of one tick of a prismatic joint, m, where it changes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub servo_metres_per_tick: Option<Change<f64>>,
+    /// What a URDF holds of it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub urdf: Option<UrdfChange>,
+    /// Why a URDF holds nothing of it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub not_in_urdf: Option<String>,
+}
+
 /// How the model file is used, where one is written.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ModelUse {
@@ -102,7 +146,7 @@ pub struct ModelUse {
     pub model: String,
     /// The line of a `build.rs`.
     pub build_rs: String,
-    /// The command that generates C.
+    /// The command that generates C, in the words of the command line; empty from the library.
     pub generate: String,
     /// The call in C: the CoM of the robot as its encoders read it.
     pub c: String,

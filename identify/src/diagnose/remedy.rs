@@ -12,11 +12,11 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use serde::Serialize;
 use sesc_model::effects::{EncoderMap, Target};
 use sesc_model::urdf::Description;
 
 use super::corrected_urdf::edited;
+pub use super::findings::{Change, Remedy, UrdfChange};
 use super::findings::{Found, ModelUse};
 use super::hypothesis::Term;
 use super::problem::Problem;
@@ -83,51 +83,6 @@ impl Servo {
             step,
         })
     }
-}
-
-/// A number before and after.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Change<T> {
-    /// As it is.
-    pub before: T,
-    /// As it should be.
-    pub after: T,
-}
-
-/// Elements of the URDF before and after.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct UrdfChange {
-    /// Line of the first of them in the file, from 1.
-    pub line: usize,
-    /// As they are, one a line; empty where something is added.
-    pub before: String,
-    /// As they should be.
-    pub after: String,
-}
-
-/// What to change about one effect. Servo settings take in every effect on their joint.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
-pub struct Remedy {
-    /// With sign and unit: `true angle of l_knee = reading + 1.517°`.
-    pub sentence: String,
-    /// Ticks at zero.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub servo_zero: Option<Change<i32>>,
-    /// 1 or −1, where it changes.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub servo_sign: Option<Change<i32>>,
-    /// Ticks a turn, where they change.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub servo_resolution: Option<Change<f64>>,
-    /// Stroke of one tick of a prismatic joint, m, where it changes.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub servo_metres_per_tick: Option<Change<f64>>,
-    /// What a URDF holds of it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub urdf: Option<UrdfChange>,
-    /// Why a URDF holds nothing of it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub not_in_urdf: Option<String>,
 }
 
 impl Remedy {
@@ -319,15 +274,13 @@ fn elements(text: &str) -> Vec<(usize, &str)> {
     out
 }
 
-/// How the model file at `path` of a robot on `support` is used.
-pub(super) fn model_use(path: &Path, robot: &Description, support: &str) -> ModelUse {
+/// How the model file at `path` is used.
+pub(super) fn model_use(path: &Path) -> ModelUse {
     let model = path.display().to_string();
     ModelUse {
         build_rs: format!(".model({model:?})"),
-        generate: format!(
-            "sesc generate {} --support {support} --lang c --model {model}",
-            robot.file_name()
-        ),
+        // The command line words its own commands.
+        generate: String::new(),
         c: "NAME_model_com(q, com);".to_string(),
         model,
     }

@@ -270,8 +270,7 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
         .model_path
         .as_ref()
         .filter(|_| usable && on_log.agrees);
-    found.diagnosis.model_use =
-        path.map(|path| remedy::model_use(path, &robot.description, &support));
+    found.diagnosis.model_use = path.map(|path| remedy::model_use(path));
     found.diagnosis.model_on_log = on_log;
     found.diagnosis.sentence = verdict::sentence(&problem, &found);
     Ok(Report {

@@ -124,7 +124,6 @@ fn an_offset_is_told_by_sign_ticks_and_urdf_lines() {
     assert_eq!(found.diagnosis.left_out_of_urdf, Some(Vec::new()));
     let model_use = found.diagnosis.model_use.unwrap();
     assert_eq!(model_use.build_rs, ".model(\"model.toml\")");
-    assert!(model_use.generate.contains("skew.urdf --support foot"));
 
     let servo = Servo {
         zero: 500,
