@@ -107,6 +107,7 @@ fn as_agreed(said: &Value) {
             "rmse_after",
             "evidence",
             "sentence",
+            "remedy",
         ];
         agreed.sort_unstable();
         let mut keys = keys;
