@@ -1,24 +1,22 @@
 //! Hypotheses about one log: what they predict, and what they cost.
 
 mod fitting;
+mod readings;
 
 use std::cell::RefCell;
 use std::collections::{BTreeSet, HashMap};
 use std::rc::Rc;
 
 use nalgebra::{DMatrix, DVector};
-use sesc_model::effects::{
-    self, Catalog, EffectContext, EffectId, Instance, PostureContext, Stage,
-};
-use sesc_model::tape::{Tape, Values};
+use sesc_model::effects::{self, Catalog, EffectContext, EffectId, Instance, PostureContext};
 use sesc_model::{Function, Model};
 
 use super::criteria;
-use super::hypothesis::{self, Term, effects_of};
+use super::hypothesis::{self, Term};
 use super::nuisance::Nuisance;
 use super::outliers::Outliers;
 use crate::Error;
-use crate::evaluate::{Evaluator, FASTEST};
+use crate::evaluate::Evaluator;
 use crate::fit::prior::{Prior, Tolerances};
 use crate::lsq::factor_normal;
 use crate::lsq::information::Beyond;
@@ -27,8 +25,10 @@ use crate::observations::postures::Postures;
 use crate::observations::rows::CopRows;
 
 pub(super) use fitting::State;
+use readings::Tapes;
 
 /// A log, the robot, and the prior of its masses.
+#[derive(Clone)]
 pub struct Problem<'m> {
     /// The robot on its support, with CAD masses.
     pub model: &'m Model,
@@ -58,13 +58,6 @@ pub struct Problem<'m> {
     tapes: RefCell<HashMap<Vec<Instance>, Rc<Tapes>>>,
     target_weights: HashMap<Term, f64>,
     kinds: usize,
-}
-
-/// What a set of terms runs on.
-pub(super) struct Tapes {
-    pub reading: Tape,
-    /// Made when a dead band asks for sides.
-    moments: RefCell<Option<Rc<Tape>>>,
 }
 
 /// A hypothesis, fitted.
@@ -238,23 +231,13 @@ impl<'m> Problem<'m> {
         offset: DVector<f64>,
     ) -> Problem<'m> {
         Problem {
-            cad: self.cad.clone(),
             params,
             offset: Some(offset),
-            widened: self.widened,
-            model: self.model,
-            kinds: self.kinds,
-            context: self.context.clone(),
-            data: self.data.clone(),
-            weight: self.weight.clone(),
             nuisance,
             wide,
-            prior: self.prior.clone(),
-            beyond_prior: self.beyond_prior,
-            wide_prior: self.wide_prior.clone(),
             rows,
-            tapes: RefCell::new(HashMap::new()),
-            target_weights: self.target_weights.clone(),
+            tapes: RefCell::default(),
+            ..self.clone()
         }
     }
 
@@ -291,81 +274,6 @@ impl<'m> Problem<'m> {
         }
     }
 
-    /// The programs of a set of terms, made once.
-    pub(super) fn tapes(&self, terms: &[Term]) -> Rc<Tapes> {
-        let key = effects_of(terms);
-        if let Some(tapes) = self.tapes.borrow().get(&key) {
-            return tapes.clone();
-        }
-        let program = effects::reading(&self.context, &key, &self.params);
-        let tapes = Rc::new(Tapes {
-            reading: Tape::new(&program),
-            moments: RefCell::new(None),
-        });
-        self.tapes.borrow_mut().insert(key, tapes.clone());
-        tapes
-    }
-
-    fn moments(&self, terms: &[Term]) -> Rc<Tape> {
-        let tapes = self.tapes(terms);
-        let mut made = tapes.moments.borrow_mut();
-        made.get_or_insert_with(|| {
-            let program = effects::moments(&self.context, &effects_of(terms), &self.params);
-            Rc::new(Tape::new(&program))
-        })
-        .clone()
-    }
-
-    /// Readings and derivatives of as many postures as there are contexts: per posture x then y, each value, ∂/∂e_1, ….
-    pub fn evaluate(
-        &self,
-        terms: &[Term],
-        unknowns: &[f64],
-        q: &[f64],
-        posture_context: &[f64],
-    ) -> Vec<f64> {
-        let tapes = self.tapes(terms);
-        let n = posture_context.len() / PostureContext::of(self.context.robot).len();
-        let mut out = vec![0.0; n * tapes.reading.outputs()];
-        let arguments = [
-            Values::PerPosture(q),
-            Values::Shared(unknowns),
-            Values::PerPosture(posture_context),
-        ];
-        tapes.reading.run(&arguments, n, &mut out, FASTEST);
-        out
-    }
-
-    /// Moments (m) and slopes of the reading by joint: 3 × dof per posture.
-    pub(super) fn evaluate_moments(
-        &self,
-        terms: &[Term],
-        unknowns: &[f64],
-        posture_context: &[f64],
-    ) -> Vec<f64> {
-        self.evaluate_moments_at(terms, unknowns, &self.data.q, posture_context)
-    }
-
-    /// The same at joint positions `q`.
-    pub(super) fn evaluate_moments_at(
-        &self,
-        terms: &[Term],
-        unknowns: &[f64],
-        q: &[f64],
-        posture_context: &[f64],
-    ) -> Vec<f64> {
-        let tape = self.moments(terms);
-        let n = posture_context.len() / PostureContext::of(self.context.robot).len();
-        let mut out = vec![0.0; n * tape.outputs()];
-        let arguments = [
-            Values::PerPosture(q),
-            Values::Shared(unknowns),
-            Values::PerPosture(posture_context),
-        ];
-        tape.run(&arguments, n, &mut out, FASTEST);
-        out
-    }
-
     /// The masses' directions under a hypothesis.
     pub fn masses(&self, terms: &[Term]) -> &Nuisance {
         match terms.contains(&Term::FreeMasses) {
@@ -377,44 +285,6 @@ impl<'m> Problem<'m> {
     /// Whether the usual tolerances of CAD leave masses more room than the prior.
     pub(super) fn is_wider(&self) -> bool {
         self.wide.log_det > self.nuisance.log_det
-    }
-
-    /// Readings that CAD predicts at joint positions `q`, on level ground.
-    pub fn plain(&self, q: &[f64]) -> Vec<f64> {
-        let n = q.len() / self.context.robot.dof();
-        let model = self.model;
-        Evaluator::with_params(model, Function::Cop, self.cad.clone()).run(q, n)
-    }
-
-    /// Joint positions of every posture as a hypothesis bends them.
-    pub fn bent(&self, fit: &Fit) -> Vec<f64> {
-        let joints: Vec<(usize, &Term)> = fit
-            .terms
-            .iter()
-            .enumerate()
-            .filter(|(_, term)| {
-                let moves = |stage| stage <= Stage::Joints || stage == Stage::Bends;
-                term.stage().is_some_and(moves)
-            })
-            .collect();
-        if joints.is_empty() {
-            return self.data.q.clone();
-        }
-        let program = effects::joints(&self.context, &effects_of(&fit.terms), &self.params);
-        let tape = Tape::new(&program);
-        let n = self.data.len();
-        let mut out = vec![0.0; n * tape.outputs()];
-        let posture_context = match &fit.posture_context {
-            Some(own) => own.as_slice(),
-            None => &self.data.posture_context,
-        };
-        let arguments = [
-            Values::PerPosture(&self.data.q),
-            Values::Shared(&fit.unknowns),
-            Values::PerPosture(posture_context),
-        ];
-        tape.run(&arguments, n, &mut out, FASTEST);
-        out
     }
 
     /// The revolute joints that have a dead band under `terms`, with the
@@ -463,46 +333,4 @@ fn free(rows: &DMatrix<f64>) -> DMatrix<f64> {
         factor.set_column(to, &(v.row(from).transpose() * 100.0));
     }
     factor
-}
-
-impl Problem<'_> {
-    /// Gravity moments and slopes of the robot with CAD masses, at positions `q`.
-    pub(super) fn moments_at(&self, q: &[f64]) -> Vec<f64> {
-        let tape = self.moments(&[]);
-        let n = self.data.len();
-        let mut out = vec![0.0; n * tape.outputs()];
-        let arguments = [
-            Values::PerPosture(q),
-            Values::Shared(&[]),
-            Values::PerPosture(&self.data.posture_context),
-        ];
-        tape.run(&arguments, n, &mut out, FASTEST);
-        out
-    }
-
-    /// The effect of a fault of wiring or of the record: the joint positions that it
-    /// leaves, and what becomes of a reading (m, two per posture).
-    pub(super) fn rewired(&self, fault: &Term) -> (Vec<f64>, Rewire) {
-        let fault = effects_of(std::slice::from_ref(fault));
-        let n = self.data.len();
-        let joints = Tape::new(&effects::wired_joints(&self.context, &fault));
-        let mut q = vec![0.0; n * joints.outputs()];
-        joints.run(&[Values::PerPosture(&self.data.q)], n, &mut q, FASTEST);
-        let rewire = Rewire(Tape::new(&effects::wired_reading(&self.context, &fault)));
-        (q, rewire)
-    }
-}
-
-/// How a fault of the record changes readings.
-pub(super) struct Rewire(Tape);
-
-impl Rewire {
-    /// Readings under the fault, two per posture.
-    pub(super) fn readings(&self, readings: &[f64]) -> Vec<f64> {
-        let mut out = vec![0.0; readings.len()];
-        let arguments = [Values::PerPosture(readings)];
-        self.0
-            .run(&arguments, readings.len() / 2, &mut out, FASTEST);
-        out
-    }
 }
