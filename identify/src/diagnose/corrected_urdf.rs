@@ -48,7 +48,7 @@ pub(crate) fn of(
     snapping: Snapping,
     prior: &Prior,
 ) -> Result<CorrectedUrdf, Error> {
-    let file = model_file(problem, found);
+    let file = model_file(problem, &found.best, &found.diagnosis.log);
     let wide = Prior::Cad(Tolerances::usual());
     let prior = match found.best.frees_masses() {
         true => &wide,

@@ -112,6 +112,12 @@ pub const OUTLIER_WIDTH: (f64, f64) = (3.0, 1e3);
 /// A posture is called an outlier from this chance on.
 pub const OUTLIER_CHANCE: f64 = 0.5;
 
+// Corrected models.
+
+/// Explanations whose CoMs are further apart than this, m RMS, are not one to a controller: a
+/// humanoid's balance takes a CoM that is known to about 1 mm.
+pub const COM_APART_M: f64 = 1e-3;
+
 // Held-out errors.
 
 /// Parts that a log is dealt into.

@@ -1,5 +1,6 @@
 //! The whole diagnosis: search, class, verdict, held-out errors, sentences.
 
+use super::com_spread;
 use super::criteria;
 use super::findings::{
     About, Blind, Diagnosis, Found, Gap, Last, Leftover, Member, ModelOnLog, NextPostures,
@@ -155,6 +156,7 @@ pub fn find<'m>(
         class,
         baseline,
     };
+    com_spread::state(problem, &mut found);
     found.diagnosis.sentence = super::verdict::sentence(problem, &found);
     Ok(found)
 }
@@ -392,6 +394,7 @@ fn members(problem: &Problem, class: &[Fit]) -> Vec<Member> {
                     .collect(),
                 score_difference: fit.score() - first,
                 sentence: capital(&clauses.collect::<Vec<_>>().join(", with ")),
+                com_apart: None,
             }
         })
         .collect()

@@ -190,6 +190,9 @@ pub struct Member {
     pub score_difference: f64,
     /// The explanation as a sentence.
     pub sentence: String,
+    /// RMS distance of its CoM from that of the first explanation over the log's postures, m.
+    #[serde(rename = "com_apart_m")]
+    pub com_apart: Option<f64>,
 }
 
 /// An effect that this log can hardly show.

@@ -5,16 +5,14 @@ use std::collections::BTreeMap;
 use sesc_model::effects::Stage;
 use sesc_model::{DataUsed, EffectRecord, ModelFile, Quantity};
 
-use super::findings::Found;
-use super::problem::Problem;
+use super::problem::{Fit, Problem};
 use super::{settle, words};
 use crate::lsq::information::{Beyond, information};
 
 /// Parameters as the masses' prior and the data have them, and every effect of
-/// the explanation that a model can hold.
-pub fn model_file(problem: &Problem, found: &Found) -> ModelFile {
+/// the explanation `best` of the log named `log` that a model can hold.
+pub fn model_file(problem: &Problem, best: &Fit, log: &str) -> ModelFile {
     let model = problem.context.robot;
-    let best = &found.best;
     let masses = problem.masses(&best.terms);
     let identified = best.frees_masses();
     let (factor, beyond) = if identified {
@@ -42,7 +40,7 @@ pub fn model_file(problem: &Problem, found: &Found) -> ModelFile {
     file.noise_floor = Some(problem.data.noise_floor);
     if let Some(summary) = &problem.data.summary {
         file.data.push(DataUsed {
-            file: found.diagnosis.log.clone(),
+            file: log.to_string(),
             hash: summary.hash.clone(),
             rows: summary.rows,
         });

@@ -377,7 +377,7 @@ fn with_data(
     found: &Found,
     further: &[FurtherLog],
 ) -> ModelFile {
-    let mut file = model_file(problem, found);
+    let mut file = model_file(problem, &found.best, &found.diagnosis.log);
     let first = [(&request.log, problem)].into_iter();
     let logs = first.chain(request.then.iter().zip(further.iter().map(|f| &f.problem)));
     file.data = logs

@@ -1,5 +1,6 @@
 //! The sentences that sum a diagnosis up.
 
+use super::com_spread;
 use super::criteria;
 use super::findings::{Found, Verdict};
 use super::problem::Problem;
@@ -116,6 +117,7 @@ pub(super) fn sentence(problem: &Problem, found: &Found) -> String {
             mm(d.last.rmse)
         ));
     }
+    said.extend(com_spread::sentence(found));
     let on_log = &d.model_on_log;
     if on_log.stated_rmse > 0.0 && !on_log.agrees {
         said.push(format!(

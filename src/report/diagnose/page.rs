@@ -8,6 +8,7 @@ use minijinja::{Error, context};
 use super::{count, effect, parameters, servo, where_to};
 use crate::report::figures::diagnose as figures;
 use crate::report::html::render;
+use crate::report::table::mm;
 use sesc_identify::diagnose::findings::{Diagnosis, Verdict};
 use sesc_identify::diagnose::view::DiagnosisView;
 
@@ -145,6 +146,7 @@ fn class(found: &Diagnosis) -> Vec<Value> {
             sentence => &member.sentence,
             score_difference => format!("{:.1}", member.score_difference),
             odds => format!("1 : {:.0}", (0.5 * member.score_difference).exp().max(1.0)),
+            com_apart => member.com_apart.map_or("–".to_string(), mm),
         }
     };
     found.class.iter().map(row).collect()

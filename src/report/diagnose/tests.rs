@@ -183,6 +183,7 @@ fn a_class_of_twenty_is_numbered_and_mapped() {
     let member = |k: usize| Member {
         effects: vec![format!("joint_offset:a<{k}>"), "ground_slope".to_string()],
         score_difference: 0.4 * k as f64,
+        com_apart: None,
         sentence: format!("An offset of a<{k}>"),
     };
     found.verdict = Verdict::Class;

@@ -68,11 +68,16 @@ fn steps(found: &Diagnosis) -> Table {
 }
 
 fn class(found: &Diagnosis) -> String {
-    let mut table = Table::new(&["these data cannot tell apart", "score difference"]);
+    let mut table = Table::new(&[
+        "these data cannot tell apart",
+        "score difference",
+        "CoM apart, mm",
+    ]);
     for member in found.class.iter().take(LISTED) {
         table.row(&[
             member.effects.join(" + "),
             format!("{:.1}", member.score_difference),
+            member.com_apart.map_or("-".to_string(), mm),
         ]);
     }
     let mut out = table.to_string();

@@ -128,6 +128,47 @@ fn parallel_axes_make_a_class_that_holds_the_truth() {
     }
 }
 
+/// A payload on the foot reads as an offset and a gain of the sensor do, which leave the CoM
+/// where CAD has it: the class says how far that is from where it is with the payload.
+#[test]
+fn a_class_says_how_far_its_coms_are_apart() {
+    let bench = Bench::op2();
+    let (plain, carrying) = (bench.world(), bench.world());
+    let carrying = carrying.payload("r_ank_roll_link", 0.15, [0.05, -0.04, 0.0]);
+    let carrying = carrying.unwrap();
+    let found = of(&bench, &carrying, "tight", 3);
+    let q = bench.balanced(POSTURES, 53);
+    let postures = q.chunks_exact(bench.model.dof());
+    let squares = postures.map(|q| (carrying.com(q) - plain.com(q)).norm_squared());
+    let moved = (squares.sum::<f64>() / POSTURES as f64).sqrt();
+    let member = |effects: &[&str]| {
+        let mut class = found.class.iter();
+        class
+            .find(|m| m.effects == effects)
+            .unwrap()
+            .com_apart
+            .unwrap()
+    };
+    assert_eq!(found.class[0].com_apart, Some(0.0));
+    let sensor = member(&["sensor_offset", "sensor_gain"]);
+    assert!(
+        (sensor - moved).abs() < 0.15 * moved,
+        "{sensor} is not {moved}"
+    );
+    assert!(member(&["payload:r_ank_roll_link"]) < 0.15 * moved);
+    let said = found.sentence;
+    assert!(said.contains("do not agree on the CoM"), "{said}");
+    // Which of two joints in a row is off by 0.5° makes less than 1 mm.
+    let knee = bench.world().joint_offset("r_knee", 0.008).unwrap();
+    let found = of(&bench, &knee, "tight", 1);
+    assert!(found.class.iter().all(|m| m.com_apart.unwrap() < 1e-3));
+    assert!(
+        !found.sentence.contains("do not agree"),
+        "{}",
+        found.sentence
+    );
+}
+
 /// Four of the list, and noise is all that they leave: imitation is more likely.
 #[test]
 fn a_crowd_of_effects_is_no_explanation() {
