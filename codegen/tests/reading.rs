@@ -39,7 +39,9 @@ fn every_joint_has_an_index_and_every_parameter_its_name() {
 #[test]
 fn only_bodies_behind_the_traits_are_forced_inline() {
     assert!(!OP2.lines().any(|line| line == "#[inline(always)]"));
-    assert_eq!(OP2.matches("\n#[inline]\npub fn ").count(), 14);
+    let functions = OP2.matches("\npub fn ").count();
+    assert!(functions > 0);
+    assert_eq!(OP2.matches("\n#[inline]\npub fn ").count(), functions);
 }
 
 #[test]

@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 /// use sesc_model::Information;
 ///
 /// // A row of the prior, 1 ± 0.5, and a reading of the sum, ± 0.1.
-/// let rows = nalgebra::dmatrix![2.0, 0.0; 10.0, 10.0];
+/// let rows = nalgebra::DMatrix::from_row_slice(2, 2, &[2.0, 0.0, 10.0, 10.0]);
 /// let information = Information::of(&rows);
 /// let found = information.deviations();
 /// assert!((found[0].unwrap() - 0.5).abs() < 1e-15);
