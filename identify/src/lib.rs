@@ -3,7 +3,7 @@
 //! Data walks one way:
 //!
 //! ```text
-//! logs → observations → lsq → fit → plan → diagnose
+//! logs → observations → health → lsq → fit → plan → diagnose
 //! ```
 
 #![forbid(unsafe_code)]
@@ -13,6 +13,7 @@ pub mod diagnose;
 mod error;
 pub mod evaluate;
 pub mod fit;
+pub mod health;
 pub mod logs;
 pub mod lsq;
 pub mod observations;

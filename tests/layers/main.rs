@@ -64,6 +64,7 @@ const ROOMS: [(&str, &[&str]); 4] = [
             "simulate",
             "predict",
             "observations",
+            "health",
             "lsq",
             "fit",
             "plan",

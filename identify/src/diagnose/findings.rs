@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::held_out::HeldOut;
 use super::problem::Fit;
+use crate::health::Finding;
 use crate::observations::noise::NoiseSource;
 
 /// What a diagnosis comes to.
@@ -37,18 +38,6 @@ pub struct Samples {
     pub correlation_s: f64,
     /// The log has no times: rows are taken as independent.
     pub assumed: bool,
-}
-
-/// What is wrong with the data themselves.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct HealthFinding {
-    /// `cop_constant`, `cop_axis_dead`, `other_foot`, `frame_turned`, `rows_shuffled` (with
-    /// these nothing can be done), `encoder_stuck`.
-    pub kind: &'static str,
-    /// The axis, link or joint; `-` for the whole log.
-    pub target: String,
-    /// What was seen and what to do.
-    pub sentence: String,
 }
 
 /// How far readings are from predictions, m.
@@ -251,7 +240,7 @@ pub struct Diagnosis {
     /// What the diagnosis comes to.
     pub verdict: Verdict,
     /// What is wrong with the data themselves.
-    pub health: Vec<HealthFinding>,
+    pub health: Vec<Finding>,
     /// How much the log is worth.
     pub samples: Samples,
     /// The whole result in sentences.
@@ -332,7 +321,7 @@ pub(crate) struct About<'a> {
     pub log: &'a str,
     pub prior: String,
     /// What is wrong with the data themselves.
-    pub health: Vec<HealthFinding>,
+    pub health: Vec<Finding>,
     /// Whether effects can be looked for in them.
     pub usable: bool,
 }

@@ -14,7 +14,6 @@ mod dictionary;
 mod experiment;
 pub mod findings;
 mod further_logs;
-mod health;
 mod held_out;
 mod hypothesis;
 mod leftover;
@@ -38,4 +37,4 @@ mod wiring;
 pub mod words;
 
 pub use findings::{Diagnosis, Verdict};
-pub use request::{NextLog, Report, Request, diagnose};
+pub use request::{FLOOR_M, NextLog, Report, Request, diagnose};

@@ -22,8 +22,9 @@ use super::next_postures::{self, Next};
 use super::problem::Problem;
 use super::remedy::{self, Servo};
 use super::view::DiagnosisView;
-use super::{diagnosis, experiment, health, model_check, samples, verdict};
+use super::{diagnosis, experiment, model_check, samples, verdict};
 use crate::fit::prior::{Prior, PriorChoice};
+use crate::health;
 use crate::logs::{Angles, LogSource, Options, PostureWriter, Readings, Row, Sidecar, Written};
 use crate::observations::postures::{Postures, Taking};
 use crate::robot::Robot;
@@ -224,8 +225,8 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
             .collect::<Vec<_>>()
             .join(" + "),
         prior: prior.sentence(),
+        usable: health.is_usable(),
         health: health.findings,
-        usable: health.usable,
     };
     let mut found = diagnosis::find(&mut problem, &further, &about, watch)?;
     let mut correlation = samples::correlation(&problem, &found.best);

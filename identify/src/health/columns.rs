@@ -1,0 +1,55 @@
+//! Columns of the CoP that show nothing.
+
+use super::criteria::{CONSTANT_M, EXCHANGED, MUST_MOVE, SILENT, UNRELATED};
+use super::statistics::{axis, correlation, noise, scatter};
+use super::wirings::Wirings;
+use super::{Finding, Kind, Look};
+use crate::observations::postures::rms;
+
+/// Axes of the sensor that do not move where CAD moves them, whatever the wiring.
+pub(super) fn dead_axes(look: &Look, wirings: &Wirings) -> Option<Finding> {
+    let dead: Vec<usize> = (0..2).filter(|&k| is_dead(look, wirings, k)).collect();
+    let millimetres = |k: usize| 1e3 * scatter(&axis(&look.predicted, k));
+    let name = |k: usize| ["x", "y"][k];
+    match dead[..] {
+        [] => None,
+        [k] => Some(Finding::new(
+            Kind::CopAxisDead,
+            name(k),
+            format!(
+                "cop_{} does not move with the robot, where CAD moves it by {:.1} mm RMS: check \
+                 the sensor's wiring and the column.",
+                name(k),
+                millimetres(k)
+            ),
+        )),
+        _ => Some(Finding::new(
+            Kind::CopConstant,
+            "-",
+            format!(
+                "The CoP does not move with the robot, where CAD moves it by {:.1} mm RMS: check \
+                 that the sensor is on and that its topic is the right one.",
+                rms([millimetres(0), millimetres(1)].into_iter())
+            ),
+        )),
+    }
+}
+
+fn is_dead(look: &Look, wirings: &Wirings, k: usize) -> bool {
+    let data = look.data;
+    if data.len() < 3 {
+        return false;
+    }
+    let [read, other] = [k, 1 - k].map(|k| axis(&data.reading, k));
+    let [cad, across] = [k, 1 - k].map(|k| axis(&look.predicted, k));
+    let noise = noise(data, k);
+    let constant = scatter(&read) < CONSTANT_M;
+    let silent = scatter(&read) < SILENT * noise && correlation(&read, &cad).abs() < UNRELATED;
+    let least = if constant { noise } else { MUST_MOVE * noise };
+    if !(constant || silent) || scatter(&cad) <= least {
+        return false;
+    }
+    // Where the axes are exchanged, this one shows what CAD says of the other.
+    let exchanged = scatter(&across) <= least && correlation(&other, &cad).abs() > EXCHANGED;
+    !exchanged && wirings.least_scatter(k) > least
+}

@@ -1,0 +1,158 @@
+//! Encoders that do not move though their joint does.
+//!
+//! ```text
+//! y_k = p(q_k + δ_k e_j) + noise        one unknown δ_k a posture, for the joint j
+//! ```
+//!
+//! A joint that really stands still is no finding: the readings must be explained by its
+//! motion, within its limits, and by no wiring, offset or scale.
+
+use sesc_model::{Function, Model};
+
+use super::criteria::{
+    ANYWHERE, KNOWN, LEAST_MOTION, SIMPLE_SHARE, STILL, STUCK_CHI2, STUCK_LEFT, STUCK_NOISE,
+    STUCK_SHARE,
+};
+use super::statistics::{gap, scatter};
+use super::wirings::Wirings;
+use super::{Finding, Kind, Look};
+use crate::evaluate::Evaluator;
+use crate::observations::postures::Postures;
+
+/// Rounds of the search for where the joint is, and its largest step, rad or m.
+const ROUNDS: usize = 8;
+const LARGEST_STEP: f64 = 0.3;
+
+/// A stuck encoder, and how well each reading is known without it, m.
+pub(super) struct Stuck {
+    pub finding: Finding,
+    pub std: Vec<f64>,
+}
+
+/// A joint that does not move in the log though the CoP says that it does.
+pub(super) fn stuck(look: &Look, wirings: &Wirings) -> Option<Stuck> {
+    let (model, data, predicted) = (look.model, look.data, &look.predicted);
+    let (n, dof) = (data.len(), model.dof());
+    let whitened = |row: usize| (data.reading[row] - predicted[row]) / data.std[row];
+    let total: f64 = (0..2 * n).map(|row| whitened(row).powi(2)).sum();
+    if total < STUCK_CHI2 * (2 * n) as f64 || n < 3 {
+        return None;
+    }
+    let still = |joint: &usize| {
+        let column = (0..n).map(|k| data.q[k * dof + joint]);
+        let (low, high) = column.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
+            (a.min(x), b.max(x))
+        });
+        high - low < STILL
+    };
+    // Where another effect is the cause, the joint would hardly have to move, or too far.
+    let believable = |moved: &Moved| {
+        let dof_of = &model.tree.dofs[moved.joint];
+        let range = (dof_of.upper - dof_of.lower).max(1e-6);
+        let within = |k: &usize| {
+            let at = data.q[k * dof + moved.joint] + moved.far[*k];
+            (dof_of.lower - 0.1 * range..=dof_of.upper + 0.1 * range).contains(&at)
+        };
+        let inside = (0..n).filter(within).count();
+        let least = if dof_of.prismatic {
+            LEAST_MOTION.1
+        } else {
+            LEAST_MOTION.0
+        };
+        scatter(&moved.far) > least && inside as f64 >= STUCK_SHARE * n as f64
+    };
+    let joints = (0..dof).filter(still);
+    let moved = joints.map(|joint| Moved::of(model, data, joint));
+    let best = moved
+        .filter(believable)
+        .min_by(|a, b| a.left.total_cmp(&b.left))?;
+    let least_left = (STUCK_LEFT * total).max(STUCK_NOISE * n as f64);
+    if best.left > least_left {
+        return None;
+    }
+    let here = gap(data, predicted.iter().copied());
+    if wirings.left([0, 1]) < KNOWN * here {
+        return None;
+    }
+    let (joint, most) = (best.joint, total - best.left);
+    let slopes = Evaluator::new(model, Function::ComJacobian).run(&data.q, n);
+    let slope = |k: usize, axis: usize, joint: usize| slopes[(3 * k + axis) * dof + joint];
+    // One offset or scale for all postures is simpler than one unknown for each.
+    let by_one = |joint: usize, scale: bool| {
+        let column = |row: usize| {
+            let by = if scale {
+                data.q[row / 2 * dof + joint]
+            } else {
+                1.0
+            };
+            by * slope(row / 2, row % 2, joint) / data.std[row]
+        };
+        let along: f64 = (0..2 * n).map(|row| column(row) * whitened(row)).sum();
+        let size: f64 = (0..2 * n).map(|row| column(row).powi(2)).sum();
+        along * along / size.max(1e-30)
+    };
+    let simple = (0..dof).flat_map(|joint| [by_one(joint, false), by_one(joint, true)]);
+    if simple.fold(0.0, f64::max) > SIMPLE_SHARE * total {
+        return None;
+    }
+    let dof_of = &model.tree.dofs[joint];
+    let anywhere = if dof_of.prismatic {
+        ANYWHERE.1
+    } else {
+        ANYWHERE.0
+    };
+    let std: Vec<f64> = (0..2 * n)
+        .map(|row| data.std[row].hypot(anywhere * slope(row / 2, row % 2, joint)))
+        .collect();
+    let finding = Finding::new(
+        Kind::EncoderStuck,
+        &dof_of.joint,
+        format!(
+            "The encoder of {} does not move and the CoP does as if the joint did ({:.0} % of \
+             the gap): check its cable; readings count only for what its joint cannot move.",
+            dof_of.joint,
+            100.0 * most / total
+        ),
+    );
+    Some(Stuck { finding, std })
+}
+
+/// The postures with one joint moved to where the readings are explained best.
+struct Moved {
+    joint: usize,
+    /// Posture by posture, rad or m.
+    far: Vec<f64>,
+    /// χ² that is left.
+    left: f64,
+}
+
+impl Moved {
+    /// One unknown a posture, by Gauss and Newton.
+    fn of(model: &Model, data: &Postures, joint: usize) -> Moved {
+        let (n, dof) = (data.len(), model.dof());
+        let (cop, slopes) = (
+            Evaluator::new(model, Function::Cop),
+            Evaluator::new(model, Function::ComJacobian),
+        );
+        let mut q = data.q.clone();
+        let mut far = vec![0.0; n];
+        let mut left = f64::INFINITY;
+        for round in 0..=ROUNDS {
+            let (at, by) = (cop.run(&q, n), slopes.run(&q, n));
+            let gap = |row: usize| (data.reading[row] - at[row]) / data.std[row];
+            left = (0..2 * n).map(|row| gap(row).powi(2)).sum();
+            if round == ROUNDS {
+                break;
+            }
+            for k in 0..n {
+                let s =
+                    [0, 1].map(|axis| by[(3 * k + axis) * dof + joint] / data.std[2 * k + axis]);
+                let along = s[0] * gap(2 * k) + s[1] * gap(2 * k + 1);
+                let step = along / (s[0] * s[0] + s[1] * s[1]).max(1e-30);
+                far[k] += step.clamp(-LARGEST_STEP, LARGEST_STEP);
+                q[k * dof + joint] = data.q[k * dof + joint] + far[k];
+            }
+        }
+        Moved { joint, far, left }
+    }
+}

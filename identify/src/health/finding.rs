@@ -1,0 +1,74 @@
+//! What is said of data: kinds, targets, sentences.
+
+use serde::{Serialize, Serializer};
+
+/// What is wrong with data.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Kind {
+    /// The CoP does not move on either axis.
+    CopConstant,
+    /// The CoP does not move on one axis, `x` or `y`.
+    CopAxisDead,
+    /// The readings are of another link, the target.
+    OtherFoot,
+    /// The z axis of the support frame is not the normal of the sole.
+    FrameTurned,
+    /// Rows of the CoP and of the joints do not belong together.
+    RowsShuffled,
+    /// The encoder of a joint, the target, does not move, and the joint does.
+    EncoderStuck,
+}
+
+impl Kind {
+    /// As in JSON.
+    pub fn name(self) -> &'static str {
+        match self {
+            Kind::CopConstant => "cop_constant",
+            Kind::CopAxisDead => "cop_axis_dead",
+            Kind::OtherFoot => "other_foot",
+            Kind::FrameTurned => "frame_turned",
+            Kind::RowsShuffled => "rows_shuffled",
+            Kind::EncoderStuck => "encoder_stuck",
+        }
+    }
+
+    /// Whether nothing can be done with such data.
+    pub fn makes_unusable(self) -> bool {
+        match self {
+            Kind::CopConstant
+            | Kind::CopAxisDead
+            | Kind::OtherFoot
+            | Kind::FrameTurned
+            | Kind::RowsShuffled => true,
+            Kind::EncoderStuck => false,
+        }
+    }
+}
+
+impl Serialize for Kind {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
+/// One thing that is wrong with the data themselves.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Finding {
+    /// What it is.
+    pub kind: Kind,
+    /// The axis, link or joint; `-` for the whole log.
+    pub target: String,
+    /// What was seen and what to do.
+    pub sentence: String,
+}
+
+impl Finding {
+    pub(super) fn new(kind: Kind, target: &str, sentence: String) -> Finding {
+        Finding {
+            kind,
+            target: target.to_string(),
+            sentence,
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! Readings of another frame than the log says.
+//!
+//! ```text
+//! p_link(q) ≈ y        or        (R CoM(q))_xy ≈ y,  R e_z ≠ ± e_z by right angles
+//! ```
+
+use nalgebra::Matrix3;
+
+use super::criteria::{BETTER, FAR_M, FEET, FITS};
+use super::statistics::gap;
+use super::wirings::Wirings;
+use super::{Finding, Kind, Look};
+use crate::evaluate::Evaluator;
+use crate::robot::Robot;
+use sesc_model::{Function, Model};
+
+/// Another link, or other axes of this one, that the readings fit.
+pub(super) fn wrong(look: &Look, wirings: &Wirings) -> Option<Finding> {
+    let here = gap(look.data, look.predicted.iter().copied());
+    if here < FAR_M {
+        return None;
+    }
+    let foot = other_foot(look);
+    let (turned, axes) = turned(look);
+    let tree = &look.model.tree;
+    let support = &tree.links[tree.support].name;
+    let better = |there: f64| wirings.left([0, 1]) < BETTER * there;
+    match foot {
+        Some((there, link, model)) if there < FITS * here && there <= turned => {
+            let known = better(wirings.left_on(&model));
+            (!known).then(|| on_other_foot(support, here, &link, there))
+        }
+        _ if turned < FITS * here => {
+            let known = better(wirings.left(axes));
+            (!known).then(|| in_turned_frame(support, here, turned))
+        }
+        _ => None,
+    }
+}
+
+fn on_other_foot(support: &str, here: f64, link: &str, there: f64) -> Finding {
+    Finding::new(
+        Kind::OtherFoot,
+        link,
+        format!(
+            "The readings are {:.0} mm off on `{support}` and {:.1} mm on `{link}`: the robot \
+             stood on `{link}`; give that support.",
+            1e3 * here,
+            1e3 * there
+        ),
+    )
+}
+
+fn in_turned_frame(support: &str, here: f64, turned: f64) -> Finding {
+    Finding::new(
+        Kind::FrameTurned,
+        support,
+        format!(
+            "The readings are {:.0} mm off in the frame of `{support}` and {:.1} mm where \
+             another of its axes points up: its z axis is not the normal of the sole; give a \
+             sole link as support.",
+            1e3 * here,
+            1e3 * turned
+        ),
+    )
+}
+
+/// Another link that carries no joint, which the readings fit best, and the gap on it, m.
+fn other_foot(look: &Look) -> Option<(f64, String, Model)> {
+    let tree = &look.model.tree;
+    let support = &tree.links[tree.support].name;
+    let leaves = leaf_links(look.robot)
+        .into_iter()
+        .filter(|link| link != support);
+    let on = |link: String| {
+        let model = look.robot.model(&link, look.snapping, None).ok()?;
+        let cop = Evaluator::new(&model, Function::Cop).run(&look.data.q, look.data.len());
+        Some((gap(look.data, cop.into_iter()), link, model))
+    };
+    let feet = leaves.take(FEET).filter_map(on);
+    feet.min_by(|a, b| a.0.total_cmp(&b.0))
+}
+
+/// Links that carry no joint: feet, hands, the head.
+fn leaf_links(robot: &Robot) -> Vec<String> {
+    let description = &robot.description;
+    let carries = |link: &str| description.joints.iter().any(|joint| joint.parent == link);
+    let links = description.links.iter().map(|link| link.name.clone());
+    links.filter(|link| !carries(link)).collect()
+}
+
+/// The least gap in a frame that is turned by right angles, m, and the axes that lie in the
+/// sole then.
+fn turned(look: &Look) -> (f64, [usize; 2]) {
+    let frames = axes_with_another_up().into_iter().map(|(axes, flat)| {
+        let row = |c: &[f64], k: usize| -> f64 { (0..3).map(|m| axes[(k, m)] * c[m]).sum() };
+        let com = look.com.chunks_exact(3);
+        let cop = com.flat_map(|c| [row(c, 0), row(c, 1)]);
+        (gap(look.data, cop), flat)
+    });
+    let nothing = (f64::INFINITY, [0, 1]);
+    frames.fold(nothing, |best, own| if own.0 < best.0 { own } else { best })
+}
+
+/// Rotations by right angles after which another axis than z is vertical, and the axes that
+/// lie in the plane then.
+fn axes_with_another_up() -> Vec<(Matrix3<f64>, [usize; 2])> {
+    let mut found = Vec::new();
+    for (x, y, z) in [(0, 2, 1), (1, 2, 0), (2, 0, 1), (2, 1, 0)] {
+        for signs in 0..8 {
+            let sign = |bit: usize| if signs >> bit & 1 == 0 { 1.0 } else { -1.0 };
+            let mut axes = Matrix3::zeros();
+            axes[(0, x)] = sign(0);
+            axes[(1, y)] = sign(1);
+            axes[(2, z)] = sign(2);
+            if axes.determinant() > 0.0 {
+                found.push((axes, [x, y]));
+            }
+        }
+    }
+    found
+}

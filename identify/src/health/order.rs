@@ -1,0 +1,28 @@
+//! Readings of other postures than those they stand beside.
+
+use super::criteria::{ALIKE, ENOUGH, MUST_MOVE};
+use super::statistics::{axis, mean, noise, scatter};
+use super::wirings::Wirings;
+use super::{Finding, Kind, Look};
+
+/// Readings that scatter as CAD says and go with no posture, whatever the wiring.
+pub(super) fn shuffled(look: &Look, wirings: &Wirings) -> Option<Finding> {
+    let data = look.data;
+    let as_cad = (0..2).all(|k| {
+        let (read, cad) = (axis(&data.reading, k), axis(&look.predicted, k));
+        let ratio = scatter(&read) / scatter(&cad);
+        let near = (mean(&read) - mean(&cad)).abs() < scatter(&cad);
+        let moves = scatter(&cad) > MUST_MOVE * noise(data, k);
+        (ALIKE.0..ALIKE.1).contains(&ratio) && near && moves
+    });
+    let broken = data.len() >= ENOUGH && as_cad && !wirings.relate();
+    broken.then(|| {
+        Finding::new(
+            Kind::RowsShuffled,
+            "-",
+            "Readings scatter as CAD says and go with no posture: rows of the CoP and of the \
+             joints do not belong together; check how they were joined."
+                .to_string(),
+        )
+    })
+}

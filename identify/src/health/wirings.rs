@@ -1,0 +1,147 @@
+//! What CAD says under every wiring that the effects know.
+//!
+//! ```text
+//! φ = q;  q π/180;  −q_j;  q_a ↔ q_b;  and each of the latter in degrees
+//! y ≈ c + A p(φ)        offset, gain, rotation, signs and exchange of the axes
+//! ```
+//!
+//! A finding that makes data unusable holds under all of them: where one explains the
+//! readings, naming it is the work of a diagnosis. Up to [`MOST`] postures, evenly chosen,
+//! are looked at, and only once a finding is at hand.
+
+use std::cell::OnceCell;
+
+use sesc_model::effects::{self, Catalog, EffectContext, Instance, Stage};
+use sesc_model::tape::{Tape, Values};
+use sesc_model::{Function, Model};
+
+use super::criteria::CHANCE;
+use super::statistics::{axis, left_by_plane, scatter};
+use crate::evaluate::{Evaluator, FASTEST};
+use crate::observations::postures::Postures;
+
+/// Postures that are looked at, at most.
+const MOST: usize = 300;
+
+/// Joint positions of some postures under every wiring.
+pub(super) struct Wirings<'a> {
+    model: &'a Model,
+    /// Which postures.
+    chosen: Vec<usize>,
+    /// Their joint positions as logged, and their readings.
+    q: Vec<f64>,
+    reading: Vec<f64>,
+    wired: OnceCell<Vec<Vec<f64>>>,
+    com: OnceCell<Vec<Vec<f64>>>,
+}
+
+impl<'a> Wirings<'a> {
+    pub fn new(model: &'a Model, data: &Postures) -> Wirings<'a> {
+        let (n, dof) = (data.len(), model.dof());
+        let chosen: Vec<usize> = (0..n).step_by(n.div_ceil(MOST).max(1)).collect();
+        let rows = |values: &[f64], width: usize| -> Vec<f64> {
+            let of = |&k: &usize| values[k * width..(k + 1) * width].to_vec();
+            chosen.iter().flat_map(of).collect()
+        };
+        Wirings {
+            model,
+            q: rows(&data.q, dof),
+            reading: rows(&data.reading, 2),
+            chosen,
+            wired: OnceCell::new(),
+            com: OnceCell::new(),
+        }
+    }
+
+    /// Joint positions under each wiring, that of the log first.
+    fn wired(&self) -> &[Vec<f64>] {
+        self.wired.get_or_init(|| {
+            let context = EffectContext::new(self.model, &[], false, Catalog::standard());
+            let all = effects::instances(&context).into_iter();
+            let wiring = |i: &Instance| i.effect.stage() == Stage::Wiring;
+            let faults: Vec<Instance> = all.filter(wiring).collect();
+            let under = |faults: &[Instance], q: &[f64]| -> Vec<f64> {
+                let tape = Tape::new(&effects::wired_joints(&context, faults));
+                let mut out = vec![0.0; q.len()];
+                let postures = self.chosen.len();
+                tape.run(&[Values::PerPosture(q)], postures, &mut out, FASTEST);
+                out
+            };
+            let of_all = faults.iter().filter(|i| i.effect.id().name() == "units");
+            let mut units = vec![self.q.clone()];
+            for unit in of_all {
+                let q = under(std::slice::from_ref(unit), &self.q);
+                if !units.contains(&q) {
+                    units.push(q);
+                }
+            }
+            let mut wired = units.clone();
+            for fault in faults.iter().filter(|i| i.effect.id().name() != "units") {
+                wired.extend(units.iter().map(|q| under(std::slice::from_ref(fault), q)));
+            }
+            wired
+        })
+    }
+
+    fn com_of(&self, model: &Model) -> Vec<Vec<f64>> {
+        let com = Evaluator::new(model, Function::Com).fastest();
+        let of = |q: &Vec<f64>| com.run(q, self.chosen.len());
+        self.wired().iter().map(of).collect()
+    }
+
+    /// CoM under each wiring, on the log's support.
+    fn com(&self) -> &[Vec<f64>] {
+        self.com.get_or_init(|| self.com_of(self.model))
+    }
+
+    /// Least scatter of one axis of the CoP under any wiring, m.
+    pub fn least_scatter(&self, k: usize) -> f64 {
+        let of = |com: &Vec<f64>| scatter(&column(com, k));
+        self.com().iter().map(of).fold(f64::INFINITY, f64::min)
+    }
+
+    /// What the best wiring leaves of the readings, m RMS, where the sensor may be offset,
+    /// scaled, rotated and mirrored; axes `axes` of the CoM are those of the sole.
+    pub fn left(&self, axes: [usize; 2]) -> f64 {
+        self.least_left(self.com(), axes)
+    }
+
+    /// The same on another support.
+    pub fn left_on(&self, model: &Model) -> f64 {
+        self.least_left(&self.com_of(model), [0, 1])
+    }
+
+    fn least_left(&self, com: &[Vec<f64>], axes: [usize; 2]) -> f64 {
+        let both = |com: &Vec<f64>| {
+            let [x, y] = axes.map(|k| column(com, k));
+            let left = |k| left_by_plane(&axis(&self.reading, k), [&x, &y]);
+            f64::hypot(left(0), left(1)) / f64::sqrt(2.0)
+        };
+        com.iter().map(both).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Whether some axis of the readings goes with the postures under some wiring by more
+    /// than chance does in one of [`CHANCE`] logs, be the sensor's zero and axes what they may.
+    ///
+    /// ```text
+    /// R² of noise on 2 columns:    P(R² > x) = (1 − x)^((n − 3)/2)
+    /// ```
+    pub fn relate(&self) -> bool {
+        let wirings = self.com();
+        let tests = 2.0 * wirings.len() as f64;
+        let free = (self.chosen.len() as f64 - 3.0).max(1.0);
+        let kept = (-2.0 * (CHANCE * tests).ln() / free).exp();
+        wirings.iter().any(|com| {
+            let (x, y) = (column(com, 0), column(com, 1));
+            (0..2).any(|k| {
+                let read = axis(&self.reading, k);
+                let left = left_by_plane(&read, [&x, &y]);
+                left * left < kept * scatter(&read).powi(2)
+            })
+        })
+    }
+}
+
+fn column(com: &[f64], k: usize) -> Vec<f64> {
+    com.iter().skip(k).step_by(3).copied().collect()
+}
