@@ -3,7 +3,6 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::DMatrix;
 use serde::Serialize;
 use sesc_model::base::{Column, Unobservable};
 use sesc_model::bounds::Precision;
@@ -172,7 +171,7 @@ fn bodies(model: &Model) -> Vec<Body> {
         joint: body.joint.clone(),
         parent: body.parent.map(|p| chain.bodies[p].name.clone()),
         orientation: chain.orientation_product(i),
-        r: body.r.into(),
+        r: body.r(),
         s: body.s,
         mass_kg: body.mass,
         links: body
@@ -191,10 +190,7 @@ pub fn numeric_rank(model: &Model) -> Rank {
         let count = 4 * params / rows + 30;
         let q = numeric::wide_postures(&model.chain, &model.tree.dofs, count).concat();
         let values = Evaluator::new(model, function).run(&q, count);
-        numeric::rank(
-            &DMatrix::from_row_slice(rows * count, params, &values),
-            RANK_TOLERANCE,
-        )
+        numeric::rank(&values, params, RANK_TOLERANCE)
     };
     Rank {
         xyz: rank(Function::Regressor, 3),

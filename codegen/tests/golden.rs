@@ -19,7 +19,7 @@ fn chain_text(model: &Model) -> String {
     for (i, body) in model.chain.bodies.iter().enumerate() {
         let orientation = model.chain.orientation_product(i);
         let _ = writeln!(text, "B[{}] = {orientation}", body.name);
-        let _ = writeln!(text, "r[{}] = {:?}", body.name, body.r.as_slice());
+        let _ = writeln!(text, "r[{}] = {:?}", body.name, body.r());
         if let Some(s) = body.s {
             let _ = writeln!(text, "s[{}] = {s:?}", body.name);
         }

@@ -12,7 +12,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::tree::{Coordinate, Motion, Tree};
+use crate::tree::{Axis, Coordinate, Motion, Tree};
 
 /// A group of links that moves as one.
 #[derive(Debug, Clone)]
@@ -30,19 +30,41 @@ pub struct Body {
     /// in the parent body, one of [`Motion::Revolute`] in the body itself.
     pub motion: Motion,
     /// Orientation in the parent body at θ = 0.
-    pub rotation: Matrix3<f64>,
+    pub(crate) rotation: Matrix3<f64>,
     /// The joint's point d in the parent body, m.
-    pub anchor: Vector3<f64>,
+    pub(crate) anchor: Vector3<f64>,
     /// Its own mass, kg.
     pub mass: f64,
     /// Mass of this body and everything beyond, kg.
     pub carried: f64,
     /// CAD value of r_i in the body frame, m.
-    pub r: Vector3<f64>,
+    pub(crate) r: Vector3<f64>,
     /// CAD value of s_i, for a body on a prismatic joint.
     pub s: Option<f64>,
     /// Column of r_i in the full regressor (s_i follows at +3).
     pub column: usize,
+}
+
+impl Body {
+    /// Orientation in the parent body at θ = 0, row by row.
+    pub fn rotation(&self) -> [[f64; 3]; 3] {
+        rows(&self.rotation)
+    }
+
+    /// CAD value of r_i in the body frame, m.
+    pub fn r(&self) -> [f64; 3] {
+        self.r.into()
+    }
+
+    /// The joint's point d in the parent body, m.
+    pub fn anchor(&self) -> [f64; 3] {
+        self.anchor.into()
+    }
+}
+
+/// The rows of a matrix.
+fn rows(matrix: &Matrix3<f64>) -> [[f64; 3]; 3] {
+    matrix.transpose().into()
 }
 
 /// Where a link sits in its body.
@@ -51,9 +73,21 @@ pub struct Place {
     /// Index of the body.
     pub body: usize,
     /// Orientation of the link in the body frame.
-    pub orientation: Matrix3<f64>,
+    pub(crate) orientation: Matrix3<f64>,
     /// Origin of the link in the body frame, m.
-    pub origin: Vector3<f64>,
+    pub(crate) origin: Vector3<f64>,
+}
+
+impl Place {
+    /// Orientation of the link in the body frame, row by row.
+    pub fn orientation(&self) -> [[f64; 3]; 3] {
+        rows(&self.orientation)
+    }
+
+    /// Origin of the link in the body frame, m.
+    pub fn origin(&self) -> [f64; 3] {
+        self.origin.into()
+    }
 }
 
 /// Bodies in preorder of the re-rooted tree: parents come first.
@@ -104,8 +138,11 @@ pub fn expand(tree: &Tree) -> Chain {
             Motion::Fixed => place(body, rotation, anchor - rotation * edge.offset),
             motion => {
                 let motion = match motion {
-                    Motion::Prismatic { axis, by } => Motion::Prismatic {
-                        axis: (orientation * axis).map(crate::snap::tidy),
+                    Motion::Prismatic {
+                        axis: Axis(axis),
+                        by,
+                    } => Motion::Prismatic {
+                        axis: Axis((orientation * axis).map(crate::snap::tidy)),
                         by,
                     },
                     other => other,
@@ -199,7 +236,11 @@ impl Chain {
         let mut at = Some(body);
         while let Some(i) = at {
             let body = &self.bodies[i];
-            if let Motion::Revolute { axis, by } = body.motion {
+            if let Motion::Revolute {
+                axis: Axis(axis),
+                by,
+            } = body.motion
+            {
                 factors.push(rotation(&axis, &self.dofs[by.dof], &by));
             }
             let tilt = (body.rotation - Matrix3::identity()).norm();

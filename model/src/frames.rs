@@ -20,7 +20,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::chain::Chain;
 use crate::snap::{self, tidy};
-use crate::tree::{Coordinate, Motion};
+use crate::tree::{Axis, Coordinate, Motion};
 
 /// A constant orthogonal map between canonical frames, by its cheapest form.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,7 +61,7 @@ pub struct Rotation {
 #[derive(Debug, Clone)]
 pub struct Frame {
     /// Columns: canonical axes in the body frame; the third is ± the joint axis.
-    pub axes: Matrix3<f64>,
+    pub(crate) axes: Matrix3<f64>,
     /// For bodies on a revolute joint.
     pub rotation: Option<Rotation>,
 }
@@ -72,7 +72,13 @@ pub fn choose(chain: &Chain) -> Vec<Frame> {
     let mut frames: Vec<Frame> = Vec::with_capacity(chain.bodies.len());
     for (i, body) in chain.bodies.iter().enumerate() {
         let frame = match (body.motion, body.parent) {
-            (Motion::Revolute { axis, by }, Some(parent)) => {
+            (
+                Motion::Revolute {
+                    axis: Axis(axis),
+                    by,
+                },
+                Some(parent),
+            ) => {
                 let carried = revolute_children(chain, &children, i);
                 revolute_frame(&frames[parent].axes, &body.rotation, &axis, by, &carried)
             }
@@ -110,7 +116,9 @@ fn revolute_children(chain: &Chain, children: &[Vec<usize>], i: usize) -> Vec<Ca
         let body = &chain.bodies[k];
         let rotation = outer * body.rotation;
         match body.motion {
-            Motion::Revolute { axis, .. } => found.push(Carried {
+            Motion::Revolute {
+                axis: Axis(axis), ..
+            } => found.push(Carried {
                 axis: (rotation * axis).map(tidy),
                 leaf: children[k].is_empty(),
             }),
@@ -260,7 +268,7 @@ fn cost(z: &Vector3<f64>, leaf: bool) -> u32 {
 
 impl Twist {
     /// All nine entries.
-    pub fn matrix(&self) -> Matrix3<f64> {
+    pub(crate) fn matrix(&self) -> Matrix3<f64> {
         match self {
             Twist::Sparse(matrix) => *matrix,
             Twist::Reflection { u, k } => Matrix3::identity() - u * u.transpose() * *k,

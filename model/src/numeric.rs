@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, Matrix3, Vector3};
 
 use crate::chain::Chain;
 use crate::snap;
-use crate::tree::{Coordinate, Dof, Motion};
+use crate::tree::{Axis, Coordinate, Dof, Motion};
 
 /// Value of a coordinate in posture `q`.
 fn at(by: &Coordinate, q: &[f64]) -> f64 {
@@ -20,7 +20,10 @@ pub(crate) fn orientations(chain: &Chain, q: &[f64]) -> Vec<Matrix3<f64>> {
     for body in &chain.bodies {
         let parent = body.parent.map_or_else(Matrix3::identity, |p| b[p]);
         let local = match body.motion {
-            Motion::Revolute { axis, by } => body.rotation * snap::about(&axis, at(&by, q)),
+            Motion::Revolute {
+                axis: Axis(axis),
+                by,
+            } => body.rotation * snap::about(&axis, at(&by, q)),
             _ => body.rotation,
         };
         b.push(parent * local);
@@ -29,12 +32,19 @@ pub(crate) fn orientations(chain: &Chain, q: &[f64]) -> Vec<Matrix3<f64>> {
 }
 
 /// The full regressor at `q`: CoM = matrix · full parameters. 3 × full_params.
-pub fn full_regressor(chain: &Chain, q: &[f64]) -> DMatrix<f64> {
+pub(crate) fn full_regressor(chain: &Chain, q: &[f64]) -> DMatrix<f64> {
     let b = orientations(chain, q);
     let mut rows = DMatrix::zeros(3, chain.full_params);
     for (i, body) in chain.bodies.iter().enumerate() {
         rows.fixed_view_mut::<3, 3>(0, body.column).copy_from(&b[i]);
-        if let (Motion::Prismatic { axis, by }, Some(parent)) = (body.motion, body.parent) {
+        if let (
+            Motion::Prismatic {
+                axis: Axis(axis),
+                by,
+            },
+            Some(parent),
+        ) = (body.motion, body.parent)
+        {
             let along: Vector3<f64> = b[parent] * axis * at(&by, q);
             rows.fixed_view_mut::<3, 1>(0, body.column + 3)
                 .copy_from(&along);
@@ -104,12 +114,14 @@ fn primes() -> impl Iterator<Item = usize> {
     (2..).filter(|&n: &usize| (2..).take_while(|d| d * d <= n).all(|d| n % d != 0))
 }
 
-/// Numeric rank of `rows` by QR with column pivoting, relative to the largest pivot.
-pub fn rank(rows: &DMatrix<f64>, tolerance: f64) -> usize {
-    if rows.ncols() == 0 || rows.nrows() == 0 {
+/// Numeric rank of a matrix of `columns` columns, given row by row, by QR with column
+/// pivoting, relative to the largest pivot.
+pub fn rank(rows: &[f64], columns: usize, tolerance: f64) -> usize {
+    let rows = DMatrix::from_row_slice(rows.len() / columns.max(1), columns, rows);
+    if rows.is_empty() {
         return 0;
     }
-    let r = rows.clone().col_piv_qr().unpack_r();
+    let r = rows.col_piv_qr().unpack_r();
     let largest = r[(0, 0)].abs();
     (0..r.nrows().min(r.ncols()))
         .filter(|&k| r[(k, k)].abs() > tolerance * largest)

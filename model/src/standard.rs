@@ -8,13 +8,16 @@
 //! linear in θ by lengths of the URDF alone, so tolerances of CAD carry over to
 //! them, and parameters seen from two supports are affine in each other.
 
-use nalgebra::{DMatrix, DMatrixViewMut, DVector};
+#[cfg(feature = "nalgebra")]
+use nalgebra::DVector;
+use nalgebra::{DMatrix, DMatrixViewMut};
 
 use crate::robot::Robot;
 
 /// Entries of θ per link: mass fraction, then first moment x, y, z.
 pub const PER_LINK: usize = 4;
 
+#[cfg(feature = "nalgebra")]
 impl Robot {
     /// W: base parameters × 4 per link of [`crate::tree::Tree::links`].
     ///
@@ -63,6 +66,39 @@ impl Robot {
 
     /// The four columns of W that belong to one link.
     pub fn standard_map_of(&self, link: usize) -> DMatrix<f64> {
+        self.columns_of(link)
+    }
+
+    /// Base parameters of `self` from those of the same robot on another support:
+    /// `r = matrix · r_other + offset`, by lengths of the URDF alone.
+    ///
+    /// Returns the largest entry that no such map explains besides: rounding,
+    /// unless `other` is another robot.
+    pub fn params_from(&self, other: &Robot) -> Shift {
+        let (own, theirs) = (self.standard_map(), other.standard_map());
+        let (rows, columns) = (theirs.nrows() + 1, theirs.ncols());
+        // [W_other; masses] θ = [r_other; 1], and every row of W_own is a sum of its rows.
+        let mut known = DMatrix::zeros(rows, columns);
+        known.rows_mut(0, rows - 1).copy_from(&theirs);
+        for (k, place) in other.chain.places.iter().enumerate() {
+            known[(rows - 1, PER_LINK * k)] = if place.is_some() { 1.0 } else { 0.0 };
+        }
+        let (q, r) = known.transpose().qr().unpack();
+        let right = (&own * &q).transpose();
+        let sums = r.solve_upper_triangular(&right);
+        let sums = sums.unwrap_or_else(|| DMatrix::zeros(rows, own.nrows()));
+        let sums = sums.transpose();
+        Shift {
+            unexplained: (&sums * &known - &own).amax(),
+            matrix: sums.columns(0, rows - 1).into_owned(),
+            offset: sums.column(rows - 1).into_owned(),
+        }
+    }
+}
+
+impl Robot {
+    /// The four columns of W that belong to one link.
+    pub(crate) fn columns_of(&self, link: usize) -> DMatrix<f64> {
         let mut full = DMatrix::zeros(self.chain.full_params, PER_LINK);
         self.add_full_of_link(link, &mut full.columns_mut(0, PER_LINK));
         let mut map = DMatrix::zeros(self.base.params.len(), PER_LINK);
@@ -100,35 +136,10 @@ impl Robot {
             at = parent;
         }
     }
-
-    /// Base parameters of `self` from those of the same robot on another support:
-    /// `r = matrix · r_other + offset`, by lengths of the URDF alone.
-    ///
-    /// Returns the largest entry that no such map explains besides: rounding,
-    /// unless `other` is another robot.
-    pub fn params_from(&self, other: &Robot) -> Shift {
-        let (own, theirs) = (self.standard_map(), other.standard_map());
-        let (rows, columns) = (theirs.nrows() + 1, theirs.ncols());
-        // [W_other; masses] θ = [r_other; 1], and every row of W_own is a sum of its rows.
-        let mut known = DMatrix::zeros(rows, columns);
-        known.rows_mut(0, rows - 1).copy_from(&theirs);
-        for (k, place) in other.chain.places.iter().enumerate() {
-            known[(rows - 1, PER_LINK * k)] = if place.is_some() { 1.0 } else { 0.0 };
-        }
-        let (q, r) = known.transpose().qr().unpack();
-        let right = (&own * &q).transpose();
-        let sums = r.solve_upper_triangular(&right);
-        let sums = sums.unwrap_or_else(|| DMatrix::zeros(rows, own.nrows()));
-        let sums = sums.transpose();
-        Shift {
-            unexplained: (&sums * &known - &own).amax(),
-            matrix: sums.columns(0, rows - 1).into_owned(),
-            offset: sums.column(rows - 1).into_owned(),
-        }
-    }
 }
 
 /// How base parameters change with the support: `r = matrix · r_other + offset`.
+#[cfg(feature = "nalgebra")]
 #[derive(Debug, Clone)]
 pub struct Shift {
     /// Base parameters of one support in terms of those of the other.

@@ -34,7 +34,14 @@ pub struct Link {
     /// kg
     pub mass: f64,
     /// Centre of mass in the link frame, m.
-    pub com: Vector3<f64>,
+    pub(crate) com: Vector3<f64>,
+}
+
+impl Link {
+    /// Centre of mass in the link frame, m.
+    pub fn com(&self) -> [f64; 3] {
+        self.com.into()
+    }
 }
 
 /// A joint's position as a function of one independent joint: `factor·q[dof] + offset`.
@@ -48,6 +55,17 @@ pub struct Coordinate {
     pub offset: f64,
 }
 
+/// A unit vector along a joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Axis(pub(crate) Vector3<f64>);
+
+impl Axis {
+    /// x, y, z.
+    pub fn components(self) -> [f64; 3] {
+        self.0.into()
+    }
+}
+
 /// How an edge moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Motion {
@@ -56,14 +74,14 @@ pub enum Motion {
     /// A revolute joint.
     Revolute {
         /// A unit vector in the far link.
-        axis: Vector3<f64>,
+        axis: Axis,
         /// rad
         by: Coordinate,
     },
     /// A prismatic joint.
     Prismatic {
         /// A unit vector in the near link.
-        axis: Vector3<f64>,
+        axis: Axis,
         /// m
         by: Coordinate,
     },
@@ -81,13 +99,25 @@ pub struct Edge {
     /// Walked against the URDF's direction.
     pub reversed: bool,
     /// Orientation of the far link in the near one at θ = 0.
-    pub rotation: Matrix3<f64>,
+    pub(crate) rotation: Matrix3<f64>,
     /// The joint's point in the near link, m.
-    pub anchor: Vector3<f64>,
+    pub(crate) anchor: Vector3<f64>,
     /// The joint's point in the far link, m.
-    pub offset: Vector3<f64>,
+    pub(crate) offset: Vector3<f64>,
     /// How the far link moves.
     pub motion: Motion,
+}
+
+impl Edge {
+    /// The joint's point in the near link, m.
+    pub fn anchor(&self) -> [f64; 3] {
+        self.anchor.into()
+    }
+
+    /// The joint's point in the far link, m.
+    pub fn offset(&self) -> [f64; 3] {
+        self.offset.into()
+    }
 }
 
 /// An independent joint.
@@ -300,7 +330,7 @@ fn edge(
                 origin.value * axis.value
             };
             Motion::Prismatic {
-                axis: along.map(snap::tidy),
+                axis: Axis(along.map(snap::tidy)),
                 by,
             }
         }
@@ -317,7 +347,10 @@ fn edge(
             } else {
                 axis.value
             };
-            Motion::Revolute { axis, by }
+            Motion::Revolute {
+                axis: Axis(axis),
+                by,
+            }
         }
     };
     let (mut anchor, offset) = if reversed {
@@ -327,11 +360,17 @@ fn edge(
     };
     // A tied joint that cannot move (multiplier 0, or a fixed master) is a fixed one.
     let motion = match motion {
-        Motion::Revolute { axis, by } if by.factor == 0.0 => {
+        Motion::Revolute {
+            axis: Axis(axis),
+            by,
+        } if by.factor == 0.0 => {
             rotation = (rotation * snap::about(&axis, by.offset)).map(snap::tidy);
             Motion::Fixed
         }
-        Motion::Prismatic { axis, by } if by.factor == 0.0 => {
+        Motion::Prismatic {
+            axis: Axis(axis),
+            by,
+        } if by.factor == 0.0 => {
             anchor += axis * by.offset;
             Motion::Fixed
         }

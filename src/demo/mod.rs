@@ -284,7 +284,7 @@ fn lengths(model: &Model, full: &Estimate, base: &Estimate) -> Vec<LengthRow> {
         LengthRow {
             body: body.name.clone(),
             joint: body.joint.clone().unwrap_or_default(),
-            cad_m: body.r.norm(),
+            cad_m: norm(&mut body.r().into_iter()),
             full_m: full.params.rows(body.column, 3).norm(),
             base_cad_m: norm(&mut params.iter().map(|&k| model.base.params[k].cad)),
             base_m: norm(&mut params.iter().map(|&k| base.params[k])),

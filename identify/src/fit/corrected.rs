@@ -125,7 +125,7 @@ pub fn towards(
         .map(|(new, old)| Change {
             link: new.name.clone(),
             mass: [old.mass, new.mass],
-            com: [old.com.into(), new.com.into()],
+            com: [old.com(), new.com()],
         })
         .filter(|change| change.mass[0] != change.mass[1] || change.shift() > 0.0);
     Ok(Ok(Corrected {

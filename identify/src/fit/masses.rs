@@ -300,7 +300,7 @@ impl Masses {
                 let placed = model.chain.places[k].is_some();
                 (placed && share > 0.0).then(|| Weight {
                     mass_kg: share * total,
-                    com_m: self.com(k, link.com.into()),
+                    com_m: self.com(k, link.com()),
                 })
             })
             .collect()

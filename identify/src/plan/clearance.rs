@@ -115,14 +115,14 @@ fn points(model: &Model, link: usize, place: &Pose) -> Vec<Vector3<f64>> {
     let about = &model.tree.links[link];
     let mut points = vec![place.origin];
     if about.mass > 0.0 {
-        points.push(place.point(&about.com));
+        points.push(place.point(&about.com().into()));
     }
     for edge in &model.tree.edges {
         if edge.near == link {
-            points.push(place.point(&edge.anchor));
+            points.push(place.point(&edge.anchor().into()));
         }
         if edge.far == link {
-            points.push(place.point(&edge.offset));
+            points.push(place.point(&edge.offset().into()));
         }
     }
     let body = poses::of_link(model, link).map_or(0, |(body, _)| body);

@@ -7,7 +7,7 @@
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 use sesc_model::Model;
 use sesc_model::chain::Body;
-use sesc_model::tree::Motion;
+use sesc_model::tree::{Axis, Motion};
 
 /// Orientation and origin of a frame in the support frame, m.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,25 +56,34 @@ fn against_parent(body: &Body, q: &[f64]) -> Pose {
         Motion::Fixed => Pose::IDENTITY,
         Motion::Revolute { axis, by } => {
             let angle = by.factor * q[by.dof] + by.offset;
-            let local = Rotation3::from_axis_angle(&Unit::new_unchecked(axis), angle);
+            let local = Rotation3::from_axis_angle(&unit(axis), angle);
             Pose {
-                rotation: body.rotation * local.matrix(),
-                origin: body.anchor,
+                rotation: matrix(body.rotation()) * local.matrix(),
+                origin: body.anchor().into(),
             }
         }
         Motion::Prismatic { axis, by } => Pose {
-            rotation: body.rotation,
-            origin: body.anchor + axis * (by.factor * q[by.dof] + by.offset),
+            rotation: matrix(body.rotation()),
+            origin: Vector3::from(body.anchor())
+                + unit(axis).scale(by.factor * q[by.dof] + by.offset),
         },
     }
+}
+
+fn unit(axis: Axis) -> Unit<Vector3<f64>> {
+    Unit::new_unchecked(axis.components().into())
+}
+
+fn matrix(rows: [[f64; 3]; 3]) -> Matrix3<f64> {
+    Matrix3::from(rows).transpose()
 }
 
 /// A frame or point of a link, seen from its body; `None` beyond a cut.
 pub fn of_link(model: &Model, link: usize) -> Option<(usize, Pose)> {
     let place = model.chain.places[link]?;
     let pose = Pose {
-        rotation: place.orientation,
-        origin: place.origin,
+        rotation: matrix(place.orientation()),
+        origin: place.origin().into(),
     };
     Some((place.body, pose))
 }

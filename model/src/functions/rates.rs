@@ -23,7 +23,7 @@ use super::{Known, Scratch};
 use crate::expr::Id;
 use crate::frames::Rotation;
 use crate::snap::tidy;
-use crate::tree::Motion;
+use crate::tree::{Axis, Motion};
 
 /// Of a body that moves: the rate of its vector, and of the same turned by its joint.
 pub(crate) struct SubtreeRate {
@@ -140,7 +140,10 @@ impl Scratch<'_> {
             entries = self.twist(&rotation.twist, entries, false);
         }
         let mut from = vec![self.g.know_sum(&entries, &[t.fact])];
-        if let Motion::Prismatic { axis, .. } = m.chain.bodies[c].motion {
+        if let Motion::Prismatic {
+            axis: Axis(axis), ..
+        } = m.chain.bodies[c].motion
+        {
             let s = m.prismatic_param(c);
             let (mass, limit) = (self.parameter(s), self.parameter_limit(s));
             let carried = self.g.know(&[mass], limit, &[]);
@@ -189,7 +192,12 @@ impl Scratch<'_> {
                     let factor = self.g.constant(rotation.angle.factor);
                     self.g.mul(factor, sum)
                 }
-                (None, Motion::Prismatic { axis, .. }) => {
+                (
+                    None,
+                    Motion::Prismatic {
+                        axis: Axis(axis), ..
+                    },
+                ) => {
                     let along = self.along(&seen_rates[parent].after, parent, &axis);
                     let mass = self.parameter(m.prismatic_param(i));
                     let factor = self.g.constant(by.factor);

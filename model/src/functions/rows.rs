@@ -10,7 +10,7 @@ use crate::base::Column;
 use crate::expr::{Argument, Id};
 use crate::interface::{Function, Given};
 use crate::snap::tidy;
-use crate::tree::Motion;
+use crate::tree::{Axis, Motion};
 
 /// A direction `d` of the support frame.
 pub(crate) struct Direction {
@@ -156,7 +156,12 @@ impl Scratch<'_> {
                         let factor = self.g.constant(rotation.angle.factor);
                         self.g.mul(factor, arm)
                     }
-                    (None, Motion::Prismatic { axis, .. }) => {
+                    (
+                        None,
+                        Motion::Prismatic {
+                            axis: Axis(axis), ..
+                        },
+                    ) => {
                         let along = self.along(&seen[parent][k].after, parent, &axis);
                         let mass = self.parameter(m.prismatic_param(i));
                         let factor = self.g.constant(by.factor);
@@ -222,10 +227,17 @@ impl Scratch<'_> {
     }
 
     fn prismatic_column(&mut self, seen: &[Vec<Seen>], row: usize, body: usize) -> Id {
-        let (Motion::Prismatic { axis, by }, Some(parent)) = (
+        let (
+            Motion::Prismatic {
+                axis: Axis(axis),
+                by,
+            },
+            Some(parent),
+        ) = (
             self.m.chain.bodies[body].motion,
             self.m.chain.bodies[body].parent,
-        ) else {
+        )
+        else {
             return self.g.constant(0.0);
         };
         let along = self.along(&seen[parent][row].after, parent, &axis);

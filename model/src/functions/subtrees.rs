@@ -4,7 +4,7 @@ use super::{Known, Scratch};
 use crate::expr::{Id, VectorId};
 use crate::frames::{Rotation, Twist};
 use crate::snap::tidy;
-use crate::tree::Motion;
+use crate::tree::{Axis, Motion};
 
 /// What of the subtrees is asked for.
 #[derive(Clone, Copy, PartialEq)]
@@ -132,7 +132,11 @@ impl Scratch<'_> {
             entries = self.twist(&rotation.twist, entries, false);
             self.name(&entries, "w", c);
         }
-        if let Motion::Prismatic { axis, by } = m.chain.bodies[c].motion {
+        if let Motion::Prismatic {
+            axis: Axis(axis),
+            by,
+        } = m.chain.bodies[c].motion
+        {
             let s = m.prismatic_param(c);
             let position = self.position(&by);
             let mass = self.parameter(s);

@@ -168,7 +168,7 @@ impl<'m> Measured<'m> {
     ///
     /// with `G` the weight on the ground over the nominal one; `c = 1` where `G` was.
     pub fn load(&mut self, link: usize, share: Id, moment: [Id; 3]) -> Id {
-        let map = self.robot().standard_map_of(link);
+        let map = self.robot().columns_of(link);
         let g = &mut self.scratch.g;
         let one = g.constant(1.0);
         let bare = g.sub(one, share);
@@ -210,7 +210,7 @@ impl<'m> Measured<'m> {
     pub fn pull(&mut self, link: usize, force: [Id; 2], share: Id) {
         let zero = self.constant(0.0);
         let factor = self.load(link, share, [zero; 3]);
-        let map = self.robot().standard_map_of(link);
+        let map = self.robot().columns_of(link);
         let point = map.column(0).iter().copied().collect();
         let force = force.map(|force| self.mul(factor, force));
         let load = self.mul(factor, share);

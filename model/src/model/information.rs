@@ -10,6 +10,7 @@
 //! about beyond those before it has a row of zeros; given it, the others are as known as
 //! R says.
 
+#[cfg(feature = "nalgebra")]
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
@@ -18,12 +19,14 @@ use serde::{Deserialize, Serialize};
 /// ```
 /// use sesc_model::Information;
 ///
+/// # #[cfg(feature = "nalgebra")] {
 /// // A row of the prior, 1 ± 0.5, and a reading of the sum, ± 0.1.
 /// let rows = nalgebra::DMatrix::from_row_slice(2, 2, &[2.0, 0.0, 10.0, 10.0]);
 /// let information = Information::of(&rows);
 /// let found = information.deviations();
 /// assert!((found[0].unwrap() - 0.5).abs() < 1e-15);
 /// assert_eq!(information.packed().len(), 3);
+/// # }
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -34,9 +37,11 @@ pub struct Information {
 
 /// A column that is independent of those before it by less than this share of its length
 /// says nothing of its own.
+#[cfg(feature = "nalgebra")]
 const INDEPENDENT: f64 = 1e-11;
 
 /// A column that is shorter than this, relative to the longest, is rounding.
+#[cfg(feature = "nalgebra")]
 const ROUNDING: f64 = 1e-13;
 
 impl Information {
@@ -44,6 +49,7 @@ impl Information {
     ///
     /// Rows are rotated in one by one, so that a column without a pivot of its own leaves
     /// its row empty.
+    #[cfg(feature = "nalgebra")]
     pub fn of(rows: &DMatrix<f64>) -> Information {
         let n = rows.ncols();
         let norms: Vec<f64> = rows.column_iter().map(|column| column.norm()).collect();
@@ -133,7 +139,7 @@ impl Information {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "nalgebra"))]
 mod tests {
     use super::*;
 
