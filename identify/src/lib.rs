@@ -15,7 +15,9 @@ pub mod evaluate;
 pub mod fit;
 pub mod health;
 pub mod logs;
+#[doc(hidden)]
 pub mod lsq;
+#[doc(hidden)]
 pub mod observations;
 pub mod plan;
 pub mod predict;

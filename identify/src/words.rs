@@ -105,6 +105,7 @@ pub struct Message(Vec<Piece>);
 /// A piece of a [`Message`].
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[doc(hidden)]
+#[non_exhaustive]
 pub enum Piece {
     Text(String),
     Setting(Setting),

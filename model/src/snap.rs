@@ -26,6 +26,7 @@ const NEARLY: f64 = 1e-2;
 /// assert_eq!(Snapping::default(), Snapping::Within(1e-5));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum Snapping {
     /// Snap angles within this many radians of a quarter turn.
     Within(f64),

@@ -56,6 +56,7 @@ impl Kernels {
 
 /// One element of an input array, over a batch of postures.
 #[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
 pub enum Values<'a> {
     /// `values[posture * len + index]`.
     PerPosture(&'a [f64]),

@@ -46,6 +46,7 @@ pub struct Tolerances {
 
 /// What is known before the data.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum Prior {
     /// Nothing: data alone; directions they cannot see stay at CAD.
     Free,
@@ -60,6 +61,7 @@ const USUAL: (f64, f64) = (0.10, 0.005);
 
 /// A prior, or the name of one.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub enum PriorChoice {
     /// See [`Prior::named`].
     Named(String),

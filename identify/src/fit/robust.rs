@@ -13,6 +13,7 @@ use crate::observations::rows::Rows;
 
 /// Kind of robust loss.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Loss {
     /// Linear in large residuals.
     Huber,

@@ -63,6 +63,7 @@ pub(super) const OR_SIDECAR: &str = " or put `angles = \"deg\"` in its sidecar";
 /// Unit of the revolute joints' columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Angles {
     /// Radians.
     Rad,

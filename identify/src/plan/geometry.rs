@@ -16,6 +16,7 @@ use super::poses::Pose;
 
 /// A solid about its own centre, m; cylinders and capsules along z.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum Solid {
     /// Half the edges.
     Box(Vector3<f64>),

@@ -12,6 +12,7 @@ const ROOM: f64 = 0.25;
 
 /// The joint, link or foot cell that an effect acts on.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[non_exhaustive]
 pub enum Target {
     /// The whole robot, or its sensor.
     Whole,

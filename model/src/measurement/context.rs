@@ -58,6 +58,7 @@ impl PostureContext {
 
 /// Where the measurement gets what does not follow from joint positions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Source {
     /// A posture of a log, whose context is an input.
     Log,

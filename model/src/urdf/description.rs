@@ -92,6 +92,7 @@ pub struct Joint {
 
 /// How a joint moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum JointType {
     /// About an axis, within limits.
     Revolute,

@@ -21,6 +21,7 @@ use crate::facts::Facts;
 /// let builder = Builder::new("op2.urdf").support("r_sole").c99("lib").layout(Layout::PlatformIo);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Layout {
     /// `NAME.h` and `NAME.c`.
     Bare,

@@ -21,6 +21,7 @@ const SMALL: f64 = 0.2;
 
 /// What a residual is drawn against.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Quantity {
     /// ° of a revolute joint, mm of a prismatic one.
     Position,
