@@ -175,14 +175,15 @@ fn line(one: &Corrected) -> String {
 /// One row for every effect hidden alone, one for pairs, one for every robot, one for all.
 fn table(found: &[Corrected]) -> String {
     let mut text = String::from(
-        "| hidden | logs | moved > 1 mm | named | listed | ratio < 0.25 | ratio, median | worst \
-         | CoM error of CAD, mm | diagnosed, mm |\n\
-         |---|---|---|---|---|---|---|---|---|---|\n",
+        "| hidden | logs | moved > 1 mm | named | of these < 0.25 | listed | of these < 0.25 | ratio, \
+         median | worst | CoM error of CAD, mm | diagnosed, mm |\n\
+         |---|---|---|---|---|---|---|---|---|---|---|\n",
     );
     let mut row = |name: &str, of: &dyn Fn(&Corrected) -> bool| {
         let all: Vec<&Corrected> = found.iter().filter(|one| of(one)).collect();
         let moved: Vec<&Corrected> = all.iter().copied().filter(|one| counts(one)).collect();
         let listed: Vec<&Corrected> = moved.iter().copied().filter(|one| one.listed).collect();
+        let named = moved.iter().filter(|one| one.named);
         let median = |of: &dyn Fn(&Corrected) -> f64| {
             let mut values: Vec<f64> = listed.iter().map(|one| of(one)).collect();
             values.sort_by(f64::total_cmp);
@@ -192,10 +193,11 @@ fn table(found: &[Corrected]) -> String {
         let worst = listed.iter().map(|one| one.ratio()).max_by(f64::total_cmp);
         let _ = writeln!(
             text,
-            "| {name} | {} | {} | {} | {} | {} | {} | {} | {} | {} |",
+            "| {name} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |",
             all.len(),
             moved.len(),
-            moved.iter().filter(|one| one.named).count(),
+            named.clone().count(),
+            named.filter(|one| one.ratio() < GOAL).count(),
             listed.len(),
             listed.iter().filter(|one| one.ratio() < GOAL).count(),
             shown(median(&Corrected::ratio)),
