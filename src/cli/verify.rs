@@ -61,7 +61,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         let mut text = format!("{table}\n");
         if found.springs_left_out > 0.0 {
             text += &format!(
-                "springs: four rounds leave out up to {:.1e} m, which is allowed for\n",
+                "springs: four rounds leave out up to {:.1e} m\n",
                 found.springs_left_out
             );
         }

@@ -3,12 +3,15 @@
 //!
 //! Every function is compared with the robot that has the effects acting on it: those of
 //! the body for CoM, Jacobian and moments; wiring, offsets and scales for regressor rows;
-//! all that one posture shows for the CoP. Springs settle in the virtual robot until they
-//! rest. The model takes four rounds of the fixed point `φ' = φ + C τ(φ')` and leaves out
+//! all that one posture shows for the CoP. The model takes four rounds of the springs' fixed
+//! point `φ' = φ + C τ(φ')`, and so does the virtual robot here; how far from rest both are
+//! is measured, and is less than
 //!
 //! ```text
 //! reach · s⁵        s = Σ weight · reach / stiffness, over at most three joints
 //! ```
+//!
+//! Beside dead bands the virtual robot settles until it rests, and so much is allowed for.
 
 use sesc_model::effects::{Catalog, EffectContext, Instance};
 use sesc_model::{Function, Model};
@@ -18,6 +21,8 @@ use super::{Truth, magnified};
 use crate::Error;
 use sesc_identify::robot::Robot;
 
+/// Rounds of the springs' fixed point in generated functions.
+const ROUNDS: usize = 4;
 /// Joints of the virtual robot that come to rest within 1e-13 rad, relative to its reach.
 pub(super) const AT_REST: f64 = 4e-12;
 /// Derivatives by central differences of fourth order, relative to its reach.
@@ -37,8 +42,10 @@ pub(super) struct Bent {
     loose: (World, Vec<f64>),
     /// Weight, N.
     weight: f64,
-    /// What four rounds leave out, m.
-    pub(super) left_out: f64,
+    /// The body at rest, where the others take as many rounds as the model.
+    at_rest: Option<World>,
+    /// What four rounds leave out at most, m.
+    most_left_out: f64,
 }
 
 impl Bent {
@@ -53,6 +60,8 @@ impl Bent {
         let read = sesc_reference::Robot::from_urdf(robot.text())?;
         let support = &model.tree.links[model.tree.support].name;
         let records = Record::all(model);
+        let has = |name| records.iter().any(|r| r.name == name);
+        let in_rounds = has("joint_compliance") && !has("backlash");
         let cells = model.file.as_ref().map_or(&[][..], |file| &file.cells);
         let of_cells = records.iter().any(|r| r.name.starts_with("cell_"));
         let world = |acts: &dyn Fn(&Record) -> bool, cells: &[[f64; 2]]| {
@@ -64,6 +73,10 @@ impl Bent {
             let mut acting = records.iter().filter(|record| acts(record));
             acting.try_fold(world, |world, record| record.on(world, model))
         };
+        let rounded = |world: World| match in_rounds {
+            true => world.after_rounds(ROUNDS),
+            false => world,
+        };
         let of_body = |r: &Record| r.instance.effect.changes_body(&r.instance.target);
         let of_sensor = |r: &Record| r.instance.effect.is_sensor_effect(&r.instance.target);
         let body = world(&of_body, &[])?;
@@ -74,18 +87,19 @@ impl Bent {
                 &|r| r.instance.effect.changes_regressor(&r.instance.target),
                 &[],
             )?,
-            cop: world(&|_| true, if of_cells { cells } else { &[] })?,
+            cop: rounded(world(&|_| true, if of_cells { cells } else { &[] })?),
             on_cells: match of_cells {
-                true => Some((world(&|r| !of_sensor(r), &[])?, cells.to_vec())),
+                true => Some((rounded(world(&|r| !of_sensor(r), &[])?), cells.to_vec())),
                 false => None,
             },
             loose: (
                 world(&|r| of_body(r) && r.name != "backlash", &[])?,
                 slack(model, &records),
             ),
-            left_out: left_out(model, &records, weight),
+            most_left_out: left_out(model, &records, weight),
             weight,
-            body,
+            at_rest: in_rounds.then(|| body.clone()),
+            body: rounded(body),
         }))
     }
 
@@ -116,6 +130,23 @@ impl Bent {
             }
         }
         (0..q.len()).all(|j| half[j] == 0.0 || moments[j].abs() > swing[j])
+    }
+
+    /// What springs may still move in comparisons, m.
+    pub(super) fn allowed_for_springs(&self) -> f64 {
+        match self.at_rest {
+            Some(_) => 0.0,
+            None => self.most_left_out,
+        }
+    }
+
+    /// How far the CoM of a posture is from where it rests, m, and how far it may be.
+    pub(super) fn left_out(&self, q: &[f64]) -> (f64, f64) {
+        let measured = match &self.at_rest {
+            Some(at_rest) => (at_rest.com(q) - self.body.com(q)).norm(),
+            None => self.most_left_out,
+        };
+        (measured, self.most_left_out)
     }
 
     /// What it says of one posture.

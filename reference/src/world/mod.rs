@@ -75,6 +75,8 @@ pub struct World {
     sensor: Sensor,
     delay_s: f64,
     unsettled: bool,
+    /// Rounds in which joints yield, where it is not until they rest.
+    rounds: Option<usize>,
 }
 
 impl World {
@@ -97,6 +99,7 @@ impl World {
             sensor: Sensor::ideal(),
             delay_s: 0.0,
             unsettled: false,
+            rounds: None,
             reference,
         })
     }
@@ -120,6 +123,16 @@ impl World {
         let mut joints = self.settle(q);
         joints.truncate(self.dof());
         joints
+    }
+
+    /// The same robot, whose joints yield in `rounds` steps `φ' = φ + C τ(φ')` from where
+    /// their encoders have them, instead of until they rest: what a model of so many rounds
+    /// computes. Dead bands want more.
+    pub fn after_rounds(self, rounds: usize) -> World {
+        World {
+            rounds: Some(rounds),
+            ..self
+        }
     }
 
     /// What loads and cables do to the joints when the encoders read `q`: N m, or N for

@@ -222,7 +222,10 @@ impl World {
         }
         let mut slides: Vec<Slide> = self.yielding.iter().map(Slide::new).collect();
         let mut joints = unloaded.clone();
-        for _ in 0..MAX_STEPS {
+        for round in 0..MAX_STEPS {
+            if self.rounds == Some(round) {
+                return joints;
+            }
             let moments = self.moments(&joints);
             let mut moved: f64 = 0.0;
             for (j, (joint, yielding)) in joints.iter_mut().zip(&self.yielding).enumerate() {
