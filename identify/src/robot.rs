@@ -2,10 +2,16 @@
 
 use std::path::Path;
 
+use sesc_model::text::listed;
 use sesc_model::urdf::{self, Description};
 use sesc_model::{Error as ModelError, Model, ModelFile, Snapping};
 
-use crate::Error;
+use crate::{Error, Setting, message};
+
+/// Links named in a message.
+const NAMED: usize = 12;
+/// Words in the names of links that stand on the ground, the likeliest first.
+const SUPPORTS: [&str; 3] = ["sole", "foot", "ankle"];
 
 /// A robot as its URDF describes it.
 #[derive(Debug)]
@@ -38,6 +44,22 @@ impl Robot {
         &self.description.text
     }
 
+    /// What is said where nobody names the link on the ground: soles and feet first.
+    pub(crate) fn no_support(&self) -> Error {
+        let mut names: Vec<&str> = self.description.link_names().collect();
+        names.sort_by_key(|name| {
+            let name = name.to_lowercase();
+            let first = SUPPORTS.iter().position(|word| name.contains(word));
+            first.unwrap_or(SUPPORTS.len())
+        });
+        let has = format!(" (the robot has {})", listed(names, NAMED));
+        Error::request(message![
+            "no support link given; add ",
+            Setting::Support,
+            has
+        ])
+    }
+
     /// The symbolic model on `support`, with identified parameters if given.
     ///
     /// # Errors
@@ -62,4 +84,33 @@ impl Robot {
 pub(crate) fn reference(robot: &Robot, support: &str) -> sesc_reference::Reference {
     let read = sesc_reference::Robot::from_urdf(robot.text()).unwrap();
     sesc_reference::Reference::new(&read, support).unwrap()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn soles_and_feet_are_offered_first() {
+        let links = ["base", "l_foot", "head", "R_Sole"]
+            .map(|l| format!("<link name='{l}'><inertial><mass value='1'/></inertial></link>"));
+        let joints = ["l_foot", "head", "R_Sole"].map(|l| {
+            format!(
+                "<joint name='to_{l}' type='fixed'><parent link='base'/><child link='{l}'/></joint>"
+            )
+        });
+        let urdf = format!(
+            "<robot name='r'>{}{}</robot>",
+            links.concat(),
+            joints.concat()
+        );
+        let said = Robot::parse(&urdf, "r.urdf")
+            .unwrap()
+            .no_support()
+            .to_string();
+        assert!(
+            said.ends_with("(the robot has R_Sole, l_foot, base, head)"),
+            "{said}"
+        );
+    }
 }

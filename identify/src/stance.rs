@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use sesc_model::{Model, ModelFile, Snapping};
 
+use crate::Error;
 use crate::robot::Robot;
-use crate::{Error, Setting, message};
 
 /// A robot, the link it stands on, and the parameters it is taken to have.
 #[derive(Clone)]
@@ -61,15 +61,7 @@ impl Stance {
         let parameters = self.parameters.as_deref();
         let known = self.support.as_deref().or(logged);
         let known = known.or(parameters.map(|file| file.support.as_str()));
-        known
-            .ok_or_else(|| {
-                let links: Vec<&str> = self.robot.description.link_names().collect();
-                let shown = links.len().min(12);
-                let more = if links.len() > shown { ", …" } else { "" };
-                let has = format!(" (the robot has {}{more})", links[..shown].join(", "));
-                message!["no support link given; add ", Setting::Support, has]
-            })
-            .map_err(Error::request)
+        known.ok_or_else(|| self.robot.no_support())
     }
 
     /// The model on its support.

@@ -196,7 +196,7 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     let robot = &request.robot;
     let (sidecar, _) = request.log.sidecar()?;
     let support = request.support.clone().or(sidecar.support.clone());
-    let support = support.ok_or_else(|| no_support(robot))?;
+    let support = support.ok_or_else(|| robot.no_support())?;
     let model = robot.model(&support, request.snapping, None)?;
     let prior = request.prior.of(&model)?;
     let mut data = take(request, &model, &request.log, watch)?;
@@ -294,18 +294,6 @@ fn check_noise(request: &Request) -> Result<(), Error> {
     };
     of(Setting::Noise, request.noise.unwrap_or(1.0), 1e-9)?;
     of(Setting::Floor, request.floor, 0.0)
-}
-
-fn no_support(robot: &Robot) -> Error {
-    let links = robot.description.links.iter();
-    let names: Vec<&str> = links.map(|link| link.name.as_str()).collect();
-    let more = if names.len() > 12 { ", …" } else { "" };
-    let some = names[..names.len().min(12)].join(", ");
-    Error::request(message![
-        "no support link given; add ",
-        Setting::Support,
-        format!(" (the robot has {some}{more})")
-    ])
 }
 
 /// A log on the model's support; its warnings are passed on.

@@ -5,6 +5,7 @@ use super::file::{EffectRecord, ModelFile, Parameter};
 use crate::Error;
 use crate::effects::{Catalog, Effect, EffectContext, Instance, Stage};
 use crate::robot::Robot;
+use crate::text::listed;
 
 impl EffectRecord {
     /// The effect at its target with its unknowns, or what is wrong and what to do.
@@ -58,9 +59,7 @@ const NAMED: usize = 30;
 
 fn no_target(effect: &dyn Effect, context: &EffectContext) -> String {
     let targets = effect.targets(context);
-    let names = targets.iter().take(NAMED).map(|t| context.name_of(t));
-    let names: Vec<String> = names.collect();
-    match names.is_empty() {
+    match targets.is_empty() {
         true if effect.stage() == Stage::Cells => {
             "the places of the cells are missing; add cells = [[x, y], …], four corners of a \
              rectangle, m"
@@ -68,10 +67,10 @@ fn no_target(effect: &dyn Effect, context: &EffectContext) -> String {
         }
         true => "no joint, link or cell of this robot can have this effect; remove it".to_string(),
         false => {
-            let more = if targets.len() > NAMED { ", …" } else { "" };
+            let names = targets.iter().map(|target| context.name_of(target));
             format!(
-                "no such target on this robot; it has {}{more}",
-                names.join(", ")
+                "no such target on this robot; it has {}",
+                listed(names, NAMED)
             )
         }
     }
