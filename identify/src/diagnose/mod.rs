@@ -20,6 +20,7 @@ mod leftover;
 mod model_check;
 mod model_file;
 mod next_postures;
+mod noise;
 mod nuisance;
 mod outliers;
 mod problem;

@@ -22,7 +22,7 @@ use super::next_postures::{self, Next};
 use super::problem::Problem;
 use super::remedy::{self, Servo};
 use super::view::DiagnosisView;
-use super::{diagnosis, experiment, model_check, samples, verdict};
+use super::{diagnosis, experiment, model_check, noise, samples, verdict};
 use crate::fit::prior::{Prior, PriorChoice};
 use crate::health;
 use crate::logs::{Angles, LogSource, Options, PostureWriter, Readings, Row, Sidecar, Written};
@@ -199,8 +199,11 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     let support = support.ok_or_else(|| robot.no_support())?;
     let model = robot.model(&support, request.snapping, None)?;
     let prior = request.prior.of(&model)?;
-    let mut data = take(request, &model, &request.log, watch)?;
-    let health = health::examine(robot, &model, request.snapping, &mut data);
+    let options = options(request, &model);
+    let (log, rows) = health::screen(&request.log, &model, &options, request.noise, watch)?;
+    let mut data = take(request, &model, &log, watch)?;
+    let mut health = health::examine(robot, &model, request.snapping, &data).after(rows);
+    data.trust_less(std::mem::take(&mut health.less_known));
     let mut problem = Problem::new(&model, data.clone(), &prior, &request.effects)?;
     let stands = request.then.iter().map(|log| stand(request, &support, log));
     let stands: Vec<(Experiment, Model)> = stands.collect::<Result<_, _>>()?;
@@ -248,6 +251,8 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
         break;
     }
     found.diagnosis.samples = samples::said(&problem, &correlation);
+    let overstated = noise::overstated(&problem, &found);
+    found.diagnosis.health.extend(overstated);
     let meshes = request.meshes.as_deref();
     let next = next_postures::next(&problem, &found, robot, request.snapping, meshes);
     found.diagnosis.next_postures = NextPostures {
@@ -296,6 +301,19 @@ fn check_noise(request: &Request) -> Result<(), Error> {
     of(Setting::Floor, request.floor, 0.0)
 }
 
+/// How a log on the model's support is read.
+fn options(request: &Request, model: &Model) -> Options {
+    let links = request.robot.description.links.iter();
+    Options {
+        angles: request.angles,
+        readings: Readings::Required,
+        links: links.map(|link| link.name.clone()).collect(),
+        support: Some(model.tree.links[model.tree.support].name.clone()),
+        any_unit: true,
+        ..Options::default()
+    }
+}
+
 /// A log on the model's support; its warnings are passed on.
 fn take(
     request: &Request,
@@ -303,16 +321,8 @@ fn take(
     log: &LogSource,
     watch: &mut dyn Watch,
 ) -> Result<Postures, Error> {
-    let links = request.robot.description.links.iter();
     let taking = Taking {
-        options: Options {
-            angles: request.angles,
-            readings: Readings::Required,
-            links: links.map(|link| link.name.clone()).collect(),
-            support: Some(model.tree.links[model.tree.support].name.clone()),
-            any_unit: true,
-            ..Options::default()
-        },
+        options: options(request, model),
         noise: request.noise,
         floor: request.floor,
     };

@@ -1,7 +1,7 @@
 //! Columns of the CoP that show nothing.
 
-use super::criteria::{CONSTANT_M, EXCHANGED, MUST_MOVE, SILENT, UNRELATED};
-use super::statistics::{axis, correlation, noise, scatter};
+use super::criteria::{CONSTANT_M, EXCHANGED, MOVES_M, MUST_MOVE, SILENT, UNRELATED};
+use super::statistics::{axis, correlation, rms_of, scatter};
 use super::wirings::Wirings;
 use super::{Finding, Kind, Look};
 use crate::observations::postures::rms;
@@ -42,10 +42,13 @@ fn is_dead(look: &Look, wirings: &Wirings, k: usize) -> bool {
     }
     let [read, other] = [k, 1 - k].map(|k| axis(&data.reading, k));
     let [cad, across] = [k, 1 - k].map(|k| axis(&look.predicted, k));
-    let noise = noise(data, k);
+    let noise = rms_of(&look.std, k);
     let constant = scatter(&read) < CONSTANT_M;
     let silent = scatter(&read) < SILENT * noise && correlation(&read, &cad).abs() < UNRELATED;
-    let least = if constant { noise } else { MUST_MOVE * noise };
+    let least = match constant {
+        true => MOVES_M,
+        false => MUST_MOVE * noise,
+    };
     if !(constant || silent) || scatter(&cad) <= least {
         return false;
     }

@@ -1,5 +1,8 @@
 //! From which size on something is wrong, in one place, with reasons.
 
+/// A deviation where none is known yet, m.
+pub(super) const UNKNOWN_NOISE_M: f64 = 1e-3;
+
 /// An axis is dead if CAD moves it by so many deviations of its noise …
 pub(super) const MUST_MOVE: f64 = 20.0;
 /// … it moves by less than so many …
@@ -10,6 +13,8 @@ pub(super) const UNRELATED: f64 = 0.3;
 pub(super) const EXCHANGED: f64 = 0.9;
 /// A column that moves by less does not move, m.
 pub(super) const CONSTANT_M: f64 = 1e-9;
+/// It is dead then if CAD moves the CoP by more, m: no sensor is so quiet.
+pub(super) const MOVES_M: f64 = 1e-4;
 
 /// A gap from which the frame is asked about, m: a sensor's zero is rarely so far off.
 pub(super) const FAR_M: f64 = 0.02;
@@ -45,3 +50,42 @@ pub(super) const SIMPLE_SHARE: f64 = 0.8;
 pub(super) const KNOWN: f64 = 0.3;
 /// How far a joint with a stuck encoder may be from where it says, rad; m if prismatic.
 pub(super) const ANYWHERE: (f64, f64) = (0.5, 0.1);
+
+/// Fewer rows than this are no finding.
+pub(super) const FEW_ROWS: usize = 3;
+/// Less than this part of the median load is no contact …
+pub(super) const LOADED: f64 = 0.2;
+/// … nor is a CoP of exactly zero where CAD has it further away than this, m …
+pub(super) const CAD_ELSEWHERE_M: f64 = 0.001;
+/// … unless so many rows are like that: then the sensor is off.
+pub(super) const MOST_LOST: f64 = 0.9;
+/// How far beyond the cells and the cloud of CAD's CoPs no effect takes a reading, m, and in
+/// diameters of both.
+pub(super) const MARGIN_M: f64 = 0.15;
+pub(super) const MARGIN_OF_CLOUD: f64 = 0.5;
+/// With more rows outside than this the frame is asked about, and none is left out.
+pub(super) const MOST_OUTSIDE: f64 = 0.2;
+/// Readings in another unit (cm, mm) scatter so many times as much as CAD says, and are
+/// CAD's but for this part.
+pub(super) const OTHER_UNIT: f64 = 10.0;
+pub(super) const FOLLOWS: f64 = 0.5;
+/// A channel is clipped if so large a part of its values are its end …
+pub(super) const CLIPPED_SHARE: f64 = 0.01;
+/// … and so many times more than are the next value.
+pub(super) const CLIPPED_MORE: usize = 3;
+/// Steps of a channel are coarse above so many deviations of the noise, or, where that is not
+/// known, with fewer levels than this within its scatter.
+pub(super) const COARSE_NOISE: f64 = 3.0;
+pub(super) const COARSE_LEVELS: f64 = 3.0;
+/// Rows are copied if so large a part agrees with earlier ones …
+pub(super) const COPIED_SHARE: f64 = 0.01;
+/// … unless so large a part of the readings comes again at other joint positions …
+pub(super) const HELD_SHARE: f64 = 0.02;
+/// … or the channels move in steps above this part of their scatter.
+pub(super) const FINE: f64 = 1e-3;
+
+/// Noise is overstated if it is so many times what is left …
+pub(super) const OVERSTATED: f64 = 2.0;
+/// … and there are so many independent samples for each unknown that was fitted: fewer, and
+/// the fit has eaten the rest.
+pub(super) const SAMPLES_PER_UNKNOWN: f64 = 4.0;

@@ -7,7 +7,7 @@
 //! A joint that really stands still is no finding: the readings must be explained by its
 //! motion, within its limits, and by no wiring, offset or scale.
 
-use sesc_model::{Function, Model};
+use sesc_model::Function;
 
 use super::criteria::{
     ANYWHERE, KNOWN, LEAST_MOTION, SIMPLE_SHARE, STILL, STUCK_CHI2, STUCK_LEFT, STUCK_NOISE,
@@ -17,23 +17,24 @@ use super::statistics::{gap, scatter};
 use super::wirings::Wirings;
 use super::{Finding, Kind, Look};
 use crate::evaluate::Evaluator;
-use crate::observations::postures::Postures;
 
 /// Rounds of the search for where the joint is, and its largest step, rad or m.
 const ROUNDS: usize = 8;
 const LARGEST_STEP: f64 = 0.3;
 
-/// A stuck encoder, and how well each reading is known without it, m.
+/// A stuck encoder.
 pub(super) struct Stuck {
     pub finding: Finding,
-    pub std: Vec<f64>,
+    /// By what each reading is less known without it, m.
+    pub less_known: Vec<f64>,
+    pub joint: usize,
 }
 
 /// A joint that does not move in the log though the CoP says that it does.
 pub(super) fn stuck(look: &Look, wirings: &Wirings) -> Option<Stuck> {
     let (model, data, predicted) = (look.model, look.data, &look.predicted);
     let (n, dof) = (data.len(), model.dof());
-    let whitened = |row: usize| (data.reading[row] - predicted[row]) / data.std[row];
+    let whitened = |row: usize| (data.reading[row] - predicted[row]) / look.std[row];
     let total: f64 = (0..2 * n).map(|row| whitened(row).powi(2)).sum();
     if total < STUCK_CHI2 * (2 * n) as f64 || n < 3 {
         return None;
@@ -62,7 +63,7 @@ pub(super) fn stuck(look: &Look, wirings: &Wirings) -> Option<Stuck> {
         scatter(&moved.far) > least && inside as f64 >= STUCK_SHARE * n as f64
     };
     let joints = (0..dof).filter(still);
-    let moved = joints.map(|joint| Moved::of(model, data, joint));
+    let moved = joints.map(|joint| Moved::of(look, joint));
     let best = moved
         .filter(believable)
         .min_by(|a, b| a.left.total_cmp(&b.left))?;
@@ -85,7 +86,7 @@ pub(super) fn stuck(look: &Look, wirings: &Wirings) -> Option<Stuck> {
             } else {
                 1.0
             };
-            by * slope(row / 2, row % 2, joint) / data.std[row]
+            by * slope(row / 2, row % 2, joint) / look.std[row]
         };
         let along: f64 = (0..2 * n).map(|row| column(row) * whitened(row)).sum();
         let size: f64 = (0..2 * n).map(|row| column(row).powi(2)).sum();
@@ -101,8 +102,8 @@ pub(super) fn stuck(look: &Look, wirings: &Wirings) -> Option<Stuck> {
     } else {
         ANYWHERE.0
     };
-    let std: Vec<f64> = (0..2 * n)
-        .map(|row| data.std[row].hypot(anywhere * slope(row / 2, row % 2, joint)))
+    let less_known: Vec<f64> = (0..2 * n)
+        .map(|row| anywhere * slope(row / 2, row % 2, joint).abs())
         .collect();
     let finding = Finding::new(
         Kind::EncoderStuck,
@@ -114,7 +115,11 @@ pub(super) fn stuck(look: &Look, wirings: &Wirings) -> Option<Stuck> {
             100.0 * most / total
         ),
     );
-    Some(Stuck { finding, std })
+    Some(Stuck {
+        finding,
+        less_known,
+        joint,
+    })
 }
 
 /// The postures with one joint moved to where the readings are explained best.
@@ -128,7 +133,8 @@ struct Moved {
 
 impl Moved {
     /// One unknown a posture, by Gauss and Newton.
-    fn of(model: &Model, data: &Postures, joint: usize) -> Moved {
+    fn of(look: &Look, joint: usize) -> Moved {
+        let (model, data) = (look.model, look.data);
         let (n, dof) = (data.len(), model.dof());
         let (cop, slopes) = (
             Evaluator::new(model, Function::Cop),
@@ -139,14 +145,14 @@ impl Moved {
         let mut left = f64::INFINITY;
         for round in 0..=ROUNDS {
             let (at, by) = (cop.run(&q, n), slopes.run(&q, n));
-            let gap = |row: usize| (data.reading[row] - at[row]) / data.std[row];
+            let gap = |row: usize| (data.reading[row] - at[row]) / look.std[row];
             left = (0..2 * n).map(|row| gap(row).powi(2)).sum();
             if round == ROUNDS {
                 break;
             }
             for k in 0..n {
                 let s =
-                    [0, 1].map(|axis| by[(3 * k + axis) * dof + joint] / data.std[2 * k + axis]);
+                    [0, 1].map(|axis| by[(3 * k + axis) * dof + joint] / look.std[2 * k + axis]);
                 let along = s[0] * gap(2 * k) + s[1] * gap(2 * k + 1);
                 let step = along / (s[0] * s[0] + s[1] * s[1]).max(1e-30);
                 far[k] += step.clamp(-LARGEST_STEP, LARGEST_STEP);

@@ -18,6 +18,16 @@ pub enum Kind {
     RowsShuffled,
     /// The encoder of a joint, the target, does not move, and the joint does.
     EncoderStuck,
+    /// Readings lie where no CoP can be.
+    CopOutsideSole,
+    /// Rows repeat earlier ones to the last digit.
+    RowsCopied,
+    /// A channel of the CoP or a cell, the target, ends at one value or moves in coarse steps.
+    ChannelSaturated,
+    /// Stated noise is far larger than what is left.
+    NoiseOverstated,
+    /// Nothing stands on the sensor for a while, or on a cell, the target, ever.
+    ContactLost,
 }
 
 impl Kind {
@@ -30,6 +40,11 @@ impl Kind {
             Kind::FrameTurned => "frame_turned",
             Kind::RowsShuffled => "rows_shuffled",
             Kind::EncoderStuck => "encoder_stuck",
+            Kind::CopOutsideSole => "cop_outside_sole",
+            Kind::RowsCopied => "rows_copied",
+            Kind::ChannelSaturated => "channel_saturated",
+            Kind::NoiseOverstated => "noise_overstated",
+            Kind::ContactLost => "contact_lost",
         }
     }
 
@@ -41,7 +56,12 @@ impl Kind {
             | Kind::OtherFoot
             | Kind::FrameTurned
             | Kind::RowsShuffled => true,
-            Kind::EncoderStuck => false,
+            Kind::EncoderStuck
+            | Kind::CopOutsideSole
+            | Kind::RowsCopied
+            | Kind::ChannelSaturated
+            | Kind::NoiseOverstated
+            | Kind::ContactLost => false,
         }
     }
 }
@@ -57,7 +77,7 @@ impl Serialize for Kind {
 pub struct Finding {
     /// What it is.
     pub kind: Kind,
-    /// The axis, link or joint; `-` for the whole log.
+    /// The axis, link, joint or channel; `-` for the whole log.
     pub target: String,
     /// What was seen and what to do.
     pub sentence: String,

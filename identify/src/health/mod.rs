@@ -17,16 +17,22 @@ mod criteria;
 mod encoders;
 mod finding;
 mod frames;
+mod leftover;
 mod order;
+mod rows;
 mod statistics;
 mod wirings;
 
 use sesc_model::{Function, Model, Snapping};
 
+use crate::Error;
 use crate::evaluate::Evaluator;
+use crate::logs::{LogSource, Options};
 use crate::observations::postures::Postures;
 use crate::robot::Robot;
+use crate::watch::Watch;
 pub use finding::{Finding, Kind};
+pub use leftover::Leftover;
 use wirings::Wirings;
 
 /// What is found.
@@ -34,12 +40,24 @@ use wirings::Wirings;
 pub struct Health {
     /// Each finding; data that cannot be used have one.
     pub findings: Vec<Finding>,
+    /// By what each reading is less known than its noise says, m; empty where by nothing.
+    pub less_known: Vec<f64>,
+    /// Joints whose positions are not known.
+    pub stuck: Vec<usize>,
 }
 
 impl Health {
     /// Whether anything can be done with the data.
     pub fn is_usable(&self) -> bool {
         !self.findings.iter().any(|f| f.kind.makes_unusable())
+    }
+
+    /// With what was found of the rows before; a finding that makes data unusable stands alone.
+    pub fn after(mut self, rows: Vec<Finding>) -> Health {
+        if self.is_usable() {
+            self.findings.splice(0..0, rows);
+        }
+        self
     }
 }
 
@@ -49,22 +67,46 @@ struct Look<'a> {
     model: &'a Model,
     snapping: Snapping,
     data: &'a Postures,
+    /// Deviation of each reading, m; a guess where it is not known yet.
+    std: Vec<f64>,
     /// CoM by CAD, three per posture, m.
     com: Vec<f64>,
     /// Its x and y, m.
     predicted: Vec<f64>,
 }
 
-/// Examine a log of `model`; postures on a joint whose encoder is stuck count as little as
-/// is known of them from then on.
-pub fn examine(robot: &Robot, model: &Model, snapping: Snapping, data: &mut Postures) -> Health {
+/// Look at the rows of a log on the model's support: what is wrong with them, and the log
+/// without those that cannot be used. `noise`: of a single reading, m, where the user says.
+///
+/// # Errors
+/// What is wrong with the log; when `watch` stops it.
+pub fn screen(
+    log: &LogSource,
+    model: &Model,
+    options: &Options,
+    noise: Option<f64>,
+    watch: &mut dyn Watch,
+) -> Result<(LogSource, Vec<Finding>), Error> {
+    rows::screened(log, model, options, noise, watch)
+}
+
+/// Examine the postures of a log of `model`.
+pub fn examine(robot: &Robot, model: &Model, snapping: Snapping, data: &Postures) -> Health {
     let com = Evaluator::new(model, Function::Com).run(&data.q, data.len());
     let predicted = com.chunks_exact(3).flat_map(|c| [c[0], c[1]]).collect();
+    let known = |std: &f64| {
+        if std.is_nan() {
+            criteria::UNKNOWN_NOISE_M
+        } else {
+            *std
+        }
+    };
     let look = Look {
         robot,
         model,
         snapping,
         data,
+        std: data.std.iter().map(known).collect(),
         com,
         predicted,
     };
@@ -75,13 +117,15 @@ pub fn examine(robot: &Robot, model: &Model, snapping: Snapping, data: &mut Post
     if let Some(finding) = broken {
         return Health {
             findings: vec![finding],
+            ..Health::default()
         };
     }
-    let stuck = encoders::stuck(&look, &wirings);
-    if let Some(stuck) = &stuck {
-        data.std.clone_from(&stuck.std);
-    }
-    Health {
-        findings: stuck.into_iter().map(|stuck| stuck.finding).collect(),
+    match encoders::stuck(&look, &wirings) {
+        Some(stuck) => Health {
+            findings: vec![stuck.finding],
+            less_known: stuck.less_known,
+            stuck: vec![stuck.joint],
+        },
+        None => Health::default(),
     }
 }

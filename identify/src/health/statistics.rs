@@ -29,9 +29,9 @@ pub(super) fn correlation(a: &[f64], b: &[f64]) -> f64 {
     if size > 0.0 { both / size } else { 0.0 }
 }
 
-/// Noise of the readings on one axis, m RMS.
-pub(super) fn noise(data: &Postures, k: usize) -> f64 {
-    rms(axis(&data.std, k).into_iter())
+/// RMS over one axis.
+pub(super) fn rms_of(values: &[f64], k: usize) -> f64 {
+    rms(axis(values, k).into_iter())
 }
 
 /// Gap of the readings to a CoP, m RMS.

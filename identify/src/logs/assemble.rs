@@ -49,6 +49,8 @@ pub(super) struct Assembler {
     any_unit: bool,
     /// 1/√readings of a row, once the first rows were seen.
     shrink: f64,
+    /// Rows without load on the cells are no fault.
+    no_load: bool,
     next_pose: i64,
 }
 
@@ -91,6 +93,7 @@ impl Assembler {
             readings_per_pose: sidecar.readings_per_pose.unwrap_or(1),
             any_unit: options.any_unit,
             shrink: 1.0,
+            no_load: false,
             next_pose: 0,
         };
         if let Some(link) = &assembler.support {
@@ -114,6 +117,11 @@ impl Assembler {
             return Err(assembler.fault(None, message));
         }
         Ok(assembler)
+    }
+
+    /// Whether rows without load on the cells are taken, with a reading of zero.
+    pub fn allow_no_load(&mut self, allow: bool) {
+        self.no_load = allow;
     }
 
     /// A fault of the log, at a row of it.
@@ -254,10 +262,14 @@ impl Assembler {
                 std.push([numbers[k] * self.shrink, numbers[k + 1] * self.shrink]);
             }
         } else if let Some(reading) = &mut block.reading {
-            let cop = centre(&self.cells, force)?;
+            let cop = match centre(&self.cells, force) {
+                Err(_) if self.no_load => [0.0; 2],
+                cop => cop?,
+            };
             reading.push(cop);
             if let (Some(all), Some(std)) = (&mut block.std, force_std) {
-                all.push(deviation(&self.cells, force, std, cop));
+                let own = deviation(&self.cells, force, std, cop);
+                all.push(own.map(|s| if s.is_finite() { s } else { 1.0 }));
             }
         }
         Ok(())

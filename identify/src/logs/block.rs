@@ -44,8 +44,45 @@ impl Block {
         self.line.len()
     }
 
+    /// Keep the rows for which `keep` says so.
+    pub fn retain(&mut self, keep: &[bool]) {
+        let width = self.q.len() / self.len().max(1);
+        keep_some(&mut self.line, 1, keep);
+        keep_some(&mut self.pose, 1, keep);
+        keep_some(&mut self.q, width, keep);
+        let Block {
+            t,
+            support,
+            reading,
+            std,
+            cells,
+            gravity,
+            ..
+        } = self;
+        t.iter_mut().for_each(|t| keep_some(t, 1, keep));
+        support.iter_mut().for_each(|all| keep_some(all, 1, keep));
+        reading.iter_mut().for_each(|all| keep_some(all, 1, keep));
+        std.iter_mut().for_each(|all| keep_some(all, 1, keep));
+        gravity.iter_mut().for_each(|all| keep_some(all, 1, keep));
+        if let Some(cells) = cells {
+            keep_some(&mut cells.force, cells.count, keep);
+            let std = cells.std.iter_mut();
+            std.for_each(|all| keep_some(all, cells.count, keep));
+        }
+    }
+
     /// Whether there is no row.
     pub fn is_empty(&self) -> bool {
         self.line.is_empty()
     }
+}
+
+/// Rows of `width` entries each for which `keep` says so.
+fn keep_some<T>(values: &mut Vec<T>, width: usize, keep: &[bool]) {
+    let mut at = 0;
+    values.retain(|_| {
+        let row = at / width.max(1);
+        at += 1;
+        keep.get(row).copied().unwrap_or(true)
+    });
 }

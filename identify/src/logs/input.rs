@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use sesc_model::hash;
 
+use super::screen::Screen;
 use super::shared::Shared;
 use super::sidecar::Sidecar;
 use super::table::Table;
@@ -39,6 +40,7 @@ pub struct LogSource {
     name: String,
     pub(super) place: Place,
     sidecar: Option<Arc<Sidecar>>,
+    pub(super) screen: Option<Arc<dyn Screen>>,
 }
 
 /// Where the rows are.
@@ -59,6 +61,7 @@ impl LogSource {
             name: name.into(),
             place: Place::Bytes(Shared::new(bytes)),
             sidecar: None,
+            screen: None,
         }
     }
 
@@ -67,6 +70,22 @@ impl LogSource {
         LogSource {
             sidecar: Some(Arc::new(sidecar)),
             ..self
+        }
+    }
+
+    /// The same log without what the screen leaves out.
+    pub fn screened(self, screen: Arc<dyn Screen>) -> LogSource {
+        LogSource {
+            screen: Some(screen),
+            ..self
+        }
+    }
+
+    /// Whether it can be read more than once: a pipe cannot.
+    pub fn can_be_read_again(&self) -> bool {
+        match &self.place {
+            Place::File(path) => path.metadata().is_ok_and(|about| about.is_file()),
+            Place::Bytes(_) | Place::Table(_) => true,
         }
     }
 
@@ -114,6 +133,7 @@ impl<P: AsRef<Path>> From<P> for LogSource {
             name: path.display().to_string(),
             place: Place::File(path.to_path_buf()),
             sidecar: None,
+            screen: None,
         }
     }
 }
@@ -124,6 +144,7 @@ impl From<Table> for LogSource {
             name: table.name().to_string(),
             place: Place::Table(Arc::new(table)),
             sidecar: None,
+            screen: None,
         }
     }
 }

@@ -11,6 +11,7 @@ use super::columns::Columns;
 use super::csv::CsvSource;
 use super::input::{Bytes, LogSource, Metered, Place};
 use super::options::Options;
+use super::screen::Screening;
 use super::sidecar::{Angles, Sidecar};
 use super::source::{Raw, Source};
 use super::suspect::Suspicions;
@@ -46,6 +47,7 @@ pub struct PostureReader {
     started: bool,
     ended: bool,
     last_pose: Option<i64>,
+    screen: Option<Screening>,
     rows: u64,
     postures: u64,
     /// What the log's sidecar says.
@@ -84,7 +86,8 @@ impl PostureReader {
             warnings.push(format!("{file}: {noun} {names} {verb} ignored").into());
         }
         let angles = options.angles.or(sidecar.angles).unwrap_or(Angles::Rad);
-        let assembler = Assembler::new(&file, &columns, dofs, angles, &sidecar, options)?;
+        let mut assembler = Assembler::new(&file, &columns, dofs, angles, &sidecar, options)?;
+        assembler.allow_no_load(log.screen.is_some());
         Ok(PostureReader {
             suspicions: Suspicions::new(&file, dofs, angles),
             source,
@@ -95,6 +98,7 @@ impl PostureReader {
             started: false,
             ended: false,
             last_pose: None,
+            screen: log.screen.as_ref().map(|screen| screen.start()),
             rows: 0,
             postures: 0,
             sidecar,
@@ -109,6 +113,21 @@ impl PostureReader {
     /// The first faulty row, by its place in the file. A log without rows is
     /// an error too.
     pub fn block(&mut self, count: usize) -> Result<Block, Error> {
+        loop {
+            let mut block = self.rows(count)?;
+            let ended = block.is_empty();
+            if let Some(screen) = &mut self.screen {
+                screen(&mut block);
+            }
+            // A block of which nothing is left is not the end of the log.
+            if ended || !block.is_empty() {
+                return Ok(block);
+            }
+        }
+    }
+
+    /// The next rows as they are in the log.
+    fn rows(&mut self, count: usize) -> Result<Block, Error> {
         let mut block = self.assembler.start();
         while block.len() < count {
             if self.given == self.raw.line.len() && !self.refill()? {

@@ -36,6 +36,8 @@ pub struct Postures {
     pub reading: Vec<f64>,
     /// Standard deviation of each entry of `reading`, the floor included, m.
     pub std: Vec<f64>,
+    /// What each entry is less known by for reasons of its own, m; empty where for none.
+    pub less_known: Vec<f64>,
     /// Time of each posture, s.
     pub t: Option<Vec<f64>>,
     /// Noise of a posture's reading on one axis without the floor, m.
@@ -322,6 +324,7 @@ impl Postures {
             posture_context: vec![0.0; count * layout.len()],
             reading: Vec::with_capacity(2 * count),
             std: Vec::with_capacity(2 * count),
+            less_known: Vec::new(),
             t: timed.then(|| all.iter().map(|p| p.t).collect()),
             noise: noise.overall,
             noise_floor: noise.overall.hypot(taking.floor),
@@ -367,6 +370,18 @@ impl Postures {
         self.noise = noise;
         self.noise_floor = noise.hypot(floor);
         self.std.fill(self.noise_floor);
+        let own = self.less_known.iter();
+        for (std, own) in self.std.iter_mut().zip(own) {
+            *std = std.hypot(*own);
+        }
+    }
+
+    /// Count each reading for less known by `by`, m.
+    pub fn trust_less(&mut self, by: Vec<f64>) {
+        for (std, own) in self.std.iter_mut().zip(&by) {
+            *std = std.hypot(*own);
+        }
+        self.less_known = by;
     }
 
     /// Postures.

@@ -1,0 +1,107 @@
+//! Channels that end at one value, and channels that move in coarse steps.
+
+use std::collections::HashSet;
+
+use super::Rows;
+use super::key::key;
+use super::screen::LeftOut;
+use super::steps::step;
+use crate::health::criteria::{CLIPPED_MORE, CLIPPED_SHARE, COARSE_LEVELS, COARSE_NOISE, FEW_ROWS};
+use crate::health::statistics::scatter;
+use crate::health::{Finding, Kind};
+
+/// Channels of the CoP, or of the cells, that are clipped or quantised.
+pub(super) fn saturated(rows: &Rows, left_out: &mut LeftOut) -> Vec<Finding> {
+    let mut found = Vec::new();
+    let force = |k: usize| if rows.cells > 0 { rows.force(k) } else { &[] };
+    let kept: Vec<usize> = (0..rows.len())
+        .filter(|&k| left_out.keeps(rows.reading[k], force(k)))
+        .collect();
+    if rows.cells > 0 {
+        for cell in 0..rows.cells {
+            let loads: Vec<f64> = kept.iter().map(|&k| force(k)[cell]).collect();
+            found.extend(end(rows, &kept, &loads).map(|count| clipped_cell(cell, &loads, count)));
+        }
+        return found;
+    }
+    for channel in 0..2 {
+        let name = ["cop_x", "cop_y"][channel];
+        let values: Vec<f64> = kept.iter().map(|&k| rows.reading[k][channel]).collect();
+        for sign in [1.0, -1.0] {
+            let signed: Vec<f64> = values.iter().map(|x| sign * x).collect();
+            let Some(count) = end(rows, &kept, &signed) else {
+                continue;
+            };
+            let at = sign * largest(&signed);
+            left_out.ends.push((channel, at));
+            found.push(Finding::new(
+                Kind::ChannelSaturated,
+                name,
+                format!(
+                    "{name} ends at {:.1} mm, where {count} of {} rows are: the channel is \
+                     saturated there; these rows are left out. Check its range and amplifier.",
+                    1e3 * at,
+                    rows.len()
+                ),
+            ));
+        }
+        if let Some(step) = coarse_step(&values, rows.noise) {
+            left_out.steps[channel] = step / f64::sqrt(12.0);
+            found.push(Finding::new(
+                Kind::ChannelSaturated,
+                name,
+                format!(
+                    "{name} moves in steps of {:.2} mm: its readings count as known to {:.2} mm. \
+                     Log more digits, or check the sensor's resolution.",
+                    1e3 * step,
+                    1e3 * step / f64::sqrt(12.0)
+                ),
+            ));
+        }
+    }
+    found
+}
+
+fn clipped_cell(cell: usize, loads: &[f64], count: usize) -> Finding {
+    let name = format!("fsr_{}", cell + 1);
+    let sentence = format!(
+        "{name} ends at {:.1} N, where {count} of {} rows are: the cell is saturated there. The \
+         effect cell_saturation says what is missing; check its range and amplifier.",
+        largest(loads),
+        loads.len()
+    );
+    Finding::new(Kind::ChannelSaturated, &name, sentence)
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// How many of the `kept` rows show exactly the largest value, where that is an end of the
+/// channel and no chance: in several postures, and many times more than the next value.
+fn end(rows: &Rows, kept: &[usize], values: &[f64]) -> Option<usize> {
+    let most = largest(values);
+    let mut next = f64::NEG_INFINITY;
+    for &value in values.iter().filter(|v| **v < most) {
+        next = next.max(value);
+    }
+    let at: Vec<usize> = (0..values.len()).filter(|&k| values[k] == most).collect();
+    let beside = values.iter().filter(|v| **v == next).count();
+    let postures: HashSet<u64> = at.iter().map(|&k| key(rows.q(kept[k]), &[])).collect();
+    let least = FEW_ROWS.max((CLIPPED_SHARE * values.len() as f64).ceil() as usize);
+    let ends = at.len() >= least && at.len() > CLIPPED_MORE * beside && postures.len() >= FEW_ROWS;
+    // A channel that never moves is another finding.
+    (ends && next.is_finite() && most != 0.0).then_some(at.len())
+}
+
+/// The step of a channel that is coarse: far above the noise, or with few levels.
+fn coarse_step(values: &[f64], noise: Option<f64>) -> Option<f64> {
+    let step = step(values)?;
+    let levels = scatter(values) / step;
+    let coarse = match noise {
+        Some(noise) => step > COARSE_NOISE * noise,
+        None => levels < COARSE_LEVELS,
+    };
+    let moves = levels > 0.1;
+    (coarse && moves).then_some(step)
+}

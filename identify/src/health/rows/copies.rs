@@ -1,0 +1,76 @@
+//! Rows that came before, once more: joints and reading agree to the last digit.
+//!
+//! Noise makes a reading its own. Where readings are rounded so coarsely that they meet by
+//! chance, or are held while the joints move, agreement says nothing; and repeats of a
+//! posture without any noise are a simulation unless noise is stated.
+
+use std::collections::{HashMap, HashSet};
+
+use super::Rows;
+use super::key::{key, reading_of};
+use super::screen::LeftOut;
+use super::steps::step;
+use crate::health::criteria::{COPIED_SHARE, FEW_ROWS, FINE, HELD_SHARE};
+use crate::health::statistics::scatter;
+use crate::health::{Finding, Kind};
+
+pub(super) fn of(rows: &Rows, left_out: &mut LeftOut) -> Option<Finding> {
+    let force = |k: usize| if rows.cells > 0 { rows.force(k) } else { &[] };
+    let mut known: HashMap<u64, i64> = HashMap::new();
+    let mut readings: HashSet<u64> = HashSet::new();
+    let (mut copied, mut held) = (Vec::new(), 0);
+    let mut postures: HashSet<u64> = HashSet::new();
+    for k in (0..rows.len()).filter(|&k| left_out.keeps(rows.reading[k], force(k))) {
+        let reading = reading_of(rows.reading[k], force(k));
+        let (own, alone) = (key(rows.q(k), &reading), key(&[], &reading));
+        match known.get(&own) {
+            Some(&pose) => {
+                // Without noise, repeats of one posture agree.
+                if pose != rows.pose[k] || rows.noise.is_some_and(|noise| noise > 0.0) {
+                    copied.push(k);
+                    postures.insert(key(rows.q(k), &[]));
+                }
+            }
+            None => {
+                known.insert(own, rows.pose[k]);
+                held += usize::from(!readings.insert(alone));
+            }
+        }
+    }
+    let total = rows.len() as f64;
+    let enough = copied.len() >= FEW_ROWS && copied.len() as f64 >= COPIED_SHARE * total;
+    let chance = held as f64 > HELD_SHARE * total || is_coarse(rows);
+    if !enough || chance || postures.len() < FEW_ROWS {
+        return None;
+    }
+    left_out.copies = true;
+    Some(Finding::new(
+        Kind::RowsCopied,
+        "-",
+        format!(
+            "{} of {} rows repeat an earlier row to the last digit: they are copies, not readings, \
+             and are left out. Check how the log was put together.",
+            copied.len(),
+            rows.len()
+        ),
+    ))
+}
+
+/// Whether readings meet by chance, for they are rounded.
+fn is_coarse(rows: &Rows) -> bool {
+    let channels: Vec<Vec<f64>> = match rows.cells {
+        0 => (0..2)
+            .map(|c| rows.reading.iter().map(|y| y[c]).collect())
+            .collect(),
+        cells => (0..cells)
+            .map(|c| (0..rows.len()).map(|k| rows.force(k)[c]).collect())
+            .collect(),
+    };
+    channels.iter().all(|values| {
+        let size = match rows.noise {
+            Some(noise) if rows.cells == 0 => 20.0 * FINE * noise,
+            _ => FINE * scatter(values),
+        };
+        step(values).is_some_and(|step| step > size)
+    })
+}

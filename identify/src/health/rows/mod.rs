@@ -1,0 +1,167 @@
+//! Rows of a log as they are, before anything is averaged or fitted.
+//!
+//! ```text
+//! contact    Σ f ≈ 0, or a CoP of exactly (0, 0) where CAD is elsewhere
+//! outside    a CoP beyond the sole and every CoP that CAD predicts
+//! channels   a CoP or a cell that ends at one value, or moves in coarse steps
+//! copies     the same joints and the same reading, to the last digit, once more
+//! ```
+//!
+//! The first [`ROWS`] rows are looked at; what is found wrong in them is left out of the
+//! whole log by a [`Screen`](crate::logs::Screen), and the rest is used.
+
+mod channels;
+mod contact;
+mod copies;
+mod key;
+mod outside;
+mod screen;
+mod steps;
+
+use std::sync::Arc;
+
+use sesc_model::{Function, Model};
+
+use super::Finding;
+use crate::Error;
+use crate::evaluate::Evaluator;
+use crate::logs::{Block, LogSource, Options, PostureReader, Screen};
+use crate::watch::{Watch, tell};
+use screen::{Everything, LeftOut};
+
+/// Rows that are looked at, at most.
+pub(super) const ROWS: usize = 50_000;
+const BLOCK: usize = 4096;
+
+/// Rows of a log on one support.
+pub(super) struct Rows {
+    pub q: Vec<f64>,
+    pub dof: usize,
+    pub reading: Vec<[f64; 2]>,
+    /// Row by row, N; none where the log has a CoP.
+    pub force: Vec<f64>,
+    pub cells: usize,
+    /// Places of the cells, m.
+    pub places: Vec<[f64; 2]>,
+    pub pose: Vec<i64>,
+    /// Noise of a row, m, where it is known.
+    pub noise: Option<f64>,
+    /// CoP by CAD, m.
+    pub cad: Vec<[f64; 2]>,
+    /// The same if angles are in degrees.
+    pub cad_of_degrees: Vec<[f64; 2]>,
+}
+
+impl Rows {
+    pub fn len(&self) -> usize {
+        self.reading.len()
+    }
+
+    pub fn q(&self, row: usize) -> &[f64] {
+        &self.q[row * self.dof..(row + 1) * self.dof]
+    }
+
+    /// Forces of the cells of a row, N.
+    pub fn force(&self, row: usize) -> &[f64] {
+        &self.force[row * self.cells..(row + 1) * self.cells]
+    }
+
+    /// Rows of a log that stand on the model's support.
+    fn read(
+        log: &LogSource,
+        model: &Model,
+        options: &Options,
+        noise: Option<f64>,
+        watch: &mut dyn Watch,
+    ) -> Result<Rows, Error> {
+        let log = log.clone().screened(Arc::new(Everything));
+        let dofs = &model.tree.dofs;
+        let support = &model.tree.links[model.tree.support].name;
+        let mut reader = PostureReader::open(&log, dofs, options)?;
+        let mut rows = Rows {
+            q: Vec::new(),
+            dof: dofs.len(),
+            reading: Vec::new(),
+            force: Vec::new(),
+            cells: 0,
+            places: reader.sidecar.cells.clone().unwrap_or_default(),
+            pose: Vec::new(),
+            noise,
+            cad: Vec::new(),
+            cad_of_degrees: Vec::new(),
+        };
+        let mut variance = Vec::new();
+        while rows.len() < ROWS {
+            let mut block = reader.block(BLOCK)?;
+            if block.is_empty() {
+                break;
+            }
+            if let Some(all) = &block.support {
+                let here = |link: &Arc<str>| link.is_empty() || **link == **support;
+                let here: Vec<bool> = all.iter().map(here).collect();
+                block.retain(&here);
+            }
+            rows.take(block, &mut variance);
+            let (done, total) = reader.progress();
+            tell(watch, "looking", done, total)?;
+        }
+        if rows.noise.is_none() && !variance.is_empty() {
+            let mean = variance.iter().sum::<f64>() / variance.len() as f64;
+            rows.noise = Some(mean.sqrt());
+        }
+        rows.predict(model);
+        Ok(rows)
+    }
+
+    fn take(&mut self, block: Block, variance: &mut Vec<f64>) {
+        self.q.extend(block.q);
+        self.pose.extend(block.pose);
+        self.reading.extend(block.reading.unwrap_or_default());
+        let std = block.std.unwrap_or_default().into_iter().flatten();
+        variance.extend(std.map(|s| s * s));
+        if let Some(cells) = block.cells {
+            self.cells = cells.count;
+            self.force.extend(cells.force);
+        }
+    }
+
+    fn predict(&mut self, model: &Model) {
+        let cop = Evaluator::new(model, Function::Cop).fastest();
+        let pairs = |q: &[f64]| -> Vec<[f64; 2]> {
+            let flat = cop.run(q, self.len());
+            flat.chunks_exact(2).map(|p| [p[0], p[1]]).collect()
+        };
+        let scale = |(k, q): (usize, &f64)| match model.tree.dofs[k % self.dof].prismatic {
+            true => *q,
+            false => q.to_radians(),
+        };
+        let degrees: Vec<f64> = self.q.iter().enumerate().map(scale).collect();
+        (self.cad, self.cad_of_degrees) = (pairs(&self.q), pairs(&degrees));
+    }
+}
+
+/// What is wrong with rows of a log, and the log without them.
+pub(super) fn screened(
+    log: &LogSource,
+    model: &Model,
+    options: &Options,
+    noise: Option<f64>,
+    watch: &mut dyn Watch,
+) -> Result<(LogSource, Vec<Finding>), Error> {
+    if !log.can_be_read_again() {
+        return Ok((log.clone(), Vec::new()));
+    }
+    let rows = Rows::read(log, model, options, noise, watch)?;
+    let mut left_out = LeftOut::default();
+    let mut findings = Vec::new();
+    findings.extend(contact::lost(&rows, &mut left_out));
+    findings.extend(contact::unplugged(&rows));
+    findings.extend(outside::sole(&rows, &mut left_out));
+    findings.extend(channels::saturated(&rows, &mut left_out));
+    findings.extend(copies::of(&rows, &mut left_out));
+    let log = match left_out.is_nothing() {
+        true => log.clone(),
+        false => log.clone().screened(Arc::new(left_out) as Arc<dyn Screen>),
+    };
+    Ok((log, findings))
+}

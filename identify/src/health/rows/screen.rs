@@ -1,0 +1,90 @@
+//! Rows that are left out of a log, by the rules that a look at it made.
+
+use std::collections::HashSet;
+
+use super::key::{key, reading_of};
+use crate::logs::{Screen, Screening};
+
+/// Takes rows without contact as they are, to look at them.
+#[derive(Debug)]
+pub(super) struct Everything;
+
+impl Screen for Everything {
+    fn start(&self) -> Screening {
+        Box::new(|_| {})
+    }
+}
+
+/// Rules for single rows.
+#[derive(Debug, Clone, Default)]
+pub(super) struct LeftOut {
+    /// Less in total on the cells is no contact, N.
+    pub least_load: Option<f64>,
+    /// A CoP of exactly zero is no contact.
+    pub zero: bool,
+    /// A CoP beyond these corners is no CoP, m.
+    pub sole: Option<[[f64; 2]; 2]>,
+    /// A channel of the CoP (0, 1) at or beyond its end, m.
+    pub ends: Vec<(usize, f64)>,
+    /// Rows that came before, once more.
+    pub copies: bool,
+    /// Added in quadrature to stated deviations, m: steps of the readings.
+    pub steps: [f64; 2],
+}
+
+impl LeftOut {
+    /// Whether every row stays as it is.
+    pub fn is_nothing(&self) -> bool {
+        self.least_load.is_none()
+            && !self.zero
+            && self.sole.is_none()
+            && self.ends.is_empty()
+            && !self.copies
+            && self.steps == [0.0; 2]
+    }
+
+    /// Whether a row of this reading, and these loads, stays.
+    pub fn keeps(&self, reading: [f64; 2], force: &[f64]) -> bool {
+        let standing = self
+            .least_load
+            .is_none_or(|least| force.iter().sum::<f64>() >= least);
+        let seen = !self.zero || reading != [0.0; 2];
+        let inside = self
+            .sole
+            .is_none_or(|[low, high]| (0..2).all(|k| (low[k]..=high[k]).contains(&reading[k])));
+        let beyond = |&(channel, end): &(usize, f64)| match end > 0.0 {
+            true => reading[channel] >= end,
+            false => reading[channel] <= end,
+        };
+        standing && seen && inside && !self.ends.iter().any(beyond)
+    }
+}
+
+impl Screen for LeftOut {
+    fn start(&self) -> Screening {
+        let rules = self.clone();
+        let mut known: HashSet<u64> = HashSet::new();
+        Box::new(move |block| {
+            let Some(reading) = &block.reading else {
+                return;
+            };
+            let dof = block.q.len() / block.len().max(1);
+            let force = |row: usize| match &block.cells {
+                Some(cells) => &cells.force[row * cells.count..(row + 1) * cells.count],
+                None => &[],
+            };
+            let mut keep = |row: usize| {
+                let own = || {
+                    let q = &block.q[row * dof..(row + 1) * dof];
+                    key(q, &reading_of(reading[row], force(row)))
+                };
+                rules.keeps(reading[row], force(row)) && (!rules.copies || known.insert(own()))
+            };
+            let keep: Vec<bool> = (0..block.len()).map(&mut keep).collect();
+            block.retain(&keep);
+            for std in block.std.iter_mut().flatten() {
+                *std = [0, 1].map(|k| std[k].hypot(rules.steps[k]));
+            }
+        })
+    }
+}

@@ -1,0 +1,6 @@
+//! Broken data are seen before any hypothesis; healthy ones are left alone.
+
+mod effects;
+mod log;
+mod rows;
+mod unusable;

@@ -1,0 +1,176 @@
+//! Rows that are left out, and what is found in the rest.
+
+use sesc_identify::diagnose::Verdict;
+use sesc_reference::World;
+
+use super::log::{Log, NOISE_M, POSTURES};
+
+/// An offset that is to be found in what is left.
+const OFFSET: f64 = 0.05;
+
+fn hidden(w: World) -> World {
+    w.joint_offset("r_ank_pitch", OFFSET).unwrap()
+}
+
+/// The kinds and targets of all findings; the rest is diagnosed as ever.
+fn found_beside(log: &Log) -> Vec<(String, String)> {
+    let found = log.diagnose("r_sole").diagnosis;
+    println!("{}", found.sentence);
+    let group = ["r_ank_pitch", "r_knee", "r_hip_pitch", "ground_slope"];
+    let one = |all: &Vec<String>| all.len() == 1 && group.iter().any(|g| all[0].contains(g));
+    assert!(
+        found.indistinguishable.iter().any(one),
+        "{:?}",
+        found.indistinguishable
+    );
+    assert!(found.last.rmse < 3.0 * NOISE_M, "{}", found.last.rmse);
+    let health = found.health.iter();
+    health
+        .map(|h| (h.kind.name().to_string(), h.target.clone()))
+        .collect()
+}
+
+fn only(kind: &str, target: &str) -> Vec<(String, String)> {
+    vec![(kind.to_string(), target.to_string())]
+}
+
+#[test]
+fn a_stretch_without_contact_is_left_out() {
+    let mut log = Log::of("r_sole", &[], hidden, 60);
+    log.cop[20..32].fill([0.0; 2]);
+    assert_eq!(found_beside(&log), only("contact_lost", "-"));
+}
+
+#[test]
+fn readings_far_beyond_the_sole_are_left_out() {
+    let mut log = Log::of("r_sole", &[], hidden, 61);
+    for k in [7, 21, 40, 66] {
+        log.cop[k] = [1.7, -0.9];
+    }
+    assert_eq!(found_beside(&log), only("cop_outside_sole", "-"));
+}
+
+#[test]
+fn a_frame_that_is_not_on_the_sole_is_asked_about() {
+    let mut log = Log::of("r_sole", &[], |w| w, 62);
+    log.cop.iter_mut().for_each(|y| y[0] += 1.2);
+    let found = log.diagnose("r_sole").diagnosis;
+    let kinds: Vec<&str> = found.health.iter().map(|h| h.kind.name()).collect();
+    assert_eq!(kinds, ["cop_outside_sole"]);
+    assert!(found.health[0].sentence.contains("support frame"));
+}
+
+#[test]
+fn copied_rows_count_once() {
+    let mut log = Log::of("r_sole", &[], hidden, 63);
+    for k in 0..POSTURES / 2 {
+        log.q.push(log.q[k].clone());
+        log.cop.push(log.cop[k]);
+    }
+    assert_eq!(found_beside(&log), only("rows_copied", "-"));
+    let found = log.diagnose("r_sole").diagnosis;
+    assert_eq!(found.postures, POSTURES);
+}
+
+#[test]
+fn a_clipped_channel_is_named_by_its_column() {
+    let mut log = Log::of("r_sole", &[], hidden, 64);
+    let mut x: Vec<f64> = log.cop.iter().map(|y| y[0]).collect();
+    x.sort_by(f64::total_cmp);
+    let end = x[POSTURES - 10];
+    log.cop.iter_mut().for_each(|y| y[0] = y[0].min(end));
+    assert_eq!(found_beside(&log), only("channel_saturated", "cop_x"));
+}
+
+#[test]
+fn coarse_steps_of_a_channel_are_said_and_fine_ones_are_not() {
+    let mut log = Log::of("r_sole", &[], hidden, 65);
+    let fine = log.clone();
+    log.stated = Some(NOISE_M);
+    log.cop
+        .iter_mut()
+        .for_each(|y| y[1] = (y[1] / 0.004).round() * 0.004);
+    let found = log.diagnose("r_sole").diagnosis;
+    let health: Vec<(&str, &str)> = found
+        .health
+        .iter()
+        .map(|h| (h.kind.name(), &*h.target))
+        .collect();
+    assert_eq!(health, [("channel_saturated", "cop_y")]);
+    assert_ne!(found.verdict, Verdict::Unexplained, "{}", found.sentence);
+    let mut log = fine;
+    log.cop
+        .iter_mut()
+        .for_each(|y| *y = y.map(|x| (x / 1e-4).round() * 1e-4));
+    assert_eq!(found_beside(&log), []);
+}
+
+#[test]
+fn noise_that_is_far_too_large_is_said() {
+    let mut log = Log::of("r_sole", &[], |w| w, 66);
+    log.stated = Some(NOISE_M);
+    assert!(log.diagnose("r_sole").diagnosis.health.is_empty());
+    log.stated = Some(5.0 * NOISE_M);
+    let found = log.diagnose("r_sole").diagnosis;
+    let kinds: Vec<&str> = found.health.iter().map(|h| h.kind.name()).collect();
+    assert_eq!(kinds, ["noise_overstated"]);
+    assert!(
+        found.health[0].sentence.contains("1.50 mm"),
+        "{}",
+        found.health[0].sentence
+    );
+}
+
+/// Four cells, of which one is unplugged, or all are lifted for a while.
+#[test]
+fn cells_without_load_are_named() {
+    let mut log = Log::of("r_sole", &[], |w| w, 67);
+    let (a, b) = (0.12, 0.12);
+    log.places = vec![[a, b], [a, -b], [-a, -b], [-a, b]];
+    // Loads of a rectangle of cells by bilinear shares.
+    let share = |x: f64, half: f64| 0.5 * (1.0 + x / half);
+    let loads = |[x, y]: [f64; 2]| -> Vec<f64> {
+        let (x, y) = (share(x, a), share(y, b));
+        [x * y, x * (1.0 - y), (1.0 - x) * (1.0 - y), (1.0 - x) * y]
+            .map(|f| 29.0 * f)
+            .to_vec()
+    };
+    log.cells = log.cop.iter().map(|y| loads(*y)).collect();
+    assert!(log.diagnose("r_sole").diagnosis.health.is_empty());
+    let mut lifted = log.clone();
+    lifted.cells[30..45]
+        .iter_mut()
+        .for_each(|row| row.fill(0.0));
+    let found = lifted.diagnose("r_sole").diagnosis;
+    assert_eq!(found.health.len(), 1, "{:?}", found.health);
+    assert_eq!(found.health[0].kind.name(), "contact_lost");
+    assert_eq!(
+        (found.verdict, found.postures),
+        (Verdict::None, POSTURES - 15)
+    );
+    log.cells.iter_mut().for_each(|row| row[1] = 0.0);
+    let found = log.diagnose("r_sole").diagnosis;
+    let health: Vec<(&str, &str)> = found
+        .health
+        .iter()
+        .map(|h| (h.kind.name(), &*h.target))
+        .collect();
+    assert_eq!(health, [("contact_lost", "fsr_2")]);
+}
+
+/// The noise is not known: it is taken from what is left, and columns are looked at all the same.
+#[test]
+fn broken_columns_are_seen_without_a_known_noise() {
+    let mut log = Log::of("r_sole", &[], |w| w, 68);
+    log.noise_is_given = false;
+    assert!(log.diagnose("r_sole").diagnosis.health.is_empty());
+    let mut dead = log.clone();
+    dead.cop.iter_mut().for_each(|y| *y = [0.01, -0.02]);
+    let knee = log.joints.iter().position(|name| name == "r_knee").unwrap();
+    log.q.iter_mut().for_each(|q| q[knee] = 0.1);
+    for (log, kind) in [(dead, "cop_constant"), (log, "encoder_stuck")] {
+        let found = log.diagnose("r_sole").diagnosis;
+        let kinds: Vec<&str> = found.health.iter().map(|h| h.kind.name()).collect();
+        assert_eq!(kinds, [kind], "{}", found.sentence);
+    }
+}

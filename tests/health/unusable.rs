@@ -1,0 +1,70 @@
+//! Data that nothing can be done with, and a stuck encoder.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use sesc_identify::robot::Robot;
+use sesc_reference::World;
+use sesc_test_support::command::ROOT;
+
+use super::log::{Log, POSTURES, finds, finds_nothing};
+
+#[test]
+fn dead_sensors_are_named_and_nothing_is_fitted_to_them() {
+    let mut log = Log::of("r_sole", &[], |w| w, 1);
+    log.cop.iter_mut().for_each(|y| *y = [0.01, -0.02]);
+    finds(&log, "r_sole", "cop_constant", "-", false);
+    let mut log = Log::of("r_sole", &[], |w| w, 2);
+    log.cop.iter_mut().for_each(|y| y[1] = 0.0);
+    finds(&log, "r_sole", "cop_axis_dead", "y", false);
+}
+
+#[test]
+fn the_other_foot_is_named() {
+    let log = Log::of("r_sole", &[], |w| w, 3);
+    finds(&log, "l_sole", "other_foot", "r_sole", false);
+}
+
+/// A frame on the sole whose x axis, or y axis, is its normal.
+#[test]
+fn a_turned_frame_is_named() {
+    let robot = Robot::read(Path::new(&format!("{ROOT}/robots/op2/op2.urdf"))).unwrap();
+    for (seed, rpy) in [(8, "0 1.5707963267948966 0"), (9, "1.5707963267948966 0 0")] {
+        let more = format!(
+            "<link name='turned'/><joint name='turn' type='fixed'><parent link='r_sole'/>\
+             <child link='turned'/><origin xyz='0 0 0' rpy='{rpy}'/></joint></robot>"
+        );
+        let text = robot.text().replace("</robot>", &more);
+        let mut log = Log::of("r_sole", &[], |w| w, seed);
+        log.robot = Arc::new(Robot::parse(&text, "op2.urdf").unwrap());
+        finds(&log, "turned", "frame_turned", "turned", false);
+        finds_nothing(&log, seed);
+    }
+}
+
+#[test]
+fn shuffled_rows_are_seen() {
+    let mut log = Log::of("r_sole", &[], |w| w, 4);
+    // A fixed permutation without a fixed point.
+    let shuffled: Vec<[f64; 2]> = (0..POSTURES)
+        .map(|k| log.cop[(37 * k + 11) % POSTURES])
+        .collect();
+    log.cop = shuffled;
+    finds(&log, "r_sole", "rows_shuffled", "-", false);
+}
+
+#[test]
+fn a_stuck_encoder_is_named_and_a_joint_that_stands_still_is_not() {
+    for joint in ["r_knee", "r_ank_pitch", "r_hip_roll"] {
+        let mut log = Log::of("r_sole", &[], |w| w, 5);
+        let at = log.joints.iter().position(|name| name == joint).unwrap();
+        log.q.iter_mut().for_each(|q| q[at] = 0.1);
+        finds(&log, "r_sole", "encoder_stuck", joint, true);
+    }
+    // It really stands still; nothing, or another joint's offset, is to be found.
+    let still = ["r_knee", "r_hip_pitch", "head_pan", "l_knee"];
+    let log = Log::of("r_sole", &still, |w| w, 6);
+    finds_nothing(&log, 6);
+    let offset = |w: World| w.joint_offset("r_ank_pitch", 0.05).unwrap();
+    finds_nothing(&Log::of("r_sole", &still, offset, 7), 7);
+}
