@@ -27,3 +27,43 @@ pub enum Error {
     #[error("cannot render the report")]
     Report(#[source] Box<dyn std::error::Error + Send + Sync>),
 }
+
+impl Error {
+    /// One word for programs: `usage`, `model`, `log`, `read`, `write` and the other kinds of
+    /// the libraries.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Error::Model(sesc_model::Error::Read { .. }) => "read",
+            Error::Model(sesc_model::Error::Write { .. }) | Error::Stdout(_) => "write",
+            Error::Model(_) | Error::Reference(_) => "model",
+            Error::Codegen(error) => error.kind().name(),
+            Error::Identify(error) => error.kind().name(),
+            Error::Usage(_) => "usage",
+            Error::Report(_) => "internal",
+        }
+    }
+
+    /// The file with the fault.
+    pub fn file(&self) -> Option<&str> {
+        match self {
+            Error::Identify(error) => error.file(),
+            _ => self.model()?.file(),
+        }
+    }
+
+    /// The line or row with the fault, from 1.
+    pub fn line(&self) -> Option<u64> {
+        match self {
+            Error::Identify(error) => error.line(),
+            _ => self.model()?.line(),
+        }
+    }
+
+    fn model(&self) -> Option<&sesc_model::Error> {
+        match self {
+            Error::Model(error) => Some(error),
+            Error::Codegen(error) => error.model(),
+            _ => None,
+        }
+    }
+}

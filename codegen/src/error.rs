@@ -74,6 +74,34 @@ impl Error {
     }
 }
 
+impl ErrorKind {
+    /// One word, stable: for programs that read it.
+    pub fn name(self) -> &'static str {
+        match self {
+            ErrorKind::Model => "model",
+            ErrorKind::Name => "name",
+            ErrorKind::Servos => "servos",
+            ErrorKind::FixedPoint => "fixed_point",
+            ErrorKind::Unbounded => "unbounded",
+            ErrorKind::Read => "read",
+            ErrorKind::Write => "write",
+            ErrorKind::NoSupport => "request",
+            ErrorKind::NotABuildScript => "request",
+            ErrorKind::Internal => "internal",
+        }
+    }
+}
+
+impl Error {
+    /// What is wrong with the robot or its model file, if it is that.
+    pub fn model(&self) -> Option<&sesc_model::Error> {
+        match &*self.0 {
+            Problem::Model(error) => Some(error),
+            _ => None,
+        }
+    }
+}
+
 impl From<Problem> for Error {
     fn from(problem: Problem) -> Error {
         Error(Box::new(problem))

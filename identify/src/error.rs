@@ -162,7 +162,7 @@ impl Error {
     /// The file with the fault.
     pub fn file(&self) -> Option<&str> {
         match &*self.0 {
-            Cause::Model(_) => None,
+            Cause::Model(error) => error.file(),
             Cause::Other { file, .. } => file.as_deref(),
         }
     }
@@ -170,7 +170,7 @@ impl Error {
     /// The line or row with the fault, from 1.
     pub fn line(&self) -> Option<u64> {
         match &*self.0 {
-            Cause::Model(_) => None,
+            Cause::Model(error) => error.line(),
             Cause::Other { line, .. } => *line,
         }
     }

@@ -68,6 +68,32 @@ pub enum Error {
     },
 }
 
+impl Error {
+    /// The file with the fault.
+    pub fn file(&self) -> Option<&str> {
+        match self {
+            Error::Urdf(error) => error.file(),
+            Error::UnknownSupport { file, .. }
+            | Error::NoMass { file }
+            | Error::Read { file, .. }
+            | Error::Write { file, .. }
+            | Error::ModelFile { file, .. } => Some(file),
+            Error::MassBeyondFreeJoint { .. } => None,
+        }
+    }
+
+    /// The line of the first fault, from 1.
+    pub fn line(&self) -> Option<u64> {
+        match self {
+            Error::Urdf(error) => {
+                let lines = error.complaints().iter().find_map(|fault| fault.line);
+                lines.map(u64::from)
+            }
+            _ => None,
+        }
+    }
+}
+
 /// As a person reads it, causes below: a build script that ends in `?` shows this.
 impl fmt::Debug for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

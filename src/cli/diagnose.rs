@@ -73,6 +73,9 @@ pub(super) struct Arguments {
     /// Page to write: where the gap is, what closes it, what these data cannot tell apart
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
+    /// Exit with 1 if the held-out error exceeds K noise floors
+    #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = super::positive)]
+    fail_above: Option<f64>,
     /// Print the result as JSON
     #[arg(long)]
     json: bool,
@@ -129,8 +132,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         true => print_json(&report.diagnosis)?,
         false => print(&text(&report.diagnosis, asked))?,
     }
+    let found = &report.diagnosis;
     Ok(match usable {
-        true => Outcome::Ok,
+        true => super::judged(found.last.rmse, found.noise_floor, arguments.fail_above),
         false => Outcome::Failed,
     })
 }

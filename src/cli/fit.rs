@@ -79,6 +79,9 @@ pub(super) struct Arguments {
     /// Model file to write
     #[arg(long, value_name = "FILE", conflicts_with = "partial")]
     out: Option<PathBuf>,
+    /// Exit with 1 if the held-out error exceeds K noise floors
+    #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = super::positive, conflicts_with = "partial")]
+    fail_above: Option<f64>,
     #[command(flatten)]
     outputs: Outputs,
     /// Print the result as JSON
@@ -135,7 +138,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
             print(&report::fit::corrections(corrected))?;
         }
     }
-    Ok(Outcome::Ok)
+    let (error, floor) = (
+        found.identification.held_out_rmse,
+        found.identification.noise_floor,
+    );
+    Ok(super::judged(error, floor, arguments.fail_above))
 }
 
 /// What is asked for.

@@ -2,6 +2,7 @@
 
 mod demo;
 mod diagnose;
+mod effects;
 mod fit;
 mod fit_outputs;
 mod generate;
@@ -47,6 +48,7 @@ enum Command {
     Predict(predict::Arguments),
     Fit(fit::Arguments),
     Diagnose(diagnose::Arguments),
+    Effects(effects::Arguments),
     Demo(demo::Arguments),
 }
 
@@ -59,7 +61,19 @@ enum Outcome {
 
 /// Run the command line of this process.
 pub fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let json = json_is_wanted();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        // Help and version are answers.
+        Err(error) if !error.use_stderr() => error.exit(),
+        Err(error) => {
+            if json {
+                let rendered = error.render().to_string();
+                print_error("usage", &rendered, None, None);
+            }
+            error.exit()
+        }
+    };
     stay_silent_where_panics_become_errors();
     if let Err(error) = outputs::tidy_when_interrupted() {
         // Results do not depend on it.
@@ -76,6 +90,7 @@ pub fn main() -> ExitCode {
         Command::Predict(arguments) => predict::run(&arguments),
         Command::Fit(arguments) => fit::run(&arguments),
         Command::Diagnose(arguments) => diagnose::run(&arguments),
+        Command::Effects(arguments) => effects::run(&arguments),
         Command::Demo(arguments) => demo::run(&arguments),
     };
     match outcome {
@@ -86,6 +101,9 @@ pub fn main() -> ExitCode {
             ExitCode::SUCCESS
         }
         Err(error) => {
+            if json {
+                print_error(error.kind(), &error.to_string(), error.file(), error.line());
+            }
             complain(&error);
             ExitCode::from(2)
         }
@@ -100,6 +118,24 @@ fn stay_silent_where_panics_become_errors() {
             usual(about);
         }
     }));
+}
+
+/// Whether the answer is read by a program.
+fn json_is_wanted() -> bool {
+    let mut words = std::env::args_os().skip(1).take_while(|word| word != "--");
+    words.any(|word| word == "--json")
+}
+
+/// An error on stdout, for programs; stderr has the sentence, too.
+fn print_error(kind: &str, message: &str, file: Option<&str>, line: Option<u64>) {
+    let about = serde_json::json!({
+        "kind": kind,
+        "message": message.trim_start_matches("error: ").trim_end(),
+        "file": file,
+        "line": line,
+    });
+    // If stdout is closed, nobody reads it.
+    let _ = print_json(&serde_json::json!({ "error": about }));
 }
 
 /// An error and what caused it, on stderr.
@@ -190,11 +226,52 @@ fn print(text: &str) -> Result<(), Error> {
         .map_err(Error::Stdout)
 }
 
+/// What JSON of every command begins with: a number that grows when keys change their
+/// meaning, and the keys of the command.
+#[derive(serde::Serialize)]
+struct Answer<'a, T: serde::Serialize> {
+    schema: u32,
+    #[serde(flatten)]
+    value: &'a T,
+}
+
+/// See [`Answer`].
+const SCHEMA: u32 = 1;
+
 /// A value as JSON on stdout.
 fn print_json(value: &impl serde::Serialize) -> Result<(), Error> {
+    let answer = Answer {
+        schema: SCHEMA,
+        value,
+    };
     let text =
-        serde_json::to_string_pretty(value).map_err(|error| Error::Report(Box::new(error)))?;
+        serde_json::to_string_pretty(&answer).map_err(|error| Error::Report(Box::new(error)))?;
     print(&(text + "\n"))
+}
+
+/// A number above zero.
+fn positive(text: &str) -> Result<f64, String> {
+    let value: Result<f64, _> = text.parse();
+    match value.ok().filter(|value| *value > 0.0 && value.is_finite()) {
+        Some(value) => Ok(value),
+        None => Err("give a number above 0".to_string()),
+    }
+}
+
+/// Whether a held-out error, m, is one that the caller accepts, in noise floors.
+fn judged(error: f64, floor: f64, most: Option<f64>) -> Outcome {
+    // What is not a number is no success either.
+    let within = |most: &f64| error.is_finite() && error <= most * floor;
+    let Some(most) = most.filter(|most| !within(most)) else {
+        return Outcome::Ok;
+    };
+    message(&format!(
+        "check failed: the held-out error is {:.2} mm, which is more than {most} noise floors of \
+         {:.2} mm",
+        1e3 * error,
+        1e3 * floor
+    ));
+    Outcome::Failed
 }
 
 /// A progress bar on a terminal's stderr; silent elsewhere.

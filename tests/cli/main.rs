@@ -1,6 +1,7 @@
 //! The command line as its users meet it: contracts of the JSON, files that
 //! appear whole or not at all, what the commands promise.
 
+mod answers;
 mod model_files;
 mod pipes;
 mod unfinished;

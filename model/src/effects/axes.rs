@@ -1,11 +1,4 @@
-//! The sensor's axes are swapped or flipped.
-//!
-//! ```text
-//! y = (p_y, p_x)       y = (−p_x, p_y)       y = (p_x, −p_y)       y = −p
-//! ```
-//!
-//! No unknown and far from linear: found by full evaluation. A turn by 90° is a
-//! swap with one flip; it is named `sensor_rotation`.
+#![doc = include_str!("pages/sensor_axes.md")]
 
 use super::{Effect, EffectContext, EffectId, Measured, Stage, Target};
 use crate::expr::Id;
@@ -15,6 +8,10 @@ pub(super) struct SensorAxes;
 impl Effect for SensorAxes {
     fn id(&self) -> EffectId {
         EffectId::new("sensor_axes")
+    }
+
+    fn page(&self) -> &'static str {
+        include_str!("pages/sensor_axes.md")
     }
 
     fn stage(&self) -> Stage {

@@ -1,14 +1,4 @@
-//! A joint (or all alike) has a dead band and rests where gravity puts it.
-//!
-//! ```text
-//! φ_j = q_j + (β/2) sign τ_j(φ)          β in rad, whole width
-//! ```
-//!
-//! `τ` under everything else that is known; loose joints slide together from the
-//! middle of their bands, at one speed. Imitated by the joint's offset while
-//! gravity always loads it one way; postures approached from both sides, with
-//! moments of both signs, separate them. Near zero moment a joint that carries
-//! the robot can rest on either side: a fit takes the sides from the log.
+#![doc = include_str!("pages/backlash.md")]
 
 use super::remedy::degrees;
 use super::{Effect, EffectContext, EffectId, Measured, Parameter, Stage, Target, plausible};
@@ -19,6 +9,10 @@ pub(super) struct Backlash;
 impl Effect for Backlash {
     fn id(&self) -> EffectId {
         EffectId::new("backlash")
+    }
+
+    fn page(&self) -> &'static str {
+        include_str!("pages/backlash.md")
     }
 
     fn stage(&self) -> Stage {

@@ -1,17 +1,4 @@
-//! One foot cell reads wrong.
-//!
-//! ```text
-//! f_k   = (1 ± x/a ± y/b) / 4 ± d         loads over the weight, cells at (±a, ±b)
-//! y     = Σ f'_k p_k / Σ f'_k             CoP of what the cells say
-//! f'_k  = g f_k | f_k + o | f_k^γ | s tanh(f_k / s)      gain, zero, exponent, saturation
-//! ```
-//!
-//! A rigid foot on four equal springs: a plane of loads; where a cell would have
-//! to pull it lifts off, and `d` (of alternating sign, the least that will do)
-//! gives its part to its neighbours without moving the CoP. Several faults share
-//! the true loads, whichever comes first. Nothing imitates a cell's gain (residual
-//! share 0.45); small faults of one cell are like an offset. Raw cells show each
-//! directly.
+#![doc = include_str!("pages/cells.md")]
 
 use super::remedy::digits;
 use super::{Effect, EffectContext, EffectId, Measured, Parameter, Stage, Target};
@@ -145,6 +132,10 @@ macro_rules! cell_effect {
         impl Effect for $type {
             fn id(&self) -> EffectId {
                 EffectId::new($name)
+            }
+
+            fn page(&self) -> &'static str {
+                include_str!(concat!("pages/", $name, ".md"))
             }
 
             fn stage(&self) -> Stage {

@@ -1,13 +1,4 @@
-//! Something pulls at a link: a tether, a cable, a hand.
-//!
-//! ```text
-//! N = M g − F_z        p = (M g c_xy − F_z x + F_xy z) / N          F in N, at the
-//!                      origin (x, z) of the link, in the support frame
-//! ```
-//!
-//! The vertical part is a load of mass −F_z/g there, and can never be told from
-//! it: what pulls down is called a payload, a force pulls sideways or up. The horizontal part is imitated by a slope, an offset, an ankle: whatever
-//! shifts the CoP alike in all postures. Repeat the log without the tether.
+#![doc = include_str!("pages/external_force.md")]
 
 use super::context::GRAVITY;
 use super::remedy::signed;
@@ -22,6 +13,10 @@ pub(super) struct ExternalForce;
 impl Effect for ExternalForce {
     fn id(&self) -> EffectId {
         EffectId::new("external_force")
+    }
+
+    fn page(&self) -> &'static str {
+        include_str!("pages/external_force.md")
     }
 
     fn stage(&self) -> Stage {

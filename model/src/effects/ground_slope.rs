@@ -1,12 +1,4 @@
-//! The ground is not level.
-//!
-//! ```text
-//! p = c_xy + c_z θ     θ: rise over run, so gravity points along (θ_x, θ_y, −1)
-//! ```
-//!
-//! Imitated by an ankle's offset (they differ by the ankle's height only), and by
-//! a sensor offset or a tether while the CoM keeps its height. The same postures
-//! after a turn by 180° on the floor separate it completely.
+#![doc = include_str!("pages/ground_slope.md")]
 
 use super::remedy::{degrees, signed};
 use super::{
@@ -20,6 +12,10 @@ pub(super) struct GroundSlope;
 impl Effect for GroundSlope {
     fn id(&self) -> EffectId {
         EffectId::new("ground_slope")
+    }
+
+    fn page(&self) -> &'static str {
+        include_str!("pages/ground_slope.md")
     }
 
     fn stage(&self) -> Stage {

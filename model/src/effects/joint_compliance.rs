@@ -1,12 +1,4 @@
-//! A joint (or all alike) yields to its gravity moment.
-//!
-//! ```text
-//! φ_j = q_j + τ_j(φ) / k          k in Nm/rad, τ_j = −∂(potential)/∂φ_j
-//! ```
-//!
-//! The moment is that of the bent robot with everything it carries. Imitated at a
-//! support ankle by a sensor gain of that axis, a soft sole or soft ground: the
-//! moment is weight times CoP there. Squats of different depth separate them.
+#![doc = include_str!("pages/joint_compliance.md")]
 
 use super::remedy::digits;
 use super::{Effect, EffectContext, EffectId, Measured, Parameter, Stage, Target, plausible};
@@ -17,6 +9,10 @@ pub(super) struct JointCompliance;
 impl Effect for JointCompliance {
     fn id(&self) -> EffectId {
         EffectId::new("joint_compliance")
+    }
+
+    fn page(&self) -> &'static str {
+        include_str!("pages/joint_compliance.md")
     }
 
     fn stage(&self) -> Stage {

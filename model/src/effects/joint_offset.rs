@@ -1,11 +1,4 @@
-//! An encoder's zero lies elsewhere.
-//!
-//! ```text
-//! φ_j = q_j + δ        δ in rad (m for a prismatic joint)
-//! ```
-//!
-//! Imitated by the offset of a joint with a parallel axis (ankle pitch, knee, hip
-//! pitch) and at the ankles by a slope. Deep squats separate the parallel ones.
+#![doc = include_str!("pages/joint_offset.md")]
 
 use super::remedy::{EncoderMap, degrees, millimetres, signed};
 use super::{Effect, EffectContext, EffectId, Measured, Parameter, Stage, Target, UrdfEdit};
@@ -17,6 +10,10 @@ pub(super) struct JointOffset;
 impl Effect for JointOffset {
     fn id(&self) -> EffectId {
         EffectId::new("joint_offset")
+    }
+
+    fn page(&self) -> &'static str {
+        include_str!("pages/joint_offset.md")
     }
 
     fn stage(&self) -> Stage {

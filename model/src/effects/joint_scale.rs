@@ -1,11 +1,4 @@
-//! An encoder's angle is stretched: a wrong gear ratio or resolution.
-//!
-//! ```text
-//! φ_j = (1 + s) q_j
-//! ```
-//!
-//! Imitated by the same joint's offset while the joint keeps to a narrow range
-//! away from zero; a wide range on both sides of zero separates the two.
+#![doc = include_str!("pages/joint_scale.md")]
 
 use super::remedy::EncoderMap;
 use super::{Effect, EffectContext, EffectId, Measured, Parameter, Stage, Target, plausible};
@@ -16,6 +9,10 @@ pub(super) struct JointScale;
 impl Effect for JointScale {
     fn id(&self) -> EffectId {
         EffectId::new("joint_scale")
+    }
+
+    fn page(&self) -> &'static str {
+        include_str!("pages/joint_scale.md")
     }
 
     fn stage(&self) -> Stage {

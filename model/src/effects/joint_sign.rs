@@ -1,10 +1,4 @@
-//! An encoder counts backwards.
-//!
-//! ```text
-//! φ_j = −q_j
-//! ```
-//!
-//! No unknown and far from linear: found by full evaluation.
+#![doc = include_str!("pages/joint_sign.md")]
 
 use super::remedy::EncoderMap;
 use super::{Effect, EffectContext, EffectId, Measured, Stage, Target};
@@ -15,6 +9,10 @@ pub(super) struct JointSign;
 impl Effect for JointSign {
     fn id(&self) -> EffectId {
         EffectId::new("joint_sign")
+    }
+
+    fn page(&self) -> &'static str {
+        include_str!("pages/joint_sign.md")
     }
 
     fn stage(&self) -> Stage {

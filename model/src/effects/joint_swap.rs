@@ -1,10 +1,4 @@
-//! Two encoders are plugged into each other's channel.
-//!
-//! ```text
-//! φ_a = q_b            φ_b = q_a
-//! ```
-//!
-//! No unknown and far from linear: found by full evaluation of every pair.
+#![doc = include_str!("pages/joint_swap.md")]
 
 use super::{Effect, EffectContext, EffectId, Measured, Stage, Target};
 use crate::expr::Id;
@@ -14,6 +8,10 @@ pub(super) struct JointSwap;
 impl Effect for JointSwap {
     fn id(&self) -> EffectId {
         EffectId::new("joint_swap")
+    }
+
+    fn page(&self) -> &'static str {
+        include_str!("pages/joint_swap.md")
     }
 
     fn stage(&self) -> Stage {

@@ -10,6 +10,7 @@
 //! (its sentence, bounds, load, edit of a URDF, behaviour in an experiment) is a
 //! method of [`Effect`]: a new effect is one file and one line in `standard.rs`.
 
+pub mod about;
 mod axes;
 mod backlash;
 mod catalog;
@@ -115,6 +116,12 @@ pub enum UrdfEdit {
 pub trait Effect: Sync {
     /// Which one it is; its name is that of reports and model files.
     fn id(&self) -> EffectId;
+
+    /// What it is, for people: a sentence, the equation in a block, what imitates it and
+    /// which postures tell it apart; Markdown.
+    fn page(&self) -> &'static str {
+        ""
+    }
 
     /// When it acts.
     fn stage(&self) -> Stage;

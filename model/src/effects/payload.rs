@@ -1,13 +1,4 @@
-//! A link carries a mass that its URDF does not know, or lacks one.
-//!
-//! ```text
-//! r' = (1 − μ) r + W_l (μ, μ p)          μ = m / (M + m), p in the link's frame, m
-//! ```
-//!
-//! Linear in μ and μ p. A load on the foot is imitated by a sensor offset, loads
-//! on neighbouring links by each other while their arms change little; the sum
-//! of raw cells shows the mass itself. Bounds: the arm stays within reach of the
-//! link, no more is missing than the link's body has.
+#![doc = include_str!("pages/payload.md")]
 
 use super::remedy::{grams, point};
 use super::{
@@ -40,6 +31,10 @@ pub(super) struct Payload;
 impl Effect for Payload {
     fn id(&self) -> EffectId {
         EffectId::new("payload")
+    }
+
+    fn page(&self) -> &'static str {
+        include_str!("pages/payload.md")
     }
 
     fn stage(&self) -> Stage {

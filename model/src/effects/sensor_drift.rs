@@ -1,12 +1,4 @@
-//! The sensor wanders while the log is taken.
-//!
-//! ```text
-//! y = p + u d          u from 0 (first posture) to 1 (last), by time where the
-//!                      log has it, else by pose number; d in m over the log
-//! ```
-//!
-//! Imitated by nothing that belongs to postures if their order is random; sorted
-//! postures make it look like whatever they are sorted by.
+#![doc = include_str!("pages/sensor_drift.md")]
 
 use super::remedy::{millimetres, signed};
 use super::{
@@ -20,6 +12,10 @@ pub(super) struct SensorDrift;
 impl Effect for SensorDrift {
     fn id(&self) -> EffectId {
         EffectId::new("sensor_drift")
+    }
+
+    fn page(&self) -> &'static str {
+        include_str!("pages/sensor_drift.md")
     }
 
     fn stage(&self) -> Stage {

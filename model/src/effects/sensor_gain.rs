@@ -1,12 +1,4 @@
-//! The sensor stretches an axis.
-//!
-//! ```text
-//! y_k = (1 + g_k) p_k
-//! ```
-//!
-//! Imitated by a soft ankle (its deflection grows with the CoP), by a load on the
-//! foot, by slow motion (which adds ω² h / g). A wide range of CoP and standing
-//! still separate it from noise; squats of different depth from the ankle.
+#![doc = include_str!("pages/sensor_gain.md")]
 
 use super::remedy::digits;
 use super::{Effect, EffectContext, EffectId, Measured, Parameter, Stage, Target, plausible};
@@ -17,6 +9,10 @@ pub(super) struct SensorGain;
 impl Effect for SensorGain {
     fn id(&self) -> EffectId {
         EffectId::new("sensor_gain")
+    }
+
+    fn page(&self) -> &'static str {
+        include_str!("pages/sensor_gain.md")
     }
 
     fn stage(&self) -> Stage {

@@ -1,13 +1,4 @@
-//! The sensor's zero lies elsewhere.
-//!
-//! ```text
-//! y = p + o            o in m
-//! ```
-//!
-//! Imitated by a load on the foot, and by a slope, a tether or an ankle's offset
-//! as long as the CoM keeps its height; turning the robot by 180° on the floor,
-//! the other foot, or squats of different depth separate it. Source: the facts
-//! of plate and insole sensors; `sensor_offset` of the study of discrepancies.
+#![doc = include_str!("pages/sensor_offset.md")]
 
 use super::remedy::{millimetres, signed};
 use super::{Effect, EffectContext, EffectId, Measured, Parameter, Stage, Target};
@@ -18,6 +9,10 @@ pub(super) struct SensorOffset;
 impl Effect for SensorOffset {
     fn id(&self) -> EffectId {
         EffectId::new("sensor_offset")
+    }
+
+    fn page(&self) -> &'static str {
+        include_str!("pages/sensor_offset.md")
     }
 
     fn stage(&self) -> Stage {

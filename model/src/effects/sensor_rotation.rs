@@ -1,11 +1,4 @@
-//! The sensor is rotated about the vertical.
-//!
-//! ```text
-//! y = Rot(ψ) p         ψ in rad, counter-clockwise seen from above
-//! ```
-//!
-//! Nothing imitates it (residual share 0.99 on bench postures). Linearised
-//! rotations are wrong by ψ²/2 of the CoP: sine and cosine are kept.
+#![doc = include_str!("pages/sensor_rotation.md")]
 
 use super::remedy::{degrees, signed};
 use super::{Effect, EffectContext, EffectId, Measured, Parameter, Stage, Target};
@@ -16,6 +9,10 @@ pub(super) struct SensorRotation;
 impl Effect for SensorRotation {
     fn id(&self) -> EffectId {
         EffectId::new("sensor_rotation")
+    }
+
+    fn page(&self) -> &'static str {
+        include_str!("pages/sensor_rotation.md")
     }
 
     fn stage(&self) -> Stage {

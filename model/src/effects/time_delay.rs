@@ -1,10 +1,4 @@
-//! Joint angles and readings are not of the same moment.
-//!
-//! ```text
-//! φ = q(t + d) ≈ q + d q' + d² q''/2          d in s: angles older than readings
-//! ```
-//!
-//! Seen in motion only: logs with `t`. Nothing else follows the velocities.
+#![doc = include_str!("pages/time_delay.md")]
 
 use super::remedy::signed;
 use super::{
@@ -18,6 +12,10 @@ pub(super) struct TimeDelay;
 impl Effect for TimeDelay {
     fn id(&self) -> EffectId {
         EffectId::new("time_delay")
+    }
+
+    fn page(&self) -> &'static str {
+        include_str!("pages/time_delay.md")
     }
 
     fn stage(&self) -> Stage {

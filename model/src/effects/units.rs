@@ -1,10 +1,4 @@
-//! A column is in another unit than the log says.
-//!
-//! ```text
-//! φ = q π/180 (degrees)       y = 1000 p (millimetres)       y = 100 p (centimetres)
-//! ```
-//!
-//! No unknown and far from linear: found by full evaluation.
+#![doc = include_str!("pages/units.md")]
 
 use super::{Effect, EffectContext, EffectId, Measured, Stage, Target};
 use crate::expr::Id;
@@ -14,6 +8,10 @@ pub(super) struct Units;
 impl Effect for Units {
     fn id(&self) -> EffectId {
         EffectId::new("units")
+    }
+
+    fn page(&self) -> &'static str {
+        include_str!("pages/units.md")
     }
 
     fn stage(&self) -> Stage {

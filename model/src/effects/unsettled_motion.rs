@@ -1,12 +1,4 @@
-//! The robot was still moving: its CoP is not that of a posture.
-//!
-//! ```text
-//! p = c_xy − a (c_z / g) c''_xy          a = 1: the zero moment point
-//! ```
-//!
-//! `c'' ≈ Σ ∂c/∂q_j q''_j`, which drops terms of second order in the velocities:
-//! to first order the CoM of joints that lag by `a (h/g) q''`. Imitated by a sensor gain in slow
-//! sinusoidal motion (gain 1 + ω² h / g). Logs with `t` only.
+#![doc = include_str!("pages/unsettled_motion.md")]
 
 use super::context::GRAVITY;
 use super::remedy::digits;
@@ -21,6 +13,10 @@ pub(super) struct UnsettledMotion;
 impl Effect for UnsettledMotion {
     fn id(&self) -> EffectId {
         EffectId::new("unsettled_motion")
+    }
+
+    fn page(&self) -> &'static str {
+        include_str!("pages/unsettled_motion.md")
     }
 
     fn stage(&self) -> Stage {

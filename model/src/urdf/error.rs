@@ -33,6 +33,16 @@ pub enum Error {
 }
 
 impl Error {
+    /// The file, as the caller named it.
+    pub fn file(&self) -> Option<&str> {
+        match self {
+            Error::Missing { file }
+            | Error::Directory { file }
+            | Error::Unreadable { file, .. } => Some(file),
+            Error::Faulty(complaints) => complaints.first().map(|fault| fault.file.as_str()),
+        }
+    }
+
     /// The faults of the text; none when the file could not be read at all.
     pub fn complaints(&self) -> &[Complaint] {
         match self {

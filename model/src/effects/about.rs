@@ -1,0 +1,152 @@
+//! What there is to know of an effect without a robot: its name, what it acts on, its
+//! parameters, its page.
+
+use serde::Serialize;
+
+use super::{Catalog, Effect, EffectContext, Target};
+use crate::robot::Robot;
+use crate::snap::Snapping;
+use crate::urdf;
+
+/// One effect, as `sesc effects` lists it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct EffectAbout {
+    /// As in reports and model files: `joint_offset`.
+    pub name: &'static str,
+    /// What its target is: `joint`, `joint or all`, `two joints`, `link`, `cell`, one of a few
+    /// ways by name, or `-` where it has none.
+    pub target: String,
+    /// Its parameters; of a joint those of revolute and of prismatic ones.
+    pub parameters: Vec<ParameterAbout>,
+    /// What it is, in a sentence.
+    pub sentence: &'static str,
+    /// Sentence, equation, what imitates it and what tells it apart; Markdown.
+    pub page: &'static str,
+}
+
+/// One parameter of an effect.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct ParameterAbout {
+    /// With its unit at the end: `offset_rad`.
+    pub name: &'static str,
+    /// `rad`, `m`, `kg`, `N`, `s`, `Nm/rad`; `1` where it has none.
+    pub unit: &'static str,
+}
+
+/// A robot with a joint of each kind, for what depends on the kind.
+const EXAMPLE: &str = "<robot name='example'>\
+    <link name='foot'/>\
+    <link name='shank'><inertial><mass value='1'/></inertial></link>\
+    <link name='thigh'><inertial><mass value='1'/></inertial></link>\
+    <link name='trunk'><inertial><mass value='1'/></inertial></link>\
+    <joint name='ankle' type='revolute'><parent link='foot'/><child link='shank'/>\
+    <axis xyz='0 1 0'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>\
+    <joint name='knee' type='revolute'><parent link='shank'/><child link='thigh'/>\
+    <axis xyz='0 1 0'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>\
+    <joint name='lift' type='prismatic'><parent link='thigh'/><child link='trunk'/>\
+    <axis xyz='0 0 1'/><limit lower='0' upper='1' effort='1' velocity='1'/></joint></robot>";
+/// Its cells, m.
+const CELLS: [[f64; 2]; 4] = [[0.1, 0.05], [0.1, -0.05], [-0.1, -0.05], [-0.1, 0.05]];
+
+/// Units at the ends of names, the longest first.
+const UNITS: [(&str, &str); 6] = [
+    ("_nm_per_rad", "Nm/rad"),
+    ("_rad", "rad"),
+    ("_kg", "kg"),
+    ("_m", "m"),
+    ("_n", "N"),
+    ("_s", "s"),
+];
+
+/// All effects of `catalog`, in its order.
+pub fn about(catalog: &Catalog) -> Vec<EffectAbout> {
+    let robot = urdf::parse(EXAMPLE, "example.urdf")
+        .ok()
+        .and_then(|read| Robot::new(&read, "foot", Snapping::default()).ok())
+        .expect("the example is a robot");
+    let context = EffectContext::new(&robot, &CELLS, true, catalog.clone());
+    catalog.iter().map(|effect| one(effect, &context)).collect()
+}
+
+fn one(effect: &dyn Effect, context: &EffectContext) -> EffectAbout {
+    let targets = effect.targets(context);
+    let mut parameters: Vec<ParameterAbout> = Vec::new();
+    for target in &targets {
+        for parameter in effect.parameters(context, target) {
+            if parameters.iter().all(|known| known.name != parameter.name) {
+                let unit = UNITS.iter().find(|(end, _)| parameter.name.ends_with(end));
+                parameters.push(ParameterAbout {
+                    name: parameter.name,
+                    unit: unit.map_or("1", |(_, unit)| unit),
+                });
+            }
+        }
+    }
+    let page = effect.page();
+    EffectAbout {
+        name: effect.id().name(),
+        target: kind(&targets),
+        parameters,
+        sentence: page.lines().next().unwrap_or_default(),
+        page,
+    }
+}
+
+/// What all of these are.
+fn kind(targets: &[Target]) -> String {
+    let ways: Vec<&str> = targets
+        .iter()
+        .filter_map(|target| match target {
+            Target::Way(name) => Some(*name),
+            _ => None,
+        })
+        .collect();
+    let has = |wanted: fn(&Target) -> bool| targets.iter().any(wanted);
+    let joint = has(|t| matches!(t, Target::Joint(_)));
+    let all = has(|t| matches!(t, Target::AllJoints));
+    match (joint, all) {
+        (true, true) => "joint or all",
+        (true, false) => "joint",
+        (false, true) => "all",
+        _ if has(|t| matches!(t, Target::Joints(..))) => "two joints",
+        _ if has(|t| matches!(t, Target::Link(_))) => "link",
+        _ if has(|t| matches!(t, Target::Cell(_))) => "cell",
+        _ if !ways.is_empty() => return ways.join(", "),
+        _ => "-",
+    }
+    .to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_effect_has_a_sentence_an_equation_and_units() {
+        let all = about(&Catalog::standard());
+        assert_eq!(all.len(), Catalog::standard().iter().len());
+        for effect in &all {
+            assert!(effect.sentence.ends_with('.'), "{}", effect.name);
+            assert!(effect.sentence.len() < 90, "{}", effect.name);
+            assert!(effect.page.contains("```text\n"), "{}", effect.name);
+        }
+        let named = |name: &str| all.iter().find(|effect| effect.name == name).unwrap();
+        let parameters = |name: &str| -> Vec<(&str, &str)> {
+            let parameters = named(name).parameters.iter();
+            parameters.map(|p| (p.name, p.unit)).collect()
+        };
+        assert_eq!(
+            parameters("joint_offset"),
+            [("offset_rad", "rad"), ("offset_m", "m")]
+        );
+        assert_eq!(parameters("joint_sign"), []);
+        assert_eq!(parameters("payload")[0], ("mass_kg", "kg"));
+        assert_eq!(named("joint_offset").target, "joint");
+        assert_eq!(named("backlash").target, "joint or all");
+        assert_eq!(named("joint_swap").target, "two joints");
+        assert_eq!(named("payload").target, "link");
+        assert_eq!(named("cell_gain").target, "cell");
+        assert_eq!(named("sensor_offset").target, "-");
+        assert_eq!(named("units").target, "degrees, millimetres, centimetres");
+    }
+}

@@ -1,0 +1,85 @@
+//! `sesc effects`
+
+use clap::Args;
+use serde::Serialize;
+use sesc_model::effects::Catalog;
+use sesc_model::effects::about::{EffectAbout, about};
+
+use super::{Outcome, print, print_json};
+use crate::Error;
+use crate::report::table::Table;
+
+/// What a diagnosis may also name, besides effects.
+const BESIDE: &str = "\nA diagnosis may also say `mass_distribution` (masses are not CAD's, beyond \
+    their\ntolerances) and `cop_outliers` (postures whose readings no noise explains).\n\n\
+    sesc effects NAME explains one: its equation, what imitates it, and which postures\n\
+    tell it apart.\n";
+
+/// List the effects that a diagnosis knows, or explain one
+#[derive(Args)]
+#[command(
+    after_help = "Examples:\n  sesc effects\n  sesc effects joint_offset\n  sesc effects --json"
+)]
+pub(super) struct Arguments {
+    /// Effect to explain
+    name: Option<String>,
+    /// Print the result as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Serialize)]
+struct Listed {
+    effects: Vec<EffectAbout>,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
+    let mut effects = about(&Catalog::standard());
+    if let Some(name) = &arguments.name {
+        let names: Vec<&str> = effects.iter().map(|effect| effect.name).collect();
+        if !names.contains(&name.as_str()) {
+            let names = names.join(", ");
+            return Err(Error::Usage(format!(
+                "no effect `{name}`; the effects are {names}"
+            )));
+        }
+        effects.retain(|effect| effect.name == name);
+    }
+    match (arguments.json, &arguments.name) {
+        (true, _) => print_json(&Listed { effects })?,
+        (false, Some(_)) => print(&effects.iter().map(page).collect::<String>())?,
+        (false, None) => print(&(table(&effects) + BESIDE))?,
+    }
+    Ok(Outcome::Ok)
+}
+
+fn table(effects: &[EffectAbout]) -> String {
+    let mut table = Table::new(&["effect", "acts on", "parameters", "what it is"]);
+    for effect in effects {
+        table.row(&[
+            effect.name,
+            &effect.target,
+            &parameters(effect),
+            effect.sentence,
+        ]);
+    }
+    table.to_string()
+}
+
+fn parameters(effect: &EffectAbout) -> String {
+    let names: Vec<&str> = effect.parameters.iter().map(|p| p.name).collect();
+    names.join(", ")
+}
+
+/// The page of one effect.
+fn page(effect: &EffectAbout) -> String {
+    let parameters = match effect.parameters.is_empty() {
+        true => "none".to_string(),
+        false => parameters(effect),
+    };
+    let text = effect.page.replace("```text\n", "").replace("```\n", "");
+    format!(
+        "{}: {text}\nacts on     {}\nparameters  {parameters}\n",
+        effect.name, effect.target
+    )
+}

@@ -1,0 +1,105 @@
+//! What programs read: the list of effects, errors as JSON, exit codes that judge.
+
+use serde_json::Value;
+use sesc_test_support::command::{folder, op2, refused, sesc, stdout, write};
+
+#[test]
+fn effects_are_listed_and_explained() {
+    let json: Value = serde_json::from_str(&stdout(&sesc(&["effects", "--json"]))).unwrap();
+    assert!(json["schema"].is_u64());
+    let effects = json["effects"].as_array().unwrap();
+    let named = |name: &str| effects.iter().find(|e| e["name"] == name).unwrap();
+    let offset = named("joint_offset");
+    assert_eq!(offset["target"], "joint");
+    assert_eq!(
+        offset["parameters"][0],
+        serde_json::json!({"name": "offset_rad", "unit": "rad"})
+    );
+    for name in "sensor_offset sensor_gain sensor_rotation sensor_drift cell_gain ground_slope \
+                 payload joint_scale joint_sign joint_swap joint_compliance backlash \
+                 external_force time_delay units cell_offset cell_exponent cell_saturation"
+        .split_whitespace()
+    {
+        assert!(named(name)["sentence"].as_str().unwrap().ends_with('.'));
+    }
+    let table = stdout(&sesc(&["effects"]));
+    assert!(table.contains("backlash") && table.contains("joint or all"));
+    let one = stdout(&sesc(&["effects", "backlash"]));
+    assert!(one.contains("φ_j = q_j + (β/2) sign τ_j(φ)"), "{one}");
+    assert!(one.contains("parameters  width_rad"), "{one}");
+    refused(
+        &sesc(&["effects", "backlsh"]),
+        &["no effect `backlsh`", "backlash"],
+    );
+}
+
+/// On stdout for programs, on stderr for people; with what is known of the place.
+#[test]
+fn errors_are_json_where_json_is_asked_for() {
+    let error = |arguments: &[&str]| -> Value {
+        let output = sesc(arguments);
+        assert_eq!(output.status.code(), Some(2));
+        let stderr = String::from_utf8(output.stderr).unwrap();
+        let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert!(json["schema"].is_u64());
+        let message = json["error"]["message"].as_str().unwrap();
+        assert!(stderr.contains(message), "{stderr}: {message}");
+        json["error"].clone()
+    };
+    let folder = folder();
+    let log = write(folder.path(), "log.csv", "pose,cop_x,cop_y\n0,1,2\n");
+    let found = error(&[
+        "fit",
+        &op2(),
+        "--support",
+        "r_sole",
+        "--data",
+        &log,
+        "--json",
+    ]);
+    assert_eq!(
+        (&found["kind"], &found["file"]),
+        (&"log".into(), &log.into())
+    );
+    let broken = write(
+        folder.path(),
+        "a.urdf",
+        "<robot name='a'>\n<link name='b'>\n</robot>",
+    );
+    let found = error(&["inspect", &broken, "--support", "b", "--json"]);
+    assert_eq!(found["kind"], "model");
+    assert_eq!(
+        (&found["file"], &found["line"]),
+        (&broken.into(), &3.into())
+    );
+    let found = error(&["inspect", "--json", "--suport", "x"]);
+    assert_eq!(found["kind"], "usage");
+    // Without the flag stdout is empty.
+    assert!(sesc(&["inspect", "none.urdf"]).stdout.is_empty());
+}
+
+/// `--fail-above` counts noise floors; the answer is printed all the same.
+#[test]
+fn an_error_above_the_callers_limit_is_exit_code_1() {
+    let folder = folder();
+    let log = folder.path().join("log.csv").display().to_string();
+    let simulate = ["simulate", &op2(), "--support", "r_sole", "--poses", "120"];
+    stdout(&sesc(
+        &[&simulate[..], &["--noise", "0.0005", "--out", &log]].concat(),
+    ));
+    for command in ["fit", "diagnose"] {
+        let plain = [command, &op2(), "--data", &log, "--json"];
+        let at = |floors: &str| sesc(&[&plain[..], &["--fail-above", floors]].concat());
+        assert_eq!(at("3").status.code(), Some(0), "{command}");
+        let failed = at("0.2");
+        assert_eq!(failed.status.code(), Some(1), "{command}");
+        let stderr = String::from_utf8(failed.stderr).unwrap();
+        assert!(stderr.contains("more than 0.2 noise floors"), "{stderr}");
+        let json: Value = serde_json::from_slice(&failed.stdout).unwrap();
+        assert!(json["noise_floor"].as_f64().unwrap() > 0.0);
+        refused(
+            &sesc(&[command, &op2(), "--data", &log, "--fail-above", "-1"]),
+            &["above 0"],
+        );
+    }
+}
