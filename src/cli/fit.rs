@@ -1,6 +1,6 @@
 //! `sesc fit`
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
@@ -10,7 +10,7 @@ use super::fit_outputs::Outputs;
 use super::{Bar, Outcome, message, outputs, print, print_json};
 use crate::Error;
 use crate::report;
-use crate::report::fit::FitReport;
+use crate::report::fit::{FitReport, Unusable};
 use sesc_identify::fit::part::Part;
 use sesc_identify::fit::prior::{Prior, PriorChoice};
 use sesc_identify::fit::robust::Loss;
@@ -102,6 +102,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     if let Some(path) = &arguments.partial {
         let part = fit::gather(&request, bar)?;
         bar.0.finish_and_clear();
+        if let Some(broken) = part.gathered.unusable() {
+            message(&broken.sentence);
+            message(&not_written(path));
+            return Ok(Outcome::Failed);
+        }
         part.write(path)?;
         message(&format!(
             "wrote {}: {} postures as factors",
@@ -116,6 +121,15 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         .notes
         .iter()
         .for_each(|note| message(&format!("note: {note}")));
+    if !found.identification.is_usable() {
+        let named = arguments.out.iter().chain(arguments.outputs.files());
+        named.for_each(|path| message(&not_written(path)));
+        match arguments.json {
+            true => print_json(&Unusable::of(&found.identification))?,
+            false => print(&report::fit::text(&found.identification))?,
+        }
+        return Ok(Outcome::Failed);
+    }
     if let Some(path) = &arguments.out {
         let text = toml::to_string(&found.model_file);
         files::write(path, &text.map_err(|error| Error::Report(Box::new(error)))?)?;
@@ -143,6 +157,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         found.identification.noise_floor,
     );
     Ok(super::judged(error, floor, arguments.fail_above))
+}
+
+fn not_written(path: &Path) -> String {
+    format!("{} is not written: the data cannot be used", path.display())
 }
 
 /// What is asked for.

@@ -61,6 +61,7 @@ pub(super) fn render(page: &str, context: Value) -> Result<String, Error> {
         ("page.html", include_str!("page.html")),
         ("demo.html", include_str!("demo.html")),
         ("diagnose.html", include_str!("diagnose.html")),
+        ("health.html", include_str!("health.html")),
         ("fit.html", include_str!("fit.html")),
         ("plan.html", include_str!("plan.html")),
     ] {

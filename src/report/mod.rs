@@ -7,6 +7,7 @@
 pub mod diagnose;
 pub mod figures;
 pub mod fit;
+pub mod health;
 pub mod html;
 pub mod plan;
 mod svg;

@@ -1,5 +1,6 @@
 //! Broken data are seen before any hypothesis; healthy ones are left alone.
 
+mod command;
 mod effects;
 mod log;
 mod rows;

@@ -3,7 +3,7 @@
 use super::findings::{Found, Verdict};
 use super::leftover::Misfit;
 use super::problem::Problem;
-use crate::health::{Finding, Leftover};
+use crate::health::{Finding, Leftover, Picture};
 
 /// A finding where it is, and where there are samples enough to know.
 pub(super) fn overstated(problem: &Problem, found: &Found) -> Option<Finding> {
@@ -22,4 +22,20 @@ pub(super) fn overstated(problem: &Problem, found: &Found) -> Option<Finding> {
         source: problem.data.noise_source,
     }
     .overstated_noise()
+    .map(|finding| Finding {
+        picture: Some(left(problem, found)),
+        ..finding
+    })
+}
+
+/// What is left of each posture, mm.
+fn left(problem: &Problem, found: &Found) -> Picture {
+    let left = |row: usize| 1e3 * found.best.residual[row] / problem.weight[row];
+    let postures = (0..problem.data.len()).step_by(1 + problem.data.len() / 500);
+    Picture {
+        title: "What is left of the CoP, mm".to_string(),
+        points: postures
+            .flat_map(|k| [0, 1].map(|axis| (k + 1, left(2 * k + axis), true)))
+            .collect(),
+    }
 }

@@ -13,6 +13,7 @@ use super::summary::{
     range_error, row_norms, unobservable,
 };
 
+use crate::health;
 use crate::lsq::information::{Beyond, information, of_rows};
 use crate::observations::noise::{Leftover, Noise, NoiseSource, UNLIKELY, widening};
 
@@ -63,6 +64,17 @@ pub fn identify_within(
         None => 1.0,
     };
     let inflation = inflation.max(1.0);
+    let mut health = gathered.health.clone();
+    let over = health::Leftover {
+        chi2: left.sum / (noise.sigma * noise.sigma),
+        expected: left.df,
+        taken: free.rank as f64,
+        samples: rows,
+        noise_m: noise.floor,
+        floor_m: noise.floor,
+        source: noise.source,
+    };
+    health.extend(over.overstated_noise());
     if noise.source == NoiseSource::Unknown {
         warnings.push(format!(
             "{rows} rows for {} directions leave nothing to tell the noise from, and CAD's error \
@@ -173,6 +185,7 @@ pub fn identify_within(
         correlations: correlations(model, &estimate.covariance),
         parameters,
         down_weighted: gathered.down_weighted.clone(),
+        health,
         warnings,
         active_bounds: masses.as_ref().map(|masses| masses.active.clone()),
         estimate,

@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
 use sesc_model::standard::Shift;
 
 use super::robust::Robust;
+use crate::health::Finding;
 use crate::logs::Block;
 use crate::lsq::factor::Factor;
 use crate::lsq::solve::{self, Estimate};
@@ -104,6 +105,9 @@ pub struct Gathered {
     /// Rows whose stated deviation no sensor has.
     #[serde(default)]
     pub tiny: u64,
+    /// What is wrong with the logs themselves.
+    #[serde(default)]
+    pub health: Vec<Finding>,
     #[serde(skip)]
     pub(super) postures: Grouping<Group>,
 }
@@ -139,6 +143,7 @@ impl Gathered {
             overfull: 0,
             averaged: 0.0,
             tiny: 0,
+            health: Vec::new(),
             postures: Grouping::default(),
         }
     }
@@ -146,6 +151,11 @@ impl Gathered {
     /// Number of parameters.
     pub fn params(&self) -> usize {
         self.folds[0].weighted.params()
+    }
+
+    /// Why the logs cannot be used, if they cannot.
+    pub fn unusable(&self) -> Option<&Finding> {
+        self.health.iter().find(|f| f.kind.makes_unusable())
     }
 
     /// Whether rows carry deviations of their own.
@@ -347,6 +357,7 @@ impl Gathered {
         self.overfull += other.overfull;
         self.averaged += other.averaged;
         self.tiny += other.tiny;
+        self.health.extend(other.health);
         Ok(())
     }
 

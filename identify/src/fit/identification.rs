@@ -6,6 +6,7 @@ use sesc_model::{Information, Model, ModelFile};
 use super::gather::{DownWeighted, LogUsed};
 use super::masses::Masses;
 use super::prior::Prior;
+use crate::health::Finding;
 use crate::lsq::solve::Estimate;
 use crate::observations::noise::NoiseSource;
 use crate::observations::repeats::LackOfFit;
@@ -147,6 +148,8 @@ pub struct Identification {
     pub correlations: Vec<Correlation>,
     /// Postures that a robust loss trusts less.
     pub down_weighted: Vec<DownWeighted>,
+    /// What is wrong with the data themselves.
+    pub health: Vec<Finding>,
     /// Warnings as sentences.
     pub warnings: Vec<String>,
     /// Bounds of physical masses that hold the fit back; none where it was not bounded.
@@ -164,6 +167,11 @@ pub struct Identification {
 }
 
 impl Identification {
+    /// Whether the data can be used: what was fitted to others is no result.
+    pub fn is_usable(&self) -> bool {
+        !self.health.iter().any(|f| f.kind.makes_unusable())
+    }
+
     /// Correlations of the parameters with each other; NaN where one has no deviation.
     pub fn correlation_matrix(&self) -> Vec<Vec<f64>> {
         let covariance = &self.estimate.covariance;

@@ -100,7 +100,8 @@ impl<'r> Logs<'r> {
         Ok((measurement, gathered))
     }
 
-    fn first_support(&self) -> Result<String, Error> {
+    /// The support whose parameters are meant.
+    pub(super) fn first_support(&self) -> Result<String, Error> {
         if let Some(support) = &self.support {
             return Ok(support.clone());
         }

@@ -6,6 +6,7 @@
 //! parts ──────────────────┴▶ merged ─▶ fit ─▶ report ─▶ model file, URDF, residuals
 //! ```
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use sesc_model::{Model, ModelFile, Snapping};
@@ -19,6 +20,7 @@ use super::part::{About, Part};
 use super::prior::PriorChoice;
 use super::residuals::{self, Residual};
 use super::robust::Loss;
+use crate::health::{self, Finding};
 use crate::logs::{Angles, LogSource, Options, Readings};
 use crate::observations::rows::Measurement;
 use crate::robot::Robot;
@@ -128,7 +130,8 @@ pub fn fit(request: &Request, watch: &mut dyn Watch) -> Result<Report, Error> {
             ]));
         }
     }
-    let part = gather(request, watch)?;
+    let (request, health) = screened(request, watch)?;
+    let (request, part) = (&*request, gathered(&request, health, watch)?);
     let robot = Robot::parse(&part.urdf, &part.urdf_file)?;
     let snapping = match part.snapped {
         true => Snapping::default(),
@@ -184,6 +187,56 @@ pub fn fit(request: &Request, watch: &mut dyn Watch) -> Result<Report, Error> {
 /// # Errors
 /// As [`fit`].
 pub fn gather(request: &Request, watch: &mut dyn Watch) -> Result<Part, Error> {
+    let (request, health) = screened(request, watch)?;
+    gathered(&request, health, watch)
+}
+
+/// The request with its logs as far as they can be used, and what is wrong with them.
+fn screened<'r>(
+    request: &'r Request,
+    watch: &mut dyn Watch,
+) -> Result<(Cow<'r, Request>, Vec<Finding>), Error> {
+    let parts = request.parts.first().map(|(_, part)| part);
+    if request.logs.is_empty() {
+        return Ok((Cow::Borrowed(request), Vec::new()));
+    }
+    let robot = robot_of(request, parts)?;
+    let support = request.support.clone();
+    let support = support.or_else(|| parts.map(|part| part.support.clone()));
+    let logs = logs(request, &robot, support, None);
+    let model = robot.model(&logs.first_support()?, request.snapping, None)?;
+    let reading = health::Reading {
+        options: &logs.options,
+        snapping: request.snapping,
+        noise: request.noise,
+        alone: request.logs.len() == 1 && request.parts.is_empty(),
+    };
+    let (mut usable, mut findings) = (Vec::new(), Vec::new());
+    for log in &request.logs {
+        let (log, found) = health::look(log, &robot, &model, reading, watch)?;
+        usable.push(log);
+        findings.extend(found);
+    }
+    if findings.is_empty() {
+        return Ok((Cow::Borrowed(request), findings));
+    }
+    let request = Request {
+        logs: usable,
+        ..request.clone()
+    };
+    Ok((Cow::Owned(request), findings))
+}
+
+/// The robot of the logs.
+fn robot_of(request: &Request, parts: Option<&Part>) -> Result<Arc<Robot>, Error> {
+    match (&request.robot, parts) {
+        (Some(robot), _) => Ok(Arc::clone(robot)),
+        (None, Some(part)) => Ok(Arc::new(Robot::parse(&part.urdf, &part.urdf_file)?)),
+        (None, None) => Err(Error::request("no robot: give the URDF before the logs")),
+    }
+}
+
+fn gathered(request: &Request, health: Vec<Finding>, watch: &mut dyn Watch) -> Result<Part, Error> {
     let mut parts = request.parts.iter();
     let mut whole = parts.next().map(|(_, part)| part.clone());
     if let Some(whole) = &mut whole {
@@ -213,6 +266,7 @@ pub fn gather(request: &Request, watch: &mut dyn Watch) -> Result<Part, Error> {
         ", or factor files"
     ];
     let mut whole = whole.ok_or_else(|| Error::request(nothing))?;
+    whole.gathered.health.extend(health);
     if let Some(support) = &request.support {
         whole.stand_on(support)?;
     }
@@ -253,11 +307,7 @@ fn check_settled(request: &Request, whole: &Part) -> Result<(), Error> {
 }
 
 fn of_logs(request: &Request, parts: Option<&Part>, watch: &mut dyn Watch) -> Result<Part, Error> {
-    let robot = match (&request.robot, parts) {
-        (Some(robot), _) => Arc::clone(robot),
-        (None, Some(part)) => Arc::new(Robot::parse(&part.urdf, &part.urdf_file)?),
-        (None, None) => return Err(Error::request("no robot: give the URDF before the logs")),
-    };
+    let robot = robot_of(request, parts)?;
     let support = request.support.clone();
     let support = support.or_else(|| parts.map(|part| part.support.clone()));
     let folds = parts.map(|part| part.gathered.folds.len());

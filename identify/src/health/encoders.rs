@@ -15,7 +15,7 @@ use super::criteria::{
 };
 use super::statistics::{gap, scatter};
 use super::wirings::Wirings;
-use super::{Finding, Kind, Look};
+use super::{Finding, Kind, Look, Picture};
 use crate::evaluate::Evaluator;
 
 /// Rounds of the search for where the joint is, and its largest step, rad or m.
@@ -115,8 +115,16 @@ pub(super) fn stuck(look: &Look, wirings: &Wirings) -> Option<Stuck> {
             100.0 * most / total
         ),
     );
+    let unit = if dof_of.prismatic {
+        ("mm", 1e3)
+    } else {
+        ("°", 1f64.to_degrees())
+    };
+    let title = format!("{} as the CoP has it, {}", dof_of.joint, unit.0);
+    let at = |k: usize| unit.1 * (data.q[k * dof + joint] + best.far[k]);
+    let picture = Picture::of(&title, n, at, |_| true);
     Some(Stuck {
-        finding,
+        finding: finding.showing(picture),
         less_known,
         joint,
     })

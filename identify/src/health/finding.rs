@@ -1,6 +1,8 @@
 //! What is said of data: kinds, targets, sentences.
 
-use serde::{Serialize, Serializer};
+use super::Picture;
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// What is wrong with data.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -66,6 +68,29 @@ impl Kind {
     }
 }
 
+/// Every kind, those first that make data unusable.
+pub const KINDS: [Kind; 11] = [
+    Kind::CopConstant,
+    Kind::CopAxisDead,
+    Kind::OtherFoot,
+    Kind::FrameTurned,
+    Kind::RowsShuffled,
+    Kind::EncoderStuck,
+    Kind::CopOutsideSole,
+    Kind::RowsCopied,
+    Kind::ChannelSaturated,
+    Kind::NoiseOverstated,
+    Kind::ContactLost,
+];
+
+impl<'de> Deserialize<'de> for Kind {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Kind, D::Error> {
+        let name = String::deserialize(deserializer)?;
+        let known = KINDS.into_iter().find(|kind| kind.name() == name);
+        known.ok_or_else(|| D::Error::custom(format!("`{name}` is no kind of finding")))
+    }
+}
+
 impl Serialize for Kind {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_str(self.name())
@@ -73,7 +98,7 @@ impl Serialize for Kind {
 }
 
 /// One thing that is wrong with the data themselves.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Finding {
     /// What it is.
     pub kind: Kind,
@@ -81,6 +106,9 @@ pub struct Finding {
     pub target: String,
     /// What was seen and what to do.
     pub sentence: String,
+    /// What a figure shows of it.
+    #[serde(skip)]
+    pub picture: Option<Picture>,
 }
 
 impl Finding {
@@ -89,6 +117,14 @@ impl Finding {
             kind,
             target: target.to_string(),
             sentence,
+            picture: None,
+        }
+    }
+
+    pub(super) fn showing(self, picture: Picture) -> Finding {
+        Finding {
+            picture: Some(picture),
+            ..self
         }
     }
 }

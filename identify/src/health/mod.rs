@@ -18,7 +18,9 @@ mod encoders;
 mod finding;
 mod frames;
 mod leftover;
+mod look;
 mod order;
+mod picture;
 mod rows;
 mod statistics;
 mod wirings;
@@ -31,8 +33,10 @@ use crate::logs::{LogSource, Options};
 use crate::observations::postures::Postures;
 use crate::robot::Robot;
 use crate::watch::Watch;
-pub use finding::{Finding, Kind};
+pub use finding::{Finding, KINDS, Kind};
 pub use leftover::Leftover;
+pub use look::{Reading, look};
+pub use picture::Picture;
 use wirings::Wirings;
 
 /// What is found.

@@ -7,6 +7,7 @@ use minijinja::{Error, context};
 
 use super::{count, effect, parameters, servo, where_to};
 use crate::report::figures::diagnose as figures;
+use crate::report::health;
 use crate::report::html::render;
 use crate::report::table::mm;
 use sesc_identify::diagnose::findings::{Diagnosis, Verdict};
@@ -29,6 +30,7 @@ pub fn page(found: &Diagnosis, view: &DiagnosisView) -> Result<String, Error> {
         headline => headline(found, view),
         verdict => verdict(found.verdict),
         postures => count(found.postures, "posture"),
+        health => health::rows(&found.health),
         class_size => found.class.len(),
         noise_source => found.noise_source.phrase(),
         steps => steps(found),

@@ -10,6 +10,7 @@ mod cop;
 pub mod diagnose;
 mod errors;
 pub mod fit;
+mod health;
 mod height;
 mod lengths;
 mod parameters;
@@ -19,6 +20,7 @@ mod tests;
 
 pub use cop::{cop_over_postures, cop_plane};
 pub use errors::errors;
+pub use health::health;
 pub use height::{height_level, height_shape};
 pub use lengths::{lengths_base, lengths_full};
 pub use parameters::parameters;

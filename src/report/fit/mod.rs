@@ -11,6 +11,7 @@ use serde::Serialize;
 use sesc_identify::fit::Identification;
 use sesc_identify::fit::corrected::Corrected;
 use sesc_identify::fit::residuals::Residual;
+use sesc_identify::health::Finding;
 
 pub use correction::corrections;
 pub use page::page;
@@ -28,6 +29,25 @@ pub struct FitReport<'a> {
     /// What the page shows besides.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub shown: Option<&'a Shown>,
+}
+
+/// What `sesc fit` prints as JSON of data that cannot be used.
+#[derive(Debug, Clone, Serialize)]
+pub struct Unusable<'a> {
+    /// Always `unusable`.
+    pub verdict: &'static str,
+    /// Why.
+    pub health: &'a [Finding],
+}
+
+impl<'a> Unusable<'a> {
+    /// Of a fit to such data.
+    pub fn of(found: &'a Identification) -> Unusable<'a> {
+        Unusable {
+            verdict: "unusable",
+            health: &found.health,
+        }
+    }
 }
 
 /// What only the page shows.

@@ -5,6 +5,7 @@ use minijinja::{Error, context};
 
 use super::{FitReport, Shown};
 use crate::report::figures::fit as figures;
+use crate::report::health;
 use crate::report::html::render;
 
 /// Parameters whose correlations fit on a map.
@@ -25,6 +26,7 @@ pub fn page(report: &FitReport<'_>) -> Result<String, Error> {
         shifts => report.corrected.map(|corrected| {
             corrected.links.iter().map(|change| change.shift()).collect::<Vec<f64>>()
         }),
+        health => health::rows(&found.health),
         command => &shown.command,
         residuals => shown.residuals.len(),
         bounds => &found.active_bounds,

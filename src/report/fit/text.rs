@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::report::table::Table;
+use crate::report::table::{Table, wrapped};
 use sesc_identify::fit::Identification;
 
 /// Fewer degrees of freedom than this are mentioned.
@@ -19,6 +19,12 @@ pub fn text(found: &Identification) -> String {
         found.postures,
         found.readings
     );
+    for finding in &found.health {
+        let _ = writeln!(out, "{}\n", wrapped(&finding.sentence, ""));
+    }
+    if !found.is_usable() {
+        return out;
+    }
     let _ = write!(out, "{}", parameters(found));
     let _ = writeln!(out, "\n{}", facts(found));
     let _ = write!(out, "{}", unseen(found));

@@ -8,18 +8,17 @@ use super::screen::LeftOut;
 use super::steps::step;
 use crate::health::criteria::{CLIPPED_MORE, CLIPPED_SHARE, COARSE_LEVELS, COARSE_NOISE, FEW_ROWS};
 use crate::health::statistics::scatter;
-use crate::health::{Finding, Kind};
+use crate::health::{Finding, Kind, Picture};
 
 /// Channels of the CoP, or of the cells, that are clipped or quantised.
 pub(super) fn saturated(rows: &Rows, left_out: &mut LeftOut) -> Vec<Finding> {
     let mut found = Vec::new();
-    let force = |k: usize| if rows.cells > 0 { rows.force(k) } else { &[] };
     let kept: Vec<usize> = (0..rows.len())
-        .filter(|&k| left_out.keeps(rows.reading[k], force(k)))
+        .filter(|&k| left_out.keeps(rows.reading[k], rows.force(k)))
         .collect();
     if rows.cells > 0 {
         for cell in 0..rows.cells {
-            let loads: Vec<f64> = kept.iter().map(|&k| force(k)[cell]).collect();
+            let loads: Vec<f64> = kept.iter().map(|&k| rows.force(k)[cell]).collect();
             found.extend(end(rows, &kept, &loads).map(|count| clipped_cell(cell, &loads, count)));
         }
         return found;
@@ -34,7 +33,10 @@ pub(super) fn saturated(rows: &Rows, left_out: &mut LeftOut) -> Vec<Finding> {
             };
             let at = sign * largest(&signed);
             left_out.ends.push((channel, at));
-            found.push(Finding::new(
+            let title = format!("{name}, mm");
+            let value = |k: usize| 1e3 * values[k];
+            let picture = Picture::of(&title, values.len(), value, |k| values[k] == at);
+            let finding = Finding::new(
                 Kind::ChannelSaturated,
                 name,
                 format!(
@@ -43,11 +45,14 @@ pub(super) fn saturated(rows: &Rows, left_out: &mut LeftOut) -> Vec<Finding> {
                     1e3 * at,
                     rows.len()
                 ),
-            ));
+            );
+            found.push(finding.showing(picture));
         }
         if let Some(step) = coarse_step(&values, rows.noise) {
             left_out.steps[channel] = step / f64::sqrt(12.0);
-            found.push(Finding::new(
+            let title = format!("{name}, mm");
+            let picture = Picture::of(&title, values.len(), |k| 1e3 * values[k], |_| true);
+            let finding = Finding::new(
                 Kind::ChannelSaturated,
                 name,
                 format!(
@@ -56,7 +61,8 @@ pub(super) fn saturated(rows: &Rows, left_out: &mut LeftOut) -> Vec<Finding> {
                     1e3 * step,
                     1e3 * step / f64::sqrt(12.0)
                 ),
-            ));
+            );
+            found.push(finding.showing(picture));
         }
     }
     found
@@ -70,7 +76,10 @@ fn clipped_cell(cell: usize, loads: &[f64], count: usize) -> Finding {
         largest(loads),
         loads.len()
     );
-    Finding::new(Kind::ChannelSaturated, &name, sentence)
+    let most = largest(loads);
+    let title = format!("Load on {name}, N");
+    let picture = Picture::of(&title, loads.len(), |k| loads[k], |k| loads[k] == most);
+    Finding::new(Kind::ChannelSaturated, &name, sentence).showing(picture)
 }
 
 fn largest(values: &[f64]) -> f64 {

@@ -3,7 +3,7 @@
 use super::Rows;
 use super::screen::LeftOut;
 use crate::health::criteria::{CAD_ELSEWHERE_M, FEW_ROWS, LOADED, MOST_LOST};
-use crate::health::{Finding, Kind};
+use crate::health::{Finding, Kind, Picture};
 
 /// Rows without load, or with a CoP of exactly zero where CAD has it elsewhere.
 pub(super) fn lost(rows: &Rows, left_out: &mut LeftOut) -> Option<Finding> {
@@ -20,12 +20,7 @@ pub(super) fn lost(rows: &Rows, left_out: &mut LeftOut) -> Option<Finding> {
         let zero = |k: &usize| rows.reading[*k] == [0.0; 2] && elsewhere(*k);
         rules.zero = (0..rows.len()).filter(zero).count() >= FEW_ROWS;
     }
-    let gone = |k: usize| {
-        !rules.keeps(
-            rows.reading[k],
-            if rows.cells > 0 { rows.force(k) } else { &[] },
-        )
-    };
+    let gone = |k: usize| !rules.keeps(rows.reading[k], rows.force(k));
     let lost: Vec<usize> = (0..rows.len()).filter(|&k| gone(k)).collect();
     let few = if rows.cells > 0 { 1 } else { FEW_ROWS };
     if lost.len() < few || lost.len() as f64 > MOST_LOST * rows.len() as f64 {
@@ -39,7 +34,7 @@ pub(super) fn lost(rows: &Rows, left_out: &mut LeftOut) -> Option<Finding> {
         _ => "next to nothing stands on the cells",
     };
     let share = 100.0 * lost.len() as f64 / rows.len() as f64;
-    Some(Finding::new(
+    let finding = Finding::new(
         Kind::ContactLost,
         "-",
         format!(
@@ -52,7 +47,18 @@ pub(super) fn lost(rows: &Rows, left_out: &mut LeftOut) -> Option<Finding> {
                 "stretches"
             },
         ),
-    ))
+    );
+    let length = |k: usize| 1e3 * rows.reading[k][0].hypot(rows.reading[k][1]);
+    let load = |k: usize| rows.force(k).iter().sum::<f64>();
+    Some(finding.showing(match rows.cells {
+        0 => Picture::of(
+            "Distance of the CoP from the origin, mm",
+            rows.len(),
+            length,
+            gone,
+        ),
+        _ => Picture::of("Load on all cells, N", rows.len(), load, gone),
+    }))
 }
 
 /// Cells that never show a load while the others do.
@@ -75,11 +81,15 @@ pub(super) fn unplugged(rows: &Rows) -> Vec<Finding> {
         )
     };
     let of = |cell: usize| {
+        let load = |k: usize| rows.force(k)[cell];
+        let title = format!("Load on fsr_{}, N", cell + 1);
+        let picture = Picture::of(&title, rows.len(), load, |_| true);
         Finding::new(
             Kind::ContactLost,
             &format!("fsr_{}", cell + 1),
             sentence(cell),
         )
+        .showing(picture)
     };
     dead.into_iter().map(of).collect()
 }

@@ -12,16 +12,15 @@ use super::screen::LeftOut;
 use super::steps::step;
 use crate::health::criteria::{COPIED_SHARE, FEW_ROWS, FINE, HELD_SHARE};
 use crate::health::statistics::scatter;
-use crate::health::{Finding, Kind};
+use crate::health::{Finding, Kind, Picture};
 
 pub(super) fn of(rows: &Rows, left_out: &mut LeftOut) -> Option<Finding> {
-    let force = |k: usize| if rows.cells > 0 { rows.force(k) } else { &[] };
     let mut known: HashMap<u64, i64> = HashMap::new();
     let mut readings: HashSet<u64> = HashSet::new();
     let (mut copied, mut held) = (Vec::new(), 0);
     let mut postures: HashSet<u64> = HashSet::new();
-    for k in (0..rows.len()).filter(|&k| left_out.keeps(rows.reading[k], force(k))) {
-        let reading = reading_of(rows.reading[k], force(k));
+    for k in (0..rows.len()).filter(|&k| left_out.keeps(rows.reading[k], rows.force(k))) {
+        let reading = reading_of(rows.reading[k], rows.force(k));
         let (own, alone) = (key(rows.q(k), &reading), key(&[], &reading));
         match known.get(&own) {
             Some(&pose) => {
@@ -44,7 +43,7 @@ pub(super) fn of(rows: &Rows, left_out: &mut LeftOut) -> Option<Finding> {
         return None;
     }
     left_out.copies = true;
-    Some(Finding::new(
+    let finding = Finding::new(
         Kind::RowsCopied,
         "-",
         format!(
@@ -53,7 +52,11 @@ pub(super) fn of(rows: &Rows, left_out: &mut LeftOut) -> Option<Finding> {
             copied.len(),
             rows.len()
         ),
-    ))
+    );
+    let copied: HashSet<usize> = copied.into_iter().collect();
+    let x = |k: usize| 1e3 * rows.reading[k][0];
+    let meant = |k: usize| copied.contains(&k);
+    Some(finding.showing(Picture::of("CoP x, mm", rows.len(), x, meant)))
 }
 
 /// Whether readings meet by chance, for they are rounded.

@@ -23,11 +23,13 @@ use std::sync::Arc;
 use sesc_model::{Function, Model};
 
 use super::Finding;
+use super::criteria::FEW_ROWS;
 use crate::Error;
 use crate::evaluate::Evaluator;
 use crate::logs::{Block, LogSource, Options, PostureReader, Screen};
 use crate::watch::{Watch, tell};
-use screen::{Everything, LeftOut};
+use screen::Everything;
+pub(super) use screen::LeftOut;
 
 /// Rows that are looked at, at most.
 pub(super) const ROWS: usize = 50_000;
@@ -61,13 +63,13 @@ impl Rows {
         &self.q[row * self.dof..(row + 1) * self.dof]
     }
 
-    /// Forces of the cells of a row, N.
+    /// Forces of the cells of a row, N; none where the log has a CoP.
     pub fn force(&self, row: usize) -> &[f64] {
         &self.force[row * self.cells..(row + 1) * self.cells]
     }
 
     /// Rows of a log that stand on the model's support.
-    fn read(
+    pub fn read(
         log: &LogSource,
         model: &Model,
         options: &Options,
@@ -140,6 +142,21 @@ impl Rows {
     }
 }
 
+/// What is wrong with rows, and what to leave out.
+pub(super) fn judge(rows: &Rows) -> (LeftOut, Vec<Finding>) {
+    let mut left_out = LeftOut::default();
+    let mut findings = Vec::new();
+    if rows.len() < FEW_ROWS {
+        return (left_out, findings);
+    }
+    findings.extend(contact::lost(rows, &mut left_out));
+    findings.extend(contact::unplugged(rows));
+    findings.extend(outside::sole(rows, &mut left_out));
+    findings.extend(channels::saturated(rows, &mut left_out));
+    findings.extend(copies::of(rows, &mut left_out));
+    (left_out, findings)
+}
+
 /// What is wrong with rows of a log, and the log without them.
 pub(super) fn screened(
     log: &LogSource,
@@ -152,13 +169,7 @@ pub(super) fn screened(
         return Ok((log.clone(), Vec::new()));
     }
     let rows = Rows::read(log, model, options, noise, watch)?;
-    let mut left_out = LeftOut::default();
-    let mut findings = Vec::new();
-    findings.extend(contact::lost(&rows, &mut left_out));
-    findings.extend(contact::unplugged(&rows));
-    findings.extend(outside::sole(&rows, &mut left_out));
-    findings.extend(channels::saturated(&rows, &mut left_out));
-    findings.extend(copies::of(&rows, &mut left_out));
+    let (left_out, findings) = judge(&rows);
     let log = match left_out.is_nothing() {
         true => log.clone(),
         false => log.clone().screened(Arc::new(left_out) as Arc<dyn Screen>),

@@ -11,7 +11,7 @@ use super::Rows;
 use super::screen::LeftOut;
 use crate::health::criteria::{FOLLOWS, MARGIN_M, MARGIN_OF_CLOUD, MOST_OUTSIDE, OTHER_UNIT};
 use crate::health::statistics::{left_by_plane, scatter};
-use crate::health::{Finding, Kind};
+use crate::health::{Finding, Kind, Picture};
 
 pub(super) fn sole(rows: &Rows, left_out: &mut LeftOut) -> Option<Finding> {
     let everywhere = rows.cad.iter().chain(&rows.cad_of_degrees);
@@ -62,7 +62,12 @@ pub(super) fn sole(rows: &Rows, left_out: &mut LeftOut) -> Option<Finding> {
             format!("{seen}: these rows are left out; check the sensor's cable and the topic.")
         }
     };
-    Some(Finding::new(Kind::CopOutsideSole, "-", sentence))
+    let length = |k: usize| 1e3 * rows.reading[k][0].hypot(rows.reading[k][1]);
+    let title = "Distance of the CoP from the origin, mm";
+    let picture = Picture::of(title, total, length, |k| {
+        !inside.keeps(rows.reading[k], &[])
+    });
+    Some(Finding::new(Kind::CopOutsideSole, "-", sentence).showing(picture))
 }
 
 /// Whether readings are CAD's CoP in another unit.

@@ -17,7 +17,7 @@ impl Screen for Everything {
 
 /// Rules for single rows.
 #[derive(Debug, Clone, Default)]
-pub(super) struct LeftOut {
+pub(in crate::health) struct LeftOut {
     /// Less in total on the cells is no contact, N.
     pub least_load: Option<f64>,
     /// A CoP of exactly zero is no contact.

@@ -1,0 +1,132 @@
+//! One look at a log for a fit, in memory that does not grow with it.
+//!
+//! The first rows are looked at one by one and, thinned out, as postures. A stuck encoder
+//! leaves its joint's motion to the noise:
+//!
+//! ```text
+//! σ² → σ² + (a ∂p/∂q_j)²        a: how far the joint may be from where it says
+//! ```
+
+use std::fmt;
+use std::sync::Arc;
+
+use sesc_model::{Function, Model, Snapping};
+
+use super::criteria::{ANYWHERE, UNKNOWN_NOISE_M};
+use super::rows::{self, Rows};
+use super::{Finding, Health, examine};
+use crate::Error;
+use crate::evaluate::Evaluator;
+use crate::logs::{Block, LogSource, Options, Screen, Screening};
+use crate::observations::postures::Postures;
+use crate::robot::Robot;
+use crate::watch::Watch;
+
+/// Postures that are looked at, at most.
+const POSTURES: usize = 2000;
+
+/// How a log of a fit is read.
+#[derive(Debug, Clone, Copy)]
+pub struct Reading<'a> {
+    /// Units, links, support.
+    pub options: &'a Options,
+    /// How decimals of right angles are read.
+    pub snapping: Snapping,
+    /// Standard deviation of a single reading, m, where the user says.
+    pub noise: Option<f64>,
+    /// Whether no other log is fitted with it: rows may be told deviations then.
+    pub alone: bool,
+}
+
+/// What is wrong with a log on the model's support, and the log without it.
+///
+/// # Errors
+/// What is wrong with the log; when `watch` stops it.
+pub fn look(
+    log: &LogSource,
+    robot: &Robot,
+    model: &Model,
+    reading: Reading,
+    watch: &mut dyn Watch,
+) -> Result<(LogSource, Vec<Finding>), Error> {
+    if !log.can_be_read_again() {
+        return Ok((log.clone(), Vec::new()));
+    }
+    let rows = Rows::read(log, model, reading.options, reading.noise, watch)?;
+    let (left_out, findings) = rows::judge(&rows);
+    let stride = rows.len().div_ceil(POSTURES).max(1);
+    let kept = |k: &usize| left_out.keeps(rows.reading[*k], rows.force(*k));
+    let chosen: Vec<usize> = (0..rows.len()).filter(kept).step_by(stride).collect();
+    if chosen.is_empty() {
+        return Ok((log.clone(), findings));
+    }
+    let noise = rows.noise.unwrap_or(UNKNOWN_NOISE_M);
+    let q: Vec<f64> = chosen.iter().flat_map(|&k| rows.q(k)).copied().collect();
+    let cop: Vec<f64> = chosen.iter().flat_map(|&k| rows.reading[k]).collect();
+    let data = Postures::given(rows.dof, &q, &cop, noise, 0.0);
+    let Health {
+        findings, stuck, ..
+    } = examine(robot, model, reading.snapping, &data).after(findings);
+    let inner = (!left_out.is_nothing()).then(|| Arc::new(left_out) as Arc<dyn Screen>);
+    let screen: Option<Arc<dyn Screen>> = match stuck.first() {
+        Some(&joint) => Some(Arc::new(LessKnown {
+            inner,
+            slopes: Arc::new(Evaluator::new(model, Function::ComJacobian).fastest()),
+            joint,
+            dof: rows.dof,
+            anywhere: match model.tree.dofs[joint].prismatic {
+                true => ANYWHERE.1,
+                false => ANYWHERE.0,
+            },
+            noise: reading.alone.then_some(noise),
+        })),
+        None => inner,
+    };
+    let log = log.clone();
+    let log = match screen {
+        Some(screen) => log.screened(screen),
+        None => log,
+    };
+    Ok((log, findings))
+}
+
+/// Rows count for less along the motion of one joint.
+struct LessKnown {
+    inner: Option<Arc<dyn Screen>>,
+    slopes: Arc<Evaluator>,
+    joint: usize,
+    dof: usize,
+    anywhere: f64,
+    /// Of rows that state none, m.
+    noise: Option<f64>,
+}
+
+impl fmt::Debug for LessKnown {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "LessKnown({}, {:?})", self.joint, self.inner)
+    }
+}
+
+impl Screen for LessKnown {
+    fn start(&self) -> Screening {
+        let mut inner = self.inner.as_ref().map(|inner| inner.start());
+        let (slopes, noise) = (Arc::clone(&self.slopes), self.noise);
+        let (joint, dof, anywhere) = (self.joint, self.dof, self.anywhere);
+        Box::new(move |block: &mut Block| {
+            if let Some(inner) = &mut inner {
+                inner(block);
+            }
+            let n = block.len();
+            if let (None, Some(noise)) = (&block.std, noise) {
+                block.std = Some(vec![[noise; 2]; n]);
+            }
+            let slopes = slopes.run(&block.q, n);
+            for (k, std) in block.std.iter_mut().flatten().enumerate() {
+                *std = [0, 1].map(|axis| {
+                    let slope = slopes[(3 * k + axis) * dof + joint];
+                    std[axis].hypot(anywhere * slope)
+                });
+            }
+        })
+    }
+}

@@ -1,0 +1,34 @@
+//! What is wrong with data, row by row.
+
+use super::super::svg::{Axes, Figure, HEADING, MUTED, Mark, ORANGE, key, span};
+use sesc_identify::health::Picture;
+
+/// One number over the rows of a log, the rows that are meant apart.
+pub fn health(picture: &Picture) -> String {
+    const EDGES: [f64; 4] = [52.0, 32.0, 704.0, 206.0];
+    let meant = picture.points.iter().filter(|point| point.2).count();
+    let label = format!(
+        "{} over {} rows, of which the finding is about {meant}",
+        picture.title,
+        picture.points.len()
+    );
+    let mut figure = Figure::new([720.0, 244.0], &label);
+    let last = picture.points.last().map_or(1, |point| point.0);
+    let plane = Axes {
+        title: &picture.title,
+        x: 0.0..(last + 1) as f64,
+        y: span(picture.points.iter().map(|point| point.1)),
+        x_name: "row",
+        ticks: [8, 5],
+        edges: EDGES,
+    }
+    .draw(&mut figure);
+    let (row, found) = (Mark::Ring(MUTED), Mark::Dot(ORANGE));
+    for &(at, value, meant) in &picture.points {
+        let mark = if meant { found } else { row };
+        figure.mark(plane.at([at as f64, value]), mark);
+    }
+    let marks = [(row, "row"), (found, "what the finding is about")];
+    key(&mut figure, EDGES[2], EDGES[1] - HEADING, &marks);
+    figure.finish()
+}
