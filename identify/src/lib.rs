@@ -14,6 +14,7 @@ mod error;
 pub mod evaluate;
 pub mod fit;
 pub mod health;
+pub mod hide;
 pub mod logs;
 #[doc(hidden)]
 pub mod lsq;

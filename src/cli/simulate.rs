@@ -6,12 +6,13 @@ use clap::Args;
 
 use super::{Bar, Outcome, RobotArguments, message};
 use crate::Error;
+use sesc_identify::hide::hide;
 use sesc_identify::simulate::{self, Request};
 
 /// Write a posture log of an ideal robot, with CoP noise
 #[derive(Args)]
 #[command(
-    after_help = "Example:\n  sesc simulate robots/op2/op2.urdf --support r_sole --poses 1000 --range 30 --noise 0.00493 --out log.csv"
+    after_help = "Examples:\n  sesc simulate robots/op2/op2.urdf --support r_sole --poses 1000 --range 30 --noise 0.00493 --out log.csv\n  sesc simulate op2.urdf --support r_sole --poses 200 --noise 0.0005 --hide joint_offset:r_knee=1.5deg --hide backlash:all=0.5deg --out log.csv"
 )]
 pub(super) struct Arguments {
     #[command(flatten)]
@@ -31,6 +32,9 @@ pub(super) struct Arguments {
     /// Parameters of the simulated robot, and their support unless --support is given; else CAD
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
+    /// Effect that the robot shall have, several times if wanted: see `sesc effects`
+    #[arg(long, value_name = "EFFECT[:TARGET]=VALUE")]
+    hide: Vec<String>,
     /// Log to write (.csv, .csv.gz or .parquet); its sidecar gets the same name with .toml
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
@@ -38,6 +42,7 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let (_, model) = arguments.robot.load(arguments.model.as_deref())?;
+    let model = hide(model, &arguments.hide)?;
     let poses = usize::try_from(arguments.poses).unwrap_or(usize::MAX);
     let mut request = Request::new(model, poses);
     request.range = arguments.range.map(f64::to_radians);

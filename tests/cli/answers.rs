@@ -103,3 +103,28 @@ fn an_error_above_the_callers_limit_is_exit_code_1() {
         );
     }
 }
+
+/// What is hidden in a simulated robot is what its diagnosis names.
+#[test]
+fn effects_are_hidden_in_simulated_robots() {
+    let folder = folder();
+    let log = folder.path().join("log.csv").display().to_string();
+    let of = |hidden: &str| {
+        let (robot, on) = (op2(), ["--support", "r_sole", "--poses", "120"]);
+        let rest = ["--range", "40", "--noise", "0.0005", "--out", &log];
+        sesc(&[&["simulate", &robot][..], &on, &rest, &["--hide", hidden]].concat())
+    };
+    stdout(&of("joint_sign:l_knee"));
+    let found = sesc(&["diagnose", &op2(), "--data", &log, "--json"]);
+    let found: Value = serde_json::from_str(&stdout(&found)).unwrap();
+    assert_eq!(found["verdict"], "named", "{}", found["sentence"]);
+    assert_eq!(
+        found["indistinguishable"],
+        serde_json::json!([["joint_sign:l_knee"]])
+    );
+    refused(&of("joint_offset:l_knee=3mm"), &["units deg", "offset_rad"]);
+    refused(
+        &of("joint_ofset:l_knee=3deg"),
+        &["joint_ofset", "known are"],
+    );
+}
