@@ -5,3 +5,4 @@ pub mod counts;
 pub mod regen;
 pub mod study;
 pub mod study_com;
+pub mod study_recordings;

@@ -4,7 +4,7 @@ use super::com_spread;
 use super::criteria;
 use super::findings::{
     About, Blind, Diagnosis, Found, Gap, Last, Leftover, Member, ModelOnLog, NextPostures,
-    Quantity, Samples, Step, Verdict,
+    Quantity, Step, Verdict,
 };
 use super::further_logs::{self, FurtherLog};
 use super::held_out::{self, HeldOut};
@@ -18,6 +18,7 @@ use super::settle;
 use super::words::{self, capital};
 use crate::Error;
 use crate::observations::noise::NoiseSource;
+use crate::observations::samples::Samples;
 use crate::watch::Watch;
 
 /// What is missing in a log, explanations judged by further logs, too.

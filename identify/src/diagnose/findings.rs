@@ -8,6 +8,7 @@ use super::held_out::HeldOut;
 use super::problem::Fit;
 use crate::health::Finding;
 use crate::observations::noise::NoiseSource;
+use crate::observations::samples::Samples;
 
 /// What a diagnosis comes to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -25,19 +26,6 @@ pub enum Verdict {
     Unexplained,
     /// The data are broken: no effect is looked for.
     Unusable,
-}
-
-/// How much a log is worth.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
-pub struct Samples {
-    /// Rows of the log.
-    pub rows: usize,
-    /// How many independent rows they are worth, of the axis that has fewer.
-    pub independent: usize,
-    /// Integrated correlation time of what is left, s.
-    pub correlation_s: f64,
-    /// The log has no times: rows are taken as independent.
-    pub assumed: bool,
 }
 
 /// How far readings are from predictions, m.

@@ -6,9 +6,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::findings::Samples;
 use super::problem::{Fit, Problem};
-use crate::observations::correlation::Correlation;
+use crate::observations::correlation::{Correlation, step};
+use crate::observations::samples::{Samples, Sum};
 
 /// Below this factor of the noise a log is looked at once.
 const COUNTS: f64 = 1.1;
@@ -49,14 +49,8 @@ pub(super) fn said(problem: &Problem, correlation: &[Correlation; 2]) -> Samples
     let data = &problem.data;
     let rows = data.summary.as_ref().map(|summary| summary.rows as usize);
     let rows = rows.unwrap_or(data.len());
-    let worst = match correlation[0].rows_per_sample > correlation[1].rows_per_sample {
-        true => correlation[0],
-        false => correlation[1],
-    };
-    Samples {
-        rows,
-        independent: ((rows as f64 / worst.rows_per_sample).round() as usize).max(1),
-        correlation_s: worst.time_s,
-        assumed: data.t.is_none(),
-    }
+    let timed = data.t.as_ref().is_some_and(|t| step(t).is_some());
+    let mut sum = Sum::default();
+    sum.push(rows as u64, correlation, timed);
+    sum.of(rows as u64)
 }

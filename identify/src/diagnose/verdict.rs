@@ -19,10 +19,7 @@ pub(super) fn sentence(problem: &Problem, found: &Found) -> String {
         mm(d.noise_floor)
     )];
     if d.samples.independent < d.samples.rows {
-        said.push(format!(
-            "Noise is correlated over {:.2} s: {} rows are worth about {} independent ones.",
-            d.samples.correlation_s, d.samples.rows, d.samples.independent
-        ));
+        said.push(format!("The log has {}.", d.samples.sentence()));
     }
     said.extend(d.health.iter().map(|finding| finding.sentence.clone()));
     let values = words::values(problem, &found.best);

@@ -15,7 +15,8 @@ use super::summary::{
 
 use crate::health;
 use crate::lsq::information::{Beyond, information, of_rows};
-use crate::observations::noise::{Leftover, Noise, NoiseSource, UNLIKELY, widening};
+use crate::observations::noise::{Leftover, Noise, NoiseSource, widening};
+use crate::observations::repeats::UNLIKELY;
 
 /// Held-out errors beyond this many times the noise are mentioned.
 const FAR: f64 = 2.0;
@@ -43,15 +44,26 @@ pub fn identify_within(
     let (whole, plain) = (&together.weighted, together.plain());
     let free = together.solve(1.0, &cad, None);
     let rows = whole.rows() as f64;
+    let (within, df_within) = gathered.repeats.set_aside();
+    let (within, df_within) = match gathered.correlated {
+        true => (0.0, 0),
+        false => (within, df_within),
+    };
     let left = Leftover {
-        sum: whole.residual_sum(&free.params) / gathered.consistency,
+        // Where visits differ, readings of one visit say nothing of what is left.
+        sum: whole.residual_sum(&free.params) / gathered.consistency - within,
         // Rows that a robust fit trusts less count less.
-        df: 2.0 * gathered.trusted - free.rank as f64,
+        df: 2.0 * gathered.trusted - free.rank as f64 - df_within as f64,
         of_cad: (whole.residual_sum(&cad) / rows).sqrt(),
     };
     let mut warnings = Vec::new();
     let known = gathered.known_noise(settings.noise);
     let noise = Noise::known(&known, Some(left)).unwrap_or_else(|| Noise::left_over(left));
+    let noise = match gathered.repeats.of_reading() {
+        // The scatter of visits is that of as many readings together.
+        Some(floor) if noise.source == NoiseSource::Repeats => Noise { floor, ..noise },
+        _ => noise,
+    };
     warnings.extend(noise.warning());
     warnings.extend(oddities(gathered));
     let lack_of_fit = noise.lack_of_fit(known.repeats, left);
@@ -167,6 +179,12 @@ pub fn identify_within(
         noise_floor: noise.floor,
         noise_source: noise.source,
         noise_df: noise.df.is_finite().then_some(noise.df),
+        noise_axes: gathered.noise_by_axis().map(|axis| axis * noise.floor),
+        samples: gathered
+            .samples
+            .of(gathered.readings)
+            .by_visits(&gathered.repeats),
+        visits: gathered.repeats.visits(),
         lack_of_fit,
         inflation,
         held_out_rmse: held_out.rmse,

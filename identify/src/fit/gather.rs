@@ -1,9 +1,9 @@
 //! One pass over posture logs: everything a fit needs, in memory that does not
 //! depend on the number of postures.
 //!
-//! Postures are dealt into folds by their `pose`, so that repeated readings
-//! stay together; each fold keeps its own factors, and cross-validation needs
-//! no second pass:
+//! Postures are dealt into folds by their `pose`, so that repeated readings and visits
+//! stay together, or by blocks of time where no posture comes back; each fold keeps its
+//! own factors, and cross-validation needs no second pass:
 //!
 //! ```text
 //! held-out error of fold k = ‖R_k r_(−k) − z_k‖² + ρ_k²        r_(−k) from the other folds
@@ -15,6 +15,8 @@ use serde::{Deserialize, Serialize};
 use sesc_model::standard::Shift;
 
 use super::robust::Robust;
+use super::stream::{Dealt, Stream};
+use super::timing::Timing;
 use crate::health::Finding;
 use crate::logs::Block;
 use crate::lsq::factor::Factor;
@@ -23,6 +25,7 @@ use crate::observations::grouping::{DOWN, Grouping, Visit};
 use crate::observations::noise::{Known, LEAST_STD};
 use crate::observations::repeats::{Group, Repeats};
 use crate::observations::rows::{Measurement, Rows};
+use crate::observations::samples;
 use crate::{Error, Message, Setting, message};
 
 /// Rows of one fold, or of several.
@@ -108,20 +111,20 @@ pub struct Gathered {
     /// What is wrong with the logs themselves.
     #[serde(default)]
     pub health: Vec<Finding>,
+    /// What rows are worth.
+    pub samples: samples::Sum,
+    /// Σ over rows of each axis' variance: stated, or in units of both axes' mean.
+    pub axes: [f64; 2],
+    /// Rows were freed of their correlation: repeats within a visit are no noise.
+    pub correlated: bool,
     #[serde(skip)]
     pub(super) postures: Grouping<Group>,
+    #[serde(skip)]
+    pub(super) stream: Stream,
 }
 
 /// Down-weighted postures that are listed, at most.
 const LISTED: usize = 1000;
-
-/// Fold of a pose: as good as drawn, the same on every machine.
-fn fold_of(pose: i64, folds: usize) -> usize {
-    let mut x = (pose as u64).wrapping_add(0x9e37_79b9_7f4a_7c15);
-    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    ((x ^ (x >> 31)) % folds as u64) as usize
-}
 
 impl Gathered {
     /// Sums without data, for `params` parameters and `folds` folds.
@@ -144,7 +147,11 @@ impl Gathered {
             averaged: 0.0,
             tiny: 0,
             health: Vec::new(),
+            samples: samples::Sum::default(),
+            axes: [0.0; 2],
+            correlated: false,
             postures: Grouping::default(),
+            stream: Stream::default(),
         }
     }
 
@@ -172,7 +179,31 @@ impl Gathered {
             stated: self
                 .has_deviations()
                 .then(|| (self.stated / (2.0 * rows)).sqrt()),
-            repeats: self.repeats.pure(self.has_deviations()),
+            repeats: match self.correlated {
+                true => (0.0, 0),
+                false => self.repeats.pure().both(),
+            },
+        }
+    }
+
+    /// Noise of each axis in units of their RMS.
+    pub fn noise_by_axis(&self) -> [f64; 2] {
+        let rows = self.axes[0] + self.axes[1];
+        self.axes.map(|axis| match rows > 0.0 {
+            true => (2.0 * axis / rows).sqrt(),
+            false => 1.0,
+        })
+    }
+
+    /// A log begins whose noise is like `timing` says; without, its rows are independent.
+    pub fn begin_log(&mut self, timing: &Timing) {
+        self.stream = Stream::new(timing);
+        self.correlated |= self.stream.whitens();
+        if self.stream.differs() {
+            // Rows so far counted one each: both factors agree on them.
+            for fold in &mut self.folds {
+                fold.plain.get_or_insert_with(|| fold.weighted.clone());
+            }
         }
     }
 
@@ -215,6 +246,7 @@ impl Gathered {
             }
         };
         let dof = measurement.model().dof();
+        let (first, by_time) = (self.stream.rows, self.stream.keys(block));
         let mut keys = Vec::with_capacity(block.len());
         for k in 0..block.len() {
             let support = block.support.as_ref().map_or("", |all| &all[k]);
@@ -222,25 +254,84 @@ impl Gathered {
             let q = &block.q[k * dof..(k + 1) * dof];
             let name = (block.pose[k], support);
             let (posture, visit) = self.postures.of_row(name, q, gravity);
-            keys.push(posture.key);
+            keys.push(by_time.as_ref().map_or(posture.key, |keys| keys[k]));
             // A reading that a robust fit rejects is no repeat.
             if trust[k] >= 0.5 {
-                self.repeats.push(&mut posture.own, readings[k], std[k]);
+                let visit = posture.visits;
+                self.repeats
+                    .push(&mut posture.own, visit, readings[k], std[k]);
+            }
+            for (sum, std) in self.axes.iter_mut().zip(std[k]) {
+                *sum += std * std;
             }
             self.moved += u64::from(visit == Visit::Moved);
             if block.std.is_some() {
                 self.stated += std[k][0] * std[k][0] + std[k][1] * std[k][1];
             }
         }
+        self.stream.rows += block.len();
+        let dealt = Dealt {
+            keys: &keys,
+            std: &std,
+            trust: &trust,
+        };
+        if self.stream.whitens() {
+            self.stream
+                .push(block.t.as_deref().unwrap_or_default(), &rows, &dealt);
+            self.take_independent();
+            self.deal_plain(first, &rows, &dealt);
+            return Ok(());
+        }
         self.trusted += trust.iter().sum::<f64>();
-        self.deal(block.std.is_some(), &keys, &rows, &std, &trust);
+        let differs = block.std.is_some() || self.stream.differs();
+        self.deal(differs, &rows, &dealt);
         Ok(())
     }
 
-    /// Deviations of a block's rows, m; 1 where none are stated.
+    /// Independent rows of the stream to their folds.
+    fn take_independent(&mut self) {
+        let params = self.params();
+        let folds = self.folds.len();
+        let independent = self.stream.take();
+        for (index, fold) in self.folds.iter_mut().enumerate() {
+            let own = independent
+                .iter()
+                .filter(|row| self.stream.fold(row.key, folds) == index);
+            let own: Vec<_> = own.collect();
+            if own.is_empty() {
+                continue;
+            }
+            let matrix = DMatrix::from_fn(own.len(), params, |row, k| own[row].row[k]);
+            let reading = DVector::from_fn(own.len(), |row, _| own[row].row[params]);
+            let weights: Vec<f64> = own.iter().map(|row| row.trust.sqrt()).collect();
+            fold.weighted.push(&matrix, &reading, &weights);
+        }
+        // Rows of one axis.
+        self.trusted += 0.5 * independent.iter().map(|row| row.trust).sum::<f64>();
+    }
+
+    /// Rows as they are to their folds, beside independent ones.
+    fn deal_plain(&mut self, first: usize, rows: &Rows, dealt: &Dealt) {
+        let every = self.stream.every();
+        let folds = self.folds.len();
+        for (index, fold) in self.folds.iter_mut().enumerate() {
+            let own = (0..dealt.keys.len()).filter(|k| {
+                (first + k).is_multiple_of(every)
+                    && self.stream.fold(dealt.keys[*k], folds) == index
+            });
+            let both: Vec<usize> = own.flat_map(|k| [2 * k, 2 * k + 1]).collect();
+            if let Some(plain) = fold.plain.as_mut().filter(|_| !both.is_empty()) {
+                let matrix = rows.matrix.select_rows(&both);
+                let reading = rows.reading.select_rows(&both);
+                plain.push(&matrix, &reading, &vec![1.0; both.len()]);
+            }
+        }
+    }
+
+    /// Deviations of a block's rows, m; in units of both axes' RMS where none are stated.
     fn deviations(&mut self, block: &Block) -> Vec<[f64; 2]> {
         let Some(stated) = &block.std else {
-            return vec![[1.0; 2]; block.len()];
+            return vec![self.stream.timing.axes; block.len()];
         };
         let small = |std: &&[f64; 2]| std.iter().any(|s| *s < LEAST_STD);
         self.tiny += stated.iter().filter(small).count() as u64;
@@ -250,16 +341,23 @@ impl Gathered {
 
     /// The log that was read has ended: poses of the next one are others.
     pub fn end_log(&mut self) {
+        self.stream.end();
+        self.take_independent();
+        let stream = std::mem::take(&mut self.stream);
+        let timing = &stream.timing;
+        self.samples
+            .push(stream.rows as u64, &timing.correlation, timing.timed);
         self.overfull += u64::from(self.postures.full());
         self.postures.clear();
     }
 
     /// Rows to their folds.
-    fn deal(&mut self, stated: bool, keys: &[i64], rows: &Rows, std: &[[f64; 2]], trust: &[f64]) {
+    fn deal(&mut self, differs: bool, rows: &Rows, dealt: &Dealt) {
         let count = self.folds.len();
+        let Dealt { keys, std, trust } = *dealt;
         for (index, fold) in self.folds.iter_mut().enumerate() {
             let own: Vec<usize> = (0..keys.len())
-                .filter(|&k| fold_of(keys[k], count) == index)
+                .filter(|&k| self.stream.fold(keys[k], count) == index)
                 .collect();
             if own.is_empty() {
                 continue;
@@ -272,8 +370,7 @@ impl Gathered {
                 .iter()
                 .flat_map(|&k| [weight(k, 0), weight(k, 1)])
                 .collect();
-            let differs = stated || trust.iter().any(|w| *w < 1.0);
-            if differs && fold.plain.is_none() {
+            if (differs || trust.iter().any(|w| *w < 1.0)) && fold.plain.is_none() {
                 // Rows so far counted one each: both factors agree on them.
                 fold.plain = Some(fold.weighted.clone());
             }
@@ -358,6 +455,11 @@ impl Gathered {
         self.averaged += other.averaged;
         self.tiny += other.tiny;
         self.health.extend(other.health);
+        self.samples.merge(&other.samples);
+        self.correlated |= other.correlated;
+        for (sum, more) in self.axes.iter_mut().zip(other.axes) {
+            *sum += more;
+        }
         Ok(())
     }
 

@@ -9,7 +9,8 @@ use super::prior::Prior;
 use crate::health::Finding;
 use crate::lsq::solve::Estimate;
 use crate::observations::noise::NoiseSource;
-use crate::observations::repeats::LackOfFit;
+use crate::observations::repeats::{LackOfFit, Visits};
+use crate::observations::samples::Samples;
 
 /// How to fit.
 #[derive(Debug, Clone)]
@@ -114,6 +115,12 @@ pub struct Identification {
     pub prior: String,
     /// Noise of a reading on one axis, m.
     pub noise_floor: f64,
+    /// The same of x and y, m.
+    pub noise_axes: [f64; 2],
+    /// How many independent samples the rows are worth.
+    pub samples: Samples,
+    /// What postures that were visited again differ by; none where none was.
+    pub visits: Option<Visits>,
     /// Where the noise was taken from.
     pub noise_source: NoiseSource,
     /// Degrees of freedom it was estimated with; none where it is stated or guessed.

@@ -7,6 +7,7 @@ use sesc_model::{Model, Snapping};
 use super::gather::{Gathered, LogUsed};
 use super::prior::Prior;
 use super::robust::{self, Loss, MEDIAN_OF_PAIRS, Robust};
+use super::timing::Timing;
 use crate::logs::{LogSource, Options, PostureReader};
 use crate::observations::rows::Measurement;
 use crate::robot::Robot;
@@ -38,6 +39,8 @@ pub struct Logs<'r> {
     pub snapping: Snapping,
     /// Folds of the cross-validation.
     pub folds: usize,
+    /// One number is given for the noise of both axes.
+    pub one_noise: bool,
 }
 
 impl<'r> Logs<'r> {
@@ -52,7 +55,14 @@ impl<'r> Logs<'r> {
         watch: &mut dyn Watch,
     ) -> Result<(Measurement<'r>, Gathered), Error> {
         let mut measurement = Measurement::new(self.robot, &self.first_support()?, self.snapping)?;
-        let gathered = self.pass(&mut measurement, None, "reading", true, watch)?;
+        let mut timings = Vec::new();
+        for file in self.files {
+            let mut reader = self.open(file)?;
+            let own_axes = !self.one_noise;
+            let timing = Timing::read(&mut reader, &mut measurement, self.folds, own_axes)?;
+            timings.push(timing);
+        }
+        let gathered = self.pass(&mut measurement, &timings, None, "reading", watch)?;
         let Some(loss) = loss else {
             return Ok((measurement, gathered));
         };
@@ -86,7 +96,7 @@ impl<'r> Logs<'r> {
             let scale = if stated { seen.max(1.0) } else { seen };
             let robust = Robust { loss, scale };
             let weights = Some((&robust, &params));
-            gathered = self.pass(&mut measurement, weights, "reweighting", false, watch)?;
+            gathered = self.pass(&mut measurement, &timings, weights, "reweighting", watch)?;
             let whole = gathered.together(None);
             let next = whole.solve(scale, &cad, prior.as_ref());
             let r = whole.weighted.r();
@@ -129,20 +139,21 @@ impl<'r> Logs<'r> {
     fn pass(
         &self,
         measurement: &mut Measurement<'r>,
+        timings: &[Timing],
         robust: Option<(&Robust, &DVector<f64>)>,
         what: &'static str,
-        warn: bool,
         watch: &mut dyn Watch,
     ) -> Result<Gathered, Error> {
         let params = measurement.model().base.params.len();
         let mut gathered = Gathered::new(params, self.folds);
-        for file in self.files {
+        for (file, timing) in self.files.iter().zip(timings) {
             let name = file.name();
             let mut reader = self.open(file)?;
+            gathered.begin_log(timing);
             loop {
                 let block = reader.block(BLOCK)?;
                 for warning in reader.warnings.drain(..) {
-                    if warn {
+                    if robust.is_none() {
                         watch.warning(&warning);
                     }
                 }

@@ -22,7 +22,9 @@ pub mod prior;
 mod request;
 pub mod residuals;
 pub mod robust;
+mod stream;
 mod summary;
+pub mod timing;
 
 pub use estimate::{identify, identify_within};
 pub use identification::{Identification, Settings};

@@ -148,7 +148,7 @@ fn poses_that_come_back_are_repeats() {
     let lack = ROUNDS as f64 * (rows * fit - means).norm_squared();
 
     assert_eq!((found.rank, found.postures, found.readings), (RANK, 6, 18));
-    assert!((gathered.repeats.sum - pure).abs() < 1e-12 * pure);
+    assert!((gathered.repeats.pure().both().0 - pure).abs() < 1e-12 * pure);
     let test = found.lack_of_fit.unwrap();
     let [df, df_pure] = [2 * POSES - RANK, 2 * POSES * (ROUNDS - 1)].map(|df| df as f64);
     assert_eq!((test.df, test.df_noise), (df, Some(df_pure)));
@@ -162,8 +162,8 @@ fn poses_that_come_back_are_repeats() {
 
     // In the order of poses, or cut in two, they tell the same.
     let of_sorted = skew.gather(&[&sorted(&block)]).repeats;
-    assert!((of_sorted.sum - pure).abs() < 1e-12 * pure);
-    assert_eq!((of_sorted.df, of_sorted.postures), (24, 6));
+    assert!((of_sorted.pure().both().0 - pure).abs() < 1e-12 * pure);
+    assert_eq!((of_sorted.pure().both().1, of_sorted.postures), (24, 6));
     let [early, late] = [0..7, 7..18].map(|range| Block {
         line: block.line[range.clone()].to_vec(),
         pose: block.pose[range.clone()].to_vec(),
@@ -193,7 +193,10 @@ fn other_postures_of_one_number_are_others() {
     let poses: Vec<_> = (0..20).map(again).collect();
     let block = skew.log(&poses, &[0.002; 20], &mut ChaCha8Rng::seed_from_u64(2));
     let gathered = skew.gather(&[&block]);
-    assert_eq!((gathered.repeats.df, gathered.repeats.postures), (0, 20));
+    assert_eq!(
+        (gathered.repeats.pure().both().1, gathered.repeats.postures),
+        (0, 20)
+    );
     assert_eq!(gathered.moved, 10);
     let found = skew.identify(&gathered);
     let said = found.warnings.join("\n");
@@ -216,7 +219,10 @@ fn more_postures_than_can_be_known_are_said() {
         .unwrap();
     gathered.end_log();
     // Four come back; two are met twice as if they were others.
-    assert_eq!((gathered.repeats.df, gathered.repeats.postures), (8, 8));
+    assert_eq!(
+        (gathered.repeats.pure().both().1, gathered.repeats.postures),
+        (8, 8)
+    );
     let said = skew.identify(&gathered).warnings.join("\n");
     assert!(
         said.contains("more than 200000 postures in a log"),

@@ -15,7 +15,7 @@ use crate::robot::Robot;
 use crate::{Error, Message, Setting, message};
 
 /// First words of every file of this kind, with the version of its layout.
-const FORMAT: &str = "sesc factor 1";
+const FORMAT: &str = "sesc factor 2";
 
 /// A contribution to a fit.
 #[derive(Debug, Clone, Serialize, Deserialize)]

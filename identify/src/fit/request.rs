@@ -347,5 +347,6 @@ fn logs<'r>(
         support,
         snapping: request.snapping,
         folds: folds.or(request.folds).unwrap_or(FOLDS),
+        one_noise: request.noise.is_some(),
     }
 }

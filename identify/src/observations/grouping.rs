@@ -35,6 +35,10 @@ pub struct Posture<T> {
     pub key: i64,
     /// The caller's own; its default in the first row.
     pub own: T,
+    /// Times that rows came back to it, the first included.
+    pub visits: u32,
+    /// Number of its last row.
+    last_row: u64,
 }
 
 /// Postures that rows may come back to.
@@ -49,6 +53,8 @@ pub struct Grouping<T> {
     supports: Vec<String>,
     /// Rows whose robot had moved although their `pose` was known.
     moved: u64,
+    /// Rows so far.
+    rows: u64,
 }
 
 /// Whether a row belongs to a posture that is known.
@@ -76,6 +82,7 @@ impl<T: Default> Grouping<T> {
             last: None,
             supports: Vec::new(),
             moved: 0,
+            rows: 0,
         }
     }
 
@@ -117,6 +124,8 @@ impl<T: Default> Grouping<T> {
         gravity: [f64; 3],
     ) -> (&mut Posture<T>, Visit) {
         let name = (pose, self.number(support));
+        self.rows += 1;
+        let row = self.rows;
         let down = direction(gravity);
         let values = || q.iter().chain(&down).map(|&x| x as f32);
         let any_unit = self.any_unit;
@@ -131,6 +140,8 @@ impl<T: Default> Grouping<T> {
             // A fold of its own: as good as drawn, and not that of the other posture.
             key: pose.wrapping_add((moves as i64).wrapping_mul(0x5851_f42d)),
             own: T::default(),
+            visits: 1,
+            last_row: row,
         };
         let room = self.known.len() < self.most;
         let place = match self.known.contains_key(&name) {
@@ -148,7 +159,11 @@ impl<T: Default> Grouping<T> {
         };
         let posture = place.expect("a posture is known, or the last for which there was no room");
         match near(posture) {
-            true => (posture, Visit::Same),
+            true => {
+                posture.visits += u32::from(posture.last_row + 1 < row);
+                posture.last_row = row;
+                (posture, Visit::Same)
+            }
             false => {
                 self.moved += 1;
                 *posture = new(self.moved);
@@ -208,6 +223,14 @@ mod tests {
         assert_eq!(tilted, Visit::Moved);
         postures.clear();
         assert_eq!(visit(&mut postures, 7, "l", 0.9), (7, Visit::Same));
+    }
+
+    #[test]
+    fn rows_that_come_back_are_another_visit() {
+        let mut postures = Grouping::<()>::default();
+        let mut visits = |pose| postures.of_row((pose, ""), &[0.0], DOWN).0.visits;
+        let counted = [1, 1, 2, 2, 1, 1, 2, 3].map(&mut visits);
+        assert_eq!(counted, [1, 1, 1, 1, 2, 2, 2, 1]);
     }
 
     #[test]

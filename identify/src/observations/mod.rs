@@ -11,3 +11,4 @@ pub mod noise;
 pub mod postures;
 pub(crate) mod repeats;
 pub mod rows;
+pub mod samples;

@@ -14,13 +14,11 @@ use statrs::distribution::{ContinuousCDF as _, Normal, StudentsT};
 
 use serde::Serialize;
 
-use super::repeats::{self, LackOfFit};
+use super::repeats::{self, LackOfFit, UNLIKELY};
 
 /// Stated deviations below this are taken for it, m: a row that weighs more would
 /// drown all others in rounding.
 pub const LEAST_STD: f64 = 1e-9;
-/// A model that leaves more than noise with less than this chance is said to.
-pub const UNLIKELY: f64 = 1e-3;
 /// A noise of zero would leave nothing to weigh a prior against, m.
 const LEAST_NOISE: f64 = 1e-9;
 /// Rows beyond the rank that an estimate of the noise from residuals needs.

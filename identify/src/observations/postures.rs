@@ -125,8 +125,9 @@ impl Gathering {
     fn push(&mut self, row: Posture, gravity: [f64; 3], std: [f64; 2]) {
         let next = self.seen + usize::from(self.current.is_some());
         let (posture, _) = self.known.of_row((row.pose, ""), &row.q, gravity);
+        let visit = posture.visits;
         let (number, group) = &mut posture.own;
-        self.repeats.push(group, row.sum, std);
+        self.repeats.push(group, visit, row.sum, std);
         let number = *number.get_or_insert(next);
         if let Some(current) = self.current.as_mut().filter(|_| number == self.seen) {
             join(current, &row);
@@ -412,7 +413,7 @@ impl Noise {
         let known = Known {
             given,
             stated: stated.then(|| (variance() / (2.0 * rows)).sqrt()),
-            repeats: gathering.repeats.pure(stated),
+            repeats: gathering.repeats.pure().both(),
         };
         let Some(noise) = noise::Noise::known(&known, None) else {
             // Filled in later from what is left over.

@@ -1,31 +1,118 @@
-//! Repeated readings of postures, and whether a fit leaves more than they scatter.
+//! Repeated readings of postures, visits of postures, and whether a fit leaves more than
+//! they scatter.
 //!
 //! ```text
 //! pure error     SS_pe = Σ_groups Σ (y − ȳ_group)²       df_pe = Σ (n_group − 1)
+//! within visits  SS_w  = Σ_visits Σ (y − ȳ_visit)²       df_w = Σ (n_visit − 1)
+//! of visits      SS_v  = SS_pe − SS_w = Σ n_visit (ȳ_visit − ȳ_group)²
+//!                E[SS_v/df_v] = σ² + n σ_v²              n readings a visit
 //! lack of fit    F = ((RSS − SS_pe) / (df − df_pe)) / (SS_pe / df_pe)
 //! ```
+//!
+//! A posture that is reached again differs by σ_v, for which SS_v takes the place of SS_pe:
+//! readings of one visit do not show it.
 
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ChiSquared, ContinuousCDF as _, FisherSnedecor};
 
+/// More than noise leaves with less than this chance is no noise.
+pub const UNLIKELY: f64 = 1e-3;
+/// Degrees of freedom of visits, or repeats, without which they are no measure of noise.
+pub const FEWEST: u64 = 10;
+/// Degrees of freedom from which visits are said to differ or not.
+const SAID: u64 = 2;
+
+/// Sums of squares about means, and their degrees of freedom.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct Squares {
+    /// By axis, m².
+    pub sum: [f64; 2],
+    /// The same in units of each row's variance: stated ones, or 1 m².
+    pub weighted: [f64; 2],
+    /// Of one axis.
+    pub df: u64,
+}
+
+impl Squares {
+    fn add(&mut self, other: &Squares) {
+        for axis in 0..2 {
+            self.sum[axis] += other.sum[axis];
+            self.weighted[axis] += other.weighted[axis];
+        }
+        self.df += other.df;
+    }
+
+    /// Of both axes in units of the rows' variances, with degrees of freedom.
+    pub fn both(&self) -> (f64, u64) {
+        (self.weighted[0] + self.weighted[1], 2 * self.df)
+    }
+
+    /// Of both axes, m², with degrees of freedom.
+    fn metres(&self) -> (f64, u64) {
+        (self.sum[0] + self.sum[1], 2 * self.df)
+    }
+
+    fn less(&self, part: &Squares) -> Squares {
+        let less = |a: [f64; 2], b: [f64; 2]| [0, 1].map(|k| (a[k] - b[k]).max(0.0));
+        Squares {
+            sum: less(self.sum, part.sum),
+            weighted: less(self.weighted, part.weighted),
+            df: self.df - part.df.min(self.df),
+        }
+    }
+}
+
 /// Repeated readings of postures, summed as they come.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Repeats {
-    /// Σ over groups and axes of squared distances from the group's mean, m².
-    pub sum: f64,
-    /// The same in units of each row's stated variance.
-    pub weighted_sum: f64,
-    /// Degrees of freedom, both axes.
-    pub df: u64,
-    /// Groups of rows.
-    #[serde(rename = "groups")]
+    /// About the means of postures.
+    pub about_postures: Squares,
+    /// About the means of visits.
+    pub about_visits: Squares,
+    /// Postures.
     pub postures: u64,
+    /// Visits of postures, the first ones included.
+    pub visits: u64,
+    /// Rows.
+    pub rows: u64,
 }
 
-/// Readings of one posture so far.
+/// What visits of one posture differ by, beside the noise of their readings.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Visits {
+    /// Visits of postures that had been visited before.
+    pub again: u64,
+    /// Standard deviation on one axis beside readings' noise, m; zero where visits differ by
+    /// no more than that.
+    pub std: f64,
+    /// Of readings of one visit, m; none where each visit is one reading.
+    pub readings_std: Option<f64>,
+}
+
+impl Visits {
+    /// As reports say it.
+    pub fn sentence(&self) -> String {
+        let times = match self.again {
+            1 => "1 posture was reached again".to_string(),
+            n => format!("postures were reached again {n} times"),
+        };
+        match (self.std > 0.0, self.readings_std) {
+            (true, Some(readings)) => format!(
+                "{times}: visits of one posture differ by {:.2} mm per axis, readings of one \
+                 visit by {:.2} mm",
+                1e3 * self.std,
+                1e3 * readings
+            ),
+            (true, None) => format!("{times} and differ by {:.2} mm per axis", 1e3 * self.std),
+            (false, _) => format!("{times}, and visits differ by no more than their readings"),
+        }
+    }
+}
+
+/// Readings so far: mean and weighted mean.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Group {
-    pub count: f64,
+struct Mean {
+    count: f64,
     /// m
     mean: [f64; 2],
     weighted_mean: [f64; 2],
@@ -33,46 +120,134 @@ pub struct Group {
     weight: [f64; 2],
 }
 
-impl Repeats {
-    /// A row of `group` with its reading and, where stated, its deviation (1 elsewhere), m.
-    pub fn push(&mut self, group: &mut Group, reading: [f64; 2], std: [f64; 2]) {
-        match group.count {
-            0.0 => self.postures += 1,
-            _ => self.df += 2,
-        }
-        // Welford: sums of squares about a mean that moves. Nothing is added to
-        // them by the first row of a group.
-        group.count += 1.0;
+impl Mean {
+    /// Welford: sums of squares about a mean that moves. Nothing is added to them by the
+    /// first row.
+    fn push(&mut self, squares: &mut Squares, reading: [f64; 2], std: [f64; 2]) {
+        squares.df += u64::from(self.count > 0.0);
+        self.count += 1.0;
         for axis in 0..2 {
             let weight = 1.0 / (std[axis] * std[axis]);
-            let away = reading[axis] - group.mean[axis];
-            group.mean[axis] += away / group.count;
-            self.sum += away * (reading[axis] - group.mean[axis]);
-            let away = reading[axis] - group.weighted_mean[axis];
-            group.weight[axis] += weight;
-            group.weighted_mean[axis] += away * (weight / group.weight[axis]);
-            self.weighted_sum += weight * away * (reading[axis] - group.weighted_mean[axis]);
+            let away = reading[axis] - self.mean[axis];
+            self.mean[axis] += away / self.count;
+            squares.sum[axis] += away * (reading[axis] - self.mean[axis]);
+            let away = reading[axis] - self.weighted_mean[axis];
+            self.weight[axis] += weight;
+            self.weighted_mean[axis] += away * (weight / self.weight[axis]);
+            squares.weighted[axis] += weight * away * (reading[axis] - self.weighted_mean[axis]);
         }
+    }
+}
+
+/// Readings of one posture so far.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Group {
+    all: Mean,
+    visit: Mean,
+    visits: u32,
+}
+
+impl Repeats {
+    /// A row of `group`, in its visit number `visit` (from 1), with its reading and, where
+    /// stated, its deviation (1 elsewhere), m.
+    pub fn push(&mut self, group: &mut Group, visit: u32, reading: [f64; 2], std: [f64; 2]) {
+        self.postures += u64::from(group.visits == 0);
+        if group.visits != visit {
+            group.visits = visit;
+            group.visit = Mean::default();
+            self.visits += 1;
+        }
+        self.rows += 1;
+        group.all.push(&mut self.about_postures, reading, std);
+        group.visit.push(&mut self.about_visits, reading, std);
     }
 
     /// Add what another part of the data gathered.
     pub fn merge(&mut self, other: &Repeats) {
-        self.sum += other.sum;
-        self.weighted_sum += other.weighted_sum;
-        self.df += other.df;
+        self.about_postures.add(&other.about_postures);
+        self.about_visits.add(&other.about_visits);
         self.postures += other.postures;
+        self.visits += other.visits;
+        self.rows += other.rows;
     }
 
-    /// Sum of squares about the means, in units of stated variances where those are
-    /// meant (m² else), and its degrees of freedom.
-    pub fn pure(&self, stated: bool) -> (f64, u64) {
-        let sum = if stated { self.weighted_sum } else { self.sum };
-        (sum, self.df)
+    /// Sums of squares of visits about their postures' means.
+    pub fn of_visits(&self) -> Squares {
+        self.about_postures.less(&self.about_visits)
     }
 
-    /// Standard deviation of a reading on one axis, m; `None` without repeats.
-    pub fn deviation(&self) -> Option<f64> {
-        (self.df > 0).then(|| (self.sum / self.df as f64).sqrt())
+    /// Whether visits of one posture differ by more than readings of one visit do; `None`
+    /// where that cannot be told.
+    fn differ(&self) -> Option<bool> {
+        let (visits, df) = self.of_visits().both();
+        let (readings, df_readings) = self.about_visits.both();
+        if df < SAID || df_readings < SAID {
+            return None;
+        }
+        let ratio = visits / df as f64 / (readings / df_readings as f64).max(f64::MIN_POSITIVE);
+        let distribution = FisherSnedecor::new(df as f64, df_readings as f64).ok()?;
+        Some(distribution.sf(ratio) < UNLIKELY)
+    }
+
+    /// Whether the scatter of visits takes the place of that of readings: they differ, and
+    /// are enough.
+    pub fn by_visits(&self) -> bool {
+        2 * self.of_visits().df >= FEWEST && self.differ() == Some(true)
+    }
+
+    /// What shows the noise: repeats, or visits where these differ.
+    pub fn pure(&self) -> Squares {
+        match self.by_visits() {
+            true => self.of_visits(),
+            false => self.about_postures,
+        }
+    }
+
+    /// Sum of squares within visits, and its degrees of freedom, which are not those of
+    /// noise where visits differ.
+    pub fn set_aside(&self) -> (f64, u64) {
+        match self.by_visits() {
+            true => self.about_visits.both(),
+            false => (0.0, 0),
+        }
+    }
+
+    /// Deviation of a reading about the mean of its posture where visits differ, m: its own
+    /// noise and its visit's.
+    pub fn of_reading(&self) -> Option<f64> {
+        let visits = self.visits().filter(|_| self.by_visits())?;
+        Some(visits.readings_std.unwrap_or(0.0).hypot(visits.std))
+    }
+
+    /// Rows per independent one where visits differ: their mean square over a reading's
+    /// variance.
+    pub fn rows_per_sample(&self) -> Option<f64> {
+        let (sum, df) = self.of_visits().metres();
+        let reading = self.of_reading().filter(|reading| *reading > 0.0)?;
+        Some((sum / df as f64 / (reading * reading)).max(1.0))
+    }
+
+    /// What visits differ by; `None` where no posture was visited again.
+    pub fn visits(&self) -> Option<Visits> {
+        let (visits, df) = self.of_visits().metres();
+        if df == 0 {
+            return None;
+        }
+        let (readings, df_readings) = self.about_visits.metres();
+        let square = visits / df as f64;
+        let own = (df_readings > 0).then(|| readings / df_readings as f64);
+        let per_visit = self.rows as f64 / self.visits as f64;
+        let beside = match (own, self.differ()) {
+            (Some(own), Some(true)) => (square - own).max(0.0) / per_visit,
+            // Single readings: their noise and the visits' are one.
+            (None, _) => square,
+            _ => 0.0,
+        };
+        Some(Visits {
+            again: self.visits - self.postures,
+            std: beside.sqrt(),
+            readings_std: own.map(f64::sqrt),
+        })
     }
 }
 
@@ -124,17 +299,25 @@ mod tests {
     #[test]
     fn groups_give_the_pure_error_in_whatever_order_they_come() {
         // About their means 1, −1 and 2, −2 on x, nothing on y.
-        let rows = [(0, 5.0), (1, 0.0), (2, 100.0), (0, 3.0), (1, 4.0)];
+        let rows = [
+            (0, 1, 5.0),
+            (1, 1, 0.0),
+            (2, 1, 100.0),
+            (0, 2, 3.0),
+            (1, 2, 4.0),
+        ];
         let mut groups = vec![Group::default(); 3];
         let mut repeats = Repeats::default();
-        for (group, x) in rows {
-            repeats.push(&mut groups[group], [x, 7.0], [1.0, 1.0]);
+        for (group, visit, x) in rows {
+            repeats.push(&mut groups[group], visit, [x, 7.0], [1.0, 1.0]);
         }
-        assert_eq!(repeats.postures, 3);
-        assert_eq!(repeats.df, 4);
-        assert!((repeats.sum - 10.0).abs() < 1e-12);
-        assert!((repeats.weighted_sum - 10.0).abs() < 1e-12);
-        assert!((repeats.deviation().unwrap() - 2.5_f64.sqrt()).abs() < 1e-12);
+        assert_eq!((repeats.postures, repeats.visits, repeats.rows), (3, 5, 5));
+        let (sum, df) = repeats.pure().both();
+        assert_eq!(df, 4);
+        assert!((sum - 10.0).abs() < 1e-12);
+        assert!((repeats.pure().metres().0 - 10.0).abs() < 1e-12);
+        // Each visit is one reading.
+        assert_eq!(repeats.of_visits(), repeats.pure());
     }
 
     /// Σ w (y − ȳ)² with ȳ = Σ w y / Σ w.
@@ -142,7 +325,7 @@ mod tests {
     fn readings_count_by_their_stated_variances() {
         let (mut group, mut repeats) = (Group::default(), Repeats::default());
         for (x, std) in [(1.0, 0.5), (4.0, 1.0), (2.0, 2.0)] {
-            repeats.push(&mut group, [x, 0.0], [std, 1.0]);
+            repeats.push(&mut group, 1, [x, 0.0], [std, 1.0]);
         }
         // Weights 4, 1, 1/4; mean 34/21.
         let mean = 34.0 / 21.0;
@@ -150,7 +333,37 @@ mod tests {
             .map(|(x, w): (f64, f64)| w * (x - mean).powi(2))
             .iter()
             .sum();
-        assert!((repeats.weighted_sum - sum).abs() < 1e-12);
+        assert!((repeats.about_postures.weighted[0] - sum).abs() < 1e-12);
+    }
+
+    /// Eight postures, three visits of five readings each: σ 0.1, σ_v 2 about a mean.
+    #[test]
+    fn visits_differ_by_more_than_their_readings() {
+        let mut repeats = Repeats::default();
+        let (mut of_visits, mut within) = (0.0, 0.0);
+        for posture in 0..8_u32 {
+            let mut group = Group::default();
+            let shift = |visit: u32| 2.0 * f64::from((7 * posture + 3 * visit * visit) % 5) - 4.0;
+            let mean = (1..=3).map(shift).sum::<f64>() / 3.0;
+            for visit in 1..=3 {
+                of_visits += 5.0 * (shift(visit) - mean).powi(2);
+                for k in 0..5_i32 {
+                    let noise = 0.1 * (f64::from(k) - 2.0);
+                    within += noise * noise;
+                    repeats.push(&mut group, visit, [shift(visit) + noise; 2], [1.0; 2]);
+                }
+            }
+        }
+        let (found, df) = repeats.of_visits().both();
+        assert_eq!(df, 32);
+        assert!((found - 2.0 * of_visits).abs() < 1e-9 * of_visits);
+        assert!((repeats.about_visits.sum[0] - within).abs() < 1e-9);
+        assert!(repeats.by_visits());
+        let visits = repeats.visits().unwrap();
+        let own = within / (8.0 * 3.0 * 4.0);
+        assert_eq!(visits.again, 16);
+        assert!((visits.readings_std.unwrap() - own.sqrt()).abs() < 1e-9);
+        assert!((visits.std.powi(2) - (of_visits / 16.0 - own) / 5.0).abs() < 1e-9);
     }
 
     /// Critical values from tables: F(0.95; 5, 10) = 3.3258, χ²(0.95; 10) = 18.307.

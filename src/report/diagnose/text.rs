@@ -119,6 +119,7 @@ fn facts(found: &Diagnosis) -> String {
             mm(found.noise_floor)
         ),
     );
+    fact("samples", found.samples.sentence());
     fact(
         "masses",
         format!(

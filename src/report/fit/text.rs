@@ -119,8 +119,17 @@ fn facts(found: &Identification) -> String {
     fact("prior", found.prior.clone());
     fact(
         "noise",
-        format!("{} mm per axis, {}", mm(found.noise_floor), source(found)),
+        match found.noise_axes {
+            [x, y] if (x / y).ln().abs() > 0.05 => {
+                format!("{} mm in x, {} mm in y, {}", mm(x), mm(y), source(found))
+            }
+            _ => format!("{} mm per axis, {}", mm(found.noise_floor), source(found)),
+        },
     );
+    fact("samples", found.samples.sentence());
+    if let Some(visits) = &found.visits {
+        fact("visits", visits.sentence());
+    }
     if let Some(test) = found.lack_of_fit {
         let verdict = match test.p_value {
             p if p < 1e-3 => "the model misses something",

@@ -15,6 +15,7 @@ pub mod hidden;
 pub mod judge;
 pub mod log;
 pub mod poses;
+pub mod recording;
 pub mod refit;
 pub mod sizes;
 pub mod stage;

@@ -1,0 +1,121 @@
+//! Rows of the log that is read now, on their way to folds: whole where they are
+//! independent, freed of their correlation where they are not.
+
+use super::timing::Timing;
+use crate::logs::Block;
+use crate::observations::correlation::{Independent, Whitener};
+use crate::observations::rows::Rows;
+
+/// Of a long log, rows as they are count one in this many beside independent ones.
+const PLAIN: usize = 4;
+
+/// What is said of a block's rows.
+pub(super) struct Dealt<'a> {
+    /// What deals them to their folds.
+    pub keys: &'a [i64],
+    /// m, or in units of both axes' RMS.
+    pub std: &'a [[f64; 2]],
+    /// 0 to 1.
+    pub trust: &'a [f64],
+}
+
+/// State between the blocks of a log.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Stream {
+    pub timing: Timing,
+    /// Rows so far.
+    pub rows: usize,
+    whiteners: Option<[Whitener; 2]>,
+    /// Independent rows that no fold has yet.
+    ready: Vec<Independent>,
+}
+
+impl Default for Stream {
+    fn default() -> Stream {
+        Stream::new(&Timing::NONE)
+    }
+}
+
+impl Stream {
+    pub fn new(timing: &Timing) -> Stream {
+        Stream {
+            whiteners: timing.processes().map(|axes| axes.map(Whitener::new)),
+            timing: timing.clone(),
+            rows: 0,
+            ready: Vec::new(),
+        }
+    }
+
+    /// Whether rows are freed of their correlation.
+    pub fn whitens(&self) -> bool {
+        self.whiteners.is_some()
+    }
+
+    /// Whether rows do not count as they are.
+    pub fn differs(&self) -> bool {
+        self.whitens() || self.timing.axes != [1.0; 2]
+    }
+
+    /// One in this many rows counts as it is.
+    pub fn every(&self) -> usize {
+        if self.timing.long { PLAIN } else { 1 }
+    }
+
+    /// Numbers of the blocks of time that rows are in, where those are held out.
+    pub fn keys(&self, block: &Block) -> Option<Vec<i64>> {
+        let ((start, length), t) = (self.timing.blocks?, block.t.as_ref()?);
+        Some(
+            t.iter()
+                .map(|t| ((t - start) / length).floor() as i64)
+                .collect(),
+        )
+    }
+
+    /// Fold of a key.
+    pub fn fold(&self, key: i64, folds: usize) -> usize {
+        match self.timing.blocks {
+            Some(_) => key.rem_euclid(folds as i64) as usize,
+            None => drawn(key, folds),
+        }
+    }
+
+    /// Rows of a block at times `t`.
+    pub fn push(&mut self, t: &[f64], rows: &Rows, dealt: &Dealt) {
+        let Some(whiteners) = &mut self.whiteners else {
+            return;
+        };
+        let params = rows.matrix.ncols();
+        let mut row = vec![0.0; params + 1];
+        for (k, &t) in t.iter().enumerate() {
+            for (axis, whitener) in whiteners.iter_mut().enumerate() {
+                let weight = 1.0 / dealt.std[k][axis];
+                for (to, from) in row.iter_mut().zip(rows.matrix.row(2 * k + axis).iter()) {
+                    *to = from * weight;
+                }
+                row[params] = rows.reading[2 * k + axis] * weight;
+                let ended = whitener.push(t, dealt.keys[k], &row, dealt.trust[k]);
+                self.ready.extend(ended);
+            }
+        }
+    }
+
+    /// The log ends.
+    pub fn end(&mut self) {
+        for whitener in self.whiteners.iter_mut().flatten() {
+            self.ready.extend(whitener.end());
+        }
+    }
+
+    /// Independent rows so far.
+    pub fn take(&mut self) -> Vec<Independent> {
+        std::mem::take(&mut self.ready)
+    }
+}
+
+/// As good as drawn, the same on every machine.
+fn drawn(key: i64, folds: usize) -> usize {
+    let mut x = (key as u64).wrapping_add(0x9e37_79b9_7f4a_7c15);
+    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    ((x ^ (x >> 31)) % folds as u64) as usize
+}

@@ -1,0 +1,327 @@
+//! How many independent samples a log in time is worth.
+//!
+//! ```text
+//! y = X b + e        s² = Var(e_k)        n_eff = n s² / (Δt S)        S = ∫ Cov(e(t), e(t + h)) dh
+//! S = h σ_h² (1 + ρ_h)/(1 − ρ_h)          σ_h², ρ_h of means over windows of h seconds
+//! ```
+//!
+//! What counts is S, the noise at frequencies slower than the robot's motion. It is read
+//! from means over windows that are about as long as the noise lasts: an AR(1) process
+//! fitted to single rows takes smooth noise for one that lasts for ever, and a slow sway
+//! under the white noise of a sensor for a short one. σ_h and ρ_h are found by restricted
+//! maximum likelihood (Patterson and Thompson, Biometrika 58, 1971): the residuals of a
+//! fit have lost their slow part to the fit's own columns X, and their plain
+//! autocorrelation would count two to three times too many samples. Stamps may be uneven.
+
+mod restricted;
+mod windows;
+
+use std::ops::Range;
+
+use nalgebra::{DMatrix, DVector};
+
+pub use windows::{Cut, Independent, Process, Whitener};
+
+/// Twice the log likelihood that correlation must gain over none.
+const SIGNIFICANT: f64 = 10.0;
+/// Windows are tried on several lengths: they must gain more.
+const OF_WINDOWS: f64 = 16.0;
+/// Standard deviations by which windows must scatter more than independent rows.
+const SCATTER: f64 = 4.0;
+/// Standard deviations by which neighbours that are not alike may correlate.
+const ALIKE: f64 = 3.5;
+/// Means of so many rows are looked at that this many times the columns are left.
+const FEW: usize = 3;
+/// Windows whose means are less correlated than this are long enough.
+const ENOUGH_APART: f64 = 0.7;
+/// Longer windows count where they are worth this much less than shorter ones say.
+const WORTH_LESS: f64 = 1.15;
+/// Factor by which windows twice as long may show rows to be worth less.
+const LEAP: f64 = 2.5;
+/// Rows that correlation can be seen in, at least, beyond the columns of X.
+const ENOUGH: usize = 20;
+/// Windows beyond twice the columns of X.
+const WINDOWS: usize = 20;
+/// More steps than this part that do not go forward are no order.
+const BACKWARDS: f64 = 0.02;
+
+/// What a log's residuals say of its noise, on one axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Correlation {
+    /// Integrated correlation time, s; zero where samples are independent.
+    pub time_s: f64,
+    /// Samples per independent one, n/n_eff, 1 and more.
+    pub rows_per_sample: f64,
+    /// The process, where samples are not independent.
+    pub process: Option<Process>,
+}
+
+/// The noise as windows of one length show it.
+struct Scale {
+    windows: usize,
+    process: Process,
+    rho: f64,
+    rows_per_sample: f64,
+    significant: bool,
+    /// What the process leaves is white: it is one of this scale.
+    consistent: bool,
+}
+
+impl Correlation {
+    /// Of samples that are independent.
+    pub const NONE: Correlation = Correlation {
+        time_s: 0.0,
+        rows_per_sample: 1.0,
+        process: None,
+    };
+
+    /// Estimate it from what a fit leaves of `y` (over its deviations), whose columns are
+    /// `x`, at times `t` (s).
+    pub fn of(t: &[f64], y: &DVector<f64>, x: &DMatrix<f64>) -> Correlation {
+        let n = t.len();
+        let Some(step) = step(t).filter(|_| n >= ENOUGH) else {
+            return Correlation::NONE;
+        };
+        let mut chosen: Option<Scale> = None;
+        let (mut rows, mut most) = (1, n);
+        let mut before = f64::INFINITY;
+        while let Some(scale) = Scale::cut(t, y, x, Cut::new(rows, step), most) {
+            // A slow part under a fast one shows twice as much in windows twice as long, and
+            // no more: beyond that the fit has left too little to tell.
+            if scale.rows_per_sample > LEAP * before {
+                break;
+            }
+            before = scale.rows_per_sample;
+            // Windows that gaps keep from growing say nothing new.
+            most = scale.windows * 3 / 4;
+            let better = |chosen: &Scale| {
+                let times = scale.rows_per_sample / chosen.rows_per_sample;
+                let shorter = chosen.rho >= ENOUGH_APART && scale.rho > 0.0;
+                scale.significant && (shorter || times > WORTH_LESS)
+            };
+            // An AR(1) process of rows that are close to each other needs no windows.
+            let of_rows = rows == 1 && (scale.rho >= ENOUGH_APART || !scale.significant);
+            let done = scale.consistent && of_rows;
+            if done || chosen.as_ref().is_none_or(better) {
+                chosen = Some(scale);
+            }
+            if done {
+                break;
+            }
+            rows *= 2;
+        }
+        Correlation::at(chosen, n, step)
+    }
+
+    /// The same where the robot holds still: rows of one stay, which `stays` are, count
+    /// together as soon as they are not independent. Where stays are too few for that,
+    /// rows are looked at as they are.
+    pub fn of_stays(
+        t: &[f64],
+        y: &DVector<f64>,
+        x: &DMatrix<f64>,
+        stays: &[Range<usize>],
+    ) -> Correlation {
+        let Some(step) = step(t).filter(|_| stays.len() >= x.ncols() + ENOUGH) else {
+            return Correlation::of(t, y, x);
+        };
+        let whole = Scale::of(t, y, x, stays, Cut::new(usize::MAX, step));
+        Correlation::at(whole, t.len(), step)
+    }
+
+    fn at(chosen: Option<Scale>, rows: usize, step: f64) -> Correlation {
+        match chosen.filter(|scale| scale.significant && scale.rows_per_sample > 1.0) {
+            Some(scale) => Correlation {
+                time_s: 0.5 * step * scale.rows_per_sample,
+                rows_per_sample: scale.rows_per_sample.min(rows as f64),
+                process: Some(scale.process),
+            },
+            None => Correlation::NONE,
+        }
+    }
+}
+
+/// The ordinary step of times that run forward; `None` of others.
+pub fn step(t: &[f64]) -> Option<f64> {
+    let mut steps: Vec<f64> = t.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let all = steps.len() as f64;
+    steps.retain(|step| *step > 0.0);
+    if steps.is_empty() || (steps.len() as f64) < (1.0 - BACKWARDS) * all {
+        return None;
+    }
+    steps.sort_by(f64::total_cmp);
+    Some(steps[steps.len() / 2])
+}
+
+/// Mean square of what a fit of the columns `x` leaves of `y`, and its degrees of freedom.
+pub fn left(x: &DMatrix<f64>, y: &DVector<f64>) -> (f64, f64) {
+    restricted::white(x, y).unwrap_or((f64::NAN, 0.0))
+}
+
+impl Scale {
+    /// Of windows cut like this; `None` where they are too few, or more than `most`.
+    fn cut(t: &[f64], y: &DVector<f64>, x: &DMatrix<f64>, cut: Cut, most: usize) -> Option<Scale> {
+        let windows = windows::whole(t, cut);
+        let fewest = match cut.rows {
+            1 => x.ncols() + ENOUGH,
+            _ => 2 * x.ncols() + WINDOWS,
+        };
+        let enough = (fewest..=most).contains(&windows.len());
+        enough.then(|| Scale::of(t, y, x, &windows, cut)).flatten()
+    }
+
+    /// Of these windows.
+    fn of(
+        t: &[f64],
+        y: &DVector<f64>,
+        x: &DMatrix<f64>,
+        windows: &[Range<usize>],
+        cut: Cut,
+    ) -> Option<Scale> {
+        let n = windows.len();
+        let mean = |column: &[f64]| -> Vec<f64> {
+            let own = windows.iter().map(|window| &column[window.clone()]);
+            own.map(|own| own.iter().sum::<f64>() / own.len() as f64)
+                .collect()
+        };
+        let middle = mean(t);
+        let of_y = DVector::from_vec(mean(y.as_slice()));
+        let mut of_x = DMatrix::zeros(n, x.ncols());
+        for k in 0..x.ncols() {
+            of_x.set_column(k, &DVector::from_vec(mean(x.column(k).as_slice())));
+        }
+        let joined: Vec<bool> = (0..n).map(|k| k > 0 && middle[k] > middle[k - 1]).collect();
+        let found = restricted::estimate(&middle, &joined, &of_x, &of_y)?;
+        let rows = windows.iter().map(Range::len).sum::<usize>() as f64 / n as f64;
+        // What varies within windows is what averaging took from the variance of a row.
+        let within = match cut.rows {
+            1 => 0.0,
+            _ => within(&(y - x * &found.params), windows),
+        };
+        let row = found.variance + within;
+        let share = found.variance / row;
+        let step = middle_step(&middle, &joined);
+        let left = &of_y - &of_x * &found.params;
+        let innovations: Vec<f64> = (0..n)
+            .map(|k| {
+                if found.tau == 0.0 || !joined[k] {
+                    return left[k];
+                }
+                let rho = (-(middle[k] - middle[k - 1]) / found.tau).exp();
+                (left[k] - rho * left[k - 1]) / (1.0 - rho * rho).max(1e-12).sqrt()
+            })
+            .collect();
+        let correlated = match cut.rows {
+            1 => found.gain > SIGNIFICANT,
+            _ => found.gain > OF_WINDOWS,
+        };
+        let rho = match correlated && found.tau > 0.0 {
+            true => (-step / found.tau).exp(),
+            false => 0.0,
+        };
+        let lasting_long = lasts(rho, rows);
+        let rows_per_sample = rows * share * lasting_long;
+        let excess = (rows * share - 1.0) / (2.0 / found.freedom).sqrt();
+        let lasting = match rows > 1.0 {
+            true => ((rows * share - 1.0) / (rows - 1.0)).clamp(0.0, 1.0),
+            false => 1.0,
+        };
+        Some(Scale {
+            windows: n,
+            process: Process {
+                cut,
+                // That of AR(1) means which last as long.
+                tau_s: match (lasting_long - 1.0) / (lasting_long + 1.0) {
+                    same if same > 0.0 => -step / same.ln(),
+                    _ => 0.0,
+                },
+                lasting,
+            },
+            rho,
+            rows_per_sample,
+            significant: correlated || excess > SCATTER,
+            consistent: is_white(&innovations, x.ncols()),
+        })
+    }
+}
+
+/// S in units of h σ_h² for windows of `rows` rows of an AR(1) process whose means have
+/// the correlation `rho` with their neighbours:
+///
+/// ```text
+/// m² σ_h² = m (1 + a)/(1 − a) − 2 a (1 − aᵐ)/(1 − a)²        m² ρ_h σ_h² = a (1 − aᵐ)²/(1 − a)²
+/// ```
+fn lasts(rho: f64, rows: f64) -> f64 {
+    if rho <= 0.0 {
+        return 1.0;
+    }
+    let of = |a: f64| {
+        let (left, power) = (1.0 - a, a.powf(rows));
+        let variance = rows * (1.0 + a) / left - 2.0 * a * (1.0 - power) / (left * left);
+        let covariance = a * (1.0 - power).powi(2) / (left * left);
+        (covariance / variance, rows * (1.0 + a) / left / variance)
+    };
+    let (mut low, mut high) = (0.0, 1.0 - 1e-9);
+    for _ in 0..60 {
+        let a = 0.5 * (low + high);
+        match of(a).0 < rho {
+            true => low = a,
+            false => high = a,
+        }
+    }
+    of(low).1
+}
+
+/// Whether neighbours say nothing of each other, and means of more of them scatter by no
+/// more than those of independent ones. `p` columns have been fitted, which slow parts
+/// lack.
+///
+/// ```text
+/// VR(q) = q Var(mean of q)/Var        sd ≈ √(2 (q − 1)/n)    (Lo and MacKinlay 1988)
+/// ```
+fn is_white(e: &[f64], p: usize) -> bool {
+    let n = e.len();
+    let square = e.iter().map(|e| e * e).sum::<f64>();
+    let product: f64 = e.windows(2).map(|pair| pair[0] * pair[1]).sum();
+    if product.abs() > ALIKE * square / (n as f64).sqrt() {
+        return false;
+    }
+    let mut q = 2;
+    while q * FEW * (p + 1) <= n {
+        let means = e.chunks_exact(q).map(|own| own.iter().sum::<f64>());
+        let ratio =
+            means.map(|sum| sum * sum).sum::<f64>() / (n / q * q) as f64 * n as f64 / square;
+        let part = q as f64;
+        let deviation = (2.0 * (part - 1.0) / n as f64).sqrt();
+        if ratio > 1.0 + SCATTER * deviation {
+            return false;
+        }
+        q *= 2;
+    }
+    true
+}
+
+/// Mean square of what residuals of rows differ from their windows' means.
+fn within(left: &DVector<f64>, windows: &[Range<usize>]) -> f64 {
+    let (mut sum, mut rows) = (0.0, 0);
+    for window in windows {
+        let own = &left.as_slice()[window.clone()];
+        let mean = own.iter().sum::<f64>() / own.len() as f64;
+        sum += own.iter().map(|e| (e - mean).powi(2)).sum::<f64>();
+        rows += own.len();
+    }
+    sum / rows as f64
+}
+
+/// The ordinary distance of neighbouring windows, s.
+fn middle_step(middle: &[f64], joined: &[bool]) -> f64 {
+    let mut steps: Vec<f64> = (1..middle.len())
+        .filter(|&k| joined[k])
+        .map(|k| middle[k] - middle[k - 1])
+        .collect();
+    steps.sort_by(f64::total_cmp);
+    steps.get(steps.len() / 2).copied().unwrap_or(f64::INFINITY)
+}
+
+#[cfg(test)]
+mod tests;

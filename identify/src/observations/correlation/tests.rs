@@ -1,0 +1,125 @@
+use super::*;
+use rand::{Rng as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+
+/// Normal deviates by Box and Muller.
+fn gauss(rng: &mut ChaCha8Rng) -> f64 {
+    let unit = |rng: &mut ChaCha8Rng| (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
+    let (u, v) = (unit(rng).max(1e-300), unit(rng));
+    (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * v).cos()
+}
+
+/// What noise is like.
+#[derive(Debug, Clone, Copy)]
+enum Kind {
+    White,
+    /// AR(1) of this time constant, s.
+    Ar1(f64),
+    /// Two AR(1) in a row: smooth, as behind a filter.
+    Smooth(f64),
+    /// AR(1) under as much white noise.
+    Under(f64),
+}
+
+impl Kind {
+    /// Rows `step` seconds apart per independent one.
+    fn rows_per_sample(self, step: f64) -> f64 {
+        // ∫ ρ: τ of AR(1), 2 τ of (1 + h/τ) exp(−h/τ).
+        match self {
+            Kind::White => 1.0,
+            Kind::Ar1(tau) => 2.0 * tau / step,
+            Kind::Smooth(tau) => 4.0 * tau / step,
+            Kind::Under(tau) => 0.5 * (2.0 * tau / step) + 0.5,
+        }
+    }
+
+    fn draw(self, n: usize, step: f64, rng: &mut ChaCha8Rng) -> DVector<f64> {
+        let mut ar1 = |tau: f64, drive: &dyn Fn(usize, &mut ChaCha8Rng) -> f64| {
+            let rho = (-step / tau).exp();
+            let mut e = 0.0;
+            let all: Vec<f64> = (0..n + 2000)
+                .map(|k| {
+                    e = rho * e + (1.0 - rho * rho).sqrt() * drive(k, rng);
+                    e
+                })
+                .collect();
+            all
+        };
+        let own = |_: usize, rng: &mut ChaCha8Rng| gauss(rng);
+        match self {
+            Kind::White => DVector::from_fn(n, |_, _| gauss(rng)),
+            Kind::Ar1(tau) => DVector::from_vec(ar1(tau, &own)[2000..].to_vec()),
+            Kind::Smooth(tau) => {
+                let first = ar1(tau, &own);
+                DVector::from_vec(ar1(tau, &|k, _| first[k])[2000..].to_vec())
+            }
+            Kind::Under(tau) => {
+                let slow = DVector::from_vec(ar1(tau, &own)[2000..].to_vec());
+                slow + DVector::from_fn(n, |_, _| gauss(rng))
+            }
+        }
+    }
+}
+
+/// Slow sines that a fit takes away, and noise.
+fn log(n: usize, step: f64, kind: Kind, seed: u64) -> (Vec<f64>, DVector<f64>, DMatrix<f64>) {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let t: Vec<f64> = (0..n)
+        .map(|k| step * (k as f64 + 0.2 * gauss(&mut rng).tanh()))
+        .collect();
+    let y = kind.draw(n, step, &mut rng);
+    let wave = |k: usize, c: usize| (0.1 * (c + 1) as f64 * t[k] + c as f64).sin();
+    (t.clone(), y, DMatrix::from_fn(n, 20, wave))
+}
+
+#[test]
+fn independent_samples_are_counted_as_such() {
+    for (rows, seeds) in [(400, 0..60), (2000, 100..120)] {
+        for seed in seeds {
+            let (t, y, x) = log(rows, 0.1, Kind::White, seed);
+            assert_eq!(Correlation::of(&t, &y, &x), Correlation::NONE, "{seed}");
+        }
+    }
+}
+
+/// The number of independent samples is that of the process, though a fit of 20
+/// columns has eaten the slow part of the noise; at every rate, and of every kind.
+#[test]
+fn samples_are_counted_by_the_correlation_of_the_process() {
+    let kinds = [
+        Kind::Ar1(0.2),
+        Kind::Ar1(0.5),
+        Kind::Ar1(1.0),
+        Kind::Smooth(0.2),
+        Kind::Under(0.5),
+    ];
+    for step in [0.1, 0.02] {
+        for kind in kinds {
+            let n = (120.0 / step) as usize;
+            let mut ratios: Vec<f64> = (0..9)
+                .map(|seed| {
+                    let (t, y, x) = log(n, step, kind, 100 + seed);
+                    Correlation::of(&t, &y, &x).rows_per_sample / kind.rows_per_sample(step)
+                })
+                .collect();
+            ratios.sort_by(f64::total_cmp);
+            println!("{step} {kind:?}: {ratios:.2?}");
+            assert!(
+                (0.7..1.4).contains(&ratios[4]),
+                "{step} {kind:?}: {ratios:?}"
+            );
+            assert!(
+                ratios[0] > 0.35 && ratios[8] < 2.8,
+                "{step} {kind:?}: {ratios:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn times_that_run_backwards_say_nothing() {
+    let (mut t, y, x) = log(200, 0.1, Kind::Ar1(0.5), 3);
+    t.reverse();
+    t.swap(10, 20);
+    assert_eq!(Correlation::of(&t, &y, &x), Correlation::NONE);
+}

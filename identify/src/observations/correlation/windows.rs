@@ -1,0 +1,197 @@
+//! Means of neighbouring rows, and rows freed of their correlation.
+//!
+//! ```text
+//! ȳ_w = X̄_w r + ē_w        means over the rows of a window: as linear as the rows
+//! (z_w − ρ z_{w−1})/√(1 − ρ²)        ρ = exp(−Δ/τ), Δ between the middles of windows
+//! ```
+//!
+//! Rows at 100 Hz of noise that lasts half a second say little more than their means
+//! over a quarter of it; the means are much alike whatever the rate, and whatever sensor
+//! noise lies on the slow part.
+
+use std::ops::Range;
+
+/// Rows further apart than this many ordinary steps are not neighbours.
+const GAP: f64 = 4.0;
+
+/// Windows of less than this part of the longest's rows are cut short.
+const WHOLE: f64 = 0.75;
+
+/// How rows are cut into windows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cut {
+    /// Rows of a window, at most.
+    pub rows: usize,
+    /// Rows further apart begin another stretch, s.
+    pub gap_s: f64,
+}
+
+impl Cut {
+    /// Windows of `rows` where rows are `step` seconds apart.
+    pub fn new(rows: usize, step: f64) -> Cut {
+        Cut {
+            rows,
+            gap_s: GAP * step,
+        }
+    }
+
+    /// Whether a window of `count` rows, the last at `last`, is whole before a row at `t`.
+    pub fn ends(&self, count: usize, last: f64, t: f64) -> bool {
+        count >= self.rows || t <= last || t - last > self.gap_s
+    }
+}
+
+/// Windows of rows at times `t`, those that a gap cut short left out: their means vary
+/// more.
+pub(super) fn whole(t: &[f64], cut: Cut) -> Vec<Range<usize>> {
+    let mut starts = Vec::new();
+    for k in 0..t.len() {
+        match starts.last() {
+            Some(&start) if !cut.ends(k - start, t[k - 1], t[k]) => {}
+            _ => starts.push(k),
+        }
+    }
+    starts.push(t.len());
+    let mut windows: Vec<Range<usize>> = starts.windows(2).map(|w| w[0]..w[1]).collect();
+    let longest = windows.iter().map(Range::len).max().unwrap_or(0);
+    windows.retain(|window| window.len() as f64 >= WHOLE * longest as f64);
+    windows
+}
+
+/// Noise that is correlated in time, as means of windows know it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Process {
+    /// How rows are cut.
+    pub cut: Cut,
+    /// Correlation time of the windows' means, s; zero where they are independent.
+    pub tau_s: f64,
+    /// Part of a row's variance that averaging does not lower.
+    pub lasting: f64,
+}
+
+impl Default for Process {
+    /// Of independent rows.
+    fn default() -> Process {
+        Process {
+            cut: Cut {
+                rows: 1,
+                gap_s: f64::INFINITY,
+            },
+            tau_s: 0.0,
+            lasting: 0.0,
+        }
+    }
+}
+
+impl Process {
+    /// Variance of the mean of `rows` rows, in units of a row's.
+    pub fn variance(&self, rows: f64) -> f64 {
+        self.lasting + (1.0 - self.lasting) / rows
+    }
+
+    /// Correlation of two means whose middles are `apart` seconds apart.
+    pub fn correlation(&self, apart: f64) -> f64 {
+        match self.tau_s > 0.0 && apart > 0.0 {
+            true => (-apart / self.tau_s).exp(),
+            false => 0.0,
+        }
+    }
+}
+
+/// A window's rows so far.
+#[derive(Debug, Clone, PartialEq)]
+struct Open {
+    key: i64,
+    count: usize,
+    trust: f64,
+    /// Σ of times, and the last, s.
+    t: f64,
+    last: f64,
+    /// Σ of rows (x, y), each times its trust.
+    sum: Vec<f64>,
+}
+
+/// Turns the rows of one axis into independent ones, as they come.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Whitener {
+    process: Process,
+    open: Option<Open>,
+    /// Time and row of the window before.
+    before: Option<(f64, Vec<f64>)>,
+}
+
+/// An independent row.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Independent {
+    /// Of its first row.
+    pub key: i64,
+    /// (x, y), of the variance of a single row.
+    pub row: Vec<f64>,
+    /// Mean trust of its rows.
+    pub trust: f64,
+}
+
+impl Whitener {
+    /// Of noise like `process`.
+    pub fn new(process: Process) -> Whitener {
+        Whitener {
+            process,
+            open: None,
+            before: None,
+        }
+    }
+
+    /// A row (x, y) over its deviation, which belongs to `key`; gives the window that ended.
+    pub fn push(&mut self, t: f64, key: i64, row: &[f64], trust: f64) -> Option<Independent> {
+        let cut = self.process.cut;
+        let ends = |open: &Open| open.key != key || cut.ends(open.count, open.last, t);
+        let ended = match self.open.as_ref().is_some_and(ends) {
+            true => self.end(),
+            false => None,
+        };
+        let open = self.open.get_or_insert_with(|| Open {
+            key,
+            count: 0,
+            trust: 0.0,
+            t: 0.0,
+            last: t,
+            sum: vec![0.0; row.len()],
+        });
+        open.count += 1;
+        open.trust += trust;
+        open.t += t;
+        open.last = t;
+        open.sum
+            .iter_mut()
+            .zip(row)
+            .for_each(|(sum, x)| *sum += trust * x);
+        ended
+    }
+
+    /// The log ends.
+    pub fn end(&mut self) -> Option<Independent> {
+        let open = self.open.take()?;
+        let (count, trust) = (open.count as f64, open.trust.max(f64::MIN_POSITIVE));
+        let size = 1.0 / (trust * self.process.variance(count).sqrt());
+        let row: Vec<f64> = open.sum.iter().map(|x| x * size).collect();
+        let t = open.t / count;
+        let rho = match &self.before {
+            Some((before, _)) => self.process.correlation(t - before),
+            None => 0.0,
+        };
+        let scale = 1.0 / (1.0 - rho * rho).max(1e-12).sqrt();
+        let free = match &self.before {
+            Some((_, before)) => {
+                let pairs = row.iter().zip(before);
+                pairs.map(|(x, b)| (x - rho * b) * scale).collect()
+            }
+            None => row.clone(),
+        };
+        self.before = Some((t, row));
+        Some(Independent {
+            key: open.key,
+            row: free,
+            trust: open.trust / count,
+        })
+    }
+}

@@ -1,0 +1,129 @@
+//! How many independent samples the rows of logs are worth, and how that is said.
+
+use serde::{Deserialize, Serialize};
+
+use super::correlation::Correlation;
+use super::repeats::Repeats;
+
+/// How much logs are worth.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Samples {
+    /// Rows of the logs.
+    pub rows: usize,
+    /// How many independent rows they are worth, of the axis that has fewer.
+    pub independent: usize,
+    /// Integrated correlation time of what is left, s.
+    pub correlation_s: f64,
+    /// A log has no times, or they do not run forward: its rows are taken as independent.
+    pub assumed: bool,
+}
+
+impl Samples {
+    /// Rows that visits make worth fewer, where their times do not say so.
+    pub fn by_visits(self, repeats: &Repeats) -> Samples {
+        match repeats.rows_per_sample() {
+            Some(rows) if self.independent == self.rows => Samples {
+                independent: ((self.rows as f64 / rows).round() as usize).max(1),
+                ..self
+            },
+            _ => self,
+        }
+    }
+
+    /// As reports say it.
+    pub fn sentence(&self) -> String {
+        let rows = self.rows;
+        if self.independent < rows {
+            let why = match self.correlation_s > 0.0 {
+                true => format!("noise is correlated over {:.2} s", self.correlation_s),
+                false => "visits of one posture differ by more than its readings".to_string(),
+            };
+            let worth = self.independent;
+            return format!("{rows} rows, worth about {worth} independent ones: {why}");
+        }
+        match self.assumed {
+            true => format!("{rows} rows, taken as independent: no times in order say otherwise"),
+            false => format!("{rows} rows, as good as independent"),
+        }
+    }
+}
+
+/// The same while logs are summed up.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Sum {
+    rows: u64,
+    independent: f64,
+    correlation_s: f64,
+    assumed: bool,
+}
+
+impl Sum {
+    /// Rows of one log; `timed` where its times run forward.
+    pub fn push(&mut self, rows: u64, axes: &[Correlation; 2], timed: bool) {
+        let worst = worst(axes);
+        self.rows += rows;
+        self.independent += rows as f64 / worst.rows_per_sample;
+        self.correlation_s = self.correlation_s.max(worst.time_s);
+        self.assumed |= !timed;
+    }
+
+    /// Add those of other logs.
+    pub fn merge(&mut self, other: &Sum) {
+        self.rows += other.rows;
+        self.independent += other.independent;
+        self.correlation_s = self.correlation_s.max(other.correlation_s);
+        self.assumed |= other.assumed;
+    }
+
+    /// What is said of `rows` rows.
+    pub fn of(&self, rows: u64) -> Samples {
+        // Rows whose log was never summed up count one each.
+        let counted = self.independent + (rows - self.rows.min(rows)) as f64;
+        Samples {
+            rows: rows as usize,
+            independent: (counted.round() as usize).max(1),
+            correlation_s: self.correlation_s,
+            assumed: self.assumed || self.rows < rows,
+        }
+    }
+}
+
+/// Of the axis that has fewer samples.
+pub fn worst(axes: &[Correlation; 2]) -> Correlation {
+    match axes[0].rows_per_sample > axes[1].rows_per_sample {
+        true => axes[0],
+        false => axes[1],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn logs_add_up_and_say_what_was_assumed() {
+        let axis = |rows_per_sample, time_s| Correlation {
+            time_s,
+            rows_per_sample,
+            process: None,
+        };
+        let mut sum = Sum::default();
+        sum.push(1000, &[axis(50.0, 0.25), axis(10.0, 0.05)], true);
+        sum.push(400, &[Correlation::NONE; 2], true);
+        let both = sum.of(1400);
+        assert_eq!(
+            (both.rows, both.independent, both.assumed),
+            (1400, 420, false)
+        );
+        assert!(
+            both.sentence()
+                .contains("1400 rows, worth about 420 independent")
+        );
+        let mut other = Sum::default();
+        other.push(100, &[Correlation::NONE; 2], false);
+        assert!(other.of(100).sentence().contains("taken as independent"));
+        sum.merge(&other);
+        assert!(sum.of(1500).assumed);
+        assert_eq!(sum.of(1500).independent, 520);
+    }
+}

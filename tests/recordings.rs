@@ -1,0 +1,140 @@
+//! Recordings: noise that lasts is counted, stays and visits are, and intervals hold.
+
+use sesc_test_support::command::{ROOT, sesc, stdout};
+use sesc_virtual::recording::{Kind, Motion, Noise};
+use sesc_virtual::stage::{Platform, Stage};
+use xtask::study_recordings::{Case, Said};
+
+const NOISE: Noise = Noise {
+    kind: Kind::White,
+    std: [2e-3; 2],
+    visit_std: 0.0,
+};
+
+fn case(motion: Motion, kind: Kind, visit_std: f64) -> Case {
+    Case {
+        platform: Platform::Op2,
+        motion,
+        noise: Noise {
+            kind,
+            visit_std,
+            ..NOISE
+        },
+        rate: 10.0,
+        timed: true,
+        stated: false,
+    }
+}
+
+fn ask(case: &Case, seeds: std::ops::Range<u64>) -> Vec<Said> {
+    let stage = Stage::new(case.platform);
+    let of = |seed| case.ask(&stage, &case.record(&stage, seed), false).unwrap();
+    seeds.map(of).collect()
+}
+
+/// Share of the intervals that hold, and the median of what rows are worth.
+fn summed(said: &[Said]) -> (f64, f64) {
+    let [all, hold] = [0, 1].map(|k| {
+        let of = |s: &Said| [s.intervals.0, s.intervals.1][k] as f64;
+        said.iter().map(of).sum::<f64>()
+    });
+    let mut worth: Vec<f64> = said.iter().map(|s| s.samples.1 as f64).collect();
+    worth.sort_by(f64::total_cmp);
+    (hold / all, worth[worth.len() / 2])
+}
+
+/// 1200 rows of noise that lasts τ are worth 1200 · Δt/2τ, whatever its kind; of 8 logs
+/// with 42 parameters each, a share of 0.05 would miss by 0.02 if they were independent.
+#[test]
+fn intervals_of_a_fit_hold_in_noise_that_lasts() {
+    let kinds = [
+        (Kind::White, 1200.0),
+        (Kind::Ar1(0.5), 120.0),
+        (Kind::Smooth(0.1), 300.0),
+        (Kind::Sway(0.3), 340.0),
+    ];
+    for (kind, worth) in kinds {
+        let said = ask(&case(Motion::Sines(120.0), kind, 0.0), 100..108);
+        let (share, found) = summed(&said);
+        println!("{kind:?}: {share:.3} hold, worth {found} of {worth}");
+        assert!((0.88..=1.0).contains(&share), "{kind:?}: {share}");
+        assert!((0.5..1.6).contains(&(found / worth)), "{kind:?}: {found}");
+    }
+}
+
+/// 120 stays of ten readings each: as many independent readings of the visits as there
+/// are stays, with times and without.
+#[test]
+fn visits_that_differ_are_what_a_recording_is_worth() {
+    let stays = Motion::Stays {
+        postures: 60,
+        visits: 2,
+        hold: 1.0,
+    };
+    for timed in [true, false] {
+        let same = Case {
+            timed,
+            ..case(stays, Kind::White, 0.0)
+        };
+        let differ = Case {
+            timed,
+            ..case(stays, Kind::White, 4e-3)
+        };
+        let (share, worth) = summed(&ask(&same, 0..6));
+        assert!(share > 0.88, "{share}");
+        assert_eq!(worth, 1200.0);
+        let said = ask(&differ, 0..6);
+        let (share, worth) = summed(&said);
+        println!("timed {timed}: {share:.3} hold, worth {worth}");
+        assert!(share > 0.88, "{share}");
+        // √(2² + 4²) mm a reading; the mean of a stay √(2²/10 + 4²): 1.23 as many.
+        assert!((100.0..190.0).contains(&worth), "{worth}");
+        let expected = 20_f64.sqrt() / 2.0;
+        assert!(said.iter().all(|s| (s.noise / expected - 1.0).abs() < 0.2));
+    }
+}
+
+/// What is said of it, by the command line.
+#[test]
+fn rows_and_what_they_are_worth_are_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let stage = Stage::new(Platform::Op2);
+    let recording = case(Motion::Sines(60.0), Kind::Ar1(0.4), 0.0).record(&stage, 5);
+    let log = |timed: bool| {
+        let columns = recording.columns(timed);
+        let names: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
+        let mut text = names.join(",") + "\n";
+        for k in 0..recording.t.len() {
+            let row: Vec<String> = columns.iter().map(|(_, v)| v[k].to_string()).collect();
+            text += &(row.join(",") + "\n");
+        }
+        let path = folder
+            .path()
+            .join(if timed { "timed.csv" } else { "rows.csv" });
+        std::fs::write(&path, text).unwrap();
+        path.display().to_string()
+    };
+    let urdf = format!("{ROOT}/robots/op2/op2.urdf");
+    let fit = |log: &str, json: bool| {
+        let mut arguments = vec!["fit", &urdf, "--data", log, "--support", "r_sole"];
+        if json {
+            arguments.push("--json");
+        }
+        stdout(&sesc(&arguments))
+    };
+    let (timed, rows) = (log(true), log(false));
+    let said: serde_json::Value = serde_json::from_str(&fit(&timed, true)).unwrap();
+    let samples = &said["samples"];
+    assert_eq!(samples["rows"], 600);
+    assert_eq!(samples["assumed"], false);
+    let worth = samples["independent"].as_u64().unwrap();
+    assert!((30..160).contains(&worth), "{samples}");
+    assert!((0.15..1.2).contains(&samples["correlation_s"].as_f64().unwrap()));
+    let text = fit(&timed, false);
+    let sentence = format!("600 rows, worth about {worth} independent ones: noise is correlated");
+    assert!(text.contains(&sentence), "{text}");
+    let said: serde_json::Value = serde_json::from_str(&fit(&rows, true)).unwrap();
+    assert_eq!(said["samples"]["independent"], 600);
+    assert_eq!(said["samples"]["assumed"], true);
+    assert!(fit(&rows, false).contains("600 rows, taken as independent"));
+}
