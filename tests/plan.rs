@@ -243,7 +243,7 @@ fn the_same_seed_gives_the_same_file_and_another_does_not() {
     assert_ne!(first.1, run("c.csv", "4").1);
     assert_eq!(first.1.lines().count(), 11);
     assert!(first.1.starts_with("pose,head_pan,"));
-    let sidecar = std::fs::read_to_string(folder.path().join("a.toml")).unwrap();
+    let sidecar = std::fs::read_to_string(folder.path().join("a.csv.toml")).unwrap();
     assert!(sidecar.contains("support = \"r_sole\""), "{sidecar}");
     let json: serde_json::Value = serde_json::from_str(&first.0).unwrap();
     assert_eq!(json["poses"], 10);
@@ -376,7 +376,7 @@ fn a_page_is_written_and_takes_no_other_files_place() {
     assert_eq!(json["joints"].as_array().unwrap().len(), 20);
     let text = std::fs::read_to_string(&page).unwrap();
     assert!(text.contains("12 postures to take, of 60") && text.contains("--report"));
-    for taken in [&poses, &at("poses.toml")] {
+    for taken in [&poses, &at("poses.csv.toml")] {
         refused(&plan(taken), &["meant for two outputs"]);
     }
     refused(&plan(&op2()), &["op2.urdf is read here"]);

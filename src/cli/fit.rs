@@ -219,7 +219,7 @@ fn check_files(arguments: &Arguments) -> Result<(), Error> {
     let mut read: Vec<PathBuf> = arguments.inputs.clone();
     for log in &arguments.data {
         read.push(log.clone());
-        read.push(Sidecar::path(log));
+        read.extend(Sidecar::paths(log));
     }
     let own = [&arguments.out, &arguments.partial].into_iter().flatten();
     let written: Vec<&PathBuf> = own.chain(arguments.outputs.files()).collect();

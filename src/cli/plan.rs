@@ -64,7 +64,7 @@ pub(super) struct Arguments {
     /// Parameters to balance with, and their support unless --support is given; else CAD
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
-    /// Posture file to write (.csv, .csv.gz or .parquet); its sidecar gets the same name with .toml
+    /// Posture file to write (.csv, .csv.gz or .parquet); its sidecar is FILE.toml
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     /// Page to write: where the CoP is, the error to expect, what joints do

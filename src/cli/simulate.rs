@@ -35,7 +35,7 @@ pub(super) struct Arguments {
     /// Effect that the robot shall have, several times if wanted: see `sesc effects`
     #[arg(long, value_name = "EFFECT[:TARGET]=VALUE")]
     hide: Vec<String>,
-    /// Log to write (.csv, .csv.gz or .parquet); its sidecar gets the same name with .toml
+    /// Log to write (.csv, .csv.gz or .parquet); its sidecar is FILE.toml
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
 }

@@ -149,8 +149,8 @@ fn a_model_file_says_what_stands_on_the_ground() {
     }
     for (file, text) in [
         ("src/m.rs", "support frame  foot"),
-        ("log.toml", "\"foot\""),
-        ("poses.toml", "\"foot\""),
+        ("log.csv.toml", "\"foot\""),
+        ("poses.csv.toml", "\"foot\""),
     ] {
         assert!(
             fs::read_to_string(at(file)).unwrap().contains(text),

@@ -51,7 +51,7 @@ fn the_same_command_gives_the_same_bytes() {
         "corrected.urdf",
         "report.html",
         "next.csv",
-        "next.toml",
+        "next.csv.toml",
     ];
     let run = || {
         let paths = names.map(|name| folder.path().join(name).display().to_string());

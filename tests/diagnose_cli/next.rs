@@ -23,7 +23,7 @@ fn the_log_of_the_next_experiment_is_taken_with_the_first() {
     let [next, model] = ["next.csv", "model.toml"].map(path);
     let before = diagnose(&log, &["--next", &next]);
     assert_eq!(before["verdict"], "class");
-    let side: toml::Table = fs::read_to_string(path("next.toml"))
+    let side: toml::Table = fs::read_to_string(path("next.csv.toml"))
         .unwrap()
         .parse()
         .unwrap();
@@ -46,7 +46,7 @@ fn the_log_of_the_next_experiment_is_taken_with_the_first() {
         text += &format!("{k},{},{x},{y},0.0005,0.0005\n", angles.join(","));
     }
     let second = write(folder.path(), "second.csv", &text);
-    fs::copy(path("next.toml"), path("second.toml")).unwrap();
+    fs::copy(path("next.csv.toml"), path("second.csv.toml")).unwrap();
     let after = diagnose(&log, &["--then", &second, "--out", &model]);
     as_agreed(&after);
     let holds = |said: &Value, label: &str| {
@@ -71,7 +71,7 @@ fn the_log_of_the_next_experiment_is_taken_with_the_first() {
         ("other_foot", ["other_foot", "mend"]),
     ] {
         let side = format!("support = \"r_sole\"\nexperiment = \"{experiment}\"\n");
-        write(folder.path(), "second.toml", side);
+        write(folder.path(), "second.csv.toml", side);
         let urdf = op2();
         let output = sesc(&["diagnose", &urdf, "--data", &log, "--then", &second]);
         refused(&output, &words);

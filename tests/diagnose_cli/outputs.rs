@@ -213,7 +213,7 @@ fn the_corrected_urdf_needs_no_effect_and_the_next_postures_stand() {
     assert_eq!(told.said["verdict"], "class");
     let next = told.path("next.csv");
     assert_eq!(told.said["next_postures"]["file"], next.as_str());
-    let side: toml::Table = fs::read_to_string(told.path("next.toml"))
+    let side: toml::Table = fs::read_to_string(told.path("next.csv.toml"))
         .unwrap()
         .parse()
         .unwrap();

@@ -338,7 +338,7 @@ fn stand(request: &Request, first: &str, log: &LogSource) -> Result<(Experiment,
     let (sidecar, _) = log.sidecar()?;
     let file = || -> String {
         match log.path() {
-            Some(path) => Sidecar::path(path).display().to_string(),
+            Some(path) => Sidecar::of_log(path).display().to_string(),
             None => log.name().to_string(),
         }
     };

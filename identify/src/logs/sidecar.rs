@@ -1,4 +1,4 @@
-//! The sidecar of a log: `<stem>.toml` beside it, all keys optional.
+//! The sidecar of a log: `<log file name>.toml` beside it, all keys optional.
 //!
 //! A key with a value of the wrong type is an error; an unknown key is a
 //! warning, since it may be a note of the user's or a misspelling.
@@ -72,9 +72,29 @@ pub enum Angles {
 }
 
 impl Sidecar {
-    /// Where the sidecar of `log` is: `log.toml` for `log.csv`, `log.csv.gz`
-    /// and `log.parquet` alike.
+    /// Where the sidecar of `log` is written: `log.csv.toml` for `log.csv`.
     pub fn path(log: &Path) -> PathBuf {
+        let mut name = log.file_name().unwrap_or_default().to_os_string();
+        name.push(".toml");
+        log.with_file_name(name)
+    }
+
+    /// Where sidecars of `log` are looked for: the older name is `log.toml` for `log.csv`,
+    /// `log.csv.gz` and `log.parquet` alike.
+    pub fn paths(log: &Path) -> [PathBuf; 2] {
+        [Sidecar::path(log), Sidecar::older_path(log)]
+    }
+
+    /// The sidecar that `log` has, and where it would be if it has none.
+    pub fn of_log(log: &Path) -> PathBuf {
+        let [path, older] = Sidecar::paths(log);
+        match !path.exists() && older.exists() {
+            true => older,
+            false => path,
+        }
+    }
+
+    fn older_path(log: &Path) -> PathBuf {
         let packed = log.extension().is_some_and(|end| end == "gz");
         match log.file_stem() {
             Some(stem) if packed => log.with_file_name(stem).with_extension("toml"),
@@ -85,9 +105,10 @@ impl Sidecar {
     /// Read the sidecar of `log`, and what is odd about it; a log without one
     /// has an empty one.
     pub fn of(log: &Path) -> Result<(Sidecar, Vec<Message>), Error> {
-        let path = Sidecar::path(log);
+        let path = Sidecar::of_log(log);
         let file = path.display().to_string();
-        if path == log {
+        if log.extension().is_some_and(|end| end == "toml") {
+            let file = log.display();
             return Err(Error::request(format!(
                 "{file} ends like a sidecar; give the log itself"
             )));
@@ -196,15 +217,29 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_log_has_its_sidecar_under_the_stem() {
-        for (log, sidecar) in [
-            ("a/log.csv", "a/log.toml"),
-            ("a/log.csv.gz", "a/log.toml"),
-            ("log.v2.parquet", "log.v2.toml"),
-            ("log", "log.toml"),
+    fn every_log_has_its_sidecar_beside_it() {
+        for (log, sidecar, older) in [
+            ("a/log.csv", "a/log.csv.toml", "a/log.toml"),
+            ("a/log.csv.gz", "a/log.csv.gz.toml", "a/log.toml"),
+            ("log.v2.parquet", "log.v2.parquet.toml", "log.v2.toml"),
+            ("log", "log.toml", "log.toml"),
         ] {
-            assert_eq!(Sidecar::path(Path::new(log)), Path::new(sidecar));
+            let paths = Sidecar::paths(Path::new(log));
+            assert_eq!(paths, [PathBuf::from(sidecar), PathBuf::from(older)]);
         }
+    }
+
+    /// The older name is read where there is no other.
+    #[test]
+    fn a_sidecar_of_the_older_name_is_read_too() {
+        let folder = tempfile::tempdir().unwrap();
+        let log = folder.path().join("log.csv");
+        let robot = || Sidecar::of(&log).unwrap().0.robot;
+        assert_eq!(robot(), None);
+        std::fs::write(folder.path().join("log.toml"), "robot = 'older'").unwrap();
+        assert_eq!(robot().as_deref(), Some("older"));
+        std::fs::write(folder.path().join("log.csv.toml"), "robot = 'newer'").unwrap();
+        assert_eq!(robot().as_deref(), Some("newer"));
     }
 
     #[test]

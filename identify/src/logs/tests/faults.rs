@@ -61,7 +61,7 @@ fn faults_name_row_column_and_remedy() {
         "support = 'soles'",
         &["sidecar", "`soles`", "`sole`"],
     );
-    refused("hip,knee\n0,0\n", "cells = 3", &["log.toml", "cells"]);
+    refused("hip,knee\n0,0\n", "cells = 3", &["log.csv.toml", "cells"]);
 }
 
 #[test]
