@@ -1,5 +1,6 @@
 //! Recordings: noise that lasts is counted, stays and visits are, and intervals hold.
 
+use sesc_identify::diagnose::Verdict;
 use sesc_test_support::command::{ROOT, sesc, stdout};
 use sesc_virtual::recording::{Kind, Motion, Noise};
 use sesc_virtual::stage::{Platform, Stage};
@@ -91,6 +92,24 @@ fn visits_that_differ_are_what_a_recording_is_worth() {
         assert!((100.0..190.0).contains(&worth), "{worth}");
         let expected = 20_f64.sqrt() / 2.0;
         assert!(said.iter().all(|s| (s.noise / expected - 1.0).abs() < 0.2));
+    }
+}
+
+/// White noise of 0.5 mm, nothing stated, nothing repeated: the noise is found, and
+/// nothing else.
+#[test]
+fn the_noise_that_nobody_states_is_found() {
+    let mut case = case(Motion::Sines(40.0), Kind::White, 0.0);
+    case.noise.std = [5e-4; 2];
+    let stage = Stage::new(case.platform);
+    for seed in 0..3 {
+        let recording = case.record(&stage, seed);
+        let said = case.ask(&stage, &recording, true).unwrap();
+        let noise = said.diagnosed_noise.unwrap();
+        println!("{noise:.3} {:?}", said.verdict);
+        assert!((0.9..1.1).contains(&noise), "{noise}");
+        assert!((0.9..1.1).contains(&said.noise), "{}", said.noise);
+        assert_eq!(said.verdict, Some(Verdict::None));
     }
 }
 

@@ -67,6 +67,8 @@ pub struct Said {
     pub noise: f64,
     /// Of the diagnosis, where it was asked.
     pub verdict: Option<Verdict>,
+    /// Noise of x and y that the diagnosis took, over the true one.
+    pub diagnosed_noise: Option<f64>,
 }
 
 /// ± this many deviations hold 95 %.
@@ -151,13 +153,13 @@ impl Case {
         let known: Vec<bool> = known
             .filter_map(|(p, truth)| Some((p.value - truth).abs() <= OF_95 * p.std?))
             .collect();
-        let verdict = match diagnosed {
+        let diagnosis = match diagnosed {
             true => {
                 let mut request = diagnose::Request::new(robot, log());
                 request.support = Some(stage.support.into());
                 request.noise = stated;
                 request.prior = "tight".into();
-                Some(diagnose(&request, &mut ())?.diagnosis.verdict)
+                Some(diagnose(&request, &mut ())?.diagnosis)
             }
             false => None,
         };
@@ -165,7 +167,8 @@ impl Case {
             intervals: (known.len(), known.iter().filter(|holds| **holds).count()),
             samples: (found.samples.rows, found.samples.independent),
             noise: found.noise_floor / rms,
-            verdict,
+            verdict: diagnosis.as_ref().map(|d| d.verdict),
+            diagnosed_noise: diagnosis.as_ref().map(|d| d.noise / rms),
         })
     }
 }

@@ -34,6 +34,8 @@ pub const JUDGED_SCORE: f64 = 2.0 * CLASS_SCORE;
 pub const LEFTOVER_DEVIATIONS: f64 = 4.0;
 /// … if it is larger by this factor, too: noise is not known better.
 pub const LEFTOVER_RATIO: f64 = 1.15;
+/// … and by this one where the noise is known from residuals of free masses alone.
+pub const LEFTOVER_RATIO_OF_RESIDUALS: f64 = 3.0;
 /// Terms of a formula for what is left, at most.
 pub const FORMULA_TERMS: usize = 3;
 /// A formula is reported if it explains this part of what is more than noise.
@@ -122,6 +124,8 @@ pub const COM_APART_M: f64 = 1e-3;
 
 /// Parts that a log is dealt into.
 pub const FOLDS: usize = 20;
+/// Stretches that are held out are this many times as long as noise lasts.
+pub const HELD_OUT_TIMES: f64 = 4.0;
 
 // Experiments.
 

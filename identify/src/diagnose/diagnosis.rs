@@ -55,8 +55,9 @@ pub fn find<'m>(
         true => with_formula(misfit, best, &mut search, further),
         false => (best, None),
     };
-    // Noise that was taken from what is left over cannot say that too much is left.
-    let known = problem.data.noise_source != NoiseSource::Residuals;
+    // Noise that was taken from what free masses leave says it where far more is left.
+    let known = problem.data.noise_source != NoiseSource::Residuals
+        || misfit.chi2 > criteria::LEFTOVER_RATIO_OF_RESIDUALS * misfit.expected;
     let crowd = best.terms.len() >= criteria::TOO_MANY_EFFECTS;
     let no_known = known && misfit.is_clear() || formula.is_some();
     let unexplained = no_known || crowd || implausible.is_some();
@@ -118,6 +119,7 @@ pub fn find<'m>(
         verdict,
         health: about.health.clone(),
         samples: Samples::default(),
+        visits: problem.data.visits,
         sentence: String::new(),
         robot: about.robot.to_string(),
         support: about.support.to_string(),

@@ -8,6 +8,7 @@ use super::held_out::HeldOut;
 use super::problem::Fit;
 use crate::health::Finding;
 use crate::observations::noise::NoiseSource;
+use crate::observations::repeats::Visits;
 use crate::observations::samples::Samples;
 
 /// What a diagnosis comes to.
@@ -231,6 +232,8 @@ pub struct Diagnosis {
     pub health: Vec<Finding>,
     /// How much the log is worth.
     pub samples: Samples,
+    /// What postures that were visited again differ by; none where none was.
+    pub visits: Option<Visits>,
     /// The whole result in sentences.
     pub sentence: String,
     /// File of the robot's description.

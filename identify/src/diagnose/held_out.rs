@@ -5,6 +5,7 @@ use nalgebra::DVector;
 
 use super::criteria;
 use super::problem::{Fit, Problem, Rows};
+use crate::observations::correlation::step;
 use crate::observations::postures::rms;
 
 /// Errors of predicted readings, m; outliers, and postures that a dead band
@@ -21,6 +22,21 @@ pub struct HeldOut {
     pub left_out: usize,
 }
 
+/// Part that each posture is held out with: stretches of a log in time, several times as
+/// long as noise lasts; of a log without times every 20th posture.
+pub(super) fn parts(problem: &Problem) -> Vec<usize> {
+    let n = problem.data.len();
+    let most = criteria::FOLDS.min(n);
+    let timed = problem.data.t.as_ref().is_some_and(|t| step(t).is_some());
+    // Noise lasts half as many rows as an independent one takes.
+    let lasts = 0.5 * problem.rows_per_sample();
+    let stretches = (n as f64 / (criteria::HELD_OUT_TIMES * lasts)) as usize;
+    let folds = stretches.clamp(2.min(n), most);
+    (0..n)
+        .map(|k| if timed { k * folds / n } else { k % most })
+        .collect()
+}
+
 /// Cross-validation of a hypothesis: each posture predicted without itself. Postures
 /// that are `apart` do not count.
 pub fn cross_validate(problem: &Problem, whole: &Fit, apart: &[bool]) -> HeldOut {
@@ -28,15 +44,14 @@ pub fn cross_validate(problem: &Problem, whole: &Fit, apart: &[bool]) -> HeldOut
     if whole.terms.is_empty() && problem.nuisance.is_negligible() {
         return of_errors(errors_of(problem, whole, None), apart);
     }
-    let folds = criteria::FOLDS.min(n);
+    let parts = parts(problem);
     let mut errors = vec![f64::NAN; 2 * n];
-    for fold in 0..folds {
-        // Neighbours in a log are alike: every 20th posture is left out.
-        let keep: Vec<bool> = (0..n).map(|k| k % folds != fold).collect();
+    for fold in 0..=parts.iter().copied().max().unwrap_or(0) {
+        let keep: Vec<bool> = parts.iter().map(|part| *part != fold).collect();
         let rows = Rows { keep: Some(&keep) };
         let fit = problem.fit(&whole.terms, Some(&whole.unknowns), rows);
         let own = errors_of(problem, &fit, Some(&keep));
-        for k in (fold..n).step_by(folds) {
+        for k in (0..n).filter(|k| !keep[*k]) {
             errors[2 * k] = own[2 * k];
             errors[2 * k + 1] = own[2 * k + 1];
         }

@@ -145,7 +145,8 @@ impl<'m> Problem<'m> {
         let usual = usual.unwrap_or_else(|| DMatrix::zeros(p, 0));
         if data.noise_source == NoiseSource::Residuals {
             let out = Evaluator::new(model, Function::Cop).run(&data.q, n);
-            data.take_noise(&left_by_masses(&flat, &data.reading, &out));
+            let (left, taken) = left_by_masses(&flat, &data.reading, &out);
+            data.take_noise(&left, taken);
         }
         let weight: Vec<f64> = data.std.iter().map(|s| 1.0 / s).collect();
         let nuisance = Nuisance::new(&flat, &factor, &weight);
@@ -303,20 +304,21 @@ impl<'m> Problem<'m> {
     }
 }
 
-/// What free masses leave of readings, m: noise, and whatever else is in the log.
-/// Where postures are too few for that, all of the gap.
-fn left_by_masses(rows: &DMatrix<f64>, reading: &[f64], cad: &[f64]) -> Vec<f64> {
+/// What free masses leave of readings, m, and how many of these they take up: noise, and
+/// whatever else is in the log. Where postures are too few for that, all of the gap.
+fn left_by_masses(rows: &DMatrix<f64>, reading: &[f64], cad: &[f64]) -> (Vec<f64>, f64) {
     let gap = DVector::from_fn(reading.len(), |row, _| reading[row] - cad[row]);
     if rows.nrows() < 2 * rows.ncols() {
-        return gap.as_slice().to_vec();
+        return (gap.as_slice().to_vec(), 0.0);
     }
     let directions = free(rows);
     let seen = rows * directions;
     match factor_normal(seen.tr_mul(&seen)) {
-        Some(factor) => (&gap - &seen * factor.solve(&seen.tr_mul(&gap)))
-            .as_slice()
-            .to_vec(),
-        None => gap.as_slice().to_vec(),
+        Some(factor) => {
+            let left = &gap - &seen * factor.solve(&seen.tr_mul(&gap));
+            (left.as_slice().to_vec(), seen.ncols() as f64)
+        }
+        None => (gap.as_slice().to_vec(), 0.0),
     }
 }
 

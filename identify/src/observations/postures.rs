@@ -9,19 +9,21 @@ use sesc_model::Model;
 use sesc_model::effects::PostureContext;
 
 use super::grouping::{DOWN, Grouping, moved_sentence};
-use super::noise::{Known, LEAST_STD, NoiseSource};
-use super::repeats::{Group, Repeats};
-use super::{noise, rows};
+use super::noise::{LEAST_STD, NoiseSource};
+use super::repeats::{Group, Repeats, Visits};
+use super::rows;
 use crate::logs::{LogSource, Options, PostureReader, Summary};
 use crate::watch::{Watch, tell};
 use crate::{Error, Message, Setting, message};
+
+mod known;
+
+use known::Noise;
 
 /// Rows taken at once.
 const BLOCK: usize = 4096;
 /// Postures that a diagnosis looks at, up to twice this; evenly chosen of more.
 pub const MOST: usize = 2000;
-/// Stated deviations that scatter less than this are estimates of one number.
-const SCATTER: f64 = 0.15;
 
 /// Postures and readings in memory.
 #[derive(Debug, Clone)]
@@ -48,6 +50,8 @@ pub struct Postures {
     pub floor: f64,
     /// Where the noise is known from.
     pub noise_source: NoiseSource,
+    /// What postures that were visited again differ by.
+    pub visits: Option<Visits>,
     /// Foot cells, m.
     pub cells: Vec<[f64; 2]>,
     /// Raw loads were logged.
@@ -331,6 +335,7 @@ impl Postures {
             noise_floor: noise.overall.hypot(taking.floor),
             floor: taking.floor,
             noise_source: noise.source,
+            visits: gathering.repeats.visits(),
             cells: Vec::new(),
             raw_cells: false,
             postures: gathering.seen,
@@ -358,19 +363,24 @@ impl Postures {
         data
     }
 
-    /// Take the noise from what a fit left, m: by the median, so that a few odd
-    /// readings do not count.
-    pub fn take_noise(&mut self, left: &[f64]) {
-        let mut sizes: Vec<f64> = left.iter().map(|e| e.abs()).collect();
-        sizes.sort_by(f64::total_cmp);
-        // The median of |N(0, 1)|.
-        let noise = sizes
-            .get(sizes.len() / 2)
-            .map_or(0.0, |m| m / 0.674_489_750_196);
+    /// Take the noise of each axis from what a fit that took up `taken` of the readings
+    /// left, m: by the median, so that a few odd readings do not count.
+    pub fn take_noise(&mut self, left: &[f64], taken: f64) {
+        let share = (1.0 - taken / left.len() as f64).max(0.1).sqrt();
         let floor = self.floor.max(1e-6);
-        self.noise = noise;
-        self.noise_floor = noise.hypot(floor);
-        self.std.fill(self.noise_floor);
+        let axes = [0, 1].map(|axis| {
+            let own = left.iter().skip(axis).step_by(2);
+            let mut sizes: Vec<f64> = own.map(|e| e.abs()).collect();
+            sizes.sort_by(f64::total_cmp);
+            // The median of |N(0, 1)|.
+            let median = sizes.get(sizes.len() / 2);
+            median.map_or(0.0, |m| m / 0.674_489_750_196 / share)
+        });
+        self.noise = rms(axes.into_iter());
+        self.noise_floor = self.noise.hypot(floor);
+        for (row, std) in self.std.iter_mut().enumerate() {
+            *std = axes[row % 2].hypot(floor);
+        }
         let own = self.less_known.iter();
         for (std, own) in self.std.iter_mut().zip(own) {
             *std = std.hypot(*own);
@@ -393,65 +403,6 @@ impl Postures {
     /// Whether there are no postures.
     pub fn is_empty(&self) -> bool {
         self.pose.is_empty()
-    }
-}
-
-/// Noise of the mean reading of each posture.
-struct Noise {
-    per_entry: Vec<[f64; 2]>,
-    overall: f64,
-    source: NoiseSource,
-    warning: Option<String>,
-}
-
-impl Noise {
-    /// `given` is that of a row, m.
-    fn of(gathering: &Gathering, stated: bool, given: Option<f64>) -> Noise {
-        let all = &gathering.kept;
-        let rows: f64 = all.iter().map(|p| p.rows).sum();
-        let variance = || all.iter().flat_map(|p| p.variance).sum::<f64>();
-        let known = Known {
-            given,
-            stated: stated.then(|| (variance() / (2.0 * rows)).sqrt()),
-            repeats: gathering.repeats.pure().both(),
-        };
-        let Some(noise) = noise::Noise::known(&known, None) else {
-            // Filled in later from what is left over.
-            return Noise {
-                per_entry: vec![[f64::NAN; 2]; all.len()],
-                overall: f64::NAN,
-                source: NoiseSource::Residuals,
-                warning: None,
-            };
-        };
-        let mut per_entry = match stated {
-            true => Noise::stated(all),
-            false => all.iter().map(|p| [1.0 / p.rows.sqrt(); 2]).collect(),
-        };
-        for entry in per_entry.iter_mut().flatten() {
-            *entry *= noise.sigma;
-        }
-        Noise {
-            overall: rms(per_entry.iter().flatten().copied()),
-            per_entry,
-            source: noise.source,
-            warning: noise.warning(),
-        }
-    }
-
-    /// Deviations that are all about alike are estimates of the same number,
-    /// and their mean square is a better one than each.
-    fn stated(all: &[Posture]) -> Vec<[f64; 2]> {
-        let own = |p: &Posture, axis: usize| p.variance[axis].sqrt() / p.rows;
-        let mut per_entry: Vec<[f64; 2]> = all.iter().map(|p| [own(p, 0), own(p, 1)]).collect();
-        for axis in 0..2 {
-            let together = rms(per_entry.iter().map(|s| s[axis]));
-            let away = rms(per_entry.iter().map(|s| s[axis] - together));
-            if away < SCATTER * together {
-                per_entry.iter_mut().for_each(|s| s[axis] = together);
-            }
-        }
-        per_entry
     }
 }
 

@@ -120,6 +120,9 @@ fn facts(found: &Diagnosis) -> String {
         ),
     );
     fact("samples", found.samples.sentence());
+    if let Some(visits) = &found.visits {
+        fact("visits", visits.sentence());
+    }
     fact(
         "masses",
         format!(

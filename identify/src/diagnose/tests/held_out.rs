@@ -1,7 +1,7 @@
 //! Held-out errors by what they are for: each posture predicted without itself.
 
 use super::{Bench, NOISE, term};
-use crate::diagnose::held_out::{apart, cross_validate, of_cad};
+use crate::diagnose::held_out::{apart, cross_validate, of_cad, parts};
 use crate::diagnose::problem::{ALL, Problem};
 
 /// Cross-validated errors with the effects named, none where there are none.
@@ -38,6 +38,24 @@ fn a_reading_has_no_say_in_its_own_prediction() {
             assert!((own / moved - 1.0).abs() < 1e-3, "{prior} {pose}: {own:e}");
         }
     }
+}
+
+/// In time, neighbours are held out together, in stretches of at least four times what
+/// noise lasts: 100 postures of which 9 are worth one, 4.5 rows long, are 5 stretches.
+#[test]
+fn stretches_of_time_are_held_out() {
+    let bench = Bench::skew();
+    let q = bench.postures(100, 3);
+    let mut data = bench.log(&bench.world(), &q, 3);
+    let without = bench.problem(data.clone(), "tight");
+    let every: Vec<usize> = (0..100).map(|k| k % 20).collect();
+    assert_eq!(parts(&without), every);
+    data.t = Some((0..100).map(f64::from).collect());
+    let mut timed = bench.problem(data, "tight");
+    let stretches = |count: usize| -> Vec<usize> { (0..100).map(|k| k * count / 100).collect() };
+    assert_eq!(parts(&timed), stretches(20));
+    timed.widen_noise([1.0, 3.0]);
+    assert_eq!(parts(&timed), stretches(5));
 }
 
 /// Readings of one pose are one posture, however they are spread over a log.

@@ -1,0 +1,70 @@
+//! What is known of the noise of postures before anything is fitted.
+//!
+//! ```text
+//! std of a mean of n rows    s/√n        √(Σ s_k²)/n where rows state s_k
+//! ```
+
+use super::super::noise::{self, Known, NoiseSource};
+use super::{Gathering, Posture, rms};
+
+/// Stated deviations that scatter less than this are estimates of one number.
+const SCATTER: f64 = 0.15;
+
+/// Noise of the mean reading of each posture.
+pub(super) struct Noise {
+    pub per_entry: Vec<[f64; 2]>,
+    pub overall: f64,
+    pub source: NoiseSource,
+    pub warning: Option<String>,
+}
+
+impl Noise {
+    /// `given` is that of a row, m.
+    pub fn of(gathering: &Gathering, stated: bool, given: Option<f64>) -> Noise {
+        let all = &gathering.kept;
+        let rows: f64 = all.iter().map(|p| p.rows).sum();
+        let variance = || all.iter().flat_map(|p| p.variance).sum::<f64>();
+        let known = Known {
+            given,
+            stated: stated.then(|| (variance() / (2.0 * rows)).sqrt()),
+            repeats: gathering.repeats.pure().both(),
+        };
+        let Some(noise) = noise::Noise::known(&known, None) else {
+            // Filled in later from what is left over.
+            return Noise {
+                per_entry: vec![[f64::NAN; 2]; all.len()],
+                overall: f64::NAN,
+                source: NoiseSource::Residuals,
+                warning: None,
+            };
+        };
+        let mut per_entry = match stated {
+            true => Noise::stated(all),
+            false => all.iter().map(|p| [1.0 / p.rows.sqrt(); 2]).collect(),
+        };
+        for entry in per_entry.iter_mut().flatten() {
+            *entry *= noise.sigma;
+        }
+        Noise {
+            overall: rms(per_entry.iter().flatten().copied()),
+            per_entry,
+            source: noise.source,
+            warning: noise.warning(),
+        }
+    }
+
+    /// Deviations that are all about alike are estimates of the same number,
+    /// and their mean square is a better one than each.
+    fn stated(all: &[Posture]) -> Vec<[f64; 2]> {
+        let own = |p: &Posture, axis: usize| p.variance[axis].sqrt() / p.rows;
+        let mut per_entry: Vec<[f64; 2]> = all.iter().map(|p| [own(p, 0), own(p, 1)]).collect();
+        for axis in 0..2 {
+            let together = rms(per_entry.iter().map(|s| s[axis]));
+            let away = rms(per_entry.iter().map(|s| s[axis] - together));
+            if away < SCATTER * together {
+                per_entry.iter_mut().for_each(|s| s[axis] = together);
+            }
+        }
+        per_entry
+    }
+}
