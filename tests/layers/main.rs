@@ -60,6 +60,7 @@ const ROOMS: [(&str, &[&str]); 4] = [
             "logs",
             "robot",
             "stance",
+            "hide",
             "evaluate",
             "simulate",
             "predict",
