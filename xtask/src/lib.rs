@@ -5,4 +5,5 @@ pub mod counts;
 pub mod regen;
 pub mod study;
 pub mod study_com;
+pub mod study_health;
 pub mod study_recordings;

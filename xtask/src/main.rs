@@ -16,6 +16,8 @@ enum Task {
     Study(xtask::study::Study),
     /// Hide effects of the body, and judge the diagnosed CoM in docs/study-com.md
     StudyCom(xtask::study_com::StudyCom),
+    /// Break logs of virtual robots, and count what is recognised and what is found wrongly
+    StudyHealth(xtask::study_health::StudyHealth),
     /// Record moving robots with noise that lasts, and count in docs/study-recordings.md
     StudyRecordings(xtask::study_recordings::StudyRecordings),
 }
@@ -36,6 +38,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
         Task::Study(study) => study.run(root)?,
         Task::StudyCom(study) => study.run(root)?,
+        Task::StudyHealth(study) => study.run(root)?,
         Task::StudyRecordings(study) => study.run(root)?,
     }
     Ok(())
