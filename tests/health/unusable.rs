@@ -67,4 +67,8 @@ fn a_stuck_encoder_is_named_and_a_joint_that_stands_still_is_not() {
     finds_nothing(&log, 6);
     let offset = |w: World| w.joint_offset("r_ank_pitch", 0.05).unwrap();
     finds_nothing(&Log::of("r_sole", &still, offset, 7), 7);
+    let large = |w: World| w.joint_offset("r_ank_pitch", 0.2).unwrap();
+    finds_nothing(&Log::of("r_sole", &still, large, 8), 8);
+    let drift = |w: World| w.sensor_drift([0.02, 0.0]);
+    finds_nothing(&Log::of("r_sole", &still, drift, 9), 9);
 }

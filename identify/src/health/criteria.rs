@@ -28,6 +28,9 @@ pub(super) const FEET: usize = 64;
 
 /// Postures that shuffling can be seen in, at least.
 pub(super) const ENOUGH: usize = 30;
+/// Rows are shuffled only if CAD moves the CoP by so many deviations of its noise: a fit to
+/// CAD would show then.
+pub(super) const SHUFFLED_MOVES: f64 = 5.0;
 /// Ratio of scatters that counts as the same.
 pub(super) const ALIKE: (f64, f64) = (0.6, 1.6);
 /// Of so many shuffled logs one looks as if it went with some wiring.
@@ -40,14 +43,15 @@ pub(super) const STUCK_CHI2: f64 = 9.0;
 /// Share of postures in which the joint is within its limits then.
 pub(super) const STUCK_SHARE: f64 = 0.9;
 /// A joint that its encoder does not follow moves by this, RMS, rad; m for a prismatic one.
-pub(super) const LEAST_MOTION: (f64, f64) = (0.1, 0.02);
+pub(super) const LEAST_MOTION: (f64, f64) = (0.04, 0.008);
 /// Part of χ² that may be left then, for masses are not known exactly; or this a posture.
 pub(super) const STUCK_LEFT: f64 = 0.02;
 pub(super) const STUCK_NOISE: f64 = 4.0;
 /// Part of χ² from which one offset or one scale is the simpler explanation.
-pub(super) const SIMPLE_SHARE: f64 = 0.8;
-/// A wiring explains the gap if it leaves less than this part, the sensor's zero and gain free.
-pub(super) const KNOWN: f64 = 0.3;
+pub(super) const SIMPLE_SHARE: f64 = 0.95;
+/// A wiring explains the readings as well if it leaves no more than so many times as much, the
+/// sensor's zero and gain free.
+pub(super) const AS_WELL: f64 = 2.0;
 /// How far a joint with a stuck encoder may be from where it says, rad; m if prismatic.
 pub(super) const ANYWHERE: (f64, f64) = (0.5, 0.1);
 
@@ -62,13 +66,13 @@ pub(super) const MOST_LOST: f64 = 0.9;
 /// How far beyond the cells and the cloud of CAD's CoPs no effect takes a reading, m, and in
 /// diameters of both.
 pub(super) const MARGIN_M: f64 = 0.15;
-pub(super) const MARGIN_OF_CLOUD: f64 = 0.5;
-/// With more rows outside than this the frame is asked about, and none is left out.
+pub(super) const MARGIN_OF_CLOUD: f64 = 1.0;
+/// With more rows outside than this none is left out.
 pub(super) const MOST_OUTSIDE: f64 = 0.2;
-/// Readings in another unit (cm, mm) scatter so many times as much as CAD says, and are
-/// CAD's but for this part.
+/// Readings in another unit (cm, mm) scatter so many times as much as CAD says.
 pub(super) const OTHER_UNIT: f64 = 10.0;
-pub(super) const FOLLOWS: f64 = 0.5;
+/// Between these parts of the readings lie most: no fault is in so many rows.
+pub(super) const SPREAD: (f64, f64) = (0.2, 0.8);
 /// A channel is clipped if so large a part of its values are its end …
 pub(super) const CLIPPED_SHARE: f64 = 0.01;
 /// … and so many times more than are the next value.

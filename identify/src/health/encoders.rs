@@ -10,13 +10,14 @@
 use sesc_model::Function;
 
 use super::criteria::{
-    ANYWHERE, KNOWN, LEAST_MOTION, SIMPLE_SHARE, STILL, STUCK_CHI2, STUCK_LEFT, STUCK_NOISE,
+    ANYWHERE, AS_WELL, LEAST_MOTION, SIMPLE_SHARE, STILL, STUCK_CHI2, STUCK_LEFT, STUCK_NOISE,
     STUCK_SHARE,
 };
-use super::statistics::{gap, scatter};
+use super::statistics::scatter;
 use super::wirings::Wirings;
 use super::{Finding, Kind, Look, Picture};
 use crate::evaluate::Evaluator;
+use crate::observations::postures::rms;
 
 /// Rounds of the search for where the joint is, and its largest step, rad or m.
 const ROUNDS: usize = 8;
@@ -71,8 +72,7 @@ pub(super) fn stuck(look: &Look, wirings: &Wirings) -> Option<Stuck> {
     if best.left > least_left {
         return None;
     }
-    let here = gap(data, predicted.iter().copied());
-    if wirings.left([0, 1]) < KNOWN * here {
+    if is_wired_otherwise(look, wirings, best.left) {
         return None;
     }
     let (joint, most) = (best.joint, total - best.left);
@@ -128,6 +128,14 @@ pub(super) fn stuck(look: &Look, wirings: &Wirings) -> Option<Stuck> {
         less_known,
         joint,
     })
+}
+
+/// Whether a wiring explains the readings as well as motion of the joint does, which leaves
+/// χ² of `left`, or all but noise.
+fn is_wired_otherwise(look: &Look, wirings: &Wirings, left: f64) -> bool {
+    let noise = rms(look.std.iter().copied());
+    let beside = (left / look.data.len() as f64).max(1.0).sqrt();
+    wirings.left([0, 1]) < AS_WELL * noise * beside
 }
 
 /// The postures with one joint moved to where the readings are explained best.

@@ -1,6 +1,6 @@
 //! Readings of other postures than those they stand beside.
 
-use super::criteria::{ALIKE, ENOUGH, MUST_MOVE};
+use super::criteria::{ALIKE, ENOUGH, SHUFFLED_MOVES};
 use super::statistics::{axis, mean, rms_of, scatter};
 use super::wirings::Wirings;
 use super::{Finding, Kind, Look};
@@ -12,7 +12,7 @@ pub(super) fn shuffled(look: &Look, wirings: &Wirings) -> Option<Finding> {
         let (read, cad) = (axis(&data.reading, k), axis(&look.predicted, k));
         let ratio = scatter(&read) / scatter(&cad);
         let near = (mean(&read) - mean(&cad)).abs() < scatter(&cad);
-        let moves = scatter(&cad) > MUST_MOVE * rms_of(&look.std, k);
+        let moves = scatter(&cad) > SHUFFLED_MOVES * rms_of(&look.std, k);
         (ALIKE.0..ALIKE.1).contains(&ratio) && near && moves
     });
     let broken = data.len() >= ENOUGH && as_cad && !wirings.relate();

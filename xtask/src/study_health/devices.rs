@@ -226,7 +226,8 @@ impl Broken {
             }
             Device::Far => {
                 let odd = random.random_range(7..15);
-                table.set(columns[axis], |row| (row % odd == 3).then_some(2.5));
+                let far = 2.5 * trial.stage.size;
+                table.set(columns[axis], |row| (row % odd == 3).then_some(far));
             }
             Device::Copied => {
                 let mut more = table.rows[..n / 3].to_vec();

@@ -1,82 +1,97 @@
 //! Readings where no CoP can be.
 //!
 //! ```text
-//! box = hull(cells ∪ CoP by CAD), wider by max(0.15 m, 0.5 × its diameter)
+//! box = hull(cells ∪ CoP by CAD ∪ most readings), wider by max(0.15 m, its diameter)
 //! ```
 //!
-//! A few such rows are left out. Where most are, the log is of another frame or unit:
-//! readings that are CAD's but for a factor (millimetres) are an effect and no finding.
+//! A few such rows are left out. Where most readings are beyond cells and CAD, the log is of
+//! another frame; readings that scatter many times as much are in another unit, which is an
+//! effect and no finding.
 
 use super::Rows;
 use super::screen::LeftOut;
-use crate::health::criteria::{FOLLOWS, MARGIN_M, MARGIN_OF_CLOUD, MOST_OUTSIDE, OTHER_UNIT};
-use crate::health::statistics::{left_by_plane, scatter};
+use crate::health::criteria::{MARGIN_M, MARGIN_OF_CLOUD, MOST_OUTSIDE, OTHER_UNIT, SPREAD};
+use crate::health::statistics::scatter;
 use crate::health::{Finding, Kind, Picture};
 
 pub(super) fn sole(rows: &Rows, left_out: &mut LeftOut) -> Option<Finding> {
     let everywhere = rows.cad.iter().chain(&rows.cad_of_degrees);
-    let all: Vec<[f64; 2]> = everywhere.chain(&rows.places).copied().collect();
-    let corner = |worse: fn(f64, f64) -> f64, start: f64| {
-        [0, 1].map(|k| all.iter().map(|p| p[k]).fold(start, worse))
-    };
-    let (low, high) = (
-        corner(f64::min, f64::INFINITY),
-        corner(f64::max, f64::NEG_INFINITY),
-    );
-    let size = (high[0] - low[0]).hypot(high[1] - low[1]);
-    if !size.is_finite() {
-        return None;
-    }
-    let margin = MARGIN_M.max(MARGIN_OF_CLOUD * size);
-    let sole = [low.map(|x| x - margin), high.map(|x| x + margin)];
-    let inside = LeftOut {
-        sole: Some(sole),
-        ..LeftOut::default()
-    };
-    let beyond: Vec<usize> = (0..rows.len())
-        .filter(|&k| !inside.keeps(rows.reading[k], &[]))
-        .collect();
-    let share = beyond.len() as f64 / rows.len().max(1) as f64;
-    let furthest = |rows_of: &[usize]| {
-        let far = rows_of
-            .iter()
-            .map(|&k| rows.reading[k][0].hypot(rows.reading[k][1]));
-        far.fold(0.0, f64::max)
-    };
-    if beyond.is_empty() || share > MOST_OUTSIDE && follows(rows) {
-        return None;
-    }
-    let (count, total) = (beyond.len(), rows.len());
-    let seen = format!(
-        "The CoP of {count} of {total} rows lies beyond the sole and every CoP that CAD predicts, up \
-         to {:.2} m from the frame's origin",
-        furthest(&beyond)
-    );
-    let sentence = match share > MOST_OUTSIDE {
-        true => format!(
-            "{seen}: check that the support frame lies on the sole and that the CoP is given in it, \
-             in metres."
-        ),
-        false => {
-            left_out.sole = Some(sole);
-            format!("{seen}: these rows are left out; check the sensor's cable and the topic.")
+    let mut all: Vec<[f64; 2]> = everywhere.chain(&rows.places).copied().collect();
+    let middle = [0, 1].map(|k| quantile(&rows.reading, k, 0.5));
+    if rules(&all)?.keeps(middle, &[]) {
+        // Wrong signs and loads spread readings wider than CAD: most of them are no fault.
+        for part in [SPREAD.0, SPREAD.1] {
+            all.push([0, 1].map(|k| quantile(&rows.reading, k, part)));
         }
-    };
-    let length = |k: usize| 1e3 * rows.reading[k][0].hypot(rows.reading[k][1]);
-    let title = "Distance of the CoP from the origin, mm";
-    let picture = Picture::of(title, total, length, |k| {
-        !inside.keeps(rows.reading[k], &[])
-    });
-    Some(Finding::new(Kind::CopOutsideSole, "-", sentence).showing(picture))
+    } else if elsewhere(rows) {
+        return Some(frame(rows, middle));
+    } else {
+        return None;
+    }
+    let inside = rules(&all)?;
+    let beyond = |k: usize| !inside.keeps(rows.reading[k], &[]);
+    let count = (0..rows.len()).filter(|k| beyond(*k)).count();
+    let total = rows.len();
+    if count == 0 || count as f64 > MOST_OUTSIDE * total as f64 {
+        return None;
+    }
+    let length = |k: usize| rows.reading[k][0].hypot(rows.reading[k][1]);
+    left_out.sole = inside.sole;
+    let sentence = format!(
+        "The CoP of {count} of {total} rows lies beyond the sole and every CoP that CAD predicts, \
+         up to {:.2} m from the frame's origin: these rows are left out; check the sensor's cable \
+         and the topic.",
+        (0..total).map(length).fold(0.0, f64::max)
+    );
+    Some(Finding::new(Kind::CopOutsideSole, "-", sentence).showing(picture(rows, beyond)))
 }
 
-/// Whether readings are CAD's CoP in another unit.
-fn follows(rows: &Rows) -> bool {
-    let column = |all: &[[f64; 2]], k: usize| -> Vec<f64> { all.iter().map(|p| p[k]).collect() };
-    let (x, y) = (column(&rows.cad, 0), column(&rows.cad, 1));
-    (0..2).all(|k| {
-        let read = column(&rows.reading, k);
-        let larger = scatter(&read) > OTHER_UNIT * scatter(&x).max(scatter(&y));
-        larger && left_by_plane(&read, [&x, &y]) < FOLLOWS * scatter(&read)
+/// The box around places, wider by the margin.
+fn rules(places: &[[f64; 2]]) -> Option<LeftOut> {
+    let corner = |worse: fn(f64, f64) -> f64, start: f64| {
+        [0, 1].map(|k| places.iter().map(|p| p[k]).fold(start, worse))
+    };
+    let low = corner(f64::min, f64::INFINITY);
+    let high = corner(f64::max, f64::NEG_INFINITY);
+    let size = (high[0] - low[0]).hypot(high[1] - low[1]);
+    let margin = MARGIN_M.max(MARGIN_OF_CLOUD * size);
+    size.is_finite().then(|| LeftOut {
+        sole: Some([low.map(|x| x - margin), high.map(|x| x + margin)]),
+        ..LeftOut::default()
     })
+}
+
+/// Below which so large a part of the readings is on one axis, m.
+fn quantile(readings: &[[f64; 2]], axis: usize, part: f64) -> f64 {
+    let mut sorted: Vec<f64> = readings.iter().map(|y| y[axis]).collect();
+    sorted.sort_by(f64::total_cmp);
+    let at = (part * (sorted.len() - 1) as f64).round() as usize;
+    sorted.get(at).copied().unwrap_or(0.0)
+}
+
+/// A finding about the whole log: most readings are elsewhere.
+fn frame(rows: &Rows, middle: [f64; 2]) -> Finding {
+    let sentence = format!(
+        "Most readings lie beyond the sole and every CoP that CAD predicts, about {:.2} m from the \
+         frame's origin: check that the support frame lies on the sole and that the CoP is given in \
+         it, in metres.",
+        middle[0].hypot(middle[1])
+    );
+    Finding::new(Kind::CopOutsideSole, "-", sentence).showing(picture(rows, |_| true))
+}
+
+fn picture(rows: &Rows, meant: impl Fn(usize) -> bool) -> Picture {
+    let length = |k: usize| 1e3 * rows.reading[k][0].hypot(rows.reading[k][1]);
+    let title = "Distance of the CoP from the origin, mm";
+    Picture::of(title, rows.len(), length, meant)
+}
+
+/// Whether readings scatter no more than CAD says: in another unit they would.
+fn elsewhere(rows: &Rows) -> bool {
+    let column = |all: &[[f64; 2]], k: usize| -> Vec<f64> { all.iter().map(|p| p[k]).collect() };
+    let larger = |k: usize| {
+        let cad = scatter(&column(&rows.cad, 0)).max(scatter(&column(&rows.cad, 1)));
+        scatter(&column(&rows.reading, k)) > OTHER_UNIT * cad
+    };
+    !(larger(0) || larger(1))
 }
