@@ -173,8 +173,8 @@ impl Broken {
         let cop = columns.map(|column| table.numbers(column));
         match device {
             Device::Constant => {
-                for k in 0..2 {
-                    table.set(columns[k], |_| Some(0.004));
+                for column in columns {
+                    table.set(column, |_| Some(0.004));
                 }
             }
             Device::DeadAxis => {
@@ -213,8 +213,8 @@ impl Broken {
             Device::Shuffled => {
                 let mut order: Vec<usize> = (0..n).collect();
                 order.shuffle(random);
-                for k in 0..2 {
-                    table.set(columns[k], |row| Some(cop[k][order[row]]));
+                for (column, cop) in columns.into_iter().zip(&cop) {
+                    table.set(column, |row| Some(cop[order[row]]));
                 }
             }
             Device::Lifted => {
