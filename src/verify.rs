@@ -7,6 +7,7 @@
 //! A model with effects is compared with the virtual robot of the reference, which has
 //! them (`world`).
 
+mod motion;
 mod world;
 
 use std::collections::BTreeMap;
@@ -20,6 +21,7 @@ use sesc_model::{Function, Given, Model};
 use sesc_reference::Reference;
 
 use crate::Error;
+pub use motion::JointMotion;
 use sesc_identify::evaluate::Evaluator;
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
@@ -95,12 +97,16 @@ pub fn verify(
     let mut settled = true;
     let mut worst: BTreeMap<String, f64> = BTreeMap::new();
     let mut bound: BTreeMap<String, f64> = BTreeMap::new();
+    let joints = JointMotion::of(model);
     let mut evaluators = Vec::new();
     for given in [Given::Positions, Given::SinesCosines, Given::Direction] {
         for function in Function::ALL {
             let params = model.cad_params();
             if let Some(evaluator) = Evaluator::variant(model, function, given, params) {
-                let evaluator = evaluator.moving(&velocities(dof));
+                let evaluator = match function {
+                    Function::Zmp => evaluator.moving(&joints.rates, &joints.accelerations),
+                    _ => evaluator.moving(&velocities(dof), &[]),
+                };
                 let name = function_name(function, given);
                 let own = bent.is_some();
                 let own = own.then(|| beyond_rounding(model, function, allowed_for_springs));
@@ -118,8 +124,8 @@ pub fn verify(
                 let q = &q[k * dof..(k + 1) * dof];
                 let differentiate = (start + k) % DIFFERENTIATED == 0;
                 match &bent {
-                    Some(bent) => bent.truth(q, differentiate),
-                    None => Truth::new(reference, q, differentiate),
+                    Some(bent) => bent.truth(q, &joints, differentiate),
+                    None => Truth::new(reference, q, &joints, differentiate),
                 }
             })
             .collect();
@@ -202,12 +208,14 @@ struct Truth {
     rows: [f64; 3],
     /// The CoP as the sensor reads it.
     cop: [f64; 2],
+    /// The ZMP as joints move, where it is known.
+    zmp: Option<[f64; 2]>,
     /// Row-major Jacobian and gravity moments, where they were taken.
     derivatives: Option<(Vec<f64>, Vec<f64>)>,
 }
 
 impl Truth {
-    fn new(reference: &Reference, q: &[f64], differentiate: bool) -> Truth {
+    fn new(reference: &Reference, q: &[f64], joints: &JointMotion, differentiate: bool) -> Truth {
         let com = reference.com(q);
         let derivatives = differentiate.then(|| {
             let jacobian = reference.com_jacobian(q).transpose().as_slice().to_vec();
@@ -217,6 +225,11 @@ impl Truth {
             com: [com.x, com.y, com.z],
             rows: [com.x, com.y, com.z],
             cop: [com.x, com.y],
+            zmp: Some(
+                reference
+                    .zmp(q, &joints.rates, &joints.accelerations)
+                    .into(),
+            ),
             derivatives,
         }
     }
@@ -233,6 +246,7 @@ impl Truth {
         match (function, &self.derivatives) {
             (Function::Com, _) => largest(values, &self.com),
             (Function::Cop, _) => largest(values, &self.cop),
+            (Function::Zmp, _) => self.zmp.map_or(0.0, |zmp| largest(values, &zmp)),
             // Not of a posture: nothing to compare.
             (Function::CorrectCop, _) => 0.0,
             (Function::Regressor | Function::RegressorCop, _) => {
@@ -299,6 +313,10 @@ pub fn allowed(model: &Model, function: Function, given: Given) -> f64 {
         Function::Cop if model.effects.is_empty() => com,
         // A sensor may magnify what is snapped, and give it another unit.
         Function::Cop => 2.0 * rounding(function, given) + snapped * magnified(model),
+        Function::Zmp => {
+            let moved = JointMotion::of(model).snapped(model, snapped);
+            2.0 * rounding(function, given) + moved
+        }
         // Not of a posture: nothing to compare.
         Function::CorrectCop => 0.0,
         Function::Regressor | Function::RegressorCop => com + weighed(model.cad_params()),

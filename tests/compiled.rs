@@ -47,6 +47,20 @@ struct Case {
     q: Vec<f64>,
 }
 
+impl Case {
+    /// Whether its ZMP is compiled: of larger robots that would take minutes.
+    fn moves(&self) -> bool {
+        self.model.dof() <= 12
+    }
+
+    /// What is compiled.
+    fn functions(&self) -> impl Iterator<Item = Function> {
+        let moves = self.moves();
+        let all = Function::ALL.into_iter();
+        all.filter(move |function| moves || *function != Function::Zmp)
+    }
+}
+
 fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
     let mut push = |robot: Robot, support: &str, snapping| {
@@ -107,6 +121,9 @@ fn write_crate(folder: &Path, cases: &[Case]) {
         let which = if sc { "run_sc" } else { "run" };
         let unit = case.module.replace("case_", "Case");
         let _ = writeln!(main, "    {which}!({}, {unit});", case.module);
+        if case.moves() {
+            let _ = writeln!(main, "    run_zmp!({});", case.module);
+        }
         let bytes: Vec<u8> = case.q.iter().flat_map(|x| x.to_le_bytes()).collect();
         fs::write(folder.join(format!("{}.q", case.module)), bytes).unwrap();
     }
@@ -166,10 +183,11 @@ fn checksum(values: &[f64]) -> f64 {
 
 fn same_bits_as_the_tape(case: &Case, folder: &Path) {
     let count = case.q.len() / case.model.dof();
-    for function in Function::ALL {
+    for function in case.functions() {
         let name = format!("{} {}", case.module, function.name());
         let compiled = floats(&folder.join(format!("{}.{}", case.module, function.name())));
-        let evaluator = Evaluator::new(&case.model, function).moving(&velocities(&case.model));
+        let [qd, qdd] = motion(&case.model, function);
+        let evaluator = Evaluator::new(&case.model, function).moving(&qd, &qdd);
         let tape = evaluator.run(&case.q, count);
         let written = WRITTEN * evaluator.width();
         for (a, b) in compiled[..written].iter().zip(&tape) {
@@ -187,18 +205,24 @@ fn same_bits_as_the_tape(case: &Case, folder: &Path) {
     }
 }
 
-/// Joint velocities, rad/s or m/s, no two alike; as `common/compiled_main.rs` has them.
-fn velocities(model: &Model) -> Vec<f64> {
+/// Joint velocities (rad/s or m/s) and accelerations that `function` takes, no two alike; as
+/// `common/compiled_main.rs` has them.
+fn motion(model: &Model, function: Function) -> [Vec<f64>; 2] {
     let rate = |j| f64::from(1.0 / (1.0 + j as f32));
-    (0..model.dof()).map(rate).collect()
+    let rates: Vec<f64> = (0..model.dof()).map(rate).collect();
+    let times = |factor: f64| rates.iter().map(|x| factor * x).collect();
+    match function {
+        Function::Zmp => [times(0.125), times(-0.5)],
+        _ => [rates.clone(), Vec::new()],
+    }
 }
 
 /// `f32`, against the programs run node by node.
 fn same_bits_in_single_precision(case: &Case, folder: &Path) {
     let narrow = |values: &[f64]| values.iter().map(|x| *x as f32).collect::<Vec<f32>>();
     let r = narrow(&case.model.cad_params());
-    let qd = narrow(&velocities(&case.model));
-    for function in Function::ALL {
+    for function in case.functions() {
+        let [qd, qdd] = motion(&case.model, function).map(|x| narrow(&x));
         let name = format!("{}.{}_f32", case.module, function.name());
         let compiled = floats(&folder.join(&name));
         let program = case.model.program(function, Given::Positions).unwrap();
@@ -208,6 +232,7 @@ fn same_bits_in_single_precision(case: &Case, folder: &Path) {
             let q = narrow(q);
             let inputs = program.inputs.iter().map(|array| match array.argument {
                 Argument::Velocities => qd.as_slice(),
+                Argument::Accelerations => &qdd,
                 Argument::Parameters => &r,
                 _ => &q,
             });

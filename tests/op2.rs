@@ -156,6 +156,11 @@ fn operation_counts_stay_below_their_limits() {
     );
     let jacobian = counts(&model, Function::ComJacobian);
     assert!(jacobian.mul <= 360 && jacobian.add <= 215, "{jacobian:?}");
+    let zmp = counts(&model, Function::Zmp);
+    assert!(
+        zmp.mul <= 1396 && zmp.add <= 1251 && zmp.other == 1,
+        "{zmp:?}"
+    );
     let rows = counts(&model, Function::RegressorCop);
     assert!(rows.mul <= 160, "{rows:?}");
 }

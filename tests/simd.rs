@@ -32,11 +32,13 @@ impl Truth {
         let interpreter = Interpreter::new(&positions);
         let params: Vec<Double> = model.cad_params().into_iter().map(Double::of).collect();
         let rates: Vec<Double> = rates(model.dof()).into_iter().map(Double::of).collect();
+        let gains: Vec<Double> = rates.iter().rev().copied().collect();
         let values = q.iter().map(|q| {
             let q: Vec<Double> = q.iter().map(|x| Double::of(*x)).collect();
             let arguments = function.arguments(Given::Positions).into_iter();
             let inputs = arguments.map(|argument| match argument {
                 Argument::Velocities => rates.as_slice(),
+                Argument::Accelerations => gains.as_slice(),
                 Argument::Parameters => &params,
                 _ => &q,
             });
@@ -105,6 +107,10 @@ macro_rules! functions {
         let rates: [$scalar; DOF] = std::array::from_fn(|j| rates(DOF)[j] as $scalar);
         #[allow(unused_variables)]
         let qd = vec![rates.map(|x| <$block>::splat(x)); BLOCKS];
+        #[allow(unused_variables)]
+        let gains: [$scalar; DOF] = std::array::from_fn(|j| rates[DOF - 1 - j]);
+        #[allow(unused_variables)]
+        let qdd = vec![gains.map(|x| <$block>::splat(x)); BLOCKS];
         let zero = <$block>::splat(0.0);
         assert_eq!($robot::PRISMATIC.to_vec(), model.tree.dofs.iter().map(|dof| dof.prismatic).collect::<Vec<_>>());
 
@@ -152,6 +158,13 @@ macro_rules! functions {
                 one!(RegressorFull, regressor_full_batch(-), regressor_full_single, [[zero; FULL_PARAMS]; 3], matrix)
             };
             (@ Cop) => { one!(Cop, cop_batch(r), cop_single, [zero; 2], vector) };
+            (@ Zmp) => { one!(Zmp, zmp_batch(a), zmp_single, [zero; 2], vector) };
+            (@batch $simd:ident, $batch:ident, a, $out:ident) => {
+                $robot::$batch($simd, &q, &qd, &qdd, &r, &mut $out)
+            };
+            (@single $simd:ident, $single:ident, a, $q:ident) => {
+                $robot::$single($simd, $q, &rates, &gains, &r)
+            };
             (@batch $simd:ident, $batch:ident, r, $out:ident) => { $robot::$batch($simd, &q, &r, &mut $out) };
             (@batch $simd:ident, $batch:ident, -, $out:ident) => { $robot::$batch($simd, &q, &mut $out) };
             (@batch $simd:ident, $batch:ident, v, $out:ident) => { $robot::$batch($simd, &q, &qd, &r, &mut $out) };
@@ -215,7 +228,7 @@ fn a_robot_with_a_load_springs_and_an_offset() {
     let model = model(urdf, "foot").with_file(file).unwrap();
     assert_eq!(model.effects_of(Function::ComJacobian).len(), 3);
     functions!(
-        [Com ComJacobian ComVelocity GravityMoments Regressor RegressorCop RegressorFull Cop],
+        [Com ComJacobian ComVelocity GravityMoments Regressor RegressorCop RegressorFull Cop Zmp],
         sesc_bench_robots::two_link_bent,
         TwoLinkBent,
         &model,

@@ -19,6 +19,8 @@
  * regressor_cop              144      70        20         0   7.5e-6
  * regressor_full             230     112        20         0   7.5e-6
  * cop                         78      78        20         0   1.7e-6 m
+ * zmp                       1396    1251        20         0   2.2e-3 m  and 1 quotient, clamp or
+ * power
  * com_sc                      88      84         0         0   1.5e-6 m
  * com_jacobian_sc            343     204         0         0   1.4e-6 m/rad
  * com_velocity_sc            184     146         0         0   5.4e-5 m/s
@@ -27,6 +29,8 @@
  * regressor_cop_sc           152      74         0         0   5.8e-6
  * regressor_full_sc          238     116         0         0   5.8e-6
  * cop_sc                      86      82         0         0   1.4e-6 m
+ * zmp_sc                    1404    1255         0         0   1.9e-3 m  and 1 quotient, clamp or
+ * power
  * com_ticks                   88      84         0        20   1.5e-6 m
  * com_jacobian_ticks         343     204         0        20   1.4e-6 m/rad
  * com_velocity_ticks         184     146         0        20   5.4e-5 m/s
@@ -35,9 +39,14 @@
  * regressor_cop_ticks        152      74         0        20   5.8e-6
  * regressor_full_ticks       238     116         0        20   5.8e-6
  * cop_ticks                   86      82         0        20   1.4e-6 m
+ * zmp_ticks                 1404    1255         0        20   1.9e-3 m  and 1 quotient, clamp or
+ * power
  * Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
  * parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
  * against exact evaluation with the same parameters.
+ * That of zmp holds for joint velocities up to 1 rad/s (0.25 m/s) or the URDF's limit,
+ * accelerations up to 10 rad/s2 (2.5 m/s2), and while the ground carries at least half of the
+ * weight.
  * Functions of ticks are compared with the angles and positions that the ticks stand for;
  * look_up counts the sines and cosines that they read from a table.
  */
@@ -2734,6 +2743,1166 @@ void op2_r_sole_cop(
     cop[1] = v_r_sole_y;
 }
 
+void op2_r_sole_zmp(
+    const op2_r_sole_real q[],
+    const op2_r_sole_real qd[],
+    const op2_r_sole_real qdd[],
+    const op2_r_sole_real r[],
+    op2_r_sole_real zmp[restrict 2])
+{
+    /* r_el */
+    float s_r_el;
+    float c_r_el;
+    op2_r_sole_sincos(q[19], &s_r_el, &c_r_el);
+    /* r_sho_roll */
+    const float v_r_sho_roll_y = r[40] + (c_r_el * r[41]) - (s_r_el * r[42]);
+    const float e1 = q[18] + 0.7853982f;
+    float s_r_sho_roll;
+    float c_r_sho_roll;
+    op2_r_sole_sincos(e1, &s_r_sho_roll, &c_r_sho_roll);
+    /* r_sho_pitch */
+    const float v_r_sho_pitch_x = r[37] - ((s_r_el * r[41]) + (c_r_el * r[42]));
+    const float v_r_sho_pitch_y = r[38] - (s_r_sho_roll * r[39]) + (c_r_sho_roll * v_r_sho_roll_y);
+    const float v_r_sho_pitch_z = (c_r_sho_roll * r[39]) + (s_r_sho_roll * v_r_sho_roll_y);
+    float s_r_sho_pitch;
+    float c_r_sho_pitch;
+    op2_r_sole_sincos(q[17], &s_r_sho_pitch, &c_r_sho_pitch);
+    /* l_el */
+    float s_l_el;
+    float c_l_el;
+    op2_r_sole_sincos(q[10], &s_l_el, &c_l_el);
+    /* l_sho_roll */
+    const float v_l_sho_roll_y = r[34] + (c_l_el * r[35]) + (s_l_el * r[36]);
+    const float v_l_sho_roll_z = (s_l_el * r[35]) - (c_l_el * r[36]);
+    const float e2 = q[9] - 0.7853982f;
+    float s_l_sho_roll;
+    float c_l_sho_roll;
+    op2_r_sole_sincos(e2, &s_l_sho_roll, &c_l_sho_roll);
+    /* l_sho_pitch */
+    const float v_l_sho_pitch_x = r[31] + v_l_sho_roll_z;
+    const float v_l_sho_pitch_y = r[32] - (s_l_sho_roll * r[33]) + (c_l_sho_roll * v_l_sho_roll_y);
+    const float v_l_sho_pitch_z = (c_l_sho_roll * r[33]) + (s_l_sho_roll * v_l_sho_roll_y);
+    float s_l_sho_pitch;
+    float c_l_sho_pitch;
+    op2_r_sole_sincos(q[8], &s_l_sho_pitch, &c_l_sho_pitch);
+    /* l_ank_roll */
+    float s_l_ank_roll;
+    float c_l_ank_roll;
+    op2_r_sole_sincos(q[7], &s_l_ank_roll, &c_l_ank_roll);
+    /* l_ank_pitch */
+    const float v_l_ank_pitch_y = r[28] + (s_l_ank_roll * r[29]) + (c_l_ank_roll * r[30]);
+    const float v_l_ank_pitch_z = (c_l_ank_roll * r[29]) - (s_l_ank_roll * r[30]);
+    float s_l_ank_pitch;
+    float c_l_ank_pitch;
+    op2_r_sole_sincos(q[6], &s_l_ank_pitch, &c_l_ank_pitch);
+    /* l_knee */
+    const float v_l_knee_x = r[25] + (c_l_ank_pitch * r[27]) + (s_l_ank_pitch * v_l_ank_pitch_y);
+    const float v_l_knee_y = r[26] - (s_l_ank_pitch * r[27]) + (c_l_ank_pitch * v_l_ank_pitch_y);
+    float s_l_knee;
+    float c_l_knee;
+    op2_r_sole_sincos(q[5], &s_l_knee, &c_l_knee);
+    /* l_hip_pitch */
+    const float v_l_hip_pitch_x = r[23] + (c_l_knee * v_l_knee_x) - (s_l_knee * v_l_knee_y);
+    const float v_l_hip_pitch_y = r[24] + (s_l_knee * v_l_knee_x) + (c_l_knee * v_l_knee_y);
+    float s_l_hip_pitch;
+    float c_l_hip_pitch;
+    op2_r_sole_sincos(q[4], &s_l_hip_pitch, &c_l_hip_pitch);
+    /* l_hip_roll */
+    const float v_l_hip_roll_x = r[21] + v_l_ank_pitch_z;
+    const float v_l_hip_roll_y = r[22] + (s_l_hip_pitch * v_l_hip_pitch_x)
+        + (c_l_hip_pitch * v_l_hip_pitch_y);
+    const float v_l_hip_roll_z = (c_l_hip_pitch * v_l_hip_pitch_x)
+        - (s_l_hip_pitch * v_l_hip_pitch_y);
+    float s_l_hip_roll;
+    float c_l_hip_roll;
+    op2_r_sole_sincos(q[3], &s_l_hip_roll, &c_l_hip_roll);
+    /* l_hip_yaw */
+    const float v_l_hip_yaw_x = r[19] + v_l_hip_roll_z;
+    const float v_l_hip_yaw_y = r[20] + (c_l_hip_roll * v_l_hip_roll_x)
+        + (s_l_hip_roll * v_l_hip_roll_y);
+    const float v_l_hip_yaw_z = (c_l_hip_roll * v_l_hip_roll_y) - (s_l_hip_roll * v_l_hip_roll_x);
+    float s_l_hip_yaw;
+    float c_l_hip_yaw;
+    op2_r_sole_sincos(q[2], &s_l_hip_yaw, &c_l_hip_yaw);
+    /* head_tilt */
+    float s_head_tilt;
+    float c_head_tilt;
+    op2_r_sole_sincos(q[1], &s_head_tilt, &c_head_tilt);
+    /* head_pan */
+    const float v_head_pan_x = r[15] + (c_head_tilt * r[17]) + (s_head_tilt * r[18]);
+    const float v_head_pan_z = (s_head_tilt * r[17]) - (c_head_tilt * r[18]);
+    float s_head_pan;
+    float c_head_pan;
+    op2_r_sole_sincos(q[0], &s_head_pan, &c_head_pan);
+    /* r_hip_yaw */
+    const float e3 = r[13] + (c_head_pan * v_head_pan_x) - (s_head_pan * r[16])
+        + (c_l_sho_pitch * v_l_sho_pitch_x) + (s_l_sho_pitch * v_l_sho_pitch_y)
+        + (c_r_sho_pitch * v_r_sho_pitch_x) - (s_r_sho_pitch * v_r_sho_pitch_y);
+    const float v_r_hip_yaw_x = e3 + (c_l_hip_yaw * v_l_hip_yaw_x) + (s_l_hip_yaw * v_l_hip_yaw_y);
+    const float v_r_hip_yaw_y = r[14] + (s_head_pan * v_head_pan_x) + (c_head_pan * r[16])
+        + v_l_sho_pitch_z + v_r_sho_pitch_z - (s_l_hip_yaw * v_l_hip_yaw_x)
+        + (c_l_hip_yaw * v_l_hip_yaw_y);
+    const float v_r_hip_yaw_z = v_head_pan_z - (s_l_sho_pitch * v_l_sho_pitch_x)
+        + (c_l_sho_pitch * v_l_sho_pitch_y) + (s_r_sho_pitch * v_r_sho_pitch_x)
+        + (c_r_sho_pitch * v_r_sho_pitch_y) + v_l_hip_yaw_z;
+    float s_r_hip_yaw;
+    float c_r_hip_yaw;
+    op2_r_sole_sincos(q[11], &s_r_hip_yaw, &c_r_hip_yaw);
+    /* r_hip_roll */
+    const float v_r_hip_roll_x = r[11] + (s_r_hip_yaw * v_r_hip_yaw_x)
+        + (c_r_hip_yaw * v_r_hip_yaw_y);
+    const float v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
+    const float v_r_hip_roll_z = (c_r_hip_yaw * v_r_hip_yaw_x) - (s_r_hip_yaw * v_r_hip_yaw_y);
+    float s_r_hip_roll;
+    float c_r_hip_roll;
+    op2_r_sole_sincos(q[12], &s_r_hip_roll, &c_r_hip_roll);
+    /* r_hip_pitch */
+    const float v_r_hip_pitch_x = r[9] + v_r_hip_roll_z;
+    const float v_r_hip_pitch_y = r[10] + (s_r_hip_roll * v_r_hip_roll_x)
+        + (c_r_hip_roll * v_r_hip_roll_y);
+    const float v_r_hip_pitch_z = (c_r_hip_roll * v_r_hip_roll_x) - (s_r_hip_roll * v_r_hip_roll_y);
+    float s_r_hip_pitch;
+    float c_r_hip_pitch;
+    op2_r_sole_sincos(q[13], &s_r_hip_pitch, &c_r_hip_pitch);
+    /* r_knee */
+    const float v_r_knee_x = r[7] + (c_r_hip_pitch * v_r_hip_pitch_x)
+        - (s_r_hip_pitch * v_r_hip_pitch_y);
+    const float v_r_knee_y = r[8] + (s_r_hip_pitch * v_r_hip_pitch_x)
+        + (c_r_hip_pitch * v_r_hip_pitch_y);
+    float s_r_knee;
+    float c_r_knee;
+    op2_r_sole_sincos(q[14], &s_r_knee, &c_r_knee);
+    /* r_ank_pitch */
+    const float v_r_ank_pitch_x = r[5] + (c_r_knee * v_r_knee_x) - (s_r_knee * v_r_knee_y);
+    const float v_r_ank_pitch_y = r[6] + (s_r_knee * v_r_knee_x) + (c_r_knee * v_r_knee_y);
+    float s_r_ank_pitch;
+    float c_r_ank_pitch;
+    op2_r_sole_sincos(q[15], &s_r_ank_pitch, &c_r_ank_pitch);
+    /* r_ank_roll */
+    const float v_r_ank_roll_x = r[3] + v_r_hip_pitch_z;
+    const float v_r_ank_roll_y = r[4] - (s_r_ank_pitch * v_r_ank_pitch_x)
+        + (c_r_ank_pitch * v_r_ank_pitch_y);
+    const float v_r_ank_roll_z = (c_r_ank_pitch * v_r_ank_pitch_x)
+        + (s_r_ank_pitch * v_r_ank_pitch_y);
+    float s_r_ank_roll;
+    float c_r_ank_roll;
+    op2_r_sole_sincos(q[16], &s_r_ank_roll, &c_r_ank_roll);
+    /* r_sole */
+    const float v_r_sole_x = r[0] + v_r_ank_roll_z;
+    const float v_r_sole_y = r[1] + (c_r_ank_roll * v_r_ank_roll_x)
+        + (s_r_ank_roll * v_r_ank_roll_y);
+    const float v_r_sole_z = r[2] - (s_r_ank_roll * v_r_ank_roll_x)
+        + (c_r_ank_roll * v_r_ank_roll_y);
+    /* r_ank_roll */
+    const float e4 = qd[16] * qd[16];
+    /* r_ank_pitch */
+    const float o_r_ank_pitch_x = qd[16] * c_r_ank_pitch;
+    const float o_r_ank_pitch_y = qd[16] * s_r_ank_pitch;
+    const float e5 = o_r_ank_pitch_y * qd[15];
+    const float e6 = o_r_ank_pitch_x * qd[15];
+    const float a_r_ank_pitch_x = (qdd[16] * c_r_ank_pitch) - e5;
+    const float a_r_ank_pitch_y = (qdd[16] * s_r_ank_pitch) + e6;
+    const float e7 = o_r_ank_pitch_x * o_r_ank_pitch_x;
+    const float e8 = o_r_ank_pitch_y * o_r_ank_pitch_y;
+    const float e9 = qd[15] * qd[15];
+    const float e10 = o_r_ank_pitch_x * o_r_ank_pitch_y;
+    const float e11 = e8 + e9;
+    const float e12 = e7 + e9;
+    const float e13 = e7 + e8;
+    const float e14 = e10 + qdd[15];
+    const float e15 = e10 - qdd[15];
+    const float e16 = e6 + a_r_ank_pitch_y;
+    const float e17 = a_r_ank_pitch_x - e5;
+    /* r_knee */
+    const float o_r_knee_x = (o_r_ank_pitch_x * c_r_knee) + (o_r_ank_pitch_y * s_r_knee);
+    const float o_r_knee_y = (o_r_ank_pitch_y * c_r_knee) - (o_r_ank_pitch_x * s_r_knee);
+    const float o_r_knee_z = qd[14] - qd[15];
+    const float a_r_knee_x = (a_r_ank_pitch_x * c_r_knee) + (a_r_ank_pitch_y * s_r_knee)
+        + (o_r_knee_y * qd[14]);
+    const float a_r_knee_y = (a_r_ank_pitch_y * c_r_knee) - (a_r_ank_pitch_x * s_r_knee)
+        - (o_r_knee_x * qd[14]);
+    const float a_r_knee_z = qdd[14] - qdd[15];
+    const float e18 = o_r_knee_x * o_r_knee_x;
+    const float e19 = o_r_knee_y * o_r_knee_y;
+    const float e20 = o_r_knee_z * o_r_knee_z;
+    const float e21 = o_r_knee_x * o_r_knee_y;
+    const float e22 = o_r_knee_x * o_r_knee_z;
+    const float e23 = o_r_knee_y * o_r_knee_z;
+    const float e24 = e19 + e20;
+    const float e25 = e18 + e20;
+    const float e26 = e18 + e19;
+    const float e27 = e21 - a_r_knee_z;
+    const float e28 = e21 + a_r_knee_z;
+    const float e29 = e22 - a_r_knee_y;
+    const float e30 = e23 + a_r_knee_x;
+    /* r_hip_pitch */
+    const float o_r_hip_pitch_x = (o_r_knee_x * c_r_hip_pitch) + (o_r_knee_y * s_r_hip_pitch);
+    const float o_r_hip_pitch_y = (o_r_knee_y * c_r_hip_pitch) - (o_r_knee_x * s_r_hip_pitch);
+    const float o_r_hip_pitch_z = o_r_knee_z + qd[13];
+    const float a_r_hip_pitch_x = (a_r_knee_x * c_r_hip_pitch) + (a_r_knee_y * s_r_hip_pitch)
+        + (o_r_hip_pitch_y * qd[13]);
+    const float a_r_hip_pitch_y = (a_r_knee_y * c_r_hip_pitch) - (a_r_knee_x * s_r_hip_pitch)
+        - (o_r_hip_pitch_x * qd[13]);
+    const float a_r_hip_pitch_z = a_r_knee_z + qdd[13];
+    const float e31 = o_r_hip_pitch_x * o_r_hip_pitch_x;
+    const float e32 = o_r_hip_pitch_y * o_r_hip_pitch_y;
+    const float e33 = o_r_hip_pitch_z * o_r_hip_pitch_z;
+    const float e34 = o_r_hip_pitch_x * o_r_hip_pitch_y;
+    const float e35 = o_r_hip_pitch_x * o_r_hip_pitch_z;
+    const float e36 = o_r_hip_pitch_y * o_r_hip_pitch_z;
+    const float e37 = e32 + e33;
+    const float e38 = e31 + e33;
+    const float e39 = e31 + e32;
+    const float e40 = e34 - a_r_hip_pitch_z;
+    const float e41 = e34 + a_r_hip_pitch_z;
+    const float e42 = e35 - a_r_hip_pitch_y;
+    const float e43 = e36 + a_r_hip_pitch_x;
+    /* r_hip_roll */
+    const float e44 = (o_r_hip_pitch_y * s_r_hip_roll) + (o_r_hip_pitch_z * c_r_hip_roll);
+    const float o_r_hip_roll_y = (o_r_hip_pitch_z * s_r_hip_roll)
+        - (o_r_hip_pitch_y * c_r_hip_roll);
+    const float o_r_hip_roll_z = qd[12] - o_r_hip_pitch_x;
+    const float a_r_hip_roll_x = (o_r_hip_roll_y * qd[12])
+        - ((a_r_hip_pitch_y * s_r_hip_roll) + (a_r_hip_pitch_z * c_r_hip_roll));
+    const float a_r_hip_roll_y = (a_r_hip_pitch_z * s_r_hip_roll) - (a_r_hip_pitch_y * c_r_hip_roll)
+        + (e44 * qd[12]);
+    const float a_r_hip_roll_z = qdd[12] - a_r_hip_pitch_x;
+    const float e45 = e44 * e44;
+    const float e46 = o_r_hip_roll_y * o_r_hip_roll_y;
+    const float e47 = o_r_hip_roll_z * o_r_hip_roll_z;
+    const float e48 = e44 * o_r_hip_roll_y;
+    const float e49 = e44 * o_r_hip_roll_z;
+    const float e50 = e45 + e47;
+    const float e51 = e48 + a_r_hip_roll_z;
+    const float e52 = a_r_hip_roll_z - e48;
+    const float e53 = e49 + a_r_hip_roll_y;
+    const float e54 = (o_r_hip_roll_y * o_r_hip_roll_z) + a_r_hip_roll_x;
+    /* r_hip_yaw */
+    const float o_r_hip_yaw_x = (o_r_hip_roll_z * c_r_hip_yaw) - (e44 * s_r_hip_yaw);
+    const float e55 = (o_r_hip_roll_z * s_r_hip_yaw) + (e44 * c_r_hip_yaw);
+    const float o_r_hip_yaw_z = o_r_hip_roll_y + qd[11];
+    const float a_r_hip_yaw_x = (a_r_hip_roll_x * s_r_hip_yaw) + (a_r_hip_roll_z * c_r_hip_yaw)
+        - (e55 * qd[11]);
+    const float e56 = (a_r_hip_roll_z * s_r_hip_yaw) - (a_r_hip_roll_x * c_r_hip_yaw)
+        + (o_r_hip_yaw_x * qd[11]);
+    const float a_r_hip_yaw_z = a_r_hip_roll_y + qdd[11];
+    const float e57 = o_r_hip_yaw_x * o_r_hip_yaw_x;
+    const float e58 = e55 * e55;
+    const float e59 = o_r_hip_yaw_z * o_r_hip_yaw_z;
+    const float e60 = o_r_hip_yaw_x * e55;
+    const float e61 = o_r_hip_yaw_x * o_r_hip_yaw_z;
+    const float e62 = e55 * o_r_hip_yaw_z;
+    const float e63 = e58 + e59;
+    const float e64 = e57 + e59;
+    const float e65 = e57 + e58;
+    const float e66 = e60 + a_r_hip_yaw_z;
+    const float e67 = e61 - e56;
+    const float e68 = a_r_hip_yaw_z - e60;
+    const float e69 = e62 + a_r_hip_yaw_x;
+    const float e70 = e61 + e56;
+    const float e71 = a_r_hip_yaw_x - e62;
+    /* head_pan */
+    const float o_head_pan_x = (o_r_hip_yaw_x * c_head_pan) - (e55 * s_head_pan);
+    const float e72 = (e55 * c_head_pan) + (o_r_hip_yaw_x * s_head_pan);
+    const float o_head_pan_z = o_r_hip_yaw_z + qd[0];
+    const float a_head_pan_x = (a_r_hip_yaw_x * c_head_pan) - (e56 * s_head_pan) - (e72 * qd[0]);
+    const float e73 = (e56 * c_head_pan) + (a_r_hip_yaw_x * s_head_pan) + (o_head_pan_x * qd[0]);
+    const float a_head_pan_z = a_r_hip_yaw_z + qdd[0];
+    const float e74 = o_head_pan_x * o_head_pan_x;
+    const float e75 = e72 * e72;
+    const float e76 = o_head_pan_z * o_head_pan_z;
+    const float e77 = o_head_pan_x * e72;
+    const float e78 = o_head_pan_x * o_head_pan_z;
+    const float e79 = e72 * o_head_pan_z;
+    const float e80 = e75 + e76;
+    const float e81 = e74 + e76;
+    const float e82 = e74 + e75;
+    const float e83 = e77 + a_head_pan_z;
+    const float e84 = e78 - e73;
+    const float e85 = a_head_pan_z - e77;
+    const float e86 = e79 + a_head_pan_x;
+    const float e87 = e78 + e73;
+    const float e88 = a_head_pan_x - e79;
+    /* head_tilt */
+    const float o_head_tilt_x = (o_head_pan_x * c_head_tilt) + (o_head_pan_z * s_head_tilt);
+    const float e89 = (o_head_pan_z * c_head_tilt) - (o_head_pan_x * s_head_tilt);
+    const float e90 = e72 + qd[1];
+    const float a_head_tilt_x = (a_head_pan_x * c_head_tilt) + (a_head_pan_z * s_head_tilt)
+        + (e89 * qd[1]);
+    const float a_head_tilt_y = (o_head_tilt_x * qd[1])
+        - ((a_head_pan_z * c_head_tilt) - (a_head_pan_x * s_head_tilt));
+    const float e91 = e73 + qdd[1];
+    const float e92 = o_head_tilt_x * o_head_tilt_x;
+    const float e93 = e89 * e89;
+    const float e94 = e90 * e90;
+    const float e95 = o_head_tilt_x * e89;
+    const float e96 = o_head_tilt_x * e90;
+    const float e97 = e89 * e90;
+    const float e98 = e93 + e94;
+    const float e99 = e92 + e94;
+    const float e100 = e92 + e93;
+    const float e101 = e91 - e95;
+    const float e102 = e95 + e91;
+    const float e103 = e96 + a_head_tilt_y;
+    const float e104 = e97 + a_head_tilt_x;
+    /* l_hip_yaw */
+    const float o_l_hip_yaw_x = (o_r_hip_yaw_x * c_l_hip_yaw) + (e55 * s_l_hip_yaw);
+    const float o_l_hip_yaw_y = (o_r_hip_yaw_x * s_l_hip_yaw) - (e55 * c_l_hip_yaw);
+    const float o_l_hip_yaw_z = o_r_hip_yaw_z - qd[2];
+    const float a_l_hip_yaw_x = (a_r_hip_yaw_x * c_l_hip_yaw) + (e56 * s_l_hip_yaw)
+        - (o_l_hip_yaw_y * qd[2]);
+    const float a_l_hip_yaw_y = (a_r_hip_yaw_x * s_l_hip_yaw) - (e56 * c_l_hip_yaw)
+        + (o_l_hip_yaw_x * qd[2]);
+    const float a_l_hip_yaw_z = a_r_hip_yaw_z - qdd[2];
+    const float e105 = o_l_hip_yaw_x * o_l_hip_yaw_x;
+    const float e106 = o_l_hip_yaw_y * o_l_hip_yaw_y;
+    const float e107 = o_l_hip_yaw_z * o_l_hip_yaw_z;
+    const float e108 = o_l_hip_yaw_x * o_l_hip_yaw_y;
+    const float e109 = o_l_hip_yaw_y * o_l_hip_yaw_z;
+    const float e110 = e106 + e107;
+    const float e111 = e108 - a_l_hip_yaw_z;
+    const float e112 = e108 + a_l_hip_yaw_z;
+    const float e113 = (o_l_hip_yaw_x * o_l_hip_yaw_z) - a_l_hip_yaw_y;
+    const float e114 = e109 + a_l_hip_yaw_x;
+    /* l_hip_roll */
+    const float o_l_hip_roll_x = (o_l_hip_yaw_y * c_l_hip_roll) - (o_l_hip_yaw_z * s_l_hip_roll);
+    const float o_l_hip_roll_y = (o_l_hip_yaw_z * c_l_hip_roll) + (o_l_hip_yaw_y * s_l_hip_roll);
+    const float o_l_hip_roll_z = o_l_hip_yaw_x - qd[3];
+    const float a_l_hip_roll_x = (a_l_hip_yaw_y * c_l_hip_roll) - (a_l_hip_yaw_z * s_l_hip_roll)
+        - (o_l_hip_roll_y * qd[3]);
+    const float a_l_hip_roll_y = (a_l_hip_yaw_z * c_l_hip_roll) + (a_l_hip_yaw_y * s_l_hip_roll)
+        + (o_l_hip_roll_x * qd[3]);
+    const float a_l_hip_roll_z = a_l_hip_yaw_x - qdd[3];
+    const float e115 = o_l_hip_roll_x * o_l_hip_roll_x;
+    const float e116 = o_l_hip_roll_y * o_l_hip_roll_y;
+    const float e117 = o_l_hip_roll_z * o_l_hip_roll_z;
+    const float e118 = o_l_hip_roll_x * o_l_hip_roll_y;
+    const float e119 = o_l_hip_roll_x * o_l_hip_roll_z;
+    const float e120 = o_l_hip_roll_y * o_l_hip_roll_z;
+    const float e121 = e116 + e117;
+    const float e122 = e115 + e117;
+    const float e123 = e115 + e116;
+    const float e124 = e118 - a_l_hip_roll_z;
+    const float e125 = e118 + a_l_hip_roll_z;
+    const float e126 = e119 - a_l_hip_roll_y;
+    const float e127 = e120 + a_l_hip_roll_x;
+    /* l_hip_pitch */
+    const float e128 = (o_l_hip_roll_y * s_l_hip_pitch) + (o_l_hip_roll_z * c_l_hip_pitch);
+    const float o_l_hip_pitch_y = (o_l_hip_roll_z * s_l_hip_pitch)
+        - (o_l_hip_roll_y * c_l_hip_pitch);
+    const float o_l_hip_pitch_z = qd[4] - o_l_hip_roll_x;
+    const float a_l_hip_pitch_x = (o_l_hip_pitch_y * qd[4])
+        - ((a_l_hip_roll_y * s_l_hip_pitch) + (a_l_hip_roll_z * c_l_hip_pitch));
+    const float a_l_hip_pitch_y = (a_l_hip_roll_z * s_l_hip_pitch)
+        - (a_l_hip_roll_y * c_l_hip_pitch) + (e128 * qd[4]);
+    const float a_l_hip_pitch_z = qdd[4] - a_l_hip_roll_x;
+    const float e129 = e128 * e128;
+    const float e130 = o_l_hip_pitch_y * o_l_hip_pitch_y;
+    const float e131 = o_l_hip_pitch_z * o_l_hip_pitch_z;
+    const float e132 = e128 * o_l_hip_pitch_y;
+    const float e133 = e128 * o_l_hip_pitch_z;
+    const float e134 = o_l_hip_pitch_y * o_l_hip_pitch_z;
+    const float e135 = e130 + e131;
+    const float e136 = e129 + e131;
+    const float e137 = e129 + e130;
+    const float e138 = e132 + a_l_hip_pitch_z;
+    const float e139 = a_l_hip_pitch_z - e132;
+    const float e140 = e133 + a_l_hip_pitch_y;
+    const float e141 = e134 + a_l_hip_pitch_x;
+    /* l_knee */
+    const float o_l_knee_x = (o_l_hip_pitch_y * s_l_knee) - (e128 * c_l_knee);
+    const float o_l_knee_y = (o_l_hip_pitch_y * c_l_knee) + (e128 * s_l_knee);
+    const float o_l_knee_z = o_l_hip_pitch_z + qd[5];
+    const float a_l_knee_x = (a_l_hip_pitch_x * c_l_knee) + (a_l_hip_pitch_y * s_l_knee)
+        + (o_l_knee_y * qd[5]);
+    const float a_l_knee_y = (a_l_hip_pitch_y * c_l_knee) - (a_l_hip_pitch_x * s_l_knee)
+        - (o_l_knee_x * qd[5]);
+    const float a_l_knee_z = a_l_hip_pitch_z + qdd[5];
+    const float e142 = o_l_knee_x * o_l_knee_x;
+    const float e143 = o_l_knee_y * o_l_knee_y;
+    const float e144 = o_l_knee_z * o_l_knee_z;
+    const float e145 = o_l_knee_x * o_l_knee_y;
+    const float e146 = o_l_knee_x * o_l_knee_z;
+    const float e147 = o_l_knee_y * o_l_knee_z;
+    const float e148 = e143 + e144;
+    const float e149 = e142 + e144;
+    const float e150 = e142 + e143;
+    const float e151 = e145 - a_l_knee_z;
+    const float e152 = e145 + a_l_knee_z;
+    const float e153 = e146 - a_l_knee_y;
+    const float e154 = e147 + a_l_knee_x;
+    /* l_ank_pitch */
+    const float o_l_ank_pitch_x = (o_l_knee_x * c_l_ank_pitch) - (o_l_knee_y * s_l_ank_pitch);
+    const float o_l_ank_pitch_y = (o_l_knee_y * c_l_ank_pitch) + (o_l_knee_x * s_l_ank_pitch);
+    const float o_l_ank_pitch_z = o_l_knee_z - qd[6];
+    const float a_l_ank_pitch_x = (a_l_knee_x * c_l_ank_pitch) - (a_l_knee_y * s_l_ank_pitch)
+        - (o_l_ank_pitch_y * qd[6]);
+    const float a_l_ank_pitch_y = (a_l_knee_y * c_l_ank_pitch) + (a_l_knee_x * s_l_ank_pitch)
+        + (o_l_ank_pitch_x * qd[6]);
+    const float a_l_ank_pitch_z = a_l_knee_z - qdd[6];
+    const float e155 = o_l_ank_pitch_x * o_l_ank_pitch_x;
+    const float e156 = o_l_ank_pitch_y * o_l_ank_pitch_y;
+    const float e157 = o_l_ank_pitch_z * o_l_ank_pitch_z;
+    const float e158 = o_l_ank_pitch_x * o_l_ank_pitch_y;
+    const float e159 = o_l_ank_pitch_x * o_l_ank_pitch_z;
+    const float e160 = o_l_ank_pitch_y * o_l_ank_pitch_z;
+    const float e161 = e156 + e157;
+    const float e162 = e155 + e157;
+    const float e163 = e155 + e156;
+    const float e164 = e158 - a_l_ank_pitch_z;
+    const float e165 = e158 + a_l_ank_pitch_z;
+    const float e166 = e159 - a_l_ank_pitch_y;
+    const float e167 = e160 + a_l_ank_pitch_x;
+    /* l_ank_roll */
+    const float e168 = (o_l_ank_pitch_y * s_l_ank_roll) + (o_l_ank_pitch_z * c_l_ank_roll);
+    const float o_l_ank_roll_y = (o_l_ank_pitch_z * s_l_ank_roll)
+        - (o_l_ank_pitch_y * c_l_ank_roll);
+    const float o_l_ank_roll_z = qd[7] - o_l_ank_pitch_x;
+    const float a_l_ank_roll_x = (o_l_ank_roll_y * qd[7])
+        - ((a_l_ank_pitch_y * s_l_ank_roll) + (a_l_ank_pitch_z * c_l_ank_roll));
+    const float a_l_ank_roll_y = (a_l_ank_pitch_z * s_l_ank_roll) - (a_l_ank_pitch_y * c_l_ank_roll)
+        + (e168 * qd[7]);
+    const float a_l_ank_roll_z = qdd[7] - a_l_ank_pitch_x;
+    const float e169 = e168 * e168;
+    const float e170 = o_l_ank_roll_y * o_l_ank_roll_y;
+    const float e171 = o_l_ank_roll_z * o_l_ank_roll_z;
+    const float e172 = e168 * o_l_ank_roll_y;
+    const float e173 = e168 * o_l_ank_roll_z;
+    const float e174 = o_l_ank_roll_y * o_l_ank_roll_z;
+    const float e175 = e170 + e171;
+    const float e176 = e169 + e171;
+    const float e177 = e169 + e170;
+    const float e178 = e172 + a_l_ank_roll_z;
+    const float e179 = a_l_ank_roll_z - e172;
+    const float e180 = e173 + a_l_ank_roll_y;
+    const float e181 = e174 + a_l_ank_roll_x;
+    /* l_sho_pitch */
+    const float e182 = (o_r_hip_yaw_x * c_l_sho_pitch) - (o_r_hip_yaw_z * s_l_sho_pitch);
+    const float e183 = (o_r_hip_yaw_z * c_l_sho_pitch) + (o_r_hip_yaw_x * s_l_sho_pitch);
+    const float o_l_sho_pitch_z = e55 - qd[8];
+    const float a_l_sho_pitch_x = (e183 * qd[8])
+        - ((a_r_hip_yaw_x * c_l_sho_pitch) - (a_r_hip_yaw_z * s_l_sho_pitch));
+    const float e184 = (a_r_hip_yaw_z * c_l_sho_pitch) + (a_r_hip_yaw_x * s_l_sho_pitch)
+        + (e182 * qd[8]);
+    const float a_l_sho_pitch_z = e56 - qdd[8];
+    const float e185 = e182 * e182;
+    const float e186 = e183 * e183;
+    const float e187 = o_l_sho_pitch_z * o_l_sho_pitch_z;
+    const float e188 = e182 * e183;
+    const float e189 = e182 * o_l_sho_pitch_z;
+    const float e190 = e183 * o_l_sho_pitch_z;
+    const float e191 = e186 + e187;
+    const float e192 = e185 + e187;
+    const float e193 = e185 + e186;
+    const float e194 = e188 - a_l_sho_pitch_z;
+    const float e195 = e189 + e184;
+    const float e196 = e188 + a_l_sho_pitch_z;
+    const float e197 = e190 + a_l_sho_pitch_x;
+    const float e198 = e184 - e189;
+    const float e199 = a_l_sho_pitch_x - e190;
+    /* l_sho_roll */
+    const float e200 = (e183 * s_l_sho_roll) + (o_l_sho_pitch_z * c_l_sho_roll);
+    const float o_l_sho_roll_y = (e183 * c_l_sho_roll) - (o_l_sho_pitch_z * s_l_sho_roll);
+    const float o_l_sho_roll_z = e182 - qd[9];
+    const float e201 = (e184 * s_l_sho_roll) + (a_l_sho_pitch_z * c_l_sho_roll)
+        + (o_l_sho_roll_y * qd[9]);
+    const float a_l_sho_roll_y = (e184 * c_l_sho_roll) - (a_l_sho_pitch_z * s_l_sho_roll)
+        - (e200 * qd[9]);
+    const float e202 = a_l_sho_pitch_x + qdd[9];
+    const float e203 = e200 * e200;
+    const float e204 = o_l_sho_roll_y * o_l_sho_roll_y;
+    const float e205 = o_l_sho_roll_z * o_l_sho_roll_z;
+    const float e206 = e200 * o_l_sho_roll_y;
+    const float e207 = e200 * o_l_sho_roll_z;
+    const float e208 = o_l_sho_roll_y * o_l_sho_roll_z;
+    const float e209 = e204 + e205;
+    const float e210 = e203 + e205;
+    const float e211 = e203 + e204;
+    const float e212 = e202 - e206;
+    const float e213 = a_l_sho_roll_y - e207;
+    const float e214 = e206 + e202;
+    const float e215 = e208 + e201;
+    const float e216 = e207 + a_l_sho_roll_y;
+    const float e217 = e208 - e201;
+    /* l_el */
+    const float e218 = (o_l_sho_roll_y * c_l_el) + (o_l_sho_roll_z * s_l_el);
+    const float o_l_el_y = (o_l_sho_roll_z * c_l_el) - (o_l_sho_roll_y * s_l_el);
+    const float o_l_el_z = e200 - qd[10];
+    const float e219 = (a_l_sho_roll_y * c_l_el) - (e202 * s_l_el) + (o_l_el_y * qd[10]);
+    const float e220 = (e202 * c_l_el) + (a_l_sho_roll_y * s_l_el) + (e218 * qd[10]);
+    const float a_l_el_z = e201 - qdd[10];
+    const float e221 = e218 * e218;
+    const float e222 = o_l_el_y * o_l_el_y;
+    const float e223 = o_l_el_z * o_l_el_z;
+    const float e224 = e218 * o_l_el_y;
+    const float e225 = e218 * o_l_el_z;
+    const float e226 = o_l_el_y * o_l_el_z;
+    const float e227 = e222 + e223;
+    const float e228 = e221 + e223;
+    const float e229 = e221 + e222;
+    const float e230 = e224 + a_l_el_z;
+    const float e231 = a_l_el_z - e224;
+    const float e232 = e220 - e225;
+    const float e233 = e226 - e219;
+    /* r_sho_pitch */
+    const float e234 = (o_r_hip_yaw_x * c_r_sho_pitch) + (o_r_hip_yaw_z * s_r_sho_pitch);
+    const float e235 = (o_r_hip_yaw_z * c_r_sho_pitch) - (o_r_hip_yaw_x * s_r_sho_pitch);
+    const float o_r_sho_pitch_z = e55 + qd[17];
+    const float e236 = (a_r_hip_yaw_x * c_r_sho_pitch) + (a_r_hip_yaw_z * s_r_sho_pitch)
+        + (e235 * qd[17]);
+    const float a_r_sho_pitch_y = (e234 * qd[17])
+        - ((a_r_hip_yaw_z * c_r_sho_pitch) - (a_r_hip_yaw_x * s_r_sho_pitch));
+    const float a_r_sho_pitch_z = e56 + qdd[17];
+    const float e237 = e234 * e234;
+    const float e238 = e235 * e235;
+    const float e239 = o_r_sho_pitch_z * o_r_sho_pitch_z;
+    const float e240 = e234 * e235;
+    const float e241 = e234 * o_r_sho_pitch_z;
+    const float e242 = e235 * o_r_sho_pitch_z;
+    const float e243 = e238 + e239;
+    const float e244 = e237 + e239;
+    const float e245 = e237 + e238;
+    const float e246 = e240 - a_r_sho_pitch_z;
+    const float e247 = a_r_sho_pitch_y - e241;
+    const float e248 = e240 + a_r_sho_pitch_z;
+    const float e249 = e236 - e242;
+    const float e250 = e241 + a_r_sho_pitch_y;
+    const float e251 = e242 + e236;
+    /* r_sho_roll */
+    const float e252 = (e235 * s_r_sho_roll) + (o_r_sho_pitch_z * c_r_sho_roll);
+    const float o_r_sho_roll_y = (e235 * c_r_sho_roll) - (o_r_sho_pitch_z * s_r_sho_roll);
+    const float o_r_sho_roll_z = e234 - qd[18];
+    const float e253 = (a_r_sho_pitch_z * c_r_sho_roll) - (a_r_sho_pitch_y * s_r_sho_roll)
+        + (o_r_sho_roll_y * qd[18]);
+    const float e254 = (a_r_sho_pitch_z * s_r_sho_roll) + (a_r_sho_pitch_y * c_r_sho_roll)
+        + (e252 * qd[18]);
+    const float a_r_sho_roll_z = e236 - qdd[18];
+    const float e255 = e252 * e252;
+    const float e256 = o_r_sho_roll_y * o_r_sho_roll_y;
+    const float e257 = o_r_sho_roll_z * o_r_sho_roll_z;
+    const float e258 = e252 * o_r_sho_roll_y;
+    const float e259 = e252 * o_r_sho_roll_z;
+    const float e260 = o_r_sho_roll_y * o_r_sho_roll_z;
+    const float e261 = e256 + e257;
+    const float e262 = e255 + e257;
+    const float e263 = e255 + e256;
+    const float e264 = e258 + a_r_sho_roll_z;
+    const float e265 = e259 + e254;
+    const float e266 = a_r_sho_roll_z - e258;
+    const float e267 = e260 + e253;
+    const float e268 = e254 - e259;
+    const float e269 = e260 - e253;
+    /* r_el */
+    const float e270 = (o_r_sho_roll_y * c_r_el) - (o_r_sho_roll_z * s_r_el);
+    const float o_r_el_y = (o_r_sho_roll_z * c_r_el) + (o_r_sho_roll_y * s_r_el);
+    const float o_r_el_z = e252 + qd[19];
+    const float a_r_el_x = (e254 * c_r_el) + (a_r_sho_roll_z * s_r_el) + (o_r_el_y * qd[19]);
+    const float a_r_el_y = (a_r_sho_roll_z * c_r_el) - (e254 * s_r_el) + (e270 * qd[19]);
+    const float a_r_el_z = e253 + qdd[19];
+    const float e271 = e270 * e270;
+    const float e272 = o_r_el_y * o_r_el_y;
+    const float e273 = o_r_el_z * o_r_el_z;
+    const float e274 = e270 * o_r_el_y;
+    const float e275 = e270 * o_r_el_z;
+    const float e276 = o_r_el_y * o_r_el_z;
+    const float e277 = e272 + e273;
+    const float e278 = e271 + e273;
+    const float e279 = e271 + e272;
+    const float e280 = e274 + a_r_el_z;
+    const float e281 = a_r_el_z - e274;
+    const float e282 = e275 + a_r_el_y;
+    const float e283 = e276 + a_r_el_x;
+    const float e284 = (r[41] * e277) + (r[42] * e280);
+    const float f_r_el_y = (r[41] * e281) - (r[42] * e278);
+    const float f_r_el_z = (r[42] * e283) - (r[41] * e282);
+    /* r_sho_roll */
+    const float f_r_sho_roll_x = f_r_el_z - ((r[39] * e261) + (r[40] * e264));
+    const float f_r_sho_roll_y = (r[39] * e266) - (r[40] * e262)
+        - ((c_r_el * e284) + (s_r_el * f_r_el_y));
+    const float f_r_sho_roll_z = (r[39] * e268) + (r[40] * e269)
+        + ((s_r_el * e284) - (c_r_el * f_r_el_y));
+    /* r_sho_pitch */
+    const float f_r_sho_pitch_x = (r[38] * e246) - (r[37] * e243) + f_r_sho_roll_z;
+    const float f_r_sho_pitch_y = (r[37] * e248) - (r[38] * e244)
+        + ((c_r_sho_roll * f_r_sho_roll_y) - (s_r_sho_roll * f_r_sho_roll_x));
+    const float f_r_sho_pitch_z = (c_r_sho_roll * f_r_sho_roll_x) + (s_r_sho_roll * f_r_sho_roll_y)
+        - ((r[37] * e250) + (r[38] * e251));
+    /* l_el */
+    const float e285 = (r[35] * e227) + (r[36] * e230);
+    const float f_l_el_y = (r[35] * e231) - (r[36] * e228);
+    const float f_l_el_z = (r[35] * e232) + (r[36] * e233);
+    /* l_sho_roll */
+    const float f_l_sho_roll_x = (r[34] * e212) - (r[33] * e209) + f_l_el_z;
+    const float f_l_sho_roll_y = (s_l_el * f_l_el_y) - (c_l_el * e285)
+        - ((r[33] * e214) + (r[34] * e210));
+    const float f_l_sho_roll_z = (r[34] * e217) - (r[33] * e216)
+        - ((s_l_el * e285) + (c_l_el * f_l_el_y));
+    /* l_sho_pitch */
+    const float f_l_sho_pitch_x = (r[32] * e194) - (r[31] * e191) + f_l_sho_roll_z;
+    const float f_l_sho_pitch_y = (r[31] * e196) - (r[32] * e192)
+        + ((c_l_sho_roll * f_l_sho_roll_y) - (s_l_sho_roll * f_l_sho_roll_x));
+    const float f_l_sho_pitch_z = (r[31] * e198) + (r[32] * e199)
+        + ((c_l_sho_roll * f_l_sho_roll_x) + (s_l_sho_roll * f_l_sho_roll_y));
+    /* l_ank_roll */
+    const float e286 = (r[29] * e175) + (r[30] * e178);
+    const float f_l_ank_roll_y = (r[29] * e179) - (r[30] * e176);
+    const float f_l_ank_roll_z = (r[30] * e181) - (r[29] * e180);
+    /* l_ank_pitch */
+    const float f_l_ank_pitch_x = (r[28] * e164) - (r[27] * e161) + f_l_ank_roll_z;
+    const float f_l_ank_pitch_y = (r[27] * e165) - (r[28] * e162)
+        + ((c_l_ank_roll * f_l_ank_roll_y) - (s_l_ank_roll * e286));
+    const float f_l_ank_pitch_z = (r[27] * e166) + (r[28] * e167)
+        - ((c_l_ank_roll * e286) + (s_l_ank_roll * f_l_ank_roll_y));
+    /* l_knee */
+    const float f_l_knee_x = (r[26] * e151) - (r[25] * e148)
+        + ((c_l_ank_pitch * f_l_ank_pitch_x) + (s_l_ank_pitch * f_l_ank_pitch_y));
+    const float f_l_knee_y = (r[25] * e152) - (r[26] * e149)
+        + ((c_l_ank_pitch * f_l_ank_pitch_y) - (s_l_ank_pitch * f_l_ank_pitch_x));
+    const float f_l_knee_z = (r[25] * e153) + (r[26] * e154) + f_l_ank_pitch_z;
+    /* l_hip_pitch */
+    const float f_l_hip_pitch_x = (c_l_knee * f_l_knee_x) - (s_l_knee * f_l_knee_y)
+        - ((r[23] * e135) + (r[24] * e138));
+    const float f_l_hip_pitch_y = (r[23] * e139) - (r[24] * e136)
+        + ((s_l_knee * f_l_knee_x) + (c_l_knee * f_l_knee_y));
+    const float f_l_hip_pitch_z = (r[24] * e141) - (r[23] * e140) + f_l_knee_z;
+    /* l_hip_roll */
+    const float f_l_hip_roll_x = (r[22] * e124) - (r[21] * e121) + f_l_hip_pitch_z;
+    const float f_l_hip_roll_y = (r[21] * e125) - (r[22] * e122)
+        + ((s_l_hip_pitch * f_l_hip_pitch_x) + (c_l_hip_pitch * f_l_hip_pitch_y));
+    const float f_l_hip_roll_z = (r[21] * e126) + (r[22] * e127)
+        + ((c_l_hip_pitch * f_l_hip_pitch_x) - (s_l_hip_pitch * f_l_hip_pitch_y));
+    /* l_hip_yaw */
+    const float f_l_hip_yaw_x = (r[20] * e111) - (r[19] * e110) + f_l_hip_roll_z;
+    const float f_l_hip_yaw_y = (r[19] * e112) - (r[20] * (e105 + e107))
+        + ((c_l_hip_roll * f_l_hip_roll_x) + (s_l_hip_roll * f_l_hip_roll_y));
+    const float f_l_hip_yaw_z = (r[19] * e113) + (r[20] * e114)
+        + ((c_l_hip_roll * f_l_hip_roll_y) - (s_l_hip_roll * f_l_hip_roll_x));
+    /* head_tilt */
+    const float f_head_tilt_x = (r[18] * e101) - (r[17] * e98);
+    const float e287 = (r[17] * e102) + (r[18] * e99);
+    const float f_head_tilt_z = (r[18] * e104) - (r[17] * e103);
+    /* head_pan */
+    const float f_head_pan_x = (c_head_tilt * f_head_tilt_x) - (s_head_tilt * e287)
+        - ((r[15] * e80) + (r[16] * e83));
+    const float f_head_pan_y = (r[15] * e85) - (r[16] * e81) + f_head_tilt_z;
+    const float f_head_pan_z = (r[15] * e87) + (r[16] * e88)
+        + ((s_head_tilt * f_head_tilt_x) + (c_head_tilt * e287));
+    /* r_hip_yaw */
+    const float f_r_hip_yaw_x = (c_head_pan * f_head_pan_x) - (s_head_pan * f_head_pan_y)
+        - ((r[13] * e63) + (r[14] * e66))
+        + ((c_l_sho_pitch * f_l_sho_pitch_x) + (s_l_sho_pitch * f_l_sho_pitch_y))
+        + ((c_r_sho_pitch * f_r_sho_pitch_x) - (s_r_sho_pitch * f_r_sho_pitch_y))
+        + ((c_l_hip_yaw * f_l_hip_yaw_x) + (s_l_hip_yaw * f_l_hip_yaw_y));
+    const float f_r_hip_yaw_y = (r[13] * e68) - (r[14] * e64)
+        + ((s_head_pan * f_head_pan_x) + (c_head_pan * f_head_pan_y)) + f_l_sho_pitch_z
+        + f_r_sho_pitch_z + ((c_l_hip_yaw * f_l_hip_yaw_y) - (s_l_hip_yaw * f_l_hip_yaw_x));
+    const float f_r_hip_yaw_z = (r[13] * e70) + (r[14] * e71) + f_head_pan_z
+        + ((c_l_sho_pitch * f_l_sho_pitch_y) - (s_l_sho_pitch * f_l_sho_pitch_x))
+        + ((s_r_sho_pitch * f_r_sho_pitch_x) + (c_r_sho_pitch * f_r_sho_pitch_y)) + f_l_hip_yaw_z;
+    /* r_hip_roll */
+    const float f_r_hip_roll_x = (s_r_hip_yaw * f_r_hip_yaw_x) + (c_r_hip_yaw * f_r_hip_yaw_y)
+        - ((r[11] * (e46 + e47)) + (r[12] * e51));
+    const float f_r_hip_roll_y = (r[11] * e52) - (r[12] * e50) + f_r_hip_yaw_z;
+    const float f_r_hip_roll_z = (r[12] * e54) - (r[11] * e53)
+        + ((c_r_hip_yaw * f_r_hip_yaw_x) - (s_r_hip_yaw * f_r_hip_yaw_y));
+    /* r_hip_pitch */
+    const float f_r_hip_pitch_x = (r[10] * e40) - (r[9] * e37) + f_r_hip_roll_z;
+    const float f_r_hip_pitch_y = (r[9] * e41) - (r[10] * e38)
+        + ((s_r_hip_roll * f_r_hip_roll_x) + (c_r_hip_roll * f_r_hip_roll_y));
+    const float f_r_hip_pitch_z = (r[9] * e42) + (r[10] * e43)
+        + ((c_r_hip_roll * f_r_hip_roll_x) - (s_r_hip_roll * f_r_hip_roll_y));
+    /* r_knee */
+    const float f_r_knee_x = (r[8] * e27) - (r[7] * e24)
+        + ((c_r_hip_pitch * f_r_hip_pitch_x) - (s_r_hip_pitch * f_r_hip_pitch_y));
+    const float f_r_knee_y = (r[7] * e28) - (r[8] * e25)
+        + ((s_r_hip_pitch * f_r_hip_pitch_x) + (c_r_hip_pitch * f_r_hip_pitch_y));
+    const float f_r_knee_z = (r[7] * e29) + (r[8] * e30) + f_r_hip_pitch_z;
+    /* r_ank_pitch */
+    const float f_r_ank_pitch_x = (r[6] * e14) - (r[5] * e11)
+        + ((c_r_knee * f_r_knee_x) - (s_r_knee * f_r_knee_y));
+    const float f_r_ank_pitch_y = (r[5] * e15) - (r[6] * e12)
+        + ((s_r_knee * f_r_knee_x) + (c_r_knee * f_r_knee_y));
+    const float f_r_ank_pitch_z = (r[6] * e17) - (r[5] * e16) + f_r_knee_z;
+    /* r_ank_roll */
+    const float f_r_ank_roll_z = (c_r_ank_pitch * f_r_ank_pitch_x)
+        + (s_r_ank_pitch * f_r_ank_pitch_y);
+    const float f_r_ank_roll_x = (r[4] * qdd[16]) - (r[3] * e4) + f_r_ank_pitch_z;
+    const float f_r_ank_roll_y = (c_r_ank_pitch * f_r_ank_pitch_y)
+        - (s_r_ank_pitch * f_r_ank_pitch_x) - ((r[3] * qdd[16]) + (r[4] * e4));
+    /* r_sole */
+    const float f_r_sole_y = (c_r_ank_roll * f_r_ank_roll_x) + (s_r_ank_roll * f_r_ank_roll_y);
+    const float f_r_sole_z = (c_r_ank_roll * f_r_ank_roll_y) - (s_r_ank_roll * f_r_ank_roll_x);
+    /* r_el */
+    const float g_r_el_x = (0.00027340816f * e277) + (0.0009290175f * e280);
+    const float g_r_el_y = (0.0009290175f * e278) - (0.00027340816f * e281);
+    const float g_r_el_z = (0.00027340816f * e282) - (0.0009290175f * e283);
+    const float n_r_el_x = (6.8651454e-5f * e283) - (1.47495875e-5f * e282) - (8.004954e-6f * e279)
+        - ((1.9716072e-6f * e281) - (8.004954e-6f * e278));
+    const float e288 = (1.9716072e-6f * e277) + (8.004954e-6f * e280)
+        + ((1.47495875e-5f * e283) - (7.3121573e-6f * e282) - (1.9716072e-6f * e279));
+    const float n_r_el_z = (7.3121573e-6f * e281) - (1.47495875e-5f * e278)
+        + (1.9716072e-6f * (e276 - a_r_el_x))
+        - ((8.004954e-6f * (a_r_el_y - e275)) - ((1.47495875e-5f * e277) + (6.8651454e-5f * e280)));
+    /* r_sho_roll */
+    const float e289 = (0.0009290175f * s_r_el) - (0.00027340816f * c_r_el);
+    const float h_r_sho_roll_z = (0.00027340816f * s_r_el) + (0.0009290175f * c_r_el);
+    const float e290 = (c_r_el * g_r_el_x) - (s_r_el * g_r_el_y);
+    const float e291 = (s_r_el * g_r_el_x) + (c_r_el * g_r_el_y);
+    const float e292 = (0.06f * e264) - (0.016f * e265);
+    const float h_r_sho_roll_y = e289 - 0.0033018994f;
+    const float g_r_sho_roll_x = (0.00017307096f * e261) + (0.0033018994f * e264) + g_r_el_z;
+    const float g_r_sho_roll_y = (0.0033018994f * e262) - (0.00017307096f * e266) + e290;
+    const float e293 = (0.00017307096f * e268) + (0.0033018994f * e269) + e291;
+    const float n_r_sho_roll_x = (8.77044e-6f * e268) + (0.00018228272f * e269)
+        + (2.1611695e-5f * e263) - ((2.1611695e-5f * e262) - (2.490703e-6f * e266))
+        + ((0.06f * e291) - (0.016f * e290) - n_r_el_z
+        - ((e289 * ((0.06f * e269) + (0.016f * e263)))
+        + (h_r_sho_roll_z * ((0.06f * e262) + (0.016f * e267)))));
+    const float n_r_sho_roll_y = (2.490703e-6f * e261) + (2.1611695e-5f * e264)
+        - ((9.582825e-6f * e268) + (8.77044e-6f * e269) + (2.490703e-6f * e263))
+        + ((0.016f * g_r_el_z) - ((c_r_el * n_r_el_x) + (s_r_el * e288)) + (h_r_sho_roll_z * e292));
+    const float n_r_sho_roll_z = (9.582825e-6f * e266) - (8.77044e-6f * e262)
+        - (2.490703e-6f * e267)
+        - ((2.1611695e-5f * e265) - ((8.77044e-6f * e261) + (0.00018228272f * e264)))
+        + ((0.06f * g_r_el_z) - ((c_r_el * e288) - (s_r_el * n_r_el_x)) - (e289 * e292));
+    /* r_sho_pitch */
+    const float e294 = (0.00017307096f * s_r_sho_roll) + (c_r_sho_roll * h_r_sho_roll_y);
+    const float h_r_sho_pitch_z = (s_r_sho_roll * h_r_sho_roll_y) - (0.00017307096f * c_r_sho_roll);
+    const float e295 = (c_r_sho_roll * g_r_sho_roll_y) - (s_r_sho_roll * g_r_sho_roll_x);
+    const float e296 = (c_r_sho_roll * g_r_sho_roll_x) + (s_r_sho_roll * g_r_sho_roll_y);
+    const float e297 = (0.016f * e246) + (0.045f * e247);
+    const float e298 = (0.016f * e244) - (0.045f * e249);
+    const float e299 = (0.016f * e251) + (0.045f * e245);
+    const float h_r_sho_pitch_x = 0.0003788733f + h_r_sho_roll_z;
+    const float h_r_sho_pitch_y = e294 - 0.0012960221f;
+    const float e300 = (0.0003788733f * e243) + (0.0012960221f * e246) + e293;
+    const float g_r_sho_pitch_y = (0.0003788733f * e248) + (0.0012960221f * e244) + e295;
+    const float g_r_sho_pitch_z = (0.0012960221f * e251) - (0.0003788733f * e250) + e296;
+    const float n_r_sho_pitch_x = (6.049467e-6f * e250) - (2.1025264e-5f * e251)
+        - (5.821203e-5f * e245) + ((1.7036793e-5f * e248) + (5.821203e-5f * e244))
+        + ((0.045f * e295) - (0.016f * e296) - n_r_sho_roll_z
+        + ((e294 * e299) - (h_r_sho_pitch_z * e298)));
+    const float n_r_sho_pitch_y = (1.7036793e-5f * e243) + (5.821203e-5f * e246)
+        - ((6.049467e-6f * e251) - (1.575147e-5f * e250) + (1.7036793e-5f * e245))
+        + ((0.045f * e293) - ((c_r_sho_roll * n_r_sho_roll_y) - (s_r_sho_roll * n_r_sho_roll_x))
+        - ((h_r_sho_pitch_z * e297) + (h_r_sho_roll_z * e299)));
+    const float n_r_sho_pitch_z = (1.575147e-5f * e248) + (6.049467e-6f * e244)
+        - (1.7036793e-5f * e249)
+        - ((6.049467e-6f * e243) + (2.1025264e-5f * e246) + (5.821203e-5f * e247))
+        + ((h_r_sho_roll_z * e298) + (e294 * e297)
+        - ((c_r_sho_roll * n_r_sho_roll_x) + (s_r_sho_roll * n_r_sho_roll_y) + (0.016f * e293)));
+    /* l_el */
+    const float g_l_el_x = (0.00027340816f * e227) + (0.0009290175f * e230);
+    const float g_l_el_y = (0.0009290175f * e228) - (0.00027340816f * e231);
+    const float e301 = (0.00027340816f * e232) + (0.0009290175f * e233);
+    const float n_l_el_x = (1.47495875e-5f * e232) + (6.8651454e-5f * e233) + (8.004954e-6f * e229)
+        - ((8.004954e-6f * e228) - (1.9716072e-6f * e231));
+    const float n_l_el_y = (1.9716072e-6f * e227) + (8.004954e-6f * e230)
+        - ((7.3121573e-6f * e232) + (1.47495875e-5f * e233) + (1.9716072e-6f * e229));
+    const float n_l_el_z = (7.3121573e-6f * e231) - (1.47495875e-5f * e228)
+        - (1.9716072e-6f * (e226 + e219))
+        - ((8.004954e-6f * (e225 + e220)) - ((1.47495875e-5f * e227) + (6.8651454e-5f * e230)));
+    /* l_sho_roll */
+    const float e302 = (0.00027340816f * c_l_el) + (0.0009290175f * s_l_el);
+    const float h_l_sho_roll_z = (0.0009290175f * c_l_el) - (0.00027340816f * s_l_el);
+    const float e303 = (c_l_el * g_l_el_x) + (s_l_el * g_l_el_y);
+    const float e304 = (s_l_el * g_l_el_x) - (c_l_el * g_l_el_y);
+    const float e305 = (0.016f * e213) - (0.06f * e212);
+    const float e306 = e302 + 0.0033018994f;
+    const float e307 = (0.00017307096f * e209) + (0.0033018994f * e212) + e301;
+    const float g_l_sho_roll_y = (0.0033018994f * e210) - (0.00017307096f * e214) + e303;
+    const float g_l_sho_roll_z = e304 - ((0.00017307096f * e216) + (0.0033018994f * e217));
+    const float n_l_sho_roll_x = (8.77044e-6f * e216) + (0.00018228272f * e217)
+        + (2.1611695e-5f * e211) - ((2.1611695e-5f * e210) - (2.490703e-6f * e214))
+        + ((e302 * ((0.06f * e217) + (0.016f * e211)))
+        - (h_l_sho_roll_z * ((0.06f * e210) + (0.016f * e215)))
+        - (n_l_el_z + ((0.06f * e304) + (0.016f * e303))));
+    const float n_l_sho_roll_y = (9.582825e-6f * e216) + (8.77044e-6f * e217)
+        + (2.490703e-6f * e211) - ((2.490703e-6f * e209) + (2.1611695e-5f * e212))
+        + ((h_l_sho_roll_z * e305) - ((c_l_el * n_l_el_x) + (s_l_el * n_l_el_y) + (0.016f * e301)));
+    const float n_l_sho_roll_z = (8.77044e-6f * e210) - (9.582825e-6f * e214)
+        + (2.490703e-6f * e215)
+        - ((8.77044e-6f * e209) + (0.00018228272f * e212) - (2.1611695e-5f * e213))
+        + ((e302 * e305) - ((s_l_el * n_l_el_x) - (c_l_el * n_l_el_y) + (0.06f * e301)));
+    /* l_sho_pitch */
+    const float e308 = (0.00017307096f * s_l_sho_roll) + (c_l_sho_roll * e306);
+    const float h_l_sho_pitch_z = (0.00017307096f * c_l_sho_roll) - (s_l_sho_roll * e306);
+    const float e309 = (s_l_sho_roll * e307) + (c_l_sho_roll * g_l_sho_roll_y);
+    const float e310 = (s_l_sho_roll * g_l_sho_roll_y) - (c_l_sho_roll * e307);
+    const float e311 = (0.016f * e194) + (0.119f * e195);
+    const float e312 = (0.016f * e192) - (0.119f * e197);
+    const float e313 = (0.016f * e199) + (0.119f * e193);
+    const float h_l_sho_pitch_x = 0.0003788733f + h_l_sho_roll_z;
+    const float e314 = e308 + 0.0012960221f;
+    const float g_l_sho_pitch_x = g_l_sho_roll_z
+        - ((0.0003788733f * e191) + (0.0012960221f * e194));
+    const float g_l_sho_pitch_y = (0.0003788733f * e196) + (0.0012960221f * e192) + e309;
+    const float g_l_sho_pitch_z = (0.0003788733f * e198) - (0.0012960221f * e199) + e310;
+    const float n_l_sho_pitch_x = (2.1025264e-5f * e199) - (6.049467e-6f * e198)
+        + (0.00015411766f * e193) - ((4.5073415e-5f * e196) + (0.00015411766f * e192))
+        + ((e308 * e313) - (h_l_sho_pitch_z * e312)
+        - (n_l_sho_roll_z + ((0.016f * e310) + (0.119f * e309))));
+    const float n_l_sho_pitch_y = (0.119f * g_l_sho_roll_z)
+        - ((c_l_sho_roll * n_l_sho_roll_y) - (s_l_sho_roll * n_l_sho_roll_x))
+        + ((h_l_sho_roll_z * e313) - (h_l_sho_pitch_z * e311))
+        - ((4.5073415e-5f * e191) + (0.00015411766f * e194)
+        + ((1.575147e-5f * e198) - (6.049467e-6f * e199) - (4.5073415e-5f * e193)));
+    const float n_l_sho_pitch_z = (1.575147e-5f * e196) + (6.049467e-6f * e192)
+        - (4.5073415e-5f * e197)
+        - ((6.049467e-6f * e191) + (2.1025264e-5f * e194) + (0.00015411766f * e195))
+        + ((0.016f * g_l_sho_roll_z)
+        - ((c_l_sho_roll * n_l_sho_roll_x) + (s_l_sho_roll * n_l_sho_roll_y))
+        + ((h_l_sho_roll_z * e312) - (e308 * e311)));
+    /* l_ank_roll */
+    const float g_l_ank_roll_x = (0.00070598227f * e178) - (0.0002581614f * e175);
+    const float g_l_ank_roll_y = (0.0002581614f * e179) + (0.00070598227f * e176);
+    const float n_l_ank_roll_x = (7.5768867e-6f * e180) + (2.1134118e-5f * e181)
+        - (2.1314062e-8f * e177) + ((2.0458297e-7f * e179) + (2.1314062e-8f * e176));
+    const float n_l_ank_roll_y = (2.0458297e-7f * e175) - (2.1314062e-8f * e178)
+        - ((2.0458297e-7f * e177) - ((1.1924058e-5f * e180) + (7.5768867e-6f * e181)));
+    const float n_l_ank_roll_z = (1.1924058e-5f * e179) + (7.5768867e-6f * e176)
+        - (2.0458297e-7f * (e174 - a_l_ank_roll_x))
+        - ((7.5768867e-6f * e175) - (2.1134118e-5f * e178)
+        + (2.1314062e-8f * (a_l_ank_roll_y - e173)));
+    /* l_ank_pitch */
+    const float h_l_ank_pitch_z = (0.0002581614f * c_l_ank_roll) + (0.00070598227f * s_l_ank_roll);
+    const float h_l_ank_pitch_y = 0.00079249474f
+        + ((0.0002581614f * s_l_ank_roll) - (0.00070598227f * c_l_ank_roll));
+    const float g_l_ank_pitch_x = (0.0010725238f * e161) + (0.00079249474f * e164)
+        - ((0.0002581614f * e180) + (0.00070598227f * e181));
+    const float g_l_ank_pitch_y = (s_l_ank_roll * g_l_ank_roll_x) + (c_l_ank_roll * g_l_ank_roll_y)
+        - ((0.0010725238f * e165) + (0.00079249474f * e162));
+    const float g_l_ank_pitch_z = (0.00079249474f * e167) - (0.0010725238f * e166)
+        + ((c_l_ank_roll * g_l_ank_roll_x) - (s_l_ank_roll * g_l_ank_roll_y));
+    const float n_l_ank_pitch_x = (2.0191303e-5f * e167) - (1.7108983e-5f * e166)
+        - (1.03344085e-7f * e163) - ((3.607336e-7f * e165) - (1.03344085e-7f * e162))
+        - n_l_ank_roll_z;
+    const float n_l_ank_pitch_y = (1.03344085e-7f * e164) - (3.607336e-7f * e161)
+        - ((7.230369e-5f * e166) - (1.7108983e-5f * e167) - (3.607336e-7f * e163))
+        - ((s_l_ank_roll * n_l_ank_roll_x) + (c_l_ank_roll * n_l_ank_roll_y));
+    const float n_l_ank_pitch_z = (7.230369e-5f * e165) + (1.7108983e-5f * e162)
+        + (3.607336e-7f * (e160 - a_l_ank_pitch_x))
+        - ((1.7108983e-5f * e161) + (2.0191303e-5f * e164)
+        + (1.03344085e-7f * (e159 + a_l_ank_pitch_y)))
+        - ((c_l_ank_roll * n_l_ank_roll_x) - (s_l_ank_roll * n_l_ank_roll_y));
+    /* l_knee */
+    const float e315 = (s_l_ank_pitch * h_l_ank_pitch_y) - (0.0010725238f * c_l_ank_pitch);
+    const float e316 = (0.0010725238f * s_l_ank_pitch) + (c_l_ank_pitch * h_l_ank_pitch_y);
+    const float e317 = (c_l_ank_pitch * g_l_ank_pitch_x) + (s_l_ank_pitch * g_l_ank_pitch_y);
+    const float e318 = 0.093f * e151;
+    const float e319 = 0.093f * e149;
+    const float e320 = 0.093f * e154;
+    const float h_l_knee_x = 0.0001573714f + e315;
+    const float h_l_knee_y = e316 - 0.008776738f;
+    const float g_l_knee_x = e317 - ((0.0001573714f * e148) + (0.008776738f * e151));
+    const float g_l_knee_y = (0.0001573714f * e152) + (0.008776738f * e149)
+        + ((c_l_ank_pitch * g_l_ank_pitch_y) - (s_l_ank_pitch * g_l_ank_pitch_x));
+    const float g_l_knee_z = (0.0001573714f * e153) - (0.008776738f * e154) + g_l_ank_pitch_z;
+    const float n_l_knee_x = (0.000793051f * e154) - (1.7490652e-6f * e153) - (2.0113266e-6f * e150)
+        + ((1.122252e-8f * e152) + (2.0113266e-6f * e149))
+        + ((c_l_ank_pitch * n_l_ank_pitch_x) + (s_l_ank_pitch * n_l_ank_pitch_y)
+        - (0.093f * g_l_ank_pitch_z) - ((e316 * e320) + (h_l_ank_pitch_z * e319)));
+    const float n_l_knee_y = (1.122252e-8f * e148) + (2.0113266e-6f * e151)
+        - ((5.500015e-6f * e153) - (1.7490652e-6f * e154) + (1.122252e-8f * e150))
+        + ((c_l_ank_pitch * n_l_ank_pitch_y) - (s_l_ank_pitch * n_l_ank_pitch_x)
+        + ((e315 * e320) - (h_l_ank_pitch_z * e318)));
+    const float n_l_knee_z = (5.500015e-6f * e152) + (1.7490652e-6f * e149)
+        - (1.122252e-8f * (e147 - a_l_knee_x))
+        - ((1.7490652e-6f * e148) + (0.000793051f * e151) + (2.0113266e-6f * (e146 + a_l_knee_y)))
+        + (n_l_ank_pitch_z + (0.093f * e317) + ((e315 * e319) + (e316 * e318)));
+    /* l_hip_pitch */
+    const float e321 = (c_l_knee * h_l_knee_x) - (s_l_knee * h_l_knee_y);
+    const float e322 = (s_l_knee * h_l_knee_x) + (c_l_knee * h_l_knee_y);
+    const float e323 = (c_l_knee * g_l_knee_x) - (s_l_knee * g_l_knee_y);
+    const float e324 = 0.093f * e138;
+    const float e325 = 0.093f * e136;
+    const float e326 = 0.093f * e141;
+    const float h_l_hip_pitch_x = 2.8156464e-5f + e321;
+    const float h_l_hip_pitch_y = e322 - 0.012635849f;
+    const float g_l_hip_pitch_x = (0.012635849f * e138) - (2.8156464e-5f * e135) + e323;
+    const float g_l_hip_pitch_y = (2.8156464e-5f * e139) + (0.012635849f * e136)
+        + ((s_l_knee * g_l_knee_x) + (c_l_knee * g_l_knee_y));
+    const float g_l_hip_pitch_z = g_l_knee_z - ((2.8156464e-5f * e140) + (0.012635849f * e141));
+    const float n_l_hip_pitch_x = (1.1071821e-6f * e140) + (0.0011289481f * e141)
+        - (2.8721834e-6f * e137) - ((6.346494e-8f * e139) - (2.8721834e-6f * e136))
+        + ((c_l_knee * n_l_knee_x) - (s_l_knee * n_l_knee_y) - (0.093f * g_l_knee_z)
+        - ((e322 * e326) + (h_l_ank_pitch_z * e325)));
+    const float n_l_hip_pitch_y = (2.7309065e-6f * e140) + (1.1071821e-6f * e141)
+        + (6.346494e-8f * e137) - ((6.346494e-8f * e135) + (2.8721834e-6f * e138))
+        + ((s_l_knee * n_l_knee_x) + (c_l_knee * n_l_knee_y)
+        + ((h_l_ank_pitch_z * e324) + (e321 * e326)));
+    const float n_l_hip_pitch_z = (2.7309065e-6f * e139) + (1.1071821e-6f * e136)
+        + (6.346494e-8f * (e134 - a_l_hip_pitch_x))
+        - ((1.1071821e-6f * e135) - (0.0011289481f * e138)
+        + (2.8721834e-6f * (a_l_hip_pitch_y - e133)))
+        + (n_l_knee_z + (0.093f * e323) + ((e321 * e325) - (e322 * e324)));
+    /* l_hip_roll */
+    const float h_l_hip_roll_z = (c_l_hip_pitch * h_l_hip_pitch_x)
+        - (s_l_hip_pitch * h_l_hip_pitch_y);
+    const float h_l_hip_roll_x = h_l_ank_pitch_z - 3.5009605e-5f;
+    const float h_l_hip_roll_y = (s_l_hip_pitch * h_l_hip_pitch_x)
+        + (c_l_hip_pitch * h_l_hip_pitch_y) - 0.00079249474f;
+    const float g_l_hip_roll_x = (3.5009605e-5f * e121) - (0.00079249474f * e124) + g_l_hip_pitch_z;
+    const float g_l_hip_roll_y = (0.00079249474f * e122) - (3.5009605e-5f * e125)
+        + ((s_l_hip_pitch * g_l_hip_pitch_x) + (c_l_hip_pitch * g_l_hip_pitch_y));
+    const float g_l_hip_roll_z = (c_l_hip_pitch * g_l_hip_pitch_x)
+        - (s_l_hip_pitch * g_l_hip_pitch_y) - ((3.5009605e-5f * e126) + (0.00079249474f * e127));
+    const float n_l_hip_roll_x = (2.0191404e-5f * e127) - (3.0652984e-7f * e126)
+        - (1.6905811e-5f * e123) + ((3.607334e-7f * e125) + (1.6905811e-5f * e122))
+        - n_l_hip_pitch_z;
+    const float n_l_hip_roll_y = (3.607334e-7f * e121) + (1.6905811e-5f * e124)
+        - ((3.0124214e-5f * e126) - (3.0652984e-7f * e127) + (3.607334e-7f * e123))
+        - ((s_l_hip_pitch * n_l_hip_pitch_x) + (c_l_hip_pitch * n_l_hip_pitch_y));
+    const float n_l_hip_roll_z = (3.0124214e-5f * e125) + (3.0652984e-7f * e122)
+        - (3.607334e-7f * (e120 - a_l_hip_roll_x))
+        - ((3.0652984e-7f * e121) + (2.0191404e-5f * e124)
+        + (1.6905811e-5f * (e119 + a_l_hip_roll_y)))
+        - ((c_l_hip_pitch * n_l_hip_pitch_x) - (s_l_hip_pitch * n_l_hip_pitch_y));
+    /* l_hip_yaw */
+    const float h_l_hip_yaw_y = (c_l_hip_roll * h_l_hip_roll_x) + (s_l_hip_roll * h_l_hip_roll_y);
+    const float h_l_hip_yaw_z = (c_l_hip_roll * h_l_hip_roll_y) - (s_l_hip_roll * h_l_hip_roll_x);
+    const float h_l_hip_yaw_x = h_l_hip_roll_z - 0.0010376462f;
+    const float g_l_hip_yaw_x = (0.0010376462f * e110) + g_l_hip_roll_z;
+    const float g_l_hip_yaw_y = (c_l_hip_roll * g_l_hip_roll_x) + (s_l_hip_roll * g_l_hip_roll_y)
+        - (0.0010376462f * e112);
+    const float g_l_hip_yaw_z = (c_l_hip_roll * g_l_hip_roll_y) - (s_l_hip_roll * g_l_hip_roll_x)
+        - (0.0010376462f * e113);
+    const float n_l_hip_yaw_x = (4.2597827e-7f * e114) - (3.3265562e-7f * e112) + n_l_hip_roll_z;
+    const float n_l_hip_yaw_y = (c_l_hip_roll * n_l_hip_roll_x) + (s_l_hip_roll * n_l_hip_roll_y)
+        - ((3.3265562e-7f * e110) + ((5.517082e-5f * e113) - (3.3265562e-7f * (e105 + e106))));
+    const float n_l_hip_yaw_z = (5.517082e-5f * e112) + (3.3265562e-7f * (e109 - a_l_hip_yaw_x))
+        - (4.2597827e-7f * e111)
+        + ((c_l_hip_roll * n_l_hip_roll_y) - (s_l_hip_roll * n_l_hip_roll_x));
+    /* head_tilt */
+    const float e327 = (0.0008936193f * e98) + (0.0006155634f * e101);
+    const float g_head_tilt_y = (0.0006155634f * e99) - (0.0008936193f * e102);
+    const float e328 = (0.0008936193f * e103) + (0.0006155634f * e104);
+    const float n_head_tilt_x = (8.173087e-6f * e103) + (3.187295e-5f * e104)
+        - (1.9992667e-7f * e100) - ((6.710094e-8f * e102) - (1.9992667e-7f * e99));
+    const float n_head_tilt_y = (6.710094e-8f * e98) + (1.9992667e-7f * e101)
+        - ((6.710094e-8f * e100) - ((3.229937e-5f * e103) + (8.173087e-6f * e104)));
+    const float n_head_tilt_z = (8.173087e-6f * e99) - (3.229937e-5f * e102)
+        - (6.710094e-8f * (e97 - a_head_tilt_x))
+        - ((8.173087e-6f * e98) + (3.187295e-5f * e101) + (1.9992667e-7f * (a_head_tilt_y - e96)));
+    /* head_pan */
+    const float e329 = (0.0008936193f * c_head_tilt) - (0.0006155634f * s_head_tilt);
+    const float h_head_pan_z = (0.0008936193f * s_head_tilt) + (0.0006155634f * c_head_tilt);
+    const float e330 = (s_head_tilt * g_head_tilt_y) - (c_head_tilt * e327);
+    const float e331 = 0.1727f * e86;
+    const float h_head_pan_x = e329 - 5.9352205e-6f;
+    const float g_head_pan_x = (5.9352205e-6f * e80) - (1.531256e-5f * e83) + e330;
+    const float e332 = (5.9352205e-6f * e85) + (1.531256e-5f * e81) + e328;
+    const float g_head_pan_z = (1.531256e-5f * e88) - (5.9352205e-6f * e87)
+        - ((s_head_tilt * e327) + (c_head_tilt * g_head_tilt_y));
+    const float n_head_pan_x = (3.3021018e-15f * e87) + (2.1234626e-5f * e88)
+        - (2.6446626e-6f * e82) + ((8.6096753e-7f * e85) + (2.6446626e-6f * e81))
+        + ((c_head_tilt * n_head_tilt_x) + (s_head_tilt * n_head_tilt_y) + (0.1727f * e328)
+        + (h_head_pan_z * e331));
+    const float n_head_pan_y = (8.6096753e-7f * e80) - (2.6446626e-6f * e83)
+        - ((3.3801922e-7f * e87) + (3.3021018e-15f * e88) + (8.6096753e-7f * e82))
+        + (n_head_tilt_z + (0.1727f * e330)
+        + ((h_head_pan_z * (0.1727f * e84)) + (e329 * (0.1727f * e82))));
+    const float n_head_pan_z = (3.3801922e-7f * e85) - (3.3021018e-15f * e81)
+        + (8.6096753e-7f * e86)
+        - ((2.6446626e-6f * e84) - ((3.3021018e-15f * e80) + (2.1234626e-5f * e83)))
+        + ((s_head_tilt * n_head_tilt_x) - (c_head_tilt * n_head_tilt_y) - (e329 * e331));
+    /* r_hip_yaw */
+    const float e333 = (c_head_pan * h_head_pan_x) - (1.531256e-5f * s_head_pan);
+    const float e334 = (s_head_pan * h_head_pan_x) + (1.531256e-5f * c_head_pan);
+    const float e335 = (c_head_pan * g_head_pan_x) + (s_head_pan * e332);
+    const float e336 = (s_head_pan * g_head_pan_x) - (c_head_pan * e332);
+    const float e337 = 0.005f * e63;
+    const float e338 = e337 + (0.037f * e66);
+    const float e339 = 0.005f * e68;
+    const float e340 = e339 - (0.037f * e64);
+    const float e341 = 0.005f * e70;
+    const float e342 = e341 + (0.037f * e71);
+    const float e343 = (c_l_sho_pitch * h_l_sho_pitch_x) - (s_l_sho_pitch * e314);
+    const float e344 = (s_l_sho_pitch * h_l_sho_pitch_x) + (c_l_sho_pitch * e314);
+    const float e345 = (c_l_sho_pitch * g_l_sho_pitch_x) + (s_l_sho_pitch * g_l_sho_pitch_y);
+    const float e346 = (c_l_sho_pitch * g_l_sho_pitch_y) - (s_l_sho_pitch * g_l_sho_pitch_x);
+    const float e347 = (0.1222f * e67) - e337;
+    const float e348 = e339 - (0.1222f * e69);
+    const float e349 = e341 - (0.1222f * e65);
+    const float e350 = (0.0034573963f * e71) - (0.00012209061f * e70) - (0.0021249873f * e65)
+        + ((0.00024561278f * e68) + (0.0021249873f * e64))
+        + ((c_head_pan * n_head_pan_x) - (s_head_pan * n_head_pan_y) + (0.037f * g_head_pan_z)
+        + ((e334 * e342) - (h_head_pan_z * e340)))
+        + ((h_l_sho_pitch_z * e349) + (e344 * e348)
+        - ((c_l_sho_pitch * n_l_sho_pitch_x) + (s_l_sho_pitch * n_l_sho_pitch_y)
+        + (0.1222f * g_l_sho_pitch_z)));
+    const float e351 = (0.00024561278f * e63) - (0.0021249873f * e66)
+        - ((0.00044578433f * e70) - (0.00012209061f * e71) + (0.00024561278f * e65))
+        + ((s_head_pan * n_head_pan_x) + (c_head_pan * n_head_pan_y) - (0.005f * g_head_pan_z)
+        - ((h_head_pan_z * e338) + (e333 * e342)))
+        + ((0.1222f * e345) - (0.005f * e346) - n_l_sho_pitch_z - ((e344 * e347) + (e343 * e349)));
+    const float e352 = (0.00044578433f * e68) + (0.00012209061f * e64) + (0.00024561278f * e69)
+        - ((0.00012209061f * e63) - (0.0034573963f * e66) + (0.0021249873f * e67))
+        + (n_head_pan_z + ((0.005f * e336) - (0.037f * e335)) + ((e333 * e340) + (e334 * e338)))
+        + ((0.005f * g_l_sho_pitch_z)
+        - ((c_l_sho_pitch * n_l_sho_pitch_y) - (s_l_sho_pitch * n_l_sho_pitch_x))
+        + ((e343 * e348) - (h_l_sho_pitch_z * e347)));
+    const float e353 = (c_r_sho_pitch * h_r_sho_pitch_x) - (s_r_sho_pitch * h_r_sho_pitch_y);
+    const float e354 = (s_r_sho_pitch * h_r_sho_pitch_x) + (c_r_sho_pitch * h_r_sho_pitch_y);
+    const float e355 = (c_r_sho_pitch * e300) + (s_r_sho_pitch * g_r_sho_pitch_y);
+    const float e356 = (c_r_sho_pitch * g_r_sho_pitch_y) - (s_r_sho_pitch * e300);
+    const float e357 = (c_l_hip_yaw * h_l_hip_yaw_x) + (s_l_hip_yaw * h_l_hip_yaw_y);
+    const float e358 = (c_l_hip_yaw * h_l_hip_yaw_y) - (s_l_hip_yaw * h_l_hip_yaw_x);
+    const float e359 = (c_l_hip_yaw * g_l_hip_yaw_x) + (s_l_hip_yaw * g_l_hip_yaw_y);
+    const float e360 = 0.074f * e66;
+    const float e361 = 0.074f * e64;
+    const float e362 = 0.074f * e71;
+    const float h_r_hip_yaw_x = e333 - 0.0037115626f + e343 + e353 + e357;
+    const float h_r_hip_yaw_y = 0.035960846f + e334 + h_l_sho_pitch_z + h_r_sho_pitch_z + e358;
+    const float h_r_hip_yaw_z = h_head_pan_z - e344 + e354 + h_l_hip_yaw_z;
+    const float g_r_hip_yaw_x = (0.0037115626f * e63) - (0.035960846f * e66) + e335 + e345
+        - e355 + e359;
+    const float g_r_hip_yaw_y = e336 - ((0.0037115626f * e68) + (0.035960846f * e64))
+        + g_l_sho_pitch_z + g_r_sho_pitch_z
+        + ((c_l_hip_yaw * g_l_hip_yaw_y) - (s_l_hip_yaw * g_l_hip_yaw_x));
+    const float g_r_hip_yaw_z = (0.035960846f * e71) - (0.0037115626f * e70) + g_head_pan_z + e346
+        + e356 + g_l_hip_yaw_z;
+    const float n_r_hip_yaw_x = e350
+        + ((h_r_sho_pitch_z * e349) - (e354 * e348)
+        - ((c_r_sho_pitch * n_r_sho_pitch_x) - (s_r_sho_pitch * n_r_sho_pitch_y)
+        + (0.1222f * g_r_sho_pitch_z)))
+        + ((c_l_hip_yaw * n_l_hip_yaw_x) + (s_l_hip_yaw * n_l_hip_yaw_y) + (0.074f * g_l_hip_yaw_z)
+        + ((e358 * e362) + (h_l_hip_yaw_z * e361)));
+    const float n_r_hip_yaw_y = e351
+        + ((e354 * e347) - (e353 * e349) - (n_r_sho_pitch_z + ((0.1222f * e355) + (0.005f * e356))))
+        + ((c_l_hip_yaw * n_l_hip_yaw_y) - (s_l_hip_yaw * n_l_hip_yaw_x)
+        - ((h_l_hip_yaw_z * e360) + (e357 * e362)));
+    const float n_r_hip_yaw_z = e352
+        + ((0.005f * g_r_sho_pitch_z)
+        - ((s_r_sho_pitch * n_r_sho_pitch_x) + (c_r_sho_pitch * n_r_sho_pitch_y))
+        + ((e353 * e348) - (h_r_sho_pitch_z * e347)))
+        + (n_l_hip_yaw_z - (0.074f * e359) + ((e358 * e360) - (e357 * e361)));
+    /* r_hip_roll */
+    const float h_r_hip_roll_x = (s_r_hip_yaw * h_r_hip_yaw_x) + (c_r_hip_yaw * h_r_hip_yaw_y);
+    const float h_r_hip_roll_z = (c_r_hip_yaw * h_r_hip_yaw_x) - (s_r_hip_yaw * h_r_hip_yaw_y);
+    const float h_r_hip_roll_y = 0.059756316f + h_r_hip_yaw_z;
+    const float g_r_hip_roll_x = (s_r_hip_yaw * g_r_hip_yaw_x) + (c_r_hip_yaw * g_r_hip_yaw_y)
+        - (0.059756316f * e51);
+    const float g_r_hip_roll_y = g_r_hip_yaw_z - (0.059756316f * e50);
+    const float g_r_hip_roll_z = (0.059756316f * e54)
+        + ((c_r_hip_yaw * g_r_hip_yaw_x) - (s_r_hip_yaw * g_r_hip_yaw_y));
+    const float n_r_hip_roll_x = (0.007136011f * e54) - (3.3265562e-7f * (e45 + e46))
+        + (3.3265562e-7f * e50) + ((s_r_hip_yaw * n_r_hip_yaw_x) + (c_r_hip_yaw * n_r_hip_yaw_y));
+    const float n_r_hip_roll_y = (4.2597827e-7f * e53) - (3.3265562e-7f * e51) + n_r_hip_yaw_z;
+    const float n_r_hip_roll_z = (4.2597827e-7f * e52)
+        - ((3.3265562e-7f * (a_r_hip_roll_y - e49)) - (0.007136011f * e51))
+        + ((c_r_hip_yaw * n_r_hip_yaw_x) - (s_r_hip_yaw * n_r_hip_yaw_y));
+    /* r_hip_pitch */
+    const float h_r_hip_pitch_z = (c_r_hip_roll * h_r_hip_roll_x) - (s_r_hip_roll * h_r_hip_roll_y);
+    const float h_r_hip_pitch_x = h_r_hip_roll_z - 0.0010376462f;
+    const float h_r_hip_pitch_y = (s_r_hip_roll * h_r_hip_roll_x) + (c_r_hip_roll * h_r_hip_roll_y)
+        - 0.00079249474f;
+    const float g_r_hip_pitch_x = (0.0010376462f * e37) - (0.00079249474f * e40) + g_r_hip_roll_z;
+    const float g_r_hip_pitch_y = (0.00079249474f * e38) - (0.0010376462f * e41)
+        + ((s_r_hip_roll * g_r_hip_roll_x) + (c_r_hip_roll * g_r_hip_roll_y));
+    const float g_r_hip_pitch_z = (c_r_hip_roll * g_r_hip_roll_x) - (s_r_hip_roll * g_r_hip_roll_y)
+        - ((0.0010376462f * e42) + (0.00079249474f * e43));
+    const float n_r_hip_pitch_x = (1.6905811e-5f * e42) + (2.0191404e-5f * e43)
+        - (3.0652984e-7f * e39) - ((3.607334e-7f * e41) - (3.0652984e-7f * e38)) - n_r_hip_roll_z;
+    const float n_r_hip_pitch_y = (3.0652984e-7f * e40) - (3.607334e-7f * e37)
+        - ((5.517082e-5f * e42) + (1.6905811e-5f * e43) - (3.607334e-7f * e39))
+        - ((s_r_hip_roll * n_r_hip_roll_x) + (c_r_hip_roll * n_r_hip_roll_y));
+    const float n_r_hip_pitch_z = (5.517082e-5f * e41) - (1.6905811e-5f * e38)
+        + (3.607334e-7f * (e36 - a_r_hip_pitch_x))
+        - ((2.0191404e-5f * e40) - (1.6905811e-5f * e37)
+        + (3.0652984e-7f * (e35 + a_r_hip_pitch_y)))
+        - ((c_r_hip_roll * n_r_hip_roll_x) - (s_r_hip_roll * n_r_hip_roll_y));
+    /* r_knee */
+    const float e363 = (c_r_hip_pitch * h_r_hip_pitch_x) - (s_r_hip_pitch * h_r_hip_pitch_y);
+    const float e364 = (s_r_hip_pitch * h_r_hip_pitch_x) + (c_r_hip_pitch * h_r_hip_pitch_y);
+    const float e365 = (c_r_hip_pitch * g_r_hip_pitch_x) - (s_r_hip_pitch * g_r_hip_pitch_y);
+    const float e366 = 0.093f * e27;
+    const float e367 = 0.093f * e25;
+    const float e368 = 0.093f * e30;
+    const float h_r_knee_x = 2.8156464e-5f + e363;
+    const float h_r_knee_y = 0.08036415f + e364;
+    const float g_r_knee_x = (0.08036415f * e27) - (2.8156464e-5f * e24) + e365;
+    const float g_r_knee_y = (2.8156464e-5f * e28) - (0.08036415f * e25)
+        + ((s_r_hip_pitch * g_r_hip_pitch_x) + (c_r_hip_pitch * g_r_hip_pitch_y));
+    const float g_r_knee_z = (2.8156464e-5f * e29) + (0.08036415f * e30) + g_r_hip_pitch_z;
+    const float n_r_knee_x = (1.5113691e-6f * e29) + (0.0074276803f * e30) - (3.8370985e-7f * e26)
+        + ((6.346494e-8f * e28) + (3.8370985e-7f * e25))
+        + ((c_r_hip_pitch * n_r_hip_pitch_x) - (s_r_hip_pitch * n_r_hip_pitch_y)
+        + (0.093f * g_r_hip_pitch_z) + ((e364 * e368) + (h_r_hip_pitch_z * e367)));
+    const float n_r_knee_y = (6.346494e-8f * e24) + (3.8370985e-7f * e27)
+        - ((2.7309065e-6f * e29) + (1.5113691e-6f * e30) + (6.346494e-8f * e26))
+        + ((s_r_hip_pitch * n_r_hip_pitch_x) + (c_r_hip_pitch * n_r_hip_pitch_y)
+        + ((h_r_hip_pitch_z * e366) - (e363 * e368)));
+    const float n_r_knee_z = (2.7309065e-6f * e28) - (1.5113691e-6f * e25)
+        - (6.346494e-8f * (e23 - a_r_knee_x))
+        - ((0.0074276803f * e27) - (1.5113691e-6f * e24) + (3.8370985e-7f * (e22 + a_r_knee_y)))
+        + (n_r_hip_pitch_z - (0.093f * e365) - ((e363 * e367) + (e364 * e366)));
+    /* r_ank_pitch */
+    const float e369 = (c_r_knee * h_r_knee_x) - (s_r_knee * h_r_knee_y);
+    const float e370 = (s_r_knee * h_r_knee_x) + (c_r_knee * h_r_knee_y);
+    const float e371 = (c_r_knee * g_r_knee_x) - (s_r_knee * g_r_knee_y);
+    const float e372 = 0.093f * e14;
+    const float e373 = 0.093f * e12;
+    const float e374 = 0.093f * e17;
+    const float h_r_ank_pitch_x = 0.0001573714f + e369;
+    const float h_r_ank_pitch_y = 0.08422326f + e370;
+    const float g_r_ank_pitch_x = (0.08422326f * e14) - (0.0001573714f * e11) + e371;
+    const float g_r_ank_pitch_y = (0.0001573714f * e15) - (0.08422326f * e12)
+        + ((s_r_knee * g_r_knee_x) + (c_r_knee * g_r_knee_y));
+    const float g_r_ank_pitch_z = (0.08422326f * e17) - (0.0001573714f * e16) + g_r_knee_z;
+    const float n_r_ank_pitch_x = (0.0078095775f * e17) - (1.2886475e-5f * e16)
+        - (1.2445664e-6f * e13) - ((1.122252e-8f * e15) - (1.2445664e-6f * e12))
+        + ((c_r_knee * n_r_knee_x) - (s_r_knee * n_r_knee_y) + (0.093f * g_r_knee_z)
+        + ((e370 * e374) + (h_r_hip_pitch_z * e373)));
+    const float n_r_ank_pitch_y = (1.2445664e-6f * e14) - (1.122252e-8f * e11)
+        - ((1.2886475e-5f * e17) - (5.500015e-6f * e16) - (1.122252e-8f * e13))
+        + ((s_r_knee * n_r_knee_x) + (c_r_knee * n_r_knee_y)
+        + ((h_r_hip_pitch_z * e372) - (e369 * e374)));
+    const float n_r_ank_pitch_z = (5.500015e-6f * e15) - (1.2886475e-5f * e12)
+        - (1.122252e-8f * (e5 + a_r_ank_pitch_x))
+        - ((0.0078095775f * e14) - (1.2886475e-5f * e11) + (1.2445664e-6f * (a_r_ank_pitch_y - e6)))
+        + (n_r_knee_z - (0.093f * e371) - ((e369 * e373) + (e370 * e372)));
+    /* r_ank_roll */
+    const float e375 = 1.03344085e-7f * e4;
+    const float h_r_ank_roll_z = (c_r_ank_pitch * h_r_ank_pitch_x)
+        + (s_r_ank_pitch * h_r_ank_pitch_y);
+    const float g_r_ank_roll_z = (c_r_ank_pitch * g_r_ank_pitch_x)
+        + (s_r_ank_pitch * g_r_ank_pitch_y);
+    const float h_r_ank_roll_x = 3.5009605e-5f + h_r_hip_pitch_z;
+    const float h_r_ank_roll_y = 0.00079249474f
+        + ((c_r_ank_pitch * h_r_ank_pitch_y) - (s_r_ank_pitch * h_r_ank_pitch_x));
+    const float g_r_ank_roll_x = (0.00079249474f * qdd[16]) - (3.5009605e-5f * e4)
+        + g_r_ank_pitch_z;
+    const float g_r_ank_roll_y = (c_r_ank_pitch * g_r_ank_pitch_y)
+        - (s_r_ank_pitch * g_r_ank_pitch_x) - ((3.5009605e-5f * qdd[16]) + (0.00079249474f * e4));
+    const float n_r_ank_roll_y = (3.607336e-7f * e4) - (1.7108983e-5f * qdd[16])
+        - ((c_r_ank_pitch * n_r_ank_pitch_y) - (s_r_ank_pitch * n_r_ank_pitch_x));
+    const float n_r_ank_roll_z = e375 - (3.0124214e-5f * qdd[16])
+        - (e375 + (2.0191303e-5f * qdd[16]))
+        - ((c_r_ank_pitch * n_r_ank_pitch_x) + (s_r_ank_pitch * n_r_ank_pitch_y));
+    /* r_sole */
+    const float g_r_sole_y = (c_r_ank_roll * g_r_ank_roll_x) + (s_r_ank_roll * g_r_ank_roll_y);
+    const float g_r_sole_z = (c_r_ank_roll * g_r_ank_roll_y) - (s_r_ank_roll * g_r_ank_roll_x);
+    const float n_r_sole_x = n_r_ank_roll_z + ((0.0105f * g_r_sole_z) - (0.0335f * g_r_sole_y));
+    const float n_r_sole_y = (s_r_ank_roll * n_r_ank_roll_y)
+        - (c_r_ank_roll * ((3.607336e-7f * qdd[16]) + (1.7108983e-5f * e4) + n_r_ank_pitch_z))
+        + (0.0335f * g_r_ank_roll_z);
+    const float h_r_sole_x = h_r_ank_roll_z - 0.0010725238f;
+    const float h_r_sole_y = 0.010241838f
+        + ((c_r_ank_roll * h_r_ank_roll_x) + (s_r_ank_roll * h_r_ank_roll_y));
+    const float h_r_sole_z = 0.032794017f
+        + ((c_r_ank_roll * h_r_ank_roll_y) - (s_r_ank_roll * h_r_ank_roll_x));
+    /* ZMP */
+    const float load = 9.80665f + f_r_sole_z;
+    const float e376 = 1.0f / load;
+    zmp[0] = v_r_sole_x
+        - (((v_r_sole_z * f_r_ank_roll_z)
+        + (n_r_sole_y - ((h_r_sole_z * g_r_ank_roll_z) - (h_r_sole_x * g_r_sole_z)))) * e376);
+    zmp[1] = v_r_sole_y
+        - (((v_r_sole_z * f_r_sole_y)
+        - (n_r_sole_x - ((h_r_sole_y * g_r_sole_z) - (h_r_sole_z * g_r_sole_y)))) * e376);
+}
+
 void op2_r_sole_com_sc(
     const op2_r_sole_real sin_q[],
     const op2_r_sole_real cos_q[],
@@ -4355,6 +5524,1090 @@ void op2_r_sole_cop_sc(
     cop[1] = v_r_sole_y;
 }
 
+void op2_r_sole_zmp_sc(
+    const op2_r_sole_real sin_q[],
+    const op2_r_sole_real cos_q[],
+    const op2_r_sole_real qd[],
+    const op2_r_sole_real qdd[],
+    const op2_r_sole_real r[],
+    op2_r_sole_real zmp[restrict 2])
+{
+    /* r_sho_roll */
+    const float v_r_sho_roll_y = r[40] + (cos_q[19] * r[41]) - (sin_q[19] * r[42]);
+    const float s_r_sho_roll = (0.70710677f * sin_q[18]) + (0.70710677f * cos_q[18]);
+    const float c_r_sho_roll = (0.70710677f * cos_q[18]) - (0.70710677f * sin_q[18]);
+    /* r_sho_pitch */
+    const float v_r_sho_pitch_x = r[37] - ((sin_q[19] * r[41]) + (cos_q[19] * r[42]));
+    const float v_r_sho_pitch_y = r[38] - (s_r_sho_roll * r[39]) + (c_r_sho_roll * v_r_sho_roll_y);
+    const float v_r_sho_pitch_z = (c_r_sho_roll * r[39]) + (s_r_sho_roll * v_r_sho_roll_y);
+    /* l_sho_roll */
+    const float v_l_sho_roll_y = r[34] + (cos_q[10] * r[35]) + (sin_q[10] * r[36]);
+    const float v_l_sho_roll_z = (sin_q[10] * r[35]) - (cos_q[10] * r[36]);
+    const float s_l_sho_roll = (0.70710677f * sin_q[9]) - (0.70710677f * cos_q[9]);
+    const float c_l_sho_roll = (0.70710677f * cos_q[9]) + (0.70710677f * sin_q[9]);
+    /* l_sho_pitch */
+    const float v_l_sho_pitch_x = r[31] + v_l_sho_roll_z;
+    const float v_l_sho_pitch_y = r[32] - (s_l_sho_roll * r[33]) + (c_l_sho_roll * v_l_sho_roll_y);
+    const float v_l_sho_pitch_z = (c_l_sho_roll * r[33]) + (s_l_sho_roll * v_l_sho_roll_y);
+    /* l_ank_pitch */
+    const float v_l_ank_pitch_y = r[28] + (sin_q[7] * r[29]) + (cos_q[7] * r[30]);
+    const float v_l_ank_pitch_z = (cos_q[7] * r[29]) - (sin_q[7] * r[30]);
+    /* l_knee */
+    const float v_l_knee_x = r[25] + (cos_q[6] * r[27]) + (sin_q[6] * v_l_ank_pitch_y);
+    const float v_l_knee_y = r[26] - (sin_q[6] * r[27]) + (cos_q[6] * v_l_ank_pitch_y);
+    /* l_hip_pitch */
+    const float v_l_hip_pitch_x = r[23] + (cos_q[5] * v_l_knee_x) - (sin_q[5] * v_l_knee_y);
+    const float v_l_hip_pitch_y = r[24] + (sin_q[5] * v_l_knee_x) + (cos_q[5] * v_l_knee_y);
+    /* l_hip_roll */
+    const float v_l_hip_roll_x = r[21] + v_l_ank_pitch_z;
+    const float v_l_hip_roll_y = r[22] + (sin_q[4] * v_l_hip_pitch_x)
+        + (cos_q[4] * v_l_hip_pitch_y);
+    const float v_l_hip_roll_z = (cos_q[4] * v_l_hip_pitch_x) - (sin_q[4] * v_l_hip_pitch_y);
+    /* l_hip_yaw */
+    const float v_l_hip_yaw_x = r[19] + v_l_hip_roll_z;
+    const float v_l_hip_yaw_y = r[20] + (cos_q[3] * v_l_hip_roll_x) + (sin_q[3] * v_l_hip_roll_y);
+    const float v_l_hip_yaw_z = (cos_q[3] * v_l_hip_roll_y) - (sin_q[3] * v_l_hip_roll_x);
+    /* head_pan */
+    const float v_head_pan_x = r[15] + (cos_q[1] * r[17]) + (sin_q[1] * r[18]);
+    const float v_head_pan_z = (sin_q[1] * r[17]) - (cos_q[1] * r[18]);
+    /* r_hip_yaw */
+    const float e1 = r[13] + (cos_q[0] * v_head_pan_x) - (sin_q[0] * r[16])
+        + (cos_q[8] * v_l_sho_pitch_x) + (sin_q[8] * v_l_sho_pitch_y)
+        + (cos_q[17] * v_r_sho_pitch_x);
+    const float v_r_hip_yaw_x = e1 - (sin_q[17] * v_r_sho_pitch_y) + (cos_q[2] * v_l_hip_yaw_x)
+        + (sin_q[2] * v_l_hip_yaw_y);
+    const float e2 = r[14] + (sin_q[0] * v_head_pan_x) + (cos_q[0] * r[16]) + v_l_sho_pitch_z
+        + v_r_sho_pitch_z - (sin_q[2] * v_l_hip_yaw_x);
+    const float v_r_hip_yaw_y = e2 + (cos_q[2] * v_l_hip_yaw_y);
+    const float v_r_hip_yaw_z = v_head_pan_z - (sin_q[8] * v_l_sho_pitch_x)
+        + (cos_q[8] * v_l_sho_pitch_y) + (sin_q[17] * v_r_sho_pitch_x)
+        + (cos_q[17] * v_r_sho_pitch_y) + v_l_hip_yaw_z;
+    /* r_hip_roll */
+    const float v_r_hip_roll_x = r[11] + (sin_q[11] * v_r_hip_yaw_x) + (cos_q[11] * v_r_hip_yaw_y);
+    const float v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
+    const float v_r_hip_roll_z = (cos_q[11] * v_r_hip_yaw_x) - (sin_q[11] * v_r_hip_yaw_y);
+    /* r_hip_pitch */
+    const float v_r_hip_pitch_x = r[9] + v_r_hip_roll_z;
+    const float v_r_hip_pitch_y = r[10] + (sin_q[12] * v_r_hip_roll_x)
+        + (cos_q[12] * v_r_hip_roll_y);
+    const float v_r_hip_pitch_z = (cos_q[12] * v_r_hip_roll_x) - (sin_q[12] * v_r_hip_roll_y);
+    /* r_knee */
+    const float v_r_knee_x = r[7] + (cos_q[13] * v_r_hip_pitch_x) - (sin_q[13] * v_r_hip_pitch_y);
+    const float v_r_knee_y = r[8] + (sin_q[13] * v_r_hip_pitch_x) + (cos_q[13] * v_r_hip_pitch_y);
+    /* r_ank_pitch */
+    const float v_r_ank_pitch_x = r[5] + (cos_q[14] * v_r_knee_x) - (sin_q[14] * v_r_knee_y);
+    const float v_r_ank_pitch_y = r[6] + (sin_q[14] * v_r_knee_x) + (cos_q[14] * v_r_knee_y);
+    /* r_ank_roll */
+    const float v_r_ank_roll_x = r[3] + v_r_hip_pitch_z;
+    const float v_r_ank_roll_y = r[4] - (sin_q[15] * v_r_ank_pitch_x)
+        + (cos_q[15] * v_r_ank_pitch_y);
+    const float v_r_ank_roll_z = (cos_q[15] * v_r_ank_pitch_x) + (sin_q[15] * v_r_ank_pitch_y);
+    /* r_sole */
+    const float v_r_sole_x = r[0] + v_r_ank_roll_z;
+    const float v_r_sole_y = r[1] + (cos_q[16] * v_r_ank_roll_x) + (sin_q[16] * v_r_ank_roll_y);
+    const float v_r_sole_z = r[2] - (sin_q[16] * v_r_ank_roll_x) + (cos_q[16] * v_r_ank_roll_y);
+    /* r_ank_roll */
+    const float e3 = qd[16] * qd[16];
+    /* r_ank_pitch */
+    const float o_r_ank_pitch_x = qd[16] * cos_q[15];
+    const float o_r_ank_pitch_y = qd[16] * sin_q[15];
+    const float e4 = o_r_ank_pitch_y * qd[15];
+    const float e5 = o_r_ank_pitch_x * qd[15];
+    const float a_r_ank_pitch_x = (qdd[16] * cos_q[15]) - e4;
+    const float a_r_ank_pitch_y = (qdd[16] * sin_q[15]) + e5;
+    const float e6 = o_r_ank_pitch_x * o_r_ank_pitch_x;
+    const float e7 = o_r_ank_pitch_y * o_r_ank_pitch_y;
+    const float e8 = qd[15] * qd[15];
+    const float e9 = o_r_ank_pitch_x * o_r_ank_pitch_y;
+    const float e10 = e7 + e8;
+    const float e11 = e6 + e8;
+    const float e12 = e6 + e7;
+    const float e13 = e9 + qdd[15];
+    const float e14 = e9 - qdd[15];
+    const float e15 = e5 + a_r_ank_pitch_y;
+    const float e16 = a_r_ank_pitch_x - e4;
+    /* r_knee */
+    const float o_r_knee_x = (o_r_ank_pitch_x * cos_q[14]) + (o_r_ank_pitch_y * sin_q[14]);
+    const float o_r_knee_y = (o_r_ank_pitch_y * cos_q[14]) - (o_r_ank_pitch_x * sin_q[14]);
+    const float o_r_knee_z = qd[14] - qd[15];
+    const float a_r_knee_x = (a_r_ank_pitch_x * cos_q[14]) + (a_r_ank_pitch_y * sin_q[14])
+        + (o_r_knee_y * qd[14]);
+    const float a_r_knee_y = (a_r_ank_pitch_y * cos_q[14]) - (a_r_ank_pitch_x * sin_q[14])
+        - (o_r_knee_x * qd[14]);
+    const float a_r_knee_z = qdd[14] - qdd[15];
+    const float e17 = o_r_knee_x * o_r_knee_x;
+    const float e18 = o_r_knee_y * o_r_knee_y;
+    const float e19 = o_r_knee_z * o_r_knee_z;
+    const float e20 = o_r_knee_x * o_r_knee_y;
+    const float e21 = o_r_knee_x * o_r_knee_z;
+    const float e22 = o_r_knee_y * o_r_knee_z;
+    const float e23 = e18 + e19;
+    const float e24 = e17 + e19;
+    const float e25 = e17 + e18;
+    const float e26 = e20 - a_r_knee_z;
+    const float e27 = e20 + a_r_knee_z;
+    const float e28 = e21 - a_r_knee_y;
+    const float e29 = e22 + a_r_knee_x;
+    /* r_hip_pitch */
+    const float o_r_hip_pitch_x = (o_r_knee_x * cos_q[13]) + (o_r_knee_y * sin_q[13]);
+    const float o_r_hip_pitch_y = (o_r_knee_y * cos_q[13]) - (o_r_knee_x * sin_q[13]);
+    const float o_r_hip_pitch_z = o_r_knee_z + qd[13];
+    const float a_r_hip_pitch_x = (a_r_knee_x * cos_q[13]) + (a_r_knee_y * sin_q[13])
+        + (o_r_hip_pitch_y * qd[13]);
+    const float a_r_hip_pitch_y = (a_r_knee_y * cos_q[13]) - (a_r_knee_x * sin_q[13])
+        - (o_r_hip_pitch_x * qd[13]);
+    const float a_r_hip_pitch_z = a_r_knee_z + qdd[13];
+    const float e30 = o_r_hip_pitch_x * o_r_hip_pitch_x;
+    const float e31 = o_r_hip_pitch_y * o_r_hip_pitch_y;
+    const float e32 = o_r_hip_pitch_z * o_r_hip_pitch_z;
+    const float e33 = o_r_hip_pitch_x * o_r_hip_pitch_y;
+    const float e34 = o_r_hip_pitch_x * o_r_hip_pitch_z;
+    const float e35 = o_r_hip_pitch_y * o_r_hip_pitch_z;
+    const float e36 = e31 + e32;
+    const float e37 = e30 + e32;
+    const float e38 = e30 + e31;
+    const float e39 = e33 - a_r_hip_pitch_z;
+    const float e40 = e33 + a_r_hip_pitch_z;
+    const float e41 = e34 - a_r_hip_pitch_y;
+    const float e42 = e35 + a_r_hip_pitch_x;
+    /* r_hip_roll */
+    const float e43 = (o_r_hip_pitch_y * sin_q[12]) + (o_r_hip_pitch_z * cos_q[12]);
+    const float o_r_hip_roll_y = (o_r_hip_pitch_z * sin_q[12]) - (o_r_hip_pitch_y * cos_q[12]);
+    const float o_r_hip_roll_z = qd[12] - o_r_hip_pitch_x;
+    const float a_r_hip_roll_x = (o_r_hip_roll_y * qd[12])
+        - ((a_r_hip_pitch_y * sin_q[12]) + (a_r_hip_pitch_z * cos_q[12]));
+    const float a_r_hip_roll_y = (a_r_hip_pitch_z * sin_q[12]) - (a_r_hip_pitch_y * cos_q[12])
+        + (e43 * qd[12]);
+    const float a_r_hip_roll_z = qdd[12] - a_r_hip_pitch_x;
+    const float e44 = e43 * e43;
+    const float e45 = o_r_hip_roll_y * o_r_hip_roll_y;
+    const float e46 = o_r_hip_roll_z * o_r_hip_roll_z;
+    const float e47 = e43 * o_r_hip_roll_y;
+    const float e48 = e43 * o_r_hip_roll_z;
+    const float e49 = e44 + e46;
+    const float e50 = e47 + a_r_hip_roll_z;
+    const float e51 = a_r_hip_roll_z - e47;
+    const float e52 = e48 + a_r_hip_roll_y;
+    const float e53 = (o_r_hip_roll_y * o_r_hip_roll_z) + a_r_hip_roll_x;
+    /* r_hip_yaw */
+    const float o_r_hip_yaw_x = (o_r_hip_roll_z * cos_q[11]) - (e43 * sin_q[11]);
+    const float e54 = (o_r_hip_roll_z * sin_q[11]) + (e43 * cos_q[11]);
+    const float o_r_hip_yaw_z = o_r_hip_roll_y + qd[11];
+    const float a_r_hip_yaw_x = (a_r_hip_roll_x * sin_q[11]) + (a_r_hip_roll_z * cos_q[11])
+        - (e54 * qd[11]);
+    const float e55 = (a_r_hip_roll_z * sin_q[11]) - (a_r_hip_roll_x * cos_q[11])
+        + (o_r_hip_yaw_x * qd[11]);
+    const float a_r_hip_yaw_z = a_r_hip_roll_y + qdd[11];
+    const float e56 = o_r_hip_yaw_x * o_r_hip_yaw_x;
+    const float e57 = e54 * e54;
+    const float e58 = o_r_hip_yaw_z * o_r_hip_yaw_z;
+    const float e59 = o_r_hip_yaw_x * e54;
+    const float e60 = o_r_hip_yaw_x * o_r_hip_yaw_z;
+    const float e61 = e54 * o_r_hip_yaw_z;
+    const float e62 = e57 + e58;
+    const float e63 = e56 + e58;
+    const float e64 = e56 + e57;
+    const float e65 = e59 + a_r_hip_yaw_z;
+    const float e66 = e60 - e55;
+    const float e67 = a_r_hip_yaw_z - e59;
+    const float e68 = e61 + a_r_hip_yaw_x;
+    const float e69 = e60 + e55;
+    const float e70 = a_r_hip_yaw_x - e61;
+    /* head_pan */
+    const float o_head_pan_x = (o_r_hip_yaw_x * cos_q[0]) - (e54 * sin_q[0]);
+    const float e71 = (e54 * cos_q[0]) + (o_r_hip_yaw_x * sin_q[0]);
+    const float o_head_pan_z = o_r_hip_yaw_z + qd[0];
+    const float a_head_pan_x = (a_r_hip_yaw_x * cos_q[0]) - (e55 * sin_q[0]) - (e71 * qd[0]);
+    const float e72 = (e55 * cos_q[0]) + (a_r_hip_yaw_x * sin_q[0]) + (o_head_pan_x * qd[0]);
+    const float a_head_pan_z = a_r_hip_yaw_z + qdd[0];
+    const float e73 = o_head_pan_x * o_head_pan_x;
+    const float e74 = e71 * e71;
+    const float e75 = o_head_pan_z * o_head_pan_z;
+    const float e76 = o_head_pan_x * e71;
+    const float e77 = o_head_pan_x * o_head_pan_z;
+    const float e78 = e71 * o_head_pan_z;
+    const float e79 = e74 + e75;
+    const float e80 = e73 + e75;
+    const float e81 = e73 + e74;
+    const float e82 = e76 + a_head_pan_z;
+    const float e83 = e77 - e72;
+    const float e84 = a_head_pan_z - e76;
+    const float e85 = e78 + a_head_pan_x;
+    const float e86 = e77 + e72;
+    const float e87 = a_head_pan_x - e78;
+    /* head_tilt */
+    const float o_head_tilt_x = (o_head_pan_x * cos_q[1]) + (o_head_pan_z * sin_q[1]);
+    const float e88 = (o_head_pan_z * cos_q[1]) - (o_head_pan_x * sin_q[1]);
+    const float e89 = e71 + qd[1];
+    const float a_head_tilt_x = (a_head_pan_x * cos_q[1]) + (a_head_pan_z * sin_q[1])
+        + (e88 * qd[1]);
+    const float a_head_tilt_y = (o_head_tilt_x * qd[1])
+        - ((a_head_pan_z * cos_q[1]) - (a_head_pan_x * sin_q[1]));
+    const float e90 = e72 + qdd[1];
+    const float e91 = o_head_tilt_x * o_head_tilt_x;
+    const float e92 = e88 * e88;
+    const float e93 = e89 * e89;
+    const float e94 = o_head_tilt_x * e88;
+    const float e95 = o_head_tilt_x * e89;
+    const float e96 = e88 * e89;
+    const float e97 = e92 + e93;
+    const float e98 = e91 + e93;
+    const float e99 = e91 + e92;
+    const float e100 = e90 - e94;
+    const float e101 = e94 + e90;
+    const float e102 = e95 + a_head_tilt_y;
+    const float e103 = e96 + a_head_tilt_x;
+    /* l_hip_yaw */
+    const float o_l_hip_yaw_x = (o_r_hip_yaw_x * cos_q[2]) + (e54 * sin_q[2]);
+    const float o_l_hip_yaw_y = (o_r_hip_yaw_x * sin_q[2]) - (e54 * cos_q[2]);
+    const float o_l_hip_yaw_z = o_r_hip_yaw_z - qd[2];
+    const float a_l_hip_yaw_x = (a_r_hip_yaw_x * cos_q[2]) + (e55 * sin_q[2])
+        - (o_l_hip_yaw_y * qd[2]);
+    const float a_l_hip_yaw_y = (a_r_hip_yaw_x * sin_q[2]) - (e55 * cos_q[2])
+        + (o_l_hip_yaw_x * qd[2]);
+    const float a_l_hip_yaw_z = a_r_hip_yaw_z - qdd[2];
+    const float e104 = o_l_hip_yaw_x * o_l_hip_yaw_x;
+    const float e105 = o_l_hip_yaw_y * o_l_hip_yaw_y;
+    const float e106 = o_l_hip_yaw_z * o_l_hip_yaw_z;
+    const float e107 = o_l_hip_yaw_x * o_l_hip_yaw_y;
+    const float e108 = o_l_hip_yaw_y * o_l_hip_yaw_z;
+    const float e109 = e105 + e106;
+    const float e110 = e107 - a_l_hip_yaw_z;
+    const float e111 = e107 + a_l_hip_yaw_z;
+    const float e112 = (o_l_hip_yaw_x * o_l_hip_yaw_z) - a_l_hip_yaw_y;
+    const float e113 = e108 + a_l_hip_yaw_x;
+    /* l_hip_roll */
+    const float o_l_hip_roll_x = (o_l_hip_yaw_y * cos_q[3]) - (o_l_hip_yaw_z * sin_q[3]);
+    const float o_l_hip_roll_y = (o_l_hip_yaw_z * cos_q[3]) + (o_l_hip_yaw_y * sin_q[3]);
+    const float o_l_hip_roll_z = o_l_hip_yaw_x - qd[3];
+    const float a_l_hip_roll_x = (a_l_hip_yaw_y * cos_q[3]) - (a_l_hip_yaw_z * sin_q[3])
+        - (o_l_hip_roll_y * qd[3]);
+    const float a_l_hip_roll_y = (a_l_hip_yaw_z * cos_q[3]) + (a_l_hip_yaw_y * sin_q[3])
+        + (o_l_hip_roll_x * qd[3]);
+    const float a_l_hip_roll_z = a_l_hip_yaw_x - qdd[3];
+    const float e114 = o_l_hip_roll_x * o_l_hip_roll_x;
+    const float e115 = o_l_hip_roll_y * o_l_hip_roll_y;
+    const float e116 = o_l_hip_roll_z * o_l_hip_roll_z;
+    const float e117 = o_l_hip_roll_x * o_l_hip_roll_y;
+    const float e118 = o_l_hip_roll_x * o_l_hip_roll_z;
+    const float e119 = o_l_hip_roll_y * o_l_hip_roll_z;
+    const float e120 = e115 + e116;
+    const float e121 = e114 + e116;
+    const float e122 = e114 + e115;
+    const float e123 = e117 - a_l_hip_roll_z;
+    const float e124 = e117 + a_l_hip_roll_z;
+    const float e125 = e118 - a_l_hip_roll_y;
+    const float e126 = e119 + a_l_hip_roll_x;
+    /* l_hip_pitch */
+    const float e127 = (o_l_hip_roll_y * sin_q[4]) + (o_l_hip_roll_z * cos_q[4]);
+    const float o_l_hip_pitch_y = (o_l_hip_roll_z * sin_q[4]) - (o_l_hip_roll_y * cos_q[4]);
+    const float o_l_hip_pitch_z = qd[4] - o_l_hip_roll_x;
+    const float a_l_hip_pitch_x = (o_l_hip_pitch_y * qd[4])
+        - ((a_l_hip_roll_y * sin_q[4]) + (a_l_hip_roll_z * cos_q[4]));
+    const float a_l_hip_pitch_y = (a_l_hip_roll_z * sin_q[4]) - (a_l_hip_roll_y * cos_q[4])
+        + (e127 * qd[4]);
+    const float a_l_hip_pitch_z = qdd[4] - a_l_hip_roll_x;
+    const float e128 = e127 * e127;
+    const float e129 = o_l_hip_pitch_y * o_l_hip_pitch_y;
+    const float e130 = o_l_hip_pitch_z * o_l_hip_pitch_z;
+    const float e131 = e127 * o_l_hip_pitch_y;
+    const float e132 = e127 * o_l_hip_pitch_z;
+    const float e133 = o_l_hip_pitch_y * o_l_hip_pitch_z;
+    const float e134 = e129 + e130;
+    const float e135 = e128 + e130;
+    const float e136 = e128 + e129;
+    const float e137 = e131 + a_l_hip_pitch_z;
+    const float e138 = a_l_hip_pitch_z - e131;
+    const float e139 = e132 + a_l_hip_pitch_y;
+    const float e140 = e133 + a_l_hip_pitch_x;
+    /* l_knee */
+    const float o_l_knee_x = (o_l_hip_pitch_y * sin_q[5]) - (e127 * cos_q[5]);
+    const float o_l_knee_y = (o_l_hip_pitch_y * cos_q[5]) + (e127 * sin_q[5]);
+    const float o_l_knee_z = o_l_hip_pitch_z + qd[5];
+    const float a_l_knee_x = (a_l_hip_pitch_x * cos_q[5]) + (a_l_hip_pitch_y * sin_q[5])
+        + (o_l_knee_y * qd[5]);
+    const float a_l_knee_y = (a_l_hip_pitch_y * cos_q[5]) - (a_l_hip_pitch_x * sin_q[5])
+        - (o_l_knee_x * qd[5]);
+    const float a_l_knee_z = a_l_hip_pitch_z + qdd[5];
+    const float e141 = o_l_knee_x * o_l_knee_x;
+    const float e142 = o_l_knee_y * o_l_knee_y;
+    const float e143 = o_l_knee_z * o_l_knee_z;
+    const float e144 = o_l_knee_x * o_l_knee_y;
+    const float e145 = o_l_knee_x * o_l_knee_z;
+    const float e146 = o_l_knee_y * o_l_knee_z;
+    const float e147 = e142 + e143;
+    const float e148 = e141 + e143;
+    const float e149 = e141 + e142;
+    const float e150 = e144 - a_l_knee_z;
+    const float e151 = e144 + a_l_knee_z;
+    const float e152 = e145 - a_l_knee_y;
+    const float e153 = e146 + a_l_knee_x;
+    /* l_ank_pitch */
+    const float o_l_ank_pitch_x = (o_l_knee_x * cos_q[6]) - (o_l_knee_y * sin_q[6]);
+    const float o_l_ank_pitch_y = (o_l_knee_y * cos_q[6]) + (o_l_knee_x * sin_q[6]);
+    const float o_l_ank_pitch_z = o_l_knee_z - qd[6];
+    const float a_l_ank_pitch_x = (a_l_knee_x * cos_q[6]) - (a_l_knee_y * sin_q[6])
+        - (o_l_ank_pitch_y * qd[6]);
+    const float a_l_ank_pitch_y = (a_l_knee_y * cos_q[6]) + (a_l_knee_x * sin_q[6])
+        + (o_l_ank_pitch_x * qd[6]);
+    const float a_l_ank_pitch_z = a_l_knee_z - qdd[6];
+    const float e154 = o_l_ank_pitch_x * o_l_ank_pitch_x;
+    const float e155 = o_l_ank_pitch_y * o_l_ank_pitch_y;
+    const float e156 = o_l_ank_pitch_z * o_l_ank_pitch_z;
+    const float e157 = o_l_ank_pitch_x * o_l_ank_pitch_y;
+    const float e158 = o_l_ank_pitch_x * o_l_ank_pitch_z;
+    const float e159 = o_l_ank_pitch_y * o_l_ank_pitch_z;
+    const float e160 = e155 + e156;
+    const float e161 = e154 + e156;
+    const float e162 = e154 + e155;
+    const float e163 = e157 - a_l_ank_pitch_z;
+    const float e164 = e157 + a_l_ank_pitch_z;
+    const float e165 = e158 - a_l_ank_pitch_y;
+    const float e166 = e159 + a_l_ank_pitch_x;
+    /* l_ank_roll */
+    const float e167 = (o_l_ank_pitch_y * sin_q[7]) + (o_l_ank_pitch_z * cos_q[7]);
+    const float o_l_ank_roll_y = (o_l_ank_pitch_z * sin_q[7]) - (o_l_ank_pitch_y * cos_q[7]);
+    const float o_l_ank_roll_z = qd[7] - o_l_ank_pitch_x;
+    const float a_l_ank_roll_x = (o_l_ank_roll_y * qd[7])
+        - ((a_l_ank_pitch_y * sin_q[7]) + (a_l_ank_pitch_z * cos_q[7]));
+    const float a_l_ank_roll_y = (a_l_ank_pitch_z * sin_q[7]) - (a_l_ank_pitch_y * cos_q[7])
+        + (e167 * qd[7]);
+    const float a_l_ank_roll_z = qdd[7] - a_l_ank_pitch_x;
+    const float e168 = e167 * e167;
+    const float e169 = o_l_ank_roll_y * o_l_ank_roll_y;
+    const float e170 = o_l_ank_roll_z * o_l_ank_roll_z;
+    const float e171 = e167 * o_l_ank_roll_y;
+    const float e172 = e167 * o_l_ank_roll_z;
+    const float e173 = o_l_ank_roll_y * o_l_ank_roll_z;
+    const float e174 = e169 + e170;
+    const float e175 = e168 + e170;
+    const float e176 = e168 + e169;
+    const float e177 = e171 + a_l_ank_roll_z;
+    const float e178 = a_l_ank_roll_z - e171;
+    const float e179 = e172 + a_l_ank_roll_y;
+    const float e180 = e173 + a_l_ank_roll_x;
+    /* l_sho_pitch */
+    const float e181 = (o_r_hip_yaw_x * cos_q[8]) - (o_r_hip_yaw_z * sin_q[8]);
+    const float e182 = (o_r_hip_yaw_z * cos_q[8]) + (o_r_hip_yaw_x * sin_q[8]);
+    const float o_l_sho_pitch_z = e54 - qd[8];
+    const float a_l_sho_pitch_x = (e182 * qd[8])
+        - ((a_r_hip_yaw_x * cos_q[8]) - (a_r_hip_yaw_z * sin_q[8]));
+    const float e183 = (a_r_hip_yaw_z * cos_q[8]) + (a_r_hip_yaw_x * sin_q[8]) + (e181 * qd[8]);
+    const float a_l_sho_pitch_z = e55 - qdd[8];
+    const float e184 = e181 * e181;
+    const float e185 = e182 * e182;
+    const float e186 = o_l_sho_pitch_z * o_l_sho_pitch_z;
+    const float e187 = e181 * e182;
+    const float e188 = e181 * o_l_sho_pitch_z;
+    const float e189 = e182 * o_l_sho_pitch_z;
+    const float e190 = e185 + e186;
+    const float e191 = e184 + e186;
+    const float e192 = e184 + e185;
+    const float e193 = e187 - a_l_sho_pitch_z;
+    const float e194 = e188 + e183;
+    const float e195 = e187 + a_l_sho_pitch_z;
+    const float e196 = e189 + a_l_sho_pitch_x;
+    const float e197 = e183 - e188;
+    const float e198 = a_l_sho_pitch_x - e189;
+    /* l_sho_roll */
+    const float e199 = (e182 * s_l_sho_roll) + (o_l_sho_pitch_z * c_l_sho_roll);
+    const float o_l_sho_roll_y = (e182 * c_l_sho_roll) - (o_l_sho_pitch_z * s_l_sho_roll);
+    const float o_l_sho_roll_z = e181 - qd[9];
+    const float e200 = (e183 * s_l_sho_roll) + (a_l_sho_pitch_z * c_l_sho_roll)
+        + (o_l_sho_roll_y * qd[9]);
+    const float a_l_sho_roll_y = (e183 * c_l_sho_roll) - (a_l_sho_pitch_z * s_l_sho_roll)
+        - (e199 * qd[9]);
+    const float e201 = a_l_sho_pitch_x + qdd[9];
+    const float e202 = e199 * e199;
+    const float e203 = o_l_sho_roll_y * o_l_sho_roll_y;
+    const float e204 = o_l_sho_roll_z * o_l_sho_roll_z;
+    const float e205 = e199 * o_l_sho_roll_y;
+    const float e206 = e199 * o_l_sho_roll_z;
+    const float e207 = o_l_sho_roll_y * o_l_sho_roll_z;
+    const float e208 = e203 + e204;
+    const float e209 = e202 + e204;
+    const float e210 = e202 + e203;
+    const float e211 = e201 - e205;
+    const float e212 = a_l_sho_roll_y - e206;
+    const float e213 = e205 + e201;
+    const float e214 = e207 + e200;
+    const float e215 = e206 + a_l_sho_roll_y;
+    const float e216 = e207 - e200;
+    /* l_el */
+    const float e217 = (o_l_sho_roll_y * cos_q[10]) + (o_l_sho_roll_z * sin_q[10]);
+    const float o_l_el_y = (o_l_sho_roll_z * cos_q[10]) - (o_l_sho_roll_y * sin_q[10]);
+    const float o_l_el_z = e199 - qd[10];
+    const float e218 = (a_l_sho_roll_y * cos_q[10]) - (e201 * sin_q[10]) + (o_l_el_y * qd[10]);
+    const float e219 = (e201 * cos_q[10]) + (a_l_sho_roll_y * sin_q[10]) + (e217 * qd[10]);
+    const float a_l_el_z = e200 - qdd[10];
+    const float e220 = e217 * e217;
+    const float e221 = o_l_el_y * o_l_el_y;
+    const float e222 = o_l_el_z * o_l_el_z;
+    const float e223 = e217 * o_l_el_y;
+    const float e224 = e217 * o_l_el_z;
+    const float e225 = o_l_el_y * o_l_el_z;
+    const float e226 = e221 + e222;
+    const float e227 = e220 + e222;
+    const float e228 = e220 + e221;
+    const float e229 = e223 + a_l_el_z;
+    const float e230 = a_l_el_z - e223;
+    const float e231 = e219 - e224;
+    const float e232 = e225 - e218;
+    /* r_sho_pitch */
+    const float e233 = (o_r_hip_yaw_x * cos_q[17]) + (o_r_hip_yaw_z * sin_q[17]);
+    const float e234 = (o_r_hip_yaw_z * cos_q[17]) - (o_r_hip_yaw_x * sin_q[17]);
+    const float o_r_sho_pitch_z = e54 + qd[17];
+    const float e235 = (a_r_hip_yaw_x * cos_q[17]) + (a_r_hip_yaw_z * sin_q[17]) + (e234 * qd[17]);
+    const float a_r_sho_pitch_y = (e233 * qd[17])
+        - ((a_r_hip_yaw_z * cos_q[17]) - (a_r_hip_yaw_x * sin_q[17]));
+    const float a_r_sho_pitch_z = e55 + qdd[17];
+    const float e236 = e233 * e233;
+    const float e237 = e234 * e234;
+    const float e238 = o_r_sho_pitch_z * o_r_sho_pitch_z;
+    const float e239 = e233 * e234;
+    const float e240 = e233 * o_r_sho_pitch_z;
+    const float e241 = e234 * o_r_sho_pitch_z;
+    const float e242 = e237 + e238;
+    const float e243 = e236 + e238;
+    const float e244 = e236 + e237;
+    const float e245 = e239 - a_r_sho_pitch_z;
+    const float e246 = a_r_sho_pitch_y - e240;
+    const float e247 = e239 + a_r_sho_pitch_z;
+    const float e248 = e235 - e241;
+    const float e249 = e240 + a_r_sho_pitch_y;
+    const float e250 = e241 + e235;
+    /* r_sho_roll */
+    const float e251 = (e234 * s_r_sho_roll) + (o_r_sho_pitch_z * c_r_sho_roll);
+    const float o_r_sho_roll_y = (e234 * c_r_sho_roll) - (o_r_sho_pitch_z * s_r_sho_roll);
+    const float o_r_sho_roll_z = e233 - qd[18];
+    const float e252 = (a_r_sho_pitch_z * c_r_sho_roll) - (a_r_sho_pitch_y * s_r_sho_roll)
+        + (o_r_sho_roll_y * qd[18]);
+    const float e253 = (a_r_sho_pitch_z * s_r_sho_roll) + (a_r_sho_pitch_y * c_r_sho_roll)
+        + (e251 * qd[18]);
+    const float a_r_sho_roll_z = e235 - qdd[18];
+    const float e254 = e251 * e251;
+    const float e255 = o_r_sho_roll_y * o_r_sho_roll_y;
+    const float e256 = o_r_sho_roll_z * o_r_sho_roll_z;
+    const float e257 = e251 * o_r_sho_roll_y;
+    const float e258 = e251 * o_r_sho_roll_z;
+    const float e259 = o_r_sho_roll_y * o_r_sho_roll_z;
+    const float e260 = e255 + e256;
+    const float e261 = e254 + e256;
+    const float e262 = e254 + e255;
+    const float e263 = e257 + a_r_sho_roll_z;
+    const float e264 = e258 + e253;
+    const float e265 = a_r_sho_roll_z - e257;
+    const float e266 = e259 + e252;
+    const float e267 = e253 - e258;
+    const float e268 = e259 - e252;
+    /* r_el */
+    const float e269 = (o_r_sho_roll_y * cos_q[19]) - (o_r_sho_roll_z * sin_q[19]);
+    const float o_r_el_y = (o_r_sho_roll_z * cos_q[19]) + (o_r_sho_roll_y * sin_q[19]);
+    const float o_r_el_z = e251 + qd[19];
+    const float a_r_el_x = (e253 * cos_q[19]) + (a_r_sho_roll_z * sin_q[19]) + (o_r_el_y * qd[19]);
+    const float a_r_el_y = (a_r_sho_roll_z * cos_q[19]) - (e253 * sin_q[19]) + (e269 * qd[19]);
+    const float a_r_el_z = e252 + qdd[19];
+    const float e270 = e269 * e269;
+    const float e271 = o_r_el_y * o_r_el_y;
+    const float e272 = o_r_el_z * o_r_el_z;
+    const float e273 = e269 * o_r_el_y;
+    const float e274 = e269 * o_r_el_z;
+    const float e275 = o_r_el_y * o_r_el_z;
+    const float e276 = e271 + e272;
+    const float e277 = e270 + e272;
+    const float e278 = e270 + e271;
+    const float e279 = e273 + a_r_el_z;
+    const float e280 = a_r_el_z - e273;
+    const float e281 = e274 + a_r_el_y;
+    const float e282 = e275 + a_r_el_x;
+    const float e283 = (r[41] * e276) + (r[42] * e279);
+    const float f_r_el_y = (r[41] * e280) - (r[42] * e277);
+    const float f_r_el_z = (r[42] * e282) - (r[41] * e281);
+    /* r_sho_roll */
+    const float f_r_sho_roll_x = f_r_el_z - ((r[39] * e260) + (r[40] * e263));
+    const float f_r_sho_roll_y = (r[39] * e265) - (r[40] * e261)
+        - ((cos_q[19] * e283) + (sin_q[19] * f_r_el_y));
+    const float f_r_sho_roll_z = (r[39] * e267) + (r[40] * e268)
+        + ((sin_q[19] * e283) - (cos_q[19] * f_r_el_y));
+    /* r_sho_pitch */
+    const float f_r_sho_pitch_x = (r[38] * e245) - (r[37] * e242) + f_r_sho_roll_z;
+    const float f_r_sho_pitch_y = (r[37] * e247) - (r[38] * e243)
+        + ((c_r_sho_roll * f_r_sho_roll_y) - (s_r_sho_roll * f_r_sho_roll_x));
+    const float f_r_sho_pitch_z = (c_r_sho_roll * f_r_sho_roll_x) + (s_r_sho_roll * f_r_sho_roll_y)
+        - ((r[37] * e249) + (r[38] * e250));
+    /* l_el */
+    const float e284 = (r[35] * e226) + (r[36] * e229);
+    const float f_l_el_y = (r[35] * e230) - (r[36] * e227);
+    const float f_l_el_z = (r[35] * e231) + (r[36] * e232);
+    /* l_sho_roll */
+    const float f_l_sho_roll_x = (r[34] * e211) - (r[33] * e208) + f_l_el_z;
+    const float f_l_sho_roll_y = (sin_q[10] * f_l_el_y) - (cos_q[10] * e284)
+        - ((r[33] * e213) + (r[34] * e209));
+    const float f_l_sho_roll_z = (r[34] * e216) - (r[33] * e215)
+        - ((sin_q[10] * e284) + (cos_q[10] * f_l_el_y));
+    /* l_sho_pitch */
+    const float f_l_sho_pitch_x = (r[32] * e193) - (r[31] * e190) + f_l_sho_roll_z;
+    const float f_l_sho_pitch_y = (r[31] * e195) - (r[32] * e191)
+        + ((c_l_sho_roll * f_l_sho_roll_y) - (s_l_sho_roll * f_l_sho_roll_x));
+    const float f_l_sho_pitch_z = (r[31] * e197) + (r[32] * e198)
+        + ((c_l_sho_roll * f_l_sho_roll_x) + (s_l_sho_roll * f_l_sho_roll_y));
+    /* l_ank_roll */
+    const float e285 = (r[29] * e174) + (r[30] * e177);
+    const float f_l_ank_roll_y = (r[29] * e178) - (r[30] * e175);
+    const float f_l_ank_roll_z = (r[30] * e180) - (r[29] * e179);
+    /* l_ank_pitch */
+    const float f_l_ank_pitch_x = (r[28] * e163) - (r[27] * e160) + f_l_ank_roll_z;
+    const float f_l_ank_pitch_y = (r[27] * e164) - (r[28] * e161)
+        + ((cos_q[7] * f_l_ank_roll_y) - (sin_q[7] * e285));
+    const float f_l_ank_pitch_z = (r[27] * e165) + (r[28] * e166)
+        - ((cos_q[7] * e285) + (sin_q[7] * f_l_ank_roll_y));
+    /* l_knee */
+    const float f_l_knee_x = (r[26] * e150) - (r[25] * e147)
+        + ((cos_q[6] * f_l_ank_pitch_x) + (sin_q[6] * f_l_ank_pitch_y));
+    const float f_l_knee_y = (r[25] * e151) - (r[26] * e148)
+        + ((cos_q[6] * f_l_ank_pitch_y) - (sin_q[6] * f_l_ank_pitch_x));
+    const float f_l_knee_z = (r[25] * e152) + (r[26] * e153) + f_l_ank_pitch_z;
+    /* l_hip_pitch */
+    const float f_l_hip_pitch_x = (cos_q[5] * f_l_knee_x) - (sin_q[5] * f_l_knee_y)
+        - ((r[23] * e134) + (r[24] * e137));
+    const float f_l_hip_pitch_y = (r[23] * e138) - (r[24] * e135)
+        + ((sin_q[5] * f_l_knee_x) + (cos_q[5] * f_l_knee_y));
+    const float f_l_hip_pitch_z = (r[24] * e140) - (r[23] * e139) + f_l_knee_z;
+    /* l_hip_roll */
+    const float f_l_hip_roll_x = (r[22] * e123) - (r[21] * e120) + f_l_hip_pitch_z;
+    const float f_l_hip_roll_y = (r[21] * e124) - (r[22] * e121)
+        + ((sin_q[4] * f_l_hip_pitch_x) + (cos_q[4] * f_l_hip_pitch_y));
+    const float f_l_hip_roll_z = (r[21] * e125) + (r[22] * e126)
+        + ((cos_q[4] * f_l_hip_pitch_x) - (sin_q[4] * f_l_hip_pitch_y));
+    /* l_hip_yaw */
+    const float f_l_hip_yaw_x = (r[20] * e110) - (r[19] * e109) + f_l_hip_roll_z;
+    const float f_l_hip_yaw_y = (r[19] * e111) - (r[20] * (e104 + e106))
+        + ((cos_q[3] * f_l_hip_roll_x) + (sin_q[3] * f_l_hip_roll_y));
+    const float f_l_hip_yaw_z = (r[19] * e112) + (r[20] * e113)
+        + ((cos_q[3] * f_l_hip_roll_y) - (sin_q[3] * f_l_hip_roll_x));
+    /* head_tilt */
+    const float f_head_tilt_x = (r[18] * e100) - (r[17] * e97);
+    const float e286 = (r[17] * e101) + (r[18] * e98);
+    const float f_head_tilt_z = (r[18] * e103) - (r[17] * e102);
+    /* head_pan */
+    const float f_head_pan_x = (cos_q[1] * f_head_tilt_x) - (sin_q[1] * e286)
+        - ((r[15] * e79) + (r[16] * e82));
+    const float f_head_pan_y = (r[15] * e84) - (r[16] * e80) + f_head_tilt_z;
+    const float f_head_pan_z = (r[15] * e86) + (r[16] * e87)
+        + ((sin_q[1] * f_head_tilt_x) + (cos_q[1] * e286));
+    /* r_hip_yaw */
+    const float f_r_hip_yaw_x = (cos_q[0] * f_head_pan_x) - (sin_q[0] * f_head_pan_y)
+        - ((r[13] * e62) + (r[14] * e65))
+        + ((cos_q[8] * f_l_sho_pitch_x) + (sin_q[8] * f_l_sho_pitch_y))
+        + ((cos_q[17] * f_r_sho_pitch_x) - (sin_q[17] * f_r_sho_pitch_y))
+        + ((cos_q[2] * f_l_hip_yaw_x) + (sin_q[2] * f_l_hip_yaw_y));
+    const float f_r_hip_yaw_y = (r[13] * e67) - (r[14] * e63)
+        + ((sin_q[0] * f_head_pan_x) + (cos_q[0] * f_head_pan_y)) + f_l_sho_pitch_z
+        + f_r_sho_pitch_z + ((cos_q[2] * f_l_hip_yaw_y) - (sin_q[2] * f_l_hip_yaw_x));
+    const float f_r_hip_yaw_z = (r[13] * e69) + (r[14] * e70) + f_head_pan_z
+        + ((cos_q[8] * f_l_sho_pitch_y) - (sin_q[8] * f_l_sho_pitch_x))
+        + ((sin_q[17] * f_r_sho_pitch_x) + (cos_q[17] * f_r_sho_pitch_y)) + f_l_hip_yaw_z;
+    /* r_hip_roll */
+    const float f_r_hip_roll_x = (sin_q[11] * f_r_hip_yaw_x) + (cos_q[11] * f_r_hip_yaw_y)
+        - ((r[11] * (e45 + e46)) + (r[12] * e50));
+    const float f_r_hip_roll_y = (r[11] * e51) - (r[12] * e49) + f_r_hip_yaw_z;
+    const float f_r_hip_roll_z = (r[12] * e53) - (r[11] * e52)
+        + ((cos_q[11] * f_r_hip_yaw_x) - (sin_q[11] * f_r_hip_yaw_y));
+    /* r_hip_pitch */
+    const float f_r_hip_pitch_x = (r[10] * e39) - (r[9] * e36) + f_r_hip_roll_z;
+    const float f_r_hip_pitch_y = (r[9] * e40) - (r[10] * e37)
+        + ((sin_q[12] * f_r_hip_roll_x) + (cos_q[12] * f_r_hip_roll_y));
+    const float f_r_hip_pitch_z = (r[9] * e41) + (r[10] * e42)
+        + ((cos_q[12] * f_r_hip_roll_x) - (sin_q[12] * f_r_hip_roll_y));
+    /* r_knee */
+    const float f_r_knee_x = (r[8] * e26) - (r[7] * e23)
+        + ((cos_q[13] * f_r_hip_pitch_x) - (sin_q[13] * f_r_hip_pitch_y));
+    const float f_r_knee_y = (r[7] * e27) - (r[8] * e24)
+        + ((sin_q[13] * f_r_hip_pitch_x) + (cos_q[13] * f_r_hip_pitch_y));
+    const float f_r_knee_z = (r[7] * e28) + (r[8] * e29) + f_r_hip_pitch_z;
+    /* r_ank_pitch */
+    const float f_r_ank_pitch_x = (r[6] * e13) - (r[5] * e10)
+        + ((cos_q[14] * f_r_knee_x) - (sin_q[14] * f_r_knee_y));
+    const float f_r_ank_pitch_y = (r[5] * e14) - (r[6] * e11)
+        + ((sin_q[14] * f_r_knee_x) + (cos_q[14] * f_r_knee_y));
+    const float f_r_ank_pitch_z = (r[6] * e16) - (r[5] * e15) + f_r_knee_z;
+    /* r_ank_roll */
+    const float f_r_ank_roll_z = (cos_q[15] * f_r_ank_pitch_x) + (sin_q[15] * f_r_ank_pitch_y);
+    const float f_r_ank_roll_x = (r[4] * qdd[16]) - (r[3] * e3) + f_r_ank_pitch_z;
+    const float f_r_ank_roll_y = (cos_q[15] * f_r_ank_pitch_y) - (sin_q[15] * f_r_ank_pitch_x)
+        - ((r[3] * qdd[16]) + (r[4] * e3));
+    /* r_sole */
+    const float f_r_sole_y = (cos_q[16] * f_r_ank_roll_x) + (sin_q[16] * f_r_ank_roll_y);
+    const float f_r_sole_z = (cos_q[16] * f_r_ank_roll_y) - (sin_q[16] * f_r_ank_roll_x);
+    /* r_el */
+    const float g_r_el_x = (0.00027340816f * e276) + (0.0009290175f * e279);
+    const float g_r_el_y = (0.0009290175f * e277) - (0.00027340816f * e280);
+    const float g_r_el_z = (0.00027340816f * e281) - (0.0009290175f * e282);
+    const float n_r_el_x = (6.8651454e-5f * e282) - (1.47495875e-5f * e281) - (8.004954e-6f * e278)
+        - ((1.9716072e-6f * e280) - (8.004954e-6f * e277));
+    const float e287 = (1.9716072e-6f * e276) + (8.004954e-6f * e279)
+        + ((1.47495875e-5f * e282) - (7.3121573e-6f * e281) - (1.9716072e-6f * e278));
+    const float n_r_el_z = (7.3121573e-6f * e280) - (1.47495875e-5f * e277)
+        + (1.9716072e-6f * (e275 - a_r_el_x))
+        - ((8.004954e-6f * (a_r_el_y - e274)) - ((1.47495875e-5f * e276) + (6.8651454e-5f * e279)));
+    /* r_sho_roll */
+    const float e288 = (0.0009290175f * sin_q[19]) - (0.00027340816f * cos_q[19]);
+    const float h_r_sho_roll_z = (0.00027340816f * sin_q[19]) + (0.0009290175f * cos_q[19]);
+    const float e289 = (cos_q[19] * g_r_el_x) - (sin_q[19] * g_r_el_y);
+    const float e290 = (sin_q[19] * g_r_el_x) + (cos_q[19] * g_r_el_y);
+    const float e291 = (0.06f * e263) - (0.016f * e264);
+    const float h_r_sho_roll_y = e288 - 0.0033018994f;
+    const float g_r_sho_roll_x = (0.00017307096f * e260) + (0.0033018994f * e263) + g_r_el_z;
+    const float g_r_sho_roll_y = (0.0033018994f * e261) - (0.00017307096f * e265) + e289;
+    const float e292 = (0.00017307096f * e267) + (0.0033018994f * e268) + e290;
+    const float n_r_sho_roll_x = (8.77044e-6f * e267) + (0.00018228272f * e268)
+        + (2.1611695e-5f * e262) - ((2.1611695e-5f * e261) - (2.490703e-6f * e265))
+        + ((0.06f * e290) - (0.016f * e289) - n_r_el_z
+        - ((e288 * ((0.06f * e268) + (0.016f * e262)))
+        + (h_r_sho_roll_z * ((0.06f * e261) + (0.016f * e266)))));
+    const float n_r_sho_roll_y = (2.490703e-6f * e260) + (2.1611695e-5f * e263)
+        - ((9.582825e-6f * e267) + (8.77044e-6f * e268) + (2.490703e-6f * e262))
+        + ((0.016f * g_r_el_z) - ((cos_q[19] * n_r_el_x) + (sin_q[19] * e287))
+        + (h_r_sho_roll_z * e291));
+    const float n_r_sho_roll_z = (9.582825e-6f * e265) - (8.77044e-6f * e261)
+        - (2.490703e-6f * e266)
+        - ((2.1611695e-5f * e264) - ((8.77044e-6f * e260) + (0.00018228272f * e263)))
+        + ((0.06f * g_r_el_z) - ((cos_q[19] * e287) - (sin_q[19] * n_r_el_x)) - (e288 * e291));
+    /* r_sho_pitch */
+    const float e293 = (0.00017307096f * s_r_sho_roll) + (c_r_sho_roll * h_r_sho_roll_y);
+    const float h_r_sho_pitch_z = (s_r_sho_roll * h_r_sho_roll_y) - (0.00017307096f * c_r_sho_roll);
+    const float e294 = (c_r_sho_roll * g_r_sho_roll_y) - (s_r_sho_roll * g_r_sho_roll_x);
+    const float e295 = (c_r_sho_roll * g_r_sho_roll_x) + (s_r_sho_roll * g_r_sho_roll_y);
+    const float e296 = (0.016f * e245) + (0.045f * e246);
+    const float e297 = (0.016f * e243) - (0.045f * e248);
+    const float e298 = (0.016f * e250) + (0.045f * e244);
+    const float h_r_sho_pitch_x = 0.0003788733f + h_r_sho_roll_z;
+    const float h_r_sho_pitch_y = e293 - 0.0012960221f;
+    const float e299 = (0.0003788733f * e242) + (0.0012960221f * e245) + e292;
+    const float g_r_sho_pitch_y = (0.0003788733f * e247) + (0.0012960221f * e243) + e294;
+    const float g_r_sho_pitch_z = (0.0012960221f * e250) - (0.0003788733f * e249) + e295;
+    const float n_r_sho_pitch_x = (6.049467e-6f * e249) - (2.1025264e-5f * e250)
+        - (5.821203e-5f * e244) + ((1.7036793e-5f * e247) + (5.821203e-5f * e243))
+        + ((0.045f * e294) - (0.016f * e295) - n_r_sho_roll_z
+        + ((e293 * e298) - (h_r_sho_pitch_z * e297)));
+    const float n_r_sho_pitch_y = (1.7036793e-5f * e242) + (5.821203e-5f * e245)
+        - ((6.049467e-6f * e250) - (1.575147e-5f * e249) + (1.7036793e-5f * e244))
+        + ((0.045f * e292) - ((c_r_sho_roll * n_r_sho_roll_y) - (s_r_sho_roll * n_r_sho_roll_x))
+        - ((h_r_sho_pitch_z * e296) + (h_r_sho_roll_z * e298)));
+    const float n_r_sho_pitch_z = (1.575147e-5f * e247) + (6.049467e-6f * e243)
+        - (1.7036793e-5f * e248)
+        - ((6.049467e-6f * e242) + (2.1025264e-5f * e245) + (5.821203e-5f * e246))
+        + ((h_r_sho_roll_z * e297) + (e293 * e296)
+        - ((c_r_sho_roll * n_r_sho_roll_x) + (s_r_sho_roll * n_r_sho_roll_y) + (0.016f * e292)));
+    /* l_el */
+    const float g_l_el_x = (0.00027340816f * e226) + (0.0009290175f * e229);
+    const float g_l_el_y = (0.0009290175f * e227) - (0.00027340816f * e230);
+    const float e300 = (0.00027340816f * e231) + (0.0009290175f * e232);
+    const float n_l_el_x = (1.47495875e-5f * e231) + (6.8651454e-5f * e232) + (8.004954e-6f * e228)
+        - ((8.004954e-6f * e227) - (1.9716072e-6f * e230));
+    const float n_l_el_y = (1.9716072e-6f * e226) + (8.004954e-6f * e229)
+        - ((7.3121573e-6f * e231) + (1.47495875e-5f * e232) + (1.9716072e-6f * e228));
+    const float n_l_el_z = (7.3121573e-6f * e230) - (1.47495875e-5f * e227)
+        - (1.9716072e-6f * (e225 + e218))
+        - ((8.004954e-6f * (e224 + e219)) - ((1.47495875e-5f * e226) + (6.8651454e-5f * e229)));
+    /* l_sho_roll */
+    const float e301 = (0.00027340816f * cos_q[10]) + (0.0009290175f * sin_q[10]);
+    const float h_l_sho_roll_z = (0.0009290175f * cos_q[10]) - (0.00027340816f * sin_q[10]);
+    const float e302 = (cos_q[10] * g_l_el_x) + (sin_q[10] * g_l_el_y);
+    const float e303 = (sin_q[10] * g_l_el_x) - (cos_q[10] * g_l_el_y);
+    const float e304 = (0.016f * e212) - (0.06f * e211);
+    const float e305 = e301 + 0.0033018994f;
+    const float e306 = (0.00017307096f * e208) + (0.0033018994f * e211) + e300;
+    const float g_l_sho_roll_y = (0.0033018994f * e209) - (0.00017307096f * e213) + e302;
+    const float g_l_sho_roll_z = e303 - ((0.00017307096f * e215) + (0.0033018994f * e216));
+    const float n_l_sho_roll_x = (8.77044e-6f * e215) + (0.00018228272f * e216)
+        + (2.1611695e-5f * e210) - ((2.1611695e-5f * e209) - (2.490703e-6f * e213))
+        + ((e301 * ((0.06f * e216) + (0.016f * e210)))
+        - (h_l_sho_roll_z * ((0.06f * e209) + (0.016f * e214)))
+        - (n_l_el_z + ((0.06f * e303) + (0.016f * e302))));
+    const float n_l_sho_roll_y = (9.582825e-6f * e215) + (8.77044e-6f * e216)
+        + (2.490703e-6f * e210) - ((2.490703e-6f * e208) + (2.1611695e-5f * e211))
+        + ((h_l_sho_roll_z * e304)
+        - ((cos_q[10] * n_l_el_x) + (sin_q[10] * n_l_el_y) + (0.016f * e300)));
+    const float n_l_sho_roll_z = (8.77044e-6f * e209) - (9.582825e-6f * e213)
+        + (2.490703e-6f * e214)
+        - ((8.77044e-6f * e208) + (0.00018228272f * e211) - (2.1611695e-5f * e212))
+        + ((e301 * e304) - ((sin_q[10] * n_l_el_x) - (cos_q[10] * n_l_el_y) + (0.06f * e300)));
+    /* l_sho_pitch */
+    const float e307 = (0.00017307096f * s_l_sho_roll) + (c_l_sho_roll * e305);
+    const float h_l_sho_pitch_z = (0.00017307096f * c_l_sho_roll) - (s_l_sho_roll * e305);
+    const float e308 = (s_l_sho_roll * e306) + (c_l_sho_roll * g_l_sho_roll_y);
+    const float e309 = (s_l_sho_roll * g_l_sho_roll_y) - (c_l_sho_roll * e306);
+    const float e310 = (0.016f * e193) + (0.119f * e194);
+    const float e311 = (0.016f * e191) - (0.119f * e196);
+    const float e312 = (0.016f * e198) + (0.119f * e192);
+    const float h_l_sho_pitch_x = 0.0003788733f + h_l_sho_roll_z;
+    const float e313 = e307 + 0.0012960221f;
+    const float g_l_sho_pitch_x = g_l_sho_roll_z
+        - ((0.0003788733f * e190) + (0.0012960221f * e193));
+    const float g_l_sho_pitch_y = (0.0003788733f * e195) + (0.0012960221f * e191) + e308;
+    const float g_l_sho_pitch_z = (0.0003788733f * e197) - (0.0012960221f * e198) + e309;
+    const float n_l_sho_pitch_x = (2.1025264e-5f * e198) - (6.049467e-6f * e197)
+        + (0.00015411766f * e192) - ((4.5073415e-5f * e195) + (0.00015411766f * e191))
+        + ((e307 * e312) - (h_l_sho_pitch_z * e311)
+        - (n_l_sho_roll_z + ((0.016f * e309) + (0.119f * e308))));
+    const float n_l_sho_pitch_y = (0.119f * g_l_sho_roll_z)
+        - ((c_l_sho_roll * n_l_sho_roll_y) - (s_l_sho_roll * n_l_sho_roll_x))
+        + ((h_l_sho_roll_z * e312) - (h_l_sho_pitch_z * e310))
+        - ((4.5073415e-5f * e190) + (0.00015411766f * e193)
+        + ((1.575147e-5f * e197) - (6.049467e-6f * e198) - (4.5073415e-5f * e192)));
+    const float n_l_sho_pitch_z = (1.575147e-5f * e195) + (6.049467e-6f * e191)
+        - (4.5073415e-5f * e196)
+        - ((6.049467e-6f * e190) + (2.1025264e-5f * e193) + (0.00015411766f * e194))
+        + ((0.016f * g_l_sho_roll_z)
+        - ((c_l_sho_roll * n_l_sho_roll_x) + (s_l_sho_roll * n_l_sho_roll_y))
+        + ((h_l_sho_roll_z * e311) - (e307 * e310)));
+    /* l_ank_roll */
+    const float g_l_ank_roll_x = (0.00070598227f * e177) - (0.0002581614f * e174);
+    const float g_l_ank_roll_y = (0.0002581614f * e178) + (0.00070598227f * e175);
+    const float n_l_ank_roll_x = (7.5768867e-6f * e179) + (2.1134118e-5f * e180)
+        - (2.1314062e-8f * e176) + ((2.0458297e-7f * e178) + (2.1314062e-8f * e175));
+    const float n_l_ank_roll_y = (2.0458297e-7f * e174) - (2.1314062e-8f * e177)
+        - ((2.0458297e-7f * e176) - ((1.1924058e-5f * e179) + (7.5768867e-6f * e180)));
+    const float n_l_ank_roll_z = (1.1924058e-5f * e178) + (7.5768867e-6f * e175)
+        - (2.0458297e-7f * (e173 - a_l_ank_roll_x))
+        - ((7.5768867e-6f * e174) - (2.1134118e-5f * e177)
+        + (2.1314062e-8f * (a_l_ank_roll_y - e172)));
+    /* l_ank_pitch */
+    const float h_l_ank_pitch_z = (0.0002581614f * cos_q[7]) + (0.00070598227f * sin_q[7]);
+    const float h_l_ank_pitch_y = 0.00079249474f
+        + ((0.0002581614f * sin_q[7]) - (0.00070598227f * cos_q[7]));
+    const float g_l_ank_pitch_x = (0.0010725238f * e160) + (0.00079249474f * e163)
+        - ((0.0002581614f * e179) + (0.00070598227f * e180));
+    const float g_l_ank_pitch_y = (sin_q[7] * g_l_ank_roll_x) + (cos_q[7] * g_l_ank_roll_y)
+        - ((0.0010725238f * e164) + (0.00079249474f * e161));
+    const float g_l_ank_pitch_z = (0.00079249474f * e166) - (0.0010725238f * e165)
+        + ((cos_q[7] * g_l_ank_roll_x) - (sin_q[7] * g_l_ank_roll_y));
+    const float n_l_ank_pitch_x = (2.0191303e-5f * e166) - (1.7108983e-5f * e165)
+        - (1.03344085e-7f * e162) - ((3.607336e-7f * e164) - (1.03344085e-7f * e161))
+        - n_l_ank_roll_z;
+    const float n_l_ank_pitch_y = (1.03344085e-7f * e163) - (3.607336e-7f * e160)
+        - ((7.230369e-5f * e165) - (1.7108983e-5f * e166) - (3.607336e-7f * e162))
+        - ((sin_q[7] * n_l_ank_roll_x) + (cos_q[7] * n_l_ank_roll_y));
+    const float n_l_ank_pitch_z = (7.230369e-5f * e164) + (1.7108983e-5f * e161)
+        + (3.607336e-7f * (e159 - a_l_ank_pitch_x))
+        - ((1.7108983e-5f * e160) + (2.0191303e-5f * e163)
+        + (1.03344085e-7f * (e158 + a_l_ank_pitch_y)))
+        - ((cos_q[7] * n_l_ank_roll_x) - (sin_q[7] * n_l_ank_roll_y));
+    /* l_knee */
+    const float e314 = (sin_q[6] * h_l_ank_pitch_y) - (0.0010725238f * cos_q[6]);
+    const float e315 = (0.0010725238f * sin_q[6]) + (cos_q[6] * h_l_ank_pitch_y);
+    const float e316 = (cos_q[6] * g_l_ank_pitch_x) + (sin_q[6] * g_l_ank_pitch_y);
+    const float e317 = 0.093f * e150;
+    const float e318 = 0.093f * e148;
+    const float e319 = 0.093f * e153;
+    const float h_l_knee_x = 0.0001573714f + e314;
+    const float h_l_knee_y = e315 - 0.008776738f;
+    const float g_l_knee_x = e316 - ((0.0001573714f * e147) + (0.008776738f * e150));
+    const float g_l_knee_y = (0.0001573714f * e151) + (0.008776738f * e148)
+        + ((cos_q[6] * g_l_ank_pitch_y) - (sin_q[6] * g_l_ank_pitch_x));
+    const float g_l_knee_z = (0.0001573714f * e152) - (0.008776738f * e153) + g_l_ank_pitch_z;
+    const float n_l_knee_x = (0.000793051f * e153) - (1.7490652e-6f * e152) - (2.0113266e-6f * e149)
+        + ((1.122252e-8f * e151) + (2.0113266e-6f * e148))
+        + ((cos_q[6] * n_l_ank_pitch_x) + (sin_q[6] * n_l_ank_pitch_y) - (0.093f * g_l_ank_pitch_z)
+        - ((e315 * e319) + (h_l_ank_pitch_z * e318)));
+    const float n_l_knee_y = (1.122252e-8f * e147) + (2.0113266e-6f * e150)
+        - ((5.500015e-6f * e152) - (1.7490652e-6f * e153) + (1.122252e-8f * e149))
+        + ((cos_q[6] * n_l_ank_pitch_y) - (sin_q[6] * n_l_ank_pitch_x)
+        + ((e314 * e319) - (h_l_ank_pitch_z * e317)));
+    const float n_l_knee_z = (5.500015e-6f * e151) + (1.7490652e-6f * e148)
+        - (1.122252e-8f * (e146 - a_l_knee_x))
+        - ((1.7490652e-6f * e147) + (0.000793051f * e150) + (2.0113266e-6f * (e145 + a_l_knee_y)))
+        + (n_l_ank_pitch_z + (0.093f * e316) + ((e314 * e318) + (e315 * e317)));
+    /* l_hip_pitch */
+    const float e320 = (cos_q[5] * h_l_knee_x) - (sin_q[5] * h_l_knee_y);
+    const float e321 = (sin_q[5] * h_l_knee_x) + (cos_q[5] * h_l_knee_y);
+    const float e322 = (cos_q[5] * g_l_knee_x) - (sin_q[5] * g_l_knee_y);
+    const float e323 = 0.093f * e137;
+    const float e324 = 0.093f * e135;
+    const float e325 = 0.093f * e140;
+    const float h_l_hip_pitch_x = 2.8156464e-5f + e320;
+    const float h_l_hip_pitch_y = e321 - 0.012635849f;
+    const float g_l_hip_pitch_x = (0.012635849f * e137) - (2.8156464e-5f * e134) + e322;
+    const float g_l_hip_pitch_y = (2.8156464e-5f * e138) + (0.012635849f * e135)
+        + ((sin_q[5] * g_l_knee_x) + (cos_q[5] * g_l_knee_y));
+    const float g_l_hip_pitch_z = g_l_knee_z - ((2.8156464e-5f * e139) + (0.012635849f * e140));
+    const float n_l_hip_pitch_x = (1.1071821e-6f * e139) + (0.0011289481f * e140)
+        - (2.8721834e-6f * e136) - ((6.346494e-8f * e138) - (2.8721834e-6f * e135))
+        + ((cos_q[5] * n_l_knee_x) - (sin_q[5] * n_l_knee_y) - (0.093f * g_l_knee_z)
+        - ((e321 * e325) + (h_l_ank_pitch_z * e324)));
+    const float n_l_hip_pitch_y = (2.7309065e-6f * e139) + (1.1071821e-6f * e140)
+        + (6.346494e-8f * e136) - ((6.346494e-8f * e134) + (2.8721834e-6f * e137))
+        + ((sin_q[5] * n_l_knee_x) + (cos_q[5] * n_l_knee_y)
+        + ((h_l_ank_pitch_z * e323) + (e320 * e325)));
+    const float n_l_hip_pitch_z = (2.7309065e-6f * e138) + (1.1071821e-6f * e135)
+        + (6.346494e-8f * (e133 - a_l_hip_pitch_x))
+        - ((1.1071821e-6f * e134) - (0.0011289481f * e137)
+        + (2.8721834e-6f * (a_l_hip_pitch_y - e132)))
+        + (n_l_knee_z + (0.093f * e322) + ((e320 * e324) - (e321 * e323)));
+    /* l_hip_roll */
+    const float h_l_hip_roll_z = (cos_q[4] * h_l_hip_pitch_x) - (sin_q[4] * h_l_hip_pitch_y);
+    const float h_l_hip_roll_x = h_l_ank_pitch_z - 3.5009605e-5f;
+    const float h_l_hip_roll_y = (sin_q[4] * h_l_hip_pitch_x) + (cos_q[4] * h_l_hip_pitch_y)
+        - 0.00079249474f;
+    const float g_l_hip_roll_x = (3.5009605e-5f * e120) - (0.00079249474f * e123) + g_l_hip_pitch_z;
+    const float g_l_hip_roll_y = (0.00079249474f * e121) - (3.5009605e-5f * e124)
+        + ((sin_q[4] * g_l_hip_pitch_x) + (cos_q[4] * g_l_hip_pitch_y));
+    const float g_l_hip_roll_z = (cos_q[4] * g_l_hip_pitch_x) - (sin_q[4] * g_l_hip_pitch_y)
+        - ((3.5009605e-5f * e125) + (0.00079249474f * e126));
+    const float n_l_hip_roll_x = (2.0191404e-5f * e126) - (3.0652984e-7f * e125)
+        - (1.6905811e-5f * e122) + ((3.607334e-7f * e124) + (1.6905811e-5f * e121))
+        - n_l_hip_pitch_z;
+    const float n_l_hip_roll_y = (3.607334e-7f * e120) + (1.6905811e-5f * e123)
+        - ((3.0124214e-5f * e125) - (3.0652984e-7f * e126) + (3.607334e-7f * e122))
+        - ((sin_q[4] * n_l_hip_pitch_x) + (cos_q[4] * n_l_hip_pitch_y));
+    const float n_l_hip_roll_z = (3.0124214e-5f * e124) + (3.0652984e-7f * e121)
+        - (3.607334e-7f * (e119 - a_l_hip_roll_x))
+        - ((3.0652984e-7f * e120) + (2.0191404e-5f * e123)
+        + (1.6905811e-5f * (e118 + a_l_hip_roll_y)))
+        - ((cos_q[4] * n_l_hip_pitch_x) - (sin_q[4] * n_l_hip_pitch_y));
+    /* l_hip_yaw */
+    const float h_l_hip_yaw_y = (cos_q[3] * h_l_hip_roll_x) + (sin_q[3] * h_l_hip_roll_y);
+    const float h_l_hip_yaw_z = (cos_q[3] * h_l_hip_roll_y) - (sin_q[3] * h_l_hip_roll_x);
+    const float h_l_hip_yaw_x = h_l_hip_roll_z - 0.0010376462f;
+    const float g_l_hip_yaw_x = (0.0010376462f * e109) + g_l_hip_roll_z;
+    const float g_l_hip_yaw_y = (cos_q[3] * g_l_hip_roll_x) + (sin_q[3] * g_l_hip_roll_y)
+        - (0.0010376462f * e111);
+    const float g_l_hip_yaw_z = (cos_q[3] * g_l_hip_roll_y) - (sin_q[3] * g_l_hip_roll_x)
+        - (0.0010376462f * e112);
+    const float n_l_hip_yaw_x = (4.2597827e-7f * e113) - (3.3265562e-7f * e111) + n_l_hip_roll_z;
+    const float n_l_hip_yaw_y = (cos_q[3] * n_l_hip_roll_x) + (sin_q[3] * n_l_hip_roll_y)
+        - ((3.3265562e-7f * e109) + ((5.517082e-5f * e112) - (3.3265562e-7f * (e104 + e105))));
+    const float n_l_hip_yaw_z = (5.517082e-5f * e111) + (3.3265562e-7f * (e108 - a_l_hip_yaw_x))
+        - (4.2597827e-7f * e110) + ((cos_q[3] * n_l_hip_roll_y) - (sin_q[3] * n_l_hip_roll_x));
+    /* head_tilt */
+    const float e326 = (0.0008936193f * e97) + (0.0006155634f * e100);
+    const float g_head_tilt_y = (0.0006155634f * e98) - (0.0008936193f * e101);
+    const float e327 = (0.0008936193f * e102) + (0.0006155634f * e103);
+    const float n_head_tilt_x = (8.173087e-6f * e102) + (3.187295e-5f * e103)
+        - (1.9992667e-7f * e99) - ((6.710094e-8f * e101) - (1.9992667e-7f * e98));
+    const float n_head_tilt_y = (6.710094e-8f * e97) + (1.9992667e-7f * e100)
+        - ((6.710094e-8f * e99) - ((3.229937e-5f * e102) + (8.173087e-6f * e103)));
+    const float n_head_tilt_z = (8.173087e-6f * e98) - (3.229937e-5f * e101)
+        - (6.710094e-8f * (e96 - a_head_tilt_x))
+        - ((8.173087e-6f * e97) + (3.187295e-5f * e100) + (1.9992667e-7f * (a_head_tilt_y - e95)));
+    /* head_pan */
+    const float e328 = (0.0008936193f * cos_q[1]) - (0.0006155634f * sin_q[1]);
+    const float h_head_pan_z = (0.0008936193f * sin_q[1]) + (0.0006155634f * cos_q[1]);
+    const float e329 = (sin_q[1] * g_head_tilt_y) - (cos_q[1] * e326);
+    const float e330 = 0.1727f * e85;
+    const float h_head_pan_x = e328 - 5.9352205e-6f;
+    const float g_head_pan_x = (5.9352205e-6f * e79) - (1.531256e-5f * e82) + e329;
+    const float e331 = (5.9352205e-6f * e84) + (1.531256e-5f * e80) + e327;
+    const float g_head_pan_z = (1.531256e-5f * e87) - (5.9352205e-6f * e86)
+        - ((sin_q[1] * e326) + (cos_q[1] * g_head_tilt_y));
+    const float n_head_pan_x = (3.3021018e-15f * e86) + (2.1234626e-5f * e87)
+        - (2.6446626e-6f * e81) + ((8.6096753e-7f * e84) + (2.6446626e-6f * e80))
+        + ((cos_q[1] * n_head_tilt_x) + (sin_q[1] * n_head_tilt_y) + (0.1727f * e327)
+        + (h_head_pan_z * e330));
+    const float n_head_pan_y = (8.6096753e-7f * e79) - (2.6446626e-6f * e82)
+        - ((3.3801922e-7f * e86) + (3.3021018e-15f * e87) + (8.6096753e-7f * e81))
+        + (n_head_tilt_z + (0.1727f * e329)
+        + ((h_head_pan_z * (0.1727f * e83)) + (e328 * (0.1727f * e81))));
+    const float n_head_pan_z = (3.3801922e-7f * e84) - (3.3021018e-15f * e80)
+        + (8.6096753e-7f * e85)
+        - ((2.6446626e-6f * e83) - ((3.3021018e-15f * e79) + (2.1234626e-5f * e82)))
+        + ((sin_q[1] * n_head_tilt_x) - (cos_q[1] * n_head_tilt_y) - (e328 * e330));
+    /* r_hip_yaw */
+    const float e332 = (cos_q[0] * h_head_pan_x) - (1.531256e-5f * sin_q[0]);
+    const float e333 = (sin_q[0] * h_head_pan_x) + (1.531256e-5f * cos_q[0]);
+    const float e334 = (cos_q[0] * g_head_pan_x) + (sin_q[0] * e331);
+    const float e335 = (sin_q[0] * g_head_pan_x) - (cos_q[0] * e331);
+    const float e336 = 0.005f * e62;
+    const float e337 = e336 + (0.037f * e65);
+    const float e338 = 0.005f * e67;
+    const float e339 = e338 - (0.037f * e63);
+    const float e340 = 0.005f * e69;
+    const float e341 = e340 + (0.037f * e70);
+    const float e342 = (cos_q[8] * h_l_sho_pitch_x) - (sin_q[8] * e313);
+    const float e343 = (sin_q[8] * h_l_sho_pitch_x) + (cos_q[8] * e313);
+    const float e344 = (cos_q[8] * g_l_sho_pitch_x) + (sin_q[8] * g_l_sho_pitch_y);
+    const float e345 = (cos_q[8] * g_l_sho_pitch_y) - (sin_q[8] * g_l_sho_pitch_x);
+    const float e346 = (0.1222f * e66) - e336;
+    const float e347 = e338 - (0.1222f * e68);
+    const float e348 = e340 - (0.1222f * e64);
+    const float e349 = (0.0034573963f * e70) - (0.00012209061f * e69) - (0.0021249873f * e64)
+        + ((0.00024561278f * e67) + (0.0021249873f * e63))
+        + ((cos_q[0] * n_head_pan_x) - (sin_q[0] * n_head_pan_y) + (0.037f * g_head_pan_z)
+        + ((e333 * e341) - (h_head_pan_z * e339)))
+        + ((h_l_sho_pitch_z * e348) + (e343 * e347)
+        - ((cos_q[8] * n_l_sho_pitch_x) + (sin_q[8] * n_l_sho_pitch_y)
+        + (0.1222f * g_l_sho_pitch_z)));
+    const float e350 = (0.00024561278f * e62) - (0.0021249873f * e65)
+        - ((0.00044578433f * e69) - (0.00012209061f * e70) + (0.00024561278f * e64))
+        + ((sin_q[0] * n_head_pan_x) + (cos_q[0] * n_head_pan_y) - (0.005f * g_head_pan_z)
+        - ((h_head_pan_z * e337) + (e332 * e341)))
+        + ((0.1222f * e344) - (0.005f * e345) - n_l_sho_pitch_z - ((e343 * e346) + (e342 * e348)));
+    const float e351 = (0.00044578433f * e67) + (0.00012209061f * e63) + (0.00024561278f * e68)
+        - ((0.00012209061f * e62) - (0.0034573963f * e65) + (0.0021249873f * e66))
+        + (n_head_pan_z + ((0.005f * e335) - (0.037f * e334)) + ((e332 * e339) + (e333 * e337)))
+        + ((0.005f * g_l_sho_pitch_z)
+        - ((cos_q[8] * n_l_sho_pitch_y) - (sin_q[8] * n_l_sho_pitch_x))
+        + ((e342 * e347) - (h_l_sho_pitch_z * e346)));
+    const float e352 = (cos_q[17] * h_r_sho_pitch_x) - (sin_q[17] * h_r_sho_pitch_y);
+    const float e353 = (sin_q[17] * h_r_sho_pitch_x) + (cos_q[17] * h_r_sho_pitch_y);
+    const float e354 = (cos_q[17] * e299) + (sin_q[17] * g_r_sho_pitch_y);
+    const float e355 = (cos_q[17] * g_r_sho_pitch_y) - (sin_q[17] * e299);
+    const float e356 = (cos_q[2] * h_l_hip_yaw_x) + (sin_q[2] * h_l_hip_yaw_y);
+    const float e357 = (cos_q[2] * h_l_hip_yaw_y) - (sin_q[2] * h_l_hip_yaw_x);
+    const float e358 = (cos_q[2] * g_l_hip_yaw_x) + (sin_q[2] * g_l_hip_yaw_y);
+    const float e359 = 0.074f * e65;
+    const float e360 = 0.074f * e63;
+    const float e361 = 0.074f * e70;
+    const float h_r_hip_yaw_x = e332 - 0.0037115626f + e342 + e352 + e356;
+    const float h_r_hip_yaw_y = 0.035960846f + e333 + h_l_sho_pitch_z + h_r_sho_pitch_z + e357;
+    const float h_r_hip_yaw_z = h_head_pan_z - e343 + e353 + h_l_hip_yaw_z;
+    const float g_r_hip_yaw_x = (0.0037115626f * e62) - (0.035960846f * e65) + e334 + e344
+        - e354 + e358;
+    const float g_r_hip_yaw_y = e335 - ((0.0037115626f * e67) + (0.035960846f * e63))
+        + g_l_sho_pitch_z + g_r_sho_pitch_z
+        + ((cos_q[2] * g_l_hip_yaw_y) - (sin_q[2] * g_l_hip_yaw_x));
+    const float g_r_hip_yaw_z = (0.035960846f * e70) - (0.0037115626f * e69) + g_head_pan_z + e345
+        + e355 + g_l_hip_yaw_z;
+    const float n_r_hip_yaw_x = e349
+        + ((h_r_sho_pitch_z * e348) - (e353 * e347)
+        - ((cos_q[17] * n_r_sho_pitch_x) - (sin_q[17] * n_r_sho_pitch_y)
+        + (0.1222f * g_r_sho_pitch_z)))
+        + ((cos_q[2] * n_l_hip_yaw_x) + (sin_q[2] * n_l_hip_yaw_y) + (0.074f * g_l_hip_yaw_z)
+        + ((e357 * e361) + (h_l_hip_yaw_z * e360)));
+    const float n_r_hip_yaw_y = e350
+        + ((e353 * e346) - (e352 * e348) - (n_r_sho_pitch_z + ((0.1222f * e354) + (0.005f * e355))))
+        + ((cos_q[2] * n_l_hip_yaw_y) - (sin_q[2] * n_l_hip_yaw_x)
+        - ((h_l_hip_yaw_z * e359) + (e356 * e361)));
+    const float n_r_hip_yaw_z = e351
+        + ((0.005f * g_r_sho_pitch_z)
+        - ((sin_q[17] * n_r_sho_pitch_x) + (cos_q[17] * n_r_sho_pitch_y))
+        + ((e352 * e347) - (h_r_sho_pitch_z * e346)))
+        + (n_l_hip_yaw_z - (0.074f * e358) + ((e357 * e359) - (e356 * e360)));
+    /* r_hip_roll */
+    const float h_r_hip_roll_x = (sin_q[11] * h_r_hip_yaw_x) + (cos_q[11] * h_r_hip_yaw_y);
+    const float h_r_hip_roll_z = (cos_q[11] * h_r_hip_yaw_x) - (sin_q[11] * h_r_hip_yaw_y);
+    const float h_r_hip_roll_y = 0.059756316f + h_r_hip_yaw_z;
+    const float g_r_hip_roll_x = (sin_q[11] * g_r_hip_yaw_x) + (cos_q[11] * g_r_hip_yaw_y)
+        - (0.059756316f * e50);
+    const float g_r_hip_roll_y = g_r_hip_yaw_z - (0.059756316f * e49);
+    const float g_r_hip_roll_z = (0.059756316f * e53)
+        + ((cos_q[11] * g_r_hip_yaw_x) - (sin_q[11] * g_r_hip_yaw_y));
+    const float n_r_hip_roll_x = (0.007136011f * e53) - (3.3265562e-7f * (e44 + e45))
+        + (3.3265562e-7f * e49) + ((sin_q[11] * n_r_hip_yaw_x) + (cos_q[11] * n_r_hip_yaw_y));
+    const float n_r_hip_roll_y = (4.2597827e-7f * e52) - (3.3265562e-7f * e50) + n_r_hip_yaw_z;
+    const float n_r_hip_roll_z = (4.2597827e-7f * e51)
+        - ((3.3265562e-7f * (a_r_hip_roll_y - e48)) - (0.007136011f * e50))
+        + ((cos_q[11] * n_r_hip_yaw_x) - (sin_q[11] * n_r_hip_yaw_y));
+    /* r_hip_pitch */
+    const float h_r_hip_pitch_z = (cos_q[12] * h_r_hip_roll_x) - (sin_q[12] * h_r_hip_roll_y);
+    const float h_r_hip_pitch_x = h_r_hip_roll_z - 0.0010376462f;
+    const float h_r_hip_pitch_y = (sin_q[12] * h_r_hip_roll_x) + (cos_q[12] * h_r_hip_roll_y)
+        - 0.00079249474f;
+    const float g_r_hip_pitch_x = (0.0010376462f * e36) - (0.00079249474f * e39) + g_r_hip_roll_z;
+    const float g_r_hip_pitch_y = (0.00079249474f * e37) - (0.0010376462f * e40)
+        + ((sin_q[12] * g_r_hip_roll_x) + (cos_q[12] * g_r_hip_roll_y));
+    const float g_r_hip_pitch_z = (cos_q[12] * g_r_hip_roll_x) - (sin_q[12] * g_r_hip_roll_y)
+        - ((0.0010376462f * e41) + (0.00079249474f * e42));
+    const float n_r_hip_pitch_x = (1.6905811e-5f * e41) + (2.0191404e-5f * e42)
+        - (3.0652984e-7f * e38) - ((3.607334e-7f * e40) - (3.0652984e-7f * e37)) - n_r_hip_roll_z;
+    const float n_r_hip_pitch_y = (3.0652984e-7f * e39) - (3.607334e-7f * e36)
+        - ((5.517082e-5f * e41) + (1.6905811e-5f * e42) - (3.607334e-7f * e38))
+        - ((sin_q[12] * n_r_hip_roll_x) + (cos_q[12] * n_r_hip_roll_y));
+    const float n_r_hip_pitch_z = (5.517082e-5f * e40) - (1.6905811e-5f * e37)
+        + (3.607334e-7f * (e35 - a_r_hip_pitch_x))
+        - ((2.0191404e-5f * e39) - (1.6905811e-5f * e36)
+        + (3.0652984e-7f * (e34 + a_r_hip_pitch_y)))
+        - ((cos_q[12] * n_r_hip_roll_x) - (sin_q[12] * n_r_hip_roll_y));
+    /* r_knee */
+    const float e362 = (cos_q[13] * h_r_hip_pitch_x) - (sin_q[13] * h_r_hip_pitch_y);
+    const float e363 = (sin_q[13] * h_r_hip_pitch_x) + (cos_q[13] * h_r_hip_pitch_y);
+    const float e364 = (cos_q[13] * g_r_hip_pitch_x) - (sin_q[13] * g_r_hip_pitch_y);
+    const float e365 = 0.093f * e26;
+    const float e366 = 0.093f * e24;
+    const float e367 = 0.093f * e29;
+    const float h_r_knee_x = 2.8156464e-5f + e362;
+    const float h_r_knee_y = 0.08036415f + e363;
+    const float g_r_knee_x = (0.08036415f * e26) - (2.8156464e-5f * e23) + e364;
+    const float g_r_knee_y = (2.8156464e-5f * e27) - (0.08036415f * e24)
+        + ((sin_q[13] * g_r_hip_pitch_x) + (cos_q[13] * g_r_hip_pitch_y));
+    const float g_r_knee_z = (2.8156464e-5f * e28) + (0.08036415f * e29) + g_r_hip_pitch_z;
+    const float n_r_knee_x = (1.5113691e-6f * e28) + (0.0074276803f * e29) - (3.8370985e-7f * e25)
+        + ((6.346494e-8f * e27) + (3.8370985e-7f * e24))
+        + ((cos_q[13] * n_r_hip_pitch_x) - (sin_q[13] * n_r_hip_pitch_y)
+        + (0.093f * g_r_hip_pitch_z) + ((e363 * e367) + (h_r_hip_pitch_z * e366)));
+    const float n_r_knee_y = (6.346494e-8f * e23) + (3.8370985e-7f * e26)
+        - ((2.7309065e-6f * e28) + (1.5113691e-6f * e29) + (6.346494e-8f * e25))
+        + ((sin_q[13] * n_r_hip_pitch_x) + (cos_q[13] * n_r_hip_pitch_y)
+        + ((h_r_hip_pitch_z * e365) - (e362 * e367)));
+    const float n_r_knee_z = (2.7309065e-6f * e27) - (1.5113691e-6f * e24)
+        - (6.346494e-8f * (e22 - a_r_knee_x))
+        - ((0.0074276803f * e26) - (1.5113691e-6f * e23) + (3.8370985e-7f * (e21 + a_r_knee_y)))
+        + (n_r_hip_pitch_z - (0.093f * e364) - ((e362 * e366) + (e363 * e365)));
+    /* r_ank_pitch */
+    const float e368 = (cos_q[14] * h_r_knee_x) - (sin_q[14] * h_r_knee_y);
+    const float e369 = (sin_q[14] * h_r_knee_x) + (cos_q[14] * h_r_knee_y);
+    const float e370 = (cos_q[14] * g_r_knee_x) - (sin_q[14] * g_r_knee_y);
+    const float e371 = 0.093f * e13;
+    const float e372 = 0.093f * e11;
+    const float e373 = 0.093f * e16;
+    const float h_r_ank_pitch_x = 0.0001573714f + e368;
+    const float h_r_ank_pitch_y = 0.08422326f + e369;
+    const float g_r_ank_pitch_x = (0.08422326f * e13) - (0.0001573714f * e10) + e370;
+    const float g_r_ank_pitch_y = (0.0001573714f * e14) - (0.08422326f * e11)
+        + ((sin_q[14] * g_r_knee_x) + (cos_q[14] * g_r_knee_y));
+    const float g_r_ank_pitch_z = (0.08422326f * e16) - (0.0001573714f * e15) + g_r_knee_z;
+    const float n_r_ank_pitch_x = (0.0078095775f * e16) - (1.2886475e-5f * e15)
+        - (1.2445664e-6f * e12) - ((1.122252e-8f * e14) - (1.2445664e-6f * e11))
+        + ((cos_q[14] * n_r_knee_x) - (sin_q[14] * n_r_knee_y) + (0.093f * g_r_knee_z)
+        + ((e369 * e373) + (h_r_hip_pitch_z * e372)));
+    const float n_r_ank_pitch_y = (1.2445664e-6f * e13) - (1.122252e-8f * e10)
+        - ((1.2886475e-5f * e16) - (5.500015e-6f * e15) - (1.122252e-8f * e12))
+        + ((sin_q[14] * n_r_knee_x) + (cos_q[14] * n_r_knee_y)
+        + ((h_r_hip_pitch_z * e371) - (e368 * e373)));
+    const float n_r_ank_pitch_z = (5.500015e-6f * e14) - (1.2886475e-5f * e11)
+        - (1.122252e-8f * (e4 + a_r_ank_pitch_x))
+        - ((0.0078095775f * e13) - (1.2886475e-5f * e10) + (1.2445664e-6f * (a_r_ank_pitch_y - e5)))
+        + (n_r_knee_z - (0.093f * e370) - ((e368 * e372) + (e369 * e371)));
+    /* r_ank_roll */
+    const float e374 = 1.03344085e-7f * e3;
+    const float h_r_ank_roll_z = (cos_q[15] * h_r_ank_pitch_x) + (sin_q[15] * h_r_ank_pitch_y);
+    const float g_r_ank_roll_z = (cos_q[15] * g_r_ank_pitch_x) + (sin_q[15] * g_r_ank_pitch_y);
+    const float h_r_ank_roll_x = 3.5009605e-5f + h_r_hip_pitch_z;
+    const float h_r_ank_roll_y = 0.00079249474f
+        + ((cos_q[15] * h_r_ank_pitch_y) - (sin_q[15] * h_r_ank_pitch_x));
+    const float g_r_ank_roll_x = (0.00079249474f * qdd[16]) - (3.5009605e-5f * e3)
+        + g_r_ank_pitch_z;
+    const float g_r_ank_roll_y = (cos_q[15] * g_r_ank_pitch_y) - (sin_q[15] * g_r_ank_pitch_x)
+        - ((3.5009605e-5f * qdd[16]) + (0.00079249474f * e3));
+    const float n_r_ank_roll_y = (3.607336e-7f * e3) - (1.7108983e-5f * qdd[16])
+        - ((cos_q[15] * n_r_ank_pitch_y) - (sin_q[15] * n_r_ank_pitch_x));
+    const float n_r_ank_roll_z = e374 - (3.0124214e-5f * qdd[16])
+        - (e374 + (2.0191303e-5f * qdd[16]))
+        - ((cos_q[15] * n_r_ank_pitch_x) + (sin_q[15] * n_r_ank_pitch_y));
+    /* r_sole */
+    const float g_r_sole_y = (cos_q[16] * g_r_ank_roll_x) + (sin_q[16] * g_r_ank_roll_y);
+    const float g_r_sole_z = (cos_q[16] * g_r_ank_roll_y) - (sin_q[16] * g_r_ank_roll_x);
+    const float n_r_sole_x = n_r_ank_roll_z + ((0.0105f * g_r_sole_z) - (0.0335f * g_r_sole_y));
+    const float n_r_sole_y = (sin_q[16] * n_r_ank_roll_y)
+        - (cos_q[16] * ((3.607336e-7f * qdd[16]) + (1.7108983e-5f * e3) + n_r_ank_pitch_z))
+        + (0.0335f * g_r_ank_roll_z);
+    const float h_r_sole_x = h_r_ank_roll_z - 0.0010725238f;
+    const float h_r_sole_y = 0.010241838f
+        + ((cos_q[16] * h_r_ank_roll_x) + (sin_q[16] * h_r_ank_roll_y));
+    const float h_r_sole_z = 0.032794017f
+        + ((cos_q[16] * h_r_ank_roll_y) - (sin_q[16] * h_r_ank_roll_x));
+    /* ZMP */
+    const float load = 9.80665f + f_r_sole_z;
+    const float e375 = 1.0f / load;
+    zmp[0] = v_r_sole_x
+        - (((v_r_sole_z * f_r_ank_roll_z)
+        + (n_r_sole_y - ((h_r_sole_z * g_r_ank_roll_z) - (h_r_sole_x * g_r_sole_z)))) * e375);
+    zmp[1] = v_r_sole_y
+        - (((v_r_sole_z * f_r_sole_y)
+        - (n_r_sole_x - ((h_r_sole_y * g_r_sole_z) - (h_r_sole_z * g_r_sole_y)))) * e375);
+}
+
 void op2_r_sole_com_ticks(
     const int32_t ticks[],
     const op2_r_sole_real r[],
@@ -4439,6 +6692,19 @@ void op2_r_sole_cop_ticks(
     op2_r_sole_real cos_q[op2_r_sole_DOF];
     op2_r_sole_from_ticks(ticks, sin_q, cos_q);
     op2_r_sole_cop_sc(sin_q, cos_q, r, cop);
+}
+
+void op2_r_sole_zmp_ticks(
+    const int32_t ticks[],
+    const op2_r_sole_real qd[],
+    const op2_r_sole_real qdd[],
+    const op2_r_sole_real r[],
+    op2_r_sole_real zmp[restrict 2])
+{
+    op2_r_sole_real sin_q[op2_r_sole_DOF];
+    op2_r_sole_real cos_q[op2_r_sole_DOF];
+    op2_r_sole_from_ticks(ticks, sin_q, cos_q);
+    op2_r_sole_zmp_sc(sin_q, cos_q, qd, qdd, r, zmp);
 }
 
 /*

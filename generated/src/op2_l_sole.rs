@@ -15,6 +15,7 @@
 // regressor_cop            144      70        20   2.5e-14 (f64)  7.5e-6 (f32)
 // regressor_full           230     112        20   2.5e-14 (f64)  7.5e-6 (f32)
 // cop                       78      78        20   3.8e-15 (f64)  1.7e-6 m (f32)
+// zmp                     1396    1251        20   3.6e-11 (f64)  2.2e-3 m (f32)  and 1 quotient, clamp or power
 // com_sc                    88      84         0   3.8e-15 (f64)  1.5e-6 m (f32)
 // com_jacobian_sc          343     204         0   3.5e-15 (f64)  1.4e-6 m/rad (f32)
 // com_velocity_sc          184     146         0   1.5e-13 (f64)  5.4e-5 m/s (f32)
@@ -23,12 +24,16 @@
 // regressor_cop_sc         152      74         0   3.5e-14 (f64)  5.8e-6 (f32)
 // regressor_full_sc        238     116         0   3.5e-14 (f64)  5.8e-6 (f32)
 // cop_sc                    86      82         0   3.6e-15 (f64)  1.4e-6 m (f32)
+// zmp_sc                  1404    1255         0   3.6e-11 (f64)  1.9e-3 m (f32)  and 1 quotient, clamp or power
 // com_jacobian_along       202     138         0   3.9e-15 (f64)  1.6e-6 m/rad (f32)
 // regressor_along           88      44         0   3.6e-14 (f64)  6.1e-6 (f32)
 // regressor_full_along      92      46         0   3.6e-14 (f64)  6.1e-6 (f32)
 // Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
 // parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
 // against exact evaluation with the same parameters.
+// That of zmp holds for joint velocities up to 1 rad/s (0.25 m/s) or the URDF's limit,
+// accelerations up to 10 rad/s2 (2.5 m/s2), and while the ground carries at least half of the
+// weight.
 //
 // method         statically equivalent serial chain (SESC); equations as numbered in
 //                "Three-dimensional identification of a humanoid robot"
@@ -351,6 +356,13 @@ pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
     Op2LSole::cop(q, r)
 }
 
+/// Zero-moment point on the level sole plane, m: c − (c_z c̈ + L̇/M)/(g + c̈_z) with c and c̈ of r and L̇ by the URDF's masses and inertias.
+#[allow(dead_code)]
+#[inline]
+pub fn zmp<T: Real>(q: &[T; DOF], qd: &[T; DOF], qdd: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
+    Op2LSole::zmp(q, qd, qdd, r)
+}
+
 /// Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i, Eq. (4).
 ///
 /// From sines and cosines; a prismatic joint passes its position in `sin`.
@@ -434,6 +446,21 @@ pub fn regressor_full_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; FULL_P
 #[inline]
 pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
     Op2LSole::cop_sc(sin, cos, r)
+}
+
+/// Zero-moment point on the level sole plane, m: c − (c_z c̈ + L̇/M)/(g + c̈_z) with c and c̈ of r and L̇ by the URDF's masses and inertias.
+///
+/// From sines and cosines; a prismatic joint passes its position in `sin`.
+#[allow(dead_code)]
+#[inline]
+pub fn zmp_sc<T: Real>(
+    sin: &[T; DOF],
+    cos: &[T; DOF],
+    qd: &[T; DOF],
+    qdd: &[T; DOF],
+    r: &[T; BASE_PARAMS],
+) -> [T; 2] {
+    Op2LSole::zmp_sc(sin, cos, qd, qdd, r)
 }
 
 #[allow(dead_code, non_snake_case, clippy::all)]
@@ -2403,6 +2430,1962 @@ impl v1::Robot for Op2LSole {
         let v_l_sole_y = s_l_ank_roll.mul_plus(v_l_ank_roll_y, v_l_sole_y);
         [v_l_sole_x, v_l_sole_y]
     }
+
+    #[inline(always)]
+    fn zmp<T: Real>(q: &[T; DOF], qd: &[T; DOF], qdd: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
+        // r_el
+        let (s_r_el, c_r_el) = q[19].sin_cos();
+        // r_sho_roll
+        let v_r_sho_roll_y = c_r_el.mul_plus(r[41], r[40]);
+        let v_r_sho_roll_y = (-s_r_el).mul_plus(r[42], v_r_sho_roll_y);
+        let e1 = q[18] + T::from_f64(0.785398163);
+        let (s_r_sho_roll, c_r_sho_roll) = e1.sin_cos();
+        // r_sho_pitch
+        let v_r_sho_pitch_x = r[37] - s_r_el.mul_plus(r[41], c_r_el * r[42]);
+        let v_r_sho_pitch_y = (-s_r_sho_roll).mul_plus(r[39], r[38]);
+        let v_r_sho_pitch_y = c_r_sho_roll.mul_plus(v_r_sho_roll_y, v_r_sho_pitch_y);
+        let v_r_sho_pitch_z = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
+        let (s_r_sho_pitch, c_r_sho_pitch) = q[17].sin_cos();
+        // r_ank_roll
+        let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
+        // r_ank_pitch
+        let v_r_ank_pitch_y = s_r_ank_roll.mul_plus(r[35], r[34]);
+        let v_r_ank_pitch_y = c_r_ank_roll.mul_plus(r[36], v_r_ank_pitch_y);
+        let v_r_ank_pitch_z = c_r_ank_roll.mul_plus(r[35], -(s_r_ank_roll * r[36]));
+        let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
+        // r_knee
+        let v_r_knee_x = c_r_ank_pitch.mul_plus(r[33], r[31]);
+        let v_r_knee_x = (-s_r_ank_pitch).mul_plus(v_r_ank_pitch_y, v_r_knee_x);
+        let v_r_knee_y = s_r_ank_pitch.mul_plus(r[33], r[32]);
+        let v_r_knee_y = c_r_ank_pitch.mul_plus(v_r_ank_pitch_y, v_r_knee_y);
+        let (s_r_knee, c_r_knee) = q[14].sin_cos();
+        // r_hip_pitch
+        let v_r_hip_pitch_x = c_r_knee.mul_plus(v_r_knee_x, r[29]);
+        let v_r_hip_pitch_x = s_r_knee.mul_plus(v_r_knee_y, v_r_hip_pitch_x);
+        let v_r_hip_pitch_y = (-s_r_knee).mul_plus(v_r_knee_x, r[30]);
+        let v_r_hip_pitch_y = c_r_knee.mul_plus(v_r_knee_y, v_r_hip_pitch_y);
+        let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
+        // r_hip_roll
+        let v_r_hip_roll_x = r[27] + v_r_ank_pitch_z;
+        let v_r_hip_roll_y = (-s_r_hip_pitch).mul_plus(v_r_hip_pitch_x, r[28]);
+        let v_r_hip_roll_y = c_r_hip_pitch.mul_plus(v_r_hip_pitch_y, v_r_hip_roll_y);
+        let v_r_hip_roll_z = c_r_hip_pitch
+            .mul_plus(v_r_hip_pitch_x, s_r_hip_pitch * v_r_hip_pitch_y);
+        let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
+        // r_hip_yaw
+        let v_r_hip_yaw_x = r[25] + v_r_hip_roll_z;
+        let v_r_hip_yaw_y = c_r_hip_roll.mul_plus(v_r_hip_roll_x, r[26]);
+        let v_r_hip_yaw_y = s_r_hip_roll.mul_plus(v_r_hip_roll_y, v_r_hip_yaw_y);
+        let v_r_hip_yaw_z = c_r_hip_roll.mul_plus(v_r_hip_roll_y, -(s_r_hip_roll * v_r_hip_roll_x));
+        let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
+        // l_el
+        let (s_l_el, c_l_el) = q[10].sin_cos();
+        // l_sho_roll
+        let v_l_sho_roll_y = c_l_el.mul_plus(r[23], r[22]);
+        let v_l_sho_roll_y = s_l_el.mul_plus(r[24], v_l_sho_roll_y);
+        let v_l_sho_roll_z = s_l_el.mul_plus(r[23], -(c_l_el * r[24]));
+        let e2 = q[9] - T::from_f64(0.785398163);
+        let (s_l_sho_roll, c_l_sho_roll) = e2.sin_cos();
+        // l_sho_pitch
+        let v_l_sho_pitch_x = r[19] + v_l_sho_roll_z;
+        let v_l_sho_pitch_y = (-s_l_sho_roll).mul_plus(r[21], r[20]);
+        let v_l_sho_pitch_y = c_l_sho_roll.mul_plus(v_l_sho_roll_y, v_l_sho_pitch_y);
+        let v_l_sho_pitch_z = c_l_sho_roll.mul_plus(r[21], s_l_sho_roll * v_l_sho_roll_y);
+        let (s_l_sho_pitch, c_l_sho_pitch) = q[8].sin_cos();
+        // head_tilt
+        let (s_head_tilt, c_head_tilt) = q[1].sin_cos();
+        // head_pan
+        let v_head_pan_x = c_head_tilt.mul_plus(r[17], r[15]);
+        let v_head_pan_x = s_head_tilt.mul_plus(r[18], v_head_pan_x);
+        let v_head_pan_z = s_head_tilt.mul_plus(r[17], -(c_head_tilt * r[18]));
+        let (s_head_pan, c_head_pan) = q[0].sin_cos();
+        // l_hip_yaw
+        let e3 = c_head_pan.mul_plus(v_head_pan_x, r[13]);
+        let e3 = (-s_head_pan).mul_plus(r[16], e3);
+        let e3 = c_l_sho_pitch.mul_plus(v_l_sho_pitch_x, e3);
+        let e3 = s_l_sho_pitch.mul_plus(v_l_sho_pitch_y, e3);
+        let e3 = c_r_sho_pitch.mul_plus(v_r_sho_pitch_x, e3);
+        let e3 = (-s_r_sho_pitch).mul_plus(v_r_sho_pitch_y, e3);
+        let v_l_hip_yaw_x = c_r_hip_yaw.mul_plus(v_r_hip_yaw_x, e3);
+        let v_l_hip_yaw_x = s_r_hip_yaw.mul_plus(v_r_hip_yaw_y, v_l_hip_yaw_x);
+        let p1 = s_head_pan.mul_plus(v_head_pan_x, r[14]);
+        let p2 = c_head_pan.mul_plus(r[16], p1);
+        let v_l_hip_yaw_y = (-s_r_hip_yaw)
+            .mul_plus(v_r_hip_yaw_x, p2 + v_l_sho_pitch_z + v_r_sho_pitch_z);
+        let v_l_hip_yaw_y = c_r_hip_yaw.mul_plus(v_r_hip_yaw_y, v_l_hip_yaw_y);
+        let p3 = (-s_l_sho_pitch).mul_plus(v_l_sho_pitch_x, v_head_pan_z);
+        let p4 = c_l_sho_pitch.mul_plus(v_l_sho_pitch_y, p3);
+        let p5 = s_r_sho_pitch.mul_plus(v_r_sho_pitch_x, p4);
+        let v_l_hip_yaw_z = c_r_sho_pitch.mul_plus(v_r_sho_pitch_y, p5) + v_r_hip_yaw_z;
+        let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
+        // l_hip_roll
+        let v_l_hip_roll_x = s_l_hip_yaw.mul_plus(v_l_hip_yaw_x, r[11]);
+        let v_l_hip_roll_x = c_l_hip_yaw.mul_plus(v_l_hip_yaw_y, v_l_hip_roll_x);
+        let v_l_hip_roll_y = r[12] + v_l_hip_yaw_z;
+        let v_l_hip_roll_z = c_l_hip_yaw.mul_plus(v_l_hip_yaw_x, -(s_l_hip_yaw * v_l_hip_yaw_y));
+        let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
+        // l_hip_pitch
+        let v_l_hip_pitch_x = r[9] + v_l_hip_roll_z;
+        let v_l_hip_pitch_y = s_l_hip_roll.mul_plus(v_l_hip_roll_x, r[10]);
+        let v_l_hip_pitch_y = c_l_hip_roll.mul_plus(v_l_hip_roll_y, v_l_hip_pitch_y);
+        let v_l_hip_pitch_z = c_l_hip_roll
+            .mul_plus(v_l_hip_roll_x, -(s_l_hip_roll * v_l_hip_roll_y));
+        let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
+        // l_knee
+        let v_l_knee_x = c_l_hip_pitch.mul_plus(v_l_hip_pitch_x, r[7]);
+        let v_l_knee_x = s_l_hip_pitch.mul_plus(v_l_hip_pitch_y, v_l_knee_x);
+        let v_l_knee_y = (-s_l_hip_pitch).mul_plus(v_l_hip_pitch_x, r[8]);
+        let v_l_knee_y = c_l_hip_pitch.mul_plus(v_l_hip_pitch_y, v_l_knee_y);
+        let (s_l_knee, c_l_knee) = q[5].sin_cos();
+        // l_ank_pitch
+        let v_l_ank_pitch_x = c_l_knee.mul_plus(v_l_knee_x, r[5]);
+        let v_l_ank_pitch_x = s_l_knee.mul_plus(v_l_knee_y, v_l_ank_pitch_x);
+        let v_l_ank_pitch_y = (-s_l_knee).mul_plus(v_l_knee_x, r[6]);
+        let v_l_ank_pitch_y = c_l_knee.mul_plus(v_l_knee_y, v_l_ank_pitch_y);
+        let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
+        // l_ank_roll
+        let v_l_ank_roll_x = r[3] + v_l_hip_pitch_z;
+        let v_l_ank_roll_y = s_l_ank_pitch.mul_plus(v_l_ank_pitch_x, r[4]);
+        let v_l_ank_roll_y = c_l_ank_pitch.mul_plus(v_l_ank_pitch_y, v_l_ank_roll_y);
+        let v_l_ank_roll_z = c_l_ank_pitch
+            .mul_plus(v_l_ank_pitch_x, -(s_l_ank_pitch * v_l_ank_pitch_y));
+        let (s_l_ank_roll, c_l_ank_roll) = q[7].sin_cos();
+        // l_sole
+        let v_l_sole_x = r[0] + v_l_ank_roll_z;
+        let v_l_sole_y = c_l_ank_roll.mul_plus(v_l_ank_roll_x, r[1]);
+        let v_l_sole_y = s_l_ank_roll.mul_plus(v_l_ank_roll_y, v_l_sole_y);
+        let v_l_sole_z = (-s_l_ank_roll).mul_plus(v_l_ank_roll_x, r[2]);
+        let v_l_sole_z = c_l_ank_roll.mul_plus(v_l_ank_roll_y, v_l_sole_z);
+        // l_ank_roll
+        let e4 = qd[7] * qd[7];
+        // l_ank_pitch
+        let o_l_ank_pitch_x = qd[7] * c_l_ank_pitch;
+        let e5 = qd[7] * s_l_ank_pitch;
+        let e6 = e5 * qd[6];
+        let e7 = o_l_ank_pitch_x * qd[6];
+        let a_l_ank_pitch_x = qdd[7].mul_plus(c_l_ank_pitch, -e6);
+        let e8 = qdd[7].mul_plus(s_l_ank_pitch, e7);
+        let e9 = o_l_ank_pitch_x * o_l_ank_pitch_x;
+        let e10 = e5 * e5;
+        let e11 = qd[6] * qd[6];
+        let e12 = o_l_ank_pitch_x * e5;
+        let e13 = e10 + e11;
+        let e14 = e9 + e11;
+        let e15 = e9 + e10;
+        let e16 = e12 + qdd[6];
+        let e17 = qdd[6] - e12;
+        let e18 = e7 + e8;
+        let e19 = a_l_ank_pitch_x - e6;
+        // l_knee
+        let o_l_knee_x = o_l_ank_pitch_x.mul_plus(c_l_knee, e5 * s_l_knee);
+        let o_l_knee_y = o_l_ank_pitch_x.mul_plus(s_l_knee, -(e5 * c_l_knee));
+        let o_l_knee_z = qd[6] - qd[5];
+        let a_l_knee_x = a_l_ank_pitch_x.mul_plus(c_l_knee, e8 * s_l_knee);
+        let a_l_knee_x = (-o_l_knee_y).mul_plus(qd[5], a_l_knee_x);
+        let a_l_knee_y = a_l_ank_pitch_x.mul_plus(s_l_knee, -(e8 * c_l_knee));
+        let a_l_knee_y = o_l_knee_x.mul_plus(qd[5], a_l_knee_y);
+        let a_l_knee_z = qdd[6] - qdd[5];
+        let e20 = o_l_knee_x * o_l_knee_x;
+        let e21 = o_l_knee_y * o_l_knee_y;
+        let e22 = o_l_knee_z * o_l_knee_z;
+        let e23 = o_l_knee_x * o_l_knee_y;
+        let e24 = o_l_knee_x * o_l_knee_z;
+        let e25 = o_l_knee_y * o_l_knee_z;
+        let e26 = e21 + e22;
+        let e27 = e20 + e22;
+        let e28 = e20 + e21;
+        let e29 = e23 - a_l_knee_z;
+        let e30 = e23 + a_l_knee_z;
+        let e31 = e24 - a_l_knee_y;
+        let e32 = e25 + a_l_knee_x;
+        // l_hip_pitch
+        let o_l_hip_pitch_x = o_l_knee_x.mul_plus(c_l_hip_pitch, -(o_l_knee_y * s_l_hip_pitch));
+        let o_l_hip_pitch_y = o_l_knee_y.mul_plus(c_l_hip_pitch, o_l_knee_x * s_l_hip_pitch);
+        let o_l_hip_pitch_z = o_l_knee_z - qd[4];
+        let a_l_hip_pitch_x = a_l_knee_x.mul_plus(c_l_hip_pitch, -(a_l_knee_y * s_l_hip_pitch));
+        let a_l_hip_pitch_x = (-o_l_hip_pitch_y).mul_plus(qd[4], a_l_hip_pitch_x);
+        let a_l_hip_pitch_y = a_l_knee_y.mul_plus(c_l_hip_pitch, a_l_knee_x * s_l_hip_pitch);
+        let a_l_hip_pitch_y = o_l_hip_pitch_x.mul_plus(qd[4], a_l_hip_pitch_y);
+        let a_l_hip_pitch_z = a_l_knee_z - qdd[4];
+        let e33 = o_l_hip_pitch_x * o_l_hip_pitch_x;
+        let e34 = o_l_hip_pitch_y * o_l_hip_pitch_y;
+        let e35 = o_l_hip_pitch_z * o_l_hip_pitch_z;
+        let e36 = o_l_hip_pitch_x * o_l_hip_pitch_y;
+        let e37 = o_l_hip_pitch_x * o_l_hip_pitch_z;
+        let e38 = o_l_hip_pitch_y * o_l_hip_pitch_z;
+        let e39 = e34 + e35;
+        let e40 = e33 + e35;
+        let e41 = e33 + e34;
+        let e42 = e36 - a_l_hip_pitch_z;
+        let e43 = e36 + a_l_hip_pitch_z;
+        let e44 = e37 - a_l_hip_pitch_y;
+        let e45 = e38 + a_l_hip_pitch_x;
+        // l_hip_roll
+        let e46 = o_l_hip_pitch_y.mul_plus(s_l_hip_roll, o_l_hip_pitch_z * c_l_hip_roll);
+        let o_l_hip_roll_y = o_l_hip_pitch_z
+            .mul_plus(s_l_hip_roll, -(o_l_hip_pitch_y * c_l_hip_roll));
+        let o_l_hip_roll_z = qd[3] - o_l_hip_pitch_x;
+        let a_l_hip_roll_x = a_l_hip_pitch_y.mul_plus(s_l_hip_roll, a_l_hip_pitch_z * c_l_hip_roll);
+        let a_l_hip_roll_x = o_l_hip_roll_y.mul_plus(qd[3], -a_l_hip_roll_x);
+        let a_l_hip_roll_y = a_l_hip_pitch_z
+            .mul_plus(s_l_hip_roll, -(a_l_hip_pitch_y * c_l_hip_roll));
+        let a_l_hip_roll_y = e46.mul_plus(qd[3], a_l_hip_roll_y);
+        let a_l_hip_roll_z = qdd[3] - a_l_hip_pitch_x;
+        let e47 = e46 * e46;
+        let e48 = o_l_hip_roll_y * o_l_hip_roll_y;
+        let e49 = o_l_hip_roll_z * o_l_hip_roll_z;
+        let e50 = e46 * o_l_hip_roll_y;
+        let e51 = e46 * o_l_hip_roll_z;
+        let e52 = e47 + e49;
+        let e53 = e50 + a_l_hip_roll_z;
+        let e54 = a_l_hip_roll_z - e50;
+        let e55 = e51 + a_l_hip_roll_y;
+        let e56 = o_l_hip_roll_y.mul_plus(o_l_hip_roll_z, a_l_hip_roll_x);
+        // l_hip_yaw
+        let o_l_hip_yaw_x = o_l_hip_roll_z.mul_plus(c_l_hip_yaw, -(e46 * s_l_hip_yaw));
+        let e57 = o_l_hip_roll_z.mul_plus(s_l_hip_yaw, e46 * c_l_hip_yaw);
+        let o_l_hip_yaw_z = o_l_hip_roll_y + qd[2];
+        let a_l_hip_yaw_x = a_l_hip_roll_x.mul_plus(s_l_hip_yaw, a_l_hip_roll_z * c_l_hip_yaw);
+        let a_l_hip_yaw_x = (-e57).mul_plus(qd[2], a_l_hip_yaw_x);
+        let e58 = a_l_hip_roll_z.mul_plus(s_l_hip_yaw, -(a_l_hip_roll_x * c_l_hip_yaw));
+        let e58 = o_l_hip_yaw_x.mul_plus(qd[2], e58);
+        let a_l_hip_yaw_z = a_l_hip_roll_y + qdd[2];
+        let e59 = o_l_hip_yaw_x * o_l_hip_yaw_x;
+        let e60 = e57 * e57;
+        let e61 = o_l_hip_yaw_z * o_l_hip_yaw_z;
+        let e62 = o_l_hip_yaw_x * e57;
+        let e63 = o_l_hip_yaw_x * o_l_hip_yaw_z;
+        let e64 = e57 * o_l_hip_yaw_z;
+        let e65 = e60 + e61;
+        let e66 = e59 + e61;
+        let e67 = e59 + e60;
+        let e68 = e62 + a_l_hip_yaw_z;
+        let e69 = e63 - e58;
+        let e70 = a_l_hip_yaw_z - e62;
+        let e71 = e64 + a_l_hip_yaw_x;
+        let e72 = e63 + e58;
+        let e73 = a_l_hip_yaw_x - e64;
+        // head_pan
+        let o_head_pan_x = o_l_hip_yaw_x.mul_plus(c_head_pan, -(e57 * s_head_pan));
+        let e74 = e57.mul_plus(c_head_pan, o_l_hip_yaw_x * s_head_pan);
+        let o_head_pan_z = o_l_hip_yaw_z + qd[0];
+        let a_head_pan_x = a_l_hip_yaw_x.mul_plus(c_head_pan, -(e58 * s_head_pan));
+        let a_head_pan_x = (-e74).mul_plus(qd[0], a_head_pan_x);
+        let e75 = e58.mul_plus(c_head_pan, a_l_hip_yaw_x * s_head_pan);
+        let e75 = o_head_pan_x.mul_plus(qd[0], e75);
+        let a_head_pan_z = a_l_hip_yaw_z + qdd[0];
+        let e76 = o_head_pan_x * o_head_pan_x;
+        let e77 = e74 * e74;
+        let e78 = o_head_pan_z * o_head_pan_z;
+        let e79 = o_head_pan_x * e74;
+        let e80 = o_head_pan_x * o_head_pan_z;
+        let e81 = e74 * o_head_pan_z;
+        let e82 = e77 + e78;
+        let e83 = e76 + e78;
+        let e84 = e76 + e77;
+        let e85 = e79 + a_head_pan_z;
+        let e86 = e80 - e75;
+        let e87 = a_head_pan_z - e79;
+        let e88 = e81 + a_head_pan_x;
+        let e89 = e80 + e75;
+        let e90 = a_head_pan_x - e81;
+        // head_tilt
+        let o_head_tilt_x = o_head_pan_x.mul_plus(c_head_tilt, o_head_pan_z * s_head_tilt);
+        let e91 = o_head_pan_z.mul_plus(c_head_tilt, -(o_head_pan_x * s_head_tilt));
+        let e92 = e74 + qd[1];
+        let a_head_tilt_x = a_head_pan_x.mul_plus(c_head_tilt, a_head_pan_z * s_head_tilt);
+        let a_head_tilt_x = e91.mul_plus(qd[1], a_head_tilt_x);
+        let a_head_tilt_y = a_head_pan_z.mul_plus(c_head_tilt, -(a_head_pan_x * s_head_tilt));
+        let a_head_tilt_y = o_head_tilt_x.mul_plus(qd[1], -a_head_tilt_y);
+        let e93 = e75 + qdd[1];
+        let e94 = o_head_tilt_x * o_head_tilt_x;
+        let e95 = e91 * e91;
+        let e96 = e92 * e92;
+        let e97 = o_head_tilt_x * e91;
+        let e98 = o_head_tilt_x * e92;
+        let e99 = e91 * e92;
+        let e100 = e95 + e96;
+        let e101 = e94 + e96;
+        let e102 = e94 + e95;
+        let e103 = e93 - e97;
+        let e104 = e97 + e93;
+        let e105 = e98 + a_head_tilt_y;
+        let e106 = e99 + a_head_tilt_x;
+        // l_sho_pitch
+        let e107 = o_l_hip_yaw_x.mul_plus(c_l_sho_pitch, -(o_l_hip_yaw_z * s_l_sho_pitch));
+        let e108 = o_l_hip_yaw_z.mul_plus(c_l_sho_pitch, o_l_hip_yaw_x * s_l_sho_pitch);
+        let o_l_sho_pitch_z = e57 - qd[8];
+        let a_l_sho_pitch_x = a_l_hip_yaw_x
+            .mul_plus(c_l_sho_pitch, -(a_l_hip_yaw_z * s_l_sho_pitch));
+        let a_l_sho_pitch_x = e108.mul_plus(qd[8], -a_l_sho_pitch_x);
+        let e109 = a_l_hip_yaw_z.mul_plus(c_l_sho_pitch, a_l_hip_yaw_x * s_l_sho_pitch);
+        let e109 = e107.mul_plus(qd[8], e109);
+        let a_l_sho_pitch_z = e58 - qdd[8];
+        let e110 = e107 * e107;
+        let e111 = e108 * e108;
+        let e112 = o_l_sho_pitch_z * o_l_sho_pitch_z;
+        let e113 = e107 * e108;
+        let e114 = e107 * o_l_sho_pitch_z;
+        let e115 = e108 * o_l_sho_pitch_z;
+        let e116 = e111 + e112;
+        let e117 = e110 + e112;
+        let e118 = e110 + e111;
+        let e119 = e113 - a_l_sho_pitch_z;
+        let e120 = e114 + e109;
+        let e121 = e113 + a_l_sho_pitch_z;
+        let e122 = e115 + a_l_sho_pitch_x;
+        let e123 = e109 - e114;
+        let e124 = a_l_sho_pitch_x - e115;
+        // l_sho_roll
+        let e125 = e108.mul_plus(s_l_sho_roll, o_l_sho_pitch_z * c_l_sho_roll);
+        let o_l_sho_roll_y = e108.mul_plus(c_l_sho_roll, -(o_l_sho_pitch_z * s_l_sho_roll));
+        let o_l_sho_roll_z = e107 - qd[9];
+        let e126 = e109.mul_plus(s_l_sho_roll, a_l_sho_pitch_z * c_l_sho_roll);
+        let e126 = o_l_sho_roll_y.mul_plus(qd[9], e126);
+        let a_l_sho_roll_y = e109.mul_plus(c_l_sho_roll, -(a_l_sho_pitch_z * s_l_sho_roll));
+        let a_l_sho_roll_y = (-e125).mul_plus(qd[9], a_l_sho_roll_y);
+        let e127 = a_l_sho_pitch_x + qdd[9];
+        let e128 = e125 * e125;
+        let e129 = o_l_sho_roll_y * o_l_sho_roll_y;
+        let e130 = o_l_sho_roll_z * o_l_sho_roll_z;
+        let e131 = e125 * o_l_sho_roll_y;
+        let e132 = e125 * o_l_sho_roll_z;
+        let e133 = o_l_sho_roll_y * o_l_sho_roll_z;
+        let e134 = e129 + e130;
+        let e135 = e128 + e130;
+        let e136 = e128 + e129;
+        let e137 = e127 - e131;
+        let e138 = a_l_sho_roll_y - e132;
+        let e139 = e131 + e127;
+        let e140 = e133 + e126;
+        let e141 = e132 + a_l_sho_roll_y;
+        let e142 = e133 - e126;
+        // l_el
+        let e143 = o_l_sho_roll_y.mul_plus(c_l_el, o_l_sho_roll_z * s_l_el);
+        let o_l_el_y = o_l_sho_roll_z.mul_plus(c_l_el, -(o_l_sho_roll_y * s_l_el));
+        let o_l_el_z = e125 - qd[10];
+        let e144 = a_l_sho_roll_y.mul_plus(c_l_el, -(e127 * s_l_el));
+        let e144 = o_l_el_y.mul_plus(qd[10], e144);
+        let e145 = e127.mul_plus(c_l_el, a_l_sho_roll_y * s_l_el);
+        let e145 = e143.mul_plus(qd[10], e145);
+        let a_l_el_z = e126 - qdd[10];
+        let e146 = e143 * e143;
+        let e147 = o_l_el_y * o_l_el_y;
+        let e148 = o_l_el_z * o_l_el_z;
+        let e149 = e143 * o_l_el_y;
+        let e150 = e143 * o_l_el_z;
+        let e151 = o_l_el_y * o_l_el_z;
+        let e152 = e147 + e148;
+        let e153 = e146 + e148;
+        let e154 = e146 + e147;
+        let e155 = e149 + a_l_el_z;
+        let e156 = a_l_el_z - e149;
+        let e157 = e145 - e150;
+        let e158 = e151 - e144;
+        // r_hip_yaw
+        let o_r_hip_yaw_x = o_l_hip_yaw_x.mul_plus(c_r_hip_yaw, e57 * s_r_hip_yaw);
+        let o_r_hip_yaw_y = o_l_hip_yaw_x.mul_plus(s_r_hip_yaw, -(e57 * c_r_hip_yaw));
+        let o_r_hip_yaw_z = o_l_hip_yaw_z - qd[11];
+        let a_r_hip_yaw_x = a_l_hip_yaw_x.mul_plus(c_r_hip_yaw, e58 * s_r_hip_yaw);
+        let a_r_hip_yaw_x = (-o_r_hip_yaw_y).mul_plus(qd[11], a_r_hip_yaw_x);
+        let a_r_hip_yaw_y = a_l_hip_yaw_x.mul_plus(s_r_hip_yaw, -(e58 * c_r_hip_yaw));
+        let a_r_hip_yaw_y = o_r_hip_yaw_x.mul_plus(qd[11], a_r_hip_yaw_y);
+        let a_r_hip_yaw_z = a_l_hip_yaw_z - qdd[11];
+        let e159 = o_r_hip_yaw_x * o_r_hip_yaw_x;
+        let e160 = o_r_hip_yaw_y * o_r_hip_yaw_y;
+        let e161 = o_r_hip_yaw_z * o_r_hip_yaw_z;
+        let e162 = o_r_hip_yaw_x * o_r_hip_yaw_y;
+        let e163 = o_r_hip_yaw_y * o_r_hip_yaw_z;
+        let e164 = e160 + e161;
+        let e165 = e162 - a_r_hip_yaw_z;
+        let e166 = e162 + a_r_hip_yaw_z;
+        let e167 = o_r_hip_yaw_x.mul_plus(o_r_hip_yaw_z, -a_r_hip_yaw_y);
+        let e168 = e163 + a_r_hip_yaw_x;
+        // r_hip_roll
+        let o_r_hip_roll_x = o_r_hip_yaw_y.mul_plus(c_r_hip_roll, -(o_r_hip_yaw_z * s_r_hip_roll));
+        let o_r_hip_roll_y = o_r_hip_yaw_z.mul_plus(c_r_hip_roll, o_r_hip_yaw_y * s_r_hip_roll);
+        let o_r_hip_roll_z = o_r_hip_yaw_x - qd[12];
+        let a_r_hip_roll_x = a_r_hip_yaw_y.mul_plus(c_r_hip_roll, -(a_r_hip_yaw_z * s_r_hip_roll));
+        let a_r_hip_roll_x = (-o_r_hip_roll_y).mul_plus(qd[12], a_r_hip_roll_x);
+        let a_r_hip_roll_y = a_r_hip_yaw_z.mul_plus(c_r_hip_roll, a_r_hip_yaw_y * s_r_hip_roll);
+        let a_r_hip_roll_y = o_r_hip_roll_x.mul_plus(qd[12], a_r_hip_roll_y);
+        let a_r_hip_roll_z = a_r_hip_yaw_x - qdd[12];
+        let e169 = o_r_hip_roll_x * o_r_hip_roll_x;
+        let e170 = o_r_hip_roll_y * o_r_hip_roll_y;
+        let e171 = o_r_hip_roll_z * o_r_hip_roll_z;
+        let e172 = o_r_hip_roll_x * o_r_hip_roll_y;
+        let e173 = o_r_hip_roll_x * o_r_hip_roll_z;
+        let e174 = o_r_hip_roll_y * o_r_hip_roll_z;
+        let e175 = e170 + e171;
+        let e176 = e169 + e171;
+        let e177 = e169 + e170;
+        let e178 = e172 - a_r_hip_roll_z;
+        let e179 = e172 + a_r_hip_roll_z;
+        let e180 = e173 - a_r_hip_roll_y;
+        let e181 = e174 + a_r_hip_roll_x;
+        // r_hip_pitch
+        let e182 = o_r_hip_roll_z.mul_plus(c_r_hip_pitch, -(o_r_hip_roll_y * s_r_hip_pitch));
+        let e183 = o_r_hip_roll_z.mul_plus(s_r_hip_pitch, o_r_hip_roll_y * c_r_hip_pitch);
+        let e184 = o_r_hip_roll_x + qd[13];
+        let a_r_hip_pitch_x = a_r_hip_roll_z
+            .mul_plus(c_r_hip_pitch, -(a_r_hip_roll_y * s_r_hip_pitch));
+        let a_r_hip_pitch_x = e183.mul_plus(qd[13], -a_r_hip_pitch_x);
+        let e185 = a_r_hip_roll_z.mul_plus(s_r_hip_pitch, a_r_hip_roll_y * c_r_hip_pitch);
+        let e185 = e182.mul_plus(qd[13], e185);
+        let e186 = a_r_hip_roll_x + qdd[13];
+        let e187 = e182 * e182;
+        let e188 = e183 * e183;
+        let e189 = e184 * e184;
+        let e190 = e182 * e183;
+        let e191 = e182 * e184;
+        let e192 = e183 * e184;
+        let e193 = e188 + e189;
+        let e194 = e187 + e189;
+        let e195 = e187 + e188;
+        let e196 = e190 + e186;
+        let e197 = e190 - e186;
+        let e198 = e191 + e185;
+        let e199 = e192 + a_r_hip_pitch_x;
+        // r_knee
+        let o_r_knee_x = e183.mul_plus(s_r_knee, -(e182 * c_r_knee));
+        let e200 = e183.mul_plus(c_r_knee, e182 * s_r_knee);
+        let e201 = e184 + qd[14];
+        let a_r_knee_x = a_r_hip_pitch_x.mul_plus(c_r_knee, e185 * s_r_knee);
+        let a_r_knee_x = e200.mul_plus(qd[14], a_r_knee_x);
+        let a_r_knee_y = a_r_hip_pitch_x.mul_plus(s_r_knee, -(e185 * c_r_knee));
+        let a_r_knee_y = o_r_knee_x.mul_plus(qd[14], a_r_knee_y);
+        let e202 = e186 + qdd[14];
+        let e203 = o_r_knee_x * o_r_knee_x;
+        let e204 = e200 * e200;
+        let e205 = e201 * e201;
+        let e206 = o_r_knee_x * e200;
+        let e207 = o_r_knee_x * e201;
+        let e208 = e200 * e201;
+        let e209 = e204 + e205;
+        let e210 = e203 + e205;
+        let e211 = e203 + e204;
+        let e212 = e202 - e206;
+        let e213 = e206 + e202;
+        let e214 = e207 + a_r_knee_y;
+        let e215 = e208 + a_r_knee_x;
+        // r_ank_pitch
+        let o_r_ank_pitch_x = o_r_knee_x.mul_plus(c_r_ank_pitch, -(e200 * s_r_ank_pitch));
+        let e216 = e200.mul_plus(c_r_ank_pitch, o_r_knee_x * s_r_ank_pitch);
+        let o_r_ank_pitch_z = qd[15] - e201;
+        let a_r_ank_pitch_x = a_r_knee_x.mul_plus(c_r_ank_pitch, a_r_knee_y * s_r_ank_pitch);
+        let a_r_ank_pitch_x = (-e216).mul_plus(qd[15], a_r_ank_pitch_x);
+        let a_r_ank_pitch_y = a_r_knee_y.mul_plus(c_r_ank_pitch, -(a_r_knee_x * s_r_ank_pitch));
+        let a_r_ank_pitch_y = (-o_r_ank_pitch_x).mul_plus(qd[15], a_r_ank_pitch_y);
+        let a_r_ank_pitch_z = qdd[15] - e202;
+        let e217 = o_r_ank_pitch_x * o_r_ank_pitch_x;
+        let e218 = e216 * e216;
+        let e219 = o_r_ank_pitch_z * o_r_ank_pitch_z;
+        let e220 = o_r_ank_pitch_x * e216;
+        let e221 = o_r_ank_pitch_x * o_r_ank_pitch_z;
+        let e222 = e216 * o_r_ank_pitch_z;
+        let e223 = e218 + e219;
+        let e224 = e217 + e219;
+        let e225 = e217 + e218;
+        let e226 = e220 + a_r_ank_pitch_z;
+        let e227 = a_r_ank_pitch_z - e220;
+        let e228 = e221 - a_r_ank_pitch_y;
+        let e229 = a_r_ank_pitch_x - e222;
+        // r_ank_roll
+        let e230 = o_r_ank_pitch_z.mul_plus(c_r_ank_roll, -(e216 * s_r_ank_roll));
+        let o_r_ank_roll_y = o_r_ank_pitch_z.mul_plus(s_r_ank_roll, e216 * c_r_ank_roll);
+        let o_r_ank_roll_z = qd[16] - o_r_ank_pitch_x;
+        let a_r_ank_roll_x = a_r_ank_pitch_y.mul_plus(s_r_ank_roll, a_r_ank_pitch_z * c_r_ank_roll);
+        let a_r_ank_roll_x = o_r_ank_roll_y.mul_plus(qd[16], -a_r_ank_roll_x);
+        let a_r_ank_roll_y = a_r_ank_pitch_z
+            .mul_plus(s_r_ank_roll, -(a_r_ank_pitch_y * c_r_ank_roll));
+        let a_r_ank_roll_y = e230.mul_plus(qd[16], a_r_ank_roll_y);
+        let a_r_ank_roll_z = qdd[16] - a_r_ank_pitch_x;
+        let e231 = e230 * e230;
+        let e232 = o_r_ank_roll_y * o_r_ank_roll_y;
+        let e233 = o_r_ank_roll_z * o_r_ank_roll_z;
+        let e234 = e230 * o_r_ank_roll_y;
+        let e235 = e230 * o_r_ank_roll_z;
+        let e236 = o_r_ank_roll_y * o_r_ank_roll_z;
+        let e237 = e232 + e233;
+        let e238 = e231 + e233;
+        let e239 = e231 + e232;
+        let e240 = e234 + a_r_ank_roll_z;
+        let e241 = a_r_ank_roll_z - e234;
+        let e242 = e235 + a_r_ank_roll_y;
+        let e243 = e236 + a_r_ank_roll_x;
+        // r_sho_pitch
+        let e244 = o_l_hip_yaw_x.mul_plus(c_r_sho_pitch, o_l_hip_yaw_z * s_r_sho_pitch);
+        let e245 = o_l_hip_yaw_z.mul_plus(c_r_sho_pitch, -(o_l_hip_yaw_x * s_r_sho_pitch));
+        let o_r_sho_pitch_z = e57 + qd[17];
+        let e246 = a_l_hip_yaw_x.mul_plus(c_r_sho_pitch, a_l_hip_yaw_z * s_r_sho_pitch);
+        let e246 = e245.mul_plus(qd[17], e246);
+        let a_r_sho_pitch_y = a_l_hip_yaw_z
+            .mul_plus(c_r_sho_pitch, -(a_l_hip_yaw_x * s_r_sho_pitch));
+        let a_r_sho_pitch_y = e244.mul_plus(qd[17], -a_r_sho_pitch_y);
+        let a_r_sho_pitch_z = e58 + qdd[17];
+        let e247 = e244 * e244;
+        let e248 = e245 * e245;
+        let e249 = o_r_sho_pitch_z * o_r_sho_pitch_z;
+        let e250 = e244 * e245;
+        let e251 = e244 * o_r_sho_pitch_z;
+        let e252 = e245 * o_r_sho_pitch_z;
+        let e253 = e248 + e249;
+        let e254 = e247 + e249;
+        let e255 = e247 + e248;
+        let e256 = e250 - a_r_sho_pitch_z;
+        let e257 = a_r_sho_pitch_y - e251;
+        let e258 = e250 + a_r_sho_pitch_z;
+        let e259 = e246 - e252;
+        let e260 = e251 + a_r_sho_pitch_y;
+        let e261 = e252 + e246;
+        // r_sho_roll
+        let e262 = e245.mul_plus(s_r_sho_roll, o_r_sho_pitch_z * c_r_sho_roll);
+        let o_r_sho_roll_y = e245.mul_plus(c_r_sho_roll, -(o_r_sho_pitch_z * s_r_sho_roll));
+        let o_r_sho_roll_z = e244 - qd[18];
+        let e263 = a_r_sho_pitch_z.mul_plus(c_r_sho_roll, -(a_r_sho_pitch_y * s_r_sho_roll));
+        let e263 = o_r_sho_roll_y.mul_plus(qd[18], e263);
+        let e264 = a_r_sho_pitch_z.mul_plus(s_r_sho_roll, a_r_sho_pitch_y * c_r_sho_roll);
+        let e264 = e262.mul_plus(qd[18], e264);
+        let a_r_sho_roll_z = e246 - qdd[18];
+        let e265 = e262 * e262;
+        let e266 = o_r_sho_roll_y * o_r_sho_roll_y;
+        let e267 = o_r_sho_roll_z * o_r_sho_roll_z;
+        let e268 = e262 * o_r_sho_roll_y;
+        let e269 = e262 * o_r_sho_roll_z;
+        let e270 = o_r_sho_roll_y * o_r_sho_roll_z;
+        let e271 = e266 + e267;
+        let e272 = e265 + e267;
+        let e273 = e265 + e266;
+        let e274 = e268 + a_r_sho_roll_z;
+        let e275 = e269 + e264;
+        let e276 = a_r_sho_roll_z - e268;
+        let e277 = e270 + e263;
+        let e278 = e264 - e269;
+        let e279 = e270 - e263;
+        // r_el
+        let e280 = o_r_sho_roll_y.mul_plus(c_r_el, -(o_r_sho_roll_z * s_r_el));
+        let o_r_el_y = o_r_sho_roll_z.mul_plus(c_r_el, o_r_sho_roll_y * s_r_el);
+        let o_r_el_z = e262 + qd[19];
+        let a_r_el_x = e264.mul_plus(c_r_el, a_r_sho_roll_z * s_r_el);
+        let a_r_el_x = o_r_el_y.mul_plus(qd[19], a_r_el_x);
+        let a_r_el_y = a_r_sho_roll_z.mul_plus(c_r_el, -(e264 * s_r_el));
+        let a_r_el_y = e280.mul_plus(qd[19], a_r_el_y);
+        let a_r_el_z = e263 + qdd[19];
+        let e281 = e280 * e280;
+        let e282 = o_r_el_y * o_r_el_y;
+        let e283 = o_r_el_z * o_r_el_z;
+        let e284 = e280 * o_r_el_y;
+        let e285 = e280 * o_r_el_z;
+        let e286 = o_r_el_y * o_r_el_z;
+        let e287 = e282 + e283;
+        let e288 = e281 + e283;
+        let e289 = e281 + e282;
+        let e290 = e284 + a_r_el_z;
+        let e291 = a_r_el_z - e284;
+        let e292 = e285 + a_r_el_y;
+        let e293 = e286 + a_r_el_x;
+        let e294 = r[41].mul_plus(e287, r[42] * e290);
+        let f_r_el_y = r[41].mul_plus(e291, -(r[42] * e288));
+        let f_r_el_z = r[42].mul_plus(e293, -(r[41] * e292));
+        // r_sho_roll
+        let f_r_sho_roll_x = f_r_el_z - r[39].mul_plus(e271, r[40] * e274);
+        let p6 = c_r_el.mul_plus(e294, s_r_el * f_r_el_y);
+        let f_r_sho_roll_y = r[39].mul_plus(e276, -(r[40] * e272)) - p6;
+        let p7 = s_r_el.mul_plus(e294, -(c_r_el * f_r_el_y));
+        let f_r_sho_roll_z = r[39].mul_plus(e278, r[40] * e279) + p7;
+        // r_sho_pitch
+        let f_r_sho_pitch_x = r[38].mul_plus(e256, -(r[37] * e253)) + f_r_sho_roll_z;
+        let p8 = c_r_sho_roll.mul_plus(f_r_sho_roll_y, -(s_r_sho_roll * f_r_sho_roll_x));
+        let f_r_sho_pitch_y = r[37].mul_plus(e258, -(r[38] * e254)) + p8;
+        let p9 = r[37].mul_plus(e260, r[38] * e261);
+        let f_r_sho_pitch_z = c_r_sho_roll
+            .mul_plus(f_r_sho_roll_x, s_r_sho_roll * f_r_sho_roll_y) - p9;
+        // r_ank_roll
+        let e295 = r[35].mul_plus(e237, r[36] * e240);
+        let f_r_ank_roll_y = r[35].mul_plus(e241, -(r[36] * e238));
+        let f_r_ank_roll_z = r[36].mul_plus(e243, -(r[35] * e242));
+        // r_ank_pitch
+        let f_r_ank_pitch_x = f_r_ank_roll_z - r[33].mul_plus(e223, r[34] * e226);
+        let p10 = c_r_ank_roll.mul_plus(f_r_ank_roll_y, -(s_r_ank_roll * e295));
+        let f_r_ank_pitch_y = r[33].mul_plus(e227, -(r[34] * e224)) + p10;
+        let p11 = c_r_ank_roll.mul_plus(e295, s_r_ank_roll * f_r_ank_roll_y);
+        let f_r_ank_pitch_z = r[33].mul_plus(e228, r[34] * e229) - p11;
+        // r_knee
+        let p12 = c_r_ank_pitch.mul_plus(f_r_ank_pitch_x, -(s_r_ank_pitch * f_r_ank_pitch_y));
+        let f_r_knee_x = r[32].mul_plus(e212, -(r[31] * e209)) + p12;
+        let p13 = r[31].mul_plus(e213, r[32] * e210);
+        let f_r_knee_y = s_r_ank_pitch
+            .mul_plus(f_r_ank_pitch_x, c_r_ank_pitch * f_r_ank_pitch_y) - p13;
+        let f_r_knee_z = r[32].mul_plus(e215, -(r[31] * e214)) + f_r_ank_pitch_z;
+        // r_hip_pitch
+        let p14 = c_r_knee.mul_plus(f_r_knee_x, s_r_knee * f_r_knee_y);
+        let f_r_hip_pitch_x = r[30].mul_plus(e196, -(r[29] * e193)) + p14;
+        let p15 = c_r_knee.mul_plus(f_r_knee_y, -(s_r_knee * f_r_knee_x));
+        let f_r_hip_pitch_y = r[29].mul_plus(e197, -(r[30] * e194)) + p15;
+        let f_r_hip_pitch_z = r[29].mul_plus(e198, r[30] * e199) + f_r_knee_z;
+        // r_hip_roll
+        let f_r_hip_roll_x = r[28].mul_plus(e178, -(r[27] * e175)) + f_r_hip_pitch_z;
+        let p16 = c_r_hip_pitch.mul_plus(f_r_hip_pitch_y, -(s_r_hip_pitch * f_r_hip_pitch_x));
+        let f_r_hip_roll_y = r[27].mul_plus(e179, -(r[28] * e176)) + p16;
+        let p17 = c_r_hip_pitch.mul_plus(f_r_hip_pitch_x, s_r_hip_pitch * f_r_hip_pitch_y);
+        let f_r_hip_roll_z = r[27].mul_plus(e180, r[28] * e181) + p17;
+        // r_hip_yaw
+        let f_r_hip_yaw_x = r[26].mul_plus(e165, -(r[25] * e164)) + f_r_hip_roll_z;
+        let p18 = c_r_hip_roll.mul_plus(f_r_hip_roll_x, s_r_hip_roll * f_r_hip_roll_y);
+        let f_r_hip_yaw_y = r[25].mul_plus(e166, -(r[26] * (e159 + e161))) + p18;
+        let p19 = c_r_hip_roll.mul_plus(f_r_hip_roll_y, -(s_r_hip_roll * f_r_hip_roll_x));
+        let f_r_hip_yaw_z = r[25].mul_plus(e167, r[26] * e168) + p19;
+        // l_el
+        let e296 = r[23].mul_plus(e152, r[24] * e155);
+        let f_l_el_y = r[23].mul_plus(e156, -(r[24] * e153));
+        let f_l_el_z = r[23].mul_plus(e157, r[24] * e158);
+        // l_sho_roll
+        let f_l_sho_roll_x = r[22].mul_plus(e137, -(r[21] * e134)) + f_l_el_z;
+        let p20 = r[21].mul_plus(e139, r[22] * e135);
+        let f_l_sho_roll_y = s_l_el.mul_plus(f_l_el_y, -(c_l_el * e296)) - p20;
+        let p21 = s_l_el.mul_plus(e296, c_l_el * f_l_el_y);
+        let f_l_sho_roll_z = r[22].mul_plus(e142, -(r[21] * e141)) - p21;
+        // l_sho_pitch
+        let f_l_sho_pitch_x = r[20].mul_plus(e119, -(r[19] * e116)) + f_l_sho_roll_z;
+        let p22 = c_l_sho_roll.mul_plus(f_l_sho_roll_y, -(s_l_sho_roll * f_l_sho_roll_x));
+        let f_l_sho_pitch_y = r[19].mul_plus(e121, -(r[20] * e117)) + p22;
+        let p23 = c_l_sho_roll.mul_plus(f_l_sho_roll_x, s_l_sho_roll * f_l_sho_roll_y);
+        let f_l_sho_pitch_z = r[19].mul_plus(e123, r[20] * e124) + p23;
+        // head_tilt
+        let f_head_tilt_x = r[18].mul_plus(e103, -(r[17] * e100));
+        let e297 = r[17].mul_plus(e104, r[18] * e101);
+        let f_head_tilt_z = r[18].mul_plus(e106, -(r[17] * e105));
+        // head_pan
+        let p24 = r[15].mul_plus(e82, r[16] * e85);
+        let f_head_pan_x = c_head_tilt.mul_plus(f_head_tilt_x, -(s_head_tilt * e297))
+            - p24;
+        let f_head_pan_y = r[15].mul_plus(e87, -(r[16] * e83)) + f_head_tilt_z;
+        let p25 = s_head_tilt.mul_plus(f_head_tilt_x, c_head_tilt * e297);
+        let f_head_pan_z = r[15].mul_plus(e89, r[16] * e90) + p25;
+        // l_hip_yaw
+        let p26 = r[13].mul_plus(e65, r[14] * e68);
+        let p27 = c_l_sho_pitch.mul_plus(f_l_sho_pitch_x, s_l_sho_pitch * f_l_sho_pitch_y);
+        let p28 = c_r_sho_pitch.mul_plus(f_r_sho_pitch_x, -(s_r_sho_pitch * f_r_sho_pitch_y));
+        let p29 = c_r_hip_yaw.mul_plus(f_r_hip_yaw_x, s_r_hip_yaw * f_r_hip_yaw_y);
+        let f_l_hip_yaw_x = c_head_pan
+            .mul_plus(f_head_pan_x, -(s_head_pan * f_head_pan_y)) - p26 + p27 + p28
+            + p29;
+        let p30 = s_head_pan.mul_plus(f_head_pan_x, c_head_pan * f_head_pan_y);
+        let p31 = c_r_hip_yaw.mul_plus(f_r_hip_yaw_y, -(s_r_hip_yaw * f_r_hip_yaw_x));
+        let f_l_hip_yaw_y = r[13].mul_plus(e70, -(r[14] * e66)) + p30 + f_l_sho_pitch_z
+            + f_r_sho_pitch_z + p31;
+        let p32 = c_l_sho_pitch.mul_plus(f_l_sho_pitch_y, -(s_l_sho_pitch * f_l_sho_pitch_x));
+        let p33 = s_r_sho_pitch.mul_plus(f_r_sho_pitch_x, c_r_sho_pitch * f_r_sho_pitch_y);
+        let f_l_hip_yaw_z = r[13].mul_plus(e72, r[14] * e73) + f_head_pan_z + p32 + p33
+            + f_r_hip_yaw_z;
+        // l_hip_roll
+        let p34 = r[11].mul_plus(e48 + e49, r[12] * e53);
+        let f_l_hip_roll_x = s_l_hip_yaw.mul_plus(f_l_hip_yaw_x, c_l_hip_yaw * f_l_hip_yaw_y) - p34;
+        let f_l_hip_roll_y = r[11].mul_plus(e54, -(r[12] * e52)) + f_l_hip_yaw_z;
+        let p35 = c_l_hip_yaw.mul_plus(f_l_hip_yaw_x, -(s_l_hip_yaw * f_l_hip_yaw_y));
+        let f_l_hip_roll_z = r[12].mul_plus(e56, -(r[11] * e55)) + p35;
+        // l_hip_pitch
+        let f_l_hip_pitch_x = r[10].mul_plus(e42, -(r[9] * e39)) + f_l_hip_roll_z;
+        let p36 = s_l_hip_roll.mul_plus(f_l_hip_roll_x, c_l_hip_roll * f_l_hip_roll_y);
+        let f_l_hip_pitch_y = r[9].mul_plus(e43, -(r[10] * e40)) + p36;
+        let p37 = c_l_hip_roll.mul_plus(f_l_hip_roll_x, -(s_l_hip_roll * f_l_hip_roll_y));
+        let f_l_hip_pitch_z = r[9].mul_plus(e44, r[10] * e45) + p37;
+        // l_knee
+        let p38 = c_l_hip_pitch.mul_plus(f_l_hip_pitch_x, s_l_hip_pitch * f_l_hip_pitch_y);
+        let f_l_knee_x = r[8].mul_plus(e29, -(r[7] * e26)) + p38;
+        let p39 = c_l_hip_pitch.mul_plus(f_l_hip_pitch_y, -(s_l_hip_pitch * f_l_hip_pitch_x));
+        let f_l_knee_y = r[7].mul_plus(e30, -(r[8] * e27)) + p39;
+        let f_l_knee_z = r[7].mul_plus(e31, r[8] * e32) + f_l_hip_pitch_z;
+        // l_ank_pitch
+        let p40 = r[5].mul_plus(e13, r[6] * e16);
+        let f_l_ank_pitch_x = c_l_knee.mul_plus(f_l_knee_x, s_l_knee * f_l_knee_y) - p40;
+        let p41 = c_l_knee.mul_plus(f_l_knee_y, -(s_l_knee * f_l_knee_x));
+        let f_l_ank_pitch_y = r[5].mul_plus(e17, -(r[6] * e14)) + p41;
+        let f_l_ank_pitch_z = r[5].mul_plus(e18, r[6] * e19) + f_l_knee_z;
+        // l_ank_roll
+        let f_l_ank_roll_z = c_l_ank_pitch
+            .mul_plus(f_l_ank_pitch_x, -(s_l_ank_pitch * f_l_ank_pitch_y));
+        let f_l_ank_roll_x = r[4].mul_plus(qdd[7], -(r[3] * e4)) + f_l_ank_pitch_z;
+        let p42 = r[3].mul_plus(qdd[7], r[4] * e4);
+        let f_l_ank_roll_y = s_l_ank_pitch
+            .mul_plus(f_l_ank_pitch_x, c_l_ank_pitch * f_l_ank_pitch_y) - p42;
+        // l_sole
+        let f_l_sole_y = c_l_ank_roll.mul_plus(f_l_ank_roll_x, s_l_ank_roll * f_l_ank_roll_y);
+        let f_l_sole_z = c_l_ank_roll.mul_plus(f_l_ank_roll_y, -(s_l_ank_roll * f_l_ank_roll_x));
+        // r_el
+        let g_r_el_x = e287
+            .mul_plus(T::from_f64(0.000273408178112904), T::from_f64(0.000929017483189518) * e290);
+        let g_r_el_y = e288
+            .mul_plus(
+                T::from_f64(0.000929017483189518),
+                -(T::from_f64(0.000273408178112904) * e291),
+            );
+        let g_r_el_z = e292
+            .mul_plus(
+                T::from_f64(0.000273408178112904),
+                -(T::from_f64(0.000929017483189518) * e293),
+            );
+        let p43 = e293
+            .mul_plus(
+                T::from_f64(0.00006865145386171288),
+                -(T::from_f64(0.000014749587945905814) * e292),
+            );
+        let p44 = e291
+            .mul_plus(
+                T::from_f64(0.0000019716071492440347),
+                -(T::from_f64(0.000008004954384683086) * e288),
+            );
+        let n_r_el_x = (-e289).mul_plus(T::from_f64(0.000008004954384683086), p43) - p44;
+        let p45 = e293
+            .mul_plus(
+                T::from_f64(0.000014749587945905814),
+                -(T::from_f64(0.000007312157109986523) * e292),
+            );
+        let p46 = (-e289).mul_plus(T::from_f64(0.0000019716071492440347), p45);
+        let e298 = e287
+            .mul_plus(
+                T::from_f64(0.0000019716071492440347),
+                T::from_f64(0.000008004954384683086) * e290,
+            ) + p46;
+        let p47 = e291
+            .mul_plus(
+                T::from_f64(0.000007312157109986523),
+                -(T::from_f64(0.000014749587945905814) * e288),
+            );
+        let p48 = e287
+            .mul_plus(
+                T::from_f64(0.000014749587945905814),
+                T::from_f64(0.00006865145386171288) * e290,
+            );
+        let p49 = (a_r_el_y - e285).mul_plus(T::from_f64(0.000008004954384683086), -p48);
+        let n_r_el_z = (e286 - a_r_el_x).mul_plus(T::from_f64(0.0000019716071492440347), p47) - p49;
+        // r_sho_roll
+        let e299 = s_r_el
+            .mul_plus(
+                T::from_f64(0.000929017483189518),
+                -(T::from_f64(0.000273408178112904) * c_r_el),
+            );
+        let h_r_sho_roll_z = s_r_el
+            .mul_plus(
+                T::from_f64(0.000273408178112904),
+                T::from_f64(0.000929017483189518) * c_r_el,
+            );
+        let e300 = c_r_el.mul_plus(g_r_el_x, -(s_r_el * g_r_el_y));
+        let e301 = s_r_el.mul_plus(g_r_el_x, c_r_el * g_r_el_y);
+        let e302 = e274.mul_plus(T::from_f64(0.06), -(T::from_f64(0.016) * e275));
+        let h_r_sho_roll_y = e299 - T::from_f64(0.003301899427745445);
+        let g_r_sho_roll_x = e271
+            .mul_plus(
+                T::from_f64(0.0001730709697837521),
+                T::from_f64(0.003301899427745445) * e274,
+            ) + g_r_el_z;
+        let g_r_sho_roll_y = e272
+            .mul_plus(
+                T::from_f64(0.003301899427745445),
+                -(T::from_f64(0.0001730709697837521) * e276),
+            ) + e300;
+        let e303 = e278
+            .mul_plus(
+                T::from_f64(0.0001730709697837521),
+                T::from_f64(0.003301899427745445) * e279,
+            ) + e301;
+        let p50 = e278
+            .mul_plus(
+                T::from_f64(0.000008770440350153032),
+                T::from_f64(0.00018228272296269858) * e279,
+            );
+        let p51 = e272
+            .mul_plus(
+                T::from_f64(0.000021611694608984365),
+                -(T::from_f64(0.00000249070310952364) * e276),
+            );
+        let p52 = e301.mul_plus(T::from_f64(0.06), -(T::from_f64(0.016) * e300));
+        let p53 = e279.mul_plus(T::from_f64(0.06), T::from_f64(0.016) * e273);
+        let p54 = e272.mul_plus(T::from_f64(0.06), T::from_f64(0.016) * e277);
+        let p55 = e299.mul_plus(p53, h_r_sho_roll_z * p54);
+        let n_r_sho_roll_x = e273.mul_plus(T::from_f64(0.000021611694608984365), p50)
+            - p51 + (p52 - n_r_el_z - p55);
+        let p56 = e278
+            .mul_plus(
+                T::from_f64(0.000009582825299676476),
+                T::from_f64(0.000008770440350153032) * e279,
+            );
+        let p57 = e273.mul_plus(T::from_f64(0.00000249070310952364), p56);
+        let p58 = c_r_el.mul_plus(n_r_el_x, s_r_el * e298);
+        let p59 = g_r_el_z.mul_plus(T::from_f64(0.016), -p58);
+        let p60 = h_r_sho_roll_z.mul_plus(e302, p59);
+        let n_r_sho_roll_y = e271
+            .mul_plus(
+                T::from_f64(0.00000249070310952364),
+                T::from_f64(0.000021611694608984365) * e274,
+            ) - p57 + p60;
+        let p61 = e276
+            .mul_plus(
+                T::from_f64(0.000009582825299676476),
+                -(T::from_f64(0.000008770440350153032) * e272),
+            );
+        let p62 = e271
+            .mul_plus(
+                T::from_f64(0.000008770440350153032),
+                T::from_f64(0.00018228272296269858) * e274,
+            );
+        let p63 = e275.mul_plus(T::from_f64(0.000021611694608984365), -p62);
+        let p64 = c_r_el.mul_plus(e298, -(s_r_el * n_r_el_x));
+        let p65 = g_r_el_z.mul_plus(T::from_f64(0.06), -p64);
+        let p66 = (-e299).mul_plus(e302, p65);
+        let n_r_sho_roll_z = (-e277).mul_plus(T::from_f64(0.00000249070310952364), p61)
+            - p63 + p66;
+        // r_sho_pitch
+        let e304 = s_r_sho_roll
+            .mul_plus(T::from_f64(0.0001730709697837521), c_r_sho_roll * h_r_sho_roll_y);
+        let h_r_sho_pitch_z = s_r_sho_roll
+            .mul_plus(h_r_sho_roll_y, -(T::from_f64(0.0001730709697837521) * c_r_sho_roll));
+        let e305 = c_r_sho_roll.mul_plus(g_r_sho_roll_y, -(s_r_sho_roll * g_r_sho_roll_x));
+        let e306 = c_r_sho_roll.mul_plus(g_r_sho_roll_x, s_r_sho_roll * g_r_sho_roll_y);
+        let e307 = e256.mul_plus(T::from_f64(0.016), T::from_f64(0.119) * e257);
+        let e308 = e254.mul_plus(T::from_f64(0.016), -(T::from_f64(0.119) * e259));
+        let e309 = e261.mul_plus(T::from_f64(0.016), T::from_f64(0.119) * e255);
+        let h_r_sho_pitch_x = T::from_f64(0.00037887327917640026) + h_r_sho_roll_z;
+        let h_r_sho_pitch_y = e304 - T::from_f64(0.0012960221329661491);
+        let e310 = e253
+            .mul_plus(
+                T::from_f64(0.00037887327917640026),
+                T::from_f64(0.0012960221329661491) * e256,
+            ) + e303;
+        let g_r_sho_pitch_y = e258
+            .mul_plus(
+                T::from_f64(0.00037887327917640026),
+                T::from_f64(0.0012960221329661491) * e254,
+            ) + e305;
+        let g_r_sho_pitch_z = e261
+            .mul_plus(
+                T::from_f64(0.0012960221329661491),
+                -(T::from_f64(0.00037887327917640026) * e260),
+            ) + e306;
+        let p67 = e260
+            .mul_plus(
+                T::from_f64(0.000006049466968514166),
+                -(T::from_f64(0.000021025263749857257) * e261),
+            );
+        let p68 = e258
+            .mul_plus(
+                T::from_f64(0.00004507341486757967),
+                T::from_f64(0.00015411766630620325) * e254,
+            );
+        let p69 = e305.mul_plus(T::from_f64(0.119), -(T::from_f64(0.016) * e306));
+        let p70 = e304.mul_plus(e309, -(h_r_sho_pitch_z * e308));
+        let n_r_sho_pitch_x = (-e255).mul_plus(T::from_f64(0.00015411766630620325), p67)
+            + p68 + (p69 - n_r_sho_roll_z + p70);
+        let p71 = e261
+            .mul_plus(
+                T::from_f64(0.000006049466968514166),
+                -(T::from_f64(0.000015751469565172988) * e260),
+            );
+        let p72 = e255.mul_plus(T::from_f64(0.00004507341486757967), p71);
+        let p73 = c_r_sho_roll.mul_plus(n_r_sho_roll_y, -(s_r_sho_roll * n_r_sho_roll_x));
+        let p74 = e303.mul_plus(T::from_f64(0.119), -p73);
+        let p75 = h_r_sho_pitch_z.mul_plus(e307, h_r_sho_roll_z * e309);
+        let n_r_sho_pitch_y = e253
+            .mul_plus(
+                T::from_f64(0.00004507341486757967),
+                T::from_f64(0.00015411766630620325) * e256,
+            ) - p72 + (p74 - p75);
+        let p76 = e258
+            .mul_plus(
+                T::from_f64(0.000015751469565172988),
+                T::from_f64(0.000006049466968514166) * e254,
+            );
+        let p77 = e253
+            .mul_plus(
+                T::from_f64(0.000006049466968514166),
+                T::from_f64(0.000021025263749857257) * e256,
+            );
+        let p78 = e257.mul_plus(T::from_f64(0.00015411766630620325), p77);
+        let p79 = h_r_sho_roll_z.mul_plus(e308, e304 * e307);
+        let p80 = c_r_sho_roll.mul_plus(n_r_sho_roll_x, s_r_sho_roll * n_r_sho_roll_y);
+        let p81 = e303.mul_plus(T::from_f64(0.016), p80);
+        let n_r_sho_pitch_z = (-e259).mul_plus(T::from_f64(0.00004507341486757967), p76)
+            - p78 + (p79 - p81);
+        // r_ank_roll
+        let g_r_ank_roll_x = e237
+            .mul_plus(
+                T::from_f64(0.00025816139346608233),
+                T::from_f64(0.0007059822837621398) * e240,
+            );
+        let g_r_ank_roll_y = e238
+            .mul_plus(
+                T::from_f64(0.0007059822837621398),
+                -(T::from_f64(0.00025816139346608233) * e241),
+            );
+        let g_r_ank_roll_z = e242
+            .mul_plus(
+                T::from_f64(0.00025816139346608233),
+                -(T::from_f64(0.0007059822837621398) * e243),
+            );
+        let p82 = e243
+            .mul_plus(
+                T::from_f64(0.000021134117049132984),
+                -(T::from_f64(0.000007576886585148148) * e242),
+            );
+        let p83 = e241
+            .mul_plus(
+                T::from_f64(0.00000020458297722683973),
+                -(T::from_f64(0.000000021314061318441703) * e238),
+            );
+        let n_r_ank_roll_x = (-e239).mul_plus(T::from_f64(0.000000021314061318441703), p82) - p83;
+        let p84 = e243
+            .mul_plus(
+                T::from_f64(0.000007576886585148148),
+                -(T::from_f64(0.000011924058013889746) * e242),
+            );
+        let p85 = (-e239).mul_plus(T::from_f64(0.00000020458297722683973), p84);
+        let e311 = e237
+            .mul_plus(
+                T::from_f64(0.00000020458297722683973),
+                T::from_f64(0.000000021314061318441703) * e240,
+            ) + p85;
+        let p86 = e241
+            .mul_plus(
+                T::from_f64(0.000011924058013889746),
+                -(T::from_f64(0.000007576886585148148) * e238),
+            );
+        let p87 = e237
+            .mul_plus(
+                T::from_f64(0.000007576886585148148),
+                T::from_f64(0.000021134117049132984) * e240,
+            );
+        let p88 = (a_r_ank_roll_y - e235).mul_plus(T::from_f64(0.000000021314061318441703), -p87);
+        let n_r_ank_roll_z = (e236 - a_r_ank_roll_x)
+            .mul_plus(T::from_f64(0.00000020458297722683973), p86) - p88;
+        // r_ank_pitch
+        let h_r_ank_pitch_z = s_r_ank_roll
+            .mul_plus(
+                T::from_f64(0.0007059822837621398),
+                -(T::from_f64(0.00025816139346608233) * c_r_ank_roll),
+            );
+        let h_r_ank_pitch_y = T::from_f64(0.0007924947431313887)
+            - s_r_ank_roll
+                .mul_plus(
+                    T::from_f64(0.00025816139346608233),
+                    T::from_f64(0.0007059822837621398) * c_r_ank_roll,
+                );
+        let g_r_ank_pitch_x = e223
+            .mul_plus(
+                T::from_f64(0.0010725237405351177),
+                -(T::from_f64(0.0007924947431313887) * e226),
+            ) + g_r_ank_roll_z;
+        let p89 = e227
+            .mul_plus(
+                T::from_f64(0.0010725237405351177),
+                T::from_f64(0.0007924947431313887) * e224,
+            );
+        let g_r_ank_pitch_y = s_r_ank_roll
+            .mul_plus(g_r_ank_roll_x, c_r_ank_roll * g_r_ank_roll_y) - p89;
+        let p90 = c_r_ank_roll.mul_plus(g_r_ank_roll_x, -(s_r_ank_roll * g_r_ank_roll_y));
+        let g_r_ank_pitch_z = e229
+            .mul_plus(
+                T::from_f64(0.0007924947431313887),
+                -(T::from_f64(0.0010725237405351177) * e228),
+            ) + p90;
+        let p91 = e229
+            .mul_plus(
+                T::from_f64(0.000020191301954835163),
+                -(T::from_f64(0.00001710898339479749) * e228),
+            );
+        let p92 = e224
+            .mul_plus(
+                T::from_f64(0.00000010334408456612026),
+                -(T::from_f64(0.00000036073359429687445) * e227),
+            );
+        let n_r_ank_pitch_x = e225.mul_plus(T::from_f64(0.00000010334408456612026), p91)
+            - p92 - n_r_ank_roll_z;
+        let p93 = e228
+            .mul_plus(
+                T::from_f64(0.00007230368657394565),
+                -(T::from_f64(0.00001710898339479749) * e229),
+            );
+        let p94 = e225.mul_plus(T::from_f64(0.00000036073359429687445), p93);
+        let p95 = s_r_ank_roll.mul_plus(n_r_ank_roll_x, -(c_r_ank_roll * e311));
+        let n_r_ank_pitch_y = e223
+            .mul_plus(
+                T::from_f64(0.00000036073359429687445),
+                T::from_f64(0.00000010334408456612026) * e226,
+            ) - p94 - p95;
+        let p96 = e227
+            .mul_plus(
+                T::from_f64(0.00007230368657394565),
+                T::from_f64(0.00001710898339479749) * e224,
+            );
+        let p97 = e223
+            .mul_plus(
+                T::from_f64(0.00001710898339479749),
+                -(T::from_f64(0.000020191301954835163) * e226),
+            );
+        let p98 = (-(e221 + a_r_ank_pitch_y)).mul_plus(T::from_f64(0.00000010334408456612026), p97);
+        let p99 = c_r_ank_roll.mul_plus(n_r_ank_roll_x, s_r_ank_roll * e311);
+        let n_r_ank_pitch_z = (e222 + a_r_ank_pitch_x)
+            .mul_plus(T::from_f64(0.00000036073359429687445), p96) - p98 - p99;
+        // r_knee
+        let e312 = c_r_ank_pitch
+            .mul_plus(T::from_f64(0.0010725237405351177), s_r_ank_pitch * h_r_ank_pitch_y);
+        let e313 = c_r_ank_pitch
+            .mul_plus(h_r_ank_pitch_y, -(T::from_f64(0.0010725237405351177) * s_r_ank_pitch));
+        let e314 = c_r_ank_pitch.mul_plus(g_r_ank_pitch_x, -(s_r_ank_pitch * g_r_ank_pitch_y));
+        let e315 = T::from_f64(0.093) * e212;
+        let e316 = T::from_f64(0.093) * e210;
+        let e317 = T::from_f64(0.093) * e215;
+        let h_r_knee_x = T::from_f64(0.00015737139520335583) - e312;
+        let h_r_knee_y = e313 - T::from_f64(0.008776738311508022);
+        let g_r_knee_x = e314
+            - e209
+                .mul_plus(
+                    T::from_f64(0.00015737139520335583),
+                    T::from_f64(0.008776738311508022) * e212,
+                );
+        let p100 = s_r_ank_pitch.mul_plus(g_r_ank_pitch_x, c_r_ank_pitch * g_r_ank_pitch_y);
+        let g_r_knee_y = e210
+            .mul_plus(
+                T::from_f64(0.008776738311508022),
+                -(T::from_f64(0.00015737139520335583) * e213),
+            ) + p100;
+        let g_r_knee_z = g_r_ank_pitch_z
+            - e214
+                .mul_plus(
+                    T::from_f64(0.00015737139520335583),
+                    T::from_f64(0.008776738311508022) * e215,
+                );
+        let p101 = e214
+            .mul_plus(
+                T::from_f64(0.00000174906521327623),
+                T::from_f64(0.000793050961834963) * e215,
+            );
+        let p102 = e210
+            .mul_plus(
+                T::from_f64(0.000002011326687625257),
+                -(T::from_f64(0.000000011222519529269976) * e213),
+            );
+        let p103 = c_r_ank_pitch.mul_plus(n_r_ank_pitch_x, -(s_r_ank_pitch * n_r_ank_pitch_y));
+        let p104 = (-g_r_ank_pitch_z).mul_plus(T::from_f64(0.093), p103);
+        let p105 = e313.mul_plus(e317, h_r_ank_pitch_z * e316);
+        let n_r_knee_x = e211.mul_plus(T::from_f64(0.000002011326687625257), p101) - p102
+            + (p104 - p105);
+        let p106 = e214
+            .mul_plus(
+                T::from_f64(0.00000550001522303673),
+                T::from_f64(0.00000174906521327623) * e215,
+            );
+        let p107 = e209
+            .mul_plus(
+                T::from_f64(0.000000011222519529269976),
+                T::from_f64(0.000002011326687625257) * e212,
+            );
+        let p108 = s_r_ank_pitch.mul_plus(n_r_ank_pitch_x, c_r_ank_pitch * n_r_ank_pitch_y);
+        let p109 = h_r_ank_pitch_z.mul_plus(e315, e312 * e317);
+        let n_r_knee_y = e211.mul_plus(T::from_f64(0.000000011222519529269976), p106)
+            - p107 + (p108 - p109);
+        let p110 = e210
+            .mul_plus(
+                T::from_f64(0.00000174906521327623),
+                -(T::from_f64(0.00000550001522303673) * e213),
+            );
+        let p111 = e209
+            .mul_plus(
+                T::from_f64(0.00000174906521327623),
+                T::from_f64(0.000793050961834963) * e212,
+            );
+        let p112 = (-(a_r_knee_y - e207)).mul_plus(T::from_f64(0.000002011326687625257), p111);
+        let p113 = e314.mul_plus(T::from_f64(0.093), n_r_ank_pitch_z);
+        let p114 = e313.mul_plus(e315, -(e312 * e316));
+        let n_r_knee_z = (e208 - a_r_knee_x)
+            .mul_plus(T::from_f64(0.000000011222519529269976), p110) - p112
+            + (p113 + p114);
+        // r_hip_pitch
+        let e318 = c_r_knee.mul_plus(h_r_knee_x, s_r_knee * h_r_knee_y);
+        let e319 = c_r_knee.mul_plus(h_r_knee_y, -(s_r_knee * h_r_knee_x));
+        let e320 = c_r_knee.mul_plus(g_r_knee_x, s_r_knee * g_r_knee_y);
+        let e321 = T::from_f64(0.093) * e196;
+        let e322 = T::from_f64(0.093) * e194;
+        let e323 = T::from_f64(0.093) * e199;
+        let h_r_hip_pitch_x = T::from_f64(0.00002815646395548345) + e318;
+        let h_r_hip_pitch_y = e319 - T::from_f64(0.012635849175462607);
+        let g_r_hip_pitch_x = e320
+            - e193
+                .mul_plus(
+                    T::from_f64(0.00002815646395548345),
+                    T::from_f64(0.012635849175462607) * e196,
+                );
+        let p115 = c_r_knee.mul_plus(g_r_knee_y, -(s_r_knee * g_r_knee_x));
+        let g_r_hip_pitch_y = e197
+            .mul_plus(
+                T::from_f64(0.00002815646395548345),
+                T::from_f64(0.012635849175462607) * e194,
+            ) + p115;
+        let g_r_hip_pitch_z = e198
+            .mul_plus(
+                T::from_f64(0.00002815646395548345),
+                -(T::from_f64(0.012635849175462607) * e199),
+            ) + g_r_knee_z;
+        let p116 = e199
+            .mul_plus(
+                T::from_f64(0.001128948052817236),
+                -(T::from_f64(0.0000011071820780754242) * e198),
+            );
+        let p117 = e194
+            .mul_plus(
+                T::from_f64(0.0000028721833266651005),
+                -(T::from_f64(0.00000006346493691182975) * e197),
+            );
+        let p118 = c_r_knee.mul_plus(n_r_knee_x, s_r_knee * n_r_knee_y);
+        let p119 = (-g_r_knee_z).mul_plus(T::from_f64(0.093), p118);
+        let p120 = e319.mul_plus(e323, h_r_ank_pitch_z * e322);
+        let n_r_hip_pitch_x = e195.mul_plus(T::from_f64(0.0000028721833266651005), p116)
+            - p117 + (p119 - p120);
+        let p121 = e198
+            .mul_plus(
+                T::from_f64(0.0000027309066181058813),
+                -(T::from_f64(0.0000011071820780754242) * e199),
+            );
+        let p122 = e195.mul_plus(T::from_f64(0.00000006346493691182975), p121);
+        let p123 = c_r_knee.mul_plus(n_r_knee_y, -(s_r_knee * n_r_knee_x));
+        let p124 = e318.mul_plus(e323, -(h_r_ank_pitch_z * e321));
+        let n_r_hip_pitch_y = e193
+            .mul_plus(
+                T::from_f64(0.00000006346493691182975),
+                -(T::from_f64(0.0000028721833266651005) * e196),
+            ) - p122 + (p123 + p124);
+        let p125 = e197
+            .mul_plus(
+                T::from_f64(0.0000027309066181058813),
+                T::from_f64(0.0000011071820780754242) * e194,
+            );
+        let p126 = e193
+            .mul_plus(
+                T::from_f64(0.0000011071820780754242),
+                T::from_f64(0.001128948052817236) * e196,
+            );
+        let p127 = (-(e191 - e185)).mul_plus(T::from_f64(0.0000028721833266651005), p126);
+        let p128 = e320.mul_plus(T::from_f64(0.093), n_r_knee_z);
+        let p129 = e318.mul_plus(e322, e319 * e321);
+        let n_r_hip_pitch_z = (-(e192 - a_r_hip_pitch_x))
+            .mul_plus(T::from_f64(0.00000006346493691182975), p125) - p127
+            + (p128 + p129);
+        // r_hip_roll
+        let h_r_hip_roll_z = c_r_hip_pitch
+            .mul_plus(h_r_hip_pitch_x, s_r_hip_pitch * h_r_hip_pitch_y);
+        let h_r_hip_roll_x = T::from_f64(0.00003500960390767528) + h_r_ank_pitch_z;
+        let h_r_hip_roll_y = c_r_hip_pitch
+            .mul_plus(h_r_hip_pitch_y, -(s_r_hip_pitch * h_r_hip_pitch_x))
+            - T::from_f64(0.0007924947431313887);
+        let g_r_hip_roll_x = g_r_hip_pitch_z
+            - e175
+                .mul_plus(
+                    T::from_f64(0.00003500960390767528),
+                    T::from_f64(0.0007924947431313887) * e178,
+                );
+        let p130 = c_r_hip_pitch.mul_plus(g_r_hip_pitch_y, -(s_r_hip_pitch * g_r_hip_pitch_x));
+        let g_r_hip_roll_y = e179
+            .mul_plus(
+                T::from_f64(0.00003500960390767528),
+                T::from_f64(0.0007924947431313887) * e176,
+            ) + p130;
+        let p131 = c_r_hip_pitch.mul_plus(g_r_hip_pitch_x, s_r_hip_pitch * g_r_hip_pitch_y);
+        let g_r_hip_roll_z = e180
+            .mul_plus(
+                T::from_f64(0.00003500960390767528),
+                -(T::from_f64(0.0007924947431313887) * e181),
+            ) + p131;
+        let p132 = e180
+            .mul_plus(
+                T::from_f64(0.00000030652985169172185),
+                T::from_f64(0.00002019140450753412) * e181,
+            );
+        let p133 = e179
+            .mul_plus(
+                T::from_f64(0.00000036073340124169066),
+                -(T::from_f64(0.000016905810723963404) * e176),
+            );
+        let n_r_hip_roll_x = (-e177).mul_plus(T::from_f64(0.000016905810723963404), p132)
+            - p133 - n_r_hip_pitch_z;
+        let p134 = e180
+            .mul_plus(
+                T::from_f64(0.000030124214184399483),
+                T::from_f64(0.00000030652985169172185) * e181,
+            );
+        let p135 = (-e177).mul_plus(T::from_f64(0.00000036073340124169066), p134);
+        let p136 = c_r_hip_pitch.mul_plus(n_r_hip_pitch_y, -(s_r_hip_pitch * n_r_hip_pitch_x));
+        let n_r_hip_roll_y = e178
+            .mul_plus(
+                T::from_f64(0.000016905810723963404),
+                -(T::from_f64(0.00000036073340124169066) * e175),
+            ) - p135 - p136;
+        let p137 = e179
+            .mul_plus(
+                T::from_f64(0.000030124214184399483),
+                -(T::from_f64(0.00000030652985169172185) * e176),
+            );
+        let p138 = e178
+            .mul_plus(
+                T::from_f64(0.00002019140450753412),
+                -(T::from_f64(0.00000030652985169172185) * e175),
+            );
+        let p139 = (e173 + a_r_hip_roll_y).mul_plus(T::from_f64(0.000016905810723963404), p138);
+        let p140 = c_r_hip_pitch.mul_plus(n_r_hip_pitch_x, s_r_hip_pitch * n_r_hip_pitch_y);
+        let n_r_hip_roll_z = (e174 - a_r_hip_roll_x)
+            .mul_plus(T::from_f64(0.00000036073340124169066), p137) - p139 - p140;
+        // r_hip_yaw
+        let h_r_hip_yaw_y = c_r_hip_roll.mul_plus(h_r_hip_roll_x, s_r_hip_roll * h_r_hip_roll_y);
+        let h_r_hip_yaw_z = c_r_hip_roll.mul_plus(h_r_hip_roll_y, -(s_r_hip_roll * h_r_hip_roll_x));
+        let h_r_hip_yaw_x = h_r_hip_roll_z - T::from_f64(0.001037646205786198);
+        let g_r_hip_yaw_x = e164.mul_plus(T::from_f64(0.001037646205786198), g_r_hip_roll_z);
+        let g_r_hip_yaw_y = c_r_hip_roll.mul_plus(g_r_hip_roll_x, s_r_hip_roll * g_r_hip_roll_y);
+        let g_r_hip_yaw_y = (-e166).mul_plus(T::from_f64(0.001037646205786198), g_r_hip_yaw_y);
+        let g_r_hip_yaw_z = c_r_hip_roll.mul_plus(g_r_hip_roll_y, -(s_r_hip_roll * g_r_hip_roll_x));
+        let g_r_hip_yaw_z = (-e167).mul_plus(T::from_f64(0.001037646205786198), g_r_hip_yaw_z);
+        let n_r_hip_yaw_x = e168
+            .mul_plus(
+                T::from_f64(0.00000042597827326108953),
+                -(T::from_f64(0.00000033265562414694076) * e166),
+            ) + n_r_hip_roll_z;
+        let p141 = e167
+            .mul_plus(
+                T::from_f64(0.000055170822665607744),
+                -(T::from_f64(0.00000033265562414694076) * (e159 + e160)),
+            );
+        let p142 = e164.mul_plus(T::from_f64(0.00000033265562414694076), p141);
+        let n_r_hip_yaw_y = c_r_hip_roll
+            .mul_plus(n_r_hip_roll_x, s_r_hip_roll * n_r_hip_roll_y) - p142;
+        let p143 = e166
+            .mul_plus(
+                T::from_f64(0.000055170822665607744),
+                T::from_f64(0.00000033265562414694076) * (e163 - a_r_hip_yaw_x),
+            );
+        let p144 = c_r_hip_roll.mul_plus(n_r_hip_roll_y, -(s_r_hip_roll * n_r_hip_roll_x));
+        let n_r_hip_yaw_z = (-e165).mul_plus(T::from_f64(0.00000042597827326108953), p143) + p144;
+        // l_el
+        let g_l_el_x = e152
+            .mul_plus(T::from_f64(0.000273408178112904), T::from_f64(0.000929017483189518) * e155);
+        let g_l_el_y = e153
+            .mul_plus(
+                T::from_f64(0.000929017483189518),
+                -(T::from_f64(0.000273408178112904) * e156),
+            );
+        let e324 = e157
+            .mul_plus(T::from_f64(0.000273408178112904), T::from_f64(0.000929017483189518) * e158);
+        let p145 = e157
+            .mul_plus(
+                T::from_f64(0.000014749587945905814),
+                T::from_f64(0.00006865145386171288) * e158,
+            );
+        let p146 = e153
+            .mul_plus(
+                T::from_f64(0.000008004954384683086),
+                -(T::from_f64(0.0000019716071492440347) * e156),
+            );
+        let n_l_el_x = e154.mul_plus(T::from_f64(0.000008004954384683086), p145) - p146;
+        let p147 = e157
+            .mul_plus(
+                T::from_f64(0.000007312157109986523),
+                T::from_f64(0.000014749587945905814) * e158,
+            );
+        let p148 = e154.mul_plus(T::from_f64(0.0000019716071492440347), p147);
+        let n_l_el_y = e152
+            .mul_plus(
+                T::from_f64(0.0000019716071492440347),
+                T::from_f64(0.000008004954384683086) * e155,
+            ) - p148;
+        let p149 = e156
+            .mul_plus(
+                T::from_f64(0.000007312157109986523),
+                -(T::from_f64(0.000014749587945905814) * e153),
+            );
+        let p150 = e152
+            .mul_plus(
+                T::from_f64(0.000014749587945905814),
+                T::from_f64(0.00006865145386171288) * e155,
+            );
+        let p151 = (e150 + e145).mul_plus(T::from_f64(0.000008004954384683086), -p150);
+        let n_l_el_z = (-(e151 + e144))
+            .mul_plus(T::from_f64(0.0000019716071492440347), p149) - p151;
+        // l_sho_roll
+        let e325 = c_l_el
+            .mul_plus(
+                T::from_f64(0.000273408178112904),
+                T::from_f64(0.000929017483189518) * s_l_el,
+            );
+        let h_l_sho_roll_z = c_l_el
+            .mul_plus(
+                T::from_f64(0.000929017483189518),
+                -(T::from_f64(0.000273408178112904) * s_l_el),
+            );
+        let e326 = c_l_el.mul_plus(g_l_el_x, s_l_el * g_l_el_y);
+        let e327 = s_l_el.mul_plus(g_l_el_x, -(c_l_el * g_l_el_y));
+        let e328 = e138.mul_plus(T::from_f64(0.016), -(T::from_f64(0.06) * e137));
+        let e329 = e325 + T::from_f64(0.003301899427745445);
+        let e330 = e134
+            .mul_plus(
+                T::from_f64(0.0001730709697837521),
+                T::from_f64(0.003301899427745445) * e137,
+            ) + e324;
+        let g_l_sho_roll_y = e135
+            .mul_plus(
+                T::from_f64(0.003301899427745445),
+                -(T::from_f64(0.0001730709697837521) * e139),
+            ) + e326;
+        let g_l_sho_roll_z = e327
+            - e141
+                .mul_plus(
+                    T::from_f64(0.0001730709697837521),
+                    T::from_f64(0.003301899427745445) * e142,
+                );
+        let p152 = e141
+            .mul_plus(
+                T::from_f64(0.000008770440350153032),
+                T::from_f64(0.00018228272296269858) * e142,
+            );
+        let p153 = e135
+            .mul_plus(
+                T::from_f64(0.000021611694608984365),
+                -(T::from_f64(0.00000249070310952364) * e139),
+            );
+        let p154 = e142.mul_plus(T::from_f64(0.06), T::from_f64(0.016) * e136);
+        let p155 = e135.mul_plus(T::from_f64(0.06), T::from_f64(0.016) * e140);
+        let p156 = e325.mul_plus(p154, -(h_l_sho_roll_z * p155));
+        let p157 = e327.mul_plus(T::from_f64(0.06), T::from_f64(0.016) * e326);
+        let n_l_sho_roll_x = e136.mul_plus(T::from_f64(0.000021611694608984365), p152)
+            - p153 + (p156 - (n_l_el_z + p157));
+        let p158 = e141
+            .mul_plus(
+                T::from_f64(0.000009582825299676476),
+                T::from_f64(0.000008770440350153032) * e142,
+            );
+        let p159 = e134
+            .mul_plus(
+                T::from_f64(0.00000249070310952364),
+                T::from_f64(0.000021611694608984365) * e137,
+            );
+        let p160 = c_l_el.mul_plus(n_l_el_x, s_l_el * n_l_el_y);
+        let p161 = e324.mul_plus(T::from_f64(0.016), p160);
+        let p162 = h_l_sho_roll_z.mul_plus(e328, -p161);
+        let n_l_sho_roll_y = e136.mul_plus(T::from_f64(0.00000249070310952364), p158)
+            - p159 + p162;
+        let p163 = e135
+            .mul_plus(
+                T::from_f64(0.000008770440350153032),
+                -(T::from_f64(0.000009582825299676476) * e139),
+            );
+        let p164 = e134
+            .mul_plus(
+                T::from_f64(0.000008770440350153032),
+                T::from_f64(0.00018228272296269858) * e137,
+            );
+        let p165 = (-e138).mul_plus(T::from_f64(0.000021611694608984365), p164);
+        let p166 = s_l_el.mul_plus(n_l_el_x, -(c_l_el * n_l_el_y));
+        let p167 = e324.mul_plus(T::from_f64(0.06), p166);
+        let p168 = e325.mul_plus(e328, -p167);
+        let n_l_sho_roll_z = e140.mul_plus(T::from_f64(0.00000249070310952364), p163)
+            - p165 + p168;
+        // l_sho_pitch
+        let e331 = s_l_sho_roll.mul_plus(T::from_f64(0.0001730709697837521), c_l_sho_roll * e329);
+        let h_l_sho_pitch_z = c_l_sho_roll
+            .mul_plus(T::from_f64(0.0001730709697837521), -(s_l_sho_roll * e329));
+        let e332 = s_l_sho_roll.mul_plus(e330, c_l_sho_roll * g_l_sho_roll_y);
+        let e333 = s_l_sho_roll.mul_plus(g_l_sho_roll_y, -(c_l_sho_roll * e330));
+        let e334 = e119.mul_plus(T::from_f64(0.016), T::from_f64(0.045000000000000005) * e120);
+        let e335 = e117.mul_plus(T::from_f64(0.016), -(T::from_f64(0.045000000000000005) * e122));
+        let e336 = e124.mul_plus(T::from_f64(0.016), T::from_f64(0.045000000000000005) * e118);
+        let h_l_sho_pitch_x = T::from_f64(0.00037887327917640026) + h_l_sho_roll_z;
+        let e337 = e331 + T::from_f64(0.0012960221329661491);
+        let g_l_sho_pitch_x = g_l_sho_roll_z
+            - e116
+                .mul_plus(
+                    T::from_f64(0.00037887327917640026),
+                    T::from_f64(0.0012960221329661491) * e119,
+                );
+        let g_l_sho_pitch_y = e121
+            .mul_plus(
+                T::from_f64(0.00037887327917640026),
+                T::from_f64(0.0012960221329661491) * e117,
+            ) + e332;
+        let g_l_sho_pitch_z = e123
+            .mul_plus(
+                T::from_f64(0.00037887327917640026),
+                -(T::from_f64(0.0012960221329661491) * e124),
+            ) + e333;
+        let p169 = e124
+            .mul_plus(
+                T::from_f64(0.000021025263749857257),
+                -(T::from_f64(0.000006049466968514166) * e123),
+            );
+        let p170 = e121
+            .mul_plus(
+                T::from_f64(0.00001703679220852605),
+                T::from_f64(0.00005821202846670826) * e117,
+            );
+        let p171 = e331.mul_plus(e336, -(h_l_sho_pitch_z * e335));
+        let p172 = e333.mul_plus(T::from_f64(0.016), T::from_f64(0.045000000000000005) * e332);
+        let n_l_sho_pitch_x = e118.mul_plus(T::from_f64(0.00005821202846670826), p169)
+            - p170 + (p171 - (n_l_sho_roll_z + p172));
+        let p173 = c_l_sho_roll.mul_plus(n_l_sho_roll_y, -(s_l_sho_roll * n_l_sho_roll_x));
+        let p174 = h_l_sho_roll_z.mul_plus(e336, -(h_l_sho_pitch_z * e334));
+        let p175 = e116
+            .mul_plus(
+                T::from_f64(0.00001703679220852605),
+                T::from_f64(0.00005821202846670826) * e119,
+            );
+        let p176 = e123
+            .mul_plus(
+                T::from_f64(0.000015751469565172988),
+                -(T::from_f64(0.000006049466968514166) * e124),
+            );
+        let p177 = (-e118).mul_plus(T::from_f64(0.00001703679220852605), p176);
+        let n_l_sho_pitch_y = g_l_sho_roll_z
+            .mul_plus(T::from_f64(0.045000000000000005), -p173) + p174 - (p175 + p177);
+        let p178 = e121
+            .mul_plus(
+                T::from_f64(0.000015751469565172988),
+                T::from_f64(0.000006049466968514166) * e117,
+            );
+        let p179 = e116
+            .mul_plus(
+                T::from_f64(0.000006049466968514166),
+                T::from_f64(0.000021025263749857257) * e119,
+            );
+        let p180 = e120.mul_plus(T::from_f64(0.00005821202846670826), p179);
+        let p181 = c_l_sho_roll.mul_plus(n_l_sho_roll_x, s_l_sho_roll * n_l_sho_roll_y);
+        let p182 = g_l_sho_roll_z.mul_plus(T::from_f64(0.016), -p181);
+        let p183 = h_l_sho_roll_z.mul_plus(e335, -(e331 * e334));
+        let n_l_sho_pitch_z = (-e122).mul_plus(T::from_f64(0.00001703679220852605), p178)
+            - p180 + (p182 + p183);
+        // head_tilt
+        let e338 = e100
+            .mul_plus(
+                T::from_f64(0.0008936193097188895),
+                T::from_f64(0.0006155634123957239) * e103,
+            );
+        let g_head_tilt_y = e101
+            .mul_plus(
+                T::from_f64(0.0006155634123957239),
+                -(T::from_f64(0.0008936193097188895) * e104),
+            );
+        let e339 = e105
+            .mul_plus(
+                T::from_f64(0.0008936193097188895),
+                T::from_f64(0.0006155634123957239) * e106,
+            );
+        let p184 = e105
+            .mul_plus(
+                T::from_f64(0.000008173086847172008),
+                T::from_f64(0.00003187295052470432) * e106,
+            );
+        let p185 = e104
+            .mul_plus(
+                T::from_f64(0.00000006710094030174738),
+                -(T::from_f64(0.00000019992667651095005) * e101),
+            );
+        let n_head_tilt_x = (-e102).mul_plus(T::from_f64(0.00000019992667651095005), p184) - p185;
+        let p186 = e105
+            .mul_plus(
+                T::from_f64(0.00003229937056313519),
+                T::from_f64(0.000008173086847172004) * e106,
+            );
+        let p187 = e102.mul_plus(T::from_f64(0.00000006710094030174738), -p186);
+        let n_head_tilt_y = e100
+            .mul_plus(
+                T::from_f64(0.00000006710094030174738),
+                T::from_f64(0.00000019992667651095005) * e103,
+            ) - p187;
+        let p188 = e101
+            .mul_plus(
+                T::from_f64(0.000008173086847172004),
+                -(T::from_f64(0.00003229937056313519) * e104),
+            );
+        let p189 = e100
+            .mul_plus(
+                T::from_f64(0.000008173086847172008),
+                T::from_f64(0.00003187295052470432) * e103,
+            );
+        let p190 = (a_head_tilt_y - e98).mul_plus(T::from_f64(0.00000019992667651095005), p189);
+        let n_head_tilt_z = (-(e99 - a_head_tilt_x))
+            .mul_plus(T::from_f64(0.00000006710094030174738), p188) - p190;
+        // head_pan
+        let e340 = c_head_tilt
+            .mul_plus(
+                T::from_f64(0.0008936193097188895),
+                -(T::from_f64(0.0006155634123957239) * s_head_tilt),
+            );
+        let h_head_pan_z = s_head_tilt
+            .mul_plus(
+                T::from_f64(0.0008936193097188895),
+                T::from_f64(0.0006155634123957239) * c_head_tilt,
+            );
+        let e341 = s_head_tilt.mul_plus(g_head_tilt_y, -(c_head_tilt * e338));
+        let e342 = T::from_f64(0.1727) * e88;
+        let h_head_pan_x = e340 - T::from_f64(0.000005935220372607572);
+        let g_head_pan_x = e82
+            .mul_plus(
+                T::from_f64(0.000005935220372607572),
+                -(T::from_f64(0.00001531256050567311) * e85),
+            ) + e341;
+        let e343 = e87
+            .mul_plus(
+                T::from_f64(0.000005935220372607572),
+                T::from_f64(0.00001531256050567311) * e83,
+            ) + e339;
+        let p191 = s_head_tilt.mul_plus(e338, c_head_tilt * g_head_tilt_y);
+        let g_head_pan_z = e90
+            .mul_plus(
+                T::from_f64(0.00001531256050567311),
+                -(T::from_f64(0.000005935220372607572) * e89),
+            ) - p191;
+        let p192 = e89
+            .mul_plus(
+                T::from_f64(0.0000000000000033021019116561955),
+                T::from_f64(0.000021234625817540758) * e90,
+            );
+        let p193 = e87
+            .mul_plus(
+                T::from_f64(0.0000008609675083983043),
+                T::from_f64(0.0000026446625321681368) * e83,
+            );
+        let p194 = c_head_tilt.mul_plus(n_head_tilt_x, s_head_tilt * n_head_tilt_y);
+        let p195 = e339.mul_plus(T::from_f64(0.1727), p194);
+        let p196 = h_head_pan_z.mul_plus(e342, p195);
+        let n_head_pan_x = (-e84).mul_plus(T::from_f64(0.0000026446625321681368), p192)
+            + p193 + p196;
+        let p197 = e89
+            .mul_plus(
+                T::from_f64(0.0000003380192149095407),
+                T::from_f64(0.0000000000000033021019116561955) * e90,
+            );
+        let p198 = e84.mul_plus(T::from_f64(0.0000008609675083983043), p197);
+        let p199 = e341.mul_plus(T::from_f64(0.1727), n_head_tilt_z);
+        let p200 = h_head_pan_z
+            .mul_plus(T::from_f64(0.1727) * e86, e340 * (T::from_f64(0.1727) * e84));
+        let n_head_pan_y = e82
+            .mul_plus(
+                T::from_f64(0.0000008609675083983043),
+                -(T::from_f64(0.0000026446625321681368) * e85),
+            ) - p198 + (p199 + p200);
+        let p201 = e87
+            .mul_plus(
+                T::from_f64(0.0000003380192149095407),
+                -(T::from_f64(0.0000000000000033021019116561955) * e83),
+            );
+        let p202 = e82
+            .mul_plus(
+                T::from_f64(0.0000000000000033021019116561955),
+                T::from_f64(0.000021234625817540758) * e85,
+            );
+        let p203 = e86.mul_plus(T::from_f64(0.0000026446625321681368), -p202);
+        let p204 = s_head_tilt.mul_plus(n_head_tilt_x, -(c_head_tilt * n_head_tilt_y));
+        let p205 = (-e340).mul_plus(e342, p204);
+        let n_head_pan_z = e88.mul_plus(T::from_f64(0.0000008609675083983043), p201)
+            - p203 + p205;
+        // l_hip_yaw
+        let e344 = c_head_pan
+            .mul_plus(h_head_pan_x, -(T::from_f64(0.00001531256050567311) * s_head_pan));
+        let e345 = s_head_pan
+            .mul_plus(h_head_pan_x, T::from_f64(0.00001531256050567311) * c_head_pan);
+        let e346 = c_head_pan.mul_plus(g_head_pan_x, s_head_pan * e343);
+        let e347 = s_head_pan.mul_plus(g_head_pan_x, -(c_head_pan * e343));
+        let e348 = T::from_f64(0.005) * e65;
+        let e349 = e68.mul_plus(T::from_f64(0.037), -e348);
+        let e350 = T::from_f64(0.005) * e70;
+        let e351 = e66.mul_plus(T::from_f64(0.037), e350);
+        let e352 = T::from_f64(0.005) * e72;
+        let e353 = (-e73).mul_plus(T::from_f64(0.037), e352);
+        let e354 = c_l_sho_pitch.mul_plus(h_l_sho_pitch_x, -(s_l_sho_pitch * e337));
+        let e355 = s_l_sho_pitch.mul_plus(h_l_sho_pitch_x, c_l_sho_pitch * e337);
+        let e356 = c_l_sho_pitch.mul_plus(g_l_sho_pitch_x, s_l_sho_pitch * g_l_sho_pitch_y);
+        let e357 = c_l_sho_pitch.mul_plus(g_l_sho_pitch_y, -(s_l_sho_pitch * g_l_sho_pitch_x));
+        let e358 = e69.mul_plus(T::from_f64(0.1222), -e348);
+        let e359 = (-e71).mul_plus(T::from_f64(0.1222), e350);
+        let e360 = (-e67).mul_plus(T::from_f64(0.1222), e352);
+        let p206 = e72
+            .mul_plus(T::from_f64(0.00015256501877371507), T::from_f64(0.003611190887568773) * e73);
+        let p207 = e66
+            .mul_plus(
+                T::from_f64(0.0022969801568519105),
+                -(T::from_f64(0.00024561277463748104) * e70),
+            );
+        let p208 = c_head_pan.mul_plus(n_head_pan_x, -(s_head_pan * n_head_pan_y));
+        let p209 = (-g_head_pan_z).mul_plus(T::from_f64(0.037), p208);
+        let p210 = e345.mul_plus(e353, -(h_head_pan_z * e351));
+        let p211 = h_l_sho_pitch_z.mul_plus(e360, e355 * e359);
+        let p212 = c_l_sho_pitch.mul_plus(n_l_sho_pitch_x, s_l_sho_pitch * n_l_sho_pitch_y);
+        let p213 = g_l_sho_pitch_z.mul_plus(T::from_f64(0.1222), p212);
+        let e361 = e67.mul_plus(T::from_f64(0.0022969801568519105), p206) - p207
+            + (p209 + p210) + (p211 - p213);
+        let p214 = e72
+            .mul_plus(
+                T::from_f64(0.0004457843286160802),
+                T::from_f64(0.00015256501877371507) * e73,
+            );
+        let p215 = e67.mul_plus(T::from_f64(0.00024561277463748104), p214);
+        let p216 = s_head_pan.mul_plus(n_head_pan_x, c_head_pan * n_head_pan_y);
+        let p217 = (-g_head_pan_z).mul_plus(T::from_f64(0.005), p216);
+        let p218 = h_head_pan_z.mul_plus(e349, -(e344 * e353));
+        let p219 = e356.mul_plus(T::from_f64(0.1222), -(T::from_f64(0.005) * e357));
+        let p220 = e355.mul_plus(e358, e354 * e360);
+        let e362 = e65
+            .mul_plus(
+                T::from_f64(0.00024561277463748104),
+                T::from_f64(0.0022969801568519105) * e68,
+            ) - p215 + (p217 + p218) + (p219 - n_l_sho_pitch_z - p220);
+        let p221 = e70
+            .mul_plus(
+                T::from_f64(0.0004457843286160802),
+                -(T::from_f64(0.00015256501877371507) * e66),
+            );
+        let p222 = e65
+            .mul_plus(T::from_f64(0.00015256501877371507), T::from_f64(0.003611190887568773) * e68);
+        let p223 = e69.mul_plus(T::from_f64(0.0022969801568519105), p222);
+        let p224 = e347.mul_plus(T::from_f64(0.005), T::from_f64(0.037) * e346);
+        let p225 = e344.mul_plus(e351, -(e345 * e349));
+        let p226 = c_l_sho_pitch.mul_plus(n_l_sho_pitch_y, -(s_l_sho_pitch * n_l_sho_pitch_x));
+        let p227 = g_l_sho_pitch_z.mul_plus(T::from_f64(0.005), -p226);
+        let p228 = e354.mul_plus(e359, -(h_l_sho_pitch_z * e358));
+        let e363 = e71.mul_plus(T::from_f64(0.00024561277463748104), p221) + p223
+            + (n_head_pan_z + p224 + p225) + (p227 + p228);
+        let e364 = c_r_sho_pitch.mul_plus(h_r_sho_pitch_x, -(s_r_sho_pitch * h_r_sho_pitch_y));
+        let e365 = s_r_sho_pitch.mul_plus(h_r_sho_pitch_x, c_r_sho_pitch * h_r_sho_pitch_y);
+        let e366 = c_r_sho_pitch.mul_plus(e310, s_r_sho_pitch * g_r_sho_pitch_y);
+        let e367 = c_r_sho_pitch.mul_plus(g_r_sho_pitch_y, -(s_r_sho_pitch * e310));
+        let e368 = c_r_hip_yaw.mul_plus(h_r_hip_yaw_x, s_r_hip_yaw * h_r_hip_yaw_y);
+        let e369 = c_r_hip_yaw.mul_plus(h_r_hip_yaw_y, -(s_r_hip_yaw * h_r_hip_yaw_x));
+        let e370 = c_r_hip_yaw.mul_plus(g_r_hip_yaw_x, s_r_hip_yaw * g_r_hip_yaw_y);
+        let e371 = T::from_f64(0.074) * e68;
+        let e372 = T::from_f64(0.074) * e66;
+        let e373 = T::from_f64(0.074) * e73;
+        let h_l_hip_yaw_x = e344 - T::from_f64(0.0037115625356265282) + e354 + e364
+            + e368;
+        let h_l_hip_yaw_y = e345 - T::from_f64(0.03803915304100316) + h_l_sho_pitch_z
+            + h_r_sho_pitch_z + e369;
+        let h_l_hip_yaw_z = h_head_pan_z - e355 + e365 + h_r_hip_yaw_z;
+        let g_l_hip_yaw_x = e65
+            .mul_plus(
+                T::from_f64(0.0037115625356265282),
+                T::from_f64(0.03803915304100316) * e68,
+            ) + e346 + e356 - e366 + e370;
+        let p229 = c_r_hip_yaw.mul_plus(g_r_hip_yaw_y, -(s_r_hip_yaw * g_r_hip_yaw_x));
+        let g_l_hip_yaw_y = e66
+            .mul_plus(
+                T::from_f64(0.03803915304100316),
+                -(T::from_f64(0.0037115625356265282) * e70),
+            ) + e347 + g_l_sho_pitch_z + g_r_sho_pitch_z + p229;
+        let g_l_hip_yaw_z = g_head_pan_z
+            - e72
+                .mul_plus(
+                    T::from_f64(0.0037115625356265282),
+                    T::from_f64(0.03803915304100316) * e73,
+                ) + e357 + e367 + g_r_hip_yaw_z;
+        let p230 = c_r_sho_pitch.mul_plus(n_r_sho_pitch_x, -(s_r_sho_pitch * n_r_sho_pitch_y));
+        let p231 = g_r_sho_pitch_z.mul_plus(T::from_f64(0.1222), p230);
+        let p232 = c_r_hip_yaw.mul_plus(n_r_hip_yaw_x, s_r_hip_yaw * n_r_hip_yaw_y);
+        let p233 = (-g_r_hip_yaw_z).mul_plus(T::from_f64(0.074), p232);
+        let p234 = e369.mul_plus(e373, h_r_hip_yaw_z * e372);
+        let n_l_hip_yaw_x = e361
+            + (h_r_sho_pitch_z.mul_plus(e360, -(e365 * e359)) - p231) + (p233 - p234);
+        let p235 = e366.mul_plus(T::from_f64(0.1222), T::from_f64(0.005) * e367);
+        let p236 = c_r_hip_yaw.mul_plus(n_r_hip_yaw_y, -(s_r_hip_yaw * n_r_hip_yaw_x));
+        let p237 = h_r_hip_yaw_z.mul_plus(e371, e368 * e373);
+        let n_l_hip_yaw_y = e362
+            + (e365.mul_plus(e358, -(e364 * e360)) - (n_r_sho_pitch_z + p235))
+            + (p236 + p237);
+        let p238 = s_r_sho_pitch.mul_plus(n_r_sho_pitch_x, c_r_sho_pitch * n_r_sho_pitch_y);
+        let p239 = e364.mul_plus(e359, -(h_r_sho_pitch_z * e358));
+        let p240 = e370.mul_plus(T::from_f64(0.074), n_r_hip_yaw_z);
+        let p241 = e368.mul_plus(e372, -(e369 * e371));
+        let n_l_hip_yaw_z = e363
+            + (g_r_sho_pitch_z.mul_plus(T::from_f64(0.005), -p238) + p239)
+            + (p240 + p241);
+        // l_hip_roll
+        let h_l_hip_roll_x = s_l_hip_yaw.mul_plus(h_l_hip_yaw_x, c_l_hip_yaw * h_l_hip_yaw_y);
+        let h_l_hip_roll_z = c_l_hip_yaw.mul_plus(h_l_hip_yaw_x, -(s_l_hip_yaw * h_l_hip_yaw_y));
+        let h_l_hip_roll_y = T::from_f64(0.05975631610931729) + h_l_hip_yaw_z;
+        let g_l_hip_roll_x = s_l_hip_yaw.mul_plus(g_l_hip_yaw_x, c_l_hip_yaw * g_l_hip_yaw_y);
+        let g_l_hip_roll_x = (-e53).mul_plus(T::from_f64(0.05975631610931729), g_l_hip_roll_x);
+        let g_l_hip_roll_y = (-e52).mul_plus(T::from_f64(0.05975631610931729), g_l_hip_yaw_z);
+        let g_l_hip_roll_z = c_l_hip_yaw.mul_plus(g_l_hip_yaw_x, -(s_l_hip_yaw * g_l_hip_yaw_y));
+        let g_l_hip_roll_z = e56.mul_plus(T::from_f64(0.05975631610931729), g_l_hip_roll_z);
+        let p242 = e56
+            .mul_plus(
+                T::from_f64(0.007136011009257574),
+                -(T::from_f64(0.00000033265562414694076) * (e47 + e48)),
+            );
+        let p243 = s_l_hip_yaw.mul_plus(n_l_hip_yaw_x, c_l_hip_yaw * n_l_hip_yaw_y);
+        let n_l_hip_roll_x = e52.mul_plus(T::from_f64(0.00000033265562414694076), p242)
+            + p243;
+        let n_l_hip_roll_y = e55
+            .mul_plus(
+                T::from_f64(0.00000042597827326108953),
+                -(T::from_f64(0.00000033265562414694076) * e53),
+            ) + n_l_hip_yaw_z;
+        let p244 = (a_l_hip_roll_y - e51)
+            .mul_plus(
+                T::from_f64(0.00000033265562414694076),
+                -(T::from_f64(0.007136011009257574) * e53),
+            );
+        let p245 = c_l_hip_yaw.mul_plus(n_l_hip_yaw_x, -(s_l_hip_yaw * n_l_hip_yaw_y));
+        let n_l_hip_roll_z = e54.mul_plus(T::from_f64(0.00000042597827326108953), -p244)
+            + p245;
+        // l_hip_pitch
+        let h_l_hip_pitch_z = c_l_hip_roll
+            .mul_plus(h_l_hip_roll_x, -(s_l_hip_roll * h_l_hip_roll_y));
+        let h_l_hip_pitch_x = h_l_hip_roll_z - T::from_f64(0.001037646205786198);
+        let h_l_hip_pitch_y = s_l_hip_roll.mul_plus(h_l_hip_roll_x, c_l_hip_roll * h_l_hip_roll_y)
+            - T::from_f64(0.0007924947431313887);
+        let g_l_hip_pitch_x = e39
+            .mul_plus(
+                T::from_f64(0.001037646205786198),
+                -(T::from_f64(0.0007924947431313887) * e42),
+            ) + g_l_hip_roll_z;
+        let p246 = s_l_hip_roll.mul_plus(g_l_hip_roll_x, c_l_hip_roll * g_l_hip_roll_y);
+        let g_l_hip_pitch_y = e40
+            .mul_plus(
+                T::from_f64(0.0007924947431313887),
+                -(T::from_f64(0.001037646205786198) * e43),
+            ) + p246;
+        let p247 = e44
+            .mul_plus(T::from_f64(0.001037646205786198), T::from_f64(0.0007924947431313887) * e45);
+        let g_l_hip_pitch_z = c_l_hip_roll
+            .mul_plus(g_l_hip_roll_x, -(s_l_hip_roll * g_l_hip_roll_y)) - p247;
+        let p248 = e44
+            .mul_plus(
+                T::from_f64(0.000016905810723963404),
+                T::from_f64(0.00002019140450753412) * e45,
+            );
+        let p249 = e40
+            .mul_plus(
+                T::from_f64(0.00000030652985169172185),
+                -(T::from_f64(0.00000036073340124169066) * e43),
+            );
+        let n_l_hip_pitch_x = e41.mul_plus(T::from_f64(0.00000030652985169172185), p248)
+            - p249 - n_l_hip_roll_z;
+        let p250 = e44
+            .mul_plus(
+                T::from_f64(0.000055170822665607744),
+                T::from_f64(0.000016905810723963404) * e45,
+            );
+        let p251 = e41.mul_plus(T::from_f64(0.00000036073340124169066), p250);
+        let p252 = s_l_hip_roll.mul_plus(n_l_hip_roll_x, c_l_hip_roll * n_l_hip_roll_y);
+        let n_l_hip_pitch_y = e39
+            .mul_plus(
+                T::from_f64(0.00000036073340124169066),
+                -(T::from_f64(0.00000030652985169172185) * e42),
+            ) - p251 - p252;
+        let p253 = e43
+            .mul_plus(
+                T::from_f64(0.000055170822665607744),
+                -(T::from_f64(0.000016905810723963404) * e40),
+            );
+        let p254 = e42
+            .mul_plus(
+                T::from_f64(0.00002019140450753412),
+                -(T::from_f64(0.000016905810723963404) * e39),
+            );
+        let p255 = (-(e37 + a_l_hip_pitch_y))
+            .mul_plus(T::from_f64(0.00000030652985169172185), p254);
+        let p256 = c_l_hip_roll.mul_plus(n_l_hip_roll_x, -(s_l_hip_roll * n_l_hip_roll_y));
+        let n_l_hip_pitch_z = (-(e38 - a_l_hip_pitch_x))
+            .mul_plus(T::from_f64(0.00000036073340124169066), p253) - p255 - p256;
+        // l_knee
+        let e374 = c_l_hip_pitch.mul_plus(h_l_hip_pitch_x, s_l_hip_pitch * h_l_hip_pitch_y);
+        let e375 = c_l_hip_pitch.mul_plus(h_l_hip_pitch_y, -(s_l_hip_pitch * h_l_hip_pitch_x));
+        let e376 = c_l_hip_pitch.mul_plus(g_l_hip_pitch_x, s_l_hip_pitch * g_l_hip_pitch_y);
+        let e377 = T::from_f64(0.093) * e29;
+        let e378 = T::from_f64(0.093) * e27;
+        let e379 = T::from_f64(0.093) * e32;
+        let h_l_knee_x = T::from_f64(0.00002815646395548345) + e374;
+        let h_l_knee_y = T::from_f64(0.08036415082453738) + e375;
+        let g_l_knee_x = e29
+            .mul_plus(
+                T::from_f64(0.08036415082453738),
+                -(T::from_f64(0.00002815646395548345) * e26),
+            ) + e376;
+        let p257 = c_l_hip_pitch.mul_plus(g_l_hip_pitch_y, -(s_l_hip_pitch * g_l_hip_pitch_x));
+        let g_l_knee_y = e30
+            .mul_plus(
+                T::from_f64(0.00002815646395548345),
+                -(T::from_f64(0.08036415082453738) * e27),
+            ) + p257;
+        let g_l_knee_z = e31
+            .mul_plus(
+                T::from_f64(0.00002815646395548345),
+                T::from_f64(0.08036415082453738) * e32,
+            ) + g_l_hip_pitch_z;
+        let p258 = e31
+            .mul_plus(
+                T::from_f64(0.0000015113690697845367),
+                T::from_f64(0.007427680106181191) * e32,
+            );
+        let p259 = e30
+            .mul_plus(
+                T::from_f64(0.00000006346493691182975),
+                T::from_f64(0.00000038370983674870065) * e27,
+            );
+        let p260 = c_l_hip_pitch.mul_plus(n_l_hip_pitch_x, s_l_hip_pitch * n_l_hip_pitch_y);
+        let p261 = g_l_hip_pitch_z.mul_plus(T::from_f64(0.093), p260);
+        let p262 = e375.mul_plus(e379, h_l_hip_pitch_z * e378);
+        let n_l_knee_x = e28.mul_plus(T::from_f64(0.00000038370983674870065), p258)
+            - p259 + (p261 + p262);
+        let p263 = h_l_hip_pitch_z.mul_plus(e377, -(e374 * e379));
+        let p264 = e26
+            .mul_plus(
+                T::from_f64(0.00000006346493691182975),
+                T::from_f64(0.00000038370983674870065) * e29,
+            );
+        let p265 = e31
+            .mul_plus(
+                T::from_f64(0.0000027309066181058813),
+                T::from_f64(0.0000015113690697845367) * e32,
+            );
+        let p266 = (-e28).mul_plus(T::from_f64(0.00000006346493691182975), p265);
+        let n_l_knee_y = c_l_hip_pitch
+            .mul_plus(n_l_hip_pitch_y, -(s_l_hip_pitch * n_l_hip_pitch_x)) + p263
+            - (p264 + p266);
+        let p267 = e30
+            .mul_plus(
+                T::from_f64(0.0000027309066181058813),
+                -(T::from_f64(0.0000015113690697845367) * e27),
+            );
+        let p268 = e29
+            .mul_plus(
+                T::from_f64(0.007427680106181191),
+                -(T::from_f64(0.0000015113690697845367) * e26),
+            );
+        let p269 = (-(e24 + a_l_knee_y)).mul_plus(T::from_f64(0.00000038370983674870065), p268);
+        let p270 = (-e376).mul_plus(T::from_f64(0.093), n_l_hip_pitch_z);
+        let p271 = e374.mul_plus(e378, e375 * e377);
+        let n_l_knee_z = (e25 - a_l_knee_x)
+            .mul_plus(T::from_f64(0.00000006346493691182975), p267) - p269
+            + (p270 - p271);
+        // l_ank_pitch
+        let e380 = c_l_knee.mul_plus(h_l_knee_x, s_l_knee * h_l_knee_y);
+        let e381 = c_l_knee.mul_plus(h_l_knee_y, -(s_l_knee * h_l_knee_x));
+        let e382 = c_l_knee.mul_plus(g_l_knee_x, s_l_knee * g_l_knee_y);
+        let e383 = T::from_f64(0.093) * e16;
+        let e384 = T::from_f64(0.093) * e14;
+        let e385 = T::from_f64(0.093) * e19;
+        let h_l_ank_pitch_x = T::from_f64(0.00015737139520335583) + e380;
+        let h_l_ank_pitch_y = T::from_f64(0.08422326168849198) + e381;
+        let g_l_ank_pitch_x = e382
+            - e13
+                .mul_plus(
+                    T::from_f64(0.00015737139520335583),
+                    T::from_f64(0.08422326168849198) * e16,
+                );
+        let p272 = c_l_knee.mul_plus(g_l_knee_y, -(s_l_knee * g_l_knee_x));
+        let g_l_ank_pitch_y = e17
+            .mul_plus(
+                T::from_f64(0.00015737139520335583),
+                -(T::from_f64(0.08422326168849198) * e14),
+            ) + p272;
+        let g_l_ank_pitch_z = e18
+            .mul_plus(
+                T::from_f64(0.00015737139520335583),
+                T::from_f64(0.08422326168849198) * e19,
+            ) + g_l_knee_z;
+        let p273 = e18
+            .mul_plus(
+                T::from_f64(0.000012886474540635863),
+                T::from_f64(0.0078095776358944715) * e19,
+            );
+        let p274 = e14
+            .mul_plus(
+                T::from_f64(0.0000012445664757885444),
+                -(T::from_f64(0.000000011222519529269976) * e17),
+            );
+        let p275 = c_l_knee.mul_plus(n_l_knee_x, s_l_knee * n_l_knee_y);
+        let p276 = g_l_knee_z.mul_plus(T::from_f64(0.093), p275);
+        let p277 = e381.mul_plus(e385, h_l_hip_pitch_z * e384);
+        let n_l_ank_pitch_x = e15.mul_plus(T::from_f64(0.0000012445664757885444), p273)
+            - p274 + (p276 + p277);
+        let p278 = e18
+            .mul_plus(
+                T::from_f64(0.00000550001522303673),
+                T::from_f64(0.000012886474540635863) * e19,
+            );
+        let p279 = e15.mul_plus(T::from_f64(0.000000011222519529269976), p278);
+        let p280 = c_l_knee.mul_plus(n_l_knee_y, -(s_l_knee * n_l_knee_x));
+        let p281 = h_l_hip_pitch_z.mul_plus(e383, e380 * e385);
+        let n_l_ank_pitch_y = e13
+            .mul_plus(
+                T::from_f64(0.000000011222519529269976),
+                T::from_f64(0.0000012445664757885444) * e16,
+            ) - p279 + (p280 - p281);
+        let p282 = e17
+            .mul_plus(
+                T::from_f64(0.00000550001522303673),
+                -(T::from_f64(0.000012886474540635863) * e14),
+            );
+        let p283 = e13
+            .mul_plus(
+                T::from_f64(0.000012886474540635863),
+                T::from_f64(0.0078095776358944715) * e16,
+            );
+        let p284 = (e7 - e8).mul_plus(T::from_f64(0.0000012445664757885444), p283);
+        let p285 = (-e382).mul_plus(T::from_f64(0.093), n_l_knee_z);
+        let p286 = e381.mul_plus(e383, -(e380 * e384));
+        let n_l_ank_pitch_z = (e6 + a_l_ank_pitch_x)
+            .mul_plus(T::from_f64(0.000000011222519529269976), p282) + p284
+            + (p285 + p286);
+        // l_ank_roll
+        let e386 = T::from_f64(0.00000010334408456612026) * e4;
+        let h_l_ank_roll_z = c_l_ank_pitch
+            .mul_plus(h_l_ank_pitch_x, -(s_l_ank_pitch * h_l_ank_pitch_y));
+        let g_l_ank_roll_z = c_l_ank_pitch
+            .mul_plus(g_l_ank_pitch_x, -(s_l_ank_pitch * g_l_ank_pitch_y));
+        let h_l_ank_roll_x = h_l_hip_pitch_z - T::from_f64(0.00003500960390767528);
+        let h_l_ank_roll_y = T::from_f64(0.0007924947431313887)
+            + s_l_ank_pitch.mul_plus(h_l_ank_pitch_x, c_l_ank_pitch * h_l_ank_pitch_y);
+        let g_l_ank_roll_x = e4
+            .mul_plus(
+                T::from_f64(0.00003500960390767528),
+                T::from_f64(0.0007924947431313887) * qdd[7],
+            ) + g_l_ank_pitch_z;
+        let p287 = s_l_ank_pitch.mul_plus(g_l_ank_pitch_x, c_l_ank_pitch * g_l_ank_pitch_y);
+        let g_l_ank_roll_y = qdd[7]
+            .mul_plus(
+                T::from_f64(0.00003500960390767528),
+                -(T::from_f64(0.0007924947431313887) * e4),
+            ) + p287;
+        // l_sole
+        let g_l_sole_y = c_l_ank_roll.mul_plus(g_l_ank_roll_x, s_l_ank_roll * g_l_ank_roll_y);
+        let g_l_sole_z = c_l_ank_roll.mul_plus(g_l_ank_roll_y, -(s_l_ank_roll * g_l_ank_roll_x));
+        let p288 = e4
+            .mul_plus(
+                T::from_f64(0.00001710898339479749),
+                -(T::from_f64(0.00000036073359429687445) * qdd[7]),
+            );
+        let p289 = e4
+            .mul_plus(
+                T::from_f64(0.00000036073359429687445),
+                T::from_f64(0.00001710898339479749) * qdd[7],
+            );
+        let p290 = s_l_ank_pitch.mul_plus(n_l_ank_pitch_x, c_l_ank_pitch * n_l_ank_pitch_y);
+        let n_l_sole_y = c_l_ank_roll
+            .mul_plus(p288 + n_l_ank_pitch_z, s_l_ank_roll * (p289 + p290));
+        let n_l_sole_y = g_l_ank_roll_z.mul_plus(T::from_f64(0.0335), -n_l_sole_y);
+        let h_l_sole_x = h_l_ank_roll_z - T::from_f64(0.0010725237405351177);
+        let h_l_sole_y = c_l_ank_roll.mul_plus(h_l_ank_roll_x, s_l_ank_roll * h_l_ank_roll_y)
+            - T::from_f64(0.010241838606533918);
+        let h_l_sole_z = T::from_f64(0.03279401771623786)
+            + c_l_ank_roll.mul_plus(h_l_ank_roll_y, -(s_l_ank_roll * h_l_ank_roll_x));
+        // ZMP
+        let p291 = qdd[7].mul_plus(T::from_f64(0.000020191301954835163), -e386);
+        let p292 = c_l_ank_pitch.mul_plus(n_l_ank_pitch_x, -(s_l_ank_pitch * n_l_ank_pitch_y));
+        let p293 = g_l_sole_z.mul_plus(T::from_f64(0.0105), T::from_f64(0.0335) * g_l_sole_y);
+        let p294 = h_l_sole_y.mul_plus(g_l_sole_z, -(h_l_sole_z * g_l_sole_y));
+        let e387 = qdd[7].mul_plus(T::from_f64(0.000030124214184399486), e386) + p291
+            + p292 + p293 + p294;
+        let load = T::from_f64(9.80665) + f_l_sole_z;
+        let e388 = T::from_f64(1.0) / load;
+        let p295 = h_l_sole_z.mul_plus(g_l_ank_roll_z, -(h_l_sole_x * g_l_sole_z));
+        let p296 = v_l_sole_z.mul_plus(f_l_ank_roll_z, n_l_sole_y - p295);
+        let p297 = v_l_sole_z.mul_plus(f_l_sole_y, e387);
+        [(-p296).mul_plus(e388, v_l_sole_x), (-p297).mul_plus(e388, v_l_sole_y)]
+    }
 }
 
 #[allow(dead_code, non_snake_case, clippy::all)]
@@ -4115,6 +6098,1928 @@ impl v1::SinCosRobot for Op2LSole {
         let v_l_sole_y = cos[7].mul_plus(v_l_ank_roll_x, r[1]);
         let v_l_sole_y = sin[7].mul_plus(v_l_ank_roll_y, v_l_sole_y);
         [v_l_sole_x, v_l_sole_y]
+    }
+
+    #[inline(always)]
+    fn zmp_sc<T: Real>(
+        sin: &[T; DOF],
+        cos: &[T; DOF],
+        qd: &[T; DOF],
+        qdd: &[T; DOF],
+        r: &[T; BASE_PARAMS],
+    ) -> [T; 2] {
+        // r_sho_roll
+        let v_r_sho_roll_y = cos[19].mul_plus(r[41], r[40]);
+        let v_r_sho_roll_y = (-sin[19]).mul_plus(r[42], v_r_sho_roll_y);
+        let s_r_sho_roll = sin[18]
+            .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * cos[18]);
+        let c_r_sho_roll = cos[18]
+            .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * sin[18]));
+        // r_sho_pitch
+        let v_r_sho_pitch_x = r[37] - sin[19].mul_plus(r[41], cos[19] * r[42]);
+        let v_r_sho_pitch_y = (-s_r_sho_roll).mul_plus(r[39], r[38]);
+        let v_r_sho_pitch_y = c_r_sho_roll.mul_plus(v_r_sho_roll_y, v_r_sho_pitch_y);
+        let v_r_sho_pitch_z = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
+        // r_ank_pitch
+        let v_r_ank_pitch_y = sin[16].mul_plus(r[35], r[34]);
+        let v_r_ank_pitch_y = cos[16].mul_plus(r[36], v_r_ank_pitch_y);
+        let v_r_ank_pitch_z = cos[16].mul_plus(r[35], -(sin[16] * r[36]));
+        // r_knee
+        let v_r_knee_x = cos[15].mul_plus(r[33], r[31]);
+        let v_r_knee_x = (-sin[15]).mul_plus(v_r_ank_pitch_y, v_r_knee_x);
+        let v_r_knee_y = sin[15].mul_plus(r[33], r[32]);
+        let v_r_knee_y = cos[15].mul_plus(v_r_ank_pitch_y, v_r_knee_y);
+        // r_hip_pitch
+        let v_r_hip_pitch_x = cos[14].mul_plus(v_r_knee_x, r[29]);
+        let v_r_hip_pitch_x = sin[14].mul_plus(v_r_knee_y, v_r_hip_pitch_x);
+        let v_r_hip_pitch_y = (-sin[14]).mul_plus(v_r_knee_x, r[30]);
+        let v_r_hip_pitch_y = cos[14].mul_plus(v_r_knee_y, v_r_hip_pitch_y);
+        // r_hip_roll
+        let v_r_hip_roll_x = r[27] + v_r_ank_pitch_z;
+        let v_r_hip_roll_y = (-sin[13]).mul_plus(v_r_hip_pitch_x, r[28]);
+        let v_r_hip_roll_y = cos[13].mul_plus(v_r_hip_pitch_y, v_r_hip_roll_y);
+        let v_r_hip_roll_z = cos[13].mul_plus(v_r_hip_pitch_x, sin[13] * v_r_hip_pitch_y);
+        // r_hip_yaw
+        let v_r_hip_yaw_x = r[25] + v_r_hip_roll_z;
+        let v_r_hip_yaw_y = cos[12].mul_plus(v_r_hip_roll_x, r[26]);
+        let v_r_hip_yaw_y = sin[12].mul_plus(v_r_hip_roll_y, v_r_hip_yaw_y);
+        let v_r_hip_yaw_z = cos[12].mul_plus(v_r_hip_roll_y, -(sin[12] * v_r_hip_roll_x));
+        // l_sho_roll
+        let v_l_sho_roll_y = cos[10].mul_plus(r[23], r[22]);
+        let v_l_sho_roll_y = sin[10].mul_plus(r[24], v_l_sho_roll_y);
+        let v_l_sho_roll_z = sin[10].mul_plus(r[23], -(cos[10] * r[24]));
+        let s_l_sho_roll = sin[9]
+            .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * cos[9]));
+        let c_l_sho_roll = cos[9]
+            .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * sin[9]);
+        // l_sho_pitch
+        let v_l_sho_pitch_x = r[19] + v_l_sho_roll_z;
+        let v_l_sho_pitch_y = (-s_l_sho_roll).mul_plus(r[21], r[20]);
+        let v_l_sho_pitch_y = c_l_sho_roll.mul_plus(v_l_sho_roll_y, v_l_sho_pitch_y);
+        let v_l_sho_pitch_z = c_l_sho_roll.mul_plus(r[21], s_l_sho_roll * v_l_sho_roll_y);
+        // head_pan
+        let v_head_pan_x = cos[1].mul_plus(r[17], r[15]);
+        let v_head_pan_x = sin[1].mul_plus(r[18], v_head_pan_x);
+        let v_head_pan_z = sin[1].mul_plus(r[17], -(cos[1] * r[18]));
+        // l_hip_yaw
+        let e1 = cos[0].mul_plus(v_head_pan_x, r[13]);
+        let e1 = (-sin[0]).mul_plus(r[16], e1);
+        let e1 = cos[8].mul_plus(v_l_sho_pitch_x, e1);
+        let e1 = sin[8].mul_plus(v_l_sho_pitch_y, e1);
+        let e1 = cos[17].mul_plus(v_r_sho_pitch_x, e1);
+        let v_l_hip_yaw_x = (-sin[17]).mul_plus(v_r_sho_pitch_y, e1);
+        let v_l_hip_yaw_x = cos[11].mul_plus(v_r_hip_yaw_x, v_l_hip_yaw_x);
+        let v_l_hip_yaw_x = sin[11].mul_plus(v_r_hip_yaw_y, v_l_hip_yaw_x);
+        let p1 = sin[0].mul_plus(v_head_pan_x, r[14]);
+        let p2 = cos[0].mul_plus(r[16], p1);
+        let e2 = (-sin[11]).mul_plus(v_r_hip_yaw_x, p2 + v_l_sho_pitch_z + v_r_sho_pitch_z);
+        let v_l_hip_yaw_y = cos[11].mul_plus(v_r_hip_yaw_y, e2);
+        let p3 = (-sin[8]).mul_plus(v_l_sho_pitch_x, v_head_pan_z);
+        let p4 = cos[8].mul_plus(v_l_sho_pitch_y, p3);
+        let p5 = sin[17].mul_plus(v_r_sho_pitch_x, p4);
+        let v_l_hip_yaw_z = cos[17].mul_plus(v_r_sho_pitch_y, p5) + v_r_hip_yaw_z;
+        // l_hip_roll
+        let v_l_hip_roll_x = sin[2].mul_plus(v_l_hip_yaw_x, r[11]);
+        let v_l_hip_roll_x = cos[2].mul_plus(v_l_hip_yaw_y, v_l_hip_roll_x);
+        let v_l_hip_roll_y = r[12] + v_l_hip_yaw_z;
+        let v_l_hip_roll_z = cos[2].mul_plus(v_l_hip_yaw_x, -(sin[2] * v_l_hip_yaw_y));
+        // l_hip_pitch
+        let v_l_hip_pitch_x = r[9] + v_l_hip_roll_z;
+        let v_l_hip_pitch_y = sin[3].mul_plus(v_l_hip_roll_x, r[10]);
+        let v_l_hip_pitch_y = cos[3].mul_plus(v_l_hip_roll_y, v_l_hip_pitch_y);
+        let v_l_hip_pitch_z = cos[3].mul_plus(v_l_hip_roll_x, -(sin[3] * v_l_hip_roll_y));
+        // l_knee
+        let v_l_knee_x = cos[4].mul_plus(v_l_hip_pitch_x, r[7]);
+        let v_l_knee_x = sin[4].mul_plus(v_l_hip_pitch_y, v_l_knee_x);
+        let v_l_knee_y = (-sin[4]).mul_plus(v_l_hip_pitch_x, r[8]);
+        let v_l_knee_y = cos[4].mul_plus(v_l_hip_pitch_y, v_l_knee_y);
+        // l_ank_pitch
+        let v_l_ank_pitch_x = cos[5].mul_plus(v_l_knee_x, r[5]);
+        let v_l_ank_pitch_x = sin[5].mul_plus(v_l_knee_y, v_l_ank_pitch_x);
+        let v_l_ank_pitch_y = (-sin[5]).mul_plus(v_l_knee_x, r[6]);
+        let v_l_ank_pitch_y = cos[5].mul_plus(v_l_knee_y, v_l_ank_pitch_y);
+        // l_ank_roll
+        let v_l_ank_roll_x = r[3] + v_l_hip_pitch_z;
+        let v_l_ank_roll_y = sin[6].mul_plus(v_l_ank_pitch_x, r[4]);
+        let v_l_ank_roll_y = cos[6].mul_plus(v_l_ank_pitch_y, v_l_ank_roll_y);
+        let v_l_ank_roll_z = cos[6].mul_plus(v_l_ank_pitch_x, -(sin[6] * v_l_ank_pitch_y));
+        // l_sole
+        let v_l_sole_x = r[0] + v_l_ank_roll_z;
+        let v_l_sole_y = cos[7].mul_plus(v_l_ank_roll_x, r[1]);
+        let v_l_sole_y = sin[7].mul_plus(v_l_ank_roll_y, v_l_sole_y);
+        let v_l_sole_z = (-sin[7]).mul_plus(v_l_ank_roll_x, r[2]);
+        let v_l_sole_z = cos[7].mul_plus(v_l_ank_roll_y, v_l_sole_z);
+        // l_ank_roll
+        let e3 = qd[7] * qd[7];
+        // l_ank_pitch
+        let o_l_ank_pitch_x = qd[7] * cos[6];
+        let e4 = qd[7] * sin[6];
+        let e5 = e4 * qd[6];
+        let e6 = o_l_ank_pitch_x * qd[6];
+        let a_l_ank_pitch_x = qdd[7].mul_plus(cos[6], -e5);
+        let e7 = qdd[7].mul_plus(sin[6], e6);
+        let e8 = o_l_ank_pitch_x * o_l_ank_pitch_x;
+        let e9 = e4 * e4;
+        let e10 = qd[6] * qd[6];
+        let e11 = o_l_ank_pitch_x * e4;
+        let e12 = e9 + e10;
+        let e13 = e8 + e10;
+        let e14 = e8 + e9;
+        let e15 = e11 + qdd[6];
+        let e16 = qdd[6] - e11;
+        let e17 = e6 + e7;
+        let e18 = a_l_ank_pitch_x - e5;
+        // l_knee
+        let o_l_knee_x = o_l_ank_pitch_x.mul_plus(cos[5], e4 * sin[5]);
+        let o_l_knee_y = o_l_ank_pitch_x.mul_plus(sin[5], -(e4 * cos[5]));
+        let o_l_knee_z = qd[6] - qd[5];
+        let a_l_knee_x = a_l_ank_pitch_x.mul_plus(cos[5], e7 * sin[5]);
+        let a_l_knee_x = (-o_l_knee_y).mul_plus(qd[5], a_l_knee_x);
+        let a_l_knee_y = a_l_ank_pitch_x.mul_plus(sin[5], -(e7 * cos[5]));
+        let a_l_knee_y = o_l_knee_x.mul_plus(qd[5], a_l_knee_y);
+        let a_l_knee_z = qdd[6] - qdd[5];
+        let e19 = o_l_knee_x * o_l_knee_x;
+        let e20 = o_l_knee_y * o_l_knee_y;
+        let e21 = o_l_knee_z * o_l_knee_z;
+        let e22 = o_l_knee_x * o_l_knee_y;
+        let e23 = o_l_knee_x * o_l_knee_z;
+        let e24 = o_l_knee_y * o_l_knee_z;
+        let e25 = e20 + e21;
+        let e26 = e19 + e21;
+        let e27 = e19 + e20;
+        let e28 = e22 - a_l_knee_z;
+        let e29 = e22 + a_l_knee_z;
+        let e30 = e23 - a_l_knee_y;
+        let e31 = e24 + a_l_knee_x;
+        // l_hip_pitch
+        let o_l_hip_pitch_x = o_l_knee_x.mul_plus(cos[4], -(o_l_knee_y * sin[4]));
+        let o_l_hip_pitch_y = o_l_knee_y.mul_plus(cos[4], o_l_knee_x * sin[4]);
+        let o_l_hip_pitch_z = o_l_knee_z - qd[4];
+        let a_l_hip_pitch_x = a_l_knee_x.mul_plus(cos[4], -(a_l_knee_y * sin[4]));
+        let a_l_hip_pitch_x = (-o_l_hip_pitch_y).mul_plus(qd[4], a_l_hip_pitch_x);
+        let a_l_hip_pitch_y = a_l_knee_y.mul_plus(cos[4], a_l_knee_x * sin[4]);
+        let a_l_hip_pitch_y = o_l_hip_pitch_x.mul_plus(qd[4], a_l_hip_pitch_y);
+        let a_l_hip_pitch_z = a_l_knee_z - qdd[4];
+        let e32 = o_l_hip_pitch_x * o_l_hip_pitch_x;
+        let e33 = o_l_hip_pitch_y * o_l_hip_pitch_y;
+        let e34 = o_l_hip_pitch_z * o_l_hip_pitch_z;
+        let e35 = o_l_hip_pitch_x * o_l_hip_pitch_y;
+        let e36 = o_l_hip_pitch_x * o_l_hip_pitch_z;
+        let e37 = o_l_hip_pitch_y * o_l_hip_pitch_z;
+        let e38 = e33 + e34;
+        let e39 = e32 + e34;
+        let e40 = e32 + e33;
+        let e41 = e35 - a_l_hip_pitch_z;
+        let e42 = e35 + a_l_hip_pitch_z;
+        let e43 = e36 - a_l_hip_pitch_y;
+        let e44 = e37 + a_l_hip_pitch_x;
+        // l_hip_roll
+        let e45 = o_l_hip_pitch_y.mul_plus(sin[3], o_l_hip_pitch_z * cos[3]);
+        let o_l_hip_roll_y = o_l_hip_pitch_z.mul_plus(sin[3], -(o_l_hip_pitch_y * cos[3]));
+        let o_l_hip_roll_z = qd[3] - o_l_hip_pitch_x;
+        let a_l_hip_roll_x = a_l_hip_pitch_y.mul_plus(sin[3], a_l_hip_pitch_z * cos[3]);
+        let a_l_hip_roll_x = o_l_hip_roll_y.mul_plus(qd[3], -a_l_hip_roll_x);
+        let a_l_hip_roll_y = a_l_hip_pitch_z.mul_plus(sin[3], -(a_l_hip_pitch_y * cos[3]));
+        let a_l_hip_roll_y = e45.mul_plus(qd[3], a_l_hip_roll_y);
+        let a_l_hip_roll_z = qdd[3] - a_l_hip_pitch_x;
+        let e46 = e45 * e45;
+        let e47 = o_l_hip_roll_y * o_l_hip_roll_y;
+        let e48 = o_l_hip_roll_z * o_l_hip_roll_z;
+        let e49 = e45 * o_l_hip_roll_y;
+        let e50 = e45 * o_l_hip_roll_z;
+        let e51 = e46 + e48;
+        let e52 = e49 + a_l_hip_roll_z;
+        let e53 = a_l_hip_roll_z - e49;
+        let e54 = e50 + a_l_hip_roll_y;
+        let e55 = o_l_hip_roll_y.mul_plus(o_l_hip_roll_z, a_l_hip_roll_x);
+        // l_hip_yaw
+        let o_l_hip_yaw_x = o_l_hip_roll_z.mul_plus(cos[2], -(e45 * sin[2]));
+        let e56 = o_l_hip_roll_z.mul_plus(sin[2], e45 * cos[2]);
+        let o_l_hip_yaw_z = o_l_hip_roll_y + qd[2];
+        let a_l_hip_yaw_x = a_l_hip_roll_x.mul_plus(sin[2], a_l_hip_roll_z * cos[2]);
+        let a_l_hip_yaw_x = (-e56).mul_plus(qd[2], a_l_hip_yaw_x);
+        let e57 = a_l_hip_roll_z.mul_plus(sin[2], -(a_l_hip_roll_x * cos[2]));
+        let e57 = o_l_hip_yaw_x.mul_plus(qd[2], e57);
+        let a_l_hip_yaw_z = a_l_hip_roll_y + qdd[2];
+        let e58 = o_l_hip_yaw_x * o_l_hip_yaw_x;
+        let e59 = e56 * e56;
+        let e60 = o_l_hip_yaw_z * o_l_hip_yaw_z;
+        let e61 = o_l_hip_yaw_x * e56;
+        let e62 = o_l_hip_yaw_x * o_l_hip_yaw_z;
+        let e63 = e56 * o_l_hip_yaw_z;
+        let e64 = e59 + e60;
+        let e65 = e58 + e60;
+        let e66 = e58 + e59;
+        let e67 = e61 + a_l_hip_yaw_z;
+        let e68 = e62 - e57;
+        let e69 = a_l_hip_yaw_z - e61;
+        let e70 = e63 + a_l_hip_yaw_x;
+        let e71 = e62 + e57;
+        let e72 = a_l_hip_yaw_x - e63;
+        // head_pan
+        let o_head_pan_x = o_l_hip_yaw_x.mul_plus(cos[0], -(e56 * sin[0]));
+        let e73 = e56.mul_plus(cos[0], o_l_hip_yaw_x * sin[0]);
+        let o_head_pan_z = o_l_hip_yaw_z + qd[0];
+        let a_head_pan_x = a_l_hip_yaw_x.mul_plus(cos[0], -(e57 * sin[0]));
+        let a_head_pan_x = (-e73).mul_plus(qd[0], a_head_pan_x);
+        let e74 = e57.mul_plus(cos[0], a_l_hip_yaw_x * sin[0]);
+        let e74 = o_head_pan_x.mul_plus(qd[0], e74);
+        let a_head_pan_z = a_l_hip_yaw_z + qdd[0];
+        let e75 = o_head_pan_x * o_head_pan_x;
+        let e76 = e73 * e73;
+        let e77 = o_head_pan_z * o_head_pan_z;
+        let e78 = o_head_pan_x * e73;
+        let e79 = o_head_pan_x * o_head_pan_z;
+        let e80 = e73 * o_head_pan_z;
+        let e81 = e76 + e77;
+        let e82 = e75 + e77;
+        let e83 = e75 + e76;
+        let e84 = e78 + a_head_pan_z;
+        let e85 = e79 - e74;
+        let e86 = a_head_pan_z - e78;
+        let e87 = e80 + a_head_pan_x;
+        let e88 = e79 + e74;
+        let e89 = a_head_pan_x - e80;
+        // head_tilt
+        let o_head_tilt_x = o_head_pan_x.mul_plus(cos[1], o_head_pan_z * sin[1]);
+        let e90 = o_head_pan_z.mul_plus(cos[1], -(o_head_pan_x * sin[1]));
+        let e91 = e73 + qd[1];
+        let a_head_tilt_x = a_head_pan_x.mul_plus(cos[1], a_head_pan_z * sin[1]);
+        let a_head_tilt_x = e90.mul_plus(qd[1], a_head_tilt_x);
+        let a_head_tilt_y = a_head_pan_z.mul_plus(cos[1], -(a_head_pan_x * sin[1]));
+        let a_head_tilt_y = o_head_tilt_x.mul_plus(qd[1], -a_head_tilt_y);
+        let e92 = e74 + qdd[1];
+        let e93 = o_head_tilt_x * o_head_tilt_x;
+        let e94 = e90 * e90;
+        let e95 = e91 * e91;
+        let e96 = o_head_tilt_x * e90;
+        let e97 = o_head_tilt_x * e91;
+        let e98 = e90 * e91;
+        let e99 = e94 + e95;
+        let e100 = e93 + e95;
+        let e101 = e93 + e94;
+        let e102 = e92 - e96;
+        let e103 = e96 + e92;
+        let e104 = e97 + a_head_tilt_y;
+        let e105 = e98 + a_head_tilt_x;
+        // l_sho_pitch
+        let e106 = o_l_hip_yaw_x.mul_plus(cos[8], -(o_l_hip_yaw_z * sin[8]));
+        let e107 = o_l_hip_yaw_z.mul_plus(cos[8], o_l_hip_yaw_x * sin[8]);
+        let o_l_sho_pitch_z = e56 - qd[8];
+        let a_l_sho_pitch_x = a_l_hip_yaw_x.mul_plus(cos[8], -(a_l_hip_yaw_z * sin[8]));
+        let a_l_sho_pitch_x = e107.mul_plus(qd[8], -a_l_sho_pitch_x);
+        let e108 = a_l_hip_yaw_z.mul_plus(cos[8], a_l_hip_yaw_x * sin[8]);
+        let e108 = e106.mul_plus(qd[8], e108);
+        let a_l_sho_pitch_z = e57 - qdd[8];
+        let e109 = e106 * e106;
+        let e110 = e107 * e107;
+        let e111 = o_l_sho_pitch_z * o_l_sho_pitch_z;
+        let e112 = e106 * e107;
+        let e113 = e106 * o_l_sho_pitch_z;
+        let e114 = e107 * o_l_sho_pitch_z;
+        let e115 = e110 + e111;
+        let e116 = e109 + e111;
+        let e117 = e109 + e110;
+        let e118 = e112 - a_l_sho_pitch_z;
+        let e119 = e113 + e108;
+        let e120 = e112 + a_l_sho_pitch_z;
+        let e121 = e114 + a_l_sho_pitch_x;
+        let e122 = e108 - e113;
+        let e123 = a_l_sho_pitch_x - e114;
+        // l_sho_roll
+        let e124 = e107.mul_plus(s_l_sho_roll, o_l_sho_pitch_z * c_l_sho_roll);
+        let o_l_sho_roll_y = e107.mul_plus(c_l_sho_roll, -(o_l_sho_pitch_z * s_l_sho_roll));
+        let o_l_sho_roll_z = e106 - qd[9];
+        let e125 = e108.mul_plus(s_l_sho_roll, a_l_sho_pitch_z * c_l_sho_roll);
+        let e125 = o_l_sho_roll_y.mul_plus(qd[9], e125);
+        let a_l_sho_roll_y = e108.mul_plus(c_l_sho_roll, -(a_l_sho_pitch_z * s_l_sho_roll));
+        let a_l_sho_roll_y = (-e124).mul_plus(qd[9], a_l_sho_roll_y);
+        let e126 = a_l_sho_pitch_x + qdd[9];
+        let e127 = e124 * e124;
+        let e128 = o_l_sho_roll_y * o_l_sho_roll_y;
+        let e129 = o_l_sho_roll_z * o_l_sho_roll_z;
+        let e130 = e124 * o_l_sho_roll_y;
+        let e131 = e124 * o_l_sho_roll_z;
+        let e132 = o_l_sho_roll_y * o_l_sho_roll_z;
+        let e133 = e128 + e129;
+        let e134 = e127 + e129;
+        let e135 = e127 + e128;
+        let e136 = e126 - e130;
+        let e137 = a_l_sho_roll_y - e131;
+        let e138 = e130 + e126;
+        let e139 = e132 + e125;
+        let e140 = e131 + a_l_sho_roll_y;
+        let e141 = e132 - e125;
+        // l_el
+        let e142 = o_l_sho_roll_y.mul_plus(cos[10], o_l_sho_roll_z * sin[10]);
+        let o_l_el_y = o_l_sho_roll_z.mul_plus(cos[10], -(o_l_sho_roll_y * sin[10]));
+        let o_l_el_z = e124 - qd[10];
+        let e143 = a_l_sho_roll_y.mul_plus(cos[10], -(e126 * sin[10]));
+        let e143 = o_l_el_y.mul_plus(qd[10], e143);
+        let e144 = e126.mul_plus(cos[10], a_l_sho_roll_y * sin[10]);
+        let e144 = e142.mul_plus(qd[10], e144);
+        let a_l_el_z = e125 - qdd[10];
+        let e145 = e142 * e142;
+        let e146 = o_l_el_y * o_l_el_y;
+        let e147 = o_l_el_z * o_l_el_z;
+        let e148 = e142 * o_l_el_y;
+        let e149 = e142 * o_l_el_z;
+        let e150 = o_l_el_y * o_l_el_z;
+        let e151 = e146 + e147;
+        let e152 = e145 + e147;
+        let e153 = e145 + e146;
+        let e154 = e148 + a_l_el_z;
+        let e155 = a_l_el_z - e148;
+        let e156 = e144 - e149;
+        let e157 = e150 - e143;
+        // r_hip_yaw
+        let o_r_hip_yaw_x = o_l_hip_yaw_x.mul_plus(cos[11], e56 * sin[11]);
+        let o_r_hip_yaw_y = o_l_hip_yaw_x.mul_plus(sin[11], -(e56 * cos[11]));
+        let o_r_hip_yaw_z = o_l_hip_yaw_z - qd[11];
+        let a_r_hip_yaw_x = a_l_hip_yaw_x.mul_plus(cos[11], e57 * sin[11]);
+        let a_r_hip_yaw_x = (-o_r_hip_yaw_y).mul_plus(qd[11], a_r_hip_yaw_x);
+        let a_r_hip_yaw_y = a_l_hip_yaw_x.mul_plus(sin[11], -(e57 * cos[11]));
+        let a_r_hip_yaw_y = o_r_hip_yaw_x.mul_plus(qd[11], a_r_hip_yaw_y);
+        let a_r_hip_yaw_z = a_l_hip_yaw_z - qdd[11];
+        let e158 = o_r_hip_yaw_x * o_r_hip_yaw_x;
+        let e159 = o_r_hip_yaw_y * o_r_hip_yaw_y;
+        let e160 = o_r_hip_yaw_z * o_r_hip_yaw_z;
+        let e161 = o_r_hip_yaw_x * o_r_hip_yaw_y;
+        let e162 = o_r_hip_yaw_y * o_r_hip_yaw_z;
+        let e163 = e159 + e160;
+        let e164 = e161 - a_r_hip_yaw_z;
+        let e165 = e161 + a_r_hip_yaw_z;
+        let e166 = o_r_hip_yaw_x.mul_plus(o_r_hip_yaw_z, -a_r_hip_yaw_y);
+        let e167 = e162 + a_r_hip_yaw_x;
+        // r_hip_roll
+        let o_r_hip_roll_x = o_r_hip_yaw_y.mul_plus(cos[12], -(o_r_hip_yaw_z * sin[12]));
+        let o_r_hip_roll_y = o_r_hip_yaw_z.mul_plus(cos[12], o_r_hip_yaw_y * sin[12]);
+        let o_r_hip_roll_z = o_r_hip_yaw_x - qd[12];
+        let a_r_hip_roll_x = a_r_hip_yaw_y.mul_plus(cos[12], -(a_r_hip_yaw_z * sin[12]));
+        let a_r_hip_roll_x = (-o_r_hip_roll_y).mul_plus(qd[12], a_r_hip_roll_x);
+        let a_r_hip_roll_y = a_r_hip_yaw_z.mul_plus(cos[12], a_r_hip_yaw_y * sin[12]);
+        let a_r_hip_roll_y = o_r_hip_roll_x.mul_plus(qd[12], a_r_hip_roll_y);
+        let a_r_hip_roll_z = a_r_hip_yaw_x - qdd[12];
+        let e168 = o_r_hip_roll_x * o_r_hip_roll_x;
+        let e169 = o_r_hip_roll_y * o_r_hip_roll_y;
+        let e170 = o_r_hip_roll_z * o_r_hip_roll_z;
+        let e171 = o_r_hip_roll_x * o_r_hip_roll_y;
+        let e172 = o_r_hip_roll_x * o_r_hip_roll_z;
+        let e173 = o_r_hip_roll_y * o_r_hip_roll_z;
+        let e174 = e169 + e170;
+        let e175 = e168 + e170;
+        let e176 = e168 + e169;
+        let e177 = e171 - a_r_hip_roll_z;
+        let e178 = e171 + a_r_hip_roll_z;
+        let e179 = e172 - a_r_hip_roll_y;
+        let e180 = e173 + a_r_hip_roll_x;
+        // r_hip_pitch
+        let e181 = o_r_hip_roll_z.mul_plus(cos[13], -(o_r_hip_roll_y * sin[13]));
+        let e182 = o_r_hip_roll_z.mul_plus(sin[13], o_r_hip_roll_y * cos[13]);
+        let e183 = o_r_hip_roll_x + qd[13];
+        let a_r_hip_pitch_x = a_r_hip_roll_z.mul_plus(cos[13], -(a_r_hip_roll_y * sin[13]));
+        let a_r_hip_pitch_x = e182.mul_plus(qd[13], -a_r_hip_pitch_x);
+        let e184 = a_r_hip_roll_z.mul_plus(sin[13], a_r_hip_roll_y * cos[13]);
+        let e184 = e181.mul_plus(qd[13], e184);
+        let e185 = a_r_hip_roll_x + qdd[13];
+        let e186 = e181 * e181;
+        let e187 = e182 * e182;
+        let e188 = e183 * e183;
+        let e189 = e181 * e182;
+        let e190 = e181 * e183;
+        let e191 = e182 * e183;
+        let e192 = e187 + e188;
+        let e193 = e186 + e188;
+        let e194 = e186 + e187;
+        let e195 = e189 + e185;
+        let e196 = e189 - e185;
+        let e197 = e190 + e184;
+        let e198 = e191 + a_r_hip_pitch_x;
+        // r_knee
+        let o_r_knee_x = e182.mul_plus(sin[14], -(e181 * cos[14]));
+        let e199 = e182.mul_plus(cos[14], e181 * sin[14]);
+        let e200 = e183 + qd[14];
+        let a_r_knee_x = a_r_hip_pitch_x.mul_plus(cos[14], e184 * sin[14]);
+        let a_r_knee_x = e199.mul_plus(qd[14], a_r_knee_x);
+        let a_r_knee_y = a_r_hip_pitch_x.mul_plus(sin[14], -(e184 * cos[14]));
+        let a_r_knee_y = o_r_knee_x.mul_plus(qd[14], a_r_knee_y);
+        let e201 = e185 + qdd[14];
+        let e202 = o_r_knee_x * o_r_knee_x;
+        let e203 = e199 * e199;
+        let e204 = e200 * e200;
+        let e205 = o_r_knee_x * e199;
+        let e206 = o_r_knee_x * e200;
+        let e207 = e199 * e200;
+        let e208 = e203 + e204;
+        let e209 = e202 + e204;
+        let e210 = e202 + e203;
+        let e211 = e201 - e205;
+        let e212 = e205 + e201;
+        let e213 = e206 + a_r_knee_y;
+        let e214 = e207 + a_r_knee_x;
+        // r_ank_pitch
+        let o_r_ank_pitch_x = o_r_knee_x.mul_plus(cos[15], -(e199 * sin[15]));
+        let e215 = e199.mul_plus(cos[15], o_r_knee_x * sin[15]);
+        let o_r_ank_pitch_z = qd[15] - e200;
+        let a_r_ank_pitch_x = a_r_knee_x.mul_plus(cos[15], a_r_knee_y * sin[15]);
+        let a_r_ank_pitch_x = (-e215).mul_plus(qd[15], a_r_ank_pitch_x);
+        let a_r_ank_pitch_y = a_r_knee_y.mul_plus(cos[15], -(a_r_knee_x * sin[15]));
+        let a_r_ank_pitch_y = (-o_r_ank_pitch_x).mul_plus(qd[15], a_r_ank_pitch_y);
+        let a_r_ank_pitch_z = qdd[15] - e201;
+        let e216 = o_r_ank_pitch_x * o_r_ank_pitch_x;
+        let e217 = e215 * e215;
+        let e218 = o_r_ank_pitch_z * o_r_ank_pitch_z;
+        let e219 = o_r_ank_pitch_x * e215;
+        let e220 = o_r_ank_pitch_x * o_r_ank_pitch_z;
+        let e221 = e215 * o_r_ank_pitch_z;
+        let e222 = e217 + e218;
+        let e223 = e216 + e218;
+        let e224 = e216 + e217;
+        let e225 = e219 + a_r_ank_pitch_z;
+        let e226 = a_r_ank_pitch_z - e219;
+        let e227 = e220 - a_r_ank_pitch_y;
+        let e228 = a_r_ank_pitch_x - e221;
+        // r_ank_roll
+        let e229 = o_r_ank_pitch_z.mul_plus(cos[16], -(e215 * sin[16]));
+        let o_r_ank_roll_y = o_r_ank_pitch_z.mul_plus(sin[16], e215 * cos[16]);
+        let o_r_ank_roll_z = qd[16] - o_r_ank_pitch_x;
+        let a_r_ank_roll_x = a_r_ank_pitch_y.mul_plus(sin[16], a_r_ank_pitch_z * cos[16]);
+        let a_r_ank_roll_x = o_r_ank_roll_y.mul_plus(qd[16], -a_r_ank_roll_x);
+        let a_r_ank_roll_y = a_r_ank_pitch_z.mul_plus(sin[16], -(a_r_ank_pitch_y * cos[16]));
+        let a_r_ank_roll_y = e229.mul_plus(qd[16], a_r_ank_roll_y);
+        let a_r_ank_roll_z = qdd[16] - a_r_ank_pitch_x;
+        let e230 = e229 * e229;
+        let e231 = o_r_ank_roll_y * o_r_ank_roll_y;
+        let e232 = o_r_ank_roll_z * o_r_ank_roll_z;
+        let e233 = e229 * o_r_ank_roll_y;
+        let e234 = e229 * o_r_ank_roll_z;
+        let e235 = o_r_ank_roll_y * o_r_ank_roll_z;
+        let e236 = e231 + e232;
+        let e237 = e230 + e232;
+        let e238 = e230 + e231;
+        let e239 = e233 + a_r_ank_roll_z;
+        let e240 = a_r_ank_roll_z - e233;
+        let e241 = e234 + a_r_ank_roll_y;
+        let e242 = e235 + a_r_ank_roll_x;
+        // r_sho_pitch
+        let e243 = o_l_hip_yaw_x.mul_plus(cos[17], o_l_hip_yaw_z * sin[17]);
+        let e244 = o_l_hip_yaw_z.mul_plus(cos[17], -(o_l_hip_yaw_x * sin[17]));
+        let o_r_sho_pitch_z = e56 + qd[17];
+        let e245 = a_l_hip_yaw_x.mul_plus(cos[17], a_l_hip_yaw_z * sin[17]);
+        let e245 = e244.mul_plus(qd[17], e245);
+        let a_r_sho_pitch_y = a_l_hip_yaw_z.mul_plus(cos[17], -(a_l_hip_yaw_x * sin[17]));
+        let a_r_sho_pitch_y = e243.mul_plus(qd[17], -a_r_sho_pitch_y);
+        let a_r_sho_pitch_z = e57 + qdd[17];
+        let e246 = e243 * e243;
+        let e247 = e244 * e244;
+        let e248 = o_r_sho_pitch_z * o_r_sho_pitch_z;
+        let e249 = e243 * e244;
+        let e250 = e243 * o_r_sho_pitch_z;
+        let e251 = e244 * o_r_sho_pitch_z;
+        let e252 = e247 + e248;
+        let e253 = e246 + e248;
+        let e254 = e246 + e247;
+        let e255 = e249 - a_r_sho_pitch_z;
+        let e256 = a_r_sho_pitch_y - e250;
+        let e257 = e249 + a_r_sho_pitch_z;
+        let e258 = e245 - e251;
+        let e259 = e250 + a_r_sho_pitch_y;
+        let e260 = e251 + e245;
+        // r_sho_roll
+        let e261 = e244.mul_plus(s_r_sho_roll, o_r_sho_pitch_z * c_r_sho_roll);
+        let o_r_sho_roll_y = e244.mul_plus(c_r_sho_roll, -(o_r_sho_pitch_z * s_r_sho_roll));
+        let o_r_sho_roll_z = e243 - qd[18];
+        let e262 = a_r_sho_pitch_z.mul_plus(c_r_sho_roll, -(a_r_sho_pitch_y * s_r_sho_roll));
+        let e262 = o_r_sho_roll_y.mul_plus(qd[18], e262);
+        let e263 = a_r_sho_pitch_z.mul_plus(s_r_sho_roll, a_r_sho_pitch_y * c_r_sho_roll);
+        let e263 = e261.mul_plus(qd[18], e263);
+        let a_r_sho_roll_z = e245 - qdd[18];
+        let e264 = e261 * e261;
+        let e265 = o_r_sho_roll_y * o_r_sho_roll_y;
+        let e266 = o_r_sho_roll_z * o_r_sho_roll_z;
+        let e267 = e261 * o_r_sho_roll_y;
+        let e268 = e261 * o_r_sho_roll_z;
+        let e269 = o_r_sho_roll_y * o_r_sho_roll_z;
+        let e270 = e265 + e266;
+        let e271 = e264 + e266;
+        let e272 = e264 + e265;
+        let e273 = e267 + a_r_sho_roll_z;
+        let e274 = e268 + e263;
+        let e275 = a_r_sho_roll_z - e267;
+        let e276 = e269 + e262;
+        let e277 = e263 - e268;
+        let e278 = e269 - e262;
+        // r_el
+        let e279 = o_r_sho_roll_y.mul_plus(cos[19], -(o_r_sho_roll_z * sin[19]));
+        let o_r_el_y = o_r_sho_roll_z.mul_plus(cos[19], o_r_sho_roll_y * sin[19]);
+        let o_r_el_z = e261 + qd[19];
+        let a_r_el_x = e263.mul_plus(cos[19], a_r_sho_roll_z * sin[19]);
+        let a_r_el_x = o_r_el_y.mul_plus(qd[19], a_r_el_x);
+        let a_r_el_y = a_r_sho_roll_z.mul_plus(cos[19], -(e263 * sin[19]));
+        let a_r_el_y = e279.mul_plus(qd[19], a_r_el_y);
+        let a_r_el_z = e262 + qdd[19];
+        let e280 = e279 * e279;
+        let e281 = o_r_el_y * o_r_el_y;
+        let e282 = o_r_el_z * o_r_el_z;
+        let e283 = e279 * o_r_el_y;
+        let e284 = e279 * o_r_el_z;
+        let e285 = o_r_el_y * o_r_el_z;
+        let e286 = e281 + e282;
+        let e287 = e280 + e282;
+        let e288 = e280 + e281;
+        let e289 = e283 + a_r_el_z;
+        let e290 = a_r_el_z - e283;
+        let e291 = e284 + a_r_el_y;
+        let e292 = e285 + a_r_el_x;
+        let e293 = r[41].mul_plus(e286, r[42] * e289);
+        let f_r_el_y = r[41].mul_plus(e290, -(r[42] * e287));
+        let f_r_el_z = r[42].mul_plus(e292, -(r[41] * e291));
+        // r_sho_roll
+        let f_r_sho_roll_x = f_r_el_z - r[39].mul_plus(e270, r[40] * e273);
+        let p6 = cos[19].mul_plus(e293, sin[19] * f_r_el_y);
+        let f_r_sho_roll_y = r[39].mul_plus(e275, -(r[40] * e271)) - p6;
+        let p7 = sin[19].mul_plus(e293, -(cos[19] * f_r_el_y));
+        let f_r_sho_roll_z = r[39].mul_plus(e277, r[40] * e278) + p7;
+        // r_sho_pitch
+        let f_r_sho_pitch_x = r[38].mul_plus(e255, -(r[37] * e252)) + f_r_sho_roll_z;
+        let p8 = c_r_sho_roll.mul_plus(f_r_sho_roll_y, -(s_r_sho_roll * f_r_sho_roll_x));
+        let f_r_sho_pitch_y = r[37].mul_plus(e257, -(r[38] * e253)) + p8;
+        let p9 = r[37].mul_plus(e259, r[38] * e260);
+        let f_r_sho_pitch_z = c_r_sho_roll
+            .mul_plus(f_r_sho_roll_x, s_r_sho_roll * f_r_sho_roll_y) - p9;
+        // r_ank_roll
+        let e294 = r[35].mul_plus(e236, r[36] * e239);
+        let f_r_ank_roll_y = r[35].mul_plus(e240, -(r[36] * e237));
+        let f_r_ank_roll_z = r[36].mul_plus(e242, -(r[35] * e241));
+        // r_ank_pitch
+        let f_r_ank_pitch_x = f_r_ank_roll_z - r[33].mul_plus(e222, r[34] * e225);
+        let p10 = cos[16].mul_plus(f_r_ank_roll_y, -(sin[16] * e294));
+        let f_r_ank_pitch_y = r[33].mul_plus(e226, -(r[34] * e223)) + p10;
+        let p11 = cos[16].mul_plus(e294, sin[16] * f_r_ank_roll_y);
+        let f_r_ank_pitch_z = r[33].mul_plus(e227, r[34] * e228) - p11;
+        // r_knee
+        let p12 = cos[15].mul_plus(f_r_ank_pitch_x, -(sin[15] * f_r_ank_pitch_y));
+        let f_r_knee_x = r[32].mul_plus(e211, -(r[31] * e208)) + p12;
+        let p13 = r[31].mul_plus(e212, r[32] * e209);
+        let f_r_knee_y = sin[15].mul_plus(f_r_ank_pitch_x, cos[15] * f_r_ank_pitch_y)
+            - p13;
+        let f_r_knee_z = r[32].mul_plus(e214, -(r[31] * e213)) + f_r_ank_pitch_z;
+        // r_hip_pitch
+        let p14 = cos[14].mul_plus(f_r_knee_x, sin[14] * f_r_knee_y);
+        let f_r_hip_pitch_x = r[30].mul_plus(e195, -(r[29] * e192)) + p14;
+        let p15 = cos[14].mul_plus(f_r_knee_y, -(sin[14] * f_r_knee_x));
+        let f_r_hip_pitch_y = r[29].mul_plus(e196, -(r[30] * e193)) + p15;
+        let f_r_hip_pitch_z = r[29].mul_plus(e197, r[30] * e198) + f_r_knee_z;
+        // r_hip_roll
+        let f_r_hip_roll_x = r[28].mul_plus(e177, -(r[27] * e174)) + f_r_hip_pitch_z;
+        let p16 = cos[13].mul_plus(f_r_hip_pitch_y, -(sin[13] * f_r_hip_pitch_x));
+        let f_r_hip_roll_y = r[27].mul_plus(e178, -(r[28] * e175)) + p16;
+        let p17 = cos[13].mul_plus(f_r_hip_pitch_x, sin[13] * f_r_hip_pitch_y);
+        let f_r_hip_roll_z = r[27].mul_plus(e179, r[28] * e180) + p17;
+        // r_hip_yaw
+        let f_r_hip_yaw_x = r[26].mul_plus(e164, -(r[25] * e163)) + f_r_hip_roll_z;
+        let p18 = cos[12].mul_plus(f_r_hip_roll_x, sin[12] * f_r_hip_roll_y);
+        let f_r_hip_yaw_y = r[25].mul_plus(e165, -(r[26] * (e158 + e160))) + p18;
+        let p19 = cos[12].mul_plus(f_r_hip_roll_y, -(sin[12] * f_r_hip_roll_x));
+        let f_r_hip_yaw_z = r[25].mul_plus(e166, r[26] * e167) + p19;
+        // l_el
+        let e295 = r[23].mul_plus(e151, r[24] * e154);
+        let f_l_el_y = r[23].mul_plus(e155, -(r[24] * e152));
+        let f_l_el_z = r[23].mul_plus(e156, r[24] * e157);
+        // l_sho_roll
+        let f_l_sho_roll_x = r[22].mul_plus(e136, -(r[21] * e133)) + f_l_el_z;
+        let p20 = r[21].mul_plus(e138, r[22] * e134);
+        let f_l_sho_roll_y = sin[10].mul_plus(f_l_el_y, -(cos[10] * e295)) - p20;
+        let p21 = sin[10].mul_plus(e295, cos[10] * f_l_el_y);
+        let f_l_sho_roll_z = r[22].mul_plus(e141, -(r[21] * e140)) - p21;
+        // l_sho_pitch
+        let f_l_sho_pitch_x = r[20].mul_plus(e118, -(r[19] * e115)) + f_l_sho_roll_z;
+        let p22 = c_l_sho_roll.mul_plus(f_l_sho_roll_y, -(s_l_sho_roll * f_l_sho_roll_x));
+        let f_l_sho_pitch_y = r[19].mul_plus(e120, -(r[20] * e116)) + p22;
+        let p23 = c_l_sho_roll.mul_plus(f_l_sho_roll_x, s_l_sho_roll * f_l_sho_roll_y);
+        let f_l_sho_pitch_z = r[19].mul_plus(e122, r[20] * e123) + p23;
+        // head_tilt
+        let f_head_tilt_x = r[18].mul_plus(e102, -(r[17] * e99));
+        let e296 = r[17].mul_plus(e103, r[18] * e100);
+        let f_head_tilt_z = r[18].mul_plus(e105, -(r[17] * e104));
+        // head_pan
+        let p24 = r[15].mul_plus(e81, r[16] * e84);
+        let f_head_pan_x = cos[1].mul_plus(f_head_tilt_x, -(sin[1] * e296)) - p24;
+        let f_head_pan_y = r[15].mul_plus(e86, -(r[16] * e82)) + f_head_tilt_z;
+        let p25 = sin[1].mul_plus(f_head_tilt_x, cos[1] * e296);
+        let f_head_pan_z = r[15].mul_plus(e88, r[16] * e89) + p25;
+        // l_hip_yaw
+        let p26 = r[13].mul_plus(e64, r[14] * e67);
+        let p27 = cos[8].mul_plus(f_l_sho_pitch_x, sin[8] * f_l_sho_pitch_y);
+        let p28 = cos[17].mul_plus(f_r_sho_pitch_x, -(sin[17] * f_r_sho_pitch_y));
+        let p29 = cos[11].mul_plus(f_r_hip_yaw_x, sin[11] * f_r_hip_yaw_y);
+        let f_l_hip_yaw_x = cos[0].mul_plus(f_head_pan_x, -(sin[0] * f_head_pan_y)) - p26
+            + p27 + p28 + p29;
+        let p30 = sin[0].mul_plus(f_head_pan_x, cos[0] * f_head_pan_y);
+        let p31 = cos[11].mul_plus(f_r_hip_yaw_y, -(sin[11] * f_r_hip_yaw_x));
+        let f_l_hip_yaw_y = r[13].mul_plus(e69, -(r[14] * e65)) + p30 + f_l_sho_pitch_z
+            + f_r_sho_pitch_z + p31;
+        let p32 = cos[8].mul_plus(f_l_sho_pitch_y, -(sin[8] * f_l_sho_pitch_x));
+        let p33 = sin[17].mul_plus(f_r_sho_pitch_x, cos[17] * f_r_sho_pitch_y);
+        let f_l_hip_yaw_z = r[13].mul_plus(e71, r[14] * e72) + f_head_pan_z + p32 + p33
+            + f_r_hip_yaw_z;
+        // l_hip_roll
+        let p34 = r[11].mul_plus(e47 + e48, r[12] * e52);
+        let f_l_hip_roll_x = sin[2].mul_plus(f_l_hip_yaw_x, cos[2] * f_l_hip_yaw_y)
+            - p34;
+        let f_l_hip_roll_y = r[11].mul_plus(e53, -(r[12] * e51)) + f_l_hip_yaw_z;
+        let p35 = cos[2].mul_plus(f_l_hip_yaw_x, -(sin[2] * f_l_hip_yaw_y));
+        let f_l_hip_roll_z = r[12].mul_plus(e55, -(r[11] * e54)) + p35;
+        // l_hip_pitch
+        let f_l_hip_pitch_x = r[10].mul_plus(e41, -(r[9] * e38)) + f_l_hip_roll_z;
+        let p36 = sin[3].mul_plus(f_l_hip_roll_x, cos[3] * f_l_hip_roll_y);
+        let f_l_hip_pitch_y = r[9].mul_plus(e42, -(r[10] * e39)) + p36;
+        let p37 = cos[3].mul_plus(f_l_hip_roll_x, -(sin[3] * f_l_hip_roll_y));
+        let f_l_hip_pitch_z = r[9].mul_plus(e43, r[10] * e44) + p37;
+        // l_knee
+        let p38 = cos[4].mul_plus(f_l_hip_pitch_x, sin[4] * f_l_hip_pitch_y);
+        let f_l_knee_x = r[8].mul_plus(e28, -(r[7] * e25)) + p38;
+        let p39 = cos[4].mul_plus(f_l_hip_pitch_y, -(sin[4] * f_l_hip_pitch_x));
+        let f_l_knee_y = r[7].mul_plus(e29, -(r[8] * e26)) + p39;
+        let f_l_knee_z = r[7].mul_plus(e30, r[8] * e31) + f_l_hip_pitch_z;
+        // l_ank_pitch
+        let p40 = r[5].mul_plus(e12, r[6] * e15);
+        let f_l_ank_pitch_x = cos[5].mul_plus(f_l_knee_x, sin[5] * f_l_knee_y) - p40;
+        let p41 = cos[5].mul_plus(f_l_knee_y, -(sin[5] * f_l_knee_x));
+        let f_l_ank_pitch_y = r[5].mul_plus(e16, -(r[6] * e13)) + p41;
+        let f_l_ank_pitch_z = r[5].mul_plus(e17, r[6] * e18) + f_l_knee_z;
+        // l_ank_roll
+        let f_l_ank_roll_z = cos[6].mul_plus(f_l_ank_pitch_x, -(sin[6] * f_l_ank_pitch_y));
+        let f_l_ank_roll_x = r[4].mul_plus(qdd[7], -(r[3] * e3)) + f_l_ank_pitch_z;
+        let p42 = r[3].mul_plus(qdd[7], r[4] * e3);
+        let f_l_ank_roll_y = sin[6].mul_plus(f_l_ank_pitch_x, cos[6] * f_l_ank_pitch_y)
+            - p42;
+        // l_sole
+        let f_l_sole_y = cos[7].mul_plus(f_l_ank_roll_x, sin[7] * f_l_ank_roll_y);
+        let f_l_sole_z = cos[7].mul_plus(f_l_ank_roll_y, -(sin[7] * f_l_ank_roll_x));
+        // r_el
+        let g_r_el_x = e286
+            .mul_plus(T::from_f64(0.000273408178112904), T::from_f64(0.000929017483189518) * e289);
+        let g_r_el_y = e287
+            .mul_plus(
+                T::from_f64(0.000929017483189518),
+                -(T::from_f64(0.000273408178112904) * e290),
+            );
+        let g_r_el_z = e291
+            .mul_plus(
+                T::from_f64(0.000273408178112904),
+                -(T::from_f64(0.000929017483189518) * e292),
+            );
+        let p43 = e292
+            .mul_plus(
+                T::from_f64(0.00006865145386171288),
+                -(T::from_f64(0.000014749587945905814) * e291),
+            );
+        let p44 = e290
+            .mul_plus(
+                T::from_f64(0.0000019716071492440347),
+                -(T::from_f64(0.000008004954384683086) * e287),
+            );
+        let n_r_el_x = (-e288).mul_plus(T::from_f64(0.000008004954384683086), p43) - p44;
+        let p45 = e292
+            .mul_plus(
+                T::from_f64(0.000014749587945905814),
+                -(T::from_f64(0.000007312157109986523) * e291),
+            );
+        let p46 = (-e288).mul_plus(T::from_f64(0.0000019716071492440347), p45);
+        let e297 = e286
+            .mul_plus(
+                T::from_f64(0.0000019716071492440347),
+                T::from_f64(0.000008004954384683086) * e289,
+            ) + p46;
+        let p47 = e290
+            .mul_plus(
+                T::from_f64(0.000007312157109986523),
+                -(T::from_f64(0.000014749587945905814) * e287),
+            );
+        let p48 = e286
+            .mul_plus(
+                T::from_f64(0.000014749587945905814),
+                T::from_f64(0.00006865145386171288) * e289,
+            );
+        let p49 = (a_r_el_y - e284).mul_plus(T::from_f64(0.000008004954384683086), -p48);
+        let n_r_el_z = (e285 - a_r_el_x).mul_plus(T::from_f64(0.0000019716071492440347), p47) - p49;
+        // r_sho_roll
+        let e298 = sin[19]
+            .mul_plus(
+                T::from_f64(0.000929017483189518),
+                -(T::from_f64(0.000273408178112904) * cos[19]),
+            );
+        let h_r_sho_roll_z = sin[19]
+            .mul_plus(
+                T::from_f64(0.000273408178112904),
+                T::from_f64(0.000929017483189518) * cos[19],
+            );
+        let e299 = cos[19].mul_plus(g_r_el_x, -(sin[19] * g_r_el_y));
+        let e300 = sin[19].mul_plus(g_r_el_x, cos[19] * g_r_el_y);
+        let e301 = e273.mul_plus(T::from_f64(0.06), -(T::from_f64(0.016) * e274));
+        let h_r_sho_roll_y = e298 - T::from_f64(0.003301899427745445);
+        let g_r_sho_roll_x = e270
+            .mul_plus(
+                T::from_f64(0.0001730709697837521),
+                T::from_f64(0.003301899427745445) * e273,
+            ) + g_r_el_z;
+        let g_r_sho_roll_y = e271
+            .mul_plus(
+                T::from_f64(0.003301899427745445),
+                -(T::from_f64(0.0001730709697837521) * e275),
+            ) + e299;
+        let e302 = e277
+            .mul_plus(
+                T::from_f64(0.0001730709697837521),
+                T::from_f64(0.003301899427745445) * e278,
+            ) + e300;
+        let p50 = e277
+            .mul_plus(
+                T::from_f64(0.000008770440350153032),
+                T::from_f64(0.00018228272296269858) * e278,
+            );
+        let p51 = e271
+            .mul_plus(
+                T::from_f64(0.000021611694608984365),
+                -(T::from_f64(0.00000249070310952364) * e275),
+            );
+        let p52 = e300.mul_plus(T::from_f64(0.06), -(T::from_f64(0.016) * e299));
+        let p53 = e278.mul_plus(T::from_f64(0.06), T::from_f64(0.016) * e272);
+        let p54 = e271.mul_plus(T::from_f64(0.06), T::from_f64(0.016) * e276);
+        let p55 = e298.mul_plus(p53, h_r_sho_roll_z * p54);
+        let n_r_sho_roll_x = e272.mul_plus(T::from_f64(0.000021611694608984365), p50)
+            - p51 + (p52 - n_r_el_z - p55);
+        let p56 = e277
+            .mul_plus(
+                T::from_f64(0.000009582825299676476),
+                T::from_f64(0.000008770440350153032) * e278,
+            );
+        let p57 = e272.mul_plus(T::from_f64(0.00000249070310952364), p56);
+        let p58 = cos[19].mul_plus(n_r_el_x, sin[19] * e297);
+        let p59 = g_r_el_z.mul_plus(T::from_f64(0.016), -p58);
+        let p60 = h_r_sho_roll_z.mul_plus(e301, p59);
+        let n_r_sho_roll_y = e270
+            .mul_plus(
+                T::from_f64(0.00000249070310952364),
+                T::from_f64(0.000021611694608984365) * e273,
+            ) - p57 + p60;
+        let p61 = e275
+            .mul_plus(
+                T::from_f64(0.000009582825299676476),
+                -(T::from_f64(0.000008770440350153032) * e271),
+            );
+        let p62 = e270
+            .mul_plus(
+                T::from_f64(0.000008770440350153032),
+                T::from_f64(0.00018228272296269858) * e273,
+            );
+        let p63 = e274.mul_plus(T::from_f64(0.000021611694608984365), -p62);
+        let p64 = cos[19].mul_plus(e297, -(sin[19] * n_r_el_x));
+        let p65 = g_r_el_z.mul_plus(T::from_f64(0.06), -p64);
+        let p66 = (-e298).mul_plus(e301, p65);
+        let n_r_sho_roll_z = (-e276).mul_plus(T::from_f64(0.00000249070310952364), p61)
+            - p63 + p66;
+        // r_sho_pitch
+        let e303 = s_r_sho_roll
+            .mul_plus(T::from_f64(0.0001730709697837521), c_r_sho_roll * h_r_sho_roll_y);
+        let h_r_sho_pitch_z = s_r_sho_roll
+            .mul_plus(h_r_sho_roll_y, -(T::from_f64(0.0001730709697837521) * c_r_sho_roll));
+        let e304 = c_r_sho_roll.mul_plus(g_r_sho_roll_y, -(s_r_sho_roll * g_r_sho_roll_x));
+        let e305 = c_r_sho_roll.mul_plus(g_r_sho_roll_x, s_r_sho_roll * g_r_sho_roll_y);
+        let e306 = e255.mul_plus(T::from_f64(0.016), T::from_f64(0.119) * e256);
+        let e307 = e253.mul_plus(T::from_f64(0.016), -(T::from_f64(0.119) * e258));
+        let e308 = e260.mul_plus(T::from_f64(0.016), T::from_f64(0.119) * e254);
+        let h_r_sho_pitch_x = T::from_f64(0.00037887327917640026) + h_r_sho_roll_z;
+        let h_r_sho_pitch_y = e303 - T::from_f64(0.0012960221329661491);
+        let e309 = e252
+            .mul_plus(
+                T::from_f64(0.00037887327917640026),
+                T::from_f64(0.0012960221329661491) * e255,
+            ) + e302;
+        let g_r_sho_pitch_y = e257
+            .mul_plus(
+                T::from_f64(0.00037887327917640026),
+                T::from_f64(0.0012960221329661491) * e253,
+            ) + e304;
+        let g_r_sho_pitch_z = e260
+            .mul_plus(
+                T::from_f64(0.0012960221329661491),
+                -(T::from_f64(0.00037887327917640026) * e259),
+            ) + e305;
+        let p67 = e259
+            .mul_plus(
+                T::from_f64(0.000006049466968514166),
+                -(T::from_f64(0.000021025263749857257) * e260),
+            );
+        let p68 = e257
+            .mul_plus(
+                T::from_f64(0.00004507341486757967),
+                T::from_f64(0.00015411766630620325) * e253,
+            );
+        let p69 = e304.mul_plus(T::from_f64(0.119), -(T::from_f64(0.016) * e305));
+        let p70 = e303.mul_plus(e308, -(h_r_sho_pitch_z * e307));
+        let n_r_sho_pitch_x = (-e254).mul_plus(T::from_f64(0.00015411766630620325), p67)
+            + p68 + (p69 - n_r_sho_roll_z + p70);
+        let p71 = e260
+            .mul_plus(
+                T::from_f64(0.000006049466968514166),
+                -(T::from_f64(0.000015751469565172988) * e259),
+            );
+        let p72 = e254.mul_plus(T::from_f64(0.00004507341486757967), p71);
+        let p73 = c_r_sho_roll.mul_plus(n_r_sho_roll_y, -(s_r_sho_roll * n_r_sho_roll_x));
+        let p74 = e302.mul_plus(T::from_f64(0.119), -p73);
+        let p75 = h_r_sho_pitch_z.mul_plus(e306, h_r_sho_roll_z * e308);
+        let n_r_sho_pitch_y = e252
+            .mul_plus(
+                T::from_f64(0.00004507341486757967),
+                T::from_f64(0.00015411766630620325) * e255,
+            ) - p72 + (p74 - p75);
+        let p76 = e257
+            .mul_plus(
+                T::from_f64(0.000015751469565172988),
+                T::from_f64(0.000006049466968514166) * e253,
+            );
+        let p77 = e252
+            .mul_plus(
+                T::from_f64(0.000006049466968514166),
+                T::from_f64(0.000021025263749857257) * e255,
+            );
+        let p78 = e256.mul_plus(T::from_f64(0.00015411766630620325), p77);
+        let p79 = h_r_sho_roll_z.mul_plus(e307, e303 * e306);
+        let p80 = c_r_sho_roll.mul_plus(n_r_sho_roll_x, s_r_sho_roll * n_r_sho_roll_y);
+        let p81 = e302.mul_plus(T::from_f64(0.016), p80);
+        let n_r_sho_pitch_z = (-e258).mul_plus(T::from_f64(0.00004507341486757967), p76)
+            - p78 + (p79 - p81);
+        // r_ank_roll
+        let g_r_ank_roll_x = e236
+            .mul_plus(
+                T::from_f64(0.00025816139346608233),
+                T::from_f64(0.0007059822837621398) * e239,
+            );
+        let g_r_ank_roll_y = e237
+            .mul_plus(
+                T::from_f64(0.0007059822837621398),
+                -(T::from_f64(0.00025816139346608233) * e240),
+            );
+        let g_r_ank_roll_z = e241
+            .mul_plus(
+                T::from_f64(0.00025816139346608233),
+                -(T::from_f64(0.0007059822837621398) * e242),
+            );
+        let p82 = e242
+            .mul_plus(
+                T::from_f64(0.000021134117049132984),
+                -(T::from_f64(0.000007576886585148148) * e241),
+            );
+        let p83 = e240
+            .mul_plus(
+                T::from_f64(0.00000020458297722683973),
+                -(T::from_f64(0.000000021314061318441703) * e237),
+            );
+        let n_r_ank_roll_x = (-e238).mul_plus(T::from_f64(0.000000021314061318441703), p82) - p83;
+        let p84 = e242
+            .mul_plus(
+                T::from_f64(0.000007576886585148148),
+                -(T::from_f64(0.000011924058013889746) * e241),
+            );
+        let p85 = (-e238).mul_plus(T::from_f64(0.00000020458297722683973), p84);
+        let e310 = e236
+            .mul_plus(
+                T::from_f64(0.00000020458297722683973),
+                T::from_f64(0.000000021314061318441703) * e239,
+            ) + p85;
+        let p86 = e240
+            .mul_plus(
+                T::from_f64(0.000011924058013889746),
+                -(T::from_f64(0.000007576886585148148) * e237),
+            );
+        let p87 = e236
+            .mul_plus(
+                T::from_f64(0.000007576886585148148),
+                T::from_f64(0.000021134117049132984) * e239,
+            );
+        let p88 = (a_r_ank_roll_y - e234).mul_plus(T::from_f64(0.000000021314061318441703), -p87);
+        let n_r_ank_roll_z = (e235 - a_r_ank_roll_x)
+            .mul_plus(T::from_f64(0.00000020458297722683973), p86) - p88;
+        // r_ank_pitch
+        let h_r_ank_pitch_z = sin[16]
+            .mul_plus(
+                T::from_f64(0.0007059822837621398),
+                -(T::from_f64(0.00025816139346608233) * cos[16]),
+            );
+        let h_r_ank_pitch_y = T::from_f64(0.0007924947431313887)
+            - sin[16]
+                .mul_plus(
+                    T::from_f64(0.00025816139346608233),
+                    T::from_f64(0.0007059822837621398) * cos[16],
+                );
+        let g_r_ank_pitch_x = e222
+            .mul_plus(
+                T::from_f64(0.0010725237405351177),
+                -(T::from_f64(0.0007924947431313887) * e225),
+            ) + g_r_ank_roll_z;
+        let p89 = e226
+            .mul_plus(
+                T::from_f64(0.0010725237405351177),
+                T::from_f64(0.0007924947431313887) * e223,
+            );
+        let g_r_ank_pitch_y = sin[16].mul_plus(g_r_ank_roll_x, cos[16] * g_r_ank_roll_y)
+            - p89;
+        let p90 = cos[16].mul_plus(g_r_ank_roll_x, -(sin[16] * g_r_ank_roll_y));
+        let g_r_ank_pitch_z = e228
+            .mul_plus(
+                T::from_f64(0.0007924947431313887),
+                -(T::from_f64(0.0010725237405351177) * e227),
+            ) + p90;
+        let p91 = e228
+            .mul_plus(
+                T::from_f64(0.000020191301954835163),
+                -(T::from_f64(0.00001710898339479749) * e227),
+            );
+        let p92 = e223
+            .mul_plus(
+                T::from_f64(0.00000010334408456612026),
+                -(T::from_f64(0.00000036073359429687445) * e226),
+            );
+        let n_r_ank_pitch_x = e224.mul_plus(T::from_f64(0.00000010334408456612026), p91)
+            - p92 - n_r_ank_roll_z;
+        let p93 = e227
+            .mul_plus(
+                T::from_f64(0.00007230368657394565),
+                -(T::from_f64(0.00001710898339479749) * e228),
+            );
+        let p94 = e224.mul_plus(T::from_f64(0.00000036073359429687445), p93);
+        let p95 = sin[16].mul_plus(n_r_ank_roll_x, -(cos[16] * e310));
+        let n_r_ank_pitch_y = e222
+            .mul_plus(
+                T::from_f64(0.00000036073359429687445),
+                T::from_f64(0.00000010334408456612026) * e225,
+            ) - p94 - p95;
+        let p96 = e226
+            .mul_plus(
+                T::from_f64(0.00007230368657394565),
+                T::from_f64(0.00001710898339479749) * e223,
+            );
+        let p97 = e222
+            .mul_plus(
+                T::from_f64(0.00001710898339479749),
+                -(T::from_f64(0.000020191301954835163) * e225),
+            );
+        let p98 = (-(e220 + a_r_ank_pitch_y)).mul_plus(T::from_f64(0.00000010334408456612026), p97);
+        let p99 = cos[16].mul_plus(n_r_ank_roll_x, sin[16] * e310);
+        let n_r_ank_pitch_z = (e221 + a_r_ank_pitch_x)
+            .mul_plus(T::from_f64(0.00000036073359429687445), p96) - p98 - p99;
+        // r_knee
+        let e311 = cos[15].mul_plus(T::from_f64(0.0010725237405351177), sin[15] * h_r_ank_pitch_y);
+        let e312 = cos[15]
+            .mul_plus(h_r_ank_pitch_y, -(T::from_f64(0.0010725237405351177) * sin[15]));
+        let e313 = cos[15].mul_plus(g_r_ank_pitch_x, -(sin[15] * g_r_ank_pitch_y));
+        let e314 = T::from_f64(0.093) * e211;
+        let e315 = T::from_f64(0.093) * e209;
+        let e316 = T::from_f64(0.093) * e214;
+        let h_r_knee_x = T::from_f64(0.00015737139520335583) - e311;
+        let h_r_knee_y = e312 - T::from_f64(0.008776738311508022);
+        let g_r_knee_x = e313
+            - e208
+                .mul_plus(
+                    T::from_f64(0.00015737139520335583),
+                    T::from_f64(0.008776738311508022) * e211,
+                );
+        let p100 = sin[15].mul_plus(g_r_ank_pitch_x, cos[15] * g_r_ank_pitch_y);
+        let g_r_knee_y = e209
+            .mul_plus(
+                T::from_f64(0.008776738311508022),
+                -(T::from_f64(0.00015737139520335583) * e212),
+            ) + p100;
+        let g_r_knee_z = g_r_ank_pitch_z
+            - e213
+                .mul_plus(
+                    T::from_f64(0.00015737139520335583),
+                    T::from_f64(0.008776738311508022) * e214,
+                );
+        let p101 = e213
+            .mul_plus(
+                T::from_f64(0.00000174906521327623),
+                T::from_f64(0.000793050961834963) * e214,
+            );
+        let p102 = e209
+            .mul_plus(
+                T::from_f64(0.000002011326687625257),
+                -(T::from_f64(0.000000011222519529269976) * e212),
+            );
+        let p103 = cos[15].mul_plus(n_r_ank_pitch_x, -(sin[15] * n_r_ank_pitch_y));
+        let p104 = (-g_r_ank_pitch_z).mul_plus(T::from_f64(0.093), p103);
+        let p105 = e312.mul_plus(e316, h_r_ank_pitch_z * e315);
+        let n_r_knee_x = e210.mul_plus(T::from_f64(0.000002011326687625257), p101) - p102
+            + (p104 - p105);
+        let p106 = e213
+            .mul_plus(
+                T::from_f64(0.00000550001522303673),
+                T::from_f64(0.00000174906521327623) * e214,
+            );
+        let p107 = e208
+            .mul_plus(
+                T::from_f64(0.000000011222519529269976),
+                T::from_f64(0.000002011326687625257) * e211,
+            );
+        let p108 = sin[15].mul_plus(n_r_ank_pitch_x, cos[15] * n_r_ank_pitch_y);
+        let p109 = h_r_ank_pitch_z.mul_plus(e314, e311 * e316);
+        let n_r_knee_y = e210.mul_plus(T::from_f64(0.000000011222519529269976), p106)
+            - p107 + (p108 - p109);
+        let p110 = e209
+            .mul_plus(
+                T::from_f64(0.00000174906521327623),
+                -(T::from_f64(0.00000550001522303673) * e212),
+            );
+        let p111 = e208
+            .mul_plus(
+                T::from_f64(0.00000174906521327623),
+                T::from_f64(0.000793050961834963) * e211,
+            );
+        let p112 = (-(a_r_knee_y - e206)).mul_plus(T::from_f64(0.000002011326687625257), p111);
+        let p113 = e313.mul_plus(T::from_f64(0.093), n_r_ank_pitch_z);
+        let p114 = e312.mul_plus(e314, -(e311 * e315));
+        let n_r_knee_z = (e207 - a_r_knee_x)
+            .mul_plus(T::from_f64(0.000000011222519529269976), p110) - p112
+            + (p113 + p114);
+        // r_hip_pitch
+        let e317 = cos[14].mul_plus(h_r_knee_x, sin[14] * h_r_knee_y);
+        let e318 = cos[14].mul_plus(h_r_knee_y, -(sin[14] * h_r_knee_x));
+        let e319 = cos[14].mul_plus(g_r_knee_x, sin[14] * g_r_knee_y);
+        let e320 = T::from_f64(0.093) * e195;
+        let e321 = T::from_f64(0.093) * e193;
+        let e322 = T::from_f64(0.093) * e198;
+        let h_r_hip_pitch_x = T::from_f64(0.00002815646395548345) + e317;
+        let h_r_hip_pitch_y = e318 - T::from_f64(0.012635849175462607);
+        let g_r_hip_pitch_x = e319
+            - e192
+                .mul_plus(
+                    T::from_f64(0.00002815646395548345),
+                    T::from_f64(0.012635849175462607) * e195,
+                );
+        let p115 = cos[14].mul_plus(g_r_knee_y, -(sin[14] * g_r_knee_x));
+        let g_r_hip_pitch_y = e196
+            .mul_plus(
+                T::from_f64(0.00002815646395548345),
+                T::from_f64(0.012635849175462607) * e193,
+            ) + p115;
+        let g_r_hip_pitch_z = e197
+            .mul_plus(
+                T::from_f64(0.00002815646395548345),
+                -(T::from_f64(0.012635849175462607) * e198),
+            ) + g_r_knee_z;
+        let p116 = e198
+            .mul_plus(
+                T::from_f64(0.001128948052817236),
+                -(T::from_f64(0.0000011071820780754242) * e197),
+            );
+        let p117 = e193
+            .mul_plus(
+                T::from_f64(0.0000028721833266651005),
+                -(T::from_f64(0.00000006346493691182975) * e196),
+            );
+        let p118 = cos[14].mul_plus(n_r_knee_x, sin[14] * n_r_knee_y);
+        let p119 = (-g_r_knee_z).mul_plus(T::from_f64(0.093), p118);
+        let p120 = e318.mul_plus(e322, h_r_ank_pitch_z * e321);
+        let n_r_hip_pitch_x = e194.mul_plus(T::from_f64(0.0000028721833266651005), p116)
+            - p117 + (p119 - p120);
+        let p121 = e197
+            .mul_plus(
+                T::from_f64(0.0000027309066181058813),
+                -(T::from_f64(0.0000011071820780754242) * e198),
+            );
+        let p122 = e194.mul_plus(T::from_f64(0.00000006346493691182975), p121);
+        let p123 = cos[14].mul_plus(n_r_knee_y, -(sin[14] * n_r_knee_x));
+        let p124 = e317.mul_plus(e322, -(h_r_ank_pitch_z * e320));
+        let n_r_hip_pitch_y = e192
+            .mul_plus(
+                T::from_f64(0.00000006346493691182975),
+                -(T::from_f64(0.0000028721833266651005) * e195),
+            ) - p122 + (p123 + p124);
+        let p125 = e196
+            .mul_plus(
+                T::from_f64(0.0000027309066181058813),
+                T::from_f64(0.0000011071820780754242) * e193,
+            );
+        let p126 = e192
+            .mul_plus(
+                T::from_f64(0.0000011071820780754242),
+                T::from_f64(0.001128948052817236) * e195,
+            );
+        let p127 = (-(e190 - e184)).mul_plus(T::from_f64(0.0000028721833266651005), p126);
+        let p128 = e319.mul_plus(T::from_f64(0.093), n_r_knee_z);
+        let p129 = e317.mul_plus(e321, e318 * e320);
+        let n_r_hip_pitch_z = (-(e191 - a_r_hip_pitch_x))
+            .mul_plus(T::from_f64(0.00000006346493691182975), p125) - p127
+            + (p128 + p129);
+        // r_hip_roll
+        let h_r_hip_roll_z = cos[13].mul_plus(h_r_hip_pitch_x, sin[13] * h_r_hip_pitch_y);
+        let h_r_hip_roll_x = T::from_f64(0.00003500960390767528) + h_r_ank_pitch_z;
+        let h_r_hip_roll_y = cos[13].mul_plus(h_r_hip_pitch_y, -(sin[13] * h_r_hip_pitch_x))
+            - T::from_f64(0.0007924947431313887);
+        let g_r_hip_roll_x = g_r_hip_pitch_z
+            - e174
+                .mul_plus(
+                    T::from_f64(0.00003500960390767528),
+                    T::from_f64(0.0007924947431313887) * e177,
+                );
+        let p130 = cos[13].mul_plus(g_r_hip_pitch_y, -(sin[13] * g_r_hip_pitch_x));
+        let g_r_hip_roll_y = e178
+            .mul_plus(
+                T::from_f64(0.00003500960390767528),
+                T::from_f64(0.0007924947431313887) * e175,
+            ) + p130;
+        let p131 = cos[13].mul_plus(g_r_hip_pitch_x, sin[13] * g_r_hip_pitch_y);
+        let g_r_hip_roll_z = e179
+            .mul_plus(
+                T::from_f64(0.00003500960390767528),
+                -(T::from_f64(0.0007924947431313887) * e180),
+            ) + p131;
+        let p132 = e179
+            .mul_plus(
+                T::from_f64(0.00000030652985169172185),
+                T::from_f64(0.00002019140450753412) * e180,
+            );
+        let p133 = e178
+            .mul_plus(
+                T::from_f64(0.00000036073340124169066),
+                -(T::from_f64(0.000016905810723963404) * e175),
+            );
+        let n_r_hip_roll_x = (-e176).mul_plus(T::from_f64(0.000016905810723963404), p132)
+            - p133 - n_r_hip_pitch_z;
+        let p134 = e179
+            .mul_plus(
+                T::from_f64(0.000030124214184399483),
+                T::from_f64(0.00000030652985169172185) * e180,
+            );
+        let p135 = (-e176).mul_plus(T::from_f64(0.00000036073340124169066), p134);
+        let p136 = cos[13].mul_plus(n_r_hip_pitch_y, -(sin[13] * n_r_hip_pitch_x));
+        let n_r_hip_roll_y = e177
+            .mul_plus(
+                T::from_f64(0.000016905810723963404),
+                -(T::from_f64(0.00000036073340124169066) * e174),
+            ) - p135 - p136;
+        let p137 = e178
+            .mul_plus(
+                T::from_f64(0.000030124214184399483),
+                -(T::from_f64(0.00000030652985169172185) * e175),
+            );
+        let p138 = e177
+            .mul_plus(
+                T::from_f64(0.00002019140450753412),
+                -(T::from_f64(0.00000030652985169172185) * e174),
+            );
+        let p139 = (e172 + a_r_hip_roll_y).mul_plus(T::from_f64(0.000016905810723963404), p138);
+        let p140 = cos[13].mul_plus(n_r_hip_pitch_x, sin[13] * n_r_hip_pitch_y);
+        let n_r_hip_roll_z = (e173 - a_r_hip_roll_x)
+            .mul_plus(T::from_f64(0.00000036073340124169066), p137) - p139 - p140;
+        // r_hip_yaw
+        let h_r_hip_yaw_y = cos[12].mul_plus(h_r_hip_roll_x, sin[12] * h_r_hip_roll_y);
+        let h_r_hip_yaw_z = cos[12].mul_plus(h_r_hip_roll_y, -(sin[12] * h_r_hip_roll_x));
+        let h_r_hip_yaw_x = h_r_hip_roll_z - T::from_f64(0.001037646205786198);
+        let g_r_hip_yaw_x = e163.mul_plus(T::from_f64(0.001037646205786198), g_r_hip_roll_z);
+        let g_r_hip_yaw_y = cos[12].mul_plus(g_r_hip_roll_x, sin[12] * g_r_hip_roll_y);
+        let g_r_hip_yaw_y = (-e165).mul_plus(T::from_f64(0.001037646205786198), g_r_hip_yaw_y);
+        let g_r_hip_yaw_z = cos[12].mul_plus(g_r_hip_roll_y, -(sin[12] * g_r_hip_roll_x));
+        let g_r_hip_yaw_z = (-e166).mul_plus(T::from_f64(0.001037646205786198), g_r_hip_yaw_z);
+        let n_r_hip_yaw_x = e167
+            .mul_plus(
+                T::from_f64(0.00000042597827326108953),
+                -(T::from_f64(0.00000033265562414694076) * e165),
+            ) + n_r_hip_roll_z;
+        let p141 = e166
+            .mul_plus(
+                T::from_f64(0.000055170822665607744),
+                -(T::from_f64(0.00000033265562414694076) * (e158 + e159)),
+            );
+        let p142 = e163.mul_plus(T::from_f64(0.00000033265562414694076), p141);
+        let n_r_hip_yaw_y = cos[12].mul_plus(n_r_hip_roll_x, sin[12] * n_r_hip_roll_y)
+            - p142;
+        let p143 = e165
+            .mul_plus(
+                T::from_f64(0.000055170822665607744),
+                T::from_f64(0.00000033265562414694076) * (e162 - a_r_hip_yaw_x),
+            );
+        let p144 = cos[12].mul_plus(n_r_hip_roll_y, -(sin[12] * n_r_hip_roll_x));
+        let n_r_hip_yaw_z = (-e164).mul_plus(T::from_f64(0.00000042597827326108953), p143) + p144;
+        // l_el
+        let g_l_el_x = e151
+            .mul_plus(T::from_f64(0.000273408178112904), T::from_f64(0.000929017483189518) * e154);
+        let g_l_el_y = e152
+            .mul_plus(
+                T::from_f64(0.000929017483189518),
+                -(T::from_f64(0.000273408178112904) * e155),
+            );
+        let e323 = e156
+            .mul_plus(T::from_f64(0.000273408178112904), T::from_f64(0.000929017483189518) * e157);
+        let p145 = e156
+            .mul_plus(
+                T::from_f64(0.000014749587945905814),
+                T::from_f64(0.00006865145386171288) * e157,
+            );
+        let p146 = e152
+            .mul_plus(
+                T::from_f64(0.000008004954384683086),
+                -(T::from_f64(0.0000019716071492440347) * e155),
+            );
+        let n_l_el_x = e153.mul_plus(T::from_f64(0.000008004954384683086), p145) - p146;
+        let p147 = e156
+            .mul_plus(
+                T::from_f64(0.000007312157109986523),
+                T::from_f64(0.000014749587945905814) * e157,
+            );
+        let p148 = e153.mul_plus(T::from_f64(0.0000019716071492440347), p147);
+        let n_l_el_y = e151
+            .mul_plus(
+                T::from_f64(0.0000019716071492440347),
+                T::from_f64(0.000008004954384683086) * e154,
+            ) - p148;
+        let p149 = e155
+            .mul_plus(
+                T::from_f64(0.000007312157109986523),
+                -(T::from_f64(0.000014749587945905814) * e152),
+            );
+        let p150 = e151
+            .mul_plus(
+                T::from_f64(0.000014749587945905814),
+                T::from_f64(0.00006865145386171288) * e154,
+            );
+        let p151 = (e149 + e144).mul_plus(T::from_f64(0.000008004954384683086), -p150);
+        let n_l_el_z = (-(e150 + e143))
+            .mul_plus(T::from_f64(0.0000019716071492440347), p149) - p151;
+        // l_sho_roll
+        let e324 = cos[10]
+            .mul_plus(
+                T::from_f64(0.000273408178112904),
+                T::from_f64(0.000929017483189518) * sin[10],
+            );
+        let h_l_sho_roll_z = cos[10]
+            .mul_plus(
+                T::from_f64(0.000929017483189518),
+                -(T::from_f64(0.000273408178112904) * sin[10]),
+            );
+        let e325 = cos[10].mul_plus(g_l_el_x, sin[10] * g_l_el_y);
+        let e326 = sin[10].mul_plus(g_l_el_x, -(cos[10] * g_l_el_y));
+        let e327 = e137.mul_plus(T::from_f64(0.016), -(T::from_f64(0.06) * e136));
+        let e328 = e324 + T::from_f64(0.003301899427745445);
+        let e329 = e133
+            .mul_plus(
+                T::from_f64(0.0001730709697837521),
+                T::from_f64(0.003301899427745445) * e136,
+            ) + e323;
+        let g_l_sho_roll_y = e134
+            .mul_plus(
+                T::from_f64(0.003301899427745445),
+                -(T::from_f64(0.0001730709697837521) * e138),
+            ) + e325;
+        let g_l_sho_roll_z = e326
+            - e140
+                .mul_plus(
+                    T::from_f64(0.0001730709697837521),
+                    T::from_f64(0.003301899427745445) * e141,
+                );
+        let p152 = e140
+            .mul_plus(
+                T::from_f64(0.000008770440350153032),
+                T::from_f64(0.00018228272296269858) * e141,
+            );
+        let p153 = e134
+            .mul_plus(
+                T::from_f64(0.000021611694608984365),
+                -(T::from_f64(0.00000249070310952364) * e138),
+            );
+        let p154 = e141.mul_plus(T::from_f64(0.06), T::from_f64(0.016) * e135);
+        let p155 = e134.mul_plus(T::from_f64(0.06), T::from_f64(0.016) * e139);
+        let p156 = e324.mul_plus(p154, -(h_l_sho_roll_z * p155));
+        let p157 = e326.mul_plus(T::from_f64(0.06), T::from_f64(0.016) * e325);
+        let n_l_sho_roll_x = e135.mul_plus(T::from_f64(0.000021611694608984365), p152)
+            - p153 + (p156 - (n_l_el_z + p157));
+        let p158 = e140
+            .mul_plus(
+                T::from_f64(0.000009582825299676476),
+                T::from_f64(0.000008770440350153032) * e141,
+            );
+        let p159 = e133
+            .mul_plus(
+                T::from_f64(0.00000249070310952364),
+                T::from_f64(0.000021611694608984365) * e136,
+            );
+        let p160 = cos[10].mul_plus(n_l_el_x, sin[10] * n_l_el_y);
+        let p161 = e323.mul_plus(T::from_f64(0.016), p160);
+        let p162 = h_l_sho_roll_z.mul_plus(e327, -p161);
+        let n_l_sho_roll_y = e135.mul_plus(T::from_f64(0.00000249070310952364), p158)
+            - p159 + p162;
+        let p163 = e134
+            .mul_plus(
+                T::from_f64(0.000008770440350153032),
+                -(T::from_f64(0.000009582825299676476) * e138),
+            );
+        let p164 = e133
+            .mul_plus(
+                T::from_f64(0.000008770440350153032),
+                T::from_f64(0.00018228272296269858) * e136,
+            );
+        let p165 = (-e137).mul_plus(T::from_f64(0.000021611694608984365), p164);
+        let p166 = sin[10].mul_plus(n_l_el_x, -(cos[10] * n_l_el_y));
+        let p167 = e323.mul_plus(T::from_f64(0.06), p166);
+        let p168 = e324.mul_plus(e327, -p167);
+        let n_l_sho_roll_z = e139.mul_plus(T::from_f64(0.00000249070310952364), p163)
+            - p165 + p168;
+        // l_sho_pitch
+        let e330 = s_l_sho_roll.mul_plus(T::from_f64(0.0001730709697837521), c_l_sho_roll * e328);
+        let h_l_sho_pitch_z = c_l_sho_roll
+            .mul_plus(T::from_f64(0.0001730709697837521), -(s_l_sho_roll * e328));
+        let e331 = s_l_sho_roll.mul_plus(e329, c_l_sho_roll * g_l_sho_roll_y);
+        let e332 = s_l_sho_roll.mul_plus(g_l_sho_roll_y, -(c_l_sho_roll * e329));
+        let e333 = e118.mul_plus(T::from_f64(0.016), T::from_f64(0.045000000000000005) * e119);
+        let e334 = e116.mul_plus(T::from_f64(0.016), -(T::from_f64(0.045000000000000005) * e121));
+        let e335 = e123.mul_plus(T::from_f64(0.016), T::from_f64(0.045000000000000005) * e117);
+        let h_l_sho_pitch_x = T::from_f64(0.00037887327917640026) + h_l_sho_roll_z;
+        let e336 = e330 + T::from_f64(0.0012960221329661491);
+        let g_l_sho_pitch_x = g_l_sho_roll_z
+            - e115
+                .mul_plus(
+                    T::from_f64(0.00037887327917640026),
+                    T::from_f64(0.0012960221329661491) * e118,
+                );
+        let g_l_sho_pitch_y = e120
+            .mul_plus(
+                T::from_f64(0.00037887327917640026),
+                T::from_f64(0.0012960221329661491) * e116,
+            ) + e331;
+        let g_l_sho_pitch_z = e122
+            .mul_plus(
+                T::from_f64(0.00037887327917640026),
+                -(T::from_f64(0.0012960221329661491) * e123),
+            ) + e332;
+        let p169 = e123
+            .mul_plus(
+                T::from_f64(0.000021025263749857257),
+                -(T::from_f64(0.000006049466968514166) * e122),
+            );
+        let p170 = e120
+            .mul_plus(
+                T::from_f64(0.00001703679220852605),
+                T::from_f64(0.00005821202846670826) * e116,
+            );
+        let p171 = e330.mul_plus(e335, -(h_l_sho_pitch_z * e334));
+        let p172 = e332.mul_plus(T::from_f64(0.016), T::from_f64(0.045000000000000005) * e331);
+        let n_l_sho_pitch_x = e117.mul_plus(T::from_f64(0.00005821202846670826), p169)
+            - p170 + (p171 - (n_l_sho_roll_z + p172));
+        let p173 = c_l_sho_roll.mul_plus(n_l_sho_roll_y, -(s_l_sho_roll * n_l_sho_roll_x));
+        let p174 = h_l_sho_roll_z.mul_plus(e335, -(h_l_sho_pitch_z * e333));
+        let p175 = e115
+            .mul_plus(
+                T::from_f64(0.00001703679220852605),
+                T::from_f64(0.00005821202846670826) * e118,
+            );
+        let p176 = e122
+            .mul_plus(
+                T::from_f64(0.000015751469565172988),
+                -(T::from_f64(0.000006049466968514166) * e123),
+            );
+        let p177 = (-e117).mul_plus(T::from_f64(0.00001703679220852605), p176);
+        let n_l_sho_pitch_y = g_l_sho_roll_z
+            .mul_plus(T::from_f64(0.045000000000000005), -p173) + p174 - (p175 + p177);
+        let p178 = e120
+            .mul_plus(
+                T::from_f64(0.000015751469565172988),
+                T::from_f64(0.000006049466968514166) * e116,
+            );
+        let p179 = e115
+            .mul_plus(
+                T::from_f64(0.000006049466968514166),
+                T::from_f64(0.000021025263749857257) * e118,
+            );
+        let p180 = e119.mul_plus(T::from_f64(0.00005821202846670826), p179);
+        let p181 = c_l_sho_roll.mul_plus(n_l_sho_roll_x, s_l_sho_roll * n_l_sho_roll_y);
+        let p182 = g_l_sho_roll_z.mul_plus(T::from_f64(0.016), -p181);
+        let p183 = h_l_sho_roll_z.mul_plus(e334, -(e330 * e333));
+        let n_l_sho_pitch_z = (-e121).mul_plus(T::from_f64(0.00001703679220852605), p178)
+            - p180 + (p182 + p183);
+        // head_tilt
+        let e337 = e99
+            .mul_plus(
+                T::from_f64(0.0008936193097188895),
+                T::from_f64(0.0006155634123957239) * e102,
+            );
+        let g_head_tilt_y = e100
+            .mul_plus(
+                T::from_f64(0.0006155634123957239),
+                -(T::from_f64(0.0008936193097188895) * e103),
+            );
+        let e338 = e104
+            .mul_plus(
+                T::from_f64(0.0008936193097188895),
+                T::from_f64(0.0006155634123957239) * e105,
+            );
+        let p184 = e104
+            .mul_plus(
+                T::from_f64(0.000008173086847172008),
+                T::from_f64(0.00003187295052470432) * e105,
+            );
+        let p185 = e103
+            .mul_plus(
+                T::from_f64(0.00000006710094030174738),
+                -(T::from_f64(0.00000019992667651095005) * e100),
+            );
+        let n_head_tilt_x = (-e101).mul_plus(T::from_f64(0.00000019992667651095005), p184) - p185;
+        let p186 = e104
+            .mul_plus(
+                T::from_f64(0.00003229937056313519),
+                T::from_f64(0.000008173086847172004) * e105,
+            );
+        let p187 = e101.mul_plus(T::from_f64(0.00000006710094030174738), -p186);
+        let n_head_tilt_y = e99
+            .mul_plus(
+                T::from_f64(0.00000006710094030174738),
+                T::from_f64(0.00000019992667651095005) * e102,
+            ) - p187;
+        let p188 = e100
+            .mul_plus(
+                T::from_f64(0.000008173086847172004),
+                -(T::from_f64(0.00003229937056313519) * e103),
+            );
+        let p189 = e99
+            .mul_plus(
+                T::from_f64(0.000008173086847172008),
+                T::from_f64(0.00003187295052470432) * e102,
+            );
+        let p190 = (a_head_tilt_y - e97).mul_plus(T::from_f64(0.00000019992667651095005), p189);
+        let n_head_tilt_z = (-(e98 - a_head_tilt_x))
+            .mul_plus(T::from_f64(0.00000006710094030174738), p188) - p190;
+        // head_pan
+        let e339 = cos[1]
+            .mul_plus(
+                T::from_f64(0.0008936193097188895),
+                -(T::from_f64(0.0006155634123957239) * sin[1]),
+            );
+        let h_head_pan_z = sin[1]
+            .mul_plus(
+                T::from_f64(0.0008936193097188895),
+                T::from_f64(0.0006155634123957239) * cos[1],
+            );
+        let e340 = sin[1].mul_plus(g_head_tilt_y, -(cos[1] * e337));
+        let e341 = T::from_f64(0.1727) * e87;
+        let h_head_pan_x = e339 - T::from_f64(0.000005935220372607572);
+        let g_head_pan_x = e81
+            .mul_plus(
+                T::from_f64(0.000005935220372607572),
+                -(T::from_f64(0.00001531256050567311) * e84),
+            ) + e340;
+        let e342 = e86
+            .mul_plus(
+                T::from_f64(0.000005935220372607572),
+                T::from_f64(0.00001531256050567311) * e82,
+            ) + e338;
+        let p191 = sin[1].mul_plus(e337, cos[1] * g_head_tilt_y);
+        let g_head_pan_z = e89
+            .mul_plus(
+                T::from_f64(0.00001531256050567311),
+                -(T::from_f64(0.000005935220372607572) * e88),
+            ) - p191;
+        let p192 = e88
+            .mul_plus(
+                T::from_f64(0.0000000000000033021019116561955),
+                T::from_f64(0.000021234625817540758) * e89,
+            );
+        let p193 = e86
+            .mul_plus(
+                T::from_f64(0.0000008609675083983043),
+                T::from_f64(0.0000026446625321681368) * e82,
+            );
+        let p194 = cos[1].mul_plus(n_head_tilt_x, sin[1] * n_head_tilt_y);
+        let p195 = e338.mul_plus(T::from_f64(0.1727), p194);
+        let p196 = h_head_pan_z.mul_plus(e341, p195);
+        let n_head_pan_x = (-e83).mul_plus(T::from_f64(0.0000026446625321681368), p192)
+            + p193 + p196;
+        let p197 = e88
+            .mul_plus(
+                T::from_f64(0.0000003380192149095407),
+                T::from_f64(0.0000000000000033021019116561955) * e89,
+            );
+        let p198 = e83.mul_plus(T::from_f64(0.0000008609675083983043), p197);
+        let p199 = e340.mul_plus(T::from_f64(0.1727), n_head_tilt_z);
+        let p200 = h_head_pan_z
+            .mul_plus(T::from_f64(0.1727) * e85, e339 * (T::from_f64(0.1727) * e83));
+        let n_head_pan_y = e81
+            .mul_plus(
+                T::from_f64(0.0000008609675083983043),
+                -(T::from_f64(0.0000026446625321681368) * e84),
+            ) - p198 + (p199 + p200);
+        let p201 = e86
+            .mul_plus(
+                T::from_f64(0.0000003380192149095407),
+                -(T::from_f64(0.0000000000000033021019116561955) * e82),
+            );
+        let p202 = e81
+            .mul_plus(
+                T::from_f64(0.0000000000000033021019116561955),
+                T::from_f64(0.000021234625817540758) * e84,
+            );
+        let p203 = e85.mul_plus(T::from_f64(0.0000026446625321681368), -p202);
+        let p204 = sin[1].mul_plus(n_head_tilt_x, -(cos[1] * n_head_tilt_y));
+        let p205 = (-e339).mul_plus(e341, p204);
+        let n_head_pan_z = e87.mul_plus(T::from_f64(0.0000008609675083983043), p201)
+            - p203 + p205;
+        // l_hip_yaw
+        let e343 = cos[0].mul_plus(h_head_pan_x, -(T::from_f64(0.00001531256050567311) * sin[0]));
+        let e344 = sin[0].mul_plus(h_head_pan_x, T::from_f64(0.00001531256050567311) * cos[0]);
+        let e345 = cos[0].mul_plus(g_head_pan_x, sin[0] * e342);
+        let e346 = sin[0].mul_plus(g_head_pan_x, -(cos[0] * e342));
+        let e347 = T::from_f64(0.005) * e64;
+        let e348 = e67.mul_plus(T::from_f64(0.037), -e347);
+        let e349 = T::from_f64(0.005) * e69;
+        let e350 = e65.mul_plus(T::from_f64(0.037), e349);
+        let e351 = T::from_f64(0.005) * e71;
+        let e352 = (-e72).mul_plus(T::from_f64(0.037), e351);
+        let e353 = cos[8].mul_plus(h_l_sho_pitch_x, -(sin[8] * e336));
+        let e354 = sin[8].mul_plus(h_l_sho_pitch_x, cos[8] * e336);
+        let e355 = cos[8].mul_plus(g_l_sho_pitch_x, sin[8] * g_l_sho_pitch_y);
+        let e356 = cos[8].mul_plus(g_l_sho_pitch_y, -(sin[8] * g_l_sho_pitch_x));
+        let e357 = e68.mul_plus(T::from_f64(0.1222), -e347);
+        let e358 = (-e70).mul_plus(T::from_f64(0.1222), e349);
+        let e359 = (-e66).mul_plus(T::from_f64(0.1222), e351);
+        let p206 = e71
+            .mul_plus(T::from_f64(0.00015256501877371507), T::from_f64(0.003611190887568773) * e72);
+        let p207 = e65
+            .mul_plus(
+                T::from_f64(0.0022969801568519105),
+                -(T::from_f64(0.00024561277463748104) * e69),
+            );
+        let p208 = cos[0].mul_plus(n_head_pan_x, -(sin[0] * n_head_pan_y));
+        let p209 = (-g_head_pan_z).mul_plus(T::from_f64(0.037), p208);
+        let p210 = e344.mul_plus(e352, -(h_head_pan_z * e350));
+        let p211 = h_l_sho_pitch_z.mul_plus(e359, e354 * e358);
+        let p212 = cos[8].mul_plus(n_l_sho_pitch_x, sin[8] * n_l_sho_pitch_y);
+        let p213 = g_l_sho_pitch_z.mul_plus(T::from_f64(0.1222), p212);
+        let e360 = e66.mul_plus(T::from_f64(0.0022969801568519105), p206) - p207
+            + (p209 + p210) + (p211 - p213);
+        let p214 = e71
+            .mul_plus(
+                T::from_f64(0.0004457843286160802),
+                T::from_f64(0.00015256501877371507) * e72,
+            );
+        let p215 = e66.mul_plus(T::from_f64(0.00024561277463748104), p214);
+        let p216 = sin[0].mul_plus(n_head_pan_x, cos[0] * n_head_pan_y);
+        let p217 = (-g_head_pan_z).mul_plus(T::from_f64(0.005), p216);
+        let p218 = h_head_pan_z.mul_plus(e348, -(e343 * e352));
+        let p219 = e355.mul_plus(T::from_f64(0.1222), -(T::from_f64(0.005) * e356));
+        let p220 = e354.mul_plus(e357, e353 * e359);
+        let e361 = e64
+            .mul_plus(
+                T::from_f64(0.00024561277463748104),
+                T::from_f64(0.0022969801568519105) * e67,
+            ) - p215 + (p217 + p218) + (p219 - n_l_sho_pitch_z - p220);
+        let p221 = e69
+            .mul_plus(
+                T::from_f64(0.0004457843286160802),
+                -(T::from_f64(0.00015256501877371507) * e65),
+            );
+        let p222 = e64
+            .mul_plus(T::from_f64(0.00015256501877371507), T::from_f64(0.003611190887568773) * e67);
+        let p223 = e68.mul_plus(T::from_f64(0.0022969801568519105), p222);
+        let p224 = e346.mul_plus(T::from_f64(0.005), T::from_f64(0.037) * e345);
+        let p225 = e343.mul_plus(e350, -(e344 * e348));
+        let p226 = cos[8].mul_plus(n_l_sho_pitch_y, -(sin[8] * n_l_sho_pitch_x));
+        let p227 = g_l_sho_pitch_z.mul_plus(T::from_f64(0.005), -p226);
+        let p228 = e353.mul_plus(e358, -(h_l_sho_pitch_z * e357));
+        let e362 = e70.mul_plus(T::from_f64(0.00024561277463748104), p221) + p223
+            + (n_head_pan_z + p224 + p225) + (p227 + p228);
+        let e363 = cos[17].mul_plus(h_r_sho_pitch_x, -(sin[17] * h_r_sho_pitch_y));
+        let e364 = sin[17].mul_plus(h_r_sho_pitch_x, cos[17] * h_r_sho_pitch_y);
+        let e365 = cos[17].mul_plus(e309, sin[17] * g_r_sho_pitch_y);
+        let e366 = cos[17].mul_plus(g_r_sho_pitch_y, -(sin[17] * e309));
+        let e367 = cos[11].mul_plus(h_r_hip_yaw_x, sin[11] * h_r_hip_yaw_y);
+        let e368 = cos[11].mul_plus(h_r_hip_yaw_y, -(sin[11] * h_r_hip_yaw_x));
+        let e369 = cos[11].mul_plus(g_r_hip_yaw_x, sin[11] * g_r_hip_yaw_y);
+        let e370 = T::from_f64(0.074) * e67;
+        let e371 = T::from_f64(0.074) * e65;
+        let e372 = T::from_f64(0.074) * e72;
+        let h_l_hip_yaw_x = e343 - T::from_f64(0.0037115625356265282) + e353 + e363
+            + e367;
+        let h_l_hip_yaw_y = e344 - T::from_f64(0.03803915304100316) + h_l_sho_pitch_z
+            + h_r_sho_pitch_z + e368;
+        let h_l_hip_yaw_z = h_head_pan_z - e354 + e364 + h_r_hip_yaw_z;
+        let g_l_hip_yaw_x = e64
+            .mul_plus(
+                T::from_f64(0.0037115625356265282),
+                T::from_f64(0.03803915304100316) * e67,
+            ) + e345 + e355 - e365 + e369;
+        let p229 = cos[11].mul_plus(g_r_hip_yaw_y, -(sin[11] * g_r_hip_yaw_x));
+        let g_l_hip_yaw_y = e65
+            .mul_plus(
+                T::from_f64(0.03803915304100316),
+                -(T::from_f64(0.0037115625356265282) * e69),
+            ) + e346 + g_l_sho_pitch_z + g_r_sho_pitch_z + p229;
+        let g_l_hip_yaw_z = g_head_pan_z
+            - e71
+                .mul_plus(
+                    T::from_f64(0.0037115625356265282),
+                    T::from_f64(0.03803915304100316) * e72,
+                ) + e356 + e366 + g_r_hip_yaw_z;
+        let p230 = cos[17].mul_plus(n_r_sho_pitch_x, -(sin[17] * n_r_sho_pitch_y));
+        let p231 = g_r_sho_pitch_z.mul_plus(T::from_f64(0.1222), p230);
+        let p232 = cos[11].mul_plus(n_r_hip_yaw_x, sin[11] * n_r_hip_yaw_y);
+        let p233 = (-g_r_hip_yaw_z).mul_plus(T::from_f64(0.074), p232);
+        let p234 = e368.mul_plus(e372, h_r_hip_yaw_z * e371);
+        let n_l_hip_yaw_x = e360
+            + (h_r_sho_pitch_z.mul_plus(e359, -(e364 * e358)) - p231) + (p233 - p234);
+        let p235 = e365.mul_plus(T::from_f64(0.1222), T::from_f64(0.005) * e366);
+        let p236 = cos[11].mul_plus(n_r_hip_yaw_y, -(sin[11] * n_r_hip_yaw_x));
+        let p237 = h_r_hip_yaw_z.mul_plus(e370, e367 * e372);
+        let n_l_hip_yaw_y = e361
+            + (e364.mul_plus(e357, -(e363 * e359)) - (n_r_sho_pitch_z + p235))
+            + (p236 + p237);
+        let p238 = sin[17].mul_plus(n_r_sho_pitch_x, cos[17] * n_r_sho_pitch_y);
+        let p239 = e363.mul_plus(e358, -(h_r_sho_pitch_z * e357));
+        let p240 = e369.mul_plus(T::from_f64(0.074), n_r_hip_yaw_z);
+        let p241 = e367.mul_plus(e371, -(e368 * e370));
+        let n_l_hip_yaw_z = e362
+            + (g_r_sho_pitch_z.mul_plus(T::from_f64(0.005), -p238) + p239)
+            + (p240 + p241);
+        // l_hip_roll
+        let h_l_hip_roll_x = sin[2].mul_plus(h_l_hip_yaw_x, cos[2] * h_l_hip_yaw_y);
+        let h_l_hip_roll_z = cos[2].mul_plus(h_l_hip_yaw_x, -(sin[2] * h_l_hip_yaw_y));
+        let h_l_hip_roll_y = T::from_f64(0.05975631610931729) + h_l_hip_yaw_z;
+        let g_l_hip_roll_x = sin[2].mul_plus(g_l_hip_yaw_x, cos[2] * g_l_hip_yaw_y);
+        let g_l_hip_roll_x = (-e52).mul_plus(T::from_f64(0.05975631610931729), g_l_hip_roll_x);
+        let g_l_hip_roll_y = (-e51).mul_plus(T::from_f64(0.05975631610931729), g_l_hip_yaw_z);
+        let g_l_hip_roll_z = cos[2].mul_plus(g_l_hip_yaw_x, -(sin[2] * g_l_hip_yaw_y));
+        let g_l_hip_roll_z = e55.mul_plus(T::from_f64(0.05975631610931729), g_l_hip_roll_z);
+        let p242 = e55
+            .mul_plus(
+                T::from_f64(0.007136011009257574),
+                -(T::from_f64(0.00000033265562414694076) * (e46 + e47)),
+            );
+        let p243 = sin[2].mul_plus(n_l_hip_yaw_x, cos[2] * n_l_hip_yaw_y);
+        let n_l_hip_roll_x = e51.mul_plus(T::from_f64(0.00000033265562414694076), p242)
+            + p243;
+        let n_l_hip_roll_y = e54
+            .mul_plus(
+                T::from_f64(0.00000042597827326108953),
+                -(T::from_f64(0.00000033265562414694076) * e52),
+            ) + n_l_hip_yaw_z;
+        let p244 = (a_l_hip_roll_y - e50)
+            .mul_plus(
+                T::from_f64(0.00000033265562414694076),
+                -(T::from_f64(0.007136011009257574) * e52),
+            );
+        let p245 = cos[2].mul_plus(n_l_hip_yaw_x, -(sin[2] * n_l_hip_yaw_y));
+        let n_l_hip_roll_z = e53.mul_plus(T::from_f64(0.00000042597827326108953), -p244)
+            + p245;
+        // l_hip_pitch
+        let h_l_hip_pitch_z = cos[3].mul_plus(h_l_hip_roll_x, -(sin[3] * h_l_hip_roll_y));
+        let h_l_hip_pitch_x = h_l_hip_roll_z - T::from_f64(0.001037646205786198);
+        let h_l_hip_pitch_y = sin[3].mul_plus(h_l_hip_roll_x, cos[3] * h_l_hip_roll_y)
+            - T::from_f64(0.0007924947431313887);
+        let g_l_hip_pitch_x = e38
+            .mul_plus(
+                T::from_f64(0.001037646205786198),
+                -(T::from_f64(0.0007924947431313887) * e41),
+            ) + g_l_hip_roll_z;
+        let p246 = sin[3].mul_plus(g_l_hip_roll_x, cos[3] * g_l_hip_roll_y);
+        let g_l_hip_pitch_y = e39
+            .mul_plus(
+                T::from_f64(0.0007924947431313887),
+                -(T::from_f64(0.001037646205786198) * e42),
+            ) + p246;
+        let p247 = e43
+            .mul_plus(T::from_f64(0.001037646205786198), T::from_f64(0.0007924947431313887) * e44);
+        let g_l_hip_pitch_z = cos[3].mul_plus(g_l_hip_roll_x, -(sin[3] * g_l_hip_roll_y))
+            - p247;
+        let p248 = e43
+            .mul_plus(
+                T::from_f64(0.000016905810723963404),
+                T::from_f64(0.00002019140450753412) * e44,
+            );
+        let p249 = e39
+            .mul_plus(
+                T::from_f64(0.00000030652985169172185),
+                -(T::from_f64(0.00000036073340124169066) * e42),
+            );
+        let n_l_hip_pitch_x = e40.mul_plus(T::from_f64(0.00000030652985169172185), p248)
+            - p249 - n_l_hip_roll_z;
+        let p250 = e43
+            .mul_plus(
+                T::from_f64(0.000055170822665607744),
+                T::from_f64(0.000016905810723963404) * e44,
+            );
+        let p251 = e40.mul_plus(T::from_f64(0.00000036073340124169066), p250);
+        let p252 = sin[3].mul_plus(n_l_hip_roll_x, cos[3] * n_l_hip_roll_y);
+        let n_l_hip_pitch_y = e38
+            .mul_plus(
+                T::from_f64(0.00000036073340124169066),
+                -(T::from_f64(0.00000030652985169172185) * e41),
+            ) - p251 - p252;
+        let p253 = e42
+            .mul_plus(
+                T::from_f64(0.000055170822665607744),
+                -(T::from_f64(0.000016905810723963404) * e39),
+            );
+        let p254 = e41
+            .mul_plus(
+                T::from_f64(0.00002019140450753412),
+                -(T::from_f64(0.000016905810723963404) * e38),
+            );
+        let p255 = (-(e36 + a_l_hip_pitch_y))
+            .mul_plus(T::from_f64(0.00000030652985169172185), p254);
+        let p256 = cos[3].mul_plus(n_l_hip_roll_x, -(sin[3] * n_l_hip_roll_y));
+        let n_l_hip_pitch_z = (-(e37 - a_l_hip_pitch_x))
+            .mul_plus(T::from_f64(0.00000036073340124169066), p253) - p255 - p256;
+        // l_knee
+        let e373 = cos[4].mul_plus(h_l_hip_pitch_x, sin[4] * h_l_hip_pitch_y);
+        let e374 = cos[4].mul_plus(h_l_hip_pitch_y, -(sin[4] * h_l_hip_pitch_x));
+        let e375 = cos[4].mul_plus(g_l_hip_pitch_x, sin[4] * g_l_hip_pitch_y);
+        let e376 = T::from_f64(0.093) * e28;
+        let e377 = T::from_f64(0.093) * e26;
+        let e378 = T::from_f64(0.093) * e31;
+        let h_l_knee_x = T::from_f64(0.00002815646395548345) + e373;
+        let h_l_knee_y = T::from_f64(0.08036415082453738) + e374;
+        let g_l_knee_x = e28
+            .mul_plus(
+                T::from_f64(0.08036415082453738),
+                -(T::from_f64(0.00002815646395548345) * e25),
+            ) + e375;
+        let p257 = cos[4].mul_plus(g_l_hip_pitch_y, -(sin[4] * g_l_hip_pitch_x));
+        let g_l_knee_y = e29
+            .mul_plus(
+                T::from_f64(0.00002815646395548345),
+                -(T::from_f64(0.08036415082453738) * e26),
+            ) + p257;
+        let g_l_knee_z = e30
+            .mul_plus(
+                T::from_f64(0.00002815646395548345),
+                T::from_f64(0.08036415082453738) * e31,
+            ) + g_l_hip_pitch_z;
+        let p258 = e30
+            .mul_plus(
+                T::from_f64(0.0000015113690697845367),
+                T::from_f64(0.007427680106181191) * e31,
+            );
+        let p259 = e29
+            .mul_plus(
+                T::from_f64(0.00000006346493691182975),
+                T::from_f64(0.00000038370983674870065) * e26,
+            );
+        let p260 = cos[4].mul_plus(n_l_hip_pitch_x, sin[4] * n_l_hip_pitch_y);
+        let p261 = g_l_hip_pitch_z.mul_plus(T::from_f64(0.093), p260);
+        let p262 = e374.mul_plus(e378, h_l_hip_pitch_z * e377);
+        let n_l_knee_x = e27.mul_plus(T::from_f64(0.00000038370983674870065), p258)
+            - p259 + (p261 + p262);
+        let p263 = h_l_hip_pitch_z.mul_plus(e376, -(e373 * e378));
+        let p264 = e25
+            .mul_plus(
+                T::from_f64(0.00000006346493691182975),
+                T::from_f64(0.00000038370983674870065) * e28,
+            );
+        let p265 = e30
+            .mul_plus(
+                T::from_f64(0.0000027309066181058813),
+                T::from_f64(0.0000015113690697845367) * e31,
+            );
+        let p266 = (-e27).mul_plus(T::from_f64(0.00000006346493691182975), p265);
+        let n_l_knee_y = cos[4].mul_plus(n_l_hip_pitch_y, -(sin[4] * n_l_hip_pitch_x))
+            + p263 - (p264 + p266);
+        let p267 = e29
+            .mul_plus(
+                T::from_f64(0.0000027309066181058813),
+                -(T::from_f64(0.0000015113690697845367) * e26),
+            );
+        let p268 = e28
+            .mul_plus(
+                T::from_f64(0.007427680106181191),
+                -(T::from_f64(0.0000015113690697845367) * e25),
+            );
+        let p269 = (-(e23 + a_l_knee_y)).mul_plus(T::from_f64(0.00000038370983674870065), p268);
+        let p270 = (-e375).mul_plus(T::from_f64(0.093), n_l_hip_pitch_z);
+        let p271 = e373.mul_plus(e377, e374 * e376);
+        let n_l_knee_z = (e24 - a_l_knee_x)
+            .mul_plus(T::from_f64(0.00000006346493691182975), p267) - p269
+            + (p270 - p271);
+        // l_ank_pitch
+        let e379 = cos[5].mul_plus(h_l_knee_x, sin[5] * h_l_knee_y);
+        let e380 = cos[5].mul_plus(h_l_knee_y, -(sin[5] * h_l_knee_x));
+        let e381 = cos[5].mul_plus(g_l_knee_x, sin[5] * g_l_knee_y);
+        let e382 = T::from_f64(0.093) * e15;
+        let e383 = T::from_f64(0.093) * e13;
+        let e384 = T::from_f64(0.093) * e18;
+        let h_l_ank_pitch_x = T::from_f64(0.00015737139520335583) + e379;
+        let h_l_ank_pitch_y = T::from_f64(0.08422326168849198) + e380;
+        let g_l_ank_pitch_x = e381
+            - e12
+                .mul_plus(
+                    T::from_f64(0.00015737139520335583),
+                    T::from_f64(0.08422326168849198) * e15,
+                );
+        let p272 = cos[5].mul_plus(g_l_knee_y, -(sin[5] * g_l_knee_x));
+        let g_l_ank_pitch_y = e16
+            .mul_plus(
+                T::from_f64(0.00015737139520335583),
+                -(T::from_f64(0.08422326168849198) * e13),
+            ) + p272;
+        let g_l_ank_pitch_z = e17
+            .mul_plus(
+                T::from_f64(0.00015737139520335583),
+                T::from_f64(0.08422326168849198) * e18,
+            ) + g_l_knee_z;
+        let p273 = e17
+            .mul_plus(
+                T::from_f64(0.000012886474540635863),
+                T::from_f64(0.0078095776358944715) * e18,
+            );
+        let p274 = e13
+            .mul_plus(
+                T::from_f64(0.0000012445664757885444),
+                -(T::from_f64(0.000000011222519529269976) * e16),
+            );
+        let p275 = cos[5].mul_plus(n_l_knee_x, sin[5] * n_l_knee_y);
+        let p276 = g_l_knee_z.mul_plus(T::from_f64(0.093), p275);
+        let p277 = e380.mul_plus(e384, h_l_hip_pitch_z * e383);
+        let n_l_ank_pitch_x = e14.mul_plus(T::from_f64(0.0000012445664757885444), p273)
+            - p274 + (p276 + p277);
+        let p278 = e17
+            .mul_plus(
+                T::from_f64(0.00000550001522303673),
+                T::from_f64(0.000012886474540635863) * e18,
+            );
+        let p279 = e14.mul_plus(T::from_f64(0.000000011222519529269976), p278);
+        let p280 = cos[5].mul_plus(n_l_knee_y, -(sin[5] * n_l_knee_x));
+        let p281 = h_l_hip_pitch_z.mul_plus(e382, e379 * e384);
+        let n_l_ank_pitch_y = e12
+            .mul_plus(
+                T::from_f64(0.000000011222519529269976),
+                T::from_f64(0.0000012445664757885444) * e15,
+            ) - p279 + (p280 - p281);
+        let p282 = e16
+            .mul_plus(
+                T::from_f64(0.00000550001522303673),
+                -(T::from_f64(0.000012886474540635863) * e13),
+            );
+        let p283 = e12
+            .mul_plus(
+                T::from_f64(0.000012886474540635863),
+                T::from_f64(0.0078095776358944715) * e15,
+            );
+        let p284 = (e6 - e7).mul_plus(T::from_f64(0.0000012445664757885444), p283);
+        let p285 = (-e381).mul_plus(T::from_f64(0.093), n_l_knee_z);
+        let p286 = e380.mul_plus(e382, -(e379 * e383));
+        let n_l_ank_pitch_z = (e5 + a_l_ank_pitch_x)
+            .mul_plus(T::from_f64(0.000000011222519529269976), p282) + p284
+            + (p285 + p286);
+        // l_ank_roll
+        let e385 = T::from_f64(0.00000010334408456612026) * e3;
+        let h_l_ank_roll_z = cos[6].mul_plus(h_l_ank_pitch_x, -(sin[6] * h_l_ank_pitch_y));
+        let g_l_ank_roll_z = cos[6].mul_plus(g_l_ank_pitch_x, -(sin[6] * g_l_ank_pitch_y));
+        let h_l_ank_roll_x = h_l_hip_pitch_z - T::from_f64(0.00003500960390767528);
+        let h_l_ank_roll_y = T::from_f64(0.0007924947431313887)
+            + sin[6].mul_plus(h_l_ank_pitch_x, cos[6] * h_l_ank_pitch_y);
+        let g_l_ank_roll_x = e3
+            .mul_plus(
+                T::from_f64(0.00003500960390767528),
+                T::from_f64(0.0007924947431313887) * qdd[7],
+            ) + g_l_ank_pitch_z;
+        let p287 = sin[6].mul_plus(g_l_ank_pitch_x, cos[6] * g_l_ank_pitch_y);
+        let g_l_ank_roll_y = qdd[7]
+            .mul_plus(
+                T::from_f64(0.00003500960390767528),
+                -(T::from_f64(0.0007924947431313887) * e3),
+            ) + p287;
+        // l_sole
+        let g_l_sole_y = cos[7].mul_plus(g_l_ank_roll_x, sin[7] * g_l_ank_roll_y);
+        let g_l_sole_z = cos[7].mul_plus(g_l_ank_roll_y, -(sin[7] * g_l_ank_roll_x));
+        let p288 = e3
+            .mul_plus(
+                T::from_f64(0.00001710898339479749),
+                -(T::from_f64(0.00000036073359429687445) * qdd[7]),
+            );
+        let p289 = e3
+            .mul_plus(
+                T::from_f64(0.00000036073359429687445),
+                T::from_f64(0.00001710898339479749) * qdd[7],
+            );
+        let p290 = sin[6].mul_plus(n_l_ank_pitch_x, cos[6] * n_l_ank_pitch_y);
+        let n_l_sole_y = cos[7].mul_plus(p288 + n_l_ank_pitch_z, sin[7] * (p289 + p290));
+        let n_l_sole_y = g_l_ank_roll_z.mul_plus(T::from_f64(0.0335), -n_l_sole_y);
+        let h_l_sole_x = h_l_ank_roll_z - T::from_f64(0.0010725237405351177);
+        let h_l_sole_y = cos[7].mul_plus(h_l_ank_roll_x, sin[7] * h_l_ank_roll_y)
+            - T::from_f64(0.010241838606533918);
+        let h_l_sole_z = T::from_f64(0.03279401771623786)
+            + cos[7].mul_plus(h_l_ank_roll_y, -(sin[7] * h_l_ank_roll_x));
+        // ZMP
+        let p291 = qdd[7].mul_plus(T::from_f64(0.000020191301954835163), -e385);
+        let p292 = cos[6].mul_plus(n_l_ank_pitch_x, -(sin[6] * n_l_ank_pitch_y));
+        let p293 = g_l_sole_z.mul_plus(T::from_f64(0.0105), T::from_f64(0.0335) * g_l_sole_y);
+        let p294 = h_l_sole_y.mul_plus(g_l_sole_z, -(h_l_sole_z * g_l_sole_y));
+        let e386 = qdd[7].mul_plus(T::from_f64(0.000030124214184399486), e385) + p291
+            + p292 + p293 + p294;
+        let load = T::from_f64(9.80665) + f_l_sole_z;
+        let e387 = T::from_f64(1.0) / load;
+        let p295 = h_l_sole_z.mul_plus(g_l_ank_roll_z, -(h_l_sole_x * g_l_sole_z));
+        let p296 = v_l_sole_z.mul_plus(f_l_ank_roll_z, n_l_sole_y - p295);
+        let p297 = v_l_sole_z.mul_plus(f_l_sole_y, e386);
+        [(-p296).mul_plus(e387, v_l_sole_x), (-p297).mul_plus(e387, v_l_sole_y)]
     }
 
     #[inline(always)]

@@ -13,6 +13,7 @@
 // regressor_cop              4       2         2   1.3e-15 (f64)  6.6e-7 (f32)
 // regressor_full             4       2         2   1.3e-15 (f64)  6.6e-7 (f32)
 // cop                        6       6         2   7.9e-16 (f64)  2.2e-7 m (f32)
+// zmp                       58      43         2   1.5e-13 (f64)  5.6e-6 m (f32)  and 1 quotient, clamp or power
 // com_sc                     8       8         0   9.0e-16 (f64)  2.3e-7 m (f32)
 // com_jacobian_sc           12       8         0   7.9e-16 (f64)  2.0e-7 m/rad (f32)
 // com_velocity_sc           16      10         0   6.1e-15 (f64)  1.8e-6 m/s (f32)
@@ -21,12 +22,16 @@
 // regressor_cop_sc           4       2         0   8.9e-16 (f64)  4.8e-7 (f32)
 // regressor_full_sc          4       2         0   8.9e-16 (f64)  4.8e-7 (f32)
 // cop_sc                     6       6         0   7.3e-16 (f64)  1.9e-7 m (f32)
+// zmp_sc                    58      43         0   1.5e-13 (f64)  5.0e-6 m (f32)  and 1 quotient, clamp or power
 // com_jacobian_along        16      10         0   1.0e-15 (f64)  3.4e-7 m/rad (f32)
 // regressor_along            8       4         0   1.9e-15 (f64)  1.1e-6 (f32)
 // regressor_full_along       8       4         0   1.9e-15 (f64)  1.1e-6 (f32)
 // Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
 // parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
 // against exact evaluation with the same parameters.
+// That of zmp holds for joint velocities up to 1 rad/s (0.25 m/s) or the URDF's limit,
+// accelerations up to 10 rad/s2 (2.5 m/s2), and while the ground carries at least half of the
+// weight.
 //
 // method         statically equivalent serial chain (SESC); equations as numbered in
 //                "Three-dimensional identification of a humanoid robot"
@@ -174,6 +179,13 @@ pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
     TwoLinkFoot::cop(q, r)
 }
 
+/// Zero-moment point on the level sole plane, m: c − (c_z c̈ + L̇/M)/(g + c̈_z) with c and c̈ of r and L̇ by the URDF's masses and inertias.
+#[allow(dead_code)]
+#[inline]
+pub fn zmp<T: Real>(q: &[T; DOF], qd: &[T; DOF], qdd: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
+    TwoLinkFoot::zmp(q, qd, qdd, r)
+}
+
 /// Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i, Eq. (4).
 ///
 /// From sines and cosines; a prismatic joint passes its position in `sin`.
@@ -257,6 +269,21 @@ pub fn regressor_full_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; FULL_P
 #[inline]
 pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
     TwoLinkFoot::cop_sc(sin, cos, r)
+}
+
+/// Zero-moment point on the level sole plane, m: c − (c_z c̈ + L̇/M)/(g + c̈_z) with c and c̈ of r and L̇ by the URDF's masses and inertias.
+///
+/// From sines and cosines; a prismatic joint passes its position in `sin`.
+#[allow(dead_code)]
+#[inline]
+pub fn zmp_sc<T: Real>(
+    sin: &[T; DOF],
+    cos: &[T; DOF],
+    qd: &[T; DOF],
+    qdd: &[T; DOF],
+    r: &[T; BASE_PARAMS],
+) -> [T; 2] {
+    TwoLinkFoot::zmp_sc(sin, cos, qd, qdd, r)
 }
 
 #[allow(dead_code, non_snake_case, clippy::all)]
@@ -471,6 +498,71 @@ impl v1::Robot for TwoLinkFoot {
         let v_foot_x = s_ankle.mul_plus(v_ankle_y, v_foot_x);
         [v_foot_x, r[1]]
     }
+
+    #[inline(always)]
+    fn zmp<T: Real>(q: &[T; DOF], qd: &[T; DOF], qdd: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
+        // knee
+        let (s_knee, c_knee) = q[1].sin_cos();
+        // ankle
+        let v_ankle_x = c_knee.mul_plus(r[5], r[3]);
+        let v_ankle_x = s_knee.mul_plus(r[6], v_ankle_x);
+        let v_ankle_y = (-s_knee).mul_plus(r[5], r[4]);
+        let v_ankle_y = c_knee.mul_plus(r[6], v_ankle_y);
+        let (s_ankle, c_ankle) = q[0].sin_cos();
+        // foot
+        let v_foot_x = c_ankle.mul_plus(v_ankle_x, r[0]);
+        let v_foot_x = s_ankle.mul_plus(v_ankle_y, v_foot_x);
+        let v_foot_z = (-s_ankle).mul_plus(v_ankle_x, r[2]);
+        let v_foot_z = c_ankle.mul_plus(v_ankle_y, v_foot_z);
+        // ankle
+        let e1 = qd[0] * qd[0];
+        // knee
+        let e2 = qd[0] + qd[1];
+        let e3 = qdd[0] + qdd[1];
+        let e4 = e2 * e2;
+        let f_knee_x = r[6].mul_plus(e3, -(r[5] * e4));
+        let e5 = r[5].mul_plus(e3, r[6] * e4);
+        // ankle
+        let p1 = c_knee.mul_plus(f_knee_x, -(s_knee * e5));
+        let f_ankle_x = r[4].mul_plus(qdd[0], -(r[3] * e1)) + p1;
+        let p2 = s_knee.mul_plus(f_knee_x, c_knee * e5);
+        let e6 = r[3].mul_plus(qdd[0], r[4] * e1) + p2;
+        // foot
+        let f_foot_x = c_ankle.mul_plus(f_ankle_x, -(s_ankle * e6));
+        // knee
+        let g_knee_x = T::from_f64(0.1) * e3;
+        let e7 = T::from_f64(0.1) * e4;
+        // ankle
+        let h_ankle_x = T::from_f64(0.1) * s_knee;
+        let e8 = T::from_f64(0.1) * c_knee;
+        let e9 = c_knee.mul_plus(g_knee_x, -(s_knee * e7));
+        let h_ankle_y = T::from_f64(0.26) + e8;
+        let g_ankle_x = qdd[0].mul_plus(T::from_f64(0.26), e9);
+        let e10 = s_knee.mul_plus(g_knee_x, c_knee * e7);
+        let e10 = e1.mul_plus(T::from_f64(0.26), e10);
+        // foot
+        let g_foot_x = c_ankle.mul_plus(g_ankle_x, -(s_ankle * e10));
+        let p3 = qdd[0]
+            .mul_plus(
+                T::from_f64(0.0002500000000000002),
+                T::from_f64(0.09600000000000002) * qdd[0],
+            );
+        let p4 = e3
+            .mul_plus(T::from_f64(0.0004165000000000002), T::from_f64(0.026663500000000003) * e3);
+        let p5 = e9.mul_plus(T::from_f64(0.4), p4);
+        let p6 = h_ankle_x.mul_plus(T::from_f64(0.4) * e1, e8 * (T::from_f64(0.4) * qdd[0]));
+        let n_foot_y = g_foot_x.mul_plus(T::from_f64(0.1), p3 + (p5 + p6));
+        let h_foot_x = T::from_f64(0.010000000000000002)
+            + c_ankle.mul_plus(h_ankle_x, s_ankle * h_ankle_y);
+        let h_foot_z = T::from_f64(0.09000000000000002)
+            + c_ankle.mul_plus(h_ankle_y, -(s_ankle * h_ankle_x));
+        // ZMP
+        let load = T::from_f64(9.80665) - s_ankle.mul_plus(f_ankle_x, c_ankle * e6);
+        let p7 = s_ankle.mul_plus(g_ankle_x, c_ankle * e10);
+        let p8 = h_foot_z.mul_plus(g_foot_x, h_foot_x * p7);
+        let e11 = v_foot_z.mul_plus(f_foot_x, n_foot_y - p8) * (T::from_f64(1.0) / load);
+        [v_foot_x - e11, r[1]]
+    }
 }
 
 #[allow(dead_code, non_snake_case, clippy::all)]
@@ -609,6 +701,74 @@ impl v1::SinCosRobot for TwoLinkFoot {
         let v_foot_x = cos[0].mul_plus(v_ankle_x, r[0]);
         let v_foot_x = sin[0].mul_plus(v_ankle_y, v_foot_x);
         [v_foot_x, r[1]]
+    }
+
+    #[inline(always)]
+    fn zmp_sc<T: Real>(
+        sin: &[T; DOF],
+        cos: &[T; DOF],
+        qd: &[T; DOF],
+        qdd: &[T; DOF],
+        r: &[T; BASE_PARAMS],
+    ) -> [T; 2] {
+        // ankle
+        let v_ankle_x = cos[1].mul_plus(r[5], r[3]);
+        let v_ankle_x = sin[1].mul_plus(r[6], v_ankle_x);
+        let v_ankle_y = (-sin[1]).mul_plus(r[5], r[4]);
+        let v_ankle_y = cos[1].mul_plus(r[6], v_ankle_y);
+        // foot
+        let v_foot_x = cos[0].mul_plus(v_ankle_x, r[0]);
+        let v_foot_x = sin[0].mul_plus(v_ankle_y, v_foot_x);
+        let v_foot_z = (-sin[0]).mul_plus(v_ankle_x, r[2]);
+        let v_foot_z = cos[0].mul_plus(v_ankle_y, v_foot_z);
+        // ankle
+        let e1 = qd[0] * qd[0];
+        // knee
+        let e2 = qd[0] + qd[1];
+        let e3 = qdd[0] + qdd[1];
+        let e4 = e2 * e2;
+        let f_knee_x = r[6].mul_plus(e3, -(r[5] * e4));
+        let e5 = r[5].mul_plus(e3, r[6] * e4);
+        // ankle
+        let p1 = cos[1].mul_plus(f_knee_x, -(sin[1] * e5));
+        let f_ankle_x = r[4].mul_plus(qdd[0], -(r[3] * e1)) + p1;
+        let p2 = sin[1].mul_plus(f_knee_x, cos[1] * e5);
+        let e6 = r[3].mul_plus(qdd[0], r[4] * e1) + p2;
+        // foot
+        let f_foot_x = cos[0].mul_plus(f_ankle_x, -(sin[0] * e6));
+        // knee
+        let g_knee_x = T::from_f64(0.1) * e3;
+        let e7 = T::from_f64(0.1) * e4;
+        // ankle
+        let h_ankle_x = T::from_f64(0.1) * sin[1];
+        let e8 = T::from_f64(0.1) * cos[1];
+        let e9 = cos[1].mul_plus(g_knee_x, -(sin[1] * e7));
+        let h_ankle_y = T::from_f64(0.26) + e8;
+        let g_ankle_x = qdd[0].mul_plus(T::from_f64(0.26), e9);
+        let e10 = sin[1].mul_plus(g_knee_x, cos[1] * e7);
+        let e10 = e1.mul_plus(T::from_f64(0.26), e10);
+        // foot
+        let g_foot_x = cos[0].mul_plus(g_ankle_x, -(sin[0] * e10));
+        let p3 = qdd[0]
+            .mul_plus(
+                T::from_f64(0.0002500000000000002),
+                T::from_f64(0.09600000000000002) * qdd[0],
+            );
+        let p4 = e3
+            .mul_plus(T::from_f64(0.0004165000000000002), T::from_f64(0.026663500000000003) * e3);
+        let p5 = e9.mul_plus(T::from_f64(0.4), p4);
+        let p6 = h_ankle_x.mul_plus(T::from_f64(0.4) * e1, e8 * (T::from_f64(0.4) * qdd[0]));
+        let n_foot_y = g_foot_x.mul_plus(T::from_f64(0.1), p3 + (p5 + p6));
+        let h_foot_x = T::from_f64(0.010000000000000002)
+            + cos[0].mul_plus(h_ankle_x, sin[0] * h_ankle_y);
+        let h_foot_z = T::from_f64(0.09000000000000002)
+            + cos[0].mul_plus(h_ankle_y, -(sin[0] * h_ankle_x));
+        // ZMP
+        let load = T::from_f64(9.80665) - sin[0].mul_plus(f_ankle_x, cos[0] * e6);
+        let p7 = sin[0].mul_plus(g_ankle_x, cos[0] * e10);
+        let p8 = h_foot_z.mul_plus(g_foot_x, h_foot_x * p7);
+        let e11 = v_foot_z.mul_plus(f_foot_x, n_foot_y - p8);
+        [(-e11).mul_plus(T::from_f64(1.0) / load, v_foot_x), r[1]]
     }
 
     #[inline(always)]

@@ -36,6 +36,8 @@ pub struct Evaluator {
     prismatic: Vec<bool>,
     /// Joint velocities, rad/s or m/s, of a function that takes them.
     velocities: Option<Vec<f64>>,
+    /// Joint accelerations, rad/s² or m/s², of a function that takes them.
+    accelerations: Option<Vec<f64>>,
     params: Option<Vec<f64>>,
     kernels: Kernels,
 }
@@ -62,17 +64,23 @@ impl Evaluator {
     ) -> Option<Evaluator> {
         let program = model.program(function, given)?;
         let params = function.takes_parameters().then_some(params);
-        let takes_velocities = function.arguments(given).contains(&Argument::Velocities);
+        let takes = |argument| function.arguments(given).contains(&argument);
+        let still = |argument| takes(argument).then(|| vec![0.0; model.dof()]);
         Some(Evaluator {
-            velocities: takes_velocities.then(|| vec![0.0; model.dof()]),
+            velocities: still(Argument::Velocities),
+            accelerations: still(Argument::Accelerations),
             ..Evaluator::of(model, &program, given, params)
         })
     }
 
-    /// With all joints moving at `velocities` (rad/s or m/s), where the function takes them.
-    pub fn moving(mut self, velocities: &[f64]) -> Evaluator {
+    /// With all joints moving at `velocities` (rad/s or m/s) and `accelerations` (rad/s² or
+    /// m/s²), where the function takes them.
+    pub fn moving(mut self, velocities: &[f64], accelerations: &[f64]) -> Evaluator {
         if let Some(own) = &mut self.velocities {
             own.copy_from_slice(velocities);
+        }
+        if let Some(own) = &mut self.accelerations {
+            own.copy_from_slice(accelerations);
         }
         self
     }
@@ -89,6 +97,7 @@ impl Evaluator {
             given,
             prismatic: model.tree.dofs.iter().map(|dof| dof.prismatic).collect(),
             velocities: None,
+            accelerations: None,
             params,
             kernels: PORTABLE,
         }
@@ -134,6 +143,7 @@ impl Evaluator {
             }
         };
         arguments.extend(self.velocities.as_deref().map(Values::Shared));
+        arguments.extend(self.accelerations.as_deref().map(Values::Shared));
         arguments.extend(self.params.as_deref().map(Values::Shared));
         if self.given != Given::Direction {
             return self.tape.run(&arguments, postures, out, self.kernels);

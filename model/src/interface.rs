@@ -53,6 +53,8 @@ pub enum Function {
     RegressorFull,
     /// The predicted reading of the centre of pressure.
     Cop,
+    /// The zero-moment point of a robot that moves.
+    Zmp,
     /// The CoP that a reading was made of, where the model has effects of the sensor.
     CorrectCop,
 }
@@ -61,7 +63,7 @@ const XYZ: &[usize] = &[0, 1, 2];
 
 impl Function {
     /// Those of a posture, which every robot has.
-    pub const ALL: [Function; 8] = [
+    pub const ALL: [Function; 9] = [
         Function::Com,
         Function::ComJacobian,
         Function::ComVelocity,
@@ -70,6 +72,7 @@ impl Function {
         Function::RegressorCop,
         Function::RegressorFull,
         Function::Cop,
+        Function::Zmp,
     ];
 
     /// The table of functions: the one place that says what each is.
@@ -157,6 +160,18 @@ impl Function {
                 sentence: "Centre of pressure that a static posture shows on a level sole, m.",
                 ascii: "Centre of pressure of a static posture on a level sole, m.",
             },
+            Function::Zmp => Interface {
+                name: "zmp",
+                result: "zmp",
+                axes: &[],
+                columns: Extent::Fixed(2),
+                takes_parameters: true,
+                unit: "m",
+                sentence: "Zero-moment point on the level sole plane, m: c − (c_z c̈ + L̇/M)/(g + c̈_z) \
+                           with c and c̈ of r and L̇ by the URDF's masses and inertias.",
+                ascii: "Zero-moment point on the level sole plane, m: c and its acceleration by r, \
+                        angular momentum by the URDF's masses and inertias.",
+            },
             Function::CorrectCop => Interface {
                 name: "correct_cop",
                 result: "cop",
@@ -174,7 +189,7 @@ impl Function {
     /// What effects of the model mean for it, where any acts on it.
     pub const fn effects_sentence(self) -> Option<&'static str> {
         match self {
-            Function::Com | Function::ComVelocity => Some(
+            Function::Com | Function::ComVelocity | Function::Zmp => Some(
                 "Of the robot as it is when its encoders read q: with the effects named above.",
             ),
             Function::ComJacobian => Some(
@@ -243,8 +258,11 @@ impl Function {
             Given::Positions => vec![Argument::Positions],
             Given::SinesCosines | Given::Direction => vec![Argument::Sines, Argument::Cosines],
         };
-        if self == Function::ComVelocity {
+        if let Function::ComVelocity | Function::Zmp = self {
             arguments.push(Argument::Velocities);
+        }
+        if self == Function::Zmp {
+            arguments.push(Argument::Accelerations);
         }
         if self.takes_parameters() {
             arguments.push(Argument::Parameters);
@@ -285,9 +303,11 @@ impl Extent {
     /// The length of an input array of generated functions; none for those of fits.
     pub fn of(argument: Argument) -> Extent {
         match argument {
-            Argument::Positions | Argument::Sines | Argument::Cosines | Argument::Velocities => {
-                Extent::Dof
-            }
+            Argument::Positions
+            | Argument::Sines
+            | Argument::Cosines
+            | Argument::Velocities
+            | Argument::Accelerations => Extent::Dof,
             Argument::Parameters => Extent::BaseParams,
             Argument::Direction => Extent::Fixed(3),
             Argument::Reading | Argument::Free => Extent::Fixed(2),

@@ -13,7 +13,7 @@
 //! Data walks one way; each stage imports only from those before it:
 //!
 //! ```text
-//! urdf → tree → chain → frames → base → robot                      kinematics: no file, no effect
+//! urdf → tree → chain → frames → base → robot → inertia            kinematics: no file, no effect
 //! expr → program → bounds | tape                                   straight-line code
 //! interface → functions → measurement → effects → model            what is computed
 //! ```
@@ -33,6 +33,7 @@ pub mod frames;
 mod functions;
 #[doc(hidden)]
 pub mod hash;
+pub mod inertia;
 mod interface;
 mod measurement;
 mod model;

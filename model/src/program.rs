@@ -94,6 +94,7 @@ pub struct Program {
     pub(crate) vectors: Vec<Vector>,
     pub(crate) products: Vec<Product>,
     pub(crate) weights: HashSet<Id>,
+    pub(crate) least: HashMap<Id, f64>,
 }
 
 /// The nodes that `expr` reads.
@@ -198,6 +199,9 @@ impl Program {
             .iter()
             .filter_map(|id| new_id.get(id).copied())
             .collect();
+        let least = graph.least.iter();
+        let least = least.filter_map(|(id, least)| Some((*new_id.get(id)?, *least)));
+        let least = least.collect();
         let sections = graph
             .sections
             .into_iter()
@@ -212,6 +216,7 @@ impl Program {
             vectors,
             products,
             weights,
+            least,
         }
     }
 

@@ -99,6 +99,22 @@ impl Robot {
         self.chain.bodies.iter().map(reach).sum()
     }
 
+    /// How far mass of the robot may be from the support, m: places of joints one after the
+    /// other, and the largest link.
+    pub fn extent(&self) -> f64 {
+        let bodies = self.chain.bodies.iter();
+        let to_joints = bodies.map(|body| match body.motion {
+            tree::Motion::Prismatic { by, .. } => body.anchor.norm() + self.tree.stroke(&by),
+            _ => body.anchor.norm(),
+        });
+        let links = self.tree.links.iter().zip(&self.chain.places);
+        let inside = links.filter_map(|(link, place)| {
+            let turning = libm::fabs(link.inertia.trace()) / link.mass.max(1e-9);
+            Some(place.as_ref()?.origin.norm() + link.com.norm() + libm::sqrt(turning))
+        });
+        to_joints.sum::<f64>() + inside.fold(0.0, f64::max)
+    }
+
     /// Largest Σ|factor| of the joints that one independent joint moves.
     pub fn largest_tie(&self) -> f64 {
         let mut sums = vec![1.0; self.dof()];

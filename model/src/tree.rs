@@ -26,6 +26,11 @@ use crate::urdf::{self, Description, JointType};
 use dofs::coordinates;
 use snaps::snaps;
 
+/// Velocities of joints that bounds of the ZMP hold for, rad/s and m/s.
+pub const MODERATE_SPEED: [f64; 2] = [1.0, 0.25];
+/// Accelerations of joints that bounds of the ZMP hold for, rad/s² and m/s².
+pub const MODERATE_ACCELERATION: [f64; 2] = [10.0, 2.5];
+
 /// A link: what it weighs and where.
 #[derive(Debug, Clone)]
 pub struct Link {
@@ -35,6 +40,8 @@ pub struct Link {
     pub mass: f64,
     /// Centre of mass in the link frame, m.
     pub(crate) com: Vector3<f64>,
+    /// Inertia about the centre of mass in the axes of the link frame, kg m².
+    pub(crate) inertia: Matrix3<f64>,
 }
 
 impl Link {
@@ -210,6 +217,7 @@ pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> R
             name: link.name.clone(),
             mass: link.inertial.mass_kg,
             com: Vector3::from(link.inertial.origin.xyz),
+            inertia: inertia(&link.inertial),
         })
         .collect();
 
@@ -287,6 +295,14 @@ pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> R
     }
     tree.snaps = snaps(&tree, &errors);
     Ok(tree)
+}
+
+/// Inertia about the centre of mass in the axes of the link frame, kg m².
+fn inertia(inertial: &urdf::Inertial) -> Matrix3<f64> {
+    let [xx, xy, xz, yy, yz, zz] = inertial.inertia;
+    let own = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+    let turned = snap::rotation(inertial.origin.rpy, Snapping::Off).value;
+    turned * own * turned.transpose()
 }
 
 /// Up to a dozen names for a message, those that contain `asked` first.
@@ -428,6 +444,22 @@ fn drop_beyond(
         "{kind} joint `{name}` dropped: nothing beyond it has mass"
     ));
     Ok(())
+}
+
+impl Dof {
+    /// Largest velocity that the bound of the ZMP holds for, rad/s or m/s: where all joints
+    /// move at once, the limits of servos would lift any robot off the ground.
+    pub fn moderate_speed(&self) -> f64 {
+        let [turning, sliding] = MODERATE_SPEED;
+        self.speed
+            .min(if self.prismatic { sliding } else { turning })
+    }
+
+    /// Largest acceleration that the bound of the ZMP holds for, rad/s² or m/s².
+    pub fn moderate_acceleration(&self) -> f64 {
+        let [turning, sliding] = MODERATE_ACCELERATION;
+        if self.prismatic { sliding } else { turning }
+    }
 }
 
 impl Tree {

@@ -8,7 +8,7 @@
 
 use std::f64::consts::PI;
 
-use nalgebra::{IsometryMatrix3, Point3, Rotation3, Translation3, Unit, Vector3};
+use nalgebra::{IsometryMatrix3, Matrix3, Point3, Rotation3, Translation3, Unit, Vector3};
 
 /// A rigid transform: rotation matrix and translation, metres.
 pub type Pose = IsometryMatrix3<f64>;
@@ -22,6 +22,29 @@ pub struct Link {
     pub mass_kg: f64,
     /// Its centre of mass in its own frame, m.
     pub com_m: Point3<f64>,
+    /// Its inertia about the centre of mass in the axes of its own frame, kg m²; zero where
+    /// the file gives none that can be read.
+    pub inertia_kg_m2: Matrix3<f64>,
+}
+
+impl Link {
+    /// With a point mass (kg) at `at_m` more.
+    pub(crate) fn with_point(&self, mass_kg: f64, at_m: Vector3<f64>) -> Link {
+        let whole_kg = self.mass_kg + mass_kg;
+        let com = (self.com_m.coords * self.mass_kg + at_m * mass_kg) / whole_kg;
+        // Steiner, for both parts.
+        let moved = |mass_kg: f64, arm: Vector3<f64>| {
+            (Matrix3::identity() * arm.norm_squared() - arm * arm.transpose()) * mass_kg
+        };
+        Link {
+            name: self.name.clone(),
+            mass_kg: whole_kg,
+            com_m: Point3::from(com),
+            inertia_kg_m2: self.inertia_kg_m2
+                + moved(self.mass_kg, self.com_m.coords - com)
+                + moved(mass_kg, at_m - com),
+        }
+    }
 }
 
 /// How a joint moves.

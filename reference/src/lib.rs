@@ -14,6 +14,7 @@
 //! * [`Robot`]: a URDF, read leniently and exactly.
 //! * [`Reference`]: CoM, link poses, Jacobian and gravity moments by
 //!   differences, standard regressor columns, with one link held fixed.
+//! * [`Motion`]: what moves with the joints, and the zero-moment point, by Newton and Euler.
 //! * [`numeric_rank`]: how many parameters a set of postures can determine.
 //! * [`World`]: a virtual robot that is bent on purpose; [`Track`]: the postures
 //!   of a log, with which it is read.
@@ -43,6 +44,7 @@
 #![deny(missing_docs)]
 
 mod com;
+mod dynamics;
 mod error;
 mod jacobian;
 mod joint;
@@ -54,6 +56,7 @@ mod world;
 mod xml;
 
 pub use com::Reference;
+pub use dynamics::Motion;
 pub use error::Error;
 pub use joint::{Joint, JointKind, Link, Mimic, Pose};
 pub use regressor::numeric_rank;

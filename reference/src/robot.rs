@@ -10,7 +10,7 @@
 //! after `O_j`. The numbers are those of the file, to the last bit; only axes
 //! are brought to length one and quaternions to matrices.
 
-use nalgebra::{Point3, Unit, Vector3};
+use nalgebra::{Matrix3, Point3, Unit, Vector3};
 
 use crate::error::Error;
 use crate::joint::{Joint, JointKind, Link, Pose};
@@ -161,13 +161,12 @@ impl Robot {
                 left_kg,
             });
         }
-        let moment = link.com_m.coords * link.mass_kg + Vector3::from(at_m) * mass_kg;
-        link.com_m = Point3::from(moment / left_kg);
-        link.mass_kg = left_kg;
+        *link = link.with_point(mass_kg, Vector3::from(at_m));
         Ok(robot)
     }
 
-    /// The same robot with another mass and centre of mass of a link.
+    /// The same robot with another mass and centre of mass of a link, whose inertia about
+    /// it grows as the mass does.
     ///
     /// # Errors
     /// [`Error::UnknownLink`]; [`Error::NegativeMass`].
@@ -179,6 +178,9 @@ impl Robot {
                 link: link.name.clone(),
                 mass_kg,
             });
+        }
+        if link.mass_kg > 0.0 {
+            link.inertia_kg_m2 *= mass_kg / link.mass_kg;
         }
         (link.mass_kg, link.com_m) = (mass_kg, com_m);
         Ok(robot)
@@ -203,6 +205,7 @@ impl Robot {
             name: format!("{joint} seat"),
             mass_kg: 0.0,
             com_m: Point3::origin(),
+            inertia_kg_m2: Matrix3::zeros(),
         });
         let (parent, origin) = (joints[at].parent, joints[at].origin);
         (joints[at].parent, joints[at].origin) = (seat, Pose::identity());

@@ -13,7 +13,9 @@
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
-use nalgebra::{Point3, Quaternion, Rotation3, Translation3, Unit, UnitQuaternion, Vector3};
+use nalgebra::{
+    Matrix3, Point3, Quaternion, Rotation3, Translation3, Unit, UnitQuaternion, Vector3,
+};
 use roxmltree::Node;
 
 use crate::error::Error;
@@ -26,8 +28,7 @@ use crate::xml::{
 impl Robot {
     /// Reads the text of a URDF.
     ///
-    /// Only what the centre of mass depends on is read: link inertials (origin
-    /// and mass) and joints (type, parent, child, origin, axis, position
+    /// Only what centre of mass and motion depend on is read: link inertials and joints (type, parent, child, origin, axis, position
     /// limits, mimic). Everything else may be absent, unknown or broken.
     ///
     /// # Errors
@@ -62,10 +63,11 @@ fn read(text: &str) -> Result<Robot, Error> {
         });
     }
 
+    let version = version(root);
     let mut links = Vec::new();
     let mut link_index = HashMap::new();
     for node in children(root, "link") {
-        let link = read_link(node)?;
+        let link = read_link(node, version)?;
         if link_index.insert(link.name.clone(), links.len()).is_some() {
             return Err(Error::Duplicate {
                 place: format!("link `{}`", link.name),
@@ -74,7 +76,6 @@ fn read(text: &str) -> Result<Robot, Error> {
         links.push(link);
     }
 
-    let version = version(root);
     let mut joints = Vec::new();
     let mut joint_names = HashSet::new();
     for node in children(root, "joint") {
@@ -90,19 +91,19 @@ fn read(text: &str) -> Result<Robot, Error> {
     Robot::new(name.to_owned(), links, joints)
 }
 
-fn read_link(node: Node) -> Result<Link, Error> {
+fn read_link(node: Node, version: (u32, u32)) -> Result<Link, Error> {
     let name = text_of(node, "a link", "name")?.ok_or_else(|| missing("a link", "its name"))?;
     let place = format!("link `{name}`");
     let mut link = Link {
         name: name.to_owned(),
         mass_kg: 0.0,
         com_m: Point3::origin(),
+        inertia_kg_m2: Matrix3::zeros(),
     };
     let Some(inertial) = child(node, "inertial") else {
         return Ok(link);
     };
-    // The centre of mass is where the inertial frame sits; how that frame is
-    // turned matters to the inertia alone.
+    // The centre of mass is where the inertial frame sits.
     if let Some(origin) = child(inertial, "origin") {
         let xyz = numbers(origin, &place, "xyz")?.unwrap_or_default();
         link.com_m = Point3::from(xyz);
@@ -117,7 +118,26 @@ fn read_link(node: Node) -> Result<Link, Error> {
         });
     }
     link.mass_kg = mass_kg;
+    link.inertia_kg_m2 = read_inertia(inertial, &place, version);
     Ok(link)
+}
+
+/// Inertia in the axes of the link. Nothing at rest depends on it, so what is broken is zero.
+fn read_inertia(inertial: Node, place: &str, version: (u32, u32)) -> Matrix3<f64> {
+    let Some(inertia) = child(inertial, "inertia") else {
+        return Matrix3::zeros();
+    };
+    let entry = |name| match numbers(inertia, place, name) {
+        Ok(Some([value])) => value,
+        _ => 0.0,
+    };
+    let [xx, xy, xz, yy, yz, zz] = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"].map(entry);
+    let own = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+    let origin = child(inertial, "origin").map(|origin| read_origin(origin, place, version));
+    match origin {
+        Some(Ok(pose)) => pose.rotation * own * pose.rotation.matrix().transpose(),
+        _ => own,
+    }
 }
 
 fn read_joint(

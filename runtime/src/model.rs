@@ -226,6 +226,36 @@ pub trait Sesc: Sized {
     fn cop<T: Real>(q: &Posture<Self, T>, r: &Params<Self, T>) -> [T; 2] {
         <Self::Generated as v1::Robot>::cop(q, r)
     }
+
+    /// The zero-moment point on the sole plane, metres, in the support frame, as joints at `q`
+    /// move at `qd` with accelerations `qdd`:
+    ///
+    /// ```text
+    /// p = c − (c_z c̈ + L̇⊥/M)/(g + c̈_z)        L̇⊥ = (L̇_y, −L̇_x)        g = 9.80665 m/s²
+    /// ```
+    ///
+    /// c and its acceleration follow from `r`; L̇, the rate of angular momentum about the CoM,
+    /// from the masses and inertias of the URDF. Standing still it is the projected CoM;
+    /// where the ground carries nothing (`c̈_z = −g`) there is none.
+    ///
+    /// ```
+    /// # use sesc_generated::two_link_foot::{CAD_PARAMS, TwoLinkFoot};
+    /// # use sesc_runtime::Sesc;
+    /// let (q, still) = ([0.0, 0.0], [0.0, 0.0]);
+    /// let com = TwoLinkFoot::com(&q, &CAD_PARAMS);
+    /// assert_eq!(TwoLinkFoot::zmp(&q, &still, &still, &CAD_PARAMS), com[..2]);
+    /// // Thrown forward at the ankle, the robot pushes the ground back.
+    /// assert!(TwoLinkFoot::zmp(&q, &still, &[1.0, 0.0], &CAD_PARAMS)[0] < com[0] - 0.01);
+    /// ```
+    #[inline]
+    fn zmp<T: Real>(
+        q: &Posture<Self, T>,
+        qd: &Posture<Self, T>,
+        qdd: &Posture<Self, T>,
+        r: &Params<Self, T>,
+    ) -> [T; 2] {
+        <Self::Generated as v1::Robot>::zmp(q, qd, qdd, r)
+    }
 }
 
 impl<R: v1::Robot> Sesc for R {
@@ -342,6 +372,18 @@ pub trait SescFromSinCos: Sesc {
         r: &Params<Self, T>,
     ) -> [T; 2] {
         <Self::GeneratedSinCos as v1::SinCosRobot>::cop_sc(sin, cos, r)
+    }
+
+    /// [`Sesc::zmp`] from sines and cosines.
+    #[inline]
+    fn zmp_sc<T: Real>(
+        sin: &Posture<Self, T>,
+        cos: &Posture<Self, T>,
+        qd: &Posture<Self, T>,
+        qdd: &Posture<Self, T>,
+        r: &Params<Self, T>,
+    ) -> [T; 2] {
+        <Self::GeneratedSinCos as v1::SinCosRobot>::zmp_sc(sin, cos, qd, qdd, r)
     }
 }
 

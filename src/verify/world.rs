@@ -15,9 +15,9 @@
 
 use sesc_model::effects::{Catalog, EffectContext, Instance};
 use sesc_model::{Function, Model};
-use sesc_reference::{GRAVITY, World};
+use sesc_reference::{GRAVITY, Reference, World};
 
-use super::{Truth, magnified};
+use super::{JointMotion, Truth, magnified};
 use crate::Error;
 use sesc_identify::robot::Robot;
 
@@ -29,6 +29,10 @@ pub(super) const AT_REST: f64 = 4e-12;
 pub(super) const DIFFERENCES: f64 = 2e-9;
 /// The step of those, rad or m.
 const STEP: f64 = 1e-4;
+/// What those leave in the ZMP, relative to the square of its reach.
+const ACCELERATIONS: f64 = 1e-7;
+/// Between the postures that joint accelerations are taken from, s.
+const INTERVAL_S: f64 = 0.02;
 
 /// What the functions of a model with effects must give.
 pub(super) struct Bent {
@@ -40,6 +44,8 @@ pub(super) struct Bent {
     on_cells: Option<(World, Vec<[f64; 2]>)>,
     /// Without dead bands, and half of their width by joint, rad.
     loose: (World, Vec<f64>),
+    /// The robot with its loads, as joints stand.
+    moving: Reference,
     /// Weight, N.
     weight: f64,
     /// The body at rest, where the others take as many rounds as the model.
@@ -99,6 +105,7 @@ impl Bent {
             most_left_out: left_out(model, &records, weight),
             weight,
             at_rest: in_rounds.then(|| body.clone()),
+            moving: Reference::new(body.robot(), support)?,
             body: rounded(body),
         }))
     }
@@ -150,8 +157,9 @@ impl Bent {
     }
 
     /// What it says of one posture.
-    pub(super) fn truth(&self, q: &[f64], differentiate: bool) -> Truth {
+    pub(super) fn truth(&self, q: &[f64], joints: &JointMotion, differentiate: bool) -> Truth {
         Truth {
+            zmp: differentiate.then(|| self.zmp(q, joints)).flatten(),
             com: self.body.com(q).into(),
             rows: self.encoders.com(q).into(),
             cop: self.cop.cop(q),
@@ -175,6 +183,29 @@ impl Bent {
             }
         }
         jacobian
+    }
+
+    /// The ZMP as encoders move: of where the joints are then, by differences of sixth order.
+    /// None where a dead band changes sides on the way.
+    fn zmp(&self, q: &[f64], joints: &JointMotion) -> Option<[f64; 2]> {
+        let path = |k: i32| {
+            let t = f64::from(k) * INTERVAL_S;
+            let moved = joints.rates.iter().zip(&joints.accelerations);
+            let moved = q.iter().zip(moved);
+            let at: Vec<f64> = moved.map(|(q, (v, a))| q + t * (v + 0.5 * t * a)).collect();
+            self.is_decided(&at).then(|| self.body.true_posture(&at))
+        };
+        let path: Vec<Vec<f64>> = (-3..=3).map(path).collect::<Option<_>>()?;
+        let by = |weights: [f64; 7], scale: f64| -> Vec<f64> {
+            let of = |j: usize| path.iter().zip(weights).map(|(q, w)| w * q[j]).sum::<f64>();
+            (0..q.len()).map(|j| of(j) / scale).collect()
+        };
+        let rates = by([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0], 60.0 * INTERVAL_S);
+        let gains = by(
+            [2.0, -27.0, 270.0, -490.0, 270.0, -27.0, 2.0],
+            180.0 * INTERVAL_S * INTERVAL_S,
+        );
+        Some(self.moving.zmp(&path[3], &rates, &gains).into())
     }
 
     /// Moments of gravity over the weight, m.
@@ -313,6 +344,8 @@ pub(super) fn beyond_rounding(model: &Model, function: Function, left_out: f64) 
         Function::GravityMoments => AT_REST * reach + 5.0 * left_out,
         // What is left of a deflection changes with each of its five factors.
         Function::ComJacobian | Function::ComVelocity => DIFFERENCES * reach + 10.0 * left_out,
+        // Joints at rest within 1e-13 rad, over the square of the interval, on the ground.
+        Function::Zmp => ACCELERATIONS * reach * reach + 100.0 * left_out,
         Function::Regressor | Function::RegressorCop | Function::RegressorFull => AT_REST * reach,
         Function::CorrectCop => 0.0,
     }

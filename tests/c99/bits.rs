@@ -47,7 +47,7 @@ fn every_compiler_gives_the_bits_of_rust() {
         }
     }
     parallel(jobs, |(case, scalar, builds)| {
-        let entries = case.entries();
+        let entries = case.entries(scalar);
         let entries: Vec<&Entry> = entries.iter().collect();
         let mut first: Option<(Draw, Vec<Vec<f64>>)> = None;
         for (compiler, level) in builds {
@@ -110,8 +110,12 @@ fn rust(case: &Case, scalar: Scalar, entry: &Entry, drawn: &Draw) -> Vec<f64> {
         Given::Positions => vec![(&drawn.q, dof)],
         Given::SinesCosines | Given::Direction => vec![(&sin, dof), (&cos, dof)],
     };
+    let [qd, qdd] = drawn.motion(entry.function);
     if entry.takes_velocities() {
-        inputs.push((&drawn.qd, dof));
+        inputs.push((qd, dof));
+    }
+    if entry.takes_accelerations() {
+        inputs.push((qdd, dof));
     }
     if entry.takes_parameters() {
         inputs.push((&drawn.r, params));

@@ -15,7 +15,9 @@ use sesc_model::{
     EffectRecord, Function, Given, Information, Model, ModelFile, Quantity, Snapping,
 };
 
+use sesc::verify::JointMotion;
 use sesc_test_support::exact::{Double, Number as _};
+use sesc_test_support::source::without;
 use sesc_test_support::trees::{Kind, tree};
 
 pub const ROOT: &str = env!("CARGO_MANIFEST_DIR");
@@ -92,7 +94,18 @@ impl Case {
             "r_sole" => Servos::default(),
             _ => servos(&model),
         };
-        Case::new(model, &format!("{robot}_{support}"), servos)
+        let case = Case::new(model, &format!("{robot}_{support}"), servos);
+        match (robot, support) {
+            ("skew_humanoid" | "plain_humanoid" | "op2", _) => case.standing(),
+            _ => case,
+        }
+    }
+
+    /// Without the ZMP, of which compilers would make thousands of instructions once more; the
+    /// OP2's is run by `tests/firmware` and `tests/c_packages`.
+    fn standing(mut self) -> Case {
+        self.functions.retain(|function| *function != Function::Zmp);
+        self
     }
 
     /// A random tree of `joints` joints of every type.
@@ -105,7 +118,11 @@ impl Case {
         };
         let (text, links) = tree(seed, kind);
         let support = &links[seed as usize % links.len()];
-        Case::of_text(&text, support, &format!("random_{seed}"))
+        let case = Case::of_text(&text, support, &format!("random_{seed}"));
+        match joints > 8 {
+            true => case.standing(),
+            false => case,
+        }
     }
 
     pub fn of_text(text: &str, support: &str, name: &str) -> Case {
@@ -128,7 +145,7 @@ impl Case {
         let n = model.base.params.len();
         let q = 0..30 * model.dof();
         let q: Vec<f64> = q.map(|k| (0.7 * k as f64).sin()).collect();
-        let rows = self.tape(Function::RegressorCop, [&q, &[], &[]]);
+        let rows = self.tape(Function::RegressorCop, &q, &[], &Draw::default());
         let rows = DMatrix::from_row_slice(rows.len() / n, n, &rows) * 1e3;
         let mut all = DMatrix::identity(n + rows.nrows(), n) * 50.0;
         all.rows_mut(n, rows.nrows()).copy_from(&rows);
@@ -162,12 +179,13 @@ impl Case {
 
     /// Effects whose reading divides, clamps or takes powers, and those of the body.
     pub fn effects() -> Vec<Case> {
-        let mut cases = vec![
+        let cases = [
             Case::with_effect("cell_gain", "fsr_1", ("gain", 0.8)),
             Case::with_effect("cell_exponent", "fsr_2", ("exponent", 1.1)),
             Case::with_effect("cell_saturation", "fsr_3", ("level_n", 15.0)),
             Case::with_effect("backlash", "knee", ("width_rad", 0.05)),
         ];
+        let mut cases: Vec<Case> = cases.map(Case::standing).into();
         cases.extend(Case::bodies());
         cases
     }
@@ -220,14 +238,22 @@ impl Case {
             servos: Some(self.servos.clone()),
             estimator: scalar != Scalar::Fixed32 && self.estimator,
         };
-        c::package(&Facts::of(&self.model), &self.name, &options)
-            .unwrap_or_else(|error| panic!("{}: {error}", self.name))
+        let mut package = c::package(&Facts::of(&self.model), &self.name, &options)
+            .unwrap_or_else(|error| panic!("{}: {error}", self.name));
+        // What is not called need not be optimised or read by linters.
+        if !self.functions.contains(&Function::Zmp) {
+            package.source = without(&package.source, &["_zmp"]);
+        }
+        package
     }
 
-    /// Every C function there must be.
-    pub fn entries(&self) -> Vec<Entry> {
+    /// Every C function there must be: the load on the ground divides the ZMP, which fixed
+    /// point does not.
+    pub fn entries(&self, scalar: Scalar) -> Vec<Entry> {
         let mut entries = Vec::new();
-        for (function, baked) in self.functions() {
+        let divides = |function| function == Function::Zmp && scalar == Scalar::Fixed32;
+        let functions = self.functions().into_iter();
+        for (function, baked) in functions.filter(|(function, _)| !divides(*function)) {
             let stem = match baked {
                 true => format!("model_{}", function.name()),
                 false => function.name().to_string(),
@@ -302,8 +328,10 @@ impl Case {
         .collect()
     }
 
-    /// Results of `function` by the tape; one row of `q`, `qd` and `r` per posture.
-    pub fn tape(&self, function: Function, [q, qd, r]: [&[f64]; 3]) -> Vec<f64> {
+    /// Results of `function` by the tape; one row of `q`, `r` and the joint motion that it
+    /// takes per posture.
+    pub fn tape(&self, function: Function, q: &[f64], r: &[f64], drawn: &Draw) -> Vec<f64> {
+        let [qd, qdd] = drawn.motion(function);
         let program = self.model.program(function, Given::Positions).unwrap();
         let tape = Tape::new(&program);
         let count = q.len() / self.model.dof();
@@ -312,6 +340,7 @@ impl Case {
         let arguments: Vec<Values> = arguments
             .map(|argument| match argument {
                 Argument::Velocities => Values::PerPosture(qd),
+                Argument::Accelerations => Values::PerPosture(qdd),
                 Argument::Parameters => Values::PerPosture(r),
                 _ => Values::PerPosture(q),
             })
@@ -361,19 +390,27 @@ impl Entry {
         self.takes(Argument::Velocities)
     }
 
+    pub fn takes_accelerations(&self) -> bool {
+        self.takes(Argument::Accelerations)
+    }
+
     pub fn takes_parameters(&self) -> bool {
         self.takes(Argument::Parameters)
     }
 
     /// What a call in C passes before the result, of `ticks`, `q`, `sines`, `cosines`, `qd`
-    /// and `r`.
+    /// (`slow` beside accelerations `qdd`) and `r`.
     pub fn arguments(&self) -> String {
         let mut arrays = match self.given {
             None => vec!["ticks"],
             Some(Given::Positions) => vec!["q"],
             Some(_) => vec!["sines", "cosines"],
         };
-        arrays.extend(self.takes_velocities().then_some("qd"));
+        match (self.takes_velocities(), self.takes_accelerations()) {
+            (true, true) => arrays.extend(["slow", "qdd"]),
+            (true, false) => arrays.push("qd"),
+            (false, _) => {}
+        }
         arrays.extend(self.takes_parameters().then_some("r"));
         arrays.join(", ")
     }
@@ -402,10 +439,24 @@ pub struct Draw {
     pub q: Vec<f64>,
     /// Joint velocities.
     pub qd: Vec<f64>,
+    /// Those beside accelerations, at which the ground carries half of the weight and more.
+    pub slow: Vec<f64>,
+    /// Joint accelerations.
+    pub qdd: Vec<f64>,
     pub r: Vec<f64>,
     pub ticks: Vec<i32>,
     /// What the ticks stand for.
     pub turned: Vec<f64>,
+}
+
+impl Draw {
+    /// Joint velocities and accelerations that `function` takes.
+    pub fn motion(&self, function: Function) -> [&[f64]; 2] {
+        match function {
+            Function::Zmp => [&self.slow, &self.qdd],
+            _ => [&self.qd, &self.qdd],
+        }
+    }
 }
 
 /// What is drawn of a joint.
@@ -426,6 +477,7 @@ pub fn draw(case: &Case, count: usize, seed: u64, hold: &Hold) -> Draw {
     let mut rates = ChaCha8Rng::seed_from_u64(!seed);
     let mut drawn = Draw::default();
     let servos = case.servos();
+    let most = JointMotion::new(&case.model, |_| 1.0);
     let cad = case.model.cad_params();
     for k in 0..count {
         // Every fourth a corner in q, every third one in r; the first both, at their lowest.
@@ -434,7 +486,7 @@ pub fn draw(case: &Case, count: usize, seed: u64, hold: &Hold) -> Draw {
             (true, false) => f64::from(u8::from(rng.random_bool(0.5))),
             (false, _) => rng.random(),
         };
-        for (dof, servo) in case.model.tree.dofs.iter().zip(&servos) {
+        for (j, (dof, servo)) in case.model.tree.dofs.iter().zip(&servos).enumerate() {
             let (lower, upper) = (dof.lower, dof.upper);
             let x = lower + corner(&mut rng, k % 4 < 2) * (upper - lower);
             // Towards the middle: what is rounded beyond a limit is no posture any more.
@@ -454,6 +506,10 @@ pub fn draw(case: &Case, count: usize, seed: u64, hold: &Hold) -> Draw {
             };
             let qd = share * dof.speed;
             drawn.qd.push(hold(qd, Drawn::Velocity, qd < 0.0));
+            let slow = share * most.rates[j];
+            drawn.slow.push(hold(slow, Drawn::Velocity, slow < 0.0));
+            let qdd = rates.random_range(-1.0..=1.0) * most.accelerations[j];
+            drawn.qdd.push(hold(qdd, Drawn::Velocity, qdd < 0.0));
             let at = x / servo.per_tick;
             let away = [at.floor(), at.ceil(), 0.0]
                 .into_iter()

@@ -116,7 +116,7 @@ impl Compiled {
         let folder = folder.join(format!("{}_{scalar:?}_{compiler}{}", case.name, flags[0]));
         fs::create_dir_all(&folder).unwrap();
         let source = write(&folder, &case.name, &package);
-        fs::write(folder.join("main.c"), driver(case)).unwrap();
+        fs::write(folder.join("main.c"), driver(case, scalar)).unwrap();
         let program = folder.join("program");
         let mut command = Command::new(compiler);
         command.args(WARNINGS).arg(SEPARATE).args(flags);
@@ -230,6 +230,11 @@ impl Compiled {
                 &drawn.r[k * params..(k + 1) * params],
             );
             qd.iter().for_each(|x| put(*x, qd_bits));
+            for array in [&drawn.slow, &drawn.qdd] {
+                let row = &array[k * dof..(k + 1) * dof];
+                // Fixed point has no function of them.
+                row.iter().for_each(|x| put(*x, 0));
+            }
             r.iter().for_each(|x| put(*x, r_bits));
             let ticks = &drawn.ticks[k * dof..(k + 1) * dof];
             ticks.iter().for_each(|t| bytes.extend(t.to_le_bytes()));
@@ -238,7 +243,7 @@ impl Compiled {
         fs::write(&input, bytes).unwrap();
         let mut command = Command::new(&self.program);
         command.arg(&input);
-        let all = case.entries();
+        let all = case.entries(self.scalar);
         for entry in entries {
             let at = all.iter().position(|e| e.name == entry.name).unwrap();
             command.arg(at.to_string());
@@ -272,16 +277,12 @@ impl Compiled {
 }
 
 /// `main.c`: postures from a file, results of the functions by number to stdout.
-fn driver(case: &Case) -> String {
+fn driver(case: &Case, scalar: Scalar) -> String {
     let name = &case.name;
-    let widest = case
-        .entries()
-        .iter()
-        .map(|entry| entry.width)
-        .max()
-        .unwrap_or(1);
+    let entries = case.entries(scalar);
+    let widest = entries.iter().map(|entry| entry.width).max().unwrap_or(1);
     let mut cases = String::new();
-    for (k, entry) in case.entries().iter().enumerate() {
+    for (k, entry) in entries.iter().enumerate() {
         let _ = writeln!(
             cases,
             "    case {k}: {name}_{}({}, out); return {}u;",
@@ -297,7 +298,7 @@ fn driver(case: &Case) -> String {
 #include <stdlib.h>
 
 static {name}_real q[{name}_DOF], sines[{name}_DOF], cosines[{name}_DOF];
-static {name}_real qd[{name}_DOF], r[{name}_BASE_PARAMS], out[{widest}];
+static {name}_real qd[{name}_DOF], slow[{name}_DOF], qdd[{name}_DOF], r[{name}_BASE_PARAMS], out[{widest}];
 static int32_t ticks[{name}_DOF];
 
 static size_t call(int function)
@@ -323,6 +324,8 @@ int main(int count, char **arguments)
         if (fread(sines, sizeof sines, 1u, input) != 1u
             || fread(cosines, sizeof cosines, 1u, input) != 1u
             || fread(qd, sizeof qd, 1u, input) != 1u
+            || fread(slow, sizeof slow, 1u, input) != 1u
+            || fread(qdd, sizeof qdd, 1u, input) != 1u
             || fread(r, sizeof r, 1u, input) != 1u
             || fread(ticks, sizeof ticks, 1u, input) != 1u) {{
             return 4;

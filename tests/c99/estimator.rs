@@ -14,7 +14,7 @@ use sesc_model::{Function, Given};
 use sesc_runtime::fit::Estimator;
 use sesc_runtime::{Const, Posture, Scalar as Number, Sesc};
 
-use crate::case::Case;
+use crate::case::{Case, Draw};
 use crate::compiled::{SEPARATE, WARNINGS, folder, parallel, tool, write};
 
 const POSTURES: usize = 120;
@@ -43,7 +43,7 @@ fn log(case: &Case, cop_std: [f64; 2]) -> Log {
         .collect();
     let all: Vec<f64> = q.concat();
     let r: Vec<f64> = case.model.cad_params().iter().map(|r| r + 0.003).collect();
-    let cop = case.tape(Function::Cop, [&all, &[], &r.repeat(POSTURES)]);
+    let cop = case.tape(Function::Cop, &all, &r.repeat(POSTURES), &Draw::default());
     let readings = cop
         .chunks_exact(2)
         .map(|cop| [cop[0] + rng.random_range(-1e-3..1e-3), cop[1] - 2e-4])

@@ -12,6 +12,7 @@ use sesc_model::{Function, Snapping};
 use crate::bounds::check;
 use crate::case::{Case, Entry, ROOT, draw};
 use crate::compiled::{Compiled, folder, parallel, tool, write};
+use sesc_test_support::source::without;
 
 /// An overflowing sum, a shift of too many bits or an index beyond an array traps.
 const TRAPS: [&str; 3] = [
@@ -183,7 +184,7 @@ fn robots_at_the_ends_of_what_32_bits_hold() {
             }
             Ok(_) => {
                 let compiled = trapping(&folder, &case);
-                let entries = case.entries();
+                let entries = case.entries(Scalar::Fixed32);
                 let entries: Vec<&Entry> = entries.iter().collect();
                 let drawn = draw(&case, 240, 37, &*compiled.hold());
                 let rows = check(&case, &compiled, &entries, &drawn);
@@ -214,7 +215,7 @@ fn in_floats(folder: &Path, case: &Case, scalar: Scalar) {
         Err(error) => assert!(error.to_string().contains("1024 rad"), "{error}"),
         Ok(_) => {
             let compiled = Compiled::build(folder, case, scalar, "gcc", &["-O0"], |source| source);
-            let entries = case.entries();
+            let entries = case.entries(Scalar::Fixed32);
             let entries: Vec<&Entry> = entries.iter().collect();
             let drawn = draw(case, 60, 53, &*compiled.hold());
             // In f64 the tape is the yardstick of f32 alone; here the self-test runs.
@@ -252,26 +253,10 @@ fn a_chain_of_five_hundred_joints_stays_inside() {
     };
     let change = |source: String| checked(&case, without(&source, &["jacobian", "regressor"]));
     let compiled = Compiled::build(&folder, &case, Scalar::Fixed32, "clang", &TRAPS, change);
-    let entries = case.entries();
+    let entries = case.entries(Scalar::Fixed32);
     let entries: Vec<&Entry> = entries.iter().collect();
     let drawn = draw(&case, 60, 41, &*compiled.hold());
     println!("{:?}", check(&case, &compiled, &entries, &drawn));
-}
-
-/// `source` without the functions whose names hold one of `words`.
-fn without(source: &str, words: &[&str]) -> String {
-    let mut kept = String::new();
-    let mut inside = false;
-    for line in source.lines() {
-        let starts = line.starts_with("void ") && words.iter().any(|word| line.contains(word));
-        inside |= starts;
-        if !inside {
-            kept.push_str(line);
-            kept.push('\n');
-        }
-        inside &= line != "}";
-    }
-    kept
 }
 
 /// A Cortex-M3 divides 64 bits and adds floats by calls of hundreds of cycles.
@@ -336,7 +321,7 @@ fn servo_settings_come_from_a_file_as_from_code() {
     case.servos.default = Default::default();
     assert_eq!(from_file, case.package(Scalar::Fixed32));
     let compiled = trapping(&folder, &case);
-    let entries = case.entries();
+    let entries = case.entries(Scalar::Fixed32);
     let entries: Vec<&Entry> = entries
         .iter()
         .filter(|entry| entry.given.is_none())

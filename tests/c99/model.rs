@@ -34,7 +34,7 @@ fn baked_functions_are_the_others_with_the_models_parameters() {
     parallel(jobs, |(robot, support, scalar)| {
         let case = baked(robot, support, |k, x| x * 1.1 + 0.001 * (k % 3) as f64);
         let compiled = Compiled::build(&folder, &case, scalar, "gcc", &["-O2"], |source| source);
-        let entries = case.entries();
+        let entries = case.entries(scalar);
         let entries: Vec<&Entry> = entries.iter().filter(|entry| entry.baked).collect();
         // A prismatic and a revolute joint that follow one joint leave no functions of sines.
         assert!([4, 6].contains(&entries.len()), "{entries:?}");

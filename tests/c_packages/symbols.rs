@@ -20,7 +20,7 @@ const DATA: [&str; 7] = [
     "cad_params",
     "model_params",
 ];
-const FUNCTIONS: [&str; 8] = [
+const FUNCTIONS: [&str; 9] = [
     "com",
     "com_jacobian",
     "com_velocity",
@@ -29,6 +29,7 @@ const FUNCTIONS: [&str; 8] = [
     "regressor_cop",
     "regressor_full",
     "cop",
+    "zmp",
 ];
 const BAKED: [&str; 2] = ["model_com", "model_cop"];
 
@@ -138,12 +139,18 @@ fn caller(name: &str, real: &str) -> String {
     for data in DATA {
         calls += &format!("    (void)find(\"{name}_{data}\");\n");
     }
-    for function in FUNCTIONS.into_iter().chain(BAKED) {
-        let r = !(function.starts_with("regressor") || function.starts_with("model"));
-        let [qd, r] = [function == "com_velocity", r].map(i32::from);
-        calls += &format!("    compare(\"{function}\", {qd}, {r});\n");
-    }
     let fixed = real == "int32_t";
+    for function in FUNCTIONS.into_iter().chain(BAKED) {
+        // It divides, which fixed point does not.
+        let is_zmp = function == "zmp";
+        if is_zmp && fixed {
+            continue;
+        }
+        let r = !(function.starts_with("regressor") || function.starts_with("model"));
+        let rates = i32::from(function == "com_velocity") + 2 * i32::from(is_zmp);
+        let r = i32::from(r);
+        calls += &format!("    compare(\"{function}\", {rates}, {r});\n");
+    }
     let bits = |quantity: &str| match fixed {
         true => format!("ldexp(1.0, {name}_{quantity}_FRACTION_BITS)"),
         false => "1.0".to_string(),
@@ -184,30 +191,35 @@ static void call(const char *function, const char *suffix, int inputs, const voi
     void (*of_2)(const void *, const void *, real *);
     void (*of_3)(const void *, const void *, const void *, real *);
     void (*of_4)(const void *, const void *, const void *, const void *, real *);
+    void (*of_5)(const void *, const void *, const void *, const void *, const void *, real *);
     snprintf(symbol, sizeof symbol, "{name}_%s%s", function, suffix);
     found = find(symbol);
     memcpy(&of_1, &found, sizeof found);
     memcpy(&of_2, &found, sizeof found);
     memcpy(&of_3, &found, sizeof found);
     memcpy(&of_4, &found, sizeof found);
+    memcpy(&of_5, &found, sizeof found);
     if (inputs == 1) {{
         of_1(in[0], out);
     }} else if (inputs == 2) {{
         of_2(in[0], in[1], out);
     }} else if (inputs == 3) {{
         of_3(in[0], in[1], in[2], out);
-    }} else {{
+    }} else if (inputs == 4) {{
         of_4(in[0], in[1], in[2], in[3], out);
+    }} else {{
+        of_5(in[0], in[1], in[2], in[3], in[4], out);
     }}
 }}
 
-static void compare(const char *function, int takes_qd, int takes_r)
+/* Of a function that takes so many arrays of how joints move. */
+static void compare(const char *function, int rates, int takes_r)
 {{
     static real of_q[LARGEST], of_sc[LARGEST], of_ticks[LARGEST];
-    const void *in[4] = {{sines, NULL, NULL, NULL}};
+    const void *in[5] = {{sines, NULL, NULL, NULL, NULL}};
     int k;
     int more = 1;
-    if (takes_qd) {{
+    for (k = 0; k < rates; k += 1) {{
         in[++more] = qd;
     }}
     if (takes_r) {{

@@ -67,6 +67,7 @@ fn verify_reports_errors_and_bounds() {
         "regressor",
         "regressor_cop",
         "cop",
+        "zmp",
     ] {
         let error = json["worst_error"][function].as_f64().unwrap();
         assert!(

@@ -34,7 +34,8 @@ fn checksum(values: &[f64]) -> f64 {
     (hash >> 12) as f64
 }
 
-/// Joint velocities, rad/s or m/s, no two alike; as `tests/compiled.rs` has them.
+/// Joint velocities, rad/s or m/s, no two alike; as `tests/compiled.rs` has them. Beside
+/// accelerations, minus a half of these, an eighth.
 fn velocities<const DOF: usize>() -> [f64; DOF] {
     core::array::from_fn(|j| f64::from(1.0 / (1.0 + j as f32)))
 }
@@ -131,5 +132,24 @@ macro_rules! run_sc {
                 near(&<$m::$unit as SinCosRobot>::regressor_full_along(&sin, &cos, &along), &row);
             }
         }
+    }};
+}
+
+/// The ZMP in both precisions, of robots that do not take the compiler minutes.
+#[allow(unused_macros)]
+macro_rules! run_zmp {
+    ($m:ident) => {{
+        let name = stringify!($m);
+        let all = postures::<{ $m::DOF }>(name);
+        let (r, rates) = ($m::CAD_PARAMS, velocities());
+        let (slow, qdd) = (rates.map(|x| 0.125 * x), rates.map(|x| -0.5 * x));
+        let of = |q: &[f64; $m::DOF]| $m::zmp(q, &slow, &qdd, &r).to_vec();
+        let mut values: Vec<f64> = all[..WRITTEN].iter().flat_map(of).collect();
+        values.extend(all[WRITTEN..].iter().map(|q| checksum(&of(q))));
+        write(name, "zmp", &values);
+        let narrow = |x: &[f64; $m::DOF]| x.map(|x| x as f32);
+        let (r, slow, qdd) = (r.map(|x| x as f32), narrow(&slow), narrow(&qdd));
+        let of = |q: &[f64; $m::DOF]| $m::zmp(&narrow(q), &slow, &qdd, &r).map(f64::from);
+        write(name, "zmp_f32", &all[..WRITTEN].iter().flat_map(of).collect::<Vec<f64>>());
     }};
 }

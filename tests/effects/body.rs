@@ -95,7 +95,7 @@ fn compare(stand: &Stand, hidden: &[Hidden], given: Given) -> Option<[f64; 3]> {
     let jacobian = of(Function::ComJacobian)?;
     let moments = of(Function::GravityMoments)?;
     let rates: Vec<f64> = (0..model.dof()).map(|j| 1.0 / (1.0 + j as f64)).collect();
-    let velocity = of(Function::ComVelocity)?.moving(&rates);
+    let velocity = of(Function::ComVelocity)?.moving(&rates, &[]);
     let mut worst = [0.0_f64; 3];
     for q in decided(stand, hidden) {
         let truth = Truth::of(&world, &q);

@@ -11,6 +11,7 @@ use sesc_model::{Function, ModelFile, Snapping};
 
 use crate::robots::{Stand, urdf};
 use sesc_test_support::command::ROOT;
+use sesc_test_support::source::without;
 
 /// What generated code says of one posture.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,14 +27,16 @@ pub struct Said {
 }
 
 /// Functions of the body that are called beside `cop`.
-pub const BODY: [Function; 4] = [
+pub const BODY: [Function; 5] = [
     Function::Com,
     Function::ComJacobian,
     Function::ComVelocity,
     Function::GravityMoments,
+    Function::Zmp,
 ];
 
-/// Joint velocities in both languages, rad/s.
+/// Joint velocities in both languages, rad/s: an eighth of them beside accelerations, which
+/// are minus a half of them.
 pub fn rates(dof: usize) -> Vec<f64> {
     (0..dof).map(|j| 1.0 / (1.0 + j as f64)).collect()
 }
@@ -43,6 +46,17 @@ pub struct Case {
     pub module: String,
     pub file: ModelFile,
     pub corrects: bool,
+    /// Whether `zmp` is called: compilers make thousands of instructions of it.
+    pub moves: bool,
+}
+
+impl Case {
+    /// Of [`BODY`], what is called.
+    pub fn body(&self) -> impl Iterator<Item = Function> {
+        let moves = self.moves;
+        BODY.into_iter()
+            .filter(move |f| moves || *f != Function::Zmp)
+    }
 }
 
 /// A fresh folder that outlives the test, for whoever wants to look.
@@ -94,7 +108,10 @@ pub fn rust(folder: &Path, cases: &[Case], postures: &Path, count: usize) -> Vec
     fs::write(folder.join("Cargo.toml"), manifest).unwrap();
     let (mut modules, mut calls) = (String::new(), String::new());
     for Case {
-        module, corrects, ..
+        module,
+        corrects,
+        moves,
+        ..
     } in cases
     {
         let _ = writeln!(modules, "mod {module};");
@@ -102,20 +119,31 @@ pub fn rust(folder: &Path, cases: &[Case], postures: &Path, count: usize) -> Vec
             true => format!("{module}::correct_cop(&cop)"),
             false => "[f64::NAN; 2]".to_string(),
         };
-        let _ = writeln!(calls, "    run!({module}, cop, {correct});");
+        let zmp = match moves {
+            true => format!(
+                "{module}::zmp(q, &qd.map(|x| 0.125 * x), &qd.map(|x| -0.5 * x), r).to_vec()"
+            ),
+            false => "Vec::new()".to_string(),
+        };
+        let _ = writeln!(
+            calls,
+            "    run!({module}, q, qd, r, cop, {correct}, {zmp});"
+        );
     }
     let main = format!(
         "#![forbid(unsafe_code)]\n#![deny(warnings)]\n{modules}\nmacro_rules! run {{\n    \
-         ($m:ident, $cop:ident, $correct:expr) => {{{{\n        let path = std::env::args().nth(1).unwrap();\n        \
+         ($m:ident, $q:ident, $qd:ident, $r:ident, $cop:ident, $correct:expr, $zmp:expr) => {{{{\n        let path = std::env::args().nth(1).unwrap();\n        \
          let bytes = std::fs::read(path).unwrap();\n        let values: Vec<f64> = bytes.chunks(8)\
          .map(|b| f64::from_le_bytes(b.try_into().unwrap())).collect();\n        let mut out = Vec::new();\n        \
-         for q in values.chunks($m::DOF) {{\n            let q: &[f64; $m::DOF] = q.try_into().unwrap();\n            \
-         let (r, qd) = (&$m::MODEL_PARAMS, core::array::from_fn(|j| 1.0 / (1.0 + j as f64)));\n            \
-         let $cop = $m::cop(q, r);\n            \
+         for q in values.chunks($m::DOF) {{\n            let $q: &[f64; $m::DOF] = q.try_into().unwrap();\n            \
+         let $r = &$m::MODEL_PARAMS;\n            \
+         let $qd: [f64; $m::DOF] = core::array::from_fn(|j| 1.0 / (1.0 + j as f64));\n            \
+         let $cop = $m::cop($q, $r);\n            \
          let back: [f64; 2] = $correct;\n            \
-         let mut row: Vec<f64> = $cop.into_iter().chain(back).chain($m::com(q, r)).collect();\n            \
-         row.extend($m::com_jacobian(q, r).concat());\n            \
-         row.extend($m::com_velocity(q, &qd, r).into_iter().chain($m::gravity_moments(q, r)));\n            \
+         let mut row: Vec<f64> = $cop.into_iter().chain(back).chain($m::com($q, $r)).collect();\n            \
+         row.extend($m::com_jacobian($q, $r).concat());\n            \
+         row.extend($m::com_velocity($q, &$qd, $r).into_iter().chain($m::gravity_moments($q, $r)));\n            \
+         let zmp: Vec<f64> = $zmp;\n            row.extend(zmp);\n            \
          out.extend(row.into_iter().flat_map(f64::to_le_bytes));\n        }}\n        \
          std::fs::write(concat!(stringify!($m), \".out\"), out).unwrap();\n    }}}};\n}}\n\nfn main() {{\n{calls}}}\n"
     );
@@ -149,20 +177,31 @@ pub fn c(folder: &Path, case: &Case, postures: &Path, count: usize) -> Vec<Said>
         true => format!("{name}_correct_cop(out, out + 4);"),
         false => String::new(),
     };
+    let zmp = match case.moves {
+        true => format!("{name}_zmp(q, slow, qdd, r, out + 12 + 4 * N);"),
+        false => "(void)slow;\n        (void)qdd;".to_string(),
+    };
     let main = format!(
         "#include \"{name}.h\"\n#include <stdio.h>\n\nint main(int count, char **arguments)\n{{\n    \
-         enum {{ N = {name}_DOF, WIDTH = 12 + 4 * N }};\n    \
-         double q[N], qd[N], out[WIDTH] = {{0.0}};\n    const double *r = {name}_model_params;\n    FILE *input = (count > 1) ? fopen(arguments[1], \"rb\") : NULL;\n    \
+         enum {{ N = {name}_DOF, WIDTH = 14 + 4 * N }};\n    \
+         double q[N], qd[N], slow[N], qdd[N], out[WIDTH] = {{0.0}};\n    const double *r = {name}_model_params;\n    FILE *input = (count > 1) ? fopen(arguments[1], \"rb\") : NULL;\n    \
          if ((input == NULL) || ({name}_selftest() != 0)) {{\n        return 2;\n    }}\n    \
-         for (int k = 0; k < N; k += 1) {{\n        qd[k] = 1.0 / (1.0 + k);\n    }}\n    \
+         for (int k = 0; k < N; k += 1) {{\n        qd[k] = 1.0 / (1.0 + k);\n        \
+         slow[k] = 0.125 * qd[k];\n        qdd[k] = -0.5 * qd[k];\n    }}\n    \
          while (fread(q, sizeof q, 1u, input) == 1u) {{\n        {name}_cop(q, r, out);\n        \
          {name}_model_cop(q, out + 2);\n        {correct}\n        \
          {name}_com(q, r, out + 6);\n        {name}_com_jacobian(q, r, out + 9);\n        \
          {name}_com_velocity(q, qd, r, out + 9 + 3 * N);\n        \
          {name}_gravity_moments(q, r, out + 12 + 3 * N);\n        \
+         {zmp}\n        \
          if (fwrite(out, sizeof out, 1u, stdout) != 1u) {{\n            return 3;\n        }}\n    }}\n    \
          return fclose(input);\n}}\n"
     );
+    let source = folder.join(format!("{name}.c"));
+    if !case.moves {
+        let text = fs::read_to_string(&source).unwrap();
+        fs::write(&source, without(&text, &["_zmp"])).unwrap();
+    }
     let main_file = folder.join(format!("{name}_main.c"));
     fs::write(&main_file, main).unwrap();
     let program = folder.join(format!("{name}.program"));
@@ -176,14 +215,14 @@ pub fn c(folder: &Path, case: &Case, postures: &Path, count: usize) -> Vec<Said>
         "-Werror",
     ]);
     command.args(["-O1", "-ffp-contract=off"]);
-    command.arg(folder.join(format!("{name}.c"))).arg(main_file);
+    command.arg(source).arg(main_file);
     tool(command.arg("-o").arg(&program));
     let out = floats(&tool(Command::new(&program).arg(postures)));
     let said = out.chunks(out.len() / count).map(|row| Said {
         cop: [row[0], row[1]],
         baked: Some([row[2], row[3]]),
         corrected: case.corrects.then_some([row[4], row[5]]),
-        body: row[6..].to_vec(),
+        body: row[6..row.len() - if case.moves { 0 } else { 2 }].to_vec(),
     });
     said.collect()
 }

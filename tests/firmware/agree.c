@@ -88,6 +88,11 @@ int main(void)
         SHOW(regressor_cop_ticks, 2u * COLUMNS, ticks[k]);
         SHOW(regressor_full_ticks, 3u * ROBOT(FULL_PARAMS), ticks[k]);
         SHOW(cop_ticks, 2u, ticks[k], r);
+#ifndef ROBOT_FIXED
+        SHOW(zmp, 2u, q[k], slow[k], qdd[k], r);
+        SHOW(zmp_sc, 2u, sin_q[k], cos_q[k], slow[k], qdd[k], r);
+        SHOW(zmp_ticks, 2u, ticks[k], slow[k], qdd[k], r);
+#endif
     }
 #ifndef ROBOT_FIXED
     estimate();

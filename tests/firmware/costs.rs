@@ -8,9 +8,9 @@ use std::ops::Range;
 use std::path::Path;
 use std::process::Command;
 
+use crate::LIMIT;
 use crate::build::{Config, M3_F32, M3_FIXED, M4F_F32, M4F_F32_EXACT, TARGETS};
 use crate::postures::COUNTED;
-use crate::{LIMIT, names};
 use sesc_test_support::machine;
 
 /// Functions of the estimator, in float alone.
@@ -115,7 +115,7 @@ impl Config {
     /// Every function that is counted.
     fn called(self) -> Vec<String> {
         let of_floats = ESTIMATOR.iter().filter(|_| !self.fixed);
-        let names = names().map(|(name, ..)| name);
+        let names = self.names().map(|(name, ..)| name);
         names
             .chain(of_floats.map(|name| name.to_string()))
             .collect()

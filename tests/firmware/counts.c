@@ -61,6 +61,9 @@ void measure(void)
         ROBOT(regressor_full_sc)(s, c, out);
         ROBOT(cop_sc)(s, c, r, out);
 #ifndef ROBOT_FIXED
+        ROBOT(zmp)(x, slow[k], qdd[k], r, out);
+        ROBOT(zmp_sc)(s, c, slow[k], qdd[k], r, out);
+        ROBOT(zmp_ticks)(t, slow[k], qdd[k], r, out);
         (void)ROBOT(estimator_add)(&estimator, x, reading);
         ROBOT(estimator_params)(&estimator, out);
         ROBOT(estimator_solve)(&estimator, out, known);

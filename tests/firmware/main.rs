@@ -28,12 +28,22 @@ pub const FUNCTIONS: [&str; 8] = [
     "cop",
 ];
 
-/// Every name that is called: `com_jacobian`, `com_jacobian_sc`, `com_jacobian_ticks`, …
-pub fn names() -> impl Iterator<Item = (String, &'static str, &'static str)> {
-    let kinds = ["", "_sc", "_ticks"];
-    kinds
-        .into_iter()
-        .flat_map(|kind| FUNCTIONS.map(|function| (format!("{function}{kind}"), function, kind)))
+/// Floats alone have this one: it divides.
+pub const OF_FLOATS: &str = "zmp";
+
+impl build::Config {
+    /// Every name that is called: `com_jacobian`, `com_jacobian_sc`, `com_jacobian_ticks`, …
+    pub fn names(self) -> impl Iterator<Item = (String, &'static str, &'static str)> {
+        let kinds = ["", "_sc", "_ticks"];
+        let in_floats = if self.fixed { None } else { Some(OF_FLOATS) };
+        let of = move |functions: Vec<&'static str>| {
+            kinds.into_iter().flat_map(move |kind| {
+                let functions = functions.clone().into_iter();
+                functions.map(move |function| (format!("{function}{kind}"), function, kind))
+            })
+        };
+        of(FUNCTIONS.to_vec()).chain(of(in_floats.into_iter().collect()))
+    }
 }
 
 #[test]

@@ -18,6 +18,10 @@ pub struct Posture {
     pub q: [f64; DOF],
     /// rad/s
     pub qd: [f64; DOF],
+    /// Beside accelerations, rad/s: at which the ground carries half of the weight and more.
+    pub slow: [f64; DOF],
+    /// rad/s²
+    pub qdd: [f64; DOF],
 }
 
 /// Both ends of the joint limits, ±2.618 rad, at full speed, and random postures between.
@@ -26,17 +30,23 @@ pub fn postures() -> Vec<Posture> {
     const LIMIT_TICKS: i32 = 1706;
     /// Of every joint in the URDF, 5.6549 rad/s.
     const SPEED: f64 = 5.654;
+    const SLOW: f64 = 0.1;
+    const GAIN: f64 = 0.5;
     let mut rng = ChaCha8Rng::seed_from_u64(1906);
     let at = |sign: i32| Posture {
         ticks: [2048 + sign * LIMIT_TICKS; DOF],
         q: [f64::from(sign) * LIMIT_RAD; DOF],
         qd: [f64::from(sign) * SPEED; DOF],
+        slow: [f64::from(sign) * SLOW; DOF],
+        qdd: [f64::from(sign) * GAIN; DOF],
     };
     let mut postures = vec![at(1), at(-1)];
     postures.resize_with(POSTURES, || Posture {
         ticks: std::array::from_fn(|_| 2048 + rng.random_range(-LIMIT_TICKS..=LIMIT_TICKS)),
         q: std::array::from_fn(|_| rng.random_range(-LIMIT_RAD..=LIMIT_RAD)),
         qd: std::array::from_fn(|_| rng.random_range(-SPEED..=SPEED)),
+        slow: std::array::from_fn(|_| rng.random_range(-SLOW..=SLOW)),
+        qdd: std::array::from_fn(|_| rng.random_range(-GAIN..=GAIN)),
     });
     postures
 }
@@ -96,6 +106,10 @@ impl Config {
         array("ROBOT(real)", "qd", &|p, k| {
             literal(self.passed(p.qd[k], qd))
         });
+        if !self.fixed {
+            array("ROBOT(real)", "slow", &|p, k| literal(p.slow[k]));
+            array("ROBOT(real)", "qdd", &|p, k| literal(p.qdd[k]));
+        }
         array("ROBOT(real)", "sin_q", &|p, k| {
             literal(self.passed(p.q[k].sin(), sc))
         });

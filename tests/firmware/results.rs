@@ -8,7 +8,7 @@ use crate::build::{
     Config, HOST_F32, HOST_FIXED, M3_F32, M3_FIXED, M4F_F32, M4F_F32_EXACT, TARGETS,
 };
 use crate::postures::{DOF, POSTURES, postures};
-use crate::{LIMIT, ROOT, names};
+use crate::{LIMIT, ROOT};
 use sesc_runtime::fit::Estimator;
 use sesc_test_support::machine;
 
@@ -16,7 +16,7 @@ use sesc_test_support::machine;
 fn in_f64(
     function: &str,
     q: &[f64; DOF],
-    qd: &[f64; DOF],
+    [qd, slow, qdd]: [&[f64; DOF]; 3],
     r: &[f64; op2::BASE_PARAMS],
 ) -> Vec<f64> {
     match function {
@@ -28,6 +28,7 @@ fn in_f64(
         "regressor_cop" => op2::regressor_cop(q).concat(),
         "regressor_full" => op2::regressor_full(q).concat(),
         "cop" => op2::cop(q, r).to_vec(),
+        "zmp" => op2::zmp(q, slow, qdd, r).to_vec(),
         other => panic!("{other} is no function"),
     }
 }
@@ -77,7 +78,7 @@ impl Config {
         let of_estimator = if self.fixed { 0 } else { ESTIMATES.len() };
         assert_eq!(
             results.len(),
-            1 + POSTURES * names().count() + of_estimator,
+            1 + POSTURES * self.names().count() + of_estimator,
             "{}",
             self.name
         );
@@ -86,7 +87,8 @@ impl Config {
         let mut worst: f64 = 0.0;
         for posture in postures() {
             let qd = posture.qd.map(|x| self.meant(x, "QD"));
-            for (name, function, kind) in names() {
+            let [slow, qdd] = [posture.slow, posture.qdd].map(|x| x.map(|x| f64::from(x as f32)));
+            for (name, function, kind) in self.names() {
                 let q = match kind {
                     "" => posture.q.map(|q| self.meant(q, "Q")),
                     "_sc" => posture.q,
@@ -96,7 +98,7 @@ impl Config {
                 };
                 let (printed, got) = results.next().unwrap();
                 assert_eq!(*printed, name);
-                let expected = in_f64(function, &q, &qd, &r);
+                let expected = in_f64(function, &q, [&qd, &slow, &qdd], &r);
                 assert_eq!(got.len(), expected.len(), "{name}");
                 let unit = if self.fixed {
                     self.unit(&function.to_uppercase())

@@ -36,6 +36,7 @@ const ROOMS: [(&str, &[&str]); 4] = [
             "base",
             "robot",
             "standard",
+            "inertia",
             "expr",
             "program",
             "bounds",

@@ -13,10 +13,11 @@ use sesc_identify::robot::Robot;
 use sesc_model::{Function, Given, Snapping};
 
 /// Functions that callgrind counts, and what each calls.
-const COUNTED: [(&str, Function); 8] = [
+const COUNTED: [(&str, Function); 9] = [
     ("com", Function::Com),
     ("com_jacobian", Function::ComJacobian),
     ("com_velocity", Function::ComVelocity),
+    ("zmp", Function::Zmp),
     ("gravity_moments", Function::GravityMoments),
     ("regressor_cop", Function::RegressorCop),
     ("com_f32", Function::Com),

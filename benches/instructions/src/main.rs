@@ -28,6 +28,8 @@ counted! {
     com_jacobian: Q => [[f64; DOF]; 3] = |q, r| op2::com_jacobian(q, r);
     // Joint velocities as large as the angles.
     com_velocity: Q => [f64; 3] = |q, r| op2::com_velocity(q, q, r);
+    // And accelerations.
+    zmp: Q => [f64; 2] = |q, r| op2::zmp(q, q, q, r);
     gravity_moments: Q => [f64; DOF] = |q, r| op2::gravity_moments(q, r);
     regressor_cop: Q => [[f64; BASE_PARAMS]; 2] = |q, _r| op2::regressor_cop(q);
     com_f32: [f32; DOF] => [f32; 3] = |q, r| op2::com(q, &r.map(|x| x as f32));
@@ -52,6 +54,7 @@ fn main() {
         Some("com") => call(com, q, [0.0; 3]),
         Some("com_jacobian") => call(com_jacobian, q, [[0.0; DOF]; 3]),
         Some("com_velocity") => call(com_velocity, q, [0.0; 3]),
+        Some("zmp") => call(zmp, q, [0.0; 2]),
         Some("gravity_moments") => call(gravity_moments, q, [0.0; DOF]),
         Some("regressor_cop") => call(regressor_cop, q, [[0.0; BASE_PARAMS]; 2]),
         Some("com_f32") => call(com_f32, q.map(|x| x as f32), [0.0; 3]),

@@ -4,6 +4,7 @@ use crate::facts::{Effect, Facts};
 use crate::routines::Routine;
 use sesc_model::bounds::Precision;
 use sesc_model::program::Counts;
+use sesc_model::tree::{MODERATE_ACCELERATION, MODERATE_SPEED};
 use sesc_model::{Function, Given};
 
 /// Function name with the suffix of its variant.
@@ -28,6 +29,21 @@ pub const PROMISE: [&str; 3] = [
     "parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,",
     "against exact evaluation with the same parameters.",
 ];
+
+/// Where that of the ZMP holds, and why fixed point has none.
+pub fn promise_of_motion(has_zmp: bool) -> Vec<String> {
+    let [turning, sliding] = MODERATE_SPEED;
+    let [turned, slid] = MODERATE_ACCELERATION;
+    let text = match has_zmp {
+        true => format!(
+            "That of zmp holds for joint velocities up to {turning} rad/s ({sliding} m/s) or the \
+             URDF's limit, accelerations up to {turned} rad/s2 ({slid} m/s2), and while the ground \
+             carries at least half of the weight."
+        ),
+        false => "zmp divides by the load on the ground: f64 and f32 have it.".to_string(),
+    };
+    wrapped(&text)
+}
 
 /// Which robot this is, without comment marks.
 pub fn about(facts: &Facts) -> Vec<String> {
@@ -160,6 +176,7 @@ pub fn lines(facts: &Facts, routines: &[&Routine]) -> Vec<String> {
         ));
     }
     lines.extend(PROMISE.map(str::to_string));
+    lines.extend(promise_of_motion(true));
     lines.extend(cautions(facts, correction_is_proven));
     lines
 }

@@ -76,7 +76,11 @@ impl<'p> Analysis<'p> {
                 self.multiply_out(p);
             }
             if let Some(node) = program.nodes.get(done) {
-                let range = self.step(Id(done as u32), |id| self.ranges[id.index()]);
+                let id = Id(done as u32);
+                let mut range = self.step(id, |id| self.ranges[id.index()]);
+                if let Some(least) = program.least.get(&id) {
+                    range.lower = range.lower.max(*least);
+                }
                 if let Expr::Neg(x) = node.expr {
                     self.negatives.insert(x, self.ranges.len());
                 }
@@ -229,6 +233,9 @@ impl<'p> Analysis<'p> {
     /// Error of vector `v` as a vector, then of its entries.
     fn settle(&mut self, v: usize) {
         let vector = &self.program.vectors[v];
+        if vector.norm.is_none() && vector.from.is_empty() {
+            return self.settle_by_entries(v);
+        }
         let mut sources: HashMap<Id, Range> = HashMap::new();
         let (mut inherited, mut extent) = (0.0, 0.0);
         for &from in &vector.from {
@@ -275,6 +282,20 @@ impl<'p> Analysis<'p> {
         for &id in &vector.entries {
             self.tighten(id, error, norm);
         }
+    }
+
+    /// A vector of which no more is known than of each entry.
+    fn settle_by_entries(&mut self, v: usize) {
+        let ranges = self.program.vectors[v].entries.iter();
+        let ranges = ranges.map(|id| self.ranges[id.index()]);
+        let (mut norm, mut error) = (0.0, 0.0);
+        for range in ranges {
+            let exact = range.size() - range.error;
+            norm += exact * exact;
+            error += range.error * range.error;
+        }
+        self.vector_norms[v] = libm::sqrt(norm);
+        self.vector_errors[v] = libm::sqrt(error);
     }
 
     /// Whether a vector's entry may also be a weight of the map: a sine, a

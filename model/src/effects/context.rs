@@ -1,11 +1,10 @@
 //! What effects need to know of the robot and the log.
 
 use super::{Catalog, Effect};
+use crate::inertia::GRAVITY;
 use crate::measurement::foot;
 use crate::robot::Robot;
 
-/// Standard gravity, m/s².
-pub const GRAVITY: f64 = 9.80665;
 /// Lever arms reach this far beyond what is known of a link, as a part of the
 /// robot's own reach.
 const ROOM: f64 = 0.25;

@@ -1,12 +1,12 @@
 #![doc = include_str!("pages/external_force.md")]
 
-use super::context::GRAVITY;
 use super::remedy::signed;
 use super::{
     Carry, Effect, EffectContext, EffectId, Experiment, Measured, Parameter, Stage, Target,
     plausible,
 };
 use crate::expr::Id;
+use crate::inertia::GRAVITY;
 
 pub(super) struct ExternalForce;
 

@@ -1,12 +1,12 @@
 #![doc = include_str!("pages/unsettled_motion.md")]
 
-use super::context::GRAVITY;
 use super::remedy::digits;
 use super::{
     Carry, Effect, EffectContext, EffectId, Experiment, Measured, Parameter, PostureContext, Stage,
     Target, plausible,
 };
 use crate::expr::Id;
+use crate::inertia::GRAVITY;
 
 pub(super) struct UnsettledMotion;
 

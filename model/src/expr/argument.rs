@@ -12,6 +12,8 @@ pub enum Argument {
     Cosines,
     /// Joint velocities q̇, rad/s or m/s.
     Velocities,
+    /// Joint accelerations q̈, rad/s² or m/s².
+    Accelerations,
     /// Base parameters r, m.
     Parameters,
     /// A direction d of the support frame, ‖d‖ ≤ 1.
@@ -34,6 +36,7 @@ impl Argument {
             Argument::Sines => "sin",
             Argument::Cosines => "cos",
             Argument::Velocities => "qd",
+            Argument::Accelerations => "qdd",
             Argument::Parameters => "r",
             Argument::Direction => "along",
             Argument::Reading => "reading",

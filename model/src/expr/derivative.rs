@@ -10,26 +10,51 @@
 //! further operation is needed, and steps are small enough (2^-20, 2^-17) that
 //! they are exact to 1e-9 but at the clamp's corners, where they lie between.
 
+use std::collections::HashMap;
+
 use super::graph::{Expr, Graph, Id};
 
 /// Steps of the differences that stand for a slope, powers of two.
 const CLAMP_STEP: f64 = 1.0 / 1_048_576.0;
 const POWER_STEP: f64 = 1.0 / 131_072.0;
 
+/// What a change does to a clamp.
+#[derive(Clone, Copy, PartialEq)]
+enum Corner {
+    /// It may pass its corners.
+    Crossed,
+    /// It stays on its side.
+    Held,
+}
+
 impl Graph {
     /// ∂`of`/∂`with_respect_to` for each of `of`; the variable is an input node.
     ///
     /// One forward pass over the nodes: nothing is derived twice.
     pub fn derivative(&mut self, of: &[Id], with_respect_to: Id) -> Vec<Id> {
-        let zero = self.constant(0.0);
         let one = self.constant(1.0);
+        self.forward(
+            of,
+            &HashMap::from([(with_respect_to, one)]),
+            Corner::Crossed,
+        )
+    }
+
+    /// The rates of each of `of` as input nodes change at `rates`, where no clamp leaves
+    /// the side that it is on.
+    pub fn rates(&mut self, of: &[Id], rates: &HashMap<Id, Id>) -> Vec<Id> {
+        self.forward(of, rates, Corner::Held)
+    }
+
+    fn forward(&mut self, of: &[Id], inputs: &HashMap<Id, Id>, corner: Corner) -> Vec<Id> {
+        let zero = self.constant(0.0);
         let last = of.iter().map(|id| id.index() + 1).max().unwrap_or(0);
         let mut d = vec![zero; last];
         for k in 0..last {
             let id = Id(k as u32);
             d[k] = match self.expr(id) {
-                _ if id == with_respect_to => one,
-                Expr::Const(_) | Expr::Input { .. } => zero,
+                Expr::Const(_) => zero,
+                Expr::Input { .. } => inputs.get(&id).copied().unwrap_or(zero),
                 Expr::Add(a, b) => self.add(d[a.index()], d[b.index()]),
                 Expr::Sub(a, b) => self.sub(d[a.index()], d[b.index()]),
                 Expr::Mul(a, b) => {
@@ -52,6 +77,7 @@ impl Graph {
                     let rest = self.sub(d[a.index()], carried);
                     self.div(rest, b)
                 }
+                Expr::Clamp(_) if corner == Corner::Held => zero,
                 Expr::Clamp(a) => {
                     let inner = d[a.index()];
                     self.chain(inner, CLAMP_STEP, |g, h| {

@@ -82,7 +82,7 @@ pub struct Vector {
     /// Its nodes, without their signs.
     pub entries: Vec<Id>,
     /// Bound on the Euclidean norm for every admissible input; none where the vectors
-    /// of `from` are all that it is made of, and bound it.
+    /// of `from` are all that it is made of, and bound it. With neither, its entries do.
     pub norm: Option<f64>,
     /// In exact arithmetic the vector is a sum of orthogonal images of these,
     /// plus terms that do not depend on them.
@@ -109,6 +109,8 @@ pub struct Graph {
     pub(crate) vectors: Vec<Vector>,
     pub(crate) products: Vec<Product>,
     pub(crate) weights: HashSet<Id>,
+    /// What nodes are no less than, as the caller promises.
+    pub(crate) least: HashMap<Id, f64>,
     index: HashMap<Key, Id>,
 }
 
@@ -147,6 +149,16 @@ impl Graph {
     /// nothing else.
     pub fn know_sum(&mut self, entries: &[Id], from: &[VectorId]) -> VectorId {
         self.know_vector(entries, None, from, None)
+    }
+
+    /// Record that `entries` are a vector of which no more is known than of each entry.
+    pub fn know_entries(&mut self, entries: &[Id]) -> VectorId {
+        self.know_vector(entries, None, &[], None)
+    }
+
+    /// Record that bounds hold where node `id` is no less than `least`.
+    pub fn assume_least(&mut self, id: Id, least: f64) {
+        self.least.insert(id, least);
     }
 
     /// Record that `entries` are `scale` times an orthogonal image of the vector `of`.

@@ -16,6 +16,7 @@
 //! 4 per joint and row. They meet in the Jacobian: `J_j = B_p K_j (e_z × t_j)`, which
 //! is `B_j (e_z × v_j)`.
 
+mod motion;
 mod rates;
 mod rotations;
 mod rows;
@@ -26,6 +27,7 @@ use crate::interface::{Extent, Function, Given};
 use crate::program::{Array, Program, Shape};
 use crate::robot::Robot;
 use crate::tree::{Coordinate, Dof};
+pub(crate) use motion::JointMotion;
 use rotations::sines_suffice;
 pub(crate) use rows::Direction;
 pub(crate) use subtrees::{Subtree, Wanted};

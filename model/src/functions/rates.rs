@@ -112,7 +112,7 @@ impl Scratch<'_> {
     }
 
     /// How fast the joint of body `i` moves: factor times the rate of its coordinate.
-    fn rate_of(&mut self, i: usize, rates: &[Id]) -> Id {
+    pub(super) fn rate_of(&mut self, i: usize, rates: &[Id]) -> Id {
         let by = match self.m.chain.bodies[i].motion {
             Motion::Revolute { by, .. } | Motion::Prismatic { by, .. } => by,
             Motion::Fixed => return self.g.constant(0.0),

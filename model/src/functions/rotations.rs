@@ -40,7 +40,30 @@ struct Split {
     rest: Id,
 }
 
+/// What a joint does to the handedness of axes.
+#[derive(Clone, Copy)]
+pub(super) struct Turn {
+    /// The second coordinate of the body is mirrored.
+    pub(super) mirrored: bool,
+    /// Its axes and those of its parent are of different hands.
+    pub(super) reflects: bool,
+}
+
 impl Scratch<'_> {
+    /// The hands of body `i` and its parent.
+    pub(super) fn turn(&self, i: usize) -> Turn {
+        match &self.m.frames[i].rotation {
+            Some(rotation) => Turn {
+                mirrored: rotation.mirrored,
+                reflects: rotation.mirrored != (rotation.twist.matrix().determinant() < 0.0),
+            },
+            None => Turn {
+                mirrored: false,
+                reflects: false,
+            },
+        }
+    }
+
     /// Sine and cosine of the angle that rotates `body`.
     pub(super) fn rotation(&mut self, body: usize) -> (Id, Id) {
         if let Some(pair) = self.rotations[body] {

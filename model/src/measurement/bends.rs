@@ -15,7 +15,7 @@
 //! forward for a velocity, backward for a row λ of a Jacobian: one pass over the chain a
 //! round, never a matrix of joints by joints.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 use super::{Measured, PostureContext, Source};
 use crate::expr::{Argument, Expr, Id};
@@ -136,6 +136,27 @@ impl Measured<'_> {
             }
         }
         rates
+    }
+
+    /// Accelerations of the joints where the robot bends, from its `rates`: how those change
+    /// as the encoders move on. A dead band stays on its side.
+    pub(super) fn accelerations(&mut self, rates: &[Id]) -> Vec<Id> {
+        let dofs = &self.robot().tree.dofs;
+        let mut inputs = HashMap::new();
+        for (j, dof) in dofs.iter().enumerate() {
+            let g = self.g();
+            let [q, sin, cos] = [Argument::Positions, Argument::Sines, Argument::Cosines]
+                .map(|argument| g.input(argument, j));
+            let rate = g.input(Argument::Velocities, j);
+            let acceleration = g.input(Argument::Accelerations, j);
+            let (ahead, back) = match dof.prismatic {
+                true => (rate, g.constant(0.0)),
+                false => (g.mul(cos, rate), g.mul(sin, rate)),
+            };
+            let back = g.neg(back);
+            inputs.extend([(q, rate), (sin, ahead), (cos, back), (rate, acceleration)]);
+        }
+        self.g().rates(rates, &inputs)
     }
 
     /// A row of slopes `∂/∂φ'` of the bent joints as one of slopes `∂/∂q` of the encoders.

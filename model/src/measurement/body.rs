@@ -3,6 +3,7 @@
 //! ```text
 //! q ─ wiring, offset, scale ─▶ φ ─ bends under gravity ─▶ φ'        r ─ loads ─▶ r'
 //! c = r'_0 + Σ B_i(φ') r'_i        J = ∂c/∂φ' ∂φ'/∂q        τ = −(∂c/∂φ')_z        ċ = J q̇
+//! p = ZMP(φ', φ̇', φ̈', r')          φ̇' = ∂φ'/∂q q̇             φ̈' = d/dt φ̇'
 //! ```
 //!
 //! The Jacobian and the velocity are with respect to what encoders read; the moments of
@@ -11,7 +12,7 @@
 
 use super::Measured;
 use crate::expr::{Argument, Id};
-use crate::functions::{self, Wanted};
+use crate::functions::{self, JointMotion, Wanted};
 use crate::interface::{Function, Given};
 use crate::program::{Array, Program, Shape};
 
@@ -38,14 +39,23 @@ impl Measured<'_> {
                 self.scratch.slopes(&directions, true)
             }
             Function::ComVelocity => {
-                let dof = self.robot().dof();
-                let encoders = (0..dof).map(|j| self.g().input(Argument::Velocities, j));
-                let encoders: Vec<Id> = encoders.collect();
+                let encoders = self.encoder_rates();
                 let rates = self.rates(&encoders);
                 self.at_rest();
                 let subtrees = self.scratch.subtrees(Wanted::Rotated);
                 let moving = self.scratch.subtree_rates(&subtrees, &rates);
                 moving[0].v.entries.to_vec()
+            }
+            Function::Zmp => {
+                let encoders = self.encoder_rates();
+                let rates = self.rates(&encoders);
+                let accelerations = self.accelerations(&rates);
+                self.at_rest();
+                let joints = JointMotion {
+                    rates,
+                    accelerations,
+                };
+                self.scratch.zmp(&joints, &self.loads).to_vec()
             }
             Function::Regressor | Function::RegressorCop | Function::RegressorFull => {
                 let straight = self.straight.clone();
@@ -58,6 +68,14 @@ impl Measured<'_> {
             }
             Function::Cop | Function::CorrectCop => self.reading.to_vec(),
         }
+    }
+
+    /// Joint velocities as encoders have them.
+    fn encoder_rates(&mut self) -> Vec<Id> {
+        let dof = self.robot().dof();
+        (0..dof)
+            .map(|j| self.g().input(Argument::Velocities, j))
+            .collect()
     }
 
     /// The program of a function; `None` where sines and cosines do not tell all of it.

@@ -18,8 +18,11 @@ mod context;
 pub(crate) mod foot;
 mod inverse;
 
+use nalgebra::Vector3;
+
 use crate::expr::{Argument, Graph, Id};
 use crate::functions::{Direction, Parameters, Scratch, Subtree, Wanted};
+use crate::inertia::PointMass;
 use crate::interface::Given;
 use crate::robot::Robot;
 use bends::Bend;
@@ -59,6 +62,8 @@ pub struct Measured<'m> {
     pub weight: Id,
     pulls: Vec<Pull>,
     bends: Vec<Bend>,
+    /// Loads that are point masses of known size.
+    loads: Vec<PointMass>,
     /// Joint positions before any joint gives way.
     straight: Vec<Id>,
     /// Joint positions of each round of bending.
@@ -97,6 +102,7 @@ impl<'m> Measured<'m> {
             foot: None,
             weight: one,
             pulls: Vec::new(),
+            loads: Vec::new(),
             bends: Vec::new(),
             rounds: Vec::new(),
         };
@@ -170,6 +176,16 @@ impl<'m> Measured<'m> {
     pub fn load(&mut self, link: usize, share: Id, moment: [Id; 3]) -> Id {
         let map = self.robot().columns_of(link);
         let g = &mut self.scratch.g;
+        let sizes = [share, moment[0], moment[1], moment[2]].map(|x| g.value(x));
+        if let [Some(share), Some(x), Some(y), Some(z)] = sizes
+            && share != 0.0
+        {
+            self.loads.push(PointMass {
+                link,
+                mass: share / (1.0 - share),
+                at: Vector3::new(x, y, z) / share,
+            });
+        }
         let one = g.constant(1.0);
         let bare = g.sub(one, share);
         let factor = match g.value(self.weight) {

@@ -21,7 +21,7 @@ use crate::bounds::{self, Bound, Formats, Precision, Unfit};
 use crate::effects::Instance;
 use crate::expr::Argument;
 use crate::interface::{Function, Given};
-use crate::program::Program;
+use crate::program::{Array, Program};
 use crate::robot::Robot;
 use crate::snap::Snapping;
 use crate::tree;
@@ -112,7 +112,8 @@ impl Model {
             Function::Com
             | Function::ComJacobian
             | Function::ComVelocity
-            | Function::GravityMoments => effect.changes_body(target),
+            | Function::GravityMoments
+            | Function::Zmp => effect.changes_body(target),
             Function::Regressor | Function::RegressorCop | Function::RegressorFull => {
                 effect.changes_regressor(target)
             }
@@ -227,8 +228,19 @@ impl Model {
             Argument::Positions => self.tree.dofs.iter().map(joint).collect(),
             Argument::Sines | Argument::Cosines => self.tree.dofs.iter().map(sine).collect(),
             Argument::Velocities => {
-                let speed = |dof: &tree::Dof| bounds::Input::exact(-dof.speed, dof.speed);
-                self.tree.dofs.iter().map(speed).collect()
+                let accelerated = |array: &Array| array.argument == Argument::Accelerations;
+                let moderate = program.inputs.iter().any(accelerated);
+                let speed = |dof: &tree::Dof| match moderate {
+                    true => dof.moderate_speed(),
+                    false => dof.speed,
+                };
+                let both_ways = |dof| bounds::Input::exact(-speed(dof), speed(dof));
+                self.tree.dofs.iter().map(both_ways).collect()
+            }
+            Argument::Accelerations => {
+                let most = tree::Dof::moderate_acceleration;
+                let both_ways = |dof| bounds::Input::exact(-most(dof), most(dof));
+                self.tree.dofs.iter().map(both_ways).collect()
             }
             Argument::Parameters => self.base.params.iter().enumerate().map(parameter).collect(),
             Argument::Reading => self

@@ -63,7 +63,7 @@ impl Model {
         let arguments = function.arguments(Given::Positions).into_iter();
         let arguments: Vec<Values> = arguments
             .map(|argument| match argument {
-                Argument::Velocities => Values::Shared(&still),
+                Argument::Velocities | Argument::Accelerations => Values::Shared(&still),
                 Argument::Parameters => Values::Shared(params),
                 _ => Values::Shared(q),
             })

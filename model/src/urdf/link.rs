@@ -1,4 +1,4 @@
-//! Links: mass and where it sits. Inertia is carried along, not needed.
+//! Links: mass and where it sits, and the inertia that motion feels.
 
 use roxmltree::Node;
 
@@ -84,7 +84,7 @@ fn read_mass(reader: &mut Reader<'_>, node: Node<'_, '_>, subject: &str) -> Opti
     Some(mass_kg)
 }
 
-/// Missing entries are zero; broken ones too, with a note, for nothing here
+/// Missing entries are zero; broken ones too, with a note, for nothing at rest
 /// depends on them.
 fn read_inertia(reader: &mut Reader<'_>, node: Node<'_, '_>, subject: &str) -> [f64; 6] {
     let Some(inertia) = reader.only(node, "inertia", subject) else {
@@ -93,7 +93,13 @@ fn read_inertia(reader: &mut Reader<'_>, node: Node<'_, '_>, subject: &str) -> [
     INERTIA.map(|entry| {
         let text = reader.attribute(inertia, entry);
         text.map_or(0.0, |text| {
-            reader.unneeded(&text, subject, &format!("inertia {entry}"))
+            let what = format!("inertia {entry}");
+            reader.or_zero(
+                &text,
+                subject,
+                &what,
+                "taken as 0, which the ZMP alone feels",
+            )
         })
     })
 }

@@ -294,7 +294,7 @@ fn what_is_odd_but_harmless_is_noted() {
     let inertia = robot("").replace("<mass", "<inertia ixx='-nan(ind)' iyy='2'/><mass");
     let description = load(&inertia);
     assert_eq!(description.links[0].inertial.inertia[3], 2.0);
-    assert!(note(description).contains("link `base`: inertia ixx is `-nan(ind)`; not needed"));
+    assert!(note(description).contains("link `base`: inertia ixx is `-nan(ind)`; taken as 0"));
 }
 
 #[test]

@@ -213,6 +213,17 @@ impl Reader<'_> {
 
     /// A number that nothing here depends on: 0, with a note, where it is broken.
     pub(super) fn unneeded(&mut self, text: &At<&str>, subject: &str, what: &str) -> f64 {
+        self.or_zero(text, subject, what, "not needed, taken as 0")
+    }
+
+    /// A number that is 0 where it is broken, with a note that ends in what that `means`.
+    pub(super) fn or_zero(
+        &mut self,
+        text: &At<&str>,
+        subject: &str,
+        what: &str,
+        means: &str,
+    ) -> f64 {
         if self.unexpanded(subject, what, text) {
             return 0.0;
         }
@@ -220,10 +231,7 @@ impl Reader<'_> {
             Ok(value) if value.is_finite() => value,
             _ => {
                 let found = shown(text.value);
-                self.note(
-                    text.line,
-                    format!("{subject}: {what} is {found}; not needed, taken as 0"),
-                );
+                self.note(text.line, format!("{subject}: {what} is {found}; {means}"));
                 0.0
             }
         }

@@ -56,6 +56,13 @@ pub trait Robot {
 
     fn cop<T: Real>(q: &Array<Self::Dof, T>, r: &Array<Self::Base, T>) -> [T; 2];
 
+    fn zmp<T: Real>(
+        q: &Array<Self::Dof, T>,
+        qd: &Array<Self::Dof, T>,
+        qdd: &Array<Self::Dof, T>,
+        r: &Array<Self::Base, T>,
+    ) -> [T; 2];
+
     /// The CoP behind a reading: the reading itself where the model has no sensor effects.
     #[inline(always)]
     fn correct_cop<T: Real>(reading: &[T; 2]) -> [T; 2] {
@@ -111,6 +118,14 @@ pub trait SinCosRobot: Robot {
     fn cop_sc<T: Real>(
         sin: &Array<Self::Dof, T>,
         cos: &Array<Self::Dof, T>,
+        r: &Array<Self::Base, T>,
+    ) -> [T; 2];
+
+    fn zmp_sc<T: Real>(
+        sin: &Array<Self::Dof, T>,
+        cos: &Array<Self::Dof, T>,
+        qd: &Array<Self::Dof, T>,
+        qdd: &Array<Self::Dof, T>,
         r: &Array<Self::Base, T>,
     ) -> [T; 2];
 

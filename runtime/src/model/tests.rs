@@ -62,6 +62,11 @@ mod leg {
             let (s, c) = q[0].sin_cos();
             Self::cop_sc(&[s], &[c], r)
         }
+
+        fn zmp<T: Real>(q: &[T; 1], qd: &[T; 1], qdd: &[T; 1], r: &[T; 5]) -> [T; 2] {
+            let (s, c) = q[0].sin_cos();
+            Self::zmp_sc(&[s], &[c], qd, qdd, r)
+        }
     }
 
     impl SinCosRobot for Leg {
@@ -104,6 +109,16 @@ mod leg {
                 [zero, one, zero, zero, one, zero],
                 [zero, zero, one, -*s, zero, *c],
             ]
+        }
+
+        fn zmp_sc<T: Real>(
+            sin: &[T; 1],
+            cos: &[T; 1],
+            qd: &[T; 1],
+            qdd: &[T; 1],
+            r: &[T; 5],
+        ) -> [T; 2] {
+            Self::cop_sc(sin, cos, r).map(|x| x - qd[0] * qdd[0])
         }
 
         fn cop_sc<T: Real>(sin: &[T; 1], cos: &[T; 1], r: &[T; 5]) -> [T; 2] {

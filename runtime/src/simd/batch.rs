@@ -199,6 +199,40 @@ pub trait Batch: Sesc {
         let (out, model) = (cop, PhantomData::<Self::Generated>);
         B::Scalar::run(simd, Cop { q, r, out, model });
     }
+
+    /// [`Sesc::zmp`] of every posture with its joint velocities and accelerations, metres.
+    ///
+    /// ```
+    /// # use sesc_generated::two_link_foot::{CAD_PARAMS, TwoLinkFoot};
+    /// # use sesc_runtime::{Batch, F64x8, Simd};
+    /// # let q = [[F64x8::splat(0.0); 2]];
+    /// let still = [[F64x8::splat(0.0); 2]];
+    /// let mut zmp = [[F64x8::splat(0.0); 2]];
+    /// TwoLinkFoot::zmp_batch(Simd::best(), &q, &still, &still, &CAD_PARAMS, &mut zmp);
+    /// assert!((zmp[0][0].0[0] - 0.01).abs() < 1e-15);
+    /// ```
+    fn zmp_batch<B: Block>(
+        simd: Simd,
+        q: &[Posture<Self, B>],
+        qd: &[Posture<Self, B>],
+        qdd: &[Posture<Self, B>],
+        r: &Params<Self, B::Scalar>,
+        zmp: &mut [[B; 2]],
+    ) {
+        let model = PhantomData::<Self::Generated>;
+        let out = zmp;
+        B::Scalar::run(
+            simd,
+            Zmp {
+                q,
+                qd,
+                qdd,
+                r,
+                out,
+                model,
+            },
+        );
+    }
 }
 
 impl<M: Sesc> Batch for M {}
@@ -281,6 +315,30 @@ impl<M: Robot, S: Scalar> Task<S> for ComVelocity<'_, M, S> {
             for part in 0..X::PARTS {
                 let [q, qd] = [q, qd].map(|x| <M::Dof as Dim>::load::<S, X>(x, part));
                 X::store(&M::com_velocity(&q, &qd, &r), block, part);
+            }
+        }
+    }
+}
+
+/// The same with a block of accelerations more.
+struct Zmp<'a, M: Robot, S: Scalar> {
+    q: &'a [Array<M::Dof, S::Block>],
+    qd: &'a [Array<M::Dof, S::Block>],
+    qdd: &'a [Array<M::Dof, S::Block>],
+    r: &'a Array<M::Base, S>,
+    out: &'a mut [[S::Block; 2]],
+    model: PhantomData<M>,
+}
+
+impl<M: Robot, S: Scalar> Task<S> for Zmp<'_, M, S> {
+    #[inline(always)]
+    fn run<X: Machine<S>>(self) {
+        let r = <M::Base as Dim>::from_fn(|k| X::splat(self.r[k]));
+        let motion = self.q.iter().zip(self.qd).zip(self.qdd);
+        for (((q, qd), qdd), block) in motion.zip(self.out) {
+            for part in 0..X::PARTS {
+                let [q, qd, qdd] = [q, qd, qdd].map(|x| <M::Dof as Dim>::load::<S, X>(x, part));
+                X::store(&M::zmp(&q, &qd, &qdd, &r), block, part);
             }
         }
     }

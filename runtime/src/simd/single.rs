@@ -293,6 +293,40 @@ pub trait Single: SescFromSinCos {
         );
         value
     }
+
+    /// [`Sesc::zmp`](crate::Sesc::zmp), metres.
+    ///
+    /// ```
+    /// # use sesc_generated::two_link_foot::{CAD_PARAMS, TwoLinkFoot};
+    /// # use sesc_runtime::{Simd, Single};
+    /// # let q = [0.0_f64, 0.0];
+    /// let still = [0.0, 0.0]; // rad/s, rad/s²
+    /// let zmp = TwoLinkFoot::zmp_single(Simd::best(), &q, &still, &still, &CAD_PARAMS);
+    /// assert!((zmp[0] - 0.01).abs() < 1e-15);
+    /// ```
+    #[inline]
+    fn zmp_single<S: Scalar>(
+        simd: Simd,
+        q: &Posture<Self, S>,
+        qd: &Posture<Self, S>,
+        qdd: &Posture<Self, S>,
+        r: &Params<Self, S>,
+    ) -> [S; 2] {
+        let (mut value, model) = ([S::ZERO; 2], PhantomData::<Self::GeneratedSinCos>);
+        let out = &mut value;
+        S::run(
+            simd,
+            Zmp {
+                q,
+                qd,
+                qdd,
+                r,
+                out,
+                model,
+            },
+        );
+        value
+    }
 }
 
 impl<M: SescFromSinCos> Single for M {}
@@ -391,6 +425,7 @@ task!(Com, com_sc(r: Base) => [S; 3]);
 task!(ComVelocity, com_velocity_sc(qd: Dof, r: Base) => [S; 3]);
 task!(GravityMoments, gravity_moments_sc(r: Base) => Array<M::Dof, S>);
 task!(Cop, cop_sc(r: Base) => [S; 2]);
+task!(Zmp, zmp_sc(qd: Dof, qdd: Dof, r: Base) => [S; 2]);
 task!(ComJacobian, com_jacobian_along(r: Base) -> [Dof; 3]);
 task!(Regressor, regressor_along() -> [Base; 3]);
 task!(RegressorCop, regressor_along() -> [Base; 2]);

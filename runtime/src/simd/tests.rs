@@ -56,6 +56,9 @@ mod bench {
             let [x, y, _] = Self::com(q, r);
             [x, y]
         }
+        fn zmp<T: Real>(q: &[T; 2], qd: &[T; 2], qdd: &[T; 2], r: &[T; 2]) -> [T; 2] {
+            Self::cop(q, r).map(|x| x * qd[0] + qdd[1])
+        }
     }
 
     impl SinCosRobot for Bench {
@@ -85,6 +88,15 @@ mod bench {
         fn cop_sc<T: Real>(sin: &[T; 2], cos: &[T; 2], r: &[T; 2]) -> [T; 2] {
             let [x, y, _] = Self::com_sc(sin, cos, r);
             [x, y]
+        }
+        fn zmp_sc<T: Real>(
+            sin: &[T; 2],
+            cos: &[T; 2],
+            qd: &[T; 2],
+            qdd: &[T; 2],
+            r: &[T; 2],
+        ) -> [T; 2] {
+            Self::cop_sc(sin, cos, r).map(|x| x * qd[0] + qdd[1])
         }
     }
 }

@@ -41,7 +41,7 @@ fn the_header_compiles_alone_and_as_cplusplus() {
         // The header first and alone, then twice.
         let include = format!("#include \"{name}.h\"\n");
         let mut calls = String::new();
-        for entry in case.entries() {
+        for entry in case.entries(scalar) {
             let arguments = entry.arguments();
             let _ = writeln!(calls, "    {name}_{}({arguments}, out);", entry.name);
         }
@@ -49,9 +49,10 @@ fn the_header_compiles_alone_and_as_cplusplus() {
             "{include}{include}#include <cstdint>\nint main()\n{{\n    \
              const {name}_real q[{dof}] = {{}};\n    const std::int32_t ticks[{name}_DOF] = {{}};\n    \
              const {name}_real *const sines = q, *const cosines = q, *const qd = q;\n    \
+             const {name}_real *const slow = q, *const qdd = q;\n    \
              const {name}_real *const r = {name}_cad_params;\n    \
              static {name}_real out[3 * {name}_FULL_PARAMS + 3 * {name}_DOF];\n    \
-             (void)sines;\n    (void)cosines;\n    (void)qd;\n    (void)r;\n    (void)ticks;\n{calls}    \
+             (void)sines;\n    (void)cosines;\n    (void)qd;\n    (void)slow;\n    (void)qdd;\n    (void)r;\n    (void)ticks;\n{calls}    \
              return {name}_joint_names[0][0] == 0 ? 1 : {name}_selftest();\n}}\n"
         );
         let main = folder.join("main.cpp");

@@ -4,4 +4,5 @@
 pub mod command;
 pub mod exact;
 pub mod machine;
+pub mod source;
 pub mod trees;

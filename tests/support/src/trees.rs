@@ -32,7 +32,8 @@ pub fn tree(seed: u64, kind: Kind) -> (String, Vec<String>) {
         let com = vector(&mut rng, 0.15);
         blocks.push(format!(
             "  <link name=\"{link}\"><inertial><origin xyz=\"{com}\" rpy=\"0.3 0.1 2\"/>\
-             <mass value=\"{mass}\"/></inertial></link>\n"
+             <mass value=\"{mass}\"/>{}</inertial></link>\n",
+            inertia(k, mass)
         ));
     }
     let mut masters: Vec<String> = Vec::new();
@@ -59,6 +60,18 @@ pub fn tree(seed: u64, kind: Kind) -> (String, Vec<String>) {
             blocks.concat()
         ),
         links,
+    )
+}
+
+/// A link's inertia, no two alike; some have none.
+fn inertia(k: usize, mass: f64) -> String {
+    if k % 7 == 3 {
+        return String::new();
+    }
+    let size = 2e-3 * mass * (1.0 + (k % 5) as f64);
+    let [xx, xy, xz, yy, yz, zz] = [1.0, 0.1, -0.2, 1.4, 0.15, 0.8].map(|part| part * size);
+    format!(
+        "<inertia ixx=\"{xx}\" ixy=\"{xy}\" ixz=\"{xz}\" iyy=\"{yy}\" iyz=\"{yz}\" izz=\"{zz}\"/>"
     )
 }
 

@@ -4,6 +4,7 @@ use super::exported::Exported;
 use super::{Scalar, comment};
 use crate::emit::header;
 use crate::facts::Facts;
+use sesc_model::Function;
 
 /// Where the method comes from.
 const SOURCE: [&str; 2] = [
@@ -47,7 +48,9 @@ pub(super) fn about(facts: &Facts, routines: &[Exported], scalar: Scalar) -> Vec
         ));
     }
     lines.extend(header::PROMISE.map(str::to_string));
-    let proven = routines.iter().all(|routine| routine.bound.is_finite());
+    lines.extend(header::promise_of_motion(scalar != Scalar::Fixed32));
+    let proven = |r: &Exported| r.function != Function::CorrectCop || r.bound.is_finite();
+    let proven = routines.iter().all(proven);
     lines.extend(header::cautions(facts, proven));
     if routines.iter().any(Exported::is_of_ticks) {
         lines.extend(OF_TICKS.map(str::to_string));

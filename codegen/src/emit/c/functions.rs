@@ -7,6 +7,7 @@ use super::helpers::Calls;
 use super::{Scalar, fixed, float};
 use crate::emit::header;
 use crate::facts::Facts;
+use sesc_model::expr::Argument;
 use sesc_model::program::Shape;
 use sesc_model::{Extent, Function, Given};
 
@@ -95,13 +96,18 @@ fn details(facts: &Facts, routine: &Exported) -> Vec<String> {
         details
             .push("From sines and cosines; a prismatic joint passes its position in sin_q.".into());
     }
-    details.push(match routine.bound.is_finite() {
-        true => format!(
+    details.push(match (routine.bound.is_finite(), routine.function) {
+        (true, _) => format!(
             "Proven rounding error below {}; arrays must not overlap.",
             header::bound_of(routine.function, routine.bound)
         ),
-        false => "Newton's method, unrolled: no rounding bound is proven; arrays must not overlap."
-            .to_string(),
+        (false, Function::Zmp) => {
+            "No rounding bound is proven for this robot; arrays must not overlap.".to_string()
+        }
+        (false, _) => {
+            "Newton's method, unrolled: no rounding bound is proven; arrays must not overlap."
+                .to_string()
+        }
     });
     details
 }
@@ -170,9 +176,19 @@ fn parameters(routine: &Exported, name: &str) -> Vec<Parameter> {
             ),
         ],
     };
-    if routine.function == Function::ComVelocity {
+    let moves = |argument| {
+        routine
+            .function
+            .arguments(routine.given)
+            .contains(&argument)
+    };
+    if moves(Argument::Velocities) {
         let meaning = format!("joint velocities, rad/s (m/s), [{name}_DOF]");
         parameters.push(input("qd", &real, meaning));
+    }
+    if moves(Argument::Accelerations) {
+        let meaning = format!("joint accelerations, rad/s2 (m/s2), [{name}_DOF]");
+        parameters.push(input("qdd", &real, meaning));
     }
     if routine.takes_parameters() {
         let meaning = format!("base parameters, m, [{name}_BASE_PARAMS]");
@@ -207,6 +223,7 @@ fn ticks_body(routine: &Exported, name: &str) -> Vec<String> {
     };
     let r = match (routine.function, routine.takes_parameters()) {
         (Function::ComVelocity, _) => "qd, r, ",
+        (Function::Zmp, _) => "qd, qdd, r, ",
         (_, true) => "r, ",
         (_, false) => "",
     };

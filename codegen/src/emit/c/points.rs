@@ -36,6 +36,7 @@ pub(super) fn points(routines: &[Exported], mass: f64) -> Vec<Point> {
                 Argument::Reading => ("READING", "readings of the CoP, m or the record's unit"),
                 Argument::Positions => ("Q", "joint positions and limits, rad or m"),
                 Argument::Velocities => ("QD", "joint velocities, rad/s or m/s"),
+                Argument::Accelerations => ("QDD", "joint accelerations, rad/s2 or m/s2"),
                 Argument::Parameters => ("R", "parameters, m"),
                 _ => ("SC", "sines and cosines (m of prismatic joints in sin_q)"),
             };

@@ -21,6 +21,8 @@ pub(super) fn routines<'f>(
         .routines
         .iter()
         .filter(|routine| routine.given != Given::Direction && !routine.program.shape.is_empty())
+        // The ground's load divides it: floats alone have room for that.
+        .filter(|routine| scalar != Scalar::Fixed32 || routine.function != Function::Zmp)
         .partition(|routine| routine.function == Function::CorrectCop);
     let mut all = Vec::new();
     for baked in [false, true] {
@@ -47,8 +49,11 @@ pub(super) fn routines<'f>(
             (_, _, None, Some(precision)) => routine.rounding(precision).worst,
             (_, _, None, None) => unreachable!("fixed point comes with formats"),
         };
-        // An iteration has no proven bound; its header says so.
-        if !routine.bound.is_finite() && routine.function != Function::CorrectCop {
+        // An iteration has no proven bound, and neither has a load on the ground that rounding
+        // may make anything, in robots of kilometres or with joints that give way; the header
+        // says so.
+        let may_lack = matches!(routine.function, Function::CorrectCop | Function::Zmp);
+        if !routine.bound.is_finite() && !may_lack {
             let function = routine.name();
             return Err(match routine.counts.other {
                 0 => Problem::Unbounded { function },

@@ -14,6 +14,7 @@
 // regressor_cop             16      10         2   4.6e-14 (f64)  1.8e-6 (f32)
 // regressor_full            38      30         2   4.6e-14 (f64)  1.8e-6 (f32)
 // cop                       13      12         2   2.3e-15 (f64)  1.3e-7 m (f32)
+// zmp                      132     102         2   9.4e-14 (f64)  7.8e-7 m (f32)  and 1 quotient, clamp or power
 // com_sc                    24      19         0   3.3e-15 (f64)  1.9e-7 m (f32)
 // com_jacobian_sc           40      28         0   3.6e-15 (f64)  1.5e-7 m/rad (f32)
 // com_velocity_sc           33      20         0   4.2e-15 (f64)  2.6e-7 m/s (f32)
@@ -22,12 +23,16 @@
 // regressor_cop_sc          24      14         0   7.6e-14 (f64)  2.6e-6 (f32)
 // regressor_full_sc         46      34         0   8.2e-14 (f64)  2.7e-6 (f32)
 // cop_sc                    21      16         0   3.0e-15 (f64)  1.5e-7 m (f32)
+// zmp_sc                   140     106         0   1.2e-13 (f64)  1.1e-6 m (f32)  and 1 quotient, clamp or power
 // com_jacobian_along        33      21         0   4.9e-15 (f64)  2.4e-7 m/rad (f32)
 // regressor_along           24      14         0   9.7e-14 (f64)  4.2e-6 (f32)
 // regressor_full_along      31      19         0   1.1e-13 (f64)  4.3e-6 (f32)
 // Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
 // parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
 // against exact evaluation with the same parameters.
+// That of zmp holds for joint velocities up to 1 rad/s (0.25 m/s) or the URDF's limit,
+// accelerations up to 10 rad/s2 (2.5 m/s2), and while the ground carries at least half of the
+// weight.
 //
 // method         statically equivalent serial chain (SESC); equations as numbered in
 //                "Three-dimensional identification of a humanoid robot"
@@ -177,6 +182,13 @@ pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
     Lift::cop(q, r)
 }
 
+/// Zero-moment point on the level sole plane, m: c − (c_z c̈ + L̇/M)/(g + c̈_z) with c and c̈ of r and L̇ by the URDF's masses and inertias.
+#[allow(dead_code)]
+#[inline]
+pub fn zmp<T: Real>(q: &[T; DOF], qd: &[T; DOF], qdd: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
+    Lift::zmp(q, qd, qdd, r)
+}
+
 /// Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i, Eq. (4).
 ///
 /// From sines and cosines; a prismatic joint passes its position in `sin`.
@@ -260,6 +272,21 @@ pub fn regressor_full_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; FULL_P
 #[inline]
 pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
     Lift::cop_sc(sin, cos, r)
+}
+
+/// Zero-moment point on the level sole plane, m: c − (c_z c̈ + L̇/M)/(g + c̈_z) with c and c̈ of r and L̇ by the URDF's masses and inertias.
+///
+/// From sines and cosines; a prismatic joint passes its position in `sin`.
+#[allow(dead_code)]
+#[inline]
+pub fn zmp_sc<T: Real>(
+    sin: &[T; DOF],
+    cos: &[T; DOF],
+    qd: &[T; DOF],
+    qdd: &[T; DOF],
+    r: &[T; BASE_PARAMS],
+) -> [T; 2] {
+    Lift::zmp_sc(sin, cos, qd, qdd, r)
 }
 
 #[allow(dead_code, non_snake_case, clippy::all)]
@@ -658,6 +685,167 @@ impl v1::Robot for Lift {
         let v_base_x = r[0] + w_wrist_x;
         let v_base_y = r[1] - e4.mul_plus(T::from_f64(1.3333333333333333), e3);
         [v_base_x, v_base_y]
+    }
+
+    #[inline(always)]
+    fn zmp<T: Real>(q: &[T; DOF], qd: &[T; DOF], qdd: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
+        // thumb
+        let e1 = q[1] - T::from_f64(0.5636476090008061);
+        let (s_thumb, c_thumb) = e1.sin_cos();
+        let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
+        let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
+        // wrist
+        let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
+        let v_wrist_y = r[5] + t_thumb_x;
+        let e2 = q[1] - T::from_f64(0.4636476090008061);
+        let (s_wrist, c_wrist) = e2.sin_cos();
+        let t_wrist_x = c_wrist.mul_plus(v_wrist_x, -(s_wrist * v_wrist_y));
+        let e3 = s_wrist.mul_plus(v_wrist_x, c_wrist * v_wrist_y);
+        // lift
+        let e4 = t_wrist_x.mul_plus(T::from_f64(0.5), -e3);
+        let e4 = t_thumb_y.mul_plus(T::from_f64(0.372677996249965), e4);
+        let w_wrist_x = (-e4).mul_plus(T::from_f64(0.6666666666666666), t_wrist_x);
+        let w_wrist_z = e4
+            .mul_plus(
+                T::from_f64(0.6666666666666667),
+                -(T::from_f64(0.7453559924999299) * t_thumb_y),
+            );
+        // base
+        let v_base_x = r[0] + w_wrist_x;
+        let v_base_y = r[1] - e4.mul_plus(T::from_f64(1.3333333333333333), e3);
+        let v_base_z = r[2] + q[0].mul_plus(r[3], w_wrist_z);
+        // wrist
+        let e5 = qd[1] * qd[1];
+        // thumb
+        let e6 = T::from_f64(0.7453559924999299) * qd[1];
+        let e7 = e6 * s_thumb;
+        let o_thumb_y = e6 * c_thumb;
+        let e8 = qd[1].mul_plus(T::from_f64(0.6666666666666666), qd[1]);
+        let e9 = T::from_f64(0.7453559924999299) * qdd[1];
+        let a_thumb_y = e9.mul_plus(c_thumb, -(e7 * qd[1]));
+        let e10 = qdd[1].mul_plus(T::from_f64(0.6666666666666666), qdd[1]);
+        let e11 = e8 * e8;
+        let e12 = e7 * o_thumb_y;
+        let e13 = o_thumb_y.mul_plus(o_thumb_y, e11);
+        let e14 = e12 + e10;
+        let e15 = e7.mul_plus(e8, -a_thumb_y);
+        // thumb
+        let f_thumb_x = r[7].mul_plus(e10 - e12, -(r[6] * e13));
+        let p1 = e7.mul_plus(e7, e11);
+        let e16 = r[6].mul_plus(e14, r[7] * p1);
+        let p2 = e9.mul_plus(s_thumb, o_thumb_y * qd[1]);
+        let p3 = o_thumb_y.mul_plus(e8, p2);
+        let f_thumb_z = r[6].mul_plus(e15, -(r[7] * p3));
+        // wrist
+        let e17 = s_thumb.mul_plus(f_thumb_x, c_thumb * e16);
+        let e18 = e17
+            .mul_plus(T::from_f64(0.7453559924999299), T::from_f64(0.6666666666666666) * f_thumb_z);
+        let p4 = r[4].mul_plus(e5, r[5] * qdd[1]);
+        let f_wrist_x = f_thumb_z
+            .mul_plus(
+                T::from_f64(0.7453559924999299),
+                -(T::from_f64(0.6666666666666666) * e17),
+            ) - p4;
+        let p5 = c_thumb.mul_plus(f_thumb_x, -(s_thumb * e16));
+        let f_wrist_y = r[4].mul_plus(qdd[1], -(r[5] * e5)) + p5;
+        // lift
+        let e19 = c_wrist.mul_plus(f_wrist_x, -(s_wrist * f_wrist_y));
+        let e20 = s_wrist.mul_plus(f_wrist_x, c_wrist * f_wrist_y);
+        let e21 = e19.mul_plus(T::from_f64(0.5), -e20);
+        let e21 = e18.mul_plus(T::from_f64(0.5000000000000001), e21);
+        let f_lift_x = (-e21).mul_plus(T::from_f64(0.6666666666666666), e19);
+        let f_lift_z = e21.mul_plus(T::from_f64(0.6666666666666667), -e18);
+        // base
+        let f_base_z = r[3].mul_plus(qdd[0], f_lift_z);
+        // thumb
+        let e22 = T::from_f64(0.00625) * e13;
+        let e23 = T::from_f64(0.00625) * e14;
+        let e24 = T::from_f64(0.00031250000000000006) * e15;
+        // wrist
+        let e25 = T::from_f64(0.0026666666666666674) * e5;
+        let e26 = c_thumb.mul_plus(e23, -(s_thumb * e22));
+        let e27 = e26
+            .mul_plus(T::from_f64(0.7453559924999299), T::from_f64(0.004166666666666667) * e15);
+        let e28 = c_thumb * e24;
+        let h_wrist_x = (-s_thumb)
+            .mul_plus(T::from_f64(0.004166666666666667), T::from_f64(0.0298142396999972));
+        let h_wrist_y = c_thumb.mul_plus(T::from_f64(0.00625), -T::from_f64(0.022360679774997897));
+        let p6 = e15
+            .mul_plus(T::from_f64(0.004658474953124562), -(T::from_f64(0.6666666666666666) * e26));
+        let g_wrist_x = qdd[1]
+            .mul_plus(
+                T::from_f64(0.022360679774997897),
+                -(T::from_f64(0.0298142396999972) * e5),
+            ) + p6;
+        let p7 = c_thumb.mul_plus(e22, s_thumb * e23);
+        let g_wrist_y = qdd[1]
+            .mul_plus(T::from_f64(0.0298142396999972), T::from_f64(0.022360679774997897) * e5) - p7;
+        let p8 = e28
+            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.00023292374765622814) * e14);
+        let e29 = qdd[1]
+            .mul_plus(
+                T::from_f64(0.003975231959999628),
+                T::from_f64(0.0029814239699997203) * e5,
+            ) + p8;
+        let n_wrist_y = qdd[1]
+            .mul_plus(
+                T::from_f64(0.0029814239699997203),
+                -(T::from_f64(0.003975231959999628) * e5),
+            );
+        let n_wrist_y = (-s_thumb).mul_plus(e24, n_wrist_y);
+        let p9 = (-qdd[1]).mul_plus(T::from_f64(0.0020000000000000005), e25);
+        let p10 = e14
+            .mul_plus(
+                T::from_f64(0.00020833333333333337),
+                -(T::from_f64(0.7453559924999299) * e28),
+            );
+        let n_wrist_z = qdd[1].mul_plus(T::from_f64(0.003555555555555557), e25) - p9
+            + p10;
+        // lift
+        let e30 = c_wrist.mul_plus(h_wrist_x, -(s_wrist * h_wrist_y));
+        let e31 = s_wrist.mul_plus(h_wrist_x, c_wrist * h_wrist_y);
+        let e32 = e30.mul_plus(T::from_f64(0.5), -e31);
+        let e32 = s_thumb.mul_plus(T::from_f64(0.0023292374765622815), e32);
+        let e33 = c_wrist.mul_plus(g_wrist_x, -(s_wrist * g_wrist_y));
+        let e34 = s_wrist.mul_plus(g_wrist_x, c_wrist * g_wrist_y);
+        let e35 = e33.mul_plus(T::from_f64(0.5), -e34);
+        let e35 = e27.mul_plus(T::from_f64(0.5000000000000001), e35);
+        let g_lift_x = (-e35).mul_plus(T::from_f64(0.6666666666666666), e33);
+        let e36 = e35.mul_plus(T::from_f64(1.3333333333333333), e34);
+        let g_lift_z = e35.mul_plus(T::from_f64(0.6666666666666667), -e27);
+        let e37 = c_wrist.mul_plus(e29, s_wrist * n_wrist_y);
+        let e38 = s_wrist.mul_plus(e29, -(c_wrist * n_wrist_y));
+        let e39 = (-e37).mul_plus(T::from_f64(0.5), e38);
+        let e39 = (-n_wrist_z).mul_plus(T::from_f64(0.5000000000000001), e39);
+        let n_lift_y = (-e39).mul_plus(T::from_f64(1.3333333333333333), e38);
+        let h_lift_x = T::from_f64(0.01111111111111111)
+            + (-e32).mul_plus(T::from_f64(0.6666666666666666), e30);
+        let h_lift_y = T::from_f64(0.034722222222222224)
+            - e32.mul_plus(T::from_f64(1.3333333333333333), e31);
+        let h_lift_z = T::from_f64(0.02222222222222222)
+            + e32
+                .mul_plus(
+                    T::from_f64(0.6666666666666667),
+                    -(T::from_f64(0.004658474953124562) * s_thumb),
+                );
+        // base
+        let h_base_z = q[0].mul_plus(T::from_f64(0.5), h_lift_z);
+        let g_base_z = qdd[0].mul_plus(T::from_f64(0.5), g_lift_z);
+        let n_base_x = e39.mul_plus(T::from_f64(0.6666666666666666), e37);
+        let n_base_x = h_lift_y.mul_plus(qdd[0], -n_base_x);
+        let n_base_x = q[0].mul_plus(e36, n_base_x);
+        let n_base_y = (-h_lift_x).mul_plus(qdd[0], n_lift_y);
+        let n_base_y = q[0].mul_plus(g_lift_x, n_base_y);
+        // ZMP
+        let load = T::from_f64(9.80665) + f_base_z;
+        let e40 = T::from_f64(1.0) / load;
+        let p11 = e21.mul_plus(T::from_f64(1.3333333333333333), e20);
+        let p12 = h_lift_y.mul_plus(g_base_z, h_base_z * e36);
+        let p13 = v_base_z.mul_plus(p11, n_base_x - p12);
+        let e41 = p13.mul_plus(e40, v_base_y);
+        let p14 = h_base_z.mul_plus(g_lift_x, -(h_lift_x * g_base_z));
+        let p15 = v_base_z.mul_plus(f_lift_x, n_base_y - p14);
+        [(-p15).mul_plus(e40, v_base_x), e41]
     }
 }
 
@@ -1075,6 +1263,177 @@ impl v1::SinCosRobot for Lift {
         let v_base_x = r[0] + w_wrist_x;
         let v_base_y = r[1] + w_wrist_y;
         [v_base_x, v_base_y]
+    }
+
+    #[inline(always)]
+    fn zmp_sc<T: Real>(
+        sin: &[T; DOF],
+        cos: &[T; DOF],
+        qd: &[T; DOF],
+        qdd: &[T; DOF],
+        r: &[T; BASE_PARAMS],
+    ) -> [T; 2] {
+        // thumb
+        let s_thumb = sin[1]
+            .mul_plus(T::from_f64(0.8453119193731673), -(T::from_f64(0.534273112710767) * cos[1]));
+        let c_thumb = cos[1]
+            .mul_plus(T::from_f64(0.8453119193731673), T::from_f64(0.534273112710767) * sin[1]);
+        let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
+        let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
+        // wrist
+        let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
+        let v_wrist_y = r[5] + t_thumb_x;
+        let s_wrist = cos[1]
+            .mul_plus(T::from_f64(0.4472135954999579), -(T::from_f64(0.8944271909999159) * sin[1]));
+        let c_wrist = cos[1]
+            .mul_plus(T::from_f64(0.8944271909999159), T::from_f64(0.4472135954999579) * sin[1]);
+        let t_wrist_x = c_wrist.mul_plus(v_wrist_x, s_wrist * v_wrist_y);
+        let t_wrist_y = s_wrist.mul_plus(v_wrist_x, -(c_wrist * v_wrist_y));
+        // lift
+        let e1 = t_wrist_x.mul_plus(T::from_f64(0.5), t_wrist_y);
+        let e1 = t_thumb_y.mul_plus(T::from_f64(0.372677996249965), e1);
+        let w_wrist_x = (-e1).mul_plus(T::from_f64(0.6666666666666666), t_wrist_x);
+        let w_wrist_y = (-e1).mul_plus(T::from_f64(1.3333333333333333), t_wrist_y);
+        let w_wrist_z = e1
+            .mul_plus(
+                T::from_f64(0.6666666666666667),
+                -(T::from_f64(0.7453559924999299) * t_thumb_y),
+            );
+        // base
+        let v_base_x = r[0] + w_wrist_x;
+        let v_base_y = r[1] + w_wrist_y;
+        let v_base_z = r[2] + sin[0].mul_plus(r[3], w_wrist_z);
+        // wrist
+        let e2 = qd[1] * qd[1];
+        // thumb
+        let e3 = T::from_f64(0.7453559924999299) * qd[1];
+        let e4 = e3 * s_thumb;
+        let o_thumb_y = e3 * c_thumb;
+        let e5 = qd[1].mul_plus(T::from_f64(0.6666666666666666), qd[1]);
+        let e6 = T::from_f64(0.7453559924999299) * qdd[1];
+        let a_thumb_y = e6.mul_plus(c_thumb, -(e4 * qd[1]));
+        let e7 = qdd[1].mul_plus(T::from_f64(0.6666666666666666), qdd[1]);
+        let e8 = e5 * e5;
+        let e9 = e4 * o_thumb_y;
+        let e10 = o_thumb_y.mul_plus(o_thumb_y, e8);
+        let e11 = e9 + e7;
+        let e12 = e4.mul_plus(e5, -a_thumb_y);
+        // thumb
+        let f_thumb_x = r[7].mul_plus(e7 - e9, -(r[6] * e10));
+        let p1 = e4.mul_plus(e4, e8);
+        let e13 = r[6].mul_plus(e11, r[7] * p1);
+        let p2 = e6.mul_plus(s_thumb, o_thumb_y * qd[1]);
+        let p3 = o_thumb_y.mul_plus(e5, p2);
+        let f_thumb_z = r[6].mul_plus(e12, -(r[7] * p3));
+        // wrist
+        let e14 = s_thumb.mul_plus(f_thumb_x, c_thumb * e13);
+        let e15 = e14
+            .mul_plus(T::from_f64(0.7453559924999299), T::from_f64(0.6666666666666666) * f_thumb_z);
+        let p4 = r[4].mul_plus(e2, r[5] * qdd[1]);
+        let f_wrist_x = f_thumb_z
+            .mul_plus(
+                T::from_f64(0.7453559924999299),
+                -(T::from_f64(0.6666666666666666) * e14),
+            ) - p4;
+        let p5 = c_thumb.mul_plus(f_thumb_x, -(s_thumb * e13));
+        let f_wrist_y = r[4].mul_plus(qdd[1], -(r[5] * e2)) + p5;
+        // lift
+        let e16 = c_wrist.mul_plus(f_wrist_x, s_wrist * f_wrist_y);
+        let e17 = s_wrist.mul_plus(f_wrist_x, -(c_wrist * f_wrist_y));
+        let e18 = e16.mul_plus(T::from_f64(0.5), e17);
+        let e18 = e15.mul_plus(T::from_f64(0.5000000000000001), e18);
+        let f_lift_x = (-e18).mul_plus(T::from_f64(0.6666666666666666), e16);
+        let f_lift_y = (-e18).mul_plus(T::from_f64(1.3333333333333333), e17);
+        let f_lift_z = e18.mul_plus(T::from_f64(0.6666666666666667), -e15);
+        // base
+        let f_base_z = r[3].mul_plus(qdd[0], f_lift_z);
+        // thumb
+        let e19 = T::from_f64(0.00625) * e10;
+        let e20 = T::from_f64(0.00625) * e11;
+        let e21 = T::from_f64(0.00031250000000000006) * e12;
+        // wrist
+        let e22 = T::from_f64(0.0026666666666666674) * e2;
+        let e23 = c_thumb.mul_plus(e20, -(s_thumb * e19));
+        let e24 = e23
+            .mul_plus(T::from_f64(0.7453559924999299), T::from_f64(0.004166666666666667) * e12);
+        let e25 = c_thumb * e21;
+        let h_wrist_x = (-s_thumb)
+            .mul_plus(T::from_f64(0.004166666666666667), T::from_f64(0.0298142396999972));
+        let h_wrist_y = c_thumb.mul_plus(T::from_f64(0.00625), -T::from_f64(0.022360679774997897));
+        let p6 = e12
+            .mul_plus(T::from_f64(0.004658474953124562), -(T::from_f64(0.6666666666666666) * e23));
+        let g_wrist_x = qdd[1]
+            .mul_plus(
+                T::from_f64(0.022360679774997897),
+                -(T::from_f64(0.0298142396999972) * e2),
+            ) + p6;
+        let p7 = c_thumb.mul_plus(e19, s_thumb * e20);
+        let g_wrist_y = qdd[1]
+            .mul_plus(T::from_f64(0.0298142396999972), T::from_f64(0.022360679774997897) * e2) - p7;
+        let p8 = e25
+            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.00023292374765622814) * e11);
+        let e26 = qdd[1]
+            .mul_plus(
+                T::from_f64(0.003975231959999628),
+                T::from_f64(0.0029814239699997203) * e2,
+            ) + p8;
+        let n_wrist_y = qdd[1]
+            .mul_plus(
+                T::from_f64(0.0029814239699997203),
+                -(T::from_f64(0.003975231959999628) * e2),
+            );
+        let n_wrist_y = (-s_thumb).mul_plus(e21, n_wrist_y);
+        let p9 = (-qdd[1]).mul_plus(T::from_f64(0.0020000000000000005), e22);
+        let p10 = e11
+            .mul_plus(
+                T::from_f64(0.00020833333333333337),
+                -(T::from_f64(0.7453559924999299) * e25),
+            );
+        let n_wrist_z = qdd[1].mul_plus(T::from_f64(0.003555555555555557), e22) - p9
+            + p10;
+        // lift
+        let e27 = c_wrist.mul_plus(h_wrist_x, s_wrist * h_wrist_y);
+        let e28 = s_wrist.mul_plus(h_wrist_x, -(c_wrist * h_wrist_y));
+        let e29 = e27.mul_plus(T::from_f64(0.5), e28);
+        let e29 = s_thumb.mul_plus(T::from_f64(0.0023292374765622815), e29);
+        let e30 = c_wrist.mul_plus(g_wrist_x, s_wrist * g_wrist_y);
+        let e31 = s_wrist.mul_plus(g_wrist_x, -(c_wrist * g_wrist_y));
+        let e32 = e30.mul_plus(T::from_f64(0.5), e31);
+        let e32 = e24.mul_plus(T::from_f64(0.5000000000000001), e32);
+        let g_lift_x = (-e32).mul_plus(T::from_f64(0.6666666666666666), e30);
+        let g_lift_y = (-e32).mul_plus(T::from_f64(1.3333333333333333), e31);
+        let g_lift_z = e32.mul_plus(T::from_f64(0.6666666666666667), -e24);
+        let e33 = s_wrist.mul_plus(n_wrist_y, -(c_wrist * e26));
+        let e34 = s_wrist.mul_plus(e26, c_wrist * n_wrist_y);
+        let e35 = e33.mul_plus(T::from_f64(0.5), -e34);
+        let e35 = (-n_wrist_z).mul_plus(T::from_f64(0.5000000000000001), e35);
+        let n_lift_x = (-e35).mul_plus(T::from_f64(0.6666666666666666), e33);
+        let h_lift_x = T::from_f64(0.01111111111111111)
+            + (-e29).mul_plus(T::from_f64(0.6666666666666666), e27);
+        let h_lift_y = T::from_f64(0.034722222222222224)
+            + (-e29).mul_plus(T::from_f64(1.3333333333333333), e28);
+        let h_lift_z = T::from_f64(0.02222222222222222)
+            + e29
+                .mul_plus(
+                    T::from_f64(0.6666666666666667),
+                    -(T::from_f64(0.004658474953124562) * s_thumb),
+                );
+        // base
+        let h_base_z = sin[0].mul_plus(T::from_f64(0.5), h_lift_z);
+        let g_base_z = qdd[0].mul_plus(T::from_f64(0.5), g_lift_z);
+        let n_base_x = h_lift_y.mul_plus(qdd[0], n_lift_x);
+        let n_base_x = (-sin[0]).mul_plus(g_lift_y, n_base_x);
+        let n_base_y = e35.mul_plus(T::from_f64(1.3333333333333333), e34);
+        let n_base_y = h_lift_x.mul_plus(qdd[0], n_base_y);
+        let n_base_y = sin[0].mul_plus(g_lift_x, -n_base_y);
+        // ZMP
+        let load = T::from_f64(9.80665) + f_base_z;
+        let e36 = T::from_f64(1.0) / load;
+        let p11 = h_base_z.mul_plus(g_lift_x, -(h_lift_x * g_base_z));
+        let p12 = v_base_z.mul_plus(f_lift_x, n_base_y - p11);
+        let p13 = h_lift_y.mul_plus(g_base_z, -(h_base_z * g_lift_y));
+        let p14 = v_base_z.mul_plus(f_lift_y, -(n_base_x - p13));
+        [(-p12).mul_plus(e36, v_base_x), (-p14).mul_plus(e36, v_base_y)]
     }
 
     #[inline(always)]

@@ -18,6 +18,8 @@
  * regressor_cop               16      10         2         0   1.8e-6
  * regressor_full              38      30         2         0   1.8e-6
  * cop                         13      12         2         0   1.3e-7 m
+ * zmp                        132     102         2         0   7.8e-7 m  and 1 quotient, clamp or
+ * power
  * com_sc                      24      19         0         0   1.9e-7 m
  * com_jacobian_sc             40      28         0         0   1.5e-7 m/rad
  * com_velocity_sc             33      20         0         0   2.6e-7 m/s
@@ -26,9 +28,14 @@
  * regressor_cop_sc            24      14         0         0   2.6e-6
  * regressor_full_sc           46      34         0         0   2.7e-6
  * cop_sc                      21      16         0         0   1.5e-7 m
+ * zmp_sc                     140     106         0         0   1.1e-6 m  and 1 quotient, clamp or
+ * power
  * Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
  * parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
  * against exact evaluation with the same parameters.
+ * That of zmp holds for joint velocities up to 1 rad/s (0.25 m/s) or the URDF's limit,
+ * accelerations up to 10 rad/s2 (2.5 m/s2), and while the ground carries at least half of the
+ * weight.
  */
 
 #include "lift.h"
@@ -518,6 +525,126 @@ void lift_cop(const lift_real q[], const lift_real r[], lift_real cop[restrict 2
     cop[1] = v_base_y;
 }
 
+void lift_zmp(
+    const lift_real q[],
+    const lift_real qd[],
+    const lift_real qdd[],
+    const lift_real r[],
+    lift_real zmp[restrict 2])
+{
+    /* thumb */
+    const float e1 = q[1] - 0.5636476f;
+    float s_thumb;
+    float c_thumb;
+    lift_sincos(e1, &s_thumb, &c_thumb);
+    const float t_thumb_x = (c_thumb * r[6]) + (s_thumb * r[7]);
+    const float t_thumb_y = (s_thumb * r[6]) - (c_thumb * r[7]);
+    /* wrist */
+    const float v_wrist_x = r[4] - (0.6666667f * t_thumb_y);
+    const float v_wrist_y = r[5] + t_thumb_x;
+    const float e2 = q[1] - 0.4636476f;
+    float s_wrist;
+    float c_wrist;
+    lift_sincos(e2, &s_wrist, &c_wrist);
+    const float t_wrist_x = (c_wrist * v_wrist_x) - (s_wrist * v_wrist_y);
+    const float e3 = (s_wrist * v_wrist_x) + (c_wrist * v_wrist_y);
+    /* lift */
+    const float e4 = (0.5f * t_wrist_x) - e3 + (0.37267798f * t_thumb_y);
+    const float w_wrist_x = t_wrist_x - (0.6666667f * e4);
+    const float w_wrist_z = (0.6666667f * e4) - (0.74535596f * t_thumb_y);
+    /* base */
+    const float v_base_x = r[0] + w_wrist_x;
+    const float v_base_y = r[1] - (e3 + (1.3333334f * e4));
+    const float v_base_z = r[2] + (w_wrist_z + (q[0] * r[3]));
+    /* wrist */
+    const float e5 = qd[1] * qd[1];
+    /* thumb */
+    const float e6 = 0.74535596f * qd[1];
+    const float e7 = e6 * s_thumb;
+    const float o_thumb_y = e6 * c_thumb;
+    const float e8 = (0.6666667f * qd[1]) + qd[1];
+    const float e9 = 0.74535596f * qdd[1];
+    const float a_thumb_y = (e9 * c_thumb) - (e7 * qd[1]);
+    const float e10 = (0.6666667f * qdd[1]) + qdd[1];
+    const float e11 = e8 * e8;
+    const float e12 = e7 * o_thumb_y;
+    const float e13 = (o_thumb_y * o_thumb_y) + e11;
+    const float e14 = e12 + e10;
+    const float e15 = (e7 * e8) - a_thumb_y;
+    /* thumb */
+    const float f_thumb_x = (r[7] * (e10 - e12)) - (r[6] * e13);
+    const float e16 = (r[6] * e14) + (r[7] * ((e7 * e7) + e11));
+    const float f_thumb_z = (r[6] * e15)
+        - (r[7] * ((o_thumb_y * e8) + ((e9 * s_thumb) + (o_thumb_y * qd[1]))));
+    /* wrist */
+    const float e17 = (s_thumb * f_thumb_x) + (c_thumb * e16);
+    const float e18 = (0.74535596f * e17) + (0.6666667f * f_thumb_z);
+    const float f_wrist_x = (0.74535596f * f_thumb_z) - (0.6666667f * e17)
+        - ((r[4] * e5) + (r[5] * qdd[1]));
+    const float f_wrist_y = (r[4] * qdd[1]) - (r[5] * e5)
+        + ((c_thumb * f_thumb_x) - (s_thumb * e16));
+    /* lift */
+    const float e19 = (c_wrist * f_wrist_x) - (s_wrist * f_wrist_y);
+    const float e20 = (s_wrist * f_wrist_x) + (c_wrist * f_wrist_y);
+    const float e21 = (0.5f * e19) - e20 + (0.5f * e18);
+    const float f_lift_x = e19 - (0.6666667f * e21);
+    const float f_lift_z = (0.6666667f * e21) - e18;
+    /* base */
+    const float f_base_z = f_lift_z + (r[3] * qdd[0]);
+    /* thumb */
+    const float e22 = 0.00625f * e13;
+    const float e23 = 0.00625f * e14;
+    const float e24 = 0.0003125f * e15;
+    /* wrist */
+    const float e25 = 0.0026666666f * e5;
+    const float e26 = (c_thumb * e23) - (s_thumb * e22);
+    const float e27 = (0.74535596f * e26) + (0.004166667f * e15);
+    const float e28 = c_thumb * e24;
+    const float h_wrist_x = 0.02981424f - (0.004166667f * s_thumb);
+    const float h_wrist_y = (0.00625f * c_thumb) - 0.02236068f;
+    const float g_wrist_x = (0.02236068f * qdd[1]) - (0.02981424f * e5)
+        + ((0.004658475f * e15) - (0.6666667f * e26));
+    const float g_wrist_y = (0.02981424f * qdd[1]) + (0.02236068f * e5)
+        - ((c_thumb * e22) + (s_thumb * e23));
+    const float e29 = (0.003975232f * qdd[1]) + (0.0029814239f * e5)
+        + ((0.6666667f * e28) + (0.00023292375f * e14));
+    const float n_wrist_y = (0.0029814239f * qdd[1]) - (0.003975232f * e5) - (s_thumb * e24);
+    const float n_wrist_z = (0.0035555556f * qdd[1]) + e25 - (e25 - (0.002f * qdd[1]))
+        + ((0.00020833334f * e14) - (0.74535596f * e28));
+    /* lift */
+    const float e30 = (c_wrist * h_wrist_x) - (s_wrist * h_wrist_y);
+    const float e31 = (s_wrist * h_wrist_x) + (c_wrist * h_wrist_y);
+    const float e32 = (0.5f * e30) - e31 + (0.0023292375f * s_thumb);
+    const float e33 = (c_wrist * g_wrist_x) - (s_wrist * g_wrist_y);
+    const float e34 = (s_wrist * g_wrist_x) + (c_wrist * g_wrist_y);
+    const float e35 = (0.5f * e33) - e34 + (0.5f * e27);
+    const float g_lift_x = e33 - (0.6666667f * e35);
+    const float e36 = e34 + (1.3333334f * e35);
+    const float g_lift_z = (0.6666667f * e35) - e27;
+    const float e37 = (c_wrist * e29) + (s_wrist * n_wrist_y);
+    const float e38 = (s_wrist * e29) - (c_wrist * n_wrist_y);
+    const float e39 = e38 - (0.5f * e37) - (0.5f * n_wrist_z);
+    const float n_lift_y = e38 - (1.3333334f * e39);
+    const float h_lift_x = 0.011111111f + (e30 - (0.6666667f * e32));
+    const float h_lift_y = 0.034722224f - (e31 + (1.3333334f * e32));
+    const float h_lift_z = 0.022222223f + ((0.6666667f * e32) - (0.004658475f * s_thumb));
+    /* base */
+    const float h_base_z = h_lift_z + (0.5f * q[0]);
+    const float g_base_z = g_lift_z + (0.5f * qdd[0]);
+    const float n_base_x = (h_lift_y * qdd[0]) - (e37 + (0.6666667f * e39)) + (q[0] * e36);
+    const float n_base_y = n_lift_y - (h_lift_x * qdd[0]) + (q[0] * g_lift_x);
+    /* ZMP */
+    const float load = 9.80665f + f_base_z;
+    const float e40 = 1.0f / load;
+    const float e41 = v_base_y
+        + (((v_base_z * (e20 + (1.3333334f * e21)))
+        + (n_base_x - ((h_lift_y * g_base_z) + (h_base_z * e36)))) * e40);
+    zmp[0] = v_base_x
+        - (((v_base_z * f_lift_x) + (n_base_y - ((h_base_z * g_lift_x) - (h_lift_x * g_base_z))))
+        * e40);
+    zmp[1] = e41;
+}
+
 void lift_com_sc(
     const lift_real sin_q[],
     const lift_real cos_q[],
@@ -858,6 +985,124 @@ void lift_cop_sc(
     const float v_base_y = r[1] + w_wrist_y;
     cop[0] = v_base_x;
     cop[1] = v_base_y;
+}
+
+void lift_zmp_sc(
+    const lift_real sin_q[],
+    const lift_real cos_q[],
+    const lift_real qd[],
+    const lift_real qdd[],
+    const lift_real r[],
+    lift_real zmp[restrict 2])
+{
+    /* thumb */
+    const float s_thumb = (0.84531194f * sin_q[1]) - (0.5342731f * cos_q[1]);
+    const float c_thumb = (0.84531194f * cos_q[1]) + (0.5342731f * sin_q[1]);
+    const float t_thumb_x = (c_thumb * r[6]) + (s_thumb * r[7]);
+    const float t_thumb_y = (s_thumb * r[6]) - (c_thumb * r[7]);
+    /* wrist */
+    const float v_wrist_x = r[4] - (0.6666667f * t_thumb_y);
+    const float v_wrist_y = r[5] + t_thumb_x;
+    const float s_wrist = (0.4472136f * cos_q[1]) - (0.8944272f * sin_q[1]);
+    const float c_wrist = (0.8944272f * cos_q[1]) + (0.4472136f * sin_q[1]);
+    const float t_wrist_x = (c_wrist * v_wrist_x) + (s_wrist * v_wrist_y);
+    const float t_wrist_y = (s_wrist * v_wrist_x) - (c_wrist * v_wrist_y);
+    /* lift */
+    const float e1 = (0.5f * t_wrist_x) + t_wrist_y + (0.37267798f * t_thumb_y);
+    const float w_wrist_x = t_wrist_x - (0.6666667f * e1);
+    const float w_wrist_y = t_wrist_y - (1.3333334f * e1);
+    const float w_wrist_z = (0.6666667f * e1) - (0.74535596f * t_thumb_y);
+    /* base */
+    const float v_base_x = r[0] + w_wrist_x;
+    const float v_base_y = r[1] + w_wrist_y;
+    const float v_base_z = r[2] + (w_wrist_z + (sin_q[0] * r[3]));
+    /* wrist */
+    const float e2 = qd[1] * qd[1];
+    /* thumb */
+    const float e3 = 0.74535596f * qd[1];
+    const float e4 = e3 * s_thumb;
+    const float o_thumb_y = e3 * c_thumb;
+    const float e5 = (0.6666667f * qd[1]) + qd[1];
+    const float e6 = 0.74535596f * qdd[1];
+    const float a_thumb_y = (e6 * c_thumb) - (e4 * qd[1]);
+    const float e7 = (0.6666667f * qdd[1]) + qdd[1];
+    const float e8 = e5 * e5;
+    const float e9 = e4 * o_thumb_y;
+    const float e10 = (o_thumb_y * o_thumb_y) + e8;
+    const float e11 = e9 + e7;
+    const float e12 = (e4 * e5) - a_thumb_y;
+    /* thumb */
+    const float f_thumb_x = (r[7] * (e7 - e9)) - (r[6] * e10);
+    const float e13 = (r[6] * e11) + (r[7] * ((e4 * e4) + e8));
+    const float f_thumb_z = (r[6] * e12)
+        - (r[7] * ((o_thumb_y * e5) + ((e6 * s_thumb) + (o_thumb_y * qd[1]))));
+    /* wrist */
+    const float e14 = (s_thumb * f_thumb_x) + (c_thumb * e13);
+    const float e15 = (0.74535596f * e14) + (0.6666667f * f_thumb_z);
+    const float f_wrist_x = (0.74535596f * f_thumb_z) - (0.6666667f * e14)
+        - ((r[4] * e2) + (r[5] * qdd[1]));
+    const float f_wrist_y = (r[4] * qdd[1]) - (r[5] * e2)
+        + ((c_thumb * f_thumb_x) - (s_thumb * e13));
+    /* lift */
+    const float e16 = (c_wrist * f_wrist_x) + (s_wrist * f_wrist_y);
+    const float e17 = (s_wrist * f_wrist_x) - (c_wrist * f_wrist_y);
+    const float e18 = (0.5f * e16) + e17 + (0.5f * e15);
+    const float f_lift_x = e16 - (0.6666667f * e18);
+    const float f_lift_y = e17 - (1.3333334f * e18);
+    const float f_lift_z = (0.6666667f * e18) - e15;
+    /* base */
+    const float f_base_z = f_lift_z + (r[3] * qdd[0]);
+    /* thumb */
+    const float e19 = 0.00625f * e10;
+    const float e20 = 0.00625f * e11;
+    const float e21 = 0.0003125f * e12;
+    /* wrist */
+    const float e22 = 0.0026666666f * e2;
+    const float e23 = (c_thumb * e20) - (s_thumb * e19);
+    const float e24 = (0.74535596f * e23) + (0.004166667f * e12);
+    const float e25 = c_thumb * e21;
+    const float h_wrist_x = 0.02981424f - (0.004166667f * s_thumb);
+    const float h_wrist_y = (0.00625f * c_thumb) - 0.02236068f;
+    const float g_wrist_x = (0.02236068f * qdd[1]) - (0.02981424f * e2)
+        + ((0.004658475f * e12) - (0.6666667f * e23));
+    const float g_wrist_y = (0.02981424f * qdd[1]) + (0.02236068f * e2)
+        - ((c_thumb * e19) + (s_thumb * e20));
+    const float e26 = (0.003975232f * qdd[1]) + (0.0029814239f * e2)
+        + ((0.6666667f * e25) + (0.00023292375f * e11));
+    const float n_wrist_y = (0.0029814239f * qdd[1]) - (0.003975232f * e2) - (s_thumb * e21);
+    const float n_wrist_z = (0.0035555556f * qdd[1]) + e22 - (e22 - (0.002f * qdd[1]))
+        + ((0.00020833334f * e11) - (0.74535596f * e25));
+    /* lift */
+    const float e27 = (c_wrist * h_wrist_x) + (s_wrist * h_wrist_y);
+    const float e28 = (s_wrist * h_wrist_x) - (c_wrist * h_wrist_y);
+    const float e29 = (0.5f * e27) + e28 + (0.0023292375f * s_thumb);
+    const float e30 = (c_wrist * g_wrist_x) + (s_wrist * g_wrist_y);
+    const float e31 = (s_wrist * g_wrist_x) - (c_wrist * g_wrist_y);
+    const float e32 = (0.5f * e30) + e31 + (0.5f * e24);
+    const float g_lift_x = e30 - (0.6666667f * e32);
+    const float g_lift_y = e31 - (1.3333334f * e32);
+    const float g_lift_z = (0.6666667f * e32) - e24;
+    const float e33 = (s_wrist * n_wrist_y) - (c_wrist * e26);
+    const float e34 = (s_wrist * e26) + (c_wrist * n_wrist_y);
+    const float e35 = (0.5f * e33) - e34 - (0.5f * n_wrist_z);
+    const float n_lift_x = e33 - (0.6666667f * e35);
+    const float h_lift_x = 0.011111111f + (e27 - (0.6666667f * e29));
+    const float h_lift_y = 0.034722224f + (e28 - (1.3333334f * e29));
+    const float h_lift_z = 0.022222223f + ((0.6666667f * e29) - (0.004658475f * s_thumb));
+    /* base */
+    const float h_base_z = h_lift_z + (0.5f * sin_q[0]);
+    const float g_base_z = g_lift_z + (0.5f * qdd[0]);
+    const float n_base_x = n_lift_x + (h_lift_y * qdd[0]) - (sin_q[0] * g_lift_y);
+    const float n_base_y = (sin_q[0] * g_lift_x) - (e34 + (1.3333334f * e35) + (h_lift_x * qdd[0]));
+    /* ZMP */
+    const float load = 9.80665f + f_base_z;
+    const float e36 = 1.0f / load;
+    zmp[0] = v_base_x
+        - (((v_base_z * f_lift_x) + (n_base_y - ((h_base_z * g_lift_x) - (h_lift_x * g_base_z))))
+        * e36);
+    zmp[1] = v_base_y
+        - (((v_base_z * f_lift_y) - (n_base_x - ((h_lift_y * g_base_z) - (h_base_z * g_lift_y))))
+        * e36);
 }
 
 static int lift_differs(

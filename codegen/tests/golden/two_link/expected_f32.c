@@ -17,6 +17,8 @@
  * regressor_cop                4       2         2         0   6.6e-7
  * regressor_full               4       2         2         0   6.6e-7
  * cop                          6       6         2         0   2.5e-7 m
+ * zmp                         62      48         2         0   7.2e-6 m  and 1 quotient, clamp or
+ * power
  * com_sc                       8       8         0         0   2.6e-7 m
  * com_jacobian_sc             12       8         0         0   2.3e-7 m/rad
  * com_velocity_sc             16      10         0         0   2.1e-6 m/s
@@ -25,6 +27,8 @@
  * regressor_cop_sc             4       2         0         0   4.8e-7
  * regressor_full_sc            4       2         0         0   4.8e-7
  * cop_sc                       6       6         0         0   2.1e-7 m
+ * zmp_sc                      62      48         0         0   6.4e-6 m  and 1 quotient, clamp or
+ * power
  * com_ticks                    8       8         0         2   2.6e-7 m
  * com_jacobian_ticks          12       8         0         2   2.3e-7 m/rad
  * com_velocity_ticks          16      10         0         2   2.1e-6 m/s
@@ -33,9 +37,14 @@
  * regressor_cop_ticks          4       2         0         2   4.8e-7
  * regressor_full_ticks         4       2         0         2   4.8e-7
  * cop_ticks                    6       6         0         2   2.1e-7 m
+ * zmp_ticks                   62      48         0         2   6.4e-6 m  and 1 quotient, clamp or
+ * power
  * Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
  * parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
  * against exact evaluation with the same parameters.
+ * That of zmp holds for joint velocities up to 1 rad/s (0.25 m/s) or the URDF's limit,
+ * accelerations up to 10 rad/s2 (2.5 m/s2), and while the ground carries at least half of the
+ * weight.
  * Functions of ticks are compared with the angles and positions that the ticks stand for;
  * look_up counts the sines and cosines that they read from a table.
  */
@@ -576,6 +585,68 @@ void two_link_cop(const two_link_real q[], const two_link_real r[], two_link_rea
     cop[1] = r[1];
 }
 
+void two_link_zmp(
+    const two_link_real q[],
+    const two_link_real qd[],
+    const two_link_real qdd[],
+    const two_link_real r[],
+    two_link_real zmp[restrict 2])
+{
+    /* knee */
+    float s_knee;
+    float c_knee;
+    two_link_sincos(q[1], &s_knee, &c_knee);
+    /* ankle */
+    const float v_ankle_x = r[3] + (c_knee * r[5]) + (s_knee * r[6]);
+    const float v_ankle_y = r[4] - (s_knee * r[5]) + (c_knee * r[6]);
+    float s_ankle;
+    float c_ankle;
+    two_link_sincos(q[0], &s_ankle, &c_ankle);
+    /* foot */
+    const float v_foot_x = r[0] + (c_ankle * v_ankle_x) + (s_ankle * v_ankle_y);
+    const float v_foot_z = r[2] - (s_ankle * v_ankle_x) + (c_ankle * v_ankle_y);
+    /* ankle */
+    const float e1 = qd[0] * qd[0];
+    /* knee */
+    const float e2 = qd[0] + qd[1];
+    const float e3 = qdd[0] + qdd[1];
+    const float e4 = e2 * e2;
+    const float f_knee_x = (r[6] * e3) - (r[5] * e4);
+    const float e5 = (r[5] * e3) + (r[6] * e4);
+    /* ankle */
+    const float f_ankle_x = (r[4] * qdd[0]) - (r[3] * e1) + ((c_knee * f_knee_x) - (s_knee * e5));
+    const float e6 = (r[3] * qdd[0]) + (r[4] * e1) + ((s_knee * f_knee_x) + (c_knee * e5));
+    /* foot */
+    const float f_foot_x = (c_ankle * f_ankle_x) - (s_ankle * e6);
+    /* knee */
+    const float g_knee_x = (0.125f * e3) - (0.005f * e4);
+    const float e7 = (0.005f * e3) + (0.125f * e4);
+    const float e8 = 0.00125f * e4;
+    /* ankle */
+    const float h_ankle_x = (0.005f * c_knee) + (0.125f * s_knee);
+    const float e9 = (0.125f * c_knee) - (0.005f * s_knee);
+    const float e10 = (c_knee * g_knee_x) - (s_knee * e7);
+    const float h_ankle_y = 0.26666668f + e9;
+    const float g_ankle_x = (0.26666668f * qdd[0]) + e10;
+    const float e11 = (0.26666668f * e1) + ((s_knee * g_knee_x) + (c_knee * e7));
+    const float e12 = (0.093333334f * qdd[0])
+        + ((5e-5f * e3) + e8 + ((0.03125f * e3) - e8) + (0.4f * e10)
+        + ((h_ankle_x * (0.4f * e1)) + (e9 * (0.4f * qdd[0]))));
+    /* foot */
+    const float g_foot_x = (c_ankle * g_ankle_x) - (s_ankle * e11);
+    const float n_foot_y = e12 + (0.1f * g_foot_x);
+    const float h_foot_x = 0.0033333334f + ((c_ankle * h_ankle_x) + (s_ankle * h_ankle_y));
+    const float h_foot_z = 0.085f + ((c_ankle * h_ankle_y) - (s_ankle * h_ankle_x));
+    /* ZMP */
+    const float load = 9.80665f - ((s_ankle * f_ankle_x) + (c_ankle * e6));
+    const float e13 = ((v_foot_z * f_foot_x)
+        + (n_foot_y
+        - ((h_foot_z * g_foot_x) + (h_foot_x * ((s_ankle * g_ankle_x) + (c_ankle * e11))))))
+        * (1.0f / load);
+    zmp[0] = v_foot_x - e13;
+    zmp[1] = r[1];
+}
+
 void two_link_com_sc(
     const two_link_real sin_q[],
     const two_link_real cos_q[],
@@ -771,6 +842,62 @@ void two_link_cop_sc(
     cop[1] = r[1];
 }
 
+void two_link_zmp_sc(
+    const two_link_real sin_q[],
+    const two_link_real cos_q[],
+    const two_link_real qd[],
+    const two_link_real qdd[],
+    const two_link_real r[],
+    two_link_real zmp[restrict 2])
+{
+    /* ankle */
+    const float v_ankle_x = r[3] + (cos_q[1] * r[5]) + (sin_q[1] * r[6]);
+    const float v_ankle_y = r[4] - (sin_q[1] * r[5]) + (cos_q[1] * r[6]);
+    /* foot */
+    const float v_foot_x = r[0] + (cos_q[0] * v_ankle_x) + (sin_q[0] * v_ankle_y);
+    const float v_foot_z = r[2] - (sin_q[0] * v_ankle_x) + (cos_q[0] * v_ankle_y);
+    /* ankle */
+    const float e1 = qd[0] * qd[0];
+    /* knee */
+    const float e2 = qd[0] + qd[1];
+    const float e3 = qdd[0] + qdd[1];
+    const float e4 = e2 * e2;
+    const float f_knee_x = (r[6] * e3) - (r[5] * e4);
+    const float e5 = (r[5] * e3) + (r[6] * e4);
+    /* ankle */
+    const float f_ankle_x = (r[4] * qdd[0]) - (r[3] * e1)
+        + ((cos_q[1] * f_knee_x) - (sin_q[1] * e5));
+    const float e6 = (r[3] * qdd[0]) + (r[4] * e1) + ((sin_q[1] * f_knee_x) + (cos_q[1] * e5));
+    /* foot */
+    const float f_foot_x = (cos_q[0] * f_ankle_x) - (sin_q[0] * e6);
+    /* knee */
+    const float g_knee_x = (0.125f * e3) - (0.005f * e4);
+    const float e7 = (0.005f * e3) + (0.125f * e4);
+    const float e8 = 0.00125f * e4;
+    /* ankle */
+    const float h_ankle_x = (0.005f * cos_q[1]) + (0.125f * sin_q[1]);
+    const float e9 = (0.125f * cos_q[1]) - (0.005f * sin_q[1]);
+    const float e10 = (cos_q[1] * g_knee_x) - (sin_q[1] * e7);
+    const float h_ankle_y = 0.26666668f + e9;
+    const float g_ankle_x = (0.26666668f * qdd[0]) + e10;
+    const float e11 = (0.26666668f * e1) + ((sin_q[1] * g_knee_x) + (cos_q[1] * e7));
+    const float e12 = (0.093333334f * qdd[0])
+        + ((5e-5f * e3) + e8 + ((0.03125f * e3) - e8) + (0.4f * e10)
+        + ((h_ankle_x * (0.4f * e1)) + (e9 * (0.4f * qdd[0]))));
+    /* foot */
+    const float g_foot_x = (cos_q[0] * g_ankle_x) - (sin_q[0] * e11);
+    const float n_foot_y = e12 + (0.1f * g_foot_x);
+    const float h_foot_x = 0.0033333334f + ((cos_q[0] * h_ankle_x) + (sin_q[0] * h_ankle_y));
+    const float h_foot_z = 0.085f + ((cos_q[0] * h_ankle_y) - (sin_q[0] * h_ankle_x));
+    /* ZMP */
+    const float load = 9.80665f - ((sin_q[0] * f_ankle_x) + (cos_q[0] * e6));
+    const float e13 = (v_foot_z * f_foot_x)
+        + (n_foot_y
+        - ((h_foot_z * g_foot_x) + (h_foot_x * ((sin_q[0] * g_ankle_x) + (cos_q[0] * e11)))));
+    zmp[0] = v_foot_x - (e13 * (1.0f / load));
+    zmp[1] = r[1];
+}
+
 void two_link_com_ticks(
     const int32_t ticks[],
     const two_link_real r[],
@@ -855,6 +982,19 @@ void two_link_cop_ticks(
     two_link_real cos_q[two_link_DOF];
     two_link_from_ticks(ticks, sin_q, cos_q);
     two_link_cop_sc(sin_q, cos_q, r, cop);
+}
+
+void two_link_zmp_ticks(
+    const int32_t ticks[],
+    const two_link_real qd[],
+    const two_link_real qdd[],
+    const two_link_real r[],
+    two_link_real zmp[restrict 2])
+{
+    two_link_real sin_q[two_link_DOF];
+    two_link_real cos_q[two_link_DOF];
+    two_link_from_ticks(ticks, sin_q, cos_q);
+    two_link_zmp_sc(sin_q, cos_q, qd, qdd, r, zmp);
 }
 
 static int two_link_differs(

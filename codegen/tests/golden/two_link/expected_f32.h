@@ -17,6 +17,8 @@
  * regressor_cop                4       2         2         0   6.6e-7
  * regressor_full               4       2         2         0   6.6e-7
  * cop                          6       6         2         0   2.5e-7 m
+ * zmp                         62      48         2         0   7.2e-6 m  and 1 quotient, clamp or
+ * power
  * com_sc                       8       8         0         0   2.6e-7 m
  * com_jacobian_sc             12       8         0         0   2.3e-7 m/rad
  * com_velocity_sc             16      10         0         0   2.1e-6 m/s
@@ -25,6 +27,8 @@
  * regressor_cop_sc             4       2         0         0   4.8e-7
  * regressor_full_sc            4       2         0         0   4.8e-7
  * cop_sc                       6       6         0         0   2.1e-7 m
+ * zmp_sc                      62      48         0         0   6.4e-6 m  and 1 quotient, clamp or
+ * power
  * com_ticks                    8       8         0         2   2.6e-7 m
  * com_jacobian_ticks          12       8         0         2   2.3e-7 m/rad
  * com_velocity_ticks          16      10         0         2   2.1e-6 m/s
@@ -33,9 +37,14 @@
  * regressor_cop_ticks          4       2         0         2   4.8e-7
  * regressor_full_ticks         4       2         0         2   4.8e-7
  * cop_ticks                    6       6         0         2   2.1e-7 m
+ * zmp_ticks                   62      48         0         2   6.4e-6 m  and 1 quotient, clamp or
+ * power
  * Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
  * parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
  * against exact evaluation with the same parameters.
+ * That of zmp holds for joint velocities up to 1 rad/s (0.25 m/s) or the URDF's limit,
+ * accelerations up to 10 rad/s2 (2.5 m/s2), and while the ground carries at least half of the
+ * weight.
  * Functions of ticks are compared with the angles and positions that the ticks stand for;
  * look_up counts the sines and cosines that they read from a table.
  */
@@ -180,6 +189,23 @@ void two_link_regressor_full(const two_link_real q[], two_link_real rows[3 * two
 void two_link_cop(const two_link_real q[], const two_link_real r[], two_link_real cop[2]);
 
 /**
+ * @brief Zero-moment point on the level sole plane, m: c and its acceleration by r, angular
+ *     momentum by the URDF's masses and inertias.
+ * Proven rounding error below 7.2e-6 m; arrays must not overlap.
+ * @param[in] q joint positions, rad (m for prismatic joints), [two_link_DOF]
+ * @param[in] qd joint velocities, rad/s (m/s), [two_link_DOF]
+ * @param[in] qdd joint accelerations, rad/s2 (m/s2), [two_link_DOF]
+ * @param[in] r base parameters, m, [two_link_BASE_PARAMS]
+ * @param[out] zmp the result, [2]
+ */
+void two_link_zmp(
+    const two_link_real q[],
+    const two_link_real qd[],
+    const two_link_real qdd[],
+    const two_link_real r[],
+    two_link_real zmp[2]);
+
+/**
  * @brief Centre of mass in the support frame, m: r_0 + sum of B_i(q) r_i.
  * From sines and cosines; a prismatic joint passes its position in sin_q.
  * Proven rounding error below 2.6e-7 m; arrays must not overlap.
@@ -296,6 +322,26 @@ void two_link_cop_sc(
     two_link_real cop[2]);
 
 /**
+ * @brief Zero-moment point on the level sole plane, m: c and its acceleration by r, angular
+ *     momentum by the URDF's masses and inertias.
+ * From sines and cosines; a prismatic joint passes its position in sin_q.
+ * Proven rounding error below 6.4e-6 m; arrays must not overlap.
+ * @param[in] sin_q sines of the joint angles, [two_link_DOF]
+ * @param[in] cos_q cosines of the joint angles, [two_link_DOF]
+ * @param[in] qd joint velocities, rad/s (m/s), [two_link_DOF]
+ * @param[in] qdd joint accelerations, rad/s2 (m/s2), [two_link_DOF]
+ * @param[in] r base parameters, m, [two_link_BASE_PARAMS]
+ * @param[out] zmp the result, [2]
+ */
+void two_link_zmp_sc(
+    const two_link_real sin_q[],
+    const two_link_real cos_q[],
+    const two_link_real qd[],
+    const two_link_real qdd[],
+    const two_link_real r[],
+    two_link_real zmp[2]);
+
+/**
  * @brief Centre of mass in the support frame, m: r_0 + sum of B_i(q) r_i.
  * Proven rounding error below 2.6e-7 m; arrays must not overlap.
  * @param[in] ticks servo ticks, [two_link_DOF], within the joint limits
@@ -378,6 +424,23 @@ void two_link_regressor_full_ticks(
  * @param[out] cop the result, [2]
  */
 void two_link_cop_ticks(const int32_t ticks[], const two_link_real r[], two_link_real cop[2]);
+
+/**
+ * @brief Zero-moment point on the level sole plane, m: c and its acceleration by r, angular
+ *     momentum by the URDF's masses and inertias.
+ * Proven rounding error below 6.4e-6 m; arrays must not overlap.
+ * @param[in] ticks servo ticks, [two_link_DOF], within the joint limits
+ * @param[in] qd joint velocities, rad/s (m/s), [two_link_DOF]
+ * @param[in] qdd joint accelerations, rad/s2 (m/s2), [two_link_DOF]
+ * @param[in] r base parameters, m, [two_link_BASE_PARAMS]
+ * @param[out] zmp the result, [2]
+ */
+void two_link_zmp_ticks(
+    const int32_t ticks[],
+    const two_link_real qd[],
+    const two_link_real qdd[],
+    const two_link_real r[],
+    two_link_real zmp[2]);
 
 /**
  * @brief Check the compiled functions against what the generator computed by another way.

@@ -36,6 +36,7 @@
  * Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
  * parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
  * against exact evaluation with the same parameters.
+ * zmp divides by the load on the ground: f64 and f32 have it.
  * Functions of ticks are compared with the angles and positions that the ticks stand for;
  * look_up counts the sines and cosines that they read from a table.
  */
