@@ -19,8 +19,7 @@
  * regressor_cop              144      70        20         0   7.5e-6
  * regressor_full             230     112        20         0   7.5e-6
  * cop                         78      78        20         0   1.7e-6 m
- * zmp                       1396    1251        20         0   2.2e-3 m  and 1 quotient, clamp or
- * power
+ * zmp                       1396    1251        20         0   2.2e-3 m  and 1 quotient
  * com_sc                      88      84         0         0   1.5e-6 m
  * com_jacobian_sc            343     204         0         0   1.4e-6 m/rad
  * com_velocity_sc            184     146         0         0   5.4e-5 m/s
@@ -29,8 +28,7 @@
  * regressor_cop_sc           152      74         0         0   5.8e-6
  * regressor_full_sc          238     116         0         0   5.8e-6
  * cop_sc                      86      82         0         0   1.4e-6 m
- * zmp_sc                    1404    1255         0         0   1.9e-3 m  and 1 quotient, clamp or
- * power
+ * zmp_sc                    1404    1255         0         0   1.9e-3 m  and 1 quotient
  * com_ticks                   88      84         0        20   1.5e-6 m
  * com_jacobian_ticks         343     204         0        20   1.4e-6 m/rad
  * com_velocity_ticks         184     146         0        20   5.4e-5 m/s
@@ -39,8 +37,7 @@
  * regressor_cop_ticks        152      74         0        20   5.8e-6
  * regressor_full_ticks       238     116         0        20   5.8e-6
  * cop_ticks                   86      82         0        20   1.4e-6 m
- * zmp_ticks                 1404    1255         0        20   1.9e-3 m  and 1 quotient, clamp or
- * power
+ * zmp_ticks                 1404    1255         0        20   1.9e-3 m  and 1 quotient
  * Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
  * parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
  * against exact evaluation with the same parameters.

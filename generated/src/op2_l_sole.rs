@@ -15,7 +15,7 @@
 // regressor_cop            144      70        20   2.5e-14 (f64)  7.5e-6 (f32)
 // regressor_full           230     112        20   2.5e-14 (f64)  7.5e-6 (f32)
 // cop                       78      78        20   3.8e-15 (f64)  1.7e-6 m (f32)
-// zmp                     1396    1251        20   3.6e-11 (f64)  2.2e-3 m (f32)  and 1 quotient, clamp or power
+// zmp                     1396    1251        20   3.6e-11 (f64)  2.2e-3 m (f32)  and 1 quotient
 // com_sc                    88      84         0   3.8e-15 (f64)  1.5e-6 m (f32)
 // com_jacobian_sc          343     204         0   3.5e-15 (f64)  1.4e-6 m/rad (f32)
 // com_velocity_sc          184     146         0   1.5e-13 (f64)  5.4e-5 m/s (f32)
@@ -24,7 +24,7 @@
 // regressor_cop_sc         152      74         0   3.5e-14 (f64)  5.8e-6 (f32)
 // regressor_full_sc        238     116         0   3.5e-14 (f64)  5.8e-6 (f32)
 // cop_sc                    86      82         0   3.6e-15 (f64)  1.4e-6 m (f32)
-// zmp_sc                  1404    1255         0   3.6e-11 (f64)  1.9e-3 m (f32)  and 1 quotient, clamp or power
+// zmp_sc                  1404    1255         0   3.6e-11 (f64)  1.9e-3 m (f32)  and 1 quotient
 // com_jacobian_along       202     138         0   3.9e-15 (f64)  1.6e-6 m/rad (f32)
 // regressor_along           88      44         0   3.6e-14 (f64)  6.1e-6 (f32)
 // regressor_full_along      92      46         0   3.6e-14 (f64)  6.1e-6 (f32)
@@ -356,7 +356,7 @@ pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
     Op2LSole::cop(q, r)
 }
 
-/// Zero-moment point on the level sole plane, m: c − (c_z c̈ + L̇/M)/(g + c̈_z) with c and c̈ of r and L̇ by the URDF's masses and inertias.
+/// Zero-moment point, m: c − (c_z c̈ + L̇⊥/M)/(g + c̈_z), L̇ by the URDF's masses and inertias.
 #[allow(dead_code)]
 #[inline]
 pub fn zmp<T: Real>(q: &[T; DOF], qd: &[T; DOF], qdd: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
@@ -448,7 +448,7 @@ pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
     Op2LSole::cop_sc(sin, cos, r)
 }
 
-/// Zero-moment point on the level sole plane, m: c − (c_z c̈ + L̇/M)/(g + c̈_z) with c and c̈ of r and L̇ by the URDF's masses and inertias.
+/// Zero-moment point, m: c − (c_z c̈ + L̇⊥/M)/(g + c̈_z), L̇ by the URDF's masses and inertias.
 ///
 /// From sines and cosines; a prismatic joint passes its position in `sin`.
 #[allow(dead_code)]

@@ -13,7 +13,7 @@
 // regressor_cop              4       2         2   1.3e-15 (f64)  6.6e-7 (f32)
 // regressor_full             4       2         2   1.3e-15 (f64)  6.6e-7 (f32)
 // cop                        6       6         2   7.9e-16 (f64)  2.2e-7 m (f32)
-// zmp                       58      43         2   1.5e-13 (f64)  5.6e-6 m (f32)  and 1 quotient, clamp or power
+// zmp                       58      43         2   1.5e-13 (f64)  5.6e-6 m (f32)  and 1 quotient
 // com_sc                     8       8         0   9.0e-16 (f64)  2.3e-7 m (f32)
 // com_jacobian_sc           12       8         0   7.9e-16 (f64)  2.0e-7 m/rad (f32)
 // com_velocity_sc           16      10         0   6.1e-15 (f64)  1.8e-6 m/s (f32)
@@ -22,7 +22,7 @@
 // regressor_cop_sc           4       2         0   8.9e-16 (f64)  4.8e-7 (f32)
 // regressor_full_sc          4       2         0   8.9e-16 (f64)  4.8e-7 (f32)
 // cop_sc                     6       6         0   7.3e-16 (f64)  1.9e-7 m (f32)
-// zmp_sc                    58      43         0   1.5e-13 (f64)  5.0e-6 m (f32)  and 1 quotient, clamp or power
+// zmp_sc                    58      43         0   1.5e-13 (f64)  5.0e-6 m (f32)  and 1 quotient
 // com_jacobian_along        16      10         0   1.0e-15 (f64)  3.4e-7 m/rad (f32)
 // regressor_along            8       4         0   1.9e-15 (f64)  1.1e-6 (f32)
 // regressor_full_along       8       4         0   1.9e-15 (f64)  1.1e-6 (f32)
@@ -179,7 +179,7 @@ pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
     TwoLinkFoot::cop(q, r)
 }
 
-/// Zero-moment point on the level sole plane, m: c − (c_z c̈ + L̇/M)/(g + c̈_z) with c and c̈ of r and L̇ by the URDF's masses and inertias.
+/// Zero-moment point, m: c − (c_z c̈ + L̇⊥/M)/(g + c̈_z), L̇ by the URDF's masses and inertias.
 #[allow(dead_code)]
 #[inline]
 pub fn zmp<T: Real>(q: &[T; DOF], qd: &[T; DOF], qdd: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
@@ -271,7 +271,7 @@ pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
     TwoLinkFoot::cop_sc(sin, cos, r)
 }
 
-/// Zero-moment point on the level sole plane, m: c − (c_z c̈ + L̇/M)/(g + c̈_z) with c and c̈ of r and L̇ by the URDF's masses and inertias.
+/// Zero-moment point, m: c − (c_z c̈ + L̇⊥/M)/(g + c̈_z), L̇ by the URDF's masses and inertias.
 ///
 /// From sines and cosines; a prismatic joint passes its position in `sin`.
 #[allow(dead_code)]

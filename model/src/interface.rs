@@ -167,8 +167,7 @@ impl Function {
                 columns: Extent::Fixed(2),
                 takes_parameters: true,
                 unit: "m",
-                sentence: "Zero-moment point on the level sole plane, m: c − (c_z c̈ + L̇/M)/(g + c̈_z) \
-                           with c and c̈ of r and L̇ by the URDF's masses and inertias.",
+                sentence: "Zero-moment point, m: c − (c_z c̈ + L̇⊥/M)/(g + c̈_z), L̇ by the URDF's masses and inertias.",
                 ascii: "Zero-moment point on the level sole plane, m: c and its acceleration by r, \
                         angular momentum by the URDF's masses and inertias.",
             },

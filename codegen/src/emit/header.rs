@@ -172,7 +172,7 @@ pub fn lines(facts: &Facts, routines: &[&Routine]) -> Vec<String> {
             counts.sin_cos,
             bound(bounds[0]),
             bound_of(routine.function, bounds[1]),
-            others(counts)
+            others(routine.function, counts)
         ));
     }
     lines.extend(PROMISE.map(str::to_string));
@@ -182,9 +182,10 @@ pub fn lines(facts: &Facts, routines: &[&Routine]) -> Vec<String> {
 }
 
 /// What effects add to a row; nothing where there are none.
-pub fn others(counts: Counts) -> String {
+pub fn others(function: Function, counts: Counts) -> String {
     match counts.other {
         0 => String::new(),
+        1 if function == Function::Zmp => "  and 1 quotient".to_string(),
         1 => "  and 1 quotient, clamp or power".to_string(),
         n => format!("  and {n} quotients, clamps and powers"),
     }

@@ -44,7 +44,7 @@ pub(super) fn about(facts: &Facts, routines: &[Exported], scalar: Scalar) -> Vec
             counts.sin_cos,
             routine.look_ups,
             header::bound_of(routine.function, routine.bound),
-            header::others(counts)
+            header::others(routine.function, counts)
         ));
     }
     lines.extend(header::PROMISE.map(str::to_string));

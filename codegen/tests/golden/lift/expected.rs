@@ -14,7 +14,7 @@
 // regressor_cop             16      10         2   4.6e-14 (f64)  1.8e-6 (f32)
 // regressor_full            38      30         2   4.6e-14 (f64)  1.8e-6 (f32)
 // cop                       13      12         2   2.3e-15 (f64)  1.3e-7 m (f32)
-// zmp                      132     102         2   9.4e-14 (f64)  7.8e-7 m (f32)  and 1 quotient, clamp or power
+// zmp                      132     102         2   9.4e-14 (f64)  7.8e-7 m (f32)  and 1 quotient
 // com_sc                    24      19         0   3.3e-15 (f64)  1.9e-7 m (f32)
 // com_jacobian_sc           40      28         0   3.6e-15 (f64)  1.5e-7 m/rad (f32)
 // com_velocity_sc           33      20         0   4.2e-15 (f64)  2.6e-7 m/s (f32)
@@ -23,7 +23,7 @@
 // regressor_cop_sc          24      14         0   7.6e-14 (f64)  2.6e-6 (f32)
 // regressor_full_sc         46      34         0   8.2e-14 (f64)  2.7e-6 (f32)
 // cop_sc                    21      16         0   3.0e-15 (f64)  1.5e-7 m (f32)
-// zmp_sc                   140     106         0   1.2e-13 (f64)  1.1e-6 m (f32)  and 1 quotient, clamp or power
+// zmp_sc                   140     106         0   1.2e-13 (f64)  1.1e-6 m (f32)  and 1 quotient
 // com_jacobian_along        33      21         0   4.9e-15 (f64)  2.4e-7 m/rad (f32)
 // regressor_along           24      14         0   9.7e-14 (f64)  4.2e-6 (f32)
 // regressor_full_along      31      19         0   1.1e-13 (f64)  4.3e-6 (f32)
@@ -182,7 +182,7 @@ pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
     Lift::cop(q, r)
 }
 
-/// Zero-moment point on the level sole plane, m: c − (c_z c̈ + L̇/M)/(g + c̈_z) with c and c̈ of r and L̇ by the URDF's masses and inertias.
+/// Zero-moment point, m: c − (c_z c̈ + L̇⊥/M)/(g + c̈_z), L̇ by the URDF's masses and inertias.
 #[allow(dead_code)]
 #[inline]
 pub fn zmp<T: Real>(q: &[T; DOF], qd: &[T; DOF], qdd: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
@@ -274,7 +274,7 @@ pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> 
     Lift::cop_sc(sin, cos, r)
 }
 
-/// Zero-moment point on the level sole plane, m: c − (c_z c̈ + L̇/M)/(g + c̈_z) with c and c̈ of r and L̇ by the URDF's masses and inertias.
+/// Zero-moment point, m: c − (c_z c̈ + L̇⊥/M)/(g + c̈_z), L̇ by the URDF's masses and inertias.
 ///
 /// From sines and cosines; a prismatic joint passes its position in `sin`.
 #[allow(dead_code)]

@@ -18,8 +18,7 @@
  * regressor_cop               16      10         2         0   1.8e-6
  * regressor_full              38      30         2         0   1.8e-6
  * cop                         13      12         2         0   1.3e-7 m
- * zmp                        132     102         2         0   7.8e-7 m  and 1 quotient, clamp or
- * power
+ * zmp                        132     102         2         0   7.8e-7 m  and 1 quotient
  * com_sc                      24      19         0         0   1.9e-7 m
  * com_jacobian_sc             40      28         0         0   1.5e-7 m/rad
  * com_velocity_sc             33      20         0         0   2.6e-7 m/s
@@ -28,8 +27,7 @@
  * regressor_cop_sc            24      14         0         0   2.6e-6
  * regressor_full_sc           46      34         0         0   2.7e-6
  * cop_sc                      21      16         0         0   1.5e-7 m
- * zmp_sc                     140     106         0         0   1.1e-6 m  and 1 quotient, clamp or
- * power
+ * zmp_sc                     140     106         0         0   1.1e-6 m  and 1 quotient
  * Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
  * parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
  * against exact evaluation with the same parameters.

@@ -17,8 +17,7 @@
  * regressor_cop                4       2         2         0   6.6e-7
  * regressor_full               4       2         2         0   6.6e-7
  * cop                          6       6         2         0   2.5e-7 m
- * zmp                         62      48         2         0   7.2e-6 m  and 1 quotient, clamp or
- * power
+ * zmp                         62      48         2         0   7.2e-6 m  and 1 quotient
  * com_sc                       8       8         0         0   2.6e-7 m
  * com_jacobian_sc             12       8         0         0   2.3e-7 m/rad
  * com_velocity_sc             16      10         0         0   2.1e-6 m/s
@@ -27,8 +26,7 @@
  * regressor_cop_sc             4       2         0         0   4.8e-7
  * regressor_full_sc            4       2         0         0   4.8e-7
  * cop_sc                       6       6         0         0   2.1e-7 m
- * zmp_sc                      62      48         0         0   6.4e-6 m  and 1 quotient, clamp or
- * power
+ * zmp_sc                      62      48         0         0   6.4e-6 m  and 1 quotient
  * com_ticks                    8       8         0         2   2.6e-7 m
  * com_jacobian_ticks          12       8         0         2   2.3e-7 m/rad
  * com_velocity_ticks          16      10         0         2   2.1e-6 m/s
@@ -37,8 +35,7 @@
  * regressor_cop_ticks          4       2         0         2   4.8e-7
  * regressor_full_ticks         4       2         0         2   4.8e-7
  * cop_ticks                    6       6         0         2   2.1e-7 m
- * zmp_ticks                   62      48         0         2   6.4e-6 m  and 1 quotient, clamp or
- * power
+ * zmp_ticks                   62      48         0         2   6.4e-6 m  and 1 quotient
  * Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
  * parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
  * against exact evaluation with the same parameters.
