@@ -2,7 +2,7 @@
 //! on which axis it is larger.
 //!
 //! Rows are made independent as they are read, so this has to be known before: a fit of
-//! free masses to the first [`ROWS`] rows tells, at the cost of reading those twice.
+//! free masses to the first `ROWS` rows tells, at the cost of reading those twice.
 
 use std::ops::Range;
 

@@ -9,7 +9,7 @@
 //!
 //! Data that fit are healthy: every test asks for a gap far above the noise first. And what
 //! a known effect explains is no broken data: before a finding makes data unusable it must
-//! hold under every wiring that the effects know ([`wirings`]) and any offset, gain, rotation
+//! hold under every wiring that the effects know (`wirings`) and any offset, gain, rotation
 //! or exchange of the sensor's axes.
 
 mod columns;
