@@ -243,13 +243,17 @@ impl StudyRecordings {
              Rows in time of virtual robots on which nothing is hidden, with noise of 2 mm per \
              axis that lasts. Counted are the 95 % intervals of `fit --prior free` that hold the \
              truth, and the verdicts of `diagnose --prior tight`. `cargo xtask \
-             study-recordings --logs {} --seed {}{}` counts the same {0} logs of each kind \
+             study-recordings --logs {} --seed {}{}{}` counts the same {0} logs of each kind \
              again.\n\n\
              | log | rows | worth | intervals hold | noise over truth | a verdict but none |\n\
              |---|---|---|---|---|---|\n",
             self.logs,
             self.seed,
-            if self.fits { " --fits" } else { "" }
+            if self.fits { " --fits" } else { "" },
+            match &self.only {
+                Some(only) => format!(" --only \"{only}\""),
+                None => String::new(),
+            }
         );
         for case in cases() {
             let name = case.name();
