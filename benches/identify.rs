@@ -116,6 +116,7 @@ fn from_file(robot: &Robot, path: PathBuf) -> f64 {
         support: None,
         snapping: Snapping::default(),
         folds: 10,
+        one_noise: false,
     };
     let (measurement, gathered) = logs.gather(None, &|_| Ok(Prior::Free), &mut ()).unwrap();
     identify(measurement.model(), &[SUPPORT], &gathered, &settings()).held_out_rmse
