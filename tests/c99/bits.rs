@@ -8,8 +8,10 @@ use sesc_codegen::emit::c::Scalar;
 use sesc_model::Given;
 use sesc_model::tape::{Tape, Values};
 
-use crate::case::{Case, Draw, Entry, ROBOTS, draw};
+use crate::case::{Case, ROBOTS};
 use crate::compiled::{Compiled, folder, parallel};
+use crate::draw::{Draw, draw};
+use crate::entry::Entry;
 use sesc_test_support::exact::Interpreter;
 
 const POSTURES: usize = 200;

@@ -11,8 +11,10 @@ use sesc_codegen::emit::c::Scalar;
 use sesc_model::bounds::Precision;
 use sesc_model::{Function, Given};
 
-use crate::case::{Case, Draw, Entry, ROBOTS, draw};
+use crate::case::{Case, ROBOTS};
 use crate::compiled::{Compiled, folder, parallel};
+use crate::draw::{Draw, draw};
+use crate::entry::Entry;
 use crate::fixed::trapping;
 use sesc_test_support::exact::{Double, Interpreter, Number};
 

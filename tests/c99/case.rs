@@ -1,24 +1,23 @@
-//! Robots to generate C for, and what their postures are.
+//! Robots to generate C for, with their servos and effects.
 
 use std::path::Path;
 
 use nalgebra::DMatrix;
-use rand::{RngExt as _, SeedableRng as _};
-use rand_chacha::ChaCha8Rng;
 use sesc_codegen::emit::c::{self, Options, Package, Scalar, Servos, Setting};
 use sesc_codegen::facts::Facts;
 use sesc_identify::robot::Robot;
 use sesc_model::expr::Argument;
-use sesc_model::program::Program;
 use sesc_model::tape::{Tape, Values};
 use sesc_model::{
     EffectRecord, Function, Given, Information, Model, ModelFile, Quantity, Snapping,
 };
 
-use sesc::verify::JointMotion;
 use sesc_test_support::exact::{Double, Number as _};
 use sesc_test_support::source::without;
 use sesc_test_support::trees::{Kind, tree};
+
+use crate::draw::Draw;
+use crate::entry::Entry;
 
 pub const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
@@ -355,67 +354,6 @@ impl Case {
     }
 }
 
-/// One C function.
-#[derive(Clone, Debug)]
-pub struct Entry {
-    pub function: Function,
-    /// Whether its parameters are constants.
-    pub baked: bool,
-    /// Behind the prefix.
-    pub name: String,
-    /// `None`: servo ticks.
-    pub given: Option<Given>,
-    pub width: usize,
-}
-
-impl Entry {
-    /// What it computes, from positions where it takes ticks.
-    pub fn program(&self, case: &Case) -> Option<Program> {
-        let given = self.given.unwrap_or(Given::Positions);
-        let program = match self.baked {
-            true => case.model.baked_program(self.function, given),
-            false => case.model.program(self.function, given),
-        };
-        program.filter(|program| !program.shape.is_empty())
-    }
-
-    /// What it takes after the posture: joint velocities, base parameters.
-    fn takes(&self, argument: Argument) -> bool {
-        let arguments = self.function.arguments(Given::Positions);
-        let baked = self.baked && argument == Argument::Parameters;
-        arguments.contains(&argument) && !baked
-    }
-
-    pub fn takes_velocities(&self) -> bool {
-        self.takes(Argument::Velocities)
-    }
-
-    pub fn takes_accelerations(&self) -> bool {
-        self.takes(Argument::Accelerations)
-    }
-
-    pub fn takes_parameters(&self) -> bool {
-        self.takes(Argument::Parameters)
-    }
-
-    /// What a call in C passes before the result, of `ticks`, `q`, `sines`, `cosines`, `qd`
-    /// (`slow` beside accelerations `qdd`) and `r`.
-    pub fn arguments(&self) -> String {
-        let mut arrays = match self.given {
-            None => vec!["ticks"],
-            Some(Given::Positions) => vec!["q"],
-            Some(_) => vec!["sines", "cosines"],
-        };
-        match (self.takes_velocities(), self.takes_accelerations()) {
-            (true, true) => arrays.extend(["slow", "qdd"]),
-            (true, false) => arrays.push("qd"),
-            (false, _) => {}
-        }
-        arrays.extend(self.takes_parameters().then_some("r"));
-        arrays.join(", ")
-    }
-}
-
 /// Servos of every make, one after the other.
 pub fn servos(model: &Model) -> Servos {
     let settings = model.tree.dofs.iter().enumerate().map(|(k, dof)| {
@@ -431,100 +369,4 @@ pub fn servos(model: &Model) -> Servos {
         default: Setting::default(),
         joints: settings.collect(),
     }
-}
-
-/// Postures, joint velocities and parameters, row by row.
-#[derive(Clone, Default)]
-pub struct Draw {
-    pub q: Vec<f64>,
-    /// Joint velocities.
-    pub qd: Vec<f64>,
-    /// Those beside accelerations, at which the ground carries half of the weight and more.
-    pub slow: Vec<f64>,
-    /// Joint accelerations.
-    pub qdd: Vec<f64>,
-    pub r: Vec<f64>,
-    pub ticks: Vec<i32>,
-    /// What the ticks stand for.
-    pub turned: Vec<f64>,
-}
-
-impl Draw {
-    /// Joint velocities and accelerations that `function` takes.
-    pub fn motion(&self, function: Function) -> [&[f64]; 2] {
-        match function {
-            Function::Zmp => [&self.slow, &self.qdd],
-            _ => [&self.qd, &self.qdd],
-        }
-    }
-}
-
-/// What is drawn of a joint.
-#[derive(Clone, Copy, PartialEq)]
-pub enum Drawn {
-    Angle,
-    Stroke,
-    Velocity,
-}
-
-/// A value as a scalar holds it: what it is of, whether rounded up.
-pub type Hold = dyn Fn(f64, Drawn, bool) -> f64;
-
-/// `count` draws: corners of the limits and of the promised parameters among
-/// them, everything in between, positions and velocities such that the scalar holds them.
-pub fn draw(case: &Case, count: usize, seed: u64, hold: &Hold) -> Draw {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let mut rates = ChaCha8Rng::seed_from_u64(!seed);
-    let mut drawn = Draw::default();
-    let servos = case.servos();
-    let most = JointMotion::new(&case.model, |_| 1.0);
-    let cad = case.model.cad_params();
-    for k in 0..count {
-        // Every fourth a corner in q, every third one in r; the first both, at their lowest.
-        let corner = |rng: &mut ChaCha8Rng, at: bool| match (at, k < 2) {
-            (true, true) => k as f64,
-            (true, false) => f64::from(u8::from(rng.random_bool(0.5))),
-            (false, _) => rng.random(),
-        };
-        for (j, (dof, servo)) in case.model.tree.dofs.iter().zip(&servos).enumerate() {
-            let (lower, upper) = (dof.lower, dof.upper);
-            let x = lower + corner(&mut rng, k % 4 < 2) * (upper - lower);
-            // Towards the middle: what is rounded beyond a limit is no posture any more.
-            let up = x < 0.5 * (lower + upper);
-            let kind = match dof.prismatic {
-                true => Drawn::Stroke,
-                false => Drawn::Angle,
-            };
-            drawn.q.push(hold(x, kind, up));
-            // Every second time at full speed, the first two all joints the same way.
-            let share: f64 = rates.random_range(-1.0..=1.0);
-            let share = match k {
-                0 => -1.0,
-                1 => 1.0,
-                _ if k % 2 == 0 => share.signum(),
-                _ => share,
-            };
-            let qd = share * dof.speed;
-            drawn.qd.push(hold(qd, Drawn::Velocity, qd < 0.0));
-            let slow = share * most.rates[j];
-            drawn.slow.push(hold(slow, Drawn::Velocity, slow < 0.0));
-            let qdd = rates.random_range(-1.0..=1.0) * most.accelerations[j];
-            drawn.qdd.push(hold(qdd, Drawn::Velocity, qdd < 0.0));
-            let at = x / servo.per_tick;
-            let away = [at.floor(), at.ceil(), 0.0]
-                .into_iter()
-                .find(|n| (lower..=upper).contains(&(n * servo.per_tick)))
-                .unwrap_or(at.round());
-            drawn.ticks.push(servo.zero + away as i32);
-            drawn.turned.push(away * servo.per_tick);
-        }
-        for (limit, cad) in case.model.param_limits.iter().zip(&cad) {
-            drawn.r.push(match k % 3 {
-                0 => limit * (2.0 * corner(&mut rng, true) - 1.0),
-                1 => limit * (2.0 * rng.random::<f64>() - 1.0),
-                _ => *cad,
-            });
-        }
-    }
-    drawn
 }

@@ -9,7 +9,9 @@ use std::sync::Mutex;
 
 use sesc_codegen::emit::c::{Package, Scalar};
 
-use crate::case::{Case, Draw, Drawn, Entry, Hold};
+use crate::case::Case;
+use crate::draw::{Draw, Drawn, Hold};
+use crate::entry::Entry;
 
 /// What every file must pass without a word.
 pub const WARNINGS: [&str; 10] = [

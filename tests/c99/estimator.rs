@@ -14,8 +14,9 @@ use sesc_model::{Function, Given};
 use sesc_runtime::fit::Estimator;
 use sesc_runtime::{Const, Posture, Scalar as Number, Sesc};
 
-use crate::case::{Case, Draw};
+use crate::case::Case;
 use crate::compiled::{SEPARATE, WARNINGS, folder, parallel, tool, write};
+use crate::draw::Draw;
 
 const POSTURES: usize = 120;
 

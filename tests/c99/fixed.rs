@@ -10,8 +10,10 @@ use sesc_codegen::facts::Facts;
 use sesc_model::{Function, Snapping};
 
 use crate::bounds::check;
-use crate::case::{Case, Entry, ROOT, draw};
+use crate::case::{Case, ROOT};
 use crate::compiled::{Compiled, folder, parallel, tool, write};
+use crate::draw::draw;
+use crate::entry::Entry;
 use sesc_test_support::source::without;
 
 /// An overflowing sum, a shift of too many bits or an index beyond an array traps.

@@ -5,6 +5,8 @@ mod bits;
 mod bounds;
 mod case;
 mod compiled;
+mod draw;
+mod entry;
 mod estimator;
 mod fixed;
 mod model;

@@ -6,8 +6,10 @@ use sesc_model::program::{Counts, operands};
 use sesc_model::{Function, Given, ModelFile};
 
 use crate::bounds::check;
-use crate::case::{Case, Entry, SCALARS, draw};
+use crate::case::{Case, SCALARS};
 use crate::compiled::{Compiled, folder, parallel};
+use crate::draw::draw;
+use crate::entry::Entry;
 
 fn baked(robot: &str, support: &str, change: impl Fn(usize, f64) -> f64) -> Case {
     let mut case = Case::robot(robot, support);
