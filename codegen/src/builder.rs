@@ -224,6 +224,13 @@ impl Builder {
         if let Some(dir) = &self.c99.dir {
             written.extend(self.c99_files(dir, &facts, &name)?);
         }
+        let access = files::Access::default()
+            .reads([&self.urdf])
+            .reads(&self.model)
+            .writes(written.iter().map(|(path, _)| path));
+        access
+            .check()
+            .map_err(|clash| files::failed(&path, std::io::Error::other(clash)))?;
         files::write_all_if_changed(&written)?;
         Ok(path)
     }

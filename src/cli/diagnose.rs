@@ -6,7 +6,8 @@ use std::sync::Arc;
 
 use clap::Args;
 
-use super::{Bar, Outcome, RobotArguments, message, outputs, print, print_json};
+use super::outputs::Files;
+use super::{Bar, Outcome, RobotArguments, message, print, print_json};
 use crate::Error;
 use crate::report::diagnose::{Asked, page, text};
 use sesc_codegen::{Scale, Servos};
@@ -82,17 +83,17 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
-    let outputs = [
-        &arguments.out,
-        &arguments.corrected,
-        &arguments.next,
-        &arguments.report,
-    ];
-    let written: Vec<&PathBuf> = outputs.into_iter().flatten().collect();
-    let mut read = vec![arguments.robot.urdf.clone(), arguments.data.clone()];
-    read.extend(arguments.then.iter().cloned());
-    read.extend(arguments.servos.iter().cloned());
-    outputs::check(&read, &written)?;
+    Files::default()
+        .reads([&arguments.robot.urdf])
+        .reads(&arguments.servos)
+        .may_read([&arguments.prior])
+        .reads_logs([&arguments.data])
+        .reads_logs(&arguments.then)
+        .writes(&arguments.out)
+        .writes(&arguments.corrected)
+        .writes_logs(&arguments.next)
+        .writes(&arguments.report)
+        .check_writable()?;
     let bar = &mut Bar::new("reading");
     let mut report = diagnose::diagnose(&request(arguments)?, bar)?;
     bar.0.finish_and_clear();

@@ -7,7 +7,8 @@ use clap::{Args, ValueEnum};
 use sesc_model::Snapping;
 
 use super::fit_outputs::Outputs;
-use super::{Bar, Outcome, message, outputs, print, print_json};
+use super::outputs::Files;
+use super::{Bar, Outcome, message, print, print_json};
 use crate::Error;
 use crate::report;
 use crate::report::fit::{FitReport, Unusable};
@@ -15,7 +16,7 @@ use sesc_identify::fit::part::Part;
 use sesc_identify::fit::prior::{Prior, PriorChoice};
 use sesc_identify::fit::robust::Loss;
 use sesc_identify::fit::{self, Request};
-use sesc_identify::logs::{self, Angles, LogSource, Sidecar};
+use sesc_identify::logs::{self, Angles, LogSource};
 use sesc_identify::robot::Robot;
 use sesc_model::files;
 
@@ -216,12 +217,12 @@ fn check_files(arguments: &Arguments) -> Result<(), Error> {
             path.display()
         )));
     }
-    let mut read: Vec<PathBuf> = arguments.inputs.clone();
-    for log in &arguments.data {
-        read.push(log.clone());
-        read.extend(Sidecar::paths(log));
-    }
-    let own = [&arguments.out, &arguments.partial].into_iter().flatten();
-    let written: Vec<&PathBuf> = own.chain(arguments.outputs.files()).collect();
-    outputs::check(&read, &written)
+    Files::default()
+        .reads(&arguments.inputs)
+        .may_read([&arguments.prior])
+        .reads_logs(&arguments.data)
+        .writes(&arguments.out)
+        .writes(&arguments.partial)
+        .writes(arguments.outputs.files())
+        .check_writable()
 }

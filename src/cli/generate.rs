@@ -8,6 +8,7 @@ use sesc_codegen::emit::{names, rust};
 use sesc_codegen::facts::Facts;
 use sesc_model::{Model, files::write_all_if_changed};
 
+use super::outputs::Files;
 use super::{Outcome, RobotArguments, message, print};
 use crate::Error;
 
@@ -120,6 +121,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         .into_iter()
         .map(|(file, text)| (arguments.out.join(file), text))
         .collect();
+    Files::default()
+        .reads([&arguments.robot.urdf])
+        .reads(&arguments.model)
+        .reads(&arguments.servos)
+        .writes(files.iter().map(|(path, _)| path))
+        .check()?;
     let changed = write_all_if_changed(&files)?;
     for ((path, _), changed) in files.iter().zip(changed) {
         if !changed {

@@ -1,48 +1,76 @@
-//! Outputs of commands: asked about before any work, gone when a command is interrupted.
+//! Files of commands: what is read is not written, outputs are asked about before any
+//! work, and they are gone when a command is interrupted.
 
 use std::path::{Path, PathBuf};
 
-use sesc_model::files::NewFile;
+use sesc_identify::logs::Sidecar;
+use sesc_model::files::{Access, NewFile};
 
 use crate::Error;
 
-/// Whether `written` may be written beside what is `read`.
-///
-/// # Errors
-/// When a file is both, is meant twice, or its folder takes no file.
-pub(super) fn check(read: &[PathBuf], written: &[&PathBuf]) -> Result<(), Error> {
-    let place = |path: &Path| match (path.parent(), path.file_name()) {
-        (Some(folder), Some(name)) => {
-            let folder = match folder.as_os_str().is_empty() {
-                true => Path::new("."),
-                false => folder,
-            };
-            let whole = std::fs::canonicalize(folder).unwrap_or_else(|_| folder.to_path_buf());
-            whole.join(name)
-        }
-        _ => path.to_path_buf(),
-    };
-    for (k, path) in written.iter().enumerate() {
-        let here = place(path);
-        if read
-            .iter()
-            .any(|other| place(other) == here && other.exists())
-        {
-            return Err(Error::Usage(format!(
-                "{} is read here; give the output another name",
-                path.display()
-            )));
-        }
-        if written[..k].iter().any(|other| place(other) == here) {
-            return Err(Error::Usage(format!(
-                "{} is meant for two outputs; give each a name of its own",
-                path.display()
-            )));
-        }
-        // A file that is dropped leaves nothing behind.
-        drop(NewFile::create(path)?);
+/// The files of a command. Every command that writes names here all that it reads and
+/// writes, with the sidecars that belong to logs.
+#[derive(Default)]
+pub(super) struct Files(Access);
+
+impl Files {
+    /// Files that are read, where they are given.
+    pub(super) fn reads<'a>(self, paths: impl IntoIterator<Item = &'a PathBuf>) -> Files {
+        Files(self.0.reads(paths))
     }
-    Ok(())
+
+    /// A setting that may name a file.
+    pub(super) fn may_read<'a>(self, settings: impl IntoIterator<Item = &'a String>) -> Files {
+        Files(self.0.reads(settings.into_iter().map(PathBuf::from)))
+    }
+
+    /// Logs that are read, and their sidecars: a file that took the place of one would be
+    /// read as it from then on.
+    pub(super) fn reads_logs<'a>(self, logs: impl IntoIterator<Item = &'a PathBuf>) -> Files {
+        logs.into_iter().fold(self, |files, log| {
+            let [own, older] = Sidecar::paths(log);
+            let is_read = |path: &PathBuf| !own.exists() || *path == own;
+            let sidecars: Vec<PathBuf> = [own.clone(), older].into_iter().filter(is_read).collect();
+            Files(files.0.reads([log]).reserves(sidecars))
+        })
+    }
+
+    /// Files that are written, where they are asked for.
+    pub(super) fn writes<'a>(self, paths: impl IntoIterator<Item = &'a PathBuf>) -> Files {
+        Files(self.0.writes(paths))
+    }
+
+    /// Logs that are written, and the sidecars that come with them.
+    pub(super) fn writes_logs<'a>(self, logs: impl IntoIterator<Item = &'a PathBuf>) -> Files {
+        logs.into_iter().fold(self, |files, log| {
+            // A log that ends like a sidecar is refused when it is begun.
+            let sidecar = Some(Sidecar::path(log)).filter(|path| path != log);
+            Files(files.0.writes([log]).writes(sidecar))
+        })
+    }
+
+    /// Whether all of them can go together, before anything is written.
+    ///
+    /// # Errors
+    /// When a file is read and written, or meant for two outputs.
+    pub(super) fn check(&self) -> Result<(), Error> {
+        self.0.check().map_err(Error::Usage)
+    }
+
+    /// [`Files::check`], and whether every folder takes a file: before long work, not
+    /// behind it.
+    ///
+    /// # Errors
+    /// Besides those, a file that cannot be begun.
+    pub(super) fn check_writable(&self) -> Result<(), Error> {
+        self.check()?;
+        let written: &[PathBuf] = self.0.written();
+        for path in written.iter().map(Path::new) {
+            // A file that is dropped leaves nothing behind.
+            drop(NewFile::create(path)?);
+        }
+        Ok(())
+    }
 }
 
 /// Have SIGINT (Ctrl-C) and SIGTERM end this process without unfinished files, by the

@@ -4,11 +4,12 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Bar, Outcome, RobotArguments, command_line, message, outputs, print, print_json};
+use super::outputs::Files;
+use super::{Bar, Outcome, RobotArguments, command_line, message, print, print_json};
 use crate::Error;
 use crate::report;
 use sesc_identify::fit::prior::Prior;
-use sesc_identify::logs::{PostureWriter, Sidecar, Written};
+use sesc_identify::logs::{PostureWriter, Written};
 use sesc_identify::plan::balance::Region;
 use sesc_identify::plan::limits::Limits;
 use sesc_identify::plan::{COP_BOX, Request, plan};
@@ -116,15 +117,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
 
 /// Nothing that is read is written, and nothing is written twice.
 fn check_files(arguments: &Arguments) -> Result<(), Error> {
-    let optional = [&arguments.limits, &arguments.model];
-    let mut read: Vec<PathBuf> = optional.into_iter().flatten().cloned().collect();
-    read.push(arguments.robot.urdf.clone());
-    read.extend(arguments.sole.iter().map(PathBuf::from));
-    read.push(PathBuf::from(&arguments.prior));
-    let sidecar = Sidecar::path(&arguments.out);
-    let mut written = vec![&arguments.out];
-    // A posture file that ends like one is refused when it is begun.
-    written.extend(Some(&sidecar).filter(|path| **path != arguments.out));
-    written.extend(&arguments.report);
-    outputs::check(&read, &written)
+    Files::default()
+        .reads([&arguments.robot.urdf])
+        .reads(&arguments.limits)
+        .reads(&arguments.model)
+        .may_read(&arguments.sole)
+        .may_read([&arguments.prior])
+        .writes_logs([&arguments.out])
+        .writes(&arguments.report)
+        .check_writable()
 }

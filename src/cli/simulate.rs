@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::outputs::Files;
 use super::{Bar, Outcome, RobotArguments, message};
 use crate::Error;
 use sesc_identify::hide::hide;
@@ -41,6 +42,11 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
+    Files::default()
+        .reads([&arguments.robot.urdf])
+        .reads(&arguments.model)
+        .writes_logs([&arguments.out])
+        .check_writable()?;
     let (_, model) = arguments.robot.load(arguments.model.as_deref())?;
     let model = hide(model, &arguments.hide)?;
     let poses = usize::try_from(arguments.poses).unwrap_or(usize::MAX);

@@ -75,8 +75,8 @@ impl Part {
     /// When it cannot be read, is no factor file, or is damaged.
     pub fn read(path: &Path) -> Result<Part, Error> {
         let file = path.display().to_string();
-        let text =
-            std::fs::read_to_string(path).map_err(|source| Error::read(file.clone(), source))?;
+        let text = files::read_text(path, files::SUMS)
+            .map_err(|source| Error::read(file.clone(), source))?;
         let bad = |message: String| Error::log(file.clone(), None, message);
         let part: Part = serde_json::from_str(&text).map_err(|error| {
             bad(format!(

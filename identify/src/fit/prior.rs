@@ -15,6 +15,7 @@ use std::path::Path;
 use nalgebra::{DMatrix, Matrix4};
 use serde::{Deserialize, Serialize};
 use sesc_model::Model;
+use sesc_model::files;
 use sesc_model::standard::PER_LINK;
 use sesc_model::text::listed;
 
@@ -170,7 +171,7 @@ impl Tolerances {
 
     fn read(path: &Path, model: &Model) -> Result<Tolerances, Error> {
         let file = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|source| {
+        let text = files::read_text(path, files::SETTINGS).map_err(|source| {
             let source = format!("{source}; ");
             let message = message![source, Setting::Prior, " takes tight, cad, free or a file"];
             Error::prior(&file, message)

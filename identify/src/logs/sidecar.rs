@@ -6,6 +6,7 @@
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
+use sesc_model::files;
 
 use super::names::{nearest, short};
 use crate::{Error, Message};
@@ -23,9 +24,6 @@ const KEYS: [&str; 8] = [
 
 /// No foot is so large: cells further out were hardly given in metres, m.
 const FOOT: f64 = 2.0;
-
-/// A sidecar is a page; anything longer is another file.
-const LONGEST: u64 = 1 << 20;
 
 /// What a log's sidecar may say.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -113,13 +111,7 @@ impl Sidecar {
                 "{file} ends like a sidecar; give the log itself"
             )));
         }
-        let read = match std::fs::metadata(&path) {
-            Ok(about) if about.len() > LONGEST => Err(std::io::Error::other(
-                "larger than 1 MiB; a sidecar is a few lines of TOML",
-            )),
-            _ => std::fs::read_to_string(&path),
-        };
-        match read {
+        match files::read_text(&path, files::SIDECAR) {
             Ok(text) => {
                 Sidecar::parse(&text, &file).map_err(|message| Error::log(file, None, message))
             }

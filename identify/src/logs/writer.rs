@@ -105,17 +105,17 @@ impl PostureWriter {
     /// Complete the log and write its sidecar, whose path is given back.
     pub fn finish(self, sidecar: &Sidecar) -> Result<PathBuf, Error> {
         let text = toml::to_string(sidecar).map_err(Error::serialise)?;
-        match self.sink {
-            Sink::Plain(file) => file.finish()?,
+        let log = match self.sink {
+            Sink::Plain(file) => file,
             Sink::Packed(file) => file
                 .finish()
-                .map_err(|source| files::failed(&self.path, source))?
-                .finish()?,
+                .map_err(|source| files::failed(&self.path, source))?,
             #[cfg(feature = "parquet")]
             Sink::Parquet(sink) => sink.finish()?,
-        }
+        };
         let path = Sidecar::path(&self.path);
-        files::write(&path, &text)?;
+        // The sidecar first: a log is never there without what it means.
+        files::finish_together(vec![files::begun(&path, &text)?, log])?;
         Ok(path)
     }
 }

@@ -12,6 +12,7 @@
 use std::path::Path;
 
 use nalgebra::{Matrix2, Vector2};
+use sesc_model::files;
 
 use crate::{Error, Setting, message};
 
@@ -52,7 +53,7 @@ impl Region {
         let inline = given.contains(';');
         let text = match inline {
             true => given.replace(';', "\n"),
-            false => std::fs::read_to_string(path).map_err(|source| {
+            false => files::read_text(path, files::SETTINGS).map_err(|source| {
                 let takes = " takes a file of points, or \"x,y; x,y; …\"";
                 Error::read(given, source).saying(message![Setting::Sole, takes])
             })?,

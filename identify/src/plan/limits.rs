@@ -10,11 +10,11 @@
 //! Lines that begin with `#` are comments.
 
 use std::collections::HashMap;
-use std::fs::File;
 use std::io::{Cursor, Read};
 use std::path::Path;
 
 use csv::StringRecord;
+use sesc_model::files;
 use sesc_model::tree::Dof;
 
 use crate::Error;
@@ -28,9 +28,6 @@ pub struct Limits {
     /// What was noticed about the file of limits.
     pub notes: Vec<String>,
 }
-
-/// Files of limits are a page, bytes.
-const LONGEST: u64 = 1 << 22;
 
 /// A pair of columns: name of its unit, whether of prismatic joints, SI per unit.
 const UNITS: [(&str, bool, f64); 3] = [
@@ -55,12 +52,7 @@ impl Limits {
     pub fn read(path: &Path, dofs: &[Dof]) -> Result<Limits, Error> {
         let file = path.display().to_string();
         let failed = |source| Error::read(&file, source);
-        let mut text = String::new();
-        let input = File::open(path).map_err(failed)?;
-        input
-            .take(LONGEST)
-            .read_to_string(&mut text)
-            .map_err(failed)?;
+        let text = files::read_text(path, files::SETTINGS).map_err(failed)?;
         // Lines count as an editor counts them, also those that Windows ends.
         Limits::parse(text.replace("\r\n", "\n").as_bytes(), &file, dofs)
     }

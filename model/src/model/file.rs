@@ -27,7 +27,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::Information;
-use crate::Error;
+use crate::{Error, files};
 
 /// One base parameter as identified.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -130,7 +130,7 @@ impl ModelFile {
     /// When it cannot be read, is no model file, or holds values that are not finite.
     pub fn read(path: &Path) -> Result<ModelFile, Error> {
         let file = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|source| Error::Read {
+        let text = files::read_text(path, files::SUMS).map_err(|source| Error::Read {
             file: file.clone(),
             source,
         })?;

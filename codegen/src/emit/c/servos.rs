@@ -23,6 +23,7 @@ use serde::Deserialize;
 
 use crate::Error;
 use crate::error::Problem;
+use sesc_model::files;
 use sesc_model::tree::Dof;
 
 /// What a servo file says of one joint, or of all.
@@ -116,7 +117,7 @@ impl Servos {
     /// When it cannot be read or is no servo file.
     pub fn read(path: &Path) -> Result<Servos, Error> {
         let file = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|source| Problem::Read {
+        let text = files::read_text(path, files::SETTINGS).map_err(|source| Problem::Read {
             file: file.clone(),
             source,
         })?;

@@ -126,15 +126,13 @@ impl ParquetSink {
         Ok(())
     }
 
-    /// Write what is left and move the file to its place.
-    pub fn finish(mut self) -> Result<(), Error> {
+    /// Write what is left; the file is yet to be moved to its place.
+    pub fn finish(mut self) -> Result<NewFile, Error> {
         if !self.pose.is_empty() {
             self.flush()?;
         }
         let file = self.writer.into_inner();
-        Ok(file
-            .map_err(|error| unwritten(&self.path, error))?
-            .finish()?)
+        file.map_err(|error| unwritten(&self.path, error))
     }
 }
 

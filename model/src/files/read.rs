@@ -1,0 +1,32 @@
+//! Texts that are read whole, up to a stated size.
+
+use std::fs::File;
+use std::io::{self, Read as _};
+use std::path::Path;
+
+/// Largest file of a log's sidecar, MiB: it is a page.
+pub const SIDECAR: u64 = 1;
+/// Largest file of settings, MiB: tolerances, joint limits, servos, soles have a line per
+/// link or joint, of which a robot has [`LINKS`](crate::urdf::limits::LINKS) at most.
+pub const SETTINGS: u64 = 16;
+/// Largest file with the sums of a fit, MiB: model and factor files have numbers by the
+/// square of the parameters.
+pub const SUMS: u64 = 1024;
+
+/// The text of a file of at most `mebibytes`: what is longer is another file, or a device
+/// without an end.
+///
+/// # Errors
+/// When it cannot be read, is longer, or is no UTF-8.
+pub fn read_text(path: &Path, mebibytes: u64) -> io::Result<String> {
+    let most = mebibytes << 20;
+    let mut text = Vec::new();
+    File::open(path)?.take(most + 1).read_to_end(&mut text)?;
+    if text.len() as u64 > most {
+        return Err(io::Error::other(format!(
+            "it is longer than {mebibytes} MiB, more than such a file can need"
+        )));
+    }
+    String::from_utf8(text)
+        .map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "it is no text in UTF-8"))
+}

@@ -1,0 +1,3 @@
+//! Files and names that were made to do harm: nothing that is read is trusted.
+
+mod overwrites;

@@ -1,0 +1,219 @@
+//! No output takes the place of an input, however the two are spelled.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use sesc_test_support::command::{ROOT, folder, program, refused, sesc, stdout};
+
+/// A folder with everything that a command may read.
+struct Inputs(tempfile::TempDir);
+
+impl Inputs {
+    fn new() -> Inputs {
+        let inputs = Inputs(folder());
+        let urdf = format!("{ROOT}/robots/two_link/two_link.urdf");
+        fs::copy(urdf, inputs.path("a.urdf")).unwrap();
+        let simulate = "simulate a.urdf --support foot --poses 40 --noise 0.0005 --out log.csv";
+        stdout(&inputs.run(simulate));
+        // The older name of a sidecar, which `fit` reads as long as there is no other.
+        fs::rename(inputs.path("log.csv.toml"), inputs.path("log.toml")).unwrap();
+        stdout(&inputs.run("fit a.urdf --data log.csv --out model.toml"));
+        stdout(&inputs.run("fit a.urdf --data log.csv --partial a.part"));
+        for (name, text) in [
+            ("prior.toml", "[default]\nmass = 0.1\ncom = 0.005\n"),
+            ("servos.toml", "[default]\nzero = 2048\n"),
+            ("limits.csv", "joint,lower_deg,upper_deg\nknee,-40,40\n"),
+            ("sole.csv", "0.1,0.1\n-0.1,0.1\n-0.1,-0.1\n0.1,-0.1\n"),
+        ] {
+            fs::write(inputs.path(name), text).unwrap();
+        }
+        inputs
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn run(&self, line: &str) -> std::process::Output {
+        let mut command = Command::new(program());
+        command.current_dir(self.0.path()).args(line.split(' '));
+        command.output().unwrap()
+    }
+
+    fn all(&self) -> BTreeMap<PathBuf, Vec<u8>> {
+        let entries = fs::read_dir(self.0.path()).unwrap();
+        let paths = entries.map(|entry| entry.unwrap().path());
+        let files = paths.filter(|path| path.is_file());
+        files
+            .map(|path| (path.clone(), fs::read(path).unwrap()))
+            .collect()
+    }
+}
+
+/// What a command reads, and its options that name an output.
+const COMMANDS: [(&str, &str, &str); 5] = [
+    (
+        "fit a.urdf --data log.csv --prior prior.toml",
+        "a.urdf log.csv log.toml prior.toml",
+        "--out --urdf --report",
+    ),
+    (
+        "fit a.part --prior prior.toml",
+        "a.part prior.toml",
+        "--out --urdf --report",
+    ),
+    (
+        "diagnose a.urdf --data log.csv --prior prior.toml --servos servos.toml",
+        "a.urdf log.csv log.toml prior.toml servos.toml",
+        "--out --urdf --report --next",
+    ),
+    (
+        "plan a.urdf --support foot --poses 3 --limits limits.csv --sole sole.csv --model \
+         model.toml --prior prior.toml",
+        "a.urdf limits.csv sole.csv model.toml prior.toml",
+        "--out --report",
+    ),
+    (
+        "simulate a.urdf --support foot --poses 3 --model model.toml",
+        "a.urdf model.toml",
+        "--out",
+    ),
+];
+
+#[test]
+fn every_output_that_names_an_input_is_refused_and_the_input_stays() {
+    let inputs = Inputs::new();
+    #[cfg(unix)]
+    for name in inputs.all().keys() {
+        let name = name.file_name().unwrap().to_str().unwrap();
+        std::os::unix::fs::symlink(name, inputs.path(&format!("link_to_{name}"))).unwrap();
+    }
+    let before = inputs.all();
+    let mut tried = 0;
+    for (command, read, outputs) in COMMANDS {
+        for output in outputs.split(' ') {
+            for input in read.split(' ') {
+                // Logs tell their format by their end, so that only `.csv` gets so far.
+                for spelled in [
+                    input.to_string(),
+                    format!("./{input}"),
+                    format!("link_to_{input}"),
+                ] {
+                    if cfg!(not(unix)) && spelled.starts_with("link") {
+                        continue;
+                    }
+                    let other = match output {
+                        // A plan needs a file to write.
+                        "--report" if command.starts_with("plan") => " --out free.csv",
+                        _ => "",
+                    };
+                    let line = format!("{command} {output} {spelled}{other}");
+                    refused(&inputs.run(&line), &["is read here"]);
+                    tried += 1;
+                }
+            }
+        }
+    }
+    assert!(tried > 100, "{tried}");
+    assert!(inputs.all() == before, "a file changed, or came");
+}
+
+#[test]
+fn sidecars_are_outputs_too() {
+    let inputs = Inputs::new();
+    let before = inputs.all();
+    // The sidecar of the new postures, and a model file.
+    let diagnose = "diagnose a.urdf --data log.csv --out x.csv.toml --next x.csv";
+    refused(&inputs.run(diagnose), &["two outputs"]);
+    // A robot whose file has the name of a sidecar.
+    fs::rename(inputs.path("model.toml"), inputs.path("log2.csv.toml")).unwrap();
+    let simulate = "simulate a.urdf --support foot --poses 3 --model log2.csv.toml --out log2.csv";
+    refused(&inputs.run(simulate), &["is read here"]);
+    fs::rename(inputs.path("log2.csv.toml"), inputs.path("model.toml")).unwrap();
+    // A model file where the next run would look for the log's sidecar.
+    let fit = "fit a.urdf --data log.csv --out log.csv.toml";
+    refused(&inputs.run(fit), &["sidecar"]);
+    assert!(inputs.all() == before);
+}
+
+#[test]
+fn generated_files_take_no_input_away() {
+    let inputs = Inputs::new();
+    fs::rename(inputs.path("servos.toml"), inputs.path("leg.c")).unwrap();
+    fs::rename(inputs.path("a.urdf"), inputs.path("leg.h")).unwrap();
+    let before = inputs.all();
+    for read in ["--servos leg.c", "--scalar f32"] {
+        let line = format!("generate leg.h --support foot --lang c --name leg --out . {read}");
+        refused(&inputs.run(&line), &["is read here"]);
+    }
+    assert!(inputs.all() == before);
+    let builder = sesc_codegen::Builder::new(inputs.path("leg.h")).support("foot");
+    let builder = builder.name("leg").emit_rerun_if_changed(false);
+    let built = builder
+        .out_dir(inputs.path("out"))
+        .c99(inputs.path(""))
+        .emit();
+    assert!(format!("{:?}", built.unwrap_err()).contains("is read here"));
+    assert!(inputs.all() == before);
+}
+
+/// A shell that appends to a file hands it to the command as `/dev/stdout`.
+#[cfg(target_os = "linux")]
+#[test]
+fn what_a_shell_redirects_to_is_no_file_to_replace() {
+    let inputs = Inputs::new();
+    let log = inputs.path("everything.txt");
+    fs::write(&log, "so far\n").unwrap();
+    for output in ["--out", "--urdf", "--report"] {
+        let mut command = Command::new(program());
+        command.current_dir(inputs.0.path());
+        command.args(["fit", "a.urdf", "--data", "log.csv", output, "/dev/stdout"]);
+        command.stdout(fs::File::options().append(true).open(&log).unwrap());
+        let output = command.output().unwrap();
+        assert_eq!(output.status.code(), Some(2));
+        assert!(String::from_utf8_lossy(&output.stderr).contains("/dev/stdout"));
+    }
+    assert_eq!(fs::read_to_string(&log).unwrap(), "so far\n");
+    let demo = sesc(&["demo", "--out", "/dev/stdout"]);
+    refused(&demo, &["/dev/stdout"]);
+}
+
+/// Standard input may be a file by a name.
+#[cfg(target_os = "linux")]
+#[test]
+fn standard_input_is_read_here_too() {
+    let inputs = Inputs::new();
+    let urdf = inputs.path("a.urdf");
+    let before = fs::read(&urdf).unwrap();
+    let mut command = Command::new(program());
+    command.args([
+        "simulate",
+        "-",
+        "--support",
+        "foot",
+        "--poses",
+        "3",
+        "--out",
+    ]);
+    command.arg(&urdf).stdin(fs::File::open(&urdf).unwrap());
+    refused(&command.output().unwrap(), &["is read here"]);
+    assert_eq!(fs::read(Path::new(&urdf)).unwrap(), before);
+}
+
+/// Devices that never end are no settings.
+#[cfg(target_os = "linux")]
+#[test]
+fn files_without_end_are_refused() {
+    let inputs = Inputs::new();
+    for line in [
+        "fit a.urdf --data log.csv --prior /dev/zero",
+        "diagnose a.urdf --data log.csv --servos /dev/zero",
+        "generate a.urdf --support foot --lang c --out g --servos /dev/zero",
+        "plan a.urdf --support foot --poses 3 --out p.csv --limits /dev/zero",
+        "plan a.urdf --support foot --poses 3 --out p.csv --sole /dev/zero",
+    ] {
+        refused(&inputs.run(line), &["/dev/zero", "longer than 16 MiB"]);
+    }
+}
