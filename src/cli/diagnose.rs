@@ -191,7 +191,16 @@ fn write(arguments: &Arguments, report: &Report) -> Result<(), Error> {
         )),
         (None, _) => {}
     }
-    if let Some(path) = &arguments.out {
+    let on_log = &report.diagnosis.model_on_log;
+    if let Some(path) = arguments.out.as_ref().filter(|_| !on_log.agrees) {
+        message(&format!(
+            "{} is not written: it would predict this log to {:.3} mm RMS, the diagnosis states \
+             {:.3} mm; record more postures, or give tolerances of the masses with --prior",
+            path.display(),
+            1e3 * on_log.predicted_rmse,
+            1e3 * on_log.stated_rmse
+        ));
+    } else if let Some(path) = &arguments.out {
         let text = toml::to_string(&report.model_file);
         files::write(path, &text.map_err(|error| Error::Report(Box::new(error)))?)?;
         wrote(path);

@@ -295,8 +295,7 @@ fn raw_misfit(problem: &Problem) -> Misfit {
 }
 
 fn absorbed(problem: &Problem, best: &Fit) -> f64 {
-    let masses = problem.masses(&best.terms);
-    let shift = masses.shift(&masses.posterior_mean(&best.residual));
+    let shift = problem.mass_shift(best);
     crate::observations::postures::rms(shift.iter().zip(&problem.weight).map(|(s, w)| s / w))
 }
 

@@ -67,7 +67,7 @@ pub fn of_cad(problem: &Problem) -> HeldOut {
     of_errors(errors.collect(), &vec![false; n])
 }
 
-/// reading − prediction, masses as the kept postures suggest.
+/// reading − prediction, masses as the kept postures suggest, or as `fit` is stated with.
 pub(super) fn errors_of(problem: &Problem, fit: &Fit, keep: Option<&[bool]>) -> Vec<f64> {
     let masses = problem.masses(&fit.terms);
     let root: Vec<f64> = match (&fit.outliers, keep) {
@@ -79,8 +79,10 @@ pub(super) fn errors_of(problem: &Problem, fit: &Fit, keep: Option<&[bool]>) -> 
         (None, None) => vec![1.0; fit.residual.len()],
     };
     let weighted = DVector::from_fn(root.len(), |row, _| fit.residual[row] * root[row]);
-    let expected = masses.reweighted(&root).posterior_mean(&weighted);
-    let shift = masses.shift(&expected);
+    let shift = match &fit.masses {
+        Some(_) => problem.mass_shift(fit),
+        None => masses.shift(&masses.reweighted(&root).posterior_mean(&weighted)),
+    };
     let left = fit.residual.iter().zip(shift.iter()).zip(&problem.weight);
     left.map(|((e, s), w)| (e - s) / w).collect()
 }

@@ -27,7 +27,7 @@ impl Misfit {
     pub fn of(problem: &Problem, fit: &Fit) -> Misfit {
         let apart = held_out::apart(problem, fit);
         let masses = problem.masses(&fit.terms);
-        let shift = masses.shift(&masses.posterior_mean(&fit.residual));
+        let shift = problem.mass_shift(fit);
         let mut chi2 = 0.0;
         let mut rows = 0.0;
         for (k, apart) in apart.iter().enumerate() {
@@ -99,8 +99,7 @@ pub fn formula(problem: &Problem, fit: &Fit) -> Formula {
     let n = problem.data.len();
     let excess = Misfit::of(problem, fit);
     let mut target = fit.residual.clone();
-    let masses = problem.masses(&fit.terms);
-    target -= masses.shift(&masses.posterior_mean(&fit.residual));
+    target -= problem.mass_shift(fit);
     for (k, apart) in held_out::apart(problem, fit).into_iter().enumerate() {
         if apart {
             target[2 * k] = 0.0;

@@ -3,15 +3,15 @@
 //! A file that predicts another error than was stated is not what was diagnosed. It is
 //! written out, read back, given to the code of `sesc predict`, and compared.
 
-use sesc_model::effects::{self, Catalog, Instance, PostureContext};
-use sesc_model::tape::{Tape, Values};
+use sesc_model::effects::{Catalog, Instance, PostureContext};
 use sesc_model::{EffectRecord, Function, Model, ModelFile};
 
 use super::findings::{Found, ModelOnLog};
 use super::held_out;
 use super::problem::Problem;
+use super::resting::Predictions;
 use crate::Error;
-use crate::evaluate::{EffectPredictor, Evaluator, FASTEST};
+use crate::evaluate::{EffectPredictor, Evaluator};
 use crate::observations::postures::rms;
 
 /// What the diagnosis states and what the file predicts agree within this part.
@@ -91,16 +91,7 @@ fn readings(problem: &Problem, model: &Model) -> Vec<f64> {
         // Drift and delay need the log around a posture, which predictions lack.
         let instances: Vec<Instance> = model.effects.iter().map(|(i, _)| i.clone()).collect();
         let unknowns: Vec<f64> = model.effects.iter().flat_map(|(_, x)| x.clone()).collect();
-        let program = effects::reading(&problem.context, &instances, &model.params());
-        let tape = Tape::new(&program);
-        let mut out = vec![0.0; n * tape.outputs()];
-        let arguments = [
-            Values::PerPosture(&data.q),
-            Values::Shared(&unknowns),
-            Values::PerPosture(&data.posture_context),
-        ];
-        tape.run(&arguments, n, &mut out, FASTEST);
-        return out.into_iter().step_by(unknowns.len() + 1).collect();
+        return Predictions::new(problem, &instances).readings(problem, &unknowns, &model.params());
     }
     let tilt = |k: usize, axis: usize| data.posture_context[k * layout.len() + layout.tilt(axis)];
     let gravity: Vec<[f64; 3]> = (0..n).map(|k| [tilt(k, 0), tilt(k, 1), -1.0]).collect();

@@ -6,7 +6,7 @@ use sesc_model::effects::Stage;
 use sesc_model::{DataUsed, EffectRecord, ModelFile, Quantity};
 
 use super::problem::{Fit, Problem};
-use super::{settle, words};
+use super::{exact, words};
 use crate::lsq::information::{Beyond, information};
 
 /// Parameters as the masses' prior and the data have them, and every effect of
@@ -25,7 +25,7 @@ pub fn model_file(problem: &Problem, best: &Fit, log: &str) -> ModelFile {
         None => vec![1.0; best.residual.len()],
     };
     let masses = masses.reweighted(&weights);
-    let values = settle::masses_of(problem, best);
+    let values = exact::masses_of(problem, best);
     let spread = factor * masses.covariance() * factor.transpose();
     let std: Vec<f64> = (0..values.len())
         .map(|k| spread[(k, k)].max(0.0).sqrt())

@@ -85,6 +85,9 @@ pub struct Fit {
     pub flipped: Vec<usize>,
     /// Walls that are touched: the answer lies at the edge of what is physical.
     pub at_bound: f64,
+    /// Base parameters (m) that it is stated with, where they are not those that its
+    /// residuals suggest: the problem is then about them.
+    pub masses: Option<Vec<f64>>,
 }
 
 impl Fit {
@@ -280,6 +283,18 @@ impl<'m> Problem<'m> {
         match terms.contains(&Term::FreeMasses) {
             true => &self.wide,
             false => &self.nuisance,
+        }
+    }
+
+    /// Whitened shift of readings by the mass errors that the residuals of `fit` suggest, or
+    /// by those that it is stated with.
+    pub(super) fn mass_shift(&self, fit: &Fit) -> DVector<f64> {
+        match (&fit.masses, &self.offset) {
+            (Some(_), Some(offset)) => offset.clone(),
+            _ => {
+                let masses = self.masses(&fit.terms);
+                masses.shift(&masses.posterior_mean(&fit.residual))
+            }
         }
     }
 

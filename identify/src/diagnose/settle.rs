@@ -9,24 +9,13 @@
 //! file that holds both would not predict what was stated. Here ∂h/∂r and r_b are taken
 //! where the explanation ended, and it is fitted again, until nothing changes.
 
-use nalgebra::{DMatrix, DVector};
-use sesc_model::effects;
-use sesc_model::tape::{Tape, Values};
-
+use super::exact::{Exact, masses_of};
 use super::hypothesis::effects_of;
-use super::nuisance::Nuisance;
 use super::problem::{ALL, Fit, Problem};
-use crate::evaluate::FASTEST;
-use crate::observations::postures::rms;
+use super::resting;
 
-/// Prediction and statement agree where they differ by no more than this part of what is
-/// left over, RMS.
-const AGREES: f64 = 2e-3;
 /// Rounds, at most.
 const ROUNDS: usize = 12;
-/// Parameters are moved by this part of the robot's reach for differences: readings are
-/// linear in them but where joints bend.
-const STEP: f64 = 1e-4;
 
 /// `problem` and `fit` about the masses at which the fit ends; `None` where those of CAD do.
 pub(super) fn settle<'m>(problem: &Problem<'m>, fit: &Fit) -> Option<(Problem<'m>, Fit)> {
@@ -35,116 +24,20 @@ pub(super) fn settle<'m>(problem: &Problem<'m>, fit: &Fit) -> Option<(Problem<'m
     }
     let exact = Exact::new(problem, fit);
     // On which side a loose joint rests, the file decides by its own masses.
-    let loose = fit.terms.iter().any(|term| term.dead_band().is_some());
-    if !loose && exact.agrees(problem, fit) {
+    if fit.terms.iter().any(|term| term.dead_band().is_some()) {
+        return Some(resting::settle(&exact, problem, fit));
+    }
+    if exact.agrees(problem, fit) {
         return None;
     }
-    let mut own = exact.about(problem, fit);
+    let mut own = exact.about(problem, fit, masses_of(problem, fit));
     let mut fit = own.fit(&fit.terms, Some(&fit.unknowns), ALL);
     for _ in 1..ROUNDS {
         if exact.agrees(&own, &fit) {
             break;
         }
-        own = exact.about(&own, &fit);
+        own = exact.about(&own, &fit, masses_of(&own, &fit));
         fit = own.fit(&fit.terms, Some(&fit.unknowns), ALL);
     }
     Some((own, fit))
-}
-
-/// Base parameters (m) at which a fit ends.
-pub(super) fn masses_of(problem: &Problem, fit: &Fit) -> Vec<f64> {
-    let factor = match fit.frees_masses() {
-        true => &problem.wide_prior,
-        false => &problem.prior,
-    };
-    let shift = factor * mass_errors(problem, fit);
-    let cad = problem.cad.iter().zip(shift.iter());
-    cad.map(|(r, d)| r + d).collect()
-}
-
-/// The most likely mass errors z, in units of F's columns.
-fn mass_errors(problem: &Problem, fit: &Fit) -> DVector<f64> {
-    let masses = problem.masses(&fit.terms);
-    match &fit.outliers {
-        None => masses.posterior_mean(&fit.residual),
-        Some(outliers) => {
-            let root = outliers.root_weights(None);
-            let weighted = DVector::from_fn(root.len(), |row, _| fit.residual[row] * root[row]);
-            masses.reweighted(&root).posterior_mean(&weighted)
-        }
-    }
-}
-
-/// Readings of the log under an explanation, for any masses.
-struct Exact {
-    tape: Tape,
-}
-
-impl Exact {
-    fn new(problem: &Problem, fit: &Fit) -> Exact {
-        let program = effects::reading_of_masses(&problem.context, &effects_of(&fit.terms));
-        Exact {
-            tape: Tape::new(&program),
-        }
-    }
-
-    fn readings(&self, problem: &Problem, fit: &Fit, r: &[f64]) -> Vec<f64> {
-        let n = problem.data.len();
-        let context = match &fit.posture_context {
-            Some(sides) => sides.as_slice(),
-            None => &problem.data.posture_context,
-        };
-        let arguments = [
-            Values::PerPosture(&problem.data.q),
-            Values::Shared(&fit.unknowns),
-            Values::PerPosture(context),
-            Values::Shared(r),
-        ];
-        let mut out = vec![0.0; 2 * n];
-        self.tape.run(&arguments, n, &mut out, FASTEST);
-        out
-    }
-
-    /// Whether the masses that are stated predict what is stated.
-    fn agrees(&self, problem: &Problem, fit: &Fit) -> bool {
-        let z = mass_errors(problem, fit);
-        let stated = problem.masses(&fit.terms).shift(&z);
-        let found = self.readings(problem, fit, &masses_of(problem, fit));
-        let left = |row: usize| fit.residual[row] - stated[row];
-        let apart = (0..found.len()).map(|row| {
-            let predicted = (problem.data.reading[row] - found[row]) * problem.weight[row];
-            predicted - left(row)
-        });
-        rms(apart) <= AGREES * rms((0..found.len()).map(left))
-    }
-
-    /// The problem about the masses at which `fit` ends.
-    fn about<'m>(&self, problem: &Problem<'m>, fit: &Fit) -> Problem<'m> {
-        let z = mass_errors(problem, fit);
-        let r = masses_of(problem, fit);
-        let rows = self.slopes(problem, fit, &r);
-        let of = |prior: &DMatrix<f64>| Nuisance::new(&rows, prior, &problem.weight);
-        let (nuisance, wide) = (of(&problem.prior), of(&problem.wide_prior));
-        let used = if fit.frees_masses() { &wide } else { &nuisance };
-        let offset = used.shift(&z);
-        problem.about(r, rows, nuisance, wide, offset)
-    }
-
-    /// ∂y/∂r, 2n × p, by central differences.
-    fn slopes(&self, problem: &Problem, fit: &Fit, r: &[f64]) -> DMatrix<f64> {
-        let step = STEP * problem.model.reach();
-        let mut rows = DMatrix::zeros(2 * problem.data.len(), r.len());
-        for k in 0..r.len() {
-            let at = |by: f64| {
-                let mut moved = r.to_vec();
-                moved[k] += by;
-                self.readings(problem, fit, &moved)
-            };
-            let (ahead, back) = (at(step), at(-step));
-            for (row, (a, b)) in ahead.iter().zip(&back).enumerate() {
-                rows[(row, k)] = (a - b) / (2.0 * step);
-            }
-        }
-        rows
-    }
 }

@@ -48,7 +48,9 @@ pub use experiment::{Carry, Experiment};
 pub use instance::{Instance, instances};
 pub(crate) use instance::{apply, apply_before_sensor, sense, undo};
 pub use payload::known_weight;
-pub use programs::{joints, moments, reading, reading_of_masses, wired_joints, wired_reading};
+pub use programs::{
+    joints, moments, reading, reading_of_masses, resting_reading, wired_joints, wired_reading,
+};
 pub use remedy::EncoderMap;
 
 /// When an effect acts, first to last.

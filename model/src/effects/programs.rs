@@ -19,11 +19,12 @@ fn inputs(context: &EffectContext, unknowns: usize) -> Vec<Array> {
 fn written<'m>(
     context: &EffectContext<'m>,
     instances: &[Instance],
+    source: Source,
     parameters: Parameters,
 ) -> (Measured<'m>, Vec<Id>) {
     let mut measured = Measured::new(
         context.robot,
-        Source::Log,
+        source,
         Given::Positions,
         parameters,
         &context.cells,
@@ -42,7 +43,12 @@ fn written<'m>(
 /// Inputs: `q`, `e` (unknowns in the order of the instances), `u`
 /// ([`PostureContext`]). Base parameters are the constants `params`.
 pub fn reading(context: &EffectContext, instances: &[Instance], params: &[f64]) -> Program {
-    let (mut measured, unknowns) = written(context, instances, Parameters::Baked(params.to_vec()));
+    let (mut measured, unknowns) = written(
+        context,
+        instances,
+        Source::Log,
+        Parameters::Baked(params.to_vec()),
+    );
     let reading = measured.reading;
     let mut columns = vec![reading.to_vec()];
     for &unknown in &unknowns {
@@ -61,13 +67,31 @@ pub fn reading(context: &EffectContext, instances: &[Instance], params: &[f64]) 
 
 /// The reading alone, with the base parameters as a further input: `q`, `e`, `u`, `r`.
 pub fn reading_of_masses(context: &EffectContext, instances: &[Instance]) -> Program {
+    of_masses(context, instances, Source::Log)
+}
+
+/// The reading where loose joints rest as their gravity moments have them, as a model file
+/// predicts it, then how far into its dead band each joint is, −1 to 1 (0 without one).
+///
+/// Inputs: `q`, `e`, `u` without sides, `r`.
+pub fn resting_reading(context: &EffectContext, instances: &[Instance]) -> Program {
+    of_masses(context, instances, Source::Resting)
+}
+
+fn of_masses(context: &EffectContext, instances: &[Instance], source: Source) -> Program {
     let params = context.robot.base.params.len();
     let unbounded = Parameters::Argument(vec![f64::INFINITY; params]);
-    let (measured, unknowns) = written(context, instances, unbounded);
-    let outputs = measured.reading;
+    let (mut measured, unknowns) = written(context, instances, source, unbounded);
+    let mut outputs = measured.reading.to_vec();
+    if source == Source::Resting {
+        let zero = measured.constant(0.0);
+        let sides = measured.sides.iter().map(|side| side.unwrap_or(zero));
+        outputs.extend(sides);
+    }
     let mut inputs = inputs(context, unknowns.len());
     inputs.push(Array::new(Argument::Parameters, params));
-    Program::new(measured.into_graph(), inputs, Shape::Vector(2), &outputs)
+    let shape = Shape::Vector(outputs.len());
+    Program::new(measured.into_graph(), inputs, shape, &outputs)
 }
 
 /// Gravity moments of all joints over the weight under effects, m, and how far
@@ -76,7 +100,12 @@ pub fn reading_of_masses(context: &EffectContext, instances: &[Instance]) -> Pro
 /// What decides on which side of its dead band a joint rests. Inputs as in
 /// [`reading`].
 pub fn moments(context: &EffectContext, instances: &[Instance], params: &[f64]) -> Program {
-    let (mut measured, unknowns) = written(context, instances, Parameters::Baked(params.to_vec()));
+    let (mut measured, unknowns) = written(
+        context,
+        instances,
+        Source::Log,
+        Parameters::Baked(params.to_vec()),
+    );
     let dof = context.robot.dof();
     let moments = measured.moments("m");
     let slopes = measured.slopes();
@@ -128,7 +157,12 @@ pub fn wired_reading(context: &EffectContext, instances: &[Instance]) -> Program
 
 /// Joint positions of a posture as effects bend them. Inputs as in [`reading`].
 pub fn joints(context: &EffectContext, instances: &[Instance], params: &[f64]) -> Program {
-    let (measured, unknowns) = written(context, instances, Parameters::Baked(params.to_vec()));
+    let (measured, unknowns) = written(
+        context,
+        instances,
+        Source::Log,
+        Parameters::Baked(params.to_vec()),
+    );
     let outputs = measured.joints.clone();
     let shape = Shape::Vector(outputs.len());
     let inputs = inputs(context, unknowns.len());

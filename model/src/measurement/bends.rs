@@ -74,6 +74,7 @@ impl Measured<'_> {
                     }
                     Bend::Slack(joint, half) => {
                         *slid = self.slide(*slid, joint, moments[joint]);
+                        self.sides[joint] = Some(*slid);
                         (joint, self.mul(half, *slid))
                     }
                 };

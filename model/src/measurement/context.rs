@@ -62,6 +62,8 @@ impl PostureContext {
 pub enum Source {
     /// A posture of a log, whose context is an input.
     Log,
+    /// The same with sides by the gravity moments, as a posture alone has them.
+    Resting,
     /// Any posture: level ground, standing still, sides by the gravity moments.
     Posture,
     /// Any posture, with the direction of gravity taken from its context.

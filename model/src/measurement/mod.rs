@@ -62,6 +62,8 @@ pub struct Measured<'m> {
     pub weight: Id,
     pulls: Vec<Pull>,
     bends: Vec<Bend>,
+    /// How far into its dead band each joint is where it rests, −1 to 1; none where it has none.
+    pub(crate) sides: Vec<Option<Id>>,
     /// Loads that are point masses of known size.
     loads: Vec<PointMass>,
     /// Joint positions before any joint gives way.
@@ -104,6 +106,7 @@ impl<'m> Measured<'m> {
             pulls: Vec::new(),
             loads: Vec::new(),
             bends: Vec::new(),
+            sides: vec![None; robot.dof()],
             rounds: Vec::new(),
         };
         if source != Source::Posture {

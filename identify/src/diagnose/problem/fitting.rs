@@ -151,6 +151,7 @@ impl Problem<'_> {
             outliers: outliers.clone(),
             flipped: sides.map_or_else(Vec::new, |sides| sides.flipped.clone()),
             at_bound: state.at_bound,
+            masses: None,
         }
     }
 
