@@ -53,6 +53,8 @@ pub struct Corrected {
     pub before_m: f64,
     /// CoM error of the diagnosed model, m.
     pub after_m: f64,
+    /// CoM error that the model file's own uncertainty of its masses leads to expect, m.
+    pub expected_m: f64,
     /// The same error by `corrected_model_com` of the C package, m.
     pub after_in_c_m: Option<f64>,
 }
@@ -105,6 +107,7 @@ pub fn examine(trial: &Trial, folder: &Path, in_c: bool) -> Result<Corrected, Bo
         listed: explained && answer.lists(&hidden),
         before_m: error(&by_tape(&cad)),
         after_m: error(&by_tape(&corrected)),
+        expected_m: expected(&corrected, &file, &q),
         after_in_c_m: by_c.map(|com| error(&com)),
     })
 }
@@ -126,6 +129,36 @@ fn distance(com: &[f64], truth: &[[f64; 3]]) -> f64 {
     let gaps = com.as_chunks::<3>().0.iter().zip(truth);
     let squares = gaps.map(|(a, b)| (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>());
     (squares.sum::<f64>() / truth.len() as f64).sqrt()
+}
+
+/// RMS over the postures of √tr(Y C Yᵀ), m: Y the regressor of the CoM, C the covariance of
+/// the base parameters in the model file. What only CAD says (the constant part of the
+/// height) counts as known.
+fn expected(model: &Model, file: &ModelFile, q: &[f64]) -> f64 {
+    let Some(information) = &file.information else {
+        return 0.0;
+    };
+    let rows = Evaluator::new(model, Function::Regressor).run(q, JUDGED);
+    let variance = |row: &[f64]| {
+        // x R = row: its squares are the variance.
+        let mut left = row.to_vec();
+        let mut variance = 0.0;
+        for (i, line) in information.factor.iter().enumerate() {
+            if line[0] > 0.0 {
+                let pivot = left[i] / line[0];
+                variance += pivot * pivot;
+                for (x, r) in left[i..].iter_mut().zip(line) {
+                    *x -= pivot * r;
+                }
+            }
+        }
+        variance
+    };
+    let sum: f64 = rows
+        .chunks_exact(information.factor.len())
+        .map(variance)
+        .sum();
+    (sum / JUDGED as f64).sqrt()
 }
 
 /// CoM of all postures by the model's package in C, f64, compiled by gcc in `folder`, m.

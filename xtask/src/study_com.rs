@@ -127,7 +127,9 @@ impl StudyCom {
              Logs count where the effect moves the CoM by more than {:.0} mm RMS. *Named*: the verdict \
              is `named` or `class` and the first explanation is what was hidden, on the right \
              target; *listed*: what was hidden is that or of the class. Ratios are the CoM error of \
-             the diagnosed model over CAD's, of listed logs; errors are medians of these.\n\n{}\n\
+             the diagnosed model over CAD's, of listed logs; errors are medians of these. *Expected* is \
+             the CoM error that the model file's own uncertainty of its masses leads to expect: where \
+             it is of the size of the error found, the log does not say more of the masses.\n\n{}\n\
              The same postures through `model_com` of the generated C (f64, gcc), {} of these logs: \
              the RMS error differs by at most {apart:.0e} m.\n\n\
              ## Listed, and not below {GOAL}\n\n```text\n{}```\n\n\
@@ -162,11 +164,12 @@ fn lines<'a>(found: impl Iterator<Item = &'a Corrected>) -> String {
 
 fn line(one: &Corrected) -> String {
     format!(
-        "{} {}: {:.3} -> {:.3} mm, ratio {:.3}; {}",
+        "{} {}: {:.3} -> {:.3} mm (expected {:.3}), ratio {:.3}; {}",
         one.robot,
         one.hidden,
         1e3 * one.before_m,
         1e3 * one.after_m,
+        1e3 * one.expected_m,
         one.ratio(),
         one.said
     )
