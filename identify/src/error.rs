@@ -175,6 +175,17 @@ impl Error {
         }
     }
 
+    /// The column with the fault: messages about one begin with its name.
+    pub fn column(&self) -> Option<&str> {
+        match &*self.0 {
+            Cause::Model(_) => None,
+            Cause::Other { message, .. } => {
+                let rest = message.first_words().strip_prefix("column `")?;
+                rest.split_once('`').map(|(name, _)| name)
+            }
+        }
+    }
+
     /// What is wrong with the robot or its model file, if it is that.
     pub fn model(&self) -> Option<&sesc_model::Error> {
         match &*self.0 {

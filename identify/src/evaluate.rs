@@ -131,6 +131,33 @@ impl Evaluator {
     /// # Panics
     /// Where `q` or `out` is too short.
     pub fn run_into(&self, q: &[f64], postures: usize, out: &mut [f64]) {
+        let velocities = self.velocities.as_deref().map(Values::Shared);
+        let accelerations = self.accelerations.as_deref().map(Values::Shared);
+        self.run_as(q, [velocities, accelerations], postures, out);
+    }
+
+    /// The same with velocities and accelerations of every posture, where the function takes
+    /// them: `velocities[posture * dof + joint]`, rad/s or m/s, and rad/s² or m/s².
+    ///
+    /// # Panics
+    /// Where an array is too short.
+    pub fn run_moving_into(
+        &self,
+        q: &[f64],
+        velocities: &[f64],
+        accelerations: &[f64],
+        postures: usize,
+        out: &mut [f64],
+    ) {
+        let moving = [
+            (&self.velocities, velocities),
+            (&self.accelerations, accelerations),
+        ];
+        let moving = moving.map(|(own, given)| own.as_ref().map(|_| Values::PerPosture(given)));
+        self.run_as(q, moving, postures, out);
+    }
+
+    fn run_as(&self, q: &[f64], moving: [Option<Values>; 2], postures: usize, out: &mut [f64]) {
         let q = &q[..postures * self.prismatic.len()];
         let (sin, cos) = match self.given {
             Given::Positions => (Vec::new(), Vec::new()),
@@ -142,8 +169,7 @@ impl Evaluator {
                 vec![Values::PerPosture(&sin), Values::PerPosture(&cos)]
             }
         };
-        arguments.extend(self.velocities.as_deref().map(Values::Shared));
-        arguments.extend(self.accelerations.as_deref().map(Values::Shared));
+        arguments.extend(moving.into_iter().flatten());
         arguments.extend(self.params.as_deref().map(Values::Shared));
         if self.given != Given::Direction {
             return self.tape.run(&arguments, postures, out, self.kernels);

@@ -127,6 +127,14 @@ impl Message {
         self
     }
 
+    /// What stands before the first setting.
+    pub(crate) fn first_words(&self) -> &str {
+        match self.0.first() {
+            Some(Piece::Text(text)) => text,
+            _ => "",
+        }
+    }
+
     #[doc(hidden)]
     pub fn of(pieces: Vec<Piece>) -> Message {
         Message(pieces)

@@ -201,8 +201,7 @@ fn write(arguments: &Arguments, report: &Report) -> Result<(), Error> {
             1e3 * on_log.stated_rmse
         ));
     } else if let Some(path) = &arguments.out {
-        let text = toml::to_string(&report.model_file);
-        files::write(path, &text.map_err(|error| Error::Report(Box::new(error)))?)?;
+        files::write(path, &report.model_file.to_toml()?)?;
         wrote(path);
     }
     if let (Some(path), Some(corrected)) = (&arguments.corrected, &report.corrected_urdf) {

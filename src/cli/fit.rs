@@ -132,8 +132,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         return Ok(Outcome::Failed);
     }
     if let Some(path) = &arguments.out {
-        let text = toml::to_string(&found.model_file);
-        files::write(path, &text.map_err(|error| Error::Report(Box::new(error)))?)?;
+        files::write(path, &found.model_file.to_toml()?)?;
         message(&format!("wrote {}", path.display()));
     }
     let shown = arguments

@@ -238,15 +238,21 @@ struct Answer<'a, T: serde::Serialize> {
 /// See [`Answer`].
 const SCHEMA: u32 = 1;
 
-/// A value as JSON on stdout.
-fn print_json(value: &impl serde::Serialize) -> Result<(), Error> {
+/// A value as commands print it with `--json`.
+///
+/// # Errors
+/// When it cannot be written as JSON.
+pub fn json(value: &impl serde::Serialize) -> Result<String, Error> {
     let answer = Answer {
         schema: SCHEMA,
         value,
     };
-    let text =
-        serde_json::to_string_pretty(&answer).map_err(|error| Error::Report(Box::new(error)))?;
-    print(&(text + "\n"))
+    serde_json::to_string_pretty(&answer).map_err(|error| Error::Report(Box::new(error)))
+}
+
+/// A value as JSON on stdout.
+fn print_json(value: &impl serde::Serialize) -> Result<(), Error> {
+    print(&(json(value)? + "\n"))
 }
 
 /// A number above zero.

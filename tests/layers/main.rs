@@ -18,7 +18,7 @@ use imports::Files;
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
 /// Rooms of each crate, files or folders of `src/`, first to last.
-const ROOMS: [(&str, &[&str]); 4] = [
+const ROOMS: [(&str, &[&str]); 5] = [
     (
         "model",
         &[
@@ -73,6 +73,7 @@ const ROOMS: [(&str, &[&str]); 4] = [
             "diagnose",
         ],
     ),
+    ("python", &["errors", "calls", "arrays", "robot", "model"]),
     (
         "",
         &[
@@ -82,11 +83,12 @@ const ROOMS: [(&str, &[&str]); 4] = [
 ];
 
 /// What each crate may depend on, besides its tests.
-const CRATES: [(&str, &[&str]); 6] = [
+const CRATES: [(&str, &[&str]); 7] = [
     ("model", &[]),
     ("runtime", &[]),
     ("codegen", &["model"]),
     ("identify", &["model", "runtime"]),
+    ("python", &["model", "codegen", "identify"]),
     ("reference", &[]),
     ("generated", &["runtime"]),
 ];

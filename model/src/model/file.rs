@@ -158,6 +158,17 @@ impl ModelFile {
         Ok(model)
     }
 
+    /// The text of the file.
+    ///
+    /// # Errors
+    /// When it holds what TOML cannot.
+    pub fn to_toml(&self) -> Result<String, Error> {
+        toml::to_string(self).map_err(|error| Error::ModelFile {
+            file: self.file.clone(),
+            reason: error.to_string(),
+        })
+    }
+
     /// Values in the order of the base parameters (a model that takes the file has made sure of it).
     pub fn values(&self) -> Vec<f64> {
         self.parameters.iter().map(|p| p.value).collect()

@@ -1,0 +1,77 @@
+"""Robots, and what they stand on."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+from . import _sesc
+from ._model import Model
+
+__all__ = ["Robot"]
+
+
+class Robot(_sesc.Robot):
+    """A robot as its URDF describes it.
+
+    Args:
+        path_or_text: path of a URDF, or its text (anything with a ``<``), or an open file.
+        snap: make decimals of right angles (1.5708) exact, within 1e-5 rad.
+
+    Raises:
+        UrdfError: all that is wrong with the description, each with its line and a remedy.
+
+    Example:
+        >>> robot = sesc.Robot(urdf)
+        >>> robot.name, robot.joints
+        ('pole', ['hip'])
+    """
+
+    def __new__(cls, path_or_text: str | os.PathLike[str] | Any, snap: bool = True) -> Robot:
+        file, text = _read(path_or_text)
+        return super().__new__(cls, file, text, snap)
+
+    def on(self, support: str, model: str | os.PathLike[str] | Model | None = None) -> Model:
+        """The robot with the link ``support`` on the ground; its sole is z = 0 of its frame.
+
+        Args:
+            support: name of the link.
+            model: a model file, or a model, whose identified parameters and effects are taken;
+                CAD's unless given.
+
+        Raises:
+            SupportError: no link of that name; the message lists those there are.
+            ModelFileError: a model file with faults, or of another robot.
+
+        Example:
+            >>> sesc.Robot(urdf).on("foot")
+            <sesc.Model pole on foot: 1 joint, 2 kg, 5 parameters>
+        """
+        return Model(self, support, model)
+
+    def __repr__(self) -> str:
+        count = len(self.joints)
+        return f"<sesc.Robot {self.name}: {len(self.links)} links, {count} joint{'s' * (count != 1)}>"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _restore, (self.file, self.urdf, self.snap)
+
+
+def _read(given: Any) -> tuple[str, str | None]:
+    """The name of a URDF, and its text where it is at hand."""
+    if isinstance(given, os.PathLike):
+        return os.fspath(given), None
+    if isinstance(given, bytes):
+        given = given.decode()
+    if isinstance(given, str):
+        return ("robot.urdf", given) if "<" in given else (given, None)
+    if hasattr(given, "read"):
+        text = given.read()
+        text = text.decode() if isinstance(text, bytes) else text
+        return str(getattr(given, "name", "robot.urdf")), text
+    raise TypeError(f"a URDF is given by its path, its text or an open file, not by {type(given).__name__}")
+
+
+def _restore(file: str, text: str, snap: bool) -> Robot:
+    return _sesc.Robot.__new__(Robot, file, text, snap)

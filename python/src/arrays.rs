@@ -1,0 +1,76 @@
+//! Arrays of postures in, arrays of results out.
+//!
+//! ```text
+//! q (…, dof) ─▶ result (…, shape of one posture)
+//! ```
+//!
+//! Arrays of 64-bit floats in C order are read where they are; everything else is converted
+//! once by `sesc._arrays`.
+
+use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+
+/// `sesc._arrays.positions`.
+fn convert<'py>(
+    given: &Bound<'py, PyAny>,
+    joints: &[String],
+    name: &str,
+) -> PyResult<Bound<'py, PyAny>> {
+    static POSITIONS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let py = given.py();
+    let positions = POSITIONS.get_or_try_init(py, || {
+        let module = py.import("sesc._arrays")?;
+        module.getattr("positions").map(Bound::unbind)
+    })?;
+    positions.bind(py).call1((given, joints.to_vec(), name))
+}
+
+/// Joint positions (or velocities) that are given, checked: the last axis is the joints'.
+pub fn positions<'py>(
+    given: &Bound<'py, PyAny>,
+    joints: &[String],
+    name: &str,
+) -> PyResult<PyReadonlyArrayDyn<'py, f64>> {
+    let array = match given.cast::<PyArrayDyn<f64>>() {
+        Ok(array) if array.is_c_contiguous() => array.clone(),
+        _ => convert(given, joints, name)?.cast_into::<PyArrayDyn<f64>>()?,
+    };
+    if array.shape().last() != Some(&joints.len()) {
+        return Err(PyValueError::new_err(format!(
+            "{name} has the shape {:?}; its last axis must hold the {} joints of `model.joints`",
+            array.shape(),
+            joints.len()
+        )));
+    }
+    array.try_readonly().map_err(|_| {
+        PyValueError::new_err(format!("{name} is being written to; give a copy of it"))
+    })
+}
+
+/// The caller's array for results, or a new one.
+pub fn result<'py>(
+    py: Python<'py>,
+    out: Option<&Bound<'py, PyAny>>,
+    shape: &[usize],
+) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+    let Some(out) = out else {
+        return Ok(PyArrayDyn::zeros(py, shape, false));
+    };
+    let array = out
+        .cast::<PyArrayDyn<f64>>()
+        .map_err(|_| PyTypeError::new_err("out must be a numpy array of 64-bit floats"))?;
+    if array.shape() != shape || !array.is_c_contiguous() {
+        return Err(PyValueError::new_err(format!(
+            "out has the shape {:?}{}; give a C-contiguous array of the shape {shape:?}",
+            array.shape(),
+            if array.is_c_contiguous() {
+                ""
+            } else {
+                ", and gaps"
+            },
+        )));
+    }
+    Ok(array.clone())
+}

@@ -1,0 +1,204 @@
+//! The library's errors as exceptions of the package.
+//!
+//! ```text
+//! kind of the error, and what was being done ─▶ class     sentence, file, line, complaints ─▶ fields
+//! ```
+
+use std::path::Path;
+
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use sesc_identify::{Error, ErrorKind, Setting};
+use sesc_model::Error as ModelError;
+
+/// What was being done: it names the class of errors that say nothing of their own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Doing {
+    Robot,
+    Log,
+    ModelFile,
+    Fit,
+    Plan,
+    Part,
+    Code,
+}
+
+impl Doing {
+    fn class(self) -> &'static str {
+        match self {
+            Doing::Robot => "UrdfError",
+            Doing::Log => "LogError",
+            Doing::ModelFile => "ModelFileError",
+            Doing::Fit => "FitError",
+            Doing::Plan => "PlanError",
+            Doing::Part => "PartError",
+            Doing::Code => "SescError",
+        }
+    }
+}
+
+/// An error on its way to Python.
+#[derive(Debug)]
+pub struct Failure(Box<About>);
+
+#[derive(Debug)]
+struct About {
+    class: &'static str,
+    message: String,
+    file: Option<String>,
+    line: Option<u64>,
+    column: Option<String>,
+    /// Name of the exception that Python has for it, and its `errno`.
+    system: Option<i32>,
+    complaints: Vec<(Option<u32>, String)>,
+}
+
+impl Failure {
+    /// An error of the library while `doing` something.
+    pub fn of(error: &Error, doing: Doing) -> Failure {
+        let class = match (error.kind(), error.model()) {
+            (_, Some(model)) => class_of_model(model, doing),
+            (ErrorKind::Log, _) if doing != Doing::Part => "LogError",
+            (ErrorKind::Prior, _) => "PriorError",
+            (ErrorKind::Read | ErrorKind::Unsupported, _) if doing == Doing::Fit => "LogError",
+            (ErrorKind::Write, _) => "SescError",
+            (ErrorKind::Serialise, _) => "InternalError",
+            _ => doing.class(),
+        };
+        Failure(Box::new(About {
+            class,
+            message: sentence(error.worded(keyword), std::error::Error::source(error)),
+            file: error.file().map(str::to_string),
+            line: error.line(),
+            column: error.column().map(str::to_string),
+            system: system_of(error),
+            complaints: error.model().map(complaints).unwrap_or_default(),
+        }))
+    }
+
+    /// An error of the model.
+    pub fn of_model(error: ModelError, doing: Doing) -> Failure {
+        Failure::of(&Error::from(error), doing)
+    }
+
+    /// An error of the generator.
+    pub fn of_code(error: &sesc_codegen::Error) -> Failure {
+        let message = sentence(error.to_string(), std::error::Error::source(error));
+        Failure::plain(Doing::Code, message)
+    }
+
+    /// A defect of the package.
+    pub fn internal(message: impl Into<String>) -> Failure {
+        let mut failure = Failure::plain(Doing::Code, message);
+        failure.0.class = "InternalError";
+        failure
+    }
+
+    /// `path` cannot be read.
+    pub fn unreadable(doing: Doing, path: &Path, error: &std::io::Error) -> Failure {
+        let file = path.display().to_string();
+        let mut failure = Failure::plain(doing, format!("cannot read {file}: {error}"));
+        failure.0.system = error.raw_os_error();
+        failure.0.file = Some(file);
+        failure
+    }
+
+    /// A sentence without a place.
+    pub fn plain(doing: Doing, message: impl Into<String>) -> Failure {
+        Failure(Box::new(About {
+            class: doing.class(),
+            message: message.into(),
+            file: None,
+            line: None,
+            column: None,
+            system: None,
+            complaints: Vec::new(),
+        }))
+    }
+
+    /// The exception.
+    pub fn raise(self, py: Python<'_>) -> PyErr {
+        static MAKE: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+        let make = MAKE.get_or_try_init(py, || {
+            let module = py.import("sesc._errors")?;
+            module.getattr("make").map(Bound::unbind)
+        });
+        let made = make.and_then(|make| {
+            let of = *self.0;
+            let place = (of.file, of.line, of.column);
+            make.call1(py, (of.class, of.message, place, of.system, of.complaints))
+        });
+        match made {
+            Ok(exception) => PyErr::from_value(exception.into_bound(py)),
+            Err(error) => error,
+        }
+    }
+}
+
+fn class_of_model(error: &ModelError, doing: Doing) -> &'static str {
+    match error {
+        ModelError::Urdf(_) | ModelError::NoMass { .. } => "UrdfError",
+        ModelError::UnknownSupport { .. } | ModelError::MassBeyondFreeJoint { .. } => {
+            "SupportError"
+        }
+        ModelError::ModelFile { .. } => "ModelFileError",
+        _ => doing.class(),
+    }
+}
+
+fn complaints(error: &ModelError) -> Vec<(Option<u32>, String)> {
+    match error {
+        ModelError::Urdf(error) => {
+            let complaints = error.complaints().iter();
+            complaints
+                .map(|complaint| (complaint.line, complaint.message.clone()))
+                .collect()
+        }
+        _ => Vec::new(),
+    }
+}
+
+/// A sentence and what caused it, which a person has to read together.
+fn sentence(mut text: String, mut cause: Option<&(dyn std::error::Error + 'static)>) -> String {
+    while let Some(inner) = cause {
+        let said = inner.to_string();
+        if !text.contains(&said) {
+            text = format!("{text}: {said}");
+        }
+        cause = inner.source();
+    }
+    text
+}
+
+/// The number that the system gives to why a file cannot be read or written.
+fn system_of(error: &Error) -> Option<i32> {
+    if let Some(ModelError::Urdf(sesc_model::urdf::Error::Missing { .. })) = error.model() {
+        return Some(NO_SUCH_FILE);
+    }
+    let mut cause = std::error::Error::source(error);
+    while let Some(inner) = cause {
+        if let Some(io) = inner.downcast_ref::<std::io::Error>() {
+            return io.raw_os_error().or(match io.kind() {
+                std::io::ErrorKind::NotFound => Some(NO_SUCH_FILE),
+                _ => None,
+            });
+        }
+        cause = inner.source();
+    }
+    None
+}
+
+/// `errno.ENOENT` on every system that Python runs on.
+const NO_SUCH_FILE: i32 = 2;
+
+/// What Python's users call a setting.
+pub fn keyword(setting: Setting) -> String {
+    match setting {
+        Setting::Angles => "`angles=\"deg\"`".to_string(),
+        Setting::Snapping => "`snap=False`".to_string(),
+        Setting::Data => "`sesc.Log`".to_string(),
+        Setting::Partial => "`sesc.gather`".to_string(),
+        Setting::Feature(name) => format!("a build with the feature `{name}`"),
+        other => format!("`{}`", other.name()),
+    }
+}

@@ -1,0 +1,441 @@
+//! A robot on its support, with its parameters: functions of many postures at once.
+
+use std::path::PathBuf;
+use std::sync::{Arc, OnceLock};
+
+use numpy::{PyArray1, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use sesc::inspect::inspect;
+use sesc_identify::evaluate::Evaluator;
+use sesc_model::tape::BLOCK;
+use sesc_model::{self as model, Function, ModelFile};
+
+use crate::arrays::{positions, result};
+use crate::calls::{detached, guarded};
+use crate::errors::{Doing, Failure};
+use crate::robot::Robot;
+
+/// Functions that Python calls, each prepared when it is first asked for.
+const FUNCTIONS: [Function; 7] = [
+    Function::Com,
+    Function::ComJacobian,
+    Function::GravityMoments,
+    Function::Cop,
+    Function::RegressorCop,
+    Function::Regressor,
+    Function::Zmp,
+];
+
+/// Postures from which on the interpreter's lock is released: some ten microseconds' worth.
+const LONG: usize = 64;
+
+/// A robot on its support link, with CAD's parameters or identified ones.
+#[pyclass(frozen, subclass, module = "sesc._sesc")]
+pub struct Model {
+    pub inner: Arc<model::Model>,
+    joints: Vec<String>,
+    evaluators: [OnceLock<Evaluator>; FUNCTIONS.len()],
+}
+
+impl Model {
+    fn evaluator(&self, function: Function) -> (&Evaluator, Vec<usize>) {
+        let place = FUNCTIONS.iter().position(|known| *known == function);
+        let prepared = &self.evaluators[place.unwrap_or_default()];
+        let evaluator = prepared.get_or_init(|| Evaluator::new(&self.inner, function));
+        let columns = function.columns().on(&self.inner);
+        let shape = function.rows().into_iter().chain([columns]).collect();
+        (evaluator, shape)
+    }
+
+    fn run<'py>(
+        &self,
+        py: Python<'py>,
+        function: Function,
+        q: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+        threads: Option<usize>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        guarded(py, || {
+            let (evaluator, own) = self.evaluator(function);
+            let q = positions(q, &self.joints, "q")?;
+            let (n, shape) = self.shape(q.shape(), &own);
+            let out = result(py, out, &shape)?;
+            {
+                let mut target = out.try_readwrite().map_err(|_| overlap())?;
+                let (q, target) = (q.as_slice()?, target.as_slice_mut()?);
+                let dof = self.joints.len();
+                let work = Work {
+                    postures: n,
+                    width: evaluator.width(),
+                    threads: threads.unwrap_or(1),
+                };
+                let run = |start: usize, n: usize, out: &mut [f64]| {
+                    evaluator.run_into(&q[start * dof..], n, out);
+                };
+                work.run(py, target, run)?;
+            }
+            Ok(out)
+        })
+    }
+
+    /// How many postures there are, and the shape of their results.
+    fn shape(&self, q: &[usize], own: &[usize]) -> (usize, Vec<usize>) {
+        let outer = &q[..q.len() - 1];
+        let shape = outer.iter().chain(own).copied().collect();
+        (outer.iter().product(), shape)
+    }
+}
+
+fn overlap() -> PyErr {
+    PyValueError::new_err("out shares memory with an argument; give an array of its own")
+}
+
+/// A batch, and how it is shared out.
+struct Work {
+    postures: usize,
+    width: usize,
+    threads: usize,
+}
+
+impl Work {
+    fn run(
+        &self,
+        py: Python<'_>,
+        out: &mut [f64],
+        run: impl Fn(usize, usize, &mut [f64]) + Sync + Send,
+    ) -> PyResult<()> {
+        let &Work {
+            postures,
+            width,
+            threads,
+        } = self;
+        if threads == 0 {
+            return Err(PyValueError::new_err("threads is 0; give 1 or more"));
+        }
+        let blocks = postures.div_ceil(BLOCK);
+        let threads = threads.min(blocks);
+        if postures < LONG {
+            run(0, postures, out);
+            return Ok(());
+        }
+        detached(py, || {
+            if threads < 2 {
+                run(0, postures, out);
+                return Ok(());
+            }
+            let share = blocks.div_ceil(threads) * BLOCK;
+            std::thread::scope(|scope| {
+                let shares = out.chunks_mut(share * width.max(1)).enumerate();
+                for (k, out) in shares {
+                    let (start, run) = (k * share, &run);
+                    scope.spawn(move || run(start, share.min(postures - start), out));
+                }
+            });
+            Ok(())
+        })
+    }
+}
+
+#[pymethods]
+impl Model {
+    /// `robot` on `support` with the parameters of a model file, by its text or its path.
+    #[new]
+    #[pyo3(signature = (robot, support, file=None, text=None))]
+    fn new(
+        py: Python<'_>,
+        robot: &Robot,
+        support: &str,
+        file: Option<PathBuf>,
+        text: Option<&str>,
+    ) -> PyResult<Model> {
+        let build = || -> Result<model::Model, Failure> {
+            let name = file.as_ref().map(|path| path.display().to_string());
+            let parameters = match (text, &file, name) {
+                (Some(text), _, name) => {
+                    let name = name.unwrap_or_else(|| "model".to_string());
+                    Some(ModelFile::parse(text, &name))
+                }
+                (None, Some(path), _) => Some(ModelFile::read(path)),
+                (None, None, _) => None,
+            };
+            let failed = |error| Failure::of_model(error, Doing::ModelFile);
+            let parameters = parameters.transpose().map_err(failed)?;
+            let found = robot.inner.model(support, robot.snapping, None);
+            let found = found.map_err(|error| Failure::of(&error, Doing::Robot))?;
+            match parameters {
+                Some(parameters) => found.with_file(parameters).map_err(failed),
+                None => Ok(found),
+            }
+        };
+        detached(py, build).map(Model::of)
+    }
+
+    /// The text of the model file that it was made with.
+    #[getter]
+    fn model_file(&self, py: Python<'_>) -> PyResult<Option<String>> {
+        let text = self.inner.file.as_ref().map(ModelFile::to_toml);
+        let text = text.transpose();
+        text.map_err(|error| Failure::of_model(error, Doing::ModelFile).raise(py))
+    }
+
+    #[getter]
+    fn support(&self) -> &str {
+        self.inner.support()
+    }
+
+    #[getter]
+    fn joints(&self) -> Vec<String> {
+        self.joints.clone()
+    }
+
+    #[getter]
+    fn dof(&self) -> usize {
+        self.joints.len()
+    }
+
+    #[getter]
+    fn params<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_vec(py, self.inner.params())
+    }
+
+    #[getter]
+    fn param_names(&self) -> Vec<&str> {
+        let params = self.inner.base.params.iter();
+        params.map(|param| param.name.as_str()).collect()
+    }
+
+    #[getter]
+    fn total_mass(&self) -> f64 {
+        self.inner.total_mass_kg()
+    }
+
+    /// Lower and upper limit of each joint, joint by joint.
+    #[getter]
+    fn bounds(&self) -> Vec<[f64; 2]> {
+        self.inner
+            .tree
+            .dofs
+            .iter()
+            .map(|dof| dof.limits())
+            .collect()
+    }
+
+    #[getter]
+    fn unobservable(&self) -> Vec<&str> {
+        let all = self.inner.base.unobservable.iter();
+        all.map(|direction| direction.sentence.as_str()).collect()
+    }
+
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        let notes = self.inner.tree.notes.iter().cloned();
+        notes.chain(self.inner.left_out()).collect()
+    }
+
+    /// What `sesc inspect --json` says.
+    fn inspection(&self, py: Python<'_>) -> PyResult<String> {
+        detached(py, || json(&inspect(&self.inner)))
+    }
+
+    /// Centre of mass in the support frame, m: ``(dof,)`` gives ``(3,)``, ``(n, dof)`` gives ``(n, 3)``.
+    ///
+    /// Raises:
+    ///     ValueError: a last axis that is not the joints', or an unsuitable ``out``.
+    ///     TypeError: no numbers.
+    ///
+    /// Example:
+    ///     >>> model.com([0.0]).tolist()
+    ///     [0.1, 0.0, 1.0]
+    #[pyo3(signature = (q, *, out=None, threads=None))]
+    fn com<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+        threads: Option<usize>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        self.run(py, Function::Com, q, out, threads)
+    }
+
+    /// Its derivative with respect to joint positions, m/rad (prismatic: m/m): ``(3, dof)`` or
+    /// ``(n, 3, dof)``.
+    ///
+    /// Raises:
+    ///     ValueError: a last axis that is not the joints', or an unsuitable ``out``.
+    ///     TypeError: no numbers.
+    ///
+    /// Example:
+    ///     >>> model.com_jacobian([[0.0], [0.5]]).shape
+    ///     (2, 3, 1)
+    #[pyo3(signature = (q, *, out=None, threads=None))]
+    fn com_jacobian<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+        threads: Option<usize>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        self.run(py, Function::ComJacobian, q, out, threads)
+    }
+
+    /// Moment of gravity about each joint, per kg of the total mass and g, m: ``(dof,)`` or
+    /// ``(n, dof)``; times ``model.total_mass * 9.80665`` it is Nm.
+    ///
+    /// Raises:
+    ///     ValueError: a last axis that is not the joints', or an unsuitable ``out``.
+    ///     TypeError: no numbers.
+    ///
+    /// Example:
+    ///     >>> model.gravity_moments([0.0]).shape
+    ///     (1,)
+    #[pyo3(signature = (q, *, out=None, threads=None))]
+    fn gravity_moments<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+        threads: Option<usize>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        self.run(py, Function::GravityMoments, q, out, threads)
+    }
+
+    /// Reading of the centre of pressure that a static posture gives, m, with the effects of the
+    /// model: ``(2,)`` or ``(n, 2)``.
+    ///
+    /// Raises:
+    ///     ValueError: a last axis that is not the joints', or an unsuitable ``out``.
+    ///     TypeError: no numbers.
+    ///
+    /// Example:
+    ///     >>> model.cop([0.0]).tolist()
+    ///     [0.1, 0.0]
+    #[pyo3(signature = (q, *, out=None, threads=None))]
+    fn cop<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+        threads: Option<usize>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        self.run(py, Function::Cop, q, out, threads)
+    }
+
+    /// Rows of the CoP in the parameters, ``cop = cop_rows @ params`` without effects: ``(2, p)`` or
+    /// ``(n, 2, p)``.
+    ///
+    /// Raises:
+    ///     ValueError: a last axis that is not the joints', or an unsuitable ``out``.
+    ///     TypeError: no numbers.
+    ///
+    /// Example:
+    ///     >>> model.cop_rows([0.0]).shape
+    ///     (2, 5)
+    #[pyo3(signature = (q, *, out=None, threads=None))]
+    fn cop_rows<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+        threads: Option<usize>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        self.run(py, Function::RegressorCop, q, out, threads)
+    }
+
+    /// Rows of the CoM in the parameters, ``com = com_rows @ params``: ``(3, p)`` or ``(n, 3, p)``.
+    ///
+    /// Raises:
+    ///     ValueError: a last axis that is not the joints', or an unsuitable ``out``.
+    ///     TypeError: no numbers.
+    ///
+    /// Example:
+    ///     >>> model.com_rows([0.0]).shape
+    ///     (3, 5)
+    #[pyo3(signature = (q, *, out=None, threads=None))]
+    fn com_rows<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+        threads: Option<usize>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        self.run(py, Function::Regressor, q, out, threads)
+    }
+
+    /// Zero-moment point of a robot that moves, m: positions, velocities (rad/s, m/s) and
+    /// accelerations of one shape give ``(2,)`` or ``(n, 2)``.
+    ///
+    /// Raises:
+    ///     ValueError: a last axis that is not the joints', or an unsuitable ``out``.
+    ///     TypeError: no numbers.
+    ///
+    /// Example:
+    ///     >>> model.zmp([0.0], [0.0], [0.0]).tolist()
+    ///     [0.1, 0.0]
+    #[pyo3(signature = (q, qd, qdd, *, out=None, threads=None))]
+    fn zmp<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        qdd: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+        threads: Option<usize>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        guarded(py, || {
+            let (evaluator, own) = self.evaluator(Function::Zmp);
+            let q = positions(q, &self.joints, "q")?;
+            let qd = positions(qd, &self.joints, "qd")?;
+            let qdd = positions(qdd, &self.joints, "qdd")?;
+            if q.shape() != qd.shape() || q.shape() != qdd.shape() {
+                return Err(PyTypeError::new_err(format!(
+                    "q, qd and qdd have the shapes {:?}, {:?} and {:?}; give three of one shape",
+                    q.shape(),
+                    qd.shape(),
+                    qdd.shape()
+                )));
+            }
+            let (n, shape) = self.shape(q.shape(), &own);
+            let out = result(py, out, &shape)?;
+            {
+                let mut target = out.try_readwrite().map_err(|_| overlap())?;
+                let target = target.as_slice_mut()?;
+                let (q, qd, qdd) = (q.as_slice()?, qd.as_slice()?, qdd.as_slice()?);
+                let dof = self.joints.len();
+                let work = Work {
+                    postures: n,
+                    width: evaluator.width(),
+                    threads: threads.unwrap_or(1),
+                };
+                let run = |start: usize, n: usize, out: &mut [f64]| {
+                    let from = start * dof;
+                    evaluator.run_moving_into(&q[from..], &qd[from..], &qdd[from..], n, out);
+                };
+                work.run(py, target, run)?;
+            }
+            Ok(out)
+        })
+    }
+}
+
+impl Model {
+    /// A model of the library.
+    pub fn of(inner: model::Model) -> Model {
+        Model {
+            joints: inner
+                .tree
+                .dofs
+                .iter()
+                .map(|dof| dof.joint.clone())
+                .collect(),
+            inner: Arc::new(inner),
+            evaluators: Default::default(),
+        }
+    }
+}
+
+/// A result as the command line prints it.
+pub fn json(value: &impl serde::Serialize) -> Result<String, Failure> {
+    let text = sesc::cli::json(value);
+    text.map_err(|error| Failure::internal(error.to_string()))
+}

@@ -1,0 +1,193 @@
+"""Functions of arrays: against closed forms, derivatives and the command line."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+
+import sesc
+
+from conftest import POLE
+
+RNG = np.random.default_rng(1)
+FUNCTIONS = ["com", "com_jacobian", "gravity_moments", "cop", "cop_rows", "com_rows"]
+
+
+def test_a_pole_obeys_its_closed_form() -> None:
+    """A mass at 1 m over a pitch axis at x = 0.1 m: (0.1 + sin q, 0, cos q)."""
+    pole = sesc.Robot(POLE).on("foot")
+    q = np.linspace(-1, 1, 7)[:, None]
+    sin, cos, zero = np.sin(q[:, 0]), np.cos(q[:, 0]), np.zeros(7)
+    np.testing.assert_allclose(pole.com(q), np.stack([0.1 + sin, zero, cos], 1), atol=1e-15)
+    np.testing.assert_allclose(pole.com_jacobian(q)[:, :, 0], np.stack([cos, zero, -sin], 1), atol=1e-15)
+    np.testing.assert_allclose(pole.gravity_moments(q)[:, 0], sin, atol=1e-15)
+    np.testing.assert_allclose(pole.cop(q), np.stack([0.1 + sin, zero], 1), atol=1e-15)
+    assert pole.total_mass == 2.0
+    np.testing.assert_array_equal(pole.limits, [[-1.0, 1.0]])
+
+
+def test_zmp_of_a_point_mass_obeys_newton() -> None:
+    pole = sesc.Robot(POLE).on("foot")
+    q, qd, qdd = 0.3, 0.7, -1.1
+    c = np.array([0.1 + math.sin(q), math.cos(q)])
+    a = np.array(
+        [math.cos(q) * qdd - math.sin(q) * qd**2, -math.sin(q) * qdd - math.cos(q) * qd**2]
+    )
+    want = c[0] - c[1] * a[0] / (9.80665 + a[1])
+    assert pole.zmp([q], [qd], [qdd])[0] == pytest.approx(want, abs=1e-12)
+    both = pole.zmp([[q], [0.0]], [[qd], [0.0]], [[qdd], [0.0]])
+    np.testing.assert_allclose(both, [[want, 0.0], [0.1, 0.0]], atol=1e-12)
+
+
+def test_op2_has_the_paper_s_numbers(model: sesc.Model, op2: sesc.Robot) -> None:
+    assert model.dof == len(model.joints) == 20 and op2.joints == model.joints
+    assert model.params.shape == (43,) and len(model.param_names) == 43
+    assert model.limits.shape == (20, 2) and (model.limits[:, 0] < model.limits[:, 1]).all()
+    # An axis of each joint, and the height.
+    assert len(model.unobservable) == 21
+    assert any("height" in sentence for sentence in model.unobservable)
+    assert model.total_mass == pytest.approx(2.8, abs=0.3)
+
+
+def test_rows_times_parameters_are_the_functions(model: sesc.Model) -> None:
+    q = RNG.uniform(-1, 1, (100, 20))
+    np.testing.assert_allclose(model.com_rows(q) @ model.params, model.com(q), atol=1e-14)
+    np.testing.assert_allclose(model.cop_rows(q) @ model.params, model.cop(q), atol=1e-14)
+    np.testing.assert_array_equal(model.cop_rows(q), model.com_rows(q)[:, :2])
+    assert model.cop_rows(q).shape == (100, 2, 43) and model.cop_rows(q[0]).shape == (2, 43)
+
+
+def test_jacobian_and_moments_are_derivatives(model: sesc.Model) -> None:
+    q, h = RNG.uniform(-1, 1, 20), 1e-6
+    steps = h * np.eye(20)
+    slopes = (model.com(q + steps) - model.com(q - steps)) / (2 * h)
+    np.testing.assert_allclose(model.com_jacobian(q), slopes.T, atol=1e-9)
+    np.testing.assert_allclose(model.gravity_moments(q), -slopes[:, 2], atol=1e-9)
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+@pytest.mark.parametrize("n", [0, 1, 7, 63, 64, 65, 1000])
+def test_a_batch_is_its_postures(model: sesc.Model, name: str, n: int) -> None:
+    function = getattr(model, name)
+    q = RNG.uniform(-1, 1, (n, 20))
+    batch = function(q)
+    single = np.array([function(row) for row in q]).reshape(batch.shape)
+    np.testing.assert_array_equal(batch, single)
+    np.testing.assert_array_equal(function(q, threads=3), batch)
+    out = np.full_like(batch, np.nan)
+    assert function(q, out=out) is out
+    np.testing.assert_array_equal(out, batch)
+
+
+@given(
+    n=st.sampled_from([0, 1, 7, 63, 64, 65]),
+    kind=st.sampled_from(["<f8", ">f8", "<f4", "<f2", "<i4", "<i8", "<u2"]),
+    order=st.sampled_from("CF"),
+    step=st.sampled_from([1, 2, -1]),
+    frozen=st.booleans(),
+)
+@settings(deadline=None, max_examples=60)
+def test_any_array_of_numbers_is_taken(n: int, kind: str, order: Any, step: int, frozen: bool) -> None:
+    pole = sesc.Robot(POLE).on("foot")
+    q = np.zeros((n, 1), dtype=kind, order=order)
+    q[:, 0] = np.arange(n) % 2
+    q = q[::step]
+    q.flags.writeable = not frozen
+    want = pole.com([[float(x)] for x in q[:, 0]] if n else np.zeros((0, 1)))
+    np.testing.assert_array_equal(pole.com(q), want)
+
+
+@given(hnp.arrays(np.float64, (5, 3), elements=st.floats(-3, 3)))
+@settings(deadline=None, max_examples=30)
+def test_outer_axes_are_kept(q: np.ndarray) -> None:
+    pole = sesc.Robot(POLE).on("foot")
+    assert pole.com(q[:, :, None]).shape == (5, 3, 3)
+    np.testing.assert_array_equal(pole.com(q[:, :, None])[2, 1], pole.com([q[2, 1]]))
+
+
+def test_nan_stays_in_its_posture(model: sesc.Model) -> None:
+    q = RNG.uniform(-1, 1, (70, 20))
+    want = model.com(q)
+    q[3, 5] = np.nan
+    got = model.com(q)
+    assert np.isnan(got[3]).any()
+    np.testing.assert_array_equal(np.delete(got, 3, 0), np.delete(want, 3, 0))
+
+
+def test_joints_are_found_by_name(model: sesc.Model) -> None:
+    q = RNG.uniform(-1, 1, (9, 20))
+    columns = {name: q[:, k] for k, name in reversed(list(enumerate(model.joints)))}
+    np.testing.assert_array_equal(model.com({"t": np.zeros(9), **columns}), model.com(q))
+    del columns["r_knee"]
+    with pytest.raises(ValueError, match="r_knee"):
+        model.com(columns)
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "words"),
+    [
+        (lambda m: m.com(np.zeros(19)), ValueError, "20 joints"),
+        (lambda m: m.com(np.zeros((20, 3))), ValueError, "20 joints"),
+        (lambda m: m.com(0.0), ValueError, "20 joints"),
+        (lambda m: m.com(["a"] * 20), TypeError, "numbers"),
+        (lambda m: m.com(np.zeros(20, complex)), TypeError, "complex"),
+        (lambda m: m.com(np.zeros(20), out=np.zeros(2)), ValueError, "shape"),
+        (lambda m: m.com(np.zeros(20), out=np.zeros(3, np.float32)), TypeError, "64-bit"),
+        (lambda m: m.com(np.zeros((4, 20)), out=np.zeros((4, 6))[:, ::2]), ValueError, "gaps"),
+        (lambda m: m.com(np.zeros((64, 20)), threads=0), ValueError, "threads"),
+        (lambda m: m.zmp(np.zeros(20), np.zeros(20), np.zeros((1, 20))), TypeError, "one shape"),
+    ],
+)
+def test_what_cannot_be_taken_is_said(model: sesc.Model, call: Any, error: Any, words: str) -> None:
+    with pytest.raises(error, match=words):
+        call(model)
+
+
+def test_out_is_not_written_over_q() -> None:
+    pole = sesc.Robot(POLE).on("foot")
+    memory = np.zeros(3)
+    with pytest.raises(ValueError, match="shares memory"):
+        pole.com(memory[:1], out=memory)
+    frozen = np.zeros(3)
+    frozen.flags.writeable = False
+    with pytest.raises(ValueError):
+        pole.com([0.0], out=frozen)
+
+
+def test_functions_equal_those_of_the_command(model: sesc.Model, robots: Path, command: Any, tmp_path: Path) -> None:
+    q = RNG.uniform(-0.5, 0.5, (100, 20))
+    rows = [",".join([str(k), *map(repr, map(float, row))]) for k, row in enumerate(q)]
+    (tmp_path / "q.csv").write_text("\n".join([",".join(["pose", *model.joints]), *rows]) + "\n")
+    printed = command("predict", robots / "op2/op2.urdf", "--support", "r_sole", "--data", tmp_path / "q.csv")
+    table = np.array([line.split(",") for line in printed.splitlines()[1:]], dtype=float)
+    np.testing.assert_array_equal(table[:, 1:4], model.com(q))
+    np.testing.assert_array_equal(table[:, 4:6], model.cop(q))
+
+
+def test_inspection_equals_the_command(model: sesc.Model, robots: Path, command_json: Any) -> None:
+    assert model.to_dict() == command_json("inspect", robots / "op2/op2.urdf", "--support", "r_sole")
+
+
+@pytest.mark.peer
+@pytest.mark.parametrize("name", ["op2/op2.urdf"])
+def test_pinocchio_agrees(robots: Path, name: str) -> None:
+    pin = pytest.importorskip("pinocchio")
+    peer = pin.buildModelFromUrdf(str(robots / name))
+    data = peer.createData()
+    ours = sesc.Robot(robots / name, snap=False).on("r_sole")
+    order = [peer.joints[peer.getJointId(joint)].idx_q for joint in ours.joints]
+    for q in RNG.uniform(-0.5, 0.5, (20, ours.dof)):
+        theirs = np.zeros(peer.nq)
+        theirs[order] = q
+        com = pin.centerOfMass(peer, data, theirs)
+        pin.framesForwardKinematics(peer, data, theirs)
+        sole = data.oMf[peer.getFrameId("r_sole")]
+        # The URDF's root is fixed to Pinocchio's universe and has its own mass there.
+        np.testing.assert_allclose(sole.actInv(com), ours.com(q), atol=1e-12)

@@ -1,0 +1,129 @@
+"""Robots, models, their faults, and their life between processes."""
+
+from __future__ import annotations
+
+import copy
+import io
+import multiprocessing
+import pickle
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sesc
+
+from conftest import POLE
+
+
+def com_of(model: sesc.Model) -> Any:
+    return model.com(np.zeros((3, model.dof)))
+
+
+def test_a_urdf_is_given_in_any_form(robots: Path, tmp_path: Path) -> None:
+    (tmp_path / "pole.urdf").write_text(POLE)
+    forms: list[Any] = [POLE, POLE.encode(), io.StringIO(POLE), io.BytesIO(POLE.encode())]
+    forms += [tmp_path / "pole.urdf", str(tmp_path / "pole.urdf"), open(tmp_path / "pole.urdf")]
+    for form in forms:
+        assert sesc.Robot(form).hash == sesc.Robot(POLE).hash
+    with pytest.raises(TypeError, match="path"):
+        sesc.Robot(3)
+
+
+def test_right_angles_are_snapped_unless_asked_not_to() -> None:
+    skewed = POLE.replace("xyz='0.1 0 0'", "xyz='0.1 0 0' rpy='1.5708 0 0'")
+    exact = sesc.Robot(skewed).on("foot").com([0.0])
+    literal = sesc.Robot(skewed, snap=False).on("foot").com([0.0])
+    assert exact[2] == 0.0 and literal[2] == pytest.approx(np.cos(1.5708), rel=1e-9)
+
+
+def test_objects_say_what_they_are(op2: sesc.Robot, model: sesc.Model) -> None:
+    for thing in (op2, model):
+        assert "\n" not in repr(thing) and "op2" in repr(thing)
+    assert "r_sole" in repr(model) and "20 joints" in repr(model)
+
+
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, lambda x: pickle.loads(pickle.dumps(x))])
+def test_copies_compute_the_same(model: sesc.Model, copied: Any) -> None:
+    again = copied(model)
+    np.testing.assert_array_equal(com_of(again), com_of(model))
+    assert again.robot.hash == model.robot.hash and again.support == "r_sole"
+
+
+@pytest.mark.parametrize("method", ["spawn", "fork"])
+def test_models_go_to_other_processes(model: sesc.Model, method: str) -> None:
+    model.com(np.zeros((256, 20)), threads=2)
+    with multiprocessing.get_context(method).Pool(1) as pool:
+        np.testing.assert_array_equal(pool.apply(com_of, (model,)), com_of(model))
+
+
+def test_faults_of_a_urdf_have_file_and_line(tmp_path: Path) -> None:
+    bad = tmp_path / "bad.urdf"
+    bad.write_text(POLE.replace("value='2'", "value='two'"))
+    with pytest.raises(sesc.UrdfError, match="two") as caught:
+        sesc.Robot(bad)
+    assert isinstance(caught.value, (sesc.SescError, ValueError))
+    assert caught.value.file == str(bad) and caught.value.line == 2
+    assert [line for line, _ in caught.value.complaints] == [2]
+    again = pickle.loads(pickle.dumps(caught.value))
+    assert type(again) is type(caught.value) and str(again) == str(caught.value) and again.line == 2
+
+
+def test_a_file_that_is_not_there_is_an_error_of_python_too(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError) as caught:
+        sesc.Robot(tmp_path / "none.urdf")
+    assert isinstance(caught.value, sesc.UrdfError) and "none.urdf" in str(caught.value)
+    assert caught.value.filename == str(tmp_path / "none.urdf")
+    assert pickle.loads(pickle.dumps(caught.value)).errno == caught.value.errno
+    with pytest.raises(sesc.ModelFileError):
+        sesc.Robot(POLE).on("foot", model=tmp_path / "none.toml")
+
+
+def test_a_wrong_support_names_the_links(pole: sesc.Robot) -> None:
+    with pytest.raises(sesc.SupportError, match="foot"):
+        pole.on("fot")
+
+
+def test_a_model_file_of_another_robot_is_refused(pole: sesc.Robot, tmp_path: Path) -> None:
+    file = tmp_path / "model.toml"
+    file.write_text("robot = 'x'\nhash = 'y'\nsupport = 'foot'\nparameters = []\n")
+    with pytest.raises(sesc.ModelFileError, match="hash") as caught:
+        pole.on("foot", model=file)
+    assert caught.value.file == str(file)
+
+
+def test_bad_urdfs_are_errors_and_nothing_is_written(robots: Path, capfd: Any) -> None:
+    files = sorted((robots.parent / "tests" / "bad_urdf").glob("*.urdf"))
+    assert len(files) > 10
+    for file in files:
+        try:
+            robot = sesc.Robot(file)
+            for link in robot.links[:3]:
+                robot.on(link)
+        except sesc.SescError as error:
+            assert not re.search(r"(^|[\s`(])--[a-z]", str(error)), error
+    for cut in range(0, len(POLE), 7):
+        try:
+            sesc.Robot(POLE[:cut] + "<")
+        except sesc.UrdfError:
+            pass
+    assert capfd.readouterr() == ("", "")
+
+
+def test_importing_is_quick_and_asks_for_numpy_alone() -> None:
+    code = """
+import sys, time, numpy
+before, start = set(sys.modules), time.perf_counter()
+import sesc
+print(time.perf_counter() - start)
+print(sorted({name.split('.')[0] for name in set(sys.modules) - before} - set(sys.stdlib_module_names)))
+"""
+    runs = [subprocess.run([sys.executable, "-c", code], capture_output=True, text=True) for _ in range(3)]
+    seconds = min(float(run.stdout.split()[0]) for run in runs)
+    packages = runs[0].stdout.splitlines()[1]
+    assert packages == "['sesc']", packages
+    assert seconds < 0.030, seconds
