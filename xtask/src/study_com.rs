@@ -37,6 +37,9 @@ pub struct StudyCom {
     /// Judge the generated C, too, of every log of this many
     #[arg(long, default_value_t = 10)]
     every: usize,
+    /// Only those of the logs that hide this effect: `backlash`
+    #[arg(long, value_name = "EFFECT")]
+    only: Option<String>,
     /// Where the table goes, instead of docs/study-com.md
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -80,7 +83,16 @@ impl StudyCom {
                 Some(next.fetch_add(1, Ordering::Relaxed)).filter(|i| *i < self.logs)
             {
                 let in_c = i % self.every.max(1) == 0;
-                match examine(&draw(i, self.seed), folder.path(), in_c) {
+                let trial = draw(i, self.seed);
+                let mut names = trial.hidden.iter().map(|hidden| hidden.effect.name());
+                if self
+                    .only
+                    .as_ref()
+                    .is_some_and(|only| !names.any(|name| name == only))
+                {
+                    continue;
+                }
+                match examine(&trial, folder.path(), in_c) {
                     Ok(one) => {
                         eprintln!("{i:4} {}", line(&one));
                         found

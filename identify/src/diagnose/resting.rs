@@ -2,14 +2,13 @@
 //!
 //! On which side of its dead band a loose joint rests, a log shows; a model file works it
 //! out from its own masses. Where these are loosely known, the sides that fit a log and the
-//! sides that the fitted masses ask for can exchange each other without end. So unknowns e
-//! and masses r are those, on the way of the fit, whose own sides predict the log best,
+//! sides that the fitted masses ask for can exchange each other without end. So of the fits
+//! about one point of masses after the other the one is taken whose own masses predict the
+//! log best, and what it leaves is what the diagnosis states:
 //!
 //! ```text
-//! min Σ_k min(χ²_k(e, r), most)      sides = sign τ(e, r)
+//! min Σ_k χ²_k(e, r)      sides = sign τ(e, r), or what the log knows of a joint near no moment
 //! ```
-//!
-//! and what they leave is what the diagnosis states.
 
 use std::rc::Rc;
 
@@ -25,50 +24,51 @@ use crate::lsq::damped;
 
 /// Rounds, at most.
 const ROUNDS: usize = 12;
-/// χ² that one posture counts, at most: its side may be one that gravity does not decide.
+/// χ² that one posture counts, at most: it may rest where gravity does not decide.
 const MOST: f64 = 9.0;
-/// Parts of the way to the next fit that are tried.
-const STEPS: [f64; 6] = [1.0, 0.5, 0.25, 0.1, 0.03, 0.01];
-/// A step that gains less, as a part of the misfit, is not taken.
+/// χ² that a posture counts whose side the log knows and gravity does not.
+const FLIPPED: f64 = 4.0;
+/// Shorter steps between masses, as a part of the way to those of the fit, are not tried.
+const SHORTEST: f64 = 0.1;
+/// A fit that predicts the log better by less than this part is no better.
 const GAIN: f64 = 1e-4;
 
 /// `problem` and `fit` about masses whose own sides predict the log as stated.
 pub(super) fn settle<'m>(exact: &Exact, problem: &Problem<'m>, fit: &Fit) -> (Problem<'m>, Fit) {
     let predictions = Predictions::new(problem, &effects_of(&fit.terms));
-    let mut at = Point {
-        unknowns: fit.unknowns.clone(),
-        masses: masses_of(problem, fit),
+    let stated = |problem: &Problem, fit: &Fit, masses: Vec<f64>| Stated {
+        misfit: predictions.misfit(problem, fit, &masses),
+        fit: fit.clone(),
+        masses,
     };
-    // Masses that no prior holds may be anything where the log says little of them.
-    let usual = Point {
-        unknowns: fit.unknowns.clone(),
-        masses: usual_masses(problem, fit),
-    };
-    let mut misfit = predictions.misfit(problem, &at);
-    let of_usual = predictions.misfit(problem, &usual);
-    if of_usual < misfit {
-        (at, misfit) = (usual, of_usual);
+    let mut best = stated(problem, fit, masses_of(problem, fit));
+    if !problem.is_wider() {
+        // A prior that holds no masses lets those of light links be anything.
+        let usual = stated(problem, fit, usual_masses(problem, fit));
+        if usual.misfit < best.misfit {
+            best = usual;
+        }
     }
-    let mut own = exact.about(problem, fit, at.masses.clone());
-    let mut last = own.fit(&fit.terms, Some(&at.unknowns), ALL);
+    let (mut about, mut part) = (best.masses.clone(), 1.0);
     for _ in 0..ROUNDS {
-        let end = Point {
-            unknowns: last.unknowns.clone(),
-            masses: masses_of(&own, &last),
-        };
-        let tried = STEPS.iter().map(|part| {
-            let point = at.towards(&end, *part);
-            (predictions.misfit(problem, &point), point)
-        });
-        let best = tried.min_by(|a, b| a.0.total_cmp(&b.0));
-        let Some((found, point)) = best.filter(|best| best.0 < (1.0 - GAIN) * misfit) else {
-            break;
-        };
-        (at, misfit) = (point, found);
-        own = exact.about(&own, &last, at.masses.clone());
-        last = own.fit(&fit.terms, Some(&at.unknowns), ALL);
+        let own = exact.about(problem, &best.fit, about.clone());
+        let next = own.fit(&fit.terms, Some(&best.fit.unknowns), ALL);
+        let next = stated(&own, &next, masses_of(&own, &next));
+        let end = next.masses.clone();
+        if next.misfit < (1.0 - GAIN) * best.misfit {
+            best = next;
+        } else {
+            part *= 0.5;
+            if part < SHORTEST {
+                break;
+            }
+        }
+        for (about, end) in about.iter_mut().zip(&end) {
+            *about += part * (end - *about);
+        }
     }
-    let stated = predictions.stated(&own, last, at);
+    let own = exact.about(problem, &best.fit, best.masses.clone());
+    let stated = predictions.stated(&own, best);
     (own, stated)
 }
 
@@ -79,24 +79,13 @@ fn usual_masses(problem: &Problem, fit: &Fit) -> Vec<f64> {
     masses.map(|(cad, shift)| cad + shift).collect()
 }
 
-/// Unknowns and masses of an explanation.
-struct Point {
-    unknowns: Vec<f64>,
+/// A fit with the masses that its file would hold.
+struct Stated {
+    fit: Fit,
+    /// Base parameters, m.
     masses: Vec<f64>,
-}
-
-impl Point {
-    /// `part` of the way to `end`.
-    fn towards(&self, end: &Point, part: f64) -> Point {
-        let between = |from: &[f64], to: &[f64]| -> Vec<f64> {
-            let pairs = from.iter().zip(to);
-            pairs.map(|(from, to)| from + part * (to - from)).collect()
-        };
-        Point {
-            unknowns: between(&self.unknowns, &end.unknowns),
-            masses: between(&self.masses, &end.masses),
-        }
-    }
+    /// χ² that the file leaves.
+    misfit: f64,
 }
 
 /// What a model file with these effects predicts of the log.
@@ -137,24 +126,28 @@ impl Predictions {
             .collect()
     }
 
-    fn misfit(&self, problem: &Problem, at: &Point) -> f64 {
-        let predicted = self.readings(problem, &at.unknowns, &at.masses);
-        let error = |row: usize| {
+    /// χ² that a fit leaves where its file holds these masses.
+    fn misfit(&self, problem: &Problem, fit: &Fit, masses: &[f64]) -> f64 {
+        let predicted = self.readings(problem, &fit.unknowns, masses);
+        let square = |row: usize| {
             let error = (problem.data.reading[row] - predicted[row]) * problem.weight[row];
             error * error
         };
-        let postures = 0..problem.data.len();
-        let of = postures.map(|k| (error(2 * k) + error(2 * k + 1)).min(MOST));
-        // What is not finite counts as a posture that is far off.
-        of.map(|chi2| if chi2.is_nan() { MOST } else { chi2 }).sum()
+        let of = |k: usize| match fit.flipped.contains(&k) {
+            true => FLIPPED,
+            // What is not a number counts as far off.
+            false => MOST.min(square(2 * k) + square(2 * k + 1)),
+        };
+        (0..problem.data.len()).map(of).sum()
     }
 
-    /// `last`, fitted about the masses of a point, as the file of this point predicts the log.
-    fn stated(&self, problem: &Problem, last: Fit, at: Point) -> Fit {
+    /// A fit, about its masses in `problem`, as its file predicts the log.
+    fn stated(&self, problem: &Problem, of: Stated) -> Fit {
+        let Stated { fit, masses, .. } = of;
         let layout = PostureContext::of(problem.context.robot);
         let width = self.tape.outputs();
-        let out = self.run(problem, &at.unknowns, &at.masses);
-        let decided = backlash_sides::settle(problem, &last.terms, &at.unknowns, Some(&last));
+        let out = self.run(problem, &fit.unknowns, &masses);
+        let decided = backlash_sides::settle(problem, &fit.terms, &fit.unknowns, Some(&fit));
         let by_gravity = |k: &usize| !decided.flipped.contains(k);
         let postures = || (0..problem.data.len()).filter(by_gravity);
         let mut context = decided.posture_context.to_vec();
@@ -163,9 +156,10 @@ impl Predictions {
                 context[k * layout.len() + layout.side(joint)] = out[k * width + 2 + joint];
             }
         }
-        let masses = problem.masses(&last.terms);
-        let root = last.outliers.as_ref().map(|o| o.root_weights(None));
-        let mut state = problem.state(&last.terms, at.unknowns, &context, &root, masses);
+        let errors = problem.masses(&fit.terms);
+        let root = fit.outliers.as_ref().map(|o| o.root_weights(None));
+        let unknowns = fit.unknowns.clone();
+        let mut state = problem.state(&fit.terms, unknowns, &context, &root, errors);
         // Springs that give way while loose joints slide end a little elsewhere than springs
         // beside joints at rest: the file's own readings count.
         for row in postures().flat_map(|k| [2 * k, 2 * k + 1]) {
@@ -175,7 +169,7 @@ impl Predictions {
             state.predicted[row] = file - back;
             state.residual[row] = (problem.data.reading[row] - file + back) * whitened;
         }
-        let scales = problem.scales(&last.terms);
+        let scales = problem.scales(&fit.terms);
         Fit {
             covariance: damped::covariance(&state.normal.0, &scales),
             unknowns: state.unknowns,
@@ -185,8 +179,8 @@ impl Predictions {
             at_bound: state.at_bound,
             posture_context: Some(Rc::new(context)),
             flipped: decided.flipped,
-            masses: Some(at.masses),
-            ..last
+            masses: Some(masses),
+            ..fit
         }
     }
 }

@@ -8,9 +8,9 @@ use super::problem::{Fit, Problem};
 
 /// A value of an effect with its standard deviation.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Found {
+pub struct Found<'n> {
     /// Name of the parameter, which ends in its unit.
-    pub name: &'static str,
+    pub name: &'n str,
     /// The estimate.
     pub value: f64,
     /// Its standard deviation.
@@ -18,7 +18,7 @@ pub struct Found {
 }
 
 /// What each effect of a fit amounts to: deviations by the slopes of the values.
-pub fn values(problem: &Problem, fit: &Fit) -> Vec<Vec<Found>> {
+pub fn values(problem: &Problem, fit: &Fit) -> Vec<Vec<Found<'static>>> {
     let context = &problem.context;
     let mut at = 0;
     fit.terms
@@ -38,7 +38,7 @@ fn with_deviations(
     term: &Term,
     unknowns: &[f64],
     covariance: &DMatrix<f64>,
-) -> Vec<Found> {
+) -> Vec<Found<'static>> {
     let of = |x: &[f64]| term.values(context, x);
     let scales = term.scales(context);
     let now = of(unknowns);
@@ -81,7 +81,9 @@ pub fn spoken(found: &Found) -> String {
         .to_string()
 }
 
-fn unit_of(name: &str) -> (f64, &'static str) {
+/// What a value is multiplied with for people, and the unit it then has, by the unit at the
+/// end of its name.
+pub fn unit_of(name: &str) -> (f64, &'static str) {
     match name {
         n if n.ends_with("_nm_per_rad") => (1.0, "Nm/rad"),
         n if n.ends_with("_rad") => (180.0 / std::f64::consts::PI, "°"),

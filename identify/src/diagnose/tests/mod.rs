@@ -185,6 +185,6 @@ fn term(problem: &Problem, effect: &str, target: &str) -> Term {
 }
 
 /// Values of the only effect of a fit with their stated deviations.
-fn values(problem: &Problem, fit: &Fit) -> Vec<words::Found> {
+fn values(problem: &Problem, fit: &Fit) -> Vec<words::Found<'static>> {
     words::values(problem, fit).remove(0)
 }
