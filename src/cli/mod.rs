@@ -1,5 +1,6 @@
 //! The command line: parse, call, print.
 
+mod compare;
 mod demo;
 mod diagnose;
 mod effects;
@@ -49,6 +50,7 @@ enum Command {
     Fit(fit::Arguments),
     Diagnose(diagnose::Arguments),
     Effects(effects::Arguments),
+    Compare(compare::Arguments),
     Demo(demo::Arguments),
 }
 
@@ -91,6 +93,7 @@ pub fn main() -> ExitCode {
         Command::Fit(arguments) => fit::run(&arguments),
         Command::Diagnose(arguments) => diagnose::run(&arguments),
         Command::Effects(arguments) => effects::run(&arguments),
+        Command::Compare(arguments) => compare::run(&arguments),
         Command::Demo(arguments) => demo::run(&arguments),
     };
     match outcome {

@@ -4,6 +4,7 @@
 //! figures on it, [`table`] the aligned columns of the command line. Lengths
 //! arrive in metres and leave in millimetres.
 
+pub mod compare;
 pub mod diagnose;
 pub mod figures;
 pub mod fit;

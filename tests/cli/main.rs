@@ -2,6 +2,7 @@
 //! appear whole or not at all, what the commands promise.
 
 mod answers;
+mod compare;
 mod model_files;
 mod pipes;
 mod unfinished;

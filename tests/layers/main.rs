@@ -71,6 +71,7 @@ const ROOMS: [(&str, &[&str]); 5] = [
             "fit",
             "plan",
             "diagnose",
+            "compare",
         ],
     ),
     ("python", &["errors", "calls", "arrays", "robot", "model"]),

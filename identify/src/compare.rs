@@ -1,0 +1,438 @@
+//! What changed between two models of one robot, and whether it is more than chance.
+//!
+//! ```text
+//! d = r_b − r_a        C = C_a + C_b        (C = (RᵀR)⁻¹ of each file's information)
+//! C = Σ_k σ_k² u_k u_kᵀ        z_k = u_kᵀ d / σ_k
+//! ```
+//!
+//! Where nothing changed, every z_k is a standard normal number, or less: a prior that both
+//! share pulls both the same way. What is known best comes first, so that a change that two
+//! good directions show is not lost among forty that nobody measured: Σ z_k² over the first
+//! 1, 2, 4, … directions is held against χ², and the smallest probability, times how many
+//! were looked at, is the chance of such a difference without a change.
+//!
+//! Effects are compared by name and target, value by value, in standard deviations of the
+//! difference. Directions of which a file gives no deviation are left out and counted.
+
+use std::collections::BTreeSet;
+
+use nalgebra::{DMatrix, DVector};
+use serde::Serialize;
+use sesc_model::{EffectRecord, ModelFile};
+use statrs::distribution::{ChiSquared, ContinuousCDF as _, Normal};
+
+use crate::Error;
+
+/// A difference that chance makes more often than this is none.
+const CHANCE: f64 = 0.01;
+/// Parameters that are listed as the largest changes.
+const LISTED: usize = 5;
+
+/// A number in both models.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Difference {
+    /// Its name, which for effects ends in the unit; base parameters are in m.
+    pub name: String,
+    /// In the first model; none where it is not there.
+    pub before: Option<f64>,
+    /// In the second.
+    pub after: Option<f64>,
+    /// Standard deviation of the difference.
+    pub std: Option<f64>,
+    /// The difference in standard deviations.
+    pub deviations: Option<f64>,
+}
+
+/// What became of an effect.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Change {
+    /// In the second model alone.
+    Appeared,
+    /// In the first model alone.
+    Gone,
+    /// In both, and different by more than chance.
+    Changed,
+    /// In both, and different by no more than chance.
+    Same,
+    /// In both, and different, without deviations to judge by.
+    Unknown,
+}
+
+/// An effect of either model.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct EffectChange {
+    /// Name of the effect: `joint_offset`.
+    pub effect: String,
+    /// Joint, link or cell; `-` for the whole robot.
+    pub target: String,
+    /// What became of it.
+    pub change: Change,
+    /// Its parameters.
+    pub parameters: Vec<Difference>,
+}
+
+/// Two models of one robot, held against each other.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Comparison {
+    /// Name of the robot.
+    pub robot: String,
+    /// Link on the ground.
+    pub support: String,
+    /// Whether both files are of the same URDF.
+    pub same_urdf: bool,
+    /// Noise of a reading in the two, m.
+    pub noise_floor: [Option<f64>; 2],
+    /// Whether both were identified from the same data, by their hashes.
+    pub same_data: bool,
+    /// Effects of either.
+    pub effects: Vec<EffectChange>,
+    /// Base parameters of either, m.
+    pub parameters: Vec<Difference>,
+    /// Directions of the base parameters that both determine.
+    pub directions: usize,
+    /// Σ z² over them.
+    pub chi2: f64,
+    /// Chance of a difference of the base parameters like this one where nothing changed;
+    /// none where no direction has deviations.
+    pub chance: Option<f64>,
+    /// Whether anything differs by more than chance.
+    pub changed: bool,
+    /// The result in sentences.
+    pub sentence: String,
+}
+
+/// Compare two model files of one robot on one support.
+///
+/// # Errors
+/// Where the files are of different supports, or their base parameters have other names:
+/// then they describe different robots.
+pub fn compare(before: &ModelFile, after: &ModelFile) -> Result<Comparison, Error> {
+    let refused = |reason: String| {
+        Err(Error::from(sesc_model::Error::ModelFile {
+            file: after.file.clone(),
+            reason,
+        }))
+    };
+    if before.support != after.support {
+        return refused(format!(
+            "stands on `{}`, {} on `{}`: identify both on one support",
+            after.support, before.file, before.support
+        ));
+    }
+    let names = |file: &ModelFile| -> BTreeSet<String> {
+        file.parameters.iter().map(|p| p.name.clone()).collect()
+    };
+    let (names_before, names_after) = (names(before), names(after));
+    if let Some(name) = names_before.symmetric_difference(&names_after).next() {
+        let (has, lacks) = match names_before.contains(name) {
+            true => (&before.file, &after.file),
+            false => (&after.file, &before.file),
+        };
+        return refused(format!(
+            "base parameter `{name}` is in {has} and not in {lacks}: the two are models of \
+             different robots"
+        ));
+    }
+    let joint = Joint::of(before, after);
+    let effects = effects(before, after);
+    let values_changed = effects
+        .iter()
+        .any(|e| matches!(e.change, Change::Appeared | Change::Gone | Change::Changed));
+    let masses_changed = joint.chance.is_some_and(|chance| chance < CHANCE);
+    let hashes = |file: &ModelFile| -> BTreeSet<String> {
+        file.data.iter().map(|data| data.hash.clone()).collect()
+    };
+    let mut comparison = Comparison {
+        robot: after.robot.clone(),
+        support: after.support.clone(),
+        same_urdf: before.hash == after.hash,
+        noise_floor: [before.noise_floor, after.noise_floor],
+        same_data: !before.data.is_empty() && hashes(before) == hashes(after),
+        effects,
+        parameters: joint.differences,
+        directions: joint.directions,
+        chi2: joint.chi2,
+        chance: joint.chance,
+        changed: values_changed || masses_changed,
+        sentence: String::new(),
+    };
+    comparison.sentence = sentence(&comparison);
+    Ok(comparison)
+}
+
+/// The base parameters of two files.
+struct Joint {
+    differences: Vec<Difference>,
+    directions: usize,
+    chi2: f64,
+    chance: Option<f64>,
+}
+
+impl Joint {
+    fn of(before: &ModelFile, after: &ModelFile) -> Joint {
+        let n = before.parameters.len();
+        let of = |name: &str| after.parameters.iter().position(|p| p.name == name);
+        // Place of every parameter of the first file in the second.
+        let places: Vec<usize> = before
+            .parameters
+            .iter()
+            .filter_map(|p| of(&p.name))
+            .collect();
+        let (a, b) = (covariance(before), covariance(after));
+        let known: Vec<usize> = (0..n)
+            .filter(|&k| a[(k, k)].is_finite() && b[(places[k], places[k])].is_finite())
+            .collect();
+        let gap = |k: usize| after.parameters[places[k]].value - before.parameters[k].value;
+        let differences = (0..n)
+            .map(|k| {
+                let variance = a[(k, k)] + b[(places[k], places[k])];
+                let std = Some(variance.sqrt()).filter(|std| std.is_finite());
+                Difference {
+                    name: before.parameters[k].name.clone(),
+                    before: Some(before.parameters[k].value),
+                    after: Some(after.parameters[places[k]].value),
+                    std,
+                    deviations: std.map(|std| deviations(gap(k), std)),
+                }
+            })
+            .collect();
+        let covariance = DMatrix::from_fn(known.len(), known.len(), |i, k| {
+            let (i, k) = (known[i], known[k]);
+            a[(i, k)] + b[(places[i], places[k])]
+        });
+        let gap = DVector::from_iterator(known.len(), known.iter().map(|&k| gap(k)));
+        let squares = squares(covariance, &gap);
+        Joint {
+            differences,
+            directions: squares.len(),
+            chi2: squares.iter().sum(),
+            chance: chance(&squares),
+        }
+    }
+}
+
+/// |gap| in deviations; a gap of nothing is none, whatever its deviation.
+fn deviations(gap: f64, std: f64) -> f64 {
+    if gap == 0.0 { 0.0 } else { gap.abs() / std }
+}
+
+/// Covariance of a file's base parameters; infinite where it gives no deviation.
+fn covariance(file: &ModelFile) -> DMatrix<f64> {
+    let n = file.parameters.len();
+    let mut found = DMatrix::zeros(n, n);
+    let unknown = |found: &mut DMatrix<f64>, k: usize| found[(k, k)] = f64::INFINITY;
+    let factor = file.information.as_ref().map(|i| &i.factor);
+    let Some(factor) = factor.filter(|factor| factor.len() == n) else {
+        for (k, parameter) in file.parameters.iter().enumerate() {
+            match parameter.std {
+                Some(std) => found[(k, k)] = std * std,
+                None => unknown(&mut found, k),
+            }
+        }
+        return found;
+    };
+    // Rows of zeros know nothing of their parameter: the others are taken given it.
+    let known: Vec<usize> = (0..n).filter(|&k| factor[k][0] > 0.0).collect();
+    let triangle = DMatrix::from_fn(known.len(), known.len(), |i, k| {
+        match known[k].checked_sub(known[i]) {
+            Some(at) => factor[known[i]][at],
+            None => 0.0,
+        }
+    });
+    let inverse = triangle
+        .solve_upper_triangular(&DMatrix::identity(known.len(), known.len()))
+        .unwrap_or_else(|| DMatrix::from_element(known.len(), known.len(), f64::INFINITY));
+    let covariance = &inverse * inverse.transpose();
+    for k in 0..n {
+        unknown(&mut found, k);
+    }
+    for (i, &row) in known.iter().enumerate() {
+        for (k, &column) in known.iter().enumerate() {
+            found[(row, column)] = covariance[(i, k)];
+        }
+    }
+    found
+}
+
+/// z² along the axes of a covariance, those of the smallest variance first.
+fn squares(covariance: DMatrix<f64>, gap: &DVector<f64>) -> Vec<f64> {
+    if gap.is_empty() {
+        return Vec::new();
+    }
+    // Rounds are bounded: what does not converge is left out.
+    let Some(axes) = covariance.try_symmetric_eigen(f64::EPSILON, 10_000) else {
+        return Vec::new();
+    };
+    let largest = axes.eigenvalues.max();
+    let mut order: Vec<usize> = (0..gap.len()).collect();
+    order.sort_by(|i, k| axes.eigenvalues[*i].total_cmp(&axes.eigenvalues[*k]));
+    order
+        .into_iter()
+        // Below this a variance is the rounding of larger ones.
+        .map(|k| {
+            let variance = axes.eigenvalues[k].max(1e-15 * largest);
+            let along = axes.eigenvectors.column(k).dot(gap);
+            along * along / variance
+        })
+        .filter(|square| square.is_finite())
+        .collect()
+}
+
+/// Smallest probability of Σ z² over the first 1, 2, 4, … directions, times their number.
+fn chance(squares: &[f64]) -> Option<f64> {
+    let mut counts: Vec<usize> = std::iter::successors(Some(1), |k| Some(2 * k))
+        .take_while(|k| *k < squares.len())
+        .collect();
+    if !squares.is_empty() {
+        counts.push(squares.len());
+    }
+    let of = |count: &usize| {
+        let sum: f64 = squares[..*count].iter().sum();
+        ChiSquared::new(*count as f64).map(|law| law.sf(sum)).ok()
+    };
+    let least = counts.iter().filter_map(of).reduce(f64::min)?;
+    Some((least * counts.len() as f64).min(1.0))
+}
+
+fn effects(before: &ModelFile, after: &ModelFile) -> Vec<EffectChange> {
+    let is = |a: &EffectRecord, b: &EffectRecord| a.effect == b.effect && a.target == b.target;
+    let mut found: Vec<EffectChange> = Vec::new();
+    for old in &before.effects {
+        let new = after.effects.iter().find(|new| is(old, new));
+        found.push(effect(Some(old), new));
+    }
+    for new in &after.effects {
+        if !before.effects.iter().any(|old| is(old, new)) {
+            found.push(effect(None, Some(new)));
+        }
+    }
+    found
+}
+
+fn effect(old: Option<&EffectRecord>, new: Option<&EffectRecord>) -> EffectChange {
+    let of = |record: Option<&EffectRecord>, name: &str| {
+        record.and_then(|record| record.parameters.get(name).copied())
+    };
+    let names: BTreeSet<&String> = old
+        .into_iter()
+        .chain(new)
+        .flat_map(|record| record.parameters.keys())
+        .collect();
+    let parameters: Vec<Difference> = names
+        .into_iter()
+        .map(|name| {
+            let (a, b) = (of(old, name), of(new, name));
+            let gap = a.zip(b).map(|(a, b)| b.value - a.value);
+            let std = match (a, b) {
+                (Some(a), Some(b)) => a.std.zip(b.std).map(|(a, b)| a.hypot(b)),
+                (one, other) => one.or(other).and_then(|only| only.std),
+            };
+            Difference {
+                name: name.clone(),
+                before: a.map(|a| a.value),
+                after: b.map(|b| b.value),
+                std,
+                deviations: gap.zip(std).map(|(gap, std)| deviations(gap, std)),
+            }
+        })
+        .collect();
+    let change = match (old, new) {
+        (None, _) => Change::Appeared,
+        (_, None) => Change::Gone,
+        _ => change(&parameters),
+    };
+    let record = old.or(new);
+    EffectChange {
+        effect: record.map_or_else(String::new, |r| r.effect.clone()),
+        target: record.map_or_else(String::new, |r| r.target.clone()),
+        change,
+        parameters,
+    }
+}
+
+/// What the values of an effect that both models have come to.
+fn change(parameters: &[Difference]) -> Change {
+    let judged = parameters.iter().filter_map(|p| p.deviations);
+    let most = judged.clone().fold(0.0, f64::max);
+    let count = judged.count();
+    // Two-sided, for as many values as are looked at.
+    let normal = Normal::standard();
+    let chance = 2.0 * normal.sf(most) * count.max(1) as f64;
+    let unjudged = |p: &Difference| p.deviations.is_none() && p.before != p.after;
+    match (chance < CHANCE, parameters.iter().any(unjudged)) {
+        (true, _) => Change::Changed,
+        (false, true) => Change::Unknown,
+        (false, false) => Change::Same,
+    }
+}
+
+impl Comparison {
+    /// The base parameters that differ most, in deviations, the largest first.
+    pub fn largest(&self) -> Vec<&Difference> {
+        let mut judged: Vec<&Difference> = self
+            .parameters
+            .iter()
+            .filter(|p| p.deviations.is_some_and(|z| z > 0.0))
+            .collect();
+        judged.sort_by(|a, b| {
+            let of = |p: &Difference| p.deviations.unwrap_or(0.0);
+            of(b).total_cmp(&of(a))
+        });
+        judged.truncate(LISTED);
+        judged
+    }
+}
+
+fn sentence(found: &Comparison) -> String {
+    let mut said = Vec::new();
+    let labels = |change: Change| {
+        let own = found.effects.iter().filter(|e| e.change == change);
+        let label = |e: &EffectChange| match &*e.target {
+            "-" => e.effect.clone(),
+            target => format!("{}:{target}", e.effect),
+        };
+        own.map(label).collect::<Vec<_>>().join(", ")
+    };
+    for (change, what) in [
+        (Change::Appeared, "Only the second model has"),
+        (Change::Gone, "Only the first model has"),
+        (Change::Changed, "These effects differ by more than chance:"),
+        (Change::Same, "These effects differ by no more than chance:"),
+        (
+            Change::Unknown,
+            "These effects differ, and the files give no deviations to judge them by:",
+        ),
+    ] {
+        let labels = labels(change);
+        if !labels.is_empty() {
+            said.push(format!("{what} {labels}."));
+        }
+    }
+    said.push(match found.chance {
+        None => "The files give no deviations of the masses' parameters to judge them by.".into(),
+        Some(_) if found.chi2 == 0.0 => "The masses' parameters are the same.".into(),
+        Some(chance) if chance < CHANCE => format!(
+            "The masses' parameters differ by more than chance: without a change a difference \
+             like this has a probability of {chance:.1e}."
+        ),
+        Some(chance) => format!(
+            "The masses' parameters differ by no more than chance: without a change a difference \
+             like this has a probability of {:.0} %.",
+            100.0 * chance
+        ),
+    });
+    if found.same_data {
+        said.push(
+            "Both were identified from the same data, so chance made the same errors in both."
+                .into(),
+        );
+    }
+    if !found.same_urdf {
+        said.push("The two files are of different URDFs; parameters are compared by name.".into());
+    }
+    said.join(" ")
+}
+
+#[cfg(test)]
+mod tests;
