@@ -239,7 +239,7 @@ fn factor_files_refuse_what_they_have_settled() {
     // Gathering settles nothing about these.
     for word in ["--noise", "--range"] {
         refused(
-            &fit(&[&gather[..], &[word, "1"]].concat()),
+            &fit(&[&gather[..], &[word, "0.05"]].concat()),
             &[word, "--partial"],
         );
     }

@@ -1,8 +1,11 @@
 //! A robot on its support, as the commands use it.
 
+use std::io;
 use std::path::Path;
+use std::process::Command;
 
 use sesc_model::text::listed;
+use sesc_model::tree::support_rank;
 use sesc_model::urdf::{self, Description};
 use sesc_model::{Error as ModelError, Model, ModelFile, Snapping};
 
@@ -10,8 +13,6 @@ use crate::{Error, Setting, message};
 
 /// Links named in a message.
 const NAMED: usize = 12;
-/// Words in the names of links that stand on the ground, the likeliest first.
-const SUPPORTS: [&str; 3] = ["sole", "foot", "ankle"];
 
 /// A robot as its URDF describes it.
 #[derive(Debug)]
@@ -21,11 +22,17 @@ pub struct Robot {
 }
 
 impl Robot {
-    /// Read a URDF file, once: it may be a pipe; `-` is standard input.
+    /// Read a URDF file, once: it may be a pipe; `-` is standard input. A `.xacro` file is
+    /// expanded by the program `xacro`, where it is installed.
     ///
     /// # Errors
     /// When the file cannot be read, or everything that is wrong with its text.
     pub fn read(path: &Path) -> Result<Robot, Error> {
+        if path.extension().is_some_and(|end| end == "xacro")
+            && let Some(expanded) = expanded(path)
+        {
+            return Robot::parse(&expanded?, &path.display().to_string());
+        }
         let description = urdf::read(path).map_err(ModelError::from)?;
         Ok(Robot { description })
     }
@@ -47,11 +54,7 @@ impl Robot {
     /// What is said where nobody names the link on the ground: soles and feet first.
     pub(crate) fn no_support(&self) -> Error {
         let mut names: Vec<&str> = self.description.link_names().collect();
-        names.sort_by_key(|name| {
-            let name = name.to_lowercase();
-            let first = SUPPORTS.iter().position(|word| name.contains(word));
-            first.unwrap_or(SUPPORTS.len())
-        });
+        names.sort_by_key(|name| support_rank(name));
         let has = format!(" (the robot has {})", listed(names, NAMED));
         Error::request(message![
             "no support link given; add ",
@@ -77,6 +80,28 @@ impl Robot {
             None => model,
         })
     }
+}
+
+/// What the program `xacro` makes of a file; none where it is not installed.
+fn expanded(path: &Path) -> Option<Result<String, Error>> {
+    let output = match Command::new("xacro").arg(path).output() {
+        Ok(output) => output,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return None,
+        Err(error) => return Some(Err(Error::read("xacro", error))),
+    };
+    let file = path.display().to_string();
+    if !output.status.success() {
+        let said = String::from_utf8_lossy(&output.stderr);
+        let last = said.trim_end().lines().next_back().unwrap_or_default();
+        let last = last.escape_debug();
+        return Some(Err(Error::log(
+            file,
+            None,
+            format!("xacro does not expand it: {last}"),
+        )));
+    }
+    let text = String::from_utf8(output.stdout);
+    Some(text.map_err(|_| Error::log(file, None, "xacro expands it to what is no UTF-8")))
 }
 
 /// The independent reference of a robot on a support link, for tests.

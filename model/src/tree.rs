@@ -22,6 +22,7 @@ use serde::Serialize;
 use crate::Error;
 use crate::snap::{self, Snapping};
 use crate::text;
+use crate::urdf::nearest::suggest;
 use crate::urdf::{self, Description, JointType};
 use dofs::coordinates;
 use snaps::snaps;
@@ -305,11 +306,24 @@ fn inertia(inertial: &urdf::Inertial) -> Matrix3<f64> {
     turned * own * turned.transpose()
 }
 
-/// Up to a dozen names for a message, those that contain `asked` first.
+/// Words in the names of links that stand on the ground, the likeliest first.
+const SUPPORTS: [&str; 3] = ["sole", "foot", "ankle"];
+
+/// How unlikely a robot stands on the link of this name: 0 for a sole.
+pub fn support_rank(link: &str) -> usize {
+    let name = link.to_lowercase();
+    let first = SUPPORTS.iter().position(|word| name.contains(word));
+    first.unwrap_or(SUPPORTS.len())
+}
+
+/// Up to a dozen names for a message, those that contain `asked` first, then soles and feet,
+/// and the one that was probably meant.
 fn name_some<'a>(asked: &str, names: impl Iterator<Item = &'a str>) -> String {
     let mut names: Vec<&str> = names.collect();
-    names.sort_by_key(|name| !name.to_lowercase().contains(&asked.to_lowercase()));
-    text::listed(names, 12)
+    let meant = suggest(asked, "", names.iter().copied()).unwrap_or_default();
+    let asked = asked.to_lowercase();
+    names.sort_by_key(|name| (!name.to_lowercase().contains(&asked), support_rank(name)));
+    text::listed(names, 12) + &meant
 }
 
 /// One joint as an edge, and the rotation error that snapping left in it, rad.

@@ -47,14 +47,14 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "tight|cad|free|FILE", default_value = Prior::OF_DIAGNOSES)]
     prior: String,
     /// Standard deviation of a single reading on one axis, m; from the log unless given
-    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = super::units::deviation_m)]
     noise: Option<f64>,
     /// Added to the noise in quadrature, m: what encoder ticks do
     #[arg(
         long,
         value_name = "M",
         default_value = "0.0001",
-        allow_negative_numbers = true
+        allow_negative_numbers = true, value_parser = super::units::deviation_m
     )]
     floor: f64,
     /// Model file to write: parameters and effects, for `generate`, `predict`, `simulate`

@@ -56,7 +56,7 @@ pub(super) struct Arguments {
     #[arg(
         long,
         value_name = "M",
-        allow_negative_numbers = true,
+        allow_negative_numbers = true, value_parser = super::units::deviation_m,
         conflicts_with = "partial"
     )]
     noise: Option<f64>,

@@ -96,9 +96,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
                     "--estimator is for C; add --lang c (in Rust it is sesc_runtime::fit)".into(),
                 ));
             }
-            if arguments.scalar == Scalar::Fixed32 {
+            if arguments.scalar != Scalar::F64 {
                 return Err(Error::Usage(
-                    "--scalar fixed32 is for C; add --lang c (Rust output is generic over floats)"
+                    "--scalar f32 and fixed32 are for C; add --lang c, or leave --scalar out (one \
+                     Rust module serves f64, f32 and SIMD lanes)"
                         .into(),
                 ));
             }

@@ -11,7 +11,9 @@ mod inspect;
 mod outputs;
 mod plan;
 mod predict;
+mod shell;
 mod simulate;
+mod units;
 mod verify;
 mod words;
 
@@ -52,6 +54,8 @@ enum Command {
     Effects(effects::Arguments),
     Compare(compare::Arguments),
     Demo(demo::Arguments),
+    Completions(shell::Completions),
+    Man(shell::Manual),
 }
 
 /// What became of a command that ran.
@@ -95,6 +99,8 @@ pub fn main() -> ExitCode {
         Command::Effects(arguments) => effects::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Demo(arguments) => demo::run(&arguments),
+        Command::Completions(arguments) => shell::completions(&arguments),
+        Command::Man(arguments) => shell::manual(&arguments),
     };
     match outcome {
         Ok(Outcome::Ok) => ExitCode::SUCCESS,

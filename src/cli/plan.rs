@@ -28,13 +28,13 @@ pub(super) struct Arguments {
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=2000))]
     poses: u64,
     /// Keep |x| and |y| of the CoP within this, m [default: 0.023 unless --sole]
-    #[arg(long, value_name = "M", conflicts_with = "sole")]
+    #[arg(long, value_name = "M", conflicts_with = "sole", value_parser = super::units::length_m)]
     cop_box: Option<f64>,
     /// Keep the CoP within the hull of these points of the sole, m
     #[arg(long, value_name = "FILE|x,y;…", allow_hyphen_values = true)]
     sole: Option<String>,
     /// Keep the CoP so far from the edge of box or sole, m
-    #[arg(long, value_name = "M", default_value_t = 0.0)]
+    #[arg(long, value_name = "M", default_value_t = 0.0, value_parser = super::units::length_m)]
     margin: f64,
     /// Safety margin of the CoP in standard deviations of its prediction
     #[arg(long, value_name = "K", default_value_t = 2.0)]
@@ -49,14 +49,14 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "tight|cad|free|FILE", default_value = Prior::DEFAULT)]
     prior: String,
     /// Standard deviation of a single reading on one axis, m; one is taken in each posture
-    #[arg(long, value_name = "M", default_value_t = 0.0005)]
+    #[arg(long, value_name = "M", default_value_t = 0.0005, value_parser = super::units::deviation_m)]
     noise: f64,
     /// Least height of everything but the support body, m
     #[arg(
         long,
         value_name = "M",
         default_value_t = 0.005,
-        allow_hyphen_values = true
+        allow_hyphen_values = true, value_parser = super::units::length_m
     )]
     clearance: f64,
     /// Seed of the candidates

@@ -25,7 +25,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "DEG")]
     range: Option<f64>,
     /// Standard deviation of the CoP noise, m
-    #[arg(long, value_name = "M", default_value_t = 0.0)]
+    #[arg(long, value_name = "M", default_value_t = 0.0, value_parser = super::units::deviation_m)]
     noise: f64,
     /// Seed of postures and noise
     #[arg(long, default_value_t = 1)]

@@ -208,15 +208,23 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     let stands = request.then.iter().map(|log| stand(request, &support, log));
     let stands: Vec<(Experiment, Model)> = stands.collect::<Result<_, _>>()?;
     let mut further = Vec::new();
+    let hash = |postures: &Postures| postures.summary.as_ref().map(|found| found.hash.clone());
+    let mut hashes = vec![hash(&data)];
     for (log, (experiment, model)) in request.then.iter().zip(&stands) {
+        let postures = take(request, model, log, watch)?;
+        let own = hash(&postures);
+        if own.is_some() && hashes.contains(&own) {
+            return Err(Error::log(
+                log.name(),
+                None,
+                "has the same rows as a log before it, which would count twice; give the log of \
+                 the experiment",
+            ));
+        }
+        hashes.push(own);
         further.push(FurtherLog {
             experiment: *experiment,
-            problem: Problem::new(
-                model,
-                take(request, model, log, watch)?,
-                &prior,
-                &request.effects,
-            )?,
+            problem: Problem::new(model, postures, &prior, &request.effects)?,
         });
     }
     let names = [&request.log].into_iter().chain(&request.then);

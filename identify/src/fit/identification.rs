@@ -174,6 +174,11 @@ pub struct Identification {
 }
 
 impl Identification {
+    /// Whether the fit leaves more than the noise: then a diagnosis can say what it misses.
+    pub fn misses_something(&self) -> bool {
+        self.inflation > 1.0
+    }
+
     /// Whether the data can be used: what was fitted to others is no result.
     pub fn is_usable(&self) -> bool {
         !self.health.iter().any(|f| f.kind.makes_unusable())

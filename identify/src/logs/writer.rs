@@ -78,7 +78,15 @@ impl PostureWriter {
                     &path.display().to_string(),
                 ));
             }
-            _ => Sink::Plain(NewFile::create(path)?),
+            "csv" | "" => Sink::Plain(NewFile::create(path)?),
+            // A device or a pipe has no format in its name.
+            _ if path.starts_with("/dev") => Sink::Plain(NewFile::create(path)?),
+            other => {
+                return Err(Error::request(format!(
+                    "{}: posture logs are written as .csv, .csv.gz or .parquet, not as .{other}",
+                    path.display()
+                )));
+            }
         };
         sink.write(&text)
             .map_err(|source| files::failed(path, source))?;

@@ -47,9 +47,18 @@ pub(super) fn draft(
         let found = shown(reader.tag(root));
         reader.complain(
             line,
-            format!(
-                "the root element is {found}, not `robot`; a URDF starts with <robot name=\"...\">"
-            ),
+            match tag(root) {
+                "mujoco" => "this is MJCF, MuJoCo's format; give the URDF that it was made from, \
+                             or convert it to one"
+                    .to_string(),
+                "sdf" => "this is SDF, Gazebo's format; give the URDF that it was made from, or \
+                          convert it to one (sdformat_urdf does)"
+                    .to_string(),
+                _ => format!(
+                    "the root element is {found}, not `robot`; a URDF starts with \
+                     <robot name=\"...\">"
+                ),
+            },
         );
         return draft;
     }

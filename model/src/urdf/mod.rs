@@ -26,7 +26,7 @@ mod joint_limit;
 pub mod limits;
 mod link;
 mod mimic;
-mod nearest;
+pub(crate) mod nearest;
 mod origin;
 #[cfg(feature = "urdf-rs")]
 mod reader;

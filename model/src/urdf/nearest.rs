@@ -13,7 +13,7 @@ pub(super) const SUGGESTIONS: usize = 20;
 
 /// `; did you mean `elbow`?`, or none when no name is close. Among equals
 /// the one wins that starts like `owner`, whose reference it is.
-pub(super) fn suggest<'a>(
+pub(crate) fn suggest<'a>(
     wrong: &str,
     owner: &str,
     names: impl Iterator<Item = &'a str>,

@@ -59,6 +59,12 @@ pub fn text(found: &Identification) -> String {
     for warning in &found.warnings {
         let _ = writeln!(out, "warning          {warning}");
     }
+    if found.misses_something() {
+        let _ = writeln!(
+            out,
+            "next             sesc diagnose with the same robot and log says what the model misses"
+        );
+    }
     out
 }
 

@@ -1,0 +1,213 @@
+//! What people expect of a command line beside its results: likely mistakes are named, next
+//! steps are said, shells and `man` know it.
+
+use std::fs;
+
+use sesc_test_support::command::{folder, op2, program, refused, sesc, stdout};
+
+#[test]
+fn millimetres_for_metres_are_refused_with_what_was_meant() {
+    let folder = folder();
+    let out = folder.path().join("log.csv").display().to_string();
+    let urdf = op2();
+    let start = [
+        "simulate",
+        &urdf,
+        "--support",
+        "r_sole",
+        "--poses",
+        "3",
+        "--out",
+        &out,
+    ];
+    let noisy = |noise: &str| sesc(&[&start[..], &["--noise", noise]].concat());
+    refused(&noisy("5"), &["--noise", "0.005 for 5 mm"]);
+    refused(&noisy("0.5"), &["0.0005 for 0.5 mm"]);
+    assert!(!folder.path().join("log.csv").exists());
+    stdout(&noisy("0.0005"));
+    for option in [
+        ["fit", "--noise"],
+        ["diagnose", "--noise"],
+        ["diagnose", "--floor"],
+    ] {
+        let [command, option] = option;
+        let output = sesc(&[command, &urdf, "--data", &out, option, "2"]);
+        refused(&output, &[option, "0.002 for 2 mm"]);
+    }
+    let plan = [
+        "plan",
+        &urdf,
+        "--support",
+        "r_sole",
+        "--poses",
+        "3",
+        "--out",
+        &out,
+    ];
+    let boxed = sesc(&[&plan[..], &["--cop-box", "23"]].concat());
+    refused(&boxed, &["--cop-box", "0.023 for 23 mm"]);
+}
+
+#[test]
+fn misspelt_links_are_guessed_and_soles_come_first() {
+    let output = sesc(&["inspect", &op2(), "--support", "r_soel"]);
+    refused(&output, &["has l_sole, r_sole,", "did you mean `r_sole`?"]);
+}
+
+#[test]
+fn posture_logs_have_known_endings() {
+    let folder = folder();
+    let out = folder.path().join("log.txt").display().to_string();
+    let urdf = op2();
+    let output = sesc(&[
+        "simulate",
+        &urdf,
+        "--support",
+        "r_sole",
+        "--poses",
+        "3",
+        "--out",
+        &out,
+    ]);
+    refused(&output, &["log.txt", ".csv, .csv.gz or .parquet"]);
+}
+
+#[test]
+fn rust_takes_no_scalar() {
+    let folder = folder();
+    let out = folder.path().display().to_string();
+    let urdf = op2();
+    let start = [
+        "generate",
+        &urdf,
+        "--support",
+        "r_sole",
+        "--out",
+        &out,
+        "--lang",
+        "rust",
+    ];
+    refused(
+        &sesc(&[&start[..], &["--scalar", "f32"]].concat()),
+        &["--scalar", "--lang c"],
+    );
+    stdout(&sesc(&[&start[..], &["--scalar", "f64"]].concat()));
+}
+
+#[test]
+fn a_fit_that_misses_something_points_to_diagnose() {
+    let folder = folder();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let urdf = op2();
+    let mut said = Vec::new();
+    for (name, hidden) in [
+        ("plain.csv", None),
+        ("bent.csv", Some("joint_offset:r_knee=5deg")),
+    ] {
+        let log = path(name);
+        let mut simulate = vec!["simulate", &urdf, "--support", "r_sole", "--poses", "60"];
+        simulate.extend(["--noise", "0.0005", "--out", &log]);
+        simulate.extend(hidden.iter().flat_map(|hidden| ["--hide", hidden]));
+        stdout(&sesc(&simulate));
+        said.push(stdout(&sesc(&["fit", &urdf, "--data", &log])));
+    }
+    assert!(!said[0].contains("sesc diagnose"), "{}", said[0]);
+    assert!(
+        said[1].contains("next             sesc diagnose"),
+        "{}",
+        said[1]
+    );
+}
+
+#[test]
+fn a_log_is_no_experiment_of_its_own() {
+    let folder = folder();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let (urdf, log, copy) = (op2(), path("log.csv"), path("copy.csv"));
+    let simulate = ["simulate", &urdf, "--support", "r_sole", "--poses", "40"];
+    stdout(&sesc(
+        &[&simulate[..], &["--noise", "0.0005", "--out", &log]].concat(),
+    ));
+    fs::copy(&log, &copy).unwrap();
+    fs::copy(format!("{log}.toml"), format!("{copy}.toml")).unwrap();
+    let output = sesc(&["diagnose", &urdf, "--data", &log, "--then", &copy]);
+    refused(&output, &["copy.csv", "same rows", "would count twice"]);
+}
+
+#[test]
+fn other_formats_are_named_with_the_way_out() {
+    let folder = folder();
+    for (name, text, words) in [
+        (
+            "robot.xml",
+            "<mujoco model='x'><worldbody/></mujoco>",
+            "MJCF",
+        ),
+        (
+            "robot.sdf",
+            "<sdf version='1.6'><model name='x'/></sdf>",
+            "SDF",
+        ),
+    ] {
+        let path = folder.path().join(name);
+        fs::write(&path, text).unwrap();
+        let path = path.display().to_string();
+        refused(
+            &sesc(&["inspect", &path, "--support", "x"]),
+            &[name, words, "URDF"],
+        );
+    }
+}
+
+/// A stand-in for `xacro` that prints a robot shows that its output is what is read.
+#[cfg(unix)]
+#[test]
+fn xacro_files_are_expanded_where_xacro_is_installed() {
+    use std::os::unix::fs::PermissionsExt as _;
+
+    let folder = folder();
+    let robot = folder.path().join("robot.urdf.xacro");
+    let text = "<robot xmlns:xacro='http://ros.org/wiki/xacro' name='${n}'/>";
+    fs::write(&robot, text).unwrap();
+    let xacro = folder.path().join("xacro");
+    let run = |path: &str| {
+        let mut command = std::process::Command::new(program());
+        command.env("PATH", path);
+        command.args(["inspect", robot.to_str().unwrap(), "--support", "r_sole"]);
+        command.output().unwrap()
+    };
+    refused(
+        &run("/nowhere"),
+        &["robot.urdf.xacro", "unexpanded xacro", "expand it first"],
+    );
+
+    let folders = format!("{}:/usr/bin:/bin", folder.path().display());
+    let script = |text: String| {
+        fs::write(&xacro, text).unwrap();
+        fs::set_permissions(&xacro, fs::Permissions::from_mode(0o755)).unwrap();
+    };
+    script(format!("#!/bin/sh\ncat '{}'\n", op2()));
+    assert!(stdout(&run(&folders)).contains("op2"));
+    script("#!/bin/sh\necho 'XacroException: no such macro' >&2\nexit 2\n".into());
+    refused(
+        &run(&folders),
+        &["robot.urdf.xacro", "XacroException: no such macro"],
+    );
+}
+
+#[test]
+fn shells_and_man_know_every_command() {
+    let page = stdout(&sesc(&["man"]));
+    assert!(page.contains(".TH"), "{page}");
+    let script = stdout(&sesc(&["completions", "bash"]));
+    for command in ["inspect", "generate", "fit", "diagnose", "compare", "demo"] {
+        assert!(page.contains(&format!("sesc\\-{command}")), "{page}");
+        assert!(script.contains(command));
+    }
+    let fit = stdout(&sesc(&["man", "fit"]));
+    assert!(
+        fit.contains("sesc\\-fit") && fit.contains("\\-\\-data"),
+        "{fit}"
+    );
+    refused(&sesc(&["man", "fot"]), &["`fot`", "fit"]);
+}
