@@ -17,6 +17,7 @@ pub mod demo;
 pub mod error;
 pub mod inspect;
 pub mod report;
+pub mod servos;
 pub mod verify;
 mod words;
 

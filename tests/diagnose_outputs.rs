@@ -60,6 +60,7 @@ fn corrected(
         &Catalog::standard(),
         Snapping::Off,
         &prior,
+        None,
     )
     .unwrap()
 }

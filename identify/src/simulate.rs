@@ -25,6 +25,8 @@ pub struct Request {
     pub model: Arc<Model>,
     /// Number of postures.
     pub poses: usize,
+    /// The postures, `q[posture * dof + joint]`, rad or m; drawn unless given.
+    pub postures: Option<Vec<f64>>,
     /// Draw revolute joints within ± this of zero and within their limits, rad; else
     /// within their limits.
     pub range: Option<f64>,
@@ -40,6 +42,7 @@ impl Request {
         Request {
             model: model.into(),
             poses,
+            postures: None,
             range: None,
             noise: 0.0,
             seed: 1,
@@ -50,6 +53,14 @@ impl Request {
         if let Some(range) = self.range.filter(|r| !(r.is_finite() && *r > 0.0)) {
             let remedy = format!(" {range}: give an angle above zero");
             return Err(Error::request(message![Setting::Range, remedy]));
+        }
+        let dof = self.model.dof();
+        let given = self.postures.as_ref().map(Vec::len);
+        if let Some(given) = given.filter(|given| *given != dof * self.poses) {
+            let remedy =
+                format!(": {given} positions given; one of each of {dof} joints is needed");
+            let poses = format!(" {}", self.poses);
+            return Err(Error::request(message![Setting::Poses, poses, remedy]));
         }
         let noise = self.noise;
         if !(noise.is_finite() && noise >= 0.0) {
@@ -72,7 +83,10 @@ impl Request {
         for start in (0..self.poses).step_by(BLOCK) {
             tell(watch, "simulating", start as u64, self.poses as u64)?;
             let n = BLOCK.min(self.poses - start);
-            let q = simulator.batch(n);
+            let q = match &self.postures {
+                Some(given) => given[start * dof..(start + n) * dof].to_vec(),
+                None => simulator.batch(n),
+            };
             let readings = evaluator.run(&q, n);
             for (k, cop) in readings.chunks_exact(2).enumerate() {
                 take(&Row {

@@ -10,6 +10,9 @@ the support frame.
     [0.1, 0.0, 1.0]
 """
 
+from typing import TYPE_CHECKING, Any
+
+from ._diagnose import Diagnosis, diagnose
 from ._errors import (
     FitError,
     InternalError,
@@ -22,22 +25,53 @@ from ._errors import (
     SupportError,
     UrdfError,
 )
+from ._fit import Fit, Part, fit, gather
+from ._health import Finding
+from ._log import Log
 from ._model import Model
+from ._postures import Plan, Postures, plan, predict, simulate
 from ._robot import Robot
-from ._sesc import __version__
+from ._sesc import OP2_URDF, __version__
+
+if TYPE_CHECKING:
+    from . import fleet
 
 __all__ = [
+    "Diagnosis",
+    "Finding",
+    "Fit",
     "FitError",
     "InternalError",
+    "Log",
     "LogError",
     "Model",
     "ModelFileError",
+    "OP2_URDF",
+    "Part",
     "PartError",
+    "Plan",
     "PlanError",
+    "Postures",
     "PriorError",
     "Robot",
     "SescError",
     "SupportError",
     "UrdfError",
     "__version__",
+    "diagnose",
+    "fit",
+    "fleet",
+    "gather",
+    "plan",
+    "predict",
+    "simulate",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    # Executors and their like are loaded when a fleet is.
+    if name == "fleet":
+        from importlib import import_module
+
+        return import_module("sesc.fleet")
+    raise AttributeError(f"module 'sesc' has no attribute {name!r}")

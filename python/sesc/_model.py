@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -51,11 +52,54 @@ class Model(_sesc.Model):
         limits.flags.writeable = False
         return limits
 
+    def c99(
+        self,
+        folder: str | os.PathLike[str],
+        *,
+        scalar: str = "f64",
+        name: str | None = None,
+        layout: str = "bare",
+        ticks: bool | None = None,
+        servos: str | os.PathLike[str] | None = None,
+        estimator: bool = False,
+    ) -> list[Path]:
+        """Write the functions as C99 to ``folder``; gives the files.
+
+        Args:
+            folder: made if need be; files that would not change are left alone.
+            scalar: ``"f64"``, ``"f32"`` or ``"fixed32"`` (for processors without FPU).
+            name: prefix of the C names; robot and support unless given.
+            layout: ``"bare"``, ``"cmake"``, ``"platformio"`` or ``"arduino"``.
+            ticks: functions of servo ticks; for f32 and fixed32 unless given.
+            servos: TOML file of each joint's servo.
+            estimator: the parameters by recursive least squares, one posture a call.
+        """
+        options = {
+            "scalar": scalar,
+            "name": name,
+            "layout": layout,
+            "ticks": ticks,
+            "servos": None if servos is None else os.fspath(servos),
+            "estimator": estimator,
+        }
+        return [Path(file) for file in _sesc.c_files(self, os.fspath(folder), options)]
+
+    def rust(self, folder: str | os.PathLike[str], *, name: str | None = None) -> list[Path]:
+        """Write the functions as a Rust module to ``folder``; gives the file."""
+        return [Path(file) for file in _sesc.rust_files(self, os.fspath(folder), name)]
+
     def to_dict(self) -> dict[str, Any]:
         """What ``sesc inspect --json`` prints: bodies, parameters, what no data can see,
         operation counts, proven rounding bounds."""
         found: dict[str, Any] = json.loads(self.inspection())
         return found
+
+    def _repr_html_(self) -> str:
+        from ._html import table
+
+        limits = zip(self.joints, self.limits.tolist(), strict=True)
+        rows = [(joint, f"{low:.4g}", f"{high:.4g}") for joint, (low, high) in limits]
+        return table(repr(self)[1:-1], ("joint", "lower, rad or m", "upper"), rows)
 
     def __repr__(self) -> str:
         joints = f"{self.dof} joint{'s' * (self.dof != 1)}"
@@ -65,10 +109,11 @@ class Model(_sesc.Model):
         )
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _restore, (self.robot, self.support, self.model_file)
+        return restored, (self.robot, self.support, self.model_file)
 
 
-def _restore(robot: Robot, support: str, text: str | None) -> Model:
+def restored(robot: Robot, support: str, text: str | None) -> Model:
+    """The model of a model file's text, or of CAD."""
     model = _sesc.Model.__new__(Model, robot, support, text and "model", text)
     model.robot = robot
     return model

@@ -50,6 +50,16 @@ class Robot(_sesc.Robot):
         """
         return Model(self, support, model)
 
+    def to_dict(self) -> dict[str, Any]:
+        """Name, file, hash, links and joints."""
+        names = ("name", "file", "hash", "links", "joints", "snap")
+        return {name: getattr(self, name) for name in names}
+
+    def _repr_html_(self) -> str:
+        from ._html import table
+
+        return table(repr(self)[1:-1], ("joint",), [(joint,) for joint in self.joints])
+
     def __repr__(self) -> str:
         count = len(self.joints)
         return f"<sesc.Robot {self.name}: {len(self.links)} links, {count} joint{'s' * (count != 1)}>"

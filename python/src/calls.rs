@@ -4,7 +4,10 @@ use std::any::Any;
 use std::cell::RefCell;
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::time::{Duration, Instant};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
 
 use pyo3::prelude::*;
 use sesc_identify::{Message, Progress, Watch};
@@ -57,61 +60,29 @@ pub fn detached<T: Send>(
     }
 }
 
-/// Who waits in Python: Ctrl-C stops the call, and so does an exception of the caller's
-/// `progress`.
-pub struct Waiting {
-    show: Option<Py<PyAny>>,
-    looked: Instant,
-    stopped: Option<PyErr>,
-    /// Sentences about the input.
-    pub warnings: Vec<String>,
-    /// Sentences about the robot.
-    pub notes: Vec<String>,
+/// What the thread of a long call and the thread that waits for it share.
+#[derive(Default)]
+struct Shared {
+    stop: AtomicBool,
+    progress: Mutex<Option<Progress>>,
 }
 
-impl Waiting {
-    /// With a function of what is done, how much of it, and of how much.
-    pub fn new(show: Option<Py<PyAny>>) -> Waiting {
-        Waiting {
-            show,
-            looked: Instant::now(),
-            stopped: None,
-            warnings: Vec::new(),
-            notes: Vec::new(),
-        }
-    }
-
-    fn look(&self, progress: Progress) -> PyResult<()> {
-        Python::attach(|py| {
-            py.check_signals()?;
-            match &self.show {
-                Some(show) => show
-                    .call1(py, (progress.what, progress.done, progress.total))
-                    .map(drop),
-                None => Ok(()),
-            }
-        })
-    }
+/// Who watches a long call, in its own thread.
+pub struct Waiting {
+    shared: Arc<Shared>,
+    /// Sentences about the input.
+    pub warnings: Vec<String>,
 }
 
 impl Watch for Waiting {
     fn progress(&mut self, progress: Progress) -> ControlFlow<()> {
-        if self.looked.elapsed() < EVERY {
-            return ControlFlow::Continue(());
+        if let Ok(mut last) = self.shared.progress.lock() {
+            *last = Some(progress);
         }
-        let looked = self.look(progress);
-        self.looked = Instant::now();
-        match looked {
-            Ok(()) => ControlFlow::Continue(()),
-            Err(error) => {
-                self.stopped = Some(error);
-                ControlFlow::Break(())
-            }
+        match self.shared.stop.load(Ordering::Relaxed) {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
         }
-    }
-
-    fn note(&mut self, note: &str) {
-        self.notes.push(note.to_string());
     }
 
     fn warning(&mut self, warning: &Message) {
@@ -119,15 +90,77 @@ impl Watch for Waiting {
     }
 }
 
-/// Run a call that can be stopped; `waiting` keeps what was said meanwhile.
-pub fn watched<T: Send>(
+/// What becomes of a call that is stopped.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Stopped {
+    /// It ends by itself, some time later, and nobody waits: it writes nothing.
+    Abandoned,
+    /// It has to end first: it takes its unfinished files away.
+    Awaited,
+}
+
+/// Run a long call in a thread of its own and look for signals meanwhile; gives its result and
+/// the warnings. `show` is told what is done, how much, and of how much; an exception of it
+/// stops the call, as Ctrl-C does.
+pub fn watched<T: Send + 'static>(
     py: Python<'_>,
-    waiting: &mut Waiting,
-    call: impl FnOnce(&mut Waiting) -> Result<T, Failure> + Send,
-) -> PyResult<T> {
-    let result = detached(py, || call(waiting));
-    match waiting.stopped.take() {
-        Some(error) => Err(error),
-        None => result,
+    show: Option<Py<PyAny>>,
+    stopped: Stopped,
+    call: impl FnOnce(&mut Waiting) -> Result<T, Failure> + Send + 'static,
+) -> PyResult<(T, Vec<String>)> {
+    let shared = Arc::new(Shared::default());
+    let (send, receive) = mpsc::channel();
+    // A receiver is of one thread; a lock lets another wait with it.
+    let receive = Mutex::new(receive);
+    let mut waiting = Waiting {
+        shared: Arc::clone(&shared),
+        warnings: Vec::new(),
+    };
+    let work = move || {
+        let result = catch_unwind(AssertUnwindSafe(|| call(&mut waiting)));
+        let result = result.unwrap_or_else(|panic| Err(internal(panic)));
+        // Nobody waits for a call that was abandoned.
+        let _ = send.send(result.map(|value| (value, waiting.warnings)));
+    };
+    let thread = std::thread::Builder::new().spawn(work);
+    let thread = thread.map_err(PyErr::from)?;
+    loop {
+        let result = py.detach(|| {
+            let receive = receive.lock();
+            receive.map_or(Err(RecvTimeoutError::Disconnected), |r| {
+                r.recv_timeout(EVERY)
+            })
+        });
+        let looked = match result {
+            Ok(result) => {
+                // Gone before the call returns: a process may fork then.
+                py.detach(|| drop(thread.join()));
+                return result.map_err(|failure| failure.raise(py));
+            }
+            Err(RecvTimeoutError::Disconnected) => {
+                return Err(Failure::internal("a thread ended early").raise(py));
+            }
+            Err(RecvTimeoutError::Timeout) => look(py, show.as_ref(), &shared),
+        };
+        if let Err(error) = looked {
+            shared.stop.store(true, Ordering::Relaxed);
+            if stopped == Stopped::Awaited {
+                py.detach(|| drop(thread.join()));
+            }
+            return Err(error);
+        }
+    }
+}
+
+/// Whether there is a signal; `show` is told how far the call is.
+fn look(py: Python<'_>, show: Option<&Py<PyAny>>, shared: &Shared) -> PyResult<()> {
+    py.check_signals()?;
+    let progress = shared.progress.lock().ok().and_then(|mut last| last.take());
+    match (show, progress) {
+        (Some(show), Some(progress)) => {
+            let told = (progress.what, progress.done, progress.total);
+            show.call1(py, told).map(drop)
+        }
+        _ => Ok(()),
     }
 }

@@ -11,11 +11,18 @@
 #![deny(unsafe_code)]
 
 mod arrays;
-#[allow(dead_code)]
+mod arrow;
 mod calls;
-#[allow(dead_code)]
+mod code;
+mod command;
+mod diagnosis;
 mod errors;
+mod fit;
+mod log;
 mod model;
+mod options;
+mod part;
+mod postures;
 mod robot;
 
 use pyo3::prelude::*;
@@ -25,13 +32,30 @@ mod _sesc {
     use super::*;
 
     #[pymodule_export]
+    use super::arrow::arrow_columns;
+    #[pymodule_export]
+    use super::code::{c_files, rust_files, write_bytes, write_text};
+    #[pymodule_export]
+    use super::command::command;
+    #[pymodule_export]
+    use super::diagnosis::{DiagnosisReport, correct_urdf, diagnose_log};
+    #[pymodule_export]
+    use super::fit::{FitReport, fit_logs};
+    #[pymodule_export]
+    use super::log::Log;
+    #[pymodule_export]
     use super::model::Model;
+    #[pymodule_export]
+    use super::part::Part;
+    #[pymodule_export]
+    use super::postures::{PlanReport, plan_postures, predict_log, simulate_log, write_postures};
     #[pymodule_export]
     use super::robot::Robot;
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         calls::keep_panics_to_ourselves();
+        module.add("OP2_URDF", sesc::OP2_URDF)?;
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 }

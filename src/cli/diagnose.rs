@@ -1,6 +1,5 @@
 //! `sesc diagnose`
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -10,14 +9,12 @@ use super::outputs::Files;
 use super::{Bar, Outcome, RobotArguments, message, print, print_json};
 use crate::Error;
 use crate::report::diagnose::{Asked, page, text};
-use sesc_codegen::{Scale, Servos};
-use sesc_identify::diagnose::remedy::{Servo, Step};
+use crate::servos;
 use sesc_identify::diagnose::{self, Report, Request, Verdict};
 use sesc_identify::fit::prior::{Prior, PriorChoice};
 use sesc_identify::logs::{self, Angles, LogSource};
 use sesc_identify::robot::Robot;
 use sesc_model::files;
-use sesc_model::urdf::JointType;
 
 const EXAMPLES: &str = "Examples:\n  \
     sesc diagnose robots/op2/op2.urdf --data log.csv\n  \
@@ -64,6 +61,14 @@ pub(super) struct Arguments {
     /// their own, masses as re-identified. What no URDF can hold is named and left out
     #[arg(long = "urdf", value_name = "FILE")]
     corrected: Option<PathBuf>,
+    /// What the robot without its loads weighs in that URDF, kg; as in CAD unless given
+    #[arg(
+        long,
+        value_name = "KG",
+        requires = "corrected",
+        allow_negative_numbers = true
+    )]
+    total_mass: Option<f64>,
     /// TOML file of the servos, as for `generate`: zeros before and after are in its ticks.
     /// Zero 2048, 4096 ticks a turn, sign 1 unless given
     #[arg(long, value_name = "FILE")]
@@ -154,28 +159,12 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
     request.next_file = arguments.next.clone();
     request.model_path = arguments.out.clone();
     if let Some(file) = &arguments.servos {
-        request.servos = servos(file, &request.robot)?;
+        request.servos = servos::read(file, &request.robot)?;
     }
     request.corrected_urdf = arguments.corrected.is_some();
+    request.total_mass = arguments.total_mass;
     request.view = arguments.report.is_some();
     Ok(request)
-}
-
-/// The servos of a file, by joint.
-fn servos(file: &Path, robot: &Robot) -> Result<BTreeMap<String, Servo>, Error> {
-    let joints = robot.description.joints.iter();
-    let driven = joints.filter(|joint| joint.joint_type.is_single() && joint.mimic.is_none());
-    let driven = driven.map(|joint| (&*joint.name, joint.joint_type == JointType::Prismatic));
-    let servos = Servos::read(file)?.of(driven)?;
-    let of = |(joint, servo): (String, sesc_codegen::Servo)| {
-        let step = match servo.scale {
-            Scale::TicksPerTurn(ticks) => Step::TicksPerTurn(ticks),
-            Scale::MetresPerTick(metres) => Step::MetresPerTick(metres),
-        };
-        let (zero, sign) = (servo.zero, servo.sign);
-        (joint, Servo { zero, sign, step })
-    };
-    Ok(servos.into_iter().map(of).collect())
 }
 
 fn write(arguments: &Arguments, report: &Report) -> Result<(), Error> {

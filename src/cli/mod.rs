@@ -17,11 +17,12 @@ mod units;
 mod verify;
 mod words;
 
+use std::ffi::OsString;
 use std::io::{IsTerminal as _, Write as _};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use clap::{Args, Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -65,10 +66,20 @@ enum Outcome {
     Failed,
 }
 
+/// Words of the command line that runs in this process, its name first.
+static WORDS: OnceLock<Vec<OsString>> = OnceLock::new();
+
 /// Run the command line of this process.
 pub fn main() -> ExitCode {
-    let json = json_is_wanted();
-    let cli = match Cli::try_parse() {
+    ExitCode::from(main_from(std::env::args_os().collect()))
+}
+
+/// Run the command line of these words, the name of the program first, in a process that does
+/// nothing else; gives its exit code.
+pub fn main_from(words: Vec<OsString>) -> u8 {
+    let words = WORDS.get_or_init(|| words);
+    let json = json_is_wanted(words);
+    let cli = match Cli::try_parse_from(words) {
         Ok(cli) => cli,
         // Help and version are answers.
         Err(error) if !error.use_stderr() => error.exit(),
@@ -103,18 +114,16 @@ pub fn main() -> ExitCode {
         Command::Man(arguments) => shell::manual(&arguments),
     };
     match outcome {
-        Ok(Outcome::Ok) => ExitCode::SUCCESS,
-        Ok(Outcome::Failed) => ExitCode::from(1),
+        Ok(Outcome::Ok) => 0,
+        Ok(Outcome::Failed) => 1,
         // A reader that went away (`| head`) is no fault.
-        Err(Error::Stdout(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => {
-            ExitCode::SUCCESS
-        }
+        Err(Error::Stdout(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => 0,
         Err(error) => {
             if json {
                 print_error(error.kind(), &error.to_string(), error.file(), error.line());
             }
             complain(&error);
-            ExitCode::from(2)
+            2
         }
     }
 }
@@ -130,8 +139,8 @@ fn stay_silent_where_panics_become_errors() {
 }
 
 /// Whether the answer is read by a program.
-fn json_is_wanted() -> bool {
-    let mut words = std::env::args_os().skip(1).take_while(|word| word != "--");
+fn json_is_wanted(words: &[OsString]) -> bool {
+    let mut words = words.iter().skip(1).take_while(|word| *word != "--");
     words.any(|word| word == "--json")
 }
 
@@ -340,9 +349,8 @@ fn command_line() -> String {
         true => word,
         false => format!("'{}'", word.replace('\'', "'\\''")),
     };
-    let words = std::env::args_os()
-        .skip(1)
-        .map(|word| word.to_string_lossy().into_owned());
+    let words = WORDS.get().into_iter().flatten().skip(1);
+    let words = words.map(|word| word.to_string_lossy().into_owned());
     std::iter::once("sesc".to_string())
         .chain(words.map(quoted))
         .collect::<Vec<_>>()

@@ -74,11 +74,30 @@ const ROOMS: [(&str, &[&str]); 5] = [
             "compare",
         ],
     ),
-    ("python", &["errors", "calls", "arrays", "robot", "model"]),
+    (
+        "python",
+        &[
+            "errors",
+            "calls",
+            "arrays",
+            "arrow",
+            "arrow",
+            "robot",
+            "model",
+            "code",
+            "log",
+            "options",
+            "part",
+            "fit",
+            "diagnosis",
+            "postures",
+            "command",
+        ],
+    ),
     (
         "",
         &[
-            "words", "error", "inspect", "verify", "report", "demo", "cli",
+            "words", "error", "inspect", "verify", "servos", "report", "demo", "cli",
         ],
     ),
 ];

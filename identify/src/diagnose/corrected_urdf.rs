@@ -17,11 +17,11 @@ use super::findings::Found;
 use super::hypothesis::Term;
 use super::model_file::model_file;
 use super::problem::Problem;
-use crate::Error;
 use crate::fit::corrected::towards;
 use crate::fit::masses::FLOOR;
 use crate::fit::prior::{Prior, Tolerances};
 use crate::robot::Robot;
+use crate::{Error, Setting, message};
 
 /// Base parameters that move less leave the masses as they are written, m.
 const SETTLED: f64 = 1e-9;
@@ -37,6 +37,19 @@ pub struct CorrectedUrdf {
     pub left_out: Vec<String>,
 }
 
+/// What of an explanation belongs to the log alone, a sentence each.
+pub(crate) fn of_the_log(problem: &Problem, found: &Found) -> Vec<String> {
+    let terms = found.best.terms.iter();
+    let outliers = terms.filter(|term| matches!(term, Term::Outliers));
+    let said = outliers.map(|term| {
+        format!(
+            "{} is left out: it says nothing of the robot",
+            term.label(&problem.context)
+        )
+    });
+    said.collect()
+}
+
 /// The URDF of `robot` with what `found` says.
 ///
 /// # Errors
@@ -47,6 +60,7 @@ pub(crate) fn of(
     robot: &Robot,
     snapping: Snapping,
     prior: &Prior,
+    total_mass: Option<f64>,
 ) -> Result<CorrectedUrdf, Error> {
     let file = model_file(problem, &found.best, &found.diagnosis.log);
     let wide = Prior::Cad(Tolerances::usual());
@@ -62,23 +76,15 @@ pub(crate) fn of(
         &problem.context.catalog,
         snapping,
         prior,
+        total_mass,
     )?;
-    let rest = found
-        .best
-        .terms
-        .iter()
-        .filter(|term| matches!(term, Term::Outliers));
-    corrected.left_out.extend(rest.map(|term| {
-        format!(
-            "{} is left out: it says nothing of the robot",
-            term.label(&problem.context)
-        )
-    }));
+    corrected.left_out.extend(of_the_log(problem, found));
     Ok(corrected)
 }
 
 /// The URDF of `robot` with the parameters and effects of `file`, both of which
-/// belong to `model`; masses move within `prior`.
+/// belong to `model`; masses move within `prior`, and the robot without its loads weighs
+/// `total_mass` kg, as in CAD unless given.
 ///
 /// # Errors
 /// When a text cannot be read again.
@@ -89,18 +95,24 @@ pub fn of_model_file(
     catalog: &Catalog,
     snapping: Snapping,
     prior: &Prior,
+    total_mass: Option<f64>,
 ) -> Result<CorrectedUrdf, Error> {
+    if let Some(mass) = total_mass.filter(|mass| !(1e-9..=1e6).contains(mass)) {
+        return Err(Error::request(message![
+            Setting::TotalMass,
+            format!(" {mass:e}: give a number above zero that a robot can have")
+        ]));
+    }
+    // Shares of the robot's mass are what data tell.
+    let scale = total_mass.map_or(1.0, |mass| mass / model.tree.mass);
     let name = &robot.description.file;
     let mut left_out = Vec::new();
     let mut text = robot.text().to_string();
     let params = file.values();
     let moved = params.iter().zip(model.cad_params());
-    if moved
-        .map(|(to, from)| (to - from).abs())
-        .fold(0.0, f64::max)
-        > SETTLED
-    {
-        match towards(robot, model, snapping, &params, None, prior, None)? {
+    let moved = moved.map(|(to, from)| (to - from).abs());
+    if moved.fold(0.0, f64::max) > SETTLED || scale != 1.0 {
+        match towards(robot, model, snapping, &params, None, prior, total_mass)? {
             Ok(corrected) => text = corrected.text,
             Err(impossible) => left_out.push(format!(
                 "the identified masses stay in the model file: no URDF has them: {}",
@@ -114,8 +126,15 @@ pub fn of_model_file(
         let effect = catalog.named(&record.effect);
         match effect.and_then(|effect| effect.urdf_edit(&record.target, &value)) {
             Some(UrdfEdit::Joint(shift)) => shifts.push(shift),
-            Some(UrdfEdit::Mass(load)) if load.mass_kg > 0.0 => loads.push(load),
+            Some(UrdfEdit::Mass(load)) if load.mass_kg > 0.0 => loads.push(Load {
+                mass_kg: scale * load.mass_kg,
+                ..load
+            }),
             Some(UrdfEdit::Mass(load)) => {
+                let load = Load {
+                    mass_kg: scale * load.mass_kg,
+                    ..load
+                };
                 if let Err(why) = take_out(&mut text, name, &load)? {
                     left_out.push(stays(record, &why));
                 }

@@ -25,7 +25,6 @@ pub struct Next {
     pub proposals: Vec<ExperimentProposal>,
     /// What the best is.
     pub experiment: Option<Experiment>,
-    /// `q` row by row and the support to take them on.
     pub postures: Option<OnFoot>,
 }
 
@@ -88,7 +87,11 @@ pub fn next(
         let (separations, _) = trial.separations(truth, &others);
         ranked.push(Ranked {
             proposal: proposal(trial.experiment, &support, separations),
-            postures: (support.clone(), problem.data.q.clone()),
+            postures: OnFoot {
+                support: support.clone(),
+                q: problem.data.q.clone(),
+                ranks: Vec::new(),
+            },
             experiment: trial.experiment,
         });
     }
@@ -158,7 +161,14 @@ fn proposal(experiment: Experiment, support: &str, separations: Vec<f64>) -> Exp
 }
 
 /// A support and the postures to take on it.
-type OnFoot = (String, Vec<f64>);
+#[derive(Clone)]
+pub struct OnFoot {
+    pub support: String,
+    /// Row by row.
+    pub q: Vec<f64>,
+    /// Place of each posture by how much it tells, from 0; empty where all are to be taken.
+    pub ranks: Vec<usize>,
+}
 
 /// An experiment with what it would tell.
 struct Ranked {
@@ -227,7 +237,11 @@ fn with_postures(
     let support = model.tree.links[model.tree.support].name.clone();
     Ranked {
         proposal: proposal(trial.experiment, &support, separations),
-        postures: (support, chosen),
+        postures: OnFoot {
+            support,
+            q: chosen,
+            ranks: order,
+        },
         experiment: trial.experiment,
     }
 }

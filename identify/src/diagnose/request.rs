@@ -18,7 +18,7 @@ use super::corrected_urdf::{self, CorrectedUrdf};
 use super::findings::{About, Diagnosis, Found, NextPostures, Verdict};
 use super::further_logs::FurtherLog;
 use super::model_file::model_file;
-use super::next_postures::{self, Next};
+use super::next_postures::{self, Next, OnFoot};
 use super::problem::Problem;
 use super::remedy::{self, Servo};
 use super::view::DiagnosisView;
@@ -73,6 +73,8 @@ pub struct Request {
     pub servos: BTreeMap<String, Servo>,
     /// Whether the corrected URDF is wanted.
     pub corrected_urdf: bool,
+    /// What the robot without its loads weighs in the corrected URDF, kg; as in CAD unless given.
+    pub total_mass: Option<f64>,
     /// Whether the rows of figures are wanted.
     pub view: bool,
 }
@@ -96,6 +98,7 @@ impl Request {
             model_path: None,
             servos: BTreeMap::new(),
             corrected_urdf: false,
+            total_mass: None,
             view: false,
         }
     }
@@ -111,6 +114,11 @@ pub struct Report {
     pub model_file: ModelFile,
     /// Where it was wanted.
     pub corrected_urdf: Option<CorrectedUrdf>,
+    /// Whether masses are part of the explanation: those of a corrected URDF then move within
+    /// the usual tolerances, else within those of the request.
+    pub frees_masses: bool,
+    /// What of the explanation belongs to the log alone, a sentence each.
+    pub of_the_log: Vec<String>,
     /// Where it was wanted.
     pub view: Option<DiagnosisView>,
     /// Postures of the experiment that would tell most, if something is left to tell.
@@ -132,6 +140,9 @@ pub struct NextLog {
     pub dofs: Vec<Dof>,
     /// Posture by posture, joint by joint, rad or m.
     pub q: Vec<f64>,
+    /// Place of each posture among them by how much it tells, from 0; empty where all are
+    /// to be taken.
+    pub ranks: Vec<usize>,
 }
 
 impl NextLog {
@@ -273,7 +284,10 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     };
     let corrected = request
         .corrected_urdf
-        .then(|| corrected_urdf::of(&problem, &found, robot, request.snapping, &prior))
+        .then(|| {
+            let (snapping, total) = (request.snapping, request.total_mass);
+            corrected_urdf::of(&problem, &found, robot, snapping, &prior, total)
+        })
         .transpose()?;
     remedy::add(&problem, &mut found, &robot.description, &request.servos);
     found.diagnosis.left_out_of_urdf = corrected.as_ref().map(|urdf| urdf.left_out.clone());
@@ -290,6 +304,8 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     Ok(Report {
         model_file,
         corrected_urdf: corrected,
+        frees_masses: found.best.frees_masses(),
+        of_the_log: corrected_urdf::of_the_log(&problem, &found),
         view: request.view.then(|| DiagnosisView::of(&problem, &found)),
         next: next_log(next, &model, about.robot),
         notes: model.tree.notes.clone(),
@@ -401,12 +417,13 @@ fn with_data(
 }
 
 fn next_log(next: Next, model: &Model, robot: &str) -> Option<NextLog> {
-    let (support, q) = next.postures?;
+    let OnFoot { support, q, ranks } = next.postures?;
     Some(NextLog {
         robot: robot.to_string(),
         support,
         experiment: next.experiment,
         dofs: model.tree.dofs.clone(),
         q,
+        ranks,
     })
 }

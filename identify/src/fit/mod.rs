@@ -28,4 +28,4 @@ pub mod timing;
 
 pub use estimate::{identify, identify_within};
 pub use identification::{Identification, Settings};
-pub use request::{FOLDS, Report, Request, fit, gather};
+pub use request::{FOLDS, Report, Request, fit, gather, residuals};

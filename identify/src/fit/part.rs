@@ -77,8 +77,16 @@ impl Part {
         let file = path.display().to_string();
         let text = files::read_text(path, files::SUMS)
             .map_err(|source| Error::read(file.clone(), source))?;
-        let bad = |message: String| Error::log(file.clone(), None, message);
-        let part: Part = serde_json::from_str(&text).map_err(|error| {
+        Part::from_bytes(text.as_bytes(), &file)
+    }
+
+    /// Check what [`to_bytes`](Self::to_bytes) gave; `name` stands for a file in messages.
+    ///
+    /// # Errors
+    /// When it is no part, or is damaged.
+    pub fn from_bytes(bytes: &[u8], name: &str) -> Result<Part, Error> {
+        let bad = |message: String| Error::log(name, None, message);
+        let part: Part = serde_json::from_slice(bytes).map_err(|error| {
             bad(format!(
                 "no factor file of a fit that only gathers: {error}"
             ))
@@ -103,6 +111,14 @@ impl Part {
             ));
         }
         Ok(part)
+    }
+
+    /// The bytes of a file of it.
+    ///
+    /// # Errors
+    /// When it cannot be written down.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, Error> {
+        serde_json::to_vec(self).map_err(Error::serialise)
     }
 
     /// Write to `path`, whole or not at all.

@@ -17,7 +17,7 @@ use super::identification::{Identification, Settings};
 use super::limits::Limits;
 use super::logs::Logs;
 use super::part::{About, Part};
-use super::prior::PriorChoice;
+use super::prior::{Prior, PriorChoice};
 use super::residuals::{self, Residual};
 use super::robust::Loss;
 use crate::health::{self, Finding};
@@ -82,6 +82,68 @@ pub struct Report {
     pub residuals: Vec<Residual>,
     /// What is to be known of the robot.
     pub notes: Vec<String>,
+    robot: Arc<Robot>,
+    model: Arc<Model>,
+    snapping: Snapping,
+    prior: Prior,
+}
+
+impl Report {
+    /// The robot that was fitted.
+    pub fn robot(&self) -> &Robot {
+        &self.robot
+    }
+
+    /// Whether decimals of right angles were made exact.
+    pub fn is_snapped(&self) -> bool {
+        self.snapping != Snapping::Off
+    }
+
+    /// The URDF whose masses and centres of mass give the parameters; the robot weighs
+    /// `total_mass` kg, as in CAD unless given.
+    ///
+    /// # Errors
+    /// When no masses give them.
+    pub fn corrected_urdf(&self, total_mass: Option<f64>) -> Result<Corrected, Error> {
+        check_positive(Setting::TotalMass, total_mass)?;
+        correct(
+            &self.robot,
+            &self.model,
+            self.snapping,
+            &self.identification,
+            &self.prior,
+            total_mass,
+        )
+    }
+}
+
+/// Some of the readings beside their predictions; none of parts alone.
+///
+/// # Errors
+/// When a log cannot be read again; the kind `Interrupted` where `watch` stops it.
+pub fn residuals(
+    request: &Request,
+    report: &Report,
+    watch: &mut dyn Watch,
+) -> Result<Vec<Residual>, Error> {
+    if request.logs.is_empty() {
+        return Ok(Vec::new());
+    }
+    let support = &report.identification.support;
+    let logs = logs(request, &report.robot, Some(support.clone()), None);
+    let mut measurement = Measurement::new(&report.robot, support, report.snapping)?;
+    let params = &report.identification.estimate.params;
+    residuals::sample(&logs, &mut measurement, params, watch)
+}
+
+fn check_positive(setting: Setting, value: Option<f64>) -> Result<(), Error> {
+    match value.filter(|x| !(1e-9..=1e6).contains(x)) {
+        None => Ok(()),
+        Some(x) => Err(Error::request(message![
+            setting,
+            format!(" {x:e}: give a number above zero that a robot can have")
+        ])),
+    }
 }
 
 /// Fit the parameters of a robot.
@@ -123,12 +185,7 @@ pub fn fit(request: &Request, watch: &mut dyn Watch) -> Result<Report, Error> {
         (Setting::Range, request.range.map(f64::to_degrees)),
         (Setting::TotalMass, request.total_mass),
     ] {
-        if let Some(x) = value.filter(|x| !(1e-9..=1e6).contains(x)) {
-            return Err(Error::request(message![
-                setting,
-                format!(" {x:e}: give a number above zero that a robot can have")
-            ]));
-        }
+        check_positive(setting, value)?;
     }
     let (request, health) = screened(request, watch)?;
     let (request, part) = (&*request, gathered(&request, health, watch)?);
@@ -160,26 +217,24 @@ pub fn fit(request: &Request, watch: &mut dyn Watch) -> Result<Report, Error> {
             " cad"
         ]));
     }
-    let correct = || {
-        let total = request.total_mass;
-        correct(&robot, &model, snapping, &found, &settings.prior, total)
-    };
-    let corrected = request.corrected_urdf.then(correct).transpose()?;
-    let residuals = match request.residuals && !request.logs.is_empty() {
-        true => {
-            let logs = logs(request, &robot, Some(part.support.clone()), None);
-            let mut measurement = Measurement::new(&robot, &part.support, snapping)?;
-            residuals::sample(&logs, &mut measurement, &found.estimate.params, watch)?
-        }
-        false => Vec::new(),
-    };
-    Ok(Report {
+    let mut report = Report {
         model_file: found.model_file(&model),
-        corrected,
-        residuals,
+        corrected: None,
+        residuals: Vec::new(),
         notes: model.tree.notes.clone(),
         identification: found,
-    })
+        robot: Arc::new(robot),
+        model: Arc::new(model),
+        snapping,
+        prior: settings.prior,
+    };
+    if request.corrected_urdf {
+        report.corrected = Some(report.corrected_urdf(request.total_mass)?);
+    }
+    if request.residuals {
+        report.residuals = residuals(request, &report, watch)?;
+    }
+    Ok(report)
 }
 
 /// Gather all logs and parts of a request into one part, on its support.

@@ -94,6 +94,39 @@ pub fn screen(
     rows::screened(log, model, options, noise, watch)
 }
 
+/// What is wrong with a log itself, as a fit of `robot` on `support` (the log's own unless
+/// given) would see it; of no known robot what its rows alone show.
+///
+/// # Errors
+/// What is wrong with the log; when `watch` stops it.
+pub fn of_log(
+    log: &LogSource,
+    robot: Option<&Robot>,
+    snapping: Snapping,
+    watch: &mut dyn Watch,
+) -> Result<Vec<Finding>, Error> {
+    let Some(robot) = robot else {
+        return rows::alone(log, watch);
+    };
+    let (sidecar, _) = log.sidecar()?;
+    let support = sidecar.support.ok_or_else(|| robot.no_support())?;
+    let model = robot.model(&support, snapping, None)?;
+    let links = robot.description.link_names();
+    let options = Options {
+        links: links.map(str::to_string).collect(),
+        support: Some(support),
+        any_unit: true,
+        ..Options::default()
+    };
+    let reading = Reading {
+        options: &options,
+        snapping,
+        noise: None,
+        alone: true,
+    };
+    Ok(look(log, robot, &model, reading, watch)?.1)
+}
+
 /// Examine the postures of a log of `model`.
 pub fn examine(robot: &Robot, model: &Model, snapping: Snapping, data: &Postures) -> Health {
     let com = Evaluator::new(model, Function::Com).run(&data.q, data.len());

@@ -108,6 +108,22 @@ impl LogSource {
         }
     }
 
+    /// The table, if the log is one.
+    pub fn table(&self) -> Option<&Table> {
+        match &self.place {
+            Place::Table(table) => Some(table),
+            Place::File(_) | Place::Bytes(_) => None,
+        }
+    }
+
+    /// The bytes of the file, if the log is given by them.
+    pub fn content(&self) -> Option<&[u8]> {
+        match &self.place {
+            Place::Bytes(bytes) => Some(bytes.as_ref()),
+            Place::File(_) | Place::Table(_) => None,
+        }
+    }
+
     /// The log's sidecar, empty where there is none, and what is odd about it.
     ///
     /// # Errors

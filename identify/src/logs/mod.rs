@@ -47,5 +47,5 @@ pub use reader::{PostureReader, Summary};
 pub use row::{Row, Written};
 pub use screen::{Screen, Screening};
 pub use sidecar::{Angles, Sidecar};
-pub use table::Table;
+pub use table::{Table, Values};
 pub use writer::PostureWriter;

@@ -74,7 +74,8 @@ impl PostureReader {
         let file = log.name().to_string();
         let mut source = open_source(&log, dofs, options, &sidecar)?;
         let bad = |message: String| Error::log(&file, Some(1), message);
-        let columns = Columns::of(source.header(), dofs, options.readings).map_err(bad)?;
+        let header = sidecar.renamed(source.header()).map_err(bad)?;
+        let columns = Columns::of(&header, dofs, options.readings).map_err(bad)?;
         warnings.extend(source.warnings());
         if !columns.ignored.is_empty() {
             let names: Vec<&str> = columns.ignored.iter().map(String::as_str).collect();
@@ -169,6 +170,11 @@ impl PostureReader {
             self.assembler.look(&self.raw)?;
         }
         Ok(!self.raw.line.is_empty())
+    }
+
+    /// Names of columns that mean nothing to a robot of these joints.
+    pub(crate) fn unknown_columns(&self) -> &[String] {
+        &self.columns.ignored
     }
 
     /// What averaging took off the variance of a single reading, as a part of it, once a

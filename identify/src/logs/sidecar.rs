@@ -3,6 +3,7 @@
 //! A key with a value of the wrong type is an error; an unknown key is a
 //! warning, since it may be a note of the user's or a misspelling.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -11,7 +12,7 @@ use sesc_model::files;
 use super::names::{nearest, short};
 use crate::{Error, Message};
 
-const KEYS: [&str; 8] = [
+const KEYS: [&str; 9] = [
     "robot",
     "support",
     "angles",
@@ -20,6 +21,7 @@ const KEYS: [&str; 8] = [
     "gravity",
     "topic",
     "experiment",
+    "columns",
 ];
 
 /// No foot is so large: cells further out were hardly given in metres, m.
@@ -52,6 +54,9 @@ pub struct Sidecar {
     /// What `sesc diagnose --next` asked for, where the log is of such an experiment.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub experiment: Option<String>,
+    /// What columns of the log mean that have other names: name in the log, our name.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub columns: Option<BTreeMap<String, String>>,
 }
 
 /// A remedy for angles of the wrong unit, around the name of the setting.
@@ -149,6 +154,24 @@ impl Sidecar {
             .map_err(|error: toml::de::Error| error.to_string().trim_end().to_string())?;
         sidecar.check()?;
         Ok((sidecar, warnings))
+    }
+
+    /// The names of a log's columns, with ours for those that have others. The error names
+    /// a column that the log does not have.
+    pub(super) fn renamed(&self, header: &[String]) -> Result<Vec<String>, String> {
+        let Some(columns) = &self.columns else {
+            return Ok(header.to_vec());
+        };
+        if let Some(missing) = columns.keys().find(|name| !header.contains(name)) {
+            let names: Vec<&str> = header.iter().map(String::as_str).collect();
+            let near = nearest(missing, &names);
+            let near = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
+            return Err(format!(
+                "column `{missing}` is to be read under another name, but the log has none{near}"
+            ));
+        }
+        let ours = |name: &String| columns.get(name).unwrap_or(name).clone();
+        Ok(header.iter().map(ours).collect())
     }
 
     pub(super) fn check(&self) -> Result<(), String> {

@@ -21,6 +21,17 @@ pub struct Table {
     hash: OnceLock<u64>,
 }
 
+/// The values of a column.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Values<'a> {
+    /// Numbers; NaN where one is missing.
+    Numbers(&'a [f64]),
+    /// Whole numbers.
+    Integers(&'a [i64]),
+    /// Texts.
+    Texts(&'a [Arc<str>]),
+}
+
 #[derive(Debug)]
 enum Column {
     Numbers(Shared<f64>),
@@ -71,6 +82,12 @@ impl Table {
         &self.name
     }
 
+    /// The columns in their order, by name.
+    pub fn columns(&self) -> impl Iterator<Item = (&str, Values<'_>)> {
+        let names = self.header.iter().map(String::as_str);
+        names.zip(self.columns.iter().map(Column::values))
+    }
+
     /// FNV-1a over names and values, column by column: the same columns have the
     /// same hash wherever they are.
     fn hash(&self) -> u64 {
@@ -84,6 +101,14 @@ impl Table {
 }
 
 impl Column {
+    fn values(&self) -> Values<'_> {
+        match self {
+            Column::Numbers(values) => Values::Numbers(values.as_ref()),
+            Column::Integers(values) => Values::Integers(values.as_ref()),
+            Column::Texts(values) => Values::Texts(values.as_ref()),
+        }
+    }
+
     fn len(&self) -> usize {
         match self {
             Column::Numbers(values) => values.as_ref().len(),

@@ -8,7 +8,7 @@ use super::OP2_URDF;
 use super::{Bench, NOISE, about, diagnosed, gauss, term};
 use crate::diagnose::diagnosis::find;
 use crate::diagnose::further_logs::{FurtherLog, together};
-use crate::diagnose::next_postures::next;
+use crate::diagnose::next_postures::{OnFoot, next};
 use crate::diagnose::problem::{ALL, Problem};
 use crate::fit::prior::Prior;
 use crate::observations::postures::Postures;
@@ -87,7 +87,7 @@ fn the_first_experiment_splits_the_class() {
             }
             let next = next(&problem, &found, &robot, Snapping::default(), None);
             let experiment = next.experiment.unwrap();
-            let (support, q) = next.postures.as_ref().unwrap();
+            let OnFoot { support, q, .. } = next.postures.as_ref().unwrap();
             let model = robot.model(support, Snapping::default(), None).unwrap();
             let world = World::new(&bench.twin, support).unwrap();
             let world = hide(world, &label, offset, &experiment);

@@ -18,8 +18,10 @@ mod outside;
 mod screen;
 mod steps;
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 
+use sesc_model::tree::Dof;
 use sesc_model::{Function, Model};
 
 use super::Finding;
@@ -76,9 +78,21 @@ impl Rows {
         noise: Option<f64>,
         watch: &mut dyn Watch,
     ) -> Result<Rows, Error> {
+        let mut rows = Rows::gather(log, &model.tree.dofs, Some(model.support()), options, watch)?;
+        rows.noise = noise.or(rows.noise);
+        rows.predict(model);
+        Ok(rows)
+    }
+
+    /// Rows of a log that stand on `support`, or on any.
+    fn gather(
+        log: &LogSource,
+        dofs: &[Dof],
+        support: Option<&str>,
+        options: &Options,
+        watch: &mut dyn Watch,
+    ) -> Result<Rows, Error> {
         let log = log.clone().screened(Arc::new(Everything));
-        let dofs = &model.tree.dofs;
-        let support = &model.tree.links[model.tree.support].name;
         let mut reader = PostureReader::open(&log, dofs, options)?;
         let mut rows = Rows {
             q: Vec::new(),
@@ -88,7 +102,7 @@ impl Rows {
             cells: 0,
             places: reader.sidecar.cells.clone().unwrap_or_default(),
             pose: Vec::new(),
-            noise,
+            noise: None,
             cad: Vec::new(),
             cad_of_degrees: Vec::new(),
         };
@@ -98,8 +112,8 @@ impl Rows {
             if block.is_empty() {
                 break;
             }
-            if let Some(all) = &block.support {
-                let here = |link: &Arc<str>| link.is_empty() || **link == **support;
+            if let (Some(all), Some(support)) = (&block.support, support) {
+                let here = |link: &Arc<str>| link.is_empty() || **link == *support;
                 let here: Vec<bool> = all.iter().map(here).collect();
                 block.retain(&here);
             }
@@ -107,11 +121,10 @@ impl Rows {
             let (done, total) = reader.progress();
             tell(watch, "looking", done, total)?;
         }
-        if rows.noise.is_none() && !variance.is_empty() {
+        if !variance.is_empty() {
             let mean = variance.iter().sum::<f64>() / variance.len() as f64;
             rows.noise = Some(mean.sqrt());
         }
-        rows.predict(model);
         Ok(rows)
     }
 
@@ -140,6 +153,39 @@ impl Rows {
         let degrees: Vec<f64> = self.q.iter().enumerate().map(scale).collect();
         (self.cad, self.cad_of_degrees) = (pairs(&self.q), pairs(&degrees));
     }
+}
+
+/// What is wrong with the rows of a log of no known robot: every column that means nothing
+/// else is a joint.
+pub(super) fn alone(log: &LogSource, watch: &mut dyn Watch) -> Result<Vec<Finding>, Error> {
+    let options = Options {
+        any_unit: true,
+        ..Options::default()
+    };
+    let reader = PostureReader::open(log, &[], &options)?;
+    let joints = reader.unknown_columns().iter();
+    let joints = joints.filter(|name| !name.is_empty()).map(|joint| Dof {
+        joint: joint.clone(),
+        prismatic: false,
+        continuous: true,
+        lower: -PI,
+        upper: PI,
+        speed: 1.0,
+    });
+    let joints: Vec<Dof> = joints.collect();
+    let rows = Rows::gather(log, &joints, None, &options, watch)?;
+    if rows.len() < FEW_ROWS || rows.reading.is_empty() {
+        return Ok(Vec::new());
+    }
+    let mut left_out = LeftOut::default();
+    let mut findings = Vec::new();
+    if rows.cells > 0 {
+        findings.extend(contact::lost(&rows, &mut left_out));
+    }
+    findings.extend(contact::unplugged(&rows));
+    findings.extend(channels::saturated(&rows, &mut left_out));
+    findings.extend(copies::of(&rows, &mut left_out));
+    Ok(findings)
 }
 
 /// What is wrong with rows, and what to leave out.

@@ -1,0 +1,260 @@
+"""Diagnoses: where simulation and measurement disagree, and the name of what is missing."""
+
+from __future__ import annotations
+
+import json
+import os
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from . import _run, _sesc
+from ._errors import FitError
+from ._fit import CorrectedUrdf
+from ._health import Finding
+from ._log import Log
+from ._model import Model, restored
+from ._postures import Postures
+from ._robot import Robot
+from ._run import Progress
+
+__all__ = ["Diagnosis", "Quantity", "Step", "diagnose"]
+
+
+class Quantity(NamedTuple):
+    """An estimate and its standard deviation, in the unit that its name ends in."""
+
+    value: float
+    std: float
+
+
+class Step(NamedTuple):
+    """One effect of the explanation.
+
+    Attributes:
+        effect: its name, such as ``joint_offset``.
+        target: joint, link or cell; ``-`` where it acts on the whole.
+        parameters: by name, which ends in the unit: ``offset_rad``.
+        rmse_before, rmse_after: held-out error without and with it, m.
+        evidence: by how much -2 log evidence rises without it.
+        sentence: the step as a sentence.
+        remedy: what to change about it.
+    """
+
+    effect: str
+    target: str
+    parameters: dict[str, Quantity]
+    rmse_before: float
+    rmse_after: float
+    evidence: float
+    sentence: str
+    remedy: dict[str, Any]
+
+
+class Diagnosis:
+    """What a diagnosis found. ``str(found)`` is what ``sesc diagnose`` prints, a notebook shows
+    its report. Every key of the command's JSON is an attribute too: ``found.noise_floor``.
+    """
+
+    def __init__(self, state: dict[str, Any]) -> None:
+        self._state = state
+        self._found: dict[str, Any] = json.loads(state["json"])
+
+    @property
+    def verdict(self) -> str:
+        """``none``, ``named``, ``class``, ``absorbed``, ``unexplained`` or ``unusable``."""
+        return str(self._found["verdict"])
+
+    @property
+    def sentence(self) -> str:
+        """The whole result in sentences."""
+        return str(self._found["sentence"])
+
+    @cached_property
+    def steps(self) -> list[Step]:
+        """The explanation effect by effect, in the order in which they close the gap."""
+        steps = []
+        for found in self._found["steps"]:
+            parameters = {name: Quantity(**q) for name, q in found["parameters"].items()}
+            steps.append(Step(**{**found, "parameters": parameters}))
+        return steps
+
+    @property
+    def explanations(self) -> list[list[str]]:
+        """The complete explanations that the data cannot tell apart, best first: each a list of
+        ``effect`` or ``effect:target``."""
+        return [list(one) for one in self._found["indistinguishable"]]
+
+    @property
+    def health(self) -> list[Finding]:
+        """What is wrong with the data themselves."""
+        return [Finding(f["kind"], f["target"], f["sentence"]) for f in self._found["health"]]
+
+    @property
+    def warnings(self) -> list[str]:
+        """What was odd about the log, a sentence each."""
+        return list(self._state["warnings"])
+
+    @property
+    def notes(self) -> list[str]:
+        """What is to be known of the robot, a sentence each."""
+        return list(self._state["notes"])
+
+    @cached_property
+    def model(self) -> Model:
+        """The robot with the identified parameters and effects: ``found.model.com(q)`` is its
+        centre of mass where its encoders read ``q``."""
+        self._check_usable()
+        return restored(self._state["robot"], self._found["support"], self._state["model_file"])
+
+    def next_postures(self, n: int = 40) -> Postures:
+        """The ``n`` postures (40 at most) that would tell most about what is still open; none
+        where nothing is left to tell apart. :attr:`Postures.experiment` says what else to do.
+        """
+        found = self._state["next"]
+        if found is None:
+            model = self._state["robot"].on(self._found["support"])
+            return Postures(model, np.zeros((0, model.dof)), None)
+        support, experiment, q, ranks = found
+        kept = np.sort(np.argsort(ranks, kind="stable")[:n]) if len(ranks) else np.arange(min(n, len(q)))
+        return Postures(self._state["robot"].on(support), q[kept], experiment)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the model file: parameters and effects, for ``Robot.on`` and ``sesc generate``.
+
+        Raises:
+            FitError: the data cannot be used, or the file would not predict them.
+        """
+        self._check_usable()
+        on_log = self._found["model_on_log"]
+        if not on_log["agrees"]:
+            raise FitError(
+                f"the model file would predict this log to {1e3 * on_log['predicted_rmse']:.3f} mm RMS, the "
+                f"diagnosis states {1e3 * on_log['stated_rmse']:.3f} mm; record more postures, or give "
+                "tolerances of the masses with `prior`"
+            )
+        _run.written(path, self._state["model_file"])
+
+    def report(self, path: str | os.PathLike[str]) -> None:
+        """Write the page of ``sesc diagnose --report``."""
+        self._check_usable()
+        _run.written(path, self._state["page"])
+
+    def correct_urdf(self, total_mass: float | None = None) -> CorrectedUrdf:
+        """The URDF with what was found: joint origins turned, payloads as links, masses as
+        re-identified. What no URDF can hold is in ``.left_out``.
+
+        Args:
+            total_mass: what the robot without its loads weighs, kg; as in CAD unless given.
+        """
+        self._check_usable()
+        state = self._state
+        freed, of_the_log = state["correction"]
+        prior = "cad" if freed else state["prior"]
+        text, left_out = _sesc.correct_urdf(state["robot"], state["model_file"], prior, total_mass)
+        return CorrectedUrdf(text, [*left_out, *of_the_log])
+
+    def to_dict(self) -> dict[str, Any]:
+        """What ``sesc diagnose --json`` prints, key by key."""
+        found: dict[str, Any] = json.loads(self._state["json"])
+        return found
+
+    def _check_usable(self) -> None:
+        if self.verdict == "unusable":
+            raise FitError(f"the data cannot be used: {self.sentence}")
+
+    def __getattr__(self, name: str) -> Any:
+        found = self.__dict__.get("_found", {})
+        if name in found:
+            return found[name]
+        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+
+    def __dir__(self) -> list[str]:
+        return sorted({*super().__dir__(), *self._found})
+
+    def __str__(self) -> str:
+        return str(self._state["text"])
+
+    def __repr__(self) -> str:
+        effects = ", ".join(f"{step.effect}:{step.target}" for step in self.steps) or "no effect"
+        return f"<sesc.Diagnosis of {self._state['robot'].name}: {self.verdict}, {effects}>"
+
+    def _repr_html_(self) -> str:
+        from ._html import framed
+
+        return framed(self._state["page"])
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Diagnosis, (self._state,)
+
+
+def diagnose(
+    robot: Robot,
+    log: Any,
+    *,
+    then: Any = (),
+    support: str | None = None,
+    angles: str | None = None,
+    prior: str | os.PathLike[str] = "tight",
+    noise: float | None = None,
+    floor: float = 1e-4,
+    servos: str | os.PathLike[str] | None = None,
+    progress: Progress = False,
+) -> Diagnosis:
+    """Find where simulation and measurement disagree, and name the missing effect.
+
+    Args:
+        robot: the robot with CAD masses.
+        log: a :class:`Log` or what one is made of.
+        then: logs of experiments that :meth:`Diagnosis.next_postures` asked for.
+        support: link on the ground; the log's own unless given.
+        angles: ``"deg"`` where revolute joints are logged in degrees.
+        prior: tolerances of CAD: ``"tight"`` (mass 0.2 %, CoM 0.1 mm), ``"cad"`` (10 %, 5 mm),
+            ``"free"``, or a TOML file.
+        noise: standard deviation of a single reading on one axis, m; from the log unless given.
+        floor: added to the noise in quadrature, m: what encoder ticks do.
+        servos: TOML file of the servos: remedies are in its ticks.
+        progress: print how far it is, or a function of what is done, how much, and of how much.
+
+    Raises:
+        LogError: a log that cannot be used, with its file, line and column.
+        FitError: what is asked for cannot be had.
+        KeyboardInterrupt: Ctrl-C, within 0.2 s.
+
+    Example:
+        >>> ["joint_offset:hip"] in sesc.diagnose(robot, log, noise=1e-4).explanations
+        True
+    """
+    if not isinstance(robot, Robot):
+        raise TypeError(f"a robot comes first, not {type(robot).__name__}")
+    (first,) = _run.logs(log)[:1] or [Log(log)]
+    further = _run.logs(list(then) if isinstance(then, (list, tuple)) else then)
+    options = {
+        "support": support,
+        "degrees": _run.degrees(angles),
+        "prior": os.fspath(prior),
+        "noise": noise,
+        "floor": floor,
+        "servos": None if servos is None else os.fspath(servos),
+    }
+    try:
+        report = _sesc.diagnose_log(
+            robot, first._inner, [one._inner for one in further], options, _run.shown(progress)
+        )
+    finally:
+        _run.ended(progress)
+    first._robot = first._robot or robot
+    state = {
+        "json": report.json(),
+        "text": report.text(),
+        "page": report.page(),
+        "model_file": report.model_file(),
+        "robot": robot,
+        "prior": os.fspath(prior),
+        "correction": report.correction(),
+        "next": report.next(),
+        "warnings": report.warnings,
+        "notes": report.notes,
+    }
+    return Diagnosis(state)

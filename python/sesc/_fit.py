@@ -1,0 +1,442 @@
+"""Fits: parameters from logs, with all that must be said of them."""
+
+from __future__ import annotations
+
+import json
+import os
+from functools import cached_property
+from typing import Any, NamedTuple
+
+from . import _run, _sesc
+from ._arrays import Float64
+from ._errors import FitError, PartError
+from ._health import Finding
+from ._log import Log
+from ._model import Model, restored
+from ._robot import Robot
+from ._run import Progress
+
+__all__ = ["CorrectedUrdf", "Fit", "Parameter", "Part", "fit", "gather"]
+
+
+class Parameter(NamedTuple):
+    """One base parameter.
+
+    Attributes:
+        name: body and axis, as in :attr:`Model.param_names`.
+        value: m (of a prismatic joint: a mass fraction).
+        std: standard deviation, in the same unit; 1.96 of them hold 95 %. None where neither
+            data nor prior say anything.
+        cad: its value by the URDF.
+        source: ``data`` or ``prior``, whichever tells more.
+    """
+
+    name: str
+    value: float
+    std: float | None
+    cad: float
+    source: str
+
+
+class CorrectedUrdf(NamedTuple):
+    """A URDF with what was found in it.
+
+    Attributes:
+        text: the whole text.
+        left_out: what no URDF can hold, a sentence each.
+    """
+
+    text: str
+    left_out: list[str]
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the text to ``path``, whole or not at all."""
+        _run.written(path, self.text)
+
+    @property
+    def robot(self) -> Robot:
+        """The robot that it describes."""
+        return Robot(self.text)
+
+    def __repr__(self) -> str:
+        return f"<sesc.CorrectedUrdf: {len(self.text)} characters, {len(self.left_out)} left out>"
+
+
+class Part:
+    """What logs contribute to a fit, as a value: small, mergeable, free of the logs themselves.
+
+    Made by :func:`sesc.gather`; ``a | b`` are both together, ``bytes(a)`` go to files and other
+    machines and come back by :meth:`from_bytes`. Merging in any order gives the same fit up to
+    rounding; a log that is in both is refused.
+
+    Example:
+        >>> a = sesc.gather(robot, log)
+        >>> sesc.Part.from_bytes(bytes(a)) == a
+        True
+    """
+
+    def __init__(self, inner: _sesc.Part) -> None:
+        self._inner = inner
+
+    @classmethod
+    def from_bytes(cls, data: bytes) -> Part:
+        """The part that ``bytes(part)`` are of.
+
+        Raises:
+            PartError: bytes of something else, or damaged.
+        """
+        return cls(_sesc.Part.parse(bytes(data)))
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Part:
+        """The part in a file, of :meth:`save` or ``sesc fit --partial``."""
+        with open(path, "rb") as file:
+            return cls.from_bytes(file.read())
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write it to ``path`` (ending in .part, for the command line), whole or not at all."""
+        _sesc.write_bytes(os.fspath(path), bytes(self))
+
+    @property
+    def postures(self) -> int:
+        """Postures of all logs."""
+        return self._inner.postures
+
+    @property
+    def support(self) -> str:
+        """Link whose parameters the sums are about."""
+        return self._inner.support
+
+    @property
+    def supports(self) -> list[str]:
+        """All links that postures stood on."""
+        return self._inner.supports
+
+    @property
+    def robot_hash(self) -> str:
+        """Hash of the URDF."""
+        return self._inner.hash
+
+    @property
+    def logs(self) -> list[dict[str, Any]]:
+        """The logs in it: name, hash of the content, rows."""
+        return [{"file": file, "hash": hash, "rows": rows} for file, hash, rows in self._inner.logs]
+
+    @property
+    def health(self) -> list[Finding]:
+        """What is wrong with the logs themselves."""
+        return [Finding(*found) for found in self._inner.health]
+
+    @property
+    def warnings(self) -> list[str]:
+        """What was odd about the logs, a sentence each."""
+        return self._inner.warnings
+
+    def to_dict(self) -> dict[str, Any]:
+        """Its properties, for JSON."""
+        names = ("postures", "support", "supports", "robot_hash", "logs", "warnings")
+        health = [finding._asdict() for finding in self.health]
+        return {name: getattr(self, name) for name in names} | {"health": health}
+
+    def __or__(self, other: Part) -> Part:
+        if not isinstance(other, Part):
+            return NotImplemented
+        return Part(self._inner.merged(other._inner))
+
+    def __bytes__(self) -> bytes:
+        return self._inner.to_bytes()
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Part) and bytes(self) == bytes(other)
+
+    def __hash__(self) -> int:
+        return hash(bytes(self))
+
+    def __repr__(self) -> str:
+        logs = len(self._inner.logs)
+        return f"<sesc.Part on {self.support}: {self.postures} postures of {logs} log{'s' * (logs != 1)}>"
+
+    def _repr_html_(self) -> str:
+        from ._html import table
+
+        rows = [(log["file"], log["rows"], log["hash"]) for log in self.logs]
+        return table(repr(self)[1:-1], ("log", "rows", "hash"), rows)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Part.from_bytes, (bytes(self),)
+
+
+class Fit:
+    """What a fit found. ``str(fit)`` is what ``sesc fit`` prints, a notebook shows its report.
+
+    Every key of the command's JSON is an attribute too: ``fit.lack_of_fit``, ``fit.samples``.
+    """
+
+    def __init__(self, state: dict[str, Any], report: _sesc.FitReport | None = None) -> None:
+        self._state = state
+        self._report = report
+        self._found: dict[str, Any] = json.loads(state["json"])
+
+    @cached_property
+    def parameters(self) -> dict[str, Parameter]:
+        """The base parameters by name, in the order of :attr:`params`."""
+        return {p["name"]: Parameter(**p) for p in self._found["parameters"]}
+
+    @property
+    def params(self) -> Float64:
+        """Values of the parameters, m, shape (p,)."""
+        return self._state["params"].copy()  # type: ignore[no-any-return]
+
+    @property
+    def covariance(self) -> Float64:
+        """Their covariance, m², shape (p, p); NaN where nothing is known."""
+        return self._state["covariance"].copy()  # type: ignore[no-any-return]
+
+    @property
+    def postures(self) -> int:
+        """Postures of all logs."""
+        return int(self._found["postures"])
+
+    @property
+    def noise_floor(self) -> float:
+        """Noise of a reading on one axis, m."""
+        return float(self._found["noise_floor"])
+
+    @property
+    def held_out_rmse(self) -> float:
+        """RMS error per axis on postures that the fit did not see, m."""
+        return float(self._found["held_out_rmse"])
+
+    @property
+    def unobservable(self) -> list[str]:
+        """What the data cannot tell, a sentence each."""
+        return [direction["sentence"] for direction in self._found["unobservable"]]
+
+    @property
+    def health(self) -> list[Finding]:
+        """What is wrong with the logs themselves."""
+        return [Finding(f["kind"], f["target"], f["sentence"]) for f in self._found["health"]]
+
+    @property
+    def warnings(self) -> list[str]:
+        """What should be known before the result is used, a sentence each."""
+        return [*self._found["warnings"], *self._state["warnings"]]
+
+    @property
+    def notes(self) -> list[str]:
+        """What is to be known of the robot, a sentence each."""
+        return list(self._state["notes"])
+
+    @cached_property
+    def model(self) -> Model:
+        """The robot with the identified parameters."""
+        return _model_of(self._state)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the model file, for ``Robot.on``, ``sesc generate`` and ``build.rs``."""
+        _run.written(path, self._state["model_file"])
+
+    def report(self, path: str | os.PathLike[str]) -> None:
+        """Write the page of ``sesc fit --report``: figures, tables, what cannot be seen."""
+        _run.written(path, self._page())
+
+    def correct_urdf(self, total_mass: float | None = None) -> CorrectedUrdf:
+        """The URDF with the identified masses: those nearest to CAD that give the parameters.
+
+        Args:
+            total_mass: what the robot weighs, kg; as in CAD unless given.
+
+        Raises:
+            FitError: no masses give the parameters.
+        """
+        if self._report is not None:
+            text, _, _ = self._report.corrected(total_mass)
+            return CorrectedUrdf(text, [])
+        if self._state["physical"]:
+            raise FitError("physical masses are lost when a fit is pickled; correct the URDF before")
+        state = self._state
+        text, left_out = _sesc.correct_urdf(state["robot"], state["model_file"], state["prior"], total_mass)
+        return CorrectedUrdf(text, left_out)
+
+    def to_dict(self) -> dict[str, Any]:
+        """What ``sesc fit --json`` prints, key by key."""
+        found: dict[str, Any] = json.loads(self._state["json"])
+        return found
+
+    def _page(self) -> str:
+        if self._report is not None:
+            return self._report.page("sesc.fit(…)", None)
+        page: str = self._state["page"]
+        return page
+
+    def __getattr__(self, name: str) -> Any:
+        found = self.__dict__.get("_found", {})
+        if name in found:
+            return found[name]
+        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+
+    def __dir__(self) -> list[str]:
+        return sorted({*super().__dir__(), *self._found})
+
+    def __str__(self) -> str:
+        return str(self._state["text"])
+
+    def __repr__(self) -> str:
+        return (
+            f"<sesc.Fit of {self._state['robot'].name} on {self._found['support']}: {self.postures} postures, "
+            f"noise {1e3 * self.noise_floor:.3g} mm, held out {1e3 * self.held_out_rmse:.3g} mm>"
+        )
+
+    def _repr_html_(self) -> str:
+        from ._html import framed
+
+        return framed(self._page())
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Fit, ({**self._state, "page": self._page()},)
+
+
+def fit(
+    robot: Robot | Part,
+    log: Any = None,
+    *,
+    support: str | None = None,
+    angles: str | None = None,
+    prior: str | os.PathLike[str] = "cad",
+    noise: float | None = None,
+    robust: str | None = None,
+    folds: int | None = None,
+    range: float | None = None,
+    physical: bool = False,
+    progress: Progress = False,
+) -> Fit:
+    """Identify the parameters of a robot from posture logs.
+
+    Args:
+        robot: the robot; a :class:`Part` alone carries its own.
+        log: a :class:`Log` or what one is made of, a part, or a list of these.
+        support: link whose parameters are meant; the first log's own unless given.
+        angles: ``"deg"`` where revolute joints are logged in degrees.
+        prior: tolerances of CAD: ``"tight"`` (mass 0.2 %, CoM 0.1 mm), ``"cad"`` (10 %, 5 mm),
+            ``"free"``, or a TOML file.
+        noise: standard deviation of a single reading on one axis, m; from the log unless given.
+        robust: ``"huber"`` or ``"tukey"``: trust postures less that no noise explains.
+        folds: folds of the cross-validation, 10 unless given.
+        range: errors are expected for joints within ± this, rad; else for their limits.
+        physical: fit physical masses only.
+        progress: print how far it is, or a function of what is done, how much, and of how much.
+
+    Raises:
+        LogError: a log that cannot be used, with its file, line and column.
+        FitError: what is asked for cannot be had.
+        KeyboardInterrupt: Ctrl-C, within 0.2 s; nothing is written.
+
+    Example:
+        >>> found = sesc.fit(robot, log, noise=1e-5)
+        >>> found.held_out_rmse < 1e-4
+        True
+    """
+    if not isinstance(robot, (Robot, Part)):
+        raise TypeError(f"a robot or a part comes first, not {type(robot).__name__}")
+    given = [] if log is None else list(log) if isinstance(log, (list, tuple)) else [log]
+    parts = [one for one in given if isinstance(one, Part)]
+    logs = _run.logs([one for one in given if not isinstance(one, Part)])
+    if isinstance(robot, Part):
+        parts.insert(0, robot)
+    options = _options(support, angles, prior, noise, robust, folds, range, physical)
+    try:
+        report = _sesc.fit_logs(
+            robot if isinstance(robot, Robot) else None,
+            [one._inner for one in logs],
+            [one._inner for one in parts],
+            options,
+            _run.shown(progress),
+        )
+    finally:
+        _run.ended(progress)
+    for one in logs:
+        one._robot = one._robot or (robot if isinstance(robot, Robot) else None)
+    if not report.usable:
+        from ._errors import LogError
+
+        found = json.loads(report.json())
+        error = LogError("; ".join(finding["sentence"] for finding in found["health"]))
+        error.file = logs[0].name if logs else None
+        raise error
+    urdf, file, snap = report.robot
+    state = {
+        "json": report.json(),
+        "text": report.text(),
+        "params": report.params(),
+        "covariance": report.covariance(),
+        "model_file": report.model_file(),
+        "robot": robot if isinstance(robot, Robot) else _sesc.Robot.__new__(Robot, file, urdf, snap),
+        "prior": os.fspath(prior),
+        "physical": physical,
+        "warnings": report.warnings,
+        "notes": report.notes,
+    }
+    return Fit(state, report)
+
+
+def gather(
+    robot: Robot,
+    log: Any,
+    *,
+    support: str | None = None,
+    angles: str | None = None,
+    prior: str | os.PathLike[str] = "cad",
+    noise: float | None = None,
+    robust: str | None = None,
+    folds: int | None = None,
+    progress: Progress = False,
+) -> Part:
+    """What logs contribute to a fit, to be fitted later, with others, or elsewhere.
+
+    Keywords are those of :func:`fit`; those that are settled here cannot differ later.
+
+    Raises:
+        PartError: logs that cannot be used.
+        LogError: a log that cannot be read.
+
+    Example:
+        >>> sesc.gather(robot, log)
+        <sesc.Part on foot: 30 postures of 1 log>
+    """
+    if not isinstance(robot, Robot):
+        raise TypeError(f"a robot comes first, not {type(robot).__name__}")
+    options = _options(support, angles, prior, noise, robust, folds, None, False)
+    logs = _run.logs(log)
+    if not logs:
+        raise PartError("no logs to gather; give one or more")
+    try:
+        inner = _sesc.Part.gather(robot, [one._inner for one in logs], options, _run.shown(progress))
+    finally:
+        _run.ended(progress)
+    return Part(inner)
+
+
+def _options(
+    support: str | None,
+    angles: str | None,
+    prior: str | os.PathLike[str],
+    noise: float | None,
+    robust: str | None,
+    folds: int | None,
+    range: float | None,
+    physical: bool,
+) -> dict[str, Any]:
+    return {
+        "support": support,
+        "degrees": _run.degrees(angles),
+        "prior": os.fspath(prior),
+        "noise": noise,
+        "robust": robust,
+        "folds": folds,
+        "range": range,
+        "physical": physical,
+    }
+
+
+def _model_of(state: dict[str, Any]) -> Model:
+    return restored(state["robot"], json.loads(state["json"])["support"], state["model_file"])

@@ -1,0 +1,26 @@
+"""What a notebook shows: tables, and the pages of reports without scripts."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+__all__ = ["framed", "table"]
+
+
+def table(title: str, heads: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
+    """A table; every cell is text."""
+    cells = [[html.escape(str(cell)) for cell in row] for row in rows]
+    head = "".join(f"<th>{html.escape(name)}</th>" for name in heads)
+    body = "".join("<tr>" + "".join(f"<td>{cell}</td>" for cell in row) + "</tr>" for row in cells)
+    return (
+        f"<table><caption>{html.escape(title)}</caption><thead><tr>{head}</tr></thead>"
+        f"<tbody>{body}</tbody></table>"
+    )
+
+
+def framed(page: str) -> str:
+    """The page of a report, with its figures and its own style, in a frame of its own."""
+    source = html.escape(page, quote=True)
+    return f'<iframe srcdoc="{source}" sandbox style="width: 100%; height: 640px; border: 0"></iframe>'

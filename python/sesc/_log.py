@@ -1,0 +1,201 @@
+"""Posture logs: files, streams, tables and arrays."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import _arrow, _sesc
+from ._health import Finding
+
+if TYPE_CHECKING:
+    from ._robot import Robot
+
+__all__ = ["Log"]
+
+
+class Log:
+    """A posture log: joint positions of many postures, and what the foot measured.
+
+    Args:
+        data: a path (CSV, gzip, Parquet, MCAP), an open binary file, bytes, a table (anything
+            with ``__arrow_c_stream__``: pandas, Polars, pyarrow, DuckDB) or a mapping of names
+            to arrays. Columns are named as in a log file: joints as in the URDF (rad, m),
+            ``cop_x, cop_y`` (m) or ``fsr_1 …`` (N), optional ``pose``, ``t`` (s), ``support``.
+        support: link on the ground in rows that do not say.
+        angles: ``"deg"`` where revolute joints are in degrees.
+        columns: ``{"name in the log": "our name"}``.
+        name: what messages call the log.
+        robot: whose log it is; :attr:`health` then knows more.
+        readings_per_pose, cells, gravity, topic, experiment: as in the sidecar of a log file,
+            over which all of these win.
+
+    A table is copied: later changes of it do not reach the log.
+
+    Raises:
+        LogError: what cannot be read as a log; a missing file is a ``FileNotFoundError`` too.
+
+    Example:
+        >>> sesc.Log({"hip": [0.0, 0.1], "cop_x": [0.1, 0.2], "cop_y": [0.0, 0.0]}, support="foot")
+        <sesc.Log table: 3 columns, 2 rows>
+    """
+
+    def __init__(
+        self,
+        data: Any,
+        *,
+        support: str | None = None,
+        angles: str | None = None,
+        columns: Mapping[str, str] | None = None,
+        name: str | None = None,
+        robot: Robot | None = None,
+        readings_per_pose: int | None = None,
+        cells: Sequence[Sequence[float]] | None = None,
+        gravity: Sequence[float] | None = None,
+        topic: str | None = None,
+        experiment: str | None = None,
+    ) -> None:
+        settings = {
+            "support": support,
+            "angles": angles,
+            "readings_per_pose": readings_per_pose,
+            "cells": None if cells is None else np.asarray(cells, dtype=float).tolist(),
+            "gravity": None if gravity is None else np.asarray(gravity, dtype=float).tolist(),
+            "topic": topic,
+            "experiment": experiment,
+            "columns": None if columns is None else dict(columns),
+        }
+        given = {key: value for key, value in settings.items() if value is not None}
+        self._robot = robot
+        self._settings = json.dumps(given) if given else None
+        self._inner = _opened(data, name, self._settings)
+
+    @classmethod
+    def _of(cls, inner: _sesc.Log, robot: Robot | None) -> Log:
+        log = cls.__new__(cls)
+        log._robot, log._settings, log._inner = robot, None, inner
+        return log
+
+    @property
+    def name(self) -> str:
+        """What messages call the log."""
+        return self._inner.name
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """What its sidecar says, or the arguments that win over it."""
+        found: dict[str, Any] = json.loads(self._inner.settings)
+        return found
+
+    @property
+    def health(self) -> list[Finding]:
+        """What is wrong with the data themselves, before any fit; empty where nothing is.
+
+        Rows that were copied, channels that end at one value, cells that are unplugged; with
+        ``robot=`` also encoders that are stuck, readings of the other foot, a dead axis of the
+        CoP, shuffled rows, readings outside the sole.
+        """
+        return [Finding(*found) for found in self._inner.health(self._robot, None)]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Name, settings and health, for JSON."""
+        health = [finding._asdict() for finding in self.health]
+        return {"name": self.name, "settings": self.settings, "health": health}
+
+    def columns(self) -> dict[str, Any]:
+        """The columns of a log in memory, by name: for ``polars.DataFrame``, ``pandas.DataFrame``."""
+        columns = self._inner.columns()
+        if columns is None:
+            raise TypeError(f"{self.name} is a file; read its columns with the tool that it is for")
+        return columns
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write a simulated log to ``path`` (.csv, .csv.gz or .parquet) with its sidecar."""
+        self._inner.write(os.fspath(path))
+
+    def __len__(self) -> int:
+        columns = self._inner.columns()
+        if columns is None:
+            raise TypeError(f"{self.name} is a file; its rows are counted when it is read")
+        return max((len(column) for column in columns.values()), default=0)
+
+    def __bool__(self) -> bool:
+        return True
+
+    def __repr__(self) -> str:
+        columns = self._inner.columns()
+        if columns is None:
+            return f"<sesc.Log {self.name}>"
+        return f"<sesc.Log {self.name}: {len(columns)} columns, {len(self)} rows>"
+
+    def _repr_html_(self) -> str:
+        from ._html import table
+
+        rows = [(finding.kind, finding.target, finding.sentence) for finding in self.health]
+        return table(repr(self)[1:-1], ("finding", "where", "what"), rows or [("none", "", "")])
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        columns = self._inner.columns()
+        if columns is None and self._inner.content() is None:
+            return _restore, (self.name, None, self._inner.settings if self._settings else None, self._robot)
+        content = self._inner.content() if columns is None else columns
+        return _restore, (self.name, content, self._inner.settings, self._robot)
+
+
+def _restore(name: str, content: Any, settings: str | None, robot: Robot | None) -> Log:
+    return Log._of(_opened(name if content is None else content, name, settings), robot)
+
+
+def _opened(data: Any, name: str | None, settings: str | None) -> _sesc.Log:
+    if isinstance(data, (str, os.PathLike)):
+        return _sesc.Log.file(os.fspath(data), settings)
+    if isinstance(data, (bytes, bytearray, memoryview)):
+        return _sesc.Log.bytes(name or "bytes", bytes(data), settings)
+    if hasattr(data, "read"):
+        content = data.read()
+        content = content.encode() if isinstance(content, str) else content
+        return _sesc.Log.bytes(name or str(getattr(data, "name", "stream")), content, settings)
+    return _sesc.Log.table(name or "table", _columns(data), settings)
+
+
+def _columns(data: Any) -> list[tuple[str, Any]]:
+    """Columns of a table, in types that a log knows."""
+    if isinstance(data, Mapping):
+        named = [(str(name), column) for name, column in data.items()]
+    elif hasattr(data, "__arrow_c_stream__") and not _is_pandas(data):
+        named = _arrow.columns(data)
+    elif hasattr(data, "collect"):
+        raise TypeError(f"collect() the {type(data).__name__} first: a log is read more than once")
+    elif hasattr(data, "columns") and hasattr(data, "__getitem__"):
+        named = [(str(name), data[name]) for name in data.columns]
+    else:
+        raise TypeError(f"a log is a path, a file, bytes, a table or a dict of arrays, not {type(data).__name__}")
+    return [(name, _column(name, column)) for name, column in named]
+
+
+def _is_pandas(data: Any) -> bool:
+    # Its own columns are numpy's already; its Arrow stream needs pyarrow.
+    return type(data).__module__.split(".")[0] == "pandas"
+
+
+def _column(name: str, column: Any) -> Any:
+    array = column.to_numpy() if hasattr(column, "to_numpy") else np.asarray(column)
+    if name == "support" or array.dtype.kind in "UST":
+        return ["" if text is None or text != text else str(text) for text in array.tolist()]
+    if array.dtype.kind == "O":
+        try:
+            array = np.array([np.nan if x is None else x for x in array.tolist()], dtype=np.float64)
+        except (TypeError, ValueError):
+            return [str(x) for x in array.tolist()]
+    if array.dtype.kind in "mM":
+        unit = array.dtype.kind == "m" and array or array - array[:1]
+        return np.ascontiguousarray(np.asarray(unit / np.timedelta64(1, "ns"), dtype=np.float64) * 1e-9)
+    if array.dtype.kind in "iub" and name == "pose":
+        return np.ascontiguousarray(array, dtype=np.int64)
+    if array.dtype.kind not in "fiub":
+        raise TypeError(f"column `{name}` holds {array.dtype}, which is neither numbers nor text")
+    return np.ascontiguousarray(array, dtype=np.float64)

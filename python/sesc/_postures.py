@@ -1,0 +1,282 @@
+"""Postures to be taken: plans, experiments, simulations."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from . import _run, _sesc
+from ._arrays import Float64, positions
+from ._log import Log
+from ._model import Model
+from ._robot import Robot
+from ._run import Progress
+
+__all__ = ["Plan", "Postures", "plan", "predict", "simulate"]
+
+
+class Postures:
+    """Postures of a robot on a support, one a row.
+
+    Attributes:
+        q: joint positions, rad (prismatic: m), shape (n, dof); its own memory.
+        joints: names of the columns.
+        support: link on the ground.
+        experiment: which experiment they belong to, such as ``turned``; None where to none.
+    """
+
+    #: Number of the first posture.
+    _first = 0
+
+    def __init__(self, model: Model, q: Float64, experiment: str | None = None) -> None:
+        self._model, self.q, self.experiment = model, q, experiment
+
+    @property
+    def joints(self) -> list[str]:
+        return self._model.joints
+
+    @property
+    def support(self) -> str:
+        return self._model.support
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write a posture file (.csv, .csv.gz or .parquet) with its sidecar."""
+        q = np.ascontiguousarray(self.q, dtype=np.float64)
+        _sesc.write_postures(self._model, q, os.fspath(path), self.experiment, self._first)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Support, experiment, joints and postures, for JSON."""
+        return {
+            "support": self.support,
+            "experiment": self.experiment,
+            "joints": self.joints,
+            "q": self.q.tolist(),
+        }
+
+    def columns(self) -> dict[str, Any]:
+        """Columns by name, ``pose`` first: for ``polars.DataFrame``, ``pandas.DataFrame``."""
+        columns = {joint: self.q[:, k] for k, joint in enumerate(self.joints)}
+        return {"pose": self._first + np.arange(len(self.q)), **columns}
+
+    def __len__(self) -> int:
+        return len(self.q)
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> Float64:
+        return np.array(self.q, dtype=dtype) if copy or dtype else self.q
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(n, dof)"""
+        return self.q.shape[0], self.q.shape[1]
+
+    def __repr__(self) -> str:
+        return f"<sesc.{type(self).__name__} on {self.support}: {len(self)} postures of {self.shape[1]} joints>"
+
+    def _repr_html_(self) -> str:
+        from ._html import table
+
+        rows = [tuple(f"{x:.4f}" for x in row) for row in self.q[:10]]
+        return table(repr(self)[1:-1], tuple(self.joints), rows)
+
+
+class Plan(Postures):
+    """Postures that tell most about the parameters. ``str(plan)`` is what ``sesc plan`` prints.
+
+    Every key of the command's JSON is an attribute too: ``plan.expected_error``.
+    """
+
+    _first = 1
+
+    def __init__(self, model: Model, q: Float64, state: dict[str, Any]) -> None:
+        super().__init__(model, q)
+        self._state = state
+        self._found: dict[str, Any] = json.loads(state["json"])
+
+    def report(self, path: str | os.PathLike[str]) -> None:
+        """Write the page of ``sesc plan --report``."""
+        _run.written(path, self._state["page"])
+
+    def to_dict(self) -> dict[str, Any]:
+        """What ``sesc plan --json`` prints, key by key."""
+        found: dict[str, Any] = json.loads(self._state["json"])
+        return found
+
+    def __getattr__(self, name: str) -> Any:
+        found = self.__dict__.get("_found", {})
+        if name in found:
+            return found[name]
+        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+
+    def __str__(self) -> str:
+        return str(self._state["text"])
+
+    def _repr_html_(self) -> str:
+        from ._html import framed
+
+        return framed(self._state["page"])
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Plan, (self._model, self.q, self._state)
+
+
+def plan(
+    robot: Robot,
+    support: str,
+    *,
+    poses: int,
+    model: str | os.PathLike[str] | Model | None = None,
+    cop_box: float | None = None,
+    sole: str | os.PathLike[str] | Any = None,
+    margin: float = 0.0,
+    sigmas: float = 2.0,
+    limits: str | os.PathLike[str] | Mapping[str, tuple[float, float]] | None = None,
+    candidates: int | None = None,
+    prior: str | os.PathLike[str] = "cad",
+    noise: float = 5e-4,
+    clearance: float = 0.005,
+    seed: int = 1,
+    progress: Progress = False,
+) -> Plan:
+    """Choose postures that tell most about the parameters, balanced and clear, in a short order.
+
+    Args:
+        robot: the robot.
+        support: link on the ground.
+        poses: how many.
+        model: parameters to balance with; CAD unless given.
+        cop_box: keep |x| and |y| of the CoP within this, m; 0.023 unless ``sole`` is given.
+        sole: keep the CoP within the hull of these points, m: an array (n, 2), or a file.
+        margin: keep the CoP so far from the edge, m.
+        sigmas: safety margin of the CoP in standard deviations of its prediction.
+        limits: narrower joint limits: ``{joint: (lower, upper)}``, rad or m, or a CSV file.
+        candidates: candidates to choose from; 20 per posture, 2000 to 20000 unless given.
+        prior: how far the later fit trusts CAD.
+        noise: standard deviation of a single reading on one axis, m.
+        clearance: least height of everything but the support body, m.
+        seed: seed of the candidates.
+        progress: print how far it is, or a function of what is done, how much, and of how much.
+
+    Raises:
+        PlanError: fewer postures than asked for; the message says why and what would help.
+
+    Example:
+        >>> sesc.plan(robot, "foot", poses=5, cop_box=0.3, sigmas=0.0, candidates=50)
+        <sesc.Plan on foot: 5 postures of 1 joints>
+    """
+    standing = robot.on(support, model)
+    if sole is not None and not isinstance(sole, (str, os.PathLike)):
+        sole = "; ".join(f"{float(x)!r},{float(y)!r}" for x, y in np.asarray(sole, dtype=float))
+    ranges = None
+    if isinstance(limits, Mapping):
+        unknown = set(limits) - set(standing.joints)
+        if unknown:
+            raise ValueError(f"limits: no joint {', '.join(sorted(unknown))}")
+        own = zip(standing.joints, standing.limits.tolist(), strict=True)
+        asked = [(low, high, *limits.get(joint, (low, high))) for joint, (low, high) in own]
+        ranges = [(max(a, float(b)), min(c, float(d))) for a, c, b, d in asked]
+        limits = None
+    options = {
+        "poses": poses,
+        "cop_box": cop_box,
+        "sole": None if sole is None else os.fspath(sole),
+        "margin": margin,
+        "sigmas": sigmas,
+        "limits": None if limits is None else os.fspath(limits),
+        "ranges": ranges,
+        "candidates": candidates,
+        "prior": os.fspath(prior),
+        "noise": noise,
+        "clearance": clearance,
+        "seed": seed,
+    }
+    try:
+        found = _sesc.plan_postures(robot, standing, options, _run.shown(progress))
+    finally:
+        _run.ended(progress)
+    state = {"json": found.json(), "text": found.text(), "page": found.page("plan", "sesc.plan(…)")}
+    return Plan(standing, found.q(), state)
+
+
+def simulate(
+    model: Model,
+    poses: int | Postures | Float64 | Any,
+    *,
+    range: float | None = None,
+    noise: float = 0.0,
+    seed: int = 1,
+    hide: Mapping[str, float | tuple[float, ...] | None] | list[str] | tuple[str, ...] = (),
+    progress: Progress = False,
+) -> Log:
+    """A posture log of an ideal robot, with CoP noise.
+
+    Args:
+        model: the robot with the parameters that it really has.
+        poses: how many postures to draw, or the postures: (n, dof), or a plan.
+        range: draw revolute joints within ± this of zero, rad; else within their limits.
+        noise: standard deviation of the CoP noise, m.
+        seed: seed of postures and noise.
+        hide: effects that the robot shall have: ``{"joint_offset:r_knee": 0.026}`` in SI units
+            (a tuple where an effect has several parameters, None where none), or strings as of
+            the command line: ``["joint_offset:r_knee=1.5deg"]``.
+        progress: print how far it is, or a function of what is done, how much, and of how much.
+
+    Example:
+        >>> sesc.simulate(model, 100, noise=1e-4, hide={"joint_offset:hip": 0.02})
+        <sesc.Log simulation: 6 columns, 100 rows>
+    """
+    postures = None
+    if isinstance(poses, (int, np.integer)):
+        count = int(poses)
+    else:
+        given = poses.q if isinstance(poses, Postures) else poses
+        postures = positions(given, model.joints, "poses").reshape(-1, model.dof)
+        count = len(postures)
+    if isinstance(hide, Mapping):
+        hidden = [_effect(name, value) for name, value in hide.items()]
+    else:
+        hidden = _run.strings([hide] if isinstance(hide, str) else hide)
+    options = {
+        "poses": count,
+        "postures": postures,
+        "range": range,
+        "noise": noise,
+        "seed": seed,
+        "hide": hidden,
+    }
+    try:
+        log = _sesc.simulate_log(model, options, _run.shown(progress))
+    finally:
+        _run.ended(progress)
+    return Log._of(log, model.robot)
+
+
+def _effect(name: str, value: Any) -> str:
+    if value is None:
+        return name
+    values = value if isinstance(value, (tuple, list)) else (value,)
+    return f"{name}={','.join(one if isinstance(one, str) else repr(float(one)) for one in values)}"
+
+
+def predict(model: Model, log: Any, *, angles: str | None = None, progress: Progress = False) -> dict[str, Any]:
+    """CoM and CoP of every row of a log, as ``sesc predict`` prints them.
+
+    Returns:
+        ``{"pose": (n,), "com": (n, 3), "cop": (n, 2)}``, m, in the support frame, under the
+        gravity of the log.
+
+    Example:
+        >>> sesc.predict(model, {"hip": [0.0]})["cop"].tolist()
+        [[0.1, 0.0]]
+    """
+    (one,) = _run.logs(log)[:1]
+    try:
+        pose, com, cop = _sesc.predict_log(
+            model.robot, model.support, model, one._inner, _run.degrees(angles), _run.shown(progress)
+        )
+    finally:
+        _run.ended(progress)
+    return {"pose": pose, "com": com, "cop": cop}

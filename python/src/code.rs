@@ -1,0 +1,127 @@
+//! Generated code, and other files, written whole or not at all.
+
+use std::path::{Path, PathBuf};
+
+use pyo3::prelude::*;
+use sesc_codegen::emit::c::{self, Options, Scalar, Servos, layout};
+use sesc_codegen::emit::{names, rust};
+use sesc_codegen::facts::Facts;
+use sesc_model::files;
+
+use crate::calls::detached;
+use crate::errors::{Doing, Failure};
+use crate::model::Model;
+
+/// Keywords of C code, all of them given.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct COptions {
+    scalar: String,
+    name: Option<String>,
+    layout: String,
+    ticks: Option<bool>,
+    servos: Option<PathBuf>,
+    estimator: bool,
+}
+
+/// Write C99 to a folder; gives the files.
+#[pyfunction]
+pub fn c_files(
+    py: Python<'_>,
+    model: PyRef<'_, Model>,
+    folder: PathBuf,
+    options: COptions,
+) -> PyResult<Vec<PathBuf>> {
+    let model = model.inner.clone();
+    detached(py, || {
+        let scalar = match options.scalar.as_str() {
+            "f64" => Scalar::F64,
+            "f32" => Scalar::F32,
+            "fixed32" => Scalar::Fixed32,
+            other => return Err(unknown("scalar", other, "f64, f32, fixed32")),
+        };
+        let layout = match options.layout.as_str() {
+            "bare" => layout::Layout::Bare,
+            "cmake" => layout::Layout::Cmake,
+            "platformio" => layout::Layout::PlatformIo,
+            "arduino" => layout::Layout::Arduino,
+            other => return Err(unknown("layout", other, "bare, cmake, platformio, arduino")),
+        };
+        let mut wanted = Options::of(scalar);
+        wanted.estimator = options.estimator;
+        match (&options.servos, options.ticks) {
+            (Some(_), Some(false)) => {
+                let message =
+                    "`servos` says what a tick is, `ticks=False` leaves ticks out; give one";
+                return Err(Failure::plain(Doing::Code, message));
+            }
+            (Some(file), _) => {
+                let servos = Servos::read(file);
+                wanted.servos = Some(servos.map_err(|error| Failure::of_code(&error))?);
+            }
+            (None, Some(true)) => wanted.servos = Some(Servos::default()),
+            (None, Some(false)) => wanted.servos = None,
+            (None, None) => {}
+        }
+        let usual = format!("{}_{}", model.tree.robot, model.support());
+        let name = options.name.unwrap_or_else(|| c::suggest(&usual));
+        let facts = Facts::of(&model);
+        let package = c::package(&facts, &name, &wanted);
+        let package = package.map_err(|error| Failure::of_code(&error))?;
+        let all = layout::files(&facts, package, &name, &wanted, layout);
+        write(&folder, all.map_err(|error| Failure::of_code(&error))?)
+    })
+}
+
+/// Write a Rust module to a folder; gives the file.
+#[pyfunction]
+pub fn rust_files(
+    py: Python<'_>,
+    model: PyRef<'_, Model>,
+    folder: PathBuf,
+    name: Option<String>,
+) -> PyResult<Vec<PathBuf>> {
+    let model = model.inner.clone();
+    detached(py, || {
+        let usual = format!("{}_{}", model.tree.robot, model.support());
+        let name = name.unwrap_or_else(|| names::suggest(&usual));
+        let text = rust::module(&Facts::of(&model), &name);
+        let text = text.map_err(|error| Failure::of_code(&error))?;
+        write(&folder, vec![(PathBuf::from(format!("{name}.rs")), text)])
+    })
+}
+
+fn unknown(keyword: &str, given: &str, known: &str) -> Failure {
+    Failure::plain(
+        Doing::Code,
+        format!("`{keyword}` {given}: known are {known}"),
+    )
+}
+
+fn write(folder: &Path, all: Vec<(PathBuf, String)>) -> Result<Vec<PathBuf>, Failure> {
+    let all: Vec<_> = all
+        .into_iter()
+        .map(|(file, text)| (folder.join(file), text))
+        .collect();
+    let written = files::write_all_if_changed(&all);
+    written.map_err(|error| Failure::of_model(error, Doing::Code))?;
+    Ok(all.into_iter().map(|(file, _)| file).collect())
+}
+
+/// Write a text, whole or not at all.
+#[pyfunction]
+pub fn write_text(py: Python<'_>, path: PathBuf, text: &str) -> PyResult<()> {
+    detached(py, || {
+        files::write(&path, text).map_err(|error| Failure::of_model(error, Doing::Code))
+    })
+}
+
+/// Write a part's bytes, whole or not at all.
+#[pyfunction]
+pub fn write_bytes(py: Python<'_>, path: PathBuf, data: &[u8]) -> PyResult<()> {
+    detached(py, || {
+        let text =
+            std::str::from_utf8(data).map_err(|error| Failure::internal(error.to_string()))?;
+        files::write(&path, text).map_err(|error| Failure::of_model(error, Doing::Code))
+    })
+}

@@ -1,0 +1,179 @@
+//! Diagnoses: a request in, everything that is said of it and made from it out.
+
+use std::path::PathBuf;
+
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use pyo3::prelude::*;
+use sesc::report::diagnose::{Asked, page, text};
+use sesc_identify::diagnose::{self, Request, corrected_urdf};
+use sesc_identify::fit::prior::PriorChoice;
+use sesc_model::ModelFile;
+use sesc_model::effects::Catalog;
+
+use crate::calls::{Stopped, detached, watched};
+use crate::errors::{Doing, Failure};
+use crate::log::Log;
+use crate::model::json;
+use crate::options::angles;
+use crate::robot::Robot;
+
+/// Keywords of a diagnosis, all of them given.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct DiagnoseOptions {
+    support: Option<String>,
+    degrees: Option<bool>,
+    prior: String,
+    noise: Option<f64>,
+    floor: f64,
+    servos: Option<PathBuf>,
+}
+
+/// What a diagnosis found, with what is needed to make files of it.
+#[pyclass(frozen, module = "sesc._sesc")]
+pub struct DiagnosisReport {
+    report: diagnose::Report,
+    warnings: Vec<String>,
+}
+
+/// Find where simulation and measurement disagree, and name what is missing.
+#[pyfunction]
+#[pyo3(signature = (robot, log, then, options, show=None))]
+pub fn diagnose_log(
+    py: Python<'_>,
+    robot: PyRef<'_, Robot>,
+    log: PyRef<'_, Log>,
+    then: Vec<PyRef<'_, Log>>,
+    options: DiagnoseOptions,
+    show: Option<Py<PyAny>>,
+) -> PyResult<DiagnosisReport> {
+    let mut request = Request::new(robot.inner.clone(), &log.source);
+    request.then = then.iter().map(|log| log.source.clone()).collect();
+    request.support = options.support;
+    request.snapping = robot.snapping;
+    request.angles = options.degrees.map(angles);
+    request.prior = PriorChoice::from(options.prior.as_str());
+    request.noise = options.noise;
+    request.floor = options.floor;
+    request.meshes.clone_from(&robot.folder);
+    request.view = true;
+    let (report, warnings) = watched(py, show, Stopped::Abandoned, move |watch| {
+        if let Some(file) = &options.servos {
+            let servos = sesc::servos::read(file, &request.robot);
+            request.servos = servos.map_err(|error| Failure::of_code(&error))?;
+        }
+        let report = diagnose::diagnose(&request, watch);
+        report.map_err(|error| Failure::of(&error, Doing::Fit))
+    })?;
+    Ok(DiagnosisReport { report, warnings })
+}
+
+#[pymethods]
+impl DiagnosisReport {
+    /// What `sesc diagnose --json` prints.
+    fn json(&self, py: Python<'_>) -> PyResult<String> {
+        detached(py, || json(&self.report.diagnosis))
+    }
+
+    /// What `sesc diagnose` prints.
+    fn text(&self, py: Python<'_>) -> PyResult<String> {
+        let asked = Asked {
+            model: true,
+            next: true,
+            page: true,
+        };
+        detached(py, || Ok(text(&self.report.diagnosis, asked)))
+    }
+
+    /// The page of `sesc diagnose --report`.
+    fn page(&self, py: Python<'_>) -> PyResult<String> {
+        detached(py, || match &self.report.view {
+            Some(view) => page(&self.report.diagnosis, view)
+                .map_err(|error| Failure::internal(error.to_string())),
+            None => Ok(String::new()),
+        })
+    }
+
+    /// Warnings about logs, as sentences.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.warnings.clone()
+    }
+
+    /// What is to be known of the robot, as sentences.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.report.notes.clone()
+    }
+
+    /// The model file.
+    fn model_file(&self, py: Python<'_>) -> PyResult<String> {
+        detached(py, || {
+            let text = self.report.model_file.to_toml();
+            text.map_err(|error| Failure::of_model(error, Doing::Fit))
+        })
+    }
+
+    /// The tolerances that masses of the corrected URDF move within, and what belongs to the
+    /// log alone, as sentences.
+    fn correction(&self) -> (bool, Vec<String>) {
+        let about = &self.report;
+        (about.frees_masses, about.of_the_log.clone())
+    }
+
+    /// Postures of the experiment that would tell most: support, experiment, postures, and the
+    /// rank of each, the most telling first.
+    #[allow(clippy::type_complexity)]
+    fn next<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<
+        Option<(
+            String,
+            Option<&'static str>,
+            Bound<'py, PyArray2<f64>>,
+            Bound<'py, PyArray1<i64>>,
+        )>,
+    > {
+        let Some(next) = &self.report.next else {
+            return Ok(None);
+        };
+        let dof = next.dofs.len();
+        let q = PyArray1::from_slice(py, &next.q).reshape([next.q.len() / dof.max(1), dof])?;
+        let ranks = next.ranks.iter().map(|rank| *rank as i64);
+        let experiment = next.experiment.as_ref().map(|e| e.name());
+        let ranks = PyArray1::from_iter(py, ranks);
+        Ok(Some((next.support.clone(), experiment, q, ranks)))
+    }
+}
+
+/// The URDF of `robot` with the parameters and effects of a model file, and what it leaves out.
+#[pyfunction]
+#[pyo3(signature = (robot, model_file, prior, total_mass=None))]
+pub fn correct_urdf(
+    py: Python<'_>,
+    robot: PyRef<'_, Robot>,
+    model_file: &str,
+    prior: &str,
+    total_mass: Option<f64>,
+) -> PyResult<(String, Vec<String>)> {
+    let (robot, snapping) = (robot.inner.clone(), robot.snapping);
+    detached(py, || {
+        let failed = |error: sesc_identify::Error| Failure::of(&error, Doing::Fit);
+        let file = ModelFile::parse(model_file, "model");
+        let file = file.map_err(|error| Failure::of_model(error, Doing::ModelFile))?;
+        let model = robot.model(&file.support, snapping, None).map_err(failed)?;
+        let prior = PriorChoice::from(prior).of(&model).map_err(failed)?;
+        let corrected = corrected_urdf::of_model_file(
+            &file,
+            &robot,
+            &model,
+            &Catalog::standard(),
+            snapping,
+            &prior,
+            total_mass,
+        );
+        let corrected = corrected.map_err(failed)?;
+        Ok((corrected.text, corrected.left_out))
+    })
+}

@@ -1,0 +1,164 @@
+//! Fits: a request in, everything that is said of it and made from it out.
+
+use std::sync::Arc;
+
+use numpy::{PyArray1, PyArray2};
+use pyo3::prelude::*;
+use sesc::report::fit::{FitReport as Printed, Shown, Unusable, corrections, page, text};
+use sesc_identify::fit::{self, Request};
+
+use crate::calls::{Stopped, detached, watched};
+use crate::errors::{Doing, Failure};
+use crate::log::Log;
+use crate::model::json;
+use crate::options::FitOptions;
+use crate::part::Part;
+use crate::robot::Robot;
+
+/// What a fit found, with what is needed to make files of it.
+#[pyclass(frozen, module = "sesc._sesc")]
+pub struct FitReport {
+    inner: Arc<(Request, fit::Report)>,
+    warnings: Vec<String>,
+}
+
+impl FitReport {
+    fn report(&self) -> &fit::Report {
+        &self.inner.1
+    }
+}
+
+/// Identify the parameters of a robot from logs and parts of logs.
+#[pyfunction]
+#[pyo3(signature = (robot, logs, parts, options, show=None))]
+pub fn fit_logs(
+    py: Python<'_>,
+    robot: Option<PyRef<'_, Robot>>,
+    logs: Vec<PyRef<'_, Log>>,
+    parts: Vec<PyRef<'_, Part>>,
+    options: FitOptions,
+    show: Option<Py<PyAny>>,
+) -> PyResult<FitReport> {
+    let parts = parts.iter().map(|part| part.inner.clone());
+    let request = options.request(robot.as_deref(), &logs, parts.collect());
+    let request = request.map_err(|failure| failure.raise(py))?;
+    let (inner, warnings) = watched(py, show, Stopped::Abandoned, move |watch| {
+        let report = fit::fit(&request, watch);
+        let report = report.map_err(|error| Failure::of(&error, Doing::Fit))?;
+        Ok(Arc::new((request, report)))
+    })?;
+    Ok(FitReport { inner, warnings })
+}
+
+#[pymethods]
+impl FitReport {
+    /// Whether the data can be used.
+    #[getter]
+    fn usable(&self) -> bool {
+        self.report().identification.is_usable()
+    }
+
+    /// What `sesc fit --json` prints.
+    fn json(&self, py: Python<'_>) -> PyResult<String> {
+        let found = &self.report().identification;
+        detached(py, || match found.is_usable() {
+            false => json(&Unusable::of(found)),
+            true => json(&Printed {
+                found,
+                corrected: None,
+                shown: None,
+            }),
+        })
+    }
+
+    /// What `sesc fit` prints.
+    fn text(&self, py: Python<'_>) -> PyResult<String> {
+        detached(py, || Ok(text(&self.report().identification)))
+    }
+
+    /// Warnings about logs, as sentences.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.warnings.clone()
+    }
+
+    /// What is to be known of the robot, as sentences.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.report().notes.clone()
+    }
+
+    fn params<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let values = self.report().identification.parameters.iter();
+        PyArray1::from_iter(py, values.map(|parameter| parameter.value))
+    }
+
+    /// Text and file of the robot's URDF, and whether right angles were made exact.
+    #[getter]
+    fn robot(&self) -> (String, String, bool) {
+        let robot = self.report().robot();
+        let snapped = self.report().is_snapped();
+        (
+            robot.text().to_string(),
+            robot.description.file.clone(),
+            snapped,
+        )
+    }
+
+    /// Covariance of the parameters, row by row.
+    fn covariance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let all = &self.report().identification.estimate.covariance;
+        let row = |k: usize| all.row(k).iter().copied().collect();
+        let rows: Vec<Vec<f64>> = (0..all.nrows()).map(row).collect();
+        Ok(PyArray2::from_vec2(py, &rows)?)
+    }
+
+    /// The model file.
+    fn model_file(&self, py: Python<'_>) -> PyResult<String> {
+        detached(py, || {
+            let text = self.report().model_file.to_toml();
+            text.map_err(|error| Failure::of_model(error, Doing::Fit))
+        })
+    }
+
+    /// The corrected URDF, what changed in it as JSON, and the same as a table.
+    #[pyo3(signature = (total_mass=None))]
+    fn corrected(
+        &self,
+        py: Python<'_>,
+        total_mass: Option<f64>,
+    ) -> PyResult<(String, String, String)> {
+        detached(py, || {
+            let corrected = self.report().corrected_urdf(total_mass);
+            let corrected = corrected.map_err(|error| Failure::of(&error, Doing::Fit))?;
+            Ok((
+                corrected.text.clone(),
+                json(&corrected)?,
+                corrections(&corrected),
+            ))
+        })
+    }
+
+    /// The page of `sesc fit --report`; `command` makes it again.
+    #[pyo3(signature = (command, show=None))]
+    fn page(&self, py: Python<'_>, command: String, show: Option<Py<PyAny>>) -> PyResult<String> {
+        let inner = Arc::clone(&self.inner);
+        let page = watched(py, show, Stopped::Abandoned, move |watch| {
+            let (request, report) = &*inner;
+            let residuals = fit::residuals(request, report, watch);
+            let found = &report.identification;
+            let shown = Shown {
+                residuals: residuals.map_err(|error| Failure::of(&error, Doing::Fit))?,
+                correlation_matrix: found.correlation_matrix(),
+                command,
+            };
+            let page = page(&Printed {
+                found,
+                corrected: None,
+                shown: Some(&shown),
+            });
+            page.map_err(|error| Failure::internal(error.to_string()))
+        });
+        Ok(page?.0)
+    }
+}

@@ -1,0 +1,213 @@
+//! Posture logs: files, bytes and columns of arrays.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use numpy::{PyArray1, PyReadonlyArray1};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+use sesc_identify::health;
+use sesc_identify::logs::{LogSource, Sidecar, Table, Values};
+use sesc_identify::simulate;
+
+use crate::calls::{Stopped, detached, watched};
+use crate::errors::{Doing, Failure, keyword};
+use crate::robot::Robot;
+
+/// A posture log that can be read as often as needed.
+#[pyclass(frozen, subclass, module = "sesc._sesc")]
+pub struct Log {
+    pub source: LogSource,
+    /// What is odd about its sidecar.
+    pub warnings: Vec<String>,
+    /// How it was simulated, if it was.
+    simulated: Option<simulate::Request>,
+}
+
+impl Log {
+    /// A log with `settings`, JSON of a sidecar, beside those that it has.
+    fn with(source: LogSource, settings: Option<&str>) -> Result<Log, Failure> {
+        let failed = |error: sesc_identify::Error| Failure::of(&error, Doing::Log);
+        let (own, warnings) = source.sidecar().map_err(failed)?;
+        let source = match settings {
+            None => source,
+            Some(settings) => {
+                let source = source.with_sidecar(overlaid(&own, settings)?);
+                source.sidecar().map_err(failed)?;
+                source
+            }
+        };
+        Ok(Log {
+            source,
+            warnings: warnings.iter().map(|w| w.worded(keyword)).collect(),
+            simulated: None,
+        })
+    }
+
+    /// A log that was simulated.
+    pub fn simulated(source: LogSource, request: simulate::Request) -> Log {
+        Log {
+            source,
+            warnings: Vec::new(),
+            simulated: Some(request),
+        }
+    }
+
+    /// A log of the library.
+    pub fn of(source: LogSource) -> Log {
+        Log {
+            source,
+            warnings: Vec::new(),
+            simulated: None,
+        }
+    }
+}
+
+/// `own` with the keys of `settings`.
+fn overlaid(own: &Sidecar, settings: &str) -> Result<Sidecar, Failure> {
+    let wrong = |error: serde_json::Error| Failure::plain(Doing::Log, error.to_string());
+    let mut merged = serde_json::to_value(own).map_err(wrong)?;
+    let given: serde_json::Value = serde_json::from_str(settings).map_err(wrong)?;
+    if let (Some(merged), serde_json::Value::Object(given)) = (merged.as_object_mut(), given) {
+        merged.extend(given);
+    }
+    serde_json::from_value(merged).map_err(wrong)
+}
+
+/// A column on its way from Python.
+#[derive(FromPyObject)]
+enum Given<'py> {
+    #[pyo3(transparent)]
+    Numbers(PyReadonlyArray1<'py, f64>),
+    #[pyo3(transparent)]
+    Integers(PyReadonlyArray1<'py, i64>),
+    #[pyo3(transparent)]
+    Texts(Vec<String>),
+}
+
+#[pymethods]
+impl Log {
+    /// The log at `path`.
+    #[staticmethod]
+    #[pyo3(signature = (path, settings=None))]
+    fn file(py: Python<'_>, path: PathBuf, settings: Option<&str>) -> PyResult<Log> {
+        detached(py, || {
+            if let Err(error) = std::fs::metadata(&path) {
+                return Err(Failure::unreadable(Doing::Log, &path, &error));
+            }
+            Log::with(LogSource::from(&path), settings)
+        })
+    }
+
+    /// The bytes of a log file of any format.
+    #[staticmethod]
+    #[pyo3(signature = (name, data, settings=None))]
+    fn bytes(py: Python<'_>, name: String, data: Vec<u8>, settings: Option<&str>) -> PyResult<Log> {
+        detached(py, || Log::with(LogSource::bytes(name, data), settings))
+    }
+
+    /// Columns by name; the log keeps copies of its own.
+    #[staticmethod]
+    #[pyo3(signature = (name, columns, settings=None))]
+    fn table(
+        py: Python<'_>,
+        name: String,
+        columns: Vec<(String, Given<'_>)>,
+        settings: Option<&str>,
+    ) -> PyResult<Log> {
+        let mut table = Table::new(name);
+        for (name, column) in columns {
+            table = match column {
+                Given::Numbers(values) => table.numbers(&name, values.as_array().to_vec()),
+                Given::Integers(values) => table.integers(&name, values.as_array().to_vec()),
+                Given::Texts(values) => {
+                    let values: Vec<Arc<str>> = values.into_iter().map(Arc::from).collect();
+                    table.texts(&name, values)
+                }
+            };
+        }
+        detached(py, || Log::with(LogSource::from(table), settings))
+    }
+
+    #[getter]
+    fn name(&self) -> &str {
+        self.source.name()
+    }
+
+    #[getter]
+    fn sidecar_warnings(&self) -> Vec<String> {
+        self.warnings.clone()
+    }
+
+    /// What its sidecar says, as JSON.
+    #[getter]
+    fn settings(&self, py: Python<'_>) -> PyResult<String> {
+        detached(py, || {
+            let (sidecar, _) = self
+                .source
+                .sidecar()
+                .map_err(|error| Failure::of(&error, Doing::Log))?;
+            serde_json::to_string(&sidecar).map_err(|error| Failure::internal(error.to_string()))
+        })
+    }
+
+    /// The bytes of a file that was given by them.
+    fn content<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyBytes>> {
+        self.source.content().map(|bytes| PyBytes::new(py, bytes))
+    }
+
+    /// What is wrong with the data themselves: kind, target, sentence.
+    #[pyo3(signature = (robot=None, show=None))]
+    fn health(
+        &self,
+        py: Python<'_>,
+        robot: Option<PyRef<'_, Robot>>,
+        show: Option<Py<PyAny>>,
+    ) -> PyResult<Vec<(&'static str, String, String)>> {
+        let snapping = robot.as_ref().map(|robot| robot.snapping);
+        let robot = robot.map(|robot| robot.inner.clone());
+        let source = self.source.clone();
+        let found = watched(py, show, Stopped::Abandoned, move |watch| {
+            let snapping = snapping.unwrap_or_default();
+            let found = health::of_log(&source, robot.as_deref(), snapping, watch);
+            let found = found.map_err(|error| Failure::of(&error, Doing::Log))?;
+            let said = found.into_iter();
+            Ok(said
+                .map(|f| (f.kind.name(), f.target, f.sentence))
+                .collect())
+        });
+        Ok(found?.0)
+    }
+
+    /// The columns of a table, by name; none of a file.
+    fn columns<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        let Some(table) = self.source.table() else {
+            return Ok(None);
+        };
+        let columns = PyDict::new(py);
+        for (name, values) in table.columns() {
+            match values {
+                Values::Numbers(x) => columns.set_item(name, PyArray1::from_slice(py, x))?,
+                Values::Integers(x) => columns.set_item(name, PyArray1::from_slice(py, x))?,
+                Values::Texts(x) => {
+                    columns.set_item(name, x.iter().map(|text| &**text).collect::<Vec<_>>())?;
+                }
+            }
+        }
+        Ok(Some(columns))
+    }
+
+    /// Write a simulated log with its sidecar, whose path is given back.
+    #[pyo3(signature = (path, show=None))]
+    fn write(&self, py: Python<'_>, path: PathBuf, show: Option<Py<PyAny>>) -> PyResult<PathBuf> {
+        let Some(request) = self.simulated.clone() else {
+            let message = "only simulated logs are written; save others by what they came from";
+            return Err(Failure::plain(Doing::Log, message).raise(py));
+        };
+        let written = watched(py, show, Stopped::Awaited, move |watch| {
+            let written = simulate::write(&request, &path, watch);
+            written.map_err(|error| Failure::of(&error, Doing::Log))
+        });
+        Ok(written?.0)
+    }
+}

@@ -1,0 +1,71 @@
+//! Keywords that fits and parts share, as requests of the library.
+
+use pyo3::prelude::*;
+use sesc_identify::fit::Request;
+use sesc_identify::fit::part::Part;
+use sesc_identify::fit::prior::PriorChoice;
+use sesc_identify::fit::robust::Loss;
+use sesc_identify::logs::Angles;
+
+use crate::errors::{Doing, Failure};
+use crate::log::Log;
+use crate::robot::Robot;
+
+/// Keywords of a fit, all of them given.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct FitOptions {
+    support: Option<String>,
+    degrees: Option<bool>,
+    prior: String,
+    noise: Option<f64>,
+    robust: Option<String>,
+    folds: Option<usize>,
+    range: Option<f64>,
+    physical: bool,
+}
+
+impl FitOptions {
+    /// The request of a fit of these logs and parts.
+    pub fn request(
+        self,
+        robot: Option<&Robot>,
+        logs: &[PyRef<'_, Log>],
+        parts: Vec<Part>,
+    ) -> Result<Request, Failure> {
+        let mut request = Request::default();
+        if let Some(robot) = robot {
+            request.robot = Some(robot.inner.clone());
+            request.snapping = robot.snapping;
+        }
+        request.logs = logs.iter().map(|log| log.source.clone()).collect();
+        let named = parts.into_iter().enumerate();
+        let named = named.map(|(k, part)| (format!("part {}", k + 1), part));
+        request.parts = named.collect();
+        request.support = self.support;
+        request.angles = self.degrees.map(angles);
+        request.prior = PriorChoice::from(self.prior.as_str());
+        request.noise = self.noise;
+        request.robust = match self.robust.as_deref() {
+            None => None,
+            Some("huber") => Some(Loss::Huber),
+            Some("tukey") => Some(Loss::Tukey),
+            Some(other) => {
+                let message = format!("`robust` {other}: known are huber, tukey");
+                return Err(Failure::plain(Doing::Fit, message));
+            }
+        };
+        request.folds = self.folds;
+        request.range = self.range;
+        request.physical = self.physical;
+        Ok(request)
+    }
+}
+
+/// The unit of revolute joints.
+pub fn angles(degrees: bool) -> Angles {
+    match degrees {
+        true => Angles::Deg,
+        false => Angles::Rad,
+    }
+}

@@ -1,0 +1,228 @@
+//! Postures to be taken: plans, simulations, predictions.
+
+use std::path::PathBuf;
+
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+use sesc::report;
+use sesc_identify::fit::prior::Prior;
+use sesc_identify::hide::hide;
+use sesc_identify::logs::{PostureWriter, Row, Sidecar, Written};
+use sesc_identify::plan::balance::Region;
+use sesc_identify::plan::limits::Limits;
+use sesc_identify::plan::{self, COP_BOX, Request};
+use sesc_identify::predict::{self, predict};
+use sesc_identify::simulate::{self, simulate};
+use sesc_identify::stance::Stance;
+
+use crate::calls::{Stopped, Waiting, detached, watched};
+use crate::errors::{Doing, Failure};
+use crate::log::Log;
+use crate::model::{Model, json};
+use crate::options::angles;
+use crate::robot::Robot;
+
+/// Keywords of a plan, all of them given.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct PlanOptions {
+    poses: usize,
+    cop_box: Option<f64>,
+    sole: Option<String>,
+    margin: f64,
+    sigmas: f64,
+    limits: Option<PathBuf>,
+    ranges: Option<Vec<(f64, f64)>>,
+    candidates: Option<usize>,
+    prior: String,
+    noise: f64,
+    clearance: f64,
+    seed: u64,
+}
+
+/// Postures that tell most.
+#[pyclass(frozen, module = "sesc._sesc")]
+pub struct PlanReport {
+    plan: plan::Plan,
+}
+
+/// Choose postures that tell most about the parameters.
+#[pyfunction]
+#[pyo3(signature = (robot, model, options, show=None))]
+pub fn plan_postures(
+    py: Python<'_>,
+    robot: PyRef<'_, Robot>,
+    model: PyRef<'_, Model>,
+    options: PlanOptions,
+    show: Option<Py<PyAny>>,
+) -> PyResult<PlanReport> {
+    let (robot, folder, model) = (
+        robot.inner.clone(),
+        robot.folder.clone(),
+        model.inner.clone(),
+    );
+    let plan = watched(py, show, Stopped::Abandoned, move |watch| {
+        let build = |watch: &mut Waiting| {
+            let region = match &options.sole {
+                Some(sole) => Region::sole(sole, options.margin)?,
+                None => Region::square(options.cop_box.unwrap_or(COP_BOX), options.margin)?,
+            };
+            let mut request = Request::new(robot, model, options.poses, region);
+            request.candidates = options.candidates;
+            request.sigmas = options.sigmas;
+            if let Some(path) = &options.limits {
+                request.limits = Limits::read(path, &request.model.tree.dofs)?;
+            }
+            if let Some(ranges) = options.ranges {
+                request.limits.ranges = ranges;
+            }
+            request.prior = Prior::named(&options.prior, &request.model)?;
+            request.noise = options.noise;
+            request.clearance = options.clearance;
+            request.seed = options.seed;
+            request.folder = folder;
+            plan::plan(&request, watch).map(|plan| PlanReport { plan })
+        };
+        build(watch).map_err(|error| Failure::of(&error, Doing::Plan))
+    });
+    Ok(plan?.0)
+}
+
+#[pymethods]
+impl PlanReport {
+    /// What `sesc plan --json` prints.
+    fn json(&self, py: Python<'_>) -> PyResult<String> {
+        detached(py, || json(&self.plan))
+    }
+
+    /// What `sesc plan` prints.
+    fn text(&self) -> String {
+        report::plan::text(&self.plan)
+    }
+
+    /// The page of `sesc plan --report`.
+    fn page(&self, py: Python<'_>, file: &str, command: &str) -> PyResult<String> {
+        detached(py, || {
+            let page = report::plan::page(&self.plan, file, command);
+            page.map_err(|error| Failure::internal(error.to_string()))
+        })
+    }
+
+    fn q<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let rows: Vec<Vec<f64>> = self.plan.postures().map(<[f64]>::to_vec).collect();
+        Ok(PyArray2::from_vec2(py, &rows)?)
+    }
+}
+
+/// Write postures, numbered from `first`, as a log with a sidecar, whose path is given back.
+#[pyfunction]
+pub fn write_postures(
+    py: Python<'_>,
+    model: PyRef<'_, Model>,
+    q: PyReadonlyArray2<'_, f64>,
+    path: PathBuf,
+    experiment: Option<String>,
+    first: i64,
+) -> PyResult<PathBuf> {
+    let (model, dof) = (model.inner.clone(), q.shape()[1]);
+    let q = q.as_array().iter().copied().collect::<Vec<f64>>();
+    detached(py, || {
+        let write = || {
+            let mut log = PostureWriter::create(&path, &model.tree.dofs, Written::default())?;
+            for (pose, q) in (first..).zip(q.chunks_exact(dof.max(1))) {
+                log.row(&Row {
+                    pose,
+                    q,
+                    ..Row::default()
+                })?;
+            }
+            log.finish(&Sidecar {
+                robot: Some(model.tree.robot.clone()),
+                support: Some(model.support().to_string()),
+                experiment,
+                ..Sidecar::default()
+            })
+        };
+        write().map_err(|error| Failure::of(&error, Doing::Plan))
+    })
+}
+
+/// Keywords of a simulation, all of them given.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct SimulateOptions<'py> {
+    poses: usize,
+    postures: Option<PyReadonlyArray2<'py, f64>>,
+    range: Option<f64>,
+    noise: f64,
+    seed: u64,
+    hide: Vec<String>,
+}
+
+/// A posture log of an ideal robot, with CoP noise.
+#[pyfunction]
+#[pyo3(signature = (model, options, show=None))]
+pub fn simulate_log(
+    py: Python<'_>,
+    model: PyRef<'_, Model>,
+    options: SimulateOptions<'_>,
+    show: Option<Py<PyAny>>,
+) -> PyResult<Log> {
+    let postures = options.postures.as_ref();
+    let postures = postures.map(|q| q.as_array().iter().copied().collect::<Vec<f64>>());
+    let SimulateOptions {
+        poses,
+        range,
+        noise,
+        seed,
+        hide: hidden,
+        ..
+    } = options;
+    let model = model.inner.clone();
+    let log = watched(py, show, Stopped::Abandoned, move |watch| {
+        let build = |watch: &mut Waiting| {
+            let model = hide((*model).clone(), &hidden)?;
+            let mut request = simulate::Request::new(model, poses);
+            request.postures = postures;
+            request.range = range;
+            request.noise = noise;
+            request.seed = seed;
+            let log = simulate(&request, watch)?;
+            Ok(Log::simulated(log, request))
+        };
+        build(watch).map_err(|error| Failure::of(&error, Doing::Log))
+    });
+    Ok(log?.0)
+}
+
+/// Pose, CoM and CoP of every row of a log, m.
+#[pyfunction]
+#[pyo3(signature = (robot, support, model, log, degrees=None, show=None))]
+#[allow(clippy::type_complexity)]
+pub fn predict_log<'py>(
+    py: Python<'py>,
+    robot: PyRef<'_, Robot>,
+    support: Option<String>,
+    model: PyRef<'_, Model>,
+    log: PyRef<'_, Log>,
+    degrees: Option<bool>,
+    show: Option<Py<PyAny>>,
+) -> PyResult<(
+    Bound<'py, PyArray1<i64>>,
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray2<f64>>,
+)> {
+    let mut stance = Stance::new(robot.inner.clone());
+    stance.support = support;
+    stance.snapping = robot.snapping;
+    stance.parameters = model.inner.file.clone().map(Into::into);
+    let mut request = predict::Request::new(stance, &log.source);
+    request.angles = degrees.map(angles);
+    let (found, _) = watched(py, show, Stopped::Abandoned, move |watch| {
+        predict(&request, watch).map_err(|error| Failure::of(&error, Doing::Log))
+    })?;
+    let n = found.pose.len();
+    let com = PyArray1::from_slice(py, found.com_m.as_flattened()).reshape([n, 3])?;
+    let cop = PyArray1::from_slice(py, found.cop_m.as_flattened()).reshape([n, 2])?;
+    Ok((PyArray1::from_vec(py, found.pose), com, cop))
+}

@@ -1,0 +1,125 @@
+"""Python gives what the command line gives: JSON equal key by key, floats to the bit."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sesc
+
+LEGS = ("two_link/two_link.urdf", "foot")
+
+
+@pytest.fixture(scope="module")
+def small(robots: Path) -> sesc.Robot:
+    return sesc.Robot(robots / LEGS[0])
+
+
+@pytest.fixture(scope="module")
+def log(small: sesc.Robot, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A simulated log of the small robot, written by Python."""
+    path = tmp_path_factory.mktemp("log") / "log.csv"
+    hidden = {f"joint_offset:{small.joints[0]}": 0.05}
+    sesc.simulate(small.on(LEGS[1]), 120, noise=5e-4, seed=3, hide=hidden).save(path)
+    return path
+
+
+def test_simulations_are_equal(small: sesc.Robot, robots: Path, log: Path, command: Any, tmp_path: Path) -> None:
+    words = ["--support", LEGS[1], "--poses", 120, "--noise", "0.0005", "--seed", 3]
+    words += ["--hide", f"joint_offset:{small.joints[0]}=0.05", "--out", tmp_path / "log.csv"]
+    command("simulate", robots / LEGS[0], *words)
+    assert (tmp_path / "log.csv").read_bytes() == log.read_bytes()
+    assert (tmp_path / "log.csv.toml").read_bytes() == (log.parent / "log.csv.toml").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({}, []),
+        ({"prior": "tight", "noise": 4e-4}, ["--prior", "tight", "--noise", "0.0004"]),
+        ({"prior": "free", "robust": "huber"}, ["--prior", "free", "--robust", "huber"]),
+        ({"folds": 5, "physical": True}, ["--folds", 5, "--physical"]),
+    ],
+)
+def test_fits_are_equal(
+    small: sesc.Robot, robots: Path, log: Path, command_json: Any, options: Any, words: Any, tmp_path: Path, command: Any
+) -> None:
+    found = sesc.fit(small, log, **options)
+    want = command_json("fit", robots / LEGS[0], "--data", log, *words)
+    assert json.dumps(found.to_dict()) == json.dumps(want)
+    outputs = ["--out", tmp_path / "a.toml", "--urdf", tmp_path / "a.urdf", "--total-mass", "3.5"]
+    text = command("fit", robots / LEGS[0], "--data", log, *words, *outputs)
+    assert str(found).strip() in text
+    found.save(tmp_path / "b.toml")
+    found.correct_urdf(total_mass=3.5).save(tmp_path / "b.urdf")
+    for end in ("toml", "urdf"):
+        assert (tmp_path / f"a.{end}").read_bytes() == (tmp_path / f"b.{end}").read_bytes()
+
+
+def test_diagnoses_are_equal(small: sesc.Robot, robots: Path, log: Path, command_json: Any, command: Any, tmp_path: Path) -> None:
+    found = sesc.diagnose(small, log)
+    want = command_json("diagnose", robots / LEGS[0], "--data", log)
+    assert json.dumps(found.to_dict()) == json.dumps(want)
+    outputs = ["--out", tmp_path / "a.toml", "--urdf", tmp_path / "a.urdf", "--total-mass", "3.5"]
+    command("diagnose", robots / LEGS[0], "--data", log, *outputs, "--report", tmp_path / "a.html")
+    found.save(tmp_path / "b.toml")
+    found.correct_urdf(total_mass=3.5).save(tmp_path / "b.urdf")
+    for end in ("toml", "urdf"):
+        assert (tmp_path / f"a.{end}").read_bytes() == (tmp_path / f"b.{end}").read_bytes()
+    found.report(tmp_path / "b.html")
+    assert (tmp_path / "b.html").stat().st_size > 10_000
+
+
+def test_predictions_are_equal(small: sesc.Robot, robots: Path, log: Path, command: Any, tmp_path: Path) -> None:
+    found = sesc.diagnose(small, log)
+    found.save(tmp_path / "model.toml")
+    for file in (None, tmp_path / "model.toml"):
+        words = [] if file is None else ["--model", file]
+        printed = command("predict", robots / LEGS[0], "--data", log, *words).splitlines()[1:]
+        table = np.array([line.split(",") for line in printed], dtype=float)
+        ours = sesc.predict(small.on(LEGS[1], model=file), log)
+        np.testing.assert_array_equal(table, np.column_stack([ours["pose"], ours["com"], ours["cop"]]))
+    # The model of a diagnosis is that of its file.
+    again = small.on(LEGS[1], model=tmp_path / "model.toml")
+    q = np.zeros((3, small.on(LEGS[1]).dof))
+    np.testing.assert_array_equal(found.model.com(q), again.com(q))
+    np.testing.assert_array_equal(small.on(LEGS[1], model=again).cop(q), again.cop(q))
+
+
+def test_plans_are_equal(robots: Path, op2: sesc.Robot, command_json: Any, tmp_path: Path) -> None:
+    found = sesc.plan(op2, "r_sole", poses=6, candidates=60, seed=2)
+    words = ["--support", "r_sole", "--poses", 6, "--candidates", 60, "--seed", 2]
+    want = command_json("plan", robots / "op2/op2.urdf", *words, "--out", tmp_path / "a.csv")
+    assert json.dumps(found.to_dict()) == json.dumps(want)
+    found.save(tmp_path / "b.csv")
+    for end in ("csv", "csv.toml"):
+        rows = [(tmp_path / f"{name}.{end}").read_text() for name in "ab"]
+        assert rows[0] == rows[1]
+
+
+@pytest.mark.parametrize("scalar", ["f64", "f32", "fixed32"])
+def test_c_is_equal(robots: Path, model: sesc.Model, command: Any, scalar: str, tmp_path: Path) -> None:
+    words = ["--support", "r_sole", "--lang", "c", "--scalar", scalar]
+    command("generate", robots / "op2/op2.urdf", *words, "--out", tmp_path / "a")
+    files = model.c99(tmp_path / "b", scalar=scalar)
+    assert sorted(file.name for file in files) == ["op2_r_sole.c", "op2_r_sole.h"]
+    for file in files:
+        assert file.read_bytes() == (tmp_path / "a" / file.name).read_bytes()
+
+
+def test_rust_is_equal(robots: Path, model: sesc.Model, command: Any, tmp_path: Path) -> None:
+    command("generate", robots / "op2/op2.urdf", "--support", "r_sole", "--out", tmp_path / "a")
+    (file,) = model.rust(tmp_path / "b")
+    assert file.read_bytes() == (tmp_path / "a" / file.name).read_bytes()
+
+
+def test_parts_are_equal(small: sesc.Robot, robots: Path, log: Path, command: Any, tmp_path: Path) -> None:
+    command("fit", robots / LEGS[0], "--data", log, "--partial", tmp_path / "log.part")
+    part = sesc.gather(small, log)
+    assert bytes(part) == (tmp_path / "log.part").read_bytes()
+    assert sesc.Part.load(tmp_path / "log.part") == part
+    assert sesc.fit(part).to_dict()["parameters"] == sesc.fit(small, log).to_dict()["parameters"]

@@ -1,0 +1,257 @@
+"""Logs in every form are the same log; what is wrong with one is said."""
+
+from __future__ import annotations
+
+import gzip
+import io
+import math
+import pickle
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sesc
+
+from conftest import POLE
+
+N = 60
+
+
+@pytest.fixture(scope="module")
+def pole() -> sesc.Robot:
+    return sesc.Robot(POLE)
+
+
+@pytest.fixture(scope="module")
+def columns() -> dict[str, Any]:
+    """The pole's CoM is 1.05 m along it; noise of 0.1 mm by two sines."""
+    k = np.arange(N)
+    hip = 0.6 * np.sin(0.7 * k)
+    return {
+        "pose": k,
+        "hip": hip,
+        "cop_x": 0.1 + 1.05 * np.sin(hip) + 1e-4 * np.sin(7.1 * k),
+        "cop_y": 1e-4 * np.sin(3.3 * k),
+    }
+
+
+def csv_of(columns: dict[str, Any]) -> str:
+    rows = zip(*(map(repr, np.asarray(column).tolist()) for column in columns.values()))
+    return "\n".join([",".join(columns), *(",".join(row) for row in rows)]) + "\n"
+
+
+def params(robot: sesc.Robot, log: Any) -> list[float]:
+    log = log if isinstance(log, sesc.Log) else sesc.Log(log, support="foot")
+    return [float(x) for x in sesc.fit(robot, log, noise=1e-4).params]
+
+
+def test_a_fit_finds_the_true_length(pole: sesc.Robot, columns: dict[str, Any]) -> None:
+    found = sesc.fit(pole, sesc.Log(columns, support="foot"), noise=1e-4)
+    moved = [p for p in found.parameters.values() if abs(p.cad - 1.0) < 1e-9]
+    assert len(moved) == 1 and moved[0].std is not None
+    assert abs(moved[0].value - 1.05) < 4 * moved[0].std < 1e-3
+    k = list(found.parameters).index(moved[0].name)
+    assert found.params[k] == moved[0].value
+    assert math.sqrt(found.covariance[k, k]) == pytest.approx(moved[0].std, rel=0.2)
+    assert found.postures == N and found.noise_floor == pytest.approx(1e-4, rel=1e-6)
+    assert found.held_out_rmse < 2e-4 and found.unobservable and isinstance(found.warnings, list)
+    assert found.rank == found.to_dict()["rank"]
+    np.testing.assert_array_equal(found.model.params, found.params)
+
+
+def test_every_form_is_the_same_log(pole: sesc.Robot, columns: dict[str, Any], tmp_path: Path) -> None:
+    want = params(pole, columns)
+    text = csv_of(columns)
+    (tmp_path / "log.csv").write_text(text)
+    (tmp_path / "log.csv.gz").write_bytes(gzip.compress(text.encode()))
+    (tmp_path / "strange").write_text(text)
+    strided = {name: np.repeat(column, 3)[::3] for name, column in columns.items()}
+    lists = {name: column.tolist() for name, column in columns.items()}
+    forms = [tmp_path / "log.csv", str(tmp_path / "log.csv.gz"), text.encode(), io.StringIO(text)]
+    forms += [io.BytesIO(text.encode()), tmp_path / "strange", strided, lists]
+    for form in forms:
+        assert params(pole, form) == want, form
+
+
+@pytest.mark.parametrize("kind", ["arrow", "arrow_chunked", "polars", "pandas", "duckdb"])
+def test_tables_of_others_are_the_same_log(
+    pole: sesc.Robot, columns: dict[str, Any], kind: str, tmp_path: Path
+) -> None:
+    want = params(pole, columns)
+    if kind.startswith("arrow"):
+        pa = pytest.importorskip("pyarrow")
+        table: Any = pa.table(columns)
+        if kind == "arrow_chunked":
+            table = pa.concat_tables([table.slice(0, 7), table.slice(7, 20), table.slice(27)])
+            table = table.append_column("support", pa.array(["foot"] * N).dictionary_encode())
+    elif kind == "polars":
+        table = pytest.importorskip("polars").DataFrame(columns)
+        with pytest.raises(TypeError, match="collect"):
+            sesc.Log(table.lazy())
+    elif kind == "pandas":
+        table = pytest.importorskip("pandas").DataFrame(columns)
+    else:
+        duckdb = pytest.importorskip("duckdb")
+        (tmp_path / "log.csv").write_text(csv_of(columns))
+        table = duckdb.read_csv(str(tmp_path / "log.csv"))
+    assert params(pole, table) == want
+
+
+def test_arrow_types_become_numbers(pole: sesc.Robot, columns: dict[str, Any]) -> None:
+    pa = pytest.importorskip("pyarrow")
+    table = {
+        "pose": pa.array(columns["pose"], pa.int16()),
+        "hip": pa.array(columns["hip"].astype(np.float32)),
+        "t": pa.array([1000 * k for k in range(N)], pa.timestamp("ms")),
+        "flag": pa.array([True, None, False] * (N // 3)),
+        "cop_x": pa.array([None, *columns["cop_x"][1:].tolist()], pa.float64()),
+        "cop_y": pa.array(columns["cop_y"]),
+        "support": pa.array(["foot"] * N, pa.string_view()),
+        "note": pa.array(["a text that is longer than twelve bytes", None] * (N // 2), pa.string_view()),
+    }
+    log = sesc.Log(pa.table(table).slice(0, N))
+    got = log.columns()
+    assert got["t"].tolist() == [float(k) for k in range(N)]
+    assert np.isnan(got["cop_x"][0]) and got["cop_x"][1] == columns["cop_x"][1]
+    assert got["hip"].dtype == np.float64 and got["pose"].dtype == np.int64
+    assert got["support"] == ["foot"] * N and got["note"][:2] == ["a text that is longer than twelve bytes", ""]
+    assert got["flag"][0] == 1.0 and np.isnan(got["flag"][1]) and got["flag"][2] == 0.0
+    with pytest.raises(TypeError, match="date"):
+        sesc.Log(pa.table({"date": pa.array([1] * 3, pa.list_(pa.int8()) if False else pa.date32())}))
+
+
+def test_parquet_of_others_is_read(pole: sesc.Robot, columns: dict[str, Any], tmp_path: Path) -> None:
+    pa = pytest.importorskip("pyarrow")
+    parquet = pytest.importorskip("pyarrow.parquet")
+    for packing in ("zstd", "snappy", "none"):
+        parquet.write_table(pa.table(columns), tmp_path / "log.parquet", compression=packing)
+        assert params(pole, tmp_path / "log.parquet") == params(pole, columns)
+
+
+def test_settings_win_over_the_sidecar(pole: sesc.Robot, columns: dict[str, Any], tmp_path: Path) -> None:
+    turned = {**columns, "hip": np.rad2deg(columns["hip"])}
+    (tmp_path / "log.csv").write_text(csv_of(turned))
+    (tmp_path / "log.csv.toml").write_text("support = 'top'\nangles = 'rad'\n")
+    log = sesc.Log(tmp_path / "log.csv", support="foot", angles="deg")
+    assert log.settings["support"] == "foot" and log.settings["angles"] == "deg"
+    np.testing.assert_allclose(params(pole, log), params(pole, columns), atol=1e-12)
+    for wrong in ({"angles": "turns"}, {"cells": [[0, 0], [9, 9]]}, {"gravity": [0, 0, 9.8]}):
+        with pytest.raises(sesc.LogError):
+            sesc.Log(tmp_path / "log.csv", **wrong)
+
+
+def test_columns_are_renamed(pole: sesc.Robot, columns: dict[str, Any], tmp_path: Path) -> None:
+    other = {{"hip": "q_hip", "cop_x": "x"}.get(name, name): column for name, column in columns.items()}
+    (tmp_path / "log.csv").write_text(csv_of(other))
+    names = {"q_hip": "hip", "x": "cop_x"}
+    for form in (other, tmp_path / "log.csv"):
+        assert params(pole, sesc.Log(form, support="foot", columns=names)) == params(pole, columns)
+    with pytest.raises(sesc.LogError, match="`hips`"):
+        params(pole, sesc.Log(other, support="foot", columns={**names, "hips": "t"}))
+
+
+def test_faults_have_file_line_and_column(pole: sesc.Robot, columns: dict[str, Any], tmp_path: Path) -> None:
+    lines = csv_of(columns).splitlines()
+    lines[3] = lines[3].replace(lines[3].split(",")[1], "two")
+    (tmp_path / "log.csv").write_text("\n".join(lines))
+    with pytest.raises(sesc.LogError) as caught:
+        params(pole, tmp_path / "log.csv")
+    error = caught.value
+    assert (error.file, error.line, error.column) == (str(tmp_path / "log.csv"), 4, "hip")
+    with pytest.raises(FileNotFoundError) as missing:
+        sesc.Log(tmp_path / "none.csv")
+    assert isinstance(missing.value, sesc.LogError)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"hip": None}, "hip"),
+        ({"cop_x": None}, "cop_x"),
+        ({"hip": np.zeros(3)}, "rows"),
+        ({"hip": ["a"] * N}, "numbers"),
+        ({"pose": np.arange(N) + 0.5}, "pose"),
+        ({"support": ["foot", "fot"] * (N // 2)}, "fot"),
+        ({"hip": np.full(N, np.inf)}, "hip"),
+    ],
+)
+def test_tables_with_faults_are_refused(
+    pole: sesc.Robot, columns: dict[str, Any], change: dict[str, Any], words: str, capfd: Any
+) -> None:
+    table = {name: column for name, column in {**columns, **change}.items() if column is not None}
+    with pytest.raises(sesc.LogError, match=words) as caught:
+        params(pole, table)
+    assert not re.search(r"(^|[\s`(])--[a-z]", str(caught.value))
+    assert capfd.readouterr() == ("", "")
+
+
+def test_truncated_files_are_errors(pole: sesc.Robot, columns: dict[str, Any], tmp_path: Path, capfd: Any) -> None:
+    pa = pytest.importorskip("pyarrow")
+    parquet = pytest.importorskip("pyarrow.parquet")
+    parquet.write_table(pa.table(columns), tmp_path / "log.parquet")
+    whole = (tmp_path / "log.parquet").read_bytes()
+    for cut in range(0, len(whole), 61):
+        with pytest.raises(sesc.SescError):
+            params(pole, sesc.Log(whole[:cut], support="foot", name="log.parquet"))
+        damaged = bytearray(whole)
+        damaged[cut] ^= 0xFF
+        try:
+            params(pole, sesc.Log(bytes(damaged), support="foot", name="log.parquet"))
+        except sesc.SescError:
+            pass
+    assert capfd.readouterr() == ("", "")
+
+
+def test_settings_of_calls_are_checked(pole: sesc.Robot, columns: dict[str, Any]) -> None:
+    log = sesc.Log(columns, support="foot")
+    with pytest.raises(sesc.FitError, match="noise"):
+        sesc.fit(pole, log, noise=-1)
+    with pytest.raises(sesc.FitError, match="robust"):
+        sesc.fit(pole, log, robust="cauchy")
+    with pytest.raises(sesc.PriorError):
+        sesc.fit(pole, log, prior="none.toml")
+    with pytest.raises(sesc.SescError, match="support"):
+        sesc.fit(pole, columns)
+    with pytest.raises(sesc.SupportError):
+        sesc.fit(pole, log, support="fot")
+    with pytest.raises(TypeError, match="robot"):
+        sesc.fit(log)  # type: ignore[arg-type]
+    with pytest.raises(sesc.PlanError):
+        sesc.plan(pole, "foot", poses=0)
+    with pytest.raises(sesc.SescError, match="known are"):
+        sesc.simulate(pole.on("foot"), 3, hide={"joint_ofset:hip": 0.1})
+
+
+def test_health_is_seen_with_and_without_a_robot(pole: sesc.Robot, columns: dict[str, Any]) -> None:
+    assert sesc.Log(columns, support="foot").health == []
+    copied = {name: np.concatenate([column, column[:20]]) for name, column in columns.items()}
+    copied["pose"] = np.arange(N + 20)
+    kinds = [finding.kind for finding in sesc.Log(copied, support="foot").health]
+    assert kinds == ["rows_copied"]
+    dead = {**columns, "cop_x": np.full(N, 0.1), "cop_y": np.zeros(N)}
+    found = sesc.Log(dead, support="foot", robot=pole).health
+    assert any(finding.kind in ("cop_constant", "cop_axis_dead") for finding in found)
+    with pytest.raises(sesc.LogError, match="cop_"):
+        sesc.fit(pole, sesc.Log(dead, support="foot"))
+    assert sesc.diagnose(pole, sesc.Log(dead, support="foot")).verdict == "unusable"
+
+
+def test_logs_are_pickled(pole: sesc.Robot, columns: dict[str, Any], tmp_path: Path) -> None:
+    (tmp_path / "log.csv").write_text(csv_of(columns))
+    forms: list[Any] = [columns, tmp_path / "log.csv", csv_of(columns).encode()]
+    for form in forms:
+        log = sesc.Log(form, support="foot")
+        again = pickle.loads(pickle.dumps(log))
+        assert params(pole, again) == params(pole, log)
+        assert "\n" not in repr(log) and log._repr_html_().startswith("<table>")
+
+
+def test_a_table_is_copied(pole: sesc.Robot, columns: dict[str, Any]) -> None:
+    mine = {name: column.copy() for name, column in columns.items()}
+    log = sesc.Log(mine, support="foot")
+    before = params(pole, log)
+    mine["cop_x"][:] = 0.0
+    assert params(pole, log) == before

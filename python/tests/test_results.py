@@ -1,0 +1,240 @@
+"""What fits, diagnoses, plans and parts give; their life; Ctrl-C."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sesc
+
+HIDDEN = {"joint_offset:r_knee": 0.026}
+
+
+@pytest.fixture(scope="module")
+def log(model: sesc.Model) -> sesc.Log:
+    return sesc.simulate(model, 100, range=0.5, noise=5e-4, hide=HIDDEN)
+
+
+@pytest.fixture(scope="module")
+def found(op2: sesc.Robot, log: sesc.Log) -> sesc.Diagnosis:
+    return sesc.diagnose(op2, log)
+
+
+def test_a_hidden_offset_is_among_the_explanations(found: sesc.Diagnosis) -> None:
+    assert found.verdict in ("named", "class")
+    assert ["joint_offset:r_knee"] in found.explanations
+    assert found.steps and found.steps[0].sentence and found.sentence
+    assert found.health == [] and found.unexplained is False
+
+
+def test_the_model_of_a_diagnosis_has_the_effect(
+    found: sesc.Diagnosis, model: sesc.Model, op2: sesc.Robot
+) -> None:
+    q = np.random.default_rng(2).uniform(-0.5, 0.5, (50, 20))
+    bent = q.copy()
+    bent[:, model.joints.index("r_knee")] += HIDDEN["joint_offset:r_knee"]
+    truth = model.com(bent)
+
+    def rms(com: Any) -> float:
+        return float(np.sqrt(((com - truth) ** 2).mean()))
+
+    assert rms(found.model.com(q)) < 0.4 * rms(model.com(q))
+
+
+def test_files_are_written_whole_and_read_again(
+    found: sesc.Diagnosis, op2: sesc.Robot, tmp_path: Path
+) -> None:
+    found.save(tmp_path / "model.toml")
+    np.testing.assert_array_equal(op2.on("r_sole", tmp_path / "model.toml").params, found.model.params)
+    corrected = found.correct_urdf(total_mass=2.93)
+    corrected.save(tmp_path / "op2.urdf")
+    again = sesc.Robot(tmp_path / "op2.urdf")
+    assert again.on("r_sole").total_mass == pytest.approx(2.93, abs=1e-9)
+    with pytest.raises(sesc.SescError):
+        found.correct_urdf(total_mass=-1.0)
+    with pytest.raises(OSError):
+        found.save(tmp_path / "none" / "model.toml")
+    assert sorted(os.listdir(tmp_path)) == ["model.toml", "op2.urdf"]
+
+
+def test_next_postures_are_postures(found: sesc.Diagnosis, tmp_path: Path) -> None:
+    postures = found.next_postures(30)
+    assert postures.shape[1] == 20 and len(postures) <= 30
+    few = found.next_postures(5)
+    assert {tuple(row) for row in few.q} <= {tuple(row) for row in postures.q}
+    if len(found.explanations) > 1:
+        assert len(postures) == 30 and len(few) == 5
+    postures.save(tmp_path / "next.csv")
+    assert len((tmp_path / "next.csv").read_text().splitlines()) == 1 + len(postures)
+
+
+def test_simulations_of_given_postures_are_theirs(model: sesc.Model) -> None:
+    q = np.random.default_rng(3).uniform(-0.5, 0.5, (9, 20))
+    log = sesc.simulate(model, q).columns()
+    np.testing.assert_array_equal(np.column_stack([log[name] for name in model.joints]), q)
+    np.testing.assert_array_equal(np.column_stack([log["cop_x"], log["cop_y"]]), model.cop(q))
+    noisy = sesc.simulate(model, q, noise=1e-3, seed=4).columns()
+    assert 0 < np.abs(noisy["cop_x"] - log["cop_x"]).max() < 5e-3
+    with pytest.raises(ValueError):
+        sesc.simulate(model, np.zeros((3, 19)))
+
+
+def test_plans_balance_and_are_simulated(op2: sesc.Robot, model: sesc.Model) -> None:
+    plan = sesc.plan(op2, "r_sole", poses=6, candidates=60, limits={"head_pan": (-0.1, 0.1)})
+    assert plan.shape == (6, 20) and plan.joints == model.joints
+    assert np.abs(model.cop(plan.q)).max() < 0.023
+    assert np.abs(plan.q[:, model.joints.index("head_pan")]).max() <= 0.1
+    assert len(sesc.simulate(model, plan)) == 6
+    again = pickle.loads(pickle.dumps(plan))
+    np.testing.assert_array_equal(again.q, plan.q)
+    assert "srcdoc" in plan._repr_html_() and str(plan).startswith("op2 on r_sole")
+
+
+def test_parts_merge_to_the_fit_of_all(op2: sesc.Robot, model: sesc.Model) -> None:
+    logs = [sesc.simulate(model, 100, range=0.5, noise=1e-4, seed=seed) for seed in (1, 2, 3)]
+    a, b, c = (sesc.gather(op2, log) for log in logs)
+    together = sesc.fit(op2, logs)
+    for whole in (a | b | c, c | (a | b), sesc.Part.from_bytes(bytes(a | c)) | b):
+        apart = sesc.fit(whole)
+        np.testing.assert_allclose(apart.params, together.params, atol=1e-12)
+        assert apart.postures == 300 and len(whole.logs) == 3
+    with pytest.raises(sesc.PartError):
+        a | a
+    with pytest.raises(sesc.PartError):
+        sesc.Part.from_bytes(bytes(a)[:-100])
+    with pytest.raises(sesc.PartError):
+        sesc.Part.from_bytes(b"")
+    assert pickle.loads(pickle.dumps(a)) == a and hash(pickle.loads(pickle.dumps(a))) == hash(a)
+
+
+def test_results_are_pickled(found: sesc.Diagnosis, op2: sesc.Robot, log: sesc.Log, tmp_path: Path) -> None:
+    again = pickle.loads(pickle.dumps(found))
+    assert again.to_dict() == found.to_dict() and str(again) == str(found)
+    np.testing.assert_array_equal(again.next_postures(5).q, found.next_postures(5).q)
+    fit = sesc.fit(op2, log)
+    same = pickle.loads(pickle.dumps(fit))
+    assert same.to_dict() == fit.to_dict() and same.correct_urdf() == fit.correct_urdf()
+    np.testing.assert_array_equal(same.covariance, fit.covariance)
+    same.report(tmp_path / "fit.html")
+    assert (tmp_path / "fit.html").stat().st_size > 10_000
+    for thing in (found, fit, sesc.gather(op2, log)):
+        assert "\n" not in repr(thing)
+        assert thing._repr_html_().startswith(("<iframe", "<table"))
+        assert "<script" not in thing._repr_html_()
+
+
+def test_progress_is_told_and_may_stop_a_call(op2: sesc.Robot, log: sesc.Log, capfd: Any) -> None:
+    told: list[tuple[str, int, int | None]] = []
+    sesc.diagnose(op2, log, progress=lambda *progress: told.append(progress))
+    assert told and all(isinstance(what, str) for what, _, _ in told)
+
+    def stop(*_: object) -> None:
+        raise RuntimeError("enough")
+
+    with pytest.raises(RuntimeError, match="enough"):
+        sesc.diagnose(op2, log, progress=stop)
+    sesc.diagnose(op2, log, progress=True)
+    assert capfd.readouterr().err == ""
+
+
+def test_other_threads_go_on_during_a_fit(op2: sesc.Robot, model: sesc.Model) -> None:
+    log = sesc.simulate(model, 100_000, range=0.5, noise=1e-4)
+    ticks, over = [], threading.Event()
+
+    def count() -> None:
+        while not over.is_set():
+            ticks.append(time.perf_counter())
+            time.sleep(0.002)
+
+    counter = threading.Thread(target=count)
+    counter.start()
+    sesc.fit(op2, log)
+    over.set()
+    counter.join()
+    # A kept lock would leave a hole as long as the fit.
+    assert max(np.diff(ticks)) < 0.25
+
+
+INTERRUPTED = """
+import os, sys, threading, time, signal
+import sesc
+robot = sesc.Robot(sesc.OP2_URDF)
+model = robot.on("r_sole")
+calls = {
+    "fit": lambda: sesc.fit(robot, log),
+    "gather": lambda: sesc.gather(robot, log),
+    "diagnose": lambda: sesc.diagnose(robot, log),
+    "simulate": lambda: sesc.simulate(model, 5_000_000, noise=1e-4),
+    "plan": lambda: sesc.plan(robot, "r_sole", poses=38, candidates=20000),
+    "save": lambda: big.save("log.csv"),
+}
+name = sys.argv[1]
+log = sesc.simulate(model, 300_000, range=0.5, noise=1e-4) if name in ("fit", "gather", "diagnose") else None
+big = sesc.simulate(model, 300_000) if name == "save" else None
+sent = []
+def send():
+    time.sleep(float(sys.argv[2]))
+    sent.append(time.perf_counter())
+    os.kill(os.getpid(), signal.SIGINT)
+threading.Thread(target=send).start()
+try:
+    calls[name]()
+    print("ended")
+except KeyboardInterrupt:
+    print(time.perf_counter() - sent[0])
+"""
+
+
+@pytest.mark.parametrize("name", ["fit", "gather", "diagnose", "simulate", "plan", "save"])
+def test_ctrl_c_stops_within_a_fifth_of_a_second(name: str, tmp_path: Path) -> None:
+    for delay in (0.1, 0.35):
+        words = [sys.executable, "-c", INTERRUPTED, name, str(delay)]
+        done = subprocess.run(words, capture_output=True, text=True, cwd=tmp_path, check=False)
+        assert done.returncode == 0 and done.stderr == "", done.stderr
+        if done.stdout.strip() != "ended":
+            assert float(done.stdout) < 0.2, delay
+        else:
+            assert delay > 0.1, "too quick to be interrupted"
+    assert os.listdir(tmp_path) == []
+
+
+def test_fits_do_not_leak(pole: sesc.Robot) -> None:
+    resource = pytest.importorskip("resource")
+    model = pole.on("foot")
+    log = sesc.simulate(model, 50, noise=1e-4)
+
+    def peak(times: int) -> int:
+        for _ in range(times):
+            sesc.fit(pole, log)
+            model.com(np.zeros((1000, 1)))
+        return int(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+
+    peak(20)
+    assert peak(100) - peak(20) < 4096  # kB
+
+
+def test_the_command_comes_along(tmp_path: Path) -> None:
+    program = Path(sys.executable).with_name("sesc")
+
+    def run(*words: str) -> subprocess.CompletedProcess[str]:
+        return subprocess.run(words, capture_output=True, text=True, cwd=tmp_path, check=False)
+
+    for words in ([str(program)], [sys.executable, "-m", "sesc"]):
+        version = run(*words, "--version")
+        assert version.returncode == 0 and version.stdout.startswith("sesc "), version.stderr
+        (tmp_path / "op2.urdf").write_text(sesc.OP2_URDF)
+        assert run(*words, "inspect", "op2.urdf", "--support", "r_sole").returncode == 0
+        bad = run(*words, "inspect", "none.urdf", "--support", "r_sole", "--json")
+        assert bad.returncode == 2 and '"error"' in bad.stdout and "none.urdf" in bad.stderr
+    tested = run(sys.executable, "-m", "sesc.selftest")
+    assert tested.returncode == 0 and tested.stdout.count("ok") == 3, tested.stdout + tested.stderr
