@@ -168,6 +168,8 @@ def test_other_threads_go_on_during_a_fit(op2: sesc.Robot, model: sesc.Model) ->
 INTERRUPTED = """
 import os, sys, threading, time, signal
 import sesc
+# A shell that starts programs in the background has them ignore Ctrl-C.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 robot = sesc.Robot(sesc.OP2_URDF)
 model = robot.on("r_sole")
 calls = {
