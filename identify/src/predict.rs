@@ -144,10 +144,14 @@ impl Predictor {
         let (done, total) = self.reader.progress();
         tell(watch, "predicting", done, total)?;
         let found = self.predictions(&block, watch)?;
-        let unbounded = |com: &[f64; 3]| com.iter().any(|x| !x.is_finite());
-        if let Some(row) = found.com_m.iter().position(unbounded) {
-            let message = "an angle is beyond 2^20 rad, where sines mean nothing; reduce it by \
-                           whole turns";
+        let finite = |row: &usize| {
+            let (com, cop) = (&found.com_m[*row], &found.cop_m[*row]);
+            com.iter().chain(cop).all(|x| x.is_finite())
+        };
+        if let Some(row) = (0..block.len()).find(|row| !finite(row)) {
+            let message = "this posture has no finite CoM and CoP: an angle of a mimic joint is \
+                           beyond 2^20 rad, where sines mean nothing, or an effect of the model \
+                           file has a value that no robot has";
             return Err(Error::log(&self.log, Some(block.line[row]), message));
         }
         Ok(Some(found))

@@ -14,6 +14,10 @@ use crate::logs::{LogSource, PostureWriter, Row, Sidecar, Table, Written};
 use crate::watch::{Watch, tell};
 use crate::{Error, Setting, message};
 
+/// Why a posture has no CoP.
+const BEYOND: &str = "a drawn posture has no finite CoP: an angle is beyond 2^20 rad, where \
+                      sines mean nothing, or an effect of the model file has a value that no \
+                      robot has; give narrower joint limits or other values";
 /// Postures evaluated together.
 const BLOCK: usize = 4096;
 
@@ -88,6 +92,9 @@ impl Request {
                 None => simulator.batch(n),
             };
             let readings = evaluator.run(&q, n);
+            if readings.iter().any(|x| !x.is_finite()) {
+                return Err(Error::request(BEYOND));
+            }
             for (k, cop) in readings.chunks_exact(2).enumerate() {
                 take(&Row {
                     pose: (start + k) as i64,

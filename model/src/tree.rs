@@ -289,7 +289,7 @@ pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> R
         snaps: Vec::new(),
         notes,
     };
-    if tree.mass.is_nan() || tree.mass <= 0.0 {
+    if tree.mass.is_nan() || tree.mass < urdf::limits::LEAST_KG {
         return Err(Error::NoMass {
             file: tree.file.clone(),
         });

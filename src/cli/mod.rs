@@ -26,6 +26,7 @@ use std::sync::{Arc, OnceLock};
 
 use clap::{Args, Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use sesc_model::text::{is_hidden, visible_lines};
 use sesc_model::{Model, ModelFile, Snapping};
 
 use crate::Error;
@@ -169,7 +170,7 @@ fn complain(error: &Error) {
         cause = inner.source();
     }
     // If stderr is closed, the message cannot be shown.
-    let _ = std::io::stderr().write_all(text.as_bytes());
+    let _ = std::io::stderr().write_all(visible_lines(&text).as_bytes());
 }
 
 /// The robot of a command.
@@ -230,13 +231,17 @@ fn left_out(model: &Model) {
     }
 }
 
-/// A line on stderr.
+/// A line on stderr. Names of files may hold what a terminal obeys; it is spelled out.
 fn message(text: &str) {
-    let _ = writeln!(std::io::stderr(), "{text}");
+    let _ = writeln!(std::io::stderr(), "{}", visible_lines(text));
 }
 
-/// A whole result on stdout.
+/// A whole result on stdout, for people.
 fn print(text: &str) -> Result<(), Error> {
+    print_as_is(&visible_lines(text))
+}
+
+fn print_as_is(text: &str) -> Result<(), Error> {
     let mut stdout = std::io::stdout().lock();
     stdout
         .write_all(text.as_bytes())
@@ -265,12 +270,26 @@ pub fn json(value: &impl serde::Serialize) -> Result<String, Error> {
         schema: SCHEMA,
         value,
     };
-    serde_json::to_string_pretty(&answer).map_err(|error| Error::Report(Box::new(error)))
+    let text = serde_json::to_string_pretty(&answer);
+    text.map(|text| ascii_controls(&text))
+        .map_err(|error| Error::Report(Box::new(error)))
 }
 
 /// A value as JSON on stdout.
 fn print_json(value: &impl serde::Serialize) -> Result<(), Error> {
-    print(&(json(value)? + "\n"))
+    print_as_is(&(json(value)? + "\n"))
+}
+
+/// JSON whose strings hold nothing that a terminal obeys; its own lines are as they were.
+fn ascii_controls(json: &str) -> String {
+    let mut out = String::with_capacity(json.len());
+    for c in json.chars() {
+        match is_hidden(c) && c != '\n' {
+            true => out.push_str(&format!("\\u{:04x}", u32::from(c))),
+            false => out.push(c),
+        }
+    }
+    out
 }
 
 /// A number above zero.

@@ -7,7 +7,7 @@ use clap::Args;
 use super::{Bar, Outcome, RobotArguments, print, print_json};
 use crate::Error;
 use crate::report::table::Table;
-use crate::verify::verify;
+use crate::verify::{holds, verify};
 use sesc_model::Function;
 
 /// Compare the generated functions with the independent reference
@@ -49,7 +49,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         let mut table = Table::new(&["function", "worst error", "allowed", "unit", ""]);
         for (name, error) in &found.worst_error {
             let bound = found.bound[name];
-            let verdict = if *error <= bound { "ok" } else { "FAIL" };
+            let verdict = if holds(*error, bound) { "ok" } else { "FAIL" };
             table.row(&[
                 name.to_string(),
                 format!("{error:.2e}"),

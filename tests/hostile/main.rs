@@ -1,3 +1,4 @@
 //! Files and names that were made to do harm: nothing that is read is trusted.
 
 mod overwrites;
+mod values;

@@ -20,6 +20,22 @@ pub struct Nuisance {
     pub log_det: f64,
 }
 
+/// L Lᵀ = I + KᵀK without its squares: L is the transposed triangle of [K; I].
+fn triangle(k: &DMatrix<f64>) -> Cholesky<f64, Dyn> {
+    let (n, m) = k.shape();
+    let mut stacked = DMatrix::zeros(n + m, m);
+    stacked.rows_mut(0, n).copy_from(k);
+    stacked.rows_mut(n, m).fill_with_identity();
+    let mut lower = stacked.qr().r().transpose();
+    for mut column in lower.column_iter_mut() {
+        let first = column.iter().copied().find(|x| *x != 0.0);
+        if first.is_some_and(|x| x < 0.0) {
+            column.neg_mut();
+        }
+    }
+    Cholesky::pack_dirty(lower)
+}
+
 impl Nuisance {
     /// `rows`: regressor, 2 per posture; `prior`: F; `weight`: 1/σ per row.
     pub fn new(rows: &DMatrix<f64>, prior: &DMatrix<f64>, weight: &[f64]) -> Nuisance {
@@ -35,7 +51,8 @@ impl Nuisance {
         for i in 0..a.nrows() {
             a[(i, i)] += 1.0;
         }
-        let factor = a.cholesky().expect("I + KᵀK is positive definite");
+        // Squares of very large directions drown the identity; the triangle of [K; I] keeps it.
+        let factor = a.cholesky().unwrap_or_else(|| triangle(&k));
         let log_det = 2.0
             * factor
                 .l_dirty()

@@ -24,6 +24,7 @@ use crate::observations::noise::NoiseSource;
 use crate::observations::postures::Postures;
 use crate::observations::rows::CopRows;
 
+use crate::lsq::svd::svd;
 pub(super) use fitting::State;
 use readings::Tapes;
 
@@ -339,7 +340,7 @@ fn left_by_masses(rows: &DMatrix<f64>, reading: &[f64], cad: &[f64]) -> (Vec<f64
 
 /// A prior without information: 100 m on every direction that data determine.
 fn free(rows: &DMatrix<f64>) -> DMatrix<f64> {
-    let svd = rows.clone().svd(false, true);
+    let svd = svd(rows.clone(), false, true);
     let v = svd.v_t.unwrap_or_else(|| DMatrix::zeros(0, rows.ncols()));
     let largest = svd.singular_values.max();
     let kept: Vec<usize> = (0..svd.singular_values.len())

@@ -23,6 +23,7 @@ use super::problem::Problem;
 use super::remedy::{self, Servo};
 use super::view::DiagnosisView;
 use super::{diagnosis, experiment, model_check, noise, samples, verdict};
+use crate::fit::check_result;
 use crate::fit::prior::{Prior, PriorChoice};
 use crate::health;
 use crate::logs::{Angles, LogSource, Options, PostureWriter, Readings, Row, Sidecar, Written};
@@ -292,6 +293,9 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     remedy::add(&problem, &mut found, &robot.description, &request.servos);
     found.diagnosis.left_out_of_urdf = corrected.as_ref().map(|urdf| urdf.left_out.clone());
     let model_file = with_data(request, &problem, &found, &further);
+    if found.diagnosis.verdict != Verdict::Unusable {
+        check_result(&model_file)?;
+    }
     let on_log = model_check::check(&problem, &found, &model_file)?;
     let usable = found.diagnosis.verdict != Verdict::Unusable;
     let path = request

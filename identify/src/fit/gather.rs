@@ -123,6 +123,9 @@ pub struct Gathered {
     pub(super) stream: Stream,
 }
 
+/// Sums of a log are not larger, nor its rows more: what values within their bounds give.
+const MOST_SUM: f64 = 1e60;
+const MOST_ROWS: f64 = 1e15;
 /// Down-weighted postures that are listed, at most.
 const LISTED: usize = 1000;
 
@@ -158,6 +161,36 @@ impl Gathered {
     /// Number of parameters.
     pub fn params(&self) -> usize {
         self.folds[0].weighted.params()
+    }
+
+    /// The first sum that no logs can have, in a file that was read.
+    pub(super) fn invalid_reason(&self) -> Option<String> {
+        let (rows, most) = (self.readings as f64, MOST_SUM);
+        let within = |name: &str, x: f64, least: f64, most: f64| {
+            let fits = (least..=most).contains(&x);
+            (!fits).then(|| format!("`{name}` is {x:?}, which no log gives"))
+        };
+        let axes = self.axes.iter().find_map(|x| within("axes", *x, 0.0, most));
+        let factors = self.folds.iter().find_map(|fold| {
+            let size = fold.weighted.largest().max(fold.plain().largest());
+            let rows = fold.weighted.rows().max(fold.plain().rows());
+            within("triangle", size, 0.0, most)
+                .or_else(|| within("rows", rows as f64, 0.0, MOST_ROWS))
+        });
+        let count = |name: &str, n: u64| within(name, n as f64, 0.0, MOST_ROWS);
+        count("readings", self.readings)
+            .or_else(|| within("stated", self.stated, 0.0, most))
+            .or_else(|| within("trusted", self.trusted, 0.0, rows))
+            .or_else(|| within("consistency", self.consistency, f64::MIN_POSITIVE, 1.0))
+            .or_else(|| within("averaged", self.averaged, 0.0, rows))
+            .or_else(|| count("moved", self.moved))
+            .or_else(|| count("overfull", self.overfull))
+            .or_else(|| count("tiny", self.tiny))
+            .or_else(|| self.logs.iter().find_map(|log| count("rows", log.rows)))
+            .or(axes)
+            .or(factors)
+            .or_else(|| self.repeats.invalid_reason(MOST_ROWS, most))
+            .or_else(|| self.samples.invalid_reason(MOST_ROWS))
     }
 
     /// Why the logs cannot be used, if they cannot.

@@ -19,6 +19,7 @@ use sesc_model::urdf::Weight;
 use super::limits::Limits;
 use super::prior::Tolerances;
 use crate::lsq::inequality::{Linear, NoAnswer, Problem};
+use crate::lsq::svd::svd;
 
 /// A link keeps at least this part of the mass CAD gives it.
 pub const FLOOR: f64 = 0.01;
@@ -250,7 +251,7 @@ impl Space<'_> {
     /// Which links the nearest answer without bounds makes lighter than nothing, or
     /// carries off.
     fn negative(&self, params: &DVector<f64>, limits: &Limits) -> String {
-        let svd = self.to_base().svd(true, true);
+        let svd = svd(self.to_base(), true, true);
         let limit = 1e-12 * svd.singular_values.max();
         let away = params - self.base(&self.cad);
         let Ok(v) = svd.solve(&away, limit) else {

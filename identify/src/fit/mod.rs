@@ -28,4 +28,5 @@ pub mod timing;
 
 pub use estimate::{identify, identify_within};
 pub use identification::{Identification, Settings};
+pub(crate) use request::check_result;
 pub use request::{FOLDS, Report, Request, fit, gather, residuals};

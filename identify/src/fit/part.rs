@@ -8,9 +8,10 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use sesc_model::{Snapping, files};
+use sesc_model::{Model, Snapping, files};
 
 use super::gather::Gathered;
+use crate::logs::names::short;
 use crate::robot::Robot;
 use crate::{Error, Message, Setting, message};
 
@@ -97,6 +98,12 @@ impl Part {
                 part.format
             )));
         }
+        if part.gathered.folds.len() < 2 {
+            return Err(bad("it has no folds; gather the log again".into()));
+        }
+        if let Some(reason) = part.gathered.invalid_reason() {
+            return Err(bad(format!("{reason}; gather the log again")));
+        }
         let params = part.gathered.params();
         let agree = |fold: &super::gather::Fold| {
             fold.weighted.params() == params
@@ -105,7 +112,7 @@ impl Part {
                     .as_ref()
                     .is_none_or(|plain| plain.params() == params)
         };
-        if part.gathered.folds.len() < 2 || !part.gathered.folds.iter().all(agree) {
+        if !part.gathered.folds.iter().all(agree) {
             return Err(bad(
                 "its folds do not belong together; gather the log again".into(),
             ));
@@ -119,6 +126,31 @@ impl Part {
     /// When it cannot be written down.
     pub fn to_bytes(&self) -> Result<Vec<u8>, Error> {
         serde_json::to_vec(self).map_err(Error::serialise)
+    }
+
+    /// Whether the sums are about this robot, read from the part's own text, on its support.
+    pub(crate) fn check_robot(&self, robot: &Robot, model: &Model) -> Result<(), Error> {
+        let bad = |reason: String| {
+            let message = format!("{reason}; gather the log again");
+            Err(Error::log(self.urdf_file.clone(), None, message))
+        };
+        if robot.description.hash != self.hash {
+            return bad("the URDF in a factor file is not the one that it was made with".into());
+        }
+        let unknown = |link: &&String| robot.description.link_names().all(|own| own != *link);
+        if let Some(link) = self.supports.iter().find(unknown) {
+            let link = short(link);
+            return bad(format!(
+                "a factor file stood on `{link}`, which the robot does not have"
+            ));
+        }
+        let (own, params) = (self.gathered.params(), model.base.params.len());
+        if own != params {
+            return bad(format!(
+                "a factor file has sums of {own} parameters, and its robot has {params}"
+            ));
+        }
+        Ok(())
     }
 
     /// Write to `path`, whole or not at all.
@@ -141,6 +173,7 @@ impl Part {
             false => Snapping::Off,
         };
         let here = robot.model(&self.support, snapping, None)?;
+        self.check_robot(&robot, &here)?;
         let there = robot.model(support, snapping, None)?;
         self.gathered.shift(&here.params_from(&there));
         self.support = support.to_string();

@@ -19,6 +19,7 @@ use sesc_model::files;
 use sesc_model::standard::PER_LINK;
 use sesc_model::text::listed;
 
+use crate::lsq::svd::svd;
 use crate::{Error, Setting, message};
 
 /// How well CAD knows a link.
@@ -270,7 +271,7 @@ impl Tolerances {
 
 /// A factor with as many columns as C has directions.
 fn compact(factor: &DMatrix<f64>) -> DMatrix<f64> {
-    let svd = factor.clone().svd(true, false);
+    let svd = svd(factor.clone(), true, false);
     let largest = svd.singular_values.max();
     let kept: Vec<usize> = (0..svd.singular_values.len())
         .filter(|&k| svd.singular_values[k] > 1e-12 * largest)

@@ -195,6 +195,7 @@ pub fn fit(request: &Request, watch: &mut dyn Watch) -> Result<Report, Error> {
         false => Snapping::Off,
     };
     let model = robot.model(&part.support, snapping, None)?;
+    part.check_robot(&robot, &model)?;
     let settings = Settings {
         prior: request.prior.of(&model)?,
         noise: request.noise,
@@ -217,8 +218,10 @@ pub fn fit(request: &Request, watch: &mut dyn Watch) -> Result<Report, Error> {
             " cad"
         ]));
     }
+    let model_file = found.model_file(&model);
+    check_result(&model_file)?;
     let mut report = Report {
-        model_file: found.model_file(&model),
+        model_file,
         corrected: None,
         residuals: Vec::new(),
         notes: model.tree.notes.clone(),
@@ -235,6 +238,17 @@ pub fn fit(request: &Request, watch: &mut dyn Watch) -> Result<Report, Error> {
         report.residuals = residuals(request, &report, watch)?;
     }
     Ok(report)
+}
+
+/// A result that is not finite is none.
+pub(crate) fn check_result(file: &ModelFile) -> Result<(), Error> {
+    match file.invalid_reason() {
+        None => Ok(()),
+        Some(reason) => Err(Error::request(format!(
+            "these data give no result: {reason}; look for rows, deviations or tolerances that \
+             are no measurements"
+        ))),
+    }
 }
 
 /// Gather all logs and parts of a request into one part, on its support.

@@ -23,10 +23,11 @@ use std::sync::Arc;
 use sesc_model::tree::Dof;
 
 use super::block::{Block, Cells};
+use super::bounds::{self, check, check_gravity, check_joint};
 use super::columns::Columns;
 use super::names::{nearest, short};
 use super::options::Options;
-use super::sidecar::{Angles, IN_DEGREES, OR_SIDECAR, Sidecar, check_gravity};
+use super::sidecar::{Angles, IN_DEGREES, OR_SIDECAR, Sidecar};
 use super::source::Raw;
 use crate::{Error, Message, Setting, message};
 
@@ -59,6 +60,7 @@ struct Joint {
     scale: f64,
     /// Largest |value| that can be meant, rad; none of prismatic and endless joints.
     reach: Option<f64>,
+    prismatic: bool,
 }
 
 impl Assembler {
@@ -77,6 +79,7 @@ impl Assembler {
             },
             reach: (!dof.prismatic && !dof.continuous && !options.any_unit)
                 .then(|| FULL_TURN.max(dof.lower.abs()).max(dof.upper.abs())),
+            prismatic: dof.prismatic,
         });
         let assembler = Assembler {
             file: file.to_string(),
@@ -134,9 +137,31 @@ impl Assembler {
     pub fn look(&mut self, raw: &Raw) -> Result<(), Error> {
         let rows = typical_run(&raw.pose).max(1) as f64;
         self.shrink = (rows / self.readings_per_pose as f64).min(1.0).sqrt();
-        let Some(k) = self.columns.cop.filter(|_| !self.any_unit) else {
+        let Some(k) = self.columns.cop else {
             return Ok(());
         };
+        let line = raw.line.first().copied();
+        let far = self.typical(raw, k);
+        if far.is_some_and(|far| far > FAR) && !self.any_unit {
+            let typical = far.unwrap_or_default();
+            let message = format!(
+                "columns `cop_x`, `cop_y`: the CoP is typically {typical:?} from the origin of \
+                 the sole; give metres, not millimetres"
+            );
+            return Err(self.fault(line, message));
+        }
+        // In a log in millimetres deviations are, too: the unit is found from its readings.
+        let in_metres = far.is_some_and(|far| far <= FAR);
+        match self.columns.cop_std.and_then(|k| self.typical(raw, k)) {
+            Some(std) if in_metres => {
+                bounds::check_typical_std(std).map_err(|message| self.fault(line, message))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The typical length of columns `k` and `k + 1`, as they stand in the log.
+    fn typical(&self, raw: &Raw, k: usize) -> Option<f64> {
         let width = self.columns.numbers.len();
         let mut far: Vec<f64> = raw
             .numbers
@@ -145,16 +170,7 @@ impl Assembler {
             .filter(|far| far.is_finite())
             .collect();
         far.sort_by(f64::total_cmp);
-        match far.get(far.len() / 2) {
-            Some(typical) if *typical > FAR => Err(self.fault(
-                raw.line.first().copied(),
-                format!(
-                    "columns `cop_x`, `cop_y`: the CoP is typically {typical} from the origin of \
-                     the sole; give metres, not millimetres"
-                ),
-            )),
-            _ => Ok(()),
-        }
+        far.get(far.len() / 2).copied()
     }
 
     /// See [`super::PostureReader::averaged`].
@@ -221,14 +237,18 @@ impl Assembler {
             if joint.reach.is_some_and(|reach| value.abs() > reach) {
                 let name = &columns.names[k];
                 return Err(message![
-                    format!("column `{name}`: {value} rad is more than a full turn; {IN_DEGREES}"),
+                    format!(
+                        "column `{name}`: {value:?} rad is more than a full turn; {IN_DEGREES}"
+                    ),
                     Setting::Angles,
                     OR_SIDECAR
                 ]);
             }
+            check_joint(&columns.names[k], value, joint.prismatic)?;
             block.q.push(value);
         }
         if let (Some(k), Some(t)) = (columns.t, &mut block.t) {
+            bounds::check_time(&columns.names[k], numbers[k])?;
             t.push(numbers[k]);
         }
         if let Some(all) = &mut block.gravity {
@@ -240,12 +260,15 @@ impl Assembler {
             all.push(gravity);
         }
         if let Some(k) = columns.cop_std {
-            self.positive(numbers, k..k + 2)?;
+            self.positive(numbers, k..k + 2, bounds::COP)?;
+        }
+        for k in columns.cells.clone() {
+            check(&columns.names[k], numbers[k], bounds::FORCE_N)?;
         }
         let force = &numbers[columns.cells.clone()];
         let force_std = columns.cell_std.map(|k| k..k + force.len());
         if let Some(range) = &force_std {
-            self.positive(numbers, range.clone())?;
+            self.positive(numbers, range.clone(), bounds::FORCE_N)?;
         }
         let force_std = force_std.map(|range| numbers[range].iter().map(|s| s * self.shrink));
         if let Some(cells) = &mut block.cells {
@@ -255,6 +278,9 @@ impl Assembler {
             }
         }
         if let Some(k) = columns.cop {
+            for k in k..k + 2 {
+                check(&columns.names[k], numbers[k], bounds::COP)?;
+            }
             if let Some(reading) = &mut block.reading {
                 reading.push([numbers[k], numbers[k + 1]]);
             }
@@ -266,6 +292,8 @@ impl Assembler {
                 Err(_) if self.no_load => [0.0; 2],
                 cop => cop?,
             };
+            let named = |x: f64| check("cop_x, cop_y of the cells", x, bounds::COP);
+            cop.into_iter().try_for_each(named)?;
             reading.push(cop);
             if let (Some(all), Some(std)) = (&mut block.std, force_std) {
                 let own = deviation(&self.cells, force, std, cop);
@@ -275,15 +303,21 @@ impl Assembler {
         Ok(())
     }
 
-    fn positive(&self, numbers: &[f64], mut range: Range<usize>) -> Result<(), String> {
-        match range.find(|k| numbers[*k] <= 0.0) {
-            Some(k) => Err(format!(
-                "column `{}`: a standard deviation of {}; it must be positive, or leave out the \
-                 column",
-                self.columns.names[k], numbers[k]
-            )),
-            None => Ok(()),
+    /// Deviations that can be meant.
+    fn positive(&self, numbers: &[f64], range: Range<usize>, most: f64) -> Result<(), Message> {
+        for k in range {
+            let name = &self.columns.names[k];
+            if numbers[k] <= 0.0 {
+                return Err(format!(
+                    "column `{name}`: a standard deviation of {}; it must be positive, or leave \
+                     out the column",
+                    numbers[k]
+                )
+                .into());
+            }
+            check(name, numbers[k], most)?;
         }
+        Ok(())
     }
 
     fn support(&self, own: Option<&Arc<str>>, block: &mut Block) -> Result<(), String> {

@@ -14,6 +14,7 @@
 
 mod assemble;
 mod block;
+mod bounds;
 mod columns;
 mod csv;
 mod guard;

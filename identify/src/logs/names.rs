@@ -14,7 +14,7 @@ pub(crate) fn list(names: &[&str]) -> String {
 }
 
 /// A piece of a file, cut so that a message stays readable.
-pub(super) fn short(text: &str) -> String {
+pub(crate) fn short(text: &str) -> String {
     match text.char_indices().nth(LONGEST) {
         Some((end, _)) => format!("{}…", text[..end].escape_debug()),
         None => text.escape_debug().to_string(),

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use sesc_model::files;
 
+use super::bounds::check_gravity;
 use super::names::{nearest, short};
 use crate::{Error, Message};
 
@@ -197,17 +198,6 @@ impl Sidecar {
             ),
             _ => Ok(()),
         }
-    }
-}
-
-/// Gravity must pull onto the sole, or nothing stands on it.
-pub(super) fn check_gravity([x, y, z]: [f64; 3]) -> Result<(), String> {
-    if x.is_finite() && y.is_finite() && z.is_finite() && z < 0.0 {
-        Ok(())
-    } else {
-        Err(format!(
-            "gravity [{x}, {y}, {z}] does not pull onto the sole; its z must be negative"
-        ))
     }
 }
 

@@ -93,6 +93,12 @@ impl Factor {
         }
     }
 
+    /// Its largest entry; NaN where one is no number.
+    pub(crate) fn largest(&self) -> f64 {
+        let sizes = self.triangle.iter().map(|x| x.abs());
+        sizes.fold(0.0, |most, x| if x > most || x.is_nan() { x } else { most })
+    }
+
     /// R, p × p.
     pub fn r(&self) -> DMatrix<f64> {
         let p = self.params();
@@ -138,7 +144,8 @@ impl<'de> Deserialize<'de> for Factor {
     fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Factor, D::Error> {
         let packed = Packed::deserialize(deserializer)?;
         let order = packed.params.saturating_add(1);
-        let expected = order.checked_mul(order + 1).map(|n| n / 2);
+        let next = order.checked_add(1);
+        let expected = next.and_then(|next| order.checked_mul(next)).map(|n| n / 2);
         if expected != Some(packed.triangle.len()) {
             return Err(serde::de::Error::custom(format!(
                 "a triangle of {} numbers for {} parameters",

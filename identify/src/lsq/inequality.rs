@@ -14,6 +14,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::non_negative::non_negative;
+use super::svd::{svd, symmetric_eigen};
 
 /// Singular values below this, relative to the largest, count as zero.
 const DEPENDENT: f64 = 1e-12;
@@ -145,7 +146,7 @@ impl Problem {
     fn pulling(&self, v: &DVector<f64>, face: &Linear, equations: usize) -> Option<usize> {
         let a = &self.squares.matrix;
         let slope = a.transpose() * (&self.squares.right - a * v);
-        let svd = face.matrix.transpose().svd(true, true);
+        let svd = svd(face.matrix.transpose(), true, true);
         let limit = DEPENDENT * svd.singular_values.max();
         let multipliers = svd.solve(&slope, limit).ok()?;
         let size = PULL * multipliers.amax().max(f64::MIN_POSITIVE);
@@ -170,7 +171,7 @@ fn independent(equal: &Linear) -> Result<Linear, NoAnswer> {
     if equal.right.is_empty() {
         return Ok(equal.clone());
     }
-    let svd = equal.matrix.clone().svd(true, true);
+    let svd = svd(equal.matrix.clone(), true, true);
     let (Some(u), Some(v_t)) = (&svd.u, &svd.v_t) else {
         return Err(NoAnswer::Stuck);
     };
@@ -206,7 +207,7 @@ impl Face {
         let start = face.matrix.transpose() * &face.right;
         let along = face.matrix.transpose() * &face.matrix;
         // Orthonormal columns beside the rows of `face`.
-        let eigen = (DMatrix::identity(columns, columns) - along).symmetric_eigen();
+        let eigen = symmetric_eigen(DMatrix::identity(columns, columns) - along);
         let free: Vec<usize> = (0..columns)
             .filter(|&k| eigen.eigenvalues[k] > 0.5)
             .collect();

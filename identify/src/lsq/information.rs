@@ -7,6 +7,7 @@
 //! A direction that the prior holds exactly (S has no column for it: massless links) is
 //! entered as known to a micrometre, so that RᵀR has an inverse.
 
+use super::svd::svd;
 use nalgebra::DMatrix;
 use sesc_model::Information;
 
@@ -32,7 +33,7 @@ pub fn information(rows: &DMatrix<f64>, s: &DMatrix<f64>, beyond: Beyond) -> Inf
     // As many columns as rows, so that U is complete.
     let mut square = DMatrix::zeros(p, p.max(s.ncols()));
     square.columns_mut(0, s.ncols()).copy_from(s);
-    let svd = square.svd(true, false);
+    let svd = svd(square, true, false);
     let values = &svd.singular_values;
     let u = svd.u.unwrap_or_else(|| DMatrix::identity(p, p));
     let least = ROUNDING * values.max();

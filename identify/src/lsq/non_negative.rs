@@ -8,6 +8,7 @@
 //! Unknowns enter by the largest slope w and leave where a step would make them
 //! negative; the sum of squares falls with every step, so the search ends.
 
+use super::svd::svd;
 use nalgebra::{DMatrix, DVector};
 
 /// Singular values below this, relative to the largest, count as zero.
@@ -34,7 +35,7 @@ pub fn non_negative(matrix: &DMatrix<f64>, target: &DVector<f64>) -> Option<DVec
         inside.push(next);
         loop {
             let chosen = matrix.select_columns(&inside);
-            let svd = chosen.svd(true, true);
+            let svd = svd(chosen, true, true);
             let limit = DEPENDENT * svd.singular_values.max();
             let z = svd.solve(target, limit).ok()?;
             // A new column that rounding alone let in goes out again, for this point.

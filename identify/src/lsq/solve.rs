@@ -14,6 +14,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::factor::Factor;
+use super::svd::svd;
 
 /// Singular values below this, relative to the largest, are not seen.
 pub const UNSEEN: f64 = 1e-10;
@@ -99,7 +100,7 @@ impl Seen {
     /// By the singular values of `plain`, less what `weighted` gives no weight at all.
     fn by(plain: &Factor, weighted: &Factor) -> Seen {
         let p = plain.params();
-        let svd = plain.r().svd(false, true);
+        let svd = svd(plain.r(), false, true);
         let values = svd.singular_values;
         let largest = values.max();
         let (seen, blind): (Vec<usize>, Vec<usize>) =
@@ -121,7 +122,7 @@ impl Seen {
 
     /// Rows that a robust fit rejects have no weight, and may be all that saw a direction.
     fn weigh(&mut self, weighted: &Factor) {
-        let svd = (weighted.r() * &self.basis).svd(false, true);
+        let svd = svd(weighted.r() * &self.basis, false, true);
         let values = svd.singular_values;
         let least = LOST * weighted.params() as f64 * values.max();
         let (seen, lost): (Vec<usize>, Vec<usize>) =
@@ -144,7 +145,7 @@ impl Seen {
         away: &DVector<f64>,
     ) -> (DVector<f64>, DMatrix<f64>) {
         let p = factor.params();
-        let svd = (factor.r() * &self.basis).svd(true, true);
+        let svd = svd(factor.r() * &self.basis, true, true);
         let (Some(u), Some(v_t)) = (&svd.u, &svd.v_t) else {
             return (DVector::zeros(p), DMatrix::zeros(p, p));
         };

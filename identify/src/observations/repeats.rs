@@ -34,6 +34,13 @@ pub struct Squares {
 }
 
 impl Squares {
+    fn invalid_reason(&self, rows: f64, most: f64) -> Option<String> {
+        let mut sums = self.sum.iter().chain(&self.weighted);
+        let fits = |x: &f64| (0.0..=most).contains(x);
+        let valid = sums.all(fits) && (self.df as f64) <= rows;
+        (!valid).then(|| "sums of repeats that no log gives".to_string())
+    }
+
     fn add(&mut self, other: &Squares) {
         for axis in 0..2 {
             self.sum[axis] += other.sum[axis];
@@ -148,6 +155,16 @@ pub struct Group {
 }
 
 impl Repeats {
+    /// The first sum that no log has, in a file that was read.
+    pub(crate) fn invalid_reason(&self, rows: f64, most: f64) -> Option<String> {
+        let counts = [self.postures, self.visits, self.rows];
+        let counted = counts.iter().all(|n| (*n as f64) <= rows);
+        self.about_postures
+            .invalid_reason(rows, most)
+            .or_else(|| self.about_visits.invalid_reason(rows, most))
+            .or_else(|| (!counted).then(|| "more repeats than a log has rows".to_string()))
+    }
+
     /// A row of `group`, in its visit number `visit` (from 1), with its reading and, where
     /// stated, its deviation (1 elsewhere), m.
     pub fn push(&mut self, group: &mut Group, visit: u32, reading: [f64; 2], std: [f64; 2]) {

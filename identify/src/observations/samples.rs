@@ -58,6 +58,14 @@ pub struct Sum {
 }
 
 impl Sum {
+    /// What no log has, in a file that was read.
+    pub(crate) fn invalid_reason(&self, rows: f64) -> Option<String> {
+        let valid = (self.rows as f64) <= rows
+            && (0.0..=rows).contains(&self.independent)
+            && (0.0..=rows).contains(&self.correlation_s);
+        (!valid).then(|| "`samples` that no log gives".to_string())
+    }
+
     /// Rows of one log; `timed` where its times run forward.
     pub fn push(&mut self, rows: u64, axes: &[Correlation; 2], timed: bool) {
         let worst = worst(axes);

@@ -17,6 +17,7 @@
 
 use std::ops::ControlFlow;
 
+use crate::lsq::svd::svd;
 use nalgebra::{Cholesky, DMatrix, Matrix2};
 
 /// ε where there is no prior: the information of a millionth of a posture.
@@ -60,7 +61,7 @@ impl Rows {
         let count = (regressor.ncols() / 2).max(1) as f64;
         // R of the candidates' QR factors: the Gram matrix would lose half the digits.
         let r = regressor.transpose().qr().r();
-        let svd = r.svd(false, true);
+        let svd = svd(r, false, true);
         let largest = svd.singular_values.max();
         let seen: Vec<usize> = (0..svd.singular_values.len())
             .filter(|&k| svd.singular_values[k] > unseen * largest)

@@ -35,6 +35,7 @@ use crate::fit::prior::{Prior, Tolerances};
 use crate::logs::{LogSource, PostureWriter, Row, Sidecar, Table};
 use crate::lsq::factor::Factor;
 use crate::lsq::solve::UNSEEN;
+use crate::lsq::svd::singular_values;
 use crate::watch::{Progress, Watch, stopped};
 use crate::{Error, Message, Setting, message};
 use candidates::{Counts, Demands, Sampler};
@@ -349,7 +350,7 @@ fn conditioning(regressor: &DMatrix<f64>, chosen: &[usize]) -> (usize, f64) {
         &DVector::zeros(columns.len()),
         &vec![1.0; columns.len()],
     );
-    let values = factor.r().singular_values();
+    let values = singular_values(factor.r());
     let largest = values.max();
     let seen: Vec<f64> = values
         .iter()

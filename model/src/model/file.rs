@@ -27,7 +27,12 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::Information;
+use crate::text::{shortened, visible};
+use crate::urdf::limits;
 use crate::{Error, files};
+
+/// No quantity of an effect is larger, in its unit.
+const MOST: f64 = 1e9;
 
 /// One base parameter as identified.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -145,17 +150,50 @@ impl ModelFile {
         };
         let mut model: ModelFile = toml::from_str(text).map_err(|error| bad(error.to_string()))?;
         model.file = file.to_string();
-        for parameter in &model.parameters {
-            if !parameter.value.is_finite() {
-                return Err(bad(format!("parameter `{}` is not finite", parameter.name)));
-            }
+        match model.invalid_reason() {
+            Some(reason) => Err(bad(reason)),
+            None => Ok(model),
         }
-        let count = model.parameters.len();
-        let information = model.information.as_ref();
-        if let Some(reason) = information.and_then(|found| found.invalid_reason(count)) {
-            return Err(bad(reason));
-        }
-        Ok(model)
+    }
+
+    /// The first value that no robot has: not finite, or beyond every size.
+    pub fn invalid_reason(&self) -> Option<String> {
+        let check = |what: &str, x: f64, most: f64| match x.is_finite() && x.abs() <= most {
+            true => None,
+            false if x.is_finite() => Some(format!("{what} is {x:?}, more than any robot has")),
+            false => Some(format!("{what} is not finite")),
+        };
+        let metres = limits::OFFSET_M;
+        let parameters = self.parameters.iter().find_map(|parameter| {
+            let what = format!("parameter `{}`", shortened(&visible(&parameter.name), 64));
+            let std = parameter.std.unwrap_or(0.0);
+            check(&what, parameter.value, metres)
+                .or_else(|| check(&format!("the std of {what}"), std, f64::MAX))
+        });
+        let effects = self.effects.iter().find_map(|effect| {
+            effect.parameters.iter().find_map(|(name, quantity)| {
+                let most = match name.ends_with("_rad") {
+                    true => limits::TURNS_RAD,
+                    false => MOST,
+                };
+                let what = format!("`{}` of an effect", shortened(&visible(name), 64));
+                let std = quantity.std.unwrap_or(0.0);
+                check(&what, quantity.value, most)
+                    .or_else(|| check(&format!("the std of {what}"), std, f64::MAX))
+            })
+        });
+        let cells = self.cells.iter().flatten();
+        let count = self.parameters.len();
+        let information = self.information.as_ref();
+        parameters
+            .or(effects)
+            .or_else(|| check("noise_floor", self.noise_floor.unwrap_or(0.0), metres))
+            .or_else(|| {
+                cells
+                    .copied()
+                    .find_map(|x| check("a place of a cell", x, metres))
+            })
+            .or_else(|| information.and_then(|found| found.invalid_reason(count)))
     }
 
     /// The text of the file.

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use super::check::subject;
 use super::description::JointType;
 use super::draft::Draft;
+use super::limits;
 use super::nearest::{SUGGESTIONS, suggest};
 use super::report::{Report, chained, shown};
 
@@ -72,7 +73,11 @@ pub(super) fn check(draft: &Draft, report: &mut Report) {
             ),
         );
     }
-    for cycle in cycles(&masters) {
+    let cycles = cycles(&masters);
+    if cycles.is_empty() {
+        far(draft, &masters, report);
+    }
+    for cycle in cycles {
         let joint = &joints[cycle[0]];
         let line = joint
             .mimic
@@ -90,6 +95,49 @@ pub(super) fn check(draft: &Draft, report: &mut Report) {
                 chained(names.collect())
             ),
         );
+    }
+}
+
+/// Complain of joints that follow by more than any gear does; nothing follows itself.
+fn far(draft: &Draft, masters: &[Option<usize>], report: &mut Report) {
+    let joints = &draft.joints;
+    // Factor and offset to the joint at the end, once they are known.
+    let mut ties: Vec<Option<(f64, f64)>> = vec![None; joints.len()];
+    for start in 0..joints.len() {
+        let mut path = Vec::new();
+        let mut at = start;
+        while ties[at].is_none() {
+            path.push(at);
+            match masters[at] {
+                Some(master) => at = master,
+                None => break,
+            }
+        }
+        for joint in path.into_iter().rev() {
+            let of = |master: usize| ties[master].unwrap_or((1.0, 0.0));
+            let (factor, offset) = masters[joint].map_or((1.0, 0.0), of);
+            let Some(mimic) = &joints[joint].mimic else {
+                ties[joint] = Some((1.0, 0.0));
+                continue;
+            };
+            let factor = mimic.multiplier * factor;
+            let offset = mimic.multiplier * offset + mimic.offset;
+            let is_far = |x: f64| x.is_nan() || x.abs() > limits::MIMIC;
+            if is_far(factor) || is_far(offset) {
+                let message = format!(
+                    "{}: follows {} by a factor of {factor:e} and an offset of {offset:e}; no \
+                     gear does, give at most {:e}",
+                    subject(&joints[joint]),
+                    shown(&mimic.joint.value),
+                    limits::MIMIC
+                );
+                report.complain(mimic.joint.line, message);
+                // What follows in turn is not to blame.
+                ties[joint] = Some((1.0, 0.0));
+                continue;
+            }
+            ties[joint] = Some((factor, offset));
+        }
     }
 }
 

@@ -48,7 +48,15 @@ pub(super) fn read_origin(
     if let Some(text) = &rpy {
         let what = format!("{what} rpy");
         origin.rpy = reader.numbers(text, subject, &what).unwrap_or_default();
-        if let Some(angle) = origin.rpy.iter().find(|v| v.abs() > limits::ANGLE_RAD) {
+        if let Some(angle) = origin.rpy.iter().find(|v| v.abs() > limits::TURNS_RAD) {
+            reader.complain(
+                text.line,
+                format!(
+                    "{subject}: {what} holds {angle:e} rad; an angle beyond 2^20 rad means \
+                     nothing, reduce it by whole turns"
+                ),
+            );
+        } else if let Some(angle) = origin.rpy.iter().find(|v| v.abs() > limits::ANGLE_RAD) {
             reader.note(
                 text.line,
                 format!("{subject}: {what} holds {angle} rad; is it in degrees?"),

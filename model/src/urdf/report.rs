@@ -1,5 +1,6 @@
 //! Complaints and notes, gathered while reading and handed out in line order.
 
+use crate::text::is_hidden;
 use std::fmt;
 
 /// One fault of a description: where it is, what it is, what to do.
@@ -142,7 +143,7 @@ pub(super) fn shown(text: &str) -> String {
             out.push('…');
             break;
         }
-        if c.is_control() {
+        if is_hidden(c) {
             out.extend(c.escape_default());
         } else {
             out.push(c);

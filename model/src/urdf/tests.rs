@@ -165,7 +165,7 @@ fn any_name_will_do() {
     // stand between here and the result.
     let allowed = (0x20..=0x10ffff_u32)
         .filter_map(char::from_u32)
-        .filter(|c| !c.is_control() && !matches!(c, '\u{fffe}' | '\u{ffff}'));
+        .filter(|c| !crate::text::is_hidden(*c) && !matches!(c, '\u{fffe}' | '\u{ffff}'));
     let all: Vec<char> = allowed.collect();
     names.extend(
         all.chunks(200)

@@ -4,6 +4,7 @@ use roxmltree::Node;
 
 use super::limits;
 use super::report::{Lines, Report, shown};
+use crate::text::is_hidden;
 
 /// A value and the line it stands on.
 #[derive(Debug, Clone)]
@@ -114,8 +115,8 @@ impl Reader<'_> {
         (name, subject)
     }
 
-    /// A name or a reference to one. Any character will do but control
-    /// characters, which no message and no generated code could show.
+    /// A name or a reference to one. Any character will do but those
+    /// that no message and no generated code could show ([`is_hidden`]).
     pub(super) fn name(&mut self, text: &At<&str>, subject: &str, what: &str) -> Option<String> {
         let value = text.value;
         if value.trim().is_empty() {
@@ -133,11 +134,11 @@ impl Reader<'_> {
             );
             return None;
         }
-        if value.chars().any(char::is_control) {
+        if value.chars().any(is_hidden) {
             self.complain(
                 text.line,
                 format!(
-                    "{subject}: {what} {} holds a control character; rename it",
+                    "{subject}: {what} {} holds a control character or one that turns text; rename it",
                     shown(value)
                 ),
             );

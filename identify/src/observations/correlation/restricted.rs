@@ -13,6 +13,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::lsq::svd::svd;
 use nalgebra::{DMatrix, DVector};
 
 /// Singular values of the scaled columns of X below this part of the largest are rounding.
@@ -240,7 +241,7 @@ fn basis(x: &DMatrix<f64>) -> DMatrix<f64> {
     for (mut column, size) in r.column_iter_mut().zip(&sizes) {
         column.scale_mut(unit(*size));
     }
-    let svd = r.svd(false, true);
+    let svd = svd(r, false, true);
     let Some(v) = svd.v_t else {
         return DMatrix::zeros(x.ncols(), 0);
     };

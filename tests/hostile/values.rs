@@ -1,0 +1,412 @@
+//! Values that no robot, sensor or gear has: refused where they stand, with their line and
+//! column, before anything is computed, printed or written.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+use std::process::Output;
+use std::time::{Duration, Instant};
+
+use sesc_test_support::command::{ROOT, folder, op2, refused, sesc, stdout, write};
+
+fn two_link() -> String {
+    format!("{ROOT}/robots/two_link/two_link.urdf")
+}
+
+/// A log of the OP2 on its right sole, as lines.
+fn log(folder: &Path) -> Vec<String> {
+    let path = folder.join("true.csv").display().to_string();
+    let simulate = ["simulate", &op2(), "--support", "r_sole", "--poses", "60"];
+    let noise = ["--range", "20", "--noise", "0.0005", "--out", &path];
+    stdout(&sesc(&[&simulate[..], &noise].concat()));
+    let text = fs::read_to_string(path).unwrap();
+    text.lines().map(str::to_string).collect()
+}
+
+/// The same with the column `name` of the rows `rows` (from 1) changed.
+fn changed(lines: &[String], name: &str, value: &str, all: bool) -> String {
+    let place = lines[0].split(',').position(|own| own == name).unwrap();
+    let mut out = String::new();
+    for (k, line) in lines.iter().enumerate() {
+        let mut cells: Vec<&str> = line.split(',').collect();
+        if k > 0 && (all || k == 17) {
+            cells[place] = value;
+        }
+        let _ = writeln!(out, "{}", cells.join(","));
+    }
+    out
+}
+
+/// The output, which must come within seconds.
+fn soon(arguments: &[&str]) -> Output {
+    let begun = Instant::now();
+    let output = sesc(arguments);
+    let took = begun.elapsed();
+    assert!(took < Duration::from_secs(20), "{arguments:?}: {took:?}");
+    output
+}
+
+#[test]
+fn a_value_beyond_every_sensor_is_refused_with_line_and_column() {
+    let folder = folder();
+    let lines = log(folder.path());
+    for (column, value, word) in [
+        ("cop_x", "1.7976931348623157e308", "beyond 1e6"),
+        ("cop_y", "-1e200", "beyond 1e6"),
+        ("cop_x", "NaN", "finite"),
+        ("cop_x_std", "1e300", "beyond 1e6"),
+        ("cop_y_std", "0", "positive"),
+        // A servo that answers with the largest integer.
+        ("r_knee", "2147483647", "rad"),
+        ("l_el", "1e308", "rad"),
+    ] {
+        let text = changed(&lines, column, value, false);
+        let log = write(folder.path(), "log.csv", text);
+        let out = folder.path().join("m.toml").display().to_string();
+        for options in [
+            &["fit", &op2(), "--data", &log, "--out", &out][..],
+            &[
+                "fit",
+                &op2(),
+                "--data",
+                &log,
+                "--out",
+                &out,
+                "--robust",
+                "tukey",
+            ],
+            &[
+                "fit",
+                &op2(),
+                "--data",
+                &log,
+                "--out",
+                &out,
+                "--prior",
+                "free",
+                "--physical",
+            ],
+            &["diagnose", &op2(), "--data", &log, "--out", &out],
+            &[
+                "diagnose",
+                &op2(),
+                "--data",
+                &log,
+                "--out",
+                &out,
+                "--prior",
+                "free",
+            ],
+        ] {
+            let support = ["--support", "r_sole"];
+            let output = soon(&[options, &support].concat());
+            refused(&output, &["log.csv:18", &format!("`{column}`"), word]);
+            let message = String::from_utf8_lossy(&output.stderr);
+            assert!(message.len() < 400, "{message}");
+        }
+        assert!(!Path::new(&out).exists());
+    }
+    for value in ["1e16", "-1e300"] {
+        let mut lines = lines.clone();
+        lines[0] += ",t";
+        for (k, line) in lines.iter_mut().enumerate().skip(1) {
+            let t = k.to_string();
+            *line += &format!(",{}", if k == 17 { value } else { &t });
+        }
+        let log = write(folder.path(), "log.csv", lines.join("\n"));
+        let output = soon(&["fit", &op2(), "--support", "r_sole", "--data", &log]);
+        refused(&output, &["log.csv:18", "`t`", "seconds"]);
+    }
+}
+
+/// One outlier, one row again and again: nothing that a fit or a diagnosis dies of.
+#[test]
+fn odd_logs_are_answered() {
+    let folder = folder();
+    let lines = log(folder.path());
+    let outlier = changed(&lines, "cop_x", "100", false);
+    let again: String = (0..61).map(|k| lines[k.min(1)].clone() + "\n").collect();
+    for text in [outlier, again] {
+        let log = write(folder.path(), "log.csv", text);
+        for options in [
+            &["fit", "--robust", "tukey"][..],
+            &["fit", "--robust", "huber"],
+            &["fit", "--prior", "free", "--physical"],
+            &["diagnose", "--prior", "free"],
+            &["diagnose"],
+        ] {
+            let urdf = op2();
+            let rest = [urdf.as_str(), "--support", "r_sole", "--data", &log];
+            let output = soon(&[&options[..1], &rest, &options[1..]].concat());
+            let message = String::from_utf8_lossy(&output.stderr);
+            assert!(
+                matches!(output.status.code(), Some(0..=2)),
+                "{options:?}: {message}"
+            );
+            assert!(!String::from_utf8_lossy(&output.stdout).contains("NaN"));
+        }
+    }
+}
+
+#[test]
+fn deviations_in_another_unit_are_named() {
+    let folder = folder();
+    let lines = log(folder.path());
+    let x = changed(&lines, "cop_x_std", "0.5", true);
+    let x: Vec<String> = x.lines().map(str::to_string).collect();
+    let log = write(
+        folder.path(),
+        "log.csv",
+        changed(&x, "cop_y_std", "0.5", true),
+    );
+    for command in ["fit", "diagnose"] {
+        let output = sesc(&[command, &op2(), "--support", "r_sole", "--data", &log]);
+        refused(&output, &["cop_x_std", "0.7", "metres"]);
+    }
+}
+
+/// A sensor that is not connected: no fit is "exact".
+#[test]
+fn a_sensor_that_never_changes_is_no_noise_free_one() {
+    let folder = folder();
+    let lines = log(folder.path());
+    for value in ["0", "0.0123"] {
+        let x = changed(&lines, "cop_x", value, true);
+        let x: Vec<String> = x.lines().map(str::to_string).collect();
+        let log = write(folder.path(), "log.csv", changed(&x, "cop_y", value, true));
+        let output = sesc(&["fit", &op2(), "--support", "r_sole", "--data", &log]);
+        assert_eq!(output.status.code(), Some(1));
+        assert!(String::from_utf8_lossy(&output.stdout).contains("does not move"));
+    }
+}
+
+#[test]
+fn gravity_along_the_sole_is_refused() {
+    let folder = folder();
+    let lines = log(folder.path());
+    let log = write(folder.path(), "log.csv", lines.join("\n"));
+    for gravity in [
+        "1e308, 0.0, -1.0",
+        "9.8, 0.0, -1e-9",
+        "0.0, 0.0, -1e300",
+        "nan, 0.0, -1.0",
+    ] {
+        let sidecar = format!("support = 'r_sole'\ngravity = [{gravity}]\n");
+        write(folder.path(), "log.csv.toml", sidecar);
+        for command in ["fit", "diagnose", "predict"] {
+            refused(&soon(&[command, &op2(), "--data", &log]), &["gravity"]);
+        }
+    }
+}
+
+/// A robot of two links; the second follows the first by `mimic`.
+fn tied(mimic: &str) -> String {
+    let link = |name: &str| {
+        format!(
+            "<link name='{name}'><inertial><origin xyz='0 0 0.1'/><mass value='1'/></inertial>\
+             </link>"
+        )
+    };
+    let joint = |name: &str, parent: &str, child: &str, rest: &str| {
+        format!(
+            "<joint name='{name}' type='revolute'><parent link='{parent}'/><child \
+             link='{child}'/><origin xyz='0 0 0.2'/><axis xyz='0 1 0'/><limit lower='-2' \
+             upper='2'/>{rest}</joint>"
+        )
+    };
+    let links = ["foot", "a", "b", "c"].map(link).concat();
+    let joints = [
+        joint("j1", "foot", "a", ""),
+        joint("j2", "a", "b", mimic),
+        joint("j3", "b", "c", "<mimic joint='j2' multiplier='3e3'/>"),
+    ];
+    format!("<robot name='r'>{links}{}</robot>", joints.concat())
+}
+
+#[test]
+fn mimics_beyond_every_gear_are_refused() {
+    let folder = folder();
+    for (mimic, joint) in [
+        ("<mimic joint='j1' multiplier='2e6'/>", "`j2`"),
+        ("<mimic joint='j1' multiplier='1e17'/>", "`j2`"),
+        ("<mimic joint='j1' offset='1e6'/>", "`j2`"),
+        // Each is a gear, the two of them are none.
+        ("<mimic joint='j1' multiplier='4e3'/>", "`j3`"),
+    ] {
+        let urdf = write(folder.path(), "r.urdf", tied(mimic));
+        let out = folder.path().join("out.csv").display().to_string();
+        for command in [
+            &["verify"][..],
+            &["inspect"],
+            &["simulate", "--poses", "5", "--out", &out],
+            &["plan", "--poses", "5", "--out", &out],
+            &["generate", "--out", &out],
+        ] {
+            let robot = [urdf.as_str(), "--support", "foot"];
+            let output = soon(&[&command[..1], &robot, &command[1..]].concat());
+            refused(&output, &["r.urdf:1", joint, "gear"]);
+        }
+        assert!(!Path::new(&out).exists());
+    }
+    let urdf = write(
+        folder.path(),
+        "r.urdf",
+        tied("<mimic joint='j1' multiplier='3'/>"),
+    );
+    stdout(&sesc(&["inspect", &urdf, "--support", "foot"]));
+}
+
+/// Effects that no robot has give neither numbers nor code.
+#[test]
+fn model_files_with_absurd_values_are_refused() {
+    let folder = folder();
+    let log = folder.path().join("log.csv").display().to_string();
+    let urdf = two_link();
+    let robot = [urdf.as_str(), "--support", "foot"];
+    let simulate = ["--poses", "30", "--noise", "0.0005", "--out", &log];
+    stdout(&sesc(&[&["simulate"], &robot[..], &simulate].concat()));
+    let good = folder.path().join("good.toml").display().to_string();
+    stdout(&sesc(&["fit", &two_link(), "--data", &log, "--out", &good]));
+    let good = fs::read_to_string(good).unwrap();
+    let effect = |name: &str, target: &str, parameter: &str, value: &str| {
+        format!(
+            "[[effects]]\neffect = \"{name}\"\ntarget = \"{target}\"\nparameters.{parameter} = \
+             {{ value = {value} }}\n"
+        )
+    };
+    let first = good.find("value = ").unwrap();
+    let end = first + good[first..].find('\n').unwrap();
+    let information = good.find("[information]").unwrap_or(good.len());
+    let plus = |effect: String| format!("{}{effect}{}", &good[..information], &good[information..]);
+    for bad in [
+        good.replacen(&good[first..end], "value = 1e39", 1),
+        good.replacen(&good[first..end], "value = inf", 1),
+        plus(effect("joint_offset", "knee", "offset_rad", "1e7")),
+        plus(effect("sensor_offset", "-", "x_m", "1e308")),
+        plus(effect("joint_offset", "knee", "offset_rad", "nan")),
+    ] {
+        let model = write(folder.path(), "model.toml", bad);
+        let out = folder.path().join("out").display().to_string();
+        for command in [
+            &["generate", "--lang", "c", "--scalar", "f32", "--out", &out][..],
+            &["generate", "--out", &out],
+            &["predict", "--data", &log],
+            &["simulate", "--poses", "3", "--out", &out],
+        ] {
+            let with = ["--model", model.as_str()];
+            let output = soon(&[&command[..1], &robot, &with, &command[1..]].concat());
+            refused(&output, &["model.toml"]);
+        }
+        assert!(!Path::new(&out).exists());
+    }
+}
+
+#[test]
+fn angles_beyond_all_turns_and_robots_of_no_weight_are_refused() {
+    let folder = folder();
+    let of = |rpy: &str, mass: &str| {
+        format!(
+            "<robot name='r'><link name='foot'/><link name='a'><inertial><mass value='{mass}'/>\
+             </inertial></link><joint name='j' type='revolute'><parent link='foot'/><child \
+             link='a'/><origin rpy='{rpy} 0 0'/><axis xyz='0 1 0'/><limit lower='-1' upper='1'/>\
+             </joint></robot>"
+        )
+    };
+    for (urdf, word) in [
+        (of("1e17", "1"), "whole turns"),
+        (of("0", "1e-310"), "no mass"),
+    ] {
+        let urdf = write(folder.path(), "r.urdf", urdf);
+        for command in ["verify", "inspect"] {
+            refused(&sesc(&[command, &urdf, "--support", "foot"]), &[word]);
+        }
+    }
+}
+
+/// Every number and text of a factor file, changed one by one.
+#[test]
+fn factor_files_that_were_changed_are_answered_or_refused() {
+    let folder = folder();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let (log, part) = (path("log.csv"), path("a.part"));
+    let urdf = two_link();
+    let robot = [urdf.as_str(), "--support", "foot"];
+    let simulate = ["--poses", "30", "--noise", "0.0005", "--out", &log];
+    stdout(&sesc(&[&["simulate"], &robot[..], &simulate].concat()));
+    let fit = [
+        "fit",
+        &two_link(),
+        "--data",
+        &log,
+        "--folds",
+        "2",
+        "--partial",
+        &part,
+    ];
+    stdout(&sesc(&fit));
+    let whole: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(&part).unwrap()).unwrap();
+    let mut places = Vec::new();
+    walk(&whole, &mut String::new(), &mut places);
+    assert!(places.len() > 60, "{}", places.len());
+    let mut tried = 0;
+    for place in &places {
+        let values: &[&str] = match whole.pointer(place).unwrap() {
+            serde_json::Value::String(_) => &["\"nope\"", "\"\\u001b]0;x\\u0007\""],
+            serde_json::Value::Number(_) => &["0", "-1", "1e308", "1e-308", "18446744073709551615"],
+            _ => &["[]"],
+        };
+        // Each place once here, in turn by every value: the library's fuzzers do the rest.
+        for value in values {
+            let mut changed = whole.clone();
+            *changed.pointer_mut(place).unwrap() = serde_json::from_str(value).unwrap();
+            let changed = write(folder.path(), "b.part", changed.to_string());
+            let output = soon(&["fit", &changed]);
+            let message = String::from_utf8_lossy(&output.stderr);
+            let code = output.status.code();
+            assert!(matches!(code, Some(0..=2)), "{place} {value}: {message}");
+            assert!(!message.contains('\u{1b}'), "{place}: {message:?}");
+            tried += 1;
+        }
+    }
+    assert!(tried > 60);
+    // A mass inside, and nothing else.
+    let mut changed = whole.clone();
+    let urdf = changed["urdf"]
+        .as_str()
+        .unwrap()
+        .replacen("mass value=\"", "mass value=\"1", 1);
+    changed["urdf"] = urdf.into();
+    let changed = write(folder.path(), "b.part", changed.to_string());
+    refused(&sesc(&["fit", &changed]), &["URDF in a factor file"]);
+    let mut changed = whole;
+    changed["supports"] = serde_json::json!(["nope"]);
+    let changed = write(folder.path(), "b.part", changed.to_string());
+    refused(&sesc(&["fit", &changed]), &["`nope`"]);
+}
+
+/// JSON pointers to everything that can be changed; long lists by their first entries.
+fn walk(value: &serde_json::Value, at: &mut String, places: &mut Vec<String>) {
+    let children: Vec<(String, &serde_json::Value)> = match value {
+        serde_json::Value::Object(map) => map.iter().map(|(k, v)| (k.clone(), v)).collect(),
+        serde_json::Value::Array(all) => {
+            places.push(at.clone());
+            all.iter()
+                .take(3)
+                .enumerate()
+                .map(|(k, v)| (k.to_string(), v))
+                .collect()
+        }
+        serde_json::Value::Number(_) | serde_json::Value::String(_) => {
+            places.push(at.clone());
+            return;
+        }
+        _ => return,
+    };
+    for (key, child) in children {
+        let length = at.len();
+        let _ = write!(at, "/{key}");
+        walk(child, at, places);
+        at.truncate(length);
+    }
+}
