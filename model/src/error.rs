@@ -40,6 +40,19 @@ pub enum Error {
         /// The URDF.
         file: String,
     },
+    /// More joints move than functions can be generated for.
+    #[error(
+        "{file}: {count} joints move (mimics included), more than {most}; fix those that do not \
+         matter, or describe a part of the robot"
+    )]
+    TooManyJoints {
+        /// The URDF.
+        file: String,
+        /// Joints that move.
+        count: usize,
+        /// The most that are taken.
+        most: usize,
+    },
     /// A file cannot be read.
     #[error("cannot read {file}")]
     Read {
@@ -75,6 +88,7 @@ impl Error {
             Error::Urdf(error) => error.file(),
             Error::UnknownSupport { file, .. }
             | Error::NoMass { file }
+            | Error::TooManyJoints { file, .. }
             | Error::Read { file, .. }
             | Error::Write { file, .. }
             | Error::ModelFile { file, .. } => Some(file),

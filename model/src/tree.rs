@@ -196,7 +196,8 @@ pub struct Tree {
 /// Re-root `description` at `support`.
 ///
 /// # Errors
-/// When no link has that name, or mass hangs on a planar or floating joint.
+/// When no link has that name, too many joints move, or mass hangs on a planar or floating
+/// joint.
 pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> Result<Tree, Error> {
     let robot = description;
     let mut notes = description.notes.clone();
@@ -211,6 +212,15 @@ pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> R
         name: support.to_string(),
         links: name_some(support, robot.link_names()),
     })?;
+    let moving = robot
+        .joints
+        .iter()
+        .filter(|joint| joint.joint_type.is_single());
+    let (count, most) = (moving.count(), urdf::limits::MOVING);
+    if count > most {
+        let file = description.file.clone();
+        return Err(Error::TooManyJoints { file, count, most });
+    }
     let links: Vec<Link> = robot
         .links
         .iter()

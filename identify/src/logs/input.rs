@@ -1,7 +1,7 @@
 //! Where a log is: a file, the bytes of one, or a table in memory.
 
 use std::fs::File;
-use std::io::{self, Cursor, Read};
+use std::io::{self, Cursor, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -195,6 +195,15 @@ impl Bytes {
                 about.filter(|a| a.is_file()).map(|a| a.len())
             }
             Bytes::Memory(bytes) => u64::try_from(bytes.get_ref().as_ref().len()).ok(),
+        }
+    }
+}
+
+impl Seek for Bytes {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        match self {
+            Bytes::File(file) => file.seek(to),
+            Bytes::Memory(bytes) => bytes.seek(to),
         }
     }
 }

@@ -13,6 +13,9 @@ pub const XML_NODES: u32 = 4_000_000;
 pub const ATTRIBUTES: usize = 256;
 /// Links, and likewise joints, of a robot.
 pub const LINKS: usize = 10_000;
+/// Joints of a robot that move, mimics included: rank checks and generated Jacobians grow
+/// with the square and the cube of it.
+pub const MOVING: usize = 500;
 /// Bytes of one name.
 pub const NAME_BYTES: usize = 1024;
 

@@ -134,13 +134,14 @@ impl Reader<'_> {
             );
             return None;
         }
-        if value.chars().any(is_hidden) {
+        if let Some(c) = value.chars().find(|c| is_hidden(*c)) {
+            let kind = match c.is_control() {
+                true => "a control character",
+                false => "a character that turns or breaks text",
+            };
             self.complain(
                 text.line,
-                format!(
-                    "{subject}: {what} {} holds a control character or one that turns text; rename it",
-                    shown(value)
-                ),
+                format!("{subject}: {what} {} holds {kind}; rename it", shown(value)),
             );
             return None;
         }

@@ -6,6 +6,12 @@
 //! counts its closing zero. Every length is checked against the bytes that
 //! are there, so that no message can claim more than it has.
 
+use sesc_model::urdf::limits;
+
+/// Joints of a message, at most, and bytes of a name: as of a robot.
+const JOINTS: usize = limits::LINKS;
+const NAME: usize = limits::NAME_BYTES + 1;
+
 /// `std_msgs/msg/Header`
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Header {
@@ -126,6 +132,9 @@ impl<'a> Cdr<'a> {
 
     fn string(&mut self) -> Result<String, String> {
         let length = self.length(1)?;
+        if length > NAME {
+            return Err(format!("a message with a name of {length} bytes"));
+        }
         let text = self.take(length)?;
         let text = text.strip_suffix(&[0]).unwrap_or(text);
         let text = std::str::from_utf8(text);
@@ -134,7 +143,11 @@ impl<'a> Cdr<'a> {
     }
 
     fn strings(&mut self) -> Result<Vec<String>, String> {
-        (0..self.length(4)?).map(|_| self.string()).collect()
+        let count = self.length(4)?;
+        if count > JOINTS {
+            return Err(format!("a message with {count} names"));
+        }
+        (0..count).map(|_| self.string()).collect()
     }
 
     fn doubles(&mut self) -> Result<Vec<f64>, String> {

@@ -9,7 +9,8 @@
 //! Integers are little-endian. Only schemas, channels and messages matter here;
 //! the summary behind the data is walked over. A file that ends before its
 //! closing magic was cut off, which is an error. Memory: one chunk, of
-//! [`LARGEST`] bytes at most.
+//! [`LARGEST`] bytes at most, and the names of topics and types, [`NAMES`] bytes at most. A
+//! chunk becomes at most [`EXPANSION`] times larger than it is, beyond its first MiB.
 
 use std::collections::HashMap;
 use std::io::Read;
@@ -20,7 +21,16 @@ const MAGIC: &[u8; 8] = b"\x89MCAP0\r\n";
 
 /// Larger records are refused, bytes. Recorders write chunks of about 1 MiB,
 /// images included.
-const LARGEST: u64 = 256 << 20;
+const LARGEST: u64 = 64 << 20;
+
+/// Bytes of an unpacked chunk that need no packed ones, and how many times larger it becomes
+/// beyond: joint states pack ten to one.
+const FREE: u64 = 1 << 20;
+const EXPANSION: u64 = 200;
+
+/// Bytes of one name of a topic, type or encoding, and of all that are kept.
+const NAME: usize = 1024;
+const NAMES: usize = 16 << 20;
 
 const FOOTER: u8 = 0x02;
 const SCHEMA: u8 = 0x03;
@@ -52,6 +62,8 @@ pub(super) struct Records<R> {
     input: R,
     schemas: HashMap<u16, String>,
     channels: HashMap<u16, Arc<Channel>>,
+    /// Bytes of names that were kept.
+    names: usize,
     /// The record that was read last, or the chunk that is being walked.
     buffer: Vec<u8>,
     /// Where the next record of the chunk starts.
@@ -72,6 +84,7 @@ impl<R: Read> Records<R> {
             input,
             schemas: HashMap::new(),
             channels: HashMap::new(),
+            names: 0,
             buffer: Vec::new(),
             at: 0,
             in_chunk: false,
@@ -176,20 +189,35 @@ impl<R: Read> Records<R> {
     fn schema(&mut self, content: Range<usize>) -> Result<(), String> {
         let mut fields = Fields(&self.buffer[content]);
         let id = fields.u16()?;
-        self.schemas.insert(id, fields.string()?);
-        Ok(())
+        let name = fields.name()?;
+        let names = name.len();
+        self.schemas.insert(id, name);
+        self.keep(names)
+    }
+
+    /// Count what is kept until the end.
+    fn keep(&mut self, bytes: usize) -> Result<(), String> {
+        self.names += bytes;
+        match self.names > NAMES {
+            true => Err(format!(
+                "topics and types of more than {} MiB; the file is damaged",
+                NAMES >> 20
+            )),
+            false => Ok(()),
+        }
     }
 
     fn channel(&mut self, content: Range<usize>) -> Result<(), String> {
         let mut fields = Fields(&self.buffer[content]);
         let (id, schema) = (fields.u16()?, fields.u16()?);
         let channel = Channel {
-            topic: fields.string()?,
-            encoding: fields.string()?,
+            topic: fields.name()?,
+            encoding: fields.name()?,
             schema: self.schemas.get(&schema).cloned().unwrap_or_default(),
         };
+        let names = channel.topic.len() + channel.encoding.len() + channel.schema.len();
         self.channels.insert(id, Arc::new(channel));
-        Ok(())
+        self.keep(names)
     }
 
     fn open_chunk(&mut self, content: Range<usize>) -> Result<(), String> {
@@ -200,11 +228,15 @@ impl<R: Read> Records<R> {
         fields.take(16)?; // first and last time
         let size = fields.u64()?;
         let checksum = fields.u32()?;
-        let compression = fields.string()?;
+        let compression = fields.name()?;
         let length = fields.length()?;
         let packed = fields.take(length)?;
-        if size > LARGEST {
-            return Err(format!("a chunk of {size} bytes; the file is damaged"));
+        let most = FREE.saturating_add(EXPANSION.saturating_mul(packed.len() as u64));
+        if size > LARGEST.min(most) {
+            let packed = packed.len();
+            return Err(format!(
+                "a chunk of {packed} bytes that claims to unpack to {size}; the file is damaged"
+            ));
         }
         let records = unpack(&compression, packed, size)?;
         if records.len() as u64 != size || (checksum != 0 && crc32(&records) != checksum) {
@@ -300,8 +332,11 @@ impl<'a> Fields<'a> {
         Ok(usize::try_from(self.u64()?).unwrap_or(usize::MAX))
     }
 
-    fn string(&mut self) -> Result<String, String> {
+    fn name(&mut self) -> Result<String, String> {
         let length = self.u32()? as usize;
+        if length > NAME {
+            return Err(format!("a name of {length} bytes; the file is damaged"));
+        }
         Ok(String::from_utf8_lossy(self.take(length)?).into_owned())
     }
 }

@@ -1,9 +1,12 @@
 //! Parquet logs, as data frames write them: one column per name, numbers of
 //! any width, `support` as text.
 //!
-//! Memory: one page of each wanted column.
+//! Memory: one page of each wanted column, and what files claim is held against their
+//! bytes (`budget`).
 
+mod budget;
 mod sink;
+mod thrift;
 
 use std::io::Read as _;
 use std::panic::{self, AssertUnwindSafe};
@@ -16,6 +19,7 @@ use parquet::file::reader::FileReader;
 use parquet::file::serialized_reader::SerializedFileReader;
 use parquet::schema::types::ColumnDescriptor;
 
+use self::budget::Footer;
 pub(super) use self::sink::ParquetSink;
 use super::columns::{Columns, POSE, SUPPORT};
 use super::guard::Guard;
@@ -27,6 +31,8 @@ use sesc_model::hash::{self, fnv1a};
 /// A Parquet file being read.
 pub(super) struct ParquetSource {
     file: String,
+    place: Place,
+    footer: Footer,
     reader: Box<dyn FileReader>,
     header: Vec<String>,
     /// Row groups that were opened.
@@ -47,6 +53,11 @@ impl ParquetSource {
         let failed = |source| Error::read(file.to_string(), source);
         let mut input = Bytes::open(place).map_err(failed)?;
         let hash = hash(&mut input).map_err(failed)?;
+        let budget = |message: String| -> Error {
+            let message = format!("the Parquet file is damaged or was made to do harm: {message}");
+            Error::log(file.to_string(), None, message)
+        };
+        let footer = Footer::read(&mut input).map_err(budget)?;
         let reader = guarded(|| -> Result<Box<dyn FileReader>, _> {
             Ok(match input {
                 Bytes::File(file) => Box::new(SerializedFileReader::new(file)?),
@@ -74,6 +85,8 @@ impl ParquetSource {
             .fold(0u64, u64::saturating_add);
         Ok(ParquetSource {
             file: file.to_string(),
+            place: place.clone(),
+            footer,
             reader,
             header,
             groups: 0,
@@ -133,6 +146,23 @@ impl ParquetSource {
         Ok(())
     }
 
+    /// Hold what the pages of wanted columns claim against their bytes.
+    fn check_pages(&self, columns: &Columns) -> Result<(), Error> {
+        let mut input =
+            Bytes::open(&self.place).map_err(|source| Error::read(self.file.clone(), source))?;
+        let wanted = |k: usize| {
+            columns.numbers.contains(&k) || columns.pose == Some(k) || columns.support == Some(k)
+        };
+        let checked = self
+            .footer
+            .check_pages(&mut input, self.header.len(), wanted);
+        checked.map_err(|message| {
+            self.bad(format!(
+                "the Parquet file is damaged or was made to do harm: {message}"
+            ))
+        })
+    }
+
     /// Read `n` rows that the open group still has.
     fn rows(&mut self, columns: &Columns, n: usize, raw: &mut Raw) -> Result<(), Error> {
         let width = columns.numbers.len();
@@ -163,6 +193,19 @@ impl ParquetSource {
                 }
             }
         }
+        if self.left == n as u64 {
+            // Rows that the pages have and the group does not count would be lost.
+            for reader in &mut open {
+                let more = match reader {
+                    ColumnReader::ByteArrayColumnReader(reader) => read(reader, 1).map(|v| v.len()),
+                    numbers => read_numbers(numbers, 1).map(|v| v.len()),
+                };
+                if more.map_err(|e| self.broken(&e))? > 0 {
+                    let message = "a column has more rows than its group says; the file is damaged";
+                    return Err(self.bad(message.into()));
+                }
+            }
+        }
         self.open = open;
         raw.line.extend((1..=n as u64).map(|k| self.done + k));
         self.left -= n as u64;
@@ -190,6 +233,7 @@ impl Source for ParquetSource {
     fn fill(&mut self, columns: &Columns, count: usize, raw: &mut Raw) -> Result<(), Error> {
         if self.groups == 0 {
             self.check_types(columns)?;
+            self.check_pages(columns)?;
         }
         let mut missing = count;
         while missing > 0 {

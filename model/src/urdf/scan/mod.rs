@@ -138,6 +138,13 @@ impl<'a> Scanner<'a> {
 
     fn doctype(&mut self, start: usize) -> Result<usize, Fault> {
         let end = self.end_of(start, 2, ">", "this declaration")?;
+        if !self.text[start..].starts_with("<!DOCTYPE") {
+            let found = shown(&self.text[start..end]);
+            return Err(Fault::new(
+                start,
+                format!("{found} is neither a comment nor a DOCTYPE; remove it"),
+            ));
+        }
         if self.text[start..end].contains('[') {
             return Err(Fault::new(
                 start,
