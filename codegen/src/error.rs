@@ -65,7 +65,9 @@ impl Error {
             Problem::Overflow { .. } | Problem::NoFixedPoint { .. } | Problem::EstimatorInFixed => {
                 ErrorKind::FixedPoint
             }
-            Problem::UnboundedEffect { .. } | Problem::Unbounded { .. } => ErrorKind::Unbounded,
+            Problem::UnboundedEffect { .. }
+            | Problem::Unbounded { .. }
+            | Problem::NotFinite { .. } => ErrorKind::Unbounded,
             Problem::Read { .. } => ErrorKind::Read,
             Problem::NoSupport => ErrorKind::NoSupport,
             Problem::NotABuildScript { .. } => ErrorKind::NotABuildScript,
@@ -165,6 +167,11 @@ pub(crate) enum Problem {
          point; effects that divide or raise to powers (those of cells) need f32 or f64"
     )]
     NoFixedPoint { function: &'static str },
+    #[error(
+        "a constant of {function} is not finite in this scalar: an effect of the model file, or \
+         a length of the URDF, has a value that no robot has"
+    )]
+    NotFinite { function: &'static str },
     #[error("fixed32: the estimator needs the range of floats; use f32 or f64, or leave it out")]
     EstimatorInFixed,
     #[error(

@@ -1,6 +1,7 @@
 //! The functions of a robot as programs, made once for every language.
 
 use sesc_model::bounds::{self, Bound, Input, Precision};
+use sesc_model::expr::Expr;
 use sesc_model::program::Program;
 use sesc_model::{Function, Given, Model};
 
@@ -24,6 +25,25 @@ impl Routine {
     pub fn rounding(&self, precision: Precision) -> Bound {
         bounds::prove(&self.program, &self.inputs, precision)
     }
+}
+
+/// The first function with a constant that is no number, or larger than `most`: what the
+/// scalar of a language holds.
+pub(crate) fn beyond<'r>(
+    mut routines: impl Iterator<Item = &'r Routine>,
+    most: f64,
+) -> Option<&'r Routine> {
+    let is_beyond = |expr: &Expr| match expr {
+        Expr::Const(x) => x.is_nan() || x.abs() > most,
+        _ => false,
+    };
+    routines.find(|routine| {
+        routine
+            .program
+            .nodes
+            .iter()
+            .any(|node| is_beyond(&node.expr))
+    })
 }
 
 /// Every function that can be had of `model`, those with constant parameters last.

@@ -26,6 +26,7 @@ pub mod predict;
 pub mod robot;
 pub mod simulate;
 pub mod stance;
+mod svd;
 mod watch;
 mod words;
 

@@ -58,6 +58,7 @@ const ROOMS: [(&str, &[&str]); 5] = [
             "words",
             "error",
             "watch",
+            "svd",
             "logs",
             "robot",
             "stance",

@@ -4,6 +4,7 @@ use crate::facts::{Effect, Facts};
 use crate::routines::Routine;
 use sesc_model::bounds::Precision;
 use sesc_model::program::Counts;
+use sesc_model::text::visible;
 use sesc_model::tree::{MODERATE_ACCELERATION, MODERATE_SPEED};
 use sesc_model::{Function, Given};
 
@@ -210,18 +211,40 @@ pub fn at_most(x: f64) -> String {
     }
 }
 
-/// A name that cannot break out of a comment or a line.
+/// A name that cannot break out of a comment or a line, in Rust and in C: it ends and begins
+/// no comment, spells no trigraph, continues no line and turns no text.
 pub fn printable(name: &str) -> String {
-    let clean = |c: char| if c.is_control() { ' ' } else { c };
-    name.chars()
-        .map(clean)
-        .collect::<String>()
-        .replace("*/", "* /")
+    let shown = visible(name).replace("*/", "* /").replace("/*", "/ *");
+    let mut out = String::with_capacity(shown.len());
+    for c in shown.chars() {
+        if c == '?' && out.ends_with('?') {
+            out.push(' ');
+        }
+        out.push(c);
+    }
+    if out.ends_with('\\') {
+        out.push('.');
+    }
+    out
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn any_name_stays_in_its_comment() {
+        for (name, text) in [
+            ("l_knee", "l_knee"),
+            ("a*/ /*b??/\nc", "a* / / *b? ?/\\u{a}c"),
+            ("/*/", "/ * /"),
+            ("a???/", "a? ? ?/"),
+            ("end\\", "end\\."),
+            ("a\u{202e}b", "a\\u{202e}b"),
+        ] {
+            assert_eq!(printable(name), text);
+        }
+    }
 
     #[test]
     fn bounds_are_rounded_up() {

@@ -4,7 +4,7 @@
 //! Generated names use ASCII letters, digits and `_` only; names that collide
 //! after conversion are numbered in document order.
 
-use sesc_model::names::word;
+use sesc_model::names::{cut, word};
 
 /// `op2_r_sole` for a module, from words of any kind.
 pub fn module(name: &str) -> String {
@@ -28,20 +28,35 @@ pub fn type_name(module: &str) -> String {
         .collect()
 }
 
+/// Longest name: a file of it, and its symbols, can be had everywhere.
+const LONGEST: usize = 100;
+
 /// Names of generated items that a module's type must not take.
 const TAKEN: [&str; 3] = ["Real", "DOF", "PRISMATIC"];
 
 /// Whether `name` serves as a module and its type serves beside what is in it.
 pub fn is_module_name(name: &str) -> bool {
-    name.starts_with(|c: char| c.is_ascii_alphabetic())
+    name.len() <= LONGEST
+        && !is_device(name)
+        && name.starts_with(|c: char| c.is_ascii_alphabetic())
         && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
         && syn::parse_str::<syn::Ident>(name).is_ok()
         && !TAKEN.contains(&type_name(name).as_str())
 }
 
+/// Whether Windows takes a file of this name for a device, whatever its end.
+pub(crate) fn is_device(name: &str) -> bool {
+    let name = name.to_lowercase();
+    let numbered = |kind: &str| {
+        let number = name.strip_prefix(kind);
+        number.is_some_and(|n| matches!(n.as_bytes(), [b'0'..=b'9']))
+    };
+    matches!(&*name, "con" | "prn" | "aux" | "nul") || numbered("com") || numbered("lpt")
+}
+
 /// A name like `name` that serves.
 pub fn suggest(name: &str) -> String {
-    let word = module(name);
+    let word = cut(&module(name), LONGEST - "_robot".len());
     if is_module_name(&word) {
         word
     } else {
@@ -58,7 +73,20 @@ mod tests {
         assert_eq!(type_name("op2_r_sole"), "Op2RSole");
         assert_eq!(module("7-bot.A"), "robot_7_bot_a");
         for bad in [
-            "", "_", "__", "r#fn", "fn", "self", "é", "real", "DOF", "2a", "a-b",
+            "",
+            "_",
+            "__",
+            "r#fn",
+            "fn",
+            "self",
+            "é",
+            "real",
+            "DOF",
+            "2a",
+            "a-b",
+            "con",
+            "Lpt1",
+            &"long".repeat(250),
         ] {
             assert!(!is_module_name(bad), "{bad}");
             assert!(is_module_name(&suggest(bad)), "{bad} -> {}", suggest(bad));

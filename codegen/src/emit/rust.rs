@@ -25,7 +25,7 @@ use crate::Error;
 use crate::emit::names;
 use crate::error::Problem;
 use crate::facts::Facts;
-use crate::routines::Routine;
+use crate::routines::{Routine, beyond};
 use body::Body;
 use printed::Notes;
 use sesc_model::expr::Argument;
@@ -57,6 +57,10 @@ pub fn module(facts: &Facts, name: &str) -> Result<String, Error> {
     }
     // Constants of parameters are for those who need not adapt them: C.
     let routines: Vec<&Routine> = facts.routines.iter().filter(|r| !r.baked).collect();
+    if let Some(beyond) = beyond(routines.iter().copied(), f64::MAX) {
+        let function = beyond.function.name();
+        return Err(Problem::NotFinite { function }.into());
+    }
     let unit = Ident::new(&names::type_name(name), Span::call_site());
     let mut notes = Notes::default();
     let constants = constants::items(facts, &mut notes);

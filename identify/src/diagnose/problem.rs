@@ -24,7 +24,7 @@ use crate::observations::noise::NoiseSource;
 use crate::observations::postures::Postures;
 use crate::observations::rows::CopRows;
 
-use crate::lsq::svd::svd;
+use crate::svd::svd;
 pub(super) use fitting::State;
 use readings::Tapes;
 

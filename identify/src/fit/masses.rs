@@ -19,7 +19,7 @@ use sesc_model::urdf::Weight;
 use super::limits::Limits;
 use super::prior::Tolerances;
 use crate::lsq::inequality::{Linear, NoAnswer, Problem};
-use crate::lsq::svd::svd;
+use crate::svd::svd;
 
 /// A link keeps at least this part of the mass CAD gives it.
 pub const FLOOR: f64 = 0.01;

@@ -19,7 +19,7 @@ use sesc_model::files;
 use sesc_model::standard::PER_LINK;
 use sesc_model::text::listed;
 
-use crate::lsq::svd::svd;
+use crate::svd::svd;
 use crate::{Error, Setting, message};
 
 /// How well CAD knows a link.

@@ -297,7 +297,12 @@ pub(super) fn check_joints(dofs: &[Dof]) -> Result<(), String> {
                  rename it in the URDF"
             ));
         }
-        if name.is_empty() || name.contains(['\n', '\r', '\0']) {
+        // Readers take off marks and quotes that programs put around names.
+        let bare = name
+            .strip_prefix('"')
+            .and_then(|name| name.strip_suffix('"'));
+        let wrapped = bare.is_some() || name.starts_with('\u{feff}');
+        if name.is_empty() || wrapped || name.contains(['\n', '\r', '\0']) {
             return Err(format!(
                 "joint {:?} cannot name a column; rename it in the URDF",
                 dof.joint

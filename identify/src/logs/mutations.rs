@@ -72,7 +72,7 @@ fn damaged(bytes: &[u8], rng: &mut ChaCha8Rng) -> Vec<u8> {
 
 fn table() -> String {
     let header = "pose,t,support,hip,knee,cop_x,cop_y,cop_x_std,cop_y_std,fsr_1,fsr_2,fsr_3\n";
-    let row = |k| format!("{k},{k}.5,sole,0.{k},-0.2,0.01,0.02,0.1,0.1,1,2,{k}\n");
+    let row = |k| format!("{k},{k}.5,sole,0.{k},-0.2,0.01,0.02,0.05,0.05,1,2,{k}\n");
     header.to_string() + &(0..9).map(row).collect::<String>()
 }
 

@@ -14,7 +14,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::non_negative::non_negative;
-use super::svd::{svd, symmetric_eigen};
+use crate::svd::{svd, symmetric_eigen};
 
 /// Singular values below this, relative to the largest, count as zero.
 const DEPENDENT: f64 = 1e-12;

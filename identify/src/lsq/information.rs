@@ -7,7 +7,7 @@
 //! A direction that the prior holds exactly (S has no column for it: massless links) is
 //! entered as known to a micrometre, so that RᵀR has an inverse.
 
-use super::svd::svd;
+use crate::svd::svd;
 use nalgebra::DMatrix;
 use sesc_model::Information;
 

@@ -4,7 +4,6 @@
 //! min ‖Φ r − y‖²                     rows in bounded memory         factor, solve
 //! … with u ≥ 0, E v = e, G v ≤ h     masses that can exist          non_negative, inequality
 //! … of a nonlinear model             effects                        damped
-//! U Σ Vᵀ that comes to an end                                     svd
 //! RᵀR = C⁻¹ of what was found        what a recursive fit goes on from    information
 //! ```
 
@@ -14,7 +13,6 @@ pub(crate) mod inequality;
 pub mod information;
 mod non_negative;
 pub mod solve;
-pub(crate) mod svd;
 
 use nalgebra::{Cholesky, DMatrix, Dyn};
 

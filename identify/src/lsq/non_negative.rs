@@ -8,7 +8,7 @@
 //! Unknowns enter by the largest slope w and leave where a step would make them
 //! negative; the sum of squares falls with every step, so the search ends.
 
-use super::svd::svd;
+use crate::svd::svd;
 use nalgebra::{DMatrix, DVector};
 
 /// Singular values below this, relative to the largest, count as zero.

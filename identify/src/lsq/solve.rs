@@ -14,7 +14,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::factor::Factor;
-use super::svd::svd;
+use crate::svd::svd;
 
 /// Singular values below this, relative to the largest, are not seen.
 pub const UNSEEN: f64 = 1e-10;

@@ -17,7 +17,7 @@
 
 use std::ops::ControlFlow;
 
-use crate::lsq::svd::svd;
+use crate::svd::svd;
 use nalgebra::{Cholesky, DMatrix, Matrix2};
 
 /// ε where there is no prior: the information of a millionth of a posture.

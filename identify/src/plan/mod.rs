@@ -35,7 +35,7 @@ use crate::fit::prior::{Prior, Tolerances};
 use crate::logs::{LogSource, PostureWriter, Row, Sidecar, Table};
 use crate::lsq::factor::Factor;
 use crate::lsq::solve::UNSEEN;
-use crate::lsq::svd::singular_values;
+use crate::svd::singular_values;
 use crate::watch::{Progress, Watch, stopped};
 use crate::{Error, Message, Setting, message};
 use candidates::{Counts, Demands, Sampler};

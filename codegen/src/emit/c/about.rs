@@ -1,8 +1,9 @@
 //! The comment at the top of both files: the robot, what functions cost, how exact they are.
 
+use super::Scalar;
 use super::exported::Exported;
-use super::{Scalar, comment};
 use crate::emit::header;
+use crate::emit::header::printable;
 use crate::facts::Facts;
 use sesc_model::Function;
 
@@ -57,6 +58,6 @@ pub(super) fn about(facts: &Facts, routines: &[Exported], scalar: Scalar) -> Vec
     }
     lines
         .iter()
-        .map(|line| comment(line).trim_end().to_string())
+        .map(|line| printable(line).trim_end().to_string())
         .collect()
 }

@@ -1,10 +1,11 @@
 //! Constants of the robot: names, limits, mass, parameters.
 
+use crate::emit::header::printable;
 use serde::Serialize;
 
 use super::exported::{Exported, array_bits};
 use super::points::mass_bits;
-use super::{Options, Scalar, columns, comment, fixed, float, number, quoted};
+use super::{Options, Scalar, columns, fixed, float, number, quoted};
 use crate::facts::Facts;
 use sesc_model::expr::Argument;
 use sesc_model::names;
@@ -72,7 +73,7 @@ pub(super) fn constants(
 fn information_factor(facts: &Facts, factor: &[f64], scalar: Scalar, name: &str) -> Constant {
     let rows = facts.params.iter().enumerate().flat_map(|(i, param)| {
         let others = facts.params.len() - i - 1;
-        std::iter::once(comment(param.name)).chain(std::iter::repeat_n(String::new(), others))
+        std::iter::once(printable(param.name)).chain(std::iter::repeat_n(String::new(), others))
     });
     let values: Vec<Entry> = (factor.iter().zip(rows))
         .map(|(value, comment)| Entry {
@@ -131,8 +132,8 @@ fn joints(facts: &Facts, scalar: Scalar, bits: i32, name: &str) -> [Constant; 3]
             .map(|dof| Entry {
                 value: inward(dof.limits()[end], end, scalar, bits),
                 comment: match dof.continuous {
-                    true => format!("{}, without limits", comment(&dof.joint)),
-                    false => comment(&dof.joint),
+                    true => format!("{}, without limits", printable(&dof.joint)),
+                    false => printable(&dof.joint),
                 },
             })
             .collect(),
@@ -202,7 +203,7 @@ fn parameters(facts: &Facts, scalar: Scalar, bits: i32, name: &str) -> Vec<Const
             .zip(&facts.params)
             .map(|(value, param)| Entry {
                 value: number(*value, scalar, bits),
-                comment: comment(param.name),
+                comment: printable(param.name),
             })
             .collect(),
         is_array: true,
@@ -229,7 +230,7 @@ fn parameters(facts: &Facts, scalar: Scalar, bits: i32, name: &str) -> Vec<Const
     if let Some(identified) = &facts.identified {
         let brief = format!(
             "Identified base parameters, m{unit}, from a model file (source: {}).",
-            comment(&identified.source)
+            printable(&identified.source)
         );
         constants.push(array("model_params", brief, &identified.values));
     }

@@ -8,7 +8,8 @@
 //! products stay in 32 bits. Binary points come from [`Formats`].
 
 use super::helpers::{Calls, Helper};
-use super::{comment, pair, spelled};
+use super::{pair, spelled};
+use crate::emit::header::printable;
 use crate::emit::listing::{Line, Listing, Results, Strength};
 use sesc_model::bounds::Formats;
 use sesc_model::expr::{Expr, Id};
@@ -35,7 +36,7 @@ pub(super) fn body(
     }
     for line in &listing.lines {
         match *line {
-            Line::Title(title) => lines.push(format!("/* {} */", comment(title))),
+            Line::Title(title) => lines.push(format!("/* {} */", printable(title))),
             Line::SinCos { angle, sin, cos } => {
                 let pair = pair(&listing, sin, cos);
                 lines.push(format!("int32_t {};", pair[0]));

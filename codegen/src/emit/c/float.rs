@@ -1,7 +1,8 @@
 //! Function bodies in floating point: the listing as C expressions.
 
 use super::helpers::{Calls, Helper};
-use super::{Scalar, comment, pair, spelled};
+use super::{Scalar, pair, spelled};
+use crate::emit::header::printable;
 use crate::emit::listing::{Line, Listing, Results, Strength};
 use sesc_model::expr::{Expr, Id};
 use sesc_model::program::Program;
@@ -23,7 +24,7 @@ pub(super) fn body(program: &Program, scalar: Scalar, calls: &Calls, output: &st
     }
     for line in &listing.lines {
         match *line {
-            Line::Title(title) => lines.push(format!("/* {} */", comment(title))),
+            Line::Title(title) => lines.push(format!("/* {} */", printable(title))),
             Line::SinCos { angle, sin, cos } => {
                 let pair = pair(&listing, sin, cos);
                 lines.push(format!("{real} {};", pair[0]));

@@ -1,5 +1,6 @@
 //! The public functions as text: documentation, parameters and bodies.
 
+use crate::emit::header::printable;
 use serde::Serialize;
 
 use super::exported::{Exported, Input};
@@ -89,7 +90,7 @@ fn details(facts: &Facts, routine: &Exported) -> Vec<String> {
     {
         details.push(format!(
             "Parameters of the model file are constants here (source: {}).",
-            super::comment(&identified.source)
+            printable(&identified.source)
         ));
     }
     if routine.given == Given::SinesCosines && !routine.is_of_ticks() {

@@ -10,6 +10,7 @@ use minijinja::{Environment, context};
 
 use super::{Options, Package, Scalar};
 use crate::Error;
+use crate::emit::header::printable;
 use crate::error::Problem;
 use crate::facts::Facts;
 
@@ -196,8 +197,7 @@ fn render(template: &str, texts: &Value) -> Result<String, Error> {
 
 /// A name on one line, and not the whole of a very long one.
 fn word(name: &str) -> String {
-    let clean = |c: char| if c.is_control() { ' ' } else { c };
-    let name: String = name.trim().chars().map(clean).collect();
+    let name = printable(name.trim());
     match name.char_indices().nth(LONGEST_WORD) {
         Some((end, _)) => format!("{}…", &name[..end]),
         None => name,

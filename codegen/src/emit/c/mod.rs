@@ -35,7 +35,7 @@ pub use prefix::{is_prefix, suggest};
 pub use servos::{Scale, Servo, Servos, Setting};
 use sesc_model::Function;
 use sesc_model::bounds::Precision;
-use spelling::{comment, number, pair, quoted, spelled};
+use spelling::{number, pair, quoted, spelled};
 
 /// Arithmetic of the generated C.
 ///

@@ -19,6 +19,7 @@ pub fn is_prefix(name: &str) -> bool {
         && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
         && !name.contains("__")
         && !name.ends_with('_')
+        && !names::is_device(name)
         && !HEADERS.contains(&name.to_lowercase().as_str())
 }
 

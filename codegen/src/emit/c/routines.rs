@@ -6,7 +6,7 @@ use super::ticks::Ticks;
 use crate::Error;
 use crate::error::Problem;
 use crate::facts::Facts;
-use crate::routines::Routine;
+use crate::routines::{Routine, beyond};
 use sesc_model::bounds::{self, Formats, Overflow, Quantity, Unfit};
 use sesc_model::expr::Argument;
 use sesc_model::{Function, Given};
@@ -24,6 +24,14 @@ pub(super) fn routines<'f>(
         // The ground's load divides it: floats alone have room for that.
         .filter(|routine| scalar != Scalar::Fixed32 || routine.function != Function::Zmp)
         .partition(|routine| routine.function == Function::CorrectCop);
+    let most = match scalar {
+        Scalar::F32 => f64::from(f32::MAX),
+        Scalar::F64 | Scalar::Fixed32 => f64::MAX,
+    };
+    if let Some(beyond) = beyond(facts.routines.iter(), most) {
+        let function = beyond.function.name();
+        return Err(Problem::NotFinite { function }.into());
+    }
     let mut all = Vec::new();
     for baked in [false, true] {
         let first = all.len();

@@ -193,9 +193,11 @@ impl Servos {
             let Some(stroke) = first(|s| s.metres_per_tick) else {
                 return Ok(None);
             };
-            if !(stroke.is_finite() && stroke > 0.0) {
+            if !STROKES.contains(&stroke) {
                 return Err(bad(format!(
-                    "metres_per_tick is {stroke}; give metres above zero"
+                    "metres_per_tick is {stroke:?}; give metres, {:e} to {:e}",
+                    STROKES.start(),
+                    STROKES.end()
                 )));
             }
             return Ok(Some(Servo {
@@ -221,3 +223,5 @@ impl Servos {
 /// Beyond 2^24, f32 does not hold a tick.
 const LARGEST_ZERO: u32 = 1 << 24;
 const LARGEST_RESOLUTION: f64 = 16_777_216.0;
+/// A tick of a prismatic joint, m: from a nanometre to a metre.
+const STROKES: std::ops::RangeInclusive<f64> = 1e-9..=1.0;

@@ -1,7 +1,6 @@
 //! Numbers, strings, comments and names as C writes them.
 
 use super::{Scalar, fixed, float};
-use crate::emit::header::printable;
 use crate::emit::listing::Listing;
 use sesc_model::expr::{Argument, Id};
 
@@ -43,11 +42,6 @@ pub(super) fn quoted(text: &str) -> String {
     literal
 }
 
-/// Text that may stand in a comment: it ends none, begins none and spells no trigraph.
-pub(super) fn comment(text: &str) -> String {
-    printable(text).replace("/*", "/ *").replace("??", "? ?")
-}
-
 /// A value of the scalar, with `bits` fraction bits where it is fixed point.
 pub(super) fn number(x: f64, scalar: Scalar, bits: i32) -> String {
     match scalar {
@@ -61,9 +55,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn any_name_stays_in_its_literal_and_comment() {
+    fn any_name_stays_in_its_literal() {
         assert_eq!(quoted("a\"\\?\u{e9}"), "\"a\\\"\\\\\\077\\303\\251\"");
-        assert_eq!(comment("a*/ /*b??/\nc"), "a* / / *b? ?/ c");
-        assert_eq!(comment("a???/"), "a? ??/");
     }
 }

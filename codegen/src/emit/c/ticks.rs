@@ -1,12 +1,13 @@
 //! Functions of servo ticks: by the table where a tick is a whole number of its
 //! steps, else through the angle.
 
+use crate::emit::header::printable;
 use serde::Serialize;
 
 use super::exported::{self, Exported, array_bits};
 use super::helpers::{Calls, Helper};
 use super::servos::{Scale, Servo};
-use super::{Options, Scalar, comment, float, number};
+use super::{Options, Scalar, float, number};
 use crate::Error;
 use crate::facts::Facts;
 use crate::routines::Routine;
@@ -151,7 +152,7 @@ impl Ticks {
 
     /// A line for each joint: what a tick of it means.
     pub(super) fn convention(&self, dofs: &[Dof]) -> Vec<String> {
-        let names: Vec<String> = dofs.iter().map(|dof| comment(&dof.joint)).collect();
+        let names: Vec<String> = dofs.iter().map(|dof| printable(&dof.joint)).collect();
         let width = names.iter().map(|name| name.chars().count()).max();
         let width = width.unwrap_or(0).max("joint".len());
         let mut lines = vec![format!(

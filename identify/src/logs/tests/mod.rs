@@ -268,7 +268,7 @@ fn written_logs_are_read_back() {
                 support: ["sole", "left; \"sole\""][k as usize % 2],
                 q: &[x, -x],
                 cop: [x / 7.0, 0.1],
-                cop_std: [0.1, 0.3],
+                cop_std: [0.01, 0.03],
             };
             writer.row(&row).unwrap();
         }
@@ -288,6 +288,6 @@ fn written_logs_are_read_back() {
         assert_eq!(block.q[2..4], [1.0 / 3.0, -1.0 / 3.0]);
         assert_eq!(&*block.support.as_ref().unwrap()[1], "left; \"sole\"");
         assert_eq!(block.reading.as_ref().unwrap()[1], [1.0 / 21.0, 0.1]);
-        assert_eq!(block.std.as_ref().unwrap()[1], [0.05, 0.15]);
+        assert_eq!(block.std.as_ref().unwrap()[1], [0.005, 0.015]);
     }
 }

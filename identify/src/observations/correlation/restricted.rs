@@ -13,7 +13,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::lsq::svd::svd;
+use crate::svd::svd;
 use nalgebra::{DMatrix, DVector};
 
 /// Singular values of the scaled columns of X below this part of the largest are rounding.
