@@ -1,5 +1,6 @@
 //! Files and names that were made to do harm: nothing that is read is trusted.
 
+mod kills;
 mod names;
 mod overwrites;
 mod sizes;

@@ -244,7 +244,7 @@ mod tests {
         assert_eq!(pkg_config(r"a\#b ${c} $d"), r"a/\#b $ {c} $d");
         assert_eq!(code("r_sole"), "`r_sole`");
         assert_eq!(code("a``b"), "``` a``b ```");
-        assert_eq!(word(" a\nb\u{1f916} "), "a b\u{1f916}");
+        assert_eq!(word(" a\nb\u{1f916} "), "a\\u{a}b\u{1f916}");
         let long = word(&"é".repeat(100));
         assert_eq!(long.chars().count(), LONGEST_WORD + 1);
         assert!(long.ends_with('…'));
