@@ -161,7 +161,7 @@ impl ModelFile {
         let check = |what: &str, x: f64, most: f64| match x.is_finite() && x.abs() <= most {
             true => None,
             false if x.is_finite() => Some(format!("{what} is {x:?}, more than any robot has")),
-            false => Some(format!("{what} is not finite")),
+            false => Some(format!("{what} is not finite; give a number")),
         };
         let metres = limits::OFFSET_M;
         let parameters = self.parameters.iter().find_map(|parameter| {
@@ -176,7 +176,8 @@ impl ModelFile {
                     true => limits::TURNS_RAD,
                     false => MOST,
                 };
-                let what = format!("`{}` of an effect", shortened(&visible(name), 64));
+                let own = |text: &str| shortened(&visible(text), 64);
+                let what = format!("effect `{}`: `{}`", own(&effect.effect), own(name));
                 let std = quantity.std.unwrap_or(0.0);
                 check(&what, quantity.value, most)
                     .or_else(|| check(&format!("the std of {what}"), std, f64::MAX))

@@ -31,9 +31,11 @@ pub const TURN_RAD: f64 = 50.0;
 pub const UNLIMITED_RAD: f64 = 1e4;
 /// A fixed angle beyond this, in radians, means nothing: sines are computed up to it.
 pub const TURNS_RAD: f64 = 1_048_576.0;
-/// Largest factor and offset between a joint and the one that it follows in the end, over
-/// all mimics between them: no gear has a ratio beyond it.
+/// Largest factor and offset between a revolute joint and the one that it follows in the
+/// end, over all mimics between them: no gear has a ratio beyond it.
 pub const MIMIC: f64 = 1e4;
+/// The same of a prismatic joint, which turns nothing: metres, or metres per radian.
+pub const MIMIC_M: f64 = 1e7;
 /// A robot lighter than this, in kilograms, has no mass.
 pub const LEAST_KG: f64 = 1e-9;
 /// A fixed angle beyond this (a full turn), in radians, was probably meant in degrees.

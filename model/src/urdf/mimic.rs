@@ -122,14 +122,18 @@ fn far(draft: &Draft, masters: &[Option<usize>], report: &mut Report) {
             };
             let factor = mimic.multiplier * factor;
             let offset = mimic.multiplier * offset + mimic.offset;
-            let is_far = |x: f64| x.is_nan() || x.abs() > limits::MIMIC;
+            let most = match joints[joint].kind {
+                Some(JointType::Prismatic) => limits::MIMIC_M,
+                _ => limits::MIMIC,
+            };
+            let is_far = |x: f64| x.is_nan() || x.abs() > most;
             if is_far(factor) || is_far(offset) {
                 let message = format!(
                     "{}: follows {} by a factor of {factor:e} and an offset of {offset:e}; no \
                      gear does, give at most {:e}",
                     subject(&joints[joint]),
                     shown(&mimic.joint.value),
-                    limits::MIMIC
+                    most
                 );
                 report.complain(mimic.joint.line, message);
                 // What follows in turn is not to blame.

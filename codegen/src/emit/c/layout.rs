@@ -10,9 +10,9 @@ use minijinja::{Environment, context};
 
 use super::{Options, Package, Scalar};
 use crate::Error;
-use crate::emit::header::printable;
 use crate::error::Problem;
 use crate::facts::Facts;
+use sesc_model::text::visible;
 
 /// What a package is made for.
 ///
@@ -197,7 +197,7 @@ fn render(template: &str, texts: &Value) -> Result<String, Error> {
 
 /// A name on one line, and not the whole of a very long one.
 fn word(name: &str) -> String {
-    let name = printable(name.trim());
+    let name = visible(name.trim());
     match name.char_indices().nth(LONGEST_WORD) {
         Some((end, _)) => format!("{}…", &name[..end]),
         None => name,

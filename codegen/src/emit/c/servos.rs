@@ -195,7 +195,7 @@ impl Servos {
             };
             if !STROKES.contains(&stroke) {
                 return Err(bad(format!(
-                    "metres_per_tick is {stroke:?}; give metres, {:e} to {:e}",
+                    "metres_per_tick is {stroke}; give metres above zero, {:e} to {:e}",
                     STROKES.start(),
                     STROKES.end()
                 )));
