@@ -112,7 +112,7 @@ pub fn verify(
                 let own = own.then(|| beyond_rounding(model, function, allowed_for_springs));
                 let allowed = match allowed(&decided, function, given) {
                     infinite if own.is_some() && infinite.is_infinite() => {
-                        UNPROVEN_M * magnified(model)
+                        UNPROVEN_M * magnified(model) + own.unwrap_or(0.0)
                     }
                     proven => proven + own.unwrap_or(0.0),
                 };
