@@ -278,7 +278,7 @@ impl Assembler {
             }
         }
         if let Some(k) = columns.cop {
-            for k in k..k + 2 {
+            for k in [k, k + 1] {
                 check(&columns.names[k], numbers[k], bounds::COP)?;
             }
             if let Some(reading) = &mut block.reading {
