@@ -215,6 +215,74 @@ pub const FASTEST: Kernels = Kernels {
 
 static BEST: LazyLock<Simd> = LazyLock::new(Simd::best);
 
+/// Predicts what motion adds to the CoP: the ZMP less the static one, on level ground.
+///
+/// Effects of the body are part of both.
+pub struct MotionPredictor {
+    zmp: Tape,
+    com: Evaluator,
+    cop: Option<EffectPredictor>,
+    params: Vec<f64>,
+}
+
+impl MotionPredictor {
+    /// Prepare a model with its parameters and effects.
+    pub fn new(model: &Model) -> MotionPredictor {
+        let program = model.program(Function::Zmp, Given::Positions);
+        MotionPredictor {
+            zmp: Tape::new(&program.expect("every function can be had from joint positions")),
+            com: Evaluator::new(model, Function::Com),
+            cop: EffectPredictor::new(model),
+            params: model.params(),
+        }
+    }
+
+    /// x and y of each of `n` postures, m, whose joints move at `rates` (rad/s or m/s) with
+    /// `accelerations`; zero where nothing holds the robot.
+    pub fn shifts(
+        &self,
+        q: &[f64],
+        n: usize,
+        (rates, accelerations): (&[f64], &[f64]),
+    ) -> Vec<[f64; 2]> {
+        let mut zmp = vec![0.0; 2 * n];
+        let [q, rates, accelerations] = [q, rates, accelerations].map(Values::PerPosture);
+        let arguments = [q, rates, accelerations, Values::Shared(&self.params)];
+        self.zmp.run(&arguments, n, &mut zmp, PORTABLE);
+        let Values::PerPosture(q) = q else {
+            unreachable!("set above")
+        };
+        let com = self.com.run(q, n);
+        let pairs = zmp.chunks_exact(2).zip(com.chunks_exact(3));
+        let of = |(zmp, com): (&[f64], &[f64])| {
+            let shift = [zmp[0] - com[0], zmp[1] - com[1]];
+            shift.map(|x| if x.is_finite() { x } else { 0.0 })
+        };
+        pairs.map(of).collect()
+    }
+
+    /// Readings of the same postures, m, effects of ground and sensor included.
+    pub fn readings(&self, q: &[f64], n: usize, motion: (&[f64], &[f64])) -> Vec<f64> {
+        let shifts = self.shifts(q, n, motion);
+        match &self.cop {
+            Some(predictor) => {
+                let tell = |k: usize, layout: PostureContext, context: &mut [f64]| {
+                    for axis in 0..2 {
+                        context[layout.shift(axis)] = shifts[k][axis];
+                    }
+                };
+                predictor.moving(q, n, None, tell).1
+            }
+            None => {
+                let com = self.com.run(q, n);
+                let pairs = com.chunks_exact(3).zip(&shifts);
+                let of = |(com, shift): (&[f64], &[f64; 2])| [com[0] + shift[0], com[1] + shift[1]];
+                pairs.flat_map(of).collect()
+            }
+        }
+    }
+}
+
 /// Predicts CoM and reading of a model with effects, under any gravity.
 pub struct EffectPredictor {
     com: Tape,
@@ -235,18 +303,33 @@ impl EffectPredictor {
         })
     }
 
-    /// CoM (x, y, z) and reading (x, y) of `postures` postures, m, with gravity per posture.
+    /// [`EffectPredictor::moving`] of joints that stand.
     pub fn run(
         &self,
         q: &[f64],
         postures: usize,
         gravity: Option<&[[f64; 3]]>,
     ) -> (Vec<f64>, Vec<f64>) {
+        self.moving(q, postures, gravity, |_, _, _| {})
+    }
+
+    /// CoM (x, y, z) and reading (x, y) of `postures` postures, m, with gravity per posture and
+    /// `tell`, which writes what motion adds into the context of a posture.
+    pub fn moving(
+        &self,
+        q: &[f64],
+        postures: usize,
+        gravity: Option<&[[f64; 3]]>,
+        tell: impl Fn(usize, PostureContext, &mut [f64]),
+    ) -> (Vec<f64>, Vec<f64>) {
         let mut context = vec![0.0; postures * self.layout.len()];
         for (k, g) in gravity.into_iter().flatten().enumerate() {
             for axis in 0..2 {
                 context[k * self.layout.len() + self.layout.tilt(axis)] = -g[axis] / g[2];
             }
+        }
+        for (k, context) in context.chunks_exact_mut(self.layout.len()).enumerate() {
+            tell(k, self.layout, context);
         }
         let arguments = [
             Values::PerPosture(q),

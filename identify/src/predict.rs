@@ -4,20 +4,29 @@
 //! CoP = CoM − z_CoM g / g_z        without effects: the CoM along gravity g on the sole plane
 //! ```
 //!
-//! A model with effects predicts the reading of its sensor instead.
+//! A model with effects predicts the reading of its sensor instead. Where a log with times is
+//! dense enough to know accelerations, its CoP is the ZMP.
 
 use std::collections::HashMap;
 
-use sesc_model::Function;
+use sesc_model::effects::PostureContext;
+use sesc_model::{Function, Model};
 
 use crate::Error;
-use crate::evaluate::{EffectPredictor, Evaluator};
+use crate::evaluate::{EffectPredictor, Evaluator, MotionPredictor};
 use crate::logs::{Angles, Block, LogSource, Options, PostureReader, Readings};
+use crate::observations::motion::Motion;
+use crate::observations::motion_use::MotionModel;
+use crate::observations::moving::Moving;
+use crate::observations::rows;
+use crate::observations::zmp::Zmp;
 use crate::stance::Stance;
 use crate::watch::{Watch, tell};
 
 /// Rows that are read and evaluated together.
 const BLOCK: usize = 4096;
+/// Rows that say how a log is differentiated.
+const HEAD: usize = 20_000;
 
 /// What is to be predicted.
 #[derive(Clone)]
@@ -29,6 +38,8 @@ pub struct Request {
     pub log: LogSource,
     /// Unit of the revolute joints; the log's unless given.
     pub angles: Option<Angles>,
+    /// Whether the motion of the joints counts.
+    pub motion: MotionModel,
 }
 
 impl Request {
@@ -38,6 +49,7 @@ impl Request {
             stance,
             log: log.into(),
             angles: None,
+            motion: MotionModel::Auto,
         }
     }
 }
@@ -90,8 +102,17 @@ pub fn predict(request: &Request, watch: &mut dyn Watch) -> Result<Predictions, 
 pub struct Predictor {
     stance: Stance,
     log: String,
-    reader: PostureReader,
-    evaluators: HashMap<String, (Evaluator, Option<EffectPredictor>)>,
+    reader: Moving,
+    evaluators: HashMap<String, Evaluators>,
+}
+
+/// A robot on one link.
+struct Evaluators {
+    model: Model,
+    com: Evaluator,
+    effects: Option<EffectPredictor>,
+    /// Made when joints move; the second where gravity is tilted, too.
+    motion: Option<(MotionPredictor, Zmp)>,
 }
 
 impl Predictor {
@@ -104,6 +125,7 @@ impl Predictor {
             stance,
             log,
             angles,
+            motion,
         } = request;
         // With a support of the caller's, what the log says about it is not looked at.
         let links = match stance.support {
@@ -121,6 +143,10 @@ impl Predictor {
         };
         let dofs = stance.robot.description.dofs();
         let reader = PostureReader::open(log, &dofs, &options)?;
+        let reader = match motion {
+            MotionModel::Auto => Moving::planned(reader, dofs.len(), HEAD)?,
+            MotionModel::Off => Moving::new(reader, dofs.len(), None),
+        };
         let mut predictor = Predictor {
             stance: stance.clone(),
             log: log.name().to_string(),
@@ -136,14 +162,14 @@ impl Predictor {
     /// # Errors
     /// A faulty row, rows that stand on no known link, an angle beyond all bounds.
     pub fn block(&mut self, watch: &mut dyn Watch) -> Result<Option<Predictions>, Error> {
-        let block = self.reader.block(BLOCK)?;
+        let (block, motion) = self.reader.rows(BLOCK)?;
         self.warn(watch);
         if block.is_empty() {
             return Ok(None);
         }
         let (done, total) = self.reader.progress();
         tell(watch, "predicting", done, total)?;
-        let found = self.predictions(&block, watch)?;
+        let found = self.predictions(&block, motion.as_ref(), watch)?;
         let finite = |row: &usize| {
             let (com, cop) = (&found.com_m[*row], &found.cop_m[*row]);
             com.iter().chain(cop).all(|x| x.is_finite())
@@ -158,7 +184,12 @@ impl Predictor {
     }
 
     /// Runs of rows on one support are evaluated together.
-    fn predictions(&mut self, block: &Block, watch: &mut dyn Watch) -> Result<Predictions, Error> {
+    fn predictions(
+        &mut self,
+        block: &Block,
+        motion: Option<&Motion>,
+        watch: &mut dyn Watch,
+    ) -> Result<Predictions, Error> {
         let dof = block.q.len() / block.len();
         let on = |row: usize| block.support.as_ref().map_or("", |all| &*all[row]);
         let mut found = Predictions {
@@ -171,23 +202,35 @@ impl Predictor {
             let n = (start..block.len()).take_while(|row| on(*row) == link);
             let n = n.count();
             let logged = Some(link).filter(|link| !link.is_empty());
-            let (com, effects) = self.evaluator(logged, watch)?;
+            let on_link = self.evaluator(logged, watch)?;
             let q = &block.q[start * dof..(start + n) * dof];
             let gravity = block.gravity.as_ref().map(|all| &all[start..start + n]);
-            let com = match effects {
+            let shifts = match motion {
+                Some(motion) => on_link.shifts(q, motion, start, gravity),
+                None => vec![[0.0; 2]; n],
+            };
+            let com = match &on_link.effects {
                 Some(effects) => {
-                    let (com, cop) = effects.run(q, n, gravity);
+                    let tell = |k: usize, layout: PostureContext, context: &mut [f64]| {
+                        for axis in 0..2 {
+                            context[layout.shift(axis)] = shifts[k][axis];
+                        }
+                    };
+                    let (com, cop) = effects.moving(q, n, gravity, tell);
                     found
                         .cop_m
                         .extend(cop.chunks_exact(2).map(|c| [c[0], c[1]]));
                     com
                 }
                 None => {
-                    let com = com.run(q, n);
+                    let com = on_link.com.run(q, n);
                     let down = |k: usize| gravity.map_or([0.0, 0.0, -1.0], |all| all[k]);
                     let projections = com.chunks_exact(3).enumerate();
                     let projections =
                         projections.map(|(k, c)| projected([c[0], c[1], c[2]], down(k)));
+                    let projections = projections
+                        .zip(&shifts)
+                        .map(|(cop, by)| [cop[0] + by[0], cop[1] + by[1]]);
                     found.cop_m.extend(projections);
                     com
                 }
@@ -204,7 +247,7 @@ impl Predictor {
         &mut self,
         logged: Option<&str>,
         watch: &mut dyn Watch,
-    ) -> Result<&(Evaluator, Option<EffectPredictor>), Error> {
+    ) -> Result<&mut Evaluators, Error> {
         let support = self.stance.support(logged)?;
         if !self.evaluators.contains_key(support) {
             let model = self.stance.model_on(support)?;
@@ -214,19 +257,53 @@ impl Predictor {
                     .chain(model.left_out())
                     .for_each(|note| watch.note(&note));
             }
-            let evaluators = (
-                Evaluator::new(&model, Function::Com),
-                EffectPredictor::new(&model),
-            );
+            let evaluators = Evaluators {
+                com: Evaluator::new(&model, Function::Com),
+                effects: EffectPredictor::new(&model),
+                motion: None,
+                model,
+            };
             self.evaluators.insert(support.to_string(), evaluators);
         }
-        Ok(&self.evaluators[support])
+        Ok(self.evaluators.get_mut(support).expect("inserted above"))
     }
 
     /// What the reader noticed and has not yet been told.
     fn warn(&mut self, watch: &mut dyn Watch) {
         let warnings = self.reader.warnings.drain(..);
         warnings.for_each(|warning| watch.warning(&warning));
+    }
+}
+
+impl Evaluators {
+    /// What motion adds to the CoP of postures that are rows of it from `start`.
+    fn shifts(
+        &mut self,
+        q: &[f64],
+        motion: &Motion,
+        start: usize,
+        gravity: Option<&[[f64; 3]]>,
+    ) -> Vec<[f64; 2]> {
+        let model = &self.model;
+        let (predictor, zmp) = self
+            .motion
+            .get_or_insert_with(|| (MotionPredictor::new(model), Zmp::new(model)));
+        let dof = model.dof();
+        let own = start * dof..start * dof + q.len();
+        let motion = (&motion.rates[own.clone()], &motion.gains[own]);
+        let n = q.len() / dof;
+        let mut shifts = predictor.shifts(q, n, motion);
+        let tilts: Option<Vec<[f64; 2]>> =
+            gravity.map(|all| all.iter().map(|g| rows::tilt(*g)).collect());
+        let tilted = |tilts: &Vec<[f64; 2]>| tilts.iter().flatten().any(|t| *t != 0.0);
+        if let Some(tilts) = tilts.filter(tilted) {
+            let of = |tilts: &[[f64; 2]]| zmp.shifts(&model.params(), q, motion, tilts);
+            let (tilted, level) = (of(&tilts), of(&vec![[0.0; 2]; n]));
+            for (shift, (a, b)) in shifts.iter_mut().zip(tilted.iter().zip(level)) {
+                *shift = [shift[0] + a[0] - b[0], shift[1] + a[1] - b[1]];
+            }
+        }
+        shifts
     }
 }
 

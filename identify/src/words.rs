@@ -32,6 +32,8 @@ pub enum Setting {
     Margin,
     /// Standard deviation of a reading.
     Noise,
+    /// Rows per second of a simulated robot that moves.
+    Rate,
     /// Factor files to be combined later.
     Partial,
     /// Masses that a robot can have.
@@ -73,6 +75,7 @@ impl Setting {
             Setting::Limits => "limits",
             Setting::Margin => "margin",
             Setting::Noise => "noise",
+            Setting::Rate => "rate",
             Setting::Partial => "partial",
             Setting::Physical => "physical",
             Setting::Poses => "poses",

@@ -50,7 +50,7 @@ pub mod tree;
 pub mod urdf;
 
 pub use error::Error;
-pub use functions::differentiate_com;
+pub use functions::{differentiate_com, motion_rows};
 pub use interface::{Extent, Function, Given, Interface};
 pub use model::{
     DataUsed, EffectRecord, Information, Model, ModelFile, Parameter, Quantity, sensor_reading,

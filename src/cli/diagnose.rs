@@ -6,7 +6,7 @@ use std::sync::Arc;
 use clap::Args;
 
 use super::outputs::Files;
-use super::{Bar, Outcome, RobotArguments, message, print, print_json};
+use super::{Bar, Motion, Outcome, RobotArguments, message, print, print_json};
 use crate::Error;
 use crate::report::diagnose::{Asked, page, text};
 use crate::servos;
@@ -54,6 +54,10 @@ pub(super) struct Arguments {
         allow_negative_numbers = true, value_parser = super::units::deviation_m
     )]
     floor: f64,
+    /// Compare readings with the ZMP where a log with `t` knows accelerations, or take all as
+    /// those of standing postures
+    #[arg(long, value_enum, default_value_t)]
+    motion: Motion,
     /// Model file to write: parameters and effects, for `generate`, `predict`, `simulate`
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -155,6 +159,7 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
     request.prior = PriorChoice::from(arguments.prior.as_str());
     request.noise = arguments.noise;
     request.floor = arguments.floor;
+    request.motion = arguments.motion.into();
     request.meshes = arguments.robot.urdf.parent().map(Path::to_path_buf);
     request.next_file = arguments.next.clone();
     request.model_path = arguments.out.clone();

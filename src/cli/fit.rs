@@ -8,7 +8,7 @@ use sesc_model::Snapping;
 
 use super::fit_outputs::Outputs;
 use super::outputs::Files;
-use super::{Bar, Outcome, message, print, print_json};
+use super::{Bar, Motion, Outcome, message, print, print_json};
 use crate::Error;
 use crate::report;
 use crate::report::fit::{FitReport, Unusable};
@@ -60,6 +60,10 @@ pub(super) struct Arguments {
         conflicts_with = "partial"
     )]
     noise: Option<f64>,
+    /// Compare readings with the ZMP where a log with `t` knows accelerations, or take all as
+    /// those of standing postures
+    #[arg(long, value_enum, default_value_t)]
+    motion: Motion,
     /// Trust postures less that no noise explains, and name them
     #[arg(long, value_enum)]
     robust: Option<RobustLoss>,
@@ -199,6 +203,7 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
         RobustLoss::Huber => Loss::Huber,
         RobustLoss::Tukey => Loss::Tukey,
     });
+    request.motion = arguments.motion.into();
     request.folds = arguments.folds.and_then(|k| usize::try_from(k).ok());
     request.range = arguments.range.map(f64::to_radians);
     arguments.outputs.ask(&mut request);

@@ -24,12 +24,13 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::{Arc, OnceLock};
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use sesc_model::text::{is_hidden, visible_lines};
 use sesc_model::{Model, ModelFile, Snapping};
 
 use crate::Error;
+use sesc_identify::fit::MotionModel;
 use sesc_identify::robot::Robot;
 use sesc_identify::stance::Stance;
 use sesc_identify::{Message, Progress, Watch};
@@ -58,6 +59,23 @@ enum Command {
     Demo(demo::Arguments),
     Completions(shell::Completions),
     Man(shell::Manual),
+}
+
+/// Whether the motion of the joints counts.
+#[derive(Clone, Copy, Default, ValueEnum)]
+enum Motion {
+    #[default]
+    Auto,
+    Off,
+}
+
+impl From<Motion> for MotionModel {
+    fn from(motion: Motion) -> MotionModel {
+        match motion {
+            Motion::Auto => MotionModel::Auto,
+            Motion::Off => MotionModel::Off,
+        }
+    }
 }
 
 /// What became of a command that ran.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Bar, Outcome, RobotArguments};
+use super::{Bar, Motion, Outcome, RobotArguments};
 use crate::Error;
 use sesc_identify::logs::{self, Angles};
 use sesc_identify::predict::{Predictor, Request};
@@ -28,12 +28,16 @@ pub(super) struct Arguments {
     /// Revolute joints are logged in degrees
     #[arg(long)]
     degrees: bool,
+    /// Predict the ZMP where a log with `t` knows accelerations, or the CoP of standing postures
+    #[arg(long, value_enum, default_value_t)]
+    motion: Motion,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let stance = arguments.robot.stance(arguments.model.as_deref())?;
     let mut request = Request::new(stance, &arguments.data);
     request.angles = arguments.degrees.then_some(Angles::Deg);
+    request.motion = arguments.motion.into();
     let mut bar = Bar::new("predicting");
     let mut predictor = Predictor::open(&request, &mut bar)?;
     let mut out = std::io::BufWriter::new(std::io::stdout().lock());

@@ -5,12 +5,12 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::outputs::Files;
-use super::{Bar, Outcome, RobotArguments, message};
+use super::{Bar, Motion, Outcome, RobotArguments, message};
 use crate::Error;
 use sesc_identify::hide::hide;
 use sesc_identify::simulate::{self, Request};
 
-/// Write a posture log of an ideal robot, with CoP noise
+/// Write a log of an ideal robot, in postures at rest or in motion, with CoP noise
 #[derive(Args)]
 #[command(
     after_help = "Examples:\n  sesc simulate robots/op2/op2.urdf --support r_sole --poses 1000 --range 30 --noise 0.00493 --out log.csv\n  sesc simulate op2.urdf --support r_sole --poses 200 --noise 0.0005 --hide joint_offset:r_knee=1.5deg --hide backlash:all=0.5deg --out log.csv"
@@ -27,6 +27,13 @@ pub(super) struct Arguments {
     /// Standard deviation of the CoP noise, m
     #[arg(long, value_name = "M", default_value_t = 0.0, value_parser = super::units::deviation_m)]
     noise: f64,
+    /// Let the robot move through the ranges of its joints and log so many rows per second,
+    /// with a column `t`; else postures are at rest
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
+    rate: Option<f64>,
+    /// Log the ZMP of a robot that moves, or the CoP of standing postures
+    #[arg(long, value_enum, default_value_t)]
+    motion: Motion,
     /// Seed of postures and noise
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -54,6 +61,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     request.range = arguments.range.map(f64::to_radians);
     request.noise = arguments.noise;
     request.seed = arguments.seed;
+    request.rate = arguments.rate;
+    request.motion = arguments.motion.into();
     let sidecar = simulate::write(&request, &arguments.out, &mut Bar::new("simulating"))?;
     message(&format!(
         "wrote {} and {}",

@@ -47,7 +47,6 @@ pub fn sizes(effect: &dyn Effect, context: &EffectContext, target: &Target) -> V
         "cell_exponent" => vec![vec![1.1], vec![0.7], vec![1.5]],
         "cell_saturation" => vec![vec![0.5 * weight], vec![0.25 * weight]],
         "time_delay" => vec![vec![0.005], vec![-0.02], vec![0.04]],
-        "unsettled_motion" => vec![vec![1.0]],
         "joint_sign" | "joint_swap" | "sensor_axes" | "units" => vec![vec![]],
         other => panic!("effect `{other}` at {target:?} has no test: add it to tests/effects"),
     }
@@ -91,7 +90,6 @@ pub fn hide(world: World, stand: &Stand, hidden: &Hidden) -> World {
         "cell_exponent" => world.cell_exponent(cell(), v[0]),
         "cell_saturation" => world.cell_saturation(cell(), v[0]),
         "time_delay" => Ok(world.time_delay(v[0])),
-        "unsettled_motion" => Ok(world.unsettled()),
         "joint_sign" => world.joint_sign(target),
         "joint_swap" => {
             let (a, b) = target.split_once(',').unwrap();

@@ -176,7 +176,7 @@ fn effects_of_a_log_are_left_out_with_a_note() {
     let catalog = Catalog::standard();
     let of_log: Vec<&dyn Effect> = catalog.iter().filter(|e| !e.is_static()).collect();
     let names: Vec<&str> = of_log.iter().map(|effect| effect.id().name()).collect();
-    let expected = ["sensor_drift", "time_delay", "unsettled_motion"];
+    let expected = ["sensor_drift", "time_delay"];
     assert_eq!(names, expected);
     let folder = folder();
     let out = folder.path().display().to_string();

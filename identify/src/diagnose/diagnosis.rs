@@ -119,6 +119,7 @@ pub fn find<'m>(
         verdict,
         health: about.health.clone(),
         samples: Samples::default(),
+        motion: problem.data.motion_use.clone(),
         visits: problem.data.visits,
         sentence: String::new(),
         robot: about.robot.to_string(),

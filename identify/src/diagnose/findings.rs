@@ -7,6 +7,7 @@ use serde::Serialize;
 use super::held_out::HeldOut;
 use super::problem::Fit;
 use crate::health::Finding;
+use crate::observations::motion_use::MotionUse;
 use crate::observations::noise::NoiseSource;
 use crate::observations::repeats::Visits;
 use crate::observations::samples::Samples;
@@ -232,6 +233,8 @@ pub struct Diagnosis {
     pub health: Vec<Finding>,
     /// How much the log is worth.
     pub samples: Samples,
+    /// How the motion of the joints counted.
+    pub motion: MotionUse,
     /// What postures that were visited again differ by; none where none was.
     pub visits: Option<Visits>,
     /// The whole result in sentences.

@@ -20,6 +20,7 @@ mod hypothesis;
 mod leftover;
 mod model_check;
 mod model_file;
+mod motion;
 mod next_postures;
 mod noise;
 mod nuisance;
@@ -39,5 +40,6 @@ pub mod view;
 mod wiring;
 pub mod words;
 
+pub use crate::observations::motion_use::{MotionModel, MotionUse, Share};
 pub use findings::{Diagnosis, Verdict};
 pub use request::{FLOOR_M, NextLog, Report, Request, diagnose};

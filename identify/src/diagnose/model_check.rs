@@ -56,7 +56,9 @@ pub(super) fn check(
     let text = toml::to_string(file).map_err(|error| refused(error.to_string()))?;
     let read = ModelFile::parse(&text, "model.toml")?;
     let model = problem.model.clone().with_file(read)?;
-    let predicted = readings(problem, &model);
+    let mut predicted = readings(problem, &model);
+    let moved = problem.motion_of(&model.params());
+    predicted.iter_mut().zip(moved).for_each(|(y, by)| *y += by);
     let readings = problem.data.reading.iter().zip(&predicted);
     let predicted: Vec<f64> = readings.map(|(y, p)| y - p).collect();
     // On which side of its dead band a joint rests near no moment, the log knows and a
@@ -95,13 +97,28 @@ fn readings(problem: &Problem, model: &Model) -> Vec<f64> {
     }
     let tilt = |k: usize, axis: usize| data.posture_context[k * layout.len() + layout.tilt(axis)];
     let gravity: Vec<[f64; 3]> = (0..n).map(|k| [tilt(k, 0), tilt(k, 1), -1.0]).collect();
+    let moved = data.moved.as_deref();
     match EffectPredictor::new(model) {
-        Some(predictor) => predictor.run(&data.q, n, Some(&gravity)).1,
+        Some(predictor) => {
+            let tell = |k: usize, layout: PostureContext, context: &mut [f64]| {
+                moved
+                    .iter()
+                    .for_each(|moved| moved.tell(k, layout, context));
+            };
+            predictor.moving(&data.q, n, Some(&gravity), tell).1
+        }
         None => {
             let com = Evaluator::new(model, Function::Com).run(&data.q, n);
             let shadow =
                 |k: usize| [0, 1].map(|axis| com[3 * k + axis] + tilt(k, axis) * com[3 * k + 2]);
-            (0..n).flat_map(shadow).collect()
+            let standing = (0..n).flat_map(shadow);
+            match moved {
+                Some(moved) => standing
+                    .zip(moved.shift.iter().flatten())
+                    .map(|(cop, by)| cop + by)
+                    .collect(),
+                None => standing.collect(),
+            }
         }
     }
 }

@@ -354,7 +354,7 @@ impl<'m> Problem<'m> {
     where
         'm: 'o,
     {
-        let (cells, times) = (&self.data.cells, self.data.t.is_some());
+        let (cells, times) = (&self.data.cells, self.data.motion.is_some());
         let context = EffectContext::new(model, cells, times, self.context.catalog.clone());
         self.elsewhere(model, context)
     }

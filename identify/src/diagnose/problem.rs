@@ -56,6 +56,8 @@ pub struct Problem<'m> {
     pub wide_prior: DMatrix<f64>,
     /// Regressor rows of the unbent robot.
     pub rows: DMatrix<f64>,
+    /// What of them is motion's; none of standing robots.
+    motion_rows: Option<Rc<DMatrix<f64>>>,
     tapes: RefCell<HashMap<Vec<Instance>, Rc<Tapes>>>,
     target_weights: HashMap<Term, f64>,
     kinds: usize,
@@ -132,7 +134,7 @@ impl<'m> Problem<'m> {
         prior: &Prior,
         effects: &Catalog,
     ) -> Result<Problem<'m>, Error> {
-        let times = data.t.is_some();
+        let times = data.motion.is_some();
         let context = EffectContext::new(model, &data.cells, times, effects.clone());
         let n = data.len();
         let p = model.base.params.len();
@@ -140,7 +142,11 @@ impl<'m> Problem<'m> {
         let entry = |k: usize, entry: usize| data.posture_context[k * layout.len() + entry];
         let tilt = |k: usize| [0, 1].map(|axis| entry(k, layout.tilt(axis)));
         let tilts: Vec<[f64; 2]> = (0..n).map(tilt).collect();
-        let flat = CopRows::new(model).of(&data.q, n, Some(&tilts));
+        let mut flat = CopRows::new(model).of(&data.q, n, Some(&tilts));
+        let motion_rows = data.moved.as_ref().map(|moved| {
+            let standing = std::mem::replace(&mut flat, moved.rows.clone());
+            Rc::new(&moved.rows - standing)
+        });
         let factor = match prior {
             Prior::Free => free(&flat),
             Prior::Cad(_) => prior.factor(model).unwrap_or_else(|| DMatrix::zeros(p, 0)),
@@ -148,7 +154,12 @@ impl<'m> Problem<'m> {
         let usual = Prior::Cad(Tolerances::usual()).factor(model);
         let usual = usual.unwrap_or_else(|| DMatrix::zeros(p, 0));
         if data.noise_source == NoiseSource::Residuals {
-            let out = Evaluator::new(model, Function::Cop).run(&data.q, n);
+            let mut out = Evaluator::new(model, Function::Cop).run(&data.q, n);
+            let moved = data
+                .moved
+                .iter()
+                .flat_map(|moved| moved.shift.iter().flatten());
+            out.iter_mut().zip(moved).for_each(|(cop, by)| *cop += by);
             let (left, taken) = left_by_masses(&flat, &data.reading, &out);
             data.take_noise(&left, taken);
         }
@@ -176,6 +187,7 @@ impl<'m> Problem<'m> {
             },
             wide_prior: usual,
             rows: flat,
+            motion_rows,
             tapes: RefCell::new(HashMap::new()),
             target_weights: HashMap::new(),
         })
@@ -204,9 +216,20 @@ impl<'m> Problem<'m> {
             beyond_prior: self.beyond_prior,
             wide_prior: self.wide_prior.clone(),
             rows: self.rows.clone(),
+            motion_rows: None,
             tapes: RefCell::new(HashMap::new()),
             target_weights: HashMap::new(),
         }
+    }
+
+    /// What masses `r` (m) do to what motion adds to readings of CAD's, m; empty of standing
+    /// robots.
+    pub(super) fn motion_of(&self, r: &[f64]) -> Vec<f64> {
+        let Some(rows) = &self.motion_rows else {
+            return Vec::new();
+        };
+        let off = DVector::from_fn(r.len(), |k, _| r[k] - self.cad[k]);
+        (&**rows * off).as_slice().to_vec()
     }
 
     /// Rows per independent one, of the axis that has fewer.

@@ -22,11 +22,12 @@ use super::next_postures::{self, Next, OnFoot};
 use super::problem::Problem;
 use super::remedy::{self, Servo};
 use super::view::DiagnosisView;
-use super::{diagnosis, experiment, model_check, noise, samples, verdict};
+use super::{diagnosis, experiment, model_check, motion, noise, samples, verdict};
 use crate::fit::check_result;
 use crate::fit::prior::{Prior, PriorChoice};
 use crate::health;
 use crate::logs::{Angles, LogSource, Options, PostureWriter, Readings, Row, Sidecar, Written};
+use crate::observations::motion_use::MotionModel;
 use crate::observations::postures::{Postures, Taking};
 use crate::robot::Robot;
 use crate::watch::Watch;
@@ -64,6 +65,8 @@ pub struct Request {
     pub noise: Option<f64>,
     /// Added to the noise of a posture in quadrature, m.
     pub floor: f64,
+    /// Whether the motion of the joints counts.
+    pub motion: MotionModel,
     /// Folder of the robot's meshes, for postures that touch nothing.
     pub meshes: Option<PathBuf>,
     /// Where the caller will write the next postures; the diagnosis names it.
@@ -94,6 +97,7 @@ impl Request {
             prior: PriorChoice::from(Prior::OF_DIAGNOSES),
             noise: None,
             floor: FLOOR_M,
+            motion: MotionModel::Auto,
             meshes: None,
             next_file: None,
             model_path: None,
@@ -213,9 +217,9 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     let prior = request.prior.of(&model)?;
     let options = options(request, &model);
     let (log, rows) = health::screen(&request.log, &model, &options, request.noise, watch)?;
-    let mut data = take(request, &model, &log, watch)?;
-    let mut health = health::examine(robot, &model, request.snapping, &data).after(rows);
-    data.trust_less(std::mem::take(&mut health.less_known));
+    let mut data = take(request, &model, &prior, &log, watch)?;
+    let health = health::examine(robot, &model, request.snapping, &data.standing()).after(rows);
+    data.trust_less(&health.less_known);
     let mut problem = Problem::new(&model, data.clone(), &prior, &request.effects)?;
     let stands = request.then.iter().map(|log| stand(request, &support, log));
     let stands: Vec<(Experiment, Model)> = stands.collect::<Result<_, _>>()?;
@@ -223,7 +227,7 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     let hash = |postures: &Postures| postures.summary.as_ref().map(|found| found.hash.clone());
     let mut hashes = vec![hash(&data)];
     for (log, (experiment, model)) in request.then.iter().zip(&stands) {
-        let postures = take(request, model, log, watch)?;
+        let postures = take(request, model, &prior, log, watch)?;
         let own = hash(&postures);
         if own.is_some() && hashes.contains(&own) {
             return Err(Error::log(
@@ -271,6 +275,7 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
         break;
     }
     found.diagnosis.samples = samples::said(&problem, &correlation);
+    found.diagnosis.motion = motion::said(&problem, &found.best);
     let overstated = noise::overstated(&problem, &found);
     found.diagnosis.health.extend(overstated);
     let meshes = request.meshes.as_deref();
@@ -346,6 +351,7 @@ fn options(request: &Request, model: &Model) -> Options {
 fn take(
     request: &Request,
     model: &Model,
+    prior: &Prior,
     log: &LogSource,
     watch: &mut dyn Watch,
 ) -> Result<Postures, Error> {
@@ -354,7 +360,8 @@ fn take(
         noise: request.noise,
         floor: request.floor,
     };
-    let data = Postures::read(log, model, &taking, watch)?;
+    let mut data = Postures::read(log, model, &taking, watch)?;
+    motion::account(&mut data, model, prior, request.motion);
     data.warnings
         .iter()
         .for_each(|warning| watch.warning(warning));

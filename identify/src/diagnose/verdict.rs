@@ -21,6 +21,9 @@ pub(super) fn sentence(problem: &Problem, found: &Found) -> String {
     if d.samples.independent < d.samples.rows {
         said.push(format!("The log has {}.", d.samples.sentence()));
     }
+    if d.motion.matters() {
+        said.push(d.motion.sentence.clone());
+    }
     said.extend(d.health.iter().map(|finding| finding.sentence.clone()));
     let values = words::values(problem, &found.best);
     let clauses: Vec<String> = found

@@ -184,6 +184,8 @@ pub fn identify_within(
             .samples
             .of(gathered.readings)
             .by_visits(&gathered.repeats),
+        motion: gathered.motion.clone().told(),
+        plans: gathered.plans.clone(),
         visits: gathered.repeats.visits(),
         lack_of_fit,
         inflation,

@@ -22,6 +22,8 @@ use crate::logs::Block;
 use crate::lsq::factor::Factor;
 use crate::lsq::solve::{self, Estimate};
 use crate::observations::grouping::{DOWN, Grouping, Visit};
+use crate::observations::motion::{Motion, Plan};
+use crate::observations::motion_use::MotionUse;
 use crate::observations::noise::{Known, LEAST_STD};
 use crate::observations::repeats::{Group, Repeats};
 use crate::observations::rows::{Measurement, Rows};
@@ -117,6 +119,12 @@ pub struct Gathered {
     pub axes: [f64; 2],
     /// Rows were freed of their correlation: repeats within a visit are no noise.
     pub correlated: bool,
+    /// How the motion of the joints counted.
+    #[serde(default)]
+    pub motion: MotionUse,
+    /// How each log that was read knows its motion.
+    #[serde(skip)]
+    pub(super) plans: Vec<Option<Plan>>,
     #[serde(skip)]
     pub(super) postures: Grouping<Group>,
     #[serde(skip)]
@@ -153,6 +161,8 @@ impl Gathered {
             samples: samples::Sum::default(),
             axes: [0.0; 2],
             correlated: false,
+            motion: MotionUse::NONE,
+            plans: Vec::new(),
             postures: Grouping::default(),
             stream: Stream::default(),
         }
@@ -231,6 +241,7 @@ impl Gathered {
     /// A log begins whose noise is like `timing` says; without, its rows are independent.
     pub fn begin_log(&mut self, timing: &Timing) {
         self.stream = Stream::new(timing);
+        self.plans.push(timing.plan);
         self.correlated |= self.stream.whitens();
         if self.stream.differs() {
             // Rows so far counted one each: both factors agree on them.
@@ -251,6 +262,20 @@ impl Gathered {
         file: &str,
         robust: Option<(&Robust, &DVector<f64>)>,
     ) -> Result<(), Error> {
+        self.push_moving(measurement, (block, None), file, robust)
+    }
+
+    /// The same with the motion of the block's joints.
+    ///
+    /// # Errors
+    /// As [`Gathered::push`].
+    pub fn push_moving(
+        &mut self,
+        measurement: &mut Measurement,
+        (block, motion): (&Block, Option<&Motion>),
+        file: &str,
+        robust: Option<(&Robust, &DVector<f64>)>,
+    ) -> Result<(), Error> {
         let Some(readings) = &block.reading else {
             return Err(Error::log(
                 file.to_string(),
@@ -266,8 +291,11 @@ impl Gathered {
                           add the columns or leave them out of all",
             ));
         }
-        let rows = measurement.rows(block)?;
-        let std = self.deviations(block);
+        let rows = measurement.moving_rows(block, motion)?;
+        let std = self.deviations(block, &rows);
+        self.stream.moving.0 += rows.motion.len();
+        let shifts = rows.motion.iter().flat_map(|(shift, _)| shift);
+        self.stream.moving.1 += shifts.map(|x| x * x).sum::<f64>();
         self.readings += block.len() as u64;
         let trust = match robust {
             None => vec![1.0; block.len()],
@@ -362,24 +390,43 @@ impl Gathered {
     }
 
     /// Deviations of a block's rows, m; in units of both axes' RMS where none are stated.
-    fn deviations(&mut self, block: &Block) -> Vec<[f64; 2]> {
+    fn deviations(&mut self, block: &Block, rows: &Rows) -> Vec<[f64; 2]> {
         let Some(stated) = &block.std else {
             return vec![self.stream.timing.axes; block.len()];
         };
         let small = |std: &&[f64; 2]| std.iter().any(|s| *s < LEAST_STD);
         self.tiny += stated.iter().filter(small).count() as u64;
         let floored = stated.iter().map(|std| std.map(|s| s.max(LEAST_STD)));
-        floored.collect()
+        let mut all: Vec<[f64; 2]> = floored.collect();
+        for (std, (_, own)) in all.iter_mut().zip(&rows.motion) {
+            *std = [std[0].hypot(own[0]), std[1].hypot(own[1])];
+        }
+        all
     }
 
     /// The log that was read has ended: poses of the next one are others.
     pub fn end_log(&mut self) {
+        self.end_log_without(0);
+    }
+
+    /// The same, `left_out` of whose rows do not know their motion.
+    pub fn end_log_without(&mut self, left_out: u64) {
         self.stream.end();
         self.take_independent();
         let stream = std::mem::take(&mut self.stream);
         let timing = &stream.timing;
         self.samples
             .push(stream.rows as u64, &timing.correlation, timing.timed);
+        let (moving, square) = stream.moving;
+        self.motion.merge(&MotionUse {
+            used: moving > 0,
+            rms_m: match moving {
+                0 => timing.motion.rms_m,
+                moving => (square / (2 * moving) as f64).sqrt(),
+            },
+            rows_left_out: left_out,
+            ..timing.motion.clone()
+        });
         self.overfull += u64::from(self.postures.full());
         self.postures.clear();
     }
@@ -489,6 +536,8 @@ impl Gathered {
         self.tiny += other.tiny;
         self.health.extend(other.health);
         self.samples.merge(&other.samples);
+        self.motion.merge(&other.motion);
+        self.plans.extend(other.plans);
         self.correlated |= other.correlated;
         for (sum, more) in self.axes.iter_mut().zip(other.axes) {
             *sum += more;

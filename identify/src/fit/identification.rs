@@ -8,6 +8,8 @@ use super::masses::Masses;
 use super::prior::Prior;
 use crate::health::Finding;
 use crate::lsq::solve::Estimate;
+use crate::observations::motion::Plan;
+use crate::observations::motion_use::MotionUse;
 use crate::observations::noise::NoiseSource;
 use crate::observations::repeats::{LackOfFit, Visits};
 use crate::observations::samples::Samples;
@@ -119,6 +121,8 @@ pub struct Identification {
     pub noise_axes: [f64; 2],
     /// How many independent samples the rows are worth.
     pub samples: Samples,
+    /// How the motion of the joints counted.
+    pub motion: MotionUse,
     /// What postures that were visited again differ by; none where none was.
     pub visits: Option<Visits>,
     /// Where the noise was taken from.
@@ -162,6 +166,9 @@ pub struct Identification {
     /// Bounds of physical masses that hold the fit back; none where it was not bounded.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub active_bounds: Option<Vec<String>>,
+    /// How each log knows its motion.
+    #[serde(skip)]
+    pub(super) plans: Vec<Option<Plan>>,
     /// The estimate with its covariance.
     #[serde(skip)]
     pub estimate: Estimate,

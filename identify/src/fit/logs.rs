@@ -1,14 +1,17 @@
 //! From log files to factors: block by block, once, or a few times over for a
 //! robust fit.
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 use sesc_model::{Model, Snapping};
 
 use super::gather::{Gathered, LogUsed};
-use super::prior::Prior;
+use super::prior::{Prior, Tolerances};
 use super::robust::{self, Loss, MEDIAN_OF_PAIRS, Robust};
 use super::timing::Timing;
 use crate::logs::{LogSource, Options, PostureReader};
+use crate::observations::motion::Plan;
+use crate::observations::motion_use::MotionModel;
+use crate::observations::moving::Moving;
 use crate::observations::rows::Measurement;
 use crate::robot::Robot;
 use crate::watch::{Watch, tell};
@@ -41,6 +44,8 @@ pub struct Logs<'r> {
     pub folds: usize,
     /// One number is given for the noise of both axes.
     pub one_noise: bool,
+    /// Whether the motion of the joints counts.
+    pub motion: MotionModel,
 }
 
 impl<'r> Logs<'r> {
@@ -55,11 +60,12 @@ impl<'r> Logs<'r> {
         watch: &mut dyn Watch,
     ) -> Result<(Measurement<'r>, Gathered), Error> {
         let mut measurement = Measurement::new(self.robot, &self.first_support()?, self.snapping)?;
+        let masses = self.masses(measurement.model(), prior)?;
         let mut timings = Vec::new();
         for file in self.files {
             let mut reader = self.open(file)?;
-            let own_axes = !self.one_noise;
-            let timing = Timing::read(&mut reader, &mut measurement, self.folds, own_axes)?;
+            let apart = (self.folds, !self.one_noise);
+            let timing = Timing::read(&mut reader, &mut measurement, apart, self.motion, &masses)?;
             timings.push(timing);
         }
         let gathered = self.pass(&mut measurement, &timings, None, "reading", watch)?;
@@ -91,7 +97,7 @@ impl<'r> Logs<'r> {
                 ]));
             }
             let shrunk = (1.0 - taken / rows).sqrt();
-            let seen = self.scale(&mut measurement, &params)? / shrunk;
+            let seen = self.scale(&mut measurement, &timings, &params)? / shrunk;
             // Noise that is stated is no outlier.
             let scale = if stated { seen.max(1.0) } else { seen };
             let robust = Robust { loss, scale };
@@ -108,6 +114,17 @@ impl<'r> Logs<'r> {
             }
         }
         Ok((measurement, gathered))
+    }
+
+    /// F of how far masses may be off: as was asked, or as they usually are.
+    fn masses(
+        &self,
+        model: &Model,
+        prior: &dyn Fn(&Model) -> Result<Prior, Error>,
+    ) -> Result<DMatrix<f64>, Error> {
+        let usual = || Prior::Cad(Tolerances::usual()).factor(model);
+        let factor = prior(model)?.factor(model).or_else(usual);
+        Ok(factor.unwrap_or_else(|| DMatrix::zeros(model.base.params.len(), 0)))
     }
 
     /// The support whose parameters are meant.
@@ -135,6 +152,12 @@ impl<'r> Logs<'r> {
         PostureReader::open(file, &self.robot.description.dofs(), &self.options)
     }
 
+    /// Open one of the logs, whose motion is known by `plan`.
+    pub(super) fn moving(&self, file: &LogSource, plan: Option<Plan>) -> Result<Moving, Error> {
+        let dof = self.robot.description.dofs().len();
+        Ok(Moving::new(self.open(file)?, dof, plan))
+    }
+
     /// One pass over all logs.
     fn pass(
         &self,
@@ -148,10 +171,10 @@ impl<'r> Logs<'r> {
         let mut gathered = Gathered::new(params, self.folds);
         for (file, timing) in self.files.iter().zip(timings) {
             let name = file.name();
-            let mut reader = self.open(file)?;
+            let mut reader = self.moving(file, timing.plan)?;
             gathered.begin_log(timing);
             loop {
-                let block = reader.block(BLOCK)?;
+                let (block, motion) = reader.known_rows(BLOCK)?;
                 for warning in reader.warnings.drain(..) {
                     if robust.is_none() {
                         watch.warning(&warning);
@@ -160,7 +183,8 @@ impl<'r> Logs<'r> {
                 if block.is_empty() {
                     break;
                 }
-                gathered.push(measurement, &block, name, robust)?;
+                let rows = (&block, motion.as_ref());
+                gathered.push_moving(measurement, rows, name, robust)?;
                 let (done, total) = reader.progress();
                 tell(watch, what, done, total)?;
             }
@@ -177,7 +201,7 @@ impl<'r> Logs<'r> {
                 });
                 gathered.averaged += reader.averaged() * summary.rows as f64;
             }
-            gathered.end_log();
+            gathered.end_log_without(reader.left_out);
         }
         Ok(gathered)
     }
@@ -186,17 +210,18 @@ impl<'r> Logs<'r> {
     fn scale(
         &self,
         measurement: &mut Measurement<'r>,
+        timings: &[Timing],
         params: &DVector<f64>,
     ) -> Result<f64, Error> {
         let mut lengths: Vec<f64> = Vec::new();
-        for file in self.files {
-            let mut reader = self.open(file)?;
+        for (file, timing) in self.files.iter().zip(timings) {
+            let mut reader = self.moving(file, timing.plan)?;
             while lengths.len() < SAMPLE {
-                let block = reader.block(BLOCK)?;
+                let (block, motion) = reader.known_rows(BLOCK)?;
                 if block.is_empty() {
                     break;
                 }
-                let rows = measurement.rows(&block)?;
+                let rows = measurement.moving_rows(&block, motion.as_ref())?;
                 let ones = vec![[1.0; 2]; block.len()];
                 let std = block.std.as_ref().unwrap_or(&ones);
                 lengths.extend(robust::lengths(&rows, std, params));

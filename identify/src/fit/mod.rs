@@ -26,6 +26,7 @@ mod stream;
 mod summary;
 pub mod timing;
 
+pub use crate::observations::motion_use::{MotionModel, MotionUse, Share};
 pub use estimate::{identify, identify_within};
 pub use identification::{Identification, Settings};
 pub(crate) use request::check_result;

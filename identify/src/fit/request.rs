@@ -22,6 +22,7 @@ use super::residuals::{self, Residual};
 use super::robust::Loss;
 use crate::health::{self, Finding};
 use crate::logs::{Angles, LogSource, Options, Readings};
+use crate::observations::motion_use::MotionModel;
 use crate::observations::rows::Measurement;
 use crate::robot::Robot;
 use crate::watch::Watch;
@@ -66,6 +67,8 @@ pub struct Request {
     pub total_mass: Option<f64>,
     /// Whether some of the readings are wanted beside their predictions.
     pub residuals: bool,
+    /// Whether the motion of the joints counts.
+    pub motion: MotionModel,
 }
 
 /// Everything that was found.
@@ -132,8 +135,9 @@ pub fn residuals(
     let support = &report.identification.support;
     let logs = logs(request, &report.robot, Some(support.clone()), None);
     let mut measurement = Measurement::new(&report.robot, support, report.snapping)?;
-    let params = &report.identification.estimate.params;
-    residuals::sample(&logs, &mut measurement, params, watch)
+    let found = &report.identification;
+    let known = (&found.estimate.params, &found.plans[..]);
+    residuals::sample(&logs, &mut measurement, known, watch)
 }
 
 fn check_positive(setting: Setting, value: Option<f64>) -> Result<(), Error> {
@@ -417,5 +421,6 @@ fn logs<'r>(
         snapping: request.snapping,
         folds: folds.or(request.folds).unwrap_or(FOLDS),
         one_noise: request.noise.is_some(),
+        motion: request.motion,
     }
 }

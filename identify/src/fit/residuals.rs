@@ -10,6 +10,7 @@ use serde::Serialize;
 
 use super::logs::{BLOCK, Logs};
 use crate::Error;
+use crate::observations::motion::Plan;
 use crate::observations::rows::Measurement;
 use crate::watch::{Watch, tell};
 
@@ -50,17 +51,17 @@ pub fn rms_lengths(rows: &[Residual]) -> [f64; 2] {
 pub fn sample(
     logs: &Logs<'_>,
     measurement: &mut Measurement<'_>,
-    params: &DVector<f64>,
+    (params, plans): (&DVector<f64>, &[Option<Plan>]),
     watch: &mut dyn Watch,
 ) -> Result<Vec<Residual>, Error> {
     let cad = DVector::from_vec(measurement.model().cad_params());
     let mut kept: Vec<(usize, Residual)> = Vec::new();
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let mut seen = 0;
-    for file in logs.files {
-        let mut reader = logs.open(file)?;
+    for (k, file) in logs.files.iter().enumerate() {
+        let mut reader = logs.moving(file, plans.get(k).copied().flatten())?;
         loop {
-            let block = reader.block(BLOCK)?;
+            let (block, motion) = reader.known_rows(BLOCK)?;
             if block.is_empty() {
                 break;
             }
@@ -69,7 +70,7 @@ pub fn sample(
             let Some(readings) = &block.reading else {
                 break;
             };
-            let rows = measurement.rows(&block)?;
+            let rows = measurement.moving_rows(&block, motion.as_ref())?;
             let by_cad = &rows.reading - &rows.matrix * &cad;
             let by_fit = &rows.reading - &rows.matrix * params;
             for (k, &measured) in readings.iter().enumerate() {

@@ -25,6 +25,8 @@ pub(super) struct Stream {
     pub timing: Timing,
     /// Rows so far.
     pub rows: usize,
+    /// Rows in motion, and the square sum of what it adds to their readings, m².
+    pub moving: (usize, f64),
     whiteners: Option<[Whitener; 2]>,
     /// Independent rows that no fold has yet.
     ready: Vec<Independent>,
@@ -42,6 +44,7 @@ impl Stream {
             whiteners: timing.processes().map(|axes| axes.map(Whitener::new)),
             timing: timing.clone(),
             rows: 0,
+            moving: (0, 0.0),
             ready: Vec::new(),
         }
     }

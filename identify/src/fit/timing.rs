@@ -1,5 +1,5 @@
 //! What the first rows of a log say of its noise: whether it is correlated in time, and
-//! on which axis it is larger.
+//! on which axis it is larger; and whether readings show the motion of the joints.
 //!
 //! Rows are made independent as they are read, so this has to be known before: a fit of
 //! free masses to the first `ROWS` rows tells, at the cost of reading those twice.
@@ -13,9 +13,12 @@ use crate::Error;
 use crate::logs::{Block, PostureReader};
 use crate::observations::correlation::{self, Correlation, Process};
 use crate::observations::grouping::{DOWN, Grouping};
+use crate::observations::motion::Plan;
+use crate::observations::motion_use::{Column, MotionModel, MotionUse};
 use crate::observations::noise::LEAST_STD;
+use crate::observations::postures::rms;
 use crate::observations::repeats::{Group, Repeats, UNLIKELY};
-use crate::observations::rows::Measurement;
+use crate::observations::rows::{Measurement, Rows};
 
 /// Rows taken at once.
 const BLOCK: usize = 4096;
@@ -29,8 +32,10 @@ const MOST_APART: f64 = 10.0;
 const OF_STAY: usize = 3;
 /// Degrees of freedom that tell the noise of an axis.
 const FEWEST: f64 = 10.0;
+/// Rows that the share of motion is taken from, at most.
+const OF_SHARE: usize = 4000;
 
-/// The noise of a log in time.
+/// The noise of a log in time, and its motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Timing {
     /// By axis.
@@ -43,6 +48,10 @@ pub struct Timing {
     pub blocks: Option<(f64, f64)>,
     /// There are more rows than were looked at.
     pub long: bool,
+    /// How motion is known; none where readings are taken as static.
+    pub plan: Option<Plan>,
+    /// What is said of it.
+    pub motion: MotionUse,
 }
 
 impl Timing {
@@ -53,6 +62,8 @@ impl Timing {
         timed: false,
         blocks: None,
         long: false,
+        plan: None,
+        motion: MotionUse::NONE,
     };
 
     /// Processes of both axes, if one is correlated.
@@ -65,28 +76,79 @@ impl Timing {
     }
 
     /// Read on until enough is known. `own_axes`: whether axes may differ where the log
-    /// states no deviations.
+    /// states no deviations; `masses`: F of how far these may be off, p × m.
     ///
     /// # Errors
     /// What is wrong with the log.
     pub fn read(
         reader: &mut PostureReader,
         measurement: &mut Measurement<'_>,
-        folds: usize,
-        own_axes: bool,
+        (folds, own_axes): (usize, bool),
+        motion: MotionModel,
+        masses: &DMatrix<f64>,
     ) -> Result<Timing, Error> {
-        let mut head = Head::default();
-        let mut ended = false;
-        while head.rows < ROWS && !ended {
+        let (mut blocks, mut rows, mut ended) = (Vec::new(), 0, false);
+        while rows < ROWS && !ended {
             let block = reader.block(BLOCK)?;
-            let dof = measurement.model().dof();
             ended = block.is_empty() || block.reading.is_none();
             if !ended {
-                let rows = measurement.rows(&block)?;
-                head.push(&block, dof, rows.matrix, &rows.reading);
+                rows += block.len();
+                blocks.push(block);
             }
         }
-        Ok(head.timing(folds, own_axes && !head.stated, !ended))
+        let joints = Joints::of(&blocks, measurement.model().dof());
+        let plan = match motion {
+            MotionModel::Auto => Plan::of(&joints.t, &joints.q, joints.dof),
+            MotionModel::Off => None,
+        };
+        let timing = |head: Head| head.timing(folds, own_axes && !head.stated, !ended);
+        let moving = Head::of(&blocks, measurement, plan.map(|plan| (plan, &joints)))?;
+        let seen = moving.seen();
+        let cad = DVector::from_vec(measurement.model().cad_params());
+        let column = moving.moves.then(|| moving.column(&cad));
+        let found = timing(moving);
+        let rows = found.correlation.map(|axis| axis.rows_per_sample);
+        let share = column.and_then(|(column, stride)| {
+            let per_sample = (rows[0].max(rows[1]) / stride).max(1.0);
+            column.share(masses, per_sample)
+        });
+        // A head that stands says nothing of what comes.
+        let moves = share.is_some() || seen > 0.0;
+        let found = match moves && !share.is_some_and(|share| share.is_seen()) {
+            true => timing(Head::of(&blocks, measurement, None)?),
+            false => Timing { plan, ..found },
+        };
+        Ok(Timing {
+            motion: MotionUse {
+                share,
+                rms_m: seen,
+                step_s: correlation::step(&joints.t),
+                ..MotionUse::NONE
+            },
+            ..found
+        })
+    }
+}
+
+/// Times and positions of the first rows.
+struct Joints {
+    dof: usize,
+    t: Vec<f64>,
+    q: Vec<f64>,
+}
+
+impl Joints {
+    /// Without times where a row has none.
+    fn of(blocks: &[Block], dof: usize) -> Joints {
+        let all = |of: fn(&Block) -> Option<&Vec<f64>>| -> Vec<f64> {
+            let some = blocks.iter().filter_map(of);
+            some.flatten().copied().collect()
+        };
+        Joints {
+            dof,
+            t: all(|block| block.t.as_ref()),
+            q: all(|block| Some(&block.q)),
+        }
     }
 }
 
@@ -104,16 +166,96 @@ struct Head {
     repeats: Repeats,
     /// Rows of each visit of a posture.
     stays: Vec<Range<usize>>,
+    /// What motion adds to readings, m; zero where joints stand.
+    shift: Vec<[f64; 2]>,
+    /// Whether joints move.
+    moves: bool,
 }
 
 impl Head {
-    fn push(&mut self, block: &Block, dof: usize, matrix: DMatrix<f64>, reading: &DVector<f64>) {
+    /// Of rows whose motion is known by `plan`; of those as they are without one.
+    fn of(
+        blocks: &[Block],
+        measurement: &mut Measurement<'_>,
+        plan: Option<(Plan, &Joints)>,
+    ) -> Result<Head, Error> {
+        let mut head = Head::default();
+        let dof = measurement.model().dof();
+        let mut first = 0;
+        for block in blocks {
+            let own = first..first + block.len();
+            first = own.end;
+            let motion = plan.and_then(|(plan, all)| plan.motion(&all.t, &all.q, dof, own));
+            match motion {
+                None => {
+                    let rows = measurement.rows(block)?;
+                    head.push(block, dof, rows);
+                }
+                Some(mut motion) => {
+                    let mut block = block.clone();
+                    motion.leave_out_unknown(&mut block);
+                    let rows = measurement.moving_rows(&block, Some(&motion))?;
+                    head.push(&block, dof, rows);
+                }
+            }
+        }
+        Ok(head)
+    }
+
+    /// RMS of what motion adds to readings, m.
+    fn seen(&self) -> f64 {
+        rms(self.shift.iter().flatten().copied())
+    }
+
+    /// What motion adds to some of the rows, over their deviations, and of how many rows each
+    /// is one; readings less those of `cad`.
+    fn column(&self, cad: &DVector<f64>) -> (Column, f64) {
+        let stride = self.rows.div_ceil(OF_SHARE).max(1);
+        let chosen: Vec<usize> = (0..self.rows).step_by(stride).collect();
+        let axes = [self.axis(0), self.axis(1)];
+        let of = |row: usize| (chosen[row / 2], row % 2);
+        let n = 2 * chosen.len();
+        let rows = DMatrix::from_fn(n, cad.len(), |row, column| {
+            let (k, axis) = of(row);
+            axes[axis].0[(k, column)]
+        });
+        let reading = DVector::from_fn(n, |row, _| {
+            let (k, axis) = of(row);
+            axes[axis].1[k]
+        });
+        let shift = (0..n).map(|row| {
+            let (k, axis) = of(row);
+            self.shift[k][axis] / self.std[k][axis]
+        });
+        let column = Column {
+            shift: shift.collect(),
+            residual: reading - &rows * cad,
+            rows,
+            masses: cad.len(),
+        };
+        (column, stride as f64)
+    }
+
+    fn push(&mut self, block: &Block, dof: usize, rows: Rows) {
+        let Rows {
+            matrix,
+            reading,
+            motion,
+        } = rows;
+        self.moves |= !motion.is_empty();
+        match motion.is_empty() {
+            true => self.shift.resize(self.shift.len() + block.len(), [0.0; 2]),
+            false => self.shift.extend(motion.iter().map(|(shift, _)| *shift)),
+        }
         self.rows += block.len();
         self.stated |= block.std.is_some();
         self.t.extend(block.t.iter().flatten());
         for k in 0..block.len() {
             let std = block.std.as_ref().map_or([1.0; 2], |all| all[k]);
-            self.std.push(std.map(|s| s.max(LEAST_STD)));
+            let own = motion.get(k).filter(|_| block.std.is_some());
+            let own = own.map_or([0.0; 2], |(_, std)| *std);
+            self.std
+                .push([0, 1].map(|axis| std[axis].max(LEAST_STD).hypot(own[axis])));
             let support = block.support.as_ref().map_or("", |all| &all[k]);
             let gravity = block.gravity.as_ref().map_or(DOWN, |all| all[k]);
             let q = &block.q[k * dof..(k + 1) * dof];
@@ -167,6 +309,8 @@ impl Head {
             timed: step.is_some(),
             blocks,
             long,
+            plan: None,
+            motion: MotionUse::NONE,
         }
     }
 

@@ -78,7 +78,7 @@ impl Block {
 }
 
 /// Rows of `width` entries each for which `keep` says so.
-fn keep_some<T>(values: &mut Vec<T>, width: usize, keep: &[bool]) {
+pub(crate) fn keep_some<T>(values: &mut Vec<T>, width: usize, keep: &[bool]) {
     let mut at = 0;
     values.retain(|_| {
         let row = at / width.max(1);

@@ -39,6 +39,7 @@ mod table;
 mod tests;
 mod writer;
 
+pub(crate) use block::keep_some;
 pub use block::{Block, Cells};
 pub use columns::{COLUMNS, Column, Need, columns_text};
 pub use guard::panic_becomes_error;

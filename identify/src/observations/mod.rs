@@ -2,13 +2,18 @@
 //!
 //! ```text
 //! logs ─▶ grouping (rows of one posture) ─▶ repeats ─▶ noise
+//!    ├──▶ moving (rows with their motion) ─▶ zmp
 //!    └──▶ rows (regressor, tilt, supports)      postures (a log in memory)
 //! ```
 
 pub mod correlation;
 pub(crate) mod grouping;
+pub mod motion;
+pub mod motion_use;
+pub(crate) mod moving;
 pub mod noise;
 pub mod postures;
 pub(crate) mod repeats;
 pub mod rows;
 pub mod samples;
+pub mod zmp;

@@ -5,14 +5,20 @@
 //! reading of n rows    ȳ ± s/√n  (s: of a row)        or ± √(Σ s_k²)/n where rows state s_k
 //! ```
 
+use std::rc::Rc;
+
 use sesc_model::Model;
 use sesc_model::effects::PostureContext;
 
 use super::grouping::{DOWN, Grouping, moved_sentence};
+use super::motion::Motion;
+use super::motion_use::MotionUse;
+use super::moving::Moving;
 use super::noise::{LEAST_STD, NoiseSource};
 use super::repeats::{Group, Repeats, Visits};
 use super::rows;
-use crate::logs::{LogSource, Options, PostureReader, Summary};
+use super::zmp::Moved;
+use crate::logs::{LogSource, Options, PostureReader, Summary, keep_some};
 use crate::watch::{Watch, tell};
 use crate::{Error, Message, Setting, message};
 
@@ -22,6 +28,8 @@ use known::Noise;
 
 /// Rows taken at once.
 const BLOCK: usize = 4096;
+/// Rows that say how a log is differentiated.
+const HEAD: usize = 20_000;
 /// Postures that a diagnosis looks at, up to twice this; evenly chosen of more.
 pub const MOST: usize = 2000;
 
@@ -62,6 +70,12 @@ pub struct Postures {
     pub summary: Option<Summary>,
     /// What is odd about the log.
     pub warnings: Vec<Message>,
+    /// How the joints move, where the log is dense enough in time to know.
+    pub motion: Option<Motion>,
+    /// What that adds to readings, where they are compared with the ZMP.
+    pub moved: Option<Rc<Moved>>,
+    /// How motion counts.
+    pub motion_use: MotionUse,
 }
 
 /// One posture while its rows are gathered.
@@ -75,9 +89,55 @@ struct Posture {
     variance: [f64; 2],
     t: f64,
     tilt: [f64; 2],
-    /// Neighbours in the log: time and joints.
-    before: Option<(f64, Vec<f64>)>,
-    after: Option<(f64, Vec<f64>)>,
+    moving: Motions,
+}
+
+/// Sums of velocities, accelerations and their variances over rows that know them; empty
+/// where joints stand.
+#[derive(Clone, Default)]
+struct Motions {
+    rows: f64,
+    /// Whether a row does not know its motion.
+    unknown: bool,
+    sums: [Vec<f64>; 3],
+}
+
+impl Motions {
+    fn of(motion: Option<&Motion>, row: usize, dof: usize) -> Motions {
+        let Some(motion) = motion else {
+            return Motions {
+                rows: 1.0,
+                ..Motions::default()
+            };
+        };
+        let of = |all: &[f64]| all[row * dof..(row + 1) * dof].to_vec();
+        let variances = of(&motion.gains_std).iter().map(|s| s * s).collect();
+        Motions {
+            rows: 1.0,
+            unknown: !motion.known[row],
+            sums: [of(&motion.rates), of(&motion.gains), variances],
+        }
+    }
+
+    fn join(&mut self, other: &Motions) {
+        let all = [self.unknown, other.unknown];
+        match all {
+            // What is known counts.
+            [false, true] => return,
+            [true, false] => *self = Motions::default(),
+            _ => {}
+        }
+        self.unknown = all[0] && all[1];
+        self.rows += other.rows;
+        for (sums, more) in self.sums.iter_mut().zip(&other.sums) {
+            if sums.is_empty() {
+                sums.resize(more.len(), 0.0);
+            }
+            for (sum, x) in sums.iter_mut().zip(more) {
+                *sum += x;
+            }
+        }
+    }
 }
 
 impl Posture {
@@ -99,11 +159,12 @@ struct Gathering {
     /// Postures that are whole, and the one that rows belong to now.
     seen: usize,
     current: Option<Posture>,
-    last: Option<(f64, Vec<f64>)>,
     first: Option<(i64, f64)>,
     /// Whether pose numbers rise all along.
     rising: bool,
     end: (i64, f64),
+    /// Least and largest time, s.
+    span: (f64, f64),
 }
 
 impl Gathering {
@@ -118,16 +179,17 @@ impl Gathering {
             repeats: Repeats::default(),
             seen: 0,
             current: None,
-            last: None,
             first: None,
             rising: true,
             end: (0, 0.0),
+            span: (f64::INFINITY, f64::NEG_INFINITY),
         }
     }
 
     /// A row with gravity along `gravity` and its deviation (1 where none is stated), m.
     fn push(&mut self, row: Posture, gravity: [f64; 3], std: [f64; 2]) {
         let next = self.seen + usize::from(self.current.is_some());
+        self.span = (self.span.0.min(row.t), self.span.1.max(row.t));
         let (posture, _) = self.known.of_row((row.pose, ""), &row.q, gravity);
         let visit = posture.visits;
         let (number, group) = &mut posture.own;
@@ -148,16 +210,9 @@ impl Gathering {
 
     /// The posture at hand is whole.
     fn close(&mut self) {
-        let Some(mut posture) = self.current.take() else {
+        let Some(posture) = self.current.take() else {
             return;
         };
-        let own = (posture.t, posture.mean());
-        if let Some(before) = self.kept.last_mut().filter(|p| p.after.is_none())
-            && self.last.as_ref().is_some_and(|last| last.0 == before.t)
-        {
-            before.after = Some(own.clone());
-        }
-        posture.before = self.last.replace(own);
         self.rising &= self.seen == 0 || posture.pose > self.end.0;
         self.first.get_or_insert((posture.pose, posture.t));
         self.end = (posture.pose, posture.t);
@@ -186,6 +241,7 @@ fn join(posture: &mut Posture, row: &Posture) {
         posture.sum[axis] += row.sum[axis];
         posture.variance[axis] += row.variance[axis];
     }
+    posture.moving.join(&row.moving);
 }
 
 /// How a log is to be taken.
@@ -212,14 +268,15 @@ impl Postures {
     ) -> Result<Postures, Error> {
         let log = log.into();
         let dofs = &model.tree.dofs;
-        let mut reader = PostureReader::open(&log, dofs, &taking.options)?;
+        let reader = PostureReader::open(&log, dofs, &taking.options)?;
+        let mut reader = Moving::planned(reader, dofs.len(), HEAD)?;
         let support = &model.tree.links[model.tree.support].name;
         let mut gathering = Gathering::new(taking.options.any_unit);
         let (mut stated, mut timed, mut raw) = (false, false, false);
         let mut elsewhere = 0_u64;
         let dof = dofs.len();
         loop {
-            let block = reader.block(BLOCK)?;
+            let (block, motion) = reader.rows(BLOCK)?;
             if block.is_empty() {
                 break;
             }
@@ -246,8 +303,7 @@ impl Postures {
                     variance: std.map(|s| s * s),
                     t: block.t.as_ref().map_or(0.0, |all| all[k]),
                     tilt: rows::tilt(gravity),
-                    before: None,
-                    after: None,
+                    moving: Motions::of(motion.as_ref(), k, dof),
                 };
                 gathering.push(row, gravity, std);
             }
@@ -268,6 +324,9 @@ impl Postures {
         let mut data = Postures::of(dof, &gathering, stated, timed, &own);
         data.cells = reader.sidecar.cells.clone().unwrap_or_default();
         data.raw_cells = raw;
+        data.motion_use.step_s = reader.step_s();
+        let planned = reader.plan().is_some();
+        data.motion = planned.then(|| gathering.motion(dof));
         data.summary = reader.summary();
         data.warnings.splice(0..0, reader.warnings.iter().cloned());
         let moved = gathering.known.moved();
@@ -298,8 +357,7 @@ impl Postures {
                 variance: [1.0; 2],
                 t: 0.0,
                 tilt: [0.0; 2],
-                before: None,
-                after: None,
+                moving: Motions::default(),
             };
             gathering.push(row, DOWN, [1.0; 2]);
         }
@@ -341,6 +399,9 @@ impl Postures {
             postures: gathering.seen,
             summary: None,
             warnings: noise.warning.into_iter().map(Message::from).collect(),
+            motion: None,
+            moved: None,
+            motion_use: MotionUse::NONE,
         };
         for (k, posture) in all.iter().enumerate() {
             let q = posture.mean();
@@ -351,12 +412,11 @@ impl Postures {
                 data.reading.push(posture.sum[axis] / posture.rows);
                 data.std.push(noise.per_entry[k][axis].hypot(taking.floor));
             }
-            if timed {
-                for joint in 0..dof {
-                    let [rate, acceleration] = motion(posture, &q, joint);
-                    u[layout.rate(joint)] = rate;
-                    u[layout.acceleration(joint)] = acceleration;
-                }
+            let [rates, accelerations, _] = &posture.moving.sums;
+            let pairs = rates.iter().zip(accelerations).enumerate();
+            for (joint, (rate, acceleration)) in pairs {
+                u[layout.rate(joint)] = rate / posture.moving.rows;
+                u[layout.acceleration(joint)] = acceleration / posture.moving.rows;
             }
             data.q.extend(q);
         }
@@ -387,12 +447,62 @@ impl Postures {
         }
     }
 
-    /// Count each reading for less known by `by`, m.
-    pub fn trust_less(&mut self, by: Vec<f64>) {
-        for (std, own) in self.std.iter_mut().zip(&by) {
+    /// Count each reading for less known by `by`, m, beside what it is less known by already.
+    pub fn trust_less(&mut self, by: &[f64]) {
+        for (std, own) in self.std.iter_mut().zip(by) {
             *std = std.hypot(*own);
         }
-        self.less_known = by;
+        self.less_known
+            .resize(by.len().max(self.less_known.len()), 0.0);
+        for (all, own) in self.less_known.iter_mut().zip(by) {
+            *all = all.hypot(*own);
+        }
+    }
+
+    /// Leave out postures whose motion is not known.
+    pub fn leave_out_unknown(&mut self) {
+        let Some(motion) = &mut self.motion else {
+            return;
+        };
+        let keep = std::mem::take(&mut motion.known);
+        let width = self.q.len() / keep.len().max(1);
+        let context = self.posture_context.len() / keep.len().max(1);
+        keep_some(&mut self.pose, 1, &keep);
+        keep_some(&mut self.q, width, &keep);
+        keep_some(&mut self.posture_context, context, &keep);
+        keep_some(&mut self.reading, 2, &keep);
+        keep_some(&mut self.std, 2, &keep);
+        keep_some(&mut self.less_known, 2, &keep);
+        self.t.iter_mut().for_each(|t| keep_some(t, 1, &keep));
+        for all in [&mut motion.rates, &mut motion.gains, &mut motion.gains_std] {
+            keep_some(all, width, &keep);
+        }
+        motion.known = vec![true; self.pose.len()];
+    }
+
+    /// Readings are those of a robot that is `moved`.
+    pub fn move_by(&mut self, moved: Moved) {
+        let count = self.len().max(1);
+        let width = self.posture_context.len() / count;
+        let layout = PostureContext::with_joints(self.q.len() / count);
+        let contexts = self.posture_context.chunks_exact_mut(width.max(1));
+        for (k, context) in contexts.enumerate() {
+            moved.tell(k, layout, context);
+        }
+        self.trust_less(&moved.std.concat());
+        self.moved = Some(Rc::new(moved));
+    }
+
+    /// The log with what motion adds taken from its readings.
+    pub fn standing(&self) -> Postures {
+        let mut data = self.clone();
+        if let Some(moved) = &self.moved {
+            let shift = moved.shift.iter().flatten();
+            for (reading, shift) in data.reading.iter_mut().zip(shift) {
+                *reading -= shift;
+            }
+        }
+        data
     }
 
     /// Postures.
@@ -417,13 +527,32 @@ pub fn rms(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 impl Gathering {
+    /// How the joints move in the postures that were kept.
+    fn motion(&self, dof: usize) -> Motion {
+        let mut motion = Motion::default();
+        for posture in &self.kept {
+            let own = &posture.moving;
+            let mean = |sum: &f64| sum / own.rows;
+            let still = own.sums[0].is_empty();
+            let of = |k: usize| own.sums[k].iter().map(mean);
+            let one = (!still).then(|| Motion {
+                rates: of(0).collect(),
+                gains: of(1).collect(),
+                gains_std: of(2).map(f64::sqrt).collect(),
+                known: vec![!own.unknown],
+            });
+            motion.extend(one, 1, dof);
+        }
+        motion
+    }
+
     /// Place of a posture in the log, 0 to 1: by time, by number where numbers
     /// rise, else by order.
     fn place(&self, k: usize, timed: bool) -> f64 {
         let (first, end) = (self.first.unwrap_or_default(), self.end);
         let posture = &self.kept[k];
         let (from, to, at) = match (timed, self.rising) {
-            (true, _) => (first.1, end.1, posture.t),
+            (true, _) => (self.span.0, self.span.1, posture.t),
             (false, true) => (first.0 as f64, end.0 as f64, posture.pose as f64),
             (false, false) => (0.0, self.seen as f64 - 1.0, (k * self.stride) as f64),
         };
@@ -432,24 +561,5 @@ impl Gathering {
         } else {
             0.0
         }
-    }
-}
-
-/// Velocity and acceleration of a joint, by the parabola through a posture and
-/// its neighbours in time; at the ends of a log by the line to the one there is.
-fn motion(posture: &Posture, q: &[f64], joint: usize) -> [f64; 2] {
-    let slope = |(t, other): &(f64, Vec<f64>)| {
-        let time = t - posture.t;
-        (time != 0.0).then(|| ((other[joint] - q[joint]) / time, time.abs()))
-    };
-    let left = posture.before.as_ref().and_then(slope);
-    let right = posture.after.as_ref().and_then(slope);
-    match (left, right) {
-        (Some((left, before)), Some((right, after))) => [
-            (left * after + right * before) / (before + after),
-            2.0 * (right - left) / (before + after),
-        ],
-        (Some((slope, _)), None) | (None, Some((slope, _))) => [slope, 0.0],
-        (None, None) => [0.0; 2],
     }
 }

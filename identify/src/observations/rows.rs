@@ -5,7 +5,8 @@
 //! CoP = CoM − (g_xy / g_z) CoM_z        CoM = rows(q) r        r_foot = T r + t
 //! ```
 //!
-//! The CoM is projected along gravity g on the sole plane. `T` and `t` hold
+//! The CoM is projected along gravity g on the sole plane; where joints move, the ZMP takes
+//! the place of the CoP ([`super::zmp`]). `T` and `t` hold
 //! lengths of the URDF only ([`sesc_model::Robot::params_from`]), so readings on both feet
 //! describe the same parameters.
 
@@ -13,6 +14,8 @@ use nalgebra::{DMatrix, DVector};
 use sesc_model::standard::Shift;
 use sesc_model::{Function, Model, Snapping};
 
+use super::motion::Motion;
+use super::zmp::Zmp;
 use crate::Error;
 use crate::evaluate::Evaluator;
 use crate::logs::Block;
@@ -71,6 +74,8 @@ struct Standing {
     link: String,
     model: Model,
     rows: CopRows,
+    /// Made when joints move.
+    zmp: Option<Zmp>,
     /// From the parameters of the first support; none on the first itself.
     shift: Option<Shift>,
 }
@@ -79,8 +84,11 @@ struct Standing {
 pub struct Rows {
     /// 2 per posture (x, y) × base parameters of the first support.
     pub matrix: DMatrix<f64>,
-    /// x, y, x, y, …, m
+    /// x, y, x, y, …, m; less what of the motion is no matter of parameters.
     pub reading: DVector<f64>,
+    /// What motion adds to readings by CAD, and how well that is known, m; empty where joints
+    /// stand.
+    pub motion: Vec<([f64; 2], [f64; 2])>,
 }
 
 /// Builds rows of the regressor of one support from postures.
@@ -114,11 +122,17 @@ impl<'r> Measurement<'r> {
 
     /// Rows of a block; postures without a support of their own stand on the first.
     pub fn rows(&mut self, block: &Block) -> Result<Rows, Error> {
+        self.moving_rows(block, None)
+    }
+
+    /// The same of joints in motion.
+    pub fn moving_rows(&mut self, block: &Block, motion: Option<&Motion>) -> Result<Rows, Error> {
         let (n, p) = (block.len(), self.model().base.params.len());
         let dof = self.model().dof();
         let mut rows = Rows {
             matrix: DMatrix::zeros(2 * n, p),
             reading: DVector::zeros(2 * n),
+            motion: Vec::new(),
         };
         let mut start = 0;
         while start < n {
@@ -129,20 +143,38 @@ impl<'r> Measurement<'r> {
             let gravity = block.gravity.as_ref().map(|all| &all[start..start + count]);
             let tilts = gravity.map(|all| all.iter().map(|g| tilt(*g)).collect::<Vec<_>>());
             let q = &block.q[start * dof..(start + count) * dof];
-            let matrix = self.standing[standing].rows.of(q, count, tilts.as_deref());
+            let standing = &mut self.standing[standing];
+            let moved = motion.map(|motion| {
+                let level = vec![[0.0; 2]; count];
+                let tilts = tilts.as_deref().unwrap_or(&level);
+                let zmp = standing
+                    .zmp
+                    .get_or_insert_with(|| Zmp::new(&standing.model));
+                zmp.moved(q, motion, start..start + count, tilts)
+            });
+            let matrix = match &moved {
+                Some(moved) => &moved.rows,
+                None => &standing.rows.of(q, count, tilts.as_deref()),
+            };
             let mut reading = DVector::zeros(2 * count);
             if let Some(all) = &block.reading {
                 let flat = all[start..start + count].iter().flatten();
                 reading.iter_mut().zip(flat).for_each(|(y, cop)| *y = *cop);
             }
+            if let Some(moved) = &moved {
+                let flat = moved.correction.iter().flatten();
+                reading.iter_mut().zip(flat).for_each(|(y, by)| *y -= by);
+                let pairs = moved.shift.iter().zip(&moved.std);
+                rows.motion.extend(pairs.map(|(shift, std)| (*shift, *std)));
+            }
             let (at, len) = (2 * start, 2 * count);
-            match &self.standing[standing].shift {
-                None => rows.matrix.rows_mut(at, len).copy_from(&matrix),
+            match &standing.shift {
+                None => rows.matrix.rows_mut(at, len).copy_from(matrix),
                 Some(shift) => {
                     rows.matrix
                         .rows_mut(at, len)
-                        .copy_from(&(&matrix * &shift.matrix));
-                    reading -= &matrix * &shift.offset;
+                        .copy_from(&(matrix * &shift.matrix));
+                    reading -= matrix * &shift.offset;
                 }
             }
             rows.reading.rows_mut(at, len).copy_from(&reading);
@@ -165,6 +197,7 @@ impl<'r> Measurement<'r> {
         self.standing.push(Standing {
             link: link.to_string(),
             rows: CopRows::new(&model).fastest(),
+            zmp: None,
             model,
             shift,
         });

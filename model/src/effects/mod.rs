@@ -36,7 +36,6 @@ mod sensor_rotation;
 mod standard;
 mod time_delay;
 mod units;
-mod unsettled_motion;
 
 use crate::expr::Id;
 pub use crate::measurement::foot::rectangle as foot_rectangle;

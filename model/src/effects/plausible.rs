@@ -29,12 +29,6 @@ pub const SENSOR_GAIN: (f64, f64, &str) = (
     "a sensor that shows less than a fifth or more than five times of the CoP is dead or has \
      another unit",
 );
-/// Share of the inertia that readings show.
-pub const DYNAMIC_SHARE: (f64, f64, &str) = (
-    0.0,
-    3.0,
-    "inertia acts once; a share far from 1 stands for something else",
-);
 /// A pull at the robot, as a part of its weight.
 pub const LARGEST_PULL: (f64, &str) = (
     1.0 / 3.0,

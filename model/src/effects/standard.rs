@@ -3,7 +3,7 @@
 use super::{
     Catalog, Effect, axes, backlash, cells, external_force, ground_slope, joint_compliance,
     joint_offset, joint_scale, joint_sign, joint_swap, payload, sensor_drift, sensor_gain,
-    sensor_offset, sensor_rotation, time_delay, units, unsettled_motion,
+    sensor_offset, sensor_rotation, time_delay, units,
 };
 
 /// All effects that this crate knows, in the order in which ties are broken: the
@@ -25,7 +25,6 @@ const STANDARD: &[&dyn Effect] = &[
     &cells::Exponent,
     &cells::Saturation,
     &time_delay::TimeDelay,
-    &unsettled_motion::UnsettledMotion,
     &joint_sign::JointSign,
     &joint_swap::JointSwap,
     &axes::SensorAxes,

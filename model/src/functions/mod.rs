@@ -119,6 +119,36 @@ pub fn differentiate_com(robot: &Robot) -> Program {
     Program::new(scratch.g, inputs, shape, &outputs)
 }
 
+/// What the ZMP of CAD's masses is made of, from `q`, `q̇`, `q̈`: rows of the CoM and of its
+/// acceleration by the base parameters (3 × p each, row-major), then the rate of angular
+/// momentum about the CoM over the mass, `(L̇_y, −L̇_x)/M`.
+///
+/// ```text
+/// p_xy = c_xy − (c_z c̈_xy + L̇⊥/M)/(g + c̈_z)        c = rows · r,  c̈ = rows of c̈ · r
+/// ```
+pub fn motion_rows(robot: &Robot) -> Program {
+    let given = Given::Positions;
+    let mut scratch = Scratch::new(robot, given, Parameters::Baked(robot.cad_params()));
+    let inputs = [
+        Argument::Positions,
+        Argument::Velocities,
+        Argument::Accelerations,
+    ];
+    let mut of = |argument| -> Vec<Id> {
+        (0..robot.dof())
+            .map(|j| scratch.g.input(argument, j))
+            .collect()
+    };
+    let joints = JointMotion {
+        rates: of(Argument::Velocities),
+        accelerations: of(Argument::Accelerations),
+    };
+    let outputs = scratch.motion_rows(&joints);
+    let inputs = inputs.map(|argument| Array::new(argument, robot.dof()));
+    let shape = Shape::Vector(outputs.len());
+    Program::new(scratch.g, inputs.to_vec(), shape, &outputs)
+}
+
 /// The chain of a robot while functions of it are written down.
 pub(crate) struct Scratch<'m> {
     pub(crate) m: &'m Robot,

@@ -29,6 +29,7 @@ use nalgebra::Vector3;
 
 use super::rotations::Turn;
 use super::{Known, Scratch};
+use crate::base::Column;
 use crate::expr::Id;
 use crate::inertia::{self, GRAVITY, Moments, PointMass};
 use crate::snap::tidy;
@@ -90,6 +91,41 @@ impl Scratch<'_> {
             let shift = self.g.mul(moment, inverse);
             self.g.sub(com[k], shift)
         })
+    }
+
+    /// What the ZMP is made of, for fits: rows of the CoM and of its acceleration by the base
+    /// parameters, 3 each, then L̇⊥/M of the URDF.
+    pub(crate) fn motion_rows(&mut self, joints: &JointMotion) -> Vec<Id> {
+        let m = self.m;
+        let axes = self.axes_of_support(&[0, 1, 2]);
+        let mut outputs = self.regressor(&axes);
+        let seen = self.seen(&axes);
+        let turnings = self.turnings(joints);
+        let slides = self.slides(&turnings, joints);
+        for row in [0, 1, 2] {
+            for param in &m.base.params {
+                let (body, acceleration) = match param.column {
+                    Column::Axis { body, axis } => {
+                        (body, turnings[body].rows.map(|entries| entries[axis]))
+                    }
+                    Column::Prismatic { body } => {
+                        let slide = slides[body].as_ref();
+                        let acceleration = slide.map(|slide| slide.acceleration);
+                        let zero = self.g.constant(0.0);
+                        let parent = m.chain.bodies[body].parent.unwrap_or(body);
+                        (parent, acceleration.unwrap_or([zero; 3]))
+                    }
+                };
+                let b = seen[body][row].after.entries;
+                outputs.push(self.g.dot(&b, &acceleration));
+            }
+        }
+        let moments = inertia::moments(m, &[]);
+        let whole = self.wrench(&moments, &turnings, &slides);
+        let spin = self.cross(whole.first.entries, whole.force.entries);
+        let spin = [0, 1].map(|k| self.g.sub(whole.moment.entries[k], spin[k]));
+        outputs.extend([spin[1], self.g.neg(spin[0])]);
+        outputs
     }
 
     /// How every body turns, root to leaf.

@@ -3,7 +3,8 @@
 use crate::robot::Robot;
 
 /// Layout of what a posture has beside its joint positions, in this order:
-/// place in the log, tilt (2), rates, accelerations, sides of dead bands.
+/// place in the log, tilt (2), what motion adds (2), rates, accelerations, sides of dead bands,
+/// slopes of what motion adds (2 per joint).
 #[derive(Debug, Clone, Copy)]
 pub struct PostureContext {
     dof: usize,
@@ -22,7 +23,7 @@ impl PostureContext {
 
     /// Entries per posture.
     pub fn len(self) -> usize {
-        3 + 3 * self.dof
+        5 + 5 * self.dof
     }
 
     /// Always false, since a posture always has a tilt.
@@ -40,19 +41,30 @@ impl PostureContext {
         1 + axis
     }
 
+    /// What motion adds to the CoP on an axis, m: the ZMP less what a standing robot shows.
+    pub fn shift(self, axis: usize) -> usize {
+        3 + axis
+    }
+
     /// Velocity of a joint, rad/s or m/s.
     pub fn rate(self, dof: usize) -> usize {
-        3 + dof
+        5 + dof
     }
 
     /// Acceleration of a joint, rad/s² or m/s².
     pub fn acceleration(self, dof: usize) -> usize {
-        3 + self.dof + dof
+        5 + self.dof + dof
     }
 
     /// Which side of its dead band a joint rests on, −1 to 1.
     pub fn side(self, dof: usize) -> usize {
-        3 + 2 * self.dof + dof
+        5 + 2 * self.dof + dof
+    }
+
+    /// How what motion adds to the CoP on an axis changes with the position of a joint, m/rad
+    /// or 1.
+    pub fn shift_slope(self, dof: usize, axis: usize) -> usize {
+        5 + 3 * self.dof + 2 * dof + axis
     }
 }
 
@@ -66,6 +78,6 @@ pub enum Source {
     Resting,
     /// Any posture: level ground, standing still, sides by the gravity moments.
     Posture,
-    /// Any posture, with the direction of gravity taken from its context.
+    /// Any posture, with the direction of gravity and what motion adds from its context.
     Tilted,
 }

@@ -3,14 +3,15 @@
 //! ```text
 //! q ─ wiring, joints ─▶ φ ─ bends under gravity ─▶ φ'      r ─ loads ─▶ r'
 //! c = r'_0 + Σ B_i(φ') r'_i                                CoM, loads included
-//! p = c_xy + c_z·tilt + Σ b_k z_k(φ')                      CoP; pulls b at points z
+//! p = c_xy + c_z·tilt + Σ b_k z_k(φ') + Δ + ∂Δ/∂φ (φ' − q)  CoP; pulls b at points z
 //! y = sensor(p)                                            the reading
 //! ```
 //!
 //! Stages are walked in this order; an effect rewrites what its stage holds.
 //! Gravity, for bends as for the CoP, points along `(tilt_x, tilt_y, −1)`; what
 //! presses on the ground is taken along the sole's normal as on level ground,
-//! which leaves out a part tilt²/2 of what forces and springs in N add.
+//! which leaves out a part tilt²/2 of what forces and springs in N add. Δ is what motion adds,
+//! which the context of a posture says for the positions q that the wiring makes of encoders.
 
 mod bends;
 mod body;
@@ -296,6 +297,10 @@ impl<'m> Measured<'m> {
             let g = &mut self.scratch.g;
             let leaning = g.mul(self.tilt[axis], com[2]);
             self.reading[axis] = g.add(com[axis], leaning);
+            if self.source != Source::Posture {
+                let shift = self.shift(axis);
+                self.reading[axis] = self.add(self.reading[axis], shift);
+            }
         }
         for k in 0..self.pulls.len() {
             let height = self.at_point(k, &format!("p{k}"))[0].v.entries[2];
@@ -305,6 +310,22 @@ impl<'m> Measured<'m> {
                 self.reading[axis] = self.add(self.reading[axis], moved);
             }
         }
+    }
+
+    /// What motion adds to the CoP on an axis.
+    fn shift(&mut self, axis: usize) -> Id {
+        let layout = PostureContext::of(self.robot());
+        let mut shift = self.posture_context(layout.shift(axis));
+        for dof in 0..self.joints.len() {
+            let (joint, wired) = (self.joints[dof], self.wired[dof]);
+            if joint != wired {
+                let off = self.sub(joint, wired);
+                let slope = self.posture_context(layout.shift_slope(dof, axis));
+                let by = self.mul(slope, off);
+                shift = self.add(shift, by);
+            }
+        }
+        shift
     }
 
     /// From here on expressions are those of the robot at these joint positions.

@@ -6,11 +6,12 @@
 //! p   = (-m_y, m_x) / R_z                  where the ground's answer has no moment along x, y
 //! ```
 //!
-//! The second is the first where nothing but gravity acts. A body that is
-//! accelerated by `a` pulls at the robot with `-m a`; each link counts as a
-//! point at its centre of mass.
+//! The second is the first where nothing but gravity acts. A link whose centre of mass is
+//! accelerated by `a` pulls at the robot with `-m a`, and turns it with `-(I α + ω × I ω)`;
+//! what a link carries loosely counts as a point. `ω` and `α` come from its orientations at
+//! three moments.
 
-use nalgebra::{Point3, Vector2, Vector3};
+use nalgebra::{Matrix3, Point3, Rotation3, Vector2, Vector3};
 
 use crate::error::Error;
 use crate::joint::Pose;
@@ -24,6 +25,14 @@ pub(super) struct Pressure {
     pub at_m: Vector2<f64>,
     /// How hard the sole presses, N.
     pub total_n: f64,
+}
+
+/// What inertia does to a robot that moves.
+#[derive(Default)]
+pub(super) struct Inertia {
+    forces: Vec<Load>,
+    /// N m
+    moment: Vector3<f64>,
 }
 
 impl World {
@@ -100,20 +109,23 @@ impl World {
         (moment / total_kg, total_kg)
     }
 
-    /// The pressure under the sole when the joints stand at `joints` and these
-    /// forces of inertia act.
-    pub(super) fn pressure(&self, joints: &[f64], inertia: &[Load]) -> Pressure {
+    /// The pressure under the sole when the joints stand at `joints` and this
+    /// inertia acts.
+    pub(super) fn pressure(&self, joints: &[f64], inertia: &Inertia) -> Pressure {
         let (com, mass_kg) = self.com_of(joints);
         let weight = self.pull_of_gravity() * mass_kg;
-        if self.pulls.is_empty() && inertia.is_empty() {
+        if self.pulls.is_empty() && inertia.forces.is_empty() {
             return Pressure {
                 at_m: (com - self.gravity * (com.z / self.gravity.z)).xy(),
                 total_n: -weight.z,
             };
         }
-        let (mut force, mut moment) = (weight, com.cross(&weight));
+        let (mut force, mut moment) = (weight, com.cross(&weight) + inertia.moment);
         let poses = self.reference.link_poses(joints);
-        for load in self.pull_loads(&poses).chain(inertia.iter().copied()) {
+        for load in self
+            .pull_loads(&poses)
+            .chain(inertia.forces.iter().copied())
+        {
             force += load.force_n;
             moment += load.at_m.coords.cross(&load.force_n);
         }
@@ -123,9 +135,35 @@ impl World {
         }
     }
 
-    /// The forces of inertia at the middle one of three moments that are
-    /// `step_s` apart.
-    pub(super) fn inertia(&self, joints: [&[f64]; 3], step_s: f64) -> Vec<Load> {
+    /// The inertia at the middle one of three moments that are `step_s` apart.
+    pub(super) fn inertia(&self, joints: [&[f64]; 3], step_s: f64) -> Inertia {
+        Inertia {
+            forces: self.forces_of_inertia(joints, step_s),
+            moment: self.moment_of_inertia(joints, step_s),
+        }
+    }
+
+    /// -Σ I α + ω × I ω over the links.
+    fn moment_of_inertia(&self, joints: [&[f64]; 3], step_s: f64) -> Vector3<f64> {
+        let [before, now, after] = joints.map(|joints| self.reference.link_poses(joints));
+        let links = self.robot().links().iter().enumerate();
+        let moments = links.map(|(l, link)| {
+            let turned = |from: &Pose, to: &Pose| -> Vector3<f64> {
+                let turn = Rotation3::from_matrix_unchecked(
+                    to.rotation.matrix() * from.rotation.matrix().transpose(),
+                );
+                turn.scaled_axis() / step_s
+            };
+            let (first, second) = (turned(&before[l], &now[l]), turned(&now[l], &after[l]));
+            let (rate, gain) = ((first + second) / 2.0, (second - first) / step_s);
+            let at = now[l].rotation.matrix();
+            let inertia: Matrix3<f64> = at * link.inertia_kg_m2 * at.transpose();
+            inertia * gain + rate.cross(&(inertia * rate))
+        });
+        -moments.sum::<Vector3<f64>>()
+    }
+
+    fn forces_of_inertia(&self, joints: [&[f64]; 3], step_s: f64) -> Vec<Load> {
         let places = joints.map(|joints| self.mass_points(joints));
         let [before, now, after] = &places;
         let moments = before.iter().zip(now).zip(after);

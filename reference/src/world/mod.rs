@@ -30,7 +30,7 @@ use crate::error::Error;
 use crate::robot::Robot;
 
 use cells::Cells;
-use ground::Pressure;
+use ground::{Inertia, Pressure};
 use joints::Encoder;
 use sensor::Sensor;
 use statics::{Pull, Yielding, moved_links};
@@ -165,7 +165,7 @@ impl World {
     /// # Panics
     /// As [`World::true_posture`].
     pub fn cop(&self, q: &[f64]) -> [f64; 2] {
-        let pressure = self.pressure(&self.settle(q), &[]);
+        let pressure = self.pressure(&self.settle(q), &Inertia::default());
         self.sense(q, &pressure, 0.0, Vector2::zeros()).cop
     }
 

@@ -12,6 +12,7 @@ use std::rc::Rc;
 use nalgebra::Vector2;
 
 use super::World;
+use super::ground::Inertia;
 use super::sensor::Outliers;
 
 /// A posture at any time, s.
@@ -207,7 +208,8 @@ impl World {
         let progress = track.progress(i);
         let Some((times, motion)) = &track.motion else {
             let joints = self.settle(written);
-            return self.sense(written, &self.pressure(&joints, &[]), progress, jump);
+            let pressure = self.pressure(&joints, &Inertia::default());
+            return self.sense(written, &pressure, progress, jump);
         };
         let t = times[i] + self.delay_s;
         let q = if self.delay_s == 0.0 {
@@ -221,7 +223,7 @@ impl World {
             let after = self.settle(&motion(t + STEP_S));
             self.inertia([&before, &joints, &after], STEP_S)
         } else {
-            Vec::new()
+            Inertia::default()
         };
         self.sense(&q, &self.pressure(&joints, &inertia), progress, jump)
     }

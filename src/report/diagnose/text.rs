@@ -120,6 +120,9 @@ fn facts(found: &Diagnosis) -> String {
         ),
     );
     fact("samples", found.samples.sentence());
+    if !found.motion.sentence.is_empty() {
+        fact("motion", found.motion.sentence.clone());
+    }
     if let Some(visits) = &found.visits {
         fact("visits", visits.sentence());
     }

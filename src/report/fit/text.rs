@@ -133,6 +133,9 @@ fn facts(found: &Identification) -> String {
         },
     );
     fact("samples", found.samples.sentence());
+    if !found.motion.sentence.is_empty() {
+        fact("motion", found.motion.sentence.clone());
+    }
     if let Some(visits) = &found.visits {
         fact("visits", visits.sentence());
     }

@@ -14,6 +14,7 @@ pub mod diagnoser;
 pub mod hidden;
 pub mod judge;
 pub mod log;
+pub mod moving;
 pub mod poses;
 pub mod recording;
 pub mod refit;

@@ -1,4 +1,7 @@
-//! Posture logs of an ideal robot: uniform postures, Gaussian CoP noise.
+//! Posture logs of an ideal robot: uniform postures, or a motion through the joints' ranges,
+//! and Gaussian CoP noise.
+
+mod waves;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -9,10 +12,12 @@ use rand_distr::{Distribution as _, Normal};
 use sesc_model::tree::Dof;
 use sesc_model::{Function, Model};
 
-use crate::evaluate::Evaluator;
+use crate::evaluate::{Evaluator, MotionPredictor};
 use crate::logs::{LogSource, PostureWriter, Row, Sidecar, Table, Written};
+use crate::observations::motion_use::MotionModel;
 use crate::watch::{Watch, tell};
 use crate::{Error, Setting, message};
+use waves::{Moment, Waves};
 
 /// Why a posture has no CoP.
 const BEYOND: &str = "a drawn posture has no finite CoP: an angle is beyond 2^20 rad, where \
@@ -38,6 +43,10 @@ pub struct Request {
     pub noise: f64,
     /// Seed of postures and noise.
     pub seed: u64,
+    /// Rows per second of a robot that moves, Hz; postures at rest unless given.
+    pub rate: Option<f64>,
+    /// Whether readings of a robot that moves are those of the ZMP.
+    pub motion: MotionModel,
 }
 
 impl Request {
@@ -50,6 +59,8 @@ impl Request {
             range: None,
             noise: 0.0,
             seed: 1,
+            rate: None,
+            motion: MotionModel::Auto,
         }
     }
 
@@ -65,6 +76,10 @@ impl Request {
                 format!(": {given} positions given; one of each of {dof} joints is needed");
             let poses = format!(" {}", self.poses);
             return Err(Error::request(message![Setting::Poses, poses, remedy]));
+        }
+        if let Some(rate) = self.rate.filter(|r| !(1e-3..=1e6).contains(r)) {
+            let remedy = format!(" {rate}: give rows per second, 0.001 to 1e6");
+            return Err(Error::request(message![Setting::Rate, remedy]));
         }
         let noise = self.noise;
         if !(noise.is_finite() && noise >= 0.0) {
@@ -84,20 +99,40 @@ impl Request {
         let mut simulator = Simulator::new(&model.tree.dofs, self.range, self.seed);
         let evaluator = Evaluator::new(model, Function::Cop);
         let dof = model.dof();
+        let waves = self.rate.map(|_| simulator.waves());
+        let zmp = match self.motion {
+            MotionModel::Auto => waves.as_ref().map(|_| MotionPredictor::new(model)),
+            MotionModel::Off => None,
+        };
         for start in (0..self.poses).step_by(BLOCK) {
             tell(watch, "simulating", start as u64, self.poses as u64)?;
             let n = BLOCK.min(self.poses - start);
-            let q = match &self.postures {
-                Some(given) => given[start * dof..(start + n) * dof].to_vec(),
-                None => simulator.batch(n),
+            let time = |k: usize| self.rate.map_or(0.0, |rate| (start + k) as f64 / rate);
+            let mut moment = Moment::default();
+            match &waves {
+                Some(waves) => (0..n).for_each(|k| waves.at(time(k), &mut moment)),
+                None => {
+                    moment.q = match &self.postures {
+                        Some(given) => given[start * dof..(start + n) * dof].to_vec(),
+                        None => simulator.batch(n),
+                    }
+                }
+            }
+            let q = moment.q;
+            let readings = match &zmp {
+                Some(zmp) => {
+                    let motion = (&moment.rates[..], &moment.accelerations[..]);
+                    zmp.readings(&q, n, motion)
+                }
+                None => evaluator.run(&q, n),
             };
-            let readings = evaluator.run(&q, n);
             if readings.iter().any(|x| !x.is_finite()) {
                 return Err(Error::request(BEYOND));
             }
             for (k, cop) in readings.chunks_exact(2).enumerate() {
                 take(&Row {
                     pose: (start + k) as i64,
+                    t: time(k),
                     q: &q[k * dof..(k + 1) * dof],
                     cop: [cop[0], cop[1]].map(|x| x + simulator.gauss(self.noise)),
                     cop_std: [self.noise; 2],
@@ -110,6 +145,7 @@ impl Request {
 
     fn columns(&self) -> Written {
         Written {
+            t: self.rate.is_some(),
             cop: true,
             cop_std: self.noise > 0.0,
             ..Written::default()
@@ -151,9 +187,11 @@ pub fn simulate(request: &Request, watch: &mut dyn Watch) -> Result<LogSource, E
     request.check()?;
     let dofs = &request.model.tree.dofs;
     let mut poses = Vec::with_capacity(request.poses);
+    let mut times = Vec::new();
     let mut columns = vec![Vec::with_capacity(request.poses); dofs.len() + 2];
     request.run(watch, |row| {
         poses.push(row.pose);
+        times.push(row.t);
         let numbers = row.q.iter().chain(&row.cop);
         for (column, x) in columns.iter_mut().zip(numbers) {
             column.push(*x);
@@ -161,6 +199,9 @@ pub fn simulate(request: &Request, watch: &mut dyn Watch) -> Result<LogSource, E
         Ok(())
     })?;
     let mut table = Table::new("simulation").integers("pose", poses);
+    if request.rate.is_some() {
+        table = table.numbers("t", times);
+    }
     let names = dofs.iter().map(|dof| dof.joint.as_str());
     for (name, column) in names.chain(["cop_x", "cop_y"]).zip(columns) {
         table = table.numbers(name, column);
@@ -204,6 +245,11 @@ impl Simulator {
             noise,
             ranges: dofs.iter().map(|dof| narrowed(dof, range)).collect(),
         }
+    }
+
+    /// A motion through the ranges.
+    fn waves(&mut self) -> Waves {
+        Waves::draw(&self.ranges, &mut self.postures)
     }
 
     /// The next posture, rad or m.

@@ -1,0 +1,161 @@
+//! Readings of a robot that moves.
+//!
+//! ```text
+//! y = sensor(CoP(φ) + Δ)        Δ = ZMP − static CoP, of CAD's masses at the joints that were read
+//! ```
+//!
+//! Δ has no unknown: the URDF gives masses and inertias, the log accelerations. Masses that are
+//! free move it by its rows, `∂Δ/∂r`, joints that stand elsewhere by its slopes, `∂Δ/∂q`. How much of Δ readings show is tested as a share against
+//! 1, once before anything is explained (readings that show none are static), and once beside
+//! what was found.
+
+use std::rc::Rc;
+
+use nalgebra::{DMatrix, DVector};
+use sesc_model::effects::PostureContext;
+use sesc_model::{Function, Model};
+
+use super::problem::{Fit, Problem};
+use crate::evaluate::Evaluator;
+use crate::fit::prior::{Prior, Tolerances};
+use crate::observations::correlation::Correlation;
+use crate::observations::motion_use::{Column, MotionModel, MotionUse, Share};
+use crate::observations::postures::{Postures, rms};
+use crate::observations::zmp::{Moved, Zmp};
+
+/// How far joints may stand from where encoders say, rad or m.
+const OFFSET: f64 = 0.1;
+
+/// How late joints may be against readings, s.
+const DELAY_S: f64 = 0.1;
+
+/// Compare the readings of a log with the ZMP where it knows accelerations.
+pub(super) fn account(data: &mut Postures, model: &Model, prior: &Prior, asked: MotionModel) {
+    if let (Some(_), MotionModel::Auto) = (&data.motion, asked) {
+        let all = data.clone();
+        data.leave_out_unknown();
+        let moved = moved(data, model);
+        let rms_m = rms(moved.shift.iter().flatten().copied());
+        if rms_m > 0.0 && data.len() > 2 {
+            let share = share_of_readings(data, model, prior, &moved);
+            let left_out = (all.len() - data.len()) as u64;
+            let used = share.is_some_and(|share| share.is_seen());
+            if !used {
+                *data = all;
+            }
+            data.motion_use = MotionUse {
+                used,
+                share,
+                rms_m,
+                rows_left_out: if used { left_out } else { 0 },
+                ..data.motion_use.clone()
+            };
+            if used {
+                let motion = data.motion.clone().unwrap_or_default();
+                let (rates, gains) = (&motion.rates[..], &motion.gains[..]);
+                let (cad, tilts) = (model.cad_params(), tilts(data, model));
+                let slopes = Zmp::new(model).slopes(&cad, &data.q, (rates, gains), &tilts);
+                data.move_by(Moved { slopes, ..moved });
+            }
+        } else {
+            *data = all;
+        }
+    }
+    data.motion_use = std::mem::take(&mut data.motion_use).told();
+}
+
+fn tilts(data: &Postures, model: &Model) -> Vec<[f64; 2]> {
+    let layout = PostureContext::of(model);
+    let contexts = data.posture_context.chunks_exact(layout.len());
+    contexts
+        .map(|context| [0, 1].map(|axis| context[layout.tilt(axis)]))
+        .collect()
+}
+
+fn moved(data: &Postures, model: &Model) -> Moved {
+    let motion = data.motion.clone().unwrap_or_default();
+    Zmp::new(model).moved(&data.q, &motion, 0..data.len(), &tilts(data, model))
+}
+
+/// The share that readings show, with masses within their prior and joints that stand
+/// elsewhere than encoders say, or did so earlier.
+fn share_of_readings(
+    data: &Postures,
+    model: &Model,
+    prior: &Prior,
+    moved: &Moved,
+) -> Option<Share> {
+    let cad = DVector::from_vec(model.cad_params());
+    let n = 2 * data.len();
+    let predicted = &moved.rows * &cad;
+    let corrections = moved.correction.iter().flatten();
+    let gaps = data.reading.iter().zip(corrections).enumerate();
+    let gaps = gaps.map(|(row, (y, by))| y - by - predicted[row]);
+    let residual = DVector::from_iterator(n, gaps);
+    let per_sample = |axis: usize| {
+        let t = data.t.as_deref()?;
+        let of_axis = |row: usize| 2 * row + axis;
+        let y = DVector::from_fn(data.len(), |k, _| residual[of_axis(k)]);
+        let x = DMatrix::from_fn(data.len(), 2 + cad.len(), |k, c| match c {
+            0 => 1.0,
+            1 => moved.shift[k][axis],
+            c => moved.rows[(of_axis(k), c - 2)],
+        });
+        Some(Correlation::of(t, &y, &x).rows_per_sample)
+    };
+    let per_sample = (0..2).filter_map(per_sample).fold(1.0, f64::max);
+    let usual = || Prior::Cad(Tolerances::usual()).factor(model);
+    let masses = prior.factor(model).or_else(usual)?;
+    let (p, m, dof) = (cad.len(), masses.ncols(), model.dof());
+    let by_joints = Evaluator::new(model, Function::ComJacobian).run(&data.q, data.len());
+    let by_joint = |row: usize, joint: usize| by_joints[(3 * (row / 2) + row % 2) * dof + joint];
+    let rates = data.motion.as_ref().map_or(&[][..], |motion| &motion.rates);
+    let by_delay = |row: usize| -> f64 {
+        let own = rates.iter().skip(row / 2 * dof).take(dof).enumerate();
+        own.map(|(joint, rate)| rate * by_joint(row, joint)).sum()
+    };
+    let rows = DMatrix::from_fn(n, p + dof + 1, |row, c| match c {
+        c if c < p => moved.rows[(row, c)],
+        c if c < p + dof => by_joint(row, c - p),
+        _ => by_delay(row),
+    });
+    let unsure = DMatrix::from_fn(p + dof + 1, m + dof + 1, |r, c| match (r, c) {
+        (r, c) if r < p && c < m => masses[(r, c)],
+        (r, c) if r >= p && r - p + m == c => match r < p + dof {
+            true => OFFSET,
+            false => DELAY_S,
+        },
+        _ => 0.0,
+    });
+    let column = Column {
+        shift: moved.shift.concat(),
+        residual,
+        rows,
+        masses: p,
+    };
+    column.share(&unsure, per_sample)
+}
+
+/// What is said of the motion in a log, once an explanation is found.
+pub(super) fn said(problem: &Problem, fit: &Fit) -> MotionUse {
+    let mut said = problem.data.motion_use.clone();
+    if let Some(moved) = problem.data.moved.as_ref().filter(|_| said.used) {
+        said.share = share_beside(problem, fit, moved).or(said.share);
+    }
+    said.told()
+}
+
+/// The share of Δ in what an explanation leaves, with masses and its effects free.
+fn share_beside(problem: &Problem, fit: &Fit, moved: &Rc<Moved>) -> Option<Share> {
+    let (rows, effects) = fit.slopes.shape();
+    let columns = DMatrix::from_fn(rows, 1 + effects, |row, column| match column {
+        0 => moved.shift[row / 2][row % 2] * problem.weight[row],
+        column => fit.slopes[(row, column - 1)],
+    });
+    let masses = problem.masses(&fit.terms);
+    let share = Share::of(&columns, &fit.residual, |x| masses.project_out(x), 1.0)?;
+    Some(Share {
+        value: 1.0 + share.value,
+        ..share
+    })
+}

@@ -1,0 +1,245 @@
+//! Whether readings are compared with the ZMP, and how much of it they show.
+//!
+//! ```text
+//! y = Y r + a Δ + noise        Δ = ZMP − static CoP by CAD, a: the share, 1 where all is known
+//! ```
+//!
+//! A log that was averaged in standing postures, or simulated so, holds no Δ though its joints
+//! move, and slow motion adds less than noise: unless a is clearly there, readings are static.
+
+use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
+
+use super::correlation;
+use super::motion::LONGEST_S;
+use super::noise::LEAST_STD;
+
+/// A share is seen that is so many deviations from none.
+const SURE: f64 = 3.0;
+/// A share this many deviations from 1 is another one,
+const ANOTHER: f64 = 4.0;
+/// if it is off by this as well: accelerations are not known better.
+const CLEARLY: f64 = 0.1;
+/// Shares that are known less well are not told.
+const TOLD: f64 = 1.0;
+
+/// Whether the motion of the joints counts.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum MotionModel {
+    /// Readings are compared with the ZMP where a log knows accelerations.
+    #[default]
+    Auto,
+    /// Readings are taken as those of standing postures.
+    Off,
+}
+
+/// A share with its standard deviation.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Share {
+    /// 1 where readings show all that motion adds by the URDF.
+    pub value: f64,
+    /// Standard deviation.
+    pub std: f64,
+}
+
+impl Share {
+    /// Whether readings show the motion: nearer to all of it than to none, beyond chance.
+    pub fn is_seen(&self) -> bool {
+        self.value > 0.5 && self.value > SURE * self.std
+    }
+
+    fn is_another(&self) -> bool {
+        let off = (self.value - 1.0).abs();
+        off > ANOTHER * self.std && off > CLEARLY
+    }
+
+    /// Least squares of whitened rows `residual ≈ columns · x`, of which the first column is
+    /// what motion adds and `left` what is left of vectors beside masses; `rows_per_sample`
+    /// rows are worth one. `None` where readings do not tell.
+    pub fn of(
+        columns: &DMatrix<f64>,
+        residual: &DVector<f64>,
+        left: impl Fn(&DMatrix<f64>) -> DMatrix<f64>,
+        rows_per_sample: f64,
+    ) -> Option<Share> {
+        let inner = left(columns);
+        let mut normal = columns.tr_mul(&inner);
+        let scale: Vec<f64> = (0..normal.nrows())
+            .map(|k| normal[(k, k)].max(f64::MIN_POSITIVE).sqrt())
+            .collect();
+        for a in 0..scale.len() {
+            for b in 0..scale.len() {
+                normal[(a, b)] /= scale[a] * scale[b];
+            }
+            // Directions without information stay where they are.
+            normal[(a, a)] += 1e-9;
+        }
+        let gradient = inner.tr_mul(residual);
+        let gradient = DVector::from_fn(scale.len(), |k, _| gradient[k] / scale[k]);
+        let factor = normal.cholesky()?;
+        let step = factor.solve(&gradient);
+        let unscaled = DVector::from_fn(scale.len(), |k, _| step[k] / scale[k]);
+        let rest = residual - columns * &unscaled;
+        let rest = DMatrix::from_column_slice(rest.len(), 1, rest.as_slice());
+        let square = rest.dot(&left(&rest));
+        let spare = (residual.len() as f64 / rows_per_sample - scale.len() as f64).max(1.0);
+        // What is left says how well readings are known, whatever their noise was said to be.
+        let beside = (square / rows_per_sample / spare).max(1.0);
+        let variance = factor.inverse()[(0, 0)] / (scale[0] * scale[0]);
+        let share = Share {
+            value: unscaled[0],
+            std: (variance * beside * rows_per_sample).sqrt(),
+        };
+        (share.value.is_finite() && share.std < TOLD).then_some(share)
+    }
+}
+
+/// What motion adds to readings, beside what masses do.
+pub struct Column {
+    /// By CAD, x and y in turn, m or over deviations.
+    pub shift: Vec<f64>,
+    /// Readings less those of CAD in motion, likewise.
+    pub residual: DVector<f64>,
+    /// Of the base parameters, and of what else may be off, likewise.
+    pub rows: DMatrix<f64>,
+    /// How many of these are of the base parameters, the first ones.
+    pub masses: usize,
+}
+
+impl Column {
+    /// The share of it in readings, with constants of both axes and what `rows` are of within
+    /// `unsure` (F, p × m); `rows_per_sample` rows are worth one.
+    pub fn share(&self, unsure: &DMatrix<f64>, rows_per_sample: f64) -> Option<Share> {
+        let n = self.residual.len();
+        let columns = DMatrix::from_fn(n, 3, |row, column| match column {
+            0 => self.shift[row],
+            column => f64::from(u8::from(column == 1 + row % 2)),
+        });
+        let free = DMatrix::from_fn(n, self.masses + 3, |r, c| match c {
+            c if c < 3 => columns[(r, c)],
+            c => self.rows[(r, c - 3)],
+        });
+        let (square, _) = correlation::left(&free, &self.residual);
+        let whole = self.residual.norm_squared() / n as f64;
+        let square = if square.is_nan() { whole } else { square };
+        let noise = square.sqrt().max(LEAST_STD);
+        let k = &self.rows * unsure / noise;
+        let inner = k.tr_mul(&k) + DMatrix::identity(k.ncols(), k.ncols());
+        let inner = inner.cholesky()?;
+        let left = |x: &DMatrix<f64>| x - &k * inner.solve(&k.tr_mul(x));
+        let residual = &self.residual / noise;
+        let share = Share::of(&(columns / noise), &residual, left, rows_per_sample)?;
+        Some(Share {
+            value: 1.0 + share.value,
+            ..share
+        })
+    }
+}
+
+/// How motion was taken into account.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct MotionUse {
+    /// Whether readings were compared with the ZMP.
+    pub used: bool,
+    /// How much of what motion should add to readings is there; none where joints stand or
+    /// readings do not tell.
+    pub share: Option<Share>,
+    /// RMS of what motion adds to readings by the URDF, m.
+    pub rms_m: f64,
+    /// Rows left out because their accelerations are not known.
+    pub rows_left_out: u64,
+    /// Between rows, s; none of logs without times in order.
+    pub step_s: Option<f64>,
+    /// The same in a sentence; empty of a log without times, or whose joints stand.
+    pub sentence: String,
+}
+
+impl MotionUse {
+    /// Nothing is known of motion.
+    pub const NONE: MotionUse = MotionUse {
+        used: false,
+        share: None,
+        rms_m: 0.0,
+        rows_left_out: 0,
+        step_s: None,
+        sentence: String::new(),
+    };
+
+    /// With its sentence.
+    pub fn told(mut self) -> MotionUse {
+        self.sentence = match (self.used, self.share, self.step_s) {
+            (true, share, _) => self.of_motion(share),
+            (false, Some(share), _) => format!(
+                "Motion of the joints should add {:.2} mm to the readings, which show {:.2} ± \
+                 {:.2} of it: they are taken as those of standing postures.",
+                1e3 * self.rms_m,
+                share.value,
+                share.std
+            ),
+            (false, _, Some(step)) if step > LONGEST_S => format!(
+                "Rows are {} s apart, too far to know accelerations: readings are taken as those \
+                 of standing postures.",
+                short(step)
+            ),
+            _ => String::new(),
+        };
+        self
+    }
+
+    fn of_motion(&self, share: Option<Share>) -> String {
+        let shown = match share {
+            Some(share) if share.is_another() => format!(
+                ", of which they show {:.2} ± {:.2}: they are filtered or late, or inertias are \
+                 others",
+                share.value, share.std
+            ),
+            Some(Share { value, std }) => format!(" (they show {value:.2} ± {std:.2} of it)"),
+            None => String::new(),
+        };
+        let rest = match self.rows_left_out {
+            0 => String::new(),
+            1 => " 1 row does not know its accelerations and is left out.".to_string(),
+            n => format!(" {n} rows do not know their accelerations and are left out."),
+        };
+        format!(
+            "Readings are compared with the ZMP, inertias from the URDF: motion adds {:.2} mm RMS \
+             to them{shown}.{rest}",
+            1e3 * self.rms_m
+        )
+    }
+
+    /// Whether it changes what is found.
+    pub fn matters(&self) -> bool {
+        self.used
+    }
+
+    /// Add what was found of another log.
+    pub fn merge(&mut self, other: &MotionUse) {
+        let weight =
+            |share: &Option<Share>| share.map_or(0.0, |s| 1.0 / (s.std * s.std).max(1e-12));
+        let (own, more) = (weight(&self.share), weight(&other.share));
+        self.share = match (self.share, other.share) {
+            (Some(a), Some(b)) => Some(Share {
+                value: (own * a.value + more * b.value) / (own + more),
+                std: 1.0 / (own + more).sqrt(),
+            }),
+            (a, b) => a.or(b),
+        };
+        self.used |= other.used;
+        self.rms_m = self.rms_m.max(other.rms_m);
+        self.rows_left_out += other.rows_left_out;
+        self.step_s = match (self.step_s, other.step_s) {
+            (Some(a), Some(b)) => Some(a.max(b)),
+            (a, b) => a.or(b),
+        };
+    }
+}
+
+/// A time with two digits.
+fn short(seconds: f64) -> String {
+    match seconds {
+        s if s < 10.0 => format!("{s:.1}"),
+        s => format!("{s:.0}"),
+    }
+}

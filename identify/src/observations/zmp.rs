@@ -1,0 +1,227 @@
+//! What motion adds to readings of the CoP, and to their rows.
+//!
+//! ```text
+//! p = c_xy − (c_z (c̈_xy − g τ) + L̇⊥/M)/(g + c̈_z)        τ: gravity's slope against the sole
+//! y − (p⁰ − Y r⁰) = Y r        Y = ∂p/∂r at CAD's r⁰: rows of c and c̈, linear in r
+//! ```
+//!
+//! c and c̈ have rows in the base parameters, L̇ is that of the URDF's masses and inertias. The
+//! products of parameters that p holds are taken to first order about CAD. How well
+//! accelerations are known adds to the noise: `σ² = Σ_j (∂p/∂q̈_j)² σ(q̈_j)²`.
+
+use nalgebra::DMatrix;
+use sesc_model::effects::PostureContext;
+use sesc_model::inertia::GRAVITY;
+use sesc_model::tape::{Tape, Values};
+use sesc_model::{Model, motion_rows};
+
+use super::motion::Motion;
+use crate::evaluate::FASTEST;
+
+/// Where the ground carries less of the weight, a row is no reading of a CoP.
+const LEAST_LOAD: f64 = 0.2;
+/// An acceleration that hardly changes the load on the ground, rad/s² or m/s².
+const SMALL: f64 = 1e-3;
+/// Joints are moved by this for differences, rad or m.
+const STEP: f64 = 1e-5;
+
+/// The ZMP of one robot on its support, row by row.
+pub struct Zmp {
+    tape: Tape,
+    /// CAD's.
+    params: Vec<f64>,
+    dof: usize,
+}
+
+/// What motion does to some rows.
+#[derive(Debug, Clone)]
+pub struct Moved {
+    /// `∂p/∂r`, 2 per posture.
+    pub rows: DMatrix<f64>,
+    /// The ZMP less the static CoP, by CAD, m.
+    pub shift: Vec<[f64; 2]>,
+    /// What is taken from readings, so that rows times parameters is what is left, m.
+    pub correction: Vec<[f64; 2]>,
+    /// Deviation of the shift because accelerations are not known better, m.
+    pub std: Vec<[f64; 2]>,
+    /// ∂shift/∂q_j, x and y of each joint in turn, m/rad or 1; empty until asked for.
+    pub slopes: Vec<f64>,
+}
+
+impl Moved {
+    /// Write what is known of posture `k` into its context.
+    pub fn tell(&self, k: usize, layout: PostureContext, context: &mut [f64]) {
+        for axis in 0..2 {
+            context[layout.shift(axis)] = self.shift[k][axis];
+        }
+        let width = self.slopes.len() / self.shift.len().max(1);
+        let slopes = &self.slopes[k * width..(k + 1) * width];
+        for (joint, slopes) in slopes.chunks_exact(2).enumerate() {
+            for (axis, slope) in slopes.iter().enumerate() {
+                context[layout.shift_slope(joint, axis)] = *slope;
+            }
+        }
+    }
+}
+
+/// c, c̈ and L̇⊥/M of one posture.
+struct Parts {
+    com: [f64; 3],
+    gain: [f64; 3],
+    spin: [f64; 2],
+}
+
+impl Parts {
+    fn load(&self) -> f64 {
+        (GRAVITY + self.gain[2]).max(LEAST_LOAD * GRAVITY)
+    }
+
+    /// Moment over the load, by axis.
+    fn pushed(&self, axis: usize, tilt: [f64; 2]) -> f64 {
+        let push = self.gain[axis] - GRAVITY * tilt[axis];
+        (self.com[2] * push + self.spin[axis]) / self.load()
+    }
+
+    fn shift(&self, tilt: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|axis| -self.pushed(axis, tilt) - self.com[2] * tilt[axis])
+    }
+}
+
+impl Zmp {
+    /// Of `model` on its support.
+    pub fn new(model: &Model) -> Zmp {
+        Zmp {
+            tape: Tape::new(&motion_rows(model)),
+            params: model.cad_params(),
+            dof: model.dof(),
+        }
+    }
+
+    /// Evaluate postures with their velocities and accelerations.
+    fn run(&self, q: &[f64], rates: &[f64], gains: &[f64]) -> Vec<f64> {
+        let n = q.len() / self.dof.max(1);
+        let mut out = vec![0.0; n * self.tape.outputs()];
+        let arguments = [q, rates, gains].map(Values::PerPosture);
+        self.tape.run(&arguments, n, &mut out, FASTEST);
+        out
+    }
+
+    fn parts(&self, out: &[f64], params: &[f64]) -> Parts {
+        let p = params.len();
+        let of = |row: usize| -> f64 {
+            let row = &out[row * p..(row + 1) * p];
+            row.iter().zip(params).map(|(a, b)| a * b).sum()
+        };
+        Parts {
+            com: [of(0), of(1), of(2)],
+            gain: [of(3), of(4), of(5)],
+            spin: [out[6 * p], out[6 * p + 1]],
+        }
+    }
+
+    /// The ZMP less the static CoP of parameters `params`, m, of postures `q`; `tilts` as
+    /// those of [`super::rows::tilt`].
+    pub fn shifts(
+        &self,
+        params: &[f64],
+        q: &[f64],
+        (rates, gains): (&[f64], &[f64]),
+        tilts: &[[f64; 2]],
+    ) -> Vec<[f64; 2]> {
+        let out = self.run(q, rates, gains);
+        let all = out.chunks_exact(self.tape.outputs()).zip(tilts);
+        all.map(|(out, tilt)| self.parts(out, params).shift(*tilt))
+            .collect()
+    }
+
+    /// Rows, corrections and deviations of postures `q`, which are `rows` of `motion`.
+    pub fn moved(
+        &self,
+        q: &[f64],
+        motion: &Motion,
+        rows: std::ops::Range<usize>,
+        tilts: &[[f64; 2]],
+    ) -> Moved {
+        let (n, p) = (tilts.len(), self.params.len());
+        let own = rows.start * self.dof..rows.end * self.dof;
+        let out = self.run(q, &motion.rates[own.clone()], &motion.gains[own.clone()]);
+        let gains_std = &motion.gains_std[own];
+        let levers = match gains_std.iter().any(|std| *std > 0.0) {
+            true => self.levers(&q[(n / 2) * self.dof..(n / 2 + 1) * self.dof]),
+            false => vec![[0.0; 2]; self.dof],
+        };
+        let mut moved = Moved {
+            rows: DMatrix::zeros(2 * n, p),
+            shift: Vec::with_capacity(n),
+            correction: Vec::with_capacity(n),
+            std: Vec::with_capacity(n),
+            slopes: Vec::new(),
+        };
+        for (k, (out, tilt)) in out.chunks_exact(self.tape.outputs()).zip(tilts).enumerate() {
+            let parts = self.parts(out, &self.params);
+            let load = parts.load();
+            let row = |row: usize, column: usize| out[row * p + column];
+            let mut correction = [0.0; 2];
+            for axis in 0..2 {
+                let push = parts.gain[axis] - GRAVITY * tilt[axis];
+                let pushed = parts.pushed(axis, *tilt);
+                let mut sum = 0.0;
+                for column in 0..p {
+                    let moments = push * row(2, column) + parts.com[2] * row(3 + axis, column);
+                    let entry = row(axis, column) - (moments - pushed * row(5, column)) / load;
+                    moved.rows[(2 * k + axis, column)] = entry;
+                    sum += entry * self.params[column];
+                }
+                correction[axis] = parts.com[axis] - pushed - sum;
+            }
+            moved.shift.push(parts.shift(*tilt));
+            moved.correction.push(correction);
+            let own = &gains_std[k * self.dof..(k + 1) * self.dof];
+            moved.std.push([0, 1].map(|axis| {
+                let sum = own.iter().zip(&levers).map(|(s, lever)| s * lever[axis]);
+                sum.map(|x| x * x).sum::<f64>().sqrt()
+            }));
+        }
+        moved
+    }
+
+    /// How what motion adds changes with the position of each joint, m/rad or 1: x and y of
+    /// each joint in turn.
+    pub fn slopes(
+        &self,
+        params: &[f64],
+        q: &[f64],
+        (rates, gains): (&[f64], &[f64]),
+        tilts: &[[f64; 2]],
+    ) -> Vec<f64> {
+        let base = self.shifts(params, q, (rates, gains), tilts);
+        let mut slopes = vec![0.0; 2 * q.len()];
+        for joint in 0..self.dof {
+            let mut moved = q.to_vec();
+            let own = moved.iter_mut().skip(joint).step_by(self.dof);
+            own.for_each(|q| *q += STEP);
+            let moved = self.shifts(params, &moved, (rates, gains), tilts);
+            for (k, (after, before)) in moved.iter().zip(&base).enumerate() {
+                for axis in 0..2 {
+                    let at = 2 * (k * self.dof + joint) + axis;
+                    slopes[at] = (after[axis] - before[axis]) / STEP;
+                }
+            }
+        }
+        slopes
+    }
+
+    /// What an acceleration of each joint adds to the ZMP near posture `q`, m s²/rad.
+    fn levers(&self, q: &[f64]) -> Vec<[f64; 2]> {
+        let still = vec![0.0; self.dof];
+        (0..self.dof)
+            .map(|joint| {
+                let mut gains = still.clone();
+                gains[joint] = SMALL;
+                let out = self.run(q, &still, &gains);
+                let shift = self.parts(&out, &self.params).shift([0.0; 2]);
+                shift.map(|x| x / SMALL)
+            })
+            .collect()
+    }
+}

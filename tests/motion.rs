@@ -1,0 +1,220 @@
+//! Logs of robots that move: readings are compared with the ZMP, whose truth is the virtual
+//! robot's own numerics.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use rand::SeedableRng as _;
+use rand_chacha::ChaCha8Rng;
+use sesc_identify::diagnose::{self, Diagnosis, Verdict};
+use sesc_identify::fit::{self, Identification, MotionModel, fit};
+use sesc_identify::hide::hide;
+use sesc_identify::logs::{LogSource, Table};
+use sesc_identify::predict;
+use sesc_identify::robot::Robot;
+use sesc_identify::simulate;
+use sesc_identify::stance::Stance;
+use sesc_reference::World;
+use sesc_virtual::moving::Swing;
+use sesc_virtual::recording::{Kind, Noise, Recording};
+use sesc_virtual::stage::{Platform, Stage};
+
+const WHITE: Noise = Noise {
+    kind: Kind::White,
+    std: [5e-4; 2],
+    visit_std: 0.0,
+};
+
+fn stage() -> Stage {
+    Stage::new(Platform::Op2)
+}
+
+fn recorded(hide: impl Fn(World) -> World, swing: Swing, rate: f64, seed: u64) -> Recording {
+    let stage = stage();
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let world = hide(World::new(&stage.robot, stage.support).unwrap());
+    swing.record(&stage, world, WHITE, rate, &mut random)
+}
+
+fn table(recording: &Recording) -> Table {
+    let columns = recording.columns(true).into_iter();
+    columns.fold(Table::new("log"), |log, (name, values)| {
+        log.numbers(&name, values)
+    })
+}
+
+fn robot() -> Arc<Robot> {
+    Arc::new(Robot::read(Path::new(&stage().urdf)).unwrap())
+}
+
+fn fitted(recording: &Recording, motion: MotionModel, prior: &str) -> Identification {
+    let mut request = fit::Request::default();
+    request.robot = Some(robot());
+    request.logs = vec![table(recording).into()];
+    request.support = Some(stage().support.to_string());
+    request.prior = prior.into();
+    request.motion = motion;
+    fit(&request, &mut ()).unwrap().identification
+}
+
+/// Parts of parameters within ± 1.96 of their deviations.
+fn held(found: &Identification) -> f64 {
+    let all = found.parameters.iter();
+    let told: Vec<bool> = all
+        .filter_map(|p| p.std.map(|std| (p.value - p.cad).abs() < 1.96 * std))
+        .collect();
+    told.iter().filter(|held| **held).count() as f64 / told.len() as f64
+}
+
+#[test]
+fn a_fit_knows_parameters_from_a_moving_log() {
+    let mut parts = Vec::new();
+    for seed in 0..4 {
+        let log = recorded(|w| w, Swing::new(0.7, 0.15, 20.0), 100.0, seed);
+        let found = fitted(&log, MotionModel::Auto, "free");
+        let still = fitted(&log, MotionModel::Off, "free");
+        println!(
+            "{:.3} mm of {:.3}; off {:.3} mm: {}; intervals hold {:.2}, off {:.2}",
+            1e3 * found.held_out_rmse,
+            1e3 * found.noise_floor,
+            1e3 * still.held_out_rmse,
+            found.motion.sentence,
+            held(&found),
+            held(&still),
+        );
+        assert!(found.motion.used && !still.motion.used);
+        let share = found.motion.share.unwrap();
+        assert!(
+            (share.value - 1.0).abs() < 4.0 * share.std + 0.01,
+            "{share:?}"
+        );
+        assert!(found.held_out_rmse < 1.1 * WHITE.std[0]);
+        assert!(still.held_out_rmse > 2.0 * WHITE.std[0]);
+        parts.push(held(&found));
+        assert!(held(&still) < 0.9);
+    }
+    let mean = parts.iter().sum::<f64>() / parts.len() as f64;
+    assert!((0.88..=1.0).contains(&mean), "{parts:?}");
+}
+
+fn diagnosed(recording: &Recording, motion: MotionModel) -> Diagnosis {
+    let mut request = diagnose::Request::new(robot(), table(recording));
+    request.support = Some(stage().support.to_string());
+    request.prior = "tight".into();
+    request.noise = Some(WHITE.std[0]);
+    request.motion = motion;
+    diagnose::diagnose(&request, &mut ()).unwrap().diagnosis
+}
+
+#[test]
+fn nothing_is_named_in_a_moving_log_unless_motion_is_off() {
+    let log = recorded(|w| w, Swing::new(0.7, 0.15, 10.0), 50.0, 11);
+    let found = diagnosed(&log, MotionModel::Auto);
+    println!("{}", found.sentence);
+    let off = diagnosed(&log, MotionModel::Off);
+    println!("{}", off.sentence);
+    assert_eq!(found.verdict, Verdict::None);
+    assert!(found.motion.used);
+    let share = found.motion.share.unwrap();
+    assert!(
+        (share.value - 1.0).abs() < 4.0 * share.std + 0.01,
+        "{share:?}"
+    );
+    assert!(off.verdict != Verdict::None && off.last.rmse > 2.0 * WHITE.std[0]);
+}
+
+#[test]
+fn a_hidden_offset_is_named_in_a_moving_log() {
+    let hide = |w: World| w.joint_offset("r_hip_roll", 0.05).unwrap();
+    let log = recorded(hide, Swing::new(0.7, 0.15, 10.0), 50.0, 12);
+    let found = diagnosed(&log, MotionModel::Auto);
+    println!("{}", found.sentence);
+    let members = &found.indistinguishable;
+    let is = |member: &Vec<String>| *member == ["joint_offset:r_hip_roll"];
+    assert!(members.iter().any(is), "{members:?}");
+}
+
+/// RMS of what predictions of a log are off from its readings, m, rows at its ends apart.
+fn off(log: LogSource, readings: &[[f64; 2]], motion: MotionModel) -> f64 {
+    let stance = Stance::new(Robot::read(Path::new(&stage().urdf)).unwrap()).on("r_sole");
+    let mut request = predict::Request::new(stance, log);
+    request.motion = motion;
+    let found = predict::predict(&request, &mut ()).unwrap().cop_m;
+    let rows = 20..readings.len() - 20;
+    let square: f64 = rows
+        .clone()
+        .map(|k| {
+            (0..2)
+                .map(|axis| (found[k][axis] - readings[k][axis]).powi(2))
+                .sum::<f64>()
+        })
+        .sum();
+    (square / (2 * rows.len()) as f64).sqrt()
+}
+
+/// Against the virtual robot, whose numerics are its own.
+#[test]
+fn predictions_are_those_of_the_moving_robot() {
+    let stage = stage();
+    let swing = Swing::new(0.7, 0.15, 10.0);
+    let quiet = Noise {
+        std: [0.0; 2],
+        ..WHITE
+    };
+    for (rate, within) in [(100.0, 5e-5), (50.0, 5e-5), (20.0, 2e-4)] {
+        let mut random = ChaCha8Rng::seed_from_u64(5);
+        let world = World::new(&stage.robot, stage.support).unwrap();
+        let log = swing.record(&stage, world, quiet, rate, &mut random);
+        let moving = off(table(&log).into(), &log.cop, MotionModel::Auto);
+        let standing = off(table(&log).into(), &log.cop, MotionModel::Off);
+        println!(
+            "{rate} Hz: {:.4} mm, standing {:.2} mm",
+            1e3 * moving,
+            1e3 * standing
+        );
+        assert!(moving < within && standing > 2e-3);
+    }
+}
+
+/// A simulated motion, with what its model has hidden, is predicted by the same model.
+#[test]
+fn simulations_and_predictions_agree() {
+    let model = || Stance::new(Robot::read(Path::new(&stage().urdf)).unwrap()).on("r_sole");
+    let hidden = ["joint_offset:r_knee=2deg", "sensor_gain=1.1,0.9"];
+    for effects in [&hidden[..0], &hidden[..]] {
+        let model = hide(model().model().unwrap(), effects).unwrap();
+        let mut request = simulate::Request::new(model.clone(), 600);
+        request.range = Some(0.4);
+        request.rate = Some(50.0);
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("log.csv");
+        simulate::write(&request, &path, &mut ()).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        let mut rows = text.lines().map(|line| line.split(',').collect::<Vec<_>>());
+        let header = rows.next().unwrap();
+        let at = |name: &str| header.iter().position(|column| *column == name).unwrap();
+        let columns = [at("t"), at("cop_x"), at("cop_y")];
+        let numbers: Vec<[f64; 3]> = rows
+            .map(|row| columns.map(|k| row[k].parse().unwrap()))
+            .collect();
+        assert!((numbers[50][0] - 1.0).abs() < 1e-12);
+        let cop: Vec<[f64; 2]> = numbers.iter().map(|row| [row[1], row[2]]).collect();
+        let stance = Stance::new(Robot::read(Path::new(&stage().urdf)).unwrap());
+        let mut asked = predict::Request::new(stance.on("r_sole"), path.as_path());
+        asked.stance.parameters = model.file.clone().map(Arc::new);
+        let found = predict::predict(&asked, &mut ()).unwrap().cop_m;
+        asked.motion = MotionModel::Off;
+        let standing = predict::predict(&asked, &mut ()).unwrap().cop_m;
+        let worst = |found: &[[f64; 2]]| {
+            let rows = found.iter().zip(&cop).skip(10).take(580);
+            rows.map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]))
+                .fold(0.0, f64::max)
+        };
+        println!(
+            "worst {:.4} mm, standing {:.2} mm",
+            1e3 * worst(&found),
+            1e3 * worst(&standing)
+        );
+        assert!(worst(&found) < 2e-5 && worst(&standing) > 1e-3);
+    }
+}
