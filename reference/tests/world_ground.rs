@@ -174,3 +174,20 @@ fn outliers_are_as_many_and_as_far_as_asked() {
     assert_eq!(found, jumps(1));
     assert_ne!(found, jumps(2));
 }
+
+/// A flywheel about its own CoM pushes no mass, and turns the ground all the same: p = −I α/(M g).
+#[test]
+fn a_wheel_that_is_spun_up_moves_the_cop() {
+    let wheel = "<robot name='wheel'><link name='floor'/><link name='wheel'><inertial>\
+        <mass value='2'/><inertia ixx='0.1' ixy='0' ixz='0' iyy='0.3' iyz='0' izz='0.1'/>\
+        </inertial></link><joint name='axle' type='continuous'><parent link='floor'/>\
+        <child link='wheel'/><origin xyz='0 0 0.4'/><axis xyz='0 1 0'/></joint></robot>";
+    let robot = Robot::from_urdf(wheel).unwrap();
+    let world = World::new(&robot, "floor").unwrap().unsettled();
+    let times: Vec<f64> = (0..20).map(|i| 0.17 * f64::from(i)).collect();
+    let track = Track::moving(times.clone(), |t| vec![0.5 * (2.0 * t).sin()]);
+    for (t, reading) in times.iter().zip(world.readings(&track)) {
+        let gain = -0.5 * 4.0 * (2.0 * t).sin();
+        near(reading.cop, [-0.3 * gain / (2.0 * GRAVITY), 0.0], 1e-7);
+    }
+}

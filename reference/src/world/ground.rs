@@ -11,7 +11,7 @@
 //! what a link carries loosely counts as a point. `ω` and `α` come from its orientations at
 //! three moments.
 
-use nalgebra::{Matrix3, Point3, Rotation3, Vector2, Vector3};
+use nalgebra::{Matrix3, Point3, Vector2, Vector3};
 
 use crate::error::Error;
 use crate::joint::Pose;
@@ -149,10 +149,7 @@ impl World {
         let links = self.robot().links().iter().enumerate();
         let moments = links.map(|(l, link)| {
             let turned = |from: &Pose, to: &Pose| -> Vector3<f64> {
-                let turn = Rotation3::from_matrix_unchecked(
-                    to.rotation.matrix() * from.rotation.matrix().transpose(),
-                );
-                turn.scaled_axis() / step_s
+                small_turn(&(to.rotation.matrix() * from.rotation.matrix().transpose())) / step_s
             };
             let (first, second) = (turned(&before[l], &now[l]), turned(&now[l], &after[l]));
             let (rate, gain) = ((first + second) / 2.0, (second - first) / step_s);
@@ -188,5 +185,15 @@ impl World {
         links
             .chain(carried.map(|load| (load.link, load.at_m, load.mass_kg)))
             .collect()
+    }
+}
+
+/// Axis times angle (rad) of a rotation by less than a right angle: `R − Rᵀ = 2 sin θ â`.
+fn small_turn(rotation: &Matrix3<f64>) -> Vector3<f64> {
+    let twice = rotation - rotation.transpose();
+    let sine = Vector3::new(twice.m32, twice.m13, twice.m21) / 2.0;
+    match sine.norm() {
+        0.0 => sine,
+        norm => sine * (norm.min(1.0).asin() / norm),
     }
 }
