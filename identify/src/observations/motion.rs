@@ -14,7 +14,7 @@
 //! ```
 //!
 //! with s² what order 4 leaves of q and w² the square sum of the rows' weights. Dense rows are
-//! averaged over [`NODE_S`] first. A window ends where the log pauses; a row with too little of
+//! averaged over `NODE_S` first. A window ends where the log pauses; a row with too little of
 //! it on either side does not know its motion, unless nothing moves in what there is.
 
 use super::correlation;

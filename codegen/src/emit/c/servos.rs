@@ -223,5 +223,5 @@ impl Servos {
 /// Beyond 2^24, f32 does not hold a tick.
 const LARGEST_ZERO: u32 = 1 << 24;
 const LARGEST_RESOLUTION: f64 = 16_777_216.0;
-/// A tick of a prismatic joint, m: from a nanometre to a metre.
-const STROKES: std::ops::RangeInclusive<f64> = 1e-9..=1.0;
+/// A tick of a prismatic joint, m: from a tenth of a nanometre to a metre.
+const STROKES: std::ops::RangeInclusive<f64> = 1e-10..=1.0;
