@@ -14,7 +14,7 @@ use sesc_identify::evaluate::Evaluator;
 use sesc_identify::fit::gather::Gathered;
 use sesc_identify::fit::logs::Logs;
 use sesc_identify::fit::prior::Prior;
-use sesc_identify::fit::{Settings, identify};
+use sesc_identify::fit::{MotionModel, Settings, identify};
 use sesc_identify::logs::{
     Block, LogSource, Options, PostureWriter, Readings, Row, Sidecar, Written,
 };
@@ -117,6 +117,7 @@ fn from_file(robot: &Robot, path: PathBuf) -> f64 {
         snapping: Snapping::default(),
         folds: 10,
         one_noise: false,
+        motion: MotionModel::Off,
     };
     let (measurement, gathered) = logs.gather(None, &|_| Ok(Prior::Free), &mut ()).unwrap();
     identify(measurement.model(), &[SUPPORT], &gathered, &settings()).held_out_rmse
