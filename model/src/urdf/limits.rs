@@ -15,7 +15,7 @@ pub const ATTRIBUTES: usize = 256;
 pub const LINKS: usize = 10_000;
 /// Joints of a robot that move, mimics included: rank checks and generated Jacobians grow
 /// with the square and the cube of it.
-pub const MOVING: usize = 500;
+pub const MOVING: usize = 1000;
 /// Bytes of one name.
 pub const NAME_BYTES: usize = 1024;
 
