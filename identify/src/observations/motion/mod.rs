@@ -1,0 +1,249 @@
+//! Velocities and accelerations of joints from a log: a polynomial through the rows around
+//! each row, whatever their stamps.
+//!
+//! ```text
+//! min_a Σ_i (q_i − Σ_m a_m ((t_i − t)/h)^m)²    |t_i − t| ≤ h       q̇ = a_1/h,  q̈ = 2 a_2/h²
+//! ```
+//!
+//! h is 0.15 s, or 3.4 intervals where rows are further apart; beyond [`LONGEST_S`] a log
+//! does not know its accelerations. Order 4 is exact where joints are fast, order 3 has a
+//! third of the noise: a log takes the one whose expected error is smaller,
+//!
+//! ```text
+//! E_4² = s² w_4²      E_3² = s² w_3² + max(0, mean (q̈_4 − q̈_3)² − s² (w_4² − w_3²))
+//! ```
+//!
+//! with s² what order 4 leaves of q and w² the square sum of the rows' weights. Dense rows are
+//! averaged over `NODE_S` first. A window ends where the log pauses; a row with too little of
+//! it on either side does not know its motion, unless nothing moves in what there is.
+
+mod polynomials;
+#[cfg(test)]
+mod tests;
+mod windows;
+
+use super::correlation;
+use crate::logs::Block;
+use polynomials::{HIGH, Polynomials};
+use windows::{FEWEST, NODE_S, Nodes, Window};
+
+/// Longest interval between rows, s.
+pub const LONGEST_S: f64 = 0.2;
+/// Coefficients of the polynomials of order 3, and of one to a side.
+const LOW: usize = 4;
+const EDGE: usize = 3;
+/// Windows that settle the order, at most.
+const LOOKED_AT: usize = 400;
+/// A joint moves where its acceleration is this many times what noise makes of one, RMS.
+const MOVES: f64 = 2.0;
+
+/// How the joints of a log are differentiated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Plan {
+    /// Between rows, s.
+    pub step_s: f64,
+    terms: usize,
+}
+
+/// How the joints move in rows of a log, row by row and joint by joint.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Motion {
+    /// rad/s or m/s
+    pub rates: Vec<f64>,
+    /// rad/s² or m/s²
+    pub gains: Vec<f64>,
+    /// Standard deviation of `gains`.
+    pub gains_std: Vec<f64>,
+    /// Whether the row has a window.
+    pub known: Vec<bool>,
+}
+
+impl Plan {
+    /// For a log that begins with rows at times `t` (s) and positions `q` of `dof` joints; none
+    /// where rows are too few or too far apart to know accelerations.
+    pub fn of(t: &[f64], q: &[f64], dof: usize) -> Option<Plan> {
+        let step_s = correlation::step(t).filter(|step| *step <= LONGEST_S * 1.02)?;
+        if dof == 0 || t.len() < FEWEST {
+            return None;
+        }
+        let nodes = Nodes::of(t, q, dof, step_s);
+        let window = Window::new(&nodes, step_s);
+        // Σ over joints: (q̈_4 − q̈_3)², and variances of both.
+        let [mut apart, mut of_low, mut of_high] = [0.0; 3];
+        let stride = nodes.len().div_ceil(LOOKED_AT).max(1);
+        for node in (0..nodes.len()).step_by(stride) {
+            let around = window.around(node);
+            if !window.is_whole(node, &around) || nodes.are_still(&around) {
+                continue;
+            }
+            let fit = |terms| Polynomials::fit(&nodes, node, around.clone(), window.half, terms);
+            let (Some(low), Some(high)) = (fit(LOW), fit(HIGH)) else {
+                continue;
+            };
+            for joint in 0..dof {
+                let difference = high.gain(joint) - low.gain(joint);
+                let variance = high.variance(joint);
+                apart += difference * difference;
+                of_low += variance * low.weight * low.weight;
+                of_high += variance * high.weight * high.weight;
+            }
+        }
+        let bias = (apart - (of_high - of_low)).max(0.0);
+        Some(Plan {
+            step_s,
+            terms: if of_low + bias < of_high { LOW } else { HIGH },
+        })
+    }
+
+    /// How far a window reaches to either side, s.
+    pub fn reach_s(&self) -> f64 {
+        Window::half(self.step_s) + 2.0 * NODE_S
+    }
+
+    /// The motion in some `rows` of a log, of whose neighbours `t` and `q` hold what windows
+    /// reach; none where no joint moves by more than noise shows.
+    pub fn motion(
+        &self,
+        t: &[f64],
+        q: &[f64],
+        dof: usize,
+        rows: std::ops::Range<usize>,
+    ) -> Option<Motion> {
+        if is_still(q, dof) || rows.is_empty() {
+            return None;
+        }
+        let nodes = Nodes::of(t, q, dof, self.step_s);
+        let window = Window::new(&nodes, self.step_s);
+        let moving = self.moving(&nodes, &window)?;
+        let mut motion = Motion::default();
+        let count = rows.len() * dof;
+        for all in [&mut motion.rates, &mut motion.gains, &mut motion.gains_std] {
+            all.reserve(count);
+        }
+        let mut at: Option<(usize, Local)> = None;
+        for row in rows {
+            let node = nodes.of_row[row];
+            if at.as_ref().is_none_or(|(of, _)| *of != node) {
+                at = Some((node, self.local(&nodes, &window, node)));
+            }
+            let (_, local) = at.as_ref().expect("set above");
+            local.push(t[row] - nodes.t[node], &moving, &mut motion);
+        }
+        Some(motion)
+    }
+
+    /// Which joints move by more than noise shows; none where none does.
+    fn moving(&self, nodes: &Nodes, window: &Window) -> Option<Vec<bool>> {
+        let dof = nodes.dof;
+        let (mut gains, mut noise) = (vec![0.0; dof], vec![0.0; dof]);
+        let stride = nodes.len().div_ceil(LOOKED_AT / 4).max(1);
+        for node in (0..nodes.len()).step_by(stride) {
+            let around = window.around(node);
+            if !window.is_whole(node, &around) || nodes.are_still(&around) {
+                continue;
+            }
+            let Some(fit) = Polynomials::fit(nodes, node, around, window.half, self.terms) else {
+                continue;
+            };
+            for joint in 0..dof {
+                gains[joint] += fit.gain(joint).powi(2);
+                noise[joint] += fit.variance(joint) * fit.weight * fit.weight;
+            }
+        }
+        let pairs = gains.iter().zip(&noise);
+        let moving: Vec<bool> = pairs
+            .map(|(gain, noise)| *gain > MOVES * MOVES * noise)
+            .collect();
+        moving.contains(&true).then_some(moving)
+    }
+
+    fn local(&self, nodes: &Nodes, window: &Window, node: usize) -> Local {
+        let around = window.around(node);
+        if nodes.are_still(&around) && around.len() > 1 {
+            return Local::Still;
+        }
+        let whole = window.is_whole(node, &around);
+        let terms = if whole { self.terms } else { EDGE };
+        match Polynomials::fit(nodes, node, around, window.half, terms) {
+            Some(fit) => Local::Moving(fit, whole),
+            None => Local::Unknown,
+        }
+    }
+}
+
+impl Motion {
+    /// Leave out rows of `block` whose motion is not known; gives back how many.
+    pub fn leave_out_unknown(&mut self, block: &mut Block) -> u64 {
+        let keep = self.known.clone();
+        block.retain(&keep);
+        self.retain(&keep);
+        (keep.len() - block.len()) as u64
+    }
+
+    fn retain(&mut self, keep: &[bool]) {
+        let dof = self.dof();
+        for all in [&mut self.rates, &mut self.gains, &mut self.gains_std] {
+            let mut at = 0;
+            all.retain(|_| {
+                at += 1;
+                keep[(at - 1) / dof]
+            });
+        }
+        self.known.retain(|known| *known);
+    }
+
+    /// Add rows; those of a log that stands where there is none.
+    pub fn extend(&mut self, other: Option<Motion>, rows: usize, dof: usize) {
+        match other {
+            Some(other) => {
+                self.rates.extend(other.rates);
+                self.gains.extend(other.gains);
+                self.gains_std.extend(other.gains_std);
+                self.known.extend(other.known);
+            }
+            None => {
+                for all in [&mut self.rates, &mut self.gains, &mut self.gains_std] {
+                    all.resize(all.len() + rows * dof, 0.0);
+                }
+                self.known.resize(self.known.len() + rows, true);
+            }
+        }
+    }
+
+    fn dof(&self) -> usize {
+        (self.rates.len() / self.known.len().max(1)).max(1)
+    }
+}
+
+/// Whether all rows are the same.
+fn is_still(q: &[f64], dof: usize) -> bool {
+    q.chunks_exact(dof).all(|row| *row == q[..dof])
+}
+
+/// What is known near a node.
+enum Local {
+    Still,
+    /// With whether its window is whole.
+    Moving(Polynomials, bool),
+    Unknown,
+}
+
+impl Local {
+    /// The row `after` seconds from the node; joints that are not `moving` stand.
+    fn push(&self, after: f64, moving: &[bool], motion: &mut Motion) {
+        for (joint, moves) in moving.iter().enumerate() {
+            let [rate, gain, std] = match self {
+                Local::Moving(fit, _) if *moves => fit.at(joint, after),
+                _ => [0.0; 3],
+            };
+            motion.rates.push(rate);
+            motion.gains.push(gain);
+            motion.gains_std.push(std);
+        }
+        motion.known.push(match self {
+            Local::Still => true,
+            Local::Moving(_, whole) => *whole,
+            Local::Unknown => false,
+        });
+    }
+}

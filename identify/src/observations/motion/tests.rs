@@ -1,0 +1,113 @@
+use super::*;
+
+/// A joint that swings, with stamps that jitter by a third of an interval.
+fn swing(interval: f64, seconds: f64, hertz: f64) -> (Vec<f64>, Vec<f64>) {
+    let count = (seconds / interval) as usize;
+    let jitter = |k: usize| 0.33 * interval * (12.9 * k as f64).sin();
+    let t: Vec<f64> = (0..count)
+        .map(|k| k as f64 * interval + jitter(k))
+        .collect();
+    let q = t
+        .iter()
+        .map(|t| 0.3 * (std::f64::consts::TAU * hertz * t).sin());
+    let q = q.collect();
+    (t, q)
+}
+
+/// Uniform noise of deviation `std` from a fixed sequence.
+fn noise(count: usize, std: f64) -> Vec<f64> {
+    let mut state = 1_u64;
+    let mut draw = || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        ((state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5) * std * 12_f64.sqrt()
+    };
+    (0..count).map(|_| draw()).collect()
+}
+
+fn rms(x: &[f64]) -> f64 {
+    (x.iter().map(|x| x * x).sum::<f64>() / x.len() as f64).sqrt()
+}
+
+#[test]
+fn a_swing_is_differentiated_on_jittering_stamps() {
+    // Worst errors, relative: 1 kHz down to 5 Hz.
+    for (step, hertz, within) in [
+        (0.001, 1.0, 0.012),
+        (0.01, 1.0, 0.01),
+        (0.05, 0.5, 0.01),
+        (0.1, 0.3, 0.02),
+        (0.2, 0.1, 0.02),
+    ] {
+        let (t, q) = swing(step, 200.0 * step + 4.0 / hertz, hertz);
+        let plan = Plan::of(&t, &q, 1).unwrap();
+        let motion = plan.motion(&t, &q, 1, 0..t.len()).unwrap();
+        let known = motion.known.iter().filter(|known| **known).count();
+        assert!(known as f64 > 0.85 * t.len() as f64, "{known} of {step}");
+        let w = std::f64::consts::TAU * hertz;
+        for (k, t) in t.iter().enumerate().filter(|(k, _)| motion.known[*k]) {
+            let off = (motion.gains[k] + 0.3 * w * w * (w * t).sin()).abs();
+            assert!(off < within * 0.3 * w * w, "{step} s: {off}");
+            let off = (motion.rates[k] - 0.3 * w * (w * t).cos()).abs();
+            assert!(off < within * 0.3 * w, "{step} s: {off}");
+        }
+    }
+}
+
+#[test]
+fn logs_with_long_intervals_know_no_accelerations() {
+    let (t, q) = swing(0.5, 60.0, 0.2);
+    assert_eq!(Plan::of(&t, &q, 1), None);
+    assert_eq!(Plan::of(&[0.0, 0.01, 0.02], &[0.0, 0.1, 0.2], 1), None);
+    // Rows within the interval whose motion is far faster than they show.
+    let (t, _) = swing(0.1, 60.0, 0.2);
+    let q = noise(t.len(), 0.3);
+    let plan = Plan::of(&t, &q, 1).unwrap();
+    assert_eq!(plan.motion(&t, &q, 1, 0..t.len()), None);
+}
+
+/// Rows at the ends and beside a pause have no window, unless the robot stands there.
+#[test]
+fn edges_have_no_window_unless_the_robot_stands() {
+    let mut t: Vec<f64> = (0..200).map(|k| 0.01 * f64::from(k)).collect();
+    t.iter_mut().skip(100).for_each(|t| *t += 5.0);
+    let q: Vec<f64> = t
+        .iter()
+        .enumerate()
+        .map(|(k, t)| if k < 100 { (3.0 * t).sin() } else { 0.1 })
+        .collect();
+    let plan = Plan::of(&t, &q, 1).unwrap();
+    let motion = plan.motion(&t, &q, 1, 0..t.len()).unwrap();
+    for (row, known) in motion.known.iter().enumerate() {
+        let whole = row >= 100 || row.min(99 - row) >= 9;
+        assert_eq!(*known, whole, "row {row}");
+    }
+    assert!(motion.gains[100..].iter().all(|gain| *gain == 0.0));
+    let still = vec![0.1; t.len()];
+    assert_eq!(plan.motion(&t, &still, 1, 0..t.len()), None);
+}
+
+/// The stated deviation of an acceleration is what noise of the encoders makes of it, and a
+/// slow swing in such noise is taken by order 3.
+#[test]
+fn deviations_are_those_of_the_noise() {
+    let (t, slow) = swing(0.01, 60.0, 0.25);
+    let noise = noise(t.len(), 1e-3);
+    let pairs = slow.iter().zip(&noise);
+    let q: Vec<f64> = pairs.map(|(a, b)| a + b).collect();
+    let plan = Plan::of(&t, &q, 1).unwrap();
+    assert_eq!(plan.terms, LOW);
+    let motion = plan.motion(&t, &q, 1, 100..t.len() - 100).unwrap();
+    let w = std::f64::consts::TAU * 0.25;
+    let off: Vec<f64> = motion
+        .gains
+        .iter()
+        .zip(&t[100..])
+        .map(|(gain, t)| gain + 0.3 * w * w * (w * t).sin())
+        .collect();
+    let ratio = rms(&off) / rms(&motion.gains_std);
+    assert!((0.85..1.15).contains(&ratio), "{ratio}");
+    // Noise alone moves no joint.
+    assert_eq!(plan.motion(&t, &noise, 1, 0..t.len()), None);
+}

@@ -1,0 +1,125 @@
+//! The rows around a row: averaged where they are dense, as far as a log goes on.
+
+use std::ops::Range;
+
+/// Half of the window, s.
+const HALF_S: f64 = 0.15;
+/// Rows of a window on either side where they are far apart.
+const SIDE: f64 = 3.4;
+/// Rows are averaged over this time, s.
+pub(super) const NODE_S: f64 = 0.0075;
+/// Nodes of a whole window, at least: one beyond the five coefficients of order 4.
+pub(super) const FEWEST: usize = 6;
+/// A pause is this many intervals.
+const PAUSE: f64 = 4.0;
+/// Part of half a window that rows must span on either side.
+const SPANNED: f64 = 0.55;
+
+/// Rows averaged over a few milliseconds.
+pub(super) struct Nodes {
+    pub dof: usize,
+    pub t: Vec<f64>,
+    pub q: Vec<f64>,
+    /// The node of each row.
+    pub of_row: Vec<usize>,
+    /// How often the rows had moved when a node began, and when it ended.
+    pub moved: Vec<[usize; 2]>,
+}
+
+impl Nodes {
+    pub fn of(t: &[f64], q: &[f64], dof: usize, step_s: f64) -> Nodes {
+        let rows = ((NODE_S / step_s) as usize).max(1);
+        let mut nodes = Nodes {
+            dof,
+            t: Vec::with_capacity(t.len() / rows + 1),
+            q: Vec::with_capacity(q.len() / rows + dof),
+            of_row: Vec::with_capacity(t.len()),
+            moved: Vec::with_capacity(t.len() / rows + 1),
+        };
+        let (mut count, mut moved) = (0.0_f64, 0);
+        for (row, &now) in t.iter().enumerate() {
+            let own = &q[row * dof..(row + 1) * dof];
+            let last = row.checked_sub(1);
+            let step = last.map_or(f64::INFINITY, |last| now - t[last]);
+            let joins = count > 0.0 && (count as usize) < rows && (0.0..=NODE_S).contains(&step);
+            if last.is_some_and(|last| q[last * dof..row * dof] != *own) {
+                moved += 1;
+            }
+            if !joins {
+                count = 0.0;
+                nodes.t.push(0.0);
+                nodes.q.resize(nodes.q.len() + dof, 0.0);
+                nodes.moved.push([moved; 2]);
+            }
+            count += 1.0;
+            let node = nodes.t.len() - 1;
+            nodes.of_row.push(node);
+            nodes.moved[node][1] = moved;
+            nodes.t[node] += (now - nodes.t[node]) / count;
+            let mean = &mut nodes.q[node * dof..];
+            for (mean, x) in mean.iter_mut().zip(own) {
+                *mean += (x - *mean) / count;
+            }
+        }
+        nodes
+    }
+
+    pub fn len(&self) -> usize {
+        self.t.len()
+    }
+
+    /// Whether nothing moves in all of some nodes.
+    pub fn are_still(&self, around: &Range<usize>) -> bool {
+        self.moved[around.start][0] == self.moved[around.end - 1][1]
+    }
+}
+
+pub(super) struct Window<'a> {
+    pub t: &'a [f64],
+    pub half: f64,
+    pub pause: f64,
+}
+
+impl<'a> Window<'a> {
+    pub fn new(nodes: &'a Nodes, step_s: f64) -> Window<'a> {
+        Window {
+            t: &nodes.t,
+            half: Window::half(step_s),
+            pause: PAUSE * step_s.max(NODE_S),
+        }
+    }
+
+    /// Stamps that jitter leave the outermost rows inside.
+    pub fn half(step_s: f64) -> f64 {
+        HALF_S.max(SIDE * step_s) * 1.02
+    }
+
+    /// Nodes around one without a pause.
+    pub fn around(&self, node: usize) -> Range<usize> {
+        let here = self.t[node];
+        let joins = |a: usize, b: usize| {
+            let step = self.t[b] - self.t[a];
+            (0.0..=self.pause).contains(&step)
+        };
+        let (mut first, mut last) = (node, node);
+        while first > 0 && joins(first - 1, first) && here - self.t[first - 1] <= self.half {
+            first -= 1;
+        }
+        while last + 1 < self.t.len()
+            && joins(last, last + 1)
+            && self.t[last + 1] - here <= self.half
+        {
+            last += 1;
+        }
+        first..last + 1
+    }
+
+    /// Whether nodes reach far enough to both sides.
+    pub fn is_whole(&self, node: usize, around: &Range<usize>) -> bool {
+        let here = self.t[node];
+        let spanned = SPANNED * self.half;
+        here - self.t[around.start] >= spanned
+            && self.t[around.end - 1] - here >= spanned
+            && around.len() >= FEWEST
+    }
+}
