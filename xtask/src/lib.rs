@@ -6,4 +6,5 @@ pub mod regen;
 pub mod study;
 pub mod study_com;
 pub mod study_health;
+pub mod study_motion;
 pub mod study_recordings;

@@ -18,7 +18,9 @@ enum Task {
     StudyCom(xtask::study_com::StudyCom),
     /// Break logs of virtual robots, and count what is recognised and what is found wrongly
     StudyHealth(xtask::study_health::StudyHealth),
-    /// Record moving robots with noise that lasts, and count in docs/study-recordings.md
+    /// Record moving robots at several rates, and count verdicts in docs/study-motion.md
+    StudyMotion(xtask::study_motion::StudyMotion),
+    /// Record robots with noise that lasts, and count in docs/study-recordings.md
     StudyRecordings(xtask::study_recordings::StudyRecordings),
 }
 
@@ -39,6 +41,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         Task::Study(study) => study.run(root)?,
         Task::StudyCom(study) => study.run(root)?,
         Task::StudyHealth(study) => study.run(root)?,
+        Task::StudyMotion(study) => study.run(root)?,
         Task::StudyRecordings(study) => study.run(root)?,
     }
     Ok(())

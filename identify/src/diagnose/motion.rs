@@ -39,7 +39,7 @@ pub(super) fn account(data: &mut Postures, model: &Model, prior: &Prior, asked: 
         if rms_m > 0.0 && data.len() > 2 {
             let share = share_of_readings(data, model, prior, &moved);
             let left_out = (all.len() - data.len()) as u64;
-            let used = share.is_some_and(|share| share.is_seen());
+            let used = !share.is_some_and(|share| share.is_missing());
             if !used {
                 *data = all;
             }

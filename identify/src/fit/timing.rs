@@ -114,7 +114,7 @@ impl Timing {
         });
         // A head that stands says nothing of what comes.
         let moves = share.is_some() || seen > 0.0;
-        let found = match moves && !share.is_some_and(|share| share.is_seen()) {
+        let found = match moves && share.is_some_and(|share| share.is_missing()) {
             true => timing(Head::of(&blocks, measurement, None)?),
             false => Timing { plan, ..found },
         };

@@ -4,8 +4,9 @@
 //! y = Y r + a Δ + noise        Δ = ZMP − static CoP by CAD, a: the share, 1 where all is known
 //! ```
 //!
-//! A log that was averaged in standing postures, or simulated so, holds no Δ though its joints
-//! move, and slow motion adds less than noise: unless a is clearly there, readings are static.
+//! Readings hold Δ by the laws of mechanics, whether noise lets it be seen or not. Those of a
+//! log that was averaged in standing postures, or simulated so, hold none though its joints
+//! move: readings are static where a is nearer to 0 than to 1, and clearly not 1.
 
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
@@ -14,7 +15,7 @@ use super::correlation;
 use super::motion::LONGEST_S;
 use super::noise::LEAST_STD;
 
-/// A share is seen that is so many deviations from none.
+/// A share that is so many deviations from 1 is not all.
 const SURE: f64 = 3.0;
 /// A share this many deviations from 1 is another one,
 const ANOTHER: f64 = 4.0;
@@ -43,9 +44,9 @@ pub struct Share {
 }
 
 impl Share {
-    /// Whether readings show the motion: nearer to all of it than to none, beyond chance.
-    pub fn is_seen(&self) -> bool {
-        self.value > 0.5 && self.value > SURE * self.std
+    /// Whether readings are without the motion: nearer to none of it than to all, beyond chance.
+    pub fn is_missing(&self) -> bool {
+        self.value < 0.5 && 1.0 - self.value > SURE * self.std
     }
 
     fn is_another(&self) -> bool {

@@ -5,17 +5,21 @@
 //! min_a Σ_i (q_i − Σ_m a_m ((t_i − t)/h)^m)²    |t_i − t| ≤ h       q̇ = a_1/h,  q̈ = 2 a_2/h²
 //! ```
 //!
-//! h is 0.15 s, or 3.4 intervals where rows are further apart; beyond [`LONGEST_S`] a log
-//! does not know its accelerations. Order 4 is exact where joints are fast, order 3 has a
-//! third of the noise: a log takes the one whose expected error is smaller,
+//! h is 0.15, 0.3, 0.6 or 1.2 s, or 3.4 intervals where rows are further apart; beyond
+//! [`LONGEST_S`] a log does not know its accelerations. Long windows have little noise and bend
+//! what is fast: order 3 takes β = (ω h)²/14 of the acceleration of a sine of ω, order 4
+//! β²/4. β is seen by comparing both orders in the same windows,
 //!
 //! ```text
-//! E_4² = s² w_4²      E_3² = s² w_3² + max(0, mean (q̈_4 − q̈_3)² − s² (w_4² − w_3²))
+//! β² ≈ (mean (q̈_4 − q̈_3)² − s² (w_4² − w_3²))/(mean q̈_4² − s² w_4²)
+//! E_3² = s² w_3² + (10 β)² mean q̈²      E_4² = s² w_4² + (10 β²/4)² mean q̈²
 //! ```
 //!
-//! with s² what order 4 leaves of q and w² the square sum of the rows' weights. Dense rows are
-//! averaged over `NODE_S` first. A window ends where the log pauses; a row with too little of
-//! it on either side does not know its motion, unless nothing moves in what there is.
+//! with s² what order 4 leaves of q and w² the square sum of the rows' weights. The log takes
+//! the order and the window whose E is least: what is bent counts ten times, since it is the
+//! same in every swing while noise averages out. Dense rows are averaged over a twentieth of h
+//! first. A window ends where the log pauses; a row with too little of it on either side does
+//! not know its motion, unless nothing moves in what there is.
 
 mod polynomials;
 #[cfg(test)]
@@ -25,7 +29,7 @@ mod windows;
 use super::correlation;
 use crate::logs::Block;
 use polynomials::{HIGH, Polynomials};
-use windows::{FEWEST, NODE_S, Nodes, Window};
+use windows::{FEWEST, Nodes, Window};
 
 /// Longest interval between rows, s.
 pub const LONGEST_S: f64 = 0.2;
@@ -34,6 +38,12 @@ const LOW: usize = 4;
 const EDGE: usize = 3;
 /// Windows that settle the order, at most.
 const LOOKED_AT: usize = 400;
+/// How often an acceleration that is bent counts against one that is noisy.
+const COHERENT: f64 = 10.0;
+/// What order 4 bends where order 3 bends β, over β²: 0.00126 (ω h)⁴ over ((ω h)²/14)².
+const OF_HIGH: f64 = 0.25;
+/// Longer windows must be whole for this part of the log that the shortest are whole for.
+const COVERED: f64 = 0.8;
 /// A joint moves where its acceleration is this many times what noise makes of one, RMS.
 const MOVES: f64 = 2.0;
 
@@ -42,7 +52,22 @@ const MOVES: f64 = 2.0;
 pub struct Plan {
     /// Between rows, s.
     pub step_s: f64,
+    half: f64,
     terms: usize,
+}
+
+/// What windows of one length show of a log.
+#[derive(Default)]
+struct Survey {
+    /// Windows that are whole, times joints.
+    count: f64,
+    /// Time from one window to the next that is looked at, s.
+    stride: f64,
+    /// Sums of q̈_4², of (q̈_4 − q̈_3)², of s² w_4² and of s² w_3².
+    gains: f64,
+    apart: f64,
+    of_high: f64,
+    of_low: f64,
 }
 
 /// How the joints move in rows of a log, row by row and joint by joint.
@@ -66,38 +91,33 @@ impl Plan {
         if dof == 0 || t.len() < FEWEST {
             return None;
         }
-        let nodes = Nodes::of(t, q, dof, step_s);
-        let window = Window::new(&nodes, step_s);
-        // Σ over joints: (q̈_4 − q̈_3)², and variances of both.
-        let [mut apart, mut of_low, mut of_high] = [0.0; 3];
-        let stride = nodes.len().div_ceil(LOOKED_AT).max(1);
-        for node in (0..nodes.len()).step_by(stride) {
-            let around = window.around(node);
-            if !window.is_whole(node, &around) || nodes.are_still(&around) {
-                continue;
+        let mut best: Option<(f64, Plan)> = None;
+        let mut seconds = f64::NAN;
+        for half in windows::halves(step_s) {
+            let survey = Survey::of(t, q, dof, step_s, half);
+            if best.is_some() && survey.seconds() < COVERED * seconds {
+                break;
             }
-            let fit = |terms| Polynomials::fit(&nodes, node, around.clone(), window.half, terms);
-            let (Some(low), Some(high)) = (fit(LOW), fit(HIGH)) else {
-                continue;
-            };
-            for joint in 0..dof {
-                let difference = high.gain(joint) - low.gain(joint);
-                let variance = high.variance(joint);
-                apart += difference * difference;
-                of_low += variance * low.weight * low.weight;
-                of_high += variance * high.weight * high.weight;
+            if best.is_none() {
+                seconds = survey.seconds();
+            }
+            for (terms, error) in [(HIGH, survey.error_of_high()), (LOW, survey.error_of_low())] {
+                if best.as_ref().is_none_or(|(least, _)| error < *least) {
+                    let plan = Plan {
+                        step_s,
+                        half,
+                        terms,
+                    };
+                    best = Some((error, plan));
+                }
             }
         }
-        let bias = (apart - (of_high - of_low)).max(0.0);
-        Some(Plan {
-            step_s,
-            terms: if of_low + bias < of_high { LOW } else { HIGH },
-        })
+        best.map(|(_, plan)| plan)
     }
 
     /// How far a window reaches to either side, s.
     pub fn reach_s(&self) -> f64 {
-        Window::half(self.step_s) + 2.0 * NODE_S
+        windows::reach(self.half)
     }
 
     /// The motion in some `rows` of a log, of whose neighbours `t` and `q` hold what windows
@@ -112,8 +132,8 @@ impl Plan {
         if is_still(q, dof) || rows.is_empty() {
             return None;
         }
-        let nodes = Nodes::of(t, q, dof, self.step_s);
-        let window = Window::new(&nodes, self.step_s);
+        let nodes = Nodes::of(t, q, dof, self.step_s, self.half);
+        let window = Window::new(&nodes, self.step_s, self.half);
         let moving = self.moving(&nodes, &window)?;
         let mut motion = Motion::default();
         let count = rows.len() * dof;
@@ -168,6 +188,61 @@ impl Plan {
             Some(fit) => Local::Moving(fit, whole),
             None => Local::Unknown,
         }
+    }
+}
+
+impl Survey {
+    fn of(t: &[f64], q: &[f64], dof: usize, step_s: f64, half: f64) -> Survey {
+        let nodes = Nodes::of(t, q, dof, step_s, half);
+        let window = Window::new(&nodes, step_s, half);
+        let stride = nodes.len().div_ceil(LOOKED_AT).max(1);
+        let span = nodes.t[nodes.len() - 1] - nodes.t[0];
+        let mut survey = Survey {
+            stride: span * stride as f64 / nodes.len() as f64,
+            ..Survey::default()
+        };
+        for node in (0..nodes.len()).step_by(stride) {
+            let around = window.around(node);
+            if !window.is_whole(node, &around) || nodes.are_still(&around) {
+                continue;
+            }
+            let fit = |terms| Polynomials::fit(&nodes, node, around.clone(), half, terms);
+            let (Some(low), Some(high)) = (fit(LOW), fit(HIGH)) else {
+                continue;
+            };
+            survey.count += dof as f64;
+            for joint in 0..dof {
+                let variance = high.variance(joint);
+                survey.gains += high.gain(joint).powi(2);
+                survey.apart += (high.gain(joint) - low.gain(joint)).powi(2);
+                survey.of_high += variance * high.weight * high.weight;
+                survey.of_low += variance * low.weight * low.weight;
+            }
+        }
+        survey
+    }
+
+    /// Time that windows are whole for, times joints, s.
+    fn seconds(&self) -> f64 {
+        self.count * self.stride
+    }
+
+    /// Σ q̈² of what moves, and β².
+    fn bent(&self) -> (f64, f64) {
+        let moves = (self.gains - self.of_high).max(0.0);
+        let bent = (self.apart - (self.of_high - self.of_low)).max(0.0);
+        (moves, if moves > 0.0 { bent / moves } else { 0.0 })
+    }
+
+    fn error_of_low(&self) -> f64 {
+        let (moves, square) = self.bent();
+        (self.of_low + COHERENT * COHERENT * square * moves) / self.count.max(1.0)
+    }
+
+    fn error_of_high(&self) -> f64 {
+        let (moves, square) = self.bent();
+        let bent = COHERENT * OF_HIGH * square;
+        (self.of_high + bent * bent * moves) / self.count.max(1.0)
     }
 }
 

@@ -2,10 +2,14 @@
 
 use std::ops::Range;
 
+use nalgebra::Matrix5;
+
 use super::windows::Nodes;
 
 /// Coefficients of the polynomial of order 4, the highest.
 pub(super) const HIGH: usize = 5;
+/// A pivot of the normal equations, per coefficient, below which nodes do not settle them.
+const SINGULAR: f64 = 1e-9;
 
 /// The polynomials of all joints about a node.
 pub(super) struct Polynomials {
@@ -34,7 +38,7 @@ impl Polynomials {
             return None;
         }
         let about = &nodes.q[node * dof..(node + 1) * dof];
-        let mut normal = [[0.0; HIGH]; HIGH];
+        let mut normal = Matrix5::zeros();
         let mut sums = vec![0.0; terms * dof];
         let mut left = vec![0.0; dof];
         for i in around {
@@ -42,7 +46,7 @@ impl Polynomials {
             let powers = [1.0, s, s * s, s * s * s, s * s * s * s];
             for a in 0..terms {
                 for b in 0..terms {
-                    normal[a][b] += powers[a] * powers[b];
+                    normal[(a, b)] += powers[a] * powers[b];
                 }
             }
             let own = &nodes.q[i * dof..(i + 1) * dof];
@@ -60,7 +64,7 @@ impl Polynomials {
         for (m, row) in coefficients.chunks_exact_mut(dof).enumerate() {
             for (k, sums) in sums.chunks_exact(dof).enumerate() {
                 for (c, sum) in row.iter_mut().zip(sums) {
-                    *c += inverse[m][k] * sum;
+                    *c += inverse[(m, k)] * sum;
                 }
             }
         }
@@ -75,7 +79,7 @@ impl Polynomials {
             left,
             spare: (count - terms).max(1) as f64,
             half,
-            weight: 2.0 / (half * half) * inverse[2][2].max(0.0).sqrt(),
+            weight: 2.0 / (half * half) * inverse[(2, 2)].max(0.0).sqrt(),
         })
     }
 
@@ -109,26 +113,14 @@ impl Polynomials {
 }
 
 /// The inverse of the leading block of a positive definite matrix; none of another.
-fn inverse(mut a: [[f64; HIGH]; HIGH], n: usize) -> Option<[[f64; HIGH]; HIGH]> {
-    let mut b = [[0.0; HIGH]; HIGH];
-    (0..n).for_each(|k| b[k][k] = 1.0);
-    for k in 0..n {
-        let pivot = a[k][k];
-        if pivot.is_nan() || pivot <= 1e-9 * (n as f64) {
-            return None;
-        }
-        for c in 0..n {
-            a[k][c] /= pivot;
-            b[k][c] /= pivot;
-        }
-        let (row_a, row_b) = (a[k], b[k]);
-        for r in (0..n).filter(|r| *r != k) {
-            let factor = a[r][k];
-            for c in 0..n {
-                a[r][c] -= factor * row_a[c];
-                b[r][c] -= factor * row_b[c];
-            }
-        }
-    }
-    Some(b)
+fn inverse(normal: Matrix5<f64>, terms: usize) -> Option<Matrix5<f64>> {
+    let padded = Matrix5::from_fn(|r, c| match r < terms && c < terms {
+        true => normal[(r, c)],
+        false => f64::from(u8::from(r == c)),
+    });
+    let factor = padded.cholesky()?;
+    let least = SINGULAR * terms as f64;
+    let pivots = factor.l_dirty().diagonal();
+    let regular = pivots.iter().all(|pivot| pivot * pivot > least);
+    regular.then(|| factor.inverse())
 }

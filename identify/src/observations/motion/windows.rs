@@ -2,12 +2,12 @@
 
 use std::ops::Range;
 
-/// Half of the window, s.
-const HALF_S: f64 = 0.15;
+/// Halves of windows, s.
+const HALVES_S: [f64; 4] = [0.15, 0.3, 0.6, 1.2];
 /// Rows of a window on either side where they are far apart.
 const SIDE: f64 = 3.4;
-/// Rows are averaged over this time, s.
-pub(super) const NODE_S: f64 = 0.0075;
+/// Rows are averaged over this part of half a window.
+const NODE: f64 = 0.05;
 /// Nodes of a whole window, at least: one beyond the five coefficients of order 4.
 pub(super) const FEWEST: usize = 6;
 /// A pause is this many intervals.
@@ -27,8 +27,9 @@ pub(super) struct Nodes {
 }
 
 impl Nodes {
-    pub fn of(t: &[f64], q: &[f64], dof: usize, step_s: f64) -> Nodes {
-        let rows = ((NODE_S / step_s) as usize).max(1);
+    /// Of rows `step_s` apart, for windows of half `half` (s).
+    pub fn of(t: &[f64], q: &[f64], dof: usize, step_s: f64, half: f64) -> Nodes {
+        let rows = ((NODE * half / step_s) as usize).max(1);
         let mut nodes = Nodes {
             dof,
             t: Vec::with_capacity(t.len() / rows + 1),
@@ -41,7 +42,7 @@ impl Nodes {
             let own = &q[row * dof..(row + 1) * dof];
             let last = row.checked_sub(1);
             let step = last.map_or(f64::INFINITY, |last| now - t[last]);
-            let joins = count > 0.0 && (count as usize) < rows && (0.0..=NODE_S).contains(&step);
+            let joins = count > 0.0 && (count as usize) < rows && (0.0..=NODE * half).contains(&step);
             if last.is_some_and(|last| q[last * dof..row * dof] != *own) {
                 moved += 1;
             }
@@ -74,6 +75,20 @@ impl Nodes {
     }
 }
 
+/// Halves of the windows that rows `step_s` apart may have, the shortest first, s; stamps that
+/// jitter leave the outermost rows inside.
+pub(super) fn halves(step_s: f64) -> Vec<f64> {
+    let own = HALVES_S.map(|half| 1.02 * half.max(SIDE * step_s));
+    let mut halves = own.to_vec();
+    halves.dedup();
+    halves
+}
+
+/// How far around a row the nodes of its window reach, s.
+pub(super) fn reach(half: f64) -> f64 {
+    (1.0 + 2.0 * NODE) * half
+}
+
 pub(super) struct Window<'a> {
     pub t: &'a [f64],
     pub half: f64,
@@ -81,17 +96,12 @@ pub(super) struct Window<'a> {
 }
 
 impl<'a> Window<'a> {
-    pub fn new(nodes: &'a Nodes, step_s: f64) -> Window<'a> {
+    pub fn new(nodes: &'a Nodes, step_s: f64, half: f64) -> Window<'a> {
         Window {
             t: &nodes.t,
-            half: Window::half(step_s),
-            pause: PAUSE * step_s.max(NODE_S),
+            half,
+            pause: PAUSE * step_s.max(NODE * half),
         }
-    }
-
-    /// Stamps that jitter leave the outermost rows inside.
-    pub fn half(step_s: f64) -> f64 {
-        HALF_S.max(SIDE * step_s) * 1.02
     }
 
     /// Nodes around one without a pause.

@@ -1,0 +1,222 @@
+//! The study of moving robots: one recording at several sampling rates, with and without
+//! something hidden, with encoders that write all digits or ticks; counted are verdicts.
+//!
+//! Every rate must give the verdict of the fastest; where nothing is hidden, that is `none`.
+//! The logs are drawn from seeds: the same command counts the same logs again.
+
+use std::error::Error;
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use clap::Args;
+use rand::SeedableRng as _;
+use rand_chacha::ChaCha8Rng;
+use sesc_identify::diagnose::{self, Diagnosis, Verdict, diagnose};
+use sesc_identify::logs::Table;
+use sesc_identify::robot::Robot;
+use sesc_virtual::hidden::{Effect, Hidden, NOWHERE, hide_all};
+use sesc_virtual::moving::Swing;
+use sesc_virtual::recording::{Kind, Noise, Recording};
+use sesc_virtual::stage::{Platform, Stage};
+
+/// Recordings are made at this rate, Hz.
+const RATE: f64 = 100.0;
+/// One in so many rows: 100, 50, 20 and 10 Hz.
+const EVERY: [usize; 4] = [1, 2, 5, 10];
+/// 4096 ticks a turn, rad.
+const TICK: f64 = TAU / 4096.0;
+
+/// How many logs.
+#[derive(Args)]
+pub struct StudyMotion {
+    /// Number of recordings of each kind
+    #[arg(long, default_value_t = 10)]
+    logs: u64,
+    /// The first recording's seed; each further one's is one more
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Only kinds of recording whose name contains this
+    #[arg(long)]
+    only: Option<String>,
+    /// Print the sentence of every log
+    #[arg(long)]
+    sentences: bool,
+    /// Where the table goes, instead of docs/study-motion.md
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+/// A kind of recording.
+struct Case {
+    platform: Platform,
+    hidden: Option<(Effect, &'static str, &'static [f64])>,
+    swing: Swing,
+    noise: Noise,
+    stated: bool,
+}
+
+impl Case {
+    fn name(&self) -> String {
+        let hidden = match self.hidden {
+            Some((effect, NOWHERE, _)) => effect.name().to_string(),
+            Some((effect, target, _)) => format!("{}:{target}", effect.name()),
+            None => "nothing hidden".to_string(),
+        };
+        let noise = match self.noise.kind {
+            Kind::White => "white".to_string(),
+            Kind::Ar1(tau) => format!("AR(1) {tau} s"),
+            Kind::Smooth(tau) => format!("AR(2) {tau} s"),
+            Kind::Sway(tau) => format!("sway {tau} s under white"),
+        };
+        let (tick, jitter) = (self.swing.tick > 0.0, self.swing.jitter > 0.0);
+        format!(
+            "{:?}, {hidden}, {} Hz, {}, {noise}{}{}",
+            self.platform,
+            self.swing.hertz,
+            if tick { "ticks" } else { "all digits" },
+            if jitter { ", stamps jitter" } else { "" },
+            if self.stated { "" } else { ", noise not stated" },
+        )
+    }
+
+    fn record(&self, stage: &Stage, seed: u64) -> Result<Recording, Box<dyn Error>> {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let hidden = self.hidden.map(|(effect, target, values)| Hidden {
+            effect,
+            target: target.to_string(),
+            values: values.to_vec(),
+            begins: 0.0,
+            seed,
+        });
+        let world = hide_all(stage.world(), hidden.as_slice())?;
+        Ok(self
+            .swing
+            .record(stage, world, self.noise, RATE, &mut random))
+    }
+
+    fn diagnosed(
+        &self,
+        stage: &Stage,
+        robot: &Arc<Robot>,
+        recording: &Recording,
+    ) -> Result<Diagnosis, Box<dyn Error>> {
+        let columns = recording.columns(true).into_iter();
+        let log = columns.fold(Table::new("recording"), |table, (name, values)| {
+            table.numbers(&name, values)
+        });
+        let mut request = diagnose::Request::new(Arc::clone(robot), log);
+        request.support = Some(stage.support.into());
+        request.noise = self.stated.then_some(self.noise.std[0]);
+        request.prior = "tight".into();
+        Ok(diagnose(&request, &mut ())?.diagnosis)
+    }
+}
+
+fn cases() -> Vec<Case> {
+    let kinds = [Kind::White, Kind::Ar1(0.1), Kind::Ar1(0.5)];
+    let hidden: [Option<(Effect, &str, &[f64])>; 5] = [
+        None,
+        Some((Effect::JointOffset, "r_hip_roll", &[0.05])),
+        Some((Effect::SensorGain, NOWHERE, &[0.2, 0.2])),
+        Some((Effect::Payload, "body_link", &[0.3, 0.0, 0.0, 0.03])),
+        Some((Effect::TimeDelay, NOWHERE, &[0.05])),
+    ];
+    let mut cases = Vec::new();
+    for hidden in hidden {
+        for tick in [0.0, TICK] {
+            for kind in kinds {
+                for (hertz, amplitude) in [(0.7, 0.15), (0.2, 0.3)] {
+                    for stated in [true, false] {
+                        let swing = Swing {
+                            tick,
+                            ..Swing::new(hertz, amplitude, 20.0)
+                        };
+                        cases.push(Case {
+                            platform: Platform::Op2,
+                            hidden,
+                            swing,
+                            noise: Noise {
+                                kind,
+                                std: [5e-4; 2],
+                                visit_std: 0.0,
+                            },
+                            stated,
+                        });
+                    }
+                }
+            }
+        }
+    }
+    cases
+}
+
+/// The verdict and what is named, as one word each.
+fn said(diagnosis: &Diagnosis) -> String {
+    let named: Vec<String> = diagnosis
+        .steps
+        .iter()
+        .map(|step| format!("{}:{}", step.effect, step.target))
+        .collect();
+    let verdict = format!("{:?}", diagnosis.verdict).to_lowercase();
+    match diagnosis.verdict {
+        Verdict::None => verdict,
+        _ => format!("{verdict} {}", named.join(" ")),
+    }
+}
+
+impl StudyMotion {
+    /// Draws and diagnoses every recording at every rate; writes the table.
+    ///
+    /// # Errors
+    /// A log that cannot be diagnosed; a file that cannot be written.
+    pub fn run(&self, root: &Path) -> Result<(), Box<dyn Error>> {
+        let mut text = String::from(
+            "| recording | a verdict but none at 100, 50, 20, 10 Hz | the same at all rates |\n\
+             |---|---|---|\n",
+        );
+        for case in cases() {
+            let name = case.name();
+            if self.only.as_ref().is_some_and(|only| !name.contains(only)) {
+                continue;
+            }
+            let stage = Stage::new(case.platform);
+            let robot = Arc::new(Robot::read(&stage.urdf)?);
+            let mut alarms = [0; EVERY.len()];
+            let mut same = 0;
+            for seed in self.seed..self.seed + self.logs {
+                let recording = case.record(&stage, seed)?;
+                let mut verdicts = Vec::new();
+                for (k, nth) in EVERY.into_iter().enumerate() {
+                    let found = case.diagnosed(&stage, &robot, &recording.every(nth))?;
+                    alarms[k] += usize::from(found.verdict != Verdict::None);
+                    if self.sentences {
+                        eprintln!(
+                            "  seed {seed}, {} Hz: {}; worth {}; {} share {:?}",
+                            RATE / nth as f64,
+                            said(&found),
+                            found.samples.independent,
+                            found.motion.used,
+                            found.motion.share.map(|share| (share.value, share.std))
+                        );
+                    }
+                    verdicts.push(said(&found));
+                }
+                same += usize::from(verdicts.iter().all(|said| *said == verdicts[0]));
+            }
+            let alarms: Vec<String> = alarms.iter().map(usize::to_string).collect();
+            let line = format!(
+                "| {name} | {} of {} | {same} of {1} |",
+                alarms.join(", "),
+                self.logs
+            );
+            eprintln!("{line}");
+            let _ = writeln!(text, "{line}");
+        }
+        let own = root.join("docs/study-motion.md");
+        fs::write(self.out.as_ref().unwrap_or(&own), text)?;
+        Ok(())
+    }
+}
