@@ -24,17 +24,17 @@ pub(super) fn correlation(problem: &Problem, fit: &Fit) -> [Correlation; 2] {
         let y = DVector::from_fn(n, |k, _| fit.residual[2 * k + axis]);
         let unknowns = fit.slopes.ncols();
         let columns = masses.columns();
-        let free = if masses.is_negligible() {
-            0
-        } else {
-            columns.ncols()
+        // Their coefficients have deviation one.
+        let held = match masses.is_negligible() {
+            true => 0,
+            false => columns.ncols(),
         };
-        let x = DMatrix::from_fn(n, 1 + unknowns + free, |k, c| match c {
+        let x = DMatrix::from_fn(n, 1 + unknowns + held, |k, c| match c {
             0 => 1.0,
             c if c <= unknowns => fit.slopes[(2 * k + axis, c - 1)],
             c => columns[(2 * k + axis, c - 1 - unknowns)],
         });
-        Correlation::of(t, &y, &x)
+        Correlation::with_held(t, &y, &x, held)
     })
 }
 

@@ -11,7 +11,9 @@
 //! under the white noise of a sensor for a short one. σ_h and ρ_h are found by restricted
 //! maximum likelihood (Patterson and Thompson, Biometrika 58, 1971): the residuals of a
 //! fit have lost their slow part to the fit's own columns X, and their plain
-//! autocorrelation would count two to three times too many samples. Stamps may be uneven.
+//! autocorrelation would count two to three times too many samples. Columns whose coefficients
+//! a prior holds take less of it: they stand beside rows `0 = b_k + N(0, 1)` of their own.
+//! Stamps may be uneven.
 
 mod restricted;
 mod windows;
@@ -34,6 +36,8 @@ const ALIKE: f64 = 3.5;
 const FEW: usize = 3;
 /// Windows whose means are less correlated than this are long enough.
 const ENOUGH_APART: f64 = 0.7;
+/// How often the scale of rows that hold coefficients follows what is found.
+const SCALED: usize = 3;
 /// Longer windows count where they are worth this much less than shorter ones say.
 const WORTH_LESS: f64 = 1.15;
 /// Factor by which windows twice as long may show rows to be worth less.
@@ -78,14 +82,20 @@ impl Correlation {
     /// Estimate it from what a fit leaves of `y` (over its deviations), whose columns are
     /// `x`, at times `t` (s).
     pub fn of(t: &[f64], y: &DVector<f64>, x: &DMatrix<f64>) -> Correlation {
+        Correlation::with_held(t, y, x, 0)
+    }
+
+    /// The same where the coefficients of the last `held` columns are drawn from N(0, 1).
+    pub fn with_held(t: &[f64], y: &DVector<f64>, x: &DMatrix<f64>, held: usize) -> Correlation {
         let n = t.len();
+        let columns = Columns::new(x, held);
         let Some(step) = step(t).filter(|_| n >= ENOUGH) else {
             return Correlation::NONE;
         };
         let mut chosen: Option<Scale> = None;
         let (mut rows, mut most) = (1, n);
         let mut before = f64::INFINITY;
-        while let Some(scale) = Scale::cut(t, y, x, Cut::new(rows, step), most) {
+        while let Some(scale) = Scale::cut(t, y, &columns, Cut::new(rows, step), most) {
             // A slow part under a fast one shows twice as much in windows twice as long, and
             // no more: beyond that the fit has left too little to tell.
             if scale.rows_per_sample > LEAP * before {
@@ -125,7 +135,8 @@ impl Correlation {
         let Some(step) = step(t).filter(|_| stays.len() >= x.ncols() + ENOUGH) else {
             return Correlation::of(t, y, x);
         };
-        let whole = Scale::of(t, y, x, stays, Cut::new(usize::MAX, step));
+        let columns = Columns::new(x, 0);
+        let whole = Scale::of(t, y, &columns, stays, Cut::new(usize::MAX, step));
         Correlation::at(whole, t.len(), step)
     }
 
@@ -158,27 +169,59 @@ pub fn left(x: &DMatrix<f64>, y: &DVector<f64>) -> (f64, f64) {
     restricted::white(x, y).unwrap_or((f64::NAN, 0.0))
 }
 
+/// Columns that are fitted, of which the last ones have known sizes.
+struct Columns<'a> {
+    x: &'a DMatrix<f64>,
+    held: usize,
+    /// How much of a fit they take from rows of deviation one.
+    taken: usize,
+}
+
+impl Columns<'_> {
+    /// The last `held` columns of `x` have coefficients of deviation one.
+    fn new(x: &DMatrix<f64>, held: usize) -> Columns<'_> {
+        let free = x.ncols() - held;
+        let own = x.columns(free, held);
+        let known = own.transpose() * own + DMatrix::identity(held, held);
+        // tr (I + KᵀK)⁻¹ KᵀK
+        let untaken = known.cholesky().map(|factor| factor.inverse().trace());
+        let taken = held as f64 - untaken.unwrap_or(0.0);
+        Columns {
+            x,
+            held,
+            taken: free + taken.ceil() as usize,
+        }
+    }
+}
+
 impl Scale {
     /// Of windows cut like this; `None` where they are too few, or more than `most`.
-    fn cut(t: &[f64], y: &DVector<f64>, x: &DMatrix<f64>, cut: Cut, most: usize) -> Option<Scale> {
+    fn cut(
+        t: &[f64],
+        y: &DVector<f64>,
+        columns: &Columns<'_>,
+        cut: Cut,
+        most: usize,
+    ) -> Option<Scale> {
         let windows = windows::whole(t, cut);
         let fewest = match cut.rows {
-            1 => x.ncols() + ENOUGH,
-            _ => 2 * x.ncols() + WINDOWS,
+            1 => columns.taken + ENOUGH,
+            _ => 2 * columns.taken + WINDOWS,
         };
         let enough = (fewest..=most).contains(&windows.len());
-        enough.then(|| Scale::of(t, y, x, &windows, cut)).flatten()
+        enough.then(|| Scale::of(t, y, columns, &windows, cut))
+            .flatten()
     }
 
     /// Of these windows.
     fn of(
         t: &[f64],
         y: &DVector<f64>,
-        x: &DMatrix<f64>,
+        columns: &Columns<'_>,
         windows: &[Range<usize>],
         cut: Cut,
     ) -> Option<Scale> {
-        let n = windows.len();
+        let (n, x, held) = (windows.len(), columns.x, columns.held);
         let mean = |column: &[f64]| -> Vec<f64> {
             let own = windows.iter().map(|window| &column[window.clone()]);
             own.map(|own| own.iter().sum::<f64>() / own.len() as f64)
@@ -191,7 +234,13 @@ impl Scale {
             of_x.set_column(k, &DVector::from_vec(mean(x.column(k).as_slice())));
         }
         let joined: Vec<bool> = (0..n).map(|k| k > 0 && middle[k] > middle[k - 1]).collect();
-        let found = restricted::estimate(&middle, &joined, &of_x, &of_y)?;
+        let mut found = restricted::estimate(&middle, &joined, &of_x, &of_y, (held, 0.0))?;
+        if held > 0 {
+            for _ in 0..SCALED {
+                let deviation = found.variance.sqrt();
+                found = restricted::estimate(&middle, &joined, &of_x, &of_y, (held, deviation))?;
+            }
+        }
         let rows = windows.iter().map(Range::len).sum::<usize>() as f64 / n as f64;
         // What varies within windows is what averaging took from the variance of a row.
         let within = match cut.rows {
@@ -240,7 +289,7 @@ impl Scale {
             rho,
             rows_per_sample,
             significant: correlated || excess > SCATTER,
-            consistent: is_white(&innovations, x.ncols()),
+            consistent: is_white(&innovations, columns.taken),
         })
     }
 }

@@ -64,13 +64,25 @@ struct Sums {
 }
 
 /// Estimate the process from rows (x, y) at times `t`; `joined[k]` says whether row k
-/// follows row k − 1 within a stretch.
+/// follows row k − 1 within a stretch. Coefficients of the last `held` columns have deviation
+/// one where a row has `deviation`: rows of their own say so.
 pub(super) fn estimate(
     t: &[f64],
     joined: &[bool],
     x: &DMatrix<f64>,
     y: &DVector<f64>,
+    (held, deviation): (usize, f64),
 ) -> Option<Found> {
+    if held > 0 && deviation > 0.0 {
+        let (n, p) = x.shape();
+        let last = t.last().copied().unwrap_or_default();
+        let t = [t, &vec![last; held]].concat();
+        let joined = [joined, &vec![false; held]].concat();
+        let mut own = x.clone().insert_rows(n, held, 0.0);
+        (0..held).for_each(|k| own[(n + k, p - held + k)] = deviation);
+        let y = y.clone().insert_rows(n, held, 0.0);
+        return estimate(&t, &joined, &own, &y, (0, 0.0));
+    }
     let turn = basis(x);
     let q = x * &turn;
     let (n, p) = q.shape();
