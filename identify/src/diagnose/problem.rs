@@ -237,12 +237,27 @@ impl<'m> Problem<'m> {
         self.widened[0].max(self.widened[1]).powi(2)
     }
 
+    /// By how much an axis counts as known worse.
+    pub(super) fn widened(&self, axis: usize) -> f64 {
+        self.widened[axis]
+    }
+
+    /// The noise of each axis is `factors` times as large.
+    pub(super) fn scale_noise(&mut self, factors: [f64; 2]) {
+        self.data.scale_noise(factors);
+        self.weigh();
+    }
+
     /// Count each axis as known `factors` times as badly: readings are not independent.
     pub(super) fn widen_noise(&mut self, factors: [f64; 2]) {
         self.widened = factors;
         for (row, std) in self.data.std.iter_mut().enumerate() {
             *std *= factors[row % 2];
         }
+        self.weigh();
+    }
+
+    fn weigh(&mut self) {
         self.weight = self.data.std.iter().map(|s| 1.0 / s).collect();
         self.nuisance = Nuisance::new(&self.rows, &self.prior, &self.weight);
         self.wide = Nuisance::new(&self.rows, &self.wide_prior, &self.weight);

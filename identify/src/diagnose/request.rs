@@ -257,12 +257,15 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     };
     let mut found = diagnosis::find(&mut problem, &further, &about, watch)?;
     let mut correlation = samples::correlation(&problem, &found.best);
+    let mut noise_factors = [1.0; 2];
     // What an explanation too many has taken from the noise shows when it is gone.
     for _ in 0..ROUNDS {
         let Some(factors) = samples::factors(&correlation).filter(|_| about.usable) else {
             break;
         };
+        noise_factors = samples::noise_factors(&problem, noise_factors, &correlation);
         problem = Problem::new(&model, data.clone(), &prior, &request.effects)?;
+        problem.scale_noise(noise_factors);
         problem.widen_noise(factors);
         found = diagnosis::find(&mut problem, &further, &about, watch)?;
         let again = samples::correlation(&problem, &found.best);

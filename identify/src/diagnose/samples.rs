@@ -8,6 +8,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::problem::{Fit, Problem};
 use crate::observations::correlation::{Correlation, step};
+use crate::observations::noise::NoiseSource;
 use crate::observations::samples::{Samples, Sum};
 
 /// Below this factor of the noise a log is looked at once.
@@ -42,6 +43,23 @@ pub(super) fn correlation(problem: &Problem, fit: &Fit) -> [Correlation; 2] {
 pub(super) fn factors(correlation: &[Correlation; 2]) -> Option<[f64; 2]> {
     let factors = correlation.map(|axis| axis.rows_per_sample.sqrt());
     (factors[0].max(factors[1]) > COUNTS).then_some(factors)
+}
+
+/// How many times as large as residuals of a first fit showed it the noise of each axis is;
+/// 1 where it is known from elsewhere. Slow noise hides in that fit: `problem`, whose noise is
+/// `now` times as large, has what it leaves beside masses that a prior holds.
+pub(super) fn noise_factors(
+    problem: &Problem,
+    now: [f64; 2],
+    correlation: &[Correlation; 2],
+) -> [f64; 2] {
+    match problem.data.noise_source {
+        NoiseSource::Residuals => {
+            [0, 1].map(|k| now[k] * problem.widened(k) * correlation[k].variance.max(0.0).sqrt())
+        }
+        _ => now,
+    }
+    .map(|factor| factor.max(1.0))
 }
 
 /// What is said of it.

@@ -447,6 +447,16 @@ impl Postures {
         }
     }
 
+    /// The noise of each axis is `factors` times as large as it was taken to be.
+    pub fn scale_noise(&mut self, factors: [f64; 2]) {
+        for (row, std) in self.std.iter_mut().enumerate() {
+            *std *= factors[row % 2];
+        }
+        let overall = rms(factors.into_iter());
+        self.noise *= overall;
+        self.noise_floor = self.noise.hypot(self.floor);
+    }
+
     /// Count each reading for less known by `by`, m, beside what it is less known by already.
     pub fn trust_less(&mut self, by: &[f64]) {
         for (std, own) in self.std.iter_mut().zip(by) {

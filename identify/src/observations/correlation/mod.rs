@@ -56,6 +56,8 @@ pub struct Correlation {
     pub time_s: f64,
     /// Samples per independent one, n/n_eff, 1 and more.
     pub rows_per_sample: f64,
+    /// Variance of a row, in units of y²; 1 where samples are independent.
+    pub variance: f64,
     /// The process, where samples are not independent.
     pub process: Option<Process>,
 }
@@ -66,6 +68,7 @@ struct Scale {
     process: Process,
     rho: f64,
     rows_per_sample: f64,
+    variance: f64,
     significant: bool,
     /// What the process leaves is white: it is one of this scale.
     consistent: bool,
@@ -76,6 +79,7 @@ impl Correlation {
     pub const NONE: Correlation = Correlation {
         time_s: 0.0,
         rows_per_sample: 1.0,
+        variance: 1.0,
         process: None,
     };
 
@@ -145,6 +149,7 @@ impl Correlation {
             Some(scale) => Correlation {
                 time_s: 0.5 * step * scale.rows_per_sample,
                 rows_per_sample: scale.rows_per_sample.min(rows as f64),
+                variance: scale.variance,
                 process: Some(scale.process),
             },
             None => Correlation::NONE,
@@ -288,6 +293,7 @@ impl Scale {
             },
             rho,
             rows_per_sample,
+            variance: row,
             significant: correlated || excess > SCATTER,
             consistent: is_white(&innovations, columns.taken),
         })
