@@ -113,6 +113,7 @@ mod tests {
         let axis = |rows_per_sample, time_s| Correlation {
             time_s,
             rows_per_sample,
+            variance: 1.0,
             process: None,
         };
         let mut sum = Sum::default();
