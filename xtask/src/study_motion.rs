@@ -78,7 +78,11 @@ impl Case {
             self.swing.hertz,
             if tick { "ticks" } else { "all digits" },
             if jitter { ", stamps jitter" } else { "" },
-            if self.stated { "" } else { ", noise not stated" },
+            if self.stated {
+                ""
+            } else {
+                ", noise not stated"
+            },
         )
     }
 

@@ -22,12 +22,12 @@ use super::next_postures::{self, Next, OnFoot};
 use super::problem::Problem;
 use super::remedy::{self, Servo};
 use super::view::DiagnosisView;
-use super::{diagnosis, experiment, model_check, motion, noise, samples, verdict};
+use super::{experiment, model_check, motion, noise, samples, verdict};
 use crate::fit::check_result;
 use crate::fit::prior::{Prior, PriorChoice};
 use crate::health;
 use crate::logs::{Angles, LogSource, Options, PostureWriter, Readings, Row, Sidecar, Written};
-use crate::observations::motion_use::MotionModel;
+use crate::observations::motion_use::{MotionModel, MotionUse};
 use crate::observations::postures::{Postures, Taking};
 use crate::robot::Robot;
 use crate::watch::Watch;
@@ -35,11 +35,6 @@ use crate::{Error, Setting, message};
 
 /// What encoder ticks add to the noise of a posture's CoP unless told otherwise, m.
 pub const FLOOR_M: f64 = 1e-4;
-
-/// Rounds in which the number of independent readings and the explanation settle.
-const ROUNDS: usize = 3;
-/// A number of rows per sample that grew by this is not settled.
-const LONGER: f64 = 1.3;
 
 /// What is to be diagnosed, and how.
 #[derive(Debug, Clone)]
@@ -217,17 +212,14 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     let prior = request.prior.of(&model)?;
     let options = options(request, &model);
     let (log, rows) = health::screen(&request.log, &model, &options, request.noise, watch)?;
-    let mut data = take(request, &model, &prior, &log, watch)?;
-    let health = health::examine(robot, &model, request.snapping, &data.standing()).after(rows);
-    data.trust_less(&health.less_known);
-    let mut problem = Problem::new(&model, data.clone(), &prior, &request.effects)?;
+    let mut data = take(request, &model, &prior, (&log, request.motion), watch)?;
     let stands = request.then.iter().map(|log| stand(request, &support, log));
     let stands: Vec<(Experiment, Model)> = stands.collect::<Result<_, _>>()?;
     let mut further = Vec::new();
     let hash = |postures: &Postures| postures.summary.as_ref().map(|found| found.hash.clone());
     let mut hashes = vec![hash(&data)];
     for (log, (experiment, model)) in request.then.iter().zip(&stands) {
-        let postures = take(request, model, &prior, log, watch)?;
+        let postures = take(request, model, &prior, (log, request.motion), watch)?;
         let own = hash(&postures);
         if own.is_some() && hashes.contains(&own) {
             return Err(Error::log(
@@ -244,38 +236,36 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
         });
     }
     let names = [&request.log].into_iter().chain(&request.then);
-    let about = About {
-        robot: sidecar.robot.as_deref().unwrap_or(&model.tree.robot),
-        support: &support,
-        log: &names
-            .map(LogSource::file_name)
-            .collect::<Vec<_>>()
-            .join(" + "),
-        prior: prior.sentence(),
-        usable: health.is_usable(),
-        health: health.findings,
-    };
-    let mut found = diagnosis::find(&mut problem, &further, &about, watch)?;
-    let mut correlation = samples::correlation(&problem, &found.best);
-    let mut noise_factors = [1.0; 2];
-    // What an explanation too many has taken from the noise shows when it is gone.
-    for _ in 0..ROUNDS {
-        let Some(factors) = samples::factors(&correlation).filter(|_| about.usable) else {
-            break;
+    let names = names.map(LogSource::file_name).collect::<Vec<_>>();
+    let names = names.join(" + ");
+    let explain = |data: &Postures, watch: &mut dyn Watch| {
+        let mut data = data.clone();
+        let health = health::examine(robot, &model, request.snapping, &data.standing());
+        let health = health.after(rows.clone());
+        data.trust_less(&health.less_known);
+        let about = About {
+            robot: sidecar.robot.as_deref().unwrap_or(&model.tree.robot),
+            support: &support,
+            log: &names,
+            prior: prior.sentence(),
+            usable: health.is_usable(),
+            health: health.findings,
         };
-        noise_factors = samples::noise_factors(&problem, noise_factors, &correlation);
-        problem = Problem::new(&model, data.clone(), &prior, &request.effects)?;
-        problem.scale_noise(noise_factors);
-        problem.widen_noise(factors);
-        found = diagnosis::find(&mut problem, &further, &about, watch)?;
-        let again = samples::correlation(&problem, &found.best);
-        let longer = |k: usize| again[k].rows_per_sample > LONGER * correlation[k].rows_per_sample;
-        let settled = !(longer(0) || longer(1));
-        if !settled {
-            correlation = again;
-            continue;
+        let of = || Problem::new(&model, data.clone(), &prior, &request.effects);
+        samples::explained(of, &further, &about, watch)
+    };
+    let (mut problem, mut found, mut correlation) = explain(&data, watch)?;
+    let share = motion::said(&problem, &found.best);
+    if share.used && share.share.is_some_and(|share| share.is_missing()) {
+        let standing = (&log, MotionModel::Off);
+        data = take(request, &model, &prior, standing, watch)?;
+        data.motion_use = MotionUse {
+            used: false,
+            rows_left_out: 0,
+            ..share
         }
-        break;
+        .told();
+        (problem, found, correlation) = explain(&data, watch)?;
     }
     found.diagnosis.samples = samples::said(&problem, &correlation);
     found.diagnosis.motion = motion::said(&problem, &found.best);
@@ -319,7 +309,11 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
         frees_masses: found.best.frees_masses(),
         of_the_log: corrected_urdf::of_the_log(&problem, &found),
         view: request.view.then(|| DiagnosisView::of(&problem, &found)),
-        next: next_log(next, &model, about.robot),
+        next: next_log(
+            next,
+            &model,
+            sidecar.robot.as_deref().unwrap_or(&model.tree.robot),
+        ),
         notes: model.tree.notes.clone(),
         diagnosis: found.diagnosis,
     })
@@ -355,7 +349,7 @@ fn take(
     request: &Request,
     model: &Model,
     prior: &Prior,
-    log: &LogSource,
+    (log, motion): (&LogSource, MotionModel),
     watch: &mut dyn Watch,
 ) -> Result<Postures, Error> {
     let taking = Taking {
@@ -364,7 +358,7 @@ fn take(
         floor: request.floor,
     };
     let mut data = Postures::read(log, model, &taking, watch)?;
-    motion::account(&mut data, model, prior, request.motion);
+    motion::account(&mut data, model, prior, motion);
     data.warnings
         .iter()
         .for_each(|warning| watch.warning(warning));

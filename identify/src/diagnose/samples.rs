@@ -6,16 +6,57 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::diagnosis;
+use super::findings::{About, Found};
+use super::further_logs::FurtherLog;
 use super::problem::{Fit, Problem};
+use crate::Error;
 use crate::observations::correlation::{Correlation, step};
 use crate::observations::noise::NoiseSource;
 use crate::observations::samples::{Samples, Sum};
+use crate::watch::Watch;
 
 /// Below this factor of the noise a log is looked at once.
 const COUNTS: f64 = 1.1;
 
+/// Rounds in which the number of independent readings and the explanation settle.
+const ROUNDS: usize = 3;
+/// A number of rows per sample that grew by this is not settled.
+const LONGER: f64 = 1.3;
+
+/// The best explanation of a log, with noise counted for as long as it lasts.
+pub(super) fn explained<'m>(
+    of: impl Fn() -> Result<Problem<'m>, Error>,
+    further: &[FurtherLog<'_>],
+    about: &About<'_>,
+    watch: &mut dyn Watch,
+) -> Result<(Problem<'m>, Found, [Correlation; 2]), Error> {
+    let mut problem = of()?;
+    let mut found = diagnosis::find(&mut problem, further, about, watch)?;
+    let mut correlation = self::correlation(&problem, &found.best);
+    let mut times = [1.0; 2];
+    // What an explanation too many has taken from the noise shows when it is gone.
+    for _ in 0..ROUNDS {
+        let Some(factors) = factors(&correlation).filter(|_| about.usable) else {
+            break;
+        };
+        times = noise_factors(&problem, times, &correlation);
+        problem = of()?;
+        problem.scale_noise(times);
+        problem.widen_noise(factors);
+        found = diagnosis::find(&mut problem, further, about, watch)?;
+        let again = self::correlation(&problem, &found.best);
+        let longer = |k: usize| again[k].rows_per_sample > LONGER * correlation[k].rows_per_sample;
+        if !(longer(0) || longer(1)) {
+            break;
+        }
+        correlation = again;
+    }
+    Ok((problem, found, correlation))
+}
+
 /// Correlation of what is left, on each axis.
-pub(super) fn correlation(problem: &Problem, fit: &Fit) -> [Correlation; 2] {
+fn correlation(problem: &Problem, fit: &Fit) -> [Correlation; 2] {
     let Some(t) = &problem.data.t else {
         return [Correlation::NONE; 2];
     };
@@ -40,7 +81,7 @@ pub(super) fn correlation(problem: &Problem, fit: &Fit) -> [Correlation; 2] {
 }
 
 /// The factors of the noise on each axis; none where readings are independent enough.
-pub(super) fn factors(correlation: &[Correlation; 2]) -> Option<[f64; 2]> {
+fn factors(correlation: &[Correlation; 2]) -> Option<[f64; 2]> {
     let factors = correlation.map(|axis| axis.rows_per_sample.sqrt());
     (factors[0].max(factors[1]) > COUNTS).then_some(factors)
 }
@@ -48,11 +89,7 @@ pub(super) fn factors(correlation: &[Correlation; 2]) -> Option<[f64; 2]> {
 /// How many times as large as residuals of a first fit showed it the noise of each axis is;
 /// 1 where it is known from elsewhere. Slow noise hides in that fit: `problem`, whose noise is
 /// `now` times as large, has what it leaves beside masses that a prior holds.
-pub(super) fn noise_factors(
-    problem: &Problem,
-    now: [f64; 2],
-    correlation: &[Correlation; 2],
-) -> [f64; 2] {
+fn noise_factors(problem: &Problem, now: [f64; 2], correlation: &[Correlation; 2]) -> [f64; 2] {
     match problem.data.noise_source {
         NoiseSource::Residuals => {
             [0, 1].map(|k| now[k] * problem.widened(k) * correlation[k].variance.max(0.0).sqrt())

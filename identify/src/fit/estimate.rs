@@ -182,7 +182,7 @@ pub fn identify_within(
         noise_axes: gathered.noise_by_axis().map(|axis| axis * noise.floor),
         samples: gathered
             .samples
-            .of(gathered.readings)
+            .of(gathered.readings + gathered.motion.rows_left_out)
             .by_visits(&gathered.repeats),
         motion: gathered.motion.clone().told(),
         plans: gathered.plans.clone(),

@@ -382,8 +382,8 @@ impl Gathered {
         self.take_independent();
         let stream = std::mem::take(&mut self.stream);
         let timing = &stream.timing;
-        self.samples
-            .push(stream.rows as u64, &timing.correlation, timing.timed);
+        let rows = stream.rows as u64 + left_out;
+        self.samples.push(rows, &timing.correlation, timing.timed);
         let (moving, square) = stream.moving;
         self.motion.merge(&MotionUse {
             used: moving > 0,

@@ -6,7 +6,8 @@
 //!
 //! Readings hold Δ by the laws of mechanics, whether noise lets it be seen or not. Those of a
 //! log that was averaged in standing postures, or simulated so, hold none though its joints
-//! move: readings are static where a is nearer to 0 than to 1, and clearly not 1.
+//! move: readings are static where a = 0 is more likely than a = 1 by far,
+//! `2 log L = ((1 − a)² − a²)/σ_a²`.
 
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
@@ -15,8 +16,8 @@ use super::correlation;
 use super::motion::LONGEST_S;
 use super::noise::LEAST_STD;
 
-/// A share that is so many deviations from 1 is not all.
-const SURE: f64 = 3.0;
+/// Readings are without motion where twice the log likelihood of that is this much larger.
+const SURE: f64 = 4.0;
 /// A share this many deviations from 1 is another one,
 const ANOTHER: f64 = 4.0;
 /// if it is off by this as well: accelerations are not known better.
@@ -44,9 +45,9 @@ pub struct Share {
 }
 
 impl Share {
-    /// Whether readings are without the motion: nearer to none of it than to all, beyond chance.
+    /// Whether readings are without the motion: none of it is far more likely than all.
     pub fn is_missing(&self) -> bool {
-        self.value < 0.5 && 1.0 - self.value > SURE * self.std
+        1.0 - 2.0 * self.value > SURE * self.std * self.std
     }
 
     fn is_another(&self) -> bool {

@@ -8,7 +8,7 @@
 
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
-use sesc_reference::World;
+use sesc_reference::{Track, World};
 
 use crate::stage::Stage;
 
@@ -71,15 +71,18 @@ impl Recording {
             ..Recording::default()
         };
         let mut shift = Vec::new();
+        // Of a robot that moves; one that stands is read posture by posture.
+        let mut moved = None;
         match motion {
             Motion::Sines(seconds) => {
                 let at = stage.motion(random);
-                for k in 0..(seconds * rate) as usize {
-                    let t = k as f64 / rate;
-                    recording.t.push(t);
-                    recording.q.push(at(t));
-                    shift.push([0.0; 2]);
-                }
+                let count = (seconds * rate) as usize;
+                recording.t = (0..count).map(|k| k as f64 / rate).collect();
+                let track = Track::moving(recording.t.clone(), at);
+                recording.q = track.postures().to_vec();
+                let readings = world.clone().unsettled().readings(&track);
+                shift = vec![[0.0; 2]; count];
+                moved = Some(readings);
             }
             Motion::Stays {
                 postures,
@@ -109,9 +112,10 @@ impl Recording {
         let mut at: Option<(&Vec<f64>, [f64; 2])> = None;
         let mut readings = Vec::with_capacity(recording.t.len());
         for (k, q) in recording.q.iter().enumerate() {
-            let cop = match at {
-                Some((before, cop)) if before == q => cop,
-                _ => world.cop(q),
+            let cop = match (&moved, at) {
+                (Some(moved), _) => moved[k].cop,
+                (None, Some((before, cop))) if before == q => cop,
+                (None, _) => world.cop(q),
             };
             at = Some((q, cop));
             readings.push([0, 1].map(|axis| cop[axis] + shift[k][axis] + noises[axis][k]));

@@ -170,7 +170,7 @@ impl Stage {
     }
 
     /// Two slow sines a joint, at most 0.1 Hz.
-    pub fn motion(&self, random: &mut ChaCha8Rng) -> impl Fn(f64) -> Vec<f64> + 'static {
+    pub fn motion(&self, random: &mut ChaCha8Rng) -> impl Fn(f64) -> Vec<f64> + Clone + 'static {
         let waves: Vec<[[f64; 3]; 2]> = (0..self.ranges.len())
             .map(|_| {
                 [(); 2].map(|()| {

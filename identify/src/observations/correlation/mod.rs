@@ -214,7 +214,8 @@ impl Scale {
             _ => 2 * columns.taken + WINDOWS,
         };
         let enough = (fewest..=most).contains(&windows.len());
-        enough.then(|| Scale::of(t, y, columns, &windows, cut))
+        enough
+            .then(|| Scale::of(t, y, columns, &windows, cut))
             .flatten()
     }
 

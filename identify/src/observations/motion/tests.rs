@@ -116,7 +116,13 @@ fn deviations_are_those_of_the_noise() {
 #[test]
 fn ticks_leave_accelerations_as_large_as_they_are() {
     let tick = std::f64::consts::TAU / 4096.0;
-    for (step, hertz) in [(0.01, 0.7), (0.02, 0.7), (0.05, 0.7), (0.1, 0.3), (0.01, 0.2)] {
+    for (step, hertz) in [
+        (0.01, 0.7),
+        (0.02, 0.7),
+        (0.05, 0.7),
+        (0.1, 0.3),
+        (0.01, 0.2),
+    ] {
         let (t, q) = swing(step, 120.0, hertz);
         let q: Vec<f64> = q.iter().map(|q| (q / tick).round() * tick).collect();
         let plan = Plan::of(&t, &q, 1).unwrap();

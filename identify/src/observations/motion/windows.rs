@@ -42,7 +42,8 @@ impl Nodes {
             let own = &q[row * dof..(row + 1) * dof];
             let last = row.checked_sub(1);
             let step = last.map_or(f64::INFINITY, |last| now - t[last]);
-            let joins = count > 0.0 && (count as usize) < rows && (0.0..=NODE * half).contains(&step);
+            let joins =
+                count > 0.0 && (count as usize) < rows && (0.0..=NODE * half).contains(&step);
             if last.is_some_and(|last| q[last * dof..row * dof] != *own) {
                 moved += 1;
             }
