@@ -134,6 +134,35 @@ fn a_hidden_offset_is_named_in_a_moving_log() {
     assert!(members.iter().any(is), "{members:?}");
 }
 
+/// Encoders that write ticks, noise that lasts as long as the motion, rows at 100, 50, 20 and
+/// 10 Hz: nothing is missing, and none of these is taken for something that is.
+#[test]
+fn every_rate_gives_the_same_verdict() {
+    const TICK: f64 = std::f64::consts::TAU / 4096.0;
+    let slow = Noise {
+        kind: Kind::Ar1(0.5),
+        ..WHITE
+    };
+    for (hertz, amplitude, noise, seed) in [(0.7, 0.15, WHITE, 1), (0.2, 0.3, slow, 2)] {
+        let swing = Swing {
+            tick: TICK,
+            ..Swing::new(hertz, amplitude, 20.0)
+        };
+        let stage = stage();
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let world = World::new(&stage.robot, stage.support).unwrap();
+        let recording = swing.record(&stage, world, noise, 100.0, &mut random);
+        for nth in [1, 2, 5, 10] {
+            let found = diagnosed(&recording.every(nth), MotionModel::Auto);
+            println!("{hertz} Hz, one in {nth}: {}", found.sentence);
+            assert_eq!(found.verdict, Verdict::None);
+            assert!(found.motion.used);
+            let share = found.motion.share.unwrap();
+            assert!((share.value - 1.0).abs() < 4.0 * share.std, "{share:?}");
+        }
+    }
+}
+
 /// RMS of what predictions of a log are off from its readings, m, rows at its ends apart.
 fn off(log: LogSource, readings: &[[f64; 2]], motion: MotionModel) -> f64 {
     let stance = Stance::new(Robot::read(Path::new(&stage().urdf)).unwrap()).on("r_sole");
