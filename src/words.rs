@@ -7,6 +7,7 @@ pub fn option(setting: Setting) -> String {
     let option = match setting {
         Setting::Angles => "--degrees",
         Setting::Snapping => "--no-snap",
+        Setting::OtherFoot => "--other-foot LINK",
         Setting::Support => "--support LINK",
         Setting::Feature(name) => return format!("`cargo install --features {name}`"),
         other => return format!("--{}", other.name().replace('_', "-")),

@@ -13,6 +13,7 @@ pub mod compare;
 pub mod diagnose;
 mod error;
 pub mod evaluate;
+pub mod feet;
 pub mod fit;
 pub mod health;
 pub mod hide;

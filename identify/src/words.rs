@@ -38,6 +38,8 @@ pub enum Setting {
     Partial,
     /// Masses that a robot can have.
     Physical,
+    /// The link that is the other sole, where both feet are on the floor.
+    OtherFoot,
     /// Postures of a plan or a simulation.
     Poses,
     /// The tolerances of CAD masses.
@@ -78,6 +80,7 @@ impl Setting {
             Setting::Rate => "rate",
             Setting::Partial => "partial",
             Setting::Physical => "physical",
+            Setting::OtherFoot => "other_foot",
             Setting::Poses => "poses",
             Setting::Prior => "prior",
             Setting::Range => "range",

@@ -31,7 +31,7 @@ class Log:
         columns: ``{"name in the log": "our name"}``.
         name: what messages call the log.
         robot: whose log it is; :attr:`health` then knows more.
-        readings_per_pose, cells, gravity, topic, experiment: as in the sidecar of a log file,
+        readings_per_pose, cells, gravity, both_feet, other_foot, topic, experiment: as in the sidecar of a log file,
             over which all of these win.
 
     A table is copied: later changes of it do not reach the log.
@@ -56,6 +56,8 @@ class Log:
         readings_per_pose: int | None = None,
         cells: Sequence[Sequence[float]] | None = None,
         gravity: Sequence[float] | None = None,
+        both_feet: bool | None = None,
+        other_foot: str | None = None,
         topic: str | None = None,
         experiment: str | None = None,
     ) -> None:
@@ -65,6 +67,8 @@ class Log:
             "readings_per_pose": readings_per_pose,
             "cells": None if cells is None else np.asarray(cells, dtype=float).tolist(),
             "gravity": None if gravity is None else np.asarray(gravity, dtype=float).tolist(),
+            "both_feet": both_feet,
+            "other_foot": other_foot,
             "topic": topic,
             "experiment": experiment,
             "columns": None if columns is None else dict(columns),

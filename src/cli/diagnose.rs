@@ -6,11 +6,12 @@ use std::sync::Arc;
 use clap::Args;
 
 use super::outputs::Files;
-use super::{Bar, Motion, Outcome, RobotArguments, message, print, print_json};
+use super::{Bar, FeetArguments, Motion, Outcome, RobotArguments, message, print, print_json};
 use crate::Error;
 use crate::report::diagnose::{Asked, page, text};
 use crate::servos;
 use sesc_identify::diagnose::{self, Report, Request, Verdict};
+use sesc_identify::feet::Feet;
 use sesc_identify::fit::prior::{Prior, PriorChoice};
 use sesc_identify::logs::{self, Angles, LogSource};
 use sesc_identify::robot::Robot;
@@ -58,6 +59,8 @@ pub(super) struct Arguments {
     /// those of standing postures
     #[arg(long, value_enum, default_value_t)]
     motion: Motion,
+    #[command(flatten)]
+    feet: FeetArguments,
     /// Model file to write: parameters and effects, for `generate`, `predict`, `simulate`
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -160,6 +163,7 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
     request.noise = arguments.noise;
     request.floor = arguments.floor;
     request.motion = arguments.motion.into();
+    request.feet = Feet::from(&arguments.feet);
     request.meshes = arguments.robot.urdf.parent().map(Path::to_path_buf);
     request.next_file = arguments.next.clone();
     request.model_path = arguments.out.clone();

@@ -8,10 +8,11 @@ use sesc_model::Snapping;
 
 use super::fit_outputs::Outputs;
 use super::outputs::Files;
-use super::{Bar, Motion, Outcome, message, print, print_json};
+use super::{Bar, FeetArguments, Motion, Outcome, message, print, print_json};
 use crate::Error;
 use crate::report;
 use crate::report::fit::{FitReport, Unusable};
+use sesc_identify::feet::Feet;
 use sesc_identify::fit::part::Part;
 use sesc_identify::fit::prior::{Prior, PriorChoice};
 use sesc_identify::fit::robust::Loss;
@@ -64,6 +65,8 @@ pub(super) struct Arguments {
     /// those of standing postures
     #[arg(long, value_enum, default_value_t)]
     motion: Motion,
+    #[command(flatten)]
+    feet: FeetArguments,
     /// Trust postures less that no noise explains, and name them
     #[arg(long, value_enum)]
     robust: Option<RobustLoss>,
@@ -204,6 +207,7 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
         RobustLoss::Tukey => Loss::Tukey,
     });
     request.motion = arguments.motion.into();
+    request.feet = Feet::from(&arguments.feet);
     request.folds = arguments.folds.and_then(|k| usize::try_from(k).ok());
     request.range = arguments.range.map(f64::to_radians);
     arguments.outputs.ask(&mut request);

@@ -30,6 +30,7 @@ use sesc_model::text::{is_hidden, visible_lines};
 use sesc_model::{Model, ModelFile, Snapping};
 
 use crate::Error;
+use sesc_identify::feet::Feet;
 use sesc_identify::fit::MotionModel;
 use sesc_identify::robot::Robot;
 use sesc_identify::stance::Stance;
@@ -74,6 +75,27 @@ impl From<Motion> for MotionModel {
         match motion {
             Motion::Auto => MotionModel::Auto,
             Motion::Off => MotionModel::Off,
+        }
+    }
+}
+
+/// Which feet are on the floor.
+#[derive(Args)]
+struct FeetArguments {
+    /// Both soles are flat on one floor in every row (`both_feet` in the sidecar): joint offsets
+    /// show in how they lie. The CoP is that of both feet together
+    #[arg(long)]
+    both_feet: bool,
+    /// The link that is the other sole (`other_foot` in the sidecar); by its name unless given
+    #[arg(long, value_name = "LINK")]
+    other_foot: Option<String>,
+}
+
+impl From<&FeetArguments> for Feet {
+    fn from(arguments: &FeetArguments) -> Feet {
+        Feet {
+            both: arguments.both_feet.then_some(true),
+            other: arguments.other_foot.clone(),
         }
     }
 }

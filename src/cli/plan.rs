@@ -5,9 +5,12 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::outputs::Files;
-use super::{Bar, Outcome, RobotArguments, command_line, message, print, print_json};
+use super::{
+    Bar, FeetArguments, Outcome, RobotArguments, command_line, message, print, print_json,
+};
 use crate::Error;
 use crate::report;
+use sesc_identify::feet::Feet;
 use sesc_identify::fit::prior::Prior;
 use sesc_identify::logs::{PostureWriter, Written};
 use sesc_identify::plan::balance::Region;
@@ -59,6 +62,8 @@ pub(super) struct Arguments {
         allow_hyphen_values = true, value_parser = super::units::length_m
     )]
     clearance: f64,
+    #[command(flatten)]
+    feet: FeetArguments,
     /// Seed of the candidates
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -94,6 +99,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     request.noise = arguments.noise;
     request.clearance = arguments.clearance;
     request.seed = arguments.seed;
+    request.feet = Feet::from(&arguments.feet);
     request.folder = arguments.robot.urdf.parent().map(PathBuf::from);
     // A file that cannot be written is better known before than after.
     let dofs = &request.model.tree.dofs;

@@ -137,7 +137,7 @@ fn balanced(robot: &Robot, model: &Model, count: usize, seed: u64) -> Result<Vec
     }
     let region = Region::square(BOX, 0.0)?;
     let geometry = Geometry::read(&robot.description, None);
-    let clearance = Clearance::new(model, &geometry, 0.005);
+    let clearance = Clearance::new(model, &geometry, 0.005, None);
     let uncertainty = nalgebra::DMatrix::zeros(model.base.params.len(), 0);
     #[cfg(feature = "collision")]
     let collisions =
@@ -148,6 +148,7 @@ fn balanced(robot: &Robot, model: &Model, count: usize, seed: u64) -> Result<Vec
         sigmas: 0.0,
         uncertainty: &uncertainty,
         clearance: &clearance,
+        both_feet: None,
         #[cfg(feature = "collision")]
         collisions: &collisions,
     };

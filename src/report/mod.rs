@@ -17,6 +17,7 @@ pub mod table;
 mod tests;
 
 use serde::Serialize;
+use sesc_identify::feet::ClosureFound;
 
 /// The seed paper's simulation end to end, on one robot.
 #[derive(Debug, Clone, Serialize)]
@@ -167,4 +168,22 @@ pub struct HeightRow {
     pub identified: f64,
     /// Identified, the constant taken from CAD.
     pub anchored: f64,
+}
+
+/// How the soles of both feet lie, in a line.
+fn soles(closure: &ClosureFound) -> String {
+    let why = match closure.noise_from_log {
+        true => "as the log has it",
+        false => "the least that is believed",
+    };
+    format!(
+        "{} off that of {} by {} RMS, {} left; noise of a posture {}, {why}; in all postures alike \
+         {} are allowed",
+        closure.other_foot,
+        closure.support,
+        closure.before.sentence(),
+        closure.after.sentence(),
+        closure.noise.sentence(),
+        closure.tolerance.sentence()
+    )
 }

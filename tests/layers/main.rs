@@ -65,6 +65,7 @@ const ROOMS: [(&str, &[&str]); 5] = [
             "hide",
             "evaluate",
             "observations",
+            "feet",
             "simulate",
             "predict",
             "health",

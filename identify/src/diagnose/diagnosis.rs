@@ -1,5 +1,6 @@
 //! The whole diagnosis: search, class, verdict, held-out errors, sentences.
 
+use super::closing;
 use super::com_spread;
 use super::criteria;
 use super::findings::{
@@ -59,7 +60,8 @@ pub fn find<'m>(
     let known = problem.data.noise_source != NoiseSource::Residuals
         || misfit.chi2 > criteria::LEFTOVER_RATIO_OF_RESIDUALS * misfit.expected;
     let crowd = best.terms.len() >= criteria::TOO_MANY_EFFECTS;
-    let no_known = known && misfit.is_clear() || formula.is_some();
+    let soles = about.usable && closing::is_open(search.problem(), &best);
+    let no_known = known && misfit.is_clear() || formula.is_some() || soles;
     let unexplained = no_known || crowd || implausible.is_some();
     let problem = search.problem();
     if unexplained {
@@ -107,6 +109,7 @@ pub fn find<'m>(
         }
     }
     let problem = &*whole_problem;
+    let closure = closing::said(problem, &null, &best);
     let verdict = match (unexplained, best.terms.is_empty(), class.len()) {
         _ if !about.usable => Verdict::Unusable,
         (true, _, _) => Verdict::Unexplained,
@@ -121,6 +124,7 @@ pub fn find<'m>(
         samples: Samples::default(),
         motion: problem.data.motion_use.clone(),
         visits: problem.data.visits,
+        closure,
         sentence: String::new(),
         robot: about.robot.to_string(),
         support: about.support.to_string(),

@@ -5,7 +5,8 @@
 //! ```
 //!
 //! with `A` and `b` what is left of `G_cc` and `Z_cᵀ S residual` once the unknowns
-//! of the current hypothesis take their part. S: no mass error, see `nuisance`.
+//! of the current hypothesis take their part. S: no mass error, see `nuisance`. Of a log of
+//! both feet the rows of the soles stand below those of the readings.
 
 use nalgebra::{DMatrix, DVector};
 use sesc_model::effects::PostureContext;
@@ -37,6 +38,7 @@ impl Dictionary {
         let context = &problem.context;
         let posture_context = sides_at(problem, q);
         let rows = 2 * problem.data.len();
+        let without = problem.closed_at(&[], &[], q, &posture_context);
         let mut candidates = Vec::new();
         let mut columns: Vec<Vec<f64>> = Vec::new();
         for term in effect_terms(context) {
@@ -49,10 +51,12 @@ impl Dictionary {
             if starts.len() == 1 {
                 let out = problem.evaluate(own, &starts[0], q, &posture_context);
                 let p = starts[0].len();
+                let closed = problem.closed_at(own, &starts[0], q, &posture_context);
                 for k in 0..p {
                     let column =
                         (0..rows).map(|row| out[row * (p + 1) + 1 + k] * problem.weight[row]);
-                    columns.push(column.collect());
+                    let soles = closed.iter().flat_map(|closed| closed.slopes.column(k));
+                    columns.push(column.chain(soles.copied()).collect());
                 }
             } else {
                 // No slope at none: what each start does, as one direction each,
@@ -63,7 +67,13 @@ impl Dictionary {
                 let width = middle.len() + 1;
                 let column =
                     (0..rows).map(|row| (out[row * width] - none[row]) * problem.weight[row]);
-                columns.push(column.collect());
+                let closed = problem.closed_at(own, middle, q, &posture_context);
+                let soles = closed.iter().zip(&without).flat_map(|(with, without)| {
+                    let pairs = with.residual.iter().zip(&without.residual);
+                    // A residual falls by what its prediction rises.
+                    pairs.map(|(with, without)| without - with)
+                });
+                columns.push(column.chain(soles).collect());
             }
             candidates.push(Candidate {
                 started: starts.len() > 1,
@@ -72,8 +82,9 @@ impl Dictionary {
                 count: columns.len() - from,
             });
         }
+        let rows = columns.first().map_or(rows, Vec::len);
         let slopes = DMatrix::from_fn(rows, columns.len(), |row, k| columns[k][row]);
-        let projected = problem.nuisance.project_out(&slopes);
+        let projected = problem.project_out(&problem.nuisance, &slopes);
         Dictionary {
             candidates,
             slopes,
@@ -101,14 +112,13 @@ impl Dictionary {
     /// How far each candidate would lower the objective of `fit`, to first order.
     pub fn gains(&self, fit: &Fit, problem: &Problem) -> Vec<f64> {
         let masses = problem.masses(&fit.terms);
-        let mut residual = fit.residual.clone();
+        let (mut residual, own) = problem.whole(fit);
         if let Some(outliers) = &fit.outliers {
             let root = outliers.root_weights(None);
             residual.iter_mut().zip(root).for_each(|(e, w)| *e *= w);
         }
-        let left = masses.project_out_one(&residual);
-        let own = &fit.slopes;
-        let own_projected = masses.project_out(own);
+        let left = problem.project_out_one(masses, &residual);
+        let own_projected = problem.project_out(masses, &own);
         let factor = factor_normal(own.tr_mul(&own_projected));
         let of_own = own.tr_mul(&left);
         self.candidates
@@ -120,7 +130,7 @@ impl Dictionary {
                 let mut b = z.tr_mul(&left);
                 let whole: Vec<f64> = (0..c.count).map(|k| a[(k, k)]).collect();
                 if let (Some(factor), true) = (&factor, own.ncols() > 0) {
-                    let cross = sz.tr_mul(own);
+                    let cross = sz.tr_mul(&own);
                     a -= &cross * factor.solve(&cross.transpose());
                     b -= &cross * factor.solve(&of_own);
                 }

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::held_out::HeldOut;
 use super::problem::Fit;
+use crate::feet::ClosureFound;
 use crate::health::Finding;
 use crate::observations::motion_use::MotionUse;
 use crate::observations::noise::NoiseSource;
@@ -237,6 +238,9 @@ pub struct Diagnosis {
     pub motion: MotionUse,
     /// What postures that were visited again differ by; none where none was.
     pub visits: Option<Visits>,
+    /// How the soles of both feet lie on one floor, where the log is of both.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub closure: Option<ClosureFound>,
     /// The whole result in sentences.
     pub sentence: String,
     /// File of the robot's description.

@@ -60,6 +60,7 @@ pub fn together(first: &Problem, fit: Fit, further: &[FurtherLog]) -> Fit {
         predicted: at.first.predicted,
         residual: at.first.residual,
         slopes: at.first.slopes,
+        closed: at.first.closed,
         at_bound: at.first.at_bound,
         ..fit
     }

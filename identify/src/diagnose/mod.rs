@@ -6,6 +6,7 @@
 //! ```
 
 mod backlash_sides;
+mod closing;
 mod com_spread;
 pub mod corrected_urdf;
 mod criteria;

@@ -271,7 +271,7 @@ fn candidates(
         .min(criteria::COP_BOX_M.1);
     let region = Region::square(half, 0.0).ok()?;
     let geometry = Geometry::read(&robot.description, folder);
-    let clearance = Clearance::new(model, &geometry, criteria::CLEARANCE_M);
+    let clearance = Clearance::new(model, &geometry, criteria::CLEARANCE_M, None);
     let uncertainty = DMatrix::zeros(model.base.params.len(), 0);
     #[cfg(feature = "collision")]
     let collisions = crate::plan::collision::Collisions::new(model, &geometry, &limits.rest());
@@ -281,6 +281,7 @@ fn candidates(
         sigmas: 2.0,
         uncertainty: &uncertainty,
         clearance: &clearance,
+        both_feet: None,
         #[cfg(feature = "collision")]
         collisions: &collisions,
     };

@@ -1,5 +1,6 @@
 //! Hypotheses about one log: what they predict, and what they cost.
 
+mod closing;
 mod fitting;
 mod readings;
 
@@ -17,6 +18,7 @@ use super::nuisance::Nuisance;
 use super::outliers::Outliers;
 use crate::Error;
 use crate::evaluate::Evaluator;
+use crate::feet::{Closure, ROWS};
 use crate::fit::prior::{Prior, Tolerances};
 use crate::lsq::factor_normal;
 use crate::lsq::information::Beyond;
@@ -25,6 +27,7 @@ use crate::observations::postures::Postures;
 use crate::observations::rows::CopRows;
 
 use crate::svd::svd;
+pub use closing::Closed;
 pub(super) use fitting::State;
 use readings::Tapes;
 
@@ -58,6 +61,8 @@ pub struct Problem<'m> {
     pub rows: DMatrix<f64>,
     /// What of them is motion's; none of standing robots.
     motion_rows: Option<Rc<DMatrix<f64>>>,
+    /// Both soles on one floor, where the log is of both feet.
+    pub closure: Option<Rc<Closure>>,
     tapes: RefCell<HashMap<Vec<Instance>, Rc<Tapes>>>,
     target_weights: HashMap<Term, f64>,
     kinds: usize,
@@ -81,6 +86,8 @@ pub struct Fit {
     pub residual: DVector<f64>,
     /// Whitened derivative by the unknowns.
     pub slopes: DMatrix<f64>,
+    /// The same of the soles, where the log is of both feet.
+    pub closed: Option<Closed>,
     /// Posture context with the sides of dead bands, where they matter.
     pub posture_context: Option<Rc<Vec<f64>>>,
     pub outliers: Option<Outliers>,
@@ -188,6 +195,7 @@ impl<'m> Problem<'m> {
             wide_prior: usual,
             rows: flat,
             motion_rows,
+            closure: None,
             tapes: RefCell::new(HashMap::new()),
             target_weights: HashMap::new(),
         })
@@ -217,8 +225,17 @@ impl<'m> Problem<'m> {
             wide_prior: self.wide_prior.clone(),
             rows: self.rows.clone(),
             motion_rows: None,
+            closure: None,
             tapes: RefCell::new(HashMap::new()),
             target_weights: HashMap::new(),
+        }
+    }
+
+    /// The same problem, whose log is of both feet: what the soles say counts.
+    pub(super) fn on_both_feet(self, closure: Option<Closure>) -> Problem<'m> {
+        Problem {
+            closure: closure.map(Rc::new),
+            ..self
         }
     }
 
@@ -287,7 +304,8 @@ impl<'m> Problem<'m> {
     /// What unknowns and the number of things that were looked at cost:
     /// `Σ p ln 2N + 2 ln(kinds / w_target)`, see [`Problem::weigh_targets`].
     pub fn penalty(&self, terms: &[Term]) -> f64 {
-        let readings = (2 * self.data.len()) as f64;
+        let soles = if self.closure.is_some() { ROWS } else { 0 };
+        let readings = ((2 + soles) * self.data.len()) as f64;
         let of = |term: &Term| {
             let weight = match self.target_weights.get(term) {
                 Some(weight) => *weight,

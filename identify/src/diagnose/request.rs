@@ -22,7 +22,8 @@ use super::next_postures::{self, Next, OnFoot};
 use super::problem::Problem;
 use super::remedy::{self, Servo};
 use super::view::DiagnosisView;
-use super::{experiment, model_check, motion, noise, samples, verdict};
+use super::{closing, experiment, model_check, motion, noise, samples, verdict};
+use crate::feet::Feet;
 use crate::fit::check_result;
 use crate::fit::prior::{Prior, PriorChoice};
 use crate::health;
@@ -62,6 +63,8 @@ pub struct Request {
     pub floor: f64,
     /// Whether the motion of the joints counts.
     pub motion: MotionModel,
+    /// Which feet are on the floor; the sidecar's unless given.
+    pub feet: Feet,
     /// Folder of the robot's meshes, for postures that touch nothing.
     pub meshes: Option<PathBuf>,
     /// Where the caller will write the next postures; the diagnosis names it.
@@ -93,6 +96,7 @@ impl Request {
             noise: None,
             floor: FLOOR_M,
             motion: MotionModel::Auto,
+            feet: Feet::default(),
             meshes: None,
             next_file: None,
             model_path: None,
@@ -230,9 +234,12 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
             ));
         }
         hashes.push(own);
+        let (sidecar, _) = log.sidecar()?;
+        let closure = closing::of(&Feet::default(), &sidecar, model, &postures, watch)?;
+        let problem = Problem::new(model, postures, &prior, &request.effects)?;
         further.push(FurtherLog {
             experiment: *experiment,
-            problem: Problem::new(model, postures, &prior, &request.effects)?,
+            problem: problem.on_both_feet(closure),
         });
     }
     let names = [&request.log].into_iter().chain(&request.then);
@@ -251,7 +258,11 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
             usable: health.is_usable(),
             health: health.findings,
         };
-        let of = || Problem::new(&model, data.clone(), &prior, &request.effects);
+        let closure = closing::of(&request.feet, &sidecar, &model, &data, watch)?;
+        let of = || -> Result<Problem, Error> {
+            let problem = Problem::new(&model, data.clone(), &prior, &request.effects)?;
+            Ok(problem.on_both_feet(closure.clone()))
+        };
         samples::explained(of, &further, &about, watch)
     };
     let (mut problem, mut found, mut correlation) = explain(&data, watch)?;

@@ -176,6 +176,7 @@ impl Predictions {
             predicted: state.predicted,
             residual: state.residual,
             slopes: state.slopes,
+            closed: state.closed,
             at_bound: state.at_bound,
             posture_context: Some(Rc::new(context)),
             flipped: decided.flipped,

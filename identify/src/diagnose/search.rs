@@ -240,7 +240,7 @@ impl<'p, 'm> Search<'p, 'm> {
 
     /// The best pairs of a linear search over all of them.
     fn pairs(&mut self, null: &Fit) -> Vec<Proposal> {
-        let residual = null.residual.clone();
+        let (residual, _) = self.problem.whole(null);
         let pairs = self.base.pairs(&residual);
         let candidates = &self.base.candidates;
         let mut proposals: Vec<Proposal> = pairs

@@ -25,6 +25,7 @@ pub(super) fn sentence(problem: &Problem, found: &Found) -> String {
         said.push(d.motion.sentence.clone());
     }
     said.extend(d.health.iter().map(|finding| finding.sentence.clone()));
+    said.extend(d.closure.iter().map(|closure| closure.sentence.clone()));
     let values = words::values(problem, &found.best);
     let clauses: Vec<String> = found
         .best
@@ -71,7 +72,12 @@ pub(super) fn sentence(problem: &Problem, found: &Found) -> String {
         }
         Verdict::Unexplained => {
             said.extend(d.implausible.clone());
+            let open = d.closure.as_ref().is_some_and(|closure| !closure.closes);
+            let of_cop = d.leftover.chi2 > criteria::LEFTOVER_RATIO * d.leftover.expected;
             said.push(match found.best.terms.len() {
+                _ if open && !of_cop => {
+                    "No known effect explains how the soles lie on the floor.".to_string()
+                }
                 few if few < criteria::TOO_MANY_EFFECTS => format!(
                     "{} known effect explains it: χ² is {:.0} where noise leaves {:.0}.",
                     match d.implausible {

@@ -20,7 +20,7 @@ pub fn proposals(problem: &Problem, dictionary: &Dictionary) -> Vec<Proposal> {
     for fault in faults {
         let own = std::slice::from_ref(&fault);
         let residual = residual(problem, &fault);
-        let left = problem.nuisance.project_out_one(&residual);
+        let left = problem.project_out_one(&problem.nuisance, &residual);
         let penalty = problem.penalty(own);
         let predicted_score = residual.dot(&left) + penalty;
         if !predicted_score.is_finite() {
@@ -72,8 +72,8 @@ pub fn beside(problem: &Problem, parent: &Fit) -> Vec<Proposal> {
         None => &data.posture_context,
     };
     let masses = problem.masses(&parent.terms);
-    let own = &parent.slopes;
-    let factor = factor_normal(own.tr_mul(&masses.project_out(own)));
+    let (_, own) = problem.whole(parent);
+    let factor = factor_normal(own.tr_mul(&problem.project_out(masses, &own)));
     let width = parent.unknowns.len() + 1;
     let mut proposals: Vec<Proposal> = effect_terms(context)
         .into_iter()
@@ -84,7 +84,9 @@ pub fn beside(problem: &Problem, parent: &Fit) -> Vec<Proposal> {
             let out = problem.evaluate(&parent.terms, &parent.unknowns, &q, posture_context);
             let values: Vec<f64> = out.iter().step_by(width).copied().collect();
             let residual = whitened(problem, &rewire.readings(&values));
-            let left = masses.project_out_one(&residual);
+            let closed = problem.closed_at(&parent.terms, &parent.unknowns, &q, posture_context);
+            let residual = problem.stacked_residual(&residual, closed.as_ref());
+            let left = problem.project_out_one(masses, &residual);
             let pull = own.tr_mul(&left);
             let gain = factor.as_ref().map_or(0.0, |f| pull.dot(&f.solve(&pull)));
             let penalty = problem.penalty(std::slice::from_ref(&fault));
@@ -101,11 +103,13 @@ pub fn beside(problem: &Problem, parent: &Fit) -> Vec<Proposal> {
     proposals
 }
 
-/// Whitened residuals under a fault.
+/// Whitened residuals of readings and soles under a fault.
 fn residual(problem: &Problem, fault: &Term) -> DVector<f64> {
     let (q, rewire) = problem.rewired(fault);
     let out = problem.evaluate(&[], &[], &q, &problem.data.posture_context);
-    whitened(problem, &rewire.readings(&out))
+    let closed = problem.closed_at(&[], &[], &q, &problem.data.posture_context);
+    let readings = whitened(problem, &rewire.readings(&out));
+    problem.stacked_residual(&readings, closed.as_ref())
 }
 
 /// (reading − predicted)/σ, two rows per posture.

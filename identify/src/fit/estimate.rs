@@ -102,6 +102,12 @@ pub fn identify_within(
             inflation
         ));
     }
+    if let Some(closure) = gathered.closure.as_ref().filter(|found| !found.closes) {
+        warnings.push(format!(
+            "{} A fit of masses cannot tell it; a diagnosis of the log can",
+            closure.sentence
+        ));
+    }
     let told_by = misfit.map_or(noise.df, |test| test.df);
     let sigma = noise.sigma * inflation * widening(told_by);
     let guessed = noise.source == NoiseSource::Unknown;
@@ -187,6 +193,7 @@ pub fn identify_within(
         motion: gathered.motion.clone().told(),
         plans: gathered.plans.clone(),
         visits: gathered.repeats.visits(),
+        closure: gathered.closure.clone(),
         lack_of_fit,
         inflation,
         held_out_rmse: held_out.rmse,

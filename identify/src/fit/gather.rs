@@ -16,6 +16,7 @@ use super::robust::Robust;
 use super::stream::{Dealt, Stream};
 use super::timing::Timing;
 use crate::Error;
+use crate::feet::ClosureFound;
 use crate::health::Finding;
 use crate::logs::Block;
 use crate::lsq::factor::Factor;
@@ -122,6 +123,9 @@ pub struct Gathered {
     /// How the motion of the joints counted.
     #[serde(default)]
     pub motion: MotionUse,
+    /// How the soles of both feet lie on one floor, of the log in which they lie worst.
+    #[serde(default)]
+    pub closure: Option<ClosureFound>,
     /// How each log that was read knows its motion.
     #[serde(skip)]
     pub(super) plans: Vec<Option<Plan>>,
@@ -159,6 +163,7 @@ impl Gathered {
             axes: [0.0; 2],
             correlated: false,
             motion: MotionUse::NONE,
+            closure: None,
             plans: Vec::new(),
             postures: Grouping::default(),
             stream: Stream::default(),

@@ -6,6 +6,7 @@ use sesc_model::{Information, Model, ModelFile};
 use super::gather::{DownWeighted, LogUsed};
 use super::masses::Masses;
 use super::prior::Prior;
+use crate::feet::ClosureFound;
 use crate::health::Finding;
 use crate::lsq::solve::Estimate;
 use crate::observations::motion::Plan;
@@ -159,6 +160,10 @@ pub struct Identification {
     pub correlations: Vec<Correlation>,
     /// Postures that a robust loss trusts less.
     pub down_weighted: Vec<DownWeighted>,
+    /// How the soles of both feet lie on one floor, of the log in which they lie worst; none
+    /// of robots that stand on one foot.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub closure: Option<ClosureFound>,
     /// What is wrong with the data themselves.
     pub health: Vec<Finding>,
     /// Warnings as sentences.
@@ -183,7 +188,7 @@ pub struct Identification {
 impl Identification {
     /// Whether the fit leaves more than the noise: then a diagnosis can say what it misses.
     pub fn misses_something(&self) -> bool {
-        self.inflation > 1.0
+        self.inflation > 1.0 || self.closure.as_ref().is_some_and(|closure| !closure.closes)
     }
 
     /// Whether the data can be used: what was fitted to others is no result.

@@ -22,6 +22,7 @@ pub mod prior;
 mod request;
 pub mod residuals;
 pub mod robust;
+mod soles;
 mod stream;
 mod summary;
 pub mod timing;

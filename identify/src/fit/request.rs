@@ -20,6 +20,8 @@ use super::part::{About, Part};
 use super::prior::{Prior, PriorChoice};
 use super::residuals::{self, Residual};
 use super::robust::Loss;
+use super::soles;
+use crate::feet::Feet;
 use crate::health::{self, Finding};
 use crate::logs::{Angles, LogSource, Options, Readings};
 use crate::observations::motion_use::MotionModel;
@@ -69,6 +71,8 @@ pub struct Request {
     pub residuals: bool,
     /// Whether the motion of the joints counts.
     pub motion: MotionModel,
+    /// Which feet are on the floor; each log's own unless given.
+    pub feet: Feet,
 }
 
 /// Everything that was found.
@@ -386,7 +390,8 @@ fn of_logs(request: &Request, parts: Option<&Part>, watch: &mut dyn Watch) -> Re
     let folds = parts.map(|part| part.gathered.folds.len());
     let prior = |model: &Model| request.prior.of(model);
     let logs = logs(request, &robot, support, folds);
-    let (measurement, gathered) = logs.gather(request.robust, &prior, watch)?;
+    let (measurement, mut gathered) = logs.gather(request.robust, &prior, watch)?;
+    gathered.closure = soles::worst(&logs, &request.feet, watch)?;
     let supports = measurement.supports();
     let about = About {
         hash: robot.description.hash.clone(),

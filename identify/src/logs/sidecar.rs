@@ -13,13 +13,15 @@ use super::bounds::check_gravity;
 use super::names::{nearest, short};
 use crate::{Error, Message};
 
-const KEYS: [&str; 9] = [
+const KEYS: [&str; 11] = [
     "robot",
     "support",
     "angles",
     "readings_per_pose",
     "cells",
     "gravity",
+    "both_feet",
+    "other_foot",
     "topic",
     "experiment",
     "columns",
@@ -49,6 +51,13 @@ pub struct Sidecar {
     /// Gravity in the support frame, m/s².
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gravity: Option<[f64; 3]>,
+    /// Whether the soles of both feet are flat on one floor in every row. The CoP is then that
+    /// of both together, in the support frame.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub both_feet: Option<bool>,
+    /// The link that is the other sole; it says that both feet are on the floor, too.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub other_foot: Option<String>,
     /// Topic of the CoP in a recording that has several.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub topic: Option<String>,
@@ -179,6 +188,11 @@ impl Sidecar {
         if let Some(gravity) = self.gravity {
             check_gravity(gravity)?;
         }
+        if self.both_feet == Some(false) && self.other_foot.is_some() {
+            return Err(
+                "both_feet is false and other_foot names a second sole; leave one out".into(),
+            );
+        }
         if self.readings_per_pose == Some(0) {
             return Err("readings_per_pose is 0; give how many were taken, 1 or more".into());
         }
@@ -270,6 +284,8 @@ mod tests {
             ("cells = [[1.0], [0.0, 1.0]]", "cells"),
             ("cells = [[41.0, 25.0]]", "metres"),
             ("cells = [[0, 0], [0.1, 0], [0.2, 0]]", "one line"),
+            ("both_feet = 'yes'", "both_feet"),
+            ("both_feet = false\nother_foot = 'l_sole'", "leave one out"),
             ("gravity = [0.0, 0.0, 9.8]", "negative"),
             ("gravity = [nan, 0.0, -9.8]", "negative"),
             ("robot = ", "TOML"),

@@ -12,6 +12,7 @@
 //! edge, the target goes half way to the middle. Then come the ground and the
 //! robot's own body. Every draw that fails is counted with its reason.
 
+use std::borrow::Cow;
 use std::ops::ControlFlow;
 
 use nalgebra::{DMatrix, Matrix2, Vector2};
@@ -21,6 +22,7 @@ use serde::Serialize;
 use sesc_model::{Function, Model};
 
 use super::balance::Region;
+use super::both_feet::BothFeet;
 use super::clearance::Clearance;
 #[cfg(feature = "collision")]
 use super::collision::Collisions;
@@ -54,6 +56,8 @@ pub struct Demands<'a> {
     pub uncertainty: &'a DMatrix<f64>,
     /// What must stay clear of the ground.
     pub clearance: &'a Clearance,
+    /// The other sole, where it has to lie on the floor, too.
+    pub both_feet: Option<&'a BothFeet<'a>>,
     /// What must not collide.
     #[cfg(feature = "collision")]
     pub collisions: &'a Collisions,
@@ -177,6 +181,11 @@ impl<'a> Sampler<'a> {
             for _ in 0..STEPS {
                 open = self.step(&mut draws, open);
             }
+            if let Some(feet) = self.demands.both_feet {
+                for drawn in draws.iter_mut().filter(|drawn| drawn.violation > 0.0) {
+                    drawn.on_floor = feet.put_down(&mut drawn.q, &self.demands.limits.ranges);
+                }
+            }
             self.judge(&mut draws);
             let centre = self.demands.region.centre();
             for drawn in draws.iter_mut().filter(|drawn| drawn.violation > 0.0) {
@@ -207,9 +216,16 @@ impl<'a> Sampler<'a> {
                 break;
             }
         }
+        // From one sole to the other.
+        let share = match self.demands.both_feet {
+            Some(_) => self.rng.random::<f64>(),
+            None => 0.0,
+        };
         Drawn {
             q,
             target,
+            share,
+            on_floor: true,
             violation: f64::INFINITY,
             std: 0.0,
         }
@@ -228,8 +244,14 @@ impl<'a> Sampler<'a> {
         for (i, k) in open.into_iter().enumerate() {
             let drawn = &mut draws[k];
             let miss = drawn.target - Vector2::new(cop[2 * i], cop[2 * i + 1]);
-            if miss.norm() > NEAR {
-                let j = &jacobian[3 * dof * i..][..2 * dof];
+            let j = &jacobian[3 * dof * i..][..2 * dof];
+            if let Some(feet) = self.demands.both_feet {
+                let miss = miss + drawn.share * feet.at(&drawn.q);
+                let off = feet.step(&mut drawn.q, miss, j, &self.demands.limits.ranges);
+                if miss.norm().max(off) > NEAR {
+                    still.push(k);
+                }
+            } else if miss.norm() > NEAR {
                 drawn.move_by(miss, j, &self.demands.limits.ranges);
                 still.push(k);
             }
@@ -253,10 +275,15 @@ impl<'a> Sampler<'a> {
             let (x, y) = (spread.column(2 * k), spread.column(2 * k + 1));
             let covariance = Matrix2::new(x.dot(&x), x.dot(&y), x.dot(&y), y.dot(&y));
             let cop = Vector2::new(cop[2 * k], cop[2 * k + 1]);
-            let violation = self
-                .demands
-                .region
-                .violation(cop, &covariance, self.demands.sigmas);
+            let own = self.demands.region;
+            let region = match self.demands.both_feet {
+                None => Some(Cow::Borrowed(own)),
+                Some(feet) if drawn.on_floor => feet.region(own, &drawn.q).map(Cow::Owned),
+                Some(_) => None,
+            };
+            let violation = region.map_or(f64::INFINITY, |region| {
+                region.violation(cop, &covariance, self.demands.sigmas)
+            });
             // What is not a number does not balance.
             drawn.violation = if violation <= f64::MAX {
                 violation
@@ -270,8 +297,11 @@ impl<'a> Sampler<'a> {
 
 struct Drawn {
     q: Vec<f64>,
-    /// Where its CoP is to be, m.
+    /// Where its CoP is to be, m; on two feet beside the `share` of the way to the other sole.
     target: Vector2<f64>,
+    share: f64,
+    /// Whether the other sole lies on the floor, where it has to.
+    on_floor: bool,
     /// How far it is from balance, m; balanced at zero and below.
     violation: f64,
     /// Standard deviation of its CoP, m.

@@ -39,7 +39,14 @@ enum Kind {
 
 impl Clearance {
     /// Look at the shapes of all links but those of the support body.
-    pub fn new(model: &Model, geometry: &Geometry, height: f64) -> Clearance {
+    ///
+    /// Body `standing` stands on the floor, too.
+    pub fn new(
+        model: &Model,
+        geometry: &Geometry,
+        height: f64,
+        standing: Option<usize>,
+    ) -> Clearance {
         let mut all = Clearance {
             height,
             parts: Vec::new(),
@@ -50,7 +57,7 @@ impl Clearance {
             let Some((body, place)) = poses::of_link(model, link) else {
                 continue;
             };
-            if body == 0 {
+            if body == 0 || Some(body) == standing {
                 continue;
             }
             let shapes = geometry.shapes.iter().filter(|s| s.link == about.name);
@@ -158,7 +165,7 @@ mod tests {
     fn points_and_shapes_are_measured_from_the_sole() {
         let mut bodies = Vec::new();
         let (plain, geometry) = model("");
-        let clearance = Clearance::new(&plain, &geometry, 0.005);
+        let clearance = Clearance::new(&plain, &geometry, 0.005, None);
         assert_eq!((clearance.by_shapes, clearance.by_points), (0, 2));
         poses::bodies(&plain, &[0.0, 0.0], &mut bodies);
         // The ankle lies on the ground and is the foot's; the CoM of the leg is next.
@@ -171,7 +178,7 @@ mod tests {
         let cylinder = r#"<collision><origin xyz="0 0 0.5"/><geometry>
             <cylinder radius="0.1" length="0.8"/></geometry></collision>"#;
         let (solid, geometry) = model(cylinder);
-        let clearance = Clearance::new(&solid, &geometry, 0.005);
+        let clearance = Clearance::new(&solid, &geometry, 0.005, None);
         assert_eq!((clearance.by_shapes, clearance.by_points), (1, 1));
         poses::bodies(&solid, &[0.0, 0.0], &mut bodies);
         assert!((clearance.lowest(&bodies).unwrap().0 - 0.1).abs() < 1e-15);

@@ -9,6 +9,7 @@
 //! among many in which the robot stands surely, given what CAD does not know.
 
 pub mod balance;
+pub mod both_feet;
 pub mod candidates;
 pub mod clearance;
 #[cfg(feature = "collision")]
@@ -31,6 +32,7 @@ use serde::Serialize;
 use sesc_model::{Function, Model};
 
 use crate::evaluate::Evaluator;
+use crate::feet::{Closure, Offset};
 use crate::fit::prior::{Prior, Tolerances};
 use crate::logs::{LogSource, PostureWriter, Row, Sidecar, Table};
 use crate::lsq::factor::Factor;
@@ -38,6 +40,7 @@ use crate::lsq::solve::UNSEEN;
 use crate::svd::singular_values;
 use crate::watch::{Progress, Watch, stopped};
 use crate::{Error, Message, Setting, message};
+use both_feet::BothFeet;
 use candidates::{Counts, Demands, Sampler};
 use clearance::Clearance;
 use design::Rows;
@@ -99,6 +102,9 @@ pub struct Plan {
     pub margin: f64,
     /// Predicted CoP of the chosen postures, m, in their order.
     pub cop: Vec<[f64; 2]>,
+    /// What the soles will tell, where both are on the floor.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub both_feet: Option<TwoFeet>,
     /// What the chosen postures ask of every joint.
     pub joints: Vec<JointUse>,
     /// The chosen candidates in their order.
@@ -107,6 +113,34 @@ pub struct Plan {
     /// All candidates, `q[k * dof + joint]`, rad or m.
     #[serde(skip)]
     pub q: Vec<f64>,
+}
+
+/// What the soles of a plan on both feet will tell.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TwoFeet {
+    /// The link that is the other sole.
+    pub other_foot: String,
+    /// Joints between the soles, and how well their soles know the offset of each alone; those
+    /// that move no sole are left out.
+    pub offsets: Vec<Offset>,
+}
+
+impl TwoFeet {
+    /// In a few words.
+    pub fn sentence(&self) -> String {
+        let worst = self.offsets.iter().max_by(|a, b| a.std.total_cmp(&b.std));
+        match worst {
+            Some(worst) => format!(
+                "both soles on the floor, `{}` the other: how it lies tells an offset of each of {} \
+                 joints, of `{}` worst (± {:.2}°)",
+                self.other_foot,
+                self.offsets.len(),
+                worst.joint,
+                worst.std.to_degrees()
+            ),
+            None => format!("both soles on the floor, `{}` the other", self.other_foot),
+        }
+    }
 }
 
 /// The largest joint displacement from posture to posture, summed.
@@ -158,7 +192,12 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
         ));
     }
     let geometry = Geometry::read(&request.robot.description, request.folder.as_deref());
-    let clearance = Clearance::new(model, &geometry, request.clearance);
+    let both_feet = match request.feet.of(&Sidecar::default(), model)? {
+        Some(other) => BothFeet::new(model, other, &request.limits.rest()),
+        None => None,
+    };
+    let standing = both_feet.as_ref().map(|feet| feet.body);
+    let clearance = Clearance::new(model, &geometry, request.clearance, standing);
     let prior = request.prior.factor(model);
     if prior.as_ref().is_some_and(|s| s.ncols() == 0) {
         return Err(Error::request(
@@ -176,6 +215,7 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
         sigmas: request.sigmas,
         uncertainty: &uncertainty,
         clearance: &clearance,
+        both_feet: both_feet.as_ref(),
         #[cfg(feature = "collision")]
         collisions: &collisions,
     };
@@ -238,6 +278,15 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
             rows.directions()
         ));
     }
+    let soles = both_feet.as_ref().map(|feet| {
+        let own = chosen.iter().flat_map(|&k| &q[k * dof..(k + 1) * dof]);
+        let own: Vec<f64> = own.copied().collect();
+        let closure = Closure::of(model, feet.other.clone(), &own, None);
+        TwoFeet {
+            other_foot: feet.other.name.clone(),
+            offsets: closure.precision(),
+        }
+    });
     let cop = Evaluator::new(model, Function::Cop).run(&q, count);
     #[cfg(feature = "collision")]
     let (collision, collision_exempt) =
@@ -274,6 +323,7 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
         notes,
         corners: request.region.corners.clone(),
         margin: request.region.margin,
+        both_feet: soles,
         joints: joint_use::of_all(model, &request.limits, &q, &chosen),
         cop: chosen
             .iter()
@@ -316,6 +366,8 @@ impl Plan {
         Sidecar {
             robot: Some(self.robot.clone()),
             support: Some(self.support.clone()),
+            both_feet: self.both_feet.as_ref().map(|_| true),
+            other_foot: self.both_feet.as_ref().map(|feet| feet.other_foot.clone()),
             ..Sidecar::default()
         }
     }

@@ -7,6 +7,7 @@ use sesc_model::Model;
 
 use super::balance::Region;
 use super::limits::Limits;
+use crate::feet::Feet;
 use crate::fit::prior::{Prior, Tolerances};
 use crate::robot::Robot;
 use crate::{Error, Setting, message};
@@ -40,6 +41,8 @@ pub struct Request {
     pub clearance: f64,
     /// Seed of the candidates.
     pub seed: u64,
+    /// Which feet are on the floor: the support alone, unless it says both.
+    pub feet: Feet,
     /// Where meshes may be.
     pub folder: Option<PathBuf>,
 }
@@ -64,6 +67,7 @@ impl Request {
             noise: 0.0005,
             clearance: 0.005,
             seed: 1,
+            feet: Feet::default(),
             folder: None,
             model,
         }

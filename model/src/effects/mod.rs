@@ -48,7 +48,8 @@ pub use instance::{Instance, instances};
 pub(crate) use instance::{apply, apply_before_sensor, sense, undo};
 pub use payload::known_weight;
 pub use programs::{
-    joints, moments, reading, reading_of_masses, resting_reading, wired_joints, wired_reading,
+    joints, moments, other_sole, other_sole_by_joints, reading, reading_of_masses, resting_reading,
+    wired_joints, wired_reading,
 };
 pub use remedy::EncoderMap;
 

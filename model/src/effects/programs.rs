@@ -43,26 +43,15 @@ fn written<'m>(
 /// Inputs: `q`, `e` (unknowns in the order of the instances), `u`
 /// ([`PostureContext`]). Base parameters are the constants `params`.
 pub fn reading(context: &EffectContext, instances: &[Instance], params: &[f64]) -> Program {
-    let (mut measured, unknowns) = written(
+    let (measured, unknowns) = written(
         context,
         instances,
         Source::Log,
         Parameters::Baked(params.to_vec()),
     );
     let reading = measured.reading;
-    let mut columns = vec![reading.to_vec()];
-    for &unknown in &unknowns {
-        columns.push(measured.g().derivative(&reading, unknown));
-    }
-    let outputs: Vec<Id> = (0..2)
-        .flat_map(|axis| columns.iter().map(move |column| column[axis]))
-        .collect();
-    let shape = Shape::Matrix {
-        rows: 2,
-        cols: columns.len(),
-    };
     let inputs = inputs(context, unknowns.len());
-    Program::new(measured.into_graph(), inputs, shape, &outputs)
+    slopes_beside(measured, &reading, &unknowns, inputs)
 }
 
 /// The reading alone, with the base parameters as a further input: `q`, `e`, `u`, `r`.
@@ -166,5 +155,62 @@ pub fn joints(context: &EffectContext, instances: &[Instance], params: &[f64]) -
     let outputs = measured.joints.clone();
     let shape = Shape::Vector(outputs.len());
     let inputs = inputs(context, unknowns.len());
+    Program::new(measured.into_graph(), inputs, shape, &outputs)
+}
+
+/// How `link` lies on the sole plane of the support under effects: the height of its origin,
+/// m, and the sines of its roll and pitch; rows of these, columns value, ∂/∂e_1, ….
+///
+/// Inputs as in [`reading`]. Where joints bend, `params` are the base parameters that they
+/// bend under.
+pub fn other_sole(
+    context: &EffectContext,
+    instances: &[Instance],
+    params: &[f64],
+    link: usize,
+) -> Program {
+    let (mut measured, unknowns) = written(
+        context,
+        instances,
+        Source::Log,
+        Parameters::Baked(params.to_vec()),
+    );
+    let lies = measured.lies(link);
+    let inputs = inputs(context, unknowns.len());
+    slopes_beside(measured, &lies, &unknowns, inputs)
+}
+
+/// The same of a robot without effects, of `q` alone, and its slopes by every joint: rows of
+/// height, roll and pitch, columns value, ∂/∂q_1, ….
+pub fn other_sole_by_joints(robot: &crate::Robot, link: usize) -> Program {
+    let params = Parameters::Baked(vec![0.0; robot.base.params.len()]);
+    let mut measured = Measured::new(robot, Source::Posture, Given::Positions, params, &[]);
+    let joints: Vec<Id> = (0..robot.dof())
+        .map(|j| measured.g().input(Argument::Positions, j))
+        .collect();
+    let lies = measured.lies(link);
+    let inputs = vec![Array::new(Argument::Positions, robot.dof())];
+    slopes_beside(measured, &lies, &joints, inputs)
+}
+
+/// Rows of values, each with its derivatives by `unknowns`.
+fn slopes_beside(
+    mut measured: Measured,
+    values: &[Id],
+    unknowns: &[Id],
+    inputs: Vec<Array>,
+) -> Program {
+    let mut columns = vec![values.to_vec()];
+    for &unknown in unknowns {
+        columns.push(measured.g().derivative(values, unknown));
+    }
+    let rows = 0..values.len();
+    let outputs: Vec<Id> = rows
+        .flat_map(|row| columns.iter().map(move |column| column[row]))
+        .collect();
+    let shape = Shape::Matrix {
+        rows: values.len(),
+        cols: columns.len(),
+    };
     Program::new(measured.into_graph(), inputs, shape, &outputs)
 }

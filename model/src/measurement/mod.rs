@@ -338,6 +338,11 @@ impl<'m> Measured<'m> {
     /// Subtree vectors of the point that pull `k` holds.
     fn at_point(&mut self, k: usize, pass: &str) -> Vec<Subtree> {
         let point = self.pulls[k].point.clone();
+        self.of_point(point, pass)
+    }
+
+    /// Subtree vectors of a point, or of a direction, that base parameters stand for.
+    fn of_point(&mut self, point: Vec<f64>, pass: &str) -> Vec<Subtree> {
         let of = |x: f64| (self.scratch.g.constant(x), libm::fabs(x));
         let point = point.into_iter().map(of).collect();
         let masses = self.scratch.masses.replace(point);
@@ -346,6 +351,21 @@ impl<'m> Measured<'m> {
         self.scratch.pass = before;
         self.scratch.masses = masses;
         subtrees
+    }
+
+    /// How `link` lies on the sole plane at [`Measured::joints`]: the height of its origin, m,
+    /// and the sines of its roll and pitch, `(p_z, R_zy, −R_zx)` of its frame.
+    pub(crate) fn lies(&mut self, link: usize) -> [Id; 3] {
+        self.at(self.joints.clone(), "");
+        // The columns of a link stand for its origin and for the axes of its frame.
+        let map = self.robot().columns_of(link);
+        let mut height = |column: usize| {
+            let point = map.column(column).iter().copied().collect();
+            self.of_point(point, &format!("o{column}"))[0].v.entries[2]
+        };
+        let [origin, x, y] = [0, 1, 2].map(&mut height);
+        let pitch = self.neg(x);
+        [origin, y, pitch]
     }
 
     /// The record's unit, once everything else is written.

@@ -9,6 +9,7 @@ use super::{count, effect, parameters, servo, where_to};
 use crate::report::figures::diagnose as figures;
 use crate::report::health;
 use crate::report::html::render;
+use crate::report::soles;
 use crate::report::table::mm;
 use sesc_identify::diagnose::findings::{Diagnosis, Verdict};
 use sesc_identify::diagnose::view::DiagnosisView;
@@ -33,6 +34,7 @@ pub fn page(found: &Diagnosis, view: &DiagnosisView) -> Result<String, Error> {
         health => health::rows(&found.health),
         class_size => found.class.len(),
         noise_source => found.noise_source.phrase(),
+        soles => found.closure.as_ref().map(soles),
         steps => steps(found),
         class => class(found),
         outliers => poses.copied().collect::<Vec<i64>>(),

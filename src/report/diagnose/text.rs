@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use super::{count, parameters, servo, where_to};
+use crate::report::soles;
 use crate::report::table::{Table, mm, wrapped};
 use sesc_identify::diagnose::findings::{Diagnosis, Verdict};
 
@@ -122,6 +123,9 @@ fn facts(found: &Diagnosis) -> String {
     fact("samples", found.samples.sentence());
     if !found.motion.sentence.is_empty() {
         fact("motion", found.motion.sentence.clone());
+    }
+    if let Some(closure) = &found.closure {
+        fact("soles", soles(closure));
     }
     if let Some(visits) = &found.visits {
         fact("visits", visits.sentence());

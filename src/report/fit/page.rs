@@ -7,6 +7,7 @@ use super::{FitReport, Shown};
 use crate::report::figures::fit as figures;
 use crate::report::health;
 use crate::report::html::render;
+use crate::report::soles;
 
 /// Parameters whose correlations fit on a map.
 const MAPPED: usize = 150;
@@ -28,6 +29,7 @@ pub fn page(report: &FitReport<'_>) -> Result<String, Error> {
         }),
         health => health::rows(&found.health),
         command => &shown.command,
+        soles => found.closure.as_ref().map(soles),
         residuals => shown.residuals.len(),
         bounds => &found.active_bounds,
         physical => found.active_bounds.is_some(),

@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use crate::report::soles;
 use crate::report::table::{Table, wrapped};
 use sesc_identify::fit::Identification;
 
@@ -135,6 +136,9 @@ fn facts(found: &Identification) -> String {
     fact("samples", found.samples.sentence());
     if !found.motion.sentence.is_empty() {
         fact("motion", found.motion.sentence.clone());
+    }
+    if let Some(closure) = &found.closure {
+        fact("soles", soles(closure));
     }
     if let Some(visits) = &found.visits {
         fact("visits", visits.sentence());

@@ -33,6 +33,9 @@ pub fn text(plan: &Plan) -> String {
             mm(draws.cop_std)
         ),
     );
+    if let Some(feet) = &plan.both_feet {
+        line("soles", feet.sentence());
+    }
     line("ground", plan.clearance.clone());
     line("collisions", plan.collision.clone());
     if !plan.collision_exempt.is_empty() {

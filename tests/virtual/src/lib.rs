@@ -11,6 +11,7 @@
 //! hundred.
 
 pub mod diagnoser;
+pub mod feet;
 pub mod hidden;
 pub mod judge;
 pub mod log;

@@ -9,7 +9,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{Fit, Problem, Rows};
+use super::{Closed, Fit, Problem, Rows};
 use crate::diagnose::backlash_sides;
 use crate::diagnose::hypothesis::Term;
 use crate::diagnose::nuisance::Nuisance;
@@ -147,6 +147,7 @@ impl Problem<'_> {
             predicted: state.predicted,
             residual: state.residual,
             slopes: state.slopes,
+            closed: state.closed,
             posture_context: sides.map(|sides| sides.posture_context.clone()),
             outliers: outliers.clone(),
             flipped: sides.map_or_else(Vec::new, |sides| sides.flipped.clone()),
@@ -222,9 +223,20 @@ impl Problem<'_> {
             }
         }
         let inner = masses.project_out_one(&e);
+        let mut value = e.dot(&inner);
+        let mut normal = (j.tr_mul(&masses.project_out(&j)), j.tr_mul(&inner));
+        let closed = self.closed(terms, &unknowns, posture_context);
+        if let (Some(closure), Some(closed)) = (&self.closure, &closed) {
+            let (residual, slopes) = (&closed.residual, &closed.slopes);
+            let inner = closure.without_common_of(residual);
+            value += residual.dot(&inner);
+            normal.0 += slopes.tr_mul(&closure.without_common(slopes));
+            normal.1 += slopes.tr_mul(&inner);
+        }
         State {
-            value: e.dot(&inner),
-            normal: (j.tr_mul(&masses.project_out(&j)), j.tr_mul(&inner)),
+            value,
+            normal,
+            closed,
             at_bound: 0.0,
             unknowns,
             predicted,
@@ -269,6 +281,7 @@ pub(in crate::diagnose) struct State {
     pub predicted: Vec<f64>,
     pub residual: DVector<f64>,
     pub slopes: DMatrix<f64>,
+    pub closed: Option<Closed>,
     pub value: f64,
     pub normal: (DMatrix<f64>, DVector<f64>),
     pub at_bound: f64,

@@ -16,6 +16,8 @@ pub(super) struct Tapes {
     pub reading: Tape,
     /// Made when a dead band asks for sides.
     moments: RefCell<Option<Rc<Tape>>>,
+    /// Made where the log is of both feet.
+    soles: RefCell<Option<Rc<Tape>>>,
 }
 
 impl Problem<'_> {
@@ -29,6 +31,7 @@ impl Problem<'_> {
         let tapes = Rc::new(Tapes {
             reading: Tape::new(&program),
             moments: RefCell::new(None),
+            soles: RefCell::new(None),
         });
         self.tapes.borrow_mut().insert(key, tapes.clone());
         tapes
@@ -39,6 +42,18 @@ impl Problem<'_> {
         let mut made = tapes.moments.borrow_mut();
         made.get_or_insert_with(|| {
             let program = effects::moments(&self.context, &effects_of(terms), &self.params);
+            Rc::new(Tape::new(&program))
+        })
+        .clone()
+    }
+
+    /// The program of the other sole, link `link`, under a set of terms.
+    pub(super) fn soles(&self, terms: &[Term], link: usize) -> Rc<Tape> {
+        let tapes = self.tapes(terms);
+        let mut made = tapes.soles.borrow_mut();
+        made.get_or_insert_with(|| {
+            let effects = effects_of(terms);
+            let program = effects::other_sole(&self.context, &effects, &self.params, link);
             Rc::new(Tape::new(&program))
         })
         .clone()

@@ -38,6 +38,11 @@ impl Gathered {
             .or(factors)
             .or_else(|| self.repeats.invalid_reason(MOST_ROWS, most))
             .or_else(|| self.samples.invalid_reason(MOST_ROWS))
+            .or_else(|| {
+                self.closure
+                    .as_ref()
+                    .and_then(|found| found.invalid_reason())
+            })
     }
 
     /// Add what another machine or session of measurements gathered.
@@ -94,6 +99,10 @@ impl Gathered {
         self.health.extend(other.health);
         self.samples.merge(&other.samples);
         self.motion.merge(&other.motion);
+        self.closure = match (self.closure.take(), other.closure) {
+            (Some(own), Some(other)) => Some(own.worse(other)),
+            (own, other) => own.or(other),
+        };
         self.plans.extend(other.plans);
         self.correlated |= other.correlated;
         for (sum, more) in self.axes.iter_mut().zip(other.axes) {

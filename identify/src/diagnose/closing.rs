@@ -1,0 +1,47 @@
+//! Whether the soles of both feet close under an explanation, and how that is said.
+
+use super::criteria;
+use super::problem::{Fit, Problem};
+use crate::Error;
+use crate::feet::{Closure, ClosureFound, Feet, of_one_foot};
+use crate::logs::Sidecar;
+use crate::observations::postures::Postures;
+use crate::watch::Watch;
+
+/// The soles of a log of both feet; `None` of one that stands on one foot.
+///
+/// # Errors
+/// When the other sole cannot be told.
+pub(super) fn of(
+    feet: &Feet,
+    sidecar: &Sidecar,
+    model: &sesc_model::Model,
+    data: &Postures,
+    watch: &mut dyn Watch,
+) -> Result<Option<Closure>, Error> {
+    let Some(other) = feet.of(sidecar, model)? else {
+        return Ok(None);
+    };
+    if let Some(warning) = of_one_foot(model, &other, data) {
+        watch.warning(&warning.into());
+    }
+    Ok(Some(Closure::of(model, other, &data.q, data.t.as_deref())))
+}
+
+/// Whether more is left of the soles than noise leaves.
+pub(super) fn is_open(problem: &Problem, fit: &Fit) -> bool {
+    let pair = problem.closure.as_deref().zip(fit.closed.as_ref());
+    pair.is_some_and(|(closure, closed)| {
+        let (chi2, expected) = closure.chi2(&closed.residual);
+        chi2 > criteria::LEFTOVER_RATIO_OF_RESIDUALS * expected
+    })
+}
+
+/// What is said of the soles, by CAD (`null`) and with the explanation.
+pub(super) fn said(problem: &Problem, null: &Fit, best: &Fit) -> Option<ClosureFound> {
+    let closure = problem.closure.as_deref()?;
+    let (before, after) = (null.closed.as_ref()?, best.closed.as_ref()?);
+    let found = closure.said(&before.residual, &after.residual);
+    let changed = !best.terms.is_empty() && found.after != found.before;
+    Some(found.explained(changed))
+}

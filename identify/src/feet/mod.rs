@@ -1,0 +1,23 @@
+//! Both feet on one floor: what the joints alone say before any CoP is read.
+//!
+//! ```text
+//! (p_z, R_zy, −R_zx)(φ) = 0        p, R: origin and axes of the other sole's frame, seen from
+//!                                  the support's, whose plane z = 0 is the floor
+//! ```
+//!
+//! Three equations per posture, whatever the floor's slope and the masses: height (m), roll and
+//! pitch (rad) of the other sole. What an encoder is off by shows in them.
+
+mod closure;
+mod found;
+mod noise;
+mod other;
+#[cfg(test)]
+mod tests;
+mod whole;
+
+pub use closure::Closure;
+pub use found::{ClosureFound, Lies, Offset};
+pub use noise::ROWS;
+pub use other::{Feet, OtherFoot};
+pub use whole::of_one_foot;

@@ -1,0 +1,220 @@
+//! Which link is the other sole.
+
+use sesc_model::Model;
+use sesc_model::text::listed;
+use sesc_model::tree::support_rank;
+
+use crate::logs::Sidecar;
+use crate::{Error, Setting, message};
+
+/// Links named in a message.
+const NAMED: usize = 12;
+/// What names of the two sides differ by.
+const SIDES: [(&str, &str); 2] = [("left", "right"), ("l", "r")];
+
+/// What a caller says of the feet on the floor; it wins over a log's sidecar.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Feet {
+    /// Whether both are on the floor in every row; the sidecar's unless given.
+    pub both: Option<bool>,
+    /// The link that is the other sole; it says that both are on the floor, too.
+    pub other: Option<String>,
+}
+
+/// The other sole of a two-foot stand.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct OtherFoot {
+    /// Index among the tree's links.
+    pub link: usize,
+    /// Its name.
+    pub name: String,
+}
+
+impl Feet {
+    /// The other sole, where a log on the model's support is of both feet: the caller's, else
+    /// the sidecar's, else the link that is called as the support is on the other side, else
+    /// the only other sole.
+    ///
+    /// # Errors
+    /// A link that is none, or that no joint moves; no link that must be it.
+    pub fn of(&self, sidecar: &Sidecar, model: &Model) -> Result<Option<OtherFoot>, Error> {
+        let named = self.other.as_deref().or(sidecar.other_foot.as_deref());
+        let said = self.both.or(self.other.as_ref().map(|_| true));
+        let said = said.or(sidecar.both_feet);
+        if !said.unwrap_or(named.is_some()) {
+            return Ok(None);
+        }
+        let links = &model.tree.links;
+        let name = match named {
+            Some(name) => name.to_string(),
+            None => mirrored(model).ok_or_else(|| unknown(model))?,
+        };
+        let support = model.support();
+        let wrong = |why: &str| {
+            let why = format!(" `{name}` {why}; the robot has {}", soles(model));
+            Err(Error::request(message![Setting::OtherFoot, why]))
+        };
+        let Some(link) = links.iter().position(|link| link.name == name) else {
+            return wrong("is no link of the robot");
+        };
+        match model.chain.places[link].as_ref().map(|place| place.body) {
+            None => wrong("hangs on a joint that no log knows"),
+            Some(0) => wrong(&format!("does not move against the support `{support}`")),
+            Some(_) => Ok(Some(OtherFoot { link, name })),
+        }
+    }
+}
+
+fn unknown(model: &Model) -> Error {
+    let why = format!(
+        "both feet are on the floor, and no link is plainly the other sole to `{}`; name it by \
+         `other_foot = \"…\"` in the sidecar or by ",
+        model.support()
+    );
+    let has = format!(" (the robot has {})", soles(model));
+    Error::request(message![why, Setting::OtherFoot, has])
+}
+
+/// The robot's links but the support, soles and feet first.
+fn soles(model: &Model) -> String {
+    let links = model.tree.links.iter().map(|link| link.name.as_str());
+    let mut names: Vec<&str> = links.filter(|name| *name != model.support()).collect();
+    names.sort_by_key(|name| support_rank(name));
+    listed(names, NAMED)
+}
+
+/// The link that is called as the support is on the other side; else the only other one of
+/// the words that name a foot.
+fn mirrored(model: &Model) -> Option<String> {
+    let support = model.support();
+    let others = || {
+        let names = model.tree.links.iter().map(|link| &link.name);
+        names.filter(|name| *name != support)
+    };
+    let mut mirrors = others().filter(|name| mirror(support, name));
+    if let Some(first) = mirrors.next() {
+        return mirrors.next().is_none().then(|| first.clone());
+    }
+    let rank = support_rank(support);
+    let mut alike = others().filter(|name| support_rank(name) == rank);
+    let first = alike.next().filter(|_| support_rank("") > rank)?;
+    alike.next().is_none().then(|| first.clone())
+}
+
+/// Whether two names differ in one word alone, which names a side.
+fn mirror(one: &str, other: &str) -> bool {
+    let (one, other) = (one.to_lowercase(), other.to_lowercase());
+    let turned = |from: &str, to: &str| {
+        one.match_indices(from).any(|(at, _)| {
+            let (before, after) = (&one[..at], &one[at + from.len()..]);
+            // A letter alone must be a word of its own, or begin the name: `lfoot`.
+            let apart = |c: Option<char>| c.is_none_or(|c| !c.is_ascii_alphabetic());
+            let alone = from.len() > 1
+                || before.is_empty()
+                || apart(before.chars().next_back()) && apart(after.chars().next());
+            alone && format!("{before}{to}{after}") == other
+        })
+    };
+    let sides = SIDES.iter();
+    sides
+        .flat_map(|(a, b)| [(a, b), (b, a)])
+        .any(|(a, b)| turned(a, b))
+}
+
+#[cfg(test)]
+mod tests {
+    use sesc_model::Snapping;
+
+    use super::*;
+    use crate::robot::Robot;
+
+    /// Feet of these names on a pelvis, each by a hinge.
+    fn robot(feet: &[&str]) -> Robot {
+        let mut urdf = "<robot name='r'><link name='pelvis'><inertial><mass value='1'/>\
+            </inertial></link>"
+            .to_string();
+        for foot in feet {
+            urdf += &format!(
+                "<link name='{foot}'/><joint name='to_{foot}' type='continuous'>\
+                 <parent link='pelvis'/><child link='{foot}'/><axis xyz='1 0 0'/></joint>"
+            );
+        }
+        Robot::parse(&(urdf + "</robot>"), "r.urdf").unwrap()
+    }
+
+    fn other(feet: &[&str], feet_said: &Feet) -> Result<Option<String>, String> {
+        let model = robot(feet)
+            .model(feet[0], Snapping::default(), None)
+            .unwrap();
+        let found = feet_said.of(&Sidecar::default(), &model);
+        let found = found.map_err(|error| error.to_string())?;
+        Ok(found.map(|found| found.name))
+    }
+
+    #[test]
+    fn the_other_sole_is_the_one_that_is_called_alike() {
+        let both = Feet {
+            both: Some(true),
+            other: None,
+        };
+        for feet in [
+            ["r_sole", "l_sole", "l_soles"],
+            ["left_foot", "right_foot", "third_foot"],
+            ["foot-R", "foot-L", "foot-F"],
+            ["LeftSole", "RightSole", "Sole"],
+            ["lfoot", "rfoot", "foot"],
+            ["leg_left_6_link", "leg_right_6_link", "leg_right_7_link"],
+            ["sole_one", "sole_two", "head"],
+        ] {
+            assert_eq!(other(&feet, &both).unwrap().as_deref(), Some(feet[1]));
+        }
+        let said = other(&["foot_a", "foot_b", "foot_c"], &both).unwrap_err();
+        assert!(
+            said.contains("no link is plainly the other sole to `foot_a`")
+                && said.contains("(the robot has foot_b, foot_c, pelvis)"),
+            "{said}"
+        );
+    }
+
+    #[test]
+    fn what_the_caller_says_wins_over_the_sidecar() {
+        let feet = ["r_sole", "l_sole", "toe"];
+        let model = robot(&feet)
+            .model("r_sole", Snapping::default(), None)
+            .unwrap();
+        let sidecar = |both_feet: Option<bool>, other: Option<&str>| Sidecar {
+            both_feet,
+            other_foot: other.map(str::to_string),
+            ..Sidecar::default()
+        };
+        let of = |feet: Feet, sidecar: Sidecar| {
+            let found = feet.of(&sidecar, &model).unwrap();
+            found.map(|found| found.name)
+        };
+        let none = Feet::default();
+        assert_eq!(of(none.clone(), sidecar(None, None)), None);
+        assert_eq!(of(none.clone(), sidecar(Some(false), None)), None);
+        let named = of(none.clone(), sidecar(Some(true), None));
+        assert_eq!(named.as_deref(), Some("l_sole"));
+        assert_eq!(of(none, sidecar(None, Some("toe"))).as_deref(), Some("toe"));
+        let off = Feet {
+            both: Some(false),
+            other: None,
+        };
+        assert_eq!(of(off, sidecar(Some(true), Some("toe"))), None);
+        let toe = Feet {
+            both: None,
+            other: Some("toe".into()),
+        };
+        let found = of(toe, sidecar(Some(false), None));
+        assert_eq!(found.as_deref(), Some("toe"));
+        for (name, why) in [("hand", "is no link"), ("r_sole", "does not move")] {
+            let said = Feet {
+                both: None,
+                other: Some(name.into()),
+            };
+            let error = said.of(&sidecar(None, None), &model).unwrap_err();
+            assert!(error.to_string().contains(why), "{error}");
+        }
+    }
+}

@@ -1,0 +1,53 @@
+//! Whether the soles of logs of both feet close: what a fit of masses cannot repair.
+//!
+//! Masses move no sole. A joint offset that bends a leg ends in the masses of a fit, unless
+//! somebody looks at the soles.
+
+use super::logs::Logs;
+use crate::Error;
+use crate::feet::{Closure, ClosureFound, Feet, of_one_foot};
+use crate::observations::postures::{Postures, Taking};
+use crate::watch::Watch;
+
+/// How the soles lie in the log in which they lie worst; none where no log is of both feet.
+///
+/// # Errors
+/// When the other sole cannot be told, or a log cannot be read again.
+pub(super) fn worst(
+    logs: &Logs,
+    feet: &Feet,
+    watch: &mut dyn Watch,
+) -> Result<Option<ClosureFound>, Error> {
+    let first = logs.first_support()?;
+    let mut worst: Option<ClosureFound> = None;
+    for log in logs.files {
+        let (sidecar, _) = log.sidecar()?;
+        let own = logs.options.support.as_ref().or(sidecar.support.as_ref());
+        let support = own.unwrap_or(&first);
+        let model = logs.robot.model(support, logs.snapping, None)?;
+        let Some(other) = feet.of(&sidecar, &model)? else {
+            continue;
+        };
+        if !log.can_be_read_again() {
+            watch.note("the log can be read once only: its soles are not looked at");
+            continue;
+        }
+        let mut options = logs.options.clone();
+        options.support = Some(support.clone());
+        let taking = Taking {
+            options,
+            noise: None,
+            floor: 0.0,
+        };
+        let data = Postures::read(log, &model, &taking, watch)?;
+        if let Some(warning) = of_one_foot(&model, &other, &data) {
+            watch.warning(&format!("{}: {warning}", log.name()).into());
+        }
+        let found = Closure::of(&model, other, &data.q, data.t.as_deref()).of_cad();
+        worst = Some(match worst {
+            Some(worst) => worst.worse(found),
+            None => found,
+        });
+    }
+    Ok(worst)
+}
