@@ -63,7 +63,8 @@ pub struct Problem<'m> {
     motion_rows: Option<Rc<DMatrix<f64>>>,
     /// Both soles on one floor, where the log is of both feet.
     pub closure: Option<Rc<Closure>>,
-    tapes: RefCell<HashMap<Vec<Instance>, Rc<Tapes>>>,
+    /// Shared by copies of the problem, whose noise may be another.
+    tapes: Rc<RefCell<HashMap<Vec<Instance>, Rc<Tapes>>>>,
     target_weights: HashMap<Term, f64>,
     kinds: usize,
 }
@@ -196,7 +197,7 @@ impl<'m> Problem<'m> {
             rows: flat,
             motion_rows,
             closure: None,
-            tapes: RefCell::new(HashMap::new()),
+            tapes: Rc::default(),
             target_weights: HashMap::new(),
         })
     }
@@ -226,7 +227,7 @@ impl<'m> Problem<'m> {
             rows: self.rows.clone(),
             motion_rows: None,
             closure: None,
-            tapes: RefCell::new(HashMap::new()),
+            tapes: Rc::default(),
             target_weights: HashMap::new(),
         }
     }
@@ -296,7 +297,7 @@ impl<'m> Problem<'m> {
             nuisance,
             wide,
             rows,
-            tapes: RefCell::default(),
+            tapes: Rc::default(),
             ..self.clone()
         }
     }

@@ -259,11 +259,8 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
             health: health.findings,
         };
         let closure = closing::of(&request.feet, &sidecar, &model, &data, watch)?;
-        let of = || -> Result<Problem, Error> {
-            let problem = Problem::new(&model, data.clone(), &prior, &request.effects)?;
-            Ok(problem.on_both_feet(closure.clone()))
-        };
-        samples::explained(of, &further, &about, watch)
+        let problem = Problem::new(&model, data, &prior, &request.effects)?;
+        samples::explained(problem.on_both_feet(closure), &further, &about, watch)
     };
     let (mut problem, mut found, mut correlation) = explain(&data, watch)?;
     let share = motion::said(&problem, &found.best);

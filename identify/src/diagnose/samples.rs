@@ -26,12 +26,12 @@ const LONGER: f64 = 1.3;
 
 /// The best explanation of a log, with noise counted for as long as it lasts.
 pub(super) fn explained<'m>(
-    of: impl Fn() -> Result<Problem<'m>, Error>,
+    first: Problem<'m>,
     further: &[FurtherLog<'_>],
     about: &About<'_>,
     watch: &mut dyn Watch,
 ) -> Result<(Problem<'m>, Found, [Correlation; 2]), Error> {
-    let mut problem = of()?;
+    let mut problem = first.clone();
     let mut found = diagnosis::find(&mut problem, further, about, watch)?;
     let mut correlation = self::correlation(&problem, &found.best);
     let mut times = [1.0; 2];
@@ -41,7 +41,7 @@ pub(super) fn explained<'m>(
             break;
         };
         times = noise_factors(&problem, times, &correlation);
-        problem = of()?;
+        problem = first.clone();
         problem.scale_noise(times);
         problem.widen_noise(factors);
         found = diagnosis::find(&mut problem, further, about, watch)?;
