@@ -82,3 +82,59 @@ fn masses_that_cannot_be_are_refused_and_nothing_is_written() {
     assert!(stdout(&physical).contains("held by a bound"));
     assert!(urdf.exists());
 }
+
+/// A log that states no noise and repeats nothing is asked for five of its postures once more,
+/// by both commands; one that repeats is not.
+#[test]
+fn five_postures_are_named_where_nothing_tells_the_noise() {
+    let folder = folder();
+    let data = log(folder.path(), "90", "0.0005");
+    let stated = fs::read_to_string(&data).unwrap();
+    // Without the two columns of deviations.
+    let text: String = stated
+        .lines()
+        .map(|row| row.rsplitn(3, ',').last().unwrap().to_string() + "\n")
+        .collect();
+    fs::write(&data, &text).unwrap();
+    let poses: Vec<i64> = text
+        .lines()
+        .skip(1)
+        .map(|row| row.split(',').next().unwrap().parse().unwrap())
+        .collect();
+    let ask = |command: &str, data: &str| -> (serde_json::Value, String) {
+        let words = [command, &op2(), "--data", data, "--support", "r_sole"];
+        let json = stdout(&sesc(&[&words[..], &["--json"]].concat()));
+        (serde_json::from_str(&json).unwrap(), stdout(&sesc(&words)))
+    };
+    let mut named = Vec::new();
+    for command in ["fit", "diagnose"] {
+        let (json, said) = ask(command, &data);
+        let again = json["again"]["poses"]
+            .as_array()
+            .unwrap_or_else(|| panic!("{command}"));
+        let again: Vec<i64> = again.iter().map(|pose| pose.as_i64().unwrap()).collect();
+        assert_eq!(again.len(), 5, "{command}");
+        assert!(again.windows(2).all(|pair| pair[0] < pair[1]), "{again:?}");
+        assert!(again.iter().all(|pose| poses.contains(pose)), "{again:?}");
+        let list: Vec<String> = again.iter().map(i64::to_string).collect();
+        let listed = format!("reach poses {} once more", list.join(", "));
+        assert!(said.contains(&listed), "{said}");
+        named.push(again);
+    }
+    assert_eq!(named[0], named[1]);
+    // Each posture once more, a little off.
+    let mut lines = text.lines();
+    let mut twice = format!("{}\n", lines.next().unwrap());
+    for (k, row) in lines.enumerate() {
+        let (rest, y) = row.rsplit_once(',').unwrap();
+        let off = 5e-4 * (7.0 * k as f64).sin();
+        let y: f64 = y.parse().unwrap();
+        twice += &format!("{row}\n{rest},{:.6}\n", y + off);
+    }
+    let repeated = folder.path().join("twice.csv").display().to_string();
+    fs::write(&repeated, twice).unwrap();
+    for command in ["fit", "diagnose"] {
+        let (json, _) = ask(command, &repeated);
+        assert!(json.get("again").is_none(), "{command}: {}", json["again"]);
+    }
+}

@@ -241,7 +241,8 @@ fn the_same_seed_gives_the_same_file_and_another_does_not() {
     let first = run("a.csv", "3");
     assert_eq!(first, run("b.csv", "3"));
     assert_ne!(first.1, run("c.csv", "4").1);
-    assert_eq!(first.1.lines().count(), 11);
+    // Ten postures, and five of them once more.
+    assert_eq!(first.1.lines().count(), 16);
     assert!(first.1.starts_with("pose,head_pan,"));
     let sidecar = std::fs::read_to_string(folder.path().join("a.csv.toml")).unwrap();
     assert!(sidecar.contains("support = \"r_sole\""), "{sidecar}");
@@ -465,4 +466,80 @@ fn bad_input_is_refused_with_a_remedy() {
         &["cannot write"],
     );
     assert!(!Path::new(&out).exists());
+}
+
+/// Without a log that has visits five postures come back at the end; a log whose visits differ
+/// by 2 mm says what a posture is known to, and nothing needs to be asked for.
+#[test]
+fn a_plan_asks_for_revisits_until_a_log_knows_what_they_differ_by() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    let [out, data, second] = ["poses.csv", "log.csv", "second.csv"].map(at);
+    let op2 = op2();
+    let plan = |out: &str, more: &[&str]| -> serde_json::Value {
+        let words = [
+            "plan",
+            &op2,
+            "--support",
+            "r_sole",
+            "--poses",
+            "12",
+            "--candidates",
+            "100",
+        ];
+        let all = [&words[..], &["--json", "--out", out], more].concat();
+        serde_json::from_str(&stdout(&sesc(&all))).unwrap()
+    };
+    let found = plan(&out, &[]);
+    let again: Vec<usize> = found["revisits"]["poses"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|pose| pose.as_u64().unwrap() as usize)
+        .collect();
+    let mut different = again.clone();
+    different.sort_unstable();
+    different.dedup();
+    assert_eq!(different.len(), 5, "{again:?}");
+    let text = std::fs::read_to_string(&out).unwrap();
+    let rows: Vec<&str> = text.lines().skip(1).collect();
+    assert_eq!(rows.len(), 17);
+    for (row, pose) in rows[12..].iter().zip(&again) {
+        assert_eq!(*row, rows[pose - 1]);
+    }
+    // Each posture four times in turn, 2 mm apart.
+    let stage = sesc_virtual::stage::Stage::new(sesc_virtual::stage::Platform::Op2);
+    let world = stage.world();
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    let mut gauss = || -> f64 { StandardNormal.sample(&mut rng) };
+    let mut log = format!("{},cop_x,cop_y\n", text.lines().next().unwrap());
+    for _ in 0..4 {
+        for row in &rows[..12] {
+            let q: Vec<f64> = row.split(',').skip(1).map(|x| x.parse().unwrap()).collect();
+            let cop = world.cop(&q).map(|x| x + 2e-3 * gauss());
+            log += &format!("{row},{:.6},{:.6}\n", cop[0], cop[1]);
+        }
+    }
+    std::fs::write(&data, log).unwrap();
+    let known = plan(&second, &["--data", &data]);
+    assert_eq!(
+        known["revisits"]["poses"].as_array().unwrap().len(),
+        0,
+        "{}",
+        known["revisits"]
+    );
+    let said = known["revisits"]["sentence"].as_str().unwrap();
+    assert!(said.contains("visits of one posture differ by"), "{said}");
+    // 72 degrees of freedom: to 8 %.
+    let noise = known["noise"].as_f64().unwrap();
+    assert!((noise / 2e-3 - 1.0).abs() < 0.3, "{noise}");
+    let rows = std::fs::read_to_string(&second).unwrap().lines().count();
+    assert_eq!(rows, 13);
+    assert_eq!(
+        plan(&second, &["--revisits", "0"])["revisits"]["poses"]
+            .as_array()
+            .unwrap()
+            .len(),
+        0
+    );
 }

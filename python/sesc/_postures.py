@@ -46,7 +46,10 @@ class Postures:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write a posture file (.csv, .csv.gz or .parquet) with its sidecar."""
         q = np.ascontiguousarray(self.q, dtype=np.float64)
-        _sesc.write_postures(self._model, q, os.fspath(path), self.experiment, self._first)
+        _sesc.write_postures(self._model, q, os.fspath(path), self.experiment, self._first, self._again())
+
+    def _again(self) -> list[int]:
+        return []
 
     def to_dict(self) -> dict[str, Any]:
         """Support, experiment, joints and postures, for JSON."""
@@ -95,6 +98,9 @@ class Plan(Postures):
         super().__init__(model, q)
         self._state = state
         self._found: dict[str, Any] = json.loads(state["json"])
+
+    def _again(self) -> list[int]:
+        return list(self._found["revisits"]["poses"])
 
     def report(self, path: str | os.PathLike[str]) -> None:
         """Write the page of ``sesc plan --report``."""

@@ -114,7 +114,8 @@ impl PlanReport {
     }
 }
 
-/// Write postures, numbered from `first`, as a log with a sidecar, whose path is given back.
+/// Write postures, numbered from `first`, and those numbered `again` once more, as a log with a
+/// sidecar, whose path is given back.
 #[pyfunction]
 pub fn write_postures(
     py: Python<'_>,
@@ -123,6 +124,7 @@ pub fn write_postures(
     path: PathBuf,
     experiment: Option<String>,
     first: i64,
+    again: Vec<i64>,
 ) -> PyResult<PathBuf> {
     let (model, dof) = (model.inner.clone(), q.shape()[1]);
     let q = q.as_array().iter().copied().collect::<Vec<f64>>();
@@ -135,6 +137,16 @@ pub fn write_postures(
                     q,
                     ..Row::default()
                 })?;
+            }
+            for pose in again {
+                let place = usize::try_from(pose - first).unwrap_or(usize::MAX);
+                if let Some(q) = q.chunks_exact(dof.max(1)).nth(place) {
+                    log.row(&Row {
+                        pose,
+                        q,
+                        ..Row::default()
+                    })?;
+                }
             }
             log.finish(&Sidecar {
                 robot: Some(model.tree.robot.clone()),

@@ -12,7 +12,7 @@ use crate::Error;
 use crate::report;
 use sesc_identify::feet::Feet;
 use sesc_identify::fit::prior::Prior;
-use sesc_identify::logs::{PostureWriter, Written};
+use sesc_identify::logs::{LogSource, PostureWriter, Written};
 use sesc_identify::plan::balance::Region;
 use sesc_identify::plan::limits::Limits;
 use sesc_identify::plan::{COP_BOX, Request, plan};
@@ -64,6 +64,14 @@ pub(super) struct Arguments {
     clearance: f64,
     #[command(flatten)]
     feet: FeetArguments,
+    /// Reach so many postures once more at the end, under their own `pose`: what visits of one
+    /// posture differ by shows in them [default: 5, of few postures half of them; none where
+    /// --data knows it]
+    #[arg(long, value_name = "N")]
+    revisits: Option<usize>,
+    /// Log of this robot: its noise and what its visits differ by are taken for those to come
+    #[arg(long, value_name = "FILE", conflicts_with = "noise")]
+    data: Option<PathBuf>,
     /// Seed of the candidates
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -99,6 +107,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     request.noise = arguments.noise;
     request.clearance = arguments.clearance;
     request.seed = arguments.seed;
+    request.revisits = arguments.revisits;
+    request.log = arguments.data.as_ref().map(LogSource::from);
     request.feet = Feet::from(&arguments.feet);
     request.folder = arguments.robot.urdf.parent().map(PathBuf::from);
     // A file that cannot be written is better known before than after.
@@ -127,6 +137,7 @@ fn check_files(arguments: &Arguments) -> Result<(), Error> {
         .reads([&arguments.robot.urdf])
         .reads(&arguments.limits)
         .reads(&arguments.model)
+        .reads_logs(&arguments.data)
         .may_read(&arguments.sole)
         .may_read([&arguments.prior])
         .writes_logs([&arguments.out])

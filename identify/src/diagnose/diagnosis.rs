@@ -18,6 +18,7 @@ use super::search::Search;
 use super::settle;
 use super::words::{self, capital};
 use crate::Error;
+use crate::observations::again::Again;
 use crate::observations::noise::NoiseSource;
 use crate::observations::samples::Samples;
 use crate::watch::Watch;
@@ -125,6 +126,12 @@ pub fn find<'m>(
         motion: problem.data.motion_use.clone(),
         visits: problem.data.visits,
         closure,
+        again: match problem.data.noise_source {
+            NoiseSource::Residuals if about.usable => {
+                Again::of(&problem.rows, &problem.data.pose, problem.data.t.as_deref())
+            }
+            _ => None,
+        },
         sentence: String::new(),
         robot: about.robot.to_string(),
         support: about.support.to_string(),

@@ -8,6 +8,7 @@ use super::held_out::HeldOut;
 use super::problem::Fit;
 use crate::feet::ClosureFound;
 use crate::health::Finding;
+use crate::observations::again::Again;
 use crate::observations::motion_use::MotionUse;
 use crate::observations::noise::NoiseSource;
 use crate::observations::repeats::Visits;
@@ -241,6 +242,9 @@ pub struct Diagnosis {
     /// How the soles of both feet lie on one floor, where the log is of both.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub closure: Option<ClosureFound>,
+    /// Postures to reach once more, where nothing tells the noise.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub again: Option<Again>,
     /// The whole result in sentences.
     pub sentence: String,
     /// File of the robot's description.

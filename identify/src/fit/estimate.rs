@@ -194,6 +194,10 @@ pub fn identify_within(
         plans: gathered.plans.clone(),
         visits: gathered.repeats.visits(),
         closure: gathered.closure.clone(),
+        again: match noise.source {
+            NoiseSource::Residuals | NoiseSource::Unknown => gathered.again.clone(),
+            _ => None,
+        },
         lack_of_fit,
         inflation,
         held_out_rmse: held_out.rmse,

@@ -21,6 +21,7 @@ use crate::health::Finding;
 use crate::logs::Block;
 use crate::lsq::factor::Factor;
 use crate::lsq::solve::{self, Estimate};
+use crate::observations::again::Again;
 use crate::observations::grouping::{DOWN, Grouping, Visit};
 use crate::observations::motion::{Motion, Plan};
 use crate::observations::motion_use::MotionUse;
@@ -126,6 +127,9 @@ pub struct Gathered {
     /// How the soles of both feet lie on one floor, of the log in which they lie worst.
     #[serde(default)]
     pub closure: Option<ClosureFound>,
+    /// Postures to reach once more, where nothing tells the noise.
+    #[serde(default)]
+    pub again: Option<Again>,
     /// How each log that was read knows its motion.
     #[serde(skip)]
     pub(super) plans: Vec<Option<Plan>>,
@@ -164,6 +168,7 @@ impl Gathered {
             correlated: false,
             motion: MotionUse::NONE,
             closure: None,
+            again: None,
             plans: Vec::new(),
             postures: Grouping::default(),
             stream: Stream::default(),

@@ -9,6 +9,7 @@ use super::prior::Prior;
 use crate::feet::ClosureFound;
 use crate::health::Finding;
 use crate::lsq::solve::Estimate;
+use crate::observations::again::Again;
 use crate::observations::motion::Plan;
 use crate::observations::motion_use::MotionUse;
 use crate::observations::noise::NoiseSource;
@@ -160,6 +161,9 @@ pub struct Identification {
     pub correlations: Vec<Correlation>,
     /// Postures that a robust loss trusts less.
     pub down_weighted: Vec<DownWeighted>,
+    /// Postures to reach once more, where nothing tells the noise.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub again: Option<Again>,
     /// How the soles of both feet lie on one floor, of the log in which they lie worst; none
     /// of robots that stand on one foot.
     #[serde(skip_serializing_if = "Option::is_none")]

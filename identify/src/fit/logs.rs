@@ -12,10 +12,11 @@ use crate::logs::{LogSource, Options, PostureReader};
 use crate::observations::motion::Plan;
 use crate::observations::motion_use::MotionModel;
 use crate::observations::moving::Moving;
+use crate::observations::postures::{Postures, Taking};
 use crate::observations::rows::Measurement;
 use crate::robot::Robot;
 use crate::watch::{Watch, tell};
-use crate::{Error, Setting, message};
+use crate::{Error, ErrorKind, Setting, message};
 
 /// Rows folded in together.
 pub(super) const BLOCK: usize = 4096;
@@ -114,6 +115,35 @@ impl<'r> Logs<'r> {
             }
         }
         Ok((measurement, gathered))
+    }
+
+    /// The postures of a log that stand on the model's support; none where none does, or where
+    /// the log can be read once only.
+    ///
+    /// # Errors
+    /// The kind `Interrupted` where `watch` stops it.
+    pub(super) fn postures(
+        &self,
+        log: &LogSource,
+        model: &Model,
+        watch: &mut dyn Watch,
+    ) -> Result<Option<Postures>, Error> {
+        if !log.can_be_read_again() {
+            return Ok(None);
+        }
+        let mut options = self.options.clone();
+        options.support = Some(model.support().to_string());
+        let taking = Taking {
+            options,
+            noise: None,
+            floor: 0.0,
+        };
+        match Postures::read(log, model, &taking, watch) {
+            Ok(data) => Ok(Some(data)),
+            Err(error) if error.kind() == ErrorKind::Interrupted => Err(error),
+            // Whatever else is wrong with it, the fit has said.
+            Err(_) => Ok(None),
+        }
     }
 
     /// F of how far masses may be off: as was asked, or as they usually are.

@@ -5,6 +5,7 @@
 //! observations → gather (factors) → lsq (with prior) → estimate → identification
 //! ```
 
+mod again;
 pub mod corrected;
 mod estimate;
 pub mod gather;

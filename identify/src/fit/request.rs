@@ -11,6 +11,7 @@ use std::sync::Arc;
 
 use sesc_model::{Model, ModelFile, Snapping};
 
+use super::again;
 use super::corrected::{Corrected, correct};
 use super::estimate::identify_within;
 use super::identification::{Identification, Settings};
@@ -391,6 +392,9 @@ fn of_logs(request: &Request, parts: Option<&Part>, watch: &mut dyn Watch) -> Re
     let prior = |model: &Model| request.prior.of(model);
     let logs = logs(request, &robot, support, folds);
     let (measurement, mut gathered) = logs.gather(request.robust, &prior, watch)?;
+    if request.noise.is_none() {
+        gathered.again = again::of(&logs, &gathered, watch)?;
+    }
     gathered.closure = soles::worst(&logs, &request.feet, watch)?;
     let supports = measurement.supports();
     let about = About {

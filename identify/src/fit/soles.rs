@@ -6,13 +6,12 @@
 use super::logs::Logs;
 use crate::Error;
 use crate::feet::{Closure, ClosureFound, Feet, of_one_foot};
-use crate::observations::postures::{Postures, Taking};
 use crate::watch::Watch;
 
 /// How the soles lie in the log in which they lie worst; none where no log is of both feet.
 ///
 /// # Errors
-/// When the other sole cannot be told, or a log cannot be read again.
+/// When the other sole cannot be told; the kind `Interrupted` where `watch` stops it.
 pub(super) fn worst(
     logs: &Logs,
     feet: &Feet,
@@ -28,18 +27,10 @@ pub(super) fn worst(
         let Some(other) = feet.of(&sidecar, &model)? else {
             continue;
         };
-        if !log.can_be_read_again() {
-            watch.note("the log can be read once only: its soles are not looked at");
+        let Some(data) = logs.postures(log, &model, watch)? else {
+            watch.note("the soles of a log that can be read once only are not looked at");
             continue;
-        }
-        let mut options = logs.options.clone();
-        options.support = Some(support.clone());
-        let taking = Taking {
-            options,
-            noise: None,
-            floor: 0.0,
         };
-        let data = Postures::read(log, &model, &taking, watch)?;
         if let Some(warning) = of_one_foot(&model, &other, &data) {
             watch.warning(&format!("{}: {warning}", log.name()).into());
         }

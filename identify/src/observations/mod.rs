@@ -6,6 +6,7 @@
 //!    └──▶ rows (regressor, tilt, supports)      postures (a log in memory)
 //! ```
 
+pub mod again;
 pub mod correlation;
 pub(crate) mod grouping;
 pub mod motion;

@@ -23,6 +23,7 @@ mod mesh;
 pub(crate) mod order;
 mod poses;
 mod request;
+mod revisits;
 
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -37,6 +38,7 @@ use crate::fit::prior::{Prior, Tolerances};
 use crate::logs::{LogSource, PostureWriter, Row, Sidecar, Table};
 use crate::lsq::factor::Factor;
 use crate::lsq::solve::UNSEEN;
+use crate::observations::again::spread;
 use crate::svd::singular_values;
 use crate::watch::{Progress, Watch, stopped};
 use crate::{Error, Message, Setting, message};
@@ -48,6 +50,8 @@ use efficiency::Efficiency;
 use geometry::Geometry;
 use joint_use::JointUse;
 pub use request::{COP_BOX, Request};
+use revisits::Known;
+pub use revisits::Revisits;
 
 /// What was found.
 #[derive(Debug, Clone, Serialize)]
@@ -102,6 +106,8 @@ pub struct Plan {
     pub margin: f64,
     /// Predicted CoP of the chosen postures, m, in their order.
     pub cop: Vec<[f64; 2]>,
+    /// Postures that come back after the last, under their own numbers.
+    pub revisits: Revisits,
     /// What the soles will tell, where both are on the floor.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub both_feet: Option<TwoFeet>,
@@ -185,6 +191,8 @@ const DRAWS: usize = 100;
 pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
     request.check()?;
     let model = &*request.model;
+    let known = Known::of(request, watch)?;
+    let noise = known.of_posture(request.noise);
     let dof = model.dof();
     if dof == 0 {
         return Err(Error::request(
@@ -240,7 +248,7 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
     let regressor = Evaluator::new(model, Function::RegressorCop).run(&q, count);
     let regressor = DMatrix::from_vec(params, 2 * count, regressor);
     let rows = match &prior {
-        Some(s) => Rows::with_prior(&regressor, s, request.noise),
+        Some(s) => Rows::with_prior(&regressor, s, noise),
         None => Rows::free(&regressor, UNSEEN),
     };
     let (mut looked, poses) = (0, request.poses as u64);
@@ -258,8 +266,12 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
     let (rank, condition_number) = conditioning(&regressor, &choice.chosen);
     let told = prior.is_some() || rank >= rows.directions();
     let chosen = ordered(&q, dof, &choice.chosen);
+    let again = revisits::count(request, &known);
+    let columns: Vec<usize> = chosen.iter().flat_map(|k| [2 * k, 2 * k + 1]).collect();
+    let spread = spread(&regressor.select_columns(&columns).transpose(), again);
+    let again = revisits::said(spread.into_iter().map(|k| k as i64 + 1).collect(), &known);
     let curve = match told {
-        true => efficiency::curve(&rows, &choice, request.noise, request.seed, prior.is_some()),
+        true => efficiency::curve(&rows, &choice, noise, request.seed, prior.is_some()),
         false => Vec::new(),
     };
     let last = curve.last();
@@ -305,7 +317,7 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
         draws: counts,
         candidates: count,
         prior: request.prior.sentence(),
-        noise: request.noise,
+        noise,
         directions: rows.directions(),
         rank,
         condition_number,
@@ -324,6 +336,7 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
         corners: request.region.corners.clone(),
         margin: request.region.margin,
         both_feet: soles,
+        revisits: again,
         joints: joint_use::of_all(model, &request.limits, &q, &chosen),
         cop: chosen
             .iter()
@@ -336,30 +349,40 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
 }
 
 impl Plan {
-    /// The postures as a log in memory.
+    /// The postures as a log in memory, those that come back included.
     pub fn log(&self) -> LogSource {
-        let poses: Vec<i64> = (1..).take(self.chosen.len()).collect();
+        let rows: Vec<usize> = self.rows().collect();
+        let poses: Vec<i64> = rows.iter().map(|&k| k as i64 + 1).collect();
         let table = Table::new("plan").integers("pose", poses);
         let joints = self.joints.iter();
         let table = joints.fold(table, |table, joint| {
-            table.numbers(&joint.joint, joint.values.clone())
+            let values: Vec<f64> = rows.iter().map(|&k| joint.values[k]).collect();
+            table.numbers(&joint.joint, values)
         });
         LogSource::from(table).with_sidecar(self.sidecar())
     }
 
-    /// Write the postures as a log; gives back where its sidecar is.
+    /// Write the postures as a log, those that come back included; gives back where its
+    /// sidecar is.
     ///
     /// # Errors
     /// A file that cannot be written.
     pub fn write(&self, mut log: PostureWriter) -> Result<PathBuf, Error> {
-        for (pose, q) in (1..).zip(self.postures()) {
+        let postures: Vec<&[f64]> = self.postures().collect();
+        for k in self.rows() {
             log.row(&Row {
-                pose,
-                q,
+                pose: k as i64 + 1,
+                q: postures[k],
                 ..Row::default()
             })?;
         }
         log.finish(&self.sidecar())
+    }
+
+    /// Places of the postures, row by row.
+    fn rows(&self) -> impl Iterator<Item = usize> {
+        let again = self.revisits.poses.iter().map(|pose| *pose as usize - 1);
+        (0..self.chosen.len()).chain(again)
     }
 
     fn sidecar(&self) -> Sidecar {

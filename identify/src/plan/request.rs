@@ -9,6 +9,7 @@ use super::balance::Region;
 use super::limits::Limits;
 use crate::feet::Feet;
 use crate::fit::prior::{Prior, Tolerances};
+use crate::logs::LogSource;
 use crate::robot::Robot;
 use crate::{Error, Setting, message};
 
@@ -43,6 +44,11 @@ pub struct Request {
     pub seed: u64,
     /// Which feet are on the floor: the support alone, unless it says both.
     pub feet: Feet,
+    /// Postures that are reached once more: as many as tell what visits differ by, where no
+    /// log does, unless given.
+    pub revisits: Option<usize>,
+    /// A log of this robot: its noise and what its visits differ by are those to come.
+    pub log: Option<LogSource>,
     /// Where meshes may be.
     pub folder: Option<PathBuf>,
 }
@@ -68,6 +74,8 @@ impl Request {
             clearance: 0.005,
             seed: 1,
             feet: Feet::default(),
+            revisits: None,
+            log: None,
             folder: None,
             model,
         }

@@ -35,6 +35,7 @@ pub fn page(found: &Diagnosis, view: &DiagnosisView) -> Result<String, Error> {
         class_size => found.class.len(),
         noise_source => found.noise_source.phrase(),
         soles => found.closure.as_ref().map(soles),
+        again => found.again.as_ref().map(|again| &again.sentence),
         steps => steps(found),
         class => class(found),
         outliers => poses.copied().collect::<Vec<i64>>(),

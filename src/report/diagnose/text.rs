@@ -124,6 +124,9 @@ fn facts(found: &Diagnosis) -> String {
     if !found.motion.sentence.is_empty() {
         fact("motion", found.motion.sentence.clone());
     }
+    if let Some(again) = &found.again {
+        fact("reach again", again.sentence.clone());
+    }
     if let Some(closure) = &found.closure {
         fact("soles", soles(closure));
     }

@@ -30,6 +30,7 @@ pub fn page(report: &FitReport<'_>) -> Result<String, Error> {
         health => health::rows(&found.health),
         command => &shown.command,
         soles => found.closure.as_ref().map(soles),
+        again => found.again.as_ref().map(|again| &again.sentence),
         residuals => shown.residuals.len(),
         bounds => &found.active_bounds,
         physical => found.active_bounds.is_some(),

@@ -137,6 +137,9 @@ fn facts(found: &Identification) -> String {
     if !found.motion.sentence.is_empty() {
         fact("motion", found.motion.sentence.clone());
     }
+    if let Some(again) = &found.again {
+        fact("reach again", again.sentence.clone());
+    }
     if let Some(closure) = &found.closure {
         fact("soles", soles(closure));
     }

@@ -36,6 +36,7 @@ pub fn text(plan: &Plan) -> String {
     if let Some(feet) = &plan.both_feet {
         line("soles", feet.sentence());
     }
+    line("revisits", plan.revisits.sentence.clone());
     line("ground", plan.clearance.clone());
     line("collisions", plan.collision.clone());
     if !plan.collision_exempt.is_empty() {

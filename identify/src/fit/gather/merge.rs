@@ -43,6 +43,7 @@ impl Gathered {
                     .as_ref()
                     .and_then(|found| found.invalid_reason())
             })
+            .or_else(|| self.again.as_ref()?.invalid_reason())
     }
 
     /// Add what another machine or session of measurements gathered.

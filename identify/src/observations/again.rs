@@ -1,0 +1,117 @@
+//! Which postures to reach once more, where nothing tells the noise.
+//!
+//! ```text
+//! k₁ = argmax ‖Y_k‖        k_i = argmax ‖Y_k − its part in span(Y_{k₁}, …, Y_{k_{i−1}})‖
+//! ```
+//!
+//! Each next posture is the one whose regressor rows Y_k are furthest from those already
+//! chosen: spread over the design, so that noise is seen wherever the robot stands.
+
+use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
+
+use super::correlation::step;
+
+/// Postures that are asked for.
+pub const COUNT: usize = 5;
+/// Rows closer in time than this are a recording, s: it has no postures to reach again.
+const RECORDING_S: f64 = 1.0;
+
+/// Postures to be reached once more.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Again {
+    /// Their numbers in the log, in ascending order.
+    pub poses: Vec<i64>,
+    /// Why, and how.
+    pub sentence: String,
+}
+
+impl Again {
+    /// Of a log of `poses` whose regressor rows (two per posture) are `rows`, at times `t` (s);
+    /// none of recordings, nor of fewer postures than are asked for.
+    pub fn of(rows: &DMatrix<f64>, poses: &[i64], t: Option<&[f64]>) -> Option<Again> {
+        let recorded = t.and_then(step).is_some_and(|step| step < RECORDING_S);
+        if recorded || poses.len() < 2 * COUNT {
+            return None;
+        }
+        let chosen = spread(rows, COUNT);
+        let mut poses: Vec<i64> = chosen.into_iter().map(|k| poses[k]).collect();
+        poses.sort_unstable();
+        poses.dedup();
+        let names: Vec<String> = poses.iter().map(i64::to_string).collect();
+        let sentence = format!(
+            "Nothing states the noise and no posture repeats: reach poses {} once more and log \
+             their readings under the same `pose`, so that noise is known from repeats",
+            names.join(", ")
+        );
+        Some(Again { poses, sentence })
+    }
+
+    /// What no log gives, in a file that was read.
+    pub(crate) fn invalid_reason(&self) -> Option<String> {
+        let valid = self.poses.len() <= COUNT && self.sentence.len() < 1000;
+        (!valid).then(|| "`again` that no log gives".to_string())
+    }
+}
+
+/// `count` of the postures whose rows (two each) are spread widest, the widest first.
+pub fn spread(rows: &DMatrix<f64>, count: usize) -> Vec<usize> {
+    let mut left = rows.clone();
+    let postures = rows.nrows() / 2;
+    let mut chosen: Vec<usize> = Vec::new();
+    while chosen.len() < count.min(postures) {
+        let size = |k: &usize| left.row(2 * k).norm_squared() + left.row(2 * k + 1).norm_squared();
+        let open = (0..postures).filter(|k| !chosen.contains(k));
+        let Some(next) = open.max_by(|a, b| size(a).total_cmp(&size(b))) else {
+            break;
+        };
+        chosen.push(next);
+        for row in [2 * next, 2 * next + 1] {
+            let direction: DVector<f64> = left.row(row).transpose();
+            let length = direction.norm();
+            if length <= 1e-12 * (1.0 + rows.amax()) {
+                continue;
+            }
+            let direction = direction / length;
+            let along = &left * &direction;
+            left.ger(-1.0, &along, &direction, 1.0);
+        }
+    }
+    chosen
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rows along e₁, e₂, e₃ of sizes 3, 2, 1, and copies of the first that are shorter.
+    #[test]
+    fn the_next_posture_is_the_one_that_is_least_like_those_chosen() {
+        let sizes = [(0, 2.9), (1, 2.0), (0, 3.0), (2, 1.0), (0, 2.5), (1, 1.9)];
+        let rows = DMatrix::from_fn(12, 3, |row, column| {
+            let (direction, size) = sizes[row / 2];
+            if row % 2 == 0 && column == direction {
+                size
+            } else {
+                0.0
+            }
+        });
+        assert_eq!(spread(&rows, 3), [2, 1, 3]);
+        assert_eq!(spread(&rows, 9).len(), 6);
+    }
+
+    #[test]
+    fn recordings_and_short_logs_are_asked_for_nothing() {
+        let rows = DMatrix::from_fn(40, 3, |row, column| ((7 * row + column) as f64).sin());
+        let poses: Vec<i64> = (100..120).collect();
+        let slow: Vec<f64> = (0..20).map(|k| 3.0 * f64::from(k)).collect();
+        let fast: Vec<f64> = (0..20).map(|k| 0.01 * f64::from(k)).collect();
+        let asked = Again::of(&rows, &poses, None).unwrap();
+        assert_eq!(asked.poses.len(), COUNT);
+        assert!(asked.poses.windows(2).all(|pair| pair[0] < pair[1]));
+        assert!(asked.poses.iter().all(|pose| poses.contains(pose)));
+        assert_eq!(Again::of(&rows, &poses, Some(&slow)), Some(asked));
+        assert_eq!(Again::of(&rows, &poses, Some(&fast)), None);
+        assert_eq!(Again::of(&rows, &poses[..9], None), None);
+    }
+}
