@@ -16,6 +16,8 @@ enum Task {
     Study(xtask::study::Study),
     /// Hide effects of the body, and judge the diagnosed CoM in docs/study-com.md
     StudyCom(xtask::study_com::StudyCom),
+    /// Record robots that miss nothing, and count in docs/study-false-alarms.md
+    StudyFalseAlarms(xtask::study_false_alarms::StudyFalseAlarms),
     /// Break logs of virtual robots, and count what is recognised and what is found wrongly
     StudyHealth(xtask::study_health::StudyHealth),
     /// Record moving robots at several rates, and count verdicts in docs/study-motion.md
@@ -40,6 +42,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
         Task::Study(study) => study.run(root)?,
         Task::StudyCom(study) => study.run(root)?,
+        Task::StudyFalseAlarms(study) => study.run(root)?,
         Task::StudyHealth(study) => study.run(root)?,
         Task::StudyMotion(study) => study.run(root)?,
         Task::StudyRecordings(study) => study.run(root)?,

@@ -28,6 +28,8 @@ use known::Noise;
 
 /// Rows taken at once.
 const BLOCK: usize = 4096;
+/// What noise has of the variance that a fit leaves, at least.
+const LEAST_PART: f64 = 0.1;
 /// Rows that say how a log is differentiated.
 const HEAD: usize = 20_000;
 /// Postures that a diagnosis looks at, up to twice this; evenly chosen of more.
@@ -434,10 +436,19 @@ impl Postures {
             sizes.sort_by(f64::total_cmp);
             // The median of |N(0, 1)|.
             let median = sizes.get(sizes.len() / 2);
-            median.map_or(0.0, |m| m / 0.674_489_750_196 / share)
+            let size = median.map_or(0.0, |m| m / 0.674_489_750_196 / share);
+            // What readings are less known by is in what is left, and added below.
+            let known = rms(self.less_known.iter().skip(axis).step_by(2).copied());
+            (size * size - known * known)
+                .max(LEAST_PART * size * size)
+                .sqrt()
         });
         self.noise = rms(axes.into_iter());
-        self.noise_floor = self.noise.hypot(floor);
+        let moved = self
+            .moved
+            .iter()
+            .flat_map(|moved| moved.std.iter().flatten());
+        self.noise_floor = self.noise.hypot(floor).hypot(rms(moved.copied()));
         for (row, std) in self.std.iter_mut().enumerate() {
             *std = axes[row % 2].hypot(floor);
         }
@@ -454,7 +465,7 @@ impl Postures {
         }
         let overall = rms(factors.into_iter());
         self.noise *= overall;
-        self.noise_floor = self.noise.hypot(self.floor);
+        self.noise_floor *= overall;
     }
 
     /// Count each reading for less known by `by`, m, beside what it is less known by already.
@@ -499,7 +510,9 @@ impl Postures {
         for (k, context) in contexts.enumerate() {
             moved.tell(k, layout, context);
         }
-        self.trust_less(&moved.std.concat());
+        let less_known = moved.std.concat();
+        self.noise_floor = self.noise_floor.hypot(rms(less_known.iter().copied()));
+        self.trust_less(&less_known);
         self.moved = Some(Rc::new(moved));
     }
 

@@ -6,7 +6,8 @@
 //! ```
 //!
 //! h is 0.15, 0.3, 0.6 or 1.2 s, or 3.4 intervals where rows are further apart; beyond
-//! [`LONGEST_S`] a log does not know its accelerations. Long windows have little noise and bend
+//! [`LONGEST_S`] a log knows its accelerations only where joints are slow, beyond 1.1 s never.
+//! Long windows have little noise and bend
 //! what is fast: order 3 takes β = (ω h)²/14 of the acceleration of a sine of ω, order 4
 //! β²/4. β is seen by comparing both orders in the same windows,
 //!
@@ -31,8 +32,12 @@ use crate::logs::Block;
 use polynomials::{HIGH, Polynomials};
 use windows::{FEWEST, Nodes, Window};
 
-/// Longest interval between rows, s.
+/// Longest interval between rows, s,
 pub const LONGEST_S: f64 = 0.2;
+/// and where joints move so slowly that rows show it.
+const LONGEST_OF_SLOW_S: f64 = 1.1;
+/// What order 4 may bend of an acceleration at most where rows are that far apart.
+const BENT: f64 = 0.02;
 /// Coefficients of the polynomials of order 3, and of one to a side.
 const LOW: usize = 4;
 const EDGE: usize = 3;
@@ -87,7 +92,7 @@ impl Plan {
     /// For a log that begins with rows at times `t` (s) and positions `q` of `dof` joints; none
     /// where rows are too few or too far apart to know accelerations.
     pub fn of(t: &[f64], q: &[f64], dof: usize) -> Option<Plan> {
-        let step_s = correlation::step(t).filter(|step| *step <= LONGEST_S * 1.02)?;
+        let step_s = correlation::step(t).filter(|step| *step <= LONGEST_OF_SLOW_S)?;
         if dof == 0 || t.len() < FEWEST {
             return None;
         }
@@ -95,6 +100,9 @@ impl Plan {
         let mut seconds = f64::NAN;
         for half in windows::halves(step_s) {
             let survey = Survey::of(t, q, dof, step_s, half);
+            if step_s > LONGEST_S * 1.02 && OF_HIGH * survey.bent().1 > BENT {
+                break;
+            }
             if best.is_some() && survey.seconds() < COVERED * seconds {
                 break;
             }
@@ -152,10 +160,12 @@ impl Plan {
         Some(motion)
     }
 
-    /// Which joints move by more than noise shows; none where none does.
-    fn moving(&self, nodes: &Nodes, window: &Window) -> Option<Vec<bool>> {
+    /// The variance of nodes of each joint that moves by more than noise shows, `None` of the
+    /// others; none where none does.
+    fn moving(&self, nodes: &Nodes, window: &Window) -> Option<Vec<Option<f64>>> {
         let dof = nodes.dof;
         let (mut gains, mut noise) = (vec![0.0; dof], vec![0.0; dof]);
+        let (mut variances, mut count) = (vec![0.0; dof], 0.0);
         let stride = nodes.len().div_ceil(LOOKED_AT / 4).max(1);
         for node in (0..nodes.len()).step_by(stride) {
             let around = window.around(node);
@@ -165,16 +175,19 @@ impl Plan {
             let Some(fit) = Polynomials::fit(nodes, node, around, window.half, self.terms) else {
                 continue;
             };
+            count += 1.0;
             for joint in 0..dof {
                 gains[joint] += fit.gain(joint).powi(2);
+                variances[joint] += fit.variance(joint);
                 noise[joint] += fit.variance(joint) * fit.weight * fit.weight;
             }
         }
-        let pairs = gains.iter().zip(&noise);
-        let moving: Vec<bool> = pairs
-            .map(|(gain, noise)| *gain > MOVES * MOVES * noise)
-            .collect();
-        moving.contains(&true).then_some(moving)
+        let of = |joint: usize| {
+            let moves = gains[joint] > MOVES * MOVES * noise[joint];
+            moves.then(|| variances[joint] / count)
+        };
+        let moving: Vec<Option<f64>> = (0..dof).map(of).collect();
+        moving.iter().any(Option::is_some).then_some(moving)
     }
 
     fn local(&self, nodes: &Nodes, window: &Window, node: usize) -> Local {
@@ -305,10 +318,10 @@ enum Local {
 
 impl Local {
     /// The row `after` seconds from the node; joints that are not `moving` stand.
-    fn push(&self, after: f64, moving: &[bool], motion: &mut Motion) {
-        for (joint, moves) in moving.iter().enumerate() {
-            let [rate, gain, std] = match self {
-                Local::Moving(fit, _) if *moves => fit.at(joint, after),
+    fn push(&self, after: f64, moving: &[Option<f64>], motion: &mut Motion) {
+        for (joint, variance) in moving.iter().enumerate() {
+            let [rate, gain, std] = match (self, variance) {
+                (Local::Moving(fit, _), Some(variance)) => fit.at(joint, after, *variance),
                 _ => [0.0; 3],
             };
             motion.rates.push(rate);

@@ -11,6 +11,9 @@ pub(super) const HIGH: usize = 5;
 /// A pivot of the normal equations, per coefficient, below which nodes do not settle them.
 const SINGULAR: f64 = 1e-9;
 
+/// Nodes' worth of what a whole log says of their noise, beside those of a window.
+const SHARED: f64 = 10.0;
+
 /// The polynomials of all joints about a node.
 pub(super) struct Polynomials {
     pub terms: usize,
@@ -101,13 +104,15 @@ impl Polynomials {
         self.left[joint].max(0.0) / self.spare
     }
 
-    /// Velocity, acceleration and the deviation of that, `after` seconds from the node.
-    pub fn at(&self, joint: usize, after: f64) -> [f64; 3] {
+    /// Velocity, acceleration and the deviation of that, `after` seconds from the node, of a
+    /// joint whose nodes have `variance` in all of the log: few nodes alone say little of it.
+    pub fn at(&self, joint: usize, after: f64, variance: f64) -> [f64; 3] {
         let (s, h) = (after / self.half, self.half);
         let c = |power| self.coefficient(power, joint);
         let rate = c(1) + s * (2.0 * c(2) + s * (3.0 * c(3) + s * 4.0 * c(4)));
         let gain = 2.0 * c(2) + s * (6.0 * c(3) + s * 12.0 * c(4));
-        let std = self.variance(joint).sqrt() * self.weight;
+        let left = self.left[joint].max(0.0) + SHARED * variance;
+        let std = (left / (self.spare + SHARED)).sqrt() * self.weight;
         [rate / h, gain / (h * h), std]
     }
 }

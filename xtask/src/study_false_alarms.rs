@@ -1,0 +1,309 @@
+//! The study of false alarms: recordings of moving and standing robots on which nothing is
+//! hidden, with noise of any kind; counted are verdicts that say something is missing, and the
+//! intervals of `fit` that hold the truth.
+//!
+//! Every log has a robot, a motion, a rate, stamps, encoders and a noise of its own, drawn from
+//! its seed: the same command counts the same logs again.
+
+use std::collections::BTreeMap;
+use std::error::Error;
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use clap::Args;
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+use sesc_identify::diagnose::{self, Verdict, diagnose};
+use sesc_identify::fit::{self, fit};
+use sesc_identify::logs::Table;
+use sesc_identify::robot::Robot;
+use sesc_model::Snapping;
+use sesc_virtual::moving::Swing;
+use sesc_virtual::recording::{Kind, Motion, Noise, Recording};
+use sesc_virtual::stage::{Platform, Stage};
+
+/// Rows of a log, unless it would be shorter or longer than [`SECONDS`].
+const ROWS: f64 = 600.0;
+/// Lengths of logs, s.
+const SECONDS: [f64; 2] = [30.0, 120.0];
+/// Correlation times, s.
+const TAUS: [f64; 2] = [0.05, 1.0];
+/// 4096 ticks a turn, rad.
+const TICK: f64 = TAU / 4096.0;
+/// ± this many deviations hold 95 %.
+const OF_95: f64 = 1.959_964;
+
+/// How many logs.
+#[derive(Args)]
+pub struct StudyFalseAlarms {
+    /// Number of logs
+    #[arg(long, default_value_t = 1000)]
+    logs: u64,
+    /// The first log's seed; each further one's is one more
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Where the tables go, instead of docs/study-false-alarms.md
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+/// A log as its seed draws it.
+struct Drawn {
+    platform: Platform,
+    moves: Option<Swing>,
+    noise: Noise,
+    rate: f64,
+    stated: bool,
+    random: ChaCha8Rng,
+}
+
+/// What was said of it.
+struct Said {
+    groups: [String; 3],
+    verdict: Verdict,
+    sentence: String,
+    /// Parameters, and those whose interval holds the truth; none where free masses have fewer
+    /// independent rows than unknowns.
+    intervals: Option<(usize, usize)>,
+}
+
+impl Drawn {
+    fn of(seed: u64) -> Drawn {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut pick = |count: usize| (random.random::<f64>() * count as f64) as usize;
+        let platform = [
+            Platform::Op2,
+            Platform::Op2,
+            Platform::Op2,
+            Platform::Plain,
+            Platform::Skew,
+        ][pick(5)];
+        let rate = [1.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0][pick(7)];
+        let (ticks, jitters) = (pick(2) == 1, pick(4) == 0);
+        let (stands, stated) = (pick(3) == 0, pick(2) == 0);
+        let kind = pick(4);
+        let between = |[low, high]: [f64; 2], random: &mut ChaCha8Rng| -> f64 {
+            low * (high / low).powf(random.random::<f64>())
+        };
+        let tau = between(TAUS, &mut random);
+        let kind = match kind {
+            0 => Kind::White,
+            1 => Kind::Ar1(tau),
+            2 => Kind::Smooth(0.5 * tau),
+            _ => Kind::Sway(tau),
+        };
+        let std = between([2e-4, 5e-3], &mut random);
+        let hertz = between([0.1, 0.7], &mut random).min(0.08 * rate);
+        let seconds = (ROWS / rate).clamp(SECONDS[0], SECONDS[1]);
+        let swing = Swing {
+            tick: if ticks { TICK } else { 0.0 },
+            jitter: if jitters { 0.3 } else { 0.0 },
+            ..Swing::new(hertz, (0.1 / hertz).min(0.3), seconds)
+        };
+        Drawn {
+            platform,
+            moves: (!stands).then_some(swing),
+            noise: Noise {
+                kind,
+                std: [std; 2],
+                visit_std: 0.0,
+            },
+            rate: if stands { rate.min(20.0) } else { rate },
+            stated,
+            random,
+        }
+    }
+
+    /// Independent readings of both axes that a moving log is worth; those of one that stands
+    /// are enough.
+    fn worth(&self) -> f64 {
+        let Some(swing) = &self.moves else {
+            return f64::INFINITY;
+        };
+        // ∫ ρ: τ of AR(1), 2 τ of AR(2), half of it is sway's.
+        let lasts = match self.noise.kind {
+            Kind::White => 0.0,
+            Kind::Ar1(tau) | Kind::Sway(tau) => 2.0 * tau,
+            Kind::Smooth(tau) => 4.0 * tau,
+        };
+        2.0 * swing.seconds / lasts.max(1.0 / self.rate)
+    }
+
+    fn groups(&self) -> [String; 3] {
+        let noise = match self.noise.kind {
+            Kind::White => "white noise",
+            Kind::Ar1(_) => "AR(1)",
+            Kind::Smooth(_) => "AR(2)",
+            Kind::Sway(_) => "sway under white noise",
+        };
+        let moves = match &self.moves {
+            Some(swing) if swing.tick > 0.0 => "moving, encoders in ticks",
+            Some(_) => "moving, all digits",
+            None => "standing, stays visited twice",
+        };
+        let known = match self.stated {
+            true => "noise stated",
+            false => "noise not stated",
+        };
+        [noise, moves, known].map(str::to_string)
+    }
+
+    fn record(&mut self, stage: &Stage) -> Recording {
+        match &self.moves {
+            Some(swing) => swing.record(
+                stage,
+                stage.world(),
+                self.noise,
+                self.rate,
+                &mut self.random,
+            ),
+            None => {
+                let stays = Motion::Stays {
+                    postures: 50,
+                    visits: 2,
+                    hold: 5.0 / self.rate,
+                };
+                let world = stage.world();
+                Recording::take(
+                    stage,
+                    &world,
+                    stays,
+                    self.noise,
+                    self.rate,
+                    &mut self.random,
+                )
+            }
+        }
+    }
+
+    fn ask(mut self) -> Result<Said, Box<dyn Error>> {
+        let stage = Stage::new(self.platform);
+        let robot = Arc::new(Robot::read(&stage.urdf)?);
+        let model = robot.model(stage.support, Snapping::default(), None)?;
+        let recording = self.record(&stage);
+        let log = || {
+            let columns = recording.columns(true).into_iter();
+            columns.fold(Table::new("recording"), |table, (name, values)| {
+                table.numbers(&name, values)
+            })
+        };
+        let noise = self.stated.then_some(self.noise.std[0]);
+        let mut request = diagnose::Request::new(Arc::clone(&robot), log());
+        request.support = Some(stage.support.into());
+        request.noise = noise;
+        request.prior = "tight".into();
+        let diagnosis = diagnose(&request, &mut ())?.diagnosis;
+        let mut request = fit::Request::default();
+        request.robot = Some(robot);
+        request.logs = vec![log().into()];
+        request.support = Some(stage.support.into());
+        request.noise = noise;
+        request.prior = "free".into();
+        let found = fit(&request, &mut ())?.identification;
+        let truth = model.cad_params();
+        let known = found.parameters.iter().zip(&truth);
+        let known = known.filter_map(|(p, truth)| Some((p.value - truth).abs() <= OF_95 * p.std?));
+        let known: Vec<bool> = known.collect();
+        let enough = 2.0 * self.worth() > 3.0 * truth.len() as f64;
+        let holding = known.iter().filter(|holds| **holds).count();
+        Ok(Said {
+            groups: self.groups(),
+            verdict: diagnosis.verdict,
+            sentence: diagnosis.sentence,
+            intervals: enough.then_some((known.len(), holding)),
+        })
+    }
+}
+
+impl StudyFalseAlarms {
+    /// Draws, diagnoses and fits every log; writes the tables.
+    ///
+    /// # Errors
+    /// A log that cannot be read; a file that cannot be written.
+    pub fn run(&self, root: &Path) -> Result<(), Box<dyn Error>> {
+        let (next, all) = (AtomicU64::new(0), Mutex::new(BTreeMap::new()));
+        let threads = std::thread::available_parallelism().map_or(1, usize::from);
+        std::thread::scope(|scope| {
+            for _ in 0..threads {
+                scope.spawn(|| {
+                    loop {
+                        let k = next.fetch_add(1, Ordering::Relaxed);
+                        if k >= self.logs {
+                            return;
+                        }
+                        let said = Drawn::of(self.seed + k).ask();
+                        let said = said.map_err(|error| error.to_string());
+                        if let Ok(said) = &said
+                            && said.verdict != Verdict::None
+                        {
+                            let [noise, moves, known] = &said.groups;
+                            eprintln!(
+                                "seed {}: {:?} ({noise}, {moves}, {known}) {}",
+                                self.seed + k,
+                                said.verdict,
+                                said.sentence
+                            );
+                        }
+                        if let Ok(Said {
+                            groups,
+                            intervals: Some((all, hold)),
+                            ..
+                        }) = &said
+                            && 10 * hold < 8 * all
+                        {
+                            let seed = self.seed + k;
+                            eprintln!("seed {seed}: {hold} of {all} intervals hold ({groups:?})");
+                        }
+                        if k % 50 == 49 {
+                            eprintln!("{} of {}", k + 1, self.logs);
+                        }
+                        let mut all = all.lock().unwrap_or_else(PoisonError::into_inner);
+                        all.insert(k, said);
+                    }
+                });
+            }
+        });
+        let all = all.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let all: Vec<Said> = all.into_values().collect::<Result<_, _>>()?;
+        let mut text = format!(
+            "# False alarms\n\n\
+             Recordings of the OP2, a plain and a skewed humanoid on which nothing is hidden: moving \
+             at 0.1 to 0.7 Hz, for 30 to 120 s, read at 1 to 200 Hz, or standing in 50 postures that are visited \
+             twice; encoders in all digits or in 4096 ticks a turn, stamps even or not; noise of \
+             0.2 to 5 mm that is white or lasts 0.05 to 1 s. Counted are verdicts of `diagnose \
+             --prior tight` that are not `none`, and 95 % intervals of `fit --prior free` that hold \
+             the truth, where a log is worth 1.5 times as many readings as there are parameters. \
+             `cargo xtask study-false-alarms --logs {} --seed {}` counts the same logs again.\n\n\
+             | logs | a verdict but none | intervals hold |\n|---|---|---|\n",
+            self.logs, self.seed
+        );
+        let mut rows: Vec<(&str, Vec<&Said>)> = vec![("all", all.iter().collect())];
+        for group in 0..3 {
+            let mut own: BTreeMap<&str, Vec<&Said>> = BTreeMap::new();
+            for said in &all {
+                own.entry(&said.groups[group]).or_default().push(said);
+            }
+            rows.extend(own);
+        }
+        for (name, said) in rows {
+            let alarms = said.iter().filter(|said| said.verdict != Verdict::None);
+            let intervals = said.iter().filter_map(|said| said.intervals);
+            let (all, hold) = intervals.fold((0, 0), |sum, own| (sum.0 + own.0, sum.1 + own.1));
+            let _ = writeln!(
+                text,
+                "| {name} | {} of {} | {:.1} % of {all} |",
+                alarms.count(),
+                said.len(),
+                100.0 * hold as f64 / all.max(1) as f64
+            );
+        }
+        eprintln!("{text}");
+        let own = root.join("docs/study-false-alarms.md");
+        fs::write(self.out.as_ref().unwrap_or(&own), text)?;
+        Ok(())
+    }
+}
