@@ -37,7 +37,7 @@ pub const LONGEST_S: f64 = 0.2;
 /// and where joints move so slowly that rows show it.
 const LONGEST_OF_SLOW_S: f64 = 1.1;
 /// What order 4 may bend of an acceleration at most where rows are that far apart.
-const BENT: f64 = 0.02;
+const BENT: f64 = 0.01;
 /// Coefficients of the polynomials of order 3, and of one to a side.
 const LOW: usize = 4;
 const EDGE: usize = 3;

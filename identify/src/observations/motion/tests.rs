@@ -39,6 +39,9 @@ fn a_swing_is_differentiated_on_jittering_stamps() {
         (0.05, 0.5, 0.01),
         (0.1, 0.3, 0.02),
         (0.2, 0.1, 0.02),
+        // Slow enough for rows far apart.
+        (0.5, 0.08, 0.02),
+        (1.0, 0.04, 0.02),
     ] {
         let (t, q) = swing(step, 200.0 * step + 4.0 / hertz, hertz);
         let plan = Plan::of(&t, &q, 1).unwrap();
@@ -57,8 +60,10 @@ fn a_swing_is_differentiated_on_jittering_stamps() {
 
 #[test]
 fn logs_with_long_intervals_know_no_accelerations() {
-    let (t, q) = swing(0.5, 60.0, 0.2);
-    assert_eq!(Plan::of(&t, &q, 1), None);
+    for (step, hertz) in [(0.5, 0.3), (1.0, 0.2), (2.0, 0.01)] {
+        let (t, q) = swing(step, 300.0, hertz);
+        assert_eq!(Plan::of(&t, &q, 1), None, "{step}");
+    }
     assert_eq!(Plan::of(&[0.0, 0.01, 0.02], &[0.0, 0.1, 0.2], 1), None);
     // Rows within the interval whose motion is far faster than they show.
     let (t, _) = swing(0.1, 60.0, 0.2);
