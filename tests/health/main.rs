@@ -4,4 +4,5 @@ mod command;
 mod effects;
 mod log;
 mod rows;
+mod stretches;
 mod unusable;

@@ -53,6 +53,33 @@ fn shuffled_rows_are_seen() {
     finds(&log, "r_sole", "rows_shuffled", "-", false);
 }
 
+/// Twenty readings a posture, and none beside its own: readings scatter within postures as CAD
+/// has them scatter between.
+#[test]
+fn shuffled_repeats_are_seen() {
+    let mut log = Log::of("r_sole", &[], |w| w, 10);
+    let (q, cop) = (log.q.clone(), log.cop.clone());
+    let rows: Vec<usize> = (0..20 * POSTURES).map(|k| k / 20).collect();
+    log.q = rows.iter().map(|&k| q[k].clone()).collect();
+    let jitter = |k: usize| 1e-4 * (1.7 * k as f64).sin();
+    // 20 · 80 and 617 have no common divisor.
+    let of = |k: usize| cop[rows[(617 * k + 11) % rows.len()]].map(|x| x + jitter(k));
+    log.cop = (0..rows.len()).map(of).collect();
+    log.noise_is_given = false;
+    finds(&log, "r_sole", "rows_shuffled", "-", false);
+}
+
+/// An amplifier without its sensor has noise of its own.
+#[test]
+fn a_dead_axis_may_be_noisy() {
+    for noise in [3e-4, 2e-3] {
+        let mut log = Log::of("r_sole", &[], |w| w, 11);
+        let rows = log.cop.iter_mut().enumerate();
+        rows.for_each(|(k, y)| y[0] = 0.01 + noise * (2.3 * k as f64).sin());
+        finds(&log, "r_sole", "cop_axis_dead", "x", false);
+    }
+}
+
 #[test]
 fn a_stuck_encoder_is_named_and_a_joint_that_stands_still_is_not() {
     for joint in ["r_knee", "r_ank_pitch", "r_hip_roll"] {

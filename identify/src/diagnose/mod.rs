@@ -43,4 +43,4 @@ pub mod words;
 
 pub use crate::observations::motion_use::{MotionModel, MotionUse, Share};
 pub use findings::{Diagnosis, Verdict};
-pub use request::{FLOOR_M, NextLog, Report, Request, diagnose};
+pub use request::{FLOOR_M, NextLog, Report, Request, diagnose, look};

@@ -1,9 +1,27 @@
-//! Whether the noise that is stated is far larger than what an explanation leaves.
+//! Noise beside the best explanation: what it is where nothing states it, and whether what is
+//! stated is far larger.
 
 use super::findings::{Found, Verdict};
 use super::leftover::Misfit;
 use super::problem::Problem;
 use crate::health::{Finding, Leftover, Picture};
+use crate::observations::noise::{NoiseSource, scale};
+
+/// Noise that falls by less than this part beside an explanation stays as it is.
+const FALLS: f64 = 0.03;
+
+/// What the best explanation and free masses leave, m, and how many of the readings they take
+/// up, where the noise is known from what free masses alone leave and this is less.
+pub(super) fn beside(problem: &Problem, found: &Found) -> Option<(Vec<f64>, f64)> {
+    let data = &problem.data;
+    if data.noise_source != NoiseSource::Residuals || found.best.terms.is_empty() {
+        return None;
+    }
+    let (left, taken) = problem.left_beside_masses(&found.best);
+    let share = (1.0 - taken / left.len() as f64).max(0.1).sqrt();
+    let own = scale(&left) / share;
+    (own < (1.0 - FALLS) * data.noise).then_some((left, taken))
+}
 
 /// A finding where it is, and where there are samples enough to know.
 pub(super) fn overstated(problem: &Problem, found: &Found) -> Option<Finding> {

@@ -275,10 +275,35 @@ impl<'m> Problem<'m> {
         self.weigh();
     }
 
+    /// Readings count by their deviations.
     fn weigh(&mut self) {
         self.weight = self.data.std.iter().map(|s| 1.0 / s).collect();
         self.nuisance = Nuisance::new(&self.rows, &self.prior, &self.weight);
         self.wide = Nuisance::new(&self.rows, &self.wide_prior, &self.weight);
+    }
+
+    /// Take the noise of each axis from what is `left` of readings, m, by that which took up
+    /// `taken` of them.
+    pub(super) fn take_noise(&mut self, left: &[f64], taken: f64) {
+        self.data.take_noise(left, taken);
+        self.weigh();
+    }
+
+    /// What `fit` and free masses leave of readings, m, and how many of these they take up:
+    /// free masses alone leave what the fit explains, too.
+    pub(super) fn left_beside_masses(&self, fit: &Fit) -> (Vec<f64>, f64) {
+        let n = fit.residual.len();
+        let left = |row: usize| fit.residual[row] / self.weight[row];
+        let left = DVector::from_fn(n, |row, _| left(row));
+        let (p, unknowns) = (self.rows.ncols(), fit.slopes.ncols());
+        // Unknowns come in all units.
+        let sizes = fit.slopes.column_iter().map(|c| c.norm().max(1e-30));
+        let sizes: Vec<f64> = sizes.collect();
+        let columns = DMatrix::from_fn(n, p + unknowns, |row, c| match c.checked_sub(p) {
+            None => self.rows[(row, c)],
+            Some(c) => fit.slopes[(row, c)] / self.weight[row] / sizes[c],
+        });
+        without(&columns, left)
     }
 
     /// The same problem about other masses `params`: `rows` are the slopes of readings
@@ -381,6 +406,11 @@ impl<'m> Problem<'m> {
 /// whatever else is in the log. Where postures are too few for that, all of the gap.
 fn left_by_masses(rows: &DMatrix<f64>, reading: &[f64], cad: &[f64]) -> (Vec<f64>, f64) {
     let gap = DVector::from_fn(reading.len(), |row, _| reading[row] - cad[row]);
+    without(rows, gap)
+}
+
+/// `gap` without what the columns `rows` can take of it, and how many directions that are.
+fn without(rows: &DMatrix<f64>, gap: DVector<f64>) -> (Vec<f64>, f64) {
     if rows.nrows() < 2 * rows.ncols() {
         return (gap.as_slice().to_vec(), 0.0);
     }

@@ -26,7 +26,7 @@ use super::{closing, experiment, model_check, motion, noise, samples, verdict};
 use crate::feet::Feet;
 use crate::fit::check_result;
 use crate::fit::prior::{Prior, PriorChoice};
-use crate::health;
+use crate::health::{self, Finding};
 use crate::logs::{Angles, LogSource, Options, PostureWriter, Readings, Row, Sidecar, Written};
 use crate::observations::motion_use::{MotionModel, MotionUse};
 use crate::observations::postures::{Postures, Taking};
@@ -214,9 +214,7 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     let support = support.ok_or_else(|| robot.no_support())?;
     let model = robot.model(&support, request.snapping, None)?;
     let prior = request.prior.of(&model)?;
-    let options = options(request, &model);
-    let (log, rows) = health::screen(&request.log, &model, &options, request.noise, watch)?;
-    let mut data = take(request, &model, &prior, (&log, request.motion), watch)?;
+    let (log, rows, mut data) = screened(request, &model, &prior, watch)?;
     let stands = request.then.iter().map(|log| stand(request, &support, log));
     let stands: Vec<(Experiment, Model)> = stands.collect::<Result<_, _>>()?;
     let mut further = Vec::new();
@@ -247,7 +245,7 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     let names = names.join(" + ");
     let explain = |data: &Postures, watch: &mut dyn Watch| {
         let mut data = data.clone();
-        let health = health::examine(robot, &model, request.snapping, &data.standing());
+        let health = health::examine(robot, &model, request.snapping, &data);
         let health = health.after(rows.clone());
         data.trust_less(&health.less_known);
         let about = About {
@@ -325,6 +323,35 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
         notes: model.tree.notes.clone(),
         diagnosis: found.diagnosis,
     })
+}
+
+/// What a diagnosis finds wrong with the data of its log before any hypothesis.
+///
+/// # Errors
+/// As [`diagnose`].
+pub fn look(request: &Request, watch: &mut dyn Watch) -> Result<Vec<Finding>, Error> {
+    check_noise(request)?;
+    let (sidecar, _) = request.log.sidecar()?;
+    let support = request.support.clone().or(sidecar.support);
+    let support = support.ok_or_else(|| request.robot.no_support())?;
+    let model = request.robot.model(&support, request.snapping, None)?;
+    let prior = request.prior.of(&model)?;
+    let (_, rows, data) = screened(request, &model, &prior, watch)?;
+    let health = health::examine(&request.robot, &model, request.snapping, &data);
+    Ok(health.after(rows).findings)
+}
+
+/// The log without rows that cannot be used, what is wrong with these, and its postures.
+fn screened(
+    request: &Request,
+    model: &Model,
+    prior: &Prior,
+    watch: &mut dyn Watch,
+) -> Result<(LogSource, Vec<Finding>, Postures), Error> {
+    let (options, on) = (options(request, model), (&*request.robot, model));
+    let (log, rows) = health::screen(&request.log, on, &options, request.noise, watch)?;
+    let data = take(request, model, prior, (&log, request.motion), watch)?;
+    Ok((log, rows, data))
 }
 
 fn check_noise(request: &Request) -> Result<(), Error> {

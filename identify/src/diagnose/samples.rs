@@ -9,6 +9,7 @@ use nalgebra::{DMatrix, DVector};
 use super::diagnosis;
 use super::findings::{About, Found};
 use super::further_logs::FurtherLog;
+use super::noise;
 use super::problem::{Fit, Problem};
 use crate::Error;
 use crate::observations::correlation::{Correlation, step};
@@ -26,7 +27,7 @@ const LONGER: f64 = 1.3;
 
 /// The best explanation of a log, with noise counted for as long as it lasts.
 pub(super) fn explained<'m>(
-    first: Problem<'m>,
+    mut first: Problem<'m>,
     further: &[FurtherLog<'_>],
     about: &About<'_>,
     watch: &mut dyn Watch,
@@ -34,6 +35,19 @@ pub(super) fn explained<'m>(
     let mut problem = first.clone();
     let mut found = diagnosis::find(&mut problem, further, about, watch)?;
     let mut correlation = self::correlation(&problem, &found.best);
+    // What free masses leave is noise and what they cannot explain; the best explanation can.
+    // Where noise lasts, it is no explanation yet.
+    for _ in 0..ROUNDS {
+        let own = noise::beside(&problem, &found);
+        let own = own.filter(|_| about.usable && factors(&correlation).is_none());
+        let Some((left, taken)) = own else {
+            break;
+        };
+        first.take_noise(&left, taken);
+        problem = first.clone();
+        found = diagnosis::find(&mut problem, further, about, watch)?;
+        correlation = self::correlation(&problem, &found.best);
+    }
     let mut times = [1.0; 2];
     // What an explanation too many has taken from the noise shows when it is gone.
     for _ in 0..ROUNDS {

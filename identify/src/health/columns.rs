@@ -1,10 +1,10 @@
 //! Columns of the CoP that show nothing.
 
-use super::criteria::{CONSTANT_M, EXCHANGED, MOVES_M, MUST_MOVE, SILENT, UNRELATED};
-use super::statistics::{axis, correlation, rms_of, scatter};
+use super::criteria::{CONSTANT_M, EXCHANGED, MOVES_M, MUST_MOVE, SILENT_ROWS};
+use super::statistics::{axis, correlation, scatter};
 use super::wirings::Wirings;
 use super::{Finding, Kind, Look};
-use crate::observations::postures::rms;
+use crate::observations::postures::{Postures, rms};
 
 /// Axes of the sensor that do not move where CAD moves them, whatever the wiring.
 pub(super) fn dead_axes(look: &Look, wirings: &Wirings) -> Option<Finding> {
@@ -35,6 +35,11 @@ pub(super) fn dead_axes(look: &Look, wirings: &Wirings) -> Option<Finding> {
     }
 }
 
+/// Whether an axis does not move at all.
+pub(super) fn is_constant(data: &Postures) -> bool {
+    (0..2).any(|k| scatter(&axis(&data.reading, k)) < CONSTANT_M)
+}
+
 fn is_dead(look: &Look, wirings: &Wirings, k: usize) -> bool {
     let data = look.data;
     if data.len() < 3 {
@@ -42,17 +47,17 @@ fn is_dead(look: &Look, wirings: &Wirings, k: usize) -> bool {
     }
     let [read, other] = [k, 1 - k].map(|k| axis(&data.reading, k));
     let [cad, across] = [k, 1 - k].map(|k| axis(&look.predicted, k));
-    let noise = rms_of(&look.std, k);
-    let constant = scatter(&read) < CONSTANT_M;
-    let silent = scatter(&read) < SILENT * noise && correlation(&read, &cad).abs() < UNRELATED;
+    let moves = scatter(&read);
+    let constant = moves < CONSTANT_M;
     let least = match constant {
         true => MOVES_M,
-        false => MUST_MOVE * noise,
+        false => MUST_MOVE * moves,
     };
-    if !(constant || silent) || scatter(&cad) <= least {
+    if scatter(&cad) <= least || !constant && data.len() < SILENT_ROWS {
         return false;
     }
     // Where the axes are exchanged, this one shows what CAD says of the other.
-    let exchanged = scatter(&across) <= least && correlation(&other, &cad).abs() > EXCHANGED;
-    !exchanged && wirings.least_scatter(k) > least
+    let [own, exchanged] = [&across, &cad].map(|cad| correlation(&other, cad).abs());
+    let exchanged = exchanged > EXCHANGED && exchanged > own;
+    !exchanged && wirings.least_scatter(k) > least && (constant || !wirings.relates(k))
 }

@@ -3,12 +3,13 @@
 /// A deviation where none is known yet, m.
 pub(super) const UNKNOWN_NOISE_M: f64 = 1e-3;
 
-/// An axis is dead if CAD moves it by so many deviations of its noise …
-pub(super) const MUST_MOVE: f64 = 20.0;
-/// … it moves by less than so many …
-pub(super) const SILENT: f64 = 3.0;
-/// … and goes with CAD by less than this correlation. Wrong masses and effects leave more.
-pub(super) const UNRELATED: f64 = 0.3;
+/// Motion is looked at if the gap to the CoP by CAD is larger than so many deviations.
+pub(super) const MOVED: f64 = 3.0;
+
+/// An axis is dead if under every wiring CAD moves it by so many times what it moves …
+pub(super) const MUST_MOVE: f64 = 4.0;
+/// … and goes with no posture in so many rows, at least.
+pub(super) const SILENT_ROWS: usize = 20;
 /// It goes with the other axis by more than this where the two are exchanged.
 pub(super) const EXCHANGED: f64 = 0.9;
 /// A column that moves by less does not move, m.
@@ -30,7 +31,7 @@ pub(super) const FEET: usize = 64;
 pub(super) const ENOUGH: usize = 30;
 /// Rows are shuffled only if CAD moves the CoP by so many deviations of its noise: a fit to
 /// CAD would show then.
-pub(super) const SHUFFLED_MOVES: f64 = 5.0;
+pub(super) const SHUFFLED_MOVES: f64 = 3.0;
 /// Ratio of scatters that counts as the same.
 pub(super) const ALIKE: (f64, f64) = (0.6, 1.6);
 /// Of so many shuffled logs one looks as if it went with some wiring.
@@ -63,9 +64,17 @@ pub(super) const LOADED: f64 = 0.2;
 pub(super) const CAD_ELSEWHERE_M: f64 = 0.001;
 /// … unless so many rows are like that: then the sensor is off.
 pub(super) const MOST_LOST: f64 = 0.9;
-/// How far beyond the cells and the cloud of CAD's CoPs no effect takes a reading, m, and in
-/// diameters of both.
+/// A reading is frozen if it stays for so many times as many rows as others do …
+pub(super) const FROZEN_LONGER: usize = 4;
+/// … while CAD moves the CoP by so many deviations of the noise, by this, m, and by so many
+/// steps of the channel.
+pub(super) const FROZEN_MOVES: f64 = 5.0;
+pub(super) const FROZEN_MOVES_M: f64 = 1e-3;
+pub(super) const FROZEN_STEPS: f64 = 3.0;
+/// How far beyond the cells and the cloud of CAD's CoPs no effect takes a reading, m, in
+/// diameters of the sole where its shape is known, and in diameters of the cloud.
 pub(super) const MARGIN_M: f64 = 0.15;
+pub(super) const MARGIN_OF_SOLE: f64 = 0.5;
 pub(super) const MARGIN_OF_CLOUD: f64 = 1.0;
 /// With more rows outside than this none is left out.
 pub(super) const MOST_OUTSIDE: f64 = 0.2;

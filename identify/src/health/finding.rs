@@ -20,6 +20,8 @@ pub enum Kind {
     RowsShuffled,
     /// The encoder of a joint, the target, does not move, and the joint does.
     EncoderStuck,
+    /// The CoP, or one axis, the target, stays the same for a while and the joints move.
+    CopFrozen,
     /// Readings lie where no CoP can be.
     CopOutsideSole,
     /// Rows repeat earlier ones to the last digit.
@@ -42,6 +44,7 @@ impl Kind {
             Kind::FrameTurned => "frame_turned",
             Kind::RowsShuffled => "rows_shuffled",
             Kind::EncoderStuck => "encoder_stuck",
+            Kind::CopFrozen => "cop_frozen",
             Kind::CopOutsideSole => "cop_outside_sole",
             Kind::RowsCopied => "rows_copied",
             Kind::ChannelSaturated => "channel_saturated",
@@ -59,6 +62,7 @@ impl Kind {
             | Kind::FrameTurned
             | Kind::RowsShuffled => true,
             Kind::EncoderStuck
+            | Kind::CopFrozen
             | Kind::CopOutsideSole
             | Kind::RowsCopied
             | Kind::ChannelSaturated
@@ -69,13 +73,14 @@ impl Kind {
 }
 
 /// Every kind, those first that make data unusable.
-pub const KINDS: [Kind; 11] = [
+pub const KINDS: [Kind; 12] = [
     Kind::CopConstant,
     Kind::CopAxisDead,
     Kind::OtherFoot,
     Kind::FrameTurned,
     Kind::RowsShuffled,
     Kind::EncoderStuck,
+    Kind::CopFrozen,
     Kind::CopOutsideSole,
     Kind::RowsCopied,
     Kind::ChannelSaturated,

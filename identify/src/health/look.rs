@@ -14,11 +14,10 @@ use sesc_model::{Function, Model, Snapping};
 
 use super::criteria::{ANYWHERE, UNKNOWN_NOISE_M};
 use super::rows::{self, Rows};
-use super::{Finding, Health, examine};
+use super::{Finding, Health, examine_both, standing};
 use crate::Error;
 use crate::evaluate::Evaluator;
 use crate::logs::{Block, LogSource, Options, Screen, Screening};
-use crate::observations::postures::Postures;
 use crate::robot::Robot;
 use crate::watch::Watch;
 
@@ -52,7 +51,7 @@ pub fn look(
     if !log.can_be_read_again() {
         return Ok((log.clone(), Vec::new()));
     }
-    let rows = Rows::read(log, model, reading.options, reading.noise, watch)?;
+    let rows = Rows::read(log, (robot, model), reading.options, reading.noise, watch)?;
     let (left_out, findings) = rows::judge(&rows);
     let stride = rows.len().div_ceil(POSTURES).max(1);
     let kept = |k: &usize| left_out.keeps(rows.reading[*k], rows.force(*k));
@@ -61,12 +60,10 @@ pub fn look(
         return Ok((log.clone(), findings));
     }
     let noise = rows.noise.unwrap_or(UNKNOWN_NOISE_M);
-    let q: Vec<f64> = chosen.iter().flat_map(|&k| rows.q(k)).copied().collect();
-    let cop: Vec<f64> = chosen.iter().flat_map(|&k| rows.reading[k]).collect();
-    let data = Postures::given(rows.dof, &q, &cop, noise, 0.0);
+    let [read, still] = standing::postures(&rows, &chosen, model);
     let Health {
         findings, stuck, ..
-    } = examine(robot, model, reading.snapping, &data).after(findings);
+    } = examine_both(robot, model, reading.snapping, &read, &still).after(findings);
     let inner = (!left_out.is_nothing()).then(|| Arc::new(left_out) as Arc<dyn Screen>);
     let screen: Option<Arc<dyn Screen>> = match stuck.first() {
         Some(&joint) => Some(Arc::new(LessKnown {

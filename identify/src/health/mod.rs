@@ -22,6 +22,7 @@ mod look;
 mod order;
 mod picture;
 mod rows;
+mod standing;
 mod statistics;
 mod wirings;
 
@@ -56,6 +57,13 @@ impl Health {
         !self.findings.iter().any(|f| f.kind.makes_unusable())
     }
 
+    fn only(finding: Finding) -> Health {
+        Health {
+            findings: vec![finding],
+            ..Health::default()
+        }
+    }
+
     /// With what was found of the rows before; a finding that makes data unusable stands alone.
     pub fn after(mut self, rows: Vec<Finding>) -> Health {
         if self.is_usable() {
@@ -86,12 +94,12 @@ struct Look<'a> {
 /// What is wrong with the log; when `watch` stops it.
 pub fn screen(
     log: &LogSource,
-    model: &Model,
+    (robot, model): (&Robot, &Model),
     options: &Options,
     noise: Option<f64>,
     watch: &mut dyn Watch,
 ) -> Result<(LogSource, Vec<Finding>), Error> {
-    rows::screened(log, model, options, noise, watch)
+    rows::screened(log, (robot, model), options, noise, watch)
 }
 
 /// What is wrong with a log itself, as a fit of `robot` on `support` (the log's own unless
@@ -129,33 +137,35 @@ pub fn of_log(
 
 /// Examine the postures of a log of `model`.
 pub fn examine(robot: &Robot, model: &Model, snapping: Snapping, data: &Postures) -> Health {
-    let com = Evaluator::new(model, Function::Com).run(&data.q, data.len());
-    let predicted = com.chunks_exact(3).flat_map(|c| [c[0], c[1]]).collect();
-    let known = |std: &f64| {
-        if std.is_nan() {
-            criteria::UNKNOWN_NOISE_M
-        } else {
-            *std
-        }
+    let still = data.standing();
+    let of = |data| Look::of(robot, model, snapping, data).gap();
+    match data.moved.is_some() && of(&still) < of(data) {
+        true => examine_both(robot, model, snapping, data, &still),
+        false => examine_both(robot, model, snapping, data, data),
+    }
+}
+
+/// Examine postures as they were `read`, and without what motion adds to their readings: a
+/// dead sensor does not move, and would with what is taken from it.
+fn examine_both(
+    robot: &Robot,
+    model: &Model,
+    snapping: Snapping,
+    read: &Postures,
+    standing: &Postures,
+) -> Health {
+    let of = |data| Look::of(robot, model, snapping, data);
+    let dead = || columns::dead_axes(&of(read), &Wirings::new(model, read));
+    let (look, wirings) = (of(standing), Wirings::new(model, standing));
+    let elsewhere = || frames::wrong(&look, &wirings);
+    // On another foot an axis may hardly move; one that is constant is dead on any.
+    let broken = match columns::is_constant(read) {
+        true => dead(),
+        false => elsewhere().or_else(dead),
     };
-    let look = Look {
-        robot,
-        model,
-        snapping,
-        data,
-        std: data.std.iter().map(known).collect(),
-        com,
-        predicted,
-    };
-    let wirings = Wirings::new(model, data);
-    let broken = columns::dead_axes(&look, &wirings)
-        .or_else(|| frames::wrong(&look, &wirings))
-        .or_else(|| order::shuffled(&look, &wirings));
+    let broken = broken.or_else(|| order::shuffled(&look, &wirings));
     if let Some(finding) = broken {
-        return Health {
-            findings: vec![finding],
-            ..Health::default()
-        };
+        return Health::only(finding);
     }
     match encoders::stuck(&look, &wirings) {
         Some(stuck) => Health {
@@ -164,5 +174,33 @@ pub fn examine(robot: &Robot, model: &Model, snapping: Snapping, data: &Postures
             stuck: vec![stuck.joint],
         },
         None => Health::default(),
+    }
+}
+
+impl<'a> Look<'a> {
+    /// Between readings and CAD, m RMS.
+    fn gap(&self) -> f64 {
+        statistics::gap(self.data, self.predicted.iter().copied())
+    }
+
+    fn of(robot: &'a Robot, model: &'a Model, snapping: Snapping, data: &'a Postures) -> Look<'a> {
+        let com = Evaluator::new(model, Function::Com).run(&data.q, data.len());
+        let predicted = com.chunks_exact(3).flat_map(|c| [c[0], c[1]]).collect();
+        let known = |std: &f64| {
+            if std.is_nan() {
+                criteria::UNKNOWN_NOISE_M
+            } else {
+                *std
+            }
+        };
+        Look {
+            robot,
+            model,
+            snapping,
+            data,
+            std: data.std.iter().map(known).collect(),
+            com,
+            predicted,
+        }
     }
 }

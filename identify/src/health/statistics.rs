@@ -65,3 +65,8 @@ pub(super) fn left_by_plane(y: &[f64], x: [&[f64]; 2]) -> f64 {
     }
     rms(left.into_iter())
 }
+
+/// Size of gaps on two axes, RMS over both.
+pub(super) fn rms_of_gaps(gaps: impl Iterator<Item = [f64; 2]>) -> f64 {
+    rms(gaps.flatten())
+}

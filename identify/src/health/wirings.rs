@@ -31,7 +31,8 @@ pub(super) struct Wirings<'a> {
     /// Their joint positions as logged, and their readings.
     q: Vec<f64>,
     reading: Vec<f64>,
-    wired: OnceCell<Vec<Vec<f64>>>,
+    /// And of how many units of angles; wirings follow each other unit by unit.
+    wired: OnceCell<(Vec<Vec<f64>>, usize)>,
     com: OnceCell<Vec<Vec<f64>>>,
 }
 
@@ -55,6 +56,15 @@ impl<'a> Wirings<'a> {
 
     /// Joint positions under each wiring, that of the log first.
     fn wired(&self) -> &[Vec<f64>] {
+        &self.found().0
+    }
+
+    /// Units of angles that are tried; the log's is the first.
+    fn units(&self) -> usize {
+        self.found().1
+    }
+
+    fn found(&self) -> &(Vec<Vec<f64>>, usize) {
         self.wired.get_or_init(|| {
             let context = EffectContext::new(self.model, &[], false, Catalog::standard());
             let all = effects::instances(&context).into_iter();
@@ -79,7 +89,7 @@ impl<'a> Wirings<'a> {
             for fault in faults.iter().filter(|i| i.effect.id().name() != "units") {
                 wired.extend(units.iter().map(|q| under(std::slice::from_ref(fault), q)));
             }
-            wired
+            (wired, units.len())
         })
     }
 
@@ -94,10 +104,14 @@ impl<'a> Wirings<'a> {
         self.com.get_or_init(|| self.com_of(self.model))
     }
 
-    /// Least scatter of one axis of the CoP under any wiring, m.
+    /// Least scatter of one axis of the CoP under any wiring in the log's unit, m.
     pub fn least_scatter(&self, k: usize) -> f64 {
         let of = |com: &Vec<f64>| scatter(&column(com, k));
-        self.com().iter().map(of).fold(f64::INFINITY, f64::min)
+        let in_unit = self
+            .com()
+            .chunks(self.units())
+            .filter_map(|all| all.first());
+        in_unit.map(of).fold(f64::INFINITY, f64::min)
     }
 
     /// What the best wiring leaves of the readings, m RMS, where the sensor may be offset,
@@ -120,24 +134,26 @@ impl<'a> Wirings<'a> {
         com.iter().map(both).fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether some axis of the readings goes with the postures under some wiring by more
+    /// Whether some axis of the readings goes with the postures under some wiring.
+    pub fn relate(&self) -> bool {
+        (0..2).any(|k| self.relates(k))
+    }
+
+    /// Whether one axis of the readings goes with the postures under some wiring by more
     /// than chance does in one of [`CHANCE`] logs, be the sensor's zero and axes what they may.
     ///
     /// ```text
     /// R² of noise on 2 columns:    P(R² > x) = (1 − x)^((n − 3)/2)
     /// ```
-    pub fn relate(&self) -> bool {
+    pub fn relates(&self, k: usize) -> bool {
         let wirings = self.com();
         let tests = 2.0 * wirings.len() as f64;
         let free = (self.chosen.len() as f64 - 3.0).max(1.0);
         let kept = (-2.0 * (CHANCE * tests).ln() / free).exp();
+        let read = axis(&self.reading, k);
         wirings.iter().any(|com| {
-            let (x, y) = (column(com, 0), column(com, 1));
-            (0..2).any(|k| {
-                let read = axis(&self.reading, k);
-                let left = left_by_plane(&read, [&x, &y]);
-                left * left < kept * scatter(&read).powi(2)
-            })
+            let left = left_by_plane(&read, [&column(com, 0), &column(com, 1)]);
+            left * left < kept * scatter(&read).powi(2)
         })
     }
 }

@@ -14,7 +14,7 @@ use super::grouping::{DOWN, Grouping, moved_sentence};
 use super::motion::Motion;
 use super::motion_use::MotionUse;
 use super::moving::Moving;
-use super::noise::{LEAST_STD, NoiseSource};
+use super::noise::{self, LEAST_STD, NoiseSource};
 use super::repeats::{Group, Repeats, Visits};
 use super::rows;
 use super::zmp::Moved;
@@ -68,6 +68,8 @@ pub struct Postures {
     pub raw_cells: bool,
     /// Postures of the log, of which these are an even choice.
     pub postures: usize,
+    /// Rows of a posture, on average.
+    pub rows_per_posture: f64,
     /// What the reader says about the log; none of postures that were given.
     pub summary: Option<Summary>,
     /// What is odd about the log.
@@ -349,10 +351,23 @@ impl Postures {
 
     /// Postures and readings of known noise (m, one axis), `floor` beside it.
     pub fn given(dof: usize, q: &[f64], reading: &[f64], noise: f64, floor: f64) -> Postures {
+        let pose: Vec<i64> = (0..reading.len() as i64 / 2).collect();
+        Postures::of_rows(dof, (&pose, q, reading), Some(noise), floor)
+    }
+
+    /// Rows with the number of their posture, their joint positions and readings; `noise` of a
+    /// row on one axis (m) where it is known otherwise than by repeats, `floor` beside it.
+    pub fn of_rows(
+        dof: usize,
+        (pose, q, reading): (&[i64], &[f64], &[f64]),
+        noise: Option<f64>,
+        floor: f64,
+    ) -> Postures {
         let mut gathering = Gathering::new(false);
-        for (k, (q, y)) in q.chunks_exact(dof).zip(reading.chunks_exact(2)).enumerate() {
+        let rows = q.chunks_exact(dof).zip(reading.chunks_exact(2)).zip(pose);
+        for ((q, y), pose) in rows {
             let row = Posture {
-                pose: k as i64,
+                pose: *pose,
                 rows: 1.0,
                 q: q.to_vec(),
                 sum: [y[0], y[1]],
@@ -366,7 +381,7 @@ impl Postures {
         gathering.close();
         let taking = Taking {
             options: Options::default(),
-            noise: Some(noise),
+            noise,
             floor,
         };
         Postures::of(dof, &gathering, false, false, &taking)
@@ -399,6 +414,7 @@ impl Postures {
             cells: Vec::new(),
             raw_cells: false,
             postures: gathering.seen,
+            rows_per_posture: all.iter().map(|p| p.rows).sum::<f64>() / count.max(1) as f64,
             summary: None,
             warnings: noise.warning.into_iter().map(Message::from).collect(),
             motion: None,
@@ -426,17 +442,13 @@ impl Postures {
     }
 
     /// Take the noise of each axis from what a fit that took up `taken` of the readings
-    /// left, m: by the median, so that a few odd readings do not count.
+    /// left, m; a few odd readings do not count.
     pub fn take_noise(&mut self, left: &[f64], taken: f64) {
         let share = (1.0 - taken / left.len() as f64).max(0.1).sqrt();
         let floor = self.floor.max(1e-6);
         let axes = [0, 1].map(|axis| {
-            let own = left.iter().skip(axis).step_by(2);
-            let mut sizes: Vec<f64> = own.map(|e| e.abs()).collect();
-            sizes.sort_by(f64::total_cmp);
-            // The median of |N(0, 1)|.
-            let median = sizes.get(sizes.len() / 2);
-            let size = median.map_or(0.0, |m| m / 0.674_489_750_196 / share);
+            let own: Vec<f64> = left.iter().skip(axis).step_by(2).copied().collect();
+            let size = noise::scale(&own) / share;
             // What readings are less known by is in what is left, and added below.
             let known = rms(self.less_known.iter().skip(axis).step_by(2).copied());
             (size * size - known * known)

@@ -163,7 +163,7 @@ fn normal(random: &mut ChaCha8Rng) -> f64 {
 }
 
 /// Noise at times `t`.
-pub(crate) fn draw(kind: Kind, std: f64, t: &[f64], random: &mut ChaCha8Rng) -> Vec<f64> {
+pub fn draw(kind: Kind, std: f64, t: &[f64], random: &mut ChaCha8Rng) -> Vec<f64> {
     let steps = |k: usize| {
         if k == 0 {
             f64::INFINITY

@@ -1,13 +1,10 @@
 //! Devices that break a log, as they do on a bench.
 
-use std::error::Error;
-use std::fs;
-use std::path::{Path, PathBuf};
-
 use rand::seq::SliceRandom as _;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use sesc_virtual::trial::Trial;
+
+use super::sheet::Sheet;
 
 /// Rows that copying, clipping and so on need to be seen in.
 const FEWEST: usize = 50;
@@ -25,13 +22,15 @@ pub(super) enum Device {
     Shuffled,
     Lifted,
     Far,
+    Frozen,
     Copied,
     Clipped,
     Coarse,
     Unplugged,
+    Overstated,
 }
 
-pub(super) const DEVICES: [Device; 12] = [
+pub(super) const DEVICES: [Device; 14] = [
     Device::Constant,
     Device::DeadAxis,
     Device::Stuck,
@@ -40,10 +39,12 @@ pub(super) const DEVICES: [Device; 12] = [
     Device::Shuffled,
     Device::Lifted,
     Device::Far,
+    Device::Frozen,
     Device::Copied,
     Device::Clipped,
     Device::Coarse,
     Device::Unplugged,
+    Device::Overstated,
 ];
 
 impl Device {
@@ -58,10 +59,12 @@ impl Device {
             Device::Shuffled => "shuffled rows",
             Device::Lifted => "lost contact",
             Device::Far => "far readings",
+            Device::Frozen => "frozen stretch",
             Device::Copied => "copied rows",
             Device::Clipped => "clipped channel",
             Device::Coarse => "coarse channel",
             Device::Unplugged => "unplugged cell",
+            Device::Overstated => "overstated noise",
         }
     }
 
@@ -76,58 +79,26 @@ impl Device {
             Device::Shuffled => "rows_shuffled",
             Device::Lifted | Device::Unplugged => "contact_lost",
             Device::Far => "cop_outside_sole",
+            Device::Frozen => "cop_frozen",
             Device::Copied => "rows_copied",
             Device::Clipped | Device::Coarse => "channel_saturated",
+            Device::Overstated => "noise_overstated",
         }
+    }
+
+    /// Whether it shows only in what a fit leaves.
+    pub fn needs_fit(self) -> bool {
+        self == Device::Overstated
     }
 }
 
 /// A log that was broken, and how it is diagnosed.
 pub(super) struct Broken {
-    pub urdf: PathBuf,
+    pub urdf: String,
     pub support: String,
+    /// Of a single reading, m, where the user says.
+    pub noise: Option<f64>,
     target: Option<String>,
-}
-
-/// Rows of a log as text.
-struct Table {
-    header: Vec<String>,
-    rows: Vec<Vec<String>>,
-}
-
-impl Table {
-    fn read(path: &Path) -> Result<Table, Box<dyn Error>> {
-        let text = fs::read_to_string(path)?;
-        let cells = |line: &str| line.split(',').map(str::to_string).collect();
-        let mut lines = text.lines();
-        Ok(Table {
-            header: cells(lines.next().unwrap_or_default()),
-            rows: lines.map(cells).collect(),
-        })
-    }
-
-    fn write(&self, path: &Path) -> Result<(), Box<dyn Error>> {
-        let lines = [&self.header].into_iter().chain(&self.rows);
-        let lines: Vec<String> = lines.map(|row| row.join(",")).collect();
-        Ok(fs::write(path, lines.join("\n") + "\n")?)
-    }
-
-    fn column(&self, name: &str) -> Option<usize> {
-        self.header.iter().position(|own| own == name)
-    }
-
-    fn numbers(&self, column: usize) -> Vec<f64> {
-        let of = |row: &Vec<String>| row[column].parse().unwrap_or(f64::NAN);
-        self.rows.iter().map(of).collect()
-    }
-
-    fn set(&mut self, column: usize, value: impl Fn(usize) -> Option<f64>) {
-        for (k, row) in self.rows.iter_mut().enumerate() {
-            if let Some(value) = value(k) {
-                row[column] = value.to_string();
-            }
-        }
-    }
 }
 
 impl Broken {
@@ -136,58 +107,61 @@ impl Broken {
         self.target.as_ref().is_none_or(|own| own == target)
     }
 
-    /// Break a log where it lies; none where this device has nothing to break in it.
-    pub fn of(
-        device: Device,
-        trial: &Trial,
-        path: &Path,
-        seed: u64,
-    ) -> Result<Option<Broken>, Box<dyn Error>> {
+    /// Break a log; none where this device has nothing to break in it.
+    pub fn of(device: Device, sheet: &mut Sheet, seed: u64) -> Option<Broken> {
         let random = &mut ChaCha8Rng::seed_from_u64(seed);
-        let mut table = Table::read(path)?;
-        let n = table.rows.len();
-        let cells = table.column("fsr_1").is_some();
-        if n < FEWEST || cells != (device == Device::Unplugged) {
-            return Ok(None);
+        let n = sheet.rows();
+        if n < FEWEST || sheet.cells != (device == Device::Unplugged) {
+            return None;
         }
         let mut broken = Broken {
-            urdf: trial.stage.urdf.clone(),
-            support: trial.stage.support.to_string(),
+            urdf: std::fs::read_to_string(&sheet.stage.urdf).ok()?,
+            support: sheet.stage.support.to_string(),
+            noise: None,
             target: None,
         };
         if device == Device::Unplugged {
-            let cell = random.random_range(1..=4);
-            let name = format!("fsr_{cell}");
-            let column = table.column(&name).ok_or("no cell")?;
-            table.set(column, |_| Some(0.0));
+            let name = format!("fsr_{}", random.random_range(1..=4));
+            // An open input shows its zero, or wherever it drifted to.
+            let level = if random.random_bool(0.5) { 0.0 } else { 0.3 };
+            sheet.column(&name)?.fill(level);
             broken.target = Some(name);
-            table.write(path)?;
-            return Ok(Some(broken));
+            return Some(broken);
         }
         let axis = random.random_range(0..2);
         let names = ["cop_x", "cop_y"];
-        let columns = [
-            table.column("cop_x").ok_or("no CoP")?,
-            table.column("cop_y").ok_or("no CoP")?,
-        ];
-        let cop = columns.map(|column| table.numbers(column));
+        let name = names[axis];
+        let stretch = |part: usize, random: &mut ChaCha8Rng| {
+            let from = random.random_range(1..n - n / part);
+            from..from + n / part
+        };
         match device {
             Device::Constant => {
-                for column in columns {
-                    table.set(column, |_| Some(0.004));
+                let at = random.random_range(-0.03..0.03);
+                for name in names {
+                    sheet.column(name)?.fill(at);
                 }
             }
             Device::DeadAxis => {
-                table.set(columns[axis], |_| Some(0.0));
+                let noisy = random.random_bool(0.3);
+                let std = 0.1 * sheet.noise;
+                for x in sheet.column(name)? {
+                    // An amplifier without its sensor has noise of its own.
+                    *x = if noisy {
+                        std * random.random_range(-1.0..1.0)
+                    } else {
+                        0.0
+                    };
+                }
                 broken.target = Some(["x", "y"][axis].to_string());
             }
             Device::Stuck => {
-                let Some(joint) = stuck(trial, random) else {
-                    return Ok(None);
-                };
-                let column = table.column(&joint).ok_or("no joint")?;
-                let middle = trial.stage.middle(&joint);
-                table.set(column, |_| Some(middle));
+                let joint = stuck(sheet, random)?;
+                let middle = sheet.stage.middle(&joint);
+                let first = random.random_bool(0.5);
+                let column = sheet.column(&joint)?;
+                let at = if first { column[0] } else { middle };
+                column.fill(at);
                 broken.target = Some(joint);
             }
             Device::OtherFoot => {
@@ -205,78 +179,108 @@ impl Broken {
                      <child link='turned'/><origin xyz='0 0 0' rpy='{rpy}'/></joint></robot>",
                     broken.support
                 );
-                let text = fs::read_to_string(&broken.urdf)?.replace("</robot>", &more);
-                broken.urdf = path.with_extension("urdf");
-                fs::write(&broken.urdf, text)?;
+                broken.urdf = broken.urdf.replace("</robot>", &more);
                 broken.support = "turned".to_string();
             }
             Device::Shuffled => {
                 let mut order: Vec<usize> = (0..n).collect();
                 order.shuffle(random);
-                for (column, cop) in columns.into_iter().zip(&cop) {
-                    table.set(column, |row| Some(cop[order[row]]));
+                for name in names {
+                    let column = sheet.column(name)?;
+                    *column = order.iter().map(|&k| column[k]).collect();
                 }
             }
             Device::Lifted => {
-                let from = random.random_range(0..n - n / 8);
-                let gone = from..from + n / 8;
-                for column in columns {
-                    table.set(column, |row| gone.contains(&row).then_some(0.0));
+                let gone = stretch(random.random_range(3..12), random);
+                for name in names {
+                    sheet.column(name)?[gone.clone()].fill(0.0);
                 }
             }
             Device::Far => {
                 let odd = random.random_range(7..15);
-                let far = 2.5 * trial.stage.size;
-                table.set(columns[axis], |row| (row % odd == 3).then_some(far));
+                let far = 2.5 * sheet.stage.size;
+                let rows = sheet.column(name)?.iter_mut().enumerate();
+                rows.filter(|(row, _)| row % odd == 3)
+                    .for_each(|(_, x)| *x = far);
+            }
+            Device::Frozen => {
+                let gone = stretch(random.random_range(4..10), random);
+                for name in names {
+                    let column = sheet.column(name)?;
+                    let last = column[gone.start - 1];
+                    column[gone.clone()].fill(last);
+                }
             }
             Device::Copied => {
-                let mut more = table.rows[..n / 3].to_vec();
-                let number = |k: usize| (100_000 + k).to_string();
-                (more.iter_mut().enumerate()).for_each(|(k, row)| row[0] = number(k));
-                table.rows.extend(more);
+                let order: Vec<usize> = (0..n).chain(0..n / 3).collect();
+                sheet.reorder(&order);
+                if let Some(pose) = sheet.column("pose") {
+                    (n..pose.len()).for_each(|k| pose[k] = (100_000 + k) as f64);
+                }
+                // As they were, or with stamps of when they were copied.
+                let restamped = random.random_bool(0.5);
+                if let Some(t) = sheet.column("t").filter(|_| restamped) {
+                    let (end, step) = (t[n - 1], t[1] - t[0]);
+                    let first = t[0];
+                    (n..t.len()).for_each(|k| t[k] += end - first + step);
+                }
             }
             Device::Clipped => {
-                let mut sorted = cop[axis].clone();
+                let column = sheet.column(name)?;
+                let mut sorted = column.clone();
                 sorted.sort_by(f64::total_cmp);
-                let end = sorted[n - n / 10];
-                table.set(columns[axis], |row| Some(cop[axis][row].min(end)));
-                broken.target = Some(names[axis].to_string());
+                let upper = random.random_bool(0.5);
+                let part = random.random_range(5..15);
+                let end = if upper {
+                    sorted[n - n / part]
+                } else {
+                    sorted[n / part]
+                };
+                for x in column {
+                    *x = if upper { x.min(end) } else { x.max(end) };
+                }
+                broken.target = Some(name.to_string());
             }
             Device::Coarse => {
-                let step = 6.0 * trial.stage.reading_std();
-                let step = if trial.log.sigma.len() == n {
-                    step / 10.0
-                } else {
-                    step
-                };
-                table.set(columns[axis], |row| {
-                    Some((cop[axis][row] / step).round() * step)
-                });
-                broken.target = Some(names[axis].to_string());
+                let step = 6.0 * sheet.row_std;
+                for x in sheet.column(name)? {
+                    *x = (*x / step).round() * step;
+                }
+                broken.target = Some(name.to_string());
+            }
+            Device::Overstated => {
+                let mut stated = false;
+                for name in ["cop_x_std", "cop_y_std"] {
+                    if let Some(column) = sheet.column(name) {
+                        column.iter_mut().for_each(|std| *std *= 4.0);
+                        stated = true;
+                    }
+                }
+                broken.noise = (!stated).then_some(4.0 * sheet.reading_std());
             }
             Device::Unplugged => {}
         }
-        table.write(path)?;
-        Ok(Some(broken))
+        Some(broken)
     }
 }
 
 /// A joint whose motion in this log shows clearly in the CoP.
-fn stuck(trial: &Trial, random: &mut ChaCha8Rng) -> Option<String> {
-    let world = trial.stage.world();
-    let noise = trial.stage.reading_std() / 10.0;
+fn stuck(sheet: &Sheet, random: &mut ChaCha8Rng) -> Option<String> {
+    let world = sheet.stage.world();
+    let every = sheet.postures.len().div_ceil(200);
     let hides = |joint: &usize| {
-        let middle = trial.stage.middle(&trial.log.joints[*joint]);
-        let squares = trial.log.postures.iter().map(|q| {
-            let mut still = q.clone();
-            still[*joint] = middle;
-            let (a, b) = (world.cop(q), world.cop(&still));
-            (a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2)
-        });
-        let n = trial.log.postures.len() as f64;
-        (squares.sum::<f64>() / n).sqrt() > HIDES * noise
+        let middle = sheet.stage.middle(&sheet.joints[*joint]);
+        let squares: Vec<f64> = (sheet.postures.iter().step_by(every))
+            .map(|q| {
+                let mut still = q.clone();
+                still[*joint] = middle;
+                let (a, b) = (world.cop(q), world.cop(&still));
+                (a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2)
+            })
+            .collect();
+        (squares.iter().sum::<f64>() / squares.len() as f64).sqrt() > HIDES * sheet.noise
     };
-    let mut all: Vec<usize> = (0..trial.log.joints.len()).filter(hides).collect();
+    let mut all: Vec<usize> = (0..sheet.joints.len()).filter(hides).collect();
     all.shuffle(random);
-    Some(trial.log.joints[*all.first()?].clone())
+    Some(sheet.joints[*all.first()?].clone())
 }

@@ -3,6 +3,7 @@
 //! ```text
 //! contact    Σ f ≈ 0, or a CoP of exactly (0, 0) where CAD is elsewhere
 //! outside    a CoP beyond the sole and every CoP that CAD predicts
+//! frozen     a reading that stays the same to the last digit while the joints move
 //! channels   a CoP or a cell that ends at one value, or moves in coarse steps
 //! copies     the same joints and the same reading, to the last digit, once more
 //! ```
@@ -13,9 +14,11 @@
 mod channels;
 mod contact;
 mod copies;
+mod frozen;
 mod key;
 mod outside;
 mod screen;
+mod sole;
 mod steps;
 
 use std::f64::consts::PI;
@@ -29,6 +32,7 @@ use super::criteria::FEW_ROWS;
 use crate::Error;
 use crate::evaluate::Evaluator;
 use crate::logs::{Block, LogSource, Options, PostureReader, Screen};
+use crate::robot::Robot;
 use crate::watch::{Watch, tell};
 use screen::Everything;
 pub(super) use screen::LeftOut;
@@ -48,12 +52,16 @@ pub(super) struct Rows {
     /// Places of the cells, m.
     pub places: Vec<[f64; 2]>,
     pub pose: Vec<i64>,
+    /// s; empty of logs without.
+    pub t: Vec<f64>,
     /// Noise of a row, m, where it is known.
     pub noise: Option<f64>,
     /// CoP by CAD, m.
     pub cad: Vec<[f64; 2]>,
     /// The same if angles are in degrees.
     pub cad_of_degrees: Vec<[f64; 2]>,
+    /// Corners of the sole, m, where the URDF has its shape.
+    pub sole: Option<[[f64; 2]; 2]>,
 }
 
 impl Rows {
@@ -73,25 +81,29 @@ impl Rows {
     /// Rows of a log that stand on the model's support.
     pub fn read(
         log: &LogSource,
-        model: &Model,
+        (robot, model): (&Robot, &Model),
         options: &Options,
         noise: Option<f64>,
         watch: &mut dyn Watch,
     ) -> Result<Rows, Error> {
-        let mut rows = Rows::gather(log, &model.tree.dofs, Some(model.support()), options, watch)?;
-        rows.noise = noise.or(rows.noise);
+        let dofs = &model.tree.dofs;
+        let (mut rows, averaged) = Rows::gather(log, dofs, Some(model.support()), options, watch)?;
+        let single = (1.0 - averaged).sqrt();
+        rows.noise = noise.map(|noise| noise * single).or(rows.noise);
+        rows.sole = sole::corners(robot, model);
         rows.predict(model);
         Ok(rows)
     }
 
-    /// Rows of a log that stand on `support`, or on any.
+    /// Rows of a log that stand on `support`, or on any, and how much of the variance of a
+    /// single reading they have averaged.
     fn gather(
         log: &LogSource,
         dofs: &[Dof],
         support: Option<&str>,
         options: &Options,
         watch: &mut dyn Watch,
-    ) -> Result<Rows, Error> {
+    ) -> Result<(Rows, f64), Error> {
         let log = log.clone().screened(Arc::new(Everything));
         let mut reader = PostureReader::open(&log, dofs, options)?;
         let mut rows = Rows {
@@ -102,9 +114,11 @@ impl Rows {
             cells: 0,
             places: reader.sidecar.cells.clone().unwrap_or_default(),
             pose: Vec::new(),
+            t: Vec::new(),
             noise: None,
             cad: Vec::new(),
             cad_of_degrees: Vec::new(),
+            sole: None,
         };
         let mut variance = Vec::new();
         while rows.len() < ROWS {
@@ -125,12 +139,13 @@ impl Rows {
             let mean = variance.iter().sum::<f64>() / variance.len() as f64;
             rows.noise = Some(mean.sqrt());
         }
-        Ok(rows)
+        Ok((rows, reader.averaged()))
     }
 
     fn take(&mut self, block: Block, variance: &mut Vec<f64>) {
         self.q.extend(block.q);
         self.pose.extend(block.pose);
+        self.t.extend(block.t.unwrap_or_default());
         self.reading.extend(block.reading.unwrap_or_default());
         let std = block.std.unwrap_or_default().into_iter().flatten();
         variance.extend(std.map(|s| s * s));
@@ -173,7 +188,7 @@ pub(super) fn alone(log: &LogSource, watch: &mut dyn Watch) -> Result<Vec<Findin
         speed: 1.0,
     });
     let joints: Vec<Dof> = joints.collect();
-    let rows = Rows::gather(log, &joints, None, &options, watch)?;
+    let (rows, _) = Rows::gather(log, &joints, None, &options, watch)?;
     if rows.len() < FEW_ROWS || rows.reading.is_empty() {
         return Ok(Vec::new());
     }
@@ -198,6 +213,7 @@ pub(super) fn judge(rows: &Rows) -> (LeftOut, Vec<Finding>) {
     findings.extend(contact::lost(rows, &mut left_out));
     findings.extend(contact::unplugged(rows));
     findings.extend(outside::sole(rows, &mut left_out));
+    findings.extend(frozen::stretches(rows, &mut left_out));
     findings.extend(channels::saturated(rows, &mut left_out));
     findings.extend(copies::of(rows, &mut left_out));
     (left_out, findings)
@@ -206,7 +222,7 @@ pub(super) fn judge(rows: &Rows) -> (LeftOut, Vec<Finding>) {
 /// What is wrong with rows of a log, and the log without them.
 pub(super) fn screened(
     log: &LogSource,
-    model: &Model,
+    (robot, model): (&Robot, &Model),
     options: &Options,
     noise: Option<f64>,
     watch: &mut dyn Watch,
@@ -214,7 +230,7 @@ pub(super) fn screened(
     if !log.can_be_read_again() {
         return Ok((log.clone(), Vec::new()));
     }
-    let rows = Rows::read(log, model, options, noise, watch)?;
+    let rows = Rows::read(log, (robot, model), options, noise, watch)?;
     let (left_out, findings) = judge(&rows);
     let log = match left_out.is_nothing() {
         true => log.clone(),

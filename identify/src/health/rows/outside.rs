@@ -1,7 +1,8 @@
 //! Readings where no CoP can be.
 //!
 //! ```text
-//! box = hull(cells ∪ CoP by CAD ∪ most readings), wider by max(0.15 m, its diameter)
+//! box = hull(sole ∪ cells ∪ CoP by CAD ∪ most readings), wider by max(m, its diameter)
+//! m = half the diameter of the sole where the URDF has its shape, else 0.15 m
 //! ```
 //!
 //! A few such rows are left out. Where most readings are beyond cells and CAD, the log is of
@@ -10,7 +11,9 @@
 
 use super::Rows;
 use super::screen::LeftOut;
-use crate::health::criteria::{MARGIN_M, MARGIN_OF_CLOUD, MOST_OUTSIDE, OTHER_UNIT, SPREAD};
+use crate::health::criteria::{
+    MARGIN_M, MARGIN_OF_CLOUD, MARGIN_OF_SOLE, MOST_OUTSIDE, OTHER_UNIT, SPREAD,
+};
 use crate::health::statistics::scatter;
 use crate::health::{Finding, Kind, Picture};
 
@@ -18,6 +21,7 @@ pub(super) fn sole(rows: &Rows, left_out: &mut LeftOut) -> Option<Finding> {
     let everywhere = rows.cad.iter().chain(&rows.cad_of_degrees);
     let mut all: Vec<[f64; 2]> = everywhere.chain(&rows.places).copied().collect();
     let middle = [0, 1].map(|k| quantile(&rows.reading, k, 0.5));
+    let rules = |all: &[[f64; 2]]| rules(all, rows.sole);
     if rules(&all)?.keeps(middle, &[]) {
         // Wrong signs and loads spread readings wider than CAD: most of them are no fault.
         for part in [SPREAD.0, SPREAD.1] {
@@ -46,15 +50,22 @@ pub(super) fn sole(rows: &Rows, left_out: &mut LeftOut) -> Option<Finding> {
     Some(Finding::new(Kind::CopOutsideSole, "-", sentence).showing(picture(rows, beyond)))
 }
 
-/// The box around places, wider by the margin.
-fn rules(places: &[[f64; 2]]) -> Option<LeftOut> {
+/// The box around places and the sole, wider by the margin.
+fn rules(places: &[[f64; 2]], sole: Option<[[f64; 2]; 2]>) -> Option<LeftOut> {
+    let diameter = |low: [f64; 2], high: [f64; 2]| (high[0] - low[0]).hypot(high[1] - low[1]);
     let corner = |worse: fn(f64, f64) -> f64, start: f64| {
         [0, 1].map(|k| places.iter().map(|p| p[k]).fold(start, worse))
     };
-    let low = corner(f64::min, f64::INFINITY);
-    let high = corner(f64::max, f64::NEG_INFINITY);
-    let size = (high[0] - low[0]).hypot(high[1] - low[1]);
-    let margin = MARGIN_M.max(MARGIN_OF_CLOUD * size);
+    let mut low = corner(f64::min, f64::INFINITY);
+    let mut high = corner(f64::max, f64::NEG_INFINITY);
+    let size = diameter(low, high);
+    let mut least = MARGIN_M;
+    if let Some([from, to]) = sole {
+        least = MARGIN_OF_SOLE * diameter(from, to);
+        low = [0, 1].map(|k| low[k].min(from[k]));
+        high = [0, 1].map(|k| high[k].max(to[k]));
+    }
+    let margin = least.max(MARGIN_OF_CLOUD * size);
     size.is_finite().then(|| LeftOut {
         sole: Some([low.map(|x| x - margin), high.map(|x| x + margin)]),
         ..LeftOut::default()

@@ -26,6 +26,8 @@ pub(in crate::health) struct LeftOut {
     pub sole: Option<[[f64; 2]; 2]>,
     /// A channel of the CoP (0, 1) at or beyond its end, m.
     pub ends: Vec<(usize, f64)>,
+    /// Values at which a channel of the CoP (0, 1), or all cells (0), froze.
+    pub frozen: HashSet<(usize, u64)>,
     /// Rows that came before, once more.
     pub copies: bool,
     /// Added in quadrature to stated deviations, m: steps of the readings.
@@ -39,6 +41,7 @@ impl LeftOut {
             && !self.zero
             && self.sole.is_none()
             && self.ends.is_empty()
+            && self.frozen.is_empty()
             && !self.copies
             && self.steps == [0.0; 2]
     }
@@ -56,7 +59,12 @@ impl LeftOut {
             true => reading[channel] >= end,
             false => reading[channel] <= end,
         };
-        standing && seen && inside && !self.ends.iter().any(beyond)
+        let stale = || match force {
+            [] => (0..2).any(|k| self.frozen.contains(&(k, reading[k].to_bits()))),
+            force => self.frozen.contains(&(0, key(&[], force))),
+        };
+        let stale = !self.frozen.is_empty() && stale();
+        standing && seen && inside && !stale && !self.ends.iter().any(beyond)
     }
 }
 

@@ -1,0 +1,65 @@
+//! Rows of a log as postures of a robot that stands.
+//!
+//! ```text
+//! y − (ZMP − CoP)        by CAD, where readings are nearer to the ZMP than to the CoP
+//! ```
+
+use sesc_model::Model;
+
+use super::criteria::{MOVED, UNKNOWN_NOISE_M};
+use super::rows::Rows;
+use super::statistics::rms_of_gaps;
+use crate::observations::motion::{Motion, Plan};
+use crate::observations::postures::Postures;
+use crate::observations::zmp::Zmp;
+
+/// The `chosen` rows as postures: as they were read, and without what motion adds to their
+/// readings.
+pub(super) fn postures(rows: &Rows, chosen: &[usize], model: &Model) -> [Postures; 2] {
+    let read: Vec<(usize, [f64; 2])> = chosen.iter().map(|&k| (k, rows.reading[k])).collect();
+    let still = still(rows, chosen, model);
+    let of = |rows_read: &[(usize, [f64; 2])]| {
+        let q = rows_read.iter().flat_map(|(k, _)| rows.q(*k));
+        let q: Vec<f64> = q.copied().collect();
+        let pose: Vec<i64> = rows_read.iter().map(|(k, _)| rows.pose[*k]).collect();
+        let cop: Vec<f64> = rows_read.iter().flat_map(|(_, y)| *y).collect();
+        Postures::of_rows(rows.dof, (&pose, &q, &cop), rows.noise, 0.0)
+    };
+    let read_postures = of(&read);
+    let standing = still.map_or_else(|| read_postures.clone(), |still| of(&still));
+    [read_postures, standing]
+}
+
+/// Rows whose motion is known, and their readings without it; none where that brings them no
+/// nearer to CAD, or they are near enough.
+fn still(rows: &Rows, chosen: &[usize], model: &Model) -> Option<Vec<(usize, [f64; 2])>> {
+    let gap = |k: usize, y: [f64; 2]| [0, 1].map(|axis| y[axis] - rows.cad[k][axis]);
+    let as_read = rms_of_gaps(chosen.iter().map(|&k| gap(k, rows.reading[k])));
+    if rows.t.is_empty() || as_read < MOVED * rows.noise.unwrap_or(UNKNOWN_NOISE_M) {
+        return None;
+    }
+    let plan = Plan::of(&rows.t, &rows.q, rows.dof)?;
+    let motion = plan.motion(&rows.t, &rows.q, rows.dof, 0..rows.len())?;
+    let known: Vec<usize> = (chosen.iter().copied())
+        .filter(|&k| motion.known[k])
+        .collect();
+    let of = |all: &[f64]| -> Vec<f64> {
+        let row = |&k: &usize| all[k * rows.dof..(k + 1) * rows.dof].iter().copied();
+        known.iter().flat_map(row).collect()
+    };
+    let own = Motion {
+        rates: of(&motion.rates),
+        gains: of(&motion.gains),
+        ..Motion::default()
+    };
+    let level = vec![[0.0; 2]; known.len()];
+    let rates = (&own.rates[..], &own.gains[..]);
+    let shifts = Zmp::new(model).shifts(&model.cad_params(), &of(&rows.q), rates, &level);
+    let without = |(&k, shift): (&usize, [f64; 2])| {
+        let y = rows.reading[k];
+        (k, [0, 1].map(|axis| y[axis] - shift[axis]))
+    };
+    let still: Vec<(usize, [f64; 2])> = known.iter().zip(shifts).map(without).collect();
+    let nearer = rms_of_gaps(still.iter().map(|(k, y)| gap(*k, *y)));
+    (!still.is_empty() && nearer < as_read).then_some(still)
+}

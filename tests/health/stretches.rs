@@ -1,0 +1,90 @@
+//! A part of a log in which the sensor says nothing new.
+
+use std::sync::Arc;
+
+use rand::SeedableRng as _;
+use rand_chacha::ChaCha8Rng;
+use sesc_identify::diagnose::{self, Request, Verdict};
+use sesc_identify::health::Finding;
+use sesc_identify::logs::Table;
+use sesc_identify::robot::Robot;
+use sesc_virtual::moving::Swing;
+use sesc_virtual::recording::{Kind, Noise, Recording};
+use sesc_virtual::stage::{Platform, Stage};
+
+use super::log::{Log, POSTURES};
+use super::rows::{found_beside, hidden, only};
+
+#[test]
+fn a_frozen_cop_is_left_out() {
+    let mut log = Log::of("r_sole", &[], hidden, 90);
+    let last = log.cop[19];
+    log.cop[20..34].fill(last);
+    assert_eq!(found_beside(&log), only("cop_frozen", "-"));
+    let found = log.diagnose("r_sole").diagnosis;
+    assert_eq!(found.postures, POSTURES - 15);
+    let said = &found.health[0].sentence;
+    assert!(
+        said.contains("In 15 rows (19 %, one stretch; the longest is rows 20 to 34)"),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_frozen_axis_is_named() {
+    let mut log = Log::of("r_sole", &[], hidden, 91);
+    let last = log.cop[50][1];
+    log.cop[50..70].iter_mut().for_each(|y| y[1] = last);
+    assert_eq!(found_beside(&log), only("cop_frozen", "y"));
+}
+
+#[test]
+fn a_sensor_that_died_early_leaves_nothing() {
+    let mut log = Log::of("r_sole", &[], |w| w, 92);
+    let last = log.cop[5];
+    log.cop[5..].fill(last);
+    let found = log.diagnose("r_sole").diagnosis;
+    assert_eq!(found.verdict, Verdict::Unusable);
+    assert_eq!(found.health[0].kind.name(), "cop_constant");
+}
+
+/// An OP2 that swings at up to 0.4 Hz, read at 50 Hz with noise of 0.5 mm.
+fn swing(seed: u64) -> Recording {
+    let stage = Stage::new(Platform::Op2);
+    let noise = Noise {
+        kind: Kind::White,
+        std: [5e-4; 2],
+        visit_std: 0.0,
+    };
+    let random = &mut ChaCha8Rng::seed_from_u64(seed);
+    Swing::new(0.4, 0.15, 30.0).record(&stage, stage.world(), noise, 50.0, random)
+}
+
+fn looked(recording: &Recording) -> Vec<(String, String)> {
+    let stage = Stage::new(Platform::Op2);
+    let robot = Arc::new(Robot::read(&stage.urdf).unwrap());
+    let columns = recording.columns(true).into_iter();
+    let log = columns.fold(Table::new("log"), |table, (name, values)| {
+        table.numbers(&name, values)
+    });
+    let mut request = Request::new(robot, log);
+    request.support = Some("r_sole".into());
+    let found = diagnose::look(&request, &mut ()).unwrap();
+    let named = |f: Finding| (f.kind.name().to_string(), f.target);
+    found.into_iter().map(named).collect()
+}
+
+/// At a tenth of the joints' rate each reading comes ten times; that is no broken sensor, and
+/// five times as long is.
+#[test]
+fn a_slow_sensor_is_not_frozen() {
+    let mut recording = swing(93);
+    assert_eq!(looked(&recording), []);
+    for k in 0..recording.cop.len() {
+        recording.cop[k] = recording.cop[k - k % 10];
+    }
+    assert_eq!(looked(&recording), []);
+    let last = recording.cop[700];
+    recording.cop[700..800].fill(last);
+    assert_eq!(looked(&recording), only("cop_frozen", "-"));
+}
