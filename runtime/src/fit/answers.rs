@@ -128,7 +128,8 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
     /// Variance of parameter `k`, m², given that the unobservable parameters are nominal;
     /// infinite where `k` is unobservable, `None` where there is no such parameter.
     ///
-    /// It rests on the standard deviations fed, not on the residuals.
+    /// It rests on the standard deviations fed, not on the residuals, and takes every posture as
+    /// independent.
     ///
     /// ```
     /// # use sesc_runtime::fit::{Error, Estimator};
@@ -148,7 +149,8 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
         }
     }
 
-    /// Standard deviations of all parameters, m: roots of [`variance`](Self::variance).
+    /// Standard deviations of all parameters, m: roots of [`variance`](Self::variance), times
+    /// √([`postures`](Self::postures)/[`independent_postures`](Self::independent_postures)).
     /// About N³/3 operations.
     ///
     /// ```
@@ -160,13 +162,14 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
     /// ```
     pub fn deviations(&self) -> [T; N] {
         let observable = self.triangle.observable();
+        let wider = T::from_f64(self.postures_per_sample()).root();
         core::array::from_fn(|k| match observable.get(k) {
             Some(true) => {
                 let mut row = [T::ZERO; N];
                 if let Some(one) = row.get_mut(k) {
                     *one = T::ONE;
                 }
-                self.triangle.variance(row, &observable).0.root()
+                self.triangle.variance(row, &observable).0.root() * wider
             }
             _ => T::INFINITY,
         })
@@ -225,6 +228,33 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
     /// ```
     pub fn degrees_of_freedom(&self) -> f64 {
         (self.readings + self.prior_readings() - self.rank() as f64).max(0.0)
+    }
+
+    /// How many independent postures those fed are worth, of the axis that has fewer; all of
+    /// them unless errors of predictions show beyond chance that noise lasts.
+    ///
+    /// Postures of [`batch`](Self::batch) count as those that were fed one by one.
+    ///
+    /// ```
+    /// # use sesc_runtime::fit::{Error, Estimator};
+    /// let mut estimator = Estimator::<f64, 1>::new();
+    /// for k in 0..4000 {
+    ///     // Every reading is written ten times.
+    ///     let reading = 0.1 + 1e-3 * f64::from(k / 10).sin();
+    ///     estimator.posture(&[[1.0], [0.0]], &[reading, 0.0], &[1e-3; 2])?;
+    /// }
+    /// assert_eq!(estimator.postures(), 4000);
+    /// assert!(estimator.independent_postures() < 1000.0);
+    /// # Ok::<(), Error>(())
+    /// ```
+    pub fn independent_postures(&self) -> f64 {
+        self.postures as f64 / self.postures_per_sample()
+    }
+
+    fn postures_per_sample(&self) -> f64 {
+        let axes = self.correlation.iter();
+        axes.map(|axis| axis.postures_per_sample())
+            .fold(1.0, f64::max)
     }
 
     /// Postures fed, those forgotten included.

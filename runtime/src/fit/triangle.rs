@@ -29,6 +29,29 @@ pub(super) struct Triangle<T, const N: usize> {
     pub values: [T; N],
 }
 
+/// What no parameters can remove of a row: its value and weight once it has lost all pivots.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Left<T> {
+    value: T,
+    weight: T,
+}
+
+impl<T: Scalar> Left<T> {
+    /// w v²: what it adds to the sum of squares.
+    pub fn square(self) -> T {
+        self.weight * self.value * self.value
+    }
+
+    /// √w v: the error of the prediction by the rows before, over its deviation; zero where
+    /// they predicted nothing.
+    pub fn error(self) -> T {
+        match self.weight > T::ZERO {
+            true => self.weight.root() * self.value,
+            false => T::ZERO,
+        }
+    }
+}
+
 impl<T: Scalar, const N: usize> Triangle<T, N> {
     pub const fn empty() -> Self {
         Self {
@@ -77,11 +100,11 @@ impl<T: Scalar, const N: usize> Triangle<T, N> {
     }
 
     /// Rotate `weight`·(`row`·θ − `value`)² into the triangle; what no θ can remove of
-    /// it is the result.
+    /// it is the result, `w v²` of weight w and value v.
     ///
     /// Rotations preserve Σ w x_k² of every column, so that d r² and w x² stay below
     /// it. With d ≥ `LEAST` and w ≥ `LIGHT`, neither r nor x can overflow.
-    pub fn include(&mut self, mut row: [T; N], mut value: T, mut weight: T) -> T {
+    pub fn include(&mut self, mut row: [T; N], mut value: T, mut weight: T) -> Left<T> {
         for i in 0..N {
             let Some((done, [pivot, rest @ ..])) = row.split_at_mut_checked(i) else {
                 break;
@@ -111,7 +134,7 @@ impl<T: Scalar, const N: usize> Triangle<T, N> {
             );
             weight = c * weight;
             if weight == T::ZERO {
-                return T::ZERO;
+                return Left { value, weight };
             }
             while weight < T::LIGHT {
                 weight = weight / (T::LIGHT * T::LIGHT);
@@ -121,7 +144,7 @@ impl<T: Scalar, const N: usize> Triangle<T, N> {
                 }
             }
         }
-        weight * value * value
+        Left { value, weight }
     }
 
     /// Whether the pivot of column `done.len()` is what cancellation leaves of larger
@@ -145,7 +168,7 @@ impl<T: Scalar, const N: usize> Triangle<T, N> {
         let (line, value, weight) = (self.lines[i], self.values[i], self.weights[i]);
         self.lines[i] = [T::ZERO; N];
         (self.values[i], self.weights[i]) = (T::ZERO, T::ZERO);
-        self.include(line, value, weight)
+        self.include(line, value, weight).square()
     }
 
     /// Line i with its unit diagonal: what it says about the parameters.
